@@ -306,22 +306,6 @@ describe("arrays over the memory of others", function()
     collectgarbage()
     assert.is_nil(kept[1])
   end)
-
-  it("take pointers and arrays of LuaJIT's FFI", function()
-    local ok, ffi = pcall(require, "ffi")
-    if not ok then return end
-    local memory = ffi.new("float[6]", 1, 2, 3, 4, 5, 6)
-    local a = ylm.wrap(memory, { 2, 3 }, "float")
-    a:set(2, 1, 9)
-    assert.equal(9, memory[3])
-    assert.same({ 2, 3 }, ylm.wrap(ffi.cast("float *", memory) + 1, { 2 }, "float", memory):totable())
-    memory = nil -- luacheck: ignore 311
-    collectgarbage()
-    collectgarbage()
-    assert.equal(26, a:sum())
-    assert.has_error(function() ylm.wrap(ffi.new("int64_t", 16), { 1 }) end)
-    assert.has_error(function() ylm.wrap(ffi.cast("float *", nil), { 1 }) end)
-  end)
 end)
 
 describe("arrays in words", function()

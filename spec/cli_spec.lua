@@ -17,7 +17,7 @@ describe("the command-line tool", function()
     local err, _
     local out, code = ylm "--help"
     assert.equal(0, code)
-    for _, name in ipairs { "render", "bake", "view", "compare", "material", "run", "codegen", "bench", "info", "help" } do
+    for _, name in ipairs { "render", "bake", "view", "compare", "sh", "material", "run", "codegen", "bench", "info", "help" } do
       assert.truthy(out:find("\n  " .. name .. " ", 1, true), name)
       local usage
       usage, code = ylm(name .. " --help")

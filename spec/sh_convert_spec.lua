@@ -144,7 +144,8 @@ describe("ylm.sh.convert", function()
 
   it("comes back from every convention, in both types", function()
     local names = { "plain", "n3d", "sn3d", "scipy", "unity", "three.js", "filament", "plain irradiance", "ylm y,z,x",
-      "sn3d irradiance -z,x,-y", "unity x,y,-z", "scipy -x,-y,-z" }
+      "sn3d irradiance -z,x,-y", "unity x,y,-z", "scipy -x,-y,-z", "e3nn", "e3nn-component x,-y,z",
+      "e3nn-norm irradiance", "3dgs", "3dgs z,x,y" }
     local rgb = ylm.array { { counting(9), counting(9), { 9, 8, 7, 6, 5, 4, 3, 2, 1 } } }
     for _, name in ipairs(names) do
       local there = ylm.sh.convert(rgb, name)
@@ -158,6 +159,39 @@ describe("ylm.sh.convert", function()
       assert.equal("float", f.dtype)
       assert(core.array_distance(f, rgb) < 2e-6, name)
     end
+  end)
+
+  it("to 'mrtrix' and 'dipy': even degrees, in MRtrix's order and in Descoteaux's", function()
+    local c = counting(25)
+    local m, d = ylm.sh.convert(c, "mrtrix"), ylm.sh.convert(c, "dipy")
+    assert.same({ 15 }, m.shape)
+    for l = 0, 4, 2 do
+      for k = -l, l do
+        local i = l * (l + 1) / 2 + k + 1
+        assert.equal(c[ylm.sh.index(l, k)], m[i])
+        assert.equal(c[ylm.sh.index(l, -k)], d[i])
+      end
+    end
+    local back = ylm.sh.convert(m, "dipy"):totable()
+    assert.same(d:totable(), back)
+    assert.equal(0, ylm.sh.convert(d, "ylm")[3]) -- degree 1 is not there
+    for wrong, says in pairs { [16] = "even degrees" } do
+      local ok, message = pcall(ylm.sh.convert, counting(wrong), "mrtrix")
+      assert.is_false(ok)
+      assert.matches(says, message)
+    end
+    assert.has_error(function() ylm.sh.convert(counting(10), "ylm", { from = "dipy" }) end)
+    assert.has_error(function() ylm.sh.resize(m, 2) end)
+    assert.has_error(function() ylm.sh.convert(counting(9), "3dgs") end)
+  end)
+
+  it("knows second names: sphericart, sph_harm_y, lovr", function()
+    for name, system in pairs { sphericart = "plain", sph_harm_y = "scipy" } do
+      assert.equal(system, ylm.sh.convert(counting(9), name).convention)
+    end
+    assert.equal("filament", ylm.sh.convert({ counting(9), counting(9), counting(9) }, "lovr").convention)
+    local _, message = pcall(ylm.sh.convert, counting(9), "e3n")
+    assert.matches("did you mean 'e3nn'", message)
   end)
 
   it("is remembered by clones, views and copies of another type", function()

@@ -19,6 +19,19 @@ static bool is_packed(ylm_sh_system s) {
   return s == YLM_SH_SYSTEM_unity || s == YLM_SH_SYSTEM_threejs || s == YLM_SH_SYSTEM_filament;
 }
 
+static bool is_e3nn(ylm_sh_system s) {
+  return s == YLM_SH_SYSTEM_e3nn || s == YLM_SH_SYSTEM_e3nn_component ||
+         s == YLM_SH_SYSTEM_e3nn_norm;
+}
+
+/* Systems of even degrees only. */
+static bool is_even(ylm_sh_system s) {
+  return s == YLM_SH_SYSTEM_mrtrix || s == YLM_SH_SYSTEM_dipy;
+}
+
+/* The place of (l, m) there. */
+static size_t even_index(int l, int m) { return (size_t)(l * (l + 1) / 2 + m); }
+
 /* The quantity: 0 radiance, 1 irradiance, 2 irradiance over pi. */
 static int quantity(uint32_t c) {
   ylm_sh_system s = ylm_sh_convention_system(c);
@@ -59,6 +72,14 @@ static bool is_word(const char *w, size_t n, const char *text) {
   return strlen(text) == n && memcmp(w, text, n) == 0;
 }
 
+/* Second names of systems. */
+static const struct {
+  const char *word;
+  uint32_t system;
+} others[] = {{"sphericart", YLM_SH_SYSTEM_plain},
+              {"sph_harm_y", YLM_SH_SYSTEM_scipy},
+              {"lovr", YLM_SH_SYSTEM_filament}};
+
 ylm_status ylm_sh_convention_parse(const char *text, uint32_t *convention, ylm_error *e) {
   uint32_t c = 0, axes;
   bool system_given = false;
@@ -67,16 +88,18 @@ ylm_status ylm_sh_convention_parse(const char *text, uint32_t *convention, ylm_e
     bool known = n == 0;
     for (uint32_t s = 0; n && !system_given && s < YLM_SH_SYSTEM_COUNT; s++)
       if (is_word(w, n, systems[s])) c |= s, known = system_given = true;
-    if (!known && !system_given && is_word(w, n, "sphericart"))
-      c |= YLM_SH_SYSTEM_plain, known = system_given = true;
+    for (size_t k = 0; !known && !system_given && k < sizeof others / sizeof *others; k++)
+      if (is_word(w, n, others[k].word)) c |= others[k].system, known = system_given = true;
     if (!known && is_word(w, n, "irradiance")) c |= YLM_SH_IRRADIANCE, known = true;
     if (!known && is_word(w, n, "radiance")) known = true;
     if (!known && parse_axes(w, n, &axes)) c = (c & 0xffu) | axes << 8, known = true;
     if (!known)
-      return ylm_fail(e, YLM_EINVAL,
-                      "'%.*s' is no convention: ylm, plain, sphericart, n3d, sn3d, scipy, unity, "
-                      "three.js or filament, with 'irradiance' and axes like 'x,z,-y' behind it",
-                      (int)(n > 60 ? 60 : n), w);
+      return ylm_fail(
+          e, YLM_EINVAL,
+          "'%.*s' is no convention: ylm, plain, sphericart, n3d, sn3d, scipy, sph_harm_y, "
+          "unity, three.js, filament, lovr, e3nn, e3nn-component, e3nn-norm, 3dgs, mrtrix or "
+          "dipy, with 'irradiance' and axes like 'x,z,-y' behind it",
+          (int)(n > 60 ? 60 : n), w);
     w += n + (w[n] == ' ');
   }
   if (!valid(c))
@@ -119,6 +142,8 @@ static double normalisation(ylm_sh_system s, int l) {
   switch (s) {
   case YLM_SH_SYSTEM_n3d: return sqrt(4 * PI);
   case YLM_SH_SYSTEM_sn3d: return sqrt(4 * PI / (2 * l + 1));
+  case YLM_SH_SYSTEM_e3nn_component: return sqrt(1 / (4 * PI));
+  case YLM_SH_SYSTEM_e3nn_norm: return sqrt((2 * l + 1) / (4 * PI));
   default: return 1;
   }
 }
@@ -135,7 +160,10 @@ static shape shape_of(ylm_sh_system s, int lmax) {
   case YLM_SH_SYSTEM_scipy: return (shape){s, lmax, count, 1, 2 * count};
   case YLM_SH_SYSTEM_unity: return (shape){s, lmax, count, 3, 28};
   case YLM_SH_SYSTEM_threejs:
-  case YLM_SH_SYSTEM_filament: return (shape){s, lmax, count, 3, 27};
+  case YLM_SH_SYSTEM_filament:
+  case YLM_SH_SYSTEM_splats: return (shape){s, lmax, count, 3, 3 * count};
+  case YLM_SH_SYSTEM_mrtrix:
+  case YLM_SH_SYSTEM_dipy: return (shape){s, lmax, count, 1, even_index(lmax, lmax) + 1};
   default: return (shape){s, lmax, count, 1, count};
   }
 }
@@ -161,6 +189,9 @@ static void decode(const shape *f, const double *x, double *c) {
             *to = -h * (x[2 * opposite + 1] - phase * x[2 * i + 1]);
           break;
         case YLM_SH_SYSTEM_threejs: *to = phase * x[3 * i + k]; break;
+        case YLM_SH_SYSTEM_splats: *to = x[3 * i + k]; break;
+        case YLM_SH_SYSTEM_mrtrix: *to = l & 1 ? 0 : x[even_index(l, m)]; break;
+        case YLM_SH_SYSTEM_dipy: *to = l & 1 ? 0 : x[even_index(l, -m)]; break;
         case YLM_SH_SYSTEM_filament:
           *to = phase * x[3 * i + k] / polynomial_constant((int)i);
           break;
@@ -198,6 +229,13 @@ static void encode(const shape *f, const double *c, double *x) {
             x[2 * i] = phase * h * from[positive], x[2 * i + 1] = phase * h * from[negative];
           break;
         case YLM_SH_SYSTEM_threejs: x[3 * i + k] = phase * from[i]; break;
+        case YLM_SH_SYSTEM_splats: x[3 * i + k] = from[i]; break;
+        case YLM_SH_SYSTEM_mrtrix:
+          if (l % 2 == 0) x[even_index(l, m)] = from[i];
+          break;
+        case YLM_SH_SYSTEM_dipy:
+          if (l % 2 == 0) x[even_index(l, -m)] = from[i];
+          break;
         case YLM_SH_SYSTEM_filament:
           x[3 * i + k] = phase * from[i] * polynomial_constant((int)i);
           break;
@@ -215,11 +253,13 @@ static void encode(const shape *f, const double *c, double *x) {
   }
 }
 
-/* The convention's x, y, z as rows; returns the determinant. */
+/* The x, y, z of the convention's basis as rows: its axes, which e3nn takes in the order z, x, y. Returns the
+   determinant. */
 static int axes_matrix(uint32_t convention, double a[9]) {
   int axes = ylm_sh_convention_axes(convention), p = axes / 8;
+  int turn = is_e3nn(ylm_sh_convention_system(convention)) ? 1 : 0;
   memset(a, 0, 9 * sizeof *a);
-  for (int i = 0; i < 3; i++) a[3 * i + permutations[p][i]] = axes >> i & 1 ? -1 : 1;
+  for (int i = 0; i < 3; i++) a[3 * ((i + turn) % 3) + permutations[p][i]] = axes >> i & 1 ? -1 : 1;
   int swapped = p == 1 || p == 2 || p == 5,
       negatives = (axes & 1) + (axes >> 1 & 1) + (axes >> 2 & 1);
   return (swapped + negatives) & 1 ? -1 : 1;
@@ -227,7 +267,9 @@ static int axes_matrix(uint32_t convention, double a[9]) {
 
 /* The matrix from functions in the axes of `from` to those of `to`: a rotation, or minus one. */
 static bool change_of_axes(uint32_t from, uint32_t to, double r[9], bool *mirrored) {
-  if (ylm_sh_convention_axes(from) == ylm_sh_convention_axes(to)) return false;
+  if (ylm_sh_convention_axes(from) == ylm_sh_convention_axes(to) &&
+      is_e3nn(ylm_sh_convention_system(from)) == is_e3nn(ylm_sh_convention_system(to)))
+    return false;
   double f[9], t[9];
   *mirrored = axes_matrix(from, f) * axes_matrix(to, t) < 0;
   for (int i = 0; i < 3; i++)
@@ -245,6 +287,12 @@ static ylm_status check(uint32_t from, uint32_t to, int lmax, size_t rows, ylm_e
     return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d", YLM_LMAX);
   for (int i = 0; i < 2; i++) {
     ylm_sh_system s = ylm_sh_convention_system(i ? to : from);
+    if (is_even(s) && lmax % 2)
+      return ylm_fail(e, YLM_ERANGE,
+                      "'%s' holds even degrees, got lmax %d (sh.resize cuts or extends)",
+                      systems[s], lmax);
+    if (s == YLM_SH_SYSTEM_splats && rows % 3)
+      return ylm_fail(e, YLM_ESHAPE, "'%s' holds three channels", systems[s]);
     if (!is_packed(s)) continue;
     if (lmax != 2)
       return ylm_fail(e, YLM_ERANGE, "'%s' holds lmax 2, got lmax %d (sh.resize cuts or extends)",

@@ -211,16 +211,24 @@ YLM_API ylm_status ylm_sh_rotation_reference(const double r[9], int lmax, double
 ** 0 is ylm's own: real, orthonormal, with the Condon-Shortley phase, radiance, axes as they are.
 ** Numbers are kept in files: the list only grows at its end.
 **
-**   system     numbers      relation to ylm's c(l,m) of a function f = sum c Y
-**   ylm        [count]      c
-**   plain      [count]      (-1)^m c: no phase; also sphericart's
-**   n3d        [count]      (-1)^m sqrt(4pi) c: ambisonics, ACN order, N3D
-**   sn3d       [count]      (-1)^m sqrt(4pi/(2l+1)) c: ambisonics, ACN order, SN3D (AmbiX)
-**   scipy      [count][2]   complex a(l,m), f = sum a sph_harm(m, l): real and imaginary part
-**   unity      [7][4]       SHAr SHAg SHAb SHBr SHBg SHBb SHC of three channels, lmax 2,
-**   irradiance/pi
-**   three.js   [9][3]       SphericalHarmonics3: (-1)^m c, coefficients before channels, lmax 2
-**   filament   [9][3]       irradiance/pi with the constants of Y multiplied in, lmax 2
+**   system          numbers      relation to ylm's c(l,m) of a function f = sum c Y
+**   ylm             [count]      c
+**   plain           [count]      (-1)^m c: no phase; also sphericart's
+**   n3d             [count]      (-1)^m sqrt(4pi) c: ambisonics, ACN order, N3D
+**   sn3d            [count]      (-1)^m sqrt(4pi/(2l+1)) c: ambisonics, ACN order, SN3D (AmbiX)
+**   scipy           [count][2]   complex a(l,m), f = sum a sph_harm(m, l): real and imaginary part;
+**                                also sph_harm_y's
+**   unity           [7][4]       SHAr SHAg SHAb SHBr SHBg SHBb SHC of three channels, lmax 2,
+**                                irradiance/pi
+**   three.js        [9][3]       SphericalHarmonics3: (-1)^m c, coefficients before channels, lmax 2
+**   filament        [9][3]       irradiance/pi with the constants of Y multiplied in, lmax 2; also
+**                                LOVR's
+**   e3nn            [count]      plain in axes z, x, y: the polar axis is y; "integral"
+**   e3nn-component  [count]      e3nn over sqrt(4pi)
+**   e3nn-norm       [count]      e3nn times sqrt((2l+1)/4pi)
+**   3dgs            [count][3]   c, coefficients before channels: Gaussian splats
+**   mrtrix          [even]       c of even degrees, (lmax+1)(lmax+2)/2 numbers
+**   dipy            [even]       c(l,-m) of even degrees: descoteaux07
 */
 #define YLM_SH_SYSTEM_LIST(X)                                                                      \
   X(ylm, "ylm")                                                                                    \
@@ -230,8 +238,13 @@ YLM_API ylm_status ylm_sh_rotation_reference(const double r[9], int lmax, double
   X(scipy, "scipy")                                                                                \
   X(unity, "unity")                                                                                \
   X(threejs, "three.js")                                                                           \
-  X(filament, "filamen"                                                                            \
-              "t")
+  X(filament, "filament")                                                                          \
+  X(e3nn, "e3nn")                                                                                  \
+  X(e3nn_component, "e3nn-component")                                                              \
+  X(e3nn_norm, "e3nn-norm")                                                                        \
+  X(splats, "3dgs")                                                                                \
+  X(mrtrix, "mrtrix")                                                                              \
+  X(dipy, "dipy")
 
 typedef enum ylm_sh_system {
 #define X(name, text) YLM_SH_SYSTEM_##name,
@@ -263,10 +276,12 @@ YLM_API ylm_status ylm_sh_convention_name(uint32_t convention, char text[64]);
 **   in     in   in the shape of `from`, see the list
 **   out    out  in the shape of `to`; not `in`
 **
+** mrtrix and dipy hold functions that are the same in opposite directions: odd degrees are left out.
+**
 ** Returns  YLM_OK; YLM_EINVAL (no convention); YLM_ERANGE (lmax over YLM_LMAX, over 128 where axes
-**          change, not 2 for unity, three.js and filament); YLM_ESHAPE (rows); YLM_EDOMAIN
-**          (irradiance to radiance with degrees 3, 5 .., which irradiance does not hold);
-**          YLM_ENOMEM
+**          change, not 2 for unity, three.js and filament, odd for mrtrix and dipy); YLM_ESHAPE
+**          (rows); YLM_EDOMAIN (irradiance to radiance with degrees 3, 5 .., which irradiance does
+**          not hold); YLM_ENOMEM
 ** Accuracy rounding of the type
 ** Source   docs/conventions.md, "Conventions of others"; Sloan 2008, appendix A10 (unity)
 */

@@ -236,6 +236,8 @@ static int sh_convert(lua_State *L) {
       switch (ylm_sh_convention_system(i ? to : from)) {
       case YLM_SH_SYSTEM_scipy: needed[i] = 2 * n * count; break;
       case YLM_SH_SYSTEM_unity: needed[i] = n / 3 * 28; break;
+      case YLM_SH_SYSTEM_mrtrix:
+      case YLM_SH_SYSTEM_dipy: needed[i] = n * (count + (size_t)lmax + 1) / 2; break;
       default: needed[i] = n * count;
       }
     }

@@ -2,7 +2,7 @@
 
 local status = require "ylm.cli.status"
 
-local commands = { "render", "pathtrace", "bake", "emit", "view", "compare", "material", "run", "codegen", "bench", "info",
+local commands = { "render", "pathtrace", "bake", "emit", "view", "compare", "sh", "material", "run", "codegen", "bench", "info",
   "help" }
 
 --- Is there such a command?

@@ -12,6 +12,19 @@ local convert = {}
 
 local packed = { unity = { 7, 4 }, ["three.js"] = { 9, 3 }, filament = { 9, 3 } }
 
+--- Systems of even degrees only: (lmax+1)(lmax+2)/2 numbers.
+local even = { mrtrix = true, dipy = true }
+
+--- Every name of a system, other names of some included.
+convert.systems = { "ylm", "plain", "sphericart", "n3d", "sn3d", "scipy", "sph_harm_y", "unity", "three.js", "filament", "lovr",
+  "e3nn", "e3nn-component", "e3nn-norm", "3dgs", "mrtrix", "dipy" }
+
+--- The highest degree of that many even coefficients, or nil.
+local function even_lmax(count)
+  local l = math.floor((math.sqrt(8 * count + 1) - 3) / 2 + 0.5)
+  if l >= 0 and l % 2 == 0 and l <= core.limits.sh_lmax and (l + 1) * (l + 2) / 2 == count then return l end
+end
+
 --- A convention argument as number and system name.
 local function convention_of(n, name, value)
   if type(value) ~= "string" then
@@ -19,8 +32,7 @@ local function convention_of(n, name, value)
   end
   local number, message = core.sh_convention(value)
   if not number then
-    local guess = check.guess(value, { "ylm", "plain", "sphericart", "n3d", "sn3d", "scipy", "unity", "three.js",
-      "filament" })
+    local guess = check.guess(value:match "^%S*", convert.systems)
     return check.bad(n, name, "%s%s", message, guess and guess ~= value
       and (" (did you mean '%s'?)"):format(guess) or "")
   end
@@ -39,10 +51,18 @@ local function measure(n, name, a, system)
     for i = 1, #shape - 2 do lead[i] = shape[i] end
     lead[#lead + 1] = 3
     lmax = 2
-  elseif system == "scipy" then
-    lmax = #shape > 1 and shape[#shape] == 2 and args.lmax_of(shape[#shape - 1])
-    if not lmax then return bad "[..][(lmax+1)^2][2], real and imaginary parts" end
+  elseif system == "scipy" or system == "3dgs" then
+    local width = system == "scipy" and 2 or 3
+    lmax = #shape > 1 and shape[#shape] == width and args.lmax_of(shape[#shape - 1])
+    if not lmax then
+      return bad(width == 2 and "[..][(lmax+1)^2][2], real and imaginary parts" or "[..][(lmax+1)^2][3]")
+    end
     for i = 1, #shape - 2 do lead[i] = shape[i] end
+    if width == 3 then lead[#lead + 1] = 3 end
+  elseif even[system] then
+    lmax = even_lmax(shape[#shape])
+    if not lmax then return bad "[..][(lmax+1)(lmax+2)/2], even degrees" end
+    for i = 1, #shape - 1 do lead[i] = shape[i] end
   else
     lmax = args.lmax_of(shape[#shape])
     if not lmax then return bad "[..][(lmax+1)^2]" end
@@ -61,6 +81,13 @@ local function shape_in(n, name, lead, lmax, system)
       return check.bad(n, name, "'%s' holds three channels: [..][3][(lmax+1)^2] expected", system)
     end
     shape[#shape], shape[#shape + 1] = tail[1], tail[2]
+  elseif system == "3dgs" then
+    if shape[#shape] ~= 3 then
+      return check.bad(n, name, "'3dgs' holds three channels: [..][3][(lmax+1)^2] expected")
+    end
+    shape[#shape], shape[#shape + 1] = (lmax + 1) * (lmax + 1), 3
+  elseif even[system] then
+    shape[#shape + 1] = (lmax + 1) * (lmax + 2) / 2
   else
     shape[#shape + 1] = (lmax + 1) * (lmax + 1)
     if system == "scipy" then shape[#shape + 1] = 2 end
@@ -76,11 +103,14 @@ local convert_options = {
 
 describe "sh.convert" {
   about = "Translates coefficients between conventions: 'ylm', 'plain' (no Condon-Shortley phase; also 'sphericart'), "
-    .. "'n3d' and 'sn3d' (ambisonics, ACN order), 'scipy' (complex), 'unity' (SHAr .. SHC), 'three.js', 'filament'; "
+    .. "'n3d' and 'sn3d' (ambisonics, ACN order), 'scipy' (complex; also 'sph_harm_y'), 'unity' (SHAr .. SHC), 'three.js', "
+    .. "'filament' (also 'lovr'), 'e3nn', 'e3nn-component', 'e3nn-norm' (polar axis y), '3dgs' (Gaussian splats), 'mrtrix' and "
+    .. "'dipy' (even degrees, odd ones are left out); "
     .. "'irradiance' behind it where it is not radiance, and axes like 'x,z,-y' where its x, y, z point elsewhere.",
   arguments = {
     { "c", "array|table",
-      "[..][(lmax+1)^2]; scipy [..][(lmax+1)^2][2]; three.js, filament [..][9][3]; unity [..][7][4]" },
+      "[..][(lmax+1)^2]; scipy [..][(lmax+1)^2][2]; three.js, filament [..][9][3]; unity [..][7][4]; 3dgs [..][(lmax+1)^2][3]; "
+        .. "mrtrix, dipy [..][(lmax+1)(lmax+2)/2]" },
     { "to", "string", "the convention that is wanted" },
     { "options?", "table", "see the options" },
   },
@@ -130,12 +160,13 @@ describe "sh.resize" {
   example = "assert(#ylm.sh.resize({ 1, 2, 3, 4 }, 2) == 9 and #ylm.sh.resize({ 1, 2, 3, 4 }, 0) == 1)",
 }
 function convert.resize(c, lmax)
-  local a, own, shape, dtype, rows, convention = args.any_coefficients(1, "resize", c)
+  local given = array.rows(1, "resize", "coefficients", c)
   check.integer(2, "resize", "lmax", lmax, 0, core.limits.sh_lmax)
-  local system = core.sh_convention_name(convention):match("^%S+")
-  if packed[system] or system == "scipy" then
+  local system = core.sh_convention_name((select(3, core.array_info(given)))):match("^%S+")
+  if packed[system] or even[system] or system == "scipy" or system == "3dgs" then
     return check.bad(1, "resize", "coefficients are of convention '%s': convert them to 'ylm' first", system)
   end
+  local a, own, shape, dtype, rows, convention = args.any_coefficients(1, "resize", given)
   local new = {}
   for i, extent in ipairs(shape) do new[i] = extent end
   new[#new] = (lmax + 1) * (lmax + 1)
