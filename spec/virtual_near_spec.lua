@@ -72,11 +72,17 @@ describe("far and near", function()
   end)
 
   it("are split by the area of a scene and by the points of a picture", function()
-    local spacing = math.sqrt((24 + 2 * 0.25 + 4 * 0.4) / 300)
-    local clean = ylm.virtual_lights { at = lights:arrays(), radius = 0.5 * spacing, intensity = 1 }
-    assert.is_near(2 * spacing, (clean:split { scene = scene }).core, 1e-9)
-    assert.is_near((2 * 300 * 300 / 1e3) ^ 0.25 * spacing, (clean:split { scene = scene, points = 1e3 }).core, 1e-9)
-    assert.is_near(12 * spacing, (clean:split { scene = scene, points = 1 }).core, 1e-9)
+    local widest = math.sqrt((24 + 2 * 0.25 + 4 * 0.4) / 300)
+    local function core(spacing, options)
+      local radius = 1.5 / math.sqrt(math.pi) * spacing
+      local l = ylm.virtual_lights { at = lights:arrays(), radius = radius, intensity = 1 }
+      return (l:split(options)).core / spacing
+    end
+    assert.is_near(2, core(widest / 2, { scene = scene }), 1e-9)
+    assert.is_near(2, core(2 * widest), 1e-9)
+    assert.is_near(1, core(2 * widest, { scene = scene }), 1e-9) -- not all over its area
+    assert.is_near((2 * 300 * 300 / 1e3) ^ 0.25, core(widest / 2, { scene = scene, points = 1e3 }), 1e-9)
+    assert.is_near(12, core(0.1, { points = 1 }), 1e-9)
   end)
 
   it("refuse what does not fit together", function()
@@ -144,6 +150,18 @@ describe("indirect = 'virtual'", function()
     assert(image, report)
     assert.is_true(report.met)
     assert.matches("tolerance is judged in direct light", report.warnings[#report.warnings])
+  end)
+
+  it("takes lights that are given, with options", function()
+    local image, report = rendered(view, { light_samples = 1, indirect = { method = "virtual", lights = lights, sums = "split" } })
+    assert.is_true(apart(image, (bounced { sums = "split" })) == 0)
+    assert.equal("split", report.virtual.sums)
+    refused("count is of lights that are made, here are lights: leave one out", function()
+      view:render { indirect = { method = "virtual", lights = lights, count = 3 } }
+    end)
+    refused("bounces and indirect say the same", function()
+      view:render { bounces = 1, indirect = { method = "virtual", lights = lights } }
+    end)
   end)
 
   it("refuses parts that cannot be", function()

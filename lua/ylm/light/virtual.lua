@@ -130,11 +130,12 @@ function virtual.spacings(count, points)
   return math.max(2, math.min(12, (2 * math.min(EVALUATION, count) * count / points) ^ 0.25))
 end
 
---- The core. A spacing is sqrt(area/count), or follows from radii: lights that particles left have radii of 1.5/sqrt(pi) spacings
--- (scale = 1.5).
+--- The core. A spacing follows from radii: lights that particles left have radii of 1.5/sqrt(pi) spacings (scale = 1.5). It is
+-- at most sqrt(area/count), which it would be if all of the area were lit.
 local function auto_core(l, area, points)
   if l.count == 0 then return 1 end
-  local spacing = area and math.sqrt(area / l.count) or l.radius.mean * math.sqrt(math.pi) / 1.5
+  local spacing = l.radius.mean * math.sqrt(math.pi) / 1.5
+  if area then spacing = math.min(spacing, math.sqrt(area / l.count)) end
   return math.max(virtual.spacings(l.count, points) * spacing, 1.01 * l.radius.max)
 end
 
@@ -153,8 +154,8 @@ local split_options = {
     about = "how far a light is near: above the largest radius, some 3 spacings of the lights; 'auto': 2 to 12 spacings "
       .. "by the numbers of lights and points" },
   { "scene", "any", optional = true,
-    about = "of 'auto': the scene whose surfaces the lights lie on; their area says what a spacing is, without it the mean "
-      .. "radius" },
+    about = "of 'auto': the scene whose surfaces the lights lie on; a spacing, which the mean radius says, is at most that of "
+      .. "lights all over their area" },
   { "points", "integer", min = 1, max = 2 ^ 53, default = POINTS, about = "of 'auto': shading points of a picture" },
 }
 

@@ -35,8 +35,9 @@ indirect.bounce_fields = {
     about = "instead of bounces: what t:radiosity returned, gathered pixel by pixel; a grid of it, or of indirect light; "
       .. "'gather': as bounces = 'all'; with near, a grid of the far parts of virtual lights. "
       .. "'virtual', or { method = 'virtual', count =, particles =, radius =, scale =, profile =, "
-      .. "lmax =, shadows = }: bounces, 1 by default, by virtual lights (scene:virtual_lights), each asked at each shading "
-      .. "point; or such lights" },
+      .. "lights =, lmax =, shadows =, sums = 'auto' | 'all' | 'split', tolerance = }: bounces, 1 by default, by virtual lights "
+      .. "(scene:virtual_lights), each asked at each shading point, or by far and near parts where that is cheaper; or such "
+      .. "lights" },
 }
 
 -- Bounces that are wanted ------------------------------------------------------------------------

@@ -21,6 +21,7 @@ local FEW = 5e7 -- pairs that need no grid
 -- Of a core of R spacings: R^2 times this are near; grid points at voxels of R/x are so many times x^2 count/R^2.
 local NEAR_PAIRS, GRID_POINTS = 7.2, 0.8
 local VOXELS, GROWTH, FINEST = 1.25, 0.6, 8 -- x of a tolerance of 2 %, its power of the tolerance, the most
+local PLAIN = 50 -- times the tolerance: the relative metric below which voxels stay large
 local JUDGES, LEAST, JUDGED = 256, 32, 2e7 -- points that judge, and pairs that these may be
 
 split.fields = {
@@ -73,7 +74,7 @@ local function bake(p, o, b, x)
   local depth = math.max(1, math.ceil(math.log(widest * x / b.far.core) / math.log(2) - 0.1))
   local tolerance = math.max(core.limits.tolerance_least, b.options.tolerance / 4)
   local grid, message, code = grids.bake(grids.adaptive_grid { bounds = bounds, lmax = b.options.lmax,
-    depth = math.min(depth, core.limits.grid_depth), threshold = 0 }, b.far, { occupied = p.view, threads = o.threads,
+    depth = math.min(depth, core.limits.grid_depth), threshold = PLAIN * b.options.tolerance }, b.far, { occupied = p.view, threads = o.threads,
     progress = o.progress, light_tolerance = math.min(tolerance, core.limits.tolerance_most) })
   if not grid then return nil, message, code end
   b.depth = depth

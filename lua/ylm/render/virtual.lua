@@ -11,6 +11,7 @@ local virtual = {}
 
 local fields = {
   { "method", "choice", of = { "virtual" }, about = "" },
+  { "lights", "object", of = "virtual_lights", optional = true, about = "instead of those that particles leave" },
   { "lmax", "integer", min = 0, max = 100, default = 4, about = "highest degree" },
   { "shadows", "choice", of = { "none", "centre" }, default = "none", about = "as of view:gather" },
 }
@@ -24,16 +25,25 @@ function virtual.is_wanted(x)
     or form.kind(x) == "virtual_lights"
 end
 
---- The entry o.bounced of options that ask for them: { by = "virtual", bounces =, options = | lights = }.
-function virtual.settle(name, x, o)
-  if form.kind(x) == "virtual_lights" then
-    if o.bounces ~= nil then
-      return check.fail("%s: bounces and indirect say the same: leave one out", name)
-    end
-    local made = emit.made[x]
-    return { by = "virtual", lights = x, bounces = made and made.bounces or "those of the lights",
-      options = { lmax = 4, shadows = "none", sums = "auto", tolerance = 0.02 } }
+--- The entry o.bounced by lights that are given, with options.
+local function given_lights(name, lights, given, o)
+  if o.bounces ~= nil then
+    return check.fail("%s: bounces and indirect say the same: leave one out", name)
   end
+  for _, field in ipairs(emit.fields) do
+    if given[field[1]] ~= nil then
+      return check.fail("%s: %s is of lights that are made, here are lights: leave one out", name, field[1])
+    end
+  end
+  local made = emit.made[lights]
+  return { by = "virtual", lights = lights, bounces = made and made.bounces or "those of the lights",
+    options = form.options(1, name, fields, given) }
+end
+
+--- The entry o.bounced of options that ask for them: { by = "virtual", bounces =, options =, lights = }.
+function virtual.settle(name, x, o)
+  if form.kind(x) == "virtual_lights" then return given_lights(name, x, { method = "virtual" }, o) end
+  if type(x) == "table" and form.kind(x.lights) == "virtual_lights" then return given_lights(name, x.lights, x, o) end
   local bounces = o.bounces or 1
   if bounces ~= "all" and bounces > 64 then
     return check.fail("%s: particles are reflected 64 times at most: bounces must be 0 to 64 or 'all', got %.0f", name, bounces)
