@@ -8,6 +8,7 @@
 #include "ylm_sh.h"
 
 #define GRAIN 64
+#define ALPHA_POINTS 64
 #define MANY 256 /* samples of spheres, above which a point alone is work to report */
 
 typedef struct job {
@@ -18,7 +19,7 @@ typedef struct job {
   gather_kernels kernels;
   gather_gloss *gloss; /* NULL: all points are matte */
   float *out;
-  atomic_uint_fast64_t rays;
+  atomic_uint_fast64_t rays, pairs, kept;
 } job;
 
 /* Memory of one block of points. */
@@ -30,55 +31,75 @@ typedef struct scratch {
   float *row;                      /* [ylm__gather_gloss_room] */
   ylm_trace_ray ray[GATHER_CHUNK]; /* to the middles of lights */
   uint16_t of[GATHER_CHUNK];
-  uint64_t rays;
+  uint64_t rays, pairs, kept;
+  size_t begin, end; /* lights that the point asks */
+  gather_walk walk;  /* along them, where few are kept */
 } scratch;
 
 /* -- lights ----------------------------------------------------------------------- */
 
-static void put(const gather_lights *l, size_t i) {
+/* Puts light i in place `to`. */
+static void put(const gather_lights *l, size_t i, size_t to) {
   const ylm_light_virtual_form *f = &l->form;
   bool turned = false;
   for (size_t k = 0; k < 3; k++) {
-    l->at[k][i] = (float)f->at[3 * i + k];
-    l->normal[k][i] = f->normal ? (float)f->normal[3 * i + k] : 0;
-    turned = turned || l->normal[k][i] != 0;
+    l->at[k][to] = (float)f->at[3 * i + k];
+    l->normal[k][to] = f->normal ? (float)f->normal[3 * i + k] : 0;
+    turned = turned || l->normal[k][to] != 0;
     if (f->degree == 0)
-      l->intensity[k][i] = (float)(f->emission[3 * i + k] / (double)YLM_SHADE_OPEN);
+      l->intensity[k][to] = (float)(f->emission[3 * i + k] / (double)YLM_SHADE_OPEN);
   }
-  l->shift[i] = turned ? (f->shift ? (float)f->shift[i] : 0) : 1;
-  l->radius[i] = f->radius ? (float)f->radius[i] : 0;
+  l->shift[to] = turned ? (f->shift ? (float)f->shift[i] : 0) : 1;
+  l->radius[to] = f->radius ? (float)f->radius[i] : 0;
 }
 
-/* Puts emission of a degree as kernels want it. */
-static ylm_status put_lobes(gather_lights *l) {
+/* Puts emission of a degree of light i in place `to` as kernels want it. */
+static void put_lobes(const gather_lights *l, size_t i, size_t place) {
   const ylm_light_virtual_form *f = &l->form;
-  const gather_series *s = l->series;
-  size_t block = s->entries * 6 * GATHER_LOBES, count = ylm_sh_count(f->degree);
-  l->lobe = ylm_alloc_zero(l->padded / GATHER_LOBES, block * sizeof *l->lobe);
-  l->top = ylm_alloc_zero(l->padded / GATHER_LOBES, 1);
-  if (!l->lobe || !l->top) return YLM_ENOMEM;
-  for (size_t i = 0; i < l->n; i++) {
-    float *to = l->lobe + i / GATHER_LOBES * block + i % GATHER_LOBES;
-    uint8_t *top = &l->top[i / GATHER_LOBES];
-    for (size_t c = 0; c < 3; c++)
-      for (int q = 0; q <= f->degree; q++)
-        for (int m = -q; m <= q; m++) {
-          double b = f->emission[(3 * i + c) * count + (size_t)(q * (q + 1) + m)];
-          size_t k = ylm__gather_entry(f->degree, q, m < 0 ? -m : m);
-          to[(6 * k + 2 * c + (m < 0)) * GATHER_LOBES] = (float)b;
-          if (b != 0 && q > *top) *top = (uint8_t)q;
-        }
-  }
-  return YLM_OK;
+  size_t block = l->series->entries * 6 * GATHER_LOBES, count = ylm_sh_count(f->degree);
+  float *to = l->lobe + place / GATHER_LOBES * block + place % GATHER_LOBES;
+  uint8_t *top = &l->top[place / GATHER_LOBES];
+  for (size_t c = 0; c < 3; c++)
+    for (int q = 0; q <= f->degree; q++)
+      for (int m = -q; m <= q; m++) {
+        double b = f->emission[(3 * i + c) * count + (size_t)(q * (q + 1) + m)];
+        size_t k = ylm__gather_entry(f->degree, q, m < 0 ? -m : m);
+        to[(6 * k + 2 * c + (m < 0)) * GATHER_LOBES] = (float)b;
+        if (b != 0 && q > *top) *top = (uint8_t)q;
+      }
 }
 
-static ylm_status read_lights(const ylm_light_virtual *from, const ylm_shade_gather_options *o,
-                              const gather_series *s, gather_lights *l) {
-  bool grouped = o->method == YLM_SHADE_VSGL;
-  ylm_light_virtual_get(from, &l->form);
-  l->n = grouped ? o->groups : l->form.n;
+/* The luminance of light i; of a degree its root mean square over directions. */
+static float bright(const gather_lights *l, size_t i) {
+  const ylm_light_virtual_form *f = &l->form;
+  size_t count = ylm_sh_count(f->degree);
+  double I[3];
+  for (size_t c = 0; c < 3; c++) {
+    double sum = 0;
+    for (size_t q = 0; q < count; q++)
+      sum += f->emission[(3 * i + c) * count + q] * f->emission[(3 * i + c) * count + q];
+    I[c] = sqrt(sum) / (double)YLM_SHADE_OPEN;
+  }
+  return (float)ylm_luminance_size(I);
+}
+
+static ylm_status make_room(gather_lights *l, const ylm_shade_gather_options *o) {
+  size_t side = o->subset == YLM_SHADE_INTERLEAVED ? (size_t)o->tile : 1,
+         g = l->groups = side * side;
+  l->n = o->method == YLM_SHADE_VSGL ? o->groups : l->form.n;
   l->padded = (l->n + GATHER_CHUNK - 1) / GATHER_CHUNK * GATHER_CHUNK;
-  float *p = l->memory = ylm_alloc_zero(11 * l->padded, sizeof *p);
+  if (g > 1) {
+    l->begin = ylm_alloc(g + 1, sizeof *l->begin);
+    if (!l->begin) return YLM_ENOMEM;
+    l->padded = 0;
+    for (size_t k = 0; k <= g; k++) {
+      size_t own = l->n > k ? (l->n - k + g - 1) / g : 0;
+      l->begin[k] = l->padded;
+      if (k < g) l->padded += (own + GATHER_LOBES - 1) / GATHER_LOBES * GATHER_LOBES;
+    }
+    l->n = l->padded;
+  }
+  float *p = l->memory = ylm_alloc_zero(12 * l->padded, sizeof *p);
   if (!p) return YLM_ENOMEM;
   for (int k = 0; k < 3; k++) {
     l->at[k] = p + (size_t)k * l->padded;
@@ -87,26 +108,42 @@ static ylm_status read_lights(const ylm_light_virtual *from, const ylm_shade_gat
   }
   l->shift = p + 6 * l->padded;
   l->radius = p + 7 * l->padded;
-  for (size_t i = 0; i < l->n && !grouped; i++) put(l, i);
-  if (grouped) {
-    ylm_status status = ylm__gather_parts(from, o->groups, &l->n, l);
-    if (status != YLM_OK) return status;
-    l->form.degree = 0;
-  }
-  for (size_t i = l->n; i < l->padded; i++) l->radius[i] = 1;
+  if (o->subset == YLM_SHADE_STOCHASTIC) l->bright = p + 11 * l->padded;
+  for (size_t i = 0; i < l->padded; i++) l->radius[i] = 1;
+  if (l->form.degree == 0) return YLM_OK;
+  l->lobe = ylm_alloc_zero(l->padded / GATHER_LOBES,
+                           l->series->entries * 6 * GATHER_LOBES * sizeof *l->lobe);
+  l->top = ylm_alloc_zero(l->padded / GATHER_LOBES, 1);
+  return l->lobe && l->top ? YLM_OK : YLM_ENOMEM;
+}
+
+static ylm_status read_lights(const ylm_light_virtual *from, const ylm_shade_gather_options *o,
+                              const gather_series *s, gather_lights *l) {
+  ylm_light_virtual_get(from, &l->form);
   l->series = s;
-  return l->form.degree > 0 ? put_lobes(l) : YLM_OK;
+  ylm_status status = make_room(l, o);
+  if (status == YLM_OK && o->method == YLM_SHADE_VSGL) {
+    l->form.degree = 0;
+    return ylm__gather_parts(from, o->groups, &l->n, l);
+  }
+  for (size_t i = 0; status == YLM_OK && i < l->form.n; i++) {
+    size_t to = l->begin ? l->begin[i % l->groups] + i / l->groups : i;
+    put(l, i, to);
+    if (l->form.degree > 0) put_lobes(l, i, to);
+    if (l->bright) l->bright[to] = bright(l, i);
+  }
+  return status;
 }
 
 /* -- points ----------------------------------------------------------------------- */
 
 /* Drops lights that something hides from point p, whose weights are known, `rows` of each. */
-static void look(const job *j, scratch *s, size_t p, size_t first, int rows) {
+static void look(const job *j, scratch *s, size_t p, size_t first, size_t lights, int rows) {
   const gather_lights *l = j->lights;
   const ylm_trace *trace = ylm_scene_trace(j->view->scene);
   const float *x = j->view->origin[p];
   size_t n = 0;
-  for (size_t k = 0; k < GATHER_CHUNK; k++) {
+  for (size_t k = 0; k < lights; k++) {
     bool counts = false;
     for (int f = 0; f < rows; f++) counts = counts || s->w[f][k] != 0;
     if (!counts) continue;
@@ -131,34 +168,84 @@ static void look(const job *j, scratch *s, size_t p, size_t first, int rows) {
 }
 
 /* Intensities of lights from `first` on towards point p. */
-static void send(const job *j, scratch *s, size_t p, size_t first, const float *I[3]) {
+static void send(const job *j, scratch *s, size_t p, size_t first, size_t n, const float *I[3]) {
   const gather_lights *l = j->lights;
   bool degree = l->form.degree > 0;
   bool soft = j->o->method == YLM_SHADE_HVL && l->form.profile != YLM_LIGHT_VIRTUAL_CAP &&
               l->form.profile != YLM_LIGHT_VIRTUAL_POINT;
-  if (degree) j->kernels.send(l, soft, first, j->view->position[p], s->I);
+  if (degree) j->kernels.send(l, soft, first, n, j->view->position[p], s->I);
   for (int c = 0; c < 3; c++) I[c] = degree ? s->I[c] : l->intensity[c] + first;
 }
 
-static void weigh(const job *j, const gather_ask *a, size_t p, size_t first, ylm_rng *rng,
-                  float *w) {
-  const float *x = j->view->position[p], *N = j->view->normal[p];
-  if (j->o->method != YLM_SHADE_VSL) {
-    j->kernels.weights(j->lights, a, first, x, N, w);
-    return;
+/* A bound of the light of light i as a sphere at x; gather_vsl.c. */
+static double sphere_bound(const gather_lights *l, size_t i, const float x[3]) {
+  double d2 = 0, r2 = (double)l->radius[i] * (double)l->radius[i];
+  for (int k = 0; k < 3; k++) {
+    double v = (double)l->at[k][i] - (double)x[k];
+    d2 += v * v;
   }
-  for (size_t k = 0; k < GATHER_CHUNK; k++)
-    w[k] = first + k < j->lights->n ? (float)ylm__gather_sphere(j->lights, a, first + k, x, N, rng)
-                                    : 0;
+  return 2 / fmax(d2, 2 * r2) * (1 + (double)l->shift[i]) * (double)l->bright[i];
 }
 
-static void start_random(const job *j, uint64_t stream, ylm_rng *rng) {
+/* The factor of light i, as a sphere: 0 leaves it out. */
+static float keep_sphere(const job *j, scratch *s, size_t i, const float x[3]) {
+  const gather_lights *l = j->lights;
+  float factor = 1;
+  bool none =
+      l->shift[i] == 0 && l->normal[0][i] == 0 && l->normal[1][i] == 0 && l->normal[2][i] == 0;
+  if (i >= l->n || none) return 0; /* padding */
+  if (l->bright) factor = ylm__gather_keep(&s->walk, sphere_bound(l, i, x));
+  s->kept += factor > 0;
+  return factor;
+}
+
+/* Leaves lights from `first` on out by their weights, `rows` of each. */
+static void thin(const job *j, scratch *s, size_t first, size_t n, int rows) {
+  const float *bright = j->lights->bright;
+  for (size_t k = 0; bright && k < n; k++) {
+    float most = 0;
+    for (int f = 0; f < rows; f++) most = fmaxf(most, fabsf(s->w[f][k]));
+    if (most == 0) continue;
+    float factor = ylm__gather_keep(&s->walk, (double)most * (double)bright[first + k]);
+    s->kept += factor > 0;
+    for (int f = 0; f < rows; f++) s->w[f][k] *= factor;
+  }
+}
+
+static void weigh(const job *j, scratch *s, const gather_ask *a, size_t p, size_t first, size_t n,
+                  ylm_rng *rng) {
+  const float *x = j->view->position[p], *N = j->view->normal[p];
+  if (j->o->method != YLM_SHADE_VSL) {
+    j->kernels.weights(j->lights, a, first, n, x, N, s->w[0]);
+    thin(j, s, first, n, 1);
+    return;
+  }
+  for (size_t k = 0; k < n; k++) {
+    float factor = keep_sphere(j, s, first + k, x);
+    s->w[0][k] =
+        factor > 0 ? factor * (float)ylm__gather_sphere(j->lights, a, first + k, x, N, rng) : 0;
+  }
+}
+
+/* Sets out for point p: its random numbers, and the lights that it asks. */
+static void start(const job *j, scratch *s, size_t pixel, uint64_t stream, bool all, ylm_rng *rng) {
+  const gather_lights *l = j->lights;
   ylm_rng_seed(rng, j->o->seed, stream);
+  s->begin = 0, s->end = l->n;
+  s->walk.alpha = j->ask.alpha;
+  if (l->bright) s->walk.upto = j->ask.alpha * ylm_rng_double(rng);
+  size_t group = l->begin && !all ? ylm__gather_group(j->view, j->o->tile, pixel) : 0;
+  if (l->begin && !all) s->begin = l->begin[group], s->end = l->begin[group + 1];
+  s->pairs += l->begin && !all ? (l->form.n + l->groups - 1 - group) / l->groups : l->n;
+}
+
+/* Lights from `first` on that go into one call of a kernel. */
+static size_t chunk(const job *j, const scratch *s, size_t first) {
+  return j->lights->begin && s->end - first < GATHER_CHUNK ? s->end - first : GATHER_CHUNK;
 }
 
 /* Irradiance of point p. */
-static void gather(const job *j, scratch *s, size_t p, uint64_t stream) {
-  const gather_lights *l = j->lights;
+static void gather(const job *j, scratch *s, size_t p, size_t pixel, uint64_t stream) {
   gather_ask a = j->ask;
   double sum[3] = {0, 0, 0};
   float albedo[3];
@@ -168,15 +255,17 @@ static void gather(const job *j, scratch *s, size_t p, uint64_t stream) {
       (float)(YLM_LUMINANCE_R * (double)albedo[0] + YLM_LUMINANCE_G * (double)albedo[1] +
               YLM_LUMINANCE_B * (double)albedo[2]) *
       0.318309886f;
-  start_random(j, stream, &rng);
-  for (size_t first = 0; first < l->n; first += GATHER_CHUNK) {
+  start(j, s, pixel, stream, false, &rng);
+  for (size_t first = s->begin, n; first < s->end; first += n) {
     const float *I[3];
-    weigh(j, &a, p, first, &rng, s->w[0]);
-    if (j->o->shadows) look(j, s, p, first, 1);
-    send(j, s, p, first, I);
-    j->kernels.collect(s->w[0], I, sum);
+    n = chunk(j, s, first);
+    weigh(j, s, &a, p, first, n, &rng);
+    if (j->o->shadows) look(j, s, p, first, n, 1);
+    send(j, s, p, first, n, I);
+    j->kernels.collect(n, s->w[0], I, sum);
   }
-  for (size_t c = 0; c < 3; c++) j->out[3 * p + c] = (float)sum[c];
+  for (size_t c = 0; c < 3; c++)
+    j->out[3 * p + c] = (float)(j->lights->begin ? sum[c] * (double)j->lights->groups : sum[c]);
 }
 
 /* -- points that gloss ------------------------------------------------------------ */
@@ -188,7 +277,8 @@ static float luminous(const float x[3]) {
 
 /* Weights of points: the matte ones times f, which bounds of all but the light are of too. */
 static void reflect_points(const job *j, scratch *s, const gather_ask *ask,
-                           const gather_receiver *r, const float tint[3], size_t p, size_t first) {
+                           const gather_receiver *r, const float tint[3], size_t p, size_t first,
+                           size_t lights) {
   const gather_lights *l = j->lights;
   const float *x = j->view->position[p];
   gather_ask a = *ask;
@@ -197,8 +287,8 @@ static void reflect_points(const job *j, scratch *s, const gather_ask *ask,
   uint16_t of[GATHER_CHUNK];
   size_t n = 0;
   if (whole) free_of_bounds.clamp = YLM_SHADE_CLAMP_NONE, a.o = &free_of_bounds;
-  j->kernels.weights(l, &a, first, x, j->view->normal[p], s->w[0]);
-  for (size_t k = 0; k < GATHER_CHUNK; k++) {
+  j->kernels.weights(l, &a, first, lights, x, j->view->normal[p], s->w[0]);
+  for (size_t k = 0; k < lights; k++) {
     s->w[1][k] = s->w[2][k] = 0;
     if (s->w[0][k] == 0) continue;
     float d2 = 0;
@@ -221,55 +311,57 @@ static void reflect_points(const job *j, scratch *s, const gather_ask *ask,
 
 /* Weights of lights from `first` on in s->w, by channels or functions of the receiver; how many rows. */
 static int weigh_gloss(const job *j, scratch *s, const gather_receiver *r, const float tint[3],
-                       size_t p, size_t first, ylm_rng *rng) {
+                       size_t p, size_t first, size_t n, ylm_rng *rng) {
   const gather_lights *l = j->lights;
   const float *x = j->view->position[p], *N = j->view->normal[p];
   if (j->o->method == YLM_SHADE_VPL) {
-    reflect_points(j, s, &j->ask, r, tint, p, first);
+    reflect_points(j, s, &j->ask, r, tint, p, first, n);
     return 3;
   }
   if (j->o->method == YLM_SHADE_VSL) {
-    for (size_t k = 0; k < GATHER_CHUNK; k++) {
+    for (size_t k = 0; k < n; k++) {
       double one[3] = {0, 0, 0};
-      if (first + k < l->n) ylm__gather_sphere_gloss(l, &j->ask, r, first + k, x, rng, one);
-      for (int c = 0; c < 3; c++) s->w[c][k] = (float)one[c] * tint[c];
+      float factor = keep_sphere(j, s, first + k, x);
+      if (factor > 0) ylm__gather_sphere_gloss(l, &j->ask, r, first + k, x, rng, one);
+      for (int c = 0; c < 3; c++) s->w[c][k] = factor * (float)one[c] * tint[c];
     }
     return 3;
   }
-  j->kernels.gloss(l, &j->ask, r, first, x, s->w);
+  j->kernels.gloss(l, &j->ask, r, first, n, x, s->w);
   bool paper = j->o->method == YLM_SHADE_HVL && j->o->horizon == YLM_SHADE_HORIZON_PAPER;
-  for (size_t k = 0; paper && k < GATHER_CHUNK; k++) {
+  for (size_t k = 0; paper && k < n; k++) {
     float part = first + k < l->n ? (float)ylm__gather_above(l, first + k, x, N) : 0;
     for (int f = 0; f < r->functions; f++) s->w[f][k] *= part;
   }
   if (r->zonal) {
-    j->kernels.weights(l, &j->ask, first, x, N, s->w[3]);
+    j->kernels.weights(l, &j->ask, first, n, x, N, s->w[3]);
     for (int c = 0; c < 3; c++)
-      for (size_t k = 0; k < GATHER_CHUNK; k++)
-        s->w[c][k] = tint[c] * (s->w[c][k] + r->base[c] * s->w[3][k]);
+      for (size_t k = 0; k < n; k++) s->w[c][k] = tint[c] * (s->w[c][k] + r->base[c] * s->w[3][k]);
   }
   return r->functions;
 }
 
 /* Radiance of point p, which glosses. */
-static ylm_status gather_gloss_point(const job *j, scratch *s, size_t p, uint64_t stream) {
-  const gather_lights *l = j->lights;
+static ylm_status gather_gloss_point(const job *j, scratch *s, size_t p, size_t pixel,
+                                     uint64_t stream) {
   double sum[3][3] = {{0}}, out[3] = {0, 0, 0};
   float tint[3] = {1, 1, 1};
   gather_receiver r;
   ylm_rng rng;
   ylm__shade_tint(j->view, p, 1, tint);
-  start_random(j, stream, &rng);
+  start(j, s, pixel, stream, true, &rng);
   ylm_status status = ylm__gather_receive(j->gloss, j->view, p, s->row, &r);
-  for (size_t first = 0; status == YLM_OK && first < l->n; first += GATHER_CHUNK) {
+  for (size_t first = s->begin, n; status == YLM_OK && first < s->end; first += n) {
     const float *I[3];
-    int rows = weigh_gloss(j, s, &r, tint, p, first, &rng);
-    if (j->o->shadows) look(j, s, p, first, rows);
-    send(j, s, p, first, I);
+    n = chunk(j, s, first);
+    int rows = weigh_gloss(j, s, &r, tint, p, first, n, &rng);
+    if (j->o->method != YLM_SHADE_VSL) thin(j, s, first, n, rows);
+    if (j->o->shadows) look(j, s, p, first, n, rows);
+    send(j, s, p, first, n, I);
     if (!r.mix)
-      j->kernels.collect_each((const float(*)[GATHER_CHUNK])s->w, I, out);
+      j->kernels.collect_each(n, (const float(*)[GATHER_CHUNK])s->w, I, out);
     else
-      for (int f = 0; f < rows; f++) j->kernels.collect(s->w[f], I, sum[f]);
+      for (int f = 0; f < rows; f++) j->kernels.collect(n, s->w[f], I, sum[f]);
   }
   for (int c = 0; r.mix && c < 3; c++)
     for (int f = 0; f < r.functions; f++)
@@ -285,15 +377,19 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   float *row = j->gloss ? ylm_alloc(ylm__gather_gloss_room(j->gloss), sizeof *row) : NULL;
   ylm_status status = s && (row || !j->gloss) ? YLM_OK : YLM_ENOMEM;
   shade_stream at = ylm__shade_stream_at(j->view, begin);
-  if (s) s->rays = 0, s->row = row;
+  if (s) s->rays = s->pairs = s->kept = 0, s->row = row;
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     uint64_t stream = ylm__shade_stream_next(j->view, &at);
     if (ylm__gather_glosses(j->gloss, j->view, i))
-      status = gather_gloss_point(j, s, i, stream);
+      status = gather_gloss_point(j, s, i, at.pixel, stream);
     else
-      gather(j, s, i, stream);
+      gather(j, s, i, at.pixel, stream);
   }
-  if (s) atomic_fetch_add_explicit(&j->rays, s->rays, memory_order_relaxed);
+  if (s) {
+    atomic_fetch_add_explicit(&j->rays, s->rays, memory_order_relaxed);
+    atomic_fetch_add_explicit(&j->pairs, s->pairs, memory_order_relaxed);
+    atomic_fetch_add_explicit(&j->kept, s->kept, memory_order_relaxed);
+  }
   ylm_free(s);
   ylm_free(row);
   return status;
@@ -311,6 +407,20 @@ static void reflect(const job *j, float *out) {
 }
 
 /* -- all -------------------------------------------------------------------------- */
+
+static ylm_status check_subset(const ylm_shade_view *v, const ylm_shade_gather_options *o,
+                               ylm_error *e) {
+  if (o->subset != YLM_SHADE_ALL && o->method == YLM_SHADE_VSGL)
+    return ylm_fail(e, YLM_EINVAL, "groups of lights are asked all: subset is of single ones");
+  if (o->subset == YLM_SHADE_STOCHASTIC && (!(o->alpha >= 0) || !isfinite(o->alpha)))
+    return ylm_fail(e, YLM_ERANGE, "alpha must be above 0, got %g", o->alpha);
+  if (o->subset != YLM_SHADE_INTERLEAVED) return YLM_OK;
+  if (o->tile < 2 || o->tile > YLM_SHADE_TILE)
+    return ylm_fail(e, YLM_ERANGE, "tile must be from 2 to %d, got %d", YLM_SHADE_TILE, o->tile);
+  if (v->corner || v->number)
+    return ylm_fail(e, YLM_EINVAL, "pixels are interleaved: the view has none of its own");
+  return YLM_OK;
+}
 
 static ylm_status check(const ylm_shade_gather_options *o, const ylm_light_virtual_form *f,
                         ylm_error *e) {
@@ -346,6 +456,35 @@ static ylm_status make_ask(gather_ask *a, const gather_lights *l) {
   return s;
 }
 
+/* The bound above which lights are kept: with it YLM_SHADE_KEPT are, in the mean over some points. */
+static ylm_status choose_alpha(job *j) {
+  const ylm_shade_view *v = j->view;
+  size_t points = v->points < ALPHA_POINTS ? v->points : ALPHA_POINTS;
+  double sum = 0;
+  scratch *s = ylm_alloc_zero(1, sizeof *s);
+  if (!s) return YLM_ENOMEM;
+  for (size_t i = 0; i < points; i++) {
+    size_t p = i * v->points / points;
+    for (size_t first = 0; first < j->lights->n; first += GATHER_CHUNK) {
+      bool sphere = j->o->method == YLM_SHADE_VSL;
+      if (!sphere)
+        j->kernels.weights(j->lights, &j->ask, first, GATHER_CHUNK, v->position[p], v->normal[p],
+                           s->w[0]);
+      for (size_t k = 0; k < GATHER_CHUNK && first + k < j->lights->n; k++)
+        sum += sphere ? sphere_bound(j->lights, first + k, v->position[p])
+                      : (double)(fabsf(s->w[0][k]) * j->lights->bright[first + k]);
+    }
+  }
+  j->ask.alpha = points > 0 ? sum / (double)points / YLM_SHADE_KEPT : 0;
+  ylm_free(s);
+  return YLM_OK;
+}
+
+static bool keeps(const void *context, size_t p) {
+  const job *j = context;
+  return ylm__gather_glosses(j->gloss, j->view, p);
+}
+
 ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_virtual *from,
                                     const ylm_shade_gather_options *o, float *out,
                                     ylm_shade_gather_report *report, ylm_error *e) {
@@ -361,16 +500,22 @@ ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_vir
            .out = out};
   ylm_light_virtual_form form;
   ylm_light_virtual_get(from, &form);
-  ylm_status s = ylm__gather_series(form.degree, &series);
+  ylm_status s = check_subset(v, o, e);
+  if (s == YLM_OK) s = ylm__gather_series(form.degree, &series);
   if (s == YLM_OK) s = check(o, &form, e);
   if (s == YLM_OK) s = read_lights(from, o, &series, &l);
   if (s == YLM_OK) s = make_ask(&j.ask, &l);
   if (s == YLM_OK) s = ylm__gather_gloss(v, o, &j.gloss, e);
+  j.ask.alpha = o->alpha;
+  if (s == YLM_OK && l.bright && o->alpha == 0) s = choose_alpha(&j);
   if (s == YLM_OK)
     s = ylm_parallel(v->points, o->method == YLM_SHADE_VSL && o->samples > MANY ? 1 : GRAIN,
                      o->threads, run, &j, o->progress, "virtual lights");
+  if (s == YLM_OK && l.begin)
+    s = ylm__gather_filter(v, o->tile, j.gloss ? keeps : NULL, &j, o->threads, out);
   uint64_t rays = j.rays, singular = 0;
-  if (s == YLM_OK && (o->method == YLM_SHADE_VPL || form.profile == YLM_LIGHT_VIRTUAL_POINT))
+  if (s == YLM_OK && !l.begin &&
+      (o->method == YLM_SHADE_VPL || form.profile == YLM_LIGHT_VIRTUAL_POINT))
     s = ylm__gather_singular(v, &l, &singular);
   if (s == YLM_OK && o->compensate) s = ylm__gather_compensate(v, &j.ask, j.gloss, out, &rays, e);
   if (s == YLM_OK) reflect(&j, out);
@@ -380,14 +525,17 @@ ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_vir
                  "intensity",
                  where / 3 + 1);
   ylm_free(l.memory);
+  ylm_free(l.begin);
   ylm_free(l.lobe);
   ylm_free(l.top);
   ylm__gather_series_free(&series);
   ylm__gather_gloss_free(j.gloss);
-  *report = (ylm_shade_gather_report){.pairs = (uint64_t)v->points * l.n,
+  *report = (ylm_shade_gather_report){.pairs = j.pairs,
                                       .rays = rays,
                                       .singular = singular,
-                                      .lights = l.n,
+                                      .lights = o->method == YLM_SHADE_VSGL ? l.n : form.n,
+                                      .kept = l.bright ? j.kept : j.pairs,
+                                      .alpha = l.bright ? j.ask.alpha : 0,
                                       .seconds = ylm_seconds() - begun};
   return s;
 }

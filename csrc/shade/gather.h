@@ -10,8 +10,11 @@
 
 /* Lights as kernels want them: arrays of one number each. Padding lies at 0 and sends nothing. */
 typedef struct gather_lights {
-  size_t n, padded;
+  size_t n, padded; /* with groups n is `padded` */
   ylm_light_virtual_form form;
+  size_t groups; /* that points ask one of: of a tile's pixels; else 1 */
+  size_t *begin; /* [groups + 1] multiples of GATHER_LOBES; NULL: one */
+  float *bright; /* [padded] bounds of the luminance of intensities; NULL: not asked for */
   float *at[3], *normal[3], *shift; /* [padded]; without a normal the shift is 1 */
   float *radius;                    /* [padded] */
   float *intensity[3];              /* [padded] degree 0; else lobes */
@@ -31,28 +34,30 @@ typedef struct gather_ask {
   const ylm_shade_gather_options *o;
   float zonal[YLM_SHADE_GATHER_LMAX + 1]; /* a_l (2l+1)/(4 pi) window_l */
   float core;                             /* 1/R^4 of far and near */
+  double alpha;                           /* stochastic: light above which a light is always kept */
   float reflectance;                      /* of the receiver: luminance of its albedo over pi */
 } gather_ask;
 
-/* w[k]: irradiance at x, normal N, by light first + k for an intensity of 1, k < GATHER_CHUNK. */
+/* w[k]: irradiance at x, normal N, by light first + k for an intensity of 1, k < n. In all of these n <= GATHER_CHUNK is a
+   multiple of GATHER_LOBES. */
 typedef void ylm_shade_weights_fn(const gather_lights *l, const gather_ask *a, size_t first,
-                                  const float x[3], const float N[3], float *w);
-/* sum[c] += w[k] I[c][k], k < GATHER_CHUNK. */
-typedef void ylm_shade_collect_fn(const float *w, const float *const I[3], double sum[3]);
+                                  size_t n, const float x[3], const float N[3], float *w);
+/* sum[c] += w[k] I[c][k], k < n. */
+typedef void ylm_shade_collect_fn(size_t n, const float *w, const float *const I[3], double sum[3]);
 
 /* As collect, with weights for each channel: w [3][GATHER_CHUNK]. */
-typedef void ylm_shade_collect_each_fn(const float (*w)[GATHER_CHUNK], const float *const I[3],
-                                       double sum[3]);
-/* I[c][k]: intensity of light first + k, whose emission has a degree, towards x; k < GATHER_CHUNK. `soft`: profiles
+typedef void ylm_shade_collect_each_fn(size_t n, const float (*w)[GATHER_CHUNK],
+                                       const float *const I[3], double sum[3]);
+/* I[c][k]: intensity of light first + k, whose emission has a degree, towards x; k < n. `soft`: profiles
    whose direction is. */
-typedef void ylm_shade_send_fn(const gather_lights *l, bool soft, size_t first, const float x[3],
-                               float (*I)[GATHER_CHUNK]);
+typedef void ylm_shade_send_fn(const gather_lights *l, bool soft, size_t first, size_t n,
+                               const float x[3], float (*I)[GATHER_CHUNK]);
 struct gather_receiver;
 /* As weights, of a receiver that glosses: w [functions][GATHER_CHUNK], radiance by functions of its slices; of zonal
    lobes [3], without the base. */
 typedef void ylm_shade_gloss_fn(const gather_lights *l, const gather_ask *a,
-                                const struct gather_receiver *r, size_t first, const float x[3],
-                                float (*w)[GATHER_CHUNK]);
+                                const struct gather_receiver *r, size_t first, size_t n,
+                                const float x[3], float (*w)[GATHER_CHUNK]);
 
 typedef struct gather_kernels {
   ylm_shade_weights_fn *weights;
@@ -104,6 +109,28 @@ double ylm__gather_sphere(const gather_lights *l, const gather_ask *a, size_t i,
 void ylm__gather_sphere_gloss(const gather_lights *l, const gather_ask *a,
                               const struct gather_receiver *r, size_t i, const float x[3],
                               ylm_rng *rng, double out[3]);
+
+/* -- gather_subset.c: which lights a point asks ------------------------------------- */
+
+/* The group of a point's pixel. */
+size_t ylm__gather_group(const ylm_shade_view *v, int tile, size_t pixel);
+/* In place: irradiances [points][3] of points that ask one light of tile^2 become means over a tile of pixels, of
+   points on the same mesh whose normals are within 20 degrees. `keeps`: point p stays as it is. YLM_ENOMEM */
+typedef bool ylm_shade_keeps_fn(const void *context, size_t p);
+ylm_status ylm__gather_filter(const ylm_shade_view *v, int tile, ylm_shade_keeps_fn *keeps,
+                              const void *context, int threads, float *out);
+/* One walk along a point's lights: each step of alpha along the sum of their bounds keeps one. */
+typedef struct gather_walk {
+  double alpha, upto;
+} gather_walk;
+/* The factor of a light of this bound: 0 leaves it out; the mean is 1. */
+static inline float ylm__gather_keep(gather_walk *w, double bound) {
+  if (!(bound < w->alpha)) return 1;
+  w->upto += bound;
+  if (w->upto < w->alpha) return 0;
+  w->upto -= w->alpha;
+  return (float)(w->alpha / bound);
+}
 
 struct gather_gloss;
 /* Adds to irradiances [points][3], of points that gloss radiances, what the bound took. gather_vpl.c */

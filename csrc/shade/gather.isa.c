@@ -93,10 +93,10 @@ YLM_INLINE ylm_vf as_point(const gather_ask *a, ylm_vf d2, ylm_vf c, ylm_vf cosi
 }
 
 YLM_INLINE void weigh(const gather_lights *l, const gather_ask *a, int profile, bool point,
-                      size_t first, const float x[3], const float N[3], float *w) {
+                      size_t first, size_t n, const float x[3], const float N[3], float *w) {
   const ylm_vf one = (ylm_vf){0} + 1;
   bool soft = !point && profile != YLM_LIGHT_VIRTUAL_CAP && profile != YLM_LIGHT_VIRTUAL_POINT;
-  for (size_t k = 0; k < GATHER_CHUNK; k += YLM_VF) {
+  for (size_t k = 0; k < n; k += YLM_VF) {
     size_t i = first + k;
     ylm_vf vx = ylm_vf_load(l->at[0] + i) - x[0], vy = ylm_vf_load(l->at[1] + i) - x[1],
            vz = ylm_vf_load(l->at[2] + i) - x[2], r = ylm_vf_load(l->radius + i);
@@ -147,10 +147,10 @@ YLM_INLINE ylm_vf clamped(ylm_vf k, ylm_vf c) {
 }
 
 /* Weights of groups: of the cosine about N, or of the lobe of a receiver. */
-YLM_INLINE void gaussian(const gather_lights *l, const gather_receiver *r, size_t first,
+YLM_INLINE void gaussian(const gather_lights *l, const gather_receiver *r, size_t first, size_t n,
                          const float x[3], const float N[3], float (*w)[GATHER_CHUNK]) {
   const ylm_vf one = (ylm_vf){0} + 1;
-  for (size_t k = 0; k < GATHER_CHUNK; k += YLM_VF) {
+  for (size_t k = 0; k < n; k += YLM_VF) {
     size_t i = first + k;
     ylm_vf u[3], v[3], d2 = one * 0, along = one * 0, s2 = one * 0, c = one * 0;
     ylm_vf s = 1 / ylm_vf_load(l->radius + i), lam = ylm_vf_load(l->shift + i);
@@ -194,27 +194,30 @@ YLM_INLINE void gaussian(const gather_lights *l, const gather_receiver *r, size_
 }
 
 void YLM_KERNEL(ylm_k_shade_weights)(const gather_lights *l, const gather_ask *a, size_t first,
-                                     const float x[3], const float N[3], float *w) {
+                                     size_t n, const float x[3], const float N[3], float *w) {
   if (a->o->method == YLM_SHADE_VSGL) {
-    gaussian(l, NULL, first, x, N, (float(*)[GATHER_CHUNK])(void *)w);
+    gaussian(l, NULL, first, n, x, N, (float(*)[GATHER_CHUNK])(void *)w);
     return;
   }
   if (a->o->method == YLM_SHADE_VPL) {
-    weigh(l, a, 0, true, first, x, N, w);
+    weigh(l, a, 0, true, first, n, x, N, w);
     return;
   }
   switch (l->form.profile) {
-  case YLM_LIGHT_VIRTUAL_CAP: weigh(l, a, YLM_LIGHT_VIRTUAL_CAP, false, first, x, N, w); break;
-  case YLM_LIGHT_VIRTUAL_POINT: weigh(l, a, YLM_LIGHT_VIRTUAL_POINT, false, first, x, N, w); break;
-  case YLM_LIGHT_VIRTUAL_FAR: weigh(l, a, YLM_LIGHT_VIRTUAL_FAR, false, first, x, N, w); break;
-  case YLM_LIGHT_VIRTUAL_NEAR: weigh(l, a, YLM_LIGHT_VIRTUAL_NEAR, false, first, x, N, w); break;
-  default: weigh(l, a, YLM_LIGHT_VIRTUAL_GAUSS, false, first, x, N, w);
+  case YLM_LIGHT_VIRTUAL_CAP: weigh(l, a, YLM_LIGHT_VIRTUAL_CAP, false, first, n, x, N, w); break;
+  case YLM_LIGHT_VIRTUAL_POINT:
+    weigh(l, a, YLM_LIGHT_VIRTUAL_POINT, false, first, n, x, N, w);
+    break;
+  case YLM_LIGHT_VIRTUAL_FAR: weigh(l, a, YLM_LIGHT_VIRTUAL_FAR, false, first, n, x, N, w); break;
+  case YLM_LIGHT_VIRTUAL_NEAR: weigh(l, a, YLM_LIGHT_VIRTUAL_NEAR, false, first, n, x, N, w); break;
+  default: weigh(l, a, YLM_LIGHT_VIRTUAL_GAUSS, false, first, n, x, N, w);
   }
 }
 
-void YLM_KERNEL(ylm_k_shade_collect)(const float *w, const float *const I[3], double sum[3]) {
+void YLM_KERNEL(ylm_k_shade_collect)(size_t n, const float *w, const float *const I[3],
+                                     double sum[3]) {
   ylm_vf s[3] = {{0}, {0}, {0}};
-  for (size_t k = 0; k < GATHER_CHUNK; k += YLM_VF) {
+  for (size_t k = 0; k < n; k += YLM_VF) {
     ylm_vf one = ylm_vf_load(w + k);
     for (int c = 0; c < 3; c++) s[c] += one * ylm_vf_load(I[c] + k);
   }
@@ -222,10 +225,10 @@ void YLM_KERNEL(ylm_k_shade_collect)(const float *w, const float *const I[3], do
     for (int i = 0; i < YLM_VF; i++) sum[c] += (double)s[c][i];
 }
 
-void YLM_KERNEL(ylm_k_shade_collect_each)(const float (*w)[GATHER_CHUNK], const float *const I[3],
-                                          double sum[3]) {
+void YLM_KERNEL(ylm_k_shade_collect_each)(size_t n, const float (*w)[GATHER_CHUNK],
+                                          const float *const I[3], double sum[3]) {
   ylm_vf s[3] = {{0}, {0}, {0}};
-  for (size_t k = 0; k < GATHER_CHUNK; k += YLM_VF)
+  for (size_t k = 0; k < n; k += YLM_VF)
     for (int c = 0; c < 3; c++) s[c] += ylm_vf_load(w[c] + k) * ylm_vf_load(I[c] + k);
   for (int c = 0; c < 3; c++)
     for (int i = 0; i < YLM_VF; i++) sum[c] += (double)s[c][i];
@@ -259,11 +262,11 @@ YLM_INLINE void send(const gather_series *s, int top, const float *b, const ylm_
   }
 }
 
-void YLM_KERNEL(ylm_k_shade_send)(const gather_lights *l, bool soft, size_t first, const float x[3],
-                                  float (*I)[GATHER_CHUNK]) {
+void YLM_KERNEL(ylm_k_shade_send)(const gather_lights *l, bool soft, size_t first, size_t n,
+                                  const float x[3], float (*I)[GATHER_CHUNK]) {
   const ylm_vf one = (ylm_vf){0} + 1;
   const size_t block = l->series->entries * 6 * GATHER_LOBES;
-  for (size_t k = 0; k < GATHER_CHUNK; k += YLM_VF) {
+  for (size_t k = 0; k < n; k += YLM_VF) {
     size_t i = first + k, of = i / GATHER_LOBES;
     ylm_vf u[3], d2 = soft ? ylm_vf_load(l->radius + i) : one * 0, out[3];
     d2 *= d2 * (0.25f / 16);
@@ -358,12 +361,12 @@ YLM_INLINE void by_zones(const gather_receiver *r, int lmax, const ylm_vf *G, yl
 }
 
 YLM_INLINE void gloss(const gather_lights *l, const gather_ask *a, const gather_receiver *r,
-                      int profile, int functions, bool halves, size_t first, const float x[3],
-                      float (*w)[GATHER_CHUNK]) {
+                      int profile, int functions, bool halves, size_t first, size_t n,
+                      const float x[3], float (*w)[GATHER_CHUNK]) {
   const ylm_vf one = (ylm_vf){0} + 1;
   const bool soft = profile != YLM_LIGHT_VIRTUAL_CAP && profile != YLM_LIGHT_VIRTUAL_POINT;
   ylm_vf G[YLM_MATERIAL_TABLE_LMAX + 1];
-  for (size_t k = 0; k < GATHER_CHUNK; k += YLM_VF) {
+  for (size_t k = 0; k < n; k += YLM_VF) {
     size_t i = first + k;
     ylm_vf v[3], u[3], out[3], d2 = one * 0, along = one * 0, R = ylm_vf_load(l->radius + i);
     for (int b = 0; b < 3; b++) {
@@ -396,19 +399,19 @@ YLM_INLINE void gloss(const gather_lights *l, const gather_ask *a, const gather_
 #define PROFILES(functions, halves)                                                                \
   switch (l->form.profile) {                                                                       \
   case YLM_LIGHT_VIRTUAL_CAP:                                                                      \
-    gloss(l, a, r, YLM_LIGHT_VIRTUAL_CAP, functions, halves, first, x, w);                         \
+    gloss(l, a, r, YLM_LIGHT_VIRTUAL_CAP, functions, halves, first, n, x, w);                      \
     break;                                                                                         \
   case YLM_LIGHT_VIRTUAL_GAUSS:                                                                    \
-    gloss(l, a, r, YLM_LIGHT_VIRTUAL_GAUSS, functions, halves, first, x, w);                       \
+    gloss(l, a, r, YLM_LIGHT_VIRTUAL_GAUSS, functions, halves, first, n, x, w);                    \
     break;                                                                                         \
-  default: gloss(l, a, r, l->form.profile, functions, halves, first, x, w);                        \
+  default: gloss(l, a, r, l->form.profile, functions, halves, first, n, x, w);                     \
   }
 
 void YLM_KERNEL(ylm_k_shade_gloss)(const gather_lights *l, const gather_ask *a,
-                                   const gather_receiver *r, size_t first, const float x[3],
-                                   float (*w)[GATHER_CHUNK]) {
+                                   const gather_receiver *r, size_t first, size_t n,
+                                   const float x[3], float (*w)[GATHER_CHUNK]) {
   if (a->o->method == YLM_SHADE_VSGL)
-    gaussian(l, r, first, x, r->axis[2], w);
+    gaussian(l, r, first, n, x, r->axis[2], w);
   else if (r->zonal || r->functions == 3) {
     PROFILES(3, r->halves)
   } else if (r->functions == 2) {

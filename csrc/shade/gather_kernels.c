@@ -1,9 +1,9 @@
 /* gather_kernels.c - the kernels of the instruction set in use, and the plain form, which judges them. */
 #include "gather_gloss.h"
 
-static void weights(const gather_lights *l, const gather_ask *a, size_t first, const float x[3],
-                    const float N[3], float *w) {
-  for (size_t k = 0; k < GATHER_CHUNK; k++) {
+static void weights(const gather_lights *l, const gather_ask *a, size_t first, size_t n,
+                    const float x[3], const float N[3], float *w) {
+  for (size_t k = 0; k < n; k++) {
     double one[3] = {0, 0, 0};
     if (first + k < l->n) {
       if (a->o->method == YLM_SHADE_VSGL)
@@ -15,19 +15,20 @@ static void weights(const gather_lights *l, const gather_ask *a, size_t first, c
   }
 }
 
-static void collect(const float *w, const float *const I[3], double sum[3]) {
+static void collect(size_t n, const float *w, const float *const I[3], double sum[3]) {
   for (int c = 0; c < 3; c++)
-    for (size_t k = 0; k < GATHER_CHUNK; k++) sum[c] += (double)w[k] * (double)I[c][k];
+    for (size_t k = 0; k < n; k++) sum[c] += (double)w[k] * (double)I[c][k];
 }
 
-static void collect_each(const float (*w)[GATHER_CHUNK], const float *const I[3], double sum[3]) {
+static void collect_each(size_t n, const float (*w)[GATHER_CHUNK], const float *const I[3],
+                         double sum[3]) {
   for (int c = 0; c < 3; c++)
-    for (size_t k = 0; k < GATHER_CHUNK; k++) sum[c] += (double)w[c][k] * (double)I[c][k];
+    for (size_t k = 0; k < n; k++) sum[c] += (double)w[c][k] * (double)I[c][k];
 }
 
 static void gloss(const gather_lights *l, const gather_ask *a, const gather_receiver *r,
-                  size_t first, const float x[3], float (*w)[GATHER_CHUNK]) {
-  for (size_t k = 0; k < GATHER_CHUNK; k++) {
+                  size_t first, size_t n, const float x[3], float (*w)[GATHER_CHUNK]) {
+  for (size_t k = 0; k < n; k++) {
     double one[3] = {0, 0, 0};
     if (first + k < l->n) {
       if (a->o->method == YLM_SHADE_VSGL)

@@ -39,9 +39,9 @@ static void send(const gather_lights *l, bool soft, size_t i, const float x[3], 
   for (int c = 0; c < 3; c++) out[(size_t)c * stride] = (float)sum[c];
 }
 
-void ylm__gather_send(const gather_lights *l, bool soft, size_t first, const float x[3],
+void ylm__gather_send(const gather_lights *l, bool soft, size_t first, size_t n, const float x[3],
                       float (*I)[GATHER_CHUNK]) {
-  for (size_t k = 0; k < GATHER_CHUNK; k++)
+  for (size_t k = 0; k < n; k++)
     if (first + k < l->n)
       send(l, soft, first + k, x, I[0] + k, GATHER_CHUNK);
     else

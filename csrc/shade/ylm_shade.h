@@ -562,8 +562,19 @@ typedef enum ylm_shade_horizon {
   YLM_SHADE_HORIZON_GATE
 } ylm_shade_horizon;
 
+/* Lights that a point asks: all; those of one pixel of a tile, and then the mean over such a tile; few, by chance. */
+typedef enum ylm_shade_subset {
+  YLM_SHADE_ALL,
+  YLM_SHADE_INTERLEAVED,
+  YLM_SHADE_STOCHASTIC
+} ylm_shade_subset;
+
 typedef struct ylm_shade_gather_options {
   ylm_shade_gather_method method;
+  ylm_shade_subset subset;
+  int tile; /* INTERLEAVED: pixels a side, 2 .. YLM_SHADE_TILE */
+  double
+      alpha; /* STOCHASTIC: W m^-2, 0: one of which about YLM_SHADE_KEPT lights of a point are kept */
   int lmax;                  /* HVL: 0 .. YLM_SHADE_GATHER_LMAX */
   const double *window;      /* HVL: [lmax+1] factors of the receiver's coefficients; NULL: 1 */
   ylm_shade_horizon horizon; /* HVL */
@@ -583,12 +594,16 @@ typedef struct ylm_shade_gather_options {
 } ylm_shade_gather_options;
 
 #define YLM_SHADE_GATHER_LMAX 100
+#define YLM_SHADE_TILE 16
+#define YLM_SHADE_KEPT 64
 
 typedef struct ylm_shade_gather_report {
-  uint64_t pairs, rays;
+  uint64_t pairs, rays; /* pairs that were asked; of STOCHASTIC also those that were left out */
   uint64_t
-      singular; /* pairs of a point and a light without size at the same place: they count as nothing */
+      singular; /* pairs of a point and a light without size at the same place: they count as nothing; not of INTERLEAVED */
   uint64_t lights; /* that were asked; of VSGL groups */
+  uint64_t kept;   /* pairs; all but of STOCHASTIC */
+  double alpha;
   double seconds;
 } ylm_shade_gather_report;
 
@@ -610,6 +625,13 @@ typedef struct ylm_shade_gather_report {
 ** from x to m, g(w; a, k) = e^(k (w.a - 1)), A its integral; a light's own radius r counts as the deviation r/2. Surfaces that
 ** gloss have a Gaussian lobe, of the power and the mean direction of f above its least value.
 **
+** INTERLEAVED: the point's pixel has the place i in a tile of tile x tile pixels, and asks lights i, i + tile^2, ..; the
+** irradiance is tile^2 times their sum, and then the mean over the tile of pixels around, points on the same mesh whose
+** normals are within 20 degrees counting. STOCHASTIC: a light whose unshadowed light b (of VSL 2I/max(d^2, 2r^2)) is below
+** alpha is kept with the chance b/alpha and counts alpha/b times; lights of a point are chosen by equal steps along the sum of
+** b, from a start that is random. Its mean is that of all lights, its standard deviation at most sqrt(alpha E) by independent
+** choices. Points that gloss ask all lights where they are interleaved.
+**
 ** Compensation: rays from x as the cosine meet y'; what the bound took from the light that y' reflects,
 ** L f max(0, G - c)/G, is added (ylm_path_places has L). With shadows, the mean is that of no bound.
 ** On a surface that glosses f, of the direction to the eye, stands in place of albedo/pi:
@@ -628,7 +650,8 @@ typedef struct ylm_shade_gather_report {
 ** Source   Mezieres & Paulin 2022; Keller 1997, "Instant Radiosity"; Kollig & Keller 2004,
 **          "Illumination in the Presence of Weak Singularities"; Tokuyoshi 2015, "Virtual Spherical
 **          Gaussian Lights for Real-time Glossy Indirect Illumination"; Hasan et al. 2009, "Virtual Spherical
-**          Lights for Many-Light Rendering of Glossy Scenes"
+**          Lights for Many-Light Rendering of Glossy Scenes"; Keller & Heidrich 2001, "Interleaved Sampling"; Tokuyoshi &
+**          Harada 2016, "Stochastic Light Culling"
 */
 YLM_API ylm_status ylm_shade_gather_virtual(const ylm_shade_view *view,
                                             const ylm_light_virtual *lights,

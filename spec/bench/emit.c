@@ -54,9 +54,9 @@ static double rate(task *x, int bounces) {
   return (double)x->report.rays / least * 1e-6;
 }
 
-/* What radii or merging take. */
+/* Milliseconds of radii or of merging. */
 typedef struct cost {
-  double cpu, wall; /* ms of processor time, one thread; of wall time, two threads */
+  double cpu, wall; /* processor time, one thread; of wall time, two threads */
 } cost;
 
 static double processor(task *x) {

@@ -12,18 +12,18 @@ static const double *read_window(lua_State *L, int i, int lmax) {
 }
 
 /* shade_virtual(view, lights, {method, lmax, window: list | nil, horizon, clamp, limit, compensate,
-   bounces, samples, strategy, shadows, seed, threads, progress, zonal, matte,
-   groups}) -> radiance [n][3], {pairs, rays,
-   seconds} */
+   bounces, samples, strategy, shadows, seed, threads, progress, zonal, matte, groups, subset, tile, alpha}) -> radiance
+   [n][3], {pairs, rays, singular, lights, kept, alpha, seconds} */
 static int shade_virtual(lua_State *L) {
-  static const char *const names[] = {"method",  "lmax",       "window",  "horizon",  "clamp",
-                                      "limit",   "compensate", "bounces", "samples",  "strategy",
-                                      "shadows", "seed",       "threads", "progress", "zonal",
-                                      "matte",   "groups",     NULL};
+  static const char *const names[] = {
+      "method",  "lmax",    "window",   "horizon", "clamp", "limit",   "compensate",
+      "bounces", "samples", "strategy", "shadows", "seed",  "threads", "progress",
+      "zonal",   "matte",   "groups",   "subset",  "tile",  "alpha",   NULL};
   static const char *const methods[] = {"hvl", "vpl", "vsl", "vsgl", NULL};
   static const char *const horizons[] = {"none", "paper", "gate", NULL};
   static const char *const clamps[] = {"none", "distance", "geometry", "whole", NULL};
   static const char *const strategies[] = {"cone", "receiver", "mis", NULL};
+  static const char *const subsets[] = {"all", "interleaved", "stochastic", NULL};
   enum {
     METHOD = 4,
     LMAX,
@@ -41,7 +41,10 @@ static int shade_virtual(lua_State *L) {
     PROGRESS,
     ZONAL,
     MATTE,
-    GROUPS
+    GROUPS,
+    SUBSET,
+    TILE,
+    ALPHA
   };
   ylmL_named(L, 3, names);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
@@ -63,6 +66,9 @@ static int shade_virtual(lua_State *L) {
       .groups = (size_t)luaL_optnumber(L, GROUPS, 0),
       .zonal = lua_toboolean(L, ZONAL),
       .matte = lua_toboolean(L, MATTE),
+      .subset = (ylm_shade_subset)luaL_checkoption(L, SUBSET, "all", subsets),
+      .tile = (int)luaL_optnumber(L, TILE, 0),
+      .alpha = (double)luaL_optnumber(L, ALPHA, 0),
       .seed = (uint64_t)luaL_checknumber(L, SEED),
       .threads = (int)luaL_optnumber(L, THREADS, 0),
       .progress = ylmL_progress_begin(L, PROGRESS, &p)};
@@ -76,6 +82,8 @@ static int shade_virtual(lua_State *L) {
   ylmL_set_count(L, "rays", r.rays);
   ylmL_set_count(L, "singular", r.singular);
   ylmL_set_count(L, "lights", r.lights);
+  ylmL_set_count(L, "kept", r.kept);
+  ylmL_set_number(L, "alpha", r.alpha);
   ylmL_set_number(L, "seconds", r.seconds);
   return ylmL_result_progress(L, 2, s, &e, &p);
 }

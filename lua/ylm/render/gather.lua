@@ -16,6 +16,7 @@ local window = require "ylm.sh.window"
 
 local gather = {}
 
+local TILE, MOST_TILE = 4, 16
 local LMAX, ZONAL_LMAX, LIMIT_LMAX, SAMPLES, GROUPS = 4, 14, 100, 25, 400
 
 --- Options of one method, which others refuse.
@@ -63,7 +64,17 @@ local gather_options = options.list({
 }, own.hvl, own.vpl, own.vsl, own.vsgl, {
   { "shadows", "choice", of = { "none", "centre" }, default = "none",
     about = "'centre': a ray from each point to each light; 'none': they shine through walls" },
-  { "seed", "integer", min = 0, max = 2 ^ 32, optional = true, about = "of vsl and compensate; default: that of the view" },
+  { "subset", "choice", of = { "all", "interleaved", "stochastic" }, default = "all",
+    about = "lights that a point asks: 'interleaved', those of its place in a tile of pixels, and then the mean over such a "
+      .. "tile, of points on the same mesh whose normals are within 20 degrees; 'stochastic', bright ones, and others by "
+      .. "chance, which then count for more: the mean over seeds is that of all" },
+  { "tile", "integer", min = 2, max = MOST_TILE, optional = true,
+    about = "'interleaved': pixels a side, of which each asks one light of tile^2; default " .. TILE },
+  { "alpha", "number", above = 0, optional = true, unit = "W m^-2",
+    about = "'stochastic': a light that gives more, shadows aside, is kept; one that gives b, with the chance b/alpha; "
+      .. "default: by which points keep about 64 lights" },
+  { "seed", "integer", min = 0, max = 2 ^ 32, optional = true,
+    about = "of vsl, compensate and 'stochastic'; default: that of the view" },
 }, options.layer_fields, options.common)
 
 --- Raises where options are another method's.
@@ -107,6 +118,15 @@ end
 --- Settles the options that one method has.
 local function settle(p, o)
   refuse_others(o)
+  for name, subset in pairs { tile = "interleaved", alpha = "stochastic" } do
+    if o[name] and o.subset ~= subset then
+      return check.fail("gather: %s is for subset = '%s', this is '%s': leave it out", name, subset, o.subset)
+    end
+  end
+  if o.subset ~= "all" and o.method == "vsgl" then
+    return check.fail("gather: subset = '%s' is of single lights, method = 'vsgl' asks all of its groups", o.subset)
+  end
+  if o.subset == "interleaved" then o.tile = o.tile or TILE end
   if o.lights.profile ~= "point" and o.lights.profile ~= "gauss" and o.lights.profile ~= "cap" and o.method ~= "hvl" then
     return check.fail("gather: lights of profile '%s' are parts of lights, which only method = 'hvl' knows", o.lights.profile)
   end
@@ -140,8 +160,8 @@ function gather.radiance(name, p, o)
     method = o.method, lmax = o.lmax or 0, window = factors(o), horizon = o.horizon, clamp = o.clamp, limit = o.limit,
     compensate = o.compensate, bounces = math.max(1, o.bounces or 1), samples = o.samples, strategy = o.strategy,
     shadows = o.shadows == "centre",
-    groups = o.groups, zonal = o.zonal, matte = p.options.gloss == "matte",
-    seed = o.seed or p.options.seed, threads = o.threads or 0,
+    groups = o.groups, zonal = o.zonal, matte = p.options.gloss == "matte", subset = o.subset, tile = o.tile,
+    alpha = o.alpha, seed = o.seed or p.options.seed, threads = o.threads or 0,
     progress = progress.resolve(o.progress) }))
 end
 
@@ -166,7 +186,8 @@ describe "prepared:gather" {
   options = gather_options,
   returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "method, lights, pairs, "
     .. "ns_per_pair; rays.shadow; limit, where a clamp has one; groups, of 'vsgl'; singular: pairs of a shading point and a "
-    .. "light without size at its place, which count as nothing" } },
+    .. "light without size at its place, which count as nothing; subset; of 'stochastic' alpha, and kept: lights of a point "
+    .. "in the mean" } },
   errors = "raises on a bad option; nil, message, code: memory, cancelled",
   example = options.one_lamp .. [[
 local lights = scene:virtual_lights { count = 50 }
@@ -189,6 +210,10 @@ function views.methods.gather(view, given)
   report.pairs, report.rays.shadow, report.singular = facts.pairs, facts.rays, facts.singular
   report.groups = o.method == "vsgl" and facts.lights or nil
   report.ns_per_pair = facts.pairs > 0 and 1e9 * facts.seconds / facts.pairs or 0
+  report.subset = o.subset
+  if o.subset == "stochastic" then
+    report.alpha, report.kept = facts.alpha, facts.kept / math.max(1, p.stats.points)
+  end
   gather.say(p, o.shadows, report)
   local out, message
   out, message, code = pictures.picture("gather", p, function(layer)
@@ -197,7 +222,7 @@ function views.methods.gather(view, given)
   if not out then return nil, message, code end
   pictures.finish(report, start, facts.seconds)
   pictures.sign(out, p, "gather " .. o.method, report, { lights = o.lights.count, shadows = o.shadows, limit = o.limit,
-    profile = o.lights.profile, light_degree = o.lmax })
+    profile = o.lights.profile, light_degree = o.lmax, subset = o.subset, tile = o.tile, alpha = report.alpha })
   return out, report
 end
 
