@@ -44,6 +44,10 @@ local wants = {
   { derivatives = 0, channels = "luminance" }, { derivatives = 2, channels = "luminance", metric = "rgb" },
   { derivatives = 1, channels = "rgb", metric = "luminance" }, { derivatives = 0, channels = "rgb", metric = "rgb" },
   { derivatives = 1, channels = "luminance" }, { derivatives = 0, channels = "luminance", metric = "luminance" },
+  { derivatives = 1, channels = "rgb", metric = "luminance", rough = true },
+  { derivatives = 0, channels = "rgb", metric = "luminance", rough = true },
+  { derivatives = 2, channels = "rgb", metric = "luminance", rough = true },
+  { derivatives = 1, channels = "rgb", metric = "rgb", rough = true },
 }
 
 --- Asserts that the kernels of each instruction set agree with the reference on this query.
@@ -88,6 +92,7 @@ describe("kernels of virtual lights", function()
     for _, n in ipairs { 1, 8, 9, 129 } do
       agree(lights(n, 0, "gauss"), 2, points(3, "float"), wants[2], 1e-5, "gauss 0")
     end
+    for lmax = 7, 8 do agree(lights(9, 0, "far"), lmax, points(5, "float"), wants[10], 2e-5, "far 0") end
   end)
 
   it("give a point the same whatever is beside it", function()

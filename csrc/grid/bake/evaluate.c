@@ -1,6 +1,6 @@
 /* evaluate.c - asking a light field for the data of points. */
 #include "baker.h"
-#include "ylm_light.h"
+#include "ylm_light_virtual.h"
 
 #include <math.h>
 #include <string.h>
@@ -45,7 +45,7 @@ ylm_status ylm__evaluate_ask(baker *b, const ylm_field *field, size_t n, field_b
   memset(k->inside, 0, n);
   int want = YLM_WANT_VALUE | YLM_WANT_GRADIENT | (k->hessian ? YLM_WANT_HESSIAN : 0);
   if (f->metric_channels)
-    want |= YLM_WANT_METRIC;
+    want |= YLM_WANT_METRIC | (f->tolerance > 0 ? YLM_WANT_ROUGH : 0);
   else
     for (size_t i = 0; i < n; i++) k->lambda[i] = k->norm[i] = NAN;
   return ask(b, field, want, f->channels, n, k->position, &r);

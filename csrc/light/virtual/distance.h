@@ -19,6 +19,7 @@
 #define SMALL 0.25f
 #define SERIES 8
 #define NEAREST 1e-6f /* (1e-3)^2 */
+#define RISEN 27.0f   /* e^-x beyond this changes neither g nor its derivatives */
 #else
 #define NOTHING 700.0
 #define MANTISSA 52
@@ -30,6 +31,7 @@
 #define SMALL 0.1
 #define SERIES 13
 #define NEAREST 1e-16
+#define RISEN 48.0
 #endif
 
 /* sg^2 of a light. */
@@ -40,22 +42,42 @@ YLM_INLINE real width2_of(const real *lamp) {
 
 /* e^-x of x >= 0; 0 from NOTHING on. */
 YLM_INLINE vreal decay(vreal x) {
+  static const real c[] = {1.0 / 6227020800,
+                           1.0 / 479001600,
+                           1.0 / 39916800,
+                           1.0 / 3628800,
+                           1.0 / 362880,
+                           1.0 / 40320,
+                           1.0 / 5040,
+                           1.0 / 720,
+                           1.0 / 120,
+                           1.0 / 24,
+                           1.0 / 6,
+                           0.5,
+                           1,
+                           1}; /* 1/13!, 1/12!, .. */
   const vmask something = x < NOTHING;
   x = keep_lanes(something, x);
   vreal k = x * (real)1.4426950408889634 + MAGIC, n = k - MAGIC;
-  vreal r = n * LN2_LOW - (x - n * LN2_HIGH), p = vreal_set(1);
+  vreal r = n * LN2_LOW - (x - n * LN2_HIGH), p = vreal_set(c[13 - EXP_DEGREE]);
 #pragma GCC unroll 16
-  for (int i = EXP_DEGREE; i > 0; i--) p = 1 + p * r * ((real)1 / (real)i);
+  for (int i = 14 - EXP_DEGREE; i < 14; i++) p = p * r + c[i];
   return keep_lanes(something, (vreal)((vmask)p - ((vmask)k << MANTISSA)));
 }
 
-/* Whether a mask has a lane: halves are joined until 16 bytes are left. */
+/* Whether a mask has a lane: elsewhere halves are joined until 16 bytes are left. */
 YLM_INLINE bool any(vmask m) {
+#if defined(__AVX512F__)
+  return _mm512_test_epi64_mask((__m512i)m, (__m512i)m) != 0;
+#elif defined(__AVX2__)
+  return !_mm256_testz_si256((__m256i)m, (__m256i)m);
+#else
   typedef int64_t pair __attribute__((vector_size(16)));
   pair part[sizeof m / sizeof(pair)];
   memcpy(part, &m, sizeof m);
   for (size_t i = 1; i < sizeof m / sizeof(pair); i++) part[0] |= part[i];
   return (part[0][0] | part[0][1]) != 0;
+#endif
 }
 
 /* 1/sqrt(x), x > 0. */
@@ -69,6 +91,16 @@ YLM_INLINE vreal inverse_root(vreal x) {
   return y + y * (1 - x * y * y) * 0.5f;
 #else
   return 1 / vreal_sqrt(x);
+#endif
+}
+
+/* 1/x, x > 0 and normal. */
+YLM_INLINE vreal inverse(vreal x) {
+#if defined(YLM_REAL_IS_FLOAT) && defined(__AVX512F__)
+  vreal y = (vreal)_mm512_rcp14_ps((__m512)x);
+  return y + y * (1 - x * y);
+#else
+  return 1 / x;
 #endif
 }
 
@@ -92,31 +124,36 @@ YLM_INLINE void rise(vreal x, const real power, const int order, vreal a[3]) {
   for (int i = 0; i <= order; i++) a[i] = choose(small, s[i], a[i]);
 }
 
-/* B0, B1, B2 of degrees 0 .. lmax of a smooth profile, [lmax+1][3]. d2 > 0, inv2 its inverse. */
+/* Weights of degrees 0 .. lmax of a smooth profile, [lmax+1][4]: B0, B1, B2, and B1/B0. d2 > 0, inv2 its inverse;
+   heat: e^(-sg^2/d^2). */
 YLM_INLINE void smooth(const int profile, const int lmax, const int order, const real *lamp,
-                       real core, vreal d2, vreal inv2, vreal *B) {
-  vreal a[3] = {vreal_set(1), vreal_set(-2), vreal_set(4)}, b[3];
-  vreal h = inv2, q1 = {0}, step = vreal_set(1), ratio = step;
+                       real core, vreal d2, vreal inv2, vreal heat, vreal *B) {
+  vreal a[3] = {vreal_set(1), vreal_set(-2), vreal_set(4)}, b[3], steep = vreal_set(-2);
+  vreal h = inv2, q1 = vreal_set(0), step = vreal_set(1), ratio = step;
   if (profile != YLM_LIGHT_VIRTUAL_POINT) {
     const real width2 = width2_of(lamp);
     vreal t = d2 * (2 / width2);
-    if (profile != YLM_LIGHT_VIRTUAL_FAR && any(t < NOTHING)) rise(t, 2, order, a);
+    if (profile != YLM_LIGHT_VIRTUAL_FAR && any(t < RISEN)) rise(t, 2, order, a);
     q1 = inv2 * (2 * width2); /* q of degree 1: 4/t */
-    ratio = step = decay(q1 * (real)0.5);
+    ratio = step = heat;
   }
   if (profile == YLM_LIGHT_VIRTUAL_FAR || profile == YLM_LIGHT_VIRTUAL_NEAR) {
     vreal o = d2 * (1 / (core * core));
     bool far = profile == YLM_LIGHT_VIRTUAL_FAR;
     b[0] = vreal_set(1), b[1] = vreal_set(-2), b[2] = vreal_set(4);
     o = smaller(o, vreal_set(NOTHING));
-    if (any(o * o < NOTHING)) rise(o * o, 4, order, b);
+    if (any(o * o < RISEN)) rise(o * o, 4, order, b);
     for (int i = 0; i <= order; i++) a[i] = far ? b[i] : a[i] - b[i];
   }
-  for (int l = 0; l <= lmax; l++) {
-    vreal q = q1 * (real)(l * (l + 1) / 2);
-    B[3 * l] = h * a[0];
-    if (order > 0) B[3 * l + 1] = h * (a[1] + q * a[0]);
-    if (order > 1) B[3 * l + 2] = h * (a[2] + q * (2 * a[1] + (q - 2) * a[0]));
+  if (order > 0 && profile != YLM_LIGHT_VIRTUAL_POINT)
+    steep = a[1] * inverse(larger(a[0], vreal_set(TINY)));
+  vreal q = vreal_set(0);
+  real n = 0;
+  for (int l = 0; l <= lmax; l++, n += 1) {
+    if (order > 0) q += n * q1;
+    B[4 * l] = h * a[0];
+    if (order > 0) B[4 * l + 1] = h * (a[1] + q * a[0]), B[4 * l + 3] = steep + q;
+    if (order > 1) B[4 * l + 2] = h * (a[2] + q * (2 * a[1] + (q - 2) * a[0]));
     h *= step;
     step *= ratio;
   }
@@ -134,9 +171,9 @@ YLM_INLINE void cap(const int lmax, const int order, const real *lamp, vreal d2,
   vreal u = keep_lanes(out, 1 / vreal_sqrt(h2 * d2)), back = d2 / h2;
   vreal P = vreal_set(1), before = vreal_set(0), dP = before, older = before;
   for (int l = 0; l <= lmax; l++) {
-    B[3 * l] = 2 * width * (l ? dP * (1 / (real)(l * (l + 1))) : 1 / (1 + alpha));
-    if (order > 0) B[3 * l + 1] = -2 * P * u;
-    if (order > 1) B[3 * l + 2] = -2 * u * (dP * u * r2 - P * (1 + back));
+    B[4 * l] = 2 * width * (l ? dP * (1 / (real)(l * (l + 1))) : 1 / (1 + alpha));
+    if (order > 0) B[4 * l + 1] = -2 * P * u;
+    if (order > 1) B[4 * l + 2] = -2 * u * (dP * u * r2 - P * (1 + back));
     vreal next =
               l ? ((2 * (real)l + 1) * alpha * P - (real)l * before) * (1 / (real)(l + 1)) : alpha,
           steep = older + (2 * (real)l + 1) * P;

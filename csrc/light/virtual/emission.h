@@ -9,9 +9,9 @@
 
 enum { PARTS = YLM__VIRTUAL_PARTS };
 
-/* A point as a light sees it: u, 1/D, the cosine and the normal, both 0 behind the light. */
+/* A point as a light sees it: u, 1/D, n.u, the cosine and the normal, both 0 behind the light. */
 typedef struct seen {
-  vreal u[3], inverse, cosine, normal[3];
+  vreal u[3], inverse, along, cosine, normal[3];
 } seen;
 
 /* Jets by v of P(u) = cosine B(u) from those of B by u. */
@@ -141,18 +141,17 @@ YLM_INLINE void any_degree(const seen *p, const int order, int degree, const dou
 /* Where a light looks, of eps^2 = soft2: false where no lane is in front of it. */
 YLM_INLINE bool look(const real *lamp, real soft2, const vreal v[3], vreal d2, seen *s) {
   const real *n = lamp + YLM__VIRTUAL_NORMAL;
-  vreal D2 = d2 + soft2;
+  vreal dot = n[0] * v[0] + n[1] * v[1] + n[2] * v[2], D2 = d2 + soft2;
+  const real shift = lamp[YLM__VIRTUAL_SHIFT];
+  const bool round = n[0] == 0 && n[1] == 0 && n[2] == 0;
+  if (!round && shift == 0 && !any(dot < 0)) return false;
   D2 = choose(D2 > 0, D2, vreal_set(1));
   s->inverse = inverse_root(D2);
+  s->along = -dot * s->inverse;
   for (int a = 0; a < 3; a++) s->u[a] = -v[a] * s->inverse;
-  if (n[0] == 0 && n[1] == 0 && n[2] == 0) {
-    s->cosine = vreal_set(1);
-    for (int a = 0; a < 3; a++) s->normal[a] = vreal_set(0);
-    return true;
-  }
-  vreal c = lamp[YLM__VIRTUAL_SHIFT] + n[0] * s->u[0] + n[1] * s->u[1] + n[2] * s->u[2];
+  vreal c = round ? vreal_set(1) : shift + s->along;
   vmask front = c > 0;
-  if (!any(front)) return false;
+  if (shift != 0 && !any(front)) return false;
   s->cosine = keep_lanes(front, c);
   for (int a = 0; a < 3; a++) s->normal[a] = keep_lanes(front, vreal_set(n[a]));
   return true;

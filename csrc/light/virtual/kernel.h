@@ -20,7 +20,13 @@
 /* eps^2 of a smooth light over sg^2. */
 #define SOFT ((real)(YLM__GAUSS_SOFT * YLM__GAUSS_SOFT))
 
-enum { TILE = YLM__VIRTUAL_TILE, TOP = YLM_LIGHT_LMAX + 2 };
+/* Sums of ../gen. */
+#define STRAIGHT YLM_REAL_KERNEL(ylm__virtual_straight)
+extern const ylm__virtual_straight STRAIGHT;
+
+/* Bytes of a tile that stay in the first cache beside the sums; lights of a tile of products. */
+enum { STRAIGHT_BYTES = 12288, PRODUCT_TILE = 8 };
+enum { ARRAYS = 8, TILE = YLM__VIRTUAL_TILE, TOP = YLM_LIGHT_LMAX + 2 };
 
 /* -- rows ----------------------------------------------------------------------------------- */
 
@@ -32,7 +38,7 @@ typedef struct weights {
 YLM_INLINE void weigh(const int lmax, const int order, const vreal *B, vreal invd, weights *w) {
   vreal inv2 = invd * invd;
   for (int l = 0; l <= lmax; l++) {
-    const vreal b0 = B[3 * l], b1 = B[3 * l + 1], b2 = B[3 * l + 2];
+    const vreal b0 = B[4 * l], b1 = B[4 * l + 1], b2 = B[4 * l + 2];
     const real n = (real)l;
     w->value[l] = b0;
     if (order < 1) continue;
@@ -148,13 +154,22 @@ static void multiply(size_t rows, int channels, int n, const vreal *S, size_t S_
 
 /* -- lights --------------------------------------------------------------------------------- */
 
+/* A light of the tile at the points: w, the squared distance, 1/d, 1/D, n.u, e^(-sg^2/d^2), and the cosine, 0 where it
+   sends nothing. While lights are taken w is v, `along` n.v, and `cosine` a mask of lanes that it may light. */
+typedef struct sight {
+  vreal w[3], d2, inv, inverse, along, heat, cosine;
+} sight;
+
 typedef struct work {
-  vreal *S, *E;             /* [TILE][width], [TILE][numbers] */
+  vreal *S, *E, *B;         /* [TILE][width], [TILE][numbers], [TILE][4 (lmax+1)] */
   vreal *sum, *part, *lost; /* [sums] */
   vreal *mixed, *out;       /* [sums of three channels], [6 count] */
   double beta[(YLM_LIGHT_VIRTUAL_DEGREE + 1) * (YLM_LIGHT_VIRTUAL_DEGREE + 1)];
   weights weights;
-  int held; /* lights in the tile */
+  sight sight[TILE];
+  const real *lamp[TILE];
+  const ylm__virtual_plan *of; /* of the lights in the tile */
+  int tile, held;              /* lights that a tile takes, and has */
 } work;
 
 /* Of the recurrences of emissions. */
@@ -164,47 +179,50 @@ static void find_beta(double *beta) {
 }
 
 /* Sizes of a work's arrays. */
-static void sizes_of(const ylm__virtual_plan *p, size_t sizes[7]) {
+static void sizes_of(const ylm__virtual_plan *p, size_t sizes[ARRAYS]) {
   sizes[0] = TILE * p->width, sizes[1] = TILE * (size_t)p->numbers;
   for (int i = 2; i < 6; i++) sizes[i] = p->sums;
   sizes[6] = 6 * (size_t)(p->lmax + 1) * (size_t)(p->lmax + 1);
+  sizes[7] = 4 * (size_t)(p->lmax + 1);
 }
 
 static size_t room_of(const ylm__virtual_plan *p) {
-  size_t sizes[7], all = 0;
+  size_t sizes[ARRAYS], all = 0;
   sizes_of(p, sizes);
-  for (int i = 0; i < 7; i++) all += sizes[i];
+  for (int i = 0; i < ARRAYS; i++) all += sizes[i];
   return all;
 }
 
 /* A work whose arrays are at x, of room_of vectors. */
 static void work_place(work *k, const ylm__virtual_plan *p, vreal *x) {
-  size_t sizes[7];
-  vreal **slots[] = {&k->S, &k->E, &k->sum, &k->part, &k->lost, &k->mixed, &k->out};
+  size_t sizes[ARRAYS];
+  vreal **slots[] = {&k->S, &k->E, &k->sum, &k->part, &k->lost, &k->mixed, &k->out, &k->B};
   sizes_of(p, sizes);
-  for (int i = 0; i < 7; i++) *slots[i] = x, x += sizes[i];
+  for (int i = 0; i < ARRAYS; i++) *slots[i] = x, x += sizes[i];
   find_beta(k->beta);
+  const size_t fit =
+      STRAIGHT_BYTES /
+      ((p->slopes ? p->factors + 6 * (size_t)p->lmax + 6 : p->width) * sizeof(vreal));
+  k->tile = !p->straight ? PRODUCT_TILE : fit < 4 ? 4 : fit < TILE ? (int)fit : TILE;
   k->held = 0;
+  k->of = p;
 }
 
 /* -- stages, each made for what it is constant in ------------------------------------------- */
 
-/* Weights of rows at squared distance d2; inv2, inv: the inverses of that and of its root. */
-typedef void weigh_fn(const ylm__virtual_plan *p, const real *lamp, vreal d2, vreal inv2, vreal inv,
-                      weights *w);
+/* Weights [lmax+1][4] of a light. */
+typedef void weigh_fn(const ylm__virtual_plan *p, const real *lamp, const sight *s, vreal *B);
 typedef void rows_fn(const ylm__virtual_plan *p, const weights *w, const vreal u[3], vreal *S);
 typedef void send_fn(const seen *s, int degree, const double *beta, const real *lamp, vreal *E);
 
 #define WEIGH(profile, order)                                                                      \
-  static void weigh_##profile##_##order(const ylm__virtual_plan *p, const real *lamp, vreal d2,    \
-                                        vreal inv2, vreal inv, weights *w) {                       \
-    vreal B[3 * (YLM_LIGHT_LMAX + 1)];                                                             \
+  static void weigh_##profile##_##order(const ylm__virtual_plan *p, const real *lamp,              \
+                                        const sight *s, vreal *B) {                                \
     if (YLM_LIGHT_VIRTUAL_##profile == YLM_LIGHT_VIRTUAL_CAP)                                      \
-      cap(p->lmax, order, lamp, d2, inv2, B);                                                      \
+      cap(p->lmax, order, lamp, s->d2, s->inv * s->inv, B);                                        \
     else                                                                                           \
-      smooth(YLM_LIGHT_VIRTUAL_##profile, p->lmax, order, lamp, (real)p->lights->core, d2, inv2,   \
-             B);                                                                                   \
-    weigh(p->lmax, order, B, inv, w);                                                              \
+      smooth(YLM_LIGHT_VIRTUAL_##profile, p->lmax, order, lamp, (real)p->lights->core, s->d2,      \
+             s->inv * s->inv, s->heat, B);                                                         \
   }
 #define PROFILES(X, order)                                                                         \
   X(GAUSS, order) X(CAP, order) X(POINT, order) X(FAR, order) X(NEAR, order)
@@ -250,54 +268,222 @@ SEND(lum, 1, 3, 1)
 SEND(lum, 2, 3, 1)
 static send_fn *const senders[2][3] = {{rgb_0, rgb_1, rgb_2}, {lum_0, lum_1, lum_2}};
 
-static int order_of(int kinds) { return kinds & 4 ? 2 : kinds & 2 ? 1 : 0; }
+/* Derivatives of distances, and of emissions. */
+static int order_of(int kinds) { return kinds & 12 ? 2 : kinds & 2 ? 1 : 0; }
+static int jet_of(int kinds) { return kinds & 4 ? 2 : kinds & 2 ? 1 : 0; }
 
-/* A light that sends nothing to the other lanes. */
-YLM_INLINE void dim(seen *s, vmask lit) {
-  s->cosine = keep_lanes(lit, s->cosine);
-  for (int a = 0; a < 3; a++) s->normal[a] = keep_lanes(lit, s->normal[a]);
+/* -- straight sums -------------------------------------------------------------------------- */
+
+static bool is_sharp(ylm_light_virtual_profile profile) {
+  return profile == YLM_LIGHT_VIRTUAL_POINT || profile == YLM_LIGHT_VIRTUAL_CAP;
 }
 
-/* The light's rows and numbers to the tile, unless it sends nothing to any lane; nor farther than the
-   root of reach2, where that is above 0. */
-YLM_INLINE void add_light(const ylm__virtual_plan *p, work *k, const real *lamp, const vreal xyz[3],
-                          const real reach2) {
+/* Without a normal. */
+YLM_INLINE bool is_round(const real *lamp) {
+  const real *n = lamp + YLM__VIRTUAL_NORMAL;
+  return n[0] == 0 && n[1] == 0 && n[2] == 0;
+}
+
+/* Whether a light's colours differ by a factor, and its distances have a logarithm. */
+static bool is_one(const ylm__virtual_plan *p) {
   const ylm_light_virtual_profile profile = p->lights->profile;
-  const bool sharp = profile == YLM_LIGHT_VIRTUAL_POINT || profile == YLM_LIGHT_VIRTUAL_CAP;
-  const int order = order_of(p->kinds);
-  vreal v[3];
-  seen s;
-  for (int a = 0; a < 3; a++) v[a] = lamp[a] - xyz[a];
-  vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-  if (reach2 > 0 && !any(d2 < reach2)) return;
-  const real width2 = width2_of(lamp);
-  if (!look(lamp, sharp ? 0 : width2 * SOFT, v, d2, &s)) return;
-  if (reach2 > 0) dim(&s, d2 < reach2);
-  if (sharp) {
-    vmask apart = d2 > 0;
-    dim(&s, apart);
-    d2 = choose(apart, d2, vreal_set(1));
-  } else
-    d2 = larger(d2, vreal_set(NEAREST * width2));
-  vreal inv = inverse_root(d2), u[3] = {v[0] * inv, v[1] * inv, v[2] * inv};
-  weighers[order][profile](p, lamp, d2, inv * inv, inv, &k->weights);
-  makers[order][p->lmax <= YLM__VIRTUAL_SPECIAL ? p->lmax : YLM__VIRTUAL_SPECIAL + 1](
-      p, &k->weights, u, k->S + (size_t)k->held * p->width);
-  for (int i = 0; i < 2; i++)
-    if (p->of[i].kinds)
-      senders[i][order_of(p->of[i].kinds)](&s, p->lights->degree, k->beta, lamp,
-                                           k->E + k->held * p->numbers + p->of[i].from);
-  k->held++;
+  return p->lights->degree == 0 &&
+         (profile == YLM_LIGHT_VIRTUAL_GAUSS || profile == YLM_LIGHT_VIRTUAL_POINT ||
+          profile == YLM_LIGHT_VIRTUAL_FAR);
 }
 
-static void flush(const ylm__virtual_plan *p, work *k) {
+/* Factors of values: colours [3], [lmax+1]. */
+static void put_values(int lmax, const vreal *B, const vreal E[3], vreal *e) {
+  for (int c = 0; c < 3; c++) e[c] = E[c];
+  for (int l = 0; l <= lmax; l++) e[3 + l] = B[4 * l];
+}
+
+/* Factors of values and gradients: d, then [lmax+1][12]: colours over d, and the gradient's logarithm, d B1/B0 w -
+   l w + d grad E/E; by x and y it is doubled. */
+static void put_one(int lmax, const vreal *B, const sight *s, const real *n, const vreal E[3],
+                    vreal *e) {
+  const vreal once = inverse(larger(s->cosine, vreal_set(TINY))), inv = s->inv, *w = s->w;
+  const vreal d = s->d2 * inv, part = d * s->inverse, bent = part * part * (s->along * once);
+  const vreal back = -part * once, twice = back + back;
+  const vreal N[3] = {n[0] * twice, n[1] * twice, n[2] * back}, W[3] = {2 * w[0], 2 * w[1], w[2]};
+  const vreal D[3] = {E[0] * inv, E[1] * inv, E[2] * inv};
+  *e++ = d;
+  for (int l = 0; l <= lmax; l++, e += 12) {
+    const vreal along = B[4 * l + 3] - ((real)l + bent), b = B[4 * l];
+    for (int c = 0; c < 3; c++) e[c] = D[c] * b;
+    for (int a = 0; a < 3; a++) e[3 + a] = W[a] * along + N[a];
+  }
+}
+
+/* As that, of lights whose colours differ; E: jets [4][3]. */
+static void put_each(int lmax, const vreal *B, const vreal *E, const sight *s, vreal *e) {
+  const vreal inv = s->inv, *w = s->w;
+  vreal F[9], W[9], D[3];
+  for (int c = 0; c < 3; c++) D[c] = E[c] * inv;
+  for (int a = 0; a < 3; a++)
+    for (int c = 0; c < 3; c++) {
+      const vreal f = E[3 + 3 * a + c], g = w[a] * D[c];
+      F[3 * a + c] = a < 2 ? f + f : f, W[3 * a + c] = a < 2 ? g + g : g;
+    }
+  *e++ = s->d2 * inv;
+  for (int l = 0; l <= lmax; l++, e += 12) {
+    const vreal b = B[4 * l], up = B[4 * l + 1] - (real)l * b;
+    for (int c = 0; c < 3; c++) e[c] = D[c] * b;
+    for (int i = 0; i < 9; i++) e[3 + i] = W[i] * up + F[i] * b;
+  }
+}
+
+/* Factors [lmax+3][3] of second derivatives: of degrees l+2, l, l-2. */
+static void put_bends(int lmax, const vreal *B, const vreal E[3], vreal inv, vreal *e) {
+  const vreal all =
+      ((real)YLM_LUMINANCE_R * E[0] + (real)YLM_LUMINANCE_G * E[1] + (real)YLM_LUMINANCE_B * E[2]) *
+      (inv * inv);
+  for (int l = 0; l <= lmax; l++) {
+    const vreal b0 = all * B[4 * l], b1 = all * B[4 * l + 1], b2 = all * B[4 * l + 2];
+    const real n = (real)l;
+    e[3 * (l + 2)] = b2 - (2 * n + 2) * b1 + n * (n + 2) * b0;
+    e[3 * l + 1] = b2 + b1 - n * (n + 1) * b0;
+    if (l > 1) e[3 * (l - 2) + 2] = b2 + 2 * n * b1 + (n * n - 1) * b0;
+  }
+}
+
+/* Distances and cosines of the lights of the tile. */
+static void see(const ylm__virtual_plan *p, work *k) {
+  const bool sharp = is_sharp(p->lights->profile);
+  for (int j = 0; j < k->held; j++) {
+    const real *lamp = k->lamp[j], shift = lamp[YLM__VIRTUAL_SHIFT];
+    sight *s = &k->sight[j];
+    const real width2 = width2_of(lamp);
+    vreal D2 = s->d2, c = vreal_set(1);
+    if (sharp)
+      D2 = s->d2 = choose(D2 > 0, D2, c);
+    else
+      D2 += width2 * SOFT, s->d2 = larger(s->d2, vreal_set(NEAREST * width2));
+    s->inverse = inverse_root(D2);
+    s->inv = inverse_root(s->d2);
+    s->along *= -s->inverse;
+    if (!is_round(lamp)) c = shift + s->along;
+    s->cosine = keep_lanes((vmask)s->cosine & (c > 0), c);
+    for (int a = 0; a < 3; a++) s->w[a] *= s->inv;
+    if (!sharp) s->heat = decay(s->inv * s->inv * width2);
+  }
+}
+
+static void seen_of(const sight *s, const real *lamp, seen *to) {
+  const vmask front = s->cosine > 0;
+  const vreal part = -s->d2 * s->inv * s->inverse;
+  to->inverse = s->inverse;
+  to->cosine = s->cosine;
+  for (int a = 0; a < 3; a++) {
+    to->u[a] = s->w[a] * part;
+    to->normal[a] = keep_lanes(front, vreal_set(lamp[YLM__VIRTUAL_NORMAL + a]));
+  }
+}
+
+/* Factors of the tile's lights. */
+static void put_factors(const ylm__virtual_plan *p, work *k) {
+  const bool one = is_one(p), plain = p->lights->degree == 0 && (one || !p->slopes);
+  send_fn *sender = senders[0][p->slopes];
+  weigh_fn *weigh_light = weighers[order_of(p->kinds)][p->lights->profile];
+  for (int j = 0; j < k->held; j++) {
+    const sight *s = &k->sight[j];
+    const real *lamp = k->lamp[j];
+    vreal *B = k->B;
+    weigh_light(p, lamp, s, B);
+    vreal *t = k->S + (size_t)j * p->width, *e = t + p->factors, E[3 * 4];
+    if (plain)
+      for (int c = 0; c < 3; c++) E[c] = s->cosine * lamp[YLM__VIRTUAL_EMISSION + c];
+    else {
+      seen of;
+      seen_of(s, lamp, &of);
+      sender(&of, p->lights->degree, k->beta, lamp, E);
+    }
+    if (!p->slopes)
+      put_values(p->lmax, B, E, e);
+    else if (one)
+      put_one(p->lmax, B, s, lamp + YLM__VIRTUAL_NORMAL, E, e);
+    else
+      put_each(p->lmax, B, E, s, e);
+    if (p->bends) put_bends(p->lmax, B, E, s->inv, t + p->bent);
+  }
+}
+
+static void sum_straight(const ylm__virtual_plan *p, work *k) {
+  ylm__virtual_sum *sum = !p->slopes ? STRAIGHT.value : is_one(p) ? STRAIGHT.one : STRAIGHT.each;
+  STRAIGHT.harmonics(p->bends ? p->lmax + 2 : p->lmax, k->held, k->sight[0].w,
+                     sizeof *k->sight / sizeof(vreal), k->S, p->width);
+  put_factors(p, k);
+  sum(p->lmax, k->held, k->S, p->width, p->factors, k->part);
+  if (p->bends) STRAIGHT.bend(p->lmax, k->held, k->S, p->width, p->bent, k->part + p->bend_sums);
+}
+
+/* -- lights to tiles, tiles to sums --------------------------------------------------------- */
+
+static void sum_products(const ylm__virtual_plan *p, work *k) {
   const size_t first[3] = {0, p->rows[0], p->rows[0] + p->rows[1]};
-  for (int i = 0; i < p->products && k->held; i++) {
+  const int order = order_of(p->kinds);
+  rows_fn *make =
+      makers[order][p->lmax <= YLM__VIRTUAL_SPECIAL ? p->lmax : YLM__VIRTUAL_SPECIAL + 1];
+  for (int j = 0; j < k->held; j++) {
+    const sight *s = &k->sight[j];
+    seen of;
+    seen_of(s, k->lamp[j], &of);
+    weighers[order][p->lights->profile](p, k->lamp[j], s, k->B);
+    weigh(p->lmax, order, k->B, s->inv, &k->weights);
+    make(p, &k->weights, s->w, k->S + (size_t)j * p->width);
+    for (int i = 0; i < 2; i++)
+      if (p->of[i].kinds)
+        senders[i][jet_of(p->of[i].kinds)](&of, p->lights->degree, k->beta, k->lamp[j],
+                                           k->E + j * p->numbers + p->of[i].from);
+  }
+  for (int i = 0; i < p->products; i++) {
     const ylm__virtual_product *x = &p->product[i];
     multiply(p->rows[x->block], x->channels, k->held, k->S + first[x->block], p->width,
              k->E + x->from, (size_t)p->numbers, k->part + x->to);
   }
+}
+
+/* Adds the tile's lights to the sums. */
+static void flush(const ylm__virtual_plan *q, work *k) {
+  const ylm__virtual_plan *p = k->of;
+  (void)q;
+  if (!k->held) return;
+  see(p, k);
+  if (p->straight)
+    sum_straight(p, k);
+  else
+    sum_products(p, k);
   k->held = 0;
+}
+
+/*
+** Takes a light into the tile, unless it sends nothing to any lane; nor farther than the root of reach2, where that
+** is above 0. The row must stay where it is until the tile is flushed, which happens where it is full. Plans of
+** other lights may take turns, for one query.
+*/
+YLM_INLINE void add_light(const ylm__virtual_plan *p, work *k, const real *lamp, const vreal xyz[3],
+                          const real reach2) {
+  if (k->of != p &&
+      (k->of->lights->degree != p->lights->degree || k->of->lights->profile != p->lights->profile))
+    flush(p, k);
+  k->of = p;
+  sight *s = &k->sight[k->held];
+  const real *n = lamp + YLM__VIRTUAL_NORMAL, shift = lamp[YLM__VIRTUAL_SHIFT];
+  vreal v[3];
+  for (int a = 0; a < 3; a++) v[a] = lamp[a] - xyz[a];
+  const vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+  const vreal along = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
+  vmask lit = along < 0;
+  if (shift > 0 || is_round(lamp)) lit = d2 >= 0;
+  if (is_sharp(p->lights->profile)) lit &= d2 > 0;
+  if (reach2 > 0) lit &= d2 < reach2;
+  if (!any(lit)) return;
+  for (int a = 0; a < 3; a++) s->w[a] = v[a];
+  s->d2 = d2;
+  s->along = along;
+  s->cosine = (vreal)lit;
+  k->lamp[k->held] = lamp;
+  if (++k->held == k->tile) flush(p, k);
 }
 
 static void add_all(const ylm__virtual_plan *p, work *k, const vreal xyz[3]) {
@@ -307,10 +493,7 @@ static void add_all(const ylm__virtual_plan *p, work *k, const vreal xyz[3]) {
   for (size_t first = 0; first < n; first += YLM__VIRTUAL_BLOCK) {
     size_t end = n - first < YLM__VIRTUAL_BLOCK ? n : first + YLM__VIRTUAL_BLOCK;
     memset(k->part, 0, p->sums * sizeof *k->part);
-    for (size_t i = first; i < end; i++) {
-      add_light(p, k, ROWS_OF(p) + i * stride, xyz, 0);
-      if (k->held == TILE) flush(p, k);
-    }
+    for (size_t i = first; i < end; i++) add_light(p, k, ROWS_OF(p) + i * stride, xyz, 0);
     flush(p, k);
     for (size_t s = 0; s < p->sums; s++) add_part(k->part[s], &k->sum[s], &k->lost[s]);
   }
@@ -336,11 +519,12 @@ static const ylm__virtual_sums *sums_of(const ylm__virtual_plan *p, const work *
 /* Luminance of sums of three channels, where the first channel's are. */
 static void mix(const ylm__virtual_plan *p, work *k) {
   const ylm__virtual_sums *of = &p->of[0];
-  if (!(p->need & of->kinds)) return;
+  if (p->straight || !(p->need & of->kinds)) return;
   for (int block = 0; block < 3; block++)
     for (int part = 0; part < PARTS; part++) {
-      static const int needs[3][PARTS] = {
-          {1, 2, 2, 2, 4, 4, 4, 4, 4, 4}, {2, 4, 4, 4}, {4}}; /* a kind of sums that has the part */
+      static const int needs[3][PARTS] = {{1, 2, 2, 2, 4, 4, 4, 4, 4, 4},
+                                          {2, 4, 4, 4},
+                                          {12}}; /* a kind of sums that has the part */
       if (!(of->kinds & needs[block][part])) continue;
       const size_t n = p->rows[block], at = of->at[block][part];
       const vreal *x = k->sum + at;
@@ -350,9 +534,25 @@ static void mix(const ylm__virtual_plan *p, work *k) {
     }
 }
 
+static void straight_value(const ylm__virtual_plan *p, const work *k, int channels, int c,
+                           vreal *out) {
+  const size_t wide = p->slopes ? 12 : 3;
+  for (size_t i = 0; i < p->rows[0]; i++) {
+    const vreal *x = k->sum + wide * i;
+    out[i] = (real)p->scale[i] *
+             (channels == 3 ? x[c]
+                            : (real)YLM_LUMINANCE_R * x[0] + (real)YLM_LUMINANCE_G * x[1] +
+                                  (real)YLM_LUMINANCE_B * x[2]);
+  }
+}
+
 static void value_of(const ylm__virtual_plan *p, const work *k, int channels, int c, vreal *out) {
   const vreal *x;
   int own;
+  if (p->straight) {
+    straight_value(p, k, channels, c, out);
+    return;
+  }
   const ylm__virtual_sums *s = sums_of(p, k, 1, channels, c, &x, &own);
   x += s->at[0][0] + (size_t)own * p->rows[0];
   for (size_t i = 0; i < p->rows[0]; i++) out[i] = p->value.COEF[i] * x[i];
@@ -363,6 +563,11 @@ static void gradient_of(const ylm__virtual_plan *p, const work *k, int channels,
                         vreal *out) {
   const vreal *x;
   int own;
+  for (size_t i = 0; p->straight && i < p->rows[0]; i++)
+    for (size_t a = 0; a < 3; a++)
+      out[3 * i + a] =
+          (real)(a < 2 ? -0.5 : -1) * (real)p->scale[i] * k->sum[12 * i + 3 + 3 * a + (size_t)c];
+  if (p->straight) return;
   const ylm__virtual_sums *s = sums_of(p, k, 2, channels, c, &x, &own);
   const size_t n0 = p->rows[0], n1 = p->rows[1], at = (size_t)own;
   for (size_t i = 0; i < n0; i++)
@@ -425,14 +630,20 @@ static void results(const ylm__virtual_plan *p, work *k, size_t point, int lanes
 
 static void metric(const ylm__virtual_plan *p, work *k, size_t point, int lanes,
                    ylm_field_result *r) {
+  const bool rough = p->q->want & YLM_WANT_ROUGH;
   int channels = p->q->metric_channels;
   vreal lambda = vreal_set(0), norm = lambda, h[6];
   for (int c = 0; c < channels; c++) {
     const vreal *x;
     int own;
-    const ylm__virtual_sums *s = sums_of(p, k, 4, channels, c, &x, &own);
+    const ylm__virtual_sums *s = sums_of(p, k, rough ? 8 : 4, channels, c, &x, &own);
+    const vreal *alike =
+        p->straight ? k->sum + p->bend_sums : x + s->at[2][0] + (size_t)own * p->rows[2];
     for (size_t i = 0; i < p->rows[0]; i++) {
-      bend(p, s, x, (size_t)own, i, h);
+      if (rough)
+        for (size_t j = 0; j < 6; j++) h[j] = row_times(&p->twice, 6 * i + j, alike);
+      else
+        bend(p, s, x, (size_t)own, i, h);
       vreal e = largest_eigenvalue(h);
       lambda += e * e;
     }
@@ -466,10 +677,7 @@ ylm_status YLM_KERNEL(ylm__virtual_near)(const ylm__virtual_plan *p, const ylm__
   work own, *k = &own;
   work_place(k, p, *scratch);
   memset(k->part, 0, p->sums * sizeof *k->part);
-  for (size_t i = 0; i < near->n; i++) {
-    add_light(p, k, lamps + near->list[i] * stride, xyz, reach2);
-    if (k->held == TILE) flush(p, k);
-  }
+  for (size_t i = 0; i < near->n; i++) add_light(p, k, lamps + near->list[i] * stride, xyz, reach2);
   flush(p, k);
   ylm_copy(k->sum, k->part, p->sums * sizeof *k->part);
   for (int c = 0; c < 3; c++) {

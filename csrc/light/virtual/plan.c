@@ -99,7 +99,7 @@ static void add_sums(ylm__virtual_plan *p, ylm__virtual_sums *s, int kinds, int 
   if (kinds & 4) add_product(p, s, 0, 4, 6);
   if (kinds & 2) add_product(p, s, 1, 0, 1);
   if (kinds & 4) add_product(p, s, 1, 1, 3);
-  if (kinds & 4) add_product(p, s, 2, 0, 1);
+  if (kinds & 12) add_product(p, s, 2, 0, 1);
   p->numbers += channels * (kinds & 4 ? 10 : kinds & 2 ? 4 : 1);
 }
 
@@ -146,10 +146,43 @@ static ylm_status make_once(ylm__virtual_plan *p) {
   return YLM_OK;
 }
 
+/* Kinds of straight sums of degree k: 0 from l = k-2, 1 from k, 2 from k+2. */
+static bool has_bend(const ylm__virtual_plan *p, int k, int kind) {
+  return kind == 0 ? k > 1 && k <= p->lmax + 2 : kind == 1 ? k <= p->lmax : k <= p->lmax - 2;
+}
+
+/* Where straight sums begin that have degree k. */
+static size_t bends_before(const ylm__virtual_plan *p, int k) {
+  size_t n = 0;
+  for (int j = 0; j < k; j++)
+    for (int kind = 0; kind < 3; kind++) n += has_bend(p, j, kind) ? 2 * (size_t)j + 1 : 0;
+  return n;
+}
+
 /* Where block 2 has what came from degree l to k in two steps. */
 static size_t second_at(const ylm__virtual_plan *p, int l, int k, int m) {
+  if (p->straight) {
+    size_t kinds = 0, before = 0;
+    for (int kind = 0; kind < 3; kind++) {
+      before += kind < (l - k + 2) / 2 && has_bend(p, k, kind);
+      kinds += has_bend(p, k, kind);
+    }
+    return bends_before(p, k) + (size_t)(m + k) * kinds + before;
+  }
   size_t up = row_of(p->lmax + 2, p->lmax + 2) + 1 - 4, same = ylm_sh_count(p->lmax);
   return k > l ? row_of(k, m) - 4 : k == l ? up + row_of(k, m) : up + same + row_of(k, m);
+}
+
+/* Y_km over the harmonic of straight sums. */
+static double straight_scale(int k, int m) {
+  double c = ylm__harmonic_scale(k, abs(m), 1) * (m ? 1 : 2);
+  for (int j = 1; j <= abs(m); j++) c *= 2 * j;
+  for (int j = abs(m) + 1; j <= k; j++) c *= (double)(j + abs(m)) * (j - abs(m)) / (2.0 * j - 1);
+  return c;
+}
+
+static double scale_of(const ylm__virtual_plan *p, int k, int m) {
+  return p->straight ? straight_scale(k, m) : ylm__harmonic_scale(k, abs(m), 1);
 }
 
 /* Adds what the second derivative by a and b of G_l Y_lm has, in two steps by way of degree k. */
@@ -163,7 +196,7 @@ static void add_second(const ylm__virtual_plan *p, double *sum, int l, int m, in
         int next = j < 0 ? 0 : partners(of[i], j, to);
         for (int t = 0; t < next; t++)
           sum[second_at(p, l, j, to[t])] +=
-              c * part_of(b, k, of[i], j > k, to[t]) * ylm__harmonic_scale(j, abs(to[t]), 1);
+              c * part_of(b, k, of[i], j > k, to[t]) * scale_of(p, j, to[t]);
       }
     }
   }
@@ -189,25 +222,37 @@ static ylm_status make_twice(ylm__virtual_plan *p) {
 
 static ylm_status make_maps(ylm__virtual_plan *p) {
   size_t n = ylm_sh_count(p->lmax), top = (size_t)p->lmax + 3;
-  double *beta = ylm_alloc_zero(top * top, sizeof *beta);
+  double *beta = ylm_alloc_zero(top * top, sizeof *beta), *scale = ylm_alloc(n, sizeof *scale);
   p->beta = beta;
-  if (!beta || ylm__rows_create(&p->value, n, n) != YLM_OK) return YLM_ENOMEM;
+  p->scale = scale;
+  if (!beta || !scale || ylm__rows_create(&p->value, n, n) != YLM_OK) return YLM_ENOMEM;
   for (int k = 1; k < (int)top; k++)
     for (int m = 0; m <= k; m++) beta[(size_t)k * top + (size_t)m] = YLM__BETA(k, m);
   for (int l = 0; l <= p->lmax; l++)
     for (int m = -l; m <= l; m++) {
+      scale[row_of(l, m)] = p->straight ? straight_scale(l, m) : 0;
       ylm__rows_term(&p->value, row_of(l, m), ylm__harmonic_scale(l, abs(m), 1));
       ylm__rows_end(&p->value);
     }
-  ylm_status s = p->kinds & 6 ? make_once(p) : YLM_OK;
-  return s == YLM_OK && p->kinds & 4 ? make_twice(p) : s;
+  ylm_status s = p->kinds & 6 && !p->straight ? make_once(p) : YLM_OK;
+  return s == YLM_OK && p->kinds & 12 ? make_twice(p) : s;
+}
+
+/* Straight sums, and rows of lights for them. */
+static void plan_straight(ylm__virtual_plan *p) {
+  const size_t degrees = (size_t)p->lmax + 1, wide = p->slopes ? 12 : 3;
+  p->factors = ylm_sh_count(p->bends ? p->lmax + 2 : p->lmax);
+  p->bent = p->factors + (p->slopes ? 1 + 12 * degrees : 3 + degrees);
+  p->width = p->bent + (p->bends ? 3 * (degrees + 2) : 0);
+  p->bend_sums = p->sums = wide * p->rows[0];
+  p->sums += p->bends ? p->rows[2] : 0;
 }
 
 ylm_status ylm__virtual_plan_create(ylm__virtual_plan *p, const ylm_light_virtual *v,
                                     const ylm_field_query *q) {
   int wanted = (q->want & YLM_WANT_VALUE ? 1 : 0) | (q->want & YLM_WANT_GRADIENT ? 2 : 0) |
                (q->want & YLM_WANT_HESSIAN ? 4 : 0);
-  int metric = q->want & YLM_WANT_METRIC ? 5 : 0;
+  int metric = q->want & YLM_WANT_METRIC ? (q->want & YLM_WANT_ROUGH ? 9 : 5) : 0;
   int rgb = (q->channels == 3 ? wanted : 0) | (q->metric_channels == 3 ? metric : 0);
   int lum = (q->channels == 1 ? wanted : 0) | (q->metric_channels != 3 ? metric : 0);
   size_t count = ylm_sh_count(q->lmax), less = q->lmax > 0 ? ylm_sh_count(q->lmax - 1) : 0,
@@ -215,10 +260,14 @@ ylm_status ylm__virtual_plan_create(ylm__virtual_plan *p, const ylm_light_virtua
   *p = (ylm__virtual_plan){.lights = v, .q = q, .lmax = q->lmax, .kinds = rgb | lum, .need = lum};
   p->rows[0] = count;
   p->rows[1] = p->kinds & 6 ? ylm_sh_count(q->lmax + 1) - 1 + less : 0;
-  p->rows[2] = p->kinds & 4 ? ylm_sh_count(q->lmax + 2) - 4 + count + least : 0;
+  p->rows[2] = p->kinds & 12 ? ylm_sh_count(q->lmax + 2) - 4 + count + least : 0;
   p->width = p->rows[0] + p->rows[1] + p->rows[2];
+  p->straight = q->lmax <= YLM__VIRTUAL_STRAIGHT && rgb && !(rgb & ~3) && !(lum & ~9);
+  p->slopes = rgb & 2;
+  p->bends = p->kinds & 8;
   add_sums(p, &p->of[0], rgb, 3);
   add_sums(p, &p->of[1], lum & ~rgb, 1);
+  if (p->straight) plan_straight(p);
   ylm_status s = is_narrow(q) ? YLM_OK : make_lights(p);
   return s == YLM_OK ? make_maps(p) : s;
 }
@@ -228,6 +277,7 @@ void ylm__virtual_plan_free(ylm__virtual_plan *p) {
   ylm__rows_free(&p->once);
   ylm__rows_free(&p->twice);
   ylm_free((void *)(uintptr_t)p->beta);
+  ylm_free((void *)(uintptr_t)p->scale);
   ylm_free((void *)(uintptr_t)p->seen);
 }
 

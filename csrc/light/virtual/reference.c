@@ -42,6 +42,7 @@ typedef struct work {
   double *P, *dP;       /* [lmax+1] */
   double *G;            /* [lmax+1][3]  G, d G', d^2 G'' */
   double *sum;          /* [3][10 count], as ylm__field_write takes them */
+  bool rough;           /* light leaves alike in all directions, as far as derivatives go */
 } work;
 
 /* -- distance ------------------------------------------------------------------------------- */
@@ -225,6 +226,8 @@ static ylm_status add_light(work *k, const source *s, const double x[3]) {
   for (int a = 0; a < 3; a++) v[a] = s->at[a] - x[a];
   double d = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   if ((sharp && d == 0) || !emit(k, s, v, d, E)) return YLM_OK;
+  for (int c = 0; c < 3 && k->rough; c++)
+    for (int i = GRADIENT; i < WIDE; i++) E[c][i] = 0;
   if (!sharp && d < 1e-8 * sg) v[0] = v[1] = 0, v[2] = d = 1e-8 * sg;
   if (p == YLM_LIGHT_VIRTUAL_CAP)
     cap(k, s, d);
@@ -276,17 +279,23 @@ ylm_status ylm__virtual_reference(const ylm_light_virtual *v, const ylm_field_qu
                                   ylm_field_result *r) {
   work k;
   source light;
+  ylm_field_query exact = *q, rough = *q;
+  const bool both = (q->want & YLM_WANT_METRIC) && (q->want & YLM_WANT_ROUGH);
   ylm_status s = work_create(&k, v, q->lmax);
   if (s != YLM_OK) return s;
+  if (both) exact.want &= ~YLM_WANT_METRIC, rough.want = YLM_WANT_METRIC;
   for (size_t p = begin; s == YLM_OK && p < end; p++) {
     double x[3];
     for (size_t a = 0; a < 3; a++) x[a] = ylm_get(q->dtype, points, 3 * p + a);
-    memset(k.sum, 0, 3 * WIDE * k.count * sizeof *k.sum);
-    for (size_t i = 0; s == YLM_OK && i < v->n; i++) {
-      read_light(v, q->dtype, i, &light);
-      s = add_light(&k, &light, x);
+    for (int pass = 0; pass < (both ? 2 : 1); pass++) {
+      memset(k.sum, 0, 3 * WIDE * k.count * sizeof *k.sum);
+      k.rough = pass;
+      for (size_t i = 0; s == YLM_OK && i < v->n; i++) {
+        read_light(v, q->dtype, i, &light);
+        s = add_light(&k, &light, x);
+      }
+      ylm__field_write(pass ? &rough : &exact, p, 3, k.sum, WIDE * k.count, r);
     }
-    ylm__field_write(q, p, 3, k.sum, WIDE * k.count, r);
     if (r->inside) r->inside[p] = 0;
   }
   ylm_free(k.sum);

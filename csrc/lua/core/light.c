@@ -3,7 +3,6 @@
 
 #include <string.h>
 
-#include "ylm_light.h"
 #include "ylm_light_virtual.h"
 #include "ylm_sh.h"
 
@@ -277,7 +276,7 @@ static int field_quantity(lua_State *L) {
 
 static const char *const query_names[] = {"lmax",    "channels", "derivatives", "metric",
                                           "threads", "progress", "value",       "gradient",
-                                          "hessian", "isa",      NULL};
+                                          "hessian", "isa",      "rough",       NULL};
 enum {
   OBJECT = 1,
   POINTS,
@@ -290,7 +289,8 @@ enum {
   OUT_VALUE,
   OUT_GRADIENT,
   OUT_HESSIAN,
-  ISA
+  ISA,
+  ROUGH
 };
 
 /* The number of channels named at `i`: luminance or rgb. */
@@ -303,7 +303,8 @@ static int channels_at(lua_State *L, int i) {
 static int wanted(lua_State *L) {
   int order = (int)luaL_checknumber(L, DERIVATIVES);
   return YLM_WANT_VALUE | (order >= 1 ? YLM_WANT_GRADIENT : 0) |
-         (order >= 2 ? YLM_WANT_HESSIAN : 0) | (lua_isnil(L, METRIC) ? 0 : YLM_WANT_METRIC);
+         (order >= 2 ? YLM_WANT_HESSIAN : 0) | (lua_isnil(L, METRIC) ? 0 : YLM_WANT_METRIC) |
+         (lua_toboolean(L, ROUGH) ? YLM_WANT_ROUGH : 0);
 }
 
 /* Calls the field, or lights by the kernels of a given instruction set (for specs and
@@ -319,7 +320,7 @@ static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_q
 
 /*
 ** field_evaluate(object, points [n][3], {lmax, channels, derivatives, metric | nil, threads,
-**                progress, value, gradient, hessian: arrays to be written | nil, isa | nil})
+**                progress, value, gradient, hessian: arrays to be written | nil, isa | nil, rough | nil})
 **   -> value, gradient, hessian, lambda [n], norm [n], inside [n] of 0 and 1, pairs; nil where not
 **   wanted
 ** The dtype is that of the points.

@@ -13,6 +13,10 @@ for lmax = 0, 10 do
     targets[#targets + 1] = { path .. "_" .. dtype .. ".isa.c", "ylm.codegen.moments", { lmax, dtype } }
   end
 end
+targets[#targets + 1] = { "csrc/light/virtual/gen/degrees.h", "ylm.codegen.virtual" }
+for _, dtype in ipairs { "float", "double" } do
+  targets[#targets + 1] = { "csrc/light/virtual/gen/straight_" .. dtype .. ".isa.c", "ylm.codegen.virtual", dtype }
+end
 targets[#targets + 1] = { "csrc/light/flat/gen/gauss.c", "ylm.codegen.gauss" }
 targets[#targets + 1] = { "csrc/rival/gen/polynomial.h", "ylm.codegen.polynomial", 6 }
 targets[#targets + 1] = { "csrc/sh/gen/rotate_low.h", "ylm.codegen.rotate" }

@@ -52,14 +52,15 @@ local options = {
 
 --- The field of any object that has one (lights, grids) at points [n][3]: what ylm.light_field does.
 -- `given` is what the points were made from, with which `out` may share no memory either. `isa` names a kernel set, for
--- specs and benchmarks.
+-- specs and benchmarks, and `rough` has the metric as bakes to a tolerance want it.
 function light.evaluate(name, lmax, object, points, o, isa, given)
   local channels, shapes = o.channels == "rgb" and 3 or 1, {}
   for i = 0, o.derivatives do shapes[i + 1] = { #points, channels, (lmax + 1) ^ 2, i > 0 and 3 * i or nil } end
   local out1, out2, out3 = outputs.of(4, name, o.out, points.dtype, shapes, given or points)
   local L, dL, ddL, lambda, norm, inside, pairs = devices.of(object):evaluate(name, object, points, {
     lmax = lmax, channels = o.channels, derivatives = o.derivatives, metric = o.metric, threads = o.threads,
-    progress = progress.of(o.progress), value = out1, gradient = out2, hessian = out3, isa = isa })
+    progress = progress.of(o.progress), value = out1, gradient = out2, hessian = out3, isa = isa,
+    rough = o.rough })
   if L == nil then return nil, dL, ddL end
   return L, dL, ddL, { lambda = lambda, norm = norm, inside = inside, pairs = pairs }
 end

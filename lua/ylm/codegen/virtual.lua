@@ -1,0 +1,172 @@
+--- csrc/light/virtual/gen/degrees.h: sums over virtual lights, written out degree by degree.
+--
+-- The arithmetic is in csrc/light/virtual/straight.h. Harmonics are solid harmonics r^l P_lm e^(im phi)/(l+m)!, cosines of
+-- order m at l(l+1)+m, sines at l(l+1)-m, those of order 0 halved: then a derivative by z is one harmonic of degree l-1, and
+-- twice a derivative by x or y is one or two of them. The plan says which sums share the registers during one pass
+-- over a tile of lights.
+
+--- The highest degree of sums: YLM__VIRTUAL_STRAIGHT of csrc/light/virtual/plan.h. Second derivatives have two more.
+local most = 8
+--- Sums that fit into registers beside the rest, of 32 and of 16.
+local budgets = { { 24, "defined(__AVX512F__) || defined(__aarch64__)" }, { 12 } }
+
+local function place(l, m) return l * (l + 1) + m end
+
+--- The harmonic of degree l and order m, sines of negative order, as C; nil: it is zero.
+local function harmonic(l, m, factor)
+  if l < 0 or math.abs(m) > l then return nil end
+  return ("%st[%d]"):format(factor or "", place(l, m))
+end
+
+local function both(a, sign, b)
+  if a and b then return ("%s %s %s"):format(a, sign, b) end
+  return a or b and (sign == "-" and "-" .. b or b)
+end
+
+--- Twice the derivatives by x and y of the harmonic (l, m), and that by z.
+local function slopes(l, m)
+  local k, n = l - 1, math.abs(m)
+  if m == 0 then
+    return harmonic(k, 1, "-"), harmonic(k, -1, "-"), harmonic(k, 0)
+  elseif n == 1 then -- of order 0 halves stand there, and no sines
+    local low, x, y = harmonic(k, 0, "2 * "), harmonic(k, 2), harmonic(k, -2)
+    if m > 0 then return both(low, "-", x), both(nil, "-", y), harmonic(k, 1) end
+    return both(nil, "-", y), both(low, "+", x), harmonic(k, -1)
+  elseif m > 0 then
+    local s = both(harmonic(k, -(n - 1)), "+", harmonic(k, -(n + 1)))
+    return both(harmonic(k, n - 1), "-", harmonic(k, n + 1)), s and (s:find "%+" and "-(" .. s .. ")" or "-" .. s), harmonic(k, n)
+  end
+  return both(harmonic(k, -(n - 1)), "-", harmonic(k, -(n + 1))), both(harmonic(k, n - 1), "+", harmonic(k, n + 1)),
+    harmonic(k, -n)
+end
+
+--- Joins words into lines of a macro.
+local function macro(out, head, words)
+  local line = "#define " .. head
+  for _, word in ipairs(words) do
+    if #line + #word + 1 > 96 then
+      out[#out + 1] = line .. " \\"
+      line = "   "
+    end
+    line = line .. " " .. word
+  end
+  out[#out + 1] = line
+end
+
+--- Passes over `rows` of a degree: { words of one row }, `most` of them at once.
+local function passes(words, first, rows, at_once)
+  for begin = 1, #rows, at_once do
+    local count = math.min(at_once, #rows - begin + 1)
+    words[#words + 1] = ("PASS(%d, %d)"):format(first + begin - 1, count)
+    for i = 0, count - 1 do words[#words + 1] = ("TAKE(%d)"):format(i) end
+    words[#words + 1] = "LIGHTS"
+    for i = 0, count - 1 do
+      for _, word in ipairs(rows[begin + i]) do words[#words + 1] = (word:gsub("#", i)) end
+    end
+    words[#words + 1] = "END"
+    for i = 0, count - 1 do words[#words + 1] = ("GIVE(%d)"):format(i) end
+    words[#words + 1] = "CLOSE"
+  end
+end
+
+local function values(l, budget)
+  local rows, words = {}, {}
+  for m = -l, l do rows[#rows + 1] = { ("ROW(#, %d, %d)"):format(l, place(l, m)), "DONE" } end
+  passes(words, l * l, rows, budget / 3)
+  return words
+end
+
+local function gradients(l, budget)
+  local rows, words = {}, {}
+  for m = -l, l do
+    local row, by = { ("ROW(#, %d, %d)"):format(l, place(l, m)) }, { slopes(l, m) }
+    for a = 1, 3 do
+      row[#row + 1] = by[a] and ("SLOPE(#, %d, %d, %s)"):format(l, a - 1, by[a]) or ("FREE(#, %d, %d)"):format(l, a - 1)
+    end
+    row[#row + 1] = "DONE"
+    rows[#rows + 1] = row
+  end
+  passes(words, l * l, rows, budget / 12)
+  return words
+end
+
+--- Sums of degree k for kinds that second derivatives come from: 0 from k-2, 1 from k, 2 from k+2.
+local function bends(k, kinds, budget)
+  local rows, words = {}, {}
+  for m = -k, k do
+    for _, kind in ipairs(kinds) do rows[#rows + 1] = { ("BEND(#, %d, %d, %d)"):format(place(k, m), k, kind) } end
+  end
+  passes(words, 0, rows, budget)
+  words[#words + 1] = ("sums += %d;"):format(#rows)
+  return words
+end
+
+local function harmonics(l)
+  local words = {}
+  if l == 0 then return { "t[0] = (vreal){0} + (real)0.5;" } end
+  if l == 1 then return { "t[1] = (real)0.5 * y;", "t[2] = (real)0.5 * z;", "t[3] = (real)0.5 * x;" } end
+  for m = 0, l - 1 do
+    for side = 1, m > 0 and -1 or 1, -2 do
+      local q = side * m
+      words[#words + 1] = m == l - 1 and ("t[%d] = z * t[%d];"):format(place(l, q), place(l - 1, q))
+        or ("RISE(%d, %d, %d, %d, %d)"):format(place(l, q), place(l - 1, q), place(l - 2, q), l, m)
+    end
+  end
+  words[#words + 1] = ("TURN(%d, %d, %d, %d, %d)"):format(place(l, l), place(l, -l), place(l - 1, l - 1), place(l - 1, 1 - l), l)
+  return words
+end
+
+local function header()
+  local out = {}
+  local function line(text) out[#out + 1] = text end
+  line "/* GENERATED by lua/ylm/codegen/virtual.lua; do not edit: make gen writes it anew."
+  line("** Sums over virtual lights of degrees 0 .. " .. most .. ", in the words of ../straight.h. */")
+  line "#ifndef YLM_LIGHT_VIRTUAL_DEGREES_H"
+  line "#define YLM_LIGHT_VIRTUAL_DEGREES_H"
+  local all = { {}, {}, {}, {} }
+  for l = 0, most + 2 do
+    macro(out, "HARMONICS_" .. l, harmonics(l))
+    for i, name in ipairs { "HARMONICS", "VALUES", "GRADIENTS", "BENDS" } do
+      if i == 1 or i == 4 or l <= most then
+        if l > 0 then all[i][#all[i] + 1] = ("UPTO(%d)"):format(l) end
+        all[i][#all[i] + 1] = i < 4 and name .. "_" .. l
+          or l > most and ("BENDS_%d_1"):format(l) or ("BENDS_OF(%d)"):format(l)
+      end
+    end
+  end
+  for i, budget in ipairs(budgets) do
+    line(i == 1 and "#if " .. budget[2] or "#else")
+    for l = 0, most do
+      macro(out, "VALUES_" .. l, values(l, budget[1]))
+      macro(out, "GRADIENTS_" .. l, gradients(l, budget[1]))
+    end
+    for k = 0, most + 2 do
+      local up = k > 1 and { 0 } or {}
+      if k > 1 then macro(out, ("BENDS_%d_1"):format(k), bends(k, up, budget[1])) end
+      if k <= most then
+        up[#up + 1] = 1
+        macro(out, ("BENDS_%d_2"):format(k), bends(k, up, budget[1]))
+        up[#up + 1] = 2
+        macro(out, ("BENDS_%d_3"):format(k), bends(k, up, budget[1]))
+      end
+    end
+  end
+  line "#endif"
+  line "#define BENDS_0_1"
+  line "#define BENDS_1_1"
+  for i, name in ipairs { "HARMONICS", "VALUES", "GRADIENTS", "BENDS" } do macro(out, name, all[i]) end
+  line "#endif"
+  return table.concat(out, "\n") .. "\n"
+end
+
+--- The header, or the unit that compiles the sums of an element type.
+return function(dtype)
+  if not dtype then return header() end
+  return ([[
+/* GENERATED by lua/ylm/codegen/virtual.lua; do not edit: make gen writes it anew.
+** Sums over virtual lights in %s. */
+%s#include "degrees.h"
+
+#include "../straight.h"
+]]):format(dtype, dtype == "float" and "#define YLM_REAL_IS_FLOAT\n" or "")
+end
