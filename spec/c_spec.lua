@@ -93,12 +93,14 @@ describe("the C library", function()
       assert.falsy(headers:find("ylm_" .. private .. ".h", 1, true), private)
     end
     for _, language in ipairs(languages) do
+      needs(language:match "%S+")
       runs("cd %s/include/ylm && %s%s -fsyntax-only *.h", root, language, strict)
     end
   end)
 
   for i, language in ipairs(languages) do
     it("bakes lights, samples and saves by pkg-config: " .. language, function()
+      needs(language:match "%S+")
       needs "pkg-config"
       local program, file = compiled("bake", "ylm", language), folder.path .. i .. "/lamps.ylm"
       local out, code = scratch.capture(env() .. program .. " " .. scratch.quote(file)) -- no such folder
@@ -147,6 +149,7 @@ describe("the C library", function()
 
     for _, language in ipairs(languages) do
       it("prints the coefficients by pkg-config: " .. language, function()
+        needs(language:match "%S+")
         needs "pkg-config"
         if not has "codec" then pending "libylm_codec is not built" end
         assert(image:save(file))

@@ -84,7 +84,7 @@ nil	method 'fourier' needs libylm_rival: call ylm_rival_register()	EMISSING
       assert(scratch.shell(("ln -s \"$(readlink -f %s)\" %s/lua/ylm/c"):format(quote(bindings .. "/ylm/c/rival.so"),
         quote(folder.path))))
       local _, count = run(folder.path .. "/lua", calls .. missing)
-        :gsub("this method, [^\n]* again %(libylm_rival%.so%.0: cannot open shared object file: No such file or directory%)\n", "")
+        :gsub("this method, [^\n]* again %(libylm_rival%.so%.0: cannot open shared object file[^\n]*%)\n", "")
       assert.equal(4, count)
     end)
   end)
