@@ -79,6 +79,26 @@ describe("the command-line tool's renderings", function()
     end
   end)
 
+  it("write virtual lights, and take their options for bounces", function()
+    local out, code, err = ylm("emit " .. scene .. " --merge -n 40 --cell 0.5 --json" .. to "lights.ply")
+    assert.equal(0, code, err)
+    assert.truthy(out:find('"cell":0.5', 1, true), out)
+    for words, says in pairs {
+      ["--cell 1"] = "--cell is of lights that are merged",
+      ["--radius wide"] = "--radius must be 'density', 'angle', ",
+      ["--degree 9"] = "--degree must be 'auto', or an integer from 0 to 8, got 9",
+      ["--distribution heap"] = "--distribution must be one of 'particles', 'grid'",
+    } do
+      out, code, err = ylm("emit " .. scene .. " " .. words .. to "no.ply")
+      assert.equal(2, code, err)
+      assert.truthy(out == "" and err:find(says, 1, true), err)
+    end
+    out, code, err = ylm("render " .. scene .. " -s 16x9 -n 1 --json --indirect virtual --count 40 --merge --shadows centre"
+      .. to "x.exr")
+    assert.equal(0, code, err)
+    assert.truthy(out:find('"particles":2000', 1, true), out)
+  end)
+
   it("refuse options that a method would not use, before they work", function()
     for words, says in pairs {
       ["render -m raycast --shading vertex"] = "--shading is for --method grid and reference, this is raycast: leave it out",
@@ -108,6 +128,7 @@ describe("the command-line tool's renderings", function()
       ["render -m raycast --gloss sh"] = "--gloss is for --method grid and reference, this is raycast: leave it out",
       ["render -m reference --gloss sh --gloss-error 0.1,0.2"] = "--gloss-error is for --gloss auto, this is sh: leave one out",
       ["render -m reference --gloss-error 0.2,0.1"] = "--gloss-error is two numbers such as 0.01,0.03",
+      ["render --merge"] = "--merge is for --indirect virtual: leave it out, or ask for that",
       ["render --exposure 1e300"] = "--exposure is from -60 to 60 stops, got 1e+300",
       ["render --exposure -61"] = "--exposure is from -60 to 60 stops, got -61",
     } do

@@ -113,9 +113,17 @@ local function check_exposure(given)
   end
 end
 
+--- Options of --indirect virtual, by their names in the table `indirect` of scene:render.
+local of_virtual = { "count", "particles", "merge", "cell", "degree", "shadows" }
+
 --- Ends the command where --indirect is no way to find bounces.
 local function check_indirect(given)
   local x = given.indirect
+  for _, name in ipairs(of_virtual) do
+    if given[name] ~= nil and x ~= "virtual" then
+      status.stop(status.usage, "render: --%s is for --indirect virtual: leave it out, or ask for that", name)
+    end
+  end
   if x == nil or x == "links" or x == "virtual" then
     if x == "links" and not given.bounces then
       status.stop(status.usage, "render: --indirect links: --bounces says how many")
@@ -137,7 +145,11 @@ local function options_of(given, method)
   options.light_tolerance, options.shading = given.light_tolerance, given.shading
   options.visibility = visibility_of(given, method)
   options.bounces, options.tolerance = status.bounces("render", given.bounces), given.tolerance
-  if given.indirect == "virtual" then options.indirect = "virtual" end
+  if given.indirect == "virtual" then
+    options.indirect = { method = "virtual" }
+    for _, name in ipairs(of_virtual) do options.indirect[name] = given[name] end
+    options.indirect.degree = tonumber(given.degree) or given.degree
+  end
   if given.tolerance and (given.grid or options.visibility and options.visibility ~= "rays") then
     status.stop(status.usage, "render: --tolerance chooses how light is found, by rays: leave --%s out",
       given.grid and "grid" or "visibility")
@@ -162,6 +174,12 @@ return {
     { "bounces", "-b", "NAME", "reflections after direct light: 0 (default), 1 .. or all" },
     { "indirect", nil, "NAME", "how bounces are found: links (default) or virtual (lights of particles, which pass walls); "
       .. "virtual without --bounces is one" },
+    { "count", nil, "N", "virtual: lights, at most; default 2000" },
+    { "particles", nil, "N", "virtual: that are traced for them" },
+    { "merge", nil, nil, "virtual: particles that land close to each other become one light" },
+    { "cell", nil, "N", "virtual: with --merge, how close: the edge of a cell, scene units" },
+    { "degree", nil, "NAME", "virtual: of what surfaces that gloss send: auto (default), or 0 to 8" },
+    { "shadows", nil, "NAME", "virtual: none (default) or centre, a ray from each point to each light" },
     { "tolerance", nil, "N", "of the picture, 0.02 for 2 %: chooses samples, light-samples and all about bounces, judges itself "
       .. "by paths, and says whether it is met" },
     { "light-samples", nil, "N", "rays, raycast: shadow rays per shading point, default 32; raycast: 64" },
