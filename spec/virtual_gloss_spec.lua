@@ -96,15 +96,15 @@ describe("harmonics on surfaces that gloss", function()
       local e = { {}, {} }
       for i = 1, 2 do for c = 1, 3 do e[i][c] = {} for k = 1, 25 do e[i][c][k] = math.sin(i + 2 * c + k) end end end
       for _, m in ipairs { ylm.ggx { alpha = 0.5, f0 = { 1, 0.5, 0.2 }, base = 0.1 },
-        ylm.phong { exponent = 9, specular = 0.5 } } do
+        ylm.phong { exponent = 9, specular = 0.5 }, ylm.matte { albedo = 0.5 } } do
         local view = ylm.scene "a floor" { camera = ylm.camera { from = { 0, 0.8, 1.6 }, at = { 0, 0, 0 }, fov = 50 },
           geometry = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0.2, 0 }, v = { 0.1, 0.1, -2 }, material = m } }
           :prepare { size = { 3, 2 }, samples = 1, share = 0 }
-        for _, profile in ipairs { "gauss", "cap", "point" } do
+        for _, profile in ipairs { "gauss", "cap" } do
           local lights = ylm.virtual_lights { at = { { 0.2, 1, 0.1 }, { -0.3, 0.4, -0.5 } }, radius = 0.3, emission = e,
             normal = { { 0.6, -0.8, 0 }, { 0, -1, 0 } }, profile = profile }
           for _, o in ipairs { { lmax = 5 }, { lmax = 5, zonal = true }, { method = "vpl", clamp = "none" },
-            { method = "vsgl" } } do
+            { method = "vsgl" }, { method = "vsl" }, { method = "vsl", strategy = "receiver" } } do
             o.lights, o.layers = lights, false
             local a = view:gather(o):layer "radiance"
             for i = 1, 2 do for j = 1, 3 do for c = 1, 3 do print(("%.9g"):format(a:get(i, j, c))) end end end
@@ -119,7 +119,7 @@ describe("harmonics on surfaces that gloss", function()
       return list
     end
     local plain = numbers "reference"
-    assert.equal(2 * 3 * 4 * 18, #plain)
+    assert.equal(3 * 2 * 6 * 18, #plain)
     for _, isa in ipairs(ylm.info().kernels) do
       local fast = numbers(isa)
       for k = 1, #plain, 18 do
@@ -177,7 +177,7 @@ describe("points and spheres on surfaces that gloss", function()
     for _, strategy in ipairs { "cone", "receiver", "mis" } do
       by[strategy] = gathered(view, some_lights(), { method = "vsl", samples = 600, strategy = strategy })
     end
-    assert.is_true(apart(by.receiver, by.cone) < 0.06, apart(by.receiver, by.cone))
+    assert.is_true(apart(by.receiver, by.cone) < 0.09, apart(by.receiver, by.cone))
     assert.is_true(apart(by.mis, by.cone) < 0.03, apart(by.mis, by.cone))
     local small = some_lights { radius = 0.02 }
     assert.is_true(apart(gathered(view, small, { method = "vsl", samples = 100 }),

@@ -28,6 +28,7 @@ typedef struct scratch {
   float I[3][GATHER_CHUNK];        /* intensities towards the point */
   float to[GATHER_CHUNK][3];       /* directions to lights */
   float f[GATHER_CHUNK][3];        /* reflectances there */
+  float keep[GATHER_CHUNK];        /* factors of lights, where few are kept */
   float *row;                      /* [ylm__gather_gloss_room] */
   ylm_trace_ray ray[GATHER_CHUNK]; /* to the middles of lights */
   uint16_t of[GATHER_CHUNK];
@@ -212,28 +213,37 @@ static void thin(const job *j, scratch *s, size_t first, size_t n, int rows) {
   }
 }
 
+/* Factors of lights from `first` on, as spheres at x; NULL: all are 1. */
+static const float *keep_spheres(const job *j, scratch *s, size_t first, size_t n,
+                                 const float x[3]) {
+  if (!j->lights->bright) return NULL;
+  for (size_t k = 0; k < n; k++) s->keep[k] = keep_sphere(j, s, first + k, x);
+  for (size_t k = n; k < GATHER_CHUNK; k++) s->keep[k] = 0;
+  return s->keep;
+}
+
 static void weigh(const job *j, scratch *s, const gather_ask *a, size_t p, size_t first, size_t n,
-                  ylm_rng *rng) {
+                  const uint32_t seed[2]) {
   const float *x = j->view->position[p], *N = j->view->normal[p];
   if (j->o->method != YLM_SHADE_VSL) {
     j->kernels.weights(j->lights, a, first, n, x, N, s->w[0]);
     thin(j, s, first, n, 1);
     return;
   }
-  for (size_t k = 0; k < n; k++) {
-    float factor = keep_sphere(j, s, first + k, x);
-    s->w[0][k] =
-        factor > 0 ? factor * (float)ylm__gather_sphere(j->lights, a, first + k, x, N, rng) : 0;
-  }
+  const float *keep = keep_spheres(j, s, first, n, x);
+  j->kernels.spheres(j->lights, a, first, n, x, N, seed, keep, s->w[0]);
 }
 
 /* Sets out for point p: its random numbers, and the lights that it asks. */
-static void start(const job *j, scratch *s, size_t pixel, uint64_t stream, bool all, ylm_rng *rng) {
+static void start(const job *j, scratch *s, size_t pixel, uint64_t stream, bool all,
+                  uint32_t seed[2]) {
   const gather_lights *l = j->lights;
-  ylm_rng_seed(rng, j->o->seed, stream);
+  ylm_rng rng;
+  ylm_rng_seed(&rng, j->o->seed, stream);
   s->begin = 0, s->end = l->n;
   s->walk.alpha = j->ask.alpha;
-  if (l->bright) s->walk.upto = j->ask.alpha * ylm_rng_double(rng);
+  if (l->bright) s->walk.upto = j->ask.alpha * ylm_rng_double(&rng);
+  for (int k = 0; k < 2; k++) seed[k] = ylm_rng_u32(&rng);
   size_t group = l->begin && !all ? ylm__gather_group(j->view, j->o->tile, pixel) : 0;
   if (l->begin && !all) s->begin = l->begin[group], s->end = l->begin[group + 1];
   s->pairs += l->begin && !all ? (l->form.n + l->groups - 1 - group) / l->groups : l->n;
@@ -249,17 +259,17 @@ static void gather(const job *j, scratch *s, size_t p, size_t pixel, uint64_t st
   gather_ask a = j->ask;
   double sum[3] = {0, 0, 0};
   float albedo[3];
-  ylm_rng rng;
+  uint32_t seed[2];
   ylm__shade_albedo(j->view, p, albedo);
   a.reflectance =
       (float)(YLM_LUMINANCE_R * (double)albedo[0] + YLM_LUMINANCE_G * (double)albedo[1] +
               YLM_LUMINANCE_B * (double)albedo[2]) *
       0.318309886f;
-  start(j, s, pixel, stream, false, &rng);
+  start(j, s, pixel, stream, false, seed);
   for (size_t first = s->begin, n; first < s->end; first += n) {
     const float *I[3];
     n = chunk(j, s, first);
-    weigh(j, s, &a, p, first, n, &rng);
+    weigh(j, s, &a, p, first, n, seed);
     if (j->o->shadows) look(j, s, p, first, n, 1);
     send(j, s, p, first, n, I);
     j->kernels.collect(n, s->w[0], I, sum);
@@ -311,7 +321,7 @@ static void reflect_points(const job *j, scratch *s, const gather_ask *ask,
 
 /* Weights of lights from `first` on in s->w, by channels or functions of the receiver; how many rows. */
 static int weigh_gloss(const job *j, scratch *s, const gather_receiver *r, const float tint[3],
-                       size_t p, size_t first, size_t n, ylm_rng *rng) {
+                       size_t p, size_t first, size_t n, const uint32_t seed[2]) {
   const gather_lights *l = j->lights;
   const float *x = j->view->position[p], *N = j->view->normal[p];
   if (j->o->method == YLM_SHADE_VPL) {
@@ -319,12 +329,10 @@ static int weigh_gloss(const job *j, scratch *s, const gather_receiver *r, const
     return 3;
   }
   if (j->o->method == YLM_SHADE_VSL) {
-    for (size_t k = 0; k < n; k++) {
-      double one[3] = {0, 0, 0};
-      float factor = keep_sphere(j, s, first + k, x);
-      if (factor > 0) ylm__gather_sphere_gloss(l, &j->ask, r, first + k, x, rng, one);
-      for (int c = 0; c < 3; c++) s->w[c][k] = factor * (float)one[c] * tint[c];
-    }
+    const float *keep = keep_spheres(j, s, first, n, x);
+    ylm__gather_spheres_gloss(l, &j->ask, r, first, n, x, seed, keep, s->w);
+    for (int c = 0; c < 3; c++)
+      for (size_t k = 0; k < n; k++) s->w[c][k] *= tint[c];
     return 3;
   }
   j->kernels.gloss(l, &j->ask, r, first, n, x, s->w);
@@ -347,14 +355,14 @@ static ylm_status gather_gloss_point(const job *j, scratch *s, size_t p, size_t 
   double sum[3][3] = {{0}}, out[3] = {0, 0, 0};
   float tint[3] = {1, 1, 1};
   gather_receiver r;
-  ylm_rng rng;
+  uint32_t seed[2];
   ylm__shade_tint(j->view, p, 1, tint);
-  start(j, s, pixel, stream, true, &rng);
+  start(j, s, pixel, stream, true, seed);
   ylm_status status = ylm__gather_receive(j->gloss, j->view, p, s->row, &r);
   for (size_t first = s->begin, n; status == YLM_OK && first < s->end; first += n) {
     const float *I[3];
     n = chunk(j, s, first);
-    int rows = weigh_gloss(j, s, &r, tint, p, first, n, &rng);
+    int rows = weigh_gloss(j, s, &r, tint, p, first, n, seed);
     if (j->o->method != YLM_SHADE_VSL) thin(j, s, first, n, rows);
     if (j->o->shadows) look(j, s, p, first, n, rows);
     send(j, s, p, first, n, I);

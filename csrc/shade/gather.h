@@ -59,12 +59,27 @@ typedef void ylm_shade_gloss_fn(const gather_lights *l, const gather_ask *a,
                                 const struct gather_receiver *r, size_t first, size_t n,
                                 const float x[3], float (*w)[GATHER_CHUNK]);
 
+/* -- spheres: gather_vsl.c -- */
+
+/* Ways to choose directions. */
+enum { GATHER_CONE, GATHER_RECEIVER, GATHER_LIGHT };
+/* Of smaller cones, in parts of the hemisphere, the other ways find next to nothing. */
+#define GATHER_SMALL 0.03f
+/* Light i begins with the numbers (seed + i step)/2^32 (Roberts 2018). */
+#define GATHER_STEP_U 3242174889u
+#define GATHER_STEP_V 2447445414u
+
+/* As weights, of lights as spheres; seed: of the point; keep [n]: factors, 0 leaves a light out; NULL: 1. */
+typedef void ylm_shade_spheres_fn(const gather_lights *l, const gather_ask *a, size_t first,
+                                  size_t n, const float x[3], const float N[3],
+                                  const uint32_t seed[2], const float *keep, float *w);
 typedef struct gather_kernels {
   ylm_shade_weights_fn *weights;
   ylm_shade_collect_fn *collect;
   ylm_shade_collect_each_fn *collect_each;
   ylm_shade_send_fn *send;
   ylm_shade_gloss_fn *gloss;
+  ylm_shade_spheres_fn *spheres;
 } gather_kernels;
 
 /* The kernels of the instruction set in use. gather_kernels.c */
@@ -102,13 +117,13 @@ static inline double ylm__gather_bound(const gather_ask *a, double g, double d2)
   }
 }
 
-/* The weight of a light as a sphere. gather_vsl.c */
-double ylm__gather_sphere(const gather_lights *l, const gather_ask *a, size_t i, const float x[3],
-                          const float N[3], ylm_rng *rng);
-/* As that, of a receiver that glosses: radiance for an intensity of 1, out [3]. */
-void ylm__gather_sphere_gloss(const gather_lights *l, const gather_ask *a,
-                              const struct gather_receiver *r, size_t i, const float x[3],
-                              ylm_rng *rng, double out[3]);
+/* The plain form. */
+ylm_shade_spheres_fn ylm__gather_spheres;
+/* As that, of a receiver that glosses: radiance for an intensity of 1, w [3][GATHER_CHUNK]. */
+void ylm__gather_spheres_gloss(const gather_lights *l, const gather_ask *a,
+                               const struct gather_receiver *r, size_t first, size_t n,
+                               const float x[3], const uint32_t seed[2], const float *keep,
+                               float (*w)[GATHER_CHUNK]);
 
 /* -- gather_subset.c: which lights a point asks ------------------------------------- */
 

@@ -53,18 +53,19 @@ static void gloss(const gather_lights *l, const gather_ask *a, const gather_rece
   ylm_shade_collect_fn ylm_k_shade_collect_##isa;                                                  \
   ylm_shade_collect_each_fn ylm_k_shade_collect_each_##isa;                                        \
   ylm_shade_send_fn ylm_k_shade_send_##isa;                                                        \
-  ylm_shade_gloss_fn ylm_k_shade_gloss_##isa;
+  ylm_shade_gloss_fn ylm_k_shade_gloss_##isa;                                                      \
+  ylm_shade_spheres_fn ylm_k_shade_spheres_##isa;
 SETS(X)
 #undef X
 
 gather_kernels ylm__gather_kernels(const ylm_shade_gather_options *o) {
-  gather_kernels k = {weights, collect, collect_each, ylm__gather_send, gloss};
+  gather_kernels k = {weights, collect, collect_each, ylm__gather_send, gloss, ylm__gather_spheres};
   switch (ylm_isa_current()) {
 #define X(isa)                                                                                     \
   case YLM_ISA_##isa:                                                                              \
-    k = (gather_kernels){ylm_k_shade_weights_##isa, ylm_k_shade_collect_##isa,                     \
+    k = (gather_kernels){ylm_k_shade_weights_##isa,      ylm_k_shade_collect_##isa,                \
                          ylm_k_shade_collect_each_##isa, ylm_k_shade_send_##isa,                   \
-                         ylm_k_shade_gloss_##isa};                                                 \
+                         ylm_k_shade_gloss_##isa,        ylm_k_shade_spheres_##isa};               \
     break;
     SETS(X)
 #undef X

@@ -645,7 +645,7 @@ typedef struct ylm_shade_gather_report {
 **
 ** Returns  YLM_OK; YLM_ERANGE (an option; lmax above YLM_MATERIAL_TABLE_LMAX, where surfaces gloss), YLM_EINVAL (compensation without a bound), YLM_ENOMEM,
 **          YLM_ECANCELLED (progress stages "virtual lights", "compensation")
-** Cost     a pair: HVL some ns (lmax 4, one core), VPL 1 ns, VSL 50 ns a direction; a ray with shadows; tables of
+** Cost     a pair: HVL some ns (lmax 4, one core), VPL 1 ns, VSL some ns a direction (matte), 50 (gloss); a ray with shadows; tables of
 **          materials that gloss, which they keep
 ** Source   Mezieres & Paulin 2022; Keller 1997, "Instant Radiosity"; Kollig & Keller 2004,
 **          "Illumination in the Presence of Weak Singularities"; Tokuyoshi 2015, "Virtual Spherical
