@@ -111,6 +111,7 @@ grid.bake, grid.lights_of = bake.bake, bake.lights_of
 require "ylm.grid.refresh"
 require "ylm.grid.sample"
 require "ylm.grid.look"
+require "ylm.grid.export"
 
 local file = require "ylm.grid.file"
 require "ylm.memory".publish(core.metatable "ylm.grid")

@@ -1,0 +1,249 @@
+-- Grids as engines read them: files by bytes, and by the engines' own code where it is installed.
+--
+-- YLM_NODE_MODULES=DIR names a folder with npm's `three` (0.187 or later) and `ktx-parse`; rendering needs Chromium too.
+
+local scratch = require "spec.support.scratch"
+local blocks = require "spec.support.blocks"
+local ylm = require "ylm"
+
+local modules = os.getenv "YLM_NODE_MODULES"
+
+local function has(program) return scratch.shell("command -v " .. program .. " >/dev/null 2>&1") end
+
+local function integer(text, at, bytes)
+  local x = 0
+  for i = bytes, 1, -1 do x = x * 256 + text:byte(at + i - 1) end
+  return x
+end
+
+local function half(text, at)
+  local bits = integer(text, at, 2)
+  local sign, exponent, mantissa = bits >= 32768 and -1 or 1, math.floor(bits / 1024) % 32, bits % 1024
+  if exponent == 0 then return sign * mantissa * 2 ^ -24 end
+  return sign * (1 + mantissa / 1024) * 2 ^ (exponent - 15)
+end
+
+describe("grid:export", function()
+  local folder, grid
+  setup(function()
+    folder = scratch.new()
+    local lamps = { ylm.sphere_light { at = { 0, 2.2, 0 }, radius = 0.2, radiance = { 60, 40, 20 } },
+      ylm.sphere_light { at = { 2.5, 1, 2 }, radius = 0.2, radiance = { 10, 20, 40 } } }
+    grid = ylm.bake(ylm.adaptive_grid { depth = 4, tolerance = 0.02, bounds = { { -1, -0.5, -1.5 }, { 1, 0.5, 1.5 } } }, lamps)
+  end)
+  teardown(function() folder:remove() end)
+
+  --- Another interpolation along the axes than the exporter's: rows [nz][ny][nx] of numbers, at p.
+  local function interpolated(rows, cells, p)
+    local at, part = {}, {}
+    for a = 1, 3 do
+      local lo, hi = grid.bounds[1][a], grid.bounds[2][a]
+      local x = math.max(0, math.min(cells[a] - 1, (p[a] - lo) / (hi - lo) * cells[a] - 0.5))
+      at[a] = math.min(cells[a] - 2, math.floor(x))
+      part[a] = x - at[a]
+    end
+    local sum = {}
+    for corner = 0, 7 do
+      local w, place = 1, {}
+      for a = 1, 3 do
+        local up = math.floor(corner / 2 ^ (a - 1)) % 2
+        w, place[a] = w * (up == 1 and part[a] or 1 - part[a]), at[a] + up + 1
+      end
+      for c, list in ipairs(rows[place[3]][place[2]][place[1]]) do
+        for k, v in ipairs(list) do sum[9 * (c - 1) + k] = (sum[9 * (c - 1) + k] or 0) + w * v end
+      end
+    end
+    return sum
+  end
+
+  it("chooses the coarsest cells of a tolerance, and reports the error that another interpolation has", function()
+    local points = {}
+    for i = 1, 2000 do
+      points[i] = { -1 + 2 * (i * 0.8191725 % 1), -0.5 + i * 0.6710436 % 1, -1.5 + 3 * (i * 0.5497004 % 1) }
+    end
+    local path = folder.path .. "/a.npy"
+    local report = assert(grid:export(path, { tolerance = 0.03, points = ylm.array(points, "float"), dtype = "float" }))
+    assert(report.met and report.error <= 0.03 and report.probes == report.cells[1] * report.cells[2] * report.cells[3])
+    local rows = ylm.load(path)
+    assert.same({ report.cells[3], report.cells[2], report.cells[1], 3, 9 }, rows.shape)
+    rows = rows:totable()
+    local truth, errors = grid:sample(points):totable(), {}
+    for i, p in ipairs(points) do
+      local got, off, norm = interpolated(rows, report.cells, p), 0, 0
+      for c = 1, 3 do
+        for k = 1, 9 do
+          off = off + (got[9 * (c - 1) + k] - truth[i][c][k]) ^ 2
+          norm = norm + truth[i][c][k] ^ 2
+        end
+      end
+      errors[i] = math.sqrt(off / norm)
+    end
+    table.sort(errors)
+    local found = errors[1980]
+    assert(math.abs(found / report.error - 1) < 0.05, found .. " " .. report.error)
+    local longest = math.max(report.cells[1], report.cells[2], report.cells[3])
+    local n = longest - 1
+    local coarser = assert(grid:export(path, { points = ylm.array(points, "float"),
+      cells = { math.floor(2 * n / 3 + 0.5), math.floor(n / 3 + 0.5), n } }))
+    assert(coarser.error > 0.03, coarser.error)
+  end)
+
+  it("writes ambient cubes whose faces are irradiance over pi", function()
+    local path = folder.path .. "/a.ktx2"
+    local report = assert(grid:export(path, { cells = { 4, 3, 5 } }))
+    local text = folder:read "a.ktx2"
+    assert.equal("\171KTX 20\187\r\n\26\n", text:sub(1, 12))
+    assert.same({ 97, 2, 4, 6, 15, 0, 1, 1, 0 }, (function()
+      local list = {}
+      for i = 0, 8 do list[i + 1] = integer(text, 13 + 4 * i, 4) end
+      return list
+    end)())
+    local at, size = integer(text, 81, 8), integer(text, 89, 8)
+    assert(at % 8 == 0 and size == 8 * 4 * 6 * 15 and #text == at + size and report.bytes == #text)
+    -- The probe at 3, 2, 4: its faces, by a sum over directions (Fibonacci's) of what the coefficients are.
+    local n, directions = 20000, {}
+    for i = 1, n do
+      local z, phi = 1 - (2 * i - 1) / n, i * math.pi * (3 - math.sqrt(5))
+      local r = math.sqrt(1 - z * z)
+      directions[i] = { r * math.cos(phi), r * math.sin(phi), z }
+    end
+    local p = { -1 + 2 * 2.5 / 4, -0.5 + 1.5 / 3, -1.5 + 3 * 3.5 / 5 }
+    local radiance = ylm.sh.reconstruct(grid:sample(p), directions):totable()
+    for axis = 1, 3 do
+      for side = 0, 1 do
+        for channel = 1, 3 do
+          local sum = 0
+          for i, d in ipairs(directions) do
+            sum = sum + radiance[channel][i] * math.max(0, (1 - 2 * side) * d[axis])
+          end
+          local x, y, z = 2, 1 + 3 * side, 3 + 5 * (axis - 1)
+          local value = half(text, at + 1 + 8 * ((z * 6 + y) * 4 + x) + 2 * (channel - 1))
+          local wanted = sum * 4 / n                             -- 4 pi / n over pi
+          assert(math.abs(value - wanted) < 0.01 * math.abs(wanted) + 1e-3,
+            ("axis %d, side %d: %g, %g expected"):format(axis, side, value, wanted))
+        end
+      end
+    end
+    assert.equal(1, half(text, at + 1 + 6))                      -- valid
+  end)
+
+  it("writes three.js' atlas, padded by its ends", function()
+    local path = folder.path .. "/a.three.json"
+    assert(grid:export(path, { cells = { 4, 3, 5 } }))
+    local text = folder:read "a.three.json"
+    assert(text:find('"resolution":[4,3,5]', 1, true) and text:find('"min":[-1,-0.5,-1.5],"max":[1,0.5,1.5]', 1, true))
+    assert(text:find('"width":4,"height":3,"depth":49', 1, true))
+    assert.equal(4 * math.ceil(4 * 3 * 49 * 8 / 3), #text:match '"data":"([^"]*)"')
+    assert.equal(4 * 3 * 5 / 3 * 4, #text:match '"validity":"([^"]*)"')
+  end)
+
+  it("says what falls short, and refuses", function()
+    local said = {}
+    local before = ylm.on_warning(function(message) said[#said + 1] = message end)
+    local small = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 2 },
+      ylm.sphere_light { at = { 0, 1.5, 0 }, radius = 0.1, radiance = 10 })
+    local report = small:export(folder.path .. "/b.npy", { tolerance = 1e-9 })
+    ylm.on_warning(before)
+    assert(report and not report.met and report.warning == said[1] and said[1]:find "tolerance 1e%-09 is not met by")
+    for _, bad in ipairs { { "a.png" }, { "a.ktx2", { cells = { 1, 2, 3 } } },
+      { "a.ktx2", { tolerance = 0.1, cells = { 2, 2, 2 } } }, { "a.ktx2", { lmax = 2 } }, { "a.ktx2", { dering = true } },
+      { "a.npy", { tolerance = 0 / 0 } }, { "a.npy", { tolerence = 1 } },
+      { "a.npy", { points = {} } }, { "a.npy", { cells = { 4096, 4096, 2 } } } } do
+      assert(not pcall(grid.export, grid, folder.path .. "/" .. bad[1], bad[2]), bad[1])
+    end
+    local ok, message, code = grid:export(folder.path .. "/no/a.ktx2", { cells = { 2, 2, 2 } })
+    assert(ok == nil and code == "EIO", message)
+    local ringed = assert(grid:export(folder.path .. "/c.three.json", { cells = { 4, 3, 5 }, dering = true }))
+    assert(ringed.dering.minimum >= -1e-6)
+  end)
+
+  it("is read by ktx-parse", function()
+    if not modules or not has "node" then pending "YLM_NODE_MODULES with ktx-parse, and node, are wanted" end
+    assert(grid:export(folder.path .. "/k.ktx2", { cells = { 4, 3, 5 } }))
+    folder:write("k.mjs", ([[
+import { read } from '%s/ktx-parse/dist/index.mjs';
+import fs from 'fs';
+const c = read( new Uint8Array( fs.readFileSync( 'k.ktx2' ) ) );
+const { vkFormat, pixelWidth, pixelHeight, pixelDepth, levels, keyValue } = c;
+console.log( vkFormat, pixelWidth, pixelHeight, pixelDepth, levels.length, levels[ 0 ].levelData.length, keyValue.KTXwriter );
+]]):format(modules))
+    local out = scratch.capture("cd " .. scratch.quote(folder.path) .. " && node k.mjs 2>&1")
+    assert(out:find "^97 4 6 15 1 2880 ylm ", out)
+  end)
+
+  it("lights a white sphere in three.js as ylm says, within 2 %", function()
+    local browser = has "chromium" and "chromium" or has "chromium-browser" and "chromium-browser"
+    if not modules or not browser then pending "YLM_NODE_MODULES with three, and chromium, are wanted" end
+    local report = assert(grid:export(folder.path .. "/p.three.json", { cells = { 16, 8, 24 } }))
+    local page = assert(io.open "docs/engines.md"):read "*a"
+    local loader = page:match "```js\n(.-)```":gsub("'three'", "'./three.module.js'")
+    for _, name in ipairs { "three.module.js", "three.core.js" } do
+      assert(scratch.shell(("cp %s/three/build/%s %s/"):format(scratch.quote(modules), name, scratch.quote(folder.path))))
+    end
+    folder:write("loader.js", loader)
+    local places = { { 0, 0, 0 }, { -0.6, 0.2, -1 }, { 0.6, -0.2, 0.9 }, { 0.3, 0.3, -0.4 }, { -0.5, -0.3, 1.1 } }
+    local list = {}
+    for i, p in ipairs(places) do list[i] = "[" .. table.concat(p, ",") .. "]" end
+    folder:write("page.html", ([[<!doctype html><body><script type="module">
+import * as THREE from './three.module.js';
+import { LoadedProbes } from './loader.js';
+const file = %s;
+const renderer = new THREE.WebGLRenderer();
+const target = new THREE.WebGLRenderTarget( 9, 9, { type: THREE.FloatType } );
+const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera( 1, 1, 0.1, 10 );
+scene.add( new LoadedProbes( file ) );
+const ball = new THREE.Mesh( new THREE.SphereGeometry( 0.02, 256, 128 ), new THREE.MeshLambertMaterial( { color: 0xffffff } ) );
+scene.add( ball );
+const out = [];
+for ( const p of [%s] ) for ( const n of [ [ 0, 0, 1 ], [ 1, 0, 0 ], [ 0, 1, 0.0001 ] ] ) {
+  ball.position.set( ...p );
+  camera.position.set( p[ 0 ] + n[ 0 ], p[ 1 ] + n[ 1 ], p[ 2 ] + n[ 2 ] );
+  camera.lookAt( ...p );
+  renderer.setRenderTarget( target );
+  renderer.render( scene, camera );
+  const pixel = new Float32Array( 4 );
+  renderer.readRenderTargetPixels( target, 4, 4, 1, 1, pixel );
+  out.push( Array.from( pixel.slice( 0, 3 ) ).join( ' ' ) );
+}
+document.title = 'done';
+const pre = document.createElement( 'pre' );
+pre.textContent = 'BEGIN ' + out.join( ',' ) + ' END';
+document.body.append( pre );
+</script></body>]]):format((folder:read "p.three.json":gsub("%%", "%%%%")), table.concat(list, ",")))
+    local dom = scratch.capture(("timeout 120 %s --headless --no-sandbox --disable-gpu-sandbox --use-angle=swiftshader "
+      .. "--enable-unsafe-swiftshader --allow-file-access-from-files --virtual-time-budget=20000 --user-data-dir=%s/profile "
+      .. "--dump-dom file://%s/page.html 2>/dev/null"):format(browser, scratch.quote(folder.path), folder.path))
+    local pixels, row = dom:match "<pre>BEGIN (.-) END</pre>", 0
+    assert(pixels, dom)
+    local rows = {}
+    for text in pixels:gmatch "[^,]+" do
+      local rgb = {}
+      for x in text:gmatch "%S+" do rgb[#rgb + 1] = tonumber(x) end
+      rows[#rows + 1] = rgb
+    end
+    assert.equal(15, #rows)
+    for _, p in ipairs(places) do
+      for _, n in ipairs { { 0, 0, 1 }, { 1, 0, 0 }, { 0, 1, 0 } } do
+        row = row + 1
+        local q = {}
+        for a = 1, 3 do                                            -- half a cell off the surface, as three.js looks
+          local h = (grid.bounds[2][a] - grid.bounds[1][a]) / report.cells[a]
+          q[a] = p[a] + n[a] * (0.02 + h / 2)
+        end
+        local E = ylm.sh.irradiance(ylm.sh.resize(grid:sample(q), 2), n)
+        for c = 1, 3 do
+          local wanted = math.max(0, E[c] / math.pi)               -- three.js shows nothing that is negative
+          assert(math.abs(rows[row][c] - wanted) < 0.02 * math.max(wanted, 1e-3),
+            ("place %d: %g, %g expected"):format(row, rows[row][c], wanted))
+        end
+      end
+    end
+  end)
+end)
+
+describe("docs/engines.md", function()
+  it("has a loader of thirty lines at most", function()
+    local page = assert(io.open "docs/engines.md"):read "*a"
+    assert(select(2, page:match "```js\n(.-)```":gsub("\n", "")) <= 30 and #blocks.of(page) == 1)
+  end)
+end)
