@@ -18,7 +18,7 @@ enum { CONNECT_MS = 1000, PATIENCE_MS = 2000 };          /* until the viewer is 
 enum { STRIP = 32, MOST_BYTES = 4 << 20 };               /* rows and bytes of an update, at most */
 enum { MOST_SIDE = 1 << 16 };
 
-/* What a viewer has been sent under a name. */
+/* Notes of a picture that a viewer has been sent. */
 typedef struct sent {
   struct sent *next;
   char *name, *channels; /* names of channels, each with its 0 */

@@ -174,7 +174,7 @@ end
 
 -- While pictures are made --------------------------------------------------------------------
 
---- What a rendering shows its picture by: { send(layers), progress }. `s` is the scene, `how` the method. A viewer that fails
+--- A rendering's way to a viewer: { send(layers), progress }. `s` is the scene, `how` the method. A viewer that fails
 -- is a warning, once a scene, and forgotten.
 function display.begin(s, o, how)
   if not o.display then return nil end

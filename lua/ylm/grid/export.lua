@@ -87,7 +87,7 @@ local function clamped(points, box)
   return array.array(list, "float")
 end
 
--- What is exported ---------------------------------------------------------------------------
+-- Numbers of files ---------------------------------------------------------------------------
 
 --- Numbers that a file has of coefficients c [n][channels][count]: of cubes the irradiance at six faces over pi.
 local function exported(kind, c)
