@@ -192,3 +192,32 @@ describe("lights of surfaces that gloss", function()
     end)
   end)
 end)
+
+describe("a wall beside a floor that glosses", function()
+  it("has the light that paths bring there from the floor, which matte lights have not", function()
+    local grey = ylm.matte { albedo = 0.6 }
+    local scene = ylm.scene "a lobe" { camera = ylm.camera { from = { 0, 0.5, 2.2 }, at = { 0.5, 0.4, -0.3 }, fov = 50 },
+      geometry = {
+        ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, material = ylm.ggx { alpha = 0.35, f0 = 0.9 } },
+        ylm.quad { corner = { 1, 0, 1 }, u = { 0, 0, -2 }, v = { 0, 1.5, 0 }, material = grey } },
+      lights = ylm.spot_light { at = { -0.9, 0.8, 0 }, to = { 0, 0, 0 }, angle = 30, intensity = 10 } }
+    local view = scene:prepare { size = { 18, 12 }, samples = 1, share = 0 }
+    local truth = require "ylm.trace".library().shade_judge(view, { samples = 512, first = 2, last = 2, seed = 1 })
+    local at, prepared = view:points().position, require "ylm.render.view".open("gather", view)
+    local off, whole = {}, {}
+    for _, degree in ipairs { 0, 4 } do
+      local lights = scene:virtual_lights { distribution = "grid", count = 400, degree = degree }
+      local got = require "ylm.render.gather".radiance("gather", prepared, { lights = lights, method = "hvl", lmax = 8 })
+      local d, all, sum, wanted = 0, 0, 0, 0
+      for i = 1, #truth do
+        if at:get(i, 1) > 0.99 then
+          d, all = d + (got:get(i, 1) - truth:get(i, 1)) ^ 2, all + truth:get(i, 1) ^ 2
+          sum, wanted = sum + got:get(i, 1), wanted + truth:get(i, 1)
+        end
+      end
+      off[degree], whole[degree] = math.sqrt(d / all), sum / wanted
+    end
+    assert.is_true(whole[0] < 0.6 and math.abs(whole[4] - 1) < 0.04, whole[0] .. " " .. whole[4])
+    assert.is_true(off[4] < 0.3 * off[0], off[0] .. " " .. off[4])
+  end)
+end)

@@ -341,7 +341,10 @@ static int weigh_gloss(const job *j, scratch *s, const gather_receiver *r, const
     float part = first + k < l->n ? (float)ylm__gather_above(l, first + k, x, N) : 0;
     for (int f = 0; f < r->functions; f++) s->w[f][k] *= part;
   }
-  if (r->zonal) {
+  bool base = r->base[0] > 0 || r->base[1] > 0 || r->base[2] > 0;
+  for (int c = 0; r->zonal && !base && c < 3; c++)
+    for (size_t k = 0; k < n; k++) s->w[c][k] *= tint[c];
+  if (r->zonal && base) {
     j->kernels.weights(l, &j->ask, first, n, x, N, s->w[3]);
     for (int c = 0; c < 3; c++)
       for (size_t k = 0; k < n; k++) s->w[c][k] = tint[c] * (s->w[c][k] + r->base[c] * s->w[3][k]);

@@ -31,7 +31,8 @@ local emitted = cases(function(ylm, o) return scene(ylm):virtual_lights(o) end, 
   { { count = 20, particles = 10 }, "particles %(10%) must be at least as many as count" },
   { { particles = nan }, "particles must be" }, { { bounces = 65 }, "bounces must be a number of reflections, 0 to 64" },
   { { bounces = -1 }, "bounces must be" }, { { radius = 0 }, "radius must be 'density', 'angle', 'footprint', 'neighbours', or" },
-  { { radius = "footprint" }, "is of distribution = 'grid'" }, { { radius = "neighbours" }, "is of distribution = 'grid'" },
+  { { radius = "footprint" }, "is of distribution = 'grid'" },
+  { { degree = 9 }, "degree must be 'auto', or an integer" }, { { radius = "neighbours" }, "is of distribution = 'grid'" },
   { { distribution = "grid" }, "a grid is of spot_lights alone, the scene has none" },
   { { distribution = "grid", bounces = 2 }, "has one bounce" }, { { scale = nan }, "scale must be a number > 0" },
   { { profile = "far" }, "profile must be one of 'gauss', 'cap', 'point'" }, { { seed = -1 }, "seed must be" },
@@ -42,7 +43,9 @@ local gathered = cases(function(ylm, o)
   o.lights = o.lights or one(ylm)
   return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):gather(o)
 end, {
-  { { method = "vsgl" }, "method must be one of 'hvl', 'vpl', 'vsl'" }, { { lmax = 101 }, "lmax must be" },
+  { { method = "mc" }, "method must be one of 'hvl', 'vpl', 'vsl', 'vsgl'" }, { { lmax = 101 }, "lmax must be" },
+  { { method = "vsgl", groups = 0 }, "groups must be an integer >= 1" }, { { method = "vsgl", groups = 2 }, "at most the 1 lights" },
+  { { groups = 1 }, "groups is for method = 'vsgl', this is 'hvl'" }, { { method = "vsl", zonal = true }, "zonal is for method = 'hvl'" },
   { { method = "vpl", lmax = 3 }, "lmax is for method = 'hvl', this is 'vpl'" },
   { { clamp = "none" }, "clamp is for method = 'vpl', this is 'hvl'" },
   { { method = "vpl", limit = 0 }, "limit must be a number > 0" },
