@@ -117,6 +117,24 @@ describe("merged lights", function()
     assert.is_true(merged < 0.7 * chosen and merged < 0.06, merged .. " " .. chosen)
   end)
 
+  it("of a bulge are above it: rays to them meet no surface of their own", function()
+    local function scene(albedo)
+      return ylm.scene "a ball in a box" { camera = eye, lights = room().lights,
+        geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = albedo } },
+          ylm.sphere { at = { 0.1, -0.3, 0.1 }, radius = 0.4, material = grey } } }
+    end
+    local view = scene(0.5):prepare { size = { 16, 10 }, samples = 1 }
+    for _, n in ipairs { 20, 60, 200 } do
+      local lights, sums = scene(0):virtual_lights { merge = n, particles = 20000 }, {}
+      for k, shadows in ipairs { "none", "centre" } do
+        local layer = view:gather({ lights = lights, shadows = shadows, layers = false }):layer "radiance"
+        sums[k] = 0
+        for i = 1, 10 do for j = 1, 16 do sums[k] = sums[k] + layer:get(i, j, 2) end end
+      end
+      assert.is_true(sums[2] > 0.95 * sums[1], n .. " " .. sums[2] / sums[1])
+    end
+  end)
+
   it("are the same lights whatever the number of threads", function()
     local scene, first = room(), nil
     for _, threads in ipairs { 1, 2, 7 } do

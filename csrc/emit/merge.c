@@ -10,8 +10,11 @@
 #include "ylm_light_virtual.h"
 #include "ylm_sh.h"
 
-#define STEPS 4       /* edges of cells between 1 and 2 */
-#define GRAIN 16      /* lights */
+#define STEPS 4          /* edges of cells between 1 and 2 */
+#define GRAIN 16         /* lights */
+#define LEAST_FACING 0.2 /* of normals whose tangent planes count, the cosine to the mean */
+/* Edges between facets are above tangent planes, in parts of the depth of all landings. */
+#define FACETS 0.25
 #define ALIKE 0.99999 /* the cosine between normals that count as one */
 /* Directions of a fit, rings of a product of Gauss and even steps; the ridge over the mean of the diagonal. */
 #define RINGS 7
@@ -170,7 +173,7 @@ typedef struct group {
 
 /* Of landings by their luminous power. */
 static void gather(const emit_landings *from, group *g) {
-  double top = -INFINITY;
+  double top = -INFINITY, bottom = INFINITY, tangent = INFINITY;
   for (size_t k = 0; k < g->n; k++) {
     const emit_landing *l = &from->landing[g->member[k]];
     double w = ylm__emit_luminous(l);
@@ -189,19 +192,24 @@ static void gather(const emit_landings *from, group *g) {
   g->widest = 1;
   for (size_t k = 0; k < g->n; k++) {
     const emit_landing *l = &from->landing[g->member[k]];
-    double d2 = 0, up = 0, facing = 0;
+    double d2 = 0, up = 0, own = 0, facing = 0;
     for (int a = 0; a < 3; a++) {
       double v = (double)l->at[a] - g->at[a];
       d2 += v * v;
       up += v * g->normal[a];
+      own += v * (double)l->normal[a];
       facing += (double)l->normal[a] * g->normal[a];
     }
     g->spread += ylm__emit_luminous(l) * d2 / g->weight;
     top = fmax(top, up);
+    bottom = fmin(bottom, up);
+    if (facing > LEAST_FACING) tangent = fmin(tangent, own / facing);
     g->widest = fmin(g->widest, facing);
   }
-  /* above all of them: the middle of a bulge is inside of it */
-  for (int a = 0; a < 3; a++) g->at[a] += top * g->normal[a];
+  /* out of the surface: a hollow is below the highest landing, a bulge below the tangent planes of all */
+  double lift = fmax(top, isfinite(tangent) ? tangent : top);
+  if (g->widest < ALIKE) lift += FACETS * (top - bottom);
+  for (int a = 0; a < 3; a++) g->at[a] += lift * g->normal[a];
 }
 
 /* Solves the n x n system by Cholesky's method, a and the three columns of b [3][MOST] in place; false: it has no

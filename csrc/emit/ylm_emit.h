@@ -117,11 +117,12 @@ typedef struct ylm_emit_report {
 ** Of more landings than options.lights, some are chosen in proportion to their luminous power, by
 ** equal steps along its sum; each then has the same share of it.
 **
-** Merged lights stand at the mean place of their landings, by power, above the outermost of them; their
-** normal is the mean. Matte landings of one normal add up; of several normals, whose mean has the length R,
-** the light has the shift 2 (1 - R) and with it their power and the mean of their directions. Emission of
-** degree > 0 is fitted to what the landings send, in 98 directions, and scaled to their power. Radii by density
-** are at least scale sqrt(2 v), v the mean square of distances from the middle.
+** Merged lights stand at the mean place of their landings, by power, lifted along the normal above the highest of them
+** and above the lowest of their tangent planes; their normal is the mean. Matte landings of one normal add up;
+** of several normals, whose mean has the length R, the light has the shift 2 (1 - R) and with it their power and
+** the mean of their directions. Emission of degree > 0 is fitted to what the landings send, in 98 directions, and
+** scaled to their power. Radii by density are at least scale sqrt(2 v), v the mean square of distances from the
+** middle.
 **
 ** A grid is the paper's reflective shadow map: a texel of solid angle (2 tan(angle/2)/side)^2 cos^3 stands
 ** for the power intensity times that. Cones count as of 170 degrees at most.

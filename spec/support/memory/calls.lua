@@ -362,12 +362,24 @@ calls["virtual lights of a scene, gathered"] = on(scene, function(s)
   if not view then return nil, message, code end
   return view:gather { lights = lights, method = "vpl", compensate = 2 }
 end)
+calls["virtual lights, merged and interleaved"] = on(scene, function(s)
+  s.geometry[1].material = ylm.phong { exponent = 4 }
+  local lights, message, code = s:virtual_lights { merge = 8, particles = 40, degree = 2 }
+  if not lights then return nil, message, code end
+  local view
+  view, message, code = s:prepare { size = size, samples = 1, gloss = "matte" }
+  if not view then return nil, message, code end
+  local few
+  few, message, code = view:gather { lights = lights, subset = "stochastic" }
+  if not few then return nil, message, code end
+  return view:gather { lights = lights, subset = "interleaved", tile = 2 }
+end)
 calls["virtual lights by their tree"] = on(function()
-  local at = {}
-  for i = 1, 600 do at[i] = { i % 10, math.floor(i / 10) % 10, i / 100 } end
-  return at
-end, function(at)
-  local lights, message, code = ylm.virtual_lights { at = at, normal = { 0, 0, 1 }, radius = 0.2, intensity = 1 }
+  local at, normal = {}, {}
+  for i = 1, 600 do at[i], normal[i] = { i % 10, math.floor(i / 10) % 10, i / 100 }, { 0, 0, 1 } end
+  return { at, normal }
+end, function(both)
+  local lights, message, code = ylm.virtual_lights { at = both[1], normal = both[2], radius = 0.2, intensity = 1 }
   if not lights then return nil, message, code end
   return ylm.light_field(0, lights, { { 3, 4, 20 } }, { tolerance = 0.1 })
 end)
