@@ -30,7 +30,8 @@ local scene = ylm.scene "A knot over lamps" {
 
 local points = {}
 for i = 0, 90 do for j = 0, 90 do points[#points + 1] = { -3 + i / 15, 0, -3 + j / 15 } end end
-for i, p in ipairs(knot.mesh:vertices():totable()) do if i % 9 == 0 then points[#points + 1] = p end end
+local vertices = knot.mesh:vertices()
+for i = 9, #vertices, 9 do points[#points + 1] = vertices[i]:totable() end
 local grid_bounds = { { -3.1, -0.1, -3.1 }, { 3.1, 2.6, 3.1 } }
 local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = grid_bounds, lmax = 4, depth = 6, metric = "relative",
   threshold = 6 }, lamps, { occupied = points }))

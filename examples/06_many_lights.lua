@@ -48,24 +48,18 @@ local function field(lights, tolerance)
     L, dL = ylm.light_field(4, lights, points, { derivatives = 1, threads = 1, tolerance = tolerance })
     least = math.min(least, os.clock() - start)
   end
-  return 1e6 * least / #points, L:totable(), dL:totable()
+  return 1e6 * least / #points, L, dL
 end
 
---- |a - b| / |b| over nested tables of numbers.
-local function distance(a, b)
-  local d, n = 0, 0
-  local function add(x, y)
-    if type(x) == "number" then d, n = d + (x - y) ^ 2, n + y ^ 2
-    else for i = 1, #x do add(x[i], y[i]) end end
-  end
-  add(a, b)
-  return math.sqrt(d / n)
+--- |a - b| / |b| of each point.
+local function distances(a, b)
+  local axes = { axis = #b.shape == 3 and { 2, 3 } or { 2, 3, 4 } }
+  return (((a - b) ^ 2):sum(axes) / (b ^ 2):sum(axes)):sqrt()
 end
 
 --- Of each point's error the median and the largest.
 local function errors(a, b)
-  local e = {}
-  for i = 1, #a do e[i] = distance(a[i], b[i]) end
+  local e = distances(a, b):totable()
   table.sort(e)
   return e[math.ceil(#e / 2)], e[#e]
 end

@@ -18,15 +18,10 @@ local small = { math.floor(option.width / 2), math.floor(option.width * 0.225) }
 
 --- Luminance of surfaces in the left and in the right half of a picture, the wall's edge between them.
 local function halves(image)
-  local mask, radiance = common.surface_mask(ylm, image):totable(), image:layer():totable()
-  local sum = { 0, 0 }
-  for y, row in ipairs(radiance) do
-    for x, p in ipairs(row) do
-      local half = x <= #row / 2 and 1 or 2
-      sum[half] = sum[half] + mask[y][x] * (0.2126 * p[1] + 0.7152 * p[2] + 0.0722 * p[3])
-    end
-  end
-  return sum[1], sum[2]
+  local light = common.luminance(image:layer()) * common.surface_mask(ylm, image)
+  local width = light.shape[2]
+  local middle = math.floor(width / 2)
+  return light[{ {}, { 1, middle } }]:sum(), light[{ {}, { middle + 1, width } }]:sum()
 end
 
 -- Distances against rays to the lamps -----------------------------------------------------------------

@@ -35,16 +35,17 @@ local row = ylm.scene "ten spheres" {
 
 --- The errors of common.errors at the pixels that sphere k alone covers (nil: any sphere).
 local function errors(image, truth, k)
-  return common.errors(image, truth, k and function(at) return math.floor(at[1] / STEP + #alphas / 2 + 1) == k end)
+  return common.errors(image, truth, k and function(at)
+    local place = at[{ {}, {}, 1 }] / STEP + #alphas / 2 + 1
+    return place:greater_equal(k) * place:less(k + 1)
+  end)
 end
 
 --- The part of its slices that a material's degree misses, over a sphere's disk: root mean square, in percent.
 local function missed(material, lmax)
   local t, views = assert(material:table { lmax = lmax }), {}
   for i = 1, 200 do views[i] = { math.sqrt((i - 0.5) / 200), 0, math.sqrt(1 - (i - 0.5) / 200) } end
-  local sum = 0
-  for _, e in ipairs(t:missed(lmax, views):totable()) do sum = sum + e * e end
-  return 100 * math.sqrt(sum / 200)
+  return 100 * math.sqrt((t:missed(lmax, views) ^ 2):mean())
 end
 
 local camera = { size = size, samples = 16 }
@@ -105,12 +106,7 @@ end
 show(last, ('gloss = "auto" (default), lmax = %d: rays where harmonics miss more than 1 to 3 %% of a lobe'):format(
   degrees[#degrees]))
 show(truth, ("paths of one reflection, %d a pixel"):format(truth.metadata.samples))
-local share = {}
-for y, line in ipairs(last:layer "gloss":totable()) do
-  share[y] = {}
-  for x, p in ipairs(line) do share[y][x] = p[1] end
-end
-rows[#rows + 1] = { { values = share, caption = "share of rays in auto: layer gloss" } }
+rows[#rows + 1] = { { values = last:layer "gloss"[{ {}, {}, 1 }], caption = "share of rays in auto: layer gloss" } }
 common.save(ylm.figure { rows = rows, bar = { range = { 0, 1 }, label = "share of rays" },
   title = "GGX, alpha 0.05 to 1, under two lamps and an overcast sky" }, option.out .. "glossy.png")
 

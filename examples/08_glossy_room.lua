@@ -35,12 +35,14 @@ local room = ylm.scene "stand-ins" {
   },
 }
 
---- Is this place on a wall? They are matte, all else glosses.
-local function is_matte(at) return math.abs(at[1]) > 1.399 or at[3] < -1.399 end
+--- 1 where a place is on a wall, else 0: walls are matte, all else glosses.
+local function is_matte(at)
+  return (at[{ {}, {}, 1 }]:abs():greater(1.399) + at[{ {}, {}, 3 }]:less(-1.399)):clamp(0, 1)
+end
 
 --- The errors of common.errors at surfaces, matte = true, false: those that are matte, that gloss.
 local function errors(image, truth, matte)
-  return common.errors(image, truth, matte ~= nil and function(at) return is_matte(at) == matte end)
+  return common.errors(image, truth, matte ~= nil and function(at) return is_matte(at):equal(matte and 1 or 0) end)
 end
 
 ylm.on_warning(false)

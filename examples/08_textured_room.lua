@@ -88,8 +88,9 @@ write("room.mtl", { "newmtl planks", "map_Kd planks.png", "newmtl bricks", "map_
 local function ball(at, radius)
   local plain = ylm.sphere { radius = radius, at = at, divide = { 96, 48 } }.mesh
   local colours = {}
-  for i, uv in ipairs(plain:uvs():totable()) do
-    local t = 0.5 + 0.5 * math.sin(2 * math.pi * (3 * uv[1] + 2 * uv[2]))
+  local phase = (plain:uvs() * { 3, 2 }):sum(2) * (2 * math.pi)
+  for i = 1, #phase do
+    local t = 0.5 + 0.5 * math.sin(phase[i])
     colours[i] = mixed({ 0.9, 0.75, 0.2 }, { 0.1, 0.25, 0.7 }, t)
   end
   return ylm.mesh { vertices = plain:vertices(), triangles = plain:triangles(), normals = plain:normals(), colours = colours,

@@ -18,10 +18,8 @@ local materials = {
 
 --- A lobe moved in x, and a plate under it.
 local function placed(mesh, x, colour)
-  local v = mesh:vertices():totable()
-  for _, p in ipairs(v) do p[1] = p[1] + x end
-  local t = mesh:triangles():totable()
-  return { ylm.mesh { vertices = v, triangles = t, normals = mesh:normals() }, colour = colour }
+  local moved = ylm.mesh { vertices = mesh:vertices() + { x, 0, 0 }, triangles = mesh:triangles(), normals = mesh:normals() }
+  return { moved, colour = colour }
 end
 
 local pictures, angles = {}, { 0, 45, 75 }
@@ -48,8 +46,8 @@ local series = {}
 for _, row in ipairs(materials) do
   local at, values = row[2]:slice { angle = 45, count = 721 }
   local x, y = {}, {}
-  for i, a in ipairs(at:totable()) do
-    x[i], y[i] = values:get(i, 2) * math.sin(math.rad(a)), values:get(i, 2) * math.cos(math.rad(a))
+  for i = 1, #at do
+    x[i], y[i] = values:get(i, 2) * math.sin(math.rad(at[i])), values:get(i, 2) * math.cos(math.rad(at[i]))
   end
   local c = row[3]
   series[#series + 1] = { x = x, y = y, label = row[1], colour = c, marker = "none", width = 2 }

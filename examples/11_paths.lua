@@ -17,29 +17,13 @@ local size = { option.width, math.floor(option.width * 0.75) }
 local direct = assert(room:pathtrace { size = size, samples = option.samples, bounces = 0 })
 local all, report = assert(room:pathtrace { size = size, samples = option.samples })
 
-local function luminance(p) return 0.2126 * p[1] + 0.7152 * p[2] + 0.0722 * p[3] end
-
 --- Standard error of each pixel relative to it; of black pixels 0.
 local function relative(image)
-  local mean, variance, out = image:layer "radiance":totable(), image:layer "variance":totable(), {}
-  for y, row in ipairs(mean) do
-    out[y] = {}
-    for x, p in ipairs(row) do
-      local v = variance[y][x]
-      local e = luminance { math.sqrt(v[1]), math.sqrt(v[2]), math.sqrt(v[3]) }
-      out[y][x] = luminance(p) > 0 and e / luminance(p) or 0
-    end
-  end
-  return out
+  local mean, error = common.luminance(image:layer "radiance"), common.luminance(image:layer "variance":sqrt())
+  return error * mean:greater(0) / (mean + mean:equal(0))
 end
 
-local function sum(image)
-  local total = 0
-  for _, row in ipairs(image:layer():totable()) do
-    for _, p in ipairs(row) do total = total + luminance(p) end
-  end
-  return total
-end
+local function sum(image) return common.luminance(image:layer()):sum() end
 
 print(("direct light is %.0f %% of the picture; noise %.2f %%, %.1f s"):format(100 * sum(direct) / sum(all), 100 * report.noise,
   report.seconds.total))

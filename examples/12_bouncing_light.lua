@@ -74,21 +74,10 @@ local pictures = {
   { "paths", truth, truth_seconds },
 }
 
-local function luminance(p) return 0.2126 * p[1] + 0.7152 * p[2] + 0.0722 * p[3] end
-
-local wanted, mean = truth:layer():totable(), 0
-for _, line in ipairs(wanted) do
-  for _, p in ipairs(line) do mean = mean + luminance(p) / (size[1] * size[2]) end
-end
+local wanted = common.luminance(truth:layer())
 
 --- Differences of luminance from the paths, relative to the mean of these.
-local function differences(image)
-  local values = image:layer():totable()
-  for y, line in ipairs(values) do
-    for x, p in ipairs(line) do line[x] = (luminance(p) - luminance(wanted[y][x])) / mean end
-  end
-  return values
-end
+local function differences(image) return (common.luminance(image:layer()) - wanted) / wanted:mean() end
 
 local above, below = {}, {}
 for i, p in ipairs(pictures) do

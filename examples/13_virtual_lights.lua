@@ -30,17 +30,10 @@ local function luminance(p) return 0.2126 * p[1] + 0.7152 * p[2] + 0.0722 * p[3]
 --- Differences of luminance of two images, relative to the mean of the second; their root mean square. Pixels that show some of
 -- a lamp are left out.
 local function differences(image, truth, lamp)
-  local wanted, mean, n = truth:layer():totable(), 0, 0
-  for _, line in ipairs(wanted) do for _, p in ipairs(line) do mean, n = mean + luminance(p), n + 1 end end
-  mean = mean / n
-  local values, square = image:layer():totable(), 0
-  for y, line in ipairs(values) do
-    for x, p in ipairs(line) do
-      line[x] = lamp and lamp:get(y, x, 1) > 0 and 0 or (luminance(p) - luminance(wanted[y][x])) / mean
-      square = square + line[x] ^ 2 / n
-    end
-  end
-  return values, math.sqrt(square)
+  local wanted = common.luminance(truth:layer())
+  local values = (common.luminance(image:layer()) - wanted) / wanted:mean()
+  if lamp then values = values * lamp[{ {}, {}, 1 }]:less_equal(0) end
+  return values, math.sqrt((values ^ 2):mean())
 end
 
 local function shown(image, words, exposure)

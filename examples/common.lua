@@ -111,46 +111,26 @@ function common.thousands(n)
   return text
 end
 
+--- Luminance (Rec. 709) of pixels [h][w][3], as an array [h][w].
+function common.luminance(pixels) return (pixels * { 0.2126, 0.7152, 0.0722 }):sum(3) end
+
 --- Pixels where geometry alone is seen, as an array [h][w] of 0 and 1: what errors are taken over.
-function common.surface_mask(ylm, image)
-  local coverage, emitter = image:layer "coverage":totable(), image:layer "emitter":totable()
-  local rows = {}
-  for y = 1, #coverage do
-    local row = {}
-    for x = 1, #coverage[y] do
-      row[x] = (coverage[y][x][1] > 0.999 and emitter[y][x][1] < 1e-6) and 1 or 0
-    end
-    rows[y] = row
-  end
-  return ylm.array(rows, "float")
+function common.surface_mask(_, image)
+  return (image:layer "coverage":greater(0.999) * image:layer "emitter":less(1e-6))[{ {}, {}, 1 }]
 end
 
---- Errors of a picture beside paths with their variance, at pixels that surfaces fill, of these where keep(position) holds
--- (nil or false: all): root mean square over that of the truth, less its noise; and the 95 % quantile of the relative
--- errors of pixels above a tenth of the mean; in percent.
+--- Errors of a picture beside paths with their variance, at pixels that surfaces fill, of these where the mask
+-- keep(positions [h][w][3]) is 1 (nil or false: all): root mean square over that of the truth, less its noise; and the 95 %
+-- quantile of the relative errors of pixels above a tenth of the mean; in percent.
 function common.errors(image, truth, keep)
-  local a, b, v = image:layer "radiance":totable(), truth:layer "radiance":totable(), truth:layer "variance":totable()
-  local coverage, position = image:layer "coverage":totable(), image:layer "position":totable()
-  local difference, square, sum, seen = 0, 0, 0, {}
-  for y = 1, #a do
-    for x = 1, #a[y] do
-      if coverage[y][x][1] > 0.999 and (not keep or keep(position[y][x])) then
-        local d, n = 0, 0
-        for c = 1, 3 do
-          d, n = d + (a[y][x][c] - b[y][x][c]) ^ 2, n + b[y][x][c] ^ 2
-          difference = difference - v[y][x][c]
-        end
-        difference, square, sum = difference + d, square + n, sum + math.sqrt(n)
-        seen[#seen + 1] = { math.sqrt(n), math.sqrt(d / n) }
-      end
-    end
-  end
-  local lit = {}
-  for _, p in ipairs(seen) do
-    if p[1] > 0.1 * sum / #seen then lit[#lit + 1] = p[2] end
-  end
+  local mask = image:layer "coverage"[{ {}, {}, 1 }]:greater(0.999)
+  if keep then mask = mask * keep(image:layer "position") end
+  local a, b, v = image:layer "radiance":select(mask), truth:layer "radiance":select(mask), truth:layer "variance":select(mask)
+  local d, n = ((a - b) ^ 2):sum(2), (b ^ 2):sum(2)
+  local norm, relative = n:sqrt(), (d / n):sqrt()
+  local lit = relative:select(norm:greater(0.1 * norm:mean())):totable()
   table.sort(lit)
-  return 100 * math.sqrt(math.max(0, difference) / square), 100 * (lit[math.ceil(0.95 * #lit)] or 0)
+  return 100 * math.sqrt(math.max(0, d:sum() - v:sum()) / n:sum()), 100 * (lit[math.ceil(0.95 * #lit)] or 0)
 end
 
 --- A function that adds its fields to a copy of `shared`.
@@ -175,17 +155,8 @@ function common.best(clock, runs, f)
   return 1000 * least
 end
 
---- The largest channel of a difference image at every pixel, as numbers [h][w] fit for a logarithmic scale.
-function common.error_values(difference)
-  local rows = difference:layer():totable()
-  for y = 1, #rows do
-    for x = 1, #rows[y] do
-      local p = rows[y][x]
-      rows[y][x] = math.max(p[1], p[2], p[3], 1e-9)
-    end
-  end
-  return rows
-end
+--- The largest channel of a difference image at every pixel, as an array [h][w] fit for a logarithmic scale.
+function common.error_values(difference) return difference:layer():max(3):clamp(1e-9) end
 
 --- The cost of a light-point pair with the Hessian metric relative to one with a gradient (RGB, lmax 4): measured by
 -- `make bench`, see docs/performance.md.

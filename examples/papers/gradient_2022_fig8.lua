@@ -32,32 +32,16 @@ local first = prepare(5)
 local rays = { shadows = false, light_samples = quick and 64 or 8 * option.samples }
 local truth, told = first:raycast(rays)
 rays.seed = 2
-local again = first:raycast(rays):layer():totable()
-local a1, a2, both = truth:layer():totable(), again, truth:layer()
+local a1, a2 = truth:layer():clone(), first:raycast(rays):layer()
 local body = ylm.scene "body" { camera = scene.camera, geometry = scene.geometry[3] }
 local covered = body:prepare({ size = size, samples = quick and 1 or 4, visibility = "none", lmax = 0 }):reference {}
-local bodies, surface = covered:layer "coverage":totable(), common.surface_mask(ylm, truth):totable()
-local glosses, rest = {}, {}
-for y = 1, size[2] do
-  glosses[y], rest[y] = {}, {}
-  for x = 1, size[1] do
-    glosses[y][x] = bodies[y][x][1] > 0.999 and surface[y][x] or 0
-    rest[y][x] = bodies[y][x][1] > 0 and 0 or surface[y][x]
-  end
-end
+local bodies, surface = covered:layer "coverage"[{ {}, {}, 1 }], common.surface_mask(ylm, truth)
+local glosses, rest = surface * bodies:greater(0.999), surface * bodies:less_equal(0)
 
 --- Root mean square error of an image over that of the rays, in percent; noise of the rays adds nothing to it.
 local function error_of(image, mask)
-  local e, whole = 0, 0
-  for y, line in ipairs(image:layer():totable()) do
-    for x, p in ipairs(line) do
-      for c = 1, mask[y][x] > 0 and 3 or 0 do
-        local u, v = a1[y][x][c], a2[y][x][c]
-        e, whole = e + (p[c] - u) * (p[c] - v), whole + u * v
-      end
-    end
-  end
-  return 100 * math.sqrt(math.max(0, e) / whole)
+  local p, u, v = image:layer():select(mask), a1:select(mask), a2:select(mask)
+  return 100 * math.sqrt(math.max(0, ((p - u) * (p - v)):sum()) / (u * v):sum())
 end
 
 print(("%d x %d, %s shading points; twice %d rays from each: %.1f s"):format(size[1], size[2],
@@ -87,12 +71,8 @@ print "Why they differ. matte: the cosine has little beyond degree 2. gloss: the
 print "  its Armadillo; light from all around hides most of what a slice misses. c - b: lamps are 3.7 m away here, voxels 0.6 m;"
 print "  an 8^3 grid errs as lamps are near, and the paper's layout is not published."
 
-for y, line in ipairs(a1) do -- the picture shows both
-  for x, p in ipairs(line) do
-    for c = 1, 3 do both:set(y, x, c, (p[c] + a2[y][x][c]) / 2) end
-  end
-end
-local peak = truth:compare(truth, { mask = ylm.array(rest, "float") }).peak
+truth:layer()[{}] = (a1 + a2) / 2 -- the picture shows both
+local peak = truth:compare(truth, { mask = rest }).peak
 local exposure, scale = -math.log(peak) / math.log(2), 5
 local function picture(image, caption) return { image = image, tone = "srgb", exposure = exposure, caption = caption } end
 local rows = { { picture(truth, "(a) rays"),

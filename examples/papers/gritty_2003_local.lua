@@ -77,17 +77,15 @@ local scene = ylm.scene "a head" {
 
 --- n vertices of the head as far apart as they go: each is the farthest from those before.
 local function spread(n)
-  local points, far, places = scene.geometry[1].mesh:vertices():totable(), {}, {}
-  for i = 1, #points do far[i] = math.huge end
-  local at = 1
+  local points, places = scene.geometry[1].mesh:vertices(), {}
+  local far, at = nil, 1
   for k = 1, n do
-    places[k] = points[at]
-    local best = -1
-    for i, p in ipairs(points) do
-      local q = places[k]
-      far[i] = math.min(far[i], (p[1] - q[1]) ^ 2 + (p[2] - q[2]) ^ 2 + (p[3] - q[3]) ^ 2)
-      if far[i] > best then best, at = far[i], i end
-    end
+    places[k] = points[at]:totable()
+    local square = ((points - places[k]) ^ 2):sum(2)
+    far = far and far:clamp(nil, square) or square
+    local best = far:max()
+    at = 1
+    while far[at] < best do at = at + 1 end
   end
   return places
 end
@@ -104,8 +102,6 @@ local row = common.table { { "light", "%-30s" }, { "probes", "%6d" }, { "asked s
   { "PSNR dB", "%8.1f" }, { "relmse", "%9.2e" } }
 local pictures, differences = { false }, { false } -- of the lamps at every point
 
-local function luminance(p) return 0.2126 * p[1] + 0.7152 * p[2] + 0.0722 * p[3] end
-
 local function try(name, caption, make)
   local start = clock()
   local light, probes = make()
@@ -113,10 +109,7 @@ local function try(name, caption, make)
   local image, how = assert(view:shade { vectors = T, lights = light })
   local m = assert(image:compare(truth))
   row { name, probes, asked, how.seconds.light, m.psnr, m.relmse }
-  local values, wanted = image:layer():totable(), truth:layer():totable()
-  for y, line in ipairs(values) do
-    for x, p in ipairs(line) do line[x] = luminance(p) - luminance(wanted[y][x]) end
-  end
+  local values = common.luminance(image:layer()) - common.luminance(truth:layer())
   pictures[#pictures + 1] = { image = image, tone = "srgb", exposure = 0.6, caption = caption }
   differences[#differences + 1] = { values = values, caption = ("%.1f dB"):format(m.psnr) }
   return m.psnr

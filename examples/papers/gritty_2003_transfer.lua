@@ -103,14 +103,7 @@ local clock = require "ylm.c.core".seconds
 
 --- Mean luminance of a picture's surfaces.
 local function brightness(image)
-  local sum, n = 0, 0
-  local coverage = image:layer "coverage":totable()
-  for y, line in ipairs(image:layer():totable()) do
-    for x, p in ipairs(line) do
-      if coverage[y][x][1] > 0.99 then sum, n = sum + 0.2126 * p[1] + 0.7152 * p[2] + 0.0722 * p[3], n + 1 end
-    end
-  end
-  return sum / n
+  return common.luminance(image:layer()):select(image:layer "coverage":greater(0.99)):mean()
 end
 
 --- A picture by vectors that make() returns, and what it took.
@@ -162,10 +155,8 @@ for i = 1, #e.area do
 end
 
 local drawing = ylm.image { size = size }
-local layer, base = drawing:layer(), shadowed:layer():totable()
-for y = 1, size[2] do
-  for x = 1, size[1] do for c = 1, 3 do layer:set(y, x, c, 0.25 * base[y][x][c]) end end
-end
+local layer = drawing:layer()
+layer[{}] = 0.25 * shadowed:layer()
 local x0, y0 = project(place(A))
 local seen = {}
 for _, j in ipairs(list[A]) do
@@ -184,22 +175,12 @@ end
 
 -- Light by bounce ------------------------------------------------------------------------------
 
-local L = ylm.light_field(4, sky, { 0, 0, 0 }):totable()
-local area = 0
-for i = 1, #e.area do area = area + e.area:get(i) end
+local L, area = ylm.light_field(4, sky, { 0, 0, 0 }), e.area:sum()
 
 --- Mean irradiance of all elements, by channel, with that many bounces.
 local function irradiance(bounces)
-  local T, sum = assert(t:vectors { bounces = bounces }):totable(), { 0, 0, 0 }
-  for i, channels in ipairs(T) do
-    local share = e.area:get(i) / area
-    for c = 1, 3 do
-      local E = 0
-      for k = 1, 25 do E = E + channels[c][k] * L[c][k] end
-      sum[c] = sum[c] + share * E
-    end
-  end
-  return sum
+  local T = assert(t:vectors { bounces = bounces })
+  return ((T * L):sum(3) * e.area:reshape { #e.area, 1 }):sum(1) / area
 end
 
 print "mean irradiance that each bounce adds (red, green, blue), and the part of all light that it is:"

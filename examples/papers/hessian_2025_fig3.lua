@@ -25,40 +25,28 @@ local function square(shift)
   return ylm.array(points, "double")
 end
 
---- Coefficient `index` at the shifted square, as a plain list.
+--- Coefficient `index` at the shifted square, [n*n].
 local function coefficient(index, shift)
   local L = ylm.light_field(lmax, lamp, square(shift), { channels = "luminance", dtype = "double" })
-  local list, flat = {}, L:totable()
-  for i = 1, #flat do list[i] = flat[i][1][index] end
-  return list
+  return L[{ {}, 1, index }]
 end
 
 --- Second derivative along axis a (1 to 3) by the five-point formula, error of order step^4.
 local function difference(index, a, step)
-  local sum
+  local sum = 0
   for k, weight in pairs { [-2] = -1 / 12, [-1] = 4 / 3, [0] = -5 / 2, [1] = 4 / 3, [2] = -1 / 12 } do
     local shift = { 0, 0, 0 }
     shift[a] = k * step
-    local values = coefficient(index, shift)
-    sum = sum or {}
-    for i = 1, #values do sum[i] = (sum[i] or 0) + weight * values[i] / step ^ 2 end
+    sum = sum + weight * coefficient(index, shift) / step ^ 2
   end
   return sum
 end
 
 --- n*n numbers as rows.
-local function rows_of(list)
-  local rows = {}
-  for r = 1, n do
-    rows[r] = {}
-    for c = 1, n do rows[r][c] = list[(r - 1) * n + c] end
-  end
-  return rows
-end
+local function rows_of(list) return list:reshape { n, n } end
 
-local _, _, H = ylm.light_field(lmax, lamp, square { 0, 0, 0 },
+local _, _, hessians = ylm.light_field(lmax, lamp, square { 0, 0, 0 },
   { derivatives = 2, channels = "luminance", dtype = "double" })
-local hessians = H:totable()
 
 local rows = {}
 print(("%-22s %12s %22s %22s"):format("component", "largest", "largest |difference|", "relative to largest"))
@@ -67,17 +55,11 @@ for _, case in ipairs {
   { name = "∂²/∂z² of L(7, 2)", l = 7, m = 2, component = 6, axis = 3 },
 } do
   local index = ylm.sh.index(case.l, case.m)
-  local ours, finite, wrong = {}, difference(index, case.axis, 2e-3), {}
-  local largest, worst = 0, 0
-  for i = 1, n * n do
-    ours[i] = hessians[i][1][index][case.component]
-    largest = math.max(largest, math.abs(ours[i]))
-    worst = math.max(worst, math.abs(ours[i] - finite[i]))
-  end
-  for i = 1, n * n do
-    wrong[i] = 10 * math.abs(ours[i] - finite[i]) / largest
-    ours[i], finite[i] = ours[i] / largest, finite[i] / largest
-  end
+  local ours, finite = hessians[{ {}, 1, index, case.component }], difference(index, case.axis, 2e-3)
+  local largest = ours:abs():max()
+  local wrong = 10 * (ours - finite):abs() / largest
+  local worst = wrong:max() * largest / 10
+  ours, finite = ours / largest, finite / largest
   print(("%-22s %12.4g %22.3g %22.3g"):format(case.name, largest, worst, worst / largest))
   rows[#rows + 1] = {
     { values = rows_of(ours), caption = case.name .. ", analytic" },

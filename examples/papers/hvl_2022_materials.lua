@@ -40,15 +40,11 @@ local function nearest(table_)
   local rows, halves = {}, {}
   for i = 0, 84 do rows[i + 1] = view(i) end
   for i = 0, 83 do halves[i + 1] = view(i + 0.5) end
-  local at, between, worst = table_:slices(rows):totable(), table_:slices(halves):totable(), 0
-  for i, truth in ipairs(between) do
-    for k = 0, 1 do
-      local d, n = 0, 0
-      for c = 1, 3 do
-        for j = 1, #truth[c] do d, n = d + (at[i + k][c][j] - truth[c][j]) ^ 2, n + truth[c][j] ^ 2 end
-      end
-      if n > 0 then worst = math.max(worst, math.sqrt(d / n)) end
-    end
+  local at, truth = table_:slices(rows), table_:slices(halves)
+  local norm, worst = (truth ^ 2):sum { axis = { 2, 3 } }, 0
+  for k = 1, 2 do
+    local d = ((at[{ k, k + 83 }] - truth) ^ 2):sum { axis = { 2, 3 } }
+    worst = math.max(worst, (d / (norm + norm:equal(0))):sqrt():max())
   end
   return worst
 end

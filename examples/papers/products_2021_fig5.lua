@@ -95,9 +95,7 @@ end
 
 --- The norm of a - b over that of b, coefficients both.
 local function apart(a, b)
-  local x, y, e, n = a:totable(), b:totable(), 0, 0
-  for k = 1, #x do e, n = e + (x[k] - y[k]) ^ 2, n + y[k] ^ 2 end
-  return math.sqrt(e / n)
+  return math.sqrt(((a - b) ^ 2):sum() / (b ^ 2):sum())
 end
 
 local function rows_of(values)

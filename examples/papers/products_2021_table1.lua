@@ -35,20 +35,13 @@ local function multiply(factors, options)
 end
 
 --- The first n rows of an array.
-local function first(a, n)
-  local rows = {}
-  for i = 1, n do rows[i] = a[i]:totable() end
-  return ylm.array(rows)
-end
+local function first(a, n) return a[{ 1, n }] end
 
 --- Adds one block's errors to the sums: of errors, of squared differences, of squares.
 local function add(sums, error, norms)
-  local e, n = error:totable(), norms:totable()
-  for r = 1, #e do
-    sums[1] = sums[1] + e[r]
-    sums[2] = sums[2] + (e[r] * n[r]) ^ 2
-    sums[3] = sums[3] + n[r] ^ 2
-  end
+  sums[1] = sums[1] + error:sum()
+  sums[2] = sums[2] + ((error * norms) ^ 2):sum()
+  sums[3] = sums[3] + (norms ^ 2):sum()
 end
 
 --- Sums by order for groups of k-1 functions with coefficients from `low` to 1; the largest error of the Fourier method.
@@ -69,9 +62,7 @@ local function measure(k, low)
         local few = {}
         for f = 1, k - 1 do few[f] = first(factors[f], some) end
         local own = multiply(few, { method = "fourier", dtype = "float" })
-        for _, e in ipairs(ylm.sh.relative_error(ylm.array(own, "double"), first(exact, some)):totable()) do
-          worst = math.max(worst, e)
-        end
+        worst = math.max(worst, ylm.sh.relative_error(ylm.array(own, "double"), first(exact, some)):max())
       end
     end
     done = done + rows

@@ -12,24 +12,22 @@ local ROWS = 91 -- of elevation, 0 to 90 degrees
 --- Legendre moments of a material f about the mirror direction, [ROWS][3][lmax+1]: integral of f P_l(r . wi). A matte one is
 -- taken as the same from everywhere, below the surface too.
 local function lobe(material, lmax)
-  local rows, wo, mirror = {}, {}, {}
+  local wo, mirror, moments = {}, {}, ylm.zeros { ROWS, 3, lmax + 1 }
+  if not material.alpha then
+    moments[{ {}, {}, 1 }] = 4 * ylm.array(material.albedo)
+    return moments
+  end
   for i = 1, ROWS do
     local a = math.rad(math.min(i - 1, 89.9))
-    rows[i], wo[i], mirror[i] = {}, { math.sin(a), 0, math.cos(a) }, { -math.sin(a), 0, math.cos(a) }
+    wo[i], mirror[i] = { math.sin(a), 0, math.cos(a) }, { -math.sin(a), 0, math.cos(a) }
   end
-  local slices = material.alpha and material:table({ lmax = lmax, cosine = false }):slices(wo):totable()
-  local Y = ylm.sh.eval(lmax, mirror):totable()
-  for i, row in ipairs(rows) do
-    for c = 1, 3 do
-      row[c] = {}
-      for l = 0, lmax do
-        local sum = 0
-        for k = l * l + 1, slices and (l + 1) ^ 2 or 0 do sum = sum + slices[i][c][k] * Y[i][k] end
-        row[c][l + 1] = slices and 4 * math.pi / (2 * l + 1) * sum or l == 0 and 4 * material.albedo[c] or 0
-      end
-    end
+  local slices = material:table({ lmax = lmax, cosine = false }):slices(wo)
+  local Y = ylm.sh.eval(lmax, mirror):reshape { ROWS, 1, (lmax + 1) ^ 2 }
+  for l = 0, lmax do
+    local degree = { l * l + 1, (l + 1) ^ 2 }
+    moments[{ {}, {}, l + 1 }] = 4 * math.pi / (2 * l + 1) * (slices[{ {}, {}, degree }] * Y[{ {}, {}, degree }]):sum(3)
   end
-  return rows
+  return moments
 end
 
 --- A shader of a prepared view by sphere lights { at, radius, radiance }: function() -> radiance of its points [n][3].
@@ -40,12 +38,11 @@ function zonal.shader(view, lamps, materials, lmax, threads)
   local points, lobes, radii, eye = view:points(), {}, {}, view.scene.camera.from
   for i, m in ipairs(materials) do lobes[i] = lobe(m, lmax) end
   for i = 1, #lamps.at do radii[i] = lamps.radius end
-  local object = points.object:totable()
-  for i, k in ipairs(object) do object[i] = k - 1 end
-  local places = { points.position, points.normal, ylm.array(object, "float"), eye[1], eye[2], eye[3] }
+  local object = ylm.array(points.object, "float") - 1
+  local places = { points.position, points.normal, object, eye[1], eye[2], eye[3] }
   local lights = { ylm.array(lamps.at, "float"), ylm.array(radii, "float"), ylm.array(lamps.radiance, "float") }
   local out = ylm.zeros({ #object, 3 }, "float")
-  lobes = ylm.array(lobes, "double")
+  lobes = ylm.stack(lobes)
   return function() return assert(rival.zonal(places, lmax, lobes, lights, threads or 0, out)) end
 end
 
