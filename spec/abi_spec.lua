@@ -21,6 +21,15 @@ local function run(lua, abi, text)
 end
 
 describe("the binding", function()
+  it("is for the versions of Lua that the rockspec names", function()
+    local file = assert(io.open "rockspec/ylm-scm-1.rockspec")
+    local least, below = file:read "*a":match 'dependencies = { "lua >= 5%.(%d), < 5%.(%d)" }'
+    file:close()
+    local named = {}
+    for minor = least, below - 1 do named[#named + 1] = ("lua5.%d"):format(minor) end
+    assert.same(abis, named)
+  end)
+
   for lua, abi in pairs(interpreters) do
     it("works under " .. lua, function()
       if not present(lua, abi) then pending(lua .. " is not installed") end
