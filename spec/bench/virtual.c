@@ -19,7 +19,10 @@ typedef struct job {
 static const struct form {
   const char *name;
   int want;
-} forms[] = {{"rgb value", 1}, {"rgb gradient", 3}, {"a bake's point", 3 | 8 | YLM_WANT_ROUGH}, {"to a threshold", 3 | 8}};
+} forms[] = {{"rgb value", 1},
+             {"rgb gradient", 3},
+             {"a bake's point", 3 | 8 | YLM_WANT_ROUGH},
+             {"to a threshold", 3 | 8}};
 
 static double at[LIGHTS][3], radius[LIGHTS], normal[LIGHTS][3], emission[LIGHTS][3][81];
 

@@ -124,18 +124,25 @@ YLM_INLINE void rise(vreal x, const real power, const int order, vreal a[3]) {
   for (int i = 0; i <= order; i++) a[i] = choose(small, s[i], a[i]);
 }
 
-/* Weights of degrees 0 .. lmax of a smooth profile, [lmax+1][4]: B0, B1, B2, and B1/B0. d2 > 0, inv2 its inverse;
-   heat: e^(-sg^2/d^2). */
-YLM_INLINE void smooth(const int profile, const int lmax, const int order, const real *lamp,
-                       real core, vreal d2, vreal inv2, vreal heat, vreal *B) {
-  vreal a[3] = {vreal_set(1), vreal_set(-2), vreal_set(4)}, b[3], steep = vreal_set(-2);
-  vreal h = inv2, q1 = vreal_set(0), step = vreal_set(1), ratio = step;
+/* How a smooth profile falls off: its core, d a1/a0, and of the degree at hand a0 of the whole, B1/B0 less that,
+   and the factor to the next. */
+typedef struct falloff {
+  vreal a[3], steep, q1, h, q, step, ratio;
+  real n;
+} falloff;
+
+/* At degree 0. d2 > 0, inv2 its inverse; heat: e^(-sg^2/d^2). */
+YLM_INLINE falloff begin_fall(const int profile, const int order, const real *lamp, real core,
+                              vreal d2, vreal inv2, vreal heat) {
+  vreal a[3] = {vreal_set(1), vreal_set(-2), vreal_set(4)}, b[3];
+  falloff f = {.steep = vreal_set(-2), .q1 = vreal_set(0), .h = inv2, .q = vreal_set(0), .n = 0};
+  f.step = f.ratio = vreal_set(1);
   if (profile != YLM_LIGHT_VIRTUAL_POINT) {
     const real width2 = width2_of(lamp);
     vreal t = d2 * (2 / width2);
     if (profile != YLM_LIGHT_VIRTUAL_FAR && any(t < RISEN)) rise(t, 2, order, a);
-    q1 = inv2 * (2 * width2); /* q of degree 1: 4/t */
-    ratio = step = heat;
+    f.q1 = inv2 * (2 * width2); /* q of degree 1: 4/t */
+    f.ratio = f.step = heat;
   }
   if (profile == YLM_LIGHT_VIRTUAL_FAR || profile == YLM_LIGHT_VIRTUAL_NEAR) {
     vreal o = d2 * (1 / (core * core));
@@ -146,16 +153,26 @@ YLM_INLINE void smooth(const int profile, const int lmax, const int order, const
     for (int i = 0; i <= order; i++) a[i] = far ? b[i] : a[i] - b[i];
   }
   if (order > 0 && profile != YLM_LIGHT_VIRTUAL_POINT)
-    steep = a[1] * inverse(larger(a[0], vreal_set(TINY)));
-  vreal q = vreal_set(0);
-  real n = 0;
-  for (int l = 0; l <= lmax; l++, n += 1) {
-    if (order > 0) q += n * q1;
-    B[4 * l] = h * a[0];
-    if (order > 0) B[4 * l + 1] = h * (a[1] + q * a[0]), B[4 * l + 3] = steep + q;
-    if (order > 1) B[4 * l + 2] = h * (a[2] + q * (2 * a[1] + (q - 2) * a[0]));
-    h *= step;
-    step *= ratio;
+    f.steep = a[1] * inverse(larger(a[0], vreal_set(TINY)));
+  for (int i = 0; i < 3; i++) f.a[i] = a[i];
+  return f;
+}
+
+/* To the next degree. */
+YLM_INLINE void go_on(falloff *f) {
+  f->n += 1;
+  f->q += f->n * f->q1;
+  f->h *= f->step;
+  f->step *= f->ratio;
+}
+
+/* Weights of degrees 0 .. lmax of a smooth profile, [lmax+1][4]: B0, B1, B2, and B1/B0. */
+YLM_INLINE void smooth(const int lmax, const int order, falloff f, vreal *B) {
+  for (int l = 0; l <= lmax; l++, go_on(&f)) {
+    const vreal *a = f.a, q = f.q;
+    B[4 * l] = f.h * a[0];
+    if (order > 0) B[4 * l + 1] = f.h * (a[1] + q * a[0]), B[4 * l + 3] = f.steep + q;
+    if (order > 1) B[4 * l + 2] = f.h * (a[2] + q * (2 * a[1] + (q - 2) * a[0]));
   }
 }
 

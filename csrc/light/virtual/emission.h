@@ -51,20 +51,20 @@ YLM_INLINE real number_of(const real *lamp, int q, int channel) {
 /* Jets by u of an emission of degree 1 or 2. */
 YLM_INLINE void quadratic(const vreal u[3], const int order, const int degree, const real *lamp,
                           const int channel, vreal *B) {
-  real c[10];
-  for (int q = 0; q < (degree == 1 ? 4 : 9); q++) c[q] = number_of(lamp, q, channel);
-  B[0] = c[0] + c[1] * u[0] + c[2] * u[1] + c[3] * u[2];
-  for (int a = 0; a < 3 && order > 0; a++) B[1 + a] = vreal_set(c[1 + a]);
+#define NUMBER(q) number_of(lamp, q, channel)
+  B[0] = NUMBER(0) + NUMBER(1) * u[0] + NUMBER(2) * u[1] + NUMBER(3) * u[2];
+  for (int a = 0; a < 3 && order > 0; a++) B[1 + a] = vreal_set(NUMBER(1 + a));
   for (int i = 0; i < 6 && order > 1; i++) B[4 + i] = vreal_set(0);
   if (degree < 2) return;
-  c[9] = -c[4] - c[7];
+  const real last = -NUMBER(4) - NUMBER(7);
   vreal s[3];
-  s[0] = c[4] * u[0] + c[5] * u[1] + c[6] * u[2];
-  s[1] = c[5] * u[0] + c[7] * u[1] + c[8] * u[2];
-  s[2] = c[6] * u[0] + c[8] * u[1] + c[9] * u[2];
+  s[0] = NUMBER(4) * u[0] + NUMBER(5) * u[1] + NUMBER(6) * u[2];
+  s[1] = NUMBER(5) * u[0] + NUMBER(7) * u[1] + NUMBER(8) * u[2];
+  s[2] = NUMBER(6) * u[0] + NUMBER(8) * u[1] + last * u[2];
   B[0] += s[0] * u[0] + s[1] * u[1] + s[2] * u[2];
   for (int a = 0; a < 3 && order > 0; a++) B[1 + a] += 2 * s[a];
-  for (int i = 0; i < 6 && order > 1; i++) B[4 + i] = vreal_set(2 * c[4 + i]);
+  for (int i = 0; i < 6 && order > 1; i++) B[4 + i] = vreal_set(2 * (i < 5 ? NUMBER(4 + i) : last));
+#undef NUMBER
 }
 
 /*

@@ -155,7 +155,7 @@ static void multiply(size_t rows, int channels, int n, const vreal *S, size_t S_
 /* -- lights --------------------------------------------------------------------------------- */
 
 /* A light of the tile at the points: w, the squared distance, 1/d, 1/D, n.u, e^(-sg^2/d^2), and the cosine, 0 where it
-   sends nothing. While lights are taken w is v, `along` n.v, and `cosine` a mask of lanes that it may light. */
+   sends nothing. */
 typedef struct sight {
   vreal w[3], d2, inv, inverse, along, heat, cosine;
 } sight;
@@ -215,14 +215,18 @@ typedef void weigh_fn(const ylm__virtual_plan *p, const real *lamp, const sight 
 typedef void rows_fn(const ylm__virtual_plan *p, const weights *w, const vreal u[3], vreal *S);
 typedef void send_fn(const seen *s, int degree, const double *beta, const real *lamp, vreal *E);
 
+YLM_INLINE falloff fall_of(const int profile, const int order, const ylm__virtual_plan *p,
+                           const real *lamp, const sight *s) {
+  return begin_fall(profile, order, lamp, (real)p->lights->core, s->d2, s->inv * s->inv, s->heat);
+}
+
 #define WEIGH(profile, order)                                                                      \
   static void weigh_##profile##_##order(const ylm__virtual_plan *p, const real *lamp,              \
                                         const sight *s, vreal *B) {                                \
     if (YLM_LIGHT_VIRTUAL_##profile == YLM_LIGHT_VIRTUAL_CAP)                                      \
       cap(p->lmax, order, lamp, s->d2, s->inv * s->inv, B);                                        \
     else                                                                                           \
-      smooth(YLM_LIGHT_VIRTUAL_##profile, p->lmax, order, lamp, (real)p->lights->core, s->d2,      \
-             s->inv * s->inv, s->heat, B);                                                         \
+      smooth(p->lmax, order, fall_of(YLM_LIGHT_VIRTUAL_##profile, order, p, lamp, s), B);          \
   }
 #define PROFILES(X, order)                                                                         \
   X(GAUSS, order) X(CAP, order) X(POINT, order) X(FAR, order) X(NEAR, order)
@@ -298,19 +302,27 @@ static void put_values(int lmax, const vreal *B, const vreal E[3], vreal *e) {
   for (int l = 0; l <= lmax; l++) e[3 + l] = B[4 * l];
 }
 
+YLM_INLINE void fall_values(int lmax, falloff f, const vreal E[3], vreal *e) {
+  for (int c = 0; c < 3; c++) e[c] = E[c];
+  f.h *= f.a[0];
+  for (int l = 0; l <= lmax; l++, go_on(&f)) e[3 + l] = f.h;
+}
+
 /* Factors of values and gradients: d, then [lmax+1][12]: colours over d, and the gradient's logarithm, d B1/B0 w -
    l w + d grad E/E; by x and y it is doubled. */
-static void put_one(int lmax, const vreal *B, const sight *s, const real *n, const vreal E[3],
-                    vreal *e) {
+YLM_INLINE void fall_slopes(int lmax, falloff f, const sight *s, const real *n, const vreal E[3],
+                            vreal *e) {
   const vreal once = inverse(larger(s->cosine, vreal_set(TINY))), inv = s->inv, *w = s->w;
   const vreal d = s->d2 * inv, part = d * s->inverse, bent = part * part * (s->along * once);
   const vreal back = -part * once, twice = back + back;
   const vreal N[3] = {n[0] * twice, n[1] * twice, n[2] * back}, W[3] = {2 * w[0], 2 * w[1], w[2]};
   const vreal D[3] = {E[0] * inv, E[1] * inv, E[2] * inv};
   *e++ = d;
-  for (int l = 0; l <= lmax; l++, e += 12) {
-    const vreal along = B[4 * l + 3] - ((real)l + bent), b = B[4 * l];
-    for (int c = 0; c < 3; c++) e[c] = D[c] * b;
+  f.h *= f.a[0];
+  f.steep -= bent;
+  for (int l = 0; l <= lmax; l++, e += 12, go_on(&f)) {
+    const vreal along = f.q + (f.steep - f.n);
+    for (int c = 0; c < 3; c++) e[c] = D[c] * f.h;
     for (int a = 0; a < 3; a++) e[3 + a] = W[a] * along + N[a];
   }
 }
@@ -334,38 +346,32 @@ static void put_each(int lmax, const vreal *B, const vreal *E, const sight *s, v
 }
 
 /* Factors [lmax+3][3] of second derivatives: of degrees l+2, l, l-2. */
-static void put_bends(int lmax, const vreal *B, const vreal E[3], vreal inv, vreal *e) {
-  const vreal all =
-      ((real)YLM_LUMINANCE_R * E[0] + (real)YLM_LUMINANCE_G * E[1] + (real)YLM_LUMINANCE_B * E[2]) *
-      (inv * inv);
-  for (int l = 0; l <= lmax; l++) {
-    const vreal b0 = all * B[4 * l], b1 = all * B[4 * l + 1], b2 = all * B[4 * l + 2];
-    const real n = (real)l;
-    e[3 * (l + 2)] = b2 - (2 * n + 2) * b1 + n * (n + 2) * b0;
-    e[3 * l + 1] = b2 + b1 - n * (n + 1) * b0;
-    if (l > 1) e[3 * (l - 2) + 2] = b2 + 2 * n * b1 + (n * n - 1) * b0;
-  }
+YLM_INLINE void bend_factors(const int l, const vreal b0, const vreal b1, const vreal b2,
+                             vreal *e) {
+  const real n = (real)l;
+  e[3 * (l + 2)] = b2 - (2 * n + 2) * b1 + n * (n + 2) * b0;
+  e[3 * l + 1] = b2 + b1 - n * (n + 1) * b0;
+  if (l > 1) e[3 * (l - 2) + 2] = b2 + 2 * n * b1 + (n * n - 1) * b0;
 }
 
-/* Distances and cosines of the lights of the tile. */
-static void see(const ylm__virtual_plan *p, work *k) {
-  const bool sharp = is_sharp(p->lights->profile);
-  for (int j = 0; j < k->held; j++) {
-    const real *lamp = k->lamp[j], shift = lamp[YLM__VIRTUAL_SHIFT];
-    sight *s = &k->sight[j];
-    const real width2 = width2_of(lamp);
-    vreal D2 = s->d2, c = vreal_set(1);
-    if (sharp)
-      D2 = s->d2 = choose(D2 > 0, D2, c);
-    else
-      D2 += width2 * SOFT, s->d2 = larger(s->d2, vreal_set(NEAREST * width2));
-    s->inverse = inverse_root(D2);
-    s->inv = inverse_root(s->d2);
-    s->along *= -s->inverse;
-    if (!is_round(lamp)) c = shift + s->along;
-    s->cosine = keep_lanes((vmask)s->cosine & (c > 0), c);
-    for (int a = 0; a < 3; a++) s->w[a] *= s->inv;
-    if (!sharp) s->heat = decay(s->inv * s->inv * width2);
+YLM_INLINE vreal bright_of(const vreal E[3], vreal inv) {
+  return ((real)YLM_LUMINANCE_R * E[0] + (real)YLM_LUMINANCE_G * E[1] +
+          (real)YLM_LUMINANCE_B * E[2]) *
+         (inv * inv);
+}
+
+static void put_bends(int lmax, const vreal *B, const vreal E[3], vreal inv, vreal *e) {
+  const vreal all = bright_of(E, inv);
+  for (int l = 0; l <= lmax; l++)
+    bend_factors(l, all * B[4 * l], all * B[4 * l + 1], all * B[4 * l + 2], e);
+}
+
+YLM_INLINE void fall_bends(int lmax, falloff f, const vreal E[3], vreal inv, vreal *e) {
+  f.h *= bright_of(E, inv);
+  for (int l = 0; l <= lmax; l++, go_on(&f)) {
+    const vreal *a = f.a, q = f.q;
+    bend_factors(l, f.h * a[0], f.h * (a[1] + q * a[0]),
+                 f.h * (a[2] + q * (2 * a[1] + (q - 2) * a[0])), e);
   }
 }
 
@@ -380,31 +386,61 @@ static void seen_of(const sight *s, const real *lamp, seen *to) {
   }
 }
 
-/* Factors of the tile's lights. */
-static void put_factors(const ylm__virtual_plan *p, work *k) {
-  const bool one = is_one(p), plain = p->lights->degree == 0 && (one || !p->slopes);
-  send_fn *sender = senders[0][p->slopes];
+YLM_INLINE void colours_of(const ylm__virtual_plan *p, const work *k, int j, send_fn *sender,
+                           vreal *E) {
+  const real *lamp = k->lamp[j];
+  if (sender) {
+    seen of;
+    seen_of(&k->sight[j], lamp, &of);
+    sender(&of, p->lights->degree, k->beta, lamp, E);
+  } else
+    for (int c = 0; c < 3; c++) E[c] = k->sight[j].cosine * lamp[YLM__VIRTUAL_EMISSION + c];
+}
+
+/* Factors of the tile's lights; `one`: of slopes too, `bend`: and of second derivatives. */
+typedef void fall_fn(const ylm__virtual_plan *p, work *k, send_fn *sender);
+#define FALL(profile, one, bend)                                                                   \
+  static void fall_##profile##_##one##bend(const ylm__virtual_plan *p, work *k, send_fn *sender) { \
+    for (int j = 0; j < k->held; j++) {                                                            \
+      const sight *s = &k->sight[j];                                                               \
+      const real *lamp = k->lamp[j];                                                               \
+      vreal E[3], *t = k->S + (size_t)j * p->width, *e = t + p->factors;                           \
+      colours_of(p, k, j, sender, E);                                                              \
+      const falloff f = fall_of(YLM_LIGHT_VIRTUAL_##profile, bend ? 2 : one, p, lamp, s);          \
+      if (one)                                                                                     \
+        fall_slopes(p->lmax, f, s, lamp + YLM__VIRTUAL_NORMAL, E, e);                              \
+      else                                                                                         \
+        fall_values(p->lmax, f, E, e);                                                             \
+      if (bend) fall_bends(p->lmax, f, E, s->inv, t + p->bent);                                    \
+    }                                                                                              \
+  }
+#define SMOOTH(profile)                                                                            \
+  FALL(profile, 0, 0) FALL(profile, 1, 0) FALL(profile, 0, 1) FALL(profile, 1, 1)
+SMOOTH(GAUSS)
+SMOOTH(POINT)
+SMOOTH(FAR)
+FALL(NEAR, 0, 0)
+FALL(NEAR, 0, 1)
+static fall_fn *const falls[2][2][5] = {
+    {{fall_GAUSS_00, NULL, fall_POINT_00, fall_FAR_00, fall_NEAR_00},
+     {fall_GAUSS_01, NULL, fall_POINT_01, fall_FAR_01, fall_NEAR_01}},
+    {{fall_GAUSS_10, NULL, fall_POINT_10, fall_FAR_10, NULL},
+     {fall_GAUSS_11, NULL, fall_POINT_11, fall_FAR_11, NULL}}};
+
+/* Factors of the tile's lights by weights. */
+static void put_factors(const ylm__virtual_plan *p, work *k, send_fn *sender) {
   weigh_fn *weigh_light = weighers[order_of(p->kinds)][p->lights->profile];
   for (int j = 0; j < k->held; j++) {
     const sight *s = &k->sight[j];
     const real *lamp = k->lamp[j];
-    vreal *B = k->B;
-    weigh_light(p, lamp, s, B);
     vreal *t = k->S + (size_t)j * p->width, *e = t + p->factors, E[3 * 4];
-    if (plain)
-      for (int c = 0; c < 3; c++) E[c] = s->cosine * lamp[YLM__VIRTUAL_EMISSION + c];
-    else {
-      seen of;
-      seen_of(s, lamp, &of);
-      sender(&of, p->lights->degree, k->beta, lamp, E);
-    }
+    weigh_light(p, lamp, s, k->B);
+    colours_of(p, k, j, sender, E);
     if (!p->slopes)
-      put_values(p->lmax, B, E, e);
-    else if (one)
-      put_one(p->lmax, B, s, lamp + YLM__VIRTUAL_NORMAL, E, e);
+      put_values(p->lmax, k->B, E, e);
     else
-      put_each(p->lmax, B, E, s, e);
-    if (p->bends) put_bends(p->lmax, B, E, s->inv, t + p->bent);
+      put_each(p->lmax, k->B, E, s, e);
+    if (p->bends) put_bends(p->lmax, k->B, E, s->inv, t + p->bent);
   }
 }
 
@@ -412,7 +448,13 @@ static void sum_straight(const ylm__virtual_plan *p, work *k) {
   ylm__virtual_sum *sum = !p->slopes ? STRAIGHT.value : is_one(p) ? STRAIGHT.one : STRAIGHT.each;
   STRAIGHT.harmonics(p->bends ? p->lmax + 2 : p->lmax, k->held, k->sight[0].w,
                      sizeof *k->sight / sizeof(vreal), k->S, p->width);
-  put_factors(p, k);
+  const bool slopes = p->slopes && is_one(p);
+  send_fn *sender = p->lights->degree || (p->slopes && !slopes) ? senders[0][p->slopes] : NULL;
+  fall_fn *put = p->slopes == slopes ? falls[slopes][p->bends][p->lights->profile] : NULL;
+  if (put)
+    put(p, k, sender);
+  else
+    put_factors(p, k, sender);
   sum(p->lmax, k->held, k->S, p->width, p->factors, k->part);
   if (p->bends) STRAIGHT.bend(p->lmax, k->held, k->S, p->width, p->bent, k->part + p->bend_sums);
 }
@@ -448,7 +490,6 @@ static void flush(const ylm__virtual_plan *q, work *k) {
   const ylm__virtual_plan *p = k->of;
   (void)q;
   if (!k->held) return;
-  see(p, k);
   if (p->straight)
     sum_straight(p, k);
   else
@@ -467,21 +508,31 @@ YLM_INLINE void add_light(const ylm__virtual_plan *p, work *k, const real *lamp,
       (k->of->lights->degree != p->lights->degree || k->of->lights->profile != p->lights->profile))
     flush(p, k);
   k->of = p;
-  sight *s = &k->sight[k->held];
+  const bool sharp = is_sharp(p->lights->profile), round = is_round(lamp);
   const real *n = lamp + YLM__VIRTUAL_NORMAL, shift = lamp[YLM__VIRTUAL_SHIFT];
+  const real width2 = width2_of(lamp);
   vreal v[3];
   for (int a = 0; a < 3; a++) v[a] = lamp[a] - xyz[a];
-  const vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+  vreal d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2], D2 = d2;
   const vreal along = n[0] * v[0] + n[1] * v[1] + n[2] * v[2];
   vmask lit = along < 0;
-  if (shift > 0 || is_round(lamp)) lit = d2 >= 0;
-  if (is_sharp(p->lights->profile)) lit &= d2 > 0;
+  if (shift > 0 || round) lit = d2 >= 0;
+  if (sharp) lit &= d2 > 0;
   if (reach2 > 0) lit &= d2 < reach2;
   if (!any(lit)) return;
-  for (int a = 0; a < 3; a++) s->w[a] = v[a];
+  if (sharp)
+    D2 = d2 = choose(d2 > 0, d2, vreal_set(1));
+  else
+    D2 += width2 * SOFT, d2 = larger(d2, vreal_set(NEAREST * width2));
+  sight *s = &k->sight[k->held];
   s->d2 = d2;
-  s->along = along;
-  s->cosine = (vreal)lit;
+  s->inverse = inverse_root(D2);
+  const vreal inv = s->inv = inverse_root(d2);
+  s->along = -along * s->inverse;
+  const vreal c = round ? vreal_set(1) : shift + s->along;
+  s->cosine = keep_lanes(lit & (c > 0), c);
+  for (int a = 0; a < 3; a++) s->w[a] = v[a] * inv;
+  if (!sharp) s->heat = decay(inv * inv * width2);
   k->lamp[k->held] = lamp;
   if (++k->held == k->tile) flush(p, k);
 }
