@@ -5,7 +5,7 @@
 --
 -- Bakes the lamps of examples/scenes/floor_lights.lua into an adaptive grid, renders with it, compares
 -- it with uniform grids and with the lights' own coefficients at every shading point, and leaves in out/:
--- floor_lights.exr and .png, comparison.png, hessian_error.png, gradients.png, lobes.png, tolerance.png,
+-- floor_lights.exr and .png, overview.png, comparison.png, hessian_error.png, gradients.png, lobes.png, tolerance.png,
 -- grid.vtu. The table is Table 2 of Iwasaki & Dobashi 2025 for this scene.
 
 local ylm = require "ylm"
@@ -246,11 +246,15 @@ local function shown(image, text)
   return { image = image, crop = crop, tone = tone, exposure = exposure, caption = text }
 end
 
+local function wipe(mark)
+  return { wipe = panels, at = { 0.42, 0.59 }, labels = { "render", "octree levels", "Hessian error" }, tone = tone,
+    exposure = exposure, mark = mark }
+end
+save(ylm.figure { rows = { { wipe() } }, margin = 0, width = size[1] }, "overview.png")
+
 save(ylm.figure {
   rows = {
-    { { wipe = panels, at = { 0.42, 0.59 },
-        labels = { "render", "octree levels", "Hessian error" }, tone = tone, exposure = exposure,
-        mark = crop } },
+    { wipe(crop) },
     {
       shown(rows.uniform16.image, caption("uniform 16³", rows.uniform16)),
       shown(cheap.image, caption("adaptive, equal cost", cheap)),
