@@ -98,6 +98,17 @@ describe("arithmetic of arrays", function()
     assert.equal("double", ylm.sh.eval(1, ylm.array({ { 0, 0, 1 } }, "int32")).dtype)
   end)
 
+  it("says where memory runs out: operators raise, methods return nil, message, code", function()
+    local a, b = ylm.zeros { 2 ^ 22, 1 }, ylm.zeros { 2 ^ 22 } -- 2^47 bytes of both
+    local ok, message = pcall(function() return a + b end)
+    assert.is_false(ok)
+    assert.truthy(message:find("array_math_spec.lua:%d+: array %+: memory ran out"), message)
+    local mask, why, code = a:less(b)
+    assert.is_nil(mask)
+    assert.equal("memory ran out", why)
+    assert.equal("ENOMEM", code)
+  end)
+
   it("compares by methods, with masks as results", function()
     local a = ylm.array { 1, 2, 3, nan }
     assert.same({ 1, 0, 0, 0 }, a:less(2):totable())
