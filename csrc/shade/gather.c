@@ -341,14 +341,13 @@ static int weigh_gloss(const job *j, scratch *s, const gather_receiver *r, const
     float part = first + k < l->n ? (float)ylm__gather_above(l, first + k, x, N) : 0;
     for (int f = 0; f < r->functions; f++) s->w[f][k] *= part;
   }
-  bool base = r->base[0] > 0 || r->base[1] > 0 || r->base[2] > 0;
-  for (int c = 0; r->zonal && !base && c < 3; c++)
-    for (size_t k = 0; k < n; k++) s->w[c][k] *= tint[c];
-  if (r->zonal && base) {
+  if (j->o->method == YLM_SHADE_VSGL && r->based) {
     j->kernels.weights(l, &j->ask, first, n, x, N, s->w[3]);
     for (int c = 0; c < 3; c++)
-      for (size_t k = 0; k < n; k++) s->w[c][k] = tint[c] * (s->w[c][k] + r->base[c] * s->w[3][k]);
+      for (size_t k = 0; k < n; k++) s->w[c][k] += r->base[c] * s->w[3][k];
   }
+  for (int c = 0; r->zonal && c < 3; c++)
+    for (size_t k = 0; k < n; k++) s->w[c][k] *= tint[c];
   return r->functions;
 }
 
@@ -463,6 +462,11 @@ static ylm_status make_ask(gather_ask *a, const gather_lights *l) {
   for (int k = 0; s == YLM_OK && k <= o->lmax; k++)
     a->zonal[k] = (float)(zonal[k] * (2 * k + 1) / (4 * 3.14159265358979323846) *
                           (o->window ? o->window[k] : 1));
+  for (int k = 0; k <= o->lmax; k++) {
+    float by = 1.0f / (float)(k + 1);
+    a->up[k] = (float)(2 * k + 1) * by;
+    a->down[k] = (float)k * by;
+  }
   a->core = R2 > 0 ? (float)(1 / (R2 * R2)) : 0;
   return s;
 }

@@ -33,9 +33,11 @@ typedef struct gather_lights {
 typedef struct gather_ask {
   const ylm_shade_gather_options *o;
   float zonal[YLM_SHADE_GATHER_LMAX + 1]; /* a_l (2l+1)/(4 pi) window_l */
-  float core;                             /* 1/R^4 of far and near */
-  double alpha;                           /* stochastic: light above which a light is always kept */
-  float reflectance;                      /* of the receiver: luminance of its albedo over pi */
+  float up[YLM_SHADE_GATHER_LMAX + 1],
+      down[YLM_SHADE_GATHER_LMAX + 1]; /* P_(l+1) = up_l c P_l - down_l P_(l-1) */
+  float core;                          /* 1/R^4 of far and near */
+  double alpha;                        /* stochastic: light above which a light is always kept */
+  float reflectance;                   /* of the receiver: luminance of its albedo over pi */
 } gather_ask;
 
 /* w[k]: irradiance at x, normal N, by light first + k for an intensity of 1, k < n. In all of these n <= GATHER_CHUNK is a
@@ -54,7 +56,7 @@ typedef void ylm_shade_send_fn(const gather_lights *l, bool soft, size_t first, 
                                const float x[3], float (*I)[GATHER_CHUNK]);
 struct gather_receiver;
 /* As weights, of a receiver that glosses: w [functions][GATHER_CHUNK], radiance by functions of its slices; of zonal
-   lobes [3], without the base. */
+   lobes [3], of VSGL without the base. */
 typedef void ylm_shade_gloss_fn(const gather_lights *l, const gather_ask *a,
                                 const struct gather_receiver *r, size_t first, size_t n,
                                 const float x[3], float (*w)[GATHER_CHUNK]);

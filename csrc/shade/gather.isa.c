@@ -55,8 +55,7 @@ YLM_INLINE ylm_vf by_degrees(const gather_ask *a, int profile, ylm_vf r, ylm_vf 
     q *= decay;
     A *= q;
     sum += a->zonal[k] * A * P1;
-    float by = 1.0f / (float)(k + 1);
-    ylm_vf P2 = (float)(2 * k + 1) * by * c * P1 - (float)k * by * P0;
+    ylm_vf P2 = a->up[k] * c * P1 - a->down[k] * P0;
     P0 = P1, P1 = P2;
   }
   return G * sum;
@@ -69,9 +68,8 @@ YLM_INLINE ylm_vf by_cap(const gather_ask *a, ylm_vf r, ylm_vf d2, ylm_vf c) {
   ylm_vf sum = 2 * a->zonal[0] / (1 + alpha);
   for (int k = 1; k <= a->o->lmax; k++) {
     sum += a->zonal[k] * 2 / ((float)k * (float)(k + 1)) * D1 * P1;
-    float by = 1.0f / (float)(k + 1), two = (float)(2 * k + 1);
-    ylm_vf P2 = two * by * c * P1 - (float)k * by * P0;
-    ylm_vf Q2 = two * by * alpha * Q1 - (float)k * by * Q0, D2 = D0 + two * Q1;
+    ylm_vf P2 = a->up[k] * c * P1 - a->down[k] * P0;
+    ylm_vf Q2 = a->up[k] * alpha * Q1 - a->down[k] * Q0, D2 = D0 + (float)(2 * k + 1) * Q1;
     P0 = P1, P1 = P2, Q0 = Q1, Q1 = Q2, D0 = D1, D1 = D2;
   }
   return sum / m2;
@@ -293,8 +291,7 @@ YLM_INLINE void degrees(const gather_ask *a, int profile, ylm_vf r, ylm_vf d2, y
     G[0] = by / (1 + alpha);
     for (int k = 1; k <= lmax; k++) {
       G[k] = by * (1 / ((float)k * (float)(k + 1))) * D1;
-      float over = 1.0f / (float)(k + 1), two = (float)(2 * k + 1);
-      ylm_vf Q2 = two * over * alpha * Q1 - (float)k * over * Q0, D2 = D0 + two * Q1;
+      ylm_vf Q2 = a->up[k] * alpha * Q1 - a->down[k] * Q0, D2 = D0 + (float)(2 * k + 1) * Q1;
       Q0 = Q1, Q1 = Q2, D0 = D1, D1 = D2;
     }
     return;
@@ -344,9 +341,21 @@ YLM_INLINE void by_orders(const gather_receiver *r, int functions, bool halves, 
   }
 }
 
+/* The sum over degrees of the cosine's harmonics times G and P_l(c). */
+YLM_INLINE ylm_vf by_cosine(const gather_ask *a, const ylm_vf *G, ylm_vf c) {
+  ylm_vf P0 = (ylm_vf){0} + 1, P1 = c, sum = a->zonal[0] * G[0];
+  for (int k = 1; k <= a->o->lmax; k++) {
+    sum += a->zonal[k] * G[k] * P1;
+    ylm_vf P2 = a->up[k] * c * P1 - a->down[k] * P0;
+    P0 = P1, P1 = P2;
+  }
+  return sum;
+}
+
 /* Sums over degrees of three lobes times G and P_l(c). */
-YLM_INLINE void by_zones(const gather_receiver *r, int lmax, const ylm_vf *G, ylm_vf c,
+YLM_INLINE void by_zones(const gather_ask *a, const gather_receiver *r, const ylm_vf *G, ylm_vf c,
                          ylm_vf out[3]) {
+  const int lmax = a->o->lmax;
   const float *z = r->lobes;
   size_t row = (size_t)lmax + 1;
   ylm_vf P0 = (ylm_vf){0} + 1, P1 = c;
@@ -354,8 +363,7 @@ YLM_INLINE void by_zones(const gather_receiver *r, int lmax, const ylm_vf *G, yl
   for (int k = 1; k <= lmax; k++) {
     ylm_vf t = G[k] * P1;
     for (int f = 0; f < 3; f++) out[f] += z[(size_t)f * row + (size_t)k] * t;
-    float by = 1.0f / (float)(k + 1);
-    ylm_vf P2 = (float)(2 * k + 1) * by * c * P1 - (float)k * by * P0;
+    ylm_vf P2 = a->up[k] * c * P1 - a->down[k] * P0;
     P0 = P1, P1 = P2;
   }
 }
@@ -387,8 +395,12 @@ YLM_INLINE void gloss(const gather_lights *l, const gather_ask *a, const gather_
     for (int q = 1; q <= a->o->lmax; q++) G[q] = ylm_vf_select(d2 > 0, G[q], one * 0);
     if (r->zonal) {
       ylm_vf c = (v[0] * r->lobe[0] + v[1] * r->lobe[1] + v[2] * r->lobe[2]) * by;
-      by_zones(r, a->o->lmax, G, least(c, one), out);
-      cosine *= most(u[2], one * 0);
+      by_zones(a, r, G, least(c, one), out);
+      for (int f = 0; f < 3; f++) out[f] *= most(u[2], one * 0);
+      if (r->based) {
+        ylm_vf matte = by_cosine(a, G, u[2]);
+        for (int f = 0; f < 3; f++) out[f] += r->base[f] * matte;
+      }
     } else
       by_orders(r, functions, halves, G, u, out);
     for (int f = 0; f < functions; f++) ylm_vf_store(w[f] + k, cosine * out[f]);

@@ -301,6 +301,7 @@ ylm_status ylm__gather_receive(const gather_gloss *g, const ylm_shade_view *v, s
   raise(r->wo);
   if (g->zonal) {
     memcpy(r->base, m->base, sizeof r->base);
+    r->based = m->base[0] > 0 || m->base[1] > 0 || m->base[2] > 0;
     r->functions = 3;
     ylm_status made_of = make_lobes(g, m, row, made, made + 3 * ((size_t)g->lmax + 1), r);
     if (g->o->method == YLM_SHADE_VSGL) be_gaussian(made, r);

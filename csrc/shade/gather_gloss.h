@@ -38,6 +38,7 @@ typedef struct gather_receiver {
   float lobe[3];      /* the axis, in the world */
   const float *lobes; /* [3][lmax+1] */
   float base[3];      /* sr^-1 */
+  bool based;         /* one of them is above 0 */
   float sharp;        /* VSGL: the lobe's sharpness; lobes [3] are powers over A */
 } gather_receiver;
 

@@ -187,11 +187,12 @@ void ylm__gather_gloss_weight(const gather_lights *l, const gather_ask *a, const
     for (int k = 1; k <= a->o->lmax; k++) G[k] = 0;
   double c = 0;
   for (int k = 0; k < 3; k++) c += d > 0 ? v[k] / d * (double)r->lobe[k] : 0;
+  size_t row = (size_t)(a->o->lmax + 1);
+  double matte = r->zonal ? by_zones(a, a->zonal, G, w[2]) : 0;
   for (int f = 0; f < rows; f++)
-    out[f] =
-        cosine * (r->zonal ? fmax(0, w[2]) *
-                                 by_zones(a, r->lobes + (size_t)f * (size_t)(a->o->lmax + 1), G, c)
-                           : by_orders(r, f, G, w));
+    out[f] = cosine * (r->zonal ? fmax(0, w[2]) * by_zones(a, r->lobes + (size_t)f * row, G, c) +
+                                      (double)r->base[f] * matte
+                                : by_orders(r, f, G, w));
 }
 
 double ylm__gather_weight(const gather_lights *l, const gather_ask *a, size_t i, const float x[3],
