@@ -1,5 +1,6 @@
 -- scene:virtual_lights { merge = }: many particles, few lights, the same power; and lights of lamps that move.
 
+local scratch = require "spec.support.scratch"
 local with = require "spec.support.with"
 local refused = require "spec.support.raises"
 local ylm = require "ylm"
@@ -190,5 +191,17 @@ describe("lights of a lamp that moves", function()
       local other = apart(gathered(steps[2], (steps[2]:virtual_lights(with(o, { seed = 2 })))), a)
       assert.is_true(step < 0.5 * other, step .. " " .. other)
     end
+  end)
+
+  it("are what examples/14_moving_bounce.lua shows", function()
+    local folder = scratch.new()
+    local out, status = scratch.capture(("%s examples/14_moving_bounce.lua --out %s --width 36 --height 24 --samples 1 "
+      .. "--frames 3 --particles 8000 --lights 200"):format(os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder.path)))
+    local picture = folder:read "bounce_03.png"
+    folder:remove()
+    assert.equal(0, status, out)
+    local own, others = out:match "jitter ([%d.]+) %%, with other particles ([%d.]+) %%"
+    assert.is_true(tonumber(own) < 0.6 * tonumber(others), out)
+    assert.equal("\137PNG", picture:sub(1, 4))
   end)
 end)

@@ -54,24 +54,17 @@ static double rate(task *x, int bounces) {
   return (double)x->report.rays / least * 1e-6;
 }
 
-/* Milliseconds of radii or of merging. */
-typedef struct cost {
-  double cpu, wall; /* processor time, one thread; of wall time, two threads */
-} cost;
-
 static double processor(task *x) {
   double begun = bench_cpu();
   emit(x);
   return 1e3 * (bench_cpu() - begun);
 }
 
-/* Least costs of radii by density of n particles; merged into `lights`, of merging and their radii. */
-static cost find(task *x, size_t n, size_t lights) {
-  double least = INFINITY, other = INFINITY, wall = INFINITY;
+/* Least milliseconds of radii by density of n particles; merged into `lights`, of merging and their radii. */
+static double find(task *x, size_t n, size_t lights) {
+  double least = INFINITY, other = INFINITY;
   x->o.particles = n;
-  x->o.lights = lights;
   for (int k = 0; k < (bench_is_quick() ? 2 : 7); k++) {
-    x->o.threads = 1;
     x->o.merge = false;
     x->o.radius = YLM_EMIT_FIXED;
     x->o.lights = 0;
@@ -80,13 +73,8 @@ static cost find(task *x, size_t n, size_t lights) {
     x->o.lights = lights;
     x->o.radius = YLM_EMIT_DENSITY;
     least = fmin(least, processor(x));
-    x->o.threads = 2;
-    emit(x);
-    wall = fmin(wall, 1e3 * (x->report.seconds[1] + x->report.seconds[3]));
   }
-  x->o.merge = false;
-  x->o.lights = 0;
-  return (cost){least - other, wall};
+  return least - other;
 }
 
 int main(void) {
@@ -105,16 +93,11 @@ int main(void) {
     double bare = (double)RAYS / bench_seconds(bare_nearest, &b) * 1e-6, own = rate(&x, bounces);
     printf("  %8d  %9.2f  %9.2f  %6.2f\n", bounces, bare, own, own / bare);
   }
-  printf("ms of processor time; of wall time, two threads; beside a light for each particle of a "
-         "given radius\n"
-         "  %9s  %21s  %31s\n",
+  printf("ms of processor time, one thread, beyond lights of a given radius\n  %9s  %16s  %33s\n",
          "particles", "radii by density", "merged into 2000, and their radii");
   x.o.bounces = 1;
-  for (size_t n = 10000; n <= 1000000; n *= 10) {
-    cost radii = find(&x, n, 0), merged = find(&x, n, 2000);
-    printf("  %9zu  %10.2f %10.2f  %15.2f %15.2f\n", n, radii.cpu, radii.wall, merged.cpu,
-           merged.wall);
-  }
+  for (size_t n = 10000; n <= 1000000; n *= 10)
+    printf("  %9zu  %16.2f  %33.2f\n", n, find(&x, n, 0), find(&x, n, 2000));
   ylm_scene_free((ylm_scene *)x.scene);
   ylm_free(ray);
   return 0;

@@ -5,6 +5,7 @@
 
 local ylm = require "ylm"
 
+ylm.on_warning(false)
 local threads, frames = 1, tonumber(arg[1] or 7)
 local white = ylm.matte { albedo = { 0.74, 0.70, 0.66 } }
 local geometry = {
