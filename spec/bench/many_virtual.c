@@ -91,8 +91,11 @@ static lamps scene(int kind, size_t n) {
     } else
       on_wall(&r, at, m);
     l.radius[i] = size * (kind == FURNISHED ? 0.5 + ylm_rng_double(&r) : 1);
+    /* lit by a lamp: walls of one radiance would give a field without gradients */
+    double lamp[3] = {at[0] - 0.3, at[1] - 0.8, at[2] - 0.4}, lit = 0.02;
+    lit += 0.1 / (0.05 + lamp[0] * lamp[0] + lamp[1] * lamp[1] + lamp[2] * lamp[2]);
     for (int c = 0; c < 3; c++) {
-      double e = (1 + 0.5 * c) * (kind == ROOM ? 1 : 0.2 + ylm_rng_double(&r));
+      double e = (1 + 0.5 * c) * lit * (kind == ROOM ? 1 : 0.2 + ylm_rng_double(&r));
       l.emission[(3 * i + (size_t)c) * wide] = e * sqrt(4 * M_PI);
       for (size_t q = 1; q < wide; q++)
         l.emission[(3 * i + (size_t)c) * wide + q] = 2 * e * (ylm_rng_double(&r) - 0.5);
@@ -158,7 +161,8 @@ static void *places(int set, size_t n, ylm_dtype t) {
 
 enum { VALUE, GRADIENT, BAKE, HESSIAN, FORMS };
 static const int wants[FORMS] = {YLM_WANT_VALUE, YLM_WANT_VALUE | YLM_WANT_GRADIENT,
-                                 YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_METRIC,
+                                 YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_METRIC |
+                                     YLM_WANT_ROUGH,
                                  YLM_WANT_VALUE | YLM_WANT_GRADIENT | YLM_WANT_HESSIAN};
 static const char *const forms[FORMS] = {"value", "gradient", "lambda", "Hessian"};
 

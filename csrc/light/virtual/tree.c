@@ -42,12 +42,29 @@ static void find_bounds(ylm__virtual_tree_plan *p, const ylm_field_query *q) {
   p->flat[1] = VIRTUAL_FLAT_GRADIENT;
   p->flat[2] = VIRTUAL_FLAT_HESSIAN;
   p->even = VIRTUAL_EVEN;
-  p->kink = (float)(VIRTUAL_KINK * G[0] / G[2]);
+  const bool rough = (q->want & YLM_WANT_ROUGH) && !(q->want & YLM_WANT_HESSIAN);
+  p->kink = rough ? 0 : (float)(VIRTUAL_KINK * G[0] / G[2]);
+  p->graze = VIRTUAL_GRAZE;
+  p->margin = VIRTUAL_MARGIN;
   p->one_sign = VIRTUAL_ONE_SIGN;
   p->cancelled = (float)VIRTUAL_CANCELLED;
   p->widest = VIRTUAL_WIDEST * high;
   p->pilot_widest =
       (p->want[1] || p->want[2] ? VIRTUAL_PILOT_WIDEST : VIRTUAL_PILOT_WIDEST_VALUE) * high;
+}
+
+/* Sums without Hessians, where they are laid out as part of the others. */
+static ylm_status leave_out(ylm__virtual_tree_plan *p, const ylm_field_query *q) {
+  const ylm__virtual_tree *t = p->tree;
+  p->dimmed = *q;
+  p->dimmed.want &= ~(YLM_WANT_HESSIAN | YLM_WANT_METRIC);
+  ylm_status s = ylm__virtual_plan_create(&p->dim[0], t->lights, &p->dimmed);
+  p->dim[1] = p->dim[2] = p->dim[0];
+  p->dim[1].lights = &t->matte, p->dim[2].lights = &t->rich;
+  p->dims = p->dim[0].straight == p->lights.straight;
+  for (int i = 0; i < 2; i++) p->dims &= p->dim[0].of[i].kinds == (p->lights.of[i].kinds & 3);
+  for (int j = 0; j < YLM__TAILS; j++) p->skip[j] = 2 * powf(0.5f, 0.5f * (float)j);
+  return s;
 }
 
 ylm_status ylm__virtual_tree_plan_create(ylm__virtual_tree_plan *p, const ylm__virtual_tree *t,
@@ -62,12 +79,14 @@ ylm_status ylm__virtual_tree_plan_create(ylm__virtual_tree_plan *p, const ylm__v
   p->pilot[1] = p->pilot[2] = p->pilot[0];
   p->matte.lights = p->pilot[1].lights = &t->matte;
   p->rich.lights = p->pilot[2].lights = &t->rich;
+  if (s == YLM_OK && p->want[2]) s = leave_out(p, q);
   return s;
 }
 
 void ylm__virtual_tree_plan_free(ylm__virtual_tree_plan *p) {
   ylm__virtual_plan_free(&p->lights);
   ylm__virtual_plan_free(&p->pilot[0]);
+  if (p->want[2]) ylm__virtual_plan_free(&p->dim[0]);
 }
 
 /* As ylm__tree_pays. */

@@ -101,12 +101,16 @@ typedef struct ylm__virtual_tree_plan {
   float flat[3]; /* how much of what directions miss counts */
   float even,
       kink; /* the same and bends at horizons, beside what is allowed of a node's own light */
+  float graze, margin;                 /* tree_calibration.h */
   float one_sign, cancelled;           /* tree_calibration.h */
   float widest, pilot_widest, nearest; /* reach/D; of nodes of profile far, in the tree's units */
   const ylm__packing *packing;
   ylm__virtual_plan lights, matte, rich; /* sums of lights and of proxies: the same sums */
+  bool dims;                             /* Hessians of distant lights are left out: */
+  float skip[YLM__TAILS];                /* beyond these distances */
+  ylm__virtual_plan dim[3];              /* as these, without Hessians */
   ylm__virtual_plan pilot[3];            /* as these */
-  ylm_field_query scales;                /* the pilot's query */
+  ylm_field_query scales, dimmed;        /* queries of these */
 } ylm__virtual_tree_plan;
 
 ylm_status ylm__virtual_tree_plan_create(ylm__virtual_tree_plan *p, const ylm__virtual_tree *t,

@@ -24,6 +24,17 @@ typedef struct builder {
 
 /* -- cuts ----------------------------------------------------------------------------------- */
 
+/* Whether hardly any of the lights have the middle third of an axis, as where two walls meet. */
+static bool has_gap(const builder *b, uint32_t begin, uint32_t end, int axis, float lo, float hi) {
+  const float third = (hi - lo) / 3;
+  uint32_t n = 0;
+  for (uint32_t i = begin; i < end; i++) {
+    const float x = b->key[b->t->order[i]][axis];
+    n += x > lo + third && x < hi - third;
+  }
+  return (double)n <= VIRTUAL_GAP * (double)(end - begin);
+}
+
 /* The axis of the longest extent of lights begin .. end-1, and its middle; -1: all are alike. */
 static int longest(const builder *b, uint32_t begin, uint32_t end, float *middle) {
   float lo[AXES], hi[AXES], most = 0, size = 0;
@@ -36,6 +47,8 @@ static int longest(const builder *b, uint32_t begin, uint32_t end, float *middle
   for (int a = 0; a < 3; a++) size = fmaxf(size, hi[a] - lo[a]);
   for (int a = 0; a < AXES; a++) {
     float extent = hi[a] - lo[a];
+    if (a > 3 && extent > VIRTUAL_APART && has_gap(b, begin, end, a, lo[a], hi[a]))
+      extent *= 1 / (float)VIRTUAL_APART;
     if (a > 3) extent *= (float)VIRTUAL_NORMALS * fmaxf(size, FLT_MIN);
     if (extent > most) most = extent, axis = a, *middle = lo[a] + (hi[a] - lo[a]) / 2;
   }

@@ -11,10 +11,10 @@
 /* -- errors of nodes --------------------------------------------------------------------------- */
 
 /* Parts of the bounds that count, for values, gradients, Hessians and the metric. */
-#define VIRTUAL_SHARE_VALUE 3.3
-#define VIRTUAL_SHARE_GRADIENT 3.3
-#define VIRTUAL_SHARE_HESSIAN 2.0
-#define VIRTUAL_SHARE_METRIC 4.0
+#define VIRTUAL_SHARE_VALUE 4.5
+#define VIRTUAL_SHARE_GRADIENT 6.0
+#define VIRTUAL_SHARE_HESSIAN 4.5
+#define VIRTUAL_SHARE_METRIC 6.0
 /* Where light comes from one side errors add up: so much less counts. */
 #define VIRTUAL_ONE_SIGN 0.6
 /* Norms that cancel to less than this part of the sum of the lights' norms count as so much. */
@@ -25,15 +25,19 @@
 #define VIRTUAL_PILOT_WIDEST_VALUE 0.7f
 /* Light that a fit misses in the worst direction, as it counts in values, gradients and Hessians: it varies faster
    with the direction than what was fitted. */
-#define VIRTUAL_FLAT_VALUE 1.5f
-#define VIRTUAL_FLAT_GRADIENT 3.0f
-#define VIRTUAL_FLAT_HESSIAN 16.0f
+#define VIRTUAL_FLAT_VALUE 2.8f
+#define VIRTUAL_FLAT_GRADIENT 7.0f
+#define VIRTUAL_FLAT_HESSIAN 40.0f
 /* It has one sign in all nodes of a curved surface: this part of it is at most what is allowed of the node's own
    light. */
-#define VIRTUAL_EVEN 0.01f
+#define VIRTUAL_EVEN 0.003f
 /* Lights at their horizon bend, and proxies for them curve: by this part of the values' norm in Hessians, beside
    what is allowed of the node's own. */
 #define VIRTUAL_KINK 0.05f
+/* Least part of a node's strength that counts where it is seen at a grazing angle. */
+#define VIRTUAL_GRAZE 0.25f
+/* The pilot's norms may be off by this part of the sum of the lights' norms. */
+#define VIRTUAL_MARGIN 0.03f
 /* Second and third moments of the normals beside those of colours. */
 #define VIRTUAL_TURNED 1.0
 /* Nodes of the far profile nearer than this, in cores, are opened: their core is not constant. */
@@ -45,8 +49,12 @@
 #define VIRTUAL_LEAF 8  /* most lights of a leaf */
 #define VIRTUAL_DIRECT                                                                             \
   64 /* lights of a node whose emission is fitted to theirs; above, to its children's */
-#define VIRTUAL_NORMALS 1.0 /* weight of normals' extent when lights are cut, beside places' */
-#define VIRTUAL_CHUNK 2048  /* nodes whose proxies are held until they are written */
-#define VIRTUAL_LIST 128    /* lights and proxies that are summed without compensation */
+#define VIRTUAL_NORMALS 0.7 /* weight of normals' extent when lights are cut, beside places' */
+/* Normals further apart than this, with so few of the lights in the middle third, are those of two surfaces, and are
+   cut first. */
+#define VIRTUAL_APART 0.4f
+#define VIRTUAL_GAP 0.1
+#define VIRTUAL_CHUNK 2048 /* nodes whose proxies are held until they are written */
+#define VIRTUAL_LIST 128   /* lights and proxies that are summed without compensation */
 
 #endif

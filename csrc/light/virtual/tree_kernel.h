@@ -29,13 +29,15 @@ typedef struct tree_work {
   size_t n, to[YLM__PACKET]; /* the packet's points */
   int vectors;
   vreal xyz[VECTORS][3], at[VECTORS][3]; /* in the scene, in the tree's units */
+  vreal tail[VECTORS][YLM__TAILS],
+      skip[VECTORS]; /* sums of strength u^4 beyond distances; one of these */
   vreal allowed[VECTORS][3], part[VECTORS][3],
       c[VECTORS][YLM__STRENGTHS][3]; /* sums of strength u^(2+k) */
   work main, scales;
-  vreal *sums, *pilot_sums;          /* [vectors][sums] */
-  float *value, *gradient, *hessian; /* of LANES points */
+  vreal *sums, *dim_sums, *pilot_sums; /* [vectors][sums] */
+  float *value, *gradient, *hessian;   /* of LANES points */
   uint32_t *stack;
-  lamp_list list;
+  lamp_list list, dim;
 } tree_work;
 
 static ylm_status tree_work_create(const ylm__virtual_tree_plan *p, void **scratch,
@@ -45,8 +47,9 @@ static ylm_status tree_work_create(const ylm__virtual_tree_plan *p, void **scrat
   const size_t count = p->lights.rows[0], main = room_of(&p->lights),
                scales = room_of(&p->pilot[0]);
   const size_t sums = VECTORS * p->lights.sums, pilot_sums = VECTORS * p->pilot[0].sums;
+  const size_t dim_sums = VECTORS * p->dim[0].sums;
   const size_t results = LANES * 3 * 10 * count, stack = (size_t)p->tree->depth + 4;
-  k = ylm_alloc_zero(1, sizeof *k + (main + scales + sums + pilot_sums) * sizeof(vreal) +
+  k = ylm_alloc_zero(1, sizeof *k + (main + scales + sums + dim_sums + pilot_sums) * sizeof(vreal) +
                             results * sizeof(float) + stack * sizeof(uint32_t));
   if (!k) return YLM_ENOMEM;
   scratch[0] = *out = k;
@@ -55,6 +58,7 @@ static ylm_status tree_work_create(const ylm__virtual_tree_plan *p, void **scrat
   work_place(&k->main, &p->lights, at), at += main;
   work_place(&k->scales, &p->pilot[0], at), at += scales;
   k->sums = at, at += sums;
+  k->dim_sums = at, at += dim_sums;
   k->pilot_sums = at, at += pilot_sums;
   k->value = (float *)at;
   k->gradient = k->value + LANES * 3 * count;
@@ -66,11 +70,12 @@ static ylm_status tree_work_create(const ylm__virtual_tree_plan *p, void **scrat
 /* -- lists ---------------------------------------------------------------------------------- */
 
 /* Adds a list to the sums of each vector of points, and empties it. */
-static void sum_list(tree_work *k) {
-  lamp_list *l = &k->list;
-  const ylm__virtual_plan *plan = k->pilot ? &k->p->pilot[0] : &k->p->lights;
+static void sum_list(tree_work *k, lamp_list *l) {
+  const ylm__virtual_plan *plan = k->pilot       ? &k->p->pilot[0]
+                                  : l == &k->dim ? &k->p->dim[0]
+                                                 : &k->p->lights;
   work *w = k->pilot ? &k->scales : &k->main;
-  vreal *sums = k->pilot ? k->pilot_sums : k->sums;
+  vreal *sums = k->pilot ? k->pilot_sums : l == &k->dim ? k->dim_sums : k->sums;
   for (int v = 0; v < k->vectors && l->n; v++, sums += plan->sums) {
     memset(w->part, 0, plan->sums * sizeof *w->part);
     for (size_t i = 0; i < l->n; i++) {
@@ -107,22 +112,29 @@ static void find_norm(const ylm__virtual_tree_plan *p, real *e, size_t n) {
   }
 }
 
-/* The pilot's sums of strength u^(2+k), at squared distances d2, where lights are in front. */
-YLM_INLINE void add_strength(tree_work *k, int v, vreal d2, const float *strength, vmask front) {
+/* How much of a strength counts under a cosine. */
+YLM_INLINE vreal seen_part(const ylm__virtual_tree_plan *p, vreal cosine) {
+  return smaller(larger(cosine, vreal_set(0)) + p->graze, vreal_set(1));
+}
+
+/* The pilot's sums of strength u^(2+k), at squared distances d2, of lights in front. */
+YLM_INLINE void add_strength(tree_work *k, int v, vreal d2, const float *strength, vreal part) {
   vreal u = inverse_root(larger(d2, vreal_set(TINY)));
+  const ylm__virtual_tree_plan *p = k->p;
   for (int s = 0; s < YLM__STRENGTHS; s++) {
-    vreal e = keep_lanes(front, u * u * strength[s]);
+    vreal e = part * u * u * strength[s];
+    for (int j = 0; p->dims && s == p->at[2] && j < YLM__TAILS; j++)
+      k->tail[v][j] += keep_lanes(u * (p->skip[j] / (1 + p->pilot_widest)) < 1, e * u * u);
     for (int j = 0; j < 3; j++) k->c[v][s][j] += e, e *= u;
   }
 }
 
-static void list_lights(tree_work *k, const ylm__virtual_node *x) {
+static void list_lights(tree_work *k, const ylm__virtual_node *x, lamp_list *l) {
   const ylm__virtual_tree *t = k->p->tree;
   const ylm_light_virtual *lights = t->lights;
-  lamp_list *l = &k->list;
   for (uint32_t i = 0; i < x->lights; i++) {
     const real *row = lights->seen + t->order[x->begin + i] * lights->stride;
-    l->of[l->n] = k->pilot ? &k->p->pilot[0] : &k->p->lights;
+    l->of[l->n] = k->pilot ? &k->p->pilot[0] : l == &k->dim ? &k->p->dim[0] : &k->p->lights;
     if (k->pilot) {
       vreal d2[VECTORS];
       const real scale = (real)(1 / t->size), r = row[YLM__VIRTUAL_RADIUS] * scale;
@@ -141,27 +153,28 @@ static void list_lights(tree_work *k, const ylm__virtual_node *x) {
           vreal y = (k->xyz[v][a] - row[a]) * scale;
           d2[v] += y * y, c += y * row[YLM__VIRTUAL_NORMAL + a];
         }
-        vmask front = c > -row[YLM__VIRTUAL_SHIFT] * vreal_sqrt(d2[v]);
-        if (row[3] == 0 && row[4] == 0 && row[5] == 0) front = d2[v] >= 0;
-        add_strength(k, v, larger(d2[v], vreal_set(r * r * 0.125f)), one, front);
+        vreal cosine = c * inverse_root(larger(d2[v], vreal_set(TINY))) + row[YLM__VIRTUAL_SHIFT];
+        if (row[3] == 0 && row[4] == 0 && row[5] == 0) cosine = vreal_set(1);
+        add_strength(k, v, larger(d2[v], vreal_set(r * r * 0.125f)), one,
+                     keep_lanes(cosine > 0, seen_part(k->p, cosine)));
       }
     }
     l->row[l->n++] = row;
   }
 }
 
-static void list_proxies(tree_work *k, const ylm__virtual_node *x) {
+static void list_proxies(tree_work *k, const ylm__virtual_node *x, lamp_list *l) {
   const ylm__virtual_tree *t = k->p->tree;
-  const ylm__virtual_plan *plans = k->pilot ? k->p->pilot + 1 : &k->p->matte;
+  const ylm__virtual_plan *plans[2] = {&k->p->matte, &k->p->rich};
   const size_t n = x->degree ? 3 * YLM__VIRTUAL_RICH : 3;
   const float *p = t->proxies + x->proxies;
-  lamp_list *l = &k->list;
+  if (l == &k->dim) plans[0] = &k->p->dim[1], plans[1] = &k->p->dim[2];
   for (int j = 0; j < x->many; j++, p += YLM__VIRTUAL_PLACE + n) {
     real *row = l->made[l->n];
     begin_row(x, row);
     for (int a = 0; a < 3; a++) row[a] = p[a];
     memcpy(row + YLM__VIRTUAL_EMISSION, p + YLM__VIRTUAL_PLACE, n * sizeof *p);
-    l->of[l->n] = &plans[x->degree ? 1 : 0];
+    l->of[l->n] = plans[x->degree ? 1 : 0];
     l->row[l->n++] = row;
   }
 }
@@ -188,11 +201,11 @@ static void list_whole(tree_work *k, const ylm__virtual_node *x) {
 enum { OPEN, FAR_AWAY, BEHIND };
 
 /* Whether a node is dropped, summed or opened, for all points of the packet. */
-static int test_node(tree_work *k, const ylm__virtual_node *x) {
+static int test_node(tree_work *k, const ylm__virtual_node *x, bool *dim) {
   const ylm__virtual_tree_plan *p = k->p;
   const real widest = k->pilot ? p->pilot_widest : p->widest;
   bool far = true, behind = x->open < 2;
-  vreal d2[VECTORS], d[VECTORS], up[VECTORS];
+  vreal d2[VECTORS], d[VECTORS] = {vreal_set(0)}, up[VECTORS];
   for (int v = 0; v < k->vectors; v++) {
     vreal y[3];
     for (int a = 0; a < 3; a++) y[a] = k->at[v][a] - x->at[a];
@@ -200,15 +213,17 @@ static int test_node(tree_work *k, const ylm__virtual_node *x) {
     d[v] = vreal_sqrt(d2[v]);
     up[v] = y[0] * x->axis[0] + y[1] * x->axis[1] + y[2] * x->axis[2] + x->back +
             x->open * (d[v] + x->reach);
-    if (x->open >= 2) up[v] = vreal_set(1);
+    if (x->open >= 2) up[v] = d[v];
     behind = behind && !any(up[v] > 0);
   }
   if (behind) return BEHIND;
+  *dim = p->dims && !k->pilot;
+  for (int v = 0; v < k->vectors && *dim; v++) *dim = !any(d[v] - x->reach <= k->skip[v]);
   for (int v = 0; v < k->vectors && far; v++) {
     vmask good = (x->reach <= widest * d[v]) & (d[v] - x->reach >= p->nearest);
     if (!any(good)) return OPEN;
     for (int j = 0; j < 3 && !k->pilot; j++) {
-      if (!p->want[j]) continue;
+      if (!p->want[j] || (j == 2 && *dim)) continue;
       const int s = p->at[j];
       const float *c = p->c[j];
       vreal u = 1 / d[v], power = u * u * u;
@@ -216,7 +231,7 @@ static int test_node(tree_work *k, const ylm__virtual_node *x) {
                      c[1] * x->second[s] +
                      u * (c[2] * x->third[s] + u * (c[3] * x->fourth * x->strength[s]));
       missed *= power;
-      missed *= missed;
+      missed *= missed * seen_part(p, up[v] * u);
       for (int i = 0; i < j; i++) missed *= u;
       good &= missed <= k->allowed[v][j] * x->strength[s];
       good &= k->part[v][j] * x->strength[s] >= p->even * x->flat[s];
@@ -229,7 +244,7 @@ static int test_node(tree_work *k, const ylm__virtual_node *x) {
   }
   if (!far) return OPEN;
   for (int v = 0; k->pilot && x->many && v < k->vectors; v++)
-    add_strength(k, v, d2[v], x->strength, up[v] > 0);
+    add_strength(k, v, d2[v], x->strength, keep_lanes(up[v] > 0, seen_part(p, up[v] / d[v])));
   return FAR_AWAY;
 }
 
@@ -239,22 +254,38 @@ static void walk(tree_work *k) {
   k->stack[top++] = 0;
   while (top) {
     const ylm__virtual_node *x = &t->node[k->stack[--top]];
-    int how = test_node(k, x);
+    bool dim;
+    const int how = test_node(k, x, &dim);
+    lamp_list *l = dim ? &k->dim : &k->list;
     if (how == BEHIND) continue;
     if (how == FAR_AWAY && x->many) {
       if (k->pilot)
         list_whole(k, x);
       else
-        list_proxies(k, x);
+        list_proxies(k, x, l);
     } else if (!x->child) {
-      list_lights(k, x);
+      list_lights(k, x, l);
     } else {
       k->stack[top++] = x->child + 1;
       k->stack[top++] = x->child;
     }
-    if (k->list.n >= VIRTUAL_LIST) sum_list(k);
+    if (l->n >= VIRTUAL_LIST) sum_list(k, l);
   }
-  sum_list(k);
+  sum_list(k, &k->list);
+  if (!k->pilot && k->p->dims) sum_list(k, &k->dim);
+}
+
+/* Adds sums without Hessians to those with, part by part of the blocks (plan.h). */
+static void add_dim(const ylm__virtual_tree_plan *p, const vreal *from, vreal *to) {
+  for (size_t j = 0; p->dim[0].straight && j < p->dim[0].sums; j++) to[j] += from[j];
+  for (int i = 0; i < 2 && !p->dim[0].straight; i++)
+    for (int part = 0; part < 5; part++) { /* value, three of the gradient, block 1 */
+      const ylm__virtual_sums *a = &p->dim[0].of[i], *b = &p->lights.of[i];
+      const int block = part == 4, kind = part ? 2 : 1, at = part == 4 ? 0 : part;
+      if (!(a->kinds & kind)) continue;
+      const size_t n = (size_t)a->channels * p->lights.rows[block];
+      for (size_t j = 0; j < n; j++) to[b->at[block][at] + j] += from[a->at[block][at] + j];
+    }
 }
 
 /* -- scales --------------------------------------------------------------------------------- */
@@ -292,6 +323,7 @@ static void find_scales(tree_work *k) {
   const size_t sums = p->pilot[0].sums;
   memset(k->pilot_sums, 0, (size_t)k->vectors * sums * sizeof *k->pilot_sums);
   memset(k->c, 0, sizeof k->c);
+  memset(k->tail, 0, sizeof k->tail);
   k->pilot = true;
   walk(k);
   k->pilot = false;
@@ -305,11 +337,18 @@ static void find_scales(tree_work *k) {
     memcpy(k->scales.sum, k->pilot_sums + (size_t)v * sums, sums * sizeof *k->scales.sum);
     find_norms(p, &k->scales, down, norm);
     for (int j = 0; j < 3; j++) {
-      vreal part = (real)p->tolerance * larger(norm[j], vreal_set(1 / p->cancelled));
+      vreal part = (real)p->tolerance * larger(norm[j] - p->margin, vreal_set(1 / p->cancelled));
       vreal share =
           (real)p->share[j] * part * (1 - p->one_sign * smaller(norm[j] * norm[j], vreal_set(1)));
       k->part[v][j] = part;
       k->allowed[v][j] = share * share * k->c[v][p->at[j]][j];
+    }
+    vreal small = (real)YLM__SKIP * k->part[v][2] * k->c[v][p->at[2]][2];
+    vmask more = small >= 0;
+    k->skip[v] = vreal_set(INFINITY);
+    for (int j = 0; p->dims && j < YLM__TAILS; j++) {
+      more &= k->tail[v][j] <= small;
+      k->skip[v] = choose(more, vreal_set(p->skip[j]), k->skip[v]);
     }
   }
 }
@@ -363,7 +402,10 @@ static void sum_packet(tree_work *k, ylm_field_result *r) {
     own.norm = r->norm ? norm : NULL;
   }
   memset(k->sums, 0, (size_t)k->vectors * p->sums * sizeof *k->sums);
+  memset(k->dim_sums, 0, (size_t)k->vectors * k->p->dim[0].sums * sizeof *k->sums);
   walk(k);
+  for (int v = 0; v < k->vectors && k->p->dims; v++)
+    add_dim(k->p, k->dim_sums + (size_t)v * k->p->dim[0].sums, k->sums + (size_t)v * p->sums);
   for (int v = 0; v < k->vectors; v++) {
     const size_t first = (size_t)v * LANES;
     const int lanes = k->n - first < LANES ? (int)(k->n - first) : LANES;
