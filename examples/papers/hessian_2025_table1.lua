@@ -85,7 +85,7 @@ local function scd_in_float(directions, n)
       if out.array == "ddY" then rows[i][out.index + 1] = round(round(out.node[1] / d) / d) end
     end
   end
-  return rows
+  return ylm.array(rows)
 end
 
 -- The table ------------------------------------------------------------------------------
@@ -94,28 +94,21 @@ end
 local function hessians(directions, options)
   options.derivatives = 2
   local _, _, H = ylm.sh.eval(HIGHEST, directions, options)
-  return H:reshape({ #directions, ylm.sh.count(HIGHEST) * 6 }):totable()
+  return H:reshape { #directions, ylm.sh.count(HIGHEST) * 6 }
 end
 
 --- Root mean square of the entries up to a degree: how large they are.
 local function magnitude(truth, lmax)
-  local sum, n = 0, 0
-  for i = 1, #truth do
-    for k = 1, ylm.sh.count(lmax) * 6 do sum, n = sum + truth[i][k] ^ 2, n + 1 end
-  end
-  return math.sqrt(sum / n)
+  return math.sqrt((truth[{ {}, { 1, ylm.sh.count(lmax) * 6 } }] ^ 2):mean())
 end
 
 --- Mean square difference over the finite entries up to a degree, in 1e-3, and how many entries are not finite.
 local function mean_square(rows, truth, lmax)
-  local sum, n, bad = 0, 0, 0
-  for i = 1, #rows do
-    for k = 1, ylm.sh.count(lmax) * 6 do
-      local d = rows[i][k] - truth[i][k]
-      if d == d and d ~= math.huge and d ~= -math.huge then sum, n = sum + d * d, n + 1 else bad = bad + 1 end
-    end
-  end
-  return 1e3 * sum / n, bad
+  local entries = { 1, ylm.sh.count(lmax) * 6 }
+  local d = rows[{ {}, entries }] - truth[{ { 1, #rows }, entries }]
+  local finite = d:abs():less(math.huge)
+  local n = finite:sum()
+  return 1e3 * (d:select(finite) ^ 2):sum() / n, d.shape[1] * d.shape[2] - n
 end
 
 local function try(name, directions)

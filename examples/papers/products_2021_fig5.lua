@@ -51,7 +51,7 @@ local function cross(a, b) return { a[2] * b[3] - a[3] * b[2], a[3] * b[1] - a[1
 
 local sheet = ylm.image { size = size }
 local direction, angle = sheet:directions { up = "y" }
-local d, w = direction:totable(), angle:totable()
+local d = direction:totable()
 
 --- The visibility of the sky past one body: 0 or 1 for each direction.
 local function map_of(shape, at)
@@ -72,12 +72,12 @@ local function map_of(shape, at)
     local y = math.floor((1 - dot(f[2], v) / forward) / 2 * side) + 1
     out[k] = 1 - seen[best][math.min(side, math.max(1, y))][math.min(side, math.max(1, x))][1]
   end
-  return out
+  return ylm.array(out)
 end
 
 --- Coefficients to order TOP of values at all directions.
 local function project(values)
-  return ylm.sh.project(TOP - 1, { directions = direction, values = ylm.array(values), weights = angle })
+  return ylm.sh.project(TOP - 1, { directions = direction, values = values, weights = angle })
 end
 
 local function multiply(factors, options)
@@ -87,31 +87,16 @@ local function multiply(factors, options)
 end
 
 --- Root of the integral of (f - g)^2 over that of g^2.
-local function distance(f, g)
-  local e, n = 0, 0
-  for k = 1, #g do e, n = e + w[k] * (f[k] - g[k]) ^ 2, n + w[k] * g[k] ^ 2 end
-  return math.sqrt(e / n)
-end
+local function distance(f, g) return math.sqrt((angle * (f - g) ^ 2):sum() / (angle * g ^ 2):sum()) end
 
 --- The norm of a - b over that of b, coefficients both.
 local function apart(a, b)
   return math.sqrt(((a - b) ^ 2):sum() / (b ^ 2):sum())
 end
 
-local function rows_of(values)
-  local out = {}
-  for y = 1, size[2] do
-    out[y] = {}
-    for x = 1, size[1] do out[y][x] = values[(y - 1) * size[1] + x] end
-  end
-  return out
-end
+local function rows_of(values) return values:reshape { size[2], size[1] } end
 
-local function difference(a, b)
-  local out = {}
-  for k = 1, #a do out[k] = math.abs(a[k] - b[k]) end
-  return out
-end
+local function difference(a, b) return (a - b):abs() end
 
 local function shown(values, caption, range)
   return { values = rows_of(values), caption = caption, range = range or { 0, 1 }, map = "grey" }
@@ -120,13 +105,13 @@ end
 local rows, series = {}, {}
 local nearer, cases, gain, loss = 0, 0, 0, 0 -- of the accurate product against the recursive one
 for _, e in ipairs(examples) do
-  local maps, factors, truth, input = {}, {}, {}, {}
+  local maps, factors, input = {}, {}, {}
   for i, shape in ipairs(e.bodies) do
     maps[i] = map_of(shape, e.at)
     factors[i] = project(maps[i])
     input[i] = shown(maps[i], i == 1 and ("(%s) visibility past its own body"):format(e.label) or ("past body %d"):format(i))
   end
-  for k = 1, #d do truth[k] = maps[1][k] * maps[2][k] * maps[3][k] * maps[4][k] end
+  local truth = maps[1] * maps[2] * maps[3] * maps[4]
   rows[#rows + 1] = input
   local whole = project(truth)
   local line = common.table { { "example", "%-7s" }, { "n", "%3d" }, { "recursive %", "%11.1f" }, { "accurate %", "%10.1f" },
@@ -138,8 +123,8 @@ for _, e in ipairs(examples) do
     for i, c in ipairs(factors) do cut[i] = ylm.sh.resize(c, n - 1) end
     local exact, recursive = multiply(cut, { method = "quadrature" }), multiply(cut, { method = "recursive" })
     local kept = ylm.sh.resize(whole, n - 1)
-    local f = { ylm.sh.reconstruct(recursive, direction):totable(), ylm.sh.reconstruct(exact, direction):totable(),
-      ylm.sh.reconstruct(kept, direction):totable() }
+    local f = { ylm.sh.reconstruct(recursive, direction), ylm.sh.reconstruct(exact, direction),
+      ylm.sh.reconstruct(kept, direction) }
     local r, a, c = distance(f[1], truth), distance(f[2], truth), distance(f[3], truth)
     local fourier = multiply(cut, { method = "fourier", dtype = "float" })
     nearer, cases = nearer + (a < r and 1 or 0), cases + 1
