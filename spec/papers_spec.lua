@@ -37,6 +37,7 @@ local cases = {
   { "hvl_methods.lua", "--out %s --quick", "harmonics, gauss +16 .*\npaths +%- .*order with 16 lights" },
   { "hvl_tolerance.lua", "--out %s --quick", "far +irradiance +0%.100 .*pairs of all" },
   { "hvl_many.lua", "--out %s --quick", "\n +1,000 .*time over lights grows" },
+  { "hvl_links.lua", "--quick", "standing +links, 16 .*lamp moves +virtual, 50 .*floor glosses +virtual, rays, 50" },
   { "hvl_furnace.lua", "--quick", "points, cosines exact +%-?0%.0000 +0%.0000.*rho/%(1 %- rho%) is 1%.5000" },
   { "hvl_2022_materials.lua", "--out %s --quick", "90 full rows .* 27%.0 .*teflon +ABC fit.*materials change" },
 }

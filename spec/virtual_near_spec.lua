@@ -81,7 +81,7 @@ describe("far and near", function()
     assert.is_near(2, core(widest / 2, { scene = scene }), 1e-9)
     assert.is_near(2, core(2 * widest), 1e-9)
     assert.is_near(1, core(2 * widest, { scene = scene }), 1e-9) -- not all over its area
-    assert.is_near((2 * 300 * 300 / 1e3) ^ 0.25, core(widest / 2, { scene = scene, points = 1e3 }), 1e-9)
+    assert.is_near((2 * 0.3 * 300 ^ 2 / (1e2 / 4)) ^ 0.25, core(widest / 2, { scene = scene, points = 1e2 }), 1e-9)
     assert.is_near(12, core(0.1, { points = 1 }), 1e-9)
   end)
 
@@ -153,7 +153,8 @@ describe("indirect = 'virtual'", function()
   end)
 
   it("takes lights that are given, with options", function()
-    local image, report = rendered(view, { light_samples = 1, indirect = { method = "virtual", lights = lights, sums = "split" } })
+    local image, report = rendered(view, { light_samples = 1,
+      indirect = { method = "virtual", lights = lights, sums = "split" } })
     assert.is_true(apart(image, (bounced { sums = "split" })) == 0)
     assert.equal("split", report.virtual.sums)
     refused("count is of lights that are made, here are lights: leave one out", function()

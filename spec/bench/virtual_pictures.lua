@@ -1,7 +1,7 @@
 -- Whole pictures by many virtual lights: a million shading points of a room, two threads, far parts from a grid and near parts at
 -- each point, beside every light at every point.
 --
---     build/ylm run spec/bench/virtual_pictures.lua [room] [most] [width]
+--     build/ylm run spec/bench/virtual_pictures.lua [room] [most] [width] [least]
 --
 -- Rooms are those of examples/papers/hvl_scenes.lua: cornell, atrium, table_room. Steps are seconds by the clock. "processor" are
 -- those of all threads together, from the lights on, and halved: two threads take them on a machine that does nothing else.
@@ -15,6 +15,7 @@ local ROOM, MOST, WIDTH = arg[1] or "atrium", tonumber(arg[2]) or 1e6, tonumber(
 local THREADS = 2
 local GOALS = { [1e4] = 0.25, [1e5] = 0.8, [1e6] = 3 }
 ylm.on_warning(false)
+io.stdout:setvbuf "line"
 
 local scene = rooms[ROOM] {}
 local function prepared(width)
@@ -39,10 +40,10 @@ end
 
 local plain, plain_few = picture(nil), picture(nil, nil, few) -- direct light and the image
 print(("%s, %d shading points, %d threads, tolerance 0.02\n"):format(ROOM, view.stats.points, THREADS))
-print("| lights | emission | split | bake | judge | far | near | clock | processor | goal | core | grid points | error, % | pairs a "
-  .. "point | every light |")
+print("| lights | emission | split | bake | judge | far | near | clock | processor | goal | core | grid points | error, % "
+  .. "| pairs a point | every light |")
 print "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |"
-local x, y, n = {}, {}, 1e4
+local x, y, n = {}, {}, tonumber(arg[4]) or 1e4
 while n <= MOST do
   local emission, _, lights = timed(function() return scene:virtual_lights { count = n, threads = THREADS } end)
   local busy, _, _, report = picture(lights, "split")
@@ -51,8 +52,8 @@ while n <= MOST do
   local s = v.seconds
   busy = busy - plain
   every = (every - plain_few) * view.stats.points / few.stats.points
-  print(("| %d | %.2f | %.3f | %.3f | %.3f | %.3f | %.3f | %.2f | %.2f | %s | %.3g | %d | %.2f | %.0f | %.0f |"):format(n, emission,
-    s.split, s.bake, s.judge, s.far, s.near, s.split + s.bake + s.judge + s.far + s.near, busy, GOALS[n] or "", v.core,
+  print(("| %d | %.2f | %.3f | %.3f | %.3f | %.3f | %.3f | %.2f | %.2f | %s | %.3g | %d | %.2f | %.0f | %.0f |"):format(n,
+    emission, s.split, s.bake, s.judge, s.far, s.near, s.split + s.bake + s.judge + s.far + s.near, busy, GOALS[n] or "", v.core,
     v.grid.points, 100 * v.error, v.pairs / report.points, every))
   x[#x + 1], y[#y + 1], n = math.log(n), math.log(busy), 10 * n
 end

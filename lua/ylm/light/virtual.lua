@@ -122,25 +122,32 @@ function form.types.core(x)
 end
 
 local POINTS = 1000000 -- shading points of a picture
--- What an evaluation of the far part of all lights at a grid point costs, in pairs of a near light and a shading point.
-local EVALUATION = 4600
+-- Cost of the far parts of n lights at a grid point, as pairs of a near light and a shading point: this times n.
+local EVALUATION = 0.3
 
---- The core of far and near parts in spacings of n lights, 2 to 12, so that in a picture both cost about the same.
-function virtual.spacings(count, points)
-  return math.max(2, math.min(12, (2 * math.min(EVALUATION, count) * count / points) ^ 0.25))
+--- The core of far and near parts in spacings of n lights, 2 to 12, so that in a picture both cost about the same. `share`: the
+-- part of surfaces that lights lie on; a grid covers all of them.
+function virtual.spacings(count, points, share)
+  return math.max(2, math.min(12, (2 * EVALUATION * count ^ 2 / (points * (share or 1))) ^ 0.25))
 end
 
---- The core. A spacing follows from radii: lights that particles left have radii of 1.5/sqrt(pi) spacings (scale = 1.5). It is
--- at most sqrt(area/count), which it would be if all of the area were lit.
+--- The distance of lights from the next ones, and their share of an area (nil: of all). A spacing follows from radii: lights that
+-- particles left have radii of 1.5/sqrt(pi) spacings (scale = 1.5). It is at most sqrt(area/count), if all of the area is lit.
+function virtual.spacing(l, area)
+  local spacing = l.radius.mean * math.sqrt(math.pi) / 1.5
+  if not area then return spacing, 1 end
+  return math.min(spacing, math.sqrt(area / l.count)), math.min(1, math.max(1e-3, l.count * spacing ^ 2 / area))
+end
+
+--- The core that is chosen.
 local function auto_core(l, area, points)
   if l.count == 0 then return 1 end
-  local spacing = l.radius.mean * math.sqrt(math.pi) / 1.5
-  if area then spacing = math.min(spacing, math.sqrt(area / l.count)) end
-  return math.max(virtual.spacings(l.count, points) * spacing, 1.01 * l.radius.max)
+  local spacing, share = virtual.spacing(l, area)
+  return math.max(virtual.spacings(l.count, points, share) * spacing, 1.01 * l.radius.max)
 end
 
 --- The area of a scene's surfaces; nil where it has none.
-local function area_of(s)
+function virtual.area_of(s)
   if form.kind(s) ~= "scene" then
     return check.bad(1, "split", "scene: a scene expected, got %s", check.describe(s))
   end
@@ -181,7 +188,7 @@ function methods:split(given)
     return check.bad(1, "split", "%s is of core = 'auto', core is %g: leave one out", o.scene ~= nil and "scene" or "points",
       o.core)
   end
-  local area = o.scene ~= nil and area_of(o.scene) or nil
+  local area = o.scene ~= nil and virtual.area_of(o.scene) or nil
   local size = o.core == "auto" and auto_core(self, area, o.points) or o.core
   local far, near, code = core.lights_virtual_split(self.lights, size)
   if far then return virtual.wrap(far), virtual.wrap(near) end

@@ -14,12 +14,13 @@ local warning = require "ylm.warning"
 
 local split = {}
 
--- What a picture costs, in nanoseconds of one thread: a pair of a light and a shading point, a pair nearby, a point of a grid
--- for each light, a shading point besides.
-local PAIR, NEAR, GRID, POINT = 2.5, 2.5, 28, 250
+-- Costs of a picture, in nanoseconds of one thread: a pair of a light and a shading point, a pair nearby, a point of a grid for
+-- each light, summed by a tree, a shading point besides.
+local PAIR, NEAR, GRID, POINT = 2, 3, 10, 100
 local FEW = 5e7 -- pairs that need no grid
--- Of a core of R spacings: R^2 times this are near; grid points at voxels of R/x are so many times x^2 count/R^2.
-local NEAR_PAIRS, GRID_POINTS = 7.2, 0.8
+-- Of a core of R spacings: R^2 times this are near; grid points at voxels of R/x are so many times x^2 count/R^2, over the share
+-- of surfaces that are lit.
+local NEAR_PAIRS, GRID_POINTS = 7.2, 0.9
 local VOXELS, GROWTH, FINEST = 1.25, 0.6, 8 -- x of a tolerance of 2 %, its power of the tolerance, the most
 local PLAIN = 50 -- times the tolerance: the relative metric below which voxels stay large
 local JUDGES, LEAST, JUDGED = 256, 32, 2e7 -- points that judge, and pairs that these may be
@@ -44,8 +45,8 @@ local function hindrance(p, b)
 end
 
 --- Nanoseconds of both ways.
-local function costs(count, points, spacings)
-  local far = GRID_POINTS * VOXELS ^ 2 * count / spacings ^ 2 * count * GRID
+local function costs(count, points, spacings, share)
+  local far = GRID_POINTS * VOXELS ^ 2 * count / (share * spacings ^ 2) * count * GRID
   local pairs_nearby = math.min(count / 2, NEAR_PAIRS * spacings ^ 2)
   return points * count * PAIR, far + points * (pairs_nearby * NEAR + POINT)
 end
@@ -60,7 +61,8 @@ function split.is_wanted(name, p, b)
   end
   local count, points = b.lights.count, p.stats.points
   if fault or count * points < FEW then return false end
-  local all, parts = costs(count, points, virtual_light.spacings(count, points))
+  local _, share = virtual_light.spacing(b.lights, virtual_light.area_of(p.scene))
+  local all, parts = costs(count, points, virtual_light.spacings(count, points, share), share)
   return parts < all / 2
 end
 
@@ -73,9 +75,10 @@ local function bake(p, o, b, x)
   for a = 1, 3 do widest = math.max(widest, bounds[2][a] - bounds[1][a]) end
   local depth = math.max(1, math.ceil(math.log(widest * x / b.far.core) / math.log(2) - 0.1))
   local tolerance = math.max(core.limits.tolerance_least, b.options.tolerance / 4)
-  local grid, message, code = grids.bake(grids.adaptive_grid { bounds = bounds, lmax = b.options.lmax,
-    depth = math.min(depth, core.limits.grid_depth), threshold = PLAIN * b.options.tolerance }, b.far, { occupied = p.view, threads = o.threads,
-    progress = o.progress, light_tolerance = math.min(tolerance, core.limits.tolerance_most) })
+  local probes = grids.adaptive_grid { bounds = bounds, lmax = b.options.lmax, depth = math.min(depth, core.limits.grid_depth),
+    threshold = PLAIN * b.options.tolerance }
+  local grid, message, code = grids.bake(probes, b.far, { occupied = p.view, threads = o.threads, progress = o.progress,
+    light_tolerance = math.min(tolerance, core.limits.tolerance_most) })
   if not grid then return nil, message, code end
   b.depth = depth
   return grid, core.seconds() - start
