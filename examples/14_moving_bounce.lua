@@ -54,7 +54,7 @@ local function jitter(list, k)
   return part(b, function(i, j) return b:get(i, j, 2) - (a:get(i, j, 2) + c:get(i, j, 2)) / 2 end)
 end
 
--- What the camera sees is found once, without a lamp in sight.
+-- Surfaces in sight are found once, without a lamp.
 local view = assert(room {}:prepare { size = { option.width, option.height }, samples = option.samples })
 local cell
 local same, other = {}, {} -- bounces by frame, of particles that stay and of others in each

@@ -369,9 +369,9 @@ calls["virtual lights, merged and interleaved"] = on(scene, function(s)
   local view
   view, message, code = s:prepare { size = size, samples = 1, gloss = "matte" }
   if not view then return nil, message, code end
-  local few
-  few, message, code = view:gather { lights = lights, subset = "stochastic" }
-  if not few then return nil, message, code end
+  local image
+  image, message, code = view:gather { lights = lights, subset = "stochastic" }
+  if not image then return nil, message, code end
   return view:gather { lights = lights, subset = "interleaved", tile = 2 }
 end)
 calls["virtual lights by their tree"] = on(function()
