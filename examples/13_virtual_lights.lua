@@ -102,6 +102,7 @@ function parts.methods()
   local view = assert(box:prepare { size = size, samples = 4 })
   local o = { count = option.few, particles = 20 * option.few }
   local few = assert(box:virtual_lights(o))
+  local many = assert(box:virtual_lights { count = 20 * option.few })
   o.profile = "cap"
   local caps = assert(box:virtual_lights(o))
   local bounce = assert(box:pathtrace { size = size, samples = 4 * option.samples, reflections = { 2, 2 } })
@@ -111,14 +112,17 @@ function parts.methods()
     { "points, clamped", few, { method = "vpl" } },
     { "clamped, compensated", few, { method = "vpl", compensate = 8 } },
     { "spheres", few, { method = "vsl" } },
+    { "Gaussians", many, { method = "vsgl", groups = option.few } },
     { "harmonics, cap", caps, {} },
     { "harmonics, gauss", few, {} },
   }, 3, lit:layer "emitter")
   common.save(ylm.figure {
     title = ("The bounce of light by %d virtual lights"):format(few.count),
-    rows = { { items[1], items[2], items[3], shown(lit, ("direct light and the %d lights"):format(few.count), 0.7) },
-      { items[4], items[5], items[6], shown(bounce, "paths", 3) } },
-    caption = "Numbers: root mean square difference from paths, of the mean luminance. All have rays to the middles of lights.",
+    rows = { { items[1], items[2], items[3] },
+      { items[4], items[5], shown(lit, ("direct light and the %d lights"):format(few.count), 0.7) },
+      { items[6], items[7], shown(bounce, "paths", 3) } },
+    caption = "Numbers: root mean square difference from paths, of the mean luminance. All have rays to the middles of lights. "
+      .. "Each Gaussian stands for 20 lights.",
   }, option.out .. "virtual_lights_methods.png")
 end
 

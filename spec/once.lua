@@ -6,7 +6,7 @@ return {
   array_math = { 1 }, cli_sh = 3,
   options = { 7 }, readme = { 6 }, gather = 6,
   vulkan_rims = 60, vulkan_light = 60, grid_update_flat = 16, neon = 46, vulkan_octree = 31, vulkan_tolerance = 16,
-  vulkan_points = 27, vulkan_sample = 14, papers = 28, codegen = 10, vulkan_keep = 20, vulkan_fault = 12,
+  vulkan_points = 27, vulkan_sample = 14, papers = 32, codegen = 10, vulkan_keep = 20, vulkan_fault = 12,
   grid_update = 6, vulkan_image = 10, grid_update_octree = 10, memory_picture = 11, view_grid = 8,
   vulkan_uniform = 7, light_tree = 7,
   grid_update_random = 5, view_bar = 5, install = 5, vulkan_sh = 5, grid_bake = 5, vulkan_surface = 4,

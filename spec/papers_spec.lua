@@ -31,7 +31,7 @@ local cases = {
   { "hvl_2022_table2.lua", "--out %s --quick", "10b +VPL .*10a +HVL +%d+ .*28%.01" },
   { "hvl_2022_fig1.lua", "--out %s --quick", "harmonics, 5 bands .*points, clamped" },
   { "hvl_2022_fig9.lua", "--out %s --quick", "table_room +metals .*the paper: no difference" },
-  { "hvl_2022_fig12.lua", "--out %s --quick", "harmonics, zonal +25 .*order: zonal" },
+  { "hvl_2022_fig12.lua", "--out %s --quick", "spherical Gaussians +25 .*harmonics, zonal +25 .*order: zonal" },
   { "hvl_profiles.lua", "--out %s --quick", "gauss, k = 1 .*gauss, 0%.6 r to 2 r" },
   { "hvl_split.lua", "--out %s --quick", "floor, far part: irradiance +%d%.%d" },
   { "hvl_methods.lua", "--out %s --quick", "harmonics, gauss +16 .*\npaths +%- .*order with 16 lights" },

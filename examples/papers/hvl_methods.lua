@@ -55,12 +55,14 @@ while count <= most do
   local start = clock()
   local gauss = assert(scene:virtual_lights { count = count })
   local emission = clock() - start
+  local many = assert(scene:virtual_lights { count = 16 * count })
   local cap = assert(scene:virtual_lights { count = count, profile = "cap" })
   for _, m in ipairs {
     { "points", gauss, { method = "vpl", clamp = "none" } }, { "points, clamped", gauss, { method = "vpl" } },
     { "clamped, compensated", gauss, { method = "vpl", compensate = quick and 1 or 8 } },
     { "spheres", cap, { method = "vsl" } },
-    { "harmonics, cap", cap, {} }, { "harmonics, gauss", gauss, {} },
+    { "spherical Gaussians", many, { method = "vsgl", groups = count } }, { "harmonics, cap", cap, {} }, { "harmonics, gauss",
+      gauss, {} },
   } do
     if m[1] ~= "spheres" or count <= 1024 then
       m[3].lights, m[3].shadows, m[3].layers = m[2], "centre", false
@@ -71,8 +73,8 @@ while count <= most do
   end
   count = 4 * count
 end
-local transfer = assert(scene:transfer { links = quick and 4 or nil, lmax = 0 })
-for _, links in ipairs(quick and { 16 } or { 16, 64, 256, 1024 }) do
+local transfer = not quick and assert(scene:transfer { lmax = 0 })
+for _, links in ipairs(quick and {} or { 16, 64, 256, 1024 }) do
   local linked = assert(scene:prepare { size = size, samples = 4, links = links, transfer = transfer })
   local start = clock()
   local image = assert(linked:render { bounces = 1 }):layer():totable()
