@@ -25,7 +25,7 @@ end
 --- Integral of L(w') f(w') max(0, w'.y) over directions, of a group with these numbers at place m.
 local function integral(m, s, axis, sharp, f)
   local d2 = dot(m, m)
-  local d, sum, n = math.sqrt(d2), 0, 160
+  local d, sum, n = math.sqrt(d2), 0, 90
   local w, area = { m[1] / d, m[2] / d, m[3] / d }, sharp > 0 and 2 * math.pi * (1 - math.exp(-2 * sharp)) / sharp or 4 * math.pi
   for i = 1, n do
     for j = 1, 2 * n do

@@ -96,7 +96,7 @@ describe("harmonics on surfaces that gloss", function()
       local e = { {}, {} }
       for i = 1, 2 do for c = 1, 3 do e[i][c] = {} for k = 1, 25 do e[i][c][k] = math.sin(i + 2 * c + k) end end end
       for _, m in ipairs { ylm.ggx { alpha = 0.5, f0 = { 1, 0.5, 0.2 }, base = 0.1 },
-        ylm.phong { exponent = 9, specular = 0.5 }, ylm.matte { albedo = 0.5 } } do
+        ylm.matte { albedo = 0.5 } } do
         local view = ylm.scene "a floor" { camera = ylm.camera { from = { 0, 0.8, 1.6 }, at = { 0, 0, 0 }, fov = 50 },
           geometry = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0.2, 0 }, v = { 0.1, 0.1, -2 }, material = m } }
           :prepare { size = { 3, 2 }, samples = 1, share = 0 }
@@ -119,7 +119,7 @@ describe("harmonics on surfaces that gloss", function()
       return list
     end
     local plain = numbers "reference"
-    assert.equal(3 * 2 * 6 * 18, #plain)
+    assert.equal(2 * 2 * 6 * 18, #plain)
     for _, isa in ipairs(ylm.info().kernels) do
       local fast = numbers(isa)
       for k = 1, #plain, 18 do
@@ -150,7 +150,7 @@ describe("points and spheres on surfaces that gloss", function()
     for _, name in ipairs { "grey", "polish" } do
       local view = prepared(materials[name])
       local wanted = gathered(view, points, { method = "vpl", clamp = "none" })
-      assert.is_true(apart(gathered(view, points, { lmax = 20 }), wanted) < 0.01, name)
+      assert.is_true(apart(gathered(view, points, { lmax = 14 }), wanted) < 0.02, name)
     end
     -- low degrees of a wide lobe whose tangent counts
     local view = prepared(materials.brushed)
