@@ -11,10 +11,10 @@
 /* -- errors of nodes --------------------------------------------------------------------------- */
 
 /* Parts of the bounds that count, for values, gradients, Hessians and the metric. */
-#define VIRTUAL_SHARE_VALUE 4.5
-#define VIRTUAL_SHARE_GRADIENT 6.0
+#define VIRTUAL_SHARE_VALUE 7.0
+#define VIRTUAL_SHARE_GRADIENT 10.0
 #define VIRTUAL_SHARE_HESSIAN 4.5
-#define VIRTUAL_SHARE_METRIC 6.0
+#define VIRTUAL_SHARE_METRIC 14.0
 /* Where light comes from one side errors add up: so much less counts. */
 #define VIRTUAL_ONE_SIGN 0.6
 /* Norms that cancel to less than this part of the sum of the lights' norms count as so much. */
@@ -25,9 +25,9 @@
 #define VIRTUAL_PILOT_WIDEST_VALUE 0.7f
 /* Light that a fit misses in the worst direction, as it counts in values, gradients and Hessians: it varies faster
    with the direction than what was fitted. */
-#define VIRTUAL_FLAT_VALUE 2.8f
-#define VIRTUAL_FLAT_GRADIENT 7.0f
-#define VIRTUAL_FLAT_HESSIAN 40.0f
+#define VIRTUAL_FLAT_VALUE 5.4f
+#define VIRTUAL_FLAT_GRADIENT 14.0f
+#define VIRTUAL_FLAT_HESSIAN 100.0f
 /* It has one sign in all nodes of a curved surface: this part of it is at most what is allowed of the node's own
    light. */
 #define VIRTUAL_EVEN 0.003f
