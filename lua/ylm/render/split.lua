@@ -111,9 +111,11 @@ local function irradiance(L, cosines)
   end
 end
 
---- Coefficients of the clamped cosine about normals, tables [n][..].
+--- Coefficients of the clamped cosine about normals, tables [n][..]; or nil, message, code.
 local function cosines_of(lmax, normals)
-  local rows = sh.eval(lmax, normals):totable()
+  local Y, message, code = sh.eval(lmax, normals)
+  if not Y then return nil, message, code end
+  local rows = Y:totable()
   for _, row in ipairs(rows) do
     for l = 0, lmax do
       local factor = core.sh_cosine_factor(l)
@@ -137,7 +139,9 @@ local function judge(name, p, o, b)
   if not far then return nil, message, code end
   nearby, message, code = b.near:near_field(lmax, points, options)
   if not nearby then return nil, message, code end
-  local cosines = cosines_of(lmax, normals)
+  local cosines
+  cosines, message, code = cosines_of(lmax, normals)
+  if not cosines then return nil, message, code end
   local all, some, others = irradiance(whole, cosines), irradiance(far, cosines), irradiance(nearby, cosines)
   local square, mean = 0, 0
   for i = 1, #points do

@@ -374,6 +374,10 @@ calls["virtual lights, merged and interleaved"] = on(scene, function(s)
   if not image then return nil, message, code end
   return view:gather { lights = lights, subset = "interleaved", tile = 2 }
 end)
+calls["virtual lights by parts, in a picture"] = on(scene, function(s)
+  return s:render { size = size, samples = 1, light_samples = 1, layers = false,
+    indirect = { method = "virtual", count = 4, sums = "split", tolerance = 1 } }
+end)
 calls["virtual lights by their tree"] = on(function()
   local at, normal = {}, {}
   for i = 1, 600 do at[i], normal[i] = { i % 10, math.floor(i / 10) % 10, i / 100 }, { 0, 0, 1 } end
