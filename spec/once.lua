@@ -19,7 +19,7 @@ return {
   irradiance_measure = 3, refresh = 2, abi = 1, bounce_render = 4, path = 5, light_sky = 3, first_call = 5, flip = 3,
   two_rooms_light = 4, relight = 3,
   transfer = 1, radiosity = 1, lightmap = 1, virtual_tree = 3,
-  transfer_vectors = 3, light_sampled = 1, virtual_lights = 1, virtual_kernel = 1, glossy = 3, gloss_bounced = 5,
+  transfer_vectors = 3, light_sampled = 1, virtual_lights = 1, virtual_kernel = 2, glossy = 3, gloss_bounced = 5,
   gloss_field = 2, virtual_near = 2,
   ambient = 1, c = 3,
   emit = 1, emit_merge = 1, emit_gloss = 2, virtual_gather = 2, spot = 1, guide = 10, plot_lines = 1, virtual_gloss = 2,
