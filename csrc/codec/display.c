@@ -13,9 +13,9 @@
 #include <time.h>
 #include <unistd.h>
 
-enum { CLOSE = 2, CREATE = 4, UPDATE = 6 };              /* types of packets */
-enum { CONNECT_MS = 1000, PATIENCE_MS = 2000 };          /* until the viewer is given up */
-enum { STRIP = 32, MOST_BYTES = 4 << 20 };               /* rows and bytes of an update, at most */
+enum { CLOSE = 2, CREATE = 4, UPDATE = 6 };     /* types of packets */
+enum { CONNECT_MS = 1000, PATIENCE_MS = 2000 }; /* until the viewer is given up */
+enum { STRIP = 32, MOST_BYTES = 4 << 20 };      /* rows and bytes of an update, at most */
 enum { MOST_SIDE = 1 << 16 };
 
 /* Notes of a picture that a viewer has been sent. */
@@ -200,15 +200,16 @@ static ylm_status check_picture(const ylm_display_picture *p, ylm_error *e) {
   ylm_status s = check_name("name of a picture", p->name, YLM_DISPLAY_NAME, e);
   if (s != YLM_OK) return s;
   if (p->width < 1 || p->height < 1 || p->width > MOST_SIDE || p->height > MOST_SIDE)
-    return ylm_fail(e, YLM_ESHAPE, "%s: 1 to %d pixels a side expected, got %d x %d", p->name, MOST_SIDE,
-                    p->width, p->height);
+    return ylm_fail(e, YLM_ESHAPE, "%s: 1 to %d pixels a side expected, got %d x %d", p->name,
+                    MOST_SIDE, p->width, p->height);
   if (p->layers < 1 || p->layers > YLM_DISPLAY_LAYERS)
-    return ylm_fail(e, YLM_ESHAPE, "%s: 1 to %d layers expected, got %d", p->name, YLM_DISPLAY_LAYERS,
-                    p->layers);
+    return ylm_fail(e, YLM_ESHAPE, "%s: 1 to %d layers expected, got %d", p->name,
+                    YLM_DISPLAY_LAYERS, p->layers);
   for (int l = 0; l < p->layers && s == YLM_OK; l++) {
     const ylm_display_layer *layer = &p->layer[l];
     if (layer->channels < 1 || layer->channels > 4)
-      return ylm_fail(e, YLM_ESHAPE, "%s: 1 to 4 channels a layer expected, got %d", p->name, layer->channels);
+      return ylm_fail(e, YLM_ESHAPE, "%s: 1 to 4 channels a layer expected, got %d", p->name,
+                      layer->channels);
     for (int c = 0; c < layer->channels && s == YLM_OK; c++)
       s = check_name("name of a channel", layer->channel[c], sizeof layer->channel[c] - 1, e);
   }
@@ -257,8 +258,9 @@ static sent *note(const ylm_display_picture *p, const packet *names) {
 }
 
 /* Rows y .. y + rows - 1 of a layer, interleaved as they are. */
-static ylm_status send_rows(ylm_display *d, const ylm_display_picture *p, const ylm_display_layer *layer,
-                            int y, int rows, packet *out, ylm_error *e) {
+static ylm_status send_rows(ylm_display *d, const ylm_display_picture *p,
+                            const ylm_display_layer *layer, int y, int rows, packet *out,
+                            ylm_error *e) {
   begin(out, UPDATE);
   put_u8(out, 0);
   put_string(out, p->name);
@@ -276,8 +278,8 @@ static ylm_status send_rows(ylm_display *d, const ylm_display_picture *p, const 
 }
 
 /* The picture's entry: the one there is, or a new one, which the viewer is told of. */
-static ylm_status entry(ylm_display *d, const ylm_display_picture *p, packet *out, sent **s, bool *fresh,
-                        ylm_error *e) {
+static ylm_status entry(ylm_display *d, const ylm_display_picture *p, packet *out, sent **s,
+                        bool *fresh, ylm_error *e) {
   packet names = {0};
   put_names(&names, p->layer, p->layers);
   *s = *find(d, p->name);
@@ -288,7 +290,8 @@ static ylm_status entry(ylm_display *d, const ylm_display_picture *p, packet *ou
   if (*fresh) {
     drop(d, p->name);
     *s = names.failed ? NULL : note(p, &names);
-    if (!*s) status = ylm_fail(e, YLM_ENOMEM, "memory ran out for the picture %s", p->name);
+    if (!*s)
+      status = ylm_fail(e, YLM_ENOMEM, "memory ran out for the picture %s", p->name);
     else {
       (*s)->next = d->pictures;
       d->pictures = *s;
@@ -307,11 +310,14 @@ static ylm_status entry(ylm_display *d, const ylm_display_picture *p, packet *ou
 }
 
 /* Strips of a layer that are not as they were `before`. */
-static ylm_status send_layer(ylm_display *d, const ylm_display_picture *p, const ylm_display_layer *layer,
-                             float *before, bool fresh, packet *out, ylm_error *e) {
+static ylm_status send_layer(ylm_display *d, const ylm_display_picture *p,
+                             const ylm_display_layer *layer, float *before, bool fresh, packet *out,
+                             ylm_error *e) {
   ylm_status s = YLM_OK;
   size_t row = (size_t)p->width * (size_t)layer->channels, bytes = row * sizeof(float);
-  int most = bytes * STRIP <= MOST_BYTES ? STRIP : MOST_BYTES / bytes > 1 ? (int)(MOST_BYTES / bytes) : 1;
+  int most = bytes * STRIP <= MOST_BYTES ? STRIP
+             : MOST_BYTES / bytes > 1    ? (int)(MOST_BYTES / bytes)
+                                         : 1;
   for (int y = 0; y < p->height && s == YLM_OK; y += most) {
     int rows = p->height - y < most ? p->height - y : most;
     const float *now = layer->pixels + (size_t)y * row;

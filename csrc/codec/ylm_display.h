@@ -31,7 +31,7 @@ YLM_API void ylm_display_free(ylm_display *d);
 
 /* Channels of a picture that lie side by side, top row first. */
 typedef struct ylm_display_layer {
-  int channels;       /* 1 .. 4 */
+  int channels;        /* 1 .. 4 */
   char channel[4][64]; /* their names: "R", "depth.Z" */
   const float *pixels; /* [height][width][channels] */
 } ylm_display_layer;
@@ -41,7 +41,8 @@ typedef struct ylm_display_layer {
 typedef struct ylm_display_picture {
   const char *name; /* UTF-8 without control characters */
   int width, height, layers;
-  const ylm_display_layer *layer; /* [layers], 1 .. YLM_DISPLAY_LAYERS; no two channels of one name */
+  const ylm_display_layer
+      *layer; /* [layers], 1 .. YLM_DISPLAY_LAYERS; no two channels of one name */
 } ylm_display_picture;
 
 /*

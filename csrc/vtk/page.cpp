@@ -46,8 +46,10 @@ public:
 
   void put(const ylm_vtk_mark &m) {
     set_opacity(float(m.colour[3]));
-    if (m.text) put_words(m);
-    else if (m.n) put_lines(m);
+    if (m.text)
+      put_words(m);
+    else if (m.n)
+      put_lines(m);
   }
 
   ylm_status save(const char *path, ylm_error *e) {
@@ -108,8 +110,10 @@ private:
     HPDF_Page_MoveTo(page, float(m.xy[0]), float(height - m.xy[1]));
     for (size_t k = 1; k < m.n; k++)
       HPDF_Page_LineTo(page, float(m.xy[2 * k]), float(height - m.xy[2 * k + 1]));
-    if (m.fill) HPDF_Page_Fill(page);
-    else HPDF_Page_Stroke(page);
+    if (m.fill)
+      HPDF_Page_Fill(page);
+    else
+      HPDF_Page_Stroke(page);
   }
 };
 

@@ -65,7 +65,8 @@ static void create(bytes *b) {
   picture.width = (int)integer(b, 4);
   picture.height = (int)integer(b, 4);
   picture.channels = (int)integer(b, 4);
-  if (picture.width < 1 || picture.height < 1 || picture.channels < 1 || picture.channels > CHANNELS)
+  if (picture.width < 1 || picture.height < 1 || picture.channels < 1 ||
+      picture.channels > CHANNELS)
     die("create: no such size");
   for (int c = 0; c < picture.channels; c++) {
     string(b, picture.channel[c], sizeof picture.channel[c]);
@@ -73,8 +74,8 @@ static void create(bytes *b) {
       if (!strcmp(picture.channel[c], picture.channel[k])) die("create: two channels of one name");
   }
   free(picture.pixels);
-  picture.pixels =
-      calloc((size_t)picture.width * (size_t)picture.height * (size_t)picture.channels, sizeof(float));
+  picture.pixels = calloc((size_t)picture.width * (size_t)picture.height * (size_t)picture.channels,
+                          sizeof(float));
 }
 
 static int channel_of(const char *name) {
@@ -90,7 +91,8 @@ static void update(bytes *b, int *y, int *rows) {
   uint64_t offset[CHANNELS], stride[CHANNELS];
   if (integer(b, 1) > 1) die("update: grab focus is no boolean");
   string(b, name, sizeof name);
-  if (!picture.pixels || strcmp(name, picture.name) != 0) die("update: of a picture that was not created");
+  if (!picture.pixels || strcmp(name, picture.name) != 0)
+    die("update: of a picture that was not created");
   int n = (int)integer(b, 4);
   if (n < 1 || n > picture.channels) die("update: no such number of channels");
   for (int c = 0; c < n; c++) {
@@ -101,7 +103,8 @@ static void update(bytes *b, int *y, int *rows) {
   *y = (int)integer(b, 4);
   int width = (int)integer(b, 4);
   *rows = (int)integer(b, 4);
-  if (x < 0 || *y < 0 || width < 1 || *rows < 1 || x + width > picture.width || *y + *rows > picture.height)
+  if (x < 0 || *y < 0 || width < 1 || *rows < 1 || x + width > picture.width ||
+      *y + *rows > picture.height)
     die("update: outside of the picture");
   uint64_t most = 0, pixels = (uint64_t)width * (uint64_t)*rows;
   for (int c = 0; c < n; c++) offset[c] = integer(b, 8);
@@ -110,7 +113,8 @@ static void update(bytes *b, int *y, int *rows) {
     uint64_t need = offset[c] + (pixels - 1) * stride[c] + 1;
     if (need > most) most = need;
   }
-  if ((uint64_t)(b->end - b->at) != 4 * most) die("update: another number of floats than offsets and strides say");
+  if ((uint64_t)(b->end - b->at) != 4 * most)
+    die("update: another number of floats than offsets and strides say");
   for (uint64_t i = 0; i < pixels; i++)
     for (int c = 0; c < n; c++) {
       size_t to = (size_t)(*y + (int)(i / (uint64_t)width)) * (size_t)picture.width + (size_t)x +
@@ -158,7 +162,8 @@ static void serve(int s, const char *mode, const char *folder) {
   for (int packets = 0; strcmp(mode, "close") != 0 || packets < 3; packets++) {
     unsigned char head[4];
     if (!read_whole(s, head, 4)) break;
-    uint32_t size = (uint32_t)head[0] | (uint32_t)head[1] << 8 | (uint32_t)head[2] << 16 | (uint32_t)head[3] << 24;
+    uint32_t size = (uint32_t)head[0] | (uint32_t)head[1] << 8 | (uint32_t)head[2] << 16 |
+                    (uint32_t)head[3] << 24;
     if (size < 5 || size > 5u << 20) die("a packet of that length");
     unsigned char *whole = malloc(size);
     memcpy(whole, head, 4);
@@ -166,10 +171,14 @@ static void serve(int s, const char *mode, const char *folder) {
     for (size_t i = 0; i < size && shown < 200; i++, shown++) fprintf(first, "%02x", whole[i]);
     bytes b = {whole + 5, whole + size};
     int y = 0, rows = 0;
-    if (whole[4] == 4) create(&b);
-    else if (whole[4] == 6) update(&b, &y, &rows);
-    else if (whole[4] == 2) string(&b, picture.name, sizeof picture.name);
-    else die("a packet of that type");
+    if (whole[4] == 4)
+      create(&b);
+    else if (whole[4] == 6)
+      update(&b, &y, &rows);
+    else if (whole[4] == 2)
+      string(&b, picture.name, sizeof picture.name);
+    else
+      die("a packet of that type");
     if (b.at != b.end) die("a packet with something behind its end");
     fprintf(log, "%.3f %d %u %d %d\n", seconds() - began, whole[4], size, y, rows);
     free(whole);

@@ -67,9 +67,11 @@ static bool read_layer(lua_State *L, ylm_display_picture *p, ylm_display_layer *
   int i = lua_gettop(L);
   lua_rawgeti(L, i, 1);
   const ylmL_array *a = ylmL_array_check(L, i + 1);
-  if (a->axes != 3 || a->dtype != YLM_FLOAT || a->shape[2] > 4 || lua_rawlen(L, i) != a->shape[2] + 1)
+  if (a->axes != 3 || a->dtype != YLM_FLOAT || a->shape[2] > 4 ||
+      lua_rawlen(L, i) != a->shape[2] + 1)
     return false;
-  if (p->layers && ((size_t)p->height != a->shape[0] || (size_t)p->width != a->shape[1])) return false;
+  if (p->layers && ((size_t)p->height != a->shape[0] || (size_t)p->width != a->shape[1]))
+    return false;
   p->height = (int)a->shape[0];
   p->width = (int)a->shape[1];
   layer->channels = (int)a->shape[2];
@@ -115,9 +117,12 @@ static int display_drop(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-static const luaL_Reg functions[] = {{"image_write", image_write},     {"image_read", image_read},
-                                     {"display_open", display_open},   {"display_send", display_send},
-                                     {"display_close", display_close}, {"display_drop", display_drop},
+static const luaL_Reg functions[] = {{"image_write", image_write},
+                                     {"image_read", image_read},
+                                     {"display_open", display_open},
+                                     {"display_send", display_send},
+                                     {"display_close", display_close},
+                                     {"display_drop", display_drop},
                                      {NULL, NULL}};
 
 int luaopen_ylm_c_codec(lua_State *L) {

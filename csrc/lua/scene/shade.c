@@ -93,7 +93,8 @@ static int shade_raycast(lua_State *L) {
   enum { SAMPLES = 3, SHADOWS, SEED, THREADS, PROGRESS, LIT, INTO };
   ylmL_named(L, 2, names);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
-  int light_samples = (int)luaL_checknumber(L, SAMPLES), threads = (int)luaL_checknumber(L, THREADS);
+  int light_samples = (int)luaL_checknumber(L, SAMPLES),
+      threads = (int)luaL_checknumber(L, THREADS);
   bool shadows = lua_toboolean(L, SHADOWS);
   uint64_t seed = (uint64_t)luaL_checknumber(L, SEED), rays = 0;
   ylmL_progress p;

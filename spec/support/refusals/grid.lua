@@ -203,6 +203,15 @@ return {
     { call = function(ylm) return small(ylm):locate { 0, nan, 0 } end, says = "three numbers" },
     { call = function(ylm) return closed(ylm):locate { 0, 0, 0 } end, says = "locate: the grid has been closed" },
   },
+  ["grid:export"] = {
+    { call = function(ylm) return small(ylm):export() end, says = "a path ending in .ktx2, .three.json or .npy expected, got nil" },
+    { call = function(ylm) return small(ylm):export("a.ylm") end, says = "a path ending in .ktx2" },
+    { call = function(ylm) return small(ylm):export("a.npy", { cells = 4 }) end, says = "cells must be { nx, ny, nz }" },
+    { call = function(ylm) return small(ylm):export("a.npy", { cells = { 2, 2, 2 }, tolerance = 1 }) end, says = "not both" },
+    { call = function(ylm) return small(ylm):export("a.npy", { points = { { 0, 0 } } }) end, says = "3" },
+    { call = function(ylm) return small(ylm):export("/no/such/folder/a.npy") end, says = "cannot be created" },
+    { call = function(ylm) return closed(ylm):export("a.npy") end, says = "export: the grid has been closed" },
+  },
   ["grid:save"] = {
     { call = function(ylm) return small(ylm):save() end, says = "a path expected, got nil" },
     { call = function(ylm) return small(ylm):save("") end, says = "a path expected" },

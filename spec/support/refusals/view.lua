@@ -24,13 +24,14 @@ end
 
 --- Refusals that save and pixels of every kind of picture share.
 local function methods(kind, make)
+  local wanted = kind == "plot" and "the name of a %.png, %.svg or %.pdf file expected" or "the name of a %.png file expected"
   return {
     [kind .. ":save"] = {
-      { call = function(ylm) return make(ylm):save() end, says = "the name of a %.png file expected, got nil" },
-      { call = function(ylm) return make(ylm):save "picture.jpg" end, says = "the name of a %.png file expected" },
-      { call = function(ylm) return make(ylm):save ".png" end, says = "the name of a %.png file expected" },
-      { call = function(ylm) return make(ylm):save(12) end, says = "the name of a %.png file expected" },
-      { call = function(ylm) return make(ylm):save "a\0.png" end, says = "the name of a %.png file expected" },
+      { call = function(ylm) return make(ylm):save() end, says = wanted .. ", got nil" },
+      { call = function(ylm) return make(ylm):save "picture.jpg" end, says = wanted },
+      { call = function(ylm) return make(ylm):save ".png" end, says = wanted },
+      { call = function(ylm) return make(ylm):save(12) end, says = wanted },
+      { call = function(ylm) return make(ylm):save "a\0.png" end, says = wanted },
       { call = function(ylm) return make(ylm).save({}, "a.png") end, says = kind .. " expected before the colon" },
       { call = function(ylm) return make(ylm):save "no/such/folder/a.png" end, says = "No such file" },
     },

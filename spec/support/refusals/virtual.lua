@@ -89,5 +89,5 @@ return {
   ["virtual_lights:near_field"] = refused(function(ylm) return one(ylm).near_field {} end, "virtual lights expected",
     function(ylm) return one(ylm):near_field(2, { { 0, 0, 0 } }) end, "near"),
   ["virtual_lights:split"] = refused(function(ylm) return one(ylm):split { core = "far" } end, "core",
-    function(ylm) return one(ylm):split { core = 0.3 } end, "core", function(ylm) return one(ylm):split { core = 0 } end, "core"),
+    function(ylm) return one(ylm):split { core = 0.1 } end, "core", function(ylm) return one(ylm):split { core = 0 } end, "core"),
 }
