@@ -98,6 +98,18 @@ local function cell(text)
   return (model.one_line(text or ""):gsub("|", "\\|"):gsub("<", "&lt;"))
 end
 
+--- Prose, by lines of 120 letters at most.
+local function prose(put, text)
+  local line = ""
+  for word in text:gmatch "%S+" do
+    if #line + #word >= 120 then
+      put(line)
+      line = word
+    else line = line == "" and word or line .. " " .. word end
+  end
+  put(line)
+end
+
 local function field_table(put, fields)
   put "| field | is | |"
   put "| --- | --- | --- |"
@@ -126,17 +138,17 @@ end
 local function section(put, entry)
   put("### " .. help.signature(entry.name, entry))
   put ""
-  put((model.one_line(entry.about):gsub("<", "&lt;")))
+  prose(put, (model.one_line(entry.about):gsub("<", "&lt;")))
   put ""
   row_table(put, "argument", entry.arguments)
   if type(entry.options) == "table" and #entry.options > 0 then field_table(put, entry.options) end
   row_table(put, "returns", entry.returns)
   if entry.errors and entry.errors ~= "" then
-    put("Errors: " .. model.one_line(entry.errors) .. ".")
+    prose(put, "Errors: " .. model.one_line(entry.errors) .. ".")
     put ""
   end
   if entry.source then
-    put("Source: " .. model.one_line(entry.source) .. ".")
+    prose(put, "Source: " .. model.one_line(entry.source) .. ".")
     put ""
   end
   example(put, entry.example)
@@ -159,7 +171,7 @@ function pages.markdown()
   for _, definition in ipairs(all.forms) do
     put("### " .. (definition.name == "scene" and 'scene "name" { ... }' or definition.name .. " { ... }"))
     put ""
-    put(model.one_line(definition.about))
+    prose(put, model.one_line(definition.about))
     put ""
     field_table(put, definition.fields)
     example(put, definition.example)
@@ -175,7 +187,7 @@ function pages.markdown()
     put("### " .. object.name)
     put ""
     if object.about ~= "" then
-      put(model.one_line(object.about))
+      prose(put, model.one_line(object.about))
       put ""
     end
     row_table(put, "field", object.fields)
