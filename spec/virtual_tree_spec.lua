@@ -161,6 +161,19 @@ describe("a tree of virtual lights", function()
     end
   end)
 
+  it("sums lights that stand at few places", function()
+    local at, normal, next = {}, {}, random(5)
+    for i = 1, 4000 do
+      local x = i % 2 == 0 and 0.5 or 0.2
+      at[i], normal[i] = { x, x, x }, next() < 0.5 and { 0, 0, 1 } or { 1, 0, 0 }
+    end
+    local lights = ylm.virtual_lights { at = at, normal = normal, radius = 0.02, intensity = 1 }
+    local a, b = ylm.light_field(2, lights, { { 0.9, 0.8, 1 } }, { tolerance = 0.01 }),
+      ylm.light_field(2, lights, { { 0.9, 0.8, 1 } })
+    local _, d, norm = core.array_distance(b, a)
+    assert(d < 0.01 * norm, ("%g of %g"):format(d, norm))
+  end)
+
   it("gives the same bits whatever the threads and the order of points", function()
     local lights, points = scene("cloud", 0), places(77)
     local o = { derivatives = 2, tolerance = 0.1, threads = 1 }

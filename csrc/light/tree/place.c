@@ -25,9 +25,9 @@ static const double corner[YLM__MOST_PROXIES][3] = {{1, 1, 1},   {1, -1, -1},  {
                                                     {-1, -1, 1}, {-1, -1, -1}, {-1, 1, 1},
                                                     {1, -1, 1},  {1, 1, -1}};
 
-void ylm__tree_axes(const double *cov, double A[3][3]) {
+void ylm__tree_axes(const double *cov, double grain, double A[3][3]) {
   double C[3][3] = {{cov[0], cov[1], cov[2]}, {cov[1], cov[3], cov[4]}, {cov[2], cov[4], cov[5]}};
-  double least = 1e-12 * (C[0][0] + C[1][1] + C[2][2]);
+  double least = fmax(1e-12 * (C[0][0] + C[1][1] + C[2][2]), grain);
   memset(A, 0, 9 * sizeof(double));
   for (int k = 0; k < 3; k++) {
     double pivot = C[k][k];
@@ -91,7 +91,7 @@ static void normalise(proxies *p, double t[3][3][3]) {
   for (int j = 0; j < p->n; j++) ylm__tree_add(m, p->weight[j] /= sum, p->x[j], 0);
   for (int a = 0, k = 0; a < 3; a++)
     for (int b = a; b < 3; b++, k++) cov[k] = m[M2 + k] - m[M1 + a] * m[M1 + b];
-  ylm__tree_axes(cov, L);
+  ylm__tree_axes(cov, 0, L);
   double mean[3] = {m[M1], m[M1 + 1], m[M1 + 2]};
   memset(m, 0, sizeof m);
   for (int j = 0; j < p->n; j++) {

@@ -52,7 +52,7 @@ void ylm__tree_basis(const proxies *p, double A[3][3], basis *b) {
   static const int row[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
   for (int i = 0; i < 3; i++) /* a tetrahedron's are linear, but for rounding */
     for (int m = 0; gram[row[i][i]] < 0.01 && m < 3; m++) gram[row[i][m]] = 0;
-  ylm__tree_axes(gram, b->L);
+  ylm__tree_axes(gram, 0, b->L);
 }
 
 /* Second moments xy, xz, yz in those units. */
@@ -167,7 +167,7 @@ static void write_proxies(ylm_light_tree *t, size_t block, const cluster *q, con
 
 void ylm__tree_choose(const cluster *q, size_t n, double A[3][3], proxies *best) {
   double least = INFINITY;
-  ylm__tree_axes(q->shape + M2, A);
+  ylm__tree_axes(q->shape + M2, q->grain, A);
   for (int i = 0; i < (n > YLM__MANY ? 3 : 2); i++) {
     proxies p;
     make_proxies(q, A, i < 2 ? YLM__PROXIES : YLM__MOST_PROXIES, i == 1 ? -1 : 1, &p);

@@ -18,6 +18,7 @@ typedef struct cluster {
   double shape[MOMENTS], fourth_of[15], fourth; /* means; of x x x x and of (x^2 + r^2)^2 */
   double strength[YLM__STRENGTHS];
   double sum[3][MOMENTS]; /* of each colour's power */
+  double grain;           /* variance that is but rounding */
 } cluster;
 
 /* Lights that may stand for a node: places about the centroid, their parts of the weight, and in
@@ -46,8 +47,8 @@ void ylm__tree_cluster(cluster *q, const ylm__lamp_d *lamps, const uint32_t *ord
 /* -- place.c ----------------------------------------------------------------------------------- */
 
 /* The lower triangle A of a covariance xx xy xz yy yz zz, C = A A^T; columns without extent are
-   zero (walls, lines, one place). */
-void ylm__tree_axes(const double *cov, double A[3][3]);
+   zero (walls, lines, one place), and so are those of a variance up to `grain`. */
+void ylm__tree_axes(const double *cov, double grain, double A[3][3]);
 /* y of x = A y; 0 where A has no column. */
 void ylm__tree_solve(double A[3][3], const double *x, double *y);
 /*

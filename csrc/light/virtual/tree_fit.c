@@ -484,6 +484,10 @@ void ylm__virtual_fit_node(const ylm__virtual_fit *f, ylm__virtual_node *node,
   proxies p = {.n = 0};
   ylm__tree_cluster(&q, f->lamp, t->order + node->begin, node->lights);
   find_normals(f, node, &q, &m);
+  for (int a = 0; a < 3; a++) { /* places of children's proxies are float */
+    const double e = 64 * (double)FLT_EPSILON * q.at[a];
+    q.grain = fmax(q.grain, e * e);
+  }
   if (node->lights > YLM__PROXIES) spread = make_proxies(f, node, &q, &m, &p, flat, first, out);
   q.reach = fmax(q.reach, spread);
   for (int a = 0; a < 3; a++) {
