@@ -315,7 +315,7 @@ describe("bounces by virtual lights", function()
     refused("bounces and indirect say the same", function()
       rendered { bounces = 2, indirect = (scene:virtual_lights { count = 5 }) }
     end)
-    refused("'gather' or 'virtual'", function() rendered { indirect = "links" } end)
+    refused("'gather' or 'virtual'", function() rendered { indirect = "lines" } end)
   end)
 end)
 

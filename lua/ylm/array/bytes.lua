@@ -92,8 +92,9 @@ function bytes.wrap(pointer, shape, dtype, keep)
     local ffi = require "ffi"
     local ok, place = pcall(ffi.cast, "const void *", pointer)
     if ok then address = tonumber(ffi.cast("intptr_t", place)) end
-    if not ok or ffi.istype("int64_t", pointer) or ffi.istype("uint64_t", pointer) then kind = "cdata that is no pointer" end
-  elseif core.type(pointer) or (kind ~= "userdata" and not check.is_integer(pointer)) then
+    local is_pointer = ok and (tostring(ffi.typeof(pointer)):find "%*" or tostring(ffi.typeof(pointer)):find "%[")
+    if not is_pointer then kind = "cdata that is no pointer" end
+  elseif core.type(pointer) or io.type(pointer) or (kind ~= "userdata" and not check.is_integer(pointer)) then
     kind = "value"
   end
   if kind ~= "cdata" and kind ~= "userdata" and kind ~= "number" then

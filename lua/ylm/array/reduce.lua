@@ -91,7 +91,7 @@ function methods.select(a, mask)
   if not fits then
     return fail(("the first extents of %s expected, got %s"):format(operand.extents(shape), operand.extents(own)))
   end
-  if dtype ~= "float" then mask = core.array_map("absolute", mask):greater(0) end
+  if dtype ~= "float" then mask = mask:not_equal(0) end
   return core.array_select(a, mask, many)
 end
 

@@ -61,6 +61,9 @@ local function entries_of(key, fail)
   local numbers = 0
   for i = 1, #key do if type(key[i]) == "number" then numbers = numbers + 1 end end
   if getmetatable(key) ~= nil then return fail("a table of indices and ranges expected, got " .. check.describe(key)) end
+  if #key == 0 and next(key) ~= nil then
+    return fail(("a list of indices and ranges expected, got a table with %s"):format(check.describe((next(key)))))
+  end
   if numbers ~= #key or numbers < 2 then return key end
   if numbers > 3 then
     return fail "one element is a:get(i, j, ..); a range of the first axis is {first, last} or {first, last, step}"

@@ -96,7 +96,7 @@ local function exported(kind, c)
 end
 
 --- The error that 99 % of `points` keep where light between middles is interpolated along the axes, or nil, message, code.
-local function error_of(g, kind, lmax, cells, points)
+local function error_of(g, kind, lmax, cells, points, width)
   local lo, extent = extents(g)
   local box = { {}, {} }
   local between = {}
@@ -108,6 +108,7 @@ local function error_of(g, kind, lmax, cells, points)
     channels = g.channels == 3 and "rgb" or "luminance", metric_channels = "none" }, g)
   if not coarse then return nil, message, code end
   local c = coarse:sample(clamped(points, box), { interpolation = "linear" })
+  if width then c = sh.window(c, "hann", width) end
   local truth = sh.resize(g:sample(points), lmax)
   coarse:close()
   local errors = sh.relative_error(exported(kind, c), exported(kind, truth)):totable()
@@ -336,9 +337,6 @@ function methods.export(g, path, given)
   local o = form.options(2, "export", options, given)
   if o.tolerance and o.cells then return check.fail "export: either tolerance or cells, not both" end
   if o.lmax and kind ~= "npy" then return check.fail "export: lmax is of .npy: probes of engines have degree 2" end
-  if o.dering and kind == "cube" then
-    return check.fail "export: dering is of coefficients: ambient cubes have the irradiance of all degrees"
-  end
   local lmax = kind == "cube" and g.lmax or o.lmax or LMAX
   local good, message, code = core.file_probe(path)
   if not good then return nil, message, code end
@@ -362,7 +360,14 @@ function methods.export(g, path, given)
   local positions = middles(g, cells)
   local c, validity = sh.resize(g:sample(positions), lmax), validity_of(g, positions)
   local report = { cells = cells, probes = #positions, error = found, validity = validity }
-  if o.dering then c, report.dering = sh.dering(c) end
+  if o.dering then
+    c, report.dering = sh.dering(c)
+    if report.dering.width then
+      found, message, code = error_of(g, kind, lmax, cells, points, report.dering.width)
+      if not found then return nil, message, code end
+      report.error = found
+    end
+  end
   if not o.cells then
     report.met = found <= (o.tolerance or 0.05)
     if not report.met then

@@ -280,7 +280,8 @@ virtual.virtual_lights = form.define("virtual_lights", {
     { "radius", "any", optional = true, unit = "scene units",
       about = "[n] numbers, or one for all: within it a light is soft; 'point' has none" },
     { "intensity", "any", optional = true, unit = "W sr^-1",
-      about = "[n][3] linear Rec. 709 or [n], or a number or {r, g, b} for all, along the normal; may be negative" },
+      about = "[n][3] linear Rec. 709 or [n], or a number or {r, g, b} for all (so three numbers for three lights are a colour), "
+        .. "along the normal; may be negative" },
     { "emission", "any", optional = true, unit = "W sr^-1",
       about = "[n][3][(degree+1)^2] instead of intensity: its coefficients, degree 0 to 8, in world axes, without the cosine" },
     { "profile", "choice", of = { "gauss", "cap", "point" }, default = "gauss",

@@ -188,14 +188,18 @@ local function check_lights(values, fail)
       return fail("lights = true shows the lights of a scene, or those that this program baked the grid from: "
         .. "give scene = , or the lights themselves")
     end
-    values.lights = #values.scene.lights > 0 and values.scene.lights or false
-    return
+    x = #values.scene.lights > 0 and values.scene.lights or false
+    values.lights = x
+    if not x then return end
   end
   if type(x) ~= "table" and form.kind(x) ~= "ylm.lights" then
     return fail(("lights must be a light, a list of lights, or true, got %s"):format(check.describe(x)))
   end
   local ok, packed = memory.pcall(require("ylm.light").pack, 1, "view", x)
   if not ok then return fail((tostring(packed):gsub("^.-bad argument #1 to 'view' ", "lights: "))) end
+  if core.type(packed) == "ylm.lights" and core.lights_has_virtual(packed) then
+    return fail "virtual lights have no body to be drawn: show their places as points (lights:arrays().at)"
+  end
   values.lights = packed
 end
 

@@ -79,6 +79,7 @@ return {
   }),
   ["array:slice"] = cases("slice", {
     { call = function(ylm) a(ylm):slice(3) end, says = "slice: axis 1: an index from 1 to 2, or %-1 to %-2 from the end" },
+    { call = function(ylm) a(ylm)[{ first = 1, last = 1 }] = 0 end, says = "a list of indices and ranges expected" },
     { call = function(ylm) a(ylm):slice(0) end, says = "axis 1: an index from 1 to 2" },
     { call = function(ylm) a(ylm):slice(1.5) end, says = "axis 1: an index .* got 1.5" },
     { call = function(ylm) a(ylm):slice({}, { 1, 4 }) end, says = "axis 2: an index from 1 to 3" },

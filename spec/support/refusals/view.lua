@@ -43,6 +43,9 @@ end
 
 local cases = {
   view = {
+    { call = function(ylm)
+      return ylm.view { lights = { ylm.virtual_lights { at = { { 0, 0, 0 } }, radius = 0.2, intensity = 3 } } }
+    end, says = "virtual lights have no body to be drawn" },
     view(nil, "a table of named fields expected, got nil"),
     view(3, "a table of named fields expected, got 3"),
     view({}, "nothing to show"),
