@@ -11,12 +11,7 @@ local quote, capture = scratch.quote, scratch.capture
 
 local function has(program) return scratch.shell("command -v " .. program .. " >/dev/null 2>&1") end
 
-local function read(path)
-  local file = assert(io.open(path, "rb"))
-  local text = file:read("*a")
-  file:close()
-  return text
-end
+local read = scratch.text
 
 --- Compiles C with a main that prints numbers, runs it, and returns them in a list.
 local function run_c(folder, name, text, optimise)

@@ -95,10 +95,7 @@ describe("the reference", function()
     assert.equal(meta, folder:read "ylm.meta.lua")
     assert.equal(pages.markdown(), folder:read "api.md")
     folder:remove()
-    local checked_in = assert(io.open("docs/api.md", "rb"))
-    local text = checked_in:read "*a"
-    checked_in:close()
-    assert(text == pages.markdown(), "docs/api.md is not what the entries say: make api")
+    assert(scratch.text "docs/api.md" == pages.markdown(), "docs/api.md is not what the entries say: make api")
   end)
 
   it("is what help prints", function()

@@ -178,7 +178,7 @@ console.log( vkFormat, pixelWidth, pixelHeight, pixelDepth, levels.length, level
     local browser = has "chromium" and "chromium" or has "chromium-browser" and "chromium-browser"
     if not modules or not browser then pending "YLM_NODE_MODULES with three, and chromium, are wanted" end
     local report = assert(grid:export(folder.path .. "/p.three.json", { cells = { 16, 8, 24 } }))
-    local page = assert(io.open "docs/engines.md"):read "*a"
+    local page = scratch.text "docs/engines.md"
     local loader = page:match "```js\n(.-)```":gsub("'three'", "'./three.module.js'")
     for _, name in ipairs { "three.module.js", "three.core.js" } do
       assert(scratch.shell(("cp %s/three/build/%s %s/"):format(scratch.quote(modules), name, scratch.quote(folder.path))))
@@ -246,7 +246,7 @@ end)
 
 describe("docs/engines.md", function()
   it("has a loader of thirty lines at most", function()
-    local page = assert(io.open "docs/engines.md"):read "*a"
+    local page = scratch.text "docs/engines.md"
     assert(select(2, page:match "```js\n(.-)```":gsub("\n", "")) <= 30 and #blocks.of(page) == 1)
   end)
 end)

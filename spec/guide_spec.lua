@@ -4,12 +4,7 @@
 local blocks = require "spec.support.blocks"
 local scratch = require "spec.support.scratch"
 
-local function read(path)
-  local file = assert(io.open(path, "rb"))
-  local text = file:read "*a"
-  file:close()
-  return text
-end
+local read = scratch.text
 
 local function count(text, pattern) return select(2, text:gsub(pattern, "")) end
 

@@ -7,12 +7,7 @@ local blocks = require "spec.support.blocks"
 
 local lines_of = scratch.lines
 
-local function read(path)
-  local file = assert(io.open(path, "rb"))
-  local text = file:read "*a"
-  file:close()
-  return text
-end
+local read = scratch.text
 
 local pages = lines_of "ls *.md docs/*.md"
 local elsewhere = { ["docs/tutorial.md"] = true, ["docs/how-do-i.md"] = true, ["docs/api.md"] = true }

@@ -1,5 +1,6 @@
 -- view:gather: virtual lights at every shading point by their harmonics, as points, as spheres; closed forms and the judge.
 
+local gathered = require "spec.support.gathered"
 local with = require "spec.support.with"
 local refused = require "spec.support.raises"
 local ylm = require "ylm"
@@ -26,11 +27,6 @@ end
 local function one_light(options)
   return ylm.virtual_lights(with({ at = { { 0.2, 1, 0.1 } }, normal = { { 0.6, -0.8, 0 } }, radius = 0.3,
     intensity = { 3, 2, 1 } }, options or {}))
-end
-
-local function gathered(view, lights, options)
-  local image, report = view:gather(with({ lights = lights, layers = false }, options or {}))
-  return assert(image, report):layer "radiance", report
 end
 
 local function mean(a)

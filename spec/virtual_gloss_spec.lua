@@ -1,6 +1,7 @@
 -- view:gather on surfaces that gloss: slices of their materials, f itself, zonal lobes.
 
 local scratch = require "spec.support.scratch"
+local gathered = require "spec.support.gathered"
 local with = require "spec.support.with"
 local refused = require "spec.support.raises"
 local ylm = require "ylm"
@@ -30,11 +31,6 @@ end
 
 local function prepared(material, options)
   return ground(material):prepare(with({ size = { 9, 6 }, samples = 1, share = 0 }, options or {}))
-end
-
-local function gathered(view, lights, options)
-  local image, report = view:gather(with({ lights = lights, layers = false }, options or {}))
-  return assert(image, report):layer "radiance", report
 end
 
 --- The root mean square of a difference over that of b.

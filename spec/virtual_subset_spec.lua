@@ -1,5 +1,6 @@
 -- view:gather { subset = }: points that ask a part of the lights, interleaved by pixel, or by chance.
 
+local gathered = require "spec.support.gathered"
 local with = require "spec.support.with"
 local refused = require "spec.support.raises"
 local ylm = require "ylm"
@@ -21,11 +22,6 @@ end
 local function ground()
   return ylm.scene "a floor" { lights = lamp, camera = ylm.camera { from = { 0, 3, 0.01 }, at = { 0, 0, 0 }, fov = 30 },
     geometry = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, material = grey } }
-end
-
-local function gathered(view, lights, options)
-  local image, report = view:gather(with({ lights = lights, layers = false }, options or {}))
-  return assert(image, report):layer "radiance", report
 end
 
 describe("interleaved lights", function()

@@ -1,8 +1,8 @@
 -- The tree over virtual lights: its errors beside exact sums, what it sums, which points it depends on, refusals.
 
 local core = require "ylm.c.core"
+local tree_errors = require "spec.support.tree_errors"
 local ylm = require "ylm"
-local light = require "ylm.light"
 local numbers = require "spec.support.random"
 
 -- Lights in the unit cube ------------------------------------------------------------------
@@ -62,42 +62,9 @@ end
 
 -- Errors -----------------------------------------------------------------------------------
 
-local names = { "value", "gradient", "Hessian", "lambda" }
-
---- Errors of results a beside b in parts of b's norm, for every point: lists by name, sorted.
-local function errors(a, b)
-  local out = { {}, {}, {}, {} }
-  for i = 1, #b[1] do
-    for k = 1, 3 do
-      if a[k] then
-        local _, d, norm = core.array_distance(a[k][i], b[k][i])
-        out[k][i] = d / norm
-      end
-    end
-    if a[4].lambda then out[4][i] = math.abs(a[4].lambda[i] - b[4].lambda[i]) / b[4].lambda[i] end
-  end
-  for k = 1, 4 do table.sort(out[k]) end
-  return out
-end
-
-local function check_errors(e, tolerance, what)
-  for k = 1, 4 do
-    local n = #e[k]
-    if n > 0 then
-      local high, most = e[k][math.ceil(0.99 * n)] / tolerance, e[k][n] / tolerance
-      assert(high <= 1, ("%s, %s: the 99 %% quantile is %.3g of the tolerance"):format(what, names[k], high))
-      assert(most <= 4, ("%s, %s: the largest error is %.3g of the tolerance"):format(what, names[k], most))
-    end
-  end
-end
+local errors, check_errors, field = tree_errors.of, tree_errors.check, tree_errors.field
 
 local bake = { derivatives = 1, channels = "rgb", metric = "luminance" }
-
---- The field of lights by `isa`; to a tolerance where one is given.
-local function field(lmax, lights, points, o, tolerance, isa)
-  local object = assert(light.within("spec", light.pack(1, "spec", lights), tolerance))
-  return { light.evaluate("spec", lmax, object, points, o, isa) }
-end
 
 describe("a tree of virtual lights", function()
   for kind in pairs(kinds) do

@@ -15,8 +15,7 @@
 extern "C" {
 #endif
 
-#define YLM_DISPLAY_PORT 14158 /* where tev listens */
-#define YLM_DISPLAY_NAME 255   /* bytes of a picture's name, at most */
+#define YLM_DISPLAY_NAME 255 /* bytes of a picture's name, at most */
 
 typedef struct ylm_display ylm_display;
 

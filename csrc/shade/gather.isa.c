@@ -36,20 +36,24 @@ YLM_INLINE ylm_vf rise(ylm_vf t) {
   return ylm_vf_select(t < 0.1f, series, 1 - exponential(-t));
 }
 
+/* G_0 of Gaussian lights and points, and what e^(-l(l+1) s^2 / 2 d^2) is a product of. */
+YLM_INLINE ylm_vf strength(const gather_ask *a, int profile, ylm_vf r, ylm_vf d2, ylm_vf *decay) {
+  const ylm_vf one = (ylm_vf){0} + 1;
+  ylm_vf safe = most(d2, one * 1e-30f), inverse = 1 / safe, sg2 = r * r * 0.25f;
+  *decay = one;
+  if (profile == YLM_LIGHT_VIRTUAL_POINT) return ylm_vf_select(d2 > 0, inverse, one * 0);
+  ylm_vf gauss = rise(2 * d2 / sg2) * inverse, far = rise(d2 * d2 * a->core) * inverse;
+  gauss = ylm_vf_select(d2 <= 1e-30f, 2 / sg2, gauss);
+  *decay = exponential(most(-sg2 * inverse, one * -88));
+  return profile == YLM_LIGHT_VIRTUAL_FAR    ? far
+         : profile == YLM_LIGHT_VIRTUAL_NEAR ? gauss - far
+                                             : gauss;
+}
+
 /* sum over l of z_l G_l P_l(c), of Gaussian lights and points. */
 YLM_INLINE ylm_vf by_degrees(const gather_ask *a, int profile, ylm_vf r, ylm_vf d2, ylm_vf c) {
   const ylm_vf one = (ylm_vf){0} + 1;
-  ylm_vf safe = most(d2, one * 1e-30f), inverse = 1 / safe, sg2 = r * r * 0.25f;
-  ylm_vf G = inverse, decay = one;
-  if (profile != YLM_LIGHT_VIRTUAL_POINT) {
-    ylm_vf gauss = rise(2 * d2 / sg2) * inverse, far = rise(d2 * d2 * a->core) * inverse;
-    gauss = ylm_vf_select(d2 <= 1e-30f, 2 / sg2, gauss);
-    G = profile == YLM_LIGHT_VIRTUAL_FAR    ? far
-        : profile == YLM_LIGHT_VIRTUAL_NEAR ? gauss - far
-                                            : gauss;
-    decay = exponential(most(-sg2 * inverse, one * -88));
-  } else
-    G = ylm_vf_select(d2 > 0, G, one * 0);
+  ylm_vf decay, G = strength(a, profile, r, d2, &decay);
   ylm_vf A = one, q = one, P0 = one, P1 = c, sum = one * a->zonal[0];
   for (int k = 1; k <= a->o->lmax; k++) {
     q *= decay;
@@ -296,16 +300,7 @@ YLM_INLINE void degrees(const gather_ask *a, int profile, ylm_vf r, ylm_vf d2, y
     }
     return;
   }
-  ylm_vf safe = most(d2, one * 1e-30f), inverse = 1 / safe, sg2 = r * r * 0.25f;
-  ylm_vf g = ylm_vf_select(d2 > 0, inverse, one * 0), decay = one, A = one, q = one;
-  if (profile != YLM_LIGHT_VIRTUAL_POINT) {
-    ylm_vf gauss = rise(2 * d2 / sg2) * inverse, far = rise(d2 * d2 * a->core) * inverse;
-    gauss = ylm_vf_select(d2 <= 1e-30f, 2 / sg2, gauss);
-    g = profile == YLM_LIGHT_VIRTUAL_FAR    ? far
-        : profile == YLM_LIGHT_VIRTUAL_NEAR ? gauss - far
-                                            : gauss;
-    decay = exponential(most(-sg2 * inverse, one * -88));
-  }
+  ylm_vf decay, g = strength(a, profile, r, d2, &decay), A = one, q = one;
   G[0] = g;
   for (int k = 1; k <= lmax; k++) {
     q *= decay;

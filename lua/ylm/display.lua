@@ -13,7 +13,6 @@ local display = {}
 
 local AGAIN = 0.25 -- seconds between two pictures of one rendering
 local PORT = 14158 -- where tev listens
-local LAYERS = 32
 
 local methods = {}
 local metatable = { __index = methods, __kind = "display",
@@ -115,22 +114,18 @@ local function layer_of(image, name, channels, first)
   return layer
 end
 
---- The first layer of an image, or all that a viewer takes.
-local function layers_of(image, all)
-  local list, out = image:layers(), {}
-  for i, name in ipairs(list) do
-    if (all or i == 1) and #out < LAYERS then
-      local array = image:layer(name)
-      out[#out + 1] = layer_of(image, name, array.shape[3], i == 1)
-    end
-  end
+--- The layers of an image, `most` at most.
+local function layers_of(image, most)
+  local list, channels = image:layers()
+  local out = {}
+  for i = 1, math.min(most, #list) do out[i] = layer_of(image, list[i], channels[list[i]], i == 1) end
   return out
 end
 
 describe "display:send" {
   about = "Sends a picture: what differs from what was sent under its name before.",
   arguments = { { "name", "string", "of the picture in the viewer, 1 to 255 bytes without control characters" },
-    { "image", "image", "all its layers, named as in .exr files" } },
+    { "image", "image", "its layers, 32 at most, named as in .exr files" } },
   returns = { { "ok", "boolean", "true; or nil, message, 'EIO' where the viewer has gone or takes nothing for two seconds" } },
   errors = "raises on a bad name and what is no image",
   example = example:format 'send("a", ylm.image { size = { 8, 8 } })',
@@ -139,7 +134,7 @@ function methods.send(self, name, image)
   open_one(self, "send")
   if type(name) ~= "string" then return check.bad(1, "send", "a name expected, got %s", check.describe(name)) end
   if core.type(image) ~= "ylm.image" then return check.bad(2, "send", "an image expected, got %s", check.describe(image)) end
-  return check.result("send", self.codec.display_send(self.handle, name, layers_of(image, true)))
+  return check.result("send", self.codec.display_send(self.handle, name, layers_of(image, self.codec.display_layers)))
 end
 
 describe "display:drop" {
@@ -181,7 +176,7 @@ function display.begin(s, o, how)
   local viewer, message = o.display, nil
   if type(viewer) == "string" then viewer, message = display.display(viewer) end
   local live = { last = -math.huge, own = viewer ~= o.display, warnings = {} }
-  local name = o.display_name or ("%s (%s)"):format(s.name or "scene", how):gsub("%c", " "):sub(1, 255)
+  local name = o.display_name or ("%s (%s)"):format(s.name or "scene", how):gsub("%c", " ")
   local function failed(text)
     live.warnings[1] = warning.say(s, "display", "%s: the picture is made without it", text)
     if live.own and viewer then viewer:close() end
@@ -191,7 +186,7 @@ function display.begin(s, o, how)
   --- Sends layers as layers_of makes them.
   function live.send(layers)
     if not viewer then return end
-    local ok, why = viewer.codec.display_send(viewer.handle, name, layers)
+    local ok, why = viewer.codec.display_send(viewer.handle, name:sub(1, viewer.codec.display_name), layers)
     if not ok then failed(why) end
   end
   --- Wraps `bar`, or nothing: four times a second picture() makes what is sent; it returns layers or nil.
@@ -208,7 +203,7 @@ function display.begin(s, o, how)
   end
   --- Sends the finished image, and adds to the report's warnings.
   function live.finish(image, report)
-    live.send(layers_of(image, true))
+    if viewer then live.send(layers_of(image, viewer.codec.display_layers)) end
     for _, sentence in ipairs(live.warnings) do
       report.warnings = report.warnings or {}
       report.warnings[#report.warnings + 1] = sentence

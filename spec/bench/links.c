@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "bench.h"
+#include "room.h"
 #include "ylm_geom.h"
 #include "ylm_transfer.h"
 
@@ -16,16 +17,6 @@ static ylm_material *matte(float albedo) {
   const float numbers[3] = {albedo, albedo, albedo};
   if (ylm_material_create(ylm_material_kind_find("matte"), 3, numbers, &m, NULL) != YLM_OK) exit(1);
   return m;
-}
-
-static ylm_scene_mesh part(const ylm_mesh *m, const ylm_material *material) {
-  return (ylm_scene_mesh){.positions = m->position,
-                          .normals = m->normal,
-                          .vertices = m->vertices,
-                          .triangles = m->index,
-                          .count = m->triangles,
-                          .material = material,
-                          .occludes = true};
 }
 
 /* A knot in a box, and `lamps` spheres about it. */
@@ -45,7 +36,7 @@ static ylm_scene *room(size_t lamps, const ylm_material *m) {
     sphere[4 * i + 3] = 0.02f;
     for (int c = 0; c < 3; c++) radiance[3 * i + (size_t)c] = 10;
   }
-  const ylm_scene_mesh parts[2] = {part(mesh[0], m), part(mesh[1], m)};
+  const ylm_scene_mesh parts[2] = {bench_part(mesh[0], m), bench_part(mesh[1], m)};
   const ylm_scene_lamps l = {.shape = {.spheres = lamps, .sphere = sphere}, .radiance = radiance};
   if (ylm_scene_create(2, parts, &l, &s, NULL) != YLM_OK) exit(1);
   for (int i = 0; i < 2; i++) ylm_mesh_free(mesh[i]);

@@ -10,6 +10,7 @@
 #include <time.h>
 
 #include "bench.h"
+#include "many.h"
 #include "ylm_light.h"
 
 #ifndef LMAX
@@ -31,12 +32,6 @@ enum { UNIFORM, CLUSTERED, WALLS, RADII, SIGNS, ALL, SCENES };
 static const char *const names[SCENES] = {"uniform",      "clustered", "wall-mounted",
                                           "mixed radius", "signs",     "all of it"};
 
-static double normal(ylm_rng *r) {
-  double s = 0;
-  for (int i = 0; i < 12; i++) s += ylm_rng_double(r);
-  return s - 6;
-}
-
 static lamps scene(int kind, size_t n) {
   lamps l = {n, ylm_alloc(n, 24), ylm_alloc(n, 8), ylm_alloc(n, 24)};
   ylm_rng r;
@@ -56,7 +51,7 @@ static lamps scene(int kind, size_t n) {
     }
     if (how == CLUSTERED) {
       const double *c = centre[ylm_rng_u32(&r) % 100];
-      for (int a = 0; a < 3; a++) at[a] = c[a] + 0.03 * c[3] * normal(&r);
+      for (int a = 0; a < 3; a++) at[a] = c[a] + 0.03 * c[3] * bench_normal(&r);
     }
     l.radius[i] = size;
     if (kind == RADII || kind == ALL) l.radius[i] *= exp(log(100) * (ylm_rng_double(&r) - 0.7));
@@ -174,21 +169,10 @@ static double error_of(const answer *a, size_t row, const answer *exact, const a
   return distance(x[0], x[1], w, form == HESSIAN) / distance(x[2], NULL, w, form == HESSIAN);
 }
 
-static int upwards(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 static ylm_light_set *lights_of(const lamps *l) {
   ylm_light_set *lights = NULL;
   if (ylm_light_set_spheres(l->n, l->at, l->radius, l->radiance, &lights, NULL) != YLM_OK) abort();
   return lights;
-}
-
-static ylm_light_cut *cut_of(ylm_light_set *lights, double tolerance) {
-  ylm_light_cut *cut = NULL;
-  if (ylm_light_cut_create(lights, tolerance, 0, &cut, NULL) != YLM_OK) abort();
-  return cut;
 }
 
 /* Errors in double of a scene at n points of a set, of which about `sample` are compared: true if
@@ -207,11 +191,11 @@ static bool measure_errors(int kind, size_t lights, int set, size_t n, size_t sa
     answer exact = ask(ylm_light_set_field(given), YLM_DOUBLE, m, some, form);
     answer whole = ask(ylm_light_set_field(positive), YLM_DOUBLE, m, some, form);
     for (int t = 0; t < 3; t++) {
-      ylm_light_cut *cut = cut_of(given, tolerances[t]);
+      ylm_light_cut *cut = bench_cut(given, tolerances[t]);
       answer a = ask(ylm_light_cut_field(cut), YLM_DOUBLE, n, points, form);
       for (size_t i = 0; i < m; i++)
         e[i] = error_of(&a, i * stride, &exact, &whole, i, form) / tolerances[t];
-      qsort(e, m, sizeof *e, upwards);
+      qsort(e, m, sizeof *e, bench_upwards);
       high[t][form] = e[(size_t)ceil(0.999 * (double)m) - 1], most[t][form] = e[m - 1];
       pairs[t][form] = a.pairs / (double)n;
       kept = kept && high[t][form] <= 1 && most[t][form] <= 4;
@@ -283,7 +267,7 @@ static void measure_times(int set, size_t most) {
     }
     double begin = ylm_seconds();
     for (double tolerance = 1e-1; n > 1000 && tolerance > 5e-4; tolerance /= 10) {
-      ylm_light_cut *cut = cut_of(lights, tolerance);
+      ylm_light_cut *cut = bench_cut(lights, tolerance);
       if (tolerance > 0.05 && set == ANYWHERE)
         printf("%8zu  tree made in %.2f s, %.0f bytes per light\n", n, ylm_seconds() - begin,
                (double)ylm_light_set_tree_bytes(lights) / (double)n);

@@ -9,6 +9,7 @@
 #include <time.h>
 
 #include "bench.h"
+#include "many.h"
 #include "ylm_light_virtual.h"
 
 #ifndef LMAX
@@ -32,12 +33,6 @@ enum { ROOM, FURNISHED, CLOUD, BALLS, GLOSSY, FAR, CAPS, SCENES };
 static const char *const names[SCENES] = {"room",   "furnished", "cloud", "balls",
                                           "glossy", "far",       "caps"};
 
-static double normal(ylm_rng *r) {
-  double s = 0;
-  for (int i = 0; i < 12; i++) s += ylm_rng_double(r);
-  return s - 6;
-}
-
 static void unit(double *n) {
   double d = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
   for (int a = 0; a < 3; a++) n[a] /= d;
@@ -54,7 +49,7 @@ static void on_wall(ylm_rng *r, double *at, double *n) {
 /* A place on one of forty balls. */
 static void on_ball(ylm_rng *r, const double (*ball)[4], double *at, double *n) {
   const double *b = ball[ylm_rng_u32(r) % 40];
-  for (int a = 0; a < 3; a++) n[a] = normal(r);
+  for (int a = 0; a < 3; a++) n[a] = bench_normal(r);
   unit(n);
   for (int a = 0; a < 3; a++) at[a] = b[a] + b[3] * n[a];
 }
@@ -84,7 +79,7 @@ static lamps scene(int kind, size_t n) {
   for (size_t i = 0; i < n; i++) {
     double *at = l.at + 3 * i, *m = l.normal + 3 * i;
     if (kind == CLOUD || (kind == GLOSSY && i % 2)) {
-      for (int a = 0; a < 3; a++) at[a] = ylm_rng_double(&r), m[a] = normal(&r);
+      for (int a = 0; a < 3; a++) at[a] = ylm_rng_double(&r), m[a] = bench_normal(&r);
       unit(m);
     } else if (kind == BALLS || (kind != ROOM && kind != FAR && i % 2)) {
       on_ball(&r, (const double(*)[4])ball, at, m);
@@ -220,17 +215,6 @@ static double error_of(const answer *a, const answer *exact, size_t i, int form)
   return sqrt(s / fmax(norm, 1e-300));
 }
 
-static int upwards(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
-static ylm_light_cut *cut_of(ylm_light_set *lights, double tolerance) {
-  ylm_light_cut *cut = NULL;
-  if (ylm_light_cut_create(lights, tolerance, 0, &cut, NULL) != YLM_OK) abort();
-  return cut;
-}
-
 /* Errors of a scene at n points: true if they are as promised. */
 static bool measure_errors(int kind, size_t lights, size_t n) {
   lamps l = scene(kind, lights);
@@ -242,10 +226,10 @@ static bool measure_errors(int kind, size_t lights, size_t n) {
     answer exact = ask(ylm_light_set_field(set), YLM_DOUBLE, n, points, form, 0);
     printf("%-10s %-9s", names[kind], forms[form]);
     for (int t = 0; t < 3; t++) {
-      ylm_light_cut *cut = cut_of(set, tolerances[t]);
+      ylm_light_cut *cut = bench_cut(set, tolerances[t]);
       answer a = ask(ylm_light_cut_field(cut), YLM_FLOAT, n, single, form, 0);
       for (size_t i = 0; i < n; i++) e[i] = error_of(&a, &exact, i, form) / tolerances[t];
-      qsort(e, n, sizeof *e, upwards);
+      qsort(e, n, sizeof *e, bench_upwards);
       double high = e[(size_t)ceil(0.999 * (double)n) - 1], most = e[n - 1];
       printf(" | %5.3f %5.3f %5.3f %5.2f %6.0f", e[n / 2], e[(size_t)ceil(0.99 * (double)n) - 1],
              high, most, a.pairs / (double)n);
@@ -306,7 +290,7 @@ static void measure_times(int kind, size_t n, int from, int to) {
   for (int p = from; p < to; p++) {
     float *points = places(p, sets[p].n, YLM_FLOAT);
     for (int t = 0; t < 3; t++) {
-      ylm_light_cut *cut[2] = {cut_of(spheres, tolerances[t]), cut_of(set, tolerances[t])};
+      ylm_light_cut *cut[2] = {bench_cut(spheres, tolerances[t]), bench_cut(set, tolerances[t])};
       printf("%-17s %-6g", sets[p].name, tolerances[t]);
       for (int form = 0; form < HESSIAN; form++) {
         double us[2];

@@ -32,6 +32,14 @@ function scratch.lines(command)
   return list
 end
 
+--- The bytes of a file.
+function scratch.text(path)
+  local file = assert(io.open(path, "rb"))
+  local text = file:read "*a"
+  file:close()
+  return text
+end
+
 function scratch.new()
   local path = os.tmpname()
   os.remove(path)

@@ -102,6 +102,25 @@ ylm_status ylm__packing_create(ylm_dtype type, size_t n, const void *points, siz
   return YLM_OK;
 }
 
+/* Reports points where blocks are done. */
+typedef struct points_done {
+  const ylm_progress *progress;
+  const ylm__packing *packing;
+} points_done;
+
+static bool report(void *user, uint64_t done, uint64_t total, const char *stage) {
+  const points_done *d = user;
+  const size_t *block = d->packing->block;
+  return ylm_report(d->progress, block[done], block[total], stage) == YLM_OK;
+}
+
+ylm_status ylm__packing_run(const ylm__packing *p, const ylm_field_query *q, ylm_range_fn *fn,
+                            void *job) {
+  points_done done = {q->progress, p};
+  ylm_progress blocks = {report, &done};
+  return ylm_parallel(p->blocks, 1, q->threads, fn, job, q->progress ? &blocks : NULL, "lights");
+}
+
 void ylm__packing_free(ylm__packing *p) {
   ylm_free(p->order);
   ylm_free(p->block);

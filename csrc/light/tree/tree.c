@@ -33,18 +33,6 @@ static ylm_field_query pilot_query(const ylm_field_query *q) {
   return p;
 }
 
-/* Reports points where blocks are done. */
-typedef struct points_done {
-  const ylm_progress *progress;
-  const ylm__packing *packing;
-} points_done;
-
-static bool report(void *user, uint64_t done, uint64_t total, const char *stage) {
-  const points_done *d = user;
-  const size_t *block = d->packing->block;
-  return ylm_report(d->progress, block[done], block[total], stage) == YLM_OK;
-}
-
 /* Sums by the tree; the plans are made, the pairs counted. */
 static ylm_status sum(ylm__tree_plan *plan, const ylm__kernel_set *set, size_t n,
                       const void *points, ylm_field_result *r) {
@@ -55,10 +43,8 @@ static ylm_status sum(ylm__tree_plan *plan, const ylm__kernel_set *set, size_t n
   ylm__tree_plan_blocks(plan, n);
   ylm_status s = ylm__packing_create(q->dtype, n, points, plan->block, &packing);
   plan->packing = &packing;
-  points_done done = {q->progress, &packing};
-  ylm_progress blocks = {report, &done}, *progress = q->progress ? &blocks : NULL;
   if (!j.scratch) s = YLM_ENOMEM;
-  if (s == YLM_OK) s = ylm_parallel(packing.blocks, 1, q->threads, run, &j, progress, "lights");
+  if (s == YLM_OK) s = ylm__packing_run(&packing, q, run, &j);
   for (size_t i = 0; j.scratch && i < workers; i++)
     if (j.scratch[3 * i]) r->pairs += *(const uint64_t *)j.scratch[3 * i];
   for (size_t i = 0; j.scratch && i < 3 * workers; i++) ylm_free(j.scratch[i]);

@@ -93,6 +93,9 @@ typedef struct ylm__packing {
 /* Blocks have up to `most` points. YLM_ENOMEM; to be freed in any case. */
 ylm_status ylm__packing_create(ylm_dtype type, size_t n, const void *points, size_t most,
                                ylm__packing *out);
+/* Runs `fn` over the blocks, by the query's threads; its progress is told of points. */
+ylm_status ylm__packing_run(const ylm__packing *p, const ylm_field_query *q, ylm_range_fn *fn,
+                            void *job);
 void ylm__packing_free(ylm__packing *p);
 
 /* -- far.c ------------------------------------------------------------------------------------ */

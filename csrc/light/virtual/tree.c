@@ -138,18 +138,6 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return j->range(j->plan, j->scratch + worker, begin, end, j->points, j->r);
 }
 
-/* Reports points where blocks are done. */
-typedef struct points_done {
-  const ylm_progress *progress;
-  const ylm__packing *packing;
-} points_done;
-
-static bool report(void *user, uint64_t done, uint64_t total, const char *stage) {
-  const points_done *d = user;
-  const size_t *block = d->packing->block;
-  return ylm_report(d->progress, block[done], block[total], stage) == YLM_OK;
-}
-
 /* Sums by the tree; the pairs are counted. */
 static ylm_status sum(ylm__virtual_tree_plan *plan, ylm__virtual_tree_range *range, size_t n,
                       const void *points, ylm_field_result *r) {
@@ -159,10 +147,8 @@ static ylm_status sum(ylm__virtual_tree_plan *plan, ylm__virtual_tree_range *ran
   ylm__packing packing;
   ylm_status s = ylm__packing_create(q->dtype, n, points, 2 * YLM__PACKET, &packing);
   plan->packing = &packing;
-  points_done done = {q->progress, &packing};
-  ylm_progress blocks = {report, &done}, *progress = q->progress ? &blocks : NULL;
   if (!j.scratch) s = YLM_ENOMEM;
-  if (s == YLM_OK) s = ylm_parallel(packing.blocks, 1, q->threads, run, &j, progress, "lights");
+  if (s == YLM_OK) s = ylm__packing_run(&packing, q, run, &j);
   for (size_t i = 0; j.scratch && i < workers; i++) {
     if (j.scratch[i]) r->pairs += *(const uint64_t *)j.scratch[i];
     ylm_free(j.scratch[i]);

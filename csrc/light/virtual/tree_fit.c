@@ -349,6 +349,17 @@ static void find_missed_moments(const target *t, double most[2]) {
 /* Rounds up, so that what is enclosed stays so. */
 static float up(double x) { return nextafterf((float)x, INFINITY); }
 
+/* The source i of a node, its place x in the cluster, and the parts of it that proxies take. */
+static void share_source(const ylm__virtual_tree *t, const ylm__virtual_node *node, size_t i,
+                         const cluster *q, double A[3][3], basis *b, const proxies *p, source *s,
+                         double x[3], double share[YLM__MOST_PROXIES]) {
+  double m[MOMENTS] = {0};
+  get_source(t, node, i, s);
+  for (int a = 0; a < 3; a++) x[a] = s->at[a] - q->at[a];
+  ylm__tree_add(m, 1, x, 0);
+  ylm__tree_share(p, A, b, m, share);
+}
+
 /* Numbers of proxies that share the sources' numbers. */
 static void add_numbers(const ylm__virtual_tree *t, const ylm__virtual_node *node, const cluster *q,
                         double A[3][3], basis *b, const proxies *p, int degree,
@@ -358,11 +369,8 @@ static void add_numbers(const ylm__virtual_tree *t, const ylm__virtual_node *nod
   memset(sum, 0, YLM__MOST_PROXIES * sizeof *sum);
   for (size_t i = 0; i < n; i++) {
     source s;
-    double m[MOMENTS] = {0}, share[YLM__MOST_PROXIES], x[3];
-    get_source(t, node, i, &s);
-    for (int a = 0; a < 3; a++) x[a] = s.at[a] - q->at[a];
-    ylm__tree_add(m, 1, x, 0);
-    ylm__tree_share(p, A, b, m, share);
+    double share[YLM__MOST_PROXIES], x[3];
+    share_source(t, node, i, q, A, b, p, &s, x, share);
     for (int j = 0; j < p->n; j++)
       for (int k = 0; k < numbers; k++) sum[j][k] += share[j] * (double)s.b[k];
   }
@@ -381,11 +389,8 @@ static void fit_numbers(const ylm__virtual_fit *f, ylm__virtual_node *node, cons
   memset(want.moment, 0, sizeof want.moment);
   for (size_t i = 0; i < n; i++) {
     source s;
-    double e[MOMENTS] = {0}, share[YLM__MOST_PROXIES], x[3];
-    get_source(t, node, i, &s);
-    for (int a = 0; a < 3; a++) x[a] = s.at[a] - q->at[a];
-    ylm__tree_add(e, 1, x, 0);
-    ylm__tree_share(p, A, b, e, share);
+    double share[YLM__MOST_PROXIES], x[3];
+    share_source(t, node, i, q, A, b, p, &s, x, share);
     add_source(f, &s, x, share, p->n, &want);
   }
   static const double none[3] = {0, 0, 0};

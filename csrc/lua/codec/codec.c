@@ -129,5 +129,9 @@ int luaopen_ylm_c_codec(lua_State *L) {
   ylmL_check_abi(L);
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);
+  lua_pushnumber(L, YLM_DISPLAY_LAYERS);
+  lua_setfield(L, -2, "display_layers");
+  lua_pushnumber(L, YLM_DISPLAY_NAME);
+  lua_setfield(L, -2, "display_name");
   return 1;
 }

@@ -8,25 +8,8 @@
 #define SERIES 64
 #define TICKS 64
 
-/* field(table, name) as a number, 0 where it is missing */
-static double number(lua_State *L, int i, const char *name) {
-  lua_getfield(L, i, name);
-  double x = (double)lua_tonumber(L, -1);
-  lua_pop(L, 1);
-  return x;
-}
-
-/* field(table, name) as the place of its word in `words`, the first where it is missing */
-static int choice(lua_State *L, int i, const char *name, const char *const *words) {
-  lua_getfield(L, i, name);
-  int k = luaL_checkoption(L, -1, words[0], words);
-  lua_pop(L, 1);
-  return k;
-}
-
 /* In the order of ylm_vtk_series and ylm_vtk_chart. */
 static const char *const markers[] = {"none", "cross", "plus", "square", "circle", "diamond", NULL};
-static const char *const dashes[] = {"solid", "dashed", "dotted", NULL};
 static const char *const legends[] = {"none",         "top right",   "top left",
                                       "bottom right", "bottom left", NULL};
 
@@ -49,8 +32,8 @@ static void axis(lua_State *L, const char *name, ylm_vtk_axis *a, double *tick,
                  const char **label) {
   lua_getfield(L, 1, name);
   int i = lua_gettop(L);
-  a->least = number(L, i, "least");
-  a->largest = number(L, i, "largest");
+  a->least = ylmL_vtk_number(L, i, "least", 0);
+  a->largest = ylmL_vtk_number(L, i, "largest", 0);
   lua_getfield(L, i, "log");
   a->logarithmic = lua_toboolean(L, -1);
   lua_getfield(L, i, "ticks");
@@ -81,10 +64,10 @@ static void series(lua_State *L, ylm_vtk_series *s) {
   s->n = n;
   s->label = word(L, i, "label");
   colour(L, i, "colour", 4, s->colour);
-  s->width = number(L, i, "width");
-  s->marker = choice(L, i, "marker", markers);
-  s->marker_size = number(L, i, "marker_size");
-  s->dash = choice(L, i, "dash", dashes);
+  s->width = ylmL_vtk_number(L, i, "width", 0);
+  s->marker = ylmL_vtk_choice(L, i, "marker", markers);
+  s->marker_size = ylmL_vtk_number(L, i, "marker_size", 0);
+  s->dash = ylmL_vtk_choice(L, i, "dash", ylmL_vtk_dashes);
 }
 
 /* plot(chart table, canvas): fills the canvas */
@@ -100,13 +83,13 @@ int ylmL_vtk_plot(lua_State *L) {
   memset(&c, 0, sizeof c);
   c.width = canvas->width;
   c.height = canvas->height;
-  c.supersample = (int)number(L, 1, "supersample");
-  c.left = number(L, 1, "left");
-  c.right = number(L, 1, "right");
-  c.top = number(L, 1, "top");
-  c.bottom = number(L, 1, "bottom");
-  c.legend = choice(L, 1, "legend", legends);
-  c.font = number(L, 1, "font");
+  c.supersample = (int)ylmL_vtk_number(L, 1, "supersample", 0);
+  c.left = ylmL_vtk_number(L, 1, "left", 0);
+  c.right = ylmL_vtk_number(L, 1, "right", 0);
+  c.top = ylmL_vtk_number(L, 1, "top", 0);
+  c.bottom = ylmL_vtk_number(L, 1, "bottom", 0);
+  c.legend = ylmL_vtk_choice(L, 1, "legend", legends);
+  c.font = ylmL_vtk_number(L, 1, "font", 0);
   colour(L, 1, "background", 3, c.background);
   colour(L, 1, "foreground", 3, c.foreground);
   axis(L, "x", &c.x, ticks[0], labels[0]);

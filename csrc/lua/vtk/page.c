@@ -5,20 +5,6 @@
 
 #include <string.h>
 
-static double number(lua_State *L, int i, const char *name, double otherwise) {
-  lua_getfield(L, i, name);
-  double x = lua_isnil(L, -1) ? otherwise : (double)lua_tonumber(L, -1);
-  lua_pop(L, 1);
-  return x;
-}
-
-static int is_true(lua_State *L, int i, const char *name) {
-  lua_getfield(L, i, name);
-  int yes = lua_toboolean(L, -1);
-  lua_pop(L, 1);
-  return yes;
-}
-
 /* Numbers of the list `points` of the mark at i, or of its x and y; the list `room` of userdata keeps them. */
 static void places(lua_State *L, int i, int room, ylm_vtk_mark *m) {
   lua_getfield(L, i, "points");
@@ -28,8 +14,8 @@ static void places(lua_State *L, int i, int room, ylm_vtk_mark *m) {
   if (lua_istable(L, -1)) {
     ylmL_numbers(L, lua_gettop(L), (int)count, xy);
   } else {
-    xy[0] = number(L, i, "x", 0);
-    xy[1] = number(L, i, "y", 0);
+    xy[0] = ylmL_vtk_number(L, i, "x", 0);
+    xy[1] = ylmL_vtk_number(L, i, "y", 0);
   }
   lua_pop(L, 1);
   m->xy = xy;
@@ -37,18 +23,16 @@ static void places(lua_State *L, int i, int room, ylm_vtk_mark *m) {
 }
 
 static void read_mark(lua_State *L, int i, int room, ylm_vtk_mark *m) {
-  static const char *const dashes[] = {"solid", "dashed", "dotted", NULL};
   memset(m, 0, sizeof *m);
   places(L, i, room, m);
   lua_getfield(L, i, "text");
   m->text = lua_tostring(L, -1); /* the table keeps it */
-  lua_getfield(L, i, "dash");
-  m->dash = luaL_checkoption(L, -1, "solid", dashes);
-  lua_pop(L, 2);
-  m->size = number(L, i, "size", 12);
-  m->width = number(L, i, "width", 1);
-  m->bold = is_true(L, i, "bold");
-  m->fill = is_true(L, i, "fill");
+  lua_pop(L, 1);
+  m->dash = ylmL_vtk_choice(L, i, "dash", ylmL_vtk_dashes);
+  m->size = ylmL_vtk_number(L, i, "size", 12);
+  m->width = ylmL_vtk_number(L, i, "width", 1);
+  m->bold = ylmL_vtk_is_true(L, i, "bold");
+  m->fill = ylmL_vtk_is_true(L, i, "fill");
   lua_getfield(L, i, "colour");
   ylmL_numbers(L, lua_gettop(L), 3, m->colour);
   lua_rawgeti(L, -1, 4);

@@ -192,16 +192,23 @@ static int version(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"scene", scene_new},           {"scene_shape", scene_shape},
-    {"scene_volume", scene_volume}, {"scene_isosurfaces", scene_isosurfaces},
-    {"scene_slice", scene_slice},   {"scene_camera", scene_camera},
-    {"scene_render", scene_render}, {"text", text},
-    {"save_png", save_png},         {"load_png", load_png},
-    {"describe", describe},         {"where", where},
-    {"version", version},           {"plot", ylmL_vtk_plot},
-    {"save_pdf", ylmL_vtk_save_pdf},
-    {"show", ylmL_vtk_show},        {NULL, NULL}};
+static const luaL_Reg functions[] = {{"scene", scene_new},
+                                     {"scene_shape", scene_shape},
+                                     {"scene_volume", scene_volume},
+                                     {"scene_isosurfaces", scene_isosurfaces},
+                                     {"scene_slice", scene_slice},
+                                     {"scene_camera", scene_camera},
+                                     {"scene_render", scene_render},
+                                     {"text", text},
+                                     {"save_png", save_png},
+                                     {"load_png", load_png},
+                                     {"describe", describe},
+                                     {"where", where},
+                                     {"version", version},
+                                     {"plot", ylmL_vtk_plot},
+                                     {"save_pdf", ylmL_vtk_save_pdf},
+                                     {"show", ylmL_vtk_show},
+                                     {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", scene_gc}, {NULL, NULL}};
 

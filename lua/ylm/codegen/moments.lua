@@ -5,6 +5,7 @@
 -- A column that does not fit is cut, and its recurrence carried over in memory. PLAN is for one channel, PLAN_RGB for
 -- three that share the recurrences: its sums are threefold.
 
+local template = require "ylm.codegen.template"
 local unpack = table.unpack or unpack
 
 --- The sets of kinds of sums that kernels exist for: bits 1 value, 2 gradient, 4 Hessian (moments/moments.h).
@@ -77,19 +78,6 @@ local function operations(lmax, set)
   return sums, recurrences
 end
 
---- Joins words into macro lines of at most 98 columns that end in a backslash.
-local function macro(out, head, words)
-  local line = head
-  for _, word in ipairs(words) do
-    if #line + #word + 1 > 96 then
-      out[#out + 1] = line .. " \\"
-      line = "   "
-    end
-    line = line .. " " .. word
-  end
-  out[#out + 1] = line
-end
-
 --- The words of a segment of a column, in the order of its degrees.
 local function segment_words(words, lmax, set, segment)
   local m, side, k0, k1, sum = unpack(segment)
@@ -111,7 +99,7 @@ local function plan_text(out, name, lmax, set, budget)
     for _, segment in ipairs(pass) do segment_words(words, lmax, set, segment) end
     words[#words + 1] = ("END(%d)"):format(pass.count)
   end
-  macro(out, ("#define %s_%d"):format(name, set), words)
+  template.macro(out, ("#define %s_%d"):format(name, set), words)
 end
 
 --- The unit that compiles the kernel of an element type.

@@ -12,4 +12,17 @@ function template.fill(text, language)
   return (text:gsub("#([%d%.]+e%-?%d+)", constant):gsub("#([%d%.]+)", constant))
 end
 
+--- Joins words into the lines of a macro, of at most 98 columns; all but the last end in a backslash. `head` begins the first.
+function template.macro(out, head, words)
+  local line = head
+  for _, word in ipairs(words) do
+    if #line + #word + 1 > 96 then
+      out[#out + 1] = line .. " \\"
+      line = "   "
+    end
+    line = line .. " " .. word
+  end
+  out[#out + 1] = line
+end
+
 return template

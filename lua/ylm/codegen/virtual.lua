@@ -5,6 +5,8 @@
 -- twice a derivative by x or y is one or two of them. The plan says which sums share the registers during one pass
 -- over a tile of lights.
 
+local template = require "ylm.codegen.template"
+
 --- The highest degree of sums: YLM__VIRTUAL_STRAIGHT of csrc/light/virtual/plan.h. Second derivatives have two more.
 local most = 8
 --- Sums that fit into registers beside the rest, of 32 and of 16.
@@ -38,19 +40,6 @@ local function slopes(l, m)
   end
   return both(harmonic(k, -(n - 1)), "-", harmonic(k, -(n + 1))), both(harmonic(k, n - 1), "+", harmonic(k, n + 1)),
     harmonic(k, -n)
-end
-
---- Joins words into lines of a macro.
-local function macro(out, head, words)
-  local line = "#define " .. head
-  for _, word in ipairs(words) do
-    if #line + #word + 1 > 96 then
-      out[#out + 1] = line .. " \\"
-      line = "   "
-    end
-    line = line .. " " .. word
-  end
-  out[#out + 1] = line
 end
 
 --- Passes over `rows` of a degree: { words of one row }, `most` of them at once.
@@ -125,7 +114,7 @@ local function header()
   line "#define YLM_LIGHT_VIRTUAL_DEGREES_H"
   local all = { {}, {}, {}, {} }
   for l = 0, most + 2 do
-    macro(out, "HARMONICS_" .. l, harmonics(l))
+    template.macro(out, "#define HARMONICS_" .. l, harmonics(l))
     for i, name in ipairs { "HARMONICS", "VALUES", "GRADIENTS", "BENDS" } do
       if i == 1 or i == 4 or l <= most then
         if l > 0 then all[i][#all[i] + 1] = ("UPTO(%d)"):format(l) end
@@ -137,24 +126,24 @@ local function header()
   for i, budget in ipairs(budgets) do
     line(i == 1 and "#if " .. budget[2] or "#else")
     for l = 0, most do
-      macro(out, "VALUES_" .. l, values(l, budget[1]))
-      macro(out, "GRADIENTS_" .. l, gradients(l, budget[1]))
+      template.macro(out, "#define VALUES_" .. l, values(l, budget[1]))
+      template.macro(out, "#define GRADIENTS_" .. l, gradients(l, budget[1]))
     end
     for k = 0, most + 2 do
       local up = k > 1 and { 0 } or {}
-      if k > 1 then macro(out, ("BENDS_%d_1"):format(k), bends(k, up, budget[1])) end
+      if k > 1 then template.macro(out, ("#define BENDS_%d_1"):format(k), bends(k, up, budget[1])) end
       if k <= most then
         up[#up + 1] = 1
-        macro(out, ("BENDS_%d_2"):format(k), bends(k, up, budget[1]))
+        template.macro(out, ("#define BENDS_%d_2"):format(k), bends(k, up, budget[1]))
         up[#up + 1] = 2
-        macro(out, ("BENDS_%d_3"):format(k), bends(k, up, budget[1]))
+        template.macro(out, ("#define BENDS_%d_3"):format(k), bends(k, up, budget[1]))
       end
     end
   end
   line "#endif"
   line "#define BENDS_0_1"
   line "#define BENDS_1_1"
-  for i, name in ipairs { "HARMONICS", "VALUES", "GRADIENTS", "BENDS" } do macro(out, name, all[i]) end
+  for i, name in ipairs { "HARMONICS", "VALUES", "GRADIENTS", "BENDS" } do template.macro(out, "#define " .. name, all[i]) end
   line "#endif"
   return table.concat(out, "\n") .. "\n"
 end

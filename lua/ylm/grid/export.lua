@@ -19,6 +19,7 @@ local MOST_PROBES = 2 ^ 20
 local HELD_OUT = 4096          -- points that the error is measured at
 local QUANTILE = 0.99
 local LMAX = 2                 -- of probes in engines
+local TOLERANCE = 0.05
 
 local FACES = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { -1, 0, 0 }, { 0, -1, 0 }, { 0, 0, -1 } }
 
@@ -95,8 +96,14 @@ local function exported(kind, c)
   return sh.irradiance(c, FACES) / math.pi
 end
 
---- The error that 99 % of `points` keep where light between middles is interpolated along the axes, or nil, message, code.
-local function error_of(g, kind, lmax, cells, points, width)
+--- Points at which the error of an export is measured, and the numbers of the grid there: { points, truth, kind, lmax }.
+local function judge_of(g, kind, lmax, points)
+  return { points = points, truth = exported(kind, sh.resize(g:sample(points), lmax)), kind = kind, lmax = lmax }
+end
+
+--- The error that 99 % of a judge's points keep where light between middles is interpolated along the axes, damped by a
+-- window of `width` where one is given; or nil, message, code.
+local function error_of(g, judge, cells, width)
   local lo, extent = extents(g)
   local box = { {}, {} }
   local between = {}
@@ -104,39 +111,38 @@ local function error_of(g, kind, lmax, cells, points, width)
     local h = extent[a] / cells[a]
     box[1][a], box[2][a], between[a] = lo[a] + h / 2, lo[a] + extent[a] - h / 2, cells[a] - 1
   end
-  local coarse, message, code = bake.bake(form.defined.uniform_grid.construct { bounds = box, cells = between, lmax = lmax,
-    channels = g.channels == 3 and "rgb" or "luminance", metric_channels = "none" }, g)
+  local coarse, message, code = bake.bake(form.defined.uniform_grid.construct { bounds = box, cells = between,
+    lmax = judge.lmax, channels = g.channels == 3 and "rgb" or "luminance", metric_channels = "none" }, g)
   if not coarse then return nil, message, code end
-  local c = coarse:sample(clamped(points, box), { interpolation = "linear" })
-  if width then c = sh.window(c, "hann", width) end
-  local truth = sh.resize(g:sample(points), lmax)
+  local c = coarse:sample(clamped(judge.points, box), { interpolation = "linear" })
   coarse:close()
-  local errors = sh.relative_error(exported(kind, c), exported(kind, truth)):totable()
+  if width then c = sh.window(c, "hann", width) end
+  local errors = sh.relative_error(exported(judge.kind, c), judge.truth):totable()
   table.sort(errors)
   return errors[math.ceil(QUANTILE * #errors)]
 end
 
---- The coarsest numbers of cells whose error is at most `tolerance`, and that error; the finest tried where none is.
-local function choose(g, kind, lmax, tolerance, points)
-  local function error_at(n)
-    local cells = cells_of(g, n)
-    if cells[1] * cells[2] * cells[3] > MOST_PROBES then return nil end
-    local found, message, code = error_of(g, kind, lmax, cells, points)
-    if not found then error({ message = message, code = code }, 0) end
-    return found, cells
+local function too_many(cells) return cells[1] * cells[2] * cells[3] > MOST_PROBES end
+
+--- The coarsest numbers of cells whose error is at most `tolerance`, and that error; the finest tried where none is. Or nil,
+-- message, code.
+local function choose(g, judge, tolerance)
+  local n, below, cells = 2, 1, cells_of(g, 2)
+  local found, message, code = error_of(g, judge, cells)
+  while found and found > tolerance and n < MOST_CELLS do
+    local more = math.min(MOST_CELLS, math.ceil(1.5 * n))
+    local finer = cells_of(g, more)
+    if too_many(finer) then break end
+    below, n, cells = n, more, finer
+    found, message, code = error_of(g, judge, cells)
   end
-  local n, below = 2, 1
-  local found, cells = error_at(n)
-  while found > tolerance and n < MOST_CELLS do
-    local more, finer = error_at(math.min(MOST_CELLS, math.ceil(1.5 * n)))
-    if not more then return cells, found end
-    below, n = n, math.min(MOST_CELLS, math.ceil(1.5 * n))
-    found, cells = more, finer
-  end
+  if not found then return nil, message, code end
   local met = found <= tolerance
   while met and n - below > 1 do
     local middle = math.floor((n + below) / 2)
-    local less, coarser = error_at(middle)
+    local coarser = cells_of(g, middle)
+    local less, failed, why = error_of(g, judge, coarser)
+    if not less then return nil, failed, why end
     if less <= tolerance then n, found, cells = middle, less, coarser else below = middle end
   end
   return cells, found
@@ -280,20 +286,16 @@ end
 
 -- The method -------------------------------------------------------------------------------------
 
-local function is_cells(x)
-  if type(x) ~= "table" or #x ~= 3 then return false end
-  for i = 1, 3 do if not check.is_integer(x[i]) or x[i] < 2 or x[i] > 4096 then return false end end
-  return true
-end
-
 function form.types.export_cells(x)
-  if is_cells(x) then return { x[1], x[2], x[3] } end
+  local good = type(x) == "table" and #x == 3
+  for i = 1, good and 3 or 0 do good = good and check.is_integer(x[i]) and x[i] >= 2 and x[i] <= 4096 end
+  if good then return { x[1], x[2], x[3] } end
   return nil, "{ nx, ny, nz }, integers from 2 to 4096"
 end
 
 local options = {
   { "tolerance", "number", above = 0, optional = true,
-    about = "the coarsest cells are taken whose error is at most this at 99 % of held-out points; default 0.05" },
+    about = "the coarsest cells are taken whose error is at most this at 99 % of held-out points; default " .. TOLERANCE },
   { "cells", "export_cells", optional = true, about = "instead: { nx, ny, nz }" },
   { "lmax", "integer", min = 0, max = 20, optional = true, about = "of .npy, default 2; probes of three.js have 2" },
   { "dering", "boolean", default = false,
@@ -342,20 +344,17 @@ function methods.export(g, path, given)
   if not good then return nil, message, code end
   local points = o.points and array.points(2, "export", o.points, "float") or held_out(g)
   if #points == 0 then return check.bad(2, "export", "points: at least one expected") end
+  local judge, tolerance = judge_of(g, kind, lmax, points), o.tolerance or TOLERANCE
   local cells, found = o.cells
   if cells then
-    if cells[1] * cells[2] * cells[3] > MOST_PROBES then
+    if too_many(cells) then
       return check.bad(2, "export", "cells: at most %d probes, got %d x %d x %d", MOST_PROBES, cells[1], cells[2], cells[3])
     end
-    found, message, code = error_of(g, kind, lmax, cells, points)
+    found, message, code = error_of(g, judge, cells)
     if not found then return nil, message, code end
   else
-    local ok
-    ok, cells, found = pcall(choose, g, kind, lmax, o.tolerance or 0.05, points)
-    if not ok then
-      if type(cells) == "table" and cells.code then return nil, cells.message, cells.code end
-      error(cells, 0)
-    end
+    cells, found, code = choose(g, judge, tolerance)
+    if not cells then return nil, found, code end
   end
   local positions = middles(g, cells)
   local c, validity = sh.resize(g:sample(positions), lmax), validity_of(g, positions)
@@ -363,16 +362,16 @@ function methods.export(g, path, given)
   if o.dering then
     c, report.dering = sh.dering(c)
     if report.dering.width then
-      found, message, code = error_of(g, kind, lmax, cells, points, report.dering.width)
+      found, message, code = error_of(g, judge, cells, report.dering.width)
       if not found then return nil, message, code end
       report.error = found
     end
   end
   if not o.cells then
-    report.met = found <= (o.tolerance or 0.05)
+    report.met = found <= tolerance
     if not report.met then
       report.warning = warning.say(g, "export", "export: tolerance %g is not met by %d x %d x %d cells, 99 %% of the points "
-        .. "keep %.3g: give cells, or a larger tolerance", o.tolerance or 0.05, cells[1], cells[2], cells[3], found)
+        .. "keep %.3g: give cells, or a larger tolerance", tolerance, cells[1], cells[2], cells[3], found)
     end
   end
   local ok

@@ -254,12 +254,10 @@ function methods.where(self, x, y)
     local canvas, message, code = picture.draw(self, draw)
     if not canvas then return nil, message, code end
   end
-  local function place(value, range, log)
-    if log then return math.log(value / range[1]) / math.log(range[2] / range[1]) end
-    return (value - range[1]) / (range[2] - range[1])
-  end
-  local box = self.axes.box
-  return box[1] + box[3] * place(x, self.axes.x, self.x_log), box[2] + box[4] * (1 - place(y, self.axes.y, self.y_log))
+  local function axis(range, log) return { least = range[1], largest = range[2], log = log } end
+  local axes, box = self.axes, self.axes.box
+  return lines.place(axis(axes.x, self.x_log), x, box[1], box[1] + box[3]),
+    lines.place(axis(axes.y, self.y_log), y, box[2] + box[4], box[2])
 end
 
 -- The form ------------------------------------------------------------------------

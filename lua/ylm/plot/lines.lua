@@ -10,13 +10,15 @@ local LEGEND = { padding = 8, symbol = 26 } -- pixels, as chart.cpp has them
 
 -- Places -------------------------------------------------------------------------------
 
---- The place of a number on an axis from `first` to `last` pixels.
+--- The place of a number on an axis { least, largest, log } from `first` to `last` pixels.
 local function place(axis, value, first, last)
   local t
   if axis.log then t = math.log(value / axis.least) / math.log(axis.largest / axis.least)
   else t = (value - axis.least) / (axis.largest - axis.least) end
   return first + t * (last - first)
 end
+
+lines.place = place
 
 --- The part of a segment that is inside of a box, or nil (Liang & Barsky).
 local function clip(x0, y0, x1, y1, box)
