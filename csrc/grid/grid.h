@@ -6,6 +6,7 @@
 
 #include "gen/cells.h"
 #include "ylm_grid.h"
+#include "ylm_sets.h"
 
 #define ROWS 32 /* what a voxel's interpolant is made of: 8 corners x (value, 3 derivatives) */
 
@@ -298,8 +299,8 @@ void ylm__grid_set_virtual(const ylm_grid *g, uint32_t leaf, const float t[3], f
 /* Gives the batch the edges of cells of a size in lattice units, or edges and rows of a cell. */
 void ylm__grid_set_edge(const ylm_grid *g, uint32_t edge, sample_batch *b);
 void ylm__grid_set_cell(const ylm_grid *g, const ylm_grid_cell *c, sample_batch *b);
-sample_kernel ylm_k_grid_sample_reference, ylm_k_grid_sample_sse2, ylm_k_grid_sample_neon,
-    ylm_k_grid_sample_avx2, ylm_k_grid_sample_avx512;
+sample_kernel ylm_k_grid_sample_reference;
+YLM_SETS_DECLARE(sample_kernel, ylm_k_grid_sample)
 /* Kernels read up to this many floats past a row's end. */
 #define ROW_PADDING 16
 

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "kind.h"
+#include "ylm_sets.h"
 
 #define PI 3.14159265358979323846
 
@@ -38,21 +39,11 @@ static void places(int phis, size_t n, const float (*wi)[3], const float (*wo)[3
   }
 }
 
-#if defined(__x86_64__)
-merl_places_fn ylm_k_merl_places_sse2, ylm_k_merl_places_avx2, ylm_k_merl_places_avx512;
-#elif defined(__aarch64__)
-merl_places_fn ylm_k_merl_places_neon;
-#endif
+YLM_SETS_DECLARE(merl_places_fn, ylm_k_merl_places)
 
 merl_places_fn *ylm__merl_places(void) {
   switch (ylm_isa_current()) {
-#if defined(__x86_64__)
-  case YLM_ISA_sse2: return ylm_k_merl_places_sse2;
-  case YLM_ISA_avx2: return ylm_k_merl_places_avx2;
-  case YLM_ISA_avx512: return ylm_k_merl_places_avx512;
-#elif defined(__aarch64__)
-  case YLM_ISA_neon: return ylm_k_merl_places_neon;
-#endif
+    YLM_SETS_RETURN(ylm_k_merl_places)
   default: return places;
   }
 }

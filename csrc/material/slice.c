@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "slice_kernel.h"
+#include "ylm_sets.h"
 #include "ylm_sh.h"
 
 #define PI 3.14159265358979323846
@@ -37,25 +38,12 @@ struct slice_room {
   double *before, *about; /* [3][count]: of half the nodes; in the mirror direction's frame */
 };
 
-#if defined(__x86_64__)
-#define ISAS(X) X(sse2) X(avx2) X(avx512)
-#elif defined(__aarch64__)
-#define ISAS(X) X(neon)
-#else
-#define ISAS(X)
-#endif
-
-#define X(isa) extern const slice_kernels ylm_k_material_slice_##isa;
-ISAS(X)
-#undef X
+YLM_SETS_DECLARE(const slice_kernels, ylm_k_material_slice)
 
 static const slice_kernels *kernels_now(void) {
   static const slice_kernels plain = {slice_places, slice_sums};
   switch (ylm_isa_current()) {
-#define X(isa)                                                                                     \
-  case YLM_ISA_##isa: return &ylm_k_material_slice_##isa;
-    ISAS(X)
-#undef X
+    YLM_SETS_RETURN(&ylm_k_material_slice)
   default: return &plain;
   }
 }

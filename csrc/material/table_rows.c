@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "table.h"
+#include "ylm_sets.h"
 #include "ylm_sh.h"
 
 /* -- kernels --------------------------------------------------------------------- */
@@ -14,24 +15,11 @@ static void plain(size_t n, int rows, const float *const *a, const float *w, flo
   }
 }
 
-#if defined(__x86_64__)
-#define ISAS(X) X(sse2) X(avx2) X(avx512)
-#elif defined(__aarch64__)
-#define ISAS(X) X(neon)
-#else
-#define ISAS(X)
-#endif
-
-#define X(isa) extern material_blend_fn ylm_k_material_blend_##isa;
-ISAS(X)
-#undef X
+YLM_SETS_DECLARE(material_blend_fn, ylm_k_material_blend)
 
 static material_blend_fn *blend_now(void) {
   switch (ylm_isa_current()) {
-#define X(isa)                                                                                     \
-  case YLM_ISA_##isa: return ylm_k_material_blend_##isa;
-    ISAS(X)
-#undef X
+    YLM_SETS_RETURN(ylm_k_material_blend)
   default: return plain;
   }
 }

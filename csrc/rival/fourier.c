@@ -138,7 +138,7 @@ static void apply_f(const ylm__fourier *f, const float *const *c, float *out, vo
   switch (ylm_isa_current()) {
 #define X(isa)                                                                                     \
   case YLM_ISA_##isa: ylm__fourier_run_f_##isa(f, c, out, scratch, stage); return;
-    FOURIER_ISAS(X)
+    YLM_SETS(X)
 #undef X
   default: ylm__fourier_run_f_reference(f, c, out, scratch, stage);
   }
@@ -149,7 +149,7 @@ static void apply_d(const ylm__fourier *f, const double *const *c, double *out, 
   switch (ylm_isa_current()) {
 #define X(isa)                                                                                     \
   case YLM_ISA_##isa: ylm__fourier_run_d_##isa(f, c, out, scratch, stage); return;
-    FOURIER_ISAS(X)
+    YLM_SETS(X)
 #undef X
   default: ylm__fourier_run_d_reference(f, c, out, scratch, stage);
   }

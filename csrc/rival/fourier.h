@@ -10,6 +10,7 @@
 #define YLM_RIVAL_FOURIER_H
 
 #include "rival.h"
+#include "ylm_sets.h"
 
 #define FOURIER_LEVELS 20 /* radix steps of a transform at most */
 
@@ -34,15 +35,6 @@ static inline size_t fourier_size(int d) { return 2 * (size_t)(2 * d + 1) * (siz
 /* Numbers of scratch of a convolution of length n: four grids of complex numbers. */
 static inline size_t fourier_grid(int n) { return (size_t)n * (size_t)n * 8; }
 
-/* The instruction sets that there are kernels for: fourier_float.isa.c, fourier_double.isa.c. */
-#if defined(__x86_64__)
-#define FOURIER_ISAS(X) X(sse2) X(avx2) X(avx512)
-#elif defined(__aarch64__)
-#define FOURIER_ISAS(X) X(neon)
-#else
-#define FOURIER_ISAS(X)
-#endif
-
 /* out = the product of the factors c, at `stage` [3] the seconds of its parts, unless that is NULL. */
 typedef void ylm__fourier_run_float(const ylm__fourier *f, const float *const *c, float *out,
                                     float *scratch, double *stage);
@@ -52,7 +44,7 @@ typedef void ylm__fourier_run_double(const ylm__fourier *f, const double *const 
   ylm__fourier_run_float ylm__fourier_run_f_##isa;                                                 \
   ylm__fourier_run_double ylm__fourier_run_d_##isa;
 X(reference)
-FOURIER_ISAS(X)
+YLM_SETS(X)
 #undef X
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "scene.h"
 #include "tree.h"
+#include "ylm_sets.h"
 
 /* The root of the mean squared cosine at flat lamps; `spread` more is as if it came from all sides. */
 static double cosine_of(const scene_node *node, int i, const double v[3], double d2,
@@ -46,21 +47,11 @@ static void nodes(const scene_node *node, bool flat, const float x[3], const flo
   }
 }
 
-#if defined(__x86_64__)
-ylm_scene_nodes_fn ylm_k_scene_nodes_sse2, ylm_k_scene_nodes_avx2, ylm_k_scene_nodes_avx512;
-#elif defined(__aarch64__)
-ylm_scene_nodes_fn ylm_k_scene_nodes_neon;
-#endif
+YLM_SETS_DECLARE(ylm_scene_nodes_fn, ylm_k_scene_nodes)
 
 ylm_scene_nodes_fn *ylm__scene_nodes(void) {
   switch (ylm_isa_current()) {
-#if defined(__x86_64__)
-  case YLM_ISA_sse2: return ylm_k_scene_nodes_sse2;
-  case YLM_ISA_avx2: return ylm_k_scene_nodes_avx2;
-  case YLM_ISA_avx512: return ylm_k_scene_nodes_avx512;
-#elif defined(__aarch64__)
-  case YLM_ISA_neon: return ylm_k_scene_nodes_neon;
-#endif
+    YLM_SETS_RETURN(ylm_k_scene_nodes)
   default: return nodes;
   }
 }

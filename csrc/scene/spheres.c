@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "scene.h"
+#include "ylm_sets.h"
 
 #define PI 3.14159265358979323846
 
@@ -32,21 +33,11 @@ static void spheres(size_t n, const float normal[3], scene_spheres *a) {
   }
 }
 
-#if defined(__x86_64__)
-ylm_scene_spheres_fn ylm_k_scene_spheres_sse2, ylm_k_scene_spheres_avx2, ylm_k_scene_spheres_avx512;
-#elif defined(__aarch64__)
-ylm_scene_spheres_fn ylm_k_scene_spheres_neon;
-#endif
+YLM_SETS_DECLARE(ylm_scene_spheres_fn, ylm_k_scene_spheres)
 
 ylm_scene_spheres_fn *ylm__scene_spheres(void) {
   switch (ylm_isa_current()) {
-#if defined(__x86_64__)
-  case YLM_ISA_sse2: return ylm_k_scene_spheres_sse2;
-  case YLM_ISA_avx2: return ylm_k_scene_spheres_avx2;
-  case YLM_ISA_avx512: return ylm_k_scene_spheres_avx512;
-#elif defined(__aarch64__)
-  case YLM_ISA_neon: return ylm_k_scene_spheres_neon;
-#endif
+    YLM_SETS_RETURN(ylm_k_scene_spheres)
   default: return spheres;
   }
 }

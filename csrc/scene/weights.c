@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "scene.h"
+#include "ylm_sets.h"
 
 double ylm__scene_weight(const double v[3], double r, const float n[3]) {
   double d2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
@@ -27,21 +28,11 @@ static void weights(size_t chunks, float *const lamp[4], const float *luminance,
   }
 }
 
-#if defined(__x86_64__)
-ylm_scene_weights_fn ylm_k_scene_weights_sse2, ylm_k_scene_weights_avx2, ylm_k_scene_weights_avx512;
-#elif defined(__aarch64__)
-ylm_scene_weights_fn ylm_k_scene_weights_neon;
-#endif
+YLM_SETS_DECLARE(ylm_scene_weights_fn, ylm_k_scene_weights)
 
 ylm_scene_weights_fn *ylm__scene_weights(void) {
   switch (ylm_isa_current()) {
-#if defined(__x86_64__)
-  case YLM_ISA_sse2: return ylm_k_scene_weights_sse2;
-  case YLM_ISA_avx2: return ylm_k_scene_weights_avx2;
-  case YLM_ISA_avx512: return ylm_k_scene_weights_avx512;
-#elif defined(__aarch64__)
-  case YLM_ISA_neon: return ylm_k_scene_weights_neon;
-#endif
+    YLM_SETS_RETURN(ylm_k_scene_weights)
   default: return weights;
   }
 }

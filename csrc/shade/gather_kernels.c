@@ -1,5 +1,6 @@
 /* gather_kernels.c - the kernels of the instruction set in use, and the plain form, which judges them. */
 #include "gather_gloss.h"
+#include "ylm_sets.h"
 
 static void weights(const gather_lights *l, const gather_ask *a, size_t first, size_t n,
                     const float x[3], const float N[3], float *w) {
@@ -40,14 +41,6 @@ static void gloss(const gather_lights *l, const gather_ask *a, const gather_rece
   }
 }
 
-#if defined(__x86_64__)
-#define SETS(X) X(sse2) X(avx2) X(avx512)
-#elif defined(__aarch64__)
-#define SETS(X) X(neon)
-#else
-#define SETS(X)
-#endif
-
 #define X(isa)                                                                                     \
   ylm_shade_weights_fn ylm_k_shade_weights_##isa;                                                  \
   ylm_shade_collect_fn ylm_k_shade_collect_##isa;                                                  \
@@ -55,7 +48,7 @@ static void gloss(const gather_lights *l, const gather_ask *a, const gather_rece
   ylm_shade_send_fn ylm_k_shade_send_##isa;                                                        \
   ylm_shade_gloss_fn ylm_k_shade_gloss_##isa;                                                      \
   ylm_shade_spheres_fn ylm_k_shade_spheres_##isa;
-SETS(X)
+YLM_SETS(X)
 #undef X
 
 gather_kernels ylm__gather_kernels(const ylm_shade_gather_options *o) {
@@ -67,7 +60,7 @@ gather_kernels ylm__gather_kernels(const ylm_shade_gather_options *o) {
                          ylm_k_shade_collect_each_##isa, ylm_k_shade_send_##isa,                   \
                          ylm_k_shade_gloss_##isa,        ylm_k_shade_spheres_##isa};               \
     break;
-    SETS(X)
+    YLM_SETS(X)
 #undef X
   default: break;
   }

@@ -1,5 +1,6 @@
 /* kernels.c - the plain form of the inner loops, which judges the others, and their choice. */
 #include "view.h"
+#include "ylm_sets.h"
 
 static void dot(size_t count, size_t n, int channels, const uint32_t *index, size_t t_row,
                 const float *T, size_t l_row, size_t l_point, const float *L, float *out) {
@@ -46,23 +47,11 @@ static void mix(size_t count, size_t n, int functions, int channels, size_t t_ro
   case YLM_ISA_##isa:                                                                              \
     return (shade_kernels){ylm_k_shade_dot_##isa, ylm_k_shade_sums_##isa, ylm_k_shade_mix_##isa};
 
-#if defined(__x86_64__)
-DECLARE(sse2)
-DECLARE(avx2)
-DECLARE(avx512)
-#elif defined(__aarch64__)
-DECLARE(neon)
-#endif
+YLM_SETS(DECLARE)
 
 shade_kernels ylm__shade_kernels(void) {
   switch (ylm_isa_current()) {
-#if defined(__x86_64__)
-    CASE(sse2)
-    CASE(avx2)
-    CASE(avx512)
-#elif defined(__aarch64__)
-    CASE(neon)
-#endif
+    YLM_SETS(CASE)
   default: return (shade_kernels){dot, sums, mix};
   }
 }

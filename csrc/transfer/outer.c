@@ -1,5 +1,6 @@
 /* outer.c - sums of outer products: the plain form, which judges the others, and their choice. */
 #include "transfer.h"
+#include "ylm_sets.h"
 
 static void plain(size_t n, size_t rows, size_t width, const float *left, const float *right,
                   float *m) {
@@ -11,22 +12,11 @@ static void plain(size_t n, size_t rows, size_t width, const float *left, const 
     }
 }
 
-#if defined(__x86_64__)
-ylm_transfer_outer_fn ylm_k_transfer_outer_sse2, ylm_k_transfer_outer_avx2,
-    ylm_k_transfer_outer_avx512;
-#elif defined(__aarch64__)
-ylm_transfer_outer_fn ylm_k_transfer_outer_neon;
-#endif
+YLM_SETS_DECLARE(ylm_transfer_outer_fn, ylm_k_transfer_outer)
 
 ylm_transfer_outer_fn *ylm__transfer_outer(void) {
   switch (ylm_isa_current()) {
-#if defined(__x86_64__)
-  case YLM_ISA_sse2: return ylm_k_transfer_outer_sse2;
-  case YLM_ISA_avx2: return ylm_k_transfer_outer_avx2;
-  case YLM_ISA_avx512: return ylm_k_transfer_outer_avx512;
-#elif defined(__aarch64__)
-  case YLM_ISA_neon: return ylm_k_transfer_outer_neon;
-#endif
+    YLM_SETS_RETURN(ylm_k_transfer_outer)
   default: return plain;
   }
 }

@@ -1,5 +1,6 @@
 /* sum.c - means of rows over links: the plain form, which judges the others, and their choice. */
 #include "transfer.h"
+#include "ylm_sets.h"
 
 static void plain(size_t n, int links, const uint32_t *link, int width, const float *in,
                   const float *start, float *out) {
@@ -12,21 +13,11 @@ static void plain(size_t n, int links, const uint32_t *link, int width, const fl
     }
 }
 
-#if defined(__x86_64__)
-ylm_transfer_sum_fn ylm_k_transfer_sum_sse2, ylm_k_transfer_sum_avx2, ylm_k_transfer_sum_avx512;
-#elif defined(__aarch64__)
-ylm_transfer_sum_fn ylm_k_transfer_sum_neon;
-#endif
+YLM_SETS_DECLARE(ylm_transfer_sum_fn, ylm_k_transfer_sum)
 
 ylm_transfer_sum_fn *ylm__transfer_sum(void) {
   switch (ylm_isa_current()) {
-#if defined(__x86_64__)
-  case YLM_ISA_sse2: return ylm_k_transfer_sum_sse2;
-  case YLM_ISA_avx2: return ylm_k_transfer_sum_avx2;
-  case YLM_ISA_avx512: return ylm_k_transfer_sum_avx512;
-#elif defined(__aarch64__)
-  case YLM_ISA_neon: return ylm_k_transfer_sum_neon;
-#endif
+    YLM_SETS_RETURN(ylm_k_transfer_sum)
   default: return plain;
   }
 }

@@ -16,10 +16,9 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t room, unsigned
 size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t room);
 
 /* The kernels are not what is fuzzed: all sets are the reference. */
-void ylm_k_grid_sample_sse2(const sample_batch *b) { ylm_k_grid_sample_reference(b); }
-void ylm_k_grid_sample_avx2(const sample_batch *b) { ylm_k_grid_sample_reference(b); }
-void ylm_k_grid_sample_avx512(const sample_batch *b) { ylm_k_grid_sample_reference(b); }
-void ylm_k_grid_sample_neon(const sample_batch *b) { ylm_k_grid_sample_reference(b); }
+#define KERNEL(isa)                                                                                \
+  void ylm_k_grid_sample_##isa(const sample_batch *b) { ylm_k_grid_sample_reference(b); }
+YLM_SETS(KERNEL)
 
 /* Nor are lights: grids from files have none, and what would need them traps. */
 void ylm_light_set_free(ylm_light_set *set) {

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "../../csrc/material/merl.h"
+#include "ylm_sets.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t room, unsigned seed);
@@ -29,10 +30,7 @@ static void places(int phis, size_t n, merl_places *out) {
     (void)wi, (void)wo;                                                                            \
     places(phis, n, out);                                                                          \
   }
-KERNEL(sse2)
-KERNEL(avx2)
-KERNEL(avx512)
-KERNEL(neon)
+YLM_SETS(KERNEL)
 
 #define BYTES (MERL_HEADER + 24 * (size_t)MERL_THETA_H * MERL_THETA_D * MERL_PHI_D)
 

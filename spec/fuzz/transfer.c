@@ -9,6 +9,7 @@
 
 #include "../../csrc/transfer/transfer.h"
 #include "ylm_geom.h"
+#include "ylm_sets.h"
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t room, unsigned seed);
@@ -29,10 +30,7 @@ size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t room);
                      i % (size_t)width];                                                           \
     }                                                                                              \
   }
-STUB(sse2)
-STUB(avx2)
-STUB(avx512)
-STUB(neon)
+YLM_SETS(STUB)
 
 static ylm_scene_mesh part(const ylm_mesh *m, const ylm_material *material) {
   return (ylm_scene_mesh){.positions = m->position,

@@ -5,13 +5,7 @@
 
 sample_kernel *ylm__grid_kernel(void) {
   switch (ylm_isa_current()) {
-#if defined(__x86_64__) || defined(__i386__)
-  case YLM_ISA_sse2: return ylm_k_grid_sample_sse2;
-  case YLM_ISA_avx2: return ylm_k_grid_sample_avx2;
-  case YLM_ISA_avx512: return ylm_k_grid_sample_avx512;
-#elif defined(__aarch64__)
-  case YLM_ISA_neon: return ylm_k_grid_sample_neon;
-#endif
+    YLM_SETS_RETURN(ylm_k_grid_sample)
   default: return ylm_k_grid_sample_reference;
   }
 }

@@ -5,20 +5,14 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "ylm_sets.h"
 #include "ylm_sh.h"
 
-ylm__flat_range ylm__flat_range_sse2, ylm__flat_range_avx2, ylm__flat_range_avx512,
-    ylm__flat_range_neon;
+YLM_SETS_DECLARE(ylm__flat_range, ylm__flat_range)
 
 ylm__flat_range *ylm__flat_kernel(ylm_isa isa) {
   switch (isa) {
-#if defined(__x86_64__)
-  case YLM_ISA_sse2: return ylm__flat_range_sse2;
-  case YLM_ISA_avx2: return ylm__flat_range_avx2;
-  case YLM_ISA_avx512: return ylm__flat_range_avx512;
-#elif defined(__aarch64__)
-  case YLM_ISA_neon: return ylm__flat_range_neon;
-#endif
+    YLM_SETS_RETURN(ylm__flat_range)
   default: return NULL;
   }
 }

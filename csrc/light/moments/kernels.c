@@ -1,5 +1,6 @@
 /* kernels.c - finds the kernels of an instruction set. */
 #include "plan.h"
+#include "ylm_sets.h"
 
 #define DECLARE(isa, lmax)                                                                         \
   extern const ylm__moment_kernel ylm__moments_##lmax##_float_##isa,                               \
@@ -20,24 +21,14 @@
     set->tree = t == YLM_DOUBLE ? ylm__tree_range_double_##isa : ylm__tree_range_float_##isa;      \
     set->lambda2 = ylm__lambda2_##isa;                                                             \
   }
+#define CASE(isa)                                                                                  \
+  case YLM_ISA_##isa: find_##isa(lmax, t, set); return true;
 
-#if defined(__x86_64__)
-SET(sse2)
-SET(avx2)
-SET(avx512)
-#elif defined(__aarch64__)
-SET(neon)
-#endif
+YLM_SETS(SET)
 
 bool ylm__kernels_of(ylm_isa isa, int lmax, ylm_dtype t, ylm__kernel_set *set) {
   switch (isa) {
-#if defined(__x86_64__)
-  case YLM_ISA_sse2: find_sse2(lmax, t, set); return true;
-  case YLM_ISA_avx2: find_avx2(lmax, t, set); return true;
-  case YLM_ISA_avx512: find_avx512(lmax, t, set); return true;
-#elif defined(__aarch64__)
-  case YLM_ISA_neon: find_neon(lmax, t, set); return true;
-#endif
+    YLM_SETS(CASE)
   default: return false;
   }
 }

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "../moments/gen/recurrences.h"
+#include "ylm_sets.h"
 #include "ylm_sh.h"
 
 /* -- lights --------------------------------------------------------------------------------- */
@@ -283,29 +284,16 @@ void ylm__virtual_plan_free(ylm__virtual_plan *p) {
 
 /* -- kernels -------------------------------------------------------------------------------- */
 
-#define SET(isa)                                                                                   \
-  ylm__virtual_range ylm__virtual_range_float_##isa, ylm__virtual_range_double_##isa;              \
-  static ylm__virtual_range *find_##isa(bool narrow) {                                             \
-    return narrow ? ylm__virtual_range_float_##isa : ylm__virtual_range_double_##isa;              \
-  }
-#if defined(__x86_64__)
-SET(sse2)
-SET(avx2)
-SET(avx512)
-#elif defined(__aarch64__)
-SET(neon)
-#endif
+YLM_SETS_DECLARE(ylm__virtual_range, ylm__virtual_range_float)
+YLM_SETS_DECLARE(ylm__virtual_range, ylm__virtual_range_double)
+#define CASE(isa)                                                                                  \
+  case YLM_ISA_##isa:                                                                              \
+    return narrow ? ylm__virtual_range_float_##isa : ylm__virtual_range_double_##isa;
 
 ylm__virtual_range *ylm__virtual_kernel(ylm_isa isa, const ylm_field_query *q) {
   bool narrow = is_narrow(q);
   switch (isa) {
-#if defined(__x86_64__)
-  case YLM_ISA_sse2: return find_sse2(narrow);
-  case YLM_ISA_avx2: return find_avx2(narrow);
-  case YLM_ISA_avx512: return find_avx512(narrow);
-#elif defined(__aarch64__)
-  case YLM_ISA_neon: return find_neon(narrow);
-#endif
+    YLM_SETS(CASE)
   default: (void)narrow; return NULL;
   }
 }

@@ -2,6 +2,7 @@
 #include "tree.h"
 
 #include "../finite.h"
+#include "ylm_sets.h"
 
 /* -- plans ---------------------------------------------------------------------------------- */
 
@@ -95,24 +96,11 @@ bool ylm__virtual_tree_pays(const ylm__virtual_tree *t, int lmax, double toleran
   return t && (double)t->lights->n >= least;
 }
 
-#define TREE(isa) ylm__virtual_tree_range ylm__virtual_tree_##isa;
-#if defined(__x86_64__)
-TREE(sse2)
-TREE(avx2)
-TREE(avx512)
-#elif defined(__aarch64__)
-TREE(neon)
-#endif
+YLM_SETS_DECLARE(ylm__virtual_tree_range, ylm__virtual_tree)
 
 ylm__virtual_tree_range *ylm__virtual_tree_kernel(ylm_isa isa) {
   switch (isa) {
-#if defined(__x86_64__)
-  case YLM_ISA_sse2: return ylm__virtual_tree_sse2;
-  case YLM_ISA_avx2: return ylm__virtual_tree_avx2;
-  case YLM_ISA_avx512: return ylm__virtual_tree_avx512;
-#elif defined(__aarch64__)
-  case YLM_ISA_neon: return ylm__virtual_tree_neon;
-#endif
+    YLM_SETS_RETURN(ylm__virtual_tree)
   default: return NULL;
   }
 }

@@ -33,7 +33,7 @@ static bool all_between(ylm_isa isa, ylm_dtype t, size_t n, const void *p, doubl
   case YLM_ISA_##name:                                                                             \
     return t == YLM_DOUBLE ? ylm__sh_all_between_double_##name(p, n, least, most)                  \
                            : ylm__sh_all_between_float_##name(p, n, least, most);
-    YLM__SH_SETS(X)
+    YLM_SETS(X)
 #undef X
   default: return false;
   }
@@ -162,7 +162,7 @@ static choice choose(ylm_isa isa, ylm_dtype t, const ylm__sh_job *job) {
       return (choice){ylm__sh_recurrence_double_##name, ylm__sh_scratch_double_##name(lmax),       \
                       true};                                                                       \
     return (choice){ylm__sh_recurrence_float_##name, ylm__sh_scratch_float_##name(lmax), true};
-    YLM__SH_SETS(X)
+    YLM_SETS(X)
 #undef X
   default:
     return (choice){t == YLM_DOUBLE ? ylm__sh_reference_double : ylm__sh_reference_float,

@@ -7,6 +7,7 @@
 #ifndef YLM_SH_EVAL_H
 #define YLM_SH_EVAL_H
 
+#include "ylm_sets.h"
 #include "ylm_sh_rival.h"
 
 typedef struct ylm__sh_job ylm__sh_job;
@@ -45,15 +46,6 @@ void ylm__sh_surface(int l, double d, const double w[3], double s[10]);
 /* The scalar kernel that judges the others, computing in double. Scratch: (lmax+2) * 5 doubles. */
 ylm__sh_kernel ylm__sh_reference_float, ylm__sh_reference_double;
 
-/* The instruction sets with vector kernels. */
-#if defined(__x86_64__)
-#define YLM__SH_SETS(X) X(sse2) X(avx2) X(avx512)
-#elif defined(__aarch64__)
-#define YLM__SH_SETS(X) X(neon)
-#else
-#define YLM__SH_SETS(X)
-#endif
-
 /* Vector kernels for any lmax (sh_kernel.h) and the scratch that each worker needs; for low
    degrees without scratch (low_kernel.h), NULL where there is none; a check of points. */
 #define X(isa)                                                                                     \
@@ -62,7 +54,7 @@ ylm__sh_kernel ylm__sh_reference_float, ylm__sh_reference_double;
   ylm__sh_check ylm__sh_all_between_float_##isa, ylm__sh_all_between_double_##isa;                 \
   ylm__sh_kernel ylm__sh_recurrence_float_##isa, ylm__sh_recurrence_double_##isa;                  \
   size_t ylm__sh_scratch_float_##isa(int lmax), ylm__sh_scratch_double_##isa(int lmax);
-YLM__SH_SETS(X)
+YLM_SETS(X)
 #undef X
 
 #endif

@@ -19,7 +19,7 @@ const ylm__product_kernels *ylm__product_kernels_now(void) {
                                                  &ylm__product_kernels_double_##isa};              \
     return &kernels;                                                                               \
   }
-    PRODUCT_ISAS(X)
+    YLM_SETS(X)
 #undef X
   default: return NULL;
   }

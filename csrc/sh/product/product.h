@@ -10,6 +10,7 @@
 #define YLM_SH_PRODUCT_H
 
 #include "../calibration.h"
+#include "ylm_sets.h"
 #include "ylm_sh_rival.h"
 
 /* Tables of one element type; lanes: numbers in 64 bytes of it. */
@@ -103,18 +104,10 @@ typedef struct ylm__product_kernels {
   const ylm__product_kernels_double *d;
 } ylm__product_kernels;
 
-#if defined(__x86_64__)
-#define PRODUCT_ISAS(X) X(sse2) X(avx2) X(avx512)
-#elif defined(__aarch64__)
-#define PRODUCT_ISAS(X) X(neon)
-#else
-#define PRODUCT_ISAS(X)
-#endif
-
 #define X(isa)                                                                                     \
   extern const ylm__product_kernels_float ylm__product_kernels_float_##isa;                        \
   extern const ylm__product_kernels_double ylm__product_kernels_double_##isa;
-PRODUCT_ISAS(X)
+YLM_SETS(X)
 #undef X
 
 /* The vector kernels in use; NULL for the plain forms. */

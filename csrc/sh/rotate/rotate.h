@@ -13,6 +13,7 @@
 #ifndef YLM_SH_ROTATE_H
 #define YLM_SH_ROTATE_H
 
+#include "ylm_sets.h"
 #include "ylm_sh.h"
 
 /* Elements of a padded row of class order, a multiple of 64 bytes for either type. */
@@ -141,18 +142,10 @@ void ylm__sh_orthonormal(double m[9]);
 /* Whether columns are orthonormal within so much, right-handed and finite. */
 bool ylm__sh_is_rotation(const double r[9], double within);
 
-#if defined(__x86_64__)
-#define ROTATE_ISAS(X) X(sse2) X(avx2) X(avx512)
-#elif defined(__aarch64__)
-#define ROTATE_ISAS(X) X(neon)
-#else
-#define ROTATE_ISAS(X)
-#endif
-
 #define X(isa)                                                                                     \
   extern const ylm__rotate_kernels_float ylm__rotate_kernels_float_##isa;                          \
   extern const ylm__rotate_kernels_double ylm__rotate_kernels_double_##isa;
-ROTATE_ISAS(X)
+YLM_SETS(X)
 #undef X
 
 #endif

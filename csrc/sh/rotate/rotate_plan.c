@@ -11,7 +11,7 @@ static const ylm__rotate_kernels *choose_kernels(void) {
                                                 &ylm__rotate_kernels_double_##isa};                \
     return &kernels;                                                                               \
   }
-    ROTATE_ISAS(X)
+    YLM_SETS(X)
 #undef X
   default: return NULL;
   }
