@@ -50,6 +50,13 @@ describe("ylm.plot", function()
     assert(ylm.plot({ size = { 200, 150 }, log = true, x = { -1 }, y = { -1 } }):pixels())
   end)
 
+  it("marks a series of one point", function()
+    local p = ylm.plot { size = { 200, 150 }, series = { { x = { 1, 2, 3 }, y = { 0 / 0, 3, 0 / 0 },
+      colour = { 1, 0, 0 } } } }
+    local pixels = assert(p:pixels())
+    assert(difference(pixel(pixels, p:where(2, 3)), { 1, 0, 0 }) < 0.1)
+  end)
+
   it("writes nothing between integers where all numbers are integers", function()
     local p = ylm.plot { size = { 480, 240 }, x = { 1, 2, 3 }, y = { 0.5, 1, 2 } }
     assert(p:pixels())

@@ -58,8 +58,9 @@ static void set_axis(vtkAxis *axis, const ylm_vtk_axis *a, const ylm_vtk_chart *
   axis->SetCustomTickPositions(ticks, labels);
 }
 
-// A line of its points; the chart keeps the table.
-static void add_line(vtkChartXY *chart, const ylm_vtk_series *s, double k, bool points) {
+// A line of its points; the chart keeps the table. VTK refuses to draw lines of one point.
+static void add_line(vtkChartXY *chart, const ylm_vtk_series *s, double k) {
+  const bool points = s->width <= 0 || s->n < 2;
   auto x = Ptr<vtkDoubleArray>::New(), y = Ptr<vtkDoubleArray>::New();
   x->SetName("x");
   y->SetName(s->label && *s->label ? s->label : "y");
@@ -116,7 +117,7 @@ extern "C" ylm_status ylm_vtk_plot(const ylm_vtk_chart *c, uint8_t *rgb, ylm_err
     chart->SetRenderEmpty(true);
     set_axis(chart->GetAxis(vtkAxis::BOTTOM), &c->x, c, k);
     set_axis(chart->GetAxis(vtkAxis::LEFT), &c->y, c, k);
-    for (size_t i = 0; i < c->n; i++) add_line(chart, &c->series[i], k, c->series[i].width <= 0);
+    for (size_t i = 0; i < c->n; i++) add_line(chart, &c->series[i], k);
     set_legend(chart, c, k);
     auto actor = Ptr<vtkContextActor>::New();
     actor->GetScene()->AddItem(chart);

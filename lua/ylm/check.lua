@@ -78,14 +78,21 @@ function check.device(n, name, gpu)
   return getmetatable(gpu).__device(gpu)
 end
 
+--- A number in words; NaN without the sign that C's library may write.
+function check.number_text(x, format)
+  if x ~= x then return "nan" end
+  return format and format:format(x) or tostring(x)
+end
+
 --- A value in words, for messages: "a table", "{1, 0}", "nil", "-1", "'text'", "an array of 2x3".
 function check.describe(value)
   local t = type(value)
-  if t == "number" or t == "boolean" or t == "nil" then return tostring(value) end
+  if t == "number" then return check.number_text(value) end
+  if t == "boolean" or t == "nil" then return tostring(value) end
   if t == "string" then return "'" .. check.short(value) .. "'" end
   if t == "table" and getmetatable(value) == nil and #value > 0 and #value <= 4 then
     local words = {}
-    for _, x in ipairs(value) do if type(x) == "number" then words[#words + 1] = ("%.14g"):format(x) end end
+    for _, x in ipairs(value) do if type(x) == "number" then words[#words + 1] = check.number_text(x, "%.14g") end end
     if #words == #value then return "{" .. table.concat(words, ", ") .. "}" end
   end
   local object = core.type(value)

@@ -407,7 +407,7 @@ end
 describe "mesh:triangles" {
   about = "The triangles as one-based indices of vertices.",
   arguments = {},
-  returns = { { "triangles", "array", "double [m][3], a copy" } },
+  returns = { { "triangles", "array", "int32 [m][3], a copy" } },
   errors = "raises on what is not a mesh",
   example = made .. "assert(#ball:triangles() == #ball)",
 }

@@ -32,21 +32,25 @@ static ylm_status check_shape(lua_State *L, int i, int *axes, size_t shape[YLM_M
   luaL_checktype(L, i, LUA_TTABLE);
   size_t length = lua_rawlen(L, i), count;
   double elements = 1;
-  bool fits = true;
+  bool fits = true, is_empty = false;
   if (length < 1 || length > YLM_MAX_AXES) return YLM_ESHAPE;
   for (size_t k = 0; k < length; k++) {
     int64_t n = 0;
     lua_rawgeti(L, i, (int)k + 1);
     double extent = (double)lua_tonumber(L, -1);
     if (!(extent >= 0)) return YLM_ESHAPE;
-    elements *= extent;
+    is_empty = is_empty || extent == 0;
+    elements *= extent == 0 ? 1 : extent;
     fits = fits && ylmL_toint64(L, -1, &n);
     shape[k] = (size_t)n;
     lua_pop(L, 1);
   }
   *axes = (int)length;
   if (fits && ylm_shape_count(*axes, shape, &count)) return YLM_OK;
-  return ylm_fail(e, YLM_EOVERFLOW, "%g elements are more than any memory holds", elements);
+  return ylm_fail(e, YLM_EOVERFLOW,
+                  is_empty ? "extents of %g beside one of 0 are too large"
+                           : "%g elements are more than any memory holds",
+                  elements);
 }
 
 /* zeros(shape table, dtype) */

@@ -211,13 +211,13 @@ static int mesh_colours(lua_State *L) {
   return push_floats(L, m->colour, m->vertices, 3);
 }
 
-/* mesh_triangles(mesh) -> a new array of one-based indices, double [m][3] */
+/* mesh_triangles(mesh) -> a new array of one-based indices, int32 [m][3] */
 static int mesh_triangles(lua_State *L) {
   ylm_mesh *m = ylmL_mesh_check(L, 1);
   size_t shape[2] = {m->triangles, 3};
-  ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 2, shape);
+  ylmL_array *a = ylmL_array_new(L, YLM_INT32, 2, shape);
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  for (size_t i = 0; i < a->count; i++) ((double *)a->data)[i] = (double)m->index[i] + 1;
+  for (size_t i = 0; i < a->count; i++) ((int32_t *)a->data)[i] = (int32_t)m->index[i] + 1;
   return 1;
 }
 

@@ -77,10 +77,13 @@ end
 
 -- Methods ------------------------------------------------------------------------
 
-local function index_text(shape)
+local function index_text(name, shape, behind)
   local out = {}
-  for i, extent in ipairs(shape) do out[i] = ("1 to %d"):format(extent) end
-  return table.concat(out, ", ")
+  for i, extent in ipairs(shape) do
+    if extent == 0 then return ("%s: an array of %s has no elements"):format(name, operand.extents(shape)) end
+    out[i] = ("1 to %d"):format(extent)
+  end
+  return ("%s: indices from %s%s expected"):format(name, table.concat(out, ", "), behind)
 end
 
 describe "array:get" {
@@ -93,7 +96,7 @@ describe "array:get" {
 function methods.get(a, ...)
   local shape = open(a, "get")
   local x = core.array_get(a, ...)
-  if x == nil then return check.fail("get: indices from %s expected", index_text(shape)) end
+  if x == nil then return check.fail(index_text("get", shape, "")) end
   return x
 end
 
@@ -108,7 +111,7 @@ function methods.set(a, ...)
   local shape, dtype = open(a, "set")
   local ok = core.array_set(a, ...)
   if ok then return a end
-  if ok == nil then return check.fail("set: indices from %s and a number expected", index_text(shape)) end
+  if ok == nil then return check.fail(index_text("set", shape, " and a number")) end
   return check.fail("set: %s", operand.misfit(dtype, (select(select("#", ...), ...))))
 end
 
@@ -260,7 +263,7 @@ local function first_numbers(a, shape)
   local words, row = {}, shape[#shape]
   for i, x in ipairs(core.array_head(a, SHOWN + 1)) do
     if i > SHOWN then return table.concat(words) .. " ..." end
-    words[i] = (i == 1 and "" or (i - 1) % row == 0 and "; " or " ") .. ("%.6g"):format(x)
+    words[i] = (i == 1 and "" or (i - 1) % row == 0 and "; " or " ") .. check.number_text(x, "%.6g")
   end
   return table.concat(words)
 end

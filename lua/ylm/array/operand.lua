@@ -51,12 +51,12 @@ end
 function operand.convert(a, dtype, fail)
   local b, where, x = core.array_convert(a, dtype)
   if b then return b end
-  return fail(("%s; number %d is %.14g"):format(holds[dtype], where, x))
+  return fail(("%s; number %d is %s"):format(holds[dtype], where, check.number_text(x, "%.14g")))
 end
 
 --- A sentence for a number x that `dtype` does not hold.
 function operand.misfit(dtype, x)
-  return ("%s, got %.14g"):format(holds[dtype] or dtype, x)
+  return ("%s, got %s"):format(holds[dtype] or dtype, check.number_text(x, "%.14g"))
 end
 
 --- The shape of a nested table, taken along its first elements; one axis too many is enough to know (a table may

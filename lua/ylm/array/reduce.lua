@@ -30,9 +30,22 @@ local function axes_of(value, count, fail)
   return list
 end
 
-local function reduced(op, a, options)
+--- The options that a:sum(1), a:sum(1, 2) and a:sum { axis = 1 } give.
+local function options_of(op, ...)
+  local list, count = { ... }, select("#", ...)
+  while count > 0 and list[count] == nil do count = count - 1 end
+  if count < 2 and not check.is_integer(list[1]) then return list[1] end
+  for i = 1, count do
+    if not check.is_integer(list[i]) then
+      return check.bad(i, op, "axes, or one table of options expected, got %s", check.describe(list[i]))
+    end
+  end
+  return { axis = list }
+end
+
+local function reduced(op, a, ...)
   local shape = operand.open(a, op)
-  if check.is_integer(options) then options = { axis = options } end
+  local options = options_of(op, ...)
   local o = form.options(1, op, fields, options)
   local axes = axes_of(o.axis, #shape, function(message) return check.bad(1, op, "%s", message) end)
   local last = #axes
@@ -56,8 +69,9 @@ for op, row in pairs {
   max = { "The largest number; NaN where one is there.", 4 },
 } do
   describe("array:" .. op) {
-    about = row[1] .. (" Of all numbers, or along axes: a:%s(), a:%s(2), a:%s { axis = -1, keep = true }."):format(op, op, op),
-    arguments = { { "options?", "table|integer", "the axis, or the options" } },
+    about = row[1] .. (" Of all numbers, or along axes: a:OP(), a:OP(2), a:OP(1, 2), a:OP { axis = -1, keep = true }.")
+      :gsub("OP", op),
+    arguments = { { "options?", "table|integer", "the options, or an axis" }, { "...", "integer", "more axes" } },
     options = fields,
     returns = { { "x", "number|array", "a number where no axis is left; else an array of the type that computes: int32 "
       .. "gives double, float16 float. The convention stays unless the last axis goes" } },
@@ -66,7 +80,7 @@ for op, row in pairs {
     example = ("assert(ylm.array({ { 1, 2 }, { 3, 4 } }):%s() == %s)"):format(op, row[2]),
     source = op == "sum" and "Neumaier 1974; Ogita, Rump & Oishi 2005" or nil,
   }
-  methods[op] = function(a, options) return reduced(op, a, options) end
+  methods[op] = function(a, ...) return reduced(op, a, ...) end
 end
 
 describe "array:select" {
@@ -127,6 +141,10 @@ function reduce.stack(list, axis)
     if own_type ~= dtype then
       dtype = (operand.wide[own_type] == "double" or operand.wide[dtype] == "double") and "double" or "float"
     end
+  end
+  if #shape == core.limits.axes then
+    return check.bad(1, "stack", "arrays of at most %d axes expected, since the result has one more, got %s",
+      core.limits.axes - 1, operand.extents(shape))
   end
   axis = operand.axis(axis == nil and 1 or axis, #shape + 1, function(message) return check.bad(2, "stack", "%s", message) end)
   table.insert(shape, axis, #parts)

@@ -12,6 +12,7 @@ local methods = core.metatable "ylm.array"
 --- An index of an axis, counted from its end where it is negative.
 local function place(x, extent, axis, fail)
   if check.is_integer(x) and x ~= 0 and math.abs(x) <= extent then return x > 0 and x or extent + 1 + x end
+  if extent == 0 then return fail(("axis %d is empty: it has no index %s"):format(axis, check.describe(x))) end
   return fail(("axis %d: an index from 1 to %d, or -1 to -%d from the end, expected, got %s"):format(axis, extent, extent,
     check.describe(x)))
 end
@@ -119,8 +120,9 @@ describe "array:slice" {
     .. "indices count from the end. a[{1, 100}] is a:slice({1, 100}), and a[{ {1, 100}, 3 }] is a:slice({1, 100}, 3).",
   arguments = { { "...", "table|integer", "an index or a range for each axis" } },
   returns = {
-    { "part", "array|number", "a view that shares its numbers with the array where these lie together in memory, as rows do; "
-      .. "else a copy. A number where every axis is taken away" },
+    { "part", "array|number", "a view that shares its numbers with the array where these follow one another in memory: indices "
+      .. "first, then one range in steps of 1, then whole axes. Else a copy: a[{ {}, 2 }] and ranges with a step, which are "
+      .. "views in NumPy. A number where every axis is taken away" },
     { "shares", "boolean", "true of a view" },
   },
   errors = "raises on what leaves its axis and on closed arrays; nil, message, 'ENOMEM' where memory runs out",

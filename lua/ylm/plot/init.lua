@@ -93,7 +93,7 @@ local function axis_range(series, key, other, axis, other_axis)
   return lo - margin, hi + margin
 end
 
---- The series' points inside the axes' ranges as arrays; lines are cut at points that are not shown.
+--- The series' points that axes can show, as arrays; lines go on from one to the next.
 local function arrays(p, s, x, y)
   local px, py = {}, {}
   for i = 1, #s.x do

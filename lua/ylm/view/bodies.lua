@@ -169,7 +169,7 @@ local function add_mesh(stage, m, opacity)
     core.array_fill(colour, { c })
   end
   local shape = core.shape(3)
-  drawing.run(core.shape_mesh(shape, position, normals, colour, mesh:triangles(), 1))
+  drawing.run(core.shape_mesh(shape, position, normals, colour, core.array_convert(mesh:triangles(), "double"), 1))
   drawing.surface(stage, shape, { opacity = opacity or m.opacity or 1, specular = 0.1 })
 end
 

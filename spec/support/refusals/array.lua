@@ -54,6 +54,7 @@ return {
     { call = function(ylm) ylm.zeros { nan } end, says = "extent 1 must be an integer" },
     { call = function(ylm) ylm.zeros { inf } end, says = "extent 1 must be an integer" },
     { call = function(ylm) ylm.zeros { 2 ^ 40, 2 ^ 40 } end, says = "zeros: 1.20893e%+24 elements are more than any memory holds" },
+    { call = function(ylm) ylm.zeros { 2 ^ 40, 2 ^ 40, 0 } end, says = "extents of 1.20893e%+24 beside one of 0 are too large" },
     { call = function(ylm) ylm.zeros { 1e300 } end, says = "zeros: 1e%+300 elements are more than any memory holds" },
     { call = function(ylm) ylm.zeros({ 1 }, 7) end, says = "dtype must be" },
   },
@@ -64,6 +65,7 @@ return {
     { call = function(ylm) a(ylm):get(1, 1.5) end, says = "get: indices" },
     { call = function(ylm) a(ylm):get(1, nan) end, says = "get: indices" },
     { call = function(ylm) a(ylm):get(1, 2, 3) end, says = "get: indices" },
+    { call = function(ylm) ylm.zeros({ 0, 3 }):get(1, 1) end, says = "get: an array of 0x3 has no elements" },
   }),
   ["array:set"] = cases("set", {
     { call = function(ylm) a(ylm):set(1, 1) end, says = "set: indices .* and a number expected" },
@@ -80,6 +82,7 @@ return {
   ["array:slice"] = cases("slice", {
     { call = function(ylm) a(ylm):slice(3) end, says = "slice: axis 1: an index from 1 to 2, or %-1 to %-2 from the end" },
     { call = function(ylm) a(ylm)[{ first = 1, last = 1 }] = 0 end, says = "a list of indices and ranges expected" },
+    { call = function(ylm) ylm.zeros({ 0, 3 }):slice({ 1, -1 }) end, says = "slice: axis 1 is empty: it has no index 1" },
     { call = function(ylm) a(ylm):slice(0) end, says = "axis 1: an index from 1 to 2" },
     { call = function(ylm) a(ylm):slice(1.5) end, says = "axis 1: an index .* got 1.5" },
     { call = function(ylm) a(ylm):slice({}, { 1, 4 }) end, says = "axis 2: an index from 1 to 3" },
@@ -133,6 +136,9 @@ return {
     { call = function(ylm) a(ylm):sum { axis = 1.5 } end, says = "an axis .* got 1.5" },
     { call = function(ylm) a(ylm):sum { axis = { 1, -2 } } end, says = "axis 1 is named twice" },
     { call = function(ylm) a(ylm):sum { axis = {} } end, says = "the list of axes is empty" },
+    { call = function(ylm) a(ylm):sum(1, 1) end, says = "axis 1 is named twice" },
+    { call = function(ylm) a(ylm):sum(1, "x") end, says = "bad argument #2 to 'sum' %(axes, or one table of options expected, got 'x'" },
+    { call = function(ylm) a(ylm):sum({ axis = 1 }, 2) end, says = "bad argument #1 to 'sum' %(axes, or one table" },
     { call = function(ylm) a(ylm):sum { axes = 1 } end, says = "no field 'axes' %(did you mean 'axis'%?%)" },
   }),
   ["array:mean"] = cases("mean", {
@@ -164,6 +170,7 @@ return {
     { call = function(ylm) ylm.stack({ a(ylm) }, 4) end, says = "bad argument #2 to 'stack' %(an axis from 1 to 3" },
     { call = function(ylm) ylm.stack { { 1, 2, 3, 4 }, ylm.sh.convert({ 1, 2, 3, 4 }, "n3d") } end,
       says = "element 2: coefficients of 'n3d' beside those of 'ylm'" },
+    { call = function(ylm) ylm.stack { ylm.zeros { 1, 1, 1, 1, 1, 1, 1, 1 } } end, says = "arrays of at most 7 axes expected" },
     { call = function(ylm) ylm.stack { closed(ylm) } end, says = "element 1: the array has been closed" },
   },
   wrap = {
