@@ -196,6 +196,13 @@ describe("the sandbox of scene files", function()
     refuses("ELIMIT", "adaptive_grid: depth at most 12 in a scene file, got 16", "adaptive_grid { depth = 16 }")
     refuses("ELIMIT", "torus: more than 100 triangles", "torus {}", { triangles = 100 })
     assert(try("return scene 'x' { geometry = knot { divide = { 300, 8 } } }"))
+    local lights = "local at = {} for i = 1, %d do at[i] = { 0, 1, i } end\n"
+      .. "local l = virtual_lights { at = at, radius = 1, intensity = 1 } return scene 'x' { lights = %s }"
+    assert.equal(10000, assert(try(lights:format(10000, "l"))).lights[1].count)
+    refuses("ELIMIT", "attack.lua:2: virtual_lights: more than 10000 virtual_lights in one scene file", lights:format(10001, "l"))
+    refuses("ELIMIT", "more than 10000 virtual_lights", lights:format(6000, "{ l, l }"))
+    refuses("ELIMIT", "more than 12 virtual_lights", lights:format(13, "l"), { virtual_lights = 12 })
+    assert.equal(20000, assert(try(lights:format(20000, "l"), { virtual_lights = 20000 })).lights[1].count)
   end)
 
   it("reads files only by relative names inside the scene's folder", function()

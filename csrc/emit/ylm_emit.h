@@ -19,6 +19,7 @@
 #ifndef YLM_EMIT_H
 #define YLM_EMIT_H
 
+#include "ylm_light_virtual.h"
 #include "ylm_scene.h"
 
 #ifdef __cplusplus
@@ -137,6 +138,29 @@ typedef struct ylm_emit_report {
 YLM_API ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o,
                             ylm_emit_lights *lights, ylm_emit_report *report, ylm_error *e);
 YLM_API void ylm_emit_free(ylm_emit_lights *lights);
+
+/* Virtual lights that surfaces of a scene hide. */
+typedef struct ylm_emit_visible ylm_emit_visible;
+
+/*
+** ylm_emit_visible_create - the light field of virtual lights with their shadows.
+**
+**   scene    in   whose meshes occlude; outlives the field
+**   lights   in   which the field shares
+**
+** A ray goes from each point to the middle of each light that does not show it its back. Lights that it reaches are
+** summed, whole, with their derivatives: a shadow's edge is a step, which has none. Rays begin ylm_trace_offset
+** from the point, and end so far before the light and a ten-thousandth of the way.
+**
+** Returns  YLM_OK; YLM_ENOMEM
+** Cost     of a query: a ray and a pair for each point and light, and some 0.1 us to gather what a point sees
+*/
+YLM_API ylm_status ylm_emit_visible_create(const ylm_scene *scene, ylm_light_virtual *lights,
+                                           ylm_emit_visible **visible, ylm_error *e);
+/* NULL is fine. */
+YLM_API void ylm_emit_visible_free(ylm_emit_visible *visible);
+/* Its field, of quantity indirect, as long as it lives; queries as of the lights' own. */
+YLM_API const ylm_field *ylm_emit_visible_field(const ylm_emit_visible *visible);
 
 /*
 ** ylm_emit_write_ply - lights as points of a PLY file, for viewers and other programs.

@@ -102,6 +102,7 @@ void ylmL_named(lua_State *L, int i, const char *const *names) {
   X("ylm.transfer", "ylm.transfer")                                                                \
   X("ylm.radiosity", "ylm.transfer")                                                               \
   X("ylm.gather", "ylm.transfer")                                                                  \
+  X("ylm.visible", "ylm.emit")                                                                     \
   X("ylm.sh_rotation", "ylm.sh.rotate")
 
 /* Functions that a module may define for its type. */

@@ -4,6 +4,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 local progress = require "ylm.progress"
 local tracing = require "ylm.trace"
 local virtual = require "ylm.light.virtual"
@@ -203,6 +204,66 @@ function emit.of_scene(s, given)
   tracing.check_scene("virtual_lights", s)
   return emit.lights("virtual_lights", s, form.options(1, "virtual_lights", options, given))
 end
+
+-- Lights with their shadows ---------------------------------------------------------------
+
+require "ylm.describe".object "visible" {
+  about = "Virtual lights that the surfaces of a scene hide, as a light field (virtual_lights:visible).",
+  fields = { { "lights", "virtual_lights", "" }, { "scene", "scene", "whose surfaces hide them" } },
+}
+
+local TYPE = "ylm.visible"
+local methods = tracing.library() and core.metatable(TYPE) or {}
+local visible = setmetatable({}, { __mode = "k" }) -- field -> { lights, scene, traced, closed }
+
+function methods.__index(field, key)
+  local m = visible[field]
+  if m and (key == "lights" or key == "scene") then return m[key] end
+  return rawget(methods, key)
+end
+
+function methods.__newindex(_, key)
+  return check.fail("visible: cannot set %s: lights and scene stay as they are", check.describe(key))
+end
+
+function methods.__tostring(field)
+  local m = visible[field]
+  if not m or m.closed then return TYPE .. " (closed)" end
+  return ("%s: %d virtual lights with the shadows of scene %q"):format(TYPE, m.lights.count, m.scene.name or "?")
+end
+
+--- The field of virtual_lights:visible, of lights and a scene that are known to be that; nil, message, code.
+function virtual.with_shadows(lights, s)
+  if lights.profile == "near" then
+    return check.bad(1, "visible", "near parts are summed where they are needed: take the lights before they are split")
+  end
+  local t, message, code = tracing.trace("visible", s)
+  if not t then return nil, message, code end
+  local field
+  field, message, code = check.result("visible", t.lib.emit_visible(t.handle, lights.lights))
+  if not field then return nil, message, code end
+  visible[field] = { lights = lights, scene = s, traced = t }
+  return field
+end
+
+describe "visible:close" {
+  about = "Frees the memory of a field of lights with their shadows now rather than at the next collection.",
+  arguments = {},
+  returns = {},
+  errors = "raises on what is no such field",
+  example = [[
+local scene = ylm.scene "a floor" { geometry = ylm.quad { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 } } }
+ylm.virtual_lights({ at = { { 0, 0, 1 } }, radius = 0.1, intensity = 1 }):visible(scene):close()]],
+}
+function methods.close(field)
+  if core.type(field) ~= TYPE then
+    return check.fail("close: a field of visible lights expected before the colon, got %s", check.describe(field))
+  end
+  local m = visible[field]
+  if not m.closed then check.result("close", m.traced.lib.emit_visible_close(field)) end
+  m.closed = true
+end
+memory.publish(methods)
 
 --- Writes virtual lights, their intensities along the normal, to a PLY file: true, or nil, message, code.
 function emit.write(lights, path)

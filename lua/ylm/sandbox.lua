@@ -23,6 +23,7 @@ sandbox.limits = {
   { "triangles", "number", min = 0, default = 2e7, about = "of all geometry together" },
   { "numbers", "number", min = 0, default = 2 ^ 23,
     about = "of all arrays together; a sphere light of an array is 7 of them, a piece of geometry 64, a flat light 256" },
+  { "virtual_lights", "number", min = 0, default = 10000, about = "of all sets together: places, of whatever emission" },
   { "texels", "number", min = 0, default = 2 ^ 20, about = "of all textures together" },
   { "cells", "number", min = 0, default = 2 ^ 24, about = "of all uniform grids together" },
   { "lmax", "number", min = 0, default = 64, about = "of any grid" },
@@ -213,7 +214,8 @@ end
 --- The observer of forms (see form.observer): counts what is described, resolves file names.
 local function observer(folder, limits, state)
   local left = { triangles = limits.triangles, numbers = limits.numbers, cells = limits.cells, texels = limits.texels,
-    material_bytes = limits.material_bytes, file_size = limits.file_size } -- of each file: not used up
+    virtual_lights = limits.virtual_lights, material_bytes = limits.material_bytes,
+    file_size = limits.file_size } -- of each file: not used up
   local function take(what, n, fail)
     left[what] = left[what] - n
     if left[what] < 0 then

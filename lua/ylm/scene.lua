@@ -13,6 +13,7 @@ local sandbox = require "ylm.sandbox"
 local text = require "ylm.text"
 require "ylm.transfer.form" -- a field of scenes
 local vector = require "ylm.vector"
+local virtual = require "ylm.light.virtual"
 
 local scene = {}
 
@@ -55,6 +56,7 @@ end
 local function take_again(x, fail)
   if core.type(x) ~= nil then return form.budget("numbers", 1, fail) end
   if x.mesh then return form.budget("triangles", #x.mesh, fail) end
+  if form.kind(x) == "virtual_lights" then form.budget("virtual_lights", x.count, fail) end
   return form.budget("numbers", (x.count or 1) * (form.defined[form.kind(x)].numbers or 7), fail)
 end
 
@@ -141,6 +143,11 @@ for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast", "pa
 end
 function methods.transfer(...) return require("ylm.transfer").of_scene(...) end
 function methods.virtual_lights(...) return require("ylm.emit").of_scene(...) end
+--- Of virtual_lights:visible: lua/ylm/emit.lua is loaded, and takes its place.
+virtual.with_shadows = virtual.with_shadows or function(...)
+  require "ylm.emit"
+  return virtual.with_shadows(...)
+end
 memory.publish(methods)
 
 local metatable = {

@@ -2,9 +2,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "traced.h"
+#include "transfer.h"
 #include "ylm_emit.h"
 #include "ylm_sh.h"
+
+#define YLML_VISIBLE "ylm.visible"
 
 static void set_colour(lua_State *L, const char *name, const double x[3]) {
   lua_createtable(L, 3, 0);
@@ -192,7 +194,39 @@ static int emit_write(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-static const luaL_Reg functions[] = {
-    {"emit_lights", emit_lights}, {"emit_write", emit_write}, {NULL, NULL}};
+/* -- lights with their shadows -------------------------------------------------------------- */
 
-void ylmL_open_emit(lua_State *L) { luaL_setfuncs(L, functions, 0); }
+static const ylm_field *visible_field(void *object) {
+  ylmL_held *h = *(ylmL_held **)object;
+  return h && h->object ? ylm_emit_visible_field(h->object) : NULL;
+}
+
+static void destroy_visible(void *object) { ylm_emit_visible_free(object); }
+
+/* emit_visible(scene, virtual lights) -> visible */
+static int emit_visible(lua_State *L) {
+  ylm_error e = {0};
+  ylm_emit_visible *v;
+  const ylm_scene *scene = ylmL_scene(L, 1);
+  ylm_light_virtual *lights = ylm_light_set_virtuals(ylmL_lights_check(L, 2));
+  if (!lights) return luaL_argerror(L, 2, "virtual lights expected");
+  ylmL_held *h = ylmL_hold(L, YLML_VISIBLE, destroy_visible, NULL);
+  ylm_status s = ylm_emit_visible_create(scene, lights, &v, &e);
+  h->object = v;
+  return ylmL_result(L, 1, s, &e);
+}
+
+static const luaL_Reg functions[] = {{"emit_lights", emit_lights},
+                                     {"emit_write", emit_write},
+                                     {"emit_visible", emit_visible},
+                                     {"emit_visible_close", ylmL_let_go},
+                                     {NULL, NULL}};
+
+static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
+
+void ylmL_open_emit(lua_State *L) {
+  ylmL_type(L, YLML_VISIBLE, methods);
+  ylmL_type_has_field(L, visible_field);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

@@ -66,6 +66,7 @@ local function build(values, fail)
     return #s == 1 and s[1] == 0 or #s == 2 and s[2] == 3
   end, fail)
   local n = shape[1]
+  if form.budget then form.budget("virtual_lights", n, fail) end
   form.take_numbers({ 5, n }, fail) -- besides the arrays that are given
   local normal = values.normal ~= nil
     and rows_of("normal", values.normal, ("[%d][3] numbers, one for each light"):format(n), n, fail) or nil
@@ -267,6 +268,28 @@ function methods:near_field(lmax, points, given)
     out = good and out
   end
   return check.result("near_field", out or nil, message, code)
+end
+
+describe "virtual_lights:visible" {
+  about = "These lights with the shadows of a scene's surfaces, as a light field: a ray goes from each point to the middle of "
+    .. "each light that faces it. ylm.light_field and ylm.bake take it. Derivatives are those of the lights that a point "
+    .. "sees; a shadow's edge is a step between points, which adaptive grids find by their tolerance.",
+  arguments = { { "scene", "scene", "its geometry, as it is now; its lights do not count" } },
+  returns = { { "field", "visible", "its grids hold light of quantity 'indirect': view:render { indirect = grid }" } },
+  errors = "raises on what is no scene, and on near parts; nil, message, code: memory, 'EMISSING' without the library that "
+    .. "traces rays",
+  example = [[
+local scene = ylm.scene "a wall" { geometry = ylm.quad { corner = { -1, -1, 0 }, u = { 2, 0, 0 }, v = { 0, 2, 0 } } }
+local lights = ylm.virtual_lights { at = { { 0, 0, 1 } }, radius = 0.2, intensity = 3 }
+local L = ylm.light_field(2, lights:visible(scene), { { 0, 0, 2 }, { 0, 0, -2 } })
+assert(L:get(1, 1, 1) > 0 and L:get(2, 1, 1) == 0)]],
+  source = "Mezieres & Paulin 2022, Sec. 5.1",
+}
+--- A scene is there only where lua/ylm/scene.lua has been loaded, which loads what makes the field.
+function methods:visible(scene)
+  open(self, "visible")
+  if form.kind(scene) ~= "scene" then return check.bad(1, "visible", "a scene expected, got %s", check.describe(scene)) end
+  return virtual.with_shadows(self, scene)
 end
 
 virtual.virtual_lights = form.define("virtual_lights", {

@@ -88,6 +88,10 @@ return {
     function(ylm) return one(ylm):irradiance({ { 0, 0, 0 } }, { { 0, 0, 1 } }) end, "near"),
   ["virtual_lights:near_field"] = refused(function(ylm) return one(ylm).near_field {} end, "virtual lights expected",
     function(ylm) return one(ylm):near_field(2, { { 0, 0, 0 } }) end, "near"),
+  ["virtual_lights:visible"] = refused(function(ylm) return one(ylm).visible {} end, "virtual lights expected",
+    function(ylm) return one(ylm):visible(3) end, "a scene expected, got 3",
+    function(ylm) return select(2, one(ylm):split { core = 1 }):visible(scene(ylm)) end, "near parts are summed"),
+  ["visible:close"] = refused(function(ylm) return one(ylm):visible(scene(ylm)).close {} end, "a field of visible lights expected"),
   ["virtual_lights:split"] = refused(function(ylm) return one(ylm):split { core = "far" } end, "core",
     function(ylm) return one(ylm):split { core = 0.1 } end, "core", function(ylm) return one(ylm):split { core = 0 } end, "core"),
 }
