@@ -394,6 +394,14 @@ end, function(lights)
   if not far then return nil, near, code end
   return near:irradiance({ { 0, 0, 0.5 } }, { { 0, 0, -1 } })
 end)
+calls["virtual lights with their shadows"] = on(scene, function(s)
+  local lights, message, code = ylm.virtual_lights { at = { { 0, 3, 0 }, { 1, 3, 0 } }, radius = 0.2, intensity = 1 }
+  if not lights then return nil, message, code end
+  local field
+  field, message, code = lights:visible(s)
+  if not field then return nil, message, code end
+  return ylm.light_field(1, field, { { 0, 2, 0 }, { 0, 2, 1 } }, { derivatives = 1 })
+end)
 for _, how in ipairs { "ssao", "rays" } do
   calls["ambient by " .. how] = on(scene, function(s)
     return s:render { size = size, samples = 1, light_samples = 2, ambient = how }

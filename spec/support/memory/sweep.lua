@@ -7,6 +7,7 @@
 local failure = require "failure"
 local core = require "ylm.c.core"
 local calls = require "spec.support.memory.calls"
+local ylm = require "ylm"
 
 local folder, stride, only = arg[1], tonumber(arg[2] or 1), arg[3]
 
@@ -15,7 +16,8 @@ local function words(x, depth)
   depth = depth or 0
   local kind = core.type(x)
   if kind == "ylm.array" then
-    local _, _, norm = core.array_distance(x, x)
+    local numbers = (x.dtype == "int32" or x.dtype == "float16") and ylm.array(x, "double") or x
+    local _, _, norm = core.array_distance(numbers, numbers)
     return ("%s %.9g"):format(table.concat(x.shape, "x"), norm)
   elseif kind == "ylm.image" then
     local list = {}
