@@ -15,8 +15,6 @@
 #include "metrics.h"
 
 #define PI 3.14159265358979323846
-#define ROWS 16
-#define RADIUS 512 /* largest of a filter */
 
 /* Exponents and weights of the papers. */
 #define COLOUR_POWER 0.7
@@ -50,11 +48,11 @@ typedef struct flip {
   const float *mask;
   size_t width, height;
   bool hdr;
-  double gain;                                       /* of the exposure */
-  double to_xyz[3][3], to_rgb[3][3], white[3], most; /* most: largest colour difference */
-  int eye, feature;                                  /* radii */
-  double weight[FILTERS][2 * RADIUS + 1], second;    /* of Cz, the part of its second filter */
-  float *colour[2][3];                               /* Y, Cx, Cz: [height][width] each */
+  double gain;                                         /* of the exposure */
+  double to_xyz[3][3], to_rgb[3][3], white[3], most;   /* most: largest colour difference */
+  int eye, feature;                                    /* radii */
+  double weight[FILTERS][2 * FLIP_RADIUS + 1], second; /* of Cz, the part of its second filter */
+  float *colour[2][3];                                 /* Y, Cx, Cz: [height][width] each */
   float *plane[2][PLANES];
   float *map; /* [height][width] the largest so far */
 } flip;
@@ -179,26 +177,27 @@ static const struct {
 /* Fills filter k with a Gaussian of variance v pixels^2, whose sum is 1; that before. */
 static double gaussian(flip *f, int k, double v, int radius) {
   double sum = 0;
-  for (int i = -radius; i <= radius; i++) sum += f->weight[k][i + RADIUS] = exp(-i * i / (2 * v));
-  for (int i = -radius; i <= radius; i++) f->weight[k][i + RADIUS] /= sum;
+  for (int i = -radius; i <= radius; i++)
+    sum += f->weight[k][i + FLIP_RADIUS] = exp(-i * i / (2 * v));
+  for (int i = -radius; i <= radius; i++) f->weight[k][i + FLIP_RADIUS] /= sum;
   return sum;
 }
 
 /* Positive weights of a derivative sum to 1, negative ones to -1. */
 static void balance(double *w, int radius) {
   double sum[2] = {0, 0};
-  for (int i = -radius; i <= radius; i++) sum[w[i + RADIUS] > 0] += fabs(w[i + RADIUS]);
+  for (int i = -radius; i <= radius; i++) sum[w[i + FLIP_RADIUS] > 0] += fabs(w[i + FLIP_RADIUS]);
   for (int i = -radius; i <= radius; i++)
-    if (w[i + RADIUS] != 0) w[i + RADIUS] /= sum[w[i + RADIUS] > 0];
+    if (w[i + FLIP_RADIUS] != 0) w[i + FLIP_RADIUS] /= sum[w[i + FLIP_RADIUS] > 0];
 }
 
 /* YLM_ERANGE: filters are too large. */
 static ylm_status make_filters(flip *f, double pixels, ylm_error *e) {
   double part[4], deviation = 0.5 * FEATURE_WIDTH * pixels, v = deviation * deviation;
   double reach = 3 * sqrt(eye[2].b / (2 * PI * PI)) * pixels;
-  if (!(pixels > 0) || !(reach <= RADIUS) || !(3 * deviation <= RADIUS))
+  if (!(pixels > 0) || !(reach <= FLIP_RADIUS) || !(3 * deviation <= FLIP_RADIUS))
     return ylm_fail(e, YLM_ERANGE, "%g pixels per degree: more than 0 and at most %g expected",
-                    pixels, floor(RADIUS / (3 * sqrt(eye[2].b / (2 * PI * PI)))));
+                    pixels, floor(FLIP_RADIUS / (3 * sqrt(eye[2].b / (2 * PI * PI)))));
   f->eye = (int)ceil(reach);
   f->feature = (int)ceil(3 * deviation);
   for (int k = 0; k < 4; k++) {
@@ -208,9 +207,9 @@ static ylm_status make_filters(flip *f, double pixels, ylm_error *e) {
   f->second = part[3] / (part[2] + part[3]);
   gaussian(f, GAUSS, v, f->feature);
   for (int i = -f->feature; i <= f->feature; i++) {
-    double g = f->weight[GAUSS][i + RADIUS];
-    f->weight[FIRST][i + RADIUS] = -i * g;
-    f->weight[SECOND][i + RADIUS] = (i * i / v - 1) * g;
+    double g = f->weight[GAUSS][i + FLIP_RADIUS];
+    f->weight[FIRST][i + FLIP_RADIUS] = -i * g;
+    f->weight[SECOND][i + FLIP_RADIUS] = (i * i / v - 1) * g;
   }
   balance(f->weight[FIRST], f->feature);
   balance(f->weight[SECOND], f->feature);
@@ -247,7 +246,7 @@ static ylm_status filter_rows(void *context, size_t begin, size_t end, int worke
       for (int p = 0; p < PLANES; p++) {
         const float *from = f->colour[side][planes[p].channel] + y * f->width;
         float *to = f->plane[side][p] + y * f->width;
-        const double *w = f->weight[planes[p].filter] + RADIUS;
+        const double *w = f->weight[planes[p].filter] + FLIP_RADIUS;
         int radius = radius_of(f, planes[p].filter);
         for (size_t x = 0; x < f->width; x++) {
           double sum = 0;
@@ -298,7 +297,7 @@ static ylm_status finish_rows(void *context, size_t begin, size_t end, int worke
       double *to = sum + (size_t)k * f->width;
       for (int i = -radius; i <= radius; i++) {
         const float *from = plane + near(y, i, f->height) * f->width;
-        double w = f->weight[filter][i + RADIUS];
+        double w = f->weight[filter][i + FLIP_RADIUS];
         for (size_t x = 0; x < f->width; x++) to[x] += w * (double)from[x];
       }
     }
@@ -399,9 +398,9 @@ static ylm_status run(flip *f, const ylm_flip *o, int threads, const ylm_progres
   for (int i = 0; i < o->exposures && s == YLM_OK; i++) {
     double part = o->exposures > 1 ? (double)i / (o->exposures - 1) : 0;
     f->gain = exp2(o->start + part * (o->stop - o->start));
-    s = ylm_parallel(f->height, ROWS, threads, convert_rows, f, NULL, NULL);
-    if (s == YLM_OK) s = ylm_parallel(f->height, ROWS, threads, filter_rows, f, NULL, NULL);
-    if (s == YLM_OK) s = ylm_parallel(f->height, ROWS, threads, finish_rows, f, NULL, NULL);
+    s = ylm_parallel(f->height, IMAGE_ROWS, threads, convert_rows, f, NULL, NULL);
+    if (s == YLM_OK) s = ylm_parallel(f->height, IMAGE_ROWS, threads, filter_rows, f, NULL, NULL);
+    if (s == YLM_OK) s = ylm_parallel(f->height, IMAGE_ROWS, threads, finish_rows, f, NULL, NULL);
     if (s == YLM_OK) s = ylm_report(progress, (uint64_t)i + 1, (uint64_t)o->exposures, "exposures");
   }
   return s;

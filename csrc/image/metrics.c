@@ -4,7 +4,6 @@
 #include <math.h>
 #include <string.h>
 
-#define ROWS 16  /* per block: sums are added block by block, whatever the number of threads */
 #define RADIUS 5 /* of the window of ssim, 11 x 11 */
 #define FIELDS 6 /* weight, a, b, aa, bb, ab */
 
@@ -26,7 +25,7 @@ static bool counts(const comparison *c, size_t pixel) { return !c->mask || c->ma
 /* First pass: which pixels count, the largest reference, what is not finite. */
 static ylm_status survey(void *context, size_t begin, size_t end, int worker) {
   comparison *c = context;
-  partial *p = &c->part[begin / ROWS];
+  partial *p = &c->part[begin / IMAGE_ROWS];
   (void)worker;
   for (size_t i = begin * c->width; i < end * c->width; i++) {
     if (!counts(c, i)) continue;
@@ -43,7 +42,7 @@ static ylm_status survey(void *context, size_t begin, size_t end, int worker) {
 /* Second pass: sums of differences. */
 static ylm_status sum_up(void *context, size_t begin, size_t end, int worker) {
   comparison *c = context;
-  partial *p = &c->part[begin / ROWS];
+  partial *p = &c->part[begin / IMAGE_ROWS];
   (void)worker;
   for (size_t i = begin * c->width; i < end * c->width; i++) {
     if (!counts(c, i)) continue;
@@ -108,7 +107,7 @@ static ylm_status ssim_rows(void *context, size_t begin, size_t end, int worker)
         for (size_t t = lo; t <= hi; t++)
           for (size_t q = 0; q < FIELDS; q++)
             f[q] += c->window[t + RADIUS - y] * rows[((t - first) * FIELDS + q) * w + x];
-        c->part[begin / ROWS].ssim += similarity(f, c->peak);
+        c->part[begin / IMAGE_ROWS].ssim += similarity(f, c->peak);
       }
   }
   ylm_free(raw);
@@ -148,7 +147,7 @@ ylm_status ylm__image_match(const ylm_image *a, const ylm_image *b, const char *
 
 static ylm_status measure(comparison *c, size_t blocks, double peak, double floor, double epsilon,
                           int threads, const ylm_progress *progress, ylm_metrics *m, ylm_error *e) {
-  ylm_parallel(c->height, ROWS, threads, survey, c, NULL, NULL);
+  ylm_parallel(c->height, IMAGE_ROWS, threads, survey, c, NULL, NULL);
   for (size_t i = 0; i < blocks; i++) {
     if (c->part[i].bad) return ylm__image_not_finite(c->part[i].bad - 1, c->width, e);
     m->pixels += c->part[i].pixels;
@@ -160,8 +159,8 @@ static ylm_status measure(comparison *c, size_t blocks, double peak, double floo
   c->peak = m->peak;
   c->floor = m->floor;
   c->epsilon = m->epsilon = epsilon > 0 ? epsilon : 0.01;
-  ylm_parallel(c->height, ROWS, threads, sum_up, c, NULL, NULL);
-  ylm_status s = ylm_parallel(c->height, ROWS, threads, ssim_rows, c, progress, "comparing");
+  ylm_parallel(c->height, IMAGE_ROWS, threads, sum_up, c, NULL, NULL);
+  ylm_status s = ylm_parallel(c->height, IMAGE_ROWS, threads, ssim_rows, c, progress, "comparing");
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   for (size_t i = 0; i < blocks; i++) {
     m->mse += c->part[i].square;
@@ -196,7 +195,7 @@ ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, const char 
                   .width = (size_t)a->width,
                   .height = (size_t)a->height,
                   .channels = (size_t)la->channels};
-  size_t blocks = (c.height + ROWS - 1) / ROWS;
+  size_t blocks = (c.height + IMAGE_ROWS - 1) / IMAGE_ROWS;
   make_window(c.window);
   c.part = ylm_alloc_zero(blocks, sizeof *c.part);
   if (!c.part) return ylm_fail(e, YLM_ENOMEM, "memory ran out");

@@ -2,6 +2,7 @@
 #ifndef YLM_IMAGE_METRICS_H
 #define YLM_IMAGE_METRICS_H
 
+#include "calibration.h"
 #include "ylm_image.h"
 
 /* One layer of both images, checked: equal sizes and numbers of channels. */

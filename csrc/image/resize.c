@@ -1,4 +1,5 @@
 /* resize.c - parts of images and images of another size. */
+#include "calibration.h"
 #include "ylm_image.h"
 
 #include <math.h>
@@ -154,9 +155,9 @@ ylm_status ylm_image_resize(const ylm_image *in, int width, int height, ylm_filt
     size_t c = (size_t)in->layer[i].channels;
     job jx = {in->layer[i].data, half, &kx, (size_t)in->width, (size_t)width, c};
     job jy = {half, (*out)->layer[i].data, &ky, (size_t)width, (size_t)width, c};
-    s = ylm_parallel((size_t)in->height, 16, threads, along_x, &jx, progress, "resizing");
+    s = ylm_parallel((size_t)in->height, IMAGE_ROWS, threads, along_x, &jx, progress, "resizing");
     if (s == YLM_OK)
-      s = ylm_parallel((size_t)height, 16, threads, along_y, &jy, progress, "resizing");
+      s = ylm_parallel((size_t)height, IMAGE_ROWS, threads, along_y, &jy, progress, "resizing");
     if (s != YLM_OK) ylm_fail(e, s, "%s", ylm_status_text(s));
   }
   free_kernel(&kx);

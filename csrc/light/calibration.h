@@ -10,6 +10,9 @@
 /* Lights of a leaf, and pairs of box and light from which on a tree is worth its making. */
 #define CROSSES_LEAF 8
 #define CROSSES_FEW 65536
+/* Boxes, and points of sampled light, that a thread takes at a time. */
+#define CROSSES_GRAIN 256
+#define SAMPLED_GRAIN 64
 /* Points of one step of a sum of fields: results of a part are kept for as many. */
 #define YLM__SUM_POINTS 256
 /* In radii: nearer to a sphere that changed, all lights are summed. Moved by: errors of updates

@@ -120,7 +120,7 @@ ylm_status ylm__crosses(const ylm_field *f, size_t n, const double *boxes, uint8
   const ylm_lights *l = f->self;
   job j = {.lights = l, .boxes = boxes, .out = out};
   if (l->active <= CROSSES_LEAF || n < CROSSES_FEW / l->active || l->active > UINT32_MAX)
-    return ylm_parallel(n, 256, 1, run, &j, NULL, NULL);
+    return ylm_parallel(n, CROSSES_GRAIN, 1, run, &j, NULL, NULL);
   tree t = {.lamps = l->lamp_d};
   t.nodes = ylm_alloc(l->active, sizeof *t.nodes); /* leaves hold more than two lights */
   t.order = ylm_alloc(l->active, sizeof *t.order);
@@ -129,7 +129,7 @@ ylm_status ylm__crosses(const ylm_field *f, size_t n, const double *boxes, uint8
     for (size_t i = 0; i < l->active; i++) t.order[i] = (uint32_t)i;
     build(&t, 0, l->active);
     j.tree = &t;
-    s = ylm_parallel(n, 256, 0, run, &j, NULL, NULL);
+    s = ylm_parallel(n, CROSSES_GRAIN, 0, run, &j, NULL, NULL);
   }
   ylm_free(t.nodes);
   ylm_free(t.order);

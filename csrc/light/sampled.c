@@ -23,6 +23,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "calibration.h"
 #include "finite.h"
 #include "set.h"
 #include "ylm_sh.h"
@@ -200,7 +201,7 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
     return ylm_fail(e, YLM_ERANGE, "a sampled light is known to lmax %d, and asked for at lmax %d",
                     s->lmax, q->lmax);
   job j = {s, q, points, r, q->want & (YLM_WANT_GRADIENT | YLM_WANT_HESSIAN | YLM_WANT_METRIC)};
-  status = ylm_parallel(n, 64, q->threads, run, &j, q->progress, "lights");
+  status = ylm_parallel(n, SAMPLED_GRAIN, q->threads, run, &j, q->progress, "lights");
   if (status != YLM_OK) return ylm_fail(e, status, "%s", ylm_status_text(status));
   r->pairs += (uint64_t)n * s->n;
   return ylm_light_finite(q, n, points, r, e);

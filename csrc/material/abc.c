@@ -4,12 +4,12 @@
 
 #include <math.h>
 
+#include "calibration.h"
 #include "kernels.h"
 #include "kind.h"
 #include "plain.h"
 
 #define PI 3.14159265358979323846
-#define FOLDED 1e-7 /* visible.h */
 
 enum { KD, A = KD + 3, B = A + 3, C, IOR, SCALE, NUMBERS };
 
@@ -90,7 +90,8 @@ static double both(const void *p, const double wi[3], const double wo[3], double
   for (int k = 0; k < 3; k++) f[k] = (double)g->kd[k] + (double)g->a[k] * shape;
   double alpha = (double)g->alpha, share = (double)g->share;
   double root = sqrt(wo[2] * wo[2] + alpha * alpha * (wo[0] * wo[0] + wo[1] * wo[1]));
-  double D = ndf(alpha, flat, z) + (gz > 0 && flat + gz * gz > FOLDED ? ndf(alpha, flat, gz) : 0);
+  double D =
+      ndf(alpha, flat, z) + (gz > 0 && flat + gz * gz > MATERIAL_FOLDED ? ndf(alpha, flat, gz) : 0);
   return share * D / (2 * (wo[2] + root)) + (1 - share) * wi[2] / PI;
 }
 

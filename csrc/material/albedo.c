@@ -1,10 +1,10 @@
 /* albedo.c - reflectances by quadrature of what a material samples, for any kind. */
 #include <math.h>
 
+#include "calibration.h"
 #include "kind.h"
 
 #define PI 3.14159265358979323846
-#define BATCH 256
 
 /* Point i of the additive sequence of d <= 5 coordinates whose steps are powers of 1/g, with
    g^(d+1) = g + 1 (Roberts 2018). */
@@ -23,10 +23,10 @@ static void place(size_t i, int d, float *u) {
   }
 }
 
-/* Adds n <= BATCH weights to sums. */
+/* Adds n <= ALBEDO_BATCH weights to sums. */
 static void add(const ylm_material *m, size_t n, const float (*wo)[3], const float (*u)[3],
                 double sum[3]) {
-  float wi[BATCH][3], weight[BATCH][3], pdf[BATCH];
+  float wi[ALBEDO_BATCH][3], weight[ALBEDO_BATCH][3], pdf[ALBEDO_BATCH];
   ylm_material_sample(m, n, wo, u, wi, weight, pdf);
   for (size_t i = 0; i < n; i++)
     for (int c = 0; c < 3; c++) sum[c] += (double)weight[i][c];
@@ -37,11 +37,11 @@ static void put(const double sum[3], size_t n, float albedo[3]) {
 }
 
 void ylm__material_mean(const ylm_material *m, float albedo[3]) {
-  const size_t n = 1 << 15;
-  float wo[BATCH][3], u[BATCH][3], p[5];
+  const size_t n = ALBEDO_MEAN_SAMPLES;
+  float wo[ALBEDO_BATCH][3], u[ALBEDO_BATCH][3], p[5];
   double sum[3] = {0};
-  for (size_t i = 0; i < n; i += BATCH) {
-    for (size_t k = 0; k < BATCH; k++) {
+  for (size_t i = 0; i < n; i += ALBEDO_BATCH) {
+    for (size_t k = 0; k < ALBEDO_BATCH; k++) {
       place(i + k, 5, p);
       float r = sqrtf(p[3]), angle = (float)(2 * PI) * p[4];
       wo[k][0] = r * cosf(angle);
@@ -49,22 +49,22 @@ void ylm__material_mean(const ylm_material *m, float albedo[3]) {
       wo[k][2] = sqrtf(1 - p[3]);
       for (int a = 0; a < 3; a++) u[k][a] = p[a];
     }
-    add(m, BATCH, (const float(*)[3])wo, (const float(*)[3])u, sum);
+    add(m, ALBEDO_BATCH, (const float(*)[3])wo, (const float(*)[3])u, sum);
   }
   put(sum, n, albedo);
 }
 
 void ylm__material_reflectance(const ylm_material *m, size_t n, const float (*wo)[3],
                                float (*albedo)[3]) {
-  const size_t points = 1 << 14;
-  float same[BATCH][3], u[BATCH][3];
+  const size_t points = ALBEDO_SAMPLES;
+  float same[ALBEDO_BATCH][3], u[ALBEDO_BATCH][3];
   for (size_t i = 0; i < n; i++) {
     double sum[3] = {0};
-    for (size_t k = 0; k < BATCH; k++)
+    for (size_t k = 0; k < ALBEDO_BATCH; k++)
       for (int a = 0; a < 3; a++) same[k][a] = wo[i][a];
-    for (size_t k = 0; k < points; k += BATCH) {
-      for (size_t j = 0; j < BATCH; j++) place(k + j, 3, u[j]);
-      add(m, BATCH, (const float(*)[3])same, (const float(*)[3])u, sum);
+    for (size_t k = 0; k < points; k += ALBEDO_BATCH) {
+      for (size_t j = 0; j < ALBEDO_BATCH; j++) place(k + j, 3, u[j]);
+      add(m, ALBEDO_BATCH, (const float(*)[3])same, (const float(*)[3])u, sum);
     }
     put(sum, points, albedo[i]);
   }

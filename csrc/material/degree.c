@@ -2,12 +2,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "calibration.h"
 #include "kind.h"
 #include "ylm_sh.h"
 
 #define PI 3.14159265358979323846
-#define LEAST_ROWS 128
-#define MOST_ROWS 1024
 
 /* A slice f wi.z on rows of directions above the surface, their azimuths twice as many. */
 typedef struct slice {
@@ -125,19 +124,19 @@ static int least(const slice *s, double total, double error, int most, double *s
 ylm_status ylm_material_degrees(const ylm_material *m, double error, int most, size_t n,
                                 const double *angle, int *degree) {
   if (most < 0 || most > YLM_MATERIAL_DEGREES || !(error > 0 && error < 1)) return YLM_ERANGE;
-  double *work = ylm_alloc(8 * MOST_ROWS + (size_t)most + 1, sizeof *work);
+  double *work = ylm_alloc(8 * DEGREE_MOST_ROWS + (size_t)most + 1, sizeof *work);
   ylm_status s = work ? YLM_OK : YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
     double total = 0, finer = 0;
-    for (int rows = LEAST_ROWS; s == YLM_OK && rows <= MOST_ROWS; rows *= 2) {
+    for (int rows = DEGREE_LEAST_ROWS; s == YLM_OK && rows <= DEGREE_MOST_ROWS; rows *= 2) {
       slice x;
       if (!slice_create(rows, &x)) s = YLM_ENOMEM;
       if (s == YLM_OK) finer = fill(m, angle[i], &x);
-      bool settled = fabs(finer - total) <= 0.1 * error * error * finer || rows == MOST_ROWS;
+      bool settled = fabs(finer - total) <= 0.1 * error * error * finer || rows == DEGREE_MOST_ROWS;
       total = finer;
       if (s == YLM_OK && settled)
-        degree[i] = least(&x, total, error, most, work, work + 6 * MOST_ROWS, work + 7 * MOST_ROWS,
-                          work + 8 * MOST_ROWS);
+        degree[i] = least(&x, total, error, most, work, work + 6 * DEGREE_MOST_ROWS,
+                          work + 7 * DEGREE_MOST_ROWS, work + 8 * DEGREE_MOST_ROWS);
       slice_free(&x);
       if (settled) break;
     }

@@ -9,10 +9,10 @@
 #include <math.h>
 #include <string.h>
 
+#include "calibration.h"
 #include "ylm_sh.h"
 
 #define PI 3.14159265358979323846
-#define RIDGE 1e-4 /* of each diagonal element */
 #define WIDE (YLM_MATERIAL_TABLE_FIT_LMAX + 1)
 #define NODES 16 /* exact for polynomials of degree 31: z^2 times two of degree 8 has 18 */
 
@@ -36,7 +36,7 @@ static void add_node(material_fit *fit, double z, double weight) {
 static void factorise(int n, const double gram[WIDE][WIDE], double L[WIDE][WIDE]) {
   for (int i = 0; i < n; i++)
     for (int j = 0; j <= i; j++) {
-      double sum = gram[i][j] * (i == j ? 1 + RIDGE : 1);
+      double sum = gram[i][j] * (i == j ? 1 + FIT_RIDGE : 1);
       for (int k = 0; k < j; k++) sum -= L[i][k] * L[j][k];
       L[i][j] = i == j ? sqrt(sum) : sum / L[j][j];
     }

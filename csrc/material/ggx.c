@@ -11,7 +11,6 @@
 #include "plain.h"
 
 #define PI 3.14159265358979323846
-#define FOLDED 1e-7 /* visible.h */
 
 enum { ALPHA_X, ALPHA_Y, F0, BASE = F0 + 3, COMPENSATE = BASE + 3, NUMBERS };
 
@@ -178,7 +177,7 @@ static double both(const void *p, const double wi[3], const double wo[3], double
   double square = h[0] * h[0] + h[1] * h[1] + h[2] * h[2];
   double image = h[0] * h[0] + h[1] * h[1] + gz * gz, ro = root(g, wo);
   double D = ndf(g, h[0], h[1], h[2]), also = 0;
-  if (gz > 0 && image > FOLDED) also = ndf(g, h[0], h[1], gz);
+  if (gz > 0 && image > MATERIAL_FOLDED) also = ndf(g, h[0], h[1], gz);
   double schlick = pow(1 - sqrt(square) / 2, 5), Ai, Bi, Ao, Bo;
   curve_at(g, wi[2], &Ai, &Bi);
   curve_at(g, wo[2], &Ao, &Bo);

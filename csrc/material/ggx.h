@@ -18,14 +18,13 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "calibration.h"
+
 /* gen/albedo.c: { A, B } over sqrt(alpha), from sqrt(YLM__ALBEDO_LEAST) to 1, and sqrt(cosine), from
    0 to 1; both even. */
 #define YLM__ALBEDO_KNOTS 64
 #define YLM__ALBEDO_LEAST 1e-3
 extern const float ylm__material_albedo[YLM__ALBEDO_KNOTS][YLM__ALBEDO_KNOTS][2];
-
-/* Places of a material's curve over sqrt(cosine), linear between them. */
-#define GGX_CURVE 512
 
 typedef struct ggx {
   float ax, ay, f0[3];

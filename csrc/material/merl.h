@@ -8,6 +8,7 @@
 #ifndef YLM_MATERIAL_MERL_H
 #define YLM_MATERIAL_MERL_H
 
+#include "calibration.h"
 #include "kernels.h"
 #include "lobe.h"
 #include "ylm_material.h"
@@ -34,7 +35,6 @@ typedef struct merl_table {
 } merl_table;
 
 /* Places among the bins, in bins from the border of the first. */
-#define MERL_BLOCK 64
 typedef struct merl_places {
   float theta_h[MERL_BLOCK], theta_d[MERL_BLOCK], phi_d[MERL_BLOCK];
 } merl_places;

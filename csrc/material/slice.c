@@ -8,28 +8,18 @@
 #include "ylm_sh.h"
 
 #define PI 3.14159265358979323846
-/* Nodes in angle from the mirror direction: doubled from the least to the most. Twice as many in azimuth. */
-#define LEAST_NODES 24
-#define MOST_NODES 192
-#define RULES 4
-/* The change of coefficients, relative to the slice's norm, at which they are enough. */
-#define SETTLED 1e-4
-/* Nodes crowd towards the mirror direction as sinh(CROWD u): the first tenth of them lies within a fiftieth of
-   the angle. */
-#define CROWD 6.0
-
-#define MOST (MOST_NODES * SLICE_WIDE)
+#define MOST (SLICE_MOST_NODES * SLICE_WIDE)
 
 /* Places in parts of the angle from the mirror direction to the horizon, and what they count. */
 typedef struct rule {
   int nodes; /* 0: not made yet */
-  double part[MOST_NODES], weight[MOST_NODES];
+  double part[SLICE_MOST_NODES], weight[SLICE_MOST_NODES];
 } rule;
 
 struct slice_room {
   int lmax, entries;
   const slice_kernels *kernels;
-  rule rules[RULES];
+  rule rules[SLICE_RULES];
   slice_recurrence recurrence;
   ylm_sh_rotator *rotator;
   float wi[MOST][3], wo[MOST][3], f[MOST][3];
@@ -99,14 +89,14 @@ void ylm__slice_room_free(slice_room *r) {
 
 static const rule *rule_of(slice_room *r, int nodes) {
   rule *to = r->rules;
-  for (int n = LEAST_NODES; n < nodes; n *= 2) to++;
+  for (int n = SLICE_LEAST_NODES; n < nodes; n *= 2) to++;
   if (to->nodes) return to;
   to->nodes = nodes;
   ylm_sh_gauss_legendre(nodes, to->part, to->weight);
   for (int i = 0; i < nodes; i++) {
-    double u = CROWD * (to->part[i] + 1) / 2;
-    to->part[i] = sinh(u) / sinh(CROWD);
-    to->weight[i] *= CROWD * cosh(u) / sinh(CROWD) / 2;
+    double u = SLICE_CROWD * (to->part[i] + 1) / 2;
+    to->part[i] = sinh(u) / sinh(SLICE_CROWD);
+    to->weight[i] *= SLICE_CROWD * cosh(u) / sinh(SLICE_CROWD) / 2;
   }
   return to;
 }
@@ -192,15 +182,15 @@ ylm_status ylm__slice(const ylm_material *m, slice_room *r, double angle, double
                       ylm_material_table_slice of, material_slice *out) {
   size_t count = ylm_sh_count(r->lmax);
   const double c = cos(angle), s = sin(angle), frame[9] = {c, 0, -s, 0, 1, 0, s, 0, c};
-  integrate(m, r, LEAST_NODES, angle, azimuth, of, out);
-  for (int nodes = 2 * LEAST_NODES; nodes <= MOST_NODES; nodes *= 2) {
+  integrate(m, r, SLICE_LEAST_NODES, angle, azimuth, of, out);
+  for (int nodes = 2 * SLICE_LEAST_NODES; nodes <= SLICE_MOST_NODES; nodes *= 2) {
     double change = 0, total = 0;
     memcpy(r->before, r->about, 3 * count * sizeof *r->before);
     integrate(m, r, nodes, angle, azimuth, of, out);
     for (size_t k = 0; k < 3 * count; k++)
       change += (r->about[k] - r->before[k]) * (r->about[k] - r->before[k]);
     for (int k = 0; k < 3; k++) total += out->total[k];
-    if (change <= SETTLED * SETTLED * total) break;
+    if (change <= SLICE_SETTLED * SLICE_SETTLED * total) break;
   }
   return ylm_sh_rotate(r->rotator, frame, r->lmax, YLM_DOUBLE, 3, r->about, out->c, 1, NULL, NULL);
 }

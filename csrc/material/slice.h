@@ -2,6 +2,7 @@
 #ifndef YLM_MATERIAL_SLICE_H
 #define YLM_MATERIAL_SLICE_H
 
+#include "calibration.h"
 #include "ylm_material_table.h"
 
 /* A slice, in the frame of its view. */
@@ -21,9 +22,6 @@ ylm_status ylm__slice(const ylm_material *m, slice_room *r, double angle, double
                       ylm_material_table_slice of, material_slice *out);
 
 /* -- kernels: slice_kernel.h ----------------------------------------------------- */
-
-/* Half planes at once. */
-#define SLICE_WIDE 8
 
 /* Half planes through the mirror direction of a view. */
 typedef struct slice_planes {

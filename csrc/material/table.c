@@ -10,12 +10,6 @@
 #include "table.h"
 #include "ylm_sh.h"
 
-#define LAST_TOLD (84.0 / 180 * TABLE_PI) /* of those that `error` is about */
-/* Functions that are a smaller part of all slices than this are left out. */
-#define FAINT 1e-3
-/* Columns at which rows are judged, and rows at which columns are. */
-#define JUDGES 4
-
 /* -- making -------------------------------------------------------------------- */
 
 /* Slices in the making, one behind the other: numbers [3][width], then the part missed [lmax + 1]. */
@@ -113,41 +107,41 @@ static double difference(const making *x, const double *between, const double *e
   return norm > 0 ? sqrt(d / norm) : 0;
 }
 
-/* The errors halfway between rows, at JUDGES columns; `exact` gets the slices there: [JUDGES][rows - 1][size]. */
+/* The errors halfway between rows, at TABLE_JUDGES columns; `exact` gets the slices there: [TABLE_JUDGES][rows - 1][size]. */
 static ylm_status judge_rows(making *x, double *exact, double *between, wanted *list, double *error,
                              double *grazing) {
-  int judges = x->columns == 1 ? 1 : x->mirrored ? JUDGES / 2 : JUDGES, n = 0;
+  int judges = x->columns == 1 ? 1 : x->mirrored ? TABLE_JUDGES / 2 : TABLE_JUDGES, n = 0;
   for (int j = 0; j < judges; j++)
     for (int i = 0; i + 1 < x->rows; i++, n++)
-      list[n] =
-          (wanted){angle_of(i + 0.5, x->rows), azimuth_of(j * x->columns / JUDGES, x->columns),
-                   exact + x->size * (size_t)n};
+      list[n] = (wanted){angle_of(i + 0.5, x->rows),
+                         azimuth_of(j * x->columns / TABLE_JUDGES, x->columns),
+                         exact + x->size * (size_t)n};
   ylm_status s = make(x, (size_t)n, list);
   *error = *grazing = 0;
   for (int k = 0; s == YLM_OK && k < n; k++) {
-    int i = k % (x->rows - 1), j = k / (x->rows - 1) * x->columns / JUDGES;
+    int i = k % (x->rows - 1), j = k / (x->rows - 1) * x->columns / TABLE_JUDGES;
     double w[4];
     ylm__table_cubic(0.5, w);
     memset(between, 0, 3 * x->width * sizeof *between);
     for (int q = 0; q < 4; q++) add_slice(x, i - 1 + q, j, w[q], between);
-    double *worst = list[k].angle <= LAST_TOLD ? error : grazing;
+    double *worst = list[k].angle <= TABLE_LAST_TOLD ? error : grazing;
     *worst = fmax(*worst, difference(x, between, list[k].to));
   }
   return s;
 }
 
-/* The error halfway between columns, at JUDGES rows. */
+/* The error halfway between columns, at TABLE_JUDGES rows. */
 static ylm_status judge_columns(making *x, double *exact, double *between, wanted *list,
                                 double *error) {
   int n = 0, beside = x->mirrored ? x->columns / 4 : x->columns;
-  for (int j = 0; j < JUDGES; j++)
+  for (int j = 0; j < TABLE_JUDGES; j++)
     for (int i = 0; i < beside; i++, n++)
-      list[n] = (wanted){angle_of((j + 1) * (x->rows - 3) / JUDGES, x->rows),
+      list[n] = (wanted){angle_of((j + 1) * (x->rows - 3) / TABLE_JUDGES, x->rows),
                          azimuth_of(i + 0.5, x->columns), exact + x->size * (size_t)n};
   ylm_status s = make(x, (size_t)n, list);
   *error = 0;
   for (int k = 0; s == YLM_OK && k < n; k++) {
-    int i = k % beside, row = (k / beside + 1) * (x->rows - 3) / JUDGES;
+    int i = k % beside, row = (k / beside + 1) * (x->rows - 3) / TABLE_JUDGES;
     double w[4];
     ylm__table_cubic(0.5, w);
     memset(between, 0, 3 * x->width * sizeof *between);
@@ -199,7 +193,7 @@ static ylm_status fill(making *x, const making *old) {
 /* Doubles rows or columns as long as there is too much between them. */
 static ylm_status refine(making *x, double *error, double *grazing) {
   for (;;) {
-    size_t judged = JUDGES * (size_t)(x->rows > x->columns ? x->rows : x->columns);
+    size_t judged = TABLE_JUDGES * (size_t)(x->rows > x->columns ? x->rows : x->columns);
     double *exact = ylm_alloc(judged * x->size, sizeof *exact);
     double *between = ylm_alloc(3 * x->width, sizeof *between);
     wanted *list = ylm_alloc(judged, sizeof *list);
@@ -262,7 +256,7 @@ static void choose_functions(const making *x, ylm_material_table *t) {
     int best = -1;
     for (int k = 0; k < 3; k++)
       if (!used[k] && (best < 0 || value[k] > value[best])) best = k;
-    if (t->functions > 0 && value[best] <= FAINT * FAINT * total) break;
+    if (t->functions > 0 && value[best] <= TABLE_FAINT * TABLE_FAINT * total) break;
     used[best] = true;
     for (int c = 0; c < 3; c++) t->mix[c][t->functions] = (float)v[best][c];
   }

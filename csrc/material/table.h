@@ -2,6 +2,7 @@
 #ifndef YLM_MATERIAL_TABLE_PRIVATE_H
 #define YLM_MATERIAL_TABLE_PRIVATE_H
 
+#include "calibration.h"
 #include "ylm_material_table.h"
 
 #define TABLE_PI 3.14159265358979323846

@@ -1,10 +1,7 @@
 /* table_kept.c - tables that are kept with their material, one a degree and kind of slice. */
+#include "calibration.h"
 #include "kind.h"
 #include "ylm_material_table.h"
-
-#define ROWS 32
-#define COLUMNS 64
-#define ERROR 0.002
 
 struct material_kept {
   struct material_kept *next;
@@ -27,9 +24,9 @@ ylm_status ylm_material_table_kept_as(const ylm_material *m, ylm_material_table_
   struct material_kept *head = atomic_load(kept);
   if ((*table = find(head, lmax, slice))) return YLM_OK;
   ylm_material_table_form form = {.lmax = lmax,
-                                  .rows = ROWS,
-                                  .columns = COLUMNS,
-                                  .error = ERROR,
+                                  .rows = KEPT_ROWS,
+                                  .columns = KEPT_COLUMNS,
+                                  .error = KEPT_ERROR,
                                   .slice = slice,
                                   .threads = threads,
                                   .progress = progress};

@@ -8,6 +8,7 @@
 #ifndef YLM_MATERIAL_WARP_H
 #define YLM_MATERIAL_WARP_H
 
+#include "calibration.h"
 #include "ylm_base.h"
 
 /* Slices by their shares, which add up to 1. */
@@ -44,8 +45,7 @@ bool ylm__warp_fill(warp *w, size_t slice, const float *density);
 /* The density at a place. */
 float ylm__warp_density(const warp *w, const blend *b, const float at[2]);
 
-/* At most so many places at a time. */
-#define WARP_BLOCK 16
+/* At most WARP_BLOCK places at a time. */
 
 /* Of each of n places u the place out before which that share of the density lies, and the density
    there. */

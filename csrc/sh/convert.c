@@ -1,4 +1,5 @@
 /* convert.c - conventions of coefficient vectors and translation between them. */
+#include "calibration.h"
 #include "ylm_sh.h"
 
 #include <math.h>
@@ -382,7 +383,7 @@ ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtype t, siz
     size_t groups = rows / channels;
     s = groups <= 256 && !progress
             ? run(&j, 0, groups, 0)
-            : ylm_parallel(groups, 256, threads, run, &j, progress, "convert");
+            : ylm_parallel(groups, CONVERT_GRAIN, threads, run, &j, progress, "convert");
   }
   ylm_free(factor);
   ylm_sh_rotator_free(p);

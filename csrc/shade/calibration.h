@@ -29,6 +29,11 @@
 #define SHADE_OCCLUSION_RAYS 1024
 /* Places of the measurement of occlusion that a thread takes at a time. */
 #define SHADE_MEASURED_GRAIN 16
+/* Points whose transfer vectors, and points whose lobes, a thread makes at a time. */
+#define SHADE_TRANSFER_GRAIN 128
+#define SHADE_LOBE_GRAIN 64
+/* Rows of the picture of lamps that a thread takes at a time. */
+#define SHADE_LAMP_ROWS 32
 
 /* -- points that are shaded in one go ------------------------------------------------------------ */
 
@@ -40,6 +45,11 @@
 #define SHADE_LINK_POINTS 256
 /* Points whose light is known at once. */
 #define SHADE_VECTOR_POINTS 256
+/* Points or pixels that a thread takes at a time where one is a few numbers; pixels of a layer, and points near lights;
+   points whose products are kept. */
+#define SHADE_GRAIN 4096
+#define SHADE_LAYER_GRAIN 1024
+#define SHADE_KEPT_GRAIN 512
 /* Points whose surfaces are asked for at once. */
 #define SHADE_BIAS_POINTS 64
 
@@ -68,7 +78,8 @@
 #define CAST_FRESH_PART 2
 #define CAST_FRESH_LEAST 64
 #define CAST_FRESH_MOST 512
-/* Places that are found at once. */
+/* Places that are found at once, and items whose places a thread finds at a time. */
 #define CAST_FRESH_ROOM 65536
+#define CAST_FRESH_GRAIN 64
 
 #endif

@@ -135,7 +135,7 @@ static ylm_status pick(const ylm_shade_view *v, const items *all, size_t n, cons
     j.place = ylm_alloc(n * most, sizeof *j.place);
     j.found = ylm_alloc_zero(n, sizeof *j.found);
     s = j.place && j.found ? YLM_OK : YLM_ENOMEM;
-    if (s == YLM_OK) s = ylm_parallel(n, 64, threads, find_fresh, &j, NULL, "places");
+    if (s == YLM_OK) s = ylm_parallel(n, CAST_FRESH_GRAIN, threads, find_fresh, &j, NULL, "places");
   }
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
     size_t found = most > 0 ? j.found[i] : 0;

@@ -1,6 +1,7 @@
 /* glossy.c - radiance of points that gloss: sorted by material, slices times light. */
 #include <string.h>
 
+#include "calibration.h"
 #include "slices.h"
 
 /* Points of one material. */
@@ -122,7 +123,7 @@ static ylm_status keep_points(void *context, size_t begin, size_t end, int worke
 ylm_status ylm__shade_keep(const ylm_shade_view *v, shade_kept *kept, int threads,
                            const ylm_progress *progress) {
   keeping j = {v, kept};
-  return ylm_parallel(v->points, 512, threads, keep_points, &j, progress, "products");
+  return ylm_parallel(v->points, SHADE_KEPT_GRAIN, threads, keep_points, &j, progress, "products");
 }
 
 /* Radiance by slices that are kept, one run of points of a mesh after the other. */

@@ -128,5 +128,5 @@ ylm_status ylm_shade_grid_cells(const ylm_shade_view *v, const ylm_grid *grid, i
                                 float *level, float *error) {
   grid_job j = {
       .view = v, .grid = grid, .look = ylm_grid_look(grid), .level = level, .error = error};
-  return ylm_parallel(v->points, 4096, threads, run_cells, &j, NULL, NULL);
+  return ylm_parallel(v->points, SHADE_GRAIN, threads, run_cells, &j, NULL, NULL);
 }

@@ -3,6 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "calibration.h"
 #include "gen/picture.h"
 #include "view.h"
 
@@ -138,7 +139,8 @@ ylm_status ylm_shade_draw_lamps(const ylm_shade_view *v, const ylm_scene_lamps *
   disc *d = discs_of(v, lamps, &j.n);
   if (!d) return YLM_ENOMEM;
   j.disc = d;
-  ylm_status s = ylm_parallel((size_t)v->o.height, 32, threads, draw_rows, &j, NULL, NULL);
+  ylm_status s =
+      ylm_parallel((size_t)v->o.height, SHADE_LAMP_ROWS, threads, draw_rows, &j, NULL, NULL);
   ylm_free(d);
   return s;
 }

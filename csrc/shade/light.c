@@ -207,5 +207,5 @@ ylm_status ylm_shade_coefficients(const ylm_shade_view *v, size_t first, size_t 
   given_job j = {v, ylm__shade_kernels().dot, {.lmax = lmax}, first, {channels, lmax, t, L}, out};
   ylm_status s = ylm__shade_rows(v, YLM_SHADE_TRANSFER, lmax, threads, NULL, &j.rows, NULL);
   if (s != YLM_OK) return s;
-  return ylm_parallel(n, 4096, threads, run_given, &j, NULL, NULL);
+  return ylm_parallel(n, SHADE_GRAIN, threads, run_given, &j, NULL, NULL);
 }

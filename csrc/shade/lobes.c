@@ -8,6 +8,8 @@
 
 #include <math.h>
 
+#include "calibration.h"
+
 /* Rays that are traced in one go, unless one point has more. */
 #define BATCH 1024
 /* How far below the horizon of a normal of vertices the eye may be. */
@@ -250,7 +252,7 @@ ylm_status ylm__shade_lobes(const ylm_shade_view *v, const ylm_transfer *t, size
   job j = {
       .v = v, .t = t, .point = point, .stream = stream, .most = most, .seed = seed, .out = out};
   ylm_status s = share(&j);
-  if (s == YLM_OK) s = ylm_parallel(n, 64, threads, run, &j, progress, "links");
+  if (s == YLM_OK) s = ylm_parallel(n, SHADE_LOBE_GRAIN, threads, run, &j, progress, "links");
   ylm_free(j.vertex);
   ylm_free(j.albedo);
   return s;

@@ -1,6 +1,7 @@
 /* near.c - radiance of shading points under the near parts of virtual lights. */
 #include <string.h>
 
+#include "calibration.h"
 #include "gloss.h"
 #include "ylm_light_virtual.h"
 #include "ylm_sh.h"
@@ -41,7 +42,7 @@ static ylm_status by_coefficients(const ylm_shade_view *v, const ylm_light_virtu
     s = ylm_light_virtual_near_value(
         near, j->rows.lmax, n, v->position[first], threads,
         ylm_progress_part_of(&part, progress, "near lights", first, n, v->points), L, &some, e);
-    if (s == YLM_OK) s = ylm_parallel(n, 1024, threads, run, j, NULL, NULL);
+    if (s == YLM_OK) s = ylm_parallel(n, SHADE_LAYER_GRAIN, threads, run, j, NULL, NULL);
     for (size_t i = 0; s == YLM_OK && i < 3 * n; i++) radiance[3 * first + i] += out[i];
     *pairs += some;
   }

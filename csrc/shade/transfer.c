@@ -230,7 +230,8 @@ ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
     j.disk[k][1] = (float)sin(turn);
     j.height[k] = (float)k / (float)samples;
   }
-  if (s == YLM_OK) s = ylm_parallel(n, 128, v->o.threads, run, &j, v->o.progress, "transfer");
+  if (s == YLM_OK)
+    s = ylm_parallel(n, SHADE_TRANSFER_GRAIN, v->o.threads, run, &j, v->o.progress, "transfer");
   *rays += j.rays;
   ylm_free(j.zonal);
   ylm_free(j.disk);

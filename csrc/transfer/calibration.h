@@ -13,6 +13,9 @@
 #define TRANSFER_TINTS 16
 /* Rays that are traced in one go, unless one place has more. */
 #define TRANSFER_RAYS 1024
+/* Elements that a thread describes at a time, and elements whose links it finds. */
+#define TRANSFER_GRAIN 256
+#define LINKS_GRAIN 64
 /* The most lamps that are looked at; of more, evenly many. */
 #define SIDES_LAMPS 65536
 /* Distinct sets of bodies around lamps that are remembered, and the most bodies in one. */
@@ -50,6 +53,8 @@
 /* Rays that are summed in one go, and rows that are fetched before they are read. */
 #define MATRIX_STEP 64
 #define MATRIX_AHEAD 8
+/* Matrices that a thread takes at a time. */
+#define MATRIX_GRAIN 8
 /* Rows of emitters that are fetched before they are read. Moved by: bounces a second where rows
    exceed the caches. */
 #define SUM_AHEAD 8

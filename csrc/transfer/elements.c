@@ -208,7 +208,7 @@ static ylm_status make(ylm_transfer *t, const float *positions) {
           t->mesh[of + e] = (uint32_t)m, t->triangle[of + e] = (uint32_t)(i - t->first[m]);
       }
   job j = {t, positions, ylm_scene_is_tinted(t->scene)};
-  return ylm_parallel(n, 256, t->form.threads, describe, &j, NULL, NULL);
+  return ylm_parallel(n, TRANSFER_GRAIN, t->form.threads, describe, &j, NULL, NULL);
 }
 
 static ylm_status list_triangles(ylm_transfer *t) {

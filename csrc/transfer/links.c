@@ -272,7 +272,7 @@ static ylm_status share(job *j) {
 
 static ylm_status go(job *j, size_t n, int threads, const ylm_progress *progress) {
   ylm_status s = share(j);
-  if (s == YLM_OK) s = ylm_parallel(n, 64, threads, run, j, progress, "links");
+  if (s == YLM_OK) s = ylm_parallel(n, LINKS_GRAIN, threads, run, j, progress, "links");
   ylm_free(j->disk);
   ylm_free(j->height);
   ylm_free(j->inside);

@@ -187,7 +187,7 @@ ylm_status ylm_transfer_matrices(const ylm_transfer *t, const float *vectors, si
     j.disk[k][1] = (float)sin(phi);
   }
   j.B = B;
-  if (s == YLM_OK) s = ylm_parallel(n, 8, threads, run, &j, progress, "matrices");
+  if (s == YLM_OK) s = ylm_parallel(n, MATRIX_GRAIN, threads, run, &j, progress, "matrices");
   ylm_free(B);
   ylm_free(j.disk);
   return s;

@@ -1,4 +1,5 @@
 /* sum.c - means of rows over links: the plain form, which judges the others, and their choice. */
+#include "calibration.h"
 #include "transfer.h"
 #include "ylm_sets.h"
 
@@ -42,5 +43,5 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 void ylm_transfer_sum(size_t n, int links, const uint32_t *link, int width, const float *in,
                       const float *start, float *out, int threads) {
   job j = {ylm__transfer_sum(), links, width, link, in, start, out};
-  ylm_parallel(n, 256, threads, run, &j, NULL, NULL);
+  ylm_parallel(n, BOUNCE_GRAIN, threads, run, &j, NULL, NULL);
 }

@@ -2,6 +2,7 @@
 #ifndef YLM_GRID_BAKER_H
 #define YLM_GRID_BAKER_H
 
+#include "calibration.h"
 #include "learnt.h"
 
 /* A list of cells. */

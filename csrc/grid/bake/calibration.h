@@ -1,8 +1,9 @@
 /*
-** calibration.h - numbers of refinement by a tolerance that were found by trying.
+** calibration.h - the tuned constants of bakes. Private to csrc/grid.
 **
-** They move how many points a grid has and how often it misses its tolerance. The judgement whether
-** it keeps the tolerance is panel.c's alone, by points that have no part in refinement.
+** Those of refinement by a tolerance were found by trying. They move how many points a grid has and how often it misses
+** its tolerance. The judgement whether it keeps the tolerance is panel.c's alone, by points that have no part in
+** refinement. Sizes of work move time alone.
 **
 ** Bench: `make bench` (spec/bench/grid.c) prints points and time of a bake to 0.01, `make demo` the
 ** points and the judged error of one scene. "The lamps" below are 12 lamps over a floor and a ball
@@ -59,8 +60,51 @@
 
 /* -- judgement: panel.c --------------------------------------------------------------------- */
 
+/* The part of the points that may fail, and the chance that a grid in which more fail is called good: the promise of
+   docs/grids.md. */
+#define PROMISED 0.01
+#define DOUBT 0.01
+/* Points that judge the updates of a grid. */
+#define PANEL 4096
+/* Degrees of irradiance that are compared: beyond, A(l) is below A(0)/1000. */
+#define IRRADIANCE_MOST 32
 /* Looks of a bake: at HELD_OUT points, then at twice as many, while chance decides. Each look has
    its part of DOUBT. */
 #define LOOKS 4
+
+/* -- the two sides of surfaces: sides.c ----------------------------------------------------- */
+
+/* How far off a surface the field is asked, in parts of the thickness of a finest voxel; and at least, in parts of the
+   largest coordinate. */
+#define SIDES_OFF 0x1p-10
+#define SIDES_ROUNDING 0x1p-20
+/* Light jumps within a voxel where values along an edge miss their slopes by more than this part of the larger norm. */
+#define SIDES_JUMP 0.25
+
+/* -- occupied voxels: occupancy.c, occupancy_triangles.c, surface.c ------------------------- */
+
+/* The finest level that has one bit per voxel: 2 MiB. Triangles are marked in passes of OCCUPIED_STEP levels below. */
+#define OCCUPIED_DENSE 8
+#define OCCUPIED_STEP 2
+/* Occupied voxels at most. */
+#define OCCUPIED_MOST ((size_t)1 << 26)
+/* Marks that a thread counts before it tells. */
+#define OCCUPIED_TOLD 4096
+/* Fewer triangles than this are shared among threads by parts of the lattice, OCCUPIED_PARTS along each axis. */
+#define OCCUPIED_FEW 1024
+#define OCCUPIED_PARTS 4
+/* Triangles that a thread takes at a time. */
+#define SURFACE_GRAIN 4096
+/* Points of a block of the radix sort, and bits of one of its passes. */
+#define SORT_BLOCK 16384
+#define SORT_BITS 11
+
+/* -- work: continuity.c, corners.c, evaluate.c, metric.c, processor.c, sides.c -------------- */
+
+/* Points that a thread takes at a time where their numbers are computed; points and voxels where they are looked up
+   or measured; cells whose corners are found. */
+#define BAKE_GRAIN 64
+#define BAKE_LOOK_GRAIN 512
+#define BAKE_CELLS_GRAIN 1024
 
 #endif

@@ -124,7 +124,7 @@ ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threa
   interpolation j = {g, changed, order, 0, keep, keep && all};
   for (int k = 0; k <= YLM_GRID_MAX_DEPTH; k++) {
     j.first = first[k];
-    ylm_parallel(first[k + 1] - first[k], 64, threads, interpolate_range, &j, NULL, NULL);
+    ylm_parallel(first[k + 1] - first[k], BAKE_GRAIN, threads, interpolate_range, &j, NULL, NULL);
   }
   ylm_free(order);
   return YLM_OK;
@@ -287,7 +287,8 @@ ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads) {
   size_t cells = g->cells;
   hanging_job j = {g, ylm_alloc_zero(cells, 1)};
   ylm_status s = j.leaf ? ylm__grid_build_table(g) : YLM_ENOMEM;
-  if (s == YLM_OK) s = ylm_parallel(g->evaluated, 512, threads, find_hanging, &j, NULL, NULL);
+  if (s == YLM_OK)
+    s = ylm_parallel(g->evaluated, BAKE_LOOK_GRAIN, threads, find_hanging, &j, NULL, NULL);
   for (size_t i = 0; i < cells && s == YLM_OK; i++)
     if (j.leaf[i]) s = ylm__grid_continue_leaf(g, (uint32_t)i);
   ylm_free(j.leaf);

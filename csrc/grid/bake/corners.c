@@ -139,7 +139,7 @@ static ylm_status look_in_wave(void *context, size_t begin, size_t end, int work
 /* Finds the corners of the wave's cells; new points wait, in the order of cells. */
 ylm_status ylm__corners_find(baker *b) {
   ylm_grid *g = b->g;
-  ylm_parallel(b->wave.n, 512, b->source->threads, look_in_wave, b, NULL, NULL);
+  ylm_parallel(b->wave.n, BAKE_LOOK_GRAIN, b->source->threads, look_in_wave, b, NULL, NULL);
   for (size_t j = 0; j < b->wave.n; j++) {
     ylm_grid_cell *c = &g->cell[b->wave.cell[j]];
     for (int i = 0; i < 8; i++) {
@@ -173,8 +173,8 @@ static ylm_status find_shared_corners(void *context, size_t begin, size_t end, i
 /* Corners of unoccupied cells that were evaluated for their neighbours. */
 void ylm__corners_find_shared(baker *b, const uint8_t *only) {
   shared_job j = {b, only};
-  ylm_parallel(b->g->contents.octree_cells, 1024, b->source->threads, find_shared_corners, &j, NULL,
-               NULL);
+  ylm_parallel(b->g->contents.octree_cells, BAKE_CELLS_GRAIN, b->source->threads,
+               find_shared_corners, &j, NULL, NULL);
 }
 
 /* The parents of cells that somebody else has made. */

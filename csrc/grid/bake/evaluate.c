@@ -126,7 +126,8 @@ static ylm_status evaluate_block(const evaluation *j, size_t n) {
     ylm__grid_asked(b->g, (uint32_t)point_of(j, i), j->block->position + 3 * i);
   ylm_status s = ylm__evaluate_ask(b, b->source->field, n, j->block);
   if (s != YLM_OK) return s;
-  s = ylm_parallel(n, 64, b->source->threads, store_block, (void *)(uintptr_t)j, NULL, NULL);
+  s = ylm_parallel(n, BAKE_GRAIN, b->source->threads, store_block, (void *)(uintptr_t)j, NULL,
+                   NULL);
   return s == YLM_EDOMAIN ? not_finite(j, n) : s;
 }
 

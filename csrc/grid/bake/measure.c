@@ -6,16 +6,14 @@
 #include "baker.h"
 #include "ylm_sh.h"
 
-#define MOST 32 /* degrees of irradiance: A(l) is below A(0)/1000 beyond */
-
 measure ylm__measure_of(const ylm_grid_form *form) {
   return (measure){.kind = form->measure, .lmax = form->lmax, .channels = form->channels};
 }
 
 void ylm__measure_irradiance(const measure *m, const float *row, const float n[3], double out[3]) {
-  float Y[(MOST + 1) * (MOST + 1)];
+  float Y[(IRRADIANCE_MOST + 1) * (IRRADIANCE_MOST + 1)];
   size_t count = ylm_sh_count(m->lmax);
-  int most = m->lmax < MOST ? m->lmax : MOST;
+  int most = m->lmax < IRRADIANCE_MOST ? m->lmax : IRRADIANCE_MOST;
   ylm_sh_eval(most, 0, false, YLM_FLOAT, 1, n, Y, NULL, NULL, 1, NULL);
   for (int c = 0; c < m->channels; c++) {
     const float *L = row + (size_t)c * count;

@@ -104,6 +104,7 @@ static ylm_status find_crossed(baker *b) {
 }
 
 ylm_status ylm__metric_find(baker *b) {
-  ylm_status s = ylm_parallel(b->wave.n, 512, b->source->threads, find_metric, b, NULL, NULL);
+  ylm_status s =
+      ylm_parallel(b->wave.n, BAKE_LOOK_GRAIN, b->source->threads, find_metric, b, NULL, NULL);
   return s == YLM_OK && b->g->contents.form.kind != YLM_GRID_UNIFORM ? find_crossed(b) : s;
 }

@@ -1,9 +1,8 @@
 /* occupancy.c - the occupancy octree, built bottom-up from shading points or marked voxels. */
 #include "../grid.h"
+#include "calibration.h"
 
 #include <string.h>
-
-#define DENSE 8 /* finest level that has one bit per node: 2 MiB */
 
 /* Point i of the source in double. */
 static void source_point(const ylm_grid_source *s, size_t i, double p[3]) {
@@ -25,11 +24,9 @@ static bool source_cell(const ylm_grid *g, const ylm_grid_source *s, size_t i, u
 
 /* -- codes of the finest nodes, sorted ------------------------------------------------------- */
 
-/* Points of one block. Each is a list of its own while codes are collected; radix sort counts and
-   moves block by block, so that threads do not meet and the order is always the same. */
-#define BLOCK 16384
-#define DIGIT 11 /* bits of a pass */
-#define DIGITS (1u << DIGIT)
+/* A block of points is a list of its own while codes are collected. Radix sort counts and moves block
+   by block, so that threads do not meet and the order is always the same. */
+#define DIGITS (1u << SORT_BITS)
 
 typedef struct code_job {
   const ylm_grid *g;
@@ -63,19 +60,19 @@ static ylm_status find_codes(void *context, size_t begin, size_t end, int worker
     else if (!n || list[n - 1] != code)
       list[n++] = code;
   }
-  if (list) j->length[begin / BLOCK] = n;
+  if (list) j->length[begin / SORT_BLOCK] = n;
   j->outside += outside;
   return YLM_OK;
 }
 
 static size_t block_end(const code_job *j, size_t begin, size_t end) {
-  return j->length ? begin + j->length[begin / BLOCK] : end;
+  return j->length ? begin + j->length[begin / SORT_BLOCK] : end;
 }
 
 static ylm_status count_digits(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   code_job *j = context;
-  uint32_t *count = j->place[begin / BLOCK];
+  uint32_t *count = j->place[begin / SORT_BLOCK];
   memset(count, 0, sizeof *j->place);
   end = block_end(j, begin, end);
   for (size_t i = begin; i < end; i++) count[j->from[i] >> j->shift & (DIGITS - 1)]++;
@@ -85,7 +82,7 @@ static ylm_status count_digits(void *context, size_t begin, size_t end, int work
 static ylm_status move_codes(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   code_job *j = context;
-  uint32_t *next = j->place[begin / BLOCK];
+  uint32_t *next = j->place[begin / SORT_BLOCK];
   end = block_end(j, begin, end);
   for (size_t i = begin; i < end; i++)
     j->to[next[j->from[i] >> j->shift & (DIGITS - 1)]++] = j->from[i];
@@ -94,16 +91,16 @@ static ylm_status move_codes(void *context, size_t begin, size_t end, int worker
 
 /* One pass of radix sort, least significant digits first. */
 static void sort_by_digit(code_job *j, int threads) {
-  size_t blocks = (j->n + BLOCK - 1) / BLOCK;
+  size_t blocks = (j->n + SORT_BLOCK - 1) / SORT_BLOCK;
   uint32_t sum = 0;
-  ylm_parallel(j->n, BLOCK, threads, count_digits, j, NULL, NULL);
+  ylm_parallel(j->n, SORT_BLOCK, threads, count_digits, j, NULL, NULL);
   for (uint32_t d = 0; d < DIGITS; d++)
     for (size_t b = 0; b < blocks; b++) {
       uint32_t count = j->place[b][d];
       j->place[b][d] = sum;
       sum += count;
     }
-  ylm_parallel(j->n, BLOCK, threads, move_codes, j, NULL, NULL);
+  ylm_parallel(j->n, SORT_BLOCK, threads, move_codes, j, NULL, NULL);
   uint64_t *swap = j->from;
   j->from = j->to;
   j->to = swap;
@@ -114,15 +111,15 @@ static void sort_by_digit(code_job *j, int threads) {
 /* Codes of the finest nodes, sorted and unique, into o->code. */
 static ylm_status collect_codes(code_job *j, int threads) {
   occupancy *o = j->o;
-  size_t n = j->n = j->source->occupied, blocks = (n + BLOCK - 1) / BLOCK;
+  size_t n = j->n = j->source->occupied, blocks = (n + SORT_BLOCK - 1) / SORT_BLOCK;
   size_t *length = j->length = ylm_alloc(blocks, sizeof *length);
   j->place = ylm_alloc(blocks, sizeof *j->place);
   j->from = ylm_alloc(n, sizeof *j->from);
   j->to = ylm_alloc(n, sizeof *j->to);
   bool ok = j->length && j->place && j->from && j->to && n < UINT32_MAX;
   if (ok) {
-    ylm_parallel(n, BLOCK, threads, find_codes, j, NULL, NULL);
-    for (j->shift = 0; j->shift < 3 * o->depth; j->shift += DIGIT) sort_by_digit(j, threads);
+    ylm_parallel(n, SORT_BLOCK, threads, find_codes, j, NULL, NULL);
+    for (j->shift = 0; j->shift < 3 * o->depth; j->shift += SORT_BITS) sort_by_digit(j, threads);
     for (size_t i = 0; i < j->n; i++)
       if (!o->codes || j->from[o->codes - 1] != j->from[i]) j->from[o->codes++] = j->from[i];
     o->code = ylm_realloc(j->from, o->codes * sizeof *o->code, o->codes, sizeof *o->code);
@@ -156,7 +153,7 @@ void ylm__occupancy_mark_parents(occupancy *o) { mark_parents(o); }
 
 static ylm_status begin(occupancy *o, const ylm_grid *g) {
   *o = (occupancy){.depth = g->contents.form.depth};
-  o->dense = o->depth < DENSE ? o->depth : DENSE;
+  o->dense = o->depth < OCCUPIED_DENSE ? o->depth : OCCUPIED_DENSE;
   for (int level = 0; level <= o->dense; level++) {
     o->bits[level] = ylm_alloc_zero((((size_t)1 << 3 * level) + 7) / 8, 1);
     if (!o->bits[level]) return YLM_ENOMEM;
@@ -179,7 +176,7 @@ ylm_status ylm__occupancy_build(occupancy *o, const ylm_grid *g, const ylm_grid_
     status = collect_codes(&j, s->threads);
     mark_codes(o, o->code, o->codes);
   } else if (status == YLM_OK)
-    ylm_parallel(s->occupied, BLOCK, s->threads, find_codes, &j, NULL, NULL);
+    ylm_parallel(s->occupied, SORT_BLOCK, s->threads, find_codes, &j, NULL, NULL);
   if (status != YLM_OK) return status;
   *outside += j.outside;
   mark_parents(o);
@@ -267,12 +264,12 @@ static ylm_status mark_voxels(void *context, size_t begin, size_t end, int worke
 void ylm__occupancy_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark,
                                  uint64_t *outside) {
   mark_job j = {.g = g, .source = s, .mark = mark};
-  ylm_parallel(s->occupied, BLOCK, s->threads, mark_voxels, &j, NULL, NULL);
+  ylm_parallel(s->occupied, SORT_BLOCK, s->threads, mark_voxels, &j, NULL, NULL);
   *outside += j.outside;
 }
 
 void ylm__occupancy_free(occupancy *o) {
-  for (int level = 0; level <= DENSE; level++) ylm_free(o->bits[level]);
+  for (int level = 0; level <= OCCUPIED_DENSE; level++) ylm_free(o->bits[level]);
   ylm_free(o->code);
   *o = (occupancy){0};
 }

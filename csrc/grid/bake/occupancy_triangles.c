@@ -11,13 +11,6 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define DENSE 8                /* finest level of an octree that has a bit per voxel */
-#define STEP 2                 /* levels of one pass below */
-#define MOST ((size_t)1 << 26) /* voxels */
-#define MANY 4096              /* marks that a thread counts before it tells */
-#define FEW 1024               /* triangles: fewer are shared among threads by their parts */
-#define PARTS 4                /* of the lattice along each axis, then */
-
 typedef struct marking {
   const ylm_grid_source *source;
   const double *bounds;
@@ -32,7 +25,7 @@ typedef struct marking {
   int parts;       /* of the lattice along each axis */
   bool counting;   /* triangles that are not within the bounds: in one pass */
   _Atomic uint64_t outside;
-  _Atomic size_t marked; /* voxels so far; more than MOST: no use to go on */
+  _Atomic size_t marked; /* voxels so far; more than OCCUPIED_MOST: no use to go on */
 } marking;
 
 /* A triangle under way, and the voxels that it was the first to mark. */
@@ -67,7 +60,7 @@ static void mark(marker *k, const uint32_t at[3]) {
   uint64_t *word = word_of(m, code), bit = (uint64_t)1 << (code & (((uint64_t)1 << m->shift) - 1));
   if (!word || __atomic_load_n(word, __ATOMIC_RELAXED) & bit) return;
   k->fresh += !(__atomic_fetch_or(word, bit, __ATOMIC_RELAXED) & bit);
-  if (k->fresh < MANY) return;
+  if (k->fresh < OCCUPIED_TOLD) return;
   m->marked += k->fresh;
   k->fresh = 0;
 }
@@ -75,7 +68,7 @@ static void mark(marker *k, const uint32_t at[3]) {
 /* Marks those of the voxels first .. last that a triangle meets. */
 static void mark_box(marker *k, const uint32_t first[3], const uint32_t last[3]) {
   int longest = 0;
-  if (!ylm__triangle_meets(k->t, first, last) || k->m->marked > MOST) return;
+  if (!ylm__triangle_meets(k->t, first, last) || k->m->marked > OCCUPIED_MOST) return;
   for (int a = 1; a < 3; a++)
     if (last[a] - first[a] > last[longest] - first[longest]) longest = a;
   if (last[longest] == first[longest]) {
@@ -172,16 +165,18 @@ static ylm_status pass(marking *m, const ylm_grid *g, uint32_t coarser, size_t *
   if (s == YLM_OK)
     s = ylm_parallel(items, m->parts > 1 ? 1 : 64, m->source->threads, mark_triangles, m,
                      m->source->progress, "occupancy");
-  if (s == YLM_OK && m->marked > MOST) s = YLM_ELIMIT;
+  if (s == YLM_OK && m->marked > OCCUPIED_MOST) s = YLM_ELIMIT;
   if (s == YLM_OK) s = collect(m, n);
   ylm_free(m->word);
   return s;
 }
 
-/* A uniform grid's lattice, or an octree's levels from DENSE on. */
+/* A uniform grid's lattice, or an octree's levels from OCCUPIED_DENSE on. */
 static ylm_status mark_all(marking *m, const ylm_grid *g, size_t *n) {
   const uint32_t *r = g->contents.resolution;
-  int depth = g->contents.form.depth, level = m->uniform ? 0 : depth < DENSE ? depth : DENSE;
+  int depth = g->contents.form.depth, level = m->uniform               ? 0
+                                              : depth < OCCUPIED_DENSE ? depth
+                                                                       : OCCUPIED_DENSE;
   m->shift = 6;
   m->counting = true;
   m->words =
@@ -189,7 +184,7 @@ static ylm_status mark_all(marking *m, const ylm_grid *g, size_t *n) {
   ylm_status s = pass(m, g, m->uniform ? 1 : (uint32_t)1 << (depth - level), n);
   m->counting = false;
   while (s == YLM_OK && !m->uniform && level < depth) {
-    int down = depth - level < STEP ? depth - level : STEP;
+    int down = depth - level < OCCUPIED_STEP ? depth - level : OCCUPIED_STEP;
     level += down;
     m->shift = 3 * down;
     m->words = *n;
@@ -204,7 +199,7 @@ ylm_status ylm_grid_surface_voxels(const ylm_grid *g, const ylm_grid_source *sou
                .bounds = g->contents.form.bounds,
                .uniform = g->contents.form.kind == YLM_GRID_UNIFORM};
   ylm_status s = ylm__triangle_list_make(&m.list, source->meshes, source->mesh);
-  m.parts = m.list.triangles < FEW ? PARTS : 1;
+  m.parts = m.list.triangles < OCCUPIED_FEW ? OCCUPIED_PARTS : 1;
   *n = 0;
   if (s == YLM_OK) s = mark_all(&m, g, n);
   ylm__triangle_list_free(&m.list);
@@ -218,6 +213,6 @@ ylm_status ylm_grid_surface_voxels(const ylm_grid *g, const ylm_grid_source *sou
     return ylm_fail(e, s,
                     "surfaces: they meet more than %zu of the finest voxels: take a smaller "
                     "depth, or points instead of surfaces",
-                    MOST);
+                    OCCUPIED_MOST);
   return ylm_fail(e, s, "%s", ylm_status_text(s));
 }

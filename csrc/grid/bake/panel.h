@@ -3,11 +3,8 @@
 #define YLM_GRID_PANEL_H
 
 #include "../grid.h"
+#include "calibration.h"
 #include "measure.h"
-
-#define PROMISED 0.01 /* of the points may fail */
-#define DOUBT 0.01    /* chance that a grid in which more fail is called good */
-#define PANEL 4096    /* points that judge the updates of a grid */
 
 /* Points that have no part in refinement: what they say of a grid holds for all occupied points. */
 typedef struct panel {

@@ -74,7 +74,7 @@ static ylm_status residuals(void *self, const ylm_grid_making *m, size_t n,
   ylm_status s = held ? ylm__evaluate_values(b, n, held->place, held->value, held->inside) : YLM_OK;
   comparison j = {b, probe, held ? held->value : NULL, distance};
   (void)m;
-  return s == YLM_OK ? ylm_parallel(n, 64, b->source->threads, compare, &j, NULL, NULL) : s;
+  return s == YLM_OK ? ylm_parallel(n, BAKE_GRAIN, b->source->threads, compare, &j, NULL, NULL) : s;
 }
 
 /* -- the table ------------------------------------------------------------------------------- */

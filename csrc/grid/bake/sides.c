@@ -10,10 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-#define ASIDE 0x1p-10 /* of the thickness of a finest voxel: where the field is asked */
-#define JUMP 0.25
-#define ROUNDING 0x1p-20 /* of coordinates, at least */
-
 bool ylm__sides_wanted(const baker *b) {
   const ylm_grid_form *f = &b->g->contents.form;
   const ylm_grid_source *s = b->source;
@@ -30,10 +26,10 @@ static void places(const ylm_grid *g, size_t n, const float *x, const float *sid
   for (size_t i = 0; i < n; i++) {
     double off = 0, largest = 0;
     for (size_t a = 0; a < 3; a++) {
-      off += ASIDE * fabs((double)side[4 * i + a]) / g->scale[a];
+      off += SIDES_OFF * fabs((double)side[4 * i + a]) / g->scale[a];
       largest = fmax(largest, fabs((double)x[3 * i + a]));
     }
-    off = fmax(off, ROUNDING * largest);
+    off = fmax(off, SIDES_ROUNDING * largest);
     off = f->bias > 0 ? fmin(off, (double)side[4 * i + 3]) : 0;
     for (size_t a = 0; a < 3; a++) out[3 * i + a] = x[3 * i + a] + (float)off * side[4 * i + a];
   }
@@ -147,7 +143,7 @@ ylm_status ylm__sides_compare(refiner *r) {
   sides_job j = {r, ylm_alloc(r->held, sizeof *j.error),
                  ylm_alloc((size_t)threads * 4 * (g->stride + ROW_PADDING), sizeof *j.room)};
   ylm_status s = j.error && j.room ? ask(r) : YLM_ENOMEM;
-  if (s == YLM_OK) s = ylm_parallel(r->held, 64, threads, compare, &j, NULL, NULL);
+  if (s == YLM_OK) s = ylm_parallel(r->held, BAKE_GRAIN, threads, compare, &j, NULL, NULL);
   r->verdicts = 0;
   for (size_t i = 0; s == YLM_OK && i < r->held; i++)
     if (j.error[i] >= 0)
@@ -237,7 +233,7 @@ static bool jumps_within(const ylm_grid *g, const ylm_grid_cell *c) {
         missed += d * d;
         for (int i = 0; i < 2; i++) norm[i] += (double)p[i][j] * (double)p[i][j];
       }
-      if (missed > JUMP * JUMP * fmax(norm[0], norm[1])) return true;
+      if (missed > SIDES_JUMP * SIDES_JUMP * fmax(norm[0], norm[1])) return true;
     }
   return false;
 }

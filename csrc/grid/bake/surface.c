@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-#define GRAIN 4096 /* triangles that a thread takes at a time */
-
 struct ylm_grid_surface {
   triangle_list list;
   double lo[3], size, box[3]; /* the bounds' corner, longest edge, edges as parts of that */
@@ -161,7 +159,7 @@ static ylm_status find_areas(void *context, size_t begin, size_t end, int worker
 /* Their sums, each with those before it. */
 static double sum_areas(ylm_grid_surface *s, int threads) {
   double sum = 0;
-  ylm_parallel(s->list.triangles, GRAIN, threads, find_areas, s, NULL, NULL);
+  ylm_parallel(s->list.triangles, SURFACE_GRAIN, threads, find_areas, s, NULL, NULL);
   for (size_t i = 0; i < s->list.triangles; i++) s->sum[i] = sum += s->sum[i];
   return sum;
 }

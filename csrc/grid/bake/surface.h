@@ -3,6 +3,7 @@
 #define YLM_GRID_SURFACE_H
 
 #include "../grid.h"
+#include "calibration.h"
 
 /* The triangles of all meshes as one list. */
 typedef struct triangle_list {

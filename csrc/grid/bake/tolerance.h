@@ -3,7 +3,6 @@
 #define YLM_GRID_TOLERANCE_H
 
 #include "baker.h"
-#include "calibration.h"
 
 /* A held-out point after comparison. */
 typedef struct verdict {

@@ -22,10 +22,14 @@
 #define FORCED_UPDATES 32
 #define MOST_FORCED 4096
 
-/* -- work: shift.c, update.c --------------------------------------------------------------------- */
+/* -- work: shift.c, stale.c, undo.c, signature.c, update.c --------------------------------------------------------------------- */
 
 /* Points that a thread takes at a time. */
 #define SHIFT_CHUNK 512
+/* Points that a thread judges, points that it logs, and cells that it signs, at a time. */
+#define STALE_GRAIN 512
+#define UNDO_GRAIN 64
+#define SIGN_GRAIN 4096
 /* The change, relative, that points may miss where the caller says nothing. */
 #define DEFAULT_TOLERANCE 1e-3
 

@@ -58,7 +58,8 @@ ylm_status ylm__judge_leaves(const refiner *r, const panel *p, const uint8_t *ch
                              ruling *out) {
   leaf_job j = {r, p, changed, old, ylm_alloc(p->n, sizeof *j.error), ylm_alloc(p->n, 1)};
   ylm_status s = j.error && j.stuck ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK) s = ylm_parallel(p->n, 64, r->b->source->threads, compare_range, &j, NULL, NULL);
+  if (s == YLM_OK)
+    s = ylm_parallel(p->n, BAKE_GRAIN, r->b->source->threads, compare_range, &j, NULL, NULL);
   if (s == YLM_OK) s = ylm__panel_rule(p, j.error, r->tolerance, DOUBT, out);
   for (size_t i = 0; s == YLM_OK && i < p->n; i++) out->stuck += j.stuck[i];
   ylm_free(j.error);

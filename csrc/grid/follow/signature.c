@@ -111,5 +111,5 @@ void ylm__dynamic_sign_all(ylm_grid *g, int threads) {
   d->form_sign = sign_form(&g->contents.form);
   if (d->born_room < g->points - g->evaluated || !room_for(&d->cell_sign, &d->cell_room, g->cells))
     return; /* without signatures, everything is asked for again */
-  d->is_signed = ylm_parallel(g->cells, 4096, threads, sign_cells, g, NULL, NULL) == YLM_OK;
+  d->is_signed = ylm_parallel(g->cells, SIGN_GRAIN, threads, sign_cells, g, NULL, NULL) == YLM_OK;
 }

@@ -86,7 +86,7 @@ ylm_status ylm__grid_find_stale(ylm_grid *g, double tolerance, int threads, uint
   if (s == YLM_OK) {
     find_reach(g, reach, least);
     stale_job j = {g, tolerance, reach, least, what};
-    s = ylm_parallel(g->evaluated, 512, threads, judge_range, &j, NULL, NULL);
+    s = ylm_parallel(g->evaluated, STALE_GRAIN, threads, judge_range, &j, NULL, NULL);
   }
   ylm_free(reach);
   ylm_free(least);

@@ -82,7 +82,7 @@ ylm_status ylm__update_log_rows(update *u) {
     if (g->flags[p] & YLM_GRID_POINT_INVALID && !u->changed[p]) o->logged[o->logs++] = p;
   size_t now = o->logs;
   for (size_t i = 0; i < u->shifts; i++) o->logged[o->logs++] = YLM_GRID_NONE;
-  return ylm_parallel(now, 64, u->source.threads, log_range, u, NULL, NULL);
+  return ylm_parallel(now, UNDO_GRAIN, u->source.threads, log_range, u, NULL, NULL);
 }
 
 void ylm__update_restore(update *u) {

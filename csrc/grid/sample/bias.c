@@ -99,7 +99,7 @@ void ylm_grid_bias(const ylm_grid *g, double factor, size_t n, const float (*poi
                    float (*places)[3], int threads) {
   bias_job j = {g, factor, points, normals, limit, reach, places};
   if (factor > 0)
-    ylm_parallel(n, 256, threads, find_places, &j, NULL, NULL);
+    ylm_parallel(n, BIAS_GRAIN, threads, find_places, &j, NULL, NULL);
   else
     ylm_copy(places, points, n * sizeof *places);
 }

@@ -14,5 +14,7 @@
 #define SAMPLE_POINTS 4
 /* Looks for the surface beside a point, at larger and larger leaves. */
 #define BIAS_LOOKS 4
+/* Points beside surfaces that a thread takes at a time. */
+#define BIAS_GRAIN 256
 
 #endif

@@ -216,7 +216,7 @@ ylm_status ylm__tree_create(const ylm_lights *lights, int threads, ylm_light_tre
     s = build(&b, sets, both ? 2 : 1, 1, &root);
   }
   if (s == YLM_OK) s = allocate_blocks(t);
-  if (s == YLM_OK) s = ylm_parallel(t->groups, 8, threads, fill, &b, NULL, NULL);
+  if (s == YLM_OK) s = ylm_parallel(t->groups, TREE_GRAIN, threads, fill, &b, NULL, NULL);
   ylm_free(b.order);
   ylm_free(b.branch);
   if (s != YLM_OK) {

@@ -100,5 +100,7 @@
    and proxies that a block sums. */
 #define COST 0.5
 #define INSTEAD 0.4
+/* Groups of nodes that a thread fills at a time. */
+#define TREE_GRAIN 8
 
 #endif

@@ -261,9 +261,9 @@ ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matrix, size
   for (size_t k = 0; k < n; k++)
     memcpy(copy + k * padded * size, (const char *)matrix + k * n * size, n * size);
   transfer_job j = {n, padded, t, copy, in, out, ylm__product_kernels_now()};
-  ylm_status s = rows <= 64 && !progress
-                     ? transfer_rows(&j, 0, rows, 0)
-                     : ylm_parallel(rows, 64, threads, transfer_rows, &j, progress, "transfer");
+  ylm_status s = rows <= 64 && !progress ? transfer_rows(&j, 0, rows, 0)
+                                         : ylm_parallel(rows, TRANSFER_GRAIN, threads,
+                                                        transfer_rows, &j, progress, "transfer");
   ylm_free(copy);
   return s;
 }

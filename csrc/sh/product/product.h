@@ -77,7 +77,6 @@ static inline size_t product_batch_scratch(const ylm_sh_product *p, size_t lanes
 
 /* Numbers of scratch for `lanes` factors that several rows share (product_shared.h), of which PRODUCT_CHUNK nodes
    have their rings at once. */
-#define PRODUCT_CHUNK 8
 static inline size_t product_shared_scratch(const ylm_sh_product *p, size_t lanes) {
   size_t orders = 2 * (size_t)p->lmax + 1, quadrants = (size_t)p->azimuths / 4;
   return (8 * quadrants * ((size_t)p->half + 1) + 2 * PRODUCT_CHUNK * orders) * lanes;

@@ -223,5 +223,5 @@ ylm_status ylm_sh_product_apply(const ylm_sh_product *p, ylm_dtype t, size_t row
   for (int i = 0; i < p->factors; i++) same[i] = stride ? stride[i] : ylm_sh_count(p->lmax);
   job j = {p, t, factor, same, out, scratch_of(p, t), stage};
   if ((rows <= 64 && !progress) || stage) return run(&j, 0, rows, 0);
-  return ylm_parallel(rows, 64, threads, run, &j, progress, "product");
+  return ylm_parallel(rows, PRODUCT_GRAIN, threads, run, &j, progress, "product");
 }

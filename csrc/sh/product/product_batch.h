@@ -23,23 +23,13 @@ typedef vreal lane __attribute__((may_alias));
 #undef E
 #undef GAUNT
 
-/* Nodes, azimuths and orders at a time. */
-#define NODES 4
-#if YLM_VECTOR_BYTES == 64
-#define AZIMUTHS 3
-#define ORDERS 4
-#else
-#define AZIMUTHS 1
-#define ORDERS 2
-#endif
-
 /* x of N nodes from coefficients: sums over degrees, even and odd l - m apart. */
 YLM_INLINE void batch_orders(const int N, int lmax, const real *legendre, int row, const real *c,
                              real *x, int ring) {
   for (int m = 0; m <= lmax; m++) {
-    vreal cosine[2][NODES], sine[2][NODES];
+    vreal cosine[2][BATCH_NODES], sine[2][BATCH_NODES];
     for (int parity = 0; parity < 2; parity++) {
-      vreal a[NODES], b[NODES];
+      vreal a[BATCH_NODES], b[BATCH_NODES];
       for (int h = 0; h < N; h++) a[h] = b[h] = vreal_set(0);
       for (int l = m + parity; l <= lmax; l += 2, legendre += row) {
         vreal u = vreal_load(c + (l * (l + 1) + m) * LANES),
@@ -66,7 +56,7 @@ YLM_INLINE void batch_orders(const int N, int lmax, const real *legendre, int ro
    above. */
 YLM_INLINE void batch_points(const int N, int lmax, const real *cosines, const real *sines,
                              const real *x, int ring, real *value, bool multiply) {
-  vreal ce[2][AZIMUTHS], co[2][AZIMUTHS], se[2][AZIMUTHS], so[2][AZIMUTHS];
+  vreal ce[2][BATCH_AZIMUTHS], co[2][BATCH_AZIMUTHS], se[2][BATCH_AZIMUTHS], so[2][BATCH_AZIMUTHS];
   for (int side = 0; side < 2; side++)
     for (int j = 0; j < N; j++) {
       ce[side][j] = vreal_load(x + side * ring);
@@ -118,7 +108,7 @@ YLM_INLINE void batch_unfold(int n, real *value) {
  * sides. */
 YLM_INLINE void batch_back(const int N, int lmax, int quadrants, int m, const real *cosines,
                            const real *sines, const real *value, real weight, real *x, int ring) {
-  vreal c[2][ORDERS], s[2][ORDERS];
+  vreal c[2][BATCH_ORDERS], s[2][BATCH_ORDERS];
   for (int i = 0; i < N; i++) c[0][i] = c[1][i] = s[0][i] = s[1][i] = vreal_set(0);
   value += m & 1 ? LANES : 0;
   for (int j = 0; j < quadrants; j++, value += 8 * LANES, cosines += lmax + 1, sines += lmax + 1) {
@@ -148,7 +138,7 @@ YLM_INLINE void batch_sum(const int N, int lmax, const real *legendre, int row, 
                           int ring, real *sum) {
   for (int m = 0; m <= lmax; m++)
     for (int parity = 0; parity < 2; parity++) {
-      vreal u[NODES], v[NODES];
+      vreal u[BATCH_NODES], v[BATCH_NODES];
       for (int h = 0; h < N; h++) {
         const real *at = x + (2 * h + parity) * ring + lmax * LANES;
         u[h] = vreal_load(at + m * LANES);
@@ -175,7 +165,7 @@ YLM_INLINE void batch_nodes(const int N, const ylm_sh_product *p, int h, const r
   const real *legendre = (const real *)t->legendre + h, *cosines = t->cosines, *sines = t->sines;
   int lmax = p->lmax, row = t->half_padded, ring = (2 * lmax + 1) * LANES,
       quadrants = p->azimuths / 4;
-  size_t count = ylm_sh_count(lmax), rings = (size_t)(2 * NODES * ring);
+  size_t count = ylm_sh_count(lmax), rings = (size_t)(2 * BATCH_NODES * ring);
   real *value = scratch + (size_t)p->factors * rings;
   for (int k = 0; k < p->factors; k++)
     batch_orders(N, lmax, legendre, row, in + (size_t)k * count * LANES,
@@ -185,9 +175,9 @@ YLM_INLINE void batch_nodes(const int N, const ylm_sh_product *p, int h, const r
     for (int k = 0; k < p->factors; k++) {
       const real *from = x + (size_t)k * rings;
       int j = 0;
-      for (; j + AZIMUTHS <= quadrants; j += AZIMUTHS)
-        batch_points(AZIMUTHS, lmax, cosines + j * (lmax + 1), sines + j * (lmax + 1), from, ring,
-                     value + j * 8 * LANES, k > 0);
+      for (; j + BATCH_AZIMUTHS <= quadrants; j += BATCH_AZIMUTHS)
+        batch_points(BATCH_AZIMUTHS, lmax, cosines + j * (lmax + 1), sines + j * (lmax + 1), from,
+                     ring, value + j * 8 * LANES, k > 0);
       for (; j < quadrants; j++)
         batch_points(1, lmax, cosines + j * (lmax + 1), sines + j * (lmax + 1), from, ring,
                      value + j * 8 * LANES, k > 0);
@@ -196,8 +186,8 @@ YLM_INLINE void batch_nodes(const int N, const ylm_sh_product *p, int h, const r
     real weight = ((const real *)t->node_weights)[h + i];
     for (int parity = 0; parity < 2; parity++) {
       int m = parity;
-      for (; m + 2 * (ORDERS - 1) <= lmax; m += 2 * ORDERS)
-        batch_back(ORDERS, lmax, quadrants, m, cosines, sines, value, weight, x, ring);
+      for (; m + 2 * (BATCH_ORDERS - 1) <= lmax; m += 2 * BATCH_ORDERS)
+        batch_back(BATCH_ORDERS, lmax, quadrants, m, cosines, sines, value, weight, x, ring);
       for (; m <= lmax; m += 2)
         batch_back(1, lmax, quadrants, m, cosines, sines, value, weight, x, ring);
     }
@@ -217,7 +207,8 @@ static void batch(const ylm_sh_product *p, const real *const *rows, real *const 
   } else {
     memset(sum, 0, count * LANES * sizeof(real));
     int h = 0;
-    for (; h + NODES <= p->half; h += NODES) batch_nodes(NODES, p, h, in, sum, rest);
+    for (; h + BATCH_NODES <= p->half; h += BATCH_NODES)
+      batch_nodes(BATCH_NODES, p, h, in, sum, rest);
     switch (p->half - h) {
     case 3: batch_nodes(3, p, h, in, sum, rest); break;
     case 2: batch_nodes(2, p, h, in, sum, rest); break;

@@ -23,19 +23,7 @@
 #define SHARED_TABLES d
 #endif
 
-/* Nodes whose rings are there at once, nodes that orders are summed at, azimuths and orders at a time. */
 #define SHARED_CHUNK PRODUCT_CHUNK
-#if YLM_VECTOR_BYTES == 64
-#define SHARED_NODES 4
-#define SHARED_AZIMUTHS 3
-#define SHARED_ORDERS 5
-#define SHARED_SUMS 8
-#else
-#define SHARED_NODES 3
-#define SHARED_AZIMUTHS 1
-#define SHARED_ORDERS 3
-#define SHARED_SUMS 4
-#endif
 
 /* The sizes of a plan. */
 typedef struct shared_plan {

@@ -1,4 +1,5 @@
 /* stack.c - many matrices, each applied to rows of its own. */
+#include "../calibration.h"
 #include "ylm_sh.h"
 
 /* Sums that do not wait for one another: a vector of them. */
@@ -48,5 +49,5 @@ ylm_status ylm_sh_matrices_apply(size_t n, size_t a, size_t b, ylm_dtype t, cons
                                  size_t period, size_t rows, const void *in, void *out, int threads,
                                  const ylm_progress *progress) {
   job j = {a, b, period, rows, t, matrix, in, out};
-  return ylm_parallel(n, 256, threads, run, &j, progress, "transfer");
+  return ylm_parallel(n, STACK_GRAIN, threads, run, &j, progress, "transfer");
 }

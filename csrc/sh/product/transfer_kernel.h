@@ -2,13 +2,8 @@
 #ifndef YLM_SH_TRANSFER_KERNEL_H
 #define YLM_SH_TRANSFER_KERNEL_H
 
+#include "../calibration.h"
 #include "ylm_real.h"
-
-#if YLM_VECTOR_BYTES == 64
-#define TRANSFER_ROWS 8
-#else
-#define TRANSFER_ROWS 4
-#endif
 
 /* R rows by two vectors of columns: out = the sum over k of m[k] in[k]. */
 YLM_INLINE void transfer_block(const int R, size_t n, size_t padded, const real *m,

@@ -13,6 +13,7 @@
 #ifndef YLM_SH_ROTATE_H
 #define YLM_SH_ROTATE_H
 
+#include "../calibration.h"
 #include "ylm_sets.h"
 #include "ylm_sh.h"
 
@@ -65,14 +66,6 @@ static inline int class_first(int c) {
   static const int first[4] = {0, -2, 1, -1};
   return first[c];
 }
-
-/* Degrees from here on are rotated in tiles of rows; up to ROTATE_BLOCKS there are blocks too, for
- * a few rows. */
-#define ROTATE_TILED 8
-#define ROTATE_BLOCKS 20
-
-/* The highest degree of rows that are turned and multiplied in one pass. */
-#define ROTATE_TIMES_LMAX 14
 
 /* Tables of a batch; the arrays have the batch's type. */
 typedef struct ylm__rotate_batch {
@@ -135,9 +128,7 @@ struct ylm_sh_rotator {
   int users;        /* the caller and the rotations that were made by it */
 };
 
-/* By how much columns of rotations that are given for rows may depart from orthonormal ones. */
-#define ROTATE_NEAR 1e-3
-/* Makes a matrix that departs from a rotation by less than 1e-3 one, to rounding: rotate_matrix.c. */
+/* Makes a matrix that departs from a rotation by less than ROTATE_NEAR one, to rounding: rotate_matrix.c. */
 void ylm__sh_orthonormal(double m[9]);
 /* Whether columns are orthonormal within so much, right-handed and finite. */
 bool ylm__sh_is_rotation(const double r[9], double within);

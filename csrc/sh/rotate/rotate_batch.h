@@ -12,13 +12,6 @@
 #include "rotate_angles.h"
 #include "rotate_one.h"
 
-/* Rows of J at a time: two sums each and some registers to spare. */
-#if YLM_VECTOR_BYTES == 64
-#define ROTATE_PANEL 8
-#else
-#define ROTATE_PANEL 4
-#endif
-
 /* -- degrees by their blocks ------------------------------------------------------------------ */
 
 /* R vectors of degree l, a constant, of K whole 64 byte vectors: out[r] = block in[r]. */
