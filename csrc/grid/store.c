@@ -27,8 +27,9 @@ static ylm_status check_bounds(const double *b, ylm_error *e) {
 static ylm_status check_uniform(const ylm_grid_form *f, ylm_error *e) {
   uint64_t n = 1;
   for (int a = 0; a < 3; a++) {
-    if (f->cells[a] < 1 || f->cells[a] > 1u << 20)
-      return ylm_fail(e, YLM_ERANGE, "cells: 1 to 1048576 along each axis, got %u", f->cells[a]);
+    if (f->cells[a] < 1 || f->cells[a] > YLM_GRID_MAX_SIDE)
+      return ylm_fail(e, YLM_ERANGE, "cells: 1 to %u along each axis, got %u", YLM_GRID_MAX_SIDE,
+                      f->cells[a]);
     n *= f->cells[a];
     if (n > YLM_GRID_MAX_CELLS)
       return ylm_fail(e, YLM_EOVERFLOW, "cells: %u x %u x %u are too many", f->cells[0],

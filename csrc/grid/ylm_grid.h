@@ -26,6 +26,7 @@ extern "C" {
 #define YLM_GRID_NONE UINT32_MAX
 #define YLM_GRID_BLOCK 8192                    /* points of one call of the field in a bake */
 #define YLM_GRID_MAX_CELLS ((uint64_t)1 << 31) /* of a uniform grid */
+#define YLM_GRID_MAX_SIDE (1u << 20)           /* of a uniform grid: cells along an axis */
 #define YLM_GRID_MAX_BIAS 16
 
 typedef struct ylm_grid ylm_grid;

@@ -440,7 +440,8 @@ static ylm_status check(const ylm_shade_gather_options *o, const ylm_light_virtu
   if (o->method == YLM_SHADE_VPL && o->clamp != YLM_SHADE_CLAMP_NONE && !(o->limit > 0))
     return ylm_fail(e, YLM_ERANGE, "limit must be above 0, got %g", o->limit);
   if (o->compensate < 0 || o->compensate > YLM_SCENE_SAMPLES)
-    return ylm_fail(e, YLM_ERANGE, "compensate must be from 0 to 65536, got %d", o->compensate);
+    return ylm_fail(e, YLM_ERANGE, "compensate must be from 0 to %d, got %d", YLM_SCENE_SAMPLES,
+                    o->compensate);
   if (o->compensate && (o->method != YLM_SHADE_VPL || o->clamp == YLM_SHADE_CLAMP_NONE))
     return ylm_fail(e, YLM_EINVAL, "compensate is for points with a clamp");
   if (o->method == YLM_SHADE_VSGL && f->n > 0 && (o->groups < 1 || o->groups > f->n))
@@ -448,7 +449,8 @@ static ylm_status check(const ylm_shade_gather_options *o, const ylm_light_virtu
                     o->groups);
   if (o->method != YLM_SHADE_VSL) return YLM_OK;
   if (o->samples < 1 || o->samples > YLM_SCENE_SAMPLES)
-    return ylm_fail(e, YLM_ERANGE, "samples must be from 1 to 65536, got %d", o->samples);
+    return ylm_fail(e, YLM_ERANGE, "samples must be from 1 to %d, got %d", YLM_SCENE_SAMPLES,
+                    o->samples);
   for (size_t i = 0; i < f->n; i++)
     if (!(f->radius && f->radius[i] > 0))
       return ylm_fail(e, YLM_EDOMAIN, "light %zu has no radius: it is no sphere", i + 1);

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "calibration.h"
 #include "gen/picture.h"
 #include "gloss.h"
 
@@ -27,8 +28,9 @@ static ylm_status check_options(const ylm_shade_options *o, ylm_error *e) {
       !(o->gloss_error[0] >= 0 && o->gloss_error[0] < o->gloss_error[1]))
     return ylm_fail(e, YLM_ERANGE, "gloss_error must be two numbers, 0 <= first < second");
   if (!(o->share >= 0)) return ylm_fail(e, YLM_ERANGE, "share must be >= 0, got %g", o->share);
-  if (o->pixel && (o->pixels < 1 || o->pixels > 65536))
-    return ylm_fail(e, YLM_ERANGE, "from 1 to 65536 pixels are listed, got %zu", o->pixels);
+  if (o->pixel && (o->pixels < 1 || o->pixels > YLM_SHADE_PIXELS))
+    return ylm_fail(e, YLM_ERANGE, "from 1 to %d pixels are listed, got %zu", YLM_SHADE_PIXELS,
+                    o->pixels);
   for (size_t i = 0; o->pixel && i < o->pixels; i++)
     if (o->pixel[i] >= (uint64_t)o->width * (uint64_t)o->height)
       return ylm_fail(e, YLM_ERANGE, "pixel %u is not of an image of %dx%d", o->pixel[i], o->width,
@@ -319,7 +321,7 @@ ylm_status ylm_shade_resolve(const ylm_shade_view *v, int channels, const float 
                              const float *fill, bool covered, int threads, float *out) {
   if (channels < 1 || channels > 4) return YLM_ERANGE;
   resolve_job j = {v, channels, values, fill, covered, out};
-  return ylm_parallel(v->stats.pixels, 4096, threads, resolve_pixels, &j, NULL, NULL);
+  return ylm_parallel(v->stats.pixels, SHADE_GRAIN, threads, resolve_pixels, &j, NULL, NULL);
 }
 
 typedef struct compose_job {
@@ -351,7 +353,7 @@ static ylm_status compose_pixels(void *context, size_t begin, size_t end, int wo
 ylm_status ylm_shade_compose(const ylm_shade_view *v, const float *colours,
                              const float background[3], int threads, float *out) {
   compose_job j = {v, colours, background, out};
-  return ylm_parallel(v->stats.pixels, 4096, threads, compose_pixels, &j, NULL, NULL);
+  return ylm_parallel(v->stats.pixels, SHADE_GRAIN, threads, compose_pixels, &j, NULL, NULL);
 }
 
 /* -- layers -------------------------------------------------------------------- */
@@ -411,5 +413,5 @@ static ylm_status write_layer(void *context, size_t begin, size_t end, int worke
 ylm_status ylm_shade_layer_write(const ylm_shade_view *v, ylm_shade_layer layer, int threads,
                                  float *out) {
   layer_job j = {v, layer, out};
-  return ylm_parallel(v->stats.pixels, 1024, threads, write_layer, &j, NULL, NULL);
+  return ylm_parallel(v->stats.pixels, SHADE_LAYER_GRAIN, threads, write_layer, &j, NULL, NULL);
 }

@@ -68,6 +68,8 @@ typedef enum ylm_shade_gloss {
 
 /* The most camera rays of a pixel. */
 #define YLM_SHADE_SAMPLES 1024
+/* The most pixels that are listed. */
+#define YLM_SHADE_PIXELS 65536
 
 typedef struct ylm_shade_options {
   int width, height;               /* pixels, 1 .. YLM_IMAGE_MAX_SIDE                      */
@@ -94,7 +96,7 @@ typedef struct ylm_shade_options {
       all_vertices; /* per_vertex: shading points are all vertices, on the outer side and, of meshes that
                         the camera sees from within, on the inner one: for other cameras */
   const uint32_t *pixel; /* [pixels] y * width + x: these alone, as an image of one column  */
-  size_t pixels;         /* 1 .. 65536; NULL: all                                   */
+  size_t pixels;         /* 1 .. YLM_SHADE_PIXELS; NULL: all                        */
   uint64_t seed;
   int threads;
   const ylm_progress *progress; /* stages "primary rays", "transfer"                    */
@@ -486,13 +488,13 @@ typedef struct ylm_shade_blending {
   const ylm_scene *lit;    /* whose lamps: as ylm_shade_raycast; NULL: the view's             */
   ylm_shade_weight weight; /* what the light was multiplied by                                */
   int lmax;                /* its degree                                                      */
-  int light_samples;       /* 1 .. 65536: rays to lamps, and as many by the material; 0: there
+  int light_samples; /* 1 .. YLM_SCENE_SAMPLES: rays to lamps, and as many by the material; 0: there
                               are no lamps, and no rays                                       */
-  double noise;            /* > 0: light_samples is the least number of a pixel and mesh, raised
+  double noise;      /* > 0: light_samples is the least number of a pixel and mesh, raised
                               where it varies until each mesh's noise is at most this, root mean
                               square over that of its radiance (a tenth of the picture's, if less), */
-  int most_samples;        /* up to this                                                      */
-  bool shadows;            /* false: nothing occludes                                         */
+  int most_samples;  /* up to this                                                      */
+  bool shadows;      /* false: nothing occludes                                         */
   uint64_t seed;
   int threads;
   const ylm_progress *progress; /* stage "places" */
@@ -584,7 +586,7 @@ typedef struct ylm_shade_gather_options {
   double limit;          /* c, > 0 */
   int compensate;        /* VPL, clamped: rays of a point that find what the bound takes away; 0 */
   int bounces;           /* of these: reflections that the lights stand for, 1 .. */
-  int samples;           /* VSL: 1 .. 65536 */
+  int samples;           /* VSL: 1 .. YLM_SCENE_SAMPLES */
   size_t groups;         /* VSGL: 1 .., at most as many as lights */
   ylm_shade_sphere_strategy strategy;
   bool shadows; /* a ray from the point to the middle of each light */

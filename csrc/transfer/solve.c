@@ -199,6 +199,9 @@ ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, b
   double begun = ylm_seconds();
   ylm_radiosity_stats found = {.rays = r->rays, .close = r->close, .direct_seconds = r->seconds};
   job j = {0};
+  if (bounces > YLM_TRANSFER_BOUNCES)
+    return ylm_fail(e, YLM_ERANGE, "bounces must be at most %d, got %d", YLM_TRANSFER_BOUNCES,
+                    bounces);
   if (!(residual > 0)) return ylm_fail(e, YLM_ERANGE, "residual must be above 0, got %g", residual);
   ylm_status s = job_create(&j, r) ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = walk(&j, bounces, residual, closure, threads, progress, &found, e);

@@ -11,8 +11,8 @@ static ylm_status check(const ylm_transfer_form *f, size_t meshes, ylm_error *e)
     return ylm_fail(e, YLM_ERANGE, "spacing must be a positive length, got %g", f->spacing);
   if (f->lmax < -1 || f->lmax > YLM_TRANSFER_LMAX)
     return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_TRANSFER_LMAX, f->lmax);
-  if (f->max_elements > UINT32_MAX / 2)
-    return ylm_fail(e, YLM_ERANGE, "max_elements must be at most %u", UINT32_MAX / 2);
+  if (f->max_elements > YLM_TRANSFER_ELEMENTS_MOST)
+    return ylm_fail(e, YLM_ERANGE, "max_elements must be at most %zu", YLM_TRANSFER_ELEMENTS_MOST);
   for (size_t m = 0; f->mesh_sides && m < meshes; m++)
     if (f->mesh_sides[m] > YLM_TRANSFER_BACK)
       return ylm_fail(e, YLM_ERANGE, "mesh %zu has no such sides", m + 1);
@@ -40,7 +40,7 @@ ylm_status ylm_transfer_create(const ylm_scene *scene, const ylm_transfer_form *
   t->form.inside = NULL;
   t->form.places = 0;
   t->form.progress = NULL;
-  if (!t->form.max_elements) t->form.max_elements = (size_t)1 << 20;
+  if (!t->form.max_elements) t->form.max_elements = YLM_TRANSFER_ELEMENTS;
   s = ylm__transfer_cut(t, form, e);
   if (s == YLM_OK) s = ylm__transfer_link(t, form->progress, e);
   t->stats.seconds = ylm_seconds() - begun;

@@ -35,8 +35,11 @@ extern "C" {
 
 typedef struct ylm_transfer ylm_transfer;
 
-#define YLM_TRANSFER_LINKS 4096 /* the most links of a place */
-#define YLM_TRANSFER_LMAX 20    /* the highest degree of transfer vectors */
+#define YLM_TRANSFER_LINKS 4096                      /* the most links of a place */
+#define YLM_TRANSFER_LMAX 20                         /* the highest degree of transfer vectors */
+#define YLM_TRANSFER_ELEMENTS ((size_t)1 << 20)      /* at most, where the caller says nothing */
+#define YLM_TRANSFER_ELEMENTS_MOST ((size_t)1 << 30) /* at most, whatever the caller says */
+#define YLM_TRANSFER_BOUNCES 1000000 /* the most bounces that are asked for by number */
 
 /* Which sides of a mesh reflect. AUTO: of a closed mesh the outer one, or the inner one where it is
    a room, which holds a lamp or one of the `inside` places; of an open mesh both. */
@@ -50,7 +53,7 @@ typedef enum ylm_transfer_sides {
 typedef struct ylm_transfer_form {
   double spacing; /* the longest edge of an element, scene units; 0: a hundredth of the diagonal,
                               raised until there are at most max_elements                       */
-  size_t max_elements; /* YLM_ELIMIT beyond; 0: 2^20                                        */
+  size_t max_elements; /* YLM_ELIMIT beyond; 0: YLM_TRANSFER_ELEMENTS                       */
   int links;           /* of an element, 4 .. YLM_TRANSFER_LINKS, a multiple of 4           */
   int lmax; /* of the transfer vectors of direct light, 0 .. YLM_TRANSFER_LMAX; -1: none */
   ylm_transfer_sides sides;
@@ -256,6 +259,10 @@ YLM_API ylm_status ylm_radiosity_lightmap(const ylm_radiosity *r, const ylm_radi
 
 /* -- the gathered field --------------------------------------------------------- */
 
+/* Cells along an edge of the cube of directions. */
+#define YLM_GATHER_LEAST 4
+#define YLM_GATHER_MOST 64
+
 typedef enum ylm_gather_parts {
   YLM_GATHER_INDIRECT = 1, /* what surfaces send back          */
   YLM_GATHER_DIRECT = 2,   /* lamps and sky, with shadows      */
@@ -268,7 +275,7 @@ typedef enum ylm_gather_derivatives {
 } ylm_gather_derivatives;
 
 typedef struct ylm_gather_form {
-  int base;   /* cells along an edge of the cube of directions, 4 .. 64                 */
+  int base;   /* cells along an edge of the cube of directions, YLM_GATHER_LEAST .. _MOST */
   int levels; /* of splitting 4 x 4, 0 .. 2                                            */
   double
       contrast; /* splits where radiance differs from a neighbour's by more than this part of the mean */

@@ -13,7 +13,8 @@ local warning = require "ylm.warning"
 local emit = {}
 
 local EACH = 50 -- particles of a merged light
-local COUNT, MOST_BOUNCES, MOST, DEGREE = 2000, 64, 2 ^ 27, 8
+local COUNT = 2000
+local MOST_BOUNCES, MOST, DEGREE = core.limits.emit_bounces, core.limits.emit_particles, core.limits.emit_degree
 local LOUD = 0.26 -- the part of slices that lights may miss without a word
 local SCALE = { density = 1.5, angle = 1, footprint = 1.5, neighbours = 1 } -- of radii, by their rule
 
@@ -76,7 +77,7 @@ for _, field in ipairs {
     about = "'grid': instead, the paper's picture from each spot_light, of which count texels in all have a light where they "
       .. "land; bounces = 1" },
   { "bounces", "reflected", default = 1, about = "reflections of a particle, each of which leaves a light; 'all': 64" },
-  { "seed", "integer", min = 0, max = 2 ^ 32, default = 1,
+  { "seed", "integer", min = 0, max = core.limits.seed, default = 1,
     about = "of all random numbers: a particle keeps its own, whatever moves" },
   form.threads, form.progress,
 } do options[#options + 1] = field end

@@ -2,6 +2,7 @@
    core.luminance. */
 #include "../binding.h"
 
+#include "ylm_emit.h"
 #include "ylm_grid.h"
 #include "ylm_image.h"
 #include "ylm_light.h"
@@ -15,10 +16,17 @@
 #define LIMITS(X)                                                                                  \
   X(axes, YLM_MAX_AXES)                                                                            \
   X(camera_samples, YLM_SHADE_SAMPLES)                                                             \
+  X(emit_bounces, YLM_EMIT_BOUNCES)                                                                \
+  X(emit_degree, YLM_EMIT_DEGREE)                                                                  \
+  X(emit_particles, YLM_EMIT_PARTICLES)                                                            \
   X(extent, YLM_LIGHT_EXTENT)                                                                      \
   X(grid_bias, YLM_GRID_MAX_BIAS)                                                                  \
   X(grid_cells, YLM_GRID_MAX_CELLS)                                                                \
+  X(gather_least, YLM_GATHER_LEAST)                                                                \
+  X(gather_most, YLM_GATHER_MOST)                                                                  \
   X(grid_depth, YLM_GRID_MAX_DEPTH)                                                                \
+  X(grid_points, YLM_GRID_NONE - 1)                                                                \
+  X(grid_side, YLM_GRID_MAX_SIDE)                                                                  \
   X(image_side, YLM_IMAGE_MAX_SIDE)                                                                \
   X(light_places, YLM_LIGHT_SAMPLES)                                                               \
   X(light_samples, YLM_SCENE_SAMPLES)                                                              \
@@ -31,6 +39,7 @@
   X(path_lmax, YLM_PATH_LMAX)                                                                      \
   X(path_samples, YLM_PATH_SAMPLES)                                                                \
   X(polygon_vertices, YLM_POLYGON_VERTICES)                                                        \
+  X(seed, 4294967296.0) /* of options: C takes 64 bits, of which numbers of Lua hold 53 */         \
   X(sh_lmax, YLM_LMAX)                                                                             \
   X(sh_product_factors, YLM_SH_PRODUCT_FACTORS)                                                    \
   X(sh_product_lmax, YLM_SH_PRODUCT_LMAX)                                                          \
@@ -39,6 +48,9 @@
   X(threads, YLM_THREADS_MOST)                                                                     \
   X(tolerance_least, YLM_LIGHT_TOLERANCE_LEAST)                                                    \
   X(tolerance_most, YLM_LIGHT_TOLERANCE_MOST)                                                      \
+  X(transfer_bounces, YLM_TRANSFER_BOUNCES)                                                        \
+  X(transfer_elements, YLM_TRANSFER_ELEMENTS)                                                      \
+  X(transfer_elements_most, YLM_TRANSFER_ELEMENTS_MOST)                                            \
   X(transfer_links, YLM_TRANSFER_LINKS)                                                            \
   X(transfer_lmax, YLM_TRANSFER_LMAX)
 

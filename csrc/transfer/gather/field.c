@@ -193,8 +193,9 @@ static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uin
 /* -- objects ------------------------------------------------------------------------------------ */
 
 static ylm_status check_form(const ylm_gather_form *f, ylm_error *e) {
-  if (f->base < 4 || f->base > 64)
-    return ylm_fail(e, YLM_ERANGE, "base must be from 4 to 64, got %d", f->base);
+  if (f->base < YLM_GATHER_LEAST || f->base > YLM_GATHER_MOST)
+    return ylm_fail(e, YLM_ERANGE, "base must be from %d to %d, got %d", YLM_GATHER_LEAST,
+                    YLM_GATHER_MOST, f->base);
   if (f->levels < 0 || f->levels > 2)
     return ylm_fail(e, YLM_ERANGE, "levels must be from 0 to 2, got %d", f->levels);
   if (!(f->contrast >= 0) || !isfinite(f->contrast))

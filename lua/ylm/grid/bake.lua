@@ -164,7 +164,7 @@ local bake_options = {
     about = "what a field that is a function holds; other fields know it. 'lights': light that nothing occludes (default); "
       .. "'direct': light of lamps and sky with shadows; 'indirect': what surfaces send back; 'all': both" },
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of the choice of held-out points" },
-  { "max_points", "integer", min = 8, max = 2 ^ 32 - 2, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
+  { "max_points", "integer", min = 8, max = core.limits.grid_points, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
   light.tolerance_option "light_tolerance",
   form.threads, form.progress,
   { "device", "gpu", optional = true,

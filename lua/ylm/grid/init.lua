@@ -19,7 +19,7 @@ local channels_field = { "channels", "choice", of = { "rgb", "luminance" }, defa
 local dynamic_field = { "dynamic", "boolean", default = false,
   about = "keeps what grid:update needs to follow sphere and flat lights that move: Hessians, lights, where light is needed" }
 
-local bias_field = { "bias", "number", min = 0, max = 16, optional = true,
+local bias_field = { "bias", "number", min = 0, max = core.limits.grid_bias, optional = true,
   about = "shading points with normals are looked up beside their surface, bias times the thickness of a voxel along the "
     .. "normal off it, since a voxel that a surface cuts holds light of both its sides. Default: 1 where light jumps at "
     .. "surfaces (quantity is not 'lights'), else 0: no bias" }
@@ -71,11 +71,12 @@ grid.adaptive_grid = form.define("adaptive_grid", {
 
 --- Voxels along each axis: one number for all, or three.
 function form.types.cells(x)
-  local wanted = "voxels along each axis: an integer or three, 1 to 1048576 each"
+  local most = core.limits.grid_side
+  local wanted = ("voxels along each axis: an integer or three, 1 to %d each"):format(most)
   if check.is_integer(x) then x = { x, x, x } end
   if type(x) ~= "table" or #x ~= 3 then return nil, wanted end
   for i = 1, 3 do
-    if not check.is_integer(x[i]) or x[i] < 1 or x[i] > 2 ^ 20 then return nil, wanted end
+    if not check.is_integer(x[i]) or x[i] < 1 or x[i] > most then return nil, wanted end
   end
   return { x[1], x[2], x[3] }
 end

@@ -73,7 +73,7 @@ local gather_options = options.list({
   { "alpha", "number", above = 0, optional = true, unit = "W m^-2",
     about = "'stochastic': a light that gives more, shadows aside, is kept; one that gives b, with the chance b/alpha; "
       .. "default: by which points keep about 64 lights" },
-  { "seed", "integer", min = 0, max = 2 ^ 32, optional = true,
+  { "seed", "integer", min = 0, max = core.limits.seed, optional = true,
     about = "of vsl, compensate and 'stochastic'; default: that of the view" },
 }, options.layer_fields, options.common)
 

@@ -14,7 +14,7 @@ local warning = require "ylm.warning"
 
 local indirect = {}
 
-local LINKS, MOST = 64, 1000000 -- bounces, as many as t:radiosity sums
+local LINKS, MOST = 64, core.limits.transfer_bounces
 
 local transfer_field = { "transfer", "object", of = "ylm.transfer", optional = true,
   about = "what scene:transfer returned; default: one with its defaults, where bounces are wanted" }

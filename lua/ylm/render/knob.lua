@@ -20,7 +20,7 @@ local PIXELS = 512
 local SHARE = { pixels = 0.45, direct = 0.35, links = 0.35, elements = 0.5 }
 -- Where it begins (spacing: of the diagonal), and ends.
 local FIRST = { light_samples = 16, links = 64, spacing = 1 / 32 }
-local MOST = { light_samples = 1024, links = 1024, elements = 2 ^ 20, bytes = 2 ^ 31 }
+local MOST = { light_samples = 1024, links = 1024, elements = core.limits.transfer_elements, bytes = 2 ^ 31 }
 local POINT = 110 -- bytes of a shading point without its links
 -- Camera rays of a pixel, and which of them are shaded as one, the cheapest first; the last judges the others.
 local RAYS = { { 16, 1.5 }, { 64, 1.5 }, { 16, 0 }, { 64, 0 }, { 256, 0 } }
@@ -208,7 +208,7 @@ end
 
 --- Estimate number k of the pixels: by paths through camera rays of its own.
 local function ask_paths(x, k)
-  local v = look(x, ROUND.samples, 0, (x.o.seed + 101 * k) % 2 ^ 32)
+  local v = look(x, ROUND.samples, 0, (x.o.seed + 101 * k) % core.limits.seed)
   local mean, _, rays = need(check.result(x.name, x.lib.shade_judge(v.view, { samples = ROUND.paths, first = 1,
     last = x.bounces == "all" and -1 or x.bounces + 1, seed = x.o.seed + 101 * k, threads = x.threads, progress = x.bar })))
   local out = pixels_of(x, v, mean)

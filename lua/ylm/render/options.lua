@@ -40,7 +40,7 @@ options.view_fields = {
   { "size", "image_size", default = { 1280, 720 }, unit = "pixels", about = "{ width, height }" },
   { "samples", "integer", min = 1, max = core.limits.camera_samples, default = 16, about = "camera rays per pixel, stratified" },
   { "pixel_samples", "integer", min = 1, max = core.limits.camera_samples, optional = true, about = "another name of samples" },
-  { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of all random numbers" },
+  { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of all random numbers" },
   { "share", "number", min = 0, default = 1.5, unit = "pixel widths",
     about = "samples of a pixel that hit one mesh this near to each other, normals within 10 degrees, "
       .. "are shaded as one; 0: every sample is shaded" },

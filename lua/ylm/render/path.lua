@@ -44,7 +44,7 @@ local estimate = {
     about = "rays that find light: to lamps and by material, weighed by the balance heuristic; or one kind alone, to compare" },
   { "error", "number", above = 0, optional = true, about = "ends once the noise, report.noise, is at most this" },
   { "seconds", "number", above = 0, optional = true, unit = "s", about = "ends after so long, which makes results depend on it" },
-  { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of all random numbers" },
+  { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of all random numbers" },
 }
 
 local pathtrace_options = options.list({

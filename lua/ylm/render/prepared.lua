@@ -33,7 +33,7 @@ local prepared_reference = options.list(options.reference_fields, gloss.ray_fiel
   options.common)
 local prepared_radiance = options.list(options.grid_fields, relight.fields, relight.method_fields, options.common)
 local prepared_raycast = options.list(options.ray_fields, {
-  { "seed", "integer", min = 0, max = 2 ^ 32, optional = true, about = "default: that of the view" },
+  { "seed", "integer", min = 0, max = core.limits.seed, optional = true, about = "default: that of the view" },
 }, options.layer_fields, options.common)
 
 describe "prepared:render" {

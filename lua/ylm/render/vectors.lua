@@ -23,7 +23,7 @@ local transfer_fields = options.list({
     about = "elements and links of the view's scene (scene:transfer): vectors with bounces, by rays that know no "
       .. "occlusion_distance. Without it the view's own vectors are returned, and other options are refused" },
   { "links", "links", default = 128, about = "rays of a shading point" },
-}, vectors.options, { { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of these rays" } })
+}, vectors.options, { { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of these rays" } })
 
 describe "prepared:transfer" {
   about = "The transfer vectors of a prepared view: SH coefficients of cosine times visibility, or with them what surfaces send "
@@ -75,7 +75,7 @@ local matrix_fields = options.list({
     about = "of the light that arrives; default: lmax_in" },
   { "rays", "integer", min = 1, max = core.limits.light_samples, default = 512,
     about = "of a shading point, even over the hemisphere" },
-}, vectors.options, { { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of these rays" } })
+}, vectors.options, { { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of these rays" } })
 
 --- A number of bytes in words.
 local function in_words(bytes)

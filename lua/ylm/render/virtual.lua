@@ -12,7 +12,7 @@ local virtual = {}
 local fields = {
   { "method", "choice", of = { "virtual" }, about = "" },
   { "lights", "object", of = "virtual_lights", optional = true, about = "instead of those that particles leave" },
-  { "lmax", "integer", min = 0, max = 100, default = 4, about = "highest degree" },
+  { "lmax", "integer", min = 0, max = core.limits.lmax, default = 4, about = "highest degree" },
   { "shadows", "choice", of = { "none", "centre" }, default = "none", about = "as of view:gather" },
 }
 for _, list in ipairs { split.fields, emit.fields } do

@@ -11,7 +11,7 @@ local progress = require "ylm.progress"
 
 local methods = objects.gather
 
-local LEAST, MOST = 4, 64 -- cells along an edge of the cube of directions
+local LEAST, MOST = core.limits.gather_least, core.limits.gather_most -- cells along an edge of the cube of directions
 local PER_CELL = 12       -- rays for each n^2: six faces, and about as many again where light changes
 local DEFAULT = 16
 local PLACES = 64         -- at which noise is measured
@@ -50,7 +50,7 @@ local options = {
   { "remember", "boolean", default = false,
     about = "keep what each point sees, some 24 KB each: asked again there after lit:update, the field traces nothing" },
   { "refine_surfaces", "boolean", default = false, about = "grids are refined to their depth at triangles" },
-  { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of shadow rays" },
+  { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of shadow rays" },
 }
 
 --- Cells along an edge for about so many rays.

@@ -26,8 +26,9 @@ cut.fields = {
     about = "which sides of triangles reflect: 'auto' is both of an open mesh, and of a closed one those that a lamp or the "
       .. "camera "
       .. "can see; geometry has an option of this name too" },
-  { "max_elements", "integer", min = 1, max = 2 ^ 30, default = 2 ^ 20, about = "more are refused" },
-  { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of all random numbers" },
+  { "max_elements", "integer", min = 1, max = core.limits.transfer_elements_most,
+    default = core.limits.transfer_elements, about = "more are refused" },
+  { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of all random numbers" },
 }
 
 cut.transfer = form.define("transfer", {

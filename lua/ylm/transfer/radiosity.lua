@@ -31,8 +31,9 @@ require "ylm.describe".object "radiosity" {
 }
 
 function form.types.bounces_summed(x)
-  if x == "all" or check.is_integer(x) and x >= 0 and x <= 1e6 then return x end
-  return nil, "a number of reflections after direct light, an integer from 0 to 1000000, or 'all'"
+  local most = core.limits.transfer_bounces
+  if x == "all" or check.is_integer(x) and x >= 0 and x <= most then return x end
+  return nil, ("a number of reflections after direct light, an integer from 0 to %d, or 'all'"):format(most)
 end
 
 local options = {
@@ -44,7 +45,7 @@ local options = {
   { "bounces", "bounces_summed", default = "all", about = "reflections after direct light: 0 is direct light alone" },
   { "residual", "number", above = 0, max = 1, default = 1e-3, about = "the relative change at which 'all' bounces end" },
   { "closure", "boolean", default = true, about = "'all' bounces: the rest is added as the geometric series of the last change" },
-  { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of shadow rays" },
+  { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of shadow rays" },
   form.threads,
   form.progress,
 }
@@ -260,7 +261,7 @@ local map_options = {
   { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = 32, about = "shadow rays of each texel" },
   { "gutter", "integer", min = 0, max = 64, default = 2,
     about = "texels around the mesh's that take their neighbours' mean, so that a filter finds no black" },
-  { "seed", "integer", min = 0, max = 2 ^ 32, default = 1, about = "of all rays" },
+  { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of all rays" },
   form.threads,
   form.progress,
 }
