@@ -1,7 +1,7 @@
 /*
 ** calibration.h - the tuned constants of bakes. Private to csrc/grid.
 **
-** Those of refinement by a tolerance were found by trying. They move how many points a grid has and how often it misses
+** Numbers of refinement by a tolerance were found by trying. They move how many points a grid has and how often it misses
 ** its tolerance. The judgement whether it keeps the tolerance is panel.c's alone, by points that have no part in
 ** refinement. Sizes of work move time alone.
 **
