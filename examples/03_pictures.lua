@@ -28,10 +28,12 @@ local scene = ylm.scene "A knot over lamps" {
   lights = lamps,
 }
 
-local points = {}
-for i = 0, 90 do for j = 0, 90 do points[#points + 1] = { -3 + i / 15, 0, -3 + j / 15 } end end
-local vertices = knot.mesh:vertices()
-for i = 9, #vertices, 9 do points[#points + 1] = vertices[i]:totable() end
+local places = {}
+for i = 0, 90 do for j = 0, 90 do places[#places + 1] = { -3 + i / 15, 0, -3 + j / 15 } end end
+local on_knot = knot.mesh:vertices()[{ 9, -1, 9 }]
+local points = ylm.zeros { #places + #on_knot, 3 }
+points[{ 1, #places }] = places
+points[{ #places + 1, -1 }] = on_knot
 local grid_bounds = { { -3.1, -0.1, -3.1 }, { 3.1, 2.6, 3.1 } }
 local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = grid_bounds, lmax = 4, depth = 6, metric = "relative",
   threshold = 6 }, lamps, { occupied = points }))

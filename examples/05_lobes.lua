@@ -13,7 +13,7 @@ local out = common.options({ out = "out" }).out
 
 --- Pictures need VTK; without it the numbers are printed all the same.
 local function save(vectors, labels, title, name, height)
-  common.save(ylm.view { sh = vectors, labels = labels, title = title, size = { 1280, height or 480 },
+  common.save(ylm.view { sh = ylm.stack(vectors), labels = labels, title = title, size = { 1280, height or 480 },
     direction = { 0, -1, 0.1 } }, out .. name)
 end
 
@@ -23,7 +23,7 @@ for l = 0, 4 do
   for m = -4, 4 do
     local c = ylm.zeros { 25 }
     if math.abs(m) <= l then c:set(ylm.sh.index(l, m), 1) end
-    bands[#bands + 1] = c:totable()
+    bands[#bands + 1] = c
     names[#names + 1] = math.abs(m) <= l and ("%d, %d"):format(l, m) or ""
   end
 end
@@ -41,12 +41,12 @@ local c, report = ylm.sh.project(5, light, { samples = 100000 })
 print(("two lights, projected by quadrature (error %.1e):"):format(report.error))
 print((ylm.sh.summary(c)))
 local WHOLE = 30
-local vectors, labels = { (ylm.sh.project(WHOLE, light, { samples = 100000 })):totable() }, { "the light" }
+local vectors, labels = { (ylm.sh.project(WHOLE, light, { samples = 100000 })) }, { "the light" }
 for lmax = 0, 5 do
-  vectors[#vectors + 1] = ylm.sh.resize(ylm.sh.resize(c, lmax), WHOLE):totable()
+  vectors[#vectors + 1] = ylm.sh.resize(ylm.sh.resize(c, lmax), WHOLE)
   labels[#labels + 1] = lmax == 0 and "1 band" or lmax + 1 .. " bands"
 end
-vectors[#vectors + 1] = ylm.sh.resize(ylm.sh.window(c, "hann"), WHOLE):totable()
+vectors[#vectors + 1] = ylm.sh.resize(ylm.sh.window(c, "hann"), WHOLE)
 labels[#labels + 1] = "Hann window"
 save(vectors, labels, "Two lights", "lobes_projection.png")
 
@@ -57,7 +57,7 @@ print(("deringing to -0.02: minimum %.3f before, contrast lost %.0f %%"):format(
 -- Rotation: the same function turned about y.
 vectors, labels = {}, {}
 for degrees = 0, 180, 30 do
-  vectors[#vectors + 1] = ylm.sh.rotate(c, { axis = { 0, 1, 0 }, angle = math.rad(degrees) }):totable()
+  vectors[#vectors + 1] = ylm.sh.rotate(c, { axis = { 0, 1, 0 }, angle = math.rad(degrees) })
   labels[#labels + 1] = degrees .. " degrees"
 end
 save(vectors, labels, "Turned about y", "lobes_rotation.png")
@@ -72,5 +72,5 @@ for i = 1, 25 do
   print("  " .. table.concat(row))
 end
 local four = ylm.sh.resize(c, 4)
-save({ four:totable(), ylm.sh.resize(mask, 4):totable(), ylm.sh.transfer_apply(M, four):totable() },
+save({ four, ylm.sh.resize(mask, 4), ylm.sh.transfer_apply(M, four) },
   { "light", "Y(2,2)", "product" }, "A light behind a mask", "lobes_product.png")

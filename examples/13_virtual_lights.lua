@@ -25,7 +25,6 @@ local function timed(make)
   return a, core.seconds() - start, b, c
 end
 
-local function luminance(p) return 0.2126 * p[1] + 0.7152 * p[2] + 0.0722 * p[3] end
 
 --- Differences of luminance of two images, relative to the mean of the second; their root mean square. Pixels that show some of
 -- a lamp are left out.
@@ -178,18 +177,6 @@ end
 
 -- Lobes of lights ----------------------------------------------------------------------------------------
 
---- The intensity of light i of a set in direction u, per channel; emissions in harmonics `rows`.
-local function intensity(rows, normal, i, u, basis)
-  local c = math.max(0, normal[i][1] * u[1] + normal[i][2] * u[2] + normal[i][3] * u[3])
-  local sum = {}
-  for k = 1, 3 do
-    sum[k] = 0
-    for q, b in ipairs(rows[i][k]) do sum[k] = sum[k] + b * basis[q] end
-    sum[k] = math.max(0, c * sum[k])
-  end
-  return sum
-end
-
 function parts.lobes()
   local floor = ylm.ggx { alpha = 0.3, f0 = { 0.95, 0.7, 0.35 } }
   local room = ylm.scene "a floor that glosses" {
@@ -201,7 +188,6 @@ function parts.lobes()
   }
   local lights, report = assert(room:virtual_lights { distribution = "grid", count = 64, degree = 8 })
   local at, normal, _, emission = lights:arrays()
-  at, normal, emission = at:totable(), normal:totable(), emission:totable()
   local around, rings, directions = 48, 24, {}
   for k = 0, rings do
     for i = 0, around do
@@ -209,7 +195,8 @@ function parts.lobes()
       directions[#directions + 1] = { math.sin(v) * math.cos(u), math.cos(v), math.sin(v) * math.sin(u) }
     end
   end
-  local basis = ylm.sh.eval(lights.degree, ylm.array(directions)):totable()
+  directions = ylm.array(directions)
+  local basis = ylm.sh.eval(lights.degree, directions)               -- [directions][coefficients]
   local triangles = {}
   for k = 0, rings - 1 do
     for i = 1, around do
@@ -218,24 +205,19 @@ function parts.lobes()
       triangles[#triangles + 1] = { a, a + around + 2, a + around + 1 }
     end
   end
-  local meshes, largest = {}, 0
-  local sent = {}
-  for i = 1, #at do
-    sent[i] = {}
-    for d, u in ipairs(directions) do
-      sent[i][d] = intensity(emission, normal, i, u, basis[d])
-      largest = math.max(largest, luminance(sent[i][d]))
-    end
+  local weights = { 0.2126, 0.7152, 0.0722 }                         -- of luminance
+  local meshes, sent, largest = {}, {}, 0                            -- sent: intensities [directions][3] of each light
+  for i = 1, lights.count do
+    local cosine = (directions * normal[i]):sum { axis = 2, keep = true }:clamp(0)
+    local series = (emission[i]:reshape { 1, 3, basis.shape[2] } * basis:reshape { #basis, 1, basis.shape[2] }):sum(3)
+    sent[i] = (cosine * series):clamp(0)
+    largest = math.max(largest, (sent[i] * weights):sum(2):max())
   end
-  for i, p in ipairs(at) do
-    local vertices, colours = {}, {}
-    for d, u in ipairs(directions) do
-      local r = 0.02 + 0.5 * luminance(sent[i][d]) / largest
-      vertices[d], colours[d] = { p[1] + r * u[1], p[2] + r * u[2], p[3] + r * u[3] }, {}
-      local top = math.max(sent[i][d][1], sent[i][d][2], sent[i][d][3], 1e-9)
-      for k = 1, 3 do colours[d][k] = sent[i][d][k] / top end
-    end
-    meshes[i] = { ylm.mesh { vertices = vertices, triangles = triangles }, colours = colours }
+  for i = 1, lights.count do
+    local radius = 0.02 + 0.5 / largest * (sent[i] * weights):sum { axis = 2, keep = true }
+    local top = ylm.stack({ sent[i][{ {}, 1 }]:clamp(sent[i][{ {}, 2 }]), sent[i][{ {}, 3 }] }):max(1):clamp(1e-9)
+    meshes[i] = { ylm.mesh { vertices = at[i] + radius * directions, triangles = triangles },
+      colours = sent[i] / top:reshape { #top, 1 } }
   end
   local picture = ylm.view { scene = room, meshes = meshes, size = { 540, 360 }, bar = false, frame = false,
     background = "white" }

@@ -80,14 +80,14 @@ local function spread(n)
   local points, places = scene.geometry[1].mesh:vertices(), {}
   local far, at = nil, 1
   for k = 1, n do
-    places[k] = points[at]:totable()
+    places[k] = points[at]
     local square = ((points - places[k]) ^ 2):sum(2)
     far = far and far:clamp(nil, square) or square
     local best = far:max()
     at = 1
     while far[at] < best do at = at + 1 end
   end
-  return places
+  return ylm.stack(places)
 end
 
 -- Pictures ------------------------------------------------------------------------------------

@@ -145,7 +145,7 @@ local function project(p)
   return size[1] / 2 + scale * x / z, size[2] / 2 - scale * y / z
 end
 
-local e, list = t:elements(), t:links():totable()
+local e, list = t:elements(), t:links()
 local function place(i) return { e.centre:get(i, 1), e.centre:get(i, 2), e.centre:get(i, 3) } end
 local A, least = 1, math.huge -- the element nearest to the place under the cup's side that faces the saucer
 for i = 1, #e.area do
@@ -159,7 +159,8 @@ local layer = drawing:layer()
 layer[{}] = 0.25 * shadowed:layer()
 local x0, y0 = project(place(A))
 local seen = {}
-for _, j in ipairs(list[A]) do
+for i = 1, list.shape[2] do
+  local j = list:get(A, i)
   if j <= #e.area and not seen[j] then
     seen[j] = true
     local x1, y1 = project(place(j))

@@ -32,13 +32,7 @@ local points = view:points().position
 local function lights_of(n)
   local some = assert(scene:virtual_lights { count = n, particles = 20 * n, profile = "cap", threads = threads })
   local at, normal, radius, emission = some:arrays()
-  local rows = emission:totable()
-  for i = 1, #rows do
-    for c = 1, 3 do
-      local b = rows[i][c][1]
-      rows[i][c] = { b, 0.1 * b, -0.05 * b, 0.08 * b, 0.02 * b, 0.03 * b, -0.04 * b, 0.01 * b, 0.02 * b }
-    end
-  end
+  local rows = emission[{ {}, {}, { 1, 1 } }] * { 1, 0.1, -0.05, 0.08, 0.02, 0.03, -0.04, 0.01, 0.02 }
   return some, ylm.virtual_lights { at = at, normal = normal, radius = radius, emission = rows, profile = "cap" }
 end
 

@@ -29,10 +29,7 @@ local truth = assert(scene:pathtrace { size = size, samples = samples, reflectio
 local _, mean = rooms.sum(direct, truth)
 local exposure = 0.25 / mean
 local wanted = rooms.sum(direct, truth, exposure, 1)
-local noise = 0
-for _, line in ipairs(truth:layer "variance":totable()) do
-  for _, p in ipairs(line) do for c = 1, 3 do noise = noise + p[c] / (3 * size[1] * size[2]) end end
-end
+local noise = truth:layer "variance":mean()
 local points = #view:points().position
 print(("%s shading points; noise of the paths %.4f of the peak"):format(common.thousands(points),
   exposure * math.sqrt(noise)))

@@ -37,13 +37,10 @@ local at, normal = even(count, 0)
 local points, normals = even(quick and 20 or 200, 1)
 local intensity = RHO * FLUX / (count * math.pi)
 
---- Mean and root mean square of list/wanted - 1, in percent.
-local function spread(list)
-  local sum, square = 0, 0
-  for _, x in ipairs(list) do
-    sum, square = sum + (x / wanted - 1) / #list, square + (x / wanted - 1) ^ 2 / #list
-  end
-  return 100 * sum, 100 * math.sqrt(square)
+--- Mean and root mean square of values/wanted - 1, in percent.
+local function spread(values)
+  local error = values / wanted - 1
+  return 100 * error:mean(), 100 * math.sqrt((error ^ 2):mean())
 end
 
 print(("albedo %.1f, flux %.3f W: irradiance of one bounce %.4f W/m^2, of all %.4f"):format(RHO, FLUX, wanted,
@@ -62,7 +59,7 @@ do
     end
     list[i] = sum * intensity
   end
-  row { "points, cosines exact", spread(list) }
+  row { "points, cosines exact", spread(ylm.array(list)) }
 end
 for _, profile in ipairs { "point", "cap", "gauss" } do
   for _, lmax in ipairs(profile == "point" and { 2, 4, 8 } or { 4, 8 }) do
@@ -72,7 +69,7 @@ for _, profile in ipairs { "point", "cap", "gauss" } do
     local L, list = ylm.light_field(lmax, lights, points, { channels = "luminance", dtype = "double" }), {}
     local E = ylm.sh.irradiance(L, normals)
     for i = 1, #points do list[i] = E:get(i, 1, i) end
-    local mean, rms = spread(list)
+    local mean, rms = spread(ylm.array(list))
     row { ("%s, lmax %d"):format(profile, lmax), mean, rms }
   end
 end
@@ -100,11 +97,7 @@ local traced = common.table { { "traced lights", "%-26s" }, { "lights", "%6d" },
 local function try(name, lights, o)
   o.lights, o.layers = lights, false
   local image = assert(view:gather(o))
-  local pixels, list = image:layer():totable(), {}
-  for _, line in ipairs(pixels) do
-    for _, p in ipairs(line) do list[#list + 1] = p[1] * math.pi / RHO / (o.factor or 1) end
-  end
-  local mean, rms = spread(list)
+  local mean, rms = spread(ylm.array(image:layer()[{ {}, {}, 1 }], "double") * (math.pi / RHO / (o.factor or 1)))
   traced { name, lights.count, mean, rms }
 end
 

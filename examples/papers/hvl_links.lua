@@ -34,17 +34,6 @@ local function room(x, z, floor)
   }
 end
 
---- Layers a - b, as tables.
-local function less(a, b)
-  local out, from = a:layer():totable(), b:layer():totable()
-  for y, line in ipairs(out) do
-    for x, p in ipairs(line) do
-      for c = 1, 3 do p[c] = p[c] - from[y][x][c] end
-    end
-  end
-  return out
-end
-
 local row = common.table { { "scene", "%-14s" }, { "method", "%-24s" }, { "before, s", "%9.2f" }, { "frame, s", "%8.2f" },
   { "rms, %", "%7.1f" }, { "worst frame, %", "%14.1f" } }
 
@@ -57,7 +46,7 @@ for _, count in ipairs(quick and { 50 } or { 1000, 10000 }) do
   end
 end
 
---- One bounce of a view under the lamps of s, as a table of radiances: the difference of pictures with it and without; and its
+--- One bounce of a view under the lamps of s, as an array of radiances: the difference of pictures with it and without; and its
 -- processor seconds, likewise. make(): options of such a picture.
 local function bounce(view, s, make)
   local o = { lights = s.lights, light_samples = quick and 1 or 16 }
@@ -67,7 +56,7 @@ local function bounce(view, s, make)
   start = clock()
   for key, value in pairs(make()) do o[key] = value end
   local image = assert(view:render(o))
-  return less(image, direct), clock() - start - plain
+  return image:layer() - direct:layer(), clock() - start - plain
 end
 
 --- A row for each way: frames of one geometry.
@@ -76,8 +65,8 @@ local function compare(name, scenes, glossy)
   for i, s in ipairs(scenes) do
     local truth = assert(s:pathtrace { size = size, samples = samples, reflections = { 2, 2 } })
     local image = assert(s:render { size = size, samples = 4, light_samples = 1 })
-    judges[i], wanted[i] = rooms.judge(image, truth), truth:layer():totable()
-    lamp = lamp or image:layer "emitter":totable() -- which the view shows in each frame
+    judges[i], wanted[i] = rooms.judge(image, truth), truth:layer()
+    lamp = lamp or image:layer "emitter"[{ {}, {}, { 1, 1 } }]:greater(0) -- which the view shows in each frame
   end
   for _, way in ipairs(ways) do
     local start, transfer = clock(), nil
@@ -90,11 +79,7 @@ local function compare(name, scenes, glossy)
         return { bounces = 1, indirect = { method = "virtual", count = way.count, shadows = way.shadows,
           sums = not glossy and way.sums or nil } }
       end)
-      for y, line in ipairs(lamp) do
-        for x, p in ipairs(line) do
-          if p[1] > 0 then image[y][x] = wanted[i][y][x] end
-        end
-      end
+      image = image * (1 - lamp) + wanted[i] * lamp
       local e = judges[i](image)
       spent, square, worst = spent + seconds, square + e ^ 2, math.max(worst, e)
     end

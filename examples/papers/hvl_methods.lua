@@ -23,7 +23,6 @@ local size = { width, option.room == "cornell" and width or math.floor(0.75 * wi
 local view = assert(scene:prepare { size = size, samples = 4 })
 local truth = assert(scene:pathtrace { size = size, samples = samples, reflections = { 2, 2 } })
 local direct = assert(view:render {})
-local direct_values = direct:layer():totable()
 local error_of, noise, seen = rooms.judge(direct, truth)
 print(("%d of %d pixels count; noise of the truth %.1f %%"):format(seen, size[1] * size[2], 100 * noise))
 
@@ -32,7 +31,7 @@ local series, lights_series, time_series = {}, {}, {}
 local looks = { links = { dash = "dashed", colour = { 0, 0, 0 }, marker = "square" },
   paths = { dash = "dotted", colour = { 0.4, 0.4, 0.4 }, marker = "diamond" } }
 
---- Adds a result, of n lights (nil: no lights).
+--- Adds a result, an image or its radiances, of n lights (nil: no lights).
 local function say(name, n, image, seconds)
   local e = 100 * error_of(image)
   local s = series[name]
@@ -77,14 +76,9 @@ local transfer = not quick and assert(scene:transfer { lmax = 0 })
 for _, links in ipairs(quick and {} or { 16, 64, 256, 1024 }) do
   local linked = assert(scene:prepare { size = size, samples = 4, links = links, transfer = transfer })
   local start = clock()
-  local image = assert(linked:render { bounces = 1 }):layer():totable()
+  local image = assert(linked:render { bounces = 1 })
   local seconds = clock() - start
-  for y, line in ipairs(image) do
-    for x, p in ipairs(line) do
-      for c = 1, 3 do p[c] = p[c] - direct_values[y][x][c] end
-    end
-  end
-  say("links", nil, image, seconds)
+  say("links", nil, image:layer() - direct:layer(), seconds)
 end
 for _, n in ipairs(quick and { 16 } or { 16, 64, 256 }) do
   local start = clock()

@@ -150,21 +150,16 @@ local function hermite(lights, lo, hi, h)
   local o = { channels = "luminance", dtype = "double", derivatives = 1 }
   local L, dL = ylm.light_field(LMAX, lights, knots, o)
   local T = ylm.light_field(LMAX, lights, between, { channels = "luminance", dtype = "double" })
-  L, dL, T = L:totable(), dL:totable(), T:totable()
-  local error2, norm2 = 0, 0
-  for i = 0, n - 1 do
-    for k = 1, PER do
-      local t = k / (PER + 1)
-      local a, b = 2 * t ^ 3 - 3 * t ^ 2 + 1, t ^ 3 - 2 * t ^ 2 + t
-      local c, d = 3 * t ^ 2 - 2 * t ^ 3, t ^ 3 - t ^ 2
-      for q = 1, (LMAX + 1) ^ 2 do
-        local value = a * L[i + 1][1][q] + b * step * dL[i + 1][1][q][2] + c * L[i + 2][1][q] + d * step * dL[i + 2][1][q][2]
-        local wanted = T[i * PER + k][1][q]
-        error2, norm2 = error2 + (value - wanted) ^ 2, norm2 + wanted ^ 2
-      end
-    end
-  end
-  return math.sqrt(error2 / norm2)
+  local Q, t = (LMAX + 1) ^ 2, {}
+  for k = 1, PER do t[k] = k / (PER + 1) end
+  t = ylm.array(t):reshape { 1, PER, 1 }
+  local function of_knots(values) return values[{ 1, n }]:reshape { n, 1, Q }, values[{ 2, n + 1 }]:reshape { n, 1, Q } end
+  local L0, L1 = of_knots(L)
+  local d0, d1 = of_knots(step * dL[{ {}, {}, {}, 2 }])
+  local value = (2 * t ^ 3 - 3 * t ^ 2 + 1) * L0 + (t ^ 3 - 2 * t ^ 2 + t) * d0 + (3 * t ^ 2 - 2 * t ^ 3) * L1
+    + (t ^ 3 - t ^ 2) * d1                                            -- [voxels][PER][Q]
+  T = T:reshape { n, PER, Q }
+  return math.sqrt(((value - T) ^ 2):sum() / (T ^ 2):sum())
 end
 
 local at, normal = floor_of_lights()

@@ -314,121 +314,69 @@ end
 
 --- Direct light (an image) and a bounce (another) as a new image, times `factor`, and no more than `most`; and its mean.
 function rooms.sum(direct, bounce, factor, most)
-  local a, b = direct:layer():totable(), bounce:layer():totable()
-  local out, mean = ylm.image { size = direct.size }, 0
-  local layer = out:layer()
-  for y, line in ipairs(b) do
-    for x, p in ipairs(line) do
-      for c = 1, 3 do
-        local value = (factor or 1) * (p[c] + a[y][x][c])
-        if most then value = math.max(0, math.min(most, value)) end
-        layer:set(y, x, c, value)
-        mean = mean + value / (3 * #b * #line)
-      end
-    end
-  end
-  return out, mean
+  local value = (factor or 1) * (ylm.array(bounce:layer(), "double") + direct:layer())
+  if most then value = value:clamp(0, most) end
+  local out = ylm.image { size = direct.size }
+  out:layer()[{}] = value
+  return out, value:mean()
 end
 
 -- Errors beside paths --------------------------------------------------------------------------
 
---- A function of a list of radiances [h][w][3], or of an image: its root mean square error beside `truth`, paths with their
--- variance, relative to the truth's mean and less its noise. Pixels at edges of things are left out: those where a neighbour of
--- `image` (a picture with layers normal and position) has another normal or is far. Also the noise, and how many pixels count.
+--- A function of an image, or of radiances [h][w][3]: its root mean square error beside `truth`, paths with their variance,
+-- relative to the truth's mean and less its noise. Pixels at edges of things are left out: those where a neighbour of `image`
+-- (a picture with layers normal and position) has another normal or is far. Also the noise, and how many pixels count.
 function rooms.judge(image, truth)
-  local normal, position = image:layer "normal":totable(), image:layer "position":totable()
-  local coverage, emitter = image:layer "coverage":totable(), image:layer "emitter":totable()
-  local wanted, variance = truth:layer():totable(), truth:layer "variance":totable()
-  local seen, mean, noise = {}, 0, 0
-  local function plain(y, x)
-    local n, p = normal[y][x], position[y][x]
-    if coverage[y][x][1] < 0.999 or emitter[y][x][1] > 0 then return false end
-    for dy = -1, 1 do
-      for dx = -1, 1 do
-        local m = normal[y + dy] and normal[y + dy][x + dx]
-        local q = position[y + dy] and position[y + dy][x + dx]
-        if m then
-          local dot, off, far = 0, 0, 0
-          for c = 1, 3 do
-            dot, off, far = dot + n[c] * m[c], off + n[c] * (q[c] - p[c]), far + (q[c] - p[c]) ^ 2
-          end
-          if dot < 0.94 or off * off > 0.06 * far + 1e-12 then return false end
-        end
-      end
-    end
-    return true
-  end
-  for y = 1, #wanted do
-    for x = 1, #wanted[y] do
-      if plain(y, x) then
-        seen[#seen + 1] = { y, x }
-        for c = 1, 3 do mean, noise = mean + wanted[y][x][c], noise + variance[y][x][c] end
-      end
+  local normal, position = ylm.array(image:layer "normal", "double"), ylm.array(image:layer "position", "double")
+  local w, h = image.size[1], image.size[2]
+  local seen = 1 - image:layer "coverage":less(0.999):reshape { h, w }
+  seen = seen * (1 - image:layer "emitter":greater(0):reshape { h, w })
+  local function span(d, n) return { math.max(1, 1 - d), math.min(n, n - d) }, { math.max(1, 1 + d), math.min(n, n + d) } end
+  for dy = -1, 1 do
+    for dx = -1, 1 do
+      local y, y1 = span(dy, h)
+      local x, x1 = span(dx, w)
+      local here, there = { y, x }, { y1, x1 }                        -- pixels, and their neighbours
+      local n, to = normal[here], position[there] - position[here]
+      local dot, off, far = (n * normal[there]):sum(3), (n * to):sum(3), (to ^ 2):sum(3)
+      seen[here] = seen[here] * (1 - dot:less(0.94)) * (1 - (off ^ 2):greater(0.06 * far + 1e-12))
     end
   end
-  mean = mean / (3 * #seen)
-  noise = noise / (3 * #seen)
+  local function of(pixels) return ylm.array(pixels:select(seen), "double") end
+  local wanted, noise = of(truth:layer()), of(truth:layer "variance"):mean()
+  local mean = wanted:mean()
   return function(pixels)
-    if type(pixels) ~= "table" then pixels = pixels:layer():totable() end
-    local square = 0
-    for _, at in ipairs(seen) do
-      local a, b = pixels[at[1]][at[2]], wanted[at[1]][at[2]]
-      for c = 1, 3 do square = square + (a[c] - b[c]) ^ 2 / (3 * #seen) end
-    end
+    local square = ((of(pixels.layers and pixels:layer() or pixels) - wanted) ^ 2):mean()
     return math.sqrt(math.max(0, square - noise)) / mean
-  end, math.sqrt(noise) / mean, #seen
+  end, math.sqrt(noise) / mean, #wanted
 end
 
 -- Irradiance at points -------------------------------------------------------------------------
 
 --- At most n of a view's points, evenly chosen: { position, normal } as arrays.
 function rooms.some(points, n)
-  local position, normal, out = points.position:totable(), points.normal:totable(), { position = {}, normal = {} }
-  local step = math.max(1, math.floor(#position / n))
-  for i = 1, #position, step do
-    out.position[#out.position + 1], out.normal[#out.normal + 1] = position[i], normal[i]
-  end
-  return { position = ylm.array(out.position, "float"), normal = ylm.array(out.normal, "float") }
+  local rows = { 1, -1, math.max(1, math.floor(#points.position / n)) }
+  local last = #points.position - (#points.position - 1) % rows[3]
+  rows[2] = last
+  return { position = points.position[rows], normal = points.normal[rows] }
 end
 
---- Irradiance [n][3] of coefficients [n][3][..], each by its normal, as a table.
+--- Irradiance [n][3] of coefficients [n][3][..], each by its normal.
 function rooms.irradiance(L, normal)
   local lmax = math.floor(math.sqrt(L.shape[3]) + 0.5) - 1
-  local factor = {} -- of the clamped cosine, by degree: from the irradiance of a zonal lobe of each degree at its axis
+  local factor = {} -- of the clamped cosine, by coefficient: from the irradiance of a zonal lobe of its degree at its axis
   for l = 0, lmax do
-    local one = {}
-    for k = 1, (lmax + 1) ^ 2 do one[k] = 0 end
-    one[l * l + l + 1] = 1
-    factor[l] = ylm.sh.irradiance(one, { 0, 0, 1 }) / math.sqrt((2 * l + 1) / (4 * math.pi))
+    local one = ylm.zeros { (lmax + 1) ^ 2 }
+    one:set(l * l + l + 1, 1)
+    local f = ylm.sh.irradiance(one, { 0, 0, 1 }) / math.sqrt((2 * l + 1) / (4 * math.pi))
+    for k = l * l + 1, (l + 1) ^ 2 do factor[k] = f end
   end
-  local basis, values, E = ylm.sh.eval(lmax, normal):totable(), L:totable(), {}
-  for i, v in ipairs(values) do
-    E[i] = { 0, 0, 0 }
-    for l = 0, lmax do
-      for k = l * l + 1, (l + 1) ^ 2 do
-        local w = factor[l] * basis[i][k]
-        for c = 1, 3 do E[i][c] = E[i][c] + w * v[c][k] end
-      end
-    end
-  end
-  return E
+  local basis = ylm.array(ylm.sh.eval(lmax, normal), "double") * factor
+  return (basis:reshape { #normal, 1, #factor } * L):sum(3)
 end
 
---- Adds irradiance, an array [n][3], to a table of it.
-function rooms.add(E, more)
-  for i, e in ipairs(more:totable()) do
-    for c = 1, 3 do E[i][c] = E[i][c] + e[c] end
-  end
-end
-
---- Root mean square difference of two tables of irradiance, relative to the mean of the second.
-function rooms.rms(E, truth)
-  local square, mean = 0, 0
-  for i, e in ipairs(truth) do
-    for c = 1, 3 do square, mean = square + (E[i][c] - e[c]) ^ 2, mean + e[c] end
-  end
-  return math.sqrt(square / (3 * #truth)) / (mean / (3 * #truth))
-end
+--- Root mean square difference of two arrays of irradiance, relative to the mean of the second.
+function rooms.rms(E, truth) return math.sqrt(((E - truth) ^ 2):mean()) / truth:mean() end
 
 -- A user's own -----------------------------------------------------------------------------------
 

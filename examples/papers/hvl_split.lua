@@ -50,21 +50,12 @@ local function errors(baked, near, whole, points, normals, h, lo, width)
   local o = { channels = "luminance" }
   local grid = assert(ylm.bake(ylm.uniform_grid { bounds = box, cells = cells, lmax = LMAX, channels = "luminance",
     metric_channels = "none" }, baked))
-  local got, truth = grid:sample(points):totable(), ylm.light_field(LMAX, baked, points, o):totable()
-  local all = ylm.light_field(LMAX, whole, points, o)
-  local E = ylm.sh.irradiance(grid:sample(points), { 0, 1, 0 })
-  local wanted = ylm.sh.irradiance(all, { 0, 1, 0 })
-  local beside = near and near:irradiance(points, normals)
-  local c2, n2, e2, w2 = 0, 0, 0, 0
-  all = all:totable()
-  for i = 1, #points do
-    for k = 1, (LMAX + 1) ^ 2 do
-      c2, n2 = c2 + (got[i][1][k] - truth[i][1][k]) ^ 2, n2 + all[i][1][k] ^ 2
-    end
-    local e = E:get(i, 1) + (beside and beside:get(i, 1) or 0)
-    e2, w2 = e2 + (e - wanted:get(i, 1)) ^ 2, w2 + wanted:get(i, 1) ^ 2
-  end
-  return math.sqrt(e2 / w2), math.sqrt(c2 / n2), grid.stats.points
+  local got = ylm.array(grid:sample(points), "double")
+  local truth, all = ylm.light_field(LMAX, baked, points, o), ylm.light_field(LMAX, whole, points, o)
+  local E, wanted = ylm.sh.irradiance(got, { 0, 1, 0 }), ylm.array(ylm.sh.irradiance(all, { 0, 1, 0 }), "double")
+  if near then E = E + near:irradiance(points, normals)[{ {}, { 1, 1 } }] end
+  return math.sqrt(((E - wanted) ^ 2):sum() / (wanted ^ 2):sum()),
+    math.sqrt(((got - truth) ^ 2):sum() / (ylm.array(all, "double") ^ 2):sum()), grid.stats.points
 end
 
 local columns = { { "error, %", "%-46s" } }

@@ -41,7 +41,7 @@ for _, case in ipairs { { "whole", lights, "coefficients" }, { "whole", lights, 
       { occupied = view }))
     local seconds = clock() - start
     local E = rooms.irradiance(grid:sample(held.position), held.normal)
-    if case[1] == "far" then rooms.add(E, near:irradiance(held.position, held.normal)) end
+    if case[1] == "far" then E = E + near:irradiance(held.position, held.normal) end
     local found = 100 * rooms.rms(E, truth)
     row { case[1], case[3], tolerance, grid.stats.points, seconds, grid.stats.error, grid.stats.met and "yes" or "no", found }
     s.x[#s.x + 1], s.y[#s.y + 1] = grid.stats.points, found
@@ -57,22 +57,12 @@ print "are alike."
 local _, _, _, exact = ylm.light_field(4, lights, held.position)
 local tree = common.table { { "sum to", "%6.3f" }, { "pairs of all", "%12.3f" }, { "median", "%7.3f" }, { "99 %", "%6.3f" },
   { "99.9 %", "%6.3f" }, { "most", "%6.3f" } }
-local L0 = ylm.light_field(4, lights, held.position):totable()
-local scale, norms = 0, {}
-for i, L in ipairs(L0) do
-  local n = 0
-  for c = 1, 3 do for _, x in ipairs(L[c]) do n = n + x * x end end
-  norms[i] = math.sqrt(n)
-  scale = scale + norms[i] / #L0
-end
+local L0 = ylm.array(ylm.light_field(4, lights, held.position), "double")
+local norms = (L0 ^ 2):sum(2, 3):sqrt()
+local scale = norms:clamp(norms:mean())
 for _, tolerance in ipairs { 0.1, 0.01, 0.001 } do
   local L, _, _, report = ylm.light_field(4, lights, held.position, { tolerance = tolerance })
-  local list = {}
-  for i, v in ipairs(L:totable()) do
-    local d = 0
-    for c = 1, 3 do for k, x in ipairs(v[c]) do d = d + (x - L0[i][c][k]) ^ 2 end end
-    list[i] = math.sqrt(d) / math.max(norms[i], scale) / tolerance
-  end
+  local list = (((L - L0) ^ 2):sum(2, 3):sqrt() / scale / tolerance):totable()
   table.sort(list)
   local function q(p) return list[math.max(1, math.ceil(p * #list))] end
   tree { tolerance, report.pairs / exact.pairs, q(0.5), q(0.99), q(0.999), list[#list] }

@@ -14,27 +14,19 @@ local width, tolerance, samples = tonumber(arg[1] or 160), tonumber(arg[2] or 0.
 local only, threads = tonumber(arg[4] or 0), tonumber(arg[5] or 2)
 local size = { width, math.floor(width * 9 / 16) }
 
-local function numbers(image, layer) return image:layer(layer):totable() end
+local function numbers(image, layer) return ylm.array(image:layer(layer), "double") end
 
 --- Sums over the pixels of a rectangle that show no lamp: error, mean, noise of the judge, all channels; means of a and b.
 local function compare(t, x0, y0, x1, y1)
-  local n, square, variance, a, b, spread = 0, 0, 0, 0, 0, 0
-  for y = y0, y1 do
-    for x = x0, x1 do
-      if t.lamp[y][x][1] == 0 then
-        local before = square - variance
-        for c = 1, 3 do
-          local p, q, v = t.a[y][x][c], t.b[y][x][c], t.v[y][x][c]
-          n, square, variance, a, b = n + 1, square + (p - q) ^ 2, variance + v, a + p, b + q
-        end
-        spread = spread + (square - variance - before) ^ 2
-      end
-    end
-  end
+  local part = { { y0, y1 }, { x0, x1 } }
+  local dark = t.lamp[part]:equal(0):reshape { y1 - y0 + 1, x1 - x0 + 1 }
+  local p, q, v = t.a[part]:select(dark), t.b[part]:select(dark), t.v[part]:select(dark)
+  local n = 3 * #p
   if n == 0 then return nil end
-  a, b = a / n, b / n
-  local found = math.max(0, (square - variance) / n)
-  local known = math.sqrt(math.max(0, spread - (square - variance) ^ 2 * 3 / n)) / n -- of `found`, by pixels
+  local excess = ((p - q) ^ 2 - v):sum(2) -- of each pixel
+  local more, variance, a, b = excess:sum(), v:sum(), p:mean(), q:mean()
+  local found = math.max(0, more / n)
+  local known = math.sqrt(math.max(0, (excess ^ 2):sum() - more ^ 2 * 3 / n)) / n -- of `found`, by pixels
   return { error = math.sqrt(found) / b, more = (math.sqrt(found + known) - math.sqrt(found)) / b,
     noise = math.sqrt(variance / n) / b, bias = a / b - 1, known = math.sqrt(variance) / n / b }
 end

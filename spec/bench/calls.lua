@@ -29,9 +29,7 @@ for _, lmax in ipairs { 2, 4, 9 } do
   local b = ylm.sh.rotate(a, { axis = { 0, 0, 1 }, angle = 1 })
   local many, others = ylm.sh.random(1000, lmax, { dtype = "float" }), ylm.sh.random(1000, lmax, { dtype = "float" })
   local point = ylm.array({ { 1, 2, 3 } }, "float")
-  local list = {}
-  for i, p in ipairs(ylm.sh.random(1000, 1):totable()) do list[i] = { p[1], p[2], p[3] } end
-  local points = ylm.array(list, "float")
+  local points = ylm.array(ylm.sh.random(1000, 1)[{ {}, { 1, 3 } }], "float")
   local r = { quaternion = { 0.3, 0.5, -0.2, 0.7 } }
   local object = ylm.sh.rotation(lmax, r, { dtype = "float" })
   local out, outs, Y = ylm.zeros(a.shape, "float"), ylm.zeros(many.shape, "float"),

@@ -18,18 +18,10 @@ local ours, report = assert(scene:pathtrace { size = size, samples = 512 })
 local theirs = ylm.image { size = size, layers = { { "radiance", 3 }, { "variance", 3 } } }
 local mean, variance = theirs:layer "radiance", theirs:layer "variance"
 local pixels = {}
-for i, file in ipairs(files) do pixels[i] = file:layer():totable() end
-for y = 1, size[2] do
-  for x = 1, size[1] do
-    for c = 1, 3 do
-      local sum, squares, n = 0, 0, #files
-      for i = 1, n do sum = sum + pixels[i][y][x][c] end
-      for i = 1, n do squares = squares + (pixels[i][y][x][c] - sum / n) ^ 2 end
-      mean:set(y, x, c, sum / n)
-      variance:set(y, x, c, squares / (n * (n - 1)))
-    end
-  end
-end
+for i, file in ipairs(files) do pixels[i] = ylm.array(file:layer(), "double") end
+pixels = ylm.stack(pixels)
+mean[{}] = pixels:mean(1)
+variance[{}] = ((pixels - pixels:mean(1)) ^ 2):sum(1) / (#files * (#files - 1))
 
 local emitter, mask = ours:layer "emitter", ylm.zeros({ size[2], size[1] }, "float")
 local function shows_lamp(x, y)

@@ -67,19 +67,15 @@ local function yard()
   } }, { { -1.8, 0.6, -1.6 }, { 1.8, 2.2, 2 } }
 end
 
+--- The numbers of an array as a list of doubles.
 local function flat(a)
-  local out = {}
-  local function walk(x) if type(x) == "table" then for _, y in ipairs(x) do walk(y) end else out[#out + 1] = x end end
-  walk(a:totable())
-  return out
+  local n = 1
+  for _, extent in ipairs(a.shape) do n = n * extent end
+  return ylm.array(a, "double"):reshape { n }
 end
 
 --- The root of the mean over points of squared errors, over that of the truth's norms.
-local function apart(a, b)
-  local d, n = 0, 0
-  for i = 1, #b do d, n = d + (a[i] - b[i]) ^ 2, n + b[i] ^ 2 end
-  return math.sqrt(d / n)
-end
+local function apart(a, b) return math.sqrt(((a - b) ^ 2):sum() / (b ^ 2):sum()) end
 
 local function random_points(box, n, seed)
   local state, points = seed, {}

@@ -36,22 +36,14 @@ local function room(alpha)
   }
 end
 
-local function numbers(image, layer) return image:layer(layer or "radiance"):totable() end
+local function numbers(image, layer) return ylm.array(image:layer(layer or "radiance"), "double") end
 
 --- The error and the judge's noise, relative to the judge's root mean square; `less`: taken from a.
 local function compare(a, b, lamp, less)
-  local x, y, v, z = numbers(a), numbers(b), numbers(b, "variance"), less and numbers(less)
-  local square, noise, all = 0, 0, 0
-  for j = 1, size[2] do
-    for i = 1, size[1] do
-      for c = 1, 3 do
-        if lamp[j][i][1] == 0 then
-          local d = x[j][i][c] - (z and z[j][i][c] or 0) - y[j][i][c]
-          square, noise, all = square + d * d, noise + v[j][i][c], all + y[j][i][c] ^ 2
-        end
-      end
-    end
-  end
+  local dark = lamp:equal(0):reshape { size[2], size[1] }
+  local y = numbers(b):select(dark)
+  local d = ((less and numbers(a) - numbers(less) or numbers(a)):select(dark) - y)
+  local square, noise, all = (d ^ 2):sum(), numbers(b, "variance"):select(dark):sum(), (y ^ 2):sum()
   return 100 * math.sqrt(math.max(0, square - noise) / all), 100 * math.sqrt(noise / all)
 end
 

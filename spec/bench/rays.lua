@@ -10,23 +10,14 @@ local ylm = require "ylm"
 local size = { tonumber(arg[1] or 320), tonumber(arg[2] or 180) }
 local counts = { 4, 8, 16, 32, 64 }
 
-local function luminance(p) return 0.2126 * p[1] + 0.7152 * p[2] + 0.0722 * p[3] end
-
 --- The deviation of one of two pictures of a view.
 local function noise(first, second)
-  local a, b, pixels, mean = first:layer():totable(), second:layer():totable(), {}, 0
-  for y, row in ipairs(a) do
-    for x, p in ipairs(row) do
-      local u, v = luminance(p), luminance(b[y][x])
-      if u ~= v then -- lamps and background are the same in both, and so is darkness
-        pixels[#pixels + 1] = { u, v }
-        mean = mean + (u + v) / 2
-      end
-    end
-  end
-  local sum, tenth = 0, mean / #pixels / 10
-  for _, p in ipairs(pixels) do sum = sum + ((p[1] - p[2]) / ((p[1] + p[2]) / 2 + tenth)) ^ 2 / 2 end
-  return math.sqrt(sum / #pixels)
+  local weights = { 0.2126, 0.7152, 0.0722 }
+  local a, b = (ylm.array(first:layer(), "double") * weights):sum(3), (ylm.array(second:layer(), "double") * weights):sum(3)
+  local lit = a:not_equal(b) -- lamps and background are the same in both, and so is darkness
+  a, b = a:select(lit), b:select(lit)
+  local both = (a + b) / 2
+  return math.sqrt((((a - b) / (both + both:mean() / 10)) ^ 2):mean() / 2)
 end
 
 print(("%d x %d, 16 samples a pixel, %d threads"):format(size[1], size[2], ylm.info().threads))
