@@ -149,6 +149,7 @@ LIBS_OF_vtk    := -lylm_vtk -lylm
 LIBS_OF_vulkan := -lylm_vulkan -lylm
 LIBS_OF_rival  := -lylm_rival -lylm
 
+# Strings of Lua 5.5 call csrc/lua/core/sandbox.c after Lua has closed its libraries: bindings stay loaded.
 define BINDING
 $(BUILD)/$(1)/obj/%.o: csrc/lua/%.c
 	@mkdir -p $$(@D)
@@ -158,7 +159,7 @@ $(foreach m,$(HAVE),
 $(BUILD)/$(1)/ylm/c/$(m).so: $(patsubst csrc/lua/%.c,$(BUILD)/$(1)/obj/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/$(m)/*.c)) $(LIBS) Makefile
 	@mkdir -p $$(@D)
 	$$(call say,LINK,$$@)
-	$(Q)$$(CC) -shared -fopenmp $(SANITIZE) $$(filter %.o,$$^) -L$(BUILD)/lib $(LIBS_OF_$(m)) -Wl,-rpath,'$$$$ORIGIN:$$$$ORIGIN/../../../lib:$$$$ORIGIN/../../../..' -lm -o $$@
+	$(Q)$$(CC) -shared -fopenmp $(SANITIZE) -Wl,-z,nodelete $$(filter %.o,$$^) -L$(BUILD)/lib $(LIBS_OF_$(m)) -Wl,-rpath,'$$$$ORIGIN:$$$$ORIGIN/../../../lib:$$$$ORIGIN/../../../..' -lm -o $$@
 )
 endef
 $(foreach a,$(ABIS),$(eval $(call BINDING,$(a))))
@@ -195,7 +196,7 @@ spec: all   ## run the specs, without installing what they need (SPEC=files for 
 quick: all   ## the specs that a change of one file needs: 90 seconds on two cores
 	@YLM_SPEC=quick BUILD=$(abspath $(BUILD)) SPEC_LUAS='$(or $(SPEC_LUAS),lua5.4)' spec/run $(SPEC)
 
-check-long: all   ## run by hand before a release, hours: sanitizers, kills, 1000 updates, memory at each request, clang, minimal Debians (LONG=names)
+check-long: all   ## run by hand before a release, hours (LONG=parts): sanitizers, kills, clang, Lua 5.5, Embree 4, minimal Debians
 	@BUILD=$(abspath $(BUILD)) spec/long $(LONG)
 
 portable: ## build and test in minimal roots of Debian 12 and 13, by debootstrap as root (SUITES=trixie, PORTABLE_MORE=packages)

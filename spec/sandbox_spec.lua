@@ -1,5 +1,6 @@
 -- Limits of a scene file from a stranger.
 
+local core = require "ylm.c.core"
 local ylm = require "ylm"
 local scratch = require "spec.support.scratch"
 
@@ -44,6 +45,22 @@ describe("the sandbox of scene files", function()
   it("accepts a first line for the shell and keeps line numbers", function()
     assert(try "#!/usr/bin/env ylm\nreturn scene 'x' {}")
     refuses("EFORMAT", "^[^:]*attack.lua:2: there is no 'prinf'", "#!/usr/bin/env ylm\nprinf()")
+  end)
+
+  it("leaves strings that outlive the call", function()
+    local t = {}
+    for i = 1, 400 do t[i] = "0123456789" end
+    local made = {}
+    assert(core.bounded_call(function() -- Lua 5.5 frees what table.concat returns by the allocator that it was made by
+      for i = 1, 20 do made[i] = table.concat(t) end
+    end, 1e6, 2 ^ 22, 20, tostring))
+    made = #made[20]
+    local function below(depth) -- where the call's variables were on the stack
+      if depth > 0 then pcall(below, depth - 1) end
+      collectgarbage()
+    end
+    below(20)
+    assert.equal(4000, made)
   end)
 
   it("names the line of a mistake and guesses what was meant", function()

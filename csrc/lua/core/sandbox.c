@@ -3,6 +3,7 @@
 ** a call that is bounded in instructions, time and memory, and file names that stay in a folder.
 */
 #include <limits.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -15,13 +16,11 @@
 enum { STEP = 100 }; /* instructions between two looks at the clock */
 
 /*
-** Stands in for the state's allocator while a bounded call runs. `used` counts what
-** was allocated less what was freed since then; `traffic` what was allocated at all,
-** so that copying long strings again and again is bounded too.
+** The limits of a bounded call. `used` counts what was allocated less what was freed since it
+** began; `traffic` what was allocated at all, so that copying long strings again and again is
+** bounded too.
 */
 typedef struct guard {
-  lua_Alloc f;
-  void *ud;
   int64_t used, bytes, traffic;
   double instructions, seconds; /* what is left; processor time at which to stop */
   const char *reason;           /* the limit that was passed, or NULL */
@@ -34,10 +33,14 @@ static double processor_seconds(void) {
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* The bounded call of this thread, or NULL. */
+static _Thread_local guard *current;
+
 /* Refuses to pass the limits; a block of a quarter of all memory is too large as well,
    because one comparison of two such strings is one instruction. */
-static void *bounded_alloc(void *ud, void *p, size_t old, size_t size) {
-  guard *g = ud;
+static void *bounded(lua_Alloc f, void *ud, void *p, size_t old, size_t size) {
+  guard *g = current;
+  if (!g) return f(ud, p, old, size);
   int64_t before = p ? (int64_t)old : 0, more = (int64_t)size - before;
   if (more > 0) {
     g->refused = "memory";
@@ -45,18 +48,44 @@ static void *bounded_alloc(void *ud, void *p, size_t old, size_t size) {
       return NULL;
     g->traffic -= (int64_t)size;
   }
-  void *q = g->f(g->ud, p, old, size);
+  void *q = f(ud, p, old, size);
   if (q || size == 0) g->used += more;
   if (more > 0) g->refused = q ? NULL : "exhausted";
   return q;
 }
 
+/*
+** A stand-in is the allocator of a state while a bounded call runs, with the state's own `ud`.
+** A string of Lua 5.5 keeps the allocator that it was made by, and is freed by it, maybe long
+** after the call: a stand-in lasts as long as the process. There is one for each allocator
+** function, of which a process has one or two.
+*/
+#define STAND_IN(i)                                                                                \
+  static void *bounded_##i(void *ud, void *p, size_t old, size_t size) {                           \
+    return bounded(atomic_load(&stood_for[i]), ud, p, old, size);                                  \
+  }
+enum { STAND_INS = 4 };
+static _Atomic(lua_Alloc) stood_for[STAND_INS];
+STAND_IN(0)
+STAND_IN(1)
+STAND_IN(2)
+STAND_IN(3)
+static const lua_Alloc stand_ins[STAND_INS] = {bounded_0, bounded_1, bounded_2, bounded_3};
+
+/* The stand-in for an allocator; NULL: too many are in use. */
+static lua_Alloc stand_in(lua_Alloc f) {
+  for (int i = 0; i < STAND_INS; i++) {
+    lua_Alloc was = NULL;
+    if (atomic_compare_exchange_strong(&stood_for[i], &was, f) || was == f) return stand_ins[i];
+  }
+  return NULL;
+}
+
 /* Counts instructions; once a limit is passed it raises at every instruction that follows. */
 static void tick(lua_State *L, lua_Debug *ar) {
   (void)ar;
-  void *ud = NULL;
-  if (lua_getallocf(L, &ud) != bounded_alloc) return;
-  guard *g = ud;
+  guard *g = current;
+  if (!g) return;
   g->instructions -= STEP;
   if (g->instructions < 0)
     g->reason = "instructions";
@@ -77,18 +106,22 @@ static int bounded_call(lua_State *L) {
              .bytes = (int64_t)luaL_checknumber(L, 3),
              .seconds = processor_seconds() + luaL_checknumber(L, 4)};
   g.traffic = g.bytes * 32;
-  g.f = lua_getallocf(L, &g.ud);
-  if (g.f == bounded_alloc) return luaL_error(L, "bounded calls do not nest");
+  if (current) return luaL_error(L, "bounded calls do not nest");
+  void *ud = NULL;
+  lua_Alloc f = lua_getallocf(L, &ud), instead = stand_in(f);
+  if (!instead) return luaL_error(L, "bounded calls of states by %d allocators at most", STAND_INS);
   lua_Hook hook = lua_gethook(L);
   int mask = lua_gethookmask(L), count = lua_gethookcount(L);
   luaL_checktype(L, 5, LUA_TFUNCTION);
   lua_settop(L, 5);
   luaL_checkstack(L, 8, "bounded_call");
   lua_pushvalue(L, 1);
-  lua_setallocf(L, bounded_alloc, &g);
+  current = &g;
+  lua_setallocf(L, instead, ud);
   lua_sethook(L, tick, LUA_MASKCOUNT, STEP);
   int status = lua_pcall(L, 0, 1, 5);
-  lua_setallocf(L, g.f, g.ud);
+  lua_setallocf(L, f, ud);
+  current = NULL;
   lua_sethook(L, hook, mask, count);
   if (status == LUA_ERRMEM && !g.refused) g.refused = "memory";
   if ((status == LUA_ERRMEM || status == LUA_ERRERR) && !g.reason) g.reason = g.refused;

@@ -2,11 +2,13 @@
 --
 --     lua spec/support/run/jobs.lua "lua5.4 luajit" spec/sh_eval_spec.lua spec ...
 --
--- YLM_SPEC=quick leaves out what is slow or needs more than a compiler; YLM_SPEC=long runs every spec under each Lua.
+-- YLM_SPEC=quick leaves out what is slow or needs more than a compiler; YLM_SPEC=long runs every spec under each Lua;
+-- YLM_SPEC=luas runs those that make test runs under each, and four whose subject is the interpreter too.
 
 local once = dofile "spec/once.lua"
 local OTHERS = 10 -- seconds: a spec that runs under each Lua takes less
 local which = os.getenv "YLM_SPEC"
+local of_luas = { abi = true, codegen = true, guide = true, style = true }
 
 local luas = {}
 for lua in arg[1]:gmatch "%S+" do luas[#luas + 1] = lua end
@@ -14,6 +16,8 @@ for lua in arg[1]:gmatch "%S+" do luas[#luas + 1] = lua end
 --- The seconds of a spec, and the Luas that run it.
 local function about(name)
   local entry = once[name]
+  if which == "luas" and type(entry) == "number" and not of_luas[name] then return 0, {} end
+  if which == "luas" then return OTHERS, luas end
   if not entry then return OTHERS, luas end
   if type(entry) == "number" then return entry, which == "long" and luas or { luas[1] } end
   return entry[1], which == "long" and luas or { luas[1], luas[2] and luas[#luas] }
