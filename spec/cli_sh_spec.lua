@@ -71,7 +71,25 @@ local function functions(v)
   local y22, y21, y20 = s(15 / (32 * pi)), -s(15 / (8 * pi)), s(5 / (16 * pi)) * (3 * z * z - 1)
   local dipy = { s(1 / (4 * pi)), s(2) * y22 * (x * x - y * y), s(2) * y21 * x * z, y20, s(2) * y21 * y * z,
     s(2) * y22 * 2 * x * y }
+  -- AmbiX: signals of N3D and SN3D (ACN), whose sum with the same functions over 4 pi, times 2l+1 of SN3D, is the field
+  local n3d = { 1, s(3) * y, s(3) * z, s(3) * x, s(15) * x * y, s(15) * y * z, s(5) / 2 * (3 * z * z - 1), s(15) * x * z,
+    s(15) / 2 * (x * x - y * y) }
+  local sn3d = { 1, y, z, x, s(3) * x * y, s(3) * y * z, (3 * z * z - 1) / 2, s(3) * x * z, s(3) / 2 * (x * x - y * y) }
+  for i = 1, 9 do
+    n3d[i], sn3d[i] = n3d[i] / (4 * pi), sn3d[i] * (i == 1 and 1 or i < 5 and 3 or 5) / (4 * pi)
+  end
+  -- scipy: real part of the sum of a(l, m) sph_harm(l, m), m from -l to l; pairs of the functions' real and -imaginary parts
+  local y11 = -s(3 / (8 * pi))
+  local function pair(c, re, im) return c * re, -c * im end
+  local scipy, i = { s(1 / (4 * pi)), 0 }, 3
+  for _, f in ipairs { { -y11, x, -y }, { s(3 / (4 * pi)) * z, 1, 0 }, { y11, x, y }, { y22, x * x - y * y, -2 * x * y },
+    { -y21 * z, x, -y }, { y20, 1, 0 }, { y21 * z, x, y }, { y22, x * x - y * y, 2 * x * y } } do
+    scipy[i], scipy[i + 1] = pair(f[1], f[2], f[3])
+    i = i + 2
+  end
   return {
+    n3d = n3d, sn3d = sn3d, scipy = scipy,
+    unity = { x, y, z, 1, x * y, y * z, z * z, z * x, x * x - y * y },  -- ShadeSH9 of UnityCG.cginc
     ["3dgs"] = splats, ylm = splats, e3nn = e3nn, ["e3nn-component"] = component, ["e3nn-norm"] = norm, dipy = dipy,
     mrtrix = { dipy[1], dipy[6], dipy[5], dipy[4], dipy[3], dipy[2] },
     filament = { 1, y, z, x, y * x, y * z, 3 * z * z - 1, z * x, x * x - y * y },
@@ -82,11 +100,18 @@ local function functions(v)
 end
 
 local channels_last = { ["3dgs"] = true, filament = true, ["three.js"] = true }
-local quantity = { filament = { 1, 2 / 3, 1 / 4 }, dipy = { 1, 0, 1 }, mrtrix = { 1, 0, 1 } }
+local quantity = { filament = { 1, 2 / 3, 1 / 4 }, unity = { 1, 2 / 3, 1 / 4 }, dipy = { 1, 0, 1 }, mrtrix = { 1, 0, 1 } }
 
 --- Coefficients of channel k in the shape of `system`, as a list.
 local function channel(c, system, k)
   if channels_last[system] then return c[{ {}, k }]:totable() end
+  if system == "scipy" then return c[k]:reshape({ 18 }):totable() end
+  if system == "unity" then -- SHA and SHB of the channel, then its part of SHC
+    local list = c[k]:totable()
+    for _, x in ipairs(c[3 + k]:totable()) do list[#list + 1] = x end
+    list[9] = c:get(7, k)
+    return list
+  end
   return c[k]:totable()
 end
 
@@ -128,6 +153,61 @@ describe("ylm sh", function()
     end
   end)
 
+  it("agrees with three.js' LightProbeGenerator: cubes that it renders, and cubes of images, whose x it mirrors", function()
+    local modules = os.getenv "YLM_NODE_MODULES" -- a folder with npm's `three`
+    if not modules or not scratch.shell "command -v node >/dev/null 2>&1" then
+      pending "YLM_NODE_MODULES with three, and node, are wanted"
+    end
+    local image = ylm.image { size = { 48, 288 } } -- bytes over 255, which canvases hold
+    local d = image:directions { mapping = "cube", up = "y" }
+    local levels = ylm.array((d * lobe):sum(2):clamp(0, 1) * 200 + 40, "float")
+    for i = 1, #levels do levels[i] = math.floor(levels[i]) end
+    image:layer()[{}] = ylm.stack({ levels, 255 - levels, 0 * levels + 20 }, 2):reshape { 288, 48, 3 } / 255
+    assert(image:save(folder.path .. "/bytes.exr"))
+    for _, name in ipairs { "cube", "bytes" } do
+      folder:write(name .. ".floats", ylm.load(("%s/%s.exr"):format(folder.path, name)):layer():bytes())
+    end
+    folder:write("probe.mjs", ([[
+import fs from 'fs';
+import { FloatType, NoColorSpace, WebGLCoordinateSystem } from 'file://MODULES/three/build/three.module.js';
+import { LightProbeGenerator } from 'file://MODULES/three/examples/jsm/lights/LightProbeGenerator.js';
+const faces = name => {
+  const bytes = fs.readFileSync( name + '.floats' ), all = new Float32Array( bytes.buffer, bytes.byteOffset, bytes.length / 4 );
+  const width = Math.sqrt( all.length / 18 ), face = k => {
+    const rgba = new Float32Array( 4 * width * width );
+    for ( let i = 0; i < rgba.length; i ++ ) rgba[ i ] = i % 4 == 3 ? 1 : all[ 3 * ( k * width * width + ( i >> 2 ) ) + i % 4 ];
+    return rgba;
+  };
+  return { width, face };
+};
+const show = probe => console.log( probe.sh.coefficients.map( v => v.x + ' ' + v.y + ' ' + v.z ).join( ' ' ) );
+const cube = faces( 'cube' );
+show( await LightProbeGenerator.fromCubeRenderTarget( { isWebGLRenderer: true, coordinateSystem: WebGLCoordinateSystem,
+  readRenderTargetPixelsAsync: async ( target, x, y, w, h, data, k ) => data.set( cube.face( k ) ) },
+  { width: cube.width, texture: { type: FloatType, colorSpace: NoColorSpace } } ) );
+const bytes = faces( 'bytes' );
+globalThis.document = { createElement: () => ( { getContext: () => {
+  let data;
+  return { drawImage: image => { data = Uint8ClampedArray.from( image.rgba, v => Math.round( 255 * v ) ); },
+    getImageData: () => ( { data, width: bytes.width } ) };
+} } ) };
+show( LightProbeGenerator.fromCubeTexture( { colorSpace: NoColorSpace,
+  image: [ 0, 1, 2, 3, 4, 5 ].map( k => ( { width: bytes.width, height: bytes.width, rgba: bytes.face( k ) } ) ) } ) );
+]]):gsub("MODULES", (modules:gsub("%%", "%%%%"))))
+    local out, code = scratch.capture("cd " .. scratch.quote(folder.path) .. " && node probe.mjs 2>&1")
+    assert.equal(0, code, out)
+    for line in out:gmatch "[^\n]+" do
+      local name, axes = "cube", ""
+      if out:sub(1, #line) ~= line then name, axes = "bytes", " -x,y,z" end
+      good(("%s/%s.exr --as 'three.js%s' --format npy -q -o %s/three.npy"):format(folder.path, name, axes, folder.path))
+      local ours, theirs = ylm.load(folder.path .. "/three.npy"):reshape { 27 }, {}
+      for x in line:gmatch "%S+" do theirs[#theirs + 1] = tonumber(x) end
+      assert.equal(27, #theirs, out)
+      local largest = ours:abs():max()
+      for i = 1, 27 do assert.is_near(theirs[i], ours[i], 2e-3 * largest) end
+    end
+  end)
+
   it("says the convention, the axes and the odd degrees that are left out", function()
     local text = good(folder.path .. "/small.exr --as dipy")
     assert.truthy(text:find("latlong, y up", 1, true) and text:find("convention dipy, radiance, lmax 2", 1, true), text)
@@ -144,7 +224,7 @@ describe("ylm sh", function()
   it("emits code that evaluates to the same numbers: Lua, C, GLSL", function()
     local has_glslc = scratch.shell "command -v glslc >/dev/null"
     local c = ylm.sh.project(2, ylm.load(folder.path .. "/small.exr"), { up = "y" })
-    local programs, wanted = {}, {}
+    local programs, wanted, shaders, shaded = {}, {}, {}, {}
     for i, system in ipairs { "three.js", "filament", "3dgs", "e3nn-norm", "dipy", "sn3d" } do
       local there, known = ylm.sh.convert(c, system), functions(directions[1])[system] ~= nil
       local words = ("%s/small.exr --as %s --format "):format(folder.path, system)
@@ -161,6 +241,7 @@ describe("ylm sh", function()
         local rgb = lua and { lua(v[1], v[2], v[3]) } or sums
         for k = 1, 3 do assert.is_near(sums[k], rgb[k], 3e-5 * math.abs(sums[k]) + 3e-5) end
         if i == 2 or i == 5 then wanted[#wanted + 1] = sums end
+        if glsl then shaded[#shaded + 1] = { v, sums } end
         if glsl then -- its expressions are Lua's too
           local list, body = glsl:match "vec3%[9%]%((.-)%);", glsl:match "{\n(.-)\n}"
           local text = "local n = ... local sh, k = {}, 0\n" .. list:gsub("vec3(%b())", function(numbers)
@@ -171,12 +252,7 @@ describe("ylm sh", function()
           for k = 1, 3 do assert.is_near(sums[k], value[k], 3e-5 * math.abs(sums[k]) + 3e-5) end
         end
       end
-      if glsl and has_glslc then
-        folder:write("e.comp", "#version 450\n" .. glsl
-          .. "layout(binding = 0) buffer B { vec3 o; };\nvoid main() { o = sh_evaluate(o); }\n")
-        local out, code = scratch.capture(("glslc %s/e.comp -o %s/e.spv"):format(folder.path, folder.path))
-        assert.equal(0, code, out)
-      end
+      if glsl then shaders[i] = glsl:gsub("sh_evaluate", "f" .. i):gsub("%f[%w]sh%f[%W]", "sh_" .. i) end
     end
     local lines = { "#include <stdio.h>", programs[1], programs[2], "int main(void) { float o[3];" }
     for _, name in ipairs { "f2", "f5" } do
@@ -189,13 +265,36 @@ describe("ylm sh", function()
     local out, code = scratch.capture(("${CC:-cc} -std=c11 -Wall -Wextra -Werror -o %s/e %s/e.c && %s/e"):format(folder.path,
       folder.path, folder.path))
     assert.equal(0, code, out)
-    local i = 0
-    for r, g, b in out:gmatch "(%S+) (%S+) (%S+)" do
-      i = i + 1
-      for k, x in ipairs { r, g, b } do assert.is_near(wanted[i][k], tonumber(x), 3e-5 * math.abs(wanted[i][k]) + 3e-5) end
+    local function agree(list)
+      local i = 0
+      for r, g, b in out:gmatch "(%S+) (%S+) (%S+)" do
+        i = i + 1
+        for k, x in ipairs { r, g, b } do assert.is_near(list[i][k], tonumber(x), 3e-5 * math.abs(list[i][k]) + 3e-5) end
+      end
+      assert.equal(#list, i)
     end
-    assert.equal(#wanted, i)
+    agree(wanted)
     if not has_glslc then pending "glslc is not installed" end
+    local words, sums = {}, {} -- the rows of system k are those that shader k evaluates
+    for i, row in ipairs(shaded) do
+      words[i], sums[i] = ("%.9g %.9g %.9g"):format(row[1][1], row[1][2], row[1][3]), row[2]
+    end
+    folder:write("e.comp", "#version 450\n" .. table.concat(shaders) .. ([[
+layout(binding = 0) buffer B { vec4 o[]; };
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  o[i].xyz = i < %d ? f1(o[i].xyz) : i < %d ? f2(o[i].xyz) : f3(o[i].xyz);
+}
+]]):format(#directions, 2 * #directions))
+    out, code = scratch.capture(("glslc %s/e.comp -o %s/e.spv"):format(folder.path, folder.path))
+    assert.equal(0, code, out)
+    out, code = scratch.capture(("${CC:-cc} -std=gnu11 -Wall -Wextra -Werror spec/support/compute.c -o %s/compute -lvulkan"):format(
+      folder.path))
+    if code ~= 0 then pending("a program for Vulkan is not built: " .. out) end
+    out, code = scratch.capture(("%s/compute %s/e.spv %s"):format(folder.path, folder.path, table.concat(words, " ")))
+    if code == 77 then pending "there is no device for Vulkan" end
+    assert.equal(0, code, out)
+    agree(sums)
   end)
 
   it("takes the ringing of a sun away, and says what that costs", function()
