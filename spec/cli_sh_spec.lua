@@ -288,8 +288,8 @@ void main() {
 ]]):format(#directions, 2 * #directions))
     out, code = scratch.capture(("glslc %s/e.comp -o %s/e.spv"):format(folder.path, folder.path))
     assert.equal(0, code, out)
-    out, code = scratch.capture(("${CC:-cc} -std=gnu11 -Wall -Wextra -Werror spec/support/compute.c -o %s/compute -lvulkan"):format(
-      folder.path))
+    out, code = scratch.capture(("${CC:-cc} -std=gnu11 -Wall -Wextra -Werror spec/support/compute.c -o %s/compute -lvulkan")
+      :format(folder.path))
     if code ~= 0 then pending("a program for Vulkan is not built: " .. out) end
     out, code = scratch.capture(("%s/compute %s/e.spv %s"):format(folder.path, folder.path, table.concat(words, " ")))
     if code == 77 then pending "there is no device for Vulkan" end

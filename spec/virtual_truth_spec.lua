@@ -42,7 +42,8 @@ describe("profiles of small radius", function()
   end)
 
   it("of gauss are the point's irradiance in open parts, and never brighter near a wall of lights", function()
-    local L = double(4, ylm.virtual_lights { at = origin, normal = { { 0, 0, 1 } }, radius = 0.1, intensity = 1 }, { { 0, 0, 3 } })
+    local L = double(4, ylm.virtual_lights { at = origin, normal = { { 0, 0, 1 } }, radius = 0.1, intensity = 1 },
+      { { 0, 0, 3 } })
     local P = double(4, ylm.virtual_lights { at = origin, normal = { { 0, 0, 1 } }, intensity = 1, profile = "point" },
       { { 0, 0, 3 } })
     assert.is_near(P:get(1, 1, 1), L:get(1, 1, 1), 1e-4)
@@ -240,7 +241,8 @@ describe("virtual lights where they are not known", function()
   end)
 
   it("have no horizon in a grid, and irradiance is not measured without points and normals", function()
-    local scene = ylm.scene "lit" { geometry = ylm.box { scale = 2 }, lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1 },
+    local scene = ylm.scene "lit" { geometry = ylm.box { scale = 2 },
+      lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1 },
       camera = ylm.camera { from = { 0.5, 0, 0 }, at = { -1, 0, 0 } } }
     local view = assert(scene:prepare { size = { 3, 2 }, samples = 1 })
     local grid = ylm.bake(ylm.uniform_grid { bounds = box, cells = 2, lmax = 1 }, lights)
