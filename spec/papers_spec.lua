@@ -63,6 +63,17 @@ describe("examples/papers", function()
     assert(out:find("two lights, projected by quadrature", 1, true) and out:find("........#................", 1, true), out)
   end)
 
+  for _, words in ipairs(long({ "--only texture" }, { "" })) do
+    it("runs 15_ideas.lua --quick " .. words .. ", the figures of docs", function()
+      local folder = scratch.new()
+      local out, status = scratch.capture(("%s examples/15_ideas.lua --out %s --quick %s"):format(
+        os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder.path), words))
+      folder:remove()
+      assert.equal(0, status, out)
+      assert(out:find "texture: 4096 texels, 1038 parts", out)
+    end)
+  end
+
   local bounces = long(false, true) and it or function() end -- a bake of gathered light takes a while
   bounces("runs 12_bouncing_light.lua, a small one", function()
     local folder = scratch.new()

@@ -43,8 +43,8 @@ local load_options = {
 }
 
 describe "load" {
-  about = "Reads a grid, an array (.npy), an image (.exr, .png, .hdr, .pfm), a mesh (.obj, .ply) or a measured material "
-    .. "(.binary of MERL, .bsdf of RGL): content decides.",
+  about = "Reads a file by its content: a grid, an array (.npy), an image (.exr, .png, .hdr, .pfm), a mesh (.obj, .ply) or a "
+    .. "measured material (.binary of MERL, .bsdf of RGL).",
   arguments = { { "path", "string", "a regular file" }, { "options?", "table", "" } },
   options = load_options,
   returns = { { "object", "grid|array|image|mesh|geometry|material", "what the file holds" } },

@@ -318,7 +318,7 @@ shape("mesh", {
 })
 
 require "ylm.describe".object "mesh" {
-  about = "Triangles; #mesh is how many. What ylm.quad, ylm.mesh ... return has it as its field mesh.",
+  about = "Triangles; #mesh is their number. The geometry that ylm.quad, ylm.mesh ... return has it as its field mesh.",
   fields = {
     { "bounds", "table", "{ {x0, y0, z0}, {x1, y1, z1} }" },
     { "area", "number", "of all triangles" },

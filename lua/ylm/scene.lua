@@ -121,7 +121,7 @@ local function add_files(values, files)
 end
 
 require "ylm.describe".object "scene" {
-  about = "What a picture is made of.",
+  about = "A camera, geometry, lights and probes: all that a picture is made of.",
   fields = {
     { "name", "string", "" },
     { "camera", "camera", "or nil" },
@@ -158,7 +158,7 @@ local metatable = {
 }
 
 local construct = form.define("scene", {
-  about = "What a picture is made of. Lists may nest, so that plain Lua loops build them: "
+  about = "A camera, geometry, lights and probes of a picture. Lists may nest, so that plain Lua loops build them: "
     .. "scene \"name\" { ... }.",
   fields = {
     { "camera", "object", of = "camera", optional = true, about = "needed by render, reference and raycast" },

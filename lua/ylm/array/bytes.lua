@@ -68,8 +68,8 @@ end
 
 describe "wrap" {
   about = "An array over memory that somebody else owns: of LuaJIT's FFI, of another library, of a host program. Nothing is "
-    .. "copied. Whoever passes a pointer vouches for it: that so many elements are there, and stay as long as the array, its "
-    .. "views and what was made of them without a copy. array:pointer is the way back.",
+    .. "copied. The caller vouches for a pointer: the elements are there, and stay as long as the array, its views and arrays "
+    .. "made of them without a copy. array:pointer is the way back.",
   arguments = {
     { "pointer", "userdata|number", "light userdata, a pointer or an array of LuaJIT's FFI, or the address as a number" },
     { "shape", "table", "1 to 8 extents" },

@@ -5,10 +5,6 @@ api: all    ## docs/api.md, as the entries beside the code say it
 	@$(BUILD)/ylm run lua/ylm/doc/main.lua docs --api
 
 docs: all   ## build/docs: pages (LDoc), annotations for editors (ylm.meta.lua)
-	@rm -rf $(BUILD)/doc-input $(BUILD)/docs && mkdir -p $(BUILD)/doc-input $(BUILD)/docs/topics
-	@$(BUILD)/ylm run lua/ylm/doc/main.lua $(BUILD)/doc-input --ldoc
-	@$(BUILD)/ylm run lua/ylm/doc/site.lua . $(BUILD)/doc-input
-	@cp -r docs/images $(BUILD)/docs/topics/
-	@cd $(BUILD)/doc-input && ldoc -q -c config.ld -d ../docs . >/dev/null && echo $(BUILD)/docs/index.html
+	@$(BUILD)/ylm run lua/ylm/doc/site.lua . $(BUILD)/docs && echo $(BUILD)/docs/index.html
 	@$(BUILD)/ylm run lua/ylm/doc/main.lua $(BUILD)/docs && echo $(BUILD)/docs/ylm.meta.lua
 	@$(BUILD)/ylm run lua/ylm/doc/site.lua --check $(BUILD)/docs

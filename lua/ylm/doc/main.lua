@@ -2,7 +2,6 @@
 --
 --     ylm run lua/ylm/doc/main.lua FOLDER         FOLDER/ylm.meta.lua for editors, FOLDER/api.md
 --     ylm run lua/ylm/doc/main.lua FOLDER --api   FOLDER/api.md
---     ylm run lua/ylm/doc/main.lua FOLDER --ldoc  input for LDoc
 
 local core = require "ylm.c.core"
 local meta = require "ylm.doc.meta"
@@ -15,9 +14,7 @@ if not folder then
   io.stderr:write "main.lua: a folder to write to expected\n"
   os.exit(2)
 end
-if mode == "--ldoc" then
-  for name, text in pairs(pages.ldoc()) do write(folder .. "/" .. name, text) end
-elseif mode == "--api" then
+if mode == "--api" then
   write(folder .. "/api.md", pages.markdown())
 else
   write(folder .. "/ylm.meta.lua", meta.text())

@@ -1,9 +1,10 @@
 --- Pages of docs for the site that LDoc makes: links and pictures that lead somewhere there too.
 --
---     ylm run lua/ylm/doc/site.lua FROM TO      pages of the tree FROM, as LDoc's topics, into the folder TO
+--     ylm run lua/ylm/doc/site.lua FROM TO      the site of the tree FROM, made by LDoc, into the folder TO
 --     ylm run lua/ylm/doc/site.lua --check DIR  ends with status 1 where a link or a picture of DIR leads nowhere
 
 local core = require "ylm.c.core"
+local reference = require "ylm.doc.pages"
 
 local function read(path)
   local file = assert(io.open(path, "rb"))
@@ -67,7 +68,9 @@ local function page(path, text, pages)
   return table.concat(out, "\n")
 end
 
-local function make(from, to)
+--- LDoc's input: entries beside the code as modules, pages as topics, and its settings.
+local function input(from, to)
+  for name, text in pairs(reference.ldoc()) do assert(core.file_save(to .. "/" .. name, text)) end
   local pages = {}
   local names = "*.md docs/*.md docs/bench/*.md csrc/README.md lua/ylm/README.md"
   for _, path in ipairs(lines_of("cd " .. quoted(from) .. " && ls " .. names)) do
@@ -87,6 +90,21 @@ local function make(from, to)
   end
   assert(core.file_save(to .. "/config.ld", read(from .. "/lua/ylm/doc/config.ld")
     .. "topics = { " .. table.concat(topics, ", ") .. " }\n"))
+end
+
+--- Runs shell commands; stops at one that fails.
+local function run(...)
+  local command = table.concat({ ... }, " && ")
+  local ok = os.execute(command)
+  if ok ~= true and ok ~= 0 then error("failed: " .. command, 0) end
+end
+
+local function make(from, to)
+  local images, scratch = quoted(to .. "/topics/images"), to .. "/input"
+  run("rm -rf " .. quoted(to), "mkdir -p " .. quoted(to .. "/topics") .. " " .. quoted(scratch))
+  input(from, scratch)
+  run(("cp -r %s %s"):format(quoted(from .. "/docs/images"), images), "cd " .. quoted(scratch),
+    "ldoc -q -c config.ld -d .. . >ldoc.log", "cd ..", "rm -r input")
 end
 
 -- Checking ---------------------------------------------------------------------------------

@@ -15,8 +15,8 @@ object.methods = methods
 object.stages_of = setmetatable({}, { __mode = "k" })
 
 require "ylm.describe".object "grid" {
-  about = "A baked grid of probes. What it was described with can be read from it, but for the cells of a uniform "
-    .. "grid, since grid:cells() are the voxels themselves: they are grid.resolution.",
+  about = "A baked grid of probes. The fields of its description can be read from it. The cells of a uniform grid are "
+    .. "grid.resolution, since grid:cells() are the voxels themselves.",
   fields = {
     { "kind", "string", "'adaptive' or 'uniform'" },
     { "resolution", "table", "{ nx, ny, nz }: voxels along each axis, of an adaptive grid those of its finest level" },

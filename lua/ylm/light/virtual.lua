@@ -95,7 +95,7 @@ local function open(l, name)
 end
 
 describe "virtual_lights:arrays" {
-  about = "What the lights are made of, for scripts and files.",
+  about = "Returns the arrays that the lights are made of, for scripts and files.",
   arguments = {},
   returns = {
     { "at", "array", "[n][3], scene units" },

@@ -11,7 +11,7 @@ local outputs = require "ylm.outputs"
 local methods = object.methods
 
 require "ylm.describe".object "material" {
-  about = "What a surface does with light: matte, ggx, phong, abc and the other forms of materials make one. It does not "
+  about = "The reflection of a surface: matte, ggx, phong, abc and the other forms of materials make one. It does not "
     .. "change. Directions stand in the surface's frame, z its normal, x its tangent; wi points to where light comes from, wo "
     .. "to where it goes. Fields can be read as they were given.",
   methods = methods,
@@ -222,7 +222,7 @@ local function compare(made)
 end
 
 describe "material:check" {
-  about = "What holds of a material: whether it reflects more than comes, and the same in both directions.",
+  about = "Tests a material: whether it reflects more light than comes, and equally in both directions.",
   arguments = {},
   returns = { { "facts", "table", "energy (the largest albedo of 20 views, 80 where it is anisotropic; more than 1 is more than "
     .. "comes), least (the smallest), reciprocity (the largest relative difference of f with exchanged directions, of 4,096 "

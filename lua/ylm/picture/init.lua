@@ -93,8 +93,8 @@ function picture.methods(kind, draw, example, trace)
   local methods = {}
 
   describe(kind .. ":save") {
-    about = trace and "Draws the picture and writes it as a .png file, or by lines as .svg or .pdf, in which text is text; "
-      .. "whole or not at all." or "Draws the picture and writes it as a .png file, whole or not at all.",
+    about = trace and "Draws the picture and writes it as a .png file, or by lines as .svg or .pdf. Text is text there. A file "
+      .. "is written whole or not at all." or "Draws the picture and writes it as a .png file, whole or not at all.",
     arguments = { { "path", "string", trace and "ends in .png, .svg or .pdf" or "ends in .png" } },
     returns = { { "ok", "boolean", "true; or nil, message, 'EIO' | 'EMISSING' | 'EDEVICE' | 'ENOMEM'" } },
     errors = "raises on another ending; the world's failures are returned",

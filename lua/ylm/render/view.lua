@@ -19,8 +19,8 @@ local DEGREES = 61 -- of slices: YLM_SHADE_DEGREES
 local GIVEN_SAMPLES = core.limits.light_samples -- the most that transfer_samples may be
 
 require "ylm.describe".object "prepared" {
-  about = "What one camera sees of a scene, ready to be shaded: by rays to its lamps, or with transfer vectors by any light "
-    .. "field.",
+  about = "The part of a scene that one camera sees, ready to be shaded: by rays to its lamps, or with transfer vectors by any "
+    .. "light field.",
   fields = {
     { "stats", "table", "points, hits, pixels, primary_rays, occlusion_rays, scene_seconds, primary_seconds, "
       .. "transfer_seconds, bytes; transfer_samples, noise as in a report" },

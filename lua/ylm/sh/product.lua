@@ -119,7 +119,7 @@ function product.product(...)
 end
 
 describe "sh.product_method" {
-  about = "What method 'auto' stands for at a size, and for 'gaunt' how many integrals are not zero.",
+  about = "Says which method 'auto' stands for at a size, and for 'gaunt' the number of integrals that are not zero.",
   arguments = {
     { "lmax", "integer", "from 0 to 100" }, { "factors", "integer", "2 to 16" },
     { "method?", "string", "default 'auto'" },

@@ -21,7 +21,7 @@ local limits = { "float64", "int64", "timestamps", "subgroup", "binds", "group_s
   "bind_bytes", "allocation_bytes", "memory_bytes" }
 
 reference.object "gpu" {
-  about = "An open device. What lies in its memory keeps it open, unless it is closed.",
+  about = "An open device. Arrays, lights and grids in its memory keep it open, unless it is closed.",
   methods = gpu_methods,
   fields = {
     { "name", "string", "as its driver calls it" },
