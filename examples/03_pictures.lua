@@ -1,14 +1,18 @@
 -- Every kind of picture that ylm.view, ylm.plot and ylm.figure make, of one small scene.
 --
---     ylm run examples/03_pictures.lua [--out out/pictures]
+--     ylm run examples/03_pictures.lua [--out out/pictures] [--only NAME]
 --
 -- Metres, degrees, W sr^-1 m^-2; y is up.
 
 local ylm = require "ylm"
 local common = dofile((arg[0]:match "^(.*/)" or "./") .. "common.lua")
-local out = common.options({ out = "out/pictures" }).out
+local option = common.options { out = "out/pictures", only = "" }
+local out = option.out
 
-local function save(picture, name) common.save(picture, out .. name .. ".png") end
+--- Draws a picture, unless another one is wanted alone.
+local function save(picture, name)
+  if option.only == "" or option.only == name then common.save(picture, out .. name .. ".png") end
+end
 
 -- A knot over a floor, and a spiral of lamps (Vogel 1979) that nearly touch it ------------------
 

@@ -2,8 +2,8 @@
 --
 --     ylm run examples/15_ideas.lua [--out DIR] [--only NAME] [--quick]
 --
--- Leaves idea_NAME.png in out/, and prints the numbers that the pages quote. Names: tree, metrics, normals, rims, texture, choice,
--- jump, inside, continuity, moving. --quick draws small ones.
+-- Leaves idea_NAME.png in out/, and prints the numbers that the pages quote. NAME is tree, metrics, normals, rims, texture,
+-- choice, jump, inside, continuity or moving. --quick draws small ones.
 
 local ylm = require "ylm"
 local core = require "ylm.c.core"
@@ -105,7 +105,7 @@ idea("metrics", function()
   local pixels = truth:layer()
   local mean = pixels:mean()
 
-  -- What each error adds; it is then scaled so that all have one mean square.
+  -- Each error is scaled so that all have one mean square.
   local noise = ylm.sh.random(size[1] * size[2], 0, { seed = 3 }):reshape { size[2], size[1], 1 }
   local small = truth:resize { size[1] / 4, size[2] / 4 }
   local shifted = image_of(pixels)
@@ -163,8 +163,8 @@ idea("normals", function()
   end
   local size = number({ 80, 60 }, { 340, 300 })
   return ylm.figure { rows = { {
-    { image = lit(ylm.mesh { vertices = corners, triangles = apart, normals = flat, material = clay }), tone = "hable", exposure = 0.5,
-      caption = "normals of 168 triangles" },
+    { image = lit(ylm.mesh { vertices = corners, triangles = apart, normals = flat, material = clay }),
+      tone = "hable", exposure = 0.5, caption = "normals of 168 triangles" },
     { image = lit(ylm.mesh { vertices = vertices, triangles = triangles, material = clay }), tone = "hable", exposure = 0.5,
       caption = "their sums at vertices, weighted by area" },
     { image = ylm.view { meshes = {
@@ -387,8 +387,9 @@ idea("jump", function()
     series[#series + 1] = { x = { wall + b, wall }, y = { value, value - b * slope },
       label = side == 1 and "beside the wall, carried back" or nil, colour = { 0, 0.55, 0.35 }, width = 2 }
     local there = field(ylm.array { { x, y, wall + 1e-4 * side } }, 0, 1):get(1, 1, 1)
+    local at = grid:sample({ { x, y, wall } }):get(1, 1, 1)
     print(("jump: side %+d, carried back off by %.1f %%, at the point by %.0f %%"):format(side,
-      100 * math.abs(value - b * slope - there) / there, 100 * math.abs(grid:sample({ { x, y, wall } }):get(1, 1, 1) - there) / there))
+      100 * math.abs(value - b * slope - there) / there, 100 * math.abs(at - there) / there))
   end
   return ylm.plot { size = { 760, 400 }, series = series, legend = "top left", x_range = { -0.5, 0.5 },
     title = "Light across a wall", x_label = "distance along the wall's normal, voxels of 0.25, wall at 0.03",
@@ -494,6 +495,7 @@ idea("moving", function()
   } }, bar = { range = { 1e-4, 1 }, log = true, map = "magma", label = "relative; the tolerance is 0.02" } }
 end)
 
+if option.only ~= "" and not ideas[option.only] then error("--only: no picture " .. option.only, 0) end
 for _, name in ipairs(order) do
   if option.only == "" or option.only == name then
     local picture = ideas[name]()

@@ -59,9 +59,14 @@ describe("the guide", function()
     local text = read "docs/gallery.md"
     assert(count(text, "!%[[^%]]*%]%(images/") >= 12)
     for command in text:gmatch "\n    (%S[^\n]*)" do
-      local file = command:match "^build/ylm run (%S+)$"
+      local file, only = command:match "^build/ylm run (%S+)$", nil
+      if not file then file, only = command:match "^build/ylm run (%S+) %-%-only (%S+)$" end
       assert(command == "make demo" or (file and scratch.shell("test -f " .. scratch.quote(file))), command)
+      assert(not only or read(file):find('"' .. only .. '"', 1, true)
+        or read(file):find("function parts." .. only .. "(", 1, true), command)
     end
+    local pictures, own = count(text, "%!%[[^%]]*%]%(images/"), count(text, "%!%[[^%]]*%]%(images/[^)]*%)\n\n    %S")
+    assert.equal(pictures, own, "pictures have a command each, below them")
   end)
 
   it("is cited by a file that has what CFF 1.2.0 wants", function()
