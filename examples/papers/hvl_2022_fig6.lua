@@ -11,8 +11,9 @@
 local ylm = require "ylm"
 
 local here = arg[0]:match "^(.*/)" or "./"
-local common = dofile(here .. "../common.lua")
-local option = common.options { out = "out", quick = false }
+local common, rooms = dofile(here .. "../common.lua"), dofile(here .. "hvl_scenes.lua")
+local option = common.options { out = "out", scene = "", quick = false }
+rooms.no_scene(option.scene, "operations are counted here, and no scene is lit: hvl_2022_table1 takes one")
 local quick = option.quick
 local clock = require "ylm.c.core".seconds
 local compile = loadstring or load -- luacheck: ignore

@@ -14,9 +14,10 @@
 local ylm = require "ylm"
 
 local here = arg[0]:match "^(.*/)" or "./"
-local common = dofile(here .. "../common.lua")
+local common, rooms = dofile(here .. "../common.lua"), dofile(here .. "hvl_scenes.lua")
 
-local option = common.options { merl = "", rgl = "", bands = 10, out = "out", quick = false }
+local option = common.options { merl = "", rgl = "", bands = 10, scene = "", out = "out", quick = false }
+rooms.no_scene(option.scene, "materials are shown on spheres: --merl and --rgl name folders of them")
 local out, quick = option.out, option.quick
 local bands = quick and 5 or option.bands
 local lmax, count = bands - 1, bands * bands

@@ -2,6 +2,7 @@
 --
 --     lua examples/papers/hvl_furnace.lua [--lights 2000] [--width 64] [--quick]
 --
+-- There is no --scene: truth is a closed form.
 -- A sphere of radius 1 and albedo rho around a lamp of flux Phi: cos cos/d^2 is 1/4 between any two of its places, so that any
 -- set of points, wherever they are, gives the irradiance rho Phi/(4 pi) everywhere, and all bounces 1/(1 - rho) times that:
 -- unclamped points (Keller 1997) have no error here. Spheres and profiles have one, of the light of their surroundings of one
@@ -10,8 +11,9 @@
 local ylm = require "ylm"
 
 local here = arg[0]:match "^(.*/)" or "./"
-local common = dofile(here .. "../common.lua")
-local option = common.options { lights = 2000, width = 64, quick = false }
+local common, rooms = dofile(here .. "../common.lua"), dofile(here .. "hvl_scenes.lua")
+local option = common.options { lights = 2000, width = 64, scene = "", quick = false }
+rooms.no_scene(option.scene, "truth is the closed form of a sphere: hvl_methods takes a scene")
 local quick = option.quick
 local count, width = quick and 100 or option.lights, quick and 12 or option.width
 ylm.on_warning(false)

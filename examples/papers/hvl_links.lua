@@ -1,19 +1,20 @@
 -- Links or virtual lights: one bounce in a Cornell box, standing, with a lamp that moves, and with a floor that glosses; error
 -- beside paths, and time before the first frame and of each.
 --
---     lua examples/papers/hvl_links.lua [--width 64] [--samples 512] [--frames 3] [--quick]
+--     lua examples/papers/hvl_links.lua [--width 64] [--samples 512] [--frames 3] [--scene FILE] [--quick]
 --
 -- Errors are root mean square, relative to the mean of the bounce, over pixels off edges, less the noise of the truth (--samples
 -- paths a pixel). Seconds are those of the processor, all threads together. "before" is what stays while lamps move: elements and
 -- links of the scene and of the view; "frame" is light on elements and along links, or particles, lights and their sums.
 -- "virtual, rays" has a ray from each point to each light; else far parts are from a grid, near parts summed at each point, and
--- beside the floor that glosses all lights at each point.
+-- beside the floor that glosses all lights at each point. --scene stands in place of the box; its lamps do not move, and its
+-- floor is what it is.
 
 local ylm = require "ylm"
 
 local here = arg[0]:match "^(.*/)" or "./"
 local common, rooms = dofile(here .. "../common.lua"), dofile(here .. "hvl_scenes.lua")
-local option = common.options { width = 64, samples = 512, frames = 3, quick = false }
+local option = common.options { width = 64, samples = 512, frames = 3, scene = "", quick = false }
 local quick = option.quick
 local width, samples, frames = quick and 12 or option.width, quick and 16 or option.samples, quick and 2 or option.frames
 local size, clock = { width, width }, os.clock
@@ -87,6 +88,10 @@ local function compare(name, scenes, glossy)
   end
 end
 
+if option.scene ~= "" then
+  compare("standing", { rooms.given(option.scene) }, true)
+  return
+end
 compare("standing", { room(0, 0) })
 local path = {}
 for i = 1, frames do

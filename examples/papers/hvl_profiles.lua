@@ -2,7 +2,8 @@
 --
 --     lua examples/papers/hvl_profiles.lua [--floors 20] [--out out] [--quick]
 --
--- Writes hvl_profiles.png. 400 matte lights stand on a jittered 20 x 20 grid of spacing 1 and shine up; the wall rises from the
+-- Writes hvl_profiles.png. There is no --scene: truth is a closed form.
+-- 400 matte lights stand on a jittered 20 x 20 grid of spacing 1 and shine up; the wall rises from the
 -- floor's edge. Mezieres & Paulin 2022 have profile "cap", and H (Eq. 22) beside it, which takes lights near the receiver's
 -- horizon away. Points have no profile; clamped ones are bounded by 1/r^2. The truth is a floor of the same flux everywhere, in
 -- closed form. Lights have radius k spacings, as discs of k = 1.5/sqrt(pi) times the area they stand for would; degree 4.
@@ -10,8 +11,9 @@
 local ylm = require "ylm"
 
 local here = arg[0]:match "^(.*/)" or "./"
-local common = dofile(here .. "../common.lua")
-local option = common.options { floors = 20, out = "out", quick = false }
+local common, rooms = dofile(here .. "../common.lua"), dofile(here .. "hvl_scenes.lua")
+local option = common.options { floors = 20, out = "out", scene = "", quick = false }
+rooms.no_scene(option.scene, "truth is a closed form of the floor that is made here: hvl_methods takes a scene")
 local quick, floors = option.quick, option.quick and 2 or option.floors
 local SIDE, LMAX = 20, 4
 

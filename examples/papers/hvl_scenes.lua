@@ -2,6 +2,7 @@
 -- an atrium of two storeys for Sponza, a room with a table for the breakfast room. Loaded with dofile by the scripts hvl_*.lua
 -- and by examples/13_virtual_lights.lua. Metres; y is up.
 
+local form = require "ylm.form"
 local ylm = require "ylm"
 
 local rooms = {}
@@ -385,6 +386,30 @@ function rooms.given(path, otherwise, ...)
   if path == "" then return rooms[otherwise](...) end
   local scene, message = ylm.load_scene(path)
   if not scene then error(message, 0) end
+  return scene
+end
+
+--- Stops where the script was given a scene and has no use for one; why: a sentence.
+function rooms.no_scene(path, why)
+  if path ~= "" then error("--scene: " .. why, 0) end
+end
+
+--- Lights of a scene at `count` places: by a grid, the paper's map, where all lamps are spots, else by particles. o: what else
+-- scene:virtual_lights takes.
+function rooms.placed(scene, count, o)
+  local spots = #scene.lights > 0
+  for _, l in ipairs(scene.lights) do spots = spots and form.kind(l) == "spot_light" end
+  o.count, o.distribution = count, spots and "grid" or "particles"
+  local lights, report = scene:virtual_lights(o)
+  if not lights then error(report, 0) end
+  if lights.count == 0 then error(report.note or "the scene leaves no virtual light", 0) end
+  return lights
+end
+
+--- The scene of a file again, with other materials: those of the list in turn.
+function rooms.painted(path, materials)
+  local scene = rooms.given(path)
+  for i, g in ipairs(scene.geometry) do g.material = materials[(i - 1) % #materials + 1] end
   return scene
 end
 

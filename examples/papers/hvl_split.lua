@@ -2,7 +2,8 @@
 --
 --     lua examples/papers/hvl_split.lua [--points 400] [--out out] [--quick]
 --
--- Writes hvl_split.png. A lit floor of 400 lights, spacing 1, alone and with a lit wall of 400 that rises from it. Far parts
+-- Writes hvl_split.png. There is no --scene: lights are made here, at known places.
+-- A lit floor of 400 lights, spacing 1, alone and with a lit wall of 400 that rises from it. Far parts
 -- have a core R of 3 spacings. Errors of uniform grids, root mean square over points of the floor, relative: of irradiance, and
 -- of coefficients (all 25, of luminance). Whole lights have no smaller error with smaller voxels: one-sided cosines are kinks
 -- along the surface, and points of the floor lie between lights.
@@ -10,8 +11,9 @@
 local ylm = require "ylm"
 
 local here = arg[0]:match "^(.*/)" or "./"
-local common = dofile(here .. "../common.lua")
-local option = common.options { points = 400, out = "out", quick = false }
+local common, rooms = dofile(here .. "../common.lua"), dofile(here .. "hvl_scenes.lua")
+local option = common.options { points = 400, out = "out", scene = "", quick = false }
+rooms.no_scene(option.scene, "floor and wall are made here, and their lights with them: hvl_tolerance takes a scene")
 local quick = option.quick
 local count = quick and 30 or option.points
 local SIDE, R, LMAX = 20, 3, 4
