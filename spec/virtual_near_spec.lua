@@ -71,6 +71,10 @@ describe("far and near", function()
     assert.equal("irradiance", grid.measure)
   end)
 
+  it("have the power of the whole in the far part, which alone shines from afar", function()
+    assert.same({ lights.power, { 0, 0, 0 } }, { far.power, near.power })
+  end)
+
   it("are split by the area of a scene and by the points of a picture", function()
     local widest = math.sqrt((24 + 2 * 0.25 + 4 * 0.4) / 300)
     local function core(spacing, options)

@@ -53,15 +53,27 @@ static void choose(const ylm_emit_options *o, emit_landings *x) {
   ylm_rng_seed(&rng, o->seed, ~(uint64_t)1);
   double next = step * ylm_rng_double(&rng);
   for (size_t i = 0; i < x->n; i++) {
-    emit_landing l = x->landing[i];
-    double own = ylm__emit_luminous(&l);
+    double own = ylm__emit_luminous(&x->landing[i]);
     int times = 0;
     for (upto += own; next < upto && own > 0; next += step) times++;
     if (!times) continue;
+    emit_landing l = x->landing[i];
     for (int c = 0; c < 3; c++) l.power[c] *= (float)(times * step / own);
     x->landing[n++] = l;
   }
   x->n = n;
+}
+
+/* Cells are numbered by 30 bits and a sign along each axis. */
+static ylm_status check_cell(const ylm_scene *scene, const ylm_emit_options *o, ylm_error *e) {
+  double lo[3], hi[3], far = 0;
+  ylm_scene_bounds(scene, lo, hi);
+  for (int a = 0; a < 3; a++) far = fmax(far, fmax(fabs(lo[a]), fabs(hi[a])));
+  if (!o->merge || !(o->cell > 0) || o->cell >= 1e-9 * far) return YLM_OK;
+  return ylm_fail(
+      e, YLM_ERANGE,
+      "cell must be at least %.3g, 1e-9 of the farthest surface from the origin, got %g",
+      1e-9 * far, o->cell);
 }
 
 typedef struct filling {
@@ -131,6 +143,7 @@ ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o, ylm_emit_
   *report = (ylm_emit_report){.particles = o->particles};
   ylm_emit_options gridded = *o;
   ylm_status s = check(o, e);
+  if (s == YLM_OK) s = check_cell(scene, o, e);
   if (s == YLM_OK && o->grid) {
     s = lay_grids(scene, &gridded, e);
     report->particles = gridded.particles;

@@ -58,14 +58,26 @@ static void find_reach(emit_lamps *l) {
   l->reach = 1.0001 * sqrt(s);
 }
 
-ylm_status ylm__emit_lamps(const ylm_scene *scene, emit_lamps *l) {
+/* Powers of particles from spheres, one radiance all over. */
+static void find_powers(emit_lamps *l) {
+  for (size_t i = 0; i < l->near; i++) {
+    const double *x = l->record[i];
+    double radius = x[SPHERE_RADIUS], area = 4 * EMIT_PI * radius * radius;
+    double chance = (l->upto[i] - (i > 0 ? l->upto[i - 1] : 0)) / l->upto[l->n - 1];
+    for (int c = 0; x[SPHERE] > 0 && c < 3; c++)
+      l->power[i][c] = x[c] * (EMIT_PI * area) / chance / l->particles;
+  }
+}
+
+ylm_status ylm__emit_lamps(const ylm_scene *scene, size_t particles, emit_lamps *l) {
   double sum = 0;
-  *l = (emit_lamps){.scene = scene, .near = ylm_scene_near(scene)};
+  *l = (emit_lamps){.scene = scene, .near = ylm_scene_near(scene), .particles = (double)particles};
   l->sky = l->near + ylm_scene_distant(scene);
   l->n = l->sky + ylm_scene_spots(scene, &l->spot);
   l->upto = ylm_alloc(l->n, sizeof *l->upto);
   l->record = ylm_alloc_zero(l->near, sizeof *l->record);
-  if (!l->upto || !l->record) return YLM_ENOMEM;
+  l->power = ylm_alloc_zero(l->near, sizeof *l->power);
+  if (!l->upto || !l->record || !l->power) return YLM_ENOMEM;
   find_reach(l);
   for (size_t i = 0; i < l->n; i++) {
     if (i < l->near) {
@@ -78,12 +90,14 @@ ylm_status ylm__emit_lamps(const ylm_scene *scene, emit_lamps *l) {
       sum += EMIT_PI * l->reach * l->reach * ylm_scene_distant_power(scene, i - l->near);
     l->upto[i] = sum;
   }
+  find_powers(l);
   return YLM_OK;
 }
 
 void ylm__emit_lamps_free(emit_lamps *l) {
   ylm_free(l->upto);
   ylm_free(l->record);
+  ylm_free(l->power);
 }
 
 /* The lamp that u of 0 .. 1 chooses, and how often it does. */
@@ -105,17 +119,6 @@ static void widen(const float *x, double *out) {
   for (int k = 0; k < 3; k++) out[k] = (double)x[k];
 }
 
-/* A place on a sphere; its area. */
-static double on_sphere(const double *x, const double *u, float at[3], float normal[3]) {
-  double z = 1 - 2 * u[0], r = sqrt(fmax(0, 1 - z * z)), radius = x[SPHERE_RADIUS];
-  double n[3] = {r * cos(2 * EMIT_PI * u[1]), r * sin(2 * EMIT_PI * u[1]), z};
-  for (int k = 0; k < 3; k++) {
-    normal[k] = (float)n[k];
-    at[k] = (float)(x[SPHERE_AT + k] + radius * n[k]);
-  }
-  return 4 * EMIT_PI * radius * radius;
-}
-
 /* A place on a flat lamp, the normal on the side that the particle takes; the area of the sides that
    it may take. *v, of 0 .. 1, chooses between two, and is as good as new afterwards. */
 static double on_patch(const double *x, const double *u, double *v, float at[3], float normal[3]) {
@@ -125,8 +128,8 @@ static double on_patch(const double *x, const double *u, double *v, float at[3],
     s = 1 - sqrt(1 - u[0]);
     t = (1 - s) * u[1];
   } else {
-    s = sqrt(u[0]) * cos(2 * EMIT_PI * u[1]);
-    t = sqrt(u[0]) * sin(2 * EMIT_PI * u[1]);
+    ylm__emit_turn(u[1], &s, &t);
+    s *= sqrt(u[0]), t *= sqrt(u[0]);
   }
   bool both = side == 0;
   if (both) {
@@ -140,14 +143,30 @@ static double on_patch(const double *x, const double *u, double *v, float at[3],
   return both ? 2 * area : area;
 }
 
-/* A particle of lamp i, whose power has not been divided by the chance yet. */
-static bool leave_lamp(const emit_lamps *l, size_t i, const double *u, ylm_trace_ray *ray,
-                       double power[3]) {
+/* A particle of a sphere. */
+static void leave_sphere(const emit_lamps *l, size_t i, const double *u, ylm_trace_ray *ray,
+                         double power[3]) {
   const double *x = l->record[i];
+  double z = 1 - 2 * u[0], r = sqrt(fmax(0, 1 - z * z)), cosine, sine;
+  ylm__emit_turn(u[1], &cosine, &sine);
+  double n[3] = {r * cosine, r * sine, z};
+  float normal[3];
+  for (int k = 0; k < 3; k++) {
+    normal[k] = (float)n[k];
+    ray->org[k] = (float)(x[SPHERE_AT + k] + x[SPHERE_RADIUS] * n[k]);
+  }
+  ylm__emit_cosine(normal, u[2], u[3], ray->dir);
+  for (int c = 0; c < 3; c++) power[c] = l->power[i][c];
+  ray->near = 0;
+  ray->far = INFINITY;
+}
+
+/* A particle of a flat lamp, whose power has not been divided by the chance yet. */
+static bool leave_patch(const emit_lamps *l, size_t i, const double *u, ylm_trace_ray *ray,
+                        double power[3]) {
   float normal[3], radiance[3];
   double v = u[2];
-  bool sphere = x[SPHERE] > 0;
-  double area = sphere ? on_sphere(x, u, ray->org, normal) : on_patch(x, u, &v, ray->org, normal);
+  double area = on_patch(l->record[i], u, &v, ray->org, normal);
   ylm__emit_cosine(normal, v, u[3], ray->dir);
   ylm_trace_ray back = *ray;
   for (int k = 0; k < 3; k++) back.dir[k] = -ray->dir[k];
@@ -155,7 +174,7 @@ static bool leave_lamp(const emit_lamps *l, size_t i, const double *u, ylm_trace
   widen(radiance, power);
   for (int c = 0; c < 3; c++) power[c] *= EMIT_PI * area;
   /* a lamp may lie on a wall, which then is not in its way */
-  ray->near = sphere ? 0 : ylm_trace_offset(ylm_scene_trace(l->scene));
+  ray->near = ylm_trace_offset(ylm_scene_trace(l->scene));
   return true;
 }
 
@@ -163,8 +182,9 @@ static bool leave_sky(const emit_lamps *l, size_t i, const double *u, ylm_trace_
                       double power[3]) {
   float to[3], radiance[3], a[3], b[3];
   double solid = ylm_scene_distant_ray(l->scene, i - l->near, u, to, radiance);
-  double r = l->reach * sqrt(u[2]), x = r * cos(2 * EMIT_PI * u[3]),
-         y = r * sin(2 * EMIT_PI * u[3]);
+  double r = l->reach * sqrt(u[2]), x, y;
+  ylm__emit_turn(u[3], &x, &y);
+  x *= r, y *= r;
   if (!(solid > 0)) return false;
   ylm_scene_basis(to, a, b);
   for (int k = 0; k < 3; k++) {
@@ -183,14 +203,14 @@ static bool leave_spot(const emit_lamps *l, size_t i, const double *u, ylm_trace
                        double power[3]) {
   const ylm_light_spot *s = &l->spot[i - l->sky];
   float axis[3], a[3], b[3];
-  double z = 1 - u[0] * (1 - s->outer), r = sqrt(fmax(0, 1 - z * z)), turn = 2 * EMIT_PI * u[1];
+  double z = 1 - u[0] * (1 - s->outer), r = sqrt(fmax(0, 1 - z * z)), x, y;
   double part = ylm_light_spot_part(s, z) * 2 * EMIT_PI * (1 - s->outer);
   for (int k = 0; k < 3; k++) axis[k] = (float)s->axis[k];
   ylm_scene_basis(axis, a, b);
+  ylm__emit_turn(u[1], &x, &y);
   for (int k = 0; k < 3; k++) {
     ray->org[k] = (float)s->at[k];
-    ray->dir[k] =
-        (float)(r * cos(turn) * (double)a[k] + r * sin(turn) * (double)b[k] + z * s->axis[k]);
+    ray->dir[k] = (float)(r * x * (double)a[k] + r * y * (double)b[k] + z * s->axis[k]);
     power[k] = s->intensity[k] * part;
   }
   ray->near = ylm_trace_offset(ylm_scene_trace(l->scene));
@@ -225,9 +245,13 @@ bool ylm__emit_start(const emit_lamps *l, const double u[EMIT_NUMBERS], ylm_trac
   if (l->n == 0 || !(l->upto[l->n - 1] > 0)) return false;
   size_t i = choose(l, u[4], &chance);
   if (!(chance > 0)) return false;
-  if (!(i < l->near ? leave_lamp : i < l->sky ? leave_sky : leave_spot)(l, i, u, ray, power))
+  if (i < l->near && l->record[i][SPHERE] > 0) {
+    leave_sphere(l, i, u, ray, power);
+    return true;
+  }
+  if (!(i < l->near ? leave_patch : i < l->sky ? leave_sky : leave_spot)(l, i, u, ray, power))
     return false;
-  for (int c = 0; c < 3; c++) power[c] /= chance;
+  for (int c = 0; c < 3; c++) power[c] = power[c] / chance / l->particles;
   ray->far = INFINITY;
   return true;
 }

@@ -3,6 +3,8 @@
 
 /* Particles that are traced together. */
 #define GRAIN 256
+/* Blocks of these, at least, whose landings are kept before they are put into order. */
+#define WAVE 64
 /* The bound of the chance to be reflected once more. */
 #define MOST_CHANCE 0.95
 
@@ -14,17 +16,20 @@ typedef struct particle {
 
 /* Landings and counts of a block of particles; blocks are added up in their order. */
 typedef struct block {
-  emit_landing *landing;
-  size_t n, begin; /* of all landings, its first */
+  emit_landing *landing; /* its own, or its part of all */
+  size_t n, room, begin; /* of all landings, its first */
   ylm_emit_report counts;
 } block;
 
 /* The particles of a block that are under way. */
 typedef struct flight {
-  size_t n, room; /* of the block's landings */
+  size_t n;
   particle p[GRAIN];
   ylm_trace_ray ray[GRAIN];
   ylm_trace_hit hit[GRAIN];
+  uint32_t landed[GRAIN]; /* those that met a surface */
+  ylm_scene_place place[GRAIN];
+  ylm_scene_surface surface[GRAIN];
 } flight;
 
 typedef struct job {
@@ -34,11 +39,11 @@ typedef struct job {
   emit_sequence numbers;
   const emit_gloss *gloss; /* NULL: all is matte */
   float (*albedo)[3];      /* [meshes] mean */
-  block *blocks;
-  flight *flight; /* [threads] */
-  emit_landing
-      *direct; /* [particles] where blocks leave landings of one reflection; NULL: on their own */
-  emit_landing *sorted; /* by particle, of all blocks */
+  size_t begin;            /* the first particle of a wave */
+  size_t kept, room;       /* landings of the waves before; room in out */
+  block *blocks;           /* [blocks of a wave] */
+  flight *flight;          /* [threads] */
+  emit_landings *out;
 } job;
 
 static void add(double sum[3], const double x[3]) {
@@ -46,6 +51,7 @@ static void add(double sum[3], const double x[3]) {
 }
 
 static void set_out(const job *j, size_t begin, size_t end, flight *f, block *b) {
+  bool goes_on = j->o->bounces > 1 || j->gloss;
   f->n = 0;
   for (size_t i = begin; i < end; i++) {
     particle *p = &f->p[f->n];
@@ -55,21 +61,26 @@ static void set_out(const job *j, size_t begin, size_t end, flight *f, block *b)
     } else {
       ylm__emit_numbers(&j->numbers, i, u);
       if (!ylm__emit_start(&j->lamps, u, &f->ray[f->n], p->power)) continue;
-      for (int c = 0; c < 3; c++) p->power[c] /= (double)j->o->particles;
     }
     add(b->counts.emitted, p->power);
-    ylm_rng_seed(&p->rng, j->o->seed, i);
+    if (goes_on) ylm_rng_seed(&p->rng, j->o->seed, i);
     p->number = (uint32_t)i;
     f->n++;
   }
 }
 
-/* The surface that ray i hit, seen from where it came. */
-static void surface_at(const job *j, const flight *f, size_t i, ylm_scene_surface *s) {
-  const ylm_trace_hit *h = &f->hit[i];
-  bool back = ylm_dot3(h->normal, f->ray[i].dir) > 0;
-  ylm_scene_place place = {(uint32_t)h->mesh, h->element, h->u, h->v, back};
-  ylm_scene_surfaces(j->scene, 1, &place, s);
+/* The surfaces that rays hit, seen from where they came: f->surface[k] is that of ray f->landed[k]. */
+static size_t surfaces(const job *j, flight *f) {
+  size_t n = 0;
+  for (size_t i = 0; i < f->n; i++) {
+    const ylm_trace_hit *h = &f->hit[i];
+    bool back = ylm_dot3(h->normal, f->ray[i].dir) > 0;
+    f->place[n] = (ylm_scene_place){(uint32_t)h->mesh, h->element, h->u, h->v, back};
+    f->landed[n] = (uint32_t)i;
+    n += h->mesh >= 0;
+  }
+  ylm_scene_surfaces(j->scene, n, f->place, f->surface);
+  return n;
 }
 
 /* The direction from which particle i comes, in a frame of the surface. */
@@ -79,20 +90,24 @@ static void arrive(const flight *f, size_t i, const float x[3], const float y[3]
   wo[0] = -ylm_dot3(dir, x), wo[1] = -ylm_dot3(dir, y), wo[2] = -ylm_dot3(dir, normal);
 }
 
+/* Room for n more landings of a block. */
+static ylm_status make_room(block *b, size_t n) {
+  if (b->room - b->n >= n) return YLM_OK;
+  size_t room = 2 * b->room > b->n + n ? 2 * b->room : b->n + n;
+  emit_landing *more = ylm_realloc(b->landing, b->n * sizeof *more, room, sizeof *more);
+  if (!more) return YLM_ENOMEM;
+  b->landing = more;
+  b->room = room;
+  return YLM_OK;
+}
+
 /* Leaves a landing of particle i, whose power becomes what is reflected. */
-static ylm_status land(const job *j, flight *f, size_t i, int order, ylm_scene_surface *s,
-                       block *b) {
+static void land(const job *j, flight *f, size_t i, int order, ylm_scene_surface *s, block *b) {
   particle *p = &f->p[i];
-  float albedo[3], azimuth = 0;
+  const ylm_trace_ray *ray = &f->ray[i];
+  float albedo[3], azimuth = 0, area = 0, way = f->hit[i].t;
   uint32_t slot = ylm__emit_slot(j->gloss, (size_t)f->hit[i].mesh);
-  if (b->n == f->room) {
-    size_t room = f->room ? 2 * f->room : GRAIN;
-    emit_landing *more = ylm_realloc(b->landing, b->n * sizeof *more, room, sizeof *more);
-    if (!more) return YLM_ENOMEM;
-    b->landing = more;
-    f->room = room;
-  }
-  if (!(ylm_dot3(s->normal, f->ray[i].dir) < 0)) {
+  if (!(ylm_dot3(s->normal, ray->dir) < 0)) {
     memcpy(s->normal, s->flat, sizeof s->normal);
     b->counts.turned++;
   }
@@ -109,22 +124,18 @@ static ylm_status land(const job *j, flight *f, size_t i, int order, ylm_scene_s
   for (int c = 0; c < 3; c++) p->power[c] *= (double)albedo[c] * (double)s->tint[c];
   add(b->counts.reflected, p->power);
   b->counts.landings[order - 1]++;
-  emit_landing *l = &b->landing[b->n];
-  *l = (emit_landing){.way = f->hit[i].t,
-                      .particle = p->number,
-                      .order = (uint8_t)order,
-                      .slot = slot,
-                      .azimuth = azimuth};
-  for (int k = 0; k < 3; k++) l->from[k] = -f->ray[i].dir[k];
   if (j->o->grid) {
-    double cosine = fmax(0.1, -(double)ylm_dot3(s->flat, f->ray[i].dir)), way = (double)l->way;
-    l->area = (float)(p->solid * way * way / cosine);
+    double cosine = fmax(0.1, -(double)ylm_dot3(s->flat, ray->dir));
+    area = (float)(p->solid * (double)way * (double)way / cosine);
   }
-  memcpy(l->at, s->position, sizeof l->at);
-  memcpy(l->normal, s->normal, sizeof l->normal);
-  for (int c = 0; c < 3; c++) l->power[c] = (float)p->power[c];
+  emit_landing *l = &b->landing[b->n];
+  for (int k = 0; k < 3; k++) {
+    l->at[k] = s->position[k], l->normal[k] = s->normal[k];
+    l->from[k] = -ray->dir[k], l->power[k] = (float)p->power[k];
+  }
+  l->azimuth = azimuth, l->way = way, l->area = area;
+  l->particle = p->number, l->slot = slot;
   if (ylm__emit_luminous(l) > 0) b->n++; /* a dark one is no light */
-  return YLM_OK;
 }
 
 /* The direction in which particle i leaves a surface that glosses, its power weighed by it; false: it is absorbed. */
@@ -177,18 +188,18 @@ static ylm_status follow(const job *j, flight *f, int order, block *b) {
   size_t n = 0;
   ylm_trace_nearest(ylm_scene_trace(j->scene), f->n, f->ray, false, f->hit);
   b->counts.rays += f->n;
-  for (size_t i = 0; i < f->n; i++) {
-    ylm_scene_surface s;
-    if (f->hit[i].mesh < 0) {
-      if (order == 1) add(b->counts.lost, f->p[i].power);
-      continue;
-    }
-    surface_at(j, f, i, &s);
-    ylm_status status = land(j, f, i, order, &s, b);
-    if (status != YLM_OK) return status;
+  for (size_t i = 0; order == 1 && i < f->n; i++)
+    if (f->hit[i].mesh < 0) add(b->counts.lost, f->p[i].power);
+  size_t landed = surfaces(j, f);
+  ylm_status status = make_room(b, landed);
+  if (status != YLM_OK) return status;
+  for (size_t k = 0; k < landed; k++) {
+    size_t i = f->landed[k];
+    ylm_scene_surface *s = &f->surface[k];
+    land(j, f, i, order, s, b);
     if (order == j->o->bounces)
       add(b->counts.going, f->p[i].power);
-    else if (go_on(j, f, i, n, &s, b))
+    else if (go_on(j, f, i, n, s, b))
       n++;
   }
   f->n = n;
@@ -200,9 +211,13 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   block *b = &j->blocks[begin / GRAIN];
   flight *f = &j->flight[worker];
   ylm_status s = YLM_OK;
-  f->room = j->direct ? GRAIN : 0;
-  if (j->direct) b->landing = j->direct + begin;
-  set_out(j, begin, end, f, b);
+  b->n = 0;
+  b->counts = (ylm_emit_report){0};
+  if (j->o->bounces == 1) {
+    b->landing = j->out->landing + j->begin + begin;
+    b->room = GRAIN;
+  }
+  set_out(j, j->begin + begin, j->begin + end, f, b);
   for (int order = 1; s == YLM_OK && order <= j->o->bounces && f->n > 0; order++)
     s = follow(j, f, order, b);
   return s;
@@ -227,31 +242,60 @@ static ylm_status sort(void *context, size_t begin, size_t end, int worker) {
   const job *j = context;
   for (size_t i = begin; i < end; i++) {
     const block *b = &j->blocks[i];
+    if (b->n == 0) continue;
+    emit_landing *to = j->out->landing + b->begin;
     size_t first[GRAIN + 1] = {0};
     for (size_t k = 0; k < b->n; k++) first[b->landing[k].particle % GRAIN + 1]++;
     for (size_t k = 0; k < GRAIN; k++) first[k + 1] += first[k];
-    for (size_t k = 0; k < b->n; k++)
-      j->sorted[b->begin + first[b->landing[k].particle % GRAIN]++] = b->landing[k];
+    for (size_t k = 0; k < b->n; k++) to[first[b->landing[k].particle % GRAIN]++] = b->landing[k];
   }
   return YLM_OK;
 }
 
-/* The landings and counts of all blocks. */
-static ylm_status join(job *j, size_t blocks, emit_landings *out, ylm_emit_report *report) {
-  for (size_t b = 0; b < blocks; b++) {
-    j->blocks[b].begin = out->n;
-    out->n += j->blocks[b].n;
-    add_counts(&j->blocks[b].counts, report);
-  }
-  if (!j->direct) {
-    out->landing = j->sorted = ylm_alloc(out->n, sizeof *out->landing);
-    return out->landing ? ylm_parallel(blocks, 16, j->o->threads, sort, j, NULL, NULL) : YLM_ENOMEM;
-  }
-  for (size_t b = 0; b < blocks; b++)
-    if (j->blocks[b].landing != out->landing + j->blocks[b].begin)
-      memmove(out->landing + j->blocks[b].begin, j->blocks[b].landing,
-              j->blocks[b].n * sizeof *out->landing);
+/* Room for all landings so far; what all particles will leave is guessed from those that are done. */
+static ylm_status widen(job *j, size_t done) {
+  emit_landings *x = j->out;
+  if (x->n <= j->room) return YLM_OK;
+  size_t guess = (size_t)(1.02 * (double)x->n / (double)done * (double)j->o->particles) + GRAIN;
+  size_t room = guess > x->n ? guess : x->n;
+  emit_landing *more = ylm_realloc(x->landing, j->kept * sizeof *more, room, sizeof *more);
+  if (!more) return YLM_ENOMEM;
+  x->landing = more;
+  j->room = room;
   return YLM_OK;
+}
+
+/* Appends the landings and adds the counts of a wave's blocks. */
+static ylm_status join(job *j, size_t particles, ylm_emit_report *report) {
+  emit_landings *out = j->out;
+  size_t blocks = (particles + GRAIN - 1) / GRAIN;
+  j->kept = out->n;
+  for (size_t i = 0; i < blocks; i++) {
+    block *b = &j->blocks[i];
+    b->begin = out->n;
+    out->n += b->n;
+    add_counts(&b->counts, report);
+    if (j->o->bounces == 1 && b->landing != out->landing + b->begin)
+      memmove(out->landing + b->begin, b->landing, b->n * sizeof *b->landing);
+  }
+  if (j->o->bounces == 1) return YLM_OK;
+  ylm_status s = widen(j, j->begin + particles);
+  return s == YLM_OK ? ylm_parallel(blocks, 4, j->o->threads, sort, j, NULL, NULL) : s;
+}
+
+/* Particles are followed in waves, so that what blocks keep of their own stays small. */
+static ylm_status run_waves(job *j, size_t wave, ylm_emit_report *report) {
+  size_t all = j->o->particles;
+  ylm_status s = YLM_OK;
+  for (j->begin = 0; s == YLM_OK && j->begin < all; j->begin += wave * GRAIN) {
+    ylm_progress_part part;
+    size_t n = all - j->begin < wave * GRAIN ? all - j->begin : wave * GRAIN;
+    s = ylm_parallel(n, GRAIN, j->o->threads, run, j,
+                     ylm_progress_part_of(&part, j->o->progress, NULL, j->begin, n, all),
+                     "particles");
+    if (s == YLM_OK) s = join(j, n, report);
+  }
+  return s;
 }
 
 static ylm_status find_albedos(job *j) {
@@ -265,23 +309,20 @@ static ylm_status find_albedos(job *j) {
 
 ylm_status ylm__emit_trace(const ylm_scene *scene, const emit_gloss *g, const ylm_emit_options *o,
                            emit_landings *out, ylm_emit_report *report) {
-  size_t blocks = (o->particles + GRAIN - 1) / GRAIN;
-  job j = {.scene = scene, .o = o, .gloss = g};
-  j.blocks = ylm_alloc_zero(blocks, sizeof *j.blocks);
+  size_t threads = (size_t)ylm_threads(o->threads), wave = 8 * threads > WAVE ? 8 * threads : WAVE;
+  job j = {.scene = scene, .o = o, .gloss = g, .out = out};
+  j.blocks = ylm_alloc_zero(wave, sizeof *j.blocks);
+  j.flight = ylm_alloc(threads, sizeof *j.flight);
   ylm__emit_sequence(o->seed, &j.numbers);
-  ylm_status s = ylm__emit_lamps(scene, &j.lamps);
+  ylm_status s = ylm__emit_lamps(scene, o->particles, &j.lamps);
   j.lamps.side = o->grid;
-  if (s == YLM_OK) s = j.blocks ? find_albedos(&j) : YLM_ENOMEM;
-  j.flight = ylm_alloc((size_t)ylm_threads(o->threads), sizeof *j.flight);
-  if (!j.flight) s = YLM_ENOMEM;
+  if (s == YLM_OK) s = j.blocks && j.flight ? find_albedos(&j) : YLM_ENOMEM;
   if (s == YLM_OK && o->bounces == 1) {
-    out->landing = j.direct = ylm_alloc(o->particles, sizeof *j.direct);
-    if (!j.direct) s = YLM_ENOMEM;
+    out->landing = ylm_alloc(o->particles, sizeof *out->landing);
+    if (!out->landing) s = YLM_ENOMEM;
   }
-  if (s == YLM_OK)
-    s = ylm_parallel(o->particles, GRAIN, o->threads, run, &j, o->progress, "particles");
-  if (s == YLM_OK) s = join(&j, blocks, out, report);
-  for (size_t b = 0; !j.direct && j.blocks && b < blocks; b++) ylm_free(j.blocks[b].landing);
+  if (s == YLM_OK) s = run_waves(&j, wave, report);
+  for (size_t b = 0; o->bounces > 1 && j.blocks && b < wave; b++) ylm_free(j.blocks[b].landing);
   ylm_free(j.blocks);
   ylm_free(j.flight);
   ylm_free(j.albedo);

@@ -99,7 +99,8 @@ YLM_API size_t ylm_light_virtual_bytes(const ylm_light_virtual *lights);
 YLM_API const char *ylm_light_virtual_profile_name(ylm_light_virtual_profile profile);
 YLM_API ylm_light_virtual_profile ylm_light_virtual_profile_of(const char *name);
 
-/* The power that light i of them sends, W; of all of them. Exact for the coefficients that are given. */
+/* The power that light i of them sends, W; of all of them, which is 0 of profile near: it ends at 1.6 R, where far
+   has all. Exact for the coefficients that are given. */
 YLM_API void ylm_light_virtual_power_one(const ylm_light_virtual *lights, size_t i,
                                          double power[3]);
 YLM_API void ylm_light_virtual_power(const ylm_light_virtual *lights, double power[3]);
@@ -132,7 +133,8 @@ YLM_API bool ylm_light_set_has_virtual(const ylm_light_set *set);
 /*
 ** ylm_light_virtual_split - far and near parts of lights of profile gauss, whose sum they are.
 **
-**   core  in   R, above the largest radius
+**   core  in   R, above the largest radius; lights fade within their radius, so that below two radii far is hardly
+**              smoother than the whole
 **
 ** The far part is smooth on the scale of R, and is baked; the near part ends at 1.6 R, and is
 ** gathered where it is needed.

@@ -259,13 +259,13 @@ size_t ylm_scene_first_vertex(const ylm_scene *s, size_t m) {
 /* Moves p from the flat triangle to the surface that the corners' normals describe. */
 static void leave_triangle(const float *const corner[3], const float *const normal[3],
                            const float weight[3], float side, const float p[3], float out[3]) {
-  memcpy(out, p, 12);
+  float to[3] = {p[0], p[1], p[2]};
   for (int i = 0; i < 3; i++) {
     float below = 0;
     for (int a = 0; a < 3; a++) below += (p[a] - corner[i][a]) * normal[i][a] * side;
-    if (below < 0)
-      for (int a = 0; a < 3; a++) out[a] -= weight[i] * below * normal[i][a] * side;
+    for (int a = 0; below < 0 && a < 3; a++) to[a] -= weight[i] * below * normal[i][a] * side;
   }
+  memcpy(out, to, sizeof to);
 }
 
 /* Where u grows on a triangle with corners p, as a part of the plane across n; else any direction
@@ -290,32 +290,36 @@ static void find_tangent(const scene_mesh *m, const uint32_t *t, const float *co
   for (int k = 0; k < 3; k++) tangent[k] /= length;
 }
 
-/* The surface at one place. */
+/* The surface at one place. Vectors stay in registers until they are whole: a load of what was just stored
+   in parts waits for the parts. */
 static void surface(const ylm_scene *s, const ylm_scene_place *e, ylm_scene_surface *out) {
   const scene_mesh *m = &s->mesh[e->mesh];
   const uint32_t *t = &m->triangle[3 * e->element];
   const float *p[3], *n[3], w[3] = {1 - e->u - e->v, e->u, e->v};
-  float flat[3], offset = ylm_trace_offset(s->trace), side = e->back ? -1 : 1;
+  float flat[3], at[3], from[3], normal[3], tangent[3];
+  float offset = ylm_trace_offset(s->trace), side = e->back ? -1 : 1;
   for (int i = 0; i < 3; i++) p[i] = &m->position[3 * t[i]], n[i] = &m->normal[3 * t[i]];
-  for (int a = 0; a < 3; a++) out->position[a] = w[0] * p[0][a] + w[1] * p[1][a] + w[2] * p[2][a];
+  for (int a = 0; a < 3; a++) at[a] = w[0] * p[0][a] + w[1] * p[1][a] + w[2] * p[2][a];
   triangle_normal(p[0], p[1], p[2], flat);
   for (int a = 0; a < 3; a++) flat[a] *= side;
   normalise(flat);
-  memcpy(out->normal, flat, 12);
-  memcpy(out->flat, flat, 12);
-  memcpy(out->origin, out->position, 12);
+  for (int a = 0; a < 3; a++) normal[a] = flat[a], from[a] = at[a];
   if (m->smooth) {
     float mean[3];
     for (int a = 0; a < 3; a++) mean[a] = w[0] * n[0][a] + w[1] * n[1][a] + w[2] * n[2][a];
     float turn = ylm_dot3(mean, flat) < 0 ? -1 : 1; /* normals count, not the winding */
     if (ylm_dot3(mean, mean) > 0) {
-      for (int a = 0; a < 3; a++) out->normal[a] = mean[a] * turn;
-      normalise(out->normal);
-      leave_triangle(p, n, w, turn, out->position, out->origin);
+      for (int a = 0; a < 3; a++) normal[a] = mean[a] * turn;
+      normalise(normal);
+      leave_triangle(p, n, w, turn, at, from);
     }
   }
-  for (int a = 0; a < 3; a++) out->origin[a] += offset * flat[a];
-  find_tangent(m, t, p, out->normal, out->tangent);
+  for (int a = 0; a < 3; a++) from[a] += offset * flat[a];
+  find_tangent(m, t, p, normal, tangent);
+  for (int a = 0; a < 3; a++) {
+    out->position[a] = at[a], out->normal[a] = normal[a], out->origin[a] = from[a];
+    out->flat[a] = flat[a], out->tangent[a] = tangent[a];
+  }
   out->material = m->material;
   ylm__scene_tint(m, t, w, out->tint);
 }

@@ -56,6 +56,7 @@ void ylm_light_virtual_power_one(const ylm_light_virtual *v, size_t i, double po
 
 void ylm_light_virtual_power(const ylm_light_virtual *v, double power[3]) {
   memset(power, 0, 3 * sizeof *power);
+  if (v->profile == YLM_LIGHT_VIRTUAL_NEAR) return; /* ends at 1.6 cores */
   for (size_t i = 0; i < v->n; i++) {
     double one[3];
     ylm_light_virtual_power_one(v, i, one);

@@ -159,8 +159,8 @@ end
 
 local split_options = {
   { "core", "core", default = "auto", unit = "scene units",
-    about = "how far a light is near: above the largest radius, some 3 spacings of the lights; 'auto': 2 to 12 spacings "
-      .. "by the numbers of lights and points" },
+    about = "how far a light is near: above the largest radius (below two of them far is hardly smoother than the whole), some "
+      .. "3 spacings of the lights; 'auto': 2 to 12 spacings by the numbers of lights and points" },
   { "scene", "any", optional = true,
     about = "of 'auto': the scene whose surfaces the lights lie on; a spacing, which the mean radius says, is at most that of "
       .. "lights all over their area" },
@@ -169,7 +169,8 @@ local split_options = {
 
 describe "virtual_lights:split" {
   about = "Two sets of lights whose sum these lights are: a far part that is smooth on the scale of `core`, which is baked, "
-    .. "and a near part that ends at 1.6 cores, which is summed where it is needed. Lights of profile gauss.",
+    .. "and a near part that ends at 1.6 cores, which is summed where it is needed. Lights of profile gauss. The power of the "
+    .. "whole is far's: from afar near sends none.",
   arguments = { { "options?", "table", "core, scene, points" } },
   options = split_options,
   returns = { { "far", "virtual_lights", "" }, { "near", "virtual_lights", "" } },
