@@ -4,6 +4,7 @@
 
 local scratch = require "spec.support.scratch"
 local blocks = require "spec.support.blocks"
+local pictures = require "spec.support.pictures"
 local ylm = require "ylm"
 
 local modules = os.getenv "YLM_NODE_MODULES"
@@ -21,6 +22,21 @@ local function half(text, at)
   local sign, exponent, mantissa = bits >= 32768 and -1 or 1, math.floor(bits / 1024) % 32, bits % 1024
   if exponent == 0 then return sign * mantissa * 2 ^ -24 end
   return sign * (1 + mantissa / 1024) * 2 ^ (exponent - 15)
+end
+
+--- The bytes that base64 stands for.
+local function decoded(text)
+  local digits, out = {}, {}
+  for i, c in ipairs { ("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"):byte(1, -1) } do digits[c] = i - 1 end
+  for i = 1, #text, 4 do
+    local x, pad = 0, 0
+    for k = i, i + 3 do
+      local d = digits[text:byte(k)]
+      x, pad = 64 * x + (d or 0), pad + (d and 0 or 1)
+    end
+    out[#out + 1] = string.char(math.floor(x / 65536), math.floor(x / 256) % 256, x % 256):sub(1, 3 - pad)
+  end
+  return table.concat(out)
 end
 
 describe("grid:export", function()
@@ -135,12 +151,73 @@ describe("grid:export", function()
     assert(text:find('"width":4,"height":3,"depth":49', 1, true))
     assert.equal(4 * math.ceil(4 * 3 * 49 * 8 / 3), #text:match '"data":"([^"]*)"')
     assert.equal(4 * 3 * 5 / 3 * 4, #text:match '"validity":"([^"]*)"')
+    local data = decoded(text:match '"data":"([^"]*)"')
+    for _, cell in ipairs { { 0, 0, 0 }, { 2, 1, 3 }, { 3, 2, 4 } } do
+      local p = {}
+      for a = 1, 3 do
+        local lo, hi, n = grid.bounds[1][a], grid.bounds[2][a], ({ 4, 3, 5 })[a]
+        p[a] = lo + (hi - lo) * (cell[a] + 0.5) / n
+      end
+      local c = grid:sample(p)                                     -- in ylm's convention, to grid.lmax
+      for l = 0, 2 do
+        for m = -l, l do
+          for channel = 1, 3 do
+            local number = 3 * (l * (l + 1) + m) + channel - 1     -- coefficients before channels, four numbers a volume
+            local volume, slice = math.floor(number / 4), cell[3] + 1
+            local texel = ((volume * 7 + slice) * 3 + cell[2]) * 4 + cell[1]
+            local wanted = (m % 2 == 0 and 1 or -1) * c:get(channel, ylm.sh.index(l, m))
+            assert.is_near(wanted, half(data, 8 * texel + 2 * (number % 4) + 1), 6e-4 * math.abs(wanted) + 1e-4)
+          end
+        end
+      end
+    end
+  end)
+
+  it("tells the share of each middle that lies outside of bodies", function()
+    local lamp = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.3, radiance = 10 }  -- of grid points it holds the middle one
+    local around = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, lmax = 2 }, lamp)
+    local cells, count = { cells = { 4, 4, 4 } }, 0
+    local report = assert(around:export(folder.path .. "/v.ktx2", cells))
+    assert(around:export(folder.path .. "/v.three.json", cells))
+    local texels, bytes = folder:read "v.ktx2", decoded(folder:read "v.three.json":match '"validity":"([^"]*)"')
+    local at = integer(texels, 81, 8)
+    for z = 0, 3 do
+      for y = 0, 3 do
+        for x = 0, 3 do
+          local function inner(i) return i == 1 or i == 2 end
+          local wanted = inner(x) and inner(y) and inner(z) and 0.875 or 1    -- one corner of eight
+          local i = (z * 4 + y) * 4 + x
+          assert.equal(wanted, report.validity[i + 1])
+          assert.equal(wanted, half(texels, at + 1 + 8 * ((z * 8 + y) * 4 + x) + 6))
+          assert.equal(math.floor(255 * wanted + 0.5), bytes:byte(i + 1))
+          count = count + 1 - wanted
+        end
+      end
+    end
+    assert.equal(1, count)
+  end)
+
+  it("leaves a good file as it was where the disk is full", function()
+    for _, ending in ipairs { "ktx2", "three.json", "npy" } do
+      local path = folder.path .. "/kept." .. ending
+      assert(grid:export(path, { cells = { 2, 2, 2 } }))
+      local before = folder:read("kept." .. ending)
+      local out = pictures.on_full_disk(scratch, ([[local ylm = require "ylm"
+        local grid = ylm.bake(ylm.uniform_grid { bounds = { { 0, 0, 0 }, { 1, 1, 1 } }, cells = 2, lmax = 2 },
+          ylm.sphere_light { at = { 0, 2, 0 } })
+        print(grid:export(%q, { cells = { 8, 8, 8 } }))]]):format(path))
+      assert.truthy(out:find "^nil\t.*cannot be written: .*\tEIO", out)
+      assert.equal(before, folder:read("kept." .. ending))
+    end
+    local left = scratch.capture("ls -A " .. scratch.quote(folder.path) .. " | grep unfinished")
+    assert.equal("", left)
   end)
 
   it("says what falls short, and refuses", function()
     local said = {}
     local before = ylm.on_warning(function(message) said[#said + 1] = message end)
-    local small = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 2 },
+    local thin = { { -1, -0.01, -0.01 }, { 1, 0.01, 0.01 } }      -- 256 cells along one axis are few
+    local small = ylm.bake(ylm.uniform_grid { bounds = thin, cells = 2, lmax = 2 },
       ylm.sphere_light { at = { 0, 1.5, 0 }, radius = 0.1, radiance = 10 })
     local report = small:export(folder.path .. "/b.npy", { tolerance = 1e-9 })
     ylm.on_warning(before)

@@ -214,6 +214,14 @@ calls["grid:cells"] = on(grid, function(g) return g:cells() end)
 calls["grid:locate"] = on(grid, function(g) return g:locate { 0, 0, 0 } end)
 calls["grid:save"] = on(function(keep) return grid(), keep "g.ylm" end, function(g, path) return g:save(path) end)
 calls["grid:save .vtu"] = on(function(keep) return grid(), keep "g.vtu" end, function(g, path) return g:save(path) end)
+local function few_cells(name, dering)
+  return on(function(keep) return ylm.bake(uniform {}, few()), keep(name) end,
+    function(g, path) return g:export(path, { cells = { 2, 2, 2 }, points = points(9), dering = dering }) end)
+end
+calls["grid:export .ktx2"] = few_cells "g.ktx2"
+calls["grid:export .three.json"] = few_cells("g.three.json", true)
+calls["grid:export .npy"] = on(function(keep) return ylm.bake(uniform {}, few()), keep "e.npy" end,
+  function(g, path) return g:export(path, { tolerance = 10, points = points(9) }) end)
 calls["load a grid"] = on(function(keep) return grid():save(keep "g.ylm") and keep "g.ylm" end,
   function(path) return ylm.load(path) end)
 
