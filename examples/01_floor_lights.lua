@@ -247,7 +247,7 @@ local function shown(image, text)
 end
 
 local function wipe(mark)
-  return { wipe = panels, at = { 0.42, 0.59 }, labels = { "render", "octree levels", "Hessian error" }, tone = tone,
+  return { wipe = panels, at = { 0.5, 0.7 }, labels = { "render", "octree levels", "Hessian error" }, tone = tone,
     exposure = exposure, mark = mark }
 end
 save(ylm.figure { rows = { { wipe() } }, margin = 0, width = size[1] }, "overview.png")
