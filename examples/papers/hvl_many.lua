@@ -23,7 +23,9 @@ local clock = os.clock -- of the processor, all threads together: others that ru
 ylm.on_warning(false)
 
 local scene = rooms.given(option.scene, option.room, { detail = quick and 0.3 or 1 })
-local function prepared(w) return assert(scene:prepare { size = { w, math.floor(0.75 * w + 0.5) }, samples = 1, gloss = "matte" }) end
+local function prepared(w)
+  return assert(scene:prepare { size = { w, math.floor(0.75 * w + 0.5) }, samples = 1, gloss = "matte" })
+end
 local view, few = prepared(width), prepared(quick and 8 or 36)
 local points, some = view.stats.points, few.stats.points
 print(("%s triangles, %s shading points; tolerance %g of irradiance"):format(common.thousands(rooms.triangles(scene)),
