@@ -1,6 +1,7 @@
 -- Pictures sent to an image viewer while they are made: a stand-in puts them together (spec/support/tev.c).
 
 local scratch = require "spec.support.scratch"
+local tool = require "spec.support.tool"
 local ylm = require "ylm"
 
 local codec = pcall(require, "ylm.c.codec")
@@ -131,6 +132,58 @@ describe("ylm.display", function()
       local alone = room()[how](room(), options)
       assert(floats_of(alone) == floats, how .. ": the picture is another one without a viewer")
     end
+  end)
+
+  it("shows the first part of a picture before the last is made", function()
+    for _, how in ipairs { "pathtrace", "raycast", "render" } do
+      local address, read = viewer "all"
+      local scene, first, most = room(), nil, nil
+      assert(scene[how](scene, { size = { 64, 48 }, samples = 16, display = address, threads = 1, progress = function(done, total)
+        first, most = first or done, total                       -- a part is sent before progress is told
+      end }))
+      assert(first < most, how)
+      local parts, whole = 0, nil
+      for line in read "packets":gmatch "[^\n]+" do
+        local kind = line:match "^%S+ (%d+)"
+        if kind == "4" then parts, whole = parts + 1, line end    -- a picture is opened: radiance alone, then all layers
+      end
+      assert(parts >= 2, how .. ": " .. tostring(whole))
+    end
+  end)
+
+  it("takes pictures from the command line, as the file that is written", function()
+    local run = tool.runner(folder)
+    local scene = folder:write("s.lua", [[return scene "a lamp" {
+  camera = camera { from = { 0, 3, 4 } },
+  geometry = { quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } } },
+  lights = { sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 50 } },
+}]])
+    for _, words in ipairs { "pathtrace -n 8", "render -n 4", "render -m raycast -n 4" } do
+      local address, read = viewer "all"
+      local out, code, err = run(("%s %s -q -s 33x21 --display %s -o %s/s.exr"):format(words, scene, address, folder.path))
+      assert.equal(0, code, out .. err)
+      local names, floats = picture(read)
+      local image, place = assert(ylm.load(folder.path .. "/s.exr")), {}
+      for i = 4, #names do place[names[i]] = i - 3 end
+      local columns = ylm.array.frombytes(floats, { 21, 33, #names - 3 }, "float")
+      local function column(name) return columns[{ {}, {}, (assert(place[name], name)) }] end
+      for c, name in ipairs { "R", "G", "B" } do
+        assert(column(name):bytes() == image:layer()[{ {}, {}, c }]:bytes(), words .. " " .. name)
+      end
+      for _, name in ipairs(image:layers()) do
+        if name == "normal" or name == "position" then
+          for c, letter in ipairs { "X", "Y", "Z" } do
+            assert(column(name .. "." .. letter):bytes() == image:layer(name)[{ {}, {}, c }]:bytes(), words .. " " .. name)
+          end
+        elseif place[name] then
+          assert(column(name):bytes() == image:layer(name)[{ {}, {}, 1 }]:bytes(), words .. " " .. name)
+        end
+      end
+    end
+    local warning = tool.runner(folder, "YLM_WARNINGS=yes")
+    local out, code, err = warning(("render %s -n 1 -s 8x8 --display 127.0.0.1:9 -o %s/s.exr"):format(scene, folder.path))
+    assert.equal(0, code, out .. err)
+    assert.equal(1, select(2, err:gsub("no image viewer listens at 127.0.0.1:9", "")), err)
   end)
 
   local function warned(make)
