@@ -3,6 +3,7 @@
 
 local blocks = require "spec.support.blocks"
 local scratch = require "spec.support.scratch"
+local tool = require "spec.support.tool"
 
 local read = scratch.text
 
@@ -67,6 +68,16 @@ describe("the guide", function()
     end
     local pictures, own = count(text, "%!%[[^%]]*%]%(images/"), count(text, "%!%[[^%]]*%]%(images/[^)]*%)\n\n    %S")
     assert.equal(pictures, own, "pictures have a command each, below them")
+  end)
+
+  it("names every command of the tool on the first page", function()
+    local out = scratch.capture(tool.command .. "help")
+    local list, named = read "README.md":match "%*%*The command line%*%*(.-)\n\n", 0
+    for command in out:match "\n\n(  render.-)\n\n":gmatch "%f[^\n%z]  (%l+) " do
+      assert(list:find(command, 1, true), command)
+      named = named + 1
+    end
+    assert(named >= 13, named)
   end)
 
   it("is cited by a file that has what CFF 1.2.0 wants", function()
