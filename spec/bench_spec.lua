@@ -22,6 +22,7 @@ describe("spec/bench/record", function()
     assert.equal("1.01 ns", (out:gsub("%s+$", "")))
     assert.equal(0, status)
     for _, row in ipairs { "command", "machine", "date", "commit" } do assert.truthy(page:find("| " .. row .. " | .+ |")) end
+    assert.is_true(page:find "| load before | %d" ~= nil or not io.open "/proc/loadavg")
     assert.truthy(page:find("make bench BENCH=light", 1, true))
     assert.truthy(page:find "```\n1.01 ns\n```\n$")
   end)

@@ -84,6 +84,17 @@ describe("examples/papers", function()
     assert(out:find "indirect light: %d+ probes" and out:find "and light gathered along links", out)
   end)
 
+  for _, part in ipairs(long({ "bounce", "methods" }, { "bounce", "methods", "corner", "grids", "lobes", "moving" })) do
+    it("runs 13_virtual_lights.lua, a small one: " .. part, function()
+      local folder = scratch.new()
+      local out, status = scratch.capture(("%s examples/13_virtual_lights.lua --out %s --only %s --width 12 --samples 2 "
+        .. "--lights 40 --few 8"):format(os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder.path), part))
+      folder:remove()
+      assert.equal(0, status, out)
+      assert(out:find "virtual_lights[%l_]*.png" or out:find "no picture", out)
+    end)
+  end
+
   it("runs 08_glossy.lua, a small one", function()
     local folder = scratch.new()
     local out, status = scratch.capture(("%s examples/08_glossy.lua --out %s --width 100 --samples 4 --rays 16 --quick"):format(
