@@ -3,7 +3,7 @@
 --     ylm run examples/15_ideas.lua [--out DIR] [--only NAME] [--quick]
 --
 -- Leaves idea_NAME.png in out/, and prints the numbers that the pages quote. NAME is tree, metrics, normals, rims, texture,
--- choice, jump, inside, continuity or moving. --quick draws small ones.
+-- choice, measure, jump, inside, continuity or moving. --quick draws small ones.
 
 local ylm = require "ylm"
 local core = require "ylm.c.core"
@@ -324,6 +324,7 @@ idea("choice", function()
   local drawn, truth = cast(4), cast(number(64, 1024))
 
   -- By chance: a lamp is one of N, and counts N times.
+  state = 1
   local uniform = image_of(truth:layer())
   local place, out, mask = truth:layer "position", uniform:layer(), common.surface_mask(ylm, truth)
   local albedo = 0.75
@@ -354,6 +355,51 @@ idea("choice", function()
 end)
 
 -- docs/grids.md --------------------------------------------------------------------------------------
+
+--- The error of irradiance: grids by either measure, and the error of irradiance at other points.
+idea("measure", function()
+  state = 1
+  local lamps = {}
+  for i = 1, 12 do
+    local r, phi = 0.5 * math.sqrt(i), 2.39996 * i
+    lamps[i] = ylm.sphere_light { at = { r * math.cos(phi), 0.3, r * math.sin(phi) }, radius = 0.05, radiance = 30 }
+  end
+  --- Points of a floor with its normal.
+  local function places(n)
+    local rows = {}
+    for i = 1, n do rows[i] = { 4 * random() - 2, 0, 4 * random() - 2, 0, 1, 0 } end
+    return ylm.array(rows)
+  end
+  local known, other = places(number(1000, 20000)), places(number(500, 3000))
+  local n = #other
+  local points = other[{ {}, { 1, 3 } }]
+  local function irradiance(c) return ylm.sh.irradiance(c:reshape { n, 25 }, { 0, 1, 0 }) end
+  local truth = irradiance(ylm.light_field(4, lamps, points, { channels = "luminance" }))
+  local scale = (truth:abs() + truth:mean() + (truth:abs() - truth:mean()):abs()) * 0.5 -- the larger of each and the mean
+  local asked, found, probes = {}, { {}, {} }, { {}, {} }
+  for i, tolerance in ipairs { 0.1, 0.05, 0.02, 0.01 } do
+    asked[i] = tolerance
+    for k, measure in ipairs { "coefficients", "irradiance" } do
+      local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = { { -2, -0.5, -2 }, { 2, 1, 2 } }, lmax = 4, depth = 9,
+        tolerance = tolerance, measure = measure, channels = "luminance" }, lamps, { occupied = known }))
+      local errors = ((irradiance(grid:sample(points)) - truth):abs() / scale):totable()
+      table.sort(errors)
+      found[k][i], probes[k][i] = errors[math.ceil(0.99 * n)], grid.stats.points
+      print(("measure: %s, tolerance %g: %d probes, irradiance within %.4f"):format(measure, tolerance, probes[k][i],
+        found[k][i]))
+    end
+  end
+  return ylm.figure { rows = { {
+    { image = ylm.plot { size = half, log = true, diagonal = "as asked", title = "Irradiance",
+      x_label = "tolerance", y_label = "error of irradiance at 99 % of points",
+      series = { { x = asked, y = found[2], label = "by irradiance" },
+        { x = asked, y = found[1], label = "by coefficients" } } } },
+    { image = ylm.plot { size = half, log = true, title = "Probes", legend = "top right",
+      x_label = "tolerance", y_label = "probes",
+      series = { { x = asked, y = probes[2], label = "by irradiance" },
+        { x = asked, y = probes[1], label = "by coefficients" } } } },
+  } } }
+end)
 
 --- Surfaces where light jumps: light across a wall, its interpolant, and what is looked up beside the wall.
 idea("jump", function()
