@@ -241,6 +241,7 @@ describe("bounces of a picture", function()
       { { tolerance = 0 }, "tolerance must be" }, { { tolerance = 0.1, indirect = lit }, "leave indirect out" },
       { { tolerance = 0.1, shading = "vertex" }, "shading = 'pixel'" },
       { { indirect = room():transfer({ spacing = 1, links = 4 }):radiosity() }, "the transfer is of scene" },
+      { { transfer = room():transfer { spacing = 1, links = 4 } }, "render: the transfer is of scene" }, -- bounces or not
     } do
       local ok, message = pcall(scene.render, scene, with(case[1]))
       assert.is_false(ok)
@@ -248,6 +249,9 @@ describe("bounces of a picture", function()
     end
     lit:close()
     assert.matches("closed", select(2, pcall(scene.render, scene, with { indirect = lit })))
+    local shut = scene:transfer { spacing = 1, links = 4 }
+    shut:close()
+    assert.matches("render: the transfer has been closed", select(2, pcall(scene.render, scene, with { transfer = shut })))
   end)
 
   it("says the noise of its links, and warns where they miss what is bright", function()

@@ -285,6 +285,11 @@ describe("radiosity:field", function()
     assert(not ok and message:find("rays = 49152, the most, would not reach 0.0001", 1, true), message)
     local grid = ylm.bake(ylm.adaptive_grid { bounds = bounds, lmax = 2, depth = 3, tolerance = 0.05 }, lit, o)
     assert(grid.stats.met and grid.stats.error <= 0.05 and grid.quantity == "indirect")
+    local lamp, field = ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.05 }, lit:field { rays = 192 }
+    for _, list in ipairs { { field, lamp }, { lamp, field } } do
+      local both = ylm.bake(ylm.uniform_grid { bounds = bounds, cells = 1, lmax = 1 }, list)
+      assert.equal("all", both.quantity)                           -- a picture adds no lamps to it
+    end
   end)
 
   describe("of direct light", function()

@@ -93,20 +93,15 @@ static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uin
   return status;
 }
 
-/* The quantity of a sum: that of its parts; direct and indirect light make all; else that of the first part whose
-   light jumps at surfaces. */
+/* The quantity of a sum: that of its parts. Direct light, or that of lamps, and indirect light make all. */
 static ylm_quantity quantity_of(size_t n, const ylm_field *const *part) {
-  ylm_quantity q = n ? part[0]->quantity : YLM_QUANTITY_lights;
-  for (size_t i = 1; i < n; i++) {
-    ylm_quantity other = part[i]->quantity;
-    bool both = (q == YLM_QUANTITY_direct && other == YLM_QUANTITY_indirect) ||
-                (q == YLM_QUANTITY_indirect && other == YLM_QUANTITY_direct);
-    if (both)
-      q = YLM_QUANTITY_all;
-    else if (!ylm_quantity_jumps(q))
-      q = other;
-  }
-  return q;
+  bool has[YLM_QUANTITY_COUNT] = {false};
+  for (size_t i = 0; i < n; i++) has[part[i]->quantity] = true;
+  if (has[YLM_QUANTITY_visibility]) return YLM_QUANTITY_visibility;
+  bool first = has[YLM_QUANTITY_lights] || has[YLM_QUANTITY_direct];
+  if (has[YLM_QUANTITY_all] || (first && has[YLM_QUANTITY_indirect])) return YLM_QUANTITY_all;
+  if (has[YLM_QUANTITY_indirect]) return YLM_QUANTITY_indirect;
+  return has[YLM_QUANTITY_direct] ? YLM_QUANTITY_direct : YLM_QUANTITY_lights;
 }
 
 ylm_status ylm_field_sum_create(size_t n, const ylm_field *const *parts, ylm_field_sum **sum) {

@@ -75,8 +75,19 @@ local function settle(name, o)
   b.add, o.bounced = indirect.add, b
 end
 
---- Settles o.bounced, as above, and o.near.
-function indirect.settle(name, o)
+--- Raises where the transfer t is of another scene than a view.
+local function check_scene(name, t, scene)
+  if t.scene == scene then return end
+  return check.fail("%s: the transfer is of scene %q, the view of another, %q: make one of the view's scene (scene:transfer)",
+    name, t.scene.name or "?", scene.name or "?")
+end
+
+--- Settles o.bounced, as above, and o.near, of a picture of `scene`. A transfer is looked at even where nothing bounces.
+function indirect.settle(name, o, scene)
+  if o.transfer then
+    objects.open_transfer(name, o.transfer)
+    check_scene(name, o.transfer, scene)
+  end
   settle(name, o)
   near.settle(name, o)
 end
@@ -99,10 +110,7 @@ function indirect.link(name, p, t, o)
     t, message, code = transfer_of(p, o)
     if not t then return nil, message, code end
   end
-  if t.scene ~= p.scene then
-    return check.fail("%s: the transfer is of scene %q, the view of another, %q: make one of the view's scene (scene:transfer)",
-      name, t.scene.name or "?", p.scene.name or "?")
-  end
+  check_scene(name, t, p.scene)
   objects.of_view(name, p, t)
   local known = m.links
   if known and known.transfer == t and (count == nil or known.count == count) then return true end
@@ -143,10 +151,7 @@ end
 
 --- Light of o.transfer's elements for points that gloss: { lit =, links = }; or nil, message, code.
 function indirect.elements(name, p, o)
-  if o.transfer.scene ~= p.scene then
-    return check.fail("%s: the transfer is of scene %q, the view of another, %q: make one of the view's scene (scene:transfer)",
-      name, o.transfer.scene.name or "?", p.scene.name or "?")
-  end
+  check_scene(name, o.transfer, p.scene)
   local lit, message, code = shine(p, o, { bounces = "all" })
   if not lit then return nil, message, code end
   local links

@@ -129,7 +129,7 @@ assert(image:layer "level" and report.visibility == "transfer")]],
 local function rendered(s, o, given)
   if o.grid ~= nil then views.check_grid("render", o.grid) end
   gloss.settle("render", o, given, s, visibility.settle_picture("render", o, given or {}))
-  indirect.settle("render", o)
+  indirect.settle("render", o, s)
   if o.tolerance then return by_tolerance(s, o, given) end
   local probes = o.visibility ~= "rays" and o.grid == nil
   if probes and not s.probes then views.check_grid("render", nil) end

@@ -55,7 +55,7 @@ assert(scene:prepare { size = { 32, 18 } }:render { light_samples = 4 })   -- by
 function prepared.render(view, given)
   local p = views.open("render", view)
   local o = form.options(1, "render", prepared_render, given)
-  indirect.settle("render", o)
+  indirect.settle("render", o, p.scene)
   relight.check("render", o)
   local ok, message, code = indirect.relight("render", p, o)
   if not ok then return nil, message, code end
