@@ -413,6 +413,72 @@ YLM_API ylm_status ylm_sh_rotate_integrate(const ylm_sh_rotator *p, const ylm_sh
    14 at most. */
 YLM_API bool ylm_sh_rotate_in_one(const ylm_sh_rotator *p, const ylm_sh_product *q);
 
+/* -- any number of factors: csrc/sh/product/nodes.c ------------------------------------------- */
+
+/*
+** The directions of one rule, at which functions of degree <= lmax are multiplied, and the way there and back. A rule
+** of degree (k+1) lmax is exact for k factors; one of degree 3 lmax serves any number of factors, with an error that
+** falls with lmax (docs/shadow_fields.md). Immutable, to be shared between threads.
+*/
+typedef struct ylm_sh_nodes ylm_sh_nodes;
+
+#define YLM_SH_NODES_DEGREE 2000
+
+/* YLM_ERANGE (lmax 0 .. YLM_SH_PRODUCT_LMAX, degree lmax .. YLM_SH_NODES_DEGREE), YLM_ENOMEM. */
+YLM_API ylm_status ylm_sh_nodes_create(int lmax, int degree, ylm_sh_nodes **out, ylm_error *e);
+YLM_API void ylm_sh_nodes_free(ylm_sh_nodes *n);
+/* The number of directions; those on the equator count twice, with half the weight. */
+YLM_API size_t ylm_sh_nodes_count(const ylm_sh_nodes *n);
+/* [count][3], of length 1; they live as long as n. */
+YLM_API const double *ylm_sh_nodes_directions(const ylm_sh_nodes *n);
+/* How many rows are transformed at once, 16 at most. */
+YLM_API size_t ylm_sh_nodes_lanes(const ylm_sh_nodes *n, ylm_dtype t);
+/* Bytes of scratch for them. */
+YLM_API size_t ylm_sh_nodes_scratch(const ylm_sh_nodes *n, ylm_dtype t);
+/*
+** ylm_sh_nodes_synthesise - values of functions at the nodes; ylm_sh_nodes_analyse - their coefficients.
+**
+**   row      in   [lanes] rows [(lmax+1)^2], which may repeat
+**   multiply in   value is multiplied by them, else set
+**   value    i/o  [count][lanes], aligned to YLM_ALIGN; analyse destroys it
+**   out      out  [lanes] rows [(lmax+1)^2], which may repeat
+**
+** Cost     O(lmax^3) a row. Thread-safe, no allocation
+*/
+YLM_API void ylm_sh_nodes_synthesise(const ylm_sh_nodes *n, ylm_dtype t, const void *const *row,
+                                     bool multiply, void *value, void *scratch);
+YLM_API void ylm_sh_nodes_analyse(const ylm_sh_nodes *n, ylm_dtype t, void *value, void *const *out,
+                                  void *scratch);
+/* Products of any number of factors, row by row; arguments as ylm_sh_product_apply has them, stride not NULL.
+   Cost  factors + 1 transforms a row */
+YLM_API ylm_status ylm_sh_nodes_product(const ylm_sh_nodes *n, ylm_dtype t, size_t factors,
+                                        size_t rows, const void *const *factor,
+                                        const size_t *stride, void *out, int threads,
+                                        const ylm_progress *progress);
+
+/* -- exponentials: csrc/sh/product/exponential.c ---------------------------------------------- */
+
+#define YLM_SH_LOG_LMAX 20
+#define YLM_SH_EXP_TERMS 64
+
+/*
+** ylm_sh_log, ylm_sh_exp - coefficients of the logarithm and the exponential of functions, row by row.
+**
+**   epsilon  in   0 < epsilon < 1: eigenvalues of the matrix that multiplies by f count as at least epsilon times the
+**                 largest one
+**   terms    in   1 .. YLM_SH_EXP_TERMS: powers of the function without c(0,0)
+**   in, out       [rows][(lmax+1)^2], not the same memory
+**
+** Returns  YLM_OK; YLM_ERANGE (lmax, terms; a series that diverges), YLM_EDOMAIN (log of a function that is nowhere
+**          positive): `e` names the row; YLM_ENOMEM
+** Cost     log O(lmax^6), exp O(terms lmax^3) a row
+** Source   Ren et al. 2006
+*/
+YLM_API ylm_status ylm_sh_log(int lmax, ylm_dtype t, size_t rows, double epsilon, const void *in,
+                              void *out, int threads, const ylm_progress *progress, ylm_error *e);
+YLM_API ylm_status ylm_sh_exp(int lmax, ylm_dtype t, size_t rows, int terms, const void *in,
+                              void *out, int threads, const ylm_progress *progress, ylm_error *e);
+
 /*
 ** ylm_sh_transfer - the matrix that multiplies by a function: (M a)_i = sum_j M_ij a_j.
 **

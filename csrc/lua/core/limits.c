@@ -43,6 +43,9 @@
   X(sh_lmax, YLM_LMAX)                                                                             \
   X(sh_product_factors, YLM_SH_PRODUCT_FACTORS)                                                    \
   X(sh_product_lmax, YLM_SH_PRODUCT_LMAX)                                                          \
+  X(sh_nodes_degree, YLM_SH_NODES_DEGREE)                                                          \
+  X(sh_log_lmax, YLM_SH_LOG_LMAX)                                                                  \
+  X(sh_exp_terms, YLM_SH_EXP_TERMS)                                                                \
   X(sh_rotate_each_lmax, YLM_SH_ROTATE_EACH_LMAX)                                                  \
   X(sh_rotate_lmax, YLM_SH_ROTATE_LMAX)                                                            \
   X(threads, YLM_THREADS_MOST)                                                                     \

@@ -139,7 +139,98 @@ static int sh_symmetric(lua_State *L) {
   return 1;
 }
 
+#define NODES "ylm.sh_nodes"
+
+typedef struct nodes {
+  ylm_sh_nodes *of;
+  int lmax;
+} nodes;
+
+static int nodes_gc(lua_State *L) {
+  nodes *n = ylmL_check(L, 1, NODES);
+  ylm_sh_nodes_free(n->of);
+  n->of = NULL;
+  return 0;
+}
+
+/* sh_nodes(lmax, degree) -> nodes */
+static int sh_nodes(lua_State *L) {
+  ylm_error e = {YLM_OK, ""};
+  nodes *n = lua_newuserdata(L, sizeof *n);
+  *n = (nodes){NULL, (int)luaL_checknumber(L, 1)};
+  luaL_getmetatable(L, NODES);
+  lua_setmetatable(L, -2);
+  int degree = (int)luaL_checknumber(L, 2);
+  ylm_status s = ylm_sh_nodes_create(n->lmax, degree, &n->of, &e);
+  if (s == YLM_OK) ylmL_charge(L, (size_t)n->lmax * (size_t)n->lmax * (size_t)degree * 16);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* sh_nodes_product(nodes, {arrays}, out, threads, progress) -> true. A factor of one row is used for all rows of out. */
+static int sh_nodes_product(lua_State *L) {
+  nodes *n = ylmL_check(L, 1, NODES);
+  luaL_checktype(L, 2, LUA_TTABLE);
+  ylmL_array *out = ylmL_array_check(L, 3);
+  size_t factors = lua_rawlen(L, 2), count = ylm_sh_count(n->lmax), rows = out->count / count;
+  lua_settop(L, 5); /* the factors come on top: a progress function must not close them */
+  luaL_checkstack(L, (int)(factors < 10000 ? factors : 10000) + 8, "factors");
+  const void **factor = lua_newuserdata(L, (factors + 1) * sizeof *factor);
+  size_t *stride = lua_newuserdata(L, (factors + 1) * sizeof *stride);
+  ylm_status s = out->count == rows * count && n->of && factors ? YLM_OK : YLM_ESHAPE;
+  for (size_t i = 0; i < factors; i++) {
+    lua_rawgeti(L, 2, (int)i + 1);
+    ylmL_array *a = ylmL_array_check(L, -1);
+    factor[i] = a->data;
+    stride[i] = a->count == count && rows != 1 ? 0 : count;
+    if (a->count != count && a->count != out->count) s = YLM_ESHAPE;
+    if (a->dtype != out->dtype) s = YLM_ETYPE;
+    if (a->data == out->data) s = YLM_EINVAL;
+  }
+  ylmL_progress progress;
+  const ylm_progress *report = ylmL_progress_begin(L, 5, &progress);
+  if (s == YLM_OK)
+    s = ylm_sh_nodes_product(n->of, out->dtype, factors, rows, factor, stride, out->data,
+                             (int)luaL_optnumber(L, 4, 0), report);
+  lua_pushboolean(L, 1);
+  return ylmL_result_progress(L, 1, s, NULL, &progress);
+}
+
+/* The rows of an array of coefficients of lmax; 0 where out is of another shape. */
+static size_t rows_of(const ylmL_array *in, const ylmL_array *out, int lmax, ylm_status *s) {
+  size_t count = lmax >= 0 && lmax <= YLM_LMAX ? ylm_sh_count(lmax) : 0;
+  *s = !count || in->count % count || in->count != out->count ? YLM_ESHAPE
+       : in->dtype != out->dtype                              ? YLM_ETYPE
+       : in->data == out->data && in->count                   ? YLM_EINVAL
+                                                              : YLM_OK;
+  return *s == YLM_OK ? in->count / count : 0;
+}
+
+/* sh_log(c, lmax, epsilon, out, threads, progress), sh_exp(c, lmax, terms, out, threads, progress) -> true */
+static int sh_function(lua_State *L, bool log) {
+  ylmL_array *in = ylmL_array_check(L, 1), *out = ylmL_array_check(L, 4);
+  int lmax = (int)luaL_checknumber(L, 2), threads = (int)luaL_optnumber(L, 5, 0);
+  double x = (double)luaL_checknumber(L, 3);
+  ylm_error e = {YLM_OK, ""};
+  ylm_status s;
+  ylmL_progress progress;
+  const ylm_progress *report = ylmL_progress_begin(L, 6, &progress);
+  size_t rows = rows_of(in, out, lmax, &s);
+  if (s == YLM_OK && log)
+    s = ylm_sh_log(lmax, in->dtype, rows, x, in->data, out->data, threads, report, &e);
+  else if (s == YLM_OK)
+    s = ylm_sh_exp(lmax, in->dtype, rows, (int)x, in->data, out->data, threads, report, &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
+static int sh_log(lua_State *L) { return sh_function(L, true); }
+static int sh_exp(lua_State *L) { return sh_function(L, false); }
+
 static const luaL_Reg functions[] = {{"sh_product_plan", sh_product_plan},
+                                     {"sh_nodes", sh_nodes},
+                                     {"sh_nodes_product", sh_nodes_product},
+                                     {"sh_log", sh_log},
+                                     {"sh_exp", sh_exp},
                                      {"sh_product", sh_product},
                                      {"sh_transfer", sh_transfer},
                                      {"sh_transfer_apply", sh_transfer_apply},
@@ -148,9 +239,11 @@ static const luaL_Reg functions[] = {{"sh_product_plan", sh_product_plan},
                                      {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", product_gc}, {NULL, NULL}};
+static const luaL_Reg nodes_methods[] = {{"__gc", nodes_gc}, {NULL, NULL}};
 
 void ylmL_open_sh_product(lua_State *L) {
   ylmL_type(L, PRODUCT, methods);
-  lua_pop(L, 1);
+  ylmL_type(L, NODES, nodes_methods);
+  lua_pop(L, 2);
   luaL_setfuncs(L, functions, 0);
 }

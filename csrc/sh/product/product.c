@@ -65,6 +65,7 @@ ylm_status ylm_sh_product_create(int lmax, int factors, ylm_sh_product_method me
   if (!p) return YLM_ENOMEM;
   p->lmax = lmax;
   p->factors = factors;
+  p->degree = (factors + 1) * lmax;
   p->method = method;
   p->kernels = ylm__product_kernels_now();
   ylm_status s = YLM_OK;

@@ -38,6 +38,7 @@ typedef struct ylm__gaunt ylm__gaunt;
 
 struct ylm_sh_product {
   int lmax, factors;
+  int degree;                   /* of the rule */
   ylm_sh_product_method method; /* never AUTO */
   const struct ylm__product_kernels *kernels;
   int nodes, half, azimuths;
@@ -82,6 +83,11 @@ static inline size_t product_shared_scratch(const ylm_sh_product *p, size_t lane
   return (8 * quadrants * ((size_t)p->half + 1) + 2 * PRODUCT_CHUNK * orders) * lanes;
 }
 
+/* Numbers of scratch for `lanes` rows to nodes or back. */
+static inline size_t product_nodes_scratch(const ylm_sh_product *p, size_t lanes) {
+  return (ylm_sh_count(p->lmax) + 8 * (2 * (size_t)p->lmax + 1)) * lanes;
+}
+
 /* Kernels for rows of T; `lanes` of them at once. */
 #define YLM__PRODUCT_KERNELS(T)                                                                    \
   {                                                                                                \
@@ -92,6 +98,10 @@ static inline size_t product_shared_scratch(const ylm_sh_product *p, size_t lane
     /* by quadrature or by gaunt of low degree; rows: [factors][lanes]; out: [lanes] rows */       \
     void (*batch)(const ylm_sh_product *p, const T *const *rows, T *const *out, T *scratch);       \
     void (*gaunt)(int lmax, const T *a, const T *b, T *out); /* lmax <= PRODUCT_GAUNT_LOW */       \
+    /* halves of batch: [lanes] rows to values at all nodes, set or multiplied, and back */        \
+    void (*synthesise)(const ylm_sh_product *p, const T *const *rows, bool multiply, T *value,     \
+                       T *scratch);                                                                \
+    void (*analyse)(const ylm_sh_product *p, T *value, T *const *out, T *scratch);                 \
     /* transfer matrices: m [n][padded], symmetric, 64 bytes aligned, padded to 128 bytes a row */ \
     void (*transfer)(size_t n, size_t padded, const T *m, size_t rows, const T *in, T *out);       \
     int lanes;                                                                                     \
@@ -119,6 +129,9 @@ void ylm__product_tables_free(ylm__product_tables *t);
 /* cos and sin of m times azimuth j of the rule. */
 double ylm__product_cosine(int m, int j, int azimuths);
 double ylm__product_sine(int m, int j, int azimuths);
+
+/* Eigenvalues w [n] and eigenvectors, the columns of a [n][n], of the symmetric matrix a. YLM_ENOMEM. symmetric.c */
+ylm_status ylm__sh_eigen(int n, double *a, double *w);
 
 /* Integrals of Y_i Y_j Y_k, i to degree lmax, j and k to degree top >= lmax. */
 ylm_status ylm__gaunt_create(int lmax, int top, ylm__gaunt **out, ylm_error *e);

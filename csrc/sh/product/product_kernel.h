@@ -3,6 +3,7 @@
 ** batches, straight-line sums of low degree, transfer matrices.
 */
 #include "product_batch.h"
+#include "product_nodes.h"
 #include "transfer_kernel.h"
 
 #ifdef YLM_REAL_IS_FLOAT
@@ -11,5 +12,5 @@ typedef ylm__product_kernels_float product_kernels;
 typedef ylm__product_kernels_double product_kernels;
 #endif
 
-const product_kernels YLM_REAL_KERNEL(ylm__product_kernels) = {dense,     separable, batch,
-                                                               gaunt_low, transfer,  LANES};
+const product_kernels YLM_REAL_KERNEL(ylm__product_kernels) = {
+    dense, separable, batch, gaunt_low, synthesise, analyse, transfer, LANES};

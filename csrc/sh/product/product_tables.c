@@ -125,11 +125,11 @@ static bool separable_tables(const ylm_sh_product *p, const rule *r, ylm_dtype t
 }
 
 ylm_status ylm__product_quadrature(ylm_sh_product *p) {
-  int degree = (p->factors + 1) * p->lmax, entries = (p->lmax + 1) * (p->lmax + 2) / 2;
+  int degree = p->degree, entries = (p->lmax + 1) * (p->lmax + 2) / 2;
   p->nodes = degree / 2 + 1;
   p->half = (p->nodes + 1) / 2;
   p->azimuths = (degree + 4) / 4 * 4;
-  p->dense = p->lmax <= 5;
+  p->dense = p->factors && p->lmax <= 5;
   double *z = ylm_alloc(2 * (size_t)p->nodes, sizeof *z);
   rule r = {NULL, NULL, ylm_alloc((size_t)(p->half * entries), sizeof(double))};
   bool ok = z && r.p;

@@ -10,6 +10,25 @@ local progress = require "ylm.progress"
 
 local product = {}
 
+--- The most factors of a product by a rule that is given: they are arguments of a call.
+local MOST_FACTORS = 200
+
+--- Tables of rules, by lmax and degree; the latest are kept while the state lives.
+local rules, rules_order = {}, {}
+
+--- The nodes of a rule; nil, message, code.
+function product.nodes(lmax, degree)
+  local key = ("%d %d"):format(lmax, degree)
+  if not rules[key] then
+    local n, message, code = core.sh_nodes(lmax, degree)
+    if not n then return nil, message, code end
+    rules[key] = n
+    rules_order[#rules_order + 1] = key
+    if #rules_order > 16 then rules[table.remove(rules_order, 1)] = nil end
+  end
+  return rules[key]
+end
+
 -- Plans are immutable and depend on these four alone; the latest are kept while the state lives.
 local plans, order = {}, {}
 
@@ -37,6 +56,9 @@ local product_options = {
       .. "'gaunt': (k+1)/2 lmax, rounded down to a multiple of lmax, is at most 30 for k factors" },
   { "inner", "choice", of = { "auto", "gaunt", "fourier", "quadrature", "brute", "list" }, default = "auto",
     about = "what the steps of 'recursive' are done by" },
+  { "rule", "number", min = 1, max = 18, optional = true,
+    about = "degree of the quadrature, times lmax: 3 serves any number of factors with an error that falls with lmax, k+1 is "
+      .. "exact for k factors. Default: exact, for 16 factors at most" },
   { "stages", "boolean", default = false,
     about = "also return the seconds of transform, multiplication, transform back" },
   args.dtype, form.threads, args.out, args.progress,
@@ -56,12 +78,21 @@ local function broadcast(list)
   return shape
 end
 
+--- Raises where a rule is given with options of other methods.
+local function check_rule(o)
+  if not o.rule then return end
+  if o.method ~= "auto" and o.method ~= "quadrature" then
+    return check.fail("product: rule is of method 'quadrature', not of '%s': leave one out", o.method)
+  end
+  if o.stages then return check.fail "product: stages are of a rule that is exact: leave rule out" end
+end
+
 describe "sh.product" {
   about = "The coefficients of the product of two or more functions, cut off at the lmax of the factors.\n"
     .. "A factor of one row multiplies every row of the others.",
   arguments = {
     { "a", "array|table", "[..][(lmax+1)^2]" }, { "b", "array|table", "the same lmax" },
-    { "...", "array|table", "more factors, 16 at most; then options" },
+    { "...", "array|table", "more factors, 16 at most (with rule 200); then options" },
   },
   options = product_options,
   returns = { { "c", "array", "[..][(lmax+1)^2]" },
@@ -83,9 +114,12 @@ function product.product(...)
     options, n = last, n - 1
   end
   options = form.options(n + 1, "product", product_options, options)
-  if n < 2 or n > core.limits.sh_product_factors then
-    return check.fail("product: 2 to %d factors expected, got %d", core.limits.sh_product_factors, n)
+  local most = options.rule and MOST_FACTORS or core.limits.sh_product_factors
+  if n < 2 or n > most then
+    return check.fail("product: 2 to %d factors expected, got %d%s", most, n,
+      n > most and not options.rule and (" (rule = 3 takes %d)"):format(MOST_FACTORS) or "")
   end
+  check_rule(options)
   local list, dtype, all_small = {}, nil, options.dtype ~= "float"
   for i = 1, n do
     local c, lmax, shape, own, rows, convention, small = args.coefficients(i, "product", given[i], core.limits.sh_product_lmax, n)
@@ -104,14 +138,18 @@ function product.product(...)
   dtype = options.dtype or dtype
   local shape = broadcast(list)
   local lmax = list[1].lmax
-  local p, message, code = plan(lmax, n, options.method, options.inner)
+  local p, message, code
+  if options.rule then p, message, code = product.nodes(lmax, math.ceil(options.rule * lmax))
+  else p, message, code = plan(lmax, n, options.method, options.inner) end
   if not p then return check.result("product", nil, message, code == "ELIMIT" and "EINVAL" or code) end
   local arrays = {}
   for i, c in ipairs(list) do arrays[i] = args.as(c.c, dtype) end
   local out
   out, message, code = args.result("product", options.out, shape, dtype, list[1].convention, arrays)
   if not out then return nil, message, code end
-  local a, b, c = core.sh_product(p, arrays, out, options.threads, options.stages, progress.of(options.progress))
+  local a, b, c
+  if options.rule then a, b, c = core.sh_nodes_product(p, arrays, out, options.threads, progress.of(options.progress))
+  else a, b, c = core.sh_product(p, arrays, out, options.threads, options.stages, progress.of(options.progress)) end
   if not a then return check.result("product", nil, b, c) end
   args.held("product", out, all_small)
   if options.stages then return out, { a, b, c } end

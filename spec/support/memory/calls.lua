@@ -137,6 +137,13 @@ calls["sh.transfer"] = on(function() return { coefficients(1, 2)[1], coefficient
   if not M then return nil, message, code end
   return ylm.sh.transfer_apply(M, c[2])
 end)
+calls["sh.product rule"] = on(function() return { coefficients(2, 2), coefficients(2, 2) } end,
+  function(c) return ylm.sh.product(c[1], c[2], { rule = 3 }) end)
+calls["sh.log"] = on(function() return ylm.array { 4, 0.1, 0.2, -0.1 } end, function(c)
+  local g, message, code = ylm.sh.log(c)
+  if not g then return nil, message, code end
+  return ylm.sh.exp(g)
+end)
 for _, name in ipairs { "convolve", "window", "irradiance", "dering", "convert", "resize", "summary" } do
   calls["sh." .. name] = on(function() return coefficients(2, 3) end, function(c)
     local second = { convolve = { 1, 0.5, 0.25, 0.1 }, window = "hann", convert = "plain", resize = 5, irradiance = { 0, 0, 1 } }

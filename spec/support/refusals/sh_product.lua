@@ -70,4 +70,13 @@ return {
     { call = function(ylm) return ylm.sh.transfer_apply(ylm.zeros { 4, 4 }, { 1, 2 }) end,
       says = "coefficients expected" },
   },
+  ["sh.exp"] = {
+    { call = function(ylm) ylm.sh.exp({ 1, 2 }) end, says = "coefficients expected in the last axis, got 2" },
+    { call = function(ylm) ylm.sh.exp({ 0, 1e3, 0, 0 }) end, says = "row 1: the series diverges" },
+    { call = function(ylm) ylm.sh.exp({ 1 }, { terms = 65 }) end, says = "terms must be" },
+  },
+  ["sh.log"] = {
+    { call = function(ylm) ylm.sh.log({ -1, 0, 0, 0 }) end, says = "row 1: there is no logarithm" },
+    { call = function(ylm) ylm.sh.log({ 1 }, { epsilon = 2 }) end, says = "epsilon must be" },
+  },
 }
