@@ -13,7 +13,7 @@ for folder in pairs(tops) do rank[folder] = 50 end
 --- Sub-folders of a folder: the stages of its machine. gen/, which is generated, may stand in each of them.
 local rooms = {
   sh = { "eval", "product", "rotate", "project" },
-  light = { "sphere", "moments", "tree", "flat", "virtual" },
+  light = { "sphere", "moments", "tree", "flat", "virtual", "shadow" },
   transfer = { "gather" },
   grid = { "bake", "sample", "follow", "file" },
   vulkan = { "device", "light", "grid", "picture", "rival" },
@@ -237,6 +237,7 @@ describe("the ladder", function()
       ["ylm_numbers.h"] = "base",
       ["ylm_sh_rival.h"] = "sh", ["ylm_display.h"] = "codec",
       ["ylm_light_device.h"] = "light", ["ylm_light_sky.h"] = "light", ["ylm_light_virtual.h"] = "light",
+      ["ylm_light_shadow.h"] = "light",
       ["ylm_light_spot.h"] = "light",
       ["ylm_material_table.h"] = "material", ["ylm_material_rival.h"] = "material" }
     for name, folder in pairs(public) do

@@ -102,6 +102,8 @@ void ylmL_named(lua_State *L, int i, const char *const *names) {
   X("ylm.transfer", "ylm.transfer")                                                                \
   X("ylm.radiosity", "ylm.transfer")                                                               \
   X("ylm.gather", "ylm.transfer")                                                                  \
+  X("ylm.occluder", "ylm.shadow")                                                                  \
+  X("ylm.shadowed", "ylm.shadow")                                                                  \
   X("ylm.visible", "ylm.emit")                                                                     \
   X("ylm.sh_rotation", "ylm.sh.rotate")
 

@@ -37,6 +37,7 @@
   X(grid_file)                                                                                     \
   X(grid_look)                                                                                     \
   X(light)                                                                                         \
+  X(light_shadow)                                                                                  \
   X(light_sky)                                                                                     \
   X(light_texture)                                                                                 \
   X(light_tree)                                                                                    \

@@ -46,9 +46,15 @@ static void convert_row(const ylm_grid *g, const ylm_field_query *q, const float
 static void convert(const ylm_grid *g, const ylm_field_query *q, size_t n, const void *points,
                     const float *value, const float *gradient, ylm_field_result *r) {
   size_t w = g->width;
+  bool alike = q->dtype == YLM_FLOAT && q->channels == g->contents.form.channels &&
+               q->lmax == g->contents.form.lmax;
+  if (alike && q->want & YLM_WANT_VALUE) ylm_copy(r->value, value, n * w * sizeof *value);
+  if (alike && q->want & YLM_WANT_GRADIENT)
+    ylm_copy(r->gradient, gradient, 3 * n * w * sizeof *gradient);
   for (size_t i = 0; i < n; i++) {
-    if (q->want & YLM_WANT_VALUE) convert_row(g, q, value + i * w, 1, r->value, i);
-    if (q->want & YLM_WANT_GRADIENT) convert_row(g, q, gradient + i * w * 3, 3, r->gradient, i);
+    if (!alike && q->want & YLM_WANT_VALUE) convert_row(g, q, value + i * w, 1, r->value, i);
+    if (!alike && q->want & YLM_WANT_GRADIENT)
+      convert_row(g, q, gradient + i * w * 3, 3, r->gradient, i);
     if (r->inside) r->inside[i] = 0;
     if (!(q->want & YLM_WANT_METRIC)) continue;
     double sum = 0, p[3];

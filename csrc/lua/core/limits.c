@@ -6,6 +6,7 @@
 #include "ylm_grid.h"
 #include "ylm_image.h"
 #include "ylm_light.h"
+#include "ylm_light_shadow.h"
 #include "ylm_material_table.h"
 #include "ylm_path.h"
 #include "ylm_sh.h"
@@ -43,6 +44,7 @@
   X(sh_lmax, YLM_LMAX)                                                                             \
   X(sh_product_factors, YLM_SH_PRODUCT_FACTORS)                                                    \
   X(sh_product_lmax, YLM_SH_PRODUCT_LMAX)                                                          \
+  X(casters, YLM_CASTERS)                                                                          \
   X(sh_nodes_degree, YLM_SH_NODES_DEGREE)                                                          \
   X(sh_log_lmax, YLM_SH_LOG_LMAX)                                                                  \
   X(sh_exp_terms, YLM_SH_EXP_TERMS)                                                                \

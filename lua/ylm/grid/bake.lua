@@ -195,6 +195,8 @@ end
 
 --- Grid -> the lights it was baked from.
 local baked_from = setmetatable({}, { __mode = "k" })
+--- Grid -> the body whose visibility it holds.
+local bodies = setmetatable({}, { __mode = "k" })
 
 describe "bake" {
   about = "Evaluates a light field at the points of a grid: each corner of a voxel once, level by level.",
@@ -236,6 +238,8 @@ function bake.bake(description, lights, given)
     packed, failed, why = light.field(2, "bake", lights)
     if not packed then return nil, failed, why end
   end
+  local of_body = core.type(packed) == "ylm.occluder" and getmetatable(packed).__for_grid
+  if of_body then o = of_body(packed, description, o) end
   if description.dynamic and not light.followed(packed) then
     return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights and flat lights, this is baked from %s: "
       .. "bake that into a second grid, or leave dynamic out", light.other(packed))
@@ -270,6 +274,7 @@ function bake.bake(description, lights, given)
   if not baked then return nil, stages, code end
   stages_of[baked] = stages
   if type(packed) ~= "function" and light.followed(packed) then baked_from[baked] = packed end
+  if of_body then bodies[baked] = packed end
   unmet.remember(baked, o.light_tolerance)
   unmet.warn(baked)
   return baked
@@ -286,6 +291,9 @@ function bake.lights_of(g)
   local lights = baked_from[g]
   return lights and (core.type(lights) ~= "ylm.lights" or core.lights_count(lights)) and lights or nil
 end
+
+--- The body whose visibility a grid holds, if it was baked in this program.
+function bake.body_of(g) return bodies[g] end
 
 local update_options = {
   { "tolerance", "number", min = 0, optional = true,

@@ -107,7 +107,7 @@ grid.uniform_grid = form.define("uniform_grid", {
 })
 
 local bake = require "ylm.grid.bake"
-grid.bake, grid.lights_of = bake.bake, bake.lights_of
+grid.bake, grid.lights_of, grid.body_of = bake.bake, bake.lights_of, bake.body_of
 
 require "ylm.grid.refresh"
 require "ylm.grid.sample"

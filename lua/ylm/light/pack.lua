@@ -55,6 +55,9 @@ local function gather(n, name, value, sources, run, depth)
     flush(sources, run)
     sources[#sources + 1] = value
   elseif core.has_field(value) and kind ~= "ylm.grid" then
+    if kind == "ylm.occluder" then
+      return check.bad(n, name, "a visibility is no light: ylm.caster puts it in the way of lights (ylm.shadowed)")
+    end
     flush(sources, run)
     sources[#sources + 1] = value
   elseif type(value) == "table" and kind == nil and depth < 32 then

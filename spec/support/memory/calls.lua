@@ -97,6 +97,22 @@ calls["array:save"] = on(function(keep) return ylm.zeros { 3, 3 }, keep "a.npy" 
 calls["load .npy"] = on(function(keep) return ylm.zeros { 3, 3 }:save(keep "a.npy") and keep "a.npy" end,
   function(path) return ylm.load(path) end)
 
+local function casters()
+  local turn = { axis = { 1, 2, 3 }, angle = 30 }
+  return { a = ylm.caster { hides = ylm.occluder { geometry = ylm.box {} }, at = { 0, 0, 2 }, rotation = turn },
+    b = ylm.sphere_casters { at = { { 0.5, 0, 2 } }, radius = 0.4 } }
+end
+calls["occluder"] = of(function() return ylm.occluder { geometry = ylm.box {} } end)
+calls["visibility"] = of(function() return ylm.visibility(2, casters(), points(3), { derivatives = 1 }) end)
+calls["shadowed"] = of(function()
+  local lights = { ylm.sphere_light { at = { 0, 0, 4 } }, ylm.environment_light { radiance = 1 } }
+  local shade, message, code = ylm.shadowed { lights = lights, casters = casters() }
+  if not shade then return nil, message, code end
+  local L
+  L, message, code = ylm.light_field(2, shade, points(3), { derivatives = 1 })
+  if not L then return nil, message, code end
+  return shade:move { a = { at = { 0, 1, 2 } } }
+end)
 calls["sh.eval"] = of(function()
   return ylm.sh.eval(4, { { 1, 2, 3 }, { 0, 0, 1 } }, { derivatives = 2, dtype = "float", threads = 1 })
 end)

@@ -1,0 +1,806 @@
+/*
+** block.h - light behind casters at the points of a block, for the element type `real`; block_float.c and
+** block_double.c include it.
+**
+** Rows of coefficients: [rows][count], the value and, with gradients, its derivatives to x, y, z.
+*/
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "shadow.h"
+
+typedef struct request {
+  size_t point, light;
+} request;
+
+typedef struct block {
+  shadow_query *w;
+  size_t begin, m;
+  double point[SHADOW_BLOCK][3];
+  uint8_t inside[SHADOW_BLOCK], any[SHADOW_BLOCK]; /* in a caster; on a light */
+  size_t *by_caster_first, *by_caster;             /* [casters + 1] of the list of [seens] */
+  size_t seen_first[SHADOW_BLOCK + 1], seens, seen_room, befores, before_room, terms, term_room,
+      lights, light_room, requests;
+  shadow_seen *seen;
+  shadow_before *before;
+  shadow_term *term;
+  request request[SHADOW_BLOCK];
+  real *hidden; /* [seens][rows][count] visibilities where the casters stand */
+  real *light;  /* [lights][channels][rows][count] */
+  real *out;    /* [m][channels][rows][count] */
+  double *blur; /* [seens] lambda of visibilities */
+  double lambda[SHADOW_BLOCK];
+  ylm_error *e;
+} block;
+
+/* Room for one more of `n` things. */
+static bool grow(void **list, size_t n, size_t *room, size_t size) {
+  if (n < *room) return true;
+  size_t more = *room ? 2 * *room : 256;
+  void *p = ylm_realloc(*list, n * size, more, size);
+  if (!p) return false;
+  *list = p;
+  *room = more;
+  return true;
+}
+
+/* -- asking fields ---------------------------------------------------------------------------- */
+
+/* A field's answer at n points, as rows. */
+typedef struct answer {
+  real *value, *gradient, *lambda;
+  uint8_t *inside;
+} answer;
+
+static void answer_free(answer *a) {
+  ylm_free(a->value);
+  ylm_free(a->gradient);
+  ylm_free(a->lambda);
+  ylm_free(a->inside);
+}
+
+static ylm_status ask(block *b, const ylm_field *f, int lmax, size_t channels, size_t n,
+                      const real *points, answer *a) {
+  const shadow_query *w = b->w;
+  size_t wide = n * channels * ylm_sh_count(lmax);
+  bool gradient = w->rows > 1;
+  memset(a, 0, sizeof *a);
+  a->value = ylm_alloc(wide, sizeof *a->value);
+  a->gradient = gradient ? ylm_alloc(wide, 3 * sizeof *a->value) : NULL;
+  a->lambda = w->metric ? ylm_alloc_zero(n, sizeof *a->lambda) : NULL;
+  a->inside = ylm_alloc_zero(n, 1);
+  if (!a->value || (gradient && !a->gradient) || (w->metric && !a->lambda) || !a->inside)
+    return YLM_ENOMEM;
+  ylm_field_query q = {.lmax = lmax,
+                       .channels = (int)channels,
+                       .want = YLM_WANT_VALUE | (gradient ? YLM_WANT_GRADIENT : 0) |
+                               (w->metric ? YLM_WANT_METRIC : 0),
+                       .metric_channels = channels == 3 ? w->q->metric_channels : 1,
+                       .dtype = DTYPE,
+                       .threads = 1};
+  ylm_field_result r = {
+      .value = a->value, .gradient = a->gradient, .lambda = a->lambda, .inside = a->inside};
+  ylm_status s = f->evaluate(f, &q, n, points, &r, b->e);
+  atomic_fetch_add(&b->w->pairs, r.pairs);
+  return s;
+}
+
+/* Row i of an answer of `own` coefficients to a row of the query's, whose other coefficients are 0. */
+static void unfold(const shadow_query *w, const answer *a, size_t i, size_t own, real *to) {
+  if (own < w->count) memset(to, 0, w->rows * w->count * sizeof *to);
+  memcpy(to, a->value + i * own, own * sizeof *to);
+  const real *g = a->gradient + (w->rows > 1 ? 3 * i * own : 0);
+  for (size_t k = 0; w->rows > 1 && k < own; k++)
+    for (size_t d = 0; d < 3; d++) to[(d + 1) * w->count + k] = g[3 * k + d];
+}
+
+/* -- casters as points see them --------------------------------------------------------------- */
+
+static int by_distance(const void *a, const void *b) {
+  const shadow_seen *p = a, *q = b;
+  if (p->distance != q->distance) return p->distance < q->distance ? -1 : 1;
+  return p->caster < q->caster ? -1 : p->caster > q->caster;
+}
+
+/* A body of that radius as the point sees it; false where it hides too little to count. */
+static bool look(const double p[3], const double at[3], double radius, double least,
+                 shadow_seen *to) {
+  double d2 = 0;
+  for (int a = 0; a < 3; a++) {
+    to->w[a] = at[a] - p[a];
+    d2 += to->w[a] * to->w[a];
+  }
+  to->distance = sqrt(d2);
+  for (int a = 0; a < 3; a++) to->w[a] = d2 > 0 ? to->w[a] / to->distance : 0;
+  to->sine = to->distance > radius ? radius / to->distance : 1;
+  to->angle = to->sine < 1 ? asin(to->sine) : PI;
+  /* the part of all directions that its cone takes: (1 - sqrt(1 - s^2))/2 */
+  double s2 = to->sine * to->sine, part = s2 / (2 * (1 + sqrt(1 - s2)));
+  return part >= least;
+}
+
+static ylm_status see(block *b) {
+  const ylm_light_shadowed *s = b->w->s;
+  double least = s->n ? s->form.cull / (double)s->n / (double)(b->w->q->lmax + 1) : 0;
+  for (size_t i = 0; i < b->m; i++) {
+    size_t first = b->seen_first[i] = b->seens;
+    for (size_t k = 0; k < s->n; k++) {
+      if (!grow((void **)&b->seen, b->seens, &b->seen_room, sizeof *b->seen)) return YLM_ENOMEM;
+      shadow_seen *to = &b->seen[b->seens];
+      to->caster = k;
+      to->point = i;
+      if (look(b->point[i], s->caster[k].centre, s->caster[k].radius, least, to)) b->seens++;
+    }
+    qsort(b->seen + first, b->seens - first, sizeof *b->seen, by_distance);
+  }
+  b->seen_first[b->m] = b->seens;
+  return YLM_OK;
+}
+
+/* -- what casters hide ------------------------------------------------------------------------ */
+
+/* Points of the block that see a caster, in its frame. */
+typedef struct viewers {
+  size_t n, seen[SHADOW_BLOCK];
+  real at[3 * SHADOW_BLOCK];
+  double distance[SHADOW_BLOCK]; /* from `centre`, in its frame */
+} viewers;
+
+static void gather_viewers(const block *b, size_t caster, viewers *v) {
+  const ylm_light_caster *c = &b->w->s->caster[caster].form;
+  v->n = 0;
+  for (size_t j = b->by_caster_first[caster]; j < b->by_caster_first[caster + 1]; j++) {
+    size_t seen = b->by_caster[j];
+    const double *at = b->point[b->seen[seen].point];
+    double p[3], d2 = 0;
+    for (int a = 0; a < 3; a++) {
+      p[a] = 0;
+      for (int k = 0; k < 3; k++) p[a] += c->rotation[3 * k + a] * (at[k] - c->at[k]) / c->scale;
+      v->at[3 * v->n + (size_t)a] = (real)p[a];
+      d2 += (p[a] - c->centre[a]) * (p[a] - c->centre[a]);
+    }
+    v->distance[v->n] = sqrt(d2);
+    v->seen[v->n++] = seen;
+  }
+}
+
+/* Lists what points see by casters, each in the order of the points. */
+static ylm_status sort_by_caster(block *b) {
+  size_t n = b->w->s->n, *first = b->by_caster_first = ylm_alloc_zero(n + 2, sizeof *first);
+  b->by_caster = ylm_alloc(b->seens, sizeof *b->by_caster);
+  if (!first || !b->by_caster) return YLM_ENOMEM;
+  for (size_t j = 0; j < b->seens; j++) first[b->seen[j].caster + 2]++;
+  for (size_t k = 0; k < n; k++) first[k + 2] += first[k + 1];
+  for (size_t j = 0; j < b->seens; j++) b->by_caster[first[b->seen[j].caster + 1]++] = j;
+  return YLM_OK;
+}
+
+/* The share of the disk at a distance, and its derivative. */
+static double share(const ylm_light_caster *c, double distance, double *slope) {
+  double from = SHADOW_BLEND * c->far, t = (distance - from) / (c->far - from);
+  *slope = 0;
+  if (!(c->far > 0) || t <= 0) return 0;
+  if (t >= 1) return 1;
+  *slope = 6 * t * (1 - t) / (c->far - from);
+  return t * t * (3 - 2 * t);
+}
+
+/* Rows of visibility at the viewers, in the body's frame: of its field, of its disk, or between them. */
+static ylm_status hide_near(block *b, const shadow_caster *c, const viewers *v, bool disk,
+                            real *rows) {
+  const shadow_query *w = b->w;
+  size_t n = 0, own[SHADOW_BLOCK], row = w->rows * w->count;
+  real *points = ylm_alloc(3 * v->n, sizeof *points), *one = ylm_alloc(row, sizeof *one);
+  const ylm_field *f = disk ? ylm_light_occluder_field(c->disk) : c->form.hides;
+  int lmax = disk || c->form.lmax > w->q->lmax ? w->q->lmax : c->form.lmax;
+  double slope;
+  answer a = {0};
+  ylm_status s = points && one ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; i < v->n && s == YLM_OK; i++) {
+    double t = share(&c->form, v->distance[i], &slope);
+    if (disk ? t == 0 : t == 1) continue;
+    memcpy(points + 3 * n, v->at + 3 * i, 3 * sizeof *points);
+    own[n++] = i;
+  }
+  if (s == YLM_OK && n) s = ask(b, f, lmax, 1, n, points, &a);
+  for (size_t i = 0; i < n && s == YLM_OK; i++) {
+    size_t j = own[i], seen = v->seen[j];
+    double t = share(&c->form, v->distance[j], &slope);
+    real *to = rows + j * row;
+    if (a.lambda && (!disk || t == 1)) b->blur[seen] = (double)a.lambda[i];
+    if (a.inside[i] && !disk) b->inside[b->seen[seen].point] = 1;
+    if (!disk || t == 1) {
+      unfold(w, &a, i, ylm_sh_count(lmax), to);
+      continue;
+    }
+    unfold(w, &a, i, ylm_sh_count(lmax), one);
+    for (size_t d = 0; d < 3 && w->rows > 1; d++) {
+      double away = ((double)v->at[3 * j + d] - c->form.centre[d]) / v->distance[j];
+      for (size_t k = 0; k < w->count; k++) {
+        real *x = to + (d + 1) * w->count + k;
+        *x +=
+            (real)t * (one[(d + 1) * w->count + k] - *x) + (real)(slope * away) * (one[k] - to[k]);
+      }
+    }
+    for (size_t k = 0; k < w->count; k++) to[k] += (real)t * (one[k] - to[k]);
+  }
+  answer_free(&a);
+  ylm_free(points);
+  ylm_free(one);
+  return s;
+}
+
+/* Rows in the body's frame become rows where it stands. */
+static ylm_status place(block *b, size_t caster, const viewers *v, real *rows) {
+  const shadow_query *w = b->w;
+  const shadow_caster *c = &w->s->caster[caster];
+  size_t row = w->rows * w->count;
+  ylm_status s = YLM_OK;
+  if (c->turned)
+    s = ylm_sh_rotation_apply(w->turn[caster], w->q->lmax, v->n * w->rows, rows, rows, 1, NULL);
+  for (size_t i = 0; i < v->n && s == YLM_OK; i++) {
+    real *from = rows + i * row, *to = b->hidden + v->seen[i] * row;
+    memcpy(to, from, w->count * sizeof *to);
+    b->blur[v->seen[i]] /= c->form.scale * c->form.scale;
+    for (size_t d = 0; d < 3 && w->rows > 1; d++) {
+      real r[3];
+      for (size_t k = 0; k < 3; k++) r[k] = (real)(c->form.rotation[3 * d + k] / c->form.scale);
+      const real *g = from + w->count;
+      for (size_t k = 0; k < w->count; k++)
+        to[(d + 1) * w->count + k] =
+            r[0] * g[k] + r[1] * g[w->count + k] + r[2] * g[2 * w->count + k];
+    }
+  }
+  return s;
+}
+
+static ylm_status hide(block *b) {
+  const shadow_query *w = b->w;
+  size_t row = w->rows * w->count;
+  b->hidden = ylm_alloc(b->seens * row, sizeof *b->hidden);
+  b->blur = ylm_alloc_zero(b->seens, sizeof *b->blur);
+  real *rows = ylm_alloc(SHADOW_BLOCK * row, sizeof *rows);
+  viewers *v = ylm_alloc(1, sizeof *v);
+  ylm_status s = b->hidden && b->blur && rows && v ? sort_by_caster(b) : YLM_ENOMEM;
+  for (size_t k = 0; k < w->s->n && s == YLM_OK; k++) {
+    const shadow_caster *c = &w->s->caster[k];
+    gather_viewers(b, k, v);
+    if (!c->form.hides) {
+      for (size_t i = 0; i < v->n; i++)
+        if (v->distance[i] <= 1) b->inside[b->seen[v->seen[i]].point] = 1;
+      continue;
+    }
+    if (v->n) s = hide_near(b, c, v, false, rows);
+    if (v->n && c->disk && s == YLM_OK) s = hide_near(b, c, v, true, rows);
+    if (v->n && s == YLM_OK) s = place(b, k, v, rows);
+  }
+  ylm_free(rows);
+  ylm_free(v);
+  return s;
+}
+
+/* -- lights and the casters before them -------------------------------------------------------- */
+
+static ylm_status new_light(block *b, size_t *at) {
+  size_t wide = b->w->channels * b->w->rows * b->w->count * sizeof(real);
+  if (!grow((void **)&b->light, b->lights, &b->light_room, wide)) return YLM_ENOMEM;
+  memset((char *)b->light + b->lights * wide, 0, wide);
+  *at = b->lights++;
+  return YLM_OK;
+}
+
+static ylm_status new_term(block *b, shadow_term t) {
+  if (!grow((void **)&b->term, b->terms, &b->term_room, sizeof *b->term)) return YLM_ENOMEM;
+  b->term[b->terms++] = t;
+  return YLM_OK;
+}
+
+static ylm_status add_before(block *b, shadow_before x) {
+  if (!grow((void **)&b->before, b->befores, &b->before_room, sizeof *b->before)) return YLM_ENOMEM;
+  b->before[b->befores++] = x;
+  return YLM_OK;
+}
+
+/* How much of caster c counts before lamp l, and its derivative: all where their cones meet, nothing where they are
+   farther apart than a wave of lmax. */
+static double meets(int lmax, const shadow_seen *c, const shadow_seen *l, double slope[3]) {
+  double cosine = c->w[0] * l->w[0] + c->w[1] * l->w[1] + c->w[2] * l->w[2];
+  double margin = PI / (lmax + 1), apart = acos(fmax(-1, fmin(1, cosine)));
+  double t = (apart - c->angle - l->angle) / margin;
+  memset(slope, 0, 3 * sizeof *slope);
+  if (t <= 0) return 1;
+  if (t >= 1) return 0;
+  double sine = sqrt(fmax(1e-30, 1 - cosine * cosine)), steep = -6 * t * (1 - t) / margin;
+  for (int a = 0; a < 3; a++) {
+    double turn =
+        ((l->w[a] - c->w[a] * cosine) / c->distance + (c->w[a] - l->w[a] * cosine) / l->distance) /
+        sine;
+    double wide = c->sine / sqrt(1 - c->sine * c->sine) * c->w[a] / c->distance +
+                  l->sine / sqrt(1 - l->sine * l->sine) * l->w[a] / l->distance;
+    slope[a] = steep * (turn - wide);
+  }
+  return 1 - t * t * (3 - 2 * t);
+}
+
+/* The term of a point with the same casters before its light, all of them wholly; or none. */
+static shadow_term *same_term(block *b, size_t from, size_t point, size_t first) {
+  size_t n = b->befores - first;
+  for (size_t k = first; k < b->befores; k++)
+    if (b->before[k].weight != 1) return NULL;
+  for (size_t j = from; j < b->terms; j++) {
+    shadow_term *t = &b->term[j];
+    bool same = t->point == point && t->n == n;
+    for (size_t k = 0; same && k < n; k++)
+      same = b->before[t->first + k].seen == b->before[first + k].seen &&
+             b->before[t->first + k].weight == 1;
+    if (same) return t;
+  }
+  return NULL;
+}
+
+/* Adds lamp l to the rows of the lights that wait for it. */
+static ylm_status add_lamp(block *b, const shadow_lamp *l) {
+  const shadow_query *w = b->w;
+  real points[3 * SHADOW_BLOCK];
+  size_t row = w->rows * w->count;
+  for (size_t i = 0; i < b->requests; i++)
+    for (size_t a = 0; a < 3; a++) points[3 * i + a] = (real)b->point[b->request[i].point][a];
+  real *one = ylm_alloc(row, sizeof *one);
+  answer a = {0};
+  ylm_status s = one ? ask(b, ylm_light_set_field(l->grey), w->q->lmax, 1, b->requests, points, &a)
+                     : YLM_ENOMEM;
+  for (size_t i = 0; i < b->requests && s == YLM_OK; i++) {
+    unfold(w, &a, i, w->count, one);
+    for (size_t c = 0; c < w->channels; c++) {
+      real *to = b->light + (b->request[i].light * w->channels + c) * row;
+      double rgb = ylm__emission(l->rgb, (int)w->channels, (int)c);
+      for (size_t k = 0; k < row; k++) to[k] += (real)rgb * one[k];
+    }
+  }
+  answer_free(&a);
+  ylm_free(one);
+  return s;
+}
+
+/* Casters before a lamp at each point. */
+static ylm_status before_lamp(block *b, const shadow_lamp *l, size_t from) {
+  ylm_status s = YLM_OK;
+  b->requests = 0;
+  for (size_t i = 0; i < b->m && s == YLM_OK; i++) {
+    shadow_seen lamp;
+    size_t first = b->befores, light;
+    look(b->point[i], l->at, l->radius, 0, &lamp);
+    for (size_t j = b->seen_first[i]; j < b->seen_first[i + 1] && s == YLM_OK; j++) {
+      shadow_before x = {.seen = j};
+      if (b->seen[j].distance >= lamp.distance) break;
+      x.weight = meets(b->w->q->lmax, &b->seen[j], &lamp, x.slope);
+      if (x.weight > 0) s = add_before(b, x);
+    }
+    if (s != YLM_OK || b->befores == first) continue;
+    shadow_term *same = same_term(b, from, i, first);
+    if (same) {
+      b->befores = first;
+      light = same->light;
+    } else {
+      s = new_light(b, &light);
+      if (s == YLM_OK)
+        s = new_term(b, (shadow_term){.point = i,
+                                      .first = first,
+                                      .n = b->befores - first,
+                                      .light = light,
+                                      .again = true});
+    }
+    b->request[b->requests++] = (request){i, light};
+  }
+  return s == YLM_OK && b->requests ? add_lamp(b, l) : s;
+}
+
+/* Light that all lamps send, and light behind all casters, at the points of the block. */
+static ylm_status sum_lights(block *b, const ylm_field *f, bool behind) {
+  const shadow_query *w = b->w;
+  const real *points = (const real *)w->points + 3 * b->begin;
+  size_t row = w->rows * w->count;
+  answer a = {0};
+  ylm_status s = ask(b, f, w->q->lmax, w->channels, b->m, points, &a);
+  for (size_t i = 0; i < b->m && s == YLM_OK; i++) {
+    real *to = b->out + i * w->channels * row;
+    size_t n = b->seen_first[i + 1] - b->seen_first[i], light, first = b->befores;
+    b->any[i] |= a.inside[i];
+    if (a.lambda) b->lambda[i] += (double)a.lambda[i];
+    if (behind && n) {
+      s = new_light(b, &light);
+      for (size_t j = 0; j < n && s == YLM_OK; j++)
+        s = add_before(b, (shadow_before){.seen = b->seen_first[i] + j, .weight = 1});
+      if (s == YLM_OK)
+        s = new_term(b, (shadow_term){.point = i, .first = first, .n = n, .light = light});
+      if (s != YLM_OK) break;
+      to = b->light + light * w->channels * row;
+    }
+    real *one = to;
+    for (size_t c = 0; c < w->channels; c++, one += row)
+      if (behind && n)
+        unfold(w, &a, i * w->channels + c, w->count, one);
+      else {
+        /* added: lamps and light behind casters may both be there */
+        const real *v = a.value + (i * w->channels + c) * w->count;
+        for (size_t k = 0; k < w->count; k++) one[k] += v[k];
+        const real *g = w->rows > 1 ? a.gradient + 3 * (i * w->channels + c) * w->count : NULL;
+        for (size_t k = 0; g && k < w->count; k++)
+          for (size_t d = 0; d < 3; d++) one[(d + 1) * w->count + k] += g[3 * k + d];
+      }
+  }
+  answer_free(&a);
+  return s;
+}
+
+/* -- layers ------------------------------------------------------------------------------------ */
+
+static bool overlap(const shadow_seen *a, const shadow_seen *b) {
+  double sum = a->angle + b->angle;
+  double cosine = a->w[0] * b->w[0] + a->w[1] * b->w[1] + a->w[2] * b->w[2];
+  return sum >= PI || cosine > cos(sum);
+}
+
+/* The first layer of a term where nothing overlaps caster k of it. */
+static int layer_of(const block *b, const shadow_term *t, size_t k) {
+  const shadow_before *x = b->before + t->first;
+  if (!b->w->s->form.layers) return (int)t->layers;
+  for (int layer = 0;; layer++) {
+    bool free = true;
+    for (size_t j = 0; j < k && free; j++)
+      free = x[j].layer != layer || !overlap(&b->seen[x[j].seen], &b->seen[x[k].seen]);
+    if (free) return layer;
+  }
+}
+
+static void layer(block *b) {
+  for (size_t i = 0; i < b->terms; i++) {
+    shadow_term *t = &b->term[i];
+    t->layers = 0;
+    for (size_t k = 0; k < t->n; k++) {
+      shadow_before *x = &b->before[t->first + k];
+      bool sphere = !b->w->s->caster[b->seen[x->seen].caster].form.hides;
+      x->layer = sphere ? -1 : layer_of(b, t, k);
+      if (x->layer >= (int)t->layers) t->layers = (size_t)x->layer + 1;
+    }
+  }
+}
+
+/* -- products at nodes -------------------------------------------------------------------------- */
+
+/* Values at nodes: [count][lanes] each. */
+typedef struct tile {
+  block *b;
+  size_t lanes, n, values; /* terms in lanes, numbers of one function */
+  const shadow_term *term[16];
+  real *f, *g[3], *one, *two;
+  real *row, *unit, *zero, *result; /* [lanes][rows][count]; [count] each; [lanes][count] */
+  real *profile;                    /* [4][nodes] of one lane */
+  void *scratch;
+} tile;
+
+/* The row of a layer in a lane: what it points to, or is put together at `to`. */
+static const real *layer_row(const tile *t, size_t lane, int layer, real *to) {
+  const block *b = t->b;
+  const shadow_query *w = b->w;
+  const shadow_term *term = t->term[lane];
+  size_t row = w->rows * w->count, found = 0;
+  const shadow_before *only = NULL;
+  for (size_t k = 0; k < term->n; k++)
+    if (b->before[term->first + k].layer == layer) only = &b->before[term->first + k], found++;
+  if (!found) return NULL;
+  if (found == 1 && only->weight == 1) return b->hidden + only->seen * row;
+  memset(to, 0, row * sizeof *to);
+  to[0] = (real)LIGHT_ONE;
+  for (size_t k = 0; k < term->n; k++) {
+    const shadow_before *x = &b->before[term->first + k];
+    if (x->layer != layer) continue;
+    const real *v = b->hidden + x->seen * row;
+    for (size_t d = 0; d < w->rows; d++)
+      for (size_t i = 0; i < w->count; i++) {
+        real o = v[i] - (i ? 0 : (real)LIGHT_ONE);
+        to[d * w->count + i] +=
+            d ? (real)x->weight * v[d * w->count + i] + (real)x->slope[d - 1] * o
+              : (real)x->weight * o;
+      }
+  }
+  return to;
+}
+
+/* Value or derivative d of a layer to nodes. */
+static void to_nodes(const tile *t, const real *const *row, size_t d, bool multiply, real *to) {
+  const void *at[16];
+  for (size_t i = 0; i < t->lanes; i++)
+    at[i] = row[i] ? row[i] + d * t->b->w->count : d ? t->zero : t->unit;
+  ylm_sh_nodes_synthesise(t->b->w->nodes, DTYPE, at, multiply, to, t->scratch);
+}
+
+/* f and its derivatives, cut off at lmax. */
+static void cut_off(const tile *t, real *f) {
+  const void *in[16];
+  void *out[16];
+  for (size_t i = 0; i < t->lanes; i++) in[i] = out[i] = t->result + i * t->b->w->count;
+  ylm_sh_nodes_analyse(t->b->w->nodes, DTYPE, f, out, t->scratch);
+  ylm_sh_nodes_synthesise(t->b->w->nodes, DTYPE, in, false, f, t->scratch);
+}
+
+static void multiply_layer(const tile *t, int layer) {
+  const shadow_query *w = t->b->w;
+  const real *row[16];
+  bool cut = w->s->form.product == YLM_SHADOW_PRODUCT_recursive && layer > 0;
+  for (size_t i = 0; i < t->lanes; i++)
+    row[i] = layer_row(t, i, layer, t->row + i * w->rows * w->count);
+  if (w->rows == 1 || layer == 0)
+    to_nodes(t, row, 0, layer > 0, t->f);
+  else
+    to_nodes(t, row, 0, false, t->one);
+  for (size_t d = 1; d < w->rows; d++) {
+    real *g = t->g[d - 1];
+    if (layer == 0) {
+      to_nodes(t, row, d, false, g);
+      continue;
+    }
+    to_nodes(t, row, d, false, t->two);
+    for (size_t i = 0; i < t->values; i++) g[i] = g[i] * t->one[i] + t->f[i] * t->two[i];
+    if (cut) cut_off(t, g);
+  }
+  for (size_t i = 0; w->rows > 1 && layer > 0 && i < t->values; i++) t->f[i] *= t->one[i];
+  if (cut) cut_off(t, t->f);
+}
+
+/* -- spheres, evaluated at nodes ----------------------------------------------------------------- */
+
+/* The smaller of what stands at v [4][nodes] and a sphere's profile: a smooth step from 0 to 1 at its rim. */
+static void profile(const shadow_query *w, const shadow_seen *s, const shadow_before *x, real *v,
+                    size_t nodes) {
+  const double *direction = ylm_sh_nodes_directions(w->nodes);
+  real step = (real)(SHADOW_STEP * PI / (w->s->form.rule * w->q->lmax + 1)), sine = (real)s->sine,
+       cosine = (real)sqrt(1 - s->sine * s->sine);
+  real a = (real)s->w[0], b = (real)s->w[1], c = (real)s->w[2], weight = (real)x->weight;
+  bool wide_step = step > (real)1.2; /* the series of the arcsine is good to half of it */
+  for (size_t i = 0; i < nodes; i++) {
+    const double *n = direction + 3 * i;
+    real d = a * (real)n[0] + b * (real)n[1] + c * (real)n[2], h2 = 1 - d * d;
+    real across = h2 > 0 ? SQRT(h2) : 0;
+    /* sine and cosine of the angle beyond the rim */
+    real y = across * cosine - d * sine, z = d * cosine + across * sine;
+    real angle = wide_step ? ATAN2(y, z)
+                           : y + y * y * y * (real)(1.0 / 6) + y * y * y * y * y * (real)(3.0 / 40);
+    real u = (real)0.5 + angle / step;
+    if (!wide_step) u = z < 0 || y > (real)0.7 ? 1 : y < (real)-0.7 ? 0 : u;
+    u = u < 0 ? 0 : u > 1 ? 1 : u;
+    real p = 1 - weight * (1 - u * u * (3 - 2 * u));
+    if (p >= v[i]) continue;
+    v[i] = p;
+    real steep = weight * 6 * u * (1 - u) / step, away = across > 0 ? 1 / across : 0;
+    real wide = sine / cosine, over = 1 / (real)s->distance, hidden = 1 - u * u * (3 - 2 * u);
+    for (size_t k = 0; k < 3 && w->rows > 1; k++) {
+      real turn = ((real)n[k] - (real)s->w[k] * d) * away - (real)s->w[k] * wide;
+      v[(k + 1) * nodes + i] = steep * turn * over - (real)x->slope[k] * hidden;
+    }
+  }
+}
+
+/* Multiplies the lanes by their spheres: those of a body by their minimum. */
+static void multiply_spheres(const tile *t) {
+  const block *b = t->b;
+  const shadow_query *w = b->w;
+  size_t nodes = ylm_sh_nodes_count(w->nodes);
+  for (size_t lane = 0; lane < t->n; lane++) {
+    const shadow_term *term = t->term[lane];
+    const shadow_before *x = b->before + term->first;
+    for (size_t k = 0; k < term->n; k++) {
+      uint32_t body = w->s->caster[b->seen[x[k].seen].caster].form.body;
+      bool first = x[k].layer < 0;
+      for (size_t j = 0; j < k && first; j++)
+        first = x[j].layer >= 0 || w->s->caster[b->seen[x[j].seen].caster].form.body != body;
+      if (!first) continue;
+      for (size_t i = 0; i < nodes; i++) t->profile[i] = 1;
+      memset(t->profile + nodes, 0, 3 * nodes * sizeof *t->profile);
+      for (size_t j = k; j < term->n; j++)
+        if (x[j].layer < 0 && w->s->caster[b->seen[x[j].seen].caster].form.body == body)
+          profile(w, &b->seen[x[j].seen], &x[j], t->profile, nodes);
+      for (size_t i = 0; i < nodes; i++) {
+        size_t at = i * t->lanes + lane;
+        for (size_t d = 0; d + 1 < w->rows; d++)
+          t->g[d][at] = t->g[d][at] * t->profile[i] + t->f[at] * t->profile[(d + 1) * nodes + i];
+        t->f[at] *= t->profile[i];
+      }
+    }
+  }
+}
+
+/* -- the light behind ----------------------------------------------------------------------------- */
+
+/* Coefficients of `f`, of channel c and derivative d, are added to the results of the lanes' points. */
+static void add_result(const tile *t, real *f, size_t c, size_t d) {
+  block *b = t->b;
+  const shadow_query *w = b->w;
+  void *out[16];
+  for (size_t i = 0; i < t->lanes; i++) out[i] = t->result + i * w->count;
+  ylm_sh_nodes_analyse(w->nodes, DTYPE, f, out, t->scratch);
+  for (size_t i = 0; i < t->n; i++) {
+    const shadow_term *term = t->term[i];
+    real *to = b->out + ((term->point * w->channels + c) * w->rows + d) * w->count;
+    const real *from = t->result + i * w->count,
+               *light = b->light + ((term->light * w->channels + c) * w->rows + d) * w->count;
+    for (size_t k = 0; k < w->count; k++) to[k] += term->again ? from[k] - light[k] : from[k];
+  }
+}
+
+/* Adds to lambda of the lanes' points: the largest light at nodes times lambda of visibilities. */
+static void add_metric(const tile *t, const real *light, size_t c, double (*most)[3]) {
+  block *b = t->b;
+  for (size_t lane = 0; lane < t->n; lane++) {
+    real x = 0;
+    for (size_t i = lane; i < t->values; i += t->lanes) {
+      real y = light[i] < 0 ? -light[i] : light[i];
+      x = y > x ? y : x;
+    }
+    most[lane][c] = (double)x;
+    if (c + 1 < b->w->channels) continue;
+    const shadow_term *term = t->term[lane];
+    double blur = 0, *m = most[lane];
+    for (size_t k = 0; k < term->n; k++) {
+      const shadow_before *x1 = &b->before[term->first + k];
+      blur += x1->layer < 0 ? 0 : x1->weight * b->blur[x1->seen];
+    }
+    double largest = b->w->channels == 1             ? m[0]
+                     : b->w->q->metric_channels == 3 ? sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2])
+                                                     : ylm__emission(m, 1, 0);
+    b->lambda[term->point] += largest * blur;
+  }
+}
+
+static void run_tile(tile *t) {
+  const shadow_query *w = t->b->w;
+  size_t layers = 0, wide = w->rows * w->count;
+  double most[16][3];
+  const real *row[16];
+  for (size_t i = 0; i < t->n; i++)
+    layers = t->term[i]->layers > layers ? t->term[i]->layers : layers;
+  for (size_t i = t->n; i < t->lanes; i++) t->term[i] = t->term[t->n - 1];
+  if (!layers) {
+    for (size_t i = 0; i < t->values; i++) t->f[i] = 1;
+    for (size_t d = 0; d + 1 < w->rows; d++) memset(t->g[d], 0, t->values * sizeof(real));
+  }
+  for (size_t k = 0; k < layers; k++) multiply_layer(t, (int)k);
+  multiply_spheres(t);
+  for (size_t c = 0; c < w->channels; c++) {
+    for (size_t i = 0; i < t->lanes; i++)
+      row[i] = t->b->light + (t->term[i]->light * w->channels + c) * wide;
+    to_nodes(t, row, 0, false, t->one);
+    if (w->metric) add_metric(t, t->one, c, most);
+    for (size_t d = 1; d < w->rows; d++) {
+      to_nodes(t, row, d, false, t->two);
+      for (size_t i = 0; i < t->values; i++)
+        t->two[i] = t->g[d - 1][i] * t->one[i] + t->f[i] * t->two[i];
+      add_result(t, t->two, c, d);
+    }
+    for (size_t i = 0; i < t->values; i++) t->one[i] *= t->f[i];
+    add_result(t, t->one, c, 0);
+  }
+}
+
+/* All terms, those with the most layers first, so that the lanes of a tile have about as many. */
+static ylm_status multiply(block *b) {
+  const shadow_query *w = b->w;
+  size_t lanes = ylm_sh_nodes_lanes(w->nodes, DTYPE), nodes = ylm_sh_nodes_count(w->nodes),
+         most = 0;
+  if (!b->terms) return YLM_OK;
+  tile t = {.b = b, .lanes = lanes, .values = lanes * nodes};
+  size_t rows = w->rows * w->count, values = (t.values + 15) / 16 * 16,
+         scratch = ylm_sh_nodes_scratch(w->nodes, DTYPE);
+  size_t gradients = w->rows > 1 ? 3 : 0;
+  real *room = ylm_alloc((3 + gradients) * values + lanes * (rows + w->count) + 2 * w->count +
+                             4 * nodes + 64,
+                         sizeof *room);
+  t.scratch = ylm_alloc(scratch, 1);
+  if (!room || !t.scratch) {
+    ylm_free(room);
+    ylm_free(t.scratch);
+    return YLM_ENOMEM;
+  }
+  t.f = room;
+  t.one = t.f + values;
+  t.two = t.one + values;
+  for (size_t d = 0; d < gradients; d++) t.g[d] = t.two + (d + 1) * values;
+  t.row = t.two + (gradients + 1) * values;
+  t.result = t.row + lanes * rows;
+  t.unit = t.result + lanes * w->count;
+  t.zero = t.unit + w->count;
+  t.profile = t.zero + w->count;
+  memset(t.unit, 0, 2 * w->count * sizeof *t.unit);
+  t.unit[0] = (real)LIGHT_ONE;
+  for (size_t i = 0; i < b->terms; i++) most = b->term[i].layers > most ? b->term[i].layers : most;
+  for (size_t left = most + 1; left-- > 0;)
+    for (size_t i = 0; i < b->terms; i++) {
+      if (b->term[i].layers != left) continue;
+      t.term[t.n++] = &b->term[i];
+      if (t.n == lanes) run_tile(&t), t.n = 0;
+    }
+  if (t.n) run_tile(&t);
+  ylm_free(room);
+  ylm_free(t.scratch);
+  return YLM_OK;
+}
+
+/* -- results -------------------------------------------------------------------------------------- */
+
+/* Channel c of `channels` of a number of the light. */
+static double channel(const shadow_query *w, const real *x, int channels, int c) {
+  size_t step = w->rows * w->count;
+  if (w->channels == 1) return (double)x[0];
+  if (channels == 3) return (double)x[(size_t)c * step];
+  return YLM_LUMINANCE_R * (double)x[0] + YLM_LUMINANCE_G * (double)x[step] +
+         YLM_LUMINANCE_B * (double)x[2 * step];
+}
+
+static void write(const block *b) {
+  const shadow_query *w = b->w;
+  const ylm_field_query *q = w->q;
+  size_t channels = (size_t)q->channels;
+  real *value = q->want & YLM_WANT_VALUE ? w->r->value : NULL,
+       *gradient = q->want & YLM_WANT_GRADIENT ? w->r->gradient : NULL;
+  for (size_t i = 0; i < b->m; i++) {
+    real *x = b->out + i * w->channels * w->rows * w->count;
+    size_t at = b->begin + i;
+    double square = 0;
+    if (b->inside[i]) memset(x, 0, w->channels * w->rows * w->count * sizeof *x);
+    for (size_t c = 0; c < channels; c++)
+      for (size_t k = 0; k < w->count; k++) {
+        size_t to = (at * channels + c) * w->count + k;
+        if (value) value[to] = (real)channel(w, x + k, q->channels, (int)c);
+        for (size_t d = 0; gradient && d < 3; d++)
+          gradient[3 * to + d] = (real)channel(w, x + (d + 1) * w->count + k, q->channels, (int)c);
+      }
+    if (w->r->inside) w->r->inside[at] = b->inside[i] | b->any[i];
+    if (!w->metric) continue;
+    for (int c = 0; c < q->metric_channels; c++)
+      for (size_t k = 0; k < w->count; k++) {
+        double y = channel(w, x + k, q->metric_channels, c);
+        square += y * y;
+      }
+    if (w->r->norm) ((real *)w->r->norm)[at] = (real)sqrt(square);
+    if (w->r->lambda) ((real *)w->r->lambda)[at] = b->inside[i] ? 0 : (real)b->lambda[i];
+  }
+}
+
+/* Points begin .. end-1 of a query. */
+ylm_status BLOCK(shadow_query *w, size_t begin, size_t end, ylm_error *e) {
+  const ylm_light_shadowed *s = w->s;
+  block *b = ylm_alloc_zero(1, sizeof *b);
+  if (!b) return YLM_ENOMEM;
+  b->w = w;
+  b->begin = begin;
+  b->m = end - begin;
+  b->e = e;
+  for (size_t i = 0; i < b->m; i++)
+    for (size_t a = 0; a < 3; a++)
+      b->point[i][a] = (double)((const real *)w->points)[3 * (begin + i) + a];
+  b->out = ylm_alloc_zero(b->m * w->channels * w->rows * w->count, sizeof *b->out);
+  ylm_status status = b->out ? see(b) : YLM_ENOMEM;
+  if (status == YLM_OK && b->seens) status = hide(b);
+  if (status == YLM_OK && s->rest) status = sum_lights(b, s->rest, true);
+  if (status == YLM_OK && s->local) status = sum_lights(b, s->local, false);
+  size_t from = b->terms;
+  for (size_t k = 0; k < s->lamps && b->seens && status == YLM_OK; k++)
+    status = before_lamp(b, &s->lamp[k], from);
+  if (status == YLM_OK) {
+    layer(b);
+    status = multiply(b);
+  }
+  if (status == YLM_OK) write(b);
+  ylm_free(b->seen);
+  ylm_free(b->by_caster_first);
+  ylm_free(b->by_caster);
+  ylm_free(b->before);
+  ylm_free(b->term);
+  ylm_free(b->hidden);
+  ylm_free(b->blur);
+  ylm_free(b->light);
+  ylm_free(b->out);
+  ylm_free(b);
+  return status;
+}

@@ -1,0 +1,119 @@
+/*
+** shadow.h - what the files of csrc/light/shadow share. Private to the room.
+**
+** A query goes block by block (block.h): which casters hide something from each point, what each of them hides there,
+** which lamps they stand before, the products at nodes.
+*/
+#ifndef YLM_LIGHT_SHADOW_PRIVATE_H
+#define YLM_LIGHT_SHADOW_PRIVATE_H
+
+#include <stdatomic.h>
+
+#include "../kind.h"
+#include "ylm_light_shadow.h"
+#include "ylm_sh.h"
+
+#define PI 3.14159265358979323846
+#define LIGHT_ONE 3.54490770181103205459 /* sqrt(4 pi): the function 1 */
+
+/* -- solids ---------------------------------------------------------------------------------- */
+
+/* A closed convex mesh. */
+typedef struct ylm__solid {
+  double centre[3], radius, area; /* a sphere around it; its surface */
+  double middle[3];               /* of its corners: inside of it */
+  size_t planes, numbers;
+  double *plane;  /* [planes][4] unit normal outwards, offset */
+  double *record; /* [numbers] its faces as records of polygons of radiance 1/2 */
+} ylm__solid;
+
+/* Arguments and results as ylm_light_occluder_solid; plane and record are the caller's to free. solid.c */
+ylm_status ylm__solid_create(size_t vertices, const float *position, size_t triangles,
+                             const uint32_t *index, ylm__solid *s, ylm_error *e);
+
+/* -- shadowed light -------------------------------------------------------------------------- */
+
+/* Lights of a pack that are taken apart at most; a larger pack is one light, behind all casters. */
+#define SHADOW_LAMPS 4096
+/* Points of a block. */
+#define SHADOW_BLOCK 256
+/* The width of the step at the rim of a sphere that is evaluated at nodes, in distances of nodes: errors of irradiance
+   are half of those of width 1. */
+#define SHADOW_STEP 2
+/* Beyond this share of the distance that a caster's field is asked within, it blends into a disk. */
+#define SHADOW_BLEND 0.9
+
+/* A lamp that casters may stand before or behind. */
+typedef struct shadow_lamp {
+  double at[3], radius, rgb[3];
+  ylm_light_set *grey; /* of radiance 1 */
+} shadow_lamp;
+
+typedef struct shadow_caster {
+  ylm_light_caster form;
+  double centre[3], radius; /* of the sphere around it, where it stands */
+  bool turned;              /* its rotation is not the identity */
+  ylm_light_occluder *disk; /* what stands for it far away, about `centre` of its frame */
+} shadow_caster;
+
+/* Tables of one lmax. */
+typedef struct shadow_tables {
+  ylm_sh_nodes *nodes;
+  ylm_sh_rotator *rotator;
+} shadow_tables;
+
+struct ylm_light_shadowed {
+  ylm_field field;
+  ylm_light_shadow_form form;
+  size_t n;
+  shadow_caster *caster;
+  const ylm_field *local; /* the sum of the lamps; NULL: there are none */
+  const ylm_field *rest;  /* light behind all casters; NULL: there is none */
+  ylm_field_sum *local_sum, *rest_sum;
+  size_t lamps;
+  shadow_lamp *lamp;
+  _Atomic(shadow_tables *) tables[YLM_SH_PRODUCT_LMAX + 1];
+};
+
+/* -- one query -------------------------------------------------------------------------------- */
+
+/* The query, as all blocks share it. */
+typedef struct shadow_query {
+  const ylm_light_shadowed *s;
+  const ylm_field_query *q;
+  const void *points;
+  ylm_field_result *r;
+  const ylm_sh_nodes *nodes;
+  ylm_sh_rotation **turn;       /* [n] NULL where a caster is not turned */
+  size_t count, rows, channels; /* coefficients; 1, or 4 with gradients; of the light */
+  bool metric;
+  _Atomic(uint64_t) pairs;
+} shadow_query;
+
+/* A caster as a point sees it. */
+typedef struct shadow_seen {
+  size_t caster, point;
+  double w[3], distance, sine,
+      angle; /* direction and distance of its centre; half the angle of its cone */
+} shadow_seen;
+
+/* A lamp, or all light behind casters, at a point, with the casters before it. */
+typedef struct shadow_term {
+  size_t point, first, n; /* casters first .. first+n-1 of the block's list `before` */
+  size_t light;           /* row of the light */
+  bool again;             /* the light has been summed without casters: it is taken away */
+  size_t layers;          /* factors at nodes */
+} shadow_term;
+
+/* One caster before a light, in part where its cone just misses that of the lamp. */
+typedef struct shadow_before {
+  size_t seen; /* of the block's list */
+  int layer;   /* from 0 on; -1: a sphere, which is evaluated at nodes */
+  double weight, slope[3];
+} shadow_before;
+
+/* Points begin .. end-1 of a query, SHADOW_BLOCK at most. block.h */
+ylm_status ylm__shadow_block_f(shadow_query *w, size_t begin, size_t end, ylm_error *e);
+ylm_status ylm__shadow_block_d(shadow_query *w, size_t begin, size_t end, ylm_error *e);
+
+#endif

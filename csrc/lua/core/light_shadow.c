@@ -1,0 +1,267 @@
+/* light_shadow.c - ylm.occluder and ylm.shadowed: visibilities of bodies, and light behind them. */
+#include "../binding.h"
+
+#include <string.h>
+
+#include "ylm_geom.h"
+#include "ylm_light_shadow.h"
+
+#define OCCLUDER "ylm.occluder"
+#define SHADOWED "ylm.shadowed"
+
+/* -- occluders ------------------------------------------------------------------------------ */
+
+typedef struct occluder {
+  ylm_light_occluder *of; /* NULL once closed */
+} occluder;
+
+static const ylm_field *occluder_field(void *object) {
+  const occluder *o = object;
+  return o->of ? ylm_light_occluder_field(o->of) : NULL;
+}
+
+static occluder *push_occluder(lua_State *L) {
+  occluder *o = lua_newuserdata(L, sizeof *o);
+  o->of = NULL;
+  luaL_getmetatable(L, OCCLUDER);
+  lua_setmetatable(L, -2);
+  return o;
+}
+
+/* occluder_sphere(x, y, z, radius) -> occluder */
+static int occluder_sphere(lua_State *L) {
+  ylm_error e = {YLM_OK, ""};
+  double at[3] = {(double)luaL_checknumber(L, 1), (double)luaL_checknumber(L, 2),
+                  (double)luaL_checknumber(L, 3)};
+  double radius = (double)luaL_checknumber(L, 4);
+  occluder *o = push_occluder(L);
+  ylm_status s = ylm_light_occluder_sphere(at, radius, &o->of, &e);
+  if (s == YLM_OK) ylmL_charge(L, 2000);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* occluder_solid(mesh) -> occluder */
+static int occluder_solid(lua_State *L) {
+  ylm_error e = {YLM_OK, ""};
+  const ylm_mesh *m = ylmL_mesh_check(L, 1);
+  occluder *o = push_occluder(L);
+  ylm_status s =
+      ylm_light_occluder_solid(m->vertices, m->position, m->triangles, m->index, &o->of, &e);
+  if (s == YLM_OK) ylmL_charge(L, m->triangles * 600);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* occluder_body(occluder) -> x, y, z, radius of a sphere around the body, mean area of its projections; nothing once
+   closed */
+static int occluder_body(lua_State *L) {
+  const occluder *o = ylmL_check(L, 1, OCCLUDER);
+  double at[3], radius, area;
+  if (!o->of) return 0;
+  ylm_light_occluder_body(o->of, at, &radius, &area);
+  for (int a = 0; a < 3; a++) lua_pushnumber(L, at[a]);
+  lua_pushnumber(L, radius);
+  lua_pushnumber(L, area);
+  return 5;
+}
+
+/* occluder_places(occluder, near, far, n) -> float [n][3] */
+static int occluder_places(lua_State *L) {
+  const occluder *o = ylmL_check(L, 1, OCCLUDER);
+  size_t n = (size_t)luaL_checknumber(L, 4);
+  double near = (double)luaL_checknumber(L, 2), far = (double)luaL_checknumber(L, 3);
+  if (!o->of) return ylmL_result(L, 0, YLM_ECLOSED, NULL);
+  ylmL_array *a = ylmL_array_unset(L, YLM_FLOAT, 2, (size_t[]){n, 3});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_light_occluder_places(o->of, near, far, 1, n, a->data);
+  return 1;
+}
+
+static int occluder_close(lua_State *L) {
+  occluder *o = ylmL_check(L, 1, OCCLUDER);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_light_occluder_free(o->of);
+  o->of = NULL;
+  return 0;
+}
+
+/* -- shadowed light -------------------------------------------------------------------------- */
+
+/* An object whose light field is asked. */
+typedef struct part {
+  void *object;
+  ylmL_field_of *get;
+} part;
+
+typedef struct shadowed {
+  ylm_light_shadowed *of; /* NULL once closed */
+  part *parts;            /* [n] */
+  size_t n;
+  int keep; /* the parts, in the registry */
+} shadowed;
+
+static const ylm_field *shadowed_field(void *object) {
+  const shadowed *s = object;
+  for (size_t i = 0; i < s->n; i++)
+    if (!s->parts[i].get(s->parts[i].object)) return NULL;
+  return s->of ? ylm_light_shadowed_field(s->of) : NULL;
+}
+
+static const char *const create_names[] = {"lights",   "hides",  "facts", "which",   "at",
+                                           "rotation", "scale",  "body",  "product", "rule",
+                                           "cull",     "layers", NULL};
+enum {
+  FORM = 1,
+  LIGHTS,
+  HIDES,
+  FACTS,
+  WHICH,
+  AT,
+  ROTATION,
+  SCALE,
+  BODY,
+  PRODUCT,
+  RULE,
+  CULL,
+  LAYERS
+};
+enum { LMAX, CENTRE, RADIUS = 4, FAR, AREA, FACTS_WIDTH };
+
+/* The double array at `i` of `count` numbers; raises otherwise. */
+static const double *numbers(lua_State *L, int i, size_t count) {
+  const ylmL_array *a = ylmL_array_check(L, i);
+  if (a->dtype != YLM_DOUBLE || a->count != count)
+    luaL_argerror(L, i, "a double array of another shape expected");
+  return a->data;
+}
+
+/* Casters from the arguments of shadowed_create, in a userdata left on the stack. */
+static ylm_light_caster *read_casters(lua_State *L, size_t *n) {
+  const ylmL_array *which = ylmL_array_check(L, WHICH);
+  size_t hides = lua_rawlen(L, HIDES);
+  *n = which->count;
+  const double *w = numbers(L, WHICH, *n), *at = numbers(L, AT, 3 * *n),
+               *rotation = numbers(L, ROTATION, 9 * *n), *scale = numbers(L, SCALE, *n),
+               *body = numbers(L, BODY, *n), *facts = numbers(L, FACTS, FACTS_WIDTH * hides);
+  ylm_light_caster *c = lua_newuserdata(L, (*n + 1) * sizeof *c);
+  for (size_t i = 0; i < *n; i++) {
+    c[i] = (ylm_light_caster){.scale = scale[i], .body = (uint32_t)body[i]};
+    memcpy(c[i].at, at + 3 * i, sizeof c[i].at);
+    memcpy(c[i].rotation, rotation + 9 * i, sizeof c[i].rotation);
+    if (!(w[i] >= 1 && w[i] <= (double)hides)) continue; /* a sphere */
+    const double *f = facts + FACTS_WIDTH * ((size_t)w[i] - 1);
+    lua_rawgeti(L, HIDES, (int)w[i]);
+    c[i].hides = ylmL_field_check(L, lua_gettop(L));
+    lua_pop(L, 1);
+    c[i].lmax = (int)f[LMAX];
+    memcpy(c[i].centre, f + CENTRE, sizeof c[i].centre);
+    c[i].radius = f[RADIUS];
+    c[i].far = f[FAR];
+    c[i].area = f[AREA];
+  }
+  return c;
+}
+
+/* Keeps the lights and what casters hide alive, and looks at them before each use. */
+static bool keep_parts(lua_State *L, shadowed *s) {
+  size_t hides = lua_rawlen(L, HIDES);
+  s->parts = ylm_alloc(hides + 1, sizeof *s->parts);
+  if (!s->parts) return false;
+  lua_createtable(L, (int)hides + 1, 0);
+  for (size_t i = 0; i <= hides; i++) {
+    if (i)
+      lua_rawgeti(L, HIDES, (int)i);
+    else
+      lua_pushvalue(L, LIGHTS);
+    s->parts[s->n++] = (part){lua_touserdata(L, -1), ylmL_field_getter(L, -1)};
+    lua_rawseti(L, -2, (int)i + 1);
+  }
+  s->keep = luaL_ref(L, LUA_REGISTRYINDEX);
+  return true;
+}
+
+static ylm_shadow_product product_at(lua_State *L, int i) {
+  const char *name = luaL_checkstring(L, i);
+  for (int p = 0; p < YLM_SHADOW_PRODUCT_COUNT; p++)
+    if (strcmp(name, ylm_shadow_product_name((ylm_shadow_product)p)) == 0)
+      return (ylm_shadow_product)p;
+  return (ylm_shadow_product)luaL_argerror(L, i, "no such product");
+}
+
+/*
+** shadowed_create{lights: an object with a light field, hides: list of objects with one, facts: double [hides][7] of
+**   lmax, centre, radius, far, area, which: double [n] places in hides, 0 for spheres, at [n][3], rotation [n][9],
+**   scale [n], body [n], product, rule, cull, layers} -> an object with a light field
+*/
+static int shadowed_create(lua_State *L) {
+  ylm_error e = {YLM_OK, ""};
+  size_t n;
+  lua_settop(L, 1);
+  luaL_checkstack(L, 30, "shadowed_create");
+  ylmL_named(L, FORM, create_names);
+  luaL_checktype(L, HIDES, LUA_TTABLE);
+  const ylm_field *field = ylmL_field_check(L, LIGHTS);
+  const ylm_light_set *set = ylmL_test(L, LIGHTS, YLM_LIGHTS) ? ylmL_lights_check(L, LIGHTS) : NULL;
+  ylm_light_shadow_form form = {.product = product_at(L, PRODUCT),
+                                .rule = (double)luaL_checknumber(L, RULE),
+                                .cull = (double)luaL_checknumber(L, CULL),
+                                .layers = lua_toboolean(L, LAYERS)};
+  const ylm_light_caster *caster = read_casters(L, &n);
+  shadowed *s = lua_newuserdata(L, sizeof *s);
+  *s = (shadowed){.keep = LUA_NOREF};
+  luaL_getmetatable(L, SHADOWED);
+  lua_setmetatable(L, -2);
+  if (!keep_parts(L, s)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_status status =
+      ylm_light_shadowed_create(set, set ? NULL : field, n, caster, &form, &s->of, &e);
+  if (status == YLM_OK) ylmL_charge(L, n * 400 + 2000);
+  return ylmL_result(L, 1, status, &e);
+}
+
+/* shadowed_move(shadowed, first from 0 on, n, at [n][3] | nil, rotation [n][9] | nil, scale [n] | nil) -> true */
+static int shadowed_move(lua_State *L) {
+  shadowed *s = ylmL_check(L, 1, SHADOWED);
+  ylm_error e = {YLM_OK, ""};
+  lua_settop(L, 6);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  if (!s->of) return ylmL_result(L, 0, YLM_ECLOSED, NULL);
+  size_t first = (size_t)luaL_checknumber(L, 2), n = (size_t)luaL_checknumber(L, 3);
+  const double *at = lua_isnil(L, 4) ? NULL : numbers(L, 4, 3 * n),
+               *rotation = lua_isnil(L, 5) ? NULL : numbers(L, 5, 9 * n),
+               *scale = lua_isnil(L, 6) ? NULL : numbers(L, 6, n);
+  ylm_status status = ylm_light_shadowed_move(s->of, first, n, at, rotation, scale, &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, status, &e);
+}
+
+static int shadowed_close(lua_State *L) {
+  shadowed *s = ylmL_check(L, 1, SHADOWED);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_light_shadowed_free(s->of);
+  ylm_free(s->parts);
+  luaL_unref(L, LUA_REGISTRYINDEX, s->keep);
+  *s = (shadowed){.keep = LUA_NOREF};
+  return 0;
+}
+
+static const luaL_Reg functions[] = {{"occluder_sphere", occluder_sphere},
+                                     {"occluder_solid", occluder_solid},
+                                     {"occluder_body", occluder_body},
+                                     {"occluder_close", occluder_close},
+                                     {"occluder_places", occluder_places},
+                                     {"shadowed_create", shadowed_create},
+                                     {"shadowed_move", shadowed_move},
+                                     {"shadowed_close", shadowed_close},
+                                     {NULL, NULL}};
+
+static const luaL_Reg occluder_methods[] = {{"__gc", occluder_close}, {NULL, NULL}};
+static const luaL_Reg shadowed_methods[] = {{"__gc", shadowed_close}, {NULL, NULL}};
+
+void ylmL_open_light_shadow(lua_State *L) {
+  ylmL_type(L, OCCLUDER, occluder_methods);
+  ylmL_type_has_field(L, occluder_field);
+  lua_pop(L, 1);
+  ylmL_type(L, SHADOWED, shadowed_methods);
+  ylmL_type_has_field(L, shadowed_field);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

@@ -1,0 +1,674 @@
+--- Light behind bodies: ylm.occluder, caster, casters, sphere_casters, shadowed, visibility.
+--
+-- A caster is data: of (what hides light, nil for spheres), count, and double arrays at [n][3], rotation [n][9], scale [n],
+-- body [n]. ylm.shadowed joins the casters of all groups into one list.
+
+local array = require "ylm.array"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local reference = require "ylm.describe"
+local form = require "ylm.form"
+local grids = require "ylm.grid"
+local light = require "ylm.light"
+local memory = require "ylm.memory"
+local numbers = require "ylm.light.numbers"
+
+local describe = reference.describe
+
+require "ylm.geometry" -- defines form.types.rotation
+
+local shadow = {}
+
+local EXTENT = core.limits.extent
+local IDENTITY = { 1, 0, 0, 0, 1, 0, 0, 0, 1 }
+local PI = math.pi
+
+-- Bodies --------------------------------------------------------------------------------------
+
+reference.object "occluder" {
+  about = "The visibility around a body, a light field; from the constructor of that name.",
+  fields = { { "radius", "number", "of a sphere around the body" }, { "area", "number", "the mean of its projections' areas" } },
+}
+
+local occluders = core.metatable "ylm.occluder"
+
+--- The mesh of a mesh or a shape, else nil.
+local function mesh_of(x)
+  if core.type(x) == "ylm.mesh" then return x end
+  local mesh = type(x) == "table" and form.kind(x) and rawget(x, "mesh")
+  return core.type(mesh) == "ylm.mesh" and mesh or nil
+end
+
+--- An object that C makes for a form, or nil, message, code; fail(message) raises.
+local function made(fail, object, message, code)
+  if object == nil and core.status(code) == "caller" then return fail(message) end
+  return object, message, code
+end
+
+local function build_occluder(values, fail)
+  if values.geometry ~= nil then
+    if values.radius then return fail "radius is of a sphere: give geometry or radius, not both" end
+    if values.at then return fail "at is of a sphere: geometry is where its vertices are" end
+    local mesh = mesh_of(values.geometry)
+    if not mesh then return fail("geometry must be a mesh or a shape, got " .. check.describe(values.geometry)) end
+    return made(fail, core.occluder_solid(mesh))
+  end
+  if not values.radius then return fail "give geometry, a closed convex mesh, or radius, of a sphere" end
+  local at = values.at or { 0, 0, 0 }
+  return made(fail, core.occluder_sphere(at[1], at[2], at[3], values.radius))
+end
+
+shadow.occluder = form.define("occluder", {
+  numbers = 1e5,
+  about = "The visibility around one body, as a light field: 1 from where light reaches a point, 0 from where the body "
+    .. "is. Exact for spheres and convex solids, with gradients and Hessians. It is no light: ylm.caster puts it in the way "
+    .. "of lights, ylm.bake remembers it. It has radius, of a sphere around the body, area, the mean of its projections, and "
+    .. "close().",
+  fields = {
+    { "geometry", "any", optional = true, unit = "scene units",
+      about = "a mesh or a shape that is closed and convex, of at most 4096 triangles, in the body's frame" },
+    { "radius", "number", above = 0, max = EXTENT, optional = true, unit = "scene units", about = "of a sphere instead" },
+    { "at", "point", optional = true, unit = "scene units", about = "centre of the sphere, default {0, 0, 0}" },
+  },
+  build = build_occluder,
+  example = "occluder { radius = 0.5 }",
+  source = "Zhou et al. 2005",
+})
+
+--- The sphere around a body and its mean area: at, radius, area; nil once closed.
+local function body_of(occluder)
+  local x, y, z, radius, area = core.occluder_body(occluder)
+  if x then return { x, y, z }, radius, area end
+end
+
+function occluders.__index(o, key)
+  if key == "radius" then return (select(2, body_of(o))) end
+  if key == "area" then return (select(3, body_of(o))) end
+  return rawget(occluders, key)
+end
+
+function occluders.__tostring(o)
+  local _, radius = body_of(o)
+  return radius and ("ylm.occluder of radius %g"):format(radius) or "ylm.occluder (closed)"
+end
+
+-- Grids of bodies reach so many radii where nobody says; their tolerance holds at so many places, from so near the surface.
+local REACH, PLACES, NEAR = 20, 20000, 0.02
+
+--- Options of a bake of a body, for lua/ylm/grid/bake.lua: bounds and places where nobody says.
+function occluders.__for_grid(o, description, given)
+  local at, radius = body_of(o)
+  if description.channels == "rgb" then
+    return check.bad(1, "bake", "a visibility has no colour: channels = 'luminance' in the grid")
+  end
+  local options, box = {}, description.bounds or given.bounds
+  for key, value in pairs(given) do options[key] = value end
+  if not box then
+    local r = REACH * radius
+    box = { { at[1] - r, at[2] - r, at[3] - r }, { at[1] + r, at[2] + r, at[3] + r } }
+    options.bounds = box
+  end
+  if given.occupied == nil and given.geometry == nil and description.depth then
+    local far = math.huge
+    for a = 1, 3 do far = math.min(far, at[a] - box[1][a], box[2][a] - at[a]) end
+    options.occupied = core.occluder_places(o, NEAR, math.max(far, 2 * radius), PLACES)
+    if not options.occupied then options.occupied = nil end
+  end
+  return options
+end
+
+describe "occluder:close" {
+  about = "Frees the memory of a body now rather than at the next collection.",
+  arguments = {}, returns = {}, errors = "raises on what is no body",
+  example = "ylm.occluder({ radius = 1 }):close()",
+}
+function occluders.close(o)
+  if core.type(o) ~= "ylm.occluder" then
+    return check.fail("close: an occluder expected before the colon, got %s", check.describe(o))
+  end
+  check.result("close", core.occluder_close(o))
+end
+
+-- Casters -------------------------------------------------------------------------------------
+
+--- The mean area of the projections of a body that a grid was baked from, by what it hides at 26 places inside its bounds.
+local function area_of(grid, centre, far)
+  local places, sum = {}, 0
+  for x = -1, 1 do for y = -1, 1 do for z = -1, 1 do
+    local length = math.sqrt(x * x + y * y + z * z)
+    if length > 0 then
+      local s = 0.9 * far / length
+      places[#places + 1] = { centre[1] + s * x, centre[2] + s * y, centre[3] + s * z }
+    end
+  end end end
+  local c, message, code = grid:sample(places)
+  if not c then return nil, message, code end
+  for i = 1, #places do
+    local open = c:get(i, 1, 1) / math.sqrt(4 * PI) -- part of all directions
+    sum = sum + 4 * PI * (1 - open) * (0.9 * far) ^ 2
+  end
+  return math.max(sum / #places, 1e-12 * far ^ 2)
+end
+
+--- Facts about a grid of visibilities for C: { lmax, centre, radius, far, area }; fail raises; nil, message, code.
+local function facts_of_grid(values, fail)
+  local grid = values.hides
+  local body = grids.body_of(grid)
+  local centre, radius, area = { 0, 0, 0 }, values.radius, nil
+  if body and not values.radius then
+    local at
+    at, radius, area = body_of(body)
+    centre = at or centre
+  end
+  if not radius then
+    return fail "radius is missing: this grid does not know how large its body is (of a sphere around it, in its frame)"
+  end
+  local far, box = math.huge, grid.bounds
+  for a = 1, 3 do far = math.min(far, centre[a] - box[1][a], box[2][a] - centre[a]) end
+  if not (far > radius) then
+    return fail(("the grid's bounds end %.3g from the body's middle, within its radius of %.3g"):format(far, radius))
+  end
+  if not area then
+    local message, code
+    area, message, code = area_of(grid, centre, far)
+    if not area then return nil, message, code end
+  end
+  return { grid.lmax, centre[1], centre[2], centre[3], radius, far, area }
+end
+
+--- Facts about any light field that a caster may have.
+local function facts_of(values, fail)
+  local hides, kind = values.hides, core.type(values.hides)
+  if kind == "ylm.grid" then
+    local fault = check.grid_fault(hides)
+    if fault then return fail("hides: " .. fault) end
+  end
+  local known, quantity = pcall(core.field_quantity, hides)
+  if not core.has_field(hides) then
+    return fail("hides must be an occluder, or a grid that was baked from one, got " .. check.describe(hides))
+  end
+  if not known then return fail("hides: the " .. kind:gsub("^ylm%.", "") .. " has been closed") end
+  if quantity ~= "visibility" then
+    return fail(("hides must be a visibility, and this %s holds %s: bake ylm.occluder"):format((kind:gsub("^ylm%.", "")),
+      quantity))
+  end
+  if kind == "ylm.grid" then return facts_of_grid(values, fail) end
+  if kind ~= "ylm.occluder" then return fail("hides must be an occluder or a grid, got " .. check.describe(hides)) end
+  local at, radius = body_of(hides)
+  return { core.limits.sh_product_lmax, at[1], at[2], at[3], values.radius or radius, 0, 0 }
+end
+
+--- A double array of this shape from a table of numbers, row by row.
+local function doubles(shape, list)
+  local a = assert(core.array_zeros(shape, "double"))
+  if #list > 0 then core.array_fill(a, list) end
+  return a
+end
+
+local function one_number(_, scale)
+  if type(scale) == "table" or core.type(scale) == "ylm.array" then
+    return nil, "one number: shear is not a rotation"
+  end
+end
+
+function form.types.caster_scale(x)
+  if check.is_number(x) and x > 0 then return x end
+  local _, wanted = one_number(nil, x)
+  return nil, wanted or "a number > 0"
+end
+
+--- Nine numbers, row by row, of rotations in order of application.
+local function matrix_of(rotation)
+  local r = IDENTITY
+  for _, one in ipairs(rotation or {}) do
+    local m, out = core.mesh_rotation(one.axis, math.rad(one.angle)), {}
+    for i = 0, 2 do
+      for j = 1, 3 do
+        local sum = 0
+        for k = 1, 3 do sum = sum + m[4 * i + k] * r[3 * (k - 1) + j] end
+        out[3 * i + j] = sum
+      end
+    end
+    r = out
+  end
+  return r
+end
+
+local function finish(values, name, fail)
+  if values.hides ~= nil then
+    local message, code
+    values.facts, message, code = facts_of(values, fail)
+    if not values.facts then return nil, message, code end
+  end
+  return setmetatable(values, form.defined[name].metatable)
+end
+
+shadow.caster = form.define("caster", {
+  numbers = 64,
+  about = "A body in the way of light, for ylm.shadowed.",
+  fields = {
+    { "hides", "any", about = "an occluder, or a grid that was baked from one; many casters may share it" },
+    { "at", "point", default = { 0, 0, 0 }, unit = "scene units", about = "where the origin of the body's frame stands" },
+    { "rotation", "rotation", optional = true, unit = "degrees", about = "{ axis =, angle = }, or a list of such" },
+    { "scale", "caster_scale", default = 1, about = "one factor: larger bodies of the same shape" },
+    { "radius", "number", above = 0, max = EXTENT, optional = true, unit = "scene units",
+      about = "of a sphere about the origin of the body's frame that holds it; a grid that was loaded from a file needs it" },
+  },
+  build = function(values, fail)
+    values.count = 1
+    values.places = { at = doubles({ 1, 3 }, { values.at }), rotation = doubles({ 1, 9 }, { matrix_of(values.rotation) }),
+      scale = doubles({ 1 }, { values.scale }), body = doubles({ 1 }, { 0 }) }
+    return finish(values, "caster", fail)
+  end,
+  metatable = { __tostring = function(c) return ("caster at {%g, %g, %g}"):format(c.at[1], c.at[2], c.at[3]) end },
+  example = "caster { hides = occluder { radius = 0.5 }, at = { 0, 1, 0 } }",
+})
+
+local function one_each(n)
+  return function(s) return #s == 1 and (s[1] == 1 or s[1] == n) end
+end
+
+--- n numbers from a double array of n or one.
+local function spread(a, n)
+  if a.shape[1] == n then return a end
+  local list = {}
+  for i = 1, n do list[i] = a:get(1) end
+  return doubles({ n }, list)
+end
+
+--- Rotations [n][9] from quaternions [n][4] or one.
+local function matrices(values, n, fail)
+  local rows = {}
+  if not values.rotation then
+    for i = 1, n do rows[i] = IDENTITY end
+    return doubles({ n, 9 }, rows)
+  end
+  local q, shape = numbers("rotation", values.rotation, "quaternions {w, x, y, z} [n][4], or one", function(s)
+    return #s == 1 and s[1] == 4 or #s == 2 and s[2] == 4 and s[1] == n
+  end, fail)
+  local list = core.array_totable(q)
+  for i = 1, n do
+    local w = #shape == 1 and list or list[i]
+    local a, b, c, d = w[1], w[2], w[3], w[4]
+    local length2 = a * a + b * b + c * c + d * d
+    if not (length2 > 0 and length2 < math.huge) then return fail(("rotation: quaternion %d has no length"):format(i)) end
+    local s = 2 / length2
+    rows[i] = { 1 - s * (c * c + d * d), s * (b * c - a * d), s * (b * d + a * c),
+      s * (b * c + a * d), 1 - s * (b * b + d * d), s * (c * d - a * b),
+      s * (b * d - a * c), s * (c * d + a * b), 1 - s * (b * b + c * c) }
+  end
+  return doubles({ n, 9 }, rows)
+end
+
+--- Centres [n][3] and n.
+local function places_of(values, fail)
+  local at, shape = numbers("at", values.at, "[n][3] numbers", function(s)
+    return #s == 1 and s[1] == 0 or #s == 2 and s[2] == 3
+  end, fail)
+  local n = shape[1]
+  if n > core.limits.casters then return fail(("at: at most %d casters expected, got %d"):format(core.limits.casters, n)) end
+  form.take_numbers({ 12, n }, fail)
+  return at, n
+end
+
+shadow.casters = form.define("casters", {
+  about = "Many bodies of one shape in the way of light, for ylm.shadowed.",
+  fields = {
+    { "hides", "any", about = "as of caster" },
+    { "at", "any", unit = "scene units", about = "[n][3], 65535 at most" },
+    { "rotation", "any", optional = true, about = "quaternions {w, x, y, z} of any length but 0: [n][4], or one" },
+    { "scale", "any", default = 1, about = "[n] factors, or one" },
+    { "radius", "number", above = 0, max = EXTENT, optional = true, unit = "scene units", about = "as of caster" },
+  },
+  build = function(values, fail)
+    local at, n = places_of(values, fail)
+    local scale = numbers("scale", values.scale, ("a number or one for each of the %d casters: shear is not a rotation")
+      :format(n), one_each(n), fail)
+    values.places = { at = at, rotation = matrices(values, n, fail), scale = spread(scale, n), body = doubles({ n }, {}) }
+    values.count = n
+    return finish(values, "casters", fail)
+  end,
+  metatable = { __tostring = function(c) return ("%d casters"):format(c.count) end },
+  example = "casters { hides = occluder { radius = 0.5 }, at = { {0, 1, 0}, {2, 1, 0} } }",
+})
+
+shadow.sphere_casters = form.define("sphere_casters", {
+  about = "Spheres in the way of light, for ylm.shadowed. They are evaluated at the directions of the product's rule; spheres "
+    .. "of one body hide what any of them hides, however they overlap.",
+  fields = {
+    { "at", "any", unit = "scene units", about = "[n][3] centres, 65535 at most" },
+    { "radius", "any", unit = "scene units", about = "[n] numbers > 0, or one" },
+    { "body", "any", default = 1, about = "[n] integers from 1 on, or one: equal ones are one body" },
+  },
+  build = function(values, fail)
+    local at, n = places_of(values, fail)
+    local radius = numbers("radius", values.radius, ("a number or one for each of the %d spheres"):format(n), one_each(n), fail)
+    local body = numbers("body", values.body, ("an integer or one for each of the %d spheres"):format(n), one_each(n), fail)
+    for i = 1, #body do
+      local b = body:get(i)
+      if not check.is_integer(b) or b < 1 or b > 2 ^ 31 then return fail(("body %d must be an integer from 1 on"):format(i)) end
+    end
+    local rows = {}
+    for i = 1, n do rows[i] = IDENTITY end
+    values.places = { at = at, rotation = doubles({ n, 9 }, rows), scale = spread(radius, n), body = spread(body, n) }
+    values.count = n
+    return finish(values, "sphere_casters", fail)
+  end,
+  metatable = { __tostring = function(c) return ("%d sphere casters"):format(c.count) end },
+  example = "sphere_casters { at = { {0, 1, 0}, {0, 1.5, 0} }, radius = { 0.5, 0.3 } }",
+})
+
+-- Light behind them ---------------------------------------------------------------------------
+
+reference.object "shadowed" {
+  about = "Light behind casters, a light field; from the constructor of that name.",
+  fields = { { "count", "integer", "how many casters" } },
+}
+
+local shadoweds = core.metatable "ylm.shadowed"
+
+--- Object -> what it was made of.
+local about_of = setmetatable({}, { __mode = "k" })
+
+local kinds = { caster = true, casters = true, sphere_casters = true }
+
+--- Groups of casters, in order: of lists first, then by name. fail(message) raises.
+local function groups_of(given, fail)
+  local groups = {}
+  local function add(name, c)
+    local kind = form.kind(c)
+    if kinds[kind] then
+      groups[#groups + 1] = { name = name, caster = c }
+    elseif kind == nil and type(c) == "table" then
+      for i = 1, #c do add(nil, c[i]) end
+    else
+      return fail(("casters: a caster, casters or sphere_casters expected%s, got %s"):format(
+        name and (" as '%s'"):format(name) or "", kind and "a " .. kind or check.describe(c)))
+    end
+  end
+  if kinds[form.kind(given)] then
+    add(nil, given)
+    return groups
+  end
+  if type(given) ~= "table" or form.kind(given) then
+    return fail("casters must be a caster or a table of casters, got " .. check.describe(given))
+  end
+  local names = {}
+  for i = 1, #given do add(nil, given[i]) end
+  for name in pairs(given) do if type(name) == "string" then names[#names + 1] = name end end
+  table.sort(names)
+  for _, name in ipairs(names) do
+    if not kinds[form.kind(given[name])] then
+      return fail(("casters: a caster expected as '%s', got %s"):format(name, check.describe(given[name])))
+    end
+    add(name, given[name])
+  end
+  return groups
+end
+
+--- One array of n rows from those of all groups.
+local function joined(groups, field, n, width)
+  local out = assert(core.array_zeros(width > 1 and { n, width } or { n }, "double"))
+  local list = {}
+  for g, group in ipairs(groups) do
+    for _, row in ipairs(core.array_totable(group.caster.places[field])) do
+      list[#list + 1] = field == "body" and g * 65536 + row or row
+    end
+  end
+  if n > 0 then core.array_fill(out, list) end
+  return out
+end
+
+--- The object of C for lights and groups of casters; nil, message, code.
+local function create(packed, groups, o)
+  local hides, place, facts, which, n, body = {}, {}, {}, {}, 0, 0
+  for _, group in ipairs(groups) do
+    local c = group.caster
+    group.first = n
+    n = n + c.count
+    body = body + 1
+    local at = 0
+    if c.hides ~= nil then
+      if not place[c] then
+        hides[#hides + 1], facts[#facts + 1] = c.hides, c.facts
+        place[c] = #hides
+      end
+      at = place[c]
+    end
+    for _ = 1, c.count do which[#which + 1] = at end
+  end
+  return core.shadowed_create { lights = packed, hides = hides, facts = doubles({ #facts, 7 }, facts),
+    which = doubles({ n }, which), at = joined(groups, "at", n, 3), rotation = joined(groups, "rotation", n, 9),
+    scale = joined(groups, "scale", n, 1), body = joined(groups, "body", n, 1), product = o.product, rule = o.rule,
+    cull = o.cull, layers = o.layers }
+end
+
+--- Fields of ylm.shadowed and options of ylm.visibility.
+local products = {
+  { "product", "choice", of = { "rule", "accurate", "recursive" }, default = "rule",
+    about = "'rule': at directions of one rule, whatever the number of casters; 'accurate': of a rule that is exact, for 15 "
+      .. "casters at most; 'recursive': two factors at a time, cut off at lmax (both to compare with)" },
+  { "rule", "number", min = 2, max = 12, default = 3, about = "degree of that rule, times lmax; of 'rule' alone" },
+  { "cull", "number", min = 0, max = 1, default = 1e-3,
+    about = "casters that change a visibility by less than this, over their number, are left out; 0: none" },
+  { "layers", "boolean", optional = true,
+    about = "casters that do not overlap, seen from a point, are summed, and are one factor; default: with 'rule' alone" },
+}
+
+--- Options of products, settled; fail(message) raises.
+local function settle(o)
+  if o.layers == nil then o.layers = o.product == "rule" end
+  return o
+end
+
+local function build_shadowed(values, fail)
+  settle(values)
+  local packed, message, code = light.field(1, "shadowed", values.lights)
+  if not packed then return nil, message, code end
+  if core.field_quantity(packed) == "visibility" then
+    return fail "lights: a visibility is no light: it belongs into casters, as hides of a caster"
+  end
+  local groups = groups_of(values.casters, fail)
+  local object
+  object, message, code = made(fail, create(packed, groups, values))
+  if not object then return nil, message, code end
+  local of = { groups = {}, count = 0 }
+  for _, group in ipairs(groups) do
+    of.count = of.count + group.caster.count
+    if group.name then of.groups[group.name] = { first = group.first, count = group.caster.count,
+      spheres = group.caster.hides == nil } end
+  end
+  about_of[object] = of
+  return object
+end
+
+shadow.shadowed = form.define("shadowed", {
+  numbers = 1e5,
+  about = "Lights behind bodies that may move, as a light field: ylm.light_field and ylm.bake take it, and grids that are baked "
+    .. "from it are rendered. A lamp is hidden by casters that are nearer than it; light without a place, of environments and "
+    .. "other light fields, by all. It has count, the number of casters, move() and close().",
+  fields = {
+    { "lights", "any", about = "a light, a list of lights, or what has a light field" },
+    { "casters", "any", about = "a caster, or a table of casters; those with names can be moved" },
+    products[1], products[2], products[3], products[4],
+  },
+  build = build_shadowed,
+  example = [[
+local ball = ylm.caster { hides = ylm.occluder { radius = 0.5 }, at = { 0, 1, 0 } }
+local lamp = ylm.sphere_light { at = { 0, 3, 0 }, radius = 0.3, radiance = 10 }
+local shade = ylm.shadowed { lights = lamp, casters = { ball = ball } }
+local dark = ylm.light_field(4, shade, { 0, 0, 0 }):totable()
+shade:move { ball = { at = { 3, 1, 0 } } }
+local lit = ylm.light_field(4, shade, { 0, 0, 0 }):totable()
+assert(lit[1][1] > 3 * math.abs(dark[1][1]))]],
+  source = "Zhou et al. 2005; Xin et al. 2021; docs/shadow_fields.md",
+})
+
+--- The record of an open object; raises.
+local function opened(name, s)
+  local of = about_of[s]
+  if core.type(s) ~= "ylm.shadowed" then
+    return check.fail("%s: shadowed light expected before the colon, got %s", name, check.describe(s))
+  end
+  if not of or of.closed then return check.fail("%s: the shadowed light has been closed", name) end
+  return of
+end
+
+function shadoweds.__index(s, key)
+  if key == "count" and about_of[s] then return about_of[s].count end
+  return rawget(shadoweds, key)
+end
+
+function shadoweds.__tostring(s)
+  local of = about_of[s]
+  if not of or of.closed then return "ylm.shadowed (closed)" end
+  return ("ylm.shadowed: light behind %d casters"):format(of.count)
+end
+
+local move_fields = {
+  { "at", "any", optional = true }, { "rotation", "any", optional = true }, { "scale", "any", optional = true },
+}
+
+--- Arrays of a group of one caster.
+local function one_place(values, fail)
+  local out = {}
+  if values.at ~= nil then
+    local at, wanted = form.types.point(values.at)
+    if not at then return fail("at must be " .. wanted) end
+    out.at = doubles({ 1, 3 }, { at })
+  end
+  if values.rotation ~= nil then
+    local r, wanted = form.types.rotation(values.rotation)
+    if not r then return fail("rotation must be " .. wanted) end
+    out.rotation = doubles({ 1, 9 }, { matrix_of(r) })
+  end
+  if values.scale ~= nil then
+    local s, wanted = form.types.caster_scale(values.scale)
+    if not s then return fail("scale must be " .. wanted) end
+    out.scale = doubles({ 1 }, { s })
+  end
+  return out
+end
+
+--- Arrays of a group of n casters.
+local function many_places(values, n, fail)
+  local out = {}
+  if values.at ~= nil then
+    local function fits(s) return #s == 2 and s[1] == n and s[2] == 3 end
+    out.at = numbers("at", values.at, ("[%d][3] numbers"):format(n), fits, fail)
+  end
+  if values.rotation ~= nil then out.rotation = matrices(values, n, fail) end
+  if values.scale ~= nil then
+    out.scale = spread(numbers("scale", values.scale, ("a number or %d of them"):format(n), one_each(n), fail), n)
+  end
+  return out
+end
+
+describe "shadowed:move" {
+  about = "Puts casters elsewhere. Grids that were baked before stay as they are.",
+  arguments = { { "places", "table", "by the names of casters: { name = { at =, rotation =, scale = } } as of caster "
+    .. "or casters; what is left out stays. Of sphere_casters scale are the radii" } },
+  returns = { { "shadowed", "shadowed", "the same" } },
+  errors = "raises on a name that no caster has and on bad places: nothing is moved then of that name; nil, message, code where "
+    .. "memory runs out",
+  example = [[
+local shade = ylm.shadowed { lights = ylm.environment_light { radiance = 1 },
+  casters = { ball = ylm.caster { hides = ylm.occluder { radius = 1 } } } }
+shade:move { ball = { at = { 0, 2, 0 }, scale = 0.5 } }]],
+}
+function shadoweds.move(s, places)
+  local of = opened("move", s)
+  if type(places) ~= "table" or form.kind(places) then
+    return check.bad(1, "move", "a table of places by name expected, got %s", check.describe(places))
+  end
+  local names, known = {}, {}
+  for name in pairs(of.groups) do known[#known + 1] = name end
+  for name in pairs(places) do
+    if not of.groups[name] then
+      local guess = type(name) == "string" and check.guess(name, known)
+      return check.bad(1, "move", "no caster has the name %s%s", check.describe(name),
+        guess and (" (did you mean '%s'?)"):format(guess) or "")
+    end
+    names[#names + 1] = name
+  end
+  table.sort(names)
+  for _, name in ipairs(names) do
+    local group = of.groups[name]
+    local function fail(message) return check.bad(1, "move", "%s: %s", name, message) end
+    if type(places[name]) ~= "table" then return fail("a table { at =, rotation =, scale = } expected") end
+    local values = form.check(move_fields, places[name], fail)
+    local arrays = group.count == 1 and one_place(values, fail) or many_places(values, group.count, fail)
+    local ok, message, code = check.result("move", core.shadowed_move(s, group.first, group.count, arrays.at, arrays.rotation,
+      arrays.scale))
+    if not ok then return nil, message, code end
+  end
+  return s
+end
+
+describe "shadowed:close" {
+  about = "Frees the memory of shadowed light now rather than at the next collection.",
+  arguments = {}, returns = {}, errors = "raises on what is none",
+  example = "ylm.shadowed({ lights = {}, casters = {} }):close()",
+}
+function shadoweds.close(s)
+  if core.type(s) ~= "ylm.shadowed" then
+    return check.fail("close: shadowed light expected before the colon, got %s", check.describe(s))
+  end
+  check.result("close", core.shadowed_close(s))
+  if about_of[s] then about_of[s].closed = true end
+end
+
+-- Visibility ----------------------------------------------------------------------------------
+
+local visibility_options = {
+  { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: gradients too" },
+  products[1], products[2], products[3], products[4],
+  { "dtype", "choice", of = { "float", "double" }, optional = true,
+    about = "element type; that of the points where they are an array, else float" },
+  form.threads, form.progress,
+}
+
+describe "visibility" {
+  about = "The part of all directions that casters leave open at points, as spherical harmonics: what ylm.shadowed multiplies "
+    .. "light by.",
+  arguments = {
+    { "lmax", "integer", "highest degree, 0 to 100" },
+    { "casters", "caster|table", "a caster, or a table of casters" },
+    { "points", "array|table", "[n][3] or one point, scene units" },
+    { "options?", "table", "see the options" },
+  },
+  options = visibility_options,
+  returns = { { "V", "array", "[n][(lmax+1)^2]; without casters sqrt(4 pi) in Y(0,0)" },
+    { "dV", "array", "[n][(lmax+1)^2][3] with respect to the point, or nil" } },
+  errors = "raises on bad arguments; nil, message, code: memory, cancelled",
+  example = [[
+local ball = ylm.caster { hides = ylm.occluder { radius = 1 }, at = { 0, 2, 0 } }
+local V = ylm.visibility(4, ball, { 0, 0, 0 })
+assert(math.abs(V[1] / math.sqrt(4 * math.pi) - (1 + math.cos(math.pi / 6)) / 2) < 1e-6)]],
+  source = "Zhou et al. 2005; docs/shadow_fields.md",
+}
+function shadow.visibility(lmax, casters, points, given)
+  check.integer(1, "visibility", "lmax", lmax, 0, core.limits.sh_product_lmax)
+  local o = settle(form.options(4, "visibility", visibility_options, given))
+  local function fail(message) return check.bad(2, "visibility", "%s", message) end
+  local groups = groups_of(casters, fail)
+  local one, message, code = light.field(2, "visibility", require "ylm.light.environment".environment_light { radiance = 1 })
+  if not one then return nil, message, code end
+  local object
+  object, message, code = made(fail, create(one, groups, o))
+  if not object then return nil, message, code end
+  local dtype = o.dtype or array.type_of(points, "float")
+  local p, single = array.points(3, "visibility", points, dtype)
+  local V, dV, why = light.evaluate("visibility", lmax, object, p, { derivatives = o.derivatives, channels = "luminance",
+    threads = o.threads, progress = o.progress })
+  if V == nil then return nil, dV, why end
+  check.result("visibility", core.shadowed_close(object))
+  local n, count = #p, (lmax + 1) ^ 2
+  if single then return core.array_reshape(V, { count }), dV and core.array_reshape(dV, { count, 3 }) end
+  return core.array_reshape(V, { n, count }), dV and core.array_reshape(dV, { n, count, 3 })
+end
+
+memory.publish(occluders)
+memory.publish(shadoweds)
+
+return shadow
