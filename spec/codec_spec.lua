@@ -22,7 +22,8 @@ describe("image files", function()
     local a = ylm.image {
       size = { 37, 19 },
       layers = { { "radiance", 3 }, { "normal", 3 }, { "depth", 1 }, { "grid.level", 1 }, { "flow", 2 }, { "ids", 4 } },
-      metadata = { lmax = 4, convention = "ylm", ["a rather long name of more than thirty-one bytes"] = "x" },
+      metadata = { lmax = 4, convention = "ylm", ["a rather long name of more than thirty-one bytes"] = "x",
+        version = "0.1", type = "a", channels = "b", name = "c", ylmLayers = "d", ["ylm.x"] = "e" },  -- names of OpenEXR's
     }
     local noise = pictures.noise(ylm, 37, 19, 4, 5, -100, 100)
     a:paste(noise:crop(1, 1, 37, 19), 1, 1, { layer = "ids" })

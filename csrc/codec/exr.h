@@ -17,6 +17,11 @@ typedef struct ylm__exr_stream {
   char message[160]; /* the first error of a file that is read */
 } ylm__exr_stream;
 
+/* Texts of an image are attributes of the file. Names that OpenEXR has for attributes of its own stand there as
+   "ylm.NAME". The attribute of text `key`, in `room` where it has another name; the text of attribute `name`. */
+const char *ylm__exr_attribute(const char *key, char room[32]);
+const char *ylm__exr_text(const char *name);
+
 /* Limits, compression, the stream as user data; functions are the caller's. */
 exr_context_initializer_t ylm__exr_settings(ylm__exr_stream *s);
 

@@ -177,7 +177,8 @@ static ylm_status read_texts(reading *r) {
     if (a->type != EXR_ATTR_STRING || strcmp(a->name, EXR_ORDER_ATTRIBUTE) == 0 ||
         strcmp(a->name, "name") == 0 || strcmp(a->name, "type") == 0)
       continue;
-    ylm_status st = a->string->str ? ylm_image_set_text(r->image, a->name, a->string->str) : YLM_OK;
+    const char *key = ylm__exr_text(a->name);
+    ylm_status st = a->string->str ? ylm_image_set_text(r->image, key, a->string->str) : YLM_OK;
     if (st == YLM_ENOMEM) return ylm_fail(r->e, st, "%s: memory ran out", r->name);
   }
   return YLM_OK;

@@ -63,8 +63,11 @@ static exr_result_t write_header(exr_context_t c, const ylm_image *image, exr_pi
       channel_name(image, i, k, name);
       r = (exr_result_t)exr_add_channel(c, 0, name, type, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1);
     }
-  for (int i = 0; r == EXR_ERR_SUCCESS && i < image->texts; i++)
-    r = exr_attr_set_string(c, 0, image->text[i].key, image->text[i].value);
+  for (int i = 0; r == EXR_ERR_SUCCESS && i < image->texts; i++) {
+    char room[32];
+    r = exr_attr_set_string(c, 0, ylm__exr_attribute(image->text[i].key, room),
+                            image->text[i].value);
+  }
   if (r == EXR_ERR_SUCCESS) r = write_order(c, image);
   if (r == EXR_ERR_SUCCESS) r = exr_write_header(c);
   return r;
