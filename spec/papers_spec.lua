@@ -54,6 +54,33 @@ describe("examples/papers", function()
     end)
   end
 
+  it("take a scene of one's own, or say why they do not", function()
+    local folder = scratch.new()
+    local file = scratch.quote(folder:write("own.lua", [[
+      return scene "own" { camera = camera { from = { 0.9, 0, 0 }, at = { -1, 0, 0 }, fov = 50 },
+        geometry = { box { scale = 2 }, sphere { at = { -0.4, -0.5, 0 }, radius = 0.3, material = ggx { alpha = 0.3, f0 = 0.6 } } },
+        lights = sphere_light { at = { 0.1, 0.8, 0 }, radius = 0.05, radiance = 100 } }
+    ]]))
+    local function run(name, more)
+      return scratch.capture(("%s examples/papers/hvl_%s.lua --quick --scene %s %s 2>&1"):format(os.getenv "YLM_LUA" or "lua5.4",
+        name, file, more or ""))
+    end
+    for _, name in ipairs(long({ "furnace", "2022_fig6" }, { "furnace", "split", "profiles", "2022_fig6", "2022_materials" })) do
+      local out, status = run(name)
+      assert.equal(1, status)
+      assert.matches("%-%-scene: %l", out)
+    end
+    local out_option = "--out " .. scratch.quote(folder.path)
+    for name, says in pairs(long({ ["2022_fig9"] = "metals" }, { ["2022_fig9"] = "metals", ["2022_fig1"] = "harmonics",
+      ["2022_fig12"] = "order: zonal", ["2022_table2"] = "10a", many = "\n +1,000", methods = "order with",
+      tolerance = "pairs of all" })) do
+      local out, status = run(name, out_option)
+      assert.equal(0, status, out)
+      assert(out:find(says), out)
+    end
+    folder:remove()
+  end)
+
   it("runs 05_lobes.lua, which prints Green's Fig. 9", function()
     local folder = scratch.new()
     local out, status = scratch.capture(("%s examples/05_lobes.lua --out %s"):format(os.getenv "YLM_LUA" or "lua5.4",

@@ -127,6 +127,32 @@ describe("spot_light", function()
     end
   end)
 
+  it("has r1 and r2 of 3 x 3 texels as Eqs. 23 to 26 have them by hand", function()
+    local light = ylm.spot_light(with(spot, { angle = 50, to = { 0.3, 0, 0.2 } }))
+    local scene = floor(light)
+    local function of(rule)
+      local lights = scene:virtual_lights { distribution = "grid", count = 9, radius = rule, scale = 1 }
+      local at, _, radius = lights:arrays()
+      return at:totable(), radius:totable()
+    end
+    local function apart(p, q) return math.sqrt((p[1] - q[1]) ^ 2 + (p[2] - q[2]) ^ 2 + (p[3] - q[3]) ^ 2) end
+    local at, r1 = of "neighbours"
+    local _, r2 = of "angle"
+    assert.equal(9, #at) -- row by row
+    for i = 1, 9 do
+      local way, sum, weights = apart(at[i], spot.at), 0, 0
+      assert.is_near(1, r2[i] / (way * math.tan(math.sqrt(2) * math.rad(50) / 3)), 1e-5)
+      for k = 1, 9 do
+        local x, y = (k - 1) % 3 - (i - 1) % 3, math.floor((k - 1) / 3) - math.floor((i - 1) / 3)
+        if k ~= i and math.abs(x) <= 1 and math.abs(y) <= 1 then
+          local w = 1 / (math.abs(way - apart(at[k], spot.at)) + 1e-3 * way)
+          sum, weights = sum + w * apart(at[i], at[k]), weights + w
+        end
+      end
+      assert.is_near(1, r1[i] / (sum / weights), 1e-4)
+    end
+  end)
+
   it("has no light field: what wants one refuses it by name", function()
     local light = ylm.spot_light(spot)
     refused("a spot_light has no size, and no spherical harmonics", function() ylm.light_field(2, light, { { 0, 0, 0 } }) end)
