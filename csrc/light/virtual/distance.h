@@ -176,27 +176,47 @@ YLM_INLINE void smooth(const int lmax, const int order, falloff f, vreal *B) {
   }
 }
 
-/* B0, B1, B2 of a cap: a sphere light's of the same radius; inside of it a hemisphere's. */
-YLM_INLINE void cap(const int lmax, const int order, const real *lamp, vreal d2, vreal inv2,
-                    vreal *B) {
-  real r2 = lamp[YLM__VIRTUAL_RADIUS] * lamp[YLM__VIRTUAL_RADIUS];
-  vreal h2 = d2 - lamp[YLM__VIRTUAL_RADIUS] * lamp[YLM__VIRTUAL_RADIUS];
+/* A cap on its way from degree to degree. */
+typedef struct capped {
+  vreal alpha, width, u, back, P, before, dP, older;
+  real r2;
+} capped;
+
+YLM_INLINE void cap_degree(const int l, const int order, capped *c, vreal *B) {
+  const vreal dP = c->dP, P = c->P, alpha = c->alpha;
+  B[0] = 2 * c->width * (l ? dP * (1 / (real)(l * (l + 1))) : inverse(1 + alpha));
+  if (order > 0) B[1] = -2 * P * c->u;
+  if (order > 1) B[2] = -2 * c->u * (dP * c->u * c->r2 - P * (1 + c->back));
+  vreal next =
+      l ? ((2 * (real)l + 1) * alpha * P - (real)l * c->before) * (1 / (real)(l + 1)) : alpha;
+  c->dP = c->older + (2 * (real)l + 1) * P;
+  c->before = P, c->P = next;
+  c->older = dP;
+}
+
+/* B0, B1, B2 of a cap: a sphere light's of the same radius; inside of it a hemisphere's. Degrees are `step` apart.
+   Of values factors are constants to degree YLM__VIRTUAL_FLOAT; with derivatives that is slower. */
+YLM_INLINE void cap(const int lmax, const int order, const int step, const real *lamp, vreal d2,
+                    vreal inv2, vreal *B) {
+  capped c = {.r2 = lamp[YLM__VIRTUAL_RADIUS] * lamp[YLM__VIRTUAL_RADIUS], .P = vreal_set(1)};
+  vreal h2 = d2 - c.r2;
   vmask out = h2 > 0;
-  h2 = choose(out, h2, d2);
-  vreal alpha = keep_lanes(out, vreal_sqrt(h2 * inv2)),
-        width = choose(out, inv2, vreal_set(1 / r2));
-  vreal u = keep_lanes(out, 1 / vreal_sqrt(h2 * d2)), back = d2 / h2;
-  vreal P = vreal_set(1), before = vreal_set(0), dP = before, older = before;
-  for (int l = 0; l <= lmax; l++) {
-    B[4 * l] = 2 * width * (l ? dP * (1 / (real)(l * (l + 1))) : 1 / (1 + alpha));
-    if (order > 0) B[4 * l + 1] = -2 * P * u;
-    if (order > 1) B[4 * l + 2] = -2 * u * (dP * u * r2 - P * (1 + back));
-    vreal next =
-              l ? ((2 * (real)l + 1) * alpha * P - (real)l * before) * (1 / (real)(l + 1)) : alpha,
-          steep = older + (2 * (real)l + 1) * P;
-    before = P, P = next;
-    older = dP, dP = steep;
+  const vreal slope = choose(out, h2, d2) * inv2;
+#if defined(YLM_REAL_IS_FLOAT) && defined(__AVX512F__)
+  const vreal over = inverse_root(slope), root = slope * over;
+#else
+  const vreal root = vreal_sqrt(slope), over = 1 / root;
+#endif
+  c.alpha = keep_lanes(out, root), c.u = keep_lanes(out, over * inv2), c.back = over * over;
+  c.width = choose(out, inv2, vreal_set(1 / c.r2));
+  c.before = c.dP = c.older = vreal_set(0);
+  int l = 0;
+#pragma GCC unroll 16
+  for (; order == 0 && l <= YLM__VIRTUAL_FLOAT; l++, B += step) {
+    cap_degree(l, order, &c, B);
+    if (l == lmax) return;
   }
+  for (; l <= lmax; l++, B += step) cap_degree(l, order, &c, B);
 }
 
 #endif

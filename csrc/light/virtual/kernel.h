@@ -230,7 +230,7 @@ YLM_INLINE falloff fall_of(const int profile, const int order, const ylm__virtua
   static void weigh_##profile##_##order(const ylm__virtual_plan *p, const real *lamp,              \
                                         const sight *s, vreal *B) {                                \
     if (YLM_LIGHT_VIRTUAL_##profile == YLM_LIGHT_VIRTUAL_CAP)                                      \
-      cap(p->lmax, order, lamp, s->d2, s->inv * s->inv, B);                                        \
+      cap(p->lmax, order, 4, lamp, s->d2, s->inv * s->inv, B);                                     \
     else                                                                                           \
       smooth(p->lmax, order, fall_of(YLM_LIGHT_VIRTUAL_##profile, order, p, lamp, s), B);          \
   }
@@ -427,8 +427,17 @@ SMOOTH(POINT)
 SMOOTH(FAR)
 FALL(NEAR, 0, 0)
 FALL(NEAR, 0, 1)
+static void fall_CAP_00(const ylm__virtual_plan *p, work *k, send_fn *sender) {
+  for (int j = 0; j < k->held; j++) {
+    const sight *s = &k->sight[j];
+    vreal *e = k->S + (size_t)j * p->width + p->factors, E[3];
+    colours_of(p, k, j, sender, E);
+    for (int c = 0; c < 3; c++) e[c] = E[c];
+    cap(p->lmax, 0, 1, k->lamp[j], s->d2, s->inv * s->inv, e + 3);
+  }
+}
 static fall_fn *const falls[2][2][5] = {
-    {{fall_GAUSS_00, NULL, fall_POINT_00, fall_FAR_00, fall_NEAR_00},
+    {{fall_GAUSS_00, fall_CAP_00, fall_POINT_00, fall_FAR_00, fall_NEAR_00},
      {fall_GAUSS_01, NULL, fall_POINT_01, fall_FAR_01, fall_NEAR_01}},
     {{fall_GAUSS_10, NULL, fall_POINT_10, fall_FAR_10, NULL},
      {fall_GAUSS_11, NULL, fall_POINT_11, fall_FAR_11, NULL}}};
