@@ -54,7 +54,7 @@ static void row_d(const ylm_sh_product *p, const double *const *c, double *out, 
 
 static void plain_f(const ylm_sh_product *p, const float *const *c, float *out, double *scratch) {
   size_t count = ylm_sh_count(p->lmax);
-  const double *wide[YLM_SH_PRODUCT_FACTORS];
+  const double *wide[YLM_SH_PRODUCT_FACTORS] = {NULL};
   for (int k = 0; k < p->factors; k++) {
     wide[k] = scratch + (size_t)(k + 1) * count;
     for (size_t i = 0; i < count; i++) scratch[(size_t)(k + 1) * count + i] = (double)c[k][i];
