@@ -58,7 +58,7 @@ describe("examples/papers", function()
     local folder = scratch.new()
     local file = scratch.quote(folder:write("own.lua", [[
       return scene "own" { camera = camera { from = { 0.9, 0, 0 }, at = { -1, 0, 0 }, fov = 50 },
-        geometry = { box { scale = 2 }, sphere { at = { -0.4, -0.5, 0 }, radius = 0.3, material = ggx { alpha = 0.3, f0 = 0.6 } } },
+        geometry = { box { scale = 2 }, sphere { at = { 0, -0.5, 0 }, radius = 0.3, material = ggx { alpha = 0.3, f0 = 0.6 } } },
         lights = sphere_light { at = { 0.1, 0.8, 0 }, radius = 0.05, radiance = 100 } }
     ]]))
     local function run(name, more)
