@@ -55,6 +55,23 @@ print(ok, code, message)]])
     assert.truthy(text:find "^nil%s+EMISSING%s+no display", text)
   end)
 
+  it("opens a window on a server that ends with its last client", function()
+    if not scratch.shell("command -v Xvfb >/dev/null") then return pending "Xvfb is not installed" end
+    local folder = scratch.new()
+    local path = folder:write("show.lua", 'print(require "ylm".view({ sh = { { 1, 0, 0, 0 } }, size = { 64, 48 } }):show())')
+    local _, status = scratch.capture(([[cd %s
+Xvfb -displayfd 3 -terminate -screen 0 160x120x24 3>number 2>/dev/null &
+server=$!
+for i in $(seq 200); do test -s number && break; sleep 0.05; done
+cd - >/dev/null
+DISPLAY=:$(cat %s/number) timeout 3 %s %s
+status=$?
+kill $server 2>/dev/null
+(exit $status)]]):format(scratch.quote(folder.path), folder.path, lua, scratch.quote(path)))
+    folder:remove()
+    assert.equal(124, status)                                      -- the window is open until its time is over
+  end)
+
   local has_ffi, ffi = pcall(require, "ffi")
   if has_ffi then
     it("leaves no OpenGL context current", function()

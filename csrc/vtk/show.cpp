@@ -71,7 +71,8 @@ extern "C" ylm_status ylm_vtk_show(ylm_vtk_scene *s, int width, int height,
                                    const char *title, ylm_vtk_pick *pick, void *user,
                                    ylm_error *e) {
   return guarded(e, [&] {
-    if (!ylm::has_display())
+    const auto display = ylm::hold_display();
+    if (!display)
       return ylm_fail(e, YLM_EMISSING,
                       "no display to open a window on (DISPLAY); save the picture instead");
     ylm::ContextGuard guard;

@@ -175,13 +175,15 @@ vtkStandardNewMacro(EglWindow);
 
 // -- X servers ------------------------------------------------------------------
 
-bool has_display() {
+std::shared_ptr<void> hold_display() {
   const char *name = std::getenv("DISPLAY");
-  if (!name || !*name) return false;
-  Display *d = XOpenDisplay(name);
-  if (d) XCloseDisplay(d);
-  return d != nullptr;
+  Display *d = name && *name ? XOpenDisplay(name) : nullptr;
+  return std::shared_ptr<void>(d, [](void *p) {
+    if (p) XCloseDisplay(static_cast<Display *>(p));
+  });
 }
+
+static bool has_display() { return hold_display() != nullptr; }
 
 // An Xvfb that lives as long as the object.
 class OwnServer {

@@ -7,6 +7,7 @@
 #include <vtkSmartPointer.h>
 
 #include <exception>
+#include <memory>
 #include <new>
 #include <string>
 
@@ -44,8 +45,8 @@ private:
 
 // A render window that needs no display; null with the reason in `e`.
 vtkSmartPointer<vtkRenderWindow> offscreen_window(int width, int height, ylm_error *e);
-// An X display that can be opened?
-bool has_display();
+// A connection to the X server of DISPLAY; null where there is none. A server without clients may end, or begin anew.
+std::shared_ptr<void> hold_display();
 // The way offscreen_window would go: "egl", "x", "xvfb", or nullptr.
 const char *offscreen_way(ylm_error *e);
 
