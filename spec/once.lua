@@ -20,7 +20,7 @@ return {
   two_rooms_light = 4, relight = 3,
   transfer = 1, radiosity = 1, lightmap = 1, virtual_tree = 3,
   transfer_vectors = 3, light_sampled = 1, virtual_lights = 1, virtual_kernel = 2, glossy = 3, gloss_bounced = 5,
-  gloss_field = 2, virtual_near = 2,
+  gloss_field = 2, virtual_near = 2, virtual_levels = 1,
   ambient = 1, c = 3,
   emit = 1, emit_merge = 1, emit_gloss = 2, virtual_gather = 2, spot = 1, guide = 10, plot_lines = 1, virtual_gloss = 2,
   virtual_gaussian = 1, virtual_random = 1, display = 3, virtual_subset = 1, virtual_visible = 1, virtual_truth = 2,

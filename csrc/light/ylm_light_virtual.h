@@ -176,6 +176,54 @@ YLM_API ylm_status ylm_light_virtual_near_value(const ylm_light_virtual *lights,
                                                 const ylm_progress *progress, float *out,
                                                 uint64_t *pairs, ylm_error *e);
 
+/* The highest degree of the function below. */
+#define YLM_LIGHT_VIRTUAL_LEVELS_LMAX 8
+
+typedef struct ylm_light_virtual_levels {
+  double core;  /* R, scene units, above the largest radius: how far lights are near */
+  double voxel; /* edge of the finest voxels, over R */
+  double
+      merge; /* edge of the cells in which lights are merged, over R, 2 R, 4 R, ..; 0: none are */
+  int lmax;  /* of the clamped cosine, 0 .. YLM_LIGHT_VIRTUAL_LEVELS_LMAX */
+  bool near, far; /* the parts that are added */
+  int threads;
+  const ylm_progress *progress; /* stages "near lights", "lights", "far lights" */
+} ylm_light_virtual_levels;
+
+typedef struct ylm_light_virtual_levels_report {
+  int levels;
+  size_t corners, cells, bytes; /* of voxels of all levels; what corners keep */
+  size_t merged;                /* lights of the highest level */
+  double cell;                  /* edge of the lowest level's cells in which lights are merged */
+  uint64_t pairs, far_pairs;    /* of points and near lights; of corners and lights */
+  double seconds[5]; /* sorting of points, merging, rows of corners, interpolation, near parts */
+} ylm_light_virtual_levels_report;
+
+/*
+** ylm_light_virtual_irradiance - add the irradiance by many lights at points with normals.
+**
+**   lights   in      of profile gauss
+**   points   in      [n][3]
+**   normals  in      [n][3] of length 1
+**   out      in out  [n][3]  W m^-2
+**   report   out     may be NULL
+**
+** Near parts, to 1.6 R, are summed at the points. Far parts are baked in levels of voxels about the points: level j
+** has voxels of 2^j voxel R, corners with gradients, and of lights merged in cells of 2^j merge R the part between the cores
+** 2^j R and 2^(j+1) R; the highest one has all that is beyond. A voxel is divided where lights are in reach. The error is
+** that of interpolation, some percent of the mean at voxel 1 and falling with its square, and of merging,
+** below a percent at merge 1/4. Results do not depend on the number of threads.
+**
+** Returns  YLM_OK; YLM_EINVAL (another profile), YLM_ERANGE (lmax; points that are too far apart for the voxels; no
+**          kernels are available), YLM_EDOMAIN (an option; a point or normal that is not finite), YLM_ENOMEM, YLM_ECANCELLED
+** Cost     O(n + lights): a corner sees some 500 lights of its level, a point those within 1.6 R
+*/
+YLM_API ylm_status ylm_light_virtual_irradiance(const ylm_light_virtual *lights,
+                                                const ylm_light_virtual_levels *o, size_t n,
+                                                const float *points, const float *normals,
+                                                float *out, ylm_light_virtual_levels_report *report,
+                                                ylm_error *e);
+
 #ifdef __cplusplus
 }
 #endif

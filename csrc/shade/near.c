@@ -82,3 +82,7 @@ ylm_status ylm_shade_near(const ylm_shade_view *v, const ylm_light_virtual *near
   if (report) *report = (ylm_shade_near_report){pairs, ylm_seconds() - begun};
   return s;
 }
+
+void ylm_shade_reflect(const ylm_shade_view *v, float *irradiance) {
+  ylm__shade_reflect(v, 0, v->points, irradiance);
+}

@@ -683,6 +683,9 @@ YLM_API ylm_status ylm_shade_near(const ylm_shade_view *view, const ylm_light_vi
                                   const ylm_progress *progress, float *radiance,
                                   ylm_shade_near_report *report, ylm_error *e);
 
+/* Turns irradiance [points][3] of all shading points into the radiance that matte surfaces of their albedo send. */
+YLM_API void ylm_shade_reflect(const ylm_shade_view *view, float *irradiance);
+
 /*
 ** ylm_shade_blend_links - radiance of points that gloss by the light of elements, where the degree of a light that
 ** holds its shadows (COSINE) is too low for them: w as ylm_shade_blend has it, g what ylm_shade_gather finds.

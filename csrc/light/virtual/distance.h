@@ -131,9 +131,10 @@ typedef struct falloff {
   real n;
 } falloff;
 
-/* At degree 0. d2 > 0, inv2 its inverse; heat: e^(-sg^2/d^2). */
+/* At degree 0. d2 > 0, inv2 its inverse; heat: e^(-sg^2/d^2); outer: a far part's larger core whose far part is not
+   in it, or 0. */
 YLM_INLINE falloff begin_fall(const int profile, const int order, const real *lamp, real core,
-                              vreal d2, vreal inv2, vreal heat) {
+                              real outer, vreal d2, vreal inv2, vreal heat) {
   vreal a[3] = {vreal_set(1), vreal_set(-2), vreal_set(4)}, b[3];
   falloff f = {.steep = vreal_set(-2), .q1 = vreal_set(0), .h = inv2, .q = vreal_set(0), .n = 0};
   f.step = f.ratio = vreal_set(1);
@@ -150,6 +151,12 @@ YLM_INLINE falloff begin_fall(const int profile, const int order, const real *la
     b[0] = vreal_set(1), b[1] = vreal_set(-2), b[2] = vreal_set(4);
     o = smaller(o, vreal_set(NOTHING));
     if (any(o * o < RISEN)) rise(o * o, 4, order, b);
+    if (far && outer > 0) {
+      vreal all[3];
+      o = smaller(d2 * (1 / (outer * outer)), vreal_set(NOTHING));
+      rise(o * o, 4, order, all);
+      for (int i = 0; i <= order; i++) b[i] -= all[i];
+    }
     for (int i = 0; i <= order; i++) a[i] = far ? b[i] : a[i] - b[i];
   }
   if (order > 0 && profile != YLM_LIGHT_VIRTUAL_POINT)

@@ -223,7 +223,8 @@ typedef void send_fn(const seen *s, int degree, const double *beta, const real *
 
 YLM_INLINE falloff fall_of(const int profile, const int order, const ylm__virtual_plan *p,
                            const real *lamp, const sight *s) {
-  return begin_fall(profile, order, lamp, (real)p->lights->core, s->d2, s->inv * s->inv, s->heat);
+  return begin_fall(profile, order, lamp, (real)p->lights->core, (real)p->lights->outer, s->d2,
+                    s->inv * s->inv, s->heat);
 }
 
 #define WEIGH(profile, order)                                                                      \
@@ -746,11 +747,17 @@ ylm_status YLM_KERNEL(ylm__virtual_near)(const ylm__virtual_plan *p, const ylm__
   for (size_t i = 0; i < near->n; i++) add_light(p, k, lamps + near->list[i] * stride, xyz, reach2);
   flush(p, k);
   ylm_copy(k->sum, k->part, p->sums * sizeof *k->part);
-  for (int c = 0; c < 3; c++) {
-    value_of(p, k, 3, c, k->out);
+  for (size_t c = 0; c < 3; c++) {
+    const size_t n = p->rows[0];
+    value_of(p, k, 3, (int)c, k->out);
     for (int i = 0; i < near->lanes; i++)
-      for (size_t j = 0; j < p->rows[0]; j++)
-        near->out[i][(size_t)c * p->rows[0] + j] += k->out[j][i];
+      for (size_t j = 0; j < n; j++) near->out[i][c * n + j] += k->out[j][i];
+    if (!p->slopes) continue;
+    gradient_of(p, k, 3, (int)c, k->out);
+    for (int i = 0; i < near->lanes; i++)
+      for (size_t j = 0; j < n; j++)
+        for (size_t a = 0; a < 3; a++)
+          near->out[i][(a + 1) * near->row + c * n + j] += k->out[3 * j + a][i];
   }
   return YLM_OK;
 }

@@ -26,24 +26,28 @@ typedef struct buckets {
 
 typedef struct search {
   const ylm_light_virtual *lights;
-  double size;
+  double size[3], origin[3]; /* of cells, whose edges are at least as long as lights shine */
+  double reach;
   size_t n; /* points */
   buckets of_lights;
   const float *points, *normals;
   float *out, *zonal;
-  size_t wide; /* numbers of a point's result */
+  size_t wide;      /* numbers of a point's result */
+  size_t row;       /* of gradients: numbers from one of its rows to the next */
+  uint8_t *touched; /* instead of `out`: whether lights may shine into the box about a point, */
+  float half[3];    /* of these half edges */
   ylm__near_kernels kernels;
   ylm__virtual_plan plan;
   atomic_uint_fast64_t pairs;
 } search;
 
 /* Where x lies on an axis of parts of cells: whole numbers that a double has. */
-static double part_of(const search *s, double x) {
-  return fmax(-9e15, fmin(9e15, floor(x * ((1 << FINE) / s->size))));
+static double part_of(const search *s, int a, double x) {
+  return fmax(-9e15, fmin(9e15, floor((x - s->origin[a]) * ((1 << FINE) / s->size[a]))));
 }
 
 static void cell_of(const search *s, const double at[3], place cell) {
-  for (int a = 0; a < 3; a++) cell[a] = (int64_t)part_of(s, at[a]) >> FINE;
+  for (int a = 0; a < 3; a++) cell[a] = (int64_t)part_of(s, a, at[a]) >> FINE;
 }
 
 static size_t bucket_of(const buckets *b, const place cell) {
@@ -142,7 +146,7 @@ static void sort_points(const search *s, worker *w, size_t begin, size_t n) {
   for (int a = 0; a < 3; a++) w->least[a] = INT64_MAX;
   for (size_t i = 0; i < n; i++)
     for (int a = 0; a < 3; a++) {
-      w->part[i][a] = (int64_t)part_of(s, (double)s->points[3 * (begin + i) + (size_t)a]);
+      w->part[i][a] = (int64_t)part_of(s, a, (double)s->points[3 * (begin + i) + (size_t)a]);
       if (w->part[i][a] < w->least[a]) w->least[a] = w->part[i][a];
     }
   for (int a = 0; a < 3; a++) w->least[a] = w->least[a] >> FINE << FINE;
@@ -213,7 +217,7 @@ static ylm_status gather(const search *s, worker *w, const place cell) {
 }
 
 static ylm__near_box box_of(const search *s, int n, float (*at)[3]) {
-  ylm__near_box b = {.reach = (float)s->size};
+  ylm__near_box b = {.reach = (float)s->reach};
   for (int a = 0; a < 3; a++) {
     float least = at[0][a], most = least;
     for (int k = 1; k < n; k++) least = fminf(least, at[k][a]), most = fmaxf(most, at[k][a]);
@@ -221,8 +225,21 @@ static ylm__near_box box_of(const search *s, int n, float (*at)[3]) {
     b.half[a] = fmaxf(most - b.middle[a], b.middle[a] - least);
     b.slack += 1e-6f * (fabsf(b.middle[a]) + b.half[a] + b.reach);
   }
-  for (int a = 0; a < 3; a++) b.half[a] += b.slack;
+  for (int a = 0; a < 3; a++) b.half[a] += b.slack + s->half[a];
   return b;
+}
+
+/* Says which of n boxes of a run, about points of one cell, lights may shine into. */
+static ylm_status touch_cell(const search *s, worker *w, size_t begin, size_t n,
+                             const uint32_t *order) {
+  for (size_t i = 0; i < n; i++) {
+    float at[1][3];
+    size_t point = begin + order[i];
+    memcpy(at[0], s->points + 3 * point, sizeof at[0]);
+    ylm__near_box box = box_of(s, 1, at);
+    s->touched[point] = s->kernels.cull(&w->near, &box, w->list) > 0;
+  }
+  return YLM_OK;
 }
 
 /* Sums for n points of a run, of one cell, whose lights are known. */
@@ -237,7 +254,8 @@ static ylm_status sum_cell(const search *s, worker *w, size_t begin, size_t n,
                              .normals = s->normals ? (const float(*)[3])normal : NULL,
                              .zonal = s->zonal,
                              .rows = s->of_lights.row,
-                             .reach = (float)s->size};
+                             .row = s->row,
+                             .reach = (float)s->reach};
     for (int k = 0; k < lanes; k++) {
       size_t point = begin + order[i + (size_t)k];
       memcpy(at[k], s->points + 3 * point, sizeof at[k]);
@@ -267,7 +285,8 @@ static ylm_status sum_run(const search *s, worker *w, size_t begin, size_t n) {
     place cell = {own[0] >> FINE, own[1] >> FINE, own[2] >> FINE};
     for (end = i + 1; end < n && same_cell(w->part[w->order[0][end]], own);) end++;
     ylm_status status = gather(s, w, cell);
-    if (status == YLM_OK && w->near.n) status = sum_cell(s, w, begin, end - i, w->order[0] + i);
+    if (status == YLM_OK && w->near.n)
+      status = (s->touched ? touch_cell : sum_cell)(s, w, begin, end - i, w->order[0] + i);
     if (status != YLM_OK) return status;
   }
   return YLM_OK;
@@ -389,7 +408,8 @@ static ylm_status near_sums(search *s, int lmax, size_t n, int threads,
   if (pairs) *pairs = 0;
   if (!n || !s->lights->n) return YLM_OK;
   s->n = n;
-  s->size = YLM_LIGHT_VIRTUAL_REACH * s->lights->core;
+  s->reach = YLM_LIGHT_VIRTUAL_REACH * s->lights->core;
+  for (int a = 0; a < 3; a++) s->size[a] = s->reach;
   s->kernels = kernels_of(ylm_isa_current());
   ylm_status status = s->kernels.lanes ? sum(s, &q, progress, e) : run_plainly(s, &q, n, e);
   if (pairs) *pairs = s->kernels.lanes ? (uint64_t)s->pairs : (uint64_t)n * s->lights->n;
@@ -422,4 +442,51 @@ ylm_status ylm_light_virtual_near_value(const ylm_light_virtual *lights, int lma
   search s = {.lights = lights, .points = points, .out = out};
   if (lmax >= 0 && lmax <= YLM_LIGHT_LMAX) s.wide = 3 * ylm_sh_count(lmax);
   return near_sums(&s, lmax, n, threads, progress, pairs, e);
+}
+
+/* -- middle parts --------------------------------------------------------------------------- */
+
+/* Runs a search for parts of lights between two cores. */
+static ylm_status between(search *s, int lmax, int want, int threads, const ylm_progress *progress,
+                          uint64_t *pairs) {
+  ylm_field_query q = {.lmax = lmax,
+                       .channels = 3,
+                       .want = want,
+                       .metric_channels = 3,
+                       .dtype = YLM_FLOAT,
+                       .threads = threads};
+  s->reach = YLM_LIGHT_VIRTUAL_REACH * s->lights->outer;
+  s->kernels = kernels_of(ylm_isa_current());
+  if (!s->n || !s->lights->n) return YLM_OK;
+  ylm_status status = sum(s, &q, progress, NULL);
+  if (pairs) *pairs += (uint64_t)s->pairs;
+  return status;
+}
+
+/* Cells for that reach, in which those of a lattice are nested. */
+static void set_cells(search *s, const ylm__near_lattice *l) {
+  const double reach = YLM_LIGHT_VIRTUAL_REACH * s->lights->outer;
+  for (int a = 0; a < 3; a++) {
+    s->origin[a] = l->origin[a];
+    s->size[a] = l->edge[a] * ceil(reach / l->edge[a]);
+    s->half[a] = (float)(0.5 * l->edge[a]);
+  }
+}
+
+ylm_status ylm__near_touch(const ylm_light_virtual *lights, const ylm__near_lattice *lattice,
+                           size_t n, const float *points, int threads, const ylm_progress *progress,
+                           uint8_t *touched) {
+  search s = {.lights = lights, .n = n, .points = points, .touched = touched};
+  set_cells(&s, lattice);
+  memset(touched, 0, n);
+  return between(&s, 0, YLM_WANT_VALUE, threads, progress, NULL);
+}
+
+ylm_status ylm__near_rows(const ylm_light_virtual *lights, const ylm__near_lattice *lattice,
+                          int lmax, size_t n, const float *points, int threads,
+                          const ylm_progress *progress, float *rows, size_t row, uint64_t *pairs) {
+  search s = {.lights = lights, .n = n, .points = points, .out = rows, .wide = 4 * row, .row = row};
+  set_cells(&s, lattice);
+  memset(s.half, 0, sizeof s.half);
+  return between(&s, lmax, YLM_WANT_VALUE | YLM_WANT_GRADIENT, threads, progress, pairs);
 }

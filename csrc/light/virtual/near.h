@@ -34,4 +34,20 @@ typedef struct ylm__near_kernels {
   ylm__virtual_near_fn *irradiance, *value;
 } ylm__near_kernels;
 
+/* -- near.c, for levels.c: lights of profile far with an outer core, summed within 1.6 outer cores -------------- */
+
+/* Boxes side by side. */
+typedef struct ylm__near_lattice {
+  double origin[3], edge[3];
+} ylm__near_lattice;
+/* Which of n cells of a lattice, about points [n][3], lights may shine into. YLM_ENOMEM, YLM_ECANCELLED. */
+ylm_status ylm__near_touch(const ylm_light_virtual *lights, const ylm__near_lattice *lattice,
+                           size_t n, const float *points, int threads, const ylm_progress *progress,
+                           uint8_t *touched);
+/* Adds coefficients and gradients at points to rows [n][4][row]: [3][(lmax+1)^2] each of the value and of its slopes by
+   x, y, z. Likewise. */
+ylm_status ylm__near_rows(const ylm_light_virtual *lights, const ylm__near_lattice *lattice,
+                          int lmax, size_t n, const float *points, int threads,
+                          const ylm_progress *progress, float *rows, size_t row, uint64_t *pairs);
+
 #endif

@@ -84,7 +84,8 @@ ylm__virtual_range *ylm__virtual_kernel(ylm_isa isa, const ylm_field_query *q);
 
 /*
 ** Lights of a list at `lanes` points, at most as many as a vector has: adds to out [lanes][3][count] their
-** coefficients by the plan's query, of three channels (kernel.h), or to out [lanes][3] the irradiance at points
+** coefficients by the plan's query, of three channels (kernel.h), and where it has gradients these by x, y, z
+** `row` numbers behind each other; or to out [lanes][3] the irradiance at points
 ** with normals by zonal [lmax+1] (near.isa.c). Lights farther than `reach` are nothing. scratch: as NULL at a
 ** worker's first call; freed by the caller.
 */
@@ -95,6 +96,7 @@ typedef struct ylm__virtual_near {
   const float (*points)[3], (*normals)[3], *zonal;
   const float *rows; /* irradiance by degree 0: what numbers of the list are rows of (near.h) */
   float reach;
+  size_t row;
   float *out[16];
 } ylm__virtual_near;
 typedef ylm_status ylm__virtual_near_fn(const ylm__virtual_plan *p, const ylm__virtual_near *near,

@@ -16,6 +16,7 @@ struct ylm_light_virtual {
   int degree;
   ylm_light_virtual_profile profile;
   double core;
+  double outer; /* of `far` beyond levels.c: a larger core whose far part is not in it; else 0 */
   double *at, *normal, *radius, *shift; /* [n][3], [n][3], [n], [n]: one block of memory */
   double *emission;                     /* [n][3][(degree+1)^2] */
   size_t stride;                        /* numbers of a light as kernels see it: plan.h */

@@ -112,7 +112,20 @@ static int shade_near(lua_State *L) {
   return ylmL_result_progress(L, 2, s, &e, &p);
 }
 
-static const luaL_Reg functions[] = {
-    {"shade_virtual", shade_virtual}, {"shade_near", shade_near}, {NULL, NULL}};
+/* shade_reflect(view, irradiance [n][3]) -> it, as radiance of matte surfaces */
+static int shade_reflect(lua_State *L) {
+  lua_settop(L, 2);
+  const ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylmL_array *a = ylmL_array_check(L, 2);
+  if (a->dtype != YLM_FLOAT || a->count != 3 * ylmL_shade_points(v))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_shade_reflect(v, a->data);
+  return 1;
+}
+
+static const luaL_Reg functions[] = {{"shade_virtual", shade_virtual},
+                                     {"shade_near", shade_near},
+                                     {"shade_reflect", shade_reflect},
+                                     {NULL, NULL}};
 
 void ylmL_open_shade_virtual(lua_State *L) { luaL_setfuncs(L, functions, 0); }

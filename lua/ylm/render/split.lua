@@ -1,12 +1,8 @@
---- Sums of virtual lights in pictures by parts: the far part of all from a grid, the near part of some at each shading point.
+--- Sums of virtual lights in pictures by parts: far parts of merged lights from voxels, near parts at each shading point.
 
-local box = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
-local devices = require "ylm.device"
-local grids = require "ylm.grid"
 local light = require "ylm.light"
-local near = require "ylm.render.near"
 local progress = require "ylm.progress"
 local sh = require "ylm.sh"
 local virtual_light = require "ylm.light.virtual"
@@ -14,21 +10,24 @@ local warning = require "ylm.warning"
 
 local split = {}
 
--- Costs of a picture, in nanoseconds of one thread: a pair of a light and a shading point, a pair nearby, a point of a grid for
--- each light, summed by a tree, a shading point besides.
-local PAIR, NEAR, GRID, POINT = 2, 3, 10, 100
-local FEW = 5e7 -- pairs that need no grid
--- Of a core of R spacings: R^2 times this are near; grid points at voxels of R/x are so many times x^2 count/R^2, over the share
--- of surfaces that are lit.
-local NEAR_PAIRS, GRID_POINTS = 7.2, 0.9
-local VOXELS, GROWTH, FINEST = 1.25, 0.6, 8 -- x of a tolerance of 2 %, its power of the tolerance, the most
-local PLAIN = 50 -- times the tolerance: the relative metric below which voxels stay large
-local JUDGES, LEAST, JUDGED = 256, 32, 2e7 -- points that judge, and pairs that these may be
+-- Costs of a picture, in nanoseconds of one thread: a pair of a light and a shading point, a pair nearby, a corner of a
+-- voxel, a light's merging, a shading point besides.
+local PAIR, NEAR, CORNER, LIGHT, POINT = 2, 2.2, 12000, 300, 200
+local FEW = 5e7 -- pairs that need no parts
+-- Of a core of R spacings of n lights: so many times R^2 are near; corners of voxels of x cores are so many times n/(x R)^2.
+local NEAR_PAIRS, CORNERS = 3.2, 4
+local SPACINGS, LEAST_CORE, MOST_CORE = 0.4, 3.4, 12 -- R is this times (n 10^6/points)^(1/4), within these
+-- Voxels and cells of merged lights, over the core: of a tolerance of 2 %, by the root of the tolerance; least ones.
+local VOXEL, MERGE, FINEST, UNMERGED, MOST = 0.45, 0.35, 0.05, 0.06, 0.7
+local ROOM = 4e5 -- corners of voxels, some 1.3 kB each, that finer voxels may have
+local DEGREE = 8 -- of the clamped cosine, at most
+local JUDGES, LEAST, JUDGED = 256, 64, 1e8 -- points that judge, and pairs that these may be
 
 split.fields = {
   { "sums", "choice", of = { "auto", "all", "split" }, default = "auto",
-    about = "'all': each light at each shading point; 'split': far parts of lights from a grid, near parts at each point "
-      .. "(lights:split); 'auto': the cheaper one, where surfaces are matte, lights of profile gauss, and nothing shadows them" },
+    about = "'all': each light at each shading point; 'split': far parts of merged lights from voxels of several levels, near "
+      .. "parts at each point; 'auto': the cheaper one, where surfaces are matte, lights of profile gauss, and nothing shadows "
+      .. "them" },
   { "tolerance", "number", min = 1e-4, max = 1, default = 0.02,
     about = "of 'split': root mean square error of irradiance at shading points, relative to its mean; judged "
       .. "(report.virtual.error)" },
@@ -44,11 +43,19 @@ local function hindrance(p, b)
   return nil
 end
 
+--- The core for a picture of so many points, in scene units and in spacings of lights.
+local function core_of(lights, scene, points)
+  local spacing = virtual_light.spacing(lights, virtual_light.area_of(scene))
+  local wanted = math.max(LEAST_CORE, math.min(MOST_CORE, SPACINGS * (lights.count * 1e6 / math.max(1, points)) ^ 0.25))
+  local size = math.max(wanted * spacing, 1.01 * lights.radius.max)
+  return size, size / math.max(spacing, 1e-300)
+end
+
 --- Nanoseconds of both ways.
-local function costs(count, points, spacings, share)
-  local far = GRID_POINTS * VOXELS ^ 2 * count / (share * spacings ^ 2) * count * GRID
+local function costs(count, points, spacings)
+  local corners = CORNERS * count / (VOXEL * spacings) ^ 2
   local pairs_nearby = math.min(count / 2, NEAR_PAIRS * spacings ^ 2)
-  return points * count * PAIR, far + points * (pairs_nearby * NEAR + POINT)
+  return points * count * PAIR, corners * CORNER + count * LIGHT + points * (pairs_nearby * NEAR + POINT)
 end
 
 --- Is a picture of p to be made of far and near parts of b.lights? Raises where that is asked for and cannot be.
@@ -61,44 +68,36 @@ function split.is_wanted(name, p, b)
   end
   local count, points = b.lights.count, p.stats.points
   if fault or count * points < FEW then return false end
-  local _, share = virtual_light.spacing(b.lights, virtual_light.area_of(p.scene))
-  local all, parts = costs(count, points, virtual_light.spacings(count, points, share), share)
+  local _, spacings = core_of(b.lights, p.scene, points)
+  local all, parts = costs(count, points, spacings)
   return parts < all / 2
 end
 
--- Baking -------------------------------------------------------------------------------------
+-- Sums and their judge ---------------------------------------------------------------------
 
---- The grid of b.far for voxels of core/x, and its seconds; or nil, message, code.
-local function bake(p, o, b, x)
-  local start, bounds = core.seconds(), box.padded(p.traced.lo, p.traced.hi)
-  local widest = 0
-  for a = 1, 3 do widest = math.max(widest, bounds[2][a] - bounds[1][a]) end
-  local depth = math.max(1, math.ceil(math.log(widest * x / b.far.core) / math.log(2) - 0.1))
-  local tolerance = math.max(core.limits.tolerance_least, b.options.tolerance / 4)
-  local probes = grids.adaptive_grid { bounds = bounds, lmax = b.options.lmax, depth = math.min(depth, core.limits.grid_depth),
-    threshold = PLAIN * b.options.tolerance }
-  local grid, message, code = grids.bake(probes, b.far, { occupied = p.view, threads = o.threads, progress = o.progress,
-    light_tolerance = math.min(tolerance, core.limits.tolerance_most) })
-  if not grid then return nil, message, code end
-  b.depth = depth
-  return grid, core.seconds() - start
-end
-
---- Positions and normals of some shading points of p, spread over all: tables [n][3]; or nil, message, code.
-local function judges(name, p, count)
-  local n = math.max(LEAST, math.min(JUDGES, math.floor(JUDGED / math.max(1, count))))
-  local all, message, code = check.result(name, p.lib.shade_positions(p.view))
-  if not all then return nil, message, code end
+--- Positions and normals of all shading points of p: float arrays [n][3]; or nil, message, code.
+local function places(name, p)
+  local points, message, code = check.result(name, p.lib.shade_positions(p.view))
+  if not points then return nil, message, code end
   local normals
   normals, message, code = check.result(name, p.lib.shade_normals(p.view, false))
   if not normals then return nil, message, code end
-  local points, directions = {}, {}
-  for k = 1, math.min(n, #all) do
-    local i = math.floor((k * 0.6180339887498949 % 1) * #all) + 1
-    points[k] = { all:get(i, 1), all:get(i, 2), all:get(i, 3) }
-    directions[k] = { normals:get(i, 1), normals:get(i, 2), normals:get(i, 3) }
+  return points, normals
+end
+
+--- Numbers of some of n points, spread over all, for so many lights.
+local function judges(n, count)
+  local list = {}
+  for k = 1, math.min(n, math.max(LEAST, math.min(JUDGES, math.floor(JUDGED / math.max(1, count))))) do
+    list[k] = math.floor((k * 0.6180339887498949 % 1) * n) + 1
   end
-  return points, directions
+  return list
+end
+
+local function rows_of(a, list)
+  local rows = {}
+  for k, i in ipairs(list) do rows[k] = { a:get(i, 1), a:get(i, 2), a:get(i, 3) } end
+  return rows
 end
 
 --- Irradiance by coefficients L [n][3][..] at points with normals: function(i, c); `cosines` are of these.
@@ -125,74 +124,98 @@ local function cosines_of(lmax, normals)
   return rows
 end
 
---- The root mean square error of irradiance by b.grid and b.near, over the mean of what all lights bring; or nil, message, code.
-local function judge(name, p, o, b)
-  local points, normals, code = judges(name, p, b.lights.count)
-  if not points then return nil, normals, code end
-  if #points == 0 then return 0 end
-  local lmax, options = b.options.lmax, { threads = o.threads }
-  local whole, message
-  whole, message, code = light.light_field(lmax, b.lights, points, options)
-  if not whole then return nil, message, code end
-  local far, nearby
-  far, message, code = b.grid:sample(points, options)
-  if not far then return nil, message, code end
-  nearby, message, code = b.near:near_field(lmax, points, options)
-  if not nearby then return nil, message, code end
+--- Irradiance by all lights at points that judge: { list =, [k] = { r, g, b }, mean = }; or nil, message, code.
+local function truth(o, b, points, normals)
+  local list = judges(#points, b.lights.count)
+  local t, mean, lmax = { list = list, mean = 0 }, 0, b.options.lmax
+  if #list == 0 then return t end
+  local L, message, code = light.light_field(lmax, b.lights, rows_of(points, list), { threads = o.threads })
+  if not L then return nil, message, code end
   local cosines
-  cosines, message, code = cosines_of(lmax, normals)
+  cosines, message, code = cosines_of(lmax, rows_of(normals, list))
   if not cosines then return nil, message, code end
-  local all, some, others = irradiance(whole, cosines), irradiance(far, cosines), irradiance(nearby, cosines)
-  local square, mean = 0, 0
-  for i = 1, #points do
-    for c = 1, 3 do
-      local e = all(i, c)
-      square, mean = square + (some(i, c) + others(i, c) - e) ^ 2, mean + e
-    end
+  local all = irradiance(L, cosines)
+  for k = 1, #list do
+    t[k] = { all(k, 1), all(k, 2), all(k, 3) }
+    mean = mean + t[k][1] + t[k][2] + t[k][3]
   end
-  local n = 3 * #points
-  return mean > 0 and math.sqrt(square / n) / (mean / n) or 0
+  t.mean = mean / (3 * #list)
+  return t
 end
 
---- Makes b.grid, b.near of b.lights, and b.parts, the seconds of each step: true, or nil, message, code.
-function split.ready(name, p, o, b)
-  local start = core.seconds()
-  local far, close, code = b.lights:split { core = "auto", scene = p.scene, points = math.max(1, p.stats.points) }
-  if not far then return nil, close, code end
-  b.far, b.near, b.parts = far, close, { split = core.seconds() - start, bake = 0, judge = 0 }
-  local x = math.min(FINEST, VOXELS * (0.02 / b.options.tolerance) ^ GROWTH)
-  while true do
-    local seconds, message
-    b.grid, seconds, code = bake(p, o, b, x)
-    if not b.grid then return nil, seconds, code end
-    start = core.seconds()
-    b.error, message, code = judge(name, p, o, b)
-    if not b.error then return nil, message, code end
-    b.parts.bake, b.parts.judge = b.parts.bake + seconds, b.parts.judge + core.seconds() - start
-    if b.error <= b.options.tolerance or x >= FINEST then return true end
-    x = math.min(FINEST, 2 * x)
+--- The root mean square error of irradiance E beside truth t, over its mean.
+local function judge(E, t)
+  local square = 0
+  for k, i in ipairs(t.list) do
+    for c = 1, 3 do square = square + (E:get(i, c) - t[k][c]) ^ 2 end
   end
+  return t.mean > 0 and math.sqrt(square / (3 * #t.list)) / t.mean or 0
+end
+
+--- Irradiance at all points by one part of b.lights, with b.voxel and b.merge, and facts; or nil, message, code.
+local function sum(name, o, b, points, normals, part, onto)
+  local E, facts, code = check.result(name, core.lights_virtual_irradiance(b.lights.lights, points, normals, { core = b.core,
+    voxel = b.voxel, merge = b.merge < UNMERGED and 0 or b.merge, lmax = math.min(DEGREE, b.options.lmax), part = part,
+    onto = onto, threads = o.threads, progress = progress.resolve(o.progress) }))
+  if not E then return nil, facts, code end
+  local s = b.parts
+  s.split, s.bake = s.split + facts.sorting + facts.merging, s.bake + facts.baking
+  s.far, s.near = s.far + facts.far, s.near + facts.near
+  return E, facts
+end
+
+--- Makes b.irradiance of the points of p by far and near parts of b.lights, in voxels that become finer and cells of merged
+-- lights that become smaller until b.error keeps the tolerance; b.parts are the seconds of each step. True, or nil, message,
+-- code.
+function split.ready(name, p, o, b)
+  local points, normals, code = places(name, p)
+  if not points then return nil, normals, code end
+  local spacings
+  b.core, spacings = core_of(b.lights, p.scene, #points)
+  b.of, b.parts, b.tries = p.view, { split = 0, bake = 0, judge = 0, far = 0, near = 0 }, 0
+  local start = core.seconds()
+  local t, message
+  t, message, code = truth(o, b, points, normals)
+  if not t then return nil, message, code end
+  b.parts.judge = core.seconds() - start
+  local fine = math.min(MOST / VOXEL, math.sqrt(b.options.tolerance / 0.02))
+  local finest = math.max(FINEST, math.sqrt(CORNERS * b.lights.count / ROOM) / spacings)
+  b.voxel, b.merge = math.max(VOXEL * fine, finest), MERGE * fine
+  local close
+  close, b.facts, code = sum(name, o, b, points, normals, "near")
+  if not close then return nil, b.facts, code end
+  repeat
+    b.irradiance, b.far, code = sum(name, o, b, points, normals, "far", close)
+    if not b.irradiance then return nil, b.far, code end
+    b.error, b.tries = judge(b.irradiance, t), b.tries + 1
+    local finer = math.max(0.5, math.min(0.8, 0.9 * math.sqrt(b.options.tolerance / b.error)))
+    local done = b.error <= b.options.tolerance or b.voxel <= finest or b.far.corners > ROOM * finer ^ 2
+    if not done then
+      b.voxel, b.merge = math.max(finest, b.voxel * finer), b.merge * finer
+    end
+  until done
+  return true
 end
 
 --- Radiance of the shading points by both, a new array; or nil, message, code.
 function split.radiance(name, p, o, b)
-  local start = core.seconds()
-  local out, facts, code = devices.of(nil):shade(name, p, { grid = b.grid, weight = "cosine", threads = o.threads,
-    interpolation = "hermite" }, progress.resolve(o.progress))
-  if not out then return nil, facts, code end
-  b.parts.far = core.seconds() - start
-  out, facts, code = near.add(name, p, b.near, "cosine", b.options.lmax, o, out)
-  if not out then return nil, facts, code end
-  b.parts.near = facts.seconds
-  b.facts = { pairs = facts.pairs, rays = 0 }
-  return out
+  if b.of ~= p.view or not b.irradiance then
+    local ok, message, code = split.ready(name, p, o, b)
+    if not ok then return nil, message, code end
+  end
+  local out = b.irradiance
+  b.irradiance, b.facts.rays = nil, 0
+  return check.result(name, p.lib.shade_reflect(p.view, out))
 end
 
 --- Completes report.virtual, and says what does not hold.
 function split.report(p, b, report)
   local r = report.virtual
-  r.core, r.error, r.tolerance, r.seconds = b.near.core, b.error, b.options.tolerance, b.parts
-  r.grid = { points = b.grid.stats.points, levels = b.grid.stats.levels, bytes = b.grid.stats.bytes }
+  local x = b.far
+  r.core, r.error, r.tolerance, r.seconds = b.core, b.error, b.options.tolerance, b.parts
+  r.grid = { points = x.corners, voxels = x.cells, levels = x.levels, bytes = x.bytes, edge = b.voxel * b.core }
+  r.merged = { lights = x.merged, cell = x.cell, pairs = x.far_pairs }
+  r.tries = b.tries
   if b.error <= b.options.tolerance then return end
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "virtual split", "scene %q: far and near parts of virtual lights "
     .. "miss %.2g of the irradiance that all bring, more than the tolerance of %.2g: give sums = 'all', or tolerance = %.2g",
