@@ -1,4 +1,5 @@
--- Light behind bodies: points a second behind eight cubes, from grids and in closed form, by product; products of many factors.
+-- Light behind bodies: points a second behind eight cubes, from grids and in closed form, by product; products of many factors;
+-- irradiance of a floor under eight cubes against rays.
 --
 --     make bench BENCH=shadows
 --
@@ -8,7 +9,8 @@ local ylm = require "ylm"
 
 local unpack = table.unpack or unpack -- luacheck: ignore
 
-local POINTS, BODIES = 20000, 8
+local quick = os.getenv "BENCH" == "quick"
+local POINTS, BODIES, DEPTH = quick and 2000 or 20000, 8, quick and 7 or 10
 
 local state = 7
 local function random()
@@ -19,7 +21,7 @@ end
 --- Least seconds of f().
 local function time(f)
   local best, spent = math.huge, 0
-  while spent < 1 do
+  while spent < (quick and 0.01 or 1) do
     local start = os.clock()
     assert(f())
     local t = os.clock() - start
@@ -31,7 +33,7 @@ end
 local function print_row(...) print(("| %s |"):format(table.concat({ ... }, " | "))) end
 
 local points = {}
-for i = 1, POINTS do points[i] = { 4 * random() - 2, 4 * random() - 2, 0 } end
+for i = 0, POINTS - 1 do points[i + 1] = { (i % 160) / 40 - 2, math.floor(i / 160) / 31.25 - 2, 0 } end
 points = ylm.array(points, "float")
 
 local at, turns = {}, {}
@@ -49,7 +51,7 @@ print()
 print_row("n", "cubes", "product", "luminance", "rgb", "luminance with gradients")
 print_row("--:", "---", "---", "--:", "--:", "--:")
 for _, lmax in ipairs { 4, 9, 14 } do
-  local grid = ylm.bake(ylm.adaptive_grid { lmax = lmax, depth = 10, tolerance = 0.03, channels = "luminance" }, cube)
+  local grid = ylm.bake(ylm.adaptive_grid { lmax = lmax, depth = DEPTH, tolerance = 0.03, channels = "luminance" }, cube)
   for _, case in ipairs { { "grid", "rule", true }, { "grid", "rule", false }, { "grid", "recursive", false },
     { "grid", "accurate", false },
     { "closed form", "rule", true } } do
@@ -83,6 +85,89 @@ for _, lmax in ipairs { 4, 9, 14 } do
     o.threads = 1
     factors[BODIES + 1] = o
     row[#row + 1] = ("%.0f"):format(time(function() return ylm.sh.product(unpack(factors)) end) * 1e6)
+  end
+  print_row(unpack(row))
+end
+
+-- Against rays ----------------------------------------------------------------------------------
+
+local PLACES, SIDE = 48, 150 -- places on the floor, and rays along a side of a square of them
+
+local sh = ylm.sh
+local smooth = { math.sqrt(4 * math.pi), 0.3, 0.5, -0.4, 0.2, 0.1, -0.2, 0.15, 0.1 } -- coefficients of the light
+
+--- Nine numbers, row by row, of a quaternion.
+local function matrix(q)
+  local a, b, c, d = q[1], q[2], q[3], q[4]
+  local s = 2 / (a * a + b * b + c * c + d * d)
+  return { 1 - s * (c * c + d * d), s * (b * c - a * d), s * (b * d + a * c), s * (b * c + a * d), 1 - s * (b * b + d * d),
+    s * (c * d - a * b), s * (b * d - a * c), s * (c * d + a * b), 1 - s * (b * b + c * c) }
+end
+
+local bodies, scale, places = { at = {}, turn = {}, matrix = {} }, {}, {}
+for i = 1, BODIES do
+  local phi, r = 2 * math.pi * i / BODIES, 0.6 + 1.4 * random()
+  bodies.at[i] = { r * math.cos(phi), r * math.sin(phi), 0.7 + 0.9 * random() }
+  bodies.turn[i] = { random() - 0.5, random() - 0.5, random() - 0.5, random() - 0.5 }
+  bodies.matrix[i], scale[i] = matrix(bodies.turn[i]), 0.35 + 0.3 * random()
+end
+for i = 1, PLACES do places[i] = { 4 * random() - 2, 4 * random() - 2, 0 } end
+
+--- Does a ray from p along w meet cube i?
+local function meets(i, p, w)
+  local r, place, from, to = bodies.matrix[i], bodies.at[i], 0, math.huge
+  for k = 1, 3 do
+    local o = r[k] * (p[1] - place[1]) + r[3 + k] * (p[2] - place[2]) + r[6 + k] * (p[3] - place[3])
+    local along = r[k] * w[1] + r[3 + k] * w[2] + r[6 + k] * w[3]
+    local a, b = (-scale[i] / 2 - o) / along, (scale[i] / 2 - o) / along
+    from, to = math.max(from, math.min(a, b)), math.min(to, math.max(a, b))
+  end
+  return from < to
+end
+
+local rays = {} -- as many for each cosine
+for i = 0, SIDE - 1 do
+  for j = 0, SIDE - 1 do
+    local u, phi = (i + 0.5) / SIDE, 2 * math.pi * (j + 0.5) / SIDE
+    rays[#rays + 1] = { math.sqrt(u) * math.cos(phi), math.sqrt(u) * math.sin(phi), math.sqrt(1 - u) }
+  end
+end
+local light = sh.reconstruct(smooth, rays):totable()
+
+--- Irradiance at a place by rays, behind the first n cubes.
+local function irradiance(p, n)
+  local sum = 0
+  for k, w in ipairs(rays) do
+    local free = true
+    for i = 1, n do
+      if meets(i, p, w) then
+        free = false
+        break
+      end
+    end
+    if free then sum = sum + light[k] end
+  end
+  return sum / #rays * math.pi
+end
+
+local open, truth = irradiance(places[1], 0), {}
+for i, p in ipairs(places) do truth[i] = irradiance(p, BODIES) end
+local unit = ylm.occluder { geometry = ylm.box {} }
+
+print()
+print(("Irradiance behind %d cubes at %d places of a floor: rms distance from %d rays a place, %% of the unshadowed.")
+  :format(BODIES, PLACES, #rays))
+print()
+print_row("n", "rule, layers", "rule", "accurate", "recursive")
+print_row("--:", "--:", "--:", "--:", "--:")
+for _, lmax in ipairs { 4, 9, 14 } do
+  local row = { tostring(lmax + 1) }
+  for _, case in ipairs { { "rule", true }, { "rule", false }, { "accurate", false }, { "recursive", false } } do
+    local shade = ylm.shadowed { lights = ylm.environment_light { coefficients = sh.resize(smooth, lmax) }, product = case[1],
+      layers = case[2], casters = ylm.casters { hides = unit, at = bodies.at, rotation = bodies.turn, scale = scale } }
+    local L, sum = ylm.light_field(lmax, shade, places, { channels = "luminance", dtype = "double" }):totable(), 0
+    for i = 1, PLACES do sum = sum + ((sh.irradiance(L[i][1], { 0, 0, 1 }) - truth[i]) / open) ^ 2 end
+    row[#row + 1] = ("%.3f"):format(100 * math.sqrt(sum / PLACES))
   end
   print_row(unpack(row))
 end

@@ -42,15 +42,17 @@ static void convert_row(const ylm_grid *g, const ylm_field_query *q, const float
       }
 }
 
+/* Are results of a query what is sampled? */
+static bool is_alike(const ylm_grid *g, const ylm_field_query *q) {
+  return q->dtype == YLM_FLOAT && q->channels == g->contents.form.channels &&
+         q->lmax == g->contents.form.lmax;
+}
+
 /* The query's results from sampled rows. */
 static void convert(const ylm_grid *g, const ylm_field_query *q, size_t n, const void *points,
                     const float *value, const float *gradient, ylm_field_result *r) {
   size_t w = g->width;
-  bool alike = q->dtype == YLM_FLOAT && q->channels == g->contents.form.channels &&
-               q->lmax == g->contents.form.lmax;
-  if (alike && q->want & YLM_WANT_VALUE) ylm_copy(r->value, value, n * w * sizeof *value);
-  if (alike && q->want & YLM_WANT_GRADIENT)
-    ylm_copy(r->gradient, gradient, 3 * n * w * sizeof *gradient);
+  bool alike = is_alike(g, q);
   for (size_t i = 0; i < n; i++) {
     if (!alike && q->want & YLM_WANT_VALUE) convert_row(g, q, value + i * w, 1, r->value, i);
     if (!alike && q->want & YLM_WANT_GRADIENT)
@@ -87,8 +89,11 @@ ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size
                              .lambda = r->lambda ? (char *)r->lambda + i * size : NULL,
                              .norm = r->norm ? (char *)r->norm + i * size : NULL,
                              .inside = r->inside ? r->inside + i : NULL};
-    s = ylm_grid_sample(g, &own, now, p, value, gradient, NULL, e);
-    if (s == YLM_OK) convert(g, q, now, p, value, gradient, &part);
+    bool alike = is_alike(g, q);
+    float *v = alike && part.value ? part.value : value;
+    float *slope = alike && slopes && part.gradient ? part.gradient : gradient;
+    s = ylm_grid_sample(g, &own, now, p, v, slope, NULL, e);
+    if (s == YLM_OK) convert(g, q, now, p, v, slope, &part);
     if (s == YLM_OK) s = ylm_report(q->progress, i + now, n, "sampling");
   }
   ylm_free(value);

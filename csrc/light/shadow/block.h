@@ -32,6 +32,7 @@ typedef struct block {
   double *blur; /* [seens] lambda of visibilities */
   double lambda[SHADOW_BLOCK];
   ylm_error *e;
+  int worker;
 } block;
 
 /* Room for one more of `n` things. */
@@ -45,6 +46,17 @@ static bool grow(void **list, size_t n, size_t *room, size_t size) {
   return true;
 }
 
+/* Memory of at least so many numbers, which the thread's next block uses again; NULL without any. */
+static real *room(block *b, int which, size_t numbers) {
+  shadow_room *r = &b->w->room[(size_t)b->worker * ROOMS + (size_t)which];
+  if (r->bytes < numbers * sizeof(real)) {
+    ylm_free(r->at);
+    r->at = ylm_alloc(numbers, sizeof(real));
+    r->bytes = r->at ? numbers * sizeof(real) : 0;
+  }
+  return r->at;
+}
+
 /* -- asking fields ---------------------------------------------------------------------------- */
 
 /* A field's answer at n points, as rows. */
@@ -54,20 +66,19 @@ typedef struct answer {
 } answer;
 
 static void answer_free(answer *a) {
-  ylm_free(a->value);
-  ylm_free(a->gradient);
   ylm_free(a->lambda);
   ylm_free(a->inside);
 }
 
+/* `into`: where values go, or NULL. */
 static ylm_status ask(block *b, const ylm_field *f, int lmax, size_t channels, size_t n,
-                      const real *points, answer *a) {
+                      const real *points, real *into, answer *a) {
   const shadow_query *w = b->w;
   size_t wide = n * channels * ylm_sh_count(lmax);
   bool gradient = w->rows > 1;
   memset(a, 0, sizeof *a);
-  a->value = ylm_alloc(wide, sizeof *a->value);
-  a->gradient = gradient ? ylm_alloc(wide, 3 * sizeof *a->value) : NULL;
+  a->value = into ? into : room(b, ROOM_VALUE, wide);
+  a->gradient = gradient ? room(b, ROOM_GRADIENT, 3 * wide) : NULL;
   a->lambda = w->metric ? ylm_alloc_zero(n, sizeof *a->lambda) : NULL;
   a->inside = ylm_alloc_zero(n, 1);
   if (!a->value || (gradient && !a->gradient) || (w->metric && !a->lambda) || !a->inside)
@@ -172,7 +183,8 @@ static ylm_status sort_by_caster(block *b) {
   if (!first || !b->by_caster) return YLM_ENOMEM;
   for (size_t j = 0; j < b->seens; j++) first[b->seen[j].caster + 2]++;
   for (size_t k = 0; k < n; k++) first[k + 2] += first[k + 1];
-  for (size_t j = 0; j < b->seens; j++) b->by_caster[first[b->seen[j].caster + 1]++] = j;
+  for (size_t j = 0; j < b->seens; j++)
+    b->by_caster[b->seen[j].row = first[b->seen[j].caster + 1]++] = j;
   return YLM_OK;
 }
 
@@ -203,7 +215,9 @@ static ylm_status hide_near(block *b, const shadow_caster *c, const viewers *v, 
     memcpy(points + 3 * n, v->at + 3 * i, 3 * sizeof *points);
     own[n++] = i;
   }
-  if (s == YLM_OK && n) s = ask(b, f, lmax, 1, n, points, &a);
+  /* values of a field that knows all degrees stand where they are wanted */
+  real *into = w->rows == 1 && !disk && n == v->n && lmax == w->q->lmax ? rows : NULL;
+  if (s == YLM_OK && n) s = ask(b, f, lmax, 1, n, points, into, &a);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     size_t j = own[i], seen = v->seen[j];
     double t = share(&c->form, v->distance[j], &slope);
@@ -211,7 +225,7 @@ static ylm_status hide_near(block *b, const shadow_caster *c, const viewers *v, 
     if (a.lambda && (!disk || t == 1)) b->blur[seen] = (double)a.lambda[i];
     if (a.inside[i] && !disk) b->inside[b->seen[seen].point] = 1;
     if (!disk || t == 1) {
-      unfold(w, &a, i, ylm_sh_count(lmax), to);
+      if (!into) unfold(w, &a, i, ylm_sh_count(lmax), to);
       continue;
     }
     unfold(w, &a, i, ylm_sh_count(lmax), one);
@@ -235,21 +249,20 @@ static ylm_status hide_near(block *b, const shadow_caster *c, const viewers *v, 
 static ylm_status place(block *b, size_t caster, const viewers *v, real *rows) {
   const shadow_query *w = b->w;
   const shadow_caster *c = &w->s->caster[caster];
-  size_t row = w->rows * w->count;
+  double size = c->form.scale;
+  real r[9];
   ylm_status s = YLM_OK;
   if (c->turned)
     s = ylm_sh_rotation_apply(w->turn[caster], w->q->lmax, v->n * w->rows, rows, rows, 1, NULL);
+  for (size_t i = 0; i < 9; i++) r[i] = (real)(c->form.rotation[i] / size);
   for (size_t i = 0; i < v->n && s == YLM_OK; i++) {
-    real *from = rows + i * row, *to = b->hidden + v->seen[i] * row;
-    memcpy(to, from, w->count * sizeof *to);
-    b->blur[v->seen[i]] /= c->form.scale * c->form.scale;
-    for (size_t d = 0; d < 3 && w->rows > 1; d++) {
-      real r[3];
-      for (size_t k = 0; k < 3; k++) r[k] = (real)(c->form.rotation[3 * d + k] / c->form.scale);
-      const real *g = from + w->count;
-      for (size_t k = 0; k < w->count; k++)
-        to[(d + 1) * w->count + k] =
-            r[0] * g[k] + r[1] * g[w->count + k] + r[2] * g[2 * w->count + k];
+    b->blur[v->seen[i]] /= size * size;
+    real *x = rows + i * w->rows * w->count + w->count, *y = x + w->count, *z = y + w->count;
+    for (size_t k = 0; w->rows > 1 && k < w->count; k++) {
+      real g[3] = {x[k], y[k], z[k]};
+      x[k] = r[0] * g[0] + r[1] * g[1] + r[2] * g[2];
+      y[k] = r[3] * g[0] + r[4] * g[1] + r[5] * g[2];
+      z[k] = r[6] * g[0] + r[7] * g[1] + r[8] * g[2];
     }
   }
   return s;
@@ -258,13 +271,13 @@ static ylm_status place(block *b, size_t caster, const viewers *v, real *rows) {
 static ylm_status hide(block *b) {
   const shadow_query *w = b->w;
   size_t row = w->rows * w->count;
-  b->hidden = ylm_alloc(b->seens * row, sizeof *b->hidden);
+  b->hidden = room(b, ROOM_HIDDEN, b->seens * row);
   b->blur = ylm_alloc_zero(b->seens, sizeof *b->blur);
-  real *rows = ylm_alloc(SHADOW_BLOCK * row, sizeof *rows);
   viewers *v = ylm_alloc(1, sizeof *v);
-  ylm_status s = b->hidden && b->blur && rows && v ? sort_by_caster(b) : YLM_ENOMEM;
+  ylm_status s = b->hidden && b->blur && v ? sort_by_caster(b) : YLM_ENOMEM;
   for (size_t k = 0; k < w->s->n && s == YLM_OK; k++) {
     const shadow_caster *c = &w->s->caster[k];
+    real *rows = b->hidden + b->by_caster_first[k] * row;
     gather_viewers(b, k, v);
     if (!c->form.hides) {
       for (size_t i = 0; i < v->n; i++)
@@ -275,7 +288,6 @@ static ylm_status hide(block *b) {
     if (v->n && c->disk && s == YLM_OK) s = hide_near(b, c, v, true, rows);
     if (v->n && s == YLM_OK) s = place(b, k, v, rows);
   }
-  ylm_free(rows);
   ylm_free(v);
   return s;
 }
@@ -348,8 +360,9 @@ static ylm_status add_lamp(block *b, const shadow_lamp *l) {
     for (size_t a = 0; a < 3; a++) points[3 * i + a] = (real)b->point[b->request[i].point][a];
   real *one = ylm_alloc(row, sizeof *one);
   answer a = {0};
-  ylm_status s = one ? ask(b, ylm_light_set_field(l->grey), w->q->lmax, 1, b->requests, points, &a)
-                     : YLM_ENOMEM;
+  ylm_status s =
+      one ? ask(b, ylm_light_set_field(l->grey), w->q->lmax, 1, b->requests, points, NULL, &a)
+          : YLM_ENOMEM;
   for (size_t i = 0; i < b->requests && s == YLM_OK; i++) {
     unfold(w, &a, i, w->count, one);
     for (size_t c = 0; c < w->channels; c++) {
@@ -402,7 +415,7 @@ static ylm_status sum_lights(block *b, const ylm_field *f, bool behind) {
   const real *points = (const real *)w->points + 3 * b->begin;
   size_t row = w->rows * w->count;
   answer a = {0};
-  ylm_status s = ask(b, f, w->q->lmax, w->channels, b->m, points, &a);
+  ylm_status s = ask(b, f, w->q->lmax, w->channels, b->m, points, NULL, &a);
   for (size_t i = 0; i < b->m && s == YLM_OK; i++) {
     real *to = b->out + i * w->channels * row;
     size_t n = b->seen_first[i + 1] - b->seen_first[i], light, first = b->befores;
@@ -490,13 +503,13 @@ static const real *layer_row(const tile *t, size_t lane, int layer, real *to) {
   for (size_t k = 0; k < term->n; k++)
     if (b->before[term->first + k].layer == layer) only = &b->before[term->first + k], found++;
   if (!found) return NULL;
-  if (found == 1 && only->weight == 1) return b->hidden + only->seen * row;
+  if (found == 1 && only->weight == 1) return b->hidden + b->seen[only->seen].row * row;
   memset(to, 0, row * sizeof *to);
   to[0] = (real)LIGHT_ONE;
   for (size_t k = 0; k < term->n; k++) {
     const shadow_before *x = &b->before[term->first + k];
     if (x->layer != layer) continue;
-    const real *v = b->hidden + x->seen * row;
+    const real *v = b->hidden + b->seen[x->seen].row * row;
     for (size_t d = 0; d < w->rows; d++)
       for (size_t i = 0; i < w->count; i++) {
         real o = v[i] - (i ? 0 : (real)LIGHT_ONE);
@@ -542,7 +555,7 @@ static void multiply_layer(const tile *t, int layer) {
       continue;
     }
     to_nodes(t, row, d, false, t->two);
-    for (size_t i = 0; i < t->values; i++) g[i] = g[i] * t->one[i] + t->f[i] * t->two[i];
+    SUMS(w, t->values, g, g, t->one, t->f, t->two);
     if (cut) cut_off(t, g);
   }
   for (size_t i = 0; w->rows > 1 && layer > 0 && i < t->values; i++) t->f[i] *= t->one[i];
@@ -674,8 +687,7 @@ static void run_tile(tile *t) {
     if (w->metric) add_metric(t, t->one, c, most);
     for (size_t d = 1; d < w->rows; d++) {
       to_nodes(t, row, d, false, t->two);
-      for (size_t i = 0; i < t->values; i++)
-        t->two[i] = t->g[d - 1][i] * t->one[i] + t->f[i] * t->two[i];
+      SUMS(w, t->values, t->two, t->g[d - 1], t->one, t->f, t->two);
       add_result(t, t->two, c, d);
     }
     for (size_t i = 0; i < t->values; i++) t->one[i] *= t->f[i];
@@ -768,7 +780,7 @@ static void write(const block *b) {
 }
 
 /* Points begin .. end-1 of a query. */
-ylm_status BLOCK(shadow_query *w, size_t begin, size_t end, ylm_error *e) {
+ylm_status BLOCK(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e) {
   const ylm_light_shadowed *s = w->s;
   block *b = ylm_alloc_zero(1, sizeof *b);
   if (!b) return YLM_ENOMEM;
@@ -779,7 +791,10 @@ ylm_status BLOCK(shadow_query *w, size_t begin, size_t end, ylm_error *e) {
   for (size_t i = 0; i < b->m; i++)
     for (size_t a = 0; a < 3; a++)
       b->point[i][a] = (double)((const real *)w->points)[3 * (begin + i) + a];
-  b->out = ylm_alloc_zero(b->m * w->channels * w->rows * w->count, sizeof *b->out);
+  size_t numbers = b->m * w->channels * w->rows * w->count;
+  b->worker = worker;
+  b->out = room(b, ROOM_OUT, numbers);
+  if (b->out) memset(b->out, 0, numbers * sizeof *b->out);
   ylm_status status = b->out ? see(b) : YLM_ENOMEM;
   if (status == YLM_OK && b->seens) status = hide(b);
   if (status == YLM_OK && s->rest) status = sum_lights(b, s->rest, true);
@@ -797,10 +812,8 @@ ylm_status BLOCK(shadow_query *w, size_t begin, size_t end, ylm_error *e) {
   ylm_free(b->by_caster);
   ylm_free(b->before);
   ylm_free(b->term);
-  ylm_free(b->hidden);
   ylm_free(b->blur);
   ylm_free(b->light);
-  ylm_free(b->out);
   ylm_free(b);
   return status;
 }

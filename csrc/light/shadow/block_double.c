@@ -3,5 +3,7 @@
 #define DTYPE YLM_DOUBLE
 #define SQRT sqrt
 #define ATAN2 atan2
+#define SUMS(w, n, out, a, b, c, d)                                                                \
+  for (size_t i_ = 0; i_ < (n); i_++) (out)[i_] = (a)[i_] * (b)[i_] + (c)[i_] * (d)[i_]
 #define BLOCK ylm__shadow_block_d
 #include "block.h"

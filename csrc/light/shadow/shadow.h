@@ -77,6 +77,18 @@ struct ylm_light_shadowed {
 
 /* -- one query -------------------------------------------------------------------------------- */
 
+/* out[i] = a[i] b[i] + c[i] d[i]; out may be any of them. sums.c, sums.isa.c */
+typedef void shadow_sums_fn(size_t n, float *out, const float *a, const float *b, const float *c,
+                            const float *d);
+shadow_sums_fn *ylm__shadow_sums(void);
+
+/* Memory that the blocks of a thread use one after the other. */
+enum { ROOM_HIDDEN, ROOM_VALUE, ROOM_GRADIENT, ROOM_OUT, ROOMS };
+typedef struct shadow_room {
+  void *at;
+  size_t bytes;
+} shadow_room;
+
 /* The query, as all blocks share it. */
 typedef struct shadow_query {
   const ylm_light_shadowed *s;
@@ -87,12 +99,14 @@ typedef struct shadow_query {
   ylm_sh_rotation **turn;       /* [n] NULL where a caster is not turned */
   size_t count, rows, channels; /* coefficients; 1, or 4 with gradients; of the light */
   bool metric;
+  shadow_room *room; /* [threads][ROOMS] */
   _Atomic(uint64_t) pairs;
+  shadow_sums_fn *sums;
 } shadow_query;
 
 /* A caster as a point sees it. */
 typedef struct shadow_seen {
-  size_t caster, point;
+  size_t caster, point, row; /* row: the place of its visibility in the block */
   double w[3], distance, sine,
       angle; /* direction and distance of its centre; half the angle of its cone */
 } shadow_seen;
@@ -113,7 +127,7 @@ typedef struct shadow_before {
 } shadow_before;
 
 /* Points begin .. end-1 of a query, SHADOW_BLOCK at most. block.h */
-ylm_status ylm__shadow_block_f(shadow_query *w, size_t begin, size_t end, ylm_error *e);
-ylm_status ylm__shadow_block_d(shadow_query *w, size_t begin, size_t end, ylm_error *e);
+ylm_status ylm__shadow_block_f(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e);
+ylm_status ylm__shadow_block_d(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e);
 
 #endif

@@ -79,9 +79,8 @@ typedef struct job {
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   job *j = context;
   ylm_error e = {YLM_OK, ""};
-  (void)worker;
-  ylm_status s = j->w.q->dtype == YLM_DOUBLE ? ylm__shadow_block_d(&j->w, begin, end, &e)
-                                             : ylm__shadow_block_f(&j->w, begin, end, &e);
+  ylm_status s = j->w.q->dtype == YLM_DOUBLE ? ylm__shadow_block_d(&j->w, begin, end, worker, &e)
+                                             : ylm__shadow_block_f(&j->w, begin, end, worker, &e);
   if (s == YLM_OK || atomic_exchange(&j->failed, true)) return s;
   if (e.text[0])
     ylm_fail(j->e, s, "%s", e.text);
@@ -124,13 +123,18 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
                  .metric = q->want & YLM_WANT_METRIC},
            .e = e};
   j.w.channels = q->channels == 3 || (j.w.metric && q->metric_channels == 3) ? 3 : 1;
-  status = tables_of(s, q->lmax, &tables, e);
+  size_t rooms = (size_t)ylm_threads(q->threads) * ROOMS;
+  j.w.sums = ylm__shadow_sums();
+  j.w.room = ylm_alloc_zero(rooms, sizeof *j.w.room);
+  status = j.w.room ? tables_of(s, q->lmax, &tables, e) : YLM_ENOMEM;
   if (status == YLM_OK) status = make_turns(s, q, tables->rotator, &j.w.turn, e);
   if (status == YLM_OK) {
     j.w.nodes = tables->nodes;
     status = ylm_parallel(n, SHADOW_BLOCK, q->threads, run, &j, q->progress, "shadows");
   }
   free_turns(s, j.w.turn);
+  for (size_t i = 0; j.w.room && i < rooms; i++) ylm_free(j.w.room[i].at);
+  ylm_free(j.w.room);
   r->pairs += atomic_load(&j.w.pairs);
   if (status == YLM_ENOMEM) return ylm_fail(e, status, "%s", ylm_status_text(status));
   return status == YLM_OK ? ylm_light_finite(q, n, points, r, e) : status;
