@@ -400,6 +400,17 @@ describe("ylm.shadowed", function()
     assert(wrong <= 20, ("%d of 1000 places miss it, seed %g"):format(wrong, seed))
   end)
 
+  it("keeps what it is made of while it is asked: a progress function cannot close a body", function()
+    local body = ylm.occluder { radius = 1 }
+    local shade = ylm.shadowed { lights = sky, casters = ylm.caster { hides = body, at = { 2, 0, 2 } } }
+    local said
+    assert(ylm.light_field(4, shade, ylm.zeros { 2000, 3 }, { threads = 1, progress = function()
+      said = select(2, pcall(body.close, body))
+    end }))
+    assert.matches("in use by a call that has not returned", said)
+    body:close()
+  end)
+
   it("takes grids of bodies, near and beyond their bounds", function()
     local grid = ylm.bake(ylm.adaptive_grid { lmax = 4, depth = 9, tolerance = 0.05, channels = "luminance" }, block)
     assert.equal("visibility", grid.quantity)

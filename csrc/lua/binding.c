@@ -319,6 +319,15 @@ ylm_status ylmL_busy(lua_State *L, int i) {
     lua_rawget(L, -2);
     busy = lua_toboolean(L, -1);
     lua_pop(L, 1);
+    /* a part of another object may be in use by any call whose progress function runs */
+    lua_getfield(L, LUA_REGISTRYINDEX, "ylm.parts");
+    if (!busy && lua_istable(L, -1) && count_running(L, lua_gettop(L) - 1, 0) > 0) {
+      lua_pushvalue(L, i);
+      lua_rawget(L, -2);
+      busy = lua_toboolean(L, -1);
+      lua_pop(L, 1);
+    }
+    lua_pop(L, 1);
   }
   lua_pop(L, 1);
   return busy ? YLM_EBUSY : YLM_OK;
