@@ -235,6 +235,9 @@ describe("grid:export", function()
     local plain = assert(grid:export(folder.path .. "/c.three.json", { cells = { 4, 3, 5 } }))
     assert(ringed.error > plain.error, "the error knows nothing of the window")
     assert(assert(grid:export(folder.path .. "/c.ktx2", { cells = { 4, 3, 5 }, dering = true })).dering.width)
+    assert(assert(grid:export(folder.path .. "/c.npy", { cells = { 4, 3, 5 }, dering = true })).dering.width)
+    local smooth = ylm.load(folder.path .. "/c.npy"):reshape { 60, 3, 9 }
+    assert(ylm.sh.reconstruct(smooth, ylm.sh.random(500, 1)[{ {}, { 1, 3 } }]):min() >= -1e-5)
   end)
 
   it("is read by ktx-parse", function()
