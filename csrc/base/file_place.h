@@ -26,8 +26,8 @@ ylm_status ylm__place_find(const char *path, ylm__place *place, ylm_error *e);
 void ylm__place_leave(ylm__place *place);
 
 /* A new file beside the place, locked for as long as this process lives; its name goes to `name`.
-   It has owner, group, mode and access list of the file there as far as they can be given, and is
-   closed to every user whom that file shuts out. -1 with errno. */
+   Owner, group, mode and access list are those of the file there, as far as they can be given. Every user whom that file
+   shuts out is shut out. -1 with errno. */
 int ylm__place_open(const ylm__place *place, char name[YLM__UNFINISHED_NAME]);
 
 /* Removes files of ylm__place_open whose process ended before them, from an hour after their last

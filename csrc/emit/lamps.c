@@ -1,5 +1,6 @@
 /* lamps.c - lamps and skies as sources of particles. */
 #include "emit.h"
+#include "ylm_light_spot.h"
 
 /* Places of a lamp's record: csrc/light/kind.h. */
 enum { HORIZON = 3, SPHERE_AT = 3, SPHERE_RADIUS = 6, SHAPE = 6, CORNERS = 7, SPHERE = 16 };

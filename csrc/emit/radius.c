@@ -1,5 +1,6 @@
 /* radius.c - how wide lights are: by the lights around them, by the way of their particle, or as told. */
 #include "emit.h"
+#include "ylm_light_spot.h"
 
 #define MOST_MEDIANS 4
 

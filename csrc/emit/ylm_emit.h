@@ -19,12 +19,13 @@
 #ifndef YLM_EMIT_H
 #define YLM_EMIT_H
 
-#include "ylm_light_virtual.h"
 #include "ylm_scene.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+typedef struct ylm_light_virtual ylm_light_virtual; /* ylm_light_virtual.h */
 
 /* The most reflections of a particle; the most particles, and the most lights. */
 #define YLM_EMIT_BOUNCES 64

@@ -1,9 +1,9 @@
 /*
 ** flip.c - how different two pictures look when they alternate on a screen.
 **
-** A colour difference (both pictures as blurred by the eye at a distance, in a colour space where
-** distances are as large as they look) is raised where edges or points differ too. Pictures of high
-** dynamic range are looked at under several exposures, of which the worst counts at each pixel.
+** A colour difference is raised where edges or points differ too. Both pictures are blurred as by the eye at a distance, in
+** a colour space where distances are as large as they look. Pictures of high dynamic range are looked at under several
+** exposures, of which the worst counts at each pixel.
 **
 ** Source  Andersson et al. 2020, "FLIP: A Difference Evaluator for Alternating Images"; Andersson et
 **         al. 2021, "Visualizing Errors in Rendered High Dynamic Range Images" (exposures)
@@ -19,8 +19,8 @@
 /* Exponents and weights of the papers. */
 #define COLOUR_POWER 0.7
 #define FEATURE_POWER 0.5
-#define BEND 0.4            /* this part of the largest colour difference ... */
-#define BEND_TO 0.95        /* ... is mapped to that one */
+#define KNEE 0.4            /* this part of the largest colour difference ... */
+#define KNEE_TO 0.95        /* ... is mapped to that one */
 #define FEATURE_WIDTH 0.082 /* degrees */
 #define BRIGHT 0.85         /* what a tone curve makes of the brightest pixel, or of the median */
 
@@ -271,9 +271,9 @@ static double colour_difference(const flip *f, const double a[RESULTS], const do
     for (int c = 0; c < 3; c++) rgb[c] = fmin(1, fmax(0, rgb[c]));
     to_lab(f, rgb, lab[side]);
   }
-  double d = distance(lab[0], lab[1]), bend = BEND * f->most;
-  if (d < bend) return d * BEND_TO / bend;
-  return BEND_TO + (d - bend) / (f->most - bend) * (1 - BEND_TO);
+  double d = distance(lab[0], lab[1]), knee = KNEE * f->most;
+  if (d < knee) return d * KNEE_TO / knee;
+  return KNEE_TO + (d - knee) / (f->most - knee) * (1 - KNEE_TO);
 }
 
 /* Lightness has the range 0 .. 1 for features, which is 116 of Y. */

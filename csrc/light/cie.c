@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "ylm_light_sky.h"
+#include "ylm_vector.h"
 
 static const struct {
   double a, b, k, c, e;
@@ -11,13 +12,9 @@ static const struct {
 #undef X
 };
 
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* The angle between two directions. */
 static double angle(const double a[3], const double b[3]) {
-  return acos(fmax(-1, fmin(1, dot(a, b))));
+  return acos(fmax(-1, fmin(1, ylm_dot3d(a, b))));
 }
 
 /* How bright the sky is at an angle to the sun. */
@@ -28,7 +25,7 @@ static double glow(const ylm_light_cie *s, double g) {
 }
 
 double ylm_light_cie_luminance(const ylm_light_cie *s, const double d[3]) {
-  double up = dot(s->zenith, d), e = skies[s->kind].e;
+  double up = ylm_dot3d(s->zenith, d), e = skies[s->kind].e;
   if (!(up > 0)) return 0;
   if (s->kind == YLM_LIGHT_CIE_overcast) return s->luminance * (1 + 2 * up) / 3;
   double scale = s->luminance / (glow(s, angle(s->zenith, s->sun)) * (1 - exp(e)));

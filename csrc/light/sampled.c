@@ -207,7 +207,7 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   return ylm_light_finite(q, n, points, r, e);
 }
 
-/* It jumps nowhere. */
+/* The field jumps nowhere. */
 static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
   (void)f, (void)boxes;
   memset(out, 0, n);

@@ -42,7 +42,7 @@ static bool slice_create(int rows, slice *s) {
   return true;
 }
 
-/* Fills the slice of a view; the integral of its square over directions and channels. */
+/* Fills the slice of an eye; the integral of its square over directions and channels. */
 static double fill(const ylm_material *m, double angle, slice *s) {
   size_t columns = 2 * (size_t)s->rows;
   double total = 0, *value = s->value;

@@ -44,12 +44,12 @@ YLM_INLINE lane share_of(const ggx *g, lane A, lane B) {
 }
 
 /* Of a direction wo, once for eval and sample. */
-typedef struct view {
+typedef struct eye {
   lane root, A, B, share;
-} view;
+} eye;
 
-YLM_INLINE view look(const ggx *g, const lane wo[3], bool plain) {
-  view v = {.root = visible_root(g->ax, g->ay, wo), .share = lane_of(1)};
+YLM_INLINE eye look(const ggx *g, const lane wo[3], bool plain) {
+  eye v = {.root = visible_root(g->ax, g->ay, wo), .share = lane_of(1)};
   if (plain) return v;
   curve_at(g, wo[2], &v.A, &v.B);
   v.share = share_of(g, v.A, v.B);
@@ -57,7 +57,7 @@ YLM_INLINE view look(const ggx *g, const lane wo[3], bool plain) {
 }
 
 /* f where the masks of both directions are set, from D and |wi + wo|^2. */
-YLM_INLINE void reflect(const ggx *g, const lane wi[3], const lane wo[3], const view *v, lane D,
+YLM_INLINE void reflect(const ggx *g, const lane wi[3], const lane wo[3], const eye *v, lane D,
                         lane square, bool plain, lane f[3]) {
   lane q = 1 - 0.5f * ylm_vf_sqrt(square), q2 = q * q, schlick = q2 * q2 * q, A, B;
   lane under = wo[2] * visible_root(g->ax, g->ay, wi) + wi[2] * v->root;
@@ -78,7 +78,7 @@ YLM_INLINE void eval_as(const ggx *g, size_t n, const float (*in)[3], const floa
     lanes_load3(in + i, rows, wi);
     lanes_load3(out + i, rows, wo);
     mask lit = (wi[2] > 0) & (wo[2] > 0);
-    view v = look(g, wo, plain);
+    eye v = look(g, wo, plain);
     lane D = visible_ndf(g->ax, g->ay, wi[0] + wo[0], wi[1] + wo[1], wi[2] + wo[2], &square);
     reflect(g, wi, wo, &v, D, square, plain, f);
     for (int c = 0; c < 3; c++) f[c] = lane_if(lit, f[c]);
@@ -92,7 +92,7 @@ YLM_INLINE void sample_as(const ggx *g, size_t n, const float (*out)[3], const f
     lane wi[3], wo[3], u[3], f[3], D, square;
     lanes_load3(out + i, rows, wo);
     lanes_load3(numbers + i, rows, u);
-    view v = look(g, wo, plain);
+    eye v = look(g, wo, plain);
     visible_sample(g->ax, g->ay, wo, u[0], u[1], wi);
     if (!plain) {
       lane other[3];
@@ -136,7 +136,7 @@ static void pdf(const void *p, size_t n, const float (*in)[3], const float (*out
     lane wi[3], wo[3], D, square;
     lanes_load3(in + i, rows, wi);
     lanes_load3(out + i, rows, wo);
-    view v = look(g, wo, g->plain);
+    eye v = look(g, wo, g->plain);
     lane density = visible_pdf(g->ax, g->ay, wi, wo, v.root, &D, &square);
     density = v.share * density + (1 - v.share) * wi[2] * (1 / VISIBLE_PI);
     lanes_store(lane_if((wi[2] > 0) & (wo[2] > 0), density), rows, to + i);

@@ -68,8 +68,8 @@ static float roughness(const merl_table *t) {
   return 1;
 }
 
-/* The part of the albedo along the normal that its least reflectance does not explain. There wi is at
-   2 theta_h from the normal, and theta_d = theta_h. */
+/* The part of the albedo along the normal that its least reflectance does not explain. wi is then at 2 theta_h from the
+   normal, and theta_d = theta_h. */
 static float gloss(const merl_table *t) {
   float albedo = 0, least = -1;
   for (int i = 0; i < MERL_THETA_H; i++) {

@@ -94,22 +94,7 @@ static void choose(const void *p, const double wo[3], const float u[3], double w
     ylm__plain_cosine(u, wi);
 }
 
-static void eval_plain(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
-                       float (*f)[3]) {
-  ylm__plain_eval(both, p, n, wi, wo, f);
-}
-
-static void pdf_plain(const void *p, size_t n, const float (*wi)[3], const float (*wo)[3],
-                      float *pdf) {
-  ylm__plain_pdf(both, p, n, wi, wo, pdf);
-}
-
-static void sample_plain(const void *p, size_t n, const float (*wo)[3], const float (*u)[3],
-                         float (*wi)[3], float (*weight)[3], float *pdf) {
-  ylm__plain_sample(both, choose, p, n, wo, u, wi, weight, pdf);
-}
-
-const material_kernels ylm__material_phong_plain = {eval_plain, sample_plain, pdf_plain};
+PLAIN_KERNELS(phong)
 
 /* -- the kind ------------------------------------------------------------------- */
 

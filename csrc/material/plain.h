@@ -5,6 +5,8 @@
 
 #include <stddef.h>
 
+#include "kernels.h"
+
 /* f and the density of samples for two directions above the surface; p: what the kind has made of
    its numbers. */
 typedef double plain_both_fn(const void *p, const double wi[3], const double wo[3], double f[3]);
@@ -19,6 +21,22 @@ void ylm__plain_pdf(plain_both_fn *both, const void *p, size_t n, const float (*
 void ylm__plain_sample(plain_both_fn *both, plain_choose_fn *choose, const void *p, size_t n,
                        const float (*wo)[3], const float (*u)[3], float (*wi)[3],
                        float (*weight)[3], float *pdf);
+
+/* The plain kernels of a kind whose file has `both` and `choose`. */
+#define PLAIN_KERNELS(name)                                                                        \
+  static void eval_plain(const void *p, size_t n, const float(*wi)[3], const float(*wo)[3],        \
+                         float(*f)[3]) {                                                           \
+    ylm__plain_eval(both, p, n, wi, wo, f);                                                        \
+  }                                                                                                \
+  static void pdf_plain(const void *p, size_t n, const float(*wi)[3], const float(*wo)[3],         \
+                        float *pdf) {                                                              \
+    ylm__plain_pdf(both, p, n, wi, wo, pdf);                                                       \
+  }                                                                                                \
+  static void sample_plain(const void *p, size_t n, const float(*wo)[3], const float(*u)[3],       \
+                           float(*wi)[3], float(*weight)[3], float *pdf) {                         \
+    ylm__plain_sample(both, choose, p, n, wo, u, wi, weight, pdf);                                 \
+  }                                                                                                \
+  const material_kernels ylm__material_##name##_plain = {eval_plain, sample_plain, pdf_plain};
 
 /* wo mirrored at a visible normal of GGX microfacets: visible.h. */
 void ylm__plain_mirrored(double ax, double ay, const double wo[3], const float u[3], double wi[3]);

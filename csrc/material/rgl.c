@@ -83,15 +83,15 @@ static blend slices_of(const rgl_table *t, float phi, float theta) {
 }
 
 /* The eye, as the tables know it. */
-typedef struct view {
+typedef struct eye {
   frame frame;
   float o[3], phi;
   blend slices;
   float sigma;
-} view;
+} eye;
 
-static view view_of(const rgl_table *t, const float wo[3]) {
-  view v = {.frame = frame_of(t, wo)};
+static eye eye_of(const rgl_table *t, const float wo[3]) {
+  eye v = {.frame = frame_of(t, wo)};
   forth(&v.frame, wo, v.o);
   float theta = elevation(v.o);
   v.phi = azimuth(v.o);
@@ -104,7 +104,7 @@ static view view_of(const rgl_table *t, const float wo[3]) {
 /* -- what the tables say ---------------------------------------------------- */
 
 /* f wi.z where the half vector's place is u, which visible normals warp to s. */
-static void value_at(const rgl_table *t, const view *v, const float u[2], const float s[2],
+static void value_at(const rgl_table *t, const eye *v, const float u[2], const float s[2],
                      float out[3]) {
   float scale = 1;
   if (t->jacobian) scale = v->sigma > 0 ? ylm__raster_at(&t->ndf, u) / (4 * v->sigma) : 0;
@@ -124,7 +124,7 @@ typedef struct pair {
   float u[2], s[2], density, jacobian;
 } pair;
 
-static pair pair_of(const rgl_table *t, const view *v, const float wi[3]) {
+static pair pair_of(const rgl_table *t, const eye *v, const float wi[3]) {
   float i[3], m[3];
   forth(&v->frame, wi, i);
   for (int a = 0; a < 3; a++) m[a] = i[a] + v->o[a];
@@ -144,7 +144,7 @@ static void eval(const ylm_material *m, size_t n, const float (*wi)[3], const fl
   for (size_t k = 0; k < n; k++) {
     f[k][0] = f[k][1] = f[k][2] = 0;
     if (!(wi[k][2] > 0 && wo[k][2] > 0)) continue;
-    view v = view_of(t, wo[k]);
+    eye v = eye_of(t, wo[k]);
     pair p = pair_of(t, &v, wi[k]);
     value_at(t, &v, p.u, p.s, f[k]);
     for (int c = 0; c < 3; c++) f[k][c] /= wi[k][2];
@@ -157,14 +157,14 @@ static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const flo
   for (size_t k = 0; k < n; k++) {
     out[k] = 0;
     if (!(wi[k][2] > 0 && wo[k][2] > 0)) continue;
-    view v = view_of(t, wo[k]);
+    eye v = eye_of(t, wo[k]);
     pair p = pair_of(t, &v, wi[k]);
     out[k] = p.density * ylm__warp_density(&t->luminance, &v.slices, p.s) * p.jacobian;
   }
 }
 
 /* The half vector of a place, and per_direction. */
-static float half_vector(const rgl_table *t, const view *v, const float u[2], float m[3]) {
+static float half_vector(const rgl_table *t, const eye *v, const float u[2], float m[3]) {
   float theta = u[0] * u[0] * (PI / 2), phi = (2 * u[1] - 1) * PI + (t->isotropic ? v->phi : 0);
   float sine = sinf(theta);
   m[0] = sine * cosf(phi);
@@ -176,13 +176,13 @@ static float half_vector(const rgl_table *t, const view *v, const float u[2], fl
 /* Directions for n <= WARP_BLOCK eyes above the surface. */
 static void sample_block(const rgl_table *t, size_t n, const float (*wo)[3], const float (*u)[3],
                          float (*wi)[3], float (*weight)[3], float *pdf) {
-  view v[WARP_BLOCK];
+  eye v[WARP_BLOCK];
   blend slices[WARP_BLOCK];
   float start[WARP_BLOCK][2], s[WARP_BLOCK][2], um[WARP_BLOCK][2], of_s[WARP_BLOCK],
       of_u[WARP_BLOCK];
   if (n == 0) return;
   for (size_t k = 0; k < n; k++) {
-    v[k] = view_of(t, wo[k]);
+    v[k] = eye_of(t, wo[k]);
     slices[k] = v[k].slices;
     start[k][0] = u[k][0];
     start[k][1] = u[k][1];

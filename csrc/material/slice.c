@@ -1,4 +1,4 @@
-/* slice.c - the slice f wi.z of a view in spherical harmonics, by quadrature about the mirror direction. */
+/* slice.c - the slice f wi.z of an eye in spherical harmonics, by quadrature about the mirror direction. */
 #include "slice.h"
 
 #include <math.h>

@@ -1,11 +1,11 @@
-/* slice.h - the slice f wi.z of a view in spherical harmonics. Private to csrc/material. */
+/* slice.h - the slice f wi.z of an eye in spherical harmonics. Private to csrc/material. */
 #ifndef YLM_MATERIAL_SLICE_H
 #define YLM_MATERIAL_SLICE_H
 
 #include "calibration.h"
 #include "ylm_material_table.h"
 
-/* A slice, in the frame of its view. */
+/* A slice, in the frame of its eye. */
 typedef struct material_slice {
   double total[3]; /* the integrals of the squares of the channels */
   double *c;       /* [3][(lmax+1)^2] */
@@ -16,20 +16,20 @@ typedef struct slice_room slice_room;
 slice_room *ylm__slice_room(int lmax);
 void ylm__slice_room_free(slice_room *r);
 
-/* The slice of the view at `angle` from the normal, `azimuth` from the tangent. Of FIT: f (wi.z)^2, which fit.c
+/* The slice of the eye at `angle` from the normal, `azimuth` from the tangent. Of FIT: f (wi.z)^2, which fit.c
    takes, and the integrals of (f wi.z)^2. YLM_ENOMEM */
 ylm_status ylm__slice(const ylm_material *m, slice_room *r, double angle, double azimuth,
                       ylm_material_table_slice of, material_slice *out);
 
 /* -- kernels: slice_kernel.h ----------------------------------------------------- */
 
-/* Half planes through the mirror direction of a view. */
+/* Half planes through the mirror direction of an eye. */
 typedef struct slice_planes {
   int nodes;
   const double *part, *weight; /* [nodes]: angles in parts of `end`, and what they count */
   double end[SLICE_WIDE], cos_phi[SLICE_WIDE],
       sin_phi[SLICE_WIDE];      /* angle of the horizon; azimuth */
-  double cosine, sine, turn[2]; /* of the view's angle; of its azimuth */
+  double cosine, sine, turn[2]; /* of the eye's angle; of its azimuth */
 } slice_planes;
 
 /* Their nodes: [nodes][SLICE_WIDE]. */

@@ -39,7 +39,7 @@ ylm_status ylm_material_table_kept_as(const ylm_material *m, ylm_material_table_
     ylm_free(new);
     return s;
   }
-  do new->next = head; /* one that another thread has made meanwhile stays behind it */
+  do new->next = head; /* one that another thread made in between stays behind it */
   while (!atomic_compare_exchange_weak(kept, &head, new));
   *table = new->table;
   return YLM_OK;

@@ -81,7 +81,7 @@ void ylm_material_table_rows(const ylm_material_table *t, size_t n, const float 
   }
 }
 
-/* One channel of a row in the surface's frame, whose view stands at an azimuth. */
+/* One channel of a row in the surface's frame, whose eye stands at an azimuth. */
 static void turn_slice(const ylm_material_table *t, int channel, double azimuth, const float *row,
                        float *out) {
   size_t k = 0;

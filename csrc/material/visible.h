@@ -1,8 +1,8 @@
 /*
 ** visible.h - mirrors by the visible normals of GGX microfacets, in lanes. For *.isa.c.
 **
-** A mirrored direction that would lie below the surface is mirrored in it. So no sample is lost, and
-** the density of a direction is the sum of two: its own and its image's. It integrates to 1.
+** A mirrored direction that would lie below the surface is mirrored in it. No sample is lost so, and the density of a
+** direction is the sum of two: its own and its image's. The density integrates to 1.
 **
 ** Sources  Heitz 2014, "Understanding the Masking-Shadowing Function in Microfacet-Based BRDFs";
 **          Heitz 2018, "Sampling the GGX Distribution of Visible Normals"; spherical caps: Dupuy &

@@ -86,7 +86,7 @@ YLM_API ylm_status ylm_material_load(int kind, size_t n, const float *numbers, c
 YLM_API const ylm_material *ylm_material_keep(const ylm_material *m);
 YLM_API void ylm_material_free(const ylm_material *m);
 YLM_API int ylm_material_kind(const ylm_material *m);
-/* Whether its light differs from view to view: transfer vectors alone do not say what it reflects. */
+/* Whether its light differs from eye to eye: transfer vectors alone do not say what it reflects. */
 YLM_API bool ylm_material_glosses(const ylm_material *m);
 /* The memory that it takes. */
 YLM_API size_t ylm_material_bytes(const ylm_material *m);
@@ -94,7 +94,7 @@ YLM_API size_t ylm_material_bytes(const ylm_material *m);
 /* Reflected over incident flux, where light comes from everywhere alike: the mean albedo. */
 YLM_API void ylm_material_albedo(const ylm_material *m, float albedo[3]);
 
-/* Transfer vectors know no direction of view: by the two functions that follow, surfaces that gloss
+/* Transfer vectors know no direction to the eye: by the two functions that follow, surfaces that gloss
    are matte ones of their mean albedo. */
 
 /* In place, products of n transfer vectors with light to the radiance that leaves: light [n][3]. */
@@ -147,11 +147,11 @@ YLM_API void ylm_material_pdf(const ylm_material *m, size_t n, const float (*wi)
 /*
 ** ylm_material_degrees - the degree of spherical harmonics that slices of a material need.
 **
-** The slice of a view is f wi.z over directions wi; cut at a degree, it misses a part of its norm.
+** The slice of an eye is f wi.z over directions wi; cut at a degree, it misses a part of its norm.
 **
 **   error   in   above 0, below 1: the part that may be missed
 **   most    in   0 .. YLM_MATERIAL_DEGREES
-**   angle   in   [n]  of views from the normal towards the tangent, radians, below pi/2
+**   angle   in   [n]  of eyes from the normal towards the tangent, radians, below pi/2
 **   degree  out  [n]  the least that misses no more; most + 1: a higher one
 **
 ** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM
@@ -166,7 +166,7 @@ YLM_API ylm_status ylm_material_degrees(const ylm_material *m, double error, int
 ** ylm_material_write_merl - an isotropic material as one of MERL's files.
 **
 ** The file has the material's f at the centres of the bins, and -1 where one of the directions is not
-** above the surface; of a material that is such a table, its own numbers. It has 34,992,012 bytes.
+** above the surface; of a material that is such a table, its own numbers. The file has 34,992,012 bytes.
 **
 ** Returns  YLM_OK; YLM_EDOMAIN (anisotropic), YLM_EIO, YLM_ENOMEM
 ** Source   Matusik et al. 2003, "A Data-Driven Reflectance Model"; Rusinkiewicz 1998

@@ -17,7 +17,7 @@ extern "C" {
 #define YLM_MATERIAL_NEAREST_ROWS 90
 
 /*
-** From n views to those of the rows and columns that stand for them.
+** From n eyes to those of the rows and columns that stand for them.
 **
 **   facts  in   of the table
 **   wo     in   [n][3] of length 1, in the surface's frame

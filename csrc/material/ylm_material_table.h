@@ -1,9 +1,9 @@
 /*
 ** ylm_material_table.h - materials as tables of spherical harmonics: what surfaces that gloss are shaded by.
 **
-** The slice of a view is f wi.z over directions wi. A table holds the coefficients of slices at rows of
-** elevation, of anisotropic materials at columns of azimuth too, in the frame of the view: z the normal,
-** x in the plane of normal and view. Slices of isotropic materials are symmetric there, and coefficients of
+** The slice of an eye is f wi.z over directions wi. A table holds the coefficients of slices at rows of
+** elevation, of anisotropic materials at columns of azimuth too, in the frame of the eye: z the normal,
+** x in the plane of normal and eye. Slices of isotropic materials are symmetric there, and coefficients of
 ** m < 0 are zero.
 **
 ** The three channels are mixtures of few functions: of one where a material is grey, of two where
@@ -54,7 +54,7 @@ typedef struct ylm_material_table_facts {
       width; /* numbers in a row of a function: (lmax+1)(lmax+2)/2 of isotropic materials, else (lmax+1)^2 */
   bool halves; /* rows hold m >= 0 alone */
   double
-      error; /* between rows and columns, relative to the slice, the largest: of views to 84 degrees, */
+      error; /* between rows and columns, relative to the slice, the largest: of eyes to 84 degrees, */
   double grazing; /* of the others */
   size_t bytes;
   double seconds;
@@ -75,9 +75,8 @@ typedef struct ylm_material_table_facts {
 YLM_API ylm_status ylm_material_table_create(const ylm_material *m,
                                              const ylm_material_table_form *form,
                                              ylm_material_table **table, ylm_error *e);
-/* The table of a material and a degree, made at the first call, by 32 rows and 64 columns doubled to an
-   error of 0.002, and kept with the material: valid as long as it. Any number of threads at once.
-   As ylm_material_table_create. */
+/* The table of a material and a degree, made at the first call and kept with the material. Its rows and columns, 32 and 64,
+   are doubled to an error of 0.002: valid as long as it. Any number of threads at once. As ylm_material_table_create. */
 YLM_API ylm_status ylm_material_table_kept(const ylm_material *m, int lmax, int threads,
                                            const ylm_progress *progress,
                                            const ylm_material_table **table, ylm_error *e);
@@ -92,10 +91,10 @@ YLM_API void ylm_material_table_look(const ylm_material_table *table,
                                      ylm_material_table_facts *facts);
 
 /*
-** ylm_material_table_rows - slices of n views, cubic between rows and columns.
+** ylm_material_table_rows - slices of n eyes, cubic between rows and columns.
 **
 **   wo   in   [n][3]  of length 1, in the surface's frame; below the horizon: as at the last row
-**   out  out  [n][functions][width], in the frame of each view
+**   out  out  [n][functions][width], in the frame of each eye
 */
 YLM_API void ylm_material_table_rows(const ylm_material_table *table, size_t n,
                                      const float (*wo)[3], float *out);
@@ -104,7 +103,7 @@ YLM_API ylm_status ylm_material_table_slices(const ylm_material_table *table, si
                                              const float (*wo)[3], float *out);
 /* How channels are made of functions: channel c = sum over k of mix[c][k] function k. */
 YLM_API const float (*ylm_material_table_mix(const ylm_material_table *table))[3];
-/* The part of the slice's norm that coefficients up to `lmax` miss, for n views; lmax at most the table's;
+/* The part of the slice's norm that coefficients up to `lmax` miss, for n eyes; lmax at most the table's;
    error [n]. Of fits: the norm of wi.z (B - f) over that of f wi.z, whatever lmax is. */
 YLM_API void ylm_material_table_missed(const ylm_material_table *table, int lmax, size_t n,
                                        const float (*wo)[3], float *error);

@@ -1,5 +1,6 @@
 /* zonal.c - glossy points by zonal lobes, lamp by lamp. */
 #include "ylm_rival.h"
+#include "ylm_vector.h"
 
 #include <math.h>
 
@@ -33,10 +34,6 @@ static void lobes_at(const ylm_rival_points *p, size_t lobe, double cosine, doub
   for (size_t i = 0; i < row; i++) z[i] = (1 - t) * a[i] + t * a[row + i];
 }
 
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static void shade_point(const job *j, size_t i) {
   const ylm_rival_points *p = j->p;
   double v[3], r[3], n[3], z[3 * (LMAX + 1)], w[LMAX + 1], out[3] = {0}, length = 0;
@@ -46,7 +43,7 @@ static void shade_point(const job *j, size_t i) {
     length += v[a] * v[a];
   }
   for (int a = 0; a < 3; a++) v[a] /= length > 0 ? sqrt(length) : 1;
-  double up = dot(v, n);
+  double up = ylm_dot3d(v, n);
   for (int a = 0; a < 3; a++) r[a] = 2 * up * n[a] - v[a];
   lobes_at(p, (size_t)p->lobe[i], up, z);
   for (size_t k = 0; k < j->lamps->n; k++) {
@@ -56,9 +53,9 @@ static void shade_point(const job *j, size_t i) {
       dd += d[a] * d[a];
     }
     for (int a = 0; a < 3; a++) d[a] /= dd > 0 ? sqrt(dd) : 1;
-    double cosine = dot(n, d);
+    double cosine = ylm_dot3d(n, d);
     if (cosine <= 0) continue;
-    lamp_terms(p->lmax, dd > 0 ? radius * radius / dd : 1, fmin(1, fmax(-1, dot(r, d))), w);
+    lamp_terms(p->lmax, dd > 0 ? radius * radius / dd : 1, fmin(1, fmax(-1, ylm_dot3d(r, d))), w);
     for (int c = 0; c < 3; c++) {
       double sum = 0;
       for (int l = 0; l <= p->lmax; l++) sum += z[c * (p->lmax + 1) + l] * w[l];

@@ -50,8 +50,8 @@
 
 /* -- light that fills the sky: dome.c ------------------------------------------------------------ */
 
-/* Size of the table of a dome that is no image, samples of a cell a side, and the share of the mean
-   that is added to each cell. */
+/* The table of a dome that is no image: its size, samples of a cell a side, and the share of the mean that is added to each
+   cell. */
 #define TABLE_WIDTH 128
 #define TABLE_HEIGHT 64
 #define TABLE_LOOKS 2

@@ -3,12 +3,6 @@
 
 #include "scene.h"
 
-static void cross(const double a[3], const double b[3], double out[3]) {
-  out[0] = a[1] * b[2] - a[2] * b[1];
-  out[1] = a[2] * b[0] - a[0] * b[2];
-  out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 ylm_status ylm_scene_frame(const ylm_camera *c, int width, int height, ylm_camera_frame *f,
                            ylm_error *e) {
   double up[3];
@@ -22,12 +16,12 @@ ylm_status ylm_scene_frame(const ylm_camera *c, int width, int height, ylm_camer
   if (!ylm_unit3(f->forward))
     return ylm_fail(e, YLM_EINVAL, "the camera's from and at must be different points");
   if (!ylm_unit3(up)) return ylm_fail(e, YLM_EINVAL, "the camera's up must not be zero");
-  cross(f->forward, up, f->right);
+  ylm_cross3d(f->forward, up, f->right);
   double sine =
       sqrt(f->right[0] * f->right[0] + f->right[1] * f->right[1] + f->right[2] * f->right[2]);
   if (!(sine > 1e-9) || !ylm_unit3(f->right))
     return ylm_fail(e, YLM_EINVAL, "the camera's up must not point along its view");
-  cross(f->right, f->forward, f->up);
+  ylm_cross3d(f->right, f->forward, f->up);
   double half = tan(c->fov * (3.14159265358979323846 / 360));
   for (int a = 0; a < 3; a++) {
     f->right[a] *= half * width / height;

@@ -81,7 +81,7 @@ static float pivot_of(const scene_item *item, range r, int axis) {
   return middle_of(x[0], x[1], x[2]);
 }
 
-/* As separate_few: large ranges are parted until that no longer helps. */
+/* As separate_few: large ranges are parted as long as that helps. */
 static void separate(scene_item *item, range r, size_t at, int axis) {
   while (r.end - r.begin > ORDER_FEW) {
     size_t n = r.end - r.begin, behind = part(item, r, pivot_of(item, r, axis), axis);

@@ -8,15 +8,6 @@
 
 #define PI 3.14159265358979323846
 
-static double dot(const double *a, const double *b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-static void cross(const double *a, const double *b, double *c) {
-  c[0] = a[1] * b[2] - a[2] * b[1];
-  c[1] = a[2] * b[0] - a[0] * b[2];
-  c[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 /* A triangle's corners about x, its unnormalised normal (twice the area) and solid angle, which is
    `known` if that is above 0. */
 static double triangle_about(const float *corners, const float x[3], double known, double v[3][3],
@@ -25,12 +16,12 @@ static double triangle_about(const float *corners, const float x[3], double know
   for (int i = 0; i < 3; i++)
     for (int k = 0; k < 3; k++) v[i][k] = (double)corners[3 * i + k] - (double)x[k];
   for (int k = 0; k < 3; k++) a[k] = v[1][k] - v[0][k], b[k] = v[2][k] - v[0][k];
-  cross(a, b, n);
+  ylm_cross3d(a, b, n);
   if (known > 0) return known;
-  for (int i = 0; i < 3; i++) r[i] = sqrt(dot(v[i], v[i]));
-  for (int i = 0; i < 3; i++) d[i] = dot(v[i], v[(i + 1) % 3]);
-  return fabs(2 *
-              atan2(dot(n, v[0]), r[0] * r[1] * r[2] + d[0] * r[2] + d[1] * r[0] + d[2] * r[1]));
+  for (int i = 0; i < 3; i++) r[i] = sqrt(ylm_dot3d(v[i], v[i]));
+  for (int i = 0; i < 3; i++) d[i] = ylm_dot3d(v[i], v[(i + 1) % 3]);
+  return fabs(
+      2 * atan2(ylm_dot3d(n, v[0]), r[0] * r[1] * r[2] + d[0] * r[2] + d[1] * r[0] + d[2] * r[1]));
 }
 
 /* Bound of the cosine at the surface over what of a patch is above its horizon; 0: nothing is. Says
@@ -42,7 +33,7 @@ static double triangle_weight(const float *corners, const float x[3], const floa
   if (!n) return omega / PI;
   for (int i = 0; i < 3; i++) {
     double h = v[i][0] * (double)n[0] + v[i][1] * (double)n[1] + v[i][2] * (double)n[2];
-    double r = sqrt(dot(v[i], v[i]));
+    double r = sqrt(ylm_dot3d(v[i], v[i]));
     double cosine = r > 0 ? h / r : 1;
     most = cosine > most ? cosine : most;
   }
@@ -58,9 +49,9 @@ static double disk_weight(const float *disk, const float x[3], const float n[3])
     up += v[k] * (n ? (double)n[k] : 0);
     nm += m[k] * (n ? (double)n[k] : 0);
   }
-  double highest = up + r * sqrt(fmax(0, 1 - nm * nm)), d2 = dot(v, v), d = sqrt(d2);
+  double highest = up + r * sqrt(fmax(0, 1 - nm * nm)), d2 = ylm_dot3d(v, v), d = sqrt(d2);
   if (n && !(highest > 0)) return 0;
-  double facing = fabs(dot(v, m)) / fmax(d, 1e-30), near = fmax(d - r, 0.2 * r);
+  double facing = fabs(ylm_dot3d(v, m)) / fmax(d, 1e-30), near = fmax(d - r, 0.2 * r);
   double omega = 2 * PI * (1 - d / sqrt(d2 + r * r)) * fmax(facing, 0.1);
   return omega / PI * (n ? fmin(1, fmax(0.2, highest / near)) : 1);
 }
@@ -92,26 +83,26 @@ void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float 
 static void in_spherical_triangle(const double a[3], const double b[3], const double c[3],
                                   double u0, double u1, double out[3]) {
   double n[3][3], angle[3];
-  cross(a, b, n[0]), cross(b, c, n[1]), cross(c, a, n[2]);
+  ylm_cross3d(a, b, n[0]), ylm_cross3d(b, c, n[1]), ylm_cross3d(c, a, n[2]);
   for (int i = 0; i < 3; i++) {
-    double l = sqrt(dot(n[i], n[i]));
+    double l = sqrt(ylm_dot3d(n[i], n[i]));
     for (int k = 0; k < 3; k++) n[i][k] /= l > 0 ? l : 1;
   }
   for (int i = 0; i < 3; i++) /* inner angles at a, b, c */
-    angle[i] = acos(fmax(-1, fmin(1, -dot(n[i], n[(i + 2) % 3]))));
+    angle[i] = acos(fmax(-1, fmin(1, -ylm_dot3d(n[i], n[(i + 2) % 3]))));
   double area = u0 * (angle[0] + angle[1] + angle[2] - PI);
-  double s = sin(area - angle[0]), t = cos(area - angle[0]), cosine = dot(a, b);
+  double s = sin(area - angle[0]), t = cos(area - angle[0]), cosine = ylm_dot3d(a, b);
   double u = t - cos(angle[0]), v = s + sin(angle[0]) * cosine;
   double q = ((v * t - u * s) * cos(angle[0]) - v) / ((v * s + u * t) * sin(angle[0]));
   q = q > -1 ? fmin(q, 1) : -1; /* where rounding left the domain, or no number */
-  double perp[3], ca = dot(c, a), l, edge[3];
+  double perp[3], ca = ylm_dot3d(c, a), l, edge[3];
   for (int k = 0; k < 3; k++) perp[k] = c[k] - ca * a[k];
-  l = sqrt(dot(perp, perp));
+  l = sqrt(ylm_dot3d(perp, perp));
   for (int k = 0; k < 3; k++)
     edge[k] = q * a[k] + sqrt(fmax(0, 1 - q * q)) * perp[k] / (l > 0 ? l : 1);
-  double z = 1 - u1 * (1 - dot(edge, b)), eb = dot(edge, b), side[3];
+  double z = 1 - u1 * (1 - ylm_dot3d(edge, b)), eb = ylm_dot3d(edge, b), side[3];
   for (int k = 0; k < 3; k++) side[k] = edge[k] - eb * b[k];
-  l = sqrt(dot(side, side));
+  l = sqrt(ylm_dot3d(side, side));
   for (int k = 0; k < 3; k++)
     out[k] = z * b[k] + sqrt(fmax(0, 1 - z * z)) * side[k] / (l > 0 ? l : 1);
 }
@@ -125,14 +116,15 @@ static void in_triangle(double v[3][3], double u0, double u1, double out[3]) {
 
 /* The part of y along n; its length where there is no normal. */
 static double part_along(const double y[3], const float n[3]) {
-  return n ? y[0] * (double)n[0] + y[1] * (double)n[1] + y[2] * (double)n[2] : sqrt(dot(y, y));
+  return n ? y[0] * (double)n[0] + y[1] * (double)n[1] + y[2] * (double)n[2]
+           : sqrt(ylm_dot3d(y, y));
 }
 
 /* Irradiance through a place y of a patch, for unit radiance: cosines over distance squared times
    the area. */
 static double by_area(const double y[3], const double m[3], double area, const float n[3]) {
-  double r2 = dot(y, y), up = part_along(y, n);
-  return up > 0 && r2 > 0 ? up * fabs(dot(y, m)) * area / (r2 * r2) : 0;
+  double r2 = ylm_dot3d(y, y), up = part_along(y, n);
+  return up > 0 && r2 > 0 ? up * fabs(ylm_dot3d(y, m)) * area / (r2 * r2) : 0;
 }
 
 static double sample_by_area(const float *corners, const float x[3], const float n[3], double u0,
@@ -141,7 +133,7 @@ static double sample_by_area(const float *corners, const float x[3], const float
   for (int i = 0; i < 3; i++)
     for (int k = 0; k < 3; k++) v[i][k] = (double)corners[3 * i + k] - (double)x[k];
   for (int k = 0; k < 3; k++) a[k] = v[1][k] - v[0][k], b[k] = v[2][k] - v[0][k];
-  cross(a, b, m);
+  ylm_cross3d(a, b, m);
   in_triangle(v, u0, u1, y);
   return by_area(y, m, 0.5, n);
 }
@@ -149,7 +141,7 @@ static double sample_by_area(const float *corners, const float x[3], const float
 static double sample_triangle(const float *corners, const float x[3], const float n[3], double u0,
                               double u1, double solid, double y[3]) {
   double v[3][3], across[3], omega = triangle_about(corners, x, solid, v, across);
-  double twice = sqrt(dot(across, across)), m[3];
+  double twice = sqrt(ylm_dot3d(across, across)), m[3];
   for (int k = 0; k < 3; k++) m[k] = across[k] / (twice > 0 ? twice : 1);
   if (omega < PATCH_SMALL) {
     in_triangle(v, u0, u1, y);
@@ -157,11 +149,11 @@ static double sample_triangle(const float *corners, const float x[3], const floa
   }
   double w[3][3], s[3];
   for (int i = 0; i < 3; i++) {
-    double r = sqrt(dot(v[i], v[i]));
+    double r = sqrt(ylm_dot3d(v[i], v[i]));
     for (int k = 0; k < 3; k++) w[i][k] = v[i][k] / r;
   }
   in_spherical_triangle(w[0], w[1], w[2], u0, u1, s);
-  double along = dot(s, m), h = dot(v[0], m), t = h / along;
+  double along = ylm_dot3d(s, m), h = ylm_dot3d(v[0], m), t = h / along;
   if (!(t > 0) || !isfinite(t)) return 0;
   for (int k = 0; k < 3; k++) y[k] = t * s[k];
   return fmax(0, part_along(s, n)) * omega;
@@ -184,7 +176,7 @@ static double sample_disk(const float *disk, const float x[3], const float n[3],
    patch's horizon hides that place. */
 static double aim(const ylm_scene *s, size_t i, const float x[3], const double y[3], double e,
                   ylm_trace_ray *ray, const float **radiance) {
-  double p[3], d = sqrt(dot(y, y)), above = 0;
+  double p[3], d = sqrt(ylm_dot3d(y, y)), above = 0;
   for (int k = 0; s->horizon && k < 3; k++) above += (double)s->horizon[3 * i + (size_t)k] * y[k];
   if (!(e > 0) || !(d > 0) || above < 0) return 0;
   for (int k = 0; k < 3; k++) {
@@ -221,10 +213,10 @@ ylm_status ylm__scene_make_far(ylm_scene *s) {
       f->centre[k] = ((double)t[k] + (double)t[3 + k] + (double)t[6 + k]) / 3;
       for (int c = 0; c < 3; c++) e[c][k] = (double)t[3 * ((c + 1) % 3) + k] - (double)t[3 * c + k];
     }
-    for (int c = 0; c < 3; c++) longest = fmax(longest, dot(e[c], e[c]));
-    cross(e[0], e[1], f->across);
+    for (int c = 0; c < 3; c++) longest = fmax(longest, ylm_dot3d(e[c], e[c]));
+    ylm_cross3d(e[0], e[1], f->across);
     for (int k = 0; k < 3; k++) f->across[k] /= 2;
-    f->area = sqrt(dot(f->across, f->across));
+    f->area = sqrt(ylm_dot3d(f->across, f->across));
     f->reach2 = PATCH_FAR * PATCH_FAR * longest;
   }
   return YLM_OK;
@@ -234,13 +226,13 @@ ylm_status ylm__scene_make_far(ylm_scene *s) {
 static double far_away(const ylm_scene *s, size_t i, const float x[3], double v[3]) {
   const scene_far *f = &s->far[i];
   for (int k = 0; k < 3; k++) v[k] = f->centre[k] - (double)x[k];
-  double d2 = dot(v, v);
+  double d2 = ylm_dot3d(v, v);
   return d2 >= f->reach2 && f->area > 0 ? d2 : 0;
 }
 
 /* As triangle_weight; never 0 where a corner is above the horizon. */
 static double far_weight(const scene_far *f, const double v[3], double d2, const float n[3]) {
-  double d = sqrt(d2), facing = fabs(dot(v, f->across)) / d, least = 0.1 * f->area;
+  double d = sqrt(d2), facing = fabs(ylm_dot3d(v, f->across)) / d, least = 0.1 * f->area;
   double omega = (facing > least ? facing : least) / d2;
   if (!n) return omega / PI;
   double up = (v[0] * (double)n[0] + v[1] * (double)n[1] + v[2] * (double)n[2]) / d;
@@ -288,7 +280,8 @@ static double triangle_density(const ylm_scene *s, size_t i, const float x[3], d
     if (omega >= PATCH_SMALL) return 1 / omega;
   }
   if (!(f->area > 0)) return 0;
-  return density_by_area(dot(to, f->across) / f->area, dot(d, f->across) / f->area, f->area);
+  return density_by_area(ylm_dot3d(to, f->across) / f->area, ylm_dot3d(d, f->across) / f->area,
+                         f->area);
 }
 
 static double disk_density(const float *disk, const float x[3], const double d[3]) {

@@ -135,8 +135,8 @@ void ylm__scene_free_sky(ylm_scene *s);
 static inline size_t ylm__scene_sky_lights(const ylm_scene *s) { return s->sky_lights; }
 /* As ylm__scene_patch_weights, of distant lights. */
 void ylm__scene_sky_weights(const ylm_scene *s, const float *n, float *weight, float *sum);
-/* A ray from x to distant light i, the radiance there and the irradiance that it brings for
-   radiance 1, of a point in space (n NULL) the scalar one. */
+/* A ray from x to distant light i, the radiance there and the irradiance that it brings for radiance 1. Points in space (n
+   NULL) have the scalar one. */
 double ylm__scene_sky_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                              double u0, double u1, ylm_trace_ray *ray, float radiance[3]);
 /* The density of those rays, sr^-1, in a direction of length 1. */
@@ -199,8 +199,8 @@ void ylm__scene_walk_to(scene_walk *w, const ylm_scene_chooser *c, double target
 /* A direction about the axis: cosine z, azimuth u of 0 .. 1. */
 void ylm__scene_turn(const float axis[3], double z, double u, float out[3]);
 
-/* A ray from x to a random place of sphere i and the irradiance that it brings for radiance 1, of a
-   point in space (n NULL) the scalar one. */
+/* A ray from x to a random place of sphere i and the irradiance that it brings for radiance 1. Points in space (n NULL)
+   have the scalar one. */
 double ylm__scene_sphere_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                                 double u0, double u1, ylm_trace_ray *ray);
 /* The density of those rays, sr^-1, in a direction of length 1 that meets sphere i. */

@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "scene.h"
+#include "ylm_light_spot.h"
 
 #define SOLID 1e-12    /* sr */
 #define BRIGHTEST 1e36 /* of a radiance, whose sums are floats */

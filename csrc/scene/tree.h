@@ -13,10 +13,9 @@
 #define SCENE_LEVELS 8
 
 /* Light that leaves each child. Its power is luminance times area over pi, seen from where it is
-   largest. Its place is the mean of its lamps', weighed by power, with the mean square of their
-   distances, and the radius of a ball that holds them all.
-   `facing` is the mean of the squared cosine at
-   lamps towards v, v'Fv/|v|^2: xx, yy, zz, xy, xz, yz; spheres have 1 on all sides. */
+   largest. Its place is the mean of its lamps', weighed by power, with the mean square of their distances. A ball of its
+   radius holds them all. `facing` is the mean of the squared cosine at lamps towards v, v'Fv/|v|^2: xx, yy, zz, xy, xz, yz;
+   spheres have 1 on all sides. */
 typedef struct scene_node {
   float x[3][SCENE_WIDTH], power[SCENE_WIDTH], spread[SCENE_WIDTH], radius[SCENE_WIDTH];
   float facing[6][SCENE_WIDTH];

@@ -17,14 +17,16 @@
 
 #include "ylm_base.h"
 #include "ylm_image.h"
-#include "ylm_light.h"
-#include "ylm_light_spot.h"
 #include "ylm_material.h"
 #include "ylm_trace.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+typedef struct ylm_light_image ylm_light_image; /* ylm_light.h */
+typedef struct ylm_light_set ylm_light_set;
+typedef struct ylm_light_spot ylm_light_spot; /* ylm_light_spot.h */
 
 /* -- scenes ------------------------------------------------------------------ */
 
@@ -275,7 +277,7 @@ YLM_API bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const floa
 */
 YLM_API double ylm_scene_sample(const ylm_scene_chooser *c, const double u[3], ylm_trace_ray *ray,
                                 float radiance[3], uint32_t *lamp);
-/* That density for a direction of length 1 that meets the lamp. */
+/* The density for a direction of length 1 that meets the lamp. */
 YLM_API double ylm_scene_density(const ylm_scene_chooser *c, uint32_t lamp,
                                  const float direction[3]);
 

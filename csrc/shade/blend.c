@@ -2,23 +2,48 @@
 #include <math.h>
 #include <string.h>
 
+#include "calibration.h"
 #include "gloss.h"
 
-/* The shares of rays at all points, and the counts of the report. */
-static void weigh(const ylm_shade_view *v, const shade_tables *t, int lmax, bool rays, float *share,
-                  ylm_shade_blended *r) {
+typedef struct weighing {
+  const ylm_shade_view *v;
+  const shade_tables *t;
+  int lmax;
+  float *share, *error; /* [points] */
+} weighing;
+
+static bool glosses(const ylm_shade_view *v, size_t i) {
+  return ylm__shade_gloss_slot(v->gloss, v->mesh[i]) != YLM_SHADE_MATTE;
+}
+
+static ylm_status weigh_points(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const weighing *w = context;
+  for (size_t i = begin; i < end; i++)
+    if (glosses(w->v, i))
+      ylm__shade_gloss_shares(w->v, w->t, w->lmax, i, 1, w->share + i, w->error + i);
+  return YLM_OK;
+}
+
+/* The shares of rays at all points, and the counts of the report. YLM_ENOMEM. */
+static ylm_status weigh(const ylm_shade_view *v, const shade_tables *t, int lmax, bool rays,
+                        int threads, float *share, ylm_shade_blended *r) {
   double harmonics = 0, square = 0;
+  weighing w = {v, t, lmax, share, ylm_alloc(v->points, sizeof *w.error)};
+  if (!w.error) return YLM_ENOMEM;
+  ylm_parallel(v->points, SHADE_GRAIN, threads, weigh_points, &w, NULL, NULL);
   for (size_t i = 0; i < v->points; i++) {
-    float e;
-    if (ylm__shade_gloss_slot(v->gloss, v->mesh[i]) == YLM_SHADE_MATTE) continue;
-    ylm__shade_gloss_shares(v, t, lmax, i, 1, share + i, &e);
+    double e = (double)w.error[i];
+    if (!glosses(v, i)) continue;
     if (!rays) share[i] = 0;
     r->sh += share[i] < 1;
     r->rays += share[i] > 0;
     harmonics += 1 - (double)share[i];
-    square += (1 - (double)share[i]) * (double)e * (double)e;
+    square += (1 - (double)share[i]) * e * e;
   }
   if (harmonics > 0) r->missed = sqrt(square / harmonics);
+  ylm_free(w.error);
+  return YLM_OK;
 }
 
 /* The points of which rays are a part. */
@@ -61,7 +86,7 @@ ylm_status ylm_shade_blend(const ylm_shade_view *v, const ylm_shade_blending *o,
   int degree = o->weight == YLM_SHADE_TRANSFER ? v->o.lmax : o->lmax;
   ylm_status s = ylm__shade_gloss_tables(v, degree, o->threads, o->progress, &t, e);
   if (s != YLM_OK) return s;
-  weigh(v, t, o->lmax, o->light_samples > 0, share, report);
+  s = weigh(v, t, o->lmax, o->light_samples > 0, o->threads, share, report);
   shade_cast c = {.lit = o->lit,
                   .light_samples = o->light_samples,
                   .noise = o->noise,
@@ -70,7 +95,7 @@ ylm_status ylm_shade_blend(const ylm_shade_view *v, const ylm_shade_blending *o,
                   .seed = o->seed,
                   .threads = o->threads,
                   .progress = o->progress};
-  if (report->rays) s = mix(v, &c, share, radiance, report);
+  if (s == YLM_OK && report->rays) s = mix(v, &c, share, radiance, report);
   if (report->rays && o->noise > 0) report->noise = c.noise;
   report->light_samples = report->rays ? c.light_samples : 0;
   report->seconds = ylm_seconds() - start;
@@ -91,7 +116,7 @@ ylm_status ylm_shade_blend_links(const ylm_shade_links *l, const float *leaving,
   ylm_status s = found ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm_shade_gather(l, leaving, NULL, threads, progress, found);
   if (s == YLM_OK && !known) s = ylm__shade_gloss_tables(v, lmax, threads, progress, &t, e);
-  if (s == YLM_OK && !known) weigh(v, t, lmax, true, share, report);
+  if (s == YLM_OK && !known) s = weigh(v, t, lmax, true, threads, share, report);
   for (size_t i = 0; s == YLM_OK && i < v->points; i++)
     for (size_t k = 0; share[i] > 0 && k < 3; k++) {
       float *to = radiance + 3 * i + k, rest = known ? 1 : 1 - share[i];

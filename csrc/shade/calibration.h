@@ -69,8 +69,8 @@
 #define CAST_TRIAL_CALLS 0x747269616cu
 /* The part of the picture's mean square below which darkness excuses a mesh's noise. */
 #define CAST_DARK 0.01
-/* A pixel may have so many times a mesh's noise, relative to its own radiance and a part of the mesh's root mean
-   square, unless that needs more than so many samples. */
+/* A pixel may have CAST_PIXEL_NOISE times a mesh's noise, relative to its own radiance and a part of the mesh's root mean
+   square. More than CAST_PIXEL_MOST samples are not spent on it. */
 #define CAST_PIXEL_NOISE 4
 #define CAST_PIXEL_DARK 0.1
 #define CAST_PIXEL_MOST 1024

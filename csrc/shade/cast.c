@@ -66,7 +66,12 @@ static void list_items(const ylm_shade_view *v, size_t n, const size_t *list, it
 
 static uint32_t mesh_of(const items *x, size_t i) { return x->place[x->first[i]].mesh; }
 
-/* Radiance of items, with its variance: room [9 n] zeros, mean [n][3] first, variance [n][3] last. */
+/* Mean, rest and variance of n items' radiance, [n][3] each, in room [9 n]; none where that is NULL. */
+static ylm_path_sum sums_in(float *room, size_t n) {
+  return room ? (ylm_path_sum){0, room, room + 3 * n, room + 6 * n} : (ylm_path_sum){0};
+}
+
+/* Adds the radiance of items, with its variance, to room [9 n]. */
 static ylm_status cast_items(const ylm_shade_view *v, const shade_cast *c, int light_samples,
                              uint64_t seed, const items *x, float *room, uint64_t *rays) {
   ylm_path_options o = {.samples = light_samples,
@@ -76,7 +81,7 @@ static ylm_status cast_items(const ylm_shade_view *v, const shade_cast *c, int l
                         .threads = c->threads,
                         .progress = c->progress};
   ylm_path_stats stats = {0};
-  ylm_path_sum sum = {0, room, room + 3 * x->n, room + 6 * x->n};
+  ylm_path_sum sum = sums_in(room, x->n);
   bool single = x->first[x->n] == x->n;
   ylm_status s =
       ylm_path_places(c->lit ? c->lit : v->scene, x->n, x->place, single ? NULL : x->first,
@@ -125,7 +130,7 @@ static ylm_status find_fresh(void *context, size_t begin, size_t end, int worker
 static ylm_status pick(const ylm_shade_view *v, const items *all, size_t n, const size_t *item,
                        size_t most, uint64_t seed, int threads, items *out) {
   size_t end = 0, room = 0;
-  for (size_t i = 0; i < n; i++) {
+  for (size_t i = 0; i < n; i++) { /* for its points, or for places of its own */
     size_t points = all->first[item[i] + 1] - all->first[item[i]];
     room += points > most ? points : most;
   }
@@ -165,14 +170,15 @@ static ylm_status cast_some(const ylm_shade_view *v, const shade_cast *c, const 
   uint64_t seed = c->seed + call * 0x9e3779b97f4a7c15u;
   items some = {0};
   float *room = ylm_alloc_zero(9 * n, sizeof *room);
+  ylm_path_sum part = sums_in(room, n), whole = sums_in(out, all->n);
   if (most < CAST_FRESH_LEAST) most = CAST_FRESH_LEAST;
   if (!(v->o.share > 0)) most = 0;
   ylm_status s = room ? pick(v, all, n, item, most, seed, c->threads, &some) : YLM_ENOMEM;
   if (s == YLM_OK) s = cast_items(v, c, samples, seed, &some, room, rays);
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     for (size_t a = 0; a < 3; a++) {
-      out[3 * item[i] + a] = room[3 * i + a] + room[3 * n + 3 * i + a];
-      out[6 * all->n + 3 * item[i] + a] = room[6 * n + 3 * i + a];
+      whole.mean[3 * item[i] + a] = part.mean[3 * i + a] + part.rest[3 * i + a];
+      whole.variance[3 * item[i] + a] = part.variance[3 * i + a];
     }
   items_free(&some);
   ylm_free(room);

@@ -13,19 +13,15 @@ typedef struct sphere {
   bool turned;                    /* it has a normal */
 } sphere;
 
-static inline double dot(const double *a, const double *b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* The weight of light from w' in the cone: both cosines. */
 static double value(const sphere *s, const double d[3]) {
-  return fmax(0, dot(s->N, d)) * fmax(0, s->shift - dot(s->n, d));
+  return fmax(0, ylm_dot3d(s->N, d)) * fmax(0, s->shift - ylm_dot3d(s->n, d));
 }
 
 /* The sum of the densities of all ways to choose a direction in the cone. */
 static double densities(const sphere *s, const double d[3]) {
-  double light = s->turned ? fmax(0, -dot(s->n, d)) : 0;
-  return 1 / s->cone + (fmax(0, dot(s->N, d)) + light) / PI;
+  double light = s->turned ? fmax(0, -ylm_dot3d(s->n, d)) : 0;
+  return 1 / s->cone + (fmax(0, ylm_dot3d(s->N, d)) + light) / PI;
 }
 
 /* The sum over n directions of one way; with `mis` weighed against all ways. */
@@ -41,10 +37,10 @@ static double sum_of(const sphere *s, int way, int n, bool mis, double u0, doubl
     double r = sqrt(fmax(0, 1 - z * z)), t = 2 * PI * (v - floor(v)), x = r * cos(t),
            y = r * sin(t);
     for (int k = 0; k < 3; k++) d[k] = sign * (x * (double)a[k] + y * (double)b[k] + z * axis[k]);
-    if (way != GATHER_CONE && dot(s->w, d) < s->edge) continue;
+    if (way != GATHER_CONE && ylm_dot3d(s->w, d) < s->edge) continue;
     double f = value(s, d);
     if (!(f > 0)) continue;
-    p = mis ? densities(s, d) : way == GATHER_CONE ? 1 / s->cone : dot(s->N, d) / PI;
+    p = mis ? densities(s, d) : way == GATHER_CONE ? 1 / s->cone : ylm_dot3d(s->N, d) / PI;
     sum += f / p;
   }
   return sum;
@@ -62,14 +58,14 @@ static double see(const gather_lights *l, const ylm_shade_gather_options *o, siz
     s->n[k] = (double)l->normal[k][i];
     s->turned = s->turned || s->n[k] != 0;
   }
-  double d2 = dot(s->w, s->w), d = sqrt(d2);
+  double d2 = ylm_dot3d(s->w, s->w), d = sqrt(d2);
   if (!(d > 0)) return 0;
   for (int k = 0; k < 3; k++) s->w[k] /= d;
   double sine2 = d > r ? r * r / d2 : 1, part = sine2 / (1 + sqrt(1 - sine2));
   s->edge = 1 - part;
   s->cone = 2 * PI * part;
   *n = o->strategy == YLM_SHADE_RECEIVER ? o->samples : (int)fmax(4, ceil(o->samples * part));
-  return d > r && dot(s->w, s->N) < -r / d ? 0 : part;
+  return d > r && ylm_dot3d(s->w, s->N) < -r / d ? 0 : part;
 }
 
 static double number(uint32_t seed, uint32_t step, size_t i) {
@@ -176,8 +172,8 @@ static void add_way(waiting *x, const sphere *s, size_t light, int way, int n, b
   for (int i = 0; i < n; i++) {
     if (!choose(s, x->r, way, i, n, u, v, a, b, d)) continue;
     double wide[3] = {(double)d[0], (double)d[1], (double)d[2]};
-    if (way != GATHER_CONE && dot(s->w, wide) < s->edge) continue;
-    double f = value(s, wide), light_pdf = s->turned ? fmax(0, -dot(s->n, wide)) / PI : 0;
+    if (way != GATHER_CONE && ylm_dot3d(s->w, wide) < s->edge) continue;
+    double f = value(s, wide), light_pdf = s->turned ? fmax(0, -ylm_dot3d(s->n, wide)) / PI : 0;
     if (!(f > 0)) continue;
     x->of[x->n] = (uint16_t)light;
     x->value[x->n] = (float)(f / n);

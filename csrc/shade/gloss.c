@@ -4,6 +4,8 @@
 
 #include "slices.h"
 
+_Static_assert(YLM_SHADE_DEGREES == YLM_MATERIAL_TABLE_LMAX + 1, "a factor for each degree");
+
 /* Rotations of one degree, and products by one method. */
 typedef struct plan {
   struct plan *next;

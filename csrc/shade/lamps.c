@@ -22,20 +22,16 @@ typedef struct lamps_job {
   float *out;
 } lamps_job;
 
-static double dot3(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* False if the lamp is behind the camera or around it, or off the image. */
 static bool project(const ylm_shade_view *v, const float sphere[4], const float *radiance,
                     disc *d) {
   const ylm_camera_frame *f = &v->frame;
   double to[3], width = v->o.width, height = v->o.height, r = (double)sphere[3];
   for (int a = 0; a < 3; a++) to[a] = (double)sphere[a] - f->from[a];
-  double far = sqrt(dot3(to, to)), z = dot3(to, f->forward);
+  double far = sqrt(ylm_dot3d(to, to)), z = ylm_dot3d(to, f->forward);
   if (!(r > 0) || !(z > r) || !(far > r)) return false;
-  double x = dot3(to, f->right) / dot3(f->right, f->right) / z;
-  double y = dot3(to, f->up) / dot3(f->up, f->up) / z;
+  double x = ylm_dot3d(to, f->right) / ylm_dot3d(f->right, f->right) / z;
+  double y = ylm_dot3d(to, f->up) / ylm_dot3d(f->up, f->up) / z;
   *d = (disc){.depth = z, .half = 2 * sin(asin(r / far) / 2), .radiance = radiance};
   for (int a = 0; a < 3; a++) d->to[a] = to[a] / far;
   d->x = (x + 1) / 2 * width;
@@ -70,9 +66,9 @@ static void span(const ylm_shade_view *v, const disc *d, int py, int *begin, int
   double y = 1 - 2 * (py + 0.5) / v->o.height, a[3], wide = d->half + f->pixel;
   for (int i = 0; i < 3; i++) a[i] = f->forward[i] + y * f->up[i];
   double cosine = fmax(0, 1 - wide * wide / 2), c2 = cosine * cosine;
-  double t0 = dot3(a, d->to), t1 = dot3(f->right, d->to);
-  double k0 = t0 * t0 - c2 * dot3(a, a), k1 = 2 * (t0 * t1 - c2 * dot3(a, f->right)),
-         k2 = t1 * t1 - c2 * dot3(f->right, f->right), root2 = k1 * k1 - 4 * k0 * k2;
+  double t0 = ylm_dot3d(a, d->to), t1 = ylm_dot3d(f->right, d->to);
+  double k0 = t0 * t0 - c2 * ylm_dot3d(a, a), k1 = 2 * (t0 * t1 - c2 * ylm_dot3d(a, f->right)),
+         k2 = t1 * t1 - c2 * ylm_dot3d(f->right, f->right), root2 = k1 * k1 - 4 * k0 * k2;
   if (k2 >= 0) return; /* so near that it has no end: all of the row */
   if (!(root2 >= 0)) {
     *end = *begin;

@@ -31,22 +31,11 @@ void ylm__shade_slices_of(shade_slices *x, uint32_t k) {
   x->halves = f.halves;
 }
 
-static double dot3(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross3(const double a[3], const double b[3], double out[3]) {
-  for (int i = 0; i < 3; i++) {
-    int j = (i + 1) % 3, k = (i + 2) % 3;
-    out[i] = a[j] * b[k] - a[k] * b[j];
-  }
-}
-
 /* Makes x at right angles to n and a unit vector. */
 static void square(const double n[3], double x[3]) {
-  double z = dot3(x, n);
+  double z = ylm_dot3d(x, n);
   for (int a = 0; a < 3; a++) x[a] -= z * n[a];
-  double scale = 1 / sqrt(dot3(x, x));
+  double scale = 1 / sqrt(ylm_dot3d(x, x));
   for (int a = 0; a < 3; a++) x[a] *= scale;
 }
 
@@ -62,14 +51,14 @@ void ylm__shade_look_along(const ylm_shade_view *v, size_t i, const float *tange
     w[a] = v->frame.from[a] - (double)v->position[i][a];
     n[a] = (double)v->normal[i][a];
   }
-  double by_n = 1 / sqrt(dot3(n, n)), ww = dot3(w, w), by_w = 1 / sqrt(ww);
+  double by_n = 1 / sqrt(ylm_dot3d(n, n)), ww = ylm_dot3d(w, w), by_w = 1 / sqrt(ww);
   for (int a = 0; a < 3; a++) {
     n[a] *= by_n;
     w[a] = ww > 0 ? w[a] * by_w : n[a];
   }
-  double z = dot3(w, n);
+  double z = ylm_dot3d(w, n);
   for (int a = 0; a < 3; a++) x[a] = w[a] - z * n[a];
-  double across = sqrt(dot3(x, x));
+  double across = sqrt(ylm_dot3d(x, x));
   if (tangent)
     for (int a = 0; a < 3; a++) u[a] = (double)tangent[a];
   if (across < 1e-4) { /* any x will do: that of the surface */
@@ -78,7 +67,7 @@ void ylm__shade_look_along(const ylm_shade_view *v, size_t i, const float *tange
     for (int a = 0; a < 3; a++) x[a] = tangent ? u[a] : (double)t[a];
   }
   square(n, x);
-  cross3(n, x, y);
+  ylm_cross3d(n, x, y);
   for (int a = 0; a < 3; a++) {
     frame[a][0] = (float)x[a];
     frame[a][1] = (float)y[a];
@@ -86,7 +75,7 @@ void ylm__shade_look_along(const ylm_shade_view *v, size_t i, const float *tange
   }
   wo[0] = (float)across, wo[1] = 0, wo[2] = (float)z;
   if (!tangent) return;
-  double c = dot3(u, x), s = -dot3(u, y), r = sqrt(c * c + s * s);
+  double c = ylm_dot3d(u, x), s = -ylm_dot3d(u, y), r = sqrt(c * c + s * s);
   wo[0] = (float)(across * c / r);
   wo[1] = (float)(across * s / r);
 }

@@ -30,10 +30,6 @@ typedef struct seen {
   double x, y, reach;          /* in the picture, pixels; reach: the radius at its depth */
 } seen;
 
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 static void place(const job *j, size_t i, seen *s) {
   const ylm_shade_view *v = j->view;
   const ylm_camera_frame *f = &v->frame;
@@ -43,9 +39,9 @@ static void place(const job *j, size_t i, seen *s) {
     s->n[a] = (double)v->normal[i][a];
     d[a] = s->p[a] - f->from[a];
   }
-  double depth = 1 / (dot(d, f->forward) * f->pixel), length = 1 / sqrt(dot(d, d));
-  s->x = v->o.width / 2.0 + dot(d, j->right) * depth;
-  s->y = v->o.height / 2.0 - dot(d, j->up) * depth;
+  double depth = 1 / (ylm_dot3d(d, f->forward) * f->pixel), length = 1 / sqrt(ylm_dot3d(d, d));
+  s->x = v->o.width / 2.0 + ylm_dot3d(d, j->right) * depth;
+  s->y = v->o.height / 2.0 - ylm_dot3d(d, j->up) * depth;
   s->reach = j->radius * depth;
   for (int a = 0; a < 3; a++) s->sight[a] = -d[a] * length;
 }
@@ -66,9 +62,9 @@ static double horizon(const job *j, const seen *s, double dx, double dy, double 
     if (i == NONE) continue;
     const float *q = j->view->position[i];
     double d[3] = {(double)q[0] - s->p[0], (double)q[1] - s->p[1], (double)q[2] - s->p[2]};
-    double square = dot(d, d), up = dot(d, s->n);
+    double square = ylm_dot3d(d, d), up = ylm_dot3d(d, s->n);
     if (!(square > 0 && square < far && up > 0 && up * up > FLAT * FLAT * square)) continue;
-    most = fmax(most, dot(d, s->sight) / sqrt(square));
+    most = fmax(most, ylm_dot3d(d, s->sight) / sqrt(square));
   }
   return most;
 }
@@ -84,10 +80,10 @@ static double arc(double c, double sign, double cosine, double sine) {
 static void slice(const job *j, const seen *s, double dx, double dy, double shift, double sum[2]) {
   double along[3];
   for (int a = 0; a < 3; a++) along[a] = dx * j->right[a] - dy * j->up[a];
-  double over = dot(along, s->sight);
+  double over = ylm_dot3d(along, s->sight);
   for (int a = 0; a < 3; a++) along[a] -= over * s->sight[a];
-  double length = sqrt(dot(along, along)), up = dot(s->n, s->sight),
-         side = dot(s->n, along) / length;
+  double length = sqrt(ylm_dot3d(along, along)), up = ylm_dot3d(s->n, s->sight),
+         side = ylm_dot3d(s->n, along) / length;
   double part = sqrt(up * up + side * side);
   if (!(part > 0)) return;
   double cosine = up / part, sine = side / part, g = atan2(side, up);
@@ -138,7 +134,7 @@ static ylm_status smooth(void *context, size_t begin, size_t end, int worker) {
         d[a] = (double)v->position[q][a] - s.p[a];
         tilt += (double)v->normal[q][a] * s.n[a];
       }
-      if (tilt < 0.9 || fabs(dot(d, s.n)) > 0.05 * j->radius) continue;
+      if (tilt < 0.9 || fabs(ylm_dot3d(d, s.n)) > 0.05 * j->radius) continue;
       sum += (double)j->raw[q];
       n++;
     }

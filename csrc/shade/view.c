@@ -5,6 +5,7 @@
 #include "calibration.h"
 #include "gen/picture.h"
 #include "gloss.h"
+#include "ylm_light.h"
 
 static ylm_status check_options(const ylm_shade_options *o, ylm_error *e) {
   if (o->width < 1 || o->height < 1 || o->width > YLM_IMAGE_MAX_SIDE ||

@@ -6,11 +6,10 @@
 **                     so that grids are compared on one view at the cost of sampling them.
 **
 ** A shading point stands for the samples of one pixel that hit the same mesh, within `share` pixel
-** widths of each other and with normals within 10 degrees. It is one of these hits (the one
-** nearest to their mean), and its weight is their share of the pixel. So a pixel in the middle of
-** a surface is shaded once however many samples resolve its edges, and a pixel that covers a long
-** stretch of floor is shaded several times. With share = 0 every sample is shaded.
-** With `fine`, normals of surfaces that gloss are within a twentieth of the width of their lobe.
+** widths of each other and with normals within 10 degrees. One of these hits is taken, the one nearest to their mean; its
+** weight is their share of the pixel. A pixel in the middle of a surface is shaded once, however many samples resolve its
+** edges. A pixel that covers a long stretch of floor is shaded several times. With share = 0 every sample is shaded. With
+** `fine`, normals of surfaces that gloss are within a twentieth of the width of their lobe.
 **
 ** Its transfer vector T holds the SH coefficients of A(s) V(s), A being what its material weighs
 ** light with (matte: max(0, n.s)), and ylm_material_radiance makes radiance of
@@ -26,7 +25,6 @@
 
 #include "ylm_base.h"
 #include "ylm_grid.h"
-#include "ylm_light_virtual.h"
 #include "ylm_path.h"
 #include "ylm_scene.h"
 #include "ylm_sh.h"
@@ -35,6 +33,8 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+typedef struct ylm_light_virtual ylm_light_virtual; /* ylm_light_virtual.h */
 
 /* -- view -------------------------------------------------------------------- */
 

@@ -3,6 +3,7 @@
 
 #include "calibration.h"
 #include "transfer.h"
+#include "ylm_light_spot.h"
 
 /* A closed mesh whose sides are to be found. */
 typedef struct body {

@@ -6,7 +6,7 @@
 
 /* Norms by area, of the three channels. */
 typedef struct norms {
-  double change[3], bent[3], E[3]; /* of dE; of dE - q times the one before; of E */
+  double change[3], strayed[3], E[3]; /* of dE; of dE - q times the one before; of E */
 } norms;
 
 typedef struct job {
@@ -37,7 +37,7 @@ static ylm_status bounce(void *context, size_t begin, size_t end, int worker) {
       j->after[4 * i + c] = d;
       j->next_B[4 * i + c] = j->t->albedo[i][c] * E;
       x.change[c] += area * fabs((double)d);
-      x.bent[c] += area * fabs((double)d - j->q[c] * (double)j->change[4 * i + c]);
+      x.strayed[c] += area * fabs((double)d - j->q[c] * (double)j->change[4 * i + c]);
       x.E[c] += area * fabs((double)E);
     }
   }
@@ -62,7 +62,7 @@ static norms sum_parts(const job *j) {
   for (size_t b = 0; b * BOUNCE_GRAIN < j->t->elements; b++)
     for (int c = 0; c < 3; c++) {
       all.change[c] += j->part[b].change[c];
-      all.bent[c] += j->part[b].bent[c];
+      all.strayed[c] += j->part[b].strayed[c];
       all.E[c] += j->part[b].E[c];
     }
   return all;
@@ -103,13 +103,14 @@ static ylm_status walk(job *j, int bounces, double residual, bool closure, int t
     if (s != YLM_OK) return s;
     norms x = sum_parts(j);
     turn(j);
-    double left = 0, bent = 0, shrink = 0;
+    double left = 0, strayed = 0, shrink = 0;
     for (int c = 0; c < 3; c++) {
       j->q[c] = ratio(x.change[c], before[c]);
       before[c] = x.change[c];
       left = fmax(left, ratio(x.change[c], x.E[c]));
       shrink = fmax(shrink, j->q[c]);
-      bent = fmax(bent, j->q[c] < 1 ? ratio(x.bent[c] * j->q[c] / (1 - j->q[c]), x.E[c]) : 1);
+      strayed =
+          fmax(strayed, j->q[c] < 1 ? ratio(x.strayed[c] * j->q[c] / (1 - j->q[c]), x.E[c]) : 1);
     }
     stats->bounces = k + 1;
     stats->residual = left;
@@ -117,9 +118,9 @@ static ylm_status walk(job *j, int bounces, double residual, bool closure, int t
     if (bounces >= 0) continue;
     if (left <= residual && (shrink < 1 - BOUNCE_ENDLESS || left < BOUNCE_ROUNDING)) return YLM_OK;
     if (k >= BOUNCE_PATIENCE && shrink >= 1 - BOUNCE_ENDLESS) return endless(j, e);
-    if (closure && k >= 2 && shrink < 1 - BOUNCE_ENDLESS && bent <= residual) {
+    if (closure && k >= 2 && shrink < 1 - BOUNCE_ENDLESS && strayed <= residual) {
       stats->closed = true;
-      stats->residual = bent;
+      stats->residual = strayed;
       return YLM_OK;
     }
     if (k + 1 >= BOUNCE_MOST) return endless(j, e);

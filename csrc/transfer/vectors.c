@@ -18,7 +18,7 @@ static ylm_status has_escape(const ylm_transfer *t, ylm_error *e) {
 
 /* Norms by area, of the channels. */
 typedef struct norms {
-  double change[3], bent[3], T[3];
+  double change[3], strayed[3], T[3];
 } norms;
 
 /* Vectors of `channels`, 1 where no albedo is coloured, in rows of `width`. */
@@ -40,11 +40,11 @@ static void take(const job *j, size_t i, const float *sum, norms *x) {
   for (size_t c = 0; c < j->channels; c++) {
     size_t at = i * j->width + c * j->count;
     float *T = j->T + at, *B = j->next_B + at, *change = j->change ? j->change + at : NULL;
-    float rho = j->t->albedo[i][c], q = (float)j->q[c], moved = 0, bent = 0, size = 0;
+    float rho = j->t->albedo[i][c], q = (float)j->q[c], moved = 0, strayed = 0, size = 0;
     for (size_t k = 0; k < j->count; k++) {
       float now = escape[k] + sum[c * j->count + k], d = now - T[k];
       if (change) {
-        bent += fabsf(d - q * change[k]);
+        strayed += fabsf(d - q * change[k]);
         change[k] = d;
       }
       T[k] = now;
@@ -53,7 +53,7 @@ static void take(const job *j, size_t i, const float *sum, norms *x) {
       size += fabsf(now);
     }
     x->change[c] += area * (double)moved;
-    x->bent[c] += area * (double)bent;
+    x->strayed[c] += area * (double)strayed;
     x->T[c] += area * (double)size;
   }
 }
@@ -77,21 +77,21 @@ static double ratio(double a, double b) { return b > 0 ? a / b : 0; }
 
 /* Sums norms, and finds how much every bounce keeps: what is left, relative, and how badly a geometric
    series fits. */
-static void weigh(job *j, double before[3], ylm_radiosity_stats *stats, double *bent) {
+static void weigh(job *j, double before[3], ylm_radiosity_stats *stats, double *strayed) {
   norms all = {{0}, {0}, {0}};
   for (size_t b = 0; b * BOUNCE_GRAIN < j->t->elements; b++)
     for (size_t c = 0; c < j->channels; c++) {
       all.change[c] += j->part[b].change[c];
-      all.bent[c] += j->part[b].bent[c];
+      all.strayed[c] += j->part[b].strayed[c];
       all.T[c] += j->part[b].T[c];
     }
-  stats->residual = stats->shrink = *bent = 0;
+  stats->residual = stats->shrink = *strayed = 0;
   for (size_t c = 0; c < j->channels; c++) {
     double q = j->q[c] = ratio(all.change[c], before[c]);
     before[c] = all.change[c];
     stats->residual = fmax(stats->residual, ratio(all.change[c], all.T[c]));
     stats->shrink = fmax(stats->shrink, q);
-    *bent = fmax(*bent, q < 1 ? ratio(all.bent[c] * q / (1 - q), all.T[c]) : 1);
+    *strayed = fmax(*strayed, q < 1 ? ratio(all.strayed[c] * q / (1 - q), all.T[c]) : 1);
   }
 }
 
@@ -105,7 +105,7 @@ static ylm_status endless(const ylm_radiosity_stats *stats, ylm_error *e) {
 /* Bounces until they are done or small. */
 static ylm_status walk(job *j, int bounces, double residual, int threads,
                        const ylm_progress *progress, ylm_radiosity_stats *stats, ylm_error *e) {
-  double before[3] = {0}, bent;
+  double before[3] = {0}, strayed;
   if (residual < BOUNCE_ROUNDING) residual = BOUNCE_ROUNDING;
   for (int k = 0; bounces < 0 || k < bounces; k++) {
     ylm_status s = ylm_parallel(j->t->elements, BOUNCE_GRAIN, threads, bounce, j, NULL, NULL);
@@ -116,16 +116,16 @@ static ylm_status walk(job *j, int bounces, double residual, int threads,
     float *swap = j->B;
     j->B = j->next_B;
     j->next_B = swap;
-    weigh(j, before, stats, &bent);
+    weigh(j, before, stats, &strayed);
     stats->bounces = k + 1;
     if (bounces >= 0) continue;
     bool shrinks = stats->shrink < 1 - BOUNCE_ENDLESS;
     if (stats->residual <= residual && (shrinks || stats->residual < BOUNCE_ROUNDING))
       return YLM_OK;
     if ((k >= BOUNCE_PATIENCE && !shrinks) || k + 1 >= BOUNCE_MOST) return endless(stats, e);
-    if (j->change && k >= 2 && shrinks && bent <= residual) {
+    if (j->change && k >= 2 && shrinks && strayed <= residual) {
       stats->closed = true;
-      stats->residual = bent;
+      stats->residual = strayed;
       return YLM_OK;
     }
   }

@@ -5,9 +5,8 @@
 **   ylm_radiosity  light on these elements: direct light, and all its bounces
 **   ylm_gather     a light field: what the elements send to points in space
 **
-** A ray of an element, of a shading point or of a probe is traced once, and the number of the
-** element that it hit is kept. Rays have the density of the cosine, so all links of a place weigh
-** alike, and what arrives there is a mean over rows:
+** A ray of an element, of a shading point or of a probe is traced once. The number of the element that it hit is kept. Rays
+** have the density of the cosine, so all links of a place weigh alike, and what arrives there is a mean over rows:
 **
 **   E_i = E0_i + 1/K sum over links j of i of rho_j E_j
 **

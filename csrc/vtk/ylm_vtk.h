@@ -1,10 +1,9 @@
 /*
 ** ylm_vtk.h - pictures drawn by VTK, as a C library.
 **
-** A scene is filled with shapes and volumes (csrc/figure), seen by a camera and rendered to
-** pixels without any display, or shown in a window where there is one. Charts and texts are
-** rendered to pixels too. VTK's own messages become ylm_error; no exception leaves this library,
-** and no OpenGL context is left current.
+** A scene is filled with shapes and volumes (csrc/figure) and seen by a camera. Pixels are rendered without any display; a
+** window shows it where there is a display. Charts and texts are rendered to pixels too. VTK's own messages become
+** ylm_error; no exception leaves this library, and no OpenGL context is left current.
 **
 ** Where it draws, tried in this order: EGL without a surface (Mesa), the X server of DISPLAY,
 ** an Xvfb that it starts and ends itself; then YLM_EMISSING says what to install.

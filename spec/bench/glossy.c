@@ -7,6 +7,7 @@
 #include "bench.h"
 #include "peak.h"
 #include "ylm_geom.h"
+#include "ylm_light.h"
 #include "ylm_material_table.h"
 #include "ylm_sh.h"
 #include "ylm_shade.h"

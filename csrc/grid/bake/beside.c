@@ -1,8 +1,8 @@
 /*
 ** beside.c - voxels that are looked up beside surfaces (sample/bias.c): they are occupied too.
 **
-** A point whose leaf is of a level is looked up as far off as a voxel of that level is thick. So at
-** each level another voxel of those beside a surface is needed, and none of its children.
+** A point whose leaf is of a level is looked up as far off as a voxel of that level is thick. Each level then needs another
+** voxel of those beside a surface, and none of its children.
 */
 #include "baker.h"
 #include "surface.h"

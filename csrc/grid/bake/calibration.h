@@ -18,8 +18,8 @@
 /* Factor of a voxel's estimate at first; it only grows. With 0.5, and LET_GO 0.001, STEP 2, the
    lamps took 2977, 5386, 8948, 16613 points. */
 #define FIRST_TIGHT 0.35
-/* That factor where points are looked up beside surfaces: the metric itself is the estimate then, since
-   values carried back over a voxel's thickness err as its square. */
+/* Its first value where points are looked up beside surfaces: the metric itself is the estimate then, since values carried
+   back over a voxel's thickness err as its square. */
 #define FIRST_TIGHT_BIASED 0.1
 /* Ratios of residual to squared metric before their quantiles are trusted; before, the metric alone
    is the estimate. */
@@ -36,10 +36,9 @@
 /* Refinement ends where at most this part of the points fails: less than PROMISED, so that the
    promise also holds for points that are drawn with another seed. */
 #define ENOUGH 0.006
-/* It also ends where at most this part fails in voxels that could be split. */
+/* Refinement also ends where at most this part fails in voxels that could be split. */
 #define ENOUGH_REFINABLE 0.001
-/* That part where more than PROMISED fail at the finest level: splitting others cannot keep the
-   promise any more. */
+/* The part that may fail where more than PROMISED fail at the finest level: splitting others cannot keep the promise. */
 #define ENOUGH_BESIDE_STUCK 0.005
 /* Part of the points whose voxels the factor does not have to reach: they are split because of
    their points. With 0.001 one outlier tightened all of the grid (FIRST_TIGHT has the numbers). */

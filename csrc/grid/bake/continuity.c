@@ -2,12 +2,11 @@
 ** continuity.c - no jumps across faces that change level.
 **
 ** A leaf that has an evaluated point inside of one of its faces or edges is split, until there is
-** none. A new corner that was not evaluated takes value and gradient from the interpolant of the
-** very cell that was split, and is shared by its eight children only: an interpolant restricted
-** to a face depends on that face's four corners (values, tangential derivatives) alone and is
-** reproduced by its children, so two cells that share a face agree on it by induction, whatever
-** else happens around. (One point for all cells around an edge would not do: across an edge the
-** cells' transversal derivatives differ.)
+** none. A new corner that was not evaluated takes value and gradient from the interpolant of the very cell that was split.
+** Its eight children alone share it: an interpolant restricted to a face depends on that face's four corners (values,
+** tangential derivatives) alone and is reproduced by its children, so two cells that share a face agree on it by induction,
+** whatever else happens around. (One point for all cells around an edge would not do: across an edge the cells' transversal
+** derivatives differ.)
 */
 #include "baker.h"
 
@@ -157,7 +156,7 @@ static touched_box box_of(const ylm_grid *g, const ylm_grid_cell *c) {
 ** corner of an occupied voxel that touches the edge or face. All ancestors of that voxel were
 ** evaluated. One has the box's size: its corners are the ends of the edge, or the corners of the
 ** face. One has half that size: a corner of it is the middle.
-** So where there is nothing there, there is nothing finer.
+** Where nothing is there, nothing is finer.
 */
 static bool find_middles(const ylm_grid *g, const touched_box *b, uint32_t point[27]) {
   uint64_t key[27];

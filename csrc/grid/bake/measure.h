@@ -17,7 +17,7 @@ measure ylm__measure_of(const ylm_grid_form *form);
 void ylm__measure_irradiance(const measure *m, const float *row, const float n[3], double out[3]);
 /* The error of coefficients; of irradiance that of a surface with normal n. */
 double ylm__measure_error(const measure *m, const float *row, const float *exact, const float n[3]);
-/* That error where nobody knows a normal: of irradiance the root of its mean square over all. */
+/* The error where no normal is known: of irradiance the root of its mean square over all. */
 double ylm__measure_anywhere(const measure *m, const float *row, const float *exact);
 
 #endif

@@ -4,7 +4,7 @@
 ** A triangle's box of voxels is halved along its longest side, the halves that the triangle does
 ** not meet are dropped, down to single voxels: those are marked, each by a bit. Bits to level 8
 ** are all there; below, two levels at a time, one word stands for the 64 voxels of each voxel
-** that was marked before. So memory follows what is occupied, and no order of threads shows.
+** that was marked before. Memory follows what is occupied, and no order of threads shows.
 */
 #include "surface.h"
 

@@ -78,8 +78,8 @@ ylm_status ylm__verify(refiner *r, uint64_t round);
    their leaves' interpolants. */
 ylm_status ylm__verify_compare(refiner *r);
 /*
-** True if refinement may stop. Else `tight` has grown so that the estimates of the voxels in which
-** points failed (but for a few, which are split because of their points) exceed the tolerance.
+** True if refinement may stop. Else `tight` has grown so that the estimates of the voxels in which points failed exceed the
+** tolerance. A few are left out: they are split because of their points.
 */
 bool ylm__verify_satisfied(refiner *r, bool *limited);
 

@@ -2,10 +2,9 @@
 ** file.h - grid files of version 2 as they lie on the disk, and what their reader and writer
 ** share. docs/grids.md has the table.
 **
-** A file is a header of 64 bytes, a table of 64 bytes per section, and the sections, each from a
-** multiple of 64 bytes on, zeros between them. Numbers are little-endian. A section that a reader
-** does not know is skipped, unless it is flagged as required: what a later feature needs in a file
-** is a section of its own.
+** A file is a header of 64 bytes, a table of 64 bytes per section, and the sections. Each begins at a multiple of 64 bytes,
+** with zeros between them. Numbers are little-endian. A section that a reader does not know is skipped, unless it is
+** flagged as required: what a later feature needs in a file is a section of its own.
 */
 #ifndef YLM_GRID_FILE_H
 #define YLM_GRID_FILE_H

@@ -10,8 +10,8 @@
 #include <string.h>
 
 /* A cell is split for continuity where an evaluated point is the middle of one of its edges or
-   faces. At most four cells share it, and each split adds 26 other places. So no grid has more
-   interpolated points for each evaluated one. */
+   faces. At most four cells share it, and each split adds 26 other places. No grid has more interpolated points for each
+   evaluated one. */
 #define MOST_BORN (4 * 26)
 
 /* True if the counts can be. */

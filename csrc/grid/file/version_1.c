@@ -1,5 +1,5 @@
 /*
-** version_1.c - grids from files of version 1, which ylm no longer writes.
+** version_1.c - grids from files of version 1, which ylm reads and does not write.
 **
 ** Such a file is, in the byte order of its writer and without padding:
 **   magic 8 bytes, u32 0x01020304 (tells the byte order), u32 version, u64 size of the file,

@@ -2,9 +2,8 @@
 ** follow.h - what a grid keeps so that it can follow moving lights.
 **
 ** The invariant: the data of a point are the sum of all lights, each in one of the states it has
-** been in: a light that never moved in its only one, a mover in state seen[point]. So what a point
-** lacks is known exactly, however many small changes it has sat out, and nothing drifts but
-** rounding, whose bound is kept too.
+** been in: a light that never moved in its only one, a mover in state seen[point]. The changes that a point lacks are known
+** exactly, however many small ones it has sat out. Nothing drifts but rounding, whose bound is kept too.
 */
 #ifndef YLM_GRID_DYNAMIC_H
 #define YLM_GRID_DYNAMIC_H

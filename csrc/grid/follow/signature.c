@@ -1,6 +1,6 @@
 /*
-** signature.c - what a sample depends on, as one number, so that a caller that keeps samples of a
-** dynamic grid asks again only for those that an update has changed.
+** signature.c - what a sample depends on, as one number. A caller that keeps samples of a dynamic grid asks again only for
+** those that an update has changed.
 **
 ** The signature of a point is a hash of its data, that of a cell follows from its place and its
 ** corners. Equal signatures mean equal samples, whatever happened in between, but for one chance in

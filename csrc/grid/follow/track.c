@@ -1,10 +1,9 @@
 /*
 ** track.c - points that stay where they are while a grid changes.
 **
-** Points are sorted by the Morton code of the finest voxel they lie in, block by block, so that
-** each leaf of any octree holds a run of them. A run remembers its leaf and the leaf's signature:
-** while there is such a leaf, its points' fractions are good, and while the signature is the same,
-** so are their samples.
+** Points are sorted by the Morton code of the finest voxel they lie in, block by block. Each leaf of any octree then holds
+** a run of them. A run remembers its leaf and the leaf's signature: while there is such a leaf, its points' fractions are
+** good, and while the signature is the same, so are their samples.
 */
 #include "follow.h"
 

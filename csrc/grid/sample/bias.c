@@ -1,9 +1,8 @@
 /*
 ** bias.c - looking a grid up beside surfaces, where its light jumps at them.
 **
-** A voxel of edges h is h_x |n_x| + h_y |n_y| + h_z |n_z| thick along n. So far from a plane with
-** normal n, a voxel lies on one side of it. The value is carried back to the surface by the
-** interpolant's gradient.
+** A voxel of edges h is h_x |n_x| + h_y |n_y| + h_z |n_z| thick along n. A voxel that far from a plane with normal n lies
+** on one side of it. The value is carried back to the surface by the interpolant's gradient.
 */
 #include "../grid.h"
 #include "calibration.h"

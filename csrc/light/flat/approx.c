@@ -10,7 +10,7 @@
 
 /* |cos gamma| at v = centre - x, its gradient with respect to x and its Hessian, as a jet. */
 static void cosine(const double *normal, const double *v, double *jet) {
-  double d = sqrt(ylm__dot(v, v)), sign = ylm__dot(normal, v) < 0 ? -1 : 1, n[3], w[3];
+  double d = sqrt(ylm_dot3d(v, v)), sign = ylm_dot3d(normal, v) < 0 ? -1 : 1, n[3], w[3];
   for (int k = 0; k < 3; k++) n[k] = sign * normal[k], w[k] = v[k] / d;
   jet_cosine(n, w, 1 / d, jet);
   for (int k = 1; k < 4; k++) jet[k] = -jet[k]; /* by x */

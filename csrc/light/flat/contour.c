@@ -35,7 +35,7 @@ static void add_node(const ylm__contour *k, const double *y, const double *dy, c
                      const double *m, double inverse, bool moves) {
   for (int l = 1; l <= k->lmax; l++)
     for (size_t i = (size_t)l * (size_t)l; i < (size_t)(l + 1) * (size_t)(l + 1); i++)
-      k->value[i] += ylm__dot(m, dy + 3 * i) / (l * (l + 1));
+      k->value[i] += ylm_dot3d(m, dy + 3 * i) / (l * (l + 1));
   if (!moves) return;
   for (size_t i = 0; k->gradient && i < k->count; i++)
     for (size_t a = 0; a < 3; a++) k->gradient[3 * i + a] += m[a] * y[i] * inverse;
@@ -64,15 +64,15 @@ ylm_status ylm__contour_nodes(const ylm__contour *k, int n, const double (*s)[3]
 
 bool ylm__contour_arc(const ylm__contour *k, const double *v, const double *w, double sign,
                       bool moves, ylm_status *status) {
-  double n[3], d[3], a[3], b[3], along[3], foot[3], lv = sqrt(ylm__dot(v, v));
+  double n[3], d[3], a[3], b[3], along[3], foot[3], lv = sqrt(ylm_dot3d(v, v));
   for (int c = 0; c < 3; c++) d[c] = w[c] - v[c];
-  ylm__cross(v, d, n); /* = v x w, with less cancellation */
-  double ln = sqrt(ylm__dot(n, n)), ld = sqrt(ylm__dot(d, d));
+  ylm_cross3d(v, d, n); /* = v x w, with less cancellation */
+  double ln = sqrt(ylm_dot3d(n, n)), ld = sqrt(ylm_dot3d(d, d));
   if (!(ln > 1e-15 * lv * ld) || !(ld > 0)) return false;
   for (int c = 0; c < 3; c++) a[c] = v[c] / lv, n[c] /= ln, along[c] = d[c] / ld;
-  ylm__cross(n, a, b);
-  ylm__cross(along, n, foot); /* the foot of the perpendicular: at distance ln/ld, this way */
-  double angle = atan2(ln / lv, ylm__dot(w, a));
+  ylm_cross3d(n, a, b);
+  ylm_cross3d(along, n, foot); /* the foot of the perpendicular: at distance ln/ld, this way */
+  double angle = atan2(ln / lv, ylm_dot3d(w, a));
   const ylm__rule *rule = ylm__rule_for(k->lmax + 3, angle, 8);
   double s[YLM__MOST_NODES][3], m[YLM__MOST_NODES][3], inverse[YLM__MOST_NODES];
   for (int i = 0; i < rule->n; i++) {
@@ -82,7 +82,7 @@ bool ylm__contour_arc(const ylm__contour *k, const double *v, const double *w, d
       s[i][c] = cosine * a[c] + sine * b[c];
       m[i][c] = weight * n[c];
     }
-    inverse[i] = ylm__dot(s[i], foot) * ld / ln;
+    inverse[i] = ylm_dot3d(s[i], foot) * ld / ln;
   }
   *status =
       ylm__contour_nodes(k, rule->n, (const double(*)[3])s, (const double(*)[3])m, inverse, moves);
@@ -92,9 +92,9 @@ bool ylm__contour_arc(const ylm__contour *k, const double *v, const double *w, d
 ylm_status ylm__contour_cut(const ylm__contour *k, const double *y, const double *dy,
                             const double *up, double sign) {
   if (!k->hessian) return YLM_OK;
-  double across[3], rho = sqrt(ylm__dot(y, y)), run = ylm__dot(dy, up);
+  double across[3], rho = sqrt(ylm_dot3d(y, y)), run = ylm_dot3d(dy, up);
   if (run == 0) return YLM_OK; /* the rim runs along the horizon: nothing is cut */
-  ylm__cross(y, dy, across);
+  ylm_cross3d(y, dy, across);
   ylm_status s = ylm_sh_eval(k->lmax, 0, false, YLM_DOUBLE, 1, y, k->y, NULL, NULL, 1, NULL);
   for (size_t i = 0; s == YLM_OK && i < k->count; i++) {
     double f = 0.5 * sign * k->y[i] / (run * rho * rho * rho);
@@ -108,7 +108,7 @@ ylm_status ylm__contour_cut(const ylm__contour *k, const double *y, const double
 /* Adds w Y g and its derivatives, g = |n.y|/|y|^3. */
 static void add_point(const ylm__contour *k, const double *v, double w, const double *n,
                       const double *y, const double *dy, const double *ddy) {
-  double h = ylm__dot(n, v), r2 = ylm__dot(v, v), g, gg[3], hh[6];
+  double h = ylm_dot3d(n, v), r2 = ylm_dot3d(v, v), g, gg[3], hh[6];
   double f = (h < 0 ? -w : w) / (r2 * sqrt(r2));
   g = f * h;
   for (int a = 0; a < 3; a++) gg[a] = f * (n[a] - 3 * h * v[a] / r2);

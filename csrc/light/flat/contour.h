@@ -17,6 +17,7 @@
 
 #include "../light.h"
 #include "calibration.h"
+#include "ylm_vector.h"
 
 /* Gauss-Legendre rules, shortest first: gen/gauss.c. */
 #define YLM__RULES 21
@@ -81,14 +82,5 @@ int ylm__equal_steps(double across, double swing, int lmax, double digits);
 double ylm__rim_speed(const double *u, const double *v);
 /* Half a sphere's sums: YLM_EDOMAIN. */
 ylm_status ylm__contour_touched(const ylm__contour *k);
-
-static inline double ylm__dot(const double *a, const double *b) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-static inline void ylm__cross(const double *a, const double *b, double *c) {
-  c[0] = a[1] * b[2] - a[2] * b[1];
-  c[1] = a[2] * b[0] - a[0] * b[2];
-  c[2] = a[0] * b[1] - a[1] * b[0];
-}
 
 #endif

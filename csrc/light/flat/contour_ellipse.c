@@ -23,14 +23,14 @@ static void place(const rim *r, double phi, double *y, double *dy) {
 static void node(rim *r, double phi, double weight, double *s, double *m, double *inverse) {
   double y[3], dy[3], c[3];
   place(r, phi, y, dy);
-  ylm__cross(y, dy, c);
-  double r2 = ylm__dot(y, y);
+  ylm_cross3d(y, dy, c);
+  double r2 = ylm_dot3d(y, y);
   *inverse = 1 / sqrt(r2);
   for (int a = 0; a < 3; a++) {
     s[a] = y[a] * *inverse;
     m[a] = r->sign * weight * c[a] / r2;
   }
-  r->solid_angle += ylm__dot(r->normal, m) / (1 + ylm__dot(r->normal, s));
+  r->solid_angle += ylm_dot3d(r->normal, m) / (1 + ylm_dot3d(r->normal, s));
 }
 
 static ylm_status panel(rim *r, double from, double to) {
@@ -52,7 +52,7 @@ static ylm_status part(rim *r, double from, double to) {
     double a = stack[--top][0], b = stack[top][1], y[3], dy[3];
     place(r, 0.5 * (a + b), y, dy);
     double half = 0.5 * (b - a) * r->size;
-    bool small = half * YLM__RIM_RATIO <= sqrt(ylm__dot(y, y)) && b - a <= 1.6;
+    bool small = half * YLM__RIM_RATIO <= sqrt(ylm_dot3d(y, y)) && b - a <= 1.6;
     if (!small && top + 2 <= YLM__RIM_PANELS && b - a > 1e-13) {
       stack[top][0] = 0.5 * (a + b), stack[top++][1] = b;
       stack[top][0] = a, stack[top++][1] = 0.5 * (a + b);
@@ -72,15 +72,15 @@ int ylm__equal_steps(double across, double swing, int lmax, double digits) {
 }
 
 static int whole_steps(const rim *r) {
-  double cu = ylm__dot(r->c, r->u), cv = ylm__dot(r->c, r->v);
-  return ylm__equal_steps(ylm__dot(r->c, r->c) + r->size * r->size, 2 * sqrt(cu * cu + cv * cv),
+  double cu = ylm_dot3d(r->c, r->u), cv = ylm_dot3d(r->c, r->v);
+  return ylm__equal_steps(ylm_dot3d(r->c, r->c) + r->size * r->size, 2 * sqrt(cu * cu + cv * cv),
                           r->k->lmax, 37);
 }
 
 /* |y'| is at most the longer half axis, where these are at right angles. */
 double ylm__rim_speed(const double *u, const double *v) {
-  double uu = ylm__dot(u, u), vv = ylm__dot(v, v), size = sqrt(uu + vv);
-  return fabs(ylm__dot(u, v)) <= 1e-9 * size * size ? sqrt(fmax(uu, vv)) : size;
+  double uu = ylm_dot3d(u, u), vv = ylm_dot3d(v, v), size = sqrt(uu + vv);
+  return fabs(ylm_dot3d(u, v)) <= 1e-9 * size * size ? sqrt(fmax(uu, vv)) : size;
 }
 
 static ylm_status full(rim *r, int n) {
@@ -100,22 +100,22 @@ static ylm_status above(rim *r, double from, double to, const double *up) {
   if (s == YLM_OK) s = ylm__contour_cut(r->k, a, da, up, -r->sign);
   /* the solid angle's integral along the chord: that of the arc a to b on its great circle */
   for (int q = 0; q < 3; q++) sides[0][q] = r->normal[q];
-  double la = sqrt(ylm__dot(a, a)), lb = sqrt(ylm__dot(b, b));
+  double la = sqrt(ylm_dot3d(a, a)), lb = sqrt(ylm_dot3d(b, b));
   for (int q = 0; q < 3; q++) sides[1][q] = b[q] / lb, sides[2][q] = a[q] / la;
   double cross[3];
-  ylm__cross(sides[1], sides[2], cross);
+  ylm_cross3d(sides[1], sides[2], cross);
   r->solid_angle += r->sign * 2 *
-                    atan2(ylm__dot(cross, sides[0]), 1 + ylm__dot(sides[0], sides[1]) +
-                                                         ylm__dot(sides[1], sides[2]) +
-                                                         ylm__dot(sides[2], sides[0]));
+                    atan2(ylm_dot3d(cross, sides[0]), 1 + ylm_dot3d(sides[0], sides[1]) +
+                                                          ylm_dot3d(sides[1], sides[2]) +
+                                                          ylm_dot3d(sides[2], sides[0]));
   return s;
 }
 
 /* Seven points, exact to degree 5 (Stroud 1971, S2 5-1). */
 static ylm_status from_far(const rim *r) {
   double y[7][3], w[7], n[3];
-  ylm__cross(r->u, r->v, n);
-  double area = M_PI * sqrt(ylm__dot(n, n));
+  ylm_cross3d(r->u, r->v, n);
+  double area = M_PI * sqrt(ylm_dot3d(n, n));
   memcpy(y[0], r->c, sizeof y[0]);
   w[0] = area / 4;
   for (int i = 0; i < 6; i++) {
@@ -128,8 +128,8 @@ static ylm_status from_far(const rim *r) {
 
 /* Does x, in the ellipse's plane, lie in it? */
 static bool holds(const double *c, const double *u, const double *v) {
-  double uu = ylm__dot(u, u), uv = ylm__dot(u, v), vv = ylm__dot(v, v), det = uu * vv - uv * uv;
-  double cu = ylm__dot(c, u), cv = ylm__dot(c, v);
+  double uu = ylm_dot3d(u, u), uv = ylm_dot3d(u, v), vv = ylm_dot3d(v, v), det = uu * vv - uv * uv;
+  double cu = ylm_dot3d(c, u), cv = ylm_dot3d(c, v);
   double a = (cu * vv - cv * uv) / det, b = (cv * uu - cu * uv) / det;
   return a * a + b * b <= 1 + 1e-14;
 }
@@ -137,19 +137,19 @@ static bool holds(const double *c, const double *u, const double *v) {
 ylm_status ylm__contour_ellipse(const ylm__contour *k, const double (*ellipse)[3],
                                 const double *normal, const double *horizon) {
   const double *c = ellipse[0], *u = ellipse[1], *v = ellipse[2];
-  double height = ylm__dot(c, normal), sign = height < 0 ? -1 : 1, facing[3], turn[3];
+  double height = ylm_dot3d(c, normal), sign = height < 0 ? -1 : 1, facing[3], turn[3];
   ylm__contour_clear(k);
   for (int a = 0; a < 3; a++) facing[a] = sign * normal[a];
-  ylm__cross(u, v, turn);
-  if (ylm__dot(turn, normal) < 0) sign = -sign; /* counter-clockwise about `facing` counts */
-  double uu = ylm__dot(u, u), vv = ylm__dot(v, v), size = sqrt(uu + vv);
-  double distance = sqrt(ylm__dot(c, c));
+  ylm_cross3d(u, v, turn);
+  if (ylm_dot3d(turn, normal) < 0) sign = -sign; /* counter-clockwise about `facing` counts */
+  double uu = ylm_dot3d(u, u), vv = ylm_dot3d(v, v), size = sqrt(uu + vv);
+  double distance = sqrt(ylm_dot3d(c, c));
   if (fabs(height) <= YLM__EDGE_ON * (distance + size))
     return holds(c, u, v) ? ylm__contour_touched(k) : YLM_OK;
   rim r = {k, c, u, v, facing, sign, ylm__rim_speed(u, v), 0};
   double h = 0, hu = 0, hv = 0, swing = 0;
   if (horizon) {
-    h = ylm__dot(c, horizon), hu = ylm__dot(u, horizon), hv = ylm__dot(v, horizon);
+    h = ylm_dot3d(c, horizon), hu = ylm_dot3d(u, horizon), hv = ylm_dot3d(v, horizon);
     swing = sqrt(hu * hu + hv * hv);
     if (h <= -swing) return YLM_OK;
   }

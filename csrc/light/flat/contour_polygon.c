@@ -18,7 +18,7 @@ static void clip(int n, const double (*v)[3], const double *up, clipped *out) {
   out->n = 0;
   for (int i = 0; i < n; i++) {
     const double *a = v[i], *b = v[(i + 1) % n];
-    double ha = ylm__dot(a, up), hb = ylm__dot(b, up);
+    double ha = ylm_dot3d(a, up), hb = ylm_dot3d(b, up);
     if (ha >= 0) {
       int m = out->n++;
       memcpy(out->v[m], a, sizeof out->v[m]);
@@ -43,8 +43,8 @@ static bool holds(int n, const double (*v)[3], const double *normal) {
     const double *a = v[i], *b = v[(i + 1) % n];
     double c[3], d[3];
     for (int q = 0; q < 3; q++) d[q] = b[q] - a[q];
-    ylm__cross(a, d, c);
-    double side = ylm__dot(c, normal), slack = 1e-15 * sqrt(ylm__dot(a, a) * ylm__dot(d, d));
+    ylm_cross3d(a, d, c);
+    double side = ylm_dot3d(c, normal), slack = 1e-15 * sqrt(ylm_dot3d(a, a) * ylm_dot3d(d, d));
     left &= side >= -slack;
     right &= side <= slack;
   }
@@ -54,15 +54,15 @@ static bool holds(int n, const double (*v)[3], const double *normal) {
 /* Solid angle of a fan of triangles, as the argument of a product of complex numbers (Van Oosterom
    & Strackee 1983): with sign, the determinants without cancellation. */
 static double solid_angle(int n, const double (*v)[3]) {
-  double re = 1, im = 0, a[3], b[3], c[3], r0 = sqrt(ylm__dot(v[0], v[0]));
+  double re = 1, im = 0, a[3], b[3], c[3], r0 = sqrt(ylm_dot3d(v[0], v[0]));
   for (int i = 1; i + 1 < n; i++) {
     const double *p = v[i], *q = v[i + 1];
     for (int k = 0; k < 3; k++) a[k] = p[k] - v[0][k], b[k] = q[k] - v[0][k];
-    ylm__cross(a, b, c);
-    double r1 = sqrt(ylm__dot(p, p)), r2 = sqrt(ylm__dot(q, q));
-    double x = 1 + ylm__dot(v[0], p) / (r0 * r1) + ylm__dot(p, q) / (r1 * r2) +
-               ylm__dot(q, v[0]) / (r2 * r0);
-    double y = ylm__dot(c, v[0]) / (r0 * r1 * r2);
+    ylm_cross3d(a, b, c);
+    double r1 = sqrt(ylm_dot3d(p, p)), r2 = sqrt(ylm_dot3d(q, q));
+    double x = 1 + ylm_dot3d(v[0], p) / (r0 * r1) + ylm_dot3d(p, q) / (r1 * r2) +
+               ylm_dot3d(q, v[0]) / (r2 * r0);
+    double y = ylm_dot3d(c, v[0]) / (r0 * r1 * r2);
     double next = re * x - im * y;
     im = re * y + im * x;
     re = next;
@@ -81,8 +81,8 @@ static ylm_status from_far(const ylm__contour *k, int n, const double (*v)[3],
     const double *p[3] = {v[0], v[i], v[i + 1]};
     double y[7][3], w[7], a[3], b[3], c[3];
     for (int q = 0; q < 3; q++) a[q] = p[1][q] - p[0][q], b[q] = p[2][q] - p[0][q];
-    ylm__cross(a, b, c);
-    double area = 0.5 * ylm__dot(c, normal);
+    ylm_cross3d(a, b, c);
+    double area = 0.5 * ylm_dot3d(c, normal);
     for (int q = 0; q < 3; q++) y[0][q] = (p[0][q] + p[1][q] + p[2][q]) / 3;
     w[0] = 0.225 * area;
     for (int j = 0; j < 6; j++) {
@@ -104,9 +104,9 @@ static bool is_far(const ylm__contour *k, int n, const double (*v)[3]) {
     for (int q = 0; q < 3; q++) c[q] += v[i][q] / n;
   for (int i = 0; i < n; i++) {
     double d[3] = {v[i][0] - c[0], v[i][1] - c[1], v[i][2] - c[2]};
-    reach = fmax(reach, ylm__dot(d, d));
+    reach = fmax(reach, ylm_dot3d(d, d));
   }
-  return (k->lmax + 4) * sqrt(reach) < YLM__FAR * sqrt(ylm__dot(c, c));
+  return (k->lmax + 4) * sqrt(reach) < YLM__FAR * sqrt(ylm_dot3d(c, c));
 }
 
 ylm_status ylm__contour_polygon(const ylm__contour *k, int n, const double (*v)[3],
@@ -114,8 +114,8 @@ ylm_status ylm__contour_polygon(const ylm__contour *k, int n, const double (*v)[
   ylm__contour_clear(k);
   double height = 0, nearest = INFINITY, farthest = 0;
   for (int i = 0; i < n; i++) {
-    double d = ylm__dot(v[i], v[i]);
-    if (d < nearest) nearest = d, height = ylm__dot(v[i], normal);
+    double d = ylm_dot3d(v[i], v[i]);
+    if (d < nearest) nearest = d, height = ylm_dot3d(v[i], normal);
     farthest = fmax(farthest, d);
   }
   if (fabs(height) <= YLM__EDGE_ON * sqrt(farthest))

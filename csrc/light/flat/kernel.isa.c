@@ -122,7 +122,7 @@ YLM_INLINE V solid_angle(const double *vertex, const seen *s) {
     const double *o = vertex, *a = vertex + 3 * i, *b = a + 3;
     double c[3], p[3] = {a[0] - o[0], a[1] - o[1], a[2] - o[2]},
                  q[3] = {b[0] - o[0], b[1] - o[1], b[2] - o[2]};
-    ylm__cross(p, q, c);
+    ylm_cross3d(p, q, c);
     number z = triangle(s->v[0], s->v[i], s->v[i + 1], r0, s->r[i], s->r[i + 1],
                         scale(spread(c), s->sign));
     V next = re * z.re - im * z.im;
@@ -173,7 +173,7 @@ YLM_INLINE void add_polygon(const ylm__flat_plan *plan, const int kinds, size_t 
   for (int i = 0; i < s.n && plan->top >= 0; i++) {
     int j = i + 1 < s.n ? i + 1 : 0;
     const double *a = vertex + 3 * i, *b = vertex + 3 * j;
-    double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, length = sqrt(ylm__dot(d, d));
+    double d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, length = sqrt(ylm_dot3d(d, d));
     if (!(length > 0)) continue;
     v3 normal;
     edge_moments(plan, kinds, s.v[i], s.v[j], s.r[i], s.r[j], spread(d), length, moment, &normal);

@@ -90,7 +90,7 @@ static ylm_status surfaces(const void *of, size_t i, ylm_light_surfaces *out) {
   const double *horizon = p->horizon;
   ylm_status s = YLM_OK;
   if (!p->sides[i])
-    return ylm__surfaces_disk(out, v, sqrt(ylm__dot(v + 3, v + 3)), p->normal + 3 * i, rgb,
+    return ylm__surfaces_disk(out, v, sqrt(ylm_dot3d(v + 3, v + 3)), p->normal + 3 * i, rgb,
                               horizon);
   for (int k = 1; k + 1 < p->sides[i] && s == YLM_OK; k++)
     s = ylm__surfaces_triangle(out, v, v + 3 * k, v + 3 * k + 3, rgb, horizon);

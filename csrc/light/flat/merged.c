@@ -74,7 +74,7 @@ static void cosines(const ylm_polygons *p, size_t light, const ylm__merged *m, c
   double r = p->radius[light];
   for (size_t i = 0; i < lanes; i++) {
     double v[3] = {y[0] - xyz[i], y[1] - xyz[lanes + i], y[2] - xyz[2 * lanes + i]};
-    double d2 = ylm__dot(v, v), slope = ylm__dot(normal, v), one[10] = {1};
+    double d2 = ylm_dot3d(v, v), slope = ylm_dot3d(normal, v), one[10] = {1};
     if (d2 > r * r && m->derivatives == 0) {
       one[0] = fabs(slope) / sqrt(d2);
     } else if (d2 > r * r) {

@@ -23,14 +23,14 @@ static ylm_status check_numbers(size_t index, int sides, const double *v, double
 static ylm_status describe_ellipse(size_t index, const double *v, double *normal, double *centroid,
                                    double *radius, double *reach, ylm_error *e) {
   const double *a = v + 3, *b = v + 6;
-  double la = sqrt(ylm__dot(a, a)), lb = sqrt(ylm__dot(b, b)), n[3];
-  ylm__cross(a, b, n);
-  double area = sqrt(ylm__dot(n, n));
+  double la = sqrt(ylm_dot3d(a, a)), lb = sqrt(ylm_dot3d(b, b)), n[3];
+  ylm_cross3d(a, b, n);
+  double area = sqrt(ylm_dot3d(n, n));
   if (!(area > 1e-9 * fmax(la, lb) * fmax(la, lb)))
     return ylm_fail(e, YLM_EDOMAIN, "polygon %zu has no area", index + 1);
   for (int k = 0; k < 3; k++) normal[k] = n[k] / area, centroid[k] = v[k];
   *radius = sqrt(area);
-  *reach = fabs(ylm__dot(a, b)) < 1e-9 * la * lb ? fmax(la, lb) : la + lb;
+  *reach = fabs(ylm_dot3d(a, b)) < 1e-9 * la * lb ? fmax(la, lb) : la + lb;
   return YLM_OK;
 }
 
@@ -40,7 +40,7 @@ static void vector_area(int n, const double *v, double *sum) {
   for (int i = 1; i + 1 < n; i++) {
     double a[3], b[3], c[3];
     for (int k = 0; k < 3; k++) a[k] = v[3 * i + k] - v[k], b[k] = v[3 * i + 3 + k] - v[k];
-    ylm__cross(a, b, c);
+    ylm_cross3d(a, b, c);
     for (int k = 0; k < 3; k++) sum[k] += c[k];
   }
 }
@@ -50,8 +50,8 @@ static void centre(int n, const double *v, const double *normal, double *centroi
   for (int i = 1; i + 1 < n; i++) {
     double a[3], b[3], c[3];
     for (int k = 0; k < 3; k++) a[k] = v[3 * i + k] - v[k], b[k] = v[3 * i + 3 + k] - v[k];
-    ylm__cross(a, b, c);
-    double area = ylm__dot(c, normal);
+    ylm_cross3d(a, b, c);
+    double area = ylm_dot3d(c, normal);
     weight += area;
     for (int k = 0; k < 3; k++) sum[k] += area * (a[k] + b[k]) / 3;
   }
@@ -66,11 +66,11 @@ static ylm_status check_outline(size_t index, int n, const double *v, const doub
   for (int i = 0; i < n; i++) {
     const double *p = v + 3 * i, *q = v + 3 * ((i + 1) % n), *r = v + 3 * ((i + 2) % n);
     for (int k = 0; k < 3; k++) a[k] = q[k] - p[k], b[k] = r[k] - q[k];
-    ylm__cross(a, b, c);
-    double left = ylm__dot(c, normal);
+    ylm_cross3d(a, b, c);
+    double left = ylm_dot3d(c, normal);
     if (left < -1e-9 * size * size)
       return ylm_fail(e, YLM_EDOMAIN, "polygon %zu is not convex", index + 1);
-    turned += atan2(left, ylm__dot(a, b));
+    turned += atan2(left, ylm_dot3d(a, b));
   }
   if (turned > 3 * M_PI) return ylm_fail(e, YLM_EDOMAIN, "polygon %zu crosses itself", index + 1);
   return YLM_OK;
@@ -83,7 +83,7 @@ ylm_status ylm__polygon_describe(size_t index, int sides, const double *v, doubl
   if (s != YLM_OK) return s;
   if (!sides) return describe_ellipse(index, v, normal, centroid, radius, reach, e);
   vector_area(sides, v, sum);
-  double twice = sqrt(ylm__dot(sum, sum));
+  double twice = sqrt(ylm_dot3d(sum, sum));
   if (!(twice > 1e-12 * size * size))
     return ylm_fail(e, YLM_EDOMAIN, "polygon %zu has no area", index + 1);
   for (int k = 0; k < 3; k++) normal[k] = sum[k] / twice;
@@ -92,9 +92,9 @@ ylm_status ylm__polygon_describe(size_t index, int sides, const double *v, doubl
   for (int i = 0; i < sides; i++) {
     double d[3];
     for (int k = 0; k < 3; k++) d[k] = v[3 * i + k] - centroid[k];
-    if (fabs(ylm__dot(d, normal)) > 1e-5 * size)
+    if (fabs(ylm_dot3d(d, normal)) > 1e-5 * size)
       return ylm_fail(e, YLM_EDOMAIN, "polygon %zu is not planar", index + 1);
-    *reach = fmax(*reach, sqrt(ylm__dot(d, d)));
+    *reach = fmax(*reach, sqrt(ylm_dot3d(d, d)));
   }
   *radius = sqrt(twice / 2 / M_PI);
   return check_outline(index, sides, v, normal, size, e);
@@ -109,10 +109,10 @@ typedef struct box {
 
 /* Do the box's and the polygon's shadows on an axis overlap? */
 static bool shadows_meet(const box *b, int n, const double *v, const double *axis) {
-  double lo = INFINITY, hi = -INFINITY, middle = ylm__dot(b->c, axis);
+  double lo = INFINITY, hi = -INFINITY, middle = ylm_dot3d(b->c, axis);
   double half = fabs(axis[0]) * b->h[0] + fabs(axis[1]) * b->h[1] + fabs(axis[2]) * b->h[2];
   for (int i = 0; i < n; i++) {
-    double t = ylm__dot(v + 3 * i, axis) - middle;
+    double t = ylm_dot3d(v + 3 * i, axis) - middle;
     lo = fmin(lo, t), hi = fmax(hi, t);
   }
   return lo <= half && hi >= -half;
@@ -128,7 +128,7 @@ static bool polygon_meets(const box *b, int n, const double *v, const double *no
     for (int a = 0; a < 3; a++) {
       double edge[3], axis[3];
       for (int k = 0; k < 3; k++) edge[k] = v[3 * ((i + 1) % n) + k] - v[3 * i + k];
-      ylm__cross(edge, unit[a], axis);
+      ylm_cross3d(edge, unit[a], axis);
       if (!shadows_meet(b, n, v, axis)) return false;
     }
   return true;

@@ -2,8 +2,8 @@
 ** general.h - sums of the moment kernel whose lmax is known at run time only. Private to csrc/light.
 **
 ** A column, which is all degrees of one (m, real or imaginary), is cut into chunks whose sums fit into
-** registers. Code is made for each length of a chunk, and for the degrees lmax+1 and lmax+2 at the end of the
-** last, which have fewer sums than those before.
+** registers. Code is made for each length of a chunk. The degrees lmax+1 and lmax+2 at the end of the last chunk have fewer
+** sums than those before, and code of their own.
 */
 #ifndef YLM_LIGHT_MOMENTS_GENERAL_H
 #define YLM_LIGHT_MOMENTS_GENERAL_H

@@ -1,7 +1,6 @@
 /*
-** block.h - blocks of packets, for the unit's element type. A block shares the sums of lights that
-** are far from all of it where that pays (far.h), and leaves the rest to the smaller blocks that it
-** is halved into, down to packets.
+** block.h - blocks of packets, for the unit's element type. A block shares the sums of lights that are far from all of it,
+** where that pays (far.h). The rest is left to the smaller blocks that it is halved into, down to packets.
 */
 #ifndef YLM_LIGHT_TREE_BLOCK_H
 #define YLM_LIGHT_TREE_BLOCK_H

@@ -1,9 +1,9 @@
 /*
 ** build.c - cuts lights into groups of nodes, down to leaves of a few lights.
 **
-** A set is halved across the longest of the extents of its centres and radii, at the middle of that
-** extent, so that nodes stay compact and lights of unlike size part. Lights of positive and of
-** negative luminance are parted first: near cancellation would make poor proxies.
+** A set is halved across the longest of the extents of its centres and radii, at the middle of that extent. Nodes stay
+** compact so, and lights of unlike size part. Lights of positive and of negative luminance are parted first: near
+** cancellation would make poor proxies.
 */
 #include "tree.h"
 

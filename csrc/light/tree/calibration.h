@@ -1,10 +1,10 @@
 /*
 ** calibration.h - the tuned constants of the tree of lights. Private to csrc/light.
 **
-** Sizes and constants of speed were moved by the microseconds a point, constants of error by the
-** 99.9 % quantile of errors, which has to be at most the tolerance in every scene of the bench. Both
-** are columns of spec/bench/many_lights.c; spec/light_tree_spec.lua holds the errors. The bodies of
-** the commits that are named after the title of a group have the figures.
+** Sizes and constants of speed were moved by the microseconds a point, constants of error by the 99.9 % quantile of errors.
+** That quantile has to be at most the tolerance in every scene of the bench. Both are columns of spec/bench/many_lights.c;
+** spec/light_tree_spec.lua holds the errors. The bodies of the commits that are named after the title of a group have the
+** figures.
 */
 #ifndef YLM_LIGHT_TREE_CALIBRATION_H
 #define YLM_LIGHT_TREE_CALIBRATION_H

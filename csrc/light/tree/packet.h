@@ -179,7 +179,7 @@ static void begin_together(tree_work *k, const packet *q, work *w) {
   if (left * (1 + left / all) > YLM__WORTH * (fine > 1 ? sqrt(fine) : 1)) return;
   walk_from(walk, walk->left, walk->n_left);
   walk->n_left = 0;
-  whole.radius = 0; /* nothing is left any more */
+  whole.radius = 0; /* nothing is left */
   k->pairs += q->n * walk_together(walk, &k->crowd, w, &whole);
 }
 

@@ -3,8 +3,7 @@
 ** blocks of such packets.
 **
 ** Points are halved across the longest extent of their places, so many at a time that all packets
-** but the last are full; a block is what is no longer larger than it may be. The order depends on
-** the points alone.
+** but the last are full; a block is at most as large as it may be. The order depends on the points alone.
 */
 #include "tree.h"
 

@@ -10,8 +10,8 @@
 **   xxy  by the squares x^2 -> x^2 (1 + s y).
 **
 ** On a plane the tetrahedron's corners are a square's, where the rules hold too. Changes of lower
-** moments are undone; the third moments that are then missed are added to s, a few times. So the
-** third moments of the lights, which nodes of few lights have by chance, are met.
+** moments are undone; the third moments that are then missed are added to s, a few times. Nodes of few lights have third
+** moments by chance; these are met.
 **
 ** Source  docs/math.md "Many lights"
 */

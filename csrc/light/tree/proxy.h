@@ -52,9 +52,9 @@ void ylm__tree_axes(const double *cov, double grain, double A[3][3]);
 /* y of x = A y; 0 where A has no column. */
 void ylm__tree_solve(double A[3][3], const double *x, double *y);
 /*
-** Places and weights of n proxies, 4 or 8. They have the moments of degree 0, 1 and 2, and those of
-** degree 3 too, but for four of lights in a volume, and where these would need negative weights or
-** squares. `mirror`: 1, or -1 for the other tetrahedron.
+** Places and weights of n proxies, 4 or 8. They have the moments of degree 0, 1 and 2. Moments of degree 3 are met too, but
+** for four of lights in a volume, and where these would need negative weights or squares. `mirror`: 1, or -1 for the other
+** tetrahedron.
 */
 void ylm__tree_place(const cluster *q, double A[3][3], int n, double mirror, proxies *p);
 

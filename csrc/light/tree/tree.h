@@ -101,10 +101,9 @@ void ylm__packing_free(ylm__packing *p);
 /* -- far.c ------------------------------------------------------------------------------------ */
 
 /*
-** Points that lie together are a block, and far from all of it lights are summed at the nodes of a
-** grid, from which the sums of its points are interpolated. `error[k][i][n]` is log2 of the error
-** of the k-th derivative, in parts of a light's, of n of Chebyshev's nodes along an axis of half
-** extent 1 at the i-th distance (far.c).
+** Points that lie together are a block. Lights far from all of it are summed at the nodes of a grid, from which the sums of
+** its points are interpolated. `error[k][i][n]` is log2 of the error of the k-th derivative, in parts of a light's, of n of
+** Chebyshev's nodes along an axis of half extent 1 at the i-th distance (far.c).
 */
 #define YLM__FAR_NODES 16 /* most nodes along an axis */
 #define YLM__FAR_STEPS 16 /* distances */

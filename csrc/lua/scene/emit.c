@@ -4,6 +4,7 @@
 
 #include "transfer.h"
 #include "ylm_emit.h"
+#include "ylm_light_virtual.h"
 #include "ylm_sh.h"
 
 #define YLML_VISIBLE "ylm.visible"

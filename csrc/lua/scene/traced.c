@@ -3,6 +3,7 @@
 
 #include "traced.h"
 #include "ylm_geom.h"
+#include "ylm_light.h"
 
 #define SCENE "ylm.traced"
 #define IMAGE_TILES 8 /* a side, for rays that are aimed at images */

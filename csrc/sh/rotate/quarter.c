@@ -5,9 +5,9 @@
 ** polynomials sum_k K_k(x) z^k = (1 - z)^x (1 + z)^(N-x); g = 2, sqrt 2 where one of q, m is 0, 1
 ** where both are.
 **
-** K is made of sums and differences of whole numbers below 2^252. So zeros are zeros, rational
-** entries exact, and the others within 0.51 units in the last place where long double has 64 bits
-** or more; the recurrence of ylm_sh_rotation_reference loses a digit every eight degrees above 40.
+** K is made of sums and differences of whole numbers below 2^252. Zeros are zeros, rational entries exact, and the others
+** within 0.51 units in the last place where long double has 64 bits or more; the recurrence of ylm_sh_rotation_reference
+** loses a digit every eight degrees above 40.
 **
 ** Source  Koornwinder 1982 (Krawtchouk polynomials as elements of SU(2)'s representations);
 ** docs/math.md "Rotation"

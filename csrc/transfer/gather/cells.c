@@ -16,8 +16,8 @@ size_t ylm__gather_most(const gather_lattice *l) {
   return l->cells + 16 * most_splits(l) * (size_t)l->levels;
 }
 
-gather_view *ylm__gather_view_create(const ylm_gather *g) {
-  gather_view *v = ylm_alloc_zero(1, sizeof *v);
+gather_sight *ylm__gather_sight_create(const ylm_gather *g) {
+  gather_sight *v = ylm_alloc_zero(1, sizeof *v);
   size_t n = g->most;
   if (!v) return NULL;
   v->g = g;
@@ -30,11 +30,11 @@ gather_view *ylm__gather_view_create(const ylm_gather *g) {
   v->sorted = ylm_alloc(n, sizeof *v->sorted);
   if (v->cell && v->place && v->toward && v->radiance && v->split && v->contrast && v->sorted)
     return v;
-  ylm__gather_view_free(v);
+  ylm__gather_sight_free(v);
   return NULL;
 }
 
-void ylm__gather_view_free(gather_view *v) {
+void ylm__gather_sight_free(gather_sight *v) {
   if (!v) return;
   ylm_free(v->cell);
   ylm_free(v->place);
@@ -49,7 +49,7 @@ void ylm__gather_view_free(gather_view *v) {
 /* -- light ------------------------------------------------------------------------------------- */
 
 /* The one place where light comes from: radiance of cells first .. first+n-1. */
-static void shine(gather_view *v, size_t first, size_t n) {
+static void shine(gather_sight *v, size_t first, size_t n) {
   const ylm_gather *g = v->g;
   const float(*leaving)[4] = (const float(*)[4])ylm_radiosity_leaving(g->radiosity);
   bool sky = ylm__gather_sky_cell(g->lamps, 0) != NULL,
@@ -68,12 +68,12 @@ static void shine(gather_view *v, size_t first, size_t n) {
   }
 }
 
-static float angle_of(const gather_view *v, size_t i) {
+static float angle_of(const gather_sight *v, size_t i) {
   return i < v->g->lattice.cells ? v->g->lattice.angle[i] : v->toward[i][3];
 }
 
 /* Where all cells are alike exactly their radiance. */
-static void find_mean(gather_view *v) {
+static void find_mean(gather_sight *v) {
   double sum[3] = {0, 0, 0};
   const float *first = NULL;
   for (size_t i = 0; i < v->cells; i++) {
@@ -87,7 +87,7 @@ static void find_mean(gather_view *v) {
 /* -- rays -------------------------------------------------------------------------------------- */
 
 /* Traces rays of cells first .. first+n-1. */
-static void trace(gather_view *v, size_t first, size_t n) {
+static void trace(gather_sight *v, size_t first, size_t n) {
   const ylm_gather *g = v->g;
   const ylm_trace *scene = ylm_scene_trace(g->scene);
   ylm_trace_ray ray[CELLS_RAYS];
@@ -117,7 +117,7 @@ static void trace(gather_view *v, size_t first, size_t n) {
   v->rays += n;
 }
 
-void ylm__gather_glance(gather_view *v, const float at[3]) {
+void ylm__gather_glance(gather_sight *v, const float at[3]) {
   const gather_lattice *l = &v->g->lattice;
   double buried = 0;
   memcpy(v->at, at, 12);
@@ -142,7 +142,7 @@ static uint32_t child_at(const gather_cell *c, int side, uint32_t q) {
   }
 }
 
-gather_border ylm__gather_quarter(const gather_view *v, const gather_border *b, uint32_t q) {
+gather_border ylm__gather_quarter(const gather_sight *v, const gather_border *b, uint32_t q) {
   const gather_cell *low = &v->cell[b->low], *high = &v->cell[b->high];
   gather_border part = *b;
   part.size /= 4;
@@ -153,7 +153,7 @@ gather_border ylm__gather_quarter(const gather_view *v, const gather_border *b, 
 }
 
 /* The borders of the children of a cell with each other. */
-static void visit_inside(gather_view *v, uint32_t cell, gather_visit *visit, void *context) {
+static void visit_inside(gather_sight *v, uint32_t cell, gather_visit *visit, void *context) {
   gather_place p = v->place[cell];
   uint32_t first = ylm__gather_children(&v->cell[cell]);
   size_t size = v->g->lattice.fine / (size_t)v->g->lattice.base >> 2 * (p.level + 1);
@@ -177,7 +177,7 @@ static void visit_inside(gather_view *v, uint32_t cell, gather_visit *visit, voi
     }
 }
 
-void ylm__gather_borders(gather_view *v, gather_visit *visit, void *context) {
+void ylm__gather_borders(gather_sight *v, gather_visit *visit, void *context) {
   const gather_lattice *l = &v->g->lattice;
   for (size_t i = 0; i < l->borders; i++) visit(v, 1, &l->border[i], &l->line[i], context);
   for (size_t i = 0; i < v->splits; i++) visit_inside(v, v->split[i], visit, context);
@@ -187,14 +187,14 @@ void ylm__gather_borders(gather_view *v, gather_visit *visit, void *context) {
 
 static inline float larger(float a, float b) { return a > b ? a : b; }
 
-static void compare(gather_view *v, const gather_border *b) {
+static void compare(gather_sight *v, const gather_border *b) {
   const float *x = v->radiance[b->low], *y = v->radiance[b->high];
   float d = fabsf(x[0] - y[0]) + fabsf(x[1] - y[1]) + fabsf(x[2] - y[2]);
   v->contrast[b->low] = larger(v->contrast[b->low], d);
   v->contrast[b->high] = larger(v->contrast[b->high], d);
 }
 
-static void compare_parts(gather_view *v, int n, const gather_border *b, const gather_line *line,
+static void compare_parts(gather_sight *v, int n, const gather_border *b, const gather_line *line,
                           void *context) {
   for (int i = 0; i < n; i++) {
     if (!ylm__gather_is_parted(v, &b[i]))
@@ -207,7 +207,7 @@ static void compare_parts(gather_view *v, int n, const gather_border *b, const g
   }
 }
 
-static bool may_split(const gather_view *v, size_t i) {
+static bool may_split(const gather_sight *v, size_t i) {
   return !ylm__gather_is_split(&v->cell[i]) && v->place[i].level < v->g->lattice.levels;
 }
 
@@ -236,7 +236,7 @@ static void select(float *x, size_t n, size_t k) {
 }
 
 /* The contrast above which cells are split: `least`, or more where there are more than `most`. */
-static float threshold_of(gather_view *v, float least, size_t most) {
+static float threshold_of(gather_sight *v, float least, size_t most) {
   size_t n = 0;
   float *found = v->sorted;
   for (size_t i = 0; i < v->cells; i++)
@@ -246,7 +246,7 @@ static float threshold_of(gather_view *v, float least, size_t most) {
   return found[most];
 }
 
-void ylm__gather_place_children(gather_view *v, size_t i, size_t first) {
+void ylm__gather_place_children(gather_sight *v, size_t i, size_t first) {
   gather_place p = v->place[i];
   for (size_t k = 0; k < 16; k++)
     v->place[first + k] = (gather_place){p.face, (uint8_t)(p.level + 1),
@@ -255,7 +255,7 @@ void ylm__gather_place_children(gather_view *v, size_t i, size_t first) {
 }
 
 /* Makes room for the children of cell i. */
-static void split(gather_view *v, size_t i) {
+static void split(gather_sight *v, size_t i) {
   ylm__gather_place_children(v, i, v->cells);
   v->cell[i].element = GATHER_SPLIT | (uint32_t)v->cells;
   v->split[v->splits++] = (uint32_t)i;
@@ -263,7 +263,7 @@ static void split(gather_view *v, size_t i) {
 }
 
 /* Splits cells whose light differs from a neighbour's; false: there was none. */
-static bool refine(gather_view *v) {
+static bool refine(gather_sight *v) {
   size_t before = v->cells, most = most_splits(&v->g->lattice);
   float least = (float)v->g->form.contrast * (v->mean[0] + v->mean[1] + v->mean[2]);
   ylm_zero(v->contrast, v->cells * sizeof *v->contrast);
@@ -277,7 +277,7 @@ static bool refine(gather_view *v) {
   return true;
 }
 
-static void look(gather_view *v, const float at[3]) {
+static void look(gather_sight *v, const float at[3]) {
   ylm__gather_glance(v, at);
   shine(v, 0, v->cells);
   find_mean(v);
@@ -286,7 +286,7 @@ static void look(gather_view *v, const float at[3]) {
   if (v->splits) find_mean(v);
 }
 
-ylm_status ylm__gather_look(gather_view *v, const float at[3]) {
+ylm_status ylm__gather_look(gather_sight *v, const float at[3]) {
   const gather_lattice *l = &v->g->lattice;
   size_t n = (size_t)l->base;
   v->rays = 0;

@@ -12,7 +12,7 @@ typedef struct gather_job {
   gather_want want;
   float *base;
   gather_slopes slopes;
-  gather_view **view;
+  gather_sight **sight;
   gather_sums **sums;
   gather_direct **direct; /* where there are lamps */
 } gather_job;
@@ -102,10 +102,10 @@ static void put(const gather_job *j, size_t point, const gather_sums *s) {
   if (q->want & YLM_WANT_METRIC) put_metric(j, point, s);
 }
 
-/* Adds the light of lamps at the point of a thread's view. */
+/* Adds the light of lamps at the point of a thread's sight. */
 static ylm_status light(const gather_job *j, int worker, gather_sums *s, bool *inside) {
   ylm_gather *g = (ylm_gather *)j->g;
-  const gather_view *v = j->view[worker];
+  const gather_sight *v = j->sight[worker];
   gather_direct **d = &j->direct[worker];
   double mean = YLM_LUMINANCE_R * (double)v->mean[0] + YLM_LUMINANCE_G * (double)v->mean[1] +
                 YLM_LUMINANCE_B * (double)v->mean[2];
@@ -128,9 +128,9 @@ void ylm__gather_step_in(const ylm_gather *g, float at[3]) {
 static ylm_status evaluate_range(void *context, size_t begin, size_t end, int worker) {
   const gather_job *j = context;
   ylm_gather *g = (ylm_gather *)j->g; /* its counters */
-  gather_view **v = &j->view[worker];
+  gather_sight **v = &j->sight[worker];
   gather_sums **s = &j->sums[worker];
-  if (!*v) *v = ylm__gather_view_create(g);
+  if (!*v) *v = ylm__gather_sight_create(g);
   if (!*s) *s = ylm__gather_sums_create(g, &j->want, j->base, &j->slopes);
   if (!*v || !*s) return YLM_ENOMEM;
   for (size_t i = begin; i < end; i++) {
@@ -164,20 +164,20 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   size_t threads = (size_t)ylm_threads(q->threads);
   gather_job j = {.g = g, .q = q, .points = points, .r = r, .want = want_of(q)};
   j.base = ylm__gather_base(&g->lattice, q->lmax);
-  j.view = ylm_alloc_zero(threads, sizeof *j.view);
+  j.sight = ylm_alloc_zero(threads, sizeof *j.sight);
   j.sums = ylm_alloc_zero(threads, sizeof *j.sums);
   j.direct = ylm_alloc_zero(threads, sizeof *j.direct);
   s = ylm__gather_slopes_create(q->lmax, &j.slopes);
-  if (!j.base || !j.view || !j.sums || !j.direct) s = YLM_ENOMEM;
+  if (!j.base || !j.sight || !j.sums || !j.direct) s = YLM_ENOMEM;
   if (s == YLM_OK) s = ylm_parallel(n, 1, (int)threads, evaluate_range, &j, q->progress, "gather");
   for (size_t i = 0; i < threads; i++) {
-    if (j.view) ylm__gather_view_free(j.view[i]);
+    if (j.sight) ylm__gather_sight_free(j.sight[i]);
     if (j.sums) ylm__gather_sums_free(j.sums[i]);
     if (j.direct) ylm__gather_direct_free(j.direct[i]);
   }
   ylm_free(j.base);
   ylm__gather_slopes_free(&j.slopes);
-  ylm_free(j.view);
+  ylm_free(j.sight);
   ylm_free(j.sums);
   ylm_free(j.direct);
   r->pairs += n;

@@ -104,7 +104,7 @@ struct ylm_gather {
 void ylm__gather_step_in(const ylm_gather *g, float at[3]);
 
 /* The memory of one thread, and one point in it. */
-typedef struct gather_view {
+typedef struct gather_sight {
   const ylm_gather *g;
   float at[3];
   size_t cells, splits;
@@ -117,30 +117,30 @@ typedef struct gather_view {
   float *sorted;         /* [most] */
   float mean[3], buried; /* radiance; share of the directions that see sides that are not used */
   uint64_t rays;
-} gather_view;
+} gather_sight;
 
 /* The most cells of a point. */
 size_t ylm__gather_most(const gather_lattice *l);
-gather_view *ylm__gather_view_create(const ylm_gather *g);
-void ylm__gather_view_free(gather_view *v);
+gather_sight *ylm__gather_sight_create(const ylm_gather *g);
+void ylm__gather_sight_free(gather_sight *v);
 /* Looks around from a point, or remembers. YLM_OK, YLM_ENOMEM */
-ylm_status ylm__gather_look(gather_view *v, const float at[3]);
+ylm_status ylm__gather_look(gather_sight *v, const float at[3]);
 /* Places and directions of the children of cell i, which are the cells from `first` on. */
-void ylm__gather_place_children(gather_view *v, size_t i, size_t first);
+void ylm__gather_place_children(gather_sight *v, size_t i, size_t first);
 /* Looks with the base's cells alone: `buried`. */
-void ylm__gather_glance(gather_view *v, const float at[3]);
+void ylm__gather_glance(gather_sight *v, const float at[3]);
 
 /* Borders that follow one another on a line, n is 1 or 4, whose cells may be split. `line` is NULL where they are not of
    the base. */
-typedef void gather_visit(gather_view *v, int n, const gather_border *b, const gather_line *line,
+typedef void gather_visit(gather_sight *v, int n, const gather_border *b, const gather_line *line,
                           void *context);
 /* All borders of the base, and all within cells that are split, always in the same order. */
-void ylm__gather_borders(gather_view *v, gather_visit *visit, void *context);
+void ylm__gather_borders(gather_sight *v, gather_visit *visit, void *context);
 /* Whether a cell of the border is split: then it has quarters, of which *part is the q-th. */
-static inline bool ylm__gather_is_parted(const gather_view *v, const gather_border *b) {
+static inline bool ylm__gather_is_parted(const gather_sight *v, const gather_border *b) {
   return ylm__gather_is_split(&v->cell[b->low]) || ylm__gather_is_split(&v->cell[b->high]);
 }
-gather_border ylm__gather_quarter(const gather_view *v, const gather_border *b, uint32_t q);
+gather_border ylm__gather_quarter(const gather_sight *v, const gather_border *b, uint32_t q);
 
 /* -- keep.c: points that are remembered -------------------------------------------------------- */
 
@@ -148,8 +148,8 @@ ylm_status ylm__gather_memory_create(struct gather_memory **m);
 void ylm__gather_memory_free(struct gather_memory *m);
 size_t ylm__gather_memory_bytes(struct gather_memory *m);
 /* Whether the cells of v->at were there. */
-bool ylm__gather_recall(struct gather_memory *m, gather_view *v);
-ylm_status ylm__gather_keep(struct gather_memory *m, const gather_view *v);
+bool ylm__gather_recall(struct gather_memory *m, gather_sight *v);
+ylm_status ylm__gather_keep(struct gather_memory *m, const gather_sight *v);
 
 /* -- rows.c: the sums ------------------------------------------------------------------------- */
 
@@ -164,7 +164,7 @@ ylm_status ylm__gather_keep(struct gather_memory *m, const gather_view *v);
 */
 typedef void gather_rows_fn(size_t n, size_t rows, const float *w, size_t width, size_t stride,
                             const float *y, double *out);
-/* That of the instruction set in use. */
+/* The kernel of the instruction set in use. */
 gather_rows_fn *ylm__gather_rows(void);
 
 /* -- slopes.c: derivatives of harmonics -------------------------------------------------------- */
@@ -204,7 +204,7 @@ gather_sums *ylm__gather_sums_create(const ylm_gather *g, const gather_want *wan
 void ylm__gather_sums_free(gather_sums *s);
 /* Integrals of the basis over the base's cells: [cells][count] and GATHER_SPARE; NULL without memory. */
 float *ylm__gather_base(const gather_lattice *l, int lmax);
-void ylm__gather_sum(gather_sums *s, gather_view *v);
+void ylm__gather_sum(gather_sums *s, gather_sight *v);
 /* Sets the derivatives to 0. */
 void ylm__gather_flatten(gather_sums *s);
 const double *ylm__gather_value(const gather_sums *s);

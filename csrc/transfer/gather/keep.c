@@ -83,7 +83,7 @@ static ylm_status grow(struct gather_memory *m) {
   return YLM_OK;
 }
 
-bool ylm__gather_recall(struct gather_memory *m, gather_view *v) {
+bool ylm__gather_recall(struct gather_memory *m, gather_sight *v) {
   lock(m);
   const kept *k = *find(m->slot, m->room, v->at);
   unlock(m);
@@ -98,7 +98,7 @@ bool ylm__gather_recall(struct gather_memory *m, gather_view *v) {
   return true;
 }
 
-ylm_status ylm__gather_keep(struct gather_memory *m, const gather_view *v) {
+ylm_status ylm__gather_keep(struct gather_memory *m, const gather_sight *v) {
   size_t bytes = v->cells * sizeof *v->cell + v->splits * sizeof *v->split;
   kept *k = ylm_alloc(1, sizeof *k);
   gather_cell *cell = ylm_alloc(bytes, 1);

@@ -3,6 +3,7 @@
 
 #include "calibration.h"
 #include "gather.h"
+#include "ylm_vector.h"
 
 typedef struct corner3 {
   float p[3][3];
@@ -102,11 +103,6 @@ static bool parts(const double d[3], double p[3][3], const double h[3]) {
   return lo > r || hi < -r;
 }
 
-static void cross(const double a[3], const double b[3], double out[3]) {
-  for (int k = 0; k < 3; k++)
-    out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
 /* Separating axes: of the box, across the triangle, and across pairs of edges. */
 static bool meets(const corner3 *t, const double box[6]) {
   static const double axis[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
@@ -119,11 +115,11 @@ static bool meets(const corner3 *t, const double box[6]) {
     for (int a = 0; a < 3; a++) edge[k][a] = p[(k + 1) % 3][a] - p[k][a];
   for (int a = 0; a < 3; a++)
     if (parts(axis[a], p, h)) return false;
-  cross(edge[0], edge[1], d);
+  ylm_cross3d(edge[0], edge[1], d);
   if (parts(d, p, h)) return false;
   for (int k = 0; k < 3; k++)
     for (int a = 0; a < 3; a++) {
-      cross(edge[k], axis[a], d);
+      ylm_cross3d(edge[k], axis[a], d);
       if (parts(d, p, h)) return false;
     }
   return true;

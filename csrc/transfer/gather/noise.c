@@ -15,13 +15,13 @@ typedef struct glance_job {
   const ylm_gather *g;
   const float (*point)[3];
   float *validity;
-  gather_view **view;
+  gather_sight **sight;
 } glance_job;
 
 static ylm_status glance_range(void *context, size_t begin, size_t end, int worker) {
   const glance_job *j = context;
-  gather_view **v = &j->view[worker];
-  if (!*v) *v = ylm__gather_view_create(j->g);
+  gather_sight **v = &j->sight[worker];
+  if (!*v) *v = ylm__gather_sight_create(j->g);
   if (!*v) return YLM_ENOMEM;
   for (size_t i = begin; i < end; i++) {
     float at[3] = {j->point[i][0], j->point[i][1], j->point[i][2]};
@@ -37,22 +37,22 @@ ylm_status ylm_gather_validity(const ylm_gather *g, size_t n, const float (*poin
   size_t workers = (size_t)ylm_threads(threads);
   ylm_status s = check_points(n, point, e);
   if (s != YLM_OK) return s;
-  glance_job j = {g, point, validity, ylm_alloc_zero(workers, sizeof *j.view)};
-  if (!j.view) return YLM_ENOMEM;
+  glance_job j = {g, point, validity, ylm_alloc_zero(workers, sizeof *j.sight)};
+  if (!j.sight) return YLM_ENOMEM;
   s = ylm_parallel(n, 1, (int)workers, glance_range, &j, NULL, "gather");
-  for (size_t i = 0; i < workers; i++) ylm__gather_view_free(j.view[i]);
-  ylm_free(j.view);
+  for (size_t i = 0; i < workers; i++) ylm__gather_sight_free(j.sight[i]);
+  ylm_free(j.sight);
   return s;
 }
 
 size_t ylm_gather_directions(const ylm_gather *g, const float point[3], size_t room,
                              float (*direction)[3]) {
-  gather_view *v = ylm__gather_view_create(g);
+  gather_sight *v = ylm__gather_sight_create(g);
   size_t cells = 0;
   if (v && ylm__gather_look(v, point) == YLM_OK) cells = v->cells;
   for (size_t i = 0; i < cells && i < room; i++)
     memcpy(direction[i], i < g->lattice.cells ? g->lattice.direction[i] : v->toward[i], 12);
-  ylm__gather_view_free(v);
+  ylm__gather_sight_free(v);
   return cells;
 }
 

@@ -164,7 +164,7 @@ static void put_value(gather_sums *s, size_t i, const float x[3], float scale) {
     s->values.row[(size_t)c * GATHER_BATCH + i] = scale * w[c];
 }
 
-static void sum_values(gather_sums *s, const gather_view *v) {
+static void sum_values(gather_sums *s, const gather_sight *v) {
   static const float none[3] = {0, 0, 0};
   size_t cells = s->g->lattice.cells, count = s->want.count;
   for (size_t i = 0; i < cells; i += GATHER_BATCH) {
@@ -188,7 +188,7 @@ typedef struct line_sum {
   bool any;
 } line_sum;
 
-static void add_pair(const gather_view *v, const gather_border *b, line_sum *sum) {
+static void add_pair(const gather_sight *v, const gather_border *b, line_sum *sum) {
   four low, high;
   memcpy(&low, v->radiance[b->low], 16);
   memcpy(&high, v->radiance[b->high], 16);
@@ -219,7 +219,7 @@ static void add_border(gather_sums *s, const float at[3], const float m[3], floa
 }
 
 /* A border whose cells are not split. */
-static void sum_pair(gather_sums *s, const gather_view *v, const gather_border *b,
+static void sum_pair(gather_sums *s, const gather_sight *v, const gather_border *b,
                      const gather_line *line) {
   line_sum sum = {{0}, {0}, false};
   gather_line own;
@@ -239,7 +239,7 @@ static void sum_pair(gather_sums *s, const gather_view *v, const gather_border *
 }
 
 /* Four borders of the finest cells on one line, as if they were in its middle. */
-static void sum_group(gather_sums *s, const gather_view *v, const gather_border b[4]) {
+static void sum_group(gather_sums *s, const gather_sight *v, const gather_border b[4]) {
   line_sum sum = {{0}, {0}, false};
   gather_line own;
   gather_border whole = b[0];
@@ -250,7 +250,7 @@ static void sum_group(gather_sums *s, const gather_view *v, const gather_border 
   add_border(s, own.at, own.across, own.length / 4, &sum);
 }
 
-static void visit(gather_view *v, int n, const gather_border *b, const gather_line *line,
+static void visit(gather_sight *v, int n, const gather_border *b, const gather_line *line,
                   void *context) {
   gather_sums *s = context;
   if (n == 4 && 4 * b->size <= s->group) {
@@ -269,7 +269,7 @@ static void visit(gather_view *v, int n, const gather_border *b, const gather_li
 }
 
 /* A cell whose hit point stays where it is. */
-static void add_point(gather_sums *s, const gather_view *v, size_t i, const float at[3],
+static void add_point(gather_sums *s, const gather_sight *v, size_t i, const float at[3],
                       float angle) {
   const gather_cell *cell = &v->cell[i];
   int channels = s->want.channels;
@@ -288,7 +288,7 @@ static void add_point(gather_sums *s, const gather_view *v, size_t i, const floa
   }
 }
 
-static void sum_points(gather_sums *s, const gather_view *v) {
+static void sum_points(gather_sums *s, const gather_sight *v) {
   const gather_lattice *l = &s->g->lattice;
   for (size_t i = 0; i < v->cells; i++) {
     if (ylm__gather_is_split(&v->cell[i])) continue;
@@ -328,7 +328,7 @@ static void take_hessian(gather_sums *s) {
   }
 }
 
-void ylm__gather_sum(gather_sums *s, gather_view *v) {
+void ylm__gather_sum(gather_sums *s, gather_sight *v) {
   bool by_points = s->want.gradient && !border_channels(s);
   begin(s, &s->values);
   begin(s, &s->borders);

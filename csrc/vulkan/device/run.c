@@ -1,10 +1,9 @@
 /*
 ** run.c - work in slices: none long enough for a desktop's watchdog to notice.
 **
-** A kernel's rate, in seconds per unit of cost, is learnt from its dispatches: the first has
-** one group, and small ones make the rate look worse than it is, so that what follows
-** is cut too short rather than too long. Slices of several steps share a submission as
-** long as they are foreseen to take GPU_SUBMISSION seconds together.
+** A kernel's rate, in seconds per unit of cost, is learnt from its dispatches: the first has one group. Small ones make the
+** rate look worse than it is, so that later slices are cut too short rather than too long. Slices of several steps share a
+** submission as long as they are foreseen to take GPU_SUBMISSION seconds together.
 */
 #include "../calibration.h"
 #include "gpu.h"

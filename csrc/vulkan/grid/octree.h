@@ -9,9 +9,9 @@
 **   octree_result.c     back to the host, as cells and points of a ylm_grid
 **
 ** A level is the array of its voxels: the cells that hold shading points, in the order in which
-** ylm_grid_bake has them. Points are numbered as there. So cells, points and their order are those
-** of the processor's grid, whatever the device does first. The host reads a few counts per level.
-** A uniform grid has one level, whose voxels are those of the lattice.
+** ylm_grid_bake has them. Points are numbered as there. Cells, points and their order are those of the processor's grid,
+** whatever the device does first. The host reads a few counts per level. A uniform grid has one level, whose voxels are
+** those of the lattice.
 */
 #ifndef YLM_GPU_OCTREE_H
 #define YLM_GPU_OCTREE_H

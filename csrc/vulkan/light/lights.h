@@ -1,8 +1,8 @@
 /*
 ** lights.h - sums over lights on a device: what the files of this room share. Private.
 **
-** Sums lie in the device's memory as [sum][stride], stride being the points of a pass rounded up
-** to whole groups, so that neighbouring invocations read neighbouring numbers.
+** Sums lie in the device's memory as [sum][stride]: neighbouring invocations read neighbouring numbers. The stride is the
+** points of a pass rounded up to whole groups.
 */
 #ifndef YLM_GPU_LIGHTS_H
 #define YLM_GPU_LIGHTS_H
