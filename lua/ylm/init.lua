@@ -1,4 +1,4 @@
---- ylm: spherical-harmonic lighting. This file is the table of contents.
+--- ylm: spherical-harmonic lighting. The file is the table of contents.
 --
 -- Modules load when they are first used, so that SH mathematics alone needs
 -- nothing but libylm.so.

@@ -1,7 +1,7 @@
 --- Memory that runs out: an error inside of ylm, nil, message, "ENOMEM" of every public function.
 --
--- Bindings raise where memory of C runs out, as Lua does where its own does, so that no line of ylm goes on
--- with what was not made. Public functions catch both. A public function that ylm itself calls catches nothing.
+-- Bindings raise where memory of C runs out, as Lua does where its own does. No line of ylm goes on with what was not made.
+-- Public functions catch both. A public function that ylm itself calls catches nothing.
 
 local core = require "ylm.c.core"
 

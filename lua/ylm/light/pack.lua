@@ -31,6 +31,26 @@ function pack.one(name, values, fail)
   return check.result(name, nil, message, code)
 end
 
+--- The value of the form `name` with the lights of pack.one; nil, message, code.
+function pack.finish(name, values, fail)
+  local lights, message, code = pack.one(name, values, fail)
+  if not lights then return nil, message, code end
+  values.lights = lights
+  return setmetatable(values, form.defined[name].metatable)
+end
+
+--- The `build` of a form whose values need no other check.
+function pack.build(name)
+  return function(values, fail) return pack.finish(name, values, fail) end
+end
+
+--- Appends colours and points to a record.
+function pack.append(record, ...)
+  for _, three in ipairs { ... } do
+    for i = 1, 3 do record[#record + 1] = three[i] end
+  end
+end
+
 --- Ends a run of records, which becomes a source of lights_create.
 local function flush(sources, run)
   if #run == 0 then return end

@@ -36,13 +36,9 @@ local as_light = {
   kind = function(l) return l.method == "exact" and "polygon" or "polygon_as_sphere" end,
   record = function(l, out)
     local h = l.horizon or { 0, 0, 0 }
-    for _, three in ipairs { l.radiance, h } do
-      for i = 1, 3 do out[#out + 1] = three[i] end
-    end
+    pack.append(out, l.radiance, h)
     out[#out + 1] = l.vertices and #l.vertices or 0
-    for _, v in ipairs(l.vertices or l.axes) do
-      for i = 1, 3 do out[#out + 1] = v[i] end
-    end
+    for _, v in ipairs(l.vertices or l.axes) do pack.append(out, v) end
   end,
 }
 
@@ -65,8 +61,7 @@ polygon.polygon_light = form.define("polygon_light", {
       return fail(("vertices must be three or more points {x, y, z}, got %s"):format(check.describe(values.vertices)))
     end
     values.vertices = vertices
-    values.lights = pack.one("polygon_light", values, fail)
-    return setmetatable(values, form.defined.polygon_light.metatable)
+    return pack.finish("polygon_light", values, fail)
   end,
   light = as_light,
   example = "polygon_light { vertices = { {-1, 2, -1}, {1, 2, -1}, {0, 2, 1} }, radiance = {10, 8, 6} }",
@@ -98,8 +93,7 @@ polygon.disk_light = form.define("disk_light", {
     local u, v = polygon.frame(values.normal)
     local r = values.radius
     values.axes = { values.at, { r * u[1], r * u[2], r * u[3] }, { r * v[1], r * v[2], r * v[3] } }
-    values.lights = pack.one("disk_light", values, fail)
-    return setmetatable(values, form.defined.disk_light.metatable)
+    return pack.finish("disk_light", values, fail)
   end,
   light = as_light,
   example = "disk_light { at = {0, 2, 0}, normal = {0, -1, 0}, radius = 0.3, radiance = 20 }",

@@ -17,18 +17,11 @@ spot.spot_light = form.define("spot_light", {
     { "intensity", "colour", default = 1, unit = "W sr^-1",
       about = "within the cone: number or {r, g, b}, linear Rec. 709" },
   },
-  build = function(values, fail)
-    local lights, message, code = pack.one("spot_light", values, fail)
-    if not lights then return nil, message, code end
-    values.lights = lights
-    return setmetatable(values, form.defined.spot_light.metatable)
-  end,
+  build = pack.build "spot_light",
   light = {
     kind = "spot",
     record = function(l, out)
-      for _, three in ipairs { l.intensity, l.at } do
-        for i = 1, 3 do out[#out + 1] = three[i] end
-      end
+      pack.append(out, l.intensity, l.at)
       for i = 1, 3 do out[#out + 1] = l.to[i] - l.at[i] end
       out[#out + 1] = l.angle
       out[#out + 1] = l.blend

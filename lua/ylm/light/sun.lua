@@ -13,18 +13,11 @@ sun.sun_light = form.define("sun_light", {
     { "irradiance", "colour", default = 1, unit = "W m^-2",
       about = "on a surface that faces it: number or {r, g, b}, linear Rec. 709; may be negative" },
   },
-  build = function(values, fail)
-    local lights, message, code = pack.one("sun_light", values, fail)
-    if not lights then return nil, message, code end
-    values.lights = lights
-    return setmetatable(values, form.defined.sun_light.metatable)
-  end,
+  build = pack.build "sun_light",
   light = {
     kind = "sun",
     record = function(l, out)
-      for _, three in ipairs { l.irradiance, l.direction } do
-        for i = 1, 3 do out[#out + 1] = three[i] end
-      end
+      pack.append(out, l.irradiance, l.direction)
       out[#out + 1] = l.angle
     end,
   },

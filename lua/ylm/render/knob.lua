@@ -2,8 +2,8 @@
 --
 -- Some hundred pixels alone are rendered with ever finer means. Noise is the difference of two estimates with random numbers of
 -- their own, the error of elements that from half their spacing. The error of camera rays is that from 256 of them, each with
--- its own shading point, in direct light and bounced. The whole picture is made once, with the means found. Its error is
--- how far these very pixels of it are from what paths through camera rays of their own say, the noise of the paths taken off.
+-- its own shading point, in direct light and bounced. The whole picture is made once, with the means found. Paths through
+-- camera rays of their own say how far these very pixels of it are off. That is its error, the noise of the paths taken off.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"

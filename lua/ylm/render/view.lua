@@ -1,5 +1,6 @@
---- Prepared views: everything that does not depend on how the light is known (camera rays, shading points, occlusion
--- rays, transfer vectors), made once and rendered as often as one likes, so that methods are compared on the very same points.
+--- Prepared views: everything that does not depend on how the light is known: camera rays, shading points, occlusion rays,
+-- transfer vectors. Views are made once and rendered as often as one likes, so that methods are compared on the very same
+-- points.
 
 require "ylm.array" -- the methods of the arrays that are returned
 local box = require "ylm.box"
@@ -14,7 +15,7 @@ local views = {}
 --- The noise at which rays are enough, and the most rays, without transfer_samples: see options.transfer_fields.
 local NOISE, MOST_SAMPLES = 0.02, 2048
 
-local DEGREES = 61 -- of slices: YLM_SHADE_DEGREES
+local DEGREES = core.limits.material_table_lmax + 1 -- of slices
 
 local GIVEN_SAMPLES = core.limits.light_samples -- the most that transfer_samples may be
 
