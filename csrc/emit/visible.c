@@ -1,5 +1,6 @@
 /* visible.c - the light field of virtual lights that surfaces hide from points: a ray from each point to each light. */
 #include "emit.h"
+#include "ylm_light.h"
 #include "ylm_light_virtual.h"
 
 #define GRAIN 4  /* points */

@@ -10,12 +10,14 @@
 #ifndef YLM_LIGHT_SKY_H
 #define YLM_LIGHT_SKY_H
 
+#include "ylm_base.h"
 #include "ylm_image.h"
-#include "ylm_light.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+typedef struct ylm_light_set ylm_light_set; /* ylm_light.h */
 
 /* -- skies of the CIE: csrc/light/cie.c -------------------------------------------------------- */
 

@@ -7,11 +7,13 @@
 #ifndef YLM_LIGHT_SPOT_H
 #define YLM_LIGHT_SPOT_H
 
-#include "ylm_light.h"
+#include "ylm_base.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+typedef struct ylm_light_set ylm_light_set; /* ylm_light.h */
 
 /* The intensity is `intensity` where the cosine to the axis is above `inner`, 0 below `outer`, and a
    smooth step of the cosine between. */

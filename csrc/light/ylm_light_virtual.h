@@ -34,11 +34,13 @@
 #ifndef YLM_LIGHT_VIRTUAL_H
 #define YLM_LIGHT_VIRTUAL_H
 
-#include "ylm_light.h"
+#include "ylm_base.h"
 
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+typedef struct ylm_light_set ylm_light_set; /* ylm_light.h */
 
 #define YLM_LIGHT_VIRTUAL_PROFILES(X)                                                              \
   X(GAUSS, "gauss") X(CAP, "cap") X(POINT, "point") X(FAR, "far") X(NEAR, "near")

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "scene.h"
+#include "ylm_light.h"
 
 #define PI 3.14159265358979323846
 

@@ -10,6 +10,8 @@
 #include "ylm_scene.h"
 #include "ylm_vector.h"
 
+typedef struct ylm_light_cone ylm_light_cone; /* ylm_light.h */
+
 /* A mesh as copied: `smooth` where it came with normals; else they are means over triangles, for
    shading per vertex alone. */
 typedef struct scene_mesh {

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "scene.h"
+#include "ylm_light.h"
 
 #define PI 3.14159265358979323846
 

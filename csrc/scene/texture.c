@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "scene.h"
+#include "ylm_light.h"
 
 /* The vectors whose products with p - corner are the image's coordinates; false: no area. */
 static bool coordinates(const ylm_light_image *in, scene_texture *out) {

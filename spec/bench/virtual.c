@@ -3,6 +3,7 @@
 ** light-point pair, and the ratio. All lights face the points; nothing is left out.
 */
 #include "bench.h"
+#include "ylm_light.h"
 #include "ylm_light_virtual.h"
 
 #define LIGHTS 2000

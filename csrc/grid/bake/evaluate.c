@@ -1,5 +1,6 @@
 /* evaluate.c - asking a light field for the data of points. */
 #include "baker.h"
+#include "ylm_light.h"
 #include "ylm_light_virtual.h"
 
 #include <math.h>

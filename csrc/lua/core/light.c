@@ -3,6 +3,7 @@
 
 #include <string.h>
 
+#include "ylm_light.h"
 #include "ylm_light_virtual.h"
 #include "ylm_sh.h"
 
