@@ -218,10 +218,12 @@ YLM_INLINE void cap(const int lmax, const int order, const int step, const real 
   c.width = choose(out, inv2, vreal_set(1 / c.r2));
   c.before = c.dP = c.older = vreal_set(0);
   int l = 0;
+  if (order == 0) {
 #pragma GCC unroll 16
-  for (; order == 0 && l <= YLM__VIRTUAL_FLOAT; l++, B += step) {
-    cap_degree(l, order, &c, B);
-    if (l == lmax) return;
+    for (; l <= YLM__VIRTUAL_FLOAT; l++, B += step) {
+      cap_degree(l, order, &c, B);
+      if (l == lmax) return;
+    }
   }
   for (; l <= lmax; l++, B += step) cap_degree(l, order, &c, B);
 }

@@ -97,18 +97,30 @@ calls["array:save"] = on(function(keep) return ylm.zeros { 3, 3 }, keep "a.npy" 
 calls["load .npy"] = on(function(keep) return ylm.zeros { 3, 3 }:save(keep "a.npy") and keep "a.npy" end,
   function(path) return ylm.load(path) end)
 
-local function casters()
+local function casters(hides)
   local turn = { axis = { 1, 2, 3 }, angle = 30 }
-  return { a = ylm.caster { hides = ylm.occluder { geometry = ylm.box {} }, at = { 0, 0, 2 }, rotation = turn },
-    b = ylm.sphere_casters { at = { { 0.5, 0, 2 } }, radius = 0.4 } }
+  local a, message, code = ylm.caster { hides = hides, at = { 0, 0, 2 }, rotation = turn }
+  if not a then return nil, message, code end
+  local b
+  b, message, code = ylm.sphere_casters { at = { { 0.5, 0, 2 } }, radius = 0.4 }
+  if not b then return nil, message, code end
+  return { a = a, b = b }
 end
-calls["occluder"] = of(function() return ylm.occluder { geometry = ylm.box {} } end)
-calls["visibility"] = of(function() return ylm.visibility(2, casters(), points(3), { derivatives = 1 }) end)
-calls["shadowed"] = of(function()
-  local lights = { ylm.sphere_light { at = { 0, 0, 4 } }, ylm.environment_light { radiance = 1 } }
-  local shade, message, code = ylm.shadowed { lights = lights, casters = casters() }
+local function box() return ylm.occluder { geometry = ylm.box {} } end
+calls["occluder"] = on(function() return ylm.box {} end, function(geometry) return ylm.occluder { geometry = geometry } end)
+calls["visibility"] = on(box, function(hides)
+  local all, message, code = casters(hides)
+  if not all then return nil, message, code end
+  return ylm.visibility(2, all, points(3), { derivatives = 1 })
+end)
+calls["shadowed"] = on(function()
+  return box(), { ylm.sphere_light { at = { 0, 0, 4 } }, ylm.environment_light { radiance = 1 } }
+end, function(hides, lights)
+  local all, shade, L, message, code
+  all, message, code = casters(hides)
+  if not all then return nil, message, code end
+  shade, message, code = ylm.shadowed { lights = lights, casters = all }
   if not shade then return nil, message, code end
-  local L
   L, message, code = ylm.light_field(2, shade, points(3), { derivatives = 1 })
   if not L then return nil, message, code end
   return shade:move { a = { at = { 0, 1, 2 } } }
