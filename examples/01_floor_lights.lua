@@ -3,8 +3,8 @@
 --     ylm run examples/01_floor_lights.lua                       (or: make demo)
 --     ylm run examples/01_floor_lights.lua --mesh bunny.obj      a mesh instead of the knot
 --
--- Bakes the lamps of examples/scenes/floor_lights.lua into an adaptive grid, renders with it, compares
--- it with uniform grids and with the lights' own coefficients at every shading point, and leaves in out/:
+-- Bakes the lamps of examples/scenes/floor_lights.lua into an adaptive grid and renders with it. The grid is compared with
+-- uniform grids and with the lights' own coefficients at every shading point. The program leaves in out/:
 -- floor_lights.exr and .png, overview.png, comparison.png, hessian_error.png, gradients.png, lobes.png, tolerance.png,
 -- grid.vtu. The table is Table 2 of Iwasaki & Dobashi 2025 for this scene.
 

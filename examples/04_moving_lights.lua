@@ -5,7 +5,7 @@
 --
 -- Surfaces that the camera sees, and their occlusion, are found once (scene:prepare of the scene without lamps); a frame is
 --   grid:update   only what the lamps' motion changes beyond the tolerance is baked again,
---   view:render   only shading points of voxels that changed are sampled; lamps are drawn where they are now.
+--   view:render   only shading points of voxels that changed are sampled; lamps are drawn where they are in this frame.
 -- --lamps is how many of the lanterns fly. With --device, the name or number of a GPU, it sums lights and shades, and every
 -- frame is baked from nothing instead of updated.
 -- Leaves in out/: moving_01.png, ... and moving.png, the contact sheet. Times are printed by stage.
@@ -78,7 +78,7 @@ local row = common.table { { "frame", "%5d" }, { "points", "%7d" }, { "new", "%5
   { "sampled %", "%9.1f" }, { "error", "%7.4f" }, { "update ms", "%9.1f" }, { "shade ms", "%8.1f" },
   { "image ms", "%8.1f" }, { "cpu ms", "%7.1f" } }
 local sum, frames, shown = { update = 0, shade = 0, image = 0, cpu = 0 }, 0, {}
-local spare -- a picture that is not needed any more, to be written again
+local spare -- a picture that no one needs, to be written again
 for frame = 1, option.frames do
   local clock, now = os.clock(), lamps(frame)
   local report

@@ -1,5 +1,5 @@
--- Light that bounces: a room lit from behind a screen, by direct light alone, with a grid of indirect light, with light gathered
--- pixel by pixel along links, and by paths; how far each is from the paths, and how long it took.
+-- Light that bounces in a room lit from behind a screen. Pictures are by direct light alone, with a grid of indirect light, with
+-- light gathered pixel by pixel along links, and by paths. Printed: how far each is from the paths, and how long it took.
 --
 --     ylm run examples/12_bouncing_light.lua [--out DIR] [--width N] [--samples N] [--tolerance X]
 --

@@ -14,8 +14,8 @@ end
 local window = { { { 4, 0, 0 }, { 0, 4, 0 }, { 0, 0, 4 }, { 0, 0, 0 } }, { { 1, 1, 1 }, { 0, 0, 0 }, { 2, 2, 0 }, { 0, 3, 3 } } }
 
 describe("ylm.textured_light", function()
-  --- Coefficients [point][3][count] by Gauss's rule of 4 x 4 nodes in each of 8 x 8 cells of each texel of a panel, less
-  -- what is below the horizon, which has to follow the cells.
+  --- Coefficients [point][3][count] by Gauss's rule of 4 x 4 nodes in each of 8 x 8 cells of each texel of a panel.
+  -- Light below the horizon is left out; the horizon has to follow the cells.
   local function by_quadrature(lmax, texels, points, horizon)
     local nodes, weights = { 0.0694318442029737, 0.3300094782075719, 0.6699905217924281, 0.9305681557970263 },
       { 0.1739274225687269, 0.3260725774312731, 0.3260725774312731, 0.1739274225687269 }

@@ -334,7 +334,7 @@ describe("shading", function()
         local radiance, message = shade(rays, "transfer")
         assert.is_nil(radiance, message)
       end
-      -- light of another degree than the view's is used to its own
+      -- light of another degree than the view's counts up to its own
       probes.lmax = 6
       local high = ylm.bake(ylm.uniform_grid(probes), lights)
       local wanted = lib.shade_grid(s:prepare(with(o, { visibility = "none", lmax = 6 })), high, "transfer", "hermite", 0, nil)

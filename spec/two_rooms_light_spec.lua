@@ -22,8 +22,8 @@ local function text(wall)
   return changed
 end
 
---- Luminance of the surfaces in the left and in the right half of a picture, without pixels beside lamps and without a strip
--- about the wall's edge.
+--- Luminance of the surfaces in the left and in the right half of a picture. Pixels beside lamps and a strip about the wall's
+-- edge are left out.
 local function halves(image)
   local radiance, emitter, sum = image:layer():totable(), image:layer "emitter":totable(), { 0, 0 }
   local function lamp_near(x, y)

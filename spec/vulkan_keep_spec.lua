@@ -73,7 +73,7 @@ describe("a grid baked on a device", function()
 
       it("uploads less than its coefficients in all", function()
         local there = gpu:lights(lamps)
-        ylm.bake(d, there, { occupied = floor, device = gpu }) -- tables of the sums are there now
+        ylm.bake(d, there, { occupied = floor, device = gpu }) -- makes tables of the sums
         local before = gpu.stats.uploaded
         local grid = assert(ylm.bake(d, there, { occupied = floor, device = gpu }))
         local rows = (grid.stats.points + grid.stats.interpolated) * 4 * 3 * (grid.lmax + 1) ^ 2 * 4

@@ -1,5 +1,5 @@
--- Mezieres et al. 2022 (gradient), Fig. 8: a matte figure and a glossy body under 242 lights, (a) by rays to the lights, (b) by
--- spherical harmonics at every pixel, (c) by an 8^3 grid; and the error of (b) by the number of bands.
+-- Mezieres et al. 2022 (gradient), Fig. 8: a matte figure and a glossy body under 242 lights. Pictures are (a) by rays to the
+-- lights, (b) by spherical harmonics at every pixel, (c) by an 8^3 grid; and the error of (b) by the number of bands.
 --
 --     lua examples/papers/gradient_2022_fig8.lua [--out DIR] [--size 400] [--samples 100] [--quick]
 --

@@ -1,12 +1,12 @@
 -- Mezieres et al. 2022 (gradient), Table 4 (with Fig. 12), Figs. 16 and 17: pictures under a square light that is cut into
--- triangles, each replaced by a sphere or by a sphere times |cos gamma|, against the exact triangles.
+-- triangles. A sphere, or a sphere times |cos gamma|, replaces each; the exact triangles are the truth.
 --
 --     lua examples/papers/gradient_2022_table4.lua [--out DIR] [--quick]
 --
 -- The paper's pictures show an Armadillo and a Buddha (288, 512, 800 lights) and a white room (722) on a GPU; its
--- scenes, lights and material are not published. Here: a knot and a ball in a corner of a room, the same numbers of
--- triangles (2 n^2 of a square), 5 bands, no visibility as there, diffuse surfaces throughout. So magnitudes are what
--- can be compared, not digits: MAE of radiance, times 1000, where the largest value is 1. Bare spheres are off by about
+-- scenes, lights and material are not published. Here: a knot and a ball in a corner of a room, as many
+-- triangles (2 n^2 of a square), 5 bands, no visibility as there. All surfaces are diffuse. Magnitudes, not digits, can
+-- therefore be compared: MAE of radiance, times 1000, where the largest value is 1. Bare spheres are off by about
 -- 1 - |cos gamma|, which is the layout's and nothing else's; the factor's gain is what the paper claims ("two orders").
 -- "interp." is an 8^3 grid, by Hermite, against exact triangles in the same grid.
 

@@ -4,8 +4,8 @@
 --     lua examples/papers/gradient_2022_table5.lua [--size 480] [--threads 0] [--quick]
 --
 -- Milliseconds, beside the paper's (1920 x 1080 on an RTX-2080); --size is the width of a picture of that shape, --threads 0
--- means all. Perseverance's mesh is not published: a cart of boxes and rings stands in, with coats of GGX over paint, and the
--- times of pictures are compared as nanoseconds of a shading point, which the paper's are of a pixel.
+-- means all. Perseverance's mesh is not published: a cart of boxes and rings stands in, with coats of GGX over paint.
+-- Times of pictures are compared as nanoseconds of a shading point; the paper's are of a pixel.
 
 local ylm = require "ylm"
 

@@ -78,7 +78,7 @@ local function by_band(lights)
 end
 
 -- The paper prints 1e-8, growing as the square of the band, for lights that it does not describe. One small triangle has
--- both: its second moments are not the sphere's, which Y's second derivatives turn into errors that grow with l on top
+-- both. Its second moments are not the sphere's. Y's second derivatives turn them into errors that grow with l on top
 -- of the solid angle's, and a band has 2l+1 coefficients. In pairs that make up squares the second moments cancel; what
 -- is left of many triangles is the solid angle's, and grows as 2l+1 does.
 local of_one = by_band { triangles.equilateral(0.05, 0, 2, 0) }

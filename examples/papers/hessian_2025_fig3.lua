@@ -1,5 +1,5 @@
 -- Iwasaki & Dobashi 2025, Fig. 3: components of the Hessian of SH coefficients of one sphere light on a
--- square, ours (Eq. 15) beside finite differences of the coefficients themselves, and ten times their difference.
+-- square. Ours (Eq. 15) stand beside finite differences of the coefficients themselves, and ten times their difference.
 --
 --     lua examples/papers/hessian_2025_fig3.lua [--out DIR] [--n PIXELS]
 --

@@ -2,9 +2,9 @@
 --
 --     lua examples/papers/hvl_furnace.lua [--lights 2000] [--width 64] [--quick]
 --
--- There is no --scene: truth is a closed form.
--- A sphere of radius 1 and albedo rho around a lamp of flux Phi: cos cos/d^2 is 1/4 between any two of its places, so that any
--- set of points, wherever they are, gives the irradiance rho Phi/(4 pi) everywhere, and all bounces 1/(1 - rho) times that:
+-- No --scene is read: truth is a closed form.
+-- A sphere of radius 1 and albedo rho is around a lamp of flux Phi. Between any two of its places cos cos/d^2 is 1/4. Any set of
+-- points, wherever they are, therefore gives the irradiance rho Phi/(4 pi) everywhere, and all bounces 1/(1 - rho) times that:
 -- unclamped points (Keller 1997) have no error here. Spheres and profiles have one, of the light of their surroundings of one
 -- radius. "even" are lights that stand on the sphere by arrays, "traced" those of scene:virtual_lights on a sphere of triangles.
 

@@ -3,9 +3,10 @@
 --
 --     lua examples/papers/hvl_links.lua [--width 64] [--samples 512] [--frames 3] [--scene FILE] [--quick]
 --
--- Errors are root mean square, relative to the mean of the bounce, over pixels off edges, less the noise of the truth (--samples
--- paths a pixel). Seconds are those of the processor, all threads together. "before" is what stays while lamps move: elements and
--- links of the scene and of the view; "frame" is light on elements and along links, or particles, lights and their sums.
+-- Errors are root mean square, relative to the mean of the bounce, over pixels off edges. The noise of the truth (--samples
+-- paths a pixel) is taken off. Seconds are those of the processor, all threads together. "before" is what stays while lamps move:
+-- elements and links of the scene and of the view. "frame" is light on elements and along links, or particles, lights and their
+-- sums.
 -- "virtual, rays" has a ray from each point to each light; else far parts are from a grid, near parts summed at each point, and
 -- beside the floor that glosses all lights at each point. --scene stands in place of the box; its lamps do not move, and its
 -- floor is what it is.

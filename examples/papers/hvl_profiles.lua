@@ -2,7 +2,7 @@
 --
 --     lua examples/papers/hvl_profiles.lua [--floors 20] [--out out] [--quick]
 --
--- Writes hvl_profiles.png. There is no --scene: truth is a closed form.
+-- Writes hvl_profiles.png. No --scene is read: truth is a closed form.
 -- 400 matte lights stand on a jittered 20 x 20 grid of spacing 1 and shine up; the wall rises from the
 -- floor's edge. Mezieres & Paulin 2022 have profile "cap", and H (Eq. 22) beside it, which takes lights near the receiver's
 -- horizon away. Points have no profile; clamped ones are bounded by 1/r^2. The truth is a floor of the same flux everywhere, in

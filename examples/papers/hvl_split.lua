@@ -2,7 +2,7 @@
 --
 --     lua examples/papers/hvl_split.lua [--points 400] [--out out] [--quick]
 --
--- Writes hvl_split.png. There is no --scene: lights are made here, at known places.
+-- Writes hvl_split.png. No --scene is read: lights are made here, at known places.
 -- A lit floor of 400 lights, spacing 1, alone and with a lit wall of 400 that rises from it. Far parts
 -- have a core R of 3 spacings. Errors of uniform grids, root mean square over points of the floor, relative: of irradiance, and
 -- of coefficients (all 25, of luminance). Whole lights have no smaller error with smaller voxels: one-sided cosines are kinks

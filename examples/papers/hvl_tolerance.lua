@@ -3,8 +3,9 @@
 --
 --     lua examples/papers/hvl_tolerance.lua [--room cornell] [--scene FILE] [--lights 2000] [--depth 7] [--width 96] [--quick]
 --
--- Writes hvl_tolerance.png. "found" is the error of irradiance at shading points that no bake saw, root mean square relative to
--- the mean, of far parts with their near parts. Coefficients below the horizon of a lit floor jump where irradiance does not.
+-- Writes hvl_tolerance.png. "found" is the error of irradiance at shading points that no bake saw, of far parts with their
+-- near parts. Errors are root mean square, relative to the mean. Coefficients below the horizon of a lit floor jump where
+-- irradiance does not.
 -- Rooms: cornell, atrium, table_room.
 
 local ylm = require "ylm"

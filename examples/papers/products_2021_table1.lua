@@ -6,11 +6,11 @@
 -- minus exact coefficients over the norm of the exact ones. The paper draws coefficients uniformly from [-1, 1]. Its
 -- numbers are not the mean error of that ("mean"), nor the sum of squared differences over the sum of squares
 -- ("squares"), which is nearer; for k = 4, 5, 6 they are to 0.02 the mean error of coefficients from [0, 1] ("positive"), whose
--- products gather around one direction. For k = 7 "squares" comes as near, for k = 8 nothing that was tried: neither
--- another order of the multiplications (a balanced tree: within 0.02 of the chain), nor errors against the
--- approximation's norm, L1 or largest-coefficient errors, medians, ratios of mean or root mean square norms, errors over
--- the sum of both norms, equal factors, coefficients that fall as 1/(l+1) or 1/sqrt(2l+1), a large or positive mean, or
--- other ranges.
+-- products gather around one direction. For k = 7 "squares" comes as near, for k = 8 nothing does. Another order of the
+-- multiplications does not (a balanced tree: within 0.02 of the chain). Errors against the approximation's norm, over the
+-- sum of both norms, of L1 or of the largest coefficient do not. Medians, ratios of mean or root mean square norms, equal
+-- factors and other ranges do not. Coefficients that fall as 1/(l+1) or 1/sqrt(2l+1), or have a large or positive mean, do
+-- not.
 
 local ylm = require "ylm"
 local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")

@@ -3,8 +3,8 @@
 --     ylm render examples/scenes/floor_lights.lua -o floor_lights.exr
 --
 -- Lamp k of the spiral (Vogel 1979) stands k golden angles round, at a distance that grows with the root
--- of k. Three of four float as a canopy over the knot, the others are lanterns above the floor, and every
--- 37th has sunk until it nearly touches the floor. Metres, degrees, W sr^-1 m^-2; y is up.
+-- of k. Three of four float as a canopy over the knot, the others are lanterns above the floor. Every
+-- 37th lamp has sunk until it nearly touches the floor. Metres, degrees, W sr^-1 m^-2; y is up.
 
 local count, golden = 2516, math.pi * (3 - math.sqrt(5))
 local night  = matte { albedo = { 0.55, 0.55, 0.58 } }

@@ -1,5 +1,5 @@
--- The gathered field on two scenes, a furnished room and an open yard: how well grids of it interpolate with gradients by the
--- borders of cells, with gradients by hit points less the mean light, and without gradients, at equal rays; then a grid that
+-- The gathered field on two scenes, a furnished room and an open yard: how well grids of it interpolate at equal rays.
+-- Gradients are by the borders of cells, by hit points less the mean light, or there are none. Then a grid that
 -- refines itself beside a uniform one of as many rays, both judged by a field of many rays.
 --
 --     build/ylm run spec/bench/gathered.lua

@@ -1,6 +1,6 @@
--- Memory: bytes per point of grids of about 10^5 points and per shading point of a prepared view, as they count them
--- (grid.stats.bytes) and as the process grows; with the argument `big` a bake of 10^6 points under 10^4 lights, with its
--- peak, processor time and calls of progress. lmax 4, rgb. Resident memory is read from /proc, so on Linux.
+-- Memory: bytes per point of grids of about 10^5 points and per shading point of a prepared view. Bytes are those that they
+-- count (grid.stats.bytes) and those by which the process grows; with the argument `big` a bake of 10^6 points under
+-- 10^4 lights, with its peak, processor time and calls of progress. lmax 4, rgb. Resident memory is read from /proc, so on Linux.
 --
 --     build/ylm run spec/bench/memory.lua [big [threads]]
 

@@ -1,7 +1,7 @@
 -- One lamp of the 2516 of examples/scenes/floor_lights.lua moves 2 cm a frame, 1024 x 768, 4 samples a pixel, lmax 4, rgb,
 -- depth 9: grid:update, sampling and shading, and the image, whose memory is used again; then one of 100 exact polygon
--- lights over the same floor. Wall time of all threads, and the
--- processor time of as many frames on one thread, which is what to compare on a machine that is busy.
+-- lights over the same floor. Wall time is of all threads.
+-- Processor time is of as many frames on one thread: compare it on a machine that is busy.
 --
 --     build/ylm run spec/bench/moving.lua [threads] [frames]
 

@@ -3,7 +3,7 @@
 --     make bench BENCH=rays              build/ylm run spec/bench/rays.lua [width height]
 --
 -- Noise is that of docs/math.md, "Shading": the root mean square deviation of a pixel relative to its luminance plus a tenth of
--- the mean, over pixels that show light on surfaces, from two pictures of the same view. Times are of all threads.
+-- the mean. Pixels are those that show light on surfaces, from two pictures of the same view. Times are of all threads.
 
 local ylm = require "ylm"
 

@@ -1,5 +1,5 @@
 -- Sums over lights on every Vulkan device: ns per light x point pair and the part of the device's measured
--- multiply-add and bandwidth peaks, merged moments beside the papers' product rule with its loops forward and reversed.
+-- multiply-add and bandwidth peaks. Merged moments stand beside the papers' product rule with its loops forward and reversed.
 --
 --     make bench-vulkan
 --

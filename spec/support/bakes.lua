@@ -55,7 +55,7 @@ end
 bakes.cells_of = cells_of
 
 --- Asserts that cells which both grids have are split in both or in neither, unless their error is within 1e-4 of the
--- threshold, and that errors agree within twice the bound (1e-5) of points. Returns the number of cells compared, and of
+-- threshold. Errors have to agree within twice the bound (1e-5) of points. Returns the number of cells compared, and of
 -- those that may differ.
 function bakes.same_cells(here, there, threshold, bound)
   local a, b = cells_of(here), cells_of(there)
@@ -104,7 +104,7 @@ local POINTS = { "position", "invalid", "interpolated" }
 local COUNTS = { "points", "cells", "leaves", "occupied", "levels", "continuity", "interpolated", "pairs", "invalid",
   "outside" }
 
---- Asserts that two grids hold the same cells and points in the same order, and the same numbers within the bound (1e-5)
+--- Asserts that two grids hold the same cells and points in the same order. Their numbers have to agree within the bound (1e-5)
 -- that agreement with the processor has.
 function bakes.same(here, there, bound)
   for _, key in ipairs(COUNTS) do assert.equal(here.stats[key], there.stats[key], key) end
