@@ -30,7 +30,7 @@ static inline ylm_dtype ylm_numbers_wide(ylm_dtype t) {
   return t == YLM_INT32 ? YLM_DOUBLE : t == YLM_FLOAT16 ? YLM_FLOAT : t;
 }
 
-/* An array of any element type that somebody else owns. */
+/* An array of any element type that the caller owns. */
 typedef struct ylm_numbers {
   ylm_dtype dtype;
   int axes;            /* 1 .. YLM_MAX_AXES */

@@ -23,7 +23,7 @@ typedef struct ylm_display ylm_display;
 ** ylm_display_open - a connection to the viewer that listens at host:port.
 **   host   a name or an address
 **   port   1 .. 65535
-** Returns  YLM_OK; YLM_EIO (nobody listens, or does not answer within a second), YLM_ERANGE (port), YLM_ENOMEM
+** Returns  YLM_OK; YLM_EIO (no viewer listens there, or it does not answer within a second), YLM_ERANGE (port), YLM_ENOMEM
 */
 YLM_API ylm_status ylm_display_open(const char *host, int port, ylm_display **d, ylm_error *e);
 YLM_API void ylm_display_free(ylm_display *d);

@@ -123,7 +123,7 @@ static ylm_status merge(const emit_gloss *gloss, const ylm_emit_options *o, emit
   return s;
 }
 
-/* A light of each landing, or of so many as are wanted. */
+/* A light of each landing, or of as many as are wanted. */
 static ylm_status make(const emit_gloss *gloss, const ylm_emit_options *o, emit_landings *x,
                        ylm_emit_lights *lights, ylm_emit_report *report, ylm_error *e) {
   double begun = ylm_seconds();

@@ -51,9 +51,9 @@ typedef enum ylm_emit_radius {
 
 typedef struct ylm_emit_options {
   size_t particles; /* 1 .. YLM_EMIT_PARTICLES */
-  size_t lights;    /* of more landings so many are chosen, by power; 0: each is a light */
-  int bounces;      /* 1 .. YLM_EMIT_BOUNCES: reflections of a particle, at most */
-  int grid; /* > 0: a picture of so many texels a side from each spot, a ray through the middle
+  size_t lights; /* landings that are chosen by power, where there are more; 0: each is a light */
+  int bounces;   /* 1 .. YLM_EMIT_BOUNCES: reflections of a particle, at most */
+  int grid;      /* > 0: texels a side of a picture from each spot, with a ray through the middle
                        of each, reflected once; `particles` and `lights` do not count. 0: none */
   ylm_emit_radius radius;
   double fixed; /* scene units, > 0 */

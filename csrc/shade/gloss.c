@@ -26,7 +26,7 @@ struct shade_gloss {
   _Atomic(shade_tables *) tables;
   _Atomic(shade_kept *) kept;
   atomic_uint_fast64_t stage[SHADE_STAGES]; /* nanoseconds */
-  atomic_size_t grown;                      /* bytes that nobody has been told of */
+  atomic_size_t grown;                      /* bytes since the last ylm_shade_view_grown */
 };
 
 /* Gives a material its number. */

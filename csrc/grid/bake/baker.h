@@ -116,7 +116,7 @@ ylm_grid_backend ylm__processor_backend(baker *b);
 ylm_status ylm__corners_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index);
 /* Finds the corners of the wave's cells; new points wait, in the order of cells. */
 ylm_status ylm__corners_find(baker *b);
-/* b->parent, of cells that somebody else has made. */
+/* b->parent, of cells that the caller has made. */
 ylm_status ylm__corners_find_parents(baker *b);
 /* Corners that unoccupied cells share with others: of cells with only[cell] != 0. */
 void ylm__corners_find_shared(baker *b, const uint8_t *only);

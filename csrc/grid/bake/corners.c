@@ -177,7 +177,7 @@ void ylm__corners_find_shared(baker *b, const uint8_t *only) {
                find_shared_corners, &j, NULL, NULL);
 }
 
-/* The parents of cells that somebody else has made. */
+/* The parents of cells that the caller has made. */
 ylm_status ylm__corners_find_parents(baker *b) {
   const ylm_grid *g = b->g;
   ylm_status s = YLM_OK;

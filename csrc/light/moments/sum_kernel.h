@@ -71,9 +71,9 @@ static void scale(const ylm__plan *p, int kinds, int n, const real_lamp *lamps, 
 }
 
 /*
-** Adds n lights to the sums at `to`, laid out as lum and rgb of the work. Three channels share
-** their polynomials; beside them luminance has the third kind as a rule, which nobody else uses and
-** which therefore has luminance in its weights.
+** Adds n lights to the sums at `to`, laid out as lum and rgb of the work. The three colour
+** channels share one evaluation of the polynomials. Luminance is mostly needed for second derivatives alone (the third
+** kind), which no colour channel uses: those weights contain the luminance.
 */
 static void add_tile(const ylm__plan *p, work *k, int n, const real_lamp *lamps, const vreal *xyz,
                      vreal *to, vmask *inside) {
