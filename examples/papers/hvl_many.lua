@@ -1,4 +1,4 @@
--- Many virtual lights: time and error of all lights at all points, and of far parts from a grid with near parts summed, over the
+-- Many virtual lights: time and error of all lights at all points, and of far parts in voxels with near parts summed, over the
 -- number of lights.
 --
 --     lua examples/papers/hvl_many.lua [--room atrium] [--scene FILE] [--most 100000] [--width 1160] [--tolerance 0.02]
@@ -43,7 +43,7 @@ local row = common.table { { "lights", "%9s" }, { "emission", "%8.3f" }, { "all"
   { "times faster", "%12.1f" }, { "core", "%6.3f" }, { "grid points", "%11d" }, { "near pairs a point", "%18.1f" },
   { "error, %", "%8.2f" } }
 local all, split = { x = {}, y = {}, label = "all lights at all points" }, { x = {}, y = {},
-  label = "far parts from a grid, near parts summed" }
+  label = "far parts in voxels, near parts summed" }
 local direct = timed(function() return view:render { layers = false } end)
 local n = 100
 while n <= (quick and 1000 or option.most) do
@@ -62,8 +62,8 @@ while n <= (quick and 1000 or option.most) do
 end
 print(("time over lights grows as their power: all %.2f, split %.2f"):format(common.slope(all.x, all.y),
   common.slope(split.x, split.y)))
-print "All lights cost a pair for each point. Far parts lie in voxels of merged lights, near parts are summed one by one: cores shrink"
-print "as lights grow in number, so that a point has some tens to hundreds of them nearby."
+print "All lights cost a pair for each point. Far parts lie in voxels and come from merged lights. Near parts are summed one by one."
+print "Cores shrink as lights grow in number, so that a point has some tens to hundreds of them nearby."
 if not quick then
   common.save(ylm.plot { title = "One bounce of many virtual lights", series = { all, split }, log = true,
     x_label = "virtual lights",
