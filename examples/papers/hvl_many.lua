@@ -62,7 +62,7 @@ while n <= (quick and 1000 or option.most) do
 end
 print(("time over lights grows as their power: all %.2f, split %.2f"):format(common.slope(all.x, all.y),
   common.slope(split.x, split.y)))
-print "All lights cost a pair for each point. Far parts lie in voxels and come from merged lights. Near parts are summed one by one."
+print "All lights cost a pair for each point. Far parts lie in voxels, of merged lights. Near parts are summed one by one."
 print "Cores shrink as lights grow in number, so that a point has some tens to hundreds of them nearby."
 if not quick then
   common.save(ylm.plot { title = "One bounce of many virtual lights", series = { all, split }, log = true,
