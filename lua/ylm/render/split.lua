@@ -179,7 +179,7 @@ function split.ready(name, p, o, b)
   if not t then return nil, message, code end
   b.parts.judge = core.seconds() - start
   local fine = math.min(MOST / VOXEL, math.sqrt(b.options.tolerance / 0.02))
-  local finest = math.max(FINEST, math.sqrt(CORNERS * b.lights.count / ROOM) / spacings)
+  local finest = spacings > 0 and math.max(FINEST, math.sqrt(CORNERS * b.lights.count / ROOM) / spacings) or FINEST
   b.voxel, b.merge = math.max(VOXEL * fine, finest), MERGE * fine
   local close
   close, b.facts, code = sum(name, o, b, points, normals, "near")
