@@ -1,9 +1,9 @@
 /*
 ** ylm_base.h - the ground that every other folder stands on.
 **
-** Status codes and messages, memory, threads with progress and cancellation,
-** processor features, files that are replaced whole or not at all, and
-** ylm_field, the one interface through which light is asked for.
+** The folder has status codes and messages, memory, threads with progress and cancellation, and
+** processor features. Files are replaced whole or not at all. ylm_field is the one interface
+** through which light is asked for.
 **
 ** Ownership   the caller of a *_create / *_read frees the pointer with the
 **             matching *_free; every *_free accepts NULL.
@@ -259,17 +259,16 @@ YLM_API ylm_status ylm_file_read(const char *path, size_t limit, unsigned char *
 YLM_API ylm_status ylm_file_head(const char *path, unsigned char *bytes, size_t room, size_t *size,
                                  ylm_error *e);
 
-/* Whether ylm_file_create could open `path` now: to be asked before long work, not instead of
-   looking at what the commit says. Leaves nothing behind. */
+/* Whether ylm_file_create can open `path`, to be asked before long work. The commit's status has to
+   be looked at all the same. Leaves nothing behind. */
 YLM_API ylm_status ylm_file_probe(const char *path, ylm_error *e);
 
 /*
-** A file written beside its target and renamed over it by ylm_file_commit, so
-** that the target holds the old bytes or the new ones and never a part, also
-** where the process is killed. Links are followed; mode, owner and group of a
-** target stay. A target that may not be written is refused, and so is one
-** whose folder may not. Files of killed processes are removed an hour later.
-** Errors stick; without a commit, ylm_file_discard removes what was written.
+** A file written beside its target, which ylm_file_commit renames over the target. The target holds
+** the old bytes or the new ones and never a part, also where the process is killed. Links are
+** followed; mode, owner and group of a target stay. A target that may not be written is refused,
+** and so is one whose folder may not. Files of killed processes are removed an hour later. Errors
+** stick; without a commit, ylm_file_discard removes what was written.
 */
 typedef struct ylm_file ylm_file;
 YLM_API ylm_status ylm_file_create(const char *path, ylm_file **f, ylm_error *e);

@@ -2,10 +2,9 @@
 ** ylm_simd.h - vectors for kernels that are compiled once per instruction set.
 **
 ** A file `name.isa.c` is compiled by the Makefile for each set with YLM_ISA
-** (avx2, ...) and YLM_VECTOR_BYTES (16, 32, 64) defined. It calls its entry
-** points YLM_KERNEL(name), which become name_avx2 and so on.
-** Types: ylm_vf and ylm_vd hold YLM_VF floats and YLM_VD doubles; the usual
-** operators work on them (GCC and Clang vector extensions).
+** (avx2, ...) and YLM_VECTOR_BYTES (16, 32, 64) defined. The file calls its entry points
+** YLM_KERNEL(name), which become name_avx2 and so on. Types: ylm_vf and ylm_vd hold YLM_VF floats
+** and YLM_VD doubles; the usual operators work on them (GCC and Clang vector extensions).
 */
 #ifndef YLM_SIMD_H
 #define YLM_SIMD_H

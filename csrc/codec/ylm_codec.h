@@ -1,10 +1,10 @@
 /*
 ** ylm_codec.h - image files: OpenEXR, PNG, Radiance .hdr, PFM.
 **
-** Readers take bytes in memory (`*_parse`, for fuzzing and pipes) or a path; they refuse what is
-** truncated, damaged or too large with a sentence that begins with the file's name, and allocate
-** no more than a small multiple of what the file can hold. Writers replace the file whole or not
-** at all. Nothing is printed.
+** Readers take bytes in memory (`*_parse`, for fuzzing and pipes) or a path. Readers refuse a file
+** that is truncated, damaged or too large, with a sentence that begins with its name. Readers
+** allocate at most a small multiple of what the file can hold. Writers replace the file whole or
+** not at all. Nothing is printed.
 */
 #ifndef YLM_CODEC_H
 #define YLM_CODEC_H

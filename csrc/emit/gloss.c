@@ -1,8 +1,8 @@
 /*
 ** gloss.c - what surfaces that gloss reflect of a particle, and how it leaves them: fitted slices of their materials.
 **
-** A light's emission is the slice of the particle's arrival, fitted over the hemisphere, turned from the frame of arrival
-** and normal to the axes of the scene.
+** A light's emission is the slice of the particle's arrival, fitted over the hemisphere. The slice
+** is turned from the frame of arrival and normal to the axes of the scene.
 */
 #include "emit.h"
 #include "ylm_material_table.h"

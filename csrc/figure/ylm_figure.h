@@ -157,9 +157,9 @@ YLM_API bool ylm_figure_volume_range(const ylm_figure_volume *v, double *least, 
 YLM_API ylm_status ylm_figure_volume_smooth(ylm_figure_volume *v, int times);
 
 /*
-** ylm_figure_streamline - follows the direction of a volume of 3 components (4th-order
-** Runge-Kutta in arc length), `forward` or against it, until it leaves, vanishes or has `room`
-** points.
+** ylm_figure_streamline - follows the direction of a volume of 3 components, `forward` or against
+** it. The method is 4th-order Runge-Kutta in arc length. The line ends where it leaves the volume,
+** where the direction vanishes, or at `room` points.
 ** Returns the number of points written to out [room][3].
 */
 YLM_API size_t ylm_figure_streamline(const ylm_figure_volume *v, const double seed[3], double step,

@@ -110,7 +110,7 @@ typedef struct ylm_grid_update_stats {
   uint64_t points;  /* brought up to date: with all lights, or with what changed */
   uint64_t exact;   /* of these, with all lights */
   uint64_t skipped; /* left alone although some light changed: the change is within tolerance */
-  uint64_t added, removed; /* points that refinement made, and that nothing needs any more */
+  uint64_t added, removed; /* points that refinement made, and unneeded ones */
   uint64_t pairs;          /* light x point evaluations */
   double seconds;
   double field_seconds; /* of these, inside of the light field */
@@ -195,7 +195,7 @@ YLM_API double ylm_grid_surface_area(const ylm_grid_surface *s);
 ** ylm_grid_surface_draw - random point k of a seed, uniform by area.
 **
 ** The triangles, one after the other, are cut into `strata` parts of equal area; draw k lies in
-** part k modulo strata. So `strata` draws in a row are one from each part, and each draw is
+** part k modulo strata. Each part gives one of `strata` draws in a row, and each draw is
 ** independent of all others. Where the area is 0, all triangles are alike.
 **
 **   strata    in   1: none
@@ -227,8 +227,8 @@ YLM_API ylm_status ylm_grid_surface_voxels(const ylm_grid *g, const ylm_grid_sou
                                            uint64_t **code, size_t *n, uint64_t *outside,
                                            ylm_error *e);
 
-/* How many points were outside, and how many in voxels without data of their own (there the
-   nearest evaluated ancestor answers, in a uniform grid the nearest voxel that has data). */
+/* Numbers of points outside, and of points in voxels without data of their own. For such a voxel
+   the nearest evaluated ancestor answers, in a uniform grid the nearest voxel that has data. */
 typedef struct ylm_grid_report {
   uint64_t outside, unbaked;
   double seconds;
@@ -237,7 +237,7 @@ typedef struct ylm_grid_report {
 /* -- moving lights ------------------------------------------------------------- */
 
 typedef struct ylm_grid_change {
-  const ylm_light_set *lights; /* all lights as they are now */
+  const ylm_light_set *lights; /* all lights after the change */
   const ylm_field *field;      /* their field */
   double tolerance; /* changes of light below this, relative, are left out; 0: none are left out;
                        negative: an eighth of the grid's tolerance, 1e-3 if it has none */
@@ -252,18 +252,18 @@ typedef struct ylm_grid_change {
 **
 ** Lights are compared with those of the last update: by place in the array, what then differs by
 ** content; the rest are pairs of before and after. A point remembers with which of its earlier
-** states a light was summed; it is brought up to date, by subtracting that and adding the present
-** one, once bounds of value and gradient say that interpolation may be off by more than the
-** tolerance, relative to the smallest norm at the corners of its voxels. Points near a light that
-** changed are evaluated with all lights. Then the octree is refined and merged from the root as
-** the bake does it, evaluating only points that are new, and unneeded points are dropped. Where
-** very many lights changed, everything is baked anew.
+** states a light was summed. Bounds of value and gradient say how far interpolation may be off,
+** relative to the smallest norm at the corners of the point's voxels. Beyond the tolerance the
+** point is brought up to date: the earlier state is subtracted and the present one added. Points
+** near a light that changed are evaluated with all lights. Then the octree is refined and merged
+** from the root as the bake does it. Only new points are evaluated, and unneeded points are
+** dropped. Where very many lights changed, everything is baked anew.
 **
 ** Returns  YLM_OK; YLM_EINVAL (not dynamic), YLM_ENOMEM, YLM_ELIMIT, YLM_ECANCELLED, what the field
 **          returns. The grid then is as it was; only where memory runs out in the very last step,
 **          twice, it is spent: ylm_grid_spent. A grid that is spent gives YLM_EINVAL.
 ** Results  bit-identical whatever the number of threads
-** Threads  the grid must not be read meanwhile
+** Threads  the grid must not be read during the call
 */
 YLM_API ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error *e);
 /* True while an update runs: the grid must not be used from its progress function. */
@@ -278,13 +278,13 @@ YLM_API bool ylm_grid_spent(const ylm_grid *g);
 **
 ** Values, gradients and metrics of evaluated points are the field's, points in lights or bodies are
 ** filled from their neighbours, and interpolated ones follow. The octree is what it was: where the
-** field is sharper than that of the bake, a promised tolerance is not kept. So `met` is true no
-** longer, and `error` is NaN, unless the bake's own field gave the bake's own values.
+** field is sharper than that of the bake, a promised tolerance is not kept. `met` is then false and
+** `error` NaN, unless the bake's own field gave the bake's own values.
 **
 ** Returns  YLM_OK; YLM_EINVAL (a dynamic grid, which has ylm_grid_update), YLM_ENOMEM,
 **          YLM_ECANCELLED, what the field returns: the grid then is as it was
 ** Results  with the field of the bake, the grid is the same to the bit
-** Threads  the grid must not be read meanwhile
+** Threads  the grid must not be read during the call
 ** Cost     the field at stats.points points; memory: the evaluated points' rows once more
 */
 YLM_API ylm_status ylm_grid_refresh(ylm_grid *g, const ylm_field *field, int threads,
@@ -407,8 +407,8 @@ typedef enum ylm_grid_rows {
 **
 ** One loop makes every grid (bake/refine.c). Level by level it asks for the corners of the voxels,
 ** the light field at new points and the metric; with a tolerance, for residuals; for all rows at
-** the end. The processor's back end is bake/processor.c, those of a device csrc/vulkan/grid. There
-** are two kinds:
+** the end. The processor's back end is bake/processor.c, those of a device csrc/vulkan/grid. Back
+** ends are of two kinds:
 **
 **   with corners and metric   keeps cells and points until `rows`
 **   without (NULL)            cells are the processor's: it evaluates points and keeps their rows.
@@ -514,10 +514,10 @@ YLM_API ylm_status ylm_grid_flags(const ylm_grid *g, size_t n, ylm_dtype dtype, 
                                   ylm_dtype type, void *flags, int threads);
 
 /*
-** Points that stay where they are while a dynamic grid changes: where they lie is found out once,
-** as long as the octree there is what it was, and only those are sampled whose samples may differ
-** from those of the last time. Every cell of a dynamic grid has a signature of what its samples
-** depend on; equal signatures mean equal samples, but for one chance in 2^64.
+** Points that stay where they are while a dynamic grid changes. Their voxels are found once, as
+** long as the octree there is what it was. Points are sampled only where samples may differ from
+** those of the last time. Every cell of a dynamic grid has a signature of what its samples depend
+** on; equal signatures mean equal samples, but for one chance in 2^64.
 */
 typedef struct ylm_grid_track ylm_grid_track;
 
@@ -619,7 +619,7 @@ YLM_API ylm_status ylm_grid_sample_biased(const ylm_grid *g, const ylm_grid_quer
                                           float *value, ylm_grid_report *report, ylm_error *e);
 
 /* The grid as a light field (Hermite, clamped): value, gradient, and lambda and norm interpolated.
-   It has no Hessian, and no degree above its own. */
+   The field has no Hessian, and no degree above the grid's. */
 YLM_API const ylm_field *ylm_grid_field(const ylm_grid *g);
 
 /* -- files ------------------------------------------------------------------- */

@@ -8,7 +8,7 @@
 /* One layer of both images, checked: equal sizes and numbers of channels. */
 ylm_status ylm__image_match(const ylm_image *a, const ylm_image *b, const char *name,
                             const ylm_layer **la, const ylm_layer **lb, ylm_error *e);
-/* That pixel i, of rows of `width`, counts and is not finite. YLM_EDOMAIN */
+/* YLM_EDOMAIN: pixel i, of rows of `width`, counts and is not finite. */
 ylm_status ylm__image_not_finite(size_t i, size_t width, ylm_error *e);
 
 #endif

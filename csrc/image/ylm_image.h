@@ -64,7 +64,7 @@ YLM_API void ylm_image_free(ylm_image *image);
 /*
 ** ylm_image_add - a further layer of zeros.
 **
-**   name      in  1 .. YLM_IMAGE_MAX_NAME bytes of letters, digits, '_', '-', '.', not yet used
+**   name      in  1 .. YLM_IMAGE_MAX_NAME bytes of letters, digits, '_', '-', '.', unlike others'
 **   channels  in  1 .. 4
 **
 ** Returns  YLM_OK; YLM_EINVAL (name), YLM_ERANGE (channels, too many layers), YLM_ENOMEM
@@ -340,7 +340,8 @@ YLM_API ylm_status ylm_mapping_pixels(ylm_mapping m, ylm_up up, int width, int h
 
 /* -- textures ----------------------------------------------------------------- */
 
-/* An image that is looked up at texture coordinates. It does not change and is reference counted. */
+/* An image that is looked up at texture coordinates. A texture does not change and is reference
+   counted. */
 typedef struct ylm_texture ylm_texture;
 
 /*

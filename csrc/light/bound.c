@@ -157,8 +157,8 @@ static double distance_of(const ylm_light *l, double e, const double p[3], bool 
   return d;
 }
 
-/* Bounds of what a way from a to b changes, of a light of radiance e that slides along it, and of
-   the change of its radiance; false where they do not hold. */
+/* Bounds of the change by a light of radiance e that slides from a to b, and by the change of its
+   radiance. False where they do not hold. */
 static bool bounds_of_way(const ylm_light_bounds *t, const ylm_light *a, const ylm_light *b,
                           const double p[3], double e, double db, bounds *out) {
   const ylm__light_kind *kind = a->shape->kind;

@@ -21,7 +21,7 @@ static inline double ylm__emission(const double *rgb, int channels, int c) {
 
 /*
 ** X_a^k[p,m]: the integral of Y_kp w_a Y_(k+1)m over the sphere; axis a = 0, 1, 2 for x, y, z.
-** So w_a Y_km = sum X_a^k[m,m'] Y_(k+1)m' + sum X_a^(k-1)[m',m] Y_(k-1)m'.
+** The product is w_a Y_km = sum X_a^k[m,m'] Y_(k+1)m' + sum X_a^(k-1)[m',m] Y_(k-1)m'.
 */
 double ylm__coupling(int a, int k, int p, int m);
 

@@ -2,7 +2,7 @@
 ** panorama.c - environments of which rays see more than coefficients, as a kind of light.
 **
 ** The light field is that of the coefficients (environment.c); rays see an image of the whole
-** sphere, or a sky of the CIE. There are no records: ylm_light_set_panorama makes a set of one.
+** sphere, or a sky of the CIE. The kind has no records: ylm_light_set_panorama makes a set of one.
 ** One by one, its lights are environments.
 **
 ** Source  docs/math.md "Distant light"

@@ -13,8 +13,8 @@
 **
 ** All is summed as differences from the nearest sample m, L = L_m + sum w_j (L_j - L_m): what is
 ** steep there cancels in b alone. At a sample the light is its own; the gradient is 0, and so is
-** the Hessian but for the power 2. There are no records: ylm_light_set_sampled makes a set of one.
-** Rays see nothing.
+** the Hessian but for the power 2. The kind has no records: ylm_light_set_sampled makes a set of
+** one. Rays see nothing.
 **
 ** Source  Green 2003, "Local Lighting"; Sloan et al. 2002; Shepard 1968; docs/math.md "Light from
 **         samples"

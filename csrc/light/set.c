@@ -16,7 +16,7 @@ static void drop(ylm__light_pack *p) {
 }
 
 /* Appends a pack of its own, which is discarded without memory, or one that other sets have too.
-   There is room. */
+   The set has room. */
 static ylm_status append_new(ylm_light_set *set, const ylm__light_pack *made) {
   ylm__light_pack *p = ylm_alloc_copy(made, 1, sizeof *p);
   if (!p) {

@@ -2,7 +2,7 @@
 ** textured.c - parallelograms with an image, which they emit to both sides, as a kind of light.
 **
 ** The light field is that of the image's parts, flat lights of one colour (texture.c); rays see the
-** image. There are no records: ylm_light_set_textured makes a set of one.
+** image. The kind has no records: ylm_light_set_textured makes a set of one.
 **
 ** Source  Mezieres et al. 2022, Fig. 9 and Sec. 6
 */

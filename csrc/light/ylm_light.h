@@ -120,7 +120,7 @@ YLM_API ylm_status ylm_light_set_evaluate(const ylm_light_set *set, ylm_isa isa,
 ** xx first, then xy, xz, yy, yz, zz.
 */
 typedef float ylm_light_lambda2_fn(size_t count, const float *hessian);
-/* That function for the instruction set in use. */
+/* The ylm_light_lambda2_fn of the instruction set in use. */
 YLM_API ylm_light_lambda2_fn *ylm_light_lambda2(void);
 
 /* -- many lights: csrc/light/tree ------------------------------------------------------------- */
@@ -136,18 +136,19 @@ YLM_API ylm_light_lambda2_fn *ylm_light_lambda2(void);
 **       ylm_light_cut_free(cut);
 **     }
 **
-** The distance of the coefficients from the exact ones, in the L2 norm over all coefficients and
-** channels, is at most `tolerance` times the norm of the field that the lights would have if every
-** radiance were replaced by its absolute value: for lights that are not negative, the field itself.
-** Gradients and Hessians keep the tolerance relative to their own norms (Frobenius), or relative to
-** 1/64 of the sum of the lights' norms where they cancel to less; lambda keeps it relative to
-** itself. That holds at 99.9 % of points; at the others the error is at most four times as large
+** The error of the coefficients is the L2 norm, over all coefficients and channels, of their
+** distance from the exact ones. The error is at most `tolerance` times the norm of a reference
+** field, in which every radiance is replaced by its absolute value. For lights that are not
+** negative, the reference is the field itself. Gradients and Hessians keep the tolerance relative
+** to their own norms (Frobenius). Where they cancel to less than 1/64 of the sum of the lights'
+** norms, the tolerance is relative to that part. lambda keeps it relative to itself. The tolerance
+** holds at 99.9 % of points; at the others the error is at most four times as large
 ** (docs/bench/many_lights.md). Rounding in float comes on top, see csrc/light/sphere/sphere.h.
 **
-** Points that lie together are summed in packets. So a point's result depends, within the
-** tolerance, on the other points of the query, but neither on their order nor on the number of
-** threads. Sets of some thousand lights, and all sums of the reference set, are exact. `pairs`
-** counts the lights and proxies that were summed.
+** Points that lie together are summed in packets. Within the tolerance, a point's result depends on
+** the other points of the query. Neither their order nor the number of threads matters. Sets of
+** some thousand lights, and all sums of the reference set, are exact. `pairs` counts the lights and
+** proxies that were summed.
 */
 typedef struct ylm_light_cut ylm_light_cut;
 
@@ -184,11 +185,12 @@ typedef struct ylm_light_shape ylm_light_shape;
 /*
 ** One light: as it is remembered and compared, and as rays see a sphere.
 **
-** It is the first of three forms in which spheres are stored. The others are private to the library: rows
-** with the luminance, of the element type (csrc/light/lamp.h), for kernels that read light by light; and
-** columns, [field][lights], for kernels that read several lights at once: leaves and proxies of the tree
-** of lights (csrc/light/tree/tree.h), and the lamps of a scene (csrc/scene/scene.h). Two more forms are prescribed by
-** others: Embree keeps float [4], and a device has the rows that shaders/lamps.glsl reads.
+** The struct is the first of three forms in which spheres are stored. The others are private to the
+** library: rows with the luminance, of the element type (csrc/light/lamp.h), for kernels that read
+** light by light; and columns, [field][lights], for kernels that read several lights at once:
+** leaves and proxies of the tree of lights (csrc/light/tree/tree.h), and the lamps of a scene
+** (csrc/scene/scene.h). Two more forms are prescribed by others: Embree keeps float [4], and a
+** device has the rows that shaders/lamps.glsl reads.
 */
 typedef struct ylm_light {
   double at[3], radius; /* its place and size; of a flat light the centroid, a disk of its area */
@@ -302,9 +304,9 @@ YLM_API bool ylm_light_set_cone(const ylm_light_set *set, size_t i, ylm_light_co
  * textured.c----------------------------------------- */
 
 /*
-** An image on a parallelogram, which is cut into parts: a quadtree whose leaves are of one colour
-** to `tolerance`, at most twice as long as wide, and no larger than `largest` of the image's width
-** and height. Parts without any radiance are left out.
+** An image on a parallelogram, which a quadtree cuts into parts. Leaves are of one colour to
+** `tolerance` and at most twice as long as wide. Their sides are at most `largest` of the image's
+** width and height. Parts without any radiance are left out.
 **
 ** Source   Mezieres et al. 2022, Fig. 9 (a sphere for each texel) and Sec. 6 (the quadtree)
 */

@@ -2,7 +2,8 @@
 ** ylm_light_shadow.h - bodies in the way of light: what they hide, where they stand, what they let through.
 **
 ** A visibility is a light field, of quantity YLM_QUANTITY_visibility: 1 from where light reaches a point, 0 from where a
-** body hides it. It is sqrt(4 pi) in (0, 0) less what a light of radiance 1 of the body's shape would bring.
+** body hides it. The visibility is sqrt(4 pi) in (0, 0) less what a light of radiance 1 of the
+** body's shape would bring.
 **
 **     ylm_light_occluder *ball;
 **     ylm_light_shadowed *shade;
@@ -49,7 +50,7 @@ YLM_API ylm_status ylm_light_occluder_solid(size_t vertices, const float *positi
                                             size_t triangles, const uint32_t *index,
                                             ylm_light_occluder **out, ylm_error *e);
 YLM_API void ylm_light_occluder_free(ylm_light_occluder *o);
-/* It lives as long as the occluder. Points in or on the body: 0 everywhere, `inside` 1. */
+/* The field lives as long as the occluder. Points in or on the body: 0 everywhere, `inside` 1. */
 YLM_API const ylm_field *ylm_light_occluder_field(const ylm_light_occluder *o);
 /* A sphere around the body, and the mean area of its projections: a quarter of the surface. */
 YLM_API void ylm_light_occluder_body(const ylm_light_occluder *o, double at[3], double *radius,

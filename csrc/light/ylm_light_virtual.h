@@ -16,9 +16,9 @@
 ** | far     | (1 - e^(-(d/R)^4))/d^2 e^(-l(l+1) sg^2/(2 d^2))       | sg/4 |
 ** | near    | gauss - far: nearly nothing is left beyond 1.6 R      | sg/4 |
 **
-** Lights that are made from surfaces are matte where degree is 0: a surface that receives the power
-** P and reflects the share rho of it has b_00 = sqrt(4 pi) rho P/pi, and sends rho P in all.
-** They have no body: rays do not see them, and they shine through walls.
+** Lights that are made from surfaces are matte where degree is 0. A surface that receives the power
+** P and reflects the share rho of it sends rho P in all; b_00 = sqrt(4 pi) rho P/pi. Virtual lights
+** have no body: rays do not see them, and they shine through walls.
 **
 **     ylm_light_virtual *lights;
 **     ylm_light_virtual_form form = {.n = n, .at = at, .normal = normal, .radius = radius,
@@ -53,7 +53,8 @@ typedef enum ylm_light_virtual_profile {
 } ylm_light_virtual_profile;
 
 /* A bit of a query's `want`, beside the metric's: lambda leaves out how the light that virtual lights send bends with the
-   direction. It costs a fifth, and guides refinement as well. Other fields know nothing of it. */
+   direction. Such a lambda costs a fifth, and guides refinement as well. Other fields know nothing
+   of the bit. */
 enum { YLM_WANT_ROUGH = 16 };
 
 #define YLM_LIGHT_VIRTUAL_DEGREE 8         /* the highest degree of an emission */
@@ -210,11 +211,13 @@ typedef struct ylm_light_virtual_levels_report {
 **   out      in out  [n][3]  W m^-2
 **   report   out     may be NULL
 **
-** Near parts, to 1.6 R, are summed at the points. Far parts are baked in levels of voxels about the points: level j
-** has voxels of 2^j voxel R, corners with gradients, and of lights merged in cells of 2^j merge R the part between the cores
-** 2^j R and 2^(j+1) R; the highest one has all that is beyond. A voxel is divided where lights are in reach. The error is
-** that of interpolation, some percent of the mean at voxel 1 and falling with its square, and of merging,
-** below a percent at merge 1/4. Results do not depend on the number of threads.
+** Near parts, to 1.6 R, are summed at the points. Far parts are baked in levels of voxels about the
+** points: level j has voxels of 2^j voxel R and corners with gradients. The level's lights are
+** merged in cells of 2^j merge R; their part between the cores 2^j R and 2^(j+1) R counts. The
+** highest level has all that is beyond. A voxel is divided where lights are in reach. The error is
+** that of interpolation and of merging. Interpolation adds some percent of the mean at voxel 1,
+** falling with its square; merging adds less than a percent at merge 1/4. Results do not depend on
+** the number of threads.
 **
 ** Returns  YLM_OK; YLM_EINVAL (another profile), YLM_ERANGE (lmax; points that are too far apart for the voxels; no
 **          kernels are available), YLM_EDOMAIN (an option; a point or normal that is not finite), YLM_ENOMEM, YLM_ECANCELLED

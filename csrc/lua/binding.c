@@ -140,7 +140,7 @@ static void forget_loader(lua_State *L) {
   }
 }
 
-/* The event of two operands, either of which may be the object whose module is loaded now. */
+/* The event of two operands, either of which may be the object whose module is being loaded. */
 static int operate(lua_State *L, const char *event) {
   for (int i = 1; i <= 2; i++) {
     if (!luaL_getmetafield(L, i, event)) continue;

@@ -229,7 +229,7 @@ ylmL_array *ylmL_object_array(lua_State *L, int i, ylm_dtype t, int axes, const 
    their metatable with ylmL_type_has_field; the metatable must be on top of the stack. */
 typedef const ylm_field *ylmL_field_of(void *object);
 void ylmL_type_has_field(lua_State *L, ylmL_field_of *get);
-/* The field of the object at `i`; raises if it has none. It lives as long as the object. */
+/* The field of the object at `i`; raises if it has none. The field lives as long as the object. */
 const ylm_field *ylmL_field_check(lua_State *L, int i);
 /* The function that finds its field; NULL: it has none. */
 ylmL_field_of *ylmL_field_getter(lua_State *L, int i);
@@ -268,7 +268,7 @@ typedef struct ylmL_progress {
    error, which ylmL_result_progress raises again once C has cleaned up. With or without a function
    the debug hook is asked first: the interpreter's answer to SIGINT is a hook that raises. */
 const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p);
-/* YLM_EBUSY where the object at `i` is an argument of a call whose progress function runs now:
+/* YLM_EBUSY where the object at `i` is an argument of a call whose progress function is running:
    what closes or changes an object asks first, since C holds pointers into it. */
 ylm_status ylmL_busy(lua_State *L, int i);
 /* ylmL_busy of an array that is to be written to: YLM_EBUSY where an argument of the running call

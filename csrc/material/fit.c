@@ -1,8 +1,9 @@
 /*
 ** fit.c - least squares over the hemisphere, of slices by harmonics.
 **
-** The integral of (z (B - f))^2 above the surface is least where A b = F, A the integrals of z^2 Y_q Y_p and F of
-** z^2 f Y_q. Harmonics of different m do not meet in A, so that each m has a matrix of its own.
+** The integral of (z (B - f))^2 above the surface is least where A b = F. A has the integrals of
+** z^2 Y_q Y_p, F those of z^2 f Y_q. Harmonics of different m do not meet in A, so that each m has
+** a matrix of its own.
 */
 #include "fit.h"
 

@@ -47,9 +47,9 @@ YLM_API int ylm_material_kind_find(const char *name);
 /*
 ** ylm_material_transfer - what transfer vectors weigh light with, on surfaces of a kind.
 **
-** These are zonal coefficients about the normal n: with A = sum over l, m of a[l] Y_lm(n) Y_lm(s),
-** light L from directions s where it is not occluded counts as the integral of A L. Of matte
-** surfaces A is max(0, n.s), and the sum of a[l] L_lm Y_lm(n) their irradiance.
+** The vector has zonal coefficients a[l] about the normal n: A = sum over l, m of a[l] Y_lm(n)
+** Y_lm(s). Light L from directions s, where it is not occluded, counts as the integral of A L. Of
+** matte surfaces A is max(0, n.s), and the sum of a[l] L_lm Y_lm(n) their irradiance.
 **
 **   lmax  in   0 .. YLM_MATERIAL_LMAX
 **   a     out  [lmax+1]   sr

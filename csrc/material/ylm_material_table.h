@@ -24,9 +24,9 @@ extern "C" {
 #define YLM_MATERIAL_TABLE_FIT_LMAX 8 /* of fits */
 #define YLM_MATERIAL_TABLE_ROWS 256   /* the most rows, and columns */
 
-/* A slice is f wi.z; f alone; or the B of degree lmax that makes the integral of (wi.z (B - f))^2 over
-   directions above the surface least, with a ridge of 1e-4 of each diagonal element. Below the surface B is
-   arbitrary: it is worth something times the clamped cosine alone. */
+/* A slice is f wi.z; f alone; or a fit B of degree lmax. B makes the integral of (wi.z (B - f))^2
+   over directions above the surface least, with a ridge of 1e-4 of each diagonal element. Below the
+   surface B is arbitrary: it is worth something times the clamped cosine alone. */
 typedef enum ylm_material_table_slice {
   YLM_MATERIAL_TABLE_COSINE,
   YLM_MATERIAL_TABLE_BARE,

@@ -122,8 +122,8 @@ void ylm__path_outward(const path_vertex *v, const float d[3], float out[3]);
 void ylm__path_direct(path_tile *t, bool first);
 /* Finds which of t->rays meet lamps before their hits. */
 void ylm__path_look(path_tile *t);
-/* The radiance of lamps along ray i of t->rays, which was chosen with density pdf, weighed as the
-   strategy says against choosing these lamps by t->lamps. */
+/* The radiance of lamps along ray i of t->rays, which was chosen with density pdf. The strategy
+   weighs it against choosing these lamps by t->lamps. */
 void ylm__path_meet(path_tile *t, size_t i, float pdf, float radiance[3]);
 /* Adds to `sum` what is finite; counts what is not. */
 void ylm__path_add(path_tile *t, float sum[3], const float x[3]);

@@ -2,8 +2,9 @@
 ** eval.c - other ways to evaluate, scalar, kept to compare with: "polynomial", "direct",
 ** "sloan", "scd".
 **
-** The last three work in (theta, phi) at the unit vector w and go to x, y, z by the chain rule. It
-** divides by sin(theta): where x = y = 0 their derivatives are NaN, and close by they lose digits.
+** The last three work in (theta, phi) at the unit vector w and go to x, y, z by the chain rule. The
+** chain rule divides by sin(theta): where x = y = 0 their derivatives are NaN, and close by they
+** lose digits.
 **   direct   dP/dtheta by Mezieres et al. 2022, Eq. 19, with cos(m phi) from libm
 **   sloan    P / sin^m and its derivative T by recurrence, Eqs. 7, 8, 17, 21-23
 **   scd      the same carried to second derivatives

@@ -1,10 +1,10 @@
 /*
 ** fourier.h - products by Fourier series, as in Xin et al. 2021, Sec. 4. Private to csrc/rival.
 **
-** A function of degree d on the torus is f = sum over t of g_t(theta) e^(i t phi), g_t = sum over s
-** of f_st e^(i s theta), |s|, |t| <= d; being real it is kept for t >= 0: [2d+1][d+1], s from -d.
-** A convolution is a product of values at N x N angles: transforms of length N along s for all t,
-** then along t for two rows of theta at once, as real and imaginary part.
+** A function of degree d on the torus is f = sum over t of g_t(theta) e^(i t phi). Its g_t = sum
+** over s of f_st e^(i s theta), |s|, |t| <= d; being real, f is kept for t >= 0: [2d+1][d+1], s
+** from -d. A convolution is a product of values at N x N angles: transforms of length N along s for
+** all t, then along t for two rows of theta at once, as real and imaginary part.
 */
 #ifndef YLM_RIVAL_FOURIER_H
 #define YLM_RIVAL_FOURIER_H

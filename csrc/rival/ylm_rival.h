@@ -37,9 +37,9 @@ typedef struct ylm_rival_lamps {
 **
 **   out[i] = sum over lamps j of L_j max(0, n.d) sum over l of z_l w_l (2l+1)/(4 pi) P_l(r.d)
 **
-** d towards the middle of lamp j, r the mirror image of the direction to the eye, z of the material at
-** its elevation, linear between rows, w the zonal coefficients of a sphere of radiance 1. The cosine is
-** that of the lamp's middle: the approximation. Nothing occludes.
+** d points towards the middle of lamp j, r is the mirror image of the direction to the eye. z is of
+** the material at its elevation, linear between rows; w has the zonal coefficients of a sphere of
+** radiance 1. The cosine is that of the lamp's middle: the approximation. Nothing occludes.
 **
 **   out  in/out  [n][3]
 **

@@ -1,8 +1,9 @@
 /*
 ** calibration.h - the tuned constants of the choice of lamps. Private to csrc/scene.
 **
-** `make bench BENCH=choose` prints the time of a sample, and the variance of what it brings, through the tree of lamps and
-** with all lamps weighed one by one. spec/choose_spec.lua holds that each lamp has its chance.
+** `make bench BENCH=choose` prints the time of a sample, and the variance of what it brings. Both
+** stand there for samples through the tree of lamps, and for all lamps weighed one by one.
+** spec/choose_spec.lua holds that each lamp has its chance.
 */
 #ifndef YLM_SCENE_CALIBRATION_H
 #define YLM_SCENE_CALIBRATION_H

@@ -107,9 +107,10 @@ double ylm__scene_patch_weight(const ylm_scene *s, size_t i, const float x[3], c
    brings light. `sum`: over chunks. n NULL: the scalar irradiance of a point in space. */
 void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float n[3], float *weight,
                               float *sum, double *solid);
-/* A ray from x to a random place on patch i. It is uniform in the solid angle of triangles that
-   fill much of it (Arvo 1995), else in area. *radiance: the radiance there. Returns the irradiance
-   that the ray brings for radiance 1; n NULL: the scalar irradiance of a point in space. */
+/* A ray from x to a random place on patch i. The place is uniform in the solid angle of triangles
+   that fill much of it (Arvo 1995), else in area. *radiance: the radiance there. Returns the
+   irradiance that the ray brings for radiance 1; n NULL: the scalar irradiance of a point in
+   space. */
 double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                                double u0, double u1, double solid, ylm_trace_ray *ray,
                                const float **radiance);

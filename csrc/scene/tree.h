@@ -65,8 +65,8 @@ typedef struct scene_seen {
   uint32_t near; /* bit i: the point is within SCENE_NEAR radii of child i */
 } scene_seen;
 
-/* Looks at the children of a node from x, a place with normal n or (n NULL) a point in space, whose
-   scalar irradiance then counts. `flat`: `facing` does. `limit`: of doubts. */
+/* Looks at the children of a node from x, a place with normal n. With n NULL x is a point in space,
+   whose scalar irradiance counts. `flat`: `facing` does. `limit`: of doubts. */
 typedef void ylm_scene_nodes_fn(const scene_node *node, bool flat, const float x[3], const float *n,
                                 float limit, scene_seen *seen);
 /* The kernel of the instruction set in use. */

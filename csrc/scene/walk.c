@@ -131,7 +131,7 @@ void ylm__scene_look(ylm_scene_chooser *c, int light_samples) {
 
 /* -- walks ---------------------------------------------------------------------------------- */
 
-/* A node on the way down: open, or looked at now. */
+/* A node on the way down: open, or being looked at. */
 typedef struct place {
   const scene_open *open; /* NULL: it is not */
   size_t level, node;

@@ -164,9 +164,10 @@ YLM_API void ylm_scene_chooser_free(ylm_scene_chooser *c);
 ** ylm_scene_aim - rays from x, on a surface with normal n, to the lamps.
 **
 ** Each of `light_samples` strata chooses a lamp about in proportion to its unshadowed luminous
-** irradiance (ylm_scene_choose), then a direction uniform in the solid angle it fills (disks, and triangles that fill
-** little: a place uniform in area; a sky of one radiance: as the cosine; other skies: pixels as their
-** luminance times solid angle, in tiles that are chosen like lamps).
+** irradiance (ylm_scene_choose), then a direction. The direction is uniform in the solid angle that
+** the lamp fills; of disks, and triangles that fill little, it is that of a place uniform in area.
+** Of a sky of one radiance it goes as the cosine. Other skies choose pixels as their luminance
+** times solid angle, in tiles that are chosen like lamps.
 **
 **   ray    out  [light_samples]     from x, each to a place of a lamp, or to infinity
 **   value  out  [light_samples][3]  the irradiance that the ray brings if nothing is in its way

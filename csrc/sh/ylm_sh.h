@@ -157,8 +157,8 @@ YLM_API ylm_status ylm_sh_rotate(const ylm_sh_rotator *p, const double r[9], int
 
 /*
 ** A rotation prepared for batches: its blocks, one (2l+1)x(2l+1) matrix for each low degree; above,
-** where a block has four times the numbers of a quarter turn, its angles. It keeps the rotator that
-** it was made by alive, which the caller may free.
+** where a block has four times the numbers of a quarter turn, its angles. A rotation keeps the
+** rotator that it was made by alive, which the caller may free.
 */
 typedef struct ylm_sh_rotation ylm_sh_rotation;
 YLM_API ylm_status ylm_sh_rotation_create(const ylm_sh_rotator *p, const double r[9], int lmax,
@@ -261,9 +261,9 @@ static inline ylm_sh_system ylm_sh_convention_system(uint32_t c) { return (ylm_s
 static inline int ylm_sh_convention_axes(uint32_t c) { return (int)(c >> 8 & 63); }
 
 /*
-** Words to a convention and back: a system, then "irradiance", then axes like "x,z,-y" (which say
-** where the convention's x, y, z axes point), the last two only if they are not the usual ones.
-** YLM_EINVAL names the word that is not understood. `text` takes at most 64 bytes.
+** Words to a convention and back: a system, then "irradiance", then axes like "x,z,-y". The axes
+** say where the convention's x, y, z axes point. The last two stand only if they are not the usual
+** ones. YLM_EINVAL names the word that is not understood. `text` takes at most 64 bytes.
 */
 YLM_API ylm_status ylm_sh_convention_parse(const char *text, uint32_t *convention, ylm_error *e);
 YLM_API ylm_status ylm_sh_convention_name(uint32_t convention, char text[64]);

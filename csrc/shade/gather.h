@@ -131,8 +131,9 @@ void ylm__gather_spheres_gloss(const gather_lights *l, const gather_ask *a,
 
 /* The group of a point's pixel. */
 size_t ylm__gather_group(const ylm_shade_view *v, int tile, size_t pixel);
-/* In place: irradiances [points][3] of points that ask one light of tile^2 become means over a tile of pixels, of
-   points on the same mesh whose normals are within 20 degrees. `keeps`: point p stays as it is. YLM_ENOMEM */
+/* In place: irradiances [points][3] of points that ask one light of tile^2 become means over a tile
+   of pixels. A mean takes points on the same mesh whose normals are within 20 degrees. `keeps`:
+   point p stays as it is. YLM_ENOMEM */
 typedef bool ylm_shade_keeps_fn(const void *context, size_t p);
 ylm_status ylm__gather_filter(const ylm_shade_view *v, int tile, ylm_shade_keeps_fn *keeps,
                               const void *context, int threads, float *out);

@@ -1,12 +1,14 @@
 /*
 ** gather_vsgl.c - virtual spherical Gaussian lights: groups of virtual lights as one lobe of places and one of directions.
 **
-** A group of power P has a mean place m, a variance s^2 of places, and a lobe of directions about the axis x, sharpness k:
+** A group of power P has a mean place m and a variance s^2 of places. Its lobe of directions has
+** the axis x and the sharpness k:
 **
 **   L(w') = P/(2 pi s^2) g(w'; w, d^2/s^2) g(-w'; x, k)/A(k),   g(w; a, k) = e^(k (w.a - 1)),   A(k) = 2 pi (1 - e^(-2k))/k
 **
-** The product of two lobes is a lobe. Its mean of the clamped cosine is that of a normal distribution with the lobe's
-** mean and variance of N.w', and a factor for wide lobes: within 1.5 % of the largest for all sharpnesses.
+** The product of two lobes is a lobe. Its mean of the clamped cosine is that of a normal
+** distribution with the lobe's mean and variance of N.w'. A factor for wide lobes comes on top. The
+** error is within 1.5 % of the largest for all sharpnesses.
 **
 ** Source: Tokuyoshi 2015, "Virtual Spherical Gaussian Lights for Real-time Glossy Indirect Illumination"; Banerjee et al. 2005
 ** (sharpness from a mean direction).

@@ -51,7 +51,8 @@ ylm_status ylm__shade_gloss_create(const ylm_shade_view *v, const shade_gloss *b
 ylm_status ylm__shade_gloss_room(shade_gloss *g, size_t points);
 void ylm__shade_gloss_point(shade_gloss *g, size_t i, uint32_t mesh, const ylm_scene_surface *s);
 void ylm__shade_gloss_free(shade_gloss *g);
-/* That of n points of a view alone, without tables; NULL without memory. Dropped, not freed. */
+/* The gloss of n points of a view alone, without tables; NULL without memory. Dropped, not
+   freed. */
 shade_gloss *ylm__shade_gloss_pick(const shade_gloss *g, size_t n, const size_t *point);
 void ylm__shade_gloss_drop(shade_gloss *g);
 

@@ -24,8 +24,9 @@ ylm_status ylm__shade_lobes(const ylm_shade_view *v, const ylm_transfer *t, size
                             const uint32_t *point, const uint64_t *stream, size_t most,
                             uint64_t seed, int threads, const ylm_progress *progress,
                             const shade_lobes *out);
-/* The sum of weight times radiance over the links of number i whose numbers have an even (0) or odd (1) sum of bits, or all (-1), over the number
-   of all of its links: out [3]. */
+/* out [3] is the sum of weight times radiance over links of point i, divided by the number of all
+   of its links. `parity` picks the links whose numbers have an even (0) or odd (1) sum of bits, or
+   all (-1). */
 void ylm__shade_lobe(const shade_lobes *x, size_t i, const float *leaving, int parity,
                      double out[3]);
 

@@ -29,7 +29,7 @@ void ylm__shade_look_along(const ylm_shade_view *v, size_t i, const float *tange
 shade_slices *ylm__shade_slices(const ylm_shade_view *v, const shade_tables *t);
 void ylm__shade_slices_free(shade_slices *x);
 
-/* Slices that are made from now on are of the view's material k (ylm__shade_gloss_slot). */
+/* Slices that are made after the call are of the view's material k (ylm__shade_gloss_slot). */
 void ylm__shade_slices_of(shade_slices *x, uint32_t k);
 
 /*

@@ -69,8 +69,9 @@ static double horizon(const job *j, const seen *s, double dx, double dy, double 
   return most;
 }
 
-/* The integral of the cosine about the normal from the line of sight to the horizon, whose angle h there has the
-   cosine c and this sign; the normal stands at an angle of these cosine and sine, on the side of h > 0. */
+/* The integral of the cosine about the normal from the line of sight to the horizon. The horizon's
+   angle h has the cosine c and this sign; the normal stands at an angle of these cosine and sine,
+   on the side of h > 0. */
 static double arc(double c, double sign, double cosine, double sine) {
   double h = sign * acos(c), twice = sign * 2 * c * sqrt(1 - c * c);
   return (cosine - (2 * c * c - 1) * cosine - twice * sine + 2 * h * sine) / 4;

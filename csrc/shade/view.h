@@ -73,8 +73,8 @@ void ylm__shade_free_tints(ylm_shade_view *v);
 /* tint.c: the albedo in sight of entry i. */
 void ylm__shade_seen_albedo(const ylm_shade_view *v, size_t i, float albedo[3]);
 
-/* view.c: the number of point i's random numbers. It is the pixel's and the point's place in it, so
-   that what is seen elsewhere changes nothing here. */
+/* view.c: the number of point i's random numbers. The number is the pixel's and the point's place
+   in it, so that what is seen elsewhere changes nothing here. */
 uint64_t ylm__shade_stream(const ylm_shade_view *v, size_t i);
 /* The numbers of random streams, one point after the other. */
 typedef struct shade_stream {

@@ -5,10 +5,11 @@
 **                     Everything that does not depend on how the light is known is done once,
 **                     so that grids are compared on one view at the cost of sampling them.
 **
-** A shading point stands for the samples of one pixel that hit the same mesh, within `share` pixel
-** widths of each other and with normals within 10 degrees. One of these hits is taken, the one nearest to their mean; its
-** weight is their share of the pixel. A pixel in the middle of a surface is shaded once, however many samples resolve its
-** edges. A pixel that covers a long stretch of floor is shaded several times. With share = 0 every sample is shaded. With
+** A shading point stands for samples of one pixel that hit the same mesh. Their hits lie within
+** `share` pixel widths of each other and have normals within 10 degrees. One of these hits is
+** taken, the one nearest to their mean; its weight is their share of the pixel. A pixel in the
+** middle of a surface is shaded once, however many samples resolve its edges. A pixel that covers a
+** long stretch of floor is shaded several times. With share = 0 every sample is shaded. With
 ** `fine`, normals of surfaces that gloss are within a twentieth of the width of their lobe.
 **
 ** Its transfer vector T holds the SH coefficients of A(s) V(s), A being what its material weighs
@@ -417,9 +418,10 @@ YLM_API ylm_status ylm_shade_gather(const ylm_shade_links *links, const float *l
                                     const float *start, int threads, const ylm_progress *progress,
                                     float *out);
 
-/* The noise of gathered light at a shading point: half of the difference of two estimates, by links of even and of
-   odd number, root mean square over at most 4,096 points, over the mean of the light; in luminance. Of points that
-   gloss it is that of what they reflect, over their mean albedo. 0 where there is none. */
+/* The noise of gathered light at a shading point, in luminance: half of the difference of two
+   estimates, by links of even and of odd number. The result is the root mean square over at most
+   4,096 points, over the mean of the light. Of points that gloss it is that of what they reflect,
+   over their mean albedo. 0 where there is none. */
 YLM_API double ylm_shade_gather_noise(const ylm_shade_links *links, const float *leaving);
 
 /* ylm_transfer_vectors_at and ylm_transfer_matrices of a view's shading points: out [points][3][(lmax+1)^2], lmax of the
@@ -463,10 +465,11 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 ** ylm_shade_raycast - radiance of every shading point by sampling the lamps themselves.
 **
 ** Each of `light_samples` strata chooses a lamp in proportion to (a bound of) its unshadowed
-** luminous irradiance, then a direction uniform in the solid angle it fills (disks, and triangles that fill
-** little: a place uniform in area); a ray that starts at the point and ends at the lamp decides. No
-** SH, no grid, no occlusion_distance. Surfaces that are not matte are lit by as many rays again that
-** their material chooses, weighed by the balance heuristic (ylm_path_places).
+** luminous irradiance, then a direction. The direction is uniform in the solid angle that the lamp
+** fills; of disks, and triangles that fill little, it is that of a place uniform in area. A ray
+** that starts at the point and ends at the lamp decides. No SH, no grid, no occlusion_distance.
+** Surfaces that are not matte are lit by as many rays again that their material chooses, weighed by
+** the balance heuristic (ylm_path_places).
 **
 **   lit            in   whose lamps: the view's scene with others (ylm_scene_relight); NULL: its own
 **   light_samples  in   shadow rays per shading point, 1 .. YLM_SCENE_SAMPLES
@@ -612,9 +615,9 @@ typedef struct ylm_shade_gather_report {
 /*
 ** ylm_shade_gather_virtual - radiance of every shading point under virtual lights, each asked at each.
 **
-** With y, n, r a light's place, normal and radius, I its intensity, N the receiver's normal, d and w
-** distance and direction from x to y, c_x = max(0, N.w), c_y = max(0, s - n.w) (ylm_light_virtual.h), the
-** irradiance is the sum over lights of
+** y, n, r are a light's place, normal and radius, I its intensity, N the receiver's normal. d and w
+** are distance and direction from x to y; c_x = max(0, N.w), c_y = max(0, s - n.w)
+** (ylm_light_virtual.h). The irradiance is the sum over lights of
 **
 **   HVL  I c_y sum over l of a_l (2l+1)/(4 pi) G_l P_l(N.w)     a_l of the clamped cosine
 **   VPL  I c_x c_y / d^2, bounded
@@ -627,12 +630,14 @@ typedef struct ylm_shade_gather_report {
 ** from x to m, g(w; a, k) = e^(k (w.a - 1)), A its integral; a light's own radius r counts as the deviation r/2. Surfaces that
 ** gloss have a Gaussian lobe, of the power and the mean direction of f above its least value.
 **
-** INTERLEAVED: the point's pixel has the place i in a tile of tile x tile pixels, and asks lights i, i + tile^2, ..; the
-** irradiance is tile^2 times their sum, and then the mean over the tile of pixels around, points on the same mesh whose
-** normals are within 20 degrees counting. STOCHASTIC: a light whose unshadowed light b (of VSL 2I/max(d^2, 2r^2)) is below
-** alpha is kept with the chance b/alpha and counts alpha/b times; lights of a point are chosen by equal steps along the sum of
-** b, from a start that is random. Its mean is that of all lights, its standard deviation at most sqrt(alpha E) by independent
-** choices. Points that gloss ask all lights where they are interleaved.
+** INTERLEAVED: the point's pixel has the place i in a tile of tile x tile pixels, and asks lights
+** i, i + tile^2, ..; the irradiance is tile^2 times their sum. A mean over the tile of pixels
+** around follows; points on the same mesh whose normals are within 20 degrees count. STOCHASTIC: a
+** light whose unshadowed light b (of VSL 2I/max(d^2, 2r^2)) is below alpha is kept with the chance
+** b/alpha and counts alpha/b times; lights of a point are chosen by equal steps along the sum of b,
+** from a start that is random. Its mean is that of all lights, its standard deviation at most
+** sqrt(alpha E) by independent choices. Points that gloss ask all lights where they are
+** interleaved.
 **
 ** Compensation: rays from x as the cosine meet y'; what the bound took from the light that y' reflects,
 ** L f max(0, G - c)/G, is added (ylm_path_places has L). With shadows, the mean is that of no bound.
@@ -687,8 +692,9 @@ YLM_API ylm_status ylm_shade_near(const ylm_shade_view *view, const ylm_light_vi
 YLM_API void ylm_shade_reflect(const ylm_shade_view *view, float *irradiance);
 
 /*
-** ylm_shade_blend_links - radiance of points that gloss by the light of elements, where the degree of a light that
-** holds its shadows (COSINE) is too low for them: w as ylm_shade_blend has it, g what ylm_shade_gather finds.
+** ylm_shade_blend_links - radiance of points that gloss by the light of elements. The points are
+** those for which the degree of a light that holds its shadows (COSINE) is too low. w is as
+** ylm_shade_blend has it, g as ylm_shade_gather finds it.
 **
 **   leaving   in      of the links' transfer: ylm_radiosity_leaving
 **   lmax      in      of the light that harmonics were made of
@@ -753,7 +759,8 @@ typedef enum ylm_shade_ambience {
 **
 ** SCREEN knows the surfaces that the camera sees: two slices through the line of sight with four samples
 ** on each side, turned and shifted from pixel to pixel, the mean of 4 x 4 pixels. Samples less than 0.05
-** of their distance above the surface are the surface. It is 1 where the radius is below a pixel.
+** of their distance above the surface are the surface. The result is 1 where the radius is below a
+** pixel.
 **
 **   radius  in   scene units, > 0
 **   out     out  [points], 0 to 1
@@ -807,8 +814,8 @@ YLM_API ylm_status ylm_shade_compose(const ylm_shade_view *view, const float *co
 /*
 ** ylm_shade_draw_lamps - draw spheres over an image of the view: lamps that are not in its scene.
 **
-** A lamp covers the part of a pixel by which the pixel's centre is inside of its rim, where no
-** surface is nearer than its centre; farther lamps first.
+** A lamp covers the part of a pixel by which the pixel's centre is inside of its rim. Surfaces that
+** are nearer than the lamp's centre hide it. Farther lamps are drawn first.
 **
 **   out  in/out  [height][width][3]
 */
@@ -836,9 +843,10 @@ YLM_API void ylm_shade_view_camera(const ylm_shade_view *view, double out[10]);
 
 #define YLM_SHADE_DISC 12
 
-/* Spheres as ylm_shade_draw_lamps draws them, the farthest first: the direction to each [3], its
-   depth, the chord of half the angle it fills, its radiance [3], and the box x0, x1, y0, y1 of its
-   pixels (x0 <= x < x1). disc [lamps->shape.spheres][YLM_SHADE_DISC]; *n: how many are in sight. */
+/* Spheres as ylm_shade_draw_lamps draws them, the farthest first. A row has the direction to a
+   sphere [3], its depth, the chord of half the angle it fills, and its radiance [3]. The box x0,
+   x1, y0, y1 of its pixels (x0 <= x < x1) ends the row. disc
+   [lamps->shape.spheres][YLM_SHADE_DISC]; *n: how many are in sight. */
 YLM_API ylm_status ylm_shade_view_discs(const ylm_shade_view *view, const ylm_scene_lamps *lamps,
                                         double *disc, size_t *n);
 

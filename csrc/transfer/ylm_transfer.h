@@ -41,7 +41,7 @@ typedef struct ylm_transfer ylm_transfer;
 #define YLM_TRANSFER_BOUNCES 1000000 /* the most bounces that are asked for by number */
 
 /* Which sides of a mesh reflect. AUTO: of a closed mesh the outer one, or the inner one where it is
-   a room, which holds a lamp or one of the `inside` places; of an open mesh both. */
+   a room; of an open mesh both. A room holds a lamp or one of the `inside` places. */
 typedef enum ylm_transfer_sides {
   YLM_TRANSFER_AUTO,
   YLM_TRANSFER_BOTH,
@@ -185,8 +185,9 @@ YLM_API const ylm_transfer *ylm_radiosity_transfer(const ylm_radiosity *r);
 **
 ** ylm_radiosity_field - direct light from coefficients of degree <= lmax. Of a field of lights E0 = T0 . L with L at the
 ** elements' centres and T0 of ylm_transfer_escape, lmax at most that of T0: it knows no shadow of what is nearer than a
-** light and takes what is behind one for an occluder. Of a field that holds shadows E0 = A . L, A the cosine, with L half
-** a spacing off the surface, or as far as ylm_grid_bias says of `grid`, if the field is one's (else NULL).
+** light and takes what is behind one for an occluder. Of a field that holds shadows E0 = A . L, A
+** the cosine. L is that half a spacing off the surface, or as far as ylm_grid_bias says of `grid`,
+** if the field is one's (else NULL).
 **
 ** ylm_radiosity_set - direct light that is given, irradiance E0 [elements][3], W m^-2.
 **
@@ -307,8 +308,8 @@ YLM_API ylm_gather_form ylm_gather_defaults(void);
 YLM_API ylm_status ylm_gather_create(const ylm_radiosity *r, const ylm_gather_form *form,
                                      ylm_gather **g, ylm_error *e);
 YLM_API void ylm_gather_free(ylm_gather *g);
-/* Direct light is from now on that of another scene's lamps, of the same meshes. YLM_OK; YLM_ENOMEM: it then is as
-   it was. */
+/* Direct light becomes that of another scene's lamps, of the same meshes. YLM_OK; YLM_ENOMEM: it
+   then is as it was. */
 YLM_API ylm_status ylm_gather_lamps(ylm_gather *g, const ylm_scene *lamps, ylm_error *e);
 /* Lives as long as the gather; `inside` is 1 at points that are not valid. Up to degree YLM_TRANSFER_LMAX. */
 YLM_API const ylm_field *ylm_gather_field(const ylm_gather *g);

@@ -147,8 +147,8 @@ YLM_API ylm_status ylm_vtk_save_pdf(const char *path, int width, int height, siz
 /* A .png file as a canvas. */
 YLM_API ylm_status ylm_vtk_load_png(const char *path, ylm_figure_canvas *c, ylm_error *e);
 
-/* Reads a .vtu, .vtp or .vti file by VTK's own reader and lists counts, bounds, and for each array
-   its name, components and range, as text lines. For checks. */
+/* Reads a .vtu, .vtp or .vti file by VTK's own reader. Lists counts, bounds, and for each array its
+   name, components and range, as text lines. For checks. */
 YLM_API ylm_status ylm_vtk_describe(const char *path, char **text, ylm_error *e);
 
 /* Where pictures are drawn on this machine: "egl", "x", "xvfb", or the error. */

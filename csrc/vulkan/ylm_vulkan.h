@@ -88,13 +88,13 @@ YLM_API void ylm_gpu_free(ylm_gpu *g);
 YLM_API const ylm_gpu_info *ylm_gpu_about(const ylm_gpu *g);
 /* YLM_OK, or why the device is of no use: YLM_ECLOSED, YLM_EDEVICE. */
 YLM_API ylm_status ylm_gpu_state(const ylm_gpu *g, ylm_error *e);
-/* Behaves from now on as if the driver had said that the device is lost (for tests). */
+/* Makes the device behave as if the driver had said that it is lost (for tests). */
 YLM_API void ylm_gpu_lose(ylm_gpu *g);
-/* From now on the i-th of the driver's functions that may fail does so: memory is out (YLM_ENOMEM),
-   the device lost (YLM_EDEVICE), or else an error of no known kind; YLM_OK mends it (for tests).
-   Its name; NULL: there are fewer. */
+/* Makes the i-th of the driver's functions that may fail do so: memory is out (YLM_ENOMEM), the
+   device lost (YLM_EDEVICE), or else an error of no known kind; YLM_OK mends it (for tests). Its
+   name; NULL: there are fewer. */
 YLM_API const char *ylm_gpu_break(ylm_gpu *g, size_t i, ylm_status s);
-/* Behaves from now on as a smaller device (for tests): so many bytes of memory in all, so many for
+/* Makes the device behave as a smaller one (for tests): so many bytes of memory in all, so many for
    a kernel to see of a buffer, so many buffers of a kernel, no float64. 0: as it is. */
 YLM_API void ylm_gpu_shrink(ylm_gpu *g, uint64_t memory_bytes, uint64_t bind_bytes, uint32_t binds,
                             bool narrow);
@@ -106,7 +106,7 @@ YLM_API size_t ylm_gpu_messages(const ylm_gpu *g, const char **first);
 
 /* Uses of a device so far. */
 typedef struct ylm_gpu_use {
-  uint64_t buffers, bytes;       /* that there are now */
+  uint64_t buffers, bytes;       /* that exist */
   uint64_t uploaded, downloaded; /* bytes */
   double upload, download, run;  /* seconds, of copies and of ylm_gpu_run */
   uint64_t dispatches, submissions, pipelines;
@@ -272,8 +272,8 @@ YLM_API void ylm_gpu_lights_free(ylm_gpu_lights *l);
 /*
 ** Their light field (ylm_base.h), which lives as long as the object.
 **
-** As lights without a device, but for lmax <= YLM_GPU_PRODUCT_LMAX by the product rule, and for
-** YLM_EMISSING (double on a device without float64) and what ylm_gpu_run returns. A result
+** As lights without a device, but for lmax <= YLM_GPU_PRODUCT_LMAX by the product rule. Further
+** statuses are YLM_EMISSING (double on a device without float64) and those of ylm_gpu_run. A result
 ** depends on the point, the lights and the device, not on the other points.
 ** Accuracy  that of csrc/light/sphere/sphere.h; lights are summed in chunks, these with
 **           compensation. A flat light's share is within 1e-7/|cos gamma| more in float, as its
@@ -347,7 +347,7 @@ YLM_API ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, ylm_gpu
 YLM_API void ylm_gpu_grid_free(ylm_gpu_grid *k);
 YLM_API ylm_gpu *ylm_gpu_grid_device(const ylm_gpu_grid *k);
 YLM_API uint64_t ylm_gpu_grid_bytes(const ylm_gpu_grid *k);
-/* Whether it is the grid as it is now: false once that was updated. */
+/* Whether the copy has the grid's present state: false once the grid was updated. */
 YLM_API bool ylm_gpu_grid_current(const ylm_gpu_grid *k, const ylm_grid *grid);
 
 /* An array of the host's, or one in the device's memory; both NULL: none. */

@@ -14,9 +14,10 @@ end
 outputs.extents = extents
 
 --- The option `out` (nil, an array, or a list of them) of argument `n` of `name`, as one array or nil for each
--- of `shapes`. Raises unless all are open, of `dtype` and of their shape, and share no memory with one another
--- nor with `points` (if that is an array), which the work would overwrite while it still reads them, nor with what a
--- call uses whose progress function runs.
+-- of `shapes`. Raises unless all are open, of `dtype` and of their shape. Raises where two share
+-- memory, or one shares it with what a call uses whose progress function runs. Raises where one
+-- shares memory with `points` (if that is an array): the work would overwrite the points while it
+-- still reads them.
 function outputs.of(n, name, out, dtype, shapes, points)
   if out == nil then return end
   if core.type(out) == "ylm.array" then out = { out } end

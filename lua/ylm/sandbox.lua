@@ -1,11 +1,10 @@
 --- Runs scene files, which may come from strangers.
 --
 -- A file can reach the constructors (every form), math, a few functions
--- on tables. It cannot reach files (but by name, inside its folder), strings'
--- methods, metatables, coroutines, pcall, load, debug, the objects that
--- constructors build (it holds opaque stand-ins for them).
--- Its instructions, processor time, memory and described sizes are bounded.
--- The bounds on instructions and memory are C's: csrc/lua/core/sandbox.c.
+-- on tables. Files (but by name, inside its folder), strings' methods, metatables, coroutines,
+-- pcall, load and debug are out of its reach. Of objects that constructors build it holds opaque
+-- stand-ins. A file's instructions, processor time, memory and described sizes are bounded. The
+-- bounds on instructions and memory are C's: csrc/lua/core/sandbox.c.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"

@@ -1,7 +1,8 @@
 --- Promises that a result does not keep, in one line each: an unmet tolerance, light that is not the scene's.
 --
--- A line names what falls short, its cause and what to change. It goes to stderr, or to the function that
--- ylm.on_warning was given; YLM_WARNINGS=no in the environment silences stderr. Reports hold the same lines.
+-- A line names what falls short, its cause and what to change. The line goes to stderr, or to the
+-- function that ylm.on_warning was given; YLM_WARNINGS=no in the environment silences stderr.
+-- Reports hold the same lines.
 
 local check = require "ylm.check"
 local describe = require "ylm.describe".describe

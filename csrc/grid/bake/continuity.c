@@ -3,10 +3,10 @@
 **
 ** A leaf that has an evaluated point inside of one of its faces or edges is split, until there is
 ** none. A new corner that was not evaluated takes value and gradient from the interpolant of the very cell that was split.
-** Its eight children alone share it: an interpolant restricted to a face depends on that face's four corners (values,
-** tangential derivatives) alone and is reproduced by its children, so two cells that share a face agree on it by induction,
-** whatever else happens around. (One point for all cells around an edge would not do: across an edge the cells' transversal
-** derivatives differ.)
+** Its eight children alone share it. An interpolant restricted to a face depends on that face's
+** four corners (values, tangential derivatives) alone, and its children reproduce it. By induction,
+** two cells that share a face agree on it, whatever else happens around. (One point for all cells
+** around an edge would not do: across an edge the cells' transversal derivatives differ.)
 */
 #include "baker.h"
 

@@ -1,9 +1,10 @@
 /*
 ** held_surface.c - held-out points of surfaces.
 **
-** A promise is about surfaces by area, and so are the points that judge it. While a grid is refined
-** one point in EXTRA is of a voxel chosen among all that surfaces meet, one of a triangle chosen
-** among all: what is small, and seldom met by area, is looked at too.
+** A promise is about surfaces by area, and so are the points that judge it. While a grid is
+** refined, one point in EXTRA is of a voxel chosen among all that surfaces meet. One in EXTRA is of
+** a triangle chosen among all. Such points look at voxels and triangles that are small, and seldom
+** met by area.
 */
 #include <math.h>
 #include <stdlib.h>

@@ -51,7 +51,7 @@ static bool gather(const ylm_grid *g, filling *f, int level) {
   return any;
 }
 
-/* Means from the sums; those points count as valid from now on. */
+/* Means from the sums. Points that have one then count as valid. */
 static void settle(ylm_grid *g, filling *f, uint32_t invalid) {
   for (uint32_t slot = 0; slot < invalid; slot++) {
     uint32_t p = f->point[slot];

@@ -45,8 +45,8 @@ static ylm_status find_metric(void *context, size_t begin, size_t end, int worke
 
 /* -- surfaces of lights ---------------------------------------------------------------------- */
 
-/* The cell in the same place before an update, if no light that changed is near it: what crossed it
-   then does so now. */
+/* The cell in the same place before an update, if no light that changed is near it: the same
+   surfaces of lights cross both. */
 static const ylm_grid_cell *settled(const baker *b, uint32_t cell) {
   const ylm_grid_cell *old = cells_before(b, &b->g->cell[cell]);
   double box[6];

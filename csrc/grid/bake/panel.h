@@ -35,8 +35,8 @@ typedef struct ruling {
 
 /*
 ** The most failures among n random points at which less than `share` of all points are said to
-** fail. It is the largest k so that, where `share` or more fail, more than k of n do with a chance
-** of at least 1 - doubt. -1: n points are too few.
+** fail. The number is the largest k for which this has a chance of at least 1 - doubt: where
+** `share` or more fail, more than k of n do. -1: n points are too few.
 */
 int ylm__confidence_allowed(size_t n, double share, double doubt);
 

@@ -58,8 +58,8 @@ static ylm_light dark(const ylm_light *l) {
   return out;
 }
 
-/* The light set becomes the new one; lights that changed are movers from now on. Arrays are changed
-   only where nothing can fail any more, `of` is the new mover_of. */
+/* Enters the new light set: lights that changed become movers. Arrays are changed only after
+   everything that can fail. `of` is the new mover_of. */
 ylm_status ylm__update_enter_changes(update *u, int32_t *of) {
   grid_dynamic *d = u->d;
   u->boxes = ylm_alloc(2 * u->changes, 6 * sizeof *u->boxes);

@@ -77,7 +77,7 @@ static ylm_status repair_again(update *u) {
   return ylm__finish(&u->b);
 }
 
-/* When that fails too: the root voxel alone, which needs no memory. It is not to be used. */
+/* When that fails too: the root voxel alone, which needs no memory. The grid is then spent. */
 static void collapse(ylm_grid *g) {
   ylm_grid_cell *c = &g->cell[0];
   g->cells = g->contents.octree_cells = 1;

@@ -1,9 +1,9 @@
 /*
 ** repair.c - points and cells after an update that changed the octree.
 **
-** Points that nothing needs any more go, those that are new take their places, and what continuity
-** has added stays where it is, but for leaves that are new or that a point which came or went
-** touches: there it is made anew. All that is needed is reserved first, so that nothing can fail
+** Unneeded points go, and new ones take their places. Cells and points that continuity has added
+** stay where they are. In leaves that are new, or that a point which came or went touches,
+** continuity is made anew. All memory that is needed is reserved first, so that nothing can fail
 ** before indices are good again.
 */
 #include "update.h"
@@ -133,7 +133,7 @@ static void load_point(ylm_grid *g, size_t p, const char *from) {
 }
 
 /* Interpolated points have to stand behind the evaluated ones, without gaps: those that do not are
-   taken out of the way. There are no more of them than points that came or went. */
+   taken out of the way. Their number is at most that of points that came or went. */
 static ylm_status take_out(repair *r) {
   const ylm_grid *g = r->g;
   size_t end = r->live + r->kept, bytes = point_bytes(g), n = 0;
@@ -208,8 +208,8 @@ static ylm_status reserve(repair *r, size_t octree_before) {
   return ylm__grid_reserve_cells(g, cells - octree_before);
 }
 
-/* Which points have data that are not what they were, as they are numbered now: for points that are
-   interpolated between them. */
+/* Marks the points whose data changed, by their new numbers, for points that are interpolated
+   between them. */
 static ylm_status renumber_changed(repair *r) {
   const ylm_grid *g = r->g;
   uint8_t *changed = ylm_alloc_zero(g->points, 1);

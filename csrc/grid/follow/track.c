@@ -188,7 +188,7 @@ static ylm_status place_block(const track_job *j, size_t begin, size_t n, track_
   return YLM_OK;
 }
 
-/* Finds the leaves of all runs; false if one is not there any more. */
+/* Finds the leaves of all runs; false if one is gone. */
 static bool still_placed(const ylm_grid *g, track_block *b) {
   for (size_t r = 0; b->placed && r < b->runs; r++) {
     track_run *run = &b->run[r];

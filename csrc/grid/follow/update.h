@@ -14,7 +14,7 @@ typedef struct undo {
   float *lambda, *norm, *size, *drift;
   uint64_t *sign;
   mover *mover;          /* [movers], with copies of `seen` */
-  uint32_t *logged;      /* [logs] points whose rows follow; YLM_GRID_NONE: not yet */
+  uint32_t *logged;      /* [logs] points whose rows follow; YLM_GRID_NONE: to come */
   float *data, *hessian; /* in the grid's log */
   size_t logs;
 } undo;
@@ -26,7 +26,7 @@ typedef struct update {
   ylm_grid_source source;
   double tolerance;
   ylm_light_list now;
-  int64_t *origin; /* [lights now] */
+  int64_t *origin; /* [lights of `now`] */
   light_change *change;
   size_t changes;
   uint32_t *exact, *shift; /* points to evaluate with all lights, with what changed */
@@ -35,7 +35,7 @@ typedef struct update {
   double *boxes;    /* [2 changes][6] around lights that changed */
   undo old;
   panel panel; /* what judges the grid, after this update */
-  bool over;   /* nothing can be taken back any more */
+  bool over;   /* nothing can be taken back */
   bool whole;  /* continuity is made anew everywhere */
   ylm_grid_update_stats stats;
 } update;
@@ -57,8 +57,8 @@ void ylm__update_forget(update *u);
 
 /* -- movers.c --------------------------------------------------------------------------- */
 
-/* The light set becomes the new one; lights that changed are movers from now on. Arrays are changed
-   only where nothing can fail any more, `of` is the new mover_of. */
+/* Enters the new light set: lights that changed become movers. Arrays are changed only after
+   everything that can fail. `of` is the new mover_of. */
 ylm_status ylm__update_enter_changes(update *u, int32_t *of);
 /* Forgets movers that all points have in their present state. */
 void ylm__update_retire(grid_dynamic *d, size_t points);
@@ -72,7 +72,7 @@ ylm_status ylm__update_shift_all(update *u);
 
 /* -- panel.c ---------------------------------------------------------------------------- */
 
-/* The exact light of the panel's points, with the lights as they are now. */
+/* The exact light of the panel's points, with the new lights. */
 ylm_status ylm__update_panel(update *u);
 
 /* -- judge.c ---------------------------------------------------------------------------- */

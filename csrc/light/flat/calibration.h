@@ -17,8 +17,9 @@
 #define AT_ONCE 4
 /* The most equal steps around a rim: panels are faster where it needs more. */
 #define YLM__STEPS 96
-/* Rims are integrated in panels no longer than 1/YLM__RIM_RATIO of twice their distance, by 24 nodes or
-   more: the integrand's nearest singularity then lies where they leave 1e-17. YLM__RIM_PANELS have room. */
+/* Rims are integrated in panels of at most 1/YLM__RIM_RATIO of twice their distance, by 24 nodes or
+   more: the integrand's nearest singularity then lies where they leave 1e-17. YLM__RIM_PANELS have
+   room. */
 #define YLM__RIM_RATIO 1.5
 #define YLM__RIM_PANELS 256
 /* Relative to the distance: nearer to its plane than this, a flat light is taken as seen

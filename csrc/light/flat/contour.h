@@ -1,8 +1,8 @@
 /* contour.h - integrals of spherical harmonics over what a flat light fills of the sphere, as
    integrals along its rim. Private to csrc/light.
 
-   With y(t) the rim seen from the shading point x, rho = |y|, s = y/rho, and m dt = (y x y')/rho^2
-   dt, the rim's element on the sphere times the normal of its great circle,
+   y(t) is the rim seen from the shading point x; rho = |y|, s = y/rho. m dt = (y x y')/rho^2 dt is
+   the rim's element on the sphere times the normal of its great circle:
 
      L_lm      = 1/(l(l+1)) integral m . grad Y_lm(s),  l > 0
      grad L_lm = integral m Y_lm(s)/rho

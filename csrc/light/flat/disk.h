@@ -2,9 +2,9 @@
 ** disk.h - disks and ellipses for kernel.isa.c: sums along their rims, lanes are
 ** points.
 **
-** On a rim y = c + u cos phi + v sin phi the normal of the great circle turns, so that its
-** components times the moments of kernel.h are summed, at equal steps of phi, in each lane as many
-** as it needs.
+** On a rim y = c + u cos phi + v sin phi the normal of the great circle turns. Its components times
+** the moments of kernel.h are therefore summed, at equal steps of phi, in each lane as many as it
+** needs.
 */
 #ifndef YLM_LIGHT_FLAT_DISK_H
 #define YLM_LIGHT_FLAT_DISK_H

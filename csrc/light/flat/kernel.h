@@ -1,18 +1,18 @@
 /* kernel.h - polygons by vectors: lanes are points. Private to csrc/light.
 
-   (Disks: disk.h.) Along an edge the normal N of its great circle is constant, so that per
-   edge three kinds of moments are summed over nodes, and per point three vectors of each, N_a times
-   a moment:
+   (Disks: disk.h.) Along an edge the normal N of its great circle is constant. Per edge three kinds
+   of moments are summed over nodes. Per point three vectors of each kind are summed, N_a times a
+   moment:
 
      kind  moment of Y_km along the edge      degrees k       feeds
      0     integral Y_km dt                   0 .. lmax-1     L: N.grad Y_lm has degree l-1 there
      1     integral Y_km / rho dt             0 .. lmax       gradients
      2     integral Y_km / rho^2 dt           0 .. lmax+1     Hessians
 
-   With X of light.h, solid harmonics have d_a R_lm = (2l+1) sum X_a^(l-1)[m',m] R_(l-1)m', and
-   grad Y - 3 s Y = grad R - (l+3) s Y on the unit sphere: two sparse maps, once per point.
-   Harmonics are summed unnormalised, monic Legendre polynomials in z times Re, Im (x+iy)^m; their
-   factors are in the maps. Source: docs/math.md "Polygons and disks" */
+   With X of light.h, solid harmonics have d_a R_lm = (2l+1) sum X_a^(l-1)[m',m] R_(l-1)m'. On the
+   unit sphere grad Y - 3 s Y = grad R - (l+3) s Y. Both are sparse maps, once per point. Harmonics
+   are summed unnormalised, monic Legendre polynomials in z times Re, Im (x+iy)^m; their factors are
+   in the maps. Source: docs/math.md "Polygons and disks" */
 #ifndef YLM_LIGHT_POLYGON_KERNEL_H
 #define YLM_LIGHT_POLYGON_KERNEL_H
 

@@ -27,8 +27,8 @@ typedef struct chunk {
   vreal *state;            /* polynomials behind the last degree: [n][2] */
 } chunk;
 
-/* Sums of `full` degrees at which all kinds of a set exist, and of the `tail` degrees above (full
-   -1 is the column of order lmax+2, which has one). */
+/* The numbers of sums of `full` degrees, at which all kinds of a set exist, and of the `tail`
+   degrees above. full -1 is the column of order lmax+2, which has one. */
 #define WIDTH(kinds) (((kinds)&1) + ((kinds) >> 1 & 1) + ((kinds) >> 2 & 1))
 #define SUMS(kinds, full, tail)                                                                    \
   ((full) < 0                                                                                      \

@@ -1,8 +1,8 @@
 /*
 ** moments.h - the sums over lights from which coefficients and their derivatives follow.
 **
-** Private to csrc/light. Per light, with v = y - x, d^2 = v.v, h^2 = d^2 - r^2, alpha = h/d,
-** s2 = r^2/d^2, w = v/d and emission e, three kinds of sums are kept:
+** Private to csrc/light. A light has v = y - x, d^2 = v.v, h^2 = d^2 - r^2, alpha = h/d, s2 =
+** r^2/d^2, w = v/d and the emission e. Three kinds of sums over lights are kept:
 **
 **   kind  sum over lights of e weight_k Y_km(w)                           degrees k
 **   0     w0_k = 2pi s2 P_k'(alpha)/(k(k+1)), w0_0 = 2pi s2/(1+alpha)      0 .. lmax
@@ -13,11 +13,11 @@
 ** polynomials in z times Re, Im (x+iy)^m for Y. The factors that are missing are put in once per
 ** point, with the linear maps of plan.h. Lanes are points.
 **
-** Losses of float at high degrees: P'_k changes by k^2/4 times a change of alpha near 1, P_k
-** by k^2/2 times a change of z near 1, both round to 6e-8, and so do all steps of a recurrence of
-** three terms. So weights are found from delta = 1 - alpha by differences, and the columns of low
-** order m (YLM__FINE), which hold what is near the poles, from o = (x^2+y^2)/(1+|z|). Directions
-** below the horizon are turned to -w, and weights of odd degree change their sign.
+** Losses of float at high degrees: P'_k changes by k^2/4 times a change of alpha near 1, P_k by
+** k^2/2 times a change of z near 1. Both round to 6e-8, and so do all steps of a recurrence of
+** three terms. Weights are therefore found from delta = 1 - alpha by differences. The columns of
+** low order m (YLM__FINE), which matter near the poles, are found from o = (x^2+y^2)/(1+|z|).
+** Directions below the horizon are turned to -w, and weights of odd degree change their sign.
 **
 ** Source  docs/math.md "Sum of sphere lights"
 */

@@ -1,8 +1,9 @@
 /*
 ** special.h - sums of the moment kernel of one lmax, by its plans; see moments.h. Private to csrc/light.
 **
-** gen/moments_L.h is included before. It defines LMAX, and for each set of kinds s the plans PLAN_s and
-** PLAN_RGB_s, in the words below: passes over a tile, and the columns that share the registers in each.
+** gen/moments_L.h, which is included before, defines LMAX. For each set of kinds s it defines the
+** plans PLAN_s and PLAN_RGB_s, in the words below: passes over a tile, and the columns that share
+** the registers in each.
 */
 #ifndef YLM_LIGHT_MOMENTS_SPECIAL_H
 #define YLM_LIGHT_MOMENTS_SPECIAL_H

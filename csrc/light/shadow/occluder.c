@@ -1,9 +1,9 @@
 /*
 ** occluder.c - what one body hides: a sphere, or a convex solid.
 **
-** The visibility is v = sqrt(4 pi) e_0 - o. Of a sphere, o is the field of a sphere light of radiance 1; of a convex
-** solid half the sum of its faces as polygons that emit radiance 1 to both sides, since each direction through it
-** crosses two of them.
+** The visibility is v = sqrt(4 pi) e_0 - o. Of a sphere, o is the field of a sphere light of
+** radiance 1. Of a convex solid, o is half the sum of its faces as polygons that emit radiance 1 to
+** both sides: each direction through the solid crosses two faces.
 */
 #include "shadow.h"
 

@@ -58,8 +58,8 @@ void ylm_lights_free(ylm_lights *lights);
 ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa, const ylm_field_query *q,
                                size_t n, const void *points, ylm_field_result *r, ylm_error *e);
 
-/* The field of spheres by their tree, which is made where there is none: tree/tree.c. It must not
-   outlive them. `tolerance` is that of ylm_light_cut_create. YLM_ENOMEM. */
+/* The field of spheres by their tree, which is made where there is none: tree/tree.c. The field
+   must not outlive them. `tolerance` is that of ylm_light_cut_create. YLM_ENOMEM. */
 typedef struct ylm__tree_field ylm__tree_field;
 ylm_status ylm__tree_field_create(ylm_lights *lights, double tolerance, int threads,
                                   ylm__tree_field **field, ylm_error *e);

@@ -4,10 +4,12 @@
 #include <math.h>
 
 /*
-** The mean over the sphere of |j-th derivatives of d^a Y_lm|^2 at d = 1, all 3^j of them:
-** a gradient has the degrees l+1 and l-1 in the shares of vector spherical harmonics,
-**   n_j(l,a) = (l+1)/(2l+1) (a-l)^2 n_(j-1)(l+1,a-1) + l/(2l+1) (a+l+1)^2 n_(j-1)(l-1,a-1),
-** n_0 = 1 (times 1/4pi, summed over m, it is the same in every direction).
+** The mean over the sphere of |j-th derivatives of d^a Y_lm|^2 at d = 1, all 3^j of them. A
+** gradient has the degrees l+1 and l-1 in the shares of vector spherical harmonics; n_0 = 1:
+**
+**   n_j(l,a) = (l+1)/(2l+1) (a-l)^2 n_(j-1)(l+1,a-1) + l/(2l+1) (a+l+1)^2 n_(j-1)(l-1,a-1)
+**
+** Times 1/4pi, summed over m, the square is the same in every direction.
 */
 static double derivative_square(int j, int l, int a) {
   if (j == 0) return 1;

@@ -2,9 +2,9 @@
 ** calibration.h - the tuned constants of the tree of lights. Private to csrc/light.
 **
 ** Sizes and constants of speed were moved by the microseconds a point, constants of error by the 99.9 % quantile of errors.
-** That quantile has to be at most the tolerance in every scene of the bench. Both are columns of spec/bench/many_lights.c;
-** spec/light_tree_spec.lua holds the errors. The bodies of the commits that are named after the title of a group have the
-** figures.
+** The quantile has to be at most the tolerance in every scene of the bench. Both are columns of
+** spec/bench/many_lights.c; spec/light_tree_spec.lua holds the errors. The bodies of the commits
+** that are named after the title of a group have the figures.
 */
 #ifndef YLM_LIGHT_TREE_CALIBRATION_H
 #define YLM_LIGHT_TREE_CALIBRATION_H
@@ -59,10 +59,10 @@
 #define YLM__PACKET 16 /* points that walk together */
 /* The points of a packet that fills less than one lane of so many walk alone. */
 #define YLM__LONELY 4
-/* A node that is too near for the packet, and whose reach is below LITTLE packet radii, is handed
-   to the packet's points, which walk on alone. That pays only if such nodes hold many lights,
-   n (1 + n/all) > WORTH in all; WORTH grows as sqrt(0.01/tolerance) below 0.01. Moved by: 256 random
-   points among 10^6 lights, and a grid of 32^3. */
+/* A node goes to the packet's points if it is too near for the packet and its reach is below LITTLE
+   packet radii. The points then walk on alone. Walking alone pays only if such nodes hold many
+   lights, n (1 + n/all) > WORTH in all. WORTH grows as sqrt(0.01/tolerance) below 0.01. Moved by:
+   256 random points among 10^6 lights, and a grid of 32^3. */
 #define YLM__LITTLE 2
 #define YLM__WORTH 12000
 #define LEFT 1024 /* groups that a packet may leave to its points, and a block to its packets */
@@ -71,9 +71,9 @@
 
 /* -- blocks ("Blocks of dense points share what is far from all of them") ---------------------- */
 
-/* A block is a set of points for which distant lights are summed once. It has BLOCK_LEAST to
-   BLOCK_MOST points, at most 1/BLOCKS of the query; the sums at its nodes take at most
-   NODES_BYTES. Moved by: pairs a point on a floor of 256^2. */
+/* A block is a set of points for which distant lights are summed once. A block has BLOCK_LEAST to
+   BLOCK_MOST points, at most 1/BLOCKS of the query; the sums at its nodes take at most NODES_BYTES.
+   Moved by: pairs a point on a floor of 256^2. */
 #define YLM__BLOCK_LEAST 256
 #define YLM__BLOCK_MOST 4096
 #define YLM__BLOCKS 64

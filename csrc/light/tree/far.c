@@ -2,15 +2,17 @@
 ** far.c - how well the field of far lights is found by interpolation, and how many nodes that
 ** takes.
 **
-** Along one axis, of half extent 1 and with a light at the distance D across its middle, where
-** convergence is slowest, the inner product of the k-th derivatives of the coefficients of a small
-** light at x and at y, summed over coefficients and components, is
-**   K(x,y) = sum over l of W_k(l) P_l(cos) / (d_x d_y)^(2+k),
-** by the weights W_k of degrees that ylm__tree_norms sums. Interpolation in n of Chebyshev's nodes
-** loses what polynomials of degree n and higher make of it, and as much by aliasing: with
-** K = sum c_ij T_i(x) T_j(y) the norm of the error is at most 2 sqrt(sum over i, j >= n of |c_ij|).
-** Half of that is within some percent of the largest error of interpolated lights (lmax 1 to 15,
-** any place), and taken.
+** One axis is looked at, of half extent 1. A small light is at the distance D across its middle,
+** where convergence is slowest. K(x,y) is the inner product of the k-th derivatives of its
+** coefficients at x and at y, summed over coefficients and components:
+**
+**   K(x,y) = sum over l of W_k(l) P_l(cos) / (d_x d_y)^(2+k)
+**
+** ylm__tree_norms sums the weights W_k of degrees. Interpolation in n of Chebyshev's nodes loses
+** what polynomials of degree n and higher make of it, and as much by aliasing: with K = sum c_ij
+** T_i(x) T_j(y) the norm of the error is at most 2 sqrt(sum over i, j >= n of |c_ij|). Half of that
+** is within some percent of the largest error of interpolated lights (lmax 1 to 15, any place), and
+** taken.
 **
 ** Source  docs/math.md "Many lights", Blocks
 */

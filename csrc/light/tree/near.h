@@ -8,8 +8,9 @@
 #include "nodes.h"
 
 /* The square of the distance of nodes from a block, less `reach`, by which its interpolation
-   converges, and in `d` the square of the distance itself. Along an axis whose half extent is h, interpolation converges
-   alike for lights on an ellipsoid with the ends for foci: as for one whose distance across the middle is the minor axis. */
+   converges. `d` gets the square of the distance itself. Along an axis whose half extent is h,
+   interpolation converges alike for lights on an ellipsoid with the ends for foci: as for one whose
+   distance across the middle is the minor axis. */
 static ylm_vf convergence(const seen_from *from, const ylm__group *const *g, ylm_vf reach,
                           ylm_vf *d) {
   ylm_vf away[3], over[3], d2 = {0}, least = ylm_vf_set(INFINITY);

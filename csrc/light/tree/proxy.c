@@ -2,10 +2,10 @@
 ** proxy.c - four or eight lights that stand for many: their power, what they miss, and which
 ** of them are best.
 **
-** Lights x_i of power e_i r_i^2; the places c + A y_j of the proxies and their parts w_j of the
-** weight have the geometry's moments (place.c), and with r_p^2 = sum |e| r^4/sum |e| r^2 also
-** sum e r^4. In each colour c the emission is e_cj = w_j (E_c + h_c.y_j + k_c.phi_j)/r_p^2: A h_c =
-** sum e_c r^2 (x - c) keeps the moments of degree 0 and 1; phi are products of two unlike
+** Lights are at x_i, of power e_i r_i^2. The places c + A y_j of the proxies and their parts w_j of
+** the weight have the geometry's moments (place.c). With r_p^2 = sum |e| r^4/sum |e| r^2 they have
+** sum e r^4 too. In each colour c the emission is e_cj = w_j (E_c + h_c.y_j + k_c.phi_j)/r_p^2: A
+** h_c = sum e_c r^2 (x - c) keeps the moments of degree 0 and 1; phi are products of two unlike
 ** coordinates less what is linear in them, and k_c keeps the moments xy, xz, yz. The second, third
 ** and fourth moments that are missed are measured here, node by node; with equal colours third
 ** moments are missed only where places could not be fitted. Of the tetrahedron, its mirror image

@@ -63,8 +63,9 @@ void ylm__tree_place(const cluster *q, double A[3][3], int n, double mirror, pro
 /* The proxies that cost least, of a cluster with more lights than four; A: its axes. */
 void ylm__tree_choose(const cluster *q, size_t n, double A[3][3], proxies *best);
 void ylm__tree_basis(const proxies *p, double A[3][3], basis *b);
-/* Powers of proxies by moments m of degree 0 to 2: in parts of a weight, a function of the place
-   that keeps the moments of degree 0 and 1, and those xy, xz, yz for which there are enough. */
+/* Powers of proxies by moments m of degree 0 to 2, in parts of a weight. A power is a function of
+   the place: it keeps the moments of degree 0 and 1, and of xy, xz, yz those for which the proxies
+   suffice. */
 void ylm__tree_share(const proxies *p, double A[3][3], basis *b, const double m[M3],
                      double power[YLM__MOST_PROXIES]);
 

@@ -2,10 +2,10 @@
 ** tree.h - the tree over sphere lights, as its builder makes it and the kernels walk it.
 **
 ** Private to csrc/light. A group holds two nodes side by side, so that a vector tests several
-** groups at once. A node stands for the lights below it: seen from far away by four or eight proxy
-** lights, from near by its own group or, where it is a leaf, by its lights themselves. Points
-** beside each other walk down as a packet: what is far from all of them is summed with lanes that
-** are points.
+** groups at once. A node stands for the lights below it. From far away it is seen as four or eight
+** proxy lights. From near it is seen as its own group or, where it is a leaf, as its lights
+** themselves. Points beside each other walk down as a packet: what is far from all of them is
+** summed with lanes that are points.
 **
 ** The tests work in the tree's units, in which the root's reach is 1 and all strengths add up to 1;
 ** the lights and proxies that are summed keep the units of the scene.
@@ -102,8 +102,9 @@ void ylm__packing_free(ylm__packing *p);
 
 /*
 ** Points that lie together are a block. Lights far from all of it are summed at the nodes of a grid, from which the sums of
-** its points are interpolated. `error[k][i][n]` is log2 of the error of the k-th derivative, in parts of a light's, of n of
-** Chebyshev's nodes along an axis of half extent 1 at the i-th distance (far.c).
+** its points are interpolated. `error[k][i][n]` is log2 of the error of the k-th derivative, in
+** parts of a light's, at the i-th distance (far.c). The error is that of n of Chebyshev's nodes
+** along an axis of half extent 1.
 */
 #define YLM__FAR_NODES 16 /* most nodes along an axis */
 #define YLM__FAR_STEPS 16 /* distances */
@@ -113,8 +114,8 @@ typedef struct ylm__far {
 
 void ylm__far_create(int lmax, const bool want[3], ylm__far *f);
 /* The distance from a box from which on n[0] nodes along its longest axis keep the errors of lights
-   below `part` of the lights' own, and in n as many as that takes along each axis; 0 if there is no
-   such distance worth having. */
+   below `part` of the lights' own. `n` gets as many nodes as that takes along each axis. Returns 0
+   if no such distance is worth having. */
 double ylm__far_nodes(const ylm__far *f, const bool want[3], const float half[3],
                       const float part[3], int n[3]);
 
@@ -128,10 +129,12 @@ void ylm__tree_norms(int lmax, double G[YLM__NORMS]);
 /*
 ** How a query is answered by a tree. `at[k]`: the strength that the k-th derivative's error is
 ** measured by. A node is far for the k-th derivative where, with u = 1/D,
-**   u^(6+k) (second c[k][0] + third c[k][1] u + strength fourth c[k][2] u^2)^2 <= B_k strength
-** with B_k = (share_k tolerance scale_k/G_k)^2 / (sum over lights of strength u^(2+k)): the sum of
-** the squares of all errors is then at most (share tolerance scale_k)^2, however many nodes there
-** are. A packet's nodes are far from each of its points.
+**
+**   u^(6+k) (second c[k][0] + third c[k][1] u + strength fourth c[k][2] u^2)^2 <= B_k strength,
+**   B_k = (share_k tolerance scale_k/G_k)^2 / (sum over lights of strength u^(2+k))
+**
+** The sum of the squares of all errors is then at most (share tolerance scale_k)^2, however many
+** nodes there are. A packet's nodes are far from each of its points.
 */
 typedef struct ylm__tree_plan {
   const ylm_light_tree *tree;

@@ -1,6 +1,6 @@
 /*
 ** walk.h - a walk down the tree of lights, which notes the nodes that are far enough from a box of
-** points. It is in float and in the tree's units for either element type: walk.isa.c.
+** points. The walk is in float and in the tree's units for either element type: walk.isa.c.
 */
 #ifndef YLM_LIGHT_TREE_WALK_H
 #define YLM_LIGHT_TREE_WALK_H

@@ -154,8 +154,8 @@ static void pop(tree_walk *w, node_vector *v) {
   }
 }
 
-/* Groups are taken off the stack one turn before they are looked at: meanwhile they come from
-   memory. */
+/* Groups are taken off the stack one turn before they are looked at: memory has that turn to
+   deliver them. */
 size_t YLM_KERNEL(ylm__walk_on)(tree_walk *w, const seen_from *from, const seen_by *by) {
   node_vector now, next;
   memset(w->notes.n, 0, sizeof w->notes.n);

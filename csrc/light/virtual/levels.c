@@ -1,11 +1,12 @@
 /*
 ** levels.c - irradiance by many virtual lights at points with normals.
 **
-** Lights have a near part, to 1.6 R, which is summed light by light (near.c), and a far part. That is the far part of the
-** core 2^L R, and the parts between 2^j R and 2^(j+1) R: each smooth on the scale of 2^j R, where lights are
-** merged in cells that are as much larger. Level j has a lattice whose cells grow alike: corners
-** hold what they interpolate from level j+1, and what the part of level j adds. A cell has children where that part reaches
-** it. So a corner asks a number of lights that depends on neither their number nor the room.
+** Lights have a near part, to 1.6 R, which is summed light by light (near.c), and a far part. The
+** far part is that of the core 2^L R, and the parts between 2^j R and 2^(j+1) R. Each of these is
+** smooth on the scale of 2^j R, and its lights are merged in cells that are as much larger. Level j
+** has a lattice whose cells grow alike: corners hold what they interpolate from level j+1, and what
+** the part of level j adds. A cell has children where that part reaches it. A corner therefore asks
+** a number of lights that depends on neither their number nor the room.
 */
 #include "levels.h"
 #include "keys.h"

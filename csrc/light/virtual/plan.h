@@ -83,11 +83,11 @@ typedef ylm_status ylm__virtual_range(const ylm__virtual_plan *p, size_t begin, 
 ylm__virtual_range *ylm__virtual_kernel(ylm_isa isa, const ylm_field_query *q);
 
 /*
-** Lights of a list at `lanes` points, at most as many as a vector has: adds to out [lanes][3][count] their
-** coefficients by the plan's query, of three channels (kernel.h), and where it has gradients these by x, y, z
-** `row` numbers behind each other; or to out [lanes][3] the irradiance at points
-** with normals by zonal [lmax+1] (near.isa.c). Lights farther than `reach` are nothing. scratch: as NULL at a
-** worker's first call; freed by the caller.
+** Lights of a list at `lanes` points, at most as many as a vector has. Adds to out
+** [lanes][3][count] their coefficients by the plan's query, of three channels (kernel.h). Gradients
+** by x, y, z, where the query has them, are added `row` numbers behind each other. near.isa.c adds
+** to out [lanes][3] the irradiance at points with normals by zonal [lmax+1]. Lights farther than
+** `reach` are nothing. scratch: as NULL at a worker's first call; freed by the caller.
 */
 typedef struct ylm__virtual_near {
   const uint32_t *list;

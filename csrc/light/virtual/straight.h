@@ -1,8 +1,9 @@
 /*
 ** straight.h - sums over virtual lights, degree by degree, for the unit's element type; plan.h has what is summed.
 **
-** gen/degrees.h is included before. It has the sums of each degree in the words below: passes over a tile of
-** lights, and the rows whose sums share the registers in each. Private to the folder.
+** gen/degrees.h, which is included before, has the sums of each degree in the words below: passes
+** over a tile of lights, and the rows whose sums share the registers in each. Private to the
+** folder.
 */
 #ifndef YLM_LIGHT_VIRTUAL_STRAIGHT_H
 #define YLM_LIGHT_VIRTUAL_STRAIGHT_H

@@ -1,13 +1,13 @@
 /*
 ** tree.h - the tree over virtual lights, as its builder makes it and the kernels walk it.
 **
-** Private to the folder. A node stands for the lights below it: seen from far away by four or eight proxies,
-** virtual lights of degree 0 or 2 that share a normal and a shift, from near by its two children or, where it is
-** a leaf, by its lights themselves. csrc/light/tree has the tree over sphere lights, whose places, parts and
-** moments of proxies these are.
+** Private to the folder. A node stands for the lights below it. From far away it is seen as four or
+** eight proxies, virtual lights of degree 0 or 2 that share a normal and a shift. From near it is
+** seen as its two children or, where it is a leaf, as its lights themselves. csrc/light/tree has
+** the tree over sphere lights, whose places, parts and moments of proxies these are.
 **
-** Tests work in the tree's units, in which half of the longest edge of the box around all lights is 1 and all
-** strengths add up to 1.
+** Tests work in the tree's units. Half of the longest edge of the box around all lights is 1, and
+** all strengths add up to 1.
 */
 #ifndef YLM_LIGHT_VIRTUAL_TREE_H
 #define YLM_LIGHT_VIRTUAL_TREE_H
@@ -23,9 +23,12 @@ enum { YLM__VIRTUAL_PLACE = 3, YLM__VIRTUAL_MATTE = 1, YLM__VIRTUAL_RICH = 9 };
 #define YLM__VIRTUAL_WIDE (YLM__VIRTUAL_EMISSION + 3 * YLM__VIRTUAL_RICH)
 
 /*
-** The error of a node's proxies at the distance D is about
-**   G_k flat/D^(2+k) + G_(1+k) first/D^(3+k) + G_(2+k) second/D^(4+k) + G_(3+k) third/D^(5+k) + G_(4+k) fourth/D^(6+k)
-** for the k-th derivative (tree/bound.c has G).
+** The error of the k-th derivative of a node's proxies at the distance D is about
+**
+**   G_k flat/D^(2+k) + G_(1+k) first/D^(3+k) + G_(2+k) second/D^(4+k)
+**     + G_(3+k) third/D^(5+k) + G_(4+k) fourth/D^(6+k)
+**
+** tree/bound.c has G.
 */
 typedef struct ylm__virtual_node {
   float at[3], reach;             /* centroid; of lights and proxies about it */

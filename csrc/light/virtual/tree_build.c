@@ -1,9 +1,10 @@
 /*
 ** tree_build.c - cuts virtual lights into nodes, and has these filled from below.
 **
-** A set is halved across the longest of the extents of its places, of its radii and of its normals, times the
-** extent of the places, at the middle of that extent: nodes are compact, and their lights look alike. Lights of
-** positive and of negative luminance are parted first.
+** A set is halved across the longest of its extents, at the middle of it: that of its places, of
+** its radii, or of its normals. An extent of normals counts times that of the places. Nodes are
+** compact, and their lights look alike. Lights of positive and of negative luminance are parted
+** first.
 */
 #include <float.h>
 #include <string.h>

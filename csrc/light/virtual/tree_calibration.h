@@ -1,9 +1,10 @@
 /*
 ** tree_calibration.h - the tuned constants of the tree of virtual lights. Private to the folder.
 **
-** Sizes were moved by the microseconds a point, constants of error by the 99.9 % quantile of errors, which has to be
-** at most the tolerance in every scene of the bench: `make bench BENCH=many_virtual` prints both.
-** spec/virtual_tree_spec.lua holds the errors. The rest is as in ../tree/calibration.h.
+** Sizes were moved by the microseconds a point, constants of error by the 99.9 % quantile of
+** errors. The quantile has to be at most the tolerance in every scene of the bench. `make bench
+** BENCH=many_virtual` prints both. spec/virtual_tree_spec.lua holds the errors. The rest is as in
+** ../tree/calibration.h.
 */
 #ifndef YLM_LIGHT_VIRTUAL_TREE_CALIBRATION_H
 #define YLM_LIGHT_VIRTUAL_TREE_CALIBRATION_H
@@ -28,8 +29,8 @@
 #define VIRTUAL_FLAT_VALUE 5.4f
 #define VIRTUAL_FLAT_GRADIENT 14.0f
 #define VIRTUAL_FLAT_HESSIAN 100.0f
-/* It has one sign in all nodes of a curved surface: this part of it is at most what is allowed of the node's own
-   light. */
+/* Missed light has one sign in all nodes of a curved surface: this part of it is at most what is
+   allowed of the node's own light. */
 #define VIRTUAL_EVEN 0.003f
 /* Lights at their horizon bend, and proxies for them curve: by this part of the values' norm in Hessians, beside
    what is allowed of the node's own. */

@@ -4,8 +4,9 @@
 ** Places of proxies, and the part a_j of a light that goes to each, are those of sphere lights
 ** (../tree/proxy.c): moments of degree 0 and 1 are kept for each direction of emission. A proxy has to send
 ** Q_j(u) = sum over lights of a_j P(u). Where all lights have one normal and one shift, their numbers are added.
-** Elsewhere max(0, s + n.u) times a polynomial of degree 2 is fitted to Q_j in 98 directions, n the mean normal,
-** s of three that which misses least: 0, the sine of the normals' spread, and no cosine at all.
+** Elsewhere max(0, s + n.u) times a polynomial of degree 2 is fitted to Q_j in 98 directions, n the
+** mean normal. Of three s the one is taken that misses least: 0, the sine of the normals' spread,
+** and no cosine at all.
 **
 ** Source  docs/math.md "Many virtual lights"
 */

@@ -2,9 +2,9 @@
 ** tree_kernel.h - the sum over a tree of virtual lights at packets of points, in float: lanes are points. Private to
 ** the folder.
 **
-** The points of a packet walk down together: a node that is far from each of them is summed as its proxies, one
-** that is behind the horizon of all its lights is dropped, any other is opened. A first walk, the pilot's, finds the
-** scales that errors refer to.
+** The points of a packet walk down together. A node that is far from each of them is summed as its
+** proxies. A node that is behind the horizon of all its lights is dropped, any other is opened. A
+** first walk, the pilot's, finds the scales that errors refer to.
 */
 #ifndef YLM_LIGHT_VIRTUAL_TREE_KERNEL_H
 #define YLM_LIGHT_VIRTUAL_TREE_KERNEL_H

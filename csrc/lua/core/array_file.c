@@ -44,7 +44,7 @@ static int file_head(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-/* file_probe(path) -> true where a file could be written now */
+/* file_probe(path) -> true where a file can be written */
 static int file_probe(lua_State *L) {
   ylm_error e = {0};
   ylm_status s = ylm_file_probe(luaL_checkstring(L, 1), &e);

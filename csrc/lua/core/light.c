@@ -13,7 +13,7 @@ typedef struct foreign {
   ylmL_field_of *get;
 } foreign;
 
-/* A set, which comes first: ylmL_lights_check. It keeps foreign objects in the registry. */
+/* A set, which comes first: ylmL_lights_check. The set keeps foreign objects in the registry. */
 typedef struct lights {
   ylm_light_set *set; /* NULL once closed */
   foreign *other;     /* [others] */

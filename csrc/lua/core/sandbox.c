@@ -57,8 +57,8 @@ static void *bounded(lua_Alloc f, void *ud, void *p, size_t old, size_t size) {
 /*
 ** A stand-in is the allocator of a state while a bounded call runs, with the state's own `ud`.
 ** A string of Lua 5.5 keeps the allocator that it was made by, and is freed by it, maybe long
-** after the call: a stand-in lasts as long as the process. There is one for each allocator
-** function, of which a process has one or two.
+** after the call: a stand-in lasts as long as the process. Each allocator function has one
+** stand-in; a process has one or two such functions.
 */
 #define STAND_IN(i)                                                                                \
   static void *bounded_##i(void *ud, void *p, size_t old, size_t size) {                           \

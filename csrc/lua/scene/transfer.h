@@ -32,7 +32,7 @@ ylm_radiosity *ylmL_radiosity(lua_State *L, int i);
 
 /* The light field that a radiosity has by itself. gather.c */
 ylmL_field_of ylmL_radiosity_default;
-/* YLM_EBUSY where the radiosity at `i` is read by a call whose progress function runs now. */
+/* YLM_EBUSY where the radiosity at `i` is read by a call whose progress function is running. */
 ylm_status ylmL_radiosity_busy(lua_State *L, int i);
 
 #endif

@@ -42,7 +42,7 @@ static int info(lua_State *L) {
   return 1;
 }
 
-/* gpu_grid_current(copy, grid) -> whether it is open, and the grid as it is now */
+/* gpu_grid_current(copy, grid) -> whether it is open, and has the grid's present state */
 static int current(lua_State *L) {
   ylm_gpu_grid **k = ylmL_check(L, 1, GPU_GRID);
   lua_pushboolean(L, *k && ylm_gpu_grid_current(*k, ylmL_grid_check(L, 2)));
@@ -105,8 +105,8 @@ static int sample(lua_State *L) {
 }
 
 /* gpu_grid_shade(copy, grid, {points [n][3], transfer [n][row], material [n][3], interpolation,
-   progress, radiance | nil}) -> radiance [n][3], outside, unbaked, seconds, times; all float. It is where
-   the points are. */
+   progress, radiance | nil}) -> radiance [n][3], outside, unbaked, seconds, times; all float. The
+   radiance is where the points are. */
 static int shade(lua_State *L) {
   static const char *const names[] = {"points",   "transfer", "material", "interpolation",
                                       "progress", "radiance", NULL};

@@ -127,7 +127,7 @@ static int gpu_lose(lua_State *L) {
 }
 
 /* gpu_break(gpu, i, "memory" | "lost" | "unknown" | "none") -> name of the driver's i-th function
-   that may fail, which does so from now on (or works again), or nil; for specs */
+   that may fail, which then fails (or works again), or nil; for specs */
 static int gpu_break(lua_State *L) {
   static const char *const words[] = {"none", "memory", "lost", "unknown", NULL};
   static const ylm_status how[] = {YLM_OK, YLM_ENOMEM, YLM_EDEVICE, YLM_EINVAL};

@@ -41,8 +41,8 @@ typedef struct ylmL_any_array {
 /* The one at `i`; raises on what is no open array. */
 ylmL_any_array ylmL_any(lua_State *L, int i);
 ylm_gpu_input ylmL_gpu_input(const ylmL_any_array *a);
-/* The float array at stack index `given` if it has that shape, else a new one, of the device's
-   memory (`there`) or the host's, is pushed; what it is. */
+/* Pushes the float array at stack index `given` if it has that shape, else a new one, of the
+   device's memory (`there`) or the host's. Returns what was pushed. */
 ylm_gpu_output ylmL_gpu_output(lua_State *L, int given, ylm_gpu *there, int axes,
                                const size_t *shape, ylm_status *s, ylm_error *e);
 

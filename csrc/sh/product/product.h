@@ -51,7 +51,7 @@ struct ylm_sh_product {
 };
 
 /* The degree to which the sparse tables carry a product of k factors: after j of them, degrees
- * above (k - j + 1) lmax can no longer reach the result. */
+   above (k - j + 1) lmax cannot reach the result. */
 static inline int product_gaunt_top(int lmax, int factors) { return (factors + 1) / 2 * lmax; }
 
 /* Rows of l's padded for a vector store. */

@@ -1,8 +1,9 @@
 /*
 ** product_shared.h - products of several rows with one factor, by quadrature, for the unit's element type.
 **
-** Lanes are factors. The transform of a factor is made once for all its rows. At an azimuth of the first
-** quadrant and its mirror images a function is four parts, by cosine or sine and by the parity of the order:
+** Lanes are factors. The transform of a factor is made once for all its rows. A function is four
+** parts, by cosine or sine and by the parity of the order. At an azimuth of the first quadrant and
+** its mirror images it is
 **
 **   CE + CO + SE + SO at phi, CE + CO - SE - SO at -phi, CE - CO - SE + SO at pi - phi, CE - CO + SE - SO at
 **   pi + phi

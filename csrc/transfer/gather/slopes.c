@@ -1,9 +1,9 @@
 /*
 ** slopes.c - derivatives of spherical harmonics by the harmonics of neighbouring degrees.
 **
-** With s_b Y_l = P + M, P of degree l + 1 and M of degree l - 1, the gradient of Y along the sphere is
-** -l P + (l + 1) M, because that of r^l Y_l has no part of degree l + 1 and that of Y_l / r^(l+1) none
-** of degree l - 1. So
+** s_b Y_l = P + M, P of degree l + 1 and M of degree l - 1. The gradient of Y along the sphere is
+** -l P + (l + 1) M. The reason: the gradient of r^l Y_l has no part of degree l + 1, that of Y_l /
+** r^(l+1) none of degree l - 1. Hence
 **
 **   (grad Y - 3 s Y)_b = -(l + 3) P_b + (l - 2) M_b
 **

@@ -2,7 +2,7 @@
 ** gpu.h - what the files of csrc/vulkan share. Private.
 **
 ** Functions of Vulkan are found at run time, those of a device without a detour through the
-** loader, and stand in ylm_gpu: g->vkCmdDispatch(...). There are no others.
+** loader, and stand in ylm_gpu: g->vkCmdDispatch(...). No other functions are called.
 */
 #ifndef YLM_GPU_H
 #define YLM_GPU_H

@@ -5,7 +5,7 @@
 
 /* -- progress and counts ------------------------------------------------------------------- */
 
-/* Progress of some work as progress of the present stage: at its first word, then now and then. */
+/* Progress of some work as progress of the present stage: at its first word, then at intervals. */
 static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
   octree *t = user;
   double now = ylm_seconds();

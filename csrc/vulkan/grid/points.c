@@ -224,8 +224,8 @@ static ylm_status look_again(gpu_points *p, uint32_t first, uint32_t n, const ba
   return s == YLM_OK ? ylm_light_finite(&q, n, k->position, &r, p->e) : s;
 }
 
-/* Says at which of the points from `begin` to `end` the field is not finite, if there is one, as
-   the processor does, which asks for blocks of them. */
+/* Says at which of the points from `begin` to `end` the field is not finite, if there is one. The
+   message is that of the processor, which asks for blocks of points. */
 static ylm_status check_finite(gpu_points *p, uint32_t begin, uint32_t end) {
   uint32_t bad;
   ylm_status s = ylm_gpu_download(p->bad, 0, 4, &bad, p->e);

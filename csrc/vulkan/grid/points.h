@@ -4,7 +4,7 @@
 **
 ** A row is a point's values and gradients, [4][stride] floats, as ylm_grid_contents has them. Rows lie
 ** in up to GRID_PARTS buffers of `part_rows` each, as long as a kernel sees, which grow as points
-** come. Points before `first` have been brought to the host and are no longer here.
+** come. Points before `first` have been brought to the host and are not on the device.
 */
 #ifndef YLM_GPU_POINTS_H
 #define YLM_GPU_POINTS_H

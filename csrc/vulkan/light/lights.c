@@ -191,7 +191,7 @@ static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uin
 
 /*
 ** Lights of a chunk. A graphics processor wants many groups, so many chunks; a processor few.
-** It follows from the lights and the device alone: so do the sums.
+** The number follows from the lights and the device alone: so do the sums.
 */
 static uint32_t chunk_of(const ylm_gpu *g, uint32_t active) {
   if (ylm_gpu_about(g)->type == YLM_GPU_CPU) return 256;

@@ -143,8 +143,8 @@ void ylm__sum_plans_free(sum_plan *p);
 
 /* -- work.c ------------------------------------------------------------------- */
 
-/* Bytes of the device's memory that a point takes beside partial sums, of the widest of its
-   arrays, and of the partial sums of one chunk. */
+/* Bytes of the device's memory: of a point beside partial sums, of the widest of its arrays, and of
+   the partial sums of one chunk. */
 typedef struct sum_size {
   size_t all, widest, partial;
 } sum_size;

@@ -1,10 +1,11 @@
 --- The largest absolute eigenvalue of a symmetric 3x3 matrix, once for C (csrc/light/moments/gen/eigenvalue.h) and once for GLSL
 -- (shaders/gen/eigenvalue.glsl).
 --
--- With q the mean of the trace and B = (H - q)/p scaled so that the squares of its elements sum to 6, the extreme
--- eigenvalues are q + 2p cos(acos(r)/3) and q - 2p cos(acos(-r)/3), r = det(B)/2 (Smith 1961). With t = sqrt((1+r)/2) the
--- first cosine is cos(2/3 acos(t)), smooth in t: a Chebyshev interpolant in u = 2t - 1 stands in for it. Where two
--- eigenvalues are alike 1-|r| has lost its digits, but 6(1-r^2) is the sum of the squares of B^2 - rB - 2.
+-- q is the mean of the trace; B = (H - q)/p is scaled so that the squares of its elements sum to 6.
+-- The extreme eigenvalues are q + 2p cos(acos(r)/3) and q - 2p cos(acos(-r)/3), r = det(B)/2 (Smith
+-- 1961). With t = sqrt((1+r)/2) the first cosine is cos(2/3 acos(t)), smooth in t: a Chebyshev
+-- interpolant in u = 2t - 1 stands in for it. Where two eigenvalues are alike 1-|r| has lost its
+-- digits, but 6(1-r^2) is the sum of the squares of B^2 - rB - 2.
 
 local template = require "ylm.codegen.template"
 

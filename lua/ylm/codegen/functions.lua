@@ -3,9 +3,10 @@
 --     { name = "sh_turn", about = "..", scalars = { "a" }, inputs = { "x", "w" }, vectors = { w = 3 }, outputs = { "s" },
 --       make = function(g, v) return { v.a * v.x + v.w[1] } end }
 --
--- `scalars` are the same at all points, `inputs` numbers, or arrays where `vectors` has their length; of `outputs`, all
--- numbers or one array, make(graph, nodes by name) returns the nodes in order, and, as a second result, those that are to
--- be computed first. A single number is what the function returns.
+-- `scalars` are the same at all points; `inputs` are numbers, or arrays where `vectors` has their
+-- length. `outputs` are all numbers or one array. make(graph, nodes by name) returns their nodes in
+-- order, and, as a second result, the nodes that are to be computed first. A single number is what
+-- the function returns.
 
 local emit = require "ylm.codegen.emit"
 local expression = require "ylm.codegen.expression"

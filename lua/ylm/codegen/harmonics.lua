@@ -2,8 +2,8 @@
 --
 -- Iwasaki & Dobashi 2025, Eqs. 10-17 and Sec. 4.3, with derivatives of solid harmonics by the ladder
 --     dS_lq/dx = A S_(l-1)(q-1) + B S_(l-1)(q+1),  dS_lq/dz = e S_(l-1)q
--- (docs/math.md, "Evaluating the basis"). Products A S, B S are shared between x and y derivatives of
--- cosine and sine, l Y w and the vector U among the six components of a Hessian.
+-- (docs/math.md, "Evaluating the basis"). Products A S, B S are shared between x and y derivatives
+-- of cosine and sine. l Y w and the vector U are shared among the six components of a Hessian.
 
 local recurrences = require "ylm.codegen.recurrences"
 

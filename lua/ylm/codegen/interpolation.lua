@@ -1,8 +1,8 @@
 --- A voxel's interpolant as 32 weights, once for C (csrc/grid/gen/interpolation.h) and once for GLSL
 -- (shaders/gen/interpolation.glsl).
 --
--- It is a sum over 8 corners of value, d/dx, d/dy, d/dz times a product of one function per axis. Per axis and end i = 0, 1
--- of the edge, at fraction t:
+-- The interpolant is a sum over 8 corners of value, d/dx, d/dy, d/dz times a product of one
+-- function per axis. Per axis and end i = 0, 1 of the edge, at fraction t:
 --   L  linear          1-t, t
 --   S  cubic correction of the value,      +- t(1-t)(1-2t)      (Hermite, else 0)
 --   K  of the derivative, edge x           t(1-t)^2, -t^2(1-t)  (Hermite)

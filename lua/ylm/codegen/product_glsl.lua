@@ -3,8 +3,8 @@
 -- Mezieres et al. 2022, Eqs. 11-12, and Iwasaki & Dobashi 2025, Eqs. 6 and 15: L = F(d) Y(v/d), differentiated factor by
 -- factor, light by light. As in 2022 (Sec. 5.1) all that depends on an order m is found within m, so that the loops over
 -- lights and orders can be exchanged: M_FIRST, M_LAST say which orders a dispatch sums. The papers' derivatives by
--- theta and phi divide by sin(theta); here Q_l^m(z) and Re, Im (x+iy)^m are differentiated as polynomials of x, y, z and
--- what points along the direction is taken off, which divides by nothing.
+-- theta and phi divide by sin(theta); here Q_l^m(z) and Re, Im (x+iy)^m are differentiated as
+-- polynomials of x, y, z. The part along the direction is taken off, which divides by nothing.
 
 local emit = require "ylm.codegen.emit"
 local expression = require "ylm.codegen.expression"

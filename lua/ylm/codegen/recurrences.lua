@@ -27,7 +27,8 @@ function recurrences.bent(rho, u, before, far) return (u + rho * before) * far e
 --- q_(k+1) from q_k and q_(k-1) where z has a second part: what it lost to rounding.
 function recurrences.fine(beta, z, rest, q, before) return z * q + (rest * q - beta * before) end
 
---- That part, times `grow`, of the unit vector x, y, z: by half of what its square exceeds 1.
+--- The second part of z, times `grow`, of the unit vector x, y, z: by half of what its square
+-- exceeds 1.
 function recurrences.rest(grow, x, y, z) return -0.5 * grow * z * ((z - 1) * (z + 1) + (x * x + y * y)) end
 
 return recurrences

@@ -2,7 +2,8 @@
 --
 -- Mezieres et al. 2022, Eqs. 7, 8, 17, 21-23 ("Sloan's like"), carried to second derivatives: Q, its first
 -- and second derivatives T, TT by theta from recurrences; then the chain rule to x, y, z. At unit length.
--- It divides by sin(theta): singular where x = y = 0. Here it is built to be counted and compared.
+-- The chain rule divides by sin(theta): singular where x = y = 0. Here it is built to be counted
+-- and compared.
 
 local scd = {}
 

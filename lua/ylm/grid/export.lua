@@ -101,8 +101,8 @@ local function judge_of(g, kind, lmax, points)
   return { points = points, truth = exported(kind, sh.resize(g:sample(points), lmax)), kind = kind, lmax = lmax }
 end
 
---- The error that 99 % of a judge's points keep where light between middles is interpolated along the axes, damped by a
--- window of `width` where one is given; or nil, message, code.
+--- The error that 99 % of a judge's points keep where light between middles is interpolated along
+-- the axes; or nil, message, code. A window of `width`, where given, damps the light.
 local function error_of(g, judge, cells, width)
   local lo, extent = extents(g)
   local box = { {}, {} }

@@ -112,9 +112,10 @@ function pack.arrays(packed)
   return at, radius, radiance
 end
 
---- Of the flat lights in what pack.pack returned: corners of triangles [t][9], disks [d][7] (centre, radius, normal),
--- radiances and horizons [t+d][6], as new double arrays, and the numbers of triangles of images, which are the last, at most
--- `tiles` (8) a side. Nothing where there are none.
+--- Of the flat lights in what pack.pack returned: corners of triangles [t][9], disks [d][7]
+-- (centre, radius, normal), radiances and horizons [t+d][6], as new double arrays. The last result
+-- has the numbers of triangles of images, which stand last, at most `tiles` (8) a side. Nothing
+-- where there are none.
 function pack.patches(packed, tiles)
   local triangles, disks, radiances, images = select(4, check.result("lights",
     core.lights_surfaces(pack.set(packed), tiles or 8)))

@@ -133,7 +133,8 @@ function virtual.spacings(count, points, share)
 end
 
 --- The distance of lights from the next ones, and their share of an area (nil: of all). A spacing follows from radii: lights that
--- particles left have radii of 1.5/sqrt(pi) spacings (scale = 1.5). It is at most sqrt(area/count), if all of the area is lit.
+-- particles left have radii of 1.5/sqrt(pi) spacings (scale = 1.5). The spacing is at most
+-- sqrt(area/count), if all of the area is lit.
 function virtual.spacing(l, area)
   local spacing = l.radius.mean * math.sqrt(math.pi) / 1.5
   if not area then return spacing, 1 end

@@ -1,8 +1,9 @@
 --- Materials of all kinds in Lua: objects that do not change, with methods that ask C.
 --
--- A kind's form has `metatable = object.metatable()`, `build = object.builder "KIND"` and `material`, a function of the
--- checked fields that returns the numbers that describe the material, as csrc/material/KIND.c takes them. Of a table it
--- returns C's object besides; where that cannot be made: nil, message, code.
+-- A kind's form has `metatable = object.metatable()`, `build = object.builder "KIND"` and
+-- `material`, a function of the checked fields. `material` returns the numbers that describe the
+-- material, as csrc/material/KIND.c takes them. Of a table it returns C's object besides; where
+-- that cannot be made: nil, message, code.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"

@@ -1,7 +1,8 @@
 --- A plot as lines, areas and words in pixels, from the upper left corner; as SVG.
 --
--- A stroke is { points = { x1, y1, x2, y2, .. }, colour, width, dash }, an area { points, colour, fill = true }, words
--- { text, x, y, size, bold, colour }, x and y the left end of the line that letters stand on.
+-- A stroke is { points = { x1, y1, x2, y2, .. }, colour, width, dash }, an area { points, colour,
+-- fill = true }, words { text, x, y, size, bold, colour }. x and y of words are the left end of the
+-- line that letters stand on.
 
 local lines = {}
 

@@ -3,7 +3,8 @@
 -- Some hundred pixels alone are rendered with ever finer means. Noise is the difference of two estimates with random numbers of
 -- their own, the error of elements that from half their spacing. The error of camera rays is that from 256 of them, each with
 -- its own shading point, in direct light and bounced. The whole picture is made once, with the means found. Paths through
--- camera rays of their own say how far these very pixels of it are off. That is its error, the noise of the paths taken off.
+-- camera rays of their own say how far these very pixels of it are off. The picture's error is that
+-- distance, the noise of the paths taken off.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -217,8 +218,9 @@ local function ask_paths(x, k)
   return out
 end
 
---- The squared relative distance of pixels `a` from the mean of k estimates, by their sums and sums of squares, less the
--- variance of that mean, which the k tell by their differences; and its standard error.
+--- The squared relative distance of pixels `a` from the mean of k estimates, and its standard
+-- error. The k estimates are known by their sums and sums of squares. The variance of their mean,
+-- told by their differences, is taken off.
 local function distance(x, a, sum, squares, k)
   local n, total, square, spread = math.max(1, x.judged.pixels), 0, 0, 0
   for i = 1, #a, 3 do

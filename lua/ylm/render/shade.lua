@@ -192,7 +192,8 @@ local function is_matte(s)
   return true
 end
 
---- For pictures that a viewer shows meanwhile: the array that rays fill, and the progress that sends it.
+--- For pictures that a viewer shows during the work: the array that rays fill, and the progress
+-- that sends it.
 local function live_rays(name, p, o)
   local bar = progress.resolve(o.progress)
   if not o.live then return nil, bar end

@@ -164,9 +164,9 @@ local function sum(name, o, b, points, normals, part, onto)
   return E, facts
 end
 
---- Makes b.irradiance of the points of p by far and near parts of b.lights, in voxels that become finer and cells of merged
--- lights that become smaller until b.error keeps the tolerance; b.parts are the seconds of each step. True, or nil, message,
--- code.
+--- Makes b.irradiance of the points of p by far and near parts of b.lights. Voxels become finer and
+-- cells of merged lights smaller until b.error keeps the tolerance; b.parts are the seconds of each
+-- step. True, or nil, message, code.
 function split.ready(name, p, o, b)
   local points, normals, code = places(name, p)
   if not points then return nil, normals, code end

@@ -77,7 +77,8 @@ function objects.of_view(name, p, t)
     name, m.scene.name or "?", m.scene == p.scene and ", before it changed or after" or "")
 end
 
---- Raises where the meshes of a scene are no more those of a transfer; the traced scene as it is now; nil, message, code.
+--- Raises where the meshes of a scene differ from those of a transfer. Returns the scene traced
+-- anew; or nil, message, code.
 function objects.traced_again(name, m)
   local now, message, code = tracing.trace(name, m.scene)
   if not now then return nil, message, code end

@@ -29,8 +29,8 @@ local function solve(name, t, m, bounces, o, show)
   return rows, stats
 end
 
---- The elements' vectors that arrive elsewhere with o.bounces: one bounce less; false where that is none. And their
--- statistics; or nil, message, code.
+--- The elements' vectors that arrive elsewhere with o.bounces, one bounce less (false where that is
+-- none), and their statistics; or nil, message, code.
 function vectors.arriving(name, t, m, o, show)
   if o.bounces == 0 then return false, { bounces = 0, closed = false, residual = 0, shrink = 0, seconds = 0 } end
   return solve(name, t, m, o.bounces == "all" and -1 or o.bounces - 1, o, show)

@@ -85,8 +85,8 @@ function vulkan_light.lights(gpu, lights, given)
   return create("lights", gpu, lights_of(1, "lights", packed), o.method)
 end
 
---- The object with a light field on the gpu, for a function `name` with the option `method` (argument `n`), and whether it
--- was made for this call.
+--- The object with a light field on the gpu, and whether it was made for this call. `name` is the
+-- function that asks, with the option `method` (argument `n`).
 function vulkan_light.on(gpu, n, name, object, method)
   if core.type(object) == "ylm.gpu_lights" then
     if not bound().gpu_lights_on(object, gpu) then return check.bad(n, name, "device: the lights are on another") end
