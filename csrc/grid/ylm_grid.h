@@ -110,7 +110,7 @@ typedef struct ylm_grid_update_stats {
   uint64_t points;  /* brought up to date: with all lights, or with what changed */
   uint64_t exact;   /* of these, with all lights */
   uint64_t skipped; /* left alone although some light changed: the change is within tolerance */
-  uint64_t added, removed; /* points that refinement made, and unneeded ones */
+  uint64_t added, removed; /* points that refinement made, and that it dropped */
   uint64_t pairs;          /* light x point evaluations */
   double seconds;
   double field_seconds; /* of these, inside of the light field */

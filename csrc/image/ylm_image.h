@@ -64,7 +64,7 @@ YLM_API void ylm_image_free(ylm_image *image);
 /*
 ** ylm_image_add - a further layer of zeros.
 **
-**   name      in  1 .. YLM_IMAGE_MAX_NAME bytes of letters, digits, '_', '-', '.', unlike others'
+**   name      in  1 .. YLM_IMAGE_MAX_NAME bytes of letters, digits, '_', '-', '.', that no other layer has
 **   channels  in  1 .. 4
 **
 ** Returns  YLM_OK; YLM_EINVAL (name), YLM_ERANGE (channels, too many layers), YLM_ENOMEM
