@@ -411,6 +411,15 @@ describe("ylm.shadowed", function()
     body:close()
   end)
 
+  it("is kept by a list that it stands in: a progress function cannot close it", function()
+    local shade = ylm.shadowed { lights = sky, casters = {} }
+    local said
+    assert(ylm.light_field(4, { shade, ylm.sphere_light { at = { 0, 0, 4 } } }, ylm.zeros { 2000, 3 }, { threads = 1,
+      progress = function() said = select(2, pcall(shade.close, shade)) end }))
+    assert.matches("in use by a call that has not returned", said)
+    shade:close()
+  end)
+
   it("takes grids of bodies, near and beyond their bounds", function()
     local grid = ylm.bake(ylm.adaptive_grid { lmax = 4, depth = 9, tolerance = 0.05, channels = "luminance" }, block)
     assert.equal("visibility", grid.quantity)

@@ -249,10 +249,14 @@ const ylm_field *ylmL_field_check(lua_State *L, int i) {
 
 /* -- progress: the arguments of a call must outlive what its progress function does ---------- */
 
-/* The registry's table of arguments of calls with a progress function: object -> true while that
-   function runs. Keys are weak. */
-static void push_busy(lua_State *L) {
-  lua_getfield(L, LUA_REGISTRYINDEX, "ylm.busy");
+/* Tables of the registry with objects for keys, which are weak. BUSY: arguments of calls with a
+   progress function, true while that function runs. PARTS: objects that others are made of, true. */
+#define BUSY "ylm.busy"
+#define PARTS "ylm.parts"
+
+/* Pushes the table of that name, a new one where there is none. */
+static void push_weak(lua_State *L, const char *name) {
+  lua_getfield(L, LUA_REGISTRYINDEX, name);
   if (lua_istable(L, -1)) return;
   lua_pop(L, 1);
   lua_newtable(L);
@@ -261,7 +265,15 @@ static void push_busy(lua_State *L) {
   lua_setfield(L, -2, "__mode");
   lua_setmetatable(L, -2);
   lua_pushvalue(L, -1);
-  lua_setfield(L, LUA_REGISTRYINDEX, "ylm.busy");
+  lua_setfield(L, LUA_REGISTRYINDEX, name);
+}
+
+void ylmL_note_part(lua_State *L) {
+  push_weak(L, PARTS);
+  lua_pushvalue(L, -2);
+  lua_pushboolean(L, 1);
+  lua_rawset(L, -3);
+  lua_pop(L, 1);
 }
 
 /* Adds to the number of progress functions that run, which stands in the table at `busy`. */
@@ -277,7 +289,7 @@ static int count_running(lua_State *L, int busy, int more) {
 /* Makes entries for the arguments below `top`, and for the number of progress functions that run,
    so that marking them later takes no memory. */
 static void note_arguments(lua_State *L, int top) {
-  push_busy(L);
+  push_weak(L, BUSY);
   count_running(L, lua_gettop(L), 0);
   for (int i = 1; i <= top; i++) {
     if (lua_type(L, i) != LUA_TUSERDATA) continue;
@@ -312,7 +324,7 @@ static uint64_t mark(lua_State *L, int busy, int top, uint64_t which, bool value
 }
 
 ylm_status ylmL_busy(lua_State *L, int i) {
-  lua_getfield(L, LUA_REGISTRYINDEX, "ylm.busy");
+  lua_getfield(L, LUA_REGISTRYINDEX, BUSY);
   bool busy = false;
   if (lua_istable(L, -1)) {
     lua_pushvalue(L, i);
@@ -320,7 +332,7 @@ ylm_status ylmL_busy(lua_State *L, int i) {
     busy = lua_toboolean(L, -1);
     lua_pop(L, 1);
     /* a part of another object may be in use by any call whose progress function runs */
-    lua_getfield(L, LUA_REGISTRYINDEX, "ylm.parts");
+    lua_getfield(L, LUA_REGISTRYINDEX, PARTS);
     if (!busy && lua_istable(L, -1) && count_running(L, lua_gettop(L) - 1, 0) > 0) {
       lua_pushvalue(L, i);
       lua_rawget(L, -2);
@@ -336,7 +348,7 @@ ylm_status ylmL_busy(lua_State *L, int i) {
 ylm_status ylmL_array_busy(lua_State *L, const ylmL_array *a) {
   bool busy = false;
   luaL_checkstack(L, 6, "busy");
-  push_busy(L);
+  push_weak(L, BUSY);
   int table = lua_gettop(L);
   if (count_running(L, table, 0) > 0)
     for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {
@@ -363,7 +375,7 @@ static void push_nothing(lua_State *L) {
 static bool call_back(ylmL_progress *p, int arguments) {
   lua_State *L = p->L;
   int function = lua_gettop(L) - arguments;
-  lua_getfield(L, LUA_REGISTRYINDEX, "ylm.busy");
+  lua_getfield(L, LUA_REGISTRYINDEX, BUSY);
   lua_insert(L, function);
   uint64_t marked = mark(L, function, p->top, UINT64_MAX, true);
   count_running(L, function, 1);

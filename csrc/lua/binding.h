@@ -271,6 +271,9 @@ const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p);
 /* YLM_EBUSY where the object at `i` is an argument of a call whose progress function is running:
    what closes or changes an object asks first, since C holds pointers into it. */
 ylm_status ylmL_busy(lua_State *L, int i);
+/* Notes that the object on top of the stack is part of another one, which keeps it: ylmL_busy then
+   says YLM_EBUSY of it while any progress function runs. */
+void ylmL_note_part(lua_State *L);
 /* ylmL_busy of an array that is to be written to: YLM_EBUSY where an argument of the running call
    is an array that shares elements with it. */
 ylm_status ylmL_array_busy(lua_State *L, const ylmL_array *a);

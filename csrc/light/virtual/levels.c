@@ -286,14 +286,14 @@ static ylm_status rows_above(levels *s, const ylm_light_virtual *far,
 /* Points of one cell that are looked up together. */
 typedef struct chunk {
   float normal[CHUNK][3], t[3][CHUNK + YLM__LEVEL_PAD];
-  uint32_t which[CHUNK], run[CHUNK];
-  float *cosine, *Y; /* [CHUNK][wide], [CHUNK][count] */
+  uint32_t which[CHUNK], run[CHUNK], own[CHUNK]; /* own: where runs begin */
+  float *cosine, *Y;                             /* [CHUNK][wide], [CHUNK][count] */
   size_t wide;
 } chunk;
 
 /* Coefficients of the clamped cosine, once for each run of points that share a normal. */
 static ylm_status find_cosines(const levels *s, chunk *c, size_t n) {
-  static _Thread_local uint32_t own[CHUNK];
+  uint32_t *own = c->own;
   size_t runs = 0;
   for (size_t i = 0; i < n; i++) {
     const float *a = c->normal[i], *b = c->normal[i ? i - 1 : 0];

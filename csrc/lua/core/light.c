@@ -69,6 +69,7 @@ static ylm_light_source read_source(lua_State *L, int i, lights *l) {
   else {
     s.field = ylmL_field_check(L, lua_gettop(L));
     l->other[l->others++] = (foreign){lua_touserdata(L, -1), ylmL_field_getter(L, -1)};
+    ylmL_note_part(L);
     lua_pushvalue(L, -1);
     lua_rawseti(L, 2, (int)l->others);
   }

@@ -161,20 +161,6 @@ static ylm_light_caster *read_casters(lua_State *L, size_t *n) {
   return c;
 }
 
-/* The registry's table of objects that others are made of, which ylmL_busy reads. Keys are weak. */
-static void push_parts(lua_State *L) {
-  lua_getfield(L, LUA_REGISTRYINDEX, "ylm.parts");
-  if (lua_istable(L, -1)) return;
-  lua_pop(L, 1);
-  lua_newtable(L);
-  lua_newtable(L);
-  lua_pushliteral(L, "k");
-  lua_setfield(L, -2, "__mode");
-  lua_setmetatable(L, -2);
-  lua_pushvalue(L, -1);
-  lua_setfield(L, LUA_REGISTRYINDEX, "ylm.parts");
-}
-
 /* Keeps the lights and what casters hide alive, and looks at them before each use. */
 static bool keep_parts(lua_State *L, shadowed *s) {
   size_t hides = lua_rawlen(L, HIDES);
@@ -187,11 +173,7 @@ static bool keep_parts(lua_State *L, shadowed *s) {
     else
       lua_pushvalue(L, LIGHTS);
     s->parts[s->n++] = (part){lua_touserdata(L, -1), ylmL_field_getter(L, -1)};
-    push_parts(L);
-    lua_pushvalue(L, -2);
-    lua_pushboolean(L, 1);
-    lua_rawset(L, -3);
-    lua_pop(L, 1);
+    ylmL_note_part(L);
     lua_rawseti(L, -2, (int)i + 1);
   }
   s->keep = luaL_ref(L, LUA_REGISTRYINDEX);

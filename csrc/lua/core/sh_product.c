@@ -35,6 +35,22 @@ static int sh_product_plan(lua_State *L) {
   return 3;
 }
 
+/* The first n arrays of the list at 2, left on the stack, where a progress function must not close them. A factor of one
+   row, of `count` numbers, has stride 0. Returns `s`, or why an array is none that goes with `out`. */
+static ylm_status read_factors(lua_State *L, size_t n, size_t count, const ylmL_array *out,
+                               const void **factor, size_t *stride, ylm_status s) {
+  for (size_t i = 0; i < n; i++) {
+    lua_rawgeti(L, 2, (int)i + 1);
+    const ylmL_array *a = ylmL_array_check(L, -1);
+    factor[i] = a->data;
+    stride[i] = a->count == count && out->count / count != 1 ? 0 : count;
+    if (a->count != count && a->count != out->count) s = YLM_ESHAPE;
+    if (a->dtype != out->dtype) s = YLM_ETYPE;
+    if (a->data == out->data) s = YLM_EINVAL;
+  }
+  return s;
+}
+
 /* sh_product(plan, {arrays}, out, threads, want stages, progress) -> true, or seconds of the three
    stages. A factor of one row is used for all rows of out. */
 static int sh_product(lua_State *L) {
@@ -44,18 +60,10 @@ static int sh_product(lua_State *L) {
   const void *factor[YLM_SH_PRODUCT_FACTORS];
   size_t stride[YLM_SH_PRODUCT_FACTORS], count = ylm_sh_count(h->lmax), rows = out->count / count;
   double stage[3] = {0, 0, 0};
-  lua_settop(L, 6); /* the factors come on top: a progress function must not close them */
+  lua_settop(L, 6);
   luaL_checkstack(L, YLM_SH_PRODUCT_FACTORS + 4, "factors");
   ylm_status s = out->count == rows * count && h->plan ? YLM_OK : YLM_ESHAPE;
-  for (int i = 0; i < h->factors; i++) {
-    lua_rawgeti(L, 2, i + 1);
-    ylmL_array *a = ylmL_array_check(L, -1);
-    factor[i] = a->data;
-    stride[i] = a->count == count && rows != 1 ? 0 : count;
-    if (a->count != count && a->count != out->count) s = YLM_ESHAPE;
-    if (a->dtype != out->dtype) s = YLM_ETYPE;
-    if (a->data == out->data) s = YLM_EINVAL;
-  }
+  s = read_factors(L, (size_t)h->factors, count, out, factor, stride, s);
   bool timed = lua_toboolean(L, 5);
   ylmL_progress progress;
   const ylm_progress *report = ylmL_progress_begin(L, 6, &progress);
@@ -172,20 +180,12 @@ static int sh_nodes_product(lua_State *L) {
   luaL_checktype(L, 2, LUA_TTABLE);
   ylmL_array *out = ylmL_array_check(L, 3);
   size_t factors = lua_rawlen(L, 2), count = ylm_sh_count(n->lmax), rows = out->count / count;
-  lua_settop(L, 5); /* the factors come on top: a progress function must not close them */
+  lua_settop(L, 5);
   luaL_checkstack(L, (int)(factors < 10000 ? factors : 10000) + 8, "factors");
   const void **factor = lua_newuserdata(L, (factors + 1) * sizeof *factor);
   size_t *stride = lua_newuserdata(L, (factors + 1) * sizeof *stride);
   ylm_status s = out->count == rows * count && n->of && factors ? YLM_OK : YLM_ESHAPE;
-  for (size_t i = 0; i < factors; i++) {
-    lua_rawgeti(L, 2, (int)i + 1);
-    ylmL_array *a = ylmL_array_check(L, -1);
-    factor[i] = a->data;
-    stride[i] = a->count == count && rows != 1 ? 0 : count;
-    if (a->count != count && a->count != out->count) s = YLM_ESHAPE;
-    if (a->dtype != out->dtype) s = YLM_ETYPE;
-    if (a->data == out->data) s = YLM_EINVAL;
-  }
+  s = read_factors(L, factors, count, out, factor, stride, s);
   ylmL_progress progress;
   const ylm_progress *report = ylmL_progress_begin(L, 5, &progress);
   if (s == YLM_OK)
