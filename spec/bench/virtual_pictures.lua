@@ -1,5 +1,5 @@
--- Whole pictures by many virtual lights: a million shading points of a room, two threads. Far parts are from a grid and near
--- parts at each point; every light at every point stands beside.
+-- Whole pictures by many virtual lights: a million shading points of a room, two threads. Far parts lie in voxels of merged
+-- lights, near parts are summed at each point; every light at every point stands beside.
 --
 --     build/ylm run spec/bench/virtual_pictures.lua [room] [most] [width] [least]
 --
