@@ -32,6 +32,9 @@ form.budget = nil
 --- Then too: locate(folder, name) is the path of a file that another file in `folder` names; nil, message, code where it is
 -- missing ("EIO"), too large, or not at or below the folder.
 form.locate = nil
+--- Then too: like(name, where) is the scene of another scene file in the folder, within what is left of the same limits;
+-- `where` is the line that names it, "file:line: ". It raises where there is none.
+form.like = nil
 
 --- Takes the numbers of an array of this shape from what the file may describe, before it is made; fail(message) raises.
 function form.take_numbers(shape, fail)

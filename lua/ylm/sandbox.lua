@@ -210,8 +210,8 @@ local function is_geometry(definition)
   return false
 end
 
---- The observer of forms (see form.observer): counts what is described, resolves file names.
-local function observer(folder, limits, state)
+--- Bounds of the descriptions of a file and of those that it is like: take(what, n, fail), and form.budget.
+local function bounds(limits, state)
   local left = { triangles = limits.triangles, numbers = limits.numbers, cells = limits.cells, texels = limits.texels,
     virtual_lights = limits.virtual_lights, material_bytes = limits.material_bytes,
     file_size = limits.file_size } -- of each file: not used up
@@ -226,6 +226,20 @@ local function observer(folder, limits, state)
     if n then take(what, n, fail) end
     return left[what]
   end
+  return take, budget
+end
+
+--- The file's real name and size, as core.resolve_inside has them; a name that it has returned for these files is as good.
+local function resolve(folder, name, state)
+  if state.sizes[name] then return name, state.sizes[name] end
+  local real, size, code = core.resolve_inside(folder, name)
+  if real then state.sizes[real] = size end
+  return real, size, code
+end
+
+--- The observer of forms in a file of this folder (see form.observer): counts what is described, resolves file names.
+local function observer(folder, limits, state)
+  local take = state.take
   --- form.locate: the folder of a file of the scene's folder lies inside it.
   local function locate(place, name)
     local real, size, code = core.resolve_inside(place, name)
@@ -234,11 +248,11 @@ local function observer(folder, limits, state)
     state.limit = "file_size"
     return nil, ("%s has more than %.0f bytes"):format(name, limits.file_size), "ELIMIT"
   end
-  return budget, locate, function(definition, values, fail)
+  return locate, function(definition, values, fail)
     for _, field in ipairs(definition.fields) do
       local name = field[1]
       if values[name] ~= nil and (name == "file" or field[2] == "path") then
-        local real, size, code = core.resolve_inside(folder, values[name])
+        local real, size, code = resolve(folder, values[name], state)
         if not real then
           state.code = code ~= "EINVAL" and code or nil
           return fail(("%s: %s"):format(name, size))
@@ -310,7 +324,12 @@ local function constructors(env, state, scene)
     return function(given)
       local ok, copy = memory.pcall(unwrap, given)
       if not ok then error(where .. copy:gsub("^.-:%d+: ", ""), 0) end
-      return wrap(fill(copy))
+      local made, message, code = fill(copy)
+      if not made then
+        state.code = code
+        error(("%sscene: %s"):format(where, message), 0)
+      end
+      return wrap(made)
     end
   end
 end
@@ -344,14 +363,14 @@ local function environment(state, scene)
   })
 end
 
---- While `source` runs, strings indexed from it have no methods; other code is not disturbed.
-local function guarded_strings(source)
+--- While files run, strings indexed from them (`sources`, a set) have no methods; other code is not disturbed.
+local function guarded_strings(sources)
   local metatable = debug.getmetatable("")
   local index = metatable.__index
   local function restore() metatable.__index = index end
   metatable.__index = function(s, key)
     local info = debug.getinfo(2, "S")
-    if not info or info.what == "C" or info.source == source then
+    if not info or info.what == "C" or sources[info.source] then
       return check.fail("there are no string methods in a scene file")
     end
     if type(index) == "function" then return index(s, key) end
@@ -386,8 +405,8 @@ local function explain(path, why)
   return text.shown(why:sub(1, 1000 + #path))
 end
 
---- A message handler: a line of ylm that an error names becomes the line of `source` that led there.
-local function located(source)
+--- A message handler: a line of ylm that an error names becomes the line of a file (`sources`, a set) that led there.
+local function located(sources)
   return function(raised)
     if type(raised) ~= "string" then return raised end
     local said, level = raised:match "^[^\n]-:%d+: (.*)$", 2
@@ -395,8 +414,8 @@ local function located(source)
     while said and level < 100 do
       local info = debug.getinfo(level, "Sl")
       if not info then return raised end
-      if info.source == source and info.currentline > 0 then
-        return names_ylm and ("%s:%d: %s"):format(source:sub(2), info.currentline, said) or raised
+      if sources[info.source] and info.currentline > 0 then
+        return names_ylm and ("%s:%d: %s"):format(info.source:sub(2), info.currentline, said) or raised
       end
       names_ylm = names_ylm or info.what ~= "C" and raised:sub(1, #info.short_src + 1) == info.short_src .. ":"
       level = level + 1
@@ -414,52 +433,113 @@ local function without_jit()
   return jit.on
 end
 
+--- Most files that are like one another.
+local DEEPEST = 8
+
+--- The scene that a file made, or nil, why.
+local function scene_of(result)
+  local object = objects[result]
+  if form.kind(object) == "scene" then return object end
+  return nil, ("must return a scene (return scene \"name\" { ... }), got %s"):format(
+    object and "a " .. form.kind(object) or check.describe(result))
+end
+
+--- Makes a file ready: a function that runs it and returns its scene, its real name. Or nil, message, code.
+local function ready(path, state, limits, scene)
+  local content, message, code = core.read_file(path, math.min(limits.file_size, 2 ^ 24))
+  if not content then return nil, message, code end
+  local source, env = "@" .. path, environment(state, scene)
+  local folder = path:match("^(.*)/[^/]*$") or "."
+  if folder == "" then folder = "/" end
+  local locate, observe = observer(folder, limits, state)
+  state.sources[source] = true
+
+  return function()
+    local locate_before, observe_before, boundary_before = form.locate, form.observer, check.boundary
+    local path_before, folder_before = state.path, state.folder
+    local function work()
+      state.compiling = true
+      local chunk, wrong = compile(content, source, env)
+      if not chunk then error(wrong, 0) end
+      state.compiling = false
+      local result = chunk() -- not a tail call: this frame is check.boundary
+      return result
+    end
+    form.locate, form.observer, check.boundary, state.path, state.folder = locate, observe, work, path, folder
+    local made, why = scene_of(work())
+    if not made then error(why, 0) end
+    made.file = path
+    form.locate, form.observer, check.boundary = locate_before, observe_before, boundary_before
+    state.path, state.folder = path_before, folder_before
+    return made
+  end, (core.resolve_inside(folder, path:match "[^/]*$"))
+end
+
+--- form.like for files of `state`: runs another file within what is left. An error of it passes the file that names it:
+-- state.chain has the lines.
+local function follower(state, limits, scene)
+  return function(name, where)
+    local real, message, code = core.resolve_inside(state.folder, name)
+    local function fail(why, status)
+      state.code = status
+      error(("%slike: %s"):format(where, why), 0)
+    end
+    if not real then return fail(message, code ~= "EINVAL" and code or nil) end
+    local names = {}
+    for i, file in ipairs(state.files) do names[i] = file:match "[^/]*$" end
+    for i, file in ipairs(state.files) do
+      if file == real then
+        return fail(("%s is like itself (%s -> %s)"):format(names[i], table.concat(names, " -> ", i), names[i]))
+      end
+    end
+    if #names == DEEPEST then return fail(("more than %d scenes that are like one another"):format(DEEPEST)) end
+    local run
+    run, message, code = ready(real, state, limits, scene)
+    if not run then return fail(message, code) end
+    state.files[#names + 1], state.chain[#state.chain + 1] = real, where
+    local made = run()
+    state.files[#names + 1], state.chain[#state.chain] = nil, nil
+    return made
+  end
+end
+
+--- A message of the file that ran last, behind the lines that led to it.
+local function with_lines(state, why)
+  if #state.chain == 0 then return explain(state.path, why) end
+  return explain(state.chain[1]:match "^(.*):%d+: $" or state.path,
+    table.concat(state.chain, "like: ") .. "like: " .. explain(state.path, why))
+end
+
 --- Runs the file `path` within `limits` (all fields given); `scene` is ylm.scene. Returns the scene, or nil, message, code.
 function sandbox.run(path, limits, scene)
   if form.observer then return check.fail("a scene file cannot load another") end
-  local content, message, code = core.read_file(path, math.min(limits.file_size, 2 ^ 24))
-  if not content then return nil, message, code end
-  local source, state = "@" .. path, {}
-  local env = environment(state, scene)
-  local folder = path:match("^(.*)/[^/]*$") or "."
-  if folder == "" then folder = "/" end
-
-  local compiling = true
-  local function work()
-    local chunk, wrong = compile(content, source, env)
-    if not chunk then error(wrong, 0) end
-    compiling = false
-    local result = chunk() -- not a tail call: this frame is check.boundary
-    return result
+  local state = { sources = {}, sizes = {}, files = {}, chain = {}, path = path }
+  state.take, form.budget = bounds(limits, state)
+  local run, real, code = ready(path, state, limits, scene)
+  if not run then
+    form.budget = nil
+    return nil, real, code
   end
+  state.files[1] = real or path
 
-  local budget, locate, observe = observer(folder, limits, state)
-  local restore, compile_again = guarded_strings(source), without_jit()
-  form.budget, form.locate, form.observer, check.boundary = budget, locate, observe, work
-  local called, ok, result, reason = pcall(core.bounded_call, work, limits.instructions, limits.memory, limits.seconds,
-    located(source))
-  form.budget, form.locate, form.observer, check.boundary = nil, nil, nil, false
+  local restore, compile_again = guarded_strings(state.sources), without_jit()
+  form.like = follower(state, limits, scene)
+  local called, ok, result, reason = pcall(core.bounded_call, run, limits.instructions, limits.memory, limits.seconds,
+    located(state.sources))
+  form.budget, form.locate, form.observer, form.like, check.boundary = nil, nil, nil, nil, false
   restore()
   compile_again()
   if not called then error(ok, 0) end
 
   if reason and reason ~= "exhausted" then
     local limit = reason == "time" and limits.seconds or limits[reason]
-    return nil, explain(path, reasons[reason]:format(limit)), "ELIMIT"
+    return nil, with_lines(state, reasons[reason]:format(limit)), "ELIMIT"
   end
-  local exhausted = not ok and memory.message(result)
-  if exhausted then return nil, explain(path, exhausted), "ENOMEM" end
-  if not ok then
-    if type(result) ~= "string" then result = "raised " .. check.describe(result) end
-    return nil, explain(path, result), state.limit and "ELIMIT" or not compiling and state.code or "EFORMAT"
-  end
-  local object = objects[result]
-  if form.kind(object) ~= "scene" then
-    return nil, explain(path, ("must return a scene (return scene \"name\" { ... }), got %s"):format(
-      object and "a " .. form.kind(object) or check.describe(result))), "EFORMAT"
-  end
-  object.file = path
-  return object
+  if ok then return result end
+  local exhausted = memory.message(result)
+  if exhausted then return nil, with_lines(state, exhausted), "ENOMEM" end
+  if type(result) ~= "string" then result = "raised " .. check.describe(result) end
+  return nil, with_lines(state, result), state.limit and "ELIMIT" or not state.compiling and state.code or "EFORMAT"
 end
 
 return sandbox

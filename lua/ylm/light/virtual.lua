@@ -287,7 +287,7 @@ local L = ylm.light_field(2, lights:visible(scene), { { 0, 0, 2 }, { 0, 0, -2 } 
 assert(L:get(1, 1, 1) > 0 and L:get(2, 1, 1) == 0)]],
   source = "Mezieres & Paulin 2022, Sec. 5.1",
 }
---- A scene is there only where lua/ylm/scene.lua has been loaded, which loads what makes the field.
+--- A scene is there only where lua/ylm/scene/init.lua has been loaded, which loads what makes the field.
 function methods:visible(scene)
   open(self, "visible")
   if form.kind(scene) ~= "scene" then return check.bad(1, "visible", "a scene expected, got %s", check.describe(scene)) end

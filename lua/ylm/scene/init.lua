@@ -7,6 +7,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local like = require "ylm.scene.like"
 local memory = require "ylm.memory"
 local polygon = require "ylm.light.polygon"
 local sandbox = require "ylm.sandbox"
@@ -112,10 +113,17 @@ end
 
 --- Adds what files bring beside surfaces: lights of emitting materials, and notes.
 local function add_files(values, files)
-  local notes = {}
+  local notes, said = {}, {}
+  local function note(sentence)
+    if not said[sentence] then notes[#notes + 1] = sentence end
+    said[sentence] = true
+  end
+  for _, sentence in ipairs(values.notes or {}) do note(sentence) end
   for _, entry in ipairs(files) do
+    local first = #values.lights + 1
     for _, part in ipairs(entry.emitters or {}) do add_emitter(values.lights, part) end
-    for _, sentence in ipairs(entry.notes or {}) do notes[#notes + 1] = sentence end
+    for i = first, #values.lights do values.from_file[values.lights[i]] = true end
+    for _, sentence in ipairs(entry.notes or {}) do note(sentence) end
   end
   values.notes = #notes > 0 and notes or nil
 end
@@ -133,6 +141,55 @@ require "ylm.describe".object "scene" {
     { "notes", "string[]", "about files: materials that are not there, lights that Ke made; or nil" },
   },
 }
+
+-- Scenes that are like others -----------------------------------------------------
+
+--- The lights of a list that geometry brought, or the others.
+local function lights_of(file, list, from_file)
+  local out = {}
+  for _, light in ipairs(list) do
+    if (from_file[light] or false) == file then out[#out + 1] = light end
+  end
+  return out
+end
+
+--- The lights of the scene `other` as `values` change them, with those that `values` add; or nil, message, code. Lights that
+-- geometry brought stay with that geometry.
+local function take_lights(values, other, fail)
+  local list, from_file = other.lights, values.from_file
+  for light in pairs(other.from_file) do from_file[light] = true end
+  if values.moved or values.removed then
+    local message, code
+    list, message, code = like.lights(list, values, ("%q"):format(other.name), from_file, fail)
+    if not list then return nil, message, code end
+  end
+  if values.lights then list = { values.lights, lights_of(true, list, from_file) } end
+  if values.geometry then list = values.lights or lights_of(false, list, from_file) end
+  local added = { listed = {}, files = {} }
+  flatten("lights", values.added or {}, added, "added", 0, fail)
+  added.listed, added.files = nil, nil
+  return { list, added }
+end
+
+--- Takes what is not given from the scene `values.like`; true, or nil, message, code.
+local function take_after(values, fail)
+  local other = values.like
+  local changes = values.moved and "moved" or values.removed and "removed" or values.added and "added"
+  if not other then
+    return not changes or fail(changes .. " changes the lights of another scene, which like names")
+  end
+  if values.lights and changes then
+    return fail(("give lights, or changes to those of the other scene (%s), not both"):format(changes))
+  end
+  local lights, message, code = take_lights(values, other, fail)
+  if not lights then return nil, message, code end
+  values.notes = not values.geometry and other.notes or nil
+  values.lights, values.geometry = lights, values.geometry or other.geometry
+  values.camera, values.probes = values.camera or other.camera, values.probes or other.probes
+  values.transfer = values.transfer or other.transfer_options
+  if not values.background and not other.sky_is_seen then values.background = other.background end
+  return true
+end
 
 -- The form ---------------------------------------------------------------------
 
@@ -161,9 +218,16 @@ local construct = form.define("scene", {
   about = "A camera, geometry, lights and probes of a picture. Lists may nest, so that plain Lua loops build them: "
     .. "scene \"name\" { ... }.",
   fields = {
+    { "like", "like", optional = true,
+      about = "another scene, or the file of one (in a scene file: in its folder); fields that are given replace that scene's" },
     { "camera", "object", of = "camera", optional = true, about = "needed by render, reference and raycast" },
-    { "geometry", "parts", default = {}, about = "surfaces: one, or a list that may nest" },
-    { "lights", "parts", default = {}, about = "lights: one, or a list that may nest" },
+    { "geometry", "parts", optional = true, about = "surfaces: one, or a list that may nest" },
+    { "lights", "parts", optional = true, about = "lights: one, or a list that may nest" },
+    { "moved", "table", optional = true,
+      about = "with like: fields of lights by their number in its list, { [2] = { at = {0, 1, 0} } }; each sphere of "
+        .. "sphere_lights has a number" },
+    { "removed", "table", optional = true, about = "with like: a list of numbers, as they are in the other scene" },
+    { "added", "parts", optional = true, about = "with like: further lights, behind the others" },
     { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true,
       about = "the grid that bake fills" },
     { "transfer", "object", of = "transfer", optional = true,
@@ -173,15 +237,19 @@ local construct = form.define("scene", {
   },
   metatable = metatable,
   build = function(values, fail)
+    values.from_file = setmetatable({}, { __mode = "k" })
+    local taken, message, code = take_after(values, fail)
+    if not taken then return nil, message, code end
     local files
     for field in pairs(is_part) do
       local parts = { listed = {}, files = {} }
-      flatten(field, values[field], parts, field, 0, fail)
+      flatten(field, values[field] or {}, parts, field, 0, fail)
       files = field == "geometry" and parts.files or files
       parts.listed, parts.files = nil, nil
       values[field] = parts
     end
     add_files(values, files)
+    values.like, values.moved, values.removed, values.added = nil, nil, nil, nil
     values.sky_is_seen = values.background == nil
     values.transfer_options, values.transfer = values.transfer, nil -- the method has that name
     values.background = values.background or { 0, 0, 0 }
@@ -208,6 +276,18 @@ local s = ylm.scene "nothing" {}
 assert(s.name == "nothing" and #s.geometry == 0)]],
 }
 function scene.scene(name)
+  --- True, and the fields with the other scene in place of its file's name; or nil, message, code.
+  local function with_other(given, where)
+    if type(given) ~= "table" or type(given.like) ~= "string" or not form.types.path(given.like) then
+      return true, given
+    end
+    local copy = {}
+    for key, value in pairs(given) do copy[key] = value end
+    local other, message, code = like.open(given.like, where, function(path) return like.load(path, scene.scene) end)
+    copy.like = other
+    if not other then return nil, message, code end
+    return true, copy
+  end
   if type(name) ~= "string" then
     return check.bad(1, "scene", "the scene's name comes first: scene \"name\" { ... }; got %s", check.describe(name))
   end
@@ -217,8 +297,12 @@ function scene.scene(name)
   -- `return scene "name" { ... }` is a tail call: remember the line while it is on the stack.
   local where = check.position()
   return memory.public(function(given)
-    local ok, s = memory.pcall(construct, given)
+    local found, copy, code = with_other(given, where)
+    if not found then return nil, copy, code end
+    local ok, s, message
+    ok, s, message, code = memory.pcall(construct, copy)
     if not ok then error(where .. tostring(s):gsub("^.-(scene: )", "%1"), 0) end
+    if not s then return nil, message, code end
     s.name = name
     return s
   end)
