@@ -109,6 +109,43 @@ describe("ylm.sh.log and ylm.sh.exp", function()
     assert.is_true(relative(sh.exp(sum, { terms = 20 }), sh.product(a, b)) < 0.05)
   end)
 
+  it("has logarithms of circles from the block of order 0 that are those of the whole matrix", function()
+    for _, x in ipairs(sh.circle_log(6, { 0, 0, 1 }, 0):totable()) do assert.is_near(0, x, 1e-14) end
+    for _, degrees in ipairs { 8, 45, 90, 140 } do
+      local log, zonal = sh.circle_log(6, { 0, 0, 3 }, math.rad(degrees))
+      local whole = sh.log(circle(6, degrees))
+      assert(relative(log, whole) < 1e-12, degrees)
+      assert.is_near(whole[sh.index(3, 0)], zonal[4], 1e-12)
+    end
+    local turned = sh.circle_log(6, { 1, 2, 3 }, 0.5)
+    assert.is_true(relative(turned, sh.zonal(select(2, sh.circle_log(6, { 0, 0, 1 }, 0.5)), { 1, 2, 3 })) < 1e-14)
+  end)
+
+  it("of lines and of squared lines are near the circles that they are of, HYB of what is small is OL to the bit", function()
+    for lmax, bound in pairs { [4] = 2e-3, [9] = 2e-3, [14] = 0.03 } do
+      for _, degrees in ipairs { 5, 15 } do
+        local log = sh.circle_log(lmax, { 1, 2, 3 }, math.rad(degrees))
+        local c = sh.cap(lmax, { 1, 2, 3 }, math.rad(degrees)) * -1 + sh.resize({ ONE }, lmax)
+        local line, squared = sh.exp(log, { method = "OL" }), sh.exp(log, { method = "HYB" })
+        assert(relative(line, c) < bound, ("lmax %d, %d degrees: %g"):format(lmax, degrees, relative(line, c)))
+        assert.same(line:totable(), squared:totable())
+        assert.is_near(c[1], line[1], 2e-6)
+      end
+    end
+  end)
+
+  it("stays finite by HYB and OL where the series does not converge, for many rows as for one", function()
+    local rows = random_vectors(70, 5)
+    for r = 1, 70, 3 do for k = 2, 36 do rows:set(r, k, 9 * rows:get(r, k)) end end
+    for _, method in ipairs { "HYB", "OL" } do
+      local all = sh.exp(rows, { method = method }):totable()
+      for _, r in ipairs { 1, 2, 64, 70 } do
+        local one = sh.exp(rows:totable()[r], { method = method })
+        assert.is_true(relative(ylm.array(all[r], "double"), one) < 1e-11, "seed " .. seed)
+      end
+    end
+  end)
+
   it("takes no rows, and refuses what has no logarithm, series that diverge, numbers that are none", function()
     assert.same({ 0, 4 }, sh.log(ylm.zeros { 0, 4 }).shape)
     assert.same({ 0, 4 }, sh.exp(ylm.zeros { 0, 4 }).shape)
@@ -124,6 +161,12 @@ describe("ylm.sh.log and ylm.sh.exp", function()
     says("lmax up to 20 expected, got 21", sh.log, ylm.zeros { 22 * 22 })
     says("row 1 is not finite", sh.log, { 0 / 0, 0, 0, 0 })
     says("terms must be", sh.exp, { 1 }, { terms = 0 })
+    says("terms are of method 'PS': leave them out", sh.exp, { 1 }, { terms = 3, method = "OL" })
+    says("lmax up to 20 expected, got 21", sh.exp, ylm.zeros { 22 * 22 }, { method = "HYB" })
+    says("angle must be a number >= 0 and <= pi, got -1", sh.circle_log, 3, { 0, 0, 1 }, -1)
+    says("direction must be", sh.circle_log, 3, { 0, 0, 0 }, 1)
+    says("leaves nothing open", sh.circle_log, 3, { 0, 0, 1 }, pi)
+    assert.same({ 0, 4 }, sh.exp(ylm.zeros { 0, 4 }, { method = "HYB" }).shape)
     says("epsilon must be", sh.log, { 1 }, { epsilon = 0 })
   end)
 end)

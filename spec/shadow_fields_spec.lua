@@ -289,6 +289,40 @@ describe("ylm.visibility", function()
     end
   end)
 
+  it("of spheres by exponentials is near the product, has gradients, and knows spheres alone", function()
+    local list = { ylm.caster { hides = ball, at = { 0.1, 2, 0 }, rotation = turn, scale = 0.8 },
+      ylm.sphere_casters { at = { { -2, 0, 0 }, { 2, 0.4, 0 } }, radius = 0.4 } }
+    local points = around(6, 0, 0.2)
+    local product = open_part(4, list, points, { product = "accurate", cull = 0 })
+    for _, case in ipairs { { "PS", 0.02 }, { "OL", 0.03 }, { "HYB", 0.03 } } do
+      local o = { product = "exp", exp = case[1], cull = 0 }
+      local V, dV = open_part(4, list, points, { product = "exp", exp = case[1], cull = 0, derivatives = 1 })
+      assert(relative(V, product) < case[2], ("%s: %g, seed %g"):format(case[1], relative(V, product), seed))
+      local float = open_part(4, list, points, { product = "exp", exp = case[1], cull = 0, dtype = "float" })
+      assert.is_true(relative(float, V) < 1e-5)
+      local e = gradient_error(function(p) return (open_part(4, list, p, o)) end, dV, points, 1e-5)
+      assert(e < 1e-4, ("%s: %g, seed %g"):format(case[1], e, seed))
+    end
+    local inside = open_part(4, list, { { -2, 0, 0 }, { -2.1, 0.1, 0.1 } }, { product = "exp", derivatives = 1 })
+    for k = 1, 25 do assert.equal(0, inside:get(1, k)) assert.equal(0, inside:get(2, k)) end
+    local function says(words, ...)
+      local good, message = pcall(open_part, ...)
+      assert.is_false(good)
+      assert.is_truthy(message:find(words, 1, true), message)
+    end
+    local o = { product = "exp" }
+    says("caster 1 is no sphere, and product 'exp' knows spheres only", 4, ylm.caster { hides = block }, points, o)
+    says("lmax of logarithms must be from 0 to 20, got 21", 21, list, points, o)
+    says("exp is of product 'exp', not of 'rule': leave one out", 4, list, points, { exp = "PS" })
+    says("terms are of exp = 'PS': leave them out", 4, list, points, { product = "exp", terms = 5 })
+    local crowd, at = {}, {}
+    for i = 1, 40 do at[i] = { 0.7 * math.cos(i), 0.7 * math.sin(i), 0.3 + 0.01 * i } end
+    crowd[1] = ylm.sphere_casters { at = at, radius = 0.6 }
+    says("diverges near {0, 0, -0.3}, where casters look too large: exp = 'HYB' does not", 14, crowd, { { 0, 0, -0.3 } },
+      { product = "exp", exp = "PS", terms = 30 })
+    assert.is_true(open_part(14, crowd, { { 0, 0, -0.3 } }, o):get(1, 1) < ONE)
+  end)
+
   it("of spheres of one body is their union: one in another hides nothing more", function()
     local points = around(10, 2, 3)
     local one = ylm.sphere_casters { at = { { 0, 0, 0 } }, radius = 0.8 }

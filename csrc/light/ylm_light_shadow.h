@@ -20,6 +20,7 @@
 #define YLM_LIGHT_SHADOW_H
 
 #include "ylm_light.h"
+#include "ylm_sh_exponential.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -77,8 +78,9 @@ typedef struct ylm_light_caster {
   uint32_t body; /* spheres of one number that follow one another are one body */
 } ylm_light_caster;
 
-/* How visibilities are multiplied: at directions of one rule; of one that is exact; two at a time, cut off at lmax. */
-#define YLM_SHADOW_PRODUCT_LIST(X) X(rule) X(accurate) X(recursive)
+/* How visibilities are multiplied: at directions of one rule; of one that is exact; two at a time, cut off at lmax; as an
+   exponential of the sum of their logarithms, of spheres alone (ylm_sh_exponential.h). */
+#define YLM_SHADOW_PRODUCT_LIST(X) X(rule) X(accurate) X(recursive) X(exp)
 
 typedef enum ylm_shadow_product {
 #define X(name) YLM_SHADOW_PRODUCT_##name,
@@ -95,6 +97,8 @@ typedef struct ylm_light_shadow_form {
   double
       cull; /* 0 .. 1: casters that change a visibility by less than this, over their number, are left out */
   bool layers; /* bodies that do not overlap, seen from a point, are summed: one factor */
+  ylm_sh_exp_method exponential; /* of product exp */
+  int terms;                     /* of its series PS, 1 .. YLM_SH_EXP_TERMS */
 } ylm_light_shadow_form;
 
 /* Light behind bodies. Its field may be asked by many threads; it is moved by one. */
@@ -108,10 +112,12 @@ typedef struct ylm_light_shadowed ylm_light_shadowed;
 **   other   in   may be NULL; every caster stands before it
 **   caster  in   [n], copied; n = 0: the light as it is
 **
-** The field has values, gradients and the metric, no Hessians. lmax <= YLM_SH_PRODUCT_LMAX.
+** The field has values, gradients and the metric, no Hessians. lmax <= YLM_SH_PRODUCT_LMAX, of product exp
+** YLM_SH_LOG_LMAX.
 **
 ** Returns  YLM_OK; YLM_ERANGE (n, form, accurate with more than 15 casters), YLM_EDOMAIN (a caster that is not finite,
-**          scale not above 0, no rotation: `e` names it, counted from 1); YLM_ENOMEM
+**          scale not above 0, no rotation: `e` names it, counted from 1), YLM_EINVAL (no sphere, with exp); YLM_ENOMEM.
+**          The field: YLM_ERANGE where a series diverges, naming the point
 ** Cost     of a point: a sample, a rotation and a transform for each caster, and two transforms for each channel
 */
 YLM_API ylm_status ylm_light_shadowed_create(const ylm_light_set *lights, const ylm_field *other,

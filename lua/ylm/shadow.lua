@@ -440,29 +440,38 @@ local function create(packed, groups, o)
   return core.shadowed_create { lights = packed, hides = hides, facts = doubles({ #facts, 7 }, facts),
     which = doubles({ n }, which), at = joined(groups, "at", n, 3), rotation = joined(groups, "rotation", n, 9),
     scale = joined(groups, "scale", n, 1), body = joined(groups, "body", n, 1), product = o.product, rule = o.rule,
-    cull = o.cull, layers = o.layers }
+    cull = o.cull, layers = o.layers, exp = o.exp, terms = o.terms }
 end
 
 --- Fields of ylm.shadowed and options of ylm.visibility.
 local products = {
-  { "product", "choice", of = { "rule", "accurate", "recursive" }, default = "rule",
+  { "product", "choice", of = { "rule", "accurate", "recursive", "exp" }, default = "rule",
     about = "'rule': at directions of one rule, whatever the number of casters; 'accurate': of a rule that is exact, for 15 "
-      .. "casters at most; 'recursive': two factors at a time, cut off at lmax (both to compare with)" },
+      .. "casters at most; 'recursive': two factors at a time, cut off at lmax; 'exp': exponentials of sums of logarithms, "
+      .. "of spheres alone, lmax at most 20 (all but the first to compare with)" },
   { "rule", "number", min = 2, max = 12, default = 3, about = "degree of that rule, times lmax; of 'rule' alone" },
   { "cull", "number", min = 0, max = 1, default = 1e-3,
     about = "casters that change a visibility by less than this, over their number, are left out; 0: none" },
   { "layers", "boolean", optional = true,
     about = "casters that do not overlap, seen from a point, are summed, and are one factor; default: with 'rule' alone" },
+  { "exp", "choice", of = { "HYB", "PS", "OL" }, optional = true,
+    about = "of 'exp': 'PS' its series, which diverges for bodies that look large; 'OL' a line; 'HYB', the default, a line of a "
+      .. "part, squared until it is the whole" },
+  { "terms", "integer", min = 1, max = core.limits.sh_exp_terms, optional = true, about = "of 'PS', default 9" },
 }
 
 --- Options of products, settled; fail(message) raises.
-local function settle(o)
+local function settle(o, fail)
   if o.layers == nil then o.layers = o.product == "rule" end
+  if o.exp and o.product ~= "exp" then return fail(("exp is of product 'exp', not of '%s': leave one out"):format(o.product)) end
+  o.exp = o.exp or "HYB"
+  if o.terms and not (o.product == "exp" and o.exp == "PS") then return fail "terms are of exp = 'PS': leave them out" end
+  o.terms = o.terms or 9
   return o
 end
 
 local function build_shadowed(values, fail)
-  settle(values)
+  settle(values, fail)
   local packed, message, code = light.field(1, "shadowed", values.lights)
   if not packed then return nil, message, code end
   if core.field_quantity(packed) == "visibility" then
@@ -490,7 +499,7 @@ shadow.shadowed = form.define("shadowed", {
   fields = {
     { "lights", "any", about = "a light, a list of lights, or what has a light field" },
     { "casters", "any", about = "a caster, or a table of casters; those with names can be moved" },
-    products[1], products[2], products[3], products[4],
+    products[1], products[2], products[3], products[4], products[5], products[6],
   },
   build = build_shadowed,
   example = [[
@@ -622,7 +631,7 @@ end
 
 local visibility_options = {
   { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: gradients too" },
-  products[1], products[2], products[3], products[4],
+  products[1], products[2], products[3], products[4], products[5], products[6],
   { "dtype", "choice", of = { "float", "double" }, optional = true,
     about = "element type; that of the points where they are an array, else float" },
   form.threads, form.progress,
@@ -649,7 +658,9 @@ assert(math.abs(V[1] / math.sqrt(4 * math.pi) - (1 + math.cos(math.pi / 6)) / 2)
 }
 function shadow.visibility(lmax, casters, points, given)
   check.integer(1, "visibility", "lmax", lmax, 0, core.limits.sh_product_lmax)
-  local o = settle(form.options(4, "visibility", visibility_options, given))
+  local o = settle(form.options(4, "visibility", visibility_options, given), function(message)
+    return check.bad(4, "visibility", "%s", message)
+  end)
   local function fail(message) return check.bad(2, "visibility", "%s", message) end
   local groups = groups_of(casters, fail)
   local one, message, code = light.field(2, "visibility", require "ylm.light.environment".environment_light { radiance = 1 })

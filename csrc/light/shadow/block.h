@@ -279,9 +279,9 @@ static ylm_status hide(block *b) {
     const shadow_caster *c = &w->s->caster[k];
     real *rows = b->hidden + b->by_caster_first[k] * row;
     gather_viewers(b, k, v);
-    if (!c->form.hides) {
+    if (!c->form.hides || w->exponential) {
       for (size_t i = 0; i < v->n; i++)
-        if (v->distance[i] <= 1) b->inside[b->seen[v->seen[i]].point] = 1;
+        if (v->distance[i] <= c->form.radius) b->inside[b->seen[v->seen[i]].point] = 1;
       continue;
     }
     if (v->n) s = hide_near(b, c, v, false, rows);
@@ -473,7 +473,7 @@ static void layer(block *b) {
     t->layers = 0;
     for (size_t k = 0; k < t->n; k++) {
       shadow_before *x = &b->before[t->first + k];
-      bool sphere = !b->w->s->caster[b->seen[x->seen].caster].form.hides;
+      bool sphere = b->w->exponential || !b->w->s->caster[b->seen[x->seen].caster].form.hides;
       x->layer = sphere ? -1 : layer_of(b, t, k);
       if (x->layer >= (int)t->layers) t->layers = (size_t)x->layer + 1;
     }
@@ -624,6 +624,87 @@ static void multiply_spheres(const tile *t) {
   }
 }
 
+/* -- exponentials of sums of logarithms ---------------------------------------------------------- */
+
+/* Adds the logarithm of a circle to a row: its table, turned to where the circle stands. y, dy: the basis there. */
+static void add_logarithm(const shadow_query *w, const shadow_seen *s, const shadow_before *x,
+                          const real *y, const real *dy, real *to) {
+  double z[YLM_SH_LOG_LMAX + 1], slope[YLM_SH_LOG_LMAX + 1], over = 1 / fmax(1e-300, s->distance);
+  double wide = s->sine < 1 ? s->sine / sqrt(1 - s->sine * s->sine) * over : 0;
+  ylm_sh_exponential_circle(w->exponential, s->angle, z, slope);
+  for (int l = 0; l <= w->q->lmax; l++) {
+    double part = LIGHT_ONE / sqrt(2 * l + 1);
+    for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++) {
+      double value = part * z[l] * (double)y[k];
+      to[k] += (real)(x->weight * value);
+      for (size_t d = 0; d + 1 < w->rows; d++)
+        to[(d + 1) * w->count + k] += (real)(x->weight * part *
+                                                 (slope[l] * wide * s->w[d] * (double)y[k] -
+                                                  z[l] * over * (double)dy[3 * k + d]) +
+                                             x->slope[d] * value);
+    }
+  }
+}
+
+/* Sums of logarithms of the lanes' casters. */
+static ylm_status sum_logarithms(const tile *t, real *sum) {
+  const block *b = t->b;
+  const shadow_query *w = b->w;
+  size_t n = 0, k = 0;
+  for (size_t i = 0; i < t->n; i++) n += t->term[i]->n;
+  real *at = ylm_alloc(3 * n, sizeof *at), *y = ylm_alloc(n * w->count, sizeof *y),
+       *dy = w->rows > 1 ? ylm_alloc(3 * n * w->count, sizeof *dy) : NULL;
+  ylm_status s = at && y && (w->rows == 1 || dy) ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; i < t->n && s == YLM_OK; i++)
+    for (size_t j = 0; j < t->term[i]->n; j++, k++) {
+      const double *v = b->seen[b->before[t->term[i]->first + j].seen].w;
+      bool middle = v[0] == 0 && v[1] == 0 && v[2] == 0; /* of the caster: dark in any case */
+      for (size_t a = 0; a < 3; a++) at[3 * k + a] = middle ? 1 : (real)v[a];
+    }
+  if (s == YLM_OK && n)
+    s = ylm_sh_eval(w->q->lmax, w->rows > 1, false, DTYPE, n, at, y, dy, NULL, 1, b->e);
+  k = 0;
+  for (size_t i = 0; i < t->n && s == YLM_OK; i++)
+    for (size_t j = 0; j < t->term[i]->n; j++, k++) {
+      const shadow_before *x = &b->before[t->term[i]->first + j];
+      add_logarithm(w, &b->seen[x->seen], x, y + k * w->count, dy ? dy + 3 * k * w->count : NULL,
+                    sum + i * w->rows * w->count);
+    }
+  ylm_free(at);
+  ylm_free(y);
+  ylm_free(dy);
+  return s;
+}
+
+/* The visibility of casters in each lane, at nodes. */
+static ylm_status exponentials(const tile *t) {
+  const block *b = t->b;
+  const shadow_query *w = b->w;
+  size_t wide = w->rows * w->count;
+  real *sum = ylm_alloc_zero(t->n * wide, sizeof *sum),
+       *open = ylm_alloc(t->n * wide, sizeof *open);
+  const real *row[16];
+  ylm_status s = sum && open ? sum_logarithms(t, sum) : YLM_ENOMEM;
+  if (s == YLM_OK)
+    s = ylm_sh_exponential_apply(w->exponential, DTYPE, t->n, w->rows > 1 ? 3 : 0, sum, open, 1,
+                                 NULL, NULL);
+  if (s == YLM_ERANGE) {
+    const double *p = b->point[t->term[0]->point];
+    ylm_fail(
+        b->e, s,
+        "the series of the exponential diverges near {%.6g, %.6g, %.6g}, where casters look too "
+        "large: exp = 'HYB' does not",
+        p[0], p[1], p[2]);
+  }
+  for (size_t i = 0; i < t->lanes && s == YLM_OK; i++)
+    row[i] = open + (i < t->n ? i : t->n - 1) * wide;
+  for (size_t d = 0; d < w->rows && s == YLM_OK; d++)
+    to_nodes(t, row, d, false, d ? t->g[d - 1] : t->f);
+  ylm_free(sum);
+  ylm_free(open);
+  return s;
+}
+
 /* -- the light behind ----------------------------------------------------------------------------- */
 
 /* Coefficients of `f`, of channel c and derivative d, are added to the results of the lanes' points. */
@@ -666,7 +747,7 @@ static void add_metric(const tile *t, const real *light, size_t c, double (*most
   }
 }
 
-static void run_tile(tile *t) {
+static ylm_status run_tile(tile *t) {
   const shadow_query *w = t->b->w;
   size_t layers = 0, wide = w->rows * w->count;
   double most[16][3];
@@ -674,12 +755,15 @@ static void run_tile(tile *t) {
   for (size_t i = 0; i < t->n; i++)
     layers = t->term[i]->layers > layers ? t->term[i]->layers : layers;
   for (size_t i = t->n; i < t->lanes; i++) t->term[i] = t->term[t->n - 1];
-  if (!layers) {
+  if (w->exponential) {
+    ylm_status s = exponentials(t);
+    if (s != YLM_OK) return s;
+  } else if (!layers) {
     for (size_t i = 0; i < t->values; i++) t->f[i] = 1;
     for (size_t d = 0; d + 1 < w->rows; d++) memset(t->g[d], 0, t->values * sizeof(real));
   }
   for (size_t k = 0; k < layers; k++) multiply_layer(t, (int)k);
-  multiply_spheres(t);
+  if (!w->exponential) multiply_spheres(t);
   for (size_t c = 0; c < w->channels; c++) {
     for (size_t i = 0; i < t->lanes; i++)
       row[i] = t->b->light + (t->term[i]->light * w->channels + c) * wide;
@@ -693,6 +777,7 @@ static void run_tile(tile *t) {
     for (size_t i = 0; i < t->values; i++) t->one[i] *= t->f[i];
     add_result(t, t->one, c, 0);
   }
+  return YLM_OK;
 }
 
 /* All terms, those with the most layers first, so that the lanes of a tile have about as many. */
@@ -726,16 +811,17 @@ static ylm_status multiply(block *b) {
   memset(t.unit, 0, 2 * w->count * sizeof *t.unit);
   t.unit[0] = (real)LIGHT_ONE;
   for (size_t i = 0; i < b->terms; i++) most = b->term[i].layers > most ? b->term[i].layers : most;
+  ylm_status s = YLM_OK;
   for (size_t left = most + 1; left-- > 0;)
-    for (size_t i = 0; i < b->terms; i++) {
+    for (size_t i = 0; i < b->terms && s == YLM_OK; i++) {
       if (b->term[i].layers != left) continue;
       t.term[t.n++] = &b->term[i];
-      if (t.n == lanes) run_tile(&t), t.n = 0;
+      if (t.n == lanes) s = run_tile(&t), t.n = 0;
     }
-  if (t.n) run_tile(&t);
+  if (t.n && s == YLM_OK) s = run_tile(&t);
   ylm_free(room);
   ylm_free(t.scratch);
-  return YLM_OK;
+  return s;
 }
 
 /* -- results -------------------------------------------------------------------------------------- */

@@ -158,6 +158,14 @@ static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uin
   return light->crosses(light, n, boxes, out);
 }
 
+bool ylm__occluder_ball(const ylm_field *f, double at[3], double *radius) {
+  if (f->evaluate != evaluate) return false;
+  const ylm_light_occluder *o = f->self;
+  memcpy(at, o->at, sizeof o->at);
+  *radius = o->radius;
+  return o->planes == 0;
+}
+
 /* -- making ---------------------------------------------------------------------------------- */
 
 static ylm_light_occluder *begin(void) {

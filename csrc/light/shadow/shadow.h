@@ -12,6 +12,7 @@
 #include "../kind.h"
 #include "ylm_light_shadow.h"
 #include "ylm_sh.h"
+#include "ylm_sh_exponential.h"
 
 #define PI 3.14159265358979323846
 #define LIGHT_ONE 3.54490770181103205459 /* sqrt(4 pi): the function 1 */
@@ -30,6 +31,9 @@ typedef struct ylm__solid {
 /* Arguments and results as ylm_light_occluder_solid; plane and record are the caller's to free. solid.c */
 ylm_status ylm__solid_create(size_t vertices, const float *position, size_t triangles,
                              const uint32_t *index, ylm__solid *s, ylm_error *e);
+
+/* Whether a field is the visibility of a sphere, and which. occluder.c */
+bool ylm__occluder_ball(const ylm_field *f, double at[3], double *radius);
 
 /* -- shadowed light -------------------------------------------------------------------------- */
 
@@ -60,6 +64,7 @@ typedef struct shadow_caster {
 typedef struct shadow_tables {
   ylm_sh_nodes *nodes;
   ylm_sh_rotator *rotator;
+  ylm_sh_exponential *exponential; /* of product exp */
 } shadow_tables;
 
 struct ylm_light_shadowed {
@@ -96,8 +101,9 @@ typedef struct shadow_query {
   const void *points;
   ylm_field_result *r;
   const ylm_sh_nodes *nodes;
-  ylm_sh_rotation **turn;       /* [n] NULL where a caster is not turned */
-  size_t count, rows, channels; /* coefficients; 1, or 4 with gradients; of the light */
+  const ylm_sh_exponential *exponential; /* NULL: visibilities are multiplied */
+  ylm_sh_rotation **turn;                /* [n] NULL where a caster is not turned */
+  size_t count, rows, channels;          /* coefficients; 1, or 4 with gradients; of the light */
   bool metric;
   shadow_room *room; /* [threads][ROOMS] */
   _Atomic(uint64_t) pairs;
@@ -122,7 +128,7 @@ typedef struct shadow_term {
 /* One caster before a light, in part where its cone just misses that of the lamp. */
 typedef struct shadow_before {
   size_t seen; /* of the block's list */
-  int layer;   /* from 0 on; -1: a sphere, which is evaluated at nodes */
+  int layer;   /* from 0 on; -1: a sphere, evaluated at nodes or by its logarithm */
   double weight, slope[3];
 } shadow_before;
 

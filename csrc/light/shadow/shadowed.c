@@ -35,13 +35,14 @@ static void free_tables(shadow_tables *t) {
   if (!t) return;
   ylm_sh_nodes_free(t->nodes);
   ylm_sh_rotator_free(t->rotator);
+  ylm_sh_exponential_free(t->exponential);
   ylm_free(t);
 }
 
 /* The degree of the rule by which the light and all casters are multiplied. */
 static int degree_of(const ylm_light_shadowed *s, int lmax) {
   if (s->form.product == YLM_SHADOW_PRODUCT_accurate) return (int)(s->n + 2) * lmax;
-  double rule = s->form.product == YLM_SHADOW_PRODUCT_recursive ? 3 : s->form.rule;
+  double rule = s->form.product == YLM_SHADOW_PRODUCT_rule ? s->form.rule : 3;
   return (int)ceil(rule * lmax);
 }
 
@@ -55,6 +56,9 @@ static ylm_status tables_of(const ylm_light_shadowed *s, int lmax, const shadow_
   t = ylm_alloc_zero(1, sizeof *t);
   ylm_status status = t ? ylm_sh_nodes_create(lmax, degree_of(s, lmax), &t->nodes, e) : YLM_ENOMEM;
   if (status == YLM_OK) status = ylm_sh_rotator_create(lmax, &t->rotator, e);
+  if (status == YLM_OK && s->form.product == YLM_SHADOW_PRODUCT_exp)
+    status =
+        ylm_sh_exponential_create(lmax, s->form.exponential, s->form.terms, &t->exponential, e);
   if (status != YLM_OK) {
     free_tables(t);
     return status;
@@ -130,6 +134,7 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   if (status == YLM_OK) status = make_turns(s, q, tables->rotator, &j.w.turn, e);
   if (status == YLM_OK) {
     j.w.nodes = tables->nodes;
+    j.w.exponential = tables->exponential;
     status = ylm_parallel(n, SHADOW_BLOCK, q->threads, run, &j, q->progress, "shadows");
   }
   free_turns(s, j.w.turn);
@@ -224,7 +229,7 @@ static ylm_status settle(shadow_caster *c, size_t i, ylm_error *e) {
   return YLM_OK;
 }
 
-static ylm_status add_caster(shadow_caster *c, const ylm_light_caster *from, size_t i,
+static ylm_status add_caster(shadow_caster *c, const ylm_light_caster *from, bool spheres, size_t i,
                              ylm_error *e) {
   ylm_light_caster *f = &c->form;
   *f = *from;
@@ -237,6 +242,14 @@ static ylm_status add_caster(shadow_caster *c, const ylm_light_caster *from, siz
   } else if (f->hides->quantity != YLM_QUANTITY_visibility)
     return ylm_fail(e, YLM_EINVAL, "caster %zu: a visibility expected, got %s", i,
                     ylm_quantity_name(f->hides->quantity));
+  if (spheres && f->hides) {
+    if (!ylm__occluder_ball(f->hides, f->centre, &f->radius))
+      return ylm_fail(e, YLM_EINVAL,
+                      "caster %zu is no sphere, and product 'exp' knows spheres only: "
+                      "ylm.sphere_set makes spheres of a body",
+                      i);
+    f->far = 0;
+  }
   if (!(f->radius > 0) || !isfinite(f->radius))
     return ylm_fail(e, YLM_EDOMAIN, "caster %zu: the radius of a body must be above 0, got %g", i,
                     f->radius);
@@ -334,6 +347,8 @@ static ylm_status check_form(const ylm_light_shadow_form *f, size_t n, ylm_error
     return ylm_fail(e, YLM_EINVAL, "no such product");
   if (!(f->rule >= 2 && f->rule <= 12))
     return ylm_fail(e, YLM_ERANGE, "rule must be 2 to 12, got %g", f->rule);
+  if (f->product == YLM_SHADOW_PRODUCT_exp && (f->terms < 1 || f->terms > YLM_SH_EXP_TERMS))
+    return ylm_fail(e, YLM_ERANGE, "1 to %d terms expected, got %d", YLM_SH_EXP_TERMS, f->terms);
   if (!(f->cull >= 0 && f->cull <= 1))
     return ylm_fail(e, YLM_ERANGE, "cull must be 0 to 1, got %g", f->cull);
   if (f->product == YLM_SHADOW_PRODUCT_accurate && n > MOST_ACCURATE)
@@ -361,7 +376,8 @@ ylm_status ylm_light_shadowed_create(const ylm_light_set *lights, const ylm_fiel
   s->field = (ylm_field){.self = s, .evaluate = evaluate, .crosses = crosses};
   for (size_t i = 0; i < n && status == YLM_OK; i++) {
     s->n = i + 1; /* what is freed */
-    status = add_caster(&s->caster[i], &caster[i], i + 1, e);
+    status =
+        add_caster(&s->caster[i], &caster[i], form->product == YLM_SHADOW_PRODUCT_exp, i + 1, e);
   }
   if (status == YLM_OK) status = sort_lights(s, lights, other);
   if (status == YLM_OK) {

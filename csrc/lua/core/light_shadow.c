@@ -108,7 +108,7 @@ static const ylm_field *shadowed_field(void *object) {
 
 static const char *const create_names[] = {"lights",   "hides",  "facts", "which",   "at",
                                            "rotation", "scale",  "body",  "product", "rule",
-                                           "cull",     "layers", NULL};
+                                           "cull",     "layers", "exp",   "terms",   NULL};
 enum {
   FORM = 1,
   LIGHTS,
@@ -122,7 +122,9 @@ enum {
   PRODUCT,
   RULE,
   CULL,
-  LAYERS
+  LAYERS,
+  EXP,
+  TERMS
 };
 enum { LMAX, CENTRE, RADIUS = 4, FAR, AREA, FACTS_WIDTH };
 
@@ -188,10 +190,18 @@ static ylm_shadow_product product_at(lua_State *L, int i) {
   return (ylm_shadow_product)luaL_argerror(L, i, "no such product");
 }
 
+static ylm_sh_exp_method exponential_at(lua_State *L, int i) {
+  const char *name = luaL_checkstring(L, i);
+  for (int m = 0; m < YLM_SH_EXP_METHOD_COUNT; m++)
+    if (strcmp(name, ylm_sh_exp_method_name((ylm_sh_exp_method)m)) == 0)
+      return (ylm_sh_exp_method)m;
+  return (ylm_sh_exp_method)luaL_argerror(L, i, "no such exponential");
+}
+
 /*
 ** shadowed_create{lights: an object with a light field, hides: list of objects with one, facts: double [hides][7] of
 **   lmax, centre, radius, far, area, which: double [n] places in hides, 0 for spheres, at [n][3], rotation [n][9],
-**   scale [n], body [n], product, rule, cull, layers} -> an object with a light field
+**   scale [n], body [n], product, rule, cull, layers, exp, terms} -> an object with a light field
 */
 static int shadowed_create(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
@@ -205,7 +215,9 @@ static int shadowed_create(lua_State *L) {
   ylm_light_shadow_form form = {.product = product_at(L, PRODUCT),
                                 .rule = (double)luaL_checknumber(L, RULE),
                                 .cull = (double)luaL_checknumber(L, CULL),
-                                .layers = lua_toboolean(L, LAYERS)};
+                                .layers = lua_toboolean(L, LAYERS),
+                                .exponential = exponential_at(L, EXP),
+                                .terms = (int)luaL_checknumber(L, TERMS)};
   const ylm_light_caster *caster = read_casters(L, &n);
   shadowed *s = lua_newuserdata(L, sizeof *s);
   *s = (shadowed){.keep = LUA_NOREF};

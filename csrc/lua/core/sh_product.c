@@ -3,6 +3,7 @@
 #include "../binding_product.h"
 
 #include "ylm_sh.h"
+#include "ylm_sh_exponential.h"
 
 #define PRODUCT "ylm.sh_product_plan"
 
@@ -226,11 +227,47 @@ static int sh_function(lua_State *L, bool log) {
 static int sh_log(lua_State *L) { return sh_function(L, true); }
 static int sh_exp(lua_State *L) { return sh_function(L, false); }
 
+/* sh_exponential(c, lmax, method, out, threads, progress) -> true: PS of 9 terms, OL or HYB, by tables */
+static int sh_exponential(lua_State *L) {
+  ylmL_array *in = ylmL_array_check(L, 1), *out = ylmL_array_check(L, 4);
+  int lmax = (int)luaL_checknumber(L, 2), threads = (int)luaL_optnumber(L, 5, 0);
+  const char *name = luaL_checkstring(L, 3);
+  ylm_sh_exp_method method = YLM_SH_EXP_PS;
+  for (int m = 0; m < YLM_SH_EXP_METHOD_COUNT; m++)
+    if (strcmp(name, ylm_sh_exp_method_name((ylm_sh_exp_method)m)) == 0)
+      method = (ylm_sh_exp_method)m;
+  ylm_error e = {YLM_OK, ""};
+  ylm_status s;
+  ylm_sh_exponential *tables = NULL;
+  ylmL_progress progress;
+  const ylm_progress *report = ylmL_progress_begin(L, 6, &progress);
+  size_t rows = rows_of(in, out, lmax, &s);
+  if (s == YLM_OK) s = ylm_sh_exponential_create(lmax, method, 9, &tables, &e);
+  if (s == YLM_OK)
+    s = ylm_sh_exponential_apply(tables, in->dtype, rows, 0, in->data, out->data, threads, report,
+                                 &e);
+  ylm_sh_exponential_free(tables);
+  lua_pushboolean(L, 1);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
+/* sh_circle_log(lmax, angle, epsilon) -> double [lmax+1] */
+static int sh_circle_log(lua_State *L) {
+  int lmax = (int)luaL_checknumber(L, 1);
+  double angle = (double)luaL_checknumber(L, 2), epsilon = (double)luaL_checknumber(L, 3);
+  ylm_error e = {YLM_OK, ""};
+  ylmL_array *z = ylmL_array_unset(L, YLM_DOUBLE, 1, (size_t[]){(size_t)lmax + 1});
+  if (!z) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  return ylmL_result(L, 1, ylm_sh_circle_log(lmax, angle, epsilon, z->data, &e), &e);
+}
+
 static const luaL_Reg functions[] = {{"sh_product_plan", sh_product_plan},
                                      {"sh_nodes", sh_nodes},
                                      {"sh_nodes_product", sh_nodes_product},
                                      {"sh_log", sh_log},
                                      {"sh_exp", sh_exp},
+                                     {"sh_exponential", sh_exponential},
+                                     {"sh_circle_log", sh_circle_log},
                                      {"sh_product", sh_product},
                                      {"sh_transfer", sh_transfer},
                                      {"sh_transfer_apply", sh_transfer_apply},

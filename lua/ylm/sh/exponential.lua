@@ -1,4 +1,4 @@
---- ylm.sh.exp and ylm.sh.log: exponentials and logarithms of functions given by coefficients.
+--- ylm.sh.exp, ylm.sh.log and ylm.sh.circle_log: exponentials and logarithms of functions given by coefficients.
 
 local args = require "ylm.sh.args"
 local check = require "ylm.check"
@@ -6,6 +6,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local progress = require "ylm.progress"
+local zonal = require "ylm.sh.zonal"
 
 local exponential = {}
 
@@ -23,8 +24,11 @@ local function apply(name, c, limit, f, parameter, o)
 end
 
 local exp_options = {
-  { "terms", "integer", min = 1, max = core.limits.sh_exp_terms, default = 9,
-    about = "powers of the function without its mean that are added up: the series of exp" },
+  { "method", "choice", of = { "PS", "OL", "HYB" }, default = "PS",
+    about = "'PS': the series of exp; 'OL': a line of the function, the same for all that have as large coefficients, right for "
+      .. "circles; 'HYB': the line of a part, squared until it is the whole. lmax of OL and HYB is at most 20" },
+  { "terms", "integer", min = 1, max = core.limits.sh_exp_terms, optional = true,
+    about = "of PS: powers of the function without its mean that are added up, default 9" },
   args.dtype, form.threads, args.out, args.progress,
 }
 
@@ -34,7 +38,7 @@ describe "sh.exp" {
   arguments = { { "c", "array|table", "[..][(lmax+1)^2], lmax at most 100" }, { "options?", "table", "see the options" } },
   options = exp_options,
   returns = { { "exp", "array", "of the same shape, type and convention" } },
-  errors = "raises where the series diverges, naming the row, or the result is beyond the range of its type",
+  errors = "raises where the series diverges, naming the row (OL and HYB do not), or the result is beyond the range of its type",
   example = [[
 local one = math.sqrt(4 * math.pi)                  -- the function 1
 local e = ylm.sh.exp { one, 0, 0, 0 }
@@ -43,7 +47,9 @@ assert(math.abs(e[1] - one * math.exp(1)) < 1e-14)]],
 }
 function exponential.exp(c, given)
   local o = form.options(2, "exp", exp_options, given)
-  return apply("exp", c, core.limits.sh_product_lmax, core.sh_exp, o.terms, o)
+  if o.method == "PS" then return apply("exp", c, core.limits.sh_product_lmax, core.sh_exp, o.terms or 9, o) end
+  if o.terms then return check.bad(2, "exp", "terms are of method 'PS': leave them out") end
+  return apply("exp", c, core.limits.sh_log_lmax, core.sh_exponential, o.method, o)
 end
 
 local log_options = {
@@ -68,6 +74,41 @@ for i = 1, 4 do assert(math.abs(again[i] - f[i]) < 0.01) end]],
 function exponential.log(c, given)
   local o = form.options(2, "log", log_options, given)
   return apply("log", c, core.limits.sh_log_lmax, core.sh_log, o.epsilon, o)
+end
+
+local circle_options = {
+  { "epsilon", "number", above = 0, max = 0.5, default = 0.02, about = "as of sh.log" },
+}
+
+describe "sh.circle_log" {
+  about = "The logarithm of what a circle leaves open, 0 inside of it and 1 outside: of a sphere that hides light. It is that "
+    .. "of sh.log, at the cost of the third power of lmax, since the function is symmetric about the circle's middle.",
+  arguments = {
+    { "lmax", "integer", "at most 100" }, { "direction", "table", "{x, y, z} of the middle, any length but 0" },
+    { "angle", "number", "half the angle of the circle, 0 to pi, radians" }, { "options?", "table", "see the options" },
+  },
+  options = circle_options,
+  returns = { { "log", "array", "[(lmax+1)^2]" }, { "zonal", "array", "[lmax+1]: of a circle about z" } },
+  errors = "raises on an angle or a direction that is none, and where the circle leaves nothing open",
+  example = [[
+local log = ylm.sh.circle_log(3, { 0, 0, 1 }, math.pi / 4)
+local open = ylm.sh.exp(log, { method = "OL" })          -- a line is exact for circles
+assert(math.abs(open[1] / math.sqrt(4 * math.pi) - (1 + math.cos(math.pi / 4)) / 2) < 1e-3)]],
+  source = "Ren et al. 2006; docs/shadow_fields.md",
+}
+function exponential.circle_log(lmax, direction, angle, given)
+  check.integer(1, "circle_log", "lmax", lmax, 0, core.limits.sh_product_lmax)
+  if not check.is_number(angle) or not (angle >= 0 and angle <= math.pi) then
+    return check.bad(3, "circle_log", "angle must be a number >= 0 and <= pi, got %s", check.describe(angle))
+  end
+  local o = form.options(4, "circle_log", circle_options, given)
+  local good, wanted = form.types.vector(direction)
+  if not good then
+    return check.bad(2, "circle_log", "direction must be %s, got %s", wanted, check.describe(direction))
+  end
+  local z, message, code = check.result("circle_log", core.sh_circle_log(lmax, angle, o.epsilon))
+  if not z then return nil, message, code end
+  return zonal.zonal(z, good), z
 end
 
 return exponential

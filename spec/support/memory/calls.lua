@@ -167,6 +167,13 @@ calls["sh.transfer"] = on(function() return { coefficients(1, 2)[1], coefficient
 end)
 calls["sh.product rule"] = on(function() return { coefficients(2, 2), coefficients(2, 2) } end,
   function(c) return ylm.sh.product(c[1], c[2], { rule = 3 }) end)
+calls["visibility by exponentials"] = on(function() return ylm.sphere_casters { at = { { 2, 0, 0 } }, radius = 1 } end,
+  function(spheres) return ylm.visibility(1, spheres, points(3), { derivatives = 1, product = "exp", exp = "PS" }) end)
+calls["sh.circle_log"] = of(function()
+  local g, message, code = ylm.sh.circle_log(1, { 1, 2, 3 }, 0.5)
+  if not g then return nil, message, code end
+  return ylm.sh.exp(g, { method = "HYB" })
+end)
 calls["sh.log"] = on(function() return ylm.array { 4, 0.1, 0.2, -0.1 } end, function(c)
   local g, message, code = ylm.sh.log(c)
   if not g then return nil, message, code end

@@ -75,6 +75,13 @@ return {
     { call = function(ylm) ylm.sh.exp({ 0, 1e3, 0, 0 }) end, says = "row 1: the series diverges" },
     { call = function(ylm) ylm.sh.exp({ 1 }, { terms = 65 }) end, says = "terms must be" },
   },
+  ["sh.circle_log"] = {
+    { call = function(ylm) ylm.sh.circle_log(3, { 0, 0, 1 }, 4) end, says = "angle must be a number >= 0 and <= pi, got 4" },
+    { call = function(ylm) ylm.sh.circle_log(3, { 0, 0, 0 }, 1) end, says = "direction must be" },
+    { call = function(ylm) ylm.sh.circle_log(3, { 0, 0, 1 }, math.pi) end, says = "leaves nothing open" },
+    { call = function(ylm) ylm.sh.circle_log(3, { 0, 0, 1 }, 1, { epsilon = 0 }) end, says = "epsilon must be" },
+    { call = function(ylm) ylm.sh.circle_log(101, { 0, 0, 1 }, 1) end, says = "lmax must be" },
+  },
   ["sh.log"] = {
     { call = function(ylm) ylm.sh.log({ -1, 0, 0, 0 }) end, says = "row 1: there is no logarithm" },
     { call = function(ylm) ylm.sh.log({ 1 }, { epsilon = 2 }) end, says = "epsilon must be" },

@@ -79,7 +79,7 @@ return {
     { call = function(ylm) ylm.shadowed { lights = {}, casters = 7 } end, says = "casters must be a caster or a table" },
     { call = function(ylm) ylm.shadowed { lights = {}, casters = { b = ball(ylm) } } end, says = "a caster expected as 'b'" },
     { call = function(ylm) ylm.shadowed { lights = ball(ylm), casters = {} } end, says = "a visibility is no light" },
-    { call = function(ylm) ylm.shadowed { lights = {}, casters = caster(ylm), product = "exp" } end, says = "product must be one of" },
+    { call = function(ylm) ylm.shadowed { lights = {}, casters = caster(ylm), product = "log" } end, says = "product must be one of" },
     { call = function(ylm)
       ylm.shadowed { lights = {}, casters = ylm.casters { hides = ball(ylm), at = ylm.zeros { 16, 3 } }, product = "accurate" }
     end, says = "product 'accurate' is for 15 casters at most, got 16" },
