@@ -182,7 +182,7 @@ assert(grid:points().value:save(folder .. "/value.npy"))]])
 
   it("skip sections that they do not know, and refuse those they would have to", function()
     local plain = core.grid_decode(forge():seal())
-    local more = core.grid_decode(forge():add("body", "lights", false, 3):add("later.than-this_1", "", false):seal())
+    local more = core.grid_decode(forge():add("bodies", "lights", false, 3):add("later.than-this_1", "", false):seal())
     identical(plain, more)
     local g, message, code = core.grid_decode(forge():add("brick", bytes.u64(7), true):seal())
     assert.is_nil(g)
@@ -213,6 +213,14 @@ assert(grid:points().value:save(folder .. "/value.npy"))]])
       assert(code == "EFORMAT" or code == "ECHECKSUM", tostring(code))
       assert(message:find(why, 1, true), message .. ", not " .. why)
     end
+
+    it("are refused where the body or the floor is no number", function()
+      for name, case in pairs { body = { 40, "body: a finite place" }, floor = { 8, "floor: a number of at least 0" } } do
+        local f = forge():add(name, ("\255"):rep(case[1]), false)
+        f.section[name].record = case[1]
+        refused(f, case[2])
+      end
+    end)
 
     it("are refused where sections are out of order, of odd names or missing", function()
       local f = forge()

@@ -454,6 +454,21 @@ describe("ylm.shadowed", function()
     shade:close()
   end)
 
+  it("of grids has a floor: the dark is refined less, and other measures have none", function()
+    local lamp = ylm.sphere_light { at = { 0, 0, 3 }, radius = 0.2 }
+    local function points(floor)
+      return ylm.bake(ylm.adaptive_grid { bounds = { { -2, -2, 0 }, { 2, 2, 2 } }, lmax = 2, depth = 5, tolerance = 0.01,
+        floor = floor }, lamp).stats
+    end
+    local without, with = points(), points(0.5)
+    assert.is_true(with.met and with.points < without.points / 2)
+    assert.equal(without.points, points(0).points)
+    for _, other in ipairs { { threshold = 0.1 }, { tolerance = 0.1, measure = "irradiance" }, { dynamic = true } } do
+      other.floor = 1
+      assert.matches("floor is of a tolerance of coefficients", select(2, pcall(ylm.adaptive_grid, other)))
+    end
+  end)
+
   it("takes grids of bodies, near and beyond their bounds", function()
     local grid = ylm.bake(ylm.adaptive_grid { lmax = 4, depth = 9, tolerance = 0.05, channels = "luminance" }, block)
     assert.equal("visibility", grid.quantity)
@@ -469,8 +484,12 @@ describe("ylm.shadowed", function()
     grid:save "build/shadow_fields_spec.ylm"
     local again = assert(ylm.load "build/shadow_fields_spec.ylm")
     os.remove "build/shadow_fields_spec.ylm"
-    local loaded = ylm.caster { hides = again, radius = 0.87, at = at, rotation = turn }
+    assert.is_near(0.75 ^ 0.5, again.body.radius, 1e-6)
+    assert.is_near(1.5, again.body.area, 1e-6)
+    assert.same(grid.body, again.body)
+    assert.equal(ONE, again.floor)
+    local loaded = ylm.caster { hides = again, at = at, rotation = turn }
     local points = around(40, 1.5, 30)
-    assert.is_true(relative(open_part(4, loaded, points), open_part(4, gridded, points)) < 5e-3)
+    assert.equal(0, apart(open_part(4, loaded, points), open_part(4, gridded, points)))
   end)
 end)

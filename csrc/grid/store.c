@@ -49,9 +49,16 @@ static ylm_status check_adaptive(const ylm_grid_form *f, ylm_error *e) {
     return ylm_fail(e, YLM_EDOMAIN, "threshold: a number of at least 0, got %g", f->threshold);
   if (f->measure == YLM_GRID_IRRADIANCE && !(f->tolerance > 0))
     return ylm_fail(e, YLM_EINVAL, "measure: irradiance is of a tolerance, this grid has none");
+  if (f->floor > 0 && (f->measure == YLM_GRID_IRRADIANCE || !(f->tolerance > 0)))
+    return ylm_fail(e, YLM_EINVAL, "floor: it is of a tolerance of coefficients");
   if ((f->tolerance > 0) == (f->threshold >= 0))
     return ylm_fail(e, YLM_EINVAL, "either a tolerance or a threshold is wanted, not both");
   return YLM_OK;
+}
+
+static bool body_holds(const ylm_grid_body *b) {
+  return ylm_all_finite(YLM_DOUBLE, b->at, 3, NULL) && b->radius >= 0 && isfinite(b->radius) &&
+         b->area >= 0 && isfinite(b->area);
 }
 
 ylm_status ylm__grid_check_form(const ylm_grid_form *f, ylm_error *e) {
@@ -71,10 +78,14 @@ ylm_status ylm__grid_check_form(const ylm_grid_form *f, ylm_error *e) {
     return ylm_fail(e, YLM_EINVAL, "measure: coefficients or irradiance");
   if ((int)f->quantity < 0 || f->quantity >= YLM_QUANTITY_COUNT)
     return ylm_fail(e, YLM_EINVAL, "quantity: lights, direct, indirect, all or visibility");
-  if (f->dynamic && (f->bias > 0 || f->measure != YLM_GRID_COEFFICIENTS))
-    return ylm_fail(
-        e, YLM_EINVAL,
-        "dynamic: a grid that follows lights has no bias, and a tolerance of coefficients");
+  if (!(f->floor >= 0 && isfinite(f->floor)))
+    return ylm_fail(e, YLM_EDOMAIN, "floor: a number of at least 0, got %g", f->floor);
+  if (!body_holds(&f->body))
+    return ylm_fail(e, YLM_EDOMAIN, "body: a finite place, radius and area expected");
+  if (f->dynamic && (f->bias > 0 || f->floor > 0 || f->measure != YLM_GRID_COEFFICIENTS))
+    return ylm_fail(e, YLM_EINVAL,
+                    "dynamic: a grid that follows lights has no bias, no floor, and a tolerance of "
+                    "coefficients");
   if (f->kind == YLM_GRID_UNIFORM) return check_uniform(f, e);
   if (f->kind == YLM_GRID_ADAPTIVE) return check_adaptive(f, e);
   return ylm_fail(e, YLM_EINVAL, "kind: adaptive or uniform");

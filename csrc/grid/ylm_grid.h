@@ -44,6 +44,11 @@ typedef enum ylm_grid_measure {
   YLM_GRID_IRRADIANCE = 1
 } ylm_grid_measure;
 
+/* The body whose visibility a grid holds: a sphere around it, and the mean area of its projections. */
+typedef struct ylm_grid_body {
+  double at[3], radius, area; /* radius 0: no body is known */
+} ylm_grid_body;
+
 /* The description of a grid. */
 typedef struct ylm_grid_form {
   ylm_grid_kind kind;
@@ -63,6 +68,8 @@ typedef struct ylm_grid_form {
   double bias;           /* factor of the biased look-up (ylm_grid_bias), by which held-out points
                              with normals are looked up too; 0: none */
   ylm_quantity quantity; /* what it holds; a bake takes it from its field */
+  double floor; /* of a tolerance of coefficients: smaller norms count as this one; 0: none do */
+  ylm_grid_body body; /* of visibilities; kept and saved */
 } ylm_grid_form;
 
 /* Triangles whose surface is to be lit. Sides and normals are those of ylm_geom.h. */

@@ -98,6 +98,17 @@ ylm_grid_form ylmL_grid_form(lua_State *L, int i) {
   lua_getfield(L, i, "bias");
   f.bias = luaL_optnumber(L, -1, 0);
   lua_pop(L, 1);
+  lua_getfield(L, i, "floor");
+  f.floor = luaL_optnumber(L, -1, 0);
+  lua_pop(L, 1);
+  lua_getfield(L, i, "body");
+  if (!lua_isnil(L, -1)) {
+    double body[5];
+    lua_pop(L, 1);
+    list(L, i, "body", 5, body);
+    f.body = (ylm_grid_body){{body[0], body[1], body[2]}, body[3], body[4]};
+  } else
+    lua_pop(L, 1);
   return f;
 }
 

@@ -8,7 +8,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local reference = require "ylm.describe"
 local form = require "ylm.form"
-local grids = require "ylm.grid"
+require "ylm.grid" -- defines grid.body
 local light = require "ylm.light"
 local memory = require "ylm.memory"
 local numbers = require "ylm.light.numbers"
@@ -97,7 +97,7 @@ local REACH, PLACES, NEAR = 20, 20000, 0.02
 
 --- Options of a bake of a body, for lua/ylm/grid/bake.lua: bounds and places where nobody says.
 function occluders.__for_grid(o, description, given)
-  local at, radius = body_of(o)
+  local at, radius, area = body_of(o)
   if description.channels == "rgb" then
     return check.bad(1, "bake", "a visibility has no colour: channels = 'luminance' in the grid")
   end
@@ -114,7 +114,7 @@ function occluders.__for_grid(o, description, given)
     options.occupied = core.occluder_places(o, NEAR, math.max(far, 2 * radius), PLACES)
     if not options.occupied then options.occupied = nil end
   end
-  return options
+  return options, { at[1], at[2], at[3], radius, area }
 end
 
 describe "occluder:close" {
@@ -153,13 +153,9 @@ end
 --- Facts about a grid of visibilities for C: { lmax, centre, radius, far, area }; fail raises; nil, message, code.
 local function facts_of_grid(values, fail)
   local grid = values.hides
-  local body = grids.body_of(grid)
+  local body = grid.body
   local centre, radius, area = { 0, 0, 0 }, values.radius, nil
-  if body and not values.radius then
-    local at
-    at, radius, area = body_of(body)
-    centre = at or centre
-  end
+  if body and not values.radius then centre, radius, area = body.at, body.radius, body.area end
   if not radius then
     return fail "radius is missing: this grid does not know how large its body is (of a sphere around it, in its frame)"
   end
@@ -252,7 +248,7 @@ shadow.caster = form.define("caster", {
     { "rotation", "rotation", optional = true, unit = "degrees", about = "{ axis =, angle = }, or a list of such" },
     { "scale", "caster_scale", default = 1, about = "one factor: larger bodies of the same shape" },
     { "radius", "number", above = 0, max = EXTENT, optional = true, unit = "scene units",
-      about = "of a sphere about the origin of the body's frame that holds it; a grid that was loaded from a file needs it" },
+      about = "of a sphere about the origin of the body's frame that holds it. Default: of the body; grids remember it" },
   },
   build = function(values, fail)
     values.count = 1

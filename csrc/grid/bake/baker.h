@@ -169,8 +169,8 @@ ylm_status ylm__beside_mark_uniform(const ylm_grid *g, const ylm_grid_source *s,
 
 /* -- row.c ---------------------------------------------------------------------------------- */
 
-/* Relative distance of two rows; 0 where both vanish. */
-double ylm__row_distance(const float *a, const float *exact, size_t width);
+/* Relative distance of two rows; 0 where both vanish. A norm below `floor` counts as that. */
+double ylm__row_distance(const float *a, const float *exact, size_t width, double floor);
 
 /* -- tolerance.c ---------------------------------------------------------------------------- */
 

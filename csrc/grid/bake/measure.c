@@ -7,7 +7,8 @@
 #include "ylm_sh.h"
 
 measure ylm__measure_of(const ylm_grid_form *form) {
-  return (measure){.kind = form->measure, .lmax = form->lmax, .channels = form->channels};
+  return (measure){
+      .kind = form->measure, .lmax = form->lmax, .channels = form->channels, .floor = form->floor};
 }
 
 void ylm__measure_irradiance(const measure *m, const float *row, const float n[3], double out[3]) {
@@ -37,7 +38,7 @@ double ylm__measure_error(const measure *m, const float *row, const float *exact
                           const float n[3]) {
   double a[3], b[3], worst = 0;
   size_t width = (size_t)m->channels * ylm_sh_count(m->lmax);
-  if (m->kind == YLM_GRID_COEFFICIENTS) return ylm__row_distance(row, exact, width);
+  if (m->kind == YLM_GRID_COEFFICIENTS) return ylm__row_distance(row, exact, width, m->floor);
   ylm__measure_irradiance(m, row, n, a);
   ylm__measure_irradiance(m, exact, n, b);
   for (int c = 0; c < m->channels; c++) {
@@ -51,7 +52,7 @@ double ylm__measure_anywhere(const measure *m, const float *row, const float *ex
   size_t count = ylm_sh_count(m->lmax);
   double worst = 0;
   if (m->kind == YLM_GRID_COEFFICIENTS)
-    return ylm__row_distance(row, exact, (size_t)m->channels * count);
+    return ylm__row_distance(row, exact, (size_t)m->channels * count, m->floor);
   for (int c = 0; c < m->channels; c++, row += count, exact += count) {
     double d = 0, e = 0;
     for (int l = 0; l <= m->lmax; l++) {

@@ -7,6 +7,7 @@
 typedef struct measure {
   ylm_grid_measure kind;
   int lmax, channels;
+  double floor; /* of coefficients: smaller norms count as this one */
   /* Of irradiance, over occupied points: */
   double mean[3]; /* of its size, by channel */
   double norm;    /* of coefficients' norms */

@@ -98,9 +98,9 @@ ylm_status ylm__panel_rule(const panel *p, const double *error, double tolerance
   return YLM_OK;
 }
 
-double ylm__panel_error(const panel *p, size_t i, const float *sample, size_t width) {
+double ylm__panel_error(const panel *p, size_t i, const float *sample, size_t width, double floor) {
   if (p->inside[i]) return -1;
-  double error = ylm__row_distance(sample, p->exact + i * width, width);
+  double error = ylm__row_distance(sample, p->exact + i * width, width, floor);
   return isnan(error) ? INFINITY : error;
 }
 
@@ -109,7 +109,8 @@ ylm_status ylm__panel_rule_samples(const ylm_grid *g, const panel *p, const floa
   size_t w = g->width;
   double *error = ylm_alloc(p->n, sizeof *error);
   if (!error) return YLM_ENOMEM;
-  for (size_t i = 0; i < p->n; i++) error[i] = ylm__panel_error(p, i, sampled + i * w, w);
+  for (size_t i = 0; i < p->n; i++)
+    error[i] = ylm__panel_error(p, i, sampled + i * w, w, g->contents.form.floor);
   ylm_status s = ylm__panel_rule(p, error, g->contents.form.tolerance, doubt, out);
   ylm_free(error);
   return s;

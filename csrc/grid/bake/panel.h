@@ -50,7 +50,7 @@ void ylm__panel_exchange(panel *a, panel *b);
 /* Bytes of n points. */
 size_t ylm__panel_bytes(const panel *p, size_t width);
 /* The error of a sample at point i; negative: left out; what is no number fails. */
-double ylm__panel_error(const panel *p, size_t i, const float *sample, size_t width);
+double ylm__panel_error(const panel *p, size_t i, const float *sample, size_t width, double floor);
 /* Judges the errors of all points. */
 ylm_status ylm__panel_rule(const panel *p, const double *error, double tolerance, double doubt,
                            ruling *out);

@@ -31,6 +31,10 @@ static double metric_squared(const refiner *r, const ylm_grid_cell *c) {
     double e = ylm__metric_above(r->b, c, r->b->measure.norm);
     return e * e;
   }
+  if (r->b->measure.floor > 0) {
+    double e = ylm__metric_above(r->b, c, r->b->measure.floor);
+    return e * e;
+  }
   double e = (double)(known ? c->error : ylm__metric_of(r->b, c, YLM_GRID_RELATIVE));
   return e * e;
 }

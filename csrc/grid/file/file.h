@@ -72,16 +72,16 @@ typedef struct grid_file_measure {
   double bias;
 } grid_file_measure;
 
-_Static_assert(sizeof(grid_file_measure) == 16 && sizeof(grid_file_header) == 64 &&
-                   sizeof(grid_file_entry) == 64 && sizeof(grid_file_form) == 136 &&
-                   sizeof(grid_file_stats) == 104 && sizeof(ylm_grid_cell) == 64 &&
-                   sizeof(ylm_grid_birth) == 8,
+_Static_assert(sizeof(grid_file_measure) == 16 && sizeof(ylm_grid_body) == 40 &&
+                   sizeof(grid_file_header) == 64 && sizeof(grid_file_entry) == 64 &&
+                   sizeof(grid_file_form) == 136 && sizeof(grid_file_stats) == 104 &&
+                   sizeof(ylm_grid_cell) == 64 && sizeof(ylm_grid_birth) == 8,
                "a record of grid files has padding");
 
 /* The sections of a grid, in their order in the file: name, bytes of a record, required. `rows` are
    the evaluated points' [4][stride], the stride a multiple of 8, and ROW_PADDING zeros behind. The
    sections behind `rows` are left out where they would say nothing: quantity "lights", measure
-   "coefficients" without bias, and the validity of points that nobody told. */
+   "coefficients" without bias, the validity of points that nobody told, no floor, no body. */
 #define GRID_FILE_LIST(X)                                                                          \
   X(form, sizeof(grid_file_form), true)                                                            \
   X(stats, sizeof(grid_file_stats), false)                                                         \
@@ -94,7 +94,9 @@ _Static_assert(sizeof(grid_file_measure) == 16 && sizeof(grid_file_header) == 64
   X(rows, 4 * g->stride * sizeof(float), true)                                                     \
   X(quantity, sizeof(uint32_t), false)                                                             \
   X(measure, sizeof(grid_file_measure), false)                                                     \
-  X(validity, sizeof(float), false)
+  X(validity, sizeof(float), false)                                                                \
+  X(floor, sizeof(double), false)                                                                  \
+  X(body, sizeof(ylm_grid_body), false)
 
 enum {
 #define X(name, record, required) GRID_FILE_##name,

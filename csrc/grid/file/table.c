@@ -145,7 +145,7 @@ static ylm_grid_stats stats_of(const grid_file_form *f, const grid_file_stats *t
   return out;
 }
 
-/* Quantity and measure; a file without these sections is of lights and of coefficients. */
+/* Quantity, measure, floor, body; a file without these sections is of lights and of coefficients. */
 static ylm_status take_meaning(const file_table *t, const file_source *s, ylm_grid_form *out,
                                ylm_error *e) {
   uint32_t quantity = 0;
@@ -156,6 +156,12 @@ static ylm_status take_meaning(const file_table *t, const file_source *s, ylm_gr
                                   &quantity, e);
   if (status == YLM_OK && ylm__file_table_find(t, GRID_FILE_measure))
     status = ylm__file_table_take(t, s, GRID_FILE_measure, sizeof m, sizeof m, &m, e);
+  if (status == YLM_OK && ylm__file_table_find(t, GRID_FILE_floor))
+    status = ylm__file_table_take(t, s, GRID_FILE_floor, sizeof out->floor, sizeof out->floor,
+                                  &out->floor, e);
+  if (status == YLM_OK && ylm__file_table_find(t, GRID_FILE_body))
+    status = ylm__file_table_take(t, s, GRID_FILE_body, sizeof out->body, sizeof out->body,
+                                  &out->body, e);
   out->quantity = quantity < YLM_QUANTITY_COUNT ? (ylm_quantity)quantity : YLM_QUANTITY_COUNT;
   out->measure = (ylm_grid_measure)m.measure;
   out->bias = m.bias;

@@ -93,6 +93,9 @@ static void sizes(const writing *w, uint64_t size[GRID_FILE_COUNT],
   SECTION(quantity, &w->quantity, w->quantity ? sizeof w->quantity : 0);
   SECTION(measure, &w->measure, w->measure.measure || w->measure.bias > 0 ? sizeof w->measure : 0);
   SECTION(validity, g->validity, g->validity ? n * sizeof *g->validity : 0);
+  const ylm_grid_form *f = &g->contents.form;
+  SECTION(floor, &f->floor, f->floor > 0 ? sizeof f->floor : 0);
+  SECTION(body, &f->body, f->body.radius > 0 ? sizeof f->body : 0);
 #undef SECTION
 }
 

@@ -48,7 +48,8 @@ static ylm_status compare_range(void *context, size_t begin, size_t end, int wor
     if (!(c->flags & YLM_GRID_OCCUPIED)) continue;
     bool same = is_unchanged(j, c);
     if (!same) interpolate(g, c, x, row);
-    j->error[i] = ylm__panel_error(j->p, i, same ? j->p->sampled + i * g->width : row, g->width);
+    j->error[i] = ylm__panel_error(j->p, i, same ? j->p->sampled + i * g->width : row, g->width,
+                                   g->contents.form.floor);
     j->stuck[i] = j->error[i] > j->r->tolerance && c->level >= g->contents.form.depth;
   }
   return YLM_OK;

@@ -88,6 +88,18 @@ static int grid_stats(lua_State *L) {
   return 1;
 }
 
+static void push_body(lua_State *L, const ylm_grid_body *b) {
+  lua_newtable(L);
+  lua_newtable(L);
+  for (int a = 0; a < 3; a++) {
+    lua_pushnumber(L, b->at[a]);
+    lua_rawseti(L, -2, a + 1);
+  }
+  lua_setfield(L, -2, "at");
+  ylmL_set_number(L, "radius", b->radius);
+  ylmL_set_number(L, "area", b->area);
+}
+
 void ylmL_grid_push_form(lua_State *L, const ylm_grid_form *f) {
   lua_newtable(L);
   bool adaptive = f->kind == YLM_GRID_ADAPTIVE;
@@ -112,6 +124,11 @@ void ylmL_grid_push_form(lua_State *L, const ylm_grid_form *f) {
   lua_pushstring(L, ylm_quantity_name(f->quantity));
   lua_setfield(L, -2, "quantity");
   ylmL_set_number(L, "bias", f->bias);
+  if (f->floor > 0) ylmL_set_number(L, "floor", f->floor);
+  if (f->body.radius > 0) {
+    push_body(L, &f->body);
+    lua_setfield(L, -2, "body");
+  }
   lua_newtable(L);
   for (int a = 0; a < 3; a++) {
     ylmL_push_count(L, adaptive ? (uint64_t)1 << f->depth : (uint64_t)f->cells[a]);

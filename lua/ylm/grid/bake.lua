@@ -195,8 +195,11 @@ end
 
 --- Grid -> the lights it was baked from.
 local baked_from = setmetatable({}, { __mode = "k" })
---- Grid -> the body whose visibility it holds.
-local bodies = setmetatable({}, { __mode = "k" })
+--- The norm below which errors are not relative: of visibilities that of the function 1.
+local function floor_of(description, quantity, measure)
+  if not description.tolerance or measure ~= "coefficients" or description.dynamic then return 0 end
+  return description.floor or quantity == "visibility" and math.sqrt(4 * math.pi) or 0
+end
 
 describe "bake" {
   about = "Evaluates a light field at the points of a grid: each corner of a voxel once, level by level.",
@@ -238,8 +241,12 @@ function bake.bake(description, lights, given)
     packed, failed, why = light.field(2, "bake", lights)
     if not packed then return nil, failed, why end
   end
-  local of_body = core.type(packed) == "ylm.occluder" and getmetatable(packed).__for_grid
-  if of_body then o = of_body(packed, description, o) end
+  local of_body = bake.of_body(packed)
+  local body
+  if of_body then
+    o, body, failed = of_body.__for_grid(packed, description, o)
+    if not o then return nil, body, failed end
+  end
   if description.dynamic and not light.followed(packed) then
     return check.bad(2, "bake", "a grid with dynamic = true follows sphere lights and flat lights, this is baked from %s: "
       .. "bake that into a second grid, or leave dynamic out", light.other(packed))
@@ -269,12 +276,12 @@ function bake.bake(description, lights, given)
     continuous = description.continuous, dynamic = description.dynamic,
     measure = measure, quantity = quantity, normals = normals, limits = limits,
     reach = reach and reach(packed) or nil, bias = description.bias or jumps and 1 or 0,
+    floor = floor_of(description, quantity, measure), body = body,
   }, object, occupied, o)
   if made then object:close() end
   if not baked then return nil, stages, code end
   stages_of[baked] = stages
   if type(packed) ~= "function" and light.followed(packed) then baked_from[baked] = packed end
-  if of_body then bodies[baked] = packed end
   unmet.remember(baked, o.light_tolerance)
   unmet.warn(baked)
   return baked
@@ -292,8 +299,11 @@ function bake.lights_of(g)
   return lights and (core.type(lights) ~= "ylm.lights" or core.lights_count(lights)) and lights or nil
 end
 
---- The body whose visibility a grid holds, if it was baked in this program.
-function bake.body_of(g) return bodies[g] end
+--- The metatable of a body's visibility, else nil.
+function bake.of_body(x)
+  local meta = core.type(x) and core.type(x) ~= "ylm.array" and getmetatable(x)
+  return meta and meta.__for_grid and meta or nil
+end
 
 local update_options = {
   { "tolerance", "number", min = 0, optional = true,

@@ -39,6 +39,9 @@ grid.adaptive_grid = form.define("adaptive_grid", {
         .. "irradiance of occupied points with normals, relative to itself or, where that is more, to its mean over "
         .. "the occupied points, in the worst channel. Default: 'irradiance' where light jumps at surfaces (quantity is not "
         .. "'lights') and normals are known, else 'coefficients'" },
+    { "floor", "number", min = 0, optional = true,
+      about = "of a tolerance of coefficients: a norm that is smaller counts as this one, so that darkness is not refined "
+        .. "without end. Default: sqrt(4 pi), the norm of the function 1, of visibilities, else 0" },
     bias_field,
     { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
       about = "the Hessian's error metric that threshold is compared with" },
@@ -61,6 +64,9 @@ grid.adaptive_grid = form.define("adaptive_grid", {
     end
     if values.measure == "irradiance" and values.dynamic then
       return fail("measure = 'irradiance': a dynamic grid keeps a tolerance of coefficients; leave dynamic or measure out")
+    end
+    if (values.floor or 0) > 0 and (values.threshold or values.measure == "irradiance" or values.dynamic) then
+      return fail("floor is of a tolerance of coefficients, of grids that follow no lights: leave floor out")
     end
     if not values.threshold and not values.tolerance then values.tolerance = DEFAULT_TOLERANCE end
     return setmetatable(values, form.defined.adaptive_grid.metatable)
@@ -107,7 +113,7 @@ grid.uniform_grid = form.define("uniform_grid", {
 })
 
 local bake = require "ylm.grid.bake"
-grid.bake, grid.lights_of, grid.body_of = bake.bake, bake.lights_of, bake.body_of
+grid.bake, grid.lights_of = bake.bake, bake.lights_of
 
 require "ylm.grid.refresh"
 require "ylm.grid.sample"

@@ -27,6 +27,9 @@ require "ylm.describe".object "grid" {
     { "quantity", "string", "what it holds: 'lights' (light that nothing occludes), 'direct' (with shadows), 'indirect', 'all' "
       .. "or 'visibility'" },
     { "bias", "number", "factor of the look-up beside surfaces; 0: none" },
+    { "floor", "number", "the least norm that errors are relative to, where the tolerance has one" },
+    { "body", "table", "of visibilities: { at, radius, area } of the body, a sphere around it and the mean of its projections' "
+      .. "areas" },
     { "dynamic", "boolean", "whether grid:update follows lights" },
     { "depth", "integer", "finest level of an adaptive grid; its metric, continuous, and tolerance with its "
       .. "measure, or threshold likewise" },

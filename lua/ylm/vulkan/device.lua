@@ -84,6 +84,9 @@ function methods.check_bake(_, description, object)
   if description.measure == "irradiance" then
     return check.bad(3, "bake", "device: measure = 'irradiance' is the processor's: leave device or measure out")
   end
+  if (description.floor or 0) > 0 then
+    return check.bad(3, "bake", "device: floor is the processor's: leave device or floor out")
+  end
   if (description.bias or 0) > 0 then
     return check.bad(3, "bake", "device: bias is the processor's: leave device or bias out")
   end
