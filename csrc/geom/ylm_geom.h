@@ -79,6 +79,33 @@ YLM_API void ylm_transform_compose(double out[12], const double a[12], const dou
    untouched). */
 YLM_API ylm_status ylm_mesh_transform(ylm_mesh *mesh, const double m[12], ylm_error *e);
 
+/* -- spheres in place of a body: csrc/geom/sphere_set.c ---------------------------- */
+
+#define YLM_SPHERE_SET 4096
+
+/* Volumes, in cubes of scene units, by the points of a lattice. */
+typedef struct ylm_sphere_set {
+  size_t count; /* of spheres */
+  double volume, outside,
+      uncovered; /* of the body; of spheres outside of it; of it outside of spheres */
+  double step;   /* of the lattice */
+} ylm_sphere_set;
+
+/*
+** ylm_mesh_sphere_set - spheres, whose union comes near to a closed mesh.
+**
+**   count    in   1 .. YLM_SPHERE_SET; fewer are made where they cover all points of the lattice
+**   at       out  [count][3], of which set->count are written
+**   radius   out  [count]
+**
+** Returns  YLM_OK; YLM_ERANGE (count), YLM_EDOMAIN (no triangles, not finite, open, no volume, too thin for the
+**          lattice): `e` says what; YLM_ENOMEM, YLM_ECANCELLED
+** Cost     grows with count and with the points of the lattice, 20,000 inside of the body or 60 a sphere
+*/
+YLM_API ylm_status ylm_mesh_sphere_set(const ylm_mesh *m, size_t count, double *at, double *radius,
+                                       ylm_sphere_set *set, const ylm_progress *progress,
+                                       ylm_error *e);
+
 /* -- files ---------------------------------------------------------------------- */
 
 /*

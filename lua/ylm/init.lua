@@ -20,6 +20,7 @@ local contents = {
   { "ylm.array", "array", "zeros", "stack", "wrap" },
   { "ylm.light", "light_field" },
   { "ylm.grid", "adaptive_grid", "uniform_grid", "bake" },
+  { "ylm.spheres", "sphere_set" },
   { "ylm.shadow", "occluder", "caster", "casters", "sphere_casters", "shadowed", "visibility" },
   { "ylm.material", "matte", "ggx", "phong", "abc", "merl", "rgl", "tabulated" },
   { "ylm.camera", "camera" },

@@ -3,6 +3,7 @@
 #include "../binding.h"
 
 #include "ylm_emit.h"
+#include "ylm_geom.h"
 #include "ylm_grid.h"
 #include "ylm_image.h"
 #include "ylm_light.h"
@@ -44,6 +45,7 @@
   X(sh_lmax, YLM_LMAX)                                                                             \
   X(sh_product_factors, YLM_SH_PRODUCT_FACTORS)                                                    \
   X(sh_product_lmax, YLM_SH_PRODUCT_LMAX)                                                          \
+  X(sphere_set, YLM_SPHERE_SET)                                                                    \
   X(casters, YLM_CASTERS)                                                                          \
   X(sh_nodes_degree, YLM_SH_NODES_DEGREE)                                                          \
   X(sh_log_lmax, YLM_SH_LOG_LMAX)                                                                  \

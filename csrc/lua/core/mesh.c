@@ -221,6 +221,28 @@ static int mesh_triangles(lua_State *L) {
   return 1;
 }
 
+/* mesh_sphere_set(mesh, count, at double [count][3], radius double [count], progress) -> count, volume, outside, uncovered,
+   step */
+static int mesh_sphere_set(lua_State *L) {
+  const ylm_mesh *m = ylmL_mesh_check(L, 1);
+  size_t count = (size_t)luaL_checknumber(L, 2);
+  const ylmL_array *at = ylmL_array_check(L, 3), *radius = ylmL_array_check(L, 4);
+  ylm_error e = {YLM_OK, ""};
+  ylm_sphere_set set;
+  if (at->dtype != YLM_DOUBLE || radius->dtype != YLM_DOUBLE || at->count != 3 * count ||
+      radius->count != count)
+    return luaL_argerror(L, 3, "double arrays of another shape expected");
+  ylmL_progress progress;
+  const ylm_progress *report = ylmL_progress_begin(L, 5, &progress);
+  ylm_status s = ylm_mesh_sphere_set(m, count, at->data, radius->data, &set, report, &e);
+  lua_pushnumber(L, (lua_Number)set.count);
+  lua_pushnumber(L, set.volume);
+  lua_pushnumber(L, set.outside);
+  lua_pushnumber(L, set.uncovered);
+  lua_pushnumber(L, set.step);
+  return ylmL_result_progress(L, 5, s, &e, &progress);
+}
+
 static const luaL_Reg functions[] = {{"mesh_quad", mesh_quad},
                                      {"mesh_sphere", mesh_sphere},
                                      {"mesh_box", mesh_box},
@@ -237,6 +259,7 @@ static const luaL_Reg functions[] = {{"mesh_quad", mesh_quad},
                                      {"mesh_uvs", mesh_uvs},
                                      {"mesh_colours", mesh_colours},
                                      {"mesh_triangles", mesh_triangles},
+                                     {"mesh_sphere_set", mesh_sphere_set},
                                      {NULL, NULL}};
 
 void ylmL_open_mesh(lua_State *L) {

@@ -167,6 +167,7 @@ calls["sh.transfer"] = on(function() return { coefficients(1, 2)[1], coefficient
 end)
 calls["sh.product rule"] = on(function() return { coefficients(2, 2), coefficients(2, 2) } end,
   function(c) return ylm.sh.product(c[1], c[2], { rule = 3 }) end)
+calls["sphere_set"] = on(function() return ylm.box {} end, function(geometry) return ylm.sphere_set(geometry, { count = 1 }) end)
 calls["visibility by exponentials"] = on(function() return ylm.sphere_casters { at = { { 2, 0, 0 } }, radius = 1 } end,
   function(spheres) return ylm.visibility(1, spheres, points(3), { derivatives = 1, product = "exp", exp = "PS" }) end)
 calls["sh.circle_log"] = of(function()

@@ -8,6 +8,17 @@ end
 local closed = { { 1, 3, 2 }, { 1, 2, 4 }, { 2, 3, 4 }, { 3, 1, 4 } }
 
 return {
+  sphere_set = {
+    { call = function(ylm) ylm.sphere_set(5) end, says = "geometry must be a mesh or a shape, got 5" },
+    { call = function(ylm) ylm.sphere_set(ylm.quad { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 } }) end,
+      says = "the mesh has 4 edges that are open, or between triangles that turn opposite ways: what is inside of it?" },
+    { call = function(ylm) ylm.sphere_set(ylm.mesh { vertices = {}, triangles = {} }) end, says = "no triangles" },
+    { call = function(ylm)
+      ylm.sphere_set(ylm.mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 }, { 1, 3, 2 } } })
+    end, says = "the mesh encloses no volume" },
+    { call = function(ylm) ylm.sphere_set(ylm.box {}, { count = 4097 }) end, says = "count must be" },
+    { call = function(ylm) ylm.sphere_set(ylm.box {}, { spheres = 4 }) end, says = "spheres" },
+  },
   occluder = {
     { call = function(ylm) ylm.occluder {} end, says = "give geometry, a closed convex mesh, or radius" },
     { call = function(ylm) ylm.occluder { radius = 1, geometry = ylm.box {} } end, says = "give geometry or radius, not both" },
