@@ -47,6 +47,7 @@ struct ylm_grid {
   int top_shift;   /* lattice coordinate >> top_shift is a coordinate of the table */
   double scale[3]; /* lattice cells per scene unit */
 
+  struct frames *frames; /* for bakes like this one (bake/frames.c); NULL: it knows none */
   const struct follower *follower; /* NULL: the grid follows no lights */
   struct grid_dynamic *dynamic;    /* what the follower keeps (follow/follow.h) */
   bool updating;

@@ -140,6 +140,7 @@ void ylm_grid_free(ylm_grid *g) {
   ylm_free(g->table);
   ylm__lattice_hash_free(&g->hash);
   ylm_free(g->birth);
+  ylm_free(g->frames);
   if (g->follower) g->follower->free(g);
   ylm_free(g);
 }

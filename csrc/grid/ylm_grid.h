@@ -106,6 +106,8 @@ typedef struct ylm_grid_source {
   const ylm_grid_mesh *mesh;    /* [meshes]; a dynamic grid keeps a copy */
   uint64_t seed;                /* of the choice of held-out points */
   size_t max_points;            /* YLM_ELIMIT beyond; 0: no limit but memory */
+  const ylm_grid *like;         /* a grid of much the same light, whose bake this one goes on from:
+                                   estimates are those, and few points verify. NULL: none */
   int threads;                  /* 0: the default */
   const ylm_progress *progress; /* may be NULL */
 } ylm_grid_source;

@@ -162,5 +162,8 @@ ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress) {
   lua_getfield(L, 1, "reach");
   ylm_grid_reach *room = lua_newuserdata(L, sizeof *room); /* stays on the stack */
   s.reach = ylmL_grid_reach(L, -2, room);
+  lua_getfield(L, 1, "like"); /* the form keeps it */
+  if (!lua_isnil(L, -1)) s.like = ylmL_grid_check(L, lua_gettop(L));
+  lua_pop(L, 1);
   return s;
 }

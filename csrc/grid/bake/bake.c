@@ -27,6 +27,24 @@ ylm_status ylm__grid_no_room(ylm_status s, const ylm_grid_source *source, ylm_er
   return s;
 }
 
+/* The grid that a bake is to be like knows how, and is of such light. */
+static ylm_status check_like(const ylm_grid_form *form, const ylm_grid_source *s, ylm_error *e) {
+  const ylm_grid_form *f = &s->like->contents.form;
+  if (!s->like->frames)
+    return ylm_fail(e, YLM_EINVAL,
+                    "like: a grid expected that ylm.bake made by a tolerance, not dynamic, on the "
+                    "processor");
+  if (!(form->tolerance > 0) || form->dynamic || s->backend)
+    return ylm_fail(e, YLM_EINVAL,
+                    "like: is for grids with a tolerance, not dynamic, on the processor");
+  if (f->lmax != form->lmax || f->channels != form->channels || f->measure != form->measure)
+    return ylm_fail(
+        e, YLM_EINVAL,
+        "like: a grid of the same lmax, channels and measure expected: of lmax %d, got %d",
+        form->lmax, f->lmax);
+  return YLM_OK;
+}
+
 /* The voxels of the first level, from the back end as far as it knows. */
 static ylm_status occupy(baker *b, size_t *voxels) {
   uint64_t *code = NULL;
@@ -52,14 +70,18 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   *out = NULL;
   ylm_status s = ylm__grid_check_form(form, e);
   if (s == YLM_OK) s = ylm__grid_check_source(source, form->dynamic, e);
+  if (s == YLM_OK && source->like) s = check_like(form, source, e);
   if (s == YLM_OK && form->dynamic && source->backend)
     s = ylm_fail(e, YLM_EINVAL, "a grid is wanted that is not dynamic");
   if (s != YLM_OK) return s;
   baker b;
+  frames *before = source->like ? ylm_alloc_copy(source->like->frames, 1, sizeof *before) : NULL;
+  if (source->like && !before) return ylm__grid_no_room(YLM_ENOMEM, source, e);
   ylm_grid_form meant = *form;
   meant.quantity = source->field->quantity;
   ylm__baker_begin(&b, ylm__grid_new(&meant), source, e);
   s = b.g ? YLM_OK : YLM_ENOMEM;
+  b.before_this = before;
   if (s == YLM_OK && source->field->tells_validity && !source->backend) {
     b.g->validity = ylm_alloc(1, sizeof *b.g->validity);
     s = b.g->validity ? YLM_OK : YLM_ENOMEM;
@@ -70,6 +92,7 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   ylm__occupancy_free(&b.learnt.occupied);
   ylm__panel_free(&b.learnt.panel);
   ylm__baker_free(&b);
+  ylm_free(before);
   if (s != YLM_OK) {
     ylm_grid_free(b.g);
     return b.told ? s : ylm__grid_no_room(s, source, e);

@@ -31,6 +31,7 @@ typedef struct baker {
   ylm_grid_backend own;           /* the processor */
   ylm_grid_making making;
   learnt learnt;
+  const frames *before_this; /* of the bake that this one is like; NULL: of none */
   measure measure;
   const ylm_grid_surface *surface; /* of the source's meshes, where it is kept; or NULL */
   cell_list wave, next;            /* cells to decide about, their children that come next */
@@ -172,7 +173,7 @@ ylm_status ylm__beside_mark_uniform(const ylm_grid *g, const ylm_grid_source *s,
 /* Relative distance of two rows; 0 where both vanish. A norm below `floor` counts as that. */
 double ylm__row_distance(const float *a, const float *exact, size_t width, double floor);
 
-/* -- tolerance.c ---------------------------------------------------------------------------- */
+/* -- frames.c ------------------------------------------------------------------------------- */
 
 ylm_status ylm__tolerance_bake(baker *b);
 

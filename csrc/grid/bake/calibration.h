@@ -48,6 +48,19 @@
 #define BEYOND 1.001
 #define STEP 1.5
 
+/* -- frames: frames.c ------------------------------------------------------------------------ */
+
+/* Held-out points of a bake like another, and the part of them that may fail without a round of refinement. */
+#define FRAME_HELD 256
+#define FRAME_FAILS 0.02
+/* Ratios of which a bake in a row forgets half. */
+#define FRAME_RATIOS 8192
+/* Where more than ENOUGH of the last HELD_OUT points fail, the factor of estimates grows by the first for the next
+   bake; where fewer than FRAME_FEW do, it shrinks by the second. */
+#define FRAME_FEW 0.003
+#define FRAME_TIGHTER 1.05
+#define FRAME_LOOSER 0.98
+
 /* -- surfaces: held_surface.c -------------------------------------------------------------- */
 
 /* One held-out point in EXTRA is of a voxel, one of a triangle, of any area. Without triangles, a

@@ -9,6 +9,15 @@ typedef struct ratios {
   uint64_t count[256], n;
 } ratios;
 
+/* Knowledge of a bake that bakes like it go on with. */
+typedef struct frames {
+  ratios ratio;
+  double tight;
+  uint64_t bakes; /* in a row */
+  size_t n, next; /* errors that are known; the place of the oldest once there are HELD_OUT */
+  float error[HELD_OUT]; /* of the last held-out points */
+} frames;
+
 typedef struct learnt {
   occupancy occupied; /* which voxels hold shading points */
   /* Of a tolerance: */

@@ -84,7 +84,7 @@ ylm_status ylm__tolerance_again(refiner *r) {
   return s == YLM_OK ? ylm__tolerance_refine(r) : s;
 }
 
-/* -- the bake ---------------------------------------------------------------------------------- */
+/* -- what refinement needs --------------------------------------------------------------------- */
 
 /* The surface that held-out points are drawn on, if there is one. */
 static ylm_status find_surface(refiner *r) {
@@ -105,6 +105,7 @@ ylm_status ylm__tolerance_begin(refiner *r) {
   size_t row = b->g->stride + ROW_PADDING;
   b->choose = choose;
   b->chooser = r;
+  if (!r->most) r->most = HELD_OUT;
   b->row = ylm_alloc((size_t)ylm_threads(b->source->threads) * row, sizeof *b->row);
   r->points = ylm_alloc(HELD_OUT, 3 * sizeof *r->points);
   r->exact = ylm_alloc(HELD_OUT, b->g->width * sizeof *r->exact);
@@ -118,19 +119,6 @@ ylm_status ylm__tolerance_begin(refiner *r) {
   return s == YLM_OK && r->side ? ylm__sides_scale(r) : s;
 }
 
-static ylm_status run(refiner *r) {
-  bool limited = false;
-  ylm_status s = ylm__tolerance_refine(r);
-  for (uint64_t round = 1; s == YLM_OK; round++) {
-    r->b->g->stats.rounds = round;
-    s = ylm__verify(r, round);
-    if (s != YLM_OK || ylm__verify_satisfied(r, &limited) || round == MAX_ROUNDS) break;
-    s = ylm__tolerance_again(r);
-  }
-  if (s == YLM_OK) s = ylm__finish(r->b);
-  return s == YLM_OK ? ylm__panel_judge(r, limited) : s;
-}
-
 void ylm__tolerance_end(refiner *r) {
   r->b->choose = NULL;
   ylm_free(r->points);
@@ -141,17 +129,4 @@ void ylm__tolerance_end(refiner *r) {
   ylm_free(r->tested.cell);
   ylm_free(r->centre.cell);
   ylm_grid_surface_free(r->own);
-}
-
-ylm_status ylm__tolerance_bake(baker *b) {
-  bool biased = b->g->contents.form.bias > 0 && ylm__sides_wanted(b);
-  refiner r = {.b = b,
-               .tolerance = b->g->contents.form.tolerance,
-               .tight = biased ? FIRST_TIGHT_BIASED : FIRST_TIGHT};
-  ylm_status s = ylm__tolerance_begin(&r);
-  if (s == YLM_OK) s = run(&r);
-  ylm__tolerance_end(&r);
-  b->learnt.ratio = r.ratio;
-  b->learnt.tight = r.tight;
-  return s;
 }

@@ -25,6 +25,7 @@ typedef struct refiner {
       *side; /* [HELD_OUT][4] normals and the most that the bias may be; NULL: none are asked for */
   verdict *verdict;
   size_t held, verdicts;
+  size_t most;                     /* held-out points of a round, HELD_OUT at best */
   bool all;                        /* these are all the shading points there are */
   const ylm_grid_surface *surface; /* held-out points are drawn on; NULL: among shading points */
   ylm_grid_surface *own;           /* that surface where it is to be freed here */

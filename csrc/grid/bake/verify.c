@@ -10,8 +10,8 @@
 static ylm_status hold_out(refiner *r, uint64_t round) {
   const ylm_grid_source *s = r->b->source;
   const ylm_grid *g = r->b->g;
-  bool all = backend_has_shading(s) && s->occupied < HELD_OUT;
-  size_t n = all ? s->occupied : HELD_OUT;
+  bool all = backend_has_shading(s) && s->occupied < r->most;
+  size_t n = all ? s->occupied : r->most;
   r->all = all;
   ylm_rng rng;
   ylm_rng_seed(&rng, s->seed, round);

@@ -110,6 +110,12 @@ static ylm_status make_turns(const ylm_light_shadowed *s, const ylm_field_query 
   return status;
 }
 
+/* Points of a block: fewer where there are few, so that all threads have some. */
+static size_t grain_of(size_t n, int threads) {
+  size_t share = n / (2 * (size_t)ylm_threads(threads)), lanes = (share + 15) / 16 * 16;
+  return lanes < 16 ? 16 : lanes > SHADOW_BLOCK ? SHADOW_BLOCK : lanes;
+}
+
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                            const void *points, ylm_field_result *r, ylm_error *e) {
   const ylm_light_shadowed *s = f->self;
@@ -135,7 +141,7 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   if (status == YLM_OK) {
     j.w.nodes = tables->nodes;
     j.w.exponential = tables->exponential;
-    status = ylm_parallel(n, SHADOW_BLOCK, q->threads, run, &j, q->progress, "shadows");
+    status = ylm_parallel(n, grain_of(n, q->threads), q->threads, run, &j, q->progress, "shadows");
   }
   free_turns(s, j.w.turn);
   for (size_t i = 0; j.w.room && i < rooms; i++) ylm_free(j.w.room[i].at);
