@@ -46,10 +46,12 @@ CFLAGS  := -std=gnu11 -fPIC -fvisibility=hidden -fopenmp -fno-math-errno -fno-tr
 LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now -Wl,-z,nodelete $(if $(SANITIZE),,-Wl,-z,defs)
 
 pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
-CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng)
+# zlib comes with libpng; without its header pages are larger.
+ZLIB        := $(call pkg,--libs,zlib)
+CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng) $(if $(ZLIB),$(call pkg,--cflags,zlib) -DYLM_ZLIB)
 # OpenEXRCore has its version behind its name: -lOpenEXRCore-3_1, and OpenEXR 2 has none.
 OPENEXR     := $(filter -L% -lOpenEXRCore%,$(call pkg,--libs,OpenEXR))
-LIBS_codec   = $(OPENEXR) $(call pkg,--libs,libpng)
+LIBS_codec   = $(OPENEXR) $(call pkg,--libs,libpng) $(ZLIB)
 LIBS_scene   = $(EMBREE_DIR:%=-L%/lib) $(EMBREE_DIR:%=-Wl,-rpath,%/lib) -lembree$(EMBREE)
 CFLAGS_scene = -DYLM_EMBREE=$(EMBREE) $(EMBREE_DIR:%=-isystem %/include)
 

@@ -30,7 +30,7 @@ local ordered = { "grid/bake" }
 local reserved = {
   { "^lua%.h$", "lua" }, { "^lauxlib%.h$", "lua" }, { "^lualib%.h$", "lua" }, { "^luajit%.h$", "lua" },
   { "^vtk", "vtk" }, { "^EGL/", "vtk" }, { "^GL/", "vtk" }, { "^X11/", "vtk" },
-  { "^openexr", "codec" }, { "^OpenEXR", "codec" }, { "^png%.h$", "codec" },
+  { "^openexr", "codec" }, { "^OpenEXR", "codec" }, { "^png%.h$", "codec" }, { "^zlib%.h$", "codec" },
   { "^embree", "trace" }, { "^vulkan/", "vulkan" }, { "^mpi%.h$", "mpi" },
 }
 

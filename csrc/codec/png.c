@@ -9,7 +9,9 @@
 typedef struct state {
   const unsigned char *bytes;
   size_t size, at;
-  ylm_file *file;
+  ylm_file *file;         /* NULL: written to memory */
+  unsigned char *written; /* [room] */
+  size_t room;
   bool failed;
   char message[160];
 } state;
@@ -32,9 +34,23 @@ static void on_read(png_structp png, png_bytep out, size_t n) {
   s->at += n;
 }
 
+/* Appends to s->written. */
+static bool keep(state *s, const unsigned char *data, size_t n) {
+  if (n > s->room - s->size) {
+    size_t room = 2 * s->room + n + 4096;
+    unsigned char *more = ylm_realloc(s->written, s->size, room, 1);
+    if (!more) return false;
+    s->written = more;
+    s->room = room;
+  }
+  memcpy(s->written + s->size, data, n);
+  s->size += n;
+  return true;
+}
+
 static void on_write(png_structp png, png_bytep data, size_t n) {
   state *s = png_get_io_ptr(png);
-  s->failed = ylm_file_write(s->file, data, n) != YLM_OK;
+  s->failed = s->file ? ylm_file_write(s->file, data, n) != YLM_OK : !keep(s, data, n);
   if (s->failed) png_error(png, "cannot be written");
 }
 
@@ -186,37 +202,60 @@ static void write_all(png_structp png, png_infop info, const ylm_image *image,
   png_write_end(png, info);
 }
 
-ylm_status ylm__png_write(const ylm_image *image, const ylm_layer *layer, const char *path,
-                          const ylm_codec_options *o, ylm_error *e) {
-  if (o->bits != 0 && o->bits != 8 && o->bits != 16)
-    return ylm_fail(e, YLM_EINVAL, "%s: PNG has 8 or 16 bits, not %d", path, o->bits);
-  state st = {0};
+/* Writes a layer to st->file, or where that is NULL to st->written; false where libpng gave up. */
+static bool write_png(const ylm_image *image, const ylm_layer *layer, const ylm_codec_options *o,
+                      state *st) {
   size_t samples = (size_t)image->width * (size_t)layer->channels;
   float *tmp = ylm_alloc(samples, sizeof(float));
   unsigned char *row = ylm_alloc(samples, 2);
-  ylm_status s = YLM_OK;
-  if (!tmp || !row)
-    s = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
-  else
-    s = ylm_file_create(path, &st.file, e);
-  if (s == YLM_OK) {
-    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &st, on_error, on_warning);
+  snprintf(st->message, sizeof st->message, "memory ran out");
+  volatile bool ok = false;
+  if (tmp && row) {
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, st, on_error, on_warning);
     png_infop info = png ? png_create_info_struct(png) : NULL;
-    volatile bool ok = false;
     if (info && !setjmp(png_jmpbuf(png))) {
-      png_set_write_fn(png, &st, on_write, on_flush);
+      png_set_write_fn(png, st, on_write, on_flush);
       write_all(png, info, image, layer, o, tmp, row);
       ok = true;
     }
     png_destroy_write_struct(&png, &info);
-    if (ok || st.failed) {
-      s = ylm_file_commit(st.file, e); /* a failed write sticks to the file and is told here */
-    } else {
-      ylm_file_discard(st.file);
-      s = ylm_fail(e, YLM_ENOMEM, "%s: libpng: %s", path, info ? st.message : "memory ran out");
-    }
   }
   ylm_free(tmp);
   ylm_free(row);
-  return s;
+  return ok;
+}
+
+static ylm_status check_bits(const ylm_codec_options *o, const char *name, ylm_error *e) {
+  if (o->bits == 0 || o->bits == 8 || o->bits == 16) return YLM_OK;
+  return ylm_fail(e, YLM_EINVAL, "%s: PNG has 8 or 16 bits, not %d", name, o->bits);
+}
+
+ylm_status ylm__png_write(const ylm_image *image, const ylm_layer *layer, const char *path,
+                          const ylm_codec_options *o, ylm_error *e) {
+  state st = {0};
+  ylm_status s = check_bits(o, path, e);
+  if (s == YLM_OK) s = ylm_file_create(path, &st.file, e);
+  if (s != YLM_OK) return s;
+  if (write_png(image, layer, o, &st) || st.failed)
+    return ylm_file_commit(st.file, e); /* a failed write sticks to the file and is told here */
+  ylm_file_discard(st.file);
+  return ylm_fail(e, YLM_ENOMEM, "%s: libpng: %s", path, st.message);
+}
+
+ylm_status ylm_codec_png(const ylm_image *image, const ylm_codec_options *o, unsigned char **bytes,
+                         size_t *size, ylm_error *e) {
+  state st = {0};
+  *bytes = NULL;
+  *size = 0;
+  const ylm_layer *layer = ylm_image_find(image, o->layer);
+  if (!layer) return ylm_fail(e, YLM_EINVAL, "png: the image has no such layer");
+  ylm_status s = check_bits(o, "png", e);
+  if (s != YLM_OK) return s;
+  if (!write_png(image, layer, o, &st)) {
+    ylm_free(st.written);
+    return ylm_fail(e, YLM_ENOMEM, "png: libpng: %s", st.message);
+  }
+  *bytes = st.written;
+  *size = st.size;
+  return YLM_OK;
 }

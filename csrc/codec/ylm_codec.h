@@ -38,6 +38,30 @@ typedef struct ylm_codec_options {
 YLM_API ylm_status ylm_codec_write(const ylm_image *image, const char *path,
                                    const ylm_codec_options *options, ylm_error *e);
 
+/*
+** ylm_codec_png - one layer of an image as the bytes of a .png file; options of ylm_codec_write.
+**
+**   bytes  out  [*size], the caller frees them with ylm_free; NULL on failure
+**
+** Returns  YLM_OK; YLM_EINVAL (layer, bits), YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_codec_png(const ylm_image *image, const ylm_codec_options *options,
+                                 unsigned char **bytes, size_t *size, ylm_error *e);
+
+/*
+** ylm_codec_deflate, ylm_codec_inflate - a stream of zlib of bytes, and back.
+**
+**   out     out  [*packed], freed by ylm_free; NULL on failure. Of inflate [wanted]
+**   wanted  in   bytes that the stream has unpacked
+**
+** Returns  YLM_OK; YLM_ENOMEM, YLM_ELIMIT (more than 2 GiB), YLM_EFORMAT (damaged, or another
+**          size), YLM_EMISSING (built without zlib)
+*/
+YLM_API ylm_status ylm_codec_deflate(const unsigned char *bytes, size_t size, unsigned char **out,
+                                     size_t *packed, ylm_error *e);
+YLM_API ylm_status ylm_codec_inflate(const unsigned char *bytes, size_t size, size_t wanted,
+                                     unsigned char *out, ylm_error *e);
+
 typedef enum ylm_codec_kind {
   YLM_CODEC_NONE,
   YLM_CODEC_EXR,

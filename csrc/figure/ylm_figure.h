@@ -263,6 +263,51 @@ YLM_API ylm_status ylm_figure_save_shape(const char *path, const ylm_figure_shap
 YLM_API ylm_status ylm_figure_save_volume(const char *path, const ylm_figure_volume *v,
                                           const char *name, ylm_error *e);
 
+/* -- pages: lua/ylm/page ------------------------------------------------------ */
+
+typedef struct ylm_grid ylm_grid; /* ylm_grid.h */
+
+#define YLM_FIGURE_PAGE_WORDS 12 /* of a cell */
+
+/*
+** ylm_figure_page_cells - a grid's cells as a shader walks them.
+**
+**   cell  out  [cells][12]  child (0: none); level + 2^8 (it has eight corners) + 2^16 flags;
+**                           origin x + 2^16 y; origin z + 2^16 (estimated error, a half); corners
+*/
+YLM_API void ylm_figure_page_cells(const ylm_grid *g, uint32_t *cell);
+/* The cell of each voxel of a uniform grid, [z][y][x]; YLM_GRID_NONE: no data. */
+YLM_API void ylm_figure_page_table(const ylm_grid *g, uint32_t *cell);
+
+/* The power of two by which the largest of a grid's numbers comes to 2^14 .. 2^15, so that halves
+   hold the small ones. YLM_EDOMAIN: some number is not finite. */
+YLM_API ylm_status ylm_figure_page_exponent(const ylm_grid *g, int *exponent, ylm_error *e);
+/* Numbers of evaluated points times 2^exponent, [evaluated][channels * count][4]: value, d/dx, d/dy,
+   d/dz. */
+YLM_API void ylm_figure_page_rows(const ylm_grid *g, int exponent, float *row);
+/* Rows [n][width][4] with slopes in bytes: value [n][width]; scale [n][3], of each point's d/dx, d/dy,
+   d/dz; slope [n][width][3], -127 .. 127 times the scale. */
+YLM_API void ylm_figure_page_bytes(size_t n, size_t width, const float *row, float *value,
+                                   float *scale, int8_t *slope);
+
+/* Positions [n][3] as whole steps from the corner `lo` of a box, 0 .. 65535. */
+YLM_API void ylm_figure_page_positions(size_t n, const float *position, const double lo[3],
+                                       const double step[3], uint16_t *out);
+/* Unit normals [n][3] on an octahedron that is unfolded to a square, [n][2], -32767 .. 32767. */
+YLM_API void ylm_figure_page_normals(size_t n, const float *normal, int16_t *out);
+
+/*
+** ylm_figure_planes - the bytes of numbers, all lowest ones first, then the next.
+**
+**   n, bytes  in   numbers, and bytes of each: 1, 2 or 4
+**   columns   in   of a row; where not 0, each number less that a row before is written (wrapping)
+**   out       out  [bytes][n]
+*/
+YLM_API void ylm_figure_planes(size_t n, size_t bytes, size_t columns, const void *in,
+                               unsigned char *out);
+/* Bytes as base64, [(n + 2) / 3 * 4] characters without a final 0. */
+YLM_API void ylm_figure_base64(size_t n, const unsigned char *in, char *out);
+
 #ifdef __cplusplus
 }
 #endif

@@ -28,6 +28,7 @@
   X(figure)                                                                                        \
   X(figure_canvas)                                                                                 \
   X(figure_numbers)                                                                                \
+  X(figure_page)                                                                                   \
   X(figure_volume)                                                                                 \
   X(array_file)                                                                                    \
   X(array_math)                                                                                    \

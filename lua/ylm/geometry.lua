@@ -150,6 +150,23 @@ local function add_parts(entry, parts, set, fail)
   tell(entry, set, #emitters)
 end
 
+--- Entry -> how its mesh is made without subdivision, for shapes that then are the same surface.
+local plain_of = setmetatable({}, { __mode = "k" })
+
+--- The mesh of an entry, of flat shapes without subdivision; nil, message, code. Textures and colours of vertices keep theirs.
+function geometry.plain(entry)
+  local plain = plain_of[entry]
+  if not plain or entry.material and material.texture(entry.material) or core.mesh_colours(entry.mesh) then return entry.mesh end
+  local mesh, message, code = plain.make()
+  if not mesh then return nil, message, code end
+  if plain.transform then
+    local ok
+    ok, message, code = core.mesh_transform(mesh, plain.transform)
+    if not ok then return nil, message, code end
+  end
+  return mesh
+end
+
 --- Defines a shape: `make(values, fail)` returns a mesh (of a file also what parts_of_file returns), or nil, message, code;
 -- `triangles(values)` says beforehand how many there will be (scene files are bounded by it).
 local function shape(name, definition)
@@ -166,6 +183,7 @@ local function shape(name, definition)
     local entry = setmetatable({ mesh = mesh, material = values.material, occludes = values.occludes,
       sides = values.sides }, definition.metatable)
     if parts then add_parts(entry, parts, set, fail) end
+    if definition.plain then plain_of[entry] = { make = definition.plain(values), transform = transform } end
     local ok, message, code = place(name, entry, transform)
     if not ok then return nil, message, code end
     for _, part in ipairs(entry.parts or { entry }) do check_texture(part, fail) end
@@ -196,6 +214,10 @@ shape("quad", {
   make = function(q)
     return core.mesh_quad(q.corner, q.u, q.v, q.divide[1], q.divide[2])
   end,
+  plain = function(q)
+    local corner, u, v = q.corner, q.u, q.v
+    return function() return core.mesh_quad(corner, u, v, 1, 1) end
+  end,
   example = "quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, divide = 64 }",
 })
 
@@ -219,6 +241,10 @@ shape("box", {
   },
   triangles = function(v) return 12 * v.divide * v.divide end,
   make = function(b) return core.mesh_box(b.bounds[1], b.bounds[2], b.divide) end,
+  plain = function(b)
+    local lo, hi = b.bounds[1], b.bounds[2]
+    return function() return core.mesh_box(lo, hi, 1) end
+  end,
   example = "box { bounds = { { -1, 0, -1 }, { 1, 2, 1 } } }",
 })
 

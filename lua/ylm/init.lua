@@ -43,6 +43,9 @@ local tables = {
   vulkan = "ylm.vulkan",
 }
 
+-- grid:save of pages, which show scenes too.
+require("ylm.library").later.page = function(...) return require("ylm.page").save(...) end
+
 local home = {}
 for _, list in ipairs { contents, require "ylm.light.kinds" } do
   for _, entry in ipairs(list) do

@@ -28,6 +28,9 @@ function library.open(name, advice)
   return nil, advice:format(why), "EMISSING"
 end
 
+--- Functions that a module before them in the ladder calls, by name: lua/ylm/init.lua says where they are.
+library.later = {}
+
 local RIVAL = "this method, kept for comparison, needs libylm_rival: run make (or make install) again (%s)"
 
 --- The binding of libylm_rival, ylm.c.rival; or nil, message, code.

@@ -31,6 +31,46 @@ static int image_read(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
+/* Pushes bytes that C has allocated as a string, and frees them. */
+static int push_bytes(lua_State *L, ylm_status s, unsigned char *bytes, size_t n,
+                      const ylm_error *e) {
+  if (s == YLM_OK) lua_pushlstring(L, (const char *)bytes, n);
+  ylm_free(bytes);
+  return ylmL_result(L, 1, s, e);
+}
+
+/* image_png(image, tone name, stops) -> bytes of a .png of its first layer */
+static int image_png(lua_State *L) {
+  ylm_codec_options o = {.exposure = (double)luaL_checknumber(L, 3)};
+  unsigned char *bytes;
+  size_t n;
+  ylm_error e = {0};
+  if (!ylm_tone_find(luaL_checkstring(L, 2), &o.tone)) return ylmL_result(L, 0, YLM_EINVAL, NULL);
+  ylm_status s = ylm_codec_png(ylmL_image_check(L, 1), &o, &bytes, &n, &e);
+  return push_bytes(L, s, bytes, n, &e);
+}
+
+/* deflate(bytes) -> a stream of zlib */
+static int deflate(lua_State *L) {
+  size_t size, n;
+  const char *in = luaL_checklstring(L, 1, &size);
+  unsigned char *bytes;
+  ylm_error e = {0};
+  ylm_status s = ylm_codec_deflate((const unsigned char *)in, size, &bytes, &n, &e);
+  return push_bytes(L, s, bytes, n, &e);
+}
+
+/* inflate(a stream of zlib, bytes that it has unpacked) -> bytes */
+static int inflate(lua_State *L) {
+  size_t size, n = (size_t)luaL_checknumber(L, 2);
+  const char *in = luaL_checklstring(L, 1, &size);
+  unsigned char *out = lua_newuserdata(L, n ? n : 1);
+  ylm_error e = {0};
+  ylm_status s = ylm_codec_inflate((const unsigned char *)in, size, n, out, &e);
+  if (s == YLM_OK) lua_pushlstring(L, (const char *)out, n);
+  return ylmL_result(L, 1, s, &e);
+}
+
 /* -- image viewers ------------------------------------------------------------------------ */
 
 #define YLML_DISPLAY "ylm.display"
@@ -117,13 +157,12 @@ static int display_drop(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-static const luaL_Reg functions[] = {{"image_write", image_write},
-                                     {"image_read", image_read},
-                                     {"display_open", display_open},
-                                     {"display_send", display_send},
-                                     {"display_close", display_close},
-                                     {"display_drop", display_drop},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"image_write", image_write},   {"image_read", image_read},
+    {"image_png", image_png},       {"deflate", deflate},
+    {"inflate", inflate},           {"display_open", display_open},
+    {"display_send", display_send}, {"display_close", display_close},
+    {"display_drop", display_drop}, {NULL, NULL}};
 
 int luaopen_ylm_c_codec(lua_State *L) {
   ylmL_check_abi(L);

@@ -1,5 +1,5 @@
---- Turns outputs (nodes with names) into statements of C or GLSL; "shader" is GLSL for shaders/*.real.comp, whose
--- element type is `real` and whose outputs go where macros say.
+--- Turns outputs (nodes with names) into statements of C, GLSL or JavaScript; "shader" is GLSL for shaders/*.real.comp, whose
+-- element type is `real` and whose outputs go where macros say; "essl" is the GLSL of WebGL 2.
 --
 -- A node that is used more than once gets a temporary, in the order in which outputs need it; what
 -- is used once is written where it is used, unless the line grows too long.
@@ -22,6 +22,18 @@ local languages = {
     constant = function(text) return text end,
     pure = function(text) return text end,
     sqrt = "sqrt(%s)",
+  },
+  essl = {
+    temporary = "float %s = %s;",
+    constant = function(text) return text end,
+    pure = function(text) return text end,
+    sqrt = "sqrt(%s)",
+  },
+  js = {
+    temporary = "const %s = %s;",
+    constant = function(text) return text end,
+    pure = function(text) return text end,
+    sqrt = "Math.sqrt(%s)",
   },
   -- C for any element type F made of floats.
   element = {

@@ -1,5 +1,5 @@
---- A voxel's interpolant as 32 weights, once for C (csrc/grid/gen/interpolation.h) and once for GLSL
--- (shaders/gen/interpolation.glsl).
+--- A voxel's interpolant as 32 weights, once for C (csrc/grid/gen/interpolation.h), once for GLSL
+-- (shaders/gen/interpolation.glsl), and for pages in the GLSL of WebGL 2 and in JavaScript (ylm.codegen.page).
 --
 -- The interpolant is a sum over 8 corners of value, d/dx, d/dy, d/dz times a product of one
 -- function per axis. Per axis and end i = 0, 1 of the edge, at fraction t:
@@ -93,6 +93,26 @@ local languages = {
   },
 }
 
+-- WebGL 2 has unsigned numbers, and makes no unsigned one of 1.
+languages.essl = {}
+for key, value in pairs(languages.glsl) do languages.essl[key] = value end
+languages.essl.weight = "weight[at + %du] = %%s;"
+
+languages.js = {
+  names = { "INTERPOLATION === 0", "INTERPOLATION === 1" },
+  field = languages.glsl.field,
+  of_axis = languages.glsl.of_axis,
+  weight = "weight[%d] = %%s;",
+  plain = "%s",
+  about = "** INTERPOLATION: 0 Hermite, 1 Taylor, 2 linear. Weights go to weight[0 ..].",
+  axis = {},
+  values = { "function values(t, edge) {", "  const f = { l: [0, 0], s: [0, 0], k: [0, 0] };" },
+  slopes = { "function slopes(t, edge) {", "  const f = { l: [0, 0], s: [0, 0], k: [0, 0] }, rate = 1.0 / edge;" },
+  done = { "  return f;" },
+  corners = "function corner_weights(weight, x, y, z) {",
+  finish = {},
+}
+
 --- Does a node depend on t?
 local function varies(n)
   local yes = false
@@ -126,7 +146,7 @@ local function axis_function(out, name, language, functions, head)
   out[#out + 1] = ""
 end
 
---- The file's text in a language of emit: "element" (C) or "glsl".
+--- The file's text in a language of emit: "element" (C), "glsl", "essl" or "js".
 function interpolation.text(name)
   local language, outputs, nodes = languages[name], {}, {}
   local rows = interpolation.weights(expression.graph(), language.of_axis)

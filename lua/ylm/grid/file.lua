@@ -5,8 +5,26 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local grid_object = require "ylm.grid.object"
+local library = require "ylm.library"
 
 local grid_file = {}
+
+--- Options of pages, lua/ylm/page.
+grid_file.page_options = {
+  { "scene", "any", optional = true, about = ".html: the scene whose geometry, lamps and camera the page shows" },
+  { "title", "string", optional = true, about = ".html: default the scene's name" },
+  { "precision", "choice", of = { "half", "float", "byte" }, default = "half",
+    about = ".html: of the numbers at probes; 'byte': slopes in bytes, 0.63 of the size" },
+  { "exposure", "number", min = -20, max = 20, default = 0, unit = "stops", about = ".html: at first" },
+  { "tone", "choice", of = core.image_tones(), default = "srgb", about = ".html: tone curve at first" },
+  { "lamps", "boolean", default = true, about = ".html: whether the page has the scene's sphere lights" },
+  { "poster", "any", optional = true,
+    about = ".html: an image that is seen where the page cannot be drawn; default: rendered from the scene's camera; "
+      .. "false: none" },
+  { "size", "image_size", default = { 960, 540 }, unit = "pixels", about = ".html: of the poster that is rendered" },
+  { "limit", "number", above = 0, default = 32e6, unit = "bytes", about = ".html: of the file; a larger one is refused" },
+  form.threads,
+}
 
 local methods, open = grid_object.methods, grid_object.open
 
@@ -14,10 +32,15 @@ describe "grid:save" {
   about = "Writes the grid; the ending chooses the format. An existing file is replaced whole or not at all. Equal grids "
     .. "are equal bytes: times are not in the file.",
   arguments = {
-    { "path", "string", ".ylm (everything, checksummed; ylm.load reads it), .vtu (for ParaView)" },
+    { "path", "string", ".ylm (everything, checksummed; ylm.load reads it), .vtu (for ParaView), .html (a page that browsers "
+      .. "show without a network: docs/page.md)" },
+    { "options?", "table", "of .html" },
   },
-  returns = { { "ok", "boolean", "true" } },
-  errors = "raises on another ending; nil, message, code where the file cannot be written",
+  options = grid_file.page_options,
+  returns = { { "ok", "boolean", "true" }, { "report", "table", ".html: bytes of the file, poster, sections: bytes by name, "
+    .. "triangles, warnings: what the page does not show" } },
+  errors = "raises on another ending and bad options; nil, message, code where the file cannot be written, and of .html 'ELIMIT' "
+    .. "where it would be too large, 'EDOMAIN' where a number of the grid is not finite",
   example = [[
 local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
 local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 }, lamp)
@@ -30,11 +53,12 @@ function methods.save(g, path, given)
   if type(path) ~= "string" or path == "" or path:find("%z") then
     return check.bad(1, "save", "a path expected, got %s", check.describe(path))
   end
-  if given ~= nil then form.options(2, "save", {}, given) end
   local ending = path:lower():match("%.(%w+)$")
+  if ending == "html" then return library.later.page(g, path, given) end
+  if given ~= nil then form.options(2, "save", {}, given) end
   if ending == "ylm" then return check.result("save", core.grid_write(g, path)) end
   if ending == "vtu" then return require "ylm.grid.vtu".save(g, path) end
-  return check.bad(1, "save", "a path ending in .ylm or .vtu expected, got %s", check.describe(path))
+  return check.bad(1, "save", "a path ending in .ylm, .vtu or .html expected, got %s", check.describe(path))
 end
 
 --- The first bytes of a grid file.

@@ -256,6 +256,7 @@ calls["grid:points"] = on(grid, function(g) return g:points() end)
 calls["grid:cells"] = on(grid, function(g) return g:cells() end)
 calls["grid:locate"] = on(grid, function(g) return g:locate { 0, 0, 0 } end)
 calls["grid:save"] = on(function(keep) return grid(), keep "g.ylm" end, function(g, path) return g:save(path) end)
+calls["grid:save .html"] = on(function(keep) return grid(), keep "g.html" end, function(g, path) return g:save(path) end)
 calls["grid:save .vtu"] = on(function(keep) return grid(), keep "g.vtu" end, function(g, path) return g:save(path) end)
 local function few_cells(name, dering)
   return on(function(keep) return ylm.bake(uniform {}, few()), keep(name) end,

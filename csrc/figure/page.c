@@ -1,0 +1,145 @@
+/* page.c - grids and meshes as the bytes of a page. */
+#include <math.h>
+#include <string.h>
+
+#include "ylm_figure.h"
+#include "ylm_grid.h"
+#include "ylm_numbers.h"
+
+#define HALF_MOST 65504.0f
+
+/* A number as a half; beyond its range the largest. */
+static uint16_t half_of(float x) {
+  uint16_t h = 0;
+  if (x > HALF_MOST) x = HALF_MOST;
+  ylm_numbers_convert(YLM_FLOAT, YLM_FLOAT16, 1, &x, &h, NULL);
+  return h;
+}
+
+void ylm_figure_page_cells(const ylm_grid *g, uint32_t *cell) {
+  const ylm_grid_contents *v = ylm_grid_look(g);
+  for (size_t i = 0; i < v->cells; i++, cell += YLM_FIGURE_PAGE_WORDS) {
+    const ylm_grid_cell *c = &v->cell[i];
+    bool whole = true;
+    for (int k = 0; k < 8; k++) {
+      cell[4 + k] = c->corner[k];
+      whole &= c->corner[k] != YLM_GRID_NONE;
+    }
+    cell[0] = c->child;
+    cell[1] = c->level | (whole ? 1u << 8 : 0) | (uint32_t)c->flags << 16;
+    cell[2] = c->origin[0] | c->origin[1] << 16;
+    cell[3] = c->origin[2] | (uint32_t)half_of(c->error) << 16;
+  }
+}
+
+void ylm_figure_page_table(const ylm_grid *g, uint32_t *cell) {
+  const ylm_grid_contents *v = ylm_grid_look(g);
+  const uint32_t *n = v->resolution;
+  const double *b = v->form.bounds;
+  for (uint32_t z = 0; z < n[2]; z++)
+    for (uint32_t y = 0; y < n[1]; y++)
+      for (uint32_t x = 0; x < n[0]; x++) {
+        double p[3], at[3] = {x + 0.5, y + 0.5, z + 0.5};
+        for (int a = 0; a < 3; a++) p[a] = b[a] + (b[3 + a] - b[a]) * at[a] / n[a];
+        *cell++ = ylm_grid_locate(g, p, true, NULL);
+      }
+}
+
+ylm_status ylm_figure_page_exponent(const ylm_grid *g, int *exponent, ylm_error *e) {
+  const ylm_grid_contents *v = ylm_grid_look(g);
+  size_t width = (size_t)v->form.channels * (size_t)v->count;
+  float most = 0;
+  *exponent = 0;
+  for (size_t r = 0; r < 4 * v->evaluated; r++) {
+    const float *row = v->data + r * v->stride;
+    for (size_t i = 0; i < width; i++) {
+      float x = fabsf(row[i]);
+      if (!(x < INFINITY))
+        return ylm_fail(e, YLM_EDOMAIN, "point %zu of the grid has a number that is not finite",
+                        r / 4 + 1);
+      if (x > most) most = x;
+    }
+  }
+  int power;
+  frexpf(most, &power);
+  if (most > 0) *exponent = 15 - power;
+  return YLM_OK;
+}
+
+void ylm_figure_page_rows(const ylm_grid *g, int exponent, float *row) {
+  const ylm_grid_contents *v = ylm_grid_look(g);
+  size_t width = (size_t)v->form.channels * (size_t)v->count;
+  for (size_t p = 0; p < v->evaluated; p++)
+    for (size_t i = 0; i < width; i++)
+      for (size_t r = 0; r < 4; r++)
+        *row++ = ldexpf(v->data[(4 * p + r) * v->stride + i], exponent);
+}
+
+void ylm_figure_page_bytes(size_t n, size_t width, const float *row, float *value, float *scale,
+                           int8_t *slope) {
+  for (size_t p = 0; p < n; p++, row += 4 * width, scale += 3) {
+    for (size_t a = 0; a < 3; a++) {
+      float most = 0;
+      for (size_t i = 0; i < width; i++) most = fmaxf(most, fabsf(row[4 * i + a + 1]));
+      scale[a] = most / 127;
+    }
+    for (size_t i = 0; i < width; i++) {
+      *value++ = row[4 * i];
+      for (size_t a = 0; a < 3; a++)
+        *slope++ = (int8_t)(scale[a] > 0 ? lrintf(row[4 * i + a + 1] / scale[a]) : 0);
+    }
+  }
+}
+
+void ylm_figure_page_positions(size_t n, const float *position, const double lo[3],
+                               const double step[3], uint16_t *out) {
+  for (size_t i = 0; i < 3 * n; i++) {
+    double x = step[i % 3] > 0 ? ((double)position[i] - lo[i % 3]) / step[i % 3] : 0;
+    out[i] = (uint16_t)(x < 0 ? 0 : x > 65535 ? 65535 : x + 0.5);
+  }
+}
+
+void ylm_figure_page_normals(size_t n, const float *normal, int16_t *out) {
+  for (size_t i = 0; i < n; i++, normal += 3) {
+    double sum = 0, v[2];
+    for (int a = 0; a < 3; a++) sum += fabs((double)normal[a]);
+    for (int a = 0; a < 2; a++) v[a] = sum > 0 ? (double)normal[a] / sum : 0;
+    if (normal[2] < 0) { /* the lower half is folded outwards */
+      double x = v[0], y = v[1];
+      v[0] = copysign(1 - fabs(y), x);
+      v[1] = copysign(1 - fabs(x), y);
+    }
+    for (int a = 0; a < 2; a++) *out++ = (int16_t)lrint(32767 * v[a]);
+  }
+}
+
+/* Number i of `in`, of 1, 2 or 4 bytes. */
+static uint32_t number_at(const void *in, size_t bytes, size_t i) {
+  uint16_t two;
+  uint32_t four;
+  switch (bytes) {
+  case 1: return ((const uint8_t *)in)[i];
+  case 2: memcpy(&two, (const char *)in + 2 * i, sizeof two); return two;
+  default: memcpy(&four, (const char *)in + 4 * i, sizeof four); return four;
+  }
+}
+
+void ylm_figure_planes(size_t n, size_t bytes, size_t columns, const void *in, unsigned char *out) {
+  for (size_t i = 0; i < n; i++) {
+    uint32_t x = number_at(in, bytes, i);
+    if (columns && i >= columns) x -= number_at(in, bytes, i - columns);
+    for (size_t b = 0; b < bytes; b++) out[b * n + i] = (unsigned char)(x >> 8 * b);
+  }
+}
+
+void ylm_figure_base64(size_t n, const unsigned char *in, char *out) {
+  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (size_t i = 0; i < n; i += 3) {
+    uint32_t x = (uint32_t)in[i] << 16 | (i + 1 < n ? (uint32_t)in[i + 1] << 8 : 0) |
+                 (i + 2 < n ? in[i + 2] : 0);
+    *out++ = digits[x >> 18];
+    *out++ = digits[x >> 12 & 63];
+    *out++ = i + 1 < n ? digits[x >> 6 & 63] : '=';
+    *out++ = i + 2 < n ? digits[x & 63] : '=';
+  }
+}

@@ -1,0 +1,79 @@
+--- ylm page scene.lua -o room.html
+
+local report = require "ylm.cli.report"
+local status = require "ylm.cli.status"
+
+local TOLERANCE = 0.05 -- of a bake that nobody asked for otherwise
+local PRECISIONS = { half = true, float = true, byte = true }
+
+--- The probes to bake: those of the scene, with the tolerance and depth of the command line.
+local function probes_of(ylm, scene, given)
+  local own = scene.probes
+  if own and not given.tolerance and not given.depth then return own end
+  return ylm.adaptive_grid { lmax = own and own.lmax or 4, channels = own and own.channels or "rgb",
+    bounds = own and own.bounds, tolerance = given.tolerance or own and own.tolerance or TOLERANCE,
+    depth = given.depth or own and own.depth }
+end
+
+local function load_grid(ylm, path) return status.need_kind("ylm.grid", "a grid", path, ylm.load(path)) end
+
+--- The grid of a page and its scene, which a grid alone has not.
+local function things_of(ylm, given)
+  local path = given[1]
+  if path:lower():find "%.ylm$" then
+    if given.grid then status.stop(status.usage, "page: %s is a grid already: leave --grid out, or name a scene", path) end
+    for _, name in ipairs { "tolerance", "depth" } do
+      if given[name] then status.stop(status.usage, "page: --%s is of a bake, %s is baked: leave it out", name, path) end
+    end
+    return load_grid(ylm, path)
+  end
+  if given.grid and (given.tolerance or given.depth) then
+    status.stop(status.usage, "page: --%s is of a bake, --grid is baked: leave one out", given.depth and "depth" or "tolerance")
+  end
+  local scene = status.need_scene(ylm.load_scene(path))
+  if given.grid then return load_grid(ylm, given.grid), scene end
+  return status.need(scene:bake { probes = probes_of(ylm, scene, given), threads = given.threads,
+    occupied = #scene.geometry > 0 and "surfaces" or "everywhere", progress = report.progress(given) }), scene
+end
+
+return {
+  summary = "a grid and its scene as one HTML file that browsers show without a network",
+  usage = "SCENE.lua | GRID.ylm -o PAGE.html",
+  least = 1,
+  options = {
+    { "output", "-o", "FILE", "the page (.html)" },
+    { "grid", "-g", "FILE", "a grid baked before; default: the scene's probes are baked on its surfaces" },
+    { "tolerance", nil, "N", "of the bake, instead of the scene's probes'; default 0.05 where the scene has none" },
+    { "depth", nil, "N", "of the bake: the finest level" },
+    { "precision", nil, "NAME", "half (default), float, or byte: 0.63 of the size" },
+    { "title", nil, "TEXT", "default: the scene's name" },
+    { "exposure", nil, "N", "at first, in stops" },
+    { "tone", nil, "NAME", "tone curve at first: srgb (default), linear, reinhard, hable, aces" },
+    { "size", "-s", "WxH", "of the poster, which is seen where the page cannot be drawn" },
+    { "no-poster", nil, nil, "none is rendered" },
+    { "limit", nil, "N", "bytes of the file, default 32e6: a larger one is refused" },
+    { "strict", nil, nil, "exit status 6 where a warning is given; the page is written" },
+    { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
+  },
+  run = function(given)
+    local ylm = require "ylm"
+    if not given.output then status.stop(status.usage, "page: -o FILE says where the page goes") end
+    status.need_output("page", given.output, "html")
+    if given.precision and not PRECISIONS[given.precision] then
+      status.stop(status.usage, "page: --precision is half, float or byte, got '%s'", given.precision)
+    end
+    local grid, scene = things_of(ylm, given)
+    local poster
+    if given["no-poster"] then poster = false end
+    local _, made = status.need(grid:save(given.output, { scene = scene, title = given.title, precision = given.precision,
+      exposure = given.exposure, tone = given.tone, size = given.size, poster = poster, limit = given.limit,
+      threads = given.threads }))
+    local stats = grid.stats
+    local results = { bytes = made.bytes, poster = made.poster, points = stats.points, cells = stats.cells,
+      triangles = made.triangles, sections = made.sections, warnings = made.warnings, met = stats.met }
+    report.print(given, results, report.names(results, { "bytes", "points", "cells", "triangles" }))
+    local all = { stats.warning }
+    for _, sentence in ipairs(made.warnings) do all[#all + 1] = sentence end
+    return status.of_warnings(given, all)
+  end,
+}

@@ -1,0 +1,291 @@
+--- Pages: a grid, its scene and a viewer in one HTML file, for grid:save.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local form = require "ylm.form"
+local grid_file = require "ylm.grid.file"
+local image = require "ylm.image"
+local light = require "ylm.light"
+local memory = require "ylm.memory"
+local pack = require "ylm.page.pack"
+require "ylm.render.options" -- the type image_size
+local template = require "ylm.page.gen.template"
+local text = require "ylm.text"
+local vector = require "ylm.vector"
+local warning = require "ylm.warning"
+
+local page = {}
+
+local MOST_LMAX = 8
+local MOST_TEXELS = 2 ^ 24       -- of rows: 4096 x 4096
+local MOST_LAMPS = 4096          -- of the exact picture
+local MOST_VOXELS = 2 ^ 24
+local PALETTE = 16
+
+-- Facts ------------------------------------------------------------------------------------
+
+--- A camera that sees a box whole: from, at, up, fov.
+local function camera_of(bounds)
+  local lo, hi, at, far = bounds[1], bounds[2], {}, 0
+  for a = 1, 3 do
+    at[a] = (lo[a] + hi[a]) / 2
+    far = far + (hi[a] - lo[a]) ^ 2
+  end
+  far = 1.4 * math.sqrt(far)
+  return { at[1] + 0.6 * far, at[2] + 0.4 * far, at[3] + 0.7 * far, at[1], at[2], at[3], 0, 1, 0, 40 }
+end
+
+local function numbers_of(camera)
+  local up = vector.unit(camera.up)
+  return { camera.from[1], camera.from[2], camera.from[3], camera.at[1], camera.at[2], camera.at[3], up[1], up[2], up[3],
+    camera.fov }
+end
+
+--- The sphere lights of a scene as rows of seven numbers, and the number of its other lights; nil, message, code.
+local function lamps_of(scene)
+  local rows, others = {}, 0
+  for _, one in ipairs(scene.lights) do
+    local kind = form.kind(one)
+    if kind ~= "sphere_light" and kind ~= "sphere_lights" then others = others + 1 end
+  end
+  if #scene.lights == 0 then return rows, others end
+  local packed, message, code = light.pack(1, "save", scene.lights)
+  if not packed then return nil, message, code end
+  local at, radius, radiance = light.arrays(packed)
+  at, radius, radiance = at:totable(), radius:totable(), radiance:totable()
+  for i, r in ipairs(radius) do
+    if r > 0 then
+      local p, c = at[i], radiance[i]
+      rows[#rows + 1] = { p[1], p[2], p[3], r, c[1], c[2], c[3] }
+    end
+  end
+  return rows, others
+end
+
+--- Why the lamps alone do not make the light of the grid at a pixel; nil: they do.
+local function no_exact(grid, scene, lamps, others)
+  if not scene then return "the page knows no lamps" end
+  if grid.quantity ~= "lights" then
+    return ("the grid holds %s light, with shadows that the lamps alone do not make"):format(grid.quantity)
+  end
+  if others > 0 then return ("%d of the scene's lights are no spheres"):format(others) end
+  if #lamps == 0 then return "the scene has no lamps" end
+  if #lamps > MOST_LAMPS then return ("%d lamps, at most %d can be summed at every pixel"):format(#lamps, MOST_LAMPS) end
+end
+
+--- Logarithms of the least and the largest estimated error of leaves above 0.
+local function range_of(grid)
+  local cells = grid:cells()
+  local errors, leaf, least, most = cells.error, cells.leaf, math.huge, 0
+  for i = 1, #leaf do
+    local x = errors[i]
+    if leaf[i] == 1 and x > 0 and x < math.huge then least, most = math.min(least, x), math.max(most, x) end
+  end
+  if most == 0 then return { 0, 1 } end
+  least = math.max(least, most * 1e-4)
+  return { math.log(least), math.log(math.max(most, least * 1.001)) }
+end
+
+local function palette()
+  local list = {}
+  for i = 1, PALETTE do list[i] = { core.colourmap_at("viridis", (i - 1) / (PALETTE - 1)) } end
+  return list
+end
+
+-- Checks -------------------------------------------------------------------------------------
+
+--- Facts about a grid that fits into a page; nil, message, code where none of it does.
+local function facts_of(grid)
+  if grid.lmax > MOST_LMAX then
+    return nil, ("page: lmax %d needs %d numbers a corner of a cell and channel; bake with lmax <= %d"):format(grid.lmax,
+      (grid.lmax + 1) ^ 2, MOST_LMAX), "ELIMIT"
+  end
+  local names = { "cells", "octree", "points", "evaluated", "channels", "count", "exponent" }
+  local found, facts = { core.page_facts(grid) }, {}
+  for i, name in ipairs(names) do facts[name] = found[i] end
+  if not facts.exponent then return nil, "page: " .. found[8], found[9] end
+  if facts.points * facts.channels * facts.count > MOST_TEXELS then
+    return nil, ("page: %d points at lmax %d in %d channels are too many for a page: at most %d; bake with a coarser tolerance "
+      .. "or a lower lmax"):format(facts.points, grid.lmax, facts.channels,
+      math.floor(MOST_TEXELS / facts.channels / facts.count)), "ELIMIT"
+  end
+  local n = grid.resolution
+  if grid.kind == "uniform" and n[1] * n[2] * n[3] > MOST_VOXELS then
+    return nil, ("page: %d x %d x %d voxels are too many for a page: at most 2^24"):format(n[1], n[2], n[3]), "ELIMIT"
+  end
+  return facts
+end
+
+--- make() with warnings kept from the user: the page says its own.
+local function silently(make)
+  local before = warning.on_warning(false)
+  local ok, a, b, c = memory.pcall(make)
+  warning.on_warning(before)
+  if not ok then error(a, 0) end
+  return a, b, c
+end
+
+--- The picture that is seen until, and where, the viewer does not run: bytes of a .png, and the part of its light that passes
+-- occluders where that is known; nil: there is none; or nil, message, code.
+local function poster_of(grid, o)
+  if o.poster == false or not (o.poster or o.scene and o.scene.camera and #o.scene.geometry > 0) then return nil end
+  local codec, message, code = image.codec()
+  if not codec then return nil, message, code end
+  local picture, report = o.poster, nil
+  if not picture then
+    picture, report, code = silently(function()
+      return o.scene:render { grid = grid, size = o.size, samples = 4, gloss = "matte",
+        visibility = grid.quantity == "lights" and "none" or nil, threads = o.threads }
+    end)
+    if not picture then return nil, report, code end
+  end
+  local bytes
+  bytes, message, code = codec.image_png(picture, o.tone, o.exposure)
+  if not bytes then return nil, message, code end
+  return bytes, report and report.occlusion and report.occlusion.passing
+end
+
+-- The file -------------------------------------------------------------------------------------
+
+local entities = { ["<"] = "&lt;", [">"] = "&gt;", ["&"] = "&amp;", ['"'] = "&quot;" }
+
+--- Words @LIKE_THIS@ of a text replaced.
+local function filled(source, words)
+  return (source:gsub("@([%u_]+)@", function(word) return words[word] end))
+end
+
+local function joined(degrees, lmax)
+  local out = {}
+  for l = 0, lmax do out[#out + 1] = degrees[l] end
+  return table.concat(out)
+end
+
+local function shaders(lmax)
+  local harmonics = "void harmonics(float x, float y, float z, float g, float o) {\n" .. joined(template.harmonics_essl, lmax)
+    .. "}\n"
+  local list = {
+    { "cells-glsl", template.cells_essl }, { "interpolation-glsl", template.interpolation_essl },
+    { "harmonics-glsl", harmonics }, { "walk-glsl", template.walk }, { "surface-vertex", template.surface_vertex },
+    { "surface-fragment", template.surface }, { "edge-vertex", template.edge_vertex }, { "flat-fragment", template.flat },
+    { "lamp-vertex", template.lamp_vertex }, { "lamp-fragment", template.lamp },
+    { "resolve-vertex", template.resolve_vertex }, { "resolve-fragment", template.resolve },
+  }
+  for i, one in ipairs(list) do
+    list[i] = ('<script id="%s" type="text/plain">\n%s</script>'):format(one[1], one[2])
+  end
+  return table.concat(list, "\n")
+end
+
+local function html(meta, data, poster, lmax)
+  return filled(template.page, {
+    VERSION = meta.version, TITLE = (meta.title:gsub('[<>&"]', entities)), STYLE = template.style,
+    POSTER = poster and ('<img id="poster" alt="" src="data:image/png;base64,%s">'):format(core.page_base64(poster)) or "",
+    META = pack.json(meta), DATA = data, SHADERS = shaders(lmax),
+    SCRIPT = (template.viewer:gsub("/%*@INTERPOLATION@%*/", function() return template.interpolation_js end)),
+  })
+end
+
+--- The parts of the scene that the page leaves out, a sentence each.
+local function shortcomings(o, others, counts, passing)
+  local list = {}
+  if passing and passing >= 0.01 then
+    list[#list + 1] = ("page: %.0f %% of the light passes occluders, since the grid's lights have no shadows: bake parts = "
+      .. "'direct' or 'all' (ylm bake --parts all, ylm page --grid) for these"):format(100 * passing)
+  end
+  if others > 0 and o.lamps then
+    list[#list + 1] = ("page: %d of the scene's lights are no spheres: their light is in the grid, they are not drawn"):format(
+      others)
+  end
+  if counts and counts.glossy > 0 then
+    list[#list + 1] = ("page: %d surfaces gloss: a page shades them matte, with their mean albedo"):format(counts.glossy)
+  end
+  return list
+end
+
+local function stats_of(grid)
+  local s = grid.stats
+  return { points = s.points, cells = s.cells, tolerance = grid.tolerance, error = s.error, met = s.met,
+    metric = grid.kind == "adaptive" and grid.metric or nil }
+end
+
+--- The facts of a page that do not depend on its sections.
+local function meta_of(grid, facts, o, lamps, others)
+  local lo, hi, n, unit, cosine = grid.bounds[1], grid.bounds[2], grid.resolution, {}, {}
+  for a = 1, 3 do unit[a] = (hi[a] - lo[a]) / n[a] end
+  for l = 0, grid.lmax do cosine[l + 1] = core.sh_cosine_factor(l) end
+  local scene = o.scene
+  return { ylm = 1, version = (core.info()), title = o.title or scene and scene.name or "Grid",
+    bounds = { lo[1], lo[2], lo[3], hi[1], hi[2], hi[3] }, unit = unit, resolution = { n[1], n[2], n[3] },
+    depth = grid.kind == "adaptive" and grid.depth or 0, kind = grid.kind, lmax = grid.lmax, channels = facts.channels,
+    quantity = grid.quantity, bias = grid.bias or 0,
+    counts = { cells = facts.cells, octree = facts.octree, points = facts.points, evaluated = facts.evaluated },
+    exponent = facts.exponent, precision = o.precision, cosine = cosine,
+    camera = scene and scene.camera and numbers_of(scene.camera) or camera_of(grid.bounds),
+    background = scene and scene.background or { 0.02, 0.02, 0.02 }, lamps = o.lamps and lamps or {},
+    no_exact = no_exact(grid, scene, o.lamps and lamps or {}, others), exposure = o.exposure, tone = o.tone,
+    palette = palette(), range = range_of(grid), stats = stats_of(grid) }
+end
+
+--- Raises where options do not fit; settles them.
+local function settle(given)
+  local o = form.options(2, "save", grid_file.page_options, given)
+  if o.scene ~= nil and not (type(o.scene) == "table" and type(o.scene.geometry) == "table" and o.scene.lights) then
+    return check.bad(2, "save", "scene must be a scene, got %s", check.describe(o.scene))
+  end
+  if o.poster ~= nil and o.poster ~= false and core.type(o.poster) ~= "ylm.image" then
+    return check.bad(2, "save", "poster must be an image, or false for none, got %s", check.describe(o.poster))
+  end
+  if o.title then o.title = text.shown(o.title) end
+  return o
+end
+
+local function refuse_size(bytes, o, blob)
+  local rows = (blob.by_name.rows or 0) + (blob.by_name.values or 0) + (blob.by_name.slopes or 0)
+  local hint = o.precision ~= "byte" and "; precision = 'byte' needs about 0.6 of the light's" or ""
+  return nil, ("page: %.1f MB, the limit is %.1f MB: %.1f MB of light, %.1f MB of meshes%s; bake with a coarser tolerance or a "
+    .. "lower lmax, or raise limit"):format(bytes / 1e6, o.limit / 1e6, rows * 4 / 3e6, (blob.bytes - rows) * 4 / 3e6, hint),
+    "ELIMIT"
+end
+
+--- Packs and writes; true and a report, or nil, message, code.
+local function write(grid, path, o)
+  local facts, message, code = facts_of(grid)
+  if not facts then return nil, message, code end
+  local lamps, others = {}, 0
+  if o.scene then
+    lamps, others, code = lamps_of(o.scene)
+    if not lamps then return nil, others, code end
+  end
+  local meta, blob = meta_of(grid, facts, o, lamps, others), pack.blob()
+  local counts
+  pack.grid(blob, grid, facts, o.precision)
+  if o.scene then
+    meta.mesh, counts, code = pack.meshes(blob, o.scene)
+    if not meta.mesh and counts then return nil, counts, code end
+  end
+  if blob.bytes * 4 / 3 > o.limit then return refuse_size(blob.bytes * 4 / 3, o, blob) end
+  meta.sections = blob.sections
+  local poster, found
+  poster, found, code = poster_of(grid, o)
+  if not poster and found and code ~= "EMISSING" then return nil, found, code end
+  local warnings = shortcomings(o, others, counts, poster and found)
+  if not poster and found then warnings[#warnings + 1] = "page: without a poster: " .. found end
+  local bytes = html(meta, blob.base64(), poster, grid.lmax)
+  if #bytes > o.limit then return refuse_size(#bytes, o, blob) end
+  local ok
+  ok, message, code = check.result("save", core.file_save(path, bytes))
+  if not ok then return nil, message, code end
+  for i, sentence in ipairs(warnings) do warning.say(o.scene or grid, "page " .. i, "%s", sentence) end
+  return true, { bytes = #bytes, poster = poster and #poster or 0, sections = blob.by_name, warnings = warnings,
+    triangles = counts and counts.triangles or 0 }
+end
+
+--- grid:save of a path that ends in .html.
+function page.save(grid, path, given)
+  local o = settle(given)
+  local ok, message, code = core.file_probe(path)
+  if not ok then return check.result("save", nil, message, code) end
+  return write(grid, path, o)
+end
+
+return page

@@ -1,0 +1,326 @@
+-- Pages: what is in the file, read by a second decoder, and what a browser shows of it.
+
+local browser = require "spec.support.browser"
+local long = require "spec.support.long"
+local scratch = require "spec.support.scratch"
+local ylm = require "ylm"
+
+local function lacks_parts()
+  local parts = " " .. table.concat(ylm.info().parts, " ") .. " "
+  return not (parts:find " codec " and parts:find " scene ")
+end
+
+local function small(title)
+  return ylm.scene(title or "A floor") {
+    camera = ylm.camera { from = { 2.2, 1.6, 2.4 }, at = { 0, 0.3, 0 }, fov = 45 },
+    geometry = {
+      ylm.quad { corner = { -1.5, 0, 1.5 }, u = { 3, 0, 0 }, v = { 0, 0, -3 }, divide = 8,
+        material = ylm.matte { albedo = { 0.7, 0.6, 0.5 } } },
+      ylm.sphere { at = { 0.2, 0.4, 0 }, radius = 0.4, divide = { 32, 16 }, material = ylm.matte { albedo = 0.8 } },
+    },
+    lights = { ylm.sphere_light { at = { -0.6, 0.5, 0.5 }, radius = 0.1, radiance = { 14, 11, 8 } },
+      ylm.sphere_light { at = { 0.8, 0.9, -0.3 }, radius = 0.08, radiance = { 6, 9, 16 } } },
+    probes = ylm.adaptive_grid { lmax = 4, depth = 4, tolerance = 0.05 },
+  }
+end
+
+describe("a page", function()
+  local folder, scene, grid, path
+  local said = ylm.on_warning(false)
+
+  setup(function()
+    if lacks_parts() then return end
+    folder, scene = scratch.new(), small()
+    grid = assert(scene:bake())
+    path = folder.path .. "/a.html"
+    assert(grid:save(path, { scene = scene, size = { 64, 36 } }))
+  end)
+  teardown(function()
+    ylm.on_warning(said)
+    if folder then folder:remove() end
+  end)
+
+  local function needs_parts()
+    if lacks_parts() then pending "libylm_codec or libylm_scene is not built" end
+  end
+
+  it("holds the grid's numbers as halves, and its cells, as a second decoder reads them", function()
+    needs_parts()
+    local page = require "spec.support.page".read(path)
+    local meta, s = page.meta, page.sections
+    assert.equal(0, page.left)
+    local points, cells = grid:points(), grid:cells { added = true }
+    local width, n = 3 * 25, meta.counts.evaluated
+    assert.equal(n * width * 4, #s.rows)
+    local half = ylm.array({ 0 }, "float16")
+    local scale, largest = 2 ^ meta.exponent, 0
+    for p = 1, n, 7 do
+      for i = 0, width - 1 do
+        local c, k = math.floor(i / 25) + 1, i % 25 + 1
+        for r = 0, 3 do
+          local x = r == 0 and points.value:get(p, c, k) or points.gradient:get(p, c, k, r)
+          half[1] = x * scale
+          assert.equal(half[1], s.rows[((p - 1) * width + i) * 4 + r + 1])
+        end
+      end
+    end
+    for i = 1, #s.rows do largest = math.max(largest, math.abs(s.rows[i])) end
+    assert(largest >= 2 ^ 14 and largest <= 2 ^ 15)
+    assert.equal(12 * #cells.level, #s.cells)
+    for i = 1, #cells.level do
+      assert.equal(cells.level[i], s.cells[12 * i - 10] % 256)
+      for k = 1, 8 do
+        local row = cells.corners:get(i, k)
+        assert.equal(row == 0 and 2 ^ 32 - 1 or row - 1, s.cells[12 * i - 8 + k])
+      end
+    end
+    assert(meta.counts.points > n, "the grid has no points of continuity")
+  end)
+
+  it("holds the meshes within 2^-16 of their box, flat ones undivided, and the lamps", function()
+    needs_parts()
+    local page = require "spec.support.page".read(path)
+    local s, m = page.sections, page.meta.mesh
+    local ball = scene.geometry[2].mesh
+    assert.equal(3 * (2 + #ball), #s.triangles)
+    local positions, normals, first = ball:vertices(), ball:normals(), #s.positions / 3 - #ball:vertices()
+    for i = 1, #positions do
+      local v = { s.normals[2 * (first + i) - 1] / 32767, s.normals[2 * (first + i)] / 32767 }
+      v[3] = 1 - math.abs(v[1]) - math.abs(v[2])
+      if v[3] < 0 then
+        local x, y = v[1], v[2]
+        v[1], v[2] = (1 - math.abs(y)) * (x < 0 and -1 or 1), (1 - math.abs(x)) * (y < 0 and -1 or 1)
+      end
+      local length = math.sqrt(v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2)
+      for a = 1, 3 do
+        local x = m.lowest[a] + m.step[a] * s.positions[3 * (first + i - 1) + a]
+        assert.near(positions:get(i, a), x, 0.51 * m.step[a] + 1e-6)
+        assert.near(normals:get(i, a), v[a] / length, 1.2e-4)
+      end
+    end
+    assert.near(0.6, s.albedo[2] / 65535, 1e-5)
+    assert.same({ -0.6, 0.5, 0.5, 0.1, 14, 11, 8 }, page.meta.lamps[1])
+    assert.equal(grid.stats.points, page.meta.stats.points)
+  end)
+
+  it("asks for nothing from elsewhere, and says so in its policy", function()
+    needs_parts()
+    local text = scratch.text(path)
+    assert.truthy(text:find("content=\"default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+      .. "img-src data:\"", 1, true))
+    text = text:gsub('<script id="data".-</script>', ""):gsub('base64,[%w+/=]*"', '"')
+    for _, word in ipairs { "http:", "https:", "import ", "fetch(", "XMLHttp", "WebSocket", "url(" } do
+      assert.falsy(text:find(word, 1, true), word)
+    end
+    for source in text:gmatch 'src="([^"]*)' do assert.truthy(source:find "^data:") end
+    assert.falsy(text:find "[\r\239]")
+  end)
+
+  it("keeps slopes in bytes within 1/254 of a point's largest, at 0.63 of the size", function()
+    needs_parts()
+    local other = folder.path .. "/byte.html"
+    local ok, report = grid:save(other, { scene = scene, precision = "byte", poster = false })
+    assert(ok, report)
+    local page, halves = require "spec.support.page".read(other), require "spec.support.page".read(path)
+    local s, width = page.sections, 75
+    for p = 0, page.meta.counts.evaluated - 1, 11 do
+      for i = 0, width - 1 do
+        local at = p * width + i
+        assert.equal(halves.sections.rows[4 * at + 1], s.values[at + 1])
+        for a = 1, 3 do
+          local scale = s.scales[3 * p + a]
+          local x = s.slopes[3 * at + a] * scale
+          assert.near(halves.sections.rows[4 * at + a + 1], x, 0.51 * scale + math.abs(x) * 2 ^ -10 + 1e-6)
+        end
+      end
+    end
+  end)
+
+  it("shows titles as text", function()
+    needs_parts()
+    local other, title = folder.path .. "/title.html", '</script><script>alert(1)</script> "&\226\128\168'
+    assert(grid:save(other, { scene = scene, title = title, poster = false }))
+    local text = scratch.text(other)
+    assert.falsy(text:find("alert(1)</script>", 1, true))
+    assert.falsy(text:find("\226\128\168", 1, true))
+  end)
+
+  it("is refused, with what to change, where it cannot be; a file of that name stays", function()
+    needs_parts()
+    local before = scratch.text(path)
+    local function refused(words, code, g, options)
+      local ok, message, why = g:save(path, options)
+      assert.falsy(ok)
+      assert.equal(code, why)
+      assert.truthy(message:find(words, 1, true), message)
+      assert.equal(before, scratch.text(path))
+    end
+    local high = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 1, lmax = 9 }, scene.lights)
+    refused("lmax 9 needs 100 numbers a corner of a cell and channel; bake with lmax <= 8", "ELIMIT", high)
+    refused("MB of light", "ELIMIT", grid, { scene = scene, limit = 1e4 })
+    assert.has_error(function() grid:save(path, { scene = 1 }) end)
+    assert.has_error(function() grid:save(path, { poster = "x" }) end)
+    assert.has_error(function() grid:save(path, { precision = "double" }) end)
+    local ok, _, code = grid:save(folder.path .. "/none/a.html", { scene = scene })
+    assert(ok == nil and code == "EIO")
+    high:close()
+    assert.has_error(function() high:save(path) end)
+  end)
+
+  it("is what ylm page writes, of a scene and of a grid alone", function()
+    needs_parts()
+    local file = folder:write("s.lua", [[
+      return scene "s" { camera = camera { from = { 0, 1, 3 } }, geometry = sphere { radius = 0.5, divide = 8 },
+        lights = sphere_light { at = { 0, 1.5, 0 } } }]])
+    local ylm_tool = (os.getenv "YLM_BUILD" or "build") .. "/ylm"
+    local out, status = scratch.capture(("%s page %s --depth 2 --no-poster -o %s -q"):format(ylm_tool, file,
+      folder.path .. "/s.html"))
+    assert.equal(0, status, out)
+    assert(grid:save(folder.path .. "/g.ylm"))
+    out, status = scratch.capture(("%s page %s -o %s -q --json"):format(ylm_tool, folder.path .. "/g.ylm",
+      folder.path .. "/g.html"))
+    assert.equal(0, status, out)
+    assert.equal(0, require "spec.support.json".read(out).triangles)
+    out, status = scratch.capture(("%s page %s -o %s --tolerance 1 -q"):format(ylm_tool, folder.path .. "/g.ylm",
+      folder.path .. "/g.html"))
+    assert.equal(2, status)
+    assert.truthy(out:find("--tolerance is of a bake", 1, true), out)
+  end)
+
+  describe("in a browser", function()
+    local SIZE = { long(128, 640), long(72, 360) }
+    local window, shown_file
+
+    setup(function()
+      if lacks_parts() or browser.missing() then return end
+      window = browser.open { size = SIZE }
+    end)
+    teardown(function() if window then window:close() end end)
+
+    local function needs_browser()
+      needs_parts()
+      if not window then pending(browser.missing()) end
+      window.said = {}
+    end
+
+    --- The window's pixels with what stands behind #, as an array; nothing may be said on the console.
+    local function seen(file, hash)
+      if file == shown_file then window:go("bare&" .. hash) else window:visit(file, "bare&" .. hash) end
+      shown_file = file == path and file or nil
+      window:wait "ready"
+      assert.same({}, window.said)
+      return assert(ylm.load(window:screenshot(folder.path .. "/shot.png"), { raw = true })):layer()
+    end
+
+    local function psnr(a, b)
+      local d = a - b
+      return -10 * math.log((d * d):mean()) / math.log(10)
+    end
+
+    --- The renderer's picture of light in the scene, with no lamps drawn.
+    local function rendered(of, light)
+      local dark = ylm.scene "dark" { camera = of.camera, geometry = of.geometry, background = of.background }
+      local view = assert(dark:prepare { size = SIZE, samples = 16, visibility = "none" })
+      assert((assert(view:render { grid = light })):save(folder.path .. "/truth.png"))
+      return assert(ylm.load(folder.path .. "/truth.png", { raw = true })):layer()
+    end
+
+    it("shows the grid as prepared:render does, 38 dB", function()
+      needs_browser()
+      local decibels = psnr(seen(path, "nolamps&still"), rendered(scene, grid))
+      assert(decibels >= 38, decibels)
+    end)
+
+    it("shows the lamps' own light as a grid without error would", function()
+      needs_browser()
+      local at, radius, radiance = {}, {}, {}
+      for i, l in ipairs(scene.lights) do at[i], radius[i], radiance[i] = l.at, l.radius, l.radiance end
+      local lights = ylm.sphere_lights { at = at, radius = radius, radiance = radiance }
+      local decibels = psnr(seen(path, "mode=exact&nolamps&still"), rendered(scene, lights.lights))
+      assert(decibels >= 38, decibels)
+    end)
+
+    it("shows modes, edges and lamps that differ, and turns under the pointer", function()
+      needs_browser()
+      local plain = seen(path, "samples=1")
+      for _, hash in ipairs { "mode=error", "mode=estimated", "mode=levels", "lines", "nolamps", "ev=1", "tone=aces" } do
+        local other = psnr(plain, seen(path, "samples=1&" .. hash))
+        assert(other < 40, hash .. " looks like the grid: " .. other)
+      end
+      seen(path, "samples=1")
+      window:mouse("mousePressed", 60, 40)
+      for i = 1, 5 do window:mouse("mouseMoved", 60 + 8 * i, 40 + 2 * i) end
+      window:mouse("mouseReleased", 100, 50)
+      window:wait "ready"
+      local turned = assert(ylm.load(window:screenshot(folder.path .. "/shot.png"), { raw = true })):layer()
+      assert(psnr(plain, turned) < 30)
+      window:key "Home"
+      window:wait "ready"
+      local back = assert(ylm.load(window:screenshot(folder.path .. "/shot.png"), { raw = true })):layer()
+      assert(psnr(plain, back) > 50)
+      assert.same({}, window.said)
+    end)
+
+    it("shows uniform grids, one channel, bytes, light with shadows, and cells without a scene", function()
+      needs_browser()
+      local other = folder.path .. "/other.html"
+      local function shown(g, options)
+        options.scene, options.poster = scene, false
+        assert(g:save(other, options))
+        local decibels = psnr(seen(other, "nolamps&still"), rendered(scene, g))
+        assert(decibels >= 36, decibels)
+      end
+      shown(scene:bake { probes = ylm.uniform_grid { cells = { 5, 4, 3 }, lmax = 2, channels = "luminance" } },
+        { precision = "byte" })
+      if long(false, true) then
+        shown(scene:bake { probes = ylm.uniform_grid { cells = { 5, 4, 3 }, lmax = 2 } }, {})
+        shown(scene:bake { probes = ylm.adaptive_grid { lmax = 1, depth = 3, channels = "luminance", tolerance = 0.1 } }, {})
+        shown(grid, { precision = "byte" })
+        shown(grid, { precision = "float" })
+        shown(scene:bake { probes = ylm.adaptive_grid { lmax = 8, depth = 3, tolerance = 0.1 } }, {})
+        shown(scene:bake { parts = "direct", probes = ylm.adaptive_grid { lmax = 3, depth = 4, tolerance = 0.1 } }, {})
+      end
+      assert(grid:save(other))
+      local cells = seen(other, "samples=1")
+      assert(cells:max() > 0.2 and cells:mean() < 0.5)
+    end)
+
+    it("shows a title that would be a script as text", function()
+      needs_browser()
+      local other = folder.path .. "/t.html"
+      assert(grid:save(other, { scene = scene, title = "</script><script>alert(1)</script>\226\128\168x", poster = false }))
+      seen(other, "samples=1")
+      assert.truthy(window:eval "document.title":find("</script><script>alert(1)", 1, true))
+    end)
+
+    it("says what it lacks where there is no WebGL 2, over its poster", function()
+      needs_browser()
+      if long(true, false) then pending "make check-long opens a browser without WebGL" end
+      local blind = browser.open { size = { 160, 90 }, switches = "--headless=new --disable-gpu --disable-3d-apis" }
+      blind:visit(path)
+      local ok, message = pcall(blind.wait, blind, "failed")
+      local text = blind:eval "document.getElementById('note').textContent"
+      local poster = blind:eval "document.getElementById('poster').naturalWidth"
+      local errors = blind.said
+      blind:close()
+      assert(ok, message)
+      assert.truthy(text:find("This page needs WebGL 2", 1, true), text)
+      assert.equal(64, poster)
+      for _, x in ipairs(errors) do assert.falsy(x:find "exception", x) end
+    end)
+
+    it("shows scenes of the collection within their sizes, 38 dB", function()
+      needs_browser()
+      if long(true, false) then pending "make check-long shows them" end
+      for _, one in ipairs { { "two_lamps", 6, 1.5e6 }, { "floor_lights", 8, 18e6 } } do
+        local s = assert(ylm.load_scene("examples/scenes/" .. one[1] .. ".lua"))
+        local g = assert(s:bake { probes = ylm.adaptive_grid { lmax = 4, depth = one[2], tolerance = 0.05 } })
+        local other = folder.path .. "/" .. one[1] .. ".html"
+        local ok, report = g:save(other, { scene = s, limit = one[3], poster = false })
+        assert(ok, report)
+        local decibels = psnr(seen(other, "nolamps&still"), rendered(s, g))
+        assert(decibels >= 38, one[1] .. ": " .. decibels)
+      end
+    end)
+  end)
+end)
