@@ -48,10 +48,12 @@ LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now -Wl,-z,nodelete $(if $(SANITI
 pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
 # zlib comes with libpng; without its header pages are larger.
 ZLIB        := $(call pkg,--libs,zlib)
-CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng) $(if $(ZLIB),$(call pkg,--cflags,zlib) -DYLM_ZLIB)
+# glTF is read where jansson is.
+WITH_JANSSON ?= $(if $(call pkg,--libs,jansson),y)
+CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng $(if $(WITH_JANSSON),jansson)) $(if $(ZLIB),$(call pkg,--cflags,zlib) -DYLM_ZLIB)
 # OpenEXRCore has its version behind its name: -lOpenEXRCore-3_1, and OpenEXR 2 has none.
 OPENEXR     := $(filter -L% -lOpenEXRCore%,$(call pkg,--libs,OpenEXR))
-LIBS_codec   = $(OPENEXR) $(call pkg,--libs,libpng) $(ZLIB)
+LIBS_codec   = $(OPENEXR) $(call pkg,--libs,libpng $(if $(WITH_JANSSON),jansson)) $(ZLIB)
 LIBS_scene   = $(EMBREE_DIR:%=-L%/lib) $(EMBREE_DIR:%=-Wl,-rpath,%/lib) -lembree$(EMBREE)
 CFLAGS_scene = -DYLM_EMBREE=$(EMBREE) $(EMBREE_DIR:%=-isystem %/include)
 
@@ -72,7 +74,9 @@ WITH_EMBREE ?= $(EMBREE)
 WITH_SCENE  ?= $(WITH_EMBREE)
 
 OBJ_core  := $(foreach d,$(CORE),$(call objects,$(d)))
-OBJ_codec := $(foreach d,$(CODEC),$(call objects,$(d)))
+# Files of the glTF reader that this build has not: missing.c, or all others.
+NO_GLTF   := $(if $(WITH_JANSSON),csrc/codec/gltf/missing.c,$(filter-out %/missing.c,$(wildcard csrc/codec/gltf/*.c)))
+OBJ_codec := $(filter-out $(patsubst csrc/%.c,$(BUILD)/obj/%.o,$(NO_GLTF)),$(foreach d,$(CODEC),$(call objects,$(d))))
 OBJ_scene := $(filter-out $(patsubst %,$(BUILD)/obj/trace/embree%.o,$(filter-out $(EMBREE),3 4)),$(foreach d,$(SCENE),$(call objects,$(d))))
 
 PARTS := $(if $(WITH_CODEC),codec) $(if $(WITH_SCENE),scene)

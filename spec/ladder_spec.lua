@@ -12,6 +12,7 @@ for folder in pairs(tops) do rank[folder] = 50 end
 
 --- Sub-folders of a folder: the stages of its machine. gen/, which is generated, may stand in each of them.
 local rooms = {
+  codec = { "gltf" },
   sh = { "eval", "product", "rotate", "project" },
   light = { "sphere", "moments", "tree", "flat", "virtual", "shadow" },
   transfer = { "gather" },
@@ -236,6 +237,7 @@ describe("the ladder", function()
       ["ylm_version.h"] = "base",
       ["ylm_numbers.h"] = "base",
       ["ylm_sh_rival.h"] = "sh", ["ylm_sh_exponential.h"] = "sh", ["ylm_display.h"] = "codec",
+      ["ylm_gltf.h"] = "codec",
       ["ylm_light_device.h"] = "light", ["ylm_light_sky.h"] = "light", ["ylm_light_virtual.h"] = "light",
       ["ylm_light_shadow.h"] = "light",
       ["ylm_light_spot.h"] = "light",

@@ -1,4 +1,4 @@
---- ylm.load: grids, arrays, images, meshes and measured materials, by content.
+--- ylm.load: grids, arrays, images, meshes, glTF and measured materials, by content.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -17,9 +17,11 @@ function file.kind_of(path)
     return "image"
   end
   if head:find("^ply[\r\n]") or path:lower():find("%.obj$") then return "mesh" end
+  if head:sub(1, 4) == "glTF" or path:lower():find("%.gltf$") then return "gltf" end
   if head:sub(1, 8) == require("ylm.grid").magic then return "grid" end
   if require("ylm.material.file").kind_of(path, head) then return "material" end
-  return nil, path .. ": not a file that ylm knows (grid, .npy, .exr, .png, .hdr, .pfm, .obj, .ply, .binary, .bsdf)", "EFORMAT"
+  return nil, path
+    .. ": not a file that ylm knows (grid, .npy, .exr, .png, .hdr, .pfm, .obj, .ply, .glb, .gltf, .binary, .bsdf)", "EFORMAT"
 end
 
 local readers = {
@@ -29,6 +31,7 @@ local readers = {
     if options.materials then return require "ylm.geometry".mesh { file = path } end
     return core.mesh_read(path)
   end,
+  gltf = function(path) return require "ylm.gltf".load_gltf(path) end,
   grid = function(path) return require("ylm.grid").load(path) end,
   material = function(path)
     require "ylm.material" -- the forms
@@ -43,11 +46,11 @@ local load_options = {
 }
 
 describe "load" {
-  about = "Reads a file by its content: a grid, an array (.npy), an image (.exr, .png, .hdr, .pfm), a mesh (.obj, .ply) or a "
-    .. "measured material (.binary of MERL, .bsdf of RGL).",
+  about = "Reads a file by its content: a grid, an array (.npy), an image (.exr, .png, .hdr, .pfm), a mesh (.obj, .ply), "
+    .. "a glTF file (.glb, .gltf) or a measured material (.binary of MERL, .bsdf of RGL).",
   arguments = { { "path", "string", "a regular file" }, { "options?", "table", "" } },
   options = load_options,
-  returns = { { "object", "grid|array|image|mesh|geometry|material", "what the file holds" } },
+  returns = { { "object", "grid|array|image|mesh|geometry|gltf|material", "what the file holds" } },
   errors = "nil, message, code where the file is missing, damaged or of another kind; raises on a wrong argument",
   example = [[
 local name = os.tmpname()

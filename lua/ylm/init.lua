@@ -24,6 +24,7 @@ local contents = {
   { "ylm.shadow", "occluder", "caster", "casters", "sphere_casters", "shadowed", "visibility" },
   { "ylm.material", "matte", "ggx", "phong", "abc", "merl", "rgl", "tabulated" },
   { "ylm.camera", "camera" },
+  { "ylm.gltf", "gltf", "load_gltf" },
   { "ylm.transfer", "transfer" },
   { "ylm.scene", "scene", "load_scene" },
   { "ylm.file", "load" },

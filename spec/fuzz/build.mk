@@ -35,7 +35,7 @@ FUZZ_CFLAGS := -std=gnu11 -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION -O1 -g -fno
 # the generated ones with sanitizers takes many minutes).
 FUZZ_FOLDERS := base image geom grid codec material
 FUZZ_MORE    ?=
-FUZZ_OBJ := $(patsubst csrc/%.c,$(FUZZ_DIR)/obj/%.o,$(foreach d,$(FUZZ_FOLDERS),$(call sources,$(d))) $(FUZZ_MORE))
+FUZZ_OBJ := $(patsubst csrc/%.c,$(FUZZ_DIR)/obj/%.o,$(filter-out $(NO_GLTF),$(foreach d,$(FUZZ_FOLDERS),$(call sources,$(d)))) $(FUZZ_MORE))
 
 $(FUZZ_DIR)/obj/codec/%.o: csrc/codec/%.c
 	@mkdir -p $(@D)

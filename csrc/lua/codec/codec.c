@@ -1,5 +1,5 @@
-/* codec.c - opens ylm.c.codec: the binding of libylm_codec.so, image files and image viewers. */
-#include "../binding.h"
+/* codec.c - opens ylm.c.codec: the binding of libylm_codec.so, image files, glTF, image viewers. */
+#include "gltf.h"
 #include "ylm_codec.h"
 #include "ylm_display.h"
 
@@ -168,6 +168,7 @@ int luaopen_ylm_c_codec(lua_State *L) {
   ylmL_check_abi(L);
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);
+  ylmL_open_gltf(L);
   lua_pushnumber(L, YLM_DISPLAY_LAYERS);
   lua_setfield(L, -2, "display_layers");
   lua_pushnumber(L, YLM_DISPLAY_NAME);

@@ -84,6 +84,14 @@ function kinds.mesh(path)
     { "kind", "vertices", "triangles", "bounds", "area" }
 end
 
+function kinds.gltf(path)
+  local model = status.need(require "ylm".load_gltf(path))
+  local results, order = { kind = "glTF" }, { "kind" }
+  add(results, order, model.report, { "nodes", "pieces", "triangles", "materials", "lights", "cameras", "notes" })
+  for i, note in ipairs(results.notes) do results.notes[i] = plain(note) end
+  return results, order
+end
+
 function kinds.material(path) return require "ylm.cli.material".look(path) end
 
 --- Prints what the file given[1] holds.

@@ -7,6 +7,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local gltf = require "ylm.gltf"
 local like = require "ylm.scene.like"
 local memory = require "ylm.memory"
 local polygon = require "ylm.light.polygon"
@@ -133,6 +134,7 @@ require "ylm.describe".object "scene" {
   fields = {
     { "name", "string", "" },
     { "camera", "camera", "or nil" },
+    { "cameras", "table", "all of a glTF file that the scene is like, by number and by name; or nil" },
     { "geometry", "table", "a flat list" },
     { "lights", "table", "a flat list" },
     { "probes", "table", "the grid's description, or nil" },
@@ -173,7 +175,7 @@ end
 
 --- Takes what is not given from the scene `values.like`; true, or nil, message, code.
 local function take_after(values, fail)
-  local other = values.like
+  local other = values.like and like.scene_of(values.like)
   local changes = values.moved and "moved" or values.removed and "removed" or values.added and "added"
   if not other then
     return not changes or fail(changes .. " changes the lights of another scene, which like names")
@@ -185,6 +187,7 @@ local function take_after(values, fail)
   if not lights then return nil, message, code end
   values.notes = not values.geometry and other.notes or nil
   values.lights, values.geometry = lights, values.geometry or other.geometry
+  values.cameras = other.cameras
   values.camera, values.probes = values.camera or other.camera, values.probes or other.probes
   values.transfer = values.transfer or other.transfer_options
   if not values.background and not other.sky_is_seen then values.background = other.background end
@@ -219,7 +222,8 @@ local construct = form.define("scene", {
     .. "scene \"name\" { ... }.",
   fields = {
     { "like", "like", optional = true,
-      about = "another scene, or the file of one (in a scene file: in its folder); fields that are given replace that scene's" },
+      about = "another scene, or the file of one (in a scene file: in its folder), or a glTF file; fields that are given "
+        .. "replace that scene's" },
     { "camera", "object", of = "camera", optional = true, about = "needed by render, reference and raycast" },
     { "geometry", "parts", optional = true, about = "surfaces: one, or a list that may nest" },
     { "lights", "parts", optional = true, about = "lights: one, or a list that may nest" },
@@ -310,8 +314,9 @@ end
 form.defined.scene.construct = scene.scene
 
 describe "load_scene" {
-  about = "Runs a scene file and returns its scene. The file may come from a stranger: it sees numbers, tables, math "
-    .. "and the constructors, and is bounded in instructions, memory and described size.",
+  about = "Runs a scene file and returns its scene; of a glTF file (.gltf, .glb) the scene that it holds. The file may come from "
+    .. "a stranger: it sees numbers, tables, math and the constructors, and is bounded in instructions, memory and described "
+    .. "size.",
   arguments = {
     { "path", "string", "the file; other files are looked for in its folder only" },
     { "limits?", "table", "instructions, memory (bytes), seconds, triangles, numbers, cells: see ylm help load_scene" },
@@ -327,7 +332,13 @@ function scene.load_scene(path, limits)
   if type(path) ~= "string" or path == "" or path:find("%z") then
     return check.bad(1, "load_scene", "the name of a file expected, got %s", check.describe(path))
   end
-  return sandbox.run(path, form.options(2, "load_scene", sandbox.limits, limits), scene.scene)
+  limits = form.options(2, "load_scene", sandbox.limits, limits)
+  if not gltf.is_name(path) then return sandbox.run(path, limits, scene.scene) end
+  local model, message, code = gltf.within(path, limits)
+  if not model then return nil, message, code end
+  local made = scene.scene(text.shown(path:match "[^/]*$"):sub(1, 200)) { like = model }
+  made.file = path
+  return made
 end
 
 return scene

@@ -5,6 +5,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
+local gltf = require "ylm.gltf"
 local sandbox = require "ylm.sandbox"
 
 local like = {}
@@ -12,14 +13,16 @@ local like = {}
 -- The other scene ------------------------------------------------------------------------
 
 function form.types.like(x)
-  if form.kind(x) == "scene" then return x end
-  return form.types.path(x) or nil, "the name of a scene file, or a scene"
+  local kind = form.kind(x)
+  if kind == "scene" or kind == "gltf" then return x end
+  return form.types.path(x) or nil, "the name of a scene file or of a glTF file, a scene or a gltf"
 end
 
---- The scene that the field `like` names. `where`: the line that names it, "file:line: ", for a scene file's messages.
--- Or nil, message, code.
+--- The scene, or the glTF model, that the field `like` names. `where`: the line that names it, "file:line: ", for a scene file's
+-- messages. Or nil, message, code.
 function like.open(value, where, load)
   if type(value) ~= "string" then return value end
+  if gltf.is_name(value) then return gltf.gltf { file = value } end
   if form.like then return form.like(value, where) end
   return load(value)
 end
@@ -27,6 +30,13 @@ end
 --- Loads a scene file for a script; nil, message, code.
 function like.load(path, scene)
   return sandbox.run(path, form.options(2, "scene", sandbox.limits), scene)
+end
+
+--- A scene, or a glTF model, as a table with a scene's fields.
+function like.scene_of(other)
+  if form.kind(other) == "scene" then return other end
+  return { name = other.file:match "[^/]*$", camera = other.camera, cameras = other.cameras, geometry = other.geometry,
+    lights = other.lights, notes = other.notes, from_file = {}, sky_is_seen = true, background = { 0, 0, 0 } }
 end
 
 -- Lights by number -------------------------------------------------------------------------

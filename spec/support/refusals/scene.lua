@@ -21,7 +21,7 @@ local fields = {
   { call = function(ylm) ylm.scene "x" { probes = 5 } end, says = "probes must be a adaptive_grid or a uniform_grid" },
   { call = function(ylm) ylm.scene "x" { background = -1 } end, says = "background must be .* >= 0, got %-1" },
   { call = function(ylm) ylm.scene "x" { background = { 1, nan, 1 } } end, says = "background must be" },
-  { call = function(ylm) ylm.scene "x" { like = 3 } end, says = "like must be the name of a scene file, or a scene, got 3" },
+  { call = function(ylm) ylm.scene "x" { like = 3 } end, says = "like must be the name of a scene file or of a glTF file, a scene or a gltf, got 3" },
   { call = function(ylm) return ylm.scene "x" { like = "no such.lua" } end, says = "no such.lua" },
   { call = function(ylm) ylm.scene "x" { moved = {} } end, says = "moved changes the lights of another scene, which like names" },
   { call = function(ylm) ylm.scene "x" { like = ylm.scene "y" {}, removed = { 1 } } end,

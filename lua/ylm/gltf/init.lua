@@ -1,0 +1,172 @@
+--- glTF 2.0: ylm.load_gltf, the form gltf.
+--
+-- The reader (csrc/codec/gltf) returns meshes in world coordinates, factors of materials, lamps and cameras; the files
+-- of this room make ylm's of them.
+
+local camera = require "ylm.camera"
+local check = require "ylm.check"
+local describe = require "ylm.describe".describe
+local form = require "ylm.form"
+require "ylm.geometry" -- the form mesh
+local library = require "ylm.library"
+local lights = require "ylm.gltf.lights"
+local material = require "ylm.gltf.material"
+local text = require "ylm.text"
+
+local gltf = {}
+
+local TRIANGLES, TEXELS, BYTES = 2e7, 2 ^ 26, 2 ^ 30 -- where no scene file's limits are narrower
+
+--- Is it the name of a glTF file?
+function gltf.is_name(path)
+  return type(path) == "string" and (path:lower():find "%.gltf$" or path:lower():find "%.glb$") ~= nil
+end
+
+--- The smallest of the limits: `most`, the caller's, a scene file's.
+local function left(what, most, limits)
+  most = math.min(most, limits and limits[what] or most)
+  return math.min(most, form.budget and form.budget(what) or most)
+end
+
+local fields = {
+  { "lamp_radius", "number", above = 0, max = 1e6, default = 0.05, unit = "scene units",
+    about = "of spheres in place of lamps without a size" },
+  { "light_scale", "number", min = 0, max = 1e6, default = 1, unit = "W/lm",
+    about = "multiplies intensities: 1 candela counts as this many W sr^-1" },
+  { "spots", "choice", of = { "spot", "sphere" }, default = "spot",
+    about = "spot: spot_light, which has no light field; sphere: as a point that shines all around" },
+  { "scene", "integer", min = 1, optional = true, about = "which scene of the file, by its place; default: the file's choice" },
+}
+
+--- Surfaces: a list of geometry; nothing where memory runs out. note(sentence, ...) takes what is lost.
+local function surfaces(file, materials, note)
+  local out, left_out = {}, 0
+  for _, piece in ipairs(file.pieces) do
+    local m = materials[piece.material] or { occludes = true }
+    if m.left_out then left_out = left_out + 1
+    else
+      out[#out + 1] = setmetatable({ mesh = piece.mesh, name = piece.name ~= "" and piece.name or nil,
+        material = m.material, occludes = m.occludes, sides = m.both_sides and "both" or nil },
+        form.defined.mesh.metatable)
+    end
+  end
+  if left_out > 0 then note("pieces left out, because their alpha is below the cutoff: %d", left_out) end
+  return out
+end
+
+--- Cameras by number and by name.
+local function cameras(file, note)
+  local out, flat = {}, 0
+  for _, c in ipairs(file.cameras) do
+    if c.yfov == 0 then flat = flat + 1
+    else
+      local from, d = c.from, c.forward
+      local ok, made = pcall(camera.camera, { from = from, at = { from[1] + d[1], from[2] + d[2], from[3] + d[3] },
+        up = c.up, fov = math.min(179, math.deg(c.yfov)) })
+      if ok then
+        out[#out + 1] = made
+        if c.name ~= "" and not out[c.name] then out[c.name] = made end
+      end
+    end
+  end
+  if flat > 0 then note("orthographic cameras left out: %d", flat) end
+  return out
+end
+
+--- The file as lib.gltf_read returns it. `limits`: of ylm.load_scene, or nil.
+local function read(values, limits)
+  local lib, message, code = library.open("codec", "glTF needs libylm_codec (Debian: libopenexr-dev libpng-dev "
+    .. "libjansson-dev, then make): %s")
+  if not lib then return nil, message, code end
+  local triangles, texels = left("triangles", TRIANGLES, limits), left("texels", TEXELS, limits)
+  local file
+  file, message, code = lib.gltf_read { path = values.file, file_size = left("file_size", BYTES, limits),
+    triangles = math.max(1, triangles), texels = math.max(1, texels), scene = values.scene or 0, images = texels >= 1 }
+  if file and file.triangles > triangles then return nil, values.file .. ": more than 0 triangles", "ELIMIT" end
+  return file, message, code
+end
+
+--- Takes what the file describes from what a scene file may.
+local function take(file, fail)
+  if not form.budget then return end
+  form.budget("triangles", file.triangles, fail)
+  form.budget("numbers", 64 * #file.pieces + 7 * #file.lamps + 640 * #file.materials, fail)
+end
+
+local function build(values, fail, limits)
+  if #values.file == 0 or values.file:find "%z" then return fail "file must be a file name" end
+  local began = os.clock()
+  local file, message, code = check.result("gltf", read(values, limits))
+  if not file then return nil, message, code end
+  take(file, fail)
+  local notes = file.notes
+  local function note(sentence, ...) notes[#notes + 1] = sentence:format(...) end
+  local materials, lamps
+  materials, message, code = material.convert(file, note)
+  if not materials then return nil, message, code end
+  lamps, message, code = lights.convert(file, values, note)
+  if not lamps then return nil, message, code end
+  local model = { file = values.file, cameras = cameras(file, note), lights = lamps }
+  model.camera = model.cameras[1]
+  model.geometry = surfaces(file, materials, note)
+  for i, sentence in ipairs(notes) do
+    notes[i] = text.shown(("%s: %s"):format(values.file:match "[^/]*$", sentence))
+  end
+  model.notes = #notes > 0 and notes or nil
+  model.report = { nodes = file.nodes, pieces = #model.geometry, triangles = file.triangles, materials = #file.materials,
+    lights = #lamps, cameras = #model.cameras, notes = notes, seconds = os.clock() - began }
+  return setmetatable(model, form.defined.gltf.metatable)
+end
+
+local form_fields = { { "file", "string", about = ".gltf or .glb, recognised by content" } }
+for _, field in ipairs(fields) do form_fields[#form_fields + 1] = field end
+
+gltf.gltf = form.define("gltf", {
+  about = "A glTF 2.0 file: geometry, lights, camera, cameras by number and name, report (counts, and notes: "
+    .. "sentences about what was left out). A scene takes it by like = gltf { file = }.",
+  fields = form_fields,
+  build = build,
+  metatable = { __tostring = function(m)
+    return ("gltf %s: %d pieces of geometry, %d lights"):format(m.file, #m.geometry, #m.lights)
+  end },
+  example = 'local model = gltf { file = "room.glb", lamp_radius = 0.02 }',
+})
+
+require "ylm.describe".object "gltf" {
+  about = "Geometry, lights and cameras of a glTF file.",
+  fields = {
+    { "geometry", "table", "a flat list" },
+    { "lights", "table", "a flat list" },
+    { "camera", "camera", "the first, or nil" },
+    { "cameras", "table", "by number and by name" },
+    { "report", "table", "nodes, pieces, triangles, materials, lights, cameras, seconds, notes" },
+  },
+}
+
+describe "load_gltf" {
+  about = "Reads a glTF 2.0 file, .gltf or .glb: the same as the form gltf.",
+  arguments = { { "path", "string", "a regular file; others that it names lie in its folder" }, { "options?", "table", "" } },
+  options = fields,
+  returns = { { "model", "gltf", "or nil, message, 'EIO' | 'EFORMAT' | 'EVERSION' | 'ELIMIT' | 'EMISSING' | 'ENOMEM'" } },
+  errors = "nil, message, code for whatever is wrong with the file, with the place in its JSON; raises on a wrong argument",
+  example = [[
+local model, message, code = ylm.load_gltf "no such file.glb"
+assert(model == nil and code == "EIO", message)]],
+}
+function gltf.load_gltf(path, options)
+  if type(path) ~= "string" or path == "" or path:find "%z" then
+    return check.bad(1, "load_gltf", "the name of a file expected, got %s", check.describe(path))
+  end
+  local given = form.options(2, "load_gltf", fields, options)
+  given.file = path
+  return gltf.gltf(given)
+end
+
+--- The model of a file for ylm.load_scene: within its limits. Or nil, message, code.
+function gltf.within(path, limits)
+  local values = form.options(2, "load_gltf", fields)
+  values.file = path
+  return build(values, check.fail, limits)
+end
+
+return gltf

@@ -1,0 +1,308 @@
+-- glTF 2.0: what files of every kind become, and what is refused with which sentence.
+
+local gltf = require "spec.support.gltf"
+local library = require "ylm.library"
+local scratch = require "spec.support.scratch"
+local ylm = require "ylm"
+
+describe("ylm.load_gltf", function()
+  local folder, there
+  setup(function()
+    folder = scratch.new()
+    local codec = library.open("codec", "%s")
+    there = codec and select(3, codec.gltf_read { path = "/nonexistent", file_size = 0, triangles = 0, texels = 0, scene = 0,
+      images = false }) ~= "EMISSING"
+  end)
+  teardown(function() folder:remove() end)
+  before_each(function() if not there then pending "jansson is not installed" end end)
+
+  local square = { -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0 }
+
+  --- Loads a file of these bytes.
+  local function load(text, options, name)
+    return ylm.load_gltf(folder:write(name or "model.gltf", text), options)
+  end
+
+  --- The model of a file whose nodes are these and whose mesh has one primitive.
+  local function model(f, primitive, nodes, more)
+    more = more or {}
+    more.meshes, more.nodes = { { primitives = { primitive } } }, nodes or { { mesh = 0 } }
+    return assert(load(f:text(more)))
+  end
+
+  local function near(a, b, tolerance)
+    assert(math.abs(a - b) <= (tolerance or 1e-6) * math.max(1, math.abs(b)), ("%.9g is not %.9g"):format(a, b))
+  end
+
+  --- Area and bounds of a model's one piece.
+  local function measures(m, area, lo, hi)
+    near(m.geometry[1].mesh.area, area)
+    for i = 1, 3 do
+      near(m.geometry[1].mesh.bounds[1][i], lo[i])
+      near(m.geometry[1].mesh.bounds[2][i], hi[i])
+    end
+  end
+
+  it("reads the same from .gltf and .glb, with indices of 8, 16 and 32 bits or none", function()
+    for _, component in ipairs { 5121, 5123, 5125, false } do
+      local f = gltf.new()
+      local list = square
+      if not component then list = { -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, -1, 0, 1, 1, 0, -1, 1, 0 } end
+      local primitive = { attributes = { POSITION = f:accessor("VEC3", 5126, list) } }
+      if component then primitive.indices = f:accessor("SCALAR", component, { 0, 1, 2, 0, 2, 3 }) end
+      local more = { meshes = { { primitives = { primitive } } }, nodes = { { mesh = 0 } } }
+      for name, text in pairs { ["a.gltf"] = f:text(more), ["a.glb"] = f:binary(more) } do
+        local m = assert(load(text, nil, name))
+        measures(m, 4, { -1, -1, 0 }, { 1, 1, 0 })
+        assert.equal(2, m.report.triangles)
+        assert.equal(1, m.geometry[1].mesh:normals():get(1, 3))
+      end
+    end
+  end)
+
+  it("reads strips and fans, and leaves lines and points out with a sentence", function()
+    local f = gltf.new()
+    local strip = f:accessor("VEC3", 5126, { 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0 })
+    local fan = f:accessor("VEC3", 5126, { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 })
+    local m = assert(load(f:text { nodes = { { mesh = 0 } }, meshes = { { primitives = {
+      { attributes = { POSITION = strip }, mode = 5 }, { attributes = { POSITION = fan }, mode = 6 },
+      { attributes = { POSITION = fan }, mode = 1 } } } } }))
+    assert.equal(2, #m.geometry)
+    near(m.geometry[1].mesh.area, 1.5)
+    near(m.geometry[2].mesh.area, 1)
+    for _, g in ipairs(m.geometry) do
+      for i = 1, #g.mesh:vertices() do assert.equal(1, g.mesh:normals():get(i, 3)) end
+    end
+    assert.equal("model.gltf: mesh 0: primitives of points or lines left out: 1", m.report.notes[1])
+  end)
+
+  it("multiplies transforms down the nodes; a mirror turns triangles round", function()
+    local f = gltf.new()
+    local primitive = { attributes = { POSITION = f:accessor("VEC3", 5126, square), NORMAL = f:accessor("VEC3", 5126,
+      { 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1 }) }, indices = f:accessor("SCALAR", 5123, { 0, 1, 2, 0, 2, 3 }) }
+    local h = math.sqrt(0.5)
+    local m = model(f, primitive, { { children = { 1 }, translation = { 10, 0, 0 }, rotation = { 0, h, 0, h } },
+      { mesh = 0, name = "wall", scale = { 2, -3, 1 }, translation = { 0, 0, 5 } } })
+    measures(m, 24, { 15, -3, -2 }, { 15, 3, 2 })
+    local mesh = m.geometry[1].mesh
+    near(mesh:normals():get(1, 1), 1)
+    local p, t = mesh:vertices():totable(), mesh:triangles():totable()[1]
+    local a, b, c = p[t[1]], p[t[2]], p[t[3]]
+    assert((b[2] - a[2]) * (c[3] - a[3]) - (b[3] - a[3]) * (c[2] - a[2]) > 0)
+    assert.equal("wall", m.geometry[1].name)
+    m = model(f, primitive, { { mesh = 0, matrix = { 0, 0, -2, 0, 0, -3, 0, 0, 1, 0, 0, 0, 15, 0, 0, 1 } } })
+    measures(m, 24, { 15, -3, -2 }, { 15, 3, 2 })
+  end)
+
+  it("reads views with strides, bytes that are normalised, and elements that differ", function()
+    local f = gltf.new()
+    local view = f:view(gltf.bytes(5126, { 0, 0, 0, 9, 2, 0, 0, 9, 0, 2, 0, 9 }), 16)
+    f.accessors[1] = { type = "VEC3", componentType = 5126, count = 3, bufferView = view }
+    measures(model(f, { attributes = { POSITION = 0 } }), 2, { 0, 0, 0 }, { 2, 2, 0 })
+    f = gltf.new()
+    local m = model(f, { attributes = { POSITION = f:accessor("VEC3", 5122, { 0, 0, 0, 32767, 0, 0, 0, -32768, 0 },
+      { normalized = true }) } }, { { mesh = 0, scale = { 4, 4, 4 } } }, { extensionsRequired = { "KHR_mesh_quantization" } })
+    measures(m, 8, { 0, -4, 0 }, { 4, 0, 0 })
+    for _, base in ipairs { false, true } do
+      f = gltf.new()
+      local indices = f:view(gltf.bytes(5121, { 1, 2 }))
+      local values = f:view(gltf.bytes(5126, { 3, 0, 0, 0, 3, 0 }))
+      f:accessor("VEC3", 5126, base and { 0, 0, 0, 7, 7, 7, 8, 8, 8 } or {}, { count = 3, sparse = { count = 2,
+        indices = { bufferView = indices, componentType = 5121 }, values = { bufferView = values } } })
+      measures(model(f, { attributes = { POSITION = 0 } }), 4.5, { 0, 0, 0 }, { 3, 3, 0 })
+    end
+  end)
+
+  it("makes colours of vertices, matte and coated materials", function()
+    local f = gltf.new()
+    local position = f:accessor("VEC3", 5126, { 0, 0, 0, 1, 0, 0, 0, 1, 0 })
+    for _, c in ipairs { { "VEC3", 5126, { 0.5, 0, 1, 0.5, 0, 1, 0.5, 0, 1 } },
+      { "VEC4", 5121, { 51, 0, 255, 9, 51, 0, 255, 9, 51, 0, 255, 9 }, 0.2 },
+      { "VEC3", 5123, { 13107, 0, 65535, 13107, 0, 65535, 13107, 0, 65535 }, 0.2 } } do
+      local g = model(f, { attributes = { POSITION = position,
+        COLOR_0 = f:accessor(c[1], c[2], c[3], { normalized = c[2] ~= 5126 }) } }).geometry[1]
+      near(g.mesh:colours():get(2, 1), c[4] or 0.5)
+      assert.equal(1, g.mesh:colours():get(3, 3))
+    end
+    local function material(m)
+      return model(f, { attributes = { POSITION = position }, material = 0 }, nil, { materials = { m } }).geometry[1]
+    end
+    local plain = material { pbrMetallicRoughness = { metallicFactor = 0, baseColorFactor = { 0.5, 0.25, 0, 1 } },
+      doubleSided = true }
+    assert.same({ 0.5, 0.25, 0 }, plain.material.albedo)
+    assert.equal("both", plain.sides)
+    local coated = material({ pbrMetallicRoughness = { metallicFactor = 0.5, roughnessFactor = 0.5,
+      baseColorFactor = { 1, 0.5, 0, 1 } } }).material
+    near(coated.alpha[1], 0.25)
+    near(coated.f0[1], 0.52)
+    near(coated.base[2], 0.25)
+    assert.is_false(material({ alphaMode = "BLEND", pbrMetallicRoughness = { baseColorFactor = { 1, 1, 1, 0.3 } } }).occludes)
+    assert.is_nil(material { alphaMode = "MASK", pbrMetallicRoughness = { baseColorFactor = { 1, 1, 1, 0.3 } } })
+  end)
+
+  it("makes spheres of points, of the same intensity; spots, suns and cameras", function()
+    local m = assert(load(gltf.new():text {
+      nodes = { { translation = { 0, 2, 0 }, extensions = { KHR_lights_punctual = { light = 0 } } },
+        { translation = { 1, 2, 0 }, rotation = { -math.sqrt(0.5), 0, 0, math.sqrt(0.5) },
+          extensions = { KHR_lights_punctual = { light = 1 } } },
+        { extensions = { KHR_lights_punctual = { light = 2 } } }, { camera = 0, translation = { 0, 1, 5 } }, { camera = 1 } },
+      cameras = { { type = "perspective", name = "front", perspective = { yfov = math.rad(40), znear = 0.1 } },
+        { type = "orthographic", orthographic = { xmag = 1, ymag = 1, zfar = 1, znear = 0 } } },
+      extensions = { KHR_lights_punctual = { lights = { { type = "point", intensity = 12, color = { 1, 0.5, 0.25 } },
+        { type = "spot", intensity = 3, range = 9, spot = { innerConeAngle = 0.2, outerConeAngle = 0.4 } },
+        { type = "directional", intensity = 5 } } } } }, { lamp_radius = 0.01 }))
+    local floor = { { 0.5, 0, 0.25 } }
+    local L = ylm.light_field(2, m.lights[1], floor)
+    local E = ylm.sh.irradiance(L, { { 0, 1, 0 } })
+    local d = math.sqrt(0.5 ^ 2 + 4 + 0.25 ^ 2)
+    local value = E
+    while type(value) ~= "number" do value = value[1] end
+    near(value, 12 * (2 / d) / d ^ 2, 0.2) -- of degree 2
+    local r = m.lights[1].radius
+    near(math.pi * r * r * m.lights[1].radiance[2], 6)
+    near(m.lights[2].to[2], 1)
+    near(m.lights[2].angle, math.deg(0.8))
+    near(m.lights[3].direction[3], 1)
+    assert.same({ 5, 5, 5 }, m.lights[3].irradiance)
+    near(m.camera.fov, 40)
+    assert.same({ 0, 1, 4 }, m.camera.at)
+    assert.equal(m.camera, m.cameras.front)
+    assert.equal(1, #m.cameras)
+    assert.equal(3, #m.report.notes)
+  end)
+
+  it("is what scenes are like, in scripts, in scene files and on the command line", function()
+    local f = gltf.new()
+    local text = f:binary { meshes = { { primitives = { { attributes = { POSITION = f:accessor("VEC3", 5126, square) } } } } },
+      nodes = { { mesh = 0 }, { extensions = { KHR_lights_punctual = { light = 0 } } } },
+      extensions = { KHR_lights_punctual = { lights = { { type = "point" } } } } }
+    local path = folder:write("room.glb", text)
+    local scene = assert(ylm.load_scene(folder:write("a.lua",
+      "return scene 'a' { like = gltf { file = 'room.glb', lamp_radius = 0.1 }, moved = { { at = { 0, 5, 0 } } } }")))
+    assert.equal(1, #scene.geometry)
+    assert.same({ 0, 5, 0 }, scene.lights[1].at)
+    assert.equal(0.1, scene.lights[1].radius)
+    assert.equal(1, #assert(ylm.load_scene(folder:write("b.lua", "return scene 'b' { like = 'room.glb' }"))).lights)
+    assert.equal(1, #assert(ylm.load_scene(path)).geometry)
+    assert.equal("gltf", require "ylm.form".kind(ylm.load(path)))
+    local none, message, code = ylm.load_scene(folder.path .. "/a.lua", { triangles = 0 })
+    assert.is_nil(none)
+    assert.equal("ELIMIT", code)
+    assert.truthy(message:find("more than", 1, true), message)
+  end)
+
+  describe("refuses", function()
+    --- The text is refused with this code and a message that holds `says`.
+    local function refuses(code, says, text, name)
+      local m, message, got = load(text, nil, name)
+      assert.is_nil(m)
+      assert(message:find(says, 1, true), message)
+      assert.equal(code, got, message)
+    end
+
+    local mesh = { meshes = { { primitives = { { attributes = { POSITION = 0 }, indices = 1 } } } }, nodes = { { mesh = 0 } } }
+
+    --- A file of one mesh with a change.
+    local function changed(change)
+      local f = gltf.new()
+      f:accessor("VEC3", 5126, square)
+      f:accessor("SCALAR", 5123, { 0, 1, 2 })
+      if change then change(f) end
+      return f:text(mesh)
+    end
+
+    it("what is cut, no JSON, or of another version", function()
+      assert(load(changed()))
+      refuses("EFORMAT", "not JSON", "")
+      refuses("EFORMAT", "not JSON", changed():sub(1, 100))
+      refuses("EFORMAT", "not JSON", '{"a":1,"a":2}')
+      refuses("EFORMAT", "not JSON", '{"a":1e400}')
+      refuses("EFORMAT", "the JSON is no object", "[]")
+      refuses("EFORMAT", "/asset: no glTF file: a version is missing", "{}")
+      refuses("EVERSION", "/asset: version 1.0, 2 is known", '{"asset":{"version":"1.0"}}')
+      refuses("EFORMAT", "KHR_draco_mesh_compression is needed, and not known; write the file again without compression",
+        '{"asset":{"version":"2.0"},"extensionsRequired":["KHR_draco_mesh_compression"]}')
+      local binary = gltf.container('{"asset":{"version":"2.0"}}', "abcd")
+      assert(load(binary, nil, "b.glb"))
+      for n = 4, #binary - 1 do
+        assert.is_nil((load(binary:sub(1, n), nil, "cut.glb")))
+      end
+      refuses("EFORMAT", "truncated: 60 bytes are said, 59 are there", binary:sub(1, -2), "cut.glb")
+      refuses("ELIMIT", "the JSON nests more than 64 deep", ("["):rep(100000))
+      refuses("EFORMAT", "/nodes/3: an object expected", '{"asset":{"version":"2.0"},"nodes":[{},{},{},7]}')
+    end)
+
+    it("bytes that are not there, and numbers that name nothing", function()
+      refuses("EFORMAT", "/buffers/0: buffer 0 has 54 bytes, 60 are said", (changed():gsub('"byteLength":54', '"byteLength":60')))
+      refuses("EFORMAT", "/bufferViews/1: bytes 48 to 58 of a buffer of 54",
+        changed(function(f) f.views[2].byteLength = 10 end))
+      refuses("EFORMAT", "/accessors/0: 5 elements from byte 0 on do not fit a view of 48 bytes",
+        changed(function(f) f.accessors[1].count = 5 end))
+      refuses("EFORMAT", "do not fit a view", changed(function(f) f.accessors[1].count = 2 ^ 31 end))
+      refuses("EFORMAT", "count must be 1 or more", changed(function(f) f.accessors[1].count = 2 ^ 52 end))
+      refuses("EFORMAT", "/accessors/0/byteOffset: an integer of 0 or more expected",
+        changed(function(f) f.accessors[1].byteOffset = 2 ^ 60 end))
+      refuses("EFORMAT", "/bufferViews/0/byteOffset", changed(function(f) f.views[1].byteOffset = -8 end))
+      refuses("EFORMAT", "/accessors/0/bufferView: view 9 of 2", changed(function(f) f.accessors[1].bufferView = 9 end))
+      refuses("EFORMAT", "byteStride from 4 to 252", changed(function(f) f.views[1].byteStride = 2 end))
+      refuses("EFORMAT", "/meshes/0/primitives/0/indices: accessor 1 of 1", changed(function(f) f.accessors[2] = nil end))
+      refuses("EFORMAT", "/meshes/0/primitives/0/indices: index 2 is 9, there are 4 vertices",
+        changed(function(f) f.data = f.data:sub(1, 52) .. "\9\0" .. f.data:sub(55) end))
+      refuses("EFORMAT", "POSITION: finite numbers expected",
+        changed(function(f) f.data = gltf.float(0 / 0) .. f.data:sub(5) end))
+      refuses("EFORMAT", "type VEC9 of componentType 5126 is not known", changed(function(f) f.accessors[1].type = "VEC9" end))
+      refuses("ELIMIT", "elements without a view", changed(function(f)
+        f.accessors[1].bufferView, f.accessors[1].count = nil, 2 ^ 24
+      end))
+      refuses("EFORMAT", "/accessors/0/sparse/indices: index 1 is 1: rising ones below 4 expected", changed(function(f)
+        f.accessors[1].sparse = { count = 2, indices = { bufferView = f:view "\1\1", componentType = 5121 },
+          values = { bufferView = 0 } }
+      end))
+      refuses("EFORMAT", "base64", (changed():gsub("base64,....", "base64,A_*A")))
+    end)
+
+    it("nodes that are below themselves, below two, or too deep", function()
+      local function nodes(list, more)
+        local all = { nodes = list }
+        for key, value in pairs(more or {}) do all[key] = value end
+        return gltf.new():text(all)
+      end
+      refuses("EFORMAT", "the node is below itself", nodes { { children = { 1 } }, { children = { 0 } } })
+      refuses("EFORMAT", "/nodes/1/children/0: node 2 is a child of node 0 too",
+        nodes { { children = { 2 } }, { children = { 2 } }, { name = "x" } })
+      refuses("EFORMAT", "/scenes/0/nodes/0: the number of a node without a parent expected",
+        nodes({ { children = { 1 } }, { name = "x" } }, { scenes = { { nodes = { 1 } } } }))
+      refuses("EFORMAT", "/scene: scene 4 of 1", nodes({ { name = "x" } }, { scene = 4, scenes = { { nodes = { 0 } } } }))
+      local deep = {}
+      for i = 1, 300 do deep[i] = { children = i < 300 and { i } or nil, name = "x" } end
+      refuses("ELIMIT", "nodes nest more than 256 deep", nodes(deep))
+      refuses("EFORMAT", "/nodes/0: its place is beyond 1e12", nodes { { translation = { 1e13, 0, 0 } } })
+      refuses("EFORMAT", "/nodes/0/scale: 3 numbers expected", nodes { { scale = { 1, 2 } } })
+    end)
+
+    it("files outside of the folder, and those that are missing", function()
+      local function uri(text) return (changed():gsub("data:[^\"]*", (text:gsub("%%", "%%%%")))) end
+      refuses("EIO", "/buffers/0/uri: none.bin: no such file", uri "none.bin")
+      for _, name in ipairs { "../x.bin", "/etc/passwd", "file:///etc/passwd", "http://a/b", "a%2f..%2f..%2fx", "%00", "a%zz",
+        "..", "a\\\\b" } do
+        refuses("EFORMAT", "a file in the folder of this one expected", uri(name))
+      end
+      scratch.shell("ln -s /etc/passwd " .. scratch.quote(folder.path .. "/link.bin"))
+      refuses("EIO", "a link that leads out of the folder", uri "link.bin")
+      refuses("EFORMAT", "base64 alone is read", uri "data:text/plain,abc")
+      local f = gltf.new()
+      f:accessor("VEC3", 5126, square)
+      folder:write("my data.bin", f.data)
+      assert(load(f:json({ meshes = { { primitives = { { attributes = { POSITION = 0 } } } } }, nodes = { { mesh = 0 } } },
+        "my%20data.bin")))
+    end)
+
+    it("more than it may hold", function()
+      local path = folder:write("many.gltf", changed())
+      local m, message, code = ylm.load_scene(path, { triangles = 0 })
+      assert.is_nil(m)
+      assert.truthy(message:find("more than", 1, true), message)
+      assert.equal("ELIMIT", code)
+    end)
+  end)
+end)

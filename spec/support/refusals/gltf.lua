@@ -1,0 +1,25 @@
+-- Refusals of ylm.gltf and ylm.load_gltf.
+
+local function case(call, says) return { call = call, says = says } end
+
+return {
+  gltf = {
+    case(function(ylm) ylm.gltf {} end, "gltf: field 'file' is missing"),
+    case(function(ylm) ylm.gltf { file = "" } end, "gltf: file must be a file name"),
+    case(function(ylm) ylm.gltf { file = "a\0b" } end, "gltf: file must be a file name"),
+    case(function(ylm) ylm.gltf { file = "x.glb", lamp_radius = 0 } end, "lamp_radius must be a number > 0"),
+    case(function(ylm) ylm.gltf { file = "x.glb", spots = "cone" } end, "spots must be one of 'spot', 'sphere'"),
+    case(function(ylm) ylm.gltf { file = "x.glb", scene = 0 } end, "scene must be an integer >= 1, got 0"),
+    case(function(ylm) return ylm.gltf { file = "/nonexistent.glb" } end, "No such file"),
+    case(function(ylm) return ylm.gltf { file = "README.md" } end, "README.md: line 1, column 1: not JSON"),
+  },
+  load_gltf = {
+    case(function(ylm) ylm.load_gltf() end, "bad argument #1 to 'load_gltf' %(the name of a file expected, got nil%)"),
+    case(function(ylm) ylm.load_gltf "" end, "the name of a file expected"),
+    case(function(ylm) ylm.load_gltf "a\0b" end, "the name of a file expected"),
+    case(function(ylm) ylm.load_gltf("x.glb", { lamp = 1 }) end, "no field 'lamp'"),
+    case(function(ylm) ylm.load_gltf("x.glb", { light_scale = -1 }) end, "light_scale must be a number >= 0"),
+    case(function(ylm) return ylm.load_gltf "/" end, "not a regular file"),
+    case(function(ylm) return ylm.load_gltf "/nonexistent.glb" end, "No such file"),
+  },
+}
