@@ -56,7 +56,7 @@ void ylm__gltf_note(gltf *g, const char *format, ...) {
 
 enum { DEPTH = 64, MOST = 1 << 26 };
 
-/* What jansson allocates at most for an object, an array, an entry. */
+/* Bytes that jansson allocates at most for an object, an array, an entry. */
 enum { OBJECT = 136, ARRAY = 112, ENTRY = 48 };
 
 /* Counts brackets and commas outside of strings. */

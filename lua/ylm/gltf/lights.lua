@@ -17,7 +17,7 @@ local function near(a, b) return math.abs(a - b) <= 1e-6 * math.abs(b) end
 --- Three numbers of extras, or nil.
 local function three(x) return form.types.point(x) and x or nil end
 
---- A sphere of the file's intensity: I = pi r^2 L. What ylm has written beside it holds while the intensity is the same.
+--- A sphere of the same intensity, I = pi r^2 L. Radius and radiance that ylm has written hold while the intensity is theirs.
 local function as_sphere(l, o)
   local extras = l.extras and json.read(l.extras) or {}
   local radius, given = tonumber(extras.radius), three(extras.radiance)

@@ -55,7 +55,7 @@ local function texture_of(m, images)
   return images[m.base_image]
 end
 
---- What the file's materials become: a list of { material =, occludes = , left_out = }; note(sentence, ...) takes what is
+--- Materials of the file: a list of { material =, occludes = , left_out = }; note(sentence, ...) takes what is
 -- lost. Or nil, message, code.
 function material.convert(file, note)
   local out, unlit, tinted = {}, 0, 0
