@@ -11,7 +11,7 @@ return {
   vulkan_uniform = 7, light_tree = 7,
   grid_update_random = 5, view_bar = 5, install = 5, vulkan_sh = 5, grid_bake = 5, vulkan_surface = 4,
   light_blocks = 4, material_kinds = 6, material_file = 5, material_table = 4,
-  shadow_bodies = 4, material = 4, grid_surface = 4, light = 4, style = 4,
+  shadow_bodies = 3, material = 4, grid_surface = 4, light = 4, style = 4,
   choose = 4, sh_project = 4, vulkan_bake = 4, view = 4, occlusion = 3,
   grid_sample = 3, grid_update_undo = 3, texture = 3, plot = 3, sh_eval = 2, vulkan_render = 2, no_lights = 2,
   light_polygon_kernel = 2, shade = 2, render_noise = 2, render = 2, grid_update_memory = 1, grid_update_view = 1,

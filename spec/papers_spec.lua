@@ -155,6 +155,18 @@ describe("examples/papers", function()
 
   it("runs 04_moving_lights.lua, a small one", function() moving "--frames 3 --depth 6" end)
 
+  it("runs 10_moving_shadows.lua, a small one", function()
+    local folder = scratch.new()
+    local out, status = scratch.capture(("%s examples/10_moving_shadows.lua --quick --truth --out %s"):format(
+      os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder.path)))
+    local sheet = io.open(folder.path .. "/shadows.png", "rb")
+    if sheet then sheet:close() end
+    folder:remove()
+    assert.equal(0, status, out)
+    assert(sheet and out:find("frames a second", 1, true), out)
+    assert(out:find("beside rays, 256 a point: rms [%d.]+ %% of the mean"), out)
+  end)
+
   it("runs 04_moving_lights.lua on a device", function()
     local device, missing = require "spec.support.gpu".choose()
     if not device then pending("no Vulkan device: " .. missing) end

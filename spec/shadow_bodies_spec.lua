@@ -90,3 +90,134 @@ describe("ylm.bake { like = grid }", function()
     refused("like", probes(), { occupied = lit, like = start })
   end)
 end)
+
+-- Bodies in pictures -----------------------------------------------------------------------------------
+
+local cube = ylm.box { scale = 0.8, divide = 5, material = ylm.matte { albedo = { 0.7, 0.3, 0.2 } } }
+local solid = ylm.occluder { geometry = ylm.box { scale = 0.8 } }
+local lamp = ylm.sphere_light { at = { 1.5, 3, 1 }, radius = 0.5, radiance = 15 }
+local even = ylm.environment_light { radiance = 0.5 }
+
+local function room(geometry)
+  return ylm.scene "floor" { camera = ylm.camera { from = { 0, 2, 4 }, at = { 0, 0.5, 0 }, fov = 40 },
+    geometry = { ylm.quad { corner = { -3, 0, 3 }, u = { 6, 0, 0 }, v = { 0, 0, -6 } }, geometry or {} },
+    lights = { lamp, even } }
+end
+
+local function shaded(more)
+  local casters = { cube = ylm.caster { hides = solid, surface = cube, at = { 0, 0.8, 0 },
+    rotation = { axis = { 1, 2, 0.5 }, angle = 35 } } }
+  for name, c in pairs(more or {}) do casters[name] = c end
+  return ylm.shadowed { lights = { lamp, even }, casters = casters }
+end
+
+local size = { 40, 30 }
+local function prepared(scene)
+  return assert(scene:prepare { size = size, samples = 4, lmax = 7, visibility = "transfer", transfer_samples = 16 })
+end
+
+--- The root mean square difference of two pictures, over the mean of the second.
+local function apart(a, b)
+  local off, mean, n = 0, 0, 0
+  local x, y = a:layer "radiance":totable(), b:layer "radiance":totable()
+  for i = 1, #x do
+    for j = 1, #x[i] do
+      for c = 1, 3 do off, mean, n = off + (x[i][j][c] - y[i][j][c]) ^ 2, mean + y[i][j][c], n + 1 end
+    end
+  end
+  return math.sqrt(off / n) / (mean / n)
+end
+
+describe("shadowed:without", function()
+  it("is light behind the other casters, to the bit, where they stand now", function()
+    local other = ylm.caster { hides = ball, at = { 1, 0.7, 0.3 } }
+    local shade, alone = shaded { other = other }, ylm.shadowed { lights = { lamp, even }, casters = { other = other } }
+    local rest, places = shade:without "cube", floor(40, 3)
+    local options = { derivatives = 1, dtype = "double" }
+    for _ = 1, 2 do
+      local L, dL = ylm.light_field(5, rest, places, options)
+      local M, dM = ylm.light_field(5, alone, places, options)
+      assert.same(M:totable(), L:totable())
+      assert.same(dM:totable(), dL:totable())
+      assert.equal(1, rest.count)
+      shade:move { other = { at = { -1, 0.9, 0 } } }
+      alone:move { other = { at = { -1, 0.9, 0 } } }
+    end
+  end)
+
+  it("without a name has no casters that stand still", function()
+    local still = ylm.caster { hides = ball, at = { 1, 0.7, 0.3 } }
+    local moving = ylm.caster { hides = ball, at = { 0, 0.7, 0 } }
+    local both = ylm.shadowed { lights = even, casters = { still, moving = moving } }
+    local one, places = ylm.shadowed { lights = even, casters = { moving } }, floor(20, 3)
+    assert.same(ylm.light_field(4, one, places):totable(), ylm.light_field(4, both:without(), places):totable())
+  end)
+
+  it("ends with the shadowed light, and refuses names that there are not", function()
+    local shade = shaded()
+    local rest = shade:without "cube"
+    assert.error_matches(function() shade:without "cub" end, "no caster has the name 'cub'")
+    assert.error_matches(function() rest:without "cube" end, "ask the shadowed light that it is of")
+    assert.error_matches(function() rest:move { cube = {} } end, "no caster has the name 'cube'")
+    shade:close()
+    assert.error_matches(function() ylm.light_field(2, rest, { 0, 0, 0 }) end, "closed")
+  end)
+end)
+
+describe("prepared:render { bodies = shade }", function()
+  it("has bodies and their shadows as rays have them", function()
+    local shade = shaded()
+    local view = prepared(room())
+    local image, report = assert(view:render { grid = shade, bodies = shade, layers = false })
+    local truth = room(shade:surfaces()):raycast { size = size, samples = 4, light_samples = 64, layers = false }
+    local e = apart(image, truth)
+    assert(e < 0.09, ("%g"):format(e))
+    assert.equal(1, report.bodies.count)
+    assert.equal(216, report.bodies.vertices)
+    assert.is_true(report.bodies.rays > 500 and report.bodies.seconds.light > 0)
+    shade:move { cube = { at = { 0.6, 1.1, -0.3 }, scale = 0.7, rotation = { axis = { 0, 1, 0 }, angle = 80 } } }
+    local moved = apart(view:render { grid = shade, bodies = shade, layers = false },
+      room(shade:surfaces()):raycast { size = size, samples = 4, light_samples = 64, layers = false })
+    assert(moved < 0.09, ("%g"):format(moved))
+  end)
+
+  it("hides bodies behind surfaces, and draws none that is out of sight", function()
+    local wall = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 2, 0 } }
+    local shade, view = shaded(), prepared(room(wall))
+    local empty = view:render { grid = shade, layers = false }
+    assert.equal(0, apart(view:render { grid = shade, bodies = shade, layers = false }, empty))
+    shade:move { cube = { at = { 0, 1, 30 } } }
+    empty = view:render { grid = shade, layers = false }
+    assert.equal(0, apart(view:render { grid = shade, bodies = shade, layers = false }, empty))
+  end)
+
+  it("shows a body that turns in even light as it shows the same body at rest, turned", function()
+    local turned = ylm.box { scale = { 0.8, 0.5, 0.3 }, divide = 4, rotate = { axis = { 0, 1, 0 }, angle = 90 } }
+    local still = ylm.caster { hides = ball, surface = turned, at = { 0, 0.9, 0 } }
+    local moving = ylm.caster { hides = ball, surface = ylm.box { scale = { 0.8, 0.5, 0.3 }, divide = 4 }, at = { 0, 0.9, 0 },
+      rotation = { axis = { 0, 1, 0 }, angle = 90 } }
+    local view = prepared(room())
+    local a = ylm.shadowed { lights = even, casters = { still } }
+    local b = ylm.shadowed { lights = even, casters = { moving } }
+    local e = apart(view:render { grid = a, bodies = a, layers = false }, view:render { grid = b, bodies = b, layers = false })
+    assert(e < 0.005, ("%g"):format(e))
+  end)
+
+  it("is the same whatever the threads", function()
+    local shade, view = shaded(), prepared(room())
+    assert.equal(0, apart(view:render { grid = shade, bodies = shade, layers = false, threads = 1 },
+      view:render { grid = shade, bodies = shade, layers = false, threads = 3 }))
+  end)
+
+  it("refuses what has no bodies, and surfaces that are none", function()
+    local view, shade = prepared(room()), shaded()
+    assert.error_matches(function() view:render { grid = shade, bodies = 3 } end, "bodies")
+    local rest = shade:without "cube"
+    assert(view:render { grid = rest, bodies = rest, layers = false }) -- no bodies are drawn
+    shade:close()
+    assert.error_matches(function() view:render { grid = even, bodies = shade } end, "closed")
+    assert.error_matches(function() ylm.caster { hides = ball, surface = 3 } end, "surface must be a shape")
+    assert.error_matches(function() ylm.caster { hides = ball, surface = {} } end, "surface: an empty list")
+    assert.error_matches(function() ylm.casters { hides = ball, surface = { ball }, at = {} } end, "surface must be a shape")
+  end)
+end)

@@ -126,6 +126,20 @@ YLM_API ylm_status ylm_light_shadowed_create(const ylm_light_set *lights, const 
                                              ylm_light_shadowed **out, ylm_error *e);
 YLM_API void ylm_light_shadowed_free(ylm_light_shadowed *s);
 YLM_API const ylm_field *ylm_light_shadowed_field(const ylm_light_shadowed *s);
+/* Caster i, where it stands; i < their number. */
+YLM_API const ylm_light_caster *ylm_light_shadowed_caster(const ylm_light_shadowed *s, size_t i);
+
+/* The light that all casters but a few let through: that of a body's own surface, which its own shadow would darken. */
+typedef struct ylm_light_shadowed_rest {
+  ylm_field field;
+  const ylm_light_shadowed *of;
+  size_t first, n; /* the casters that are left out */
+} ylm_light_shadowed_rest;
+
+/* Its field lives as long as `rest` and `s`, and follows the casters of `s`. YLM_ERANGE: there are no such casters. */
+YLM_API ylm_status ylm_light_shadowed_without(const ylm_light_shadowed *s, size_t first, size_t n,
+                                              ylm_light_shadowed_rest *rest);
+
 /* Puts casters first .. first+n-1 elsewhere: at [n][3], rotation [n][9], scale [n]; NULL: as it was. All of them or,
    where one is not sound, none: as ylm_light_shadowed_create. */
 YLM_API ylm_status ylm_light_shadowed_move(ylm_light_shadowed *s, size_t first, size_t n,

@@ -822,6 +822,45 @@ YLM_API ylm_status ylm_shade_compose(const ylm_shade_view *view, const float *co
 YLM_API ylm_status ylm_shade_draw_lamps(const ylm_shade_view *view, const ylm_scene_lamps *lamps,
                                         int threads, float *out);
 
+/* -- bodies that move: bodies.c ---------------------------------------------------------------- */
+
+/* A body at its place. A point p of the body's frame is at + scale rotation p. */
+typedef struct ylm_shade_body {
+  const ylm_shade_view *view; /* of the body alone, in its frame: options.all_vertices, matte, with
+                                 transfer vectors, which know the body alone                   */
+  double at[3], rotation[9], scale;
+  const float *radiance; /* [points of view][3], for ylm_shade_draw_bodies                     */
+} ylm_shade_body;
+
+/*
+** ylm_shade_body_field - radiance of a body's vertices where it stands: its transfer vectors, turned, times light there.
+**
+**   light  in   light without the body's own shadow (ylm_light_shadowed_without), asked for values at lmax of the
+**               body's view, 3 channels, float
+**   out    out  [points of the body's view][3]
+**
+** Returns  YLM_OK; YLM_EINVAL (the view is not such a one), YLM_EDOMAIN (its place), as ylm_shade_field
+** Source   Sloan et al. 2002; Zhou et al. 2005
+*/
+YLM_API ylm_status ylm_shade_body_field(const ylm_shade_body *body, const ylm_field *light,
+                                        int threads, const ylm_progress *progress, float *out,
+                                        uint64_t *pairs, ylm_error *e);
+
+/*
+** ylm_shade_draw_bodies - draw bodies over an image of the view, by the camera rays that it was made with.
+**
+** A sample that meets a body covers its share of the pixel, less the part of the pixel that shows nearer surfaces of the
+** view. Lamps of the view are behind bodies. Radiance is interpolated over triangles.
+**
+**   out   in/out  [height][width][3]
+**   rays  out     that were traced, may be NULL
+**
+** Returns  YLM_OK; YLM_EINVAL, YLM_EDOMAIN as ylm_shade_body_field; YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_shade_draw_bodies(const ylm_shade_view *view, size_t n,
+                                         const ylm_shade_body *body, int threads, float *out,
+                                         uint64_t *rays, ylm_error *e);
+
 /* -- what pictures are made of, for those that make them elsewhere --------------- */
 
 /* An entry is a part of a pixel: a shading point or, with a view per vertex, a place on a triangle

@@ -15,7 +15,7 @@ local numbers = require "ylm.light.numbers"
 
 local describe = reference.describe
 
-require "ylm.geometry" -- defines form.types.rotation
+local geometry = require "ylm.geometry" -- defines form.types.rotation
 
 local shadow = {}
 
@@ -230,7 +230,23 @@ local function matrix_of(rotation)
   return r
 end
 
+--- The surfaces of a shape or a list of shapes, a flat list; fail(message) raises.
+local function surfaces_of(x, fail)
+  local out = {}
+  local function add(entry)
+    if mesh_of(entry) == nil or core.type(entry) == "ylm.mesh" then
+      return fail("surface must be a shape (box, sphere, mesh ...) or a list of them, got " .. check.describe(entry))
+    end
+    for _, part in ipairs(entry.parts or { entry }) do out[#out + 1] = part end
+  end
+  if type(x) ~= "table" or form.kind(x) then add(x)
+  else for i = 1, #x do add(x[i]) end end
+  if #out == 0 then return fail "surface: an empty list" end
+  return out
+end
+
 local function finish(values, name, fail)
+  if values.surface ~= nil then values.surface = surfaces_of(values.surface, fail) end
   if values.hides ~= nil then
     local message, code
     values.facts, message, code = facts_of(values, fail)
@@ -249,6 +265,8 @@ shadow.caster = form.define("caster", {
     { "scale", "caster_scale", default = 1, about = "one factor: larger bodies of the same shape" },
     { "radius", "number", above = 0, max = EXTENT, optional = true, unit = "scene units",
       about = "of a sphere about the origin of the body's frame that holds it. Default: of the body; grids remember it" },
+    { "surface", "any", optional = true,
+      about = "a shape or a list of shapes in the body's frame: view:render { bodies = shade } draws them" },
   },
   build = function(values, fail)
     values.count = 1
@@ -315,6 +333,8 @@ shadow.casters = form.define("casters", {
     { "rotation", "any", optional = true, about = "quaternions {w, x, y, z} of any length but 0: [n][4], or one" },
     { "scale", "any", default = 1, about = "[n] factors, or one" },
     { "radius", "number", above = 0, max = EXTENT, optional = true, unit = "scene units", about = "as of caster" },
+    { "surface", "any", optional = true,
+      about = "as of caster" },
   },
   build = function(values, fail)
     local at, n = places_of(values, fail)
@@ -477,9 +497,13 @@ local function build_shadowed(values, fail)
   local object
   object, message, code = made(fail, create(packed, groups, values))
   if not object then return nil, message, code end
-  local of = { groups = {}, count = 0 }
+  local of = { groups = {}, count = 0, still = 0, bodies = {} }
   for _, group in ipairs(groups) do
     of.count = of.count + group.caster.count
+    if not group.name then of.still = of.count end
+    if group.caster.surface then
+      of.bodies[#of.bodies + 1] = { surface = group.caster.surface, first = group.first, count = group.caster.count }
+    end
     if group.name then of.groups[group.name] = { first = group.first, count = group.caster.count,
       spheres = group.caster.hides == nil } end
   end
@@ -494,7 +518,7 @@ shadow.shadowed = form.define("shadowed", {
     .. "other light fields, by all. It has count, the number of casters, move() and close().",
   fields = {
     { "lights", "any", about = "a light, a list of lights, or what has a light field" },
-    { "casters", "any", about = "a caster, or a table of casters; those with names can be moved" },
+    { "casters", "any", about = "a caster, or a table of casters; those with names can be moved, others stand still" },
     products[1], products[2], products[3], products[4], products[5], products[6],
   },
   build = build_shadowed,
@@ -608,6 +632,88 @@ function shadoweds.move(s, places)
     if not ok then return nil, message, code end
   end
   return s
+end
+
+--- Bodies with a surface, in order: { surface = list of geometry, at, rotation {9 numbers}, scale, number from 0 on }; nil,
+-- message, code.
+function shadow.bodies(name, s)
+  local list = {}
+  for _, body in ipairs(opened(name, s).bodies) do
+    for i = body.first, body.first + body.count - 1 do
+      local at, rotation, scale = check.result(name, core.shadowed_caster(s, i))
+      if not at then return nil, rotation, scale end
+      list[#list + 1] = { surface = body.surface, at = at, rotation = rotation, scale = scale, number = i }
+    end
+  end
+  return list
+end
+
+--- Light behind all casters but number i, from 0 on; nil, message, code.
+function shadow.beside(name, s, i)
+  return check.result(name, core.shadowed_without(s, i, 1))
+end
+
+describe "shadowed:without" {
+  about = "The light that some casters let through, a light field. Without a caster by name it is that of the surface of this "
+    .. "body, which stands in its own shadow otherwise. Without those that have no name it is light for surfaces that stand "
+    .. "still and know them by transfer vectors. It follows the casters, and lasts as long as the shadowed light is open.",
+  arguments = { { "name?", "string", "of a caster, or of casters, all of which are left out; nil: casters without a name" } },
+  returns = { { "light", "shadowed", "a light field" } },
+  errors = "raises on a name that no caster has; nil, message, code where memory runs out",
+  example = [[
+local shade = ylm.shadowed { lights = ylm.environment_light { radiance = 1 },
+  casters = { ball = ylm.caster { hides = ylm.occluder { radius = 1 } } } }
+local L = ylm.light_field(2, shade:without "ball", { 1, 0, 0 })
+assert(math.abs(L:get(1, 1) - math.sqrt(4 * math.pi)) < 1e-6)]],
+}
+function shadoweds.without(s, name)
+  local of = opened("without", s)
+  local group = name == nil and { first = 0, count = of.still } or of.groups[name]
+  if of.of then return check.fail "without: light without some casters is left as it is: ask the shadowed light that it is of" end
+  if not group then return check.bad(1, "without", "no caster has the name %s", check.describe(name)) end
+  local object, message, code = check.result("without", core.shadowed_without(s, group.first, group.count))
+  if not object then return nil, message, code end
+  about_of[object] = { groups = {}, bodies = {}, count = about_of[s].count - group.count, of = s }
+  return object
+end
+
+--- Three rows of four numbers that place a body.
+local function matrix_of_place(b)
+  local m = {}
+  for i = 1, 3 do
+    m[i] = { b.at[i] }
+    for k = 3, 1, -1 do table.insert(m[i], 1, b.scale * b.rotation[3 * (i - 1) + k]) end
+  end
+  return m
+end
+
+describe "shadowed:surfaces" {
+  about = "The surfaces of casters where they stand now, as geometry: a scene with them has true shadows by rays.",
+  arguments = {},
+  returns = { { "geometry", "table", "a list of meshes, for the geometry of a scene" } },
+  errors = "raises on what is no shadowed light; nil, message, code where memory runs out",
+  example = [[
+local block = ylm.box {}
+local body = ylm.caster { hides = ylm.occluder { geometry = block }, surface = block, at = { 0, 1, 0 } }
+local shade = ylm.shadowed { lights = ylm.environment_light { radiance = 1 }, casters = { body = body } }
+local still = ylm.scene "still" { geometry = { ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } },
+  shade:surfaces() }, lights = ylm.environment_light { radiance = 1 } }
+assert(#still.geometry == 2)]],
+}
+function shadoweds.surfaces(s)
+  local list, message, code = shadow.bodies("surfaces", s)
+  if not list then return nil, message, code end
+  local out = {}
+  for _, body in ipairs(list) do
+    for _, part in ipairs(body.surface) do
+      local m, entry = part.mesh
+      entry, message, code = geometry.mesh { vertices = m:vertices(), triangles = m:triangles(), normals = m:normals(),
+        uvs = m:uvs(), matrix = matrix_of_place(body), material = part.material, occludes = part.occludes }
+      if not entry then return nil, message, code end
+      out[#out + 1] = entry
+    end
+  end
+  return out
 end
 
 describe "shadowed:close" {

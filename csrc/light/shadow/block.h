@@ -137,6 +137,7 @@ static ylm_status see(block *b) {
   for (size_t i = 0; i < b->m; i++) {
     size_t first = b->seen_first[i] = b->seens;
     for (size_t k = 0; k < s->n; k++) {
+      if (k >= b->w->skip && k - b->w->skip < b->w->skips) continue;
       if (!grow((void **)&b->seen, b->seens, &b->seen_room, sizeof *b->seen)) return YLM_ENOMEM;
       shadow_seen *to = &b->seen[b->seens];
       to->caster = k;

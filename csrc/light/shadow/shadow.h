@@ -97,6 +97,7 @@ typedef struct shadow_room {
 /* The query, as all blocks share it. */
 typedef struct shadow_query {
   const ylm_light_shadowed *s;
+  size_t skip, skips; /* casters that are left out: the first, how many */
   const ylm_field_query *q;
   const void *points;
   ylm_field_result *r;

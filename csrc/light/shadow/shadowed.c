@@ -116,15 +116,18 @@ static size_t grain_of(size_t n, int threads) {
   return lanes < 16 ? 16 : lanes > SHADOW_BLOCK ? SHADOW_BLOCK : lanes;
 }
 
-static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
-                           const void *points, ylm_field_result *r, ylm_error *e) {
-  const ylm_light_shadowed *s = f->self;
+/* Light behind all casters but `skips` from `skip` on. */
+static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
+                         const ylm_field_query *q, size_t n, const void *points,
+                         ylm_field_result *r, ylm_error *e) {
   ylm_status status = ylm__field_check(q, n, points, r, YLM_SH_PRODUCT_LMAX, e);
   if (status != YLM_OK) return status;
   if (q->want & YLM_WANT_HESSIAN)
     return ylm_fail(e, YLM_EINVAL, "shadowed light has no Hessians: derivatives = 1 at most");
   const shadow_tables *tables;
   job j = {.w = {.s = s,
+                 .skip = skip,
+                 .skips = skips,
                  .q = q,
                  .points = points,
                  .r = r,
@@ -149,6 +152,17 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   r->pairs += atomic_load(&j.w.pairs);
   if (status == YLM_ENOMEM) return ylm_fail(e, status, "%s", ylm_status_text(status));
   return status == YLM_OK ? ylm_light_finite(q, n, points, r, e) : status;
+}
+
+static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
+                           const void *points, ylm_field_result *r, ylm_error *e) {
+  return answer(f->self, 0, 0, q, n, points, r, e);
+}
+
+static ylm_status evaluate_rest(const ylm_field *f, const ylm_field_query *q, size_t n,
+                                const void *points, ylm_field_result *r, ylm_error *e) {
+  const ylm_light_shadowed_rest *rest = f->self;
+  return answer(rest->of, rest->first, rest->n, q, n, points, r, e);
 }
 
 /* The box, in the body's frame, around a box of space. */
@@ -185,8 +199,8 @@ static ylm_status add_crossing(const ylm_field *f, size_t n, const double *boxes
   return s;
 }
 
-static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
-  const ylm_light_shadowed *s = f->self;
+static ylm_status cross(const ylm_light_shadowed *s, size_t skip, size_t skips, size_t n,
+                        const double *boxes, uint8_t *out) {
   double *own = ylm_alloc(n, 6 * sizeof *own);
   uint8_t *more = ylm_alloc(n, 1);
   ylm_status status = own && more ? YLM_OK : YLM_ENOMEM;
@@ -195,6 +209,7 @@ static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uin
   if (status == YLM_OK) status = add_crossing(s->rest, n, boxes, more, out);
   for (size_t k = 0; k < s->n && status == YLM_OK; k++) {
     const ylm_light_caster *c = &s->caster[k].form;
+    if (k >= skip && k - skip < skips) continue;
     for (size_t i = 0; i < n; i++) {
       if (c->hides)
         box_in_frame(c, boxes + 6 * i, own + 6 * i);
@@ -208,7 +223,30 @@ static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uin
   return status;
 }
 
+static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
+  return cross(f->self, 0, 0, n, boxes, out);
+}
+
+static ylm_status crosses_rest(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
+  const ylm_light_shadowed_rest *rest = f->self;
+  return cross(rest->of, rest->first, rest->n, n, boxes, out);
+}
+
 const ylm_field *ylm_light_shadowed_field(const ylm_light_shadowed *s) { return &s->field; }
+
+const ylm_light_caster *ylm_light_shadowed_caster(const ylm_light_shadowed *s, size_t i) {
+  return &s->caster[i].form;
+}
+
+ylm_status ylm_light_shadowed_without(const ylm_light_shadowed *s, size_t first, size_t n,
+                                      ylm_light_shadowed_rest *rest) {
+  if (first > s->n || n > s->n - first) return YLM_ERANGE;
+  *rest = (ylm_light_shadowed_rest){s->field, s, first, n};
+  rest->field.self = rest;
+  rest->field.evaluate = evaluate_rest;
+  rest->field.crosses = crosses_rest;
+  return YLM_OK;
+}
 
 /* -- casters ------------------------------------------------------------------------------------ */
 

@@ -93,8 +93,9 @@ typedef struct part {
 } part;
 
 typedef struct shadowed {
-  ylm_light_shadowed *of; /* NULL once closed */
-  part *parts;            /* [n] */
+  ylm_light_shadowed *of;       /* NULL once closed, or where `rest` is meant */
+  ylm_light_shadowed_rest rest; /* rest.of NULL: none */
+  part *parts;                  /* [n] */
   size_t n;
   int keep; /* the parts, in the registry */
 } shadowed;
@@ -103,6 +104,7 @@ static const ylm_field *shadowed_field(void *object) {
   const shadowed *s = object;
   for (size_t i = 0; i < s->n; i++)
     if (!s->parts[i].get(s->parts[i].object)) return NULL;
+  if (s->rest.of) return &s->rest.field;
   return s->of ? ylm_light_shadowed_field(s->of) : NULL;
 }
 
@@ -230,6 +232,46 @@ static int shadowed_create(lua_State *L) {
   return ylmL_result(L, 1, status, &e);
 }
 
+/* shadowed_without(shadowed, first from 0 on, n) -> an object whose light field has these casters not */
+static int shadowed_without(lua_State *L) {
+  shadowed *s = ylmL_check(L, 1, SHADOWED);
+  size_t first = (size_t)luaL_checknumber(L, 2), n = (size_t)luaL_checknumber(L, 3);
+  lua_settop(L, 1);
+  if (!s->of) return ylmL_result(L, 0, YLM_ECLOSED, NULL);
+  shadowed *r = lua_newuserdata(L, sizeof *r);
+  *r = (shadowed){.keep = LUA_NOREF};
+  luaL_getmetatable(L, SHADOWED);
+  lua_setmetatable(L, -2);
+  r->parts = ylm_alloc(1, sizeof *r->parts);
+  if (!r->parts) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  lua_createtable(L, 1, 0);
+  lua_pushvalue(L, 1);
+  r->parts[r->n++] = (part){s, ylmL_field_getter(L, -1)};
+  ylmL_note_part(L);
+  lua_rawseti(L, -2, 1);
+  r->keep = luaL_ref(L, LUA_REGISTRYINDEX);
+  return ylmL_result(L, 1, ylm_light_shadowed_without(s->of, first, n, &r->rest), NULL);
+}
+
+/* shadowed_caster(shadowed, i from 0 on) -> {x, y, z}, rotation {9 numbers}, scale */
+static int shadowed_caster(lua_State *L) {
+  shadowed *s = ylmL_check(L, 1, SHADOWED);
+  if (!s->of) return ylmL_result(L, 0, YLM_ECLOSED, NULL);
+  const ylm_light_caster *c = ylm_light_shadowed_caster(s->of, (size_t)luaL_checknumber(L, 2));
+  lua_createtable(L, 3, 0);
+  for (int a = 0; a < 3; a++) {
+    lua_pushnumber(L, c->at[a]);
+    lua_rawseti(L, -2, a + 1);
+  }
+  lua_createtable(L, 9, 0);
+  for (int a = 0; a < 9; a++) {
+    lua_pushnumber(L, c->rotation[a]);
+    lua_rawseti(L, -2, a + 1);
+  }
+  lua_pushnumber(L, c->scale);
+  return 3;
+}
+
 /* shadowed_move(shadowed, first from 0 on, n, at [n][3] | nil, rotation [n][9] | nil, scale [n] | nil) -> true */
 static int shadowed_move(lua_State *L) {
   shadowed *s = ylmL_check(L, 1, SHADOWED);
@@ -263,6 +305,8 @@ static const luaL_Reg functions[] = {{"occluder_sphere", occluder_sphere},
                                      {"occluder_places", occluder_places},
                                      {"shadowed_create", shadowed_create},
                                      {"shadowed_move", shadowed_move},
+                                     {"shadowed_without", shadowed_without},
+                                     {"shadowed_caster", shadowed_caster},
                                      {"shadowed_close", shadowed_close},
                                      {NULL, NULL}};
 

@@ -107,7 +107,71 @@ static int shade_darken(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
+/* The body at index i: { view, at = {3}, rotation = {9}, scale =, radiance = [n][3] or nil }; stays in its table. */
+static ylm_shade_body body_at(lua_State *L, int i) {
+  ylm_shade_body b = {.view = NULL};
+  luaL_checktype(L, i, LUA_TTABLE);
+  luaL_checkstack(L, 6, "body");
+  lua_rawgeti(L, i, 1);
+  b.view = ylmL_shade_view(L, lua_gettop(L));
+  lua_getfield(L, i, "at");
+  ylmL_scene_numbers(L, lua_gettop(L), 3, b.at);
+  lua_getfield(L, i, "rotation");
+  ylmL_scene_numbers(L, lua_gettop(L), 9, b.rotation);
+  lua_getfield(L, i, "scale");
+  b.scale = luaL_checknumber(L, -1);
+  lua_getfield(L, i, "radiance");
+  const ylmL_array *a = ylmL_array_opt(L, lua_gettop(L));
+  if (a && a->dtype == YLM_FLOAT && a->count == 3 * ylmL_shade_points(b.view)) b.radiance = a->data;
+  lua_pop(L, 5);
+  return b;
+}
+
+/* shade_body_field(body, object with a light field, threads, progress) -> radiance [n][3], pairs */
+static int shade_body_field(lua_State *L) {
+  ylm_shade_body b = body_at(L, 1);
+  const ylm_field *field = ylmL_field_check(L, 2);
+  int threads = (int)luaL_checknumber(L, 3);
+  ylm_error e = {0};
+  ylmL_progress p;
+  uint64_t pairs = 0;
+  lua_settop(L, 4);
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(b.view), 3});
+  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  const ylm_progress *progress = ylmL_progress_begin(L, 4, &p);
+  ylm_status s = ylm_shade_body_field(&b, field, threads, progress, out->data, &pairs, &e);
+  if (s == YLM_OK) ylmL_push_count(L, pairs);
+  return ylmL_result_progress(L, 2, s, &e, &p);
+}
+
+/* shade_draw_bodies(view, threads, image [h][w][3], list of bodies with radiance) -> rays */
+static int shade_draw_bodies(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  const ylm_shade_options *o = ylm_shade_view_options(v);
+  int threads = (int)luaL_checknumber(L, 2);
+  ylmL_array *image = ylmL_array_check(L, 3);
+  luaL_checktype(L, 4, LUA_TTABLE);
+  lua_settop(L, 4);
+  if (image->dtype != YLM_FLOAT || image->count != 3 * (size_t)o->width * (size_t)o->height)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  size_t n = lua_rawlen(L, 4);
+  ylm_shade_body *body = lua_newuserdata(L, (n + 1) * sizeof *body);
+  for (size_t k = 0; k < n; k++) {
+    lua_rawgeti(L, 4, (int)k + 1);
+    body[k] = body_at(L, lua_gettop(L));
+    lua_pop(L, 1); /* the list keeps it */
+    if (!body[k].radiance) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  }
+  ylm_error e = {0};
+  uint64_t rays = 0;
+  ylm_status s = ylm_shade_draw_bodies(v, n, body, threads, image->data, &rays, &e);
+  ylmL_push_count(L, rays);
+  return ylmL_result(L, 1, s, &e);
+}
+
 static const luaL_Reg functions[] = {{"shade_difference", shade_difference},
+                                     {"shade_body_field", shade_body_field},
+                                     {"shade_draw_bodies", shade_draw_bodies},
                                      {"shade_ambient", shade_ambient},
                                      {"shade_darken", shade_darken},
                                      {"shade_resolve", shade_resolve},

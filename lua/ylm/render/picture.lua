@@ -1,6 +1,7 @@
 --- From the radiance of shading points to an image with layers and metadata, and the report beside it.
 
 local ambient = require "ylm.render.ambient"
+local bodies = require "ylm.render.bodies"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -34,6 +35,10 @@ function pictures.compose(name, p, radiance, o, layer)
     radiance = all
   end
   assert(check.result(name, lib.shade_compose(view, radiance, p.scene.background or { 0, 0, 0 }, threads, layer)))
+  if o.bodies then
+    local drawn, message, code = bodies.draw(name, p, o, layer)
+    if not drawn then return nil, message, code end
+  end
   if not o.lamps then return true end
   return assert(check.result(name, lib.shade_draw_lamps(view, threads, layer, light.lamps(name, o.lamps))))
 end

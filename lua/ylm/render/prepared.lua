@@ -1,6 +1,7 @@
 --- The methods of prepared views.
 
 local ambient = require "ylm.render.ambient"
+local bodies = require "ylm.render.bodies"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -28,7 +29,7 @@ local prepared_render = options.list(options.grid_fields, near.fields, options.d
   { "out", "any", optional = true,
     about = "an image of an earlier call, to be written again and returned: its memory is there; "
       .. "with download = false the gpu_array" },
-}, ambient.fields, options.layer_fields, options.common)
+}, bodies.fields, ambient.fields, options.layer_fields, options.common)
 local prepared_reference = options.list(options.reference_fields, gloss.ray_fields, relight.method_fields, options.layer_fields,
   options.common)
 local prepared_radiance = options.list(options.grid_fields, relight.fields, relight.method_fields, options.common)
@@ -43,7 +44,7 @@ describe "prepared:render" {
   arguments = { { "options?", "table", "grid is needed where the view has transfer vectors" } },
   options = prepared_render,
   returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "outside, unbaked: shading points; "
-    .. "of a dynamic grid fresh: those that were sampled" } },
+    .. "of a dynamic grid fresh: those that were sampled; bodies: count, vertices, rays, seconds" } },
   errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
   example = options.one_lamp .. [[
 local view = scene:prepare { size = { 32, 18 }, samples = 4, visibility = "transfer" }
@@ -57,6 +58,7 @@ function prepared.render(view, given)
   local o = form.options(1, "render", prepared_render, given)
   indirect.settle("render", o, p.scene)
   relight.check("render", o)
+  bodies.check("render", o)
   local ok, message, code = indirect.relight("render", p, o)
   if not ok then return nil, message, code end
   return shading.picture("render", p, o)

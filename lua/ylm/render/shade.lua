@@ -258,6 +258,7 @@ function shading.picture(name, p, o)
   if not image then return nil, report, code end
   image, report, code = direct(name, p, o)
   if not image then return nil, report, code end
+  report.bodies = o.drawn
   indirect.report(p, o, report, image)
   near.report(p, o, report, image)
   ambient.report(p, o, report, image)
