@@ -111,7 +111,7 @@ static double volume_of(const ylm_mesh *m, const double middle[3]) {
 
 /* -- windings ------------------------------------------------------------------------------------ */
 
-/* On which side of the line from a to b is p, seen along z? The same for b to a, but for the sign. */
+/* The side of the line from a to b, seen along z, on which p is. A line from b to a has the opposite sign. */
 static int side(const double *a, const double *b, const double p[2]) {
   bool turned = a[0] > b[0] || (a[0] == b[0] && a[1] > b[1]);
   const double *from = turned ? b : a, *to = turned ? a : b;

@@ -435,6 +435,18 @@ local function joined(groups, field, n, width)
   return out
 end
 
+--- Are several spheres of a group one body?
+local function has_union(groups)
+  for _, group in ipairs(groups) do
+    local body, seen = group.caster.hides == nil and core.array_totable(group.caster.places.body) or {}, {}
+    for _, b in ipairs(body) do
+      if seen[b] then return true end
+      seen[b] = true
+    end
+  end
+  return false
+end
+
 --- The object of C for lights and groups of casters; nil, message, code.
 local function create(packed, groups, o)
   local hides, place, facts, which, n, body = {}, {}, {}, {}, 0, 0
@@ -455,7 +467,8 @@ local function create(packed, groups, o)
   end
   return core.shadowed_create { lights = packed, hides = hides, facts = doubles({ #facts, 7 }, facts),
     which = doubles({ n }, which), at = joined(groups, "at", n, 3), rotation = joined(groups, "rotation", n, 9),
-    scale = joined(groups, "scale", n, 1), body = joined(groups, "body", n, 1), product = o.product, rule = o.rule,
+    scale = joined(groups, "scale", n, 1), body = joined(groups, "body", n, 1), product = o.product,
+    rule = o.rule or (has_union(groups) and 6 or 3),
     cull = o.cull, layers = o.layers, exp = o.exp, terms = o.terms }
 end
 
@@ -465,7 +478,8 @@ local products = {
     about = "'rule': at directions of one rule, whatever the number of casters; 'accurate': of a rule that is exact, for 15 "
       .. "casters at most; 'recursive': two factors at a time, cut off at lmax; 'exp': exponentials of sums of logarithms, "
       .. "of spheres alone, lmax at most 20 (all but the first to compare with)" },
-  { "rule", "number", min = 2, max = 12, default = 3, about = "degree of that rule, times lmax; of 'rule' alone" },
+  { "rule", "number", min = 2, max = 12, optional = true,
+    about = "degree of that rule, times lmax; of 'rule' alone. Default 3, and 6 where several spheres are one body" },
   { "cull", "number", min = 0, max = 1, default = 1e-3,
     about = "casters that change a visibility by less than this, over their number, are left out; 0: none" },
   { "layers", "boolean", optional = true,

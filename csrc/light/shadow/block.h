@@ -10,6 +10,8 @@
 
 #include "shadow.h"
 
+#include "profile.h"
+
 typedef struct request {
   size_t point, light;
 } request;
@@ -279,12 +281,14 @@ static ylm_status hide(block *b) {
   for (size_t k = 0; k < w->s->n && s == YLM_OK; k++) {
     const shadow_caster *c = &w->s->caster[k];
     real *rows = b->hidden + b->by_caster_first[k] * row;
-    gather_viewers(b, k, v);
     if (!c->form.hides || w->exponential) {
-      for (size_t i = 0; i < v->n; i++)
-        if (v->distance[i] <= c->form.radius) b->inside[b->seen[v->seen[i]].point] = 1;
+      for (size_t j = b->by_caster_first[k]; j < b->by_caster_first[k + 1]; j++) {
+        const shadow_seen *seen = &b->seen[b->by_caster[j]];
+        if (seen->distance <= c->radius) b->inside[seen->point] = 1;
+      }
       continue;
     }
+    gather_viewers(b, k, v);
     if (v->n) s = hide_near(b, c, v, false, rows);
     if (v->n && c->disk && s == YLM_OK) s = hide_near(b, c, v, true, rows);
     if (v->n && s == YLM_OK) s = place(b, k, v, rows);
@@ -490,7 +494,7 @@ typedef struct tile {
   const shadow_term *term[16];
   real *f, *g[3], *one, *two;
   real *row, *unit, *zero, *result; /* [lanes][rows][count]; [count] each; [lanes][count] */
-  real *profile;                    /* [4][nodes] of one lane */
+  real *profile;                    /* [1 + lanes][rows][rings->padded] */
   void *scratch;
 } tile;
 
@@ -565,64 +569,84 @@ static void multiply_layer(const tile *t, int layer) {
 
 /* -- spheres, evaluated at nodes ----------------------------------------------------------------- */
 
-/* The smaller of what stands at v [4][nodes] and a sphere's profile: a smooth step from 0 to 1 at its rim. */
-static void profile(const shadow_query *w, const shadow_seen *s, const shadow_before *x, real *v,
-                    size_t nodes) {
-  const double *direction = ylm_sh_nodes_directions(w->nodes);
-  real step = (real)(SHADOW_STEP * PI / (w->s->form.rule * w->q->lmax + 1)), sine = (real)s->sine,
-       cosine = (real)sqrt(1 - s->sine * s->sine);
-  real a = (real)s->w[0], b = (real)s->w[1], c = (real)s->w[2], weight = (real)x->weight;
-  bool wide_step = step > (real)1.2; /* the series of the arcsine is good to half of it */
-  for (size_t i = 0; i < nodes; i++) {
-    const double *n = direction + 3 * i;
-    real d = a * (real)n[0] + b * (real)n[1] + c * (real)n[2], h2 = 1 - d * d;
-    real across = h2 > 0 ? SQRT(h2) : 0;
-    /* sine and cosine of the angle beyond the rim */
-    real y = across * cosine - d * sine, z = d * cosine + across * sine;
-    real angle = wide_step ? ATAN2(y, z)
-                           : y + y * y * y * (real)(1.0 / 6) + y * y * y * y * y * (real)(3.0 / 40);
-    real u = (real)0.5 + angle / step;
-    if (!wide_step) u = z < 0 || y > (real)0.7 ? 1 : y < (real)-0.7 ? 0 : u;
-    u = u < 0 ? 0 : u > 1 ? 1 : u;
-    real p = 1 - weight * (1 - u * u * (3 - 2 * u));
-    if (p >= v[i]) continue;
-    v[i] = p;
-    real steep = weight * 6 * u * (1 - u) / step, away = across > 0 ? 1 / across : 0;
-    real wide = sine / cosine, over = 1 / (real)s->distance, hidden = 1 - u * u * (3 - 2 * u);
-    for (size_t k = 0; k < 3 && w->rows > 1; k++) {
-      real turn = ((real)n[k] - (real)s->w[k] * d) * away - (real)s->w[k] * wide;
-      v[(k + 1) * nodes + i] = steep * turn * over - (real)x->slope[k] * hidden;
-    }
-  }
+/* 1 at all directions, without a slope. */
+static void clear_profile(const shadow_query *w, real *v) {
+  for (size_t i = 0; i < w->rings->padded; i++) v[i] = 1;
+  memset(v + w->rings->padded, 0, (w->rows - 1) * w->rings->padded * sizeof *v);
 }
 
-/* Multiplies the lanes by their spheres: those of a body by their minimum. */
-static void multiply_spheres(const tile *t) {
+/* Spheres of a body that has several, in a term, from its first one on: their smallest value multiplies v. */
+static void multiply_body(const tile *t, const shadow_term *term, size_t k, real *least, real *v) {
   const block *b = t->b;
   const shadow_query *w = b->w;
-  size_t nodes = ylm_sh_nodes_count(w->nodes);
-  for (size_t lane = 0; lane < t->n; lane++) {
-    const shadow_term *term = t->term[lane];
-    const shadow_before *x = b->before + term->first;
-    for (size_t k = 0; k < term->n; k++) {
-      uint32_t body = w->s->caster[b->seen[x[k].seen].caster].form.body;
-      bool first = x[k].layer < 0;
-      for (size_t j = 0; j < k && first; j++)
-        first = x[j].layer >= 0 || w->s->caster[b->seen[x[j].seen].caster].form.body != body;
-      if (!first) continue;
-      for (size_t i = 0; i < nodes; i++) t->profile[i] = 1;
-      memset(t->profile + nodes, 0, 3 * nodes * sizeof *t->profile);
-      for (size_t j = k; j < term->n; j++)
-        if (x[j].layer < 0 && w->s->caster[b->seen[x[j].seen].caster].form.body == body)
-          profile(w, &b->seen[x[j].seen], &x[j], t->profile, nodes);
-      for (size_t i = 0; i < nodes; i++) {
-        size_t at = i * t->lanes + lane;
-        for (size_t d = 0; d + 1 < w->rows; d++)
-          t->g[d][at] = t->g[d][at] * t->profile[i] + t->f[at] * t->profile[(d + 1) * nodes + i];
-        t->f[at] *= t->profile[i];
-      }
-    }
+  const shadow_before *x = b->before + term->first;
+  uint32_t body = w->s->caster[b->seen[x[k].seen].caster].form.body;
+  size_t wide = w->rings->padded;
+  shadow_cap cap;
+  clear_profile(w, least);
+  for (; k < term->n; k++) {
+    const shadow_caster *c = &w->s->caster[b->seen[x[k].seen].caster];
+    if (x[k].layer >= 0 || c->form.body != body) continue;
+    ylm__shadow_cap_of(&w->blur[0], &b->seen[x[k].seen], &x[k], false, &cap);
+    PROFILE(w, &cap, false, least);
   }
+  for (size_t d = 1; d < w->rows; d++)
+    for (size_t i = 0; i < wide; i++)
+      v[d * wide + i] = v[d * wide + i] * least[i] + v[i] * least[d * wide + i];
+  for (size_t i = 0; i < wide; i++) v[i] *= least[i];
+}
+
+/* The visibility of the spheres of a term: v; false where there are none. */
+static bool open_spheres(const tile *t, const shadow_term *term, real *least, real *v) {
+  const block *b = t->b;
+  const shadow_query *w = b->w;
+  const shadow_before *x = b->before + term->first;
+  size_t n = 0;
+  clear_profile(w, v);
+  for (size_t k = 0; k < term->n; k++) {
+    if (x[k].layer >= 0) continue;
+    const shadow_caster *c = &w->s->caster[b->seen[x[k].seen].caster];
+    shadow_cap cap;
+    n++;
+    if (c->lone) {
+      ylm__shadow_cap_of(&w->blur[1], &b->seen[x[k].seen], &x[k], true, &cap);
+      PROFILE(w, &cap, true, v);
+      continue;
+    }
+    bool first = true;
+    for (size_t j = k; j-- > 0 && first;)
+      first = x[j].layer >= 0 || w->s->caster[b->seen[x[j].seen].caster].form.body != c->form.body;
+    if (first) multiply_body(t, term, k, least, v);
+  }
+  return n > 0;
+}
+
+/* Multiplies the lanes by their spheres. */
+static void multiply_spheres(const tile *t) {
+  const shadow_query *w = t->b->w;
+  const shadow_rings *r = w->rings;
+  size_t wide = w->rows * r->padded, lanes = t->lanes;
+  bool some = false;
+  const real *v = t->profile + wide;
+  if (!w->s->spheres) return;
+  for (size_t lane = 0; lane < lanes; lane++) {
+    real *to = t->profile + (lane + 1) * wide;
+    if (lane < t->n)
+      some |= open_spheres(t, t->term[lane], t->profile, to);
+    else
+      clear_profile(w, to);
+  }
+  for (size_t k = 0; k < r->n && some; k++)
+    for (size_t i = r->first[2 * k]; i < r->first[2 * k] + r->first[2 * k + 1]; i++) {
+      real *f = t->f + r->node[i] * lanes;
+      for (size_t d = 0; d + 1 < w->rows; d++) {
+        real *g = t->g[d] + r->node[i] * lanes;
+        const real *slope = v + (d + 1) * r->padded + i;
+        for (size_t lane = 0; lane < lanes; lane++)
+          g[lane] = g[lane] * v[lane * wide + i] + f[lane] * slope[lane * wide];
+      }
+      for (size_t lane = 0; lane < lanes; lane++) f[lane] *= v[lane * wide + i];
+    }
 }
 
 /* -- exponentials of sums of logarithms ---------------------------------------------------------- */
@@ -791,9 +815,10 @@ static ylm_status multiply(block *b) {
   size_t rows = w->rows * w->count, values = (t.values + 15) / 16 * 16,
          scratch = ylm_sh_nodes_scratch(w->nodes, DTYPE);
   size_t gradients = w->rows > 1 ? 3 : 0;
-  real *room = ylm_alloc((3 + gradients) * values + lanes * (rows + w->count) + 2 * w->count +
-                             4 * nodes + 64,
-                         sizeof *room);
+  size_t profiles = w->s->spheres ? (1 + lanes) * w->rows * w->rings->padded : 0;
+  real *room =
+      ylm_alloc((3 + gradients) * values + lanes * (rows + w->count) + 2 * w->count + profiles + 64,
+                sizeof *room);
   t.scratch = ylm_alloc(scratch, 1);
   if (!room || !t.scratch) {
     ylm_free(room);

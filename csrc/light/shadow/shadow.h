@@ -41,9 +41,10 @@ bool ylm__occluder_ball(const ylm_field *f, double at[3], double *radius);
 #define SHADOW_LAMPS 4096
 /* Points of a block. */
 #define SHADOW_BLOCK 256
-/* The width of the step at the rim of a sphere that is evaluated at nodes, in distances of nodes: errors of irradiance
-   are half of those of width 1. */
+/* The width of the step at the rim of a sphere that is evaluated at nodes, in distances of nodes: in a body of several, and of
+   a lone one. Of 1, errors of irradiance are twice as large. */
 #define SHADOW_STEP 2
+#define SHADOW_STEP_LONE 2.5
 /* Beyond this share of the distance that a caster's field is asked within, it blends into a disk. */
 #define SHADOW_BLEND 0.9
 
@@ -57,12 +58,24 @@ typedef struct shadow_caster {
   ylm_light_caster form;
   double centre[3], radius; /* of the sphere around it, where it stands */
   bool turned;              /* its rotation is not the identity */
+  bool lone;                /* the only sphere of its body */
   ylm_light_occluder *disk; /* what stands for it far away, about `centre` of its frame */
 } shadow_caster;
+
+/* The directions of a rule, ring by ring around z, each ring in the order of azimuths and padded. */
+typedef struct shadow_rings {
+  size_t n, padded;
+  double *z;      /* [n] */
+  size_t *first;  /* [n][2] the first direction, how many */
+  uint32_t *node; /* [padded] their places among the nodes of the rule */
+  double *at;     /* [3][padded] */
+  float *at_f;
+} shadow_rings;
 
 /* Tables of one lmax. */
 typedef struct shadow_tables {
   ylm_sh_nodes *nodes;
+  shadow_rings rings;
   ylm_sh_rotator *rotator;
   ylm_sh_exponential *exponential; /* of product exp */
 } shadow_tables;
@@ -71,6 +84,7 @@ struct ylm_light_shadowed {
   ylm_field field;
   ylm_light_shadow_form form;
   size_t n;
+  bool spheres; /* some are evaluated at directions */
   shadow_caster *caster;
   const ylm_field *local; /* the sum of the lamps; NULL: there are none */
   const ylm_field *rest;  /* light behind all casters; NULL: there is none */
@@ -87,6 +101,24 @@ typedef void shadow_sums_fn(size_t n, float *out, const float *a, const float *b
                             const float *d);
 shadow_sums_fn *ylm__shadow_sums(void);
 
+/* The step at the rims of spheres. */
+typedef struct shadow_blur {
+  double step, half_cosine, half_sine; /* width; of half of it */
+  double mean;                         /* of the cosine over the step's slope */
+} shadow_blur;
+
+/* A sphere as directions see it. */
+typedef struct shadow_cap {
+  double w[3], cosine, sine;  /* the middle; of half its angle */
+  double limit, low, high;    /* cosine of the angle where it ends; z from and to there */
+  double step, deep;          /* of its rim; how much it hides in its middle */
+  double over, turn, fade[3]; /* 1/distance; derivatives of the angle and of `deep` */
+} shadow_cap;
+
+/* v [rows][padded] becomes the smaller of itself and a cap's profile, or their product; rows 1, or 4 with derivatives. */
+typedef void shadow_profile_fn(const shadow_rings *r, const shadow_cap *c, bool times, size_t rows,
+                               float *v);
+
 /* Memory that the blocks of a thread use one after the other. */
 enum { ROOM_HIDDEN, ROOM_VALUE, ROOM_GRADIENT, ROOM_OUT, ROOMS };
 typedef struct shadow_room {
@@ -102,6 +134,9 @@ typedef struct shadow_query {
   const void *points;
   ylm_field_result *r;
   const ylm_sh_nodes *nodes;
+  const shadow_rings *rings;
+  shadow_blur blur[2];                   /* of bodies of several spheres, of lone ones */
+  shadow_profile_fn *profile;            /* NULL: the plain form */
   const ylm_sh_exponential *exponential; /* NULL: visibilities are multiplied */
   ylm_sh_rotation **turn;                /* [n] NULL where a caster is not turned */
   size_t count, rows, channels;          /* coefficients; 1, or 4 with gradients; of the light */
@@ -132,6 +167,14 @@ typedef struct shadow_before {
   int layer;   /* from 0 on; -1: a sphere, evaluated at nodes or by its logarithm */
   double weight, slope[3];
 } shadow_before;
+
+/* Spheres at directions: profile.c, profile.h, profile.isa.c. YLM_ENOMEM; what was made is freed with the rings */
+ylm_status ylm__shadow_rings_create(const ylm_sh_nodes *nodes, shadow_rings *r);
+void ylm__shadow_rings_free(shadow_rings *r);
+shadow_profile_fn *ylm__shadow_profile(void);
+shadow_blur ylm__shadow_blur(int degree, bool lone);
+void ylm__shadow_cap_of(const shadow_blur *b, const shadow_seen *s, const shadow_before *x,
+                        bool lone, shadow_cap *c);
 
 /* Points begin .. end-1 of a query, SHADOW_BLOCK at most. block.h */
 ylm_status ylm__shadow_block_f(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e);

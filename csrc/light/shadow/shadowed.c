@@ -12,6 +12,7 @@
 #include "shadow.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "../finite.h"
@@ -36,6 +37,7 @@ static void free_tables(shadow_tables *t) {
   ylm_sh_nodes_free(t->nodes);
   ylm_sh_rotator_free(t->rotator);
   ylm_sh_exponential_free(t->exponential);
+  ylm__shadow_rings_free(&t->rings);
   ylm_free(t);
 }
 
@@ -56,6 +58,7 @@ static ylm_status tables_of(const ylm_light_shadowed *s, int lmax, const shadow_
   t = ylm_alloc_zero(1, sizeof *t);
   ylm_status status = t ? ylm_sh_nodes_create(lmax, degree_of(s, lmax), &t->nodes, e) : YLM_ENOMEM;
   if (status == YLM_OK) status = ylm_sh_rotator_create(lmax, &t->rotator, e);
+  if (status == YLM_OK && s->spheres) status = ylm__shadow_rings_create(t->nodes, &t->rings);
   if (status == YLM_OK && s->form.product == YLM_SHADOW_PRODUCT_exp)
     status =
         ylm_sh_exponential_create(lmax, s->form.exponential, s->form.terms, &t->exponential, e);
@@ -143,6 +146,10 @@ static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
   if (status == YLM_OK) status = make_turns(s, q, tables->rotator, &j.w.turn, e);
   if (status == YLM_OK) {
     j.w.nodes = tables->nodes;
+    j.w.rings = &tables->rings;
+    for (int lone = 0; lone < 2; lone++)
+      j.w.blur[lone] = ylm__shadow_blur(degree_of(s, q->lmax), lone);
+    j.w.profile = j.w.blur[1].step > 1.2 ? NULL : ylm__shadow_profile();
     j.w.exponential = tables->exponential;
     status = ylm_parallel(n, grain_of(n, q->threads), q->threads, run, &j, q->progress, "shadows");
   }
@@ -382,6 +389,33 @@ static ylm_status sort_lights(ylm_light_shadowed *s, const ylm_light_set *set,
   return status;
 }
 
+/* -- bodies of spheres ---------------------------------------------------------------------------- */
+
+static int by_number(const void *a, const void *b) {
+  uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
+  return p < q ? -1 : p > q;
+}
+
+/* Notes which spheres are the only ones of their body. */
+static ylm_status sort_bodies(ylm_light_shadowed *s) {
+  uint32_t *body = ylm_alloc(s->n, sizeof *body);
+  size_t n = 0;
+  if (!body) return YLM_ENOMEM;
+  for (size_t i = 0; i < s->n; i++)
+    if (!s->caster[i].form.hides) body[n++] = s->caster[i].form.body;
+  qsort(body, n, sizeof *body, by_number);
+  s->spheres = n > 0;
+  for (size_t i = 0; i < s->n; i++) {
+    if (s->caster[i].form.hides) continue;
+    uint32_t own = s->caster[i].form.body;
+    const uint32_t *found = bsearch(&own, body, n, sizeof *body, by_number);
+    s->caster[i].lone =
+        !(found > body && found[-1] == own) && !(found + 1 < body + n && found[1] == own);
+  }
+  ylm_free(body);
+  return YLM_OK;
+}
+
 /* -- making --------------------------------------------------------------------------------------- */
 
 static ylm_status check_form(const ylm_light_shadow_form *f, size_t n, ylm_error *e) {
@@ -423,6 +457,7 @@ ylm_status ylm_light_shadowed_create(const ylm_light_set *lights, const ylm_fiel
     status =
         add_caster(&s->caster[i], &caster[i], form->product == YLM_SHADOW_PRODUCT_exp, i + 1, e);
   }
+  if (status == YLM_OK) status = sort_bodies(s);
   if (status == YLM_OK) status = sort_lights(s, lights, other);
   if (status == YLM_OK) {
     s->field.quantity = other ? other->quantity : YLM_QUANTITY_lights;
