@@ -65,10 +65,8 @@ void main() {
   float light = 0.35 + 0.65 * abs(dot(n, normalize(eye - place)));
   vec3 paint = vec3(0.4);
   if (whole != NONE) {
-    uvec4 w = words(whole, 0u);
-    float error = unpackHalf2x16(w.w >> 16).x;
-    if (MODE == 4) paint = painted(float(w.y & 255u) / max(float(depth), 1.0));
-    else if (error >= 0.0) paint = painted((log(max(error, 1e-30)) - range.x) / (range.y - range.x));
+    if (MODE == 4) paint = painted(float(words(own, 0u).y & 255u) / max(float(depth), 1.0));
+    else if (estimate >= 0.0) paint = painted((log(max(estimate, 1e-30)) - range.x) / (range.y - range.x));
   }
   colour = vec4(light * paint, 0.0);
 #endif

@@ -13,6 +13,8 @@ const uint NONE = 0xffffffffu;
 
 float Y[COUNT];
 float weight[32];
+uint own;       /* the leaf of the octree on the way of find(), before cells that continuity alone needs */
+float estimate; /* the last estimated error there; negative: none */
 
 uvec4 words(uint i, uint j) {
   uint t = 3u * i + j;
@@ -26,12 +28,22 @@ void find(vec3 at, out uint leaf, out uint whole) {
   uint t = (q.z * uint(resolution.y) + q.y) * uint(resolution.x) + q.x;
   leaf = texelFetch(table, ivec2(int(t & 4095u), int(t >> 12)), 0).x;
   whole = leaf;
+  own = leaf;
+  estimate = leaf == NONE ? -1.0 : unpackHalf2x16(words(leaf, 0u).w >> 16).x;
 #else
   leaf = 0u;
   whole = NONE;
+  own = 0u;
+  estimate = -1.0;
   for (int step = 0; step <= 16; step++) {
     uvec4 w = words(leaf, 0u);
     if ((w.y & 256u) != 0u) whole = leaf;
+#if MODE == 3 || MODE == 4
+    if ((w.y & 0x100000u) == 0u) {
+      own = leaf;
+      if ((w.w >> 16 & 0x7c00u) != 0x7c00u) estimate = unpackHalf2x16(w.w >> 16).x;
+    }
+#endif
     if (w.x == 0u) break;
     leaf = w.x + octant_of(q.x, q.y, q.z, uint(depth) - (w.y & 255u) - 1u);
   }

@@ -13,7 +13,8 @@ local page = {}
 local sources = {
   { "page", "page.html" }, { "style", "style.css" }, { "viewer", "viewer.js" }, { "walk", "walk.glsl" },
   { "surface_vertex", "surface.vert.glsl" }, { "surface", "surface.frag.glsl" }, { "edge_vertex", "edge.vert.glsl" },
-  { "flat", "flat.frag.glsl" }, { "lamp_vertex", "lamp.vert.glsl" }, { "lamp", "lamp.frag.glsl" },
+  { "flat", "flat.frag.glsl" },
+  { "lobe_vertex", "lobe.vert.glsl" }, { "lamp_vertex", "lamp.vert.glsl" }, { "lamp", "lamp.frag.glsl" },
   { "resolve_vertex", "resolve.vert.glsl" }, { "resolve", "resolve.frag.glsl" },
 }
 

@@ -167,8 +167,8 @@ local function shaders(lmax)
     { "cells-glsl", template.cells_essl }, { "interpolation-glsl", template.interpolation_essl },
     { "harmonics-glsl", harmonics }, { "walk-glsl", template.walk }, { "surface-vertex", template.surface_vertex },
     { "surface-fragment", template.surface }, { "edge-vertex", template.edge_vertex }, { "flat-fragment", template.flat },
-    { "lamp-vertex", template.lamp_vertex }, { "lamp-fragment", template.lamp },
-    { "resolve-vertex", template.resolve_vertex }, { "resolve-fragment", template.resolve },
+    { "lobe-vertex", template.lobe_vertex }, { "lamp-vertex", template.lamp_vertex },
+    { "lamp-fragment", template.lamp }, { "resolve-vertex", template.resolve_vertex }, { "resolve-fragment", template.resolve },
   }
   for i, one in ipairs(list) do
     list[i] = ('<script id="%s" type="text/plain">\n%s</script>'):format(one[1], one[2])
@@ -181,7 +181,10 @@ local function html(meta, data, poster, lmax)
     VERSION = meta.version, TITLE = (meta.title:gsub('[<>&"]', entities)), STYLE = template.style,
     POSTER = poster and ('<img id="poster" alt="" src="data:image/png;base64,%s">'):format(core.page_base64(poster)) or "",
     META = pack.json(meta), DATA = data, SHADERS = shaders(lmax),
-    SCRIPT = (template.viewer:gsub("/%*@INTERPOLATION@%*/", function() return template.interpolation_js end)),
+    SCRIPT = (template.viewer:gsub("/%*@(%u+)@%*/", {
+      INTERPOLATION = template.interpolation_js,
+      HARMONICS = joined(template.harmonics_js, lmax),
+    })),
   })
 end
 

@@ -43,7 +43,7 @@ html, body { margin: 0; height: 100%; overflow: hidden; background: #111; color:
 #bar button:disabled { color: #777; cursor: default; }
 #note { position: fixed; left: 8px; bottom: 8px; max-width: 70%; text-shadow: 0 0 3px #000, 0 0 3px #000; pointer-events: none; }
 #corner, #help { position: fixed; margin: 0; font: 12px/1.4 ui-monospace, monospace; background: #000a; padding: 6px 8px; border-radius: 3px; }
-#corner { right: 8px; bottom: 8px; pointer-events: none; }
+#corner { right: 8px; bottom: 56px; pointer-events: none; }
 #corner:empty { display: none; }
 #help { left: 8px; top: 44px; }
 .bare #bar, .bare #note, .bare #corner, .bare #help { display: none; }
@@ -204,13 +204,78 @@ template.viewer = [=[
     return true;
   }
 
+  /* ---- the light of lamps ---------------------------------------------------- */
+
+  /* Harmonics of the unit vector x, y, z = v/|v| and their slopes by v; s: 1/|v|. */
+  function harmonics(x, y, z, s, Y, dY) {
+/*@HARMONICS@*/
+  }
+
+  const NUMBERS = new Float64Array(COUNT * 4);  /* of a lamp of radiance 1: value and slopes of each coefficient */
+  const basis = new Float64Array(COUNT), slopesOf = new Float64Array(3 * COUNT);
+
+  /* Fills NUMBERS with the light of a sphere at a place; false where the place is in it. */
+  function lightOf(lamp, x, y, z) {
+    const vx = lamp[0] - x, vy = lamp[1] - y, vz = lamp[2] - z, d2 = vx * vx + vy * vy + vz * vz, r2 = lamp[3] * lamp[3];
+    if (d2 <= r2) return false;
+    const s = 1 / Math.sqrt(d2), ux = vx * s, uy = vy * s, uz = vz * s;
+    const s2 = r2 / d2, alpha = Math.max(Math.sqrt(1 - s2), 1e-6), turn = s2 * s / alpha;  /* of alpha along the distance */
+    harmonics(ux, uy, uz, s, basis, slopesOf);
+    let p = 1, next = alpha, slope = 0, nextSlope = 1, bend = 0, nextBend = 0;  /* Legendre polynomials of alpha */
+    for (let l = 0; l <= meta.lmax; l++) {
+      let w, dw;
+      if (l === 0) {
+        w = 2 * Math.PI * s2 / (1 + alpha);
+        dw = 2 * Math.PI * (-2 * s2 * s / (1 + alpha) - s2 * turn / ((1 + alpha) * (1 + alpha)));
+      } else {
+        const c = 2 * Math.PI / (l * (l + 1));
+        w = c * s2 * nextSlope;
+        dw = c * (-2 * s2 * s * nextSlope + s2 * nextBend * turn);
+        const up = ((2 * l + 1) * alpha * next - l * p) / (l + 1);
+        const rise = slope + (2 * l + 1) * next, curve = bend + (2 * l + 1) * nextSlope;
+        p = next;
+        next = up;
+        slope = nextSlope;
+        nextSlope = rise;
+        bend = nextBend;
+        nextBend = curve;
+      }
+      for (let k = l * l; k < (l + 1) * (l + 1); k++) {
+        const y0 = dw * basis[k];
+        NUMBERS[4 * k] = w * basis[k];
+        NUMBERS[4 * k + 1] = -(y0 * ux + w * slopesOf[3 * k]);
+        NUMBERS[4 * k + 2] = -(y0 * uy + w * slopesOf[3 * k + 1]);
+        NUMBERS[4 * k + 3] = -(y0 * uz + w * slopesOf[3 * k + 2]);
+      }
+    }
+    return true;
+  }
+
+  /* A lamp's radiance in the grid's channels. */
+  function channelsOf(lamp) {
+    return meta.channels === 3 ? lamp.slice(4, 7) : [0.2126 * lamp[4] + 0.7152 * lamp[5] + 0.0722 * lamp[6]];
+  }
+
+  /* Adds `sign` times a lamp's light at point p to rows of numbers; false where the point is in the lamp. */
+  function addLamp(to, lamp, p, sign) {
+    if (!lightOf(lamp, places[3 * p], places[3 * p + 1], places[3 * p + 2])) return false;
+    const e = channelsOf(lamp), scale = sign * 2 ** meta.exponent;
+    for (let c = 0, i = p * ROW * 4; c < meta.channels; c++) {
+      const f = scale * e[c];
+      for (let k = 0; k < 4 * COUNT; k++, i++) to[i] += f * NUMBERS[k];
+    }
+    return true;
+  }
+
   /* ---- drawing ------------------------------------------------------------- */
 
   const canvas = $('canvas');
-  let gl, sections, rows, mesh, edges, lampTexture;
+  let gl, sections, rows, mesh, edges, lampTexture, born;
+  let places;              /* of points, [points][3]; NaN: the corner of no cell */
+  let lamps = meta.lamps.map(l => l.slice());
   const programs = {};
-  const state = { mode: 'grid', lines: false, lamps: true, exposure: meta.exposure, tone: meta.tone, from: null, at: null,
-    up: null, fov: 45, samples: 4 };
+  const state = { mode: 'grid', lines: false, lamps: true, lobes: false, exposure: meta.exposure, tone: meta.tone, from: null,
+    at: null, up: null, fov: 45, samples: 4 };
   const MODES = { grid: 0, exact: 1, error: 2, estimated: 3, levels: 4, depth: 5 };
 
   function shader(kind, text) {
@@ -298,10 +363,11 @@ template.viewer = [=[
   }
 
   let rowsTexture;
+  /* The numbers of points to the graphics driver. */
   function makeRows() {
     const height = Math.max(1, Math.ceil(rows.length / 4 / WIDE));
-    if (rowsTexture) gl.deleteTexture(rowsTexture);
-    rowsTexture = texture(UNIT.rows, internalRows, WIDE, height, gl.RGBA, gl.FLOAT, null);
+    if (!rowsTexture) rowsTexture = texture(UNIT.rows, internalRows, WIDE, height, gl.RGBA, gl.FLOAT, null);
+    gl.activeTexture(gl.TEXTURE0 + UNIT.rows);
     const full = Math.floor(rows.length / 4 / WIDE);
     if (full) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, WIDE, full, gl.RGBA, gl.FLOAT, rows.subarray(0, full * WIDE * 4));
     const rest = rows.length / 4 - full * WIDE;
@@ -310,7 +376,7 @@ template.viewer = [=[
 
   function makeLamps() {
     const list = [];
-    for (const l of meta.lamps) list.push(l[0], l[1], l[2], l[3], l[4], l[5], l[6], 0);
+    for (const l of lamps) list.push(l[0], l[1], l[2], l[3], l[4], l[5], l[6], 0);
     const [data, height] = padded(new Float32Array(list), 4, Float32Array);
     if (lampTexture) gl.deleteTexture(lampTexture);
     lampTexture = texture(UNIT.lamps, gl.RGBA32F, WIDE, height, gl.RGBA, gl.FLOAT, data);
@@ -356,6 +422,21 @@ template.viewer = [=[
   }
   const halfTable = halves();
 
+  /* Where points are, from the cells that they are corners of. */
+  function placesOf(cells) {
+    const out = new Float64Array(3 * meta.counts.points).fill(NaN);
+    for (let i = 0; i < meta.counts.cells; i++) {
+      const c = cellAt(i);
+      for (let k = 0; k < 8; k++) {
+        const p = cells[12 * i + 4 + k];
+        if (p === 0xffffffff || out[3 * p] === out[3 * p]) continue;
+        const at = placeOf(c.origin.map((x, a) => x + (k >> a & 1) * c.edge));
+        for (let a = 0; a < 3; a++) out[3 * p + a] = at[a];
+      }
+    }
+    return out;
+  }
+
   /* The edges of leaves that have light, each once, coarse ones first: finer ones cover them. */
   function makeEdges() {
     const seen = new Set(), byLevel = [];
@@ -392,6 +473,89 @@ template.viewer = [=[
     }
     gl.bindVertexArray(null);
     return { vao, n: numbers.length / 9 };
+  }
+
+  /* ---- lobes, and a cell that was chosen ------------------------------------------ */
+
+  const LOBES = 256;  /* probes nearest to what the camera looks at */
+  let ball = null, lobes = null, chosen = null;
+
+  /* Directions and triangles of a sphere, an octahedron split three times. */
+  function makeBall() {
+    let faces = [];
+    const axes = [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]];
+    for (let i = 0; i < 4; i++) {
+      faces.push([axes[i], axes[(i + 1) % 4], [0, 0, 1]], [axes[(i + 1) % 4], axes[i], [0, 0, -1]]);
+    }
+    for (let n = 0; n < 3; n++) {
+      const finer = [];
+      for (const [a, b, c] of faces) {
+        const [x, y, z] = [[a, b], [b, c], [c, a]].map(([p, q]) => unitOf(p.map((s, i) => s + q[i])));
+        finer.push([a, x, z], [x, b, y], [z, y, c], [x, y, z]);
+      }
+      faces = finer;
+    }
+    return { numbers: new Float32Array(faces.flat(2)), n: 3 * faces.length };
+  }
+
+  /* Instances of lobes for points: where, which, how large, in which colour. */
+  function makeLobes(points, sizeOfPoint) {
+    ball = ball || makeBall();
+    const numbers = [];
+    for (const p of points) {
+      let square = 0;
+      const mean = [];
+      for (let c = 0; c < meta.channels; c++) mean[c] = Math.max(rows[(p * ROW + c * COUNT) * 4], 0);
+      for (let i = 0; i < ROW; i++) square += rows[(p * ROW + i) * 4] ** 2;
+      const norm = Math.sqrt(square / meta.channels), most = Math.max(...mean);
+      if (!(norm > 0)) continue;
+      const tint = [0, 1, 2].map(c => most > 0 ? 0.25 + 0.75 * mean[meta.channels === 3 ? c : 0] / most : 0.7);
+      numbers.push(places[3 * p], places[3 * p + 1], places[3 * p + 2], p, 0.6 * sizeOfPoint(p) / norm, ...tint);
+    }
+    const vao = gl.createVertexArray();
+    gl.bindVertexArray(vao);
+    buffer(ball.numbers);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+    buffer(new Float32Array(numbers));
+    [[1, 3, 0], [2, 2, 12], [3, 3, 20]].forEach(([i, n, at]) => {
+      gl.enableVertexAttribArray(i);
+      gl.vertexAttribPointer(i, n, gl.FLOAT, false, 32, at);
+      gl.vertexAttribDivisor(i, 1);
+    });
+    gl.bindVertexArray(null);
+    return { vao, n: numbers.length / 8 };
+  }
+
+  let edgeOfPoint;  /* the shortest edge of a leaf at each point, scene units */
+  function findEdges() {
+    edgeOfPoint = new Float32Array(meta.counts.points).fill(Infinity);
+    for (let i = 0; i < meta.counts.octree; i++) {
+      const c = cellAt(i);
+      if (!(c.flags & 1) || !c.whole) continue;
+      const edge = c.edge * Math.min(...meta.unit);
+      for (let k = 0; k < 8; k++) {
+        const p = sections.cells[12 * i + 4 + k];
+        edgeOfPoint[p] = Math.min(edgeOfPoint[p], edge);
+      }
+    }
+  }
+
+  /* The lobes of the probes nearest to what the camera looks at. */
+  function nearLobes() {
+    if (!edgeOfPoint) findEdges();
+    const list = [];
+    for (let p = 0; p < meta.counts.evaluated; p++) {
+      if (edgeOfPoint[p] < Infinity) list.push([Math.hypot(...[0, 1, 2].map(a => places[3 * p + a] - state.at[a])), p]);
+    }
+    list.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+    return makeLobes(list.slice(0, LOBES).map(x => x[1]), p => edgeOfPoint[p]);
+  }
+
+  function dropLobes() {
+    for (const one of [lobes, chosen && chosen.lobes]) if (one) gl.deleteVertexArray(one.vao);
+    lobes = null;
+    if (chosen) chosen.lobes = null;
   }
 
   /* ---- camera ---------------------------------------------------------------- */
@@ -482,7 +646,7 @@ template.viewer = [=[
         eye: ['3f', ...state.from], cells: ['1i', UNIT.cells], table: ['1i', UNIT.table], rows: ['1i', UNIT.rows],
         lamps: ['1i', UNIT.lamps], lowest: ['3f', ...meta.bounds.slice(0, 3)], unit: ['3f', ...meta.unit],
         resolution: ['3f', ...meta.resolution], depth: ['1i', meta.depth], scale: ['1f', 2 ** -meta.exponent],
-        bias: ['1f', meta.bias], lamp_count: ['1i', meta.lamps.length], palette: ['3fv', [].concat(...meta.palette)],
+        bias: ['1f', meta.bias], lamp_count: ['1i', lamps.length], palette: ['3fv', [].concat(...meta.palette)],
         range: ['2f', ...meta.range],
       }));
       gl.drawElements(gl.TRIANGLES, mesh.n, gl.UNSIGNED_INT, 0);
@@ -495,11 +659,30 @@ template.viewer = [=[
       gl.bindVertexArray(edges.vao);
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, edges.n);
     }
-    if (state.lamps && meta.lamps.length) {
+    if (chosen) {
+      uniforms(program('edges', text('edge-vertex'), text('flat-fragment')), { camera: matrix, near: ['1f', near],
+        pixels: ['2f', t.w, t.h], width: ['1f', 2 * t.samples * t.share * (window.devicePixelRatio || 1)] });
+      gl.bindVertexArray(chosen.box.vao);
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, chosen.box.n);
+    }
+    if (state.lobes || chosen) {
+      const head = `#define LMAX ${meta.lmax}\n#define CHANNELS ${meta.channels}\n`;
+      const vertex = text('lobe-vertex').replace('float Y[COUNT];', 'float Y[COUNT];\n' + text('harmonics-glsl'));
+      uniforms(program('lobes', vertex, text('flat-fragment'), head), { camera: matrix, eye: ['3f', ...state.from],
+        rows: ['1i', UNIT.rows] });
+      if (state.lobes) lobes = lobes || nearLobes();
+      if (chosen) chosen.lobes = chosen.lobes || makeLobes(chosen.corners, () => chosen.size);
+      for (const one of [state.lobes && lobes, chosen && chosen.lobes]) {
+        if (!one) continue;
+        gl.bindVertexArray(one.vao);
+        gl.drawArraysInstanced(gl.TRIANGLES, 0, ball.n, one.n);
+      }
+    }
+    if (state.lamps && lamps.length) {
       uniforms(program('lamps', text('lamp-vertex'), text('lamp-fragment')), { camera: matrix, eye: ['3f', ...state.from],
         right: ['3f', ...f.right], up: ['3f', ...f.up], lamps: ['1i', UNIT.lamps] });
       gl.bindVertexArray(null);
-      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, meta.lamps.length);
+      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, lamps.length);
     }
     gl.disable(gl.SCISSOR_TEST);
   }
@@ -571,6 +754,11 @@ template.viewer = [=[
       for (let mine = -1; mine !== asked;) {
         mine = asked;
         resize();
+        if (stale) {
+          const whole = await relight(moving);
+          if (asked !== mine && !moving) continue;
+          if (whole) stale = false;
+        }
         if (moving) {
           const full = perPixel * size[0] * size[1], share = full <= BUDGET ? 1 : full <= 4 * BUDGET ? 0.5 : 0.25;
           const t = targetOf(1, share), began = performance.now();
@@ -645,16 +833,20 @@ template.viewer = [=[
       run: () => setMode('error') },
     { key: 'v', name: 'estimate', about: 'estimated error of cells, on a logarithmic scale', on: () => state.mode === 'estimated',
       run: () => setMode('estimated') },
-    { key: 'c', name: 'levels', about: 'levels of cells as colours', on: () => state.mode === 'levels', run: () => setMode('levels') },
+    { key: 'c', name: 'levels', about: 'levels of cells as colours', on: () => state.mode === 'levels',
+      run: () => setMode('levels') },
     { key: 'l', name: 'edges', about: 'edges of the octree', on: () => state.lines,
       run: () => { state.lines = !state.lines; look(); change(false); } },
     { key: 'k', name: 'lamps', about: 'lamps as one sees them', on: () => state.lamps,
       run: () => { state.lamps = !state.lamps; look(); change(false); } },
+    { key: 'b', name: 'lobes', about: 'light at the 256 probes nearest to what the camera looks at', on: () => state.lobes,
+      run: () => { state.lobes = !state.lobes; look(); change(false); } },
     { key: '+', name: '+', about: 'exposure up by a third of a stop', run: () => { state.exposure += 1 / 3; shownAgain(); } },
     { key: '-', name: '-', about: 'exposure down', run: () => { state.exposure -= 1 / 3; shownAgain(); } },
     { key: 'o', name: 'tone', about: 'next tone curve',
       run: () => { state.tone = TONES[(TONES.indexOf(state.tone) + 1) % TONES.length]; shownAgain(); } },
-    { key: 'Home', name: 'home', about: "the scene's camera", run: () => { home(); change(false); } },
+    { key: 'Home', name: 'home', about: "the scene's camera, lamps where they were",
+      run: () => { home(); lampsHome(); dropLobes(); look(); change(false); } },
     { key: 'h', name: '?', about: 'this text', run: () => { $('help').hidden = !$('help').hidden; } },
   ];
 
@@ -668,7 +860,8 @@ template.viewer = [=[
       $('bar').appendChild(b);
     }
     $('help').textContent = actions.map(a => a.key.padEnd(5) + a.about).join('\n') +
-      '\ndrag turns, the right button or two fingers shift, the wheel goes nearer';
+      '\ndrag turns, the right button or two fingers shift, the wheel goes nearer;' +
+      '\na lamp can be dragged, with Shift upright; a click says what the grid knows there';
   }
 
   function look() {
@@ -681,6 +874,7 @@ template.viewer = [=[
     if (s.tolerance) words.push('tolerance ' + s.tolerance + (s.met ? ' met' : ' not met'));
     if (state.exposure) words.push((state.exposure > 0 ? '+' : '') + state.exposure.toFixed(1) + ' stops');
     if (state.tone !== 'srgb') words.push(state.tone);
+    if (movedLamps) words.push('lamps have moved: cells are those of the bake');
     say(words.join(' · '));
   }
 
@@ -702,18 +896,283 @@ template.viewer = [=[
     for (const name of ['from', 'at']) state[name] = plus(plus(state[name], f.right, -dx * step), f.up, dy * step);
   }
 
+  /* ---- lamps that are dragged ------------------------------------------------------- */
+
+  let stale = false;       /* lamps have moved since the rows were made */
+  let dragged = -1, base = null, movedLamps = 0, relights = 0, relightTime = 0;
+
+  /* The light of all lamps but one at evaluated points: of few lamps their sum, of many that of the page less the one's. */
+  function beginDrag(i) {
+    const n = meta.counts.evaluated, others = lamps.filter((_, j) => j !== i);
+    dragged = i;
+    if (others.length * n <= 1e6) {
+      base = new Float32Array(n * ROW * 4);
+      for (let p = 0; p < n; p++)
+        if (places[3 * p] === places[3 * p]) for (const l of others) addLamp(base, l, p, 1);
+    } else {
+      base = rows.slice(0, n * ROW * 4);
+      for (let p = 0; p < n; p++)
+        if (places[3 * p] === places[3 * p] && !sections.flags[p]) addLamp(base, lamps[i], p, -1);
+    }
+  }
+
+  /* Points in lamps take the mean of first-order expansions about the points beside them, finest cells first. */
+  function fill(invalid) {
+    const slot = new Map(invalid.map(p => [p, { weight: 0, sum: new Float64Array(ROW * 4) }])), byLevel = [];
+    for (let i = 0; i < meta.counts.octree; i++) {
+      const c = sections.cells;
+      for (let k = 0; k < 8; k++) {
+        if (!slot.has(c[12 * i + 4 + k])) continue;
+        (byLevel[c[12 * i + 1] & 255] = byLevel[c[12 * i + 1] & 255] || []).push(i);
+        break;
+      }
+    }
+    for (let level = byLevel.length - 1; level >= 0; level--) {
+      for (let any = true; any && byLevel[level];) {
+        any = false;
+        for (const i of byLevel[level]) {
+          const corners = sections.cells.subarray(12 * i + 4, 12 * i + 12);
+          for (const p of corners) {
+            const to = slot.get(p);
+            if (!to) continue;
+            for (const q of corners) {
+              if (q === 0xffffffff || slot.has(q)) continue;
+              const dx = [0, 1, 2].map(a => places[3 * p + a] - places[3 * q + a]), w = 1 / dot(dx, dx);
+              for (let j = 0, from = q * ROW * 4; j < ROW * 4; j += 4, from += 4) {
+                to.sum[j] += w * (rows[from] + dx[0] * rows[from + 1] + dx[1] * rows[from + 2] + dx[2] * rows[from + 3]);
+                for (let r = 1; r < 4; r++) to.sum[j + r] += w * rows[from + r];
+              }
+              to.weight += w;
+              any = true;
+            }
+          }
+        }
+        for (const [p, to] of slot) {
+          if (!(to.weight > 0)) continue;
+          for (let j = 0; j < ROW * 4; j++) rows[p * ROW * 4 + j] = to.sum[j] / to.weight;
+          slot.delete(p);
+        }
+      }
+    }
+  }
+
+  /* Rows for lamps as they are: evaluated points, and those of continuity unless these take too long for a frame: false. */
+  async function relight(hurried) {
+    const n = meta.counts.evaluated, invalid = [], mine = asked;
+    rows.set(base);
+    for (let p = 0; p < n; p++) {
+      if (places[3 * p] !== places[3 * p]) continue;
+      let inside = !addLamp(rows, lamps[dragged], p, 1);
+      for (let j = 0; j < lamps.length && !inside && sections.flags[p]; j++) {
+        const d = [0, 1, 2].map(a => lamps[j][a] - places[3 * p + a]);
+        inside = dot(d, d) <= lamps[j][3] ** 2;
+      }
+      if (inside) invalid.push(p);
+    }
+    if (invalid.length) fill(invalid);
+    let whole = false;
+    if (!hurried || relightTime < 60 || ++relights % 4 === 0) {
+      const began = performance.now();
+      whole = await continueRows(rows, sections.cells, born, () => hurried || asked === mine);
+      if (whole) relightTime = performance.now() - began;
+    }
+    makeRows();
+    makeLamps();
+    dropLobes();
+    return whole;
+  }
+
+  /* The direction of the ray through a pixel of the window. */
+  function rayAt(x, y) {
+    const f = frame(), t = Math.tan(state.fov * Math.PI / 360), h = canvas.clientHeight, w = canvas.clientWidth;
+    return unitOf(plus(plus(f.forward, f.right, t * (2 * x - w) / h), f.up, t * (1 - 2 * y / h)));
+  }
+
+  /* The lamp under a pixel, or within `reach` pixels of it; -1: none. */
+  function lampAt(x, y, reach) {
+    if (!state.lamps || meta.no_exact) return -1;
+    const ray = rayAt(x, y), step = 2 * Math.tan(state.fov * Math.PI / 360) / canvas.clientHeight;
+    let best = -1, near = Infinity;
+    lamps.forEach((l, i) => {
+      const v = sub(l.slice(0, 3), state.from), b = dot(v, ray);
+      if (b <= 0 || b >= near) return;
+      if (Math.hypot(...plus(v, ray, -b)) <= l[3] + reach * step * b) { best = i; near = b; }
+    });
+    return best;
+  }
+
+  let grip = null;  /* where a lamp was taken: its place, the pointer's there */
+
+  function takeLamp(i, x, y) {
+    grip = { x, y, at: lamps[i].slice(0, 3) };
+    beginDrag(i);
+  }
+
+  /* In the plane that faces the camera; with `upright` along up alone. */
+  function dragLamp(x, y, upright) {
+    const f = frame(), v = sub(grip.at, state.from), far = dot(v, f.forward);
+    const step = 2 * far * Math.tan(state.fov * Math.PI / 360) / canvas.clientHeight;
+    const dx = (x - grip.x) * step, dy = -(y - grip.y) * step;
+    const to = upright ? plus(grip.at, state.up, dy) : plus(plus(grip.at, f.right, dx), f.up, dy);
+    for (let a = 0; a < 3; a++) lamps[dragged][a] = to[a];
+    stale = true;
+    movedLamps++;
+    $('corner').textContent = `lamp ${dragged + 1} at ${to.map(c => +c.toFixed(6)).join(' ')}`;
+  }
+
+  /* Lamps back to where the bake had them. */
+  function lampsHome() {
+    if (!movedLamps) return;
+    lamps = meta.lamps.map(l => l.slice());
+    movedLamps = 0;
+    rows = rowsOf(sections);
+    base = null;
+    stale = false;
+    continueRows(rows, sections.cells, born, () => true).then(() => {
+      makeRows();
+      makeLamps();
+      dropLobes();
+      change(false);
+    });
+  }
+
+  /* ---- a point that is asked about ------------------------------------------------------ */
+
+  /* The distance along a ray to the nearest triangle; Infinity: there is none. */
+  function distanceAlong(from, ray) {
+    const t = sections.triangles, q = sections.positions, m = meta.mesh;
+    let best = Infinity;
+    const s = m.step, ox = (from[0] - m.lowest[0]), oy = (from[1] - m.lowest[1]), oz = (from[2] - m.lowest[2]);
+    for (let i = 0; i < t.length; i += 3) {
+      const a = 3 * t[i], b = 3 * t[i + 1], c = 3 * t[i + 2];
+      const ax = s[0] * q[a], ay = s[1] * q[a + 1], az = s[2] * q[a + 2];
+      const ux = s[0] * q[b] - ax, uy = s[1] * q[b + 1] - ay, uz = s[2] * q[b + 2] - az;
+      const vx = s[0] * q[c] - ax, vy = s[1] * q[c + 1] - ay, vz = s[2] * q[c + 2] - az;
+      const px = ray[1] * vz - ray[2] * vy, py = ray[2] * vx - ray[0] * vz, pz = ray[0] * vy - ray[1] * vx;
+      const det = ux * px + uy * py + uz * pz;
+      if (det === 0) continue;
+      const tx = ox - ax, ty = oy - ay, tz = oz - az, u = (tx * px + ty * py + tz * pz) / det;
+      if (u < 0 || u > 1) continue;
+      const wx = ty * uz - tz * uy, wy = tz * ux - tx * uz, wz = tx * uy - ty * ux;
+      const v = (ray[0] * wx + ray[1] * wy + ray[2] * wz) / det;
+      if (v < 0 || u + v > 1) continue;
+      const d = (vx * wx + vy * wy + vz * wz) / det;
+      if (d > 0 && d < best) best = d;
+    }
+    return best;
+  }
+
+  /* The leaf of the octree at a place, and the cell whose corners are interpolated there; -1: none. */
+  function locate(x) {
+    const at = x.map((c, a) => Math.min(Math.max((c - meta.bounds[a]) / meta.unit[a], 0), meta.resolution[a]));
+    const q = at.map((c, a) => Math.min(Math.floor(c), meta.resolution[a] - 1));
+    if (meta.kind === 'uniform') {
+      const i = sections.table[(q[2] * meta.resolution[1] + q[1]) * meta.resolution[0] + q[0]];
+      return { at, leaf: i === 0xffffffff ? -1 : i, whole: i === 0xffffffff ? -1 : i };
+    }
+    let i = 0, leaf = 0, whole = -1;
+    for (let n = 0; n <= 16; n++) {
+      const c = cellAt(i), child = sections.cells[12 * i];
+      if (!(c.flags & 16)) leaf = i;
+      if (c.whole) whole = i;
+      if (!child) break;
+      const bit = meta.depth - c.level - 1;
+      i = child + (q[0] >> bit & 1) + 2 * (q[1] >> bit & 1) + 4 * (q[2] >> bit & 1);
+    }
+    return { at, leaf, whole };
+  }
+
+  /* The grid's coefficients at a place. */
+  function sample(found) {
+    const c = cellAt(found.whole), out = new Float64Array(ROW), w = new Array(32), scale = 2 ** -meta.exponent;
+    const f = [0, 1, 2].map(a => values(Math.min(Math.max((found.at[a] - c.origin[a]) / c.edge, 0), 1), c.edge * meta.unit[a]));
+    corner_weights(w, f[0], f[1], f[2]);
+    for (let k = 0; k < 32; k++) {
+      const from = sections.cells[12 * found.whole + 4 + k % 8] * ROW * 4 + Math.floor(k / 8);
+      for (let i = 0; i < ROW; i++) out[i] += scale * w[k] * rows[from + 4 * i];
+    }
+    return out;
+  }
+
+  /* The lamps' own coefficients at a place; nothing in a lamp. */
+  function exactAt(x) {
+    const out = new Float64Array(ROW);
+    for (const l of lamps) {
+      if (!lightOf(l, ...x)) return null;
+      channelsOf(l).forEach((e, c) => { for (let k = 0; k < COUNT; k++) out[c * COUNT + k] += e * NUMBERS[4 * k]; });
+    }
+    return out;
+  }
+
+  const short = x => Number.isFinite(x) ? x.toPrecision(4) : 'unknown';
+
+  /* Says what the grid knows at the surface under a pixel, and draws the cell. */
+  function ask(x, y) {
+    chosen = null;
+    $('corner').textContent = '';
+    const ray = rayAt(x, y), d = mesh ? distanceAlong(state.from, ray) : Infinity;
+    if (d === Infinity) return;
+    const place = plus(state.from, ray, d), found = locate(place), words = ['at ' + place.map(c => +c.toFixed(6)).join(' ')];
+    if (found.leaf >= 0 && found.whole >= 0) {
+      const c = cellAt(found.leaf), L = sample(found), lo = placeOf(c.origin), corners = [];
+      const edge = meta.unit.map(u => u * c.edge);
+      words.push(`cell ${found.leaf + 1}, level ${c.level}, ${edge.map(short).join(' x ')}`,
+        'estimated error ' + short(halfTable[sections.cells[12 * found.leaf + 3] >>> 16]),
+        'L00 ' + [...Array(meta.channels)].map((_, k) => short(L[k * COUNT])).join(' '));
+      const E = meta.no_exact ? null : exactAt(place);
+      if (E) {
+        let square = 0, all = 0;
+        for (let i = 0; i < ROW; i++) { square += (L[i] - E[i]) ** 2; all += E[i] ** 2; }
+        words.push('of the lamps ' + [...Array(meta.channels)].map((_, k) => short(E[k * COUNT])).join(' '),
+          'true error ' + short(Math.sqrt(square / all)));
+      }
+      for (let k = 0; k < 8; k++) corners.push(sections.cells[12 * found.whole + 4 + k]);
+      chosen = { box: lines(boxOf(lo, edge)), corners: corners, size: Math.min(...edge), lobes: null };
+    } else words.push('no cell has light there');
+    $('corner').textContent = words.join('\n');
+  }
+
+  function boxOf(lo, edge) {
+    const out = [], yellow = [1, 0.85, 0.2];
+    for (let a = 0; a < 3; a++) {
+      for (let k = 0; k < 4; k++) {
+        const from = lo.slice();
+        from[(a + 1) % 3] += (k & 1) * edge[(a + 1) % 3];
+        from[(a + 2) % 3] += (k >> 1) * edge[(a + 2) % 3];
+        const to = from.slice();
+        to[a] += edge[a];
+        out.push(...from, ...to, ...yellow);
+      }
+    }
+    return out;
+  }
+
   function nearer(factor) { state.from = plus(state.at, sub(state.from, state.at), factor); }
 
   const pointers = new Map();
+  let pressed = null;  /* where a pointer went down that has not moved since */
 
   function listen() {
     canvas.addEventListener('pointerdown', e => {
       canvas.setPointerCapture(e.pointerId);
       pointers.set(e.pointerId, [e.clientX, e.clientY]);
+      pressed = [e.clientX, e.clientY];
+      const lamp = e.button === 0 && pointers.size === 1 ? lampAt(e.clientX, e.clientY, 6) : -1;
+      if (lamp >= 0) takeLamp(lamp, e.clientX, e.clientY);
     });
     canvas.addEventListener('pointermove', e => {
       const before = pointers.get(e.pointerId);
-      if (!before) return;
+      if (!before) {
+        canvas.style.cursor = lampAt(e.clientX, e.clientY, 6) >= 0 ? 'grab' : '';
+        return;
+      }
+      if (grip && pointers.size === 1) {
+        dragLamp(e.clientX, e.clientY, e.shiftKey);
+        pointers.set(e.pointerId, [e.clientX, e.clientY]);
+        return change(true);
+      }
+      if (pressed && Math.hypot(e.clientX - pressed[0], e.clientY - pressed[1]) < 3) return;
+      pressed = null;
       const dx = e.clientX - before[0], dy = e.clientY - before[1];
       if (pointers.size === 2) {
         const other = [...pointers.entries()].find(([id]) => id !== e.pointerId)[1];
@@ -727,7 +1186,15 @@ template.viewer = [=[
       change(true);
     });
     for (const name of ['pointerup', 'pointercancel'])
-      canvas.addEventListener(name, e => { pointers.delete(e.pointerId); });
+      canvas.addEventListener(name, e => {
+        pointers.delete(e.pointerId);
+        if (grip) look();
+        else if (pressed && name === 'pointerup' && e.button === 0) {
+          ask(e.clientX, e.clientY);
+          change(false);
+        }
+        grip = pressed = null;
+      });
     canvas.addEventListener('wheel', e => {
       e.preventDefault();
       nearer(Math.exp(Math.max(-300, Math.min(300, e.deltaY)) * 1e-3));
@@ -763,6 +1230,8 @@ template.viewer = [=[
     state.mode = mode in MODES && mode !== 'depth' && !lacks(mode) ? mode : mesh ? 'grid' : 'levels';
     state.lines = words.has('lines') || !mesh;
     state.lamps = !words.has('nolamps');
+    state.lobes = words.has('lobes');
+    dropLobes();
     const exposure = number('ev', -20, 20), fov = number('fov', 1, 179);
     state.exposure = exposure !== null ? exposure : meta.exposure;
     if (fov !== null) state.fov = fov;
@@ -796,8 +1265,9 @@ template.viewer = [=[
     say('reading ...');
     sections = await readSections();
     rows = rowsOf(sections);
-    const list = births(sections.cells);
-    await continueRows(rows, sections.cells, list, share => { say(`points of continuity: ${Math.round(100 * share)} %`); });
+    born = births(sections.cells);
+    places = placesOf(sections.cells);
+    await continueRows(rows, sections.cells, born, share => { say(`points of continuity: ${Math.round(100 * share)} %`); });
     makeTextures();
     mesh = makeMesh();
     makeBar();
@@ -828,6 +1298,8 @@ const uint NONE = 0xffffffffu;
 
 float Y[COUNT];
 float weight[32];
+uint own;       /* the leaf of the octree on the way of find(), before cells that continuity alone needs */
+float estimate; /* the last estimated error there; negative: none */
 
 uvec4 words(uint i, uint j) {
   uint t = 3u * i + j;
@@ -841,12 +1313,22 @@ void find(vec3 at, out uint leaf, out uint whole) {
   uint t = (q.z * uint(resolution.y) + q.y) * uint(resolution.x) + q.x;
   leaf = texelFetch(table, ivec2(int(t & 4095u), int(t >> 12)), 0).x;
   whole = leaf;
+  own = leaf;
+  estimate = leaf == NONE ? -1.0 : unpackHalf2x16(words(leaf, 0u).w >> 16).x;
 #else
   leaf = 0u;
   whole = NONE;
+  own = 0u;
+  estimate = -1.0;
   for (int step = 0; step <= 16; step++) {
     uvec4 w = words(leaf, 0u);
     if ((w.y & 256u) != 0u) whole = leaf;
+#if MODE == 3 || MODE == 4
+    if ((w.y & 0x100000u) == 0u) {
+      own = leaf;
+      if ((w.w >> 16 & 0x7c00u) != 0x7c00u) estimate = unpackHalf2x16(w.w >> 16).x;
+    }
+#endif
     if (w.x == 0u) break;
     leaf = w.x + octant_of(q.x, q.y, q.z, uint(depth) - (w.y & 255u) - 1u);
   }
@@ -1015,10 +1497,8 @@ void main() {
   float light = 0.35 + 0.65 * abs(dot(n, normalize(eye - place)));
   vec3 paint = vec3(0.4);
   if (whole != NONE) {
-    uvec4 w = words(whole, 0u);
-    float error = unpackHalf2x16(w.w >> 16).x;
-    if (MODE == 4) paint = painted(float(w.y & 255u) / max(float(depth), 1.0));
-    else if (error >= 0.0) paint = painted((log(max(error, 1e-30)) - range.x) / (range.y - range.x));
+    if (MODE == 4) paint = painted(float(words(own, 0u).y & 255u) / max(float(depth), 1.0));
+    else if (estimate >= 0.0) paint = painted((log(max(estimate, 1e-30)) - range.x) / (range.y - range.x));
   }
   colour = vec4(light * paint, 0.0);
 #endif
@@ -1060,6 +1540,40 @@ in vec3 shown;
 out vec4 colour;
 
 void main() { colour = vec4(shown, 0.0); }
+]]
+
+template.lobe_vertex = [[
+/* A probe's light as a surface around it: radius |L(s)| in direction s. Points of a sphere, one instance a probe. */
+uniform sampler2D rows;
+uniform mat4 camera;
+uniform vec3 eye;
+layout(location = 0) in vec3 direction;
+layout(location = 1) in vec3 centre;
+layout(location = 2) in vec2 probe;  /* its number; what L is multiplied by */
+layout(location = 3) in vec3 tint;
+out vec3 shown;
+
+const int COUNT = (LMAX + 1) * (LMAX + 1), ROW = CHANNELS * COUNT;
+float Y[COUNT];
+
+void main() {
+  vec3 s = normalize(direction);
+  harmonics(s.x, s.y, s.z, s.z < 0.0 ? -1.0 : 1.0, 1.0 - abs(s.z));
+  float sum = 0.0;
+  for (int k = 0; k < COUNT; k++) {
+    int i = int(probe.x) * ROW + k;
+    float L = texelFetch(rows, ivec2(i & 4095, i >> 12), 0).x;
+#if CHANNELS == 3
+    L = 0.2126 * L + 0.7152 * texelFetch(rows, ivec2((i + COUNT) & 4095, (i + COUNT) >> 12), 0).x
+        + 0.0722 * texelFetch(rows, ivec2((i + 2 * COUNT) & 4095, (i + 2 * COUNT) >> 12), 0).x;
+#endif
+    sum += Y[k] * L;
+  }
+  vec3 place = centre + abs(sum) * probe.y * s;
+  float light = 0.45 + 0.55 * max(0.0, dot(s, normalize(eye - place)));
+  shown = light * (sum >= 0.0 ? tint : vec3(0.25, 0.35, 1.0));
+  gl_Position = camera * vec4(place, 1.0);
+}
 ]]
 
 template.lamp_vertex = [[
