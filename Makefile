@@ -42,7 +42,7 @@ STRAIGHT := $(if $(filter -O3,$(OPT)),$(shell $(CC) $(STRAIGHT) -Werror -E -x c 
 KERNEL_OPT = $(if $(filter -g,$(OPT)),-g1) $(if $(findstring /gen/,$(1)),$(STRAIGHT) $(SANITIZE_gen))
 
 CFLAGS  := -std=gnu11 -fPIC -fvisibility=hidden -fopenmp -fno-math-errno -fno-trapping-math -MMD -MP \
-           $(OPT) $(CWARN) $(SANITIZE) -Icsrc $(foreach d,$(CORE) $(CODEC) $(SCENE) vulkan vtk rival,-Icsrc/$(d))
+           $(OPT) $(CWARN) $(SANITIZE) -Icsrc $(foreach d,$(CORE) $(CODEC) $(SCENE) vulkan vtk rival mpi,-Icsrc/$(d))
 LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now -Wl,-z,nodelete $(if $(SANITIZE),,-Wl,-z,defs)
 
 pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
@@ -83,7 +83,7 @@ PARTS := $(if $(WITH_CODEC),codec) $(if $(WITH_SCENE),scene)
 LIBS := $(BUILD)/lib/libylm.so $(foreach p,$(PARTS),$(BUILD)/lib/libylm_$(p).so)
 HAVE := core $(PARTS)
 # Parts with rules of their own.
--include csrc/vtk/build.mk csrc/vulkan/build.mk csrc/rival/build.mk lua/ylm/codegen/build.mk spec/bench/build.mk spec/fuzz/build.mk lua/ylm/doc/build.mk
+-include csrc/vtk/build.mk csrc/vulkan/build.mk csrc/rival/build.mk csrc/mpi/build.mk lua/ylm/codegen/build.mk spec/bench/build.mk spec/fuzz/build.mk lua/ylm/doc/build.mk
 -include package/build.mk
 
 BINDINGS := $(foreach a,$(ABIS),$(foreach m,$(HAVE),$(BUILD)/$(a)/ylm/c/$(m).so))
@@ -96,8 +96,9 @@ NEEDS_codec  := image files, which need OpenEXR 3 and libpng (libopenexr-dev lib
 NEEDS_scene  := scenes and rays, which need Embree 3 or 4 (libembree-dev)
 NEEDS_vtk    := pictures of the mathematics, which need VTK 9 (libvtk9-dev libegl-dev libglew-dev libopengl-dev libx11-dev)
 NEEDS_vulkan := work on graphics processors, which needs Vulkan's headers and glslc (libvulkan-dev glslc)
+NEEDS_mpi    := work that many processes share, which needs MPI (libopenmpi-dev openmpi-bin)
 NEEDS_lua    := the Lua module, which needs a Lua and its headers (lua5.4 liblua5.4-dev)
-LEFT_OUT     := $(filter-out $(HAVE),codec scene vtk vulkan) $(if $(LUAS),,lua)
+LEFT_OUT     := $(filter-out $(HAVE),codec scene vtk vulkan mpi) $(if $(LUAS),,lua)
 
 all: $(LIBS) $(BINDINGS) $(BUILD)/ylm   ## build the libraries, a binding for each Lua found, and build/ylm
 	$(if $(strip $(LEFT_OUT)),@$(foreach p,$(LEFT_OUT),echo "left out: $(NEEDS_$(p))";))
@@ -154,6 +155,7 @@ LIBS_OF_scene  := -lylm_scene -lylm
 LIBS_OF_vtk    := -lylm_vtk -lylm
 LIBS_OF_vulkan := -lylm_vulkan -lylm
 LIBS_OF_rival  := -lylm_rival -lylm
+LIBS_OF_mpi    := -lylm_mpi -lylm
 
 # Strings of Lua 5.5 call csrc/lua/core/sandbox.c after Lua has closed its libraries: bindings stay loaded.
 define BINDING

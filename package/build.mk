@@ -6,7 +6,7 @@ version  = $(patsubst lua%,%,$(1))
 
 # Headers of the libraries that are built, less those that only the libraries' own files include.
 PRIVATE  := $(addprefix ylm_,intrinsics.h real.h sets.h simd.h vector.h light_device.h sh_rival.h material_rival.h)
-FOLDERS   = $(CORE) $(if $(WITH_CODEC),$(CODEC)) $(if $(WITH_SCENE),$(SCENE)) $(filter vtk vulkan rival,$(HAVE))
+FOLDERS   = $(CORE) $(if $(WITH_CODEC),$(CODEC)) $(if $(WITH_SCENE),$(SCENE)) $(filter vtk vulkan rival mpi,$(HAVE))
 HEADERS   = $(filter-out $(addprefix %/,$(PRIVATE)),$(wildcard $(FOLDERS:%=csrc/%/ylm_*.h)))
 
 ABOUT_ylm        := spherical harmonics, lights, grids of probes
@@ -14,6 +14,7 @@ ABOUT_ylm_codec  := image files for ylm
 ABOUT_ylm_scene  := scenes, rays, paths and bounces for ylm
 ABOUT_ylm_vtk    := pictures of the mathematics for ylm
 ABOUT_ylm_vulkan := ylm on graphics processors
+ABOUT_ylm_mpi    := work that many processes share for ylm
 ABOUT_ylm_rival  := methods that ylm is compared with
 
 # libylm.so -> libylm.so.0 -> libylm.so.0.1.0, and ylm.pc.

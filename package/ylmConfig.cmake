@@ -1,5 +1,5 @@
 # find_package(ylm REQUIRED COMPONENTS codec scene): targets ylm::ylm and ylm::codec, ylm::scene, ylm::vtk, ylm::vulkan,
-# ylm::rival as far as they are installed. Places are relative to this file: an installed tree may be moved.
+# ylm::rival, ylm::mpi as far as they are installed. Places are relative to this file: an installed tree may be moved.
 
 get_filename_component(_ylm_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 
@@ -16,7 +16,7 @@ function(_ylm_library name file)
 endfunction()
 
 _ylm_library(ylm libylm.so)
-foreach(_ylm_part codec scene vtk vulkan rival)
+foreach(_ylm_part codec scene vtk vulkan rival mpi)
   _ylm_library(${_ylm_part} libylm_${_ylm_part}.so)
   if(TARGET ylm::${_ylm_part})
     set(ylm_${_ylm_part}_FOUND TRUE)

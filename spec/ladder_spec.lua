@@ -18,7 +18,7 @@ local rooms = {
   transfer = { "gather" },
   grid = { "bake", "sample", "follow", "file" },
   vulkan = { "device", "light", "grid", "picture", "rival" },
-  lua = { "core", "codec", "scene", "vtk", "vulkan", "rival" },
+  lua = { "core", "codec", "scene", "vtk", "vulkan", "rival", "mpi" },
 }
 
 --- Files that are compiled into one unit with another room's, against the direction of their folder.
@@ -307,7 +307,7 @@ describe("csrc/README.md", function()
     local file = assert(io.open "csrc/README.md")
     local text, at = file:read "*a", 0
     file:close()
-    local folders = { "vulkan", "vtk", "rival", "lua" }
+    local folders = { "vulkan", "vtk", "rival", "mpi", "lua" }
     for i, folder in ipairs(ladder) do table.insert(folders, i, folder) end
     for _, folder in ipairs(folders) do
       if exists("csrc/" .. folder .. "/.") or scratch.shell("test -d csrc/" .. folder) then

@@ -83,7 +83,10 @@ describe("options", function()
       return values_, a, b
     end
   end)
-  teardown(function() form.options = options end) -- luacheck: ignore
+  teardown(function()
+    form.options = options -- luacheck: ignore
+    os.remove "16" -- a journal of team:each
+  end)
 
   local names = {}
   for name, entry in pairs(reference.entries) do

@@ -60,6 +60,7 @@ extern "C" {
   X(ELIMIT, WORLD, "a limit on size, time or memory was reached")                                  \
   X(EMISSING, WORLD, "a library or a driver is not installed")                                     \
   X(EDEVICE, WORLD, "a device failed")                                                             \
+  X(EPEER, WORLD, "another process failed")                                                        \
   X(ECANCELLED, WORLD, "cancelled")
 
 typedef enum ylm_status {
@@ -364,7 +365,58 @@ struct ylm_field {
   ylm_status (*crosses)(const ylm_field *f, size_t n, const double *boxes, uint8_t *out);
   ylm_quantity quantity; /* what it holds */
   bool tells_validity;   /* evaluate writes r->validity where there is room for it */
+  bool pointwise; /* a point's results are the same bits whatever other points the query has */
 };
+
+/* -- teams ----------------------------------------------------------------- */
+
+/*
+** Processes that run the same program with the same arguments, numbered 0 .. size-1. They call
+** exchange and agree in the same order, and so the first next of each job. Results of work that is
+** divided never depend on `size`: sums over processes are in nobody's power here.
+**
+** Threads   one at a time
+** Failures  a process that says another status than YLM_OK waits some seconds for the others to hear
+**           of it, and then goes on alone: every later call fails with YLM_EPEER.
+*/
+typedef struct ylm_team {
+  void *self;
+  int rank, size;
+  uint32_t jobs; /* so many have begun; ylm_team_job */
+  /* A task of a job, 0 .. n-1, each handed out once, in order; n: none is left. Every process asks
+     until none is left, and agrees with the others before the next job. */
+  ylm_status (*next)(void *self, uint32_t job, size_t n, size_t *task, ylm_error *e);
+  /* No more tasks of the job are handed out. */
+  void (*stop)(void *self, uint32_t job);
+  /* Answers the others; called where progress is reported. */
+  void (*serve)(void *self);
+  /* Every process's bytes to every process. bytes [size], the same everywhere; `all` has their sum,
+     in the order of processes. */
+  ylm_status (*exchange)(void *self, const void *mine, const size_t *bytes, void *all,
+                         ylm_error *e);
+  /* The status of the first process that did not say YLM_OK, and its sentence, which *e has where
+     `mine` is not YLM_OK. Returns once all have come. */
+  ylm_status (*agree)(void *self, ylm_status mine, ylm_error *e);
+  void (*free)(struct ylm_team *team); /* NULL: it lasts as long as the process */
+} ylm_team;
+
+/* The team of one process. YLM_ENOMEM. */
+YLM_API ylm_status ylm_team_alone(ylm_team **team);
+YLM_API void ylm_team_free(ylm_team *team);
+/* The number of a new job, the same on every process. */
+YLM_API uint32_t ylm_team_job(ylm_team *team);
+/*
+** ylm_team_same - refuse processes that were called differently.
+**
+**   what    in   the function, "bake"
+**   names   in   [n] of its arguments
+**   values  in   [n] checksums of theirs
+**
+** Returns  YLM_EINVAL where a process has another value than process 0: "bake: process 3 was called
+** with another tolerance than process 1"; of exchange
+*/
+YLM_API ylm_status ylm_team_same(ylm_team *team, const char *what, size_t n,
+                                 const char *const *names, const uint64_t *values, ylm_error *e);
 
 #ifdef __cplusplus
 }

@@ -110,6 +110,10 @@ typedef struct ylm_grid_source {
                                    estimates are those, and few points verify. NULL: none */
   int threads;                  /* 0: the default */
   const ylm_progress *progress; /* may be NULL */
+  /* Processes that bake the same grid together: each evaluates a part of the points, and all have the
+     grid of one process, to the bit. NULL: this process alone. Not of a dynamic grid, or beside a
+     back end. */
+  ylm_team *team;
 } ylm_grid_source;
 
 /* The report of the last update. */

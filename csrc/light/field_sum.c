@@ -104,6 +104,12 @@ static ylm_quantity quantity_of(size_t n, const ylm_field *const *part) {
   return has[YLM_QUANTITY_direct] ? YLM_QUANTITY_direct : YLM_QUANTITY_lights;
 }
 
+static bool pointwise(size_t n, const ylm_field *const *part) {
+  bool all = true;
+  for (size_t i = 0; i < n; i++) all = all && part[i]->pointwise;
+  return all;
+}
+
 ylm_status ylm_field_sum_create(size_t n, const ylm_field *const *parts, ylm_field_sum **sum) {
   *sum = NULL;
   ylm_field_sum *s = ylm_alloc_zero(1, sizeof *s);
@@ -114,7 +120,11 @@ ylm_status ylm_field_sum_create(size_t n, const ylm_field *const *parts, ylm_fie
     return YLM_ENOMEM;
   }
   *s = (ylm_field_sum){
-      {.self = s, .evaluate = evaluate, .crosses = crosses, .quantity = quantity_of(n, copy)},
+      {.self = s,
+       .evaluate = evaluate,
+       .crosses = crosses,
+       .quantity = quantity_of(n, copy),
+       .pointwise = pointwise(n, copy)},
       n,
       copy};
   *sum = s;

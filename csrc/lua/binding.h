@@ -50,6 +50,7 @@
   X(sh_rotate)                                                                                     \
   X(sh_product)                                                                                    \
   X(sh_project)                                                                                    \
+  X(team)                                                                                          \
   X(image)                                                                                         \
   X(image_ops)                                                                                     \
   X(material)                                                                                      \
@@ -84,6 +85,7 @@ YLML_SCENE_BINDINGS(X)
 
 /* The entry points of the shared objects. */
 YLM_API int luaopen_ylm_c_core(lua_State *L);
+YLM_API int luaopen_ylm_c_mpi(lua_State *L);
 YLM_API int luaopen_ylm_c_codec(lua_State *L);
 YLM_API int luaopen_ylm_c_rival(lua_State *L);
 YLM_API int luaopen_ylm_c_scene(lua_State *L);
@@ -252,6 +254,16 @@ struct ylm_light_surfaces *ylmL_light_surfaces(lua_State *L, int i, size_t tiles
 /* The texture in arguments 1 to 5: texels float [h][w][3], {corner, u, v: 9 numbers}, scale,
    tolerance, largest. core/light_texture.c */
 struct ylm_light_texture ylmL_light_texture(lua_State *L);
+
+/* -- teams: csrc/lua/binding_team.c ------------------------------------------ */
+
+#define YLM_TEAM "ylm.team"
+
+/* An object without a team yet, on the stack: the caller fills the address returned, which the
+   object then owns. */
+ylm_team **ylmL_team_new(lua_State *L);
+/* The team at `i`; raises otherwise. NULL where `i` is nil or none. */
+ylm_team *ylmL_team_opt(lua_State *L, int i);
 
 /* -- progress -------------------------------------------------------------- */
 

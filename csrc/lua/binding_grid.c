@@ -159,6 +159,9 @@ ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress) {
       s.limits = limits->data;
   }
   if (surfaces) s.mesh = ylmL_grid_meshes(L, 3, &s.meshes);
+  lua_getfield(L, 1, "team");
+  s.team = ylmL_team_opt(L, -1); /* the table keeps it */
+  lua_pop(L, 1);
   lua_getfield(L, 1, "reach");
   ylm_grid_reach *room = lua_newuserdata(L, sizeof *room); /* stays on the stack */
   s.reach = ylmL_grid_reach(L, -2, room);

@@ -18,6 +18,7 @@ local ylm = {}
 --- Public name -> the module that defines it, in the order data flows.
 local contents = {
   { "ylm.array", "array", "zeros", "stack", "wrap" },
+  { "ylm.team", "team" },
   { "ylm.light", "light_field" },
   { "ylm.grid", "adaptive_grid", "uniform_grid", "bake" },
   { "ylm.spheres", "sphere_set" },
@@ -84,14 +85,14 @@ describe "info" {
   arguments = {},
   returns = { { "info", "table", "version, kernel (the set in use; YLM_ISA forces one), kernels (a list), "
     .. "threads, lua, parts (those that load: core, and where installed codec: image files, scene: rays, "
-    .. "vtk: pictures, vulkan: computing on a GPU, rival: methods to compare with)" } },
+    .. "vtk: pictures, vulkan: computing on a GPU, mpi: work that processes share, rival: methods to compare with)" } },
   errors = "none (require \"ylm\" raises where the environment's YLM_ISA or YLM_THREADS is not what it may be)",
   example = "assert(ylm.info().threads >= 1 and ylm.info().parts[1] == 'core')",
 }
 function ylm.info()
   local version, kernel, kernels, threads = core.info()
   local parts = { "core" }
-  for _, name in ipairs { "codec", "scene", "vtk", "vulkan", "rival" } do
+  for _, name in ipairs { "codec", "scene", "vtk", "vulkan", "mpi", "rival" } do
     if pcall(require, "ylm.c." .. name) then parts[#parts + 1] = name end
   end
   return { version = version, parts = parts, kernel = kernel, kernels = kernels, threads = threads,

@@ -73,6 +73,8 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   if (s == YLM_OK && source->like) s = check_like(form, source, e);
   if (s == YLM_OK && form->dynamic && source->backend)
     s = ylm_fail(e, YLM_EINVAL, "a grid is wanted that is not dynamic");
+  if (s == YLM_OK && source->team && (form->dynamic || source->backend))
+    s = ylm_fail(e, YLM_EINVAL, "a team bakes on processors, a grid that is not dynamic");
   if (s != YLM_OK) return s;
   baker b;
   frames *before = source->like ? ylm_alloc_copy(source->like->frames, 1, sizeof *before) : NULL;
@@ -87,7 +89,10 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
     s = b.g->validity ? YLM_OK : YLM_ENOMEM;
   }
   if (s == YLM_OK && b.g->follower) s = b.g->follower->begin(b.g, source, &b.surface, e);
+  if (s == YLM_OK) s = ylm__divide_begin(&b);
   if (s == YLM_OK) s = bake(&b);
+  if (!b.told) ylm__grid_no_room(s, source, e);
+  s = ylm__divide_agree(&b, s);
   if (s == YLM_OK && b.g->follower) s = b.g->follower->end(b.g, &b.learnt);
   ylm__occupancy_free(&b.learnt.occupied);
   ylm__panel_free(&b.learnt.panel);
@@ -95,7 +100,7 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   ylm_free(before);
   if (s != YLM_OK) {
     ylm_grid_free(b.g);
-    return b.told ? s : ylm__grid_no_room(s, source, e);
+    return s;
   }
   if (!form->dynamic && !backend_keeps_cells(&b)) ylm__grid_trim(b.g);
   b.g->stats.seconds = ylm_seconds() - begin;

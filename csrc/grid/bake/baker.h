@@ -27,6 +27,7 @@ typedef struct baker {
   const ylm_grid_source *source;
   ylm_error *e;
   bool told;                      /* it says what ran out */
+  bool agreed;                    /* the team knows that the bake has failed */
   const ylm_grid_backend *remote; /* NULL: the processor */
   ylm_grid_backend own;           /* the processor */
   ylm_grid_making making;
@@ -121,6 +122,23 @@ ylm_status ylm__corners_find(baker *b);
 ylm_status ylm__corners_find_parents(baker *b);
 /* Corners that unoccupied cells share with others: of cells with only[cell] != 0. */
 void ylm__corners_find_shared(baker *b, const uint8_t *only);
+
+/* -- divide.c ------------------------------------------------------------------------------- */
+
+/* Whether all processes of the source's team were called alike. */
+ylm_status ylm__divide_begin(baker *b);
+/* Of n points that are evaluated together, the parts of one process after another. n: this process does them all. */
+size_t ylm__divide_part(const baker *b, size_t n);
+/* Points that are evaluated together, at most. */
+size_t ylm__divide_round(const baker *b);
+/* Status s of this process, or that of the first where it is bad. */
+ylm_status ylm__divide_agree(baker *b, ylm_status s);
+/* Every process's part of an array of n rows of `size` bytes to every process. */
+ylm_status ylm__divide_share(baker *b, size_t n, size_t part, size_t size, void *rows);
+/* Adds what all processes have counted since `before` to the stats, where this one has counted. */
+ylm_status ylm__divide_count(baker *b, uint64_t before, uint64_t *count);
+/* Refuses processes that were given other light fields: compares numbers that each has of its own. */
+ylm_status ylm__divide_compare(baker *b, const float *numbers, size_t n);
 
 /* -- evaluate.c ----------------------------------------------------------------------------- */
 

@@ -119,4 +119,13 @@
 #define BAKE_LOOK_GRAIN 512
 #define BAKE_CELLS_GRAIN 1024
 
+/* -- teams: divide.c --------------------------------------------------------------------------- */
+
+/* A process evaluates whole multiples of so many points, where results are each point's own; a query of no more is everybody's. */
+#define DIVIDE_GRAIN 64
+/* Points whose results are exchanged at a time, at most: some 1.2 kB each. */
+#define DIVIDE_ROUND ((size_t)1 << 18)
+/* Points at which processes compare their light fields. */
+#define DIVIDE_PROBES 8
+
 #endif

@@ -6,8 +6,6 @@
 #include <math.h>
 #include <string.h>
 
-#define BLOCK ((size_t)YLM_GRID_BLOCK) /* results are read while in cache */
-
 /* Asks a field, and keeps the time. */
 static ylm_status ask(baker *b, const ylm_field *field, int want, int channels, size_t n,
                       const float *points, ylm_field_result *r) {
@@ -27,11 +25,33 @@ static ylm_status ask(baker *b, const ylm_field *field, int want, int channels, 
   return s;
 }
 
-ylm_status ylm__evaluate_values(baker *b, size_t n, const float *points, float *value,
-                                uint8_t *inside) {
+/* Values at all n points: they are asked for at once, and results may depend on that. */
+static ylm_status ask_values(baker *b, size_t n, const float *points, float *value,
+                             uint8_t *inside) {
   ylm_field_result r = {.value = value, .inside = inside};
   memset(inside, 0, n);
   return ask(b, b->source->field, YLM_WANT_VALUE, b->g->contents.form.channels, n, points, &r);
+}
+
+/* Points of this process, where each does `part` of n. */
+static size_t own_part(const baker *b, size_t n, size_t part, size_t *first) {
+  *first = part * (size_t)b->source->team->rank;
+  if (*first >= n) return *first = 0;
+  return n - *first < part ? n - *first : part;
+}
+
+ylm_status ylm__evaluate_values(baker *b, size_t n, const float *points, float *value,
+                                uint8_t *inside) {
+  size_t part = b->source->field->pointwise ? ylm__divide_part(b, n) : n, first;
+  if (part == n) return ask_values(b, n, points, value, inside);
+  size_t own = own_part(b, n, part, &first), row = b->g->width;
+  uint64_t before = b->g->stats.pairs;
+  ylm_status s =
+      own ? ask_values(b, own, points + 3 * first, value + first * row, inside + first) : YLM_OK;
+  s = ylm__divide_agree(b, s);
+  if (s == YLM_OK) s = ylm__divide_share(b, n, part, row * sizeof *value, value);
+  if (s == YLM_OK) s = ylm__divide_share(b, n, part, 1, inside);
+  return s == YLM_OK ? ylm__divide_count(b, before, &b->g->stats.pairs) : s;
 }
 
 ylm_status ylm__evaluate_ask(baker *b, const ylm_field *field, size_t n, field_block *k) {
@@ -120,12 +140,57 @@ static ylm_status not_finite(const evaluation *j, size_t n) {
   return ylm_light_beyond("the light field", YLM_FLOAT, i, k->position, b->e);
 }
 
+/* The block from its row `first` on. */
+static field_block part_of(const baker *b, const field_block *k, size_t first) {
+  size_t w = b->g->width;
+  return (field_block){.position = k->position + 3 * first,
+                       .value = k->value + w * first,
+                       .gradient = k->gradient + 3 * w * first,
+                       .lambda = k->lambda + first,
+                       .norm = k->norm + first,
+                       .inside = k->inside + first,
+                       .validity = k->validity ? k->validity + first : NULL,
+                       .room = k->room - first};
+}
+
+/* Every process asks for its part of n points, and all have the results. */
+static ylm_status ask_together(baker *b, size_t n, size_t part, field_block *k) {
+  size_t first, own = own_part(b, n, part, &first), w = b->g->width * sizeof *k->value;
+  uint64_t before = b->g->stats.pairs;
+  field_block mine = part_of(b, k, first);
+  ylm_status s = own ? ylm__evaluate_ask(b, b->source->field, own, &mine) : YLM_OK;
+  s = ylm__divide_agree(b, s);
+  if (s == YLM_OK) s = ylm__divide_share(b, n, part, w, k->value);
+  if (s == YLM_OK) s = ylm__divide_share(b, n, part, 3 * w, k->gradient);
+  if (s == YLM_OK) s = ylm__divide_share(b, n, part, sizeof *k->lambda, k->lambda);
+  if (s == YLM_OK) s = ylm__divide_share(b, n, part, sizeof *k->norm, k->norm);
+  if (s == YLM_OK) s = ylm__divide_share(b, n, part, 1, k->inside);
+  if (s == YLM_OK && k->validity)
+    s = ylm__divide_share(b, n, part, sizeof *k->validity, k->validity);
+  return s == YLM_OK ? ylm__divide_count(b, before, &b->g->stats.pairs) : s;
+}
+
+/* Asks for the first points of a bake on every process: all have to have the same light field. */
+static ylm_status compare_fields(baker *b, size_t n, field_block *k) {
+  if (n > DIVIDE_PROBES) n = DIVIDE_PROBES;
+  uint64_t before = b->g->stats.pairs;
+  ylm_status s = ylm__divide_agree(b, ylm__evaluate_ask(b, b->source->field, n, k));
+  b->g->stats.pairs = before;
+  return s == YLM_OK ? ylm__divide_compare(b, k->value, n * b->g->width) : s;
+}
+
 /* Evaluates the n points of j, which fit into its block. */
 static ylm_status evaluate_block(const evaluation *j, size_t n) {
   baker *b = j->b;
+  const ylm_team *team = b->source->team;
+  size_t part = ylm__divide_part(b, n);
   for (size_t i = 0; i < n; i++)
     ylm__grid_asked(b->g, (uint32_t)point_of(j, i), j->block->position + 3 * i);
-  ylm_status s = ylm__evaluate_ask(b, b->source->field, n, j->block);
+  ylm_status s = YLM_OK;
+  if (team && team->size > 1 && !b->g->evaluated && !j->first) s = compare_fields(b, n, j->block);
+  if (s == YLM_OK)
+    s = part == n ? ylm__evaluate_ask(b, b->source->field, n, j->block)
+                  : ask_together(b, n, part, j->block);
   if (s != YLM_OK) return s;
   s = ylm_parallel(n, BAKE_GRAIN, b->source->threads, store_block, (void *)(uintptr_t)j, NULL,
                    NULL);
@@ -145,8 +210,8 @@ void ylm__evaluate_free_block(field_block *k) {
 }
 
 ylm_status ylm__evaluate_reserve_block(baker *b, field_block *k, size_t n) {
-  size_t width = b->g->width;
-  if (n > BLOCK) n = BLOCK;
+  size_t width = b->g->width, most = ylm__divide_round(b);
+  if (n > most) n = most;
   if (n <= k->room) return YLM_OK;
   bool hessians = b->g->follower && b->g->contents.form.metric_channels;
   ylm__evaluate_free_block(k);
@@ -165,10 +230,11 @@ ylm_status ylm__evaluate_reserve_block(baker *b, field_block *k, size_t n) {
 }
 
 ylm_status ylm__evaluate_points(baker *b, size_t n, const uint32_t *list, size_t first) {
+  size_t most = ylm__divide_round(b);
   ylm_status s = ylm__evaluate_reserve_block(b, &b->block, n);
-  for (size_t i = 0; s == YLM_OK && i < n; i += BLOCK) {
+  for (size_t i = 0; s == YLM_OK && i < n; i += most) {
     evaluation j = {b, &b->block, list ? list + i : NULL, first + i};
-    s = evaluate_block(&j, n - i < BLOCK ? n - i : BLOCK);
+    s = evaluate_block(&j, n - i < most ? n - i : most);
   }
   return s;
 }

@@ -184,7 +184,8 @@ ylm_status ylm_polygons_create(size_t n, const int *sides, const double *vertice
   }
   ylm_polygons *p = ylm_alloc_zero(1, sizeof *p);
   if (!p) return YLM_ENOMEM;
-  p->field = (ylm_field){.self = p, .evaluate = evaluate, .crosses = ylm__polygon_crosses};
+  p->field = (ylm_field){
+      .self = p, .evaluate = evaluate, .crosses = ylm__polygon_crosses, .pointwise = true};
   p->exact = exact;
   ylm_status s = allocate(p, n, total);
   if (s == YLM_OK) s = set_horizon(p, horizon, e);

@@ -23,6 +23,7 @@ return {
   summary = "bakes the probes of a scene file into a grid",
   usage = "SCENE.lua -o GRID.ylm",
   least = 1,
+  shared = true,
   options = {
     { "output", "-o", "FILE", "the grid (.ylm), or .vtu for ParaView" },
     { "parts", nil, "NAME", "what the grid holds: lights (default: nothing occludes them), direct (with shadows), indirect (what "
@@ -53,10 +54,13 @@ return {
     if not scene.probes then
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
     end
-    local grid = status.need(scene:bake { parts = given.parts, bounces = bounces, occupied = given.occupied, size = given.size,
-      samples = given.samples, light_tolerance = given.light_tolerance, threads = given.threads,
-      progress = report.progress(given) })
-    status.need(grid:save(given.output))
+    local team = status.need(ylm.team())
+    local grid = status.need(scene:bake { team = team.size > 1 and team or nil, parts = given.parts, bounces = bounces,
+      occupied = given.occupied, size = given.size, samples = given.samples, light_tolerance = given.light_tolerance,
+      threads = given.threads, progress = report.progress(given) })
+    local good, message, code = true, nil, nil
+    if team.rank == 1 then good, message, code = grid:save(given.output) end
+    status.need(require "ylm.team".agree(team, good, message, code))
     local stats = grid.stats
     stats.quantity = grid.quantity
     report.print(given, stats, report.names(stats, { "met", "error", "quantity" }))

@@ -37,6 +37,7 @@ return {
   least = 0,
   json = false,
   most = 1,
+  shared = true,
   run = function(given, commands)
     if not given[1] then return commands.overview(io.stdout) end
     local text, message = text_of(given[1], commands)

@@ -12,13 +12,31 @@ local arguments = require "ylm.cli.arguments"
 local check = require "ylm.check"
 local commands = require "ylm.cli.commands"
 local core = require "ylm.c.core"
+local launch = require "ylm.team.launch"
 local progress = require "ylm.progress"
 local status = require "ylm.cli.status"
 local text = require "ylm.text"
 
-local function say(...)
+--- Has mpirun or srun started several? The first alone speaks of what all of them find.
+local started = launch.started()
+local silent = started ~= nil and started.rank > 1
+
+local function write(...)
   progress.leave()
   io.stderr:write("ylm: ", (table.concat({ ... }):gsub("[^\n\t]+", text.shown)), "\n")
+end
+
+local function say(...)
+  if not silent then write(...) end
+end
+
+--- Says why a command has failed: once, by the first process, or by the one that the others do not hear.
+local function tell(message)
+  say(message)
+  local team = started and require "ylm.team".made()
+  if not team then return end
+  local _, _, code = require "ylm.team".agree(team, nil, message, "EINVAL")
+  if silent and code ~= "EPEER" and require "ylm.team".is_alone() then write("process ", team.rank, ": ", message) end
 end
 
 --- Words that stand for a command.
@@ -58,13 +76,19 @@ local function main(given)
     say(complaint)
     return status.usage
   end
-  options.command = name
+  if started and not command.shared then
+    say(("%s: started %d times by %s, but this command is one process's work; ylm bake and ylm run are shared"):format(name,
+      started.size, started.by))
+    return status.usage
+  end
+  options.command, options.silent = name, silent
+  options.quiet = options.quiet or silent
   if options.quiet then require "ylm.warning".on_warning(false) end
   local ok, result = xpcall(function() return command.run(options, commands) end, function(raised)
     return status.raised(raised, name, command)
   end)
   if ok then return result or status.good end
-  say(result.message)
+  tell(result.message)
   return result.status
 end
 

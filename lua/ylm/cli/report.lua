@@ -61,6 +61,7 @@ end
 
 --- Prints the table `results`, in the order of `order` where it is given.
 function report.print(given, results, order)
+  if given.silent then return end -- another process prints them
   if given.json then
     io.stdout:write(report.json(results), "\n")
     return

@@ -22,6 +22,7 @@ return {
   least = 1,
   json = false,
   rest = true,
+  shared = true,
   run = function(given)
     local path = given[1]
     local chunk, message = loadfile(path)

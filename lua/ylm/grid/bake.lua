@@ -171,11 +171,28 @@ local bake_options = {
   { "max_points", "integer", min = 8, max = core.limits.grid_points, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
   light.tolerance_option "light_tolerance",
   form.threads, form.progress,
+  { "team", "object", of = "team", optional = true,
+    about = "ylm.team(): each of its processes evaluates a part of the points, and all have the grid that one would bake, to the "
+      .. "bit; the progress function of the first is called. Points in blocks of 8192 where light is summed by a tree. Not "
+      .. "with device, or dynamic = true" },
   { "device", "gpu", optional = true,
     about = "lights are summed there, grids refined there (with a tolerance by the processor, from what the device "
       .. "measures); the grid stays there, for device = gpu of grid:sample and scene:render; grid.stats.stages says how "
       .. "long that took" },
 }
+
+--- Refuses a team beside what one process does; options of a process that is not the first: it tells nobody.
+local function of_team(description, o)
+  if not o.team then return o end
+  if o.device ~= nil then
+    return check.bad(3, "bake", "team: the processes of a team bake on processors: leave device or team out")
+  end
+  if description.dynamic then
+    return check.bad(3, "bake", "team: a grid with dynamic = true is followed by one process: leave one out")
+  end
+  if o.team.rank > 1 then o.progress = nil end
+  return o
+end
 
 --- The quantity that a light field holds, and whether it jumps at surfaces.
 function bake.quantity(n, name, packed, given)
@@ -233,7 +250,7 @@ function bake.bake(description, lights, given)
   if kind ~= "adaptive_grid" and kind ~= "uniform_grid" then
     return check.bad(1, "bake", "an adaptive_grid or a uniform_grid expected, got %s", check.describe(description))
   end
-  local o = form.options(3, "bake", bake_options, given)
+  local o = of_team(description, form.options(3, "bake", bake_options, given))
   local fault = o.like and check.grid_fault(o.like)
   if fault then return check.bad(3, "bake", "like: %s", fault) end
   if description.dynamic and o.light_tolerance then
@@ -281,6 +298,7 @@ function bake.bake(description, lights, given)
     threshold = description.threshold or -1, tolerance = description.tolerance or 0,
     continuous = description.continuous, dynamic = description.dynamic,
     measure = measure, quantity = quantity, normals = normals, limits = limits,
+    team = o.team and o.team.handle,
     reach = reach and reach(packed) or nil, bias = description.bias or jumps and 1 or 0,
     floor = floor_of(description, quantity, measure), body = body, like = o.like,
   }, object, occupied, o)

@@ -123,6 +123,7 @@ local bake_options = options.list(options.view_fields, {
   { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
     about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
   light.tolerance_option "light_tolerance",
+  { "team", "object", of = "team", optional = true, about = "ylm.team(), of ylm.bake; every process prepares the light field" },
   { "device", "gpu", optional = true, about = "bakes there, as ylm.bake does; a prepared view's points are copied there once" },
 }, options.common)
 
@@ -158,7 +159,7 @@ function bake.bake(s, given)
   if field then
     grid, message, code = grids.bake(probes, field, { occupied = where, geometry = where == "surfaces" and s.geometry or nil,
       bounds = box.padded(t.lo, t.hi), seed = o.seed, threads = o.threads, progress = o.progress,
-      light_tolerance = o.light_tolerance, device = o.device })
+      light_tolerance = o.light_tolerance, device = o.device, team = o.team })
   end
   if own then where:close() end
   return grid, message, code

@@ -501,6 +501,19 @@ calls["prepared"] = on(scene, function(s)
 end)
 calls["true_error"] = on(function() return picture(4, 2), picture(4, 2) end, function(a, b) return ylm.true_error(a, b) end)
 
+calls["team"] = function()
+  local a = ylm.array { 1, 2, 3 }
+  return function()
+    return ylm.team():each({ { n = 1, list = { "a", true } }, { n = 2 } }, function(case) return { case, a } end)
+  end
+end
+calls["team with a journal"] = function(keep)
+  local path = keep "sweep.journal"
+  return function()
+    return ylm.team():each({ 1, 2 }, function(i) return i end, { journal = path })
+  end
+end
+
 local looks = {
   ["view of a grid"] = function() return ylm.view { grid(), quantity = "L00", slices = true, levels = true } end,
   ["view of cells"] = function() return ylm.view { grid(), boxes = true, volume = true, frame = true } end,
