@@ -16,7 +16,7 @@ local rooms = {
   sh = { "eval", "product", "rotate", "project" },
   light = { "sphere", "moments", "tree", "flat", "virtual", "shadow" },
   transfer = { "gather" },
-  grid = { "bake", "sample", "follow", "file" },
+  grid = { "bake", "sample", "follow", "file", "brick" },
   vulkan = { "device", "light", "grid", "picture", "rival" },
   lua = { "core", "codec", "scene", "vtk", "vulkan", "rival", "mpi" },
 }

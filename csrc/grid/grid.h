@@ -44,8 +44,10 @@ struct ylm_grid {
   uint32_t width;    /* channels * count */
   /* Cells by coarse lattice coordinates: [top[2]][top[1]][top[0]], to begin a descent. */
   uint32_t *table, top[3];
-  int top_shift;   /* lattice coordinate >> top_shift is a coordinate of the table */
-  double scale[3]; /* lattice cells per scene unit */
+  int top_shift;      /* lattice coordinate >> top_shift is a coordinate of the table */
+  size_t table_first; /* of a brick: where the table would begin in one of the whole bounds */
+  uint32_t last[3];   /* the last lattice cell along each axis, of a brick that of its cell */
+  double scale[3];    /* lattice cells per scene unit */
 
   struct frames *frames; /* for bakes like this one (bake/frames.c); NULL: it knows none */
   const struct follower *follower; /* NULL: the grid follows no lights */
@@ -92,6 +94,8 @@ extern const follower ylm__follower;
 /* -- store.c: cells and points ------------------------------------------------- */
 
 ylm_grid *ylm__grid_new(const ylm_grid_form *form);
+/* Makes an empty octree a brick: the subtree of a cell of level > 0. */
+void ylm__grid_set_root(ylm_grid *g, int level, const uint32_t origin[3]);
 /* Checks what can be checked of a form; the sentence names the field. */
 ylm_status ylm__grid_check_form(const ylm_grid_form *form, ylm_error *e);
 /* Checks what can be checked of a source; the sentence names the field. */
@@ -139,7 +143,8 @@ static inline size_t ylm__grid_table_index(const ylm_grid *g, uint32_t x, uint32
 /* The leaf that holds the finest lattice cell `at`, cells added for continuity included. */
 static inline uint32_t ylm__grid_finest(const ylm_grid *g, const uint32_t at[3]) {
   int top = g->top_shift;
-  uint32_t cell = g->table[ylm__grid_table_index(g, at[0] >> top, at[1] >> top, at[2] >> top)];
+  size_t place = ylm__grid_table_index(g, at[0] >> top, at[1] >> top, at[2] >> top);
+  uint32_t cell = g->table[place - g->table_first];
   for (const ylm_grid_cell *c = &g->cell[cell]; c->child; c = &g->cell[cell]) {
     int shift = g->contents.form.depth - c->level - 1;
     cell = c->child + octant_of(at[0], at[1], at[2], (uint32_t)shift);
@@ -232,8 +237,10 @@ void ylm__occupancy_free(occupancy *o);
 
 /* -- bake/invalid.c ----------------------------------------------------------------- */
 
-/* First-order values for points in lights, from valid corners of the cells they belong to. */
+/* First-order values for points in lights, from valid corners of the cells they belong to; for those
+   with filled[point] == 0, since others have theirs. */
 ylm_status ylm__grid_fill_invalid(ylm_grid *g);
+ylm_status ylm__grid_fill_others(ylm_grid *g, const uint8_t *filled);
 
 /* -- bake/continuity.c -------------------------------------------------------------- */
 

@@ -117,6 +117,7 @@ ylm_grid *ylm__grid_new(const ylm_grid_form *form) {
   g->stride = (g->width + 7) / 8 * 8;
   for (int a = 0; a < 3; a++) {
     g->contents.resolution[a] = form->kind == YLM_GRID_UNIFORM ? form->cells[a] : 1u << form->depth;
+    g->last[a] = g->contents.resolution[a] - 1;
     g->scale[a] = g->contents.resolution[a] / (form->bounds[a + 3] - form->bounds[a]);
   }
   g->field.self = g;
@@ -126,6 +127,14 @@ ylm_grid *ylm__grid_new(const ylm_grid_form *form) {
   if (form->dynamic) g->follower = &ylm__follower;
   ylm__grid_sync(g);
   return g;
+}
+
+void ylm__grid_set_root(ylm_grid *g, int level, const uint32_t origin[3]) {
+  g->contents.root_level = level;
+  for (int a = 0; a < 3; a++) {
+    g->contents.root[a] = origin[a];
+    g->last[a] = origin[a] + (1u << (g->contents.form.depth - level)) - 1;
+  }
 }
 
 void ylm_grid_free(ylm_grid *g) {
@@ -283,7 +292,7 @@ static void cover(ylm_grid *g, uint32_t cell) {
   for (uint32_t z = 0; z < n; z++)
     for (uint32_t y = 0; y < n; y++)
       for (uint32_t x = 0; x < n; x++)
-        g->table[ylm__grid_table_index(g, o[0] + x, o[1] + y, o[2] + z)] = cell;
+        g->table[ylm__grid_table_index(g, o[0] + x, o[1] + y, o[2] + z) - g->table_first] = cell;
 }
 
 /* Voxels without data take the nearest (counted in faces) that has some. */
@@ -312,13 +321,15 @@ static ylm_status spread_table(ylm_grid *g) {
 
 ylm_status ylm__grid_build_table(ylm_grid *g) {
   bool uniform = g->contents.form.kind == YLM_GRID_UNIFORM;
-  int level = 0;
+  int level = 0, root = g->contents.root_level, shift;
   if (!uniform)
-    while (level < g->contents.form.depth && level < MAX_TABLE_LEVEL &&
+    while (root + level < g->contents.form.depth && level < MAX_TABLE_LEVEL &&
            (size_t)1 << 3 * level < 2 * g->cells)
       level++;
-  g->top_shift = uniform ? 0 : g->contents.form.depth - level;
+  g->top_shift = shift = uniform ? 0 : g->contents.form.depth - root - level;
   for (int a = 0; a < 3; a++) g->top[a] = uniform ? g->contents.resolution[a] : 1u << level;
+  const uint32_t *o = g->contents.root;
+  g->table_first = ylm__grid_table_index(g, o[0] >> shift, o[1] >> shift, o[2] >> shift);
   size_t n = (size_t)g->top[0] * g->top[1] * g->top[2];
   uint32_t *table = ylm_alloc(n, sizeof *table);
   if (!table) return YLM_ENOMEM;
@@ -327,7 +338,8 @@ ylm_status ylm__grid_build_table(ylm_grid *g) {
   for (size_t i = 0; i < n; i++) g->table[i] = YLM_GRID_NONE;
   for (size_t i = 0; i < g->cells; i++) {
     const ylm_grid_cell *c = &g->cell[i];
-    if (uniform || c->level == level || (c->level < level && !c->child)) cover(g, (uint32_t)i);
+    if (uniform || c->level == root + level || (c->level < root + level && !c->child))
+      cover(g, (uint32_t)i);
   }
   return uniform ? spread_table(g) : YLM_OK;
 }
@@ -344,6 +356,17 @@ ylm_status ylm__grid_finish(ylm_grid *g) {
 
 /* -- finding ------------------------------------------------------------------------ */
 
+/* Moves lattice coordinates into a brick; true if they were inside. */
+static bool clamp_to_brick(const ylm_grid *g, double at[3]) {
+  bool inside = true;
+  for (int a = 0; a < 3; a++) {
+    double lo = g->contents.root[a], hi = (double)g->last[a] + 1;
+    inside &= at[a] >= lo && at[a] <= hi;
+    at[a] = at[a] < lo ? lo : at[a] > hi ? hi : at[a];
+  }
+  return inside;
+}
+
 bool ylm__grid_coordinates(const ylm_grid *g, const double p[3], double out[3]) {
   const double *b = g->contents.form.bounds;
   bool inside = true;
@@ -351,14 +374,14 @@ bool ylm__grid_coordinates(const ylm_grid *g, const double p[3], double out[3]) 
     inside &= within(p[a], b[a], b[a + 3]);
     out[a] = lattice_coordinate(p[a], b[a], b[a + 3], g->scale[a], g->contents.resolution[a]);
   }
-  return inside;
+  return g->contents.root_level ? clamp_to_brick(g, out) && inside : inside;
 }
 
 uint32_t ylm__grid_leaf(const ylm_grid *g, const double at[3]) {
   uint32_t c[3];
   for (int a = 0; a < 3; a++) {
-    uint32_t last = g->contents.resolution[a] - 1, i = (uint32_t)at[a];
-    c[a] = i > last ? last : i;
+    uint32_t i = (uint32_t)at[a];
+    c[a] = i > g->last[a] ? g->last[a] : i;
   }
   return ylm__grid_finest(g, c);
 }
@@ -400,7 +423,7 @@ uint32_t ylm_grid_locate(const ylm_grid *g, const double p[3], bool finest, bool
     int shift = g->contents.form.depth - g->cell[cell].level - 1;
     uint32_t i[3];
     for (int a = 0; a < 3; a++)
-      i[a] = (uint32_t)at[a] == g->contents.resolution[a] ? (uint32_t)at[a] - 1 : (uint32_t)at[a];
+      i[a] = (uint32_t)at[a] > g->last[a] ? (uint32_t)at[a] - 1 : (uint32_t)at[a];
     cell = g->cell[cell].child + octant_of(i[0], i[1], i[2], (uint32_t)shift);
   }
   return cell;

@@ -310,7 +310,8 @@ enum {
   YLM_GRID_OCCUPIED = 2, /* holds shading points */
   YLM_GRID_BAKED = 4,    /* all eight corners were evaluated */
   YLM_GRID_CROSSED = 8,  /* meets a light's surface */
-  YLM_GRID_ADDED = 16    /* exists for continuity only */
+  YLM_GRID_ADDED = 16,   /* exists for continuity only */
+  YLM_GRID_BRICK = 32    /* of the top of a grid in bricks: a leaf that a brick continues */
 };
 
 /* A voxel. Parents stand before their children, the eight children in a row, x fastest. */
@@ -343,7 +344,9 @@ typedef struct ylm_grid_contents {
   ylm_grid_form form;
   int count;              /* coefficients per channel, (lmax+1)^2 */
   uint32_t resolution[3]; /* lattice cells along each axis: 2^N, or form.cells */
-  size_t cells;           /* octree cells 0 .. octree_cells-1, then those added for continuity */
+  int root_level; /* of cell 0: 0, but in a brick (ylm_grid_bricks), which is the subtree of that */
+  uint32_t root[3]; /* its origin */
+  size_t cells;     /* octree cells 0 .. octree_cells-1, then those added for continuity */
   size_t octree_cells;
   const ylm_grid_cell *cell;
   size_t points; /* evaluated points 0 .. evaluated-1, then interpolated ones */
@@ -634,6 +637,71 @@ YLM_API ylm_status ylm_grid_sample_biased(const ylm_grid *g, const ylm_grid_quer
 /* The grid as a light field (Hermite, clamped): value, gradient, and lambda and norm interpolated.
    The field has no Hessian, and no degree above the grid's. */
 YLM_API const ylm_field *ylm_grid_field(const ylm_grid *g);
+
+/* -- bricks: brick/ ------------------------------------------------------------- */
+
+/*
+** Grids that do not fit into memory. The octree below each cell of a level is a brick, which is baked
+** alone and kept as a file of its own. A bake goes on where it was when it is called again.
+*/
+typedef struct ylm_grid_bricks {
+  const char *folder; /* "name.ylmd", made where it is not there */
+  int level;          /* of the bricks: 1 .. depth - 2; 0: 3, or as deep as may be */
+  size_t points;      /* evaluated points of a brick before its children take its place; 0: 65536 */
+  bool fresh;         /* begins anew whatever is in the folder */
+  bool alone;         /* the light field is asked by one thread at a time */
+} ylm_grid_bricks;
+
+/*
+** ylm_grid_bake_bricks - make a grid in bricks, or go on with it.
+**
+**   form    in  adaptive, not dynamic, without bias, with measure YLM_GRID_COEFFICIENTS
+**   source  in  as of ylm_grid_bake, without back end; max_points is of the sum over bricks
+**
+** Returns  as ylm_grid_bake; YLM_EINVAL also where the folder is another bake's, YLM_EBUSY where another
+**          process bakes into it, YLM_EIO
+** Results  the files are the same to the bit whatever the number of threads, and of interruptions. With a
+**          threshold and a field that does not depend on blocks of points, samples are those of
+**          ylm_grid_bake
+** Memory   the source, the top (levels down to the bricks'), and for each thread a brick
+*/
+YLM_API ylm_status ylm_grid_bake_bricks(const ylm_grid_form *form, const ylm_grid_source *source,
+                                        const ylm_grid_bricks *how, ylm_error *e);
+
+/* A grid in bricks, some of which are in memory. */
+typedef struct ylm_grid_set ylm_grid_set;
+
+/*
+** ylm_grid_set_open - a folder that a bake in bricks has finished.
+**
+**   cache  in  bytes of bricks that are kept in memory, of those used last; 0: 256 MB. A brick larger
+**              than that is there alone
+**
+** Returns  YLM_OK; YLM_EIO (no such folder, or not finished), YLM_EFORMAT, YLM_ECHECKSUM, YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_grid_set_open(const char *folder, size_t cache, ylm_grid_set **s,
+                                     ylm_error *e);
+YLM_API void ylm_grid_set_free(ylm_grid_set *s);
+/* The levels above the bricks, whose cells that go on are flagged YLM_GRID_BRICK; stats are of all. */
+YLM_API const ylm_grid_contents *ylm_grid_set_look(const ylm_grid_set *s);
+typedef struct ylm_grid_set_stats {
+  uint64_t bricks, level; /* the level that was asked for */
+  uint64_t bytes;         /* of all files of bricks */
+  uint64_t held, reads;   /* bytes in memory; files that were read so far */
+} ylm_grid_set_stats;
+YLM_API ylm_grid_set_stats ylm_grid_set_stats_of(const ylm_grid_set *s);
+/*
+** ylm_grid_set_sample - as ylm_grid_sample. Points are taken brick by brick: a call reads each brick
+** that it needs once at most, if that fits into the cache.
+**
+** Returns  also what reading a brick does; results are then incomplete
+** Threads  one call at a time: others wait
+*/
+YLM_API ylm_status ylm_grid_set_sample(ylm_grid_set *s, const ylm_grid_query *q, size_t n,
+                                       const void *points, void *value, void *gradient,
+                                       ylm_grid_report *report, ylm_error *e);
+/* The set as a light field, as ylm_grid_field. */
+YLM_API const ylm_field *ylm_grid_set_field(const ylm_grid_set *s);
 
 /* -- files ------------------------------------------------------------------- */
 

@@ -36,6 +36,7 @@
   X(grid)                                                                                          \
   X(grid_bake)                                                                                     \
   X(grid_file)                                                                                     \
+  X(grid_set)                                                                                      \
   X(grid_look)                                                                                     \
   X(light)                                                                                         \
   X(light_shadow)                                                                                  \

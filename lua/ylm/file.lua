@@ -9,6 +9,7 @@ local file = {}
 
 --- The kind of a file, by its first bytes; nil, message, code where it cannot be read.
 function file.kind_of(path)
+  if path:lower():find("%.ylmd/*$") then return "grid_set" end
   local head, message, code = core.file_head(path)
   if not head then return nil, message, code end
   if head:sub(1, 6) == "\147NUMPY" then return "array" end
@@ -33,6 +34,10 @@ local readers = {
   end,
   gltf = function(path) return require "ylm.gltf".load_gltf(path) end,
   grid = function(path) return require("ylm.grid").load(path) end,
+  grid_set = function(path, options)
+    require "ylm.grid" -- its methods
+    return require("ylm.grid.set").open(path, options.cache)
+  end,
   material = function(path)
     require "ylm.material" -- the forms
     return require("ylm.material.file").load(path)
@@ -41,16 +46,18 @@ local readers = {
 
 local load_options = {
   { "raw", "boolean", default = false, about = ".png: numbers as they stand instead of decoded from sRGB" },
+  { "cache", "memory", optional = true, about = ".ylmd: memory of bricks that were used last; default 256 MB" },
   { "materials", "boolean", default = false,
     about = ".obj, .ply: geometry as ylm.mesh { file = } makes it, with the materials of the file, instead of a mesh" },
 }
 
 describe "load" {
   about = "Reads a file by its content: a grid, an array (.npy), an image (.exr, .png, .hdr, .pfm), a mesh (.obj, .ply), "
-    .. "a glTF file (.glb, .gltf) or a measured material (.binary of MERL, .bsdf of RGL).",
-  arguments = { { "path", "string", "a regular file" }, { "options?", "table", "" } },
+    .. "a glTF file (.glb, .gltf) or a measured material (.binary of MERL, .bsdf of RGL); or a grid in bricks, a folder "
+    .. "name.ylmd.",
+  arguments = { { "path", "string", "a regular file, or a folder name.ylmd" }, { "options?", "table", "" } },
   options = load_options,
-  returns = { { "object", "grid|array|image|mesh|geometry|gltf|material", "what the file holds" } },
+  returns = { { "object", "grid|grid_set|array|image|mesh|geometry|gltf|material", "what the file holds" } },
   errors = "nil, message, code where the file is missing, damaged or of another kind; raises on a wrong argument",
   example = [[
 local name = os.tmpname()

@@ -97,6 +97,19 @@ types["function"] = function(x)
   return nil, "a function"
 end
 
+local MEMORY = { B = 1, KB = 1024, MB = 1024 ^ 2, GB = 1024 ^ 3, TB = 1024 ^ 4 }
+
+--- A size of memory: bytes, or a text such as "256 MB".
+function types.memory(x)
+  local wanted = "a number of bytes, or a text such as '256 MB'"
+  if type(x) == "string" then
+    local number, unit = x:match "^%s*(%d+%.?%d*)%s*(%a+)%s*$"
+    x = number and MEMORY[unit:upper()] and tonumber(number) * MEMORY[unit:upper()]
+  end
+  if type(x) ~= "number" or not (x >= 1 and x < 2 ^ 53) then return nil, wanted end
+  return math.floor(x)
+end
+
 function types.progress(x)
   if type(x) == "function" then return memory.users(x) end
   if x == true then return x end

@@ -40,9 +40,11 @@ function scratch.text(path)
   return text
 end
 
-function scratch.new()
+--- A new folder; below `home` where that can be written to, "/dev/shm" for files that are written through to the disk.
+function scratch.new(home)
   local path = os.tmpname()
   os.remove(path)
+  if home and scratch.shell("test -w " .. quote(home)) then path = home .. "/" .. path:match "[^/]*$" end
   assert(scratch.shell("mkdir -p " .. quote(path)))
   return setmetatable({ path = path }, scratch)
 end

@@ -2,13 +2,17 @@
 #include "baker.h"
 
 #include <math.h>
+#include <string.h>
 
 ylm_status ylm__cells_root(baker *b) {
   ylm_grid *g = b->g;
   ylm_status s = ylm__grid_reserve_cells(g, 1);
   if (s != YLM_OK) return s;
-  ylm_grid_cell root = {
-      .error = NAN, .residual = NAN, .flags = YLM_GRID_LEAF | YLM_GRID_OCCUPIED | YLM_GRID_CROSSED};
+  ylm_grid_cell root = {.error = NAN,
+                        .residual = NAN,
+                        .level = (uint8_t)g->contents.root_level,
+                        .flags = YLM_GRID_LEAF | YLM_GRID_OCCUPIED | YLM_GRID_CROSSED};
+  memcpy(root.origin, g->contents.root, sizeof root.origin);
   for (int k = 0; k < 8; k++) root.corner[k] = YLM_GRID_NONE;
   g->cell[g->cells++] = root;
   return ylm__cell_list_push(&b->wave, 0);

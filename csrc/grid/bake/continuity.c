@@ -230,6 +230,7 @@ static int finest_middle(const ylm_grid *g, const touched_box *b, int level) {
 
 ylm_status ylm__grid_continue_leaf(ylm_grid *g, uint32_t cell) {
   ylm_grid_cell *c = &g->cell[cell];
+  if (c->flags & YLM_GRID_BRICK) return YLM_OK;
   if (c->flags & YLM_GRID_BAKED) return split_leaf(g, cell);
   /* A leaf without data notes the level down to which sampling has to look for such points. */
   touched_box box = box_of(g, c);
@@ -246,7 +247,7 @@ ylm_status ylm__grid_continue_leaf(ylm_grid *g, uint32_t cell) {
 bool ylm__grid_side(const ylm_grid *g, const uint32_t at[3], int side, uint32_t beside[3]) {
   bool out = false;
   for (int a = 0; a < 3; a++) {
-    out |= side >> a & 1 ? at[a] == g->contents.resolution[a] : at[a] == 0;
+    out |= side >> a & 1 ? at[a] > g->last[a] : at[a] == g->contents.root[a];
     beside[a] = side >> a & 1 ? at[a] : at[a] - 1;
   }
   return !out;

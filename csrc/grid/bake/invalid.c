@@ -77,9 +77,14 @@ static ylm_status list_cells(const ylm_grid *g, filling *f) {
   return s;
 }
 
-ylm_status ylm__grid_fill_invalid(ylm_grid *g) {
+/* Does a point lie in a light, and lack a value? */
+static bool lacks_value(const ylm_grid *g, const uint8_t *filled, size_t p) {
+  return g->flags[p] & YLM_GRID_POINT_INVALID && !(filled && filled[p]);
+}
+
+ylm_status ylm__grid_fill_others(ylm_grid *g, const uint8_t *filled) {
   uint32_t invalid = 0;
-  for (size_t p = 0; p < g->evaluated; p++) invalid += (g->flags[p] & YLM_GRID_POINT_INVALID) != 0;
+  for (size_t p = 0; p < g->evaluated; p++) invalid += lacks_value(g, filled, p);
   if (!invalid) return YLM_OK;
   filling f = {.weight = ylm_alloc_zero(invalid, sizeof *f.weight),
                .point = ylm_alloc(invalid, sizeof *f.point),
@@ -89,7 +94,7 @@ ylm_status ylm__grid_fill_invalid(ylm_grid *g) {
   if (s == YLM_OK) {
     uint32_t next = 0;
     for (uint32_t p = 0; p < g->evaluated; p++) {
-      f.slot[p] = g->flags[p] & YLM_GRID_POINT_INVALID ? next : YLM_GRID_NONE;
+      f.slot[p] = lacks_value(g, filled, p) ? next : YLM_GRID_NONE;
       if (f.slot[p] != YLM_GRID_NONE) f.point[next++] = p;
     }
     s = list_cells(g, &f);
@@ -107,3 +112,5 @@ ylm_status ylm__grid_fill_invalid(ylm_grid *g) {
   ylm_free(f.cell.cell);
   return s;
 }
+
+ylm_status ylm__grid_fill_invalid(ylm_grid *g) { return ylm__grid_fill_others(g, NULL); }

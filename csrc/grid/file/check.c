@@ -43,7 +43,8 @@ static bool is_complete(const ylm_grid_cell *c) {
 static const char *check_octree(const ylm_grid *g, uint8_t *seen) {
   seen[0] = 1;
   const ylm_grid_cell *root = &g->cell[0];
-  if (root->level || root->origin[0] || root->origin[1] || root->origin[2]) return "the root";
+  if (root->level != g->contents.root_level) return "the root";
+  if (memcmp(root->origin, g->contents.root, sizeof root->origin) != 0) return "the root";
   if (!is_complete(root)) return "the root's corners";
   for (size_t i = 0; i < g->cells; i++) {
     const ylm_grid_cell *c = &g->cell[i];
@@ -101,7 +102,8 @@ const char *ylm__grid_file_check_points(const ylm_grid *g) {
     if (g->flags[i] & YLM_GRID_POINT_INTERPOLATED) return "a point's flags";
     if (g->validity && !(g->validity[i] >= 0 && g->validity[i] <= 1)) return "a point's validity";
     for (size_t a = 0; a < 3; a++)
-      if (g->lattice[3 * i + a] > g->contents.resolution[a]) return "a point's place";
+      if (g->lattice[3 * i + a] < g->contents.root[a] || g->lattice[3 * i + a] > g->last[a] + 1)
+        return "a point's place";
   }
   return NULL;
 }

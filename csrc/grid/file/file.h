@@ -66,6 +66,11 @@ typedef struct grid_file_stats {
 #undef X
 } grid_file_stats;
 
+/* Section "brick": the cell that the grid is the subtree of. */
+typedef struct grid_file_brick {
+  uint32_t level, origin[3];
+} grid_file_brick;
+
 /* Section "measure". */
 typedef struct grid_file_measure {
   uint32_t measure, zero;
@@ -73,15 +78,17 @@ typedef struct grid_file_measure {
 } grid_file_measure;
 
 _Static_assert(sizeof(grid_file_measure) == 16 && sizeof(ylm_grid_body) == 40 &&
-                   sizeof(grid_file_header) == 64 && sizeof(grid_file_entry) == 64 &&
-                   sizeof(grid_file_form) == 136 && sizeof(grid_file_stats) == 104 &&
-                   sizeof(ylm_grid_cell) == 64 && sizeof(ylm_grid_birth) == 8,
+                   sizeof(grid_file_brick) == 16 && sizeof(grid_file_header) == 64 &&
+                   sizeof(grid_file_entry) == 64 && sizeof(grid_file_form) == 136 &&
+                   sizeof(grid_file_stats) == 104 && sizeof(ylm_grid_cell) == 64 &&
+                   sizeof(ylm_grid_birth) == 8,
                "a record of grid files has padding");
 
 /* The sections of a grid, in their order in the file: name, bytes of a record, required. `rows` are
    the evaluated points' [4][stride], the stride a multiple of 8, and ROW_PADDING zeros behind. The
    sections behind `rows` are left out where they would say nothing: quantity "lights", measure
-   "coefficients" without bias, the validity of points that nobody told, no floor, no body. */
+   "coefficients" without bias, the validity of points that nobody told, no floor, no body, and the
+   brick that a whole grid is not. */
 #define GRID_FILE_LIST(X)                                                                          \
   X(form, sizeof(grid_file_form), true)                                                            \
   X(stats, sizeof(grid_file_stats), false)                                                         \
@@ -96,7 +103,8 @@ _Static_assert(sizeof(grid_file_measure) == 16 && sizeof(ylm_grid_body) == 40 &&
   X(measure, sizeof(grid_file_measure), false)                                                     \
   X(validity, sizeof(float), false)                                                                \
   X(floor, sizeof(double), false)                                                                  \
-  X(body, sizeof(ylm_grid_body), false)
+  X(body, sizeof(ylm_grid_body), false)                                                            \
+  X(brick, sizeof(grid_file_brick), true)
 
 enum {
 #define X(name, record, required) GRID_FILE_##name,

@@ -106,6 +106,22 @@ static ylm_status read_rows(reading *r) {
   return s == YLM_OK ? YLM_OK : ylm_fail(r->e, s, "%s: memory ran out", r->source->name);
 }
 
+/* The cell that a brick is the subtree of. */
+static ylm_status take_root(reading *r) {
+  const ylm_grid_form *f = &r->g->contents.form;
+  grid_file_brick b;
+  if (!ylm__file_table_find(&r->table, GRID_FILE_brick)) return YLM_OK;
+  ylm_status s = take(r, GRID_FILE_brick, sizeof b, 1, &b);
+  if (s != YLM_OK) return s;
+  bool holds = f->kind == YLM_GRID_ADAPTIVE && b.level >= 1 && b.level <= (uint32_t)f->depth;
+  for (int a = 0; holds && a < 3; a++)
+    holds = b.origin[a] < r->g->contents.resolution[a] &&
+            b.origin[a] % (1u << ((uint32_t)f->depth - b.level)) == 0;
+  if (!holds) return ylm__grid_file_bad(r->source->name, "the place of a brick", r->e);
+  ylm__grid_set_root(r->g, (int)b.level, b.origin);
+  return YLM_OK;
+}
+
 /* The grid of a file whose table was read. */
 static ylm_status read_grid(reading *r) {
   grid_file_form f;
@@ -121,7 +137,8 @@ static ylm_status read_grid(reading *r) {
   if (!sizes_hold(r, &f)) return ylm__grid_file_bad(name, "the size of a section", r->e);
   if (!ylm__grid_file_table_holds(r->g, f.cells))
     return ylm__grid_file_bad(name, "too sparse a lattice", r->e);
-  s = reserve(r, &f);
+  s = take_root(r);
+  if (s == YLM_OK) s = reserve(r, &f);
   if (s == YLM_OK) s = read_structure(r);
   return s == YLM_OK ? read_rows(r) : s;
 }

@@ -44,6 +44,7 @@ typedef struct writing {
   grid_file_stats stats;
   uint32_t quantity;
   grid_file_measure measure;
+  grid_file_brick brick;
   int kind[GRID_FILE_COUNT]; /* of each entry, one of GRID_FILE_LIST */
 } writing;
 
@@ -66,6 +67,8 @@ static void describe(writing *w) {
                              .evaluated = g->evaluated};
   w->quantity = (uint32_t)f->quantity;
   w->measure = (grid_file_measure){.measure = (uint32_t)f->measure, .bias = f->bias};
+  w->brick.level = (uint32_t)g->contents.root_level;
+  memcpy(w->brick.origin, g->contents.root, sizeof w->brick.origin);
   memcpy(w->form.lattice, f->cells, sizeof f->cells);
   memcpy(w->form.bounds, f->bounds, sizeof f->bounds);
 #define X(type, name) w->stats.name = t->name;
@@ -96,6 +99,7 @@ static void sizes(const writing *w, uint64_t size[GRID_FILE_COUNT],
   const ylm_grid_form *f = &g->contents.form;
   SECTION(floor, &f->floor, f->floor > 0 ? sizeof f->floor : 0);
   SECTION(body, &f->body, f->body.radius > 0 ? sizeof f->body : 0);
+  SECTION(brick, &w->brick, w->brick.level ? sizeof w->brick : 0);
 #undef SECTION
 }
 

@@ -147,6 +147,42 @@ static int grid_bake(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
+/* A number of the table at `i`. */
+static size_t number(lua_State *L, int i, const char *name) {
+  lua_getfield(L, i, name);
+  size_t x = (size_t)luaL_optnumber(L, -1, 0);
+  lua_pop(L, 1);
+  return x;
+}
+
+/* grid_bake_bricks(as grid_bake; the form has bricks = {folder, level, points, fresh}) -> true */
+static int grid_bake_bricks(lua_State *L) {
+  enum { BRICKS = 8 };
+  lua_settop(L, 7);
+  luaL_checktype(L, 1, LUA_TTABLE);
+  lua_getfield(L, 1, "bricks");
+  luaL_checkstack(L, 20, "grid_bake_bricks");
+  luaL_checktype(L, BRICKS, LUA_TTABLE);
+  ylm_grid_form form = ylmL_grid_form(L, 1);
+  ylmL_progress progress;
+  lua_field own = {.base = {.self = &own, .evaluate = lua_field_evaluate}, .L = L, .index = 2};
+  ylm_grid_source source = ylmL_grid_source(L, &progress);
+  own.base.quantity = form.quantity;
+  source.field = lua_isfunction(L, 2) ? &own.base : ylmL_field_check(L, 2);
+  ylm_grid_bricks how = {.level = (int)number(L, BRICKS, "level"),
+                         .points = number(L, BRICKS, "points"),
+                         .alone = !ylmL_test(L, 2, YLM_LIGHTS)};
+  lua_getfield(L, BRICKS, "fresh");
+  how.fresh = lua_toboolean(L, -1);
+  lua_getfield(L, BRICKS, "folder");
+  how.folder = luaL_checkstring(L, -1); /* the table keeps it */
+  ylm_error e = {0};
+  ylm_status s = ylm_grid_bake_bricks(&form, &source, &how, &e);
+  if (own.raised) return lua_error(L);
+  lua_pushboolean(L, 1);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
 /* grid_update(grid, lights, tolerance or -1, threads, progress, everywhere) -> what it did */
 static int grid_update(lua_State *L) {
   lua_settop(L, 6);
@@ -268,10 +304,14 @@ static int grid_surface_points(lua_State *L) {
   return 3;
 }
 
-static const luaL_Reg functions[] = {
-    {"grid_bake", grid_bake},     {"grid_surface_points", grid_surface_points},
-    {"grid_update", grid_update}, {"grid_refresh", grid_refresh},
-    {"grid_split", grid_split},   {"grid_aside", grid_aside},
-    {"grid_bounds", grid_bounds}, {NULL, NULL}};
+static const luaL_Reg functions[] = {{"grid_bake", grid_bake},
+                                     {"grid_surface_points", grid_surface_points},
+                                     {"grid_bake_bricks", grid_bake_bricks},
+                                     {"grid_update", grid_update},
+                                     {"grid_refresh", grid_refresh},
+                                     {"grid_split", grid_split},
+                                     {"grid_aside", grid_aside},
+                                     {"grid_bounds", grid_bounds},
+                                     {NULL, NULL}};
 
 void ylmL_open_grid_bake(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -10,6 +10,7 @@ local form = require "ylm.form"
 local grid_object = require "ylm.grid.object"
 local light = require "ylm.light"
 local progress = require "ylm.progress"
+local set = require "ylm.grid.set"
 local unmet = require "ylm.grid.unmet"
 
 local bake = {}
@@ -170,6 +171,12 @@ local bake_options = {
       .. "that bakes in a row compared. For frames of lights or casters that move" },
   { "max_points", "integer", min = 8, max = core.limits.grid_points, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
   light.tolerance_option "light_tolerance",
+  { "to", "path", optional = true, about = "a folder, name.ylmd: the grid is baked in bricks, which are files in it. A bake "
+    .. "that was interrupted goes on where it was; one that is finished is opened" },
+  { "fresh", "boolean", default = false, about = "with to: begins anew whatever is in the folder" },
+  { "brick_points", "integer", min = 512, max = 2 ^ 24, optional = true, about = "with to: a brick with more evaluated points "
+    .. "than this is given up for its eight children; 65536 where it is left out" },
+  set.cache_option,
   form.threads, form.progress,
   { "team", "object", of = "team", optional = true,
     about = "ylm.team(): each of its processes evaluates a part of the points, and all have the grid that one would bake, to the "
@@ -231,7 +238,7 @@ describe "bake" {
     { "options?", "table", "see the options" },
   },
   options = bake_options,
-  returns = { { "grid", "grid", "grid.stats says what was done, and with a tolerance the error that was measured; "
+  returns = { { "grid", "grid|grid_set", "grid.stats says what was done, and with a tolerance the error that was measured; "
     .. "a warning says a tolerance that is not met" } },
   errors = "raises on bad arguments; nil, message, code where memory or max_points are exceeded; "
     .. "nil, 'cancelled', 'ECANCELLED' where progress returns false; nil, message, code where a device fails",
@@ -287,11 +294,12 @@ function bake.bake(description, lights, given)
   packed, failed, why = settled(packed, description, occupied, normals, box, o)
   if not packed then return nil, failed, why end
   local reach = core.type(packed) and core.type(packed) ~= "ylm.array" and getmetatable(packed).__reach
+  local in_bricks = set.check_bake(description, o, given, jumps)
   local cells = description.cells or { 1, 1, 1 }
   local object, made
   object, made, failed = asked:lights(3, "bake", packed, o, light.within)
   if not object then return nil, made, failed end
-  local baked, stages, code = devices.of(object):bake({
+  local wanted = {
     kind = kind, lmax = description.lmax, depth = description.depth or 0, cells = cells,
     bounds = { box[1][1], box[1][2], box[1][3], box[2][1], box[2][2], box[2][3] },
     channels = description.channels, metric_channels = description.metric_channels, metric = description.metric,
@@ -301,9 +309,15 @@ function bake.bake(description, lights, given)
     team = o.team and o.team.handle,
     reach = reach and reach(packed) or nil, bias = description.bias or jumps and 1 or 0,
     floor = floor_of(description, quantity, measure), body = body, like = o.like,
-  }, object, occupied, o)
+  }
+  local baked, stages, code
+  if in_bricks then
+    baked, stages, code = set.bake(wanted, object, occupied, o, in_bricks)
+  else
+    baked, stages, code = devices.of(object):bake(wanted, object, occupied, o)
+  end
   if made then object:close() end
-  if not baked then return nil, stages, code end
+  if not baked or in_bricks then return baked, stages, code end
   stages_of[baked] = stages
   if type(packed) ~= "function" and light.followed(packed) then baked_from[baked] = packed end
   unmet.remember(baked, o.light_tolerance)

@@ -50,6 +50,10 @@ grid.adaptive_grid = form.define("adaptive_grid", {
       about = "what the metric is of" },
     channels_field,
     { "continuous", "boolean", default = true, about = "no jumps between voxels of different levels" },
+    { "bricks", "integer", min = 1, max = core.limits.grid_depth - 2, optional = true,
+      about = "bakes in bricks, the subtrees below the voxels of this level (at most depth - 2), each a file of the folder "
+        .. "that ylm.bake's option to names: for grids that do not fit into memory. Default: 3 where there is such a folder, "
+        .. "else none" },
     dynamic_field,
   },
   build = function(values, fail)
@@ -58,6 +62,12 @@ grid.adaptive_grid = form.define("adaptive_grid", {
     end
     if values.metric_channels == "rgb" and values.channels ~= "rgb" then
       return fail("metric_channels = 'rgb' needs channels = 'rgb'")
+    end
+    if values.bricks and values.bricks > values.depth - 2 then
+      return fail(("bricks = %d: at most depth - 2, which is %d"):format(values.bricks, values.depth - 2))
+    end
+    if values.bricks and values.dynamic then
+      return fail("bricks: a grid that follows lights is not baked in bricks; leave dynamic or bricks out")
     end
     if values.measure and values.threshold then
       return fail("measure is what a tolerance is of: give a tolerance, or leave measure out")
@@ -121,7 +131,10 @@ require "ylm.grid.look"
 require "ylm.grid.export"
 
 local file = require "ylm.grid.file"
+local set = require "ylm.grid.set"
 require "ylm.memory".publish(core.metatable "ylm.grid")
+require "ylm.memory".publish(core.metatable "ylm.grid_set")
+grid.open_set = set.open
 grid.magic, grid.load = file.magic, file.load
 
 return grid

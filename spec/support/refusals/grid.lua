@@ -15,6 +15,17 @@ local function closed(ylm)
   return g
 end
 
+--- f of a small grid in bricks.
+local function in_bricks(f)
+  return function(ylm)
+    local folder = os.tmpname()
+    os.remove(folder)
+    local g = ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 0, depth = 3, threshold = 100 }, lamp(ylm), { to = folder .. ".ylmd" })
+    os.execute("rm -r " .. folder .. ".ylmd")
+    return f(g)
+  end
+end
+
 local function adaptive(fields)
   return function(ylm) return ylm.adaptive_grid(fields) end
 end
@@ -229,6 +240,14 @@ return {
     { call = function(ylm) return small(ylm):save("x.html", { limit = 1000 }) end, says = "page: .* MB, the limit is 0.0 MB" },
     { call = function(ylm) return small(ylm):save("/no/such/folder/x.html") end, says = "cannot be created" },
   },
+  ["grid_set:sample"] = {
+    { call = in_bricks(function(g) return g:sample() end), says = "points: a table of numbers or an array expected, got nil" },
+    { call = in_bricks(function(g) return g:sample { { 0, nan, 0 } } end), says = "row 1 is not finite" },
+    { call = in_bricks(function(g) return g:sample({ { 0, 0, 0 } }, { device = 1 }) end), says = "no field 'device'" },
+    { call = in_bricks(function(g) return g:sample({ { 0, 0, 0 } }, { derivatives = 2 }) end), says = "derivatives must be" },
+    { call = in_bricks(function(g) g:close() return g:sample { { 0, 0, 0 } } end), says = "sample: the grid has been closed" },
+  },
+  ["grid_set:close"] = { { call = in_bricks(function(g) return g.close(3) end), says = "a grid in bricks expected" } },
   ["grid:close"] = { { call = function(ylm) return closed(ylm):close() end,
     says = "close: the grid has been closed" } },
 }

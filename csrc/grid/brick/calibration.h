@@ -1,0 +1,16 @@
+/* calibration.h - the tuned constants of bakes in bricks. Private to csrc/grid. */
+#ifndef YLM_GRID_BRICK_CALIBRATION_H
+#define YLM_GRID_BRICK_CALIBRATION_H
+
+/* Evaluated points of a brick before its children take its place: 85 MB of RGB rows of degree 4. */
+#define BRICK_POINTS 65536
+/* The level of bricks where none is asked for. */
+#define BRICK_LEVEL 3
+/* Points of the top at most. */
+#define TOP_POINTS 200000
+/* Bytes of a set's cache where none is asked for. */
+#define SET_CACHE ((size_t)256 << 20)
+/* Points that are sampled of a brick at a time. */
+#define SET_CHUNK 8192
+
+#endif

@@ -1,0 +1,130 @@
+/* index.c - the index of a folder: its presence says that the bake is finished. */
+#include "brick.h"
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#define INDEX_MAGIC "YLMindex"
+#define INDEX_VERSION 1u
+
+/* Adds the counts of a brick to those of all. */
+static void add_stats(index_head *h, const ylm_grid_stats *s) {
+  grid_file_stats *t = &h->stats;
+  h->interpolated += s->interpolated;
+  h->cells += s->cells;
+  t->pairs += s->pairs;
+  t->outside += s->outside;
+  t->verified += s->verified;
+  t->leaves += s->leaves;
+  t->occupied += s->occupied;
+  t->continuity += s->continuity;
+  t->invalid += s->invalid;
+  t->tested += s->tested;
+  if (s->rounds > t->rounds) t->rounds = s->rounds;
+  if (s->levels > t->levels) t->levels = s->levels;
+  if (s->verified) {
+    if (!(t->error >= s->error)) t->error = s->error;
+    if (!(t->largest_error >= s->largest_error)) t->largest_error = s->largest_error;
+    t->met &= s->met;
+    t->limited |= s->limited;
+  }
+}
+
+/* The entry of a finished brick; adds its counts. */
+static ylm_status look(const plan *p, const brick *k, index_head *h, index_entry *entry,
+                       ylm_error *e) {
+  char path[FOLDER_PATH];
+  border_head border;
+  ylm_grid_file_info info;
+  ylm__folder_brick(p->how.folder, k->code, "b", path);
+  ylm_status s = ylm__border_head(path, &border, e);
+  ylm__folder_brick(p->how.folder, k->code, "ylm", path);
+  if (s == YLM_OK) s = ylm_grid_file_look(path, &info, e);
+  if (s != YLM_OK) return s;
+  *entry =
+      (index_entry){.level = (uint32_t)k->level, .size = info.size, .evaluated = border.evaluated};
+  memcpy(entry->origin, k->origin, sizeof entry->origin);
+  h->points += border.evaluated;
+  add_stats(h, &info.stats);
+  ylm_grid_file_forget(&info);
+  return YLM_OK;
+}
+
+/* The counts of the top, whose cells that are bricks are counted there. */
+static ylm_status look_at_top(const plan *p, index_head *h, ylm_error *e) {
+  char path[FOLDER_PATH];
+  ylm_grid_file_info info;
+  ylm__folder_file(p->how.folder, "top.ylm", path);
+  ylm_status s = ylm_grid_file_look(path, &info, e);
+  if (s != YLM_OK) return s;
+  h->points += p->top.g->evaluated;
+  info.stats.cells -= p->bricks;
+  info.stats.leaves -= p->bricks;
+  info.stats.occupied -= p->bricks;
+  add_stats(h, &info.stats);
+  ylm_grid_file_forget(&info);
+  return YLM_OK;
+}
+
+static uint64_t sum_of(const index_head *h, const index_entry *entries) {
+  return ylm_crc64(ylm_crc64(0, h, offsetof(index_head, crc)), entries,
+                   h->bricks * sizeof *entries);
+}
+
+ylm_status ylm__brick_finish(const plan *p, ylm_error *e) {
+  char path[FOLDER_PATH];
+  index_head h = {.magic = INDEX_MAGIC,
+                  .version = INDEX_VERSION,
+                  .level = (uint32_t)p->how.level,
+                  .bricks = p->bricks,
+                  .stats = {.error = NAN, .largest_error = NAN, .met = 1}};
+  index_entry *entries = ylm_alloc_zero(p->bricks, sizeof *entries);
+  ylm_file *f = NULL;
+  ylm__folder_file(p->how.folder, "index", path);
+  ylm_status s =
+      entries ? look_at_top(p, &h, e) : ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  for (size_t i = 0; i < p->bricks && s == YLM_OK; i++)
+    s = look(p, &p->brick[i], &h, &entries[i], e);
+  if (!(p->form.tolerance > 0)) h.stats.met = 0;
+  h.crc = s == YLM_OK ? sum_of(&h, entries) : 0;
+  if (s == YLM_OK) s = ylm_file_create(path, &f, e);
+  if (s == YLM_OK) {
+    ylm_file_write(f, &h, sizeof h);
+    ylm_file_write(f, entries, p->bricks * sizeof *entries);
+    s = ylm_file_commit(f, e);
+  }
+  if (s == YLM_OK) ylm__folder_sync(path);
+  ylm_free(entries);
+  return s;
+}
+
+ylm_status ylm__index_read(const char *folder, index_head *h, index_entry **entries, ylm_error *e) {
+  char path[FOLDER_PATH];
+  struct stat st;
+  unsigned char *data;
+  size_t size;
+  *entries = NULL;
+  if (stat(folder, &st) != 0) return ylm_fail(e, YLM_EIO, "%s: %s", folder, strerror(errno));
+  ylm__folder_file(folder, "index", path);
+  if (!ylm__folder_has(path)) {
+    ylm__folder_file(folder, "form", path);
+    return ylm__folder_has(path)
+               ? ylm_fail(e, YLM_EIO, "%s: its bake has not finished: bake again, to go on", folder)
+               : ylm_fail(e, YLM_EFORMAT, "%s: not a folder of a grid in bricks", folder);
+  }
+  ylm_status s = ylm_file_read(path, SIZE_MAX, &data, &size, e);
+  if (s != YLM_OK) return s;
+  bool holds = size >= sizeof *h;
+  if (holds) memcpy(h, data, sizeof *h);
+  holds = holds && memcmp(h->magic, INDEX_MAGIC, 8) == 0 && h->version == INDEX_VERSION &&
+          h->bricks <= size / sizeof **entries && size == sizeof *h + h->bricks * sizeof **entries;
+  *entries = holds ? ylm_alloc_copy(data + sizeof *h, h->bricks, sizeof **entries) : NULL;
+  ylm_free(data);
+  if (holds && !*entries) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  if (holds && h->crc == sum_of(h, *entries)) return YLM_OK;
+  ylm_free(*entries);
+  *entries = NULL;
+  return ylm_fail(e, YLM_ECHECKSUM, "%s: the file is damaged", path);
+}

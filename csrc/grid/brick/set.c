@@ -1,0 +1,184 @@
+/* set.c - grids in bricks, opened: the index and the top in memory, bricks in a cache. */
+#include "set.h"
+#include "brick.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* -- the cache ------------------------------------------------------------------------------------------ */
+
+static void forget(ylm_grid_set *s, set_brick *k) {
+  if (!k->grid) return;
+  s->held -= k->grid->stats.bytes;
+  ylm_grid_free(k->grid);
+  k->grid = NULL;
+}
+
+/* Forgets the bricks that were used longest ago until no more than `bytes` are held, `keep` excepted. */
+static void shrink(ylm_grid_set *s, size_t bytes, const set_brick *keep) {
+  while (s->held > bytes) {
+    set_brick *oldest = NULL;
+    for (size_t i = 0; i < s->bricks; i++) {
+      set_brick *k = &s->brick[i];
+      if (k->grid && k != keep && (!oldest || k->used < oldest->used)) oldest = k;
+    }
+    if (!oldest) return;
+    forget(s, oldest);
+  }
+}
+
+/* Is the grid of a file the brick that the index says? */
+static bool is_brick(const ylm_grid_set *s, const set_brick *k, const ylm_grid *g) {
+  const ylm_grid_form *a = &s->top->contents.form, *b = &g->contents.form;
+  return g->contents.root_level == (int)k->level && g->width == s->top->width &&
+         memcmp(g->contents.root, k->origin, sizeof k->origin) == 0 && a->depth == b->depth &&
+         memcmp(a->bounds, b->bounds, sizeof a->bounds) == 0 && a->channels == b->channels;
+}
+
+ylm_status ylm__set_get(ylm_grid_set *s, size_t number, const ylm_grid **g, ylm_error *e) {
+  char path[FOLDER_PATH];
+  *g = s->top;
+  if (number == s->bricks) return YLM_OK;
+  set_brick *k = &s->brick[number];
+  k->used = ++s->clock;
+  *g = k->grid;
+  if (k->grid) return YLM_OK;
+  size_t room = (size_t)(2 * k->size); /* interpolated points, which the file has not */
+  shrink(s, s->cache > room ? s->cache - room : 0, k);
+  ylm__folder_brick(s->folder, k->code, "ylm", path);
+  ylm_status status = ylm_grid_read(path, &k->grid, e);
+  if (status != YLM_OK) return status;
+  s->reads++;
+  s->held += k->grid->stats.bytes;
+  *g = k->grid;
+  if (!is_brick(s, k, k->grid)) {
+    forget(s, k);
+    return ylm_fail(e, YLM_EFORMAT, "%s: not the brick that the index names", path);
+  }
+  shrink(s, s->cache, k);
+  return YLM_OK;
+}
+
+/* -- opening --------------------------------------------------------------------------------------------- */
+
+static void name_brick(const ylm_grid_set *s, set_brick *k) {
+  int depth = s->top->contents.form.depth;
+  memset(k->code, 0, sizeof k->code);
+  for (uint32_t level = 1; level <= k->level; level++)
+    k->code[level - 1] =
+        (char)('0' + octant_of(k->origin[0], k->origin[1], k->origin[2], (uint32_t)depth - level));
+}
+
+/* The brick of a cell of the top, YLM_GRID_NONE if there is none. */
+static uint32_t number_of(const ylm_grid_set *s, const ylm_grid_cell *c) {
+  uint64_t code = ylm__morton(c->origin[0], c->origin[1], c->origin[2]);
+  size_t lo = 0, hi = s->bricks;
+  while (lo < hi) {
+    size_t mid = lo + (hi - lo) / 2;
+    const uint32_t *o = s->brick[mid].origin;
+    if (ylm__morton(o[0], o[1], o[2]) < code)
+      lo = mid + 1;
+    else
+      hi = mid;
+  }
+  bool found = lo < s->bricks && s->brick[lo].level == c->level &&
+               memcmp(s->brick[lo].origin, c->origin, sizeof c->origin) == 0;
+  return found ? (uint32_t)lo : YLM_GRID_NONE;
+}
+
+/* Which brick each cell of the top is. */
+static ylm_status number_cells(ylm_grid_set *s, ylm_error *e) {
+  size_t found = 0;
+  s->number = ylm_alloc(s->top->cells, sizeof *s->number);
+  if (!s->number) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", s->folder);
+  for (size_t i = 0; i < s->top->cells; i++) {
+    const ylm_grid_cell *c = &s->top->cell[i];
+    s->number[i] = (uint32_t)s->bricks;
+    if (!(c->flags & YLM_GRID_BRICK)) continue;
+    s->number[i] = number_of(s, c);
+    found++;
+    if (s->number[i] == YLM_GRID_NONE || c->child)
+      return ylm_fail(e, YLM_EFORMAT, "%s: its index and its top disagree", s->folder);
+  }
+  return found == s->bricks
+             ? YLM_OK
+             : ylm_fail(e, YLM_EFORMAT, "%s: its index and its top disagree", s->folder);
+}
+
+/* Stats of all bricks, by the index. */
+static void take_stats(ylm_grid_set *s, const index_head *h) {
+  ylm_grid_stats *to = &s->top->stats;
+  to->points = h->points;
+  to->interpolated = h->interpolated;
+  to->cells = h->cells;
+#define X(type, name) to->name = h->stats.name;
+  GRID_FILE_STATS(X)
+#undef X
+}
+
+static ylm_status read_all(ylm_grid_set *s, ylm_error *e) {
+  char path[FOLDER_PATH];
+  index_head h;
+  index_entry *entries;
+  ylm_status status = ylm__index_read(s->folder, &h, &entries, e);
+  if (status != YLM_OK) return status;
+  ylm__folder_file(s->folder, "top.ylm", path);
+  status = ylm_grid_read(path, &s->top, e);
+  s->bricks = h.bricks;
+  s->level = h.level;
+  s->brick = ylm_alloc_zero(h.bricks, sizeof *s->brick);
+  if (status == YLM_OK && !s->brick)
+    status = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", s->folder);
+  for (size_t i = 0; status == YLM_OK && i < s->bricks; i++) {
+    set_brick *k = &s->brick[i];
+    memcpy(k->origin, entries[i].origin, sizeof k->origin);
+    k->level = entries[i].level;
+    k->size = entries[i].size;
+    s->bytes += k->size;
+    if (k->level < 1 || k->level > (uint32_t)s->top->contents.form.depth)
+      status = ylm_fail(e, YLM_EFORMAT, "%s: its index names no brick", s->folder);
+    else
+      name_brick(s, k);
+  }
+  ylm_free(entries);
+  if (status == YLM_OK) take_stats(s, &h);
+  return status == YLM_OK ? number_cells(s, e) : status;
+}
+
+ylm_status ylm_grid_set_open(const char *folder, size_t cache, ylm_grid_set **out, ylm_error *e) {
+  *out = NULL;
+  if (strlen(folder) > FOLDER_PATH - 64)
+    return ylm_fail(e, YLM_EINVAL, "the folder's name is too long");
+  ylm_grid_set *s = ylm_alloc_zero(1, sizeof *s);
+  if (!s) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", folder);
+  snprintf(s->folder, sizeof s->folder, "%s", folder);
+  s->cache = cache ? cache : SET_CACHE;
+  pthread_mutex_init(&s->lock, NULL);
+  ylm_status status = read_all(s, e);
+  if (status != YLM_OK) {
+    ylm_grid_set_free(s);
+    return status;
+  }
+  s->field = (ylm_field){
+      .self = s, .evaluate = ylm__set_evaluate, .quantity = s->top->contents.form.quantity};
+  *out = s;
+  return YLM_OK;
+}
+
+void ylm_grid_set_free(ylm_grid_set *s) {
+  if (!s) return;
+  for (size_t i = 0; s->brick && i < s->bricks; i++) ylm_grid_free(s->brick[i].grid);
+  ylm_grid_free(s->top);
+  ylm_free(s->brick);
+  ylm_free(s->number);
+  pthread_mutex_destroy(&s->lock);
+  ylm_free(s);
+}
+
+const ylm_grid_contents *ylm_grid_set_look(const ylm_grid_set *s) { return &s->top->contents; }
+
+ylm_grid_set_stats ylm_grid_set_stats_of(const ylm_grid_set *s) {
+  return (ylm_grid_set_stats){s->bricks, s->level, s->bytes, s->held, s->reads};
+}
+
+const ylm_field *ylm_grid_set_field(const ylm_grid_set *s) { return &s->field; }

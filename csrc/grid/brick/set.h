@@ -1,0 +1,34 @@
+/* set.h - a grid in bricks, opened. */
+#ifndef YLM_GRID_SET_H
+#define YLM_GRID_SET_H
+
+#include <pthread.h>
+
+#include "brick.h"
+
+/* A brick; its grid is NULL while it is not in memory. */
+typedef struct set_brick {
+  uint32_t origin[3], level;
+  char code[BRICK_CODE];
+  uint64_t size, used; /* bytes of the file; when it was used */
+  ylm_grid *grid;
+} set_brick;
+
+struct ylm_grid_set {
+  char folder[FOLDER_PATH];
+  ylm_grid *top;
+  uint32_t *number; /* by cell of the top: the brick, `bricks` where it is none */
+  set_brick *brick; /* [bricks] along the Morton code of their origins */
+  size_t bricks, cache, held;
+  uint64_t clock, reads, bytes, level;
+  ylm_field field;
+  pthread_mutex_t lock; /* of cache and clock */
+};
+
+/* The grid of a brick, of the top where `number` is the number of bricks; good until the next call. */
+ylm_status ylm__set_get(ylm_grid_set *s, size_t number, const ylm_grid **g, ylm_error *e);
+/* set_sample.c: the field of a set. */
+ylm_status ylm__set_evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
+                             const void *points, ylm_field_result *r, ylm_error *e);
+
+#endif

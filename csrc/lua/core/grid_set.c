@@ -1,0 +1,113 @@
+/* grid_set.c - ylm.grid_set: grids in bricks. lua/ylm/grid/set.lua. */
+#include "grid.h"
+
+#define SET_TYPE "ylm.grid_set"
+
+/* The set at `i`; raises where it has been closed. */
+static ylm_grid_set *set_check(lua_State *L, int i) {
+  ylm_grid_set **s = ylmL_check(L, i, SET_TYPE);
+  if (!*s) luaL_argerror(L, i, "the grid has been closed");
+  return *s;
+}
+
+static const ylm_field *field_of(void *object) {
+  ylm_grid_set **s = object;
+  return *s ? ylm_grid_set_field(*s) : NULL;
+}
+
+/* grid_set_open(folder, bytes of the cache) -> set */
+static int grid_set_open(lua_State *L) {
+  ylm_error e = {0};
+  const char *folder = luaL_checkstring(L, 1);
+  size_t cache = (size_t)luaL_optnumber(L, 2, 0);
+  ylm_grid_set **s = lua_newuserdata(L, sizeof *s);
+  *s = NULL;
+  luaL_getmetatable(L, SET_TYPE);
+  lua_setmetatable(L, -2);
+  return ylmL_result(L, 1, ylm_grid_set_open(folder, cache, s, &e), &e);
+}
+
+/* grid_set_look(set) -> form, stats with those of the set */
+static int grid_set_look(lua_State *L) {
+  const ylm_grid_set *s = set_check(L, 1);
+  const ylm_grid_contents *v = ylm_grid_set_look(s);
+  ylm_grid_set_stats t = ylm_grid_set_stats_of(s);
+  ylmL_grid_push_form(L, &v->form);
+  ylmL_grid_push_stats(L, &v->form, v->stats);
+  ylmL_set_count(L, "bricks", t.bricks);
+  ylmL_set_count(L, "brick_level", t.level);
+  ylmL_set_count(L, "file_bytes", t.bytes);
+  ylmL_set_count(L, "held", t.held);
+  ylmL_set_count(L, "reads", t.reads);
+  return 2;
+}
+
+/* grid_set_sample: as grid_sample */
+static int grid_set_sample(lua_State *L) {
+  static const char *const names[] = {"interpolation", "derivatives", "outside",
+                                      "dtype",         "threads",     "progress",
+                                      "value",         "gradient",    NULL};
+  static const char *const dtypes[] = {"float", "double", NULL};
+  static const char *const outside[] = {"clamp", "nan", NULL};
+  enum { INTERPOLATION = 4, DERIVATIVES, OUTSIDE, DTYPE, THREADS, PROGRESS, VALUE, GRADIENT };
+  ylmL_named(L, 3, names);
+  ylm_grid_set *set = set_check(L, 1);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  const ylm_grid_contents *v = ylm_grid_set_look(set);
+  ylmL_array *points = ylmL_array_check(L, 2), *value, *gradient = NULL;
+  ylmL_progress progress;
+  ylm_grid_query q = {.interpolation = ylmL_grid_interpolation(L, INTERPOLATION),
+                      .nan_outside = luaL_checkoption(L, OUTSIDE, NULL, outside) == 1,
+                      .point_dtype = points->dtype,
+                      .dtype = (ylm_dtype)luaL_checkoption(L, DTYPE, NULL, dtypes),
+                      .threads = (int)luaL_optnumber(L, THREADS, 0),
+                      .progress = ylmL_progress_begin(L, PROGRESS, &progress)};
+  size_t shape[4] = {points->count / 3, (size_t)v->form.channels, (size_t)v->count, 3};
+  ylm_grid_report report = {0};
+  ylm_error e = {0};
+  ylm_status s = YLM_OK;
+  value = ylmL_array_result(L, VALUE, q.dtype, 3, shape, &s);
+  if (luaL_checknumber(L, DERIVATIVES) > 0)
+    gradient = ylmL_array_result(L, GRADIENT, q.dtype, 4, shape, &s);
+  else
+    lua_pushnil(L);
+  if (s == YLM_OK)
+    s = ylm_grid_set_sample(set, &q, shape[0], points->data, value->data,
+                            gradient ? gradient->data : NULL, &report, &e);
+  if (s == YLM_OK) {
+    ylmL_push_count(L, report.outside);
+    ylmL_push_count(L, report.unbaked);
+    lua_pushnumber(L, report.seconds);
+  }
+  return ylmL_result_progress(L, 5, s, &e, &progress);
+}
+
+/* grid_set_is_open(value) -> true for a set that has not been closed, false for a closed one, else nil */
+static int grid_set_is_open(lua_State *L) {
+  ylm_grid_set **s = ylmL_test(L, 1, SET_TYPE);
+  if (!s) return 0;
+  lua_pushboolean(L, *s != NULL);
+  return 1;
+}
+
+static int grid_set_close(lua_State *L) {
+  ylm_grid_set **s = ylmL_check(L, 1, SET_TYPE);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_grid_set_free(*s);
+  *s = NULL;
+  return 0;
+}
+
+static const luaL_Reg functions[] = {
+    {"grid_set_open", grid_set_open},     {"grid_set_look", grid_set_look},
+    {"grid_set_sample", grid_set_sample}, {"grid_set_is_open", grid_set_is_open},
+    {"grid_set_close", grid_set_close},   {NULL, NULL}};
+
+static const luaL_Reg methods[] = {{"__gc", grid_set_close}, {NULL, NULL}};
+
+void ylmL_open_grid_set(lua_State *L) {
+  ylmL_type(L, SET_TYPE, methods);
+  ylmL_type_has_field(L, field_of);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

@@ -1,0 +1,175 @@
+--- Grids in bricks: ylm.bake with the option to, ylm.load of such a folder, and the methods of what they return.
+
+local array = require "ylm.array"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local devices = require "ylm.device"
+local form = require "ylm.form"
+local outputs = require "ylm.outputs"
+local progress = require "ylm.progress"
+
+local set = {}
+
+local methods = core.metatable "ylm.grid_set"
+
+set.cache_option = { "cache", "memory", optional = true,
+  about = "of a grid in bricks: memory of bricks that were used last, '256 MB' where it is left out" }
+
+require "ylm.describe".object "grid_set" {
+  about = "A grid in bricks, in a folder name.ylmd: bricks are read when points in them are sampled, and as many as the cache "
+    .. "holds stay in memory. It has a light field, as a grid has: scene:render, scene:view and ylm.bake take it. The fields "
+    .. "of its description can be read from it.",
+  fields = {
+    { "bounds", "table", "{ lowest, highest }, scene units" },
+    { "lmax", "integer", "of the coefficients" },
+    { "channels", "integer", "1 luminance, 3 rgb" },
+    { "depth", "integer", "finest level; metric, continuous, tolerance or threshold likewise" },
+    { "stats", "table", "sums over all bricks: points (evaluated; one on a face of bricks counts for each that has baked it), "
+      .. "interpolated, cells, leaves, levels, pairs, ...; bricks, brick_level: how many, and the level that was asked for; "
+      .. "file_bytes: of all files of bricks; held: bytes of bricks in memory, reads: files read so far" },
+  },
+}
+
+--- The set, where it is one that can be used; raises in the name of the method otherwise.
+local function open(s, name)
+  local is_open = core.grid_set_is_open(s)
+  if is_open == nil then
+    return check.fail("%s: a grid in bricks expected before the colon, got %s", name, check.describe(s))
+  end
+  if not is_open and name ~= "close" then return check.fail("%s: the grid has been closed", name) end
+  return s
+end
+
+--- Opens a folder; nil, message, code.
+function set.open(path, cache)
+  return check.result("load", core.grid_set_open((path:gsub("/+$", "")), cache or 0))
+end
+
+--- The facts that a bake in bricks is told; nil: it is none. Raises where description and options do not fit.
+function set.check_bake(description, o, given, jumps)
+  if not o.to then
+    if description.bricks then
+      return check.bad(3, "bake", "bricks: a grid in bricks is a folder: say which, to = 'name.ylmd'")
+    end
+    for _, name in ipairs { "cache", "fresh", "brick_points" } do
+      if o[name] then return check.bad(3, "bake", "%s is of a grid in bricks: give to = 'name.ylmd', or leave it out", name) end
+    end
+    return nil
+  end
+  if not o.to:lower():find "%.ylmd/*$" then
+    return check.bad(3, "bake", "to: a folder name.ylmd expected, got %s", check.describe(o.to))
+  end
+  if form.kind(description) ~= "adaptive_grid" then
+    return check.bad(1, "bake", "a grid in bricks is an adaptive_grid; leave to out, and save a uniform_grid")
+  end
+  if description.dynamic then return check.bad(1, "bake", "a grid that follows lights is not baked in bricks: leave to out") end
+  if description.depth < 3 then return check.bad(1, "bake", "a grid in bricks has a depth of at least 3") end
+  if o.like then return check.bad(3, "bake", "like: a bake in bricks begins with what it learns itself: leave like out") end
+  if devices.of(o.device):name() then return check.bad(3, "bake", "device: bricks are baked by the processor") end
+  if jumps or (description.bias or 0) > 0 or description.measure == "irradiance" then
+    return check.bad(2, "bake", "light that jumps at surfaces is looked up beside them, and not baked in bricks: leave to out")
+  end
+  return { folder = (o.to:gsub("/+$", "")), level = description.bricks or 0, fresh = o.fresh, points = o.brick_points or 0,
+    max_points = type(given) == "table" and given.max_points or 0 }
+end
+
+--- Bakes in bricks, and opens what was baked. Nil, message, code.
+function set.bake(wanted, object, occupied, o, how)
+  wanted.normals, wanted.limits, wanted.reach, wanted.bricks = nil, nil, nil, how
+  local ok, message, code = core.grid_bake_bricks(wanted, object, occupied, o.seed, o.threads or 0,
+    how.max_points, progress.of(o.progress))
+  if not ok and code == "EBUSY" then return nil, message, code end -- of another process: nothing is wrong here
+  ok, message, code = check.result("bake", ok, message, code)
+  if not ok then return nil, message, code end
+  return check.result("bake", core.grid_set_open(how.folder, o.cache or 0))
+end
+
+local sample_options = {
+  { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
+    about = "cubic Hermite (fourth order), the corners' first-order expansions, or trilinear" },
+  { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: also the interpolant's gradient" },
+  { "outside", "choice", of = { "clamp", "nan" }, default = "clamp",
+    about = "points outside of the bounds: those of the nearest point inside, or NaN" },
+  { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
+  form.threads,
+  { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take" },
+  form.progress,
+}
+
+describe "grid_set:sample" {
+  about = "Interpolates coefficients at points, brick by brick: a call reads each brick that it needs once at most.",
+  arguments = {
+    { "points", "array|table", "[n][3] or one point, scene units" },
+    { "options?", "table", "see the options" },
+  },
+  options = sample_options,
+  returns = {
+    { "c", "array", "[n][channels][(lmax+1)^2]" },
+    { "dc", "array", "[n][channels][(lmax+1)^2][3], or nil" },
+    { "report", "table", "outside: points outside of the bounds; unbaked: points in voxels without data of their own; seconds" },
+  },
+  errors = "raises on bad arguments; nil, message, code where a brick cannot be read; "
+    .. "nil, 'cancelled', 'ECANCELLED' where progress returns false",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1 }
+local folder = os.tmpname() .. ".ylmd"
+local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 1, depth = 3, bricks = 1,
+  threshold = 0.05 }, lamp, { to = folder }))
+local c = grid:sample({ { 0, 0, 0 }, { 0.5, 0, 0.25 } })
+assert(#c == 2 and grid.stats.bricks > 0)
+os.execute("rm -r " .. folder)]],
+}
+function methods.sample(s, points, given)
+  open(s, "sample")
+  local o = form.options(2, "sample", sample_options, given)
+  local p, single = array.points(1, "sample", points)
+  local f = core.grid_set_look(s)
+  local shape = { p.shape[1], f.channels, (f.lmax + 1) ^ 2 }
+  local shapes = { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }
+  local value, gradient = outputs.of(2, "sample", o.out, o.dtype, shapes, p)
+  local c, dc, outside, unbaked, seconds = check.result("sample", core.grid_set_sample(s, p, {
+    interpolation = o.interpolation, derivatives = o.derivatives, outside = o.outside, dtype = o.dtype,
+    threads = o.threads, progress = progress.of(o.progress), value = value, gradient = gradient }))
+  if c == nil then return nil, dc, outside end
+  if single and not value then c, dc = c[1], dc and dc[1] end
+  return c, dc, { outside = outside, unbaked = unbaked, seconds = seconds }
+end
+
+describe "grid_set:close" {
+  about = "Frees the memory now rather than at the next collection. The folder stays.",
+  arguments = {},
+  returns = {},
+  errors = "raises on what is not a grid in bricks",
+  example = [[
+local folder = os.tmpname() .. ".ylmd"
+assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 1, depth = 3, threshold = 0.5 },
+  ylm.sphere_light { at = { 0, 2, 0 } }, { to = folder })):close()
+os.execute("rm -r " .. folder)]],
+}
+function methods.close(s)
+  open(s, "close")
+  check.result("close", core.grid_set_close(s))
+end
+
+methods.__index = function(s, key)
+  local method = rawget(methods, key)
+  if method ~= nil or type(key) ~= "string" then return method end
+  open(s, key)
+  local f, stats = core.grid_set_look(s)
+  if key == "stats" then return stats end
+  return f[key]
+end
+
+methods.__newindex = function(_, key)
+  return check.fail("grid: cannot set %s: a grid in bricks does not change", check.describe(key))
+end
+
+methods.__tostring = function(s)
+  if not core.grid_set_is_open(s) then return "ylm.grid_set (closed)" end
+  local f, stats = core.grid_set_look(s)
+  return ("ylm.grid_set lmax %d %s, %d bricks, %d points"):format(f.lmax, f.channels == 3 and "rgb" or "luminance",
+    stats.bricks, stats.points)
+end
+
+return set

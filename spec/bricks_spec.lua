@@ -1,0 +1,207 @@
+--- Grids in bricks: the samples of one bake, the same files whoever bakes them, going on after an end, and refusals.
+
+local core = require "ylm.c.core"
+local ylm = require "ylm"
+local grids = require "spec.support.grids"
+local random = require "spec.support.random".minimal
+local scratch = require "spec.support.scratch"
+
+local box = grids.box
+-- One lamp covers corners of bricks, so that points in it are filled from several of them.
+local lamps = {
+  ylm.sphere_light { at = { 0.1, 0.02, 0 }, radius = 0.3, radiance = { 10, 8, 6 } },
+  ylm.sphere_light { at = { -0.7, 0.1, -0.5 }, radius = 0.05, radiance = { 2, 8, 20 } },
+  ylm.sphere_light { at = { 0.5, 3, -2 }, radius = 0.5, radiance = 4 },
+}
+
+--- Random points, half of them on faces of voxels of a level.
+local function places(n, level, seed)
+  local r, points, edges = random(seed), ylm.zeros({ n, 3 }, "double"), 2 ^ level
+  for i = 1, n do
+    local x = { r(), r(), r() }
+    local axis = 1 + i % 3
+    if i % 2 == 0 then x[axis] = math.floor(x[axis] * (edges + 1)) / edges end
+    for a = 1, 3 do points:set(i, a, box[1][a] + x[a] * (box[2][a] - box[1][a])) end
+  end
+  return points
+end
+
+--- A description, with more fields.
+local function described(more)
+  local d = { bounds = box, lmax = 2, depth = 5, threshold = 0.1 }
+  for k, v in pairs(more or {}) do d[k] = v end
+  return ylm.adaptive_grid(d)
+end
+
+describe("a grid in bricks", function()
+  local folder
+  before_each(function() folder = scratch.new "/dev/shm" end) -- each file is written through to the disk
+  after_each(function() folder:remove() end)
+
+  local function to(name) return folder.path .. "/" .. (name or "grid.ylmd") end
+
+  --- All files but the lock, with their sums.
+  local function sums(name)
+    return scratch.capture(("cd %s && find . -type f | LC_ALL=C sort | xargs cksum"):format(scratch.quote(to(name))))
+  end
+
+  for name, case in pairs {
+    ["everywhere"] = { bricks = 1 },
+    ["along a floor"] = { bricks = 2, depth = 6, occupied = true },
+    ["with jumps between levels"] = { bricks = 2, continuous = false, occupied = true },
+    ["after giving up what grew too large"] = { bricks = 1, depth = 6, threshold = 0.03, points = 2000 },
+  } do
+    it("samples as one bake does, to the bit: " .. name, function()
+      local occupied = case.occupied and grids.occupied or nil
+      local more = { depth = case.depth, threshold = case.threshold, continuous = case.continuous }
+      local one = assert(ylm.bake(described(more), lamps, { occupied = occupied }))
+      more.bricks = case.bricks
+      local set = assert(ylm.bake(described(more), lamps, { occupied = occupied, to = to(), brick_points = case.points }))
+      local points = places(4000, case.bricks + 1, grids.seed)
+      local a, da, of_one = one:sample(points, { derivatives = 1 })
+      local b, db, of_set = set:sample(points, { derivatives = 1 })
+      assert.equal(0, core.array_distance(a, b))
+      assert.equal(0, core.array_distance(da, db))
+      assert.same({ of_one.outside, of_one.unbaked }, { of_set.outside, of_set.unbaked })
+      assert.is_true(set.stats.bricks > 8 ^ case.bricks / 8)
+      if case.points then assert.is_true(set.stats.bricks > 8) end
+    end)
+  end
+
+  it("has the same files whatever the number of threads", function()
+    assert(ylm.bake(described { bricks = 2 }, lamps, { to = to "one.ylmd", threads = 1, brick_points = 1000 }))
+    assert(ylm.bake(described { bricks = 2 }, lamps, { to = to "two.ylmd", threads = 2, brick_points = 1000 }))
+    assert.equal(sums "one.ylmd", sums "two.ylmd")
+  end)
+
+  it("goes on where it was, to the same files, and opens what is finished", function()
+    local description = described { bricks = 1 }
+    assert(ylm.bake(description, lamps, { to = to "whole.ylmd" }))
+    local grid, message, code
+    for stop = 2, 14, 3 do
+      local seen = 0
+      grid, message, code = ylm.bake(description, lamps, { to = to(), threads = 1, progress = function(_, _, stage)
+        if stage ~= "level 0" and stage ~= "top" then seen = seen + 1 end
+        return seen < stop * 3
+      end })
+      if grid then break end
+      assert.equal("ECANCELLED", code, message)
+      local loaded, why, kind = ylm.load(to())
+      assert.is_nil(loaded)
+      assert.matches("has not finished", why)
+      assert.equal("EIO", kind)
+    end
+    grid = grid or assert(ylm.bake(description, lamps, { to = to() }))
+    assert.equal(sums "whole.ylmd", sums())
+    local again = assert(ylm.bake(description, lamps, { to = to() }))
+    assert.equal(grid.stats.points, again.stats.points)
+  end)
+
+  it("keeps no more bricks in memory than the cache holds", function()
+    assert(ylm.bake(described { bricks = 2 }, lamps, { to = to() }))
+    local all, few = ylm.load(to()), ylm.load(to(), { cache = "2 MB" })
+    local points = places(2000, 3, grids.seed)
+    local a, b = all:sample(points), few:sample(points)
+    assert.equal(0, core.array_distance(a, b))
+    assert.is_true(few.stats.held <= 2 * 2 ^ 20 and all.stats.held > 4 * 2 ^ 20, few.stats.held)
+    assert.equal(all.stats.bricks, all.stats.reads)
+    few:sample(points)
+    assert.is_true(few.stats.reads > few.stats.bricks)
+  end)
+
+  it("is a light field, and a brick alone is a grid of its box", function()
+    local one = ylm.bake(described(), lamps)
+    local set = ylm.bake(described { bricks = 1 }, lamps, { to = to() })
+    local points = places(500, 2, grids.seed)
+    for _, channels in ipairs { "rgb", "luminance" } do
+      local a = ylm.light_field(2, one, points, { channels = channels, derivatives = 1 })
+      local b = ylm.light_field(2, set, points, { channels = channels, derivatives = 1 })
+      assert.equal(0, core.array_distance(a, b))
+    end
+    local brick = assert(ylm.load(to() .. "/07/7.ylm"))
+    local inside, outside = { { 0.5, 0.5, 0.5 } }, { { -0.5, 0.5, 0.5 } }
+    assert.equal(0, core.array_distance(one:sample(inside), brick:sample(inside)))
+    local _, _, report = brick:sample(outside)
+    assert.equal(1, report.outside)
+    assert.is_nil((set:sample(inside, { progress = function() return false end })))
+    set:close()
+    assert.has_error(function() set:sample(inside) end, "sample: the grid has been closed")
+  end)
+
+  it("refuses a folder of another bake, and says what differs", function()
+    local function bake(more, of, options)
+      options = options or {}
+      options.to = to()
+      local ok, message = pcall(ylm.bake, described(more), of or lamps, options)
+      return ok, message
+    end
+    assert.is_true((bake { bricks = 1 }))
+    for word, again in pairs {
+      threshold = { { bricks = 1, threshold = 0.06 } }, bricks = { { bricks = 2 } }, lmax = { { bricks = 1, lmax = 1 } },
+      lights = { { bricks = 1 }, lamps[1] }, occupied = { { bricks = 1 }, nil, { occupied = grids.occupied } },
+      brick_points = { { bricks = 1 }, nil, { brick_points = 512 } },
+    } do
+      local ok, message = bake(again[1], again[2], again[3])
+      assert.is_false(ok)
+      assert.matches("another bake, which differs in '" .. word .. "'", message)
+    end
+    assert.is_true((bake({ bricks = 2 }, nil, { fresh = true })))
+    scratch.shell("mkdir " .. to "other.ylmd" .. " && touch " .. to "other.ylmd/thesis.tex")
+    local _, message = pcall(ylm.bake, described { bricks = 1 }, lamps, { to = to "other.ylmd" })
+    assert.matches("not a folder of a grid in bricks %(it has thesis.tex%)", message)
+    assert.is_truthy(folder:read "other.ylmd/thesis.tex")
+  end)
+
+  it("refuses a second bake in a folder while one is at work", function()
+    local message, code
+    assert(ylm.bake(described { bricks = 1 }, lamps, { to = to(), threads = 1, progress = function(_, _, stage)
+      if not message and stage == "bricks" then
+        local _
+        _, message, code = ylm.bake(described { bricks = 1 }, lamps, { to = to() })
+      end
+      return true
+    end }))
+    assert.matches("another bake is at work here, process %d+ of .- since %d", message)
+    assert.equal("EBUSY", code)
+  end)
+
+  it("tells damage", function()
+    assert(ylm.bake(described { bricks = 1 }, lamps, { to = to() }))
+    for name, code in pairs { ["index"] = "ECHECKSUM", ["top.ylm"] = "ECHECKSUM", ["07/7.ylm"] = "ECHECKSUM" } do
+      local text = folder:read("grid.ylmd/" .. name)
+      local middle = math.floor(#text / 2)
+      local flipped = text:sub(1, middle) .. string.char((text:byte(middle + 1) + 1) % 256) .. text:sub(middle + 2)
+      for _, bad in ipairs { flipped, text:sub(1, middle) } do
+        folder:write("grid.ylmd/" .. name, bad)
+        local set, message, kind = ylm.load(to())
+        if set then set, message, kind = set:sample { { 0.5, 0.5, 0.5 } } end
+        assert.is_nil(set)
+        assert.equal(code, kind, message)
+      end
+      folder:write("grid.ylmd/" .. name, text)
+    end
+    os.remove(to "grid.ylmd/07/7.ylm")
+    local _, message, kind = ylm.load(to()):sample { { 0.5, 0.5, 0.5 } }
+    assert.equal("EIO", kind)
+    assert.matches("07/7.ylm", message)
+  end)
+
+  it("refuses what is not baked in bricks", function()
+    local function fails(words, ...)
+      local ok, message = pcall(ylm.bake, ...)
+      assert.is_false(ok)
+      assert.matches(words, message)
+    end
+    fails("to: a folder name.ylmd expected", described { bricks = 1 }, lamps, { to = to "grid.ylm" })
+    fails("say which, to = 'name.ylmd'", described { bricks = 1 }, lamps)
+    fails("cache is of a grid in bricks", described(), lamps, { cache = "1 GB" })
+    fails("'256 MB'", described { bricks = 1 }, lamps, { to = to(), cache = "much" })
+    fails("an adaptive_grid", ylm.uniform_grid { bounds = box, cells = 4 }, lamps, { to = to() })
+    fails("at least 3", described { depth = 2 }, lamps, { to = to() })
+    assert.has_error(function() described { bricks = 4 } end)
+    assert.is_nil((io.open(to())))
+    local _, message, code = ylm.load(to())
+    assert.equal("EIO", code)
+    assert.matches("grid.ylmd", message)
+  end)
+end)
