@@ -191,6 +191,110 @@ describe("ylm.load_gltf", function()
     assert.truthy(message:find("more than", 1, true), message)
   end)
 
+  describe("and scene:save", function()
+    local lights = {
+      ylm.sphere_light { at = { 0.1, 2, 1 / 3 }, radius = 0.07, radiance = { 3, 1 / 7, 0 } },
+      ylm.spot_light { at = { 0, 2, 0 }, to = { 1, 1, 5 }, angle = 50, blend = 0.3, intensity = { 1, 2, 3 } },
+      ylm.sun_light { direction = { 1, 2, 3 }, angle = 2, irradiance = { 4, 5, 6 } },
+      ylm.polygon_light { vertices = { { 0, 3, 0 }, { 1 / 3, 3, 0 }, { 1, 3, 1 }, { 0, 3, 1 } }, radiance = { 30, 20, 10 },
+        horizon = { 0, 1, 0 } },
+      ylm.disk_light { at = { 0, 4, 0.1 }, normal = { 1, 2, 3 }, radius = 0.3, radiance = 1 / 3 },
+    }
+    local scene = ylm.scene "All of it" {
+      camera = ylm.camera { from = { 3, 2, 1 }, at = { 0.3, 0.2, 0.1 }, up = { 0.1, 1, 0 }, fov = 37 },
+      geometry = {
+        ylm.torus { material = ylm.matte { albedo = { 0.1, 1 / 3, 0.9 } }, sides = "both" },
+        ylm.box { material = ylm.ggx { alpha = 0.3, f0 = { 1, 0.7, 0.3 } }, occludes = false },
+        ylm.sphere { divide = { 8, 4 }, material = ylm.phong { exponent = 30 } },
+        ylm.quad { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 },
+          material = ylm.ggx { f0 = 0.04, base = { 0.5, 0.2, 0 } } },
+        ylm.mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 } },
+          colours = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } } },
+      },
+      lights = { lights,
+        ylm.sphere_lights { at = { { 1, 1, 1 }, { 2, 2, 2 } }, radius = 0.1, radiance = { { 1, 2, 3 }, { 4, 5, 6 } } },
+        ylm.environment_light { radiance = 1 } },
+      background = { 0.1, 0.2, 0.3 },
+    }
+
+    local function check_same(again)
+      assert.equal("0.1 0.2 0.3", ("%.6g %.6g %.6g"):format((table.unpack or unpack)(again.background))) -- luacheck: ignore 113
+      for _, name in ipairs { "from", "at", "up" } do assert.same(scene.camera[name], again.camera[name]) end
+      near(again.camera.fov, 37)
+      assert.equal(#scene.geometry, #again.geometry)
+      for i, piece in ipairs(scene.geometry) do
+        local other = again.geometry[i]
+        assert.equal(piece.mesh:vertices():bytes(), other.mesh:vertices():bytes())
+        assert.equal(piece.mesh:triangles():bytes(), other.mesh:triangles():bytes())
+        assert.equal(piece.occludes, other.occludes)
+        assert.equal(piece.sides, other.sides)
+        if piece.material then
+          local albedo = require "ylm.material".albedo
+          local a, b = albedo("spec", piece.material), albedo("spec", other.material)
+          for c = 1, 3 do near(b[c], a[c]) end
+        end
+      end
+      assert.equal(scene.geometry[5].mesh:colours():bytes(), again.geometry[5].mesh:colours():bytes())
+      local order = { 1, 2, 3, 6, 7, 4, 5 } -- flat lamps, which are surfaces, come last
+      for i, k in ipairs { 1, 2, 3, 4, 5 } do
+        local a, b = lights[k], nil
+        for n, place in ipairs(order) do if place == i then b = again.lights[n] end end
+        for _, field in ipairs(require "ylm.form".defined[require "ylm.form".kind(a)].fields) do
+          assert.same(a[field[1]], b[field[1]], field[1])
+        end
+      end
+      assert.same({ 4, 5, 6 }, again.lights[5].radiance)
+      assert.equal(7, #again.lights)
+    end
+
+    it("bring lamps back exactly, positions to the bit, materials to 1e-6", function()
+      for _, name in ipairs { "a.glb", "a.gltf", "b c.gltf" } do
+        local path = folder.path .. "/" .. name
+        local ok, notes = scene:save(path, { separate = name == "b c.gltf" })
+        assert.is_true(ok)
+        assert.same({ "materials of kind phong, written as matte: 1", "lights of kind environment_light, left out: 1" }, notes)
+        check_same(assert(ylm.load_scene(path)))
+      end
+    end)
+
+    it("leave what another program has changed", function()
+      local path = folder.path .. "/a.gltf"
+      assert(ylm.scene "x" { lights = { lights[1], lights[4] } }:save(path))
+      local text = scratch.text(path)
+      local m = assert(load((text:gsub('"intensity":[%d.e-]+', '"intensity":7', 1):gsub('"emissiveStrength":30',
+        '"emissiveStrength":60'))))
+      near(math.pi * m.lights[1].radius ^ 2 * m.lights[1].radiance[1], 7)
+      assert.equal(0.07, m.lights[1].radius)
+      assert.equal(1, #m.lights)
+      m = assert(load((text:gsub('"translation":%[[^%]]*%]', '"translation":[5,6,7]', 1))))
+      assert.same({ 5, 6, 7 }, m.lights[1].at)
+      assert.same({ 3, 1 / 7, 0 }, m.lights[1].radiance)
+    end)
+
+    it("pass the validator without errors and warnings", function()
+      local modules = os.getenv "YLM_NODE_MODULES"
+      local there_too = "command -v node >/dev/null && test -d " .. scratch.quote((modules or "") .. "/gltf-validator")
+      if not modules or not scratch.shell(there_too) then
+        pending "YLM_NODE_MODULES with npm's gltf-validator, and node, are wanted"
+      end
+      folder:write("v.js", ([[
+const v = require('%s/gltf-validator'), fs = require('fs');
+const bytes = f => new Uint8Array(fs.readFileSync(f));
+(async () => { for (const f of process.argv.slice(2)) {
+  const r = await v.validateBytes(bytes(f), { uri: f,
+    externalResourceFunction: u => Promise.resolve(bytes(decodeURIComponent(u))) });
+  console.log(r.issues.numErrors, r.issues.numWarnings, r.issues.messages.filter(m => m.severity < 2).map(m => m.code).join());
+} })();
+]]):format(modules))
+      assert(scene:save(folder.path .. "/a.glb"))
+      assert(scene:save(folder.path .. "/a.gltf"))
+      assert(scene:save(folder.path .. "/b c.gltf", { separate = true }))
+      assert(ylm.scene "nothing" {}:save(folder.path .. "/n.glb"))
+      local out = scratch.capture(("cd %s && node v.js a.glb a.gltf 'b c.gltf' n.glb"):format(scratch.quote(folder.path)))
+      assert.equal(("0 0 \n"):rep(4), out:sub(-1) == "\n" and out or out .. "\n")
+    end)
+  end)
+
   describe("refuses", function()
     --- The text is refused with this code and a message that holds `says`.
     local function refuses(code, says, text, name)

@@ -77,6 +77,7 @@ typedef struct ylm_gltf_camera {
   char name[YLM_GLTF_NAME];
   double from[3], forward[3], up[3]; /* unit                               */
   double yfov;                       /* radians; 0: orthographic           */
+  char *extras;                      /* extras.ylm as JSON, or NULL        */
 } ylm_gltf_camera;
 
 typedef struct ylm_gltf {

@@ -83,6 +83,7 @@ void ylm_gltf_free(ylm_gltf *g) {
     ylm_free(g->piece[i].extras);
   }
   for (size_t i = 0; i < g->materials; i++) ylm_free(g->material[i].extras);
+  for (size_t i = 0; i < g->cameras; i++) ylm_free(g->camera[i].extras);
   for (size_t i = 0; i < g->lamps; i++) ylm_free(g->lamp[i].extras);
   for (size_t i = 0; i < g->images; i++) ylm_image_free(g->image[i]);
   for (size_t i = 0; i < g->notes; i++) ylm_free(g->note[i]);

@@ -128,7 +128,10 @@ static void add_camera(gltf *g, const place *at, const json_t *o, const double m
   if (!*c->name) memcpy(c->name, node, sizeof c->name);
   c->yfov = perspective ? ylm__gltf_number(g, &p, perspective, "yfov", 0, 1e-6, 3.14159) : 0;
   for (int i = 0; i < 3; i++) c->from[i] = m[4 * i + 3];
-  if (axis(m, 2, -1, c->forward) && axis(m, 1, 1, c->up)) g->out->cameras++;
+  if (axis(m, 2, -1, c->forward) && axis(m, 1, 1, c->up)) {
+    c->extras = ylm__gltf_extras(g, o);
+    g->out->cameras++;
+  }
 }
 
 static void add_instance(gltf *g, walk *w, const json_t *node, const double m[12], const char *name,

@@ -139,11 +139,15 @@ static int by_number(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Renumbers corners so that only vertices remain that they use; *used is their old numbers, in order. */
+/* Renumbers corners so that few vertices remain that they do not use; *used is their old numbers, in order. */
 static size_t compact(gltf *g, size_t n, uint32_t *corners, size_t vertices, uint32_t **used) {
   size_t count = 0;
   *used = ylm__gltf_alloc(g, n, sizeof **used);
   if (!*used) return 0;
+  if (vertices <= n) { /* few that are not used: all stay */
+    for (size_t v = 0; v < vertices; v++) (*used)[v] = (uint32_t)v;
+    return vertices;
+  }
   if (vertices <= 4 * n) { /* by a table */
     uint32_t *new = ylm__gltf_alloc(g, vertices, sizeof *new);
     if (!new) return 0;
@@ -284,6 +288,7 @@ static ylm_mesh *copy_mesh(gltf *g, const ylm_mesh *m) {
 }
 
 void ylm__gltf_pieces(gltf *g, size_t mesh, const gltf_instance *instance, size_t instances) {
+  static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
   place pm, pi, pp;
   size_t n, left_out = 0;
   json_t *list = primitives_of(g, mesh, &pm, &pi, &pp, &n);
@@ -303,7 +308,8 @@ void ylm__gltf_pieces(gltf *g, size_t mesh, const gltf_instance *instance, size_
       if (!moved) break;
       if (moved == m) m = NULL;
       ylm_error e = {0};
-      ylm_status s = ylm_mesh_transform(moved, instance[k].m, &e);
+      bool still = memcmp(instance[k].m, identity, sizeof identity) == 0;
+      ylm_status s = still ? YLM_OK : ylm_mesh_transform(moved, instance[k].m, &e);
       if (s == YLM_OK) {
         ylm_gltf_piece *piece = &g->out->piece[g->out->pieces++];
         piece->mesh = moved;

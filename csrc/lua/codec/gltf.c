@@ -75,6 +75,7 @@ static void push_camera(lua_State *L, const ylm_gltf_camera *c) {
   set_doubles(L, "forward", c->forward, 3);
   set_doubles(L, "up", c->up, 3);
   ylmL_set_number(L, "yfov", c->yfov);
+  set_string(L, "extras", c->extras);
 }
 
 /* Gives the mesh to an object on the stack. */

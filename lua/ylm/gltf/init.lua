@@ -8,10 +8,12 @@ local check = require "ylm.check"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 require "ylm.geometry" -- the form mesh
+local json = require "ylm.gltf.json"
 local library = require "ylm.library"
 local lights = require "ylm.gltf.lights"
 local material = require "ylm.gltf.material"
 local text = require "ylm.text"
+local vector = require "ylm.vector"
 
 local gltf = {}
 
@@ -38,20 +40,35 @@ local fields = {
   { "scene", "integer", min = 1, optional = true, about = "which scene of the file, by its place; default: the file's choice" },
 }
 
---- Surfaces: a list of geometry; nothing where memory runs out. note(sentence, ...) takes what is lost.
-local function surfaces(file, materials, note)
+local sides = { auto = true, both = true, front = true, back = true }
+
+--- Surfaces: a list of geometry; those that are flat lamps of ylm go to `lamps`. note(sentence, ...) takes what is lost.
+local function surfaces(file, materials, lamps, o, note)
   local out, left_out = {}, 0
   for _, piece in ipairs(file.pieces) do
-    local m = materials[piece.material] or { occludes = true }
-    if m.left_out then left_out = left_out + 1
+    local m, extras = materials[piece.material] or { occludes = true }, piece.extras and json.read(piece.extras) or {}
+    local lamp = lights.of_piece(piece, extras, m.emission, o)
+    if lamp then lamps[#lamps + 1] = lamp
+    elseif m.left_out then left_out = left_out + 1
     else
       out[#out + 1] = setmetatable({ mesh = piece.mesh, name = piece.name ~= "" and piece.name or nil,
-        material = m.material, occludes = m.occludes, sides = m.both_sides and "both" or nil },
-        form.defined.mesh.metatable)
+        material = m.material, occludes = m.occludes and extras.occludes ~= false,
+        sides = m.both_sides and "both" or sides[extras.sides] and extras.sides or nil }, form.defined.mesh.metatable)
     end
   end
   if left_out > 0 then note("pieces left out, because their alpha is below the cutoff: %d", left_out) end
   return out
+end
+
+--- Fields that ylm has written of a camera, while it looks where it did.
+local function as_written(c)
+  local extras = c.extras and json.read(c.extras) or {}
+  local at, up, fov = form.types.point(extras.at) and extras.at, form.types.vector(extras.up) and extras.up, extras.fov
+  if not at or not up or type(fov) ~= "number" or math.abs(math.rad(fov) - c.yfov) > 1e-9 then return {} end
+  local d = { at[1] - c.from[1], at[2] - c.from[2], at[3] - c.from[3] }
+  local length, across = vector.length(d), vector.length(vector.cross(d, c.forward))
+  if not (across <= 1e-6 * length and vector.length(vector.cross(vector.unit(up), c.up)) < 1) then return {} end
+  return { at = at, up = up, fov = fov }
 end
 
 --- Cameras by number and by name.
@@ -60,9 +77,10 @@ local function cameras(file, note)
   for _, c in ipairs(file.cameras) do
     if c.yfov == 0 then flat = flat + 1
     else
-      local from, d = c.from, c.forward
-      local ok, made = pcall(camera.camera, { from = from, at = { from[1] + d[1], from[2] + d[2], from[3] + d[3] },
-        up = c.up, fov = math.min(179, math.deg(c.yfov)) })
+      local from, d, written = c.from, c.forward, as_written(c)
+      local ok, made = pcall(camera.camera, { from = from,
+        at = written.at or { from[1] + d[1], from[2] + d[2], from[3] + d[3] }, up = written.up or c.up,
+        fov = written.fov or math.min(179, math.deg(c.yfov)) })
       if ok then
         out[#out + 1] = made
         if c.name ~= "" and not out[c.name] then out[c.name] = made end
@@ -108,7 +126,9 @@ local function build(values, fail, limits)
   if not lamps then return nil, message, code end
   local model = { file = values.file, cameras = cameras(file, note), lights = lamps }
   model.camera = model.cameras[1]
-  model.geometry = surfaces(file, materials, note)
+  model.geometry = surfaces(file, materials, lamps, values, note)
+  local extras = file.extras and json.read(file.extras) or {}
+  model.background = form.types.colour(extras.background, { min = 0 }) or nil
   for i, sentence in ipairs(notes) do
     notes[i] = text.shown(("%s: %s"):format(values.file:match "[^/]*$", sentence))
   end
@@ -139,6 +159,7 @@ require "ylm.describe".object "gltf" {
     { "lights", "table", "a flat list" },
     { "camera", "camera", "the first, or nil" },
     { "cameras", "table", "by number and by name" },
+    { "background", "number[]", "of a file that ylm wrote, or nil" },
     { "report", "table", "nodes, pieces, triangles, materials, lights, cameras, seconds, notes" },
   },
 }

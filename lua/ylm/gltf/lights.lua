@@ -2,9 +2,11 @@
 
 local form = require "ylm.form"
 local json = require "ylm.gltf.json"
+require "ylm.light.polygon" -- the forms
 local spot = require "ylm.light.spot"
 local sphere = require "ylm.light.sphere"
 local sun = require "ylm.light.sun"
+local vector = require "ylm.vector"
 
 local lights = {}
 
@@ -30,20 +32,76 @@ local function as_sphere(l, o)
     radiance = times(l.intensity, o.light_scale / (math.pi * radius * radius)) }
 end
 
+--- Do two directions differ by less than 1e-6?
+local function along(a, b)
+  a, b = vector.unit(a), vector.unit(b)
+  return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] > 1 - 1e-12
+end
+
 local makers = {}
 
 makers.point = as_sphere
 
 function makers.spot(l, o)
   if o.spots == "sphere" then return as_sphere(l, o) end
-  local d, at = l.direction, l.at
+  local d, at, extras = l.direction, l.at, l.extras and json.read(l.extras) or {}
   local outer = math.max(l.outer, 1e-3)
-  return spot.spot_light { at = at, to = { at[1] + d[1], at[2] + d[2], at[3] + d[3] }, angle = math.deg(2 * outer),
+  local values = { at = at, to = { at[1] + d[1], at[2] + d[2], at[3] + d[3] }, angle = math.deg(2 * outer),
     blend = math.max(0, math.min(1, 1 - l.inner / outer)), intensity = times(l.intensity, o.light_scale) }
+  local to, intensity = three(extras.to), three(extras.intensity)
+  if to and along({ to[1] - at[1], to[2] - at[2], to[3] - at[3] }, d) then values.to = to end
+  if intensity and o.light_scale == 1 and near(largest(l.intensity), largest(intensity)) then values.intensity = intensity end
+  for _, name in ipairs { "angle", "blend" } do
+    local x = extras[name]
+    if type(x) == "number" and math.abs(x - values[name]) <= 1e-6 then values[name] = x end
+  end
+  return spot.spot_light(values)
 end
 
 function makers.directional(l, o)
-  return sun.sun_light { direction = times(l.direction, -1), irradiance = times(l.intensity, o.light_scale) }
+  local extras = l.extras and json.read(l.extras) or {}
+  local values = { direction = times(l.direction, -1), irradiance = times(l.intensity, o.light_scale) }
+  local direction, irradiance, angle = three(extras.direction), three(extras.irradiance), extras.angle
+  if direction and largest(times(direction, -1)) + largest(direction) > 0 and along(direction, values.direction) then
+    values.direction = direction
+  end
+  if irradiance and o.light_scale == 1 and near(largest(l.intensity), largest(irradiance)) then values.irradiance = irradiance end
+  if type(angle) == "number" and angle >= 0.001 and angle <= 180 then values.angle = angle end
+  return sun.sun_light(values)
+end
+
+--- The corners of a flat light: of a disk 64 on its rim.
+function lights.outline(l)
+  if l.vertices then return l.vertices end
+  local c, u, v, rim = l.axes[1], l.axes[2], l.axes[3], {}
+  for i = 1, 64 do
+    local a, b = math.cos(math.pi * i / 32), math.sin(math.pi * i / 32)
+    rim[i] = { c[1] + a * u[1] + b * v[1], c[2] + a * u[2] + b * v[2], c[3] + a * u[3] + b * v[3] }
+  end
+  return rim
+end
+
+--- The flat light that ylm has written as this surface, while it is where it was, and emits as it did; else nil.
+function lights.of_piece(piece, extras, emission, o)
+  local definition = (extras.light == "polygon_light" or extras.light == "disk_light") and form.defined[extras.light]
+  if not definition or not emission or o.light_scale ~= 1 then return nil end
+  local given = {}
+  for _, field in ipairs(definition.fields) do given[field[1]] = extras[field[1]] end
+  local ok, made = pcall(definition.construct, given)
+  if not ok or not made then return nil end
+  for i = 1, 3 do
+    if math.abs(made.radiance[i] - emission[i]) > 1e-6 * largest(emission) then return nil end
+  end
+  local lo, hi = { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge }
+  for _, p in ipairs(lights.outline(made)) do
+    for i = 1, 3 do lo[i], hi[i] = math.min(lo[i], p[i]), math.max(hi[i], p[i]) end
+  end
+  local bounds, size = piece.mesh.bounds, 0
+  for i = 1, 3 do size = math.max(size, math.abs(lo[i]), math.abs(hi[i])) end
+  for i = 1, 3 do
+    if math.abs(bounds[1][i] - lo[i]) > 1e-6 * size or math.abs(bounds[2][i] - hi[i]) > 1e-6 * size then return nil end
+  end
+  return made
 end
 
 --- The lamps of a file as lights; note(sentence, ...) takes what is lost. Or nil, message, code.

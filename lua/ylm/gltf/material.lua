@@ -69,7 +69,8 @@ function material.convert(file, note)
     texture.attach(image, made)
     if m.unlit then unlit = unlit + 1 end
     if image and form.kind(made) == "ggx" and m.metallic < 1 then tinted = tinted + 1 end
-    out[i] = { material = made, both_sides = m.both_sides, occludes = not (m.alpha == "blend" and m.base[4] < 0.5),
+    out[i] = { material = made, emission = m.emission, both_sides = m.both_sides,
+      occludes = not (m.alpha == "blend" and m.base[4] < 0.5),
       left_out = m.alpha == "mask" and not image and m.base[4] < m.cutoff }
   end
   if unlit > 0 then note("unlit materials that became matte: %d", unlit) end

@@ -8,6 +8,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local gltf = require "ylm.gltf"
+local gltf_write = require "ylm.gltf.write"
 local like = require "ylm.scene.like"
 local memory = require "ylm.memory"
 local polygon = require "ylm.light.polygon"
@@ -207,6 +208,26 @@ function methods.virtual_lights(...) return require("ylm.emit").of_scene(...) en
 virtual.with_shadows = virtual.with_shadows or function(...)
   require "ylm.emit"
   return virtual.with_shadows(...)
+end
+
+describe "scene:save" {
+  about = "Writes the scene as glTF 2.0: geometry, materials, lamps, cameras. Numbers that glTF lacks stand in extras.ylm, by which "
+    .. "ylm.load_gltf reads its own lamps exactly. Disks become polygons, textures their mean; skies, images and virtual lights "
+    .. "are left out.",
+  arguments = { { "path", "string", "ends in .glb, or .gltf" }, { "options?", "table", "" } },
+  options = gltf_write.options,
+  returns = { { "ok", "boolean", "true" }, { "notes", "string[]", "what is left out or simpler, with counts" } },
+  errors = "raises on another ending; nil, message, code where the file cannot be written, 'ELIMIT' above 20,000 lamps",
+  example = [[
+local name = os.tmpname()
+local s = ylm.scene "one" { geometry = ylm.box {}, lights = ylm.sphere_light { at = { 0, 2, 0 } } }
+assert(s:save(name .. ".glb"))
+os.remove(name .. ".glb")
+os.remove(name)]],
+}
+function methods.save(s, path, options)
+  if form.kind(s) ~= "scene" then return check.fail("save: a scene expected before the colon, got %s", check.describe(s)) end
+  return gltf_write.save(s, path, options)
 end
 memory.publish(methods)
 

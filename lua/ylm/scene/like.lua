@@ -36,7 +36,8 @@ end
 function like.scene_of(other)
   if form.kind(other) == "scene" then return other end
   return { name = other.file:match "[^/]*$", camera = other.camera, cameras = other.cameras, geometry = other.geometry,
-    lights = other.lights, notes = other.notes, from_file = {}, sky_is_seen = true, background = { 0, 0, 0 } }
+    lights = other.lights, notes = other.notes,
+    from_file = {}, sky_is_seen = not other.background, background = other.background }
 end
 
 -- Lights by number -------------------------------------------------------------------------

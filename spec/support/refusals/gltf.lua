@@ -22,4 +22,18 @@ return {
     case(function(ylm) return ylm.load_gltf "/" end, "not a regular file"),
     case(function(ylm) return ylm.load_gltf "/nonexistent.glb" end, "No such file"),
   },
+  ["scene:save"] = {
+    case(function(ylm) ylm.scene "x" {}:save() end, "a file name that ends in .glb or .gltf expected, got nil"),
+    case(function(ylm) ylm.scene "x" {}:save "x.obj" end, "a file name that ends in .glb or .gltf expected"),
+    case(function(ylm) ylm.scene "x" {}:save "a\0b.glb" end, "a file name that ends in .glb or .gltf expected"),
+    case(function(ylm) ylm.scene "x" {}.save(5, "x.glb") end, "a scene expected before the colon, got 5"),
+    case(function(ylm) ylm.scene "x" {}:save("x.glb", { separate = true }) end, "separate is for .gltf"),
+    case(function(ylm) ylm.scene "x" {}:save("x.glb", { seperate = true }) end, "did you mean 'separate'"),
+    case(function(ylm) return ylm.scene "x" {}:save "/nonexistent/x.glb" end, "No such file"),
+    case(function(ylm)
+      local at = {}
+      for i = 1, 20001 do at[i] = { i, 0, 0 } end
+      return ylm.scene "x" { lights = ylm.sphere_lights { at = at } }:save "/nonexistent/x.glb"
+    end, "20001 lamps, at most 20000 are written"),
+  },
 }

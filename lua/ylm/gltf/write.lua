@@ -1,0 +1,377 @@
+--- Scenes as glTF files: scene:save.
+--
+-- JSON with keys in a fixed order, and one buffer. `extras.ylm` of lights, materials and nodes keeps what glTF lacks; the
+-- reader believes it where what glTF says is still the same.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local form = require "ylm.form"
+local json = require "ylm.gltf.json"
+local lights = require "ylm.gltf.lights"
+local material = require "ylm.material"
+local vector = require "ylm.vector"
+
+local write = {}
+
+local LAMPS = 20000
+
+-- The file while it is written -------------------------------------------------------------
+
+local function new()
+  return { data = {}, size = 0, views = {}, accessors = {}, meshes = {}, nodes = {}, materials = {}, lights = {}, cameras = {},
+    made = {}, used = {}, notes = {}, left_out = {} }
+end
+
+local function add(list, x)
+  list[#list + 1] = x
+  return #list - 1
+end
+
+--- Counts what is left out, for the notes.
+local function leave_out(w, what)
+  if not w.left_out[what] then w.left_out[#w.left_out + 1] = what end
+  w.left_out[what] = (w.left_out[what] or 0) + 1
+end
+
+local function extras(...)
+  local object = json.object(...)
+  return #object.keys > 0 and json.object("ylm", object) or nil
+end
+
+--- The number of a view of these bytes, aligned to 4.
+local function view(w, bytes, target)
+  local n = add(w.views, json.object("buffer", 0, "byteOffset", w.size, "byteLength", #bytes, "target", target))
+  local pad = ("\0"):rep(-#bytes % 4)
+  w.data[#w.data + 1] = bytes .. pad
+  w.size = w.size + #bytes + #pad
+  return n
+end
+
+--- The number of an accessor of the rows of an array.
+local function accessor(w, array, kind, component, target, lo, hi)
+  return add(w.accessors, json.object("bufferView", view(w, array:bytes(), target), "componentType", component, "count",
+    kind == "SCALAR" and #array * 3 or #array, "type", kind, "min", lo, "max", hi))
+end
+
+-- Materials ------------------------------------------------------------------------------------
+
+local function pbr(base, metallic, roughness)
+  return json.object("baseColorFactor", { base[1], base[2], base[3], 1 }, "metallicFactor", metallic,
+    "roughnessFactor", roughness)
+end
+
+--- Base colour and metallic of a ggx: f0 = 0.04 (1 - m) + m b, base = (1 - m) b, by the channel with the largest base.
+local function ggx_factors(m)
+  local most = 1
+  for i = 2, 3 do if m.base[i] > m.base[most] then most = i end end
+  if m.base[most] == 0 then return { m.f0[1], m.f0[2], m.f0[3] }, 1 end
+  local sum, base = m.f0[most] + m.base[most], m.base[most]
+  local x = (sum - math.sqrt(math.max(0, sum * sum - 0.16 * base))) / 0.08
+  x = math.max(0, math.min(1, x))
+  local b = {}
+  for i = 1, 3 do b[i] = math.max(0, math.min(1, m.f0[i] + m.base[i] - 0.04 * x)) end
+  return b, 1 - x
+end
+
+--- Plain values of a material's fields, to be read back.
+local function fields_of(m, kind, base)
+  local list = { "kind", kind, "r", base[1], "g", base[2], "b", base[3] }
+  for _, field in ipairs(form.defined[kind].fields) do
+    local x = m[field[1]]
+    if type(x) == "table" and type(x[1]) == "number" then
+      local plain = {}
+      for i = 1, #x do plain[i] = x[i] end
+      x = plain
+    end
+    if type(x) == "number" or type(x) == "boolean" or type(x) == "string" or type(x) == "table" and #x > 0 then
+      list[#list + 1], list[#list + 2] = field[1], x
+    end
+  end
+  return extras((table.unpack or unpack)(list)) -- luacheck: ignore 113
+end
+
+--- The object of a material, without what pieces decide; or nil, message, code.
+local function describe_material(w, m)
+  local kind = form.kind(m)
+  local mean, message, code = material.albedo("save", m)
+  if not mean then return nil, message, code end
+  if material.texture(m) then leave_out(w, "textures, written as their mean") end
+  if kind == "matte" then return { pbr(mean, 0, 1) } end
+  if kind == "ggx" then
+    local base, metallic = ggx_factors(m)
+    local alpha = type(m.alpha) == "table" and (m.alpha[1] + m.alpha[2]) / 2 or m.alpha
+    return { pbr(base, metallic, math.sqrt(alpha)), fields_of(m, kind, base) }
+  end
+  leave_out(w, ("materials of kind %s, written as matte"):format(kind))
+  return { pbr(mean, 0, 1), not form.defined[kind].trusted and fields_of(m, kind, mean) or nil }
+end
+
+--- The number of the material of a piece; nil for none; or nil, message, code.
+local function material_of(w, m, both)
+  if not m then return nil end
+  local made = w.made[m] or {}
+  w.made[m] = made
+  if made[both] then return made[both] end
+  local one, message, code = describe_material(w, m)
+  if not one then return nil, message, code end
+  made[both] = add(w.materials, json.object("pbrMetallicRoughness", one[1], "doubleSided", both or nil, "extras", one[2]))
+  return made[both]
+end
+
+--- The number of a new material that emits.
+local function emitter(w, radiance, more)
+  local strength = math.max(radiance[1], radiance[2], radiance[3])
+  w.used.KHR_materials_emissive_strength = true
+  local c = { 0, 0, 0 }
+  for i = 1, 3 do c[i] = strength > 0 and radiance[i] / strength or 0 end
+  return add(w.materials, json.object("pbrMetallicRoughness", pbr({ 0, 0, 0 }, 0, 1), "emissiveFactor", c, "doubleSided", true,
+    "extensions", json.object("KHR_materials_emissive_strength", json.object("emissiveStrength", strength)), "extras", more))
+end
+
+-- Surfaces --------------------------------------------------------------------------------------
+
+--- The number of a mesh of arrays.
+local function add_mesh(w, positions, normals, uvs, colours, triangles, bounds, number)
+  local attributes = json.object("POSITION", accessor(w, positions, "VEC3", 5126, 34962, bounds[1], bounds[2]),
+    "NORMAL", normals and accessor(w, normals, "VEC3", 5126, 34962),
+    "TEXCOORD_0", uvs and accessor(w, uvs, "VEC2", 5126, 34962),
+    "COLOR_0", colours and accessor(w, colours, "VEC3", 5126, 34962))
+  local indices = accessor(w, triangles, "SCALAR", 5125, 34963)
+  return add(w.meshes, json.object("primitives", { json.object("attributes", attributes, "indices", indices, "material",
+    number) }))
+end
+
+local function add_piece(w, piece)
+  local mesh = piece.mesh
+  if #mesh == 0 then return true end
+  local number, message, code = material_of(w, piece.material, piece.sides == "both")
+  if piece.material and not number then return nil, message, code end
+  local uvs = mesh:uvs()
+  if uvs then uvs = core.array_convert(uvs * { 1, -1 } + { 0, 1 }, "float") end
+  local made = add_mesh(w, mesh:vertices(), mesh:normals(), uvs, mesh:colours(),
+    core.array_convert(mesh:triangles() - 1, "int32"), mesh.bounds, number)
+  local occludes
+  if piece.occludes == false then occludes = false end
+  add(w.nodes, json.object("name", piece.name, "mesh", made, "extras", extras("occludes", occludes, "sides",
+    piece.sides ~= "both" and piece.sides or nil)))
+  return true
+end
+
+-- Lamps ------------------------------------------------------------------------------------------
+
+local function punctual(w, at, rotation, light)
+  w.used.KHR_lights_punctual = true
+  local n = add(w.lights, light)
+  add(w.nodes, json.object("translation", at, "rotation", rotation, "extensions",
+    json.object("KHR_lights_punctual", json.object("light", n))))
+end
+
+--- Largest channel, and the colour that it multiplies; nothing where a channel is negative.
+local function split(c)
+  local most = math.max(c[1], c[2], c[3])
+  if math.min(c[1], c[2], c[3]) < 0 then return nil end
+  if most == 0 then return 0, { 1, 1, 1 } end
+  return most, { c[1] / most, c[2] / most, c[3] / most }
+end
+
+local function add_sphere(w, at, radius, radiance)
+  local most, colour = split(radiance)
+  if not most then return leave_out(w, "lamps of negative radiance, left out") end
+  if most == 0 or radius == 0 then return leave_out(w, "dark lamps, left out") end
+  punctual(w, at, nil, json.object("type", "point", "color", colour, "intensity", math.pi * radius * radius * most, "extras",
+    extras("radius", radius, "radiance", radiance)))
+end
+
+--- The quaternion of the rotation that turns the axes x, y, z into these unit vectors.
+local function quaternion(x, y, z)
+  local trace = x[1] + y[2] + z[3]
+  local s
+  if trace > 0 then
+    s = 2 * math.sqrt(1 + trace)
+    return { (y[3] - z[2]) / s, (z[1] - x[3]) / s, (x[2] - y[1]) / s, s / 4 }
+  elseif x[1] > y[2] and x[1] > z[3] then
+    s = 2 * math.sqrt(1 + x[1] - y[2] - z[3])
+    return { s / 4, (x[2] + y[1]) / s, (z[1] + x[3]) / s, (y[3] - z[2]) / s }
+  elseif y[2] > z[3] then
+    s = 2 * math.sqrt(1 + y[2] - x[1] - z[3])
+    return { (x[2] + y[1]) / s, s / 4, (y[3] + z[2]) / s, (z[1] - x[3]) / s }
+  end
+  s = 2 * math.sqrt(1 + z[3] - x[1] - y[2])
+  return { (z[1] + x[3]) / s, (y[3] + z[2]) / s, s / 4, (x[2] - y[1]) / s }
+end
+
+--- The rotation after which -z points along `d`, and y towards `up` as far as it can.
+local function rotation_of(d, up)
+  local z = vector.unit { -d[1], -d[2], -d[3] }
+  up = up or (math.abs(z[2]) < 0.9 and { 0, 1, 0 } or { 1, 0, 0 })
+  local x = vector.unit(vector.cross(up, z))
+  return quaternion(x, vector.cross(z, x), z)
+end
+
+local function fan(n)
+  local list = {}
+  for i = 1, n - 2 do list[i] = { 0, i, i + 1 } end
+  return list
+end
+
+--- A flat light as a surface that emits.
+local function add_flat(w, kind, l, vertices)
+  if not split(l.radiance) then return leave_out(w, "lamps of negative radiance, left out") end
+  local number = emitter(w, l.radiance)
+  local positions = require "ylm.array".array(vertices, "float")
+  local lo, hi = { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge }
+  for i = 1, #vertices do
+    for a = 1, 3 do
+      local x = positions:get(i, a)
+      lo[a], hi[a] = math.min(lo[a], x), math.max(hi[a], x)
+    end
+  end
+  local triangles = require "ylm.array".array(fan(#vertices), "int32")
+  local mesh = add_mesh(w, positions, nil, nil, nil, triangles, { lo, hi }, number)
+  local list = { "light", kind }
+  for _, field in ipairs(form.defined[kind].fields) do
+    if l[field[1]] ~= nil then list[#list + 1], list[#list + 2] = field[1], l[field[1]] end
+  end
+  add(w.nodes, json.object("mesh", mesh, "extras", extras((table.unpack or unpack)(list)))) -- luacheck: ignore 113
+end
+
+local writers = {}
+
+function writers.sphere_light(w, l) add_sphere(w, l.at, l.radius, l.radiance) end
+
+function writers.sphere_lights(w, l)
+  local at, radius, radiance = check.result("save", core.lights_surfaces(l.lights, 1))
+  if not at then return nil, radius, radiance end
+  at, radius, radiance = core.array_totable(at), core.array_totable(radius), core.array_totable(radiance)
+  for i = 1, l.count do add_sphere(w, at[i], radius[i], radiance[i]) end
+end
+
+function writers.polygon_light(w, l) add_flat(w, "polygon_light", l, lights.outline(l)) end
+
+function writers.disk_light(w, l) add_flat(w, "disk_light", l, lights.outline(l)) end
+
+function writers.sun_light(w, l)
+  local most, colour = split(l.irradiance)
+  if not most then return leave_out(w, "lamps of negative radiance, left out") end
+  local d = l.direction
+  punctual(w, nil, rotation_of { -d[1], -d[2], -d[3] }, json.object("type", "directional", "color", colour, "intensity", most,
+    "extras", extras("angle", l.angle, "direction", d, "irradiance", l.irradiance)))
+end
+
+function writers.spot_light(w, l)
+  local most, colour = split(l.intensity)
+  local outer = math.rad(l.angle / 2)
+  if not most or l.angle > 180 then return leave_out(w, "spots of more than 180 degrees, or negative, left out") end
+  local d = { l.to[1] - l.at[1], l.to[2] - l.at[2], l.to[3] - l.at[3] }
+  -- Equal angles are refused by validators.
+  local inner = math.min(outer * (1 - l.blend), outer * (1 - 1e-9))
+  punctual(w, l.at, rotation_of(d), json.object("type", "spot", "color", colour, "intensity", most, "spot",
+    json.object("innerConeAngle", inner, "outerConeAngle", outer), "extras", extras("angle", l.angle, "blend", l.blend,
+    "to", l.to, "intensity", l.intensity)))
+end
+
+--- The number of lamps that a light becomes.
+local function count_of(l) return form.kind(l) == "sphere_lights" and l.count or 1 end
+
+-- The whole -------------------------------------------------------------------------------------
+
+local function add_camera(w, c, name)
+  local d = { c.at[1] - c.from[1], c.at[2] - c.from[2], c.at[3] - c.from[3] }
+  local n = add(w.cameras, json.object("name", name, "type", "perspective", "perspective",
+    json.object("yfov", math.rad(c.fov), "znear", 0.01), "extras", extras("at", c.at, "up", c.up, "fov", c.fov)))
+  add(w.nodes, json.object("camera", n, "translation", c.from, "rotation", rotation_of(d, c.up)))
+end
+
+local function list_of(x) return #x > 0 and x or nil end
+
+--- The JSON; `uri` of the buffer, or nil.
+local function text_of(w, scene, uri)
+  local used, roots = {}, {}
+  for _, name in ipairs { "KHR_lights_punctual", "KHR_materials_emissive_strength" } do
+    if w.used[name] then used[#used + 1] = name end
+  end
+  for i = 1, #w.nodes do roots[i] = i - 1 end
+  local background = not scene.sky_is_seen and scene.background or nil
+  return json.write(json.object("asset", json.object("version", "2.0", "generator", "ylm"), "extensionsUsed", list_of(used),
+    "extensions", list_of(w.lights) and json.object("KHR_lights_punctual", json.object("lights", w.lights)),
+    "scene", 0, "scenes", { json.object("name", scene.name ~= "" and scene.name or nil, "nodes", list_of(roots), "extras",
+      extras("background", background)) },
+    "nodes", list_of(w.nodes), "cameras", list_of(w.cameras), "materials", list_of(w.materials), "meshes", list_of(w.meshes),
+    "accessors", list_of(w.accessors), "bufferViews", list_of(w.views),
+    "buffers", w.size > 0 and { json.object("uri", uri, "byteLength", w.size) } or nil))
+end
+
+--- An integer of four bytes, little-endian.
+local function word(x)
+  return string.char(x % 256, math.floor(x / 256) % 256, math.floor(x / 65536) % 256, math.floor(x / 16777216) % 256)
+end
+
+--- The bytes of a .glb file; nil, message, code where they are more than the format can say.
+local function container(text, data)
+  text = text .. (" "):rep(-#text % 4)
+  local size = 12 + 8 + #text + (#data > 0 and 8 + #data or 0)
+  if size >= 2 ^ 32 then return nil, "a .glb file has at most 4 GiB: save .gltf with separate = true", "ELIMIT" end
+  return "glTF" .. word(2) .. word(size) .. word(#text) .. "JSON" .. text .. (#data > 0 and word(#data) .. "BIN\0" .. data or "")
+end
+
+local function fill(w, scene)
+  local lamps = 0
+  for _, l in ipairs(scene.lights) do lamps = lamps + count_of(l) end
+  if lamps > LAMPS then
+    return nil, ("glTF has a node for each lamp: %d lamps, at most %d are written"):format(lamps, LAMPS), "ELIMIT"
+  end
+  for _, piece in ipairs(scene.geometry) do
+    local ok, message, code = add_piece(w, piece)
+    if not ok then return nil, message, code end
+  end
+  for _, l in ipairs(scene.lights) do
+    local kind = form.kind(l)
+    local writer = writers[kind]
+    if writer then
+      local _, message, code = writer(w, l)
+      if message then return nil, message, code end
+    else
+      leave_out(w, ("lights of kind %s, left out"):format((kind:gsub("^ylm%.", ""))))
+    end
+  end
+  if scene.camera then add_camera(w, scene.camera) end
+  for _, c in ipairs(scene.cameras or {}) do if c ~= scene.camera then add_camera(w, c) end end
+  return true
+end
+
+local options = {
+  { "separate", "boolean", default = false, about = ".gltf: the buffer in a file of its own, .bin, instead of base64" },
+}
+write.options = options
+
+--- Saves a scene; true and what glTF lacks, a sentence each; or nil, message, code.
+function write.save(scene, path, given)
+  local ending = type(path) == "string" and not path:find "%z" and path:lower():match "%.(%w+)$"
+  if ending ~= "glb" and ending ~= "gltf" then
+    return check.bad(1, "save", "a file name that ends in .glb or .gltf expected, got %s", check.describe(path))
+  end
+  local o = form.options(2, "save", options, given)
+  if o.separate and ending == "glb" then return check.bad(2, "save", "separate is for .gltf: a .glb file is one file") end
+  local w = new()
+  local ok, message, code = fill(w, scene)
+  if not ok then return nil, message, code end
+  for i, what in ipairs(w.left_out) do w.notes[i] = ("%s: %d"):format(what, w.left_out[what]) end
+  local data = table.concat(w.data)
+  local bytes
+  if ending == "glb" then
+    bytes, message, code = container(text_of(w, scene), data)
+    if not bytes then return nil, message, code end
+  elseif o.separate and #data > 0 then
+    local name = path:gsub("%.%w+$", "") .. ".bin"
+    ok, message, code = check.result("save", core.file_save(name, data))
+    if not ok then return nil, message, code end
+    bytes = text_of(w, scene, (name:match "[^/]*$":gsub("[^%w%-_.~]", function(c) return ("%%%02X"):format(c:byte()) end)))
+  else
+    bytes = text_of(w, scene, #data > 0 and "data:application/octet-stream;base64," .. core.page_base64(data) or nil)
+  end
+  ok, message, code = check.result("save", core.file_save(path, bytes))
+  if not ok then return nil, message, code end
+  return true, w.notes
+end
+
+return write
