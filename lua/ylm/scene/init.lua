@@ -211,9 +211,9 @@ virtual.with_shadows = virtual.with_shadows or function(...)
 end
 
 describe "scene:save" {
-  about = "Writes the scene as glTF 2.0: geometry, materials, lamps, cameras. Numbers that glTF lacks stand in extras.ylm, by which "
-    .. "ylm.load_gltf reads its own lamps exactly. Disks become polygons, textures their mean; skies, images and virtual lights "
-    .. "are left out.",
+  about = "Writes the scene as glTF 2.0: geometry, materials, lamps, cameras. Numbers that glTF lacks stand in extras.ylm, by "
+    .. "which ylm.load_gltf reads its own lamps exactly. Disks become polygons, textures their mean; skies, images and virtual "
+    .. "lights are left out.",
   arguments = { { "path", "string", "ends in .glb, or .gltf" }, { "options?", "table", "" } },
   options = gltf_write.options,
   returns = { { "ok", "boolean", "true" }, { "notes", "string[]", "what is left out or simpler, with counts" } },
