@@ -23,7 +23,7 @@ typedef struct block {
   uint8_t inside[SHADOW_BLOCK], any[SHADOW_BLOCK]; /* in a caster; on a light */
   size_t *by_caster_first, *by_caster;             /* [casters + 1] of the list of [seens] */
   size_t seen_first[SHADOW_BLOCK + 1], seens, seen_room, befores, before_room, terms, term_room,
-      lights, light_room, requests;
+      lights, light_room, requests, by_room, blur_room;
   shadow_seen *seen;
   shadow_before *before;
   shadow_term *term;
@@ -46,6 +46,15 @@ static bool grow(void **list, size_t n, size_t *room, size_t size) {
   *list = p;
   *room = more;
   return true;
+}
+
+/* Room for n things, whatever they were. */
+static bool have(void **list, size_t n, size_t *room, size_t size) {
+  if (*list && n <= *room) return true;
+  ylm_free(*list);
+  *list = ylm_alloc(n, size);
+  *room = *list ? n : 0;
+  return *list != NULL;
 }
 
 /* Memory of at least so many numbers, which the thread's next block uses again; NULL without any. */
@@ -110,6 +119,9 @@ static void unfold(const shadow_query *w, const answer *a, size_t i, size_t own,
 
 /* -- casters as points see them --------------------------------------------------------------- */
 
+/* Casters that are sorted one by one. */
+#define FEW_SEEN 32
+
 static int by_distance(const void *a, const void *b) {
   const shadow_seen *p = a, *q = b;
   if (p->distance != q->distance) return p->distance < q->distance ? -1 : 1;
@@ -129,8 +141,23 @@ static bool look(const double p[3], const double at[3], double radius, double le
   to->sine = to->distance > radius ? radius / to->distance : 1;
   to->angle = to->sine < 1 ? asin(to->sine) : PI;
   /* the part of all directions that its cone takes: (1 - sqrt(1 - s^2))/2 */
-  double s2 = to->sine * to->sine, part = s2 / (2 * (1 + sqrt(1 - s2)));
-  return part >= least;
+  double s2 = to->sine * to->sine;
+  to->cosine = to->sine < 1 ? sqrt(1 - s2) : -1;
+  return s2 / (2 * (1 + sqrt(1 - s2))) >= least;
+}
+
+/* The nearest first. Most points see few casters. */
+static void sort_seen(shadow_seen *s, size_t n) {
+  if (n > FEW_SEEN) {
+    qsort(s, n, sizeof *s, by_distance);
+    return;
+  }
+  for (size_t i = 1; i < n; i++) {
+    shadow_seen x = s[i];
+    size_t k = i;
+    for (; k > 0 && by_distance(&x, &s[k - 1]) < 0; k--) s[k] = s[k - 1];
+    s[k] = x;
+  }
 }
 
 static ylm_status see(block *b) {
@@ -146,7 +173,7 @@ static ylm_status see(block *b) {
       to->point = i;
       if (look(b->point[i], s->caster[k].centre, s->caster[k].radius, least, to)) b->seens++;
     }
-    qsort(b->seen + first, b->seens - first, sizeof *b->seen, by_distance);
+    sort_seen(b->seen + first, b->seens - first);
   }
   b->seen_first[b->m] = b->seens;
   return YLM_OK;
@@ -170,7 +197,10 @@ static void gather_viewers(const block *b, size_t caster, viewers *v) {
     double p[3], d2 = 0;
     for (int a = 0; a < 3; a++) {
       p[a] = 0;
-      for (int k = 0; k < 3; k++) p[a] += c->rotation[3 * k + a] * (at[k] - c->at[k]) / c->scale;
+      for (int k = 0; k < 3; k++) {
+        double x = c->rotation[3 * k + a] * (at[k] - c->at[k]);
+        p[a] += c->scale == 1 ? x : x / c->scale;
+      }
       v->at[3 * v->n + (size_t)a] = (real)p[a];
       d2 += (p[a] - c->centre[a]) * (p[a] - c->centre[a]);
     }
@@ -181,9 +211,15 @@ static void gather_viewers(const block *b, size_t caster, viewers *v) {
 
 /* Lists what points see by casters, each in the order of the points. */
 static ylm_status sort_by_caster(block *b) {
-  size_t n = b->w->s->n, *first = b->by_caster_first = ylm_alloc_zero(n + 2, sizeof *first);
-  b->by_caster = ylm_alloc(b->seens, sizeof *b->by_caster);
-  if (!first || !b->by_caster) return YLM_ENOMEM;
+  size_t n = b->w->s->n;
+  if (!b->by_caster_first) b->by_caster_first = ylm_alloc(n + 2, sizeof *b->by_caster_first);
+  if (!b->by_caster_first ||
+      !have((void **)&b->by_caster, b->seens, &b->by_room, sizeof *b->by_caster) ||
+      !have((void **)&b->blur, b->seens, &b->blur_room, sizeof *b->blur))
+    return YLM_ENOMEM;
+  size_t *first = b->by_caster_first;
+  memset(first, 0, (n + 2) * sizeof *first);
+  memset(b->blur, 0, b->seens * sizeof *b->blur);
   for (size_t j = 0; j < b->seens; j++) first[b->seen[j].caster + 2]++;
   for (size_t k = 0; k < n; k++) first[k + 2] += first[k + 1];
   for (size_t j = 0; j < b->seens; j++)
@@ -275,9 +311,8 @@ static ylm_status hide(block *b) {
   const shadow_query *w = b->w;
   size_t row = w->rows * w->count;
   b->hidden = room(b, ROOM_HIDDEN, b->seens * row);
-  b->blur = ylm_alloc_zero(b->seens, sizeof *b->blur);
   viewers *v = ylm_alloc(1, sizeof *v);
-  ylm_status s = b->hidden && b->blur && v ? sort_by_caster(b) : YLM_ENOMEM;
+  ylm_status s = b->hidden && v ? sort_by_caster(b) : YLM_ENOMEM;
   for (size_t k = 0; k < w->s->n && s == YLM_OK; k++) {
     const shadow_caster *c = &w->s->caster[k];
     real *rows = b->hidden + b->by_caster_first[k] * row;
@@ -316,6 +351,20 @@ static ylm_status new_term(block *b, shadow_term t) {
 static ylm_status add_before(block *b, shadow_before x) {
   if (!grow((void **)&b->before, b->befores, &b->before_room, sizeof *b->before)) return YLM_ENOMEM;
   b->before[b->befores++] = x;
+  return YLM_OK;
+}
+
+/* Casters seen from `first` on stand wholly before the next light. */
+static ylm_status all_before(block *b, size_t first, size_t n) {
+  for (size_t j = 0; j < n; j++) {
+    if (!grow((void **)&b->before, b->befores, &b->before_room, sizeof *b->before))
+      return YLM_ENOMEM;
+    shadow_before *x = &b->before[b->befores++];
+    x->seen = first + j;
+    x->layer = 0;
+    x->weight = 1;
+    x->slope[0] = x->slope[1] = x->slope[2] = 0;
+  }
   return YLM_OK;
 }
 
@@ -428,8 +477,7 @@ static ylm_status sum_lights(block *b, const ylm_field *f, bool behind) {
     if (a.lambda) b->lambda[i] += (double)a.lambda[i];
     if (behind && n) {
       s = new_light(b, &light);
-      for (size_t j = 0; j < n && s == YLM_OK; j++)
-        s = add_before(b, (shadow_before){.seen = b->seen_first[i] + j, .weight = 1});
+      if (s == YLM_OK) s = all_before(b, b->seen_first[i], n);
       if (s == YLM_OK)
         s = new_term(b, (shadow_term){.point = i, .first = first, .n = n, .light = light});
       if (s != YLM_OK) break;
@@ -454,10 +502,10 @@ static ylm_status sum_lights(block *b, const ylm_field *f, bool behind) {
 
 /* -- layers ------------------------------------------------------------------------------------ */
 
+/* Do their cones meet? The cosine of the sum of half angles, by their sines and cosines. */
 static bool overlap(const shadow_seen *a, const shadow_seen *b) {
-  double sum = a->angle + b->angle;
   double cosine = a->w[0] * b->w[0] + a->w[1] * b->w[1] + a->w[2] * b->w[2];
-  return sum >= PI || cosine > cos(sum);
+  return a->angle + b->angle >= PI || cosine > a->cosine * b->cosine - a->sine * b->sine;
 }
 
 /* The first layer of a term where nothing overlaps caster k of it. */
@@ -498,6 +546,24 @@ typedef struct tile {
   void *scratch;
 } tile;
 
+/* Adds what a caster hides, of its visibility v, to the row of a layer. */
+static void add_hidden(const shadow_query *w, const shadow_before *x, const real *restrict v,
+                       real *restrict to) {
+  size_t n = w->count;
+  real weight = (real)x->weight, first = v[0] - (real)LIGHT_ONE;
+  to[0] += weight * first;
+  for (size_t i = 1; i < n; i++) to[i] += weight * v[i];
+  for (size_t d = 1; d < w->rows; d++) {
+    const real *restrict g = v + d * n;
+    real *restrict out = to + d * n, slope = (real)x->slope[d - 1];
+    out[0] += weight * g[0] + slope * first;
+    if (slope == 0)
+      for (size_t i = 1; i < n; i++) out[i] += weight * g[i];
+    else
+      for (size_t i = 1; i < n; i++) out[i] += weight * g[i] + slope * v[i];
+  }
+}
+
 /* The row of a layer in a lane: what it points to, or is put together at `to`. */
 static const real *layer_row(const tile *t, size_t lane, int layer, real *to) {
   const block *b = t->b;
@@ -513,15 +579,7 @@ static const real *layer_row(const tile *t, size_t lane, int layer, real *to) {
   to[0] = (real)LIGHT_ONE;
   for (size_t k = 0; k < term->n; k++) {
     const shadow_before *x = &b->before[term->first + k];
-    if (x->layer != layer) continue;
-    const real *v = b->hidden + b->seen[x->seen].row * row;
-    for (size_t d = 0; d < w->rows; d++)
-      for (size_t i = 0; i < w->count; i++) {
-        real o = v[i] - (i ? 0 : (real)LIGHT_ONE);
-        to[d * w->count + i] +=
-            d ? (real)x->weight * v[d * w->count + i] + (real)x->slope[d - 1] * o
-              : (real)x->weight * o;
-      }
+    if (x->layer == layer) add_hidden(w, x, b->hidden + b->seen[x->seen].row * row, to);
   }
   return to;
 }
@@ -816,16 +874,10 @@ static ylm_status multiply(block *b) {
          scratch = ylm_sh_nodes_scratch(w->nodes, DTYPE);
   size_t gradients = w->rows > 1 ? 3 : 0;
   size_t profiles = w->s->spheres ? (1 + lanes) * w->rows * w->rings->padded : 0;
-  real *room =
-      ylm_alloc((3 + gradients) * values + lanes * (rows + w->count) + 2 * w->count + profiles + 64,
-                sizeof *room);
-  t.scratch = ylm_alloc(scratch, 1);
-  if (!room || !t.scratch) {
-    ylm_free(room);
-    ylm_free(t.scratch);
-    return YLM_ENOMEM;
-  }
-  t.f = room;
+  t.f = room(b, ROOM_TILE,
+             (3 + gradients) * values + lanes * (rows + w->count) + 2 * w->count + profiles + 64);
+  t.scratch = room(b, ROOM_SCRATCH, (scratch + sizeof(real) - 1) / sizeof(real));
+  if (!t.f || !t.scratch) return YLM_ENOMEM;
   t.one = t.f + values;
   t.two = t.one + values;
   for (size_t d = 0; d < gradients; d++) t.g[d] = t.two + (d + 1) * values;
@@ -845,8 +897,6 @@ static ylm_status multiply(block *b) {
       if (t.n == lanes) s = run_tile(&t), t.n = 0;
     }
   if (t.n && s == YLM_OK) s = run_tile(&t);
-  ylm_free(room);
-  ylm_free(t.scratch);
   return s;
 }
 
@@ -861,6 +911,21 @@ static double channel(const shadow_query *w, const real *x, int channels, int c)
          YLM_LUMINANCE_B * (double)x[2 * step];
 }
 
+/* Values of channel c, as they stand or as a luminance, and derivatives. */
+static void write_channel(const shadow_query *w, const real *x, int c, real *value,
+                          real *gradient) {
+  size_t n = w->count, step = w->rows * n;
+  bool stands = w->channels == 1 || w->q->channels == 3;
+  const real *from = w->channels == 1 ? x : x + (size_t)c * step;
+  if (value && stands) memcpy(value, from, n * sizeof *value);
+  for (size_t k = 0; value && !stands && k < n; k++)
+    value[k] = (real)channel(w, x + k, w->q->channels, c);
+  for (size_t k = 0; gradient && k < n; k++)
+    for (size_t d = 0; d < 3; d++)
+      gradient[3 * k + d] =
+          stands ? from[(d + 1) * n + k] : (real)channel(w, x + (d + 1) * n + k, w->q->channels, c);
+}
+
 static void write(const block *b) {
   const shadow_query *w = b->w;
   const ylm_field_query *q = w->q;
@@ -872,13 +937,10 @@ static void write(const block *b) {
     size_t at = b->begin + i;
     double square = 0;
     if (b->inside[i]) memset(x, 0, w->channels * w->rows * w->count * sizeof *x);
-    for (size_t c = 0; c < channels; c++)
-      for (size_t k = 0; k < w->count; k++) {
-        size_t to = (at * channels + c) * w->count + k;
-        if (value) value[to] = (real)channel(w, x + k, q->channels, (int)c);
-        for (size_t d = 0; gradient && d < 3; d++)
-          gradient[3 * to + d] = (real)channel(w, x + (d + 1) * w->count + k, q->channels, (int)c);
-      }
+    for (size_t c = 0; c < channels; c++) {
+      size_t to = (at * channels + c) * w->count;
+      write_channel(w, x, (int)c, value ? value + to : NULL, gradient ? gradient + 3 * to : NULL);
+    }
     if (w->r->inside) w->r->inside[at] = b->inside[i] | b->any[i];
     if (!w->metric) continue;
     for (int c = 0; c < q->metric_channels; c++)
@@ -891,20 +953,46 @@ static void write(const block *b) {
   }
 }
 
-/* Points begin .. end-1 of a query. */
-ylm_status BLOCK(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e) {
-  const ylm_light_shadowed *s = w->s;
-  block *b = ylm_alloc_zero(1, sizeof *b);
-  if (!b) return YLM_ENOMEM;
+/* The block of a thread, which keeps its lists from block to block; NULL without memory. */
+static block *block_of(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e) {
+  void **kept = &w->block[worker];
+  if (!*kept) *kept = ylm_alloc_zero(1, sizeof(block));
+  block *b = *kept;
+  if (!b) return NULL;
   b->w = w;
   b->begin = begin;
   b->m = end - begin;
   b->e = e;
+  b->worker = worker;
+  b->seens = b->befores = b->terms = b->lights = b->requests = 0;
+  memset(b->inside, 0, sizeof b->inside);
+  memset(b->any, 0, sizeof b->any);
+  memset(b->lambda, 0, sizeof b->lambda);
   for (size_t i = 0; i < b->m; i++)
     for (size_t a = 0; a < 3; a++)
       b->point[i][a] = (double)((const real *)w->points)[3 * (begin + i) + a];
+  return b;
+}
+
+void BLOCK_FREE(void *kept) {
+  block *b = kept;
+  if (!b) return;
+  ylm_free(b->seen);
+  ylm_free(b->by_caster_first);
+  ylm_free(b->by_caster);
+  ylm_free(b->before);
+  ylm_free(b->term);
+  ylm_free(b->blur);
+  ylm_free(b->light);
+  ylm_free(b);
+}
+
+/* Points begin .. end-1 of a query. */
+ylm_status BLOCK(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e) {
+  const ylm_light_shadowed *s = w->s;
+  block *b = block_of(w, begin, end, worker, e);
+  if (!b) return YLM_ENOMEM;
   size_t numbers = b->m * w->channels * w->rows * w->count;
-  b->worker = worker;
   b->out = room(b, ROOM_OUT, numbers);
   if (b->out) memset(b->out, 0, numbers * sizeof *b->out);
   ylm_status status = b->out ? see(b) : YLM_ENOMEM;
@@ -919,13 +1007,5 @@ ylm_status BLOCK(shadow_query *w, size_t begin, size_t end, int worker, ylm_erro
     status = multiply(b);
   }
   if (status == YLM_OK) write(b);
-  ylm_free(b->seen);
-  ylm_free(b->by_caster_first);
-  ylm_free(b->by_caster);
-  ylm_free(b->before);
-  ylm_free(b->term);
-  ylm_free(b->blur);
-  ylm_free(b->light);
-  ylm_free(b);
   return status;
 }

@@ -5,4 +5,5 @@
 #define PROFILE(w, cap, times, v)                                                                  \
   ((w)->profile ? (w)->profile : profile_plain)((w)->rings, cap, times, (w)->rows, v)
 #define BLOCK ylm__shadow_block_f
+#define BLOCK_FREE ylm__shadow_block_free_f
 #include "block.h"

@@ -120,7 +120,7 @@ typedef void shadow_profile_fn(const shadow_rings *r, const shadow_cap *c, bool 
                                float *v);
 
 /* Memory that the blocks of a thread use one after the other. */
-enum { ROOM_HIDDEN, ROOM_VALUE, ROOM_GRADIENT, ROOM_OUT, ROOMS };
+enum { ROOM_HIDDEN, ROOM_VALUE, ROOM_GRADIENT, ROOM_OUT, ROOM_TILE, ROOM_SCRATCH, ROOMS };
 typedef struct shadow_room {
   void *at;
   size_t bytes;
@@ -142,6 +142,7 @@ typedef struct shadow_query {
   size_t count, rows, channels;          /* coefficients; 1, or 4 with gradients; of the light */
   bool metric;
   shadow_room *room; /* [threads][ROOMS] */
+  void **block;      /* [threads] of block.h */
   _Atomic(uint64_t) pairs;
   shadow_sums_fn *sums;
 } shadow_query;
@@ -149,7 +150,7 @@ typedef struct shadow_query {
 /* A caster as a point sees it. */
 typedef struct shadow_seen {
   size_t caster, point, row; /* row: the place of its visibility in the block */
-  double w[3], distance, sine,
+  double w[3], distance, sine, cosine,
       angle; /* direction and distance of its centre; half the angle of its cone */
 } shadow_seen;
 
@@ -179,5 +180,8 @@ void ylm__shadow_cap_of(const shadow_blur *b, const shadow_seen *s, const shadow
 /* Points begin .. end-1 of a query, SHADOW_BLOCK at most. block.h */
 ylm_status ylm__shadow_block_f(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e);
 ylm_status ylm__shadow_block_d(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e);
+/* Frees what a thread's blocks have kept; NULL: nothing. */
+void ylm__shadow_block_free_f(void *kept);
+void ylm__shadow_block_free_d(void *kept);
 
 #endif

@@ -142,7 +142,8 @@ static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
   size_t rooms = (size_t)ylm_threads(q->threads) * ROOMS;
   j.w.sums = ylm__shadow_sums();
   j.w.room = ylm_alloc_zero(rooms, sizeof *j.w.room);
-  status = j.w.room ? tables_of(s, q->lmax, &tables, e) : YLM_ENOMEM;
+  j.w.block = ylm_alloc_zero(rooms / ROOMS, sizeof *j.w.block);
+  status = j.w.room && j.w.block ? tables_of(s, q->lmax, &tables, e) : YLM_ENOMEM;
   if (status == YLM_OK) status = make_turns(s, q, tables->rotator, &j.w.turn, e);
   if (status == YLM_OK) {
     j.w.nodes = tables->nodes;
@@ -156,6 +157,9 @@ static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
   free_turns(s, j.w.turn);
   for (size_t i = 0; j.w.room && i < rooms; i++) ylm_free(j.w.room[i].at);
   ylm_free(j.w.room);
+  for (size_t i = 0; j.w.block && i < rooms / ROOMS; i++)
+    (q->dtype == YLM_DOUBLE ? ylm__shadow_block_free_d : ylm__shadow_block_free_f)(j.w.block[i]);
+  ylm_free(j.w.block);
   r->pairs += atomic_load(&j.w.pairs);
   if (status == YLM_ENOMEM) return ylm_fail(e, status, "%s", ylm_status_text(status));
   return status == YLM_OK ? ylm_light_finite(q, n, points, r, e) : status;
