@@ -62,6 +62,21 @@ YLM_API void ylm_light_occluder_body(const ylm_light_occluder *o, double at[3], 
 YLM_API void ylm_light_occluder_places(const ylm_light_occluder *o, double near, double far,
                                        uint64_t seed, size_t n, float *places);
 
+/* Facts about a closed mesh. */
+typedef struct ylm_light_body {
+  double at[3], radius; /* a sphere around it */
+  double area;          /* of its surface */
+  double volume;        /* negative where triangles are clockwise, seen from outside */
+} ylm_light_body;
+
+/*
+** ylm_light_body_measure - a closed mesh of any shape and size: csrc/light/shadow/solid.c.
+**
+** Returns  as ylm_light_occluder_solid, which is more strict: a mesh may be hollow, and may have any number of triangles
+*/
+YLM_API ylm_status ylm_light_body_measure(size_t vertices, const float *position, size_t triangles,
+                                          const uint32_t *index, ylm_light_body *out, ylm_error *e);
+
 /* -- bodies in the way: csrc/light/shadow/shadowed.c -------------------------------------------- */
 
 #define YLM_CASTERS 65535

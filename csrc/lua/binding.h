@@ -64,6 +64,7 @@
   X(chooser)                                                                                       \
   X(emit)                                                                                          \
   X(gather)                                                                                        \
+  X(occlusion)                                                                                     \
   X(path)                                                                                          \
   X(radiosity)                                                                                     \
   X(shade)                                                                                         \
@@ -235,6 +236,22 @@ typedef const ylm_field *ylmL_field_of(void *object);
 void ylmL_type_has_field(lua_State *L, ylmL_field_of *get);
 /* The field of the object at `i`; raises if it has none. The field lives as long as the object. */
 const ylm_field *ylmL_field_check(lua_State *L, int i);
+
+/* A body's visibility, "ylm.occluder": what each kind does. */
+#define YLML_OCCLUDER "ylm.occluder"
+typedef struct ylmL_occluder_kind {
+  const ylm_field *(*field)(const void *of);
+  void (*body)(const void *of, double at[3], double *radius, double *area);
+  ylm_status (*places)(const void *of, double near, double far, size_t n, float *places,
+                       ylm_error *e);
+  void (*free)(void *of);
+} ylmL_occluder_kind;
+typedef struct ylmL_occluder {
+  void *of; /* NULL once closed */
+  const ylmL_occluder_kind *kind;
+} ylmL_occluder;
+/* Pushes one that is closed until `of` is set. */
+ylmL_occluder *ylmL_occluder_push(lua_State *L, const ylmL_occluder_kind *kind);
 /* The function that finds its field; NULL: it has none. */
 ylmL_field_of *ylmL_field_getter(lua_State *L, int i);
 

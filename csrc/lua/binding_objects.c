@@ -98,6 +98,14 @@ ylmL_array *ylmL_object_array(lua_State *L, int i, ylm_dtype t, int axes, const 
   return a;
 }
 
+ylmL_occluder *ylmL_occluder_push(lua_State *L, const ylmL_occluder_kind *kind) {
+  ylmL_occluder *o = lua_newuserdata(L, sizeof *o);
+  *o = (ylmL_occluder){NULL, kind};
+  luaL_getmetatable(L, YLML_OCCLUDER);
+  lua_setmetatable(L, -2);
+  return o;
+}
+
 struct ylm_light_set *ylmL_lights_check(lua_State *L, int i) {
   struct ylm_light_set *set = *(struct ylm_light_set **)ylmL_check(L, i, YLM_LIGHTS);
   if (!set) luaL_argerror(L, i, "the lights have been closed");

@@ -216,10 +216,11 @@ static ylm_status list_faces(const mesh *m, ylm__solid *s, corner *c, ylm_error 
     if (known) continue;
     for (size_t i = 0; i < m->vertices; i++)
       if (above(plane, m->at + 3 * i) > FLAT * m->size)
-        return ylm_fail(
-            e, YLM_EDOMAIN,
-            "the body is not convex: a corner at (%.4g, %.4g, %.4g) stands out of a face by %.2g",
-            m->at[3 * i], m->at[3 * i + 1], m->at[3 * i + 2], above(plane, m->at + 3 * i));
+        return ylm_fail(e, YLM_EDOMAIN,
+                        "the body is not convex: a corner at (%.4g, %.4g, %.4g) stands out of a "
+                        "face by %.2g: give rays",
+                        m->at[3 * i], m->at[3 * i + 1], m->at[3 * i + 2],
+                        above(plane, m->at + 3 * i));
     memcpy(s->plane + 4 * s->planes++, plane, sizeof plane);
     size_t n = list_corners(m, plane, c);
     if (n >= 3) add_face(c + m->vertices, n, s);
@@ -255,24 +256,32 @@ static ylm_status check(mesh *m, ylm__solid *s, ylm_error *e) {
   return YLM_OK;
 }
 
-ylm_status ylm__solid_create(size_t vertices, const float *position, size_t triangles,
-                             const uint32_t *index, ylm__solid *s, ylm_error *e) {
-  mesh m = {0};
+/* The mesh without doubles, checked: it is closed and has a size. m is the caller's to free. */
+static ylm_status read_mesh(size_t vertices, const float *position, size_t triangles,
+                            const uint32_t *index, mesh *m, ylm__solid *s, ylm_error *e) {
   size_t where;
   memset(s, 0, sizeof *s);
+  memset(m, 0, sizeof *m);
   if (!triangles) return ylm_fail(e, YLM_EDOMAIN, "the mesh has no triangles");
-  if (triangles > YLM_OCCLUDER_TRIANGLES)
-    return ylm_fail(
-        e, YLM_ERANGE,
-        "the mesh has %zu triangles, at most %d expected: each point asks all its faces", triangles,
-        YLM_OCCLUDER_TRIANGLES);
   for (size_t i = 0; i < 3 * triangles; i++)
     if (index[i] >= vertices)
       return ylm_fail(e, YLM_EDOMAIN, "the mesh has no vertex %u", index[i]);
   if (!ylm_all_finite(YLM_FLOAT, position, 3 * vertices, &where))
     return ylm_fail(e, YLM_EDOMAIN, "vertex %zu is not finite", where / 3 + 1);
-  ylm_status status = weld(vertices, position, triangles, index, &m);
-  if (status == YLM_OK) status = check(&m, s, e);
+  ylm_status status = weld(vertices, position, triangles, index, m);
+  return status == YLM_OK ? check(m, s, e) : status;
+}
+
+ylm_status ylm__solid_create(size_t vertices, const float *position, size_t triangles,
+                             const uint32_t *index, ylm__solid *s, ylm_error *e) {
+  mesh m;
+  memset(s, 0, sizeof *s);
+  if (triangles > YLM_OCCLUDER_TRIANGLES)
+    return ylm_fail(e, YLM_ERANGE,
+                    "the mesh has %zu triangles, at most %d expected, since each point asks all "
+                    "its faces: give rays",
+                    triangles, YLM_OCCLUDER_TRIANGLES);
+  ylm_status status = read_mesh(vertices, position, triangles, index, &m, s, e);
   if (status == YLM_OK) {
     corner *c = ylm_alloc(2 * m.vertices + 2, sizeof *c);
     s->plane = ylm_alloc(m.triangles, 4 * sizeof *s->plane);
@@ -286,5 +295,21 @@ ylm_status ylm__solid_create(size_t vertices, const float *position, size_t tria
   if (status == YLM_OK) return status;
   ylm_free(s->plane);
   ylm_free(s->record);
+  return status == YLM_ENOMEM ? ylm_fail(e, status, "%s", ylm_status_text(status)) : status;
+}
+
+ylm_status ylm_light_body_measure(size_t vertices, const float *position, size_t triangles,
+                                  const uint32_t *index, ylm_light_body *out, ylm_error *e) {
+  mesh m;
+  ylm__solid s;
+  double plane[4];
+  ylm_status status = read_mesh(vertices, position, triangles, index, &m, &s, e);
+  if (status == YLM_OK) {
+    *out = (ylm_light_body){.radius = s.radius, .volume = volume6(&m) / 6};
+    memcpy(out->at, s.centre, sizeof out->at);
+    for (size_t t = 0; t < m.triangles; t++) out->area += plane_of(&m, t, 1, plane);
+  }
+  ylm_free(m.at);
+  ylm_free(m.index);
   return status == YLM_ENOMEM ? ylm_fail(e, status, "%s", ylm_status_text(status)) : status;
 }

@@ -6,27 +6,32 @@
 #include "ylm_geom.h"
 #include "ylm_light_shadow.h"
 
-#define OCCLUDER "ylm.occluder"
+#define OCCLUDER YLML_OCCLUDER
 #define SHADOWED "ylm.shadowed"
 
 /* -- occluders ------------------------------------------------------------------------------ */
 
-typedef struct occluder {
-  ylm_light_occluder *of; /* NULL once closed */
-} occluder;
-
 static const ylm_field *occluder_field(void *object) {
-  const occluder *o = object;
-  return o->of ? ylm_light_occluder_field(o->of) : NULL;
+  const ylmL_occluder *o = object;
+  return o->of ? o->kind->field(o->of) : NULL;
 }
 
-static occluder *push_occluder(lua_State *L) {
-  occluder *o = lua_newuserdata(L, sizeof *o);
-  o->of = NULL;
-  luaL_getmetatable(L, OCCLUDER);
-  lua_setmetatable(L, -2);
-  return o;
+static const ylm_field *field_of(const void *of) { return ylm_light_occluder_field(of); }
+
+static void body_of(const void *of, double at[3], double *radius, double *area) {
+  ylm_light_occluder_body(of, at, radius, area);
 }
+
+static ylm_status places_of(const void *of, double near, double far, size_t n, float *places,
+                            ylm_error *e) {
+  (void)e;
+  ylm_light_occluder_places(of, near, far, 1, n, places);
+  return YLM_OK;
+}
+
+static void free_occluder(void *of) { ylm_light_occluder_free(of); }
+
+static const ylmL_occluder_kind exact = {field_of, body_of, places_of, free_occluder};
 
 /* occluder_sphere(x, y, z, radius) -> occluder */
 static int occluder_sphere(lua_State *L) {
@@ -34,8 +39,10 @@ static int occluder_sphere(lua_State *L) {
   double at[3] = {(double)luaL_checknumber(L, 1), (double)luaL_checknumber(L, 2),
                   (double)luaL_checknumber(L, 3)};
   double radius = (double)luaL_checknumber(L, 4);
-  occluder *o = push_occluder(L);
-  ylm_status s = ylm_light_occluder_sphere(at, radius, &o->of, &e);
+  ylmL_occluder *o = ylmL_occluder_push(L, &exact);
+  ylm_light_occluder *of;
+  ylm_status s = ylm_light_occluder_sphere(at, radius, &of, &e);
+  o->of = of;
   if (s == YLM_OK) ylmL_charge(L, 2000);
   return ylmL_result(L, 1, s, &e);
 }
@@ -44,9 +51,11 @@ static int occluder_sphere(lua_State *L) {
 static int occluder_solid(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
   const ylm_mesh *m = ylmL_mesh_check(L, 1);
-  occluder *o = push_occluder(L);
+  ylmL_occluder *o = ylmL_occluder_push(L, &exact);
+  ylm_light_occluder *of;
   ylm_status s =
-      ylm_light_occluder_solid(m->vertices, m->position, m->triangles, m->index, &o->of, &e);
+      ylm_light_occluder_solid(m->vertices, m->position, m->triangles, m->index, &of, &e);
+  o->of = of;
   if (s == YLM_OK) ylmL_charge(L, m->triangles * 600);
   return ylmL_result(L, 1, s, &e);
 }
@@ -54,10 +63,10 @@ static int occluder_solid(lua_State *L) {
 /* occluder_body(occluder) -> x, y, z, radius of a sphere around the body, mean area of its projections; nothing once
    closed */
 static int occluder_body(lua_State *L) {
-  const occluder *o = ylmL_check(L, 1, OCCLUDER);
+  const ylmL_occluder *o = ylmL_check(L, 1, OCCLUDER);
   double at[3], radius, area;
   if (!o->of) return 0;
-  ylm_light_occluder_body(o->of, at, &radius, &area);
+  o->kind->body(o->of, at, &radius, &area);
   for (int a = 0; a < 3; a++) lua_pushnumber(L, at[a]);
   lua_pushnumber(L, radius);
   lua_pushnumber(L, area);
@@ -66,20 +75,20 @@ static int occluder_body(lua_State *L) {
 
 /* occluder_places(occluder, near, far, n) -> float [n][3] */
 static int occluder_places(lua_State *L) {
-  const occluder *o = ylmL_check(L, 1, OCCLUDER);
+  const ylmL_occluder *o = ylmL_check(L, 1, OCCLUDER);
+  ylm_error e = {YLM_OK, ""};
   size_t n = (size_t)luaL_checknumber(L, 4);
   double near = (double)luaL_checknumber(L, 2), far = (double)luaL_checknumber(L, 3);
   if (!o->of) return ylmL_result(L, 0, YLM_ECLOSED, NULL);
   ylmL_array *a = ylmL_array_unset(L, YLM_FLOAT, 2, (size_t[]){n, 3});
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_light_occluder_places(o->of, near, far, 1, n, a->data);
-  return 1;
+  return ylmL_result(L, 1, o->kind->places(o->of, near, far, n, a->data, &e), &e);
 }
 
 static int occluder_close(lua_State *L) {
-  occluder *o = ylmL_check(L, 1, OCCLUDER);
+  ylmL_occluder *o = ylmL_check(L, 1, OCCLUDER);
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
-  ylm_light_occluder_free(o->of);
+  if (o->of) o->kind->free(o->of);
   o->of = NULL;
   return 0;
 }

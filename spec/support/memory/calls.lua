@@ -113,6 +113,18 @@ calls["visibility"] = on(box, function(hides)
   if not all then return nil, message, code end
   return ylm.visibility(2, all, points(3), { derivatives = 1 })
 end)
+calls["occluder by rays"] = on(function()
+  local mesh = ylm.box {}
+  ylm.occluder({ geometry = mesh, rays = 4 }):close() -- loads the library
+  return mesh
+end, function(geometry)
+  local body, message, code = ylm.occluder { geometry = geometry, rays = 4 }
+  if not body then return nil, message, code end
+  local V
+  V, message, code = ylm.light_field(2, body, { { 0, 0, 2 } }, { channels = "luminance", derivatives = 1, threads = 1 })
+  if not V then return nil, message, code end
+  return body:noise(2, { threads = 1 })
+end)
 calls["shadowed"] = on(function()
   return box(), { ylm.sphere_light { at = { 0, 0, 4 } }, ylm.environment_light { radiance = 1 } }
 end, function(hides, lights)

@@ -30,13 +30,36 @@ return {
       says = "the mesh has 3 open edges: what is inside of it" },
     { call = function(ylm) tetrahedron(ylm, closed, { 0.3, 0.3, 0 }) end, says = "the mesh is flat" },
     { call = function(ylm) ylm.occluder { geometry = ylm.torus { divide = { 8, 6 } } } end,
-      says = "the body is not convex: a corner at .* stands out of a face by" },
+      says = "the body is not convex: a corner at .* stands out of a face by .*: give rays" },
     { call = function(ylm) ylm.occluder { geometry = ylm.sphere { divide = { 100, 50 } } } end,
-      says = "triangles, at most 4096 expected" },
+      says = "triangles, at most 4096 expected.*: give rays" },
+    { call = function(ylm) ylm.occluder { radius = 1, rays = 64 } end, says = "rays are of geometry" },
+    { call = function(ylm) ylm.occluder { geometry = ylm.box {}, rays = 3 } end, says = "rays must be an integer >= 4" },
+    { call = function(ylm) ylm.occluder { geometry = ylm.box {}, rays = 1025 } end, says = "rays must be an integer" },
+    { call = function(ylm) ylm.occluder { geometry = ylm.box {}, near = 0 } end, says = "near must be a number > 0" },
+    { call = function(ylm)
+      ylm.occluder { rays = 8, geometry = ylm.quad { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 } } }
+    end, says = "open edges: what is inside of it" },
+    { call = function(ylm)
+      ylm.light_field(2, ylm.occluder { geometry = ylm.box {}, rays = 8 }, { 0, 0, 3 }, { derivatives = 2 })
+    end, says = "a body by rays has no Hessians" },
+    { call = function(ylm)
+      ylm.bake(ylm.adaptive_grid { lmax = 4, tolerance = 1e-4, channels = "luminance" },
+        ylm.occluder { geometry = ylm.torus { divide = { 16, 8 } }, rays = 8 })
+    end, says = "tolerance 0.0001 is below the noise of rays here, .*: rays = %d+ may do, or tolerance = " },
     { call = function(ylm) ylm.occluder { geometry = ylm.quad { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 } } } end,
       says = "open edges" },
     { call = function(ylm) ylm.light_field(2, { ball(ylm) }, { 0, 0, 3 }) end, says = "a visibility is no light" },
     { call = function(ylm) ylm.bake(ylm.adaptive_grid { lmax = 2, depth = 2 }, ball(ylm)) end, says = "a visibility has no colour" },
+  },
+  ["occluder:noise"] = {
+    { call = function(ylm) local b = ball(ylm) b.noise(7, 2) end, says = "an occluder expected before the colon, got 7" },
+    { call = function(ylm) ball(ylm):noise(101) end, says = "lmax must be an integer from 0 to 100" },
+    { call = function(ylm)
+      local b = ball(ylm)
+      b:close()
+      b:noise(2)
+    end, says = "noise: the occluder has been closed" },
   },
   ["occluder:close"] = {
     { call = function(ylm) local b = ball(ylm) b.close(7) end, says = "an occluder expected before the colon, got 7" },
