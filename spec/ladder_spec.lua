@@ -239,7 +239,7 @@ describe("the ladder", function()
       ["ylm_sh_rival.h"] = "sh", ["ylm_sh_exponential.h"] = "sh", ["ylm_display.h"] = "codec",
       ["ylm_gltf.h"] = "codec",
       ["ylm_light_device.h"] = "light", ["ylm_light_sky.h"] = "light", ["ylm_light_virtual.h"] = "light",
-      ["ylm_light_shadow.h"] = "light",
+      ["ylm_light_shadow.h"] = "light", ["ylm_trace_occlusion.h"] = "trace",
       ["ylm_light_spot.h"] = "light",
       ["ylm_material_table.h"] = "material", ["ylm_material_rival.h"] = "material" }
     for name, folder in pairs(public) do

@@ -31,7 +31,7 @@ typedef struct ylm_trace_occlusion ylm_trace_occlusion;
 **   position  in   [vertices][3]    finite; vertices at one place are one
 **   index     in   [triangles][3]   each below `vertices`; neighbours turn the same way
 **   rays      in   YLM_OCCLUSION_LEAST_RAYS .. YLM_OCCLUSION_MOST_RAYS: of a right angle, and twice as many across a body
-**                  that is seen within a right angle. What is thinner, seen from a point, may be missed
+**                  that is seen within a right angle. Parts that look thinner may be missed
 **
 ** The rim of the body is found between directions that hit and that miss, by halving. Values and gradients are integrals
 ** over the rim, so errors fall as 1/rays^2 where the rim is smooth; neighbouring points do not jump.
