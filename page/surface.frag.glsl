@@ -53,12 +53,14 @@ void main() {
 #else
   vec3 n = normalize(normal);
   if (dot(n, eye - place) < 0.0) n = -n;
+  vec3 face = normalize(cross(dFdx(place), dFdy(place)));
+  if (dot(face, n) < 0.0) face = -face;
 #if MODE == 0
-  colour = vec4(min(tint / PI * irradiance(place, n), 60000.0), 1.0);
+  colour = vec4(min(tint / PI * irradiance(place, n, face), 60000.0), 1.0);
 #elif MODE == 1
   colour = vec4(min(tint / PI * exact(n), 60000.0), 1.0);
 #elif MODE == 2
-  colour = vec4(min(100.0 * tint / PI * abs(irradiance(place, n) - exact(n)), 60000.0), 1.0);
+  colour = vec4(min(100.0 * tint / PI * abs(irradiance(place, n, face) - exact(n)), 60000.0), 1.0);
 #else
   uint leaf, whole;
   find(lattice(place), leaf, whole);

@@ -59,7 +59,9 @@ describe("what is installed", function()
       return runs(clean .. "PKG_CONFIG_PATH=" .. scratch.quote(folder.path)
         .. " make -s --eval='say: ; @echo \"$(WITH_CODEC): $(LIBS_codec)\"' say")
     end
-    assert.equal("y: -L/opt/exr/lib -lOpenEXRCore-9_7 -lpng99 \n", says "-lOpenEXR-9_7 -lOpenEXRCore-9_7 -lIex-9_7")
+    local libs = says "-lOpenEXR-9_7 -lOpenEXRCore-9_7 -lIex-9_7" -- and zlib, jansson where they are
+    assert.truthy(libs:find "^y: %-L/opt/exr/lib %-lOpenEXRCore%-9_7 %-lpng99 ", libs)
+    assert.falsy(libs:find "Iex" or libs:find "OpenEXR%-9", libs)
     assert.truthy(says "-lIlmImf-2_5":find "^: ")
   end)
 

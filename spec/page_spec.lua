@@ -196,7 +196,7 @@ describe("a page", function()
 
     setup(function()
       if lacks_parts() or browser.missing() then return end
-      window = browser.open { size = SIZE }
+      window = browser.open { size = SIZE, limit = long(120, 900) }
     end)
     teardown(function() if window then window:close() end end)
 
@@ -357,7 +357,7 @@ describe("a page", function()
 
     it("says what it lacks where there is no WebGL 2, over its poster", function()
       needs_browser()
-      if long(true, false) then pending "make check-long opens a browser without WebGL" end
+      if not long(false, true) then pending "make check-long opens a browser without WebGL" end
       local blind = browser.open { size = { 160, 90 }, switches = "--headless=new --disable-gpu --disable-3d-apis" }
       blind:visit(path)
       local ok, message = pcall(blind.wait, blind, "failed")
@@ -373,8 +373,8 @@ describe("a page", function()
 
     it("shows scenes of the collection within their sizes, 38 dB", function()
       needs_browser()
-      if long(true, false) then pending "make check-long shows them" end
-      for _, one in ipairs { { "two_lamps", 6, 1.5e6 }, { "floor_lights", 8, 18e6 } } do
+      if not long(false, true) then pending "make check-long shows them" end
+      for _, one in ipairs { { "two_lamps", 6, 5e6 }, { "floor_lights", 8, 25e6 } } do
         local s = assert(ylm.load_scene("examples/scenes/" .. one[1] .. ".lua"))
         local g = assert(s:bake { probes = ylm.adaptive_grid { lmax = 4, depth = one[2], tolerance = 0.05 } })
         local other = folder.path .. "/" .. one[1] .. ".html"

@@ -28,9 +28,24 @@ local listener = standard
 --- Object -> the topics that were said of it: a film of a thousand frames says a thing once.
 local said = setmetatable({}, { __mode = "k" })
 
+local muted = false
+
+--- Results of f(...), whose warnings are neither said nor counted as said: the caller says its own.
+function warning.silently(f, ...)
+  local before = muted
+  muted = true
+  local function finish(ok, ...)
+    muted = before
+    if not ok then error((...), 0) end
+    return ...
+  end
+  return finish(pcall(f, ...))
+end
+
 --- Says `message` of `object`, once a topic; returns the message, for reports.
 function warning.say(object, topic, message, ...)
   if select("#", ...) > 0 then message = message:format(...) end
+  if muted then return message end
   local topics = said[object] or {}
   if not topics[topic] then
     said[object] = topics

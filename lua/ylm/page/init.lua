@@ -6,7 +6,6 @@ local form = require "ylm.form"
 local grid_file = require "ylm.grid.file"
 local image = require "ylm.image"
 local light = require "ylm.light"
-local memory = require "ylm.memory"
 local pack = require "ylm.page.pack"
 require "ylm.render.options" -- the type image_size
 local template = require "ylm.page.gen.template"
@@ -116,15 +115,6 @@ local function facts_of(grid)
   return facts
 end
 
---- make() with warnings kept from the user: the page says its own.
-local function silently(make)
-  local before = warning.on_warning(false)
-  local ok, a, b, c = memory.pcall(make)
-  warning.on_warning(before)
-  if not ok then error(a, 0) end
-  return a, b, c
-end
-
 --- The picture that is seen until, and where, the viewer does not run: bytes of a .png, and the part of its light that passes
 -- occluders where that is known; nil: there is none; or nil, message, code.
 local function poster_of(grid, o)
@@ -133,10 +123,8 @@ local function poster_of(grid, o)
   if not codec then return nil, message, code end
   local picture, report = o.poster, nil
   if not picture then
-    picture, report, code = silently(function()
-      return o.scene:render { grid = grid, size = o.size, samples = 4, gloss = "matte",
-        visibility = grid.quantity == "lights" and "none" or nil, threads = o.threads }
-    end)
+    picture, report, code = warning.silently(o.scene.render, o.scene, { grid = grid, size = o.size, samples = 4,
+      gloss = "matte", visibility = grid.quantity == "lights" and "none" or nil, threads = o.threads })
     if not picture then return nil, report, code end
   end
   local bytes

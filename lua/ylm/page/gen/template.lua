@@ -1323,7 +1323,7 @@ void find(vec3 at, out uint leaf, out uint whole) {
   for (int step = 0; step <= 16; step++) {
     uvec4 w = words(leaf, 0u);
     if ((w.y & 256u) != 0u) whole = leaf;
-#if MODE == 3 || MODE == 4
+#if MODE == 3 || MODE == 4 || BIAS
     if ((w.y & 0x100000u) == 0u) {
       own = leaf;
       if ((w.w >> 16 & 0x7c00u) != 0x7c00u) estimate = unpackHalf2x16(w.w >> 16).x;
@@ -1377,19 +1377,21 @@ void weigh(vec3 t, vec3 edge, vec3 off) {
 #endif
 }
 
-/* Irradiance of a surface by the grid. */
-vec3 irradiance(vec3 place, vec3 n) {
+/* Irradiance of a surface by the grid; face: the normal of its triangle, on the side of n. */
+vec3 irradiance(vec3 place, vec3 n, vec3 face) {
   uint leaf, whole;
   vec3 there = place;
 #if BIAS
-  find(lattice(place), leaf, whole);
-  if (leaf != NONE) {
-    vec3 h = unit * abs(n);
-    float b = bias * edge_of(words(leaf, 0u)) * (h.x + h.y + h.z);
-    find(lattice(place + b * n), leaf, whole);
-    if (leaf != NONE) b = max(b, bias * edge_of(words(leaf, 0u)) * (h.x + h.y + h.z));
-    there = place + b * n;
+  /* as ylm_grid_bias: a voxel's thickness off the surface, that of the larger one on the way */
+  vec3 h = unit * abs(face);
+  float b = 0.0;
+  for (int look = 0; look <= 4; look++) {
+    find(lattice(place + b * face), leaf, whole);
+    float further = bias * (UNIFORM == 1 ? 1.0 : edge_of(words(own, 0u))) * (h.x + h.y + h.z);
+    if (!(further > b)) break;
+    b = further;
   }
+  there = place + b * face;
 #endif
   vec3 at = lattice(there);
   find(at, leaf, whole);
@@ -1485,12 +1487,14 @@ void main() {
 #else
   vec3 n = normalize(normal);
   if (dot(n, eye - place) < 0.0) n = -n;
+  vec3 face = normalize(cross(dFdx(place), dFdy(place)));
+  if (dot(face, n) < 0.0) face = -face;
 #if MODE == 0
-  colour = vec4(min(tint / PI * irradiance(place, n), 60000.0), 1.0);
+  colour = vec4(min(tint / PI * irradiance(place, n, face), 60000.0), 1.0);
 #elif MODE == 1
   colour = vec4(min(tint / PI * exact(n), 60000.0), 1.0);
 #elif MODE == 2
-  colour = vec4(min(100.0 * tint / PI * abs(irradiance(place, n) - exact(n)), 60000.0), 1.0);
+  colour = vec4(min(100.0 * tint / PI * abs(irradiance(place, n, face) - exact(n)), 60000.0), 1.0);
 #else
   uint leaf, whole;
   find(lattice(place), leaf, whole);
