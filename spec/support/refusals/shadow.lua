@@ -138,6 +138,21 @@ return {
     { call = function(ylm) ylm.shadowed({ lights = {}, casters = { ball = caster(ylm) } }):move(7) end,
       says = "a table of places by name expected" },
   },
+  ["shadowed:without"] = {
+    { call = function(ylm) ylm.shadowed({ lights = {}, casters = { ball = caster(ylm) } }):without "bal" end,
+      says = "no caster has the name 'bal'" },
+    { call = function(ylm) ylm.shadowed({ lights = {}, casters = { ball = caster(ylm) } }):without("ball"):without "ball" end,
+      says = "ask the shadowed light that it is of" },
+    { call = function(ylm) ylm.shadowed({ lights = {}, casters = {} }).without(7) end, says = "shadowed light expected before the colon" },
+  },
+  ["shadowed:surfaces"] = {
+    { call = function(ylm)
+      local shade = ylm.shadowed { lights = {}, casters = {} }
+      shade:close()
+      shade:surfaces()
+    end, says = "the shadowed light has been closed" },
+    { call = function(ylm) ylm.caster { hides = ball(ylm), surface = 7 } end, says = "surface must be a shape" },
+  },
   ["shadowed:close"] = {
     { call = function(ylm)
       local shade = ylm.shadowed { lights = {}, casters = {} }
