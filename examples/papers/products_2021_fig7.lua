@@ -19,11 +19,11 @@ ylm.on_warning(false)
 local line = common.table { { "scene", "%-30s" }, { "n", "%3d" }, { "method", "%-20s" }, { "rms error %", "%11.2f" },
   { "over one rule", "%13.1f" }, { "seconds", "%8.3f" }, { "points", "%8d" }, { "probes", "%7d" } }
 local rows = {}
-for k, n in ipairs(quick and { 4, 4 } or { 10, 15 }) do
+for k, n in ipairs(quick and { 2, 4 } or { 10, 15 }) do
   local case = k == 1 and shadows.spider(quick and 24 or option.spheres) or shadows.helix(quick and 4 or 14)
-  local pictures, errors, results = shadows.compare(case, { n = n, size = quick and { 20, 15 } or { option.size,
+  local pictures, errors, results = shadows.compare(case, { n = n, size = quick and { 12, 9 } or { option.size,
     math.floor(0.75 * option.size) }, samples = quick and 1 or 4, paths = quick and 16 or option.paths, rays = quick and 16 or 64,
-    threads = option.threads, depth = quick and 3 or 9 })
+    threads = option.threads, depth = quick and 2 or 9 })
   local base
   for _, r in ipairs(results) do if r[1] == "one rule" then base = r[2] end end
   for _, r in ipairs(results) do line { case.name, n, r[1], r[2], r[2] and r[2] / base, r[3], r[4], r[5] } end
