@@ -491,6 +491,30 @@ describe("ylm.shadowed", function()
     shade:close()
   end)
 
+  it("tells how much there was to multiply, and says that a caster is known to fewer degrees", function()
+    local box = { { -9, -9, -9 }, { 9, 9, 9 } }
+    local grid = ylm.bake(ylm.uniform_grid { bounds = box, cells = 8, lmax = 2, channels = "luminance" },
+      ylm.occluder { radius = 1 })
+    local shade = ylm.shadowed { lights = sky, cull = 0, casters = { soft = ylm.caster { hides = grid, at = { 0, 0, 3 } },
+      ylm.caster { hides = ball, at = { 3, 0, 0 } }, ylm.caster { hides = ball, at = { 2, 0, 0 } } } }
+    assert.same({ points = 0, casters = 0, products = 0, factors = 0, seconds = 0 }, shade.stats)
+    local said = {}
+    local before = ylm.on_warning(function(message) said[#said + 1] = message end)
+    local _, _, _, report = ylm.light_field(2, shade, { { 0, 0, 0 } })
+    assert.is_nil(report.warnings)
+    for _ = 1, 2 do _, _, _, report = ylm.light_field(4, shade, { { 0, 0, 0 }, { 0, 0, 0.1 } }) end
+    ylm.on_warning(before)
+    assert.same(said, report.warnings)
+    assert.equal(1, #said)
+    assert.matches("caster 'soft' is known to lmax 2, and light of lmax 4 is .*bake its grid with lmax = 4", said[1])
+    local stats = shade.stats
+    assert.equal(5, stats.points)
+    assert.equal(15, stats.casters) -- all three at each point
+    assert.equal(5, stats.products)
+    assert.equal(10, stats.factors) -- of one layer and the ball behind another
+    assert.is_true(stats.seconds > 0)
+  end)
+
   it("of grids has a floor: the dark is refined less, and other measures have none", function()
     local lamp = ylm.sphere_light { at = { 0, 0, 3 }, radius = 0.2 }
     local function points(floor)

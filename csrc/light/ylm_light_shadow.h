@@ -155,6 +155,14 @@ typedef struct ylm_light_shadowed_rest {
 YLM_API ylm_status ylm_light_shadowed_without(const ylm_light_shadowed *s, size_t first, size_t n,
                                               ylm_light_shadowed_rest *rest);
 
+/* Work since the light was made: points asked, casters that count there, products of light and casters, factors that are
+   multiplied at directions, seconds. A layer of bodies is one factor. */
+typedef struct ylm_light_shadowed_stats {
+  uint64_t points, casters, products, factors;
+  double seconds;
+} ylm_light_shadowed_stats;
+
+YLM_API void ylm_light_shadowed_look(const ylm_light_shadowed *s, ylm_light_shadowed_stats *out);
 /* Puts casters first .. first+n-1 elsewhere: at [n][3], rotation [n][9], scale [n]; NULL: as it was. All of them or,
    where one is not sound, none: as ylm_light_shadowed_create. */
 YLM_API ylm_status ylm_light_shadowed_move(ylm_light_shadowed *s, size_t first, size_t n,

@@ -13,6 +13,7 @@ require "ylm.grid" -- defines grid.body
 local light = require "ylm.light"
 local memory = require "ylm.memory"
 local numbers = require "ylm.light.numbers"
+local warning = require "ylm.warning"
 
 local describe = reference.describe
 
@@ -454,7 +455,9 @@ shadow.sphere_casters = form.define("sphere_casters", {
 
 reference.object "shadowed" {
   about = "Light behind casters, a light field; from the constructor of that name.",
-  fields = { { "count", "integer", "how many casters" } },
+  fields = { { "count", "integer", "how many casters" },
+    { "stats", "table", "of all questions so far: { points, casters, products, factors, seconds }; casters that counted, over "
+      .. "all points; products of light and casters; factors that were multiplied at directions, a layer of bodies being one" } },
 }
 
 local shadoweds = core.metatable "ylm.shadowed"
@@ -463,6 +466,26 @@ local shadoweds = core.metatable "ylm.shadowed"
 local about_of = setmetatable({}, { __mode = "k" })
 
 local kinds = { caster = true, casters = true, sphere_casters = true }
+
+--- Sentences about groups of casters whose grids are known to fewer degrees than lmax, said of `object` once.
+local function heed(object, groups, lmax)
+  local list = {}
+  for i, group in ipairs(groups) do
+    local facts = group.caster.facts
+    if facts and facts[1] < lmax then
+      list[#list + 1] = warning.say(object, "degree " .. i, "shadowed: caster%s is known to lmax %d, and light of lmax %d is "
+        .. "multiplied by it, so that its shadow is as soft as at lmax %d: bake its grid with lmax = %d",
+        group.name and (" '%s'"):format(group.name) or (" %d"):format(i), facts[1], lmax, facts[1], lmax)
+    end
+  end
+  return list
+end
+
+--- What shadowed light does not keep at lmax: sentences, said once; for lua/ylm/light and lua/ylm/grid.
+function shadoweds.__heed(s, lmax)
+  local of = about_of[s]
+  return heed(s, of and of.list or {}, lmax)
+end
 
 --- Groups of casters, in order: of lists first, then by name. fail(message) raises.
 local function groups_of(given, fail)
@@ -587,7 +610,7 @@ local function build_shadowed(values, fail)
   local object
   object, message, code = made(fail, create(packed, groups, values))
   if not object then return nil, message, code end
-  local of = { groups = {}, count = 0, still = 0, bodies = {} }
+  local of = { groups = {}, count = 0, still = 0, bodies = {}, list = groups }
   for _, group in ipairs(groups) do
     of.count = of.count + group.caster.count
     if not group.name then of.still = of.count end
@@ -635,6 +658,7 @@ end
 
 function shadoweds.__index(s, key)
   if key == "count" and about_of[s] then return about_of[s].count end
+  if key == "stats" and about_of[s] and not about_of[s].of then return core.shadowed_look(s) end
   return rawget(shadoweds, key)
 end
 
@@ -866,6 +890,7 @@ function shadow.visibility(lmax, casters, points, given)
     threads = o.threads, progress = o.progress })
   if V == nil then return nil, dV, why end
   check.result("visibility", core.shadowed_close(object))
+  heed(groups, groups, lmax)
   local n, count = #p, (lmax + 1) ^ 2
   if single then return core.array_reshape(V, { count }), dV and core.array_reshape(dV, { count, 3 }) end
   return core.array_reshape(V, { n, count }), dV and core.array_reshape(dV, { n, count, 3 })

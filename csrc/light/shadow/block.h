@@ -533,6 +533,19 @@ static void layer(block *b) {
   }
 }
 
+/* Notes how much there is to multiply. */
+static void count(const block *b) {
+  size_t factors = 0;
+  for (size_t i = 0; i < b->terms; i++) {
+    const shadow_term *t = &b->term[i];
+    factors += t->layers;
+    for (size_t k = 0; k < t->n; k++) factors += b->before[t->first + k].layer < 0;
+  }
+  atomic_fetch_add(&b->w->casters, b->seens);
+  atomic_fetch_add(&b->w->products, b->terms);
+  atomic_fetch_add(&b->w->factors, factors);
+}
+
 /* -- products at nodes -------------------------------------------------------------------------- */
 
 /* Values at nodes: [count][lanes] each. */
@@ -1004,6 +1017,7 @@ ylm_status BLOCK(shadow_query *w, size_t begin, size_t end, int worker, ylm_erro
     status = before_lamp(b, &s->lamp[k], from);
   if (status == YLM_OK) {
     layer(b);
+    count(b);
     status = multiply(b);
   }
   if (status == YLM_OK) write(b);

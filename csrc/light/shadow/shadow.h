@@ -92,6 +92,7 @@ struct ylm_light_shadowed {
   size_t lamps;
   shadow_lamp *lamp;
   _Atomic(shadow_tables *) tables[YLM_SH_PRODUCT_LMAX + 1];
+  _Atomic(uint64_t) points, casters, products, factors, nanoseconds; /* so far */
 };
 
 /* -- one query -------------------------------------------------------------------------------- */
@@ -143,7 +144,7 @@ typedef struct shadow_query {
   bool metric;
   shadow_room *room; /* [threads][ROOMS] */
   void **block;      /* [threads] of block.h */
-  _Atomic(uint64_t) pairs;
+  _Atomic(uint64_t) pairs, casters, products, factors;
   shadow_sums_fn *sums;
 } shadow_query;
 

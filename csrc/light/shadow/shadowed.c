@@ -119,6 +119,25 @@ static size_t grain_of(size_t n, int threads) {
   return lanes < 16 ? 16 : lanes > SHADOW_BLOCK ? SHADOW_BLOCK : lanes;
 }
 
+/* Adds a query to what the light has done so far. */
+static void note(const ylm_light_shadowed *s, shadow_query *w, size_t n, double seconds) {
+  ylm_light_shadowed *to = (ylm_light_shadowed *)(uintptr_t)s;
+  atomic_fetch_add(&to->points, n);
+  atomic_fetch_add(&to->casters, atomic_load(&w->casters));
+  atomic_fetch_add(&to->products, atomic_load(&w->products));
+  atomic_fetch_add(&to->factors, atomic_load(&w->factors));
+  atomic_fetch_add(&to->nanoseconds, (uint64_t)(1e9 * fmax(0, seconds)));
+}
+
+void ylm_light_shadowed_look(const ylm_light_shadowed *s, ylm_light_shadowed_stats *out) {
+  ylm_light_shadowed *from = (ylm_light_shadowed *)(uintptr_t)s;
+  *out = (ylm_light_shadowed_stats){.points = atomic_load(&from->points),
+                                    .casters = atomic_load(&from->casters),
+                                    .products = atomic_load(&from->products),
+                                    .factors = atomic_load(&from->factors),
+                                    .seconds = 1e-9 * (double)atomic_load(&from->nanoseconds)};
+}
+
 /* Light behind all casters but `skips` from `skip` on. */
 static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
                          const ylm_field_query *q, size_t n, const void *points,
@@ -128,6 +147,7 @@ static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
   if (q->want & YLM_WANT_HESSIAN)
     return ylm_fail(e, YLM_EINVAL, "shadowed light has no Hessians: derivatives = 1 at most");
   const shadow_tables *tables;
+  double begin = ylm_seconds();
   job j = {.w = {.s = s,
                  .skip = skip,
                  .skips = skips,
@@ -161,6 +181,7 @@ static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
     (q->dtype == YLM_DOUBLE ? ylm__shadow_block_free_d : ylm__shadow_block_free_f)(j.w.block[i]);
   ylm_free(j.w.block);
   r->pairs += atomic_load(&j.w.pairs);
+  if (status == YLM_OK) note(s, &j.w, n, ylm_seconds() - begin);
   if (status == YLM_ENOMEM) return ylm_fail(e, status, "%s", ylm_status_text(status));
   return status == YLM_OK ? ylm_light_finite(q, n, points, r, e) : status;
 }

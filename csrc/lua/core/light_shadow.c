@@ -297,6 +297,21 @@ static int shadowed_move(lua_State *L) {
   return ylmL_result(L, 1, status, &e);
 }
 
+/* shadowed_look(shadowed) -> { points, casters, products, factors, seconds }; nothing once closed */
+static int shadowed_look(lua_State *L) {
+  const shadowed *s = ylmL_check(L, 1, SHADOWED);
+  ylm_light_shadowed_stats now;
+  if (!s->of) return 0;
+  ylm_light_shadowed_look(s->of, &now);
+  lua_newtable(L);
+  ylmL_set_count(L, "points", now.points);
+  ylmL_set_count(L, "casters", now.casters);
+  ylmL_set_count(L, "products", now.products);
+  ylmL_set_count(L, "factors", now.factors);
+  ylmL_set_number(L, "seconds", now.seconds);
+  return 1;
+}
+
 static int shadowed_close(lua_State *L) {
   shadowed *s = ylmL_check(L, 1, SHADOWED);
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
@@ -307,17 +322,13 @@ static int shadowed_close(lua_State *L) {
   return 0;
 }
 
-static const luaL_Reg functions[] = {{"occluder_sphere", occluder_sphere},
-                                     {"occluder_solid", occluder_solid},
-                                     {"occluder_body", occluder_body},
-                                     {"occluder_close", occluder_close},
-                                     {"occluder_places", occluder_places},
-                                     {"shadowed_create", shadowed_create},
-                                     {"shadowed_move", shadowed_move},
-                                     {"shadowed_without", shadowed_without},
-                                     {"shadowed_caster", shadowed_caster},
-                                     {"shadowed_close", shadowed_close},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"occluder_sphere", occluder_sphere},   {"occluder_solid", occluder_solid},
+    {"occluder_body", occluder_body},       {"occluder_close", occluder_close},
+    {"occluder_places", occluder_places},   {"shadowed_create", shadowed_create},
+    {"shadowed_move", shadowed_move},       {"shadowed_look", shadowed_look},
+    {"shadowed_without", shadowed_without}, {"shadowed_caster", shadowed_caster},
+    {"shadowed_close", shadowed_close},     {NULL, NULL}};
 
 static const luaL_Reg occluder_methods[] = {{"__gc", occluder_close}, {NULL, NULL}};
 static const luaL_Reg shadowed_methods[] = {{"__gc", shadowed_close}, {NULL, NULL}};

@@ -322,6 +322,7 @@ function bake.bake(description, lights, given)
   if type(packed) ~= "function" and light.followed(packed) then baked_from[baked] = packed end
   unmet.remember(baked, o.light_tolerance)
   unmet.warn(baked)
+  light.heed(packed, description.lmax)
   return baked
 end
 

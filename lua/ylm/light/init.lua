@@ -62,7 +62,15 @@ function light.evaluate(name, lmax, object, points, o, isa, given)
     progress = progress.of(o.progress), value = out1, gradient = out2, hessian = out3, isa = isa,
     rough = o.rough })
   if L == nil then return nil, dL, ddL end
-  return L, dL, ddL, { lambda = lambda, norm = norm, inside = inside, pairs = pairs }
+  local warnings = light.heed(object, lmax)
+  return L, dL, ddL, { lambda = lambda, norm = norm, inside = inside, pairs = pairs,
+    warnings = #warnings > 0 and warnings or nil }
+end
+
+--- What a light field does not keep at a degree: sentences, said once.
+function light.heed(object, lmax)
+  local meta = core.type(object) and core.type(object) ~= "ylm.array" and getmetatable(object)
+  return meta and meta.__heed and meta.__heed(object, lmax) or {}
 end
 
 describe "light_field" {
@@ -78,7 +86,8 @@ describe "light_field" {
     { "L", "array", "[n][channels][(lmax+1)^2], W m^-2 sr^-1/2" },
     { "dL", "array", "[n][channels][(lmax+1)^2][3], or nil" },
     { "ddL", "array", "[n][channels][(lmax+1)^2][6], or nil: xx xy xz yy yz zz" },
-    { "report", "table", "inside [n]: 1 in or on a light, else 0; pairs: evaluations; with metric lambda, norm [n]" },
+    { "report", "table", "inside [n]: 1 in or on a light, else 0; pairs: evaluations; with metric lambda, norm [n]; "
+      .. "warnings: what is not kept, or nil" },
   },
   errors = "raises on bad arguments, and where a result is beyond the range of its type, naming the point (radiance 1e300 in "
     .. "float); nil, 'cancelled', 'ECANCELLED' where progress returns false; nil, message, code where a device fails",
