@@ -650,6 +650,8 @@ typedef struct ylm_grid_bricks {
   size_t points;      /* evaluated points of a brick before its children take its place; 0: 65536 */
   bool fresh;         /* begins anew whatever is in the folder */
   bool alone;         /* the light field is asked by one thread at a time */
+  double
+      seconds; /* no brick is begun that would take longer than this since the call; 0: for ever */
 } ylm_grid_bricks;
 
 /*
@@ -659,7 +661,10 @@ typedef struct ylm_grid_bricks {
 **   source  in  as of ylm_grid_bake, without back end; max_points is of the sum over bricks
 **
 ** Returns  as ylm_grid_bake; YLM_EINVAL also where the folder is another bake's, YLM_EBUSY where another
-**          process bakes into it, YLM_EIO
+**          process bakes into it, YLM_EIO; YLM_ELIMIT also where how->seconds are over: "not finished",
+**          to be called again
+** Teams    processes of source->team take bricks one after another; the folder's file system is theirs
+**          in common. A file of another one is awaited for 60 seconds
 ** Results  the files are the same to the bit whatever the number of threads, and of interruptions. With a
 **          threshold and a field that does not depend on blocks of points, samples are those of
 **          ylm_grid_bake

@@ -108,6 +108,9 @@ static ylm_status begin(process *p, ylm_error *e) {
   } else {
     MPI_Query_thread(&level);
   }
+  if (level < MPI_THREAD_SERIALIZED)
+    return ylm_fail(e, YLM_EPEER,
+                    "this MPI library cannot be called by several threads (MPI_THREAD_SERIALIZED)");
   if (MPI_Comm_dup(MPI_COMM_WORLD, &p->comm) != MPI_SUCCESS)
     return ylm_fail(e, YLM_EPEER, "MPI failed: no communicator");
   MPI_Comm_set_errhandler(p->comm, MPI_ERRORS_RETURN);
@@ -129,7 +132,7 @@ static ylm_status begin(process *p, ylm_error *e) {
   if (room) p->threads = share_of_threads(p->comm, masks);
   ylm_free(masks);
   if (!room) return ylm_fail(e, YLM_ENOMEM, "no memory for a team");
-  if (t->rank == 0 && t->size > 1 && level >= MPI_THREAD_SERIALIZED) ylm__mpi_thread_begin(p);
+  if (t->rank == 0 && t->size > 1) ylm__mpi_thread_begin(p);
 #ifdef __GLIBC__
   on_exit(leave, p);
 #else

@@ -102,11 +102,8 @@ static uint64_t crc_of_meshes(const ylm_grid_source *source) {
   return crc;
 }
 
-ylm_status ylm__divide_begin(baker *b) {
-  ylm_team *t = team_of(b);
-  if (!t) return YLM_OK;
-  const ylm_grid_form *f = &b->g->contents.form;
-  const ylm_grid_source *source = b->source;
+ylm_status ylm__divide_same(ylm_team *t, const ylm_grid_form *f, const ylm_grid_source *source,
+                            ylm_error *e) {
   size_t points = source->occupied_points ? source->occupied : 0,
          bytes = points * 3 * ylm_dtype_size(source->occupied_dtype);
   uint64_t meshes = crc_of_meshes(source);
@@ -131,5 +128,10 @@ ylm_status ylm__divide_begin(baker *b) {
   add(&a, "list of normals", points ? source->normals : NULL, bytes);
   add(&a, "list of limits of the bias", points ? source->limits : NULL, points * sizeof(float));
   add(&a, "geometry", &meshes, sizeof meshes);
-  return known(b, ylm_team_same(t, "", a.n, a.name, a.value, b->e));
+  return ylm_team_same(t, "", a.n, a.name, a.value, e);
+}
+
+ylm_status ylm__divide_begin(baker *b) {
+  ylm_team *t = team_of(b);
+  return t ? known(b, ylm__divide_same(t, &b->g->contents.form, b->source, b->e)) : YLM_OK;
 }

@@ -24,7 +24,8 @@
 **   ylm__plan_close(p);
 **
 ** A task whose files are there and whole is done at once: so bakes go on where they were. Everything that decides about
-** later jobs stands in the folder; processes exchange nothing but the end of a job. run.c is the loop of one process.
+** later jobs stands in the folder; processes exchange nothing but the end of a job. run.c is that loop, by one process or by
+** those of a team.
 */
 #ifndef YLM_GRID_BRICK_H
 #define YLM_GRID_BRICK_H
@@ -55,11 +56,18 @@ typedef enum plan_job {
   PLAN_DONE
 } plan_job;
 
+/* The processes that share a bake. */
+typedef struct plan_team {
+  ylm_team *team;
+  bool agreed; /* all know that the bake has failed */
+} plan_team;
+
 typedef struct plan {
+  plan_team *team;
   ylm_grid_form form; /* with the quantity of its field */
   const ylm_grid_source *source;
   ylm_grid_bricks how;
-  bool owner; /* this process looks after the folder */
+  bool owner; /* this process looks after the folder: the first of the team */
   int lock;   /* a descriptor; -1: none */
   baker top;
   plan_job job;
@@ -75,14 +83,16 @@ typedef struct plan {
 **
 **   form, source  in  as of ylm_grid_bake; the source lives as long as the plan
 **   how           in  level of the bricks, folder, limits
-**   owner         in  this process looks after the folder: it makes it, writes `form`, holds the lock.
-**                     Others call after it has returned there
+**   team          in  the first process looks after the folder: it makes it, writes `form`, holds the
+**                     lock; the others wait until it has
 **
 ** Returns  YLM_OK; YLM_EINVAL (form and options, or a folder of another bake: what differs), YLM_EBUSY
 **          (another bake is at work), YLM_EIO, YLM_ENOMEM, what the field returns
 */
 ylm_status ylm__plan_open(const ylm_grid_form *form, const ylm_grid_source *source,
-                          const ylm_grid_bricks *how, bool owner, plan **p, ylm_error *e);
+                          const ylm_grid_bricks *how, plan_team *team, plan **p, ylm_error *e);
+/* The status of the first process that has a bad one, once all have come; s where there is no team, or all know already. */
+ylm_status ylm__plan_agree(plan_team *team, ylm_status s, ylm_error *e);
 void ylm__plan_close(plan *p);
 /* Tasks of the job at hand, the longest first; 0: the bake is done. */
 size_t ylm__plan_tasks(const plan *p);
@@ -96,6 +106,8 @@ ylm_status ylm__plan_task(plan *p, size_t task, int threads, const ylm_progress 
                           ylm_error *e);
 /* The next job, once all tasks of this one are done in all processes. */
 ylm_status ylm__plan_advance(plan *p, ylm_error *e);
+/* Do several processes share the bake? */
+static inline bool plan_is_shared(const plan *p) { return p->team->team->size > 1; }
 /* The bricks whose closed boxes meet box [6] (lattice: lowest, highest), as numbers in p->brick, sorted.
    The caller frees *list. */
 ylm_status ylm__plan_touching(const plan *p, const uint32_t box[6], uint32_t **list, size_t *n);
@@ -136,6 +148,10 @@ void ylm__folder_file(const char *folder, const char *name, char out[FOLDER_PATH
 void ylm__folder_brick(const char *folder, const char *code, const char *ending,
                        char out[FOLDER_PATH]);
 bool ylm__folder_has(const char *path);
+/* ylm__folder_has, of a file that another process of the team has written: a network file system may show it late. */
+bool ylm__folder_awaits(const plan *p, const char *path);
+/* Some milliseconds, before another look. */
+void ylm__folder_rest(void);
 /* Makes the folder, locks it, writes or compares the form. */
 ylm_status ylm__folder_open(plan *p, ylm_error *e);
 void ylm__folder_close(plan *p);

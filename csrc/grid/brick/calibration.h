@@ -12,5 +12,7 @@
 #define SET_CACHE ((size_t)256 << 20)
 /* Points that are sampled of a brick at a time. */
 #define SET_CHUNK 8192
+/* Seconds after which a file of another process is not awaited any more. */
+#define LATE_SECONDS 60
 
 #endif

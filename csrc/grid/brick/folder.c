@@ -31,6 +31,17 @@ bool ylm__folder_has(const char *path) {
   return stat(path, &st) == 0 && S_ISREG(st.st_mode);
 }
 
+void ylm__folder_rest(void) { nanosleep(&(struct timespec){.tv_nsec = 20000000}, NULL); }
+
+bool ylm__folder_awaits(const plan *p, const char *path) {
+  double begin = ylm_seconds();
+  while (!ylm__folder_has(path)) {
+    if (!plan_is_shared(p) || ylm_seconds() - begin > LATE_SECONDS) return false;
+    ylm__folder_rest();
+  }
+  return true;
+}
+
 void ylm__folder_sync(const char *path) {
   char folder[FOLDER_PATH];
   snprintf(folder, sizeof folder, "%s", path);

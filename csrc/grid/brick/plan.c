@@ -72,8 +72,27 @@ static ylm_status begin_jobs(plan *p, ylm_error *e) {
   return p->wanteds ? YLM_OK : ylm__plan_advance(p, e);
 }
 
+ylm_status ylm__plan_agree(plan_team *team, ylm_status s, ylm_error *e) {
+  ylm_team *t = team->team;
+  if (t->size == 1 || team->agreed) return s;
+  if (s != YLM_OK && !(e && e->status == s)) ylm_fail(e, s, "%s", ylm_status_text(s));
+  s = t->agree(t->self, s, e);
+  team->agreed = s != YLM_OK;
+  return s;
+}
+
+/* The folder: its owner makes it while the others wait. */
+static ylm_status open_folder(plan *p, ylm_status s, ylm_error *e) {
+  char path[FOLDER_PATH];
+  if (!p->owner) s = ylm__plan_agree(p->team, s, e);
+  ylm__folder_file(p->how.folder, "form", path);
+  if (s == YLM_OK && !p->owner) ylm__folder_awaits(p, path);
+  if (s == YLM_OK) s = ylm__folder_open(p, e);
+  return p->owner ? ylm__plan_agree(p->team, s, e) : s;
+}
+
 ylm_status ylm__plan_open(const ylm_grid_form *form, const ylm_grid_source *source,
-                          const ylm_grid_bricks *how, bool owner, plan **out, ylm_error *e) {
+                          const ylm_grid_bricks *how, plan_team *team, plan **out, ylm_error *e) {
   *out = NULL;
   ylm_status s = ylm__grid_check_form(form, e);
   if (s == YLM_OK) s = ylm__grid_check_source(source, form->dynamic, e);
@@ -85,13 +104,14 @@ ylm_status ylm__plan_open(const ylm_grid_form *form, const ylm_grid_source *sour
   p->form.quantity = source->field->quantity;
   p->source = source;
   p->how = *how;
-  p->owner = owner;
+  p->team = team;
+  p->owner = team->team->rank == 0;
   p->lock = -1;
   if (!p->how.level) p->how.level = form->depth - 2 < BRICK_LEVEL ? form->depth - 2 : BRICK_LEVEL;
   if (!p->how.points) p->how.points = BRICK_POINTS;
   s = begin(p, e);
   if (s == YLM_ENOMEM || (s == YLM_ELIMIT && !p->top.told)) ylm__grid_no_room(s, source, e);
-  if (s == YLM_OK) s = ylm__folder_open(p, e);
+  s = open_folder(p, s, e);
   order_wanted(p);
   p->top.e = p->top.making.e = NULL;
   if (s == YLM_OK) s = begin_jobs(p, e);
@@ -144,6 +164,16 @@ ylm_status ylm__plan_task(plan *p, size_t task, int threads, const ylm_progress 
   }
 }
 
+/* Has a brick been refined or given up? By another process of the team it has been, but a network file system may show it late. */
+static bool is_there(const plan *p, const brick *k) {
+  double begin = ylm_seconds();
+  while (!ylm__brick_given_up(p, k) && !ylm__brick_refined(p, k)) {
+    if (!plan_is_shared(p) || ylm_seconds() - begin > LATE_SECONDS) return false;
+    ylm__folder_rest();
+  }
+  return true;
+}
+
 /* The refined bricks of the round join the list; *more are those that were given up, at its end. */
 static ylm_status take_round(plan *p, size_t *given_up, ylm_error *e) {
   brick *all = ylm_realloc(p->brick, p->bricks * sizeof *all, p->bricks + p->wanteds, sizeof *all);
@@ -152,9 +182,10 @@ static ylm_status take_round(plan *p, size_t *given_up, ylm_error *e) {
   size_t n = 0;
   for (size_t i = 0; i < p->wanteds; i++) {
     const brick k = p->wanted[i];
+    bool there = is_there(p, &k);
     if (ylm__brick_given_up(p, &k))
       p->wanted[n++] = k;
-    else if (ylm__brick_refined(p, &k))
+    else if (there)
       all[p->bricks++] = k;
     else
       return ylm_fail(e, YLM_EIO, "%s: brick %s is not there, though it was baked", p->how.folder,
@@ -240,7 +271,28 @@ static ylm_status after_round(plan *p, ylm_error *e) {
   return look_for_lights(p, e);
 }
 
+/* Files that tasks of the job have written. */
+static void await_files(const plan *p) {
+  char path[FOLDER_PATH];
+  if (!plan_is_shared(p)) return;
+  for (size_t i = 0; p->job == PLAN_LIGHTS && i < p->wanteds; i++) {
+    ylm__folder_brick(p->how.folder, p->wanted[i].code, "c", path);
+    ylm__folder_awaits(p, path);
+  }
+  for (size_t i = 0; p->job == PLAN_JOIN && i < p->bricks; i++) {
+    ylm__folder_brick(p->how.folder, p->brick[i].code, "ylm", path);
+    ylm__folder_awaits(p, path);
+  }
+  const char *name = p->job == PLAN_FILL     ? "fill"
+                     : p->job == PLAN_JOIN   ? "top.ylm"
+                     : p->job == PLAN_FINISH ? "index"
+                                             : NULL;
+  ylm__folder_file(p->how.folder, name ? name : "form", path);
+  ylm__folder_awaits(p, path);
+}
+
 ylm_status ylm__plan_advance(plan *p, ylm_error *e) {
+  await_files(p);
   switch (p->job) {
   case PLAN_REFINE: return after_round(p, e);
   case PLAN_LIGHTS: p->job = PLAN_FILL; break;

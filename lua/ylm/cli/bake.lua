@@ -19,13 +19,48 @@ local function check_parts(given)
   end
 end
 
+--- Ends the command unless the output can be written; a folder of bricks is made, and goes on where it was.
+local function check_output(given)
+  if not given.output then status.stop(status.usage, "bake: -o FILE says where the grid goes") end
+  if given.output:lower():find "%.ylmd/*$" then return true end
+  for _, name in ipairs { "fresh", "time" } do
+    if given[name] then status.stop(status.usage, "bake: --%s is of bricks: give -o NAME.ylmd, or leave it out", name) end
+  end
+  status.need_output("bake", given.output, "ylm", "vtu", "ylmd")
+  return false
+end
+
+local units = { [""] = 1, s = 1, m = 60, h = 3600 }
+
+--- Seconds of "90", "90s", "55m" or "12h"; nil: no time was given.
+local function seconds_of(text)
+  if text == nil then return nil end
+  local number, unit = text:match "^(%d*%.?%d+)(%a?)$"
+  local seconds = number and units[unit] and tonumber(number) * units[unit]
+  if not seconds or seconds <= 0 then
+    status.stop(status.usage, "bake: --time is a time such as 90s, 55m or 12h, got '%s'", text)
+  end
+  return seconds
+end
+
+--- Results of a bake; the end of its time is a status of its own.
+local function need_grid(grid, message, code)
+  if not grid and code == "ELIMIT" and message:find("not finished", 1, true) then status.stop(status.unfinished, message) end
+  return status.need(grid, message, code)
+end
+
 return {
   summary = "bakes the probes of a scene file into a grid",
   usage = "SCENE.lua -o GRID.ylm",
+  notes = "mpirun or srun with this command share the work among their processes (docs/cluster.md).",
   least = 1,
   shared = true,
   options = {
-    { "output", "-o", "FILE", "the grid (.ylm), or .vtu for ParaView" },
+    { "output", "-o", "FILE", "the grid (.ylm), or .vtu for ParaView; .ylmd: a folder of bricks, for grids larger than "
+      .. "memory, which a second call goes on with" },
+    { "fresh", nil, nil, "with -o NAME.ylmd: begin anew, whatever is there" },
+    { "time", nil, "TIME", "with -o NAME.ylmd: begin no brick that would take longer (90s, 55m, 12h); exit status 75 where "
+      .. "bricks are left" },
     { "parts", nil, "NAME", "what the grid holds: lights (default: nothing occludes them), direct (with shadows), indirect (what "
       .. "surfaces send back) or all" },
     { "bounces", "-b", "NAME", "of --parts indirect and all: reflections after direct light, 1, 2 .. or all (default)" },
@@ -38,8 +73,8 @@ return {
   },
   run = function(given)
     local ylm = require "ylm"
-    if not given.output then status.stop(status.usage, "bake: -o FILE says where the grid goes") end
-    status.need_output("bake", given.output, "ylm", "vtu")
+    local in_bricks = check_output(given)
+    local seconds = seconds_of(given.time)
     local where = given.occupied or "surfaces"
     if where ~= "surfaces" and where ~= "camera" and where ~= "vertices" and where ~= "everywhere" then
       status.stop(status.usage, "bake: --occupied is surfaces, camera, vertices or everywhere, got '%s'", where)
@@ -55,11 +90,12 @@ return {
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
     end
     local team = status.need(ylm.team())
-    local grid = status.need(scene:bake { team = team.size > 1 and team or nil, parts = given.parts, bounces = bounces,
-      occupied = given.occupied, size = given.size, samples = given.samples, light_tolerance = given.light_tolerance,
-      threads = given.threads, progress = report.progress(given) })
+    local grid = need_grid(scene:bake { to = in_bricks and given.output or nil, fresh = given.fresh, seconds = seconds,
+      team = team.size > 1 and team or nil, parts = given.parts, bounces = bounces, occupied = given.occupied,
+      size = given.size, samples = given.samples, light_tolerance = given.light_tolerance, threads = given.threads,
+      progress = report.progress(given) })
     local good, message, code = true, nil, nil
-    if team.rank == 1 then good, message, code = grid:save(given.output) end
+    if team.rank == 1 and not in_bricks then good, message, code = grid:save(given.output) end
     status.need(require "ylm.team".agree(team, good, message, code))
     local stats = grid.stats
     stats.quantity = grid.quantity

@@ -14,11 +14,13 @@ local status = {
   beyond = 4,    -- compare: a bound was not kept
   limit = 5,     -- a scene file passed a limit
   unmet = 6,     -- --strict: a result does not keep what it promises
+  unfinished = 75, -- bake: the time is over, a call again goes on (EX_TEMPFAIL)
   cancelled = 130,
   own_least = 7, own_most = 125, -- of experiments; shells give the rest meanings
   text = "0 good, 1 a file, driver or memory failed, 2 wrong usage, 3 a scene or experiment is wrong,\n"
     .. "             4 a bound of compare was not kept, 5 a scene passed a limit,\n"
-    .. "             6 a warning was given and --strict asked for, 7 to 125 an experiment's own, 130 interrupted",
+    .. "             6 a warning was given and --strict asked for, 7 to 125 an experiment's own,\n"
+    .. "             75 a bake's time is over: start it again, 130 interrupted",
 }
 
 local of_code = { EFORMAT = status.script, ELIMIT = status.limit, ECANCELLED = status.cancelled }

@@ -176,6 +176,8 @@ local bake_options = {
   { "fresh", "boolean", default = false, about = "with to: begins anew whatever is in the folder" },
   { "brick_points", "integer", min = 512, max = 2 ^ 24, optional = true, about = "with to: a brick with more evaluated points "
     .. "than this is given up for its eight children; 65536 where it is left out" },
+  { "seconds", "number", above = 0, optional = true, about = "with to: no brick is begun that would take longer than this since "
+    .. "the call; nil, 'not finished ..', 'ELIMIT' then, and a call again goes on" },
   set.cache_option,
   form.threads, form.progress,
   { "team", "object", of = "team", optional = true,

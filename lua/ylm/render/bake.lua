@@ -123,6 +123,10 @@ local bake_options = options.list(options.view_fields, {
   { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
     about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
   light.tolerance_option "light_tolerance",
+  { "to", "path", optional = true, about = "a folder, name.ylmd, that the grid is baked into in bricks, as in ylm.bake; with "
+    .. "fresh, seconds" },
+  { "fresh", "boolean", default = false, about = "with to: begins anew whatever is in the folder" },
+  { "seconds", "number", above = 0, optional = true, about = "with to: no brick is begun that would take longer" },
   { "team", "object", of = "team", optional = true, about = "ylm.team(), of ylm.bake; every process prepares the light field" },
   { "device", "gpu", optional = true, about = "bakes there, as ylm.bake does; a prepared view's points are copied there once" },
 }, options.common)
@@ -159,7 +163,8 @@ function bake.bake(s, given)
   if field then
     grid, message, code = grids.bake(probes, field, { occupied = where, geometry = where == "surfaces" and s.geometry or nil,
       bounds = box.padded(t.lo, t.hi), seed = o.seed, threads = o.threads, progress = o.progress,
-      light_tolerance = o.light_tolerance, device = o.device, team = o.team })
+      light_tolerance = o.light_tolerance, device = o.device, team = o.team, to = o.to,
+      fresh = o.fresh, seconds = o.seconds })
   end
   if own then where:close() end
   return grid, message, code

@@ -1,0 +1,89 @@
+-- Bakes in bricks by several processes: the files of one, also where processes were killed in between.
+
+local mpi = require "spec.support.mpi"
+local scratch = require "spec.support.scratch"
+local tool = require "spec.support.tool"
+
+--- A floor, a lamp that reaches over borders of bricks, another one.
+local SCENE = [[return scene "floor" {
+  geometry = { quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } },
+    sphere { at = { 0.3, 0.4, 0.1 }, radius = 0.3, divide = { 16, 8 } } },
+  lights = { sphere_light { at = { 0.21, 0.1, 0 }, radius = 0.12, radiance = 5 },
+    sphere_light { at = { -0.7, 0.3, 0.4 }, radius = 0.05, radiance = { 9, 4, 2 } } },
+  probes = adaptive_grid { lmax = 2, depth = 7, threshold = 0.05, bricks = 2 } }]]
+
+--- Checksums of the files in a folder.
+local function sums(path)
+  return (scratch.capture(("cd %s && find . -type f ! -name '.*' | LC_ALL=C sort | xargs cksum"):format(scratch.quote(path))))
+end
+
+describe("a bake in bricks that a team shares", function()
+  local folder, run, scene, one
+  setup(function()
+    folder = scratch.new()
+    run = mpi.runner(folder)
+    scene = scratch.quote(folder:write("scene.lua", SCENE))
+    one = folder.path .. "/one.ylmd"
+    if mpi.missing() then return end
+    local out, status = scratch.capture(("%s bake %s -q -j 1 -o %s"):format(tool.command, scene, scratch.quote(one)))
+    assert(status == 0, out)
+  end)
+  teardown(function() folder:remove() end)
+
+  it("is the same command with the same files, on any number of processes and threads", function()
+    if mpi.missing() then return pending(mpi.missing()) end
+    local wanted = sums(one)
+    assert(select(2, wanted:gsub("%.ylm\n", "")) > 20, wanted)
+    for _, case in ipairs { { 4, 1 }, { 2, 2 } } do
+      local path = folder.path .. ("/%d.ylmd"):format(case[1])
+      local out, status = run(case[1], "ylm", ("bake %s --json -j %d -o %s"):format(scene, case[2], scratch.quote(path)))
+      assert(status == 0 and out:find "^{.*}\n$", out)
+      assert.equal(wanted, sums(path))
+    end
+  end)
+
+  it("goes on after a kill, with other processes, to the same files", function()
+    if mpi.missing() then return pending(mpi.missing()) end
+    local path = folder.path .. "/killed.ylmd"
+    local script = folder:write("kill.lua", ([[
+      local ylm = require "ylm"
+      local team = ylm.team()
+      local scene = assert(ylm.load_scene(%q))
+      local calls = 0
+      assert(scene:bake { to = %q, team = team, threads = 1, progress = function(_, _, stage)
+        if stage == "bricks" then calls = calls + 1 end
+        if calls == 4 then os.execute "kill -9 $PPID" end
+        return true
+      end })]]):format(folder.path .. "/scene.lua", path))
+    local out, status, seconds = run(3, "ylm", "run " .. scratch.quote(script))
+    assert(status ~= 0 and seconds < 20, out)
+    assert(not io.open(path .. "/index"), out)
+    out, status = run(2, "ylm", ("bake %s -q -o %s"):format(scene, scratch.quote(path)))
+    assert.equal(0, status, out)
+    assert.equal(sums(one), sums(path))
+  end)
+
+  it("ends when its time is over, with status 75, and goes on; another scene's folder is refused", function()
+    if mpi.missing() then return pending(mpi.missing()) end
+    local path = folder.path .. "/late.ylmd"
+    local words = ("bake %s -q -o %s"):format(scene, scratch.quote(path))
+    local out, status = run(2, "ylm", words .. " --time 0.000001s")
+    assert(status == 75 and select(2, out:gsub("not finished: the time is over; a call again goes on", "")) == 1, out)
+    out, status = run(2, "ylm", words)
+    assert.equal(0, status, out)
+    assert.equal(sums(one), sums(path))
+    local other = folder:write("other.lua", (SCENE:gsub("threshold = 0.05", "threshold = 0.06")))
+    out, status = run(2, "ylm", ("bake %s -q -o %s"):format(scratch.quote(other), scratch.quote(path)))
+    assert(status ~= 0 and select(2, out:gsub("another bake, which differs in 'threshold'", "")) == 1, out)
+  end)
+
+  it("is what the model of clusters measures (examples/cluster)", function()
+    if mpi.missing() then return pending(mpi.missing()) end
+    local out, status = run(2, "ylm", "run examples/cluster/model.lua --quick --out " .. scratch.quote(folder.path))
+    assert(status == 0 and out:find "measured by 2 processes: [%d.]+ s; the model says [%d.]+ s", out)
+    assert.equal(3, select(2, out:gsub("\n +1024 processes +%d+ s  efficiency +%d+ %%", "")), out)
+    out, status = run(2, "ylm", "run examples/cluster/sweep.lua")
+    assert.equal(0, status, out)
+    assert.equal(6, select(2, out:gsub(" lamps to 0%.%d+: +%d+ points, error 0%.%d+\n", "")), out)
+  end)
+end)
