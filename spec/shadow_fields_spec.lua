@@ -338,6 +338,22 @@ describe("ylm.visibility", function()
     end
   end)
 
+  it("of spheres of any size, in any direction, poles included, is in float what it is in double", function()
+    local axes = { { 0, 0, 1 }, { 0, 0, -1 }, { -1, 0, 0 }, { -1, 1e-9, 0 }, { -1, -1e-9, 0 }, { 1, 0, 0 } }
+    for _, at in ipairs { around(12, 1, 1), axes } do
+      local radius, body = {}, {}
+      for i = 1, #at do radius[i], body[i] = 0.9 * 10 ^ (-3 * random()), 1 + i % 4 end
+      local spheres = ylm.sphere_casters { at = at, radius = radius, body = body }
+      for rule = 2, 6, 2 do
+        local o = { rule = rule, cull = 0, derivatives = 1 }
+        local V, dV = open_part(5, spheres, { { 0, 0, 0 } }, o)
+        o.dtype = "float"
+        local F, dF = open_part(5, spheres, { { 0, 0, 0 } }, o)
+        assert(apart(F, V) < 1e-4 and apart(dF, dV) < 1e-3, ("rule %d, seed %g"):format(rule, seed))
+      end
+    end
+  end)
+
   it("of spheres is that of the plain form by each instruction set", function()
     local script = os.tmpname()
     local f = assert(io.open(script, "w"))

@@ -63,6 +63,7 @@ static void lay_out(const direction *d, size_t n, shadow_rings *r) {
     r->z[r->n] = d[from].z;
     r->first[2 * r->n] = begin;
     r->first[2 * r->n + 1] = i - from;
+    if (!r->around || i - from < r->around) r->around = i - from;
   }
   r->padded = to;
 }
@@ -124,6 +125,8 @@ void ylm__shadow_cap_of(const shadow_blur *b, const shadow_seen *s, const shadow
   bool all = c->limit <= 0; /* half a sphere or more */
   c->low = all || -s->w[2] > c->limit ? -2 : s->w[2] * c->limit - flat * beyond - 1e-9;
   c->high = all || s->w[2] > c->limit ? 2 : s->w[2] * c->limit + flat * beyond + 1e-9;
+  c->azimuth = (double)atan2f((float)s->w[1], (float)s->w[0]);
+  c->reach = all || beyond >= flat ? 2 : beyond / flat;
   c->step = b->step;
   c->deep = x->weight * deep;
   c->over = 1 / s->distance;

@@ -5,24 +5,9 @@
 
 shadow_profile_fn YLM_KERNEL(ylm_k_shadow_profile);
 
-/* Is a lane of the mask set? */
-YLM_INLINE bool any(ylm_vi m) {
-#if defined(__AVX512F__)
-  return _mm512_test_epi32_mask((__m512i)m, (__m512i)m) != 0;
-#elif defined(__AVX2__)
-  return _mm256_movemask_ps((__m256)m) != 0;
-#elif defined(__x86_64__)
-  return _mm_movemask_ps((__m128)m) != 0;
-#else
-  int32_t some = 0;
-  for (int i = 0; i < YLM_VF; i++) some |= m[i];
-  return some != 0;
-#endif
-}
-
-/* The directions of a vector, of which some are within the limit: d is the cosine of the angle to the cap's middle. */
+/* The directions of a vector: d is the cosine of the angle to the cap's middle. */
 YLM_INLINE void add(const shadow_rings *r, const shadow_cap *c, bool times, bool gradient, ylm_vf d,
-                    size_t i, float *v) {
+                    ylm_vf limit, size_t i, float *v) {
   const ylm_vf zero = {0}, one = ylm_vf_set(1);
   ylm_vf h2 = one - d * d;
   ylm_vf across = ylm_vf_sqrt(ylm_vf_select(h2 > zero, h2, zero));
@@ -31,6 +16,7 @@ YLM_INLINE void add(const shadow_rings *r, const shadow_cap *c, bool times, bool
   ylm_vf u = angle * (float)(1 / c->step) + 0.5f;
   u = ylm_vf_select(y < ylm_vf_set(-0.7f), zero, u);
   u = ylm_vf_select(u < zero, zero, ylm_vf_select(u > one, one, u));
+  u = ylm_vf_select(d > limit, u, one);
   ylm_vf hidden = one - u * u * (3.0f - 2.0f * u), p = one - (float)c->deep * hidden;
   ylm_vf was = ylm_vf_load(v + i);
   ylm_vi less = p < was;
@@ -49,19 +35,55 @@ YLM_INLINE void add(const shadow_rings *r, const shadow_cap *c, bool times, bool
   }
 }
 
+/* The vectors of directions, of each ring, that a cap may reach: from .. to - 1 in numbers, and those before `wrapped`. */
+typedef struct window {
+  size_t from, to, wrapped;
+} window;
+
+static window window_of(const shadow_rings *r, const shadow_cap *c) {
+  const double turn = 1 / (2 * PI);
+  double m = (double)r->around, middle = (c->azimuth * turn + 0.5) * m - 0.5;
+  /* the arcsine, or more */
+  double half = (c->reach + 0.5709 * c->reach * c->reach * c->reach) * turn * m + 0.01;
+  double low = ceil(middle - half), high = floor(middle + half);
+  window all = {0, r->around, 0};
+  if (!(c->reach < 1) || high - low + 1 >= m) return all;
+  if (high < low) return (window){0, 0, 0};
+  window w = {0, 0, 0};
+  if (low < 0) {
+    w = (window){(size_t)(low + m), r->around, (size_t)(high < 0 ? 0 : high + 1)};
+    if (high < 0) w.to = (size_t)(high + m) + 1;
+  } else if (high >= m) {
+    w = (window){(size_t)low, r->around, (size_t)(high - m) + 1};
+    if (low >= m) w = (window){(size_t)(low - m), (size_t)(high - m) + 1, 0};
+  } else
+    w = (window){(size_t)low, (size_t)high + 1, 0};
+  w.from = w.from / YLM_VF * YLM_VF;
+  return w.wrapped > w.from ? all : w;
+}
+
+YLM_INLINE ylm_vf cosines(const shadow_rings *r, const shadow_cap *c, double along, size_t i) {
+  const float *x = r->at_f, *y = x + r->padded;
+  return (float)along + (float)c->w[0] * ylm_vf_load(x + i) + (float)c->w[1] * ylm_vf_load(y + i);
+}
+
 YLM_INLINE void rings(const shadow_rings *r, const shadow_cap *c, bool times, bool gradient,
                       float *v) {
-  const float *x = r->at_f, *y = x + r->padded;
   ylm_vf limit = ylm_vf_set((float)c->limit);
+  window w = window_of(r, c);
   for (size_t k = 0; k < r->n; k++) {
-    double z = r->z[k];
+    double z = r->z[k], along = c->w[2] * z;
     if (z < c->low || z > c->high) continue;
-    ylm_vf base = ylm_vf_set((float)(c->w[2] * z));
-    size_t from = r->first[2 * k], to = from + r->first[2 * k + 1];
-    for (size_t i = from; i < to; i += YLM_VF) {
-      ylm_vf d = base + (float)c->w[0] * ylm_vf_load(x + i) + (float)c->w[1] * ylm_vf_load(y + i);
-      if (any(d > limit)) add(r, c, times, gradient, d, i, v);
+    size_t from = r->first[2 * k], count = r->first[2 * k + 1];
+    if (count != r->around) { /* the equator, whose directions stand there twice */
+      for (size_t i = from; i < from + count; i += YLM_VF)
+        add(r, c, times, gradient, cosines(r, c, along, i), limit, i, v);
+      continue;
     }
+    for (size_t i = from + w.from; i < from + w.to; i += YLM_VF)
+      add(r, c, times, gradient, cosines(r, c, along, i), limit, i, v);
+    for (size_t i = from; i < from + w.wrapped; i += YLM_VF)
+      add(r, c, times, gradient, cosines(r, c, along, i), limit, i, v);
   }
 }
 

@@ -64,11 +64,11 @@ typedef struct shadow_caster {
 
 /* The directions of a rule, ring by ring around z, each ring in the order of azimuths and padded. */
 typedef struct shadow_rings {
-  size_t n, padded;
-  double *z;      /* [n] */
-  size_t *first;  /* [n][2] the first direction, how many */
-  uint32_t *node; /* [padded] their places among the nodes of the rule */
-  double *at;     /* [3][padded] */
+  size_t n, padded, around; /* around: directions of a ring but the equator */
+  double *z;                /* [n] */
+  size_t *first;            /* [n][2] the first direction, how many */
+  uint32_t *node;           /* [padded] their places among the nodes of the rule */
+  double *at;               /* [3][padded] */
   float *at_f;
 } shadow_rings;
 
@@ -110,9 +110,10 @@ typedef struct shadow_blur {
 
 /* A sphere as directions see it. */
 typedef struct shadow_cap {
-  double w[3], cosine, sine;  /* the middle; of half its angle */
-  double limit, low, high;    /* cosine of the angle where it ends; z from and to there */
-  double step, deep;          /* of its rim; how much it hides in its middle */
+  double w[3], cosine, sine; /* the middle; of half its angle */
+  double limit, low, high;   /* cosine of the angle where it ends; z from and to there */
+  double step, deep;         /* of its rim; how much it hides in its middle */
+  double azimuth, reach; /* of the middle; sine of the largest azimuth from there, or more than 1 */
   double over, turn, fade[3]; /* 1/distance; derivatives of the angle and of `deep` */
 } shadow_cap;
 
