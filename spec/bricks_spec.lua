@@ -3,6 +3,7 @@
 local core = require "ylm.c.core"
 local ylm = require "ylm"
 local grids = require "spec.support.grids"
+local long = require "spec.support.long"
 local random = require "spec.support.random".minimal
 local scratch = require "spec.support.scratch"
 
@@ -49,7 +50,7 @@ describe("a grid in bricks", function()
     ["everywhere"] = { bricks = 1 },
     ["along a floor"] = { bricks = 2, depth = 6, occupied = true },
     ["with jumps between levels"] = { bricks = 2, continuous = false, occupied = true },
-    ["after giving up what grew too large"] = { bricks = 1, depth = 6, threshold = 0.03, points = 2000 },
+    ["after giving up what grew too large"] = { bricks = 1, points = 600 },
   } do
     it("samples as one bake does, to the bit: " .. name, function()
       local occupied = case.occupied and grids.occupied or nil
@@ -95,6 +96,87 @@ describe("a grid in bricks", function()
     assert.equal(sums "whole.ylmd", sums())
     local again = assert(ylm.bake(description, lamps, { to = to() }))
     assert.equal(grid.stats.points, again.stats.points)
+  end)
+
+  it("keeps a tolerance, of points, of surfaces and everywhere, and says so", function()
+    for _, o in ipairs { {}, { occupied = grids.occupied }, { geometry = ylm.sphere { radius = 0.8 } } } do
+      local one = ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 2, depth = 5, tolerance = 0.05 }, grids.lamps, o)
+      o.to, o.fresh = to(), true
+      local set = assert(ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 2, depth = 5, tolerance = 0.05, bricks = 1 },
+        grids.lamps, o))
+      assert.equal(one.stats.met, set.stats.met)
+      assert.is_true(set.stats.verified > 1000 and set.stats.error <= 0.05, set.stats.error)
+      assert.is_true(set.stats.points < 3 * one.stats.points, set.stats.points)
+    end
+  end)
+
+  it("has the same files with light_tolerance, whatever the number of threads and the bricks that were there", function()
+    local r, at = random(grids.seed), {}
+    for i = 1, 500 do at[i] = { 2 * r() - 1, 1.2 + r(), 2 * r() - 1 } end
+    local many = ylm.sphere_lights { at = at, radius = 0.02, radiance = 5 }
+    local function bake(name, threads)
+      return ylm.bake(described { depth = 4, bricks = 1, threshold = 0.02 }, many,
+        { to = to(name), light_tolerance = 0.02, threads = threads })
+    end
+    local grid = assert(bake("one.ylmd", 1))
+    assert(bake("two.ylmd", 2))
+    assert.equal(sums "one.ylmd", sums "two.ylmd")
+    -- No jumps at faces of bricks, though their points on these differ within the tolerance.
+    local eps, worst = 1e-9, 0
+    for _ = 1, 200 do
+      local y, z = 1.9 * r() - 0.95, 1.9 * r() - 0.95
+      local c = grid:sample { { -eps, y, z }, { eps, y, z } }
+      local _, d, norm = core.array_distance(c[1], c[2])
+      worst = math.max(worst, d / norm)
+    end
+    assert.is_true(worst < 1e-6, worst)
+  end)
+
+  --- A program that bakes in a folder; its text is the sum of its files.
+  local function program(threads)
+    return folder:write("bake.lua", ([[
+      local ylm = require "ylm"
+      local lamps = ylm.sphere_lights { at = { { 0.1, 0.02, 0 }, { -0.7, 0.1, -0.5 } }, radius = { 0.2, 0.05 }, radiance = 4 }
+      assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 2, depth = 6, threshold = %g,
+        bricks = 2 }, lamps, { to = arg[1], threads = %d, brick_points = 600 }))
+    ]]):format(long(0.3, 0.02), threads))
+  end
+
+  it("ends with the same files after kills at random moments", function()
+    local run, r = program(2), random(grids.seed)
+    local lua = scratch.quote(arg and arg[-1] or "lua5.4")
+    local function bake(name, before)
+      return ("%s %s %s %s"):format(before or "", lua, scratch.quote(run), scratch.quote(to(name)))
+    end
+    local begin = core.seconds()
+    local out, status = scratch.capture(bake "whole.ylmd")
+    assert(status == 0, out)
+    local whole, killed = core.seconds() - begin, 0
+    for _ = 1, long(3, 20) do
+      scratch.shell("rm -rf " .. scratch.quote(to()))
+      repeat -- each kill comes later than the one before it was, on the whole
+        out, status = scratch.capture(bake(nil, ("timeout -s KILL %.3f"):format(0.02 + r() * whole)))
+        if status ~= 0 then killed = killed + 1 end
+        assert(status == 0 or status == 137, out)
+      until status == 0 or killed % 4 == 0
+      out, status = scratch.capture(bake())
+      assert(status == 0, out)
+      assert.equal(sums "whole.ylmd", sums()) -- nothing is left over either
+    end
+    assert.is_true(killed > 0)
+  end)
+
+  it("says that the disk is full, and goes on when it is not", function()
+    local run = program(1)
+    local lua = scratch.quote(arg and arg[-1] or "lua5.4")
+    local command = ("%s %s %s"):format(lua, scratch.quote(run), scratch.quote(to()))
+    local out, status = scratch.capture("trap '' XFSZ; ulimit -f 100; " .. command)
+    assert.is_true(status ~= 0)
+    assert.matches("cannot be written: File too large", out)
+    out, status = scratch.capture(command)
+    assert(status == 0, out)
+    assert(ylm.load(to()))
+    assert.equal("", (scratch.capture("find " .. scratch.quote(to()) .. " -name '*unfinished*'")))
   end)
 
   it("keeps no more bricks in memory than the cache holds", function()

@@ -119,14 +119,13 @@ ylm_status ylm_field_sum_create(size_t n, const ylm_field *const *parts, ylm_fie
     ylm_free(copy);
     return YLM_ENOMEM;
   }
-  *s = (ylm_field_sum){
-      {.self = s,
-       .evaluate = evaluate,
-       .crosses = crosses,
-       .quantity = quantity_of(n, copy),
-       .pointwise = pointwise(n, copy)},
-      n,
-      copy};
+  *s = (ylm_field_sum){{.self = s,
+                        .evaluate = evaluate,
+                        .crosses = crosses,
+                        .quantity = quantity_of(n, copy),
+                        .pointwise = pointwise(n, copy)},
+                       n,
+                       copy};
   *sum = s;
   return YLM_OK;
 }

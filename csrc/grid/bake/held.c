@@ -37,7 +37,10 @@ void ylm__held_surface_point(const ylm_grid_surface *surface, uint64_t seed, uin
 
 void ylm__held_draw(const refiner *r, ylm_rng *rng, float out[3]) {
   const ylm_grid_source *s = r->b->source;
-  const double *box = r->b->g->contents.form.bounds;
+  const ylm_grid *g = r->b->g;
+  double box[6];
+  memcpy(box, g->contents.form.bounds, sizeof box);
+  if (g->contents.root_level) ylm_grid_box(g, 0, box);
   if (r->surface) {
     uint64_t high = ylm_rng_u32(rng), low = ylm_rng_u32(rng);
     ylm__held_surface_point(r->surface, high << 32 | low, 0, 1, out);

@@ -138,7 +138,10 @@ static ylm_status rule_finished(const refiner *r, const panel *p, double doubt, 
   if (p->side) return rule_sides(r, p, doubt, out);
   float *sampled = ylm_alloc(p->n, g->width * sizeof *sampled);
   ylm_status s = sampled ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK) s = ylm_grid_sample(g, &q, p->n, p->point, sampled, NULL, NULL, e);
+  if (s == YLM_OK && r->sample)
+    s = r->sample(r->sampled, &q, p->n, p->point, sampled, e);
+  else if (s == YLM_OK)
+    s = ylm_grid_sample(g, &q, p->n, p->point, sampled, NULL, NULL, e);
   if (s == YLM_OK) s = ylm__panel_rule_samples(g, p, sampled, doubt, out);
   ylm_free(sampled);
   return s;

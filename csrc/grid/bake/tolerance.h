@@ -32,6 +32,10 @@ typedef struct refiner {
   /* An update: ratios and `tight` are those of the bake; voxels that failed lately stay split. */
   bool frozen;
   bool (*forced)(const ylm_grid *g, const ylm_grid_cell *c);
+  /* Of a grid in bricks: its samples at n points, by which it is judged; NULL: the baker's grid is sampled. */
+  ylm_status (*sample)(void *sampled, const ylm_grid_query *q, size_t n, const float *points,
+                       float *value, ylm_error *e);
+  void *sampled;
 } refiner;
 
 /* -- tolerance.c ------------------------------------------------------------------------ */

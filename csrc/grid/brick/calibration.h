@@ -8,6 +8,8 @@
 #define BRICK_LEVEL 3
 /* Points of the top at most. */
 #define TOP_POINTS 200000
+/* Held-out points of a round of a brick, of a tolerance: each brick keeps it. */
+#define BRICK_HELD 512
 /* Bytes of a set's cache where none is asked for. */
 #define SET_CACHE ((size_t)256 << 20)
 /* Points that are sampled of a brick at a time. */

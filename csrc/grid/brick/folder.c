@@ -96,22 +96,33 @@ static ylm_status check_foreign(const char *folder, ylm_error *e) {
                : YLM_OK;
 }
 
-/* Removes the files of bricks with one of these endings. */
+/* Is a file of a folder a brick's with one of these endings, or one that a killed process left unfinished? */
+static bool is_spent(const char *name, const char *const *endings, size_t n) {
+  const char *dot = strchr(name, '.');
+  bool spent = strncmp(name, ".ylm-unfinished-", 16) == 0;
+  if (!dot || strspn(name, "01234567") != (size_t)(dot - name)) return spent;
+  for (size_t i = 0; i < n; i++) spent |= strcmp(dot + 1, endings[i]) == 0;
+  return spent;
+}
+
+static void clean_folder(const char *path, const char *const *endings, size_t n) {
+  char file[FOLDER_PATH + 300];
+  DIR *d = opendir(path);
+  if (!d) return;
+  for (struct dirent *entry; (entry = readdir(d));) {
+    snprintf(file, sizeof file, "%s/%s", path, entry->d_name);
+    if (is_spent(entry->d_name, endings, n)) unlink(file);
+  }
+  closedir(d);
+}
+
+/* Removes the files of bricks with one of these endings; nobody else is at work. */
 static void remove_bricks(const char *folder, const char *const *endings, size_t n) {
+  clean_folder(folder, endings, n);
   for (int room = 0; room < ROOMS; room++) {
-    char path[FOLDER_PATH], file[FOLDER_PATH + 300];
+    char path[FOLDER_PATH];
     snprintf(path, sizeof path, "%.*s/%d%d", FOLDER_PATH - 64, folder, room / 8, room % 8);
-    DIR *d = opendir(path);
-    if (!d) continue;
-    for (struct dirent *entry; (entry = readdir(d));) {
-      const char *dot = strchr(entry->d_name, '.');
-      bool gone = false;
-      if (!dot || strspn(entry->d_name, "01234567") != (size_t)(dot - entry->d_name)) continue;
-      for (size_t i = 0; i < n; i++) gone |= strcmp(dot + 1, endings[i]) == 0;
-      snprintf(file, sizeof file, "%s/%s", path, entry->d_name);
-      if (gone) unlink(file);
-    }
-    closedir(d);
+    clean_folder(path, endings, n);
   }
 }
 

@@ -1,5 +1,7 @@
 /* index.c - the index of a folder: its presence says that the bake is finished. */
+#include "../bake/tolerance.h"
 #include "brick.h"
+#include "set.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -16,7 +18,6 @@ static void add_stats(index_head *h, const ylm_grid_stats *s) {
   h->cells += s->cells;
   t->pairs += s->pairs;
   t->outside += s->outside;
-  t->verified += s->verified;
   t->leaves += s->leaves;
   t->occupied += s->occupied;
   t->continuity += s->continuity;
@@ -24,12 +25,7 @@ static void add_stats(index_head *h, const ylm_grid_stats *s) {
   t->tested += s->tested;
   if (s->rounds > t->rounds) t->rounds = s->rounds;
   if (s->levels > t->levels) t->levels = s->levels;
-  if (s->verified) {
-    if (!(t->error >= s->error)) t->error = s->error;
-    if (!(t->largest_error >= s->largest_error)) t->largest_error = s->largest_error;
-    t->met &= s->met;
-    t->limited |= s->limited;
-  }
+  t->limited |= s->limited;
 }
 
 /* The entry of a finished brick; adds its counts. */
@@ -73,13 +69,53 @@ static uint64_t sum_of(const index_head *h, const index_entry *entries) {
                    h->bricks * sizeof *entries);
 }
 
+/* -- the judgement ---------------------------------------------------------------------------------- */
+
+static ylm_status sample_set(void *set, const ylm_grid_query *q, size_t n, const float *points,
+                             float *value, ylm_error *e) {
+  return ylm_grid_set_sample(set, q, n, points, value, NULL, NULL, e);
+}
+
+/* Fresh points among all that are occupied say whether the whole keeps its tolerance. */
+static ylm_status judge_set(const plan *p, ylm_grid_set *set, bool limited, ylm_error *e) {
+  ylm_grid_source source = *p->source;
+  source.team = NULL;
+  source.progress = NULL;
+  baker b;
+  ylm__baker_begin(&b, p->top.g, &source, e);
+  refiner r = {.b = &b, .tolerance = p->form.tolerance, .sample = sample_set, .sampled = set};
+  ylm_status s = ylm__tolerance_begin(&r);
+  if (s == YLM_OK && source.occupied_points && source.occupied < HELD_OUT) s = ylm__verify(&r, 1);
+  if (s == YLM_OK) s = ylm__panel_judge(&r, limited);
+  ylm__tolerance_end(&r);
+  ylm__baker_free(&b);
+  return s;
+}
+
+static ylm_status judge(const plan *p, index_head *h, const index_entry *entries, ylm_error *e) {
+  ylm_grid_set *set;
+  grid_file_stats *t = &h->stats;
+  ylm_status s = ylm__set_make(p->how.folder, 0, h, entries, &set, e);
+  if (s != YLM_OK) return s;
+  s = judge_set(p, set, t->limited, e);
+  ylm_grid_set_free(set);
+  if (s == YLM_ENOMEM) ylm__grid_no_room(s, p->source, e);
+  const ylm_grid_stats *said = &p->top.g->stats;
+  t->verified = said->verified;
+  t->error = said->error;
+  t->largest_error = said->largest_error;
+  t->met = said->met;
+  t->limited = said->limited;
+  return s;
+}
+
 ylm_status ylm__brick_finish(const plan *p, ylm_error *e) {
   char path[FOLDER_PATH];
   index_head h = {.magic = INDEX_MAGIC,
                   .version = INDEX_VERSION,
                   .level = (uint32_t)p->how.level,
                   .bricks = p->bricks,
-                  .stats = {.error = NAN, .largest_error = NAN, .met = 1}};
+                  .stats = {.error = NAN, .largest_error = NAN}};
   index_entry *entries = ylm_alloc_zero(p->bricks, sizeof *entries);
   ylm_file *f = NULL;
   ylm__folder_file(p->how.folder, "index", path);
@@ -87,7 +123,7 @@ ylm_status ylm__brick_finish(const plan *p, ylm_error *e) {
       entries ? look_at_top(p, &h, e) : ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
   for (size_t i = 0; i < p->bricks && s == YLM_OK; i++)
     s = look(p, &p->brick[i], &h, &entries[i], e);
-  if (!(p->form.tolerance > 0)) h.stats.met = 0;
+  if (s == YLM_OK && p->form.tolerance > 0) s = judge(p, &h, entries, e);
   h.crc = s == YLM_OK ? sum_of(&h, entries) : 0;
   if (s == YLM_OK) s = ylm_file_create(path, &f, e);
   if (s == YLM_OK) {

@@ -246,6 +246,7 @@ ylm_status ylm__brick_join(const plan *p, const brick *k, int threads, ylm_error
   ylm_grid_source source = *p->source;
   source.threads = threads;
   source.max_points = 0;
+  source.team = NULL;
   baker b;
   ylm_status s = ylm__brick_gather(p, k, &source, &b, e);
   if (s == YLM_OK) s = finish(p, b.g, threads, e);

@@ -121,6 +121,7 @@ static ylm_status gather(const plan *p, const brick *k, int threads, point_list 
   ylm_grid_source source = *p->source;
   source.threads = threads;
   source.max_points = 0;
+  source.team = NULL;
   baker b;
   *l = (point_list){0};
   ylm_status s = ylm__brick_gather(p, k, &source, &b, e);
@@ -221,6 +222,7 @@ ylm_status ylm__brick_fill(const plan *p, ylm_error *e) {
   point_list done;
   ylm_grid_source source = *p->source;
   source.max_points = 0;
+  source.team = NULL;
   ylm__folder_file(p->how.folder, "fill", path);
   if (ylm__folder_has(path) && ylm__points_read(path, p->top.g, &done, NULL) == YLM_OK) {
     ylm__points_free(&done);

@@ -32,8 +32,6 @@ static ylm_status check_how(const ylm_grid_form *f, const ylm_grid_source *s,
       f->measure != YLM_GRID_COEFFICIENTS || s->normals)
     return ylm_fail(e, YLM_EINVAL,
                     "bricks: light that is looked up beside surfaces is not baked in bricks");
-  if (f->tolerance > 0)
-    return ylm_fail(e, YLM_EINVAL, "bricks: a threshold is wanted, not a tolerance");
   if (s->like) return ylm_fail(e, YLM_EINVAL, "bricks: like is of grids that are baked whole");
   if (s->backend) return ylm_fail(e, YLM_EINVAL, "bricks: devices do not bake bricks");
   if (how->level < 0 || how->level > f->depth - 2)

@@ -1,4 +1,6 @@
 /* refine.c - the first task of a brick: its cells and evaluated points, without regard to its neighbours. */
+#include "../bake/surface.h"
+#include "../bake/tolerance.h"
 #include "brick.h"
 
 #include <string.h>
@@ -47,6 +49,88 @@ static ylm_status save(const plan *p, const brick *k, ylm_grid *g, ylm_error *e)
   return s;
 }
 
+/* -- by a tolerance --------------------------------------------------------------------------------- */
+
+/* Is a shading point in a brick? */
+static bool is_in(const plan *p, const brick *k, const double x[3]) {
+  uint32_t voxel[3], shift = (uint32_t)(p->form.depth - k->level);
+  ylm_grid_voxel(p->top.g, x, voxel);
+  bool in = true;
+  for (int a = 0; a < 3; a++) in &= voxel[a] >> shift == k->origin[a] >> shift;
+  return in;
+}
+
+/* The shading points of a brick take the place of all; the caller frees *points. */
+static ylm_status choose_points(const plan *p, const brick *k, ylm_grid_source *s, char **points) {
+  size_t row = 3 * ylm_dtype_size(s->occupied_dtype), room = 0, n = 0;
+  *points = NULL;
+  for (size_t i = 0; i < s->occupied; i++) {
+    double x[3];
+    for (size_t a = 0; a < 3; a++) x[a] = ylm_get(s->occupied_dtype, s->occupied_points, 3 * i + a);
+    if (!is_in(p, k, x)) continue;
+    if (n == room) {
+      room = room ? 2 * room : 256;
+      char *more = ylm_realloc(*points, n * row, room, row);
+      if (!more) return YLM_ENOMEM;
+      *points = more;
+    }
+    memcpy(*points + n++ * row, (const char *)s->occupied_points + i * row, row);
+  }
+  s->occupied_points = *points;
+  s->occupied = n;
+  return YLM_OK;
+}
+
+/* The surface within a brick; NULL where no triangle is. */
+static ylm_status choose_surface(const baker *b, ylm_grid_surface **surface) {
+  double box[6];
+  ylm_grid_box(b->g, 0, box);
+  ylm_status s = ylm_grid_surface_create(b->source->meshes, b->source->mesh, box,
+                                         b->source->threads, surface, NULL);
+  return s == YLM_EDOMAIN ? YLM_OK : s;
+}
+
+/* Rounds of refinement until few held-out points fail; without points, one. */
+static ylm_status refine_rounds(refiner *r, bool held) {
+  bool limited = false;
+  ylm_status s = ylm__tolerance_begin(r);
+  if (s == YLM_OK) s = ylm__tolerance_refine(r);
+  for (uint64_t round = 1; held && s == YLM_OK; round++) {
+    r->b->g->stats.rounds = round;
+    s = ylm__verify(r, round);
+    if (s != YLM_OK || ylm__verify_satisfied(r, &limited) || round == MAX_ROUNDS) break;
+    s = ylm__tolerance_again(r);
+  }
+  r->b->g->stats.limited = limited;
+  ylm__tolerance_end(r);
+  return s;
+}
+
+static ylm_status refine_by_tolerance(const plan *p, baker *b, const brick *k) {
+  const ylm_grid_source *whole = b->source;
+  ylm_grid_source source = *whole;
+  char *points = NULL;
+  ylm_grid_surface *surface = NULL;
+  ylm_status s = YLM_OK;
+  source.seed += ylm__morton(k->origin[0], k->origin[1], k->origin[2]) << 8;
+  if (source.meshes)
+    s = choose_surface(b, &surface);
+  else if (source.occupied_points)
+    s = choose_points(p, k, &source, &points);
+  b->source = b->making.source = &source;
+  b->surface = surface;
+  refiner r = {.b = b, .tolerance = p->form.tolerance, .tight = FIRST_TIGHT, .most = BRICK_HELD};
+  bool held = source.meshes ? surface != NULL : whole->occupied_points ? source.occupied > 0 : true;
+  if (source.meshes && !surface) source.meshes = 0;
+  if (s == YLM_OK) s = refine_rounds(&r, held);
+  b->source = b->making.source = whole;
+  ylm_free(points);
+  ylm_grid_surface_free(surface);
+  return s;
+}
+
+/* -- the task ------------------------------------------------------------------------------------------ */
+
 /* Cells and points of a brick whose grid is empty. */
 static ylm_status make(const plan *p, baker *b, const brick *k) {
   ylm__grid_set_root(b->g, k->level, k->origin);
@@ -56,7 +140,8 @@ static ylm_status make(const plan *p, baker *b, const brick *k) {
     if (!b->g->validity) return YLM_ENOMEM;
   }
   ylm_status s = ylm__cells_root(b);
-  return s == YLM_OK ? ylm__refine(b, 1) : s;
+  if (s != YLM_OK) return s;
+  return p->form.tolerance > 0 ? refine_by_tolerance(p, b, k) : ylm__refine(b, 1);
 }
 
 ylm_status ylm__brick_refine(const plan *p, const brick *k, int threads,
@@ -65,6 +150,7 @@ ylm_status ylm__brick_refine(const plan *p, const brick *k, int threads,
   ylm_grid_source source = *p->source;
   source.threads = threads;
   source.progress = progress;
+  source.team = NULL;
   source.max_points = may_be_given_up(p, k) ? p->how.points : 0;
   baker b;
   ylm__baker_begin(&b, ylm__grid_new(&p->form), &source, e);

@@ -116,17 +116,15 @@ static void take_stats(ylm_grid_set *s, const index_head *h) {
 #undef X
 }
 
-static ylm_status read_all(ylm_grid_set *s, ylm_error *e) {
+static ylm_status make_all(ylm_grid_set *s, const index_head *h, const index_entry *entries,
+                           ylm_error *e) {
   char path[FOLDER_PATH];
-  index_head h;
-  index_entry *entries;
-  ylm_status status = ylm__index_read(s->folder, &h, &entries, e);
-  if (status != YLM_OK) return status;
   ylm__folder_file(s->folder, "top.ylm", path);
-  status = ylm_grid_read(path, &s->top, e);
-  s->bricks = h.bricks;
-  s->level = h.level;
-  s->brick = ylm_alloc_zero(h.bricks, sizeof *s->brick);
+  ylm_status status = ylm_grid_read(path, &s->top, e);
+  if (status != YLM_OK) return status;
+  s->bricks = h->bricks;
+  s->level = h->level;
+  s->brick = ylm_alloc_zero(h->bricks, sizeof *s->brick);
   if (status == YLM_OK && !s->brick)
     status = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", s->folder);
   for (size_t i = 0; status == YLM_OK && i < s->bricks; i++) {
@@ -140,21 +138,32 @@ static ylm_status read_all(ylm_grid_set *s, ylm_error *e) {
     else
       name_brick(s, k);
   }
-  ylm_free(entries);
-  if (status == YLM_OK) take_stats(s, &h);
+  if (status == YLM_OK) take_stats(s, h);
   return status == YLM_OK ? number_cells(s, e) : status;
 }
 
 ylm_status ylm_grid_set_open(const char *folder, size_t cache, ylm_grid_set **out, ylm_error *e) {
+  index_head h;
+  index_entry *entries;
   *out = NULL;
   if (strlen(folder) > FOLDER_PATH - 64)
     return ylm_fail(e, YLM_EINVAL, "the folder's name is too long");
+  ylm_status s = ylm__index_read(folder, &h, &entries, e);
+  if (s != YLM_OK) return s;
+  s = ylm__set_make(folder, cache, &h, entries, out, e);
+  ylm_free(entries);
+  return s;
+}
+
+ylm_status ylm__set_make(const char *folder, size_t cache, const index_head *h,
+                         const index_entry *entries, ylm_grid_set **out, ylm_error *e) {
+  *out = NULL;
   ylm_grid_set *s = ylm_alloc_zero(1, sizeof *s);
   if (!s) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", folder);
   snprintf(s->folder, sizeof s->folder, "%s", folder);
   s->cache = cache ? cache : SET_CACHE;
   pthread_mutex_init(&s->lock, NULL);
-  ylm_status status = read_all(s, e);
+  ylm_status status = make_all(s, h, entries, e);
   if (status != YLM_OK) {
     ylm_grid_set_free(s);
     return status;

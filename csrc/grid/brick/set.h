@@ -25,6 +25,9 @@ struct ylm_grid_set {
   pthread_mutex_t lock; /* of cache and clock */
 };
 
+/* A set from what its index says. */
+ylm_status ylm__set_make(const char *folder, size_t cache, const index_head *h,
+                         const index_entry *entries, ylm_grid_set **s, ylm_error *e);
 /* The grid of a brick, of the top where `number` is the number of bricks; good until the next call. */
 ylm_status ylm__set_get(ylm_grid_set *s, size_t number, const ylm_grid **g, ylm_error *e);
 /* set_sample.c: the field of a set. */

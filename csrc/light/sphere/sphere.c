@@ -69,8 +69,8 @@ ylm_status ylm_lights_create(size_t n, const double *at, const double *radius,
     l->lamp_d[k] = l->all[i];
     l->lamp_f[k++] = rounded(&l->all[i]);
   }
-  l->field = (ylm_field){
-      .self = l, .evaluate = evaluate, .crosses = ylm__crosses, .pointwise = true};
+  l->field =
+      (ylm_field){.self = l, .evaluate = evaluate, .crosses = ylm__crosses, .pointwise = true};
   *lights = l;
   return YLM_OK;
 }

@@ -171,7 +171,7 @@ static int grid_bake_bricks(lua_State *L) {
   source.field = lua_isfunction(L, 2) ? &own.base : ylmL_field_check(L, 2);
   ylm_grid_bricks how = {.level = (int)number(L, BRICKS, "level"),
                          .points = number(L, BRICKS, "points"),
-                         .alone = !ylmL_test(L, 2, YLM_LIGHTS)};
+                         .alone = !ylmL_test(L, 2, YLM_LIGHTS) && !ylmL_light_cut(L, 2)};
   lua_getfield(L, BRICKS, "seconds");
   how.seconds = luaL_optnumber(L, -1, 0);
   lua_getfield(L, BRICKS, "fresh");
