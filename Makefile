@@ -48,12 +48,13 @@ LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now -Wl,-z,nodelete $(if $(SANITI
 pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
 # zlib comes with libpng; without its header pages are larger.
 ZLIB        := $(call pkg,--libs,zlib)
-# glTF is read where jansson is.
+# glTF is read where jansson is, JPEG where libjpeg is.
 WITH_JANSSON ?= $(if $(call pkg,--libs,jansson),y)
-CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng $(if $(WITH_JANSSON),jansson)) $(if $(ZLIB),$(call pkg,--cflags,zlib) -DYLM_ZLIB)
+WITH_JPEG    ?= $(if $(call pkg,--libs,libjpeg),y)
+CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng $(if $(WITH_JANSSON),jansson) $(if $(WITH_JPEG),libjpeg)) $(if $(WITH_JPEG),-DYLM_JPEG) $(if $(ZLIB),$(call pkg,--cflags,zlib) -DYLM_ZLIB)
 # OpenEXRCore has its version behind its name: -lOpenEXRCore-3_1, and OpenEXR 2 has none.
 OPENEXR     := $(filter -L% -lOpenEXRCore%,$(call pkg,--libs,OpenEXR))
-LIBS_codec   = $(OPENEXR) $(call pkg,--libs,libpng $(if $(WITH_JANSSON),jansson)) $(ZLIB)
+LIBS_codec   = $(OPENEXR) $(call pkg,--libs,libpng $(if $(WITH_JANSSON),jansson) $(if $(WITH_JPEG),libjpeg)) $(ZLIB)
 LIBS_scene   = $(EMBREE_DIR:%=-L%/lib) $(EMBREE_DIR:%=-Wl,-rpath,%/lib) -lembree$(EMBREE)
 CFLAGS_scene = -DYLM_EMBREE=$(EMBREE) $(EMBREE_DIR:%=-isystem %/include)
 

@@ -6,15 +6,23 @@ local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 
 describe("ylm.load_gltf", function()
-  local folder, there
+  local folder, there, with_jpeg
   setup(function()
     folder = scratch.new()
     local codec = library.open("codec", "%s")
     there = codec and select(3, codec.gltf_read { path = "/nonexistent", file_size = 0, triangles = 0, texels = 0, scene = 0,
       images = false }) ~= "EMISSING"
   end)
+  setup(function()
+    local path = folder:write("x.jpg", "\255\216\255")
+    with_jpeg = there and select(3, ylm.load(path)) == "EFORMAT"
+  end)
   teardown(function() folder:remove() end)
   before_each(function() if not there then pending "jansson is not installed" end end)
+
+  --- A grey JPEG of 8 x 8 pixels, 200 of 255.
+  local jpeg = "/9j/2wBDAAgGBgcGBQgHBwcJCQgKDBQNDAsLDBkSEw8UHRofHh0aHBwgJC4nICIsIxwcKDcpLDAxNDQ0Hyc5PTgyPC4zNDL/wAALCAAIAAgBAREA"
+    .. "/8QAFAABAAAAAAAAAAAAAAAAAAAAB//EABQQAQAAAAAAAAAAAAAAAAAAAAD/2gAIAQEAAD8ASH//2Q=="
 
   local square = { -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0 }
 
@@ -138,6 +146,120 @@ describe("ylm.load_gltf", function()
     near(coated.base[2], 0.25)
     assert.is_false(material({ alphaMode = "BLEND", pbrMetallicRoughness = { baseColorFactor = { 1, 1, 1, 0.3 } } }).occludes)
     assert.is_nil(material { alphaMode = "MASK", pbrMetallicRoughness = { baseColorFactor = { 1, 1, 1, 0.3 } } })
+  end)
+
+  it("makes textures of PNG and JPEG images, at the places that the file says", function()
+    local image = ylm.image { size = { 2, 2 } }
+    for i, c in ipairs { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { 1, 1, 1 } } do
+      image:fill((i - 1) % 2 + 1, math.floor((i - 1) / 2) + 1, 1, 1, c)
+    end
+    assert(image:save(folder.path .. "/four.png", { tone = "srgb" }))
+    local bytes = scratch.text(folder.path .. "/four.png")
+    local f = gltf.new()
+    local attributes = { POSITION = f:accessor("VEC3", 5126, square), TEXCOORD_1 = f:accessor("VEC2", 5126,
+      { 0, 1, 1, 1, 1, 0, 0, 0 }) }
+    local indices, view = f:accessor("SCALAR", 5121, { 0, 1, 2, 0, 2, 3 }), f:view(bytes)
+    local function textured(info, source, options)
+      info.index, info.texCoord = 0, 1
+      local text = f:text { nodes = { { mesh = 0 } }, meshes = { { primitives = { { attributes = attributes, indices = indices,
+        material = 0 } } } }, textures = { { source = 0 } }, images = { source },
+        materials = { { pbrMetallicRoughness = { metallicFactor = 0, baseColorTexture = info } } } }
+      return assert(load(text, options))
+    end
+    local m = textured({}, { bufferView = view, mimeType = "image/png" })
+    local uvs = m.geometry[1].mesh:uvs():totable()
+    assert.same({ 0, 0 }, uvs[1]) -- the lower left corner: v is upwards
+    local layer = ylm.scene "x" { like = m, camera = ylm.camera { from = { 0, 0, 3 } },
+      lights = ylm.environment_light { radiance = 1 } }:render { size = { 2, 2 } }:layer()
+    assert(layer:get(1, 1, 1) > 1.3 * layer:get(1, 1, 2) and layer:get(2, 1, 3) > 1.3 * layer:get(2, 1, 1), tostring(layer))
+    near(require "ylm.material".albedo("spec", textured({}, { uri = "four.png" }, { textures = "mean" }).geometry[1].material)[1],
+      0.5)
+    m = textured({ extensions = { KHR_texture_transform = { offset = { 0.5, 0 }, scale = { 2, 1 } } } }, { bufferView = view })
+    assert.same({ 2.5, 1 }, m.geometry[1].mesh:uvs():totable()[3])
+    if with_jpeg then
+      local grey = textured({}, { uri = "data:image/jpeg;base64," .. jpeg }).geometry[1].material
+      near(require "ylm.material".albedo("spec", grey)[1], ((200 / 255 + 0.055) / 1.055) ^ 2.4)
+      for n = 1, #jpeg / 4 - 2 do
+        local cut = textured({}, { uri = "data:image/jpeg;base64," .. jpeg:sub(1, 4 * n) })
+        assert(#cut.report.notes == 1, n)
+      end
+    end
+    local none = textured({}, { uri = "data:image/png;base64," .. gltf.base64(bytes:sub(1, 40)) })
+    assert.truthy(none.report.notes[1]:find("image 0: truncated or damaged: the factors stand alone", 1, true))
+    none = textured({}, { uri = "data:image/webp;base64,AAAA" })
+    assert.truthy(none.report.notes[1]:find("image 0 is neither PNG nor JPEG", 1, true))
+  end)
+
+  describe("makes polygon lights", function()
+    --- The model of a surface of these triangles that emits.
+    local function glowing(list, indices, more, options)
+      local f = gltf.new()
+      local material = { emissiveFactor = { 1, 0.5, 0.25 }, doubleSided = true,
+        extensions = { KHR_materials_emissive_strength = { emissiveStrength = 8 } } }
+      for key, x in pairs(more or {}) do material[key] = x end
+      return assert(load(f:text { nodes = { { mesh = 0 } }, materials = { material }, meshes = { { primitives = {
+        { attributes = { POSITION = f:accessor("VEC3", 5126, list) }, indices = f:accessor("SCALAR", 5123, indices),
+          material = 0 } } } } }, options))
+    end
+
+    it("of an open surface, which is joined to one polygon", function()
+      local list, indices = {}, {}
+      for j = 0, 4 do for i = 0, 4 do
+        list[#list + 1], list[#list + 2], list[#list + 3] = i / 2, 2, j / 2
+        if i < 4 and j < 4 then
+          local k = 5 * j + i
+          for _, c in ipairs { k, k + 5, k + 1, k + 1, k + 5, k + 6 } do indices[#indices + 1] = c end
+        end
+      end end
+      local m = glowing(list, indices)
+      assert.equal(0, #m.geometry)
+      assert.equal(1, #m.lights)
+      assert.equal(4, #m.lights[1].vertices)
+      assert.same({ 8, 4, 2 }, m.lights[1].radiance)
+      assert.equal(0, m.report.lost)
+      local points = { { 1, 0, 1 }, { -3, 0.3, 2 } }
+      local direct = ylm.polygon_light { vertices = { { 0, 2, 0 }, { 0, 2, 2 }, { 2, 2, 2 }, { 2, 2, 0 } },
+        radiance = { 8, 4, 2 } }
+      local error = ylm.sh.relative_error(ylm.light_field(4, m.lights, points), ylm.light_field(4, direct, points))
+      while type(error) == "userdata" do error = error:max() end
+      assert(error < 1e-6, error)
+    end)
+
+    it("of a closed box, with half of the radiance: half of its sides face a point", function()
+      local list, indices = {}, {}
+      for i = 0, 7 do
+        list[#list + 1], list[#list + 2], list[#list + 3] = i % 2, math.floor(i / 2) % 2, math.floor(i / 4)
+      end
+      for _, side in ipairs { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } } do
+        for _, k in ipairs { 1, 2, 3, 1, 3, 4 } do indices[#indices + 1] = side[k] end
+      end
+      local m = glowing(list, indices, { doubleSided = false })
+      assert.equal(6, #m.lights)
+      assert.same({ 4, 2, 1 }, m.lights[1].radiance)
+      assert.truthy(m.report.notes[1]:find("closed surfaces that emit", 1, true))
+      -- A ray through the box crosses two of its sides: the flux at a far point is that of its outline.
+      local L = ylm.light_field(0, m.lights, { { 0.5, 0.5, 100 } }, { dtype = "double" }):totable()[1][1][1]
+      near(L, 8 / math.sqrt(4 * math.pi) / 99.5 ^ 2, 0.01)
+      m = glowing(list, indices, nil, { emitters = 2 })
+      assert.equal(2, #m.lights)
+      near(m.report.lost, 2 / 3)
+      assert.equal(1, #glowing(list, indices, nil, { emitters = 0 }).geometry)
+    end)
+
+    it("of the bright triangles of a texture", function()
+      local image = ylm.image { size = { 2, 1 } }
+      image:fill(1, 1, 1, 1, { 1, 1, 1 })
+      assert(image:save(folder.path .. "/half.png"))
+      local f = gltf.new()
+      local m = assert(load(f:text { nodes = { { mesh = 0 } }, textures = { { source = 0 } }, images = { { uri = "half.png" } },
+        materials = { { emissiveFactor = { 1, 1, 1 }, emissiveTexture = { index = 0 } } }, meshes = { { primitives = { {
+          attributes = { POSITION = f:accessor("VEC3", 5126, { 0, 0, 0, 1, 0, 0, 0, 1, 0, 2, 0, 0, 3, 0, 0, 2, 1, 0 }),
+            TEXCOORD_0 = f:accessor("VEC2", 5126, { 0, 0, 0.4, 0, 0, 0.4, 0.6, 0, 0.9, 0, 0.6, 0.4 }) }, material = 0 } } } } }))
+      assert.equal(1, #m.lights)
+      assert.equal(1, #m.geometry)
+      assert.equal(1, #m.geometry[1].mesh)
+      assert.truthy(m.report.notes[1]:find("surfaces that emit to both sides, and to one in the file: 1", 1, true))
+    end)
   end)
 
   it("makes spheres of points, of the same intensity; spots, suns and cameras", function()
@@ -265,7 +387,9 @@ describe("ylm.load_gltf", function()
         '"emissiveStrength":60'))))
       near(math.pi * m.lights[1].radius ^ 2 * m.lights[1].radiance[1], 7)
       assert.equal(0.07, m.lights[1].radius)
-      assert.equal(1, #m.lights)
+      assert.equal(2, #m.lights) -- the surface emits, and is no lamp of ylm any more
+      assert.equal(4, #m.lights[2].vertices)
+      assert.same({ 60, 40, 20 }, m.lights[2].radiance)
       m = assert(load((text:gsub('"translation":%[[^%]]*%]', '"translation":[5,6,7]', 1))))
       assert.same({ 5, 6, 7 }, m.lights[1].at)
       assert.same({ 3, 1 / 7, 0 }, m.lights[1].radiance)

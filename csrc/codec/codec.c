@@ -31,6 +31,7 @@ ylm_status ylm_codec_write(const ylm_image *image, const char *path, const ylm_c
 ylm_codec_kind ylm_codec_recognise(const unsigned char *p, size_t size) {
   if (size >= 4 && memcmp(p, "\x76\x2f\x31\x01", 4) == 0) return YLM_CODEC_EXR;
   if (size >= 8 && memcmp(p, "\x89PNG\r\n\x1a\n", 8) == 0) return YLM_CODEC_PNG;
+  if (size >= 3 && memcmp(p, "\xff\xd8\xff", 3) == 0) return YLM_CODEC_JPEG;
   if (size >= 2 && memcmp(p, "#?", 2) == 0) return YLM_CODEC_HDR;
   if (size >= 3 && p[0] == 'P' && (p[1] == 'F' || p[1] == 'f') &&
       (p[2] == '\n' || p[2] == '\r' || p[2] == ' '))
@@ -43,16 +44,15 @@ static const ylm_codec_input any;
 ylm_status ylm_codec_parse(const unsigned char *bytes, size_t size, const char *name,
                            const ylm_codec_input *input, ylm_image **image, ylm_error *e) {
   static ylm_codec_parser *const parsers[] = {
-      [YLM_CODEC_EXR] = ylm__exr_parse,
-      [YLM_CODEC_HDR] = ylm__hdr_parse,
-      [YLM_CODEC_PNG] = ylm__png_parse,
-      [YLM_CODEC_PFM] = ylm__pfm_parse,
+      [YLM_CODEC_EXR] = ylm__exr_parse,   [YLM_CODEC_HDR] = ylm__hdr_parse,
+      [YLM_CODEC_PNG] = ylm__png_parse,   [YLM_CODEC_PFM] = ylm__pfm_parse,
+      [YLM_CODEC_JPEG] = ylm__jpeg_parse,
   };
   ylm_codec_kind kind = ylm_codec_recognise(bytes, size);
   *image = NULL;
   if (kind == YLM_CODEC_NONE)
-    return ylm_fail(e, YLM_EFORMAT, "%s: not an image that is known (EXR, PNG, Radiance, PFM)",
-                    name);
+    return ylm_fail(e, YLM_EFORMAT,
+                    "%s: not an image that is known (EXR, PNG, JPEG, Radiance, PFM)", name);
   return parsers[kind](bytes, size, name, input ? input : &any, image, e);
 }
 

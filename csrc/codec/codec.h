@@ -9,7 +9,7 @@ typedef ylm_status ylm_codec_parser(const unsigned char *bytes, size_t size, con
 typedef ylm_status ylm_codec_writer(const ylm_image *image, const ylm_layer *layer,
                                     const char *path, const ylm_codec_options *o, ylm_error *e);
 
-ylm_codec_parser ylm__exr_parse, ylm__png_parse, ylm__hdr_parse, ylm__pfm_parse;
+ylm_codec_parser ylm__exr_parse, ylm__png_parse, ylm__hdr_parse, ylm__pfm_parse, ylm__jpeg_parse;
 ylm_codec_writer ylm__exr_write, ylm__png_write, ylm__hdr_write, ylm__pfm_write;
 
 /* YLM_ELIMIT unless an image of this size may be read. */

@@ -1,5 +1,5 @@
 /*
-** ylm_codec.h - image files: OpenEXR, PNG, Radiance .hdr, PFM.
+** ylm_codec.h - image files: OpenEXR, PNG, Radiance .hdr, PFM; JPEG is read.
 **
 ** Readers take bytes in memory (`*_parse`, for fuzzing and pipes) or a path. Readers refuse a file
 ** that is truncated, damaged or too large, with a sentence that begins with its name. Readers
@@ -67,7 +67,8 @@ typedef enum ylm_codec_kind {
   YLM_CODEC_EXR,
   YLM_CODEC_PNG,
   YLM_CODEC_HDR,
-  YLM_CODEC_PFM
+  YLM_CODEC_PFM,
+  YLM_CODEC_JPEG /* read only */
 } ylm_codec_kind;
 
 /* The format, by the first bytes. */
@@ -75,7 +76,7 @@ YLM_API ylm_codec_kind ylm_codec_recognise(const unsigned char *bytes, size_t si
 
 /* Options of a reader; zeros are the defaults. */
 typedef struct ylm_codec_input {
-  bool raw; /* png: k/255 or k/65535 as they stand, not decoded from sRGB */
+  bool raw; /* png, jpeg: k/255 or k/65535 as they stand, not decoded from sRGB */
   uint64_t
       numbers;  /* most that the image may hold, pixels times channels; 0: no limit of its own */
   size_t bytes; /* most of the file; 0: any */
@@ -84,7 +85,7 @@ typedef struct ylm_codec_input {
 /*
 ** ylm_codec_parse - an image from a file's bytes, by content.
 **
-** PNG numbers are decoded from sRGB to linear. Formats without layer names give one layer
+** Numbers of PNG and JPEG are decoded from sRGB to linear. Formats without layer names give one layer
 ** "radiance"; an EXR of ylm gives back its layers in order. `input` may be NULL.
 ** Returns  YLM_OK; YLM_EFORMAT, YLM_ELIMIT (before memory is taken), YLM_ENOMEM
 */

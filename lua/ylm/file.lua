@@ -14,6 +14,7 @@ function file.kind_of(path)
   if not head then return nil, message, code end
   if head:sub(1, 6) == "\147NUMPY" then return "array" end
   if head:sub(1, 4) == "\118\47\49\1" or head:sub(1, 8) == "\137PNG\r\n\26\n" or head:sub(1, 2) == "#?"
+    or head:sub(1, 3) == "\255\216\255"
     or head:find("^P[Ff][\r\n ]") then
     return "image"
   end
@@ -22,7 +23,8 @@ function file.kind_of(path)
   if head:sub(1, 8) == require("ylm.grid").magic then return "grid" end
   if require("ylm.material.file").kind_of(path, head) then return "material" end
   return nil, path
-    .. ": not a file that ylm knows (grid, .npy, .exr, .png, .hdr, .pfm, .obj, .ply, .glb, .gltf, .binary, .bsdf)", "EFORMAT"
+    .. ": not a file that ylm knows (grid, .npy, .exr, .png, .jpg, .hdr, .pfm, .obj, .ply, .glb, .gltf, .binary, "
+    .. ".bsdf)", "EFORMAT"
 end
 
 local readers = {
@@ -45,14 +47,14 @@ local readers = {
 }
 
 local load_options = {
-  { "raw", "boolean", default = false, about = ".png: numbers as they stand instead of decoded from sRGB" },
+  { "raw", "boolean", default = false, about = ".png, .jpg: numbers as they stand instead of decoded from sRGB" },
   { "cache", "memory", optional = true, about = ".ylmd: memory of bricks that were used last; default 256 MB" },
   { "materials", "boolean", default = false,
     about = ".obj, .ply: geometry as ylm.mesh { file = } makes it, with the materials of the file, instead of a mesh" },
 }
 
 describe "load" {
-  about = "Reads a file by its content: a grid, an array (.npy), an image (.exr, .png, .hdr, .pfm), a mesh (.obj, .ply), "
+  about = "Reads a file by its content: a grid, an array (.npy), an image (.exr, .png, .jpg, .hdr, .pfm), a mesh (.obj, .ply), "
     .. "a glTF file (.glb, .gltf) or a measured material (.binary of MERL, .bsdf of RGL); or a grid in bricks, a folder "
     .. "name.ylmd.",
   arguments = { { "path", "string", "a regular file, or a folder name.ylmd" }, { "options?", "table", "" } },

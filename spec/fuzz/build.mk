@@ -10,7 +10,7 @@
 
 FUZZ_CC   ?= clang
 FUZZ_RUNS ?= 1000000
-FUZZ      ?= $(filter-out $(if $(WITH_SCENE),,transfer),$(patsubst spec/fuzz/%.c,%,$(wildcard spec/fuzz/*.c)))
+FUZZ      ?= $(filter-out $(if $(WITH_SCENE),,transfer) $(if $(WITH_JANSSON),,gltf) $(if $(WITH_JPEG),,jpeg),$(patsubst spec/fuzz/%.c,%,$(wildcard spec/fuzz/*.c)))
 FUZZ_DIR  := $(BUILD)/fuzz
 FUZZ_ARGS ?= -max_total_time=1800 -timeout=120 -rss_limit_mb=4096 -print_final_stats=1
 
@@ -24,6 +24,8 @@ FUZZ_ABOUT_exr := csrc/codec/exr.c csrc/codec/exr_read.c
 FUZZ_ABOUT_png := csrc/codec/png.c
 FUZZ_ABOUT_hdr := csrc/codec/hdr.c
 FUZZ_ABOUT_pfm := csrc/codec/pfm.c
+FUZZ_ABOUT_jpeg := csrc/codec/jpeg.c
+FUZZ_ABOUT_gltf := $(wildcard csrc/codec/gltf/*.c)
 FUZZ_ABOUT_merl := csrc/material/merl_file.c csrc/material/merl_table.c
 FUZZ_ABOUT_tensor := csrc/material/tensor.c csrc/material/rgl_file.c csrc/material/warp.c csrc/material/rgl.c
 FUZZ_ABOUT_grid := $(wildcard csrc/grid/file/*.c)
@@ -93,7 +95,7 @@ fuzz-minimise: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f)) $(FUZZ_SEEDS)
 	  echo "$$f: $$(ls $(FUZZ_DIR)/kept/$$f | wc -l) inputs, $$(du -sb $(FUZZ_DIR)/kept/$$f | cut -f1) bytes in $(FUZZ_DIR)/kept"; done
 
 # `make check` compiles them without clang (see spec/bench/build.mk).
-fuzz-check: $(patsubst %.c,$(BUILD)/check/%.o,$(filter-out $(if $(WITH_CODEC),,%/exr.c %/hdr.c %/pfm.c %/png.c) \
+fuzz-check: $(patsubst %.c,$(BUILD)/check/%.o,$(filter-out $(if $(WITH_CODEC),,%/exr.c %/hdr.c %/pfm.c %/png.c %/jpeg.c %/gltf.c) \
   $(if $(call pkg,--cflags,lua5.4),,%/scene.c),$(wildcard spec/fuzz/*.c)))
 
 .PHONY: fuzz-add fuzz-coverage fuzz-minimise fuzz-check

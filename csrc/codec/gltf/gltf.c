@@ -50,6 +50,8 @@ static void clear(gltf *g) {
   ylm_free(g->buffer);
   ylm_free(g->view);
   ylm_free(g->accessor);
+  ylm_free(g->tried);
+  ylm_free(g->mean);
   json_decref(g->root);
 }
 

@@ -48,7 +48,9 @@ typedef struct gltf {
   gltf_bytes *buffer;
   gltf_view *view;
   gltf_accessor *accessor;
-  uint64_t texels; /* of images so far */
+  uint64_t texels;      /* of images so far */
+  unsigned char *tried; /* images that were decoded, or cannot be: 1, for their means: 2 */
+  float *mean;          /* [images][2] of green and blue */
   ylm_gltf *out;
 } gltf;
 

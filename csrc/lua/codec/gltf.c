@@ -1,6 +1,8 @@
 /* gltf.c - glTF files as tables. */
 #include "gltf.h"
 
+#include <string.h>
+
 #include "ylm_gltf.h"
 
 #define YLML_GLTF "ylm.gltf_file"
@@ -51,6 +53,9 @@ static void push_material(lua_State *L, const ylm_gltf_material *m) {
   ylmL_set_boolean(L, "unlit", m->unlit);
   ylmL_set_boolean(L, "both_sides", m->both_sides);
   if (m->base_image >= 0) ylmL_set_count(L, "base_image", (uint64_t)m->base_image + 1);
+  ylmL_set_boolean(L, "emission_uvs",
+                   m->base_set == m->emission_set &&
+                       memcmp(m->base_map, m->emission_map, sizeof m->base_map) == 0);
   if (m->emission_image >= 0) ylmL_set_count(L, "emission_image", (uint64_t)m->emission_image + 1);
 }
 

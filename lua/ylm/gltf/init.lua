@@ -5,7 +5,9 @@
 
 local camera = require "ylm.camera"
 local check = require "ylm.check"
+local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local emitters = require "ylm.gltf.emitters"
 local form = require "ylm.form"
 require "ylm.geometry" -- the form mesh
 local json = require "ylm.gltf.json"
@@ -13,6 +15,7 @@ local library = require "ylm.library"
 local lights = require "ylm.gltf.lights"
 local material = require "ylm.gltf.material"
 local text = require "ylm.text"
+local texture = require "ylm.material.texture"
 local vector = require "ylm.vector"
 
 local gltf = {}
@@ -37,27 +40,50 @@ local fields = {
     about = "multiplies intensities: 1 candela counts as this many W sr^-1" },
   { "spots", "choice", of = { "spot", "sphere" }, default = "spot",
     about = "spot: spot_light, which has no light field; sphere: as a point that shines all around" },
+  { "emitters", "integer", min = 0, max = 1e5, default = 256,
+    about = "most polygon lights that surfaces that emit become; 0: they do not emit" },
+  { "textures", "choice", of = { "image", "mean" }, default = "image",
+    about = "image: base colours vary over the surface; mean: each is the mean of its image" },
   { "scene", "integer", min = 1, optional = true, about = "which scene of the file, by its place; default: the file's choice" },
 }
 
 local sides = { auto = true, both = true, front = true, back = true }
 
---- Surfaces: a list of geometry; those that are flat lamps of ylm go to `lamps`. note(sentence, ...) takes what is lost.
+--- One surface; `m`: what material.convert made of its material.
+local function surface(piece, m, extras)
+  local made = m.material
+  if made and texture.of(made) and not core.mesh_uvs(piece.mesh) then made = m.plain() end
+  return setmetatable({ mesh = piece.mesh, name = piece.name ~= "" and piece.name or nil, material = made,
+    occludes = m.occludes and extras.occludes ~= false,
+    sides = m.both_sides and "both" or sides[extras.sides] and extras.sides or nil }, form.defined.mesh.metatable)
+end
+
+--- Surfaces: a list of geometry; those that emit go to `lamps`. note(sentence, ...) takes what is lost. Second, the part of
+-- the emitted power that is lost; or nil, message, code.
 local function surfaces(file, materials, lamps, o, note)
-  local out, left_out = {}, 0
+  local out, glowing, left_out, lost = {}, {}, 0, 0
   for _, piece in ipairs(file.pieces) do
     local m, extras = materials[piece.material] or { occludes = true }, piece.extras and json.read(piece.extras) or {}
     local lamp = lights.of_piece(piece, extras, m.emission, o)
     if lamp then lamps[#lamps + 1] = lamp
     elseif m.left_out then left_out = left_out + 1
     else
-      out[#out + 1] = setmetatable({ mesh = piece.mesh, name = piece.name ~= "" and piece.name or nil,
-        material = m.material, occludes = m.occludes and extras.occludes ~= false,
-        sides = m.both_sides and "both" or sides[extras.sides] and extras.sides or nil }, form.defined.mesh.metatable)
+      local one = surface(piece, m, extras)
+      if m.emission and math.max(m.emission[1], m.emission[2], m.emission[3]) > 0 and o.emitters > 0 then
+        glowing[#glowing + 1] = { piece = one, m = m, image = m.shares_uvs and m.emission_image
+          and file.images[m.emission_image] or nil }
+      else out[#out + 1] = one end
     end
   end
   if left_out > 0 then note("pieces left out, because their alpha is below the cutoff: %d", left_out) end
-  return out
+  if #glowing > 0 then
+    local made, stay, share = emitters.convert(glowing, o.emitters, o.light_scale, note)
+    if not made then return nil, stay, share end
+    for _, l in ipairs(made) do lamps[#lamps + 1] = l end
+    for _, piece in ipairs(stay) do out[#out + 1] = piece end
+    lost = share
+  end
+  return out, lost
 end
 
 --- Fields that ylm has written of a camera, while it looks where it did.
@@ -109,6 +135,9 @@ local function take(file, fail)
   if not form.budget then return end
   form.budget("triangles", file.triangles, fail)
   form.budget("numbers", 64 * #file.pieces + 7 * #file.lamps + 640 * #file.materials, fail)
+  for _, image in ipairs(file.images) do
+    if image then form.budget("texels", image.size[1] * image.size[2], fail) end
+  end
 end
 
 local function build(values, fail, limits)
@@ -120,13 +149,18 @@ local function build(values, fail, limits)
   local notes = file.notes
   local function note(sentence, ...) notes[#notes + 1] = sentence:format(...) end
   local materials, lamps
-  materials, message, code = material.convert(file, note)
+  materials, message, code = material.convert(file, values, note)
   if not materials then return nil, message, code end
   lamps, message, code = lights.convert(file, values, note)
   if not lamps then return nil, message, code end
   local model = { file = values.file, cameras = cameras(file, note), lights = lamps }
   model.camera = model.cameras[1]
-  model.geometry = surfaces(file, materials, lamps, values, note)
+  local lost
+  model.geometry, lost, code = surfaces(file, materials, lamps, values, note)
+  if not model.geometry then return nil, lost, code end
+  for _, image in ipairs(file.images) do
+    if image then core.image_close(image) end
+  end
   local extras = file.extras and json.read(file.extras) or {}
   model.background = form.types.colour(extras.background, { min = 0 }) or nil
   for i, sentence in ipairs(notes) do
@@ -134,7 +168,7 @@ local function build(values, fail, limits)
   end
   model.notes = #notes > 0 and notes or nil
   model.report = { nodes = file.nodes, pieces = #model.geometry, triangles = file.triangles, materials = #file.materials,
-    lights = #lamps, cameras = #model.cameras, notes = notes, seconds = os.clock() - began }
+    lights = #lamps, cameras = #model.cameras, lost = lost, notes = notes, seconds = os.clock() - began }
   return setmetatable(model, form.defined.gltf.metatable)
 end
 
@@ -160,7 +194,8 @@ require "ylm.describe".object "gltf" {
     { "camera", "camera", "the first, or nil" },
     { "cameras", "table", "by number and by name" },
     { "background", "number[]", "of a file that ylm wrote, or nil" },
-    { "report", "table", "nodes, pieces, triangles, materials, lights, cameras, seconds, notes" },
+    { "report", "table", "nodes, pieces, triangles, materials, lights, cameras, seconds, notes; lost: the part of the emitted "
+      .. "power that is left out" },
   },
 }
 

@@ -1,6 +1,5 @@
 --- Materials of glTF files as materials of ylm.
 
-local core = require "ylm.c.core"
 local form = require "ylm.form"
 local ggx = require "ylm.material.ggx"
 local json = require "ylm.gltf.json"
@@ -42,34 +41,38 @@ local function by_extras(m)
   return ok and made or nil
 end
 
---- The texture of the image of a material; images are made into textures once. Or nil, message, code.
-local function texture_of(m, images)
+--- The texture of the image of a material; each image becomes one texture. Or nil, message, code.
+local function texture_of(m, images, textures)
   local image = m.base_image and images[m.base_image]
   if not image then return nil end
-  if core.type(image) == "ylm.image" then
+  if not textures[m.base_image] then
     local made, message, code = texture.of_image(image)
     if not made then return nil, message, code end
-    core.image_close(image)
-    images[m.base_image] = made
+    textures[m.base_image] = made
   end
-  return images[m.base_image]
+  return textures[m.base_image]
 end
 
---- Materials of the file: a list of { material =, occludes = , left_out = }; note(sentence, ...) takes what is
+local function times(c, k) return { c[1] * k[1], c[2] * k[2], c[3] * k[3], c[4] } end
+
+--- Materials of the file: a list of { material =, emission =, occludes =, left_out = }; note(sentence, ...) takes what is
 -- lost. Or nil, message, code.
-function material.convert(file, note)
-  local out, unlit, tinted = {}, 0, 0
+function material.convert(file, o, note)
+  local out, textures, unlit, tinted = {}, {}, 0, 0
   for i, m in ipairs(file.materials) do
-    local made, message, code = by_extras(m)
+    local image, message, code = texture_of(m, file.images, textures)
+    if message then return nil, message, code end
+    if image and o.textures == "mean" then m.base, image = times(m.base, texture.mean(image)), nil end
+    local made
+    made, message, code = by_extras(m)
     if not made then made, message, code = by_factors(m) end
     if not made then return nil, message, code end
-    local image
-    image, message, code = texture_of(m, file.images)
-    if message then return nil, message, code end
     texture.attach(image, made)
     if m.unlit then unlit = unlit + 1 end
     if image and form.kind(made) == "ggx" and m.metallic < 1 then tinted = tinted + 1 end
     out[i] = { material = made, emission = m.emission, both_sides = m.both_sides,
+      plain = function() return by_factors(m) end, -- for meshes without texture coordinates
+      emission_image = m.emission_image, shares_uvs = not m.base_image or m.emission_uvs,
       occludes = not (m.alpha == "blend" and m.base[4] < 0.5),
       left_out = m.alpha == "mask" and not image and m.base[4] < m.cutoff }
   end
