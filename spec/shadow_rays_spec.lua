@@ -171,3 +171,24 @@ describe("ylm.occluder by rays", function()
     assert(c:get(1, 1) < 0.99 * ONE)
   end)
 end)
+
+describe("scene:reference of shadowed light", function()
+  it("is the picture of its coefficients at every shading point, behind casters", function()
+    local lamp = ylm.sphere_light { at = { 0, 3, 0 }, radius = 0.3, radiance = 50 }
+    local scene = ylm.scene "one lamp" {
+      camera = ylm.camera { from = { 0, 3, 4 } },
+      geometry = { ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } } },
+      lights = { lamp },
+    }
+    local function behind(casters) return ylm.shadowed { lights = lamp, casters = casters } end
+    local shade = behind { ylm.caster { hides = ylm.occluder { radius = 0.4 }, at = { 0, 1, 0 } } }
+    local size = { 32, 18 }
+    local plain = scene:reference { size = size, samples = 2 }
+    local same = scene:reference { size = size, samples = 2, lights = behind {} }
+    assert.equal(0, plain:compare(same).mse)
+    local dark = scene:reference { size = size, samples = 2, lights = shade }
+    assert.is_true(plain:compare(dark).mse > 1e-4)
+    local each = scene:render { size = size, samples = 2, grid = shade, visibility = "transfer" }
+    assert.equal(0, dark:compare(each).mse)
+  end)
+end)

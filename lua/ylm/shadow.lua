@@ -481,7 +481,7 @@ local function heed(object, groups, lmax)
   return list
 end
 
---- What shadowed light does not keep at lmax: sentences, said once; for lua/ylm/light and lua/ylm/grid.
+--- Sentences about what shadowed light does not keep at lmax, said once; for lua/ylm/light and lua/ylm/grid.
 function shadoweds.__heed(s, lmax)
   local of = about_of[s]
   return heed(s, of and of.list or {}, lmax)

@@ -67,7 +67,7 @@ function light.evaluate(name, lmax, object, points, o, isa, given)
     warnings = #warnings > 0 and warnings or nil }
 end
 
---- What a light field does not keep at a degree: sentences, said once.
+--- Sentences about what a light field does not keep at a degree, said once.
 function light.heed(object, lmax)
   local meta = core.type(object) and core.type(object) ~= "ylm.array" and getmetatable(object)
   return meta and meta.__heed and meta.__heed(object, lmax) or {}

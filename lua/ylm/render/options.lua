@@ -108,6 +108,9 @@ options.direct_fields = {
 options.reference_fields = {
   { "dtype", "choice", of = { "float", "double" }, default = "float", about = "in which light is summed" },
   light.tolerance_option "light_tolerance",
+  { "lights", "any", optional = true,
+    about = "what is summed in place of the scene's lights: a light, a list of lights, or what has a light field, as "
+      .. "shadowed light" },
 }
 
 options.ray_fields = {

@@ -148,6 +148,20 @@ end
 --- The kind of pictures that scene:reference is a reference of, for its report.
 shading.REFERENCE = "of grids under transfer vectors: their pictures without the error of the grid, not the scene's true shadows"
 
+--- The lights that a reference sums: those of o.lights, else the scene's; nil, message, code.
+local function lights_for(name, p, o)
+  if o.lights == nil then return p.traced.lights end
+  if o.method == "zonal" then
+    return check.bad(1, name, "lights: method = 'zonal' is of the scene's own lights: leave one out")
+  end
+  local given, message, code = light.field(1, name, o.lights)
+  if not given then return nil, message, code end
+  local quantity = core.field_quantity(given)
+  if quantity == "visibility" then return check.bad(1, name, "lights: a visibility is no light") end
+  return given
+end
+
+
 --- Renders a prepared view with the lights' own coefficients at every shading point.
 function shading.by_lights(name, p, o)
   pictures.check_truth(name, p, o)
@@ -159,10 +173,13 @@ function shading.by_lights(name, p, o)
   local report, failed, why = shortcomings(name, p, o)
   if not report then return nil, failed, why end
   report.reference = shading.REFERENCE
-  local ready, unready, cause = gloss.ready(name, p, o, p.traced.lights)
+  local given, message, code = lights_for(name, p, o)
+  if not given then return nil, message, code end
+  local ready, unready, cause = gloss.ready(name, p, o, given)
   if not ready then return nil, unready, cause end
   local start, before = core.seconds(), p.lib.shade_stages(p.view)
-  local lights, message, code = light.within(name, p.traced.lights, o.light_tolerance, o.threads)
+  local lights
+  lights, message, code = light.within(name, given, o.light_tolerance, o.threads)
   if not lights then return nil, message, code end
   local radiance, pairs
   radiance, pairs, code = check.result(name, p.lib.shade_field(p.view, lights, o.weight, o.dtype,
@@ -175,6 +192,7 @@ function shading.by_lights(name, p, o)
   end
   local seconds = core.seconds() - start
   report.pairs = pairs
+  for _, sentence in ipairs(light.heed(given, p.options.lmax)) do report.warnings[#report.warnings + 1] = sentence end
   local out
   out, message, code = pictures.picture(name, p, radiance, o)
   if not out then return nil, message, code end

@@ -130,6 +130,7 @@ return {
   })),
   ["scene:reference"] = options("reference", joined(view_cases, { { { dtype = "half" }, "dtype must be" },
     { { visibility = "rays" }, 'it is T . L, visibility = "transfer" or "none"' },
+    { { lights = 7 }, "a light or a list of lights expected, got 7" },
     { { light_tolerance = 2 }, "light_tolerance must be a number >= 1e%-06 and <= 0.5, got 2" } })),
   ["scene:raycast"] = options("raycast", {
     { { samples = 0 }, "samples must be" }, { { samples = 1025 }, "samples must be" },
