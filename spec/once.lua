@@ -25,6 +25,6 @@ return {
   emit = 1, emit_merge = 1, emit_gloss = 2, virtual_gather = 2, spot = 1, guide = 10, plot_lines = 1, virtual_gloss = 2,
   virtual_gaussian = 1, virtual_random = 1, display = 3, virtual_subset = 1, virtual_visible = 1, virtual_truth = 2,
   engines = 3, site = 2,
-  scene_like = { 1 }, gltf = { 1 }, sh_exponential = 1, shadow_fields = 6, shadow_rays = 2, sphere_set = 2, page = 9,
+  scene_like = { 1 }, gltf = { 1 }, sh_exponential = 1, shadow_fields = 6, shadow_rays = 2, sphere_set = 2, page = 8,
   bricks = 9,
 }

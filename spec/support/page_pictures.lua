@@ -10,7 +10,7 @@ local scene = assert(ylm.load_scene "examples/scenes/two_lamps.lua")
 local grid = assert(scene:bake { probes = ylm.adaptive_grid { lmax = 4, depth = 6, tolerance = 0.05 } })
 assert(grid:save(folder.path .. "/a.html", { scene = scene, poster = false, exposure = 1 }))
 
-local W, H = 640, 360
+local W, H = 480, 270
 local window = browser.open { size = { W, H }, limit = 600 }
 window:visit(folder.path .. "/a.html", "bare&still")
 
@@ -28,11 +28,11 @@ window:go "bare&still&mode=error"
 shot(1, H + 1, "error x 100")
 window:go "bare&still&lobes"
 window:wait "ready"
-window:mouse("mousePressed", 191, 231)
-for i = 1, 4 do window:mouse("mouseMoved", 191 + 25 * i, 231 - 26 * i) end
-window:mouse("mouseReleased", 291, 127)
+window:mouse("mousePressed", 143, 173)
+for i = 1, 4 do window:mouse("mouseMoved", 143 + 4 * i, 173 - 14 * i) end
+window:mouse("mouseReleased", 159, 117)
 shot(W + 1, H + 1, "a lamp dragged, lobes")
 assert(#window.said == 0, window.said[1])
 window:close()
-assert(sheet:resize { 1.5 * W, 1.5 * H }:save "docs/images/page.png")
+assert(sheet:save "docs/images/page.png")
 folder:remove()

@@ -755,9 +755,9 @@ template.viewer = [=[
         mine = asked;
         resize();
         if (stale) {
-          const whole = await relight(moving);
+          const before = lampVersion, whole = await relight(moving);
+          if (whole && before === lampVersion) stale = false;
           if (asked !== mine && !moving) continue;
-          if (whole) stale = false;
         }
         if (moving) {
           const full = perPixel * size[0] * size[1], share = full <= BUDGET ? 1 : full <= 4 * BUDGET ? 0.5 : 0.25;
@@ -899,7 +899,7 @@ template.viewer = [=[
   /* ---- lamps that are dragged ------------------------------------------------------- */
 
   let stale = false;       /* lamps have moved since the rows were made */
-  let dragged = -1, base = null, movedLamps = 0, relights = 0, relightTime = 0;
+  let dragged = -1, base = null, movedLamps = 0, lampVersion = 0, relights = 0, relightTime = 0;
 
   /* The light of all lamps but one at evaluated points: of few lamps their sum, of many that of the page less the one's. */
   function beginDrag(i) {
@@ -911,8 +911,14 @@ template.viewer = [=[
         if (places[3 * p] === places[3 * p]) for (const l of others) addLamp(base, l, p, 1);
     } else {
       base = rows.slice(0, n * ROW * 4);
-      for (let p = 0; p < n; p++)
-        if (places[3 * p] === places[3 * p] && !sections.flags[p]) addLamp(base, lamps[i], p, -1);
+      for (let p = 0; p < n; p++) {
+        if (places[3 * p] !== places[3 * p]) continue;
+        if (!sections.flags[p]) addLamp(base, lamps[i], p, -1);
+        else {
+          base.fill(0, p * ROW * 4, (p + 1) * ROW * 4);
+          for (const l of others) addLamp(base, l, p, 1);
+        }
+      }
     }
   }
 
@@ -961,7 +967,7 @@ template.viewer = [=[
     const n = meta.counts.evaluated, invalid = [], mine = asked;
     rows.set(base);
     for (let p = 0; p < n; p++) {
-      if (places[3 * p] !== places[3 * p]) continue;
+      if (dragged < 0 || places[3 * p] !== places[3 * p]) continue;
       let inside = !addLamp(rows, lamps[dragged], p, 1);
       for (let j = 0; j < lamps.length && !inside && sections.flags[p]; j++) {
         const d = [0, 1, 2].map(a => lamps[j][a] - places[3 * p + a]);
@@ -990,7 +996,7 @@ template.viewer = [=[
 
   /* The lamp under a pixel, or within `reach` pixels of it; -1: none. */
   function lampAt(x, y, reach) {
-    if (!state.lamps || meta.no_exact) return -1;
+    if (!state.lamps || meta.no_exact || (stale && lamps.length * meta.counts.evaluated > 1e6)) return -1;
     const ray = rayAt(x, y), step = 2 * Math.tan(state.fov * Math.PI / 360) / canvas.clientHeight;
     let best = -1, near = Infinity;
     lamps.forEach((l, i) => {
@@ -1017,6 +1023,7 @@ template.viewer = [=[
     for (let a = 0; a < 3; a++) lamps[dragged][a] = to[a];
     stale = true;
     movedLamps++;
+    lampVersion++;
     $('corner').textContent = `lamp ${dragged + 1} at ${to.map(c => +c.toFixed(6)).join(' ')}`;
   }
 
@@ -1025,15 +1032,10 @@ template.viewer = [=[
     if (!movedLamps) return;
     lamps = meta.lamps.map(l => l.slice());
     movedLamps = 0;
-    rows = rowsOf(sections);
-    base = null;
-    stale = false;
-    continueRows(rows, sections.cells, born, () => true).then(() => {
-      makeRows();
-      makeLamps();
-      dropLobes();
-      change(false);
-    });
+    lampVersion++;
+    base = rowsOf(sections).slice(0, meta.counts.evaluated * ROW * 4);
+    dragged = -1;
+    stale = true;
   }
 
   /* ---- a point that is asked about ------------------------------------------------------ */
