@@ -112,7 +112,6 @@ describe("the command-line tool's renderings", function()
       ["render --interpolation linear"] = "--interpolation is for grids (--grid FILE, or --visibility transfer)",
       ["render --light_tolerance 0.1"] = "--light_tolerance is for grids (--grid FILE, or --visibility transfer)",
       ["render --visibility tansfer"] = "--visibility is rays, transfer, none or self, got 'tansfer' (did you mean transfer?)",
-      ["render --visibility self"] = "--visibility self needs shadow fields, which are not there yet: rays has true shadows",
       ["render -m reference --visibility rays"] = "--visibility rays is for pictures without --method reference: leave one out",
       ["render -m raycast --visibility none"] = "--visibility is for --method grid and reference, this is raycast",
       ["render --grid x.ylm --light_tolerance 0.1"] = "--light_tolerance is for baking the scene's probes, --grid is baked",

@@ -91,6 +91,41 @@ describe("ylm.bake { like = grid }", function()
   end)
 end)
 
+describe("scene:prepare { visibility = \"self\" }", function()
+  local wall = ylm.quad { corner = { -1, 0, -0.5 }, u = { 2, 0, 0 }, v = { 0, 2, 0 } }
+  local ground = ylm.quad { corner = { -3, 0, 3 }, u = { 6, 0, 0 }, v = { 0, 0, -6 } }
+  local bowl = ylm.torus { at = { 1.5, 0.3, 0.8 }, radius = 0.5, tube = 0.2, divide = { 32, 16 } }
+  local function view(visibility, geometry)
+    return assert(ylm.scene "self" { camera = ylm.camera { from = { 0, 2, 4 } }, geometry = geometry, lights = sky }
+      :prepare { size = { 24, 18 }, samples = 1, lmax = 4, visibility = visibility, transfer_samples = 64,
+        occlusion_distance = math.huge })
+  end
+  local even = ylm.environment_light { radiance = 1 }
+  local function radiance(v) return v:render { grid = even, layers = false }:layer "radiance":totable() end
+
+  it("has the shadows of a surface on itself, and no others", function()
+    local all, own = view("transfer", { ground, wall, bowl }), view("self", { ground, wall, bowl })
+    local none = radiance(view("none", { ground, wall, bowl }))
+    local a, b = radiance(all), radiance(own)
+    local object, darker, same, inside = own:points().object, 0, 0, 0
+    assert.equal("self", select(2, own:render { grid = even, layers = false }).visibility)
+    assert.is_true(#object > 100)
+    for i = 1, #a do
+      for j = 1, #a[i] do
+        darker = darker + (a[i][j][1] < b[i][j][1] - 1e-4 and 1 or 0)
+        same = same + (math.abs(b[i][j][1] - none[i][j][1]) < 1e-5 and 1 or 0)
+        inside = inside + (b[i][j][1] < none[i][j][1] - 0.01 and 1 or 0)
+      end
+    end
+    assert.is_true(darker > 20, darker)            -- the wall darkens the floor, by rays that meet all
+    assert.is_true(same > 200 and inside > 2, ("%d same, %d in a shadow of their own"):format(same, inside))
+  end)
+
+  it("is \"transfer\" of a scene of one surface, to the bit", function()
+    assert.same(radiance(view("transfer", bowl)), radiance(view("self", bowl)))
+  end)
+end)
+
 -- Bodies in pictures -----------------------------------------------------------------------------------
 
 local cube = ylm.box { scale = 0.8, divide = 5, material = ylm.matte { albedo = { 0.7, 0.3, 0.2 } } }

@@ -105,6 +105,12 @@ static ylm_status trace_scene(ylm_scene *s, size_t meshes, const ylm_scene_mesh 
   return status;
 }
 
+ylm_status ylm_scene_trace_mesh(const ylm_scene *s, size_t m, ylm_trace **out, ylm_error *e) {
+  const scene_mesh *x = &s->mesh[m];
+  ylm_trace_mesh mesh = {x->position, x->vertices, x->triangle, x->count, x->occludes};
+  return ylm_trace_create(1, &mesh, &(ylm_trace_lamps){0}, out, e);
+}
+
 /* Copies meshes; to be freed in any case. */
 static ylm_status share_meshes(size_t meshes, const ylm_scene_mesh *mesh, scene_meshes **shared,
                                ylm_error *e) {

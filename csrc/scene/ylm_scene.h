@@ -89,6 +89,10 @@ YLM_API void ylm_scene_bounds(const ylm_scene *scene, double lo[3], double hi[3]
 /* The structure that rays are traced through; lives as long as the scene. */
 YLM_API const ylm_trace *ylm_scene_trace(const ylm_scene *scene);
 
+/* Mesh m alone, where it occludes: rays for it meet nothing else. The caller frees it. As ylm_trace_create. */
+YLM_API ylm_status ylm_scene_trace_mesh(const ylm_scene *scene, size_t m, ylm_trace **out,
+                                        ylm_error *e);
+
 /* The number of meshes; what mesh m is made of; the corners of its triangle `element`, as vertices
    of the mesh [3]. */
 YLM_API size_t ylm_scene_meshes(const ylm_scene *scene);

@@ -171,6 +171,17 @@ static bool scratch_create(scratch *x, size_t samples, size_t rays, size_t count
   return x->ray && x->direction && x->Y && x->seen && x->all && x->visible;
 }
 
+/* Rays of n points from `first` on meet the points' own meshes alone. */
+static void occlude_apart(const job *j, size_t first, size_t n, scratch *x) {
+  size_t samples = (size_t)j->view->o.transfer_samples;
+  ylm_trace_ray *ray = x->ray;
+  for (size_t i = 0; i < n; i++) {
+    if (is_idle(j, first + i)) continue;
+    ylm_trace_occluded(j->view->own[j->mesh[first + i]], samples, ray);
+    ray += samples;
+  }
+}
+
 /* Points begin .. end-1. */
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
@@ -188,7 +199,10 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
     size_t n = end - first < batch ? end - first : batch, busy = 0;
     for (size_t i = 0; i < n; i++)
       if (!is_idle(j, first + i)) point_rays(j, first + i, x.ray + busy++ * samples);
-    ylm_trace_occluded(ylm_scene_trace(v->scene), busy * samples, x.ray);
+    if (v->own)
+      occlude_apart(j, first, n, &x);
+    else
+      ylm_trace_occluded(ylm_scene_trace(v->scene), busy * samples, x.ray);
     traced += busy * samples;
     const ylm_trace_ray *ray = x.ray;
     for (size_t i = 0; s == YLM_OK && i < n; i++) {

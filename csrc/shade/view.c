@@ -173,6 +173,23 @@ static ylm_status make_shares(ylm_shade_view *v, const shade_tables *tables, flo
   return YLM_OK;
 }
 
+static void free_own(ylm_shade_view *v) {
+  for (size_t m = 0; v->own && m < ylm_scene_meshes(v->scene); m++) ylm_trace_free(v->own[m]);
+  ylm_free(v->own);
+  v->own = NULL;
+}
+
+/* Each mesh alone, where occlusion rays are to meet no other. */
+static ylm_status make_own(ylm_shade_view *v, ylm_error *e) {
+  size_t meshes = ylm_scene_meshes(v->scene);
+  if (!v->o.self || !v->transfer || v->o.visibility == YLM_SHADE_UNSHADOWED) return YLM_OK;
+  v->own = ylm_alloc_zero(meshes, sizeof *v->own);
+  ylm_status s = v->own ? YLM_OK : YLM_ENOMEM;
+  for (size_t m = 0; s == YLM_OK && m < meshes; m++)
+    s = ylm_scene_trace_mesh(v->scene, m, &v->own[m], e);
+  return s;
+}
+
 /* Shading points and their transfer vectors, once the entries are known. */
 static ylm_status make_transfer(ylm_shade_view *v, ylm_error *e) {
   const shade_tables *tables = NULL;
@@ -183,6 +200,7 @@ static ylm_status make_transfer(ylm_shade_view *v, ylm_error *e) {
   ylm_status s = YLM_OK;
   if (v->o.per_vertex || by_vertex) s = ylm__shade_vertices(v, &x);
   if (s == YLM_OK) s = v->o.per_vertex ? points_of_vertices(v, &x) : points_of_entries(v);
+  if (s == YLM_OK) s = make_own(v, e);
   if (s == YLM_OK && v->transfer) /* refused, or made, here rather than at the first picture */
     s = ylm__shade_gloss_tables(v, v->o.lmax, v->o.threads, v->o.progress, &tables, e);
   if (s == YLM_OK && v->transfer && v->gloss) s = make_shares(v, tables, &share);
@@ -195,6 +213,7 @@ static ylm_status make_transfer(ylm_shade_view *v, ylm_error *e) {
                             v->transfer, &v->stats.occlusion_rays);
   ylm__shade_vertices_free(&x);
   ylm_free(share);
+  free_own(v);
   v->stats.transfer_seconds = ylm_seconds() - start;
   return s;
 }

@@ -44,6 +44,8 @@ struct ylm_shade_view {
   shade_gloss *gloss; /* NULL: no surface glosses, or such are shaded as matte ones */
   float (*seen)[3];   /* [entries]: the mean tint of the samples; NULL: the scene has no tints */
   float (*tint)[3];   /* [points]; NULL as `seen`, else often the same                         */
+  ylm_trace *
+      *own; /* [meshes] options.self: each mesh alone, while transfer vectors are made; else NULL */
   uint32_t
       *vertex; /* [2 vertices of the scene] their points, YLM_SHADE_NOWHERE: none; all_vertices */
   const ylm_shade_view *base;    /* whose points these are (relight.c); NULL: its own */

@@ -78,12 +78,13 @@ typedef struct ylm_shade_options {
   int lmax;                        /* of the transfer vectors, 0 .. YLM_LIGHT_LMAX         */
   bool per_vertex;                 /* shade vertices and interpolate colour over triangles */
   ylm_shade_visibility visibility; /* per_vertex: PIXEL means the same as VERTEX           */
-  int transfer_samples;            /* occlusion rays per transfer vector, 1 .. YLM_SCENE_SAMPLES */
-  const ylm_field *light;          /* transfer_samples is the least number; it is doubled  */
-  double noise;                    /* until the noise under this light is at most `noise`, */
-  int most_samples;                /* up to this number. NULL: it is taken as it is        */
-  double occlusion_distance;       /* > 0, may be infinite: how far these rays reach       */
-  double share;                    /* pixel widths, >= 0                                   */
+  bool self;                 /* PIXEL, VERTEX: occlusion rays meet the mesh they start from alone */
+  int transfer_samples;      /* occlusion rays per transfer vector, 1 .. YLM_SCENE_SAMPLES */
+  const ylm_field *light;    /* transfer_samples is the least number; it is doubled  */
+  double noise;              /* until the noise under this light is at most `noise`, */
+  int most_samples;          /* up to this number. NULL: it is taken as it is        */
+  double occlusion_distance; /* > 0, may be infinite: how far these rays reach       */
+  double share;              /* pixel widths, >= 0                                   */
   bool fine; /* surfaces that gloss: samples are one point only where their lobes agree     */
   ylm_shade_gloss gloss; /* AUTO of a view per_vertex is SH, RAYS YLM_EINVAL         */
   bool

@@ -28,7 +28,7 @@ static void read_window(lua_State *L, int i, float *window) {
    visibility, transfer_samples, occlusion_distance, share, seed, threads, progress, light | nil,
    noise | nil, most_samples | nil, pixels: a list of numbers from 0, these alone, | nil,
    gloss: "matte", "sh", "auto", "rays" | nil, gloss_error: two numbers | nil, fine, below_dark,
-   window: YLM_SHADE_DEGREES factors | nil, keep | nil, all_vertices | nil}) -> view */
+   window: YLM_SHADE_DEGREES factors | nil, keep | nil, all_vertices | nil, self | nil}) -> view */
 static int shade_view(lua_State *L) {
   static const char *const names[] = {"camera",
                                       "width",
@@ -54,6 +54,7 @@ static int shade_view(lua_State *L) {
                                       "window",
                                       "keep",
                                       "all_vertices",
+                                      "self",
                                       NULL};
   static const char *const shadings[] = {"pixel", "vertex", NULL};
   static const char *const glosses[] = {"matte", "sh", "auto", "rays", NULL};
@@ -110,6 +111,7 @@ static int shade_view(lua_State *L) {
       .gloss = (ylm_shade_gloss)luaL_checkoption(L, GLOSS, "matte", glosses),
       .keep = lua_toboolean(L, KEEP),
       .all_vertices = lua_toboolean(L, ALL),
+      .self = lua_toboolean(L, ALL + 1),
       .seed = (uint64_t)luaL_checknumber(L, SEED),
       .threads = (int)luaL_optnumber(L, THREADS, 0),
       .progress = ylmL_progress_begin(L, PROGRESS, &p)};

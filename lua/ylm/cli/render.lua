@@ -77,9 +77,6 @@ local function visibility_of(given, method)
       status.stop(status.usage, "render: --visibility is rays, transfer, none or self, got '%s'%s", v,
         guess and (" (did you mean %s?)"):format(guess) or "")
     end
-    if v == "self" then
-      status.stop(status.usage, "render: --visibility self needs shadow fields, which are not there yet: rays has true shadows")
-    end
     if v == "rays" and method ~= "default" then
       status.stop(status.usage, "render: --visibility rays is for pictures without --method %s: leave one out", method)
     end

@@ -47,6 +47,7 @@ end
 
 --- Completes the report of a picture that is made with transfer vectors: true, or nil, message, code.
 function occlusion.report(name, p, o, report)
+  if p.options.self then return true end -- shadows of others are those of the light
   local found, message, code = measure(name, p, o.threads)
   if not found then return nil, message, code end
   local out = {}

@@ -63,8 +63,9 @@ options.transfer_fields = {
     about = "shade what camera rays hit, or the vertices of the triangles they hit (colours are interpolated)" },
   { "visibility", "choice", of = { "rays", "transfer", "none", "self", "pixel", "vertex" }, optional = true,
     about = "'rays': rays to the lamps, whose shadows are true (default without a grid of lights); 'transfer': occlusion rays "
-      .. "by direction, projected into transfer vectors, as the papers do; 'none': no occlusion; 'self': refused until there "
-      .. "are shadow fields; 'pixel', 'vertex': 'transfer' with that shading" },
+      .. "by direction, projected into transfer vectors, as the papers do; 'none': no occlusion; 'self': 'transfer' whose rays "
+      .. "meet the own surface alone, for shadowed light, whose casters are the others (ylm.shadowed); "
+      .. "'pixel', 'vertex': 'transfer' with that shading" },
   { "transfer_samples", "integer", min = 1, max = core.limits.light_samples, optional = true,
     about = "'transfer': occlusion rays per transfer vector; default: 128, 256 from vertices, doubled until the noise that they "
       .. "leave under the scene's lights is at most 2 %, at most 2048 (report.transfer_samples, report.noise)" },

@@ -112,7 +112,7 @@ function pictures.sign(out, p, method, report, extra)
   m.software, m.version = "ylm", (core.info())
   m.scene, m.method = p.scene.name or "", method
   m.lmax, m.convention = o.lmax, convention
-  m.samples, m.seed, m.shading, m.visibility = o.samples, o.seed, o.shading, o.visibility
+  m.samples, m.seed, m.shading, m.visibility = o.samples, o.seed, o.shading, o.self and "self" or o.visibility
   if o.visibility ~= "rays" then
     m.transfer_samples, m.occlusion_distance = o.transfer_samples, tostring(o.occlusion_distance)
   end
@@ -131,7 +131,7 @@ function pictures.new_report(p)
     note = st.points == 0 and "the camera sees no geometry: nothing to shade" or nil,
     notes = p.scene.notes,
     warnings = {},
-    visibility = p.options.visibility,
+    visibility = p.options.self and "self" or p.options.visibility,
     points = st.points, hits = st.hits, pixels = st.pixels, bytes = st.bytes,
     rays = { primary = st.primary_rays, occlusion = st.occlusion_rays },
     transfer_samples = st.transfer_samples, noise = st.noise,

@@ -86,7 +86,8 @@ function views.prepare(name, s, o)
   if not t then return nil, message, code end
   local visibility = o.visibility
   local distance = o.occlusion_distance
-  if not distance then
+  if not distance and o.self then distance = math.huge
+  elseif not distance then
     distance = box.diagonal(t.lo, t.hi) / 10
     if distance == 0 then distance = 1 end
   end
@@ -103,14 +104,15 @@ function views.prepare(name, s, o)
     below_dark = o.below == "dark",
     window = o.window and window.factors(o.window, o.window_width or o.lmax + 1, DEGREES - 1) or nil,
     fine = not o.coarse and (visibility == "rays" or o.gloss ~= "matte"), keep = o.relight == "light" or o.relight == "material",
-    all_vertices = o.relight == "all" }))
+    all_vertices = o.relight == "all", self = o.self }))
   if not view then return nil, message, code end
   local stats = t.lib.shade_stats(view)
   stats.scene_seconds = t.seconds
   if visibility ~= "transfer" then stats.transfer_samples = nil end
   made[view] = { scene = s, traced = t, lib = t.lib, stats = stats,
     options = { size = o.size, samples = o.samples, seed = o.seed, lmax = o.lmax, share = o.share,
-      shading = o.shading, visibility = visibility, gloss = o.gloss, gloss_error = o.gloss_error, relight = o.relight,
+      shading = o.shading, visibility = visibility, self = o.self,
+      gloss = o.gloss, gloss_error = o.gloss_error, relight = o.relight,
       transfer_samples = visibility ~= "rays" and (stats.transfer_samples or rays) or nil,
       occlusion_distance = visibility ~= "rays" and distance or nil } }
   return view

@@ -4,6 +4,7 @@
 --                                               lights       direct, indirect, all
 --     "rays"       rays to the lamps            refused      cosine . L
 --     "transfer"   T . L of the scene's probes  T . L        cosine . L
+--     "self"       as "transfer", each surface in its own shadow alone: casters of shadowed light cast the others
 --     "none"       cosine . L of these          cosine . L   cosine . L
 
 local check = require "ylm.check"
@@ -33,9 +34,8 @@ end
 -- `default` is the visibility where none is given; "pixel" and "vertex" are earlier names of "transfer".
 function visibility.settle(name, o, given, default)
   local v = o.visibility or default
-  if v == "self" then
-    return check.fail('%s: visibility = "self" needs shadow fields, which are not there yet: "rays" has true shadows', name)
-  end
+  o.self = v == "self" -- "transfer", by rays that meet the own surface alone
+  if o.self then v = "transfer" end
   if v == "pixel" or v == "vertex" then
     if given.shading == nil then o.shading = v end
     o.visibility, o.vectors = "transfer", v

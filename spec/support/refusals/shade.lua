@@ -55,7 +55,7 @@ local view_cases = {
   { { occlusion_distance = 0 }, "occlusion_distance must be" },
   { { occlusion_distance = nan }, "occlusion_distance must be" },
   { { lmax = -1 }, "lmax must be" }, { { lmax = 1e6 }, "lmax must be" },
-  { { visibility = "transfr" }, "did you mean 'transfer'" }, { { visibility = "self" }, 'visibility = "self" needs shadow fields' },
+  { { visibility = "transfr" }, "did you mean 'transfer'" },
   { { visibility = "rays", transfer_samples = 8 }, 'transfer_samples is for visibility = "transfer", visibility is "rays"' },
   { { visibility = "rays", occlusion_distance = 8 }, 'occlusion_distance is for visibility = "transfer"' },
 }
