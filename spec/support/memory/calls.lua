@@ -399,6 +399,41 @@ calls["rgl of a file"] = function(keep)
   end
 end
 
+--- A file of a lamp, a textured surface and one that emits.
+local function write_gltf(path)
+  local gltf = require "spec.support.gltf"
+  local f = gltf.new()
+  local image = ylm.image { size = { 2, 2 } }
+  assert(image:save(path .. ".png"))
+  local attributes = { POSITION = f:accessor("VEC3", 5126, { 0, 0, 0, 1, 0, 0, 0, 1, 0 }),
+    TEXCOORD_0 = f:accessor("VEC2", 5126, { 0, 0, 1, 0, 0, 1 }) }
+  local json = f:text { nodes = { { mesh = 0 }, { mesh = 0, extensions = { KHR_lights_punctual = { light = 0 } } } },
+    meshes = { { primitives = { { attributes = attributes, material = 0 }, { attributes = attributes, material = 1 } } } },
+    materials = { { name = "a", pbrMetallicRoughness = { baseColorTexture = { index = 0 } } }, { emissiveFactor = { 1, 1, 1 } } },
+    textures = { { source = 0 } }, images = { { uri = path:match "[^/]*$" .. ".png" } },
+    extensions = { KHR_lights_punctual = { lights = { { type = "point" } } } } }
+  local file = assert(io.open(path, "w"))
+  file:write(json)
+  file:close()
+end
+
+calls["load_gltf"] = function(keep)
+  write_gltf(keep "m.gltf")
+  keep "m.gltf.png"
+  return function()
+    local m, message, code = ylm.load_gltf(keep "m.gltf")
+    assert(m == nil or #m.report.notes > 0 and #m.lights == 3 or code == "ENOMEM", message)
+    return m, message, code
+  end
+end
+calls["scene to glTF"] = function(keep)
+  local given = ylm.scene "x" { geometry = ylm.box {}, lights = { few(), triangle(), disk() } }
+  return function() return given:save(keep "m.glb") end
+end
+calls["scene like another"] = function()
+  local given = ylm.scene "x" { geometry = ylm.box {}, lights = { few(), triangle() } }
+  return function() return ylm.scene "y" { like = given, moved = { [3] = { radius = 0.2 } }, removed = { 2 } } end
+end
 calls["load_scene"] = function(keep)
   local file = assert(io.open(keep "s.lua", "w"))
   file:write(text)
