@@ -1,6 +1,6 @@
 -- Xin et al. 2021, Fig. 9: shadow fields and SHEXP behind bodies that are spheres, beside paths.
 --
---     lua examples/papers/products_2021_fig9.lua [--out DIR] [--size 320] [--paths 1024] [--spheres 14] [--quick]
+--     lua examples/papers/products_2021_fig9.lua [--out DIR] [--size 320] [--paths 1024] [--spheres 14] [--n 10] [--quick]
 --
 -- Writes products_2021_fig9.png. A floor is shaded at every shading point behind all spheres: by the exact product ("Our
 -- acc."), two at a time ("Our recur."), by one rule (ylm's default), at probes, and by exponentials of sums of logarithms (Ren
@@ -13,14 +13,14 @@ local ylm = require "ylm"
 local here = arg[0]:match "^(.*/)" or "./"
 local common, shadows = dofile(here .. "../common.lua"), dofile(here .. "shadows_2021.lua")
 
-local option = common.options { out = "out", size = 320, paths = 1024, spheres = 14, threads = 2, quick = false }
+local option = common.options { out = "out", size = 320, paths = 1024, spheres = 14, n = 0, threads = 2, quick = false }
 local quick = option.quick
 ylm.on_warning(false)
 
 local line = common.table { { "n", "%3d" }, { "method", "%-20s" }, { "rms error %", "%11.2f" }, { "over one rule", "%13.1f" },
   { "seconds", "%8.3f" }, { "points", "%8d" }, { "probes", "%7d" } }
 local rows = {}
-for _, n in ipairs(quick and { 4 } or { 5, 10, 15 }) do
+for _, n in ipairs(quick and { 4 } or option.n > 0 and { option.n } or { 5, 10, 15 }) do
   local case = shadows.balls(quick and 4 or option.spheres)
   case.apart = true
   local pictures, errors, results = shadows.compare(case, { n = n, size = quick and { 24, 18 } or { option.size,
