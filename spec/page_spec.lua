@@ -221,10 +221,10 @@ describe("a page", function()
     end
 
     --- The renderer's picture of light in the scene, with no lamps drawn.
-    local function rendered(of, light)
+    local function rendered(of, light, tone)
       local dark = ylm.scene "dark" { camera = of.camera, geometry = of.geometry, background = of.background }
       local view = assert(dark:prepare { size = SIZE, samples = 16, visibility = "none" })
-      assert((assert(view:render { grid = light })):save(folder.path .. "/truth.png"))
+      assert((assert(view:render { grid = light })):save(folder.path .. "/truth.png", tone))
       return assert(ylm.load(folder.path .. "/truth.png", { raw = true })):layer()
     end
 
@@ -232,6 +232,16 @@ describe("a page", function()
       needs_browser()
       local decibels = psnr(seen(path, "nolamps&still"), rendered(scene, grid))
       assert(decibels >= 38, decibels)
+    end)
+
+    it("has the tone curves and exposures of image:save", function()
+      needs_browser()
+      if not long(false, true) then pending "make check-long tries all curves" end
+      for _, tone in ipairs { "linear", "reinhard", "hable", "aces" } do
+        local truth = rendered(scene, grid, { tone = tone, exposure = 1.5 })
+        local decibels = psnr(seen(path, "nolamps&still&ev=1.5&tone=" .. tone), truth)
+        assert(decibels >= 38, tone .. ": " .. decibels)
+      end
     end)
 
     it("shows the lamps' own light as a grid without error would", function()
