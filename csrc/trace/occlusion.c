@@ -453,7 +453,8 @@ static bool draw_place(const ylm_trace_occlusion *o, double near, double far, yl
   /* where the way leaves the sphere of radius `far` */
   double b = dot(back, w), c = dot(back, back) - far * far, most = -b + sqrt(fmax(0, b * b - c));
   if (hit[0].mesh != YLM_TRACE_NOTHING) most = fmin(most, (double)hit[0].t - near);
-  if (most > 0) d = near * (pow(1 + most / near, u) - 1);
+  double from = fmax(near, sqrt(dot(back, back)));
+  if (most > 0) d = from * (pow(1 + most / from, u) - 1);
   for (int a = 0; a < 3; a++) out[a] = (float)(p[a] + d * w[a]);
   return true;
 }

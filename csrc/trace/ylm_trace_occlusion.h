@@ -53,7 +53,8 @@ YLM_API void ylm_trace_occlusion_body(const ylm_trace_occlusion *o, double at[3]
 ** ylm_trace_occlusion_places - n places around the body, at random by seed.
 **
 ** Each starts off a random place of the surface, `near` along the normal, and goes on along a random direction, to at most
-** `far`: the logarithm of the way is even. Places whose start is in the body are drawn again.
+** `far`, so that the logarithm of its distance from the middle is about even, as of ylm_light_occluder_places. Starts that
+** are in the body are drawn again.
 **
 **   near, far  in   scene units
 **   places     out  [n][3]

@@ -8,6 +8,8 @@
 
 local ylm = require "ylm"
 
+io.stdout:setvbuf "line"
+
 local quick = os.getenv "BENCH" == "quick"
 local LMAX, NEAR, FAR, PLACES = 9, 1.05, 6, quick and 200 or 2000
 local COUNT = (LMAX + 1) ^ 2
