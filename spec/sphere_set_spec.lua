@@ -68,6 +68,15 @@ describe("ylm.sphere_set", function()
     assert(e < 0.12, e)
   end)
 
+  it("says so where spheres do not stand for the body", function()
+    local said = {}
+    local before = ylm.on_warning(function(message) said[#said + 1] = message end)
+    local _, _, report = ylm.sphere_set(ylm.box { scale = { 1, 1e-3, 1 } }, { count = 4 })
+    ylm.on_warning(before)
+    assert.same(said, report.warnings)
+    assert.matches("4 spheres miss or add %d+ %% of the body's volume: more of them", said[1])
+  end)
+
   it("reports how far it is, and stops where it is told to", function()
     local said = 0
     local at, message, code = ylm.sphere_set(ylm.knot {}, { count = 4096, progress = function(done, total, stage)

@@ -5,6 +5,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local progress = require "ylm.progress"
+local warning = require "ylm.warning"
 
 local sets = {}
 
@@ -13,6 +14,21 @@ local function mesh_of(x)
   if core.type(x) == "ylm.mesh" then return x end
   local mesh = type(x) == "table" and form.kind(x) and rawget(x, "mesh")
   return core.type(mesh) == "ylm.mesh" and mesh or nil
+end
+
+-- Parts of a body's volume that its spheres may miss or add, and points of the lattice in it, before a sentence says so.
+local MISSED, POINTS = 0.3, 2000
+
+--- The sentence about spheres that do not stand for their body, in a list; nil where they do.
+local function shortfall(mesh, k, report)
+  local points, missed = report.volume / report.step ^ 3, (report.outside + report.uncovered) / report.volume
+  if points < POINTS then
+    return { warning.say(mesh, "lattice", "sphere_set: only %.0f points of the lattice are in the body, whose parts are small "
+      .. "beside the space between them: make spheres of each part by itself", points) }
+  elseif missed > MISSED then
+    return { warning.say(mesh, "missed", "sphere_set: %d spheres miss or add %.0f %% of the body's volume: more of them (count) "
+      .. "come nearer, but for thin plates, which spheres cannot fill", k, 100 * missed) }
+  end
 end
 
 local options = {
@@ -29,7 +45,7 @@ describe "sphere_set" {
   returns = { { "at", "array", "[k][3] centres, scene units; k is less than count where fewer cover the body" },
     { "radius", "array", "[k]" },
     { "report", "table", "{ volume, outside, uncovered, step }: of the body; of spheres outside of it; of the body outside of "
-      .. "spheres, all by points of a lattice that are step apart" } },
+      .. "spheres, all by points of a lattice that are step apart; warnings: a sentence where these are many" } },
   errors = "raises on a mesh that is open, encloses no volume or is too thin for the lattice, and on bad options; nil, message, "
     .. "code: memory, cancelled",
   example = [[
@@ -53,6 +69,7 @@ function sets.sphere_set(geometry, given)
     core.mesh_sphere_set(mesh, o.count, at, radius, progress.of(o.progress)))
   if not k then return nil, volume, outside end
   local report = { volume = volume, outside = outside, uncovered = uncovered, step = step }
+  report.warnings = shortfall(mesh, k, report)
   if k == o.count then return at, radius, report end
   return at[{ 1, k }], radius[{ 1, k }], report
 end
