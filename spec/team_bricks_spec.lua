@@ -77,6 +77,29 @@ describe("a bake in bricks that a team shares", function()
     assert(status ~= 0 and select(2, out:gsub("another bake, which differs in 'threshold'", "")) == 1, out)
   end)
 
+  it("is written for ParaView by all, a piece for each brick", function()
+    if mpi.missing() then return pending(mpi.missing()) end
+    local path = folder.path .. "/pieces.pvtu"
+    local script = folder:write("pieces.lua", ([[
+      local ylm = require "ylm"
+      local team = ylm.team()
+      local grid = assert(ylm.load(%q))
+      assert(grid:save(%q, { team = team }))
+      if team.rank == 1 then print(grid.stats.bricks, grid.stats.leaves) end]]):format(one, path))
+    local out, status = run(3, "ylm", "run " .. scratch.quote(script))
+    assert.equal(0, status, out)
+    local bricks = tonumber(out:match "^(%d+)")
+    local text = folder:read "pieces.pvtu"
+    local n, volume = 0, 0
+    for name in text:gmatch 'Piece Source="([^"]+)"' do
+      local head = assert(folder:read(name)):sub(1, 4000)
+      n, volume = n + 1, volume + tonumber(head:match 'NumberOfCells="(%d+)"')
+    end
+    assert.equal(bricks + 1, n)
+    assert(volume > bricks and text:find('<PDataArray type="Float64" Name="Points" NumberOfComponents="3"/>', 1, true), text)
+    assert(text:find('Name="level"', 1, true) and text:find('Name="L00"', 1, true))
+  end)
+
   it("is what the model of clusters measures (examples/cluster)", function()
     if mpi.missing() then return pending(mpi.missing()) end
     local out, status = run(2, "ylm", "run examples/cluster/model.lua --quick --out " .. scratch.quote(folder.path))

@@ -695,6 +695,8 @@ typedef struct ylm_grid_set_stats {
   uint64_t held, reads;   /* bytes in memory; files that were read so far */
 } ylm_grid_set_stats;
 YLM_API ylm_grid_set_stats ylm_grid_set_stats_of(const ylm_grid_set *s);
+/* The file of brick 0 .. bricks-1, or, behind them, of the top; false where `room` bytes are too few, or there is none. */
+YLM_API bool ylm_grid_set_file(const ylm_grid_set *s, size_t brick, char *path, size_t room);
 /*
 ** ylm_grid_set_sample - as ylm_grid_sample. Points are taken brick by brick: a call reads each brick
 ** that it needs once at most, if that fits into the cache.

@@ -42,6 +42,15 @@ static int grid_set_look(lua_State *L) {
   return 2;
 }
 
+/* grid_set_file(set, i) -> the path of brick i, 1 .. bricks, or of the top behind them; nil: there is none */
+static int grid_set_file(lua_State *L) {
+  char path[4096];
+  size_t i = (size_t)luaL_checknumber(L, 2);
+  if (i < 1 || !ylm_grid_set_file(set_check(L, 1), i - 1, path, sizeof path)) return 0;
+  lua_pushstring(L, path);
+  return 1;
+}
+
 /* grid_set_sample: as grid_sample */
 static int grid_set_sample(lua_State *L) {
   static const char *const names[] = {"interpolation", "derivatives", "outside",
@@ -98,10 +107,13 @@ static int grid_set_close(lua_State *L) {
   return 0;
 }
 
-static const luaL_Reg functions[] = {
-    {"grid_set_open", grid_set_open},     {"grid_set_look", grid_set_look},
-    {"grid_set_sample", grid_set_sample}, {"grid_set_is_open", grid_set_is_open},
-    {"grid_set_close", grid_set_close},   {NULL, NULL}};
+static const luaL_Reg functions[] = {{"grid_set_open", grid_set_open},
+                                     {"grid_set_look", grid_set_look},
+                                     {"grid_set_file", grid_set_file},
+                                     {"grid_set_sample", grid_set_sample},
+                                     {"grid_set_is_open", grid_set_is_open},
+                                     {"grid_set_close", grid_set_close},
+                                     {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", grid_set_close}, {NULL, NULL}};
 

@@ -137,6 +137,33 @@ function methods.sample(s, points, given)
   return c, dc, { outside = outside, unbaked = unbaked, seconds = seconds }
 end
 
+local save_options = {
+  { "team", "object", of = "team", optional = true, about = "ylm.team(): its processes write pieces; all of them call" },
+}
+
+describe "grid_set:save" {
+  about = "Writes the voxels for ParaView: NAME.pvtu, and NAME-CODE.vtu beside it for each brick. One brick is in memory. "
+    .. "Points on faces between bricks are in both.",
+  arguments = { { "path", "string", "ends in .pvtu" }, { "options?", "table", "see the options" } },
+  options = save_options,
+  returns = { { "ok", "boolean", "true; or nil, message, 'EIO', 'ENOMEM' or what reading a brick says" } },
+  errors = "raises on a path that ends in something else",
+  example = [[
+local folder = os.tmpname() .. ".ylmd"
+local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 1, depth = 3, threshold = 0.5 },
+  ylm.sphere_light { at = { 0, 2, 0 } }, { to = folder }))
+assert(grid:save(folder .. "/grid.pvtu"))
+os.execute("rm -r " .. folder)]],
+}
+function methods.save(s, path, given)
+  open(s, "save")
+  if type(path) ~= "string" or not path:lower():find "%.pvtu$" then
+    return check.bad(1, "save", "a path ending in .pvtu expected, got %s", check.describe(path))
+  end
+  local o = form.options(2, "save", save_options, given)
+  return require "ylm.grid.pvtu".save(s, path, o.team and o.team.handle or core.team_alone())
+end
+
 describe "grid_set:close" {
   about = "Frees the memory now rather than at the next collection. The folder stays.",
   arguments = {},

@@ -6,13 +6,14 @@ local quantities = require "ylm.grid.quantities"
 
 local vtu = {}
 
---- Leaves that have all eight corners: a mask.
-local function complete(cells)
+--- Leaves that have all eight corners: a mask. but(level, origin): those that are left out.
+local function complete(cells, but)
   local corner = core.array_totable(cells.corner)
   local leaf, list = core.array_totable(cells.leaf), {}
   for i = 1, #leaf do
     list[i] = leaf[i] ~= 0 and 1 or 0
     for k = 1, 8 do if corner[i][k] < 1 then list[i] = 0 end end
+    if but and list[i] == 1 and but(cells.level[i], core.array_totable(cells.origin[i])) then list[i] = 0 end
   end
   local mask = core.array_zeros({ #list }, "double")
   core.array_fill(mask, list)
@@ -29,10 +30,10 @@ local function states(source)
   return state
 end
 
---- Writes the leaves of a grid. Returns true, or nil, message, code.
-function vtu.save(grid, path)
+--- Writes the leaves of a grid, but those for which but(level, origin). Returns true, or nil, message, code.
+function vtu.save(grid, path, but)
   local source = quantities.open(grid)
-  local mask = complete(source.cells)
+  local mask = complete(source.cells, but)
   local function cells(a) return core.figure_pick(a, mask) end
   local point_data = {
     { "L00", source.values "L00" }, { "gradient L00", source.gradient() },

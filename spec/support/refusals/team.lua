@@ -3,6 +3,12 @@
 local function case(call, says) return { call = call, says = says } end
 
 return {
+  ["grid_set:save"] = {
+    case(function(ylm)
+      local save = ylm.bake and require("ylm.c.core").metatable("ylm.grid_set").save
+      return save({}, "x.pvtu")
+    end, "a grid in bricks expected before the colon, got a table"),
+  },
   team = {
     case(function(ylm)
       -- a launcher has started several, and this ylm has no MPI
