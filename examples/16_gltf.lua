@@ -41,7 +41,8 @@ local captions = { "the room, saved and read", "without extras.ylm", "its lamp m
 local panels = {}
 for i, image in ipairs(images) do
   local d = image:layer() - first:layer()
-  print(("%-26s root of the mean square difference: %.3f of the mean"):format(captions[i], math.sqrt((d * d):mean()) / first:layer():mean()))
+  print(("%-26s root of the mean square difference: %.3f of the mean"):format(captions[i],
+    math.sqrt((d * d):mean()) / first:layer():mean()))
   panels[i] = { image = image, tone = "hable", exposure = option.exposure, caption = captions[i] }
 end
 common.save(ylm.figure { rows = { panels } }, option.out .. "gltf_room.png")
