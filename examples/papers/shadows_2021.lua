@@ -89,7 +89,7 @@ function shadows.balls(count)
       0.36 + 0.3 * math.cos(hue + 4)))
     at[i], radius[i], body[i] = p, size, i
   end
-  return { name = "Spheres", camera = { from = { 0.3, 4.1, 4.6 }, at = { 0.05, 0.15, 0 }, fov = 30 }, still = { floor(8) },
+  return { name = "Spheres", camera = { from = { 0.3, 4.1, 4.6 }, at = { 0.05, 0.15, 0 }, fov = 30 }, still = { floor(24) },
     casters = casters, spheres = { at = at, radius = radius, body = body }, light = sky }
 end
 
@@ -132,7 +132,7 @@ function shadows.spider(count)
   for _, part in ipairs(parts) do meshes[#meshes + 1] = part end
   local at, radius, report = ylm.sphere_set(joined(meshes), { count = count })
   return { name = "in place of Spider & Scorpion", camera = { from = { 0.2, 3.2, 4.2 }, at = { 0, 0.25, 0 }, fov = 34 },
-    still = { floor(8) }, casters = casters, spheres = { at = at, radius = radius }, report = report, light = sky }
+    still = { floor(24) }, casters = casters, spheres = { at = at, radius = radius }, report = report, light = sky }
 end
 
 --- A ball beside a double helix of balls that overlap: Fig. 7 (b), "Ball & DNA".
@@ -153,7 +153,7 @@ function shadows.helix(pairs_of)
   end
   add({ -0.75, 0.5, 0.1 }, 0.42, grey, 2)
   return { name = "in place of Ball & DNA", camera = { from = { 0.1, 3.3, 4.6 }, at = { 0, 0.55, 0 }, fov = 36 },
-    still = { floor(8) }, casters = casters, spheres = { at = at, radius = radius, body = body }, light = sky }
+    still = { floor(24) }, casters = casters, spheres = { at = at, radius = radius, body = body }, light = sky }
 end
 
 --- A body of spheres between columns, for Fig. 8, "Dragon in Hall"; geometry may be a mesh of one's own, about 1.6 high.
