@@ -13,7 +13,7 @@ local journal = {}
 
 local HEADER = "ylm journal 1\n"
 
-local function entry(key, text) return ("case %s %d %s\n%s\n"):format(key, #text, core.team_crc(text), text) end
+local function entry(key, text) return ("case %s %d %s\n"):format(key, #text, core.team_crc(text)) .. text .. "\n" end
 
 local function text_of(path)
   local file = io.open(path, "rb")
