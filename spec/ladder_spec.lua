@@ -235,7 +235,7 @@ describe("the ladder", function()
     local others = { ["ylm_simd.h"] = "base", ["ylm_real.h"] = "base", ["ylm_vector.h"] = "base", ["ylm_intrinsics.h"] = "base",
       ["ylm_sets.h"] = "base",
       ["ylm_version.h"] = "base",
-      ["ylm_numbers.h"] = "base",
+      ["ylm_numbers.h"] = "base", ["ylm_pace.h"] = "base",
       ["ylm_sh_rival.h"] = "sh", ["ylm_sh_exponential.h"] = "sh", ["ylm_display.h"] = "codec",
       ["ylm_gltf.h"] = "codec",
       ["ylm_light_device.h"] = "light", ["ylm_light_sky.h"] = "light", ["ylm_light_virtual.h"] = "light",

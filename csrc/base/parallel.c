@@ -1,12 +1,18 @@
 /* parallel.c - blocks of items on OpenMP threads, progress on the caller's. */
 #include "environment.h"
+#include "ylm_pace.h"
 
+#include <math.h>
 #include <omp.h>
 #include <stdatomic.h>
 #include <time.h>
 
-/* Between two reports. */
+/* Between two reports, where nobody asked for another pace. */
 #define REPORT_SECONDS 0.1
+
+static _Thread_local double pace; /* 0: REPORT_SECONDS */
+
+void ylm_progress_pace(double every) { pace = every > 0 ? every : 0; }
 
 double ylm_seconds(void) {
   struct timespec t;
@@ -45,6 +51,7 @@ typedef struct job {
   void *context;
   const ylm_progress *progress;
   const char *stage;
+  double every;                    /* seconds between two reports */
   size_t stride, left;             /* blocks of the calling thread between two looks at the clock */
   double looked, told;             /* when it looked, and when it told of them */
   atomic_int failed;               /* the first status other than YLM_OK */
@@ -57,15 +64,16 @@ static void fail(job *j, ylm_status s) {
 }
 
 /* Tells how much is done if that is due; on the calling thread only. The clock, which may cost as
-   much as a small block, is looked at some hundred times a second. */
+   much as a small block, is looked at some twenty times between two reports. */
 static void tell(job *j) {
   if (--j->left > 0) return;
   double now = ylm_seconds(), passed = now - j->looked;
-  if (passed < REPORT_SECONDS / 20) j->stride *= 2;
-  if (passed > REPORT_SECONDS / 5 && j->stride > 1) j->stride /= 2;
+  double wanted = passed > 0 ? j->every / 20 * (double)j->stride / passed : INFINITY;
+  double most = 4 * (double)j->stride;
+  j->stride = wanted < 1 ? 1 : wanted < most ? (size_t)wanted : (size_t)most;
   j->left = j->stride;
   j->looked = now;
-  if (now - j->told < REPORT_SECONDS) return;
+  if (now - j->told < j->every) return;
   size_t done = atomic_load(&j->done);
   if (done < j->blocks) fail(j, ylm_report(j->progress, done * j->grain, j->n, j->stage));
   j->looked = j->told = ylm_seconds();
@@ -91,9 +99,10 @@ ylm_status ylm_parallel(size_t n, size_t grain, int threads, ylm_range_fn *fn, v
            .context = context,
            .progress = progress,
            .stage = stage,
+           .every = pace > 0 ? pace : REPORT_SECONDS,
            .stride = 1,
-           .left = 1,
-           .told = -REPORT_SECONDS};
+           .left = 1};
+  j.told = -j.every;
   if (threads > 1 && blocks > 1) {
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
     for (size_t b = 0; b < blocks; b++) run_block(&j, b, omp_get_thread_num());

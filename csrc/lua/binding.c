@@ -1,5 +1,6 @@
 /* binding.c - compiled into every binding: results, types, progress, the ABI guard. */
 #include "binding.h"
+#include "ylm_pace.h"
 
 #include <string.h>
 
@@ -410,6 +411,15 @@ static bool step(void *user, uint64_t done, uint64_t total, const char *stage) {
 
 const ylm_progress *ylmL_progress_begin(lua_State *L, int i, ylmL_progress *p) {
   memset(p, 0, sizeof *p);
+  double every = 0;
+  if (lua_istable(L, i)) { /* { function, every = seconds }, whose place the function takes */
+    lua_getfield(L, i, "every");
+    every = (double)lua_tonumber(L, -1);
+    lua_pop(L, 1);
+    lua_rawgeti(L, i, 1);
+    lua_replace(L, i);
+  }
+  ylm_progress_pace(every);
   if (!lua_isnoneornil(L, i)) {
     luaL_checktype(L, i, LUA_TFUNCTION);
     p->index = i;

@@ -11,6 +11,7 @@
 typedef struct disc {
   double to[3];       /* unit vector from the camera */
   double depth, half; /* along the view axis; chord of half the angle it fills */
+  double radius;
   double x, y, reach; /* in pixels */
   const float *radiance;
 } disc;
@@ -19,7 +20,7 @@ typedef struct lamps_job {
   const ylm_shade_view *v;
   const disc *disc;
   size_t n;
-  float *out;
+  float *out, *depth; /* [pixels][3]; [pixels]: one of them is NULL */
 } lamps_job;
 
 /* False if the lamp is behind the camera or around it, or off the image. */
@@ -32,7 +33,7 @@ static bool project(const ylm_shade_view *v, const float sphere[4], const float 
   if (!(r > 0) || !(z > r) || !(far > r)) return false;
   double x = ylm_dot3d(to, f->right) / ylm_dot3d(f->right, f->right) / z;
   double y = ylm_dot3d(to, f->up) / ylm_dot3d(f->up, f->up) / z;
-  *d = (disc){.depth = z, .half = 2 * sin(asin(r / far) / 2), .radiance = radiance};
+  *d = (disc){.depth = z, .half = 2 * sin(asin(r / far) / 2), .radius = r, .radiance = radiance};
   for (int a = 0; a < 3; a++) d->to[a] = to[a] / far;
   d->x = (x + 1) / 2 * width;
   d->y = (1 - y) / 2 * height;
@@ -99,7 +100,9 @@ static void draw(const lamps_job *j, const disc *d, int top, int bottom) {
       double part = covered(v, d, x, y);
       size_t pixel = (size_t)y * (size_t)v->o.width + (size_t)x;
       if (part > 0) part *= open_part(v, pixel, d->depth);
-      for (int c = 0; part > 0 && c < 3; c++) {
+      if (j->depth && part > 0.5)
+        j->depth[pixel] = fminf(j->depth[pixel], (float)(d->depth - d->radius));
+      for (int c = 0; j->out && part > 0 && c < 3; c++) {
         float *to = &j->out[3 * pixel + (size_t)c];
         *to = drawn_over(*to, (float)part, d->radiance[c]);
       }
@@ -129,9 +132,9 @@ static disc *discs_of(const ylm_shade_view *v, const ylm_scene_lamps *lamps, siz
   return d;
 }
 
-ylm_status ylm_shade_draw_lamps(const ylm_shade_view *v, const ylm_scene_lamps *lamps, int threads,
-                                float *out) {
-  lamps_job j = {.v = v, .out = out};
+static ylm_status draw_all(const ylm_shade_view *v, const ylm_scene_lamps *lamps, int threads,
+                           float *out, float *depth) {
+  lamps_job j = {.v = v, .out = out, .depth = depth};
   disc *d = discs_of(v, lamps, &j.n);
   if (!d) return YLM_ENOMEM;
   j.disc = d;
@@ -139,6 +142,57 @@ ylm_status ylm_shade_draw_lamps(const ylm_shade_view *v, const ylm_scene_lamps *
       ylm_parallel((size_t)v->o.height, SHADE_LAMP_ROWS, threads, draw_rows, &j, NULL, NULL);
   ylm_free(d);
   return s;
+}
+
+ylm_status ylm_shade_draw_lamps(const ylm_shade_view *v, const ylm_scene_lamps *lamps, int threads,
+                                float *out) {
+  return draw_all(v, lamps, threads, out, NULL);
+}
+
+ylm_status ylm_shade_lamp_depth(const ylm_shade_view *v, const ylm_scene_lamps *lamps, int threads,
+                                float *depth) {
+  return draw_all(v, lamps, threads, NULL, depth);
+}
+
+/* False where the sphere's rim is farther than `reach` pixels from x, y: cheaper than to project. */
+static bool may_be_near(const ylm_shade_view *v, const float sphere[4], double x, double y,
+                        double reach) {
+  const ylm_camera_frame *f = &v->frame;
+  double to[3], r = (double)sphere[3];
+  for (int a = 0; a < 3; a++) to[a] = (double)sphere[a] - f->from[a];
+  double z = ylm_dot3d(to, f->forward), far2 = ylm_dot3d(to, to);
+  if (!(z > r)) return false;
+  if (far2 < 4 * r * r) return true; /* so near that its picture is no small ellipse */
+  double px = ylm_dot3d(to, f->right) / ylm_dot3d(f->right, f->right) / z;
+  double py = ylm_dot3d(to, f->up) / ylm_dot3d(f->up, f->up) / z;
+  double wide = reach + 2 + 2 * r * sqrt(far2) / (z * z) / f->pixel;
+  return fabs((px + 1) / 2 * v->o.width - x) < wide && fabs((1 - py) / 2 * v->o.height - y) < wide;
+}
+
+bool ylm_shade_lamp_at(const ylm_shade_view *v, const ylm_scene_lamps *lamps, double x, double y,
+                       double reach, ylm_shade_lamp *found) {
+  const ylm_camera_frame *f = &v->frame;
+  double right = to_the_right(x, v->o.width), up = upwards(y, v->o.height), u[3];
+  for (int a = 0; a < 3; a++) u[a] = ray_along(f->forward[a], f->right[a], f->up[a], right, up);
+  double length = sqrt(ylm_dot3d(u, u));
+  int column = (int)fmin(fmax(x, 0), v->o.width - 1), row = (int)fmin(fmax(y, 0), v->o.height - 1);
+  size_t pixel = (size_t)row * (size_t)v->o.width + (size_t)column;
+  bool some = false;
+  for (size_t i = 0; i < lamps->shape.spheres; i++) {
+    disc d;
+    const float *sphere = lamps->shape.sphere + 4 * i;
+    if (!may_be_near(v, sphere, x, y, reach)) continue;
+    if (!project(v, sphere, lamps->radiance + 3 * i, &d)) continue;
+    double chord = 0;
+    for (int a = 0; a < 3; a++) chord += (u[a] / length - d.to[a]) * (u[a] / length - d.to[a]);
+    /* A pixel in direction u is seen under an angle that falls with the length of u. */
+    double away = fmax(0, (sqrt(chord) - d.half) * length / f->pixel);
+    if (!(away <= reach) || open_part(v, pixel, d.depth) < 0.5) continue;
+    if (some && (away > found->away || (away == found->away && d.depth >= found->depth))) continue;
+    *found = (ylm_shade_lamp){i, away, d.depth};
+    some = true;
+  }
+  return some;
 }
 
 ylm_status ylm_shade_view_discs(const ylm_shade_view *v, const ylm_scene_lamps *lamps, double *out,

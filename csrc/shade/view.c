@@ -385,8 +385,13 @@ typedef struct layer_job {
 } layer_job;
 
 int ylm_shade_layer_channels(ylm_shade_layer layer) {
-  return layer == YLM_SHADE_DEPTH || layer == YLM_SHADE_COVERAGE || layer == YLM_SHADE_EMITTER ? 1
-                                                                                               : 3;
+  switch (layer) {
+  case YLM_SHADE_DEPTH:
+  case YLM_SHADE_COVERAGE:
+  case YLM_SHADE_EMITTER:
+  case YLM_SHADE_OBJECT: return 1;
+  default: return 3;
+  }
 }
 
 /* Means over the surface of one pixel: normal, position, albedo or depth. */
@@ -413,6 +418,31 @@ static void surface_mean(const layer_job *j, const shade_pixel *q, float *out) {
     out[c] = weight > 0 ? sum[c] / weight : j->layer == YLM_SHADE_DEPTH ? INFINITY : 0;
 }
 
+/* The entry that has the largest part of a pixel; NULL: there is none. */
+static const shade_entry *largest(const ylm_shade_view *v, const shade_pixel *q) {
+  const shade_entry *best = NULL;
+  for (size_t i = q[0].first; i < q[1].first; i++)
+    if (!best || v->entry[i].weight > best->weight) best = &v->entry[i];
+  return best;
+}
+
+static float object_of(const ylm_shade_view *v, const shade_pixel *q) {
+  const shade_entry *e = largest(v, q);
+  return e ? (float)(e->at.mesh + 1) : 0;
+}
+
+bool ylm_shade_view_hit(const ylm_shade_view *v, int x, int y, ylm_shade_hit *hit) {
+  if (x < 0 || y < 0 || x >= v->o.width || y >= v->o.height) return false;
+  const shade_entry *e = largest(v, &v->pixel[(size_t)y * (size_t)v->o.width + (size_t)x]);
+  ylm_scene_surface s;
+  if (!e) return false;
+  ylm_scene_surfaces(v->scene, 1, &e->at, &s);
+  *hit = (ylm_shade_hit){.depth = e->depth, .object = e->at.mesh};
+  memcpy(hit->position, s.position, sizeof s.position);
+  memcpy(hit->normal, s.normal, sizeof s.normal);
+  return true;
+}
+
 static ylm_status write_layer(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const layer_job *j = context;
@@ -424,6 +454,7 @@ static ylm_status write_layer(void *context, size_t begin, size_t end, int worke
     case YLM_SHADE_RADIANCE_OF_LAMPS: memcpy(out, q->lamps, 12); break;
     case YLM_SHADE_COVERAGE: *out = q->coverage; break;
     case YLM_SHADE_EMITTER: *out = q->emitter; break;
+    case YLM_SHADE_OBJECT: *out = object_of(j->v, q); break;
     default: surface_mean(j, q, out);
     }
   }

@@ -797,7 +797,8 @@ typedef enum ylm_shade_layer {
   YLM_SHADE_EMITTER,           /* 1: part that hit a lamp                     */
   YLM_SHADE_NORMAL,            /* 3: mean over the surface in sight, unit     */
   YLM_SHADE_POSITION,          /* 3: mean over the surface in sight           */
-  YLM_SHADE_ALBEDO             /* 3: mean over the surface in sight           */
+  YLM_SHADE_ALBEDO,            /* 3: mean over the surface in sight           */
+  YLM_SHADE_OBJECT             /* 1: 1 + index of the mesh that has most of the pixel; 0: none */
 } ylm_shade_layer;
 
 /* The number of channels of a layer. */
@@ -861,6 +862,35 @@ YLM_API ylm_status ylm_shade_body_field(const ylm_shade_body *body, const ylm_fi
 YLM_API ylm_status ylm_shade_draw_bodies(const ylm_shade_view *view, size_t n,
                                          const ylm_shade_body *body, int threads, float *out,
                                          uint64_t *rays, ylm_error *e);
+
+/* Depth of what such a picture shows: a lamp that covers more than half of a pixel writes its nearest
+   depth where that is less than what stands there. depth in/out [height][width] of
+   YLM_SHADE_DEPTH. YLM_ENOMEM. */
+YLM_API ylm_status ylm_shade_lamp_depth(const ylm_shade_view *view, const ylm_scene_lamps *lamps,
+                                        int threads, float *depth);
+
+/* A lamp near a place of the image. */
+typedef struct ylm_shade_lamp {
+  size_t index; /* of the sphere */
+  double away;  /* from its rim, pixels; 0: the place lies on it */
+  double depth; /* of its centre, along the view axis */
+} ylm_shade_lamp;
+
+/* The lamp whose rim is nearest to place x, y of the image (pixels from its upper left corner; the
+   first pixel's centre is 0.5, 0.5), at most `reach` pixels away; of several there that with the least depth.
+   False: there is none, or surfaces hide it. No allocation. */
+YLM_API bool ylm_shade_lamp_at(const ylm_shade_view *view, const ylm_scene_lamps *lamps, double x,
+                               double y, double reach, ylm_shade_lamp *found);
+
+/* The surface that has the largest part of a pixel. */
+typedef struct ylm_shade_hit {
+  float position[3], normal[3]; /* normal: unit, on the side that is seen */
+  float depth;                  /* along the view axis */
+  uint32_t object;              /* index of the mesh */
+} ylm_shade_hit;
+
+/* Looks at the pixel of column x and row y, from 0. False: no surface, or no such pixel. */
+YLM_API bool ylm_shade_view_hit(const ylm_shade_view *view, int x, int y, ylm_shade_hit *hit);
 
 /* -- what pictures are made of, for those that make them elsewhere --------------- */
 

@@ -79,6 +79,72 @@ YLM_API ylm_status ylm_vtk_show(ylm_vtk_scene *s, int width, int height, const d
                                 const uint8_t *overlay, const char *title, ylm_vtk_pick *pick,
                                 void *user, ylm_error *e);
 
+/* -- a window that answers -------------------------------------------------------- */
+
+/*
+** ylm_vtk_live - a window that shows a float picture, with shapes in it that the picture's depth hides.
+**
+** One at a time in a process. Events are polled; no call runs an event loop. A hidden window has no events and
+** is drawn where pictures without a display are (see above).
+*/
+typedef struct ylm_vtk_live ylm_vtk_live;
+
+typedef enum ylm_vtk_event_kind {
+  YLM_VTK_MOVE,
+  YLM_VTK_PRESS,
+  YLM_VTK_RELEASE,
+  YLM_VTK_WHEEL,
+  YLM_VTK_KEY,
+  YLM_VTK_RESIZE, /* x, y: the new width and height */
+  YLM_VTK_CLOSE
+} ylm_vtk_event_kind;
+
+typedef struct ylm_vtk_event {
+  ylm_vtk_event_kind kind;
+  int x, y;   /* pixels from the upper left corner; may lie outside while a button is held */
+  int button; /* 1 left 2 middle 3 right; WHEEL: 1 away, -1 towards */
+  int shift, control;
+  char key[24]; /* X's name: "a", "A", "plus", "Page_Up", "F1" */
+  double
+      age; /* seconds since the pointer moved, where the server's clock is this machine's; else -1 */
+  uint32_t time; /* of the server, milliseconds */
+} ylm_vtk_event;
+
+/* Opens it. YLM_EMISSING: no display, no OpenGL 3.2; YLM_EBUSY: there is one; YLM_ERANGE: sides are 1 .. 8192 pixels. */
+YLM_API ylm_status ylm_vtk_live_open(int width, int height, const char *title, bool hidden,
+                                     ylm_vtk_live **live, ylm_error *e);
+/* Closes it; of a display that has gone its memory is left to the process. */
+YLM_API void ylm_vtk_live_close(ylm_vtk_live *live);
+/* Waits at most `seconds` for events and takes at most `room` of them; successive moves come as the last one.
+   YLM_EDEVICE: the display has gone, as of every function below. */
+YLM_API ylm_status ylm_vtk_live_poll(ylm_vtk_live *live, double seconds, size_t room,
+                                     ylm_vtk_event *event, size_t *n, ylm_error *e);
+/* Whether poll would return an event; takes none. */
+YLM_API ylm_status ylm_vtk_live_waiting(ylm_vtk_live *live, bool *some, ylm_error *e);
+/* Width and height of the window. */
+YLM_API void ylm_vtk_live_size(const ylm_vtk_live *live, int size[2]);
+/* Width and height of a hidden window become these; the user resizes others. YLM_ERANGE. */
+YLM_API ylm_status ylm_vtk_live_resize(ylm_vtk_live *live, int width, int height, ylm_error *e);
+/* The picture: rgb [h][w][3] radiance, top row first; depth [h][w] along the view axis, infinity: nothing; NULL:
+   what was given last. Copied, and scaled to the rectangle x, y, width, height of the window. */
+YLM_API ylm_status ylm_vtk_live_picture(ylm_vtk_live *live, int w, int h, const float *rgb,
+                                        const float *depth, const int rectangle[4], ylm_error *e);
+/* Radiance to display values: table [n] of 0 .. 1 over log2(radiance) from first to last, linear between; below
+   `first` in proportion to the radiance. */
+YLM_API ylm_status ylm_vtk_live_tone(ylm_vtk_live *live, size_t n, const float *table, double first,
+                                     double last, ylm_error *e);
+/* Shapes that lie in the picture, seen by the scene's camera (ylm_vtk_camera), with the distances along the view
+   axis between which the picture's depth counts; `scene` NULL: none. */
+YLM_API ylm_status ylm_vtk_live_overlay(ylm_vtk_live *live, ylm_vtk_scene *scene, double nearest,
+                                        double farthest, ylm_error *e);
+/* A panel of 8-bit RGB [h][w][3] over everything, its upper left corner at x, y; rgb NULL: none. */
+YLM_API ylm_status ylm_vtk_live_panel(ylm_vtk_live *live, int x, int y, int w, int h,
+                                      const uint8_t *rgb, ylm_error *e);
+/* Draws and shows all of it; returns when it is drawn. */
+YLM_API ylm_status ylm_vtk_live_show(ylm_vtk_live *live, ylm_error *e);
+/* Reads the window, rgb [height][width][3]. */
+YLM_API ylm_status ylm_vtk_live_read(ylm_vtk_live *live, uint8_t *rgb, ylm_error *e);
+
 /* -- charts -------------------------------------------------------------------- */
 
 typedef struct ylm_vtk_series {

@@ -110,10 +110,21 @@ function types.memory(x)
   return math.floor(x)
 end
 
+--- A function with the seconds between two calls of it, which can be called as one.
+local timed = { __call = function(self, ...) return self[1](...) end }
+
 function types.progress(x)
   if type(x) == "function" then return memory.users(x) end
   if x == true then return x end
-  return nil, "a function(done, total, stage), or true for a progress bar"
+  if getmetatable(x) == timed then return x end
+  if type(x) == "table" and type(x[1]) == "function" then
+    local every = x.every
+    if type(every) == "number" and every > 0 and every <= 3600 then
+      return setmetatable({ memory.users(x[1]), every = every }, timed)
+    end
+    return nil, "{ function, every = seconds } with every above 0 and at most 3600"
+  end
+  return nil, "a function(done, total, stage), { function, every = seconds } of one, or true for a progress bar"
 end
 
 function types.table(x)
@@ -290,7 +301,7 @@ end
 form.threads = { "threads", "integer", min = 1, max = core.limits.threads, optional = true,
   about = "default: YLM_THREADS or all cores" }
 form.progress = { "progress", "progress", optional = true,
-  about = "called as f(done, total, stage); returning false cancels" }
+  about = "called as f(done, total, stage); returning false cancels; { f, every = seconds } says how often, default 0.1" }
 
 --- Checks the option table that is argument `n` of function `name`; nil counts as empty.
 function form.options(n, name, fields, given)

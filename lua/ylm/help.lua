@@ -24,6 +24,7 @@ end
 --- Loads every public module, so that all forms and entries are there.
 function help.load()
   local ylm = require "ylm"
+  require "ylm.live" -- a method of scenes
   for _, name in ipairs(ylm.names()) do
     local value = ylm[name]
     local parts = type(value) == "table" and getmetatable(value)

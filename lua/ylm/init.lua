@@ -15,6 +15,8 @@ end
 
 local ylm = {}
 
+require("ylm.later").live = function(...) return require("ylm.live").live(...) end
+
 --- Public name -> the module that defines it, in the order data flows.
 local contents = {
   { "ylm.array", "array", "zeros", "stack", "wrap" },

@@ -100,6 +100,38 @@ static int shade_draw_lamps(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
+/* shade_lamp_depth(view, threads, depth [h][w] or [h][w][1], lights) */
+static int shade_lamp_depth(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  const ylm_shade_options *o = ylm_shade_view_options(v);
+  int threads = (int)luaL_checknumber(L, 2);
+  ylmL_array *depth = ylmL_array_check(L, 3);
+  ylm_scene_lamps lamps;
+  if (depth->dtype != YLM_FLOAT || depth->count != (size_t)o->width * (size_t)o->height)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  lua_settop(L, 4);
+  if (!ylmL_scene_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_status s = ylm_shade_lamp_depth(v, &lamps, threads, depth->data);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, NULL);
+}
+
+/* shade_lamp_at(view, lights, x, y, reach) -> index from 1, pixels away, depth; 0 where there is none */
+static int shade_lamp_at(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  double x = (double)luaL_checknumber(L, 3), y = (double)luaL_checknumber(L, 4);
+  double reach = (double)luaL_checknumber(L, 5);
+  ylm_scene_lamps lamps;
+  ylm_shade_lamp found;
+  lua_settop(L, 2);
+  if (!ylmL_scene_lamps(L, 2, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  bool some = ylm_shade_lamp_at(v, &lamps, x, y, reach, &found);
+  ylmL_push_count(L, some ? (uint64_t)found.index + 1 : 0);
+  lua_pushnumber(L, some ? (lua_Number)found.away : 0);
+  lua_pushnumber(L, some ? (lua_Number)found.depth : 0);
+  return 3;
+}
+
 /* shade_grid_cells(view, grid, threads) -> level [n], error [n] */
 static int shade_grid_cells(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
@@ -117,6 +149,8 @@ static const luaL_Reg functions[] = {{"shade_grid", shade_grid},
                                      {"shade_memory", shade_memory},
                                      {"shade_grid_again", shade_grid_again},
                                      {"shade_draw_lamps", shade_draw_lamps},
+                                     {"shade_lamp_depth", shade_lamp_depth},
+                                     {"shade_lamp_at", shade_lamp_at},
                                      {NULL, NULL}};
 
 static const luaL_Reg memory_methods[] = {{"__gc", memory_free}, {NULL, NULL}};

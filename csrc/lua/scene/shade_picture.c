@@ -62,8 +62,8 @@ static int shade_compose(lua_State *L) {
 
 /* shade_layer(view, name, threads, out or nil) -> out [h][w][c] */
 static int shade_layer(lua_State *L) {
-  static const char *const names[] = {"lamps",  "depth",    "coverage", "emitter",
-                                      "normal", "position", "albedo",   NULL};
+  static const char *const names[] = {"lamps",    "depth",  "coverage", "emitter", "normal",
+                                      "position", "albedo", "object",   NULL};
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   ylm_shade_layer layer = (ylm_shade_layer)luaL_checkoption(L, 2, NULL, names);
   const ylm_shade_options *o = ylm_shade_view_options(v);

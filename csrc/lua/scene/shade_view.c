@@ -220,6 +220,29 @@ static int shade_normals(lua_State *L) {
   return ylmL_result(L, 2, s, NULL);
 }
 
+static void push_vector(lua_State *L, const float v[3], const char *name) {
+  lua_createtable(L, 3, 0);
+  for (int a = 0; a < 3; a++) {
+    lua_pushnumber(L, (lua_Number)v[a]);
+    lua_rawseti(L, -2, a + 1);
+  }
+  lua_setfield(L, -2, name);
+}
+
+/* shade_hit(view, x, y from 0) -> { position, normal, depth, object from 1 } or nil */
+static int shade_hit(lua_State *L) {
+  ylm_shade_hit hit;
+  const ylm_shade_view *v = ylmL_shade_view(L, 1);
+  if (!ylm_shade_view_hit(v, (int)luaL_checknumber(L, 2), (int)luaL_checknumber(L, 3), &hit))
+    return 0;
+  lua_newtable(L);
+  push_vector(L, hit.position, "position");
+  push_vector(L, hit.normal, "normal");
+  ylmL_set_number(L, "depth", (double)hit.depth);
+  ylmL_set_count(L, "object", (uint64_t)hit.object + 1);
+  return 1;
+}
+
 /* shade_positions(view) -> [n][3] */
 static int shade_positions(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
@@ -245,14 +268,11 @@ static int shade_transfer(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"shade_view", shade_view},
-                                     {"shade_stats", shade_stats},
-                                     {"shade_points", shade_points},
-                                     {"shade_materials", shade_materials},
-                                     {"shade_positions", shade_positions},
-                                     {"shade_normals", shade_normals},
-                                     {"shade_transfer", shade_transfer},
-                                     {"shade_occlusion", shade_occlusion},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"shade_view", shade_view},           {"shade_stats", shade_stats},
+    {"shade_points", shade_points},       {"shade_hit", shade_hit},
+    {"shade_materials", shade_materials}, {"shade_positions", shade_positions},
+    {"shade_normals", shade_normals},     {"shade_transfer", shade_transfer},
+    {"shade_occlusion", shade_occlusion}, {NULL, NULL}};
 
 void ylmL_open_shade_view(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -208,6 +208,7 @@ static const luaL_Reg functions[] = {{"scene", scene_new},
                                      {"plot", ylmL_vtk_plot},
                                      {"save_pdf", ylmL_vtk_save_pdf},
                                      {"show", ylmL_vtk_show},
+                                     {"live", ylmL_vtk_live},
                                      {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", scene_gc}, {NULL, NULL}};
@@ -216,6 +217,7 @@ int luaopen_ylm_c_vtk(lua_State *L) {
   ylmL_check_abi(L);
   ylmL_type(L, YLM_VTK_SCENE, methods);
   lua_pop(L, 1);
+  ylmL_vtk_open_live(L);
   lua_newtable(L);
   luaL_setfuncs(L, functions, 0);
   return 1;

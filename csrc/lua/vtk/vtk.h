@@ -36,5 +36,8 @@ static const char *const ylmL_vtk_dashes[] = {"solid", "dashed", "dotted", NULL}
 int ylmL_vtk_plot(lua_State *L);
 int ylmL_vtk_save_pdf(lua_State *L);
 int ylmL_vtk_show(lua_State *L);
+int ylmL_vtk_live(lua_State *L);
+/* Registers the type of windows. */
+void ylmL_vtk_open_live(lua_State *L);
 
 #endif

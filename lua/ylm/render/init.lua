@@ -22,7 +22,10 @@ local warning = require "ylm.warning"
 
 local render = { bake = baking.bake, true_error = pictures.true_error, pathtrace = paths.pathtrace, probe = paths.probe }
 
-local prepare_options = options.list(options.view_fields, options.transfer_fields, gloss.fields, relight.prepare_fields,
+local prepare_options = options.list(options.view_fields, {
+  { "camera", "object", of = "camera", optional = true,
+    about = "another one than the scene's; what was traced of the scene is used again" },
+}, options.transfer_fields, gloss.fields, relight.prepare_fields,
   indirect.link_fields,
   options.common)
 
@@ -31,7 +34,8 @@ describe "scene:prepare" {
     .. "of renderings.",
   arguments = { { "options?", "table", "" } },
   options = prepare_options,
-  returns = { { "view", "prepared", "view:render, view:reference, view:raycast, view:points; view.stats, .options" } },
+  returns = { { "view", "prepared", "view:render, view:reference, view:raycast, view:points, view:layer, view:hit, view:lamp_at; "
+    .. "view.stats, .options" } },
   errors = "raises on a bad option or a scene without camera; nil, message, code: memory, cancelled",
   example = options.one_lamp .. [[
 local view = scene:prepare { size = { 32, 18 }, samples = 4 }

@@ -13,7 +13,8 @@ options.LIGHT_SAMPLES = 32
 options.common = {
   form.threads,
   { "progress", "progress", optional = true,
-    about = "called as f(done, total, stage), returning false cancels; true draws a bar" },
+    about = "called as f(done, total, stage), returning false cancels; { f, every = seconds }: so often, default 0.1; true draws "
+      .. "a bar" },
 }
 
 function options.list(...)

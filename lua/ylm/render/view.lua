@@ -73,15 +73,15 @@ function prepared.__normals(view, name, flat)
   return check.result(name, p.lib.shade_normals(p.view, flat))
 end
 
---- The camera of a scene as C takes it: from, at, up, fov.
-function views.camera_numbers(s)
-  local c = s.camera
+--- The camera of a scene, or another, as C takes it: from, at, up, fov.
+function views.camera_numbers(s, camera)
+  local c = camera or s.camera
   return { c.from[1], c.from[2], c.from[3], c.at[1], c.at[2], c.at[3], c.up[1], c.up[2], c.up[3], c.fov }
 end
 
 --- Makes the view that options `o` (with samples = camera rays per pixel) describe, whose visibility has been settled.
 function views.prepare(name, s, o)
-  if not s.camera then return check.fail("%s: scene %q has no camera", name, s.name or "?") end
+  if not (o.camera or s.camera) then return check.fail("%s: scene %q has no camera", name, s.name or "?") end
   local t, message, code = tracing.trace(name, s)
   if not t then return nil, message, code end
   local visibility = o.visibility
@@ -95,7 +95,7 @@ function views.prepare(name, s, o)
   local light = not o.transfer_samples and #s.lights > 0 and visibility == "transfer" and t.lights or nil
   local view
   view, message, code = check.result(name, t.lib.shade_view(t.handle, {
-    camera = views.camera_numbers(s), width = o.size[1], height = o.size[2], samples = o.samples,
+    camera = views.camera_numbers(s, o.camera), width = o.size[1], height = o.size[2], samples = o.samples,
     lmax = o.lmax, shading = o.shading, visibility = visibility == "transfer" and o.vectors or visibility,
     transfer_samples = rays,
     occlusion_distance = distance, share = o.share, seed = o.seed,
@@ -111,6 +111,7 @@ function views.prepare(name, s, o)
   if visibility ~= "transfer" then stats.transfer_samples = nil end
   made[view] = { scene = s, traced = t, lib = t.lib, stats = stats,
     options = { size = o.size, samples = o.samples, seed = o.seed, lmax = o.lmax, share = o.share,
+      camera = o.camera or s.camera,
       shading = o.shading, visibility = visibility, self = o.self,
       gloss = o.gloss, gloss_error = o.gloss_error, relight = o.relight,
       transfer_samples = visibility ~= "rays" and (stats.transfer_samples or rays) or nil,

@@ -18,10 +18,12 @@ local function add_lobes(stage, coefficients, lmax, centres, sizes, detail, fit)
   drawing.surface(stage, shape, { specular = 0.2 })
 end
 
+--- Lobes of points that are spread evenly, or of those of a mask with their distance.
 function fill.lobes(stage, v)
   local o = drawing.options(v.lobes)
   local position = v.source.position()
-  local mask, spacing = drawing.spread(position, v.source.bounds, o.count or 300)
+  local mask, spacing = o.mask, o.spacing
+  if not mask then mask, spacing = drawing.spread(position, v.source.bounds, o.count or 300) end
   local centres = core.figure_pick(position, mask)
   local coefficients = core.figure_pick(v.source.coefficients(), mask)
   local n, count = centres.shape[1], coefficients.shape[2]

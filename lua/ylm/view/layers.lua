@@ -9,7 +9,7 @@ local fields = require "ylm.view.fields"
 local numbers = require "ylm.view.numbers"
 local picture = require "ylm.picture"
 
-local layers = { check = require "ylm.view.check", prepare = numbers.prepare }
+local layers = { check = require "ylm.view.check", prepare = numbers.prepare, lobes = bodies.lobes }
 
 --- The edges of the bounds, where no cells are drawn.
 local function add_frame(stage, v)
