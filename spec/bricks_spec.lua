@@ -66,6 +66,13 @@ describe("a grid in bricks", function()
       assert.same({ of_one.outside, of_one.unbaked }, { of_set.outside, of_set.unbaked })
       assert.is_true(set.stats.bricks > 8 ^ case.bricks / 8)
       if case.points then assert.is_true(set.stats.bricks > 8) end
+      -- As one file, too.
+      local packed = folder.path .. "/packed.ylm"
+      assert(set:save(packed))
+      local grid = ylm.load(packed)
+      assert.equal(0, core.array_distance(a, (grid:sample(points))))
+      assert.same({ one.stats.points, one.stats.cells, one.stats.interpolated, one.stats.invalid },
+        { grid.stats.points, grid.stats.cells, grid.stats.interpolated, grid.stats.invalid })
     end)
   end
 
@@ -200,6 +207,11 @@ describe("a grid in bricks", function()
       local b = ylm.light_field(2, set, points, { channels = channels, derivatives = 1 })
       assert.equal(0, core.array_distance(a, b))
     end
+    local tool = ("env YLM_LUA=%s %s/ylm "):format(scratch.quote(arg and arg[-1] or "lua5.4"), os.getenv "BUILD" or "build")
+    local out, status = scratch.capture(("%sinfo --json %s && %spack %s -o %s"):format(tool, to(), tool, to(), to "all.ylm"))
+    assert(status == 0, out)
+    assert.matches('"kind":%s*"adaptive grid in bricks"', out)
+    assert.equal(one.stats.points, ylm.load(to "all.ylm").stats.points)
     local brick = assert(ylm.load(to() .. "/07/7.ylm"))
     local inside, outside = { { 0.5, 0.5, 0.5 } }, { { -0.5, 0.5, 0.5 } }
     assert.equal(0, core.array_distance(one:sample(inside), brick:sample(inside)))

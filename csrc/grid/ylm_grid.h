@@ -707,6 +707,15 @@ YLM_API bool ylm_grid_set_file(const ylm_grid_set *s, size_t brick, char *path, 
 YLM_API ylm_status ylm_grid_set_sample(ylm_grid_set *s, const ylm_grid_query *q, size_t n,
                                        const void *points, void *value, void *gradient,
                                        ylm_grid_report *report, ylm_error *e);
+/*
+** ylm_grid_set_pack - all bricks as one grid in memory, which ylm_grid_write saves.
+**
+** Returns  YLM_OK; YLM_ENOMEM, YLM_ELIMIT (more than 2^32 points or cells), YLM_ECANCELLED (stage
+**          "packing"), what reading a brick does
+** Results  it samples as the set, to the bit
+*/
+YLM_API ylm_status ylm_grid_set_pack(ylm_grid_set *s, int threads, const ylm_progress *progress,
+                                     ylm_grid **g, ylm_error *e);
 /* The set as a light field, as ylm_grid_field. */
 YLM_API const ylm_field *ylm_grid_set_field(const ylm_grid_set *s);
 

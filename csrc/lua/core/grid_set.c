@@ -91,6 +91,20 @@ static int grid_set_sample(lua_State *L) {
   return ylmL_result_progress(L, 5, s, &e, &progress);
 }
 
+/* grid_set_pack(set, threads, progress) -> grid */
+static int grid_set_pack(lua_State *L) {
+  ylmL_progress progress;
+  lua_settop(L, 3);
+  ylm_grid_set *set = set_check(L, 1);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  const ylm_progress *p = ylmL_progress_begin(L, 3, &progress);
+  ylm_grid **g = ylmL_grid_new(L);
+  ylm_error e = {0};
+  ylm_status s = ylm_grid_set_pack(set, (int)luaL_checknumber(L, 2), p, g, &e);
+  if (s == YLM_OK) ylmL_charge(L, ylm_grid_look(*g)->stats->bytes);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
 /* grid_set_is_open(value) -> true for a set that has not been closed, false for a closed one, else nil */
 static int grid_set_is_open(lua_State *L) {
   ylm_grid_set **s = ylmL_test(L, 1, SET_TYPE);
@@ -113,6 +127,7 @@ static const luaL_Reg functions[] = {{"grid_set_open", grid_set_open},
                                      {"grid_set_sample", grid_set_sample},
                                      {"grid_set_is_open", grid_set_is_open},
                                      {"grid_set_close", grid_set_close},
+                                     {"grid_set_pack", grid_set_pack},
                                      {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", grid_set_close}, {NULL, NULL}};

@@ -51,6 +51,15 @@ function kinds.grid(path, given)
   return results, order
 end
 
+function kinds.grid_set(path)
+  local set = status.need(require "ylm".load(path))
+  local results, order, of = { kind = "adaptive grid in bricks" }, { "kind" }, set.stats
+  for _, name in ipairs(form) do results[name], order[#order + 1] = set[name], name end
+  add(results, order, of, stats)
+  add(results, order, of, { "bricks", "brick_level", "file_bytes" })
+  return results, order
+end
+
 function kinds.array(path)
   local a = status.need(require "ylm".load(path))
   return { kind = "array", shape = a.shape, dtype = a.dtype, convention = a.convention },

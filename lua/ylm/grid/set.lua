@@ -138,30 +138,42 @@ function methods.sample(s, points, given)
 end
 
 local save_options = {
-  { "team", "object", of = "team", optional = true, about = "ylm.team(): its processes write pieces; all of them call" },
+  { "team", "object", of = "team", optional = true, about = ".pvtu: ylm.team(), whose processes write pieces; all of them call" },
+  form.threads, form.progress,
 }
 
 describe "grid_set:save" {
-  about = "Writes the voxels for ParaView: NAME.pvtu, and NAME-CODE.vtu beside it for each brick. One brick is in memory. "
-    .. "Points on faces between bricks are in both.",
-  arguments = { { "path", "string", "ends in .pvtu" }, { "options?", "table", "see the options" } },
+  about = "Writes all bricks as one file, .ylm: the grid has to fit into memory, as it has to when that file is loaded. Or "
+    .. "writes the voxels for ParaView: NAME.pvtu, and NAME-CODE.vtu beside it for each brick. One brick is in memory then; "
+    .. "points on faces between bricks are in both.",
+  arguments = { { "path", "string", "ends in .ylm or .pvtu" }, { "options?", "table", "see the options" } },
   options = save_options,
   returns = { { "ok", "boolean", "true; or nil, message, 'EIO', 'ENOMEM' or what reading a brick says" } },
-  errors = "raises on a path that ends in something else",
+  errors = "raises on a path that ends in something else; nil, 'cancelled', 'ECANCELLED' where progress returns false",
   example = [[
 local folder = os.tmpname() .. ".ylmd"
 local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 1, depth = 3, threshold = 0.5 },
   ylm.sphere_light { at = { 0, 2, 0 } }, { to = folder }))
 assert(grid:save(folder .. "/grid.pvtu"))
+assert(grid:save(folder .. "/all.ylm"))
+assert(ylm.load(folder .. "/all.ylm").depth == 3)
 os.execute("rm -r " .. folder)]],
 }
 function methods.save(s, path, given)
   open(s, "save")
-  if type(path) ~= "string" or not path:lower():find "%.pvtu$" then
-    return check.bad(1, "save", "a path ending in .pvtu expected, got %s", check.describe(path))
+  local ending = type(path) == "string" and not path:find "%z" and path:lower():match "%.(%w+)$"
+  if ending ~= "ylm" and ending ~= "pvtu" then
+    return check.bad(1, "save", "a path ending in .ylm or .pvtu expected, got %s", check.describe(path))
   end
   local o = form.options(2, "save", save_options, given)
-  return require "ylm.grid.pvtu".save(s, path, o.team and o.team.handle or core.team_alone())
+  if ending == "pvtu" then return require "ylm.grid.pvtu".save(s, path, o.team and o.team.handle or core.team_alone()) end
+  local g, message, code = check.result("save", core.grid_set_pack(s, o.threads or 0, progress.of(o.progress)))
+  if not g then return nil, message, code end
+  local ok
+  ok, message, code = check.result("save", core.grid_write(g, path))
+  core.grid_close(g)
+  if not ok then return nil, message, code end
+  return true
 end
 
 describe "grid_set:close" {

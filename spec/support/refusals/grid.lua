@@ -247,6 +247,11 @@ return {
     { call = in_bricks(function(g) return g:sample({ { 0, 0, 0 } }, { derivatives = 2 }) end), says = "derivatives must be" },
     { call = in_bricks(function(g) g:close() return g:sample { { 0, 0, 0 } } end), says = "sample: the grid has been closed" },
   },
+  ["grid_set:save"] = {
+    { call = in_bricks(function(g) return g:save "grid.vtu" end), says = "a path ending in .ylm or .pvtu expected" },
+    { call = in_bricks(function(g) return g:save("grid.ylm", { cache = 1 }) end), says = "no field 'cache'" },
+    { call = in_bricks(function(g) g:close() return g:save "grid.ylm" end), says = "save: the grid has been closed" },
+  },
   ["grid_set:close"] = { { call = in_bricks(function(g) return g.close(3) end), says = "a grid in bricks expected" } },
   ["grid:close"] = { { call = function(ylm) return closed(ylm):close() end,
     says = "close: the grid has been closed" } },
