@@ -128,7 +128,7 @@ void ylm__corners_find_shared(baker *b, const uint8_t *only);
 /* Whether all processes of a team were called alike. */
 ylm_status ylm__divide_same(ylm_team *t, const ylm_grid_form *f, const ylm_grid_source *source,
                             ylm_error *e);
-/* The same of the source's team, if it has one. */
+/* ylm__divide_same for the source's team, if it has one. */
 ylm_status ylm__divide_begin(baker *b);
 /* Of n points that are evaluated together, the parts of one process after another. n: this process does them all. */
 size_t ylm__divide_part(const baker *b, size_t n);
