@@ -88,7 +88,7 @@ static ylm_status add_all(packing *t, ylm_grid_set *set, const ylm_progress *pro
   return s;
 }
 
-/* What the index says of the bake. */
+/* Facts of the bake, by the index. */
 static void take_stats(ylm_grid *g, const ylm_grid *top) {
   const ylm_grid_stats *from = &top->stats;
   g->stats.pairs = from->pairs;
