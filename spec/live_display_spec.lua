@@ -7,6 +7,9 @@ if not views.vtk "ylm live in a window" then return end
 
 local quote = scratch.quote
 
+local build = os.getenv "YLM_BUILD" or "build"
+if build:sub(1, 1) ~= "/" then build = scratch.capture("pwd"):gsub("%s+$", "") .. "/" .. build end
+
 --- Seconds that a machine beside other work may take.
 local PATIENCE = 100
 
@@ -42,9 +45,8 @@ tool=$!
 printf '%%b' %s | timeout %d ./pointer || echo "pointer: $?"
 %s
 for i in $(seq 1000); do test -s status && break; sleep 0.1; done
-cat out]]):format(quote(folder.path), PATIENCE, "$OLDPWD/" .. (os.getenv "YLM_BUILD" or "build"), size or "320x240",
-  quote(commands),
-      PATIENCE, after or ""))
+cat out]]):format(quote(folder.path), PATIENCE, quote(build), size or "320x240",
+      quote(commands), PATIENCE, after or ""))
     local ended = tonumber(folder:read "status")
     return ended, text, status
   end
