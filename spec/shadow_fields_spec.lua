@@ -1,27 +1,16 @@
 local ylm = require "ylm"
 
+local randoms = require "spec.support.random"
 local relative = require "spec.support.vectors".relative
 
 local sh, sqrt, pi = ylm.sh, math.sqrt, math.pi
 local ONE = sqrt(4 * pi)
 
 local seed = tonumber(os.getenv "YLM_SEED") or 20261123
-local state = seed % 65521 + 1
-local function random()
-  state = state * 48271 % 2147483647
-  return state / 2147483647
-end
+local random = randoms.from(seed % 65521 + 1)
 
 --- n places at a distance from the origin.
-local function around(n, near, far)
-  local list = {}
-  for i = 1, n do
-    local z, phi, r = 2 * random() - 1, 2 * pi * random(), near + (far - near) * random()
-    local s = sqrt(1 - z * z)
-    list[i] = { r * s * math.cos(phi), r * s * math.sin(phi), r * z }
-  end
-  return list
-end
+local function around(n, near, far) return randoms.around(random, n, near, far) end
 
 --- A closed mesh from corners and triangles.
 local function solid(corners, triangles)

@@ -16,77 +16,13 @@
 
 /* -- closed ------------------------------------------------------------------------------------- */
 
-typedef struct place {
-  float at[3];
-  uint32_t vertex;
-} place;
-
-static int by_place(const void *a, const void *b) {
-  const place *p = a, *q = b;
-  for (int k = 0; k < 3; k++)
-    if (p->at[k] != q->at[k]) return p->at[k] < q->at[k] ? -1 : 1;
-  return 0;
-}
-
-/* One name for all vertices at a place. */
-static uint32_t *weld(const ylm_mesh *m) {
-  place *p = ylm_alloc(m->vertices, sizeof *p);
-  uint32_t *name = ylm_alloc(m->vertices, sizeof *name), last = 0;
-  for (size_t i = 0; p && name && i < m->vertices; i++) {
-    for (size_t a = 0; a < 3; a++) p[i].at[a] = m->position[3 * i + a] + 0.0f; /* no -0 */
-    p[i].vertex = (uint32_t)i;
-  }
-  if (p && name) qsort(p, m->vertices, sizeof *p, by_place);
-  for (size_t i = 0; p && name && i < m->vertices; i++) {
-    if (!i || by_place(&p[i - 1], &p[i])) last = p[i].vertex;
-    name[p[i].vertex] = last;
-  }
-  ylm_free(p);
-  if (!p) {
-    ylm_free(name);
-    name = NULL;
-  }
-  return name;
-}
-
-typedef struct edge {
-  uint32_t low, high;
-  int way; /* 1: from low to high */
-} edge;
-
-static int by_ends(const void *a, const void *b) {
-  const edge *p = a, *q = b;
-  if (p->low != q->low) return p->low < q->low ? -1 : 1;
-  return p->high < q->high ? -1 : p->high > q->high;
-}
-
-/* Edges that are not passed as often one way as the other. */
-static size_t unmatched(edge *list, size_t n) {
-  size_t open = 0;
-  qsort(list, n, sizeof *list, by_ends);
-  for (size_t i = 0; i < n;) {
-    size_t j = i;
-    int ways = 0;
-    for (; j < n && by_ends(&list[i], &list[j]) == 0; j++) ways += list[j].way;
-    open += ways != 0;
-    i = j;
-  }
-  return open;
-}
-
 static ylm_status check_closed(const ylm_mesh *m, ylm_error *e) {
-  uint32_t *name = weld(m);
-  edge *list = ylm_alloc(m->triangles, 3 * sizeof *list);
-  size_t n = 0, open = 0;
-  ylm_status s = name && list ? YLM_OK : ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  for (size_t t = 0; t < m->triangles && s == YLM_OK; t++)
-    for (size_t k = 0; k < 3; k++) {
-      uint32_t a = name[m->index[3 * t + k]], b = name[m->index[3 * t + (k + 1) % 3]];
-      if (a != b) list[n++] = a < b ? (edge){a, b, 1} : (edge){b, a, -1};
-    }
-  if (s == YLM_OK) open = unmatched(list, n);
+  uint32_t *name = ylm_alloc(m->vertices, sizeof *name);
+  size_t places, open = 0;
+  ylm_status s = name ? ylm_mesh_weld(m->vertices, m->position, name, &places) : YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm_mesh_open_edges(m->triangles, m->index, name, &open);
   ylm_free(name);
-  ylm_free(list);
+  if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   if (!open) return s;
   return ylm_fail(e, YLM_EDOMAIN,
                   "the mesh has %zu edge%s that %s open, or between triangles that turn opposite "

@@ -34,6 +34,27 @@ YLM_API double ylm_mesh_area(const ylm_mesh *mesh);
 /* Makes normals: area-weighted means of the triangles around each vertex, in an order that does
    not depend on anything; (0, 0, 1) where there is nothing to average. YLM_ENOMEM. */
 YLM_API ylm_status ylm_mesh_make_normals(ylm_mesh *mesh);
+/*
+** ylm_mesh_weld - one name for all vertices at a place.
+**
+**   position  in   [vertices][3] finite
+**   name      out  [vertices] 0 .. *places - 1, rising with the place: by x, then y, then z
+**
+** Returns  YLM_OK; YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_mesh_weld(size_t vertices, const float *position, uint32_t *name,
+                                 size_t *places);
+/*
+** ylm_mesh_open_edges - edges that triangles do not pass as often one way as the other.
+**
+**   index     in   [triangles][3] vertices
+**   name      in   of each vertex, as ylm_mesh_weld has it
+**   open      out  0: the triangles close around something
+**
+** Returns  YLM_OK; YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_mesh_open_edges(size_t triangles, const uint32_t *index,
+                                       const uint32_t *name, size_t *open);
 
 /* -- procedural shapes: all have normals and texture coordinates ---------------- */
 

@@ -11,6 +11,7 @@
 
 #include "calibration.h"
 #include "gen/picture.h"
+#include "open.h"
 #include "view.h"
 #include "ylm_sh.h"
 
@@ -147,15 +148,6 @@ static void colour_of(const ylm_shade_body *b, const ylm_trace_hit *h, float out
     uint32_t point = v->vertex[2 * (first + corner[k])];
     for (size_t c = 0; c < 3; c++) out[c] += w[k] * b->radiance[3 * point + c];
   }
-}
-
-/* The part of a pixel of the picture that shows nothing nearer than `depth`. */
-static double open_part(const ylm_shade_view *v, size_t pixel, double depth) {
-  const shade_pixel *q = &v->pixel[pixel];
-  double hidden = 0;
-  for (size_t i = q[0].first; i < q[1].first; i++)
-    hidden += hides((double)v->entry[i].weight, (double)v->entry[i].depth, depth);
-  return open_share(hidden);
 }
 
 static void draw_pixel(job *j, scratch *s, int x, int y) {

@@ -5,6 +5,7 @@
 
 #include "calibration.h"
 #include "gen/picture.h"
+#include "open.h"
 #include "view.h"
 
 /* A lamp as the camera sees it. */
@@ -49,15 +50,6 @@ static double covered(const ylm_shade_view *v, const disc *d, int px, int py) {
   double x = to_the_right(px + 0.5, v->o.width), y = upwards(py + 0.5, v->o.height), u[3];
   for (int a = 0; a < 3; a++) u[a] = ray_along(f->forward[a], f->right[a], f->up[a], x, y);
   return disc_share(u, d->to, d->half, f->pixel);
-}
-
-/* The part of a pixel that shows nothing nearer than `depth`. */
-static double open_part(const ylm_shade_view *v, size_t pixel, double depth) {
-  const shade_pixel *q = &v->pixel[pixel];
-  double hidden = 0;
-  for (size_t i = q[0].first; i < q[1].first; i++)
-    hidden += hides((double)v->entry[i].weight, (double)v->entry[i].depth, depth);
-  return open_share(hidden);
 }
 
 /* The pixels begin .. end-1 of a row that may be on the disc. The direction to pixel x is u = a + x

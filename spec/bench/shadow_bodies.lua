@@ -5,6 +5,7 @@
 --
 -- All bodies are made of boxes, so that rays are counted in closed form. Crosses are no convex solids: they are known by rays.
 
+local boxes = require "spec.support.boxes"
 local ylm = require "ylm"
 
 local sh = ylm.sh
@@ -13,45 +14,15 @@ local BODIES, PLACES, SIDE, RAYS = 8, quick and 4 or 48, quick and 20 or 150, qu
 local TOLERANCE = 0.05
 local smooth = { math.sqrt(4 * math.pi), 0.3, 0.5, -0.4, 0.2, 0.1, -0.2, 0.15, 0.1 } -- coefficients of the light
 
-local state = 7
-local function random()
-  state = state * 48271 % 2147483647
-  return state / 2147483647
-end
+local random = require "spec.support.random".from(7)
 
---- Nine numbers, row by row, of a quaternion.
-local function matrix(q)
-  local a, b, c, d = q[1], q[2], q[3], q[4]
-  local s = 2 / (a * a + b * b + c * c + d * d)
-  return { 1 - s * (c * c + d * d), s * (b * c - a * d), s * (b * d + a * c), s * (b * c + a * d), 1 - s * (b * b + d * d),
-    s * (c * d - a * b), s * (b * d - a * c), s * (c * d + a * b), 1 - s * (b * b + c * c) }
-end
-
---- Does a ray from p along w meet the box of half sizes h, of a body at `at` turned by r?
-local function meets(h, at, r, p, w)
-  local from, to = 0, math.huge
-  for k = 1, 3 do
-    local o = r[k] * (p[1] - at[1]) + r[3 + k] * (p[2] - at[2]) + r[6 + k] * (p[3] - at[3])
-    local along = r[k] * w[1] + r[3 + k] * w[2] + r[6 + k] * w[3]
-    local a, b = (-h[k] - o) / along, (h[k] - o) / along
-    from, to = math.max(from, math.min(a, b)), math.min(to, math.max(a, b))
-  end
-  return from < to
-end
-
-local rays = {} -- as many for each cosine
-for i = 0, SIDE - 1 do
-  for j = 0, SIDE - 1 do
-    local u, phi = (i + 0.5) / SIDE, 2 * math.pi * (j + 0.5) / SIDE
-    rays[#rays + 1] = { math.sqrt(u) * math.cos(phi), math.sqrt(u) * math.sin(phi), math.sqrt(1 - u) }
-  end
-end
+local rays = boxes.rays(SIDE)
 local light = sh.reconstruct(smooth, rays):totable()
 
 --- A closed mesh of boxes of half sizes.
-local function mesh(boxes)
+local function mesh(list)
   local positions, triangles = {}, {}
-  for _, h in ipairs(boxes) do
+  for _, h in ipairs(list) do
     local m = ylm.box { bounds = { { -h[1], -h[2], -h[3] }, { h[1], h[2], h[3] } } }
     local first = #positions
     for _, p in ipairs(m.mesh:vertices():totable()) do positions[#positions + 1] = p end
@@ -77,14 +48,14 @@ end
 local function pairs_of_cubes(size)
   local at, turn = scattered()
   for i = 2, BODIES, 2 do
-    local m = matrix(turn[i - 1])
+    local m = boxes.matrix(turn[i - 1])
     at[i] = { at[i - 1][1] + size * m[1], at[i - 1][2] + size * m[4], at[i - 1][3] + size * m[7] }
     turn[i] = turn[i - 1]
   end
   return at, turn
 end
 
-local function case(name, boxes, at, turn) return { name = name, boxes = boxes, at = at, turn = turn } end
+local function case(name, list, at, turn) return { name = name, boxes = list, at = at, turn = turn } end
 local cube, bar = { { 0.25, 0.25, 0.25 } }, { { 0.45, 0.09, 0.09 }, { 0.09, 0.45, 0.09 }, { 0.09, 0.09, 0.45 } }
 local cases = {
   case("cubes", cube, scattered()),
@@ -103,12 +74,13 @@ print "| --- | --: | --: | --: | --: | --: | --- |"
 
 for _, c in ipairs(cases) do
   local turned, places, truth, open = {}, {}, {}, 0
-  for i = 1, BODIES do turned[i] = matrix(c.turn[i]) end
+  for i = 1, BODIES do turned[i] = boxes.matrix(c.turn[i]) end
   --- Is the place inside of a body that stands there?
   local function covered(p)
     for i = 1, BODIES do
       for _, h in ipairs(c.boxes) do
-        if meets(h, c.at[i], turned[i], { p[1], p[2], 1e-9 }, { 0, 0, 1 }) and c.at[i][3] <= h[3] + 1e-9 then return true end
+        local above = boxes.meets(h, c.at[i], turned[i], { p[1], p[2], 1e-9 }, { 0, 0, 1 })
+        if above and c.at[i][3] <= h[3] + 1e-9 then return true end
       end
     end
   end
@@ -123,7 +95,7 @@ for _, c in ipairs(cases) do
     for k, w in ipairs(rays) do
       local free = true
       for i = 1, BODIES do
-        for _, h in ipairs(c.boxes) do free = free and not meets(h, c.at[i], turned[i], p, w) end
+        for _, h in ipairs(c.boxes) do free = free and not boxes.meets(h, c.at[i], turned[i], p, w) end
       end
       if free then sum = sum + light[k] end
     end

@@ -5,6 +5,7 @@
 --
 -- Each cube counts at each point (cull = 0). Least processor time of several runs of one thread.
 
+local boxes = require "spec.support.boxes"
 local ylm = require "ylm"
 
 local unpack = table.unpack or unpack -- luacheck: ignore
@@ -96,42 +97,22 @@ local PLACES, SIDE = 48, 150 -- places on the floor, and rays along a side of a 
 local sh = ylm.sh
 local smooth = { math.sqrt(4 * math.pi), 0.3, 0.5, -0.4, 0.2, 0.1, -0.2, 0.15, 0.1 } -- coefficients of the light
 
---- Nine numbers, row by row, of a quaternion.
-local function matrix(q)
-  local a, b, c, d = q[1], q[2], q[3], q[4]
-  local s = 2 / (a * a + b * b + c * c + d * d)
-  return { 1 - s * (c * c + d * d), s * (b * c - a * d), s * (b * d + a * c), s * (b * c + a * d), 1 - s * (b * b + d * d),
-    s * (c * d - a * b), s * (b * d - a * c), s * (c * d + a * b), 1 - s * (b * b + c * c) }
-end
-
 local bodies, scale, places = { at = {}, turn = {}, matrix = {} }, {}, {}
 for i = 1, BODIES do
   local phi, r = 2 * math.pi * i / BODIES, 0.6 + 1.4 * random()
   bodies.at[i] = { r * math.cos(phi), r * math.sin(phi), 0.7 + 0.9 * random() }
   bodies.turn[i] = { random() - 0.5, random() - 0.5, random() - 0.5, random() - 0.5 }
-  bodies.matrix[i], scale[i] = matrix(bodies.turn[i]), 0.35 + 0.3 * random()
+  bodies.matrix[i], scale[i] = boxes.matrix(bodies.turn[i]), 0.35 + 0.3 * random()
 end
 for i = 1, PLACES do places[i] = { 4 * random() - 2, 4 * random() - 2, 0 } end
 
 --- Does a ray from p along w meet cube i?
 local function meets(i, p, w)
-  local r, place, from, to = bodies.matrix[i], bodies.at[i], 0, math.huge
-  for k = 1, 3 do
-    local o = r[k] * (p[1] - place[1]) + r[3 + k] * (p[2] - place[2]) + r[6 + k] * (p[3] - place[3])
-    local along = r[k] * w[1] + r[3 + k] * w[2] + r[6 + k] * w[3]
-    local a, b = (-scale[i] / 2 - o) / along, (scale[i] / 2 - o) / along
-    from, to = math.max(from, math.min(a, b)), math.min(to, math.max(a, b))
-  end
-  return from < to
+  local half = scale[i] / 2
+  return boxes.meets({ half, half, half }, bodies.at[i], bodies.matrix[i], p, w)
 end
 
-local rays = {} -- as many for each cosine
-for i = 0, SIDE - 1 do
-  for j = 0, SIDE - 1 do
-    local u, phi = (i + 0.5) / SIDE, 2 * math.pi * (j + 0.5) / SIDE
-    rays[#rays + 1] = { math.sqrt(u) * math.cos(phi), math.sqrt(u) * math.sin(phi), math.sqrt(1 - u) }
-  end
-end
+local rays = boxes.rays(SIDE)
 local light = sh.reconstruct(smooth, rays):totable()
 
 --- Irradiance at a place by rays, behind the first n cubes.

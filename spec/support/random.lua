@@ -13,13 +13,26 @@ function random.minimal(seed)
   end
 end
 
---- Park and Miller's generator with their later multiplier; the seed is spread first, so that small ones serve.
-function random.spread(seed)
-  local state = seed * 7919 % 2147483647
+--- Park and Miller's generator with their later multiplier, from its state.
+function random.from(state)
   return function()
     state = state * 48271 % 2147483647
     return state / 2147483647
   end
+end
+
+--- random.from; the seed is spread first, so that small ones serve.
+function random.spread(seed) return random.from(seed * 7919 % 2147483647) end
+
+--- n points {x, y, z} from `near` to `far` from the origin, by a generator.
+function random.around(next, n, near, far)
+  local list = {}
+  for i = 1, n do
+    local z, phi, r = 2 * next() - 1, 2 * math.pi * next(), near + (far - near) * next()
+    local s = math.sqrt(1 - z * z)
+    list[i] = { r * s * math.cos(phi), r * s * math.sin(phi), r * z }
+  end
+  return list
 end
 
 --- n points {x, y, z} in a cube of the given edge about the origin, by random.spread.

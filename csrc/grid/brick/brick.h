@@ -219,8 +219,8 @@ ylm_status ylm__brick_join(const plan *p, const brick *k, int threads, ylm_error
 ylm_status ylm__brick_lights(const plan *p, const brick *k, int threads, ylm_error *e);
 ylm_status ylm__brick_fill(const plan *p, ylm_error *e);
 /* join.c: the grid of a brick, or of the top, with the evaluated points of its neighbours, in b->g. */
-ylm_status ylm__brick_gather(const plan *p, const brick *k, const ylm_grid_source *source, baker *b,
-                             ylm_error *e);
+ylm_status ylm__brick_gather(const plan *p, const brick *k, int threads, ylm_grid_source *source,
+                             baker *b, ylm_error *e);
 /* index.c: the index, once all is joined. */
 ylm_status ylm__brick_finish(const plan *p, ylm_error *e);
 

@@ -169,9 +169,13 @@ static ylm_status index_points(ylm_grid *g) {
   return s;
 }
 
-ylm_status ylm__brick_gather(const plan *p, const brick *k, const ylm_grid_source *source, baker *b,
-                             ylm_error *e) {
+ylm_status ylm__brick_gather(const plan *p, const brick *k, int threads, ylm_grid_source *source,
+                             baker *b, ylm_error *e) {
   ylm_grid *g = NULL;
+  *source = *p->source;
+  source->threads = threads;
+  source->max_points = 0;
+  source->team = NULL;
   ylm_status s = read_own(p, k, &g, e);
   ylm__baker_begin(b, g, source, e);
   if (s != YLM_OK) return s;
@@ -243,12 +247,9 @@ ylm_status ylm__brick_join(const plan *p, const brick *k, int threads, ylm_error
     ylm_grid_file_forget(&info);
     return YLM_OK;
   }
-  ylm_grid_source source = *p->source;
-  source.threads = threads;
-  source.max_points = 0;
-  source.team = NULL;
+  ylm_grid_source source;
   baker b;
-  ylm_status s = ylm__brick_gather(p, k, &source, &b, e);
+  ylm_status s = ylm__brick_gather(p, k, threads, &source, &b, e);
   if (s == YLM_OK) s = finish(p, b.g, threads, e);
   if (s == YLM_OK) s = ylm_grid_write(b.g, path, e);
   if (s == YLM_OK) ylm__folder_sync(path);

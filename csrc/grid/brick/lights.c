@@ -118,13 +118,10 @@ static ylm_status list_voxels(gathering *t, bool top) {
 
 /* The list of a brick, or of the top. */
 static ylm_status gather(const plan *p, const brick *k, int threads, point_list *l, ylm_error *e) {
-  ylm_grid_source source = *p->source;
-  source.threads = threads;
-  source.max_points = 0;
-  source.team = NULL;
+  ylm_grid_source source;
   baker b;
   *l = (point_list){0};
-  ylm_status s = ylm__brick_gather(p, k, &source, &b, e);
+  ylm_status s = ylm__brick_gather(p, k, threads, &source, &b, e);
   if (s == YLM_OK) {
     gathering t = {.g = b.g};
     s = ylm__grid_no_room(list_voxels(&t, !k), p->source, e);

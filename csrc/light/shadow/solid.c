@@ -1,5 +1,6 @@
 /* solid.c - is a mesh a closed convex solid? Its faces, planes, size. */
 #include "shadow.h"
+#include "ylm_geom.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -24,81 +25,25 @@ static void cross(const double a[3], const double b[3], double out[3]) {
 
 /* -- places ---------------------------------------------------------------------------------- */
 
-typedef struct place {
-  float at[3];
-  uint32_t vertex;
-} place;
-
-static int by_place(const void *a, const void *b) {
-  const place *p = a, *q = b;
-  for (int k = 0; k < 3; k++)
-    if (p->at[k] != q->at[k]) return p->at[k] < q->at[k] ? -1 : 1;
-  return 0;
-}
-
-/* Vertices at one place become one; triangles without an area go. */
+/* Vertices at one place become one; triangles without an area go. How many edges are open? */
 static ylm_status weld(size_t vertices, const float *position, size_t triangles,
-                       const uint32_t *index, mesh *m) {
-  place *p = ylm_alloc(vertices, sizeof *p);
+                       const uint32_t *index, mesh *m, size_t *open) {
   uint32_t *name = ylm_alloc(vertices, sizeof *name);
   m->at = ylm_alloc(vertices, 3 * sizeof *m->at);
   m->index = ylm_alloc(triangles, 3 * sizeof *m->index);
-  bool ok = p && name && m->at && m->index;
-  for (size_t i = 0; ok && i < vertices; i++) {
-    for (size_t a = 0; a < 3; a++) p[i].at[a] = position[3 * i + a] + 0.0f; /* no -0 */
-    p[i].vertex = (uint32_t)i;
-  }
-  if (ok) qsort(p, vertices, sizeof *p, by_place);
-  for (size_t i = 0; ok && i < vertices; i++) {
-    if (!i || by_place(&p[i - 1], &p[i])) {
-      for (size_t a = 0; a < 3; a++) m->at[3 * m->vertices + a] = (double)p[i].at[a];
-      m->vertices++;
-    }
-    name[p[i].vertex] = (uint32_t)m->vertices - 1;
-  }
-  for (size_t t = 0; ok && t < triangles; t++) {
+  ylm_status s = name && m->at && m->index ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm_mesh_weld(vertices, position, name, &m->vertices);
+  if (s == YLM_OK) s = ylm_mesh_open_edges(triangles, index, name, open);
+  for (size_t i = 0; s == YLM_OK && i < vertices; i++)
+    for (size_t a = 0; a < 3; a++)
+      m->at[3 * (size_t)name[i] + a] = (double)(position[3 * i + a] + 0.0f); /* no -0 */
+  for (size_t t = 0; s == YLM_OK && t < triangles; t++) {
     uint32_t *to = m->index + 3 * m->triangles;
     for (size_t k = 0; k < 3; k++) to[k] = name[index[3 * t + k]];
     if (to[0] != to[1] && to[1] != to[2] && to[2] != to[0]) m->triangles++;
   }
-  ylm_free(p);
   ylm_free(name);
-  return ok ? YLM_OK : YLM_ENOMEM;
-}
-
-/* -- closed ---------------------------------------------------------------------------------- */
-
-typedef struct edge {
-  uint32_t low, high;
-  int way; /* 1: from low to high */
-} edge;
-
-static int by_edge(const void *a, const void *b) {
-  const edge *p = a, *q = b;
-  if (p->low != q->low) return p->low < q->low ? -1 : 1;
-  return p->high < q->high ? -1 : p->high > q->high;
-}
-
-/* How many edges do not have one triangle on either side? */
-static ylm_status count_open(const mesh *m, size_t *open) {
-  size_t n = 3 * m->triangles;
-  edge *all = ylm_alloc(n, sizeof *all);
-  *open = 0;
-  if (!all) return YLM_ENOMEM;
-  for (size_t i = 0; i < n; i++) {
-    uint32_t a = m->index[i], b = m->index[i % 3 == 2 ? i - 2 : i + 1];
-    all[i] = a < b ? (edge){a, b, 1} : (edge){b, a, -1};
-  }
-  qsort(all, n, sizeof *all, by_edge);
-  for (size_t i = 0; i < n;) {
-    size_t end = i;
-    int ways = 0;
-    for (; end < n && !by_edge(&all[i], &all[end]); end++) ways += all[end].way;
-    *open += ways != 0 || (end - i) % 2;
-    i = end;
-  }
-  ylm_free(all);
-  return YLM_OK;
+  return s;
 }
 
 /* -- convex ---------------------------------------------------------------------------------- */
@@ -241,10 +186,7 @@ static void measure(mesh *m, ylm__solid *s) {
   m->size = s->radius;
 }
 
-static ylm_status check(mesh *m, ylm__solid *s, ylm_error *e) {
-  size_t open;
-  ylm_status status = count_open(m, &open);
-  if (status != YLM_OK) return status;
+static ylm_status check(mesh *m, size_t open, ylm__solid *s, ylm_error *e) {
   if (open)
     return ylm_fail(e, YLM_EDOMAIN, "the mesh has %zu open edge%s: what is inside of it?", open,
                     open == 1 ? "" : "s");
@@ -268,8 +210,9 @@ static ylm_status read_mesh(size_t vertices, const float *position, size_t trian
       return ylm_fail(e, YLM_EDOMAIN, "the mesh has no vertex %u", index[i]);
   if (!ylm_all_finite(YLM_FLOAT, position, 3 * vertices, &where))
     return ylm_fail(e, YLM_EDOMAIN, "vertex %zu is not finite", where / 3 + 1);
-  ylm_status status = weld(vertices, position, triangles, index, m);
-  return status == YLM_OK ? check(m, s, e) : status;
+  size_t open;
+  ylm_status status = weld(vertices, position, triangles, index, m, &open);
+  return status == YLM_OK ? check(m, open, s, e) : status;
 }
 
 ylm_status ylm__solid_create(size_t vertices, const float *position, size_t triangles,

@@ -2,7 +2,7 @@
    grid/sample.lua. */
 #include <string.h>
 
-#include "../binding_grid.h"
+#include "grid.h"
 
 static const ylm_field *field_of(void *object) {
   ylm_grid **g = object;
@@ -12,7 +12,7 @@ static const ylm_field *field_of(void *object) {
 /*
 ** grid_sample(grid, points [n][3], {interpolation, derivatives, outside, dtype, threads, progress,
 **             value | nil, gradient | nil: arrays to be written})
-**   -> value, gradient | nil, outside, unbaked, seconds
+**   -> value, gradient | nil, outside, unbaked, seconds; of a grid in bricks, too
 */
 static int grid_sample(lua_State *L) {
   static const char *const names[] = {"interpolation", "derivatives", "outside",
@@ -22,7 +22,10 @@ static int grid_sample(lua_State *L) {
   static const char *const outside[] = {"clamp", "nan", NULL};
   enum { INTERPOLATION = 4, DERIVATIVES, OUTSIDE, DTYPE, THREADS, PROGRESS, VALUE, GRADIENT };
   ylmL_named(L, 3, names);
-  const ylm_grid_contents *v = ylm_grid_look(ylmL_grid_check(L, 1));
+  ylm_grid_set *set = ylmL_grid_set_test(L, 1);
+  if (set && ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_grid *grid = set ? NULL : ylmL_grid_check(L, 1);
+  const ylm_grid_contents *v = set ? ylm_grid_set_look(set) : ylm_grid_look(grid);
   ylmL_array *points = ylmL_array_check(L, 2), *value, *gradient = NULL;
   ylmL_progress progress;
   ylm_grid_query q = {.interpolation = ylmL_grid_interpolation(L, INTERPOLATION),
@@ -40,9 +43,10 @@ static int grid_sample(lua_State *L) {
     gradient = ylmL_array_result(L, GRADIENT, q.dtype, 4, shape, &s);
   else
     lua_pushnil(L);
+  void *slope = gradient ? gradient->data : NULL;
   if (s == YLM_OK)
-    s = ylm_grid_sample(ylmL_grid_check(L, 1), &q, shape[0], points->data, value->data,
-                        gradient ? gradient->data : NULL, &report, &e);
+    s = set ? ylm_grid_set_sample(set, &q, shape[0], points->data, value->data, slope, &report, &e)
+            : ylm_grid_sample(grid, &q, shape[0], points->data, value->data, slope, &report, &e);
   if (s == YLM_OK) {
     ylmL_push_count(L, report.outside);
     ylmL_push_count(L, report.unbaked);

@@ -11,5 +11,7 @@ void ylmL_grid_push_update(lua_State *L, const ylm_grid_form *f, const ylm_grid_
 /* The description of a grid, and its stats; times that are NaN are left out. */
 void ylmL_grid_push_form(lua_State *L, const ylm_grid_form *f);
 void ylmL_grid_push_stats(lua_State *L, const ylm_grid_form *f, const ylm_grid_stats *s);
+/* The grid in bricks at `i`, NULL for other values; raises where it has been closed. */
+ylm_grid_set *ylmL_grid_set_test(lua_State *L, int i);
 
 #endif

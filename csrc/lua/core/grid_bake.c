@@ -123,6 +123,16 @@ static ylm_status lua_field_evaluate(const ylm_field *base, const ylm_field_quer
 
 /* -- baking ---------------------------------------------------------------------------------- */
 
+/* The source of a bake, from the arguments of grid_bake. A function as light is `own`. */
+static ylm_grid_source source_of(lua_State *L, const ylm_grid_form *form, lua_field *own,
+                                 ylmL_progress *progress) {
+  ylm_grid_source source = ylmL_grid_source(L, progress);
+  *own = (lua_field){.base = {.self = own, .evaluate = lua_field_evaluate}, .L = L, .index = 2};
+  own->base.quantity = form->quantity;
+  source.field = lua_isfunction(L, 2) ? &own->base : ylmL_field_check(L, 2);
+  return source;
+}
+
 /*
 ** grid_bake(form table, object with a light field | function, lit places, seed, threads,
 **           max_points, progress) -> grid; a dynamic grid is baked from lights
@@ -134,10 +144,8 @@ static int grid_bake(lua_State *L) {
   luaL_checkstack(L, 20, "grid_bake");
   ylm_grid_form form = ylmL_grid_form(L, 1);
   ylmL_progress progress;
-  lua_field own = {.base = {.self = &own, .evaluate = lua_field_evaluate}, .L = L, .index = 2};
-  ylm_grid_source source = ylmL_grid_source(L, &progress);
-  own.base.quantity = form.quantity;
-  source.field = lua_isfunction(L, 2) ? &own.base : ylmL_field_check(L, 2);
+  lua_field own;
+  ylm_grid_source source = source_of(L, &form, &own, &progress);
   if (form.dynamic) source.lights = ylmL_lights_check(L, 2);
   ylm_grid **g = ylmL_grid_new(L);
   ylm_error e = {0};
@@ -165,10 +173,8 @@ static int grid_bake_bricks(lua_State *L) {
   luaL_checktype(L, BRICKS, LUA_TTABLE);
   ylm_grid_form form = ylmL_grid_form(L, 1);
   ylmL_progress progress;
-  lua_field own = {.base = {.self = &own, .evaluate = lua_field_evaluate}, .L = L, .index = 2};
-  ylm_grid_source source = ylmL_grid_source(L, &progress);
-  own.base.quantity = form.quantity;
-  source.field = lua_isfunction(L, 2) ? &own.base : ylmL_field_check(L, 2);
+  lua_field own;
+  ylm_grid_source source = source_of(L, &form, &own, &progress);
   ylm_grid_bricks how = {.level = (int)number(L, BRICKS, "level"),
                          .points = number(L, BRICKS, "points"),
                          .alone = !ylmL_test(L, 2, YLM_LIGHTS) && !ylmL_light_cut(L, 2)};

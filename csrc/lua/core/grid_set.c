@@ -10,6 +10,10 @@ static ylm_grid_set *set_check(lua_State *L, int i) {
   return *s;
 }
 
+ylm_grid_set *ylmL_grid_set_test(lua_State *L, int i) {
+  return ylmL_test(L, i, SET_TYPE) ? set_check(L, i) : NULL;
+}
+
 static const ylm_field *field_of(void *object) {
   ylm_grid_set **s = object;
   return *s ? ylm_grid_set_field(*s) : NULL;
@@ -51,46 +55,6 @@ static int grid_set_file(lua_State *L) {
   return 1;
 }
 
-/* grid_set_sample: as grid_sample */
-static int grid_set_sample(lua_State *L) {
-  static const char *const names[] = {"interpolation", "derivatives", "outside",
-                                      "dtype",         "threads",     "progress",
-                                      "value",         "gradient",    NULL};
-  static const char *const dtypes[] = {"float", "double", NULL};
-  static const char *const outside[] = {"clamp", "nan", NULL};
-  enum { INTERPOLATION = 4, DERIVATIVES, OUTSIDE, DTYPE, THREADS, PROGRESS, VALUE, GRADIENT };
-  ylmL_named(L, 3, names);
-  ylm_grid_set *set = set_check(L, 1);
-  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
-  const ylm_grid_contents *v = ylm_grid_set_look(set);
-  ylmL_array *points = ylmL_array_check(L, 2), *value, *gradient = NULL;
-  ylmL_progress progress;
-  ylm_grid_query q = {.interpolation = ylmL_grid_interpolation(L, INTERPOLATION),
-                      .nan_outside = luaL_checkoption(L, OUTSIDE, NULL, outside) == 1,
-                      .point_dtype = points->dtype,
-                      .dtype = (ylm_dtype)luaL_checkoption(L, DTYPE, NULL, dtypes),
-                      .threads = (int)luaL_optnumber(L, THREADS, 0),
-                      .progress = ylmL_progress_begin(L, PROGRESS, &progress)};
-  size_t shape[4] = {points->count / 3, (size_t)v->form.channels, (size_t)v->count, 3};
-  ylm_grid_report report = {0};
-  ylm_error e = {0};
-  ylm_status s = YLM_OK;
-  value = ylmL_array_result(L, VALUE, q.dtype, 3, shape, &s);
-  if (luaL_checknumber(L, DERIVATIVES) > 0)
-    gradient = ylmL_array_result(L, GRADIENT, q.dtype, 4, shape, &s);
-  else
-    lua_pushnil(L);
-  if (s == YLM_OK)
-    s = ylm_grid_set_sample(set, &q, shape[0], points->data, value->data,
-                            gradient ? gradient->data : NULL, &report, &e);
-  if (s == YLM_OK) {
-    ylmL_push_count(L, report.outside);
-    ylmL_push_count(L, report.unbaked);
-    lua_pushnumber(L, report.seconds);
-  }
-  return ylmL_result_progress(L, 5, s, &e, &progress);
-}
-
 /* grid_set_pack(set, threads, progress) -> grid */
 static int grid_set_pack(lua_State *L) {
   ylmL_progress progress;
@@ -124,7 +88,6 @@ static int grid_set_close(lua_State *L) {
 static const luaL_Reg functions[] = {{"grid_set_open", grid_set_open},
                                      {"grid_set_look", grid_set_look},
                                      {"grid_set_file", grid_set_file},
-                                     {"grid_set_sample", grid_set_sample},
                                      {"grid_set_is_open", grid_set_is_open},
                                      {"grid_set_close", grid_set_close},
                                      {"grid_set_pack", grid_set_pack},

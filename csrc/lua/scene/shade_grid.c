@@ -84,37 +84,29 @@ static int shade_grid_again(lua_State *L) {
   return ylmL_result_progress(L, 5, s, &e, &p);
 }
 
-/* shade_draw_lamps(view, threads, image [h][w][3], lights) */
-static int shade_draw_lamps(lua_State *L) {
+/* (view, threads, image [h][w][numbers], lights): draws lamps over it. */
+static int draw(lua_State *L, size_t numbers,
+                ylm_status (*lamps_into)(const ylm_shade_view *, const ylm_scene_lamps *, int,
+                                         float *)) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_shade_options *o = ylm_shade_view_options(v);
   int threads = (int)luaL_checknumber(L, 2);
   ylmL_array *image = ylmL_array_check(L, 3);
   ylm_scene_lamps lamps;
-  if (image->dtype != YLM_FLOAT || image->count != 3 * (size_t)o->width * (size_t)o->height)
+  if (image->dtype != YLM_FLOAT || image->count != numbers * (size_t)o->width * (size_t)o->height)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   lua_settop(L, 4);
   if (!ylmL_scene_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_status s = ylm_shade_draw_lamps(v, &lamps, threads, image->data);
+  ylm_status s = lamps_into(v, &lamps, threads, image->data);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, NULL);
 }
 
+/* shade_draw_lamps(view, threads, image [h][w][3], lights) */
+static int shade_draw_lamps(lua_State *L) { return draw(L, 3, ylm_shade_draw_lamps); }
+
 /* shade_lamp_depth(view, threads, depth [h][w] or [h][w][1], lights) */
-static int shade_lamp_depth(lua_State *L) {
-  ylm_shade_view *v = ylmL_shade_view(L, 1);
-  const ylm_shade_options *o = ylm_shade_view_options(v);
-  int threads = (int)luaL_checknumber(L, 2);
-  ylmL_array *depth = ylmL_array_check(L, 3);
-  ylm_scene_lamps lamps;
-  if (depth->dtype != YLM_FLOAT || depth->count != (size_t)o->width * (size_t)o->height)
-    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  lua_settop(L, 4);
-  if (!ylmL_scene_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_status s = ylm_shade_lamp_depth(v, &lamps, threads, depth->data);
-  lua_pushboolean(L, 1);
-  return ylmL_result(L, 1, s, NULL);
-}
+static int shade_lamp_depth(lua_State *L) { return draw(L, 1, ylm_shade_lamp_depth); }
 
 /* shade_lamp_at(view, lights, x, y, reach) -> index from 1, pixels away, depth; 0 where there is none */
 static int shade_lamp_at(lua_State *L) {

@@ -1,14 +1,9 @@
 --- Output of commands: tables as "name value" lines or as JSON, and progress on a terminal.
 
+local json = require "ylm.json"
 local progress = require "ylm.progress"
 
 local report = {}
-
-local escapes = { ['"'] = '\\"', ["\\"] = "\\\\", ["\n"] = "\\n", ["\r"] = "\\r", ["\t"] = "\\t" }
-
-local function quote(s)
-  return '"' .. s:gsub('[%c"\\]', function(c) return escapes[c] or ("\\u%04x"):format(c:byte()) end) .. '"'
-end
 
 local function number(x)
   if x ~= x or x == math.huge or x == -math.huge then return "null" end
@@ -17,24 +12,7 @@ local function number(x)
 end
 
 --- JSON of numbers, strings, booleans, lists and tables with string keys (sorted); NaN is null.
-function report.json(x, depth)
-  depth = depth or 0
-  local t = type(x)
-  if t == "number" then return number(x) end
-  if t == "string" then return quote(x) end
-  if t == "boolean" then return tostring(x) end
-  if t ~= "table" or depth > 32 then return "null" end
-  local out = {}
-  if #x > 0 or next(x) == nil then
-    for i = 1, #x do out[i] = report.json(x[i], depth + 1) end
-    return "[" .. table.concat(out, ",") .. "]"
-  end
-  local keys = {}
-  for key in pairs(x) do keys[#keys + 1] = tostring(key) end
-  table.sort(keys)
-  for i, key in ipairs(keys) do out[i] = quote(key) .. ":" .. report.json(x[key], depth + 1) end
-  return "{" .. table.concat(out, ",") .. "}"
-end
+function report.json(x) return json.write(x, number, json.quoted) end
 
 local function in_words(x)
   if type(x) == "number" then

@@ -1,5 +1,7 @@
 --- JSON as Lua values, and Lua values as JSON: extras.ylm of glTF files, and what ylm writes itself.
 
+local shared = require "ylm.json"
+
 local json = {}
 
 -- Reading ----------------------------------------------------------------------------------
@@ -54,13 +56,6 @@ end
 
 -- Writing -----------------------------------------------------------------------------------
 
-local escapes = { ['"'] = '\\"', ["\\"] = "\\\\", ["\n"] = "\\n", ["\r"] = "\\r", ["\t"] = "\\t" }
-
---- A string in quotes.
-function json.text(s)
-  return '"' .. s:gsub('[%c"\\]', function(c) return escapes[c] or ("\\u%04x"):format(c:byte()) end) .. '"'
-end
-
 --- A number to `digits`, the same under every locale.
 function json.number(x, digits)
   return ((("%%.%dg"):format(digits)):format(x):gsub(",", "."))
@@ -68,12 +63,12 @@ end
 
 --- A value: lists, { key, value, key, value, .. } of json.object, strings, booleans, numbers with 17 digits.
 function json.write(x)
-  if type(x) == "string" then return json.text(x) end
+  if type(x) == "string" then return shared.quoted(x) end
   if type(x) == "number" then return json.number(x, 17) end
   if type(x) ~= "table" then return tostring(x) end
   local out = {}
   if x.keys then
-    for i = 1, #x.keys, 2 do out[#out + 1] = json.text(x.keys[i]) .. ":" .. json.write(x.keys[i + 1]) end
+    for i = 1, #x.keys, 2 do out[#out + 1] = shared.quoted(x.keys[i]) .. ":" .. json.write(x.keys[i + 1]) end
     return "{" .. table.concat(out, ",") .. "}"
   end
   for i, y in ipairs(x) do out[i] = json.write(y) end

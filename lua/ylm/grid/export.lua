@@ -243,21 +243,6 @@ local function cubes(g, cells, c, validity)
     { "ylm.bounds", numbers(g.bounds[1]) .. "," .. numbers(g.bounds[2]) } })
 end
 
-local digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"
-
-local function base64(text)
-  local out = {}
-  for i = 1, #text, 3 do
-    local a, b, c = text:byte(i, i + 2)
-    local x = a * 65536 + (b or 0) * 256 + (c or 0)
-    for k = 1, 4 do
-      local d = math.floor(x / 64 ^ (4 - k)) % 64 + 1
-      out[#out + 1] = (k == 3 and not b or k == 4 and not c) and "=" or digits:sub(d, d)
-    end
-  end
-  return table.concat(out)
-end
-
 --- The atlas of three.js' LightProbeGrid: seven volumes of four numbers above each other, each with a copy of its first and
 -- last slice.
 local function atlas(g, cells, c, validity)
@@ -281,7 +266,7 @@ local function atlas(g, cells, c, validity)
   return ('{"type":"LightProbeGrid","generator":"ylm %s","convention":"three.js","min":[%s],"max":[%s],'
     .. '"resolution":[%s],"atlas":{"width":%d,"height":%d,"depth":%d,"format":"RGBA","numbers":"half","data":"%s"},'
     .. '"validity":"%s"}\n'):format((core.info()), numbers(g.bounds[1]), numbers(g.bounds[2]), numbers(cells), cells[1],
-    cells[2], 7 * (cells[3] + 2), base64(halves(list)), base64(table.concat(bytes)))
+    cells[2], 7 * (cells[3] + 2), core.page_base64(halves(list)), core.page_base64(table.concat(bytes)))
 end
 
 -- The method -------------------------------------------------------------------------------------

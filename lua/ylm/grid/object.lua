@@ -11,6 +11,16 @@ local object = {}
 local methods = core.metatable "ylm.grid"
 object.methods = methods
 
+--- Options of every way to sample a grid.
+object.sampling = {
+  interpolation = { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
+    about = "cubic Hermite (fourth order), the corners' first-order expansions, or trilinear" },
+  derivatives = { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: also the interpolant's gradient" },
+  outside = { "outside", "choice", of = { "clamp", "nan" }, default = "clamp",
+    about = "points outside of the bounds: those of the nearest point inside, or NaN" },
+  dtype = { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
+}
+
 --- Grid -> times by stage of the device that it was baked on.
 object.stages_of = setmetatable({}, { __mode = "k" })
 

@@ -6,15 +6,10 @@ local devices = require "ylm.device"
 local form = require "ylm.form"
 local grid_object = require "ylm.grid.object"
 
-local methods, open = grid_object.methods, grid_object.open
+local methods, open, sampling = grid_object.methods, grid_object.open, grid_object.sampling
 
 local sample_options = {
-  { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
-    about = "cubic Hermite (fourth order), the corners' first-order expansions, or trilinear" },
-  { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: also the interpolant's gradient" },
-  { "outside", "choice", of = { "clamp", "nan" }, default = "clamp",
-    about = "points outside of the bounds: those of the nearest point inside, or NaN" },
-  { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
+  sampling.interpolation, sampling.derivatives, sampling.outside, sampling.dtype,
   { "flags", "boolean", default = false, about = "also which points were outside or unbaked; not with device" },
   form.threads,
   { "device", "gpu", optional = true,

@@ -6,8 +6,8 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local devices = require "ylm.device"
 local form = require "ylm.form"
-local outputs = require "ylm.outputs"
 local progress = require "ylm.progress"
+local sampling = require "ylm.grid.object".sampling
 
 local set = {}
 
@@ -87,12 +87,7 @@ function set.bake(wanted, object, occupied, o, how)
 end
 
 local sample_options = {
-  { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
-    about = "cubic Hermite (fourth order), the corners' first-order expansions, or trilinear" },
-  { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: also the interpolant's gradient" },
-  { "outside", "choice", of = { "clamp", "nan" }, default = "clamp",
-    about = "points outside of the bounds: those of the nearest point inside, or NaN" },
-  { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
+  sampling.interpolation, sampling.derivatives, sampling.outside, sampling.dtype,
   form.threads,
   { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take" },
   form.progress,
@@ -127,14 +122,7 @@ function methods.sample(s, points, given)
   local p, single = array.points(1, "sample", points)
   local f = core.grid_set_look(s)
   local shape = { p.shape[1], f.channels, (f.lmax + 1) ^ 2 }
-  local shapes = { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }
-  local value, gradient = outputs.of(2, "sample", o.out, o.dtype, shapes, p)
-  local c, dc, outside, unbaked, seconds = check.result("sample", core.grid_set_sample(s, p, {
-    interpolation = o.interpolation, derivatives = o.derivatives, outside = o.outside, dtype = o.dtype,
-    threads = o.threads, progress = progress.of(o.progress), value = value, gradient = gradient }))
-  if c == nil then return nil, dc, outside end
-  if single and not value then c, dc = c[1], dc and dc[1] end
-  return c, dc, { outside = outside, unbaked = unbaked, seconds = seconds }
+  return devices.of(nil):sample(s, p, o, { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }, single)
 end
 
 local save_options = {

@@ -2,6 +2,7 @@
 
 local core = require "ylm.c.core"
 local geometry = require "ylm.geometry"
+local json = require "ylm.json"
 local library = require "ylm.library"
 local material = require "ylm.material"
 
@@ -9,33 +10,19 @@ local pack = {}
 
 -- JSON within HTML -----------------------------------------------------------------------
 
-local escapes = { ['"'] = '\\"', ["\\"] = "\\\\", ["\n"] = "\\n", ["\r"] = "\\r", ["\t"] = "\\t" }
-
 --- Characters that end a script of HTML, or a line of JavaScript, are written as numbers.
-local function quote(s)
-  s = s:gsub('[%c"\\<>&]', function(c) return escapes[c] or ("\\u%04x"):format(c:byte()) end)
-  return '"' .. s:gsub("\226\128\168", "\\u2028"):gsub("\226\128\169", "\\u2029") .. '"'
+local function quoted(s)
+  s = json.quoted(s):gsub("[<>&]", function(c) return ("\\u%04x"):format(c:byte()) end)
+  return (s:gsub("\226\128\168", "\\u2028"):gsub("\226\128\169", "\\u2029"))
+end
+
+local function number(x)
+  if x ~= x or x == math.huge or x == -math.huge then return "null" end
+  return x == math.floor(x) and math.abs(x) < 2 ^ 53 and ("%.0f"):format(x) or ("%.9g"):format(x)
 end
 
 --- JSON of numbers, strings, booleans, lists and tables with string keys (sorted); a number that is not finite is null.
-function pack.json(x)
-  local t = type(x)
-  if t == "number" then
-    if x ~= x or x == math.huge or x == -math.huge then return "null" end
-    return x == math.floor(x) and math.abs(x) < 2 ^ 53 and ("%.0f"):format(x) or ("%.9g"):format(x)
-  end
-  if t == "string" then return quote(x) end
-  if t ~= "table" then return tostring(x) end
-  local out = {}
-  if #x > 0 or next(x) == nil then
-    for i = 1, #x do out[i] = pack.json(x[i]) end
-    return "[" .. table.concat(out, ",") .. "]"
-  end
-  for key in pairs(x) do out[#out + 1] = key end
-  table.sort(out)
-  for i, key in ipairs(out) do out[i] = quote(key) .. ":" .. pack.json(x[key]) end
-  return "{" .. table.concat(out, ",") .. "}"
-end
+function pack.json(x) return json.write(x, number, quoted) end
 
 -- Sections ---------------------------------------------------------------------------------
 
