@@ -218,6 +218,12 @@ describe("a grid in bricks", function()
     local _, _, report = brick:sample(outside)
     assert.equal(1, report.outside)
     assert.is_nil((set:sample(inside, { progress = function() return false end })))
+    local asked
+    local seen = set:sample(inside, { progress = function() -- may use the grid's light meanwhile
+      asked = asked or ylm.light_field(2, set, inside)
+      return true
+    end })
+    assert.equal(0, core.array_distance(seen, asked))
     set:close()
     assert.has_error(function() set:sample(inside) end, "sample: the grid has been closed")
   end)
@@ -244,6 +250,10 @@ describe("a grid in bricks", function()
     local _, message = pcall(ylm.bake, described { bricks = 1 }, lamps, { to = to "other.ylmd" })
     assert.matches("not a folder of a grid in bricks %(it has thesis.tex%)", message)
     assert.is_truthy(folder:read "other.ylmd/thesis.tex")
+    for _, name in ipairs { "form", "index" } do folder:write("other.ylmd/" .. name, "of a thesis") end
+    _, message = pcall(ylm.bake, described { bricks = 1 }, lamps, { to = to "other.ylmd", fresh = true })
+    assert.matches("not a folder of a grid in bricks %(its file form is no bake's%)", message)
+    assert.equal("of a thesis", folder:read "other.ylmd/index")
   end)
 
   it("refuses a second bake in a folder while one is at work", function()
@@ -278,6 +288,21 @@ describe("a grid in bricks", function()
     local _, message, kind = ylm.load(to()):sample { { 0.5, 0.5, 0.5 } }
     assert.equal("EIO", kind)
     assert.matches("07/7.ylm", message)
+  end)
+
+  it("bakes a brick anew whose points for neighbours are damaged", function()
+    local function bake(last)
+      return ylm.bake(described { bricks = 1, lmax = 0, depth = 3 }, lamps, { to = to(), threads = 1,
+        progress = last and function(_, _, stage) return stage ~= last end })
+    end
+    local name = "grid.ylmd/07/7.b"
+    assert.same({ nil, "cancelled", "ECANCELLED" }, { bake "joining" })
+    local text = folder:read(name)
+    folder:write(name, text:sub(1, 600) .. ("x"):rep(#text - 600))
+    local _, message, code = bake()
+    assert.equal("ECHECKSUM", code)
+    assert.matches("7.b: the file is damaged", message)
+    assert(bake())
   end)
 
   it("refuses what is not baked in bricks", function()

@@ -100,10 +100,9 @@ typedef struct job {
 } job;
 
 static ylm_status room_for(room *r, size_t count) {
-  if (r->sum) return YLM_OK;
-  r->sum = ylm_alloc(7 * count, sizeof *r->sum);
-  r->Y = ylm_alloc(BATCH * count, sizeof *r->Y);
-  r->dY = ylm_alloc(BATCH * count, 3 * sizeof *r->dY);
+  if (!r->sum) r->sum = ylm_alloc(7 * count, sizeof *r->sum);
+  if (!r->Y) r->Y = ylm_alloc(BATCH * count, sizeof *r->Y);
+  if (!r->dY) r->dY = ylm_alloc(BATCH * count, 3 * sizeof *r->dY);
   return r->sum && r->Y && r->dY ? YLM_OK : YLM_ENOMEM;
 }
 

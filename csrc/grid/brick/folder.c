@@ -79,11 +79,28 @@ static bool is_own(const char *name) {
          strstr(name, ".ylm-") != NULL;
 }
 
-/* Refuses a folder that holds something else, and has no form. */
-static ylm_status check_foreign(const char *folder, ylm_error *e) {
-  DIR *d = opendir(folder);
+/* The first line of a form; a number of the version follows. */
+#define FORM_BEGIN "ylm bricks "
+
+/* Does the file `form`, which is there, belong to a bake? */
+static bool is_form(const char *path) {
+  unsigned char head[sizeof FORM_BEGIN - 1];
+  size_t n;
+  return ylm_file_head(path, head, sizeof head, &n, NULL) == YLM_OK && n == sizeof head &&
+         memcmp(head, FORM_BEGIN, n) == 0;
+}
+
+/* Refuses a folder that holds something else, and has no form of a bake at `form`. */
+static ylm_status check_foreign(const char *folder, const char *form, ylm_error *e) {
   const char *found = NULL;
   char name[256];
+  if (ylm__folder_has(form))
+    return is_form(form) ? YLM_OK
+                         : ylm_fail(e, YLM_EINVAL,
+                                    "%s: not a folder of a grid in bricks (its file form is no "
+                                    "bake's)",
+                                    folder);
+  DIR *d = opendir(folder);
   if (!d) return ylm_fail(e, YLM_EIO, "%s: %s", folder, strerror(errno));
   for (struct dirent *entry; !found && (entry = readdir(d));)
     if (!is_own(entry->d_name) && entry->d_name[0] != '.') {
@@ -222,7 +239,7 @@ static void describe(const plan *p, char text[FORM_TEXT]) {
                                       "metric", "continuous", "quantity"};
   uint64_t points = p->how.points, occupied = ylm__top_occupied(p), light = ylm__top_light(p);
   uint32_t level = (uint32_t)p->how.level;
-  snprintf(text, FORM_TEXT, "ylm bricks 1\nkernels %s\n", ylm_isa_name(ylm_isa_current()));
+  snprintf(text, FORM_TEXT, FORM_BEGIN "1\nkernels %s\n", ylm_isa_name(ylm_isa_current()));
   for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
     put_line(text, names[i], &numbers[i], sizeof *numbers);
   put_line(text, "bounds", f->bounds, sizeof f->bounds);
@@ -278,7 +295,7 @@ static ylm_status prepare(plan *p, const char *path, const char *text, ylm_error
   const char *folder = p->how.folder;
   char room[FOLDER_PATH];
   ylm_status s = make_folder(folder, e);
-  if (s == YLM_OK && !ylm__folder_has(path)) s = check_foreign(folder, e);
+  if (s == YLM_OK) s = check_foreign(folder, path, e);
   if (s == YLM_OK) s = lock(p, e);
   if (s == YLM_OK && p->how.fresh) remove_all(folder);
   if (s == YLM_OK && !ylm__folder_has(path)) s = ylm_file_save(path, text, strlen(text), e);

@@ -110,7 +110,7 @@ static bool meets_leaf(const joining *j, uint32_t cell, const uint32_t box[6]) {
   return false;
 }
 
-/* The points that a brick has to give. */
+/* The points that a brick has to give; a file that is damaged is removed, to be baked anew. */
 static ylm_status take_brick(joining *j, const brick *from, ylm_error *e) {
   char path[FOLDER_PATH];
   border_head h;
@@ -132,6 +132,7 @@ static ylm_status take_brick(joining *j, const brick *from, ylm_error *e) {
     ylm_free(record);
     if (s != YLM_OK) ylm__grid_no_room(s, j->p->source, e);
   }
+  if (s == YLM_ECHECKSUM) remove(path);
   return s;
 }
 

@@ -83,7 +83,7 @@ static ylm_status add_all(packing *t, ylm_grid_set *set, const ylm_progress *pro
     s = ylm__set_get(set, set->number[i], &from, e);
     if (s != YLM_OK) return s;
     s = add_brick(t, from, (uint32_t)i);
-    if (s == YLM_OK) s = ylm_report(progress, ++done, set->bricks, "packing");
+    if (s == YLM_OK) s = ylm__set_report(set, progress, ++done, set->bricks, "packing");
   }
   return s;
 }

@@ -224,7 +224,9 @@ static ylm_status is_near_lights(const plan *p, size_t i, const bool *invalid, b
 static ylm_status look_for_lights(plan *p, ylm_error *e) {
   bool *invalid = ylm_alloc_zero(p->bricks, sizeof *invalid), any = false;
   uint64_t points = p->top.g->evaluated;
-  p->wanted = ylm_realloc(p->wanted, 0, p->bricks, sizeof *p->wanted);
+  ylm_free(p->wanted);
+  p->wanted = ylm_alloc(p->bricks, sizeof *p->wanted);
+  p->wanteds = 0;
   ylm_status s = invalid && p->wanted ? YLM_OK : ylm_fail(e, YLM_ENOMEM, "memory ran out");
   for (size_t i = 0; i < p->bricks && s == YLM_OK; i++)
     s = look_at(p, &p->brick[i], &invalid[i], &points, e);
@@ -232,7 +234,6 @@ static ylm_status look_for_lights(plan *p, ylm_error *e) {
     s = ylm__grid_no_room(YLM_ELIMIT, p->source, e);
   for (size_t i = 0; i < p->top.g->evaluated; i++)
     any |= (p->top.g->flags[i] & YLM_GRID_POINT_INVALID) != 0;
-  p->wanteds = 0;
   for (size_t i = 0; i < p->bricks && s == YLM_OK; i++) {
     bool near = false;
     s = is_near_lights(p, i, invalid, &near, e);
@@ -333,7 +334,8 @@ ylm_status ylm__plan_touching(const plan *p, const uint32_t box[6], uint32_t **l
   touching t = {.p = p, .box = box};
   ylm_status s = descend(&t, 0);
   if (s == YLM_OK && t.found.n) qsort(t.found.cell, t.found.n, sizeof *t.found.cell, by_number);
-  *list = t.found.cell;
-  *n = t.found.n;
+  if (s != YLM_OK) ylm_free(t.found.cell);
+  *list = s == YLM_OK ? t.found.cell : NULL;
+  *n = s == YLM_OK ? t.found.n : 0;
   return s;
 }

@@ -109,6 +109,7 @@ static ylm_status run_job(plan *p, const ylm_progress *progress, double deadline
   ylm_status s = each ? ylm_parallel((size_t)threads, 1, threads, run_tasks, &r, NULL, NULL)
                       : run_tasks(&r, 0, 1, 0);
   pthread_mutex_destroy(&r.lock);
+  if (s != YLM_OK && e && e->status != YLM_OK) s = e->status; /* of several, that of *e */
   s = ylm__plan_agree(p->team, s, e);
   bool late = atomic_load(&r.late);
   if (s == YLM_OK && deadline > 0) s = ask_late(p->team, &late, e);

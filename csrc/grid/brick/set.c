@@ -31,6 +31,7 @@ static void shrink(ylm_grid_set *s, size_t bytes, const set_brick *keep) {
 static bool is_brick(const ylm_grid_set *s, const set_brick *k, const ylm_grid *g) {
   const ylm_grid_form *a = &s->top->contents.form, *b = &g->contents.form;
   return g->contents.root_level == (int)k->level && g->width == s->top->width &&
+         !g->validity == !s->top->validity &&
          memcmp(g->contents.root, k->origin, sizeof k->origin) == 0 && a->depth == b->depth &&
          memcmp(a->bounds, b->bounds, sizeof a->bounds) == 0 && a->channels == b->channels;
 }
@@ -57,6 +58,15 @@ ylm_status ylm__set_get(ylm_grid_set *s, size_t number, const ylm_grid **g, ylm_
   }
   shrink(s, s->cache, k);
   return YLM_OK;
+}
+
+ylm_status ylm__set_report(ylm_grid_set *s, const ylm_progress *p, uint64_t done, uint64_t total,
+                           const char *stage) {
+  if (!p) return YLM_OK;
+  pthread_mutex_unlock(&s->lock);
+  ylm_status status = ylm_report(p, done, total, stage);
+  pthread_mutex_lock(&s->lock);
+  return status;
 }
 
 /* -- opening --------------------------------------------------------------------------------------------- */
@@ -187,7 +197,11 @@ void ylm_grid_set_free(ylm_grid_set *s) {
 const ylm_grid_contents *ylm_grid_set_look(const ylm_grid_set *s) { return &s->top->contents; }
 
 ylm_grid_set_stats ylm_grid_set_stats_of(const ylm_grid_set *s) {
-  return (ylm_grid_set_stats){s->bricks, s->level, s->bytes, s->held, s->reads};
+  pthread_mutex_t *lock = (pthread_mutex_t *)(uintptr_t)&s->lock;
+  pthread_mutex_lock(lock);
+  ylm_grid_set_stats stats = {s->bricks, s->level, s->bytes, s->held, s->reads};
+  pthread_mutex_unlock(lock);
+  return stats;
 }
 
 const ylm_field *ylm_grid_set_field(const ylm_grid_set *s) { return &s->field; }

@@ -30,6 +30,9 @@ ylm_status ylm__set_make(const char *folder, size_t cache, const index_head *h,
                          const index_entry *entries, ylm_grid_set **s, ylm_error *e);
 /* The grid of a brick, of the top where `number` is the number of bricks; good until the next call. */
 ylm_status ylm__set_get(ylm_grid_set *s, size_t number, const ylm_grid **g, ylm_error *e);
+/* ylm_report with the lock open, since a progress function may ask the set: a grid of ylm__set_get is not good any more. */
+ylm_status ylm__set_report(ylm_grid_set *s, const ylm_progress *p, uint64_t done, uint64_t total,
+                           const char *stage);
 /* set_sample.c: the field of a set. */
 ylm_status ylm__set_evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                              const void *points, ylm_field_result *r, ylm_error *e);

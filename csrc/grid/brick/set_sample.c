@@ -68,7 +68,8 @@ static ylm_status each_brick(sorting *t, size_t n, int threads, set_work *work, 
     for (size_t i = t->first[k]; i < t->first[k + 1] && s == YLM_OK; i += SET_CHUNK) {
       size_t left = t->first[k + 1] - i, now = left < SET_CHUNK ? left : SET_CHUNK;
       s = work(context, g, now, t->order + i, e);
-      if (s == YLM_OK) s = ylm_report(progress, i + now, n, "sampling");
+      if (s == YLM_OK) s = ylm__set_report(set, progress, i + now, n, "sampling");
+      if (s == YLM_OK) s = ylm__set_get(set, k, &g, e);
     }
   }
   end_sorting(t);
