@@ -10,6 +10,7 @@ local bindings = require "ylm.live.bindings"
 local core = require "ylm.c.core"
 local actions = require "ylm.live.actions"
 local replay = require "ylm.live.replay"
+local sessions = require "ylm.live.session"
 local space = require "ylm.live.space"
 local states = require "ylm.live.state"
 local undo = require "ylm.live.undo"
@@ -459,6 +460,38 @@ return scene "room" {
         if state.method then seen_methods[state.method] = state end
       end }))
     for _, name in ipairs { "grid", "reference", "rays", "path" } do assert(seen_methods[name], name) end
+  end)
+
+  it("are refined to the same picture, wherever events break a step off", function()
+    local o = { size = SIZE, quiet = true, samples = 1, transfer_samples = 4, light_samples = 16, paths = 32, exposure = 0,
+      tone = "srgb", budget = 0.05, panel = false, events = {}, refine = { "grid", "smooth", "reference" } }
+    --- The pixels at the end, and how many steps were broken off, where `waiting` says when there is an event.
+    local function refined(waiting)
+      local window = assert(vtk.live(SIZE[1], SIZE[2], "refined", true))
+      local me = sessions.new(scene(), window, o)
+      me.fixed = 1
+      assert(me:begin())
+      repeat
+        local name, why = me:rest(waiting)
+        assert(name ~= false, why)
+      until not name
+      assert(me:present())
+      local canvas = core.canvas(SIZE[1], SIZE[2], { 0, 0, 0 })
+      window:read(canvas)
+      window:close()
+      return core.canvas_pixels(canvas), me.refine.cancelled
+    end
+    local whole = refined(function() return false end)
+    local looks, until_next, apart = 0, 0, 0
+    local pixels_found, cancelled = refined(function()
+      looks = looks + 1
+      if looks < until_next or apart > 12 then return false end
+      apart = apart + 1
+      until_next = looks + 1 + apart
+      return true
+    end)
+    assert(cancelled > 3, cancelled)
+    assert.equal(0, (pixels_found - whole):abs():max())
   end)
 
   it("tell on_frame, which may close the window, and pass its errors on", function()

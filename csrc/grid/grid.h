@@ -245,15 +245,16 @@ ylm_status ylm__grid_fill_others(ylm_grid *g, const uint8_t *filled);
 /* -- bake/continuity.c -------------------------------------------------------------- */
 
 /* Splits leaves that have data until every evaluated point is a corner of all of them that it
-   touches; leaves without data note how far sampling has to descend (cell.detail). */
-ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads);
+   touches; leaves without data note how far sampling has to descend (cell.detail). progress: may be NULL. */
+ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads, const ylm_progress *progress);
 /* Continuity of one leaf of the octree; points that it adds are not computed. */
 ylm_status ylm__grid_continue_leaf(ylm_grid *g, uint32_t cell);
 /* The finest lattice cell on side 0 .. 7 of a point; false if that is outside of the grid. */
 bool ylm__grid_side(const ylm_grid *g, const uint32_t at[3], int side, uint32_t beside[3]);
 /* Computes interpolated points: all, or those that are marked by changed[point] != 0 or depend on
    points that are, which are then marked themselves. All that one cell gave birth to are alike. */
-ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threads);
+ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threads,
+                                        const ylm_progress *progress);
 
 /* -- sample/virtual.c --------------------------------------------------------------- */
 

@@ -60,7 +60,7 @@ static ylm_status evaluate(ylm_grid *g, const ylm_grid_source *source, ylm_error
     if (s == YLM_OK) s = ylm_report(source->progress, i + n, g->evaluated, b.stage);
   }
   if (s == YLM_OK) s = ylm__grid_fill_invalid(g);
-  if (s == YLM_OK) s = ylm__grid_interpolate_points(g, NULL, source->threads);
+  if (s == YLM_OK) s = ylm__grid_interpolate_points(g, NULL, source->threads, NULL);
   ylm__baker_free(&b);
   return s;
 }

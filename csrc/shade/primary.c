@@ -20,8 +20,8 @@ typedef struct group {
 /* A row of the image while it is made. */
 typedef struct row {
   shade_entry *entry;
-  float (*tint)[3]; /* [room] mean tints, where the scene has some */
-  size_t count, room;
+  float (*tint)[3];          /* [room] mean tints, where the scene has some */
+  size_t count, room, first; /* first: of its entries among those of all rows */
 } row;
 
 /* How far samples of a mesh are from each other in one shading point. */
@@ -222,6 +222,7 @@ static bool scratch_create(scratch *s, size_t samples, size_t rays) {
 static bool trace_row(job *j, int y, scratch *s, int batch) {
   ylm_shade_view *v = j->view;
   int width = v->o.width, samples = v->o.samples;
+  memset(v->pixel + (size_t)y * (size_t)width, 0, (size_t)width * sizeof *v->pixel);
   for (int x = 0; x < width; x += batch) {
     int n = width - x < batch ? width - x : batch;
     for (int i = 0; i < n; i++) pixel_rays(j, x + i, y, s->ray + (size_t)i * (size_t)samples);
@@ -254,25 +255,37 @@ static void row_free(row *r) {
   memset(r, 0, sizeof *r);
 }
 
+/* Puts rows where they belong, and frees them. */
+static ylm_status move_rows(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const job *j = context;
+  ylm_shade_view *v = j->view;
+  size_t width = (size_t)v->o.width;
+  for (size_t y = begin; y < end; y++) {
+    row *r = &j->rows[y];
+    ylm_copy(v->entry + r->first, r->entry, r->count * sizeof *v->entry);
+    if (j->tinted) ylm_copy(v->seen + r->first, r->tint, r->count * sizeof *v->seen);
+    for (size_t x = 0; x < width; x++) v->pixel[y * width + x].first += r->first;
+    row_free(r);
+  }
+  return YLM_OK;
+}
+
 /* Puts the rows behind each other. */
-static ylm_status join_rows(ylm_shade_view *v, bool tinted, row *rows) {
+static ylm_status join_rows(const job *j) {
+  ylm_shade_view *v = j->view;
   size_t width = (size_t)v->o.width, height = (size_t)v->o.height, total = 0;
-  for (size_t y = 0; y < height; y++) total += rows[y].count;
+  for (size_t y = 0; y < height; total += j->rows[y++].count) j->rows[y].first = total;
   if (total > UINT32_MAX) return YLM_EOVERFLOW;
   v->entry = ylm_alloc(total, sizeof *v->entry);
-  if (tinted) v->seen = ylm_alloc(total, sizeof *v->seen);
-  if (!v->entry || (tinted && !v->seen)) return YLM_ENOMEM;
+  if (j->tinted) v->seen = ylm_alloc(total, sizeof *v->seen);
+  if (!v->entry || (j->tinted && !v->seen)) return YLM_ENOMEM;
   v->entries = total;
-  total = 0;
-  for (size_t y = 0; y < height; y++) {
-    ylm_copy(v->entry + total, rows[y].entry, rows[y].count * sizeof *v->entry);
-    if (tinted) ylm_copy(v->seen + total, rows[y].tint, rows[y].count * sizeof *v->seen);
-    for (size_t x = 0; x < width; x++) v->pixel[y * width + x].first += total;
-    total += rows[y].count;
-    row_free(&rows[y]);
-  }
-  v->pixel[width * height].first = total;
-  return YLM_OK;
+  v->pixel[width * height] = (shade_pixel){.first = total};
+  ylm_progress_part whole; /* the stage stays at its end */
+  return ylm_parallel(
+      height, 8, v->o.threads, move_rows, (void *)(uintptr_t)j,
+      ylm_progress_part_of(&whole, v->o.progress, "primary rays", height, 0, height), NULL);
 }
 
 /* The angle between normals over which the peak of a material's lobe falls to a quarter: alpha of GGX, about 1 of
@@ -318,13 +331,13 @@ ylm_status ylm__shade_primary(ylm_shade_view *v, const ylm_camera_frame *f) {
            .frame = f,
            .rows = ylm_alloc_zero(height, sizeof(row)),
            .radical = radical};
-  v->pixel = ylm_alloc_zero(pixels + 1, sizeof *v->pixel);
+  v->pixel = ylm_alloc(pixels + 1, sizeof *v->pixel); /* rows write theirs */
   ylm_status s = radical && j.near && j.rows && v->pixel ? YLM_OK : YLM_ENOMEM;
   for (int i = 0; s == YLM_OK && i < v->o.samples; i++)
     radical[i] = (float)ylm_scene_radical((uint32_t)i);
   if (s == YLM_OK)
     s = ylm_parallel(height, 1, v->o.threads, trace_rows, &j, v->o.progress, "primary rays");
-  if (s == YLM_OK) s = join_rows(v, j.tinted, j.rows);
+  if (s == YLM_OK) s = join_rows(&j);
   for (size_t y = 0; j.rows && y < height; y++) row_free(&j.rows[y]);
   ylm_free(j.rows);
   ylm_free(j.near);

@@ -63,15 +63,26 @@ static void set_point(ylm_shade_view *v, size_t i, uint32_t mesh, const ylm_scen
   if (v->gloss) ylm__shade_gloss_point(v->gloss, i, mesh, s);
 }
 
-/* Points are the entries themselves. */
-static ylm_status points_of_entries(ylm_shade_view *v) {
-  ylm_status status = make_points(v, v->entries);
-  for (size_t i = 0; status == YLM_OK && i < v->entries; i++) {
+static ylm_status set_points(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  ylm_shade_view *v = context;
+  for (size_t i = begin; i < end; i++) {
     ylm_scene_surface s;
     ylm_scene_surfaces(v->scene, 1, &v->entry[i].at, &s);
     set_point(v, i, v->entry[i].at.mesh, &s);
   }
-  return status;
+  return YLM_OK;
+}
+
+/* Points are the entries themselves. */
+static ylm_status points_of_entries(ylm_shade_view *v) {
+  size_t rows = (size_t)v->o.height;
+  ylm_progress_part whole; /* the stage before stays at its end */
+  ylm_status status = make_points(v, v->entries);
+  if (status != YLM_OK) return status;
+  return ylm_parallel(
+      v->entries, SHADE_GRAIN, v->gloss ? 1 : v->o.threads, set_points, v, /* gloss counts points */
+      ylm_progress_part_of(&whole, v->o.progress, "primary rays", rows, 0, rows), NULL);
 }
 
 /* Points are vertices; takes x->corner over. */

@@ -109,7 +109,8 @@ static ylm_status interpolate_range(void *context, size_t begin, size_t end, int
 }
 
 /* Corners of a cell were born of coarser cells, so levels follow one another. */
-ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threads) {
+ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threads,
+                                        const ylm_progress *progress) {
   size_t n = g->points - g->evaluated, first[YLM_GRID_MAX_DEPTH + 2] = {0};
   if (!n) return YLM_OK;
   uint32_t *order = ylm_alloc(n, sizeof *order);
@@ -121,12 +122,14 @@ ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threa
   for (size_t i = 0; i < n; i++) order[next[g->cell[g->birth[i].cell].level]++] = (uint32_t)i;
   bool all = false, keep = g->follower && g->follower->births(g, &all);
   interpolation j = {g, changed, order, 0, keep, keep && all};
-  for (int k = 0; k <= YLM_GRID_MAX_DEPTH; k++) {
+  ylm_status s = YLM_OK;
+  for (int k = 0; k <= YLM_GRID_MAX_DEPTH && s == YLM_OK; k++) {
     j.first = first[k];
-    ylm_parallel(first[k + 1] - first[k], BAKE_GRAIN, threads, interpolate_range, &j, NULL, NULL);
+    s = ylm_parallel(first[k + 1] - first[k], BAKE_GRAIN, threads, interpolate_range, &j, progress,
+                     NULL);
   }
   ylm_free(order);
-  return YLM_OK;
+  return s;
 }
 
 /* The corners (bits) around places 0 .. 26 of a cell's half-edge lattice: the ends of an edge,
@@ -283,14 +286,20 @@ static ylm_status find_hanging(void *context, size_t begin, size_t end, int work
   return YLM_OK;
 }
 
-ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads) {
+/* Leaves between two reports. */
+#define REPORTED ((size_t)1024)
+
+ylm_status ylm__grid_make_continuous(ylm_grid *g, int threads, const ylm_progress *progress) {
   size_t cells = g->cells;
   hanging_job j = {g, ylm_alloc_zero(cells, 1)};
   ylm_status s = j.leaf ? ylm__grid_build_table(g) : YLM_ENOMEM;
   if (s == YLM_OK)
-    s = ylm_parallel(g->evaluated, BAKE_LOOK_GRAIN, threads, find_hanging, &j, NULL, NULL);
-  for (size_t i = 0; i < cells && s == YLM_OK; i++)
-    if (j.leaf[i]) s = ylm__grid_continue_leaf(g, (uint32_t)i);
+    s = ylm_parallel(g->evaluated, BAKE_LOOK_GRAIN, threads, find_hanging, &j, progress, NULL);
+  for (size_t i = 0, leaves = 0; i < cells && s == YLM_OK; i++) {
+    if (!j.leaf[i]) continue;
+    s = ylm__grid_continue_leaf(g, (uint32_t)i);
+    if (s == YLM_OK && ++leaves % REPORTED == 0) s = ylm_report(progress, i, cells, NULL);
+  }
   ylm_free(j.leaf);
-  return s == YLM_OK ? ylm__grid_interpolate_points(g, NULL, threads) : s;
+  return s == YLM_OK ? ylm__grid_interpolate_points(g, NULL, threads, progress) : s;
 }

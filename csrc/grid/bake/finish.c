@@ -17,7 +17,10 @@ ylm_status ylm__finish(baker *b) {
   t = ylm_seconds();
   ylm__grid_find_baked(g);
   bool continuous = g->contents.form.kind == YLM_GRID_ADAPTIVE && g->contents.form.continuous;
-  if (s == YLM_OK && continuous) s = ylm__grid_make_continuous(g, threads);
+  ylm_progress_part whole; /* the last stage stays at its end; an update is not broken off here */
+  const ylm_progress *progress = g->contents.form.dynamic ? NULL : b->making.progress;
+  progress = ylm_progress_part_of(&whole, progress, NULL, 1, 0, 1);
+  if (s == YLM_OK && continuous) s = ylm__grid_make_continuous(g, threads, progress);
   g->stats.continuity_seconds += ylm_seconds() - t;
   return s == YLM_OK ? ylm__grid_finish(g) : s;
 }

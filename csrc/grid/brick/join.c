@@ -232,7 +232,7 @@ static ylm_status finish(const plan *p, ylm_grid *g, int threads, ylm_error *e) 
   ylm_status s = fill(p, g, e);
   if (s != YLM_OK) return s;
   ylm__grid_find_baked(g);
-  if (g->contents.form.continuous) s = ylm__grid_make_continuous(g, threads);
+  if (g->contents.form.continuous) s = ylm__grid_make_continuous(g, threads, NULL);
   if (s == YLM_OK) s = ylm__grid_finish(g);
   return ylm__grid_no_room(s, p->source, e);
 }

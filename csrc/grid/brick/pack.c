@@ -106,7 +106,7 @@ static ylm_status finish(ylm_grid *g, int threads) {
   ylm_status s = YLM_OK;
   g->contents.octree_cells = g->cells;
   ylm__grid_find_baked(g);
-  if (g->contents.form.continuous) s = ylm__grid_make_continuous(g, threads);
+  if (g->contents.form.continuous) s = ylm__grid_make_continuous(g, threads, NULL);
   if (s == YLM_OK) s = ylm__grid_finish(g);
   if (s == YLM_OK) ylm__grid_trim(g);
   return s;

@@ -98,7 +98,7 @@ static ylm_status read_rows(reading *r) {
   if (s != YLM_OK) return s;
   if (!ylm_all_finite(YLM_FLOAT, g->data, g->evaluated * row, NULL))
     return ylm__grid_file_bad(r->source->name, "coefficients", r->e);
-  s = ylm__grid_interpolate_points(g, NULL, 0);
+  s = ylm__grid_interpolate_points(g, NULL, 0, NULL);
   if (s == YLM_OK && !ylm_all_finite(YLM_FLOAT, g->data + g->evaluated * row,
                                      (g->points - g->evaluated) * row, NULL))
     return ylm__grid_file_bad(r->source->name, "coefficients", r->e);

@@ -41,7 +41,7 @@ static ylm_status keep_octree(update *u) {
   for (size_t p = 0; p < g->evaluated; p++)
     if (g->flags[p] & YLM_GRID_POINT_INVALID) u->changed[p] = 1;
   ylm_status s = ylm__grid_fill_invalid(g);
-  if (s == YLM_OK) s = ylm__grid_interpolate_points(g, u->changed, u->source.threads);
+  if (s == YLM_OK) s = ylm__grid_interpolate_points(g, u->changed, u->source.threads, NULL);
   for (size_t i = 0; i < octree && s == YLM_OK; i++) {
     g->cell[i].error = made[i].error;
     g->cell[i].residual = made[i].residual;

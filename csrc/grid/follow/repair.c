@@ -236,7 +236,7 @@ static ylm_status continue_affected(repair *r, size_t octree) {
   for (uint32_t i = 0; i < octree && s == YLM_OK && g->contents.form.continuous; i++)
     if (r->affected[i]) s = ylm__grid_continue_leaf(g, i);
   if (s == YLM_OK) s = renumber_changed(r);
-  if (s == YLM_OK) s = ylm__grid_interpolate_points(g, r->u->changed, r->u->source.threads);
+  if (s == YLM_OK) s = ylm__grid_interpolate_points(g, r->u->changed, r->u->source.threads, NULL);
   return s == YLM_OK ? ylm__grid_finish(g) : s;
 }
 

@@ -147,27 +147,28 @@ function methods.view_of(f, camera, scale)
 end
 
 --- Shades a view by a field of light: the picture, the view's depth written; or nil, message, code.
-local function shade(f, v, field, rows, layers, spare)
+local function shade(f, v, field, rows, layers, spare, progress)
   f:lights(rows)
   return v.view:render { grid = field, lamps = f.spheres, layers = layers, depth = v.depth, threads = f.o.threads,
-    out = spare }
+    out = spare, progress = progress }
 end
 
---- The picture by the grid of a view: { image, depth, size, grid }; or nil, message, code.
-function methods.picture(f, v, rows, layers)
+--- The picture by the grid of a view: { image, depth, size, grid }; or nil, message, code. Two images of a view take turns, so
+-- that one which is broken off leaves what is shown. `layers`: an image of its own, with layers.
+function methods.picture(f, v, rows, layers, progress)
   local start = core.seconds()
   local grid = f.fine or f.grid
   local field = grid or light.field(1, "live", f:lights(rows))
-  local image, report, code = shade(f, v, field, rows, layers and grid ~= nil, not layers and v.spare or nil)
+  local image, report, code = shade(f, v, field, rows, layers and grid ~= nil or false, not layers and v.spare or nil, progress)
   if not image then return nil, report, code end
-  if not layers then v.spare = image end
+  if not layers then v.spare, v.seen = v.seen, image end
   f.seconds.render = core.seconds() - start
   return { image = image, depth = v.depth, size = v.size, grid = grid, method = "grid", report = report }
 end
 
 --- The picture without a grid: the lights' own coefficients at every point; or nil, message, code.
-function methods.reference(f, v, rows)
-  local image, message, code = shade(f, v, light.field(1, "live", f:lights(rows)), rows, false)
+function methods.reference(f, v, rows, progress)
+  local image, message, code = shade(f, v, light.field(1, "live", f:lights(rows)), rows, false, nil, progress)
   if not image then return nil, message, code end
   return { image = image, depth = v.depth, size = v.size, method = "reference", lamps = rows }
 end
@@ -187,7 +188,9 @@ function methods.cast(f, v, rows, light_samples, progress)
     local view, message, code = f.lit:prepare { camera = form_of(v.camera), size = v.size, samples = f.o.samples,
       visibility = "rays", threads = f.o.threads, progress = progress }
     if not view then return nil, message, code end
-    f.ray_view, f.rays = view, { passes = 0, size = v.size, method = "rays", depth = v.depth, samples = 0 }
+    local shape = { v.size[2], v.size[1], 3 }
+    f.ray_view, f.rays = view, { passes = 0, size = v.size, method = "rays", depth = v.depth, samples = 0,
+      rest = array.zeros(shape, "float"), variance = array.zeros(shape, "float") }
   end
   local r = f.rays
   local image, message, code = f.ray_view:raycast { light_samples = light_samples, seed = r.passes + 1, layers = false,
@@ -196,7 +199,6 @@ function methods.cast(f, v, rows, light_samples, progress)
   local values, lib = image:layer "radiance", tracing.library()
   if not r.image then
     r.image = image
-    r.rest, r.variance = array.zeros(values.shape, "float"), array.zeros(values.shape, "float")
     r.done = lib.path_add(values, values, r.rest, r.variance, 0)
   else r.done = lib.path_add(values, r.image:layer "radiance", r.rest, r.variance, r.done) end
   r.passes, r.samples = r.passes + 1, r.samples + light_samples

@@ -60,19 +60,45 @@ function steps.grid(r, s, progress)
   return r.follow:bake_fine(s.lamps, s.settings, tolerance, progress)
 end
 
-function steps.shown() return true end
-
 local function view_of(r, s) return select(2, r.follow:view_of(s.camera, s.scale)) end
 
-function steps.reference(r, s)
+--- Makes r.picture, the one by the grid.
+function steps.shown(r, s, progress)
+  local v = select(2, r.follow:view_of(s.camera, s.scale or 1))
+  if not v then return true end
+  local picture, message, code = r.follow:picture(v, s.lamps, false, progress)
+  if not picture then return nil, message, code end
+  picture.view, r.picture = v, picture
+  return true
+end
+
+--- The relative error and the PSNR of the picture by the grid, noted in its reference: true, or nil, message, code.
+local function compare(mine, truth, progress)
+  local metrics, message, code = mine.image:compare(truth.image, { progress = progress })
+  if not metrics then
+    if code == "ECANCELLED" or code == "ENOMEM" then return nil, message, code end
+    return true
+  end
+  local mean = truth.image:layer("radiance"):abs():mean()
+  truth.of, truth.relative, truth.psnr = mine.image, metrics.rmse / math.max(mean, 1e-300), metrics.psnr
+  return true
+end
+
+function steps.reference(r, s, progress)
   local v = view_of(r, s)
   if r.follow:pairs(v, s.lamps) > MOST_PAIRS then
     r.follow.reference_picture = nil
     s.note = "a reference of so many lamps takes too long"
     return true
   end
-  local picture, message, code = r.follow:reference(v, s.lamps)
+  local picture, message, code = r.follow:reference(v, s.lamps, progress)
   if not picture then return nil, message, code end
+  local mine = r.picture
+  if mine and mine.size[1] == picture.size[1] and mine.size[2] == picture.size[2] then
+    local ok
+    ok, message, code = compare(mine, picture, progress)
+    if not ok then return nil, message, code end
+  end
   r.follow.reference_picture = picture
   return true
 end
@@ -93,7 +119,7 @@ end
 function methods.step(r, s, waiting)
   local name = r:next(s)
   if not name then return nil end
-  local progress = { function() return not waiting() end, every = 0.02 }
+  local progress = { function(...) return not waiting(...) end, every = 0.02 }
   local ok, message, code = steps[name](r, s, progress)
   if not ok then
     if code == "ECANCELLED" then

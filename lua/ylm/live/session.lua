@@ -147,28 +147,26 @@ end
 
 -- Showing ------------------------------------------------------------------------------------
 
---- Numbers of an array as one: the largest, the sum.
-local function relative_error(image, reference)
-  local metrics = image:compare(reference)
-  if not metrics then return nil end
-  local mean = reference:layer("radiance"):abs():mean()
-  return metrics.rmse / math.max(mean, 1e-300), metrics.psnr
-end
-
 --- Colours that are shown instead of light: an array [h][w][3] for the curve srgb; nil: light is shown.
 local function colours_of(me)
   local s, shown = me.state, me.shown
   if s.settings.errors and shown.grid then
-    local p = me.follow:picture(shown.view, s.lamps, true)
-    local names = p and select(2, p.image:layers()) or {}
-    if not names.error then return nil end
-    return p.image:colours({ layer = "error", map = "magma", range = { 1e-3, 1 }, log = true }):layer "radiance"
+    if shown.errors == nil then
+      local p = me.follow:picture(shown.view, s.lamps, true)
+      local names = p and select(2, p.image:layers()) or {}
+      shown.errors = names.error and p.image:colours({ layer = "error", map = "magma", range = { 1e-3, 1 }, log = true })
+        :layer "radiance" or false
+    end
+    return shown.errors or nil
   end
   if s.settings.truth then
     local truth = s.settings.method == "grid" and me.follow.reference_picture or shown.method ~= "grid" and shown or nil
     local mine = me.grid_picture
     if not truth or not mine or truth.size[1] ~= mine.size[1] or truth.size[2] ~= mine.size[2] then return nil end
-    return (mine.image:layer "radiance" - truth.image:layer "radiance"):abs() * TRUE_ERROR
+    if mine.truth ~= truth.image then
+      mine.truth, mine.differs = truth.image, (mine.image:layer "radiance" - truth.image:layer "radiance"):abs() * TRUE_ERROR
+    end
+    return mine.differs
   end
 end
 
@@ -202,6 +200,7 @@ function methods.present(me)
   local start = core.seconds()
   local w, h = s:picture_size()
   local ok, message, code
+  me.unseen = false
   if shown then
     local colours = colours_of(me)
     local values = colours or shown.image:layer "radiance"
@@ -249,8 +248,8 @@ local function pick_method(me)
     me.shown = p
   else me.shown = me.grid_picture or me.shown end
   local truth = f.reference_picture
-  if truth and me.shown == me.grid_picture and me.shown and truth.lamps == s.lamps then
-    me.shown.relative, me.shown.psnr = relative_error(me.shown.image, truth.image)
+  if truth and me.shown and me.shown == me.grid_picture and truth.of == me.shown.image then
+    me.shown.relative, me.shown.psnr = truth.relative, truth.psnr
   end
 end
 
@@ -300,7 +299,10 @@ end
 --- Saves what is shown; the panel says where.
 function methods.save(me)
   local s = me.state
-  local names, note = save.all(s, me.o.save, function(path) return me:save_png(path) end, me.shown and me.shown.image)
+  local shown = me.shown
+  local layered = shown and shown.method == "grid" and me.follow:picture(shown.view, s.lamps, true)
+  local names, note = save.all(s, me.o.save, function(path) return me:save_png(path) end, layered and layered.image
+    or shown and shown.image)
   if not names then
     me.note = "not saved: " .. tostring(note)
     return
@@ -409,7 +411,7 @@ function methods.handle(me, events, now)
     me:save()
   end
   me.changed = changed
-  if next(changed) then return me:present() end
+  if next(changed) or me.unseen then return me:present() end
   return true
 end
 
@@ -421,11 +423,15 @@ function methods.rest(me, waiting)
   if not name then return nil end
   if message then me.note = message end
   if done then
-    local ok, why, code = true, nil, nil
-    if name == "shown" then ok, why, code = make_picture(me, me.fixed or 1) end
+    if name == "shown" and me.refine.picture then me.grid_picture, me.shown = me.refine.picture, me.refine.picture end
     pick_method(me)
-    if ok and (name ~= "grid" and name ~= "smooth" and name ~= "view") then ok, why, code = me:present() end
-    if not ok then return false, why, code end
+    if name ~= "grid" and name ~= "smooth" and name ~= "view" then
+      me.unseen = true -- an event that waits is answered first
+      if not waiting() then
+        local ok, why, code = me:present()
+        if not ok then return false, why, code end
+      end
+    end
   end
   return name, done
 end
