@@ -121,6 +121,85 @@ describe("ylm.load_gltf", function()
     end
   end)
 
+  it("finds the triangles, areas, bounds and volumes that VTK's reader finds", function()
+    local vtk = require "ylm.picture".vtk()
+    if not vtk then pending "VTK is not built in" end
+    local corners, sides = {}, {}
+    for i = 0, 7 do
+      corners[#corners + 1], corners[#corners + 2], corners[#corners + 3] = i % 2, math.floor(i / 2) % 2, math.floor(i / 4)
+    end
+    for _, s in ipairs { { 0, 2, 3, 1 }, { 4, 5, 7, 6 }, { 0, 1, 5, 4 }, { 2, 6, 7, 3 }, { 0, 4, 6, 2 }, { 1, 3, 7, 5 } } do
+      for _, k in ipairs { 1, 2, 3, 1, 3, 4 } do sides[#sides + 1] = s[k] end
+    end
+    local scattered, h = {}, math.sqrt(0.5)
+    for i, k in ipairs(sides) do
+      for a = 1, 3 do scattered[3 * i - 3 + a] = corners[3 * k + a] end
+    end
+    --- A box; `component`: of its indices, or nil.
+    local function box(f, component, more)
+      local primitive = { attributes = { POSITION = f:accessor("VEC3", 5126, component and corners or scattered) } }
+      if component then primitive.indices = f:accessor("SCALAR", component, sides) end
+      for key, x in pairs(more or {}) do primitive[key] = x end
+      return primitive
+    end
+    local turned = { { children = { 1 }, translation = { 1, 2, 3 }, rotation = { 0, h, 0, h } },
+      { mesh = 0, scale = { 2, -3, 0.5 }, translation = { 0, 0, 5 }, children = { 2 } }, { mesh = 0, scale = { 0.1, 0.2, 0.3 } } }
+    local cases = {
+      bare = function(f) return { box(f) } end,
+      bytes = function(f) return { box(f, 5121) }, turned end,
+      shorts = function(f) return { box(f, 5123), box(f, 5123) }, { { mesh = 0, matrix = { 0, 0, -2, 0, 0, -3, 0, 0, 1, 0, 0, 0,
+        15, 0, 0, 1 } } } end,
+      integers = function(f) return { box(f, 5125) }, turned end,
+      strips = function(f)
+        local list = f:accessor("VEC3", 5126, { 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.5, 0, 2, 0 })
+        return { { attributes = { POSITION = list }, mode = 5 }, { attributes = { POSITION = list }, mode = 6 } }
+      end,
+      interleaved = function(f)
+        local view = f:view(gltf.bytes(5126, { 0, 0, 0, 9, 2, 0, 0, 9, 0, 2, 0.1, 9 }), 16)
+        f.accessors[1] = { type = "VEC3", componentType = 5126, count = 3, bufferView = view }
+        return { { attributes = { POSITION = 0 } } }
+      end,
+      sparse = function(f)
+        local indices, values = f:view(gltf.bytes(5123, { 1, 2 })), f:view(gltf.bytes(5126, { 3, 0, 0, 0, 3, 0 }))
+        local more = { count = 2, indices = { bufferView = indices, componentType = 5123, byteOffset = 0 },
+          values = { bufferView = values, byteOffset = 0 } }
+        return { { attributes = { POSITION = f:accessor("VEC3", 5126, { 0, 0, 0, 7, 7, 7, 8, 8, 8 }, { sparse = more }) } } }
+      end,
+    }
+    for name, make in pairs(cases) do
+      for _, ending in ipairs { ".gltf", ".glb" } do
+        local f = gltf.new()
+        local primitives, nodes = make(f)
+        local all = { meshes = { { primitives = primitives } }, nodes = nodes or { { mesh = 0 } }, scene = 0,
+          scenes = { { nodes = { 0 } } } }
+        local path = folder:write(name .. ending, ending == ".glb" and f:binary(all) or f:text(all))
+        local text, m = assert(vtk.describe(path)), assert(ylm.load_gltf(path))
+        local sum = { area = 0, volume = 0, triangles = 0, lo = { math.huge, math.huge, math.huge },
+          hi = { -math.huge, -math.huge, -math.huge } }
+        for _, g in ipairs(m.geometry) do
+          local b, p = g.mesh.bounds, g.mesh:vertices():totable()
+          sum.area, sum.triangles = sum.area + g.mesh.area, sum.triangles + #g.mesh
+          for a = 1, 3 do sum.lo[a], sum.hi[a] = math.min(sum.lo[a], b[1][a]), math.max(sum.hi[a], b[2][a]) end
+          for _, t in ipairs(g.mesh:triangles():totable()) do
+            local u, v, w = p[t[1]], p[t[2]], p[t[3]]
+            sum.volume = sum.volume + (u[1] * (v[2] * w[3] - v[3] * w[2]) + u[2] * (v[3] * w[1] - v[1] * w[3])
+              + u[3] * (v[1] * w[2] - v[2] * w[1])) / 6
+          end
+        end
+        local n, bounds = text:match "^glTF %d+ (%d+)\nbounds ([^\n]*)\n"
+        assert.equal(tonumber(n), sum.triangles, name)
+        local i = 0
+        for x in bounds:gmatch "%S+" do
+          i = i + 1
+          near(i <= 3 and sum.lo[i] or sum.hi[i - 3], tonumber(x))
+        end
+        assert.equal(6, i)
+        near(sum.area, tonumber(text:match "area (%S+)"))
+        near(math.abs(sum.volume), math.abs(tonumber(text:match "volume (%S+)")))
+      end
+    end
+  end)
+
   it("makes colours of vertices, matte and coated materials", function()
     local f = gltf.new()
     local position = f:accessor("VEC3", 5126, { 0, 0, 0, 1, 0, 0, 0, 1, 0 })

@@ -89,3 +89,53 @@ describe("shapes and volumes as files", function()
     folder:remove()
   end)
 end)
+
+describe("view:save \"x.gltf\"", function()
+  local folder
+  before_each(function() folder = scratch.new() end)
+  after_each(function() folder:remove() end)
+
+  local values = {}
+  for k = 1, 6 do
+    values[k] = {}
+    for j = 1, 6 do
+      values[k][j] = {}
+      for i = 1, 6 do values[k][j][i] = i == 1 and 0 / 0 or (i - 3) ^ 2 + (j - 3) ^ 2 + k end
+    end
+  end
+
+  it("holds triangles, lines and slices, and the camera; clouds are left out with a sentence", function()
+    local camera = ylm.camera { from = { 3, 2, 4 }, at = { 0.1, 0.2, 0 }, fov = 40 }
+    local view = ylm.view { volume = { values = values, bounds = views.box }, isosurfaces = { 4, 7 }, slices = true,
+      lights = ylm.sphere_light { at = { 2, 0, 0 }, radius = 0.5 }, camera = camera }
+    local path = folder.path .. "/v.gltf"
+    local ok, notes = view:save(path)
+    assert(ok, notes)
+    assert.same({ "clouds have no surface, left out: 1" }, notes)
+    local text = assert(vtk.describe(path))
+    local least, largest = text:match "bounds (%S+) %S+ %S+ (%S+)"
+    assert.near(-1, tonumber(least), 0.3)
+    assert.near(2.5, tonumber(largest), 1e-3)
+    local model, message, code = ylm.load_gltf(path)
+    if code == "EMISSING" then return end
+    assert(model, message)
+    for a = 1, 3 do assert.near(camera.from[a], model.camera.from[a], 1e-12) end
+    assert.near(40, model.camera.fov, 1e-6)
+    assert.equal(4, #model.geometry)
+    local slice = model.geometry[1] -- its picture is part of the file
+    assert.truthy(require "ylm.material.texture".of(slice.material))
+    for _, piece in ipairs(model.geometry) do assert.equal("both", piece.sides) end
+    assert(ylm.view { sh = { { 1, 0, 0, 0 } } }:save(path))
+    local lobe = assert(ylm.load_gltf(path)).geometry[1].mesh
+    local p, n = lobe:vertices():totable()[1], lobe:normals():totable()[1]
+    local length = math.sqrt(p[1] ^ 2 + p[2] ^ 2 + p[3] ^ 2)
+    for a = 1, 3 do assert.near(p[a] / length, n[a], 1e-2) end -- a ball
+  end)
+
+  it("leaves an existing file alone where it cannot be written", function()
+    local ok, _, code = ylm.view { sh = { { 1, 0, 0, 0 } } }:save(folder.path .. "/none/v.gltf")
+    assert.is_nil(ok)
+    assert.equal("EIO", code)
+    assert.has_error(function() ylm.view { sh = { { 1, 0, 0, 0 } } }:save "v.glb" end)
+  end)
+end)

@@ -3,9 +3,9 @@
 VTK_INCLUDE := $(lastword $(sort $(wildcard /usr/include/vtk-9.* /usr/local/include/vtk-9.*)))
 VTK_VERSION := $(patsubst vtk-%,%,$(notdir $(VTK_INCLUDE)))
 VTK_MODULES := ChartsCore CommonColor CommonCore CommonDataModel CommonExecutionModel CommonMath CommonMisc CommonTransforms \
-               FiltersCore FiltersSources FiltersGeneral IOImage IOXML ImagingCore InteractionStyle RenderingAnnotation \
-               RenderingContext2D RenderingContextOpenGL2 RenderingCore RenderingFreeType RenderingOpenGL2 \
-               RenderingVolume RenderingVolumeOpenGL2
+               FiltersCore FiltersSources FiltersGeneral IOExport IOGeometry IOImage IOXML ImagingCore InteractionStyle \
+               RenderingAnnotation RenderingContext2D RenderingContextOpenGL2 RenderingCore RenderingFreeType \
+               RenderingOpenGL2 RenderingVolume RenderingVolumeOpenGL2
 OBJ_vtk     := $(patsubst csrc/%.cpp,$(BUILD)/obj/%.o,$(wildcard csrc/vtk/*.cpp))
 
 ifneq ($(and $(VTK_INCLUDE),$(wildcard csrc/lua/vtk/vtk.c)),)

@@ -1,17 +1,12 @@
-// text.cpp - texts, .png files, and what VTK's readers see in a file.
+// text.cpp - texts and .png files.
 #include "window.h"
 
-#include <vtkCellData.h>
-#include <vtkDataArray.h>
-#include <vtkDataSet.h>
 #include <vtkImageData.h>
 #include <vtkPNGReader.h>
 #include <vtkPNGWriter.h>
-#include <vtkPointData.h>
 #include <vtkTextProperty.h>
 #include <vtkTextRenderer.h>
 #include <vtkUnsignedCharArray.h>
-#include <vtkXMLGenericDataObjectReader.h>
 
 #include <cmath>
 #include <cstring>
@@ -113,46 +108,4 @@ extern "C" ylm_status ylm_vtk_load_png(const char *path, ylm_figure_canvas *c, y
   });
   ylm_free(bytes);
   return status;
-}
-
-static void describe(std::string &out, const char *where, vtkFieldData *fields) {
-  for (int i = 0; i < fields->GetNumberOfArrays(); i++) {
-    vtkDataArray *a = fields->GetArray(i);
-    if (!a) continue;
-    double range[2];
-    a->GetRange(range, a->GetNumberOfComponents() > 1 ? -1 : 0);
-    char line[256];
-    std::snprintf(line, sizeof line, "%s %s %d %lld %.9g %.9g\n", where,
-                  a->GetName() ? a->GetName() : "", a->GetNumberOfComponents(),
-                  (long long)a->GetNumberOfTuples(), range[0], range[1]);
-    out += line;
-  }
-}
-
-extern "C" ylm_status ylm_vtk_describe(const char *path, char **text, ylm_error *e) {
-  *text = nullptr;
-  return guarded(e, [&] {
-    auto reader = Ptr<vtkXMLGenericDataObjectReader>::New();
-    reader->SetFileName(path);
-    reader->Update();
-    vtkDataSet *data = vtkDataSet::SafeDownCast(reader->GetOutput());
-    if (!data) return ylm_fail(e, YLM_EFORMAT, "%s: VTK does not read it", path);
-    double b[6];
-    data->GetBounds(b);
-    char line[256];
-    std::snprintf(line, sizeof line, "%s %lld %lld\nbounds %.9g %.9g %.9g %.9g %.9g %.9g\n",
-                  data->GetClassName(), (long long)data->GetNumberOfPoints(),
-                  (long long)data->GetNumberOfCells(), b[0], b[2], b[4], b[1], b[3], b[5]);
-    std::string out = line;
-    if (data->GetNumberOfCells() > 0) {
-      std::snprintf(line, sizeof line, "type %d\n", data->GetCellType(0));
-      out += line;
-    }
-    describe(out, "point", data->GetPointData());
-    describe(out, "cell", data->GetCellData());
-    *text = static_cast<char *>(ylm_alloc(out.size() + 1, 1));
-    if (!*text) return YLM_ENOMEM;
-    std::memcpy(*text, out.c_str(), out.size() + 1);
-    return YLM_OK;
-  });
 }

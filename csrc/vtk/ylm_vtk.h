@@ -69,6 +69,11 @@ YLM_API void ylm_vtk_camera(ylm_vtk_scene *s, const double from[3], const double
 YLM_API ylm_status ylm_vtk_render(ylm_vtk_scene *s, int width, int height, int supersample,
                                   const double background[3], uint8_t *rgb, ylm_error *e);
 
+/* The scene's triangles, lines and pictures, with its camera, as a .gltf file with its data inside, written whole or not
+   at all. Clouds are left out. width : height is the camera's aspect ratio. No display is asked for. */
+YLM_API ylm_status ylm_vtk_save_gltf(ylm_vtk_scene *s, int width, int height, const char *path,
+                                     ylm_error *e);
+
 /* Called with the point under the mouse where 'p' is pressed or a double click falls;
    its text (a static string of the caller's) is shown in the window's corner. */
 typedef const char *ylm_vtk_pick(void *user, const double point[3]);
@@ -213,8 +218,9 @@ YLM_API ylm_status ylm_vtk_save_pdf(const char *path, int width, int height, siz
 /* A .png file as a canvas. */
 YLM_API ylm_status ylm_vtk_load_png(const char *path, ylm_figure_canvas *c, ylm_error *e);
 
-/* Reads a .vtu, .vtp or .vti file by VTK's own reader. Lists counts, bounds, and for each array its
-   name, components and range, as text lines. For checks. */
+/* Reads a .vtu, .vtp, .vti, .gltf or .glb file by VTK's own readers. Lists counts, bounds, and for each array its
+   name, components and range, as text lines; of glTF the points, triangles, bounds, area and signed volume of all
+   pieces. For checks. */
 YLM_API ylm_status ylm_vtk_describe(const char *path, char **text, ylm_error *e);
 
 /* Where pictures are drawn on this machine: "egl", "x", "xvfb", or the error. */

@@ -168,6 +168,15 @@ static int load_png(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
+/* scene_save(scene, path, width, height) -> true */
+static int scene_save(lua_State *L) {
+  ylm_error e;
+  ylm_status s = ylm_vtk_save_gltf(scene_at(L, 1), (int)luaL_checknumber(L, 3),
+                                   (int)luaL_checknumber(L, 4), luaL_checkstring(L, 2), &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
+}
+
 /* describe(path) -> what VTK's reader finds */
 static int describe(lua_State *L) {
   ylm_error e;
@@ -199,6 +208,7 @@ static const luaL_Reg functions[] = {{"scene", scene_new},
                                      {"scene_slice", scene_slice},
                                      {"scene_camera", scene_camera},
                                      {"scene_render", scene_render},
+                                     {"scene_save", scene_save},
                                      {"text", text},
                                      {"save_png", save_png},
                                      {"load_png", load_png},

@@ -87,16 +87,20 @@ local function is_one(self, kind, name)
 end
 picture.is_one = is_one
 
---- Methods save and pixels of pictures of `kind`; draw(self) returns a canvas, or nil, message, code. Where there is
--- trace(self, path), it writes .svg and .pdf.
-function picture.methods(kind, draw, example, trace)
-  local methods = {}
+--- Methods save and pixels of pictures of `kind`; draw(self) returns a canvas, or nil, message, code. `other`: files that
+-- are no rasters, { endings =, about =, save = f(self, path) }, or nil.
+function picture.methods(kind, draw, example, other)
+  local methods, files = {}, ".png"
+  for i, ending in ipairs(other and other.endings or {}) do
+    files = files .. (i == #other.endings and " or ." or ", .") .. ending
+  end
 
   describe(kind .. ":save") {
-    about = trace and "Draws the picture and writes it as a .png file, or by lines as .svg or .pdf. Text is text there. A file "
-      .. "is written whole or not at all." or "Draws the picture and writes it as a .png file, whole or not at all.",
-    arguments = { { "path", "string", trace and "ends in .png, .svg or .pdf" or "ends in .png" } },
-    returns = { { "ok", "boolean", "true; or nil, message, 'EIO' | 'EMISSING' | 'EDEVICE' | 'ENOMEM'" } },
+    about = other and "Draws the picture and writes it as a .png file, or " .. other.about .. " A file is written whole or not "
+      .. "at all." or "Draws the picture and writes it as a .png file, whole or not at all.",
+    arguments = { { "path", "string", "ends in " .. files } },
+    returns = { { "ok", "boolean", "true" .. (other and other.returns or "")
+      .. "; or nil, message, 'EIO' | 'EMISSING' | 'EDEVICE' | 'ENOMEM'" } },
     errors = "raises on another ending; the world's failures are returned",
     example = "local picture = " .. example .. [[
 
@@ -108,17 +112,17 @@ os.remove(name .. ".png")]],
   function methods.save(self, path)
     is_one(self, kind, "save")
     local ending = type(path) == "string" and not path:find "%z" and path:lower():match "[^/]%.(%w+)$"
-    local by_lines = trace and (ending == "svg" or ending == "pdf")
-    if ending ~= "png" and not by_lines then
-      return check.bad(1, "save", "the name of a .png%s file expected, got %s", trace and ", .svg or .pdf" or "",
-        check.describe(path))
+    local is_other = false
+    for _, name in ipairs(other and other.endings or {}) do is_other = is_other or ending == name end
+    if ending ~= "png" and not is_other then
+      return check.bad(1, "save", "the name of a %s file expected, got %s", files, check.describe(path))
     end
     local vtk, message, code = picture.vtk()
     if not vtk then return nil, message, code end
     local good, canvas
     good, message, code = core.file_probe(path) -- before the work
     if not good then return nil, message, code end
-    if by_lines then return check.result("save", trace(self, path)) end
+    if is_other then return check.result("save", other.save(self, path)) end
     canvas, message, code = draw(self)
     if not canvas then return nil, message, code end
     return check.result("save", vtk.save_png(path, canvas))

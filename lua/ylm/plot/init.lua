@@ -237,7 +237,8 @@ local function trace(p, path)
 end
 
 local example = 'ylm.plot { x = { 1, 2, 3 }, y = { 1, 4, 9 }, size = { 200, 150 } }'
-local methods = picture.methods("plot", draw, example, trace)
+local methods = picture.methods("plot", draw, example,
+  { endings = { "svg", "pdf" }, save = trace, about = "by lines as .svg or .pdf. Text is text there." })
 
 describe "plot:where" {
   about = "The pixel at which a point of the plot is drawn.",

@@ -161,8 +161,25 @@ local function draw(v)
   return canvas
 end
 
+--- The shapes as a .gltf file; true and what is left out, a sentence each; or nil, message, code.
+local function save_shapes(v, path)
+  local vtk, message, code = picture.vtk()
+  if not vtk then return nil, message, code end
+  local ok
+  ok, message, code = layers.prepare(v)
+  if not ok then return nil, message, code end
+  local stage
+  stage, message, code = build(v, vtk, v.size[1], v.size[2])
+  if not stage then return nil, message, code end
+  ok, message, code = vtk.scene_save(stage.scene, path, v.size[1], v.size[2])
+  if not ok then return nil, message, code end
+  return true, v.volume and { "clouds have no surface, left out: 1" } or {}
+end
+
 local methods = picture.methods("view", draw,
-  'ylm.view { sh = { { 0, 0, 1, 0 } }, size = { 80, 60 }, supersample = 1 }')
+  'ylm.view { sh = { { 0, 0, 1, 0 } }, size = { 80, 60 }, supersample = 1 }',
+  { endings = { "gltf" }, save = save_shapes, returns = ", and of .gltf a list of sentences: what is left out",
+    about = "its triangles, lines and slices with the camera as a .gltf file, without words, bars and clouds." })
 
 describe "view:bars" {
   about = "The scalar bars of the last picture drawn: what they show and where.",

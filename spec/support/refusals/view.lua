@@ -24,7 +24,8 @@ end
 
 --- Refusals that save and pixels of every kind of picture share.
 local function methods(kind, make)
-  local wanted = kind == "plot" and "the name of a %.png, %.svg or %.pdf file expected" or "the name of a %.png file expected"
+  local files = ({ plot = ", %.svg or %.pdf", view = " or %.gltf" })[kind] or ""
+  local wanted = "the name of a %.png" .. files .. " file expected"
   return {
     [kind .. ":save"] = {
       { call = function(ylm) return make(ylm):save() end, says = wanted .. ", got nil" },
