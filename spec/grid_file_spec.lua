@@ -126,6 +126,14 @@ assert(grid:points().value:save(folder .. "/value.npy"))]])
       return ("%02x"):format(c:byte()) end)))
   end)
 
+  it("have the same checksum by tables and by products of the processor", function()
+    local text = ("spherical harmonics, "):rep(40)
+    for _, n in ipairs { 0, 1, 15, 16, 127, 128, 129, 143, 144, 255, 256, 257, 400, 777 } do
+      local sum = bytes.crc(text:sub(1, n)):reverse():gsub(".", function(c) return ("%02x"):format(c:byte()) end)
+      assert.equal(sum, core.team_crc(text:sub(1, n)), n .. " bytes")
+    end
+  end)
+
   it("of version 1 are read, in either byte order", function()
     for _, name in ipairs { "octree", "lattice" } do -- the lattice is big-endian
       local loaded, here = assert(ylm.load("spec/data/grid_1_" .. name .. ".ylm")), old[name]()

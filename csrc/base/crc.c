@@ -1,7 +1,21 @@
-/* crc.c - CRC-64/XZ, sixteen bytes at a time. */
+/*
+** crc.c - CRC-64/XZ: by carry-less products of a processor that has them, else sixteen bytes at a time by tables.
+**
+** Numbers are reflected: bit 63 of a remainder is x^0, so that the first byte of a message has its highest powers. A message of
+** 16-byte blocks keeps its remainder where a block A = (a, b) is replaced by a x^(d+64) + b x^d, added to the block d bits
+** further on (Gopal, Ozturk, Guilford, Wolrich, Feghali, Dixon, Karakoyunlu 2009, "Fast CRC computation for generic polynomials
+** using PCLMULQDQ instruction"). The last block goes through the tables.
+*/
 #include "ylm_base.h"
 
 #include <pthread.h>
+
+#if defined(__x86_64__)
+#include <wmmintrin.h>
+#define FOLDS 1
+#else
+#define FOLDS 0
+#endif
 
 #define SLICES 16
 #define POLYNOMIAL 0xC96C5795D7870F42u /* of ECMA-182, reflected */
@@ -9,10 +23,13 @@
 /* table[k][b]: what byte b does to the remainder once k more bytes have followed it. */
 static uint64_t table[SLICES][256];
 
+/* The product of a remainder and x. */
+static uint64_t times_x(uint64_t c) { return c & 1 ? c >> 1 ^ POLYNOMIAL : c >> 1; }
+
 static void fill_table(void) {
   for (uint64_t i = 0; i < 256; i++) {
     uint64_t c = i;
-    for (int bit = 0; bit < 8; bit++) c = c & 1 ? c >> 1 ^ POLYNOMIAL : c >> 1;
+    for (int bit = 0; bit < 8; bit++) c = times_x(c);
     table[0][i] = c;
   }
   for (int k = 1; k < SLICES; k++)
@@ -30,11 +47,8 @@ static uint64_t eight(const unsigned char *p) {
   return x;
 }
 
-uint64_t ylm_crc64(uint64_t crc, const void *data, size_t size) {
-  static pthread_once_t once = PTHREAD_ONCE_INIT;
-  const unsigned char *p = data;
-  pthread_once(&once, fill_table);
-  crc = ~crc;
+/* The remainder of one that more bytes follow. */
+static uint64_t follow(uint64_t crc, const unsigned char *p, size_t size) {
   for (; size >= SLICES; size -= SLICES, p += SLICES) {
     uint64_t low = crc ^ eight(p), high = eight(p + 8), sum = 0;
     for (int k = 0; k < 8; k++)
@@ -42,5 +56,71 @@ uint64_t ylm_crc64(uint64_t crc, const void *data, size_t size) {
     crc = sum;
   }
   for (; size; size--) crc = crc >> 8 ^ table[0][(crc ^ *p++) & 255];
-  return ~crc;
+  return crc;
+}
+
+/* -- by carry-less products -------------------------------------------------------------------- */
+
+#if FOLDS
+#define LANES 8
+#define STEP (16 * LANES) /* bytes; as many are folded at least */
+
+/* Factors of a fold over so many blocks: x^(d+63), x^(d-1), since a reflected product is one power too high. */
+static uint64_t factor[LANES + 1][2];
+
+static void fill_factors(void) {
+  uint64_t c = (uint64_t)1 << 63; /* x^0 */
+  for (int power = 1; power < 128 * LANES + 64; power++) {
+    c = times_x(c);
+    if ((power + 1) % 128 == 0) factor[(power + 1) / 128][1] = c;
+    if (power > 128 && (power - 63) % 128 == 0) factor[(power - 63) / 128][0] = c;
+  }
+}
+
+/* A block, moved over `by` blocks and added to one. */
+__attribute__((target("pclmul"))) static inline __m128i fold(__m128i block, int by, __m128i to) {
+  __m128i f = _mm_loadu_si128((const __m128i *)(const void *)factor[by]);
+  __m128i a = _mm_clmulepi64_si128(block, f, 0x00), b = _mm_clmulepi64_si128(block, f, 0x11);
+  return _mm_xor_si128(to, _mm_xor_si128(a, b));
+}
+
+/* As follow; at least STEP bytes. */
+__attribute__((target("pclmul"))) static uint64_t
+follow_folded(uint64_t crc, const unsigned char *p, size_t size) {
+  __m128i lane[LANES];
+  unsigned char last[16];
+  for (int i = 0; i < LANES; i++) lane[i] = _mm_loadu_si128((const __m128i *)(const void *)p + i);
+  lane[0] = _mm_xor_si128(lane[0], _mm_cvtsi64_si128((long long)crc));
+  for (p += STEP, size -= STEP; size >= STEP; p += STEP, size -= STEP)
+    for (int i = 0; i < LANES; i++)
+      lane[i] = fold(lane[i], LANES, _mm_loadu_si128((const __m128i *)(const void *)p + i));
+  for (int i = 0; i < LANES - 1; i++)
+    lane[LANES - 1] = fold(lane[i], LANES - 1 - i, lane[LANES - 1]);
+  _mm_storeu_si128((__m128i *)(void *)last, lane[LANES - 1]);
+  return follow(follow(0, last, sizeof last), p, size);
+}
+
+/* The table's sums are asked for with YLM_ISA=sse2 and reference. */
+static bool has_products(void) {
+  return ylm_isa_current() >= YLM_ISA_avx2 && __builtin_cpu_supports("pclmul");
+}
+#endif
+
+static bool by_products;
+
+static void begin(void) {
+  fill_table();
+#if FOLDS
+  fill_factors();
+  by_products = has_products();
+#endif
+}
+
+uint64_t ylm_crc64(uint64_t crc, const void *data, size_t size) {
+  static pthread_once_t once = PTHREAD_ONCE_INIT;
+  pthread_once(&once, begin);
+#if FOLDS
+  if (by_products && size >= STEP) return ~follow_folded(~crc, data, size);
+#endif
+  return ~follow(~crc, data, size);
 }

@@ -80,7 +80,7 @@ static ylm_status add_all(packing *t, ylm_grid_set *set, const ylm_progress *pro
   for (size_t i = 0, done = 0; i < top->contents.octree_cells && s == YLM_OK; i++) {
     const ylm_grid *from;
     if (set->number[i] == set->bricks) continue;
-    s = ylm__set_get(set, set->number[i], &from, e);
+    s = ylm__set_get(set, set->number[i], t->b.source->threads, &from, e);
     if (s != YLM_OK) return s;
     s = add_brick(t, from, (uint32_t)i);
     if (s == YLM_OK) s = ylm__set_report(set, progress, ++done, set->bricks, "packing");

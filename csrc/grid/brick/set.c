@@ -7,10 +7,23 @@
 
 /* -- the cache ------------------------------------------------------------------------------------------ */
 
+static void free_room(ylm_grid_set *s) {
+  ylm_regrow_free(s->room.data, s->room.bytes);
+  s->room = (grid_file_room){0};
+}
+
+/* Forgets a brick; its rows' memory is kept where it is more than what is kept already. */
 static void forget(ylm_grid_set *s, set_brick *k) {
-  if (!k->grid) return;
-  s->held -= k->grid->stats.bytes;
-  ylm_grid_free(k->grid);
+  ylm_grid *g = k->grid;
+  if (!g) return;
+  s->held -= g->stats.bytes;
+  if (g->data_bytes > s->room.bytes) {
+    free_room(s);
+    s->room = (grid_file_room){g->data, g->data_bytes};
+    g->data = NULL;
+    g->data_bytes = 0;
+  }
+  ylm_grid_free(g);
   k->grid = NULL;
 }
 
@@ -36,28 +49,34 @@ static bool is_brick(const ylm_grid_set *s, const set_brick *k, const ylm_grid *
          memcmp(a->bounds, b->bounds, sizeof a->bounds) == 0 && a->channels == b->channels;
 }
 
-ylm_status ylm__set_get(ylm_grid_set *s, size_t number, const ylm_grid **g, ylm_error *e) {
+/* Reads a brick, in place of those that were used longest ago. */
+static ylm_status read_brick(ylm_grid_set *s, set_brick *k, int threads, ylm_error *e) {
   char path[FOLDER_PATH];
-  *g = s->top;
-  if (number == s->bricks) return YLM_OK;
-  set_brick *k = &s->brick[number];
-  k->used = ++s->clock;
-  *g = k->grid;
-  if (k->grid) return YLM_OK;
   size_t room = (size_t)(2 * k->size); /* interpolated points, which the file has not */
   shrink(s, s->cache > room ? s->cache - room : 0, k);
   ylm__folder_brick(s->folder, k->code, "ylm", path);
-  ylm_status status = ylm_grid_read(path, &k->grid, e);
+  ylm_status status = ylm__grid_file_read(path, &s->room, threads, &k->grid, e);
   if (status != YLM_OK) return status;
   s->reads++;
   s->held += k->grid->stats.bytes;
-  *g = k->grid;
   if (!is_brick(s, k, k->grid)) {
     forget(s, k);
     return ylm_fail(e, YLM_EFORMAT, "%s: not the brick that the index names", path);
   }
   shrink(s, s->cache, k);
   return YLM_OK;
+}
+
+ylm_status ylm__set_get(ylm_grid_set *s, size_t number, int threads, const ylm_grid **g,
+                        ylm_error *e) {
+  *g = s->top;
+  if (number == s->bricks) return YLM_OK;
+  set_brick *k = &s->brick[number];
+  k->used = ++s->clock;
+  ylm_status status = k->grid ? YLM_OK : read_brick(s, k, threads, e);
+  free_room(s);
+  *g = k->grid;
+  return status;
 }
 
 ylm_status ylm__set_report(ylm_grid_set *s, const ylm_progress *p, uint64_t done, uint64_t total,

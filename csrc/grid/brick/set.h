@@ -21,6 +21,7 @@ struct ylm_grid_set {
   set_brick *brick; /* [bricks] along the Morton code of their origins */
   size_t bricks, cache, held;
   uint64_t clock, reads, bytes, level;
+  grid_file_room room; /* of the rows of a brick that was forgotten, while another is read */
   ylm_field field;
   pthread_mutex_t lock; /* of cache and clock */
 };
@@ -29,10 +30,15 @@ struct ylm_grid_set {
 ylm_status ylm__set_make(const char *folder, size_t cache, const index_head *h,
                          const index_entry *entries, ylm_grid_set **s, ylm_error *e);
 /* The grid of a brick, of the top where `number` is the number of bricks; good until the next call. */
-ylm_status ylm__set_get(ylm_grid_set *s, size_t number, const ylm_grid **g, ylm_error *e);
+ylm_status ylm__set_get(ylm_grid_set *s, size_t number, int threads, const ylm_grid **g,
+                        ylm_error *e);
 /* ylm_report with the lock open, since a progress function may ask the set: a grid of ylm__set_get is not good any more. */
 ylm_status ylm__set_report(ylm_grid_set *s, const ylm_progress *p, uint64_t done, uint64_t total,
                            const char *stage);
+/* Is the grid of a brick in memory? The top always is. */
+static inline bool set_holds(const ylm_grid_set *s, size_t number) {
+  return number == s->bricks || s->brick[number].grid;
+}
 /* set_sample.c: the field of a set. */
 ylm_status ylm__set_evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                              const void *points, ylm_field_result *r, ylm_error *e);

@@ -10,6 +10,7 @@ typedef struct sorting {
   const void *points;
   uint32_t *number, *order; /* [n] */
   size_t *first;            /* [bricks + 2] of each brick in the order */
+  uint32_t *brick;          /* [bricks + 1] those that have points */
 } sorting;
 
 /* The brick of a point. */
@@ -31,6 +32,7 @@ static void end_sorting(sorting *t) {
   ylm_free(t->number);
   ylm_free(t->order);
   ylm_free(t->first);
+  ylm_free(t->brick);
 }
 
 /* Sorts n points by brick; stable. */
@@ -39,7 +41,8 @@ static ylm_status sort_points(sorting *t, size_t n, int threads) {
   t->number = ylm_alloc(n, sizeof *t->number);
   t->order = ylm_alloc(n, sizeof *t->order);
   t->first = ylm_alloc_zero(bricks + 1, sizeof *t->first);
-  if (!t->number || !t->order || !t->first) return YLM_ENOMEM;
+  t->brick = ylm_alloc(bricks, sizeof *t->brick);
+  if (!t->number || !t->order || !t->first || !t->brick) return YLM_ENOMEM;
   ylm_parallel(n, 4096, threads, find_bricks, t, NULL, NULL);
   for (size_t i = 0; i < n; i++) t->first[t->number[i] + 1]++;
   for (size_t k = 0; k < bricks; k++) t->first[k + 1] += t->first[k];
@@ -49,11 +52,22 @@ static ylm_status sort_points(sorting *t, size_t n, int threads) {
   return YLM_OK;
 }
 
+/* The bricks that have points, those in memory first; how many. */
+static size_t list_bricks(sorting *t) {
+  size_t n = 0;
+  for (int held = 1; held >= 0; held--)
+    for (size_t k = 0; k <= t->set->bricks; k++)
+      if (t->first[k] < t->first[k + 1] && set_holds(t->set, k) == held)
+        t->brick[n++] = (uint32_t)k;
+  return n;
+}
+
 /* n points of one brick, in an order: an array of them, or a list of numbers. */
 typedef ylm_status set_work(void *context, const ylm_grid *g, size_t n, const uint32_t *order,
                             ylm_error *e);
 
-/* Calls `work` for the points of each brick, at most SET_CHUNK at a time. */
+/* Calls `work` for the points of each brick, at most SET_CHUNK at a time; bricks in memory first, since others take their
+   place. */
 static ylm_status each_brick(sorting *t, size_t n, int threads, set_work *work, void *context,
                              const ylm_progress *progress, ylm_error *e) {
   ylm_grid_set *set = t->set;
@@ -61,15 +75,16 @@ static ylm_status each_brick(sorting *t, size_t n, int threads, set_work *work, 
   pthread_mutex_lock(&set->lock);
   ylm_status s = sort_points(t, n, threads);
   if (s != YLM_OK) ylm_fail(e, s, "no memory to sample %zu points", n);
-  for (size_t k = 0; k <= set->bricks && s == YLM_OK; k++) {
+  size_t listed = s == YLM_OK ? list_bricks(t) : 0, done = 0;
+  for (size_t i = 0; i < listed && s == YLM_OK; i++) {
     const ylm_grid *g;
-    if (t->first[k] == t->first[k + 1]) continue;
-    s = ylm__set_get(set, k, &g, e);
-    for (size_t i = t->first[k]; i < t->first[k + 1] && s == YLM_OK; i += SET_CHUNK) {
-      size_t left = t->first[k + 1] - i, now = left < SET_CHUNK ? left : SET_CHUNK;
-      s = work(context, g, now, t->order + i, e);
-      if (s == YLM_OK) s = ylm__set_report(set, progress, i + now, n, "sampling");
-      if (s == YLM_OK) s = ylm__set_get(set, k, &g, e);
+    size_t k = t->brick[i], end = t->first[k + 1];
+    s = ylm__set_get(set, k, threads, &g, e);
+    for (size_t j = t->first[k]; j < end && s == YLM_OK; j += SET_CHUNK) {
+      size_t now = end - j < SET_CHUNK ? end - j : SET_CHUNK;
+      s = work(context, g, now, t->order + j, e);
+      if (s == YLM_OK) s = ylm__set_report(set, progress, done += now, n, "sampling");
+      if (s == YLM_OK) s = ylm__set_get(set, k, threads, &g, e);
     }
   }
   end_sorting(t);

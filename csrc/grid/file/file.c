@@ -39,15 +39,21 @@ ylm_status ylm_grid_decode(const unsigned char *data, size_t size, const char *n
   ylm_status s = ylm__file_source_memory(&source, name, data, size, e);
   if (s != YLM_OK) return s;
   return source.version == 1 ? ylm__grid_file_read_1(name, data, size, source.swapped, g, e)
-                             : ylm__grid_file_read_2(&source, g, e);
+                             : ylm__grid_file_read_2(&source, NULL, 0, g, e);
 }
 
-ylm_status ylm_grid_read(const char *path, ylm_grid **g, ylm_error *e) {
+ylm_status ylm__grid_file_read(const char *path, grid_file_room *room, int threads, ylm_grid **g,
+                               ylm_error *e) {
   file_source source;
   *g = NULL;
   ylm_status s = ylm__file_source_open(&source, path, e);
   if (s == YLM_OK)
-    s = source.version == 1 ? read_whole(&source, g, e) : ylm__grid_file_read_2(&source, g, e);
+    s = source.version == 1 ? read_whole(&source, g, e)
+                            : ylm__grid_file_read_2(&source, room, threads, g, e);
   ylm__file_source_close(&source);
   return s;
+}
+
+ylm_status ylm_grid_read(const char *path, ylm_grid **g, ylm_error *e) {
+  return ylm__grid_file_read(path, NULL, 0, g, e);
 }

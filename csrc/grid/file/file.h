@@ -138,9 +138,10 @@ ylm_status ylm__file_source_open(file_source *s, const char *path, ylm_error *e)
 ylm_status ylm__file_source_memory(file_source *s, const char *name, const unsigned char *data,
                                    size_t size, ylm_error *e);
 void ylm__file_source_close(file_source *s);
-/* n bytes from offset `at`, which lie in the file; adds to *crc (may be NULL). */
+/* n bytes from offset `at`, which lie in the file; adds to *crc (may be NULL). *finite (may be NULL) becomes false where a
+   float among them is not a finite number. */
 ylm_status ylm__file_source_read(const file_source *s, uint64_t at, size_t n, void *to,
-                                 uint64_t *crc, ylm_error *e);
+                                 uint64_t *crc, bool *finite, ylm_error *e);
 
 /* -- table.c: the sections of a file ------------------------------------------------ */
 
@@ -157,6 +158,10 @@ const grid_file_entry *ylm__file_table_find(const file_table *t, int kind);
 /* A section whose size is `bytes`, of records of `record` bytes, to `to`; checks its sum. */
 ylm_status ylm__file_table_take(const file_table *t, const file_source *s, int kind, size_t record,
                                 size_t bytes, void *to, ylm_error *e);
+/* ylm__file_table_take of floats; *finite as of ylm__file_source_read. */
+ylm_status ylm__file_table_take_floats(const file_table *t, const file_source *s, int kind,
+                                       size_t record, size_t bytes, float *to, bool *finite,
+                                       ylm_error *e);
 /* Form and stats; those of a file without the section stats are 0, errors NaN. */
 ylm_status ylm__file_table_form(const file_table *t, const file_source *s, grid_file_form *form,
                                 ylm_grid_form *out, ylm_grid_stats *stats, ylm_error *e);
@@ -164,7 +169,17 @@ ylm_status ylm__file_table_form(const file_table *t, const file_source *s, grid_
 /* -- readers ------------------------------------------------------------------------- */
 
 /* read.c: version 2. */
-ylm_status ylm__grid_file_read_2(const file_source *s, ylm_grid **out, ylm_error *e);
+/* Memory that the rows of a grid were in, for those of the next: pages that need no clearing. */
+typedef struct grid_file_room {
+  float *data;
+  size_t bytes;
+} grid_file_room;
+/* `room` is taken where it is not NULL and has any; interpolated rows are made by so many threads, 0: all. */
+ylm_status ylm__grid_file_read_2(const file_source *s, grid_file_room *room, int threads,
+                                 ylm_grid **out, ylm_error *e);
+/* As ylm_grid_read. file.c */
+ylm_status ylm__grid_file_read(const char *path, grid_file_room *room, int threads, ylm_grid **g,
+                               ylm_error *e);
 /* version_1.c: version 1, all of whose bytes are at `data`. */
 ylm_status ylm__grid_file_read_1(const char *name, const unsigned char *data, size_t size,
                                  bool swapped, ylm_grid **out, ylm_error *e);

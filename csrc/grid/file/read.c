@@ -27,6 +27,8 @@ static bool counts_hold(const grid_file_form *f, const ylm_grid_form *form) {
 typedef struct reading {
   const file_source *source;
   file_table table;
+  grid_file_room *room;
+  int threads;
   ylm_grid *g;
   ylm_error *e;
 } reading;
@@ -53,6 +55,11 @@ static bool sizes_hold(const reading *r, const grid_file_form *f) {
 static ylm_status reserve(reading *r, const grid_file_form *f) {
   ylm_grid *g = r->g;
   size_t born = f->points - f->evaluated;
+  if (r->room && r->room->data) {
+    g->data = r->room->data;
+    g->data_bytes = r->room->bytes;
+    *r->room = (grid_file_room){0};
+  }
   ylm_status s = ylm__grid_reserve_cells(g, f->cells);
   if (s == YLM_OK) s = ylm__grid_reserve_points(g, f->points);
   if (s == YLM_OK && born) g->birth = ylm_alloc(born, sizeof *g->birth);
@@ -93,12 +100,12 @@ static ylm_status read_structure(reading *r) {
 static ylm_status read_rows(reading *r) {
   ylm_grid *g = r->g;
   size_t row = 4 * g->stride, bytes = (g->evaluated * row + ROW_PADDING) * sizeof *g->data;
-  ylm_status s = ylm__file_table_take(&r->table, r->source, GRID_FILE_rows, row * sizeof *g->data,
-                                      bytes, g->data, r->e);
+  bool finite;
+  ylm_status s = ylm__file_table_take_floats(&r->table, r->source, GRID_FILE_rows,
+                                             row * sizeof *g->data, bytes, g->data, &finite, r->e);
   if (s != YLM_OK) return s;
-  if (!ylm_all_finite(YLM_FLOAT, g->data, g->evaluated * row, NULL))
-    return ylm__grid_file_bad(r->source->name, "coefficients", r->e);
-  s = ylm__grid_interpolate_points(g, NULL, 0, NULL);
+  if (!finite) return ylm__grid_file_bad(r->source->name, "coefficients", r->e);
+  s = ylm__grid_interpolate_points(g, NULL, r->threads, NULL);
   if (s == YLM_OK && !ylm_all_finite(YLM_FLOAT, g->data + g->evaluated * row,
                                      (g->points - g->evaluated) * row, NULL))
     return ylm__grid_file_bad(r->source->name, "coefficients", r->e);
@@ -143,8 +150,9 @@ static ylm_status read_grid(reading *r) {
   return s == YLM_OK ? read_rows(r) : s;
 }
 
-ylm_status ylm__grid_file_read_2(const file_source *source, ylm_grid **out, ylm_error *e) {
-  reading r = {.source = source, .e = e};
+ylm_status ylm__grid_file_read_2(const file_source *source, grid_file_room *room, int threads,
+                                 ylm_grid **out, ylm_error *e) {
+  reading r = {.source = source, .room = room, .threads = threads, .e = e};
   ylm_status s = ylm__file_table_read(&r.table, source, e);
   if (s == YLM_OK) s = read_grid(&r);
   ylm_free(r.table.entry);

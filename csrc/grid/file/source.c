@@ -62,7 +62,7 @@ static ylm_status take(const file_source *s, size_t n, void *to, ylm_error *e) {
 }
 
 ylm_status ylm__file_source_read(const file_source *s, uint64_t at, size_t n, void *to,
-                                 uint64_t *crc, ylm_error *e) {
+                                 uint64_t *crc, bool *finite, ylm_error *e) {
   if (s->file && fseeko(s->file, (off_t)at, SEEK_SET) != 0)
     return ylm_fail(e, YLM_EIO, "%s: %s", s->name, strerror(errno));
   for (size_t done = 0; done < n;) {
@@ -73,6 +73,7 @@ ylm_status ylm__file_source_read(const file_source *s, uint64_t at, size_t n, vo
     else if (take(s, some, p, e) != YLM_OK)
       return ferror(s->file) ? YLM_EIO : YLM_ECHECKSUM;
     if (crc) *crc = ylm_crc64(*crc, p, some);
+    if (finite) *finite &= ylm_all_finite(YLM_FLOAT, p, some / sizeof(float), NULL);
     done += some;
   }
   return YLM_OK;

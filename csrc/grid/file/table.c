@@ -24,7 +24,7 @@ static ylm_status check_gap(const file_source *s, uint64_t at, uint64_t end, ylm
   unsigned char some[4096];
   while (at < end) {
     size_t n = end - at < sizeof some ? (size_t)(end - at) : sizeof some;
-    ylm_status status = ylm__file_source_read(s, at, n, some, NULL, e);
+    ylm_status status = ylm__file_source_read(s, at, n, some, NULL, NULL, e);
     if (status != YLM_OK) return status;
     for (size_t i = 0; i < n; i++)
       if (some[i]) return damaged(s, "between sections", e);
@@ -70,7 +70,7 @@ ylm_status ylm__file_table_read(file_table *t, const file_source *s, ylm_error *
   ylm_status status = ylm__grid_file_machine(s->name, e);
   if (status != YLM_OK) return status;
   if (s->size < sizeof h) return damaged(s, "cut off", e);
-  status = ylm__file_source_read(s, 0, sizeof h, &h, NULL, e);
+  status = ylm__file_source_read(s, 0, sizeof h, &h, NULL, NULL, e);
   if (status != YLM_OK) return status;
   if (!h.sections || h.sections > GRID_FILE_SECTIONS ||
       h.sections > (s->size - sizeof h) / sizeof *t->entry)
@@ -79,7 +79,8 @@ ylm_status ylm__file_table_read(file_table *t, const file_source *s, ylm_error *
   if (!t->entry) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", s->name);
   t->sections = h.sections;
   uint64_t crc = ylm_crc64(0, &h, offsetof(grid_file_header, crc));
-  status = ylm__file_source_read(s, sizeof h, t->sections * sizeof *t->entry, t->entry, &crc, e);
+  status =
+      ylm__file_source_read(s, sizeof h, t->sections * sizeof *t->entry, t->entry, &crc, NULL, e);
   if (status == YLM_OK && crc != h.crc) status = damaged(s, "header", e);
   return status == YLM_OK ? check_table(t, s, e) : status;
 }
@@ -103,19 +104,31 @@ const grid_file_entry *ylm__file_table_find(const file_table *t, int kind) {
 
 /* -- sections --------------------------------------------------------------------------------- */
 
-ylm_status ylm__file_table_take(const file_table *t, const file_source *s, int kind, size_t record,
-                                size_t bytes, void *to, ylm_error *e) {
+static ylm_status take(const file_table *t, const file_source *s, int kind, size_t record,
+                       size_t bytes, void *to, bool *finite, ylm_error *e) {
   const grid_file_entry *entry = ylm__file_table_find(t, kind);
   if (!entry) return ylm__grid_file_bad(s->name, "a section is missing", e);
   uint64_t crc = 0;
   if (entry->record != record || entry->size != bytes)
     return ylm_fail(e, YLM_EFORMAT, "%s: not a valid grid: the size of section '%s'", s->name,
                     entry->name);
-  ylm_status status = ylm__file_source_read(s, entry->offset, bytes, to, &crc, e);
+  ylm_status status = ylm__file_source_read(s, entry->offset, bytes, to, &crc, finite, e);
   if (status == YLM_OK && crc != entry->crc)
     return ylm_fail(e, YLM_ECHECKSUM, "%s: the grid file is damaged (section '%s')", s->name,
                     entry->name);
   return status;
+}
+
+ylm_status ylm__file_table_take(const file_table *t, const file_source *s, int kind, size_t record,
+                                size_t bytes, void *to, ylm_error *e) {
+  return take(t, s, kind, record, bytes, to, NULL, e);
+}
+
+ylm_status ylm__file_table_take_floats(const file_table *t, const file_source *s, int kind,
+                                       size_t record, size_t bytes, float *to, bool *finite,
+                                       ylm_error *e) {
+  *finite = true;
+  return take(t, s, kind, record, bytes, to, finite, e);
 }
 
 /* The form that a section describes. */
