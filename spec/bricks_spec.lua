@@ -3,6 +3,7 @@
 local core = require "ylm.c.core"
 local ylm = require "ylm"
 local grids = require "spec.support.grids"
+local kills = require "spec.support.kills"
 local long = require "spec.support.long"
 local random = require "spec.support.random".minimal
 local scratch = require "spec.support.scratch"
@@ -144,12 +145,12 @@ describe("a grid in bricks", function()
     return folder:write("bake.lua", ([[
       local ylm = require "ylm"
       local lamps = ylm.sphere_lights { at = { { 0.1, 0.02, 0 }, { -0.7, 0.1, -0.5 } }, radius = { 0.2, 0.05 }, radiance = 4 }
-      assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 2, depth = 6, threshold = %g,
+      assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 2, depth = 6, threshold = 0.3,
         bricks = 2 }, lamps, { to = arg[1], threads = %d, brick_points = 600 }))
-    ]]):format(long(0.3, 0.02), threads))
+    ]]):format(threads))
   end
 
-  it("ends with the same files after kills at random moments", function()
+  it("ends with the same files after kills at random moments, and does nothing again that was done", function()
     local run, r = program(2), random(grids.seed)
     local lua = scratch.quote(arg and arg[-1] or "lua5.4")
     local function bake(name, before)
@@ -158,19 +159,29 @@ describe("a grid in bricks", function()
     local begin = core.seconds()
     local out, status = scratch.capture(bake "whole.ylmd")
     assert(status == 0, out)
-    local whole, killed = core.seconds() - begin, 0
-    for _ = 1, long(3, 20) do
+    local whole, wanted = core.seconds() - begin, sums "whole.ylmd"
+    local killed, most, tries = 0, long(2, 20), 0
+    while killed < most do
       scratch.shell("rm -rf " .. scratch.quote(to()))
-      repeat -- each kill comes later than the one before it was, on the whole
-        out, status = scratch.capture(bake(nil, ("timeout -s KILL %.3f"):format(0.02 + r() * whole)))
-        if status ~= 0 then killed = killed + 1 end
+      local before, of_folder = {}, 0
+      repeat -- up to four kills of a bake
+        local moment, now, n = 0.02 + r() * whole
+        out, status = scratch.capture(bake(nil, ("timeout -s KILL %.3f"):format(moment)))
         assert(status == 0 or status == 137, out)
-      until status == 0 or killed % 4 == 0
+        now, n = kills.committed(to())
+        if status == 137 then
+          killed, of_folder = killed + 1, of_folder + 1
+          assert.is_nil(kills.done_again(before, now))
+          kills.say("kill %d of %d: the process, %.2f s after its start (a bake takes %.2f s); %d files of bricks committed",
+            killed, most, moment, whole, n)
+        end
+        before, tries = now, tries + 1
+        assert(tries < 10 * most, "kills come too late")
+      until status == 0 or of_folder == 4 or killed == most
       out, status = scratch.capture(bake())
       assert(status == 0, out)
-      assert.equal(sums "whole.ylmd", sums()) -- nothing is left over either
+      assert.equal(wanted, sums()) -- nothing is left over either
     end
-    assert.is_true(killed > 0)
   end)
 
   it("says that the disk is full, and goes on when it is not", function()
