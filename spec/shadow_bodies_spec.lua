@@ -249,6 +249,8 @@ describe("prepared:render { bodies = shade }", function()
     assert.error_matches(function() view:render { grid = shade, bodies = 3 } end, "bodies")
     local rest = shade:without "cube"
     assert(view:render { grid = rest, bodies = rest, layers = false }) -- no bodies are drawn
+    assert.error_matches(function() room():prepare { size = { 4, 4 } }:render { lights = { shade } } end,
+      "by rays, which see nothing of a ylm.shadowed")
     shade:close()
     assert.error_matches(function() view:render { grid = even, bodies = shade } end, "closed")
     assert.error_matches(function() ylm.caster { hides = ball, surface = 3 } end, "surface must be a shape")

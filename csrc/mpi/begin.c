@@ -12,6 +12,7 @@
 /* One for each program: MPI itself can begin but once. */
 static process own;
 static bool begun;
+static pid_t begun_by;
 
 const char *ylm_mpi_version(void) {
   static char text[MPI_MAX_LIBRARY_VERSION_STRING];
@@ -71,6 +72,7 @@ static void rest(double seconds) {
 static void leave(int status, void *context) {
   process *p = context;
   int over = 0;
+  if (getpid() != begun_by) return; /* a copy by fork, which is no process of the team */
   MPI_Finalized(&over);
   if (over) return;
   fflush(NULL); /* MPI_Abort does not */
@@ -133,6 +135,7 @@ static ylm_status begin(process *p, ylm_error *e) {
   ylm_free(masks);
   if (!room) return ylm_fail(e, YLM_ENOMEM, "no memory for a team");
   if (t->rank == 0 && t->size > 1) ylm__mpi_thread_begin(p);
+  begun_by = getpid();
 #ifdef __GLIBC__
   on_exit(leave, p);
 #else

@@ -101,10 +101,11 @@ function tracing.trace(name, s)
   return new
 end
 
---- Raises where lights, or a list among them, hold light of which rays see nothing: that of surfaces.
+--- Raises where lights, or a list among them, hold light of which rays see nothing: a light field without lamps. pack.pack
+-- refuses grids.
 local function check_rays(name, lights, depth)
   local kind = core.type(lights)
-  if kind == "ylm.radiosity" or kind == "ylm.gather" or kind == "ylm.visible" then
+  if kind and kind ~= "ylm.lights" and kind ~= "ylm.grid" and core.has_field(lights) then
     return check.fail("%s: lights shine by rays, which see nothing of a %s: give lamps and skies", name, kind)
   elseif depth > 32 then return check.fail("%s: lists of lights nest more than 32 deep; does a list hold itself?", name)
   elseif type(lights) == "table" and not form.kind(lights) then

@@ -52,7 +52,8 @@ end
 function encode(value, path, depth)
   local kind = type(value)
   if kind == "number" then
-    return (math.type and math.type(value) == "integer" and "i%d;" or "n%.17g;"):format(value) -- luacheck: ignore 143
+    local text = (math.type and math.type(value) == "integer" and "i%d;" or "n%.17g;"):format(value) -- luacheck: ignore 143
+    return (text:gsub(",", ".")) -- the same under every locale
   end
   if kind == "string" then return ("s%d:"):format(#value) .. value end
   if kind == "boolean" then return value and "t" or "f" end
@@ -92,11 +93,11 @@ local function decode_array(text, at)
   return core.team_set_bytes(a, text:sub(first, first + bytes - 1), tonumber(convention)), first + bytes
 end
 
---- A number as tostring wrote it; C writes infinities and NaN in words.
+--- A number with a decimal point, whatever the locale; C writes infinities and NaN in words.
 local function number(word)
   if word:find "inf" then return word:find "^%-" and -math.huge or math.huge end
   if word:find "nan" then return 0 / 0 end
-  return tonumber(word)
+  return tonumber(word) or tonumber((word:gsub("%.", ",")))
 end
 
 --- The value whose bytes begin at `at`, and where the next begin; nil where these are none.
