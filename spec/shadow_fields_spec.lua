@@ -105,6 +105,29 @@ describe("ylm.occluder", function()
     assert.is_near(pi * 0.49, ball.area, 1e-12)
   end)
 
+  it("sums the outline of a solid: half of its faces, in their planes and on lines of edges too, each point by itself", function()
+    local corners = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1.25, 0 }, { 0, 0, 0.75 } }
+    local body, faces = ylm.occluder { geometry = solid(corners, { { 1, 3, 2 }, { 1, 2, 4 }, { 2, 3, 4 }, { 3, 1, 4 } }) }, {}
+    for i = 1, 4 do
+      local v = {}
+      for k = 1, 4 do if k ~= i then v[#v + 1] = corners[k] end end
+      faces[i] = ylm.polygon_light { vertices = v, radiance = 0.5 }
+    end
+    local points = around(9, 1.5, 4)
+    for _, p in ipairs { { -1, 0, 0 }, { 2, 0, 0 }, { 0.3, -0.5, 0 }, { 3, 3, 0 }, { 0, 0, 9 }, { 3000, 0, 1 } } do
+      points[#points + 1] = p
+    end
+    local V, dV, ddV = field(5, body, points, 2)
+    local L, dL, ddL = field(5, faces, points, 2)
+    for i = 1, #points do
+      local one = sh.resize({ ONE }, 5)
+      assert.is_true(apart(V[i][1] + L[i][1], one) < 1e-14)
+      assert.is_true(apart(dV[i], dL[i] * -1) < 1e-10 and apart(ddV[i], ddL[i] * -1) < 1e-10)
+      local alone = field(5, body, { points[i] }, 2)
+      assert.equal(0, apart(alone[1], V[i]))
+    end
+  end)
+
   it("is dark inside, and says so", function()
     for _, body in ipairs { ylm.occluder { radius = 1 }, ylm.occluder { geometry = cube() } } do
       local V, dV, _, report = ylm.light_field(3, body, { { 0.1, 0.2, 0 }, { 3, 0, 0 } },

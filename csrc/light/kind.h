@@ -58,6 +58,9 @@ struct ylm__light_kind {
   /* -- a pack -- */
 
   void (*free)(void *of);
+  /* Lights that are the surface of a solid are summed by its outline, where they can be. YLM_ENOMEM; NULL: they
+     cannot. */
+  ylm_status (*join)(void *of);
   /* The field's `evaluate` by the kernels of an instruction set; NULL: there is one way only. */
   ylm_status (*evaluate)(const void *of, ylm_isa isa, const ylm_field_query *q, size_t n,
                          const void *points, ylm_field_result *r, ylm_error *e);

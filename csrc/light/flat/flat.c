@@ -18,6 +18,7 @@ void ylm_polygons_free(ylm_polygons *p) {
   ylm_free(p->centroid);
   ylm_free(p->radius);
   ylm_free(p->reach);
+  ylm_free(p->edge);
   ylm_free(p);
 }
 
@@ -37,19 +38,19 @@ static ylm_status one_light(const ylm__contour *k, const ylm_polygons *p, size_t
 
 ylm_status ylm__polygon_add(const ylm_polygons *p, const ylm__contour *k, size_t light,
                             const double *x, double *sum, uint8_t *inside) {
-  size_t wide = 10 * k->count, used = k->hessian ? wide : k->gradient ? 4 * k->count : k->count;
+  size_t wide = (k->hessian ? 10 : k->gradient ? 4 : 1) * k->count;
   ylm_status s = one_light(k, p, light, x);
   if (s == YLM_EDOMAIN) *inside = 1, s = YLM_OK;
   for (size_t c = 0; c < 3; c++)
-    for (size_t t = 0; t < used; t++) sum[c * wide + t] += p->radiance[3 * light + c] * k->value[t];
+    for (size_t t = 0; t < wide; t++) sum[c * wide + t] += p->radiance[3 * light + c] * k->value[t];
   return s;
 }
 
 ylm_status ylm__polygon_exactly(const ylm_polygons *p, const ylm__flat_plan *plan,
                                 const ylm_field_query *q, size_t n, const double (*x)[3],
                                 double *sum, uint8_t *inside) {
-  size_t count = ylm_sh_count(q->lmax), wide = 10 * count;
-  bool h = q->want & (YLM_WANT_HESSIAN | YLM_WANT_METRIC), g = h || (q->want & YLM_WANT_GRADIENT);
+  size_t count = ylm_sh_count(q->lmax), wide = ylm__flat_wide(q);
+  bool h = wide == 10 * count, g = wide > count;
   ylm__flat_range *kernel = plan ? plan->range : NULL;
   ylm__contour k;
   double *one = ylm_alloc_zero(wide, sizeof *one);
@@ -82,7 +83,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const job *j = context;
   const ylm_field_query *q = j->q;
-  size_t wide = 10 * ylm_sh_count(q->lmax), n = end - begin;
+  size_t wide = j->p->exact ? ylm__flat_wide(q) : 10 * ylm_sh_count(q->lmax), n = end - begin;
   double *sum = ylm_alloc_zero(n * 3 * wide, sizeof *sum), x[YLM__POLYGON_BLOCK][3];
   uint8_t inside[YLM__POLYGON_BLOCK] = {0};
   if (!sum) return YLM_ENOMEM;

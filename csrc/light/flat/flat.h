@@ -29,6 +29,12 @@
 #include "calibration.h"
 #include "contour.h"
 
+/* An edge that two polygons share. */
+typedef struct ylm__flat_edge {
+  uint32_t from, to;    /* rows of `vertices` of the polygon `left`, whose boundary runs this way */
+  uint32_t left, right; /* polygons */
+} ylm__flat_edge;
+
 typedef struct ylm_polygons {
   ylm_field field;
   size_t n;
@@ -40,6 +46,8 @@ typedef struct ylm_polygons {
   double *radiance;          /* [n][3] */
   double *normal, *centroid; /* [n][3], the normal of length 1 */
   double *radius, *reach; /* [n]: of a disk of the same area; farthest vertex from the centroid */
+  size_t edges;           /* 0: polygons are summed one by one */
+  ylm__flat_edge *edge;   /* [edges] of a closed surface of one radiance */
 } ylm_polygons;
 
 /*
@@ -65,6 +73,18 @@ void ylm_polygons_free(ylm_polygons *polygons);
 ylm_status ylm_polygons_evaluate(const ylm_polygons *polygons, ylm_isa isa,
                                  const ylm_field_query *q, size_t n, const void *points,
                                  ylm_field_result *r, ylm_error *e);
+
+/*
+** ylm_polygons_join - finds the edges that polygons share, for surfaces that are closed.
+**
+** On the side that is not seen an edge's share has the other sign, so that the shares of an edge cancel where both
+** of its polygons are seen from the same side. The kernels then sum the edges of the outline alone. Results change
+** by rounding. Nothing is joined where an edge has no partner of the opposite direction, radiances differ, or
+** polygons are approximated or cut at a horizon.
+**
+** Returns  YLM_OK; YLM_ENOMEM. edges.c
+*/
+ylm_status ylm_polygons_join(ylm_polygons *polygons);
 
 /* Functions that the kinds of flat lights share, for csrc/light/textured.c: see kind.h. kind.c */
 size_t ylm__flat_get(const void *of, size_t i, ylm_light *out, ylm_light_shape *shape);

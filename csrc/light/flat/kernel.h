@@ -17,6 +17,7 @@
 #define YLM_LIGHT_POLYGON_KERNEL_H
 
 #include "flat.h"
+#include "ylm_sh.h"
 
 enum { YLM__K0 = 1, YLM__K1 = 2, YLM__K2 = 4 };
 
@@ -32,7 +33,13 @@ typedef struct ylm__flat_map {
 } ylm__flat_map;
 
 typedef struct ylm__flat_plan ylm__flat_plan;
-/* Adds all lights at n points: sum [n][3][10 count]. Points on a light, edge-on, far, or too near
+/* Numbers of a channel of exact sums: coefficients, then gradients, then Hessians, as far as they are wanted. */
+static inline size_t ylm__flat_wide(const ylm_field_query *q) {
+  bool h = q->want & (YLM_WANT_HESSIAN | YLM_WANT_METRIC), g = q->want & YLM_WANT_GRADIENT;
+  return (h ? 10 : g ? 4 : 1) * ylm_sh_count(q->lmax);
+}
+
+/* Adds all lights at n points: sum [n][3][wide]. Points on a light, edge-on, far, or too near
    to a disk's rim go to the reference, for which k is. */
 typedef ylm_status ylm__flat_range(const ylm__flat_plan *plan, const ylm__contour *k, size_t n,
                                    const double (*x)[3], double *sum, uint8_t *inside);
@@ -48,7 +55,7 @@ struct ylm__flat_plan {
   double reach[YLM__RULES]; /* of the rules, for the element type */
   double far;               /* as YLM__FAR, for the element type */
   double digits;            /* of ylm__equal_steps, for the element type */
-  size_t count, offset[3], width;
+  size_t count, offset[3], width, wide;
   double *monic; /* [top+1][top+1]: c of p_(l+1) = z p_l - c p_(l-1), by m and l */
   double *norm;  /* [(lmax+2)^2] */
   ylm__flat_map value, hessian;
@@ -59,11 +66,11 @@ ylm_status ylm__flat_plan_make(ylm__flat_plan *plan, const ylm_polygons *p,
                                const ylm_field_query *q, ylm_isa isa);
 void ylm__flat_plan_free(ylm__flat_plan *plan);
 
-/* Adds one light at one point by the reference: sum [3][10 count]. flat.c */
+/* Adds one light at one point by the reference: sum [3][wide]. flat.c */
 ylm_status ylm__polygon_add(const ylm_polygons *p, const ylm__contour *k, size_t light,
                             const double *x, double *sum, uint8_t *inside);
 
-/* The exact sums of all flat lights at n points, as ylm__polygon_spheres. plan NULL: by the
+/* The exact sums of all flat lights at n points, as ylm__polygon_spheres but for sum [n][3][wide]. plan NULL: by the
    reference. flat.c */
 ylm_status ylm__polygon_exactly(const ylm_polygons *p, const ylm__flat_plan *plan,
                                 const ylm_field_query *q, size_t n, const double (*x)[3],

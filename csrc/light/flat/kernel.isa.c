@@ -185,6 +185,122 @@ YLM_INLINE void add_polygon(const ylm__flat_plan *plan, const int kinds, size_t 
     for (size_t k = 0; k < row; k++) sum[c * row + k] += e[c] * one[k];
 }
 
+/* On which side of each polygon the lanes' points are: -1, 1, or 0 where it is seen edge-on. Returns the lanes that
+   are for the reference: far away, or near a polygon in its plane. */
+YLM_INLINE VI sides_of(const ylm__flat_plan *plan, v3 x, V *side) {
+  const ylm_polygons *p = plan->p;
+  VI out = {0};
+  for (size_t f = 0; f < p->n; f++) {
+    const double *vertex = p->vertices + 3 * p->first[f];
+    v3 n = spread(p->normal + 3 * f), c = spread(p->centroid + 3 * f);
+    V height = set(0), far2 = set(0), reach = set(p->reach[f]);
+    for (int i = 0; i < p->sides[f]; i++) {
+      v3 at = spread(vertex + 3 * i), v = {at.x - x.x, at.y - x.y, at.z - x.z};
+      if (i == 0) height = dot(v, n);
+      far2 = larger(far2, dot(v, v));
+    }
+    V far = ylm_vd_sqrt(far2);
+    v3 way = {c.x - x.x, c.y - x.y, c.z - x.z};
+    VI flat = (VI) ~(absolute(height) > 1e-13 * far);
+    side[f] = ylm_vd_select(flat, set(0), ylm_vd_select(height < 0, set(-1), set(1)));
+    out |= flat & (VI) ~(dot(way, way) > 1.001 * reach * reach);
+    out |= (VI) ~(reach * (plan->lmax + 4) > plan->far * far);
+  }
+  return out;
+}
+
+/* An edge seen from the lanes' points, and its share. */
+typedef struct seen_edge {
+  v3 v, w, e;
+  V r0, r1, weight;
+} seen_edge;
+
+/* Points of the lanes in `which` become that of lane i. */
+YLM_INLINE v3 put_at(v3 x, VI which, int i) {
+  return (v3){ylm_vd_select(which, set(x.x[i]), x.x), ylm_vd_select(which, set(x.y[i]), x.y),
+              ylm_vd_select(which, set(x.z[i]), x.z)};
+}
+
+/* The first lane that is not in `which`; LANES: there is none. */
+YLM_INLINE int first_without(VI which) {
+  int i = 0;
+  while (i < LANES && which[i]) i++;
+  return i;
+}
+
+/* false: the edge has no share in any lane. Lanes without one, whose points may lie on its line, are put elsewhere. */
+YLM_INLINE bool see_edge(const ylm_polygons *p, const ylm__flat_edge *e, v3 x, const V *side,
+                         seen_edge *s) {
+  s->weight = side[e->left] - side[e->right];
+  VI none = (VI)(s->weight == 0);
+  int some = first_without(none);
+  if (some == LANES) return false;
+  x = put_at(x, none, some);
+  v3 a = spread(p->vertices + 3 * (size_t)e->from), b = spread(p->vertices + 3 * (size_t)e->to);
+  s->v = (v3){a.x - x.x, a.y - x.y, a.z - x.z};
+  s->w = (v3){b.x - x.x, b.y - x.y, b.z - x.z};
+  s->e = (v3){b.x - a.x, b.y - a.y, b.z - a.z};
+  s->r0 = ylm_vd_sqrt(dot(s->v, s->v));
+  s->r1 = ylm_vd_sqrt(dot(s->w, s->w));
+  return true;
+}
+
+/* Sides of the polygons, and lanes whose points lie on the line of an edge that has a share. */
+YLM_INLINE VI look(const ylm__flat_plan *plan, v3 x, V *side) {
+  VI out = sides_of(plan, x, side);
+  for (size_t i = 0; i < plan->p->edges; i++) {
+    seen_edge s;
+    if (!see_edge(plan->p, &plan->p->edge[i], x, side, &s)) continue;
+    v3 c = cross(s.v, s.e);
+    out |= (VI) ~(dot(c, c) > 1e-24 * dot(s.e, s.e) * s.r0 * s.r0) & (VI)(s.weight != 0);
+  }
+  return out;
+}
+
+/* Adds what the outline of a closed surface encloses to sums, as add_polygon; side [n]. */
+YLM_INLINE void add_joined(const ylm__flat_plan *plan, const int kinds, v3 x, VI *out, V *moment,
+                           V *side, V *one, V *sum) {
+  const ylm_polygons *p = plan->p;
+  size_t width = plan->width, row = 3 * width + 1;
+  const double *e = plan->radiance;
+  *out = look(plan, x, side);
+  if (any(*out)) { /* these lanes compute what another one does, times 0 */
+    int good = first_without(*out);
+    if (good == LANES) return;
+    x = put_at(x, *out, good);
+    look(plan, x, side);
+    for (size_t f = 0; f < p->n; f++) side[f] = ylm_vd_select(*out, set(0), side[f]);
+  }
+  V *to = plan->channels == 1 ? sum : one;
+  V share = set(plan->channels == 1 ? e[0] : 1);
+  for (size_t k = 0; k < row && plan->channels == 3; k++) one[k] = set(0);
+  for (size_t f = 0; f < p->n; f++) {
+    const double *vertex = p->vertices + 3 * p->first[f];
+    seen s;
+    s.n = p->sides[f];
+    s.sign = side[f];
+    for (int i = 0; i < s.n; i++) {
+      v3 at = spread(vertex + 3 * i);
+      s.v[i] = (v3){at.x - x.x, at.y - x.y, at.z - x.z};
+      s.r[i] = ylm_vd_sqrt(dot(s.v[i], s.v[i]));
+    }
+    V angle = solid_angle(vertex, &s);
+    to[3 * width] += share * ylm_vd_select(side[f] == 0, set(0), angle);
+  }
+  for (size_t i = 0; i < p->edges && plan->top >= 0; i++) {
+    seen_edge s;
+    v3 normal;
+    if (!see_edge(p, &p->edge[i], x, side, &s)) continue;
+    double length = sqrt(s.e.x[0] * s.e.x[0] + s.e.y[0] * s.e.y[0] + s.e.z[0] * s.e.z[0]);
+    edge_moments(plan, kinds, s.v, s.w, s.r0, s.r1, s.e, length, moment, &normal);
+    V weight = s.weight * share, n[3] = {normal.x * weight, normal.y * weight, normal.z * weight};
+    for (int q = 0; q < 3; q++)
+      for (size_t k = 0; k < width; k++) to[(size_t)q * width + k] += n[q] * moment[k];
+  }
+  for (size_t c = 0; c < 3 && plan->channels == 3; c++)
+    for (size_t k = 0; k < row; k++) sum[c * row + k] += e[c] * one[k];
+}
+
 YLM_INLINE void put(double *sum, size_t step, size_t lanes, V v) {
   for (size_t i = 0; i < lanes; i++) sum[i * step] += v[i];
 }
@@ -218,9 +334,11 @@ YLM_INLINE void finish(const ylm__flat_plan *plan, const int kinds, const V *sum
 
 YLM_INLINE ylm_status range(const ylm__flat_plan *plan, const int kinds, const ylm__contour *k,
                             size_t n, const double (*x)[3], double *sum, uint8_t *inside) {
-  size_t row = 3 * plan->width + 1, wide = 10 * plan->count, channels = (size_t)plan->channels;
-  V *moment = ylm_alloc(plan->width + row * (channels + 1), sizeof(V)),
-    *one = moment ? moment + plan->width : NULL, *sums = one ? one + row : NULL;
+  size_t row = 3 * plan->width + 1, wide = plan->wide, channels = (size_t)plan->channels;
+  size_t joined = plan->p->edges ? plan->p->n : 0, steps = joined ? 1 : plan->p->n;
+  V *moment = ylm_alloc(plan->width + row * (channels + 1) + joined, sizeof(V)),
+    *one = moment ? moment + plan->width : NULL, *sums = one ? one + row : NULL,
+    *side = sums ? sums + row * channels : NULL;
   ylm_status s = moment ? YLM_OK : YLM_ENOMEM;
   for (size_t begin = 0; begin < n && s == YLM_OK; begin += LANES) {
     size_t lanes = n - begin < LANES ? n - begin : LANES;
@@ -229,15 +347,17 @@ YLM_INLINE ylm_status range(const ylm__flat_plan *plan, const int kinds, const y
       for (int a = 0; a < 3; a++) place[a][i] = x[begin + (i < lanes ? i : 0)][a];
     v3 at = {ylm_vd_load(place[0]), ylm_vd_load(place[1]), ylm_vd_load(place[2])};
     for (size_t i = 0; i < row * channels; i++) sums[i] = set(0);
-    for (size_t l = 0; l < plan->p->n && s == YLM_OK; l++) {
+    for (size_t l = 0; l < steps && s == YLM_OK; l++) {
       VI out;
-      if (plan->p->sides[l])
+      if (joined)
+        add_joined(plan, kinds, at, &out, moment, side, one, sums);
+      else if (plan->p->sides[l])
         add_polygon(plan, kinds, l, at, &out, moment, one, sums);
       else
         add_disk(plan, kinds, l, at, &out, one, sums);
       for (size_t i = 0; i < lanes && s == YLM_OK; i++)
-        if (out[i])
-          s = ylm__polygon_add(plan->p, k, l, x[begin + i], sum + (begin + i) * 3 * wide,
+        for (size_t f = l; f < (joined ? joined : l + 1) && out[i] && s == YLM_OK; f++)
+          s = ylm__polygon_add(plan->p, k, f, x[begin + i], sum + (begin + i) * 3 * wide,
                                inside + begin + i);
     }
     for (size_t c = 0; c < 3; c++) /* luminance in all three: their weights add up to one */

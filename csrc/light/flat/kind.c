@@ -58,6 +58,8 @@ static ylm_status create_sphere(size_t n, const double *const *record, ylm__ligh
   return create(&ylm__polygon_as_sphere_kind, false, n, record, p, e);
 }
 
+static ylm_status join(void *of) { return ylm_polygons_join(of); }
+
 static void release(void *of) { ylm_polygons_free(of); }
 
 ylm_status ylm__flat_evaluate(const void *of, ylm_isa isa, const ylm_field_query *q, size_t n,
@@ -219,6 +221,7 @@ const ylm__light_kind ylm__polygon_kind = {.name = "polygon",
                                            .length = length,
                                            .create = create_exact,
                                            .free = release,
+                                           .join = join,
                                            .evaluate = ylm__flat_evaluate,
                                            .get = ylm__flat_get,
                                            .surfaces = surfaces,

@@ -83,7 +83,11 @@ ylm_status ylm__flat_plan_make(ylm__flat_plan *plan, const ylm_polygons *p,
   bool metric = q->want & YLM_WANT_METRIC;
   size_t count = ylm_sh_count(q->lmax), high = ylm_sh_count(q->lmax + 1);
   size_t size[3] = {q->lmax ? ylm_sh_count(q->lmax - 1) : 0, count, high};
-  *plan = (ylm__flat_plan){.p = p, .range = ylm__flat_kernel(isa), .lmax = q->lmax, .count = count};
+  *plan = (ylm__flat_plan){.p = p,
+                           .range = ylm__flat_kernel(isa),
+                           .lmax = q->lmax,
+                           .count = count,
+                           .wide = ylm__flat_wide(q)};
   plan->kinds = YLM__K0 | (q->want & YLM_WANT_GRADIENT ? YLM__K1 : 0) |
                 (metric || (q->want & YLM_WANT_HESSIAN) ? YLM__K2 : 0);
   plan->channels = q->channels == 3 || (metric && q->metric_channels == 3) ? 3 : 1;

@@ -3,8 +3,10 @@
 **
 ** The visibility is v = sqrt(4 pi) e_0 - o. Of a sphere, o is the field of a sphere light of
 ** radiance 1. Of a convex solid, o is half the sum of its faces as polygons that emit radiance 1 to
-** both sides: each direction through the solid crosses two faces.
+** both sides: each direction through the solid crosses two faces. The shares of an edge cancel where both of its faces
+** are seen from the same side; ylm_polygons_join leaves the outline.
 */
+#include "../set.h"
 #include "shadow.h"
 
 #include <float.h>
@@ -214,6 +216,9 @@ ylm_status ylm_light_occluder_solid(size_t vertices, const float *position, size
     o->plane = solid.plane;
     solid.plane = NULL;
     s = ylm_light_set_create(1, &source, &o->light, e);
+    const ylm__light_pack *faces = s == YLM_OK ? o->light->pack[0] : NULL;
+    if (faces && faces->kind->join(faces->of) != YLM_OK)
+      s = ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   } else
     s = ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   ylm_free(solid.record);
