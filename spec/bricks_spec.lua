@@ -83,6 +83,19 @@ describe("a grid in bricks", function()
     assert.equal(sums "one.ylmd", sums "two.ylmd")
   end)
 
+  it("has fewer points in a brick where they are foreseen to take longer than brick_seconds", function()
+    local forms = {}
+    for i, options in ipairs { { brick_points = 512 }, { brick_seconds = 1e-9 }, { brick_points = 65536, brick_seconds = 1e9 },
+      {} } do
+      options.to, options.fresh = to(), true
+      assert(ylm.bake(described { bricks = 1, lmax = 0, depth = 3 }, lamps, options))
+      forms[i] = folder:read "grid.ylmd/form"
+    end
+    assert.equal(forms[1], forms[2])
+    assert.equal(forms[3], forms[4])
+    assert.not_equal(forms[1], forms[3])
+  end)
+
   it("goes on where it was, to the same files, and opens what is finished", function()
     local description = described { bricks = 1 }
     assert(ylm.bake(description, lamps, { to = to "whole.ylmd" }))

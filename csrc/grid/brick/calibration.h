@@ -4,6 +4,13 @@
 
 /* Evaluated points of a brick before its children take its place: 85 MB of RGB rows of degree 4. */
 #define BRICK_POINTS 65536
+/* Seconds of a brick where neither these nor points are asked for. */
+#define BRICK_SECONDS 30.0
+/* Seconds of a pair of a light and a point for each coefficient: 14 ns at lmax 8 in RGB, with gradient and metric
+   (docs/bench/light.md). A constant, so that bricks are the same on every machine. */
+#define BRICK_PAIR 0.18e-9
+/* Points of a brick that are not too many, however long they take. */
+#define BRICK_LEAST 512
 /* The level of bricks where none is asked for. */
 #define BRICK_LEVEL 3
 /* Points of the top at most. */

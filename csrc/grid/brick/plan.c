@@ -55,6 +55,19 @@ static ylm_status begin(plan *p, ylm_error *e) {
   return ylm__top_bake(p, e);
 }
 
+/* Evaluated points of a brick at most, by what is asked for and by the light of the top. */
+static size_t most_points(const plan *p) {
+  const ylm_grid_bricks *how = &p->how;
+  const ylm_grid *g = p->top.g;
+  size_t most = how->points ? how->points : BRICK_POINTS;
+  double seconds = how->brick_seconds > 0 ? how->brick_seconds : how->points ? 0 : BRICK_SECONDS;
+  if (!g || !g->evaluated || !(seconds > 0)) return most;
+  double point = (double)g->stats.pairs / (double)g->evaluated * g->contents.count * BRICK_PAIR;
+  if (!(point * (double)most > seconds)) return most;
+  size_t few = (size_t)(seconds / point);
+  return few > BRICK_LEAST ? few : most < BRICK_LEAST ? most : BRICK_LEAST;
+}
+
 static void order_wanted(plan *p) {
   if (p->wanteds) qsort(p->wanted, p->wanteds, sizeof *p->wanted, by_error);
 }
@@ -106,8 +119,8 @@ ylm_status ylm__plan_open(const ylm_grid_form *form, const ylm_grid_source *sour
   p->owner = team->team->rank == 0;
   p->lock = -1;
   if (!p->how.level) p->how.level = form->depth - 2 < BRICK_LEVEL ? form->depth - 2 : BRICK_LEVEL;
-  if (!p->how.points) p->how.points = BRICK_POINTS;
   s = begin(p, e);
+  p->how.points = most_points(p);
   if (s == YLM_ENOMEM || (s == YLM_ELIMIT && !p->top.told)) ylm__grid_no_room(s, source, e);
   s = open_folder(p, s, e);
   order_wanted(p);

@@ -163,7 +163,7 @@ static size_t number(lua_State *L, int i, const char *name) {
   return x;
 }
 
-/* grid_bake_bricks(as grid_bake; the form has bricks = {folder, level, points, fresh, seconds}) -> true */
+/* grid_bake_bricks(as grid_bake; the form has bricks = {folder, level, points, brick_seconds, fresh, seconds}) -> true */
 static int grid_bake_bricks(lua_State *L) {
   enum { BRICKS = 8 };
   lua_settop(L, 7);
@@ -180,6 +180,8 @@ static int grid_bake_bricks(lua_State *L) {
                          .alone = !ylmL_test(L, 2, YLM_LIGHTS) && !ylmL_light_cut(L, 2)};
   lua_getfield(L, BRICKS, "seconds");
   how.seconds = luaL_optnumber(L, -1, 0);
+  lua_getfield(L, BRICKS, "brick_seconds");
+  how.brick_seconds = luaL_optnumber(L, -1, 0);
   lua_getfield(L, BRICKS, "fresh");
   how.fresh = lua_toboolean(L, -1);
   lua_getfield(L, BRICKS, "folder");

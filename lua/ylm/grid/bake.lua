@@ -176,6 +176,9 @@ local bake_options = {
   { "fresh", "boolean", default = false, about = "with to: begins anew whatever is in the folder" },
   { "brick_points", "integer", min = 512, max = 2 ^ 24, optional = true, about = "with to: a brick with more evaluated points "
     .. "than this is given up for its eight children; 65536 where it is left out" },
+  { "brick_seconds", "number", above = 0, optional = true, unit = "s", about = "with to: bricks have fewer points where one "
+    .. "thread is foreseen to take longer for them, at 0.18 ns for each light, point and coefficient, counted in the levels "
+    .. "above; 30 where brick_points is left out too. It bounds what a bake that is ended loses" },
   { "seconds", "number", above = 0, optional = true, about = "with to: no brick is begun that would take longer than this since "
     .. "the call; nil, 'not finished ..', 'ELIMIT' then, and a call again goes on" },
   set.cache_option,

@@ -52,7 +52,7 @@ function set.check_bake(description, o, given, jumps)
     if description.bricks then
       return check.bad(3, "bake", "bricks: a grid in bricks is a folder: say which, to = 'name.ylmd'")
     end
-    for _, name in ipairs { "cache", "fresh", "brick_points", "seconds" } do
+    for _, name in ipairs { "cache", "fresh", "brick_points", "brick_seconds", "seconds" } do
       if o[name] then return check.bad(3, "bake", "%s is of a grid in bricks: give to = 'name.ylmd', or leave it out", name) end
     end
     return nil
@@ -71,7 +71,7 @@ function set.check_bake(description, o, given, jumps)
     return check.bad(2, "bake", "light that jumps at surfaces is looked up beside them, and not baked in bricks: leave to out")
   end
   return { folder = (o.to:gsub("/+$", "")), level = description.bricks or 0, fresh = o.fresh, points = o.brick_points or 0,
-    seconds = o.seconds,
+    brick_seconds = o.brick_seconds, seconds = o.seconds,
     max_points = type(given) == "table" and given.max_points or 0 }
 end
 
