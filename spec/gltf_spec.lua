@@ -269,6 +269,118 @@ describe("ylm.load_gltf", function()
     assert.truthy(none.report.notes[1]:find("image 0 is neither PNG nor JPEG", 1, true))
   end)
 
+  describe("reads textures", function()
+    --- A model of 8 x 8 squares of side 1 with an image: { image =, material =, sampler =, options =, uv = f(x, y), rgba = }.
+    local function tiled(more)
+      local f, list, uvs, indices = gltf.new(), {}, {}, {}
+      for j = 0, 8 do for i = 0, 8 do
+        list[#list + 1], list[#list + 2], list[#list + 3] = i, j, 0
+        local u, v = i / 8, j / 8
+        if more.uv then u, v = more.uv(i, j) end
+        uvs[#uvs + 1], uvs[#uvs + 2] = u, v
+        if i < 8 and j < 8 then
+          local k = 9 * j + i
+          for _, c in ipairs { k, k + 1, k + 10, k, k + 10, k + 9 } do indices[#indices + 1] = c end
+        end
+      end end
+      local material = { pbrMetallicRoughness = { metallicFactor = 0, baseColorTexture = { index = 0 } } }
+      for key, x in pairs(more.material or {}) do material[key] = x end
+      local attributes = { POSITION = f:accessor("VEC3", 5126, list), TEXCOORD_0 = f:accessor("VEC2", 5126, uvs),
+        COLOR_0 = more.rgba and f:accessor("VEC4", 5126, more.rgba) }
+      local primitive = { attributes = attributes, indices = f:accessor("SCALAR", 5123, indices), material = 0 }
+      return assert(load(f:text { nodes = { { mesh = 0 } }, materials = { material }, images = { { uri = more.image } },
+        samplers = { more.sampler or { magFilter = 9728 } }, textures = { { source = 0, sampler = 0 } },
+        meshes = { { primitives = { primitive } } } }, more.options))
+    end
+
+    --- Saves an image of 8 x 8 texels; f(column, row) -> colour.
+    local function paint(name, f)
+      local image = ylm.image { size = { 8, 8 } }
+      for y = 1, 8 do for x = 1, 8 do image:fill(x, y, 1, 1, f(x, y)) end end
+      assert(image:save(folder.path .. "/" .. name, { tone = "linear" }))
+      return ylm.load(folder.path .. "/" .. name):layer()
+    end
+
+    it("as means weighted by area and as at most n groups of triangles, which keep the mean", function()
+      local layer = paint("many.png", function(x, y) return { x / 8, y / 8, (x * y % 3) / 2 } end)
+      local wanted = {}
+      for c = 1, 3 do
+        local sum = 0
+        for y = 1, 8 do for x = 1, 8 do sum = sum + layer:get(y, x, c) end end
+        wanted[c] = sum / 64
+      end
+      for _, n in ipairs { "mean", 16 } do
+        local m = tiled { image = "many.png", options = { textures = n } }
+        local sum, area = { 0, 0, 0 }, 0
+        assert(#m.geometry <= (n == 16 and 16 or 1) and (n ~= 16 or #m.geometry > 12), #m.geometry)
+        for _, piece in ipairs(m.geometry) do
+          local albedo = piece.material.albedo
+          area = area + piece.mesh.area
+          for c = 1, 3 do sum[c] = sum[c] + albedo[c] * piece.mesh.area end
+        end
+        near(area, 64)
+        for c = 1, 3 do near(sum[c] / area, wanted[c], 1e-6) end
+        assert.is_nil(require "ylm.material.texture".of(m.geometry[1].material))
+      end
+      -- Two halves of two colours are two groups, however many there may be.
+      paint("two.png", function(x) return x > 4 and { 1, 0, 0 } or { 0, 0, 1 } end)
+      local m = tiled { image = "two.png", options = { textures = 256 } }
+      assert.equal(2, #m.geometry)
+      assert.equal(0, m.geometry[1].material.albedo[2])
+      near(m.geometry[1].mesh.area, 32)
+      for _, wrong in ipairs { 0, 257, 2.5, "all" } do
+        assert.has_error(function() tiled { image = "two.png", options = { textures = wrong } } end)
+      end
+    end)
+
+    it("that go on beyond their borders as the sampler says", function()
+      local row = paint("row.png", function(x) return { x / 8, 0, 0 } end)
+      --- A model that shows the third texel right of 0 .. 1, and the fourth below.
+      local function beyond(wrap, textures)
+        return tiled { image = "row.png", sampler = { wrapS = wrap, wrapT = wrap }, options = { textures = textures },
+          uv = function(x, y) return 1 + (x + 16) / 64, 1 + (y + 24) / 64 end }
+      end
+      for wrap, column in pairs { [10497] = 3, [33071] = 8, [33648] = 6 } do
+        local red = row:get(1, column, 1)
+        near(beyond(wrap, "mean").geometry[1].material.albedo[1], red, 1e-6)
+        local layer = ylm.scene "x" { like = beyond(wrap), camera = ylm.camera { from = { 4, 4, 9 }, at = { 4, 4, 0 }, fov = 1 },
+          lights = ylm.environment_light { radiance = 1 } }:render { size = { 1, 1 } }:layer()
+        near(layer:get(1, 1, 1), red, 1e-2)
+      end
+      local _, message, code = load(gltf.new():text { materials = { { pbrMetallicRoughness = { baseColorTexture = {
+        index = 0 } } } }, textures = { { source = 0, sampler = 0 } }, images = { { uri = "row.png" } },
+        samplers = { { wrapS = 7 } } })
+      assert.equal("EFORMAT", code)
+      assert.truthy(message:find("/samplers/0/wrapS: 10497, 33071 or 33648 expected", 1, true), message)
+    end)
+
+    it("whose alpha cuts triangles off, or lets light through", function()
+      -- Alpha is that of vertices: 1 left of x = 4, 0 from there on.
+      local rgba = {}
+      for _ = 0, 8 do for x = 0, 8 do
+        for _, c in ipairs { 1, 1, 1, x < 4 and 1 or 0 } do rgba[#rgba + 1] = c end
+      end end
+      paint("white.png", function() return { 1, 1, 1 } end)
+      local m = tiled { image = "white.png", rgba = rgba, material = { alphaMode = "MASK" } }
+      near(m.geometry[1].mesh.area, 3 * 8 + 4) -- triangles with two corners of three on the left stay
+      assert.equal(28 * 2, #m.geometry[1].mesh)
+      assert.equal("model.gltf: mesh 0: triangles left out, because their alpha is below the cutoff: 72", m.report.notes[1])
+      m = tiled { image = "white.png", rgba = rgba, material = { alphaMode = "MASK", alphaCutoff = 2 } }
+      assert.equal(0, #m.geometry)
+      for _, alpha in ipairs { 0.4, 0.6 } do
+        for i = 4, #rgba, 4 do rgba[i] = alpha end
+        m = tiled { image = "white.png", rgba = rgba, material = { alphaMode = "BLEND" } }
+        assert.equal(alpha > 0.5, m.geometry[1].occludes)
+      end
+      -- Alpha of the image: a column of eight is opaque.
+      local bytes = gltf.base64(gltf.png(8, 8, function(x) return 255, 255, 255, x == 1 and 255 or 0 end))
+      m = tiled { image = "data:image/png;base64," .. bytes, material = { alphaMode = "MASK" } }
+      near(m.geometry[1].mesh.area, 8)
+      m = tiled { image = "data:image/png;base64," .. bytes, material = { alphaMode = "BLEND" } }
+      assert.is_false(m.geometry[1].occludes)
+    end)
+  end)
+
   describe("makes polygon lights", function()
     --- The model of a surface of these triangles that emits.
     local function glowing(list, indices, more, options)

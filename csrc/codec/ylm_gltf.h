@@ -10,7 +10,7 @@
 #define YLM_GLTF_H
 
 #include "ylm_geom.h"
-#include "ylm_image.h"
+#include "ylm_image_texture.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -18,6 +18,7 @@ extern "C" {
 
 #define YLM_GLTF_NAME 64 /* bytes of a name, with the final 0; longer ones are cut */
 #define YLM_GLTF_PIECES 65536
+#define YLM_GLTF_GROUPS 256
 
 /* Opens a file that the JSON names by a relative path, percent signs decoded, without "..". */
 typedef ylm_status ylm_gltf_open(void *user, const char *path, unsigned char **data, size_t *size,
@@ -31,6 +32,7 @@ typedef struct ylm_gltf_options {
   uint64_t texels;    /* most of all images that are used; 0: 2^26       */
   int scene;          /* one-based; 0: the one that the file names       */
   bool no_images;     /* images are not decoded: factors stand alone     */
+  int groups; /* most groups of a piece's triangles by the colours of their texture; 0: none */
 } ylm_gltf_options;
 
 typedef enum ylm_gltf_alpha { YLM_GLTF_OPAQUE, YLM_GLTF_MASK, YLM_GLTF_BLEND } ylm_gltf_alpha;
@@ -44,8 +46,9 @@ typedef struct ylm_gltf_material {
   float cutoff;              /* of YLM_GLTF_MASK                                   */
   ylm_gltf_alpha alpha;
   bool unlit, both_sides;
-  int32_t base_image, emission_image; /* places in `image`, or -1                  */
-  int32_t base_set, emission_set;     /* which TEXCOORD                            */
+  int32_t base_image, emission_image;              /* places in `image`, or -1                  */
+  int32_t base_set, emission_set;                  /* which TEXCOORD                            */
+  ylm_texture_wrap base_wrap[2], emission_wrap[2]; /* along u and v                    */
   float base_map[6], emission_map[6]; /* rows of the map of texture coordinates of the file */
   char *extras;                       /* extras.ylm as JSON, or NULL */
 } ylm_gltf_material;
@@ -54,7 +57,10 @@ typedef struct ylm_gltf_piece {
   char name[YLM_GLTF_NAME]; /* of its node, else of its mesh           */
   ylm_mesh *mesh;           /* NULL once taken (the caller's to free)  */
   int32_t material;         /* place in `material`, or -1              */
-  char *extras;             /* extras.ylm of its node as JSON, or NULL */
+  bool grouped;             /* `tint` stands for the texture           */
+  float tint[3];            /* mean of the base texture, weighted by area */
+  float alpha;  /* the same of alpha, colours of vertices included; 1 where nothing says it */
+  char *extras; /* extras.ylm of its node as JSON, or NULL */
 } ylm_gltf_piece;
 
 typedef enum ylm_gltf_lamp_kind {
@@ -98,6 +104,8 @@ typedef struct ylm_gltf {
 ** Order of checks: container, JSON (counted before it is parsed), version, required extensions,
 ** buffers, views, accessors, nodes, triangles of all instances; then memory for meshes is taken.
 ** Messages are "NAME: /json/pointer: sentence". min and max of accessors are not believed.
+** Of YLM_GLTF_MASK triangles whose mean alpha is below the cutoff are left out. Areas are those of the mesh before its
+** node moves it. Means over triangles are sums over some 2^24 texels of a file at most.
 **
 **   data  in   [size] bytes
 **   name  in   what messages begin with

@@ -151,6 +151,9 @@ static ylm_status extract(splitting *s, size_t k, ylm_mesh **out, ylm_error *e) 
   copy_vertices(m->position, n, s->used, 3, (*out)->position);
   copy_vertices(m->normal, n, s->used, 3, (*out)->normal);
   copy_vertices(m->uv, n, s->used, 2, (*out)->uv);
+  if (m->colour && !((*out)->colour = ylm_alloc(n, 3 * sizeof(float))))
+    return ylm_fail(e, YLM_ENOMEM, "memory ran out");
+  copy_vertices(m->colour, n, s->used, 3, (*out)->colour);
   for (size_t i = 0; i < 3 * triangles; i++)
     (*out)->index[i] = s->place[m->index[3 * order[i / 3] + i % 3]];
   return YLM_OK;

@@ -3,11 +3,12 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#include "ylm_image.h"
+#include "ylm_image_texture.h"
 
 struct ylm_texture {
   atomic_size_t holders;
   size_t width, height;
+  ylm_texture_wrap wrap[2];
   float mean[3];
   float texel[]; /* [height][width][3] */
 };
@@ -51,6 +52,7 @@ ylm_status ylm_texture_create(size_t width, size_t height, int channels, const f
   if (!t) return YLM_ENOMEM;
   t->width = width;
   t->height = height;
+  t->wrap[0] = t->wrap[1] = YLM_TEXTURE_REPEAT;
   if (!copy_texels(n, (size_t)channels, texel, t->texel, &where)) {
     ylm_status s = refuse(t->texel + 3 * where, where / width, where % width, e);
     ylm_free(t);
@@ -85,19 +87,32 @@ void ylm_texture_mean(const ylm_texture *t, float mean[3]) {
   memcpy(mean, t->mean, sizeof t->mean);
 }
 
-/* The two of n texels in a row beside the place x of 0 .. 1, repeated, and the second one's weight. */
-static double neighbours(double x, size_t n, size_t *a, size_t *b) {
+void ylm_texture_set_wrap(ylm_texture *t, ylm_texture_wrap u, ylm_texture_wrap v) {
+  t->wrap[0] = u;
+  t->wrap[1] = v;
+}
+
+double ylm_texture_fold(ylm_texture_wrap wrap, double x) {
+  if (wrap == YLM_TEXTURE_CLAMP) return x < 0 ? 0 : x > 1 ? 1 : x;
+  if (wrap == YLM_TEXTURE_REPEAT) return x - floor(x);
+  double in = x - 2 * floor(x / 2);
+  return in > 1 ? 2 - in : in;
+}
+
+/* The two of n texels in a row beside the place x of 0 .. 1, and the second one's weight. */
+static double neighbours(ylm_texture_wrap wrap, double x, size_t n, size_t *a, size_t *b) {
   double at = x * (double)n - 0.5, low = floor(at);
-  *a = low < 0 ? n - 1 : (size_t)low;
-  *b = *a + 1 < n ? *a + 1 : 0;
+  bool around = wrap == YLM_TEXTURE_REPEAT;
+  *a = low >= 0 ? (size_t)low : around ? n - 1 : 0;
+  *b = low < 0 ? 0 : *a + 1 < n ? *a + 1 : around ? 0 : *a;
   return at - low;
 }
 
 void ylm_texture_at(const ylm_texture *t, float u, float v, float out[3]) {
   size_t left, right, top, bottom;
-  double x = (double)u - floor((double)u), y = (double)v - floor((double)v);
-  float s = (float)neighbours(x, t->width, &left, &right);
-  float r = (float)neighbours(1 - y, t->height, &top, &bottom);
+  double x = ylm_texture_fold(t->wrap[0], (double)u), y = ylm_texture_fold(t->wrap[1], (double)v);
+  float s = (float)neighbours(t->wrap[0], x, t->width, &left, &right);
+  float r = (float)neighbours(t->wrap[1], 1 - y, t->height, &top, &bottom);
   const float *first = t->texel + 3 * t->width * top, *second = t->texel + 3 * t->width * bottom;
   for (int c = 0; c < 3; c++) {
     float a = first[3 * left + (size_t)c], b = first[3 * right + (size_t)c];

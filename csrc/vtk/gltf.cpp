@@ -76,7 +76,7 @@ static Ptr<vtkPolyData> for_export(vtkPolyData *data) {
   return copy;
 }
 
-// What the exporter does not say of an actor's material.
+// Entries of an actor's material that the exporter leaves out.
 static std::string more_of_material(vtkActor *actor) {
   std::string out = "\"doubleSided\": true, ";
   if (actor->HasTranslucentPolygonalGeometry()) out += "\"alphaMode\": \"BLEND\", ";

@@ -32,6 +32,8 @@ static void check_piece(const ylm_gltf *g, const ylm_gltf_piece *p) {
   for (size_t i = 0; i < 3 * m->triangles; i++) need(m->index[i] < m->vertices);
   for (size_t i = 0; i < 3 * m->vertices; i++)
     need(isfinite(m->position[i]) && isfinite(m->normal[i]));
+  need(p->alpha >= 0 && p->alpha <= 1);
+  for (int c = 0; c < 3; c++) need(p->tint[c] >= 0 && p->tint[c] <= 1);
   for (size_t i = 0; m->uv && i < 2 * m->vertices; i++) need(!isnan(m->uv[i]));
   for (size_t i = 0; m->colour && i < 3 * m->vertices; i++)
     need(m->colour[i] >= 0 && m->colour[i] <= 1);
@@ -50,7 +52,11 @@ static void check_material(const ylm_gltf *g, const ylm_gltf_material *m) {
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   input in = {data, size};
-  ylm_gltf_options o = {.open = open_input, .user = &in, .triangles = 20000, .texels = 20000};
+  ylm_gltf_options o = {.open = open_input,
+                        .user = &in,
+                        .triangles = 20000,
+                        .texels = 20000,
+                        .groups = (int)(size % 4) * 5};
   ylm_error e = {0};
   ylm_gltf *g;
   if (ylm_gltf_decode(data, size, "fuzz", &o, &g, &e) != YLM_OK) {

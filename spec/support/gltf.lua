@@ -56,6 +56,40 @@ function gltf.bytes(component, list)
   return table.concat(out)
 end
 
+--- A PNG file of 8-bit RGBA, not compressed; f(x, y) -> r, g, b, a.
+function gltf.png(width, height, f)
+  local rows = {}
+  for y = 1, height do
+    rows[#rows + 1] = "\0"
+    for x = 1, width do rows[#rows + 1] = string.char(f(x, y)) end
+  end
+  local raw, a, b = table.concat(rows), 1, 0
+  for i = 1, #raw do
+    a = (a + raw:byte(i)) % 65521
+    b = (b + a) % 65521
+  end
+  local function big(x) return gltf.integer(x, 4):reverse() end
+  local function xor(x, y)
+    local out, bit = 0, 1
+    while x > 0 or y > 0 do
+      if x % 2 ~= y % 2 then out = out + bit end
+      x, y, bit = math.floor(x / 2), math.floor(y / 2), 2 * bit
+    end
+    return out
+  end
+  local function chunk(name, data)
+    local crc, all = 0xffffffff, name .. data
+    for i = 1, #all do
+      crc = xor(crc, all:byte(i))
+      for _ = 1, 8 do crc = crc % 2 == 1 and xor(math.floor(crc / 2), 0xedb88320) or math.floor(crc / 2) end
+    end
+    return big(#data) .. name .. data .. big(0xffffffff - crc)
+  end
+  local stored = "\120\1\1" .. gltf.integer(#raw, 2) .. gltf.integer(65535 - #raw, 2) .. raw .. big(b * 65536 + a)
+  return "\137PNG\r\n\26\n" .. chunk("IHDR", big(width) .. big(height) .. "\8\6\0\0\0") .. chunk("IDAT", stored)
+    .. chunk("IEND", "")
+end
+
 --- An object of JSON from a table with names, in the order of the names.
 function gltf.object(t)
   if type(t) ~= "table" or t.keys then return t end

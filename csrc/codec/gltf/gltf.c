@@ -58,7 +58,7 @@ static void clear(gltf *g) {
 ylm_status ylm_gltf_decode(const unsigned char *data, size_t size, const char *name,
                            const ylm_gltf_options *o, ylm_gltf **out, ylm_error *e) {
   static const ylm_gltf_options defaults;
-  gltf g = {.name = name, .o = o ? o : &defaults, .e = e};
+  gltf g = {.name = name, .o = o ? o : &defaults, .e = e, .lookups = 1 << 24};
   gltf_bytes json;
   *out = NULL;
   g.out = ylm__gltf_alloc(&g, 1, sizeof *g.out);

@@ -51,6 +51,8 @@ typedef struct gltf {
   uint64_t texels;      /* of images so far */
   unsigned char *tried; /* images that were decoded, or cannot be: 1, for their means: 2 */
   float *mean;          /* [images][2] of green and blue */
+  size_t room;          /* pieces that out->piece has room for */
+  double lookups;       /* of texels, that are left for means over triangles */
   ylm_gltf *out;
 } gltf;
 
@@ -108,6 +110,20 @@ size_t ylm__gltf_component_size(int component);
 void ylm__gltf_element(const gltf_accessor *a, size_t i, float *out);
 /* Element i of an accessor of one unsigned integer. */
 uint32_t ylm__gltf_index(const gltf_accessor *a, size_t i);
+
+/* -- texel.c ------------------------------------------------------------------------------ */
+
+/* A part of a primitive: triangles whose texels have one colour in the end. */
+typedef struct gltf_part {
+  ylm_mesh *mesh;
+  bool grouped;
+  float tint[3], alpha;
+} gltf_part;
+
+/* The parts of a mesh, which is the callee's from now on: without the triangles that the material's alpha cuts off,
+   in groups by colour where the options say so. alpha: [vertices] or NULL. Their number; `cut` counts triangles. */
+size_t ylm__gltf_parts(gltf *g, ylm_mesh *m, const float *alpha, int32_t material, gltf_part **part,
+                       size_t *cut);
 
 /* -- node.c, primitive.c, material.c ------------------------------------------------------ */
 

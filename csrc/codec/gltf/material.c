@@ -33,7 +33,7 @@ static float reflectance(gltf *g, const place *at, const json_t *o) {
 
 /* -- images ------------------------------------------------------------------------------ */
 
-enum { REPEAT = 10497 };
+enum { REPEAT = 10497, CLAMP = 33071, MIRROR = 33648 };
 
 /* Decodes bytes; NULL and a note where they are no image that is read. */
 static ylm_image *decode(gltf *g, size_t i, const gltf_bytes *b, bool raw) {
@@ -79,9 +79,20 @@ static ylm_image *load(gltf *g, size_t i, bool raw) {
   return image;
 }
 
+static ylm_texture_wrap read_wrap(gltf *g, const place *at, const json_t *sampler,
+                                  const char *key) {
+  uint64_t mode = ylm__gltf_integer(g, at, sampler, key, REPEAT);
+  place p = {at, key, 0};
+  if (mode != REPEAT && mode != CLAMP && mode != MIRROR)
+    ylm__gltf_fail(g, YLM_EFORMAT, &p, "10497, 33071 or 33648 expected");
+  return mode == CLAMP    ? YLM_TEXTURE_CLAMP
+         : mode == MIRROR ? YLM_TEXTURE_MIRROR
+                          : YLM_TEXTURE_REPEAT;
+}
+
 /* The image that a texture of a material names, and where it is looked up; -1 where there is none. */
 static int32_t find_image(gltf *g, const place *at, const json_t *o, const char *key, int32_t *set,
-                          float map[6]) {
+                          float map[6], ylm_texture_wrap wrap[2]) {
   place p = {at, key, 0}, pe = {&p, "extensions", 0}, px = {&pe, "KHR_texture_transform", 0};
   place pt = {NULL, "textures", 0};
   size_t textures, images, samplers;
@@ -105,10 +116,8 @@ static int32_t find_image(gltf *g, const place *at, const json_t *o, const char 
   int64_t sampler = ylm__gltf_reference(g, &pi, texture, "sampler", "sampler", samplers);
   place ps = {NULL, "samplers", 0}, pm = {&ps, NULL, (size_t)sampler};
   const json_t *mode = sampler < 0 ? NULL : ylm__gltf_entry(g, &ps, modes, (size_t)sampler);
-  if (ylm__gltf_integer(g, &pm, mode, "wrapS", REPEAT) != REPEAT ||
-      ylm__gltf_integer(g, &pm, mode, "wrapT", REPEAT) != REPEAT)
-    ylm__gltf_note(g, "texture %lld is mirrored or clamped in the file, and repeated here",
-                   (long long)t);
+  wrap[0] = read_wrap(g, &pm, mode, "wrapS");
+  wrap[1] = read_wrap(g, &pm, mode, "wrapT");
   if (source < 0) ylm__gltf_note(g, "texture %lld has no image that is known", (long long)t);
   double c = cos(turn), s = sin(turn);
   const double m[6] = {c * scale[0],  s * scale[1], offset[0],
@@ -140,7 +149,8 @@ static const float *means(gltf *g, size_t i) {
 static void apply_mean(gltf *g, const place *at, const json_t *o, ylm_gltf_material *m) {
   int32_t set;
   float map[6];
-  int32_t i = find_image(g, at, o, "metallicRoughnessTexture", &set, map);
+  ylm_texture_wrap wrap[2];
+  int32_t i = find_image(g, at, o, "metallicRoughnessTexture", &set, map, wrap);
   if (i < 0) return;
   const float *mean = means(g, (size_t)i);
   m->roughness *= mean[0];
@@ -163,11 +173,11 @@ static void read_textures(gltf *g, const place *at, const json_t *o, const json_
   if (g->o->no_images) return;
   bool emits = m->emission[0] > 0 || m->emission[1] > 0 || m->emission[2] > 0;
   apply_mean(g, &pp, pbr, m);
-  m->base_image =
-      use_image(g, find_image(g, &pp, pbr, "baseColorTexture", &m->base_set, m->base_map));
+  m->base_image = use_image(
+      g, find_image(g, &pp, pbr, "baseColorTexture", &m->base_set, m->base_map, m->base_wrap));
   if (emits)
-    m->emission_image =
-        use_image(g, find_image(g, at, o, "emissiveTexture", &m->emission_set, m->emission_map));
+    m->emission_image = use_image(g, find_image(g, at, o, "emissiveTexture", &m->emission_set,
+                                                m->emission_map, m->emission_wrap));
 }
 
 static void read_alpha(gltf *g, const place *at, const json_t *o, ylm_gltf_material *m) {

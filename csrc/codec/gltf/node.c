@@ -301,6 +301,7 @@ static void check_size(gltf *g, const walk *w, uint64_t *triangles_of, size_t *p
   }
   g->out->triangles = (size_t)triangles;
   g->out->piece = ylm__gltf_alloc(g, (size_t)pieces, sizeof *g->out->piece);
+  g->room = (size_t)pieces;
 }
 
 /* Makes pieces, mesh by mesh: each is decoded once. */

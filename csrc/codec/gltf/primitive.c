@@ -198,8 +198,8 @@ static void unit(float n[3]) {
 /* Where the image is looked up: the map of the file, then v upwards. */
 static void place_uv(const float map[6], float uv[2]) {
   double u = uv[0], v = uv[1];
-  uv[0] = (float)(map[0] * u + map[1] * v + map[2]);
-  uv[1] = (float)(1 - (map[3] * u + map[4] * v + map[5]));
+  uv[0] = (float)fmax(-1e30, fmin(1e30, map[0] * u + map[1] * v + map[2]));
+  uv[1] = (float)fmax(-1e30, fmin(1e30, 1 - (map[3] * u + map[4] * v + map[5])));
 }
 
 /* Each triangle gets vertices of its own, with the triangle's normal. */
@@ -223,8 +223,8 @@ static void face_normals(ylm_mesh *m) {
   }
 }
 
-/* The mesh of a primitive in its own coordinates; NULL and a failure. */
-static ylm_mesh *decode(gltf *g, const place *at, const primitive *p) {
+/* The mesh of a primitive in its own coordinates; NULL and a failure. *alpha: of its vertices, or NULL. */
+static ylm_mesh *decode(gltf *g, const place *at, const primitive *p, float **alpha) {
   uint32_t *used = NULL, *mine = NULL, *corners = corners_of(g, at, p);
   ylm_mesh *m = NULL;
   size_t n =
@@ -241,6 +241,9 @@ static ylm_mesh *decode(gltf *g, const place *at, const primitive *p) {
       ylm__gltf_fail(g, YLM_ENOMEM, NULL, "memory ran out");
   }
   const ylm_gltf_material *material = p->material < 0 ? NULL : &g->out->material[p->material];
+  bool fades = material && material->alpha != YLM_GLTF_OPAQUE;
+  *alpha =
+      fades && p->colour && p->colour->numbers == 4 ? ylm__gltf_alloc(g, n, sizeof **alpha) : NULL;
   for (size_t i = 0; g->status == YLM_OK && i < n; i++) {
     vertex(g, at, "POSITION", p->position, vertices[i], 3, m->position + 3 * i);
     if (p->normal) {
@@ -253,9 +256,11 @@ static ylm_mesh *decode(gltf *g, const place *at, const primitive *p) {
                m->uv + 2 * i);
     }
     if (p->colour) {
-      float *c = m->colour + 3 * i;
-      vertex(g, at, "COLOR_0", p->colour, vertices[i], 3, c);
-      for (int k = 0; k < 3; k++) c[k] = c[k] < 0 ? 0 : c[k] > 1 ? 1 : c[k];
+      float c[4];
+      vertex(g, at, "COLOR_0", p->colour, vertices[i], p->colour->numbers, c);
+      for (int k = 0; k < p->colour->numbers; k++) c[k] = c[k] < 0 ? 0 : c[k] > 1 ? 1 : c[k];
+      memcpy(m->colour + 3 * i, c, 3 * sizeof *c);
+      if (*alpha) (*alpha)[i] = c[3];
     }
   }
   if (g->status == YLM_OK) {
@@ -287,10 +292,58 @@ static ylm_mesh *copy_mesh(gltf *g, const ylm_mesh *m) {
   return c;
 }
 
-void ylm__gltf_pieces(gltf *g, size_t mesh, const gltf_instance *instance, size_t instances) {
+/* A new piece, zeros; NULL and a failure. */
+static ylm_gltf_piece *new_piece(gltf *g) {
+  if (g->out->pieces == g->room) { /* groups make more pieces than primitives */
+    if (g->room >= YLM_GLTF_PIECES)
+      ylm__gltf_fail(g, YLM_ELIMIT, NULL, "more than %d pieces", YLM_GLTF_PIECES);
+    size_t room = 2 * g->room < YLM_GLTF_PIECES ? 2 * g->room : YLM_GLTF_PIECES;
+    ylm_gltf_piece *more = ylm__gltf_alloc(g, room, sizeof *more);
+    if (!more) return NULL;
+    ylm_copy(more, g->out->piece, g->out->pieces * sizeof *more);
+    ylm_free(g->out->piece);
+    g->out->piece = more;
+    g->room = room;
+  }
+  return &g->out->piece[g->out->pieces++];
+}
+
+/* Pieces of a part for `n` transforms; the part's mesh is the callee's. Counts those that cannot be moved. */
+static void place_part(gltf *g, const place *at, const gltf_part *part, int32_t material,
+                       const char *name, const gltf_instance *instance, size_t n,
+                       size_t *left_out) {
   static const double identity[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0};
+  ylm_mesh *m = part->mesh;
+  for (size_t k = 0; m && g->status == YLM_OK && k < n; k++) {
+    ylm_mesh *moved = k + 1 < n ? copy_mesh(g, m) : m;
+    if (!moved) break;
+    if (moved == m) m = NULL;
+    ylm_error e = {0};
+    bool still = memcmp(instance[k].m, identity, sizeof identity) == 0;
+    ylm_status s = still ? YLM_OK : ylm_mesh_transform(moved, instance[k].m, &e);
+    ylm_gltf_piece *piece = s == YLM_OK ? new_piece(g) : NULL;
+    if (piece) {
+      piece->mesh = moved;
+      piece->material = material;
+      piece->grouped = part->grouped;
+      piece->alpha = part->alpha;
+      memcpy(piece->tint, part->tint, sizeof piece->tint);
+      piece->extras = ylm__gltf_extras(g, instance[k].node);
+      memcpy(piece->name, *instance[k].name ? instance[k].name : name, sizeof piece->name);
+      continue;
+    }
+    ylm_mesh_free(moved);
+    if (s == YLM_EDOMAIN)
+      ++*left_out;
+    else if (s != YLM_OK)
+      ylm__gltf_fail(g, s, at, "%.200s", e.text);
+  }
+  ylm_mesh_free(m);
+}
+
+void ylm__gltf_pieces(gltf *g, size_t mesh, const gltf_instance *instance, size_t instances) {
   place pm, pi, pp;
-  size_t n, left_out = 0;
+  size_t n, left_out = 0, cut = 0;
   json_t *list = primitives_of(g, mesh, &pm, &pi, &pp, &n);
   char name[YLM_GLTF_NAME] = "";
   size_t meshes;
@@ -302,30 +355,18 @@ void ylm__gltf_pieces(gltf *g, size_t mesh, const gltf_instance *instance, size_
     primitive one;
     read_primitive(g, &p, ylm__gltf_entry(g, &pp, list, i), &one);
     if (g->status != YLM_OK || one.triangles == 0) continue;
-    ylm_mesh *m = decode(g, &p, &one);
-    for (size_t k = 0; m && g->status == YLM_OK && k < instances; k++) {
-      ylm_mesh *moved = k + 1 < instances ? copy_mesh(g, m) : m;
-      if (!moved) break;
-      if (moved == m) m = NULL;
-      ylm_error e = {0};
-      bool still = memcmp(instance[k].m, identity, sizeof identity) == 0;
-      ylm_status s = still ? YLM_OK : ylm_mesh_transform(moved, instance[k].m, &e);
-      if (s == YLM_OK) {
-        ylm_gltf_piece *piece = &g->out->piece[g->out->pieces++];
-        piece->mesh = moved;
-        piece->material = one.material;
-        piece->extras = ylm__gltf_extras(g, instance[k].node);
-        memcpy(piece->name, *instance[k].name ? instance[k].name : name, sizeof piece->name);
-        continue;
-      }
-      ylm_mesh_free(moved);
-      if (s == YLM_EDOMAIN)
-        left_out++;
-      else
-        ylm__gltf_fail(g, s, &p, "%.200s", e.text);
-    }
-    ylm_mesh_free(m);
+    float *alpha = NULL;
+    gltf_part *part = NULL;
+    ylm_mesh *m = decode(g, &p, &one, &alpha);
+    size_t parts = m ? ylm__gltf_parts(g, m, alpha, one.material, &part, &cut) : 0;
+    for (size_t k = 0; k < parts; k++)
+      place_part(g, &p, &part[k], one.material, name, instance, instances, &left_out);
+    ylm_free(part);
+    ylm_free(alpha);
   }
+  if (cut)
+    ylm__gltf_note(g, "mesh %zu: triangles left out, because their alpha is below the cutoff: %zu",
+                   mesh, cut);
   if (left_out)
     ylm__gltf_note(g,
                    "mesh %zu: pieces left out, whose nodes flatten them or move them too far: %zu",

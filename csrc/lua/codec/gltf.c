@@ -38,6 +38,16 @@ static void set_floats(lua_State *L, const char *key, const float *x, int n) {
   set_doubles(L, key, d, n);
 }
 
+static void set_wraps(lua_State *L, const char *key, const ylm_texture_wrap wrap[2]) {
+  static const char *const names[] = {"repeat", "mirror", "clamp"};
+  lua_createtable(L, 2, 0);
+  for (int i = 0; i < 2; i++) {
+    lua_pushstring(L, names[wrap[i]]);
+    lua_rawseti(L, -2, i + 1);
+  }
+  lua_setfield(L, -2, key);
+}
+
 static void push_material(lua_State *L, const ylm_gltf_material *m) {
   static const char *const alpha[] = {"opaque", "mask", "blend"};
   lua_createtable(L, 0, 14);
@@ -53,6 +63,8 @@ static void push_material(lua_State *L, const ylm_gltf_material *m) {
   ylmL_set_boolean(L, "unlit", m->unlit);
   ylmL_set_boolean(L, "both_sides", m->both_sides);
   if (m->base_image >= 0) ylmL_set_count(L, "base_image", (uint64_t)m->base_image + 1);
+  set_wraps(L, "base_wrap", m->base_wrap);
+  set_wraps(L, "emission_wrap", m->emission_wrap);
   ylmL_set_boolean(L, "emission_uvs",
                    m->base_set == m->emission_set &&
                        memcmp(m->base_map, m->emission_map, sizeof m->base_map) == 0);
@@ -92,6 +104,8 @@ static void push_piece(lua_State *L, ylm_gltf_piece *p) {
   lua_setfield(L, -2, "mesh");
   set_string(L, "name", p->name);
   set_string(L, "extras", p->extras);
+  ylmL_set_number(L, "alpha", (double)p->alpha);
+  if (p->grouped) set_floats(L, "tint", p->tint, 3);
   if (p->material >= 0) ylmL_set_count(L, "material", (uint64_t)p->material + 1);
 }
 
@@ -128,16 +142,17 @@ static void push_file(lua_State *L, ylm_gltf *g) {
 }
 
 static const char *const option_names[] = {"path",  "file_size", "triangles", "texels",
-                                           "scene", "images",    NULL};
-enum { PATH = 2, FILE_SIZE, TRIANGLES, TEXELS, SCENE, IMAGES };
+                                           "scene", "images",    "groups",    NULL};
+enum { PATH = 2, FILE_SIZE, TRIANGLES, TEXELS, SCENE, IMAGES, GROUPS };
 
-/* gltf_read { path =, file_size =, triangles =, texels =, scene =, images = } -> table */
+/* gltf_read { path =, file_size =, triangles =, texels =, scene =, images =, groups = } -> table */
 static int gltf_read(lua_State *L) {
   lua_settop(L, 1);
   ylmL_named(L, 1, option_names);
   ylm_gltf_options o = {.triangles = (uint64_t)luaL_checknumber(L, TRIANGLES),
                         .texels = (uint64_t)luaL_checknumber(L, TEXELS),
                         .scene = (int)luaL_checknumber(L, SCENE),
+                        .groups = (int)luaL_optnumber(L, GROUPS, 0),
                         .no_images = !lua_toboolean(L, IMAGES)};
   ylm_error e = {0};
   ylm_gltf **g = lua_newuserdata(L, sizeof *g);

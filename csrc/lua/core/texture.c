@@ -1,17 +1,21 @@
 /* texture.c - textures, and the materials that OBJ files name; lua/ylm/material, lua/ylm/geometry. */
 #include "../binding.h"
 #include "ylm_geom.h"
-#include "ylm_image.h"
+#include "ylm_image_texture.h"
 
 /* -- textures -------------------------------------------------------------------- */
 
-/* texture_create(float [h][w][c]) -> texture of 0 .. 1 */
+/* texture_create(float [h][w][c], wrap of u | nil, wrap of v | nil) -> texture of 0 .. 1 */
 static int texture_create(lua_State *L) {
+  static const char *const wraps[] = {"repeat", "mirror", "clamp", NULL};
+  ylm_texture_wrap u = (ylm_texture_wrap)luaL_checkoption(L, 2, "repeat", wraps);
+  ylm_texture_wrap v = (ylm_texture_wrap)luaL_checkoption(L, 3, "repeat", wraps);
   ylmL_array *a = ylmL_array_check(L, 1);
   ylm_error e = {0};
   if (a->dtype != YLM_FLOAT || a->axes != 3) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   ylm_texture **t = ylmL_texture_new(L);
   ylm_status s = ylm_texture_create(a->shape[1], a->shape[0], (int)a->shape[2], a->data, t, &e);
+  if (s == YLM_OK) ylm_texture_set_wrap(*t, u, v);
   if (s == YLM_OK) ylmL_charge(L, 3 * a->shape[0] * a->shape[1] * sizeof(float));
   return ylmL_result(L, 1, s, &e);
 }

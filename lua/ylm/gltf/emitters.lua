@@ -13,14 +13,25 @@ local TRIANGLES = 200000
 
 -- Emission of triangles ----------------------------------------------------------------------
 
---- Texels of the first layer of an image: f(u, v) -> r, g, b, repeated, v upwards.
-local function sampler(image)
+--- Where a coordinate is looked up, from 0 to 1.
+local folds = {
+  ["repeat"] = function(x) return x - math.floor(x) end,
+  clamp = function(x) return math.max(0, math.min(1, x)) end,
+  mirror = function(x)
+    x = x - 2 * math.floor(x / 2)
+    return x > 1 and 2 - x or x
+  end,
+}
+
+--- Texels of the first layer of an image: f(u, v) -> r, g, b, v upwards; `wraps` of u and v.
+local function sampler(image, wraps)
+  local fold_u, fold_v = folds[wraps[1]], folds[wraps[2]]
   local layer = core.image_layer(image)
   local shape = core.array_info(layer)
   local height, width, channels = shape[1], shape[2], shape[3]
   return function(u, v)
-    local x = math.min(width - 1, math.floor((u - math.floor(u)) * width))
-    local y = math.min(height - 1, math.floor((1 - (v - math.floor(v))) * height))
+    local x = math.min(width - 1, math.floor(fold_u(u) * width))
+    local y = math.min(height - 1, math.floor((1 - fold_v(v)) * height))
     local r = core.array_get(layer, y + 1, x + 1, 1)
     if channels < 3 then return r, r, r end
     return r, core.array_get(layer, y + 1, x + 1, 2), core.array_get(layer, y + 1, x + 1, 3)
@@ -162,12 +173,12 @@ end
 
 --- The polygons of a piece of material `m` as { vertices, radiance, area }, and the triangles that are dark; nothing where
 -- there are too many triangles. `image`: of the emission, or nil.
-local function of_piece(piece, m, image)
+local function of_piece(piece, m, image, wraps)
   local mesh = piece.mesh
   if #mesh > TRIANGLES then return nil end
   local positions, triangles = core.array_totable(mesh:vertices()), core.array_totable(mesh:triangles())
   local uvs = image and mesh:uvs() and core.array_totable(mesh:uvs())
-  local emission = emissions(m, triangles, uvs, uvs and sampler(image))
+  local emission = emissions(m, triangles, uvs, uvs and sampler(image, wraps))
   local brightest, list, rings, dark = 0, {}, {}, {}
   for _, e in ipairs(emission) do brightest = math.max(brightest, largest(e)) end
   local number, points = welder()
@@ -209,12 +220,12 @@ end
 
 local function power(p) return p.area * (0.2126 * p.radiance[1] + 0.7152 * p.radiance[2] + 0.0722 * p.radiance[3]) end
 
---- Lights of the pieces that emit, { piece =, m =, image = } each: polygon lights, and the surfaces that stay. The `most`
--- most powerful are kept; note(sentence, ...) takes what is lost. Or nil, message, code.
+--- Lights of the pieces that emit, { piece =, m =, image =, wraps = } each: polygon lights, and the surfaces that stay. The
+-- `most` most powerful are kept; note(sentence, ...) takes what is lost. Or nil, message, code.
 function emitters.convert(pieces, most, scale, note)
   local all, stay, open, closed, large = {}, {}, 0, 0, 0
   for _, e in ipairs(pieces) do
-    local polygons, dark, is_whole = of_piece(e.piece, e.m, e.image)
+    local polygons, dark, is_whole = of_piece(e.piece, e.m, e.image, e.wraps)
     if not polygons then
       large = large + 1
       stay[#stay + 1] = e.piece

@@ -33,6 +33,15 @@ local function left(what, most, limits)
   return math.min(most, form.budget and form.budget(what) or most)
 end
 
+local GROUPS = 256 -- YLM_GLTF_GROUPS
+
+--- "image", "mean", or the most groups of triangles.
+form.types.gltf_textures = function(x)
+  if x == "image" or x == "mean" then return x end
+  if form.types.number(x, {}) and x >= 1 and x <= GROUPS and x % 1 == 0 then return x end
+  return nil, "'image', 'mean' or an integer from 1 to " .. GROUPS
+end
+
 local fields = {
   { "lamp_radius", "number", above = 0, max = 1e6, default = 0.05, unit = "scene units",
     about = "of spheres in place of lamps without a size" },
@@ -42,8 +51,9 @@ local fields = {
     about = "spot: spot_light, which has no light field; sphere: as a point that shines all around" },
   { "emitters", "integer", min = 0, max = 1e5, default = 256,
     about = "most polygon lights that surfaces that emit become; 0: they do not emit" },
-  { "textures", "choice", of = { "image", "mean" }, default = "image",
-    about = "image: base colours vary over the surface; mean: each is the mean of its image" },
+  { "textures", "gltf_textures", default = "image",
+    about = "image: base colours vary over the surface; mean: each surface has the mean of its texels, weighted by area; "
+      .. "n: its triangles in at most n groups of one colour" },
   { "scene", "integer", min = 1, optional = true, about = "which scene of the file, by its place; default: the file's choice" },
 }
 
@@ -52,9 +62,10 @@ local sides = { auto = true, both = true, front = true, back = true }
 --- One surface; `m`: what material.convert made of its material.
 local function surface(piece, m, extras)
   local made = m.material
-  if made and texture.of(made) and not core.mesh_uvs(piece.mesh) then made = m.plain() end
+  if piece.tint then made = m.tinted(piece.tint)
+  elseif made and texture.of(made) and not core.mesh_uvs(piece.mesh) then made = m.plain() end
   return setmetatable({ mesh = piece.mesh, name = piece.name ~= "" and piece.name or nil, material = made,
-    occludes = m.occludes and extras.occludes ~= false,
+    occludes = m.occludes(piece.alpha) and extras.occludes ~= false,
     sides = m.both_sides and "both" or sides[extras.sides] and extras.sides or nil }, form.defined.mesh.metatable)
 end
 
@@ -63,15 +74,15 @@ end
 local function surfaces(file, materials, lamps, o, note)
   local out, glowing, left_out, lost = {}, {}, 0, 0
   for _, piece in ipairs(file.pieces) do
-    local m, extras = materials[piece.material] or { occludes = true }, piece.extras and json.read(piece.extras) or {}
+    local m, extras = materials[piece.material] or material.none, piece.extras and json.read(piece.extras) or {}
     local lamp = lights.of_piece(piece, extras, m.emission, o)
     if lamp then lamps[#lamps + 1] = lamp
     elseif m.left_out then left_out = left_out + 1
     else
       local one = surface(piece, m, extras)
       if m.emission and math.max(m.emission[1], m.emission[2], m.emission[3]) > 0 and o.emitters > 0 then
-        glowing[#glowing + 1] = { piece = one, m = m, image = m.shares_uvs and m.emission_image
-          and file.images[m.emission_image] or nil }
+        glowing[#glowing + 1] = { piece = one, m = m, wraps = m.emission_wrap, image = m.shares_uvs
+          and m.emission_image and file.images[m.emission_image] or nil }
       else out[#out + 1] = one end
     end
   end
@@ -125,7 +136,8 @@ local function read(values, limits)
   local triangles, texels = left("triangles", TRIANGLES, limits), left("texels", TEXELS, limits)
   local file
   file, message, code = lib.gltf_read { path = values.file, file_size = left("file_size", BYTES, limits),
-    triangles = math.max(1, triangles), texels = math.max(1, texels), scene = values.scene or 0, images = texels >= 1 }
+    triangles = math.max(1, triangles), texels = math.max(1, texels), scene = values.scene or 0, images = texels >= 1,
+    groups = values.textures == "mean" and 1 or values.textures ~= "image" and values.textures or 0 }
   if file and file.triangles > triangles then return nil, values.file .. ": more than 0 triangles", "ELIMIT" end
   return file, message, code
 end

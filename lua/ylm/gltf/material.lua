@@ -6,7 +6,7 @@ local json = require "ylm.gltf.json"
 local matte = require "ylm.material.matte"
 local texture = require "ylm.material.texture"
 
-local material = {}
+local material = { none = { occludes = function() return true end } } -- of pieces without one
 
 local function mix(a, b, t) return a + (b - a) * t end
 
@@ -41,28 +41,44 @@ local function by_extras(m)
   return ok and made or nil
 end
 
---- The texture of the image of a material; each image becomes one texture. Or nil, message, code.
+--- The texture of the image of a material; each image becomes one texture for each way in which it goes on. Or nil,
+-- message, code.
 local function texture_of(m, images, textures)
   local image = m.base_image and images[m.base_image]
   if not image then return nil end
-  if not textures[m.base_image] then
-    local made, message, code = texture.of_image(image)
+  local key = ("%d %s %s"):format(m.base_image, m.base_wrap[1], m.base_wrap[2])
+  if not textures[key] then
+    local made, message, code = texture.of_image(image, m.base_wrap)
     if not made then return nil, message, code end
-    textures[m.base_image] = made
+    textures[key] = made
   end
-  return textures[m.base_image]
+  return textures[key]
 end
 
-local function times(c, k) return { c[1] * k[1], c[2] * k[2], c[3] * k[3], c[4] } end
+--- f(tint) -> the material of factors times a colour, the same one for the same colour.
+local function tinter(m)
+  local made = {}
+  return function(tint)
+    local key = ("%.9g %.9g %.9g"):format(tint[1], tint[2], tint[3])
+    if not made[key] then
+      local copy = {}
+      for name, x in pairs(m) do copy[name] = x end
+      copy.base = { m.base[1] * tint[1], m.base[2] * tint[2], m.base[3] * tint[3], m.base[4] }
+      made[key] = by_factors(copy)
+    end
+    return made[key]
+  end
+end
 
---- Materials of the file: a list of { material =, emission =, occludes =, left_out = }; note(sentence, ...) takes what is
+--- Materials of the file: a list of { material =, emission =, left_out = }, occludes(alpha of the piece), plain() and
+-- tinted(colour), its material without and instead of its texture; note(sentence, ...) takes what is
 -- lost. Or nil, message, code.
 function material.convert(file, o, note)
   local out, textures, unlit, tinted = {}, {}, 0, 0
   for i, m in ipairs(file.materials) do
-    local image, message, code = texture_of(m, file.images, textures)
+    local image, message, code
+    if o.textures == "image" then image, message, code = texture_of(m, file.images, textures) end
     if message then return nil, message, code end
-    if image and o.textures == "mean" then m.base, image = times(m.base, texture.mean(image)), nil end
     local made
     made, message, code = by_extras(m)
     if not made then made, message, code = by_factors(m) end
@@ -72,9 +88,10 @@ function material.convert(file, o, note)
     if image and form.kind(made) == "ggx" and m.metallic < 1 then tinted = tinted + 1 end
     out[i] = { material = made, emission = m.emission, both_sides = m.both_sides,
       plain = function() return by_factors(m) end, -- for meshes without texture coordinates
-      emission_image = m.emission_image, shares_uvs = not m.base_image or m.emission_uvs,
-      occludes = not (m.alpha == "blend" and m.base[4] < 0.5),
-      left_out = m.alpha == "mask" and not image and m.base[4] < m.cutoff }
+      tinted = tinter(m), emission_image = m.emission_image, emission_wrap = m.emission_wrap,
+      shares_uvs = not m.base_image or m.emission_uvs,
+      occludes = function(alpha) return not (m.alpha == "blend" and m.base[4] * alpha < 0.5) end,
+      left_out = m.alpha == "mask" and m.base[4] < m.cutoff }
   end
   if unlit > 0 then note("unlit materials that became matte: %d", unlit) end
   if tinted > 0 then note("textures of coats, which colour their highlights too: %d", tinted) end

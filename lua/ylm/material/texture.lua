@@ -9,12 +9,12 @@ local texture = {}
 
 local TEXELS, BYTES = 2 ^ 26, 2 ^ 30 -- of one image, where no scene file's limits are narrower
 
---- A texture of the first layer of an image; nil, message, code.
-function texture.of_image(image)
+--- A texture of the first layer of an image; nil, message, code. `wraps`: of u and of v, "repeat", "mirror" or "clamp"; or nil.
+function texture.of_image(image, wraps)
   if not memory.pcall(core.image_info, image) then return nil, "the image has been closed", "ECLOSED" end
   local layer = core.image_layer(image)
   if not layer then return nil, "the image has no layers", "EINVAL" end
-  return core.texture_create(layer)
+  return core.texture_create(layer, wraps and wraps[1], wraps and wraps[2])
 end
 
 --- A texture of an image file, and its texels count in a scene file; nil, message, code.

@@ -426,6 +426,15 @@ calls["load_gltf"] = function(keep)
     return m, message, code
   end
 end
+calls["load_gltf in groups"] = function(keep)
+  write_gltf(keep "n.gltf")
+  keep "n.gltf.png"
+  return function()
+    local m, message, code = ylm.load_gltf(keep "n.gltf", { textures = 4 })
+    assert(m == nil or #m.geometry > 0 or code == "ENOMEM", message)
+    return m, message, code
+  end
+end
 calls["scene to glTF"] = function(keep)
   local given = ylm.scene "x" { geometry = ylm.box {}, lights = { few(), triangle(), disk() } }
   return function() return given:save(keep "m.glb") end
@@ -594,5 +603,7 @@ for name, make in pairs(looks) do
     return p:pixels()
   end)
 end
+calls["picture: view as glTF"] = on(function(keep) return ylm.view { sh = coefficients(2, 2) }, keep "p.gltf" end,
+  function(v, path) return v:save(path) end)
 
 return calls
