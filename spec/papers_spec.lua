@@ -110,6 +110,18 @@ describe("examples/papers", function()
     end)
   end
 
+  for _, words in ipairs(long({ "--only lobes" }, { "" })) do
+    it("runs 17_shadow_fields.lua --quick " .. words, function()
+      local folder = scratch.new()
+      local out, status = scratch.capture(("%s examples/17_shadow_fields.lua --out %s --quick %s"):format(
+        os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder.path), words))
+      folder:remove()
+      assert.equal(0, status, out)
+      assert(out:find "x =  0.00: 90.8 %% of all directions are open", out)
+      assert(words ~= "" or out:find "balls +5 +SHEXP, PS%-9.*grid, tolerance .*least voxel", out)
+    end)
+  end
+
   local bounces = long(false, true) and it or function() end -- a bake of gathered light takes a while
   bounces("runs 12_bouncing_light.lua, a small one", function()
     local folder = scratch.new()

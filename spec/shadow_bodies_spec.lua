@@ -210,6 +210,8 @@ describe("prepared:render { bodies = shade }", function()
     assert.equal(1, report.bodies.count)
     assert.equal(216, report.bodies.vertices)
     assert.is_true(report.bodies.rays > 500 and report.bodies.seconds.light > 0)
+    assert.equal(report.points + report.bodies.vertices, report.shadow.points)
+    assert.is_true(report.shadow.casters > 0 and report.shadow.products > 0 and report.shadow.seconds > 0)
     shade:move { cube = { at = { 0.6, 1.1, -0.3 }, scale = 0.7, rotation = { axis = { 0, 1, 0 }, angle = 80 } } }
     local moved = apart(view:render { grid = shade, bodies = shade, layers = false },
       room(shade:surfaces()):raycast { size = size, samples = 4, light_samples = 64, layers = false })

@@ -543,6 +543,28 @@ describe("ylm.shadowed", function()
     assert.is_true(stats.seconds > 0)
   end)
 
+  it("says so in lists of lights and behind light behind bodies too, and grids tell what their bake took", function()
+    local box = { { -9, -9, -9 }, { 9, 9, 9 } }
+    local grid = ylm.bake(ylm.uniform_grid { bounds = box, cells = 8, lmax = 2, channels = "luminance" },
+      ylm.occluder { radius = 1 })
+    local shade = ylm.shadowed { lights = sky, casters = { soft = ylm.caster { hides = grid, at = { 0, 0, 3 } } } }
+    local lamp = ylm.sphere_light { at = { 0, 0, 5 }, radius = 0.1, radiance = 10 }
+    local nested = ylm.shadowed { lights = { lamp, shade }, casters = { ylm.caster { hides = ball, at = { 3, 0, 0 } } } }
+    local before = ylm.on_warning(false)
+    for _, list in ipairs { { lamp, shade }, { { shade }, lamp }, nested, { nested, lamp } } do
+      local _, _, _, report = ylm.light_field(4, list, { { 0, 0, 0 } })
+      assert.equal(1, #report.warnings)
+      assert.matches("caster 'soft' is known to lmax 2", report.warnings[1])
+    end
+    ylm.on_warning(before)
+    local baked = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 }, nested)
+    assert.equal(27, baked.stats.shadow.points)
+    assert.is_true(baked.stats.shadow.products > 26 and baked.stats.shadow.seconds > 0)
+    assert.is_nil(grid.stats.shadow)
+    local rest = shade:without()
+    assert.equal(8, ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1 }, rest).stats.shadow.points)
+  end)
+
   it("of grids has a floor: the dark is refined less, and other measures have none", function()
     local lamp = ylm.sphere_light { at = { 0, 0, 3 }, radius = 0.2 }
     local function points(floor)

@@ -16,8 +16,8 @@ local option = common.options { out = "out", size = 320, paths = 1024, spheres =
 local quick = option.quick
 ylm.on_warning(false)
 
-local line = common.table { { "scene", "%-30s" }, { "n", "%3d" }, { "method", "%-20s" }, { "rms error %", "%11.2f" },
-  { "over one rule", "%13.1f" }, { "seconds", "%8.3f" }, { "points", "%8d" }, { "probes", "%7d" } }
+local line = common.table { { "scene", "%-30s" }, { "n", "%3d" }, { "method", "%-20s" }, { "rms error %", "%11.3g" },
+  { "over one rule", "%13.3g" }, { "seconds", "%8.3f" }, { "points", "%8d" }, { "probes", "%7d" } }
 local rows = {}
 for k, n in ipairs(quick and { 2, 4 } or { 10, 15 }) do
   local case = k == 1 and shadows.spider(quick and 24 or option.spheres) or shadows.helix(quick and 4 or 14)

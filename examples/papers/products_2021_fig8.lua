@@ -24,8 +24,8 @@ local case = shadows.hall(body, quick and 16 or option.spheres)
 local pictures, errors, results = shadows.compare(case, { n = n, size = quick and { 20, 15 } or { option.size,
   math.floor(0.75 * option.size) }, samples = quick and 1 or 4, paths = quick and 16 or option.paths, rays = quick and 16 or 128,
   threads = option.threads, depth = quick and 3 or 9 })
-local line = common.table { { "scene", "%-28s" }, { "n", "%3d" }, { "method", "%-20s" }, { "rms error %", "%11.2f" },
-  { "over unions", "%11.1f" }, { "seconds", "%8.3f" }, { "points", "%8d" }, { "probes", "%7d" } }
+local line = common.table { { "scene", "%-28s" }, { "n", "%3d" }, { "method", "%-20s" }, { "rms error %", "%11.3g" },
+  { "over unions", "%11.3g" }, { "seconds", "%8.3f" }, { "points", "%8d" }, { "probes", "%7d" } }
 for _, r in ipairs(results) do
   line { case.name, n, r[1], r[2], r[2] and r[2] / results[1][2], r[3], r[4], r[5] }
 end

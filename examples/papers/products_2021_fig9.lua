@@ -17,7 +17,7 @@ local option = common.options { out = "out", size = 320, paths = 1024, spheres =
 local quick = option.quick
 ylm.on_warning(false)
 
-local line = common.table { { "n", "%3d" }, { "method", "%-20s" }, { "rms error %", "%11.2f" }, { "over one rule", "%13.1f" },
+local line = common.table { { "n", "%3d" }, { "method", "%-20s" }, { "rms error %", "%11.3g" }, { "over one rule", "%13.3g" },
   { "seconds", "%8.3f" }, { "points", "%8d" }, { "probes", "%7d" } }
 local rows = {}
 for _, n in ipairs(quick and { 4 } or option.n > 0 and { option.n } or { 5, 10, 15 }) do

@@ -484,7 +484,16 @@ end
 --- Sentences about what shadowed light does not keep at lmax, said once; for lua/ylm/light and lua/ylm/grid.
 function shadoweds.__heed(s, lmax)
   local of = about_of[s]
-  return heed(s, of and of.list or {}, lmax)
+  local list = heed(s, of and of.list or {}, lmax)
+  for _, sentence in ipairs(of and of.lights and light.heed(of.lights, lmax) or {}) do list[#list + 1] = sentence end
+  return list
+end
+
+--- The object whose stats count what is asked of shadowed light; nil once closed. For lua/ylm/light.
+function shadoweds.__counted(s)
+  local of = about_of[s]
+  local whole = of and of.of or s
+  return core.shadowed_look(whole) and whole
 end
 
 --- Groups of casters, in order: of lists first, then by name. fail(message) raises.
@@ -610,7 +619,7 @@ local function build_shadowed(values, fail)
   local object
   object, message, code = made(fail, create(packed, groups, values))
   if not object then return nil, message, code end
-  local of = { groups = {}, count = 0, still = 0, bodies = {}, list = groups }
+  local of = { groups = {}, count = 0, still = 0, bodies = {}, list = groups, lights = packed }
   for _, group in ipairs(groups) do
     of.count = of.count + group.caster.count
     if not group.name then of.still = of.count end

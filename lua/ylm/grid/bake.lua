@@ -316,6 +316,7 @@ function bake.bake(description, lights, given)
     floor = floor_of(description, quantity, measure), body = body, like = o.like,
   }
   local baked, stages, code
+  local tally = light.tally(packed)
   if in_bricks then
     baked, stages, code = set.bake(wanted, object, occupied, o, in_bricks)
   else
@@ -323,7 +324,7 @@ function bake.bake(description, lights, given)
   end
   if made then object:close() end
   if not baked or in_bricks then return baked, stages, code end
-  stages_of[baked] = stages
+  stages_of[baked], grid_object.shadow_of[baked] = stages, tally()
   if type(packed) ~= "function" and light.followed(packed) then baked_from[baked] = packed end
   unmet.remember(baked, o.light_tolerance)
   unmet.warn(baked)

@@ -24,6 +24,9 @@ object.sampling = {
 --- Grid -> times by stage of the device that it was baked on.
 object.stages_of = setmetatable({}, { __mode = "k" })
 
+--- Grid -> what light behind bodies took, where it was baked from such light.
+object.shadow_of = setmetatable({}, { __mode = "k" })
+
 require "ylm.describe".object "grid" {
   about = "A baked grid of probes. The fields of its description can be read from it. The cells of a uniform grid are "
     .. "grid.resolution, since grid:cells() are the voxels themselves.",
@@ -51,7 +54,8 @@ require "ylm.describe".object "grid" {
       .. "warning: a sentence, where it is not met; "
       .. "seconds, of which field_seconds in the light field, occupancy_, lattice_, residual_ and continuity_seconds in "
       .. "parts of the bake, verify_seconds (field included) to verify (a loaded grid has none: files hold no times); baked "
-      .. "on a device stages: by name { seconds, longest, dispatches }" },
+      .. "on a device stages: by name { seconds, longest, dispatches }; baked from shadowed light shadow: what its stats count, "
+      .. "of this bake" },
   },
 }
 
@@ -86,7 +90,7 @@ methods.__index = function(g, key)
   object.open(g, key)
   if key == "stats" then
     local stats = unmet.stats(g)
-    stats.stages = object.stages_of[g]
+    stats.stages, stats.shadow = object.stages_of[g], object.shadow_of[g]
     return stats
   end
   return core.grid_form(g)[key]

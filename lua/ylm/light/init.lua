@@ -27,7 +27,9 @@ end
 function light.within(name, object, tolerance, threads)
   if not tolerance or core.type(object) ~= "ylm.lights" then return object end
   if not select(4, core.lights_count(object)) then return object end
-  return check.result(name, core.light_cut(object, tolerance, threads or 0))
+  local cut, message, code = check.result(name, core.light_cut(object, tolerance, threads or 0))
+  if cut then light.parts[cut] = light.parts[object] end
+  return cut, message, code
 end
 
 -- ylm.light_field ------------------------------------------------------------------------
@@ -67,10 +69,41 @@ function light.evaluate(name, lmax, object, points, o, isa, given)
     warnings = #warnings > 0 and warnings or nil }
 end
 
+--- Calls f(object, metatable) for a light field that is an object, or for those that a set of lights holds.
+local function each_field(object, f)
+  local meta = core.type(object) and core.type(object) ~= "ylm.array" and getmetatable(object)
+  if meta then f(object, meta) end
+  for _, part in ipairs(object ~= nil and light.parts[object] or {}) do each_field(part, f) end
+end
+
 --- Sentences about what a light field does not keep at a degree, said once.
 function light.heed(object, lmax)
-  local meta = core.type(object) and core.type(object) ~= "ylm.array" and getmetatable(object)
-  return meta and meta.__heed and meta.__heed(object, lmax) or {}
+  local list = {}
+  each_field(object, function(field, meta)
+    for _, sentence in ipairs(meta.__heed and meta.__heed(field, lmax) or {}) do list[#list + 1] = sentence end
+  end)
+  return list
+end
+
+--- A function that tells what light fields behind bodies have multiplied since now, as shadowed.stats; nil: there are none.
+function light.tally(...)
+  local first, list = {}, {}
+  for i = 1, select("#", ...) do
+    each_field((select(i, ...)), function(field, meta)
+      local of = meta.__counted and meta.__counted(field)
+      if of and not first[of] then first[of], list[#list + 1] = core.shadowed_look(of), of end
+    end)
+  end
+  return function()
+    local sum
+    for _, of in ipairs(list) do
+      for name, value in pairs(core.shadowed_look(of) or {}) do
+        sum = sum or { points = 0, casters = 0, products = 0, factors = 0, seconds = 0 }
+        sum[name] = sum[name] + value - first[of][name]
+      end
+    end
+    return sum
+  end
 end
 
 describe "light_field" {

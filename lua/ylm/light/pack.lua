@@ -90,6 +90,21 @@ local function gather(n, name, value, sources, run, depth)
   end
 end
 
+--- Object "ylm.lights" -> the light fields in it that are no plain lights, as shadowed light.
+pack.parts = setmetatable({}, { __mode = "k" })
+
+--- Remembers what of the sources of `lights` is a light field of its own.
+local function remember(lights, sources)
+  local parts = {}
+  for _, source in ipairs(sources) do
+    local inner = pack.parts[source]
+    for _, part in ipairs(inner or {}) do parts[#parts + 1] = part end
+    if not inner and type(source) == "userdata" and core.type(source) ~= "ylm.lights" then parts[#parts + 1] = source end
+  end
+  if #parts > 0 then pack.parts[lights] = parts end
+  return lights
+end
+
 --- Argument `n` of `name` as one object with a light field, "ylm.lights": a light, a list of them (nested fine), or a packed
 -- object. An empty list is darkness. A single object with a light field of its own comes back as it is.
 function pack.pack(n, name, lights)
@@ -97,7 +112,9 @@ function pack.pack(n, name, lights)
   gather(n, name, lights, sources, run, 0)
   flush(sources, run)
   if #sources == 1 and type(sources[1]) == "userdata" then return sources[1] end
-  return check.result(name, core.lights_create(sources))
+  local made, message, code = check.result(name, core.lights_create(sources))
+  if not made then return nil, message, code end
+  return remember(made, sources)
 end
 
 --- The set of lights that an object with a light field is, or an empty one: rays see no other light fields.

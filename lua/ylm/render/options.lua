@@ -157,5 +157,6 @@ options.transfer_text = options.report_text .. "stages (of points that gloss, se
   .. "holds); by transfer vectors occlusion (of the light that the scene's lamps bring: passing, the part of the "
   .. "picture's that occluders stop in the scene, missing, the part of the scene's that the picture lacks, their standard "
   .. "errors passing_error and missing_error, points, rays; measured once a view, in seconds.occlusion); "
+  .. "of shadowed light shadow: what its stats count, of this picture; "
 
 return options

@@ -182,6 +182,7 @@ function shading.by_lights(name, p, o)
   lights, message, code = light.within(name, given, o.light_tolerance, o.threads)
   if not lights then return nil, message, code end
   local radiance, pairs
+  local tally = light.tally(given)
   radiance, pairs, code = check.result(name, p.lib.shade_field(p.view, lights, o.weight, o.dtype,
     o.threads or 0, progress.resolve(o.progress)))
   if not radiance then return nil, pairs, code end
@@ -191,7 +192,7 @@ function shading.by_lights(name, p, o)
     if not ok then return nil, message, code end
   end
   local seconds = core.seconds() - start
-  report.pairs = pairs
+  report.pairs, report.shadow = pairs, tally()
   for _, sentence in ipairs(light.heed(given, p.options.lmax)) do report.warnings[#report.warnings + 1] = sentence end
   local out
   out, message, code = pictures.picture(name, p, radiance, o)
@@ -274,9 +275,10 @@ function shading.picture(name, p, o)
   if not image then return nil, report, code end
   image, report, code = ambient.ready(name, p, o)
   if not image then return nil, report, code end
+  local tally = light.tally(o.grid, o.bodies)
   image, report, code = direct(name, p, o)
   if not image then return nil, report, code end
-  report.bodies = o.drawn
+  report.bodies, report.shadow = o.drawn, tally()
   indirect.report(p, o, report, image)
   near.report(p, o, report, image)
   ambient.report(p, o, report, image)
