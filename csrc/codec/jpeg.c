@@ -3,6 +3,8 @@
 
 #ifdef YLM_JPEG
 #include <jpeglib.h>
+
+#include <jerror.h>
 #include <setjmp.h>
 #include <string.h>
 
@@ -81,7 +83,9 @@ ylm_status ylm__jpeg_parse(const unsigned char *bytes, size_t size, const char *
   w->st.base.error_exit = on_error;
   w->st.base.emit_message = on_message;
   if (setjmp(w->st.back)) {
-    s = ylm_fail(e, YLM_EFORMAT, "%s: not a whole JPEG image: %s", name, w->st.message);
+    s = w->st.base.msg_code == JERR_OUT_OF_MEMORY
+            ? ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name)
+            : ylm_fail(e, YLM_EFORMAT, "%s: not a whole JPEG image: %s", name, w->st.message);
   } else {
     jpeg_create_decompress(&w->jpeg);
     w->progress.progress_monitor = on_scan;

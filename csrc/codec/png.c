@@ -3,6 +3,7 @@
 
 #include <png.h>
 #include <setjmp.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* State that libpng's callbacks share with the caller. */
@@ -13,6 +14,7 @@ typedef struct state {
   unsigned char *written; /* [room] */
   size_t room;
   bool failed;
+  bool no_memory;
   char message[160];
 } state;
 
@@ -25,6 +27,19 @@ static void on_error(png_structp png, png_const_charp text) {
 static void on_warning(png_structp png, png_const_charp text) {
   (void)png;
   (void)text;
+}
+
+/* libpng tells of memory that ran out in words alone. */
+static png_voidp on_alloc(png_structp png, png_alloc_size_t size) {
+  state *s = png_get_mem_ptr(png);
+  void *p = malloc(size);
+  if (!p) s->no_memory = true;
+  return p;
+}
+
+static void on_free(png_structp png, png_voidp p) {
+  (void)png;
+  free(p);
 }
 
 static void on_read(png_structp png, png_bytep out, size_t n) {
@@ -125,13 +140,15 @@ ylm_status ylm__png_parse(const unsigned char *bytes, size_t size, const char *n
   if (!chunks_fit(bytes, size)) return ylm_fail(e, YLM_EFORMAT, "%s: truncated or damaged", name);
   state st = {.bytes = bytes, .size = size};
   work *w = ylm_alloc_zero(1, sizeof *w);
-  png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &st, on_error, on_warning);
+  png_structp png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, &st, on_error, on_warning, &st,
+                                             on_alloc, on_free);
   png_infop info = png ? png_create_info_struct(png) : NULL;
   volatile ylm_status s = YLM_OK;
   if (!w || !info) {
     s = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
   } else if (setjmp(png_jmpbuf(png))) {
-    s = ylm_fail(e, YLM_EFORMAT, "%s: not a whole PNG image: %s", name, st.message);
+    s = st.no_memory ? ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name)
+                     : ylm_fail(e, YLM_EFORMAT, "%s: not a whole PNG image: %s", name, st.message);
   } else {
     png_set_read_fn(png, &st, on_read);
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
