@@ -1,7 +1,7 @@
 --- Programs on several processes, as mpirun starts them; more than there are processors, in containers and as root too.
 --
 --     local run, missing = mpi.runner(folder)
---     local out, status, seconds = run(4, "lua", "print(1)")      -- a script; "ylm" and words of the tool
+--     local out, status, seconds = run(4, "lua", "print(1)")      -- "lua" or "sh" and a script, "ylm" and words
 --
 -- Each run ends within 60 seconds, whatever happens.
 
@@ -20,11 +20,13 @@ function mpi.missing()
   if not pcall(require, "ylm.c.mpi") then return "ylm was built without MPI" end
 end
 
---- The command that runs `words` of the tool, or a script of Lua, on n processes; `environment` stands before mpirun.
+--- The command that runs words of the tool, or a script of Lua or of the shell, on n processes; `environment` is set for mpirun.
 function mpi.command(folder, n, what, words, environment)
   local program = tool.command:gsub("^", "env ") .. words
   if what == "lua" then
     program = ("%s %s"):format(os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder:write("script.lua", words)))
+  elseif what == "sh" then
+    program = "sh " .. scratch.quote(folder:write("script.sh", words))
   end
   return ("env -u OMP_NUM_THREADS -u YLM_THREADS %s %s timeout -k 5 60 mpirun -q -n %d %s"):format(ENVIRONMENT, environment or "",
     n, program)
