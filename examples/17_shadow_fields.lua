@@ -269,9 +269,9 @@ local function shells(field, lmax, n, m, near, far)
 end
 
 picture("slice", function()
-  local lmax, side, reach = 9, number(12, 180), 2.2
+  local lmax, side, reach = 9, number(12, 150), 2.2
   local knot = ylm.knot { radius = 0.6, minor = 0.26, tube = 0.13, divide = number({ 40, 8 }, { 160, 16 }) }
-  local body = ylm.occluder { geometry = knot, rays = number(12, 20), near = 0.1 }
+  local body = ylm.occluder { geometry = knot, rays = number(12, 16), near = 0.1 }
   local far = 4 * body.radius
   local grid, message = ylm.bake(ylm.adaptive_grid { lmax = lmax, depth = number(4, 9), tolerance = number(0.3, 0.05),
     channels = "luminance", continuous = false, bounds = { { -far, -far, -far }, { far, far, far } } }, body,
@@ -292,14 +292,28 @@ picture("slice", function()
   local count = (lmax + 1) ^ 2
   V = V:reshape { #where, count }
   local inside = report.inside:totable()
+  local wide = math.ceil(0.1 * body.radius * side / (2 * reach))
+  local judged = {} -- pixels as far from the knot as the tolerance of the grid holds, where shells are known
+  for y = 1, side do
+    for x = 1, side do
+      local p = where[(y - 1) * side + x]
+      local far_off = p[1] ^ 2 + p[2] ^ 2 >= near ^ 2
+      for v = math.max(1, y - wide), math.min(side, y + wide) do
+        for u = math.max(1, x - wide), math.min(side, x + wide) do
+          far_off = far_off and (inside[(v - 1) * side + u] == 0 or (u - x) ^ 2 + (v - y) ^ 2 > wide ^ 2)
+        end
+      end
+      judged[(y - 1) * side + x] = far_off
+    end
+  end
   local edge = {} -- pixels on edges of voxels that are not too small to be seen
   for y = 1, side do
     local last
     for x = 1, side do
       local cell = grid:locate(where[(y - 1) * side + x])
       local above = y > 1 and grid:locate(where[(y - 2) * side + x])
-      local wide = cell.size[1] > 7 * 2 * reach / side
-      if wide and (last and last ~= cell.index or above and above.index ~= cell.index) then edge[(y - 1) * side + x] = true end
+      local other = last and last ~= cell.index or above and above.index ~= cell.index
+      if other and cell.size[1] > 7 * 2 * reach / side then edge[(y - 1) * side + x] = true end
       last = cell.index
     end
   end
@@ -312,7 +326,7 @@ picture("slice", function()
     local d = (((found - V) ^ 2):sum(2):sqrt() / math.sqrt(4 * math.pi)):totable()
     local values, sorted, sum = {}, {}, 0
     for i = 1, #d do
-      if inside[i] == 0 then sorted[#sorted + 1], sum = d[i], sum + d[i] end
+      if judged[i] then sorted[#sorted + 1], sum = d[i], sum + d[i] end
       values[i] = inside[i] == 1 and 0 / 0 or k == 2 and edge[i] and 1 or math.max(d[i], 1e-5)
     end
     table.sort(sorted)

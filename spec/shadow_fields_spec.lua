@@ -267,6 +267,29 @@ describe("ylm.visibility", function()
     assert.is_true(apart(V, A + B - ylm.array(one, "double")) < 1e-13)
   end)
 
+  it("of a quarter turn is that of the body, turned, to rounding", function()
+    local box, points, back = ylm.occluder { geometry = ylm.box { scale = { 1, 0.6, 0.8 } } }, around(6, 2, 4), {}
+    for i, p in ipairs(points) do back[i] = { p[2], -p[1], p[3] } end
+    local quarter = { axis = { 0, 0, 1 }, angle = 90 }
+    local V = open_part(6, ylm.caster { hides = box, rotation = quarter }, points)
+    local W = sh.rotate(open_part(6, ylm.caster { hides = box }, back), { axis = { 0, 0, 1 }, angle = pi / 2 })
+    assert(apart(V, W) < 1e-14, "seed " .. seed)
+  end)
+
+  it("of two equal bodies is that of one, to what its degree cuts off", function()
+    local points = around(6, 1.5, 4)
+    for _, lmax in ipairs { 4, 9, 14 } do
+      local one = open_part(lmax, ylm.caster { hides = block }, points)
+      local two = open_part(lmax, { ylm.caster { hides = block }, ylm.caster { hides = block } }, points)
+      local V, off = one:totable(), ((two - one) ^ 2):sum(2):sqrt():totable()
+      for i = 1, 6 do
+        local cut = ONE * V[i][1] -- the norm of a function that is 0 or 1, squared
+        for k = 1, (lmax + 1) ^ 2 do cut = cut - V[i][k] ^ 2 end
+        assert(off[i] < sqrt(cut), ("lmax %d: %g, %g, seed %g"):format(lmax, off[i], sqrt(cut), seed))
+      end
+    end
+  end)
+
   it("multiplies: one rule near the exact product, exact where its degree is, whatever the order and the threads", function()
     local list, reversed = {}, {}
     for i = 1, 6 do
@@ -421,6 +444,14 @@ describe("ylm.shadowed", function()
         local e = irradiance(L, i) / pi - (1 - 0.25 / d2 * 1.5 / sqrt(d2))
         assert(math.abs(e) < (k == 1 and 1e-3 or 8e-3), ("place %d: %g"):format(i, e))
       end
+    end
+  end)
+
+  it("comes nearer to that closed form with more degrees", function()
+    local shade = ylm.shadowed { lights = sky, casters = ylm.caster { hides = ball, at = { 0, 0, 1.5 } } }
+    for lmax, bound in pairs { [2] = 1e-2, [4] = 4e-3, [9] = 1e-3, [14] = 3e-4 } do
+      local e = irradiance(field(lmax, shade, { { 0, 0, 0 } }), 1) / pi - (1 - 0.25 / 2.25)
+      assert(math.abs(e) < bound, ("lmax %d: %g"):format(lmax, e))
     end
   end)
 

@@ -161,6 +161,40 @@ describe("ylm.occluder by rays", function()
   end)
 end)
 
+describe("ylm.shadowed beside the path tracer", function()
+  if not long(false, found and first) then return end
+
+  it("has the floor under eight cubes within 1, 0.3 and 0.15 % of the light without them, at n = 5, 10 and 15", function()
+    local next = randoms.from(7) -- the cubes of examples/17_shadow_fields.lua
+    local at, turn, scale, places, normals = {}, {}, {}, {}, {}
+    for i = 1, 8 do
+      local phi, r = 2 * pi * i / 8, 0.6 + 1.4 * next()
+      at[i] = { r * math.cos(phi), r * math.sin(phi), 0.7 + 0.9 * next() }
+      turn[i] = { next() - 0.5, next() - 0.5, next() - 0.5, next() - 0.5 }
+      scale[i] = 0.35 + 0.3 * next()
+    end
+    for i = 1, 48 do places[i], normals[i] = { 4 * next() - 2, 4 * next() - 2, 0 }, { 0, 0, 1 } end
+    local smooth = { ONE, 0.3, 0.5, -0.4, 0.2, 0.1, -0.2, 0.15, 0.1 }
+    local open = ylm.sh.irradiance(ylm.array(smooth), { 0, 0, 1 })
+    local function shaded(lmax)
+      local sky = ylm.environment_light { coefficients = ylm.sh.resize(smooth, lmax) }
+      return ylm.shadowed { lights = sky, casters = ylm.casters { hides = ylm.occluder { geometry = ylm.box {} },
+        surface = ylm.box {}, at = at, rotation = turn, scale = scale } }, sky
+    end
+    local shade, sky = shaded(2)
+    local E, variance = ylm.scene "cubes" { geometry = { shade:surfaces() }, lights = { sky } }:probe { points = places,
+      normals = normals, reflections = { 0, 0 }, samples = 2 ^ 17 }
+    local noise = sqrt(variance:mean()) / open
+    assert(noise < 1e-3, noise) -- below all bounds
+    for lmax, bound in pairs { [4] = 0.01, [9] = 0.003, [14] = 0.0015 } do
+      local L, sum = field(lmax, (shaded(lmax)), places):totable(), 0
+      for i = 1, 48 do sum = sum + ((ylm.sh.irradiance(L[i][1], { 0, 0, 1 }) - E:get(i, 1)) / open) ^ 2 end
+      local rms = sqrt(sum / 48)
+      assert(rms < bound, ("lmax %d: %g, noise %g"):format(lmax, rms, noise))
+    end
+  end)
+end)
+
 describe("scene:reference of shadowed light", function()
   it("is the picture of its coefficients at every shading point, behind casters", function()
     local lamp = ylm.sphere_light { at = { 0, 3, 0 }, radius = 0.3, radiance = 50 }
