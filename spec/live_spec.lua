@@ -1,6 +1,7 @@
 -- scene:live by replays in hidden windows: what events do, what is shown, undo, saving, refusals.
 
 local long = require "spec.support.long"
+local random_events = require "spec.fuzz.live"
 local scratch = require "spec.support.scratch"
 local views = require "spec.support.views"
 
@@ -439,6 +440,35 @@ return scene "room" {
     end
   end)
 
+  it("save into another folder with a copy of the scene's file, which is made of no others", function()
+    local text = [[
+return scene "room" {
+  camera = camera { from = { 0, 1.4, 3.2 }, at = { 0, 0.4, 0 } },
+  geometry = { quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } } },
+  lights = { sphere_light { at = { -0.5, 0.5, 0.3 }, radius = 0.08, radiance = 30 } },
+  probes = adaptive_grid { lmax = 1, depth = 2, tolerance = 0.1 },
+}]]
+    local other, notes, events = scratch.new(), {}, { { 0, "key", "Tab" }, { 1, "key", "Right" }, { 2, "key", "s" } }
+    local function saved(file)
+      local edited, report = play(assert(ylm.load_scene(file)), events, { size = { 32, 24 }, samples = 1, transfer_samples = 4,
+        save = other.path .. "/mine", on_frame = function(state) notes[#notes + 1] = state.note end })
+      return assert(edited, report), report
+    end
+    local edited, report = saved(folder:write("room.lua", text))
+    assert.same({ "mine-1.lua", "mine-scene.lua", "mine-1.png", "mine-1.exr" }, (function()
+      local names = {}
+      for i, name in ipairs(report.saved) do names[i] = name:match "[^/]*$" end
+      return names
+    end)())
+    assert.equal(text, bytes(other.path .. "/mine-scene.lua"))
+    assert.equal(edited.lights[1].at[1], assert(ylm.load_scene(other.path .. "/mine-1.lua")).lights[1].at[1])
+    saved(folder:write("other.lua", (text:gsub("room", "other"))))
+    assert(bytes(other.path .. "/mine-2.lua"):find('like     = "mine-scene-2.lua"', 1, true))
+    saved(folder:write("like.lua", 'return scene "like" { like = "room.lua" }'))
+    assert(notes[#notes]:find("is made of other files there: save beside it", 1, true), notes[#notes])
+    other:remove()
+  end)
+
   it("print what grid:locate and the lights' own coefficients say of a point", function()
     local s, printed, old = scene(), nil, print
     _G.print = function(text) printed = text end -- luacheck: ignore
@@ -513,39 +543,8 @@ return scene "room" {
   end)
 
   it("survive random events: places outside, presses without release, windows of one pixel, keys in any order", function()
-    local seed = 20261123
-    local function random(n)
-      seed = (seed * 16807) % 2147483647
-      return seed % n + 1
-    end
-    local keys = {}
-    for _, row in ipairs(bindings.keys) do
-      for _, name in ipairs(row[1]) do
-        if row[2] ~= "close" and row[2] ~= "save" then keys[#keys + 1] = { name, row.control } end
-      end
-    end
-    local kinds = { "press", "release", "move", "move", "move", "wheel", "key", "key", "key", "resize" }
-    local buttons, events = { "left", "left", "middle", "right" }, {}
-    for i = 1, long(120, 10000) do
-      local kind, x, y = kinds[random(#kinds)], random(400) - 100, random(120) - 30
-      local event = { i, kind, x, y, buttons[random(4)] }
-      if kind == "key" then
-        local k = keys[random(#keys)]
-        event = { i, "key", k[1], control = k[2] }
-      elseif kind == "wheel" then event[5] = random(40) - 20
-      elseif kind == "move" then event[5] = nil
-      elseif kind == "resize" then
-        event = { i, "resize", ({ 1, 64, 300, 420 })[random(4)], ({ 1, 48, 60 })[random(3)] }
-        if random(3) > 1 then event = { i, "move", x, y } end
-      end
-      if random(4) == 1 and event[2] ~= "key" then event[({ "shift", "control" })[random(2)]] = true end
-      events[i] = event
-      if random(long(100, 300)) == 1 then events[i] = { i, "rest" } end
-    end
-    local s = scene { geometry = { ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, divide = 2 } } }
-    local edited, message = play(s, events, { size = { 64, 48 }, samples = 1, transfer_samples = 4, light_samples = 16,
-      paths = 32 })
-    assert(edited, message)
+    local n = long(120, 10000)
+    assert.equal(n, random_events(n, 20261123, long(100, 300)).events)
   end)
 
   it("run without geometry, without lamps, without probes, with flat lamps", function()
@@ -581,6 +580,9 @@ describe("scene:live refuses", function()
     end
     local events, size = replay.parse(head:gsub("\n", "\r\n") .. "0 press -5 900 left shift # beyond the window\r\n", "x")
     assert(events[1].x == -5 and events[1].shift and size[1] == 640)
+    local line = replay.line(3, assert(replay.check { { 3, "move", 10.5, -2, shift = true } })[1])
+    assert.equal("3 move 10.5 -2 shift", line)
+    assert.equal(10.5, assert(replay.parse(head .. line, "x"))[1].x)
   end)
 
   it("options and scenes, by name", function()

@@ -232,6 +232,7 @@ end
 --- The file's real name and size, as core.resolve_inside has them; a name that it has returned for these files is as good.
 local function resolve(folder, name, state)
   if state.sizes[name] then return name, state.sizes[name] end
+  state.reads = true
   local real, size, code = core.resolve_inside(folder, name)
   if real then state.sizes[real] = size end
   return real, size, code
@@ -242,6 +243,7 @@ local function observer(folder, limits, state)
   local take = state.take
   --- form.locate: the folder of a file of the scene's folder lies inside it.
   local function locate(place, name)
+    state.reads = true
     local real, size, code = core.resolve_inside(place, name)
     if not real then return nil, size, code end
     if size <= limits.file_size then return real end
@@ -479,6 +481,7 @@ end
 -- state.chain has the lines.
 local function follower(state, limits, scene)
   return function(name, where)
+    state.reads = true
     local real, message, code = core.resolve_inside(state.folder, name)
     local function fail(why, status)
       state.code = status
@@ -535,7 +538,10 @@ function sandbox.run(path, limits, scene)
     local limit = reason == "time" and limits.seconds or limits[reason]
     return nil, with_lines(state, reasons[reason]:format(limit)), "ELIMIT"
   end
-  if ok then return result end
+  if ok then
+    result.alone = not state.reads -- its file is all that it is made of
+    return result
+  end
   local exhausted = memory.message(result)
   if exhausted then return nil, with_lines(state, exhausted), "ENOMEM" end
   if type(result) ~= "string" then result = "raised " .. check.describe(result) end

@@ -16,7 +16,7 @@ local words = { "move", "press", "release", "wheel", "key", "resize", "rest", "p
 local PIXELS = 1e6 -- a place lies within so many
 
 local function number(text)
-  local n = tonumber(text)
+  local n = tonumber(text) or tonumber((text:gsub("%.", ","))) -- under a locale whose decimals begin with a comma
   return n and n == n and math.abs(n) <= PIXELS and n
 end
 
@@ -119,12 +119,18 @@ function replay.check(list)
   return events
 end
 
+--- A number as files of events have it, whatever the locale.
+local function number_text(x)
+  if x == math.floor(x) then return ("%d"):format(x) end
+  return (("%.17g"):format(x):gsub(",", "."))
+end
+
 --- A line of a file of events.
 function replay.line(frame, event)
   local parts = { ("%d"):format(frame), event.kind }
   for _, name in ipairs(forms[event.kind]) do
     local value = event[name]
-    parts[#parts + 1] = type(value) == "number" and ("%d"):format(value) or tostring(value)
+    parts[#parts + 1] = type(value) == "number" and number_text(value) or tostring(value)
   end
   if event.shift then parts[#parts + 1] = "shift" end
   if event.control then parts[#parts + 1] = "control" end

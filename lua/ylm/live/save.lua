@@ -8,7 +8,8 @@ local save = {}
 
 local MOST = 10000 -- lights that are written as a list
 
-local function number(x) return ("%.17g"):format(x) end
+--- A number as Lua reads it, whatever the locale.
+local function number(x) return (("%.17g"):format(x):gsub(",", ".")) end
 local function vector(v) return ("{ %s, %s, %s }"):format(number(v[1]), number(v[2]), number(v[3])) end
 
 local function same(a, b) return a[1] == b[1] and a[2] == b[2] and a[3] == b[3] end
@@ -52,25 +53,57 @@ local function probes_line(s)
     and (", bounds = { %s, %s }"):format(vector(bounds[1]), vector(bounds[2])) or "")
 end
 
+--- Writes a text whole or not at all: true, or nil, message, code.
+local function write(path, text) return check.result("live", core.file_save(path, text)) end
+
+local function exists(path)
+  local file = io.open(path, "rb")
+  if file then file:close() end
+  return file ~= nil
+end
+
 --- A file's name as seen from a folder that it lies in; nil: it lies elsewhere.
 local function within(file, folder)
   local here = file:match "^(.*)/[^/]*$" or "."
   return here == folder and file:match "[^/]*$" or nil
 end
 
---- The text of a scene file that makes what the window shows. `path`: where it will lie. Or nil, message.
-function save.text(s, path)
+--- The name of a copy of the scene's file beside `path`, and its path where it is new; or nil, message, code.
+local function copy_beside(file, path)
+  local text, message, code = core.read_file(file, 2 ^ 24)
+  if not text then return nil, message, code end
+  for n = 1, 99 do
+    local name = path:gsub("%-[^-/]*%.lua$", n == 1 and "-scene.lua" or ("-scene-%d.lua"):format(n))
+    local there = core.read_file(name, 2 ^ 24)
+    local new = there == nil and not exists(name)
+    if new then
+      local ok
+      ok, message, code = write(name, text)
+      if not ok then return nil, message, code end
+    end
+    if new or there == text then return name:match "[^/]*$", new and name or nil end
+  end
+  return nil, ("copies of %s beside %s are all taken"):format(check.describe(file), check.describe(path)), "EIO"
+end
+
+--- The text of a scene file that makes what the window shows, and the path of a copy that it needed. `path`: where it will lie.
+-- Or nil, message, code.
+local function text_of(s, path)
   local out = { ("-- %s, changed in a window (ylm live)."):format((s.scene.name or "scene"):gsub("%c", " ")), "" }
   local function add(line, ...) out[#out + 1] = select("#", ...) > 0 and line:format(...) or line end
   local file = s.scene.file
   add("return scene %q {", s.scene.name or "scene")
   local other = file and within(file, path:match "^(.*)/[^/]*$" or ".")
-  if other then
-    add("  like     = %q,", other)
-  elseif file then
-    return nil, ("the scene's file %s lies in another folder: a scene can be like files of its own folder alone"):format(
-      check.describe(file))
+  local copied, code
+  if file and not other then
+    if not s.scene.alone then
+      return nil, ("the scene's file %s lies in another folder and is made of other files there: save beside it (%s)"):format(
+        check.describe(file), check.describe((file:gsub("%.%w+$", "")))), "EINVAL"
+    end
+    other, copied, code = copy_beside(file, path)
+    if not other then return nil, copied, code end
   end
+  if other then add("  like     = %q,", other) end
   local c = s.camera
   if not other or c ~= s.cameras[1] then
     add("  camera   = camera { from = %s, at = %s, up = %s, fov = %s },", vector(c.from), vector(c.at), vector(c.up),
@@ -82,8 +115,12 @@ function save.text(s, path)
     if #removed > 0 then add("  removed  = { " .. table.concat(removed, ", ") .. " },") end
     if #added > 0 then add("  added    = {\n" .. table.concat(added, "\n") .. "\n  },") end
   else
-    if s.others > 0 then return nil, "a scene without a file is saved as a list of sphere lights, and it has other lights" end
-    if #s.lamps > MOST then return nil, ("a scene without a file is saved as a list of at most %d lights"):format(MOST) end
+    if s.others > 0 then
+      return nil, "a scene without a file is saved as a list of sphere lights, and it has other lights", "EINVAL"
+    end
+    if #s.lamps > MOST then
+      return nil, ("a scene without a file is saved as a list of at most %d lights"):format(MOST), "EINVAL"
+    end
     add "  lights   = {"
     for _, row in ipairs(s.lamps) do add("    sphere_light %s,", fields(row)) end
     add "  },"
@@ -91,23 +128,18 @@ function save.text(s, path)
   local probes = probes_line(s)
   if probes then add(probes) end
   add "}"
-  return table.concat(out, "\n") .. "\n"
+  return table.concat(out, "\n") .. "\n", copied
 end
 
---- Writes a text whole or not at all: true, or nil, message, code.
-local function write(path, text) return check.result("live", core.file_save(path, text)) end
-
-local function exists(path)
-  local file = io.open(path, "rb")
-  if file then file:close() end
-  return file ~= nil
-end
-
---- Writes the scene alone, over what stood there: for work that shall not be lost.
+--- Writes the scene alone, over what stood there: for work that shall not be lost. True, and the path of a copy of the scene's
+-- file where that lies in another folder; or nil, message, code.
 function save.scene(s, path)
-  local text, message = save.text(s, path)
-  if not text then return nil, message, "EINVAL" end
-  return write(path, text)
+  local text, copied, code = text_of(s, path)
+  if not text then return nil, copied, code end
+  local ok, message
+  ok, message, code = write(path, text)
+  if not ok then return nil, message, code end
+  return true, copied
 end
 
 --- Writes PREFIX-N.lua, PREFIX-N.png and PREFIX-N.exr with the first N of 1 to 999 that is free; `png(path)` and `image` make
@@ -120,6 +152,7 @@ function save.all(s, prefix, png, image)
       local ok, message, code = save.scene(s, name .. ".lua")
       if ok then names[1] = name .. ".lua" elseif code ~= "EINVAL" then return nil, message, code end
       local note = not ok and message or nil
+      if ok and message then names[2] = message end
       ok, message, code = png(name .. ".png")
       if not ok then return nil, message, code end
       names[#names + 1] = name .. ".png"
