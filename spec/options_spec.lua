@@ -7,6 +7,7 @@ local check = require "ylm.check"
 local form = require "ylm.form"
 local help = require "ylm.help"
 local reference = require "ylm.describe"
+local scratch = require "spec.support.scratch"
 local ylm = help.load()
 
 local closed = ylm.array { 1 }
@@ -35,6 +36,14 @@ local constructors = setmetatable({}, { __index = function(_, name)
 end })
 local env = setmetatable({ ylm = setmetatable({}, { __index = function(_, name) return constructors[name] or ylm[name] end }) },
   { __index = function(_, name) return constructors[name] or _G[name] end })
+
+--- Files of examples are in a folder of this spec: a refusal ends an example before it removes them.
+local folder
+local names_of_files = 0
+env.os = setmetatable({ tmpname = function()
+  names_of_files = names_of_files + 1
+  return ("%s/%d"):format(folder.path, names_of_files)
+end }, { __index = os })
 
 --- An example as a function; that of a form may be one constructor call.
 local function compiled(text)
@@ -78,6 +87,7 @@ end
 describe("options", function()
   local options = form.options
   setup(function()
+    folder = scratch.new()
     form.options = function(n, name, fields, given) -- luacheck: ignore
       local values_, a, b = options(n, name, fields, changed(fields, given))
       return values_, a, b
@@ -85,6 +95,7 @@ describe("options", function()
   end)
   teardown(function()
     form.options = options -- luacheck: ignore
+    folder:remove()
     os.remove "16" -- a journal of team:each
   end)
 
