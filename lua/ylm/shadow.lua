@@ -655,6 +655,9 @@ assert(lit[1][1] > 3 * math.abs(dark[1][1]))]],
   source = "Zhou et al. 2005; Xin et al. 2021; docs/shadow_fields.md",
 })
 
+--- A list of lights, packed, as light behind no body: the metric of bakes. For lua/ylm/light.
+function shadoweds.__join(packed) return shadow.shadowed { lights = packed, casters = {} } end
+
 --- The record of an open object; raises.
 local function opened(name, s)
   local of = about_of[s]

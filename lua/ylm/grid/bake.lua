@@ -276,8 +276,12 @@ function bake.bake(description, lights, given)
     packed, failed, why = light.field(2, "bake", lights)
     if not packed then return nil, failed, why end
   end
-  local of_body = bake.of_body(packed)
+  local of_body, tally = bake.of_body(packed), light.tally(packed)
   local body
+  if type(packed) ~= "function" then
+    packed, failed, why = light.joined(packed)
+    if not packed then return nil, failed, why end
+  end
   if of_body then
     o, body, failed = of_body.__for_grid(packed, description, o)
     if not o then return nil, body, failed end
@@ -316,7 +320,6 @@ function bake.bake(description, lights, given)
     floor = floor_of(description, quantity, measure), body = body, like = o.like,
   }
   local baked, stages, code
-  local tally = light.tally(packed)
   if in_bricks then
     baked, stages, code = set.bake(wanted, object, occupied, o, in_bricks)
   else

@@ -85,6 +85,16 @@ function light.heed(object, lmax)
   return list
 end
 
+--- A light field that has the metric of bakes: a list of lights with light behind bodies in it has one as one such light. Or
+-- nil, message, code.
+function light.joined(object)
+  for _, part in ipairs(object ~= nil and light.parts[object] or {}) do
+    local join = getmetatable(part).__join
+    if join then return join(object) end
+  end
+  return object
+end
+
 --- A function that tells what light fields behind bodies have multiplied since now, as shadowed.stats; nil: there are none.
 function light.tally(...)
   local first, list = {}, {}
