@@ -574,6 +574,17 @@ describe("ylm.load_gltf", function()
       end
     end)
 
+    it("look the same", function()
+      local lit = ylm.scene "lit" { camera = scene.camera, geometry = { scene.geometry[1], scene.geometry[2], scene.geometry[4] },
+        lights = { lights[1], lights[4] } }
+      assert(lit:save(folder.path .. "/lit.glb"))
+      local function look(of) return of:reference { size = { 24, 16 }, visibility = "none" }:layer() end
+      local a, d = look(lit), look(assert(ylm.load_scene(folder.path .. "/lit.glb")))
+      d = d - a
+      assert((d * d):mean() <= 1e-6 * a:max() ^ 2, (d * d):mean()) -- 60 dB
+      assert(a:max() > 0.1)
+    end)
+
     it("leave what another program has changed", function()
       local path = folder.path .. "/a.gltf"
       assert(ylm.scene "x" { lights = { lights[1], lights[4] } }:save(path))
@@ -721,6 +732,22 @@ const bytes = f => new Uint8Array(fs.readFileSync(f));
     end)
 
     it("more than it may hold", function()
+      local instances = { { children = { 1, 2, 3, 4 } } }
+      for i = 2, 5 do instances[i] = { mesh = 0 } end
+      local f = gltf.new()
+      f:accessor("VEC3", 5126, square)
+      f:accessor("SCALAR", 5123, { 0, 1, 2 })
+      local several = folder:write("several.gltf", f:text { meshes = mesh.meshes, nodes = instances })
+      assert.equal(4, assert(ylm.load_gltf(several)).report.triangles)
+      local none, says, why = ylm.load_scene(several, { triangles = 3 })
+      assert.is_nil(none)
+      assert.equal("ELIMIT", why)
+      assert.truthy(says:find("more than 3 triangles", 1, true), says)
+      -- An image that says it is large: 14 GB were to be taken.
+      local large = { materials = { { pbrMetallicRoughness = { baseColorTexture = { index = 0 } } } },
+        textures = { { source = 0 } },
+        images = { { uri = "data:image/png;base64," .. gltf.base64(gltf.png(60000, 60000, nil, 0)) } } }
+      refuses("ELIMIT", "image 0", gltf.new():text(large))
       local path = folder:write("many.gltf", changed())
       local m, message, code = ylm.load_scene(path, { triangles = 0 })
       assert.is_nil(m)

@@ -160,6 +160,12 @@ describe("a page", function()
     end
     local high = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 1, lmax = 9 }, scene.lights)
     refused("lmax 9 needs 100 numbers a corner of a cell and channel; bake with lmax <= 8", "ELIMIT", high)
+    if long(false, true) then
+      local fine = assert(ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 257, lmax = 0 },
+        scene.lights, { geometry = ylm.quad { corner = { -0.1, 0.03, 0.1 }, u = { 0.2, 0, 0 }, v = { 0, 0, -0.2 } } }))
+      refused("257 x 257 x 257 voxels are too many for a page: at most 2^24", "ELIMIT", fine)
+      fine:close()
+    end
     refused("MB of light", "ELIMIT", grid, { scene = scene, limit = 1e4 })
     assert.has_error(function() grid:save(path, { scene = 1 }) end)
     assert.has_error(function() grid:save(path, { poster = "x" }) end)

@@ -56,10 +56,10 @@ function gltf.bytes(component, list)
   return table.concat(out)
 end
 
---- A PNG file of 8-bit RGBA, not compressed; f(x, y) -> r, g, b, a.
-function gltf.png(width, height, f)
+--- A PNG file of 8-bit RGBA, not compressed; f(x, y) -> r, g, b, a. `there`: rows that it has in the end, or nil: all.
+function gltf.png(width, height, f, there)
   local rows = {}
-  for y = 1, height do
+  for y = 1, there or height do
     rows[#rows + 1] = "\0"
     for x = 1, width do rows[#rows + 1] = string.char(f(x, y)) end
   end
