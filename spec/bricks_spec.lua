@@ -96,6 +96,15 @@ describe("a grid in bricks", function()
     assert.not_equal(forms[1], forms[3])
   end)
 
+  if long(false, true) then
+    local tool = require "spec.support.tool"
+    it("is drawn by examples/cluster/bricks_picture.lua", function()
+      local out, status = scratch.capture(("%s run examples/cluster/bricks_picture.lua --quick --out %s"):format(tool.command,
+        scratch.quote(folder.path .. "/picture")))
+      assert(status == 0 and out:find "%d+ points in %d+ bricks", out)
+    end)
+  end
+
   it("goes on where it was, to the same files, and opens what is finished", function()
     local description = described { bricks = 1 }
     assert(ylm.bake(description, lamps, { to = to "whole.ylmd" }))

@@ -27,7 +27,7 @@ local function add(n)
   return sum
 end
 
--- What a process of a row does; its seconds, and what the row tells besides.
+-- Rows: a function that a process calls, which returns seconds and what the row tells besides.
 local rows = {}
 
 function rows.nothing() return 0, "" end
