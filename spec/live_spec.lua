@@ -547,6 +547,18 @@ return scene "room" {
     assert.equal(n, random_events(n, 20261123, long(100, 300)).events)
   end)
 
+  it("leave less than a megabyte a window", function()
+    local s, n, first, last = scene { probes = ylm.adaptive_grid { lmax = 1, depth = 2, tolerance = 0.1 } }, long(4, 22), nil, nil
+    for i = 1, n do
+      assert(play(s, { { 0, "key", "l" } }, { size = { 64, 48 }, samples = 1, transfer_samples = 4, refine = { "view" } }))
+      collectgarbage()
+      collectgarbage()
+      last = tonumber(bytes("/proc/self/status"):match "VmRSS:%s+(%d+)")
+      if i == 2 then first = last end
+    end
+    assert(last - first <= 1024 * (n - 2), last - first .. " kB")
+  end)
+
   it("run without geometry, without lamps, without probes, with flat lamps", function()
     local flat = ylm.polygon_light { vertices = { { -1, 2, 0 }, { 1, 2, 0 }, { 0, 2, 1 } }, radiance = 2 }
     local rows = { scene { geometry = {} }, scene { lights = {} }, scene { lights = { flat } }, scene { lights = { flat,

@@ -27,5 +27,5 @@ return {
   engines = 3, site = 2,
   scene_like = { 1 }, gltf = { 1 }, sh_exponential = 1, shadow_fields = 6, shadow_rays = 2, sphere_set = 2, page = 8,
   bricks = 8,
-  prepared_look = 1, live = 10, live_display = 6,
+  prepared_look = 1, live = 11, live_display = 6,
 }
