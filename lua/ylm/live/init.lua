@@ -5,7 +5,6 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local sphere = require "ylm.light.sphere"
-local memory = require "ylm.memory"
 local picture = require "ylm.picture"
 require "ylm.render.options" -- the type image_size
 local replay = require "ylm.live.replay"
@@ -317,16 +316,16 @@ function live.live(s, given)
     end
   end
   local start = core.seconds()
-  local window
-  window, message, code = check.result("live", vtk.live(o.size[1], o.size[2], s.name or "ylm", o.hidden))
-  if not window then return nil, message, code end
-  local me
-  local good, ok, why, status = memory.pcall(function()
+  local window, me
+  local function work()
     me = sessions.new(s, window, o)
     me.record, me.fixed = { replay.head(o.size) }, events and 1 or nil
     return run(me, events)
-  end)
-  window:close()
+  end
+  window, message, code = check.result("live", vtk.live(o.size[1], o.size[2], s.name or "ylm", o.hidden))
+  if not window then return nil, message, code end
+  local good, ok, why, status = pcall(work)
+  window:close() -- whatever was raised, memory that ran out included
   if me and o.record then check.result("live", core.file_save(o.record, table.concat(me.record, "\n") .. "\n")) end
   if not good then error(ok, 0) end
   if not ok then return nil, why, status end

@@ -605,6 +605,10 @@ for name, make in pairs(looks) do
     return p:pixels()
   end)
 end
+calls["picture live: scene:live"] = on(scene, function(s)
+  return s:live { hidden = true, quiet = true, size = { 64, 48 }, samples = 1, transfer_samples = 4, light_samples = 16,
+    save = "unused/live", events = { { 0, "key", "Tab" }, { 0, "key", "l" }, { 1, "key", "Right" }, { 2, "rest" } } }
+end)
 calls["picture: view as glTF"] = on(function(keep) return ylm.view { sh = coefficients(2, 2) }, keep "p.gltf" end,
   function(v, path) return v:save(path) end)
 

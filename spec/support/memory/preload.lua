@@ -26,12 +26,13 @@ function preload.new(folder)
   end
 end
 
---- Sweeps the calls whose names match a pattern (sweep.lua), every stride-th request, or with YLM_MEMORY=all each.
-function preload.sweep(program, folder, pattern, stride)
+--- Sweeps the calls whose names match a pattern (sweep.lua), every stride-th request, or with YLM_MEMORY=all each, or
+-- every `all`-th.
+function preload.sweep(program, folder, pattern, stride, all)
   local files = folder.path .. "/files"
   scratch.shell("mkdir -p " .. quote(files))
   return program(("spec/support/memory/sweep.lua %s %d %s"):format(quote(files),
-    os.getenv "YLM_MEMORY" == "all" and 1 or stride, quote(pattern)))
+    os.getenv "YLM_MEMORY" == "all" and (all or 1) or stride, quote(pattern)))
 end
 
 return preload
