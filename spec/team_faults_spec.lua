@@ -37,7 +37,7 @@ describe("a bake in bricks that a team shares, where something breaks", function
     return (scratch.capture(("cd %s && find . -type f ! -name '.*' | LC_ALL=C sort | xargs cksum"):format(scratch.quote(path))))
   end
 
-  --- What every process does: it leaves its number and its parent's, mpirun's, in a file, and bakes.
+  --- The work of every process: it leaves its number and its parent's, mpirun's, in a file, and bakes.
   local function process(path, before)
     return ("echo $$ $PPID >%s.$OMPI_COMM_WORLD_RANK\n%s\nexec env %sbake %s -q -j 1 -o %s"):format(scratch.quote(to "pid"),
       before or "", tool.command, scene, scratch.quote(path))

@@ -3,8 +3,7 @@
 **
 ** Numbers are reflected: bit 63 of a remainder is x^0, so that the first byte of a message has its highest powers. A message of
 ** 16-byte blocks keeps its remainder where a block A = (a, b) is replaced by a x^(d+64) + b x^d, added to the block d bits
-** further on (Gopal, Ozturk, Guilford, Wolrich, Feghali, Dixon, Karakoyunlu 2009, "Fast CRC computation for generic polynomials
-** using PCLMULQDQ instruction"). The last block goes through the tables.
+** further on (Gopal et al. 2009). The last block goes through the tables.
 */
 #include "ylm_base.h"
 
