@@ -41,7 +41,7 @@ end
 function rows.divided(team, begin)
   local cells = quick and 8 or 20
   local grid = assert(ylm.bake(ylm.uniform_grid { bounds = box, lmax = 4, cells = { cells, cells, cells } },
-    lamps(quick and 1000 or 200000), { team = team }))
+    lamps(quick and 1000 or 100000), { team = team }))
   return core.seconds() - begin, ("%d points"):format(grid.stats.points)
 end
 
@@ -109,7 +109,7 @@ end
 local header = "| work | processes | threads of each | s with the start | s | speed |\n| --- | --: | --: | --: | --: | --: |"
 print(header)
 compare("a bake in bricks", "bricks")
-compare("a divided bake, 200,000 lights exactly", "divided")
+compare("a divided bake, 100,000 lights exactly", "divided")
 os.execute("rm -rf '" .. folder .. "'")
 
 -- A case of a sweep takes as long as this process needs for it, alone.
