@@ -92,12 +92,14 @@ void ylm_texture_set_wrap(ylm_texture *t, ylm_texture_wrap u, ylm_texture_wrap v
   t->wrap[1] = v;
 }
 
-double ylm_texture_fold(ylm_texture_wrap wrap, double x) {
-  if (wrap == YLM_TEXTURE_CLAMP) return x < 0 ? 0 : x > 1 ? 1 : x;
+static double fold(ylm_texture_wrap wrap, double x) {
   if (wrap == YLM_TEXTURE_REPEAT) return x - floor(x);
+  if (wrap == YLM_TEXTURE_CLAMP) return x < 0 ? 0 : x > 1 ? 1 : x;
   double in = x - 2 * floor(x / 2);
   return in > 1 ? 2 - in : in;
 }
+
+double ylm_texture_fold(ylm_texture_wrap wrap, double x) { return fold(wrap, x); }
 
 /* The two of n texels in a row beside the place x of 0 .. 1, and the second one's weight. */
 static double neighbours(ylm_texture_wrap wrap, double x, size_t n, size_t *a, size_t *b) {
@@ -110,7 +112,7 @@ static double neighbours(ylm_texture_wrap wrap, double x, size_t n, size_t *a, s
 
 void ylm_texture_at(const ylm_texture *t, float u, float v, float out[3]) {
   size_t left, right, top, bottom;
-  double x = ylm_texture_fold(t->wrap[0], (double)u), y = ylm_texture_fold(t->wrap[1], (double)v);
+  double x = fold(t->wrap[0], (double)u), y = fold(t->wrap[1], (double)v);
   float s = (float)neighbours(t->wrap[0], x, t->width, &left, &right);
   float r = (float)neighbours(t->wrap[1], 1 - y, t->height, &top, &bottom);
   const float *first = t->texel + 3 * t->width * top, *second = t->texel + 3 * t->width * bottom;
