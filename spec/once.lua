@@ -3,7 +3,7 @@
 -- its seconds of processor time: spec/run begins with the longest.
 
 return {
-  array_math = { 1 }, cli_sh = 3, team = { 8 }, team_bake = 6, team_bricks = 8, team_faults = 1,
+  array_math = { 1 }, cli_sh = 3, team = { 8 }, team_bake = 6, team_bricks = 8, team_faults = 2,
   options = { 7 }, readme = { 6 }, gather = 6,
   vulkan_rims = 60, vulkan_light = 60, grid_update_flat = 16, neon = 46, vulkan_octree = 31, vulkan_tolerance = 16,
   vulkan_points = 27, vulkan_sample = 14, papers = 32, codegen = 10, vulkan_keep = 20, vulkan_fault = 12,

@@ -6,6 +6,7 @@ local mpi = require "spec.support.mpi"
 local random = require "spec.support.random".minimal
 local scratch = require "spec.support.scratch"
 local tool = require "spec.support.tool"
+local ylm = require "ylm"
 
 --- A lamp reaches over borders of bricks.
 local SCENE = [[return scene "faults" {
@@ -111,4 +112,110 @@ describe("a bake in bricks that a team shares, where something breaks", function
     end
     kills.say("%d kills, %d attempts; the last process had ended %.2f s after a kill at most", killed, tries, slowest)
   end)
+
+  --- A folder whose bake was cancelled while bricks were joined: it has files of every kind.
+  local function begun(name)
+    local calls, loaded = 0, assert(ylm.load_scene(folder.path .. "/scene.lua"))
+    local grid, message = loaded:bake { to = to(name), threads = 1, progress = function(_, _, stage)
+      if stage == "joining" then calls = calls + 1 end
+      return calls < 4
+    end }
+    assert.is_nil(grid)
+    assert.equal("cancelled", message)
+  end
+
+  --- Flips a bit of a file.
+  local function flip(path, part)
+    local text = scratch.text(path)
+    local at = math.min(#text, 1 + math.floor(part * #text))
+    local file = assert(io.open(path, "wb"))
+    file:write(text:sub(1, at - 1), string.char((text:byte(at) + 1) % 256), text:sub(at + 1))
+    file:close()
+  end
+
+  --- A run by n processes that failed: one message, soon; returns it.
+  local function one_message(out, status, seconds)
+    assert(status ~= 0 and seconds < SECONDS, ("status %d after %.2f s: %s"):format(status, seconds, out))
+    assert.equal(1, select(2, ("\n" .. out):gsub("\nylm: ", "")), out)
+    return out
+  end
+
+  it("bakes anew the files of bricks that are damaged, or all end with one message and a call again does", function()
+    if mpi.missing() then return pending(mpi.missing()) end
+    begun "begun.ylmd"
+    local wanted, path = sums(one), to "bytes.ylmd"
+    local copy = ("rm -rf %s && cp -a %s %s"):format(scratch.quote(path), scratch.quote(to "begun.ylmd"), scratch.quote(path))
+    for _, case in ipairs(long({ { "b", 0.6 } }, { { "a", 0.01 }, { "a", 0.6 }, { "b", 0.01 }, { "b", 0.6 }, { "c", 0.01 },
+      { "c", 0.6 }, { "fill", 0.6 }, { "form", 0.6 },
+      { "ylm", 0 } })) do
+      assert(scratch.shell(copy))
+      local kind = case[1]
+      local file = kind:find "^f" and path .. "/" .. kind
+        or scratch.lines(("ls -S %s/*/*.%s"):format(scratch.quote(path), kind))[1] -- the largest
+      flip(file, case[2])
+      local out, status, seconds = run(3, "sh", process(path))
+      if status ~= 0 then one_message(out, status, seconds) end
+      kills.say("%s flipped at %g: status %d after %.2f s: %s", kind, case[2], status, seconds, out:match "[^\n]*")
+      if kind == "form" then
+        assert(status ~= 0 and out:find("differs in", 1, true), out)
+      else
+        if status ~= 0 then
+          assert(out:find("damaged", 1, true), out)
+          out, status = run(2, "sh", process(path))
+        end
+        assert.equal(0, status, out)
+        assert.equal(wanted, sums(path))
+      end
+    end
+  end)
+
+  it("ends for all with one message where a disk is full, and goes on when it is not", function()
+    if mpi.missing() then return pending(mpi.missing()) end
+    local wanted, path = sums(one), to "full.ylmd"
+    for _, case in ipairs(long({ { 2, "= 1" } }, { { 2, "= 0" }, { 3, "= 1" }, { 3, "-gt 0" }, { 3, "-ge 0" } })) do
+      scratch.shell("rm -rf " .. scratch.quote(path))
+      local out, status, seconds = run(case[1], "sh",
+        process(path, ("trap '' XFSZ; [ $OMPI_COMM_WORLD_RANK %s ] && ulimit -f 40"):format(case[2])))
+      one_message(out, status, seconds)
+      assert(out:find("cannot be written: File too large", 1, true), out)
+      kills.say("disk full for rank %s of %d: status %d after %.2f s: %s", case[2], case[1], status, seconds, out:match "[^\n]*")
+      out, status = run(case[1], "sh", process(path))
+      assert.equal(0, status, out)
+      assert.equal(wanted, sums(path))
+      assert.equal("", (scratch.capture(("find %s -name '*unfinished*'"):format(scratch.quote(path)))))
+    end
+  end)
+
+  if long(false, true) then
+    it("tells of damaged bricks where they are sampled, by one message of all", function()
+      if mpi.missing() then return pending(mpi.missing()) end
+      local path = to "sampled.ylmd"
+      for _, name in ipairs { "index", "top.ylm", "brick" } do
+        assert(scratch.shell(("rm -rf %s && cp -a %s %s"):format(scratch.quote(path), scratch.quote(one), scratch.quote(path))))
+        local brick = scratch.lines(("ls -S %s/*/*.ylm"):format(scratch.quote(path)))[1]
+        flip(name == "brick" and brick or path .. "/" .. name, 0.6)
+        local out, status, seconds = run(3, "lua", ([[
+          local ylm = require "ylm"
+          local slices, team = {}, ylm.team()
+          for i = 1, 12 do slices[i] = i end
+          local results, message, code = team:each(slices, function(i)
+            local points = {}
+            local grid, message, code = ylm.load(%q, { cache = "16 MB" })
+            if not grid then return nil, message, code end
+            for k = 1, 200 do
+              local t = k * 2.4
+              points[k] = { 0.3 + 0.45 * math.cos(t), 0.4 + 0.4 * (i / 6 - 1), 0.1 + 0.45 * math.sin(t) * k / 200 }
+            end
+            local c, why, kind = grid:sample(points)
+            grid:close()
+            if not c then return nil, why, kind end
+            return #c
+          end)
+          if team.rank == 1 then print(results and "sampled" or "ylm: " .. message, code) end
+          os.exit(results and 0 or 3, true)]]):format(path))
+        assert(one_message(out, status, seconds):find "is damaged.*ECHECKSUM", out)
+        kills.say("%s flipped, sampled by 3: after %.2f s: %s", name, seconds, out:match "[^\n]*")
+      end
+    end)
+  end
 end)

@@ -132,6 +132,8 @@ static ylm_status take_brick(joining *j, const brick *from, ylm_error *e) {
     ylm_free(record);
     if (s != YLM_OK) ylm__grid_no_room(s, j->p->source, e);
   }
+  if (s == YLM_EIO && !ylm__folder_has(path)) /* another process found it damaged, and removed it */
+    s = ylm_fail(e, YLM_ECHECKSUM, "%s: the file is damaged", path);
   if (s == YLM_ECHECKSUM) remove(path);
   return s;
 }
