@@ -15,11 +15,19 @@ local function probes_of(ylm, scene, given)
     depth = given.depth or own and own.depth }
 end
 
+--- Refuses a grid in bricks: a page is one file.
+local function check_whole(path)
+  if not path:lower():find "%.ylmd/*$" then return end
+  status.stop(status.usage, "page: %s is a grid in bricks, and a page holds a whole one: ylm pack makes a file of it", path)
+end
+
 local function load_grid(ylm, path) return status.need_kind("ylm.grid", "a grid", path, ylm.load(path)) end
 
 --- The grid of a page and its scene, which a grid alone has not.
 local function things_of(ylm, given)
   local path = given[1]
+  check_whole(path)
+  check_whole(given.grid or "")
   if path:lower():find "%.ylm$" then
     if given.grid then status.stop(status.usage, "page: %s is a grid already: leave --grid out, or name a scene", path) end
     for _, name in ipairs { "tolerance", "depth" } do

@@ -26,6 +26,8 @@ local function load(ylm, given)
     local kind = core.type(thing) == "ylm.array" and "array" or form.kind(thing):gsub("^ylm%.", "")
     if kind == "array" then found.arrays[i] = thing
     elseif kind == "mesh" then found.meshes[#found.meshes + 1] = thing
+    elseif kind == "grid_set" then
+      status.stop(status.failed, "%s: a grid in bricks: ylm pack makes one file of it, for ylm view", path)
     elseif kind ~= "grid" and kind ~= "scene" then
       status.stop(status.failed, "%s: neither a scene nor a mesh, not a grid or SH vectors", path)
     elseif found[kind] then status.stop(status.usage, "view: one %s at a time, %s is the second", kind, path)
