@@ -210,8 +210,8 @@ ylm_status ylm__border_section(const char *path, const ylm_grid *g, const border
 /* refine.c: bakes a brick, or gives it up. */
 ylm_status ylm__brick_refine(const plan *p, const brick *k, int threads,
                              const ylm_progress *progress, ylm_error *e);
-/* Has a brick been refined, or given up? */
-bool ylm__brick_refined(const plan *p, const brick *k);
+/* Has a brick been refined, or given up? YLM_OK: refined; YLM_ENOMEM where memory ran out; another status where it has not. */
+ylm_status ylm__brick_look(const plan *p, const brick *k);
 bool ylm__brick_given_up(const plan *p, const brick *k);
 /* join.c: finishes a brick; the top where it is NULL. */
 ylm_status ylm__brick_join(const plan *p, const brick *k, int threads, ylm_error *e);

@@ -176,13 +176,14 @@ ylm_status ylm__plan_task(plan *p, size_t task, int threads, const ylm_progress 
 }
 
 /* Has a brick been refined or given up? By another process of the team it has been, but a network file system may show it late. */
-static bool is_there(const plan *p, const brick *k) {
+static ylm_status await_brick(const plan *p, const brick *k) {
   double begin = ylm_seconds();
-  while (!ylm__brick_given_up(p, k) && !ylm__brick_refined(p, k)) {
-    if (!plan_is_shared(p) || ylm_seconds() - begin > LATE_SECONDS) return false;
+  ylm_status s;
+  while (!ylm__brick_given_up(p, k) && (s = ylm__brick_look(p, k)) != YLM_OK) {
+    if (!plan_is_shared(p) || ylm_seconds() - begin > LATE_SECONDS) return s;
     ylm__folder_rest();
   }
-  return true;
+  return YLM_OK;
 }
 
 /* The refined bricks of the round join the list; *more are those that were given up, at its end. */
@@ -193,11 +194,13 @@ static ylm_status take_round(plan *p, size_t *given_up, ylm_error *e) {
   size_t n = 0;
   for (size_t i = 0; i < p->wanteds; i++) {
     const brick k = p->wanted[i];
-    bool there = is_there(p, &k);
+    ylm_status s = await_brick(p, &k);
     if (ylm__brick_given_up(p, &k))
       p->wanted[n++] = k;
-    else if (there)
+    else if (s == YLM_OK)
       all[p->bricks++] = k;
+    else if (s == YLM_ENOMEM)
+      return ylm_fail(e, s, "memory ran out");
     else
       return ylm_fail(e, YLM_EIO, "%s: brick %s is not there, though it was baked", p->how.folder,
                       k.code);

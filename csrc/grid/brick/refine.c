@@ -14,18 +14,18 @@ bool ylm__brick_given_up(const plan *p, const brick *k) {
   return ylm__folder_has(path);
 }
 
-bool ylm__brick_refined(const plan *p, const brick *k) {
+ylm_status ylm__brick_look(const plan *p, const brick *k) {
   char path[FOLDER_PATH];
   border_head h;
   ylm_grid_file_info info;
   ylm__folder_brick(p->how.folder, k->code, "b", path);
-  if (!ylm__folder_has(path) || ylm__border_head(path, &h, NULL) != YLM_OK) return false;
+  ylm_status s = ylm__folder_has(path) ? ylm__border_head(path, &h, NULL) : YLM_EIO;
   ylm__folder_brick(p->how.folder, k->code, "a", path);
-  bool holds = ylm__folder_has(path) && ylm_grid_file_look(path, &info, NULL) == YLM_OK;
-  if (!holds) return false;
-  holds = info.stats.points == h.evaluated;
+  if (s == YLM_OK) s = ylm__folder_has(path) ? ylm_grid_file_look(path, &info, NULL) : YLM_EIO;
+  if (s != YLM_OK) return s;
+  if (info.stats.points != h.evaluated) s = YLM_EFORMAT;
   ylm_grid_file_forget(&info);
-  return holds;
+  return s;
 }
 
 /* The mark that a brick is given up. */
@@ -146,7 +146,7 @@ static ylm_status make(const plan *p, baker *b, const brick *k) {
 
 ylm_status ylm__brick_refine(const plan *p, const brick *k, int threads,
                              const ylm_progress *progress, ylm_error *e) {
-  if (ylm__brick_given_up(p, k) || ylm__brick_refined(p, k)) return YLM_OK;
+  if (ylm__brick_given_up(p, k) || ylm__brick_look(p, k) == YLM_OK) return YLM_OK;
   ylm_grid_source source = *p->source;
   source.threads = threads;
   source.progress = progress;

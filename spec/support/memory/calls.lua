@@ -264,9 +264,9 @@ end)
 local function grid() return ylm.bake(adaptive { tolerance = 0.1 }, few(), { occupied = points(50) }) end
 calls["bake of a grid"] = on(grid, function(g) return ylm.bake(uniform { metric_channels = "none" }, g) end)
 calls["grid:sample"] = on(grid, function(g) return g:sample(points(9), { derivatives = 1 }) end)
-calls["bake in bricks, grid_set:sample"] = on(function(keep) return keep "g.ylmd" end, function(folder)
+calls["bake in bricks, grid_set:sample"] = on(function(keep) return few(), keep "g.ylmd" end, function(light, folder)
   local description = adaptive { threshold = 1, depth = 3, bricks = 1, lmax = 1 }
-  local g, message, code = ylm.bake(description, few(), { to = folder, threads = 1 })
+  local g, message, code = ylm.bake(description, light, { to = folder, threads = 1 })
   local c
   if g then c, message, code = g:sample(points(9), { derivatives = 1 }) end
   os.execute("rm -r " .. folder)
