@@ -463,6 +463,46 @@ static ylm_status before_lamp(block *b, const shadow_lamp *l, size_t from) {
   return s == YLM_OK && b->requests ? add_lamp(b, l) : s;
 }
 
+/* Rows of even light: [channels][rows][count], of which gradients are 0; its values at nodes: [channels][values]. */
+static const real *even_row(const shadow_query *w, size_t c) {
+  return (const real *)w->even + c * w->rows * w->count;
+}
+
+static size_t tile_values(const shadow_query *w) {
+  return ylm_sh_nodes_lanes(w->nodes, DTYPE) * ylm_sh_nodes_count(w->nodes);
+}
+
+static const real *even_nodes(const shadow_query *w, size_t c) {
+  size_t rows = (w->channels * w->rows * w->count + 15) / 16 * 16;
+  return (const real *)w->even + rows + c * ((tile_values(w) + 15) / 16 * 16);
+}
+
+/* Row c of a light. */
+static const real *light_row(const block *b, size_t light, size_t c) {
+  const shadow_query *w = b->w;
+  return light == SHADOW_EVEN ? even_row(w, c)
+                              : b->light + (light * w->channels + c) * w->rows * w->count;
+}
+
+/* Even light at the points of the block. */
+static ylm_status add_even(block *b) {
+  const shadow_query *w = b->w;
+  ylm_status s = YLM_OK;
+  for (size_t i = 0; i < b->m && s == YLM_OK; i++) {
+    size_t n = b->seen_first[i + 1] - b->seen_first[i], first = b->befores;
+    if (n) {
+      s = all_before(b, b->seen_first[i], n);
+      if (s == YLM_OK)
+        s = new_term(b, (shadow_term){.point = i, .first = first, .n = n, .light = SHADOW_EVEN});
+      continue;
+    }
+    for (size_t c = 0; c < w->channels; c++)
+      memcpy(b->out + (i * w->channels + c) * w->rows * w->count, even_row(w, c),
+             w->count * sizeof(real));
+  }
+  return s;
+}
+
 /* Light that all lamps send, and light behind all casters, at the points of the block. */
 static ylm_status sum_lights(block *b, const ylm_field *f, bool behind) {
   const shadow_query *w = b->w;
@@ -814,21 +854,26 @@ static void add_result(const tile *t, real *f, size_t c, size_t d) {
     const shadow_term *term = t->term[i];
     real *to = b->out + ((term->point * w->channels + c) * w->rows + d) * w->count;
     const real *from = t->result + i * w->count,
-               *light = b->light + ((term->light * w->channels + c) * w->rows + d) * w->count;
+               *light = light_row(b, term->light, c) + d * w->count;
     for (size_t k = 0; k < w->count; k++) to[k] += term->again ? from[k] - light[k] : from[k];
   }
 }
 
-/* Adds to lambda of the lanes' points: the largest light at nodes times lambda of visibilities. */
+/* The largest value of a lane at nodes. */
+static double largest(const real *light, size_t values, size_t lanes, size_t lane) {
+  real x = 0;
+  for (size_t i = lane; i < values; i += lanes) {
+    real y = light[i] < 0 ? -light[i] : light[i];
+    x = y > x ? y : x;
+  }
+  return (double)x;
+}
+
+/* Adds to lambda of the lanes' points: the largest light at nodes times lambda of visibilities. light NULL: even light. */
 static void add_metric(const tile *t, const real *light, size_t c, double (*most)[3]) {
   block *b = t->b;
   for (size_t lane = 0; lane < t->n; lane++) {
-    real x = 0;
-    for (size_t i = lane; i < t->values; i += t->lanes) {
-      real y = light[i] < 0 ? -light[i] : light[i];
-      x = y > x ? y : x;
-    }
-    most[lane][c] = (double)x;
+    most[lane][c] = light ? largest(light, t->values, t->lanes, lane) : b->w->even_most[c];
     if (c + 1 < b->w->channels) continue;
     const shadow_term *term = t->term[lane];
     double blur = 0, *m = most[lane];
@@ -836,18 +881,46 @@ static void add_metric(const tile *t, const real *light, size_t c, double (*most
       const shadow_before *x1 = &b->before[term->first + k];
       blur += x1->layer < 0 ? 0 : x1->weight * b->blur[x1->seen];
     }
-    double largest = b->w->channels == 1             ? m[0]
-                     : b->w->q->metric_channels == 3 ? sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2])
-                                                     : ylm__emission(m, 1, 0);
-    b->lambda[term->point] += largest * blur;
+    double peak = b->w->channels == 1             ? m[0]
+                  : b->w->q->metric_channels == 3 ? sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2])
+                                                  : ylm__emission(m, 1, 0);
+    b->lambda[term->point] += peak * blur;
+  }
+}
+
+/* The lanes' light in channel c times what they let through, to the results. */
+static void add_light(const tile *t, size_t c, double (*most)[3]) {
+  const shadow_query *w = t->b->w;
+  const real *row[16];
+  for (size_t i = 0; i < t->lanes; i++) row[i] = light_row(t->b, t->term[i]->light, c);
+  to_nodes(t, row, 0, false, t->one);
+  if (w->metric) add_metric(t, t->one, c, most);
+  for (size_t d = 1; d < w->rows; d++) {
+    to_nodes(t, row, d, false, t->two);
+    SUMS(w, t->values, t->two, t->g[d - 1], t->one, t->f, t->two);
+    add_result(t, t->two, c, d);
+  }
+  for (size_t i = 0; i < t->values; i++) t->one[i] *= t->f[i];
+  add_result(t, t->one, c, 0);
+}
+
+/* The same where the light of all lanes is even. */
+static void add_even_light(const tile *t, size_t c, double (*most)[3]) {
+  const shadow_query *w = t->b->w;
+  const real *light = even_nodes(w, c);
+  if (w->metric) add_metric(t, NULL, c, most);
+  for (size_t d = 0; d < w->rows; d++) {
+    const real *f = d ? t->g[d - 1] : t->f;
+    for (size_t i = 0; i < t->values; i++) t->two[i] = f[i] * light[i];
+    add_result(t, t->two, c, d);
   }
 }
 
 static ylm_status run_tile(tile *t) {
   const shadow_query *w = t->b->w;
-  size_t layers = 0, wide = w->rows * w->count;
+  size_t layers = 0;
+  bool even = true;
   double most[16][3];
-  const real *row[16];
   for (size_t i = 0; i < t->n; i++)
     layers = t->term[i]->layers > layers ? t->term[i]->layers : layers;
   for (size_t i = t->n; i < t->lanes; i++) t->term[i] = t->term[t->n - 1];
@@ -860,19 +933,8 @@ static ylm_status run_tile(tile *t) {
   }
   for (size_t k = 0; k < layers; k++) multiply_layer(t, (int)k);
   if (!w->exponential) multiply_spheres(t);
-  for (size_t c = 0; c < w->channels; c++) {
-    for (size_t i = 0; i < t->lanes; i++)
-      row[i] = t->b->light + (t->term[i]->light * w->channels + c) * wide;
-    to_nodes(t, row, 0, false, t->one);
-    if (w->metric) add_metric(t, t->one, c, most);
-    for (size_t d = 1; d < w->rows; d++) {
-      to_nodes(t, row, d, false, t->two);
-      SUMS(w, t->values, t->two, t->g[d - 1], t->one, t->f, t->two);
-      add_result(t, t->two, c, d);
-    }
-    for (size_t i = 0; i < t->values; i++) t->one[i] *= t->f[i];
-    add_result(t, t->one, c, 0);
-  }
+  for (size_t i = 0; i < t->lanes; i++) even = even && t->term[i]->light == SHADOW_EVEN;
+  for (size_t c = 0; c < w->channels; c++) (even ? add_even_light : add_light)(t, c, most);
   return YLM_OK;
 }
 
@@ -1010,7 +1072,7 @@ ylm_status BLOCK(shadow_query *w, size_t begin, size_t end, int worker, ylm_erro
   if (b->out) memset(b->out, 0, numbers * sizeof *b->out);
   ylm_status status = b->out ? see(b) : YLM_ENOMEM;
   if (status == YLM_OK && b->seens) status = hide(b);
-  if (status == YLM_OK && s->rest) status = sum_lights(b, s->rest, true);
+  if (status == YLM_OK && s->rest) status = w->even ? add_even(b) : sum_lights(b, s->rest, true);
   if (status == YLM_OK && s->local) status = sum_lights(b, s->local, false);
   size_t from = b->terms;
   for (size_t k = 0; k < s->lamps && b->seens && status == YLM_OK; k++)
@@ -1022,4 +1084,35 @@ ylm_status BLOCK(shadow_query *w, size_t begin, size_t end, int worker, ylm_erro
   }
   if (status == YLM_OK) write(b);
   return status;
+}
+
+ylm_status EVEN(shadow_query *w, ylm_error *e) {
+  size_t lanes = ylm_sh_nodes_lanes(w->nodes, DTYPE), values = tile_values(w),
+         rows = (w->channels * w->rows * w->count + 15) / 16 * 16;
+  size_t numbers = rows + w->channels * ((values + 15) / 16 * 16);
+  void *scratch = ylm_alloc(ylm_sh_nodes_scratch(w->nodes, DTYPE), 1);
+  real *even = w->even = ylm_alloc_zero(numbers, sizeof *even);
+  ylm_field_query q = {.lmax = w->q->lmax,
+                       .channels = (int)w->channels,
+                       .want = YLM_WANT_VALUE,
+                       .metric_channels = 1,
+                       .dtype = DTYPE,
+                       .threads = 1};
+  /* the room of values at nodes, of which there are more than coefficients */
+  real *value = even ? even + rows : NULL;
+  ylm_field_result r = {.value = value};
+  ylm_status s = scratch && even ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) s = w->s->rest->evaluate(w->s->rest, &q, 1, w->points, &r, e);
+  for (size_t c = 0; c < w->channels && s == YLM_OK; c++)
+    memcpy(even + c * w->rows * w->count, value + c * w->count, w->count * sizeof *even);
+  for (size_t c = 0; c < w->channels && s == YLM_OK; c++) {
+    const void *row[16];
+    real *to = even + rows + c * ((values + 15) / 16 * 16);
+    for (size_t i = 0; i < lanes; i++) row[i] = even_row(w, c);
+    ylm_sh_nodes_synthesise(w->nodes, DTYPE, row, false, to, scratch);
+    w->even_most[c] = largest(to, values, lanes, 0);
+  }
+  atomic_fetch_add(&w->pairs, r.pairs);
+  ylm_free(scratch);
+  return s;
 }

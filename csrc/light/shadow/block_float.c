@@ -4,6 +4,7 @@
 #define SUMS(w, n, out, a, b, c, d) (w)->sums(n, out, a, b, c, d)
 #define PROFILE(w, cap, times, v)                                                                  \
   ((w)->profile ? (w)->profile : profile_plain)((w)->rings, cap, times, (w)->rows, v)
+#define EVEN ylm__shadow_even_f
 #define BLOCK ylm__shadow_block_f
 #define BLOCK_FREE ylm__shadow_block_free_f
 #include "block.h"

@@ -45,6 +45,7 @@ bool ylm__occluder_ball(const ylm_field *f, double at[3], double *radius);
    a lone one. Of 1, errors of irradiance are twice as large. */
 #define SHADOW_STEP 2
 #define SHADOW_STEP_LONE 2.5
+#define SHADOW_EVEN SIZE_MAX
 /* Beyond this share of the distance that a caster's field is asked within, it blends into a disk. */
 #define SHADOW_BLEND 0.9
 
@@ -88,6 +89,7 @@ struct ylm_light_shadowed {
   shadow_caster *caster;
   const ylm_field *local; /* the sum of the lamps; NULL: there are none */
   const ylm_field *rest;  /* light behind all casters; NULL: there is none */
+  bool even;              /* that light is the same at all points */
   ylm_field_sum *local_sum, *rest_sum;
   size_t lamps;
   shadow_lamp *lamp;
@@ -142,6 +144,8 @@ typedef struct shadow_query {
   const ylm_sh_exponential *exponential; /* NULL: visibilities are multiplied */
   ylm_sh_rotation **turn;                /* [n] NULL where a caster is not turned */
   size_t count, rows, channels;          /* coefficients; 1, or 4 with gradients; of the light */
+  void *even;          /* light that is the same at all points, see block.h; NULL: there is none */
+  double even_most[3]; /* the largest of its values at nodes, of each channel */
   bool metric;
   shadow_room *room; /* [threads][ROOMS] */
   void **block;      /* [threads] of block.h */
@@ -159,7 +163,7 @@ typedef struct shadow_seen {
 /* A lamp, or all light behind casters, at a point, with the casters before it. */
 typedef struct shadow_term {
   size_t point, first, n; /* casters first .. first+n-1 of the block's list `before` */
-  size_t light;           /* row of the light */
+  size_t light;           /* row of the light; SHADOW_EVEN: the one that is the same everywhere */
   bool again;             /* the light has been summed without casters: it is taken away */
   size_t layers;          /* factors at nodes */
 } shadow_term;
@@ -182,6 +186,9 @@ void ylm__shadow_cap_of(const shadow_blur *b, const shadow_seen *s, const shadow
 /* Points begin .. end-1 of a query, SHADOW_BLOCK at most. block.h */
 ylm_status ylm__shadow_block_f(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e);
 ylm_status ylm__shadow_block_d(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e);
+/* Asks light that is the same everywhere, once for all blocks of a query; w->even is the caller's to free. block.h */
+ylm_status ylm__shadow_even_f(shadow_query *w, ylm_error *e);
+ylm_status ylm__shadow_even_d(shadow_query *w, ylm_error *e);
 /* Frees what a thread's blocks have kept; NULL: nothing. */
 void ylm__shadow_block_free_f(void *kept);
 void ylm__shadow_block_free_d(void *kept);

@@ -172,8 +172,14 @@ static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
       j.w.blur[lone] = ylm__shadow_blur(degree_of(s, q->lmax), lone);
     j.w.profile = j.w.blur[1].step > 1.2 ? NULL : ylm__shadow_profile();
     j.w.exponential = tables->exponential;
-    status = ylm_parallel(n, grain_of(n, q->threads), q->threads, run, &j, q->progress, "shadows");
+    if (s->even && n) {
+      status = (q->dtype == YLM_DOUBLE ? ylm__shadow_even_d : ylm__shadow_even_f)(&j.w, e);
+      atomic_store(&j.w.pairs, n * atomic_load(&j.w.pairs));
+    }
   }
+  if (status == YLM_OK)
+    status = ylm_parallel(n, grain_of(n, q->threads), q->threads, run, &j, q->progress, "shadows");
+  ylm_free(j.w.even);
   free_turns(s, j.w.turn);
   for (size_t i = 0; j.w.room && i < rooms; i++) ylm_free(j.w.room[i].at);
   ylm_free(j.w.room);
@@ -399,6 +405,9 @@ static ylm_status sort_lights(ylm_light_shadowed *s, const ylm_light_set *set,
     } else
       rest[rests++] = p->field;
   }
+  s->even = rests > 0 && !other;
+  for (size_t k = 0; k < packs; k++)
+    if (!is_local(set->pack[k]) && !set->pack[k]->kind->radiance) s->even = false;
   if (other) rest[rests++] = other;
   s->lamp = ylm_alloc_zero(lamps, sizeof *s->lamp);
   ylm_status status = s->lamp ? YLM_OK : YLM_ENOMEM;
