@@ -41,6 +41,7 @@ bool ylm__occluder_ball(const ylm_field *f, double at[3], double *radius);
 #define SHADOW_LAMPS 4096
 /* Points of a block. */
 #define SHADOW_BLOCK 256
+#define SHADOW_BLOCK_GRADIENTS 64
 /* The width of the step at the rim of a sphere that is evaluated at nodes, in distances of nodes: in a body of several, and of
    a lone one. Of 1, errors of irradiance are twice as large. */
 #define SHADOW_STEP 2

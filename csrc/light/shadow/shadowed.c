@@ -113,10 +113,12 @@ static ylm_status make_turns(const ylm_light_shadowed *s, const ylm_field_query 
   return status;
 }
 
-/* Points of a block: fewer where there are few, so that all threads have some. */
-static size_t grain_of(size_t n, int threads) {
-  size_t share = n / (2 * (size_t)ylm_threads(threads)), lanes = (share + 15) / 16 * 16;
-  return lanes < 16 ? 16 : lanes > SHADOW_BLOCK ? SHADOW_BLOCK : lanes;
+/* Points of a block: fewer where there are few, so that all threads have some, and where gradients of what casters hide
+   would not stay in the cache. */
+static size_t grain_of(size_t n, int threads, size_t rows) {
+  size_t share = n / (2 * (size_t)ylm_threads(threads)), lanes = (share + 15) / 16 * 16,
+         most = rows > 1 ? SHADOW_BLOCK_GRADIENTS : SHADOW_BLOCK;
+  return lanes < 16 ? 16 : lanes > most ? most : lanes;
 }
 
 /* Adds a query to what the light has done so far. */
@@ -178,7 +180,8 @@ static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
     }
   }
   if (status == YLM_OK)
-    status = ylm_parallel(n, grain_of(n, q->threads), q->threads, run, &j, q->progress, "shadows");
+    status = ylm_parallel(n, grain_of(n, q->threads, j.w.rows), q->threads, run, &j, q->progress,
+                          "shadows");
   ylm_free(j.w.even);
   free_turns(s, j.w.turn);
   for (size_t i = 0; j.w.room && i < rooms; i++) ylm_free(j.w.room[i].at);
