@@ -904,7 +904,7 @@ static void add_light(const tile *t, size_t c, double (*most)[3]) {
   add_result(t, t->one, c, 0);
 }
 
-/* The same where the light of all lanes is even. */
+/* As add_light, where the light of all lanes is even. */
 static void add_even_light(const tile *t, size_t c, double (*most)[3]) {
   const shadow_query *w = t->b->w;
   const real *light = even_nodes(w, c);
