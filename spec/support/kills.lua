@@ -16,10 +16,11 @@ function kills.committed(path)
   return found, n
 end
 
---- The first file, in no order, that was committed before and is another now; nil: what was done was not done again.
+--- The first file, in no order, that was committed before and is another now; nil: what was done was not done again. Files
+-- NAME.a are removed at the end of a bake, which a kill may meet.
 function kills.done_again(before, now)
   for name, inode in pairs(before) do
-    if now[name] ~= inode then return name end
+    if now[name] ~= inode and (now[name] or not name:find "%.a$") then return name end
   end
 end
 
