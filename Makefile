@@ -37,7 +37,7 @@ FLAGS_avx512 := -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx2 -mfma -mprefer
 
 # Debuggers see lines of kernels, not their thousands of values; passes that look for loops and repetitions are
 # left out where a generator has written the loops out (gcc; both halve compile times, not speed).
-STRAIGHT := -O2 -fno-tree-pre -fno-gcse -fno-tree-vrp
+STRAIGHT := -O2 -fno-tree-pre -fno-code-hoisting -fno-gcse -fno-tree-vrp
 STRAIGHT := $(if $(filter -O3,$(OPT)),$(shell $(CC) $(STRAIGHT) -Werror -E -x c /dev/null >/dev/null 2>&1 && echo $(STRAIGHT)))
 KERNEL_OPT = $(if $(filter -g,$(OPT)),-g1) $(if $(findstring /gen/,$(1)),$(STRAIGHT) $(SANITIZE_gen))
 

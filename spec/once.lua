@@ -3,9 +3,10 @@
 -- its seconds of processor time: spec/run begins with the longest.
 
 return {
+  memory = { 7 }, documentation = { 5 }, cli_render = { 2 }, cli_status = { 2 }, cli_messages = { 2 }, grid_file = { 2 },
   array_math = { 1 }, cli_sh = 3, team = { 8 }, team_bake = 6, team_bricks = 8, team_faults = 2,
   options = { 7 }, readme = { 6 }, gather = 6,
-  vulkan_rims = 60, vulkan_light = 60, grid_update_flat = 16, neon = 46, vulkan_octree = 31, vulkan_tolerance = 16,
+  vulkan_rims = 36, vulkan_light = 40, grid_update_flat = 16, neon = 46, vulkan_octree = 31, vulkan_tolerance = 16,
   vulkan_points = 27, vulkan_sample = 14, papers = 32, codegen = 10, vulkan_keep = 20, vulkan_fault = 12,
   grid_update = 6, vulkan_image = 10, grid_update_octree = 10, memory_picture = 11, view_grid = 8,
   vulkan_uniform = 7, light_tree = 7,

@@ -53,8 +53,8 @@ describe("lights on a device", function()
     end
 
     it("by loops, of values alone, of gradients, of rgb, of the metric of rgb", function()
-      agree(12, lights, points, { channels = "luminance" }, 1e-5)
-      agree(13, lights, few, { derivatives = 1, metric = "luminance" }, 1e-5)
+      if long(false, true) then agree(12, lights, points, { channels = "luminance" }, 1e-5) end
+      agree(long(11, 13), lights, few, { derivatives = 1, metric = "luminance" }, 1e-5)
       agree(11, lights, few, { metric = "rgb" }, 1e-5)
     end)
 
@@ -65,7 +65,8 @@ describe("lights on a device", function()
     it("by loops to 1e-12 in double", function()
       if not gpu.limits.float64 then pending "the device does not compute in double" end
       agree(15, lights, few, { derivatives = 2, dtype = "double", channels = "luminance", metric = "luminance" }, 1e-12)
-      agree(long(15, 20), lights, few, { derivatives = 1, dtype = "double", channels = "luminance" }, 1e-12)
+      if long(true, false) then return end
+      agree(20, lights, few, { derivatives = 1, dtype = "double", channels = "luminance" }, 1e-12)
     end)
 
     it("of rgb, with the metric of luminance or of rgb", function()
@@ -86,7 +87,7 @@ describe("lights on a device", function()
       it("of the product rule with loops " .. method, function()
         agree(2, lights, points, { derivatives = 2, metric = "luminance", method = method }, 1e-5)
         agree(long(2, 4), lights, points, { derivatives = 1, channels = "luminance", method = method }, 1e-5)
-        agree(long(2, 3), lights, points, { channels = "luminance", method = method }, 1e-5)
+        if long(false, true) then agree(3, lights, points, { channels = "luminance", method = method }, 1e-5) end
         if gpu.limits.float64 then
           agree(2, lights, points, { derivatives = 2, channels = "luminance", dtype = "double", method = method }, 1e-12)
         end
@@ -162,7 +163,7 @@ describe("lights on a device", function()
 
     it("by loops above: Hessians and the metric, gradients, values; and in double", function()
       agree(11, mixed, few, { derivatives = 2, channels = "luminance", metric = "luminance" }, 1e-5)
-      agree(long(11, 15), flat, few, { derivatives = 1, channels = "luminance" }, 1e-5)
+      if long(false, true) then agree(15, flat, few, { derivatives = 1, channels = "luminance" }, 1e-5) end
       agree(long(11, 20), flat, few, { channels = "luminance" }, 1e-5)
       if gpu.limits.float64 then
         agree(11, mixed, few, { derivatives = 2, channels = "luminance", dtype = "double" }, 1e-12)

@@ -71,23 +71,24 @@ describe("exact flat lights on a device", function()
       if long(channels == "rgb", true) then agree(4, lights, points, { channels = channels }, 1e-5) end
       if long(channels ~= "rgb", true) then agree(4, lights, points, { channels = channels, derivatives = 1 }, 1e-5) end
     end
-    agree(4, lights, points, { derivatives = 1, metric = "luminance" }, 1e-5)
+    if long(false, true) then agree(4, lights, points, { derivatives = 1, metric = "luminance" }, 1e-5) end
     agree(4, lights, points, { channels = "luminance", metric = "rgb" }, 1e-5)
   end)
 
   it("agree at lmax 11 and 60, in slices of harmonics, and beyond that they are refused", function()
     local lights = { polygons(2, 1, 3), disks(1, 0.5), polygons(1, 1, 3, { 1, 2, 3 }) }
     agree(11, lights, few, { derivatives = 2, channels = "luminance" }, 1e-5)
-    agree(60, lights, few, { derivatives = 1, channels = "luminance" }, 1e-5)
+    agree(60, lights, few, { derivatives = long(0, 1), channels = "luminance" }, 1e-5)
     local ok, message = pcall(ylm.light_field, 61, lights, few, { device = gpu })
     assert(not ok and message:find("lmax must be .* 60"), message)
   end)
 
   it("agree of one light at one point, of many at many, of polygons with 64 sides", function()
-    agree(4, polygons(1, 1, 3), { { 0.3, 0.2, 0.1 } }, { derivatives = 2 }, 1e-5)
-    agree(4, disks(1, 1), { { 0.3, 0.2, 0.1 } }, { derivatives = 2 }, 1e-5)
-    agree(3, polygons(1500, 0.05, 3), numbers.points(65, 3, 8), { derivatives = 2, channels = "luminance" }, 1e-5)
-    agree(3, polygons(3, 2, 64), points, { derivatives = 2, channels = "luminance" }, 1e-5)
+    local all = { derivatives = 2, channels = "luminance", metric = "luminance" } -- compiled above
+    agree(4, polygons(1, 1, 3), { { 0.3, 0.2, 0.1 } }, all, 1e-5)
+    agree(4, disks(1, 1), { { 0.3, 0.2, 0.1 } }, all, 1e-5)
+    agree(3, polygons(1500, 0.05, 3), numbers.points(65, 3, 8), all, 1e-5)
+    agree(3, polygons(3, 2, 64), points, all, 1e-5)
   end)
 
   it("agree where they are beside spheres, flat lights that spheres stand for, and exact textures", function()
@@ -97,8 +98,9 @@ describe("exact flat lights on a device", function()
       image = { { 1, 2, 3 }, { 4, 0, 6 } } }
     local exact = { polygons(7, 0.6, 3), disks(3, 0.5), texture, polygons(3, 1, 4, { 0, 1, 0 }) }
     agree(4, { exact, spheres }, points, { derivatives = 2, metric = "luminance" }, 1e-5)
-    agree(4, { exact, near }, points, { derivatives = 2, channels = "luminance" }, 1e-5)
     agree(2, { exact, near, spheres }, points, { derivatives = 2, dtype = "double" }, 1e-12)
+    if long(true, false) then return end
+    agree(4, { exact, near }, points, { derivatives = 2, channels = "luminance" }, 1e-5)
     agree(12, { exact, spheres }, few, { derivatives = 1, channels = "luminance" }, 1e-5)
     agree(4, texture, points, { derivatives = 1 }, 1e-5)
   end)

@@ -103,9 +103,9 @@ follow_folded(uint64_t crc, const unsigned char *p, size_t size) {
 static bool has_products(void) {
   return ylm_isa_current() >= YLM_ISA_avx2 && __builtin_cpu_supports("pclmul");
 }
-#endif
 
 static bool by_products;
+#endif
 
 static void begin(void) {
   fill_table();
