@@ -314,6 +314,7 @@ describe("a grid in bricks", function()
         if set then set, message, kind = set:sample { { 0.5, 0.5, 0.5 } } end
         assert.is_nil(set)
         assert.equal(code, kind, message)
+        if name == "index" then assert.matches("bake anew, with fresh = true %(ylm bake %-%-fresh%)$", message) end
       end
       folder:write("grid.ylmd/" .. name, text)
     end

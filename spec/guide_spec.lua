@@ -26,9 +26,9 @@ describe("the guide", function()
     end)
   end
 
-  it("has eight steps", function()
-    assert.equal(8, #blocks.of(tutorial))
-    assert.equal(8, count(tutorial, "\n## %d%. "))
+  it("has eleven steps", function()
+    assert.equal(11, #blocks.of(tutorial))
+    assert.equal(11, count(tutorial, "\n## %d+%. "))
   end)
 
   it("keeps tolerances in the tutorial's sixth step", function()
@@ -78,6 +78,11 @@ describe("the guide", function()
       named = named + 1
     end
     assert(named >= 13, named)
+  end)
+
+  it("names every page on the first one", function()
+    local text = read "README.md"
+    for _, page in ipairs(scratch.lines "ls docs/*.md") do assert(text:find("](" .. page .. ")", 1, true), page) end
   end)
 
   it("is cited by a file that has what CFF 1.2.0 wants", function()

@@ -23,7 +23,7 @@ return {
   transfer_vectors = 3, light_sampled = 1, virtual_lights = 1, virtual_kernel = 2, glossy = 3, gloss_bounced = 5,
   gloss_field = 2, virtual_near = 2, virtual_levels = 1,
   ambient = 1, c = 3,
-  emit = 1, emit_merge = 1, emit_gloss = 2, virtual_gather = 2, spot = 1, guide = 10, plot_lines = 1, virtual_gloss = 2,
+  emit = 1, emit_merge = 1, emit_gloss = 2, virtual_gather = 2, spot = 1, guide = 11, plot_lines = 1, virtual_gloss = 2,
   virtual_gaussian = 1, virtual_random = 1, display = 3, virtual_subset = 1, virtual_visible = 1, virtual_truth = 2,
   engines = 3, site = 2,
   scene_like = { 1 }, gltf = { 1 }, sh_exponential = 1, shadow_fields = 6, shadow_rays = 2, sphere_set = 2, page = 8,

@@ -162,5 +162,6 @@ ylm_status ylm__index_read(const char *folder, index_head *h, index_entry **entr
   if (holds && h->crc == sum_of(h, *entries)) return YLM_OK;
   ylm_free(*entries);
   *entries = NULL;
-  return ylm_fail(e, YLM_ECHECKSUM, "%s: the file is damaged", path);
+  return ylm_fail(e, YLM_ECHECKSUM,
+                  "%s: the file is damaged: bake anew, with fresh = true (ylm bake --fresh)", path);
 }
