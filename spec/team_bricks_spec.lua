@@ -77,27 +77,45 @@ describe("a bake in bricks that a team shares", function()
     assert(status ~= 0 and select(2, out:gsub("another bake, which differs in 'threshold'", "")) == 1, out)
   end)
 
-  it("is written for ParaView by all, a piece for each brick", function()
+  it("is written for ParaView by all, a file for each process with a piece for each brick", function()
     if mpi.missing() then return pending(mpi.missing()) end
-    local path = folder.path .. "/pieces.pvtu"
     local script = folder:write("pieces.lua", ([[
       local ylm = require "ylm"
       local team = ylm.team()
       local grid = assert(ylm.load(%q))
       assert(grid:save(%q, { team = team }))
-      if team.rank == 1 then print(grid.stats.bricks, grid.stats.leaves) end]]):format(one, path))
+      if team.rank > 1 then return end
+      assert(grid:save(%q))
+      assert(assert(ylm.load(%q)):save(%q))
+      print(grid.stats.bricks)]]):format(one, folder.path .. "/all.pvtu", folder.path .. "/lone.pvtu", one .. "/00/00.ylm",
+      folder.path .. "/brick.vtu"))
     local out, status = run(3, "ylm", "run " .. scratch.quote(script))
     assert.equal(0, status, out)
     local bricks = tonumber(out:match "^(%d+)")
-    local text = folder:read "pieces.pvtu"
-    local n, volume = 0, 0
-    for name in text:gmatch 'Piece Source="([^"]+)"' do
-      local head = assert(folder:read(name)):sub(1, 4000)
-      n, volume = n + 1, volume + tonumber(head:match 'NumberOfCells="(%d+)"')
+    --- The arrays of all files of a .pvtu, the number of files, of pieces, of cells.
+    local function content(name)
+      local text, data, files, pieces, cells = folder:read(name), {}, 0, 0, 0
+      for source in text:gmatch 'Piece Source="([^"]+)"' do
+        local head, arrays = assert(folder:read(source)):match '^(.-)<AppendedData encoding="raw">\n_(.*)\n</AppendedData>'
+        files, data[#data + 1] = files + 1, arrays
+        for n in head:gmatch 'NumberOfCells="(%d+)"' do pieces, cells = pieces + 1, cells + tonumber(n) end
+      end
+      assert(text:find('<PDataArray type="Float64" Name="Points" NumberOfComponents="3"/>', 1, true), text)
+      assert(text:find('Name="level"', 1, true) and text:find('Name="L00"', 1, true))
+      return table.concat(data), files, pieces, cells
     end
-    assert.equal(bricks + 1, n)
-    assert(volume > bricks and text:find('<PDataArray type="Float64" Name="Points" NumberOfComponents="3"/>', 1, true), text)
-    assert(text:find('Name="level"', 1, true) and text:find('Name="L00"', 1, true))
+    local data, files, pieces, cells = content "all.pvtu"
+    assert.same({ 3, bricks + 1 }, { files, pieces })
+    local again, alone = content "lone.pvtu"
+    assert.equal(math.ceil((bricks + 1) / 64), alone)
+    assert.is_true(data == again)
+    local brick = folder:read "brick.vtu":match '<AppendedData encoding="raw">\n_(.*)\n</AppendedData>'
+    assert.is_true(data:sub(1, #brick) == brick)
+    local built, vtk = pcall(require, "ylm.c.vtk")
+    if not built then return end
+    local seen = assert(vtk.describe(folder.path .. "/all.pvtu"))
+    assert.equal(seen, vtk.describe(folder.path .. "/lone.pvtu"))
+    assert.equal(cells, tonumber(seen:match "^vtkUnstructuredGrid %d+ (%d+)\n"), seen)
   end)
 
   it("is what the model of clusters measures (examples/cluster)", function()

@@ -248,15 +248,39 @@ typedef struct ylm_figure_data {
   const void *data; /* [n][components] */
 } ylm_figure_data;
 
+/* Hexahedra with numbers at their points and of their own. */
+typedef struct ylm_figure_hexahedra {
+  size_t points, cells;
+  const double *point;   /* [points][3] */
+  const int64_t *corner; /* [cells][8] zero-based rows of point, x fastest */
+  int point_arrays, cell_arrays;
+  const ylm_figure_data *point_data, *cell_data;
+} ylm_figure_hexahedra;
+
 /*
 ** ylm_figure_save_cells - an unstructured grid of hexahedra (.vtu).
-**   point  [points][3]; corner [cells][8] zero-based rows of point, x fastest
 **   Raw appended data, 64-bit sizes; the file is replaced whole or not at all.
 */
-YLM_API ylm_status ylm_figure_save_cells(const char *path, size_t points, const double *point,
-                                         size_t cells, const int64_t *corner, int point_arrays,
-                                         const ylm_figure_data *point_data, int cell_arrays,
-                                         const ylm_figure_data *cell_data, ylm_error *e);
+YLM_API ylm_status ylm_figure_save_cells(const char *path, const ylm_figure_hexahedra *h,
+                                         ylm_error *e);
+
+/*
+** A .vtu file of several pieces, of which one at a time is in memory. It is made beside its target,
+** which ylm_figure_pieces_end replaces.
+**
+**   pieces  in  their number: so many are added
+**
+** Returns  YLM_EIO, YLM_ENOMEM; YLM_ERANGE for a corner that is none of the points; YLM_EINVAL for
+** another number of pieces, or one whose arrays are not those of the first. After a failure nothing
+** is left but to free it.
+*/
+typedef struct ylm_figure_pieces ylm_figure_pieces;
+YLM_API ylm_status ylm_figure_pieces_begin(const char *path, size_t pieces, ylm_figure_pieces **p,
+                                           ylm_error *e);
+YLM_API ylm_status ylm_figure_pieces_add(ylm_figure_pieces *p, const ylm_figure_hexahedra *h,
+                                         ylm_error *e);
+YLM_API ylm_status ylm_figure_pieces_end(ylm_figure_pieces *p, ylm_error *e); /* frees p */
+YLM_API void ylm_figure_pieces_free(ylm_figure_pieces *p);
 /* Triangles or segments with normals and colours (.vtp). */
 YLM_API ylm_status ylm_figure_save_shape(const char *path, const ylm_figure_shape *s, ylm_error *e);
 /* A volume's first component or all (.vti), under `name`. */

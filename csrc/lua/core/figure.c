@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#define PIECES "ylm.figure_pieces"
+
 static ylm_figure_shape *shape_at(lua_State *L, int i) { return ylmL_check(L, i, YLM_SHAPE); }
 
 static int shape_gc(lua_State *L) {
@@ -200,20 +202,79 @@ static int file_arrays(lua_State *L, int i, size_t rows, ylm_figure_data *out, i
   return n;
 }
 
-/* save_cells(path, points [n][3], corners [m][8] one-based, point arrays, cell arrays) */
+/* Room for the arrays of hexahedra. */
+typedef struct arrays {
+  ylm_figure_data point[24], cell[24];
+} arrays;
+
+/* Hexahedra from i on: points [n][3], corners [m][8] one-based, point arrays, cell arrays. The caller
+   frees the corners, which are NULL where memory ran out. */
+static ylm_figure_hexahedra hexahedra_at(lua_State *L, int i, arrays *a) {
+  ylm_figure_hexahedra h = {.point_data = a->point, .cell_data = a->cell};
+  h.point = ylmL_doubles(L, i, 3, &h.points);
+  const double *corner = ylmL_doubles(L, i + 1, 8, &h.cells);
+  h.point_arrays = file_arrays(L, i + 2, h.points, a->point, 24);
+  h.cell_arrays = file_arrays(L, i + 3, h.cells, a->cell, 24);
+  int64_t *index = ylm_alloc(h.cells, 8 * sizeof *index);
+  for (size_t k = 0; index && k < 8 * h.cells; k++)
+    index[k] = isfinite(corner[k]) ? (int64_t)corner[k] - 1 : -1;
+  h.corner = index;
+  return h;
+}
+
+/* save_cells(path, hexahedra...) */
 static int save_cells(lua_State *L) {
+  arrays a;
+  ylm_error e = {0};
   const char *path = luaL_checkstring(L, 1);
-  size_t points, cells;
-  const double *point = ylmL_doubles(L, 2, 3, &points), *corner = ylmL_doubles(L, 3, 8, &cells);
-  ylm_figure_data p[24], c[24];
-  int np = file_arrays(L, 4, points, p, 24), nc = file_arrays(L, 5, cells, c, 24);
-  int64_t *index = ylm_alloc(cells, 8 * sizeof *index);
-  if (!index) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  for (size_t i = 0; i < 8 * cells; i++)
-    index[i] = isfinite(corner[i]) ? (int64_t)corner[i] - 1 : -1;
-  ylm_error e;
-  ylm_status s = ylm_figure_save_cells(path, points, point, cells, index, np, p, nc, c, &e);
-  ylm_free(index);
+  ylm_figure_hexahedra h = hexahedra_at(L, 2, &a);
+  ylm_status s = h.corner ? ylm_figure_save_cells(path, &h, &e) : YLM_ENOMEM;
+  ylm_free((void *)(uintptr_t)h.corner);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
+}
+
+static ylm_figure_pieces **pieces_at(lua_State *L) { return ylmL_check(L, 1, PIECES); }
+
+static int pieces_gc(lua_State *L) {
+  ylm_figure_pieces **p = pieces_at(L);
+  ylm_figure_pieces_free(*p);
+  *p = NULL;
+  return 0;
+}
+
+/* pieces(path, n) -> a file of n pieces; nothing of it stays without pieces_end */
+static int pieces(lua_State *L) {
+  ylm_error e = {0};
+  const char *path = luaL_checkstring(L, 1);
+  size_t n = (size_t)luaL_checknumber(L, 2);
+  ylm_figure_pieces **p = lua_newuserdata(L, sizeof *p);
+  *p = NULL;
+  luaL_getmetatable(L, PIECES);
+  lua_setmetatable(L, -2);
+  return ylmL_result(L, 1, ylm_figure_pieces_begin(path, n, p, &e), &e);
+}
+
+/* pieces_add(pieces, hexahedra...) */
+static int pieces_add(lua_State *L) {
+  arrays a;
+  ylm_error e = {0};
+  ylm_figure_pieces **p = pieces_at(L);
+  if (!*p) return luaL_argerror(L, 1, "the file has been ended");
+  ylm_figure_hexahedra h = hexahedra_at(L, 2, &a);
+  ylm_status s = h.corner ? ylm_figure_pieces_add(*p, &h, &e) : YLM_ENOMEM;
+  ylm_free((void *)(uintptr_t)h.corner);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* pieces_end(pieces) */
+static int pieces_end(lua_State *L) {
+  ylm_error e = {0};
+  ylm_figure_pieces **p = pieces_at(L), *mine = *p;
+  if (!mine) return luaL_argerror(L, 1, "the file has been ended");
+  *p = NULL;
+  ylm_status s = ylm_figure_pieces_end(mine, &e);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, &e);
 }
@@ -231,12 +292,19 @@ static const luaL_Reg functions[] = {{"shape", shape_new},
                                      {"shape_save", shape_save},
                                      {"figure_sphere", sphere},
                                      {"figure_save_cells", save_cells},
+                                     {"figure_pieces", pieces},
+                                     {"figure_pieces_add", pieces_add},
+                                     {"figure_pieces_end", pieces_end},
+                                     {"figure_pieces_discard", pieces_gc},
                                      {"__gc", shape_gc},
                                      {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", shape_gc}, {NULL, NULL}};
+static const luaL_Reg pieces_methods[] = {{"__gc", pieces_gc}, {NULL, NULL}};
 
 void ylmL_open_figure(lua_State *L) {
+  ylmL_type(L, PIECES, pieces_methods);
+  lua_pop(L, 1);
   ylmL_type(L, YLM_SHAPE, methods);
   lua_pop(L, 1);
   luaL_setfuncs(L, functions, 0);

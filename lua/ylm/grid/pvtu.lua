@@ -1,11 +1,14 @@
---- Grids in bricks as .pvtu files, for ParaView: a .vtu for each brick, shared among the processes of a team, and one file that
--- names them.
+--- Grids in bricks as .pvtu files, for ParaView: .vtu files with a piece for each brick, of which every process of a team writes
+-- its share, and one file that names them.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local vtu = require "ylm.grid.vtu"
 
 local pvtu = {}
+
+-- More bricks than these make another file: ParaView reads a file whole, on one of its processes.
+local FILE_BRICKS = 64
 
 --- The place of a voxel of a level among those of its level, as a word.
 local function place(bounds, level, origin)
@@ -32,13 +35,12 @@ local function brick_at(set, n)
   return function(level, origin) return places[place(bounds, level, origin)] end
 end
 
---- Writes one piece; true, or nil, message, code.
-local function save_piece(set, i, n, path)
-  local file = core.grid_set_file(set, i)
-  local grid, message, code = check.result("save", core.grid_read(file))
+--- Adds one brick to a file of pieces; true, or nil, message, code.
+local function add_piece(set, i, n, pieces)
+  local grid, message, code = check.result("save", core.grid_read(core.grid_set_file(set, i)))
   if not grid then return nil, message, code end
   local ok
-  ok, message, code = vtu.save(grid, path, i > n and brick_at(set, n) or nil)
+  ok, message, code = vtu.add(pieces, grid, i > n and brick_at(set, n) or nil)
   grid:close()
   return ok, message, code
 end
@@ -56,8 +58,8 @@ local function declared(head)
 end
 
 --- Writes the file that names the pieces; true, or nil, message, code.
-local function save_list(path, names, first)
-  local file, why = io.open(first, "rb")
+local function save_list(path, names)
+  local file, why = io.open(names[1], "rb")
   if not file then return nil, tostring(why), "EIO" end
   local head = file:read(65536)
   file:close()
@@ -65,33 +67,59 @@ local function save_list(path, names, first)
   local out = { '<?xml version="1.0"?>', ('<VTKFile type="PUnstructuredGrid" version="1.0" byte_order="%s" '
     .. 'header_type="UInt64">'):format(order), '<PUnstructuredGrid GhostLevel="0">', declared(head) }
   for _, name in ipairs(names) do
-    out[#out + 1] = ('<Piece Source="%s"/>'):format((name:gsub("&", "&amp;"):gsub('"', "&quot;"):gsub("<", "&lt;")))
+    local source = name:match "[^/]*$":gsub("&", "&amp;"):gsub('"', "&quot;"):gsub("<", "&lt;")
+    out[#out + 1] = ('<Piece Source="%s"/>'):format(source)
   end
   out[#out + 1] = "</PUnstructuredGrid>\n</VTKFile>\n"
   return core.file_save(path, table.concat(out, "\n"))
 end
 
---- Writes NAME.pvtu and NAME-CODE.vtu beside it; true, or nil, message, code. `handle`: the team's.
+--- The files that `size` processes write pieces 1 .. n to: names; the first piece of each, then n + 1; files of a process.
+local function divide(stem, n, size)
+  local writers = math.min(size, n)
+  local each = math.ceil(n / (writers * FILE_BRICKS))
+  local names, first, count = {}, {}, writers * each
+  for f = 1, count do
+    names[f], first[f] = ("%s-%d-of-%d.vtu"):format(stem, f, count), math.floor((f - 1) * n / count) + 1
+  end
+  first[count + 1] = n + 1
+  return names, first, each
+end
+
+--- Writes one file; true, or nil, message, code; false where another process has failed. ask(): whether none has.
+local function save_file(set, path, first, behind, ask)
+  local pieces, message, code = check.result("save", core.figure_pieces(path, behind - first))
+  if not pieces then return nil, message, code end
+  for i = first, behind - 1 do
+    local ok
+    ok, message, code = ask()
+    if ok then ok, message, code = add_piece(set, i, set.stats.bricks, pieces) end
+    if not ok then
+      core.figure_pieces_discard(pieces)
+      return ok, message, code
+    end
+  end
+  return check.result("save", core.figure_pieces_end(pieces))
+end
+
+--- Writes NAME.pvtu and NAME-K-of-N.vtu beside it; true, or nil, message, code. `handle`: the team's.
 function pvtu.save(set, path, handle)
-  local n, stem, names = set.stats.bricks, path:gsub("%.[^.]*$", ""), {}
-  local function piece(i)
-    local _, digits = place_of_file(core.grid_set_file(set, i))
-    return ("%s-%s.vtu"):format(stem, i > n and "top" or digits)
-  end
-  for i = 1, n + 1 do names[i] = piece(i):match "[^/]*$" end
+  local n = set.stats.bricks + 1
+  local rank, size = core.team_info(handle)
+  local names, first, each = divide(path:gsub("%.[^.]*$", ""), n, size)
+  -- A task is handed out for each piece. Its number means nothing: a process that gets none hears that another has failed.
   local job, ok, message, code = core.team_job(handle), true, nil, nil
-  while ok do
-    local i
-    i, message, code = core.team_next(handle, job, n + 1)
-    if i == false then break end
-    ok = i
-    if i then ok, message, code = save_piece(set, i, n, piece(i)) end
-    if not ok then core.team_stop(handle, job) end
+  local function ask() return core.team_next(handle, job, n) end
+  for f = (rank - 1) * each + 1, math.min(rank * each, #names) do
+    ok, message, code = save_file(set, names[f], first[f], first[f + 1], ask)
+    if not ok then break end
   end
-  ok, message, code = core.team_agree(handle, not ok and code or nil, message)
+  if ok == nil then core.team_stop(handle, job) end
+  ok, message, code = core.team_agree(handle, ok == nil and code or nil, message)
   if not ok then return nil, message, code end
-  if core.team_info(handle) == 1 then ok, message, code = save_list(path, names, piece(n + 1)) end
-  return core.team_agree(handle, not ok and code or nil, message)
+  ok, message, code = ask() -- none is left
+  if ok == false and rank == 1 then ok, message, code = save_list(path, names) end
+  return core.team_agree(handle, ok == nil and code or nil, message)
 end
 
 return pvtu

@@ -126,14 +126,15 @@ function methods.sample(s, points, given)
 end
 
 local save_options = {
-  { "team", "object", of = "team", optional = true, about = ".pvtu: ylm.team(), whose processes write pieces; all of them call" },
+  { "team", "object", of = "team", optional = true, about = ".pvtu: ylm.team(), whose processes share the files; all call" },
   form.threads, form.progress,
 }
 
 describe "grid_set:save" {
   about = "Writes all bricks as one file, .ylm: the grid has to fit into memory, as it has to when that file is loaded. Or "
-    .. "writes the voxels for ParaView: NAME.pvtu, and NAME-CODE.vtu beside it for each brick. One brick is in memory then; "
-    .. "points on faces between bricks are in both.",
+    .. "writes the voxels for ParaView: NAME.pvtu, and NAME-K-of-N.vtu beside it: a file for each process, with a piece for "
+    .. "each brick of its range; more where a file would have more than 64 bricks. One brick is in memory then; points on "
+    .. "faces between bricks are in both.",
   arguments = { { "path", "string", "ends in .ylm or .pvtu" }, { "options?", "table", "see the options" } },
   options = save_options,
   returns = { { "ok", "boolean", "true; or nil, message, 'EIO', 'ENOMEM' or what reading a brick says" } },

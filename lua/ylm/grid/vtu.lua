@@ -30,8 +30,8 @@ local function states(source)
   return state
 end
 
---- Writes the leaves of a grid, but those for which but(level, origin). Returns true, or nil, message, code.
-function vtu.save(grid, path, but)
+--- The leaves of a grid, but those for which but(level, origin), as files have them: points, corners, numbers of both.
+local function leaves(grid, but)
   local source = quantities.open(grid)
   local mask = complete(source.cells, but)
   local function cells(a) return core.figure_pick(a, mask) end
@@ -41,8 +41,13 @@ function vtu.save(grid, path, but)
   }
   local cell_data = { { "level", cells(source.cells.level) }, { "error", cells(source.values "error") },
     { "occupied", cells(source.cells.occupied) } }
-  return check.result("save", core.figure_save_cells(path, source.position(), cells(source.cells.corner), point_data,
-    cell_data))
+  return source.position(), cells(source.cells.corner), point_data, cell_data
 end
+
+--- Writes the leaves of a grid. Returns true, or nil, message, code.
+function vtu.save(grid, path) return check.result("save", core.figure_save_cells(path, leaves(grid))) end
+
+--- Adds the leaves of a grid, but those for which but(level, origin), to a file of pieces. True, or nil, message, code.
+function vtu.add(pieces, grid, but) return check.result("save", core.figure_pieces_add(pieces, leaves(grid, but))) end
 
 return vtu
