@@ -289,6 +289,33 @@ describe("a grid in bricks", function()
     assert.equal("of a thesis", folder:read "other.ylmd/index")
   end)
 
+  it("refuses to go on with other kernels, and a folder that may not be written, and leaves both as they were", function()
+    local kernel = ylm.info().kernel
+    if kernel == "reference" then return pending "there are no other kernels here" end
+    local prefix = ""
+    if scratch.capture "id -u" :find "^0" then
+      prefix = "setpriv --bounding-set=-dac_override,-dac_read_search "
+      if not scratch.shell(prefix .. "true 2>/dev/null") then return pending "root cannot be held to permissions here" end
+    end
+    local script = scratch.quote(folder:write("small.lua", [[
+      local ylm = require "ylm"
+      print(pcall(ylm.bake, ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 0, depth = 3, threshold = 0.5,
+        bricks = 1 }, ylm.sphere_light { at = { 0, 3, 0 } }, { to = arg[1] }))]]))
+    local function bake(words, name)
+      return (scratch.capture(("%s %s %s %s"):format(words, os.getenv "YLM_LUA" or "lua5.4", script, scratch.quote(to(name)))))
+    end
+    assert.matches("^true\tylm.grid_set", bake("env"))
+    local before = sums()
+    local says = "it was begun with the kernels K, sums by reference differ in the last bit: set YLM_ISA=K, or begin anew"
+    assert.matches((says:gsub("K", kernel)), bake "env YLM_ISA=reference")
+    assert.equal(before, sums())
+    scratch.shell("mkdir " .. scratch.quote(to "shut") .. " && chmod 555 " .. scratch.quote(to "shut"))
+    local out = bake(prefix, "shut/grid.ylmd")
+    assert.matches("shut/grid.ylmd", out)
+    assert.matches("Permission denied", out)
+    assert.is_nil((io.open(to "shut/grid.ylmd")))
+  end)
+
   it("refuses a second bake in a folder while one is at work", function()
     local message, code
     assert(ylm.bake(described { bricks = 1 }, lamps, { to = to(), threads = 1, progress = function(_, _, stage)
@@ -352,6 +379,9 @@ describe("a grid in bricks", function()
     fails("an adaptive_grid", ylm.uniform_grid { bounds = box, cells = 4 }, lamps, { to = to() })
     fails("at least 3", described { depth = 2 }, lamps, { to = to() })
     assert.has_error(function() described { bricks = 4 } end)
+    local ok, words = pcall(described, { bricks = 1, dynamic = true })
+    assert(not ok and words:find("bricks: a grid that follows lights is not baked in bricks", 1, true), words)
+    fails("a grid that follows lights is not baked in bricks: leave to out", described { dynamic = true }, lamps, { to = to() })
     assert.is_nil((io.open(to())))
     local _, message, code = ylm.load(to())
     assert.equal("EIO", code)

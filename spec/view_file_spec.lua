@@ -62,6 +62,29 @@ describe("grid:save \"grid.vtu\"", function()
     assert.equal("old", folder:read "grid.vtu", path)
   end)
 
+  it("has as many pieces as were said, with the same arrays, or is not there", function()
+    local function doubles(t) return ylm.array(t, "double") end
+    local points, corners = {}, { 1, 2, 3, 4, 5, 6, 7, 8 }
+    for i = 0, 7 do points[i + 1] = { i % 2, math.floor(i / 2) % 2, math.floor(i / 4) } end
+    local path = folder.path .. "/pieces.vtu"
+    local function add(pieces, name, corner)
+      return core.figure_pieces_add(pieces, doubles(points), doubles { corner or corners }, { { name, doubles(corners) } }, {})
+    end
+    local pieces = assert(core.figure_pieces(path, 2))
+    assert(add(pieces, "x"))
+    assert.same({ nil, "the file was begun for 2 pieces and has 1", "EINVAL" }, { core.figure_pieces_end(pieces) })
+    assert.has_error(function() add(pieces, "x") end)
+    pieces = assert(core.figure_pieces(path, 2))
+    assert(add(pieces, "x"))
+    assert.same({ nil, "piece 2 has other arrays than the first", "EINVAL" }, { add(pieces, ("x"):rep(200)) })
+    assert.same({ nil, "the file could not be written before", "EIO" }, { core.figure_pieces_end(pieces) })
+    assert.same({}, scratch.lines("ls -A " .. scratch.quote(folder.path)))
+    pieces = assert(core.figure_pieces(path, 2))
+    assert.equal("ERANGE", select(3, add(pieces, "x", { 1, 2, 3, 4, 5, 6, 7, 9 })))
+    assert(add(pieces, "x") and add(pieces, "x") and core.figure_pieces_end(pieces))
+    assert.truthy(assert(vtk.describe(path)):find("vtkUnstructuredGrid 16 2\nbounds 0 0 0 1 1 1\n", 1, true))
+  end)
+
   it("is refused by VTK where it is cut off, as our message", function()
     local path = folder.path .. "/grid.vtu"
     assert(uniform():save(path))
