@@ -559,11 +559,12 @@ return scene "room" {
     assert(last - first <= 1024 * (n - 2), last - first .. " kB")
   end)
 
-  it("run without geometry, without lamps, without probes, with flat lamps", function()
+  it("run without geometry, without lamps, without probes, with flat lamps, with probes in bricks", function()
     local flat = ylm.polygon_light { vertices = { { -1, 2, 0 }, { 1, 2, 0 }, { 0, 2, 1 } }, radiance = 2 }
     local rows = { scene { geometry = {} }, scene { lights = {} }, scene { lights = { flat } }, scene { lights = { flat,
       ylm.sphere_light { at = { 0, 1, 0 } } } } }
     rows[5] = ylm.scene "none" { camera = scene().camera, geometry = scene().geometry, lights = scene().lights }
+    rows[6] = scene { probes = ylm.adaptive_grid { lmax = 1, depth = 3, tolerance = 0.5, bricks = 1 } }
     for i, s in ipairs(rows) do
       local edited, message = play(s, { { 0, "key", "n" }, { 1, "key", "Left" }, { 2, "key", "l" }, { 3, "rest" } })
       assert(edited, i .. ": " .. tostring(message))

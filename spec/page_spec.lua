@@ -185,6 +185,10 @@ describe("a page", function()
     local out, status = scratch.capture(("%s page %s --depth 2 --no-poster -o %s -q"):format(ylm_tool, file,
       folder.path .. "/s.html"))
     assert.equal(0, status, out)
+    out, status = scratch.capture(("%s page %s -o b.html"):format(ylm_tool, folder:write("b.lua", [[
+      return scene "b" { lights = sphere_light { at = { 0, 1.5, 0 } }, probes = adaptive_grid { depth = 3, bricks = 1 } }]])))
+    assert.equal(2, status, out)
+    assert.matches("probes are in bricks, and a page holds a whole grid: leave bricks out of them", out)
     assert(grid:save(folder.path .. "/g.ylm"))
     out, status = scratch.capture(("%s page %s -o %s -q --json"):format(ylm_tool, folder.path .. "/g.ylm",
       folder.path .. "/g.html"))

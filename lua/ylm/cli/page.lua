@@ -9,7 +9,12 @@ local PRECISIONS = { half = true, float = true, byte = true }
 --- The probes to bake: those of the scene, with the tolerance and depth of the command line.
 local function probes_of(ylm, scene, given)
   local own = scene.probes
-  if own and not given.tolerance and not given.depth then return own end
+  if own and not given.tolerance and not given.depth then
+    if own.bricks then
+      status.stop(status.usage, "page: the scene's probes are in bricks, and a page holds a whole grid: leave bricks out of them")
+    end
+    return own
+  end
   return ylm.adaptive_grid { lmax = own and own.lmax or 4, channels = own and own.channels or "rgb",
     bounds = own and own.bounds, tolerance = given.tolerance or own and own.tolerance or TOLERANCE,
     depth = given.depth or own and own.depth }

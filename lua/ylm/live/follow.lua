@@ -57,7 +57,7 @@ function methods.lights(f, rows)
   return all
 end
 
---- Probes like the scene's, or the default, with a tolerance or (nil) their own; `dynamic`: that follow lamps.
+--- Probes like the scene's, or the default, with a tolerance or (nil) their own, in no bricks; `dynamic`: that follow lamps.
 function methods.probes(f, settings, tolerance, dynamic)
   local own = f.scene.probes
   local kind = own and form.kind(own) or "adaptive_grid"
@@ -67,7 +67,7 @@ function methods.probes(f, settings, tolerance, dynamic)
   end
   given.lmax, given.dynamic = settings.lmax, dynamic
   if kind == "uniform_grid" then return grids.uniform_grid(given) end
-  given.depth = settings.depth
+  given.depth, given.bricks = settings.depth, nil
   if dynamic then given.measure = nil end
   if tolerance then
     given.tolerance, given.threshold, given.metric = tolerance, nil, nil
