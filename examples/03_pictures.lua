@@ -14,14 +14,9 @@ local function save(picture, name)
   if option.only == "" or option.only == name then common.save(picture, out .. name .. ".png") end
 end
 
--- A knot over a floor, and a spiral of lamps (Vogel 1979) that nearly touch it ------------------
+-- A knot over a floor, and a spiral of lamps that nearly touch it ------------------
 
-local at, radiance = {}, {}
-for i = 1, 600 do
-  local angle, r, hue = i * 2.39996, 0.1 * math.sqrt(i), 2 * math.pi * 0.618 * i
-  at[i] = { r * math.cos(angle), 0.06 + 0.02 * (i % 3), r * math.sin(angle) }
-  radiance[i] = { 6 + 5 * math.cos(hue), 6 + 5 * math.cos(hue - 2.1), 6 + 5 * math.cos(hue - 4.2) }
-end
+local at, radiance = common.spiral(600, 0.1, 0.06, 0.02, 6, 5)
 local lamps = ylm.sphere_lights { at = at, radius = 0.02, radiance = radiance }
 local knot = ylm.knot { at = { 0, 1.15, 0 }, radius = 0.62, tube = 0.17, divide = { 600, 48 } }
 local floor = ylm.quad { corner = { -3, 0, 3 }, u = { 6, 0, 0 }, v = { 0, 0, -6 },

@@ -305,12 +305,8 @@ end)
 
 --- Lamps drawn from a tree: noise of four samples a point, by chance and by the tree.
 idea("choice", function()
-  local at, radiance, lamps = {}, {}, number(300, 2516)
-  for i = 1, lamps do
-    local angle, r, hue = i * 2.39996, 0.055 * math.sqrt(i), 2 * math.pi * 0.618 * i
-    at[i] = { r * math.cos(angle), 0.12 + 0.04 * (i % 3), r * math.sin(angle) }
-    radiance[i] = { 60 + 50 * math.cos(hue), 60 + 50 * math.cos(hue - 2.1), 60 + 50 * math.cos(hue - 4.2) }
-  end
+  local lamps = number(300, 2516)
+  local at, radiance = common.spiral(lamps, 0.055, 0.12, 0.04, 60, 50)
   local radius = 0.006
   local scene = ylm.scene "a floor of lamps" {
     camera = ylm.camera { from = { 0, 3, 3.2 }, at = { 0, 0, 0.1 }, fov = 36 },

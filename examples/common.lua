@@ -53,6 +53,18 @@ function common.save(picture, path, options)
   print(ok and "wrote " .. path or "no picture: " .. tostring(message))
 end
 
+--- Lamps on a spiral (Vogel 1979) over a floor, in all colours: places and radiances of n. Places are `spacing` sqrt(i) from
+-- the middle, at one of three heights; a channel of a radiance is at most `swing` from `grey`.
+function common.spiral(n, spacing, height, step, grey, swing)
+  local at, radiance = {}, {}
+  for i = 1, n do
+    local angle, r, hue = i * 2.39996, spacing * math.sqrt(i), 2 * math.pi * 0.618 * i
+    at[i] = { r * math.cos(angle), height + step * (i % 3), r * math.sin(angle) }
+    radiance[i] = { grey + swing * math.cos(hue), grey + swing * math.cos(hue - 2.1), grey + swing * math.cos(hue - 4.2) }
+  end
+  return at, radiance
+end
+
 --- A printer of rows: columns are { title, format } in order; nil cells print as "-".
 function common.table(columns)
   local widths, titles = {}, {}

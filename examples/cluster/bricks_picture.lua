@@ -8,12 +8,7 @@ local common = dofile((arg[0]:match "^(.*/)" or "./") .. "../common.lua")
 local option = common.options { out = "out", quick = false }
 local folder = option.out .. "bricks_picture.ylmd"
 
-local at, radiance = {}, {}
-for i = 1, 300 do
-  local angle, r, hue = i * 2.39996, 0.13 * math.sqrt(i), 2 * math.pi * 0.618 * i
-  at[i] = { r * math.cos(angle), 0.08 + 0.03 * (i % 3), r * math.sin(angle) }
-  radiance[i] = { 9 + 6 * math.cos(hue), 9 + 6 * math.cos(hue - 2.1), 9 + 6 * math.cos(hue - 4.2) }
-end
+local at, radiance = common.spiral(300, 0.13, 0.08, 0.03, 9, 6)
 local lamps = ylm.sphere_lights { at = at, radius = 0.03, radiance = radiance }
 local fine = option.quick and 32 or 256
 local low, edge = { -2.5, -0.05, -2.5 }, 5

@@ -472,9 +472,16 @@ static size_t tile_values(const shadow_query *w) {
   return ylm_sh_nodes_lanes(w->nodes, DTYPE) * ylm_sh_nodes_count(w->nodes);
 }
 
-static const real *even_nodes(const shadow_query *w, size_t c) {
-  size_t rows = (w->channels * w->rows * w->count + 15) / 16 * 16;
-  return (const real *)w->even + rows + c * ((tile_values(w) + 15) / 16 * 16);
+/* Up to the next 16, with which rows begin. */
+static size_t sixteens(size_t n) { return (n + 15) / 16 * 16; }
+
+/* Numbers of even light before the values at nodes of channel c; c of all channels: its numbers. */
+static size_t even_before(const shadow_query *w, size_t c) {
+  return sixteens(w->channels * w->rows * w->count) + c * sixteens(tile_values(w));
+}
+
+static real *even_nodes(const shadow_query *w, size_t c) {
+  return (real *)w->even + even_before(w, c);
 }
 
 /* Row c of a light. */
@@ -945,7 +952,7 @@ static ylm_status multiply(block *b) {
          most = 0;
   if (!b->terms) return YLM_OK;
   tile t = {.b = b, .lanes = lanes, .values = lanes * nodes};
-  size_t rows = w->rows * w->count, values = (t.values + 15) / 16 * 16,
+  size_t rows = w->rows * w->count, values = sixteens(t.values),
          scratch = ylm_sh_nodes_scratch(w->nodes, DTYPE);
   size_t gradients = w->rows > 1 ? 3 : 0;
   size_t profiles = w->s->spheres ? (1 + lanes) * w->rows * w->rings->padded : 0;
@@ -1087,11 +1094,9 @@ ylm_status BLOCK(shadow_query *w, size_t begin, size_t end, int worker, ylm_erro
 }
 
 ylm_status EVEN(shadow_query *w, ylm_error *e) {
-  size_t lanes = ylm_sh_nodes_lanes(w->nodes, DTYPE), values = tile_values(w),
-         rows = (w->channels * w->rows * w->count + 15) / 16 * 16;
-  size_t numbers = rows + w->channels * ((values + 15) / 16 * 16);
+  size_t lanes = ylm_sh_nodes_lanes(w->nodes, DTYPE), values = tile_values(w);
   void *scratch = ylm_alloc(ylm_sh_nodes_scratch(w->nodes, DTYPE), 1);
-  real *even = w->even = ylm_alloc_zero(numbers, sizeof *even);
+  real *even = w->even = ylm_alloc_zero(even_before(w, w->channels), sizeof *even);
   ylm_field_query q = {.lmax = w->q->lmax,
                        .channels = (int)w->channels,
                        .want = YLM_WANT_VALUE,
@@ -1099,7 +1104,7 @@ ylm_status EVEN(shadow_query *w, ylm_error *e) {
                        .dtype = DTYPE,
                        .threads = 1};
   /* the room of values at nodes, of which there are more than coefficients */
-  real *value = even ? even + rows : NULL;
+  real *value = even ? even_nodes(w, 0) : NULL;
   ylm_field_result r = {.value = value};
   ylm_status s = scratch && even ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = w->s->rest->evaluate(w->s->rest, &q, 1, w->points, &r, e);
@@ -1107,7 +1112,7 @@ ylm_status EVEN(shadow_query *w, ylm_error *e) {
     memcpy(even + c * w->rows * w->count, value + c * w->count, w->count * sizeof *even);
   for (size_t c = 0; c < w->channels && s == YLM_OK; c++) {
     const void *row[16];
-    real *to = even + rows + c * ((values + 15) / 16 * 16);
+    real *to = even_nodes(w, c);
     for (size_t i = 0; i < lanes; i++) row[i] = even_row(w, c);
     ylm_sh_nodes_synthesise(w->nodes, DTYPE, row, false, to, scratch);
     w->even_most[c] = largest(to, values, lanes, 0);
