@@ -104,7 +104,7 @@ describe("mesh", function()
   setup(function() folder = scratch.new() end)
   teardown(function() folder:remove() end)
 
-  local function obj(text) return ylm.mesh { file = folder:write("a.obj", text) } end
+  local function obj(text, crease) return ylm.mesh { file = folder:write("a.obj", text), crease = crease } end
 
   it("reads OBJ: all kinds of corners, negative indices, polygons, lines that go on", function()
     local corners = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 1\nvn 0 0 1\n"
@@ -121,11 +121,97 @@ describe("mesh", function()
   end)
 
   it("makes one vertex of each combination of indices, and smooths across seams of texture coordinates", function()
-    local m = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nf 1/1 2/1 3/1\nf 1/2 3/1 4/1\n").mesh
+    local m = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvt 0 0\nvt 1 0\nf 1/1 2/1 3/1\nf 1/2 3/1 4/1\n", 180).mesh
     assert.equal(5, #m:vertices())
     local n = m:normals():totable()
     assert.same(n[1], n[4]) -- the first corner of both faces: one position, two texture coordinates
     assert.near(math.sqrt(0.5), n[1][1], 1e-6)
+  end)
+
+  describe("without normals", function()
+    -- Two squares that meet at the y axis, the second one lowered by an angle.
+    local function bent(degrees)
+      local x, z = math.cos(math.rad(degrees)), -math.sin(math.rad(degrees))
+      return ("v -1 0 0\nv 0 0 0\nv 0 1 0\nv -1 1 0\nv %.9g 0 %.9g\nv %.9g 1 %.9g\n"):format(x, z, x, z)
+    end
+    local faces = "f 1 2 3 4\nf 2 5 6 3\n"
+    -- How many vertices, and the largest angle between a triangle's normal and those of its corners, in degrees.
+    local function bend(mesh)
+      local v, n, largest = mesh:vertices():totable(), mesh:normals():totable(), 0
+      for _, t in ipairs(mesh:triangles():totable()) do
+        local a, b, c, x, y = v[t[1]], v[t[2]], v[t[3]], {}, {}
+        for k = 1, 3 do x[k], y[k] = b[k] - a[k], c[k] - a[k] end
+        local flat = { x[2] * y[3] - x[3] * y[2], x[3] * y[1] - x[1] * y[3], x[1] * y[2] - x[2] * y[1] }
+        local length = math.sqrt(flat[1] ^ 2 + flat[2] ^ 2 + flat[3] ^ 2)
+        for _, i in ipairs(t) do
+          local dot = (flat[1] * n[i][1] + flat[2] * n[i][2] + flat[3] * n[i][3]) / length
+          largest = math.max(largest, math.deg(math.acos(math.min(1, dot))))
+        end
+      end
+      return #v, largest
+    end
+    -- That many vertices, and triangles that are flat (angle 0) or smooth by that angle at least.
+    local function assert_bent(vertices, angle, mesh)
+      local n, found = bend(mesh)
+      assert.equal(vertices, n)
+      if angle == 0 then assert.near(0, found, 0.05) else assert(found > angle - 0.05, found) end
+    end
+
+    it("is smooth up to the crease angle, and has an edge beyond it, whose vertices are split", function()
+      assert_bent(6, 19.5, obj(bent(39) .. faces).mesh)
+      assert_bent(8, 0, obj(bent(41) .. faces).mesh)
+      assert_bent(8, 0, obj(bent(39) .. faces, 38).mesh)
+      assert_bent(6, 60, obj(bent(120) .. faces, 180).mesh)
+      assert_bent(8, 0, obj(bent(1) .. faces, 0).mesh)
+      assert_bent(6, 0, obj(bent(0) .. faces, 0).mesh)
+    end)
+
+    it("keeps the given vertices first, and copies texture coordinates and colours", function()
+      local given = { { -1, 0, 0 }, { 0, 0, 0 }, { 0, 1, 0 }, { 0, 0, -1 }, { 9, 9, 9 } }
+      local uvs, colours = {}, {}
+      for i = 1, 5 do uvs[i], colours[i] = { i / 8, -i / 8 }, { i / 8, 0, 1 } end
+      local made = { vertices = given, triangles = { { 1, 2, 3 }, { 2, 4, 3 } }, uvs = uvs, colours = colours }
+      local m = ylm.mesh(made).mesh
+      assert_bent(7, 0, m)
+      local v, uv, colour, t = m:vertices():totable(), m:uvs():totable(), m:colours():totable(), m:triangles():totable()
+      for i = 1, 5 do assert.same(given[i], v[i]) end
+      assert.same({ { 1, 2, 3 }, { 6, 4, 7 } }, t)
+      for copy, of in pairs { [6] = 2, [7] = 3 } do
+        for _, rows in ipairs { v, uv, colour } do assert.same(rows[of], rows[copy]) end
+      end
+      made.crease = 120
+      assert_bent(5, 45, ylm.mesh(made).mesh)
+    end)
+
+    it("takes the smoothing groups of OBJ before the angle", function()
+      assert_bent(6, 45, obj(bent(90) .. "s 1\n" .. faces).mesh)
+      assert_bent(8, 0, obj(bent(20) .. "s 1\nf 1 2 3 4\ns 2\nf 2 5 6 3\n").mesh)
+      assert_bent(8, 0, obj(bent(20) .. "s off\n" .. faces).mesh)
+      assert_bent(8, 0, obj(bent(20) .. "s 0\n" .. faces).mesh)
+      assert_bent(6, 10, obj(bent(20) .. "s 99999999999\n" .. faces).mesh) -- no group: by angle
+      assert_bent(8, 0, obj(bent(20) .. "s 1\nf 1 2 3 4\ns off\nf 2 5 6 3\n").mesh)
+    end)
+
+    it("has edges where two triangles turn opposite ways; others at the same edge stay smooth", function()
+      local v = "v -1 0 0\nv 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 0 -1\n"
+      assert_bent(5, 0, obj(v .. "f 1 2 3\nf 2 4 3\n").mesh)
+      assert_bent(5 + 2, 0, obj(v .. "f 1 2 3\nf 2 3 4\n").mesh)
+      assert_bent(5 + 2, 0, obj(v .. "f 1 2 3\nf 2 5 3\nf 2 4 3\n").mesh)
+      assert_bent(5, 0, obj(v .. "f 1 2 3\nf 1 2 3\n").mesh)
+      local many = {}
+      for i = 1, 40 do many[i] = i % 2 == 0 and "f 1 2 3\n" or "f 2 5 3\n" end
+      assert_bent(5 + 2, 0, obj(v .. table.concat(many)).mesh)
+    end)
+
+    it("makes twenty-four vertices of a box of eight, with the normals of its faces", function()
+      local corners = {}
+      local quads = { { 1, 2, 4, 3 }, { 5, 7, 8, 6 }, { 1, 5, 6, 2 }, { 3, 4, 8, 7 }, { 1, 3, 7, 5 }, { 2, 6, 8, 4 } }
+      for i = 0, 7 do corners[i + 1] = ("v %d %d %d"):format(math.floor(i / 4), math.floor(i / 2) % 2, i % 2) end
+      for i, q in ipairs(quads) do quads[i] = "f " .. table.concat(q, " ") end
+      local m = obj(table.concat(corners, "\n") .. "\n" .. table.concat(quads, "\n") .. "\n").mesh
+      assert_bent(24, 0, m)
+      assert.near(1, volume(m), 1e-6)
+    end)
   end)
 
   it("reads PLY in text and in both byte orders, and skips what it does not know", function()

@@ -50,8 +50,7 @@ void ylm_mesh_bounds(const ylm_mesh *m, double lo[3], double hi[3]) {
     }
 }
 
-/* Twice the area times the unit normal of triangle t. */
-static void area_vector(const ylm_mesh *m, size_t t, double n[3]) {
+void ylm_mesh_area_vector(const ylm_mesh *m, size_t t, double n[3]) {
   const float *a = m->position + 3 * (size_t)m->index[3 * t];
   const float *b = m->position + 3 * (size_t)m->index[3 * t + 1];
   const float *c = m->position + 3 * (size_t)m->index[3 * t + 2];
@@ -65,7 +64,7 @@ static void area_vector(const ylm_mesh *m, size_t t, double n[3]) {
 double ylm_mesh_area(const ylm_mesh *m) {
   double sum = 0, n[3];
   for (size_t t = 0; t < m->triangles; t++) {
-    area_vector(m, t, n);
+    ylm_mesh_area_vector(m, t, n);
     sum += 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
   }
   return sum;
@@ -80,7 +79,7 @@ ylm_status ylm_mesh_make_normals(ylm_mesh *m) {
     return YLM_ENOMEM;
   }
   for (size_t t = 0; t < m->triangles; t++) {
-    area_vector(m, t, n);
+    ylm_mesh_area_vector(m, t, n);
     for (int k = 0; k < 3; k++)
       for (int a = 0; a < 3; a++) sum[3 * (size_t)m->index[3 * t + (size_t)k] + (size_t)a] += n[a];
   }

@@ -18,7 +18,10 @@ typedef struct parser {
   ylm_growing polygon, triangle;    /* ylm_corner */
   extent most[3];                   /* v, vt, vn */
   ylm_grouping *groups;             /* NULL: not wanted */
-  bool bare_normal;                 /* some corner has none */
+  ylm_growing smooth;               /* uint32_t, the smoothing group of each triangle */
+  uint32_t smoothing;               /* of the next one */
+  double crease;
+  bool bare_normal; /* some corner has none */
 } parser;
 
 /* n numbers of a v, vt or vn statement; `least` of them must be there, the others are 0. */
@@ -89,6 +92,29 @@ static ylm_status read_corner(parser *s, ylm_corner *c) {
   return st;
 }
 
+/* n further triangles of the current smoothing group; false: no memory. */
+static bool add_smoothing(parser *s, size_t n) {
+  uint32_t *group = ylm__grow(&s->smooth, n);
+  for (size_t i = 0; group && i < n; i++) group[i] = s->smoothing;
+  if (group) s->smooth.count += n;
+  return group != NULL;
+}
+
+/* The rest of a line of s: "off", or the number of a group, of which 0 is none. */
+static void read_smoothing(parser *s) {
+  ylm__skip_blanks(&s->at);
+  const unsigned char *word = s->at.p;
+  size_t n = ylm__skip_word(&s->at);
+  uint64_t k = 0;
+  for (size_t i = 0; i < n && k < YLM_MESH_BY_ANGLE; i++)
+    k = word[i] >= '0' && word[i] <= '9' ? 10 * k + (uint64_t)(word[i] - '0') : YLM_MESH_BY_ANGLE;
+  bool known = n > 0 && k < YLM_MESH_BY_ANGLE;
+  s->smoothing = ylm__is_word(word, n, "off") ? YLM_MESH_FLAT
+                 : known                      ? (uint32_t)k
+                                              : YLM_MESH_BY_ANGLE;
+  ylm__skip_line(&s->at);
+}
+
 static ylm_status read_face(parser *s) {
   s->polygon.count = 0;
   for (ylm__skip_blanks(&s->at); !ylm__at_line_end(&s->at) && *s->at.p != '#';
@@ -110,6 +136,7 @@ static ylm_status read_face(parser *s) {
     return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face has %zu corners, 3 at least are wanted",
                     s->name, s->at.line, s->polygon.count);
   if (!ylm__add_polygon(&s->triangle, s->polygon.data, s->polygon.count) ||
+      !add_smoothing(s, s->polygon.count - 2) ||
       (s->groups && !ylm__groups_faces(s->groups, s->polygon.count - 2)))
     return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
   if (s->triangle.count / 3 > YLM_MESH_MAX)
@@ -138,6 +165,10 @@ static ylm_status read_statement(parser *s) {
   if (n == 2 && memcmp(word, "vt", 2) == 0) return read_floats(s, &s->uv, "vt", 2, 1);
   if (n == 2 && memcmp(word, "vn", 2) == 0) return read_floats(s, &s->normal, "vn", 3, 3);
   if (n == 1 && word[0] == 'f') return read_face(s);
+  if (n == 1 && word[0] == 's') {
+    read_smoothing(s);
+    return YLM_OK;
+  }
   if (s->groups && ylm__is_word(word, n, "mtllib"))
     return read_grouping(s, "mtllib", ylm__groups_library);
   if (s->groups && ylm__is_word(word, n, "usemtl"))
@@ -170,23 +201,23 @@ static ylm_status read_lines(parser *s) {
   return YLM_OK;
 }
 
-/* Area-weighted normals of the positions, before they are split by texture coordinates. */
+/* Normals of the positions, before these are split by texture coordinates: n of each corner is its vertex in a mesh
+   that is split at creases alone, whose positions and normals take the place of the file's. */
 static ylm_status make_normals(parser *s) {
-  const ylm_corner *c = s->triangle.data;
+  ylm_corner *c = s->triangle.data;
   ylm_mesh plain = {.vertices = s->position.count,
                     .triangles = s->triangle.count / 3,
                     .position = s->position.data,
                     .index = ylm_alloc(s->triangle.count, sizeof(uint32_t))};
   ylm_status st = plain.index ? YLM_OK : YLM_ENOMEM;
   for (size_t i = 0; st == YLM_OK && i < s->triangle.count; i++) plain.index[i] = c[i].v;
-  if (st == YLM_OK) st = ylm_mesh_make_normals(&plain);
-  ylm_free(plain.index);
-  if (st != YLM_OK) return ylm_fail(s->e, st, "%s: memory ran out", s->name);
+  if (st == YLM_OK) st = ylm_mesh_make_creased_normals(&plain, s->crease, s->smooth.data);
   ylm_free(s->normal.data);
+  s->position = (ylm_growing){plain.position, plain.vertices, plain.vertices, 3 * sizeof(float)};
   s->normal = (ylm_growing){plain.normal, plain.vertices, plain.vertices, 3 * sizeof(float)};
-  ylm_corner *w = s->triangle.data;
-  for (size_t i = 0; i < s->triangle.count; i++) w[i].n = w[i].v;
-  return YLM_OK;
+  for (size_t i = 0; st == YLM_OK && i < s->triangle.count; i++) c[i].n = plain.index[i];
+  ylm_free(plain.index);
+  return st == YLM_OK ? st : ylm_fail(s->e, st, "%s: memory ran out", s->name);
 }
 
 static uint64_t hash(const ylm_corner *c) {
@@ -221,14 +252,14 @@ static bool number_corners(const ylm_corner *c, size_t n, uint32_t *vertex, uint
   return true;
 }
 
-/* Positions as they stand: no texture coordinates, and normals made by us. */
+/* Positions as make_normals left them: no texture coordinates. */
 static ylm_status build_plain(parser *s, ylm_mesh **m) {
   ylm_status st = ylm_mesh_create(s->position.count, s->triangle.count / 3, true, false, m, s->e);
   if (st != YLM_OK) return st;
   const ylm_corner *c = s->triangle.data;
   memcpy((*m)->position, s->position.data, s->position.count * 3 * sizeof(float));
   memcpy((*m)->normal, s->normal.data, s->position.count * 3 * sizeof(float));
-  for (size_t i = 0; i < s->triangle.count; i++) (*m)->index[i] = c[i].v;
+  for (size_t i = 0; i < s->triangle.count; i++) (*m)->index[i] = c[i].n;
   return YLM_OK;
 }
 
@@ -267,9 +298,15 @@ static void normalise(float *n, size_t count) {
 }
 
 /* ylm_mesh_parse_obj; groups NULL: not wanted. */
-static ylm_status parse(const unsigned char *text, size_t size, const char *name,
+static ylm_status parse(const unsigned char *text, size_t size, const char *name, double crease,
                         ylm_grouping *groups, ylm_mesh **m, ylm_error *e) {
-  parser s = {.at = {text, text + size, 1}, .name = name, .e = e, .groups = groups};
+  parser s = {.at = {text, text + size, 1},
+              .name = name,
+              .e = e,
+              .groups = groups,
+              .smoothing = YLM_MESH_BY_ANGLE,
+              .crease = crease};
+  s.smooth.size = sizeof(uint32_t);
   s.position.size = s.normal.size = 3 * sizeof(float);
   s.uv.size = 2 * sizeof(float);
   s.polygon.size = s.triangle.size = sizeof(ylm_corner);
@@ -286,20 +323,22 @@ static ylm_status parse(const unsigned char *text, size_t size, const char *name
   ylm_free(s.normal.data);
   ylm_free(s.polygon.data);
   ylm_free(s.triangle.data);
+  ylm_free(s.smooth.data);
   return st;
 }
 
 ylm_status ylm_mesh_parse_obj(const unsigned char *text, size_t size, const char *name,
-                              ylm_mesh **m, ylm_error *e) {
-  return parse(text, size, name, NULL, m, e);
+                              double crease, ylm_mesh **m, ylm_error *e) {
+  return parse(text, size, name, crease, NULL, m, e);
 }
 
 ylm_status ylm_mesh_parse_obj_groups(const unsigned char *text, size_t size, const char *name,
-                                     ylm_mesh **m, ylm_mesh_groups **groups, ylm_error *e) {
+                                     double crease, ylm_mesh **m, ylm_mesh_groups **groups,
+                                     ylm_error *e) {
   ylm_grouping g;
   ylm__groups_begin(&g);
   *groups = NULL;
-  ylm_status st = parse(text, size, name, &g, m, e);
+  ylm_status st = parse(text, size, name, crease, &g, m, e);
   if (st == YLM_OK && !(*groups = ylm__groups_finish(&g))) {
     ylm_mesh_free(*m);
     *m = NULL;
@@ -313,14 +352,14 @@ bool ylm_mesh_is_ply(const unsigned char *bytes, size_t size) {
   return size >= 4 && memcmp(bytes, "ply", 3) == 0 && (bytes[3] == '\n' || bytes[3] == '\r');
 }
 
-ylm_status ylm_mesh_read(const char *path, ylm_mesh **m, ylm_error *e) {
+ylm_status ylm_mesh_read(const char *path, double crease, ylm_mesh **m, ylm_error *e) {
   unsigned char *bytes;
   size_t size;
   *m = NULL;
   ylm_status s = ylm_file_read(path, 0, &bytes, &size, e);
   if (s != YLM_OK) return s;
-  s = ylm_mesh_is_ply(bytes, size) ? ylm_mesh_parse_ply(bytes, size, path, m, e)
-                                   : ylm_mesh_parse_obj(bytes, size, path, m, e);
+  s = ylm_mesh_is_ply(bytes, size) ? ylm_mesh_parse_ply(bytes, size, path, crease, m, e)
+                                   : ylm_mesh_parse_obj(bytes, size, path, crease, m, e);
   ylm_free(bytes);
   return s;
 }

@@ -34,6 +34,7 @@ typedef struct parser {
   const unsigned char *start, *p, *end;
   size_t line;
   const char *name;
+  double crease;
   ylm_error *e;
   encoding encoding;
   int elements, properties;
@@ -361,7 +362,7 @@ static ylm_status read_data(parser *s, ylm_mesh **m) {
     ylm_free(v->index);
     v->index = index;
     v->triangles = s->triangle.count / 3;
-    if (!normals) st = ylm_mesh_make_normals(v);
+    if (!normals) st = ylm_mesh_make_creased_normals(v, s->crease, NULL);
   } else if (st == YLM_OK) {
     st = YLM_ENOMEM;
   }
@@ -383,13 +384,14 @@ static void normalise(ylm_mesh *m) {
 }
 
 ylm_status ylm_mesh_parse_ply(const unsigned char *bytes, size_t size, const char *name,
-                              ylm_mesh **m, ylm_error *e) {
+                              double crease, ylm_mesh **m, ylm_error *e) {
   *m = NULL;
   parser *s = ylm_alloc_zero(1, sizeof *s);
   if (!s) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
   s->start = s->p = bytes;
   s->end = bytes + size;
   s->name = name;
+  s->crease = crease;
   s->e = e;
   s->polygon.size = s->triangle.size = sizeof(ylm_corner);
   ylm_status st = read_header(s);

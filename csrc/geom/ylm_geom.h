@@ -34,6 +34,26 @@ YLM_API double ylm_mesh_area(const ylm_mesh *mesh);
 /* Makes normals: area-weighted means of the triangles around each vertex, in an order that does
    not depend on anything; (0, 0, 1) where there is nothing to average. YLM_ENOMEM. */
 YLM_API ylm_status ylm_mesh_make_normals(ylm_mesh *mesh);
+/* Twice the area of a triangle times its unit normal. */
+YLM_API void ylm_mesh_area_vector(const ylm_mesh *mesh, size_t triangle, double out[3]);
+
+#define YLM_MESH_CREASE 40.0         /* degrees: the crease angle where nobody names one */
+#define YLM_MESH_FLAT 0u             /* smoothing groups that are none: a flat triangle,  */
+#define YLM_MESH_BY_ANGLE UINT32_MAX /* and one whose edges are creases by their angle    */
+/*
+** ylm_mesh_make_creased_normals - ylm_mesh_make_normals, but for creases: vertices at sharp edges are split.
+**
+** An edge is smooth between triangles whose normals differ by `degrees` or less. The first
+** normal of a vertex keeps the vertex and its number; copies of the vertex for other normals follow the last one.
+**
+**   degrees  in   0 (flat but within planes) .. 180 (smooth everywhere)
+**   group    in   [triangles] YLM_MESH_FLAT, YLM_MESH_BY_ANGLE or a smoothing group, whatever the angle; NULL: by angle
+**
+** Returns  YLM_OK; YLM_ENOMEM (the mesh may be split in part, and must be freed)
+** Cost     O(vertices + triangles)
+*/
+YLM_API ylm_status ylm_mesh_make_creased_normals(ylm_mesh *mesh, double degrees,
+                                                 const uint32_t *group);
 /*
 ** ylm_mesh_weld - one name for all vertices at a place.
 **
@@ -132,19 +152,20 @@ YLM_API ylm_status ylm_mesh_sphere_set(const ylm_mesh *m, size_t count, double *
 /*
 ** ylm_mesh_parse_obj - a mesh from the text of a Wavefront OBJ file.
 **
-** Read: v, vn, vt, f (v, v/vt, v//vn, v/vt/vn, negative indices, polygons as fans). Other
+** Read: v, vn, vt, s, f (v, v/vt, v//vn, v/vt/vn, negative indices, polygons as fans). Other
 ** statements are skipped. A vertex is made for each distinct combination of indices; without
 ** texture coordinates and normals positions stay as they are and unused ones are kept.
-** Normals are computed (ylm_mesh_make_normals) where some face has none.
+** Normals are computed (ylm_mesh_make_creased_normals) where some face has none.
 **
-**   text   in   [size] bytes
-**   name   in   what errors call it: "name:line: ..."
+**   text    in   [size] bytes
+**   name    in   what errors call it: "name:line: ..."
+**   crease  in   degrees, of faces without a word of s
 **
 ** Returns  YLM_OK; YLM_EFORMAT with the line, YLM_ELIMIT (more than YLM_MESH_MAX), YLM_ENOMEM
 ** Cost     O(size)
 */
 YLM_API ylm_status ylm_mesh_parse_obj(const unsigned char *text, size_t size, const char *name,
-                                      ylm_mesh **mesh, ylm_error *e);
+                                      double crease, ylm_mesh **mesh, ylm_error *e);
 /*
 ** ylm_mesh_parse_ply - a mesh from the bytes of a PLY file: ascii, binary_little_endian,
 ** binary_big_endian, 1.0; vertex x y z [nx ny nz] [s t | u v | texture_u texture_v] [red green blue],
@@ -152,9 +173,9 @@ YLM_API ylm_status ylm_mesh_parse_obj(const unsigned char *text, size_t size, co
 ** Colours of 8 and 16 bits are sRGB-encoded and become linear; float and double are linear, from 0 to 1.
 */
 YLM_API ylm_status ylm_mesh_parse_ply(const unsigned char *bytes, size_t size, const char *name,
-                                      ylm_mesh **mesh, ylm_error *e);
+                                      double crease, ylm_mesh **mesh, ylm_error *e);
 /* By content: PLY if it begins with "ply", else OBJ. Errors of ylm_file_read too. */
-YLM_API ylm_status ylm_mesh_read(const char *path, ylm_mesh **mesh, ylm_error *e);
+YLM_API ylm_status ylm_mesh_read(const char *path, double crease, ylm_mesh **mesh, ylm_error *e);
 /* Whether ylm_mesh_read takes these bytes for PLY. */
 YLM_API bool ylm_mesh_is_ply(const unsigned char *bytes, size_t size);
 /* Writes binary little-endian PLY. YLM_EIO. */
@@ -179,7 +200,7 @@ typedef struct ylm_mesh_groups {
 
 /* ylm_mesh_parse_obj, and what it says about materials; groups are the caller's to free. */
 YLM_API ylm_status ylm_mesh_parse_obj_groups(const unsigned char *text, size_t size,
-                                             const char *name, ylm_mesh **mesh,
+                                             const char *name, double crease, ylm_mesh **mesh,
                                              ylm_mesh_groups **groups, ylm_error *e);
 YLM_API void ylm_mesh_groups_free(ylm_mesh_groups *groups);
 /*

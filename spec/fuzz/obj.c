@@ -18,7 +18,7 @@ static void check_parts(const ylm_mesh *mesh, ylm_mesh **part, size_t parts) {
 static ylm_status parse(const unsigned char *text, size_t size, const char *name, ylm_mesh **mesh,
                         ylm_error *e) {
   ylm_mesh_groups *g;
-  ylm_status s = ylm_mesh_parse_obj_groups(text, size, name, mesh, &g, e);
+  ylm_status s = ylm_mesh_parse_obj_groups(text, size, name, YLM_MESH_CREASE, mesh, &g, e);
   if (s != YLM_OK) {
     if (g) __builtin_trap();
     return s;

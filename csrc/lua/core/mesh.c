@@ -91,8 +91,8 @@ static ylm_status copy_colours(const ylmL_array *a, size_t vertices, ylm_mesh *m
 
 /* Fills an empty mesh from arrays; indices are one-based. */
 static ylm_status from_arrays(const ylmL_array *p, const ylmL_array *t, const ylmL_array *n,
-                              const ylmL_array *uv, const ylmL_array *colour, ylm_mesh **m,
-                              ylm_error *e) {
+                              const ylmL_array *uv, const ylmL_array *colour, double crease,
+                              ylm_mesh **m, ylm_error *e) {
   size_t vertices = p->count / 3, triangles = t->count / 3;
   ylm_status s = ylm_mesh_create(vertices, triangles, n != NULL, uv != NULL, m, e);
   if (s != YLM_OK) return s;
@@ -109,10 +109,10 @@ static ylm_status from_arrays(const ylmL_array *p, const ylmL_array *t, const yl
                       i / 3 + 1, k, vertices);
     (*m)->index[i] = (uint32_t)k - 1;
   }
-  return n ? YLM_OK : ylm_mesh_make_normals(*m);
+  return n ? YLM_OK : ylm_mesh_make_creased_normals(*m, crease, NULL);
 }
 
-/* mesh_from(vertices [n][3], triangles [m][3], normals, uvs, colours: each may be nil) -> mesh */
+/* mesh_from(vertices [n][3], triangles [m][3], normals, uvs, colours: each may be nil, crease in degrees) -> mesh */
 static int mesh_from(lua_State *L) {
   ylmL_array *p = ylmL_array_check(L, 1), *t = ylmL_array_check(L, 2);
   ylmL_array *n = ylmL_array_opt(L, 3), *uv = ylmL_array_opt(L, 4), *c = ylmL_array_opt(L, 5);
@@ -121,7 +121,8 @@ static int mesh_from(lua_State *L) {
       (uv && uv->count / 2 != p->count / 3) || (c && c->count != p->count))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   ylm_mesh **m = ylmL_mesh_new(L);
-  return ylmL_result(L, 1, from_arrays(p, t, n, uv, c, m, &e), &e);
+  return ylmL_result(L, 1,
+                     from_arrays(p, t, n, uv, c, luaL_optnumber(L, 6, YLM_MESH_CREASE), m, &e), &e);
 }
 
 /* mesh_read(path) -> mesh */
@@ -129,7 +130,7 @@ static int mesh_read(lua_State *L) {
   ylm_error e = {0};
   const char *path = luaL_checkstring(L, 1);
   ylm_mesh **m = ylmL_mesh_new(L);
-  return ylmL_result(L, 1, ylm_mesh_read(path, m, &e), &e);
+  return ylmL_result(L, 1, ylm_mesh_read(path, YLM_MESH_CREASE, m, &e), &e);
 }
 
 /* mesh_write(mesh, path) -> true */

@@ -121,19 +121,20 @@ static ylm_status push_parts(lua_State *L, const ylm_mesh *mesh, holder *h, ylm_
   return s;
 }
 
-/* mesh_read_parts(path, limit of bytes or 0) -> mesh; of OBJ also its libraries and its parts */
+/* mesh_read_parts(path, limit of bytes or 0, crease in degrees) -> mesh; of OBJ also its libraries and its parts */
 static int mesh_read_parts(lua_State *L) {
   const char *path = luaL_checkstring(L, 1);
   size_t size, limit = (size_t)luaL_checknumber(L, 2);
+  double crease = luaL_checknumber(L, 3);
   ylm_error e = {0};
   holder *h = new_holder(L);
   ylm_mesh **m = ylmL_mesh_new(L);
   ylm_status s = ylm_file_read(path, limit, &h->bytes, &size, &e);
   bool ply = s == YLM_OK && ylm_mesh_is_ply(h->bytes, size);
   if (ply)
-    s = ylm_mesh_parse_ply(h->bytes, size, path, m, &e);
+    s = ylm_mesh_parse_ply(h->bytes, size, path, crease, m, &e);
   else if (s == YLM_OK)
-    s = ylm_mesh_parse_obj_groups(h->bytes, size, path, m, &h->groups, &e);
+    s = ylm_mesh_parse_obj_groups(h->bytes, size, path, crease, m, &h->groups, &e);
   if (s == YLM_OK && !ply) {
     push_libraries(L, h->groups);
     s = push_parts(L, *m, h, &e);
