@@ -284,7 +284,7 @@ local function mesh_of_arrays(values)
   local normals = values.normals ~= nil and array.rows(1, "mesh", "normals", values.normals, 3)
   local uvs = values.uvs ~= nil and array.rows(1, "mesh", "uvs", values.uvs, 2)
   local colours = values.colours ~= nil and array.rows(1, "mesh", "colours", values.colours, 3)
-  return core.mesh_from(vertices, triangles, normals or nil, uvs or nil, colours or nil, values.crease)
+  return core.mesh_from(vertices, triangles, normals or nil, uvs or nil, colours or nil, values.crease or 180)
 end
 
 --- The parts of an OBJ file that names materials, { mesh =, material =, emission = }, and the set of these; nothing where it
@@ -306,10 +306,12 @@ local function parts_of_file(values, libraries, groups, fail)
   return parts, set
 end
 
+local CREASE = 40 -- degrees, of files
+
 --- Reads a file: its mesh, and what parts_of_file returns, unless the scene gives the material; or nil, message, code.
 local function mesh_of_file(values, fail)
   local mesh, libraries, groups = core.mesh_read_parts(values.file, form.budget and form.budget "file_size" or 0,
-    values.crease)
+    values.crease or CREASE)
   if not mesh then return nil, libraries, groups end
   if values.material or not libraries then return mesh end
   local parts, set, code = parts_of_file(values, libraries, groups, fail)
@@ -327,9 +329,9 @@ shape("mesh", {
     { "triangles", "any", optional = true, about = "[m][3] one-based indices of vertices" },
     { "normals", "any", optional = true, about = "[n][3]" },
     { "uvs", "any", optional = true, about = "[n][2], texture coordinates: u to the right, v upwards" },
-    { "crease", "number", default = 40, min = 0, max = 180, unit = "degrees", about = "where normals are computed: "
-      .. "triangles that meet at a larger angle have an edge, whose vertices are split; 180: smooth everywhere. "
-      .. "OBJ's s goes before" },
+    { "crease", "number", optional = true, min = 0, max = 180, unit = "degrees", about = "where normals are computed: triangles "
+      .. "that meet at a larger angle have an edge, whose vertices are split; 180: smooth everywhere. Default: 40 of files, "
+      .. "whose smoothing groups go before it, 180 of arrays, whose vertices stay as they are" },
     { "colours", "any", optional = true, about = "[n][3], linear, 0 to 1: they multiply what the material reflects" },
   },
   triangles = function(v) return type(v.triangles) == "table" and #v.triangles or 0 end,

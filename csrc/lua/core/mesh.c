@@ -112,17 +112,17 @@ static ylm_status from_arrays(const ylmL_array *p, const ylmL_array *t, const yl
   return n ? YLM_OK : ylm_mesh_make_creased_normals(*m, crease, NULL);
 }
 
-/* mesh_from(vertices [n][3], triangles [m][3], normals, uvs, colours: each may be nil, crease in degrees) -> mesh */
+/* mesh_from(vertices [n][3], triangles [m][3], normals, uvs, colours: each may be nil, crease in degrees or nil: none) -> mesh */
 static int mesh_from(lua_State *L) {
   ylmL_array *p = ylmL_array_check(L, 1), *t = ylmL_array_check(L, 2);
   ylmL_array *n = ylmL_array_opt(L, 3), *uv = ylmL_array_opt(L, 4), *c = ylmL_array_opt(L, 5);
+  double crease = luaL_optnumber(L, 6, 180);
   ylm_error e = {0};
   if (p->count % 3 || t->count % 3 || (n && n->count != p->count) ||
       (uv && uv->count / 2 != p->count / 3) || (c && c->count != p->count))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   ylm_mesh **m = ylmL_mesh_new(L);
-  return ylmL_result(L, 1,
-                     from_arrays(p, t, n, uv, c, luaL_optnumber(L, 6, YLM_MESH_CREASE), m, &e), &e);
+  return ylmL_result(L, 1, from_arrays(p, t, n, uv, c, crease, m, &e), &e);
 }
 
 /* mesh_read(path) -> mesh */
