@@ -68,7 +68,9 @@ describe("no lights", function()
 
   it("are a neutral element of a list of lights", function()
     local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radiance = { 3, 2, 1 } }
-    local alone, together = ylm.light_field(3, lamp, points), ylm.light_field(3, { {}, lamp, nothing }, points)
+    local list = { {}, lamp }
+    for _, lights in pairs(nothing) do list[#list + 1] = lights end
+    local alone, together = ylm.light_field(3, lamp, points), ylm.light_field(3, list, points)
     assert.equal(0, (core.array_distance(alone, together)))
   end)
 
@@ -144,6 +146,64 @@ describe("no lights", function()
   it("are viewed as nothing", function()
     local grid = ylm.bake(grids.uniform(false), {})
     assert.truthy(ylm.view { grid, lights = {} })
+  end)
+end)
+
+describe("what is no list of lights", function()
+  local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
+  local floor = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } }
+  local scene = ylm.scene "floor" { camera = ylm.camera { from = { 0, 1.2, 2.6 }, at = { 0, 0, 0 } }, geometry = floor,
+    lights = lamp }
+  local t = scene:transfer { links = 4, spacing = 2 }
+  local lit, view = t:radiosity(), scene:prepare { size = { 4, 3 }, samples = 1 }
+  local function grid(dynamic) return ylm.bake(grids.uniform(dynamic), lamp) end
+  local takes = {
+    light_field = function(lights) return ylm.light_field(0, lights, points) end,
+    radiosity = function(lights) return t:radiosity(lights) end,
+    ["radiosity:update"] = function(lights) return lit:update(lights) end,
+    bake = function(lights) return ylm.bake(grids.uniform(false), lights) end,
+    ["scene:bake"] = function(lights) return scene:bake { parts = "lights", lights = lights, probes = grids.uniform(false) } end,
+    update = function(lights) return grid(true):update(lights) end,
+    refresh = function(lights) return grid(false):refresh(lights) end,
+    render = function(lights) return view:render { lights = lights } end,
+    shadowed = function(lights) return ylm.shadowed { lights = lights, casters = ylm.sphere_casters { at = { { 0, 1, 0 } },
+      radius = 0.1 } } end,
+    sampled_light = function(lights) return ylm.sampled_light { lights = lights, at = { { 0, 0, 0 } } } end,
+  }
+
+  for name, take in pairs(takes) do
+    it("is refused by " .. name .. ": options in the place of lights, and lists with holes", function()
+      for wrong, words in pairs { [{ bounces = 1 }] = "no entry 'bounces'", [{ lamp, { treads = 1 } }] = "no entry 'treads'",
+        [{ lamp, nil, lamp }] = "light 2 of the list is nil", [{ [0] = lamp }] = "no entry 0" } do
+        local ok, message = pcall(take, wrong)
+        assert.is_false(ok)
+        assert.truthy(message:find(words, 1, true), message)
+      end
+    end)
+  end
+
+  it("names the file that could not be read in the place of a light", function()
+    local ok, message = pcall(ylm.light_field, 0, { ylm.load "no such file" }, points)
+    assert.is_false(ok)
+    assert.truthy(message:find("light 1 of the list is nil: no such file", 1, true), message)
+  end)
+
+  it("is said once where it is an empty list, and never of a scene without lights", function()
+    local said = {}
+    local before = ylm.on_warning(function(message) said[#said + 1] = message:match "^%S+" end)
+    local ok, why = pcall(function()
+      local dark = ylm.scene "dark" { geometry = floor }
+      dark:transfer({ links = 4, spacing = 2 }):radiosity(dark.lights)
+      dark:bake { parts = "lights", probes = grids.uniform(false) }
+      assert.same({}, said)
+      for _ = 1, 2 do
+        ylm.sampled_light { lights = { {} }, at = { { 0, 0, 0 } } }
+        view:render { lights = {} }
+      end
+    end)
+    ylm.on_warning(before)
+    assert(ok, why)
+    assert.same({ "sampled_light:", "render:" }, said)
   end)
 end)
 

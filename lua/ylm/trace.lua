@@ -124,6 +124,7 @@ end
 function tracing.relight(name, t, lights)
   local start = core.seconds()
   check_rays(name, lights, 0)
+  light.heed_nothing(name, lights)
   local packed, message, code = light.pack(1, name, lights)
   if not packed then return nil, message, code end
   local handle

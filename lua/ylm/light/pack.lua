@@ -4,6 +4,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local devices = require "ylm.device"
 local form = require "ylm.form"
+local warning = require "ylm.warning"
 
 local pack = {}
 
@@ -58,6 +59,26 @@ local function flush(sources, run)
   for i = #run, 1, -1 do run[i] = nil end
 end
 
+--- The length of a list of lights; raises where it has holes, or entries with names: options that stand in the place of lights.
+local function length(n, name, list)
+  local largest, count = 0, 0
+  for key in pairs(list) do
+    if not check.is_integer(key) or key < 1 then
+      return check.bad(n, name, "a list of lights has no entry %s; options are a table of their own, behind the lights",
+        check.describe(key))
+    end
+    largest, count = math.max(largest, key), count + 1
+  end
+  for i = 1, count < largest and largest or 0 do
+    if list[i] == nil then
+      -- A constructor that could not read a file left nil, message, code here.
+      local why = type(list[i + 1]) == "string" and ": " .. list[i + 1] or ""
+      return check.bad(n, name, "light %d of the list is nil%s", i, why)
+    end
+  end
+  return largest
+end
+
 --- Appends what `value` is made of to the sources: records of one kind that follow one another are one of them.
 local function gather(n, name, value, sources, run, depth)
   local kind = form.kind(value)
@@ -81,7 +102,7 @@ local function gather(n, name, value, sources, run, depth)
     flush(sources, run)
     sources[#sources + 1] = value
   elseif type(value) == "table" and kind == nil and depth < 32 then
-    for i = 1, #value do gather(n, name, value[i], sources, run, depth + 1) end
+    for i = 1, length(n, name, value) do gather(n, name, value[i], sources, run, depth + 1) end
   elseif type(value) == "table" and kind == nil then
     return check.bad(n, name, "lists of lights nest more than 32 deep; does a list hold itself?")
   else
@@ -150,6 +171,21 @@ function pack.lamps(name, lamps)
   return pack.set(packed)
 end
 
+--- Does a list hold nothing but lists of nothing? They nest no deeper than `room`.
+local function is_nothing(list, room)
+  if type(list) ~= "table" or form.kind(list) or room == 0 then return false end
+  for _, entry in pairs(list) do
+    if not is_nothing(entry, room - 1) then return false end
+  end
+  return true
+end
+
+--- Says, once of each function, that the lights a caller gave it are an empty list. Lists of scenes may be empty.
+function pack.heed_nothing(name, lights)
+  if not is_nothing(lights, 32) then return end
+  warning.say(pack, name, "%s: the list of lights is empty, which is darkness: give lights", name)
+end
+
 --- Argument `n` of `name` as an open object with a light field: such an object itself, or lights packed.
 function pack.field(n, name, value)
   local fault = check.grid_fault(value)
@@ -161,6 +197,7 @@ function pack.field(n, name, value)
     if pcall(core.field_quantity, value) then return value end
     return check.bad(n, name, "the %s has been closed", (core.type(value):gsub("^ylm%.", "")))
   end
+  pack.heed_nothing(name, value)
   return pack.pack(n, name, value)
 end
 
