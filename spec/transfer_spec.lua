@@ -1,6 +1,7 @@
 -- Elements and links: how surfaces are cut, which sides count, where rays lead, and the files that keep it.
 
 local bytes = require "spec.support.grid_bytes"
+local core = require "ylm.c.core"
 local elements = require "spec.support.elements"
 local scratch = require "spec.support.scratch"
 local with = require "spec.support.with"
@@ -252,6 +253,34 @@ describe("a .transfer file", function()
     local swapped = table.concat(out)
     local again = assert(read(room, swapped .. bytes.crc(swapped):reverse()))
     assert.same(t:radiosity():leaving():totable(), again:radiosity():leaving():totable())
+  end)
+
+  --- The bytes with `text` at `at`, from 0, and a checksum that fits.
+  local function forged(at, text)
+    local body = whole:sub(1, at) .. text .. whole:sub(at + #text + 1, -9)
+    return body .. core.team_crc(body):gsub("..", function(hex) return string.char(tonumber(hex, 16)) end):reverse()
+  end
+
+  it("is refused where its checksum fits, and its numbers cannot be", function()
+    if number(9, 4) ~= 0x01020304 then return pending "this machine is big-endian" end
+    local meshes, triangles, count, links, row = number(33, 4), number(41, 8), number(49, 8), 16, 3
+    local at, sizes = { 152 }, { meshes, 2 * triangles, 4 * count, 4 * count * links, 4 * count * row * row }
+    for i, size in ipairs(sizes) do at[i + 1] = at[i] + math.ceil(size / 8) * 8 end
+    local huge, ten, nan = "\76\110\79\110", "\0\0\32\65", "\0\0\192\127"
+    for what, case in pairs {
+      ["a side"] = { at[1], "\4" }, ["the cut of a triangle"] = { at[2], "\1\0" }, ["an element"] = { at[3], nan },
+      ["an element "] = { at[3], "\0\0\0\1" }, ["a count "] = { at[3], "\0\0\0\63" }, -- 2e-38; 0.5: no ray was buried
+      ["a link"] = { at[4], "\255\255\255\0" },
+      ["a transfer vector"] = { at[5], huge }, ["a transfer vector "] = { at[5] + 4, huge },
+      ["a transfer vector  "] = { at[5] + 8, ten }, ["a transfer vector   "] = { at[5], "\0\0\0\63" }, -- 0.5: no link is open
+      ["a count"] = { 96 + 3 * 8, "\1" }, -- dead elements
+    } do
+      local x, message, code = read(room, (forged(case[1], case[2])))
+      assert.is_nil(x, what)
+      assert(code == "EFORMAT" and message:find("other.transfer: " .. what:gsub(" *$", "") .. " of the transfer cannot be", 1, true),
+        what .. ": " .. tostring(message))
+    end
+    assert.truthy(read(room, (forged(0, ""))))
   end)
 
   it("is refused where it is damaged, cut short, newer, no transfer, or of another scene", function()

@@ -22,6 +22,14 @@
 #define SIDES_SETS 64
 #define SIDES_NESTED 16
 
+/* -- files: file.c ------------------------------------------------------------------------------- */
+
+/* Transfer vectors of files are taken with a noise of at most so many standard deviations, and this rounding; shares of
+   rays with that of floats. */
+#define ESCAPE_NOISE 6
+#define ESCAPE_ROUNDING 1e-4
+#define SHARE_ROUNDING 1e-6f
+
 /* -- direct light: direct.c, lightmap.c ---------------------------------------------------------- */
 
 /* Places of an element from which lamps are looked at, at most, and rays of each, at least: a place

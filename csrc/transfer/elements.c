@@ -251,17 +251,33 @@ ylm_status ylm__transfer_cut(ylm_transfer *t, const ylm_transfer_form *form, ylm
   return s;
 }
 
+/* Whether the cuts are those of triangles of these longest edges: pieces may differ by rounding elsewhere. */
+static bool cuts_can_be(const ylm_transfer *t, const float *edge, size_t elements) {
+  double n = 0, degenerate = 0;
+  for (size_t m = 0; m < t->meshes; m++)
+    for (size_t i = t->first[m]; i < t->first[m + 1]; i++) {
+      double k = t->cut[i], wanted = pieces(edge[i], t->form.spacing);
+      if ((k == 0) != (wanted == 0) || fabs(k - wanted) > 1) return false;
+      n += k * k * sides_of(t, m);
+      degenerate += t->side[m] && k == 0;
+    }
+  return n == (double)elements && degenerate == (double)t->stats.degenerate;
+}
+
 ylm_status ylm__transfer_cut_again(ylm_transfer *t, size_t elements) {
   ylm_status s = list_triangles(t);
-  double n = 0;
-  for (size_t m = 0; s == YLM_OK && m < t->meshes; m++)
-    for (size_t i = t->first[m]; i < t->first[m + 1]; i++)
-      n += (double)t->cut[i] * (double)t->cut[i] * sides_of(t, m);
-  if (s == YLM_OK && n != (double)elements) return YLM_EFORMAT;
   float *positions = s == YLM_OK ? positions_of(t->scene) : NULL;
-  if (!positions) return YLM_ENOMEM;
-  t->elements = number(t);
-  s = make(t, positions);
+  float *edge = positions ? ylm_alloc(t->triangles, sizeof *edge) : NULL;
+  s = edge ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) {
+    find_edges(t, positions, edge);
+    s = cuts_can_be(t, edge, elements) ? YLM_OK : YLM_EFORMAT;
+  }
+  if (s == YLM_OK) {
+    t->elements = number(t);
+    s = make(t, positions);
+  }
+  ylm_free(edge);
   ylm_free(positions);
   return s;
 }

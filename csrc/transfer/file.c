@@ -5,8 +5,12 @@
 ** meshes that the links were found for. Files are written in this machine's byte order and read in
 ** either; the fingerprint of the meshes is that of little-endian bytes.
 */
+#include <math.h>
+
+#include "calibration.h"
 #include "transfer.h"
 
+#define PI 3.14159265358979323846
 #define ORDER 0x01020304u
 #define SWAPPED 0x04030201u
 #define VERSION 1u
@@ -232,21 +236,67 @@ static void *copy_section(const unsigned char *from, const section *s, bool turn
   return to;
 }
 
+/* How many links of an element lead to nothing: they stand last. */
+static uint32_t open_links(const ylm_transfer *t, const header *h, size_t i) {
+  const uint32_t *link = t->link + i * h->links;
+  uint32_t n = 0;
+  while (n < h->links && link[h->links - 1 - n] == (uint32_t)h->elements) n++;
+  return n;
+}
+
+/*
+** Whether counts of the statistics can be. An element's share is that of its rays that do not begin inside of a body,
+** of all or of those that do not go below their triangle, which lead to nothing: so many rays are buried in all.
+*/
+static bool check_counts(const header *h, const ylm_transfer *t) {
+  uint64_t dead = 0, rays = h->elements * h->links;
+  double least = 0, most = 0;
+  for (size_t i = 0; i < h->elements; i++) {
+    dead += t->share[i] == 0;
+    least += (1 - (double)t->share[i]) * (h->links - open_links(t, h, i));
+    most += (1 - (double)t->share[i]) * h->links;
+  }
+  double rounding = SHARE_ROUNDING * (double)rays, buried = (double)h->buried;
+  return h->rays == rays && h->escaped <= rays && h->lost <= rays && h->dead == dead &&
+         buried >= least - rounding && buried <= most + rounding && h->closed <= h->meshes &&
+         h->rooms <= h->closed;
+}
+
+/* Whether an element's share can be: of rays that are at most the links. */
+static bool check_share(const header *h, float share) {
+  return share == 0 || (share * (float)h->links >= 1 - SHARE_ROUNDING && share <= 1);
+}
+
+/*
+** Whether the transfer vector of element i can be. Its first number is the part of the element's rays that leave the
+** scene, which are among the links to nothing. Its norm is at most that of the cosine, sqrt(2 pi/3), and the noise of
+** so many rays: ESCAPE_NOISE times the root mean square of independent ones.
+*/
+static bool check_escape(const ylm_transfer *t, const header *h, size_t i) {
+  size_t count = (size_t)h->lmax * h->lmax;
+  const float *T = t->escape + i * count;
+  double square = 0, part = (double)T[0] / sqrt(PI / 4), rays = h->links;
+  for (size_t k = 0; k < count; k++) square += (double)T[k] * (double)T[k];
+  double most = sqrt(2 * PI / 3) + ESCAPE_NOISE * h->lmax * sqrt(PI / (4 * rays));
+  return square <= most * most && part >= -ESCAPE_ROUNDING &&
+         part <= open_links(t, h, i) / rays + ESCAPE_ROUNDING;
+}
+
 /* Takes sections over; which of them cannot be, or NULL. */
 static const char *check_sections(const ylm_transfer *t, const header *h) {
   uint32_t none = (uint32_t)h->elements;
   for (size_t m = 0; m < t->meshes; m++)
     if (t->side[m] > 3 || (t->side[m] != 0) != ylm_scene_occludes(t->scene, m)) return "a side";
   for (size_t i = 0; i < h->elements; i++)
-    if (!(t->share[i] >= 0 && t->share[i] <= 1)) return "an element";
+    if (!check_share(h, t->share[i])) return "an element";
   for (size_t i = 0; i < h->elements; i++)
     for (uint32_t k = 0; k < h->links; k++) {
       const uint32_t *link = t->link + i * h->links + k;
       if (*link > none || (k > 0 && *link < link[-1])) return "a link";
     }
-  if (t->escape && !ylm_all_finite(YLM_FLOAT, t->escape, h->elements * h->lmax * h->lmax, NULL))
-    return "a transfer vector";
-  return NULL;
+  for (size_t i = 0; t->escape && i < h->elements; i++)
+    if (!check_escape(t, h, i)) return "a transfer vector";
+  return check_counts(h, t) ? NULL : "a count";
 }
 
 static ylm_status read_sections(ylm_transfer *t, const header *h, const unsigned char *bytes,
@@ -300,8 +350,10 @@ ylm_status ylm_transfer_read(const ylm_scene *scene, const unsigned char *bytes,
   t->scene = scene;
   restore(t, &h);
   s = read_sections(t, &h, bytes, turned, name, e);
-  if (s == YLM_OK) s = ylm__transfer_cut_again(t, h.elements);
-  if (s == YLM_EFORMAT && !t->centre) s = damaged(name, "the number of elements", e);
+  if (s == YLM_OK) {
+    s = ylm__transfer_cut_again(t, h.elements);
+    if (s == YLM_EFORMAT) damaged(name, "the cut of a triangle", e);
+  }
   if (s == YLM_OK) {
     t->stats.seconds = ylm_seconds() - begun;
     t->stats.bytes = ylm__transfer_bytes(t);

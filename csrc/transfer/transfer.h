@@ -51,8 +51,8 @@ ylm_status ylm__transfer_sides(ylm_transfer *t, const ylm_transfer_form *form,
 
 /* Cuts the surfaces: everything but links. */
 ylm_status ylm__transfer_cut(ylm_transfer *t, const ylm_transfer_form *form, ylm_error *e);
-/* As ylm__transfer_cut where t->side, t->cut and t->share are known; YLM_EFORMAT, and nothing made, unless there are
-   so many elements then. */
+/* As ylm__transfer_cut where t->side, t->cut, t->share and the statistics are known; YLM_EFORMAT, and nothing made,
+   unless these cuts are the spacing's and there are so many elements then. */
 ylm_status ylm__transfer_cut_again(ylm_transfer *t, size_t elements);
 /* Where element i lies: its triangle's place, and the weights (u, v) of its three corners. */
 void ylm__transfer_corners(const ylm_transfer *t, size_t i, ylm_scene_place *place,
