@@ -74,6 +74,12 @@ const ylm_texture *ylm_texture_keep(const ylm_texture *t) {
   return t;
 }
 
+uint64_t ylm_texture_print(const ylm_texture *t) {
+  uint64_t form[4] = {t->width, t->height, t->wrap[0], t->wrap[1]};
+  return ylm_crc64(ylm_crc64(0, form, sizeof form), t->texel,
+                   3 * t->width * t->height * sizeof *t->texel);
+}
+
 void ylm_texture_free(const ylm_texture *t) {
   if (t && atomic_fetch_sub(holders(t), 1) == 1) ylm_free((void *)(uintptr_t)t);
 }

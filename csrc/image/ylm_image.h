@@ -359,6 +359,8 @@ YLM_API ylm_status ylm_texture_create(size_t width, size_t height, int channels,
 YLM_API const ylm_texture *ylm_texture_keep(const ylm_texture *texture);
 YLM_API void ylm_texture_free(const ylm_texture *texture);
 YLM_API void ylm_texture_size(const ylm_texture *texture, size_t *width, size_t *height);
+/* A fingerprint of its size, its borders and its texels. */
+YLM_API uint64_t ylm_texture_print(const ylm_texture *texture);
 /* The mean of all texels. */
 YLM_API void ylm_texture_mean(const ylm_texture *texture, float mean[3]);
 /*

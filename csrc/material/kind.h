@@ -14,6 +14,7 @@ struct ylm_material {
   float albedo[3]; /* of light from everywhere alike                                         */
   void *table;     /* what the kind makes of the numbers, or keeps of a file; NULL: nothing  */
   size_t bytes;    /* its size, of which Lua's collector is told                             */
+  uint64_t print;
   _Atomic(struct material_kept *) kept; /* table_kept.c */
 };
 

@@ -80,6 +80,8 @@ static ylm_status make(int kind, size_t n, const float *numbers, const void *byt
   atomic_init(&new->holders, 1);
   new->kind = kind;
   memcpy(new->x, numbers, n * sizeof *numbers);
+  new->print = ylm_crc64(0, kinds[kind]->name, strlen(kinds[kind]->name));
+  new->print = ylm_crc64(ylm_crc64(new->print, numbers, n * sizeof *numbers), bytes, size);
   s = complete(new, bytes, size, name, e);
   if (s == YLM_OK)
     *m = new;
@@ -119,6 +121,8 @@ void ylm_material_free(const ylm_material *m) {
 }
 
 int ylm_material_kind(const ylm_material *m) { return m->kind; }
+
+uint64_t ylm_material_print(const ylm_material *m) { return m->print; }
 
 size_t ylm_material_bytes(const ylm_material *m) { return sizeof *m + m->bytes; }
 

@@ -88,6 +88,8 @@ YLM_API void ylm_material_free(const ylm_material *m);
 YLM_API int ylm_material_kind(const ylm_material *m);
 /* Whether its light differs from eye to eye: transfer vectors alone do not say what it reflects. */
 YLM_API bool ylm_material_glosses(const ylm_material *m);
+/* A fingerprint of its kind, its numbers and the bytes of its file. */
+YLM_API uint64_t ylm_material_print(const ylm_material *m);
 /* The memory that it takes. */
 YLM_API size_t ylm_material_bytes(const ylm_material *m);
 

@@ -109,6 +109,13 @@ YLM_API size_t ylm_scene_vertices(const ylm_scene *scene, float *out);
 /* How many of them are before those of mesh m; of the mesh behind the last: all. */
 YLM_API size_t ylm_scene_first_vertex(const ylm_scene *scene, size_t m);
 
+/* Fingerprints of what light in the scene depends on, the same wherever these numbers are the same: meshes; materials,
+   textures and colours; lamps and skies. */
+typedef struct ylm_scene_prints {
+  uint64_t geometry, materials, lights;
+} ylm_scene_prints;
+YLM_API void ylm_scene_print(const ylm_scene *scene, ylm_scene_prints *out);
+
 /* -- what is at a place ------------------------------------------------------ */
 
 /* A place on a triangle, by the weights of its second and third corner. */

@@ -1,4 +1,5 @@
 /* traced.c - scenes ready to be traced: made of meshes and lamps, looked at, traced. */
+#include <stdio.h>
 #include <string.h>
 
 #include "traced.h"
@@ -144,6 +145,22 @@ static int scene_bounds(lua_State *L) {
   return 2;
 }
 
+static void push_print(lua_State *L, uint64_t print) {
+  char text[17];
+  snprintf(text, sizeof text, "%016llx", (unsigned long long)print);
+  lua_pushstring(L, text);
+}
+
+/* scene_print(scene) -> fingerprints of geometry, materials, lights: 16 digits each */
+static int scene_print(lua_State *L) {
+  ylm_scene_prints p;
+  ylm_scene_print(ylmL_scene(L, 1), &p);
+  push_print(L, p.geometry);
+  push_print(L, p.materials);
+  push_print(L, p.lights);
+  return 3;
+}
+
 /* scene_vertices(scene) -> [n][3] */
 static int scene_vertices(lua_State *L) {
   ylm_scene *s = ylmL_scene(L, 1);
@@ -240,7 +257,8 @@ static int scene_lamps(lua_State *L) {
 
 static const luaL_Reg functions[] = {
     {"scene_create", scene_create}, {"scene_relight", scene_relight},
-    {"scene_bounds", scene_bounds}, {"scene_vertices", scene_vertices},
+    {"scene_bounds", scene_bounds},
+                                     {"scene_print", scene_print}, {"scene_vertices", scene_vertices},
     {"scene_trace", scene_trace},   {"scene_lamps", scene_lamps},
     {"scene_close", scene_close},   {NULL, NULL}};
 

@@ -12,6 +12,7 @@ local pictures = require "ylm.render.picture"
 local progress = require "ylm.progress"
 local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
+local warning = require "ylm.warning"
 
 local paths = {}
 
@@ -55,7 +56,8 @@ local pathtrace_options = options.list({
     about = "instead of bounces, { first, last }: 0 lamps that are seen, 1 direct light, 2 the first bounce; last also 'all'" },
 }, estimate, {
   { "resume", "object", of = "ylm.image", optional = true,
-    about = "an image of an earlier call, or loaded from its .exr, with the same options but for samples: goes on from there" },
+    about = "an image of an earlier call, or loaded from its .exr, of the same scene with the same options but for samples: "
+      .. "goes on from there" },
 }, options.layer_fields, display.fields, options.common)
 
 local probe_options = options.list({
@@ -81,17 +83,41 @@ end
 -- Pictures -----------------------------------------------------------------------------
 
 --- All that an image that goes on must have in common, as its metadata say it.
-local function identity(s, o, first, last)
-  local c, numbers = s.camera, {}
+local function identity(s, p, o, first, last)
+  local c, b, numbers = s.camera, s.background or { 0, 0, 0 }, {}
+  local geometry, materials, lights = p.lib.scene_print(p.traced.handle)
   for _, v in ipairs { c.from, c.at, c.up, { c.fov } } do
     for _, x in ipairs(v) do numbers[#numbers + 1] = ("%.9g"):format(x) end
   end
   return { method = "pathtrace", scene = s.name or "", seed = ("%.17g"):format(o.seed), strategy = o.strategy,
-    reflections = ("%d %s"):format(first, last < 0 and "all" or ("%d"):format(last)), camera = table.concat(numbers, " ") }
+    reflections = ("%d %s"):format(first, last < 0 and "all" or ("%d"):format(last)), camera = table.concat(numbers, " "),
+    ["print.geometry"] = geometry, ["print.materials"] = materials, ["print.lights"] = lights,
+    background = ("%.9g %.9g %.9g"):format(b[1], b[2], b[3]) }
+end
+
+--- Raises where an image that goes on has the fingerprints of another scene; says where it has none.
+local function check_prints(s, texts, known)
+  local bare = {}
+  for _, part in ipairs { "geometry", "materials", "lights" } do
+    local print = texts["print." .. part]
+    if print and print ~= known["print." .. part] then
+      return check.fail("pathtrace: resume: the image was made with other %s than scene %q has now: give the scene as it was, "
+        .. "or begin anew", part, s.name or "?")
+    end
+    if not print then bare[#bare + 1] = part end
+  end
+  if texts.background and texts.background ~= known.background then
+    return check.fail("pathtrace: resume: the image's background is '%s', this is '%s'", check.short(texts.background),
+      known.background)
+  end
+  if #bare > 0 then
+    warning.say(s, "resume", "pathtrace: resume: the image has no fingerprint of its %s: whether they are those of scene %q is "
+      .. "not known", table.concat(bare, ", "), s.name or "?")
+  end
 end
 
 --- Raises unless image `from` can go on as options ask; the samples it has.
-local function check_resumed(from, o, known)
+local function check_resumed(s, from, o, known)
   local _, channels = from:layers()
   for _, layer in ipairs { "radiance", "radiance_rest", "variance" } do
     if channels[layer] ~= 3 then
@@ -109,6 +135,7 @@ local function check_resumed(from, o, known)
         check.short(known[key]))
     end
   end
+  check_prints(s, texts, known)
   local samples = tonumber(texts.samples)
   if not samples or samples % BATCH ~= 0 or not (samples >= 0 and samples <= MOST_SAMPLES) then
     return check.fail("pathtrace: resume: the image's samples are '%s', a multiple of %d expected",
@@ -173,8 +200,8 @@ function paths.pathtrace(s, given)
   local p = views.open("pathtrace", view)
   tracing.check_bodies("pathtrace", p.traced)
   pictures.check_truth("pathtrace", p, o)
-  local known = identity(s, o, first, last)
-  local done = o.resume and check_resumed(o.resume, o, known) or 0
+  local known = identity(s, p, o, first, last)
+  local done = o.resume and check_resumed(s, o.resume, o, known) or 0
   local start, report = core.seconds(), pictures.new_report(p)
   report.note = darkness(s) or report.note
   local out
