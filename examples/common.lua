@@ -24,10 +24,21 @@ local function folder(path)
   return path .. "/"
 end
 
+--- Ends the script with its usage where "--help" or "-h" is among the words.
+local function help(defaults)
+  for _, word in ipairs(arg) do
+    if word == "--help" or word == "-h" then
+      print(usage(defaults))
+      os.exit(0)
+    end
+  end
+end
+
 --- Reads "--name value" and "--flag" into a copy of `defaults`; stops with the usage where a name is unknown.
 -- A default of false makes a flag; the type of the default is the type of the value ("" for text). `out` is a folder: it
--- is made, and its name ends in a slash.
+-- is made, and its name ends in a slash. A script that writes no file takes --out, too, and says that it has no use for it.
 function common.options(defaults)
+  help(defaults)
   local options = {}
   for name, value in pairs(defaults) do options[name] = value end
   local i = 1
@@ -35,6 +46,10 @@ function common.options(defaults)
     local name = arg[i]:match "^%-%-([%w_]+)$"
     local default = defaults[name or ""]
     local value = arg[i + 1]
+    if name == "out" and value and default == nil then
+      print "--out: this script prints its results, and writes no file"
+      default = ""
+    end
     if default == nil then error(("unknown option '%s'\n%s"):format(arg[i], usage(defaults)), 0) end
     if default == false then options[name], i = true, i + 1
     else

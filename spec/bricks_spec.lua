@@ -362,7 +362,7 @@ describe("a grid in bricks", function()
     folder:write(name, text:sub(1, 600) .. ("x"):rep(#text - 600))
     local _, message, code = bake()
     assert.equal("ECHECKSUM", code)
-    assert.matches("7.b: the file is damaged", message)
+    assert.matches("7.b: the file is damaged.*bake again, or all anew, with fresh = true %(ylm bake %-%-fresh%)", message)
     assert(bake())
   end)
 

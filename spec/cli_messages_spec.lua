@@ -30,6 +30,16 @@ describe("the command-line tool's messages", function()
     assert.equal("ylm: no help on ' '", refused "help ' '")
   end)
 
+  it("take a value that stands at a letter, and say a mistake in three lines", function()
+    local out, code = ylm "render -j1 --help"
+    assert.equal(0, code, out)
+    local _, status, err = ylm "render -q9 x.lua"
+    assert.equal(2, status)
+    assert.equal("ylm: render: no option -q9", err:match "^[^\n(]*":gsub(" $", ""))
+    assert.equal(3, select(2, err:gsub("\n", "")), err)
+    assert.matches("ylm help render names its options", err)
+  end)
+
   it("show a command before functions of its name, and run none", function()
     local out, code = ylm "help render"
     assert.equal(0, code)

@@ -149,6 +149,20 @@ describe("no lights", function()
   end)
 end)
 
+describe("a body that has been closed", function()
+  it("is named where light is to pass the caster that hides it", function()
+    local body = ylm.occluder { radius = 1 }
+    local caster = ylm.caster { hides = body, at = { 0, 0, 0 } }
+    body:close()
+    for _, take in ipairs { function() ylm.shadowed { lights = {}, casters = { ball = caster } } end,
+      function() ylm.visibility(2, { ball = caster }, points) end } do
+      local ok, message = pcall(take)
+      assert.is_false(ok)
+      assert.matches("^spec/no_lights_spec.lua:%d+: .*the occluder that caster 'ball' hides has been closed", message)
+    end
+  end)
+end)
+
 describe("what is no list of lights", function()
   local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
   local floor = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } }

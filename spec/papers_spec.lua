@@ -63,6 +63,18 @@ describe("examples/papers", function()
     end)
   end
 
+  it("take --help, and --out where they write nothing", function()
+    local folder = scratch.new()
+    folder:write("script.lua", 'print(dofile "examples/common.lua".options({ count = 3 }).count)')
+    local command = (os.getenv "YLM_LUA" or "lua5.4") .. " " .. scratch.quote(folder.path .. "/script.lua")
+    local out, status = scratch.capture(command .. " --help")
+    assert.same({ 0, true }, { status, out:find("usage: .*script.lua %[%-%-count 3%]") ~= nil })
+    assert.same({ "--out: this script prints its results, and writes no file\n5\n", 0 },
+      { scratch.capture(command .. " --out x --count 5") })
+    assert.is_true(select(2, scratch.capture(command .. " --nothing 2>&1")) ~= 0)
+    folder:remove()
+  end)
+
   it("take a scene of one's own, or say why they do not", function()
     local folder = scratch.new()
     local file = scratch.quote(folder:write("own.lua", [[

@@ -198,16 +198,16 @@ describe("scene:pathtrace", function()
   end)
 
   it("goes on from an image of its own scene alone, and names what differs", function()
-    local function room(o)
+    local function chamber(o)
       return ylm.scene "room" { camera = ylm.camera { from = { 0, 0, 2 }, at = { 0, 0, 0 } }, background = o.background,
         geometry = ylm.box { scale = o.scale or 1, occludes = o.occludes,
           material = o.material or ylm.matte { albedo = 0.5 } },
         lights = o.lights or ylm.sphere_light { at = { 0, 2, 0 }, radiance = 3 } }
     end
     local o = { size = { 4, 3 }, samples = 32, bounces = 1, layers = false }
-    local image = room({}):pathtrace(o)
+    local image = chamber({}):pathtrace(o)
     o.resume, o.samples = image, 48
-    assert.are.equal("48", room({}):pathtrace(o).metadata.samples)
+    assert.are.equal("48", chamber({}):pathtrace(o).metadata.samples)
     local panorama = ylm.image { size = { 4, 2 }, layers = { { "radiance", 3 } } }
     for _, case in ipairs { { "other geometry", { scale = 1.001 } }, { "other geometry", { occludes = false } },
       { "other materials", { material = ylm.matte { albedo = { 0.5, 0.5, 0.51 } } } },
@@ -216,14 +216,14 @@ describe("scene:pathtrace", function()
       { "other lights", { lights = ylm.environment_light { image = panorama } } },
       { "other lights", { lights = ylm.spot_light { at = { 0, 2, 0 }, to = { 0, 0, 0 } } } },
       { "background is '0 0 0', this is '1 1 1'", { background = 1 } } } do
-      local ok, message = pcall(function() return room(case[2]):pathtrace(o) end)
+      local ok, message = pcall(function() return chamber(case[2]):pathtrace(o) end)
       assert.is_false(ok, case[1])
       assert.matches("resume: the image.*" .. case[1], message)
     end
     for _, part in ipairs { "geometry", "materials", "lights" } do image.metadata["print." .. part] = nil end
     local said
     local before = ylm.on_warning(function(line) said = line end)
-    local ok, again = pcall(function() return room({}):pathtrace(o) end)
+    local ok, again = pcall(function() return chamber({}):pathtrace(o) end)
     ylm.on_warning(before)
     assert(ok, again)
     assert.matches("no fingerprint of its geometry, materials, lights", said)

@@ -433,6 +433,11 @@ describe("the sandbox of scene files", function()
     if jit then assert.is_true((jit.status())) end
   end)
 
+  it("says the limit of memory where a source is too large to be compiled, whatever the Lua", function()
+    refuses("ELIMIT", "takes more than 1048576 bytes of memory",
+      "local t = {" .. ("{1,2},"):rep(20000) .. "} return scene 'x' {}", { memory = 2 ^ 20 })
+  end)
+
   it("does not run inside itself", function()
     assert.has_error(function() ylm.load_scene(3) end)
     assert.has_error(function() ylm.load_scene("x.lua", { instructions = 0 }) end)

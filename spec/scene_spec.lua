@@ -60,6 +60,13 @@ describe("ylm.scene", function()
     return message
   end
 
+  it("says whose a field is that stands elsewhere, and is not misspelt", function()
+    local s = ylm.scene "x" {}
+    local ok, message = pcall(s.render, s, { spacing = 1 })
+    assert.is_false(ok)
+    assert.matches("no field 'spacing'; it is a field of ylm.transfer", message)
+  end)
+
   it("names the line of a mistake, though scene files end in a tail call", function()
     assert.equal("scene.lua:3: scene: no field 'ligths' (did you mean 'lights'?)",
       message_of "\nreturn ylm.scene 'x' { ligths = {} }")

@@ -42,6 +42,17 @@ describe("a bake in bricks that a team shares", function()
     end
   end)
 
+  it("is refused at once where processes name two folders", function()
+    if mpi.missing() then return pending(mpi.missing()) end
+    local out = run(2, "lua", ([[
+      local ylm = require "ylm"
+      local team = ylm.team()
+      local ok, grid, message = pcall(ylm.bake, ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 0, depth = 3,
+        threshold = 1, bricks = 1 }, ylm.sphere_light { at = { 0, 2, 0 } }, { team = team, to = %q .. team.rank .. ".ylmd" })
+      if team.rank == 2 then print(tostring(ok and message or grid)) end]]):format(folder.path .. "/two"))
+    assert.matches("process 2 was called with another name of the folder of bricks %(to, %-o%) than process 1", out)
+  end)
+
   it("goes on after a kill, with other processes, to the same files", function()
     if mpi.missing() then return pending(mpi.missing()) end
     local path = folder.path .. "/killed.ylmd"

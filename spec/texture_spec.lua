@@ -175,6 +175,8 @@ describe("textures", function()
       local s = inside { ylm.quad { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 } }, ylm.mesh(bare) }
       s.geometry[2].material = ylm.matte { albedo = good }
       refuses("mesh 2: a texture needs texture coordinates (uvs), the mesh has none", s.prepare, s, options)
+      s.geometry[2].name = "lid"
+      refuses("mesh 2, 'lid': a texture needs texture coordinates (uvs), the mesh has none", s.prepare, s, options)
     end
     good:close()
     refuses("the image has been closed", ylm.matte, { albedo = good })

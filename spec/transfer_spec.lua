@@ -277,8 +277,8 @@ describe("a .transfer file", function()
     } do
       local x, message, code = read(room, (forged(case[1], case[2])))
       assert.is_nil(x, what)
-      assert(code == "EFORMAT" and message:find("other.transfer: " .. what:gsub(" *$", "") .. " of the transfer cannot be", 1, true),
-        what .. ": " .. tostring(message))
+      local said = "other.transfer: " .. what:gsub(" *$", "") .. " of the transfer cannot be"
+      assert(code == "EFORMAT" and message:find(said, 1, true), what .. ": " .. tostring(message))
     end
     assert.truthy(read(room, (forged(0, ""))))
   end)

@@ -70,10 +70,13 @@ ylm_status ylm_codec_read(const char *path, const ylm_codec_input *input, ylm_im
 
 ylm_status ylm__codec_check_size(const char *name, const ylm_codec_input *input, uint64_t width,
                                  uint64_t height, int channels, ylm_error *e) {
-  if (width < 1 || height < 1 || width > YLM_IMAGE_MAX_SIDE || height > YLM_IMAGE_MAX_SIDE ||
-      width * height > YLM_IMAGE_MAX_PIXELS)
+  if (width < 1 || height < 1 || width > YLM_IMAGE_MAX_SIDE || height > YLM_IMAGE_MAX_SIDE)
     return ylm_fail(e, YLM_ELIMIT, "%s: %llu x %llu pixels: sides are limited to 1 .. %d", name,
                     (unsigned long long)width, (unsigned long long)height, YLM_IMAGE_MAX_SIDE);
+  if (width * height > YLM_IMAGE_MAX_PIXELS)
+    return ylm_fail(e, YLM_ELIMIT, "%s: %llu x %llu pixels: images are limited to %llu of them",
+                    name, (unsigned long long)width, (unsigned long long)height,
+                    (unsigned long long)YLM_IMAGE_MAX_PIXELS);
   if (input->numbers && width * height > input->numbers / (uint64_t)channels)
     return ylm_fail(e, YLM_ELIMIT,
                     "%s: %llu x %llu pixels of %d channels are more than %llu numbers", name,

@@ -231,6 +231,31 @@ local function field_names(fields)
   return names
 end
 
+--- The only form that has a field of this name; nil where none or several have.
+local function owner_of(name)
+  local owner
+  for kind, definition in pairs(form.defined) do
+    for _, field in ipairs(definition.fields) do
+      if field[1] == name then
+        if owner then return nil end
+        owner = kind
+      end
+    end
+  end
+  return owner
+end
+
+--- What to say behind a field that there is not: what it may mean. A word that another form has is not misspelt, unless by one
+-- letter.
+local function hint(name, fields)
+  local names = field_names(fields)
+  local guess = check.guess(name, names)
+  local near = guess and check.edit_distance(name, guess) == 1
+  local owner = not near and owner_of(name)
+  if owner then return ("; it is a field of ylm.%s"):format(owner) end
+  return guess and (" (did you mean '%s'?)"):format(guess) or "; fields are " .. table.concat(names, ", ")
+end
+
 --- Checks `given` against `fields`; fail(message) raises. Returns a new table with defaults filled in.
 local function checked(fields, given, fail)
   local by_name = {}
@@ -240,9 +265,7 @@ local function checked(fields, given, fail)
       if type(name) ~= "string" then
         return fail(("unexpected entry %s: fields are given by name"):format(check.describe(name)))
       end
-      local guess = check.guess(name, field_names(fields))
-      return fail(("no field %s%s"):format(check.describe(name), guess and (" (did you mean '%s'?)"):format(guess)
-        or ("; fields are " .. table.concat(field_names(fields), ", "))))
+      return fail(("no field %s%s"):format(check.describe(name), hint(name, fields)))
     end
   end
   local values = {}

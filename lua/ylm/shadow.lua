@@ -502,6 +502,10 @@ local function groups_of(given, fail)
   local function add(name, c)
     local kind = form.kind(c)
     if kinds[kind] then
+      if c.hides ~= nil and not pcall(core.field_quantity, c.hides) then
+        return fail(("casters: the %s that caster%s hides has been closed"):format((core.type(c.hides):gsub("^ylm%.", "")),
+          name and (" '%s'"):format(name) or ""))
+      end
       groups[#groups + 1] = { name = name, caster = c }
     elseif kind == nil and type(c) == "table" then
       for i = 1, #c do add(nil, c[i]) end

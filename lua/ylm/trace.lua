@@ -6,6 +6,7 @@ local form = require "ylm.form"
 local library = require "ylm.library"
 local light = require "ylm.light"
 local material = require "ylm.material"
+local text = require "ylm.text"
 
 local tracing = {}
 
@@ -53,6 +54,19 @@ end
 --- Traced scenes by scene object, as long as the scene is unchanged.
 local traced = setmetatable({}, { __mode = "k" })
 
+--- The words for piece i of a scene's geometry: its number, and the name that its file gives it.
+function tracing.mesh_text(s, i)
+  local name = s.geometry[i] and s.geometry[i].name
+  if not name then return ("mesh %d"):format(i) end
+  return ("mesh %d, '%s'"):format(i, text.shown(check.short(name)))
+end
+
+--- A message of C that begins with the number of a mesh, with its name.
+local function with_name(s, message)
+  return type(message) == "string" and message:gsub("^mesh (%d+)", function(i) return tracing.mesh_text(s, tonumber(i)) end)
+    or message
+end
+
 --- Arguments of scene_create about geometry, and the number of glossy meshes; nil, message, code.
 local function surfaces(name, s)
   local meshes, materials, occludes, textures, glossy = {}, {}, {}, {}, 0
@@ -64,7 +78,7 @@ local function surfaces(name, s)
     if material.glossy(m) then glossy = glossy + 1 end
     local direction = material.direction(m, materials[i])
     if direction and not core.mesh_uvs(g.mesh) then
-      return check.fail("%s: %s needs uvs: mesh %d has none", name, direction, i)
+      return check.fail("%s: %s needs uvs: %s has none", name, direction, tracing.mesh_text(s, i))
     end
   end
   return { meshes, materials, occludes, textures, glossy = glossy }
@@ -92,7 +106,7 @@ function tracing.trace(name, s)
   else
     handle, message, code = lib.scene_create(made[1], made[2], made[3], light.set(lights), s.sky_is_seen, made[4])
   end
-  handle, message, code = check.result(name, handle, message, code)
+  handle, message, code = check.result(name, handle, with_name(s, message), code)
   if not handle then return nil, message, code end
   local lo, hi = lib.scene_bounds(handle)
   local new = { shapes = shapes, lamps = lamps, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib,

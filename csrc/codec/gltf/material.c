@@ -47,14 +47,18 @@ static ylm_image *decode(gltf *g, size_t i, const gltf_bytes *b, bool raw) {
     return NULL;
   }
   if (g->texels >= most) {
-    ylm__gltf_fail(g, YLM_ELIMIT, NULL, "more than %llu texels", (unsigned long long)most);
+    ylm__gltf_note(g, "%s: %llu texels of one file are read: the factors stand alone", name,
+                   (unsigned long long)most);
     return NULL;
   }
   ylm_error e = {0};
   ylm_image *image = NULL;
   ylm_status s = ylm_codec_parse(b->data, b->size, name, &input, &image, &e);
-  if (s == YLM_ENOMEM || s == YLM_ELIMIT)
+  if (s == YLM_ENOMEM)
     ylm__gltf_fail(g, s, NULL, "%.200s", e.text);
+  else if (s == YLM_ELIMIT)
+    ylm__gltf_note(g, "%.200s (of a file %llu texels): the factors stand alone", e.text,
+                   (unsigned long long)most);
   else if (s != YLM_OK)
     ylm__gltf_note(g, "%.200s: the factors stand alone", e.text);
   else

@@ -133,9 +133,14 @@ static ylm_status take_brick(joining *j, const brick *from, ylm_error *e) {
     if (s != YLM_OK) ylm__grid_no_room(s, j->p->source, e);
   }
   if (s == YLM_EIO && !ylm__folder_has(path)) /* another process found it damaged, and removed it */
-    s = ylm_fail(e, YLM_ECHECKSUM, "%s: the file is damaged", path);
-  if (s == YLM_ECHECKSUM) remove(path);
-  return s;
+    s = YLM_ECHECKSUM;
+  if (s != YLM_ECHECKSUM) return s;
+  remove(path);
+  return ylm_fail(
+      e, s,
+      "%s: the file is damaged, and removed: bake again, or all anew, with fresh = true (ylm "
+      "bake --fresh)",
+      path);
 }
 
 static ylm_status take_all(joining *j, ylm_error *e) {

@@ -97,7 +97,12 @@ static ylm_status open_folder(plan *p, ylm_status s, ylm_error *e) {
   char path[FOLDER_PATH];
   if (!p->owner) s = ylm__plan_agree(p->team, s, e);
   ylm__folder_file(p->how.folder, "form", path);
-  if (s == YLM_OK && !p->owner) ylm__folder_awaits(p, path);
+  if (s == YLM_OK && !p->owner && !ylm__folder_awaits(p, path))
+    s = ylm_fail(
+        e, YLM_EIO,
+        "%s: the files of the process that began it do not arrive here: all processes have to "
+        "see one folder",
+        p->how.folder);
   if (s == YLM_OK) s = ylm__folder_open(p, e);
   return p->owner ? ylm__plan_agree(p->team, s, e) : s;
 }

@@ -10,7 +10,8 @@
 #define BORDER_MAGIC "YLMbordr"
 
 static ylm_status damaged(const char *path, ylm_error *e) {
-  return ylm_fail(e, YLM_ECHECKSUM, "%s: the file is damaged", path);
+  return ylm_fail(e, YLM_ECHECKSUM,
+                  "%s: the file is damaged: bake anew, with fresh = true (ylm bake --fresh)", path);
 }
 
 static ylm_status no_memory(const char *path, ylm_error *e) {

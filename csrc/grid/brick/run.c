@@ -121,12 +121,21 @@ static ylm_status run_job(plan *p, const ylm_progress *progress, double deadline
   return s;
 }
 
+/* Whether the processes of a team were given folders of one name. Where they lie may differ from machine to machine. */
+static ylm_status same_folder(ylm_team *t, const char *folder, ylm_error *e) {
+  static const char *const name = "name of the folder of bricks (to, -o)";
+  const char *slash = strrchr(folder, '/'), *last = slash ? slash + 1 : folder;
+  uint64_t print = ylm_crc64(0, last, strlen(last));
+  return ylm_team_same(t, "", 1, &name, &print, e);
+}
+
 static ylm_status run_jobs(plan_team *team, const ylm_grid_form *form,
                            const ylm_grid_source *source, const ylm_grid_bricks *how,
                            ylm_error *e) {
   plan *p = NULL;
   double begin = ylm_seconds();
   ylm_status s = team->team->size > 1 ? ylm__divide_same(team->team, form, source, e) : YLM_OK;
+  if (s == YLM_OK && team->team->size > 1) s = same_folder(team->team, how->folder, e);
   team->agreed = s != YLM_OK;
   if (s == YLM_OK) s = ylm__plan_open(form, source, how, team, &p, e);
   while (s == YLM_OK && ylm__plan_tasks(p) > 0) {

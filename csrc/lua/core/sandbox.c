@@ -25,6 +25,7 @@ typedef struct guard {
   double instructions, seconds; /* what is left; processor time at which to stop */
   const char *reason;           /* the limit that was passed, or NULL */
   const char *refused;          /* why the last request for more memory failed, or NULL */
+  const char *last;             /* why the last one that failed did */
 } guard;
 
 static double processor_seconds(void) {
@@ -43,7 +44,7 @@ static void *bounded(lua_Alloc f, void *ud, void *p, size_t old, size_t size) {
   if (!g) return f(ud, p, old, size);
   int64_t before = p ? (int64_t)old : 0, more = (int64_t)size - before;
   if (more > 0) {
-    g->refused = "memory";
+    g->refused = g->last = "memory";
     if (size > (size_t)g->bytes / 4 || g->used + more > g->bytes || g->traffic < (int64_t)size)
       return NULL;
     g->traffic -= (int64_t)size;
@@ -51,7 +52,14 @@ static void *bounded(lua_Alloc f, void *ud, void *p, size_t old, size_t size) {
   void *q = f(ud, p, old, size);
   if (q || size == 0) g->used += more;
   if (more > 0) g->refused = q ? NULL : "exhausted";
+  if (g->refused) g->last = g->refused;
   return q;
+}
+
+/* Whether an error says that memory ran out: `load` returns that as a message, which a caller raises again. */
+static bool says_memory(lua_State *L) {
+  const char *said = lua_type(L, -1) == LUA_TSTRING ? lua_tostring(L, -1) : "";
+  return strstr(said, "not enough memory") != NULL;
 }
 
 /*
@@ -125,6 +133,7 @@ static int bounded_call(lua_State *L) {
   lua_sethook(L, hook, mask, count);
   if (status == LUA_ERRMEM && !g.refused) g.refused = "memory";
   if ((status == LUA_ERRMEM || status == LUA_ERRERR) && !g.reason) g.reason = g.refused;
+  if (status == LUA_ERRRUN && !g.reason && g.last && says_memory(L)) g.reason = g.last;
   lua_pushboolean(L, status == 0 && !g.reason);
   lua_insert(L, -2);
   if (g.reason)

@@ -255,12 +255,15 @@ static int scene_lamps(lua_State *L) {
   return 2;
 }
 
-static const luaL_Reg functions[] = {
-    {"scene_create", scene_create}, {"scene_relight", scene_relight},
-    {"scene_bounds", scene_bounds},
-                                     {"scene_print", scene_print}, {"scene_vertices", scene_vertices},
-    {"scene_trace", scene_trace},   {"scene_lamps", scene_lamps},
-    {"scene_close", scene_close},   {NULL, NULL}};
+static const luaL_Reg functions[] = {{"scene_create", scene_create},
+                                     {"scene_relight", scene_relight},
+                                     {"scene_bounds", scene_bounds},
+                                     {"scene_print", scene_print},
+                                     {"scene_vertices", scene_vertices},
+                                     {"scene_trace", scene_trace},
+                                     {"scene_lamps", scene_lamps},
+                                     {"scene_close", scene_close},
+                                     {NULL, NULL}};
 
 void ylmL_open_traced(lua_State *L) {
   ylmL_type(L, SCENE, methods);

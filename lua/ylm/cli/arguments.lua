@@ -61,6 +61,8 @@ function arguments.parse(command, given)
   while i <= #given do
     local word = given[i]
     local name, attached = word:match("^(%-%-[^=]+)=(.*)$")
+    local letter = by_word[word:match "^%-%a" or ""]
+    if #word > 2 and letter and letter[3] then name, attached = word:sub(1, 2), word:sub(3) end -- -j1
     local option = by_word[name or word]
     if only_files or word == "-" or not word:find("^%-") or (command.rest and #out > 0) then out[#out + 1] = word
     elseif word == "--" then only_files = true
@@ -87,6 +89,12 @@ function arguments.parse(command, given)
     if #out > most and not command.rest then return nil, "unexpected " .. check.describe(out[most + 1]) end
   end
   return out
+end
+
+--- How a command is used, in one line, and where its options are told.
+function arguments.brief(name, command)
+  if command.text then return command.text() end
+  return ("usage: ylm %s %s\n       ylm help %s names its options\n"):format(name, command.usage, name)
 end
 
 --- How a command is used, with its options.

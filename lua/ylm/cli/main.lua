@@ -64,7 +64,7 @@ local function main(given)
   local options, message = arguments.parse(command, given)
   if not options then
     say(name, ": ", message)
-    io.stderr:write(arguments.usage(name, command))
+    io.stderr:write(arguments.brief(name, command))
     return status.usage
   end
   if options.help then

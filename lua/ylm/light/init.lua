@@ -120,7 +120,7 @@ describe "light_field" {
   about = "The sum of all lights at points: coefficients, gradients and Hessians with respect to the point.",
   arguments = {
     { "lmax", "integer", "highest degree, 0 to 100" },
-    { "lights", "light|list", "a light, a list of lights (an empty one: darkness, of which a line is said), or what has a light field" },
+    { "lights", "light|list", "a light, a list of lights (an empty one is darkness, and said), or what has a light field" },
     { "points", "array|table", "[n][3] or one point, scene units" },
     { "options?", "table", "see the options" },
   },

@@ -10,6 +10,7 @@ local material = require "ylm.material"
 local objects = require "ylm.material.object"
 local progress = require "ylm.progress"
 local sh = require "ylm.sh"
+local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
 
 local relight = {}
@@ -71,8 +72,8 @@ local function dressed(name, p, given)
     end
     local before = p.scene.geometry[i].material
     if material.texture(m) ~= (before and material.texture(before)) then
-      return check.fail("%s: materials: [%d] has another texture than mesh %d: the prepared view keeps that of its own", name, i,
-        i)
+      return check.fail("%s: materials: [%d] has another texture than %s: the prepared view keeps that of its own", name, i,
+        tracing.mesh_text(p.scene, i))
     end
     local made, message, code = material.object(name, m)
     if not made then return nil, message, code end
@@ -203,10 +204,12 @@ function relight.zonal(name, p, o, radiance)
     slots[i] = -1
     if g.material and material.glossy(g.material) then
       if material.texture(g.material) then
-        return check.fail("%s: mesh %d has a texture, which zonal lobes do not take: method = 'table' does", name, i)
+        return check.fail("%s: %s has a texture, which zonal lobes do not take: method = 'table' does", name,
+          tracing.mesh_text(p.scene, i))
       end
       if material.direction(g.material, (material.object(name, g.material))) then
-        return check.fail("%s: mesh %d has two roughnesses, which no zonal lobe has: method = 'table' takes it", name, i)
+        return check.fail("%s: %s has two roughnesses, which no zonal lobe has: method = 'table' takes it", name,
+          tracing.mesh_text(p.scene, i))
       end
       local z
       z, message, code = lobes(g.material, p.options.lmax, o)

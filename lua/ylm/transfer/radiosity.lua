@@ -276,7 +276,8 @@ end
 local function uvs_of(m, number)
   local g = m.scene.geometry[number]
   if not g then return check.fail("lightmap: mesh = %.0f: the scene has %d pieces of geometry", number, #m.scene.geometry) end
-  return core.mesh_uvs(g.mesh) or check.fail("lightmap: mesh %d has no texture coordinates (uvs)", number)
+  return core.mesh_uvs(g.mesh) or check.fail("lightmap: %s has no texture coordinates (uvs)",
+    tracing.mesh_text(m.scene, number))
 end
 
 describe "radiosity:lightmap" {
