@@ -245,8 +245,8 @@ local function owner_of(name)
   return owner
 end
 
---- What to say behind a field that there is not: what it may mean. A word that another form has is not misspelt, unless by one
--- letter.
+--- The words behind the name of a field that there is not: another field, or the form that has it. A name that another form
+-- has is taken as misspelt only where it is off by one letter.
 local function hint(name, fields)
   local names = field_names(fields)
   local guess = check.guess(name, names)
