@@ -56,7 +56,7 @@ local function class(put, name, about, fields)
   remark(put, about)
   put("---@class " .. name)
   for _, field in ipairs(fields) do
-    local optional = field.optional or field.default ~= nil
+    local optional = field.optional or field.default ~= nil or field.follows ~= nil
     put(model.one_line(("---@field %s%s %s # %s. %s"):format(field[1], optional and "?" or "", field_type(field),
       form.field_text(field), field.about or "")))
   end
