@@ -75,19 +75,22 @@ local function settle(name, o)
   b.add, o.bounced = indirect.add, b
 end
 
---- Raises where the transfer t is of another scene than a view.
+--- Raises where the transfer t is of another scene than a view or a grid.
 local function check_scene(name, t, scene)
   if t.scene == scene then return end
-  return check.fail("%s: the transfer is of scene %q, the view of another, %q: make one of the view's scene (scene:transfer)",
-    name, t.scene.name or "?", scene.name or "?")
+  return check.fail("%s: the transfer is of scene %q, not of %q: make one of that scene (scene:transfer)", name,
+    t.scene.name or "?", scene.name or "?")
+end
+
+--- Raises where the option `transfer` of function `name` is closed, or of another scene than `scene`.
+function indirect.check_transfer(name, t, scene)
+  objects.open_transfer(name, t)
+  check_scene(name, t, scene)
 end
 
 --- Settles o.bounced, as above, and o.near, of a picture of `scene`. A transfer is looked at even where nothing bounces.
 function indirect.settle(name, o, scene)
-  if o.transfer then
-    objects.open_transfer(name, o.transfer)
-    check_scene(name, o.transfer, scene)
-  end
+  if o.transfer then indirect.check_transfer(name, o.transfer, scene) end
   settle(name, o)
   near.settle(name, o)
 end
