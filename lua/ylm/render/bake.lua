@@ -78,13 +78,12 @@ local function field_of(s, t, o)
   if o.parts == "lights" then return t.lights end
   local n = reflections(o)
   local direct = o.parts == "direct" or o.bounces == 0
-  local links, message, code = o.transfer, nil, nil
+  local links, lit, message, code = o.transfer
   if not links then
     links, message, code = transfer.of_scene(s, { links = direct and 4 or nil, lmax = 0, threads = o.threads,
       progress = o.progress })
     if not links then return nil, message, code end
   end
-  local lit
   lit, message, code = links:radiosity(s.lights, { bounces = n, light_samples = direct and 1 or nil, threads = o.threads,
     progress = o.progress })
   if not lit then return nil, message, code end
