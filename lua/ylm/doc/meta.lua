@@ -106,6 +106,7 @@ function meta.text()
     for _, entry in ipairs(object.entries) do func(put, entry, object.name, ":") end
   end
   put "---@class ylm"
+  put "---@field version string # of the library, \"major.minor.patch\""
   put "local ylm = {}"
   put ""
   for _, module in ipairs(all.modules) do
