@@ -14,8 +14,8 @@ local function check_parts(given)
   if given.bounces and parts ~= "indirect" and parts ~= "all" then
     status.stop(status.usage, "bake: --bounces is for --parts indirect or all: leave it out, or name one")
   end
-  if parts and parts ~= "lights" and given.light_tolerance then
-    status.stop(status.usage, "bake: --light_tolerance is for --parts lights, these are %s: leave it out", parts)
+  if parts and parts ~= "lights" and given["light-tolerance"] then
+    status.stop(status.usage, "bake: --light-tolerance is for --parts lights, these are %s: leave it out", parts)
   end
 end
 
@@ -67,7 +67,7 @@ return {
     { "occupied", nil, "NAME", "where light is needed: surfaces (default), camera, vertices or everywhere" },
     { "size", "-s", "WxH", "with --occupied camera: of its image, default that of render" },
     { "samples", "-n", "N", "with --occupied camera: rays per pixel" },
-    { "light_tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
+    { "light-tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
     { "strict", nil, nil, "exit status 6 where the tolerance is not met; the grid is written" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
   },
@@ -92,7 +92,7 @@ return {
     local team = status.need(ylm.team())
     local grid = need_grid(scene:bake { to = in_bricks and given.output or nil, fresh = given.fresh, seconds = seconds,
       team = team.size > 1 and team or nil, parts = given.parts, bounces = bounces, occupied = given.occupied,
-      size = given.size, samples = given.samples, light_tolerance = given.light_tolerance, threads = given.threads,
+      size = given.size, samples = given.samples, light_tolerance = given["light-tolerance"], threads = given.threads,
       progress = report.progress(given) })
     local good, message, code = true, nil, nil
     if team.rank == 1 and not in_bricks then good, message, code = grid:save(given.output) end
