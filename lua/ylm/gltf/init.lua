@@ -174,6 +174,7 @@ local function build(values, fail, limits)
     if image then core.image_close(image) end
   end
   local extras = file.extras and json.read(file.extras) or {}
+  for _, sky in ipairs(lights.skies(extras.skies, values, note)) do lamps[#lamps + 1] = sky end
   model.background = form.types.colour(extras.background, { min = 0 }) or nil
   for i, sentence in ipairs(notes) do
     notes[i] = text.shown(("%s: %s"):format(values.file:match "[^/]*$", sentence))

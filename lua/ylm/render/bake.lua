@@ -5,8 +5,8 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local grids = require "ylm.grid"
-local indirect = require "ylm.render.indirect"
 local light = require "ylm.light"
+local objects = require "ylm.transfer.object"
 local options = require "ylm.render.options"
 local tracing = require "ylm.trace"
 local transfer = require "ylm.transfer"
@@ -99,7 +99,7 @@ local function check_parts(s, o, probes)
     if o.parts == "lights" then
       return check.fail "bake: transfer is for parts = 'direct', 'indirect' or 'all': name one, or leave transfer out"
     end
-    indirect.check_transfer("bake", o.transfer, s)
+    objects.check_scene("bake", o.transfer, s)
   end
   if o.parts == "lights" then return end
   if o.lights ~= nil then

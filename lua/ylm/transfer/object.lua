@@ -54,6 +54,14 @@ function objects.open_transfer(name, t)
   return opened(name, t, objects.transfers, "ylm.transfer", "a transfer")
 end
 
+--- Raises where the option `transfer` of function `name` is closed, or of another scene than `scene`.
+function objects.check_scene(name, t, scene)
+  objects.open_transfer(name, t)
+  if t.scene == scene then return end
+  return check.fail("%s: the transfer is of scene %q, not of %q: make one of that scene (scene:transfer)", name,
+    t.scene.name or "?", scene.name or "?")
+end
+
 function objects.open_radiosity(name, lit)
   return opened(name, lit, objects.radiosities, "ylm.radiosity", "a radiosity")
 end
