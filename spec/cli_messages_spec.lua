@@ -78,6 +78,7 @@ describe("the command-line tool's messages", function()
 
   it("refuse options that would be ignored", function()
     for words, says in pairs {
+      ["bake s.lua -o x.ylm --coefficients"] = "bake: --coefficients is of .vtu files: give -o NAME.vtu",
       ["compare a.exr b.exr --scale 2"] = "compare: --scale is of the difference image: --difference FILE is missing",
       ["view a.ylm --json"] = "view: --json goes with -o FILE",
       ["view a.npy -o x.png --angle 30"] = "view: --angle goes with --rotate X,Y,Z",

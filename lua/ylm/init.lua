@@ -72,7 +72,7 @@ setmetatable(ylm, {
     local value
     if tables[name] then value = require(tables[name])
     elseif home[name] then value = memory.public(require(home[name])[name])
-    else return check.no_name("ylm", name, listed()) end
+    else return check.no_name("", name, listed()) end
     rawset(t, name, value)
     return value
   end,

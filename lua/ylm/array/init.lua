@@ -59,7 +59,7 @@ end
 make = memory.public(make)
 array.array = setmetatable({ frombytes = memory.public(bytes.frombytes) }, {
   __call = function(_, ...) return make(...) end,
-  __index = function(_, name) return check.no_name("ylm.array", name, { "frombytes" }) end,
+  __index = function(_, name) return check.no_name("array.", name, { "frombytes" }) end,
 })
 
 describe "zeros" {

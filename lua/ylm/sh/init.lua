@@ -39,7 +39,7 @@ end
 
 setmetatable(sh, {
   __index = function(t, name)
-    if not home[name] then return check.no_name("ylm.sh", name, listed()) end
+    if not home[name] then return check.no_name("sh.", name, listed()) end
     local value = memory.public(require(home[name])[name])
     rawset(t, name, value)
     return value

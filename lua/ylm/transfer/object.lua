@@ -58,7 +58,7 @@ end
 function objects.check_scene(name, t, scene)
   objects.open_transfer(name, t)
   if t.scene == scene then return end
-  return check.fail("%s: the transfer is of scene %q, not of %q: make one of that scene (scene:transfer)", name,
+  return check.fail("%s: the transfer is of scene %q, this is another, %q: make one of it (scene:transfer)", name,
     t.scene.name or "?", scene.name or "?")
 end
 

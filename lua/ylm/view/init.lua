@@ -284,7 +284,8 @@ end
 local fields = {
   { "subject", "any", optional = true, about = "a grid; may be given without a name, first" },
   { "quantity", "choice", of = quantities.names, optional = true,
-    about = "what of the grid colours show; default error, with glyphs or streamlines alone gradient" },
+    about = "what of the grid colours show; default error, with glyphs or streamlines alone gradient. A grid of which neither "
+      .. "a layer nor a quantity is named shows its levels, before the geometry of scene where that is given" },
   { "volume", "layer", optional = true,
     about = "a cloud of the quantity: true or { density = 1, smooth = true }; without a grid: "
       .. "{ values = [nz][ny][nx], bounds = } is the subject itself" },

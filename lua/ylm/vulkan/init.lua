@@ -184,4 +184,4 @@ local names = {}
 for name in pairs(vulkan) do names[#names + 1] = name end
 table.sort(names)
 
-return setmetatable(vulkan, { __index = function(_, name) return check.no_name("ylm.vulkan", name, names) end })
+return setmetatable(vulkan, { __index = function(_, name) return check.no_name("vulkan.", name, names) end })
