@@ -18,6 +18,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local memory = require "ylm.memory"
+local show = require "ylm.show"
 
 local form = {}
 
@@ -293,6 +294,9 @@ function form.define(name, definition)
   end
   definition.metatable = definition.metatable or {}
   definition.metatable.__kind = name
+  definition.metatable.__tostring = definition.metatable.__tostring or function(x)
+    return show.form(name, definition.fields, function(field) return rawget(x, field) end)
+  end
   definition.construct = construct
   form.defined[name] = definition
   if not before then form.names[#form.names + 1] = name end

@@ -11,6 +11,7 @@ local form = require "ylm.form"
 local material = require "ylm.material"
 local memory = require "ylm.memory"
 local mtl = require "ylm.material.mtl"
+local show = require "ylm.show"
 local text = require "ylm.text"
 local warning = require "ylm.warning"
 
@@ -174,7 +175,10 @@ local function shape(name, definition)
   for _, field in ipairs(common) do fields[#fields + 1] = field end
   local make = definition.make
   definition.make = nil
-  definition.metatable = { __kind = name }
+  definition.metatable = { __kind = name, __tostring = function(x)
+    local parts = { { "mesh" }, { "name" }, { "material" }, { "occludes" }, { "sides" }, { "parts" } }
+    return show.form(name, parts, function(field) return rawget(x, field) end)
+  end }
   definition.numbers = 64
   definition.build = function(values, fail)
     local transform = placement(values, fail)

@@ -16,6 +16,7 @@ local lights = require "ylm.gltf.lights"
 local material = require "ylm.gltf.material"
 local text = require "ylm.text"
 local texture = require "ylm.material.texture"
+local show = require "ylm.show"
 local vector = require "ylm.vector"
 
 local gltf = {}
@@ -180,8 +181,9 @@ local function build(values, fail, limits)
     notes[i] = text.shown(("%s: %s"):format(values.file:match "[^/]*$", sentence))
   end
   model.notes = #notes > 0 and notes or nil
-  model.report = { nodes = file.nodes, pieces = #model.geometry, triangles = file.triangles, materials = #file.materials,
-    lights = #lamps, cameras = #model.cameras, lost = lost, notes = notes, seconds = os.clock() - began }
+  model.report = show.report { nodes = file.nodes, pieces = #model.geometry, triangles = file.triangles,
+    materials = #file.materials, lights = #lamps, cameras = #model.cameras, lost = lost, notes = notes,
+    seconds = os.clock() - began }
   return setmetatable(model, form.defined.gltf.metatable)
 end
 

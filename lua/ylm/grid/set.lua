@@ -9,6 +9,7 @@ local form = require "ylm.form"
 local progress = require "ylm.progress"
 local sampling = require "ylm.grid.object".sampling
 local vtu = require "ylm.grid.vtu"
+local show = require "ylm.show"
 
 local set = {}
 
@@ -187,7 +188,7 @@ methods.__index = function(s, key)
   if method ~= nil or type(key) ~= "string" then return method end
   open(s, key)
   local f, stats = core.grid_set_look(s)
-  if key == "stats" then return stats end
+  if key == "stats" then return show.report(stats) end
   return f[key]
 end
 

@@ -12,6 +12,7 @@ local pictures = require "ylm.render.picture"
 local progress = require "ylm.progress"
 local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
+local show = require "ylm.show"
 
 local paths = {}
 
@@ -244,7 +245,7 @@ function paths.probe(s, given)
     strategy = o.strategy, error = o.error, seconds = o.seconds, seed = o.seed, threads = o.threads,
     progress = progress.resolve(o.progress) }))
   if not c then return nil, variance, stats end
-  local report = { note = darkness(s), seconds = stats.seconds }
+  local report = show.report { note = darkness(s), seconds = stats.seconds }
   add_stats(report, stats)
   return c, variance, report
 end

@@ -2,6 +2,7 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local show = require "ylm.show"
 local tracing = require "ylm.trace"
 
 local objects = {}
@@ -14,7 +15,7 @@ local function kind(name, fields, text)
   for _, field in ipairs(fields) do readable[field] = true end
   methods.__index = function(object, key)
     local m = made[object]
-    if m and readable[key] then return m[key] end
+    if m and readable[key] then return key == "stats" and show.report(m[key]) or m[key] end
     return rawget(methods, key)
   end
   methods.__newindex = function(_, key)
