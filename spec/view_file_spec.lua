@@ -155,8 +155,13 @@ describe("view:save \"x.gltf\"", function()
     local view = ylm.view { volume = { values = values, bounds = views.box }, isosurfaces = { 4, 7 }, slices = true,
       lights = ylm.sphere_light { at = { 2, 0, 0 }, radius = 0.5 }, camera = camera }
     local path = folder.path .. "/v.gltf"
+    local said = {}
+    local before = ylm.on_warning(function(line) said[#said + 1] = line end)
     local ok, notes = view:save(path)
+    ylm.on_warning(before)
     assert(ok, notes)
+    assert.equal(1, #said)
+    assert.matches("v.gltf lacks the cloud of the picture", said[1], 1, true)
     assert.same({ "clouds have no surface, left out: 1" }, notes)
     local text = assert(vtk.describe(path))
     local least, largest = text:match "bounds (%S+) %S+ %S+ (%S+)"
