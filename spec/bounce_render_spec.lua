@@ -254,6 +254,30 @@ describe("bounces of a picture", function()
     assert.matches("render: the transfer has been closed", select(2, pcall(scene.render, scene, with { transfer = shut })))
   end)
 
+  it("take their transfer in a bake as in a picture", function()
+    local scene = room()
+    local t = scene:transfer { spacing = 0.5, links = 16 }
+    local probes = ylm.uniform_grid { bounds = { { -0.4, 0.3, -0.4 }, { 0.4, 0.9, 0.4 } }, cells = 1, lmax = 1 }
+    local function light(o)
+      o.probes, o.occupied = probes, "everywhere"
+      return scene:bake(o):sample { { 0.1, 0.5, 0.2 } }
+    end
+    local own = ylm.bake(probes, t:radiosity():field { parts = "indirect" }):sample { { 0.1, 0.5, 0.2 } }
+    local given = light { parts = "indirect", transfer = t }
+    assert.equal(0, (given - own):abs():max())
+    assert(given:get(1, 1, 1) > 0 and (light { parts = "direct", transfer = t } - given):abs():max() > 0)
+    for _, case in ipairs {
+      { { transfer = t }, "bake: transfer is for parts = 'direct', 'indirect' or 'all'" },
+      { { parts = "all", transfer = room():transfer { spacing = 1, links = 4 } }, "bake: the transfer is of scene" },
+    } do
+      local ok, message = pcall(light, case[1])
+      assert.is_false(ok)
+      assert.matches(case[2], message, 1, true)
+    end
+    t:close()
+    assert.matches("bake: the transfer has been closed", select(2, pcall(light, { parts = "all", transfer = t })))
+  end)
+
   it("says the noise of its links, and warns where they miss what is bright", function()
     local function lit_by(height, radius, radiance)
       return ylm.scene "a room" { camera = ylm.camera { from = { 0, 1.2, 1.8 }, at = { 0, 0.9, 0 } },

@@ -67,14 +67,28 @@ describe("the command-line tool's messages", function()
       ["render " .. scene .. " -o x.png -j 1.5"] = "ylm: render: --threads must be an integer >= 1 and <= 1024, got 1.5",
       ["render " .. scene .. " -o x.png -j 1e999"] = "ylm: render: -j: a number expected, got '1e999'",
       ["render " .. scene .. " -o x.png -s 64x64x64"] = "ylm: render: -s: a size such as 640x360 expected, got '64x64x64'",
-      ["bake " .. scene .. " -o x.ylm --light_tolerance 5"] = "ylm: bake: --light_tolerance must be a number >= 1e-06 and "
+      ["render " .. scene .. " -o x.png --light-samples 0"] = "ylm: render: --light-samples must be an integer >= 1 and "
+        .. "<= 65536, got 0",
+      ["bake " .. scene .. " -o x.ylm --light_tolerance 5"] = "ylm: bake: --light-tolerance must be a number >= 1e-06 and "
         .. "<= 0.5, got 5",
       ["view x.ylm -o x.png --range 1,1e999"] = "ylm: view: --range: two numbers such as 1e-4,1 expected, got '1,1e999'",
     } do assert.equal(says, refused(words)) end
   end)
 
+  it("spell options with hyphens; names of Lua, with underscores, mean the same", function()
+    for _, name in ipairs(require "ylm.cli.commands") do
+      local usage = name ~= "help" and ylm(name .. " --help") or ""
+      for option in usage:gmatch "%-%-[%a_%-]+" do assert.is_nil(option:find "_", name .. ": " .. option) end
+    end
+    assert.equal("ylm: bake: no option --light_toleranc (did you mean --light-tolerance?)",
+      refused "bake s.lua --light_toleranc 1")
+    assert.equal("ylm: render: --gloss_error: two numbers such as 1e-4,1 expected, got '1'",
+      refused "render s.lua --gloss_error 1")
+  end)
+
   it("refuse options that would be ignored", function()
     for words, says in pairs {
+      ["bake s.lua -o x.ylm --coefficients"] = "bake: --coefficients is of .vtu files: give -o NAME.vtu",
       ["compare a.exr b.exr --scale 2"] = "compare: --scale is of the difference image: --difference FILE is missing",
       ["view a.ylm --json"] = "view: --json goes with -o FILE",
       ["view a.npy -o x.png --angle 30"] = "view: --angle goes with --rotate X,Y,Z",

@@ -99,6 +99,33 @@ assert(ylm.box {}.mesh:save(folder .. "/a.ply"))]])
     assert.truthy(err:find("the grid file is damaged", 1, true), err)
   end)
 
+  it("prints what a scene file describes, within the limits of scene files", function()
+    local name = file("room.lua", [[
+local white = matte { albedo = 0.5 }
+return scene "a room" {
+  camera = camera { from = { 1, 2, 3 }, at = { 0, 1, 0 }, fov = 50 },
+  geometry = { box { material = white }, quad { corner = { -2, -1, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, material = white },
+    sphere { at = { 0, 3, 0 }, divide = { 8, 4 }, material = ggx { alpha = 0.2 } } },
+  lights = { sphere_light { at = { 0, 2, 0 } }, sphere_lights { at = { { 1, 1, 1 }, { 2, 1, 1 } } } },
+  probes = adaptive_grid { lmax = 3, depth = 5, tolerance = 0.02 },
+}]])
+    local out, code, err = ylm("info " .. name)
+    assert.equal(0, code, err)
+    for _, line in ipairs { "kind +scene\n", "name +a room\n", "meshes +3\n", "triangles +62\n", "bounds +%-2 %-1 %-2 2 4 2\n",
+      "materials +ggx 1, matte 1\n", "lights +sphere_light 1, sphere_lights 2\n", "camera .*fov 50, from 1 2 3",
+      "probes .*depth 5, .*kind adaptive_grid, lmax 3, .*tolerance 0.02" } do
+      assert.truthy(out:find("\n" .. line) or ("\n" .. out):find("\n" .. line), line .. "\n" .. out)
+    end
+    out, code = ylm("info --json " .. name)
+    assert.equal(0, code)
+    assert.truthy(out:find('"lights":{"sphere_light":1,"sphere_lights":2}', 1, true), out)
+    assert.equal(5, select(2, ylm("info " .. file("endless.lua", "while true do end"))))
+    out, code, err = ylm("info " .. file("wrong.lua", "return scene 'x' { camera = os.exit(0) }"))
+    assert.equal("", out)
+    assert.equal(3, code)
+    assert.truthy(err:find("wrong.lua:1: ", 1, true), err)
+  end)
+
   it("helps on words", function()
     local out, code = ylm "help zeros"
     assert.equal(0, code)

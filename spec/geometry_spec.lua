@@ -38,6 +38,18 @@ describe("geometry", function()
 end)
 
 describe("shapes", function()
+  it("are similar where only the first size is given: the others follow it", function()
+    for _, make in ipairs { ylm.torus, ylm.knot } do
+      local one = make { divide = { 24, 6 } }.mesh:vertices()
+      for _, radius in ipairs { 0.01, 0.25, 4096 } do
+        local other = make { radius = radius, divide = { 24, 6 } }.mesh:vertices()
+        assert.near(0, (other / radius - one):abs():max(), 1e-6)
+      end
+    end
+    assert.near(0.3, ylm.knot { radius = 0.4, minor = 0.2, tube = 0.1, divide = { 400, 8 } }.mesh.bounds[2][3], 1e-3)
+    assert.truthy(require "ylm.help".text("knot"):find("default 0.4 radius", 1, true))
+  end)
+
   it("have unit normals that point out of them", function()
     for _, shape in ipairs { ylm.sphere {}, ylm.torus {}, ylm.knot {}, ylm.box { divide = 3 } } do
       local v, n = shape.mesh:vertices():totable(), shape.mesh:normals():totable()

@@ -530,7 +530,7 @@ describe("ylm.load_gltf", function()
       },
       lights = { lights,
         ylm.sphere_lights { at = { { 1, 1, 1 }, { 2, 2, 2 } }, radius = 0.1, radiance = { { 1, 2, 3 }, { 4, 5, 6 } } },
-        ylm.environment_light { radiance = 1 } },
+        ylm.environment_light { radiance = { 1, 1 / 3, 0.2 }, scale = 2 } },
       background = { 0.1, 0.2, 0.3 },
     }
 
@@ -561,7 +561,11 @@ describe("ylm.load_gltf", function()
         end
       end
       assert.same({ 4, 5, 6 }, again.lights[5].radiance)
-      assert.equal(7, #again.lights)
+      assert.equal(8, #again.lights)
+      local sky, phong = again.lights[8], again.geometry[3].material
+      assert.same({ 1, 1 / 3, 0.2, 2 }, { sky.radiance[1], sky.radiance[2], sky.radiance[3], sky.scale })
+      assert.equal("phong", require "ylm.form".kind(phong))
+      assert.equal(30, phong.exponent)
     end
 
     it("bring lamps back exactly, positions to the bit, materials to 1e-6", function()
@@ -569,8 +573,101 @@ describe("ylm.load_gltf", function()
         local path = folder.path .. "/" .. name
         local ok, notes = scene:save(path, { separate = name == "b c.gltf" })
         assert.is_true(ok)
-        assert.same({ "materials of kind phong, written as matte: 1", "lights of kind environment_light, left out: 1" }, notes)
+        assert.same({ "materials of kind phong, written as their nearest ggx: 1",
+          "skies, in extras.ylm, which other programs do not read: 1" }, notes)
         check_same(assert(ylm.load_scene(path)))
+      end
+    end)
+
+    it("say in one line what is left out; strict refuses, and writes nothing", function()
+      local said, path, all = {}, folder.path .. "/said.glb", ylm.scene "All of it" { like = scene }
+      local before = ylm.on_warning(function(line) said[#said + 1] = line end)
+      local ok, message, code = all:save(path, { strict = true })
+      assert.same({}, said)
+      assert.is_nil(ok)
+      assert.equal("ELIMIT", code)
+      assert.matches("said.glb is not written, since glTF would lack (strict): materials of kind phong", message, 1, true)
+      assert.is_nil((io.open(path)))
+      for _ = 1, 2 do assert(all:save(path)) end
+      local plain = ylm.scene "plain" { lights = { lights[1] } }
+      assert(plain:save(path, { strict = true }))
+      ylm.on_warning(before)
+      assert.equal(1, #said)
+      assert.matches('said.glb, glTF of scene "All of it", lacks or simplifies: materials of kind phong', said[1], 1, true)
+      assert.is_nil(said[1]:find "\n")
+    end)
+
+    it("bring skies back: of the CIE and of coefficients exactly, images as their coefficients", function()
+      local image = ylm.image { size = { 8, 4 } }
+      for x = 1, 8 do image:layer "radiance":set(2, x, 2, x) end
+      local skies = {
+        ylm.environment_light { sky = { kind = "clear", sun = { 1, 2, 1 }, zenith = { 0, 1, 0 }, luminance = 3 }, lmax = 6 },
+        ylm.environment_light { coefficients = { { 1, 0.2, 0.1, 1 / 3 }, { 2, 0, 0, 0 }, { 1, 0, 0.5, 0 } }, scale = 0.7 },
+        ylm.environment_light { image = image, lmax = 5 },
+      }
+      local path = folder.path .. "/skies.gltf"
+      local _, notes = assert(ylm.scene "skies" { lights = skies }:save(path))
+      assert.same({ "skies, in extras.ylm, which other programs do not read: 3",
+        "images of skies, written as their coefficients of degree 5: 1" }, notes)
+      local again = assert(ylm.load_scene(path))
+      for i, sky in ipairs(skies) do
+        local a, b = ylm.light_field(1, sky, { 0, 0, 0 }), ylm.light_field(1, again.lights[i], { 0, 0, 0 })
+        assert.equal(0, (a - b):abs():max())
+      end
+      assert.equal("clear", again.lights[1].seen.kind)
+      local text = scratch.text(path)
+      for lost, change in pairs { [3] = { '"scale"', '"radiance":7,"scale"' },
+        [1] = { '"coefficients":%[%[1,', '"coefficients":["x",[1,' } } do
+        local m = assert(load((text:gsub(change[1], change[2]))))
+        assert.matches("skies of extras.ylm left out, because they are none: " .. lost, m.report.notes[1], 1, true)
+      end
+      local twice = assert(load(text, { light_scale = 2 }))
+      local one, two = ylm.light_field(1, skies[2], { 0, 0, 0 }), ylm.light_field(1, twice.lights[2], { 0, 0, 0 })
+      assert.near(0, (one * 2 - two):abs():max(), 1e-12)
+    end)
+
+    it("write Phong's lobe as the GGX lobe that differs least from it", function()
+      --- Sums over directions of the squared difference of two lobes times cosine, and of the first's square, at one angle.
+      local function sums(n, a, angle)
+        local e, w, wx, wz, reach = 0, 0, math.sin(angle), math.cos(angle), math.min(math.pi / 2, 6 / math.sqrt(n + 1))
+        local function lambda(c) return (math.sqrt(1 + a * a * (1 - c * c) / (c * c)) - 1) / 2 end
+        for i = 0, 39 do
+          for k = 0, 15 do
+            local r, p = (i + 0.5) / 40 * reach, (k + 0.5) * math.pi / 8
+            local x, y = math.sin(r) * math.cos(p) * wz - math.cos(r) * wx, math.sin(r) * math.sin(p)
+            local z = math.cos(r) * wz + math.sin(r) * math.cos(p) * wx
+            if z > 0 then
+              local h = (z + wz) / math.sqrt((x + wx) ^ 2 + y * y + (z + wz) ^ 2)
+              local phong = (n + 2) / (2 * math.pi) * math.cos(r) ^ n * z
+              local d = a * a / (math.pi * (h * h * (a * a - 1) + 1) ^ 2) / (1 + lambda(z) + lambda(wz)) / (4 * wz)
+              e, w = e + (phong - d) ^ 2 * math.sin(r), w + phong ^ 2 * math.sin(r)
+            end
+          end
+        end
+        return e, w
+      end
+      local function difference(n, a)
+        local e, w = 0, 0
+        for degrees = 0, 60, 15 do
+          if degrees ~= 15 then
+            local x, y = sums(n, a, math.rad(degrees))
+            e, w = e + x, w + y
+          end
+        end
+        return math.sqrt(e / w)
+      end
+      for _, n in ipairs { 20, 100, 1000 } do
+        local path = folder.path .. "/phong.gltf"
+        local shiny = ylm.phong { exponent = n, specular = 0.5, base = 0 }
+        assert(ylm.scene "phong" { geometry = ylm.quad { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 },
+          material = shiny } }:save(path))
+        local text = scratch.text(path):gsub('"extras":{"ylm":{"kind":"phong".-}}', '"extras":{}')
+        local read = assert(load(text)).geometry[1].material
+        assert.equal("ggx", require "ylm.form".kind(read))
+        assert.near(0.5, read.f0[1], 1e-6)
+        local at = difference(n, read.alpha[1])
+        assert(at < 0.45 and difference(n, math.sqrt(2 / (n + 2))) > 0.55, at)
+        for _, factor in ipairs { 0.7, 1.4 } do assert(difference(n, factor * read.alpha[1]) > at, n) end
       end
     end)
 

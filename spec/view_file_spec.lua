@@ -20,13 +20,36 @@ describe("grid:save \"grid.vtu\"", function()
     assert(g:save(path))
     local text = assert(vtk.describe(path))
     assert.truthy(text:find("vtkUnstructuredGrid 125 64\nbounds -1 -1 -1 1 1 1\ntype 12\n", 1, true), text)
-    for _, line in ipairs { "point L00 1 125", "point gradient L00 3 125", "point lambda 1 125", "point norm 1 125",
+    for _, line in ipairs { "point irradiance +x 3 125", "point irradiance -z 3 125",
+      "point L00 1 125", "point gradient L00 3 125", "point lambda 1 125", "point norm 1 125",
       "point state 1 125", "cell level 1 64", "cell error 1 64", "cell occupied 1 64" } do
       assert.truthy(text:find("\n" .. line .. " ", 1, true), line .. " is missing in\n" .. text)
     end
     local least, largest = text:match "point norm 1 125 (%S+) (%S+)"
     local lo, hi = core.figure_range(core.array_convert(g:points().norm, "double"))
     assert(math.abs(least - lo) < 1e-6 * hi and math.abs(largest - hi) < 1e-6 * hi)
+  end)
+
+  it("has the irradiance of surfaces by six normals, and where asked for all coefficients", function()
+    local g, path = uniform(), folder.path .. "/grid.vtu"
+    assert(g:save(path))
+    assert.is_nil(folder:read "grid.vtu":find('Name="coefficients"', 1, true))
+    assert(g:save(path, { coefficients = true }))
+    assert.truthy(assert(vtk.describe(path)):find(("\npoint coefficients %d 125 "):format(3 * (g.lmax + 1) ^ 2)))
+    local bytes, value = folder:read "grid.vtu", g:points().value
+    --- The bytes of an array of the file.
+    local function content(name, size)
+      local offset = tonumber(bytes:match('Name="' .. name:gsub("%p", "%%%0") .. '" NumberOfComponents="%d+" format="appended" '
+        .. 'offset="(%d+)"'))
+      local first = bytes:find("_", bytes:find("<AppendedData encoding=\"raw\">\n", 1, true), true) + 9 + offset
+      return bytes:sub(first, first + size - 1)
+    end
+    assert.is_true(content("coefficients", #value:bytes()) == value:bytes())
+    for name, normal in pairs { ["+x"] = { 1, 0, 0 }, ["-y"] = { 0, -1, 0 }, ["+z"] = { 0, 0, 1 } } do
+      local E = ylm.array(ylm.sh.irradiance(value, normal), "float")
+      assert.is_true(content("irradiance " .. name, #E:bytes()) == E:bytes(), name)
+    end
+    assert.error_matches(function() g:save(path, { coeficients = true }) end, "did you mean 'coefficients'", 1, true)
   end)
 
   it("says which points were evaluated, interpolated and in lights, and which cells are occupied", function()
@@ -132,8 +155,13 @@ describe("view:save \"x.gltf\"", function()
     local view = ylm.view { volume = { values = values, bounds = views.box }, isosurfaces = { 4, 7 }, slices = true,
       lights = ylm.sphere_light { at = { 2, 0, 0 }, radius = 0.5 }, camera = camera }
     local path = folder.path .. "/v.gltf"
+    local said = {}
+    local before = ylm.on_warning(function(line) said[#said + 1] = line end)
     local ok, notes = view:save(path)
+    ylm.on_warning(before)
     assert(ok, notes)
+    assert.equal(1, #said)
+    assert.matches("v.gltf lacks the cloud of the picture", said[1], 1, true)
     assert.same({ "clouds have no surface, left out: 1" }, notes)
     local text = assert(vtk.describe(path))
     local least, largest = text:match "bounds (%S+) %S+ %S+ (%S+)"

@@ -34,6 +34,17 @@ describe("ylm.view, of grids:", function()
     assert.equal(12 + 54 - 8, select(2, core.shape_info(shape)))
   end)
 
+  it("its levels stand first; of what is said about colours a cloud", function()
+    local g = adaptive()
+    for quantity, more in pairs { level = {}, error = { range = { 1e-3, 1 } }, norm = { quantity = "norm" } } do
+      more[1], more.size, more.supersample = g, { 160, 100 }, 1
+      local v = ylm.view(more)
+      assert.equal(quantity, v:bars()[1].quantity)
+      assert.equal(quantity ~= "level", v.volume == true)
+      assert.is_true(v.levels)
+    end
+  end)
+
   it("every layer draws something, every quantity has its bar", function()
     local g = adaptive()
     local empty = coverage((draw { g, levels = true, bar = false,

@@ -139,6 +139,13 @@ function check.edit_distance(a, b)
   return last[#b]
 end
 
+--- Nil for a name that a table of public functions lacks (`what`: "", "sh." ...), or raises where it is one of
+-- `names` misspelt: a program may ask for what another version has. Names that begin with _ are asked for by tools.
+function check.no_name(what, name, names)
+  local guess = type(name) == "string" and not name:find "^_" and check.guess(name, names)
+  if guess then return check.fail("no ylm.%s%s (did you mean '%s'?)", what, check.short(name), guess) end
+end
+
 --- A finite number?
 function check.is_number(x)
   return type(x) == "number" and x == x and x ~= math.huge and x ~= -math.huge

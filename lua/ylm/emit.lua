@@ -8,6 +8,7 @@ local memory = require "ylm.memory"
 local progress = require "ylm.progress"
 local tracing = require "ylm.trace"
 local virtual = require "ylm.light.virtual"
+local show = require "ylm.show"
 local warning = require "ylm.warning"
 
 local emit = {}
@@ -170,7 +171,7 @@ function emit.lights(name, s, o, traced)
   report.warnings = shortcomings(s, o, report)
   report.power.lights = lights.power
   emit.made[lights] = { scene = s, bounces = o.bounces, radius = report.radius.median }
-  return lights, report
+  return lights, show.report(report)
 end
 
 describe "scene:virtual_lights" {

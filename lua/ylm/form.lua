@@ -5,6 +5,7 @@
 --       fields = {
 --         { "at", "point", unit = "scene units", about = "centre" },            -- no default: required
 --         { "radius", "number", min = 0, default = 0.1, unit = "scene units" },
+--         { "rim", "number", min = 0, follows = { "radius", 0.5 } },            -- default: half the radius, a field above it
 --         { "profile", "choice", of = { "a", "b" }, optional = true },          -- absent stays nil
 --       },
 --       build  = function(values) return object end,
@@ -17,6 +18,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local memory = require "ylm.memory"
+local show = require "ylm.show"
 
 local form = {}
 
@@ -273,6 +275,7 @@ local function checked(fields, given, fail)
     local name, value = field[1], given[field[1]]
     if value == nil then
       if field.default ~= nil then value = field.default
+      elseif field.follows then value = field.follows[2] * values[field.follows[1]]
       elseif not field.optional then
         return fail(("field '%s' is missing (%s)"):format(name, field.about or field[2]))
       end
@@ -314,6 +317,9 @@ function form.define(name, definition)
   end
   definition.metatable = definition.metatable or {}
   definition.metatable.__kind = name
+  definition.metatable.__tostring = definition.metatable.__tostring or function(x)
+    return show.form(name, definition.fields, function(field) return rawget(x, field) end)
+  end
   definition.construct = construct
   form.defined[name] = definition
   if not before then form.names[#form.names + 1] = name end
@@ -346,6 +352,7 @@ function form.field_text(field)
   if field.unit then parts[#parts + 1] = "[" .. field.unit .. "]" end
   if field.default ~= nil and type(field.default) ~= "table" then
     parts[#parts + 1] = "default " .. text_of(field.default)
+  elseif field.follows then parts[#parts + 1] = ("default %s %s"):format(text_of(field.follows[2]), field.follows[1])
   elseif field.optional then parts[#parts + 1] = "optional" end
   return table.concat(parts, " ")
 end

@@ -11,6 +11,7 @@ local form = require "ylm.form"
 local material = require "ylm.material"
 local memory = require "ylm.memory"
 local mtl = require "ylm.material.mtl"
+local show = require "ylm.show"
 local text = require "ylm.text"
 local warning = require "ylm.warning"
 
@@ -174,7 +175,10 @@ local function shape(name, definition)
   for _, field in ipairs(common) do fields[#fields + 1] = field end
   local make = definition.make
   definition.make = nil
-  definition.metatable = { __kind = name }
+  definition.metatable = { __kind = name, __tostring = function(x)
+    local parts = { { "mesh" }, { "name" }, { "material" }, { "occludes" }, { "sides" }, { "parts" } }
+    return show.form(name, parts, function(field) return rawget(x, field) end)
+  end }
   definition.numbers = 64
   definition.build = function(values, fail)
     local transform = placement(values, fail)
@@ -253,7 +257,7 @@ shape("torus", {
   fields = {
     { "radius", "number", above = 0, default = 1, unit = "scene units",
       about = "from the axis to the middle of the tube" },
-    { "tube", "number", above = 0, default = 0.25, unit = "scene units", about = "radius of the tube" },
+    { "tube", "number", above = 0, follows = { "radius", 0.25 }, unit = "scene units", about = "radius of the tube" },
     { "divide", "divisions", default = { 128, 64 }, about = "segments around the axis, and around the tube" },
   },
   triangles = function(v) return 2 * v.divide[1] * v.divide[2] end,
@@ -267,8 +271,9 @@ shape("knot", {
     { "p", "integer", min = 1, max = 64, default = 2, about = "without a common divisor with q" },
     { "q", "integer", min = 1, max = 64, default = 3, about = "" },
     { "radius", "number", above = 0, default = 1, unit = "scene units", about = "of the torus that the knot lies on" },
-    { "minor", "number", above = 0, default = 0.4, unit = "scene units", about = "of that torus' tube" },
-    { "tube", "number", above = 0, default = 0.15, unit = "scene units", about = "radius of the knot's own tube" },
+    { "minor", "number", above = 0, follows = { "radius", 0.4 }, unit = "scene units", about = "of that torus' tube" },
+    { "tube", "number", above = 0, follows = { "radius", 0.15 }, unit = "scene units",
+      about = "radius of the knot's own tube" },
     { "divide", "divisions", default = { 512, 32 },
       about = "segments along the knot, and across its tube; 2 x their product triangles" },
   },

@@ -3,6 +3,7 @@
 -- Modules load when they are first used, so that SH mathematics alone needs
 -- nothing but libylm.so.
 
+local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local memory = require "ylm.memory"
@@ -10,10 +11,10 @@ local memory = require "ylm.memory"
 -- A kernel set or a number of threads that is silently not the one asked for spoils every measurement.
 do
   local good, message = core.environment()
-  if not good then require "ylm.check".fail("%s", message) end
+  if not good then check.fail("%s", message) end
 end
 
-local ylm = {}
+local ylm = { version = (core.info()) }
 
 require("ylm.later").live = function(...) return require("ylm.live").live(...) end
 
@@ -57,18 +58,29 @@ for _, list in ipairs { contents, require "ylm.light.kinds" } do
   end
 end
 
+--- Public names that the module does not hold from the start, and "info" and "names".
+local function listed()
+  local names = { "info", "names", "version" }
+  for name in pairs(home) do names[#names + 1] = name end
+  for name in pairs(tables) do names[#names + 1] = name end
+  table.sort(names)
+  return names
+end
+
 setmetatable(ylm, {
   __index = function(t, name)
     local value
     if tables[name] then value = require(tables[name])
-    elseif home[name] then value = memory.public(require(home[name])[name]) end
+    elseif home[name] then value = memory.public(require(home[name])[name])
+    else return check.no_name("", name, listed()) end
     rawset(t, name, value)
     return value
   end,
 })
 
 describe "names" {
-  about = "Every public name of the module, sorted.",
+  about = "Every public function, form and table of the module, sorted. A name that is one of them misspelt raises with a guess; "
+    .. "other names that ylm lacks are nil. ylm.version is a string.",
   arguments = {},
   returns = { { "names", "table", "a list of strings; some name tables of functions (\"sh\")" } },
   errors = "none",
@@ -85,7 +97,7 @@ end
 describe "info" {
   about = "Version, kernel sets, threads, libraries: what this ylm is made of. Loads the libraries to know.",
   arguments = {},
-  returns = { { "info", "table", "version, kernel (the set in use; YLM_ISA forces one), kernels (a list), "
+  returns = { { "info", "table", "version (also ylm.version), kernel (the set in use; YLM_ISA forces one), kernels (a list), "
     .. "threads, lua, parts (those that load: core, and where installed codec: image files, scene: rays, "
     .. "vtk: pictures, vulkan: computing on a GPU, mpi: work that processes share, rival: methods to compare with)" } },
   errors = "none (require \"ylm\" raises where the environment's YLM_ISA or YLM_THREADS is not what it may be)",

@@ -283,7 +283,7 @@ static int array_distance(lua_State *L) {
   double largest = 0, sum = 0, norm = 0;
   for (size_t i = 0; i < a->count; i++) {
     double x = ylmL_array_get(a, i), y = ylmL_array_get(b, i), d = x > y ? x - y : y - x;
-    if (!(d <= largest)) largest = d; /* NaN sticks */
+    if (d > largest || d != d) largest = d; /* NaN sticks */
     sum += d * d;
     norm += y * y;
   }

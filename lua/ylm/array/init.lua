@@ -59,6 +59,7 @@ end
 make = memory.public(make)
 array.array = setmetatable({ frombytes = memory.public(bytes.frombytes) }, {
   __call = function(_, ...) return make(...) end,
+  __index = function(_, name) return check.no_name("array.", name, { "frombytes" }) end,
 })
 
 describe "zeros" {
@@ -256,13 +257,15 @@ methods.__newindex = function(a, key, value)
   return check.fail("array: cannot set %s of an array of %s", check.describe(key), table.concat(shape, "x"))
 end
 
-local SHOWN = 8
+local SHOWN, WHOLE = 8, 36 -- numbers: of a large array, and of one that is shown whole, 6 x 6
 
---- The first numbers, rows apart: "1 2 3; 4 5 6; ...".
-local function first_numbers(a, shape)
-  local words, row = {}, shape[#shape]
-  for i, x in ipairs(core.array_head(a, SHOWN + 1)) do
-    if i > SHOWN then return table.concat(words) .. " ..." end
+--- The first numbers, rows apart: "1 2 3; 4 5 6; ..."; all where they are at most `whole`.
+local function first_numbers(a, shape, whole)
+  local words, row, count = {}, shape[#shape], 1
+  for _, extent in ipairs(shape) do count = count * extent end
+  local most = count <= whole and count or SHOWN
+  for i, x in ipairs(core.array_head(a, most + 1)) do
+    if i > most then return table.concat(words) .. " ..." end
     words[i] = (i == 1 and "" or (i - 1) % row == 0 and "; " or " ") .. check.number_text(x, "%.6g")
   end
   return table.concat(words)
@@ -272,7 +275,55 @@ methods.__tostring = function(a)
   local shape, dtype, convention, is_open = core.array_info(a)
   if not is_open then return "ylm.array (closed)" end
   return (("ylm.array %s [%s]%s: %s"):format(dtype, table.concat(shape, "]["),
-    convention ~= 0 and ", " .. array.convention_name(convention) or "", first_numbers(a, shape)):gsub(": $", ""))
+    convention ~= 0 and ", " .. array.convention_name(convention) or "", first_numbers(a, shape, WHOLE)):gsub(": $", ""))
+end
+
+describe "array:print" {
+  about = "Prints type, shape and all numbers, a line for each row; tostring shows arrays of at most 36 numbers whole.",
+  arguments = {},
+  returns = {},
+  errors = "raises on a closed array",
+  example = "assert(type(ylm.array({ { 1, 2 }, { 3, 4 } }).print) == 'function')   -- a:print(): two lines of two numbers",
+}
+function methods.print(a)
+  local shape, dtype, convention = open(a, "print")
+  local row, count = shape[#shape], 1
+  for _, extent in ipairs(shape) do count = count * extent end
+  io.stdout:write(("ylm.array %s [%s]%s\n"):format(dtype, table.concat(shape, "]["),
+    convention ~= 0 and ", " .. array.convention_name(convention) or ""))
+  local words = {}
+  for i, x in ipairs(count > 0 and core.array_head(a, count) or {}) do
+    words[#words + 1] = check.number_text(x, "%.6g")
+    if i % row == 0 then
+      io.stdout:write(table.concat(words, " "), "\n")
+      words = {}
+    end
+  end
+end
+
+describe "array:same" {
+  about = "Whether another array has the same shape, and numbers that differ by at most a tolerance. NaN is no number's equal.",
+  arguments = { { "b", "array|table", "arrays of other types are compared as numbers" },
+    { "tolerance?", "number", "0 or more, of the difference of two numbers; default 0" } },
+  returns = { { "same", "boolean", "" }, { "largest", "number", "the largest difference, where the shapes are the same" } },
+  errors = "raises on what is no array, and a tolerance below 0",
+  example = [[
+local a = ylm.array { 1, 2, 3 }
+assert(a:same { 1, 2, 3 } and not a:same { 1, 2, 4 } and a:same({ 1, 2, 3.01 }, 0.1))]],
+}
+function methods.same(a, b, tolerance)
+  local shape = open(a, "same")
+  if tolerance ~= nil and not (type(tolerance) == "number" and tolerance >= 0) then
+    return check.bad(2, "same", "tolerance must be a number >= 0, got %s", check.describe(tolerance))
+  end
+  if core.type(b) == "ylm.array" then open(b, "same")
+  elseif type(b) == "table" then b = make(b)
+  else return check.bad(1, "same", "an array or a table of numbers expected, got %s", check.describe(b)) end
+  local other = core.array_info(b)
+  if #shape ~= #other then return false end
+  for i = 1, #shape do if shape[i] ~= other[i] then return false end end
+  local largest = core.array_distance(a, b)
+  return largest <= (tolerance or 0), largest
 end
 
 --- The name of a convention number.

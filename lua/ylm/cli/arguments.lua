@@ -44,6 +44,9 @@ local function value_of(text, wanted)
   return #numbers == 1 and numbers[1] or numbers
 end
 
+--- An option as it is declared: names of Lua, --light_samples, mean the options of the same name with hyphens.
+local function hyphened(word) return word:find "^%-%-" and word:gsub("_", "-") or word end
+
 --- Parses `given`; nil, message where it does not fit. With command.rest = true everything after the
 -- first file is left as it is, with command.raw = true all of it.
 function arguments.parse(command, given)
@@ -63,11 +66,11 @@ function arguments.parse(command, given)
     local name, attached = word:match("^(%-%-[^=]+)=(.*)$")
     local letter = by_word[word:match "^%-%a" or ""]
     if #word > 2 and letter and letter[3] then name, attached = word:sub(1, 2), word:sub(3) end -- -j1
-    local option = by_word[name or word]
+    local option = by_word[hyphened(name or word)]
     if only_files or word == "-" or not word:find("^%-") or (command.rest and #out > 0) then out[#out + 1] = word
     elseif word == "--" then only_files = true
     elseif not option then
-      local guess = check.guess(name or word, words)
+      local guess = check.guess(hyphened(name or word), words)
       return nil, ("no option %s%s"):format(check.short(name or word), guess and (" (did you mean %s?)"):format(guess) or "")
     elseif option[3] then
       local text = attached

@@ -14,14 +14,17 @@ local function check_parts(given)
   if given.bounces and parts ~= "indirect" and parts ~= "all" then
     status.stop(status.usage, "bake: --bounces is for --parts indirect or all: leave it out, or name one")
   end
-  if parts and parts ~= "lights" and given.light_tolerance then
-    status.stop(status.usage, "bake: --light_tolerance is for --parts lights, these are %s: leave it out", parts)
+  if parts and parts ~= "lights" and given["light-tolerance"] then
+    status.stop(status.usage, "bake: --light-tolerance is for --parts lights, these are %s: leave it out", parts)
   end
 end
 
 --- Ends the command unless the output can be written; a folder of bricks is made, and goes on where it was.
 local function check_output(given)
   if not given.output then status.stop(status.usage, "bake: -o FILE says where the grid goes") end
+  if given.coefficients and not given.output:lower():find "%.vtu$" then
+    status.stop(status.usage, "bake: --coefficients is of .vtu files: give -o NAME.vtu, or leave it out")
+  end
   if given.output:lower():find "%.ylmd/*$" then return true end
   for _, name in ipairs { "fresh", "time" } do
     if given[name] then status.stop(status.usage, "bake: --%s is of bricks: give -o NAME.ylmd, or leave it out", name) end
@@ -58,6 +61,7 @@ return {
   options = {
     { "output", "-o", "FILE", "the grid (.ylm), or .vtu for ParaView; .ylmd: a folder of bricks, for grids larger than "
       .. "memory, which a second call goes on with" },
+    { "coefficients", nil, nil, "with -o NAME.vtu: also all coefficients of points" },
     { "fresh", nil, nil, "with -o NAME.ylmd: begin anew, whatever is there" },
     { "time", nil, "TIME", "with -o NAME.ylmd: begin no brick that would take longer (90s, 55m, 12h); exit status 75 where "
       .. "bricks are left" },
@@ -67,7 +71,7 @@ return {
     { "occupied", nil, "NAME", "where light is needed: surfaces (default), camera, vertices or everywhere" },
     { "size", "-s", "WxH", "with --occupied camera: of its image, default that of render" },
     { "samples", "-n", "N", "with --occupied camera: rays per pixel" },
-    { "light_tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
+    { "light-tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
     { "strict", nil, nil, "exit status 6 where the tolerance is not met; the grid is written" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
   },
@@ -92,10 +96,12 @@ return {
     local team = status.need(ylm.team())
     local grid = need_grid(scene:bake { to = in_bricks and given.output or nil, fresh = given.fresh, seconds = seconds,
       team = team.size > 1 and team or nil, parts = given.parts, bounces = bounces, occupied = given.occupied,
-      size = given.size, samples = given.samples, light_tolerance = given.light_tolerance, threads = given.threads,
+      size = given.size, samples = given.samples, light_tolerance = given["light-tolerance"], threads = given.threads,
       progress = report.progress(given) })
     local good, message, code = true, nil, nil
-    if team.rank == 1 and not in_bricks then good, message, code = grid:save(given.output) end
+    if team.rank == 1 and not in_bricks then
+      good, message, code = grid:save(given.output, given.coefficients and { coefficients = true } or nil)
+    end
     status.need(require "ylm.team".agree(team, good, message, code))
     local stats = grid.stats
     stats.quantity = grid.quantity

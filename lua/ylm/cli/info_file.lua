@@ -1,4 +1,4 @@
---- ylm info FILE: what a file holds. Of a grid, what its header says: rows are not read.
+--- ylm info FILE: what a file holds. Of a grid, what its header says: rows are not read. Of a scene file, what it describes.
 
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
@@ -103,8 +103,67 @@ end
 
 function kinds.material(path) return require "ylm.cli.material".look(path) end
 
+--- Fields of an object that a form has built which are numbers, words or lists of numbers, with its kind; nil of nil.
+local function described(x)
+  if x == nil then return nil end
+  local forms = require "ylm.form"
+  local kind = forms.kind(x)
+  local out = { kind = kind }
+  for _, field in ipairs(forms.defined[kind].fields) do
+    local value = x[field[1]]
+    if type(value) ~= "table" or value[1] ~= nil and forms.kind(value) == nil then out[field[1]] = value end
+  end
+  return out
+end
+
+--- Kind -> how many there are, of different objects: one that is listed twice counts once.
+local function counts(list, kind_of, number_of)
+  local out, seen = {}, {}
+  for _, x in ipairs(list) do
+    if not seen[x] then
+      local kind = kind_of(x)
+      out[kind], seen[x] = (out[kind] or 0) + number_of(x), true
+    end
+  end
+  return out
+end
+
+--- The box around all geometry of a scene; nil where there is none.
+local function bounds_of(geometry)
+  local lo, hi
+  for _, piece in ipairs(geometry) do
+    local b = #piece.mesh > 0 and piece.mesh.bounds
+    if b then
+      lo, hi = lo or { b[1][1], b[1][2], b[1][3] }, hi or { b[2][1], b[2][2], b[2][3] }
+      for a = 1, 3 do lo[a], hi[a] = math.min(lo[a], b[1][a]), math.max(hi[a], b[2][a]) end
+    end
+  end
+  return lo and { lo, hi }
+end
+
+--- A scene file runs within the limits of ylm.load_scene.
+function kinds.scene(path)
+  local forms, materials, triangles = require "ylm.form", require "ylm.material", 0
+  local s = status.need_scene(require "ylm".load_scene(path))
+  local used = {}
+  for i, piece in ipairs(s.geometry) do
+    triangles, used[i] = triangles + #piece.mesh, piece.material or materials.default
+  end
+  local function one() return 1 end
+  local function kind(x) return (forms.kind(x):gsub("^ylm%.", "")) end
+  local results = { kind = "scene", name = s.name, meshes = #s.geometry, triangles = triangles, bounds = bounds_of(s.geometry),
+    materials = counts(used, kind, one),
+    lights = counts(s.lights, kind, function(l) return type(l) == "table" and l.count or 1 end),
+    camera = described(s.camera), probes = described(s.probes), transfer = described(s.transfer_options),
+    background = not s.sky_is_seen and s.background or nil, notes = s.notes }
+  if results.camera then results.camera.kind = nil end
+  for i, note in ipairs(results.notes or {}) do results.notes[i] = plain(note) end
+  return results, { "kind", "name", "meshes", "triangles", "bounds", "materials", "lights", "camera", "probes", "transfer",
+    "background", "notes" }
+end
+
 --- Prints what the file given[1] holds.
 return function(given)
-  local kind = status.need(require("ylm.file").kind_of(given[1]))
+  local kind = given[1]:lower():find "%.lua$" and "scene" or status.need(require("ylm.file").kind_of(given[1]))
   report.print(given, kinds[kind](given[1], given))
 end

@@ -111,9 +111,10 @@ end
 
 --- A function's refusal as a mistake on the command line: with the option that set the value, where one has its name.
 local function as_option(text, name, command)
-  local said, field = text:match "^bad argument #%d+ to '[%w_.:]+' %((([%w_]+) .*)%)$"
+  local field, said = text:match "^bad argument #%d+ to '[%w_.:]+' %(([%w_]+)( .*)%)$"
+  local word = field and field:gsub("_", "-")
   for _, option in ipairs(command.options or {}) do
-    if option[1] == field then return ("%s: --%s"):format(name, said) end
+    if option[1] == word then return ("%s: --%s%s"):format(name, word, said) end
   end
   return text
 end

@@ -56,7 +56,7 @@ local function class(put, name, about, fields)
   remark(put, about)
   put("---@class " .. name)
   for _, field in ipairs(fields) do
-    local optional = field.optional or field.default ~= nil
+    local optional = field.optional or field.default ~= nil or field.follows ~= nil
     put(model.one_line(("---@field %s%s %s # %s. %s"):format(field[1], optional and "?" or "", field_type(field),
       form.field_text(field), field.about or "")))
   end
@@ -106,6 +106,7 @@ function meta.text()
     for _, entry in ipairs(object.entries) do func(put, entry, object.name, ":") end
   end
   put "---@class ylm"
+  put "---@field version string # of the library, \"major.minor.patch\""
   put "local ylm = {}"
   put ""
   for _, module in ipairs(all.modules) do

@@ -16,6 +16,7 @@ local lights = require "ylm.gltf.lights"
 local material = require "ylm.gltf.material"
 local text = require "ylm.text"
 local texture = require "ylm.material.texture"
+local show = require "ylm.show"
 local vector = require "ylm.vector"
 
 local gltf = {}
@@ -174,13 +175,15 @@ local function build(values, fail, limits)
     if image then core.image_close(image) end
   end
   local extras = file.extras and json.read(file.extras) or {}
+  for _, sky in ipairs(lights.skies(extras.skies, values, note)) do lamps[#lamps + 1] = sky end
   model.background = form.types.colour(extras.background, { min = 0 }) or nil
   for i, sentence in ipairs(notes) do
     notes[i] = text.shown(("%s: %s"):format(values.file:match "[^/]*$", sentence))
   end
   model.notes = #notes > 0 and notes or nil
-  model.report = { nodes = file.nodes, pieces = #model.geometry, triangles = file.triangles, materials = #file.materials,
-    lights = #lamps, cameras = #model.cameras, lost = lost, notes = notes, seconds = os.clock() - began }
+  model.report = show.report { nodes = file.nodes, pieces = #model.geometry, triangles = file.triangles,
+    materials = #file.materials, lights = #lamps, cameras = #model.cameras, lost = lost, notes = notes,
+    seconds = os.clock() - began }
   return setmetatable(model, form.defined.gltf.metatable)
 end
 

@@ -1,7 +1,9 @@
 --- Lamps of glTF files as lights of ylm.
 
+local environment = require "ylm.light.environment"
 local form = require "ylm.form"
 local json = require "ylm.gltf.json"
+local memory = require "ylm.memory"
 require "ylm.light.polygon" -- the forms
 local spot = require "ylm.light.spot"
 local sphere = require "ylm.light.sphere"
@@ -102,6 +104,22 @@ function lights.of_piece(piece, extras, emission, o)
     if math.abs(bounds[1][i] - lo[i]) > 1e-6 * size or math.abs(bounds[2][i] - hi[i]) > 1e-6 * size then return nil end
   end
   return made
+end
+
+--- The skies of extras.ylm of a scene as lights; those that are no skies, or too large, are left out with a note.
+function lights.skies(list, o, note)
+  local out, wrong = {}, 0
+  for _, given in ipairs(type(list) == "table" and list or {}) do
+    local plain = {}
+    for _, name in ipairs { "radiance", "coefficients", "sky", "lmax", "scale" } do
+      plain[name] = type(given) == "table" and given[name] or nil
+    end
+    plain.scale = (tonumber(plain.scale) or 1) * o.light_scale
+    local ok, made = memory.pcall(environment.environment_light, plain)
+    if ok and made then out[#out + 1] = made else wrong = wrong + 1 end
+  end
+  if wrong > 0 then note("skies of extras.ylm left out, because they are none: %d", wrong) end
+  return out
 end
 
 --- The lamps of a file as lights; note(sentence, ...) takes what is lost. Or nil, message, code.

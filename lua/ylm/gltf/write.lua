@@ -9,7 +9,9 @@ local form = require "ylm.form"
 local json = require "ylm.gltf.json"
 local lights = require "ylm.gltf.lights"
 local material = require "ylm.material"
+local text = require "ylm.text"
 local vector = require "ylm.vector"
+local warning = require "ylm.warning"
 
 local write = {}
 
@@ -19,7 +21,7 @@ local LAMPS = 20000
 
 local function new()
   return { data = {}, size = 0, views = {}, accessors = {}, meshes = {}, nodes = {}, materials = {}, lights = {}, cameras = {},
-    made = {}, used = {}, notes = {}, left_out = {} }
+    made = {}, used = {}, left_out = {}, skies = {} }
 end
 
 local function add(list, x)
@@ -27,7 +29,7 @@ local function add(list, x)
   return #list - 1
 end
 
---- Counts what is left out, for the notes.
+--- Counts what is left out or simpler, for the notes.
 local function leave_out(w, what)
   if not w.left_out[what] then w.left_out[#w.left_out + 1] = what end
   w.left_out[what] = (w.left_out[what] or 0) + 1
@@ -73,6 +75,12 @@ local function ggx_factors(m)
   return b, 1 - x
 end
 
+--- The roughness alpha of GGX microfacets nearest to Phong's lobe of exponent n. The half vector turns by half of what the
+-- mirror direction does, so alpha^2 is about 1 / (2 n) of the 2 / (n + 2) of Walter et al. 2007 for the lobe of half vectors;
+-- 2.5 is the factor of n at which the lobes times the cosine differ least (root mean square over directions, at 0, 30, 45 and
+-- 60 degrees): by 0.40 to 0.43 of the lobe from n = 5 on, with factor 1 by 0.60.
+local function phong_alpha(n) return math.sqrt(2 / (2.5 * n + 2)) end
+
 --- Plain values of a material's fields, to be read back.
 local function fields_of(m, kind, base)
   local list = { "kind", kind, "r", base[1], "g", base[2], "b", base[3] }
@@ -101,6 +109,11 @@ local function describe_material(w, m)
     local base, metallic = ggx_factors(m)
     local alpha = type(m.alpha) == "table" and (m.alpha[1] + m.alpha[2]) / 2 or m.alpha
     return { pbr(base, metallic, math.sqrt(alpha)), fields_of(m, kind, base) }
+  end
+  if kind == "phong" then
+    leave_out(w, "materials of kind phong, written as their nearest ggx")
+    local base, metallic = ggx_factors { f0 = m.specular, base = m.base }
+    return { pbr(base, metallic, math.sqrt(phong_alpha(m.exponent))), fields_of(m, kind, base) }
   end
   leave_out(w, ("materials of kind %s, written as matte"):format(kind))
   return { pbr(mean, 0, 1), not form.defined[kind].trusted and fields_of(m, kind, mean) or nil }
@@ -270,6 +283,26 @@ function writers.spot_light(w, l)
     "to", l.to, "intensity", l.intensity)))
 end
 
+--- Numbers of three channels, or of one, of an environment's records; their scale is the first colour's.
+local function coefficients_of(l)
+  local rows = {}
+  for i, r in ipairs(l.records) do rows[i] = r[3] end
+  return #rows == 1 and rows[1] or rows
+end
+
+--- Light from all around stands in extras.ylm of the scene, since images of EXT_lights_image_based hold 8 bits.
+function writers.environment_light(w, l)
+  leave_out(w, "skies, in extras.ylm, which other programs do not read")
+  local sky = l.sky and json.object("kind", l.seen.kind, "zenith", check.plain(l.sky.zenith), "sun", check.plain(l.sky.sun),
+    "luminance", l.seen.luminance)
+  local coefficients = not sky and not l.radiance and coefficients_of(l) or nil
+  if l.image or l.file then
+    leave_out(w, ("images of skies, written as their coefficients of degree %d"):format(l.lmax))
+  end
+  w.skies[#w.skies + 1] = json.object("radiance", l.radiance, "coefficients", coefficients, "sky", sky, "lmax",
+    sky and l.lmax, "scale", l.scale)
+end
+
 --- The number of lamps that a light becomes.
 local function count_of(l) return form.kind(l) == "sphere_lights" and l.count or 1 end
 
@@ -295,7 +328,7 @@ local function text_of(w, scene, uri)
   return json.write(json.object("asset", json.object("version", "2.0", "generator", "ylm"), "extensionsUsed", list_of(used),
     "extensions", list_of(w.lights) and json.object("KHR_lights_punctual", json.object("lights", w.lights)),
     "scene", 0, "scenes", { json.object("name", scene.name ~= "" and scene.name or nil, "nodes", list_of(roots), "extras",
-      extras("background", background)) },
+      extras("background", background, "skies", list_of(w.skies))) },
     "nodes", list_of(w.nodes), "cameras", list_of(w.cameras), "materials", list_of(w.materials), "meshes", list_of(w.meshes),
     "accessors", list_of(w.accessors), "bufferViews", list_of(w.views),
     "buffers", w.size > 0 and { json.object("uri", uri, "byteLength", w.size) } or nil))
@@ -307,11 +340,11 @@ local function word(x)
 end
 
 --- The bytes of a .glb file; nil, message, code where they are more than the format can say.
-local function container(text, data)
-  text = text .. (" "):rep(-#text % 4)
-  local size = 12 + 8 + #text + (#data > 0 and 8 + #data or 0)
+local function container(head, data)
+  head = head .. (" "):rep(-#head % 4)
+  local size = 12 + 8 + #head + (#data > 0 and 8 + #data or 0)
   if size >= 2 ^ 32 then return nil, "a .glb file has at most 4 GiB: save .gltf with separate = true", "ELIMIT" end
-  return "glTF" .. word(2) .. word(size) .. word(#text) .. "JSON" .. text .. (#data > 0 and word(#data) .. "BIN\0" .. data or "")
+  return "glTF" .. word(2) .. word(size) .. word(#head) .. "JSON" .. head .. (#data > 0 and word(#data) .. "BIN\0" .. data or "")
 end
 
 local function fill(w, scene)
@@ -341,8 +374,25 @@ end
 
 local options = {
   { "separate", "boolean", default = false, about = ".gltf: the buffer in a file of its own, .bin, instead of base64" },
+  { "strict", "boolean", default = false, about = "where anything would be left out or simpler nothing is written: nil, message, "
+    .. "'ELIMIT'" },
 }
 write.options = options
+
+--- A sentence for each kind of thing that is left out or simpler.
+local function notes_of(w)
+  local notes = {}
+  for i, what in ipairs(w.left_out) do notes[i] = ("%s: %d"):format(what, w.left_out[what]) end
+  return notes
+end
+
+--- Says in a line what the file lacks, of a scene once.
+local function tell(scene, path, notes)
+  if #notes == 0 then return end
+  local line = table.concat(notes, "; ")
+  warning.say(scene, "save " .. line, "%s, glTF of scene %q, lacks or simplifies: %s; strict = true refuses instead",
+    text.shown(path), scene.name or "?", line)
+end
 
 --- Saves a scene; true and what glTF lacks, a sentence each; or nil, message, code.
 function write.save(scene, path, given)
@@ -355,7 +405,10 @@ function write.save(scene, path, given)
   local w = new()
   local ok, message, code = fill(w, scene)
   if not ok then return nil, message, code end
-  for i, what in ipairs(w.left_out) do w.notes[i] = ("%s: %d"):format(what, w.left_out[what]) end
+  local notes = notes_of(w)
+  if #notes > 0 and o.strict then
+    return nil, ("%s is not written, since glTF would lack (strict): %s"):format(path, table.concat(notes, "; ")), "ELIMIT"
+  end
   local data = table.concat(w.data)
   local bytes
   if ending == "glb" then
@@ -371,7 +424,8 @@ function write.save(scene, path, given)
   end
   ok, message, code = check.result("save", core.file_save(path, bytes))
   if not ok then return nil, message, code end
-  return true, w.notes
+  tell(scene, path, notes)
+  return true, notes
 end
 
 return write

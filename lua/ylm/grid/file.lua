@@ -6,6 +6,7 @@ local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local grid_object = require "ylm.grid.object"
 local library = require "ylm.library"
+local vtu = require "ylm.grid.vtu"
 
 local grid_file = {}
 
@@ -26,17 +27,21 @@ grid_file.page_options = {
   form.threads,
 }
 
+local save_options = { vtu.options[1] }
+for _, field in ipairs(grid_file.page_options) do save_options[#save_options + 1] = field end
+
 local methods, open = grid_object.methods, grid_object.open
 
 describe "grid:save" {
   about = "Writes the grid; the ending chooses the format. An existing file is replaced whole or not at all. Equal grids "
     .. "are equal bytes: times are not in the file.",
   arguments = {
-    { "path", "string", ".ylm (everything, checksummed; ylm.load reads it), .vtu (for ParaView), .html (a page that browsers "
+    { "path", "string", ".ylm (everything, checksummed; ylm.load reads it), .vtu (for ParaView: of points also the irradiance by "
+      .. "six normals, one array each), .html (a page that browsers "
       .. "show without a network: docs/page.md)" },
-    { "options?", "table", "of .html" },
+    { "options?", "table", "of .html and .vtu" },
   },
-  options = grid_file.page_options,
+  options = save_options,
   returns = { { "ok", "boolean", "true" }, { "report", "table", ".html: bytes of the file, poster, sections: bytes by name, "
     .. "triangles, warnings: what the page does not show" } },
   errors = "raises on another ending and bad options; nil, message, code where the file cannot be written, and of .html 'ELIMIT' "
@@ -55,9 +60,9 @@ function methods.save(g, path, given)
   end
   local ending = path:lower():match("%.(%w+)$")
   if ending == "html" then return library.later.page(g, path, given) end
+  if ending == "vtu" then return vtu.save(g, path, form.options(2, "save", vtu.options, given)) end
   if given ~= nil then form.options(2, "save", {}, given) end
   if ending == "ylm" then return check.result("save", core.grid_write(g, path)) end
-  if ending == "vtu" then return require "ylm.grid.vtu".save(g, path) end
   return check.bad(1, "save", "a path ending in .ylm, .vtu or .html expected, got %s", check.describe(path))
 end
 

@@ -5,6 +5,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local devices = require "ylm.device"
 local unmet = require "ylm.grid.unmet"
+local show = require "ylm.show"
 
 local object = {}
 
@@ -91,7 +92,7 @@ methods.__index = function(g, key)
   if key == "stats" then
     local stats = unmet.stats(g)
     stats.stages, stats.shadow = object.stages_of[g], object.shadow_of[g]
-    return stats
+    return show.report(stats)
   end
   return core.grid_form(g)[key]
 end

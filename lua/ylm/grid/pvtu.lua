@@ -36,11 +36,11 @@ local function brick_at(set, n)
 end
 
 --- Adds one brick to a file of pieces; true, or nil, message, code.
-local function add_piece(set, i, n, pieces)
+local function add_piece(set, i, n, pieces, o)
   local grid, message, code = check.result("save", core.grid_read(core.grid_set_file(set, i)))
   if not grid then return nil, message, code end
   local ok
-  ok, message, code = vtu.add(pieces, grid, i > n and brick_at(set, n) or nil)
+  ok, message, code = vtu.add(pieces, grid, o, i > n and brick_at(set, n) or nil)
   grid:close()
   return ok, message, code
 end
@@ -86,14 +86,15 @@ local function divide(stem, n, size)
   return names, first, each
 end
 
---- Writes one file; true, or nil, message, code; false where another process has failed. ask(): whether none has.
-local function save_file(set, path, first, behind, ask)
+--- Writes one file; true, or nil, message, code; false where another process has failed. ask(): whether none has. o: options of
+-- vtu.
+local function save_file(set, path, first, behind, ask, o)
   local pieces, message, code = check.result("save", core.figure_pieces(path, behind - first))
   if not pieces then return nil, message, code end
   for i = first, behind - 1 do
     local ok
     ok, message, code = ask()
-    if ok then ok, message, code = add_piece(set, i, set.stats.bricks, pieces) end
+    if ok then ok, message, code = add_piece(set, i, set.stats.bricks, pieces, o) end
     if not ok then
       core.figure_pieces_discard(pieces)
       return ok, message, code
@@ -102,8 +103,9 @@ local function save_file(set, path, first, behind, ask)
   return check.result("save", core.figure_pieces_end(pieces))
 end
 
---- Writes NAME.pvtu and NAME-K-of-N.vtu beside it; true, or nil, message, code. `handle`: the team's.
-function pvtu.save(set, path, handle)
+--- Writes NAME.pvtu and NAME-K-of-N.vtu beside it; true, or nil, message, code. `handle`: the team's; o: options of
+-- vtu.
+function pvtu.save(set, path, handle, o)
   local n = set.stats.bricks + 1
   local rank, size = core.team_info(handle)
   local names, first, each = divide(path:gsub("%.[^.]*$", ""), n, size)
@@ -111,7 +113,7 @@ function pvtu.save(set, path, handle)
   local job, ok, message, code = core.team_job(handle), true, nil, nil
   local function ask() return core.team_next(handle, job, n) end
   for f = (rank - 1) * each + 1, math.min(rank * each, #names) do
-    ok, message, code = save_file(set, names[f], first[f], first[f + 1], ask)
+    ok, message, code = save_file(set, names[f], first[f], first[f + 1], ask, o)
     if not ok then break end
   end
   if ok == nil then core.team_stop(handle, job) end

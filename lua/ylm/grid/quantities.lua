@@ -56,6 +56,8 @@ function quantities.open(grid)
     if channels == 1 then return core.figure_mix(value, n, { 0 }, { 1 }, count) end
     return core.figure_mix(value, n, { 0, count, 2 * count }, core.luminance, count)
   end
+  --- Coefficients [n][channels][count], float.
+  function source.coefficients_of_channels() return point "value" end
   --- [cells] or [points] numbers of a quantity.
   function source.values(quantity)
     if quantity == "error" or quantity == "residual" then return doubles(cells[quantity]) end

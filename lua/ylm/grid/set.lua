@@ -8,6 +8,8 @@ local devices = require "ylm.device"
 local form = require "ylm.form"
 local progress = require "ylm.progress"
 local sampling = require "ylm.grid.object".sampling
+local vtu = require "ylm.grid.vtu"
+local show = require "ylm.show"
 
 local set = {}
 
@@ -127,7 +129,7 @@ end
 
 local save_options = {
   { "team", "object", of = "team", optional = true, about = ".pvtu: ylm.team(), whose processes share the files; all call" },
-  form.threads, form.progress,
+  vtu.options[1], form.threads, form.progress,
 }
 
 describe "grid_set:save" {
@@ -155,7 +157,7 @@ function methods.save(s, path, given)
     return check.bad(1, "save", "a path ending in .ylm or .pvtu expected, got %s", check.describe(path))
   end
   local o = form.options(2, "save", save_options, given)
-  if ending == "pvtu" then return require "ylm.grid.pvtu".save(s, path, o.team and o.team.handle or core.team_alone()) end
+  if ending == "pvtu" then return require "ylm.grid.pvtu".save(s, path, o.team and o.team.handle or core.team_alone(), o) end
   local g, message, code = check.result("save", core.grid_set_pack(s, o.threads or 0, progress.of(o.progress)))
   if not g then return nil, message, code end
   local ok
@@ -186,7 +188,7 @@ methods.__index = function(s, key)
   if method ~= nil or type(key) ~= "string" then return method end
   open(s, key)
   local f, stats = core.grid_set_look(s)
-  if key == "stats" then return stats end
+  if key == "stats" then return show.report(stats) end
   return f[key]
 end
 

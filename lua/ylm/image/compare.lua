@@ -6,6 +6,7 @@ local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local images = require "ylm.image.check"
 local progress = require "ylm.progress"
+local show = require "ylm.show"
 
 local methods = core.metatable "ylm.image"
 
@@ -81,7 +82,7 @@ function methods.compare(x, reference, options)
     local z2, block, left, top = check.result("compare", core.image_agree(x, reference, layer, mask))
     metrics.z2, metrics.z2_block, metrics.block = z2, block, { left, top }
   end
-  return metrics
+  return show.report(metrics)
 end
 
 local flip_options = {

@@ -8,6 +8,7 @@ local describe = require "ylm.describe".describe
 local devices = require "ylm.device"
 local outputs = require "ylm.outputs"
 local progress = require "ylm.progress"
+local show = require "ylm.show"
 
 local light = {}
 
@@ -152,6 +153,7 @@ function light.light_field(lmax, lights, points, given)
   local p, single = array.points(3, "light_field", points, dtype)
   local L, dL, ddL, report = light.evaluate("light_field", lmax, object, p, o, nil, points)
   if made then object:close() end
+  show.report(report)
   if L == nil or not single then return L, dL, ddL, report end
   return L[1], dL and dL[1], ddL and ddL[1], report
 end

@@ -42,7 +42,7 @@ describe "material:save" {
   example = [[
 local name = os.tmpname() .. ".binary"
 assert(ylm.matte { albedo = 0.5 }:save(name))
-assert(tostring(ylm.load(name)) == "ylm.merl")
+assert(tostring(ylm.load(name)):find "^ylm%.merl ")
 os.remove(name)]],
   source = "Matusik et al. 2003, A Data-Driven Reflectance Model",
 }

@@ -8,6 +8,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
+local show = require "ylm.show"
 
 local object = {}
 
@@ -37,7 +38,10 @@ function object.metatable()
     __newindex = function(_, key)
       return check.fail("material: cannot set %s: a material does not change, make another", check.describe(key))
     end,
-    __tostring = function(m) return "ylm." .. form.kind(m) end,
+    __tostring = function(m)
+      local kind = form.kind(m)
+      return show.form("ylm." .. kind, form.defined[kind].fields, function(name) return inside[m].values[name] end)
+    end,
   }
 end
 

@@ -6,6 +6,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local grids = require "ylm.grid"
 local light = require "ylm.light"
+local objects = require "ylm.transfer.object"
 local options = require "ylm.render.options"
 local tracing = require "ylm.trace"
 local transfer = require "ylm.transfer"
@@ -77,10 +78,12 @@ local function field_of(s, t, o)
   if o.parts == "lights" then return t.lights end
   local n = reflections(o)
   local direct = o.parts == "direct" or o.bounces == 0
-  local links, message, code = transfer.of_scene(s, { links = direct and 4 or nil, lmax = 0, threads = o.threads,
-    progress = o.progress })
-  if not links then return nil, message, code end
-  local lit
+  local links, lit, message, code = o.transfer
+  if not links then
+    links, message, code = transfer.of_scene(s, { links = direct and 4 or nil, lmax = 0, threads = o.threads,
+      progress = o.progress })
+    if not links then return nil, message, code end
+  end
   lit, message, code = links:radiosity(s.lights, { bounces = n, light_samples = direct and 1 or nil, threads = o.threads,
     progress = o.progress })
   if not lit then return nil, message, code end
@@ -88,9 +91,15 @@ local function field_of(s, t, o)
 end
 
 --- Raises where options of gathered light stand beside others that have no use for it.
-local function check_parts(o, probes)
+local function check_parts(s, o, probes)
   if o.bounces and o.parts ~= "indirect" and o.parts ~= "all" then
     return check.fail "bake: bounces are of parts = 'indirect' or 'all': name one, or leave bounces out"
+  end
+  if o.transfer then
+    if o.parts == "lights" then
+      return check.fail "bake: transfer is for parts = 'direct', 'indirect' or 'all': name one, or leave transfer out"
+    end
+    objects.check_scene("bake", o.transfer, s)
   end
   if o.parts == "lights" then return end
   if o.lights ~= nil then
@@ -116,6 +125,8 @@ local bake_options = options.list(options.view_fields, {
   { "lights", "any", optional = true, about = "instead of the scene's, of parts = 'lights': lights or what has a light field, as "
     .. "in ylm.bake; of virtual lights the far parts (lights:split)" },
   { "bounces", "bounces", optional = true, about = "of 'indirect' and 'all': reflections after direct light, default 'all'" },
+  { "transfer", "object", of = "ylm.transfer", optional = true,
+    about = "of 'direct', 'indirect' and 'all': what scene:transfer returned; default: one with its defaults" },
   { "occupied", "any", default = "surfaces",
     about = "where light is needed: 'surfaces' (the whole geometry), 'camera' (what its rays hit: size, samples, share and "
       .. "shading are about them), 'vertices' (all of them), 'everywhere', a prepared view, or an array [n][3], with device "
@@ -152,7 +163,7 @@ function bake.bake(s, given)
   end
   check_camera_options(given, o)
   o.parts = o.parts or default_parts(s, o, probes)
-  check_parts(o, probes)
+  check_parts(s, o, probes)
   local t, message, code = tracing.trace("bake", s)
   if not t then return nil, message, code end
   local where, own, why = occupied(s, t, o)

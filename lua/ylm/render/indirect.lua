@@ -75,19 +75,9 @@ local function settle(name, o)
   b.add, o.bounced = indirect.add, b
 end
 
---- Raises where the transfer t is of another scene than a view.
-local function check_scene(name, t, scene)
-  if t.scene == scene then return end
-  return check.fail("%s: the transfer is of scene %q, the view of another, %q: make one of the view's scene (scene:transfer)",
-    name, t.scene.name or "?", scene.name or "?")
-end
-
 --- Settles o.bounced, as above, and o.near, of a picture of `scene`. A transfer is looked at even where nothing bounces.
 function indirect.settle(name, o, scene)
-  if o.transfer then
-    objects.open_transfer(name, o.transfer)
-    check_scene(name, o.transfer, scene)
-  end
+  if o.transfer then objects.check_scene(name, o.transfer, scene) end
   settle(name, o)
   near.settle(name, o)
 end
@@ -110,7 +100,7 @@ function indirect.link(name, p, t, o)
     t, message, code = transfer_of(p, o)
     if not t then return nil, message, code end
   end
-  check_scene(name, t, p.scene)
+  objects.check_scene(name, t, p.scene)
   objects.of_view(name, p, t)
   local known = m.links
   if known and known.transfer == t and (count == nil or known.count == count) then return true end
@@ -151,7 +141,7 @@ end
 
 --- Light of o.transfer's elements for points that gloss: { lit =, links = }; or nil, message, code.
 function indirect.elements(name, p, o)
-  check_scene(name, o.transfer, p.scene)
+  objects.check_scene(name, o.transfer, p.scene)
   local lit, message, code = shine(p, o, { bounces = "all" })
   if not lit then return nil, message, code end
   local links

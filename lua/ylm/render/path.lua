@@ -10,6 +10,7 @@ local image = require "ylm.image"
 local options = require "ylm.render.options"
 local pictures = require "ylm.render.picture"
 local progress = require "ylm.progress"
+local show = require "ylm.show"
 local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
 local warning = require "ylm.warning"
@@ -271,7 +272,7 @@ function paths.probe(s, given)
     strategy = o.strategy, error = o.error, seconds = o.seconds, seed = o.seed, threads = o.threads,
     progress = progress.resolve(o.progress) }))
   if not c then return nil, variance, stats end
-  local report = { note = darkness(s), seconds = stats.seconds }
+  local report = show.report { note = darkness(s), seconds = stats.seconds }
   add_stats(report, stats)
   return c, variance, report
 end

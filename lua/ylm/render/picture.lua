@@ -7,6 +7,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local image = require "ylm.image"
 local light = require "ylm.light"
+local show = require "ylm.show"
 local tracing = require "ylm.trace"
 
 local pictures = {}
@@ -127,7 +128,7 @@ end
 --- The report that all methods begin with; seconds.light is that of asking for light and shading.
 function pictures.new_report(p)
   local st = p.stats
-  return {
+  return show.report {
     note = st.points == 0 and "the camera sees no geometry: nothing to shade" or nil,
     notes = p.scene.notes,
     warnings = {},

@@ -9,6 +9,7 @@ local core = require "ylm.c.core"
 local progress = require "ylm.progress"
 local tracing = require "ylm.trace"
 local window = require "ylm.sh.window"
+local show = require "ylm.show"
 
 local views = {}
 
@@ -106,7 +107,7 @@ function views.prepare(name, s, o)
     fine = not o.coarse and (visibility == "rays" or o.gloss ~= "matte"), keep = o.relight == "light" or o.relight == "material",
     all_vertices = o.relight == "all", self = o.self }))
   if not view then return nil, message, code end
-  local stats = t.lib.shade_stats(view)
+  local stats = show.report(t.lib.shade_stats(view))
   stats.scene_seconds = t.seconds
   if visibility ~= "transfer" then stats.transfer_samples = nil end
   made[view] = { scene = s, traced = t, lib = t.lib, stats = stats,

@@ -214,12 +214,13 @@ end
 
 describe "scene:save" {
   about = "Writes the scene as glTF 2.0: geometry, materials, lamps, cameras. Numbers that glTF lacks stand in extras.ylm, by "
-    .. "which ylm.load_gltf reads its own lamps exactly. Disks become polygons, textures their mean; skies, images and virtual "
-    .. "lights are left out.",
+    .. "which ylm.load_gltf reads its own lamps, skies and materials exactly. Disks become polygons, textures their mean, phong "
+    .. "its nearest ggx; images and virtual lights are left out. A line on the terminal (ylm.on_warning) names what is.",
   arguments = { { "path", "string", "ends in .glb, or .gltf" }, { "options?", "table", "" } },
   options = gltf_write.options,
   returns = { { "ok", "boolean", "true" }, { "notes", "string[]", "what is left out or simpler, with counts" } },
-  errors = "raises on another ending; nil, message, code where the file cannot be written, 'ELIMIT' above 20,000 lamps",
+  errors = "raises on another ending; nil, message, code where the file cannot be written, 'ELIMIT' above 20,000 lamps, and with "
+    .. "strict where anything would be left out",
   example = [[
 local name = os.tmpname()
 local s = ylm.scene "one" { geometry = ylm.box {}, lights = ylm.sphere_light { at = { 0, 2, 0 } } }

@@ -28,20 +28,23 @@ for _, part in ipairs(parts) do
   for i = 2, #part do home[part[i]] = part[1] end
 end
 
+--- Every name of the table, sorted, those not loaded yet included.
+local function listed()
+  local names = {}
+  for name in pairs(home) do names[#names + 1] = name end
+  for name in pairs(sh) do if not home[name] then names[#names + 1] = name end end
+  table.sort(names)
+  return names
+end
+
 setmetatable(sh, {
   __index = function(t, name)
-    local value = home[name] and memory.public(require(home[name])[name])
+    if not home[name] then return check.no_name("sh.", name, listed()) end
+    local value = memory.public(require(home[name])[name])
     rawset(t, name, value)
     return value
   end,
-  --- Every name of the table, sorted, those not loaded yet included.
-  __names = function()
-    local names = {}
-    for name in pairs(home) do names[#names + 1] = name end
-    for name in pairs(sh) do if not home[name] then names[#names + 1] = name end end
-    table.sort(names)
-    return names
-  end,
+  __names = listed,
 })
 
 -- Indices -------------------------------------------------------------------------

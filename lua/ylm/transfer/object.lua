@@ -2,6 +2,7 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local show = require "ylm.show"
 local tracing = require "ylm.trace"
 
 local objects = {}
@@ -14,7 +15,7 @@ local function kind(name, fields, text)
   for _, field in ipairs(fields) do readable[field] = true end
   methods.__index = function(object, key)
     local m = made[object]
-    if m and readable[key] then return m[key] end
+    if m and readable[key] then return key == "stats" and show.report(m[key]) or m[key] end
     return rawget(methods, key)
   end
   methods.__newindex = function(_, key)
@@ -52,6 +53,14 @@ end
 
 function objects.open_transfer(name, t)
   return opened(name, t, objects.transfers, "ylm.transfer", "a transfer")
+end
+
+--- Raises where the option `transfer` of function `name` is closed, or of another scene than `scene`.
+function objects.check_scene(name, t, scene)
+  objects.open_transfer(name, t)
+  if t.scene == scene then return end
+  return check.fail("%s: the transfer is of scene %q, this is another, %q: make one of it (scene:transfer)", name,
+    t.scene.name or "?", scene.name or "?")
 end
 
 function objects.open_radiosity(name, lit)

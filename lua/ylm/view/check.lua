@@ -261,13 +261,16 @@ local function check_needs(values, fail)
   end
 end
 
---- Chooses what a grid shows where nothing is chosen.
+--- Chooses what a grid shows where nothing is chosen: its levels; of a quantity, or of what is said about colours, a cloud.
 local function choose_layers(values)
   if not values.subject then return end
+  local plain = not values.quantity
+  for _, name in ipairs { "range", "log", "map", "label", "unit" } do plain = plain and values[name] == nil end
   values.quantity = values.quantity or "error"
   if not (values.volume or values.slices or values.levels or values.boxes or values.isosurfaces or values.glyphs
       or values.streamlines or values.lobes) then
-    values.volume, values.levels = true, true
+    values.volume, values.levels = not plain or nil, true
+    if plain then values.quantity = "level" end
   end
 end
 

@@ -11,6 +11,8 @@ local memory = require "ylm.memory"
 local picture = require "ylm.picture"
 local view_camera = require "ylm.view.camera"
 local quantities = require "ylm.grid.quantities"
+local shown = require "ylm.text".shown
+local warning = require "ylm.warning"
 
 local view = {}
 
@@ -173,7 +175,9 @@ local function save_shapes(v, path)
   if not stage then return nil, message, code end
   ok, message, code = vtk.scene_save(stage.scene, path, v.size[1], v.size[2])
   if not ok then return nil, message, code end
-  return true, v.volume and { "clouds have no surface, left out: 1" } or {}
+  if not v.volume then return true, {} end
+  warning.say(v, "save", "%s lacks the cloud of the picture, which has no surface: slices and isosurfaces have one", shown(path))
+  return true, { "clouds have no surface, left out: 1" }
 end
 
 local methods = picture.methods("view", draw,
@@ -284,7 +288,8 @@ end
 local fields = {
   { "subject", "any", optional = true, about = "a grid; may be given without a name, first" },
   { "quantity", "choice", of = quantities.names, optional = true,
-    about = "what of the grid colours show; default error, with glyphs or streamlines alone gradient" },
+    about = "what of the grid colours show; default error, with glyphs or streamlines alone gradient. A grid of which neither "
+      .. "a layer nor a quantity is named shows its levels, before the geometry of scene where that is given" },
   { "volume", "layer", optional = true,
     about = "a cloud of the quantity: true or { density = 1, smooth = true }; without a grid: "
       .. "{ values = [nz][ny][nx], bounds = } is the subject itself" },

@@ -178,4 +178,10 @@ end
 
 binding.methods("ylm.gpu", gpu_methods)
 
-return memory.publish(vulkan)
+memory.publish(vulkan)
+
+local names = {}
+for name in pairs(vulkan) do names[#names + 1] = name end
+table.sort(names)
+
+return setmetatable(vulkan, { __index = function(_, name) return check.no_name("vulkan.", name, names) end })

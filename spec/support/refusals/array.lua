@@ -185,6 +185,12 @@ return {
   },
   ["array:totable"] = cases("totable", {}),
   ["array:clone"] = cases("clone", {}),
+  ["array:print"] = cases("print", {}),
+  ["array:same"] = cases("same", {
+    { call = function(ylm) a(ylm):same(3) end, says = "bad argument #1 to 'same' .*an array or a table of numbers expected, got 3" },
+    { call = function(ylm) a(ylm):same(a(ylm), -1) end, says = "bad argument #2 to 'same' .*tolerance must be a number >= 0, got %-1" },
+    { call = function(ylm) a(ylm):same(closed(ylm)) end, says = "same: the array has been closed" },
+  }),
   ["array:pointer"] = cases("pointer", {}),
   ["array:close"] = {
     { call = function(ylm) a(ylm).close("x") end, says = "close: an array expected, got 'x'" },
