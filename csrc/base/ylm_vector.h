@@ -32,6 +32,11 @@ static inline double ylm_dot3d(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* x as a float that lies no less far along n than x does. */
+static inline float ylm_away(double x, float n) {
+  return (float)(x + fabs(x) * 0x1p-24 * ((n > 0) - (n < 0)));
+}
+
 /* a x b; out is neither. */
 static inline void ylm_cross3d(const double a[3], const double b[3], double out[3]) {
   out[0] = a[1] * b[2] - a[2] * b[1];

@@ -175,7 +175,7 @@ static bool leave_patch(const emit_lamps *l, size_t i, const double *u, ylm_trac
   widen(radiance, power);
   for (int c = 0; c < 3; c++) power[c] *= EMIT_PI * area;
   /* a lamp may lie on a wall, which then is not in its way */
-  ray->near = ylm_trace_offset(ylm_scene_trace(l->scene));
+  ray->near = ylm_trace_offset(ylm_scene_trace(l->scene), ray->org);
   return true;
 }
 
@@ -214,7 +214,7 @@ static bool leave_spot(const emit_lamps *l, size_t i, const double *u, ylm_trace
     ray->dir[k] = (float)(r * x * (double)a[k] + r * y * (double)b[k] + z * s->axis[k]);
     power[k] = s->intensity[k] * part;
   }
-  ray->near = ylm_trace_offset(ylm_scene_trace(l->scene));
+  ray->near = ylm_trace_offset(ylm_scene_trace(l->scene), ray->org);
   return part > 0;
 }
 
@@ -235,7 +235,7 @@ bool ylm__emit_texel(const emit_lamps *l, size_t i, ylm_trace_ray *ray, double p
     ray->dir[k] = (float)(z * (x * (double)a[k] + y * (double)b[k] + s->axis[k]));
     power[k] = s->intensity[k] * part * *solid;
   }
-  ray->near = ylm_trace_offset(ylm_scene_trace(l->scene));
+  ray->near = ylm_trace_offset(ylm_scene_trace(l->scene), ray->org);
   ray->far = INFINITY;
   return part > 0;
 }

@@ -72,28 +72,31 @@ static bool shows_back(const ylm_light_virtual_form *f, size_t i, const double t
 /* The lights that x sees. */
 static void look(const ylm_emit_visible *v, const double x[3], seen *s) {
   const ylm_light_virtual_form *f = &v->form;
-  float offset = ylm_trace_offset(ylm_scene_trace(v->scene));
+  const ylm_trace *trace_of = ylm_scene_trace(v->scene);
+  float from[3] = {(float)x[0], (float)x[1], (float)x[2]}, near = ylm_trace_offset(trace_of, from);
   s->n = s->rays = 0;
   for (size_t i = 0; i < f->n; i++) {
     double to[3], d = 0;
+    float at[3];
     for (size_t a = 0; a < 3; a++) {
+      at[a] = (float)f->at[3 * i + a];
       to[a] = f->at[3 * i + a] - x[a];
       d += to[a] * to[a];
     }
     d = sqrt(d);
     if (d > 0 && shows_back(f, i, to, d)) continue;
-    float far = (float)(d * (1 - 1e-4)) - offset;
-    if (!(far > offset)) { /* nothing fits between */
+    float far = (float)(d * (1 - 1e-4)) - ylm_trace_offset(trace_of, at);
+    if (!(far > near)) { /* nothing fits between */
       trace(v, s);
       take(f, i, s);
       continue;
     }
     ylm_trace_ray *ray = &s->ray[s->rays];
     for (size_t a = 0; a < 3; a++) {
-      ray->org[a] = (float)x[a];
+      ray->org[a] = from[a];
       ray->dir[a] = (float)(to[a] / d);
     }
-    ray->near = offset;
+    ray->near = near;
     ray->far = far;
     s->light[s->rays++] = i;
     if (s->rays == RAYS) trace(v, s);

@@ -151,7 +151,7 @@ typedef struct ylm_emit_visible ylm_emit_visible;
 **
 ** A ray goes from each point to the middle of each light that does not show it its back. Lights that it reaches are
 ** summed, whole, with their derivatives: a shadow's edge is a step, which has none. Rays begin ylm_trace_offset
-** from the point, and end so far before the light and a ten-thousandth of the way.
+** from the point, and end as far before the light and a ten-thousandth of the way.
 **
 ** Returns  YLM_OK; YLM_ENOMEM
 ** Cost     of a query: a ray and a pair for each point and light, and some 0.1 us to gather what a point sees

@@ -26,13 +26,31 @@ static void meet_distant(path_tile *t, const float direction[3], float pdf, floa
   }
 }
 
+/* Ray i as it looks for lamps, from the point that it brings light to: to where it meets the plane of the surface that
+   it hits. */
+static inline void way_of(const path_tile *t, size_t i, ylm_trace_ray *way) {
+  const path_rays *r = &t->rays;
+  const ylm_trace_hit *hit = &r->hit[i];
+  const float *n = hit->normal, *from = r->ray[i].org, *to = r->lit[i];
+  *way = r->ray[i];
+  for (int a = 0; a < 3; a++) way->org[a] = to[a];
+  if (hit->mesh < 0) return;
+  float along = ylm_dot3(n, r->ray[i].dir);
+  float apart = n[0] * (from[0] - to[0]) + n[1] * (from[1] - to[1]) + n[2] * (from[2] - to[2]);
+  way->far = hit->t + (along != 0 ? apart / along : 0);
+}
+
 void ylm__path_look(path_tile *t) {
   const ylm_scene *s = t->job->scene;
   path_rays *r = &t->rays;
+  float lo[3], hi[3], most;
   if (t->job->o->strategy == YLM_PATH_LIGHTS || ylm_scene_near(s) == 0) return;
+  ylm_trace_bounds(t->job->trace, lo, hi);
+  for (int a = 0; a < 3; a++) hi[a] = fmaxf(-lo[a], hi[a]);
+  most = ylm_trace_offset(t->job->trace, hi); /* no less than ylm_scene_reach asks for at a hit */
   for (size_t i = 0; i < r->n; i++) {
-    r->way[i] = r->ray[i];
-    if (r->hit[i].mesh >= 0) r->way[i].far = ylm_scene_reach(s, UINT32_MAX, r->hit[i].t);
+    way_of(t, i, &r->way[i]);
+    if (r->hit[i].mesh >= 0) r->way[i].far = (r->way[i].far + most) * (1 / (1 - 2e-5f));
   }
   ylm_trace_meets_lamps(t->job->trace, r->n, r->way);
   t->counts.lamp_rays += r->n;
@@ -41,18 +59,19 @@ void ylm__path_look(path_tile *t) {
 /* Lamps along ray i that are not distant. */
 static void meet_near(path_tile *t, size_t i, float pdf, float radiance[3]) {
   const ylm_scene *s = t->job->scene;
-  const ylm_trace_hit *hit = &t->rays.hit[i];
-  bool open = hit->mesh == YLM_TRACE_NOTHING;
-  ylm_trace_ray way = t->rays.ray[i];
+  bool open = t->rays.hit[i].mesh == YLM_TRACE_NOTHING;
+  ylm_trace_ray way;
+  way_of(t, i, &way);
+  float end = way.far;
   ylm_trace_meeting met[LAMPS_AT_ONCE];
   size_t n = LAMPS_AT_ONCE;
-  if (!open) way.far = ylm_scene_reach(s, UINT32_MAX, hit->t);
+  if (!open) way.far = ylm_scene_reach(s, UINT32_MAX, &way, end);
   for (bool more = false; n == LAMPS_AT_ONCE; more = true) {
     n = ylm_trace_next_lamps(t->job->trace, &way, more ? &met[LAMPS_AT_ONCE - 1] : NULL,
                              LAMPS_AT_ONCE, met);
     for (size_t k = 0; k < n; k++) {
       float one[3], w;
-      if (!open && !(met[k].distance < ylm_scene_reach(s, met[k].lamp, hit->t))) continue;
+      if (!open && !(met[k].distance < ylm_scene_reach(s, met[k].lamp, &way, end))) continue;
       if (!ylm_scene_near_radiance(s, &way, met[k].lamp, met[k].distance, one)) continue;
       w = by_chance(t, met[k].lamp, way.dir, pdf);
       for (int c = 0; c < 3; c++) radiance[c] += w * one[c];
@@ -75,6 +94,7 @@ static void aim(path_tile *t, uint32_t v, const double u[3]) {
   double pdf = ylm_scene_sample(t->lamps, u, &l->ray[i], l->radiance[i], &lamp);
   if (!(pdf > 0)) return;
   ylm__path_inward(&t->vertex[v], l->ray[i].dir, l->wi[i]);
+  ylm_scene_start(&l->ray[i], t->vertex[v].at.origin);
   if (!(l->wi[i][2] > 0)) return;
   memcpy(l->wo[i], t->wo[v], 12);
   l->density[i] = (float)pdf;
@@ -95,7 +115,7 @@ static void gather(path_tile *t, bool first) {
     if (strategy != YLM_PATH_MATERIAL) {
       double u[3];
       for (int a = 0; a < 3; a++) u[a] = first ? p->light[a] : ylm__path_random(&p->rng);
-      if (ylm_scene_choose(t->lamps, at->origin, at->normal)) aim(t, v, u);
+      if (ylm_scene_choose(t->lamps, at->lit, at->normal)) aim(t, v, u);
     }
     if (i >= r->n || r->of[i] != v) continue;
     if (strategy != YLM_PATH_LIGHTS) {

@@ -29,6 +29,7 @@ static void follow(path_tile *t) {
     if (!(t->pdf[v] > 0)) continue;
     ylm_trace_ray *ray = &r->ray[r->n];
     memcpy(ray->org, t->vertex[v].at.origin, 12);
+    memcpy(r->lit[r->n], t->vertex[v].at.lit, 12);
     ylm__path_outward(&t->vertex[v], t->wi[v], ray->dir);
     ray->near = 0;
     ray->far = INFINITY;

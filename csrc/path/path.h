@@ -32,6 +32,7 @@ typedef struct path_rays {
   ylm_trace_ray *way; /* [PATH_TILE] as far as lamps along it count; far < 0: it meets some */
   ylm_trace_hit *hit; /* [PATH_TILE] */
   uint32_t *of;       /* [PATH_TILE] its vertex; between two steps its path */
+  float (*lit)[3];    /* [PATH_TILE] the point that it brings light to, beside its origin */
 } path_rays;
 
 /* Rays to lamps. */
@@ -94,6 +95,7 @@ struct path_job {
   const float *background;
   /* probes; normals NULL: light from all sides to degree lmax */
   const float (*points)[3], (*normals)[3];
+  const float (*origin)[3]; /* where their rays start; NULL: there */
   int lmax;
   /* places of surfaces */
   const ylm_scene_place *places;

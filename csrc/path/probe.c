@@ -16,12 +16,6 @@ static const float *normal_of(const path_job *j, uint64_t item, float out[3]) {
   return out;
 }
 
-/* Where rays of an item start: just above its surface. */
-static void start_of(const path_job *j, uint64_t item, const float *normal, float out[3]) {
-  float offset = ylm_trace_offset(j->trace);
-  for (int a = 0; a < 3; a++) out[a] = j->points[item][a] + (normal ? offset * normal[a] : 0);
-}
-
 /* A direction: uniform over the sphere, or as the cosine about the normal. */
 static void direction_of(const path_state *p, const float *normal, float out[3]) {
   double z = normal ? sqrt(1 - p->chosen[0]) : 1 - 2 * p->chosen[0];
@@ -41,12 +35,12 @@ static float density_of(const float *normal, const float direction[3]) {
   return fmaxf(0, ylm_dot3(normal, direction)) * (float)(1 / PI);
 }
 
-/* Aims path i at a lamp from its start; whether that may bring light. */
-static bool aim(path_tile *t, uint32_t i, const float *normal, const float start[3]) {
+/* Aims path i at a lamp; whether that may bring light. */
+static bool aim(path_tile *t, uint32_t i, const float *normal) {
   path_lights *l = &t->lights;
   uint32_t lamp;
   float measure = 1;
-  if (!ylm_scene_choose(t->lamps, start, normal)) return false;
+  if (!ylm_scene_choose(t->lamps, t->rays.lit[i], normal)) return false;
   if (t->job->o->strategy == YLM_PATH_MATERIAL) return false;
   double pdf =
       ylm_scene_sample(t->lamps, t->path[i].light, &l->ray[l->n], l->radiance[l->n], &lamp);
@@ -58,6 +52,7 @@ static bool aim(path_tile *t, uint32_t i, const float *normal, const float start
   for (int c = 0; c < 3; c++)
     t->start[i][c] = (float)((double)(measure * l->radiance[l->n][c]) / pdf);
   memcpy(t->toward[i], l->ray[l->n].dir, 12);
+  ylm_scene_start(&l->ray[l->n], t->rays.ray[i].org);
   l->of[l->n++] = i;
   return true;
 }
@@ -71,7 +66,7 @@ static void light_start(path_tile *t) {
     float n[3], x[3];
     const float *normal = normal_of(t->job, t->item[i / YLM_PATH_BATCH], n);
     const ylm_trace_ray *ray = &t->rays.ray[i];
-    if (!aim(t, i, normal, ray->org)) memset(t->start[i], 0, 12);
+    if (!aim(t, i, normal)) memset(t->start[i], 0, 12);
     if (t->job->o->strategy == YLM_PATH_LIGHTS) continue;
     ylm__path_meet(t, i, density_of(normal, ray->dir), x);
     ylm__path_add(t, t->path[i].radiance, x);
@@ -94,7 +89,8 @@ static void begin(path_tile *t) {
     ylm_trace_ray *ray = &t->rays.ray[i];
     float normal[3];
     const float *about = normal_of(t->job, item, normal);
-    start_of(t->job, item, about, ray->org);
+    memcpy(t->rays.lit[i], t->job->points[item], 12);
+    memcpy(ray->org, t->job->origin ? t->job->origin[item] : t->job->points[item], 12);
     direction_of(p, about, ray->dir);
     ray->near = 0;
     ray->far = INFINITY;
@@ -159,6 +155,14 @@ static ylm_status run(path_job *j, ylm_path_sum *sum, ylm_path_stats *stats, ylm
   return s == YLM_OK ? ylm__path_run(j, sum, stats, e) : s;
 }
 
+/* Where rays of surfaces' points start; NULL without memory. */
+static float (*origins_of(const path_job *j))[3] {
+  float(*origin)[3] = ylm_alloc(j->items, sizeof *origin), n[3];
+  for (uint64_t i = 0; origin && i < j->items; i++)
+    ylm_scene_origin(j->scene, j->points[i], normal_of(j, i, n), origin[i]);
+  return origin;
+}
+
 ylm_status ylm_path_probe(const ylm_scene *scene, size_t n, const float (*points)[3], int lmax,
                           const ylm_path_options *o, ylm_path_sum *sum, ylm_path_stats *stats,
                           ylm_error *e) {
@@ -186,5 +190,12 @@ ylm_status ylm_path_irradiance(const ylm_scene *scene, size_t n, const float (*p
                 .values = 3,
                 .points = points,
                 .normals = normals};
-  return run(&j, sum, stats, e);
+  ylm_status s = check_points(n, points, normals, e);
+  if (s != YLM_OK) return s;
+  float(*origin)[3] = origins_of(&j);
+  if (!origin) return YLM_ENOMEM;
+  j.origin = (const float(*)[3])origin;
+  s = run(&j, sum, stats, e);
+  ylm_free(origin);
+  return s;
 }

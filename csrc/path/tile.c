@@ -21,8 +21,8 @@ static bool room(path_tile *t) {
          ROOM(t->vertex, n) && ROOM(t->behind, t->job->materials) && ROOM(t->wo, n) &&
          ROOM(t->u, n) && ROOM(t->wi, n) && ROOM(t->weight, n) && ROOM(t->pdf, n) &&
          ROOM(r->ray, n) && ROOM(r->way, n) && ROOM(r->hit, n) && ROOM(r->of, n) &&
-         ROOM(l->ray, n) && ROOM(l->radiance, n) && ROOM(l->density, n) && ROOM(l->wi, n) &&
-         ROOM(l->wo, n) && ROOM(l->f, n) && ROOM(l->pdf, n) && ROOM(l->of, n) &&
+         ROOM(r->lit, n) && ROOM(l->ray, n) && ROOM(l->radiance, n) && ROOM(l->density, n) &&
+         ROOM(l->wi, n) && ROOM(l->wo, n) && ROOM(l->f, n) && ROOM(l->pdf, n) && ROOM(l->of, n) &&
          (!t->job->points || (ROOM(t->toward, n) && ROOM(t->start, n) && ROOM(t->first, n) &&
                               ROOM(t->basis, 2 * YLM_PATH_BATCH * count)));
 }
@@ -39,13 +39,12 @@ path_tile *ylm__path_tile_create(const path_job *j) {
 
 void ylm__path_tile_free(path_tile *t) {
   if (!t) return;
-  void *all[] = {t->item,           t->batch,     t->path,       t->vertex,
-                 t->behind,         t->wo,        t->u,          t->wi,
-                 t->weight,         t->pdf,       t->rays.ray,   t->rays.way,
-                 t->rays.hit,       t->rays.of,   t->lights.ray, t->lights.radiance,
-                 t->lights.density, t->lights.wi, t->lights.wo,  t->lights.f,
-                 t->lights.pdf,     t->lights.of, t->toward,     t->start,
-                 t->first,          t->basis};
+  void *all[] = {
+      t->item,      t->batch,     t->path,     t->vertex,     t->behind,          t->wo,
+      t->u,         t->wi,        t->weight,   t->pdf,        t->rays.ray,        t->rays.way,
+      t->rays.hit,  t->rays.of,   t->rays.lit, t->lights.ray, t->lights.radiance, t->lights.density,
+      t->lights.wi, t->lights.wo, t->lights.f, t->lights.pdf, t->lights.of,       t->toward,
+      t->start,     t->first,     t->basis};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) ylm_free(all[i]);
   ylm_scene_chooser_free(t->lamps);
   ylm_free(t);

@@ -110,8 +110,8 @@ static void aim_into_tree(aiming *a, int k, size_t n, scene_drawn *d) {
 
 /* Places on lamps follow Roberts' sequence R2, shifted at random, so that successive rays, most of
    them to one lamp, spread over it. */
-size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], int light_samples,
-                     ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]) {
+size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], const float *origin,
+                     int light_samples, ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]) {
   const ylm_scene *s = c->scene;
   ylm__scene_turn_to(c, x, n);
   if (!s->tree) {
@@ -140,5 +140,6 @@ size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], i
     if (c->weight[w.lamp] > 0) /* padding has none */
       aim_at(&a, k, ylm__scene_lamp_at(c, w.lamp), c->total / (double)c->weight[w.lamp]);
   }
+  for (size_t i = 0; origin && i < a.rays; i++) ylm_scene_start(&ray[i], origin);
   return a.rays;
 }

@@ -17,10 +17,10 @@ void ylm_scene_batch_free(ylm_scene_batch *b) {
   ylm_free(b->value);
 }
 
-void ylm_scene_batch_aim(ylm_scene_batch *b, const float x[3], const float n[3], int light_samples,
-                         ylm_rng *rng) {
-  b->rays +=
-      ylm_scene_aim(b->lamps, x, n, light_samples, rng, b->ray + b->rays, b->value + b->rays);
+void ylm_scene_batch_aim(ylm_scene_batch *b, const float x[3], const float n[3],
+                         const float origin[3], int light_samples, ylm_rng *rng) {
+  b->rays += ylm_scene_aim(b->lamps, x, n, origin, light_samples, rng, b->ray + b->rays,
+                           b->value + b->rays);
 }
 
 void ylm_scene_batch_trace(ylm_scene_batch *b) {

@@ -19,8 +19,11 @@ bool ylm_scene_near_radiance(const ylm_scene *s, const ylm_trace_ray *ray, uint3
 }
 
 /* As far as ylm__scene_patch_sample lets rays come to a flat lamp. */
-float ylm_scene_reach(const ylm_scene *s, uint32_t lamp, float t) {
-  return lamp < s->lamps ? t : (t + ylm_trace_offset(s->trace)) * (1 / (1 - 1e-5f));
+float ylm_scene_reach(const ylm_scene *s, uint32_t lamp, const ylm_trace_ray *ray, float t) {
+  float at[3];
+  if (lamp < s->lamps) return t;
+  for (int a = 0; a < 3; a++) at[a] = ray->org[a] + t * ray->dir[a];
+  return (t + ylm_trace_offset(s->trace, at)) * (1 / (1 - 1e-5f));
 }
 
 /* ylm_scene_weights_fn for few lamps, and for points in space. */

@@ -177,17 +177,18 @@ static double sample_disk(const float *disk, const float x[3], const float n[3],
 static double aim(const ylm_scene *s, size_t i, const float x[3], const double y[3], double e,
                   ylm_trace_ray *ray, const float **radiance) {
   double p[3], d = sqrt(ylm_dot3d(y, y)), above = 0;
+  float at[3];
   for (int k = 0; s->horizon && k < 3; k++) above += (double)s->horizon[3 * i + (size_t)k] * y[k];
   if (!(e > 0) || !(d > 0) || above < 0) return 0;
   for (int k = 0; k < 3; k++) {
     ray->org[k] = x[k];
     ray->dir[k] = (float)(y[k] / d);
-    p[k] = (double)x[k] + y[k];
+    at[k] = (float)(p[k] = (double)x[k] + y[k]);
   }
   *radiance = ylm__scene_patch_radiance(s, i, p);
   ray->near = 0;
   /* a light may lie on a wall: the ray ends just before it */
-  ray->far = fmaxf(0, (float)(d * (1 - 1e-5)) - ylm_trace_offset(s->trace));
+  ray->far = fmaxf(0, (float)(d * (1 - 1e-5)) - ylm_trace_offset(s->trace, at));
   return e;
 }
 

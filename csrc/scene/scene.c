@@ -18,6 +18,37 @@ static void triangle_normal(const float *p0, const float *p1, const float *p2, f
   n[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/* How far rays start off a triangle and, as a part of the way to its middle, off its edges: four
+   lifts and the rounding of positions. */
+static scene_off off_of(const float *const p[3]) {
+  double e[3][3], n[3], longest = 0, largest = 0, twice, lift = ylm_trace_lift(p), pull;
+  for (int i = 0; i < 3; i++)
+    for (int a = 0; a < 3; a++) {
+      e[i][a] = (double)p[(i + 1) % 3][a] - (double)p[i][a];
+      largest = fmax(largest, fabs((double)p[i][a]));
+    }
+  for (int i = 0; i < 3; i++) longest = fmax(longest, ylm_dot3d(e[i], e[i]));
+  ylm_cross3d(e[0], e[1], n);
+  twice = sqrt(ylm_dot3d(n, n));
+  pull = 3 * sqrt(longest) * (4 * lift + 0x1p-22 * largest);
+  return (scene_off){(float)lift, pull < twice / 2 ? (float)(pull / twice) : 0.5f};
+}
+
+/* Fills m->off and m->around. */
+static void find_offs(scene_mesh *m) {
+  for (size_t i = 0; i < m->vertices; i++) m->around[i] = UINT32_MAX;
+  for (size_t i = 0; i < m->count; i++) {
+    const uint32_t *t = &m->triangle[3 * i];
+    const float *p[3];
+    for (int k = 0; k < 3; k++) p[k] = &m->position[3 * (size_t)t[k]];
+    m->off[i] = off_of(p);
+    for (int k = 0; k < 3; k++) {
+      uint32_t *most = &m->around[t[k]];
+      if (*most == UINT32_MAX || m->off[i].lift > m->off[*most].lift) *most = (uint32_t)i;
+    }
+  }
+}
+
 /* Area-weighted means over the triangles around each vertex. */
 static void mean_normals(scene_mesh *m) {
   memset(m->normal, 0, m->vertices * 12);
@@ -46,9 +77,13 @@ static ylm_status copy_mesh(scene_mesh *m, size_t i, const ylm_scene_mesh *in, y
   m->normal = ylm_alloc(in->vertices, 12);
   m->triangle = ylm_alloc(in->count, 12);
   m->uv = in->uvs ? ylm_alloc_copy(in->uvs, 2 * in->vertices, sizeof(float)) : NULL;
-  if (!m->position || !m->normal || !m->triangle || (in->uvs && !m->uv)) return YLM_ENOMEM;
+  m->around = ylm_alloc(in->vertices, sizeof *m->around);
+  m->off = ylm_alloc(in->count, sizeof *m->off);
+  if (!m->position || !m->normal || !m->triangle || !m->around || !m->off || (in->uvs && !m->uv))
+    return YLM_ENOMEM;
   memcpy(m->position, in->positions, in->vertices * 12);
   memcpy(m->triangle, in->triangles, in->count * 12);
+  find_offs(m);
   if (!m->smooth)
     mean_normals(m);
   else {
@@ -136,6 +171,8 @@ static void free_meshes(scene_meshes *m) {
   for (size_t i = 0; i < m->meshes; i++) {
     ylm_free(m->mesh[i].position);
     ylm_free(m->mesh[i].normal);
+    ylm_free(m->mesh[i].around);
+    ylm_free(m->mesh[i].off);
     ylm_free(m->mesh[i].uv);
     ylm_free(m->mesh[i].triangle);
     ylm_material_free(m->mesh[i].material);
@@ -262,16 +299,40 @@ size_t ylm_scene_first_vertex(const ylm_scene *s, size_t m) {
   return m < s->meshes ? s->mesh[m].first_vertex : s->vertices;
 }
 
-/* Moves p from the flat triangle to the surface that the corners' normals describe. */
-static void leave_triangle(const float *const corner[3], const float *const normal[3],
-                           const float weight[3], float side, const float p[3], float out[3]) {
-  float to[3] = {p[0], p[1], p[2]};
+/* A place of a triangle, by the weights of its second and third corner. */
+typedef struct corners {
+  const float *p[3];
+  float u, v, edge[2][3]; /* from the first corner to the others */
+  scene_off off;
+} corners;
+
+static inline void look_at(const scene_mesh *m, const ylm_scene_place *e, corners *c) {
+  const uint32_t *t = &m->triangle[3 * e->element];
+  c->u = e->u, c->v = e->v;
+  c->off = m->off[e->element];
+  for (int i = 0; i < 3; i++) c->p[i] = &m->position[3 * (size_t)t[i]];
+  for (int i = 0; i < 2; i++)
+    for (int a = 0; a < 3; a++) c->edge[i][a] = c->p[i + 1][a] - c->p[0][a];
+}
+
+/* The unit normal on the side that is seen. */
+static inline void flat_of(const corners *c, bool back, float flat[3]) {
+  const float *a = c->edge[0], *b = c->edge[1], side = back ? -1 : 1;
+  flat[0] = side * (a[1] * b[2] - a[2] * b[1]);
+  flat[1] = side * (a[2] * b[0] - a[0] * b[2]);
+  flat[2] = side * (a[0] * b[1] - a[1] * b[0]);
+  normalise(flat);
+}
+
+/* From a place of the flat triangle to the surface that the corners' normals describe. */
+static inline void leave_triangle(const corners *c, const float *const normal[3],
+                                  const float weight[3], float side, float way[3]) {
   for (int i = 0; i < 3; i++) {
-    float below = 0;
-    for (int a = 0; a < 3; a++) below += (p[a] - corner[i][a]) * normal[i][a] * side;
-    for (int a = 0; below < 0 && a < 3; a++) to[a] -= weight[i] * below * normal[i][a] * side;
+    float below = 0, u = c->u - (float)(i == 1), v = c->v - (float)(i == 2);
+    for (int a = 0; a < 3; a++)
+      below += (u * c->edge[0][a] + v * c->edge[1][a]) * normal[i][a] * side;
+    for (int a = 0; below < 0 && a < 3; a++) way[a] -= weight[i] * below * normal[i][a] * side;
   }
-  memcpy(out, to, sizeof to);
 }
 
 /* Where u grows on a triangle with corners p, as a part of the plane across n; else any direction
@@ -296,20 +357,39 @@ static void find_tangent(const scene_mesh *m, const uint32_t *t, const float *co
   for (int k = 0; k < 3; k++) tangent[k] /= length;
 }
 
+/* The place, as exact as double is. */
+static inline void place_of(const corners *c, double u, double v, double at[3]) {
+  for (int a = 0; a < 3; a++) {
+    double p = (double)c->p[0][a];
+    at[a] = p + u * ((double)c->p[1][a] - p) + v * ((double)c->p[2][a] - p);
+  }
+}
+
+/* Where rays start that leave the place `at` of a triangle by `way`, on the side of its normal. Near an
+   edge they start inside of it, so that rounding does not carry them through a wall that stands there. */
+static inline void lift_off(const corners *c, const double at[3], const float way[3],
+                            const float flat[3], float origin[3]) {
+  double from[3] = {at[0], at[1], at[2]};
+  float pull = c->off.pull, third = 1.f / 3;
+  if (c->u < pull || c->v < pull || 1 - c->u - c->v < pull)
+    place_of(c, (double)(c->u + pull * (third - c->u)), (double)(c->v + pull * (third - c->v)),
+             from);
+  for (int a = 0; a < 3; a++)
+    origin[a] = ylm_away(from[a] + (double)(way[a] + c->off.lift * flat[a]), flat[a]);
+}
+
 /* The surface at one place. Vectors stay in registers until they are whole: a load of what was just stored
    in parts waits for the parts. */
 static void surface(const ylm_scene *s, const ylm_scene_place *e, ylm_scene_surface *out) {
   const scene_mesh *m = &s->mesh[e->mesh];
   const uint32_t *t = &m->triangle[3 * e->element];
-  const float *p[3], *n[3], w[3] = {1 - e->u - e->v, e->u, e->v};
-  float flat[3], at[3], from[3], normal[3], tangent[3];
-  float offset = ylm_trace_offset(s->trace), side = e->back ? -1 : 1;
-  for (int i = 0; i < 3; i++) p[i] = &m->position[3 * t[i]], n[i] = &m->normal[3 * t[i]];
-  for (int a = 0; a < 3; a++) at[a] = w[0] * p[0][a] + w[1] * p[1][a] + w[2] * p[2][a];
-  triangle_normal(p[0], p[1], p[2], flat);
-  for (int a = 0; a < 3; a++) flat[a] *= side;
-  normalise(flat);
-  for (int a = 0; a < 3; a++) normal[a] = flat[a], from[a] = at[a];
+  const float *n[3], w[3] = {1 - e->u - e->v, e->u, e->v};
+  float flat[3], normal[3], way[3] = {0, 0, 0}, origin[3], tangent[3];
+  corners c;
+  look_at(m, e, &c);
+  flat_of(&c, e->back, flat);
+  for (int i = 0; i < 3; i++) n[i] = &m->normal[3 * (size_t)t[i]];
+  for (int a = 0; a < 3; a++) normal[a] = flat[a];
   if (m->smooth) {
     float mean[3];
     for (int a = 0; a < 3; a++) mean[a] = w[0] * n[0][a] + w[1] * n[1][a] + w[2] * n[2][a];
@@ -317,13 +397,16 @@ static void surface(const ylm_scene *s, const ylm_scene_place *e, ylm_scene_surf
     if (ylm_dot3(mean, mean) > 0) {
       for (int a = 0; a < 3; a++) normal[a] = mean[a] * turn;
       normalise(normal);
-      leave_triangle(p, n, w, turn, at, from);
+      leave_triangle(&c, n, w, turn, way);
     }
   }
-  for (int a = 0; a < 3; a++) from[a] += offset * flat[a];
-  find_tangent(m, t, p, normal, tangent);
+  double at[3];
+  place_of(&c, (double)e->u, (double)e->v, at);
+  lift_off(&c, at, way, flat, origin);
+  find_tangent(m, t, c.p, normal, tangent);
   for (int a = 0; a < 3; a++) {
-    out->position[a] = at[a], out->normal[a] = normal[a], out->origin[a] = from[a];
+    out->position[a] = (float)at[a], out->lit[a] = (float)(at[a] + (double)way[a]);
+    out->normal[a] = normal[a], out->origin[a] = origin[a];
     out->flat[a] = flat[a], out->tangent[a] = tangent[a];
   }
   out->material = m->material;
@@ -335,19 +418,48 @@ void ylm_scene_surfaces(const ylm_scene *s, size_t n, const ylm_scene_place *p,
   for (size_t i = 0; i < n; i++) surface(s, &p[i], &out[i]);
 }
 
+/* Where rays start at a vertex: above all its triangles, to which the normal may be aslant. */
+static void leave_vertex(const scene_mesh *m, size_t vertex, const float normal[3],
+                         float origin[3]) {
+  uint32_t around = m->around[vertex];
+  corners c;
+  memcpy(origin, &m->position[3 * vertex], 12);
+  if (around == UINT32_MAX) return;
+  const uint32_t *t = &m->triangle[3 * (size_t)around];
+  ylm_scene_place place = {.element = around, .u = t[1] == vertex, .v = t[2] == vertex};
+  look_at(m, &place, &c);
+  c.off.lift *= 4;
+  double at[3];
+  place_of(&c, (double)c.u, (double)c.v, at);
+  lift_off(&c, at, (const float[3]){0, 0, 0}, normal, origin);
+}
+
 void ylm_scene_vertex(const ylm_scene *s, size_t mesh, size_t vertex, bool back,
                       ylm_scene_surface *out) {
   const scene_mesh *m = &s->mesh[mesh];
-  float offset = ylm_trace_offset(s->trace), side = back ? -1 : 1;
+  float side = back ? -1 : 1;
   for (int a = 0; a < 3; a++) {
-    out->position[a] = m->position[3 * vertex + a];
-    out->normal[a] = side * m->normal[3 * vertex + a];
-    out->origin[a] = out->position[a] + offset * out->normal[a];
-    out->flat[a] = out->normal[a];
+    out->position[a] = out->lit[a] = m->position[3 * vertex + a];
+    out->normal[a] = out->flat[a] = side * m->normal[3 * vertex + a];
   }
+  leave_vertex(m, vertex, out->normal, out->origin);
   float other[3];
   ylm_scene_basis(out->normal, out->tangent, other);
   out->material = m->material;
   ylm__scene_tint(m, (uint32_t[3]){(uint32_t)vertex, (uint32_t)vertex, (uint32_t)vertex},
                   (float[3]){1, 0, 0}, out->tint);
+}
+
+void ylm_scene_origin(const ylm_scene *s, const float x[3], const float normal[3],
+                      float origin[3]) {
+  ylm_trace_hit h;
+  corners c;
+  float flat[3];
+  memcpy(origin, x, 12);
+  if (!ylm_trace_touch(s->trace, x, normal, &h)) return;
+  look_at(&s->mesh[h.mesh], &(ylm_scene_place){.element = h.element, .u = h.u, .v = h.v}, &c);
+  flat_of(&c, ylm_dot3(h.normal, normal) < 0, flat);
+  double at[3];
+  place_of(&c, (double)c.u, (double)c.v, at);
+  lift_off(&c, at, (const float[3]){0, 0, 0}, flat, origin);
 }

@@ -12,12 +12,19 @@
 
 typedef struct ylm_light_cone ylm_light_cone; /* ylm_light.h */
 
+/* How far rays start off a triangle, and which part of the way to its middle off its edges. */
+typedef struct scene_off {
+  float lift, pull;
+} scene_off;
+
 /* A mesh as copied: `smooth` where it came with normals; else they are means over triangles, for
    shading per vertex alone. */
 typedef struct scene_mesh {
   float *position, *normal; /* [vertices][3] */
   float *uv;                /* [vertices][2] or NULL */
-  uint32_t *triangle;       /* [count][3]    */
+  scene_off *off;           /* [count]       */
+  uint32_t *around;   /* [vertices] of its triangles the one with the most lift; UINT32_MAX: none */
+  uint32_t *triangle; /* [count][3]    */
   size_t vertices, count, first_vertex;
   bool smooth, occludes;
   const ylm_material *material;

@@ -62,13 +62,15 @@ void ylm__scene_spot_weights(const ylm_scene *s, const float x[3], const float *
 double ylm__scene_spot_sample(const ylm_scene *s, size_t i, const float x[3], const float *n,
                               ylm_trace_ray *ray, float radiance[3]) {
   double v[3], d, part = look(s, i, x, v, &d);
+  float at[3];
   if (!(part > 0)) return 0;
   for (int a = 0; a < 3; a++) {
+    at[a] = (float)s->spot[i].at[a];
     ray->org[a] = x[a];
     ray->dir[a] = (float)v[a];
     radiance[a] = (float)fmin(fmax(s->spot[i].intensity[a] * part / SOLID, -BRIGHTEST), BRIGHTEST);
   }
   ray->near = 0; /* a spot may be on a wall: the ray ends just before it */
-  ray->far = fmaxf(0, (float)(d * (1 - 1e-5)) - ylm_trace_offset(s->trace));
+  ray->far = fmaxf(0, (float)(d * (1 - 1e-5)) - ylm_trace_offset(s->trace, at));
   return SOLID * facing(v, n);
 }

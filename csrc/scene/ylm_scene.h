@@ -128,7 +128,8 @@ typedef struct ylm_scene_place {
 /* The surface there, turned to the side that is seen. Vectors have length 1. */
 typedef struct ylm_scene_surface {
   float position[3], normal[3];
-  float origin[3];  /* where rays start */
+  float lit[3];     /* where light arrives: on the surface that the normals describe */
+  float origin[3];  /* where rays start: off the triangle by no more than rays' rounding */
   float flat[3];    /* the normal of the triangle, or of the vertex */
   float tangent[3]; /* at right angles to `normal`: where u grows, else ylm_scene_basis's first */
   const ylm_material *material;
@@ -138,19 +139,25 @@ typedef struct ylm_scene_surface {
 /*
 ** ylm_scene_surfaces - the surfaces at n places.
 **
-** Normals are those of the vertices, interpolated, where the mesh has them. Origins leave the flat
-** triangle for the surface that these normals describe.
+** Normals are those of the vertices, interpolated, where the mesh has them. `lit` and origins leave the
+** flat triangle for the surface that these normals describe. Origins are off it by ylm_trace_lift, and
+** as far from its edges as that takes beside a wall; they are rounded away from it.
 **
 **   p    in   [n]
 **   out  out  [n]
 **
-** Source  Hanika 2021, "Hacking the Shadow Terminator" (origins)
+** Source  Hanika 2021, "Hacking the Shadow Terminator" (lit); Pharr, Jakob & Humphreys 2023,
+**         "Physically Based Rendering", 6.8 (rounding)
 */
 YLM_API void ylm_scene_surfaces(const ylm_scene *scene, size_t n, const ylm_scene_place *p,
                                 ylm_scene_surface *out);
 /* The surface at a vertex of mesh m, seen from its front or back. */
 YLM_API void ylm_scene_vertex(const ylm_scene *scene, size_t m, size_t vertex, bool back,
                               ylm_scene_surface *out);
+/* Where rays from x, on a surface with this normal whose triangle is not known, start: as the origin
+   there; x, where no surface is. */
+YLM_API void ylm_scene_origin(const ylm_scene *scene, const float x[3], const float normal[3],
+                              float origin[3]);
 
 /* -- lamps ------------------------------------------------------------------- */
 
@@ -172,7 +179,7 @@ YLM_API ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *scene);
 YLM_API void ylm_scene_chooser_free(ylm_scene_chooser *c);
 
 /*
-** ylm_scene_aim - rays from x, on a surface with normal n, to the lamps.
+** ylm_scene_aim - rays to the lamps as x sees them, on a surface with normal n.
 **
 ** Each of `light_samples` strata chooses a lamp about in proportion to its unshadowed luminous
 ** irradiance (ylm_scene_choose), then a direction. The direction is uniform in the solid angle that
@@ -180,7 +187,8 @@ YLM_API void ylm_scene_chooser_free(ylm_scene_chooser *c);
 ** Of a sky of one radiance it goes as the cosine. Other skies choose pixels as their luminance
 ** times solid angle, in tiles that are chosen like lamps.
 **
-**   ray    out  [light_samples]     from x, each to a place of a lamp, or to infinity
+**   origin  in  [3]                where rays start, beside x; NULL: at x
+**   ray    out  [light_samples]     each to a place of a lamp, or to infinity
 **   value  out  [light_samples][3]  the irradiance that the ray brings if nothing is in its way
 **
 ** Returns  how many rays there are: at most `light_samples`
@@ -191,8 +199,16 @@ YLM_API void ylm_scene_chooser_free(ylm_scene_chooser *c);
 **          Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2)
 */
 YLM_API size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3],
-                             int light_samples, ylm_rng *rng, ylm_trace_ray *ray,
-                             float (*value)[3]);
+                             const float *origin, int light_samples, ylm_rng *rng,
+                             ylm_trace_ray *ray, float (*value)[3]);
+/* Lets a ray start beside its origin, and end where it ended. */
+static inline void ylm_scene_start(ylm_trace_ray *ray, const float origin[3]) {
+  float over = ray->far > 0 ? 1 / ray->far : 0;
+  for (int a = 0; a < 3; a++) {
+    ray->dir[a] += (ray->org[a] - origin[a]) * over;
+    ray->org[a] = origin[a];
+  }
+}
 
 /* Rays of several places to the lamps, which are traced in one go. For one caller at a time. */
 typedef struct ylm_scene_batch {
@@ -211,7 +227,7 @@ YLM_API ylm_status ylm_scene_batch_create(const ylm_scene *scene, size_t light_s
 YLM_API void ylm_scene_batch_free(ylm_scene_batch *b);
 /* Appends the rays that ylm_scene_aim makes for a place. */
 YLM_API void ylm_scene_batch_aim(ylm_scene_batch *b, const float x[3], const float n[3],
-                                 int light_samples, ylm_rng *rng);
+                                 const float origin[3], int light_samples, ylm_rng *rng);
 /* Traces them all: ray[k].far < 0 where something is in the way of ray k. */
 YLM_API void ylm_scene_batch_trace(ylm_scene_batch *b);
 
@@ -253,7 +269,8 @@ YLM_API void ylm_scene_lamp_middle(const ylm_scene *scene, size_t lamp, float mi
 YLM_API bool ylm_scene_near_radiance(const ylm_scene *scene, const ylm_trace_ray *ray,
                                      uint32_t lamp, float t, float radiance[3]);
 /* How far a ray that leaves off at distance t sees lamp `lamp`, which may lie on what is there. */
-YLM_API float ylm_scene_reach(const ylm_scene *scene, uint32_t lamp, float t);
+YLM_API float ylm_scene_reach(const ylm_scene *scene, uint32_t lamp, const ylm_trace_ray *ray,
+                              float t);
 /* The first distant light from i on that shines from a direction of length 1, and its radiance [3]
    there; ylm_scene_distant: none does. The sky is in tiles, of which a direction meets one: this
    finds it at once. */

@@ -155,11 +155,11 @@ static void look(const job *j, scratch *s, size_t p, size_t first, size_t lights
       ray->dir[a] = l->at[a][first + k] - x[a];
       d2 += ray->dir[a] * ray->dir[a];
     }
-    float d = sqrtf(d2);
+    float d = sqrtf(d2), at[3];
     if (!(d > 0)) continue;
-    for (int a = 0; a < 3; a++) ray->dir[a] /= d;
+    for (int a = 0; a < 3; a++) ray->dir[a] /= d, at[a] = l->at[a][first + k];
     ray->near = 0;
-    ray->far = fmaxf(0, d * (1 - 1e-4f) - ylm_trace_offset(trace));
+    ray->far = fmaxf(0, d * (1 - 1e-4f) - ylm_trace_offset(trace, at));
     s->of[n++] = (uint16_t)k;
   }
   ylm_trace_occluded(trace, n, s->ray);

@@ -65,7 +65,7 @@ static size_t look(const job *j, size_t k, scratch *s, double *out) {
   ylm__shade_albedo(v, point, albedo);
   ylm_scene_batch *b = &s->to_lamp;
   b->rays = 0;
-  ylm_scene_batch_aim(b, v->origin[point], v->normal[point], j->light_samples, &rng);
+  ylm_scene_batch_aim(b, v->lit[point], v->normal[point], v->origin[point], j->light_samples, &rng);
   size_t n = b->rays;
   memset(out, 0, LIGHTS * sizeof *out);
   if (shadows) by_direction(v, s);

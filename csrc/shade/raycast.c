@@ -45,7 +45,8 @@ static void aim(const job *j, waiting *w, size_t i, uint64_t stream) {
   if (w->points == SHADE_CAST_POINTS || w->lit.rays + (size_t)j->light_samples > w->lit.room)
     finish(j, w);
   ylm_rng_seed(&rng, j->seed, stream);
-  ylm_scene_batch_aim(&w->lit, j->view->origin[i], j->view->normal[i], j->light_samples, &rng);
+  ylm_scene_batch_aim(&w->lit, j->view->lit[i], j->view->normal[i], j->view->origin[i],
+                      j->light_samples, &rng);
   w->point[w->points] = i;
   w->end[w->points++] = w->lit.rays;
 }

@@ -46,9 +46,10 @@ static ylm_status make_points(ylm_shade_view *v, size_t n) {
   v->position = ylm_alloc(n, sizeof *v->position);
   v->normal = ylm_alloc(n, sizeof *v->normal);
   v->origin = ylm_alloc(n, sizeof *v->origin);
+  v->lit = ylm_alloc(n, sizeof *v->lit);
   bool rays = v->o.visibility == YLM_SHADE_RAYS;
   if (!rays) v->transfer = ylm_alloc(n, ylm_sh_count(v->o.lmax) * sizeof *v->transfer);
-  if (!v->mesh || !v->position || !v->normal || !v->origin || (!rays && !v->transfer))
+  if (!v->mesh || !v->position || !v->normal || !v->origin || !v->lit || (!rays && !v->transfer))
     return YLM_ENOMEM;
   ylm_status s = ylm__shade_gloss_room(v->gloss, n);
   return s == YLM_OK ? ylm__shade_make_tints(v) : s;
@@ -59,6 +60,7 @@ static void set_point(ylm_shade_view *v, size_t i, uint32_t mesh, const ylm_scen
   memcpy(v->position[i], s->position, 12);
   memcpy(v->normal[i], s->normal, 12);
   memcpy(v->origin[i], s->origin, 12);
+  memcpy(v->lit[i], s->lit, 12);
   if (v->tint && v->tint != v->seen) memcpy(v->tint[i], s->tint, 12);
   if (v->gloss) ylm__shade_gloss_point(v->gloss, i, mesh, s);
 }
@@ -232,7 +234,7 @@ static ylm_status make_transfer(ylm_shade_view *v, ylm_error *e) {
 static size_t bytes_held(const ylm_shade_view *v) {
   return sizeof *v + v->entries * (sizeof(shade_entry) + (v->corner ? 12 : 0)) +
          (v->stats.pixels + 1) * sizeof(shade_pixel) +
-         v->points * (4 + 3 * 12 + (v->transfer ? 4 * ylm_sh_count(v->o.lmax) : 0)) +
+         v->points * (4 + 4 * 12 + (v->transfer ? 4 * ylm_sh_count(v->o.lmax) : 0)) +
          (v->vertex ? 8 * ylm_scene_vertices(v->scene, NULL) : 0) +
          (v->seen ? 12 * v->entries : 0) + (v->tint != v->seen ? 12 * v->points : 0);
 }
@@ -290,6 +292,7 @@ void ylm_shade_view_free(ylm_shade_view *v) {
   ylm_free(v->position);
   ylm_free(v->normal);
   ylm_free(v->origin);
+  ylm_free(v->lit);
   ylm_free(v->transfer);
   ylm_free(v->vertex);
   ylm__shade_free_tints(v);

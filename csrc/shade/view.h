@@ -38,6 +38,7 @@ struct ylm_shade_view {
   uint32_t (*corner)[3]; /* [entries]: points at the triangle's corners; NULL: entry i is point i */
   uint32_t *mesh;        /* [points]                                */
   float (*position)[3], (*normal)[3], (*origin)[3]; /* [points]    */
+  float (*lit)[3]; /* [points] where light arrives: ylm_scene_surface */
   float
       *transfer; /* [points][count]; of points that gloss their visibility. NULL: a view by rays */
   size_t idle;   /* points without a row there: rays alone shade them */

@@ -385,10 +385,12 @@ static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uin
       b.half[a] = (boxes[6 * i + 3 + (size_t)a] - boxes[6 * i + (size_t)a]) / 2;
       reach += b.half[a] * b.half[a];
     }
-    struct RTCPointQuery q = {.x = (float)b.middle[0],
-                              .y = (float)b.middle[1],
-                              .z = (float)b.middle[2],
-                              .radius = (float)(1.001 * sqrt(reach)) + ylm_trace_offset(o->trace)};
+    float at[3] = {(float)b.middle[0], (float)b.middle[1], (float)b.middle[2]};
+    struct RTCPointQuery q = {.x = at[0],
+                              .y = at[1],
+                              .z = at[2],
+                              .radius =
+                                  (float)(1.001 * sqrt(reach)) + ylm_trace_offset(o->trace, at)};
     rtcInitPointQueryContext(&context);
     rtcPointQuery(o->trace->occluders, &q, &context, look_at, &b);
     out[i] = b.met;

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "trace.h"
+#include "ylm_vector.h"
 
 #if defined(__SSE__)
 #include <xmmintrin.h>
@@ -50,11 +51,26 @@ static ylm_status check_mesh(size_t i, const ylm_trace_mesh *m, ylm_error *e) {
   return YLM_OK;
 }
 
-/* How far rays start off surfaces of these bounds. */
-static float offset_of(const ylm_trace *t) {
-  float largest = 0;
-  for (int a = 0; a < 3; a++) largest = fmaxf(largest, fmaxf(fabsf(t->lo[a]), fabsf(t->hi[a])));
-  return largest > 0 ? 1e-5f * largest : 1e-5f;
+double ylm_trace_lift(const float *const p[3]) {
+  double e[3][3], n[3], square[3], longest = 0;
+  for (int i = 0; i < 3; i++)
+    for (int a = 0; a < 3; a++) e[i][a] = (double)p[(i + 1) % 3][a] - (double)p[i][a];
+  for (int i = 0; i < 3; i++) longest = fmax(longest, square[i] = ylm_dot3d(e[i], e[i]));
+  ylm_cross3d(e[0], e[1], n);
+  double edge = sqrt(longest),
+         round = sqrt(square[0] * square[1] * square[2] / ylm_dot3d(n, n)) / 2;
+  return 0x1p-22 * (edge + fmin(round, 32 * edge));
+}
+
+/* Twice the largest lift of the mesh's triangles, or `rounding`. */
+static float largest_lift(const ylm_trace_mesh *m, float rounding) {
+  for (size_t i = 0; m->occludes && i < m->count; i++) {
+    const uint32_t *k = m->triangles + 3 * i;
+    const float *p[3];
+    for (int c = 0; c < 3; c++) p[c] = m->positions + 3 * (size_t)k[c];
+    rounding = fmaxf(rounding, (float)(2 * ylm_trace_lift(p)));
+  }
+  return rounding;
 }
 
 static void grow_bounds(ylm_trace *t, bool *any, const ylm_trace_mesh *m) {
@@ -196,8 +212,8 @@ static ylm_status build_meshes(ylm_trace *t, size_t mesh_count, const ylm_trace_
     if (s == YLM_OK) s = add_mesh(t, (uint32_t)i, &meshes[i], e);
     if (s != YLM_OK) return s;
     grow_bounds(t, &any, &meshes[i]);
+    t->rounding = largest_lift(&meshes[i], t->rounding);
   }
-  t->offset = offset_of(t);
   rtcCommitScene(t->occluders);
   rtcCommitScene(t->drawn);
   return device_status(t->device, e);
@@ -226,7 +242,7 @@ static void share_meshes(ylm_trace *t, const ylm_trace *from) {
   t->drawn = from->drawn;
   t->draws = from->draws;
   t->meshes = from->meshes;
-  t->offset = from->offset;
+  t->rounding = from->rounding;
   memcpy(t->lo, from->lo, sizeof t->lo);
   memcpy(t->hi, from->hi, sizeof t->hi);
   rtcRetainDevice(t->device);
@@ -264,7 +280,9 @@ void ylm_trace_bounds(const ylm_trace *t, float lo[3], float hi[3]) {
   memcpy(hi, t->hi, sizeof t->hi);
 }
 
-float ylm_trace_offset(const ylm_trace *t) { return t->offset; }
+float ylm_trace_offset(const ylm_trace *t, const float x[3]) {
+  return t->rounding + 0x1p-21f * (fabsf(x[0]) + fabsf(x[1]) + fabsf(x[2]));
+}
 
 void ylm_trace_intersect(const ylm_trace *t, size_t n, const ylm_trace_ray *rays, bool coherent,
                          ylm_trace_hit *hits) {

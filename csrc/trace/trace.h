@@ -24,7 +24,8 @@ struct ylm_trace {
   bool draws;      /* some mesh is only drawn */
   uint32_t meshes; /* geometry ids below are meshes; this one and the next two are lamps */
   uint32_t spheres, triangles;
-  float lo[3], hi[3], offset;
+  float lo[3], hi[3];
+  float rounding;        /* twice the largest ylm_trace_lift of a triangle that occludes */
   const float *sphere;   /* [spheres][4], in Embree's memory */
   double reach, largest; /* of spheres: the farthest point from 0, the largest radius */
 };

@@ -84,9 +84,27 @@ YLM_API ylm_status ylm_trace_relight(const ylm_trace *t, const ylm_trace_lamps *
 /* Box around the meshes, lamps left out; all zero where there are none. */
 YLM_API void ylm_trace_bounds(const ylm_trace *t, float lo[3], float hi[3]);
 
-/* A distance safely above the rounding of positions in this scene: how far rays start off a
-   surface. */
-YLM_API float ylm_trace_offset(const ylm_trace *t);
+/*
+** ylm_trace_lift - how far off a triangle a ray starts that does not meet it again.
+**
+**   2^-22 (longest edge + radius of the circle through the corners, at most 32 edges)
+**
+** The test of a ray subtracts the ray's origin from the corners: its rounding grows with the triangle,
+** not with its distance from 0. Rays upwards from random places of random triangles need half of this
+** at most (slivers lower than a 256th of their longest edge apart, which may shadow themselves).
+**
+**   p  in  [3] the corners, in scene units
+*/
+YLM_API double ylm_trace_lift(const float *const p[3]);
+
+/* How far off the surfaces near x rays start and end where no triangle is known: the rounding of x and
+   the lift of the largest triangle that occludes, twice. */
+YLM_API float ylm_trace_offset(const ylm_trace *t, const float x[3]);
+
+/* The triangle of an occluding mesh that x lies on, as far as its rounding tells, and the place on it
+   that is nearest: of several the one that faces the normal best. False: there is none. */
+YLM_API bool ylm_trace_touch(const ylm_trace *t, const float x[3], const float normal[3],
+                             ylm_trace_hit *hit);
 
 /* The first hit of each of n rays among all meshes and lamps. `coherent`: they run alike. */
 YLM_API void ylm_trace_intersect(const ylm_trace *t, size_t n, const ylm_trace_ray *rays,

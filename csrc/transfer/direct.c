@@ -47,7 +47,7 @@ static void aim(const job *j, size_t i, waiting *w) {
     ylm_scene_surface at;
     ylm_scene_place here = place_of(place, corner, x, y, k);
     ylm_scene_surfaces(j->scene, 1, &here, &at);
-    ylm_scene_batch_aim(&w->lit, at.origin, at.normal, j->each, &rng);
+    ylm_scene_batch_aim(&w->lit, at.lit, at.normal, at.origin, j->each, &rng);
   }
 }
 

@@ -60,7 +60,8 @@ static scratch *scratch_create(const job *j) {
 static void add_rays(const job *j, scratch *x, size_t i, float E[3]) {
   ylm_rng rng;
   ylm_rng_seed(&rng, ~j->m->seed, x->stream[i]);
-  ylm_scene_batch_aim(&x->lit, x->origin[i], x->normal[i], j->m->light_samples, &rng);
+  ylm_scene_batch_aim(&x->lit, x->at[i].lit, x->normal[i], x->at[i].origin, j->m->light_samples,
+                      &rng);
   ylm_scene_batch_trace(&x->lit);
   for (size_t k = 0; k < x->lit.rays; k++)
     for (size_t c = 0; c < 3; c++)

@@ -70,7 +70,8 @@ static void element_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *be
   const ylm_transfer *t = j->t;
   ylm_scene_place place[3];
   ylm_scene_surface at[3];
-  float corner[3][2], d[2][3], across[3];
+  float corner[3][2], across[3];
+  double d[2][3];
   ylm_rng rng;
   ylm_rng_seed(&rng, j->seed, i);
   aim(j, t->normal[i], &rng, ray);
@@ -81,14 +82,17 @@ static void element_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *be
     place[k].u = corner[k][0], place[k].v = corner[k][1];
   }
   ylm_scene_surfaces(t->scene, 3, place, at);
-  for (int a = 0; a < 6; a++) d[a / 3][a % 3] = at[1 + a / 3].origin[a % 3] - at[0].origin[a % 3];
+  for (int a = 0; a < 6; a++)
+    d[a / 3][a % 3] = (double)at[1 + a / 3].origin[a % 3] - (double)at[0].origin[a % 3];
   memcpy(across, at[0].flat, 12);
   for (int k = 0; k < j->links; k++) {
     float x = j->inside[k][0] + x0, y = j->inside[k][1] + y0;
     if (x >= 1) x -= 1;
     if (y >= 1) y -= 1;
     if (x + y > 1) x = 1 - x, y = 1 - y;
-    for (int a = 0; a < 3; a++) ray[k].org[a] = at[0].origin[a] + x * d[0][a] + y * d[1][a];
+    for (int a = 0; a < 3; a++)
+      ray[k].org[a] =
+          ylm_away((double)at[0].origin[a] + (double)x * d[0][a] + (double)y * d[1][a], across[a]);
     below[k] = !(ylm_dot3(ray[k].dir, across) > 0);
     if (below[k]) ray[k].far = -1;
   }

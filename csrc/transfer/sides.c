@@ -92,10 +92,11 @@ static void look(crowd *c, const double p[3]) {
 
 static void look_from_lamps(crowd *c) {
   size_t n = ylm_scene_near(c->scene), step = n / SIDES_LAMPS + 1;
-  double aside = 10 * (double)ylm_trace_offset(ylm_scene_trace(c->scene));
+  const ylm_trace *trace = ylm_scene_trace(c->scene);
   for (size_t i = 0; i < n; i += step) {
     float middle[3], normal[3];
     ylm_scene_lamp_middle(c->scene, i, middle, normal);
+    double aside = 4 * (double)ylm_trace_offset(trace, middle);
     bool flat = ylm_dot3(normal, normal) > 0;
     for (int side = flat ? -1 : 1; side <= 1; side += 2) {
       double p[3];

@@ -87,7 +87,7 @@ static void aim(void *context) {
   ylm_rng r;
   for (int i = 0; i < j->points; i++) {
     ylm_rng_seed(&r, 7, (uint64_t)i);
-    ylm_scene_aim(j->chooser, j->x[i], j->n[i], j->light_samples, &r, ray, value);
+    ylm_scene_aim(j->chooser, j->x[i], j->n[i], NULL, j->light_samples, &r, ray, value);
   }
 }
 
@@ -114,7 +114,8 @@ static void spread(job *j) {
     ylm_rng_seed(&r, 8, (uint64_t)i);
     for (int k = 0; k < j->repeats; k++) {
       double e = 0;
-      size_t n = ylm_scene_aim(j->chooser, j->x[i], j->n[i], j->light_samples, &r, ray, value);
+      size_t n =
+          ylm_scene_aim(j->chooser, j->x[i], j->n[i], NULL, j->light_samples, &r, ray, value);
       if (j->trace) ylm_trace_occluded(j->trace, n, ray);
       for (size_t q = 0; q < n; q++)
         if (!j->trace || !(ray[q].far < 0)) e += (double)value[q][1];
@@ -210,7 +211,7 @@ static ylm_status shade(void *context, size_t begin, size_t end, int worker) {
     /* points of a picture lie side by side */
     for (int a = 0; a < 3; a++)
       x[a] = f->points->x[i % POINTS][a] + (float)(n[a] == 0 ? 0.02 * ylm_rng_double(&r) : 0);
-    rays += ylm_scene_aim(c, x, n, 4, &r, ray + rays, value + rays);
+    rays += ylm_scene_aim(c, x, n, NULL, 4, &r, ray + rays, value + rays);
     if (rays + 4 <= TOGETHER && i + 1 < end) continue;
     if (f->traces) ylm_trace_occluded(ylm_scene_trace(f->scene), rays, ray);
     rays = 0;

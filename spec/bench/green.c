@@ -244,16 +244,19 @@ static void make_world(world *w, int along, int across, int wall) {
   w->position = ylm_alloc(w->n, 12), w->normal = ylm_alloc(w->n, 12);
   w->origin = ylm_alloc(w->n, 12), w->albedo = ylm_alloc(w->n, sizeof *w->albedo);
   must(w->position && w->normal && w->origin && w->albedo);
-  float offset = 4 * ylm_trace_offset(ylm_scene_trace(w->scene));
+  const ylm_trace *trace = ylm_scene_trace(w->scene);
   for (int m = 0; m < 6; m++)
     for (size_t i = w->first[m]; i < w->first[m + 1]; i++)
       for (size_t a = 0; a < 3; a++) {
         size_t at = 3 * (i - w->first[m]) + a;
         w->normal[i][a] = w->mesh[m]->normal[at];
         w->position[i][a] = w->mesh[m]->position[at];
-        w->origin[i][a] = w->position[i][a] + offset * w->normal[i][a];
         w->albedo[i][a] = (double)colour[m][a];
       }
+  for (size_t i = 0; i < w->n; i++)
+    for (int a = 0; a < 3; a++)
+      w->origin[i][a] =
+          w->position[i][a] + 4 * ylm_trace_offset(trace, w->position[i]) * w->normal[i][a];
 }
 
 /* -- comparisons --------------------------------------------------------------------------------- */

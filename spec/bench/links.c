@@ -67,7 +67,7 @@ static void make(void *context) {
 
 /* Rays from the middle of each element, LINKS at a time: cosine about the normal. */
 static void aim(task *x, const float (*centre)[3], const float (*normal)[3]) {
-  float off = ylm_trace_offset(ylm_scene_trace(x->scene));
+  const ylm_trace *trace = ylm_scene_trace(x->scene);
   ylm_rng r;
   ylm_rng_seed(&r, 3, 3);
   for (size_t i = 0; i < x->n; i++) {
@@ -79,7 +79,7 @@ static void aim(task *x, const float (*centre)[3], const float (*normal)[3]) {
     ylm_scene_basis(normal[e], a, b);
     x->ray[i] = (ylm_trace_ray){.far = INFINITY};
     for (int k = 0; k < 3; k++) {
-      x->ray[i].org[k] = centre[e][k] + off * normal[e][k];
+      x->ray[i].org[k] = centre[e][k] + ylm_trace_offset(trace, centre[e]) * normal[e][k];
       x->ray[i].dir[k] = p * a[k] + q * b[k] + z * normal[e][k];
     }
   }

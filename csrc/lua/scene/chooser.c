@@ -86,7 +86,7 @@ static void aim_often(ylm_scene_chooser *c, const float *at, int light_samples, 
   double sum = 0, squares = 0;
   for (int k = 0; k < repeats; k++) {
     double e = 0;
-    size_t rays = ylm_scene_aim(c, at, at + 3, light_samples, rng, ray, value);
+    size_t rays = ylm_scene_aim(c, at, at + 3, NULL, light_samples, rng, ray, value);
     for (size_t i = 0; i < rays; i++) e += (double)value[i][1];
     sum += e;
     squares += e * e;
