@@ -189,7 +189,7 @@ describe("a tolerance of a picture", function()
     ylm.on_warning(before)
     assert.is_true(report.met)
     assert.is_false(report.judged.sure)
-    assert.matches("tolerance 0.006 is met as far as %d+ paths a pixel can tell: the error is 0.00%d+, and may be 0.0",
+    assert.matches("tolerance 0.006 is met as far as %d+ paths of each of %d pixels can tell: the error is 0.00%d+, and may be 0.0",
       report.warnings[1])
   end)
 

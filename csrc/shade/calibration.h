@@ -50,6 +50,9 @@
 #define SHADE_GRAIN 4096
 #define SHADE_LAYER_GRAIN 1024
 #define SHADE_KEPT_GRAIN 512
+/* Points at which the noise of direct light is measured: a NOISE_PART-th of all within these bounds. */
+#define NOISE_RAYS_LEAST 256
+#define NOISE_RAYS_MOST 4096
 /* Points whose surfaces are asked for at once. */
 #define SHADE_BIAS_POINTS 64
 
@@ -81,5 +84,14 @@
 /* Places that are found at once, and items whose places a thread finds at a time. */
 #define CAST_FRESH_ROOM 65536
 #define CAST_FRESH_GRAIN 64
+
+/* -- pixels that are judged: draw.c -------------------------------------------------------------- */
+
+/* The part of the mixture that is by light, and the part of that by the difference of two pictures. Moved by: pictures
+   whose judge keeps its promise (spec/knob_spec.lua with YLM_SPEC=long). */
+#define DRAW_LIGHT 0.5
+#define DRAW_CHANGE 0.25
+/* Random numbers of the draw. */
+#define DRAW_STREAM 0x64726177u
 
 #endif

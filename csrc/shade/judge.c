@@ -73,21 +73,24 @@ static double product(const ylm_shade_estimate *a, const ylm_shade_estimate *b,
 }
 
 ylm_status ylm_shade_compare(const ylm_shade_estimate *a, const ylm_shade_estimate *b,
-                             const float *variance, ylm_shade_error *out) {
-  double spread = 0;
+                             const float *variance, const double *weight, ylm_shade_error *out) {
+  double spread = 0, weights = 0;
   *out = (ylm_shade_error){0};
   if (a->view->corner || b->view->corner) return YLM_EINVAL;
   if (a->view->stats.pixels != b->view->stats.pixels) return YLM_ESHAPE;
   for (size_t p = 0; p < a->view->stats.pixels; p++) {
     if (is_empty(a->view, p) && is_empty(b->view, p)) continue;
-    double square = product(a, b, variance, p, &out->mean);
+    double mean = 0, w = weight ? weight[p] : 1, square = product(a, b, variance, p, &mean);
     out->pixels++;
-    out->square += square;
-    spread += square * square;
+    out->mean += w * mean;
+    out->square += w * square;
+    weights += w;
+    spread += w * square * square;
   }
-  double n = out->pixels > 0 ? (double)out->pixels : 1;
+  double n = out->pixels > 0 ? weights : 1;
   out->mean /= n;
   out->square /= n;
-  out->uncertainty = sqrt(fmax(0, spread / n - out->square * out->square) / n);
+  out->uncertainty = sqrt(fmax(0, spread / n - out->square * out->square) /
+                          (out->pixels > 0 ? (double)out->pixels : 1));
   return YLM_OK;
 }

@@ -11,6 +11,7 @@ typedef struct job {
   int light_samples;
   bool shadows;
   uint64_t seed;
+  size_t step; /* of points, the first of so many */
   float *out;
   atomic_uint_fast64_t rays;
 } job;
@@ -64,7 +65,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   shade_stream at = ylm__shade_stream_at(j->view, begin);
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     uint64_t stream = ylm__shade_stream_next(j->view, &at);
-    if (is_matte(j, i)) aim(j, &w, i, stream);
+    if (i % j->step == 0 && is_matte(j, i)) aim(j, &w, i, stream);
   }
   if (status == YLM_OK) finish(j, &w);
   ylm_scene_batch_free(&w.lit);
@@ -75,7 +76,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 /* The points that are of other materials; their number. */
 static size_t list_glossy(const job *j, size_t *point) {
   size_t n = 0;
-  for (size_t i = 0; i < j->view->points; i++)
+  for (size_t i = 0; i < j->view->points; i += j->step)
     if (!is_matte(j, i)) point[n++] = i;
   return n;
 }
@@ -109,10 +110,53 @@ ylm_status ylm_shade_raycast(const ylm_shade_view *v, const ylm_scene *lit, int 
            .light_samples = light_samples,
            .shadows = shadows,
            .seed = seed,
+           .step = 1,
            .out = out};
   ylm_status s = ylm_parallel(v->points, SHADE_CAST_GRAIN, threads, run, &j, progress, "raycast");
   uint64_t all = j.rays;
   if (s == YLM_OK) s = cast_glossy(&j, threads, progress, &all);
   if (rays) *rays = all;
+  return s;
+}
+
+/* The number of points of which one is asked for noise. */
+static size_t noise_step(size_t points) {
+  size_t n = points / NOISE_PART;
+  if (n < NOISE_RAYS_LEAST) n = NOISE_RAYS_LEAST;
+  if (n > NOISE_RAYS_MOST) n = NOISE_RAYS_MOST;
+  return points / n + 1;
+}
+
+static double luminance_at(const float *rgb, size_t i) {
+  return ylm_luminance(
+      (double[]){(double)rgb[3 * i], (double)rgb[3 * i + 1], (double)rgb[3 * i + 2]});
+}
+
+ylm_status ylm_shade_raycast_noise(const ylm_shade_view *v, const ylm_scene *lit, int light_samples,
+                                   bool shadows, uint64_t seed, int threads, const float *radiance,
+                                   double *noise) {
+  size_t points = v->points, n = 0;
+  double square = 0, mean = 0;
+  uint64_t rays = 0;
+  *noise = 0;
+  if (light_samples < 1 || light_samples > YLM_SCENE_SAMPLES) return YLM_ERANGE;
+  if (lit && ylm_scene_meshes(lit) != ylm_scene_meshes(v->scene)) return YLM_EINVAL;
+  job j = {.view = v,
+           .lit = lit ? lit : v->scene,
+           .light_samples = light_samples,
+           .shadows = shadows,
+           .seed = ~seed,
+           .step = noise_step(points),
+           .out = ylm_alloc_zero(3 * points, sizeof(float))};
+  if (!j.out) return YLM_ENOMEM;
+  ylm_status s = ylm_parallel(points, SHADE_CAST_GRAIN, threads, run, &j, NULL, NULL);
+  if (s == YLM_OK) s = cast_glossy(&j, threads, NULL, &rays);
+  for (size_t i = 0; s == YLM_OK && i < points; i += j.step, n++) {
+    double a = luminance_at(j.out, i), b = luminance_at(radiance, i);
+    square += (a - b) * (a - b) / 2;
+    mean += (a + b) / 2;
+  }
+  if (mean > 0) *noise = sqrt(square * (double)n) / mean;
+  ylm_free(j.out);
   return s;
 }

@@ -242,11 +242,41 @@ typedef struct ylm_shade_error {
 **
 **   a, b      in  of views that show the same pixels
 **   variance  in  [points][3] of b, or NULL: 0
+**   weight    in  [pixels] those of ylm_shade_draw, or NULL: 1
 **
 ** Returns  YLM_OK; YLM_EINVAL (shading points are vertices), YLM_ESHAPE (other pixels)
 */
 YLM_API ylm_status ylm_shade_compare(const ylm_shade_estimate *a, const ylm_shade_estimate *b,
-                                     const float *variance, ylm_shade_error *out);
+                                     const float *variance, const double *weight,
+                                     ylm_shade_error *out);
+
+/* Pictures [height][width][3] of surfaces alone, by which pixels are drawn. */
+typedef struct ylm_shade_drawing {
+  int width, height;
+  const float *light; /* a picture                        */
+  const float *again; /* another estimate of it, or NULL  */
+  size_t count;       /* of pixels to draw                */
+  uint64_t seed;
+} ylm_shade_drawing;
+
+/*
+** ylm_shade_draw - pixels that say what a picture's mean square error is.
+**
+** Pixel i is drawn with the probability q_i = min(1, c p_i), c such that the q_i add up to `count`. p is a mixture: half of
+** it is even; the rest is in proportion to the squared light of the brightest of nine pixels around, and, where there is
+** `again`, a quarter to the squared difference of the two pictures. Few bright pixels are therefore drawn for certain, and
+** no pixel has a weight above twice the mean. The draw is systematic, along columns of strips as high as the pixels drawn
+** are apart: the pixels lie all over the picture.
+**
+**   pixel   out  [count] numbers y width + x
+**   weight  out  [count] 1/q: sums of weight times x are sums of x over the picture, in the mean
+**   drawn   out  how many: count, or all pixels where there are fewer
+**
+** Returns  YLM_OK; YLM_ERANGE (sizes below 1), YLM_ENOMEM
+** Source   Horvitz, Thompson 1952; Madow 1949
+*/
+YLM_API ylm_status ylm_shade_draw(const ylm_shade_drawing *d, uint32_t *pixel, double *weight,
+                                  size_t *drawn);
 
 /* -- light ------------------------------------------------------------------- */
 
@@ -487,6 +517,19 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
 YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, const ylm_scene *lit,
                                      int light_samples, bool shadows, uint64_t seed, int threads,
                                      const ylm_progress *progress, float *out, uint64_t *rays);
+
+/*
+** ylm_shade_raycast_noise - the noise of ylm_shade_raycast at a shading point: the root mean square difference to another
+** estimate, over the square root of 2 and over the mean, in luminance.
+**
+**   radiance  in   [points][3] what ylm_shade_raycast found by these arguments
+**   noise     out  measured at one of 32 points, at 256 to 4,096; 0 where there is no light
+**
+** Returns  as ylm_shade_raycast
+*/
+YLM_API ylm_status ylm_shade_raycast_noise(const ylm_shade_view *view, const ylm_scene *lit,
+                                           int light_samples, bool shadows, uint64_t seed,
+                                           int threads, const float *radiance, double *noise);
 
 typedef struct ylm_shade_blending {
   const ylm_scene *lit;    /* whose lamps: as ylm_shade_raycast; NULL: the view's             */

@@ -17,7 +17,8 @@ typedef struct job {
   float *B, *next_B;     /* albedo times that */
   float *change, *after; /* by the last bounce, and by this one */
   double q[3];
-  norms *part; /* [blocks] */
+  norms *part;                 /* [blocks] */
+  const transfer_groups *over; /* groups on which B is constant; NULL: on elements */
 } job;
 
 static size_t blocks_of(const ylm_transfer *t) { return t->elements / BOUNCE_GRAIN + 1; }
@@ -103,6 +104,7 @@ static ylm_status walk(job *j, int bounces, double residual, bool closure, int t
     if (s != YLM_OK) return s;
     norms x = sum_parts(j);
     turn(j);
+    if (j->over) ylm__transfer_level(j->t, j->over, j->B);
     double left = 0, strayed = 0, shrink = 0;
     for (int c = 0; c < 3; c++) {
       j->q[c] = ratio(x.change[c], before[c]);
@@ -158,18 +160,19 @@ static void balance(const job *j, ylm_radiosity_stats *stats) {
 
 static float *rows(const ylm_transfer *t) { return ylm_alloc_zero(t->elements + 1, 16); }
 
-static bool job_create(job *j, const ylm_radiosity *r) {
-  const ylm_transfer *t = r->t;
+static bool job_create(job *j, const ylm_transfer *t, const float *E0,
+                       const transfer_groups *over) {
   size_t bytes = (t->elements + 1) * 16;
-  *j = (job){.t = t, .sum = ylm__transfer_sum(), .E0 = r->E0};
+  *j = (job){.t = t, .sum = ylm__transfer_sum(), .E0 = E0, .over = over};
   j->E = rows(t), j->next = rows(t), j->B = rows(t), j->next_B = rows(t);
   j->change = rows(t), j->after = rows(t);
   j->part = ylm_alloc(blocks_of(t), sizeof *j->part);
   if (!j->E || !j->next || !j->B || !j->next_B || !j->change || !j->after || !j->part) return false;
-  memcpy(j->E, r->E0, bytes);
-  memcpy(j->change, r->E0, bytes);
+  memcpy(j->E, E0, bytes);
+  memcpy(j->change, E0, bytes);
   for (size_t i = 0; i < t->elements; i++)
     for (size_t c = 0; c < 3; c++) j->B[4 * i + c] = t->albedo[i][c] * j->E[4 * i + c];
+  if (over) ylm__transfer_level(t, over, j->B);
   return true;
 }
 
@@ -183,14 +186,18 @@ static void job_free(job *j) {
   ylm_free(j->part);
 }
 
+/* What leaves elements of irradiance E. */
+static void leave(const ylm_transfer *t, const float *E, float *leaving) {
+  const float each = 0.318309886183790672f;
+  for (size_t i = 0; i < t->elements; i++)
+    for (size_t c = 0; c < 3; c++) leaving[4 * i + c] = t->albedo[i][c] * E[4 * i + c] * each;
+}
+
 /* Gives the solution to r. */
 static void deliver(job *j, ylm_radiosity *r, const ylm_radiosity_stats *stats) {
-  const float each = 0.318309886183790672f;
-  memcpy(r->direct, r->E0, (j->t->elements + 1) * 16);
+  memcpy(r->direct, j->E0, (j->t->elements + 1) * 16);
   swap(&r->E, &j->E);
-  for (size_t i = 0; i < j->t->elements; i++)
-    for (size_t c = 0; c < 3; c++)
-      r->leaving[4 * i + c] = j->t->albedo[i][c] * r->E[4 * i + c] * each;
+  leave(j->t, r->E, r->leaving);
   r->stats = *stats;
 }
 
@@ -204,7 +211,7 @@ ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, b
     return ylm_fail(e, YLM_ERANGE, "bounces must be at most %d, got %d", YLM_TRANSFER_BOUNCES,
                     bounces);
   if (!(residual > 0)) return ylm_fail(e, YLM_ERANGE, "residual must be above 0, got %g", residual);
-  ylm_status s = job_create(&j, r) ? YLM_OK : YLM_ENOMEM;
+  ylm_status s = job_create(&j, r->t, r->E0, NULL) ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = walk(&j, bounces, residual, closure, threads, progress, &found, e);
   if (s == YLM_OK) {
     if (found.closed) close_series(&j);
@@ -214,6 +221,45 @@ ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, b
     if (stats) *stats = found;
   }
   job_free(&j);
+  return s;
+}
+
+/* How far the light that bounces is from that of r: the root mean square over its mean, in luminance. */
+static double change_of(const job *j, const ylm_radiosity *r) {
+  double square = 0, mean = 0, area = 0;
+  for (size_t i = 0; i < j->t->elements; i++) {
+    double a = (double)j->t->area[i] * (double)j->t->share[i], change[3], light[3];
+    for (size_t c = 0; c < 3; c++) {
+      change[c] = (double)j->E[4 * i + c] - (double)r->E[4 * i + c];
+      light[c] = (double)r->E[4 * i + c] - (double)r->direct[4 * i + c];
+    }
+    double y = ylm_luminance(change);
+    square += a * y * y, mean += a * ylm_luminance(light), area += a;
+  }
+  return ratio(sqrt(square * area), mean);
+}
+
+ylm_status ylm_radiosity_coarse(const ylm_radiosity *r, int bounces, double residual, bool closure,
+                                int threads, ylm_radiosity *into, double *change, ylm_error *e) {
+  transfer_groups groups;
+  ylm_radiosity_stats found = {0};
+  job j = {0};
+  *change = 0;
+  if (into && into->t != r->t)
+    return ylm_fail(e, YLM_EINVAL, "the two radiosities are of one transfer");
+  ylm_status s = ylm__transfer_group(r->t, &groups);
+  if (s == YLM_OK && !job_create(&j, r->t, r->direct, &groups)) s = YLM_ENOMEM;
+  if (s == YLM_OK) s = walk(&j, bounces, residual, closure, threads, NULL, &found, e);
+  if (s == YLM_OK) {
+    if (found.closed) close_series(&j);
+    *change = change_of(&j, r);
+    if (into) {
+      deliver(&j, into, &found);
+      ylm__transfer_level(r->t, &groups, into->leaving);
+    }
+  }
+  job_free(&j);
+  ylm__transfer_ungroup(&groups);
   return s;
 }
 

@@ -117,6 +117,20 @@ float *ylm__transfer_reflected(const ylm_transfer *t, const float *vectors, doub
 ylm_status ylm__transfer_beside(const ylm_transfer *t, const ylm_grid *grid, size_t n,
                                 const float (*place)[3], const float (*normal)[3], float (*out)[3]);
 
+/* -- coarse.c ------------------------------------------------------------------- */
+
+/* Groups of the elements of a triangle's side, at most four in one: the elements of a cut half as fine. */
+typedef struct transfer_groups {
+  uint32_t *of; /* [elements] the number of the group */
+  size_t count;
+  double (*sum)[4]; /* [count] for ylm__transfer_level */
+} transfer_groups;
+
+ylm_status ylm__transfer_group(const ylm_transfer *t, transfer_groups *g);
+/* Gives each row of B [elements][4] the mean of its group, by area. */
+void ylm__transfer_level(const ylm_transfer *t, const transfer_groups *g, float *B);
+void ylm__transfer_ungroup(transfer_groups *g);
+
 /* -- solve.c -------------------------------------------------------------------- */
 
 struct ylm_radiosity {

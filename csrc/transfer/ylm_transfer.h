@@ -216,6 +216,23 @@ YLM_API void ylm_radiosity_set(ylm_radiosity *r, const float *E0);
 YLM_API ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, bool closure,
                                        int threads, const ylm_progress *progress,
                                        ylm_radiosity_stats *stats, ylm_error *e);
+/*
+** ylm_radiosity_coarse - how far elements are from fine enough: the last solution again, its radiance constant on groups of
+** up to four elements, which are those of twice the spacing. No ray is traced. The error of elements falls about in
+** proportion to the spacing; what the groups change is then the error that the elements leave. Triangles that are not cut
+** stay whole.
+**
+**   bounces, residual, closure  in   those of ylm_radiosity_solve
+**   into    out  the coarse solution, a radiosity of the same transfer, or NULL
+**   change  out  root mean square over elements, in luminance, over the mean of the light that bounces
+**
+** Returns  YLM_OK; YLM_EINVAL (`into` of another transfer), YLM_EDOMAIN, YLM_ENOMEM
+** Cost     that of the solution
+*/
+YLM_API ylm_status ylm_radiosity_coarse(const ylm_radiosity *r, int bounces, double residual,
+                                        bool closure, int threads, ylm_radiosity *into,
+                                        double *change, ylm_error *e);
+
 /* Of the last solution; valid until the next. [elements + 1][4], the fourth number of a row and the last row are
    zero: direct irradiance, irradiance W m^-2, and radiance that leaves, W sr^-1 m^-2: rho E / pi. */
 YLM_API const float *ylm_radiosity_direct(const ylm_radiosity *r);

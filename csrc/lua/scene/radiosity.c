@@ -108,6 +108,20 @@ static int radiosity_solve(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
+/* radiosity_coarse(radiosity, bounces (-1: all), residual, closure, threads, into: another radiosity or nil) -> change */
+static int radiosity_coarse(lua_State *L) {
+  lua_settop(L, 6);
+  ylm_radiosity *into = lua_isnil(L, 6) ? NULL : ylmL_radiosity(L, 6);
+  double change = 0;
+  ylm_error e = {0};
+  if (into && ylmL_radiosity_busy(L, 6) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_status s = ylm_radiosity_coarse(ylmL_radiosity(L, 1), (int)luaL_checknumber(L, 2),
+                                      (double)luaL_checknumber(L, 3), lua_toboolean(L, 4),
+                                      (int)luaL_optnumber(L, 5, 0), into, &change, &e);
+  lua_pushnumber(L, (lua_Number)change);
+  return ylmL_result(L, 1, s, &e);
+}
+
 /* radiosity_values(radiosity, "direct" | "irradiance" | "leaving") -> float [n][3] */
 static int radiosity_values(lua_State *L) {
   static const char *const names[] = {"direct", "irradiance", "leaving", NULL};
@@ -200,7 +214,8 @@ static const luaL_Reg functions[] = {
     {"radiosity_field", radiosity_field},   {"radiosity_set", radiosity_set},
     {"radiosity_solve", radiosity_solve},   {"radiosity_values", radiosity_values},
     {"radiosity_write", radiosity_write},   {"radiosity_map", radiosity_map},
-    {"radiosity_close", ylmL_let_go},       {NULL, NULL}};
+    {"radiosity_close", ylmL_let_go},       {"radiosity_coarse", radiosity_coarse},
+    {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
 

@@ -109,6 +109,22 @@ static int shade_raycast(lua_State *L) {
   return ylmL_result_progress(L, 2, s, NULL, &p);
 }
 
+/* shade_raycast_noise(view, radiance [n][3], light_samples, shadows, seed, threads, lit or nil) -> noise */
+static int shade_raycast_noise(lua_State *L) {
+  lua_settop(L, 7);
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  const ylmL_array *radiance = ylmL_array_check(L, 2);
+  const ylm_scene *lit = lua_isnil(L, 7) ? NULL : ylmL_scene(L, 7);
+  double noise = 0;
+  if (radiance->dtype != YLM_FLOAT || radiance->count != 3 * ylmL_shade_points(v))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_status s = ylm_shade_raycast_noise(v, lit, (int)luaL_checknumber(L, 3), lua_toboolean(L, 4),
+                                         (uint64_t)luaL_checknumber(L, 5),
+                                         (int)luaL_checknumber(L, 6), radiance->data, &noise);
+  lua_pushnumber(L, (lua_Number)noise);
+  return ylmL_result(L, 1, s, NULL);
+}
+
 /* shade_blend(view, radiance [n][3], {weight: "transfer" | "cosine", lmax, light_samples: or 0, noise | nil,
    most_samples | nil, shadows, seed, threads, progress, lit: the traced scene of the lamps, or nil: the view's})
    -> share [n], {sh, rays, missed, traced, light_samples, noise | nil, seconds}; writes radiance */
@@ -156,6 +172,7 @@ static const luaL_Reg functions[] = {{"shade_field", shade_field},
                                      {"shade_blend", shade_blend},
                                      {"shade_coefficients", shade_coefficients},
                                      {"shade_raycast", shade_raycast},
+                                     {"shade_raycast_noise", shade_raycast_noise},
                                      {"shade_close_view", view_close},
                                      {NULL, NULL}};
 

@@ -43,18 +43,25 @@ static bool read_estimate(lua_State *L, int i, ylm_shade_estimate *out) {
          (!again || (again->dtype == YLM_FLOAT && again->count == count));
 }
 
-/* shade_compare(a, b: estimates as above, variance [n][3] of b or nil)
+static size_t pixels_of(const ylm_shade_view *v) {
+  const ylm_shade_options *o = ylm_shade_view_options(v);
+  return (size_t)o->width * (size_t)o->height;
+}
+
+/* shade_compare(a, b: estimates as above, variance [n][3] of b or nil, weight: double [pixels] or nil)
    -> { pixels, mean, square, uncertainty } */
 static int shade_compare(lua_State *L) {
   ylm_shade_estimate a, b;
   ylm_shade_error out;
-  lua_settop(L, 3);
-  const ylmL_array *variance = ylmL_array_opt(L, 3);
+  lua_settop(L, 4);
+  const ylmL_array *variance = ylmL_array_opt(L, 3), *weight = ylmL_array_opt(L, 4);
   if (!read_estimate(L, 1, &a) || !read_estimate(L, 2, &b) ||
       (variance &&
-       (variance->dtype != YLM_FLOAT || variance->count != 3 * ylmL_shade_points(b.view))))
+       (variance->dtype != YLM_FLOAT || variance->count != 3 * ylmL_shade_points(b.view))) ||
+      (weight && (weight->dtype != YLM_DOUBLE || weight->count != pixels_of(b.view))))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylm_status s = ylm_shade_compare(&a, &b, variance ? variance->data : NULL, &out);
+  ylm_status s = ylm_shade_compare(&a, &b, variance ? variance->data : NULL,
+                                   weight ? weight->data : NULL, &out);
   if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
   lua_newtable(L);
   ylmL_set_count(L, "pixels", out.pixels);
@@ -64,7 +71,35 @@ static int shade_compare(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"shade_judge", shade_judge}, {"shade_compare", shade_compare}, {NULL, NULL}};
+/* shade_draw(light [h][w][3], again [h][w][3] or nil, count, seed) -> { numbers from 0 }, { weights } */
+static int shade_draw(lua_State *L) {
+  const ylmL_array *light = ylmL_array_check(L, 1), *again = ylmL_array_opt(L, 2);
+  double count = (double)luaL_checknumber(L, 3);
+  ylm_shade_drawing d = {.seed = (uint64_t)luaL_checknumber(L, 4)};
+  if (light->dtype != YLM_FLOAT || light->axes != 3 || light->shape[2] != 3 ||
+      !(count >= 1 && count <= YLM_SHADE_PIXELS) ||
+      (again && (again->dtype != YLM_FLOAT || again->count != light->count)))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  d.height = (int)light->shape[0], d.width = (int)light->shape[1], d.count = (size_t)count;
+  d.light = light->data, d.again = again ? again->data : NULL;
+  size_t drawn = 0;
+  uint32_t *pixel = lua_newuserdata(L, d.count * sizeof *pixel);
+  double *weight = lua_newuserdata(L, d.count * sizeof *weight);
+  ylm_status s = ylm_shade_draw(&d, pixel, weight, &drawn);
+  lua_createtable(L, (int)drawn, 0);
+  lua_createtable(L, (int)drawn, 0);
+  for (size_t k = 0; s == YLM_OK && k < drawn; k++) {
+    lua_pushnumber(L, (lua_Number)pixel[k]);
+    lua_rawseti(L, -3, (int)k + 1);
+    lua_pushnumber(L, (lua_Number)weight[k]);
+    lua_rawseti(L, -2, (int)k + 1);
+  }
+  return ylmL_result(L, 2, s, NULL);
+}
+
+static const luaL_Reg functions[] = {{"shade_judge", shade_judge},
+                                     {"shade_compare", shade_compare},
+                                     {"shade_draw", shade_draw},
+                                     {NULL, NULL}};
 
 void ylmL_open_shade_judge(lua_State *L) { luaL_setfuncs(L, functions, 0); }

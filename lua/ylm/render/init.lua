@@ -1,6 +1,7 @@
 --- Pictures of scenes: what bake, prepare, render, reference and raycast of a scene do.
 
 require "ylm.render.prepared" -- the methods of what prepare returns
+local array = require "ylm.array"
 local ambient = require "ylm.render.ambient"
 local baking = require "ylm.render.bake"
 local check = require "ylm.check"
@@ -96,15 +97,19 @@ local function by_tolerance(s, o, given)
   o.bounces = bounces
   if not found then return nil, message, code end
   local c, view = found.chosen
+  o.seen, message, code = array.zeros({ o.size[2], o.size[1], 3 }, "float")
+  if not o.seen then return nil, message, code end
   o.light_samples, o.links, o.samples, o.share, o.lmax = c.light_samples, c.links, c.samples, c.share, 0
   if virtual then o.bounced.options.tolerance = math.min(o.bounced.options.tolerance, o.tolerance)
   elseif o.bounced then o.bounced.lit, o.transfer = found.lit, nil end
   view, message, code = views.prepare("render", s, o)
   if not view then return nil, message, code end
-  local image, report
+  local image, report, verdict
   image, report, code = shading.picture("render", views.open("render", view), o)
   if not image then return nil, report, code end
-  knob.report(found, report, image)
+  verdict, message, code = knob.judge(found, o.seen)
+  if not verdict then return nil, message, code end
+  knob.report(found, verdict, report, image)
   if virtual then
     report.warnings[#report.warnings + 1] = warning.say(s, "tolerance virtual", "scene %q: tolerance is judged in direct light; "
       .. "of virtual lights it bounds the sum (report.virtual.error), not what their number leaves: scene:pathtrace tells",

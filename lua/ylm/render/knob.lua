@@ -1,22 +1,27 @@
 --- One knob: a picture with a tolerance chooses spacing, links, shadow rays and camera rays, and judges itself.
 --
--- Some hundred pixels alone are rendered with ever finer means. Noise is the difference of two estimates with random numbers of
--- their own, the error of elements that from half their spacing. The error of camera rays is that from 256 of them, each with
--- its own shading point, in direct light and bounced. The whole picture is made once, with the means found. Paths through
--- camera rays of their own say how far these very pixels of it are off. The picture's error is that
--- distance, the noise of the paths taken off.
+-- A cheap picture comes first. Some hundred pixels, half of them drawn by its light, are rendered with ever finer means. Noise
+-- is the difference of two estimates with random numbers of their own, the error of elements that to groups of four of them.
+-- The error of camera rays is that from 256 of them, each with its own shading point, in direct light and bounced. The whole
+-- picture is made once, with the means found. Other pixels are drawn by its light, and by its distance from the cheap one.
+-- Paths through camera rays of their own say how far these very pixels are off. The picture's error is that distance by the
+-- inverse probabilities of the pixels, the noise of the paths taken off.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local array = require "ylm.array"
 local box = require "ylm.box"
 local progress = require "ylm.progress"
+local transfers = require "ylm.transfer.object"
 local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
 local warning = require "ylm.warning"
 
 local knob = {}
 
-local PIXELS = 512
+local PIXELS, JUDGED = 512, 1024 -- by which means are chosen, and which are judged
+-- The cheap picture.
+local CHEAP = { samples = 4, share = 1.5, light_samples = 4, links = 8 }
 -- Parts of the tolerance that each cause may have; their squares add up to 0.7.
 local SHARE = { pixels = 0.45, direct = 0.35, links = 0.35, elements = 0.5 }
 -- Where it begins (spacing: of the diagonal), and ends.
@@ -26,9 +31,13 @@ local POINT = 110 -- bytes of a shading point without its links
 -- Camera rays of a pixel, and which of them are shaded as one, the cheapest first; the last judges the others.
 local RAYS = { { 16, 1.5 }, { 64, 1.5 }, { 16, 0 }, { 64, 0 }, { 256, 0 } }
 local ELEMENT = { links = 128, light_samples = 16 }
--- The judge's estimates of a pixel, each with camera rays of its own and so many paths from each hit, and their number.
-local ROUND = { samples = 16, paths = 32, first = 2, most = 32 }
+-- The judge's estimates of a pixel, each with camera rays of its own, and their number. From each hit of a camera ray so many
+-- paths begin: of at most PIXELS pixels, else half as many.
+local ROUND = { samples = 64, paths = 8, first = 2, most = 32 }
 local KNOWN = 0.1 -- of the squared tolerance: the judge is precise enough
+-- The bound on pixels that were not drawn is that of Maurer and Pontil 2009, Theorem 4, at a confidence of 95 %: of `TERM`
+-- standard errors, and RANGE times the largest part of the sum that a pixel has, of those that may be missed.
+local TERM, RANGE = math.sqrt(2 * math.log(2 / 0.05)), 7 / 3 * math.log(2 / 0.05)
 
 knob.fields = {
   { "tolerance", "number", min = 0.001, max = 1, optional = true,
@@ -36,27 +45,6 @@ knob.fields = {
       .. "light_samples and samples where they are not given, judges itself by paths, and says whether it is met (report.met, "
       .. ".error)" },
 }
-
--- Pixels ----------------------------------------------------------------------------------
-
---- Numbers of at most PIXELS pixels, one in each of equal rectangles, at random.
-local function choose_pixels(width, height, seed)
-  local columns = math.max(1, math.min(width, math.floor(math.sqrt(PIXELS * width / height))))
-  local rows = math.max(1, math.min(height, math.floor(PIXELS / columns)))
-  local out, state = {}, (seed * 7919 + 12345) % 2147483647
-  local function random(n)
-    state = (state * 16807 + 11) % 2147483647
-    return math.floor(state / 2147483647 * n)
-  end
-  for r = 0, rows - 1 do
-    for c = 0, columns - 1 do
-      local x0, x1 = math.floor(c * width / columns), math.floor((c + 1) * width / columns)
-      local y0, y1 = math.floor(r * height / rows), math.floor((r + 1) * height / rows)
-      out[#out + 1] = (y0 + random(y1 - y0)) * width + x0 + random(x1 - x0)
-    end
-  end
-  return out
-end
 
 -- Trials ----------------------------------------------------------------------------------
 
@@ -67,13 +55,13 @@ local function need(...)
   return ...
 end
 
---- The prepared view of the chosen pixels, with its points a pixel.
+--- The prepared view of the chosen pixels, or of all, with its points a pixel.
 local function look(x, samples, share, seed)
   local o = x.o
   local view = need(views.prepare(x.name, x.scene, { size = o.size, samples = samples, seed = seed or o.seed, share = share,
     shading = "pixel", visibility = "rays", lmax = 0, threads = o.threads, progress = o.progress, pixels = x.pixels }))
   local p = views.open(x.name, view)
-  return { p = p, view = view, density = p.stats.points / #x.pixels }
+  return { p = p, view = view, density = p.stats.points / (x.pixels and #x.pixels or o.size[1] * o.size[2]) }
 end
 
 --- Radiance of direct light at the points of a view v, by random numbers of seed + k.
@@ -91,8 +79,31 @@ local function gather(x, v, lit, count, start, k)
 end
 
 --- Estimates { view, radiance, again } of two views.
-local function compare(x, a, b, variance)
-  return need(check.result(x.name, x.lib.shade_compare(a, b, variance)))
+local function compare(x, a, b)
+  return need(check.result(x.name, x.lib.shade_compare(a, b, nil, x.weight)))
+end
+
+--- The picture [h][w][3] of radiance of a view, where no lamp is drawn and nothing is behind surfaces.
+local function resolve(x, v, radiance)
+  return need(check.result(x.name, x.lib.shade_resolve(v.view, radiance, nil, false, x.threads)))
+end
+
+--- 1 for pixels of a view in which no lamp is in sight, else 0.
+local function unlit(x, v)
+  return need(check.result(x.name, x.lib.shade_layer(v.view, "emitter", x.threads))):equal(0)
+end
+
+--- Pixels in which a lamp is in sight have no weight: they show it, and not what is behind it.
+local function hide_lamps(x, v)
+  local seen = unlit(x, v):reshape { #x.weights }:totable()
+  for i, w in ipairs(x.weights) do x.weights[i] = seen[i] * w end
+  x.weight = array.array(x.weights, "double")
+end
+
+--- Chooses pixels by one picture or two.
+local function draw(x, count, seed, light, again)
+  local pixels, weights = x.lib.shade_draw(light, again, count, seed)
+  x.pixels, x.weights = need(check.result(x.name, pixels, weights))
 end
 
 --- The root mean square difference of two estimates by a view, relative to the mean of the picture.
@@ -120,12 +131,21 @@ local function per_point(light_samples, links, density)
   return math.max(1, math.ceil(light_samples / density)), math.max(4, 4 * math.ceil(links / density / 4))
 end
 
+--- The cheap picture, and pixels by its light.
+local function begin(x)
+  local v = look(x, CHEAP.samples, CHEAP.share)
+  x.unlit = unlit(x, v)
+  x.cheap = array.array(resolve(x, v, gather(x, v, x.lit, CHEAP.links, direct(x, v, CHEAP.light_samples, 2), 2)) * x.unlit,
+    "float")
+  v.view:close()
+  draw(x, PIXELS, x.o.seed, x.cheap)
+end
+
 --- The mean of the picture.
 local function rough(x)
   local v = x.first
   local all = gather(x, v, x.lit, FIRST.links, direct(x, v, 2 * FIRST.light_samples, 0), 0)
-  local found = compare(x, { v.view, all }, { v.view, all })
-  x.mean, x.judged.pixels = found.mean, found.pixels
+  x.mean = compare(x, { v.view, all }, { v.view, all }).mean
 end
 
 --- Two estimates by a view, with some 64 shadow rays and 256 links a pixel.
@@ -166,23 +186,26 @@ local function choose_light_samples(x)
   end
 end
 
---- Elements small enough: half their spacing changes little. The half leaves at most half of that change.
+--- What elements of twice the spacing would change of the pixels.
+local function element_error(x)
+  local v, coarse = x.first, need(transfers.coarse(x.lit))
+  local change = difference(x, v, gather(x, v, x.lit, FIRST.links, nil, 0), gather(x, v, coarse, FIRST.links, nil, 0))
+  coarse:close()
+  return change
+end
+
+--- Elements small enough. Those of a transfer that is given stay.
 local function choose_elements(x)
   local c, aim = x.chosen, SHARE.elements * x.tolerance
-  if x.o.transfer then
-    c.spacing, c.elements = x.o.transfer.stats.spacing, x.o.transfer.stats.elements
-    return
-  end
-  local before = gather(x, x.first, x.lit, FIRST.links, nil, 0)
-  repeat
-    local coarse = x.lit
+  while true do
+    c.spacing, c.elements = x.lit.transfer.stats.spacing, x.lit.transfer.stats.elements
+    x.causes.elements = element_error(x)
+    if x.causes.elements <= aim or x.o.transfer or 4 * c.elements > MOST.elements then return end
+    local before = x.lit
     x.lit = light_elements(x, c.spacing / 2)
-    c.spacing, c.elements = c.spacing / 2, x.lit.transfer.stats.elements
-    coarse:close()
-    coarse.transfer:close()
-    local now = gather(x, x.first, x.lit, FIRST.links, nil, 0)
-    x.causes.elements, before = difference(x, x.first, before, now) / 2, now
-  until x.causes.elements <= aim or 4 * c.elements > MOST.elements
+    before:close()
+    before.transfer:close()
+  end
 end
 
 --- Links enough.
@@ -201,55 +224,103 @@ end
 --- Channels of the pixels of a view v, one after the other, where no lamp is drawn.
 local function pixels_of(x, v, radiance)
   local out = {}
-  for _, row in ipairs(need(check.result(x.name, x.lib.shade_resolve(v.view, radiance, nil, false, x.threads))):totable()) do
+  for _, row in ipairs(resolve(x, v, radiance):totable()) do
     for c = 1, 3 do out[#out + 1] = row[1][c] end
   end
   return out
 end
 
 --- Estimate number k of the pixels: by paths through camera rays of its own.
-local function ask_paths(x, k)
+local function ask_paths(x, k, paths)
   local v = look(x, ROUND.samples, 0, (x.o.seed + 101 * k) % core.limits.seed)
-  local mean, _, rays = need(check.result(x.name, x.lib.shade_judge(v.view, { samples = ROUND.paths, first = 1,
+  local mean, _, rays = need(check.result(x.name, x.lib.shade_judge(v.view, { samples = paths, first = 1,
     last = x.bounces == "all" and -1 or x.bounces + 1, seed = x.o.seed + 101 * k, threads = x.threads, progress = x.bar })))
   local out = pixels_of(x, v, mean)
   v.view:close()
-  x.judged.rays, x.judged.samples = x.judged.rays + rays, k * ROUND.samples * ROUND.paths
+  x.judged.rays, x.judged.samples = x.judged.rays + rays, k * ROUND.samples * paths
   return out
 end
 
---- The squared relative distance of pixels `a` from the mean of k estimates, and its standard
--- error. The k estimates are known by their sums and sums of squares. The variance of their mean,
--- told by their differences, is taken off.
-local function distance(x, a, sum, squares, k)
-  local n, total, square, spread = math.max(1, x.judged.pixels), 0, 0, 0
-  for i = 1, #a, 3 do
-    local e = 0
-    for c = i, i + 2 do
-      local mean = sum[c] / k
-      total, e = total + mean / 3, e + ((a[c] - mean) ^ 2 - (squares[c] / k - mean ^ 2) / (k - 1)) / 3
-    end
-    square, spread = square + e, spread + e * e
+--- Of a pixel whose channels begin at i: its squared distance from the mean of k estimates, the variance of that, which the
+-- differences of the estimates tell, and the mean.
+local function pixel_distance(a, sum, squares, k, i)
+  local e, known, mean = 0, 0, 0
+  for c = i, i + 2 do
+    local m = sum[c] / k
+    local v = math.max(0, squares[c] / k - m * m) / (k - 1)
+    local d = (a[c] - m) ^ 2 - v
+    e, known, mean = e + d / 3, known + (4 * math.max(0, d) * v + 2 * v * v) / 3, mean + m / 3
   end
-  square, spread = square / n, spread / n
-  local scale = 1 / math.max((total / n) ^ 2, 1e-300)
-  return square * scale, math.sqrt(math.max(0, spread - square ^ 2) / n) * scale
+  return e, known, mean
 end
 
---- The squared error of the picture's own pixels against the path tracer, which traces more paths until it is sure; and its
--- standard error.
+--- Sums over pixels that were drawn with probability 1/w, of the terms e: the variance of their sum of w e (Hajek 1964).
+local function variance_of(e, w)
+  local part, whole, count, sum = 0, 0, 0, 0
+  for i = 1, #e do
+    local loose = w[i] > 1 and 1 - 1 / w[i] or 0
+    part, whole = part + loose * w[i] * e[i], whole + loose
+    if loose > 0 then count = count + 1 end
+  end
+  if count < 2 then return 0 end
+  for i = 1, #e do
+    if w[i] > 1 then sum = sum + (1 - 1 / w[i]) * (w[i] * e[i] - part / whole) ^ 2 end
+  end
+  return sum * count / (count - 1)
+end
+
+--- The squared relative distance of pixels `a` from the mean of k estimates, which are known by their sums and sums of
+-- squares; its standard error, and what a pixel that was not drawn may add at most, if its error is no larger for its
+-- probability than the largest that was drawn.
+local function distance(x, a, sum, squares, k)
+  local w, e, total, n, noise, square, most, loose = x.weights, {}, 0, 0, 0, 0, 0, 0
+  local noisy = 0 -- the standard error of the largest term
+  for i = 1, #w do
+    local known, mean
+    e[i], known, mean = pixel_distance(a, sum, squares, k, 3 * i - 2)
+    if x.shown[i] then n = n + w[i] end
+    total, square, noise = total + w[i] * mean, square + w[i] * e[i], noise + w[i] * known
+    if w[i] > 1 then loose = loose + 1 end
+    if w[i] > 1 and w[i] * e[i] > most then most, noisy = w[i] * e[i], w[i] * math.sqrt(known) end
+  end
+  local scale = 1 / math.max(n, 1) / math.max((total / math.max(n, 1)) ^ 2, 1e-300)
+  most = math.max(0, most - noisy)
+  return square * scale, math.sqrt(variance_of(e, w) + noise) * scale, most * loose / math.max(1, loose - 1) * scale
+end
+
+--- Which pixels show surfaces: list of true or false, and their number.
+local function surfaces(x, v)
+  local shown, count = {}, 0
+  for i, row in ipairs(need(check.result(x.name, x.lib.shade_layer(v.view, "coverage", x.threads))):totable()) do
+    shown[i] = row[1][1] > 0 and x.weights[i] > 0
+    if shown[i] then count = count + 1 end
+  end
+  return shown, count
+end
+
+--- What the squared error may be more, at a confidence of 95 %.
+local function bound(u, missed) return TERM * u + RANGE * missed end
+
+--- The squared error of the picture's own pixels against the path tracer, which traces more paths until it is sure; its
+-- standard error, and what pixels that were not drawn may add.
 local function ask_judge(x)
   local c, limit, sum, squares, k, check_at = x.chosen, x.tolerance ^ 2, {}, {}, 0, ROUND.first
-  local a = pixels_of(x, x.final, gather(x, x.final, x.lit, c.links, direct(x, x.final, c.light_samples, 0), 0))
+  local paths = #x.pixels > PIXELS and ROUND.paths / 2 or ROUND.paths
+  local v = look(x, c.samples, c.share)
+  local a = pixels_of(x, v, gather(x, v, x.lit, c.links, direct(x, v, c.light_samples, 0), 0))
+  hide_lamps(x, v)
+  x.shown, x.judged.pixels = surfaces(x, v)
+  v.view:close()
   for i = 1, #a do sum[i], squares[i] = 0, 0 end
   while true do
     k = k + 1
-    local b = ask_paths(x, k)
+    local b = ask_paths(x, k, paths)
     for i = 1, #a do sum[i], squares[i] = sum[i] + b[i], squares[i] + b[i] ^ 2 end
     if k == check_at then
-      local square, u = distance(x, a, sum, squares, k)
+      local square, u, missed = distance(x, a, sum, squares, k)
       local least = math.max(square, x.noise)
-      if u <= KNOWN * limit or math.abs(least - limit) > 3 * u or k >= ROUND.most then return square, u end
+      local precise = u <= KNOWN * limit and (least + bound(u, missed) <= limit or TERM * u <= RANGE * missed)
+      if precise or math.abs(least - limit) > bound(u, missed) or k >= ROUND.most then return square, u, missed end
       check_at = 2 * k
     end
   end
@@ -285,31 +356,34 @@ local function cause_of(x, error)
     c.elements, c.spacing, c.spacing / 2)
 end
 
---- The verdict on a picture of this squared error, known to a standard error of u. Noise that two estimates have shown is
--- the least error.
-local function verdict(x, square, u, start)
+--- The verdict on a picture of this squared error, known to a standard error of u; pixels that were not drawn may add
+-- `missed`. Noise that two estimates have shown is the least error.
+local function verdict(x, square, u, missed)
   local error = math.sqrt(math.max(0, square, x.noise))
+  local most = math.sqrt(error ^ 2 + bound(u, missed))
   local out = { tolerance = x.tolerance, error = error, met = error <= x.tolerance, causes = x.causes,
     judged = { pixels = x.judged.pixels, samples = x.judged.samples, rays = x.judged.rays, sure = true,
-      uncertainty = math.sqrt(error ^ 2 + u) - error, seconds = core.seconds() - start } }
+      uncertainty = math.sqrt(error ^ 2 + u) - error, most = most, seconds = x.seconds } }
   if not out.met then
     out.warning = ("scene %q: tolerance %.3g is not met, the error is %.2g: %s, or set tolerance = %.2g"):format(
       x.scene.name or "?", x.tolerance, error, cause_of(x, error), error * 1.1)
-  elseif error ^ 2 + 2 * u > x.tolerance ^ 2 then
+  elseif most > x.tolerance then
     out.judged.sure = false
-    local most = math.sqrt(error ^ 2 + 2 * u)
-    out.warning = ("scene %q: tolerance %.3g is met as far as %d paths a pixel can tell: the error is %.2g, and may be %.2g; "
-      .. "set tolerance = %.2g, or compare with scene:pathtrace"):format(x.scene.name or "?", x.tolerance, x.judged.samples,
-      error, most, 1.1 * most)
+    out.warning = ("scene %q: tolerance %.3g is met as far as %d paths of each of %d pixels can tell: the error is %.2g, and "
+      .. "may be %.2g; set tolerance = %.2g, or compare with scene:pathtrace"):format(x.scene.name or "?", x.tolerance,
+      x.judged.samples, x.judged.pixels, error, most, 1.1 * most)
   end
   return out
 end
 
-local function choose(x, start)
+--- Chooses means.
+local function choose(x)
   x.lit = light_elements(x, x.chosen.spacing)
+  begin(x)
   x.first = look(x, RAYS[1][1], RAYS[1][2])
+  hide_lamps(x, x.first)
   rough(x)
-  if x.mean <= 0 then return verdict(x, 0, 0, start) end
+  if x.mean <= 0 then return end
   choose_rays(x)
   local c, given = x.chosen, x.given
   x.final = look(x, c.samples, c.share)
@@ -321,14 +395,29 @@ local function choose(x, start)
     choose_links(x)
   end
   for _, name in ipairs { "pixels", "direct", "links" } do x.noise = x.noise + (x.causes[name] or 0) ^ 2 end
-  local square, u = ask_judge(x)
-  return verdict(x, square, u, start)
 end
 
---- Chooses what options leave open: { lit, verdict, chosen }; or nil, message, code. `given` are the options
+--- Judges the picture `seen` [h][w][3], of surfaces alone.
+local function judge(x, seen)
+  if x.mean <= 0 then return verdict(x, 0, 0, 0) end
+  draw(x, JUDGED, (x.o.seed + 1) % core.limits.seed, array.array(seen * x.unlit, "float"), x.cheap)
+  return verdict(x, ask_judge(x))
+end
+
+--- Results of a trial f(x, ...), which takes its seconds to others of x; or nil, message, code.
+local function try(f, x, ...)
+  local start = core.seconds()
+  local ok, found = pcall(f, x, ...)
+  x.seconds = x.seconds + core.seconds() - start
+  if ok then return found or true end
+  if type(found) == "table" and found.trial then return nil, found[1], found[2] end
+  error(found, 0)
+end
+
+--- Chooses what options leave open: { lit, chosen }, for knob.judge; or nil, message, code. `given` are the options
 -- as the caller wrote them: what stands there is kept.
 function knob.choose(name, s, o, given)
-  local start, chosen = core.seconds(), {}
+  local chosen = {}
   local t, message, code = tracing.trace(name, s)
   if not t then return nil, message, code end
   for key, first in pairs(FIRST) do chosen[key] = given[key] or first end
@@ -339,22 +428,30 @@ function knob.choose(name, s, o, given)
   end
   chosen.spacing = FIRST.spacing * math.max(box.diagonal(t.lo, t.hi), 1e-30)
   local x = { name = name, scene = s, o = o, lib = t.lib, glossy = t.glossy, bounces = o.bounces or 0, tolerance = o.tolerance,
-    threads = o.threads or 0, bar = progress.resolve(o.progress), chosen = chosen, causes = {}, judged = { rays = 0 }, noise = 0,
+    threads = o.threads or 0, bar = progress.resolve(o.progress), chosen = chosen, causes = {}, noise = 0, seconds = 0,
+    judged = { rays = 0, pixels = 0, samples = 0 },
     given = { samples = given.samples or given.pixel_samples, share = given.share, light_samples = given.light_samples,
-      links = given.links },
-    pixels = choose_pixels(o.size[1], o.size[2], o.seed) }
-  local ok, found = pcall(choose, x, start)
-  if not ok then
-    if type(found) == "table" and found.trial then return nil, found[1], found[2] end
-    error(found, 0)
-  end
-  if found.warning then warning.say(s, "tolerance", "%s", found.warning) end
-  return { lit = x.lit, verdict = found, chosen = chosen }
+      links = given.links } }
+  local ok
+  ok, message, code = try(choose, x)
+  if not ok then return nil, message, code end
+  return { lit = x.lit, chosen = chosen, trial = x }
+end
+
+--- Judges the picture that was made as knob.choose has `found`: its verdict, or nil, message, code. `seen` [h][w][3] are
+-- its surfaces alone.
+function knob.judge(found, seen)
+  local x = found.trial
+  local v, message, code = try(judge, x, seen)
+  if not v then return nil, message, code end
+  v.judged.seconds = x.seconds
+  if v.warning then warning.say(x.scene, "tolerance", "%s", v.warning) end
+  return v
 end
 
 --- Completes report and metadata of a picture by its tolerance.
-function knob.report(found, report, image)
-  local v, c, m = found.verdict, found.chosen, image.metadata
+function knob.report(found, v, report, image)
+  local c, m = found.chosen, image.metadata
   report.tolerance, report.met, report.error = v.tolerance, v.met, v.error
   report.chosen = { samples = c.samples, share = c.share, light_samples = c.light_samples, links = v.causes.links and c.links,
     spacing = v.causes.links and c.spacing, elements = c.elements }

@@ -35,6 +35,7 @@ function pictures.compose(name, p, radiance, o, layer)
     if not all then return nil, message, code end
     radiance = all
   end
+  if o.seen then assert(check.result(name, lib.shade_resolve(view, radiance, nil, false, threads, o.seen))) end
   assert(check.result(name, lib.shade_compose(view, radiance, p.scene.background or { 0, 0, 0 }, threads, layer)))
   if o.bodies then
     local drawn, message, code = bodies.draw(name, p, o, layer)

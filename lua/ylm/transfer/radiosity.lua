@@ -23,7 +23,8 @@ require "ylm.describe".object "radiosity" {
       .. "bounce would change, relative; shrink: the change by the last bounce over the one before; emitted, absorbed, "
       .. "escaped: W "
       .. "{r, g, b}, direct light on elements, what they keep, what leaves the scene; balance: what is missing between these, "
-      .. "relative; rays: shadow rays; direct_seconds, solve_seconds, seconds" },
+      .. "relative; elements_error: what elements of twice the spacing would change of the light that bounces, root mean square "
+      .. "over its mean, an estimate of the error that these leave, as it was when the radiosity was made; rays: shadow rays; direct_seconds, solve_seconds, seconds" },
     { "transfer", "transfer", "of which elements" },
     { "scene", "scene", "of what" },
     { "notes", "string[]", "what is known to be missed, or nil" },
@@ -107,6 +108,9 @@ local function illuminate(name, lit, m, lights, o, show)
   return from
 end
 
+--- Bounces as C takes them.
+local function count_of(bounces) return bounces == "all" and -1 or bounces end
+
 local function add_notes(m)
   local notes = {}
   for _, sentence in ipairs(m.of.notes or {}) do notes[#notes + 1] = sentence end
@@ -125,10 +129,10 @@ local function light_up(name, lit, m, lights, o)
   local from, message, code = illuminate(name, lit, m, lights, o, show)
   if not from then return nil, message, code end
   local stats
-  stats, message, code = check.result(name, m.lib.radiosity_solve(lit, o.bounces == "all" and -1 or o.bounces, o.residual,
-    o.closure, o.threads, show))
+  stats, message, code = check.result(name, m.lib.radiosity_solve(lit, count_of(o.bounces), o.residual, o.closure, o.threads, show))
   if not stats then return nil, message, code end
   stats.seconds = core.seconds() - start
+  stats.elements_error = m.stats and m.stats.elements_error
   m.stats, m.from, m.lit_by = stats, from, from.traced
   add_notes(m)
   return lit
@@ -167,7 +171,28 @@ function objects.transfer.radiosity(t, lights, given)
   done, message, code = light_up("radiosity", lit, m, lights, o)
   if not done then return nil, message, code end
   objects.radiosities[lit] = m
+  m.stats.elements_error, message, code = check.result("radiosity", of.lib.radiosity_coarse(lit, count_of(o.bounces),
+    o.residual, o.closure, o.threads or 0))
+  if not m.stats.elements_error then return nil, message, code end
   return lit
+end
+
+--- The same light, constant on groups of up to four elements, those of twice the spacing: a radiosity of the same transfer,
+-- whose stats are those of `lit`; or nil, message, code.
+function objects.coarse(lit)
+  local m = objects.open_radiosity("coarse", lit)
+  local o = m.options
+  local out, message, code = check.result("coarse", m.lib.radiosity_create(m.transfer))
+  if not out then return nil, message, code end
+  local done
+  done, message, code = check.result("coarse", m.lib.radiosity_coarse(lit, count_of(o.bounces), o.residual, o.closure,
+    o.threads or 0, out))
+  if not done then return nil, message, code end
+  local copy = {}
+  for key, value in pairs(m) do copy[key] = value end
+  copy.closed = nil
+  objects.radiosities[out] = copy
+  return out
 end
 
 describe "radiosity:update" {
