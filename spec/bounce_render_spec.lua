@@ -185,11 +185,11 @@ describe("a tolerance of a picture", function()
 
   it("that is met as far as is known is said to be so", function()
     local before = ylm.on_warning(false)
-    local _, report = room():render { size = { 4, 2 }, bounces = "all", tolerance = 0.006 }
+    local _, report = room():render { size = { 4, 2 }, bounces = "all", tolerance = 0.01 }
     ylm.on_warning(before)
     assert.is_true(report.met)
     assert.is_false(report.judged.sure)
-    assert.matches("tolerance 0.006 is met as far as %d+ paths of each of %d pixels can tell: the error is 0.00%d+, and may be 0.0",
+    assert.matches("tolerance 0.01 is met as far as %d+ paths of each of %d pixels can tell: the error is 0.00%d+, and may be 0.0",
       report.warnings[1])
   end)
 
@@ -288,13 +288,72 @@ describe("bounces of a picture", function()
     local function picture(scene, links)
       return select(2, scene:render { size = { 24, 16 }, samples = 1, bounces = "all", links = links, layers = false })
     end
-    local calm, hot = picture(lit_by(1.3, 0.2, 10)), picture(lit_by(0.1, 0.05, 200))
+    local calm, hot = picture(lit_by(1.3, 0.2, 10), 256), picture(lit_by(0.1, 0.05, 200))
     assert.equal(0, #calm.warnings)
-    assert.is_true(calm.indirect_noise > 0 and calm.indirect_noise < 0.2)
+    assert.is_true(calm.indirect_noise > 0 and calm.indirect_noise < 0.05)
     assert.is_true(hot.indirect_noise > 0.25)
-    assert.matches("64 links of a shading point leave a noise of %d+ %% in the light that bounces: set links = %d+, or a "
-      .. "tolerance", hot.warnings[1])
+    assert.matches("64 links of a shading point leave a noise of %d+ %% in the light that bounces: few of them meet what is bright",
+      hot.warnings[1])
     local more = picture(lit_by(0.1, 0.05, 200), 1024)
     assert.is_true(more.indirect_noise < hot.indirect_noise / 2)
+  end)
+
+  it("warns from 5 % on by default, and the links that it names leave 2 %", function()
+    local scene = ylm.scene "a room" { camera = ylm.camera { from = { 0, 1.2, 1.8 }, at = { 0, 0.9, 0 } },
+      geometry = { ylm.box { bounds = { { -2, 0, -2 }, { 2, 2.5, 2 } } } }, transfer = ylm.transfer { spacing = 0.15, links = 32 },
+      lights = { ylm.sphere_light { at = { 0, 1.3, 0 }, radius = 0.2, radiance = 10 } } }
+    local function picture(links)
+      return select(2, scene:render { size = { 24, 16 }, samples = 1, bounces = "all", links = links, layers = false })
+    end
+    local by_default = picture()
+    assert.is_true(by_default.indirect_noise > 0.05 and by_default.indirect_noise < 0.25, by_default.indirect_noise)
+    local enough = by_default.warnings[1]:match "64 links of a shading point leave a noise of %d+ %% in the light that bounces: "
+      and tonumber(by_default.warnings[1]:match "set links = (%d+) for 2 %%, or a tolerance")
+    local quiet = picture(enough)
+    assert.same({}, quiet.warnings)
+    assert.near(0.02, quiet.indirect_noise, 0.006)
+  end)
+end)
+
+describe("direct light of a picture", function()
+  local function plate(radius)
+    return ylm.scene "plate" { camera = ylm.camera { from = { 0, 2, 3 }, at = { 0, 0, 0 } },
+      geometry = { ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } },
+        ylm.box { bounds = { { -0.5, 0.3, -0.5 }, { 0.5, 0.4, 0.5 } } } },
+      lights = { ylm.sphere_light { at = { 0, 2.5, 4.5 }, radius = radius, radiance = 10 } } }
+  end
+
+  it("says its noise, that to a picture by far more shadow rays", function()
+    local scene = plate(0.8)
+    local view = scene:prepare { size = { 48, 27 }, samples = 1, share = 0 }
+    local few, report = view:render { light_samples = 4, layers = false }
+    local many = ylm.array((view:render { light_samples = 4096, layers = false }):layer "radiance", "double")
+    local seen = view.stats.points / view.stats.pixels
+    local square = ((ylm.array(few:layer "radiance", "double") - many) ^ 2):mean() / seen
+    assert.near(1, report.direct_noise / (math.sqrt(square) / (many:mean() / seen)), 0.25)
+    local grid = scene:bake { probes = ylm.uniform_grid { cells = 1, lmax = 1 } }
+    assert.is_nil(select(2, scene:render { size = { 8, 6 }, samples = 1, grid = grid }).direct_noise)
+  end)
+
+  it("warns where shadow rays leave more than 5 %, and names how many leave 2 %", function()
+    local function picture(rays)
+      return select(2, plate(0.8):render { size = { 48, 27 }, samples = 1, light_samples = rays, layers = false })
+    end
+    local few = picture(1)
+    local enough = tonumber(few.warnings[1]:match
+      "1 shadow rays of a shading point leave a noise of %d+ %% in direct light: set light_samples = (%d+) for 2 %%")
+    local many = picture(enough)
+    assert.is_true(few.direct_noise > 0.05 and many.direct_noise < 0.022, many.direct_noise)
+    assert.equal(0, #many.warnings)
+  end)
+
+  it("says of camera rays that are shaded as one what shadow rays are called", function()
+    local function picture(samples, rays)
+      return select(2, plate(0.1):render { size = { 24, 16 }, samples = samples, light_samples = rays, layers = false })
+    end
+    assert.matches("128 camera rays of a pixel are shaded as %d.%d: more of them smooth edges alone; shadow rays are light_samples "
+      .. "= 32 %(ylm render %-%-light%-samples%)", picture(128).warnings[1])
+    assert.equal(0, #picture(128, 32).warnings)
+    assert.equal(0, #picture(16).warnings)
   end)
 end)

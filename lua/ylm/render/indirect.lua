@@ -4,6 +4,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local devices = require "ylm.device"
 local near = require "ylm.render.near"
+local noises = require "ylm.render.noise"
 local objects = require "ylm.transfer.object"
 local progress = require "ylm.progress"
 local tracing = require "ylm.trace"
@@ -257,12 +258,11 @@ function indirect.add(name, p, o, radiance)
   return out
 end
 
-local LOUD, FAIR = 0.25, 0.1 -- noise of gathered light at a shading point: of which a picture warns, and which is advised
-
---- Says that links miss what is bright, and what to change.
+--- Says that links are few for what is bright, and what to change; `noise` is that of a pixel.
 local function say_noise(p, report, count, noise)
-  local enough = 64 * math.ceil(count * (noise / FAIR) ^ 2 / 64)
-  local advice = enough <= core.limits.transfer_links and ("set links = %d, or a tolerance"):format(enough)
+  local enough = math.min(core.limits.transfer_links, 64 * math.ceil(noises.enough(count, noise) / 64))
+  local left = noise * math.sqrt(count / enough)
+  local advice = left <= noises.LOUD and ("set links = %d for %.0f %%, or a tolerance"):format(enough, 100 * left)
     or "few of them meet what is bright; set a tolerance, which chooses camera rays too"
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "links", "scene %q: %d links of a shading point leave a noise of "
     .. "%.0f %% in the light that bounces: %s", p.scene.name or "?", count, 100 * noise, advice)
@@ -322,9 +322,11 @@ function indirect.report(p, o, report, image)
     local m = views.made[p.view]
     report.links, report.rays.links = m.links.count, m.links.stats.rays
     report.indirect_noise = p.lib.shade_gather_noise(m.links.handle, b.lit)
-    if report.indirect_noise > LOUD and not o.tolerance then say_noise(p, report, m.links.count, report.indirect_noise) end
+    local noise = noises.of_pixel(p, report.indirect_noise)
+    if noise > noises.LOUD and not o.tolerance then say_noise(p, report, m.links.count, noise) end
     report.rays.gloss_links = m.links.stats.glossy
     report.elements, report.balance = b.lit.transfer.stats.elements, b.lit.stats.balance
+    report.elements_error = b.lit.stats.elements_error
   end
   if b.by == "virtual" then virtual.report(p, o, report) else say_gloss(p, report, b) end
 end

@@ -186,12 +186,12 @@ local function choose_light_samples(x)
   end
 end
 
---- What elements of twice the spacing would change of the pixels.
+--- Half of what elements of twice the spacing would change of the pixels.
 local function element_error(x)
   local v, coarse = x.first, need(transfers.coarse(x.lit))
   local change = difference(x, v, gather(x, v, x.lit, FIRST.links, nil, 0), gather(x, v, coarse, FIRST.links, nil, 0))
   coarse:close()
-  return change
+  return change / 2
 end
 
 --- Elements small enough. Those of a transfer that is given stay.
@@ -342,7 +342,7 @@ local function cause_of(x, error)
         or "surfaces that gloss send bounced light to others as matte ones: use scene:pathtrace")
       or "elements meet light that changes faster than they are fine: give transfer = scene:transfer { spacing = .. }"
   end
-  local share = percent(x.causes[worst])
+  local share = percent(math.min(x.causes[worst], error))
   if worst == "pixels" then
     return ("%s come from edges of surfaces and shadows, at %d camera rays a pixel: set samples = %d, share = 0"):format(share,
       c.samples, math.min(core.limits.camera_samples, 4 * c.samples))

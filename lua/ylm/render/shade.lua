@@ -15,6 +15,7 @@ local gloss = require "ylm.render.gloss"
 local images = require "ylm.image"
 local indirect = require "ylm.render.indirect"
 local occlusion = require "ylm.render.occlusion"
+local noises = require "ylm.render.noise"
 local pictures = require "ylm.render.picture"
 local relight = require "ylm.render.relight"
 local tracing = require "ylm.trace"
@@ -247,7 +248,13 @@ function shading.by_rays(name, p, o, method)
   if not radiance then return nil, rays, code end
   local seconds = core.seconds() - start
   report.rays.shadow = rays
-  local out, message
+  local noise, message
+  noise, message, code = check.result(name, p.lib.shade_raycast_noise(p.view, radiance, o.light_samples, o.shadows,
+    o.seed or p.options.seed, o.threads or 0, o.lit and o.lit.handle))
+  if not noise then return nil, message, code end
+  report.direct_noise = noise
+  if not o.tolerance then noises.say_direct(p, report, o.light_samples) end
+  local out
   out, message, code = pictures.picture(name, p, radiance, o)
   if not out then return nil, message, code end
   pictures.finish(report, start, seconds)
@@ -264,8 +271,12 @@ local function direct(name, p, o)
     end
     return shading.by_grid(name, p, o)
   end
+  local chosen = o.light_samples == nil
   o.shadows, o.light_samples = true, o.light_samples or options.LIGHT_SAMPLES
-  return shading.by_rays(name, p, o, "rays")
+  local image, report, code = shading.by_rays(name, p, o, "rays")
+  if not image then return nil, report, code end
+  if chosen then noises.say_camera(p, report, o.light_samples) end
+  return image, report
 end
 
 --- The picture of a prepared view, with bounces as indirect.settle has settled them.

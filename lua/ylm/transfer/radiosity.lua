@@ -23,8 +23,8 @@ require "ylm.describe".object "radiosity" {
       .. "bounce would change, relative; shrink: the change by the last bounce over the one before; emitted, absorbed, "
       .. "escaped: W "
       .. "{r, g, b}, direct light on elements, what they keep, what leaves the scene; balance: what is missing between these, "
-      .. "relative; elements_error: what elements of twice the spacing would change of the light that bounces, root mean square "
-      .. "over its mean, an estimate of the error that these leave, as it was when the radiosity was made; rays: shadow rays; direct_seconds, solve_seconds, seconds" },
+      .. "relative; elements_error: half of what elements of twice the spacing would change of the light that bounces, root mean "
+      .. "square over its mean, an estimate of the error that these leave, as it was when the radiosity was made; rays: shadow rays; direct_seconds, solve_seconds, seconds" },
     { "transfer", "transfer", "of which elements" },
     { "scene", "scene", "of what" },
     { "notes", "string[]", "what is known to be missed, or nil" },
@@ -171,9 +171,11 @@ function objects.transfer.radiosity(t, lights, given)
   done, message, code = light_up("radiosity", lit, m, lights, o)
   if not done then return nil, message, code end
   objects.radiosities[lit] = m
-  m.stats.elements_error, message, code = check.result("radiosity", of.lib.radiosity_coarse(lit, count_of(o.bounces),
-    o.residual, o.closure, o.threads or 0))
-  if not m.stats.elements_error then return nil, message, code end
+  local change
+  change, message, code = check.result("radiosity", of.lib.radiosity_coarse(lit, count_of(o.bounces), o.residual, o.closure,
+    o.threads or 0))
+  if not change then return nil, message, code end
+  m.stats.elements_error = change / 2
   return lit
 end
 
