@@ -170,7 +170,7 @@ local function choose_rays(x)
       x.chosen.samples, x.chosen.share = samples, share
     end
     v.view:close()
-    if error <= SHARE.pixels * x.tolerance then break end
+    if error <= SHARE.pixels * x.tolerance or x.given.samples and x.given.share then break end
   end
   fine[1]:close()
 end
