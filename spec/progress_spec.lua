@@ -149,15 +149,142 @@ describe("progress bars", function()
       .. line:format("level 2", 15), text())
   end)
 
-  it("show how much is done, and keep one line per stage", function()
+  --- A bar, its text, and a function that sets the clock which it reads.
+  local function timed(patience)
     local stream, written = gathering()
-    local bar = progress.bar(stream)
-    for i = 0, 10 do assert.is_true(bar(i, 10, "bake")) end
+    local seconds, now = core.seconds, 100
+    core.seconds = function() return now end
+    finally(function() core.seconds = seconds end)
+    return progress.bar(stream, patience), written, function(t) now = 100 + t end
+  end
+
+  it("show how much is done, and keep one line per stage that lasts", function()
+    local bar, written, at = timed()
+    for i = 0, 10 do
+      at(i)
+      assert.is_true(bar(i, 10, "bake"))
+    end
     bar(10, 10, "bake")
-    bar(0, 0, "empty")
     local text = written()
-    assert.truthy(text:find("bake         %[" .. ("="):rep(30) .. "%] 100 %%  0:00\n"), text)
-    assert.equal(2, select(2, text:gsub("\n", "")))
+    assert.truthy(text:find("bake         %[" .. ("="):rep(30) .. "%] 100 %%  0:10\n"), text)
+    assert.truthy(text:find("\rbake         [===============>              ]  50 %  0:05", 1, true), text)
+    assert.equal(1, select(2, text:gsub("\n", "")))
     assert.equal("x            [===============>              ]  50 %  1:01:01", progress.line(5, 10, "x", 3661))
+  end)
+
+  it("share a line among stages that are short, before the next that lasts, or at the end", function()
+    local bar, written, at = timed()
+    for k = 0, 2 do
+      at(k / 10)
+      bar(1, 2, "links")
+      bar(2, 2, "links")
+      bar(3, 3, "direct")
+    end
+    assert.equal("", written())
+    for k = 1, 3 do
+      at(k)
+      bar(k, 3, "paths")
+    end
+    local first, second = written():match "^([^\r]*)\n\r(.*)$"
+    assert.equal("links (3 times), direct (3 times)  0:00", first)
+    assert.truthy(second:find "%] 100 %%  0:02\n$", second)
+    bar(1, 1, "image")
+    progress.leave()
+    assert.truthy(written():find "\nimage  0:00\n$", written())
+  end)
+
+  it("begin anew where a stage comes again, and end the line of one that did not reach its end", function()
+    local bar, written, at = timed()
+    for k = 0, 1 do
+      at(10 * k)
+      bar(0, 2, "paths")
+      at(10 * k + 4)
+      bar(1, 2, "paths")
+      at(10 * k + 8)
+      bar(2, 2, "paths")
+    end
+    assert.equal(2, select(2, written():gsub("100 %%  0:08\n", "")))
+    at(20)
+    bar(0, 2, "bounces")
+    at(22)
+    bar(1, 2, "bounces")
+    bar(1, 2, "next")
+    assert.truthy(written():find "bounces.*100 %%  0:02\n", written())
+  end)
+
+  it("are drawn from two seconds on where nobody asks, on a terminal, and are left out by false", function()
+    local is_terminal, getenv = core.is_terminal, os.getenv
+    finally(function() core.is_terminal, os.getenv = is_terminal, getenv end)
+    core.is_terminal = function() return false end
+    assert.is_nil(progress.long(nil))
+    core.is_terminal = function() return true end
+    os.getenv = function(name) return name ~= "YLM_PROGRESS" and getenv(name) or nil end
+    assert.equal("function", type(progress.long(nil)))
+    assert.is_false(progress.long(false))
+    assert.is_nil(progress.resolve(false))
+    os.getenv = function(name) return name == "YLM_PROGRESS" and "no" or getenv(name) end
+    assert.is_nil(progress.long(nil))
+    local bar, written, at = timed(2)
+    bar(0, 4, "baking")
+    at(1.9)
+    bar(1, 4, "baking")
+    assert.equal("", written())
+    at(2.1)
+    bar(2, 4, "baking")
+    assert.truthy(written():find "50 %%  0:02$", written())
+  end)
+
+  it("say a line of their own where the work is long enough, and functions of others do not", function()
+    local bar, written = timed(2)
+    progress.say(bar, 1, "short")
+    progress.say(function() end, 10, "theirs")
+    assert.equal("", written())
+    progress.say(bar, 10, "%d rays", 7)
+    assert.equal("ylm: 7 rays\n", written())
+    assert.is_true(progress.speaks(bar) and not progress.speaks(print) and not progress.speaks(nil))
+  end)
+
+  it("go to the end where bounces are fewer than could be known", function()
+    local scene = ylm.scene "a box" { geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
+      lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 } }
+    local t, done, total = scene:transfer { spacing = 1, links = 16 }, nil, nil
+    t:radiosity(nil, { progress = function(a, b, stage) if stage == "bounces" then done, total = a, b end end })
+    assert.is_true(done == total)
+    t:vectors { progress = function(a, b, stage) if stage == "bounces" then done, total = a, b end end }
+    assert.is_true(done == total)
+  end)
+end)
+
+describe("names of stages", function()
+  --- The names in the sources, with the file of each.
+  local function in_sources()
+    local found = {}
+    local function note(name, file) if #name > 0 and not name:find "[%%]" then found[name] = file end end
+    local pipe = assert(io.popen "find csrc -name '*.c'")
+    for file in pipe:lines() do
+      if not file:find "csrc/vulkan/" and not file:find "csrc/lua/" then
+        local handle = assert(io.open(file))
+        local text = handle:read("*a"):gsub("%s+", " ")
+        handle:close()
+        for call in text:gmatch "ylm_parallel(%b())" do note(call:match '"([^"]*)" ?%)$' or "", file) end
+        for call in text:gmatch "ylm_report(%b())" do note(call:match '"([^"]*)" ?%)$' or "", file) end
+        for name in text:gmatch 'stage = "([^"]*)"' do note(name, file) end
+        for name in text:gmatch 'path_kind kind = {"([^"]*)"' do note(name, file) end
+      end
+    end
+    pipe:close()
+    return found
+  end
+
+  it("are explained in ylm help progress, all of them", function()
+    local text = require("ylm.help").text "progress"
+    local known, count = {}, 0
+    for _, row in ipairs(progress.stages) do known[row[1]] = row[2] end
+    for name, file in pairs(in_sources()) do
+      count = count + 1
+      assert(known[name], ("stage %q of %s is not explained"):format(name, file))
+      assert.truthy(text:find(name, 1, true))
+    end
+    assert.is_true(count > 30, count)
   end)
 end)

@@ -213,6 +213,7 @@ ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, b
   if (!(residual > 0)) return ylm_fail(e, YLM_ERANGE, "residual must be above 0, got %g", residual);
   ylm_status s = job_create(&j, r->t, r->E0, NULL) ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = walk(&j, bounces, residual, closure, threads, progress, &found, e);
+  if (s == YLM_OK && bounces < 0) s = ylm_report(progress, 1, 1, "bounces"); /* sooner than it could know */
   if (s == YLM_OK) {
     if (found.closed) close_series(&j);
     balance(&j, &found);

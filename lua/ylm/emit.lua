@@ -204,7 +204,9 @@ assert(math.abs(lights.power[1] / (0.5 * flux) - 1) < 1e-5)]],
 }
 function emit.of_scene(s, given)
   tracing.check_scene("virtual_lights", s)
-  return emit.lights("virtual_lights", s, form.options(1, "virtual_lights", options, given))
+  local o = form.options(1, "virtual_lights", options, given)
+  o.progress = progress.long(o.progress)
+  return emit.lights("virtual_lights", s, o)
 end
 
 -- Lights with their shadows ---------------------------------------------------------------

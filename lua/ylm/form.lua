@@ -117,7 +117,7 @@ local timed = { __call = function(self, ...) return self[1](...) end }
 
 function types.progress(x)
   if type(x) == "function" then return memory.users(x) end
-  if x == true then return x end
+  if x == true or x == false then return x end
   if getmetatable(x) == timed then return x end
   if type(x) == "table" and type(x[1]) == "function" then
     local every = x.every
@@ -126,7 +126,7 @@ function types.progress(x)
     end
     return nil, "{ function, every = seconds } with every above 0 and at most 3600"
   end
-  return nil, "a function(done, total, stage), { function, every = seconds } of one, or true for a progress bar"
+  return nil, "a function(done, total, stage), { function, every = seconds } of one, true for a progress bar, or false for none"
 end
 
 function types.table(x)
@@ -330,7 +330,8 @@ end
 form.threads = { "threads", "integer", min = 1, max = core.limits.threads, optional = true,
   about = "default: YLM_THREADS or all cores" }
 form.progress = { "progress", "progress", optional = true,
-  about = "called as f(done, total, stage); returning false cancels; { f, every = seconds } says how often, default 0.1" }
+  about = "called as f(done, total, stage); returning false cancels; { f, every = seconds } says how often, default 0.1; true "
+    .. "draws a bar, false none (see ylm help progress)" }
 
 --- Checks the option table that is argument `n` of function `name`; nil counts as empty.
 function form.options(n, name, fields, given)

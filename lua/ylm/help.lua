@@ -2,6 +2,7 @@
 
 local check = require "ylm.check"
 local form = require "ylm.form"
+local progress = require "ylm.progress"
 local reference = require "ylm.describe"
 
 local help = {}
@@ -158,8 +159,23 @@ function help.names()
   return sorted(all)
 end
 
+--- What progress is, and the names of its stages.
+local function progress_text()
+  local out = { "progress", "" }
+  wrap(out, "The option of work that may be long: true draws a bar on stderr (lines in a log), false draws none, a function is "
+    .. "called as f(done, total, stage) and cancels by returning false, { f, every = seconds } says how often. Where nothing is "
+    .. "given, bakes, pictures, transfers and virtual lights draw a bar on a terminal once they take more than two seconds; "
+    .. "YLM_PROGRESS=no in the environment leaves it out. Stages that take less than half a second share a line.", 2)
+  rows(out, "stages", progress.stages)
+  return table.concat(out, "\n")
+end
+
+-- Words that are no name of the interface.
+local topics = { progress = progress_text }
+
 --- Help on a form, function or method; its last part will do ("eval"). nil, message if there is none.
 function help.text(word)
+  if topics[word] then return topics[word]() end
   help.load()
   word = word:gsub("^ylm%.", "")
   local names, found = help.names(), {}

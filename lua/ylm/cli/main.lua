@@ -94,6 +94,7 @@ end
 
 core.process_watch()
 local code = main { ... }
+progress.leave()
 local written, complaint = core.process_flush()
 if not written then
   say(complaint)

@@ -59,10 +59,10 @@ function report.say(given, message, ...)
   if not given.quiet then io.stderr:write(message:format(...), "\n") end
 end
 
---- A progress bar, or lines where stderr is no terminal, unless --quiet or --json was given.
+--- The option `progress` of a command: a bar, or lines where stderr is no terminal; false where --quiet or --json was given,
+-- or YLM_PROGRESS=no stands in the environment.
 function report.progress(given)
-  if given.quiet or given.json then return nil end
-  return progress.shown()
+  return not given.quiet and not given.json and progress.is_wanted()
 end
 
 return report

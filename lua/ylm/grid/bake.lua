@@ -202,7 +202,7 @@ local function of_team(description, o)
   if description.dynamic then
     return check.bad(3, "bake", "team: a grid with dynamic = true is followed by one process: leave one out")
   end
-  if o.team.rank > 1 then o.progress = nil end
+  if o.team.rank > 1 then o.progress = false end
   return o
 end
 
@@ -263,6 +263,7 @@ function bake.bake(description, lights, given)
     return check.bad(1, "bake", "an adaptive_grid or a uniform_grid expected, got %s", check.describe(description))
   end
   local o = of_team(description, form.options(3, "bake", bake_options, given))
+  o.progress = progress.long(o.progress)
   local fault = o.like and check.grid_fault(o.like)
   if fault then return check.bad(3, "bake", "like: %s", fault) end
   if description.dynamic and o.light_tolerance then

@@ -8,6 +8,7 @@ local grids = require "ylm.grid"
 local light = require "ylm.light"
 local objects = require "ylm.transfer.object"
 local options = require "ylm.render.options"
+local progress = require "ylm.progress"
 local tracing = require "ylm.trace"
 local transfer = require "ylm.transfer"
 local views = require "ylm.render.view"
@@ -157,6 +158,7 @@ assert(grid.stats.points >= seen.stats.points)]],
 function bake.bake(s, given)
   tracing.check_scene("bake", s)
   local o = options.of_view("bake", bake_options, given)
+  o.progress = progress.long(o.progress)
   local probes = o.probes or s.probes
   if not probes then
     return check.fail("bake: scene %q has no probes (probes = adaptive_grid { ... })", s.name or "?")

@@ -14,6 +14,7 @@ local near = require "ylm.render.near"
 local options = require "ylm.render.options"
 local paths = require "ylm.render.path"
 local pictures = require "ylm.render.picture"
+local progress = require "ylm.progress"
 local relight = require "ylm.render.relight"
 local shading = require "ylm.render.shade"
 local tracing = require "ylm.trace"
@@ -49,6 +50,7 @@ assert(papers:reference())]],
 function render.prepare(s, given)
   tracing.check_scene("prepare", s)
   local o = options.of_view("prepare", prepare_options, given)
+  o.progress = progress.long(o.progress)
   relight.settle("prepare", o, given or {})
   visibility.settle("prepare", o, given or {}, o.relight and "transfer" or "rays")
   gloss.settle("prepare", o, given, s)
@@ -170,6 +172,7 @@ end
 function render.render(s, given)
   tracing.check_scene("render", s)
   local o = options.of_view("render", render_options, given)
+  o.progress = progress.long(o.progress)
   return shown(s, o, "render", function() return rendered(s, o, given) end)
 end
 
@@ -190,6 +193,7 @@ describe "scene:reference" {
 function render.reference(s, given)
   tracing.check_scene("reference", s)
   local o = options.of_view("reference", reference_options, given)
+  o.progress = progress.long(o.progress)
   visibility.settle("reference", o, given or {}, "transfer")
   gloss.settle("reference", o, given, s, "lights")
   if o.visibility == "rays" then
@@ -224,6 +228,7 @@ describe "scene:raycast" {
 function render.raycast(s, given)
   tracing.check_scene("raycast", s)
   local o = options.of_view("raycast", raycast_options, given)
+  o.progress = progress.long(o.progress)
   o.lmax, o.shading, o.visibility = 0, "pixel", "rays"
   if o.variance then o.samples = math.max(1, math.floor(o.samples / shading.BATCHES + 0.5)) end
   local view, message, code = views.prepare("raycast", s, o)

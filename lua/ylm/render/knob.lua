@@ -376,6 +376,23 @@ local function verdict(x, square, u, missed)
   return out
 end
 
+--- Says what was chosen, and how long the picture and its judge take, as far as some pixels and a path of each tell.
+local function announce(x)
+  local c, start = x.chosen, core.seconds()
+  local v = look(x, c.samples, c.share)
+  gather(x, v, x.lit, c.links, direct(x, v, c.light_samples, 0), 0)
+  v.view:close()
+  local picture = (core.seconds() - start) * x.o.size[1] * x.o.size[2] / #x.pixels
+  start = core.seconds()
+  ask_paths(x, 0, 1)
+  local round = (core.seconds() - start) * ROUND.paths
+  x.judged.rays, x.judged.samples = 0, 0
+  progress.say(x.bar, picture + ROUND.first * round, "tolerance %.3g chooses %d camera rays a pixel (share %g), %d shadow rays%s; "
+    .. "the picture takes about %s, to judge it %s to %s", x.tolerance, c.samples, c.share, c.light_samples,
+    x.lit and (", %d links, %d elements"):format(c.links, c.elements) or "", progress.clock(picture),
+    progress.clock(ROUND.first * round), progress.clock(ROUND.most * round))
+end
+
 --- Chooses means.
 local function choose(x)
   x.lit = light_elements(x, x.chosen.spacing)
@@ -395,6 +412,7 @@ local function choose(x)
     choose_links(x)
   end
   for _, name in ipairs { "pixels", "direct", "links" } do x.noise = x.noise + (x.causes[name] or 0) ^ 2 end
+  if progress.speaks(x.bar) then announce(x) end
 end
 
 --- Judges the picture `seen` [h][w][3], of surfaces alone.

@@ -14,7 +14,7 @@ options.common = {
   form.threads,
   { "progress", "progress", optional = true,
     about = "called as f(done, total, stage), returning false cancels; { f, every = seconds }: so often, default 0.1; true draws "
-      .. "a bar" },
+      .. "a bar, as work of more than two seconds does on a terminal; false draws none" },
 }
 
 function options.list(...)

@@ -194,6 +194,7 @@ assert(finer.metadata.samples == "64")]],
 function paths.pathtrace(s, given)
   tracing.check_scene("pathtrace", s)
   local o = form.options(1, "pathtrace", pathtrace_options, given)
+  o.progress = progress.long(o.progress)
   local first, last = orders("pathtrace", o, 1)
   local view, message, code = views.prepare("pathtrace", s, { size = o.size, samples = math.min(o.samples, VIEW_SAMPLES),
     seed = o.seed, share = 1.5, shading = "pixel", visibility = "rays", lmax = 0, threads = o.threads })
@@ -256,6 +257,7 @@ assert(E:get(1, 1) > 0)]],
 function paths.probe(s, given)
   tracing.check_scene("probe", s)
   local o = form.options(1, "probe", probe_options, given)
+  o.progress = progress.long(o.progress)
   local first, last = orders("probe", o, 0)
   local points, normals = array.points(1, "probe", o.points, "float"), nil
   if o.normals then

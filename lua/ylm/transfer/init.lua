@@ -112,6 +112,7 @@ assert(t.stats.rooms == 1 and t.stats.escaped == 0)]],
 function transfer.of_scene(s, given)
   tracing.check_scene("transfer", s)
   local o = form.options(1, "transfer", options, given)
+  o.progress = progress.long(o.progress)
   local traced, message, code = tracing.trace("transfer", s)
   if not traced then return nil, message, code end
   local handle

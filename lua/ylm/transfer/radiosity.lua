@@ -164,6 +164,7 @@ assert(math.abs(absorbed / emitted - 1) < 0.01) -- nothing leaves a closed box]]
 function objects.transfer.radiosity(t, lights, given)
   local of = objects.open_transfer("radiosity", t)
   local o = form.options(2, "radiosity", options, given)
+  o.progress = progress.long(o.progress)
   local lit, message, code = check.result("radiosity", of.lib.radiosity_create(t))
   if not lit then return nil, message, code end
   local m = { of = of, transfer = t, scene = of.scene, lib = of.lib, elements = of.stats.elements, options = o }
@@ -326,6 +327,7 @@ assert(image:layer "coverage":get(8, 8, 1) == 1 and image:layer "irradiance":get
 function methods.lightmap(lit, given)
   local m = objects.open_radiosity("lightmap", lit)
   local o = form.options(1, "lightmap", map_options, given)
+  o.progress = progress.long(o.progress)
   local uvs, start = uvs_of(m, o.mesh), core.seconds()
   local out, message, code = image.image { size = o.size, layers = { { "irradiance", 3 }, { "coverage", 1 } } }
   if not out then return nil, message, code end
