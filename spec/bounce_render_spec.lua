@@ -189,8 +189,8 @@ describe("a tolerance of a picture", function()
     ylm.on_warning(before)
     assert.is_true(report.met)
     assert.is_false(report.judged.sure)
-    assert.matches("tolerance 0.01 is met as far as %d+ paths of each of %d pixels can tell: the error is 0.00%d+, and may be 0.0",
-      report.warnings[1])
+    assert.matches("tolerance 0.01 is met as far as %d+ paths of each of %d pixels can tell: the error is 0.00%d+, and may be "
+      .. "0.0", report.warnings[1])
   end)
 
   it("that is not met is said with cause and remedy", function()
@@ -292,16 +292,17 @@ describe("bounces of a picture", function()
     assert.equal(0, #calm.warnings)
     assert.is_true(calm.indirect_noise > 0 and calm.indirect_noise < 0.05)
     assert.is_true(hot.indirect_noise > 0.25)
-    assert.matches("64 links of a shading point leave a noise of %d+ %% in the light that bounces: few of them meet what is bright",
-      hot.warnings[1])
+    assert.matches("64 links of a shading point leave a noise of %d+ %% in the light that bounces: few of them meet what is "
+      .. "bright", hot.warnings[1])
     local more = picture(lit_by(0.1, 0.05, 200), 1024)
     assert.is_true(more.indirect_noise < hot.indirect_noise / 2)
   end)
 
-  it("warns from 5 % on by default, and the links that it names leave 2 %", function()
+  it("warns from 5 % on by default, and the links that it names leave no more than 2 %", function()
     local scene = ylm.scene "a room" { camera = ylm.camera { from = { 0, 1.2, 1.8 }, at = { 0, 0.9, 0 } },
-      geometry = { ylm.box { bounds = { { -2, 0, -2 }, { 2, 2.5, 2 } } } }, transfer = ylm.transfer { spacing = 0.15, links = 32 },
-      lights = { ylm.sphere_light { at = { 0, 1.3, 0 }, radius = 0.2, radiance = 10 } } }
+      geometry = { ylm.box { bounds = { { -2, 0, -2 }, { 2, 2.5, 2 } } } },
+      transfer = ylm.transfer { spacing = 0.15, links = 32 },
+      lights = { ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.2, radiance = 10 } } }
     local function picture(links)
       return select(2, scene:render { size = { 24, 16 }, samples = 1, bounces = "all", links = links, layers = false })
     end
@@ -311,7 +312,7 @@ describe("bounces of a picture", function()
       and tonumber(by_default.warnings[1]:match "set links = (%d+) for 2 %%, or a tolerance")
     local quiet = picture(enough)
     assert.same({}, quiet.warnings)
-    assert.near(0.02, quiet.indirect_noise, 0.006)
+    assert.is_true(quiet.indirect_noise < 0.02, quiet.indirect_noise)
   end)
 end)
 
@@ -351,8 +352,8 @@ describe("direct light of a picture", function()
     local function picture(samples, rays)
       return select(2, plate(0.1):render { size = { 24, 16 }, samples = samples, light_samples = rays, layers = false })
     end
-    assert.matches("128 camera rays of a pixel are shaded as %d.%d: more of them smooth edges alone; shadow rays are light_samples "
-      .. "= 32 %(ylm render %-%-light%-samples%)", picture(128).warnings[1])
+    assert.matches("128 camera rays of a pixel are shaded as %d.%d: more of them smooth edges alone; shadow rays are "
+      .. "light_samples = 32 %(ylm render %-%-light%-samples%)", picture(128).warnings[1])
     assert.equal(0, #picture(128, 32).warnings)
     assert.equal(0, #picture(16).warnings)
   end)

@@ -27,7 +27,7 @@ end
 describe("pixels that are judged", function()
   local picture = spotted()
 
-  it("are those that are bright, for certain, and others all over the picture, none with much more weight than the mean", function()
+  it("are those that are bright, for certain, and others all over the picture, none of much weight", function()
     local pixels, weights = lib.shade_draw(picture, nil, 300, 7)
     local weight, all, once = {}, 0, true
     for i, p in ipairs(pixels) do
@@ -93,8 +93,8 @@ describe("a tolerance of a picture with a bright spot", function()
   it("knows the error of few pixels, or says by how much it may be larger", function()
     local size, outside, pictures = long({ 48, 27 }, { 96, 54 }), {}, 0
     for number = long(26, 1), long(26, 40) do
-      local square, least, report = judged(number, { size = size, tolerance = 0.03, samples = 4, share = 1.5, light_samples = 16 },
-        long(128, 1024))
+      local square, least, report = judged(number, { size = size, tolerance = 0.03, samples = 4, share = 1.5,
+        light_samples = 16 }, long(128, 1024))
       pictures = pictures + 1
       if least > report.judged.most ^ 2 then outside[#outside + 1] = number end
       assert.near(1, report.error / math.sqrt(square), 0.25)
@@ -117,6 +117,25 @@ describe("a tolerance of a picture with a bright spot", function()
   end) end
 end)
 
+describe("a tolerance", function()
+  it("says what it chose and how long that takes, before it does it", function()
+    local said, stderr = {}, io.stderr
+    finally(function() rawset(io, "stderr", stderr) end)
+    rawset(io, "stderr", { flush = function() end, write = function(_, ...)
+      for _, s in ipairs { ... } do said[#said + 1] = s end
+    end })
+    local scene = spots.scene(3)
+    local _, report = scene:render { size = { 8, 5 }, tolerance = 0.5, samples = 1, share = 1.5, progress = true }
+    rawset(io, "stderr", stderr)
+    local text = table.concat(said)
+    local rays, shadow, at = text:match("ylm: tolerance 0.5 chooses (%d+) camera rays a pixel %(share 1.5%), (%d+) shadow "
+      .. "rays; ()")
+    assert.equal(report.chosen.samples, tonumber(rays))
+    assert.equal(report.chosen.light_samples, tonumber(shadow))
+    assert.truthy(text:find("^the picture takes about %d+:%d%d, to judge it %d+:%d%d to %d+:%d%d\n", at), text)
+  end)
+end)
+
 describe("the error of elements", function()
   local function lit(scene, spacing)
     return scene:transfer({ spacing = spacing, links = 128, lmax = 0 }):radiosity(nil, { light_samples = 64 })
@@ -126,13 +145,13 @@ describe("the error of elements", function()
     local box = ylm.box { bounds = { { -0.6, 0, -0.6 }, { -0.1, 0.8, -0.1 } }, material = ylm.matte { albedo = 0.5 } }
     local scene = require "spec.support.elements".room(0.6, box)
     scene.camera = ylm.camera { from = { 0.7, 1.2, 0.9 }, at = { 0, 0.6, -0.4 }, fov = 70 }
-    local view = scene:prepare { size = { 24, 16 }, samples = 4, share = 0 }
+    local view = scene:prepare { size = { 18, 12 }, samples = 4, share = 0 }
     local function picture(from)
-      local image = view:render { indirect = from, links = 512, light_samples = 1, layers = false }
+      local image = view:render { indirect = from, links = 256, light_samples = 1, layers = false }
       return ylm.array(image:layer "radiance", "double")
     end
     local direct = ylm.array(view:render({ light_samples = 1, layers = false }):layer "radiance", "double")
-    local truth, last = picture(lit(scene, 0.08)), math.huge
+    local truth, last = picture(lit(scene, 0.1)), math.huge
     for _, spacing in ipairs { 0.4, 0.2 } do
       local one = lit(scene, spacing)
       local is = math.sqrt(((picture(one) - truth) ^ 2):mean()) / (truth - direct):mean()
@@ -151,7 +170,7 @@ describe("the error of elements", function()
     assert.equal(known, one.stats.elements_error)
     local _, report = scene:render { size = { 8, 6 }, samples = 1, links = 256, indirect = one }
     assert.equal(known, report.elements_error)
-    local _, judged = scene:render { size = { 8, 6 }, tolerance = 0.5, bounces = "all", transfer = one.transfer,
+    local _, judged = scene:render { size = { 4, 3 }, tolerance = 0.5, bounces = "all", transfer = one.transfer,
       samples = 1, share = 1.5 }
     assert.is_true(judged.causes.elements > 0)
   end)

@@ -214,15 +214,18 @@ describe("progress bars", function()
 
   it("are drawn from two seconds on where nobody asks, on a terminal, and are left out by false", function()
     local is_terminal, getenv = core.is_terminal, os.getenv
-    finally(function() core.is_terminal, os.getenv = is_terminal, getenv end)
+    finally(function()
+      core.is_terminal = is_terminal
+      rawset(os, "getenv", getenv)
+    end)
     core.is_terminal = function() return false end
     assert.is_nil(progress.long(nil))
     core.is_terminal = function() return true end
-    os.getenv = function(name) return name ~= "YLM_PROGRESS" and getenv(name) or nil end
+    rawset(os, "getenv", function(name) return name ~= "YLM_PROGRESS" and getenv(name) or nil end)
     assert.equal("function", type(progress.long(nil)))
     assert.is_false(progress.long(false))
     assert.is_nil(progress.resolve(false))
-    os.getenv = function(name) return name == "YLM_PROGRESS" and "no" or getenv(name) end
+    rawset(os, "getenv", function(name) return name == "YLM_PROGRESS" and "no" or getenv(name) end)
     assert.is_nil(progress.long(nil))
     local bar, written, at = timed(2)
     bar(0, 4, "baking")

@@ -39,11 +39,13 @@ static void mix(const ylm_shade_drawing *d, double *p) {
     light += bright(d, (int)(i % (size_t)d->width), (int)(i / (size_t)d->width));
     change += apart(d, i);
   }
-  double of_change = change > 0 ? DRAW_CHANGE : 0, of_light = light > 0 ? DRAW_LIGHT - of_change : 0;
+  double of_change = change > 0 ? DRAW_CHANGE : 0,
+         of_light = light > 0 ? DRAW_LIGHT - of_change : 0;
   for (size_t i = 0; i < n; i++) {
     p[i] = (1 - of_light - of_change) / (double)n;
     if (light > 0)
-      p[i] += of_light * bright(d, (int)(i % (size_t)d->width), (int)(i / (size_t)d->width)) / light;
+      p[i] +=
+          of_light * bright(d, (int)(i % (size_t)d->width), (int)(i / (size_t)d->width)) / light;
     if (change > 0) p[i] += of_change * apart(d, i) / change;
   }
 }

@@ -186,7 +186,7 @@ static void job_free(job *j) {
   ylm_free(j->part);
 }
 
-/* What leaves elements of irradiance E. */
+/* Radiance of elements of irradiance E. */
 static void leave(const ylm_transfer *t, const float *E, float *leaving) {
   const float each = 0.318309886183790672f;
   for (size_t i = 0; i < t->elements; i++)
@@ -213,7 +213,8 @@ ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, b
   if (!(residual > 0)) return ylm_fail(e, YLM_ERANGE, "residual must be above 0, got %g", residual);
   ylm_status s = job_create(&j, r->t, r->E0, NULL) ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = walk(&j, bounces, residual, closure, threads, progress, &found, e);
-  if (s == YLM_OK && bounces < 0) s = ylm_report(progress, 1, 1, "bounces"); /* sooner than it could know */
+  if (s == YLM_OK && bounces < 0)
+    s = ylm_report(progress, 1, 1, "bounces"); /* sooner than it could know */
   if (s == YLM_OK) {
     if (found.closed) close_series(&j);
     balance(&j, &found);

@@ -192,7 +192,8 @@ ylm_status ylm_transfer_vectors(const ylm_transfer *t, int bounces, double resid
   if (!(residual > 0)) return ylm_fail(e, YLM_ERANGE, "residual must be above 0, got %g", residual);
   s = begin(&j, t, closure && bounces < 0, out) ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = walk(&j, bounces, residual, threads, progress, &found, e);
-  if (s == YLM_OK && bounces < 0) s = ylm_report(progress, 1, 1, "bounces"); /* sooner than it could know */
+  if (s == YLM_OK && bounces < 0)
+    s = ylm_report(progress, 1, 1, "bounces"); /* sooner than it could know */
   if (s == YLM_OK && found.closed) close_series(&j);
   if (s == YLM_OK) deliver(&j, out);
   ylm_free(j.B);

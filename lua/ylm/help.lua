@@ -159,7 +159,7 @@ function help.names()
   return sorted(all)
 end
 
---- What progress is, and the names of its stages.
+--- The page on progress, with the names of its stages.
 local function progress_text()
   local out = { "progress", "" }
   wrap(out, "The option of work that may be long: true draws a bar on stderr (lines in a log), false draws none, a function is "

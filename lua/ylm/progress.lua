@@ -187,7 +187,7 @@ end
 
 -- Stages ----------------------------------------------------------------------------------
 
---- What each stage does, by its name.
+--- Stages: their names and what they do.
 progress.stages = {
   { "ambient", "rays find how open points are" },
   { "baking", "probes of a uniform grid are filled" },

@@ -209,13 +209,17 @@ static int radiosity_map(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
-static const luaL_Reg functions[] = {
-    {"radiosity_create", radiosity_create}, {"radiosity_rays", radiosity_rays},
-    {"radiosity_field", radiosity_field},   {"radiosity_set", radiosity_set},
-    {"radiosity_solve", radiosity_solve},   {"radiosity_values", radiosity_values},
-    {"radiosity_write", radiosity_write},   {"radiosity_map", radiosity_map},
-    {"radiosity_close", ylmL_let_go},       {"radiosity_coarse", radiosity_coarse},
-    {NULL, NULL}};
+static const luaL_Reg functions[] = {{"radiosity_create", radiosity_create},
+                                     {"radiosity_rays", radiosity_rays},
+                                     {"radiosity_field", radiosity_field},
+                                     {"radiosity_set", radiosity_set},
+                                     {"radiosity_solve", radiosity_solve},
+                                     {"radiosity_values", radiosity_values},
+                                     {"radiosity_write", radiosity_write},
+                                     {"radiosity_map", radiosity_map},
+                                     {"radiosity_close", ylmL_let_go},
+                                     {"radiosity_coarse", radiosity_coarse},
+                                     {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
 

@@ -194,7 +194,7 @@ local function element_error(x)
   return change / 2
 end
 
---- Elements small enough. Those of a transfer that is given stay.
+--- Elements small enough: groups of them would change little. A transfer that is given stays.
 local function choose_elements(x)
   local c, aim = x.chosen, SHARE.elements * x.tolerance
   while true do
@@ -298,7 +298,7 @@ local function surfaces(x, v)
   return shown, count
 end
 
---- What the squared error may be more, at a confidence of 95 %.
+--- The part by which the squared error may be larger, at a confidence of 95 %.
 local function bound(u, missed) return TERM * u + RANGE * missed end
 
 --- The squared error of the picture's own pixels against the path tracer, which traces more paths until it is sure; its
@@ -376,19 +376,28 @@ local function verdict(x, square, u, missed)
   return out
 end
 
---- Says what was chosen, and how long the picture and its judge take, as far as some pixels and a path of each tell.
+--- Seconds of an estimate by paths, from those of one and of two paths a camera ray.
+local function path_seconds(x)
+  local seconds, start = {}, core.seconds()
+  for paths = 1, 2 do
+    ask_paths(x, 0, paths)
+    seconds[paths], start = core.seconds() - start, core.seconds()
+  end
+  x.judged.rays, x.judged.samples = 0, 0
+  local each = math.max(0, seconds[2] - seconds[1])
+  return seconds[1] + each * (ROUND.paths - 1)
+end
+
+--- Says what was chosen, and how long the picture and its judge take, as far as some pixels and paths tell.
 local function announce(x)
   local c, start = x.chosen, core.seconds()
   local v = look(x, c.samples, c.share)
   gather(x, v, x.lit, c.links, direct(x, v, c.light_samples, 0), 0)
   v.view:close()
   local picture = (core.seconds() - start) * x.o.size[1] * x.o.size[2] / #x.pixels
-  start = core.seconds()
-  ask_paths(x, 0, 1)
-  local round = (core.seconds() - start) * ROUND.paths
-  x.judged.rays, x.judged.samples = 0, 0
-  progress.say(x.bar, picture + ROUND.first * round, "tolerance %.3g chooses %d camera rays a pixel (share %g), %d shadow rays%s; "
-    .. "the picture takes about %s, to judge it %s to %s", x.tolerance, c.samples, c.share, c.light_samples,
+  local round = path_seconds(x)
+  progress.say(x.bar, picture + ROUND.first * round, "tolerance %.3g chooses %d camera rays a pixel (share %g), %d shadow rays"
+    .. "%s; the picture takes about %s, to judge it %s to %s", x.tolerance, c.samples, c.share, c.light_samples,
     x.lit and (", %d links, %d elements"):format(c.links, c.elements) or "", progress.clock(picture),
     progress.clock(ROUND.first * round), progress.clock(ROUND.most * round))
 end

@@ -40,8 +40,8 @@ end
 function noise.say_camera(p, report, count)
   local samples, shaded = p.options.samples, density(p)
   if samples <= MANY or samples < SHARED * shaded then return end
-  say(p, report, "samples", "scene %q: %d camera rays of a pixel are shaded as %.1f: more of them smooth edges alone; shadow rays "
-    .. "are light_samples = %d (ylm render --light-samples)", p.scene.name or "?", samples, shaded, count)
+  say(p, report, "samples", "scene %q: %d camera rays of a pixel are shaded as %.1f: more of them smooth edges alone; shadow "
+    .. "rays are light_samples = %d (ylm render --light-samples)", p.scene.name or "?", samples, shaded, count)
 end
 
 return noise

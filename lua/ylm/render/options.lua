@@ -142,6 +142,8 @@ local scene = ylm.scene "one lamp" {
 options.report_text = "note (where nothing is to be shaded), notes (about files of the scene, where there are any), "
   .. "warnings (a list of sentences: what the picture does not keep), "
   .. "seconds (by stage: scene, primary, transfer, light, image; total), rays, points, hits, pixels; "
+  .. "by rays to lamps direct_noise: what shadow rays leave at a shading point, root mean square over the mean; by links "
+  .. "indirect_noise, that of the light that bounces, and elements_error (as lit.stats); "
   .. "transfer_samples, and where they were chosen noise: the root mean square deviation that they leave in the radiance, "
   .. "relative to it plus a tenth of its mean; "
 

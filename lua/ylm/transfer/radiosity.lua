@@ -24,7 +24,8 @@ require "ylm.describe".object "radiosity" {
       .. "escaped: W "
       .. "{r, g, b}, direct light on elements, what they keep, what leaves the scene; balance: what is missing between these, "
       .. "relative; elements_error: half of what elements of twice the spacing would change of the light that bounces, root mean "
-      .. "square over its mean, an estimate of the error that these leave, as it was when the radiosity was made; rays: shadow rays; direct_seconds, solve_seconds, seconds" },
+      .. "square over its mean, an estimate of the error that these leave, as it was when the radiosity was made; "
+      .. "rays: shadow rays; direct_seconds, solve_seconds, seconds" },
     { "transfer", "transfer", "of which elements" },
     { "scene", "scene", "of what" },
     { "notes", "string[]", "what is known to be missed, or nil" },
@@ -129,7 +130,8 @@ local function light_up(name, lit, m, lights, o)
   local from, message, code = illuminate(name, lit, m, lights, o, show)
   if not from then return nil, message, code end
   local stats
-  stats, message, code = check.result(name, m.lib.radiosity_solve(lit, count_of(o.bounces), o.residual, o.closure, o.threads, show))
+  stats, message, code = check.result(name, m.lib.radiosity_solve(lit, count_of(o.bounces), o.residual, o.closure,
+    o.threads, show))
   if not stats then return nil, message, code end
   stats.seconds = core.seconds() - start
   stats.elements_error = m.stats and m.stats.elements_error
@@ -180,8 +182,8 @@ function objects.transfer.radiosity(t, lights, given)
   return lit
 end
 
---- The same light, constant on groups of up to four elements, those of twice the spacing: a radiosity of the same transfer,
--- whose stats are those of `lit`; or nil, message, code.
+--- Light of `lit`, constant on groups of up to four elements, which are those of twice the spacing: a radiosity of its
+-- transfer, whose stats are those of `lit`; or nil, message, code.
 function objects.coarse(lit)
   local m = objects.open_radiosity("coarse", lit)
   local o = m.options
