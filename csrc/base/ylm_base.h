@@ -336,6 +336,7 @@ typedef struct ylm_field_query {
   ylm_dtype dtype;              /* of points and results */
   int threads;                  /* 0: the default */
   const ylm_progress *progress; /* may be NULL */
+  const double *origin;         /* [3] points are relative to it; NULL: to 0. ylm_field_evaluate */
 } ylm_field_query;
 
 /*
@@ -366,7 +367,30 @@ struct ylm_field {
   ylm_quantity quantity; /* what it holds */
   bool tells_validity;   /* evaluate writes r->validity where there is room for it */
   bool pointwise; /* a point's results are the same bits whatever other points the query has */
+  bool relative;  /* evaluate honours the query's origin */
 };
+
+/*
+** ylm_field_evaluate - the field's `evaluate` for queries that may have an origin.
+**
+** Far from 0 a float keeps few digits of a position. Callers then take the points of a query
+** relative to an origin nearby. Fields that do not know origins are asked in double at the points
+** themselves, and their results are rounded.
+**
+** Returns  as the field; YLM_ENOMEM. field.c
+*/
+YLM_API ylm_status ylm_field_evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
+                                      const void *points, ylm_field_result *r, ylm_error *e);
+/*
+** ylm_origin - the origin for positions within a box (min, max).
+**
+** An origin is 0 unless the box is far from 0: its middle is beyond YLM_ORIGIN_NEAR and beyond
+** YLM_ORIGIN_RATIO of its half edges. Otherwise the origin is the middle, rounded to a power of two
+** that is at most half of the longest edge, so that differences from it are exact in double.
+*/
+#define YLM_ORIGIN_NEAR 64
+#define YLM_ORIGIN_RATIO 16
+YLM_API void ylm_origin(const double box[6], double origin[3]);
 
 /* -- teams ----------------------------------------------------------------- */
 

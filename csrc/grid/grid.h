@@ -48,6 +48,7 @@ struct ylm_grid {
   size_t table_first; /* of a brick: where the table would begin in one of the whole bounds */
   uint32_t last[3];   /* the last lattice cell along each axis, of a brick that of its cell */
   double scale[3];    /* lattice cells per scene unit */
+  double origin[3];   /* ylm_origin of the bounds: points that are kept in float are relative to it */
 
   struct frames *frames; /* for bakes like this one (bake/frames.c); NULL: it knows none */
   const struct follower *follower; /* NULL: the grid follows no lights */
@@ -150,6 +151,19 @@ static inline uint32_t ylm__grid_finest(const ylm_grid *g, const uint32_t at[3])
     cell = c->child + octant_of(at[0], at[1], at[2], (uint32_t)shift);
   }
   return cell;
+}
+
+/* A position of the scene, of a point that is kept relative to the grid's origin. */
+static inline void ylm__grid_outward(const ylm_grid *g, const float x[3], double out[3]) {
+  for (int a = 0; a < 3; a++) out[a] = (double)x[a] + g->origin[a];
+}
+/* The origin for queries; NULL where it is 0. */
+static inline const double *ylm__grid_origin(const ylm_grid *g) {
+  return g->origin[0] != 0 || g->origin[1] != 0 || g->origin[2] != 0 ? g->origin : NULL;
+}
+/* A position of the scene as it is kept. */
+static inline void ylm__grid_inward(const ylm_grid *g, const double p[3], float out[3]) {
+  for (int a = 0; a < 3; a++) out[a] = (float)(p[a] - g->origin[a]);
 }
 
 /* The leaf that was found last, and its box in lattice coordinates: neighbours often share it. */
@@ -270,9 +284,14 @@ void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], vir
 
 /* -- sample/bias.c ------------------------------------------------------------------ */
 
-/* The place at which a grid is looked up for point x on a surface with normal n: ylm_grid_bias. */
-void ylm__grid_beside(const ylm_grid *g, double factor, const float x[3], const float n[3],
-                      double limit, const ylm_grid_reach *reach, float place[3]);
+/* The place at which a grid is looked up for point x on a surface with normal n: ylm_grid_bias.
+   Both are relative to `origin`. */
+void ylm__grid_beside(const ylm_grid *g, double factor, const double origin[3], const float x[3],
+                      const float n[3], double limit, const ylm_grid_reach *reach, float place[3]);
+/* ylm_grid_bias of points and places that are relative to `origin`. */
+void ylm__grid_bias(const ylm_grid *g, double factor, const double origin[3], size_t n,
+                    const float (*points)[3], const float (*normals)[3], const float *limit,
+                    const ylm_grid_reach *reach, float (*places)[3], int threads);
 
 /* -- sample/sample.c ---------------------------------------------------------------- */
 

@@ -123,6 +123,8 @@ ylm_grid *ylm__grid_new(const ylm_grid_form *form) {
   g->field.self = g;
   g->field.evaluate = ylm__grid_evaluate;
   g->field.quantity = form->quantity;
+  g->field.relative = true;
+  ylm_origin(form->bounds, g->origin);
   g->stats.error = g->stats.largest_error = NAN;
   if (form->dynamic) g->follower = &ylm__follower;
   ylm__grid_sync(g);

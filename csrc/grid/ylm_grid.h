@@ -495,6 +495,7 @@ typedef struct ylm_grid_query {
   ylm_dtype point_dtype, dtype; /* of points, of results */
   int threads;                  /* 0: the default */
   const ylm_progress *progress; /* may be NULL */
+  const double *origin;         /* [3] points are relative to it; NULL: to 0 */
 } ylm_grid_query;
 
 /*
@@ -541,6 +542,7 @@ typedef struct ylm_grid_track ylm_grid_track;
 ** ylm_grid_track_create - n points to be followed.
 **
 **   points  in   [n][3]; read as long as the track lives
+**   origin  in   [3] points are relative to it; NULL: to 0
 **   order   in   [n] the points, neighbours near one another, or NULL: as they come. Each block of
 **                YLM_GRID_TRACK in this order is sampled cell by cell
 **
@@ -548,8 +550,8 @@ typedef struct ylm_grid_track ylm_grid_track;
 ** Returns  YLM_OK, YLM_ENOMEM, YLM_ELIMIT (more than 2^32 points)
 */
 #define YLM_GRID_TRACK 4096
-YLM_API ylm_status ylm_grid_track_create(size_t n, const float *points, const uint32_t *order,
-                                         ylm_grid_track **track);
+YLM_API ylm_status ylm_grid_track_create(size_t n, const float *points, const double *origin,
+                                         const uint32_t *order, ylm_grid_track **track);
 YLM_API void ylm_grid_track_free(ylm_grid_track *track);
 
 /*

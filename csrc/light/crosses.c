@@ -107,7 +107,8 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   const job *j = context;
   (void)worker;
   for (size_t i = begin; i < end; i++) {
-    const double *box = j->boxes + 6 * i;
+    double box[6];
+    for (int a = 0; a < 6; a++) box[a] = j->boxes[6 * i + (size_t)a] - j->lights->origin[a % 3];
     bool found = j->tree && any_meets(j->tree, box);
     for (size_t k = 0; !j->tree && !found && k < j->lights->active; k++)
       found = meets(box, &j->lights->lamp_d[k]);

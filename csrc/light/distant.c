@@ -14,7 +14,7 @@ ylm_status ylm__distant_copy(ylm__distant *d, const ylm__light_kind *kind, size_
                              ylm_error *e) {
   size_t all = 0;
   for (size_t i = 0; i < n; i++) all += kind->length(record[i], SIZE_MAX);
-  d->field = (ylm_field){.self = d, .crosses = ylm__distant_crosses};
+  d->field = (ylm_field){.self = d, .crosses = ylm__distant_crosses, .relative = true};
   d->kind = kind;
   d->n = n;
   d->record = ylm_alloc(n, sizeof *d->record);

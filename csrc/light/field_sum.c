@@ -18,7 +18,8 @@ static ylm_field_query part_query(const ylm_field_query *q) {
                           .channels = metric && q->metric_channels == 3 ? 3 : q->channels,
                           .metric_channels = 1,
                           .dtype = q->dtype,
-                          .threads = q->threads};
+                          .threads = q->threads,
+                          .origin = q->origin};
   if (metric || (q->want & YLM_WANT_VALUE)) part.want |= YLM_WANT_VALUE;
   if (q->want & YLM_WANT_GRADIENT) part.want |= YLM_WANT_GRADIENT;
   if (metric || (q->want & YLM_WANT_HESSIAN)) part.want |= YLM_WANT_HESSIAN;
@@ -57,8 +58,8 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
           .hessian = part.want & YLM_WANT_HESSIAN ? one + 4 * rows * size : NULL,
           .inside = inside};
       memset(inside, 0, sizeof inside);
-      status = s->parts[k]->evaluate(s->parts[k], &part, m, (const char *)points + 3 * begin * size,
-                                     &result, e);
+      status = ylm_field_evaluate(s->parts[k], &part, m, (const char *)points + 3 * begin * size,
+                                  &result, e);
       r->pairs += result.pairs;
       if (status != YLM_OK) break;
       for (size_t i = 0; i < m; i++) any[i] |= inside[i];
@@ -123,7 +124,8 @@ ylm_status ylm_field_sum_create(size_t n, const ylm_field *const *parts, ylm_fie
                         .evaluate = evaluate,
                         .crosses = crosses,
                         .quantity = quantity_of(n, copy),
-                        .pointwise = pointwise(n, copy)},
+                        .pointwise = pointwise(n, copy),
+                        .relative = true},
                        n,
                        copy};
   *sum = s;

@@ -4,12 +4,19 @@
 #include <float.h>
 #include <math.h>
 
+/* ylm_light_beyond for points relative to an origin; NULL: to 0. */
+static ylm_status beyond(const char *what, ylm_dtype t, size_t point, const void *points,
+                         const double *origin, ylm_error *e) {
+  double x[3];
+  for (size_t a = 0; a < 3; a++)
+    x[a] = ylm_get(t, points, 3 * point + a) + (origin ? origin[a] : 0);
+  return ylm_fail(e, YLM_ERANGE, "%s at point %zu, (%g, %g, %g), is beyond the range of %s", what,
+                  point + 1, x[0], x[1], x[2], t == YLM_DOUBLE ? "double" : "float");
+}
+
 ylm_status ylm_light_beyond(const char *what, ylm_dtype t, size_t point, const void *points,
                             ylm_error *e) {
-  const size_t i = 3 * point;
-  return ylm_fail(e, YLM_ERANGE, "%s at point %zu, (%g, %g, %g), is beyond the range of %s", what,
-                  point + 1, ylm_get(t, points, i), ylm_get(t, points, i + 1),
-                  ylm_get(t, points, i + 2), t == YLM_DOUBLE ? "double" : "float");
+  return beyond(what, t, point, points, NULL, e);
 }
 
 /* Of n points with `wide` numbers each: YLM_ERANGE where one is not finite. */
@@ -17,7 +24,7 @@ static ylm_status look(const ylm_field_query *q, const char *what, size_t n, siz
                        const void *points, const void *x, ylm_error *e) {
   size_t where;
   if (!x || ylm_all_finite(q->dtype, x, n * wide, &where)) return YLM_OK;
-  return ylm_light_beyond(what, q->dtype, where / wide, points, e);
+  return beyond(what, q->dtype, where / wide, points, q->origin, e);
 }
 
 void ylm_light_saturate(ylm_dtype t, size_t n, void *x) {

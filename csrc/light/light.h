@@ -40,6 +40,18 @@ ylm_status ylm__lights_check(const ylm_field_query *q, ylm_isa isa, size_t n, co
 /* Whether lights' surfaces meet boxes. */
 ylm_status ylm__crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out);
 
+/* A query as kernels see it: its points relative to the origin of the lights. */
+typedef struct ylm__local {
+  ylm_field_query q; /* without an origin */
+  const void *points;
+  void *room;
+} ylm__local;
+/* Points of the query stay where they are if the origins are the same; else they are moved in
+   double, then rounded. To be ended in any case. YLM_ENOMEM. local.c */
+ylm_status ylm__local_begin(const ylm_field_query *q, const double origin[3], size_t n,
+                            const void *points, ylm__local *out);
+void ylm__local_end(ylm__local *local);
+
 /* A query is sound but for its points, lmax <= most. */
 ylm_status ylm__query_check(const ylm_field_query *q, const ylm_field_result *r, int most,
                             ylm_error *e);

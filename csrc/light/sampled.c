@@ -180,7 +180,10 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   weight *w = ylm_alloc(j->s->n, sizeof *w);
   for (size_t i = begin; i < end && sum && w; i++) {
     double x[3];
-    for (size_t a = 0; a < 3; a++) x[a] = ylm_get(j->q->dtype, j->points, 3 * i + a);
+    for (size_t a = 0; a < 3; a++) {
+      x[a] = ylm_get(j->q->dtype, j->points, 3 * i + a);
+      if (j->q->origin) x[a] += j->q->origin[a];
+    }
     size_t m = weigh(j->s, x, j->derivatives, w);
     blend(j, w, m, sum);
     ylm__field_write(j->q, i, 3, sum, wide, j->r);
@@ -255,7 +258,7 @@ ylm_status ylm_light_set_sampled(const ylm_light_sampled *light, ylm_light_set *
   if (status != YLM_OK) return status;
   sampled *s = ylm_alloc_zero(1, sizeof *s);
   if (!s) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  *s = (sampled){{.self = s, .evaluate = evaluate, .crosses = crosses},
+  *s = (sampled){{.self = s, .evaluate = evaluate, .crosses = crosses, .relative = true},
                  light->n,
                  light->lmax,
                  light->power,

@@ -305,7 +305,7 @@ ylm_status ylm_light_set_evaluate(const ylm_light_set *set, ylm_isa isa, const y
   const ylm__light_pack *p = set->pack[0];
   if (set->packs > 1)
     return ylm_fail(e, YLM_EINVAL, "kernels are chosen for lights that are summed together");
-  if (!p->kind->evaluate) return p->field->evaluate(p->field, q, n, points, r, e);
+  if (!p->kind->evaluate) return ylm_field_evaluate(p->field, q, n, points, r, e);
   return p->kind->evaluate(p->of, isa, q, n, points, r, e);
 }
 

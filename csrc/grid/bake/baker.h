@@ -155,7 +155,7 @@ ylm_status ylm__evaluate_ask(baker *b, const ylm_field *field, size_t n, field_b
 /* Room in a block for the results of n points; what frees it. */
 ylm_status ylm__evaluate_reserve_block(baker *b, field_block *k, size_t n);
 void ylm__evaluate_free_block(field_block *k);
-/* The float position that the field is asked at for a point. */
+/* The float position, relative to the grid's origin, that the field is asked at for a point. */
 void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]);
 
 /* -- metric.c ------------------------------------------------------------------------------- */

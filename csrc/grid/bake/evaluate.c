@@ -16,10 +16,11 @@ static ylm_status ask(baker *b, const ylm_field *field, int want, int channels, 
                        .metric_channels = f->metric_channels == 3 ? 3 : 1,
                        .dtype = YLM_FLOAT,
                        .threads = b->source->threads,
-                       .progress = b->making.progress};
+                       .progress = b->making.progress,
+                       .origin = ylm__grid_origin(b->g)};
   uint64_t before = r->pairs;
   double t = ylm_seconds();
-  ylm_status s = field->evaluate(field, &q, n, points, r, b->e);
+  ylm_status s = ylm_field_evaluate(field, &q, n, points, r, b->e);
   b->g->stats.field_seconds += ylm_seconds() - t;
   b->g->stats.pairs += r->pairs - before;
   return s;
@@ -75,7 +76,7 @@ ylm_status ylm__evaluate_ask(baker *b, const ylm_field *field, size_t n, field_b
 void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]) {
   double p[3];
   ylm_grid_position(g, g->lattice + 3 * (size_t)point, p);
-  for (size_t a = 0; a < 3; a++) out[a] = (float)p[a];
+  ylm__grid_inward(g, p, out);
 }
 
 /* Points that are evaluated together: those of a list, or from `first` on. */
@@ -105,7 +106,8 @@ static ylm_status store_block(void *context, size_t begin, size_t end, int worke
     size_t p = point_of(j, i);
     float d[3], *to = g->data + p * 4 * g->stride;
     ylm_grid_position(g, g->lattice + 3 * p, exact);
-    for (size_t a = 0; a < 3; a++) d[a] = (float)(exact[a] - (double)k->position[3 * i + a]);
+    for (size_t a = 0; a < 3; a++)
+      d[a] = (float)(exact[a] - g->origin[a] - (double)k->position[3 * i + a]);
     const float *value = k->value + i * w, *slope = k->gradient + i * w * 3;
     for (size_t c = 0; c < w; c++) {
       to[c] = carried(value[c], d, slope + 3 * c);
@@ -130,7 +132,8 @@ static ylm_status not_finite(const evaluation *j, size_t n) {
   ylm_field_query q = {.lmax = b->g->contents.form.lmax,
                        .channels = b->g->contents.form.channels,
                        .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT,
-                       .dtype = YLM_FLOAT};
+                       .dtype = YLM_FLOAT,
+                       .origin = ylm__grid_origin(b->g)};
   ylm_field_result r = {.value = k->value, .gradient = k->gradient};
   ylm_status s = ylm_light_finite(&q, n, k->position, &r, b->e);
   if (s != YLM_OK) return s;

@@ -38,8 +38,10 @@ static ylm_status finished(const refiner *r, double *error) {
   panel p = {
       .n = r->held, .point = r->points, .exact = r->exact, .inside = r->inside, .side = r->side};
   if (r->side) return ylm__sides_errors(r, &p, error);
-  ylm_grid_query q = {
-      .point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT, .threads = r->b->source->threads};
+  ylm_grid_query q = {.point_dtype = YLM_FLOAT,
+                      .dtype = YLM_FLOAT,
+                      .threads = r->b->source->threads,
+                      .origin = ylm__grid_origin(g)};
   float *sampled = ylm_alloc(p.n, g->width * sizeof *sampled);
   ylm_status s = sampled ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm_grid_sample(g, &q, p.n, p.point, sampled, NULL, NULL, r->b->e);

@@ -51,7 +51,7 @@ static ylm_status hold_voxels(refiner *r, uint64_t round, size_t *n, float *out)
   if (!c) return YLM_ENOMEM;
   ylm_rng_seed(&rng, seed, round);
   for (size_t i = 0; i < candidates; i++) {
-    ylm__held_surface_point(r->surface, seed, round * candidates + i, candidates, c[i].x);
+    ylm__held_surface_point(r, seed, round * candidates + i, candidates, c[i].x);
     c[i].leaf = ylm__held_leaf(r->b->g, c[i].x);
     c[i].draw = round * candidates + i;
   }
@@ -72,7 +72,7 @@ static size_t hold_triangles(const refiner *r, uint64_t round, size_t n, float *
     for (size_t a = 0; side && a < 3; a++)
       side[4 * held + a] = (float)(k & 1 ? -normal[a] : normal[a]);
     if (side) side[4 * held + 3] = INFINITY;
-    for (int a = 0; a < 3; a++) out[3 * held + (size_t)a] = (float)p[a];
+    ylm__grid_inward(r->b->g, p, out + 3 * held);
     held++;
   }
   return held;
@@ -91,7 +91,7 @@ ylm_status ylm__held_surface(refiner *r, uint64_t round, size_t n) {
     ylm__held_surface_side(r->surface, r->b->source->seed, round * n + i, area,
                            r->side + 4 * (aside + i));
   for (size_t i = 0; s == YLM_OK && i < area; i++)
-    ylm__held_surface_point(r->surface, r->b->source->seed, round * n + i, area,
+    ylm__held_surface_point(r, r->b->source->seed, round * n + i, area,
                             r->points + 3 * (aside + i));
   return s;
 }

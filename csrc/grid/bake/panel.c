@@ -134,7 +134,10 @@ static ylm_status rule_sides(const refiner *r, const panel *p, double doubt, rul
 static ylm_status rule_finished(const refiner *r, const panel *p, double doubt, int threads,
                                 ruling *out, ylm_error *e) {
   const ylm_grid *g = r->b->g;
-  ylm_grid_query q = {.point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT, .threads = threads};
+  ylm_grid_query q = {.point_dtype = YLM_FLOAT,
+                      .dtype = YLM_FLOAT,
+                      .threads = threads,
+                      .origin = ylm__grid_origin(g)};
   if (p->side) return rule_sides(r, p, doubt, out);
   float *sampled = ylm_alloc(p->n, g->width * sizeof *sampled);
   ylm_status s = sampled ? YLM_OK : YLM_ENOMEM;

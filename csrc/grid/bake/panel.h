@@ -10,7 +10,7 @@
 typedef struct panel {
   size_t n;
   bool all;        /* they are all the occupied points there are */
-  float *point;    /* [n][3] */
+  float *point;    /* [n][3] relative to the grid's origin */
   float *exact;    /* [n][width] */
   float *drift;    /* [n] bound of what rounding has added up to; 0 where all lights were summed */
   uint8_t *inside; /* [n] in or on a light: left out */

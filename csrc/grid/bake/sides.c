@@ -27,7 +27,7 @@ static void places(const ylm_grid *g, size_t n, const float *x, const float *sid
     double off = 0, largest = 0;
     for (size_t a = 0; a < 3; a++) {
       off += SIDES_OFF * fabs((double)side[4 * i + a]) / g->scale[a];
-      largest = fmax(largest, fabs((double)x[3 * i + a]));
+      largest = fmax(largest, fabs((double)x[3 * i + a] + g->origin[a]));
     }
     off = fmax(off, SIDES_ROUNDING * largest);
     off = f->bias > 0 ? fmin(off, (double)side[4 * i + 3]) : 0;
@@ -96,7 +96,9 @@ static const ylm_grid_cell *voxel_of(const baker *b, uint32_t leaf) {
 static bool is_outside(const ylm_grid *g, const float p[3]) {
   const double *box = g->contents.form.bounds;
   bool out = false;
-  for (int a = 0; a < 3; a++) out |= !((double)p[a] >= box[a] && (double)p[a] <= box[a + 3]);
+  double at[3];
+  ylm__grid_outward(g, p, at);
+  for (int a = 0; a < 3; a++) out |= !(at[a] >= box[a] && at[a] <= box[a + 3]);
   return out;
 }
 
@@ -104,8 +106,8 @@ static bool is_outside(const ylm_grid *g, const float p[3]) {
 static void look_up(const refiner *r, const float *x, const float *side, float place[3]) {
   const ylm_grid *g = r->b->g;
   if (g->contents.form.bias > 0)
-    ylm__grid_beside(g, g->contents.form.bias, x, side, (double)side[3], r->b->source->reach,
-                     place);
+    ylm__grid_beside(g, g->contents.form.bias, g->origin, x, side, (double)side[3],
+                     r->b->source->reach, place);
   else
     memcpy(place, x, 3 * sizeof *place);
 }
@@ -159,7 +161,10 @@ ylm_status ylm__sides_errors(const refiner *r, const panel *p, double *error) {
   const ylm_grid *g = r->b->g;
   size_t n = p->n, w = g->width;
   int threads = r->b->source->threads;
-  ylm_grid_query q = {.point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT, .threads = threads};
+  ylm_grid_query q = {.point_dtype = YLM_FLOAT,
+                      .dtype = YLM_FLOAT,
+                      .threads = threads,
+                      .origin = ylm__grid_origin(g)};
   float *value = ylm_alloc(n, w * sizeof *value);
   float(*place)[3] = ylm_alloc(n, sizeof *place);
   float(*normal)[3] = ylm_alloc(n, sizeof *normal), *limit = ylm_alloc(n, sizeof *limit);
@@ -170,8 +175,8 @@ ylm_status ylm__sides_errors(const refiner *r, const panel *p, double *error) {
     limit[i] = p->side[4 * i + 3];
   }
   if (s == YLM_OK) {
-    ylm_grid_bias(g, g->contents.form.bias, n, x, (const float(*)[3])normal, limit,
-                  r->b->source->reach, place, threads);
+    ylm__grid_bias(g, g->contents.form.bias, g->origin, n, x, (const float(*)[3])normal, limit,
+                   r->b->source->reach, place, threads);
     s = ylm_grid_sample_biased(g, &q, n, x, (const float(*)[3])place, value, NULL, r->b->e);
   }
   for (size_t i = 0; s == YLM_OK && i < n; i++) {

@@ -18,7 +18,7 @@ typedef struct refiner {
   double median, high; /* of the ratios, once they are `trusted`: residual.c */
   bool trusted;
   cell_list tested, centre; /* cells to measure, and the points at their centres */
-  float *points;            /* [HELD_OUT][3] */
+  float *points;            /* [HELD_OUT][3] relative to the grid's origin */
   float *exact;             /* [HELD_OUT][width] */
   uint8_t *inside;
   float
@@ -91,8 +91,8 @@ bool ylm__verify_satisfied(refiner *r, bool *limited);
 /* -- held.c ----------------------------------------------------------------------------- */
 
 /* Point k of a seed on the surface, in float; `strata` as of ylm_grid_surface_draw. */
-void ylm__held_surface_point(const ylm_grid_surface *surface, uint64_t seed, uint64_t k,
-                             uint64_t strata, float out[3]);
+void ylm__held_surface_point(const refiner *r, uint64_t seed, uint64_t k, uint64_t strata,
+                             float out[3]);
 /* Its normal, of one of its two sides, and no limit. */
 void ylm__held_surface_side(const ylm_grid_surface *surface, uint64_t seed, uint64_t k,
                             uint64_t strata, float out[4]);

@@ -8,6 +8,7 @@ typedef struct sorting {
   ylm_grid_set *set;
   ylm_dtype dtype;
   const void *points;
+  const double *origin;     /* [3] of the points; NULL: 0 */
   uint32_t *number, *order; /* [n] */
   size_t *first;            /* [bricks + 2] of each brick in the order */
   uint32_t *brick;          /* [bricks + 1] those that have points */
@@ -21,7 +22,8 @@ static ylm_status find_bricks(void *context, size_t begin, size_t end, int worke
   leaf_cursor cursor = {.leaf = YLM_GRID_NONE};
   for (size_t i = begin; i < end; i++) {
     double p[3], at[3];
-    for (size_t a = 0; a < 3; a++) p[a] = ylm_get(t->dtype, t->points, 3 * i + a);
+    for (size_t a = 0; a < 3; a++)
+      p[a] = ylm_get(t->dtype, t->points, 3 * i + a) + (t->origin ? t->origin[a] : 0);
     ylm__grid_coordinates(g, p, at);
     t->number[i] = t->set->number[ylm__grid_leaf_again(g, &cursor, at)];
   }
@@ -212,7 +214,7 @@ ylm_status ylm__set_evaluate(const ylm_field *f, const ylm_field_query *q, size_
     return ylm_fail(e, YLM_ERANGE, "the grid has coefficients up to lmax %d, %d is wanted",
                     set->top->contents.form.lmax, q->lmax);
   set_asking j = {q, points, r, width, ylm_alloc(most, row)};
-  sorting t = {.set = set, .dtype = q->dtype, .points = points};
+  sorting t = {.set = set, .dtype = q->dtype, .points = points, .origin = q->origin};
   if (!j.room) return ylm_fail(e, YLM_ENOMEM, "no memory to sample %zu points", n);
   ylm_status s = each_brick(&t, n, q->threads, ask_brick, &j, q->progress, e);
   ylm_free(j.room);

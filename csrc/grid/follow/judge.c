@@ -87,7 +87,7 @@ ylm_status ylm__judge_samples(const ylm_grid *g, panel *p, int threads, ruling *
   ylm_status s = YLM_OK;
   if (!p->sampled) p->sampled = ylm_alloc(p->n, g->width * sizeof *p->sampled);
   if (!p->sampled) return YLM_ENOMEM;
-  if (!p->track) s = ylm_grid_track_create(p->n, p->point, NULL, &p->track);
+  if (!p->track) s = ylm_grid_track_create(p->n, p->point, g->origin, NULL, &p->track);
   if (s == YLM_OK)
     s = ylm_grid_track_sample(p->track, g, YLM_GRID_HERMITE, threads, NULL,
                               &(ylm_grid_taker){NULL, take_samples, &to}, &fresh, NULL);

@@ -52,10 +52,11 @@ static ylm_status add_light(const panel_change *k, const ylm_light *l, double si
                        .metric_channels = 1,
                        .dtype = YLM_FLOAT,
                        .threads = k->u->source.threads,
-                       .want = YLM_WANT_VALUE};
+                       .want = YLM_WANT_VALUE,
+                       .origin = ylm__grid_origin(k->u->g)};
   ylm_field_result r = {.value = k->value, .inside = k->inside};
   memset(k->inside, 0, k->p->n);
-  if (s == YLM_OK) s = f->evaluate(f, &q, k->p->n, k->p->point, &r, k->u->b.e);
+  if (s == YLM_OK) s = ylm_field_evaluate(f, &q, k->p->n, k->p->point, &r, k->u->b.e);
   k->u->g->stats.pairs += r.pairs;
   ylm_light_set_free(set);
   for (size_t i = 0; s == YLM_OK && i < k->p->n; i++) {

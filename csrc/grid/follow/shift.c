@@ -62,11 +62,12 @@ static ylm_status add_lights(const shift_job *j, shift_work *w, size_t lights,
                        .metric_channels = 1,
                        .dtype = YLM_FLOAT,
                        .threads = 1,
+                       .origin = ylm__grid_origin(g),
                        .want = YLM_WANT_VALUE | YLM_WANT_GRADIENT |
                                (w->hessian ? YLM_WANT_HESSIAN : 0)};
   ylm_field_result r = {.value = w->value, .gradient = w->gradient, .hessian = w->hessian};
   double t = ylm_seconds();
-  if (s == YLM_OK) s = f->evaluate(f, &q, n, w->position, &r, NULL);
+  if (s == YLM_OK) s = ylm_field_evaluate(f, &q, n, w->position, &r, NULL);
   w->seconds += ylm_seconds() - t;
   w->pairs += r.pairs;
   ylm_light_set_free(set);

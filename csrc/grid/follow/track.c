@@ -38,6 +38,7 @@ typedef struct track_work {
 struct ylm_grid_track {
   size_t points, blocks;
   const float *position; /* [points][3] */
+  double origin[3];      /* positions are relative to it */
   uint32_t *order;       /* [points] */
   float *t;              /* [blocks][3][YLM_GRID_TRACK] */
   track_block *block;
@@ -45,14 +46,15 @@ struct ylm_grid_track {
   ylm_grid_interpolation how;
 };
 
-ylm_status ylm_grid_track_create(size_t n, const float *points, const uint32_t *order,
-                                 ylm_grid_track **track) {
+ylm_status ylm_grid_track_create(size_t n, const float *points, const double *origin,
+                                 const uint32_t *order, ylm_grid_track **track) {
   *track = NULL;
   if (n >= YLM_GRID_NONE) return YLM_ELIMIT;
   ylm_grid_track *k = ylm_alloc_zero(1, sizeof *k);
   if (!k) return YLM_ENOMEM;
   k->points = n;
   k->position = points;
+  if (origin) memcpy(k->origin, origin, sizeof k->origin);
   k->blocks = (n + YLM_GRID_TRACK - 1) / YLM_GRID_TRACK;
   k->order = ylm_alloc(n, sizeof *k->order);
   k->t = ylm_alloc(k->blocks, 3 * YLM_GRID_TRACK * sizeof *k->t);
@@ -96,9 +98,14 @@ typedef struct track_job {
 
 /* -- where points lie -------------------------------------------------------------------------- */
 
+static void position_of(const ylm_grid_track *k, uint32_t point, double p[3]) {
+  for (size_t a = 0; a < 3; a++) p[a] = (double)k->position[3 * (size_t)point + a] + k->origin[a];
+}
+
 static void coordinates(const track_job *j, uint32_t point, double at[3], bool *inside) {
-  const float *x = j->track->position + 3 * (size_t)point;
-  *inside = ylm__grid_coordinates(j->g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, at);
+  double p[3];
+  position_of(j->track, point, p);
+  *inside = ylm__grid_coordinates(j->g, p, at);
 }
 
 typedef struct coded {
@@ -119,8 +126,9 @@ static ylm_status sort_block(void *context, size_t begin, size_t end, int worker
   uint32_t *order = j->track->order + begin, voxel[3];
   coded c[YLM_GRID_TRACK];
   for (size_t i = 0; i < end - begin; i++) {
-    const float *x = j->track->position + 3 * (size_t)order[i];
-    ylm_grid_voxel(j->g, (double[3]){(double)x[0], (double)x[1], (double)x[2]}, voxel);
+    double p[3];
+    position_of(j->track, order[i], p);
+    ylm_grid_voxel(j->g, p, voxel);
     c[i] = (coded){ylm__morton(voxel[0], voxel[1], voxel[2]), order[i]};
   }
   qsort(c, end - begin, sizeof *c, by_code);

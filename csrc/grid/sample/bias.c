@@ -19,9 +19,14 @@ static double thickness(const ylm_grid *g, const double p[3], const float n[3]) 
   return sum;
 }
 
-/* How far off point x on a surface with normal n a grid is looked up, without a limit. */
-static double bias_at(const ylm_grid *g, double factor, const float x[3], const float n[3]) {
-  double p[3] = {x[0], x[1], x[2]}, q[3], b = factor * thickness(g, p, n);
+/* The position of x, which is relative to an origin. */
+static void outward(const float x[3], const double origin[3], double p[3]) {
+  for (int a = 0; a < 3; a++) p[a] = (double)x[a] + origin[a];
+}
+
+/* How far off point p on a surface with normal n a grid is looked up, without a limit. */
+static double bias_at(const ylm_grid *g, double factor, const double p[3], const float n[3]) {
+  double q[3], b = factor * thickness(g, p, n);
   for (int look = 0; look < BIAS_LOOKS; look++) {
     for (int a = 0; a < 3; a++) q[a] = p[a] + b * (double)n[a];
     double further = factor * thickness(g, q, n);
@@ -45,11 +50,14 @@ static void tangents(const float n[3], float t[2][3]) {
 }
 
 /* Moves a place away from surfaces that are nearer along +-t than a voxel is thick. */
-static void move_away(const ylm_grid *g, double factor, const ylm_grid_reach *r, const float t[3],
-                      float place[3]) {
-  double p[3] = {place[0], place[1], place[2]}, far = factor * thickness(g, p, t), by;
-  float back[3] = {-t[0], -t[1], -t[2]};
-  double there = r->distance(r->self, place, t, far), here = r->distance(r->self, place, back, far);
+static void move_away(const ylm_grid *g, double factor, const double origin[3],
+                      const ylm_grid_reach *r, const float t[3], float place[3]) {
+  double p[3], by;
+  float back[3] = {-t[0], -t[1], -t[2]}, from[3];
+  outward(place, origin, p);
+  for (int a = 0; a < 3; a++) from[a] = (float)p[a];
+  double far = factor * thickness(g, p, t);
+  double there = r->distance(r->self, from, t, far), here = r->distance(r->self, from, back, far);
   if (there < far && here < far)
     by = 0.5 * (there - here);
   else
@@ -58,26 +66,29 @@ static void move_away(const ylm_grid *g, double factor, const ylm_grid_reach *r,
 }
 
 /* Half of the distance from x on a surface to the next along its normal n, as far as 2 b. */
-static double halfway(const ylm_grid_reach *r, const float x[3], const float n[3], double b) {
+static double halfway(const ylm_grid_reach *r, const double p[3], const float n[3], double b) {
   float off[3];
-  for (int a = 0; a < 3; a++) off[a] = x[a] + (float)(1e-3 * b) * n[a];
+  for (int a = 0; a < 3; a++) off[a] = (float)p[a] + (float)(1e-3 * b) * n[a];
   return 0.5 * r->distance(r->self, off, n, 2 * b);
 }
 
-void ylm__grid_beside(const ylm_grid *g, double factor, const float x[3], const float n[3],
-                      double limit, const ylm_grid_reach *reach, float place[3]) {
+void ylm__grid_beside(const ylm_grid *g, double factor, const double origin[3], const float x[3],
+                      const float n[3], double limit, const ylm_grid_reach *reach, float place[3]) {
   float t[2][3];
-  double b = fmin(bias_at(g, factor, x, n), limit);
-  if (reach && b > 0 && isinf(limit)) b = fmin(b, halfway(reach, x, n, b));
+  double p[3];
+  outward(x, origin, p);
+  double b = fmin(bias_at(g, factor, p, n), limit);
+  if (reach && b > 0 && isinf(limit)) b = fmin(b, halfway(reach, p, n, b));
   for (int a = 0; a < 3; a++) place[a] = x[a] + (float)b * n[a];
   if (!reach || !(b > 0)) return;
   tangents(n, t);
-  for (int k = 0; k < 2; k++) move_away(g, factor, reach, t[k], place);
+  for (int k = 0; k < 2; k++) move_away(g, factor, origin, reach, t[k], place);
 }
 
 typedef struct bias_job {
   const ylm_grid *g;
   double factor;
+  const double *origin;
   const float (*points)[3], (*normals)[3];
   const float *limit;
   const ylm_grid_reach *reach;
@@ -88,19 +99,26 @@ static ylm_status find_places(void *context, size_t begin, size_t end, int worke
   (void)worker;
   const bias_job *j = context;
   for (size_t i = begin; i < end; i++)
-    ylm__grid_beside(j->g, j->factor, j->points[i], j->normals[i],
+    ylm__grid_beside(j->g, j->factor, j->origin, j->points[i], j->normals[i],
                      j->limit ? (double)j->limit[i] : INFINITY, j->reach, j->places[i]);
   return YLM_OK;
+}
+
+void ylm__grid_bias(const ylm_grid *g, double factor, const double origin[3], size_t n,
+                    const float (*points)[3], const float (*normals)[3], const float *limit,
+                    const ylm_grid_reach *reach, float (*places)[3], int threads) {
+  bias_job j = {g, factor, origin, points, normals, limit, reach, places};
+  if (factor > 0)
+    ylm_parallel(n, BIAS_GRAIN, threads, find_places, &j, NULL, NULL);
+  else
+    ylm_copy(places, points, n * sizeof *places);
 }
 
 void ylm_grid_bias(const ylm_grid *g, double factor, size_t n, const float (*points)[3],
                    const float (*normals)[3], const float *limit, const ylm_grid_reach *reach,
                    float (*places)[3], int threads) {
-  bias_job j = {g, factor, points, normals, limit, reach, places};
-  if (factor > 0)
-    ylm_parallel(n, BIAS_GRAIN, threads, find_places, &j, NULL, NULL);
-  else
-    ylm_copy(places, points, n * sizeof *places);
+  const double zero[3] = {0};
+  ylm__grid_bias(g, factor, zero, n, points, normals, limit, reach, places, threads);
 }
 
 ylm_status ylm_grid_sample_biased(const ylm_grid *g, const ylm_grid_query *q, size_t n,

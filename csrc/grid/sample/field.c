@@ -61,7 +61,8 @@ static void convert(const ylm_grid *g, const ylm_field_query *q, size_t n, const
     if (!(q->want & YLM_WANT_METRIC)) continue;
     double sum = 0, p[3];
     for (size_t j = 0; j < w; j++) sum += (double)value[i * w + j] * (double)value[i * w + j];
-    for (size_t a = 0; a < 3; a++) p[a] = ylm_get(q->dtype, points, 3 * i + a);
+    for (size_t a = 0; a < 3; a++)
+      p[a] = ylm_get(q->dtype, points, 3 * i + a) + (q->origin ? q->origin[a] : 0);
     if (r->norm) ylm_put(q->dtype, r->norm, i, sqrt(sum));
     if (r->lambda) ylm_put(q->dtype, r->lambda, i, sample_lambda(g, p));
   }
@@ -79,7 +80,10 @@ ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size
   float *value = ylm_alloc(block, w * sizeof *value);
   float *gradient = slopes ? ylm_alloc(block, 3 * w * sizeof *gradient) : NULL;
   ylm_status s = value && (gradient || !slopes) ? YLM_OK : YLM_ENOMEM;
-  ylm_grid_query own = {.point_dtype = q->dtype, .dtype = YLM_FLOAT, .threads = q->threads};
+  ylm_grid_query own = {.point_dtype = q->dtype,
+                        .dtype = YLM_FLOAT,
+                        .threads = q->threads,
+                        .origin = q->origin};
   for (size_t i = 0; i < n && s == YLM_OK; i += block) {
     size_t now = n - i < block ? n - i : block, size = ylm_dtype_size(q->dtype);
     size_t k = i * (size_t)(q->channels * (q->lmax + 1) * (q->lmax + 1)) * size;

@@ -38,6 +38,7 @@ static void read_point(const sampling *s, size_t i, double p[3]) {
     memcpy(f, s->points + i * 12, 12);
     for (int a = 0; a < 3; a++) p[a] = f[a];
   }
+  for (int a = 0; s->q->origin && a < 3; a++) p[a] += s->q->origin[a];
 }
 
 /* The cell that answers for a point, and fractions of its edges; YLM_GRID_SAMPLE_*. */

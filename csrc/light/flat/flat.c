@@ -87,7 +87,10 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   double *sum = ylm_alloc_zero(n * 3 * wide, sizeof *sum), x[YLM__POLYGON_BLOCK][3];
   uint8_t inside[YLM__POLYGON_BLOCK] = {0};
   if (!sum) return YLM_ENOMEM;
-  for (size_t i = 0; i < 3 * n; i++) x[i / 3][i % 3] = ylm_get(q->dtype, j->points, 3 * begin + i);
+  for (size_t i = 0; i < 3 * n; i++) {
+    x[i / 3][i % 3] = ylm_get(q->dtype, j->points, 3 * begin + i);
+    if (q->origin) x[i / 3][i % 3] += q->origin[i % 3];
+  }
   const double(*at)[3] = (const double(*)[3])x;
   ylm_status s = j->p->exact        ? ylm__polygon_exactly(j->p, j->plan, q, n, at, sum, inside)
                  : j->merged.kernel ? ylm__polygon_merged(j->p, &j->merged, q, n, at, sum, inside)
@@ -185,8 +188,11 @@ ylm_status ylm_polygons_create(size_t n, const int *sides, const double *vertice
   }
   ylm_polygons *p = ylm_alloc_zero(1, sizeof *p);
   if (!p) return YLM_ENOMEM;
-  p->field = (ylm_field){
-      .self = p, .evaluate = evaluate, .crosses = ylm__polygon_crosses, .pointwise = true};
+  p->field = (ylm_field){.self = p,
+                         .evaluate = evaluate,
+                         .crosses = ylm__polygon_crosses,
+                         .pointwise = true,
+                         .relative = true};
   p->exact = exact;
   ylm_status s = allocate(p, n, total);
   if (s == YLM_OK) s = set_horizon(p, horizon, e);

@@ -89,7 +89,10 @@ ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa, const ylm_
                                size_t n, const void *points, ylm_field_result *r, ylm_error *e) {
   ylm_status s = ylm__lights_check(q, isa, n, points, r, e);
   if (s != YLM_OK) return s;
-  s = n ? sum(lights, isa, q, n, points, r) : YLM_OK;
+  ylm__local local;
+  s = ylm__local_begin(q, lights->origin, n, points, &local);
+  if (s == YLM_OK && n) s = sum(lights, isa, &local.q, n, local.points, r);
+  ylm__local_end(&local);
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   r->pairs += (uint64_t)n * lights->active;
   return ylm__lights_finite(lights, q, n, points, r, e);

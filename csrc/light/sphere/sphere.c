@@ -42,6 +42,17 @@ static ylm__lamp_f rounded(const ylm__lamp_d *d) {
   return f;
 }
 
+/* The origin of the lights that emit. */
+static void find_origin(ylm_lights *l, const double *at, const double *radius) {
+  double box[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
+  for (size_t i = 0; i < 3 * l->n; i++) {
+    if (radius[i / 3] == 0) continue;
+    box[i % 3] = fmin(box[i % 3], at[i] - radius[i / 3]);
+    box[i % 3 + 3] = fmax(box[i % 3 + 3], at[i] + radius[i / 3]);
+  }
+  if (l->active) ylm_origin(box, l->origin);
+}
+
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                            const void *points, ylm_field_result *r, ylm_error *e) {
   return ylm_lights_evaluate(f->self, ylm_isa_current(), q, n, points, r, e);
@@ -57,7 +68,9 @@ ylm_status ylm_lights_create(size_t n, const double *at, const double *radius,
   l->n = n;
   for (size_t i = 0; i < n; i++) l->active += radius[i] > 0;
   l->all = ylm_alloc(n, sizeof *l->all);
-  l->lamp_d = l->active == n ? l->all : ylm_alloc(l->active, sizeof *l->lamp_d);
+  find_origin(l, at, radius);
+  bool moved = l->origin[0] != 0 || l->origin[1] != 0 || l->origin[2] != 0;
+  l->lamp_d = l->active == n && !moved ? l->all : ylm_alloc(l->active, sizeof *l->lamp_d);
   l->lamp_f = ylm_alloc(l->active, sizeof *l->lamp_f);
   if (!l->all || !l->lamp_d || !l->lamp_f) {
     ylm_lights_free(l);
@@ -67,10 +80,15 @@ ylm_status ylm_lights_create(size_t n, const double *at, const double *radius,
     l->all[i] = lamp_of(at, radius, radiance, i);
     if (radius[i] == 0) continue;
     l->lamp_d[k] = l->all[i];
-    l->lamp_f[k++] = rounded(&l->all[i]);
+    for (int a = 0; moved && a < 3; a++) l->lamp_d[k].at[a] -= l->origin[a];
+    l->lamp_f[k] = rounded(&l->lamp_d[k]);
+    k++;
   }
-  l->field =
-      (ylm_field){.self = l, .evaluate = evaluate, .crosses = ylm__crosses, .pointwise = true};
+  l->field = (ylm_field){.self = l,
+                         .evaluate = evaluate,
+                         .crosses = ylm__crosses,
+                         .pointwise = true,
+                         .relative = true};
   *lights = l;
   return YLM_OK;
 }

@@ -23,7 +23,8 @@ typedef struct ylm_lights {
   size_t n;
   ylm__lamp_d *all;            /* [n] as they were given */
   size_t active;               /* number of lights with a radius above 0 */
-  ylm__lamp_d *lamp_d;         /* [active], in the order given; `all` itself where all emit */
+  double origin[3];            /* of lamp_d, lamp_f and the tree: ylm_origin of all that emit */
+  ylm__lamp_d *lamp_d;         /* [active], in the order given; `all` itself where all emit near 0 */
   ylm__lamp_f *lamp_f;         /* [active] */
   struct ylm_light_tree *tree; /* NULL until a cut needs it */
 } ylm_lights;

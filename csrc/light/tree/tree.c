@@ -63,16 +63,19 @@ ylm_status ylm__tree_field_evaluate(const ylm__tree_field *t, ylm_isa isa, const
   bool kernels = ylm__kernels_of(isa, q->lmax, q->dtype, &set);
   if (!kernels || !ylm__tree_pays(lights->tree, q->lmax, t->tolerance))
     return ylm_lights_evaluate(lights, isa, q, n, points, r, e);
-  ylm__plan sums, pilot = {0};
+  ylm__plan sums = {0}, pilot = {0};
   ylm__tree_plan plan = {0};
-  ylm_field_query scales = pilot_query(q);
-  s = ylm__plan_create(&sums, lights, q, set.moments);
+  ylm__local local;
+  s = ylm__local_begin(q, lights->origin, n, points, &local);
+  ylm_field_query scales = pilot_query(&local.q);
+  if (s == YLM_OK) s = ylm__plan_create(&sums, lights, &local.q, set.moments);
   if (s == YLM_OK) s = ylm__plan_create(&pilot, lights, &scales, set.moments);
   if (s == YLM_OK) s = ylm__tree_plan_create(&plan, lights->tree, t->tolerance, &sums, &pilot);
-  if (s == YLM_OK) s = sum(&plan, &set, n, points, r);
+  if (s == YLM_OK) s = sum(&plan, &set, n, local.points, r);
   ylm__tree_plan_free(&plan);
   ylm__plan_free(&pilot);
   ylm__plan_free(&sums);
+  ylm__local_end(&local);
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   return ylm__lights_finite(lights, q, n, points, r, e);
 }
@@ -95,7 +98,7 @@ ylm_status ylm__tree_field_create(ylm_lights *lights, double tolerance, int thre
   ylm_status s = lights->tree ? YLM_OK : ylm__tree_create(lights, threads, &lights->tree);
   if (!c || s != YLM_OK) ylm_free(c);
   if (!c || s != YLM_OK) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  *c = (ylm__tree_field){{.self = c, .evaluate = evaluate, .crosses = crosses}, lights, tolerance};
+  *c = (ylm__tree_field){{.self = c, .evaluate = evaluate, .crosses = crosses, .relative = true}, lights, tolerance};
   *out = c;
   return YLM_OK;
 }

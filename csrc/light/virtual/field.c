@@ -38,8 +38,11 @@ ylm_status ylm_light_virtual_evaluate(const ylm_light_virtual *v, ylm_isa isa,
                                       ylm_field_result *r, ylm_error *e) {
   ylm_status s = ylm__lights_check(q, isa, n, points, r, e);
   if (s != YLM_OK) return s;
-  job j = {.lights = v, .q = q, .points = points, .r = r};
-  s = n ? sum(&j, isa, n) : YLM_OK;
+  ylm__local local;
+  s = ylm__local_begin(q, v->origin, n, points, &local);
+  job j = {.lights = v, .q = &local.q, .points = local.points, .r = r};
+  if (s == YLM_OK && n) s = sum(&j, isa, n);
+  ylm__local_end(&local);
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   r->pairs += (uint64_t)n * v->n;
   return ylm_light_finite(q, n, points, r, e);

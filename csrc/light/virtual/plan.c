@@ -39,7 +39,7 @@ static void settle_one(const ylm_light_virtual *v, size_t i, double *to) {
   size_t n = YLM_LIGHT_VIRTUAL_NUMBERS(v->degree);
   double c[81];
   for (size_t a = 0; a < 3; a++) {
-    to[YLM__VIRTUAL_AT + a] = v->at[3 * i + a];
+    to[YLM__VIRTUAL_AT + a] = v->local[3 * i + a];
     to[YLM__VIRTUAL_NORMAL + a] = v->normal[3 * i + a];
   }
   to[YLM__VIRTUAL_SHIFT] = v->shift[i];

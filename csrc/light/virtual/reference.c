@@ -247,7 +247,7 @@ static void read_light(const ylm_light_virtual *v, ylm_dtype t, size_t i, source
   size_t n = 3 * YLM_LIGHT_VIRTUAL_NUMBERS(v->degree);
   s->turned = false;
   for (size_t a = 0; a < 3; a++) {
-    s->at[a] = seen(t, v->at[3 * i + a]);
+    s->at[a] = seen(t, v->local[3 * i + a]);
     s->normal[a] = seen(t, v->normal[3 * i + a]);
     s->turned |= s->normal[a] != 0;
   }

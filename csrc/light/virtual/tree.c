@@ -158,9 +158,14 @@ ylm_status ylm__virtual_within_evaluate(const void *of, ylm_isa isa, const ylm_f
   ylm_status s = ylm__lights_check(q, isa, n, points, r, e);
   if (s != YLM_OK) return s;
   ylm__virtual_tree_plan plan;
-  s = ylm__virtual_tree_plan_create(&plan, t, w->tolerance, q);
-  if (s == YLM_OK) s = sum(&plan, range, n, points, r);
-  ylm__virtual_tree_plan_free(&plan);
+  ylm__local local;
+  s = ylm__local_begin(q, w->lights->origin, n, points, &local);
+  if (s == YLM_OK) {
+    s = ylm__virtual_tree_plan_create(&plan, t, w->tolerance, &local.q);
+    if (s == YLM_OK) s = sum(&plan, range, n, local.points, r);
+    ylm__virtual_tree_plan_free(&plan);
+  }
+  ylm__local_end(&local);
   if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
   return ylm_light_finite(q, n, points, r, e);
 }
@@ -186,7 +191,7 @@ ylm_status ylm__virtual_within(void *of, double tolerance, int threads, ylm_fiel
     ylm_free(w);
     return ylm_fail(e, s, "%s", ylm_status_text(s));
   }
-  *w = (within){{.self = w, .evaluate = evaluate, .crosses = crosses}, v, tolerance};
+  *w = (within){{.self = w, .evaluate = evaluate, .crosses = crosses, .relative = true}, v, tolerance};
   *field = &w->field;
   return YLM_OK;
 }

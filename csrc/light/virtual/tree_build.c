@@ -126,8 +126,8 @@ static void find_units(ylm__virtual_tree *t) {
   for (int a = 0; a < 3; a++) lo[a] = INFINITY, hi[a] = -INFINITY;
   for (size_t i = 0; i < v->n; i++)
     for (size_t a = 0; a < 3; a++) {
-      lo[a] = fmin(lo[a], v->at[3 * i + a] - v->radius[i]);
-      hi[a] = fmax(hi[a], v->at[3 * i + a] + v->radius[i]);
+      lo[a] = fmin(lo[a], v->local[3 * i + a] - v->radius[i]);
+      hi[a] = fmax(hi[a], v->local[3 * i + a] + v->radius[i]);
     }
   for (int a = 0; a < 3; a++) {
     t->centre[a] = lo[a] + (hi[a] - lo[a]) / 2;
@@ -142,7 +142,7 @@ static void as_sphere(const ylm__virtual_tree *t, size_t i, ylm__lamp_d *l) {
   const ylm_light_virtual *v = t->lights;
   size_t wide = YLM_LIGHT_VIRTUAL_NUMBERS(v->degree);
   l->radius = v->radius[i] > 0 ? v->radius[i] : 1e-9 * t->size;
-  for (size_t a = 0; a < 3; a++) l->at[a] = v->at[3 * i + a];
+  for (size_t a = 0; a < 3; a++) l->at[a] = v->local[3 * i + a];
   for (size_t c = 0; c < 3; c++) {
     const double *b = v->emission + (3 * i + c) * wide;
     double s = 0;
@@ -252,7 +252,7 @@ static ylm_status make(builder *b, ylm__virtual_fit *fit, int threads) {
   if (s == YLM_OK) {
     for (size_t i = 0; i < n; i++) {
       for (size_t a = 0; a < 3; a++) {
-        b->key[i][a] = (float)((t->lights->at[3 * i + a] - t->centre[a]) / t->size);
+        b->key[i][a] = (float)((t->lights->local[3 * i + a] - t->centre[a]) / t->size);
         b->key[i][4 + a] = (float)t->lights->normal[3 * i + a];
       }
       b->key[i][3] = (float)(t->lights->radius[i] / t->size);

@@ -91,7 +91,7 @@ typedef struct source {
 static void source_of_light(const ylm_light_virtual *v, uint32_t i, source *s) {
   const float *c = v->seen + i * v->stride + YLM__VIRTUAL_EMISSION;
   const size_t numbers = YLM_LIGHT_VIRTUAL_NUMBERS(v->degree);
-  memcpy(s->at, v->at + 3 * i, sizeof s->at);
+  memcpy(s->at, v->local + 3 * i, sizeof s->at);
   memcpy(s->normal, v->normal + 3 * i, sizeof s->normal);
   s->shift = v->shift[i];
   s->degree = v->degree == 0 ? 0 : v->degree <= 2 ? 2 : v->degree;
@@ -171,7 +171,7 @@ static void find_normals(const ylm__virtual_fit *f, const ylm__virtual_node *nod
     m->mean[a] = m->alike ? first[a] : length > 1e-6 * all ? sum[a] / length : 0;
   m->back = -INFINITY;
   for (uint32_t i = 0; i < node->lights; i++) {
-    const double *n = v->normal + 3 * order[i], *x = v->at + 3 * order[i];
+    const double *n = v->normal + 3 * order[i], *x = v->local + 3 * order[i];
     const ylm__lamp_d *l = &f->lamp[order[i]];
     double d2 = 0, back = 0;
     for (int a = 0; a < 3; a++) {
