@@ -197,8 +197,10 @@ ylm_status ylm__set_make(const char *folder, size_t cache, const index_head *h,
     ylm_grid_set_free(s);
     return status;
   }
-  s->field = (ylm_field){
-      .self = s, .evaluate = ylm__set_evaluate, .quantity = s->top->contents.form.quantity};
+  s->field = (ylm_field){.self = s,
+                         .evaluate = ylm__set_evaluate,
+                         .quantity = s->top->contents.form.quantity,
+                         .relative = true};
   *out = s;
   return YLM_OK;
 }

@@ -81,9 +81,9 @@ static void answer_free(answer *a) {
   ylm_free(a->inside);
 }
 
-/* `into`: where values go, or NULL. */
+/* Points are relative to `origin`; NULL: to 0. `into`: where values go, or NULL. */
 static ylm_status ask(block *b, const ylm_field *f, int lmax, size_t channels, size_t n,
-                      const real *points, real *into, answer *a) {
+                      const real *points, const double *origin, real *into, answer *a) {
   const shadow_query *w = b->w;
   size_t wide = n * channels * ylm_sh_count(lmax);
   bool gradient = w->rows > 1;
@@ -100,10 +100,11 @@ static ylm_status ask(block *b, const ylm_field *f, int lmax, size_t channels, s
                                (w->metric ? YLM_WANT_METRIC : 0),
                        .metric_channels = channels == 3 ? w->q->metric_channels : 1,
                        .dtype = DTYPE,
-                       .threads = 1};
+                       .threads = 1,
+                       .origin = origin};
   ylm_field_result r = {
       .value = a->value, .gradient = a->gradient, .lambda = a->lambda, .inside = a->inside};
-  ylm_status s = f->evaluate(f, &q, n, points, &r, b->e);
+  ylm_status s = ylm_field_evaluate(f, &q, n, points, &r, b->e);
   atomic_fetch_add(&b->w->pairs, r.pairs);
   return s;
 }
@@ -256,7 +257,7 @@ static ylm_status hide_near(block *b, const shadow_caster *c, const viewers *v, 
   }
   /* values of a field that knows all degrees stand where they are wanted */
   real *into = w->rows == 1 && !disk && n == v->n && lmax == w->q->lmax ? rows : NULL;
-  if (s == YLM_OK && n) s = ask(b, f, lmax, 1, n, points, into, &a);
+  if (s == YLM_OK && n) s = ask(b, f, lmax, 1, n, points, NULL, into, &a);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     size_t j = own[i], seen = v->seen[j];
     double t = share(&c->form, v->distance[j], &slope);
@@ -410,12 +411,14 @@ static ylm_status add_lamp(block *b, const shadow_lamp *l) {
   const shadow_query *w = b->w;
   real points[3 * SHADOW_BLOCK];
   size_t row = w->rows * w->count;
+  const double *from = w->q->origin;
   for (size_t i = 0; i < b->requests; i++)
-    for (size_t a = 0; a < 3; a++) points[3 * i + a] = (real)b->point[b->request[i].point][a];
+    for (size_t a = 0; a < 3; a++)
+      points[3 * i + a] = (real)(b->point[b->request[i].point][a] - (from ? from[a] : 0));
   real *one = ylm_alloc(row, sizeof *one);
   answer a = {0};
   ylm_status s =
-      one ? ask(b, ylm_light_set_field(l->grey), w->q->lmax, 1, b->requests, points, NULL, &a)
+      one ? ask(b, ylm_light_set_field(l->grey), w->q->lmax, 1, b->requests, points, from, NULL, &a)
           : YLM_ENOMEM;
   for (size_t i = 0; i < b->requests && s == YLM_OK; i++) {
     unfold(w, &a, i, w->count, one);
@@ -516,7 +519,7 @@ static ylm_status sum_lights(block *b, const ylm_field *f, bool behind) {
   const real *points = (const real *)w->points + 3 * b->begin;
   size_t row = w->rows * w->count;
   answer a = {0};
-  ylm_status s = ask(b, f, w->q->lmax, w->channels, b->m, points, NULL, &a);
+  ylm_status s = ask(b, f, w->q->lmax, w->channels, b->m, points, w->q->origin, NULL, &a);
   for (size_t i = 0; i < b->m && s == YLM_OK; i++) {
     real *to = b->out + i * w->channels * row;
     size_t n = b->seen_first[i + 1] - b->seen_first[i], light, first = b->befores;
@@ -1052,7 +1055,8 @@ static block *block_of(shadow_query *w, size_t begin, size_t end, int worker, yl
   memset(b->lambda, 0, sizeof b->lambda);
   for (size_t i = 0; i < b->m; i++)
     for (size_t a = 0; a < 3; a++)
-      b->point[i][a] = (double)((const real *)w->points)[3 * (begin + i) + a];
+      b->point[i][a] = (double)((const real *)w->points)[3 * (begin + i) + a] +
+                       (w->q->origin ? w->q->origin[a] : 0);
   return b;
 }
 
@@ -1102,12 +1106,13 @@ ylm_status EVEN(shadow_query *w, ylm_error *e) {
                        .want = YLM_WANT_VALUE,
                        .metric_channels = 1,
                        .dtype = DTYPE,
-                       .threads = 1};
+                       .threads = 1,
+                       .origin = w->q->origin};
   /* the room of values at nodes, of which there are more than coefficients */
   real *value = even ? even_nodes(w, 0) : NULL;
   ylm_field_result r = {.value = value};
   ylm_status s = scratch && even ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK) s = w->s->rest->evaluate(w->s->rest, &q, 1, w->points, &r, e);
+  if (s == YLM_OK) s = ylm_field_evaluate(w->s->rest, &q, 1, w->points, &r, e);
   for (size_t c = 0; c < w->channels && s == YLM_OK; c++)
     memcpy(even + c * w->rows * w->count, value + c * w->count, w->count * sizeof *even);
   for (size_t c = 0; c < w->channels && s == YLM_OK; c++) {

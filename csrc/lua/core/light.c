@@ -1,6 +1,7 @@
 /* light.c - ylm.lights: sets of lights, and the evaluation of any object's light field. */
 #include "../binding.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "ylm_light.h"
@@ -278,7 +279,8 @@ static int field_quantity(lua_State *L) {
 
 static const char *const query_names[] = {"lmax",    "channels", "derivatives", "metric",
                                           "threads", "progress", "value",       "gradient",
-                                          "hessian", "isa",      "rough",       NULL};
+                                          "hessian", "isa",      "rough",       "narrow",
+                                          NULL};
 enum {
   OBJECT = 1,
   POINTS,
@@ -292,7 +294,8 @@ enum {
   OUT_GRADIENT,
   OUT_HESSIAN,
   ISA,
-  ROUGH
+  ROUGH,
+  NARROW
 };
 
 /* The number of channels named at `i`: luminance or rgb. */
@@ -313,19 +316,53 @@ static int wanted(lua_State *L) {
    benchmarks). */
 static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_query *q, size_t n,
                              const void *points, ylm_field_result *r, ylm_error *e) {
-  if (lua_isnil(L, ISA)) return f->evaluate(f, q, n, points, r, e);
+  if (lua_isnil(L, ISA)) return ylm_field_evaluate(f, q, n, points, r, e);
   const ylm_light_cut *cut = ylmL_light_cut(L, OBJECT);
   if (cut) return ylm_light_cut_evaluate(cut, (ylm_isa)ylmL_isa(L, ISA), q, n, points, r, e);
   return ylm_light_set_evaluate(ylmL_lights_check(L, OBJECT), (ylm_isa)ylmL_isa(L, ISA), q, n,
                                 points, r, e);
 }
 
+/* The box around n points. */
+static void box_of(size_t n, const ylmL_array *points, double box[6]) {
+  for (int a = 0; a < 3; a++) box[a] = INFINITY, box[3 + a] = -INFINITY;
+  for (size_t i = 0; i < 3 * n; i++) {
+    double x = ylm_get(points->dtype, points->data, i);
+    box[i % 3] = fmin(box[i % 3], x);
+    box[3 + i % 3] = fmax(box[3 + i % 3], x);
+  }
+}
+
+/* Points of double in float, about an origin; the room for both is left on the stack. */
+static const void *narrowed(lua_State *L, size_t n, const ylmL_array *points, ylm_field_query *q) {
+  double box[6], *origin = lua_newuserdata(L, 3 * sizeof *origin + (3 * n + 1) * sizeof(float));
+  float *out = (float *)(void *)(origin + 3);
+  box_of(n, points, box);
+  ylm_origin(box, origin);
+  for (size_t i = 0; i < 3 * n; i++)
+    out[i] = (float)(ylm_get(points->dtype, points->data, i) - origin[i % 3]);
+  q->dtype = YLM_FLOAT;
+  if (origin[0] != 0 || origin[1] != 0 || origin[2] != 0) q->origin = origin;
+  return out;
+}
+
+/* points_far(points [n][3]) -> whether float keeps too few digits of them: ylm_origin is not 0 */
+static int points_far(lua_State *L) {
+  const ylmL_array *points = ylmL_array_check(L, 1);
+  double box[6], origin[3];
+  box_of(points->count / 3, points, box);
+  ylm_origin(box, origin);
+  lua_pushboolean(L, points->count >= 3 && (origin[0] != 0 || origin[1] != 0 || origin[2] != 0));
+  return 1;
+}
+
 /*
 ** field_evaluate(object, points [n][3], {lmax, channels, derivatives, metric | nil, threads,
-**                progress, value, gradient, hessian: arrays to be written | nil, isa | nil, rough | nil})
+**                progress, value, gradient, hessian: arrays to be written | nil, isa | nil, rough | nil,
+**                narrow | nil: points are of double, results of float})
 **   -> value, gradient, hessian, lambda [n], norm [n], inside [n] of 0 and 1, pairs; nil where not
 **   wanted
-** The dtype is that of the points.
+** The dtype is that of the points, unless `narrow` is given.
 */
 static int field_evaluate(lua_State *L) {
   ylmL_named(L, 3, query_names);
@@ -345,6 +382,7 @@ static int field_evaluate(lua_State *L) {
     return ylmL_result(L, 0, YLM_ERANGE, NULL);
   size_t shape[4] = {n, (size_t)q.channels, (size_t)(q.lmax + 1) * (size_t)(q.lmax + 1), 0};
   ylm_status s = YLM_OK;
+  const void *at = lua_toboolean(L, NARROW) ? narrowed(L, n, points, &q) : points->data;
   ylm_field_result r = {0};
   void **slots[3] = {&r.value, &r.gradient, &r.hessian};
   for (int i = 0; i < 3; i++) {
@@ -366,7 +404,7 @@ static int field_evaluate(lua_State *L) {
   uint8_t *inside = lua_newuserdata(L, n + 1); /* collected whatever happens */
   r.inside = inside;
   ylm_error e = {0};
-  if (s == YLM_OK) s = call_field(L, f, &q, n, points->data, &r, &e);
+  if (s == YLM_OK) s = call_field(L, f, &q, n, at, &r, &e);
   if (s != YLM_OK) return ylmL_result_progress(L, 0, s, &e, &progress);
   ylmL_array *flags = ylmL_array_new(L, YLM_FLOAT, 1, shape);
   if (!flags) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
@@ -397,7 +435,8 @@ static const luaL_Reg functions[] = {
     {"lights_close", lights_close},       {"lights_count", lights_count},
     {"lights_surfaces", lights_surfaces}, {"has_field", has_field},
     {"field_quantity", field_quantity},   {"field_evaluate", field_evaluate},
-    {"field_crosses", field_crosses},     {NULL, NULL}};
+    {"field_crosses", field_crosses},     {"points_far", points_far},
+    {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", lights_close}, {NULL, NULL}};
 

@@ -7,7 +7,7 @@ local library = require "ylm.library"
 local outputs = require "ylm.outputs"
 local progress = require "ylm.progress"
 
-local processor = {}
+local processor = { narrows = true } -- it takes points of double for results of float
 
 --- Pictures name a device that made them, and the processor not.
 function processor.name() return nil end

@@ -55,15 +55,17 @@ local options = {
 
 --- The field of any object that has one (lights, grids) at points [n][3]: what ylm.light_field does.
 -- `given` is what the points were made from, with which `out` may share no memory either. `isa` names a kernel set, for
--- specs and benchmarks, and `rough` has the metric as bakes to a tolerance want it.
-function light.evaluate(name, lmax, object, points, o, isa, given)
+-- specs and benchmarks, and `rough` has the metric as bakes to a tolerance want it. With `narrow` points are of double, and
+-- results of float.
+function light.evaluate(name, lmax, object, points, o, isa, given, narrow)
   local channels, shapes = o.channels == "rgb" and 3 or 1, {}
   for i = 0, o.derivatives do shapes[i + 1] = { #points, channels, (lmax + 1) ^ 2, i > 0 and 3 * i or nil } end
-  local out1, out2, out3 = outputs.of(4, name, o.out, points.dtype, shapes, given or points)
+  local dtype = narrow and "float" or points.dtype
+  local out1, out2, out3 = outputs.of(4, name, o.out, dtype, shapes, given or points)
   local L, dL, ddL, lambda, norm, inside, pairs = devices.of(object):evaluate(name, object, points, {
     lmax = lmax, channels = o.channels, derivatives = o.derivatives, metric = o.metric, threads = o.threads,
     progress = progress.of(o.progress), value = out1, gradient = out2, hessian = out3, isa = isa,
-    rough = o.rough })
+    rough = o.rough, narrow = narrow })
   if L == nil then return nil, dL, ddL end
   local warnings = light.heed(object, lmax)
   return L, dL, ddL, { lambda = lambda, norm = norm, inside = inside, pairs = pairs,
@@ -151,7 +153,9 @@ function light.light_field(lmax, lights, points, given)
   local dtype = o.dtype
   if not dtype then dtype = array.type_of(points, "float") end
   local p, single = array.points(3, "light_field", points, dtype)
-  local L, dL, ddL, report = light.evaluate("light_field", lmax, object, p, o, nil, points)
+  local narrow = dtype == "float" and array.type_of(points) ~= "float" and devices.of(object).narrows and core.points_far(p)
+  if narrow then p = array.points(3, "light_field", points, "double") end
+  local L, dL, ddL, report = light.evaluate("light_field", lmax, object, p, o, nil, points, narrow)
   if made then object:close() end
   show.report(report)
   if L == nil or not single then return L, dL, ddL, report end
