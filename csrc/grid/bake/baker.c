@@ -1,6 +1,8 @@
 /* baker.c - a bake under way, from its beginning to its end. */
 #include "baker.h"
 
+#include <string.h>
+
 /* Reports the progress of some work under the bake's own stage. */
 static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
   const baker *b = user;
@@ -12,6 +14,7 @@ void ylm__baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_
   *b = (baker){.g = g, .source = source, .remote = source->backend, .e = e};
   b->own = ylm__processor_backend(b);
   if (g) b->measure = ylm__measure_of(&g->contents.form);
+  if (g && source->backend) memset(g->origin, 0, sizeof g->origin); /* it asks at positions */
   b->stage = b->stage_text;
   b->progress = (ylm_progress){forward, b};
   b->making = (ylm_grid_making){.source = source,

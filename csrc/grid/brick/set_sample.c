@@ -155,7 +155,7 @@ ylm_status ylm_grid_set_sample(ylm_grid_set *set, const ylm_grid_query *q, size_
                     .point_room = ylm_alloc(most, 3 * sizeof(double)),
                     .value_room = ylm_alloc(most, width),
                     .gradient_room = ylm_alloc(gradient ? most : 0, 3 * width)};
-  sorting t = {.set = set, .dtype = q->point_dtype, .points = points};
+  sorting t = {.set = set, .dtype = q->point_dtype, .points = points, .origin = q->origin};
   ylm_status s = YLM_ENOMEM;
   if (j.point_room && j.value_room && j.gradient_room)
     s = each_brick(&t, n, q->threads, sample_brick, &j, q->progress, e);
