@@ -97,7 +97,8 @@ describe("far from the origin", function()
         local near
         local how = { derivatives = order, channels = "rgb", tolerance = kind.tolerance }
         for _, offset in ipairs { 0, (table.unpack or unpack)(OFFSETS) } do -- luacheck: ignore
-          local points, got = places(40, 1.5, SEED + 2, offset), nil
+          local points = places(40, 1.5, SEED + 2, offset)
+          local got
           if isa then
             local object = light.pack(2, "spec", kind.make(offset))
             got = { light.evaluate("spec", 3, object, ylm.array(points, "double"), how, isa, nil, true) }

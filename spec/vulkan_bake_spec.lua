@@ -18,6 +18,13 @@ describe("baking on a device", function()
 
   local function both(description, lights, o) return bakes.both(description, lights, o, gpu) end
 
+  it("is refused where rounding of positions would break the tolerance", function()
+    local far = ylm.sphere_light { at = { 5e6, 5e6, 3 } }
+    local description = ylm.adaptive_grid { bounds = { { 5e6, 5e6, 0 }, { 5e6 + 4, 5e6 + 4, 4 } }, tolerance = 0.05, lmax = 1 }
+    local ok, message, text = pcall(ylm.bake, description, far, { device = gpu })
+    assert.matches("positions to float, and 5e%+06 from the origin", tostring(ok and text or message))
+  end)
+
   describe("agreement with the processor", function()
     it("of a uniform grid, a light on a corner", function()
       local here, there = both(ylm.uniform_grid { bounds = box, cells = { 5, 4, 3 }, lmax = 2 }, lamps_of(40))

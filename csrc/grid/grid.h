@@ -48,7 +48,7 @@ struct ylm_grid {
   size_t table_first; /* of a brick: where the table would begin in one of the whole bounds */
   uint32_t last[3];   /* the last lattice cell along each axis, of a brick that of its cell */
   double scale[3];    /* lattice cells per scene unit */
-  double origin[3];   /* ylm_origin of the bounds: points that are kept in float are relative to it */
+  double origin[3]; /* ylm_origin of the bounds: points that are kept in float are relative to it */
 
   struct frames *frames; /* for bakes like this one (bake/frames.c); NULL: it knows none */
   const struct follower *follower; /* NULL: the grid follows no lights */

@@ -3,6 +3,8 @@
 #include "baker.h"
 #include "surface.h"
 
+#include <float.h>
+
 ylm_status ylm__grid_check_source(const ylm_grid_source *s, bool dynamic, ylm_error *e) {
   size_t bad;
   if (!s->field || !s->field->evaluate) return ylm_fail(e, YLM_EINVAL, "no light field");
@@ -25,6 +27,21 @@ ylm_status ylm__grid_no_room(ylm_status s, const ylm_grid_source *source, ylm_er
     ylm_fail(e, s, "the grid needs more than %zu points",
              source->max_points ? source->max_points : (size_t)YLM_GRID_NONE);
   return s;
+}
+
+/* A back end rounds positions to float: far from 0 the light at them is that of another place. */
+static ylm_status check_back_end(const ylm_grid_form *f, ylm_error *e) {
+  double far = 0, edge = INFINITY;
+  for (int a = 0; a < 3; a++) {
+    far = fmax(far, fmax(fabs(f->bounds[a]), fabs(f->bounds[a + 3])));
+    edge = fmin(edge, f->bounds[a + 3] - f->bounds[a]);
+  }
+  if (!(f->tolerance > 0) || far * FLT_EPSILON / 2 <= f->tolerance * edge * REMOTE_ROUNDING)
+    return YLM_OK;
+  return ylm_fail(e, YLM_ERANGE,
+                  "device: it rounds positions to float, and %g from the origin that is too coarse "
+                  "for a tolerance of %g: leave device out, or move the scene to the origin",
+                  far, f->tolerance);
 }
 
 /* The grid that a bake is to be like knows how, and is of such light. */
@@ -71,6 +88,7 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   ylm_status s = ylm__grid_check_form(form, e);
   if (s == YLM_OK) s = ylm__grid_check_source(source, form->dynamic, e);
   if (s == YLM_OK && source->like) s = check_like(form, source, e);
+  if (s == YLM_OK && source->backend) s = check_back_end(form, e);
   if (s == YLM_OK && form->dynamic && source->backend)
     s = ylm_fail(e, YLM_EINVAL, "a grid is wanted that is not dynamic");
   if (s == YLM_OK && source->team && (form->dynamic || source->backend))

@@ -128,4 +128,9 @@
 /* Points at which processes compare their light fields. */
 #define DIVIDE_PROBES 8
 
+/* -- back ends: bake.c -------------------------------------------------------------------------- */
+
+/* The part of the tolerance times the shortest edge of the bounds that rounding of positions may be. */
+#define REMOTE_ROUNDING 0.01
+
 #endif

@@ -48,8 +48,7 @@ void ylm__held_draw(const refiner *r, ylm_rng *rng, float out[3]) {
     shading_point(r, (size_t)(ylm_rng_double(rng) * (double)s->occupied), out);
   else {
     double p[3];
-    for (size_t a = 0; a < 3; a++)
-      p[a] = box[a] + (box[a + 3] - box[a]) * ylm_rng_double(rng);
+    for (size_t a = 0; a < 3; a++) p[a] = box[a] + (box[a + 3] - box[a]) * ylm_rng_double(rng);
     ylm__grid_inward(g, p, out);
   }
 }

@@ -102,7 +102,8 @@ void ylm__dynamic_add(ylm_grid *g, uint32_t p, const point_change *x, float *roo
   part(x->gradient, 3, count, slope);
   /* asked at a position rounded to float */
   for (size_t a = 0; a < 3; a++)
-    add_scaled(value, (float)(exact[a] - g->origin[a] - (double)x->position[a]), slope + a * count, count);
+    add_scaled(value, (float)(exact[a] - g->origin[a] - (double)x->position[a]), slope + a * count,
+               count);
   channel_weights(x->colour, g->contents.form.channels, weight);
   for (size_t c = 0; c < channels; c++) {
     length += (double)weight[c] * (double)weight[c];

@@ -80,10 +80,8 @@ ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size
   float *value = ylm_alloc(block, w * sizeof *value);
   float *gradient = slopes ? ylm_alloc(block, 3 * w * sizeof *gradient) : NULL;
   ylm_status s = value && (gradient || !slopes) ? YLM_OK : YLM_ENOMEM;
-  ylm_grid_query own = {.point_dtype = q->dtype,
-                        .dtype = YLM_FLOAT,
-                        .threads = q->threads,
-                        .origin = q->origin};
+  ylm_grid_query own = {
+      .point_dtype = q->dtype, .dtype = YLM_FLOAT, .threads = q->threads, .origin = q->origin};
   for (size_t i = 0; i < n && s == YLM_OK; i += block) {
     size_t now = n - i < block ? n - i : block, size = ylm_dtype_size(q->dtype);
     size_t k = i * (size_t)(q->channels * (q->lmax + 1) * (q->lmax + 1)) * size;

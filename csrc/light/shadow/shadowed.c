@@ -488,8 +488,7 @@ ylm_status ylm_light_shadowed_create(const ylm_light_set *lights, const ylm_fiel
     return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   }
   s->form = *form;
-  s->field =
-      (ylm_field){.self = s, .evaluate = evaluate, .crosses = crosses, .relative = true};
+  s->field = (ylm_field){.self = s, .evaluate = evaluate, .crosses = crosses, .relative = true};
   for (size_t i = 0; i < n && status == YLM_OK; i++) {
     s->n = i + 1; /* what is freed */
     status =

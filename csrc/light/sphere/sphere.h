@@ -21,11 +21,11 @@
 typedef struct ylm_lights {
   ylm_field field;
   size_t n;
-  ylm__lamp_d *all;            /* [n] as they were given */
-  size_t active;               /* number of lights with a radius above 0 */
-  double origin[3];            /* of lamp_d, lamp_f and the tree: ylm_origin of all that emit */
-  ylm__lamp_d *lamp_d;         /* [active], in the order given; `all` itself where all emit near 0 */
-  ylm__lamp_f *lamp_f;         /* [active] */
+  ylm__lamp_d *all;    /* [n] as they were given */
+  size_t active;       /* number of lights with a radius above 0 */
+  double origin[3];    /* of lamp_d, lamp_f and the tree: ylm_origin of all that emit */
+  ylm__lamp_d *lamp_d; /* [active], in the order given; `all` itself where all emit near 0 */
+  ylm__lamp_f *lamp_f; /* [active] */
   struct ylm_light_tree *tree; /* NULL until a cut needs it */
 } ylm_lights;
 

@@ -98,7 +98,8 @@ ylm_status ylm__tree_field_create(ylm_lights *lights, double tolerance, int thre
   ylm_status s = lights->tree ? YLM_OK : ylm__tree_create(lights, threads, &lights->tree);
   if (!c || s != YLM_OK) ylm_free(c);
   if (!c || s != YLM_OK) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-  *c = (ylm__tree_field){{.self = c, .evaluate = evaluate, .crosses = crosses, .relative = true}, lights, tolerance};
+  *c = (ylm__tree_field){
+      {.self = c, .evaluate = evaluate, .crosses = crosses, .relative = true}, lights, tolerance};
   *out = c;
   return YLM_OK;
 }

@@ -150,20 +150,18 @@ ylm_status ylm_light_virtual_create(const ylm_light_virtual_form *f, ylm_light_v
     ylm_free(x);
     return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   }
-  *v = (ylm_light_virtual){.field = {.self = v,
-                                     .evaluate = evaluate,
-                                     .crosses = crosses,
-                                     .relative = true},
-                           .users = 1,
-                           .n = f->n,
-                           .degree = f->degree,
-                           .profile = f->profile,
-                           .core = is_split(f->profile) ? f->core : 0,
-                           .at = x,
-                           .normal = x + 3 * f->n,
-                           .radius = x + 6 * f->n,
-                           .shift = x + 7 * f->n,
-                           .emission = x + 8 * f->n};
+  *v = (ylm_light_virtual){
+      .field = {.self = v, .evaluate = evaluate, .crosses = crosses, .relative = true},
+      .users = 1,
+      .n = f->n,
+      .degree = f->degree,
+      .profile = f->profile,
+      .core = is_split(f->profile) ? f->core : 0,
+      .at = x,
+      .normal = x + 3 * f->n,
+      .radius = x + 6 * f->n,
+      .shift = x + 7 * f->n,
+      .emission = x + 8 * f->n};
   s = settle(f, v, e);
   if (s != YLM_OK) {
     ylm_light_virtual_free(v);

@@ -191,7 +191,8 @@ ylm_status ylm__virtual_within(void *of, double tolerance, int threads, ylm_fiel
     ylm_free(w);
     return ylm_fail(e, s, "%s", ylm_status_text(s));
   }
-  *w = (within){{.self = w, .evaluate = evaluate, .crosses = crosses, .relative = true}, v, tolerance};
+  *w = (within){
+      {.self = w, .evaluate = evaluate, .crosses = crosses, .relative = true}, v, tolerance};
   *field = &w->field;
   return YLM_OK;
 }

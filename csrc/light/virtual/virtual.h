@@ -19,11 +19,11 @@ struct ylm_light_virtual {
   double outer; /* of `far` beyond levels.c: a larger core whose far part is not in it; else 0 */
   double *at, *normal, *radius, *shift; /* [n][3], [n][3], [n], [n]: one block of memory */
   double origin[3];                     /* ylm_origin of the lights */
-  double *local;                        /* [n][3] places relative to it; `at` itself where it is 0 */
-  double *emission;                     /* [n][3][(degree+1)^2] */
-  size_t stride;                        /* numbers of a light as kernels see it: plan.h */
-  float *seen;                          /* [n][stride] */
-  struct ylm__virtual_tree *tree;       /* NULL until a cut needs it */
+  double *local;                  /* [n][3] places relative to it; `at` itself where it is 0 */
+  double *emission;               /* [n][3][(degree+1)^2] */
+  size_t stride;                  /* numbers of a light as kernels see it: plan.h */
+  float *seen;                    /* [n][stride] */
+  struct ylm__virtual_tree *tree; /* NULL until a cut needs it */
 };
 
 /* Their field to a tolerance, by their tree, which is made where there is none: rows of kind.h. tree.c */

@@ -277,10 +277,9 @@ static int field_quantity(lua_State *L) {
   return 2;
 }
 
-static const char *const query_names[] = {"lmax",    "channels", "derivatives", "metric",
-                                          "threads", "progress", "value",       "gradient",
-                                          "hessian", "isa",      "rough",       "narrow",
-                                          NULL};
+static const char *const query_names[] = {
+    "lmax",     "channels", "derivatives", "metric", "threads", "progress", "value",
+    "gradient", "hessian",  "isa",         "rough",  "narrow",  NULL};
 enum {
   OBJECT = 1,
   POINTS,
@@ -429,14 +428,19 @@ static int field_crosses(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"lights_create", lights_create},     {"lights_spheres", lights_spheres},
-    {"lights_textured", lights_textured}, {"lights_sampled", lights_sampled},
-    {"lights_close", lights_close},       {"lights_count", lights_count},
-    {"lights_surfaces", lights_surfaces}, {"has_field", has_field},
-    {"field_quantity", field_quantity},   {"field_evaluate", field_evaluate},
-    {"field_crosses", field_crosses},     {"points_far", points_far},
-    {NULL, NULL}};
+static const luaL_Reg functions[] = {{"lights_create", lights_create},
+                                     {"lights_spheres", lights_spheres},
+                                     {"lights_textured", lights_textured},
+                                     {"lights_sampled", lights_sampled},
+                                     {"lights_close", lights_close},
+                                     {"lights_count", lights_count},
+                                     {"lights_surfaces", lights_surfaces},
+                                     {"has_field", has_field},
+                                     {"field_quantity", field_quantity},
+                                     {"field_evaluate", field_evaluate},
+                                     {"field_crosses", field_crosses},
+                                     {"points_far", points_far},
+                                     {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", lights_close}, {NULL, NULL}};
 
