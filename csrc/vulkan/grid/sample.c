@@ -337,6 +337,8 @@ static ylm_status check(const sampling *m, ylm_error *e) {
                                    m->value.there, m->gradient.there};
   ylm_status s = ylm_gpu_state(k->g, e);
   if (s != YLM_OK) return s;
+  if (m->q->origin)
+    return ylm_fail(e, YLM_EINVAL, "a device takes points that are relative to no origin");
   if (k->busy)
     return ylm_fail(e, YLM_EBUSY, "the grid's copy is in use by a call that has not returned");
   if (!ylm_gpu_grid_current(k, m->grid))
