@@ -123,21 +123,6 @@ static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uin
   return YLM_OK;
 }
 
-/* The places of the lights about their origin. */
-static ylm_status make_local(ylm_light_virtual *v) {
-  double box[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
-  for (size_t i = 0; i < 3 * v->n; i++) {
-    box[i % 3] = fmin(box[i % 3], v->at[i] - v->radius[i / 3]);
-    box[i % 3 + 3] = fmax(box[i % 3 + 3], v->at[i] + v->radius[i / 3]);
-  }
-  if (v->n) ylm_origin(box, v->origin);
-  v->local = v->at;
-  if (v->origin[0] == 0 && v->origin[1] == 0 && v->origin[2] == 0) return YLM_OK;
-  v->local = ylm_alloc(3 * v->n, sizeof *v->local);
-  for (size_t i = 0; v->local && i < 3 * v->n; i++) v->local[i] = v->at[i] - v->origin[i % 3];
-  return v->local ? YLM_OK : YLM_ENOMEM;
-}
-
 ylm_status ylm_light_virtual_create(const ylm_light_virtual_form *f, ylm_light_virtual **lights,
                                     ylm_error *e) {
   *lights = NULL;
@@ -173,8 +158,7 @@ ylm_status ylm_light_virtual_create(const ylm_light_virtual_form *f, ylm_light_v
     if (f->shift) memcpy(v->shift, f->shift, f->n * sizeof *x);
     memcpy(v->emission, f->emission, 3 * f->n * YLM_LIGHT_VIRTUAL_NUMBERS(f->degree) * sizeof *x);
   }
-  s = make_local(v);
-  if (s == YLM_OK) s = ylm__virtual_settle(v);
+  s = ylm__virtual_settle(v);
   if (s == YLM_OK) {
     *lights = v;
     return s;

@@ -726,9 +726,11 @@ static void metric(const ylm__virtual_plan *p, work *k, size_t point, int lanes,
 #ifdef YLM_REAL_IS_FLOAT
 /* -- lights nearby -------------------------------------------------------------------------- */
 
-static void load(const float (*from)[3], int lanes, vreal to[3]) {
+/* Points relative to the origin of lights. */
+static void load(const float (*from)[3], const double origin[3], int lanes, vreal to[3]) {
   for (size_t a = 0; a < 3; a++)
-    for (int i = 0; i < LANES; i++) to[a][i] = from[i < lanes ? i : 0][a];
+    for (int i = 0; i < LANES; i++)
+      to[a][i] = (float)((double)from[i < lanes ? i : 0][a] - origin[a]);
 }
 
 ylm__virtual_near_fn YLM_KERNEL(ylm__virtual_near);
@@ -738,7 +740,7 @@ ylm_status YLM_KERNEL(ylm__virtual_near)(const ylm__virtual_plan *p, const ylm__
   const size_t stride = p->lights->stride;
   const float *lamps = p->lights->seen, reach2 = near->reach * near->reach;
   vreal xyz[3] = {vreal_set(0), vreal_set(0), vreal_set(0)};
-  load(near->points, near->lanes, xyz);
+  load(near->points, p->lights->origin, near->lanes, xyz);
   if (!*scratch) *scratch = ylm_alloc_zero(room_of(p), sizeof(vreal));
   if (!*scratch) return YLM_ENOMEM;
   work own, *k = &own;

@@ -134,6 +134,7 @@ ylm_status ylm__virtual_merge(const ylm_light_virtual *v, double cell, double co
 }
 
 void ylm__virtual_merged_free(ylm_light_virtual *m) {
+  if (m->local != m->at) ylm_free(m->local);
   ylm_free(m->at);
   ylm_free(m->seen);
   *m = (ylm_light_virtual){0};

@@ -155,9 +155,11 @@ static void shine(const ylm__virtual_plan *p, const ylm__virtual_near *near, con
   }
 }
 
-static void load(const float (*from)[3], int lanes, vreal to[3]) {
+/* Vectors relative to `origin`. */
+static void load(const float (*from)[3], const double origin[3], int lanes, vreal to[3]) {
   for (size_t a = 0; a < 3; a++)
-    for (int i = 0; i < LANES; i++) to[a][i] = from[i < lanes ? i : 0][a];
+    for (int i = 0; i < LANES; i++)
+      to[a][i] = (float)((double)from[i < lanes ? i : 0][a] - origin[a]);
 }
 
 ylm__virtual_near_fn YLM_KERNEL(ylm__near_irradiance);
@@ -167,8 +169,10 @@ ylm_status YLM_KERNEL(ylm__near_irradiance)(const ylm__virtual_plan *p,
   const float core2 = (float)(1 / (p->lights->core * p->lights->core));
   vreal xyz[3], N[3], sum[3] = {vreal_set(0), vreal_set(0), vreal_set(0)};
   (void)scratch;
-  load(near->points, near->lanes, xyz);
-  load(near->normals, near->lanes, N);
+  const double zero[3] = {0};
+  /* rows are of places in the scene, lights of those about their origin */
+  load(near->points, near->rows ? zero : p->lights->origin, near->lanes, xyz);
+  load(near->normals, zero, near->lanes, N);
   if (near->rows && p->lmax == 4)
     shine_matte(4, near, core2, xyz, N, sum);
   else if (near->rows)

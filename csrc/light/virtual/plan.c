@@ -50,11 +50,26 @@ static void settle_one(const ylm_light_virtual *v, size_t i, double *to) {
   }
 }
 
+/* The places of the lights about their origin. */
+static ylm_status make_local(ylm_light_virtual *v) {
+  double box[6] = {INFINITY, INFINITY, INFINITY, -INFINITY, -INFINITY, -INFINITY};
+  for (size_t i = 0; i < 3 * v->n; i++) {
+    box[i % 3] = fmin(box[i % 3], v->at[i] - v->radius[i / 3]);
+    box[i % 3 + 3] = fmax(box[i % 3 + 3], v->at[i] + v->radius[i / 3]);
+  }
+  if (v->n) ylm_origin(box, v->origin);
+  v->local = v->at;
+  if (v->origin[0] == 0 && v->origin[1] == 0 && v->origin[2] == 0) return YLM_OK;
+  v->local = ylm_alloc(3 * v->n, sizeof *v->local);
+  for (size_t i = 0; v->local && i < 3 * v->n; i++) v->local[i] = v->at[i] - v->origin[i % 3];
+  return v->local ? YLM_OK : YLM_ENOMEM;
+}
+
 ylm_status ylm__virtual_settle(ylm_light_virtual *v) {
   double one[YLM__VIRTUAL_EMISSION + 3 * YLM_LIGHT_VIRTUAL_NUMBERS(YLM_LIGHT_VIRTUAL_DEGREE)];
   v->stride = YLM__VIRTUAL_EMISSION + 3 * YLM_LIGHT_VIRTUAL_NUMBERS(v->degree);
   v->seen = ylm_alloc(v->n * v->stride, sizeof *v->seen);
-  if (!v->seen) return YLM_ENOMEM;
+  if (!v->seen || make_local(v) != YLM_OK) return YLM_ENOMEM;
   for (size_t i = 0; i < v->n; i++) {
     settle_one(v, i, one);
     for (size_t k = 0; k < v->stride; k++) v->seen[i * v->stride + k] = (float)one[k];

@@ -36,7 +36,7 @@ ylm_status ylm__virtual_within_evaluate(const void *within, ylm_isa isa, const y
 size_t ylm__virtual_within_bytes(const void *of);
 void ylm__virtual_tree_free(struct ylm__virtual_tree *tree);
 
-/* Fills what kernels in float see; YLM_ENOMEM. plan.c */
+/* Fills origin, local places, and what kernels in float see; YLM_ENOMEM. plan.c */
 ylm_status ylm__virtual_settle(ylm_light_virtual *v);
 
 /* The reference: product rule, double, points begin .. end-1. */
