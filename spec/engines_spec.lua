@@ -219,7 +219,9 @@ describe("grid:export", function()
     local thin = { { -1, -0.01, -0.01 }, { 1, 0.01, 0.01 } }      -- 256 cells along one axis are few
     local small = ylm.bake(ylm.uniform_grid { bounds = thin, cells = 2, lmax = 2 },
       ylm.sphere_light { at = { 0, 1.5, 0 }, radius = 0.1, radiance = 10 })
-    local report = small:export(folder.path .. "/b.npy", { tolerance = 1e-9 })
+    local none, sentence, why = small:export(folder.path .. "/b.npy", { tolerance = 1e-9 })
+    assert(none == nil and why == "ELIMIT" and sentence:find "nothing was written" and not io.open(folder.path .. "/b.npy"))
+    local report = small:export(folder.path .. "/b.npy", { tolerance = 1e-9, anyway = true })
     ylm.on_warning(before)
     assert(report and not report.met and report.warning == said[1] and said[1]:find "tolerance 1e%-09 is not met by")
     for _, bad in ipairs { { "a.png" }, { "a.ktx2", { cells = { 1, 2, 3 } } },
