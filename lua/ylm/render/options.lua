@@ -150,7 +150,7 @@ options.transfer_text = options.report_text .. "stages (of points that gloss, se
   .. "product, light, dot); gloss (of surfaces that gloss: auto, sh, rays, matte; but for matte glossy: "
   .. "points, of these sh by harmonics and rays by rays, both where they are mixed, and missed, the part of their lobes' norm "
   .. "that lmax misses, root mean square over those by harmonics; light_samples and, where they were chosen, which makes these "
-  .. "the mean of pixels, noise, root mean square over that of the radiance, of the mesh that has most; rays.gloss and "
+  .. "the mean of pixels, noise, root mean square over that of the radiance, of the mesh that has most (noise_of says so); rays.gloss and "
   .. "seconds.gloss_rays; gloss_bytes, memory of tables, which materials keep, and seconds.gloss, a part of transfer: that "
   .. "those took which were not there); "
   .. "visibility (rays, transfer, none; grid: the shadows are those that the grid "
