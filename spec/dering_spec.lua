@@ -40,7 +40,8 @@ describe("a picture by a grid of all light of a room with sun, lmax 2", function
     local image, report, below, said = render {}
     local found = report.dering
     assert(found.before > 0.001 and found.after <= 0.001 and found.width > 0 and below < 0.0015, below)
-    assert(#said == 1 and said[1]:find "%% of the picture's light was below zero, since harmonics of degree 2 ring: a window", said[1])
+    assert(#said == 1 and said[1]:find "%% of the picture's light was below zero, since harmonics of degree 2 ring: a window",
+      said[1])
     assert.equal(said[1], report.warnings[#report.warnings])
     assert(#select(4, render {}) == 0)
     local plain = render { dering = false }

@@ -13,8 +13,8 @@ typedef struct grid_job {
   shade_rows rows;
   ylm_shade_dot_fn *dot;
   float *out, *level, *error;
-  double factor; /* of look-ups beside surfaces */
-  float *b;      /* [points] of these; NULL: none */
+  double factor;        /* of look-ups beside surfaces */
+  float *b;             /* [points] of these; NULL: none */
   const double *window; /* [lmax+1] */
   atomic_uint_fast64_t outside, unbaked;
 } grid_job;
@@ -85,8 +85,8 @@ static ylm_grid_bias_report distances(const float *b, size_t n) {
 ylm_status ylm_shade_grid_biased(const ylm_shade_view *v, const ylm_grid *grid,
                                  ylm_shade_weight weight, ylm_grid_interpolation interpolation,
                                  double factor, const double *window, int threads,
-                                 const ylm_progress *progress, float *out, ylm_grid_report *report, ylm_grid_bias_report *bias,
-                                 ylm_error *e) {
+                                 const ylm_progress *progress, float *out, ylm_grid_report *report,
+                                 ylm_grid_bias_report *bias, ylm_error *e) {
   double start = ylm_seconds();
   grid_job j = {.view = v,
                 .grid = grid,

@@ -4,8 +4,21 @@
 #include "../binding_grid.h"
 #include "shade.h"
 
+/* The factors that field `window` of the table at i lists; false: there is none. */
+static bool read_window(lua_State *L, int i, double window[YLM_LMAX + 1]) {
+  lua_getfield(L, i, "window");
+  bool some = lua_istable(L, -1);
+  for (int l = 0; some && l <= YLM_LMAX; l++) {
+    lua_rawgeti(L, -1, l + 1);
+    window[l] = (double)lua_tonumber(L, -1);
+    lua_pop(L, 1);
+  }
+  lua_pop(L, 1);
+  return some;
+}
+
 /* shade_grid(view, grid, "transfer" | "cosine", "hermite" | "taylor" | "linear", threads, progress,
-              bias, window: factors of degrees 0 .. | nil)
+              {bias =, window = factors of degrees 0 .. | nil})
    -> radiance [n][3], outside, unbaked, seconds */
 static int shade_grid(lua_State *L) {
   double window[YLM_LMAX + 1];
@@ -18,18 +31,17 @@ static int shade_grid(lua_State *L) {
   ylm_error e = {0};
   ylmL_progress p;
   ylm_grid_bias_report bias = {0};
-  lua_settop(L, 8);
-  bool damped = lua_istable(L, 8);
-  for (int l = 0; damped && l <= YLM_LMAX; l++) {
-    lua_rawgeti(L, 8, l + 1);
-    window[l] = (double)lua_tonumber(L, -1);
-    lua_pop(L, 1);
-  }
+  lua_settop(L, 7);
+  luaL_checktype(L, 7, LUA_TTABLE);
+  lua_getfield(L, 7, "bias");
+  double factor = (double)lua_tonumber(L, -1);
+  bool damped = read_window(L, 7, window);
+  lua_settop(L, 7);
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3});
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
-  ylm_status s = ylm_shade_grid_biased(v, g, weight, how, luaL_optnumber(L, 7, 0),
-                                       damped ? window : NULL, threads, progress, out->data, &report, &bias, &e);
+  ylm_status s = ylm_shade_grid_biased(v, g, weight, how, factor, damped ? window : NULL, threads,
+                                       progress, out->data, &report, &bias, &e);
   if (s == YLM_OK) {
     ylmL_push_count(L, report.outside);
     ylmL_push_count(L, report.unbaked);

@@ -323,7 +323,8 @@ local function unmet_by(report, tolerance, o)
     or o.bytes and ("cells end at bytes = %.0f, or at %d probes"):format(o.bytes, MOST_PROBES)
     or ("cells end at %d along an axis, or %d probes"):format(MOST_CELLS, MOST_PROBES)
   return ("export: tolerance %g is not met by %d x %d x %d cells, 99 %% of the points keep %.3g: %s; set tolerance = %.2g, or "
-    .. "cells = { nx, ny, nz }"):format(tolerance, c[1], c[2], c[3], report.error, cause, math.ceil(report.error / looser) * looser)
+    .. "cells = { nx, ny, nz }"):format(tolerance, c[1], c[2], c[3], report.error, cause,
+    math.ceil(report.error / looser) * looser)
 end
 
 describe "grid:export" {
@@ -365,7 +366,7 @@ function methods.export(g, path, given)
   local points = o.points and array.points(2, "export", o.points, "float") or held_out(g)
   if #points == 0 then return check.bad(2, "export", "points: at least one expected") end
   local judge, tolerance = judge_of(g, kind, lmax, points), o.tolerance or TOLERANCE
-  local cells, found = o.cells, nil
+  local cells, found = o.cells
   local function too_large(picked) return o.bytes and bytes_of(kind, picked, g, o) > o.bytes end
   local least = cells or cells_of(g, 2)
   if too_large(least) then

@@ -24,7 +24,7 @@ grid_file.page_options = {
       .. "false: none" },
   { "size", "image_size", default = { 960, 540 }, unit = "pixels", about = ".html: of the poster that is rendered" },
   { "dering", "dering", optional = true,
-    about = ".html: window against light below zero, as of scene:render, chosen by a picture from the scene's camera; false: none" },
+    about = ".html: window against light below zero, as of scene:render, chosen from the scene's camera; false: none" },
   { "limit", "number", above = 0, default = 32e6, unit = "bytes", about = ".html: of the file; a larger one is refused" },
   form.threads,
 }

@@ -293,7 +293,8 @@ local function write(grid, path, o)
   ok, message, code = check.result("save", core.file_save(path, bytes))
   if not ok then return nil, message, code end
   for i, sentence in ipairs(warnings) do warning.say(o.scene or grid, "page " .. i, "%s", sentence) end
-  return true, { bytes = #bytes, poster = poster and #poster or 0, sections = blob.by_name, warnings = warnings, dering = report.dering,
+  return true, { bytes = #bytes, poster = poster and #poster or 0, sections = blob.by_name, warnings = warnings,
+    dering = report.dering,
     triangles = counts and counts.triangles or 0 }
 end
 

@@ -4,7 +4,6 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
-local devices = require "ylm.device"
 local form = require "ylm.form"
 local warning = require "ylm.warning"
 local window = require "ylm.sh.window"
@@ -109,9 +108,11 @@ function dering.report(p, o, report, found)
   if not found or found.before <= MOST then return end
   local begin = ("scene %q: %.2g %% of the picture's light was below zero, since harmonics of degree %d ring: "):format(
     p.scene.name or "?", 100 * found.before, o.grid.lmax)
-  local rest = "dering = false keeps it: a higher lmax rings less"
-  if found.width then rest = ("a window of width %.2f leaves %.2g %% (dering = false: none)"):format(found.width, 100 * found.after)
-  elseif o.dering ~= false then rest = "no window helps, voxels are too large for the light: set a smaller tolerance or more depth" end
+  local rest
+  if found.width then
+    rest = ("a window of width %.2f leaves %.2g %% (dering = false: none)"):format(found.width, 100 * found.after)
+  elseif o.dering == false then rest = "a higher lmax rings less, dering = true damps it"
+  else rest = "no window helps, voxels are too large for the light: set a smaller tolerance or more depth" end
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "dering", "%s%s", begin, rest)
 end
 

@@ -67,7 +67,7 @@ local NOISE, MOST_SAMPLES = 0.01, 16384
 --- The noise that is said aloud.
 local LOUD_NOISE = 0.02
 --- The quantity that report.glossy.noise is.
-local NOISE_OF = "the mesh that has most: standard error of its radiance, root mean square over its pixels, over that of its radiance"
+local NOISE_OF = "the mesh that has most: error of its radiance, root mean square over that of the radiance"
 
 --- Is a surface of the scene anything but matte?
 local function is_glossy(s)
