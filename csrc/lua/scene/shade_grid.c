@@ -18,7 +18,7 @@ static bool read_window(lua_State *L, int i, double window[YLM_LMAX + 1]) {
 }
 
 /* shade_grid(view, grid, "transfer" | "cosine", "hermite" | "taylor" | "linear", threads, progress,
-              {bias =, window = factors of degrees 0 .. | nil})
+              {bias =, window = factors of degrees 0 .. | nil} | nil)
    -> radiance [n][3], outside, unbaked, seconds */
 static int shade_grid(lua_State *L) {
   double window[YLM_LMAX + 1];
@@ -32,7 +32,10 @@ static int shade_grid(lua_State *L) {
   ylmL_progress p;
   ylm_grid_bias_report bias = {0};
   lua_settop(L, 7);
-  luaL_checktype(L, 7, LUA_TTABLE);
+  if (!lua_istable(L, 7)) {
+    lua_newtable(L);
+    lua_replace(L, 7);
+  }
   lua_getfield(L, 7, "bias");
   double factor = (double)lua_tonumber(L, -1);
   bool damped = read_window(L, 7, window);
