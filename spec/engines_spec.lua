@@ -213,13 +213,35 @@ describe("grid:export", function()
     assert.equal("", left)
   end)
 
+  it("leaves points in bodies out of the error, and ends at bytes", function()
+    local white = ylm.matte { albedo = 0.6 }
+    local room = ylm.scene "a room" {
+      geometry = { ylm.box { scale = 2, material = white },
+        ylm.box { at = { 0.3, -0.7, 0.2 }, scale = { 0.5, 0.6, 0.5 }, material = white } },
+      lights = ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.1, radiance = 20 },
+    }
+    local before = ylm.on_warning(false)
+    local lit = assert(room:bake { parts = "all", probes = ylm.adaptive_grid { lmax = 2, depth = 4, tolerance = 0.1 } })
+    ylm.on_warning(before)
+    local path = folder.path .. "/room.ktx2"
+    local report = assert(lit:export(path, { tolerance = 0.15 }))
+    assert(report.met and report.cells[1] <= 12, report.cells[1])
+    local none, message, code = lit:export(path .. ".npy", { tolerance = 0.001, bytes = 1e4 })
+    assert(none == nil and code == "ELIMIT" and message:find "cells end at bytes = 10000", message)
+    none, message, code = lit:export(path .. ".npy", { cells = { 9, 9, 9 }, bytes = 1e4 })
+    assert(none == nil and code == "ELIMIT" and message:find "9 x 9 x 9 cells take", message)
+    assert.is_nil(io.open(path .. ".npy"))
+  end)
+
   it("says what falls short, and refuses", function()
     local said = {}
     local before = ylm.on_warning(function(message) said[#said + 1] = message end)
     local thin = { { -1, -0.01, -0.01 }, { 1, 0.01, 0.01 } }      -- 256 cells along one axis are few
     local small = ylm.bake(ylm.uniform_grid { bounds = thin, cells = 2, lmax = 2 },
       ylm.sphere_light { at = { 0, 1.5, 0 }, radius = 0.1, radiance = 10 })
-    local report = small:export(folder.path .. "/b.npy", { tolerance = 1e-9 })
+    local none, sentence, why = small:export(folder.path .. "/b.npy", { tolerance = 1e-9 })
+    assert(none == nil and why == "ELIMIT" and sentence:find "nothing was written" and not io.open(folder.path .. "/b.npy"))
+    local report = small:export(folder.path .. "/b.npy", { tolerance = 1e-9, anyway = true })
     ylm.on_warning(before)
     assert(report and not report.met and report.warning == said[1] and said[1]:find "tolerance 1e%-09 is not met by")
     for _, bad in ipairs { { "a.png" }, { "a.ktx2", { cells = { 1, 2, 3 } } },

@@ -347,6 +347,14 @@ describe("scene:live, replays", function()
     assert(n >= 4 and worst < 0.1, worst) -- the tolerance is of coefficients, 99 % of them
   end)
 
+  it("bake the scene's own probes where these have no tolerance, as pages do", function()
+    local probes, points = ylm.adaptive_grid { lmax = 2, depth = 4, threshold = 0.5, metric = "absolute" }, nil
+    local s = scene { probes = probes }
+    assert(s:live { size = { 64, 48 }, hidden = true, events = { { 1, "close" } },
+      on_frame = function(state) points = points or state.grid.stats.points end })
+    assert.equal(s:bake({ parts = "lights" }).stats.points, points)
+  end)
+
   it("bake what ylm.bake bakes when the tolerance is another", function()
     local s, points = scene(), {}
     assert(play(s, { { 0, "key", "T" }, { 1, "rest" }, { 2, "key", "t" }, { 3, "key", "t" }, { 4, "key", "t" }, { 5, "rest" } },

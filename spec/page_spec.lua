@@ -237,7 +237,7 @@ describe("a page", function()
     local function rendered(of, light, tone)
       local dark = ylm.scene "dark" { camera = of.camera, geometry = of.geometry, background = of.background }
       local view = assert(dark:prepare { size = SIZE, samples = 16, visibility = "none" })
-      assert((assert(view:render { grid = light })):save(folder.path .. "/truth.png", tone))
+      assert((assert(view:render { grid = light, dering = false })):save(folder.path .. "/truth.png", tone))
       return assert(ylm.load(folder.path .. "/truth.png", { raw = true })):layer()
     end
 
@@ -397,14 +397,16 @@ describe("a page", function()
     it("shows scenes of the collection within their sizes, 38 dB", function()
       needs_browser()
       if not long(false, true) then pending "make check-long shows them" end
-      for _, one in ipairs { { "two_lamps", 6, 5e6 }, { "floor_lights", 8, 25e6 } } do
+      for _, one in ipairs { { "two_lamps", nil, 10e6 }, { "floor_lights", 8, 25e6 } } do
         local s = assert(ylm.load_scene("examples/scenes/" .. one[1] .. ".lua"))
-        local g = assert(s:bake { probes = ylm.adaptive_grid { lmax = 4, depth = one[2], tolerance = 0.05 } })
+        local g = assert(s:bake { -- the second one's own probes are too many for a page
+          probes = one[2] and ylm.adaptive_grid { lmax = 4, depth = one[2], tolerance = 0.05 } })
         local other = folder.path .. "/" .. one[1] .. ".html"
         local ok, report = g:save(other, { scene = s, limit = one[3], poster = false })
         assert(ok, report)
         local decibels = psnr(seen(other, "nolamps&still"), rendered(s, g))
         assert(decibels >= 38, one[1] .. ": " .. decibels)
+        if os.getenv "YLM_SAY" then print(one[1], g.stats.points, report.bytes, decibels) end
       end
     end)
   end)

@@ -620,9 +620,11 @@ typedef struct ylm_grid_bias_report {
 /*
 ** ylm_grid_sample_biased - interpolate coefficients at points on surfaces, looked up elsewhere.
 **
-**   value = L(place) + (x - place) . grad L(place),     L the interpolant
+**   value = L(place) + t (x - place) . grad L(place),     L the interpolant
 **
-** Where the place is x the value is that of ylm_grid_sample, to the bit.
+** t is 1, or less where the mean light of a channel, degree 0, would change by more than half of
+** itself: behind the edge of a shadow light would be below zero. Where the place is x the value
+** is that of ylm_grid_sample, to the bit.
 **
 **   q        in   points and values are float, whatever it says
 **   places   in   [n][3] of ylm_grid_bias

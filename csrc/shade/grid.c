@@ -13,10 +13,18 @@ typedef struct grid_job {
   shade_rows rows;
   ylm_shade_dot_fn *dot;
   float *out, *level, *error;
-  double factor; /* of look-ups beside surfaces */
-  float *b;      /* [points] of these; NULL: none */
+  double factor;        /* of look-ups beside surfaces */
+  float *b;             /* [points] of these; NULL: none */
+  const double *window; /* [lmax+1] */
   atomic_uint_fast64_t outside, unbaked;
 } grid_job;
+
+/* Multiplies degree l of n rows of coefficients by window[l]. */
+static void damp(const double *window, int lmax, size_t n, float *L) {
+  for (size_t i = 0; i < n; i++)
+    for (int l = 0; l <= lmax; l++)
+      for (int m = -l; m <= l; m++) *L++ *= (float)window[l];
+}
 
 /* Coefficients of points begin .. begin+n-1 to L, looked up beside their surfaces. */
 static ylm_status sample_beside(grid_job *j, size_t begin, size_t n, float *L, ylm_grid_report *r) {
@@ -52,6 +60,7 @@ static ylm_status run_grid(void *context, size_t begin, size_t end, int worker) 
     s = sample_beside(j, begin, n, L, &r);
   else if (s == YLM_OK)
     s = ylm_grid_sample(j->grid, &j->query, n, j->view->position[begin], L, NULL, &r, NULL);
+  if (s == YLM_OK && j->window) damp(j->window, form->lmax, n * (size_t)form->channels, L);
   ylm__shade_clock(j->view, SHADE_LIGHT, start);
   if (s == YLM_OK)
     s = ylm__shade_points(j->view, j->dot, &j->rows, begin, n,
@@ -75,13 +84,14 @@ static ylm_grid_bias_report distances(const float *b, size_t n) {
 
 ylm_status ylm_shade_grid_biased(const ylm_shade_view *v, const ylm_grid *grid,
                                  ylm_shade_weight weight, ylm_grid_interpolation interpolation,
-                                 double factor, int threads, const ylm_progress *progress,
-                                 float *out, ylm_grid_report *report, ylm_grid_bias_report *bias,
-                                 ylm_error *e) {
+                                 double factor, const double *window, int threads,
+                                 const ylm_progress *progress, float *out, ylm_grid_report *report,
+                                 ylm_grid_bias_report *bias, ylm_error *e) {
   double start = ylm_seconds();
   grid_job j = {.view = v,
                 .grid = grid,
                 .factor = factor,
+                .window = window,
                 .look = ylm_grid_look(grid),
                 .out = out,
                 .dot = ylm__shade_kernels().dot,
@@ -107,8 +117,8 @@ ylm_status ylm_shade_grid(const ylm_shade_view *v, const ylm_grid *grid, ylm_sha
                           ylm_grid_interpolation interpolation, int threads,
                           const ylm_progress *progress, float *out, ylm_grid_report *report,
                           ylm_error *e) {
-  return ylm_shade_grid_biased(v, grid, weight, interpolation, 0, threads, progress, out, report,
-                               NULL, e);
+  return ylm_shade_grid_biased(v, grid, weight, interpolation, 0, NULL, threads, progress, out,
+                               report, NULL, e);
 }
 
 static ylm_status run_cells(void *context, size_t begin, size_t end, int worker) {

@@ -353,6 +353,7 @@ YLM_API ylm_status ylm_shade_bias(const ylm_shade_view *view, const ylm_grid *gr
 ** ylm_grid_sample_biased): of grids whose light jumps there.
 **
 **   factor  in   0: looked up at the points themselves, as ylm_shade_grid does
+**   window  in   [lmax+1] of the grid: what degrees of its light are multiplied by; NULL: 1
 **   report  out  points outside and unbaked, of the places that are looked up; may be NULL
 **   bias    out  of the distances; may be NULL
 **
@@ -362,7 +363,8 @@ YLM_API ylm_status ylm_shade_bias(const ylm_shade_view *view, const ylm_grid *gr
 YLM_API ylm_status ylm_shade_grid_biased(const ylm_shade_view *view, const ylm_grid *grid,
                                          ylm_shade_weight weight,
                                          ylm_grid_interpolation interpolation, double factor,
-                                         int threads, const ylm_progress *progress, float *out,
+                                         const double *window, int threads,
+                                         const ylm_progress *progress, float *out,
                                          ylm_grid_report *report, ylm_grid_bias_report *bias,
                                          ylm_error *e);
 

@@ -92,6 +92,35 @@ void weigh(vec3 t, vec3 edge, vec3 off) {
 #endif
 }
 
+#if BIAS
+/* The mean light of the channels by the weights of a cell's corners. */
+vec3 mean_light(uvec4 lower, uvec4 upper) {
+  vec3 sum = vec3(0.0);
+  for (int c = 0; c < 8; c++) {
+    int base = int(c < 4 ? lower[c] : upper[c - 4]) * ROW;
+    vec4 w = of_corner(c);
+    sum.x += dot(w, row(base));
+#if CHANNELS == 3
+    sum.y += dot(w, row(base + COUNT));
+    sum.z += dot(w, row(base + 2 * COUNT));
+#endif
+  }
+  return sum;
+}
+
+/* The part of the way off a place on which the mean light of no channel changes by more than half of itself. */
+float carry(vec3 t, vec3 edge, vec3 off, uvec4 lower, uvec4 upper) {
+  weigh(t, edge, vec3(0.0));
+  vec3 value = mean_light(lower, upper);
+  weigh(t, edge, off);
+  vec3 change = abs(mean_light(lower, upper) - value), most = 0.5 * abs(value);
+  float part = 1.0;
+  for (int k = 0; k < CHANNELS; k++)
+    if (most[k] < part * change[k]) part = most[k] / change[k];
+  return part;
+}
+#endif
+
 /* Irradiance of a surface by the grid; face: the normal of its triangle, on the side of n. */
 vec3 irradiance(vec3 place, vec3 n, vec3 face) {
   uint leaf, whole;
@@ -115,7 +144,12 @@ vec3 irradiance(vec3 place, vec3 n, vec3 face) {
   float edge = edge_of(w), inverse = 1.0 / edge;
   vec3 t = vec3(edge_fraction(at.x, float(w.z & 65535u), inverse), edge_fraction(at.y, float(w.z >> 16), inverse),
       edge_fraction(at.z, float(w.w & 65535u), inverse));
-  weigh(clamp(t, 0.0, 1.0), edge * unit, place - there);
+  t = clamp(t, 0.0, 1.0);
+  vec3 off = place - there;
+#if BIAS
+  off *= carry(t, edge * unit, off, lower, upper);
+#endif
+  weigh(t, edge * unit, off);
   harmonics(n.x, n.y, n.z, n.z < 0.0 ? -1.0 : 1.0, 1.0 - abs(n.z));
   float cosine[USED_COUNT];
   for (int j = 0; j < USED_COUNT; j++) cosine[j] = COSINE[j] * Y[USED[j]];

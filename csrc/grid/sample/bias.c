@@ -121,6 +121,19 @@ void ylm_grid_bias(const ylm_grid *g, double factor, size_t n, const float (*poi
   ylm__grid_bias(g, factor, zero, n, points, normals, limit, reach, places, threads);
 }
 
+/* Shortens the way d so that the mean light of no channel changes by more than BIAS_CARRY of itself on it: a gradient
+   across the edge of a shadow would carry light below zero. */
+static void shorten(const ylm_grid *g, const float *value, const float *gradient, float d[3]) {
+  size_t count = g->width / (size_t)g->contents.form.channels;
+  float t = 1;
+  for (size_t k = 0; k < g->width; k += count) {
+    float change = fabsf(carried(value[k], d, gradient + 3 * k) - value[k]);
+    float most = BIAS_CARRY * fabsf(value[k]);
+    if (most < t * change) t = most / change;
+  }
+  for (int a = 0; t < 1 && a < 3; a++) d[a] *= t;
+}
+
 ylm_status ylm_grid_sample_biased(const ylm_grid *g, const ylm_grid_query *q, size_t n,
                                   const float (*points)[3], const float (*places)[3], float *value,
                                   ylm_grid_report *report, ylm_error *e) {
@@ -134,6 +147,7 @@ ylm_status ylm_grid_sample_biased(const ylm_grid *g, const ylm_grid_query *q, si
     float d[3];
     for (int a = 0; a < 3; a++) d[a] = points[i][a] - places[i][a];
     bool moved = d[0] != 0 || d[1] != 0 || d[2] != 0;
+    if (moved) shorten(g, value + i * w, gradient + 3 * i * w, d);
     for (size_t k = 0; moved && k < w; k++)
       value[i * w + k] = carried(value[i * w + k], d, gradient + 3 * (i * w + k));
   }

@@ -16,5 +16,7 @@
 #define BIAS_LOOKS 4
 /* Points beside surfaces that a thread takes at a time. */
 #define BIAS_GRAIN 256
+/* the part of a point's mean light that the way back to a surface changes at most */
+#define BIAS_CARRY 0.5f
 
 #endif

@@ -4,10 +4,24 @@
 #include "../binding_grid.h"
 #include "shade.h"
 
+/* The factors that field `window` of the table at i lists; false: there is none. */
+static bool read_window(lua_State *L, int i, double window[YLM_LMAX + 1]) {
+  lua_getfield(L, i, "window");
+  bool some = lua_istable(L, -1);
+  for (int l = 0; some && l <= YLM_LMAX; l++) {
+    lua_rawgeti(L, -1, l + 1);
+    window[l] = (double)lua_tonumber(L, -1);
+    lua_pop(L, 1);
+  }
+  lua_pop(L, 1);
+  return some;
+}
+
 /* shade_grid(view, grid, "transfer" | "cosine", "hermite" | "taylor" | "linear", threads, progress,
-              bias)
+              {bias =, window = factors of degrees 0 .. | nil} | nil)
    -> radiance [n][3], outside, unbaked, seconds */
 static int shade_grid(lua_State *L) {
+  double window[YLM_LMAX + 1];
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_grid *g = ylmL_grid_check(L, 2);
   ylm_shade_weight weight = ylmL_shade_weight(L, 3);
@@ -18,10 +32,18 @@ static int shade_grid(lua_State *L) {
   ylmL_progress p;
   ylm_grid_bias_report bias = {0};
   lua_settop(L, 7);
+  if (!lua_istable(L, 7)) {
+    lua_newtable(L);
+    lua_replace(L, 7);
+  }
+  lua_getfield(L, 7, "bias");
+  double factor = (double)lua_tonumber(L, -1);
+  bool damped = read_window(L, 7, window);
+  lua_settop(L, 7);
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3});
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
-  ylm_status s = ylm_shade_grid_biased(v, g, weight, how, luaL_optnumber(L, 7, 0), threads,
+  ylm_status s = ylm_shade_grid_biased(v, g, weight, how, factor, damped ? window : NULL, threads,
                                        progress, out->data, &report, &bias, &e);
   if (s == YLM_OK) {
     ylmL_push_count(L, report.outside);

@@ -17,7 +17,8 @@ return {
   least = 1,
   options = {
     { "size", "-s", "WxH", "pixels of the window, default 1024x768; of a replay that its file says" },
-    { "tolerance", nil, "N", "of the grid while something moves, default the larger of the probes' and 0.05" },
+    { "tolerance", nil, "N", "of the grid while something moves, default the larger of the probes' and 0.05; probes "
+      .. "without a tolerance are as the scene says" },
     { "depth", nil, "N", "of the octree, 1 to 12" },
     { "exposure", nil, "N", "stops" },
     { "tone", nil, "NAME", "tone curve" },

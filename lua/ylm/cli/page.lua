@@ -64,6 +64,7 @@ return {
     { "tone", nil, "NAME", "tone curve at first: srgb (default), linear, reinhard, hable, aces" },
     { "size", "-s", "WxH", "of the poster, which is seen where the page cannot be drawn" },
     { "no-poster", nil, nil, "none is rendered" },
+    { "dering", nil, "N", "width of the window against light below zero, in degrees, 0: none; default: chosen where needed" },
     { "limit", nil, "N", "bytes of the file, default 32e6: a larger one is refused" },
     { "strict", nil, nil, "exit status 6 where a warning is given; the page is written" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
@@ -80,7 +81,7 @@ return {
     if given["no-poster"] then poster = false end
     local _, made = status.need(grid:save(given.output, { scene = scene, title = given.title, precision = given.precision,
       exposure = given.exposure, tone = given.tone, size = given.size, poster = poster, limit = given.limit,
-      threads = given.threads }))
+      dering = status.dering("page", given.dering), threads = given.threads }))
     local stats = grid.stats
     local results = { bytes = made.bytes, poster = made.poster, points = stats.points, cells = stats.cells,
       triangles = made.triangles, sections = made.sections, warnings = made.warnings, met = stats.met }

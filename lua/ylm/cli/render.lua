@@ -13,7 +13,7 @@ local only = {
   gloss = { "default", "grid", "reference" }, ["gloss-error"] = { "default", "grid", "reference" },
   visibility = { "default", "grid", "reference" }, ["light-tolerance"] = { "default", "grid", "reference" },
   ["light-samples"] = { "default", "raycast" }, bounces = { "default", "grid" }, tolerance = { "default" },
-  indirect = { "default", "grid" },
+  indirect = { "default", "grid" }, dering = { "default", "grid" },
   display = { "default", "grid", "raycast" },
 }
 
@@ -154,7 +154,9 @@ local function options_of(given, method)
   if given.tolerance and given.shading == "vertex" then
     status.stop(status.usage, "render: --tolerance is judged at what camera rays hit: leave --shading vertex out")
   end
-  if method ~= "reference" then options.interpolation = given.interpolation end
+  if method ~= "reference" then
+    options.interpolation, options.dering = given.interpolation, status.dering("render", given.dering)
+  end
   return options
 end
 
@@ -188,6 +190,8 @@ return {
       .. "harmonics)" },
     { "grid", "-g", "FILE", "a grid baked before" },
     { "shading", nil, "NAME", "pixel (default) or vertex; not of raycast" },
+    { "dering", nil, "N", "of a grid: width of the window against light below zero, in degrees, 0: none; default: chosen where "
+      .. "needed" },
     { "interpolation", nil, "NAME", "of a grid: hermite, taylor or linear" },
     { "exposure", nil, "N", "of a .png, in stops" },
     { "display", nil, "ADDRESS", "HOST:PORT of an image viewer (tev) that shows the picture while it is made; not of reference" },

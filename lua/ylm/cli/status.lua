@@ -41,6 +41,14 @@ function status.bounces(name, text)
   return n
 end
 
+--- The option dering of a width that a command was given: 0 is none; nil: it was not given.
+function status.dering(name, width)
+  if width == nil then return nil end
+  if width == 0 then return false end
+  if width > 0 and width < math.huge then return width end
+  return status.stop(status.usage, "%s: --dering is a width in degrees, or 0 for no window, got %g", name, width)
+end
+
 --- The address of an image viewer that the option of a command gives; nil: it was not given.
 function status.display(name, text)
   if text == nil then return nil end

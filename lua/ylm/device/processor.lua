@@ -108,10 +108,11 @@ function processor.shade(_, name, p, o, bar)
   if core.type(o.grid) ~= "ylm.grid" then return shade_field(name, p, o, bar) end
   local radiance, outside, unbaked, seconds, fresh
   local bias, mean, largest = o.bias or o.grid.bias, nil, nil
-  if o.grid.dynamic and o.weight == "transfer" then radiance, outside, unbaked, seconds, fresh = shade_again(name, p, o, bar)
+  if o.grid.dynamic and o.weight == "transfer" and not o.window then
+    radiance, outside, unbaked, seconds, fresh = shade_again(name, p, o, bar)
   else
     radiance, outside, unbaked, seconds, mean, largest = check.result(name, p.lib.shade_grid(p.view, o.grid, o.weight,
-      o.interpolation, o.threads or 0, bar, bias))
+      o.interpolation, o.threads or 0, bar, { bias = bias, window = o.window }))
   end
   if not radiance then return nil, outside, unbaked end
   return radiance, { outside = outside, unbaked = unbaked, seconds = seconds, fresh = fresh,
@@ -129,7 +130,7 @@ function processor.room(_, name)
 end
 
 function processor.picture(device, name, p, o, layer, bar, compose)
-  local radiance, done, code = device:shade(name, p, o, bar)
+  local radiance, done, code = (o.shade or device.shade)(device, name, p, o, bar)
   if not radiance then return nil, done, code end
   local ok, message
   ok, message, code = compose(name, p, radiance, o, layer)

@@ -14,6 +14,7 @@ local warning = require "ylm.warning"
 
 local methods, open = object.methods, object.open
 
+local HALVED = 0.5             -- points of less validity lie in bodies, or behind walls
 local MOST_CELLS = 256         -- along the longest axis, where a tolerance chooses
 local MOST_PROBES = 2 ^ 20
 local HELD_OUT = 4096          -- points that the error is measured at
@@ -54,6 +55,45 @@ local function middles(g, cells)
   return array.array(list, "float")
 end
 
+--- The validity of the probes around p, by their weights there; nil where p is in no voxel.
+local function validity_at(g, known, p)
+  local cell = g:locate(p)
+  local sum, weight = 0, 0
+  for k = 1, cell and #cell.corners or 0 do
+    local row = cell.corners[k]
+    if row > 0 then
+      local w = 1
+      for a = 1, 3 do
+        local t = math.max(0, math.min(1, (p[a] - cell.origin[a]) / cell.size[a]))
+        w = w * (math.floor((k - 1) / 2 ^ (a - 1)) % 2 == 1 and t or 1 - t)
+      end
+      sum, weight = sum + w * known[row], weight + w
+    end
+  end
+  return weight > 0 and sum / weight or nil
+end
+
+--- The validity at points, array [n]: 1 less the part of each that lies in bodies.
+local function validity_of(g, positions)
+  local known, all = g:points().validity, true
+  for i = 1, #known do all = all and known[i] == 1 end
+  local list = {}
+  for i = 1, #positions do
+    list[i] = all and 1
+      or validity_at(g, known, { positions:get(i, 1), positions:get(i, 2), positions:get(i, 3) }) or 1
+  end
+  return array.array(list, "float")
+end
+
+--- Those of points that lie in the open; all of them where none does.
+local function in_the_open(g, points)
+  local validity, kept = validity_of(g, points), {}
+  for i = 1, #validity do
+    if validity[i] >= HALVED then kept[#kept + 1] = { points:get(i, 1), points:get(i, 2), points:get(i, 3) } end
+  end
+  return kept[1] and array.array(kept, "float") or points
+end
+
 --- Points where light is needed, equally dense on surfaces: voxels that hold them count by the squares of their sizes. The
 -- same for the same grid.
 local function held_out(g)
@@ -76,7 +116,7 @@ local function held_out(g)
     end
     points[i] = p
   end
-  return array.array(points, "float")
+  return in_the_open(g, array.array(points, "float"))
 end
 
 --- Points moved into the box of the outermost middles, as engines clamp them.
@@ -124,15 +164,23 @@ end
 
 local function too_many(cells) return cells[1] * cells[2] * cells[3] > MOST_PROBES end
 
---- The coarsest numbers of cells whose error is at most `tolerance`, and that error; the finest tried where none is. Or nil,
--- message, code.
-local function choose(g, judge, tolerance)
+--- Bytes of the numbers of a file of that kind.
+local function bytes_of(kind, cells, g, o)
+  local n = cells[1] * cells[2] * cells[3]
+  if kind == "cube" then return 48 * n end
+  if kind == "three" then return math.ceil((56 * cells[1] * cells[2] * (cells[3] + 2) + n) * 4 / 3) end
+  return n * (g.channels == 3 and 3 or 1) * ((o.lmax or LMAX) + 1) ^ 2 * (o.dtype == "float16" and 2 or 4)
+end
+
+--- The coarsest numbers of cells whose error is at most `tolerance`, and that error; the finest tried where none is, of
+-- those that are not too_large(cells). Or nil, message, code.
+local function choose(g, judge, tolerance, too_large)
   local n, below, cells = 2, 1, cells_of(g, 2)
   local found, message, code = error_of(g, judge, cells)
   while found and found > tolerance and n < MOST_CELLS do
     local more = math.min(MOST_CELLS, math.ceil(1.5 * n))
     local finer = cells_of(g, more)
-    if too_many(finer) then break end
+    if too_many(finer) or too_large(finer) then break end
     below, n, cells = n, more, finer
     found, message, code = error_of(g, judge, cells)
   end
@@ -146,34 +194,6 @@ local function choose(g, judge, tolerance)
     if less <= tolerance then n, found, cells = middle, less, coarser else below = middle end
   end
   return cells, found
-end
-
---- 1 less the part of each middle that lies in bodies.
-local function validity_of(g, positions)
-  local known, all = g:points().validity, true
-  for i = 1, #known do all = all and known[i] == 1 end
-  local list = {}
-  for i = 1, #positions do
-    if all then list[i] = 1
-    else
-      local p = { positions:get(i, 1), positions:get(i, 2), positions:get(i, 3) }
-      local cell = g:locate(p)
-      local sum, weight = 0, 0
-      for k = 1, cell and #cell.corners or 0 do
-        local row = cell.corners[k]
-        if row > 0 then
-          local w = 1
-          for a = 1, 3 do
-            local t = math.max(0, math.min(1, (p[a] - cell.origin[a]) / cell.size[a]))
-            w = w * (math.floor((k - 1) / 2 ^ (a - 1)) % 2 == 1 and t or 1 - t)
-          end
-          sum, weight = sum + w * known[row], weight + w
-        end
-      end
-      list[i] = weight > 0 and sum / weight or 1
-    end
-  end
-  return array.array(list, "float")
 end
 
 -- Files ----------------------------------------------------------------------------------------
@@ -282,15 +302,30 @@ local options = {
   { "tolerance", "number", above = 0, optional = true,
     about = "the coarsest cells are taken whose error is at most this at 99 % of held-out points; default " .. TOLERANCE },
   { "cells", "export_cells", optional = true, about = "instead: { nx, ny, nz }" },
+  { "bytes", "number", above = 0, optional = true, about = "that the numbers of the file take at most: bounds the cells that are "
+    .. "chosen, and refuses those that are given; default: " .. MOST_PROBES .. " probes" },
+  { "anyway", "boolean", default = false, about = "true: writes the file also where the tolerance is not met" },
   { "lmax", "integer", min = 0, max = 20, optional = true, about = "of .npy, default 2; probes of three.js have 2" },
   { "dering", "boolean", default = false,
     about = "damps all probes by the one window that leaves no direction of any below 0; its cost is in the report" },
   { "dtype", "choice", of = { "float16", "float" }, default = "float", about = "of .npy" },
   { "points", "any", optional = true, unit = "scene units",
-    about = "array [n][3]: where the error is measured; default: 4,096 places in voxels that hold surfaces or points" },
+    about = "array [n][3]: where the error is measured; default: 4,096 places in voxels that hold surfaces or points, "
+    .. "without those in bodies and behind walls" },
 }
 
 local kinds = { ["%.ktx2$"] = "cube", ["%.three%.json$"] = "three", ["%.npy$"] = "npy" }
+
+--- Why the tolerance of an export is not met, and what to change.
+local function unmet_by(report, tolerance, o)
+  local c, looser = report.cells, 10 ^ (math.floor(math.log(report.error) / math.log(10)) - 1)
+  local cause = report.dering and report.dering.width and "the window of dering damps light"
+    or o.bytes and ("cells end at bytes = %.0f, or at %d probes"):format(o.bytes, MOST_PROBES)
+    or ("cells end at %d along an axis, or %d probes"):format(MOST_CELLS, MOST_PROBES)
+  return ("export: tolerance %g is not met by %d x %d x %d cells, 99 %% of the points keep %.3g: %s; set tolerance = %.2g, or "
+    .. "cells = { nx, ny, nz }"):format(tolerance, c[1], c[2], c[3], report.error, cause,
+    math.ceil(report.error / looser) * looser)
+end
 
 describe "grid:export" {
   about = "Writes the grid's light at the middles of equal cells of its bounds, for engines that interpolate along the axes: "
@@ -302,7 +337,8 @@ describe "grid:export" {
   returns = { { "report", "table", "cells; probes; error: 99 % of the held-out points keep it (relative L2 distance of what is "
     .. "exported from the grid's own); met, with a tolerance; validity, array [nz ny nx]: 1 less the part that is in bodies; "
     .. "dering: the window's report; bytes; warning, where the tolerance is not met" } },
-  errors = "raises on another ending and bad options; nil, message, code where the file cannot be written or memory runs out",
+  errors = "raises on another ending and bad options; nil, message, code where the file cannot be written or memory runs out; "
+    .. "nil, message, 'ELIMIT' where the tolerance is not met (nothing is written then), or bytes is too few",
   example = [[
 local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = 10 }
 local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, lmax = 2 }, lamp)
@@ -331,6 +367,12 @@ function methods.export(g, path, given)
   if #points == 0 then return check.bad(2, "export", "points: at least one expected") end
   local judge, tolerance = judge_of(g, kind, lmax, points), o.tolerance or TOLERANCE
   local cells, found = o.cells
+  local function too_large(picked) return o.bytes and bytes_of(kind, picked, g, o) > o.bytes end
+  local least = cells or cells_of(g, 2)
+  if too_large(least) then
+    return nil, ("export: %d x %d x %d cells take %.0f bytes, and bytes = %.0f: give more"):format(least[1], least[2], least[3],
+      bytes_of(kind, least, g, o), o.bytes), "ELIMIT"
+  end
   if cells then
     if too_many(cells) then
       return check.bad(2, "export", "cells: at most %d probes, got %d x %d x %d", MOST_PROBES, cells[1], cells[2], cells[3])
@@ -338,7 +380,7 @@ function methods.export(g, path, given)
     found, message, code = error_of(g, judge, cells)
     if not found then return nil, message, code end
   else
-    cells, found, code = choose(g, judge, tolerance)
+    cells, found, code = choose(g, judge, tolerance, too_large)
     if not cells then return nil, found, code end
   end
   local positions = middles(g, cells)
@@ -354,10 +396,9 @@ function methods.export(g, path, given)
   end
   if not o.cells then
     report.met = found <= tolerance
-    if not report.met then
-      report.warning = warning.say(g, "export", "export: tolerance %g is not met by %d x %d x %d cells, 99 %% of the points "
-        .. "keep %.3g: give cells, or a larger tolerance", tolerance, cells[1], cells[2], cells[3], found)
-    end
+    local sentence = not report.met and unmet_by(report, tolerance, o)
+    if sentence and not o.anyway then return nil, sentence .. ", or anyway = true to write it; nothing was written", "ELIMIT" end
+    report.warning = sentence and warning.say(g, "export", "%s", sentence) or nil
   end
   local ok
   if kind == "npy" then

@@ -23,6 +23,8 @@ grid_file.page_options = {
     about = ".html: an image that is seen where the page cannot be drawn; default: rendered from the scene's camera; "
       .. "false: none" },
   { "size", "image_size", default = { 960, 540 }, unit = "pixels", about = ".html: of the poster that is rendered" },
+  { "dering", "dering", optional = true,
+    about = ".html: window against light below zero, as of scene:render, chosen from the scene's camera; false: none" },
   { "limit", "number", above = 0, default = 32e6, unit = "bytes", about = ".html: of the file; a larger one is refused" },
   form.threads,
 }
@@ -43,7 +45,7 @@ describe "grid:save" {
   },
   options = save_options,
   returns = { { "ok", "boolean", "true" }, { "report", "table", ".html: bytes of the file, poster, sections: bytes by name, "
-    .. "triangles, warnings: what the page does not show" } },
+    .. "triangles, warnings: what the page does not show, dering as of scene:render" } },
   errors = "raises on another ending and bad options; nil, message, code where the file cannot be written, and of .html 'ELIMIT' "
     .. "where it would be too large, 'EDOMAIN' where a number of the grid is not finite",
   example = [[

@@ -22,6 +22,7 @@ function actions.set(state, name, value, changed)
   value = math.max(knob.least, math.min(knob.largest, value))
   if value == state.settings[name] then return end
   state.settings[name] = value
+  if name == "tolerance" then state.settings.own = false end
   changed.look = true
   if name ~= "exposure" then changed.grid = true end
   if name == "lmax" then changed.views = true end

@@ -90,7 +90,7 @@ function methods.update(f, rows, settings, progress)
     if not report and code ~= "ECANCELLED" then f.grid = nil end -- where it is spent
   else
     local grid
-    grid, message, code = bake(f, rows, f:probes(settings, settings.tolerance, f.follows), progress)
+    grid, message, code = bake(f, rows, f:probes(settings, not settings.own and settings.tolerance or nil, f.follows), progress)
     report = grid
     if grid then f.grid, f.baked = grid, core.seconds() - start end
   end
@@ -100,11 +100,11 @@ function methods.update(f, rows, settings, progress)
 end
 
 --- Forgets the grid that follows lamps: tolerance, depth or lmax are others.
-function methods.drop_grid(f) f.grid, f.fine = nil, nil end
+function methods.drop_grid(f) f.grid, f.fine, f.dering = nil, nil, nil end
 
 --- Forgets prepared views: the camera, the size or lmax are others.
 function methods.drop_views(f)
-  f.views, f.ray_view, f.rays, f.paths = {}, nil, nil, nil
+  f.views, f.ray_view, f.rays, f.paths, f.dering = {}, nil, nil, nil, nil
 end
 
 --- Bakes the grid of the picture at rest: by the probes' own tolerance, or with `tolerance` by that.
@@ -149,8 +149,10 @@ end
 --- Shades a view by a field of light: the picture, the view's depth written; or nil, message, code.
 local function shade(f, v, field, rows, layers, spare, progress)
   f:lights(rows)
-  return v.view:render { grid = field, lamps = f.spheres, layers = layers, depth = v.depth, threads = f.o.threads,
-    out = spare, progress = progress }
+  local image, report, code = v.view:render { grid = field, lamps = f.spheres, layers = layers, depth = v.depth,
+    threads = f.o.threads, out = spare, progress = progress, dering = f.dering }
+  if image and report.dering then f.dering = report.dering.width end -- the window of one picture is that of the next
+  return image, report, code
 end
 
 --- The picture by the grid of a view: { image, depth, size, grid }; or nil, message, code. Two images of a view take turns, so

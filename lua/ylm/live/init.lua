@@ -41,7 +41,8 @@ end
 local live_options = {
   { "size", "image_size", default = { 1024, 768 }, unit = "pixels", about = "of the window; of a replay that its file says" },
   { "tolerance", "number", min = 1e-4, max = 1, optional = true,
-    about = "of the grid while something moves; default: the larger of the probes' and 0.05" },
+    about = "of the grid while something moves; default: the larger of the probes' and 0.05; probes without a tolerance are as "
+      .. "the scene says" },
   { "depth", "integer", min = 1, max = 12, optional = true, about = "of the octree; default: the probes', or 6" },
   { "budget", "budget", default = 0.05, unit = "seconds",
     about = "that a picture may take while something moves: its resolution adapts; of a replay it has no effect" },

@@ -31,6 +31,7 @@ local function settings_of(s, o)
   end
   local function within(name, x) return math.max(actions.knobs[name].least, math.min(actions.knobs[name].largest, x)) end
   return { tolerance = within("tolerance", o.tolerance or math.max(p.tolerance or 0, 0.05)),
+    own = not o.tolerance and s.probes ~= nil and not p.tolerance,
     depth = within("depth", o.depth or p.depth or 6), lmax = within("lmax", p.lmax or 4),
     exposure = within("exposure", o.exposure), tone = o.tone, method = method, levels = false, lobes = false,
     gradients = false, errors = false, truth = false, panel = o.panel }

@@ -7,10 +7,12 @@ local grid_file = require "ylm.grid.file"
 local image = require "ylm.image"
 local light = require "ylm.light"
 local pack = require "ylm.page.pack"
+require "ylm.render.dering" -- the type dering
 require "ylm.render.options" -- the type image_size
 local template = require "ylm.page.gen.template"
 local text = require "ylm.text"
 local vector = require "ylm.vector"
+local window = require "ylm.sh.window"
 local warning = require "ylm.warning"
 
 local page = {}
@@ -20,6 +22,7 @@ local MOST_TEXELS = 2 ^ 24       -- of rows: 4096 x 4096
 local MOST_LAMPS = 4096          -- of the exact picture
 local MOST_VOXELS = 2 ^ 24
 local PALETTE = 16
+local LOOK = { 160, 90 }         -- pixels of a picture that only tells whether light is below zero
 
 -- Facts ------------------------------------------------------------------------------------
 
@@ -115,22 +118,30 @@ local function facts_of(grid)
   return facts
 end
 
---- The picture that is seen until, and where, the viewer does not run: bytes of a .png, and the part of its light that passes
--- occluders where that is known; nil: there is none; or nil, message, code.
+--- A picture of a page's scene as the page shades it, of so many camera rays, and its report; nil: the scene has none; or nil,
+-- message, code.
+local function picture_of(grid, o, size, samples)
+  if not (o.scene and o.scene.camera and #o.scene.geometry > 0) then return nil end
+  return warning.silently(o.scene.render, o.scene, { grid = grid, size = size, samples = samples, gloss = "matte",
+    visibility = grid.quantity == "lights" and "none" or nil, dering = o.dering, threads = o.threads })
+end
+
+--- The picture that is seen until, and where, the viewer does not run: bytes of a .png, and its report where there is one; nil,
+-- report: there is no picture; or nil, message, code.
 local function poster_of(grid, o)
-  if o.poster == false or not (o.poster or o.scene and o.scene.camera and #o.scene.geometry > 0) then return nil end
-  local codec, message, code = image.codec()
+  local seen = o.poster == nil
+  local picture, report, code = picture_of(grid, o, seen and o.size or LOOK, seen and 4 or 1)
+  if code and (seen or code ~= "EMISSING") then return nil, report, code end
+  report = not code and report or nil
+  picture = seen and picture or o.poster
+  if not picture then return nil, report end
+  local codec, message
+  codec, message, code = image.codec()
   if not codec then return nil, message, code end
-  local picture, report = o.poster, nil
-  if not picture then
-    picture, report, code = warning.silently(o.scene.render, o.scene, { grid = grid, size = o.size, samples = 4,
-      gloss = "matte", visibility = grid.quantity == "lights" and "none" or nil, threads = o.threads })
-    if not picture then return nil, report, code end
-  end
   local bytes
   bytes, message, code = codec.image_png(picture, o.tone, o.exposure)
   if not bytes then return nil, message, code end
-  return bytes, report and report.occlusion and report.occlusion.passing
+  return bytes, report
 end
 
 -- The file -------------------------------------------------------------------------------------
@@ -177,8 +188,13 @@ local function html(meta, data, poster, lmax)
 end
 
 --- The parts of the scene that the page leaves out, a sentence each.
-local function shortcomings(o, others, counts, passing)
-  local list = {}
+local function shortcomings(grid, o, others, counts, report)
+  local list, passing = {}, o.poster == nil and report.occlusion and report.occlusion.passing
+  local ringing = report.dering
+  if ringing and ringing.width then
+    list[1] = ("page: %.2g %% of the light was below zero, since harmonics of degree %d ring: a window of width %.2f leaves "
+      .. "%.2g %% (dering = false: none)"):format(100 * ringing.before, grid.lmax, ringing.width, 100 * ringing.after)
+  end
   if passing and passing >= 0.01 then
     list[#list + 1] = ("page: %.0f %% of the light passes occluders, since the grid's lights have no shadows: bake parts = "
       .. "'direct' or 'all' (ylm bake --parts all, ylm page --grid) for these"):format(100 * passing)
@@ -238,6 +254,14 @@ local function refuse_size(bytes, o, blob)
     "ELIMIT"
 end
 
+--- The factors of the cosine's degrees, damped by the window of a picture's report.
+local function damped(cosine, ringing)
+  if not ringing or not ringing.width then return cosine end
+  local factors, out = window.factors("hann", ringing.width, #cosine - 1), {}
+  for l, x in ipairs(cosine) do out[l] = x * factors[l] end
+  return out
+end
+
 --- Packs and writes; true and a report, or nil, message, code.
 local function write(grid, path, o)
   local facts, message, code = facts_of(grid)
@@ -258,9 +282,11 @@ local function write(grid, path, o)
   meta.sections = blob.sections
   local poster, found
   poster, found, code = poster_of(grid, o)
-  if not poster and found and code ~= "EMISSING" then return nil, found, code end
-  local warnings = shortcomings(o, others, counts, poster and found)
-  if not poster and found then warnings[#warnings + 1] = "page: without a poster: " .. found end
+  if code and code ~= "EMISSING" then return nil, found, code end
+  local report = not code and found or {}
+  meta.cosine = damped(meta.cosine, report.dering)
+  local warnings = shortcomings(grid, o, others, counts, report)
+  if code then warnings[#warnings + 1] = "page: without a poster: " .. found end
   local bytes = html(meta, blob.base64(), poster, grid.lmax)
   if #bytes > o.limit then return refuse_size(#bytes, o, blob) end
   local ok
@@ -268,6 +294,7 @@ local function write(grid, path, o)
   if not ok then return nil, message, code end
   for i, sentence in ipairs(warnings) do warning.say(o.scene or grid, "page " .. i, "%s", sentence) end
   return true, { bytes = #bytes, poster = poster and #poster or 0, sections = blob.by_name, warnings = warnings,
+    dering = report.dering,
     triangles = counts and counts.triangles or 0 }
 end
 

@@ -17,6 +17,7 @@ local window = require "ylm.sh.window"
 local gather = {}
 
 local TILE, MOST_TILE = 4, 16
+local LOOKED, RAYED = { 32, 18 }, 2000 -- pixels and lights by which light that passes walls is measured
 local LMAX, ZONAL_LMAX, LIMIT_LMAX, SAMPLES, GROUPS = 4, 14, 100, 25, 400
 
 --- Options of one method, which others refuse.
@@ -165,11 +166,37 @@ function gather.radiance(name, p, o)
     progress = progress.resolve(o.progress) }))
 end
 
+--- View -> the part of its virtual lights' light that passes walls, by the lights.
+local passing_of = setmetatable({}, { __mode = "k" })
+
+--- The part of the light of virtual lights in a view that surfaces would stop: by the mean light of LOOKED shading points of a
+-- small picture, with and without rays to at most RAYED lights; nil where nobody knows.
+local function passing(p, lights, threads)
+  local known = passing_of[p.view]
+  if known and known.lights == lights then return known.part end
+  if lights.profile == "near" or lights.count == 0 or not p.options.camera then return nil end
+  local small = views.prepare("gather", p.scene, { camera = p.options.camera, size = LOOKED, samples = 1, seed = p.options.seed,
+    share = 0, shading = "pixel", visibility = "rays", lmax = 0, coarse = true, gloss = "matte", threads = threads })
+  if not small then return nil end
+  local q, sums = views.open("gather", small), {}
+  local subset = lights.count > RAYED and "stochastic" or "all"
+  for i, shadows in ipairs { "none", "centre" } do
+    local radiance = gather.radiance("gather", q, { lights = lights, method = "hvl", lmax = LMAX, shadows = shadows,
+      subset = subset, alpha = subset ~= "all" and RAYED / lights.count or nil, threads = threads })
+    sums[i] = radiance and radiance:sum() or 0
+  end
+  small:close()
+  local part = sums[1] > 0 and math.max(0, 1 - sums[2] / sums[1]) or nil
+  passing_of[p.view] = { lights = lights, part = part }
+  return part
+end
+
 --- Adds to report.warnings the promises that pictures by virtual lights do not keep.
-function gather.say(p, shadows, report)
+function gather.say(p, shadows, report, lights, threads)
   local list = report.warnings
   if shadows ~= "centre" then
-    near.say_walls(p, report)
+    report.passing = passing(p, lights, threads)
+    near.say_walls(p, report, report.passing)
   end
   local n = p.traced.glossy
   if n == 0 or p.options.gloss ~= "matte" then return end
@@ -187,7 +214,7 @@ describe "prepared:gather" {
   returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "method, lights, pairs, "
     .. "ns_per_pair; rays.shadow; limit, where a clamp has one; groups, of 'vsgl'; singular: pairs of a shading point and a "
     .. "light without size at its place, which count as nothing; subset; of 'stochastic' alpha, and kept: lights of a point "
-    .. "in the mean" } },
+    .. "in the mean; without shadows passing: the part of the light that passes walls" } },
   errors = "raises on a bad option; nil, message, code: memory, cancelled",
   example = options.one_lamp .. [[
 local lights = scene:virtual_lights { count = 50 }
@@ -214,7 +241,7 @@ function views.methods.gather(view, given)
   if o.subset == "stochastic" then
     report.alpha, report.kept = facts.alpha, facts.kept / math.max(1, p.stats.points)
   end
-  gather.say(p, o.shadows, report)
+  gather.say(p, o.shadows, report, o.lights, o.threads)
   local out, message
   out, message, code = pictures.picture("gather", p, function(layer)
     return check.result("gather", p.lib.shade_resolve(p.view, radiance, nil, false, o.threads or 0, layer))

@@ -66,6 +66,8 @@ gloss.ray_fields = {
 local NOISE, MOST_SAMPLES = 0.01, 16384
 --- The noise that is said aloud.
 local LOUD_NOISE = 0.02
+--- The quantity that report.glossy.noise is.
+local NOISE_OF = "the mesh that has most: error of its radiance, root mean square over that of the radiance"
 
 --- Is a surface of the scene anything but matte?
 local function is_glossy(s)
@@ -274,7 +276,7 @@ function gloss.report(p, o, report)
   local stats, found, seconds = p.lib.shade_stats(p.view), x.found, report.seconds
   report.gloss_bytes, seconds.gloss, report.bytes = stats.gloss_bytes, stats.gloss_seconds, stats.bytes
   report.glossy = { points = stats.glossy, sh = found.sh, rays = found.rays, missed = found.missed,
-    light_samples = found.light_samples, noise = found.noise }
+    light_samples = found.light_samples, noise = found.noise, noise_of = found.noise and NOISE_OF or nil }
   report.rays.gloss, seconds.gloss_rays = found.traced, found.seconds
   if x.elements then report.rays.gloss_links = x.elements.links.stats.rays end
   seconds.image = seconds.image - found.seconds

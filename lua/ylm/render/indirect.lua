@@ -2,6 +2,7 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local dering = require "ylm.render.dering"
 local devices = require "ylm.device"
 local near = require "ylm.render.near"
 local noises = require "ylm.render.noise"
@@ -238,9 +239,9 @@ function indirect.add(name, p, o, radiance)
     out, message, code = virtual.radiance(name, p, o)
     if out then out, message, code = check.result(name, p.lib.shade_add(out, radiance)) end
   else
-    out, message, code = devices.of(nil):shade(name, p, { grid = b.grid, weight = "cosine", bias = o.bias, threads = threads,
-      interpolation = o.interpolation or "hermite" }, bar)
-    b.bias = out and message.bias
+    out, message, code = dering.shade(devices.of(nil), name, p, { grid = b.grid, weight = "cosine", bias = o.bias,
+      threads = threads, interpolation = o.interpolation or "hermite", dering = o.dering }, bar)
+    b.bias, b.dering = out and message.bias, out and message.dering
     if out and glosses(p) then
       local ok, failed, why = blend(name, p, o, b, out)
       if not ok then return nil, failed, why end
@@ -313,6 +314,7 @@ function indirect.report(p, o, report, image)
   end
   report.bounces = b.by == "grid" and "those of the grid" or b.bounces
   report.bias = report.bias or b.bias
+  if b.dering then dering.report(p, { grid = b.grid, dering = o.dering }, report, b.dering) end
   report.indirect, image.metadata.bounces = b.by, tostring(report.bounces)
   local seconds = report.seconds
   seconds.bounces, seconds.indirect = b.prepared, b.seconds

@@ -5,6 +5,7 @@ local array = require "ylm.array"
 local ambient = require "ylm.render.ambient"
 local baking = require "ylm.render.bake"
 local check = require "ylm.check"
+local dering = require "ylm.render.dering"
 local describe = require "ylm.describe".describe
 local display = require "ylm.display"
 local gloss = require "ylm.render.gloss"
@@ -64,7 +65,7 @@ function render.prepare(s, given)
 end
 
 local render_options = options.list(options.view_fields, options.transfer_fields, gloss.fields,
-  options.grid_fields,
+  options.grid_fields, dering.fields,
   near.fields, options.direct_fields, indirect.bounce_fields,
   indirect.link_fields, knob.fields, options.baked_fields, ambient.fields,
     options.layer_fields,

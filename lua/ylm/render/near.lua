@@ -59,10 +59,12 @@ function near.of_grid(o)
   return x
 end
 
---- Says that virtual lights have no shadows.
-function near.say_walls(p, report)
+--- Says that virtual lights have no shadows; `passing`: the part of their light in the picture that passes walls, where it is
+-- known.
+function near.say_walls(p, report, passing)
+  local much = passing and ("%.0f %% of their light here passes them, whatever their number: "):format(100 * passing) or ""
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "virtual walls", "scene %q: virtual lights shine through walls: "
-    .. "shadows = 'centre' has a ray to each, links (bounces = ..) have true shadows", p.scene.name or "?")
+    .. "%sshadows = 'centre' has a ray to each, links (bounces = ..) have true shadows", p.scene.name or "?", much)
 end
 
 --- Completes report and metadata of a picture with near lights.

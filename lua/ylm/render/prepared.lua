@@ -4,6 +4,7 @@ local ambient = require "ylm.render.ambient"
 local bodies = require "ylm.render.bodies"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local dering = require "ylm.render.dering"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local gloss = require "ylm.render.gloss"
@@ -19,7 +20,7 @@ local views = require "ylm.render.view"
 
 local prepared = views.methods
 
-local prepared_render = options.list(options.grid_fields, near.fields, options.direct_fields, relight.fields,
+local prepared_render = options.list(options.grid_fields, dering.fields, near.fields, options.direct_fields, relight.fields,
   relight.method_fields,
   indirect.bounce_fields, indirect.link_fields, {
   { "lights", "any", optional = true,

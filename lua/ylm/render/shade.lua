@@ -4,6 +4,7 @@ local ambient = require "ylm.render.ambient"
 local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local dering = require "ylm.render.dering"
 local devices = require "ylm.device"
 local display = require "ylm.display"
 local light = require "ylm.light"
@@ -78,6 +79,7 @@ local function writer(device, name, p, o, report)
     if not done then return nil, message, code end
     report.outside, report.unbaked, report.stages = done.outside, done.unbaked, done.stages
     report.bias = done.bias
+    dering.report(p, o, report, done.dering)
     report.pairs, report.fresh, report.seconds.light = done.pairs, done.fresh, done.seconds
     return true
   end
@@ -112,6 +114,7 @@ function shading.by_grid(name, p, o)
   local ready, unready, cause = gloss.ready(name, p, o, o.grid)
   if not ready then return nil, unready, cause end
   local start, before = core.seconds(), p.lib.shade_stages(p.view)
+  o.shade = dering.shade
   local write = writer(device, name, p, o, report)
   local out, message, code
   if o.download == false then

@@ -92,7 +92,7 @@ function virtual.report(p, o, report)
   if b.split then split.report(p, b, report) end
   report.rays.virtual = b.facts.rays
   for _, sentence in ipairs(b.emitted and b.emitted.warnings or {}) do report.warnings[#report.warnings + 1] = sentence end
-  gather.say(p, b.options.shadows, report)
+  gather.say(p, b.options.shadows, report, b.lights, o.threads)
 end
 
 return virtual
