@@ -279,6 +279,18 @@ describe("names of stages", function()
     return found
   end
 
+  it("are never empty, in bakes of light that takes long either", function()
+    local scene = ylm.scene "a box" { geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
+      lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 },
+      probes = ylm.adaptive_grid { lmax = 1, depth = 1, tolerance = 0.5 } }
+    local count, nameless = 0, 0
+    assert(scene:bake { parts = "all", bounces = 1, progress = function(_, _, stage)
+      count, nameless = count + 1, nameless + ((stage or "") == "" and 1 or 0)
+    end })
+    assert.is_true(count > 3)
+    assert.equal(0, nameless)
+  end)
+
   it("are explained in ylm help progress, all of them", function()
     local text = require("ylm.help").text "progress"
     local known, count = {}, 0

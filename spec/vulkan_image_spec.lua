@@ -23,7 +23,7 @@ describe("ylm.vulkan pictures", function()
 
   --- The picture of a prepared view by the processor and by a device, compared.
   local function compare(view, o, bound, device)
-    o.layers = false
+    o.layers, o.dering = false, false
     local here = assert(view:render(o))
     o.device = device or gpu
     local there, report = assert(view:render(o))
@@ -47,6 +47,21 @@ describe("ylm.vulkan pictures", function()
       local _, report = compare(view, { grid = grid })
       assert(report.stages.filter.dispatches > 0 and report.stages.download.seconds >= 0)
     end
+  end)
+
+  it("say what is below zero, and refuse a window, which the processor alone has", function()
+    local s = scene()
+    local dark = ylm.sphere_light { at = { 0.3, 0.8, 0.4 }, radius = 0.1, radiance = -20 } -- below zero for certain
+    local grid = assert(s:bake { lights = { dark, ylm.sphere_light { at = { -0.5, 0.8, -0.4 }, radius = 0.1, radiance = 20 } } })
+    local view = assert(s:prepare { size = { 40, 30 }, transfer_samples = 16, visibility = "transfer" })
+    local image, report = assert(view:render { grid = grid, device = gpu })
+    local x = image:layer()
+    local negative, positive = -x:clamp(-math.huge, 0):sum(), x:clamp(0, math.huge):sum()
+    assert.near(negative / (negative + positive), report.dering.before, 1e-6)
+    assert(report.dering.before > 1e-3, report.dering.before)
+    assert.matches("a device has no window against it", table.concat(report.warnings, "\n"))
+    local ok, message = pcall(view.render, view, { grid = grid, device = gpu, dering = 3 })
+    assert(not ok and message:find("no window against light below zero", 1, true), message)
   end)
 
   it("are the CPU's where vertices are shaded", function()

@@ -15,7 +15,7 @@ void ylm__baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_
   b->own = ylm__processor_backend(b);
   if (g) b->measure = ylm__measure_of(&g->contents.form);
   if (g && source->backend) memset(g->origin, 0, sizeof g->origin); /* it asks at positions */
-  b->stage = b->stage_text;
+  b->stage = strcpy(b->stage_text, "verifying"); /* points that judge come before any level */
   b->progress = (ylm_progress){forward, b};
   b->making = (ylm_grid_making){.source = source,
                                 .grid = g,

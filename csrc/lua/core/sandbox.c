@@ -44,15 +44,17 @@ static void *bounded(lua_Alloc f, void *ud, void *p, size_t old, size_t size) {
   if (!g) return f(ud, p, old, size);
   int64_t before = p ? (int64_t)old : 0, more = (int64_t)size - before;
   if (more > 0) {
-    g->refused = g->last = "memory";
-    if (size > (size_t)g->bytes / 4 || g->used + more > g->bytes || g->traffic < (int64_t)size)
+    g->refused = "memory";
+    if (size > (size_t)g->bytes / 4 || g->used + more > g->bytes || g->traffic < (int64_t)size) {
+      g->last = g->refused;
       return NULL;
+    }
     g->traffic -= (int64_t)size;
   }
   void *q = f(ud, p, old, size);
   if (q || size == 0) g->used += more;
   if (more > 0) g->refused = q ? NULL : "exhausted";
-  if (g->refused) g->last = g->refused;
+  if (more > 0 && !q) g->last = g->refused;
   return q;
 }
 

@@ -85,7 +85,7 @@ local function validity_of(g, positions)
   return array.array(list, "float")
 end
 
---- Those of points that lie in the open; all of them where none does.
+--- Points that lie in the open; all of them where none does.
 local function in_the_open(g, points)
   local validity, kept = validity_of(g, points), {}
   for i = 1, #validity do
@@ -303,7 +303,7 @@ local options = {
     about = "the coarsest cells are taken whose error is at most this at 99 % of held-out points; default " .. TOLERANCE },
   { "cells", "export_cells", optional = true, about = "instead: { nx, ny, nz }" },
   { "bytes", "number", above = 0, optional = true, about = "that the numbers of the file take at most: bounds the cells that are "
-    .. "chosen, and refuses those that are given; default: " .. MOST_PROBES .. " probes" },
+    .. "chosen, and refuses those that are given; default: 2^20 probes" },
   { "anyway", "boolean", default = false, about = "true: writes the file also where the tolerance is not met" },
   { "lmax", "integer", min = 0, max = 20, optional = true, about = "of .npy, default 2; probes of three.js have 2" },
   { "dering", "boolean", default = false,

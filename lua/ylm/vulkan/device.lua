@@ -118,6 +118,7 @@ function methods.check_picture(_, name, o)
     return check.bad(1, name, "device: it shades grids of lights by transfer vectors, this one holds %q: leave device out",
       o.grid.quantity)
   end
+  if o.dering then return check.bad(1, name, "device: it has no window against light below zero: leave device or dering out") end
   if o.ambient then return check.bad(1, name, "device: it finds no ambient occlusion: leave device or ambient out") end
   if (o.bias or o.grid.bias) > 0 then
     return check.bad(1, name, "device: it looks grids up at the points themselves: give bias = 0, or leave device out")
