@@ -1,5 +1,5 @@
 # find_package(ylm REQUIRED COMPONENTS codec scene): targets ylm::ylm and ylm::codec, ylm::scene, ylm::vtk, ylm::vulkan,
-# ylm::rival, ylm::mpi as far as they are installed. Places are relative to this file: an installed tree may be moved.
+# ylm::rival, ylm::mpi as far as they are installed, and ylm::static, the core without a shared library. Places are relative to this file: an installed tree may be moved.
 
 get_filename_component(_ylm_prefix "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
 
@@ -22,6 +22,14 @@ foreach(_ylm_part codec scene vtk vulkan rival mpi)
     set(ylm_${_ylm_part}_FOUND TRUE)
   endif()
 endforeach()
+
+if(NOT TARGET ylm::static AND EXISTS "${_ylm_prefix}/lib/libylm.a")
+  add_library(ylm::static STATIC IMPORTED)
+  set_target_properties(ylm::static PROPERTIES
+    IMPORTED_LOCATION "${_ylm_prefix}/lib/libylm.a"
+    INTERFACE_INCLUDE_DIRECTORIES "${_ylm_prefix}/include"
+    INTERFACE_LINK_LIBRARIES "-fopenmp;m")
+endif()
 
 foreach(_ylm_part ${ylm_FIND_COMPONENTS})
   if(ylm_FIND_REQUIRED_${_ylm_part} AND NOT ylm_${_ylm_part}_FOUND)

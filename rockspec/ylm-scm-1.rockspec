@@ -31,5 +31,6 @@ build = {
     LUADIR = "$(LUADIR)",
     LIBDIR = "$(LIBDIR)",
     BINDIR = "$(BINDIR)",
+    ROCK_DIR = "$(PREFIX)",
   },
 }

@@ -50,11 +50,12 @@ describe("the C library", function()
   end)
   teardown(function() folder:remove() end)
 
-  --- Compiles an example by pkg-config in one of the languages; the path of the program.
-  local function compiled(name, package, language)
+  --- Compiles an example by pkg-config in one of the languages; the path of the program. `how` goes to pkg-config and cc.
+  local function compiled(name, package, language, how)
     local program = folder.path .. "/" .. name
-    runs("%s sh -c %s", env(), scratch.quote(("%s%s examples/c/%s.c -x none $(pkg-config --cflags --libs %s) -lm -o %s"):format(
-      language, strict, name, package, scratch.quote(program))))
+    local libs = ("$(pkg-config --cflags --libs %s %s) -lm"):format(how or "", package)
+    runs("%s sh -c %s", env(), scratch.quote(("%s%s %s examples/c/%s.c -x none %s -o %s"):format(language, strict,
+      how and "-static" or "", name, libs, scratch.quote(program))))
     return scratch.quote(program)
   end
 
@@ -126,6 +127,40 @@ describe("the C library", function()
     end)
   end
 
+  for _, language in ipairs(languages) do
+    it("evaluates harmonics, linked by pkg-config: " .. language, function()
+      needs(language:match "%S+")
+      needs "pkg-config"
+      local program = compiled("harmonics", "ylm", language)
+      local out = runs("%s %s 1 2 2", env(), program)
+      local y, dy = ylm.sh.eval(2, { 1, 2, 2 }, { derivatives = 1 })
+      local rows = 0
+      for l, m, value, x, _, z in out:gmatch "(%d) +(%-?%d) +(%S+) +(%S+) +(%S+) +(%S+)\n" do
+        rows = rows + 1
+        local k = ylm.sh.index(tonumber(l), tonumber(m))
+        assert.near(y:get(k), tonumber(value), 1e-9)
+        assert.near(dy:get(k, 1), tonumber(x), 1e-9)
+        assert.near(dy:get(k, 3), tonumber(z), 1e-9)
+      end
+      assert.equal(9, rows)
+      assert.truthy(out:find("(lmax + 1)^2: 1.000000000000\n", 1, true), out)
+      local text, code = scratch.capture(env() .. program .. " 0 0 0")
+      assert.equal(1, code)
+      assert.matches("^harmonics: ", text)
+    end)
+  end
+
+  it("links the core without shared libraries, by pkg-config --static: the same numbers", function()
+    needs "pkg-config"
+    local shared = runs("%s %s 1 2 2", env(), compiled("harmonics", "ylm", languages[1]))
+    local program = compiled("harmonics", "ylm", languages[1], "--static")
+    assert.equal(shared, runs("env -u LD_LIBRARY_PATH %s 1 2 2", program))
+    needs "readelf"
+    assert.falsy(runs("readelf -d %s", program):find "NEEDED")
+    local bake = compiled("bake", "ylm", languages[1], "--static")
+    assert.truthy(runs("YLM_THREADS=2 %s %s/static.ylm", bake, scratch.quote(folder.path)):find "%d+ probes")
+  end)
+
   describe("of an environment image", function()
     local image, file
 
@@ -171,6 +206,7 @@ describe("the C library", function()
       local at = scratch.quote(folder.path .. "/cmake")
       runs("cmake -S examples/c -B %s -DCMAKE_PREFIX_PATH=%s -DCMAKE_C_FLAGS='%s' && cmake --build %s", at, root, strict, at)
       assert.truthy(runs("YLM_THREADS=1 %s/bake %s/lamps.ylm", at, at):find "%d+ probes")
+      assert.truthy(runs("%s/harmonics 1 2 2", at):find "1%.000000000000\n")
       if not has "codec" then pending "libylm_codec is not built" end
       assert(image:save(file))
       prints(runs("%s/sky %s", at, scratch.quote(file)))

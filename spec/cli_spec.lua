@@ -183,6 +183,28 @@ return scene "a room" {
     assert.truthy(err:find("missing.lua", 1, true), err)
   end)
 
+  it("runs words of the command line, with ylm at hand and all that follows as arguments", function()
+    local out, code, err = ylm "run -e 'print(ylm.sh.count(4), arg[0], #arg, ...) return 9' --one -q -- two"
+    assert.equal("25\t-e\t4\t--one\t-q\t--\ttwo\n", out .. err)
+    assert.equal(9, code)
+    _, code, err = ylm "run -e 'x ='"
+    assert.equal(3, code)
+    assert.truthy(err:find "^ylm: %-e:1: ", err)
+    _, code, err = ylm "run -e"
+    assert.equal(2, code)
+    assert.truthy(err:find("run: -e: CODE expected", 1, true), err)
+  end)
+
+  it("passes each line of an experiment on as it is printed, though stdout is no terminal", function()
+    local path = folder.path .. "/lines"
+    local _, code, err = ylm(("run -e %s %s"):format(
+      scratch.quote [[print "one"; io.write "two\nthr"; io.stderr:write(io.open((...)):read "*a")]], scratch.quote(path)),
+      scratch.quote(path))
+    assert.equal(0, code, err)
+    assert.equal("one\ntwo\n", err)
+    assert.equal("one\ntwo\nthr", folder:read "lines")
+  end)
+
   it("looks at names and numbers before it works", function()
     local scene = file("early.lua", [[return scene "early" {
       camera = camera { from = { 2, 2, 3 } }, geometry = box {}, lights = sphere_light { at = { 0, 2, 0 } },

@@ -29,7 +29,10 @@ describe("what is installed", function()
     local prefix = folder.path .. "/prefix"
     runs(("mkdir -p %s/share/lua/5.4/ylm && echo 'error \"older\"' > %s/share/lua/5.4/ylm/sh.lua"):format(scratch.quote(prefix),
       scratch.quote(prefix))) -- what an older ylm left there
-    runs(clean .. "make -s install PREFIX=" .. scratch.quote(prefix))
+    local said = runs(clean .. "make -s install PREFIX=" .. scratch.quote(prefix))
+    for _, words in ipairs { "export PATH=%s/bin:", "export PKG_CONFIG_PATH=%s/lib/pkgconfig ", "LUA_PATH='%s/share/lua/5.4/?.lua;" } do
+      assert.truthy(said:find(words:format(prefix), 1, true), said)
+    end
     local file = scratch.quote(folder:write("experiment.lua", experiment))
     for _, lua in ipairs { "lua5.4", "luajit" } do
       if scratch.shell("command -v " .. lua .. " >/dev/null") then
@@ -49,6 +52,33 @@ describe("what is installed", function()
         assert.falsy(libraries:find "not found", libraries)
       end
     end
+  end)
+
+  --- Is there text in the files of a folder `share` that are made of the texts beside the code?
+  local function has_texts(share)
+    local texts = {}
+    for name, path in pairs { man = "man/man1/ylm.1", bash = "bash-completion/completions/ylm", zsh = "zsh/site-functions/_ylm",
+      fish = "fish/vendor_completions.d/ylm.fish", meta = "ylm/ylm.meta.lua" } do texts[name] = scratch.text(share .. "/" .. path) end
+    assert.truthy(texts.meta:find("\nfunction ylm.sh.eval(", 1, true))
+    for _, name in ipairs { "render", "codegen", "help" } do
+      assert.truthy(texts.man:find('.SS "ylm ' .. name .. '"', 1, true), name)
+      assert.truthy(texts.bash:find("\n    " .. name .. ")\n", 1, true), name)
+      assert.truthy(texts.zsh:find("\n    " .. name .. ")\n", 1, true), name)
+      assert.truthy(texts.fish:find("__fish_seen_subcommand_from " .. name, 1, true), name)
+    end
+  end
+
+  it("by make install: a man page, completions, annotations", function()
+    if not usual then pending "only of the usual build" end
+    has_texts(folder.path .. "/prefix/share")
+  end)
+
+  it("says what is not found without being told, and no more", function()
+    local out = runs "env PATH=/opt/y/bin:$PATH PKG_CONFIG_PATH=/opt/y/lib/pkgconfig LD_LIBRARY_PATH=/opt/y/lib package/paths /opt/y"
+    assert.matches("^ylm is in /opt/y%. To find it:\n  %. /opt/y/share/bash%-completion/completions/ylm [^\n]*\n$", out)
+    out = runs "env PATH=/usr/bin:/bin package/paths /usr/local"
+    assert.truthy(out:find("export PATH=/usr/local/bin:", 1, true) and out:find("\n  ldconfig ", 1, true), out)
+    assert.falsy(out:find "LD_LIBRARY_PATH")
   end)
 
   it("has OpenEXRCore by pkg-config, whatever its version, and no OpenEXR that lacks it", function()
@@ -75,6 +105,7 @@ describe("what is installed", function()
       local file = scratch.quote(folder:write("experiment.lua", experiment))
       local out = runs(("cd / && %s %s/bin/ylm run %s"):format(clean, tree, file))
       assert.truthy(out:find "^%d+%.%d+%.%d+\n", out)
+      has_texts(("%s/rocks%s/lib/luarocks/rocks-%s/ylm/scm-1/share"):format(folder.path, version, version))
     end)
   end
 end)

@@ -27,6 +27,6 @@ return {
   virtual_gaussian = 1, virtual_random = 1, display = 3, virtual_subset = 1, virtual_visible = 1, virtual_truth = 2,
   engines = 3, site = 2,
   scene_like = { 1 }, gltf = { 1 }, sh_exponential = 1, shadow_fields = 6, shadow_rays = 2, sphere_set = 2, page = 8,
-  bricks = 8, knob = 4,
+  bricks = 8, knob = 4, run = 1, shell = 1, surface = 2, dering = 3, virtual_walls = 1, far_from_origin = 3,
   prepared_look = 1, live = 11, live_display = 6,
 }

@@ -288,6 +288,44 @@ describe("a page", function()
       assert.same({}, window.said)
     end)
 
+    it("says what colours mean: a legend of errors and levels, whose ends follow the exposure; none of light", function()
+      needs_browser()
+      local function legend(hash)
+        window:visit(path, hash)
+        shown_file = nil
+        window:wait "ready"
+        return window:eval "document.getElementById('legend').hidden ? '' : document.getElementById('legend').textContent"
+      end
+      assert.equal("", legend "samples=1")
+      assert.equal("|grid - lamps|, radiance, shown 100 times brighter00.0050.01", legend "mode=error&samples=1")
+      assert.truthy(legend("mode=error&samples=1&ev=1"):find "00%.00250%.005$")
+      assert.equal("level of a cell03", legend "mode=levels&samples=1")
+      assert.truthy(legend("mode=estimated&samples=1"):find "^estimated error of a cell, logarithmic%d")
+      assert.same({}, window.said)
+    end)
+
+    it("says that it is loading, before its data are read and until the first picture", function()
+      needs_browser()
+      local text = scratch.text(path)
+      local word, data = text:find('<div id="note" class="busy">loading ...</div>', 1, true), text:find('<script id="data"', 1, true)
+      assert(word and word < data, "no word before the data")
+      local watched = folder.path .. "/watched.html"
+      local file = assert(io.open(watched, "wb"))
+      local script = "<script>window.words = []; new MutationObserver(() => { const n = document.getElementById('note'); "
+        .. "window.words.push(n.textContent + (n.className === 'busy' ? '!' : '')); }).observe(document.getElementById('note'), "
+        .. "{ childList: true, attributes: true });</script>"
+      file:write((text:gsub('<script id="data"', function(x) return script .. x end, 1)))
+      file:close()
+      window:visit(watched, "samples=1")
+      shown_file = nil
+      window:wait "ready"
+      local words = window:eval "window.words.join('|')"
+      assert.truthy(words:find("loading: reading the grid ...!|", 1, true), words)
+      assert.truthy(words:find("loading: the first picture ...!|", 1, true), words)
+      assert.falsy(words:match "[^|]*$":find "loading", words)
+      assert.falsy(words:match "[^|]*$":find "!", words)
+    end)
+
     --- The pixel of a place under the scene's camera.
     local function pixel_of(place)
       local c, size = scene.camera, SIZE

@@ -12,7 +12,8 @@ local common = {
   { "help", "-h", nil, "this text" },
 }
 
-local function declared(command)
+--- All options of a command, in the order of its help: rows of { name, short form, kind of value, text }.
+function arguments.declared(command)
   local list = {}
   for _, option in ipairs(command.options or {}) do list[#list + 1] = option end
   if command.json ~= false then list[#list + 1] = json end
@@ -48,14 +49,14 @@ end
 local function hyphened(word) return word:find "^%-%-" and word:gsub("_", "-") or word end
 
 --- Parses `given`; nil, message where it does not fit. With command.rest = true everything after the
--- first file is left as it is, with command.raw = true all of it.
+-- first file is left as it is, with command.raw = true all of it, and so is all behind an option with last = true.
 function arguments.parse(command, given)
   if command.raw then
     for _, word in ipairs(given) do given.help = given.help or word == "--help" or word == "-h" end
     return given
   end
   local by_word, words = {}, {}
-  for _, option in ipairs(declared(command)) do
+  for _, option in ipairs(arguments.declared(command)) do
     by_word["--" .. option[1]] = option
     words[#words + 1] = "--" .. option[1]
     if option[2] then by_word[option[2]] = option end
@@ -82,6 +83,7 @@ function arguments.parse(command, given)
       local value, message = value_of(text, option[3])
       if value == nil then return nil, ("%s: %s"):format(name or word, message) end
       out[option[1]] = value
+      only_files = only_files or option.last
     elseif attached then return nil, ("%s takes no value"):format(name)
     else out[option[1]] = true end
     i = i + 1
@@ -104,7 +106,7 @@ end
 function arguments.usage(name, command)
   if command.text then return command.text() end
   local lines = { (("usage: ylm %s %s"):format(name, command.usage):gsub(" +$", "")), "", "  " .. command.summary, "" }
-  for _, option in ipairs(declared(command)) do
+  for _, option in ipairs(arguments.declared(command)) do
     local word = (option[2] and option[2] .. ", " or "    ") .. "--" .. option[1]
     if option[3] then word = word .. " " .. option[3] end
     lines[#lines + 1] = ("  %-28s %s"):format(word, option[4])

@@ -19,7 +19,8 @@ template.page = [[
 @POSTER@
 <canvas id="canvas" tabindex="0"></canvas>
 <div id="bar"></div>
-<div id="note"></div>
+<div id="legend" hidden></div>
+<div id="note" class="busy">loading ...</div>
 <pre id="corner"></pre>
 <pre id="help" hidden></pre>
 <script id="meta" type="application/json">@META@</script>
@@ -42,11 +43,15 @@ html, body { margin: 0; height: 100%; overflow: hidden; background: #111; color:
 #bar button.on { background: #e8a33d; border-color: #e8a33d; color: #111; }
 #bar button:disabled { color: #777; cursor: default; }
 #note { position: fixed; left: 8px; bottom: 8px; max-width: 70%; text-shadow: 0 0 3px #000, 0 0 3px #000; pointer-events: none; }
+#note.busy { font-size: 16px; background: #000a; padding: 6px 10px; border-radius: 3px; }
+#legend { position: fixed; right: 8px; bottom: 8px; width: 260px; background: #000a; padding: 6px 8px; border-radius: 3px; pointer-events: none; }
+#legend .ramp { height: 10px; margin: 4px 0 2px; }
+#legend .ends { display: flex; justify-content: space-between; font: 12px/1.4 ui-monospace, monospace; }
 #corner, #help { position: fixed; margin: 0; font: 12px/1.4 ui-monospace, monospace; background: #000a; padding: 6px 8px; border-radius: 3px; }
-#corner { right: 8px; bottom: 56px; pointer-events: none; }
+#corner { right: 8px; bottom: 96px; pointer-events: none; }
 #corner:empty { display: none; }
 #help { left: 8px; top: 44px; }
-.bare #bar, .bare #note, .bare #corner, .bare #help { display: none; }
+.bare #bar, .bare #note, .bare #corner, .bare #help, .bare #legend { display: none; }
 ]]
 
 template.viewer = [=[
@@ -68,9 +73,12 @@ template.viewer = [=[
     root.dataset.state = 'failed';
     root.dataset.why = message;
     $('note').textContent = message;
+    $('note').className = '';
     $('canvas').style.visibility = 'hidden';
   }
   const say = text => { $('note').textContent = text; };
+  /* What is under way before the first picture. */
+  const tell = text => say('loading: ' + text + ' ...');
   const breath = () => new Promise(done => setTimeout(done, 0));
 
   /* ---- data -------------------------------------------------------------- */
@@ -701,6 +709,8 @@ template.viewer = [=[
     if (canvas.style.visibility !== 'visible') {
       canvas.style.visibility = 'visible';
       if ($('poster')) $('poster').style.display = 'none';
+      $('note').className = '';
+      look();
     }
   }
 
@@ -864,7 +874,57 @@ template.viewer = [=[
       '\na lamp can be dragged, with Shift upright; a click says what the grid knows there';
   }
 
+  /* A radiance, 0 .. 1 of the window's white, as resolve.frag.glsl shows it. */
+  function shade(x) {
+    const hable = v => (v * (0.15 * v + 0.05) + 0.004) / (v * (0.15 * v + 0.5) + 0.06) - 0.02 / 0.3;
+    if (state.tone === 'reinhard') x = x / (1 + x);
+    if (state.tone === 'hable') x = hable(2 * x) / hable(11.2);
+    if (state.tone === 'aces') x = x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14);
+    x = Math.max(0, Math.min(1, x));
+    return state.tone === 'linear' ? x : x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055;
+  }
+
+  const css = rgb => `rgb(${rgb.map(x => Math.round(255 * x)).join(' ')})`;
+
+  /* What the colours of a mode mean: words, stops of a ramp, numbers below it; nothing of a mode that shows light. */
+  function legendOf(mode) {
+    const ends = list => list.map(x => +x.toPrecision(2));
+    if (mode === 'error') {
+      const white = { reinhard: 8, hable: 5.6, aces: 2 }[state.tone] || 1, stops = [];
+      for (let i = 0; i <= 16; i++) { const x = shade(white * i / 16); stops.push(css([x, x, x])); }
+      const most = white / 100 / 2 ** state.exposure;
+      return ['|grid - lamps|, radiance, shown 100 times brighter', stops, ends([0, most / 2, most])];
+    }
+    const stops = meta.palette.map(css);
+    if (mode === 'estimated') {
+      const [low, high] = meta.range.map(Math.exp);
+      return ['estimated error of a cell, logarithmic', stops, ends([low, Math.sqrt(low * high), high])];
+    }
+    if (mode === 'levels') return ['level of a cell', stops, meta.depth ? [0, meta.depth] : [0]];
+  }
+
+  function showLegend() {
+    const legend = legendOf(state.mode), box = $('legend');
+    box.hidden = !legend;
+    if (!legend) return;
+    const part = (name, text) => {
+      const e = document.createElement('div');
+      e.className = name;
+      e.textContent = text || '';
+      return e;
+    };
+    const ramp = part('ramp'), numbers = part('ends');
+    ramp.style.background = `linear-gradient(to right, ${legend[1].join(', ')})`;
+    for (const x of legend[2]) {
+      const e = document.createElement('span');
+      e.textContent = x;
+      numbers.appendChild(e);
+    }
+    box.replaceChildren(part('words', legend[0]), ramp, numbers);
+  }
+
   function look() {
+    showLegend();
     for (const a of actions) {
       if (a.on) a.button.className = a.on() ? 'on' : '';
       a.button.disabled = a.name === 'exact' || a.name === 'error' ? !!lacks(a.name) : false;
@@ -1264,18 +1324,20 @@ template.viewer = [=[
     root.dataset.state = 'loading';
     const why = missing();
     if (why) return fail(why);
-    say('reading ...');
+    tell('reading the grid');
     sections = await readSections();
     rows = rowsOf(sections);
     born = births(sections.cells);
     places = placesOf(sections.cells);
-    await continueRows(rows, sections.cells, born, share => { say(`points of continuity: ${Math.round(100 * share)} %`); });
+    await continueRows(rows, sections.cells, born, share => { tell(`points of continuity, ${Math.round(100 * share)} %`); });
     makeTextures();
     mesh = makeMesh();
     makeBar();
     listen();
     obey();
     look();
+    tell('the first picture');
+    await breath();
     change(false);
   }
 
