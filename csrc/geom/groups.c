@@ -148,6 +148,7 @@ static ylm_status extract(splitting *s, size_t k, ylm_mesh **out, ylm_error *e) 
   }
   ylm_status status = ylm_mesh_create(n, triangles, m->normal != NULL, m->uv != NULL, out, e);
   if (status != YLM_OK) return status;
+  memcpy((*out)->origin, m->origin, sizeof m->origin);
   copy_vertices(m->position, n, s->used, 3, (*out)->position);
   copy_vertices(m->normal, n, s->used, 3, (*out)->normal);
   copy_vertices(m->uv, n, s->used, 2, (*out)->uv);

@@ -48,6 +48,19 @@ void ylm_mesh_bounds(const ylm_mesh *m, double lo[3], double hi[3]) {
       if (x < lo[a]) lo[a] = x;
       if (x > hi[a]) hi[a] = x;
     }
+  for (int a = 0; a < 3; a++) lo[a] += m->origin[a], hi[a] += m->origin[a];
+}
+
+void ylm_mesh_set_places(ylm_mesh *m, const double *place) {
+  double box[6] = {0};
+  for (size_t i = 0; i < 3 * m->vertices; i++) {
+    size_t a = i % 3;
+    box[a] = i < 3 || place[i] < box[a] ? place[i] : box[a];
+    box[a + 3] = i < 3 || place[i] > box[a + 3] ? place[i] : box[a + 3];
+  }
+  ylm_origin(box, m->origin);
+  for (size_t i = 0; i < 3 * m->vertices; i++)
+    m->position[i] = (float)(place[i] - m->origin[i % 3]);
 }
 
 void ylm_mesh_area_vector(const ylm_mesh *m, size_t t, double n[3]) {
@@ -136,22 +149,25 @@ ylm_status ylm_mesh_transform(ylm_mesh *mesh, const double m[12], ylm_error *e) 
   double c[9], det = cofactors(m, c);
   if (!isfinite(det) || det == 0)
     return ylm_fail(e, YLM_EDOMAIN, "the transform is singular (determinant %g)", det);
-  float *moved = ylm_alloc(mesh->vertices * 3, sizeof(float));
+  double *moved = ylm_alloc(mesh->vertices * 3, sizeof(double));
   if (!moved) return ylm_fail(e, YLM_ENOMEM, "memory ran out");
+  bool finite = true;
   for (size_t i = 0; i < mesh->vertices; i++) {
-    const float *p = mesh->position + 3 * i;
+    double p[3];
+    ylm_mesh_place(mesh, i, p);
     for (int a = 0; a < 3; a++) {
       const double *r = m + 4 * a;
-      moved[3 * i + (size_t)a] = (float)(r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3]);
+      double x = r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3];
+      moved[3 * i + (size_t)a] = x;
+      if (finite && !isfinite((float)x)) {
+        ylm_fail(e, YLM_EDOMAIN, "the transform moves vertex %zu to infinity", i + 1);
+        finite = false;
+      }
     }
   }
-  size_t where;
-  if (!ylm_all_finite(YLM_FLOAT, moved, mesh->vertices * 3, &where)) {
-    ylm_free(moved);
-    return ylm_fail(e, YLM_EDOMAIN, "the transform moves vertex %zu to infinity", where / 3 + 1);
-  }
-  ylm_free(mesh->position);
-  mesh->position = moved;
+  if (finite) ylm_mesh_set_places(mesh, moved);
+  ylm_free(moved);
+  if (!finite) return YLM_EDOMAIN;
   double sign = det < 0 ? -1 : 1;
   for (size_t i = 0; mesh->normal && i < mesh->vertices; i++) {
     float *n = mesh->normal + 3 * i;

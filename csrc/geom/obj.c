@@ -14,19 +14,22 @@ typedef struct parser {
   ylm_lines at;
   const char *name;
   ylm_error *e;
-  ylm_growing position, uv, normal; /* float[3], float[2], float[3] */
-  ylm_growing polygon, triangle;    /* ylm_corner */
-  extent most[3];                   /* v, vt, vn */
-  ylm_grouping *groups;             /* NULL: not wanted */
-  ylm_growing smooth;               /* uint32_t, the smoothing group of each triangle */
-  uint32_t smoothing;               /* of the next one */
+  ylm_growing place, uv, normal; /* double[3], float[2], float[3] */
+  ylm_growing position;          /* float[3], of the places, relative to the origin */
+  double origin[3];
+  ylm_growing polygon, triangle; /* ylm_corner */
+  extent most[3];                /* v, vt, vn */
+  ylm_grouping *groups;          /* NULL: not wanted */
+  ylm_growing smooth;            /* uint32_t, the smoothing group of each triangle */
+  uint32_t smoothing;            /* of the next one */
   double crease;
   bool bare_normal; /* some corner has none */
 } parser;
 
 /* n numbers of a v, vt or vn statement; `least` of them must be there, the others are 0. */
-static ylm_status read_floats(parser *s, ylm_growing *to, const char *what, int n, int least) {
-  float *out = ylm__grow(to, 1);
+static ylm_status read_numbers(parser *s, ylm_growing *to, const char *what, int n, int least) {
+  void *out = ylm__grow(to, 1);
+  ylm_dtype t = to == &s->place ? YLM_DOUBLE : YLM_FLOAT;
   if (!out) return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
   for (int i = 0; i < n; i++) {
     double x = 0;
@@ -34,8 +37,8 @@ static ylm_status read_floats(parser *s, ylm_growing *to, const char *what, int 
     if (!ylm__read_number(&s->at.p, s->at.end, &x) && i < least)
       return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: '%s' wants %d numbers, number %d is none",
                       s->name, s->at.line, what, n, i + 1);
-    out[i] = (float)x;
-    if (!isfinite(out[i]))
+    ylm_put(t, out, (size_t)i, x);
+    if (!isfinite((float)x))
       return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: number %d of '%s' is too large", s->name,
                       s->at.line, i + 1, what);
   }
@@ -57,7 +60,7 @@ static ylm_status read_index(parser *s, int kind, uint32_t *out) {
                     names[kind]);
   for (; s->at.p < s->at.end && *s->at.p >= '0' && *s->at.p <= '9'; s->at.p++)
     if (k < 1u << 31) k = 10 * k + (uint64_t)(*s->at.p - '0');
-  const ylm_growing *pool = kind == 0 ? &s->position : kind == 1 ? &s->uv : &s->normal;
+  const ylm_growing *pool = kind == 0 ? &s->place : kind == 1 ? &s->uv : &s->normal;
   if (negative) {
     if (k == 0 || k > pool->count)
       return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face refers to %s -%llu, %zu are there so far",
@@ -161,9 +164,9 @@ static ylm_status read_grouping(parser *s, const char *what,
 static ylm_status read_statement(parser *s) {
   const unsigned char *word = s->at.p;
   size_t n = ylm__skip_word(&s->at);
-  if (n == 1 && word[0] == 'v') return read_floats(s, &s->position, "v", 3, 3);
-  if (n == 2 && memcmp(word, "vt", 2) == 0) return read_floats(s, &s->uv, "vt", 2, 1);
-  if (n == 2 && memcmp(word, "vn", 2) == 0) return read_floats(s, &s->normal, "vn", 3, 3);
+  if (n == 1 && word[0] == 'v') return read_numbers(s, &s->place, "v", 3, 3);
+  if (n == 2 && memcmp(word, "vt", 2) == 0) return read_numbers(s, &s->uv, "vt", 2, 1);
+  if (n == 2 && memcmp(word, "vn", 2) == 0) return read_numbers(s, &s->normal, "vn", 3, 3);
   if (n == 1 && word[0] == 'f') return read_face(s);
   if (n == 1 && word[0] == 's') {
     read_smoothing(s);
@@ -189,7 +192,7 @@ static ylm_status read_lines(parser *s) {
     ylm__next_line(&s->at);
   }
   static const char *const names[] = {"vertex", "texture coordinate", "normal"};
-  const ylm_growing *pool[] = {&s->position, &s->uv, &s->normal};
+  const ylm_growing *pool[] = {&s->place, &s->uv, &s->normal};
   for (int k = 0; k < 3; k++)
     if (s->most[k].largest > pool[k]->count)
       return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: a face refers to %s %llu, the file has %zu",
@@ -197,7 +200,18 @@ static ylm_status read_lines(parser *s) {
                       pool[k]->count);
   if (s->triangle.count == 0)
     return ylm_fail(s->e, YLM_EFORMAT, "%s: not an OBJ file with faces (%zu vertices)", s->name,
-                    s->position.count);
+                    s->place.count);
+  return YLM_OK;
+}
+
+/* Places become positions relative to an origin. */
+static ylm_status take_places(parser *s) {
+  ylm_mesh plain = {.vertices = s->place.count,
+                    .position = ylm_alloc(s->place.count, 3 * sizeof(float))};
+  if (!plain.position) return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+  ylm_mesh_set_places(&plain, s->place.data);
+  memcpy(s->origin, plain.origin, sizeof s->origin);
+  s->position = (ylm_growing){plain.position, plain.vertices, plain.vertices, 3 * sizeof(float)};
   return YLM_OK;
 }
 
@@ -307,17 +321,21 @@ static ylm_status parse(const unsigned char *text, size_t size, const char *name
               .smoothing = YLM_MESH_BY_ANGLE,
               .crease = crease};
   s.smooth.size = sizeof(uint32_t);
-  s.position.size = s.normal.size = 3 * sizeof(float);
+  s.place.size = 3 * sizeof(double);
+  s.normal.size = 3 * sizeof(float);
   s.uv.size = 2 * sizeof(float);
   s.polygon.size = s.triangle.size = sizeof(ylm_corner);
   *m = NULL;
   ylm_status st = read_lines(&s);
   bool made = s.bare_normal, uvs = s.most[1].largest > 0;
+  if (st == YLM_OK) st = take_places(&s);
   if (st == YLM_OK && made)
     st = make_normals(&s);
   else if (st == YLM_OK)
     normalise(s.normal.data, s.normal.count);
   if (st == YLM_OK) st = made && !uvs ? build_plain(&s, m) : build_split(&s, uvs, m);
+  if (st == YLM_OK) memcpy((*m)->origin, s.origin, sizeof s.origin);
+  ylm_free(s.place.data);
   ylm_free(s.position.data);
   ylm_free(s.uv.data);
   ylm_free(s.normal.data);

@@ -45,7 +45,8 @@ typedef struct parser {
   uint64_t largest, vertices; /* largest index that a face used, how many there are */
   size_t largest_line;
   uint64_t largest_face;
-  float *out[4]; /* position, normal, uv, colour */
+  double *place;
+  float *out[4]; /* nothing, normal, uv, colour */
 } parser;
 
 /* An error with its line (text) or its byte (binary data). */
@@ -267,7 +268,7 @@ static ylm_status read_scalar(parser *s, const property *q, uint64_t i) {
   if (!isfinite(f)) return fail(s, "vertex %llu is not finite", (unsigned long long)i + 1);
   if (q->target >= COLOUR) return read_colour(s, q, x, i);
   if (q->target < 3)
-    s->out[0][3 * i + (uint64_t)q->target] = f;
+    s->place[3 * i + (uint64_t)q->target] = x;
   else if (q->target < 6) {
     if (s->out[1]) s->out[1][3 * i + (uint64_t)q->target - 3] = f;
   } else if (s->out[2])
@@ -346,7 +347,11 @@ static ylm_status read_data(parser *s, ylm_mesh **m) {
     ylm_mesh_free(v);
     return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
   }
-  s->out[0] = v->position, s->out[1] = v->normal, s->out[2] = v->uv, s->out[3] = v->colour;
+  if (!(s->place = ylm_alloc_zero(v->vertices * 3, sizeof(double)))) {
+    ylm_mesh_free(v);
+    return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+  }
+  s->out[1] = v->normal, s->out[2] = v->uv, s->out[3] = v->colour;
   for (int i = 0; st == YLM_OK && i < s->elements; i++) st = read_element(s, &s->element[i]);
   if (st == YLM_OK && s->largest > s->vertices) {
     s->line = s->largest_line;
@@ -355,6 +360,7 @@ static ylm_status read_data(parser *s, ylm_mesh **m) {
               (unsigned long long)s->vertices);
   }
   if (st == YLM_OK && s->triangle.count == 0) st = fail(s, "no faces");
+  if (st == YLM_OK) ylm_mesh_set_places(v, s->place);
   uint32_t *index = st == YLM_OK ? ylm_alloc(s->triangle.count, sizeof *index) : NULL;
   if (index) {
     const ylm_corner *c = s->triangle.data;
@@ -399,6 +405,7 @@ ylm_status ylm_mesh_parse_ply(const unsigned char *bytes, size_t size, const cha
   if (st == YLM_OK) normalise(*m);
   ylm_free(s->polygon.data);
   ylm_free(s->triangle.data);
+  ylm_free(s->place);
   ylm_free(s);
   return st;
 }
@@ -412,25 +419,44 @@ static unsigned char *put(unsigned char *p, const void *word) {
   return p;
 }
 
+static unsigned char *put_double(unsigned char *p, double x) {
+  uint64_t u;
+  memcpy(&u, &x, 8);
+  for (int i = 0; i < 8; i++) *p++ = (unsigned char)(u >> 8 * i);
+  return p;
+}
+
+/* A vertex's place: floats, or doubles where the mesh has an origin. */
+static unsigned char *put_place(unsigned char *p, const ylm_mesh *m, size_t i, bool far) {
+  double place[3];
+  ylm_mesh_place(m, i, place);
+  for (int a = 0; a < 3; a++)
+    p = far ? put_double(p, place[a]) : put(p, m->position + 3 * i + (size_t)a);
+  return p;
+}
+
 ylm_status ylm_mesh_write_ply(const ylm_mesh *m, const char *path, ylm_error *e) {
   ylm_file *f;
   ylm_status s = ylm_file_create(path, &f, e);
   if (s != YLM_OK) return s;
   char head[500];
+  bool far = m->origin[0] != 0 || m->origin[1] != 0 || m->origin[2] != 0;
+  const char *kind = far ? "double" : "float";
   int n = snprintf(
       head, sizeof head,
       "ply\nformat binary_little_endian 1.0\ncomment ylm " YLM_VERSION "\nelement vertex %zu\n"
-      "property float x\nproperty float y\nproperty float z\n%s%s%selement face %zu\n"
+      "property %s x\nproperty %s y\nproperty %s z\n%s%s%selement face %zu\n"
       "property list uchar int vertex_indices\nend_header\n",
-      m->vertices, m->normal ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
+      m->vertices, kind, kind, kind,
+      m->normal ? "property float nx\nproperty float ny\nproperty float nz\n" : "",
       m->uv ? "property float u\nproperty float v\n" : "",
       m->colour ? "property float red\nproperty float green\nproperty float blue\n" : "",
       m->triangles);
   ylm_file_write(f, head, (size_t)n);
-  unsigned char row[44];
+  unsigned char row[56];
   for (size_t i = 0; i < m->vertices; i++) {
     unsigned char *p = row;
-    for (int a = 0; a < 3; a++) p = put(p, m->position + 3 * i + (size_t)a);
+    p = put_place(p, m, i, far);
     for (int a = 0; m->normal && a < 3; a++) p = put(p, m->normal + 3 * i + (size_t)a);
     for (int a = 0; m->uv && a < 2; a++) p = put(p, m->uv + 2 * i + (size_t)a);
     for (int a = 0; m->colour && a < 3; a++) p = put(p, m->colour + 3 * i + (size_t)a);

@@ -20,7 +20,7 @@ static void fill_patch(ylm_mesh *m, size_t v, size_t t, int ni, int nj, surface_
       double p[3], n[3], uv[2];
       at(shape, i, j, p, n, uv);
       for (int a = 0; a < 3; a++) {
-        m->position[3 * k + (size_t)a] = (float)p[a];
+        m->position[3 * k + (size_t)a] = (float)(p[a] - m->origin[a]);
         m->normal[3 * k + (size_t)a] = (float)n[a];
       }
       m->uv[2 * k] = (float)uv[0];
@@ -99,6 +99,12 @@ ylm_status ylm_mesh_quad(const double corner[3], const double u[3], const double
   if (!unit_cross(u, v, q.normal)) return ylm_fail(e, YLM_EINVAL, "u and v are parallel or zero");
   ylm_status s = make(1, nu, nv, m, e);
   if (s != YLM_OK) return s;
+  double box[6];
+  for (int a = 0; a < 3; a++) {
+    box[a] = corner[a] + fmin(u[a], 0) + fmin(v[a], 0);
+    box[a + 3] = corner[a] + fmax(u[a], 0) + fmax(v[a], 0);
+  }
+  ylm_origin(box, (*m)->origin);
   fill_patch(*m, 0, 0, nu, nv, at_quad, &q);
   return finish(m, e);
 }
@@ -162,6 +168,7 @@ ylm_status ylm_mesh_box(const double lo[3], const double hi[3], int n, ylm_mesh 
   if (n < 1) return ylm_fail(e, YLM_ERANGE, "divide must be 1 or more");
   ylm_status s = make(6, n, n, m, e);
   if (s != YLM_OK) return s;
+  ylm_origin((const double[]){lo[0], lo[1], lo[2], hi[0], hi[1], hi[2]}, (*m)->origin);
   for (int face = 0; face < 6; face++) {
     int a = face / 2, b = (a + 1) % 3, c = (a + 2) % 3;
     bool upper = face % 2;

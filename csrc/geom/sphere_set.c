@@ -271,7 +271,9 @@ ylm_status ylm_mesh_sphere_set(const ylm_mesh *m, size_t count, double *at, doub
   if (count < 1 || count > YLM_SPHERE_SET)
     return ylm_fail(e, YLM_ERANGE, "1 to %d spheres expected, got %zu", YLM_SPHERE_SET, count);
   size_t points = POINTS_EACH * count > POINTS ? POINTS_EACH * count : POINTS, n = 0;
-  ylm_status status = ylm__lattice_create(m, points, &w.l, e);
+  ylm_mesh near = *m; /* about its own origin */
+  memset(near.origin, 0, sizeof near.origin);
+  ylm_status status = ylm__lattice_create(&near, points, &w.l, e);
   if (status != YLM_OK) return status;
   w.cover = ylm_alloc_zero(w.l.points, sizeof *w.cover);
   w.depth = ylm__lattice_depth(&w.l);
@@ -281,6 +283,7 @@ ylm_status ylm_mesh_sphere_set(const ylm_mesh *m, size_t count, double *at, doub
   status = w.cover && w.depth && w.heap && w.bin && s ? fit_spheres(&w, count, s, &n) : YLM_ENOMEM;
   if (status == YLM_ENOMEM) ylm_fail(e, status, "%s", ylm_status_text(status));
   if (status == YLM_OK) finish(&w, n, s, at, radius, set);
+  for (size_t i = 0; status == YLM_OK && i < 3 * set->count; i++) at[i] += m->origin[i % 3];
   ylm_free(w.l.in);
   ylm_free(w.cover);
   ylm_free(w.depth);

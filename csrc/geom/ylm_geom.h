@@ -16,18 +16,25 @@ extern "C" {
 
 typedef struct ylm_mesh {
   size_t vertices, triangles;
-  float *position; /* [vertices][3]                                 */
-  float *normal;   /* [vertices][3] unit; NULL: none                */
-  float *uv;       /* [vertices][2]; NULL: none                     */
-  uint32_t *index; /* [triangles][3], each below `vertices`         */
-  float *colour;   /* [vertices][3] 0 .. 1, linear; NULL: none      */
+  float *position;  /* [vertices][3]                                 */
+  float *normal;    /* [vertices][3] unit; NULL: none                */
+  float *uv;        /* [vertices][2]; NULL: none                     */
+  uint32_t *index;  /* [triangles][3], each below `vertices`         */
+  float *colour;    /* [vertices][3] 0 .. 1, linear; NULL: none      */
+  double origin[3]; /* positions are relative to it; 0 but far from 0: ylm_origin */
 } ylm_mesh;
 
 /* A mesh of zeros. YLM_EOVERFLOW (more than YLM_MESH_MAX), YLM_ENOMEM. */
 YLM_API ylm_status ylm_mesh_create(size_t vertices, size_t triangles, bool normals, bool uvs,
                                    ylm_mesh **mesh, ylm_error *e);
 YLM_API void ylm_mesh_free(ylm_mesh *mesh);
-/* Smallest and largest coordinates; zeros for a mesh without vertices. */
+/* Sets the origin, and positions [vertices][3] relative to it, from places in the world. */
+YLM_API void ylm_mesh_set_places(ylm_mesh *mesh, const double *place);
+/* The place of a vertex in the world. */
+static inline void ylm_mesh_place(const ylm_mesh *mesh, size_t vertex, double out[3]) {
+  for (size_t a = 0; a < 3; a++) out[a] = mesh->origin[a] + mesh->position[3 * vertex + a];
+}
+/* Smallest and largest coordinates in the world; zeros for a mesh without vertices. */
 YLM_API void ylm_mesh_bounds(const ylm_mesh *mesh, double lo[3], double hi[3]);
 /* Sum of the areas of all triangles. */
 YLM_API double ylm_mesh_area(const ylm_mesh *mesh);

@@ -281,6 +281,7 @@ static ylm_mesh *copy_mesh(gltf *g, const ylm_mesh *m) {
   g->status = ylm_mesh_create(m->vertices, m->triangles, true, m->uv != NULL, &c, g->e);
   if (g->status != YLM_OK) return NULL;
   ylm_copy(c->position, m->position, 3 * m->vertices * sizeof(float));
+  ylm_copy(c->origin, m->origin, sizeof m->origin);
   ylm_copy(c->normal, m->normal, 3 * m->vertices * sizeof(float));
   if (m->uv) ylm_copy(c->uv, m->uv, 2 * m->vertices * sizeof(float));
   ylm_copy(c->index, m->index, 3 * m->triangles * sizeof *m->index);

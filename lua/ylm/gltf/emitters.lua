@@ -209,7 +209,7 @@ end
 --- The piece with these triangles only; nil, message, code.
 local function part(piece, triangles)
   local t = require "ylm.array".array(triangles, "double")
-  local mesh, message, code = core.mesh_from(core.array_convert(piece.mesh:vertices(), "float"), t, piece.mesh:normals(),
+  local mesh, message, code = core.mesh_from(piece.mesh:vertices(), t, piece.mesh:normals(),
     piece.mesh:uvs(), piece.mesh:colours())
   if not mesh then return nil, message, code end
   local copy = {}
