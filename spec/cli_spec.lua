@@ -187,6 +187,7 @@ return scene "a room" {
     local out, code, err = ylm "run -e 'print(ylm.sh.count(4), arg[0], #arg, ...) return 9' --one -q -- two"
     assert.equal("25\t-e\t4\t--one\t-q\t--\ttwo\n", out .. err)
     assert.equal(9, code)
+    local _
     _, code, err = ylm "run -e 'x ='"
     assert.equal(3, code)
     assert.truthy(err:find "^ylm: %-e:1: ", err)

@@ -198,4 +198,82 @@ describe("far from the origin", function()
     end
     folder:remove()
   end)
+
+  describe("a mesh", function()
+    -- A quarter of a pyramid: places in eighths, which stay what they are at every offset in double.
+    local pyramid = { { 0, 0, 0 }, { 1.125, 0, 0 }, { 1.125, 0.5, 0 }, { 0, 0.5, 0.375 } }
+    local function moved(o)
+      local list = {}
+      for i, c in ipairs(pyramid) do list[i] = { c[1] + o, c[2] - o, c[3] + o / 2 } end
+      return list
+    end
+    local folder
+    setup(function() folder = scratch.new() end)
+    teardown(function() folder:remove() end)
+
+    local function obj(o)
+      local lines = {}
+      for i, c in ipairs(moved(o)) do lines[i] = ("v %.17g %.17g %.17g\n"):format(c[1], c[2], c[3]) end
+      return folder:write("far.obj", table.concat(lines) .. "f 1 2 3\nf 1 3 4\n")
+    end
+
+    local function assert_places(o, mesh)
+      local v, b = mesh:vertices(), mesh.bounds
+      assert.equal("double", v.dtype)
+      assert.same(moved(o), v:totable())
+      assert.same({ { o, -o, o / 2 }, { o + 1.125, -o + 0.5, o / 2 + 0.375 } }, { b[1], b[2] })
+    end
+
+    it("keeps its places: of files, arrays, transforms, and through files", function()
+      for _, o in ipairs { 1e3, 5e5, 5e6 } do
+        local read = ylm.mesh { file = obj(o), crease = 180 }
+        assert_places(o, read.mesh)
+        assert_places(o, ylm.mesh { vertices = moved(o), triangles = { { 1, 2, 3 }, { 1, 3, 4 } } }.mesh)
+        assert_places(o, ylm.mesh { file = obj(0), crease = 180, at = { o, -o, o / 2 } }.mesh)
+        assert(read.mesh:save(folder.path .. "/far.ply"))
+        assert_places(o, assert(ylm.load(folder.path .. "/far.ply")))
+        local one = ylm.scene "far" { geometry = read, lights = ylm.sphere_light { at = { o, 1 - o, o / 2 }, radiance = 1 } }
+        assert((one:save(folder.path .. "/far.glb")))
+        assert_places(o, assert(ylm.load_gltf(folder.path .. "/far.glb")).geometry[1].mesh)
+      end
+    end)
+
+    it("is near 0 where it comes back, and its shapes are those of shapes near 0", function()
+      local back = ylm.mesh { file = obj(5e6), crease = 180, at = { -5e6, 5e6, -2.5e6 } }.mesh
+      assert.equal("float", back:vertices().dtype)
+      assert.same(pyramid, back:vertices():totable())
+      local quad = ylm.quad { corner = { 5e6, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 0, -1 }, divide = 4 }.mesh
+      local box = ylm.box { bounds = { { 5e6, 0, 0 }, { 5e6 + 1, 1, 1 } }, divide = 2 }.mesh
+      local near = ylm.box { bounds = { { 0, 0, 0 }, { 1, 1, 1 } }, divide = 2 }.mesh
+      assert.equal(5e6 + 0.25, quad:vertices():get(2, 1))
+      assert.equal(0, (core.array_distance(box:vertices() - { 5e6, 0, 0 }, near:vertices() + { 0, 0, 0 })))
+    end)
+
+    it("makes the same grid", function()
+      local function baked(o)
+        local lamps = { ylm.sphere_light { at = { o + 0.25, -o + 0.125, o / 2 + 0.5 }, radius = 0.0625, radiance = 3 } }
+        return assert(ylm.bake(ylm.adaptive_grid { lmax = 2, depth = 5, tolerance = 0.05 }, lamps,
+          { geometry = ylm.mesh { file = obj(o), crease = 180 } })).stats
+      end
+      local here, near, far = baked(0), baked(1e3), baked(5e6)
+      assert.is_true(near.met and far.met)
+      assert.equal(near.points, far.points)
+      assert.near(near.error, far.error, 1e-4)
+      assert.near(here.points, far.points, 0.2 * here.points) -- held-out points are others beyond an origin
+    end)
+
+    it("that rays round is said in one line", function()
+      if not pcall(require, "ylm.c.scene") then pending "no Embree" end
+      local said = {}
+      ylm.on_warning(function(message) said[#said + 1] = message end)
+      for _, o in ipairs { 0, 1e3, 5e6 } do
+        ylm.scene "far" { geometry = ylm.mesh { file = obj(o) },
+          camera = ylm.camera { from = { o, 2 - o, o / 2 }, at = { o, -o, o / 2 }, up = { 1, 0, 0 } },
+          lights = ylm.sphere_light { at = { o, 1 - o, o / 2 }, radiance = 1 } }:render { size = { 4, 4 }, samples = 1 }
+      end
+      ylm.on_warning()
+      assert.equal(1, #said)
+      assert.matches("rays round positions to 0.5, since it lies 5e%+06 from 0: move it near 0", said[1])
+    end)
+  end)
 end)

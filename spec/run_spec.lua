@@ -1,4 +1,4 @@
--- What spec/run says where it cannot work.
+-- Messages of spec/run where it cannot work.
 
 local scratch = require "spec.support.scratch"
 

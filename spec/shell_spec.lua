@@ -16,7 +16,7 @@ describe("what shells know of the tool", function()
   end)
   teardown(function() folder:remove() end)
 
-  --- What bash offers for the last of the words.
+  --- Completions by bash of the last of the words.
   local function offers(words)
     local path = scratch.quote(folder:write("ylm.bash", texts.bash))
     local out = scratch.capture(("bash -c %s"):format(scratch.quote((". %s; compopt() { COMPREPLY=(none); }; COMP_WORDS=(%s) "

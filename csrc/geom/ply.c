@@ -440,7 +440,7 @@ ylm_status ylm_mesh_write_ply(const ylm_mesh *m, const char *path, ylm_error *e)
   ylm_status s = ylm_file_create(path, &f, e);
   if (s != YLM_OK) return s;
   char head[500];
-  bool far = m->origin[0] != 0 || m->origin[1] != 0 || m->origin[2] != 0;
+  bool far = ylm_mesh_is_far(m);
   const char *kind = far ? "double" : "float";
   int n = snprintf(
       head, sizeof head,

@@ -30,6 +30,10 @@ YLM_API ylm_status ylm_mesh_create(size_t vertices, size_t triangles, bool norma
 YLM_API void ylm_mesh_free(ylm_mesh *mesh);
 /* Sets the origin, and positions [vertices][3] relative to it, from places in the world. */
 YLM_API void ylm_mesh_set_places(ylm_mesh *mesh, const double *place);
+/* Whether positions are relative to another place than 0. */
+static inline bool ylm_mesh_is_far(const ylm_mesh *mesh) {
+  return mesh->origin[0] != 0 || mesh->origin[1] != 0 || mesh->origin[2] != 0;
+}
 /* The place of a vertex in the world. */
 static inline void ylm_mesh_place(const ylm_mesh *mesh, size_t vertex, double out[3]) {
   for (size_t a = 0; a < 3; a++) out[a] = mesh->origin[a] + mesh->position[3 * vertex + a];

@@ -217,6 +217,8 @@ struct ylm_image *ylmL_image_check(lua_State *L, int i);
 /* ylmL_image_new and ylmL_image_check for meshes, materials and textures. */
 struct ylm_mesh **ylmL_mesh_new(lua_State *L);
 struct ylm_mesh *ylmL_mesh_check(lua_State *L, int i);
+/* Positions [vertices][3] of a mesh in the world, in float. Leaves a value on the stack, which keeps them alive. */
+const float *ylmL_mesh_floats(lua_State *L, const struct ylm_mesh *m);
 struct ylm_material **ylmL_material_new(lua_State *L);
 struct ylm_material *ylmL_material_check(lua_State *L, int i);
 struct ylm_texture **ylmL_texture_new(lua_State *L);

@@ -113,6 +113,7 @@ ylm_grid_form ylmL_grid_form(lua_State *L, int i) {
 }
 
 const ylm_grid_mesh *ylmL_grid_meshes(lua_State *L, int i, size_t *n) {
+  size_t far = 0; /* numbers of meshes far from 0, which are taken in double */
   *n = lua_rawlen(L, i);
   ylm_grid_mesh *mesh = lua_newuserdata(L, (*n + 1) * sizeof *mesh);
   for (size_t k = 0; k < *n; k++) {
@@ -120,6 +121,18 @@ const ylm_grid_mesh *ylmL_grid_meshes(lua_State *L, int i, size_t *n) {
     const ylm_mesh *m = ylmL_mesh_check(L, lua_gettop(L));
     mesh[k] = (ylm_grid_mesh){m->vertices, m->triangles, YLM_FLOAT, m->position, m->index};
     lua_pop(L, 1); /* the list keeps it */
+    far += ylm_mesh_is_far(m) ? 3 * m->vertices : 0;
+  }
+  double *place = far ? lua_newuserdata(L, far * sizeof *place) : NULL;
+  for (size_t k = 0; place && k < *n; k++) {
+    lua_rawgeti(L, i, (int)k + 1);
+    const ylm_mesh *m = ylmL_mesh_check(L, lua_gettop(L));
+    lua_pop(L, 1);
+    if (!ylm_mesh_is_far(m)) continue;
+    for (size_t v = 0; v < m->vertices; v++) ylm_mesh_place(m, v, place + 3 * v);
+    mesh[k].dtype = YLM_DOUBLE;
+    mesh[k].position = place;
+    place += 3 * m->vertices;
   }
   return mesh;
 }

@@ -70,6 +70,14 @@ ylm_mesh **ylmL_mesh_new(lua_State *L) {
 
 ylm_mesh *ylmL_mesh_check(lua_State *L, int i) { return check_object(L, i, YLM_MESH)->object; }
 
+const float *ylmL_mesh_floats(lua_State *L, const ylm_mesh *m) {
+  bool far = ylm_mesh_is_far(m);
+  float *copy = lua_newuserdata(L, far ? 12 * m->vertices : 1);
+  for (size_t i = 0; far && i < 3 * m->vertices; i++)
+    copy[i] = (float)(m->origin[i % 3] + m->position[i]);
+  return far ? copy : m->position;
+}
+
 ylm_material **ylmL_material_new(lua_State *L) {
   return (ylm_material **)(void *)&new_object(L, YLM_MATERIAL, destroy_material)->object;
 }

@@ -51,10 +51,10 @@ static int occluder_sphere(lua_State *L) {
 static int occluder_solid(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
   const ylm_mesh *m = ylmL_mesh_check(L, 1);
+  const float *position = ylmL_mesh_floats(L, m);
   ylmL_occluder *o = ylmL_occluder_push(L, &exact);
   ylm_light_occluder *of;
-  ylm_status s =
-      ylm_light_occluder_solid(m->vertices, m->position, m->triangles, m->index, &of, &e);
+  ylm_status s = ylm_light_occluder_solid(m->vertices, position, m->triangles, m->index, &of, &e);
   o->of = of;
   if (s == YLM_OK) ylmL_charge(L, m->triangles * 600);
   return ylmL_result(L, 1, s, &e);

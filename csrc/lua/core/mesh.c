@@ -78,17 +78,18 @@ static bool copy_floats(const ylmL_array *a, float *out) {
   return ylm_all_finite(YLM_FLOAT, out, a->count, &where);
 }
 
-/* Places from an array, whatever its type; false if one is not finite, or there is no memory. */
-static bool copy_places(const ylmL_array *a, ylm_mesh *m) {
+/* Takes places from an array, whatever its type. */
+static ylm_status copy_places(const ylmL_array *a, ylm_mesh *m, ylm_error *e) {
   double *place = ylm_alloc(a->count, sizeof *place);
-  bool finite = place != NULL;
-  for (size_t i = 0; finite && i < a->count; i++) {
+  bool finite = true;
+  if (!place) return ylm_fail(e, YLM_ENOMEM, "memory ran out");
+  for (size_t i = 0; i < a->count; i++) {
     place[i] = ylmL_array_get(a, i);
-    finite = isfinite((float)place[i]);
+    finite = finite && isfinite((float)place[i]);
   }
   if (finite) ylm_mesh_set_places(m, place);
   ylm_free(place);
-  return finite;
+  return finite ? YLM_OK : ylm_fail(e, YLM_EDOMAIN, "a vertex is not finite");
 }
 
 /* Gives a mesh the colours [vertices][3], each number from 0 to 1. */
@@ -111,7 +112,7 @@ static ylm_status from_arrays(const ylmL_array *p, const ylmL_array *t, const yl
   size_t vertices = p->count / 3, triangles = t->count / 3;
   ylm_status s = ylm_mesh_create(vertices, triangles, n != NULL, uv != NULL, m, e);
   if (s != YLM_OK) return s;
-  if (!copy_places(p, *m)) return ylm_fail(e, YLM_EDOMAIN, "a vertex is not finite");
+  if ((s = copy_places(p, *m, e)) != YLM_OK) return s;
   if (n && !copy_floats(n, (*m)->normal)) return ylm_fail(e, YLM_EDOMAIN, "a normal is not finite");
   if (uv && !copy_floats(uv, (*m)->uv))
     return ylm_fail(e, YLM_EDOMAIN, "a texture coordinate is not finite");
@@ -210,8 +211,7 @@ static int push_floats(lua_State *L, float *data, size_t rows, size_t width) {
 /* mesh_vertices(mesh) -> float [n][3] that the mesh shares, or double [n][3] of a mesh far from 0 */
 static int mesh_vertices(lua_State *L) {
   ylm_mesh *m = ylmL_mesh_check(L, 1);
-  if (m->origin[0] == 0 && m->origin[1] == 0 && m->origin[2] == 0)
-    return push_floats(L, m->position, m->vertices, 3);
+  if (!ylm_mesh_is_far(m)) return push_floats(L, m->position, m->vertices, 3);
   ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){m->vertices, 3});
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   for (size_t i = 0; i < m->vertices; i++) ylm_mesh_place(m, i, (double *)a->data + 3 * i);

@@ -24,10 +24,11 @@ static int occlusion_create(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
   const ylm_mesh *m = ylmL_mesh_check(L, 1);
   int rays = (int)luaL_checknumber(L, 2);
+  const float *position = ylmL_mesh_floats(L, m);
   ylmL_occluder *o = ylmL_occluder_push(L, &by_rays);
   ylm_trace_occlusion *of;
   ylm_status s =
-      ylm_trace_occlusion_create(m->vertices, m->position, m->triangles, m->index, rays, &of, &e);
+      ylm_trace_occlusion_create(m->vertices, position, m->triangles, m->index, rays, &of, &e);
   o->of = of;
   if (s == YLM_OK) ylmL_charge(L, m->triangles * 150 + 10000);
   return ylmL_result(L, 1, s, &e);

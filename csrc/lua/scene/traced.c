@@ -34,7 +34,7 @@ void ylmL_scene_numbers(lua_State *L, int i, int n, double *x) {
   }
 }
 
-/* One mesh from lists of meshes, materials and flags at 1, 2, 3, textures or false at 6. */
+/* One mesh from lists of meshes, materials and flags at 1, 2, 3, textures or false at 6; 7 keeps its positions. */
 static ylm_scene_mesh read_mesh(lua_State *L, int i) {
   lua_rawgeti(L, 1, i);
   const ylm_mesh *m = ylmL_mesh_check(L, lua_gettop(L));
@@ -44,8 +44,10 @@ static ylm_scene_mesh read_mesh(lua_State *L, int i) {
   bool occludes = lua_toboolean(L, -1);
   lua_rawgeti(L, 6, i);
   const ylm_texture *texture = lua_toboolean(L, -1) ? ylmL_texture_check(L, lua_gettop(L)) : NULL;
+  const float *position = ylmL_mesh_floats(L, m);
+  lua_rawseti(L, 7, i);
   lua_pop(L, 4);
-  return (ylm_scene_mesh){m->position,  m->normal, m->uv,    m->vertices, m->index,
+  return (ylm_scene_mesh){position,     m->normal, m->uv,    m->vertices, m->index,
                           m->triangles, material,  occludes, m->colour,   texture};
 }
 
@@ -104,6 +106,7 @@ static int scene_create(lua_State *L) {
   for (int i = 1; i <= 3; i++) luaL_checktype(L, i, LUA_TTABLE);
   lua_settop(L, 6);
   luaL_checktype(L, 6, LUA_TTABLE);
+  lua_newtable(L);
   size_t n = lua_rawlen(L, 1);
   if (!ylmL_scene_lamps(L, 4, &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   lamps.sky_is_seen = lua_toboolean(L, 5);

@@ -13,7 +13,7 @@ local function words_of(option)
   return list
 end
 
---- What `ylm help` helps on: commands, and all names that it knows.
+--- Words after `ylm help`: commands, and all names that it knows.
 local function help_words(all, names)
   local list = {}
   for i, command in ipairs(all) do list[i] = command.name end
@@ -66,7 +66,8 @@ local function bash(all, names)
     commands[i] = command.name
     local case = bash_case(command)
     if command.name == "help" then
-      case = case .. ("\n      COMPREPLY=($(compgen -W %s -- \"$word\"))"):format(quoted(table.concat(help_words(all, names), " ")))
+      local words = quoted(table.concat(help_words(all, names), " "))
+      case = case .. ("\n      COMPREPLY=($(compgen -W %s -- \"$word\"))"):format(words)
     end
     cases[i] = case .. " ;;\n"
   end

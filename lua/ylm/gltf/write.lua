@@ -161,12 +161,18 @@ local function add_piece(w, piece)
   if piece.material and not number then return nil, message, code end
   local uvs = mesh:uvs()
   if uvs then uvs = core.array_convert(uvs * { 1, -1 } + { 0, 1 }, "float") end
-  local made = add_mesh(w, mesh:vertices(), mesh:normals(), uvs, mesh:colours(),
-    core.array_convert(mesh:triangles() - 1, "int32"), mesh.bounds, number)
+  local positions, bounds, origin = mesh:vertices(), mesh.bounds, nil
+  if positions.dtype == "double" then -- far from 0: relative to the lower corner, which the node has
+    origin = bounds[1]
+    positions = core.array_convert(positions - origin, "float")
+    bounds = { { 0, 0, 0 }, positions:max(1):totable() }
+  end
+  local made = add_mesh(w, positions, mesh:normals(), uvs, mesh:colours(),
+    core.array_convert(mesh:triangles() - 1, "int32"), bounds, number)
   local occludes
   if piece.occludes == false then occludes = false end
-  add(w.nodes, json.object("name", piece.name, "mesh", made, "extras", extras("occludes", occludes, "sides",
-    piece.sides ~= "both" and piece.sides or nil)))
+  add(w.nodes, json.object("name", piece.name, "translation", origin, "mesh", made, "extras",
+    extras("occludes", occludes, "sides", piece.sides ~= "both" and piece.sides or nil)))
   return true
 end
 

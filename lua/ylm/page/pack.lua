@@ -111,11 +111,12 @@ function pack.meshes(blob, scene)
   for a = 1, 3 do step[a] = (hi[a] - lo[a]) / 65535 end
   local positions, normals, albedos, triangles, vertices, faces = {}, {}, {}, {}, 0, 0
   for i, mesh in ipairs(list) do
-    local points = mesh:vertices()
+    local points, from = mesh:vertices(), lo
     local n = #points
+    if points.dtype == "double" then points, from = core.array_convert(points - lo, "float"), zero end -- far from 0
     local albedo, message, code = albedo_of(scene.geometry[i], mesh, n)
     if not albedo then return nil, message, code end
-    positions[i], normals[i] = core.page_positions(points, lo, step), core.page_normals(mesh:normals())
+    positions[i], normals[i] = core.page_positions(points, from, step), core.page_normals(mesh:normals())
     albedos[i] = core.page_positions(albedo, zero, unit)
     triangles[i] = core.page_triangles(mesh:triangles(), vertices)
     vertices, faces = vertices + n, faces + #mesh

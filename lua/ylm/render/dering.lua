@@ -102,7 +102,7 @@ function dering.shade(device, name, p, o, bar)
   return damped, done
 end
 
---- What is below zero of a picture that a device made, which has no windows; nil where it stays there.
+--- The share below zero of a picture that a device made, which has no windows; nil where it stays there.
 function dering.of_device(o, layer)
   if core.type(layer) ~= "ylm.array" or core.type(o.grid) ~= "ylm.grid" then return nil end
   local share = below(layer)

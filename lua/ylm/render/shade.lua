@@ -79,7 +79,7 @@ local function writer(device, name, p, o, report)
     if not done then return nil, message, code end
     report.outside, report.unbaked, report.stages = done.outside, done.unbaked, done.stages
     report.bias = done.bias
-    dering.report(p, o, report, o.device and dering.of_device(o, layer) or done.dering)
+    dering.report(p, o, report, done.dering or dering.of_device(o, layer))
     report.pairs, report.fresh, report.seconds.light = done.pairs, done.fresh, done.seconds
     return true
   end
