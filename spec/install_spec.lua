@@ -30,7 +30,8 @@ describe("what is installed", function()
     runs(("mkdir -p %s/share/lua/5.4/ylm && echo 'error \"older\"' > %s/share/lua/5.4/ylm/sh.lua"):format(scratch.quote(prefix),
       scratch.quote(prefix))) -- what an older ylm left there
     local said = runs(clean .. "make -s install PREFIX=" .. scratch.quote(prefix))
-    for _, words in ipairs { "export PATH=%s/bin:", "export PKG_CONFIG_PATH=%s/lib/pkgconfig ", "LUA_PATH='%s/share/lua/5.4/?.lua;" } do
+    for _, words in ipairs { "export PATH=%s/bin:", "export PKG_CONFIG_PATH=%s/lib/pkgconfig ",
+      "LUA_PATH='%s/share/lua/5.4/?.lua;" } do
       assert.truthy(said:find(words:format(prefix), 1, true), said)
     end
     local file = scratch.quote(folder:write("experiment.lua", experiment))
@@ -58,7 +59,9 @@ describe("what is installed", function()
   local function has_texts(share)
     local texts = {}
     for name, path in pairs { man = "man/man1/ylm.1", bash = "bash-completion/completions/ylm", zsh = "zsh/site-functions/_ylm",
-      fish = "fish/vendor_completions.d/ylm.fish", meta = "ylm/ylm.meta.lua" } do texts[name] = scratch.text(share .. "/" .. path) end
+      fish = "fish/vendor_completions.d/ylm.fish", meta = "ylm/ylm.meta.lua" } do
+      texts[name] = scratch.text(share .. "/" .. path)
+    end
     assert.truthy(texts.meta:find("\nfunction ylm.sh.eval(", 1, true))
     for _, name in ipairs { "render", "codegen", "help" } do
       assert.truthy(texts.man:find('.SS "ylm ' .. name .. '"', 1, true), name)
@@ -74,7 +77,8 @@ describe("what is installed", function()
   end)
 
   it("says what is not found without being told, and no more", function()
-    local out = runs "env PATH=/opt/y/bin:$PATH PKG_CONFIG_PATH=/opt/y/lib/pkgconfig LD_LIBRARY_PATH=/opt/y/lib package/paths /opt/y"
+    local out = runs("env PATH=/opt/y/bin:$PATH PKG_CONFIG_PATH=/opt/y/lib/pkgconfig LD_LIBRARY_PATH=/opt/y/lib "
+      .. "package/paths /opt/y")
     assert.matches("^ylm is in /opt/y%. To find it:\n  %. /opt/y/share/bash%-completion/completions/ylm [^\n]*\n$", out)
     out = runs "env PATH=/usr/bin:/bin package/paths /usr/local"
     assert.truthy(out:find("export PATH=/usr/local/bin:", 1, true) and out:find("\n  ldconfig ", 1, true), out)

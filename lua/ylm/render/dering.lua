@@ -106,7 +106,7 @@ end
 function dering.of_device(o, layer)
   if core.type(layer) ~= "ylm.array" or core.type(o.grid) ~= "ylm.grid" then return nil end
   local share = below(layer)
-  return { before = share, after = share, device = true }
+  return { before = share, after = share, bare = true }
 end
 
 --- Says how much of a picture's light was below zero, and what became of it.
@@ -118,7 +118,7 @@ function dering.report(p, o, report, found)
   local rest
   if found.width then
     rest = ("a window of width %.2f leaves %.2g %% (dering = false: none)"):format(found.width, 100 * found.after)
-  elseif found.device then rest = "a device has no window against it, render without device"
+  elseif found.bare then rest = "a device has no window against it, render without device"
   elseif o.dering == false then rest = "a higher lmax rings less, dering = true damps it"
   else rest = "no window helps, voxels are too large for the light: set a smaller tolerance or more depth" end
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "dering", "%s%s", begin, rest)
