@@ -18,6 +18,7 @@ local indirect = require "ylm.render.indirect"
 local occlusion = require "ylm.render.occlusion"
 local noises = require "ylm.render.noise"
 local pictures = require "ylm.render.picture"
+local prints = require "ylm.render.prints"
 local relight = require "ylm.render.relight"
 local tracing = require "ylm.trace"
 local unmet = require "ylm.grid.unmet"
@@ -294,6 +295,7 @@ function shading.picture(name, p, o)
   if not image then return nil, report, code end
   report.bodies, report.shadow = o.drawn, tally()
   indirect.report(p, o, report, image)
+  prints.report(p, o, report)
   near.report(p, o, report, image)
   ambient.report(p, o, report, image)
   return image, report
