@@ -44,8 +44,8 @@ typedef enum ylm_grid_measure {
   YLM_GRID_IRRADIANCE = 1
 } ylm_grid_measure;
 
-/* What of a scene the light of a grid was baked from: flags of YLM_GRID_PRINT_*, and fingerprints of these parts, 0 of the
-   others. No flag: nobody told. */
+/* Fingerprints of the parts of a scene that a grid's light was baked from, 0 of the others; `known` are flags of
+   YLM_GRID_PRINT_*. No flag: nobody told. */
 typedef struct ylm_grid_prints {
   uint64_t known, geometry, materials, lights;
 } ylm_grid_prints;

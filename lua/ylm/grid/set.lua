@@ -29,6 +29,7 @@ require "ylm.describe".object "grid_set" {
     { "lmax", "integer", "of the coefficients" },
     { "channels", "integer", "1 luminance, 3 rgb" },
     { "depth", "integer", "finest level; metric, continuous, tolerance or threshold likewise" },
+    { "prints", "table", "as of a grid" },
     { "stats", "table", "sums over all bricks: points (evaluated; one on a face of bricks counts for each that has baked it), "
       .. "interpolated, cells, leaves, levels, pairs, ...; bricks, brick_level: how many, and the level that was asked for; "
       .. "file_bytes: of all files of bricks; held: bytes of bricks in memory, reads: files read so far" },

@@ -55,13 +55,13 @@ function prints.warn(grid, s, t, apart)
     s.name or "?")
 end
 
---- Adds to a picture's warnings that a grid of its options holds light of another scene.
-function prints.report(p, o, report)
-  local apart = { lights = o.lights ~= nil, materials = o.materials ~= nil }
+--- Says that a grid of the options of a picture, or of radiance, holds light of another scene; a list of the sentences.
+-- Lights and materials that options name in place of the scene's are not compared.
+function prints.say(p, o)
+  local apart, said = { lights = o.lights ~= nil, materials = o.materials ~= nil }, {}
   local bounced = o.bounced and o.bounced.by == "grid" and o.bounced.grid or nil
-  for _, grid in ipairs { o.grid or false, bounced } do
-    report.warnings[#report.warnings + 1] = prints.warn(grid, p.scene, p.traced, apart)
-  end
+  for _, grid in ipairs { o.grid or false, bounced } do said[#said + 1] = prints.warn(grid, p.scene, p.traced, apart) end
+  return said
 end
 
 return prints
