@@ -113,6 +113,7 @@ ylm_status ylm_grid_refresh(ylm_grid *g, const ylm_field *field, int threads,
   if (s == YLM_OK) {
     bool same = is_same(g, &old);
     if (!same) forget_promise(g);
+    if (!same) g->contents.form.prints = (ylm_grid_prints){0};
     if (!same && g->contents.form.metric_channels) find_errors(g);
     g->contents.form.quantity = g->field.quantity = field->quantity;
     ylm__grid_count(g);

@@ -61,6 +61,13 @@ static bool body_holds(const ylm_grid_body *b) {
          b->area >= 0 && isfinite(b->area);
 }
 
+/* Flags of parts that there are, and no fingerprint of another. */
+static bool prints_hold(const ylm_grid_prints *p) {
+  return p->known <= YLM_GRID_PRINT_ALL && (!p->geometry || p->known & YLM_GRID_PRINT_GEOMETRY) &&
+         (!p->materials || p->known & YLM_GRID_PRINT_MATERIALS) &&
+         (!p->lights || p->known & YLM_GRID_PRINT_LIGHTS);
+}
+
 ylm_status ylm__grid_check_form(const ylm_grid_form *f, ylm_error *e) {
   ylm_status s = check_bounds(f->bounds, e);
   if (s != YLM_OK) return s;
@@ -82,6 +89,8 @@ ylm_status ylm__grid_check_form(const ylm_grid_form *f, ylm_error *e) {
     return ylm_fail(e, YLM_EDOMAIN, "floor: a number of at least 0, got %g", f->floor);
   if (!body_holds(&f->body))
     return ylm_fail(e, YLM_EDOMAIN, "body: a finite place, radius and area expected");
+  if (!prints_hold(&f->prints))
+    return ylm_fail(e, YLM_EINVAL, "fingerprints: of geometry, materials and lights expected");
   if (f->dynamic && (f->bias > 0 || f->floor > 0 || f->measure != YLM_GRID_COEFFICIENTS))
     return ylm_fail(e, YLM_EINVAL,
                     "dynamic: a grid that follows lights has no bias, no floor, and a tolerance of "

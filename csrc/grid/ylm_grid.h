@@ -44,6 +44,19 @@ typedef enum ylm_grid_measure {
   YLM_GRID_IRRADIANCE = 1
 } ylm_grid_measure;
 
+/* Fingerprints of the parts of a scene that a grid's light was baked from, 0 of the others; `known` are flags of
+   YLM_GRID_PRINT_*. No flag: nobody told. */
+typedef struct ylm_grid_prints {
+  uint64_t known, geometry, materials, lights;
+} ylm_grid_prints;
+
+enum {
+  YLM_GRID_PRINT_GEOMETRY = 1,
+  YLM_GRID_PRINT_MATERIALS = 2,
+  YLM_GRID_PRINT_LIGHTS = 4,
+  YLM_GRID_PRINT_ALL = 7
+};
+
 /* The body whose visibility a grid holds: a sphere around it, and the mean area of its projections. */
 typedef struct ylm_grid_body {
   double at[3], radius, area; /* radius 0: no body is known */
@@ -69,7 +82,8 @@ typedef struct ylm_grid_form {
                              with normals are looked up too; 0: none */
   ylm_quantity quantity; /* what it holds; a bake takes it from its field */
   double floor; /* of a tolerance of coefficients: smaller norms count as this one; 0: none do */
-  ylm_grid_body body; /* of visibilities; kept and saved */
+  ylm_grid_body body;     /* of visibilities; kept and saved */
+  ylm_grid_prints prints; /* kept and saved; other light from refresh and update takes them away */
 } ylm_grid_form;
 
 /* Triangles whose surface is to be lit. Sides and normals are those of ylm_geom.h. */

@@ -1,5 +1,6 @@
 /* binding_grid.c - how a bake is asked for: the form, its source, the object that is to be the
  * grid. */
+#include <stdlib.h>
 #include <string.h>
 
 #include "binding_grid.h"
@@ -69,6 +70,28 @@ static void list(lua_State *L, int table, const char *name, int n, double *out) 
   lua_pop(L, 1);
 }
 
+/* The fingerprint `name` of the table on top, 16 digits; false: it has none. */
+static bool print_of(lua_State *L, const char *name, uint64_t *print) {
+  lua_getfield(L, -1, name);
+  bool is_there = !lua_isnil(L, -1);
+  if (is_there) *print = strtoull(luaL_checkstring(L, -1), NULL, 16);
+  lua_pop(L, 1);
+  return is_there;
+}
+
+/* The fingerprints in the table's field `prints`, which may be missing. */
+static ylm_grid_prints prints_of(lua_State *L, int table) {
+  ylm_grid_prints p = {0};
+  lua_getfield(L, table, "prints");
+  if (lua_istable(L, -1)) {
+    if (print_of(L, "geometry", &p.geometry)) p.known |= YLM_GRID_PRINT_GEOMETRY;
+    if (print_of(L, "materials", &p.materials)) p.known |= YLM_GRID_PRINT_MATERIALS;
+    if (print_of(L, "lights", &p.lights)) p.known |= YLM_GRID_PRINT_LIGHTS;
+  }
+  lua_pop(L, 1);
+  return p;
+}
+
 ylm_grid_form ylmL_grid_form(lua_State *L, int i) {
   static const char *const kinds[] = {"adaptive_grid", "uniform_grid", NULL};
   static const char *const metrics[] = {"absolute", "relative", NULL};
@@ -109,6 +132,7 @@ ylm_grid_form ylmL_grid_form(lua_State *L, int i) {
     f.body = (ylm_grid_body){{body[0], body[1], body[2]}, body[3], body[4]};
   } else
     lua_pop(L, 1);
+  f.prints = prints_of(L, i);
   return f;
 }
 

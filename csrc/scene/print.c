@@ -58,9 +58,8 @@ static uint64_t sky(const ylm_scene *s, uint64_t crc) {
   return crc;
 }
 
-static uint64_t lights(const ylm_scene *s) {
+static uint64_t lights(const ylm_scene *s, uint64_t crc) {
   size_t flat = s->triangles + s->disks;
-  uint64_t crc = ylm_crc64(0, &s->sky_is_seen, sizeof s->sky_is_seen);
   for (int a = 0; a < 4; a++) crc = floats(crc, s->lamp[a], s->lamps);
   crc = floats(crc, s->lamp_radiance, 3 * (s->lamps + flat));
   crc = floats(crc, s->triangle, 9 * s->triangles);
@@ -73,6 +72,9 @@ static uint64_t lights(const ylm_scene *s) {
 }
 
 void ylm_scene_print(const ylm_scene *s, ylm_scene_prints *out) {
-  *out =
-      (ylm_scene_prints){.geometry = geometry(s), .materials = materials(s), .lights = lights(s)};
+  uint64_t seen = ylm_crc64(0, &s->sky_is_seen, sizeof s->sky_is_seen);
+  *out = (ylm_scene_prints){
+      .geometry = geometry(s), .materials = materials(s), .lights = lights(s, seen)};
 }
+
+uint64_t ylm_scene_print_lights(const ylm_scene *s) { return lights(s, 0); }

@@ -115,6 +115,8 @@ typedef struct ylm_scene_prints {
   uint64_t geometry, materials, lights;
 } ylm_scene_prints;
 YLM_API void ylm_scene_print(const ylm_scene *scene, ylm_scene_prints *out);
+/* That of lamps and skies alone, whether or not a picture shows the sky. */
+YLM_API uint64_t ylm_scene_print_lights(const ylm_scene *scene);
 
 /* -- what is at a place ------------------------------------------------------ */
 

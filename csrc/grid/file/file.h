@@ -78,17 +78,17 @@ typedef struct grid_file_measure {
 } grid_file_measure;
 
 _Static_assert(sizeof(grid_file_measure) == 16 && sizeof(ylm_grid_body) == 40 &&
-                   sizeof(grid_file_brick) == 16 && sizeof(grid_file_header) == 64 &&
-                   sizeof(grid_file_entry) == 64 && sizeof(grid_file_form) == 136 &&
-                   sizeof(grid_file_stats) == 104 && sizeof(ylm_grid_cell) == 64 &&
-                   sizeof(ylm_grid_birth) == 8,
+                   sizeof(ylm_grid_prints) == 32 && sizeof(grid_file_brick) == 16 &&
+                   sizeof(grid_file_header) == 64 && sizeof(grid_file_entry) == 64 &&
+                   sizeof(grid_file_form) == 136 && sizeof(grid_file_stats) == 104 &&
+                   sizeof(ylm_grid_cell) == 64 && sizeof(ylm_grid_birth) == 8,
                "a record of grid files has padding");
 
 /* The sections of a grid, in their order in the file: name, bytes of a record, required. `rows` are
    the evaluated points' [4][stride], the stride a multiple of 8, and ROW_PADDING zeros behind. The
    sections behind `rows` are left out where they would say nothing: quantity "lights", measure
-   "coefficients" without bias, the validity of points that nobody told, no floor, no body, and the
-   brick that a whole grid is not. */
+   "coefficients" without bias, the validity of points that nobody told, no floor, no body, no
+   fingerprints, and the brick that a whole grid is not. */
 #define GRID_FILE_LIST(X)                                                                          \
   X(form, sizeof(grid_file_form), true)                                                            \
   X(stats, sizeof(grid_file_stats), false)                                                         \
@@ -104,6 +104,7 @@ _Static_assert(sizeof(grid_file_measure) == 16 && sizeof(ylm_grid_body) == 40 &&
   X(validity, sizeof(float), false)                                                                \
   X(floor, sizeof(double), false)                                                                  \
   X(body, sizeof(ylm_grid_body), false)                                                            \
+  X(prints, sizeof(ylm_grid_prints), false)                                                        \
   X(brick, sizeof(grid_file_brick), true)
 
 enum {

@@ -158,7 +158,17 @@ static ylm_grid_stats stats_of(const grid_file_form *f, const grid_file_stats *t
   return out;
 }
 
-/* Quantity, measure, floor, body; a file without these sections is of lights and of coefficients. */
+/* Fingerprints: some, of parts that there are. */
+static ylm_status take_prints(const file_table *t, const file_source *s, ylm_grid_prints *out,
+                              ylm_error *e) {
+  if (!ylm__file_table_find(t, GRID_FILE_prints)) return YLM_OK;
+  ylm_status status =
+      ylm__file_table_take(t, s, GRID_FILE_prints, sizeof *out, sizeof *out, out, e);
+  if (status == YLM_OK && !out->known) return ylm__grid_file_bad(s->name, "its fingerprints", e);
+  return status;
+}
+
+/* Quantity, measure, floor, body, fingerprints; a file without these sections is of lights and of coefficients. */
 static ylm_status take_meaning(const file_table *t, const file_source *s, ylm_grid_form *out,
                                ylm_error *e) {
   uint32_t quantity = 0;
@@ -175,6 +185,7 @@ static ylm_status take_meaning(const file_table *t, const file_source *s, ylm_gr
   if (status == YLM_OK && ylm__file_table_find(t, GRID_FILE_body))
     status = ylm__file_table_take(t, s, GRID_FILE_body, sizeof out->body, sizeof out->body,
                                   &out->body, e);
+  if (status == YLM_OK) status = take_prints(t, s, &out->prints, e);
   out->quantity = quantity < YLM_QUANTITY_COUNT ? (ylm_quantity)quantity : YLM_QUANTITY_COUNT;
   out->measure = (ylm_grid_measure)m.measure;
   out->bias = m.bias;

@@ -99,6 +99,7 @@ static void sizes(const writing *w, uint64_t size[GRID_FILE_COUNT],
   const ylm_grid_form *f = &g->contents.form;
   SECTION(floor, &f->floor, f->floor > 0 ? sizeof f->floor : 0);
   SECTION(body, &f->body, f->body.radius > 0 ? sizeof f->body : 0);
+  SECTION(prints, &f->prints, f->prints.known ? sizeof f->prints : 0);
   SECTION(brick, &w->brick, w->brick.level ? sizeof w->brick : 0);
 #undef SECTION
 }

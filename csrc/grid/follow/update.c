@@ -121,8 +121,10 @@ static ylm_status run(update *u) {
   s = ylm_report(u->source.progress, 0, 1, "updating");
   if (s != YLM_OK) return s;
   bool many = u->changes > 4 && 2 * u->changes > u->d->lights;
-  if (u->changes > MOST_CHANGES || many || !u->now.n || !u->d->lights) return rebake(u);
-  return follow(u);
+  bool anew = u->changes > MOST_CHANGES || many || !u->now.n || !u->d->lights;
+  s = anew ? rebake(u) : follow(u);
+  if (s == YLM_OK || u->over) u->g->contents.form.prints = (ylm_grid_prints){0};
+  return s;
 }
 
 ylm_status ylm_grid_update(ylm_grid *g, const ylm_grid_change *change, ylm_error *e) {

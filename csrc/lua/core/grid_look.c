@@ -3,6 +3,7 @@
 #include "grid.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* The verdict about a promised tolerance, into the table on top. */
@@ -100,6 +101,21 @@ static void push_body(lua_State *L, const ylm_grid_body *b) {
   ylmL_set_number(L, "area", b->area);
 }
 
+static void set_print(lua_State *L, const char *name, uint64_t print) {
+  char text[17];
+  snprintf(text, sizeof text, "%016llx", (unsigned long long)print);
+  lua_pushstring(L, text);
+  lua_setfield(L, -2, name);
+}
+
+/* The fingerprints that are known, 16 digits each. */
+static void push_prints(lua_State *L, const ylm_grid_prints *p) {
+  lua_newtable(L);
+  if (p->known & YLM_GRID_PRINT_GEOMETRY) set_print(L, "geometry", p->geometry);
+  if (p->known & YLM_GRID_PRINT_MATERIALS) set_print(L, "materials", p->materials);
+  if (p->known & YLM_GRID_PRINT_LIGHTS) set_print(L, "lights", p->lights);
+}
+
 void ylmL_grid_push_form(lua_State *L, const ylm_grid_form *f) {
   lua_newtable(L);
   bool adaptive = f->kind == YLM_GRID_ADAPTIVE;
@@ -128,6 +144,10 @@ void ylmL_grid_push_form(lua_State *L, const ylm_grid_form *f) {
   if (f->body.radius > 0) {
     push_body(L, &f->body);
     lua_setfield(L, -2, "body");
+  }
+  if (f->prints.known) {
+    push_prints(L, &f->prints);
+    lua_setfield(L, -2, "prints");
   }
   lua_newtable(L);
   for (int a = 0; a < 3; a++) {

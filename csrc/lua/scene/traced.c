@@ -164,6 +164,12 @@ static int scene_print(lua_State *L) {
   return 3;
 }
 
+/* scene_print_lights(scene) -> 16 digits, the same whether or not the sky is seen */
+static int scene_print_lights(lua_State *L) {
+  push_print(L, ylm_scene_print_lights(ylmL_scene(L, 1)));
+  return 1;
+}
+
 /* scene_vertices(scene) -> [n][3] */
 static int scene_vertices(lua_State *L) {
   ylm_scene *s = ylmL_scene(L, 1);
@@ -262,6 +268,7 @@ static const luaL_Reg functions[] = {{"scene_create", scene_create},
                                      {"scene_relight", scene_relight},
                                      {"scene_bounds", scene_bounds},
                                      {"scene_print", scene_print},
+                                     {"scene_print_lights", scene_print_lights},
                                      {"scene_vertices", scene_vertices},
                                      {"scene_trace", scene_trace},
                                      {"scene_lamps", scene_lamps},

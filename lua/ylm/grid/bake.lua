@@ -257,7 +257,10 @@ local grid = ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 }
 assert(grid.stats.met and grid.stats.error <= 0.01)]],
   source = "Iwasaki & Dobashi 2025, Sec. 5.1",
 }
-function bake.bake(description, lights, given)
+function bake.bake(description, lights, given) return bake.of_scene(description, lights, given) end
+
+--- bake.bake of light whose fingerprints are known, or nil.
+function bake.of_scene(description, lights, given, prints)
   local kind = form.kind(description)
   if kind ~= "adaptive_grid" and kind ~= "uniform_grid" then
     return check.bad(1, "bake", "an adaptive_grid or a uniform_grid expected, got %s", check.describe(description))
@@ -319,6 +322,7 @@ function bake.bake(description, lights, given)
     team = o.team and o.team.handle,
     reach = reach and reach(packed) or nil, bias = description.bias or jumps and 1 or 0,
     floor = floor_of(description, quantity, measure), body = body, like = o.like,
+    prints = prints,
   }
   local baked, stages, code
   if in_bricks then

@@ -73,7 +73,10 @@ grid_file.magic = "\137YLMgrid"
 
 --- A grid from a file: nil, message, code where it cannot be read.
 function grid_file.load(path)
-  return check.result("load", core.grid_read(path))
+  local g, message, code = check.result("load", core.grid_read(path))
+  if not g then return nil, message, code end
+  grid_object.path_of[g] = path
+  return g
 end
 
 --- The contents of a grid file without its rows: { version, bytes, form, stats, sections }, where form has the fields

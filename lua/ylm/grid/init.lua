@@ -123,7 +123,7 @@ grid.uniform_grid = form.define("uniform_grid", {
 })
 
 local bake = require "ylm.grid.bake"
-grid.bake, grid.lights_of = bake.bake, bake.lights_of
+grid.bake, grid.bake_scene, grid.lights_of = bake.bake, bake.of_scene, bake.lights_of
 
 require "ylm.grid.refresh"
 require "ylm.grid.sample"

@@ -28,6 +28,9 @@ object.stages_of = setmetatable({}, { __mode = "k" })
 --- Grid -> what light behind bodies took, where it was baked from such light.
 object.shadow_of = setmetatable({}, { __mode = "k" })
 
+--- Grid, or grid in bricks -> the file or folder that it was loaded from.
+object.path_of = setmetatable({}, { __mode = "k" })
+
 require "ylm.describe".object "grid" {
   about = "A baked grid of probes. The fields of its description can be read from it. The cells of a uniform grid are "
     .. "grid.resolution, since grid:cells() are the voxels themselves.",
@@ -44,6 +47,8 @@ require "ylm.describe".object "grid" {
     { "floor", "number", "the least norm that errors are relative to, where the tolerance has one" },
     { "body", "table", "of visibilities: { at, radius, area } of the body, a sphere around it and the mean of its projections' "
       .. "areas" },
+    { "prints", "table", "of scene:bake: fingerprints of what the light depends on, 'lights' and, where surfaces cast shadows "
+      .. "or send light back, 'geometry' and 'materials'; nil where nobody told them, as after other light" },
     { "dynamic", "boolean", "whether grid:update follows lights" },
     { "depth", "integer", "finest level of an adaptive grid; its metric, continuous, and tolerance with its "
       .. "measure, or threshold likewise" },

@@ -7,9 +7,11 @@ local describe = require "ylm.describe".describe
 local devices = require "ylm.device"
 local form = require "ylm.form"
 local progress = require "ylm.progress"
-local sampling = require "ylm.grid.object".sampling
+local grid_object = require "ylm.grid.object"
 local vtu = require "ylm.grid.vtu"
 local show = require "ylm.show"
+
+local sampling = grid_object.sampling
 
 local set = {}
 
@@ -27,6 +29,7 @@ require "ylm.describe".object "grid_set" {
     { "lmax", "integer", "of the coefficients" },
     { "channels", "integer", "1 luminance, 3 rgb" },
     { "depth", "integer", "finest level; metric, continuous, tolerance or threshold likewise" },
+    { "prints", "table", "as of a grid" },
     { "stats", "table", "sums over all bricks: points (evaluated; one on a face of bricks counts for each that has baked it), "
       .. "interpolated, cells, leaves, levels, pairs, ...; bricks, brick_level: how many, and the level that was asked for; "
       .. "file_bytes: of all files of bricks; held: bytes of bricks in memory, reads: files read so far" },
@@ -45,7 +48,10 @@ end
 
 --- Opens a folder; nil, message, code.
 function set.open(path, cache)
-  return check.result("load", core.grid_set_open((path:gsub("/+$", "")), cache or 0))
+  local s, message, code = check.result("load", core.grid_set_open((path:gsub("/+$", "")), cache or 0))
+  if not s then return nil, message, code end
+  grid_object.path_of[s] = path
+  return s
 end
 
 --- The facts that a bake in bricks is told; nil: it is none. Raises where description and options do not fit.

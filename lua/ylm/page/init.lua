@@ -9,8 +9,10 @@ local light = require "ylm.light"
 local pack = require "ylm.page.pack"
 require "ylm.render.dering" -- the type dering
 require "ylm.render.options" -- the type image_size
+local prints = require "ylm.render.prints"
 local template = require "ylm.page.gen.template"
 local text = require "ylm.text"
+local tracing = require "ylm.trace"
 local vector = require "ylm.vector"
 local window = require "ylm.sh.window"
 local warning = require "ylm.warning"
@@ -187,6 +189,12 @@ local function html(meta, data, poster, lmax)
   })
 end
 
+--- Says that the grid holds light of another scene than the page's: the sentence, or nil.
+local function say_prints(grid, scene)
+  local t = scene and grid.prints and #scene.geometry > 0 and tracing.trace("save", scene)
+  return t and prints.warn(grid, scene, t) or nil
+end
+
 --- The parts of the scene that the page leaves out, a sentence each.
 local function shortcomings(grid, o, others, counts, report)
   local list, passing = {}, o.poster == nil and report.occlusion and report.occlusion.passing
@@ -293,6 +301,7 @@ local function write(grid, path, o)
   ok, message, code = check.result("save", core.file_save(path, bytes))
   if not ok then return nil, message, code end
   for i, sentence in ipairs(warnings) do warning.say(o.scene or grid, "page " .. i, "%s", sentence) end
+  warnings[#warnings + 1] = say_prints(grid, o.scene)
   return true, { bytes = #bytes, poster = poster and #poster or 0, sections = blob.by_name, warnings = warnings,
     dering = report.dering,
     triangles = counts and counts.triangles or 0 }

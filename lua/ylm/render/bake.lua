@@ -8,6 +8,7 @@ local grids = require "ylm.grid"
 local light = require "ylm.light"
 local objects = require "ylm.transfer.object"
 local options = require "ylm.render.options"
+local prints = require "ylm.render.prints"
 local progress = require "ylm.progress"
 local tracing = require "ylm.trace"
 local transfer = require "ylm.transfer"
@@ -89,6 +90,12 @@ local function field_of(s, t, o)
     progress = o.progress })
   if not lit then return nil, message, code end
   return lit:field { parts = direct and "direct" or o.parts }
+end
+
+--- The fingerprints of the light that is baked; nil of light that options name, which need not be the scene's.
+local function prints_of(t, o)
+  if o.lights ~= nil then return nil end
+  return prints.of(t, o.bounces == 0 and "direct" or o.parts)
 end
 
 --- Raises where options of gathered light stand beside others that have no use for it.
@@ -174,10 +181,11 @@ function bake.bake(s, given)
   local field, grid
   field, message, code = field_of(s, t, o)
   if field then
-    grid, message, code = grids.bake(probes, field, { occupied = where, geometry = where == "surfaces" and s.geometry or nil,
+    grid, message, code = grids.bake_scene(probes, field, { occupied = where,
+      geometry = where == "surfaces" and s.geometry or nil,
       bounds = box.padded(t.lo, t.hi), seed = o.seed, threads = o.threads, progress = o.progress,
       light_tolerance = o.light_tolerance, device = o.device, team = o.team, to = o.to,
-      fresh = o.fresh, seconds = o.seconds })
+      fresh = o.fresh, seconds = o.seconds }, prints_of(t, o))
   end
   if own then where:close() end
   return grid, message, code

@@ -18,6 +18,7 @@ local indirect = require "ylm.render.indirect"
 local occlusion = require "ylm.render.occlusion"
 local noises = require "ylm.render.noise"
 local pictures = require "ylm.render.picture"
+local prints = require "ylm.render.prints"
 local relight = require "ylm.render.relight"
 local tracing = require "ylm.trace"
 local unmet = require "ylm.grid.unmet"
@@ -143,6 +144,7 @@ function shading.points(name, p, o)
   local radiance, done
   radiance, done, code = devices.of(nil):shade(name, changed, o, progress.resolve(o.progress))
   if not radiance then return nil, done, code end
+  prints.say(p, o)
   local report = { points = p.stats.points, outside = done.outside, unbaked = done.unbaked,
     seconds = { light = core.seconds() - start } }
   if p.options.gloss == "sh" then report.stages = relight.stages(changed, before) end
@@ -294,6 +296,7 @@ function shading.picture(name, p, o)
   if not image then return nil, report, code end
   report.bodies, report.shadow = o.drawn, tally()
   indirect.report(p, o, report, image)
+  for _, sentence in ipairs(prints.say(p, o)) do report.warnings[#report.warnings + 1] = sentence end
   near.report(p, o, report, image)
   ambient.report(p, o, report, image)
   return image, report
