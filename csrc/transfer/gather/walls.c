@@ -1,6 +1,7 @@
-/* walls.c - sides of the box around a scene that are walls: points on them see the scene from within.
+/*
+** walls.c - sides of the box around a scene that are walls: points on them see the scene from within.
 **
-** Bounds of grids are that box, or a little larger: probes at them would stand behind floors and walls, in the dark.
+** Bounds of grids are that box, or a little larger: probes at them would stand behind walls, in the dark.
 */
 #include "gather.h"
 
