@@ -233,6 +233,26 @@ describe("grid:export", function()
     assert.is_nil(io.open(path .. ".npy"))
   end)
 
+  it("has the light within a closed room, seen from outside of it", function()
+    local room = ylm.scene "a room" {
+      geometry = ylm.box { scale = 2, material = ylm.matte { albedo = 0.6 } },
+      lights = ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.1, radiance = 20 },
+      camera = ylm.camera { from = { 0, 0.3, 6 }, at = { 0, 0, 0 } },
+    }
+    local links = room:transfer { spacing = 0.4, links = 64 }
+    local lit = assert(room:bake { parts = "all", transfer = links, probes = ylm.uniform_grid { lmax = 2, cells = { 6, 6, 6 } } })
+    local report = assert(lit:export(folder.path .. "/seen.ktx2", { tolerance = 0.1 }))
+    assert(report.met and report.cells[1] <= 20, report.cells[1])
+    for i = 1, #report.validity do assert(report.validity[i] >= 0.5) end
+    local corners = {}
+    for i = 0, 7 do corners[i + 1] = { i % 2 * 2 - 1, math.floor(i / 2) % 2 * 2 - 1, math.floor(i / 4) * 2 - 1 } end
+    local _, _, sampled = lit:sample(corners)
+    assert.equal(0, sampled.outside)
+    local inside = { { 0.9, 0.3, 0.2 }, { -0.6, -0.9, 0.4 }, { 0.2, 0.1, -0.95 }, { 0, -0.5, 0.9 } }
+    local truth = ylm.light_field(2, links:radiosity():field { parts = "all" }, inside)
+    assert(ylm.sh.relative_error(lit:sample(inside), truth):max() < 0.1)
+  end)
+
   it("says what falls short, and refuses", function()
     local said = {}
     local before = ylm.on_warning(function(message) said[#said + 1] = message end)

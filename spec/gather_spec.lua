@@ -393,6 +393,27 @@ describe("radiosity:field", function()
         quad({ -1, 0, -1 }, { 2, 0, 0 }, { 0, 2, 0 }), quad({ -1, 0, 1 }, { 2, 0, 0 }, { 0, 2, 0 }),
         quad({ -1, 0, -1 }, { 0, 0, 2 }, { 0, 2, 0 }), quad({ 1, 0, -1 }, { 0, 0, 2 }, { 0, 2, 0 }) },
     }
+
+    --- Degree 0 of the light a little beyond the floor at height y, over that a little above it, seen by a camera elsewhere.
+    local function beyond(geometry, y, lamp)
+      local scene = ylm.scene "seen from elsewhere" {
+        camera = ylm.camera { from = { 0, 9, 9 }, at = { 0, 1, 0 } }, geometry = geometry,
+        lights = ylm.sphere_light { at = lamp, radius = 0.1, radiance = 40 },
+      }
+      local field = scene:transfer({ spacing = 0.4, links = 32 }):radiosity():field { rays = 256 }
+      local sh = ylm.light_field(0, field, { { 0.3, y - 1e-4, 0.2 }, { 0.3, y + 0.02, 0.2 } })
+      return sh:get(1, 2, 1) / sh:get(2, 2, 1)
+    end
+
+    it("stands on lit sides of walls, wherever the camera is", function()
+      local closed = { ylm.box { bounds = { { -1, 0, -1 }, { 1, 2, 1 } }, material = white } }
+      local floor = { quad({ -1, 0, -1 }, { 0, 0, 2 }, { 2, 0, 0 }), wall({ -0.9, 0, -0.9 }, { -0.5, 0.5, -0.5 }) }
+      assert.near(1, beyond(closed, 0, { 0, 1.6, 0 }), 0.1)
+      assert.near(1, beyond(rooms["walls of one quad"], 0, { 0, 1.6, 0 }), 0.1)
+      assert.near(1, beyond(floor, 0, { 0, 1.6, 0 }), 0.2)
+      assert(math.abs(beyond(rooms["walls of one quad"], 0, { 0, -1, 0 }) - 1) > 0.5, "the lamp is on the other side")
+    end)
+
     for name, geometry in pairs(rooms) do
       it("has the indirect light of pixels: " .. name, function()
         local scene = ylm.scene "a room" {

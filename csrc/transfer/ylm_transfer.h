@@ -305,7 +305,9 @@ typedef struct ylm_gather_form {
       remember; /* keep each point's cells: the field asked again there, after another solution, traces shadow rays alone */
   bool
       within; /* points on the sides of the box around all meshes, or outside by up to a thousandth of its
-                  diagonal, stand so far inside of it: walls there are seen from within */
+                  diagonal, stand so far inside of it: walls there are seen from within; false: at
+                  those sides alone most of which is surfaces that look inwards, and have no less
+                  light in the last solution than those that look outwards */
   bool refine_surfaces; /* boxes that meet triangles are crossed by what the field jumps on */
   uint64_t seed;
   const ylm_scene *lamps; /* whose lamps and sky give direct light; NULL: the transfer's scene */

@@ -116,15 +116,6 @@ static ylm_status light(const gather_job *j, int worker, gather_sums *s, bool *i
   return status;
 }
 
-void ylm__gather_step_in(const ylm_gather *g, float at[3]) {
-  if (!(g->margin > 0)) return;
-  for (int a = 0; a < 3; a++) {
-    double x = (double)at[a], touch = g->margin / 100;
-    if (x >= g->lo[a] - g->margin && x <= g->lo[a] + touch) at[a] = (float)(g->lo[a] + g->margin);
-    if (x <= g->hi[a] + g->margin && x >= g->hi[a] - touch) at[a] = (float)(g->hi[a] - g->margin);
-  }
-}
-
 static ylm_status evaluate_range(void *context, size_t begin, size_t end, int worker) {
   const gather_job *j = context;
   ylm_gather *g = (ylm_gather *)j->g; /* its counters */
@@ -209,15 +200,8 @@ static ylm_status check_form(const ylm_gather_form *f, ylm_error *e) {
 }
 
 static ylm_status fill(ylm_gather *g) {
-  if (g->form.within) {
-    double diagonal2 = 0;
-    ylm_scene_bounds(g->scene, g->lo, g->hi);
-    for (int a = 0; a < 3; a++) diagonal2 += (g->hi[a] - g->lo[a]) * (g->hi[a] - g->lo[a]);
-    g->margin = sqrt(diagonal2) / 1000;
-    for (int a = 0; a < 3; a++) /* what is flat has no inside */
-      if (g->hi[a] - g->lo[a] <= 4 * g->margin) g->margin = 0;
-  }
   ylm_status s = ylm__gather_lattice_create(g->form.base, g->form.levels, true, &g->lattice);
+  if (s == YLM_OK) s = ylm__gather_walls(g);
   if (s != YLM_OK) return s;
   g->most = ylm__gather_most(&g->lattice);
   if (g->form.derivatives == YLM_GATHER_POINTS) {

@@ -154,7 +154,8 @@ describe "scene:bake" {
   about = "Bakes a scene's probes: a grid of its light for the surfaces of its geometry, or for what its camera sees.",
   arguments = { { "options?", "table", "the camera's default to those of scene:render" } },
   options = bake_options,
-  returns = { { "grid", "grid", "bounds default to the box around the geometry" } },
+  returns = { { "grid", "grid", "bounds default to the box around the geometry; probes on its sides that are walls see from "
+    .. "within" } },
   errors = "raises where there are no probes or a bad option; nil, message, code: memory, cancelled",
   example = options.one_lamp .. [[
 local probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 }
