@@ -173,6 +173,31 @@ describe("grid:export", function()
     end
   end)
 
+  it("is read by the ten lines of docs/engines.md", function()
+    if not has "node" then pending "node is not installed" end
+    local name = folder.path .. "/ten"
+    assert(grid:export(name .. ".three.json", { cells = { 3, 2, 4 } }))
+    assert(grid:export(name .. ".npy", { cells = { 3, 2, 4 }, lmax = 2, dtype = "float" }))
+    local code
+    for block in scratch.text("docs/engines.md"):gmatch "```js\n(.-)```" do code = block:find "function probe" and block or code end
+    local program = folder:write("ten.js", code .. "const file = JSON.parse( require( 'fs' ).readFileSync( process.argv[ 2 ] ) );\n"
+      .. "for ( const [ x, y, z ] of [ [ 0, 0, 0 ], [ 2, 1, 3 ], [ 1, 0, 2 ] ] ) console.log( probe( file, x, y, z ).flat().join( ' ' ) );")
+    local out, status = scratch.capture(("node %s %s.three.json"):format(program, name))
+    assert.equal(0, status, out)
+    local truth = assert(ylm.load(name .. ".npy")):reshape { 24, 3, 9 }
+    local rows, at = ylm.sh.convert(truth, "three.js"):totable(), { 1, 24, 14 }
+    local count, n = 0, 0
+    for line in out:gmatch "[^\n]+" do
+      n = n + 1
+      local k = 0
+      for word in line:gmatch "%S+" do
+        assert.near(rows[at[n]][math.floor(k / 3) + 1][k % 3 + 1], tonumber(word), 2e-3 * truth:max())
+        k, count = k + 1, count + 1
+      end
+    end
+    assert.equal(81, count)
+  end)
+
   it("tells the share of each middle that lies outside of bodies", function()
     local lamp = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.3, radiance = 10 }  -- of grid points it holds the middle one
     local around = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, lmax = 2 }, lamp)
