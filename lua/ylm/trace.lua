@@ -12,6 +12,7 @@ local warning = require "ylm.warning"
 local tracing = {}
 
 local COARSE = 1e-4 -- of a scene's size: rays round positions to float, and more than that is said
+local NEAR = 64 -- scene units from 0 within which nothing is said
 
 local MISSING = "rendering needs libylm_scene with Embree 3 or 4 (Debian 12 and 13: apt install libembree-dev, then make): %s"
 
@@ -94,7 +95,7 @@ local function say_far(s, lo, hi)
     size, far = math.max(size, hi[a] - lo[a]), math.max(far, math.abs(lo[a]), math.abs(hi[a]))
   end
   local step = 2 ^ (math.floor(math.log(math.max(far, 1e-30)) / math.log(2)) - 23) -- between floats
-  if step > COARSE * size then
+  if far > NEAR and step > COARSE * size then
     warning.say(s, "far", "scene %q: rays round positions to %.2g, since it lies %.3g from 0: move it near 0 (lamps, and grids "
       .. "of them by ylm.bake, keep all digits)", s.name or "?", step, far)
   end
