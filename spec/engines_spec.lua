@@ -179,9 +179,13 @@ describe("grid:export", function()
     assert(grid:export(name .. ".three.json", { cells = { 3, 2, 4 } }))
     assert(grid:export(name .. ".npy", { cells = { 3, 2, 4 }, lmax = 2, dtype = "float" }))
     local code
-    for block in scratch.text("docs/engines.md"):gmatch "```js\n(.-)```" do code = block:find "function probe" and block or code end
-    local program = folder:write("ten.js", code .. "const file = JSON.parse( require( 'fs' ).readFileSync( process.argv[ 2 ] ) );\n"
-      .. "for ( const [ x, y, z ] of [ [ 0, 0, 0 ], [ 2, 1, 3 ], [ 1, 0, 2 ] ] ) console.log( probe( file, x, y, z ).flat().join( ' ' ) );")
+    for block in scratch.text("docs/engines.md"):gmatch "```js\n(.-)```" do
+      code = block:find "function probe" and block or code
+    end
+    local program = folder:write("ten.js", code
+      .. "const file = JSON.parse( require( 'fs' ).readFileSync( process.argv[ 2 ] ) );\n"
+      .. "for ( const [ x, y, z ] of [ [ 0, 0, 0 ], [ 2, 1, 3 ], [ 1, 0, 2 ] ] )\n"
+      .. "\tconsole.log( probe( file, x, y, z ).flat().join( ' ' ) );")
     local out, status = scratch.capture(("node %s %s.three.json"):format(program, name))
     assert.equal(0, status, out)
     local truth = assert(ylm.load(name .. ".npy")):reshape { 24, 3, 9 }
