@@ -159,6 +159,8 @@ ylm_status ylm_emit(const ylm_scene *scene, const ylm_emit_options *o, ylm_emit_
   report->seconds[1] = ylm_seconds() - begun;
   ylm_free(x.landing);
   ylm__emit_gloss_free(gloss);
+  for (size_t i = 0; s == YLM_OK && ylm_scene_origin(scene) && i < 3 * lights->n; i++)
+    lights->at[i] += ylm_scene_origin(scene)[i % 3];
   if (s != YLM_OK) ylm_emit_free(lights);
   return s;
 }

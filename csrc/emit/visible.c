@@ -73,13 +73,15 @@ static bool shows_back(const ylm_light_virtual_form *f, size_t i, const double t
 static void look(const ylm_emit_visible *v, const double x[3], seen *s) {
   const ylm_light_virtual_form *f = &v->form;
   const ylm_trace *trace_of = ylm_scene_trace(v->scene);
-  float from[3] = {(float)x[0], (float)x[1], (float)x[2]}, near = ylm_trace_offset(trace_of, from);
+  float from[3], near;
+  ylm_scene_enter(v->scene, x, from);
+  near = ylm_trace_offset(trace_of, from);
   s->n = s->rays = 0;
   for (size_t i = 0; i < f->n; i++) {
     double to[3], d = 0;
     float at[3];
+    ylm_scene_enter(v->scene, f->at + 3 * i, at);
     for (size_t a = 0; a < 3; a++) {
-      at[a] = (float)f->at[3 * i + a];
       to[a] = f->at[3 * i + a] - x[a];
       d += to[a] * to[a];
     }
@@ -126,7 +128,8 @@ static ylm_status run_point(const job *j, size_t i, seen *s, uint64_t *pairs) {
   ylm_field_result r = part_of(j, i);
   q.threads = 1;
   q.progress = NULL;
-  for (size_t a = 0; a < 3; a++) x[a] = ylm_get(q.dtype, j->points, 3 * i + a);
+  for (size_t a = 0; a < 3; a++)
+    x[a] = ylm_get(q.dtype, j->points, 3 * i + a) + (q.origin ? q.origin[a] : 0);
   look(j->v, x, s);
   if (s->n == 0) return YLM_OK; /* darkness is there */
   ylm_light_virtual_form f = j->v->form;
@@ -189,8 +192,11 @@ ylm_status ylm_emit_visible_create(const ylm_scene *scene, ylm_light_virtual *li
   if (!v) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
   ylm_light_virtual_get(lights, &v->form);
   v->scene = scene;
-  v->field = (ylm_field){
-      .self = v, .evaluate = evaluate, .crosses = crosses, .quantity = YLM_QUANTITY_indirect};
+  v->field = (ylm_field){.self = v,
+                         .evaluate = evaluate,
+                         .crosses = crosses,
+                         .quantity = YLM_QUANTITY_indirect,
+                         .relative = true};
   ylm_light_virtual_form none = v->form;
   none.n = 0;
   ylm_status s = ylm_light_virtual_create(&none, &v->none, e);

@@ -167,7 +167,8 @@ YLM_API const ylm_field *ylm_emit_visible_field(const ylm_emit_visible *visible)
 ** ylm_emit_write_ply - lights as points of a PLY file, for viewers and other programs.
 **
 ** Properties are x y z, nx ny nz, red green blue (sRGB of the intensity, its largest is white), radius,
-** intensity_red intensity_green intensity_blue, all but the colours float.
+** intensity_red intensity_green intensity_blue, all but the colours float; x y z are double
+** where the lights lie far from 0 (ylm_origin).
 **
 ** Returns  YLM_OK, YLM_EIO
 */

@@ -288,10 +288,6 @@ void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], vir
    Both are relative to `origin`. */
 void ylm__grid_beside(const ylm_grid *g, double factor, const double origin[3], const float x[3],
                       const float n[3], double limit, const ylm_grid_reach *reach, float place[3]);
-/* ylm_grid_bias of points and places that are relative to `origin`. */
-void ylm__grid_bias(const ylm_grid *g, double factor, const double origin[3], size_t n,
-                    const float (*points)[3], const float (*normals)[3], const float *limit,
-                    const ylm_grid_reach *reach, float (*places)[3], int threads);
 
 /* -- sample/sample.c ---------------------------------------------------------------- */
 

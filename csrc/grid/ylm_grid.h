@@ -96,11 +96,12 @@ typedef struct ylm_grid_mesh {
 
 typedef struct ylm_grid_backend ylm_grid_backend;
 
-/* The distance from x, along a direction of length 1, to the first surface; `far` where there is
-   none before. Called on any of the threads. */
+/* The distance from x, which is relative to `origin` (NULL: 0), along a direction of length 1, to the first surface;
+   `far` where there is none before. Called on any of the threads. */
 typedef struct ylm_grid_reach {
   double (*distance)(const void *self, const float x[3], const float direction[3], double far);
   const void *self;
+  const double *origin; /* [3], as long as `self` lives */
 } ylm_grid_reach;
 
 /* From where, and how. */
@@ -613,6 +614,7 @@ YLM_API ylm_status ylm_grid_track_sample(ylm_grid_track *track, const ylm_grid *
 ** thick; between two of them to their middle.
 **
 **   factor   in   of ylm_grid_form.bias; 0: points are looked up where they are
+**   origin   in   [3] points and places are relative to it; NULL: to 0
 **   points   in   [n][3] any finite position
 **   normals  in   [n][3] unit, on the side that is seen
 **   limit    in   [n] the most that b may be, such as half of the distance to the first hit along
@@ -622,8 +624,8 @@ YLM_API ylm_status ylm_grid_track_sample(ylm_grid_track *track, const ylm_grid *
 **
 ** Cost     four rays a point
 */
-YLM_API void ylm_grid_bias(const ylm_grid *g, double factor, size_t n, const float (*points)[3],
-                           const float (*normals)[3], const float *limit,
+YLM_API void ylm_grid_bias(const ylm_grid *g, double factor, const double *origin, size_t n,
+                           const float (*points)[3], const float (*normals)[3], const float *limit,
                            const ylm_grid_reach *reach, float (*places)[3], int threads);
 
 /* Of biased look-ups: the mean and the largest distance. */

@@ -159,7 +159,7 @@ static ylm_status run(path_job *j, ylm_path_sum *sum, ylm_path_stats *stats, ylm
 static float (*origins_of(const path_job *j))[3] {
   float(*origin)[3] = ylm_alloc(j->items, sizeof *origin), n[3];
   for (uint64_t i = 0; origin && i < j->items; i++)
-    ylm_scene_origin(j->scene, j->points[i], normal_of(j, i, n), origin[i]);
+    ylm_scene_ray_origin(j->scene, j->points[i], normal_of(j, i, n), origin[i]);
   return origin;
 }
 

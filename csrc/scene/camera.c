@@ -3,13 +3,13 @@
 
 #include "scene.h"
 
-ylm_status ylm_scene_frame(const ylm_camera *c, int width, int height, ylm_camera_frame *f,
-                           ylm_error *e) {
+ylm_status ylm_scene_frame(const ylm_scene *s, const ylm_camera *c, int width, int height,
+                           ylm_camera_frame *f, ylm_error *e) {
   double up[3];
   if (!(c->fov > 0 && c->fov < 180))
     return ylm_fail(e, YLM_EINVAL, "the camera's fov must be between 0 and 180, got %g", c->fov);
   for (int a = 0; a < 3; a++) {
-    f->from[a] = c->from[a];
+    f->from[a] = c->from[a] - s->origin[a];
     f->forward[a] = c->at[a] - c->from[a];
     up[a] = c->up[a];
   }

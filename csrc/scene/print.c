@@ -15,9 +15,14 @@ static uint64_t floats(uint64_t crc, const float *x, size_t n) {
   return count ? ylm_crc64(crc, x, n * sizeof *x) : crc;
 }
 
+/* The origin, where it is not 0. */
+static uint64_t begin(const ylm_scene *s, uint64_t crc) {
+  return ylm_scene_origin(s) ? ylm_crc64(crc, s->origin, sizeof s->origin) : crc;
+}
+
 /* Normals that are means over triangles follow from the rest. */
 static uint64_t geometry(const ylm_scene *s) {
-  uint64_t crc = 0;
+  uint64_t crc = begin(s, 0);
   for (size_t i = 0; i < s->meshes; i++) {
     const scene_mesh *m = &s->mesh[i];
     uint64_t flags = (uint64_t)m->smooth + 2 * (uint64_t)m->occludes;
@@ -60,6 +65,7 @@ static uint64_t sky(const ylm_scene *s, uint64_t crc) {
 
 static uint64_t lights(const ylm_scene *s, uint64_t crc) {
   size_t flat = s->triangles + s->disks;
+  crc = begin(s, crc);
   for (int a = 0; a < 4; a++) crc = floats(crc, s->lamp[a], s->lamps);
   crc = floats(crc, s->lamp_radiance, 3 * (s->lamps + flat));
   crc = floats(crc, s->triangle, 9 * s->triangles);

@@ -128,6 +128,50 @@ static ylm_status copy_lamps(ylm_scene *s, const ylm_scene_lamps *l, ylm_error *
   return ylm__scene_copy_textures(s, l, e);
 }
 
+void ylm_scene_origin_of(size_t meshes, const ylm_scene_mesh *mesh, double origin[3]) {
+  double box[6] = {0};
+  bool any = false;
+  for (size_t i = 0; i < meshes; i++)
+    for (size_t k = 0; k < mesh[i].vertices; k++, any = true)
+      for (size_t a = 0; a < 3; a++) {
+        double x =
+            (double)mesh[i].positions[3 * k + a] + (mesh[i].origin ? mesh[i].origin[a] : 0);
+        box[a] = any && box[a] < x ? box[a] : x;
+        box[a + 3] = any && box[a + 3] > x ? box[a + 3] : x;
+      }
+  ylm_origin(box, origin);
+}
+
+/* Positions of a mesh relative to the scene's origin, new if they are relative to another one. */
+static ylm_status lay(ylm_scene_mesh *m, const double origin[3], float **positions) {
+  double way[3];
+  for (int a = 0; a < 3; a++) way[a] = (m->origin ? m->origin[a] : 0) - origin[a];
+  if (way[0] == 0 && way[1] == 0 && way[2] == 0) return YLM_OK;
+  float *x = *positions = ylm_alloc(m->vertices, 3 * sizeof *x);
+  if (!x) return YLM_ENOMEM;
+  for (size_t i = 0; i < 3 * m->vertices; i++)
+    x[i] = (float)((double)m->positions[i] + way[i % 3]);
+  m->positions = x;
+  return YLM_OK;
+}
+
+static void free_laid(size_t meshes, ylm_scene_mesh *mesh, float **positions) {
+  for (size_t i = 0; positions && i < meshes; i++) ylm_free(positions[i]);
+  ylm_free(positions);
+  ylm_free(mesh);
+}
+
+/* Meshes relative to the scene's origin, and the positions that are new; to be freed in any case. */
+static ylm_status lay_meshes(const ylm_scene *s, size_t meshes, const ylm_scene_mesh *mesh,
+                             ylm_scene_mesh **laid, float ***positions) {
+  *laid = ylm_alloc_copy(mesh, meshes, sizeof *mesh);
+  *positions = ylm_alloc_zero(meshes, sizeof **positions);
+  ylm_status status = *laid && *positions ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; status == YLM_OK && i < meshes; i++)
+    status = lay(*laid + i, s->origin, *positions + i);
+  return status;
+}
+
 static ylm_status trace_scene(ylm_scene *s, size_t meshes, const ylm_scene_mesh *mesh,
                               const ylm_scene_lamps *lamps, ylm_error *e) {
   ylm_trace_mesh *m = ylm_alloc(meshes, sizeof *m);
@@ -214,8 +258,13 @@ ylm_status ylm_scene_create(size_t meshes, const ylm_scene_mesh *mesh, const ylm
   ylm_scene *s = ylm_alloc_zero(1, sizeof *s);
   if (!s) return YLM_ENOMEM;
   scene_meshes *shared = NULL;
-  ylm_status status = trace_scene(s, meshes, mesh, lamps, e); /* checks positions, indices */
-  if (status == YLM_OK) status = share_meshes(meshes, mesh, &shared, e);
+  ylm_scene_mesh *laid;
+  float **positions;
+  ylm_scene_origin_of(meshes, mesh, s->origin);
+  ylm_status status = lay_meshes(s, meshes, mesh, &laid, &positions);
+  if (status == YLM_OK) status = trace_scene(s, meshes, laid, lamps, e); /* checks positions, indices */
+  if (status == YLM_OK) status = share_meshes(meshes, laid, &shared, e);
+  free_laid(meshes, laid, positions);
   if (shared) take_meshes(s, shared);
   if (status == YLM_OK) status = light(s, lamps, NULL, e);
   return deliver(status, s, scene);
@@ -228,6 +277,7 @@ ylm_status ylm_scene_relight(const ylm_scene *from, const ylm_scene_lamps *lamps
   if (!s) return YLM_ENOMEM;
   atomic_fetch_add(&from->shared->references, 1);
   take_meshes(s, from->shared);
+  memcpy(s->origin, from->origin, sizeof s->origin);
   ylm_status status = ylm_trace_relight(from->trace, &lamps->shape, &s->trace, e);
   if (status == YLM_OK) status = light(s, lamps, from, e);
   return deliver(status, s, scene);
@@ -250,6 +300,19 @@ void ylm_scene_free(ylm_scene *s) {
   ylm__scene_free_sky(s);
   ylm_free(s->spot);
   ylm_free(s);
+}
+
+const double *ylm_scene_origin(const ylm_scene *s) {
+  const double *o = s->origin;
+  return o[0] != 0 || o[1] != 0 || o[2] != 0 ? o : NULL;
+}
+
+void ylm_scene_enter(const ylm_scene *s, const double world[3], float x[3]) {
+  for (int a = 0; a < 3; a++) x[a] = (float)(world[a] - s->origin[a]);
+}
+
+void ylm_scene_leave(const ylm_scene *s, const float x[3], double world[3]) {
+  for (int a = 0; a < 3; a++) world[a] = (double)x[a] + s->origin[a];
 }
 
 void ylm_scene_bounds(const ylm_scene *s, double lo[3], double hi[3]) {
@@ -450,7 +513,7 @@ void ylm_scene_vertex(const ylm_scene *s, size_t mesh, size_t vertex, bool back,
                   (float[3]){1, 0, 0}, out->tint);
 }
 
-void ylm_scene_origin(const ylm_scene *s, const float x[3], const float normal[3],
+void ylm_scene_ray_origin(const ylm_scene *s, const float x[3], const float normal[3],
                       float origin[3]) {
   ylm_trace_hit h;
   corners c;

@@ -54,6 +54,7 @@ typedef struct scene_far {
 } scene_far;
 
 struct ylm_scene {
+  double origin[3]; /* of all positions */
   ylm_trace *trace;
   scene_meshes *shared;
   const scene_mesh *mesh;  /* [meshes] of `shared` */

@@ -18,7 +18,11 @@ ylm_status ylm__scene_copy_spots(ylm_scene *s, const ylm_scene_lamps *l) {
   while (l->sky && ylm_light_set_spot(l->sky, n, &one)) n++;
   s->spot = ylm_alloc(n, sizeof *s->spot);
   if (!s->spot) return YLM_ENOMEM;
-  for (; s->spots < n; s->spots++) ylm_light_set_spot(l->sky, s->spots, &s->spot[s->spots]);
+  for (; s->spots < n; s->spots++) {
+    ylm_light_spot *spot = &s->spot[s->spots];
+    ylm_light_set_spot(l->sky, s->spots, spot);
+    for (int a = 0; a < 3; a++) spot->at[a] -= s->origin[a];
+  }
   return YLM_OK;
 }
 

@@ -20,11 +20,13 @@ static bool coordinates(const ylm_light_image *in, scene_texture *out) {
   return d > 0;
 }
 
-static ylm_status copy(scene_texture *t, const ylm_light_image *in, ylm_error *e) {
+static ylm_status copy(scene_texture *t, const ylm_light_image *in, const double origin[3],
+                       ylm_error *e) {
   size_t n = 3 * in->width * in->height, where;
   t->width = in->width;
   t->height = in->height;
   if (n == 0 || !coordinates(in, t)) return ylm_fail(e, YLM_EDOMAIN, "a textured lamp has no area");
+  for (int a = 0; a < 3; a++) t->corner[a] -= origin[a];
   if (!ylm_all_finite(YLM_FLOAT, in->texel, n, &where))
     return ylm_fail(e, YLM_EDOMAIN, "a texel of a lamp is not finite");
   if (!(t->texel = ylm_alloc(n, sizeof *t->texel))) return YLM_ENOMEM;
@@ -42,7 +44,7 @@ ylm_status ylm__scene_copy_textures(ylm_scene *s, const ylm_scene_lamps *l, ylm_
       return ylm_fail(e, YLM_EINVAL, "textures have more triangles than there are");
     s->texture[i].behind = behind;
     s->texture[i].first = behind -= l->image[i].triangles;
-    ylm_status st = copy(&s->texture[i], &l->image[i], e);
+    ylm_status st = copy(&s->texture[i], &l->image[i], s->origin, e);
     if (st != YLM_OK) return st;
   }
   return YLM_OK;

@@ -9,6 +9,10 @@
 ** A scene knows no picture and no spherical harmonics: what a camera sees of it is ylm_shade.h's.
 ** A mesh that does not occlude is only seen: it keeps no light from anything.
 **
+** Positions are relative to the scene's origin wherever a scene takes them or gives them, here and in the folders behind
+** that have scenes. The origin is 0, but where the meshes are far from 0: there a float keeps too few
+** digits of a position in the world.
+**
 ** Ownership   ylm_scene_create copies what it is given.
 ** Threads     scenes are read-only after creation; a chooser is for one caller at a time.
 */
@@ -36,7 +40,7 @@ typedef struct ylm_scene ylm_scene;
 enum { YLM_SCENE_ONE_BY_ONE = 256 };
 
 typedef struct ylm_scene_mesh {
-  const float *positions; /* [vertices][3]  scene units                              */
+  const float *positions; /* [vertices][3]  scene units, relative to `origin`        */
   const float *normals;   /* [vertices][3]  any length; NULL: those of the triangles */
   const float *uvs;       /* [vertices][2]  texture coordinates; NULL: none          */
   size_t vertices;
@@ -47,6 +51,7 @@ typedef struct ylm_scene_mesh {
   const float *colours;         /* [vertices][3]  0 .. 1, linear; NULL: none: they, and          */
   const ylm_texture *texture;   /* at the uvs (kept: reference counted; NULL: none), multiply what
                                    the material reflects */
+  const double *origin; /* [3] NULL: 0 */
 } ylm_scene_mesh;
 
 /* Lamps, spheres and flat ones that emit to both sides: drawn as emitters, sampled by choosers;
@@ -54,12 +59,12 @@ typedef struct ylm_scene_mesh {
    is the image's where they are hit, what stands in `radiance` says how often rays are aimed at
    them (0: never). */
 typedef struct ylm_scene_lamps {
-  ylm_trace_lamps shape;
+  ylm_trace_lamps shape; /* relative to the scene's origin */
   const float *radiance; /* [spheres + triangles + disks][3]  W sr^-1 m^-2, linear Rec. 709 */
   const float *horizon;  /* [triangles + disks][3] or NULL: what of a lamp is below the plane across
                             it through a shading point brings no light there; 0: all does */
   size_t images;
-  const ylm_light_image *image;
+  const ylm_light_image *image; /* in the world, as the spots of `sky` */
   const ylm_light_set *sky; /* distant lights, which the scene shares with the set, and spots, which
                                it copies; or NULL */
   bool sky_is_seen;         /* by camera rays that hit nothing */
@@ -67,6 +72,8 @@ typedef struct ylm_scene_lamps {
                                them through a tree; 0: YLM_SCENE_ONE_BY_ONE */
 } ylm_scene_lamps;
 
+/* The origin of a scene of these meshes: ylm_origin of the box around them. */
+YLM_API void ylm_scene_origin_of(size_t meshes, const ylm_scene_mesh *mesh, double origin[3]);
 /* YLM_OK; YLM_EINVAL, YLM_EDOMAIN, YLM_EOVERFLOW, YLM_ENOMEM, YLM_EDEVICE as ylm_trace_create
    says. */
 YLM_API ylm_status ylm_scene_create(size_t meshes, const ylm_scene_mesh *mesh,
@@ -84,6 +91,11 @@ YLM_API void ylm_scene_free(ylm_scene *scene);
 */
 YLM_API ylm_status ylm_scene_relight(const ylm_scene *scene, const ylm_scene_lamps *lamps,
                                      ylm_scene **out, ylm_error *e);
+/* The origin [3] of positions, as long as the scene lives; NULL: 0. */
+YLM_API const double *ylm_scene_origin(const ylm_scene *scene);
+/* A place in the world, relative to the scene's origin; and back. */
+YLM_API void ylm_scene_enter(const ylm_scene *scene, const double world[3], float x[3]);
+YLM_API void ylm_scene_leave(const ylm_scene *scene, const float x[3], double world[3]);
 /* Box around all meshes (not the lamps); zeros where there are none. */
 YLM_API void ylm_scene_bounds(const ylm_scene *scene, double lo[3], double hi[3]);
 /* The structure that rays are traced through; lives as long as the scene. */
@@ -158,8 +170,8 @@ YLM_API void ylm_scene_vertex(const ylm_scene *scene, size_t m, size_t vertex, b
                               ylm_scene_surface *out);
 /* Where rays from x, on a surface with this normal whose triangle is not known, start: as the origin
    there; x, where no surface is. */
-YLM_API void ylm_scene_origin(const ylm_scene *scene, const float x[3], const float normal[3],
-                              float origin[3]);
+YLM_API void ylm_scene_ray_origin(const ylm_scene *scene, const float x[3],
+                                  const float normal[3], float origin[3]);
 
 /* -- lamps ------------------------------------------------------------------- */
 
@@ -320,7 +332,7 @@ YLM_API double ylm_scene_share(const ylm_scene_chooser *c, uint32_t lamp);
 
 /* A pinhole camera. */
 typedef struct ylm_camera {
-  double from[3], at[3]; /* scene units, different                        */
+  double from[3], at[3]; /* scene units, in the world, different          */
   double up[3];          /* not along at - from                           */
   double fov;            /* of the image's height, degrees, 0 < fov < 180 */
 } ylm_camera;
@@ -332,9 +344,9 @@ typedef struct ylm_camera_frame {
   double pixel; /* height of a pixel at distance 1 */
 } ylm_camera_frame;
 
-/* YLM_OK; YLM_EINVAL naming what of the camera is wrong. */
-YLM_API ylm_status ylm_scene_frame(const ylm_camera *c, int width, int height, ylm_camera_frame *f,
-                                   ylm_error *e);
+/* YLM_OK; YLM_EINVAL naming what of the camera is wrong. `from` is relative to the scene's origin. */
+YLM_API ylm_status ylm_scene_frame(const ylm_scene *scene, const ylm_camera *c, int width,
+                                   int height, ylm_camera_frame *f, ylm_error *e);
 
 /* -- sampling ---------------------------------------------------------------- */
 

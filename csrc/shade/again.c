@@ -39,7 +39,7 @@ ylm_status ylm_shade_memory_create(const ylm_shade_view *v, ylm_shade_memory **m
   ylm_status s = m && (order || v->corner) ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) {
     m->points = v->points;
-    s = ylm_grid_track_create(v->points, v->position[0], NULL, order, &m->track);
+    s = ylm_grid_track_create(v->points, v->position[0], v->world, order, &m->track);
   }
   ylm_free(order);
   if (s == YLM_OK) return s;

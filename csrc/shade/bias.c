@@ -50,11 +50,11 @@ double ylm_shade_reach(const void *scene, const float x[3], const float directio
 ylm_status ylm_shade_bias(const ylm_shade_view *v, const ylm_grid *grid, double factor,
                           size_t first, size_t n, const float (*flat)[3], float (*places)[3]) {
   const float(*x)[3] = (const float(*)[3])v->position + first;
-  ylm_grid_reach reach = {ylm_shade_reach, v->scene};
+  ylm_grid_reach reach = {ylm_shade_reach, v->scene, v->world};
   float *limit = ylm_alloc(n, sizeof *limit);
   ylm_status s = limit ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK && factor > 0) s = ylm_shade_limits(v, first, n, flat, INFINITY, limit);
-  if (s == YLM_OK) ylm_grid_bias(grid, factor, n, x, flat, limit, &reach, places, 1);
+  if (s == YLM_OK) ylm_grid_bias(grid, factor, v->world, n, x, flat, limit, &reach, places, 1);
   ylm_free(limit);
   return s;
 }

@@ -28,10 +28,19 @@ static ylm_status check_body(const ylm_shade_body *b, ylm_error *e) {
   return ylm_sh_rotation_check(b->rotation, exact, e);
 }
 
-/* The world's place of a point of the body's frame. */
-static void place(const ylm_shade_body *b, const float p[3], float out[3]) {
+/* Where the origin of the body's positions stands in the world, relative to `origin` (NULL: 0). */
+static void stand(const ylm_shade_body *b, const double *origin, double at[3]) {
+  const double *own = b->view->world;
   for (int a = 0; a < 3; a++) {
-    double x = b->at[a];
+    at[a] = b->at[a] - (origin ? origin[a] : 0);
+    for (int k = 0; own && k < 3; k++) at[a] += b->scale * b->rotation[3 * a + k] * own[k];
+  }
+}
+
+/* The place of a point of the body's frame, whose origin stands at `at`. */
+static void place(const ylm_shade_body *b, const double at[3], const float p[3], float out[3]) {
+  for (int a = 0; a < 3; a++) {
+    double x = at[a];
     for (int k = 0; k < 3; k++) x += b->scale * b->rotation[3 * a + k] * (double)p[k];
     out[a] = (float)x;
   }
@@ -52,17 +61,35 @@ static ylm_status turn(const ylm_shade_body *b, int threads, float *out, ylm_err
   return s;
 }
 
+/* The origin for positions of a body where it stands. */
+static void origin_of(const ylm_shade_body *b, double origin[3]) {
+  double lo[3], hi[3], middle[3], r = 0, box[6];
+  ylm_scene_bounds(b->view->scene, lo, hi);
+  stand(b, NULL, middle);
+  for (int a = 0; a < 3; a++) {
+    r += (hi[a] - lo[a]) * (hi[a] - lo[a]) / 4;
+    for (int k = 0; k < 3; k++)
+      middle[a] += b->scale * b->rotation[3 * a + k] * (lo[k] + hi[k]) / 2;
+  }
+  for (int a = 0; a < 6; a++) box[a] = middle[a % 3] + (a < 3 ? -1 : 1) * b->scale * sqrt(r);
+  ylm_origin(box, origin);
+}
+
 ylm_status ylm_shade_body_field(const ylm_shade_body *b, const ylm_field *light, int threads,
                                 const ylm_progress *progress, float *out, uint64_t *pairs,
                                 ylm_error *e) {
   ylm_status s = check_body(b, e);
   if (s != YLM_OK) return s;
   ylm_shade_view there = *b->view;
+  double origin[3], at[3];
+  origin_of(b, origin);
+  stand(b, origin, at);
+  there.world = origin;
   there.position = ylm_alloc(there.points, sizeof *there.position);
   there.transfer = ylm_alloc(there.points, ylm_sh_count(there.o.lmax) * sizeof *there.transfer);
   s = there.position && there.transfer ? turn(b, threads, there.transfer, e) : YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < there.points; i++)
-    place(b, b->view->position[i], there.position[i]);
+    place(b, at, b->view->position[i], there.position[i]);
   if (s == YLM_OK)
     s = ylm_shade_field(&there, light, YLM_SHADE_TRANSFER, YLM_FLOAT, threads, progress, out, pairs,
                         e);
@@ -96,7 +123,7 @@ typedef struct scratch {
 /* The pixels of a sphere around a body: all where the camera is near it, none where it is behind. */
 static span box_of(const ylm_shade_view *v, const ylm_shade_body *b) {
   const ylm_camera_frame *f = &v->frame;
-  double lo[3], hi[3], r = 0, to[3], width = v->o.width, height = v->o.height;
+  double lo[3], hi[3], r = 0, to[3], stands[3], width = v->o.width, height = v->o.height;
   float middle[3], at[3];
   ylm_scene_bounds(b->view->scene, lo, hi);
   for (int a = 0; a < 3; a++) {
@@ -104,7 +131,8 @@ static span box_of(const ylm_shade_view *v, const ylm_shade_body *b) {
     r += (hi[a] - lo[a]) * (hi[a] - lo[a]) / 4;
   }
   r = 1.001 * sqrt(r) * b->scale;
-  place(b, middle, at);
+  stand(b, v->world, stands);
+  place(b, stands, middle, at);
   for (int a = 0; a < 3; a++) to[a] = (double)at[a] - f->from[a];
   double far = sqrt(ylm_dot3d(to, to)), z = ylm_dot3d(to, f->forward);
   if (z < -r) return (span){0, 0, 0, 0};
@@ -122,14 +150,17 @@ static bool is_in(const span *s, int x, int y) {
   return x >= s->x0 && x < s->x1 && y >= s->y0 && y < s->y1;
 }
 
-/* A camera ray in a body's frame: distances along it stay what they are. */
-static void into_frame(const ylm_shade_body *b, const ylm_trace_ray *ray, ylm_trace_ray *own) {
+/* A camera ray, relative to `origin`, in a body's frame: distances along it stay what they are. */
+static void into_frame(const ylm_shade_body *b, const double *origin, const ylm_trace_ray *ray,
+                       ylm_trace_ray *own) {
+  double at[3];
+  stand(b, origin, at);
   *own = *ray;
   for (int a = 0; a < 3; a++) {
     double org = 0, dir = 0;
     for (int k = 0; k < 3; k++) {
       double r = b->rotation[3 * k + a] / b->scale;
-      org += r * ((double)ray->org[k] - b->at[k]);
+      org += r * ((double)ray->org[k] - at[k]);
       dir += r * (double)ray->dir[k];
     }
     own->org[a] = (float)org;
@@ -159,7 +190,7 @@ static void draw_pixel(job *j, scratch *s, int x, int y) {
     const ylm_shade_body *b = &j->body[k];
     if (!is_in(&j->box[k], x, y)) continue;
     if (!asked) ylm__shade_pixel_rays(v, pixel, samples, v->o.seed, s->ray);
-    for (int i = 0; i < samples; i++) into_frame(b, &s->ray[i], &s->own[i]);
+    for (int i = 0; i < samples; i++) into_frame(b, v->world, &s->ray[i], &s->own[i]);
     ylm_trace_intersect(ylm_scene_trace(b->view->scene), (size_t)samples, s->own, true, s->hit);
     rays += (size_t)samples;
     for (int i = 0; i < samples; i++) {

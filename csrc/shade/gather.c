@@ -516,8 +516,11 @@ ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_vir
            .kernels = ylm__gather_kernels(o),
            .out = out};
   ylm_light_virtual_form form;
+  ylm_light_virtual *own;
+  ylm_status s = ylm__shade_enter(v, from, &own, e);
+  if (own) from = own;
   ylm_light_virtual_get(from, &form);
-  ylm_status s = check_subset(v, o, e);
+  if (s == YLM_OK) s = check_subset(v, o, e);
   if (s == YLM_OK) s = ylm__gather_series(form.degree, &series);
   if (s == YLM_OK) s = check(o, &form, e);
   if (s == YLM_OK) s = read_lights(from, o, &series, &l);
@@ -547,10 +550,12 @@ ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_vir
   ylm_free(l.top);
   ylm__gather_series_free(&series);
   ylm__gather_gloss_free(j.gloss);
+  size_t lights = o->method == YLM_SHADE_VSGL ? l.n : form.n;
+  ylm_light_virtual_free(own);
   *report = (ylm_shade_gather_report){.pairs = j.pairs,
                                       .rays = rays,
                                       .singular = singular,
-                                      .lights = o->method == YLM_SHADE_VSGL ? l.n : form.n,
+                                      .lights = lights,
                                       .kept = l.bright ? j.kept : j.pairs,
                                       .alpha = l.bright ? j.ask.alpha : 0,
                                       .seconds = ylm_seconds() - begun};

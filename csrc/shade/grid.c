@@ -98,7 +98,8 @@ ylm_status ylm_shade_grid_biased(const ylm_shade_view *v, const ylm_grid *grid,
                 .query = {.interpolation = interpolation,
                           .point_dtype = YLM_FLOAT,
                           .dtype = YLM_FLOAT,
-                          .threads = 1}};
+                          .threads = 1,
+                          .origin = v->world}};
   if (factor > 0) {
     j.b = ylm_alloc(v->points, sizeof *j.b);
     if (!j.b) return ylm_fail(e, YLM_ENOMEM, "no memory to shade %zu points", v->points);
@@ -125,8 +126,9 @@ static ylm_status run_cells(void *context, size_t begin, size_t end, int worker)
   (void)worker;
   const grid_job *j = context;
   for (size_t i = begin; i < end; i++) {
-    const float *x = j->view->position[i];
-    uint32_t k = ylm_grid_locate(j->grid, (double[3]){x[0], x[1], x[2]}, false, NULL);
+    double x[3];
+    ylm_scene_leave(j->view->scene, j->view->position[i], x);
+    uint32_t k = ylm_grid_locate(j->grid, x, false, NULL);
     const ylm_grid_cell *c = k == YLM_GRID_NONE ? NULL : &j->look->cell[k];
     j->level[i] = c ? c->level : 0;
     j->error[i] = c ? c->error : NAN;

@@ -66,6 +66,21 @@ static ylm_status by_irradiance(const ylm_shade_view *v, const ylm_light_virtual
   return s;
 }
 
+ylm_status ylm__shade_enter(const ylm_shade_view *v, const ylm_light_virtual *lights,
+                            ylm_light_virtual **own, ylm_error *e) {
+  ylm_light_virtual_form form;
+  *own = NULL;
+  if (!v->world) return YLM_OK;
+  ylm_light_virtual_get(lights, &form);
+  double *at = ylm_alloc_copy(form.at, 3 * form.n, sizeof *at);
+  if (!at) return YLM_ENOMEM;
+  for (size_t i = 0; i < 3 * form.n; i++) at[i] -= v->world[i % 3];
+  form.at = at;
+  ylm_status s = ylm_light_virtual_create(&form, own, e);
+  ylm_free(at);
+  return s;
+}
+
 ylm_status ylm_shade_near(const ylm_shade_view *v, const ylm_light_virtual *near,
                           ylm_shade_weight weight, int lmax, int threads,
                           const ylm_progress *progress, float *radiance,
@@ -73,12 +88,16 @@ ylm_status ylm_shade_near(const ylm_shade_view *v, const ylm_light_virtual *near
   double begun = ylm_seconds();
   near_job j = {.view = v, .dot = ylm__shade_kernels().dot};
   uint64_t pairs = 0;
-  ylm_status s = ylm__shade_rows(v, weight, lmax, threads, NULL, &j.rows, e);
+  ylm_light_virtual *own;
+  ylm_status s = ylm__shade_enter(v, near, &own, e);
+  if (own) near = own;
+  if (s == YLM_OK) s = ylm__shade_rows(v, weight, lmax, threads, NULL, &j.rows, e);
   if (s == YLM_OK && weight == YLM_SHADE_COSINE && !j.rows.tables)
     s = by_irradiance(v, near, lmax, threads, progress, radiance, &pairs, e);
   else if (s == YLM_OK)
     s = by_coefficients(v, near, &j, threads, progress, radiance, &pairs, e);
   ylm_free(j.rows.zonal);
+  ylm_light_virtual_free(own);
   if (report) *report = (ylm_shade_near_report){pairs, ylm_seconds() - begun};
   return s;
 }

@@ -71,9 +71,10 @@ static ylm_status trial_create(const ylm_shade_view *v, const float *share, tria
                        .want = YLM_WANT_VALUE,
                        .metric_channels = 1,
                        .dtype = YLM_FLOAT,
-                       .threads = v->o.threads};
+                       .threads = v->o.threads,
+                       .origin = v->world};
   ylm_field_result r = {.value = x->light};
-  return v->o.light->evaluate(v->o.light, &q, n, x->position, &r, e);
+  return ylm_field_evaluate(v->o.light, &q, n, x->position, &r, e);
 }
 
 static double dot(const float *a, const float *b, size_t n) {

@@ -22,7 +22,7 @@ static ylm_status look_again(ylm_shade_view *v, const ylm_shade_change *c, ylm_e
     return ylm_fail(e, YLM_EINVAL,
                     "shading points of the prepared view are those of its camera: another one "
                     "needs all vertices");
-  ylm_status s = ylm_scene_frame(c->camera, v->o.width, v->o.height, &frame, e);
+  ylm_status s = ylm_scene_frame(v->scene, c->camera, v->o.width, v->o.height, &frame, e);
   if (s != YLM_OK) return s;
   v->frame = frame;
   v->looks_again = true;

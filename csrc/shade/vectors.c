@@ -56,9 +56,10 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
                        .want = YLM_WANT_VALUE,
                        .metric_channels = 1,
                        .dtype = YLM_FLOAT,
-                       .threads = 1};
+                       .threads = 1,
+                       .origin = j->view->world};
   ylm_field_result r = {.value = L};
-  if (s == YLM_OK) s = j->field->evaluate(j->field, &q, n, j->view->position[begin], &r, &e);
+  if (s == YLM_OK) s = ylm_field_evaluate(j->field, &q, n, j->view->position[begin], &r, &e);
   if (s != YLM_OK && j->error && !atomic_flag_test_and_set(&j->failed)) *j->error = e;
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     for (size_t c = 0; c < 3; c++) {

@@ -255,11 +255,12 @@ ylm_status ylm_shade_view_create(const ylm_scene *scene, const ylm_camera *camer
   *view = NULL;
   ylm_camera_frame frame;
   ylm_status s = check_options(o, e);
-  if (s == YLM_OK) s = ylm_scene_frame(camera, o->width, o->height, &frame, e);
+  if (s == YLM_OK) s = ylm_scene_frame(scene, camera, o->width, o->height, &frame, e);
   if (s != YLM_OK) return s;
   ylm_shade_view *v = ylm_alloc_zero(1, sizeof *v);
   if (!v) return YLM_ENOMEM;
   v->scene = scene;
+  v->world = ylm_scene_origin(scene);
   v->o = *o;
   v->frame = frame;
   s = list_pixels(v);
@@ -306,6 +307,7 @@ void ylm_shade_view_stats(const ylm_shade_view *v, ylm_shade_stats *stats) {
 }
 const ylm_shade_options *ylm_shade_view_options(const ylm_shade_view *v) { return &v->o; }
 const float *ylm_shade_view_positions(const ylm_shade_view *v) { return v->position[0]; }
+const double *ylm_shade_view_origin(const ylm_shade_view *v) { return v->world; }
 const float *ylm_shade_view_normals(const ylm_shade_view *v) { return v->normal[0]; }
 const float *ylm_shade_view_transfer(const ylm_shade_view *v) { return v->transfer; }
 
@@ -430,6 +432,8 @@ static void surface_mean(const layer_job *j, const shade_pixel *q, float *out) {
   if (j->layer == YLM_SHADE_NORMAL) weight = sqrtf(ylm_dot3(sum, sum));
   for (int c = 0; c < channels; c++)
     out[c] = weight > 0 ? sum[c] / weight : j->layer == YLM_SHADE_DEPTH ? INFINITY : 0;
+  for (int c = 0; j->layer == YLM_SHADE_POSITION && j->v->world && weight > 0 && c < 3; c++)
+    out[c] = (float)((double)out[c] + j->v->world[c]);
 }
 
 /* The entry that has the largest part of a pixel; NULL: there is none. */

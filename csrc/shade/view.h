@@ -27,6 +27,7 @@ typedef struct shade_kept shade_kept;
 
 struct ylm_shade_view {
   const ylm_scene *scene;
+  const double *world; /* [3] positions are relative to it: ylm_scene_origin; NULL: to 0 */
   ylm_shade_options o;
   ylm_camera_frame frame;
   ylm_shade_stats stats;
@@ -56,6 +57,10 @@ struct ylm_shade_view {
 };
 
 #define YLM_SHADE_NOWHERE UINT32_MAX
+
+/* Virtual lights relative to the origin of a view; NULL in *own where they are so already. near.c */
+ylm_status ylm__shade_enter(const ylm_shade_view *v, const ylm_light_virtual *lights,
+                            ylm_light_virtual **own, ylm_error *e);
 
 /* The material of a mesh, as the view has it. */
 static inline const ylm_material *ylm__shade_mesh_material(const ylm_shade_view *v, size_t mesh) {

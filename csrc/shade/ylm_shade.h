@@ -195,7 +195,10 @@ YLM_API ylm_status ylm_shade_view_change(const ylm_shade_view *from, const ylm_s
                                          ylm_shade_view **view, ylm_error *e);
 
 /* Per shading point; valid as long as the view. */
-YLM_API const float *ylm_shade_view_positions(const ylm_shade_view *view); /* [points][3] */
+/* [points][3], relative to ylm_shade_view_origin */
+YLM_API const float *ylm_shade_view_positions(const ylm_shade_view *view);
+/* ylm_scene_origin of the scene. */
+YLM_API const double *ylm_shade_view_origin(const ylm_shade_view *view);
 YLM_API const float *ylm_shade_view_normals(const ylm_shade_view *view);   /* [points][3] unit */
 /* Normals of n points' triangles from `first` on, unit, on the side that is seen; of shading by
    vertices those of `normals`. */

@@ -180,7 +180,7 @@ ylm_status ylm__transfer_beside(const ylm_transfer *t, const ylm_grid *grid, siz
                                 const float (*place)[3], const float (*normal)[3],
                                 float (*out)[3]) {
   float b = (float)(t->form.spacing / 2);
-  if (grid) ylm_grid_bias(grid, 1, n, place, normal, NULL, NULL, out, 1);
+  if (grid) ylm_grid_bias(grid, 1, ylm_scene_origin(t->scene), n, place, normal, NULL, NULL, out, 1);
   for (size_t i = 0; !grid && i < n; i++)
     for (int a = 0; a < 3; a++) out[i][a] = place[i][a] + b * normal[i][a];
   return YLM_OK;
@@ -194,7 +194,8 @@ static ylm_status ask(const by_field *x, const ylm_field *field, int threads,
                        .want = YLM_WANT_VALUE,
                        .metric_channels = 1,
                        .dtype = YLM_FLOAT,
-                       .threads = threads};
+                       .threads = threads,
+                       .origin = ylm_scene_origin(x->t->scene)};
   ylm_status s = YLM_OK;
   for (size_t first = 0; s == YLM_OK && first < n; first += DIRECT_ASKED) {
     size_t part = n - first < DIRECT_ASKED ? n - first : DIRECT_ASKED;
@@ -205,7 +206,7 @@ static ylm_status ask(const by_field *x, const ylm_field *field, int threads,
                                x->place);
       place = (const float(*)[3])x->place;
     }
-    if (s == YLM_OK) s = field->evaluate(field, &q, part, place, &out, e);
+    if (s == YLM_OK) s = ylm_field_evaluate(field, &q, part, place, &out, e);
     if (s == YLM_OK) s = dot(x, first, part, E0);
     if (s == YLM_OK) s = ylm_report(progress, first + part, n, "direct");
   }

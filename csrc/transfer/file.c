@@ -77,6 +77,7 @@ ylm_status ylm__transfer_fingerprint(const ylm_scene *scene, uint64_t *print) {
   if (!positions) return YLM_ENOMEM;
   ylm_scene_vertices(scene, positions);
   uint64_t crc = sum_numbers(0, positions, 3 * n, 4);
+  if (ylm_scene_origin(scene)) crc = sum_numbers(crc, ylm_scene_origin(scene), 3, 8);
   for (size_t m = 0; m < ylm_scene_meshes(scene); m++) {
     uint64_t of[3] = {ylm_scene_first_vertex(scene, m), ylm_scene_triangles(scene, m),
                       ylm_scene_occludes(scene, m)};

@@ -97,13 +97,14 @@ static ylm_status add_field(const job *j, scratch *x, size_t n, float *E) {
                        .want = YLM_WANT_VALUE,
                        .metric_channels = 1,
                        .dtype = YLM_FLOAT,
-                       .threads = 1};
+                       .threads = 1,
+                       .origin = ylm_scene_origin(j->r->t->scene)};
   ylm_field_result out = {.value = x->light};
   ylm_status s = is_shadowed(j) ? cosines(j, x, n) : YLM_OK;
   if (s == YLM_OK && is_shadowed(j))
     s = ylm__transfer_beside(j->r->t, j->m->grid, n, (const float(*)[3])x->origin,
                              (const float(*)[3])x->normal, x->origin);
-  if (s == YLM_OK) s = j->m->field->evaluate(j->m->field, &q, n, x->origin, &out, NULL);
+  if (s == YLM_OK) s = ylm_field_evaluate(j->m->field, &q, n, x->origin, &out, NULL);
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     for (size_t c = 0; c < 3; c++) {
       double sum = 0;

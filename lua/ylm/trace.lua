@@ -7,12 +7,8 @@ local library = require "ylm.library"
 local light = require "ylm.light"
 local material = require "ylm.material"
 local text = require "ylm.text"
-local warning = require "ylm.warning"
 
 local tracing = {}
-
-local COARSE = 1e-4 -- of a scene's size: rays round positions to float, and more than that is said
-local NEAR = 64 -- scene units from 0 within which nothing is said
 
 local MISSING = "rendering needs libylm_scene with Embree 3 or 4 (Debian 12 and 13: apt install libembree-dev, then make): %s"
 
@@ -88,20 +84,8 @@ local function surfaces(name, s)
   return { meshes, materials, occludes, textures, glossy = glossy }
 end
 
---- Says where a scene lies so far from 0 that float keeps too little of its positions.
-local function say_far(s, lo, hi)
-  local size, far = 0, 0
-  for a = 1, 3 do
-    size, far = math.max(size, hi[a] - lo[a]), math.max(far, math.abs(lo[a]), math.abs(hi[a]))
-  end
-  local step = 2 ^ (math.floor(math.log(math.max(far, 1e-30)) / math.log(2)) - 23) -- between floats
-  if far > NEAR and step > COARSE * size then
-    warning.say(s, "far", "scene %q: rays round positions to %.2g, since it lies %.3g from 0: move it near 0 (lamps, and grids "
-      .. "of them by ylm.bake, keep all digits)", s.name or "?", step, far)
-  end
-end
-
---- { handle, lights, bounds, glossy: the number of such meshes, seconds } of a scene; nil, message, code. Where lights
+--- { handle, lights, bounds, glossy: the number of such meshes, seconds, far: whether positions are kept in double
+-- } of a scene; nil, message, code. Where lights
 -- alone have changed since the last call, meshes are shared with what was made then.
 function tracing.trace(name, s)
   local lib, message, code = tracing.library()
@@ -125,9 +109,8 @@ function tracing.trace(name, s)
   end
   handle, message, code = check.result(name, handle, with_name(s, message), code)
   if not handle then return nil, message, code end
-  local lo, hi = lib.scene_bounds(handle)
-  if not alike then say_far(s, lo, hi) end
-  local new = { shapes = shapes, lamps = lamps, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib,
+  local lo, hi, far = lib.scene_bounds(handle)
+  local new = { shapes = shapes, lamps = lamps, handle = handle, lights = lights, lo = lo, hi = hi, far = far, lib = lib,
     glossy = alike and known.glossy or made.glossy, seconds = core.seconds() - start }
   traced[s] = new
   return new
@@ -162,7 +145,7 @@ function tracing.relight(name, t, lights)
   local handle
   handle, message, code = check.result(name, t.lib.scene_relight(t.handle, light.set(packed), true))
   if not handle then return nil, message, code end
-  return { shapes = t.shapes, lamps = false, handle = handle, lights = packed, lo = t.lo, hi = t.hi, lib = t.lib,
+  return { shapes = t.shapes, lamps = false, handle = handle, lights = packed, lo = t.lo, hi = t.hi, far = t.far, lib = t.lib,
     glossy = t.glossy, seconds = core.seconds() - start }
 end
 

@@ -175,8 +175,8 @@ ylm_status ylm__sides_errors(const refiner *r, const panel *p, double *error) {
     limit[i] = p->side[4 * i + 3];
   }
   if (s == YLM_OK) {
-    ylm__grid_bias(g, g->contents.form.bias, g->origin, n, x, (const float(*)[3])normal, limit,
-                   r->b->source->reach, place, threads);
+    ylm_grid_bias(g, g->contents.form.bias, g->origin, n, x, (const float(*)[3])normal, limit,
+                  r->b->source->reach, place, threads);
     s = ylm_grid_sample_biased(g, &q, n, x, (const float(*)[3])place, value, NULL, r->b->e);
   }
   for (size_t i = 0; s == YLM_OK && i < n; i++) {

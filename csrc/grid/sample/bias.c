@@ -36,6 +36,11 @@ static double bias_at(const ylm_grid *g, double factor, const double p[3], const
   return b;
 }
 
+/* p relative to the origin of a scene's surfaces. */
+static void enter(const ylm_grid_reach *r, const double p[3], float x[3]) {
+  for (int a = 0; a < 3; a++) x[a] = (float)(p[a] - (r->origin ? r->origin[a] : 0));
+}
+
 /* Two directions at right angles to n, along axes where n is. */
 static void tangents(const float n[3], float t[2][3]) {
   int least = 0;
@@ -55,7 +60,7 @@ static void move_away(const ylm_grid *g, double factor, const double origin[3],
   double p[3], by;
   float back[3] = {-t[0], -t[1], -t[2]}, from[3];
   outward(place, origin, p);
-  for (int a = 0; a < 3; a++) from[a] = (float)p[a];
+  enter(r, p, from);
   double far = factor * thickness(g, p, t);
   double there = r->distance(r->self, from, t, far), here = r->distance(r->self, from, back, far);
   if (there < far && here < far)
@@ -68,7 +73,8 @@ static void move_away(const ylm_grid *g, double factor, const double origin[3],
 /* Half of the distance from x on a surface to the next along its normal n, as far as 2 b. */
 static double halfway(const ylm_grid_reach *r, const double p[3], const float n[3], double b) {
   float off[3];
-  for (int a = 0; a < 3; a++) off[a] = (float)p[a] + (float)(1e-3 * b) * n[a];
+  enter(r, p, off);
+  for (int a = 0; a < 3; a++) off[a] += (float)(1e-3 * b) * n[a];
   return 0.5 * r->distance(r->self, off, n, 2 * b);
 }
 
@@ -104,21 +110,15 @@ static ylm_status find_places(void *context, size_t begin, size_t end, int worke
   return YLM_OK;
 }
 
-void ylm__grid_bias(const ylm_grid *g, double factor, const double origin[3], size_t n,
-                    const float (*points)[3], const float (*normals)[3], const float *limit,
-                    const ylm_grid_reach *reach, float (*places)[3], int threads) {
-  bias_job j = {g, factor, origin, points, normals, limit, reach, places};
+void ylm_grid_bias(const ylm_grid *g, double factor, const double *origin, size_t n,
+                   const float (*points)[3], const float (*normals)[3], const float *limit,
+                   const ylm_grid_reach *reach, float (*places)[3], int threads) {
+  const double zero[3] = {0};
+  bias_job j = {g, factor, origin ? origin : zero, points, normals, limit, reach, places};
   if (factor > 0)
     ylm_parallel(n, BIAS_GRAIN, threads, find_places, &j, NULL, NULL);
   else
     ylm_copy(places, points, n * sizeof *places);
-}
-
-void ylm_grid_bias(const ylm_grid *g, double factor, size_t n, const float (*points)[3],
-                   const float (*normals)[3], const float *limit, const ylm_grid_reach *reach,
-                   float (*places)[3], int threads) {
-  const double zero[3] = {0};
-  ylm__grid_bias(g, factor, zero, n, points, normals, limit, reach, places, threads);
 }
 
 /* Shortens the way d so that the mean light of no channel changes by more than BIAS_CARRY of itself on it: a gradient

@@ -95,7 +95,7 @@ static int grid_sample_biased(lua_State *L) {
   }
   ylm_error e = {0};
   ylm_grid_reach reach;
-  ylm_grid_bias(g, factor, n, (const float(*)[3])points, (const float(*)[3])normals, NULL,
+  ylm_grid_bias(g, factor, NULL, n, (const float(*)[3])points, (const float(*)[3])normals, NULL,
                 ylmL_grid_reach(L, 4, &reach), place->data, 0);
   ylm_status s = ylm_grid_sample_biased(g, &q, n, (const float(*)[3])points, place->data,
                                         value->data, NULL, &e);

@@ -9,7 +9,8 @@ static ylm_scene_chooser *turned(lua_State *L, bool *lit) {
   bool surface = !lua_isnil(L, 3);
   ylmL_scene_numbers(L, 2, 3, numbers);
   if (surface) ylmL_scene_numbers(L, 3, 3, numbers + 3);
-  for (int a = 0; a < 3; a++) x[a] = (float)numbers[a], n[a] = surface ? (float)numbers[3 + a] : 0;
+  ylm_scene_enter(ylmL_scene(L, 1), numbers, x);
+  for (int a = 0; a < 3; a++) n[a] = surface ? (float)numbers[3 + a] : 0;
   ylm_scene_chooser *c = ylm_scene_chooser_create(ylmL_scene(L, 1));
   *lit = c && ylm_scene_choose(c, x, surface ? n : NULL);
   return c;
@@ -95,7 +96,7 @@ static void aim_often(ylm_scene_chooser *c, const float *at, int light_samples, 
   out[1] = repeats > 1 ? (squares / repeats - out[0] * out[0]) / (repeats - 1) : 0;
 }
 
-/* chooser_aim(scene, points with normals float [n][6], light_samples, repeats, seed) -> double [n][2]:
+/* chooser_aim(scene, points with normals float [n][6], relative to the scene's origin, light_samples, repeats, seed) -> double [n][2]:
    the mean of what ylm_scene_aim brings, in green, and its variance */
 static int chooser_aim(lua_State *L) {
   const ylmL_array *in = ylmL_array_check(L, 2);

@@ -128,17 +128,16 @@ static int gather_create(lua_State *L) {
 static int gather_reach(lua_State *L) {
   const gathered *g = check_gather(L, 1);
   const ylm_transfer *t = ylm_radiosity_transfer(g->of->object);
-  ylm_grid_reach reach = {ylm_shade_reach, ylm_transfer_scene(t)};
+  const ylm_scene *scene = ylm_transfer_scene(t);
+  ylm_grid_reach reach = {ylm_shade_reach, scene, ylm_scene_origin(scene)};
   lua_pushlstring(L, (const char *)&reach, sizeof reach);
   return 1;
 }
 
-/* Points at `i`, float [n][3]. */
-static const float (*points_at(lua_State *L, int i, size_t *n))[3] {
-  const ylmL_array *a = ylmL_array_check(L, i);
-  if (a->dtype != YLM_FLOAT || a->count % 3) luaL_argerror(L, i, "a float array [n][3] expected");
-  *n = a->count / 3;
-  return (const float(*)[3])a->data;
+/* Points at `i`, [n][3], relative to the origin of the field's scene. */
+static const float (*points_at(lua_State *L, int i, const gathered *g, size_t *n))[3] {
+  const ylm_scene *scene = ylm_transfer_scene(ylm_radiosity_transfer(g->of->object));
+  return ylmL_scene_places(L, i, ylm_scene_origin(scene), n);
 }
 
 /* gather_noise(gather, points, lmax, threads, progress) -> number */
@@ -149,7 +148,7 @@ static int gather_noise(lua_State *L) {
   ylm_error e = {0};
   ylmL_progress p;
   lua_settop(L, 5);
-  const float(*x)[3] = points_at(L, 2, &n);
+  const float(*x)[3] = points_at(L, 2, g, &n);
   int lmax = (int)luaL_checknumber(L, 3), threads = (int)luaL_optnumber(L, 4, 0);
   const ylm_progress *progress = ylmL_progress_begin(L, 5, &p);
   g->of->running++;
@@ -165,7 +164,7 @@ static int gather_validity(lua_State *L) {
   size_t n;
   ylm_error e = {0};
   lua_settop(L, 3);
-  const float(*x)[3] = points_at(L, 2, &n);
+  const float(*x)[3] = points_at(L, 2, g, &n);
   ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 1, &n);
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   return ylmL_result(

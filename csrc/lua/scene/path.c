@@ -87,7 +87,7 @@ static bool push_sum(lua_State *L, const ylm_path_sum *sum, size_t n, size_t cou
   return true;
 }
 
-/* path_probe(scene, {points float [n][3], normals float [n][3] or nil, lmax, COMMON}) ->
+/* path_probe(scene, {points [n][3], normals float [n][3] or nil, lmax, COMMON}) ->
    without normals: c, variance [n][3][count]; with: irradiance, variance [n][3]; stats */
 static int path_probe(lua_State *L) {
   static const char *const names[] = {"points", "normals", "lmax", COMMON, NULL};
@@ -96,8 +96,8 @@ static int path_probe(lua_State *L) {
   ylm_error e = {0};
   ylmL_progress p;
   ylmL_named(L, 2, names);
-  size_t n = ylmL_array_check(L, POINTS)->count / 3;
-  const float *points = floats(L, POINTS, 3 * n);
+  size_t n;
+  const float(*x)[3] = ylmL_scene_places(L, POINTS, ylm_scene_origin(scene), &n);
   const float *normals = lua_isnil(L, NORMALS) ? NULL : floats(L, NORMALS, 3 * n);
   int lmax = (int)luaL_checknumber(L, LMAX);
   size_t count = normals ? 0 : (size_t)(lmax + 1) * (size_t)(lmax + 1),
@@ -108,7 +108,7 @@ static int path_probe(lua_State *L) {
   float *data = room->data;
   ylm_path_sum sum = {0, data, data + all, data + 2 * all};
   ylm_path_stats stats;
-  const float(*x)[3] = (const float(*)[3])points, (*d)[3] = (const float(*)[3])normals;
+  const float(*d)[3] = (const float(*)[3])normals;
   ylm_status s = d ? ylm_path_irradiance(scene, n, x, d, &o, &sum, &stats, &e)
                    : ylm_path_probe(scene, n, x, lmax, &o, &sum, &stats, &e);
   if (s == YLM_OK && !push_sum(L, &sum, n, count)) s = YLM_ENOMEM;

@@ -172,18 +172,23 @@ static int shade_occlusion(lua_State *L) {
   return 1;
 }
 
+static bool push_positions(lua_State *L, const ylm_shade_view *v) {
+  return ylmL_scene_push_places(L, ylm_shade_view_origin(v), ylmL_shade_points(v),
+                                ylm_shade_view_positions(v));
+}
+
 /* shade_points(view) -> position [n][3], normal [n][3], albedo [n][3], object [n] from 1 */
 static int shade_points(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   ylm_shade_stats stats;
   ylm_shade_view_stats(v, &stats);
   ylmL_array *a[4];
-  for (int i = 0; i < 4; i++) {
+  if (!push_positions(L, v)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  for (int i = 1; i < 4; i++) {
     a[i] = ylmL_array_new(L, YLM_FLOAT, i < 3 ? 2 : 1, (size_t[]){stats.points, 3});
     if (!a[i]) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   }
   if (stats.points) {
-    memcpy(a[0]->data, ylm_shade_view_positions(v), stats.points * 12);
     memcpy(a[1]->data, ylm_shade_view_normals(v), stats.points * 12);
     ylm_shade_view_surface(v, a[2]->data, a[3]->data);
   }
@@ -220,10 +225,10 @@ static int shade_normals(lua_State *L) {
   return ylmL_result(L, 2, s, NULL);
 }
 
-static void push_vector(lua_State *L, const float v[3], const char *name) {
+static void push_vector(lua_State *L, const float v[3], const double *origin, const char *name) {
   lua_createtable(L, 3, 0);
   for (int a = 0; a < 3; a++) {
-    lua_pushnumber(L, (lua_Number)v[a]);
+    lua_pushnumber(L, (lua_Number)v[a] + (origin ? origin[a] : 0));
     lua_rawseti(L, -2, a + 1);
   }
   lua_setfield(L, -2, name);
@@ -236,22 +241,16 @@ static int shade_hit(lua_State *L) {
   if (!ylm_shade_view_hit(v, (int)luaL_checknumber(L, 2), (int)luaL_checknumber(L, 3), &hit))
     return 0;
   lua_newtable(L);
-  push_vector(L, hit.position, "position");
-  push_vector(L, hit.normal, "normal");
+  push_vector(L, hit.position, ylm_shade_view_origin(v), "position");
+  push_vector(L, hit.normal, NULL, "normal");
   ylmL_set_number(L, "depth", (double)hit.depth);
   ylmL_set_count(L, "object", (uint64_t)hit.object + 1);
   return 1;
 }
 
-/* shade_positions(view) -> [n][3] */
+/* shade_positions(view) -> [n][3]; double where the scene is far from 0 */
 static int shade_positions(lua_State *L) {
-  ylm_shade_view *v = ylmL_shade_view(L, 1);
-  ylm_shade_stats stats;
-  ylm_shade_view_stats(v, &stats);
-  ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){stats.points, 3});
-  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_copy(a->data, ylm_shade_view_positions(v), stats.points * 12);
-  return 1;
+  return push_positions(L, ylmL_shade_view(L, 1)) ? 1 : ylmL_result(L, 0, YLM_ENOMEM, NULL);
 }
 
 /* shade_transfer(view) -> [n][count] */

@@ -10,8 +10,14 @@ ylm_scene *ylmL_scene(lua_State *L, int i);
 /* The n numbers of the table at `i`. */
 void ylmL_scene_numbers(lua_State *L, int i, int n, double *x);
 
-/* The lights at `i` as rays see them; the floats live in an array left on the stack. False without
-   memory. */
-bool ylmL_scene_lamps(lua_State *L, int i, ylm_scene_lamps *lamps);
+/* The lights at `i` as rays see them, relative to an origin (NULL: 0); the floats live in an array left on the stack.
+   False without memory. */
+bool ylmL_scene_lamps(lua_State *L, int i, const double *origin, ylm_scene_lamps *lamps);
+
+/* Places of the world, an array [n][3] at `i`, relative to an origin (NULL: 0); may leave memory on the stack. */
+const float (*ylmL_scene_places(lua_State *L, int i, const double *origin, size_t *n))[3];
+/* Pushes n places relative to an origin as those of the world: float, or double where the origin is not NULL. False
+   without memory. */
+bool ylmL_scene_push_places(lua_State *L, const double *origin, size_t n, const float *x);
 
 #endif

@@ -151,12 +151,16 @@ static int transfer_elements(lua_State *L) {
   const ylm_transfer *t = ylmL_transfer(L, 1);
   size_t n = ylm_transfer_count(t);
   ylmL_array *a[5];
-  for (int i = 0; i < 5; i++) {
+  float *centre = lua_newuserdata(L, (3 * n + 1) * sizeof *centre);
+  ylm_transfer_elements(t, centre, NULL, NULL, NULL, NULL);
+  if (!ylmL_scene_push_places(L, ylm_scene_origin(ylm_transfer_scene(t)), n, centre))
+    return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  for (int i = 1; i < 5; i++) {
     a[i] = ylmL_array_new(L, YLM_FLOAT, i < 3 ? 2 : 1, (size_t[]){n, 3});
     if (!a[i]) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   }
   uint32_t *mesh = a[4]->data; /* numbers of meshes, then these as floats */
-  ylm_transfer_elements(t, a[0]->data, a[1]->data, a[3]->data, a[2]->data, mesh);
+  ylm_transfer_elements(t, NULL, a[1]->data, a[3]->data, a[2]->data, mesh);
   for (size_t i = 0; i < n; i++) {
     float number = (float)mesh[i] + 1;
     memcpy(&mesh[i], &number, sizeof number);

@@ -8,6 +8,7 @@ typedef struct gather_job {
   const ylm_gather *g;
   const ylm_field_query *q;
   const void *points;
+  double way[3]; /* of the scene's origin to that of the query */
   ylm_field_result *r;
   gather_want want;
   float *base;
@@ -126,7 +127,8 @@ static ylm_status evaluate_range(void *context, size_t begin, size_t end, int wo
   if (!*v || !*s) return YLM_ENOMEM;
   for (size_t i = begin; i < end; i++) {
     float at[3];
-    for (size_t a = 0; a < 3; a++) at[a] = (float)ylm_get(j->q->dtype, j->points, 3 * i + a);
+    for (size_t a = 0; a < 3; a++)
+      at[a] = (float)(ylm_get(j->q->dtype, j->points, 3 * i + a) + j->way[a]);
     ylm__gather_step_in(g, at);
     ylm_status status = ylm__gather_look(*v, at);
     if (status != YLM_OK) return status;
@@ -154,6 +156,8 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   if (s != YLM_OK || n == 0) return s;
   size_t threads = (size_t)ylm_threads(q->threads);
   gather_job j = {.g = g, .q = q, .points = points, .r = r, .want = want_of(q)};
+  const double *own = ylm_scene_origin(g->scene);
+  for (int a = 0; a < 3; a++) j.way[a] = (q->origin ? q->origin[a] : 0) - (own ? own[a] : 0);
   j.base = ylm__gather_base(&g->lattice, q->lmax);
   j.sight = ylm_alloc_zero(threads, sizeof *j.sight);
   j.sums = ylm_alloc_zero(threads, sizeof *j.sums);
@@ -177,7 +181,12 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
 
 static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
   const ylm_gather *g = f->self;
-  for (size_t i = 0; i < n; i++) out[i] = g->meets && ylm__gather_meets(g->meets, boxes + 6 * i);
+  const double *own = ylm_scene_origin(g->scene);
+  for (size_t i = 0; i < n; i++) {
+    double box[6];
+    for (size_t a = 0; a < 6; a++) box[a] = boxes[6 * i + a] - (own ? own[a % 3] : 0);
+    out[i] = g->meets && ylm__gather_meets(g->meets, box);
+  }
   return YLM_OK;
 }
 
@@ -226,7 +235,8 @@ static ylm_status create(const ylm_radiosity *r, const ylm_gather_form *form, yl
                          .quantity = form->parts == YLM_GATHER_ALL      ? YLM_QUANTITY_all
                                      : form->parts == YLM_GATHER_DIRECT ? YLM_QUANTITY_direct
                                                                         : YLM_QUANTITY_indirect,
-                         .tells_validity = true};
+                         .tells_validity = true,
+                         .relative = true};
   g->form = *form;
   g->radiosity = r;
   g->transfer = ylm_radiosity_transfer(r);

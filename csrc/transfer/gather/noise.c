@@ -72,7 +72,8 @@ static ylm_status values(const ylm_gather *g, size_t n, const float (*point)[3],
                        .want = YLM_WANT_VALUE,
                        .dtype = YLM_FLOAT,
                        .threads = threads,
-                       .progress = progress};
+                       .progress = progress,
+                       .origin = ylm_scene_origin(g->scene)};
   ylm_field_result r = {.value = value, .inside = inside};
   return g->field.evaluate(&g->field, &q, n, point, &r, e);
 }

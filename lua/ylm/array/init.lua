@@ -396,4 +396,10 @@ function array.points(n, name, value, dtype, what)
   return a, single
 end
 
+--- Points for libraries that hold them in float relative to an origin of theirs: double, none beyond float's range.
+function array.places(n, name, value)
+  array.points(n, name, value, "float")
+  return array.points(n, name, value, "double")
+end
+
 return array

@@ -56,6 +56,7 @@ local function shading_points(x, device, jumps)
     if device:name() == nil then
       normals, limits, code = getmetatable(x).__normals(x, "bake", jumps)
       if not normals then return nil, limits, code end
+      if normals.dtype ~= points.dtype then normals = core.array_convert(normals, points.dtype) end
     end
   elseif has_normals(x) then
     local code

@@ -259,7 +259,7 @@ function paths.probe(s, given)
   local o = form.options(1, "probe", probe_options, given)
   o.progress = progress.long(o.progress)
   local first, last = orders("probe", o, 0)
-  local points, normals = array.points(1, "probe", o.points, "float"), nil
+  local points, normals = array.places(1, "probe", o.points), nil
   if o.normals then
     normals = array.rows(1, "probe", "normals", o.normals, 3, "float")
     if #normals ~= #points or #normals.shape ~= #points.shape and #points > 1 then

@@ -98,7 +98,7 @@ local function places_in(points, box, seed)
       for a = 1, 3 do list[i][a] = box[1][a] + (box[2][a] - box[1][a]) * random() end
     end
   end
-  return array.points(1, "bake", list, "float")
+  return array.places(1, "bake", list)
 end
 
 --- How exactly a field knows the light at places; nil, message, code.
@@ -238,7 +238,7 @@ function methods.noise(field, given)
   local m = objects.open_gather("noise", field)
   local o = form.options(1, "noise", noise_options, given)
   local places
-  if o.points ~= nil then places = array.points(1, "noise", o.points, "float")
+  if o.points ~= nil then places = array.places(1, "noise", o.points)
   else places = places_in(nil, { m.of.of.traced.lo, m.of.of.traced.hi }, 1) end
   return noise_at("noise", field, m, places, o.lmax, o.threads, progress.resolve(o.progress))
 end
@@ -255,7 +255,7 @@ describe "gather:validity" {
 function methods.validity(field, points, given)
   local m = objects.open_gather("validity", field)
   local o = form.options(2, "validity", { form.threads }, given)
-  local x, single = array.points(1, "validity", points, "float")
+  local x, single = array.places(1, "validity", points)
   local validity, message, code = check.result("validity", m.lib.gather_validity(field, x, o.threads or 0))
   if not validity then return nil, message, code end
   return single and validity[1] or validity
