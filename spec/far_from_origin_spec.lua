@@ -261,19 +261,5 @@ describe("far from the origin", function()
       assert.near(near.error, far.error, 1e-4)
       assert.near(here.points, far.points, 0.2 * here.points) -- held-out points are others beyond an origin
     end)
-
-    it("that rays round is said in one line", function()
-      if not pcall(require, "ylm.c.scene") then pending "no Embree" end
-      local said = {}
-      ylm.on_warning(function(message) said[#said + 1] = message end)
-      for _, o in ipairs { 0, 1e3, 5e6 } do
-        ylm.scene "far" { geometry = ylm.mesh { file = obj(o) },
-          camera = ylm.camera { from = { o, 2 - o, o / 2 }, at = { o, -o, o / 2 }, up = { 1, 0, 0 } },
-          lights = ylm.sphere_light { at = { o, 1 - o, o / 2 }, radiance = 1 } }:render { size = { 4, 4 }, samples = 1 }
-      end
-      ylm.on_warning()
-      assert.equal(1, #said)
-      assert.matches("rays round positions to 0.5, since it lies 5e%+06 from 0: move it near 0", said[1])
-    end)
   end)
 end)

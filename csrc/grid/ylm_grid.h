@@ -237,8 +237,8 @@ YLM_API void ylm_grid_surface_draw(const ylm_grid_surface *s, uint64_t seed, uin
 /*
 ** ylm_grid_surface_voxels - the finest voxels of a grid that the triangles of a source meet.
 **
-** A voxel counts with its faces, enlarged by 2^-22 of the largest coordinate of the bounds (at most
-** a quarter of an edge): points of a triangle that were rounded to float are in marked voxels.
+** A voxel counts with its faces, enlarged by 2^-22 of the largest coordinate of the bounds, relative to
+** the origin of the surfaces (at most a quarter of an edge): points of a triangle that were rounded to float are in marked voxels.
 ** Rounding in the test marks too much, never too little.
 **
 **   g        in   a grid in the making: its form is used

@@ -149,8 +149,7 @@ static ylm_status run_field(void *context, size_t begin, size_t end, int worker)
                        .origin = v->world};
   ylm_field_result r = {.value = L};
   double start = ylm_seconds();
-  if (s == YLM_OK)
-    s = ylm_field_evaluate(j->field, &q, n, wide ? (const void *)wide : at, &r, &e);
+  if (s == YLM_OK) s = ylm_field_evaluate(j->field, &q, n, wide ? (const void *)wide : at, &r, &e);
   ylm__shade_clock(v, SHADE_LIGHT, start);
   if (s == YLM_OK)
     s = ylm__shade_points(v, j->dot, &j->rows, begin, n, &(shade_light){3, v->o.lmax, j->type, L},

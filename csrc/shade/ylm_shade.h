@@ -199,7 +199,7 @@ YLM_API ylm_status ylm_shade_view_change(const ylm_shade_view *from, const ylm_s
 YLM_API const float *ylm_shade_view_positions(const ylm_shade_view *view);
 /* ylm_scene_origin of the scene. */
 YLM_API const double *ylm_shade_view_origin(const ylm_shade_view *view);
-YLM_API const float *ylm_shade_view_normals(const ylm_shade_view *view);   /* [points][3] unit */
+YLM_API const float *ylm_shade_view_normals(const ylm_shade_view *view); /* [points][3] unit */
 /* Normals of n points' triangles from `first` on, unit, on the side that is seen; of shading by
    vertices those of `normals`. */
 YLM_API void ylm_shade_view_flats(const ylm_shade_view *view, size_t first, size_t n,

@@ -87,7 +87,7 @@
 /* -- the two sides of surfaces: sides.c ----------------------------------------------------- */
 
 /* How far off a surface the field is asked, in parts of the thickness of a finest voxel; and at least, in parts of the
-   largest coordinate. */
+   largest coordinate relative to the scene's origin. */
 #define SIDES_OFF 0x1p-10
 #define SIDES_ROUNDING 0x1p-20
 /* Light jumps within a voxel where values along an edge miss their slopes by more than this part of the larger norm. */
@@ -132,5 +132,7 @@
 
 /* The part of the tolerance times the shortest edge of the bounds that rounding of positions may be. */
 #define REMOTE_ROUNDING 0.01
+/* The part of the shortest edge of a finest voxel that it may be. */
+#define REMOTE_VOXEL 0.1
 
 #endif

@@ -20,14 +20,19 @@ bool ylm__sides_wanted(const baker *b) {
 
 /* -- asking ---------------------------------------------------------------------------------- */
 
-/* Places at which the field is asked for n points: themselves, or a little off their surfaces. */
-static void places(const ylm_grid *g, size_t n, const float *x, const float *side, float *out) {
+/* Places at which the field is asked for n points: themselves, or a little off their surfaces, whose rounding is
+   relative to the origin of the scene. */
+static void places(const ylm_grid *g, const ylm_grid_reach *reach, size_t n, const float *x,
+                   const float *side, float *out) {
   const ylm_grid_form *f = &g->contents.form;
+  double way[3];
+  for (int a = 0; a < 3; a++)
+    way[a] = reach ? g->origin[a] - (reach->origin ? reach->origin[a] : 0) : 0;
   for (size_t i = 0; i < n; i++) {
     double off = 0, largest = 0;
     for (size_t a = 0; a < 3; a++) {
       off += SIDES_OFF * fabs((double)side[4 * i + a]) / g->scale[a];
-      largest = fmax(largest, fabs((double)x[3 * i + a] + g->origin[a]));
+      largest = fmax(largest, fabs((double)x[3 * i + a] + way[a]));
     }
     off = fmax(off, SIDES_ROUNDING * largest);
     off = f->bias > 0 ? fmin(off, (double)side[4 * i + 3]) : 0;
@@ -39,7 +44,7 @@ static void places(const ylm_grid *g, size_t n, const float *x, const float *sid
 static ylm_status ask(refiner *r) {
   float *place = ylm_alloc(r->held, 3 * sizeof *place);
   if (!place) return YLM_ENOMEM;
-  places(r->b->g, r->held, r->points, r->side, place);
+  places(r->b->g, r->b->source->reach, r->held, r->points, r->side, place);
   ylm_status s = ylm__evaluate_values(r->b, r->held, place, r->exact, r->inside);
   ylm_free(place);
   return s;
