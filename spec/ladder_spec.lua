@@ -241,6 +241,7 @@ describe("the ladder", function()
       ["ylm_light_device.h"] = "light", ["ylm_light_sky.h"] = "light", ["ylm_light_virtual.h"] = "light",
       ["ylm_light_shadow.h"] = "light", ["ylm_trace_occlusion.h"] = "trace",
       ["ylm_light_spot.h"] = "light",
+      ["ylm_shade_gloss.h"] = "shade", ["ylm_shade_bounce.h"] = "shade", ["ylm_shade_over.h"] = "shade",
       ["ylm_material_table.h"] = "material", ["ylm_material_rival.h"] = "material" }
     for name, folder in pairs(public) do
       assert(name == "ylm_" .. folder .. ".h" or others[name] == folder, folder .. "/" .. name)

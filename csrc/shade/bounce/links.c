@@ -3,6 +3,7 @@
 
 #include "../calibration.h"
 #include "../gloss/lobes.h"
+#include "ylm_shade_bounce.h"
 
 struct ylm_shade_links {
   const ylm_shade_view *view;

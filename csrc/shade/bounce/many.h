@@ -4,6 +4,7 @@
 
 #include "../view.h"
 #include "ylm_light_virtual.h"
+#include "ylm_shade_bounce.h"
 
 /* Lights that are looked at in one go; arrays of them are padded to a multiple of it. */
 #define GATHER_CHUNK 512

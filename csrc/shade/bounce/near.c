@@ -5,6 +5,7 @@
 #include "../gloss/gloss.h"
 #include "ylm_light_virtual.h"
 #include "ylm_sh.h"
+#include "ylm_shade_bounce.h"
 
 #define SLAB 32768 /* points whose coefficients are held */
 

@@ -5,6 +5,7 @@
 #include "../calibration.h"
 #include "../view.h"
 #include "ylm_sh.h"
+#include "ylm_shade_bounce.h"
 
 ylm_status ylm_shade_view_vectors(const ylm_shade_view *v, const ylm_transfer *t,
                                   const float *vectors, int links, uint64_t seed, int threads,

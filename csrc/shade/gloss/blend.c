@@ -4,6 +4,7 @@
 
 #include "../calibration.h"
 #include "gloss.h"
+#include "ylm_shade_bounce.h"
 
 typedef struct weighing {
   const ylm_shade_view *v;

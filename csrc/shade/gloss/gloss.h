@@ -1,6 +1,6 @@
 /* gloss.h - surfaces that gloss, shaded by tables of their materials. Private. */
-#ifndef YLM_SHADE_GLOSS_H
-#define YLM_SHADE_GLOSS_H
+#ifndef YLM_SHADE_GLOSS_GLOSS_H
+#define YLM_SHADE_GLOSS_GLOSS_H
 
 #include "../view.h"
 #include "ylm_material_rival.h"

@@ -3,6 +3,7 @@
 #define YLM_SHADE_LOBES_H
 
 #include "../view.h"
+#include "ylm_transfer.h"
 
 /* Whether the material at point i glosses. */
 static inline bool ylm__shade_glosses(const ylm_shade_view *v, size_t i) {

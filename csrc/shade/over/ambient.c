@@ -1,5 +1,6 @@
 /* ambient.c - openness of shading points by rays, and pictures that are darkened by it. */
 #include "ambient.h"
+#include "ylm_shade_over.h"
 
 #include <math.h>
 

@@ -14,6 +14,7 @@
 #include "../view.h"
 #include "uncovered.h"
 #include "ylm_sh.h"
+#include "ylm_shade_over.h"
 
 /* -- light ------------------------------------------------------------------------------------- */
 

@@ -7,6 +7,7 @@
 #include "../gen/picture.h"
 #include "../view.h"
 #include "uncovered.h"
+#include "ylm_shade_over.h"
 
 /* A lamp as the camera sees it. */
 typedef struct disc {
