@@ -299,7 +299,7 @@ YLM_API bool ylm_grid_updating(const ylm_grid *g);
 /* True if an update failed and could not be taken back: the grid is good for ylm_grid_free only. */
 YLM_API bool ylm_grid_spent(const ylm_grid *g);
 
-/* -- other light: refresh.c ------------------------------------------------------------------ */
+/* -- other light: follow/refresh.c ----------------------------------------------------------- */
 
 /*
 ** ylm_grid_refresh - evaluate a grid's points anew, in another light field or in one that changed.

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "shade.h"
+#include "ylm_shade_over.h"
 
 /* A new array, set as field `name` of the table on top, which keeps it; its numbers. */
 static void *field(lua_State *L, const char *name, ylm_dtype t, int axes, const size_t *shape,

@@ -3,6 +3,7 @@
 
 #include "../binding_grid.h"
 #include "shade.h"
+#include "ylm_shade_over.h"
 
 /* The factors that field `window` of the table at i lists; false: there is none. */
 static bool read_window(lua_State *L, int i, double window[YLM_LMAX + 1]) {
