@@ -9,7 +9,7 @@ local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local gltf = require "ylm.gltf"
 local gltf_write = require "ylm.gltf.write"
-local later = require "ylm.later"
+local library = require "ylm.library"
 local like = require "ylm.scene.like"
 local memory = require "ylm.memory"
 local polygon = require "ylm.light.polygon"
@@ -203,7 +203,7 @@ local methods = {}
 for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast", "pathtrace", "probe" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
-function methods.live(...) return later.live(...) end
+function methods.live(...) return library.later["ylm.live"](...) end
 function methods.transfer(...) return require("ylm.transfer").of_scene(...) end
 function methods.virtual_lights(...) return require("ylm.emit").of_scene(...) end
 --- Of virtual_lights:visible: lua/ylm/emit.lua is loaded, and takes its place.
