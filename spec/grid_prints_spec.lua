@@ -109,7 +109,7 @@ describe("a grid of another scene", function()
 
   it("in bricks is one too", function()
     local path = folder.path .. "/bricks.ylmd"
-    local o = { probes = ylm.adaptive_grid { lmax = 1, depth = 3, threshold = 0.5, bricks = 1 }, to = path }
+    local o = { probes = ylm.adaptive_grid { lmax = 1, depth = 3, threshold = 0.5, bricks = 1 }, folder = path }
     local set = assert(scene():bake(o))
     assert.same({}, render({}, set))
     assert.same(line("grid " .. path, "lights"), render({ LAMP = 0.6 }, assert(ylm.load(path))))

@@ -4,7 +4,7 @@ local core = require "ylm.c.core"
 local ylm = require "ylm"
 local scratch = require "spec.support.scratch"
 
-local small = { instructions = 2e6, memory = 2 ^ 24, seconds = 20 }
+local small = { instructions = 2e6, memory = 2 ^ 24, time_limit = 20 }
 
 describe("the sandbox of scene files", function()
   local folder
@@ -170,7 +170,7 @@ describe("the sandbox of scene files", function()
       local s = "x" for i = 1, 21 do s = s .. s end
       local a, b = s .. "1", s .. "2"
       local n = 0
-      for i = 1, 1e9 do if a < b then n = n + 1 end end]], { seconds = 0.3, instructions = 1e12 })
+      for i = 1, 1e9 do if a < b then n = n + 1 end end]], { time_limit = 0.3, instructions = 1e12 })
     assert.truthy(os.clock() - began < 5)
   end)
 
