@@ -234,7 +234,7 @@ describe("far from the origin", function()
         assert_places(o, assert(ylm.load(folder.path .. "/far.ply")))
         local one = ylm.scene "far" { geometry = read, lights = ylm.sphere_light { at = { o, 1 - o, o / 2 }, radiance = 1 } }
         assert((one:save(folder.path .. "/far.glb")))
-        assert_places(o, assert(ylm.load_gltf(folder.path .. "/far.glb")).geometry[1].mesh)
+        assert_places(o, assert(ylm.load(folder.path .. "/far.glb")).geometry[1].mesh)
       end
     end)
 

@@ -167,14 +167,14 @@ assert(grid:points().value:save(folder .. "/value.npy"))]])
   end)
 
   --- A field whose values and gradients are exact in float, with a metric that refines half of the box.
-  local field = grids.analytic(function(x, y, z)
+  local halves = grids.analytic(function(x, y, z)
     return x * x + y - 0.5 * z, 2 * x, 1, -0.5
   end, function(x) return x < 0 and 8 or 0.25 end)
 
   --- The bytes of a continuous octree, to be forged. Some of its voxels hold no shading points.
   local whole = core.grid_encode(ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 1, depth = 3, threshold = 1,
     metric = "absolute", channels = "luminance" },
-    field, { occupied = ylm.array { { -0.1, -0.6, -0.9 }, { 0.3, -0.5, -0.4 } } }))
+    halves, { occupied = ylm.array { { -0.1, -0.6, -0.9 }, { 0.3, -0.5, -0.4 } } }))
   local function forge() return bytes.open(whole) end
 
   it("skip sections that they do not know, and refuse those they would have to", function()

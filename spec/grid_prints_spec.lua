@@ -38,7 +38,7 @@ describe("a grid of another scene", function()
   end)
   after_each(function() ylm.on_warning(before) end)
 
-  local function scene(changes) return assert(ylm.load_scene(folder:write("scene.lua", written(changes or {})))) end
+  local function scene(changes) return assert(ylm.load(folder:write("scene.lua", written(changes or {})))) end
   local function bake(parts)
     local s = scene()
     return s:bake { parts = parts, threads = 2, transfer = parts ~= "lights" and s:transfer { links = 4, lmax = 0 } or nil }

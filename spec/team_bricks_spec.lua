@@ -59,7 +59,7 @@ describe("a bake in bricks that a team shares", function()
     local script = folder:write("kill.lua", ([[
       local ylm = require "ylm"
       local team = ylm.team()
-      local scene = assert(ylm.load_scene(%q))
+      local scene = assert(ylm.load(%q))
       local calls = 0
       assert(scene:bake { folder = %q, team = team, threads = 1, progress = function(_, _, stage)
         if stage == "bricks" then calls = calls + 1 end

@@ -89,7 +89,7 @@ return {
     end
     check_parts(given)
     local bounces = status.bounces("bake", given.bounces)
-    local scene = status.need_scene(ylm.load_scene(given[1]))
+    local scene = status.load_scene(given[1])
     if not scene.probes then
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
     end

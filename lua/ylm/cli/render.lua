@@ -212,7 +212,7 @@ return {
     check_exposure(given)
     check_indirect(given)
     local options = options_of(given, method)
-    local scene = status.need_scene(ylm.load_scene(given[1]))
+    local scene = status.load_scene(given[1])
     if given.grid then options.grid = status.need_kind("ylm.grid", "a grid", given.grid, ylm.load(given.grid))
     elseif methods[method] == "render" and options.visibility and options.visibility ~= "rays" and not scene.probes then
       status.stop(status.script, "%s: the scene has no probes; add some, or use --visibility rays", given[1])

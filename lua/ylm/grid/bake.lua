@@ -175,8 +175,8 @@ local bake_options = {
   { "folder", "path", optional = true, about = "a path name.ylmd: the grid is baked in bricks, which are files in it. A bake "
     .. "that was interrupted goes on where it was; one that is finished is opened" },
   { "fresh", "boolean", default = false, about = "with folder: begins anew whatever is in the folder" },
-  { "brick_points", "integer", min = 512, max = 2 ^ 24, optional = true, about = "with folder: a brick with more evaluated points "
-    .. "than this is given up for its eight children; 65536 where it is left out" },
+  { "brick_points", "integer", min = 512, max = 2 ^ 24, optional = true, about = "with folder: a brick with more evaluated "
+    .. "points than this is given up for its eight children; 65536 where it is left out" },
   { "brick_seconds", "number", above = 0, optional = true, unit = "s", about = "with folder: bricks have fewer points where one "
     .. "thread is foreseen to take longer for them, at 0.18 ns for each light, point and coefficient, counted in the levels "
     .. "above; 30 where brick_points is left out too. It bounds what a bake that is ended loses" },

@@ -61,7 +61,9 @@ function set.check_bake(description, o, given, jumps)
       return check.bad(3, "bake", "bricks: a grid in bricks is a folder: say which, folder = 'name.ylmd'")
     end
     for _, name in ipairs { "cache", "fresh", "brick_points", "brick_seconds", "time_limit" } do
-      if o[name] then return check.bad(3, "bake", "%s is of a grid in bricks: give folder = 'name.ylmd', or leave it out", name) end
+      if o[name] then
+        return check.bad(3, "bake", "%s is of a grid in bricks: give folder = 'name.ylmd', or leave it out", name)
+      end
     end
     return nil
   end
@@ -71,12 +73,15 @@ function set.check_bake(description, o, given, jumps)
   if form.kind(description) ~= "adaptive_grid" then
     return check.bad(1, "bake", "a grid in bricks is an adaptive_grid; leave folder out, and save a uniform_grid")
   end
-  if description.dynamic then return check.bad(1, "bake", "a grid that follows lights is not baked in bricks: leave folder out") end
+  if description.dynamic then
+    return check.bad(1, "bake", "a grid that follows lights is not baked in bricks: leave folder out")
+  end
   if description.depth < 3 then return check.bad(1, "bake", "a grid in bricks has a depth of at least 3") end
   if o.like then return check.bad(3, "bake", "like: a bake in bricks begins with what it learns itself: leave like out") end
   if devices.of(o.device):name() then return check.bad(3, "bake", "device: bricks are baked by the processor") end
   if jumps or (description.bias or 0) > 0 or description.measure == "irradiance" then
-    return check.bad(2, "bake", "light that jumps at surfaces is looked up beside them, and not baked in bricks: leave folder out")
+    return check.bad(2, "bake", "light that jumps at surfaces is looked up beside them, and not baked in bricks: leave "
+      .. "folder out")
   end
   return { folder = (o.folder:gsub("/+$", "")), level = description.bricks or 0, fresh = o.fresh, points = o.brick_points or 0,
     brick_seconds = o.brick_seconds, seconds = o.time_limit,

@@ -417,21 +417,21 @@ local function write_gltf(path)
   file:close()
 end
 
-if select(3, ylm.load_gltf "/nonexistent.glb") ~= "EMISSING" then
-  calls["load_gltf"] = function(keep)
+if select(3, ylm.gltf { file = "/nonexistent.glb" }) ~= "EMISSING" then
+  calls["load of glTF"] = function(keep)
     write_gltf(keep "m.gltf")
     keep "m.gltf.png"
     return function()
-      local m, message, code = ylm.load_gltf(keep "m.gltf")
+      local m, message, code = ylm.load(keep "m.gltf")
       assert(m == nil or #m.report.notes > 0 and #m.lights == 3 or code == "ENOMEM", message)
       return m, message, code
     end
   end
-  calls["load_gltf in groups"] = function(keep)
+  calls["load of glTF in groups"] = function(keep)
     write_gltf(keep "n.gltf")
     keep "n.gltf.png"
     return function()
-      local m, message, code = ylm.load_gltf(keep "n.gltf", { textures = 4 })
+      local m, message, code = ylm.load(keep "n.gltf", { textures = 4 })
       assert(m == nil or #m.geometry > 0 or code == "ENOMEM", message)
       return m, message, code
     end
@@ -445,12 +445,12 @@ calls["scene like another"] = function()
   local given = ylm.scene "x" { geometry = ylm.box {}, lights = { few(), triangle() } }
   return function() return ylm.scene "y" { like = given, moved = { [3] = { radius = 0.2 } }, removed = { 2 } } end
 end
-calls["load_scene"] = function(keep)
+calls["load of a scene file"] = function(keep)
   local file = assert(io.open(keep "s.lua", "w"))
   file:write(text)
   file:close()
   return function()
-    local s, message, code = ylm.load_scene(keep "s.lua")
+    local s, message, code = ylm.load(keep "s.lua")
     if not s then return nil, message, code end
     return { s.name, #s.geometry, #s.lights }
   end
