@@ -189,7 +189,7 @@ describe("far from the origin", function()
     local near
     for _, offset in ipairs { 0, (table.unpack or unpack)(OFFSETS) } do -- luacheck: ignore
       local lights, bounds = scene(offset, SEED + 10)
-      local set = assert(ylm.bake(described(bounds, { bricks = 1 }), lights, { to = ("%s/%g.ylmd"):format(folder.path, offset) }))
+      local set = assert(ylm.bake(described(bounds, { bricks = 1 }), lights, { folder = ("%s/%g.ylmd"):format(folder.path, offset) }))
       local e = true_error(set, lights, bounds)
       near = near or set.stats
       assert.equal(near.met, set.stats.met)
@@ -234,7 +234,7 @@ describe("far from the origin", function()
         assert_places(o, assert(ylm.load(folder.path .. "/far.ply")))
         local one = ylm.scene "far" { geometry = read, lights = ylm.sphere_light { at = { o, 1 - o, o / 2 }, radiance = 1 } }
         assert((one:save(folder.path .. "/far.glb")))
-        assert_places(o, assert(ylm.load_gltf(folder.path .. "/far.glb")).geometry[1].mesh)
+        assert_places(o, assert(ylm.load(folder.path .. "/far.glb")).geometry[1].mesh)
       end
     end)
 

@@ -168,7 +168,7 @@ describe("baking on a device", function()
       end)
       refused("device: bricks are baked by the processor", function()
         return (ylm.bake(ylm.adaptive_grid { bounds = box, depth = 3, lmax = 1, threshold = 0.5, bricks = 1 }, lamps_of(5),
-          { device = gpu, to = "never.ylmd" }))
+          { device = gpu, folder = "never.ylmd" }))
       end)
       refused("device must be an open device", function() return (ylm.bake(uniform, lamps_of(5), { device = "gpu" })) end)
     end)
