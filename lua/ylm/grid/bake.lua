@@ -259,11 +259,11 @@ assert(grid.stats.met and grid.stats.error <= 0.01)]],
 }
 function bake.bake(description, lights, given) return bake.of_scene(description, lights, given) end
 
---- Remembers what a grid was baked from, and with which light_tolerance.
-local function remember(g, packed, light_tolerance)
+--- Remembers what a grid was baked from, and with which sums_tolerance.
+local function remember(g, packed, sums_tolerance)
   local own = core.own(g)
   own.lights = type(packed) ~= "function" and light.followed(packed) and packed or nil
-  own.light_tolerance = light_tolerance
+  own.sums_tolerance = sums_tolerance
 end
 
 --- bake.bake of light whose fingerprints are known, or nil.
