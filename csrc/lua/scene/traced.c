@@ -35,6 +35,17 @@ void ylmL_scene_numbers(lua_State *L, int i, int n, double *x) {
   }
 }
 
+void ylmL_read_scene(lua_State *L, int i, void *field) {
+  *(const ylm_scene **)field = ylmL_scene(L, i);
+}
+
+void ylmL_read_camera(lua_State *L, int i, void *field) {
+  double c[10];
+  ylmL_scene_numbers(L, i, 10, c);
+  *(ylm_camera *)field =
+      (ylm_camera){{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}, c[9]};
+}
+
 /* One mesh from lists of meshes, materials and flags at 1, 2, 3, textures or false at 6. */
 static ylm_scene_mesh read_mesh(lua_State *L, int i) {
   lua_rawgeti(L, 1, i);
