@@ -171,7 +171,7 @@ ylm_status ylm__grid_file_read_1(const char *name, const unsigned char *data, si
   if (s.failed) return ylm__grid_file_bad(name, "its length", e);
   if (ylm__grid_check_form(&form, &why) != YLM_OK) return ylm__grid_file_bad(name, why.text, e);
   ylm_grid *g = ylm__grid_new(&form);
-  if (!g) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  if (!g) return ylm_no_memory_for(e, name);
   g->stats = stats;
   ylm_status status;
   if (!counts_hold(&s, g, counts))
