@@ -60,8 +60,8 @@ CFLAGS_scene = -DYLM_EMBREE=$(EMBREE) $(EMBREE_DIR:%=-isystem %/include)
 
 # -- objects: *.c of a folder and its rooms once, *.isa.c once per instruction set ----------
 
-sources = $(filter-out %.isa.c,$(wildcard csrc/$(1)/*.c csrc/$(1)/*/*.c csrc/$(1)/*/gen/*.c))
-kernels = $(wildcard csrc/$(1)/*.isa.c csrc/$(1)/*/*.isa.c csrc/$(1)/*/gen/*.isa.c)
+sources = $(filter-out %.isa.c,$(wildcard csrc/$(1)/*.c csrc/$(1)/*/*.c csrc/$(1)/*/*/*.c csrc/$(1)/*/*/gen/*.c))
+kernels = $(wildcard csrc/$(1)/*.isa.c csrc/$(1)/*/*.isa.c csrc/$(1)/*/*/*.isa.c csrc/$(1)/*/*/gen/*.isa.c)
 objects = $(patsubst csrc/%.c,$(BUILD)/obj/%.o,$(call sources,$(1))) \
           $(foreach i,$(ISAS),$(patsubst csrc/%.isa.c,$(BUILD)/obj/%.$(i).o,$(call kernels,$(1))))
 

@@ -241,7 +241,7 @@ idea("texture", function()
   end
   local light = ylm.textured_light { corner = { -1, 0, 0 }, u = { 2, 0, 0 }, v = { 0, 2, 0 }, image = texels }
 
-  -- The quadtree again, as csrc/light/texture.c has it, to draw it; its number of parts is the light's.
+  -- The quadtree again, as csrc/light/image/texture.c has it, to draw it; its number of parts is the light's.
   local zoom = 5
   local picture, count = ylm.image { size = { side * zoom, side * zoom } }, 0
   picture:fill(1, 1, side * zoom, side * zoom, { 1, 1, 1 })

@@ -10,13 +10,15 @@ local rank = { lua = 100 }
 for i, folder in ipairs(ladder) do rank[folder] = i end
 for folder in pairs(tops) do rank[folder] = 50 end
 
---- Sub-folders of a folder: the stages of its machine. gen/, which is generated, may stand in each of them.
+--- Sub-folders of a folder: the stages of its machine, "room/room" of a room that has some. gen/, which is generated, may stand
+--- in each of them.
 local rooms = {
   codec = { "gltf" },
   sh = { "eval", "product", "rotate", "project" },
-  light = { "sphere", "moments", "tree", "flat", "virtual", "shadow" },
+  light = { "sphere", "moments", "tree", "flat", "distant", "image", "virtual", "virtual/sums", "virtual/tree", "shadow" },
   transfer = { "gather" },
-  grid = { "bake", "sample", "follow", "file", "brick" },
+  grid = { "bake", "promise", "sample", "follow", "file", "brick" },
+  shade = { "view", "gloss", "field", "bounce", "over" },
   vulkan = { "device", "light", "grid", "picture", "rival" },
   lua = { "core", "codec", "scene", "vtk", "vulkan", "rival", "mpi" },
 }
@@ -25,7 +27,7 @@ local rooms = {
 local joined = { ["csrc/light/moments/sum_float.isa.c"] = "tree", ["csrc/light/moments/sum_double.isa.c"] = "tree" }
 
 --- Rooms whose files call one another in one direction, no two each other.
-local ordered = { "grid/bake" }
+local ordered = { "grid/bake", "grid/promise" }
 
 --- Which folders may include a system header that matches.
 local reserved = {
@@ -144,11 +146,9 @@ describe("the ladder", function()
 
   it("knows every room, in which no public header stands", function()
     for _, path in ipairs(sources) do
-      local folder, room, rest = path:match("^csrc/([^/]+)/([^/]+)/(.+)$")
-      local known = room == nil or room == "gen" and not rest:find "/"
-      for _, name in ipairs(rooms[folder] or {}) do
-        known = known or name == room and not rest:gsub("^gen/", ""):find "/" and not rest:find "^ylm_"
-      end
+      local folder, room, name = path:gsub("/gen/", "/"):match("^csrc/([^/]+)/(.-)/?([^/]+)$")
+      local known = room == ""
+      for _, other in ipairs(rooms[folder] or {}) do known = known or other == room and not name:find "^ylm_" end
       assert(known, path .. ": not in a room of " .. tostring(folder))
     end
   end)
@@ -241,6 +241,7 @@ describe("the ladder", function()
       ["ylm_light_device.h"] = "light", ["ylm_light_sky.h"] = "light", ["ylm_light_virtual.h"] = "light",
       ["ylm_light_shadow.h"] = "light", ["ylm_trace_occlusion.h"] = "trace",
       ["ylm_light_spot.h"] = "light",
+      ["ylm_shade_gloss.h"] = "shade", ["ylm_shade_bounce.h"] = "shade", ["ylm_shade_over.h"] = "shade",
       ["ylm_material_table.h"] = "material", ["ylm_material_rival.h"] = "material" }
     for name, folder in pairs(public) do
       assert(name == "ylm_" .. folder .. ".h" or others[name] == folder, folder .. "/" .. name)

@@ -428,19 +428,19 @@ return scene "room" {
     sphere_lights { at = { { 0.9, 0.6, 0.6 }, { 0.2, 1, -1 } }, radius = 0.06, radiance = 20 } },
   probes = adaptive_grid { lmax = 3, depth = 4, tolerance = 0.03 },
 }]])
-    local s = assert(ylm.load_scene(file))
+    local s = assert(ylm.load(file))
     local edited, report = play(s, { { 0, "key", "Tab" }, { 1, "key", "Right" }, { 2, "key", "Tab" }, { 3, "key", "Delete" },
       { 4, "key", "n" }, { 4, "rest" }, { 5, "key", "s" }, { 50, "key", "s" }, { 51, "key", "d" }, { 52, "wheel", 50, 30, 2 },
       { 53, "key", "s" } }, { save = folder.path .. "/room" })
     assert(edited, report)
     assert.equal(9, #report.saved)
-    local first = assert(ylm.load_scene(folder.path .. "/room-1.lua"))
+    local first = assert(ylm.load(folder.path .. "/room-1.lua"))
     assert(bytes(folder.path .. "/room-1.lua"):find "like     = \"room.lua\"")
     assert.equal(bytes(folder.path .. "/room-1.png"), bytes(folder.path .. "/room-2.png"))
     local picture = assert(ylm.load(folder.path .. "/room-1.exr"))
     local _, again = fresh(first, "srgb", 0)
     assert((picture:layer "radiance" - again:layer "radiance"):abs():max() <= 1e-2 * again:layer("radiance"):max())
-    local last = assert(ylm.load_scene(folder.path .. "/room-3.lua"))
+    local last = assert(ylm.load(folder.path .. "/room-3.lua"))
     assert.equal(7 - 2, last.probes.depth)
     for a = 1, 3 do
       assert.equal(edited.camera.from[a], last.camera.from[a])
@@ -458,7 +458,7 @@ return scene "room" {
 }]]
     local other, notes, events = scratch.new(), {}, { { 0, "key", "Tab" }, { 1, "key", "Right" }, { 2, "key", "s" } }
     local function saved(file)
-      local edited, report = play(assert(ylm.load_scene(file)), events, { size = { 32, 24 }, samples = 1, transfer_samples = 4,
+      local edited, report = play(assert(ylm.load(file)), events, { size = { 32, 24 }, samples = 1, transfer_samples = 4,
         save = other.path .. "/mine", on_frame = function(state) notes[#notes + 1] = state.note end })
       return assert(edited, report), report
     end
@@ -469,7 +469,7 @@ return scene "room" {
       return names
     end)())
     assert.equal(text, bytes(other.path .. "/mine-scene.lua"))
-    assert.equal(edited.lights[1].at[1], assert(ylm.load_scene(other.path .. "/mine-1.lua")).lights[1].at[1])
+    assert.equal(edited.lights[1].at[1], assert(ylm.load(other.path .. "/mine-1.lua")).lights[1].at[1])
     saved(folder:write("other.lua", (text:gsub("room", "other"))))
     assert(bytes(other.path .. "/mine-2.lua"):find('like     = "mine-scene-2.lua"', 1, true))
     saved(folder:write("like.lua", 'return scene "like" { like = "room.lua" }'))

@@ -4,17 +4,17 @@ local core = require "ylm.c.core"
 local ylm = require "ylm"
 local scratch = require "spec.support.scratch"
 
-local small = { instructions = 2e6, memory = 2 ^ 24, seconds = 20 }
+local small = { instructions = 2e6, memory = 2 ^ 24, time_limit = 20 }
 
 describe("the sandbox of scene files", function()
   local folder
   setup(function() folder = scratch.new() end)
   teardown(function() folder:remove() end)
 
-  --- Loads a file with this text; returns what load_scene returns.
+  --- Loads a file with this text; returns what ylm.load returns.
   local function try(text, limits, name)
     local path = folder:write(name or "attack.lua", text)
-    return ylm.load_scene(path, limits or small)
+    return ylm.load(path, limits or small)
   end
 
   --- The file is refused with this code and a message that matches `says`.
@@ -170,7 +170,7 @@ describe("the sandbox of scene files", function()
       local s = "x" for i = 1, 21 do s = s .. s end
       local a, b = s .. "1", s .. "2"
       local n = 0
-      for i = 1, 1e9 do if a < b then n = n + 1 end end]], { seconds = 0.3, instructions = 1e12 })
+      for i = 1, 1e9 do if a < b then n = n + 1 end end]], { time_limit = 0.3, instructions = 1e12 })
     assert.truthy(os.clock() - began < 5)
   end)
 
@@ -250,7 +250,7 @@ describe("the sandbox of scene files", function()
       assert.truthy(code == "EFORMAT" or code == "EIO", code)
     end
     local path = folder:write("in/attack.lua", "return scene 'x' { geometry = mesh { file = 'here.obj' } }")
-    local _, message, code = ylm.load_scene(path, { file_size = 10 })
+    local _, message, code = ylm.load(path, { file_size = 10 })
     assert.equal("ELIMIT", code, message)
   end)
 
@@ -439,20 +439,20 @@ describe("the sandbox of scene files", function()
   end)
 
   it("does not run inside itself", function()
-    assert.has_error(function() ylm.load_scene(3) end)
-    assert.has_error(function() ylm.load_scene("x.lua", { instructions = 0 }) end)
-    assert.has_error(function() ylm.load_scene("x.lua", { instruction = 5 }) end)
+    assert.has_error(function() ylm.load(3) end)
+    assert.has_error(function() ylm.load("x.lua", { instructions = 0 }) end)
+    assert.has_error(function() ylm.load("x.lua", { instruction = 5 }) end)
   end)
 
   it("reads only regular files", function()
-    local _, message, code = ylm.load_scene(folder.path .. "/missing.lua")
+    local _, message, code = ylm.load(folder.path .. "/missing.lua")
     assert.equal("EIO", code, message)
-    _, message, code = ylm.load_scene(folder.path)
+    _, message, code = ylm.load(folder.path)
     assert.equal("EIO", code, message)
-    _, message, code = ylm.load_scene "/dev/zero"
+    _, message, code = ylm.load "/dev/zero"
     assert.equal("EIO", code, message)
     scratch.shell("mkfifo " .. folder.path .. "/pipe.lua")
-    _, message, code = ylm.load_scene(folder.path .. "/pipe.lua")
+    _, message, code = ylm.load(folder.path .. "/pipe.lua")
     assert.equal("EIO", code, message)
   end)
 end)

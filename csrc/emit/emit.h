@@ -133,7 +133,7 @@ ylm_status ylm__emit_emission(const emit_gloss *g, const emit_landing *landing,
                               const ylm_emit_options *o, ylm_emit_lights *lights,
                               ylm_emit_report *report, ylm_error *e);
 
-/* -- density.c ---------------------------------------------------------------------- */
+/* -- neighbours.c ------------------------------------------------------------------- */
 
 /* radius [n] of each landing: scale d/sqrt(k), d the distance to the k-th neighbour of its surface, k = 10
    or as many as there are; 0: there are none. Neighbours have normals within 60 degrees, and are within d/2

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "distant.h"
+#include "distant/distant.h"
 #include "set.h"
 #include "ylm_light_spot.h"
 #include "ylm_vector.h"

@@ -64,7 +64,7 @@ static ylm_status create(int lmax, int factors, void **out, ylm_error *e) {
   if (x) x->count = count;
   for (size_t i = 0; s == YLM_OK && i < count; i++) {
     unit[i] = 1;
-    s = ylm_sh_transfer(lmax, unit, lmax, matrix, e);
+    s = ylm_sh_product_matrix(lmax, unit, lmax, matrix, e);
     unit[i] = 0;
     if (s == YLM_OK) s = append(x, i, matrix, e);
   }

@@ -5,6 +5,9 @@
 #include "ylm_shade.h"
 #include "ylm_vector.h"
 
+typedef struct ylm_light_virtual ylm_light_virtual; /* ylm_light_virtual.h */
+typedef struct ylm_shade_links ylm_shade_links;     /* ylm_shade_bounce.h */
+
 /* One shaded part of a pixel: a place on a triangle, and its share of the pixel's samples. */
 typedef struct shade_entry {
   ylm_scene_place at;

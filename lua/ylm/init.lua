@@ -6,6 +6,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local library = require "ylm.library"
 local memory = require "ylm.memory"
 
 -- A kernel set or a number of threads that is silently not the one asked for spoils every measurement.
@@ -15,8 +16,6 @@ do
 end
 
 local ylm = { version = (core.info()) }
-
-require("ylm.later").live = function(...) return require("ylm.live").live(...) end
 
 --- Public name -> the module that defines it, in the order data flows.
 local contents = {
@@ -28,9 +27,9 @@ local contents = {
   { "ylm.shadow", "occluder", "caster", "casters", "sphere_casters", "shadowed", "visibility" },
   { "ylm.material", "matte", "ggx", "phong", "abc", "merl", "rgl", "tabulated" },
   { "ylm.camera", "camera" },
-  { "ylm.gltf", "gltf", "load_gltf" },
+  { "ylm.gltf", "gltf" },
   { "ylm.transfer", "transfer" },
-  { "ylm.scene", "scene", "load_scene" },
+  { "ylm.scene", "scene" },
   { "ylm.file", "load" },
   { "ylm.image", "image", "colour" },
   { "ylm.display", "display" },
@@ -48,8 +47,10 @@ local tables = {
   vulkan = "ylm.vulkan",
 }
 
--- grid:save of pages, which show scenes too.
-require("ylm.library").later.page = function(...) return require("ylm.page").save(...) end
+--- Functions that modules further down the ladder call, and the modules that define them.
+for module, name in pairs { ["ylm.page"] = "save", ["ylm.live"] = "live" } do
+  library.later[module] = function(...) return require(module)[name](...) end
+end
 
 local home = {}
 for _, list in ipairs { contents, require "ylm.light.kinds" } do

@@ -17,7 +17,7 @@ local sandbox = {}
 --- The limits and their defaults.
 sandbox.limits = {
   { "instructions", "number", min = 1, default = 2e8, about = "of the Lua machine" },
-  { "seconds", "number", above = 0, default = 60, unit = "s", about = "of processor time" },
+  { "time_limit", "number", above = 0, default = 60, unit = "s", about = "of processor time" },
   { "memory", "number", min = 65536, default = 2 ^ 28, unit = "bytes", about = "for Lua's values" },
   { "triangles", "number", min = 0, default = 2e7, about = "of all geometry together" },
   { "numbers", "number", min = 0, default = 2 ^ 23,
@@ -527,7 +527,7 @@ function sandbox.run(path, limits, scene)
 
   local restore, compile_again = guarded_strings(state.sources), without_jit()
   form.like = follower(state, limits, scene)
-  local called, ok, result, reason = pcall(core.bounded_call, run, limits.instructions, limits.memory, limits.seconds,
+  local called, ok, result, reason = pcall(core.bounded_call, run, limits.instructions, limits.memory, limits.time_limit,
     located(state.sources))
   form.budget, form.locate, form.observer, form.like, check.boundary = nil, nil, nil, nil, false
   restore()
@@ -535,7 +535,7 @@ function sandbox.run(path, limits, scene)
   if not called then error(ok, 0) end
 
   if reason and reason ~= "exhausted" then
-    local limit = reason == "time" and limits.seconds or limits[reason]
+    local limit = reason == "time" and limits.time_limit or limits[reason]
     return nil, with_lines(state, reasons[reason]:format(limit)), "ELIMIT"
   end
   if ok then

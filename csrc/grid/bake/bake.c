@@ -31,13 +31,21 @@ ylm_status ylm__grid_no_room(ylm_status s, const ylm_grid_source *source, ylm_er
 
 /* A back end rounds positions to float: far from 0 the light at them is that of another place. */
 static ylm_status check_back_end(const ylm_grid_form *f, ylm_error *e) {
-  double far = 0, edge = INFINITY;
+  double far = 0, edge = INFINITY, voxel = INFINITY;
   for (int a = 0; a < 3; a++) {
+    double wide = f->bounds[a + 3] - f->bounds[a];
     far = fmax(far, fmax(fabs(f->bounds[a]), fabs(f->bounds[a + 3])));
-    edge = fmin(edge, f->bounds[a + 3] - f->bounds[a]);
+    edge = fmin(edge, wide);
+    voxel = fmin(voxel, f->kind == YLM_GRID_UNIFORM ? wide / f->cells[a] : ldexp(wide, -f->depth));
   }
-  if (!(f->tolerance > 0) || far * FLT_EPSILON / 2 <= f->tolerance * edge * REMOTE_ROUNDING)
-    return YLM_OK;
+  double rounding = far * FLT_EPSILON / 2;
+  if (rounding > voxel * REMOTE_VOXEL)
+    return ylm_fail(
+        e, YLM_ERANGE,
+        "device: it rounds positions to float, and %g from the origin that is %.2g of the "
+        "finest voxel: leave device out, or move the scene to the origin",
+        far, rounding / voxel);
+  if (!(f->tolerance > 0) || rounding <= f->tolerance * edge * REMOTE_ROUNDING) return YLM_OK;
   return ylm_fail(e, YLM_ERANGE,
                   "device: it rounds positions to float, and %g from the origin that is too coarse "
                   "for a tolerance of %g: leave device out, or move the scene to the origin",

@@ -181,7 +181,7 @@ static inline const ylm_grid_cell *cells_before(const baker *b, const ylm_grid_c
   return b->before && c->source != YLM_GRID_NONE ? &b->before[c->source] : NULL;
 }
 
-/* -- beside.c ------------------------------------------------------------------------------- */
+/* -- occupy_lookups.c ----------------------------------------------------------------------- */
 
 /* True if points have normals, and are looked up beside their surfaces. */
 bool ylm__beside_wanted(const ylm_grid *g, const ylm_grid_source *s);
@@ -194,7 +194,7 @@ ylm_status ylm__beside_mark_uniform(const ylm_grid *g, const ylm_grid_source *s,
 /* Relative distance of two rows; 0 where both vanish. A norm below `floor` counts as that. */
 double ylm__row_distance(const float *a, const float *exact, size_t width, double floor);
 
-/* -- frames.c ------------------------------------------------------------------------------- */
+/* -- go_on.c -------------------------------------------------------------------------------- */
 
 ylm_status ylm__tolerance_bake(baker *b);
 

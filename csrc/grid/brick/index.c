@@ -1,5 +1,5 @@
 /* index.c - the index of a folder: its presence says that the bake is finished. */
-#include "../bake/tolerance.h"
+#include "../promise/tolerance.h"
 #include "brick.h"
 #include "set.h"
 

@@ -1,6 +1,6 @@
 /* refine.c - the first task of a brick: its cells and evaluated points, without regard to its neighbours. */
 #include "../bake/surface.h"
-#include "../bake/tolerance.h"
+#include "../promise/tolerance.h"
 #include "brick.h"
 #include "ylm_list.h"
 

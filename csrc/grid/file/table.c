@@ -1,4 +1,4 @@
-/* table.c - header and table of a grid file of version 2, and its sections one by one. */
+/* table.c - header and table of a grid file, and its sections one by one. */
 #include "file.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* sh_product.c - binds products and transfer matrices. Arguments come sorted from
+/* sh_product.c - binds products and their matrices. Arguments come sorted from
  * lua/ylm/sh/product.lua. */
 #include "../binding_product.h"
 
@@ -80,8 +80,8 @@ static int sh_product(lua_State *L) {
   return 3;
 }
 
-/* sh_transfer(c double [count of clmax], clmax, lmax, out double [count][count]) -> true */
-static int sh_transfer(lua_State *L) {
+/* sh_product_matrix(c double [count of clmax], clmax, lmax, out double [count][count]) -> true */
+static int sh_product_matrix(lua_State *L) {
   ylmL_array *c = ylmL_array_check(L, 1), *out = ylmL_array_check(L, 4);
   int clmax = (int)luaL_checknumber(L, 2), lmax = (int)luaL_checknumber(L, 3);
   ylm_error e = {YLM_OK, ""};
@@ -93,13 +93,13 @@ static int sh_transfer(lua_State *L) {
             ? YLM_OK
             : YLM_ESHAPE;
   }
-  if (s == YLM_OK) s = ylm_sh_transfer(clmax, c->data, lmax, out->data, &e);
+  if (s == YLM_OK) s = ylm_sh_product_matrix(clmax, c->data, lmax, out->data, &e);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, &e);
 }
 
-/* sh_transfer_apply(matrix [n][n], in [rows][n], out, threads, progress) -> true */
-static int sh_transfer_apply(lua_State *L) {
+/* sh_apply(matrix [n][n], in [rows][n], out, threads, progress) -> true */
+static int sh_apply(lua_State *L) {
   ylmL_array *m = ylmL_array_check(L, 1), *in = ylmL_array_check(L, 2),
              *out = ylmL_array_check(L, 3);
   ylmL_progress progress;
@@ -110,7 +110,7 @@ static int sh_transfer_apply(lua_State *L) {
   if (s == YLM_OK && (m->dtype != in->dtype || in->dtype != out->dtype)) s = YLM_ETYPE;
   if (s == YLM_OK && in->data == out->data) s = YLM_EINVAL;
   if (s == YLM_OK)
-    s = ylm_sh_transfer_apply(n, in->dtype, m->data, in->count / n, in->data, out->data,
+    s = ylm_sh_apply(n, in->dtype, m->data, in->count / n, in->data, out->data,
                               (int)luaL_optnumber(L, 4, 0), report);
   lua_pushboolean(L, 1);
   return ylmL_result_progress(L, 1, s, NULL, &progress);
@@ -269,8 +269,8 @@ static const luaL_Reg functions[] = {{"sh_product_plan", sh_product_plan},
                                      {"sh_exponential", sh_exponential},
                                      {"sh_circle_log", sh_circle_log},
                                      {"sh_product", sh_product},
-                                     {"sh_transfer", sh_transfer},
-                                     {"sh_transfer_apply", sh_transfer_apply},
+                                     {"sh_product_matrix", sh_product_matrix},
+                                     {"sh_apply", sh_apply},
                                      {"sh_matrices_apply", sh_matrices_apply},
                                      {"sh_symmetric", sh_symmetric},
                                      {NULL, NULL}};

@@ -1,5 +1,6 @@
 /* shade.c - views as objects, shading of their points; lua/ylm/render/init.lua drives it. */
 #include "shade.h"
+#include "ylm_shade_gloss.h"
 
 static int view_close(lua_State *L) {
   ylm_shade_view **v = ylmL_check(L, 1, YLML_SHADE_VIEW);

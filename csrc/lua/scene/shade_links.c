@@ -1,6 +1,8 @@
 /* shade_links.c - views with links: light that surfaces send to their points. */
 #include "shade.h"
 #include "transfer.h"
+#include "ylm_shade_bounce.h"
+#include "ylm_shade_gloss.h"
 
 #define LINKS "ylm.shade_links"
 

@@ -1,6 +1,7 @@
 /* shade_virtual.c - views under virtual lights; lua/ylm/render/gather.lua drives it. */
 #include "shade.h"
 #include "ylm_light_virtual.h"
+#include "ylm_shade_bounce.h"
 
 /* The window's factors at `i`, lmax + 1 of them, in memory of the state; NULL: nil stands there. */
 static const double *read_window(lua_State *L, int i, int lmax) {

@@ -1,6 +1,7 @@
 /* vectors.c - transfer vectors with bounces and transfer matrices, of elements, of vertices, and of shading points. */
 #include "shade.h"
 #include "transfer.h"
+#include "ylm_shade_bounce.h"
 
 /* transfer_vectors(t, bounces (-1: all), residual, closure, threads, progress) -> float [n + 1][width] as C keeps them,
    {bounces, closed, residual, shrink, seconds} */

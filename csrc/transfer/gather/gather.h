@@ -235,7 +235,7 @@ ylm_status ylm__gather_direct_light(gather_direct *d, const float at[3], double 
 /* Rays of the last point. */
 uint64_t ylm__gather_direct_rays(const gather_direct *d);
 
-/* -- meets.c: boxes and triangles -------------------------------------------------------------- */
+/* -- boxes.c: boxes and triangles -------------------------------------------------------------- */
 
 /* The triangles of a scene that occlude. To be freed in any case. */
 ylm_status ylm__gather_meets_create(const ylm_scene *s, struct gather_meets **m);

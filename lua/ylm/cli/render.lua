@@ -11,7 +11,7 @@ local methods = { default = "render", grid = "render", reference = "reference", 
 local only = {
   grid = { "default", "grid" }, interpolation = { "default", "grid" }, shading = { "default", "grid", "reference" },
   gloss = { "default", "grid", "reference" }, ["gloss-error"] = { "default", "grid", "reference" },
-  visibility = { "default", "grid", "reference" }, ["light-tolerance"] = { "default", "grid", "reference" },
+  visibility = { "default", "grid", "reference" }, ["sums-tolerance"] = { "default", "grid", "reference" },
   ["light-samples"] = { "default", "raycast" }, bounces = { "default", "grid" }, tolerance = { "default" },
   indirect = { "default", "grid" }, dering = { "default", "grid" },
   display = { "default", "grid", "raycast" },
@@ -60,8 +60,8 @@ local function refuse_idle(given, method)
         table.concat(fit, " and "), method)
     end
   end
-  if given.grid and given["light-tolerance"] then
-    status.stop(status.usage, "render: --light-tolerance is for baking the scene's probes, --grid is baked: leave one out")
+  if given.grid and given["sums-tolerance"] then
+    status.stop(status.usage, "render: --sums-tolerance is for baking the scene's probes, --grid is baked: leave one out")
   end
 end
 
@@ -82,7 +82,7 @@ local function visibility_of(given, method)
     end
   elseif method == "grid" and not given.grid then v = "transfer" end
   local by_rays = not given.grid and (v or "rays") == "rays" and method == "default"
-  for _, name in ipairs { "interpolation", "light-tolerance" } do
+  for _, name in ipairs { "interpolation", "sums-tolerance" } do
     if by_rays and given[name] then
       status.stop(status.usage, "render: --%s is for grids (--grid FILE, or --visibility transfer): leave it out", name)
     end
@@ -139,7 +139,7 @@ local function options_of(given, method)
   if method ~= "reference" then options.display = status.display("render", given.display) end
   if method == "raycast" then return options end
   options.gloss, options.gloss_error = given.gloss, given["gloss-error"]
-  options.light_tolerance, options.shading = given["light-tolerance"], given.shading
+  options.sums_tolerance, options.shading = given["sums-tolerance"], given.shading
   options.visibility = visibility_of(given, method)
   options.bounces, options.tolerance = status.bounces("render", given.bounces), given.tolerance
   if given.indirect == "virtual" then
@@ -195,7 +195,7 @@ return {
     { "interpolation", nil, "NAME", "of a grid: hermite, taylor or linear" },
     { "exposure", nil, "N", "of a .png, in stops" },
     { "display", nil, "ADDRESS", "HOST:PORT of an image viewer (tev) that shows the picture while it is made; not of reference" },
-    { "light-tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
+    { "sums-tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
     { "strict", nil, nil, "exit status 6 where a warning is given; the image is written" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
   },
@@ -212,7 +212,7 @@ return {
     check_exposure(given)
     check_indirect(given)
     local options = options_of(given, method)
-    local scene = status.need_scene(ylm.load_scene(given[1]))
+    local scene = status.load_scene(given[1])
     if given.grid then options.grid = status.need_kind("ylm.grid", "a grid", given.grid, ylm.load(given.grid))
     elseif methods[method] == "render" and options.visibility and options.visibility ~= "rays" and not scene.probes then
       status.stop(status.script, "%s: the scene has no probes; add some, or use --visibility rays", given[1])

@@ -32,7 +32,7 @@ function processor.lights(_, n, name, object, o, within)
     return check.bad(n, name, is_elsewhere(object) and "method: gpu:lights has chosen it"
       or "method: a choice for computing on a device")
   end
-  return within(name, object, o.tolerance or o.light_tolerance, o.threads)
+  return within(name, object, o.tolerance or o.sums_tolerance, o.threads)
 end
 
 function processor.evaluate(_, name, object, points, query)

@@ -171,16 +171,17 @@ local bake_options = {
       .. "is taken over, and 256 fresh points verify instead of 2048 and more; stats are about those of the last 2048 points "
       .. "that bakes in a row compared. For frames of lights or casters that move" },
   { "max_points", "integer", min = 8, max = core.limits.grid_points, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
-  light.tolerance_option "light_tolerance",
-  { "to", "path", optional = true, about = "a folder, name.ylmd: the grid is baked in bricks, which are files in it. A bake "
+  light.tolerance_option "sums_tolerance",
+  { "folder", "path", optional = true, about = "a path name.ylmd: the grid is baked in bricks, which are files in it. A bake "
     .. "that was interrupted goes on where it was; one that is finished is opened" },
-  { "fresh", "boolean", default = false, about = "with to: begins anew whatever is in the folder" },
-  { "brick_points", "integer", min = 512, max = 2 ^ 24, optional = true, about = "with to: a brick with more evaluated points "
-    .. "than this is given up for its eight children; 65536 where it is left out" },
-  { "brick_seconds", "number", above = 0, optional = true, unit = "s", about = "with to: bricks have fewer points where one "
+  { "fresh", "boolean", default = false, about = "with folder: begins anew whatever is in the folder" },
+  { "brick_points", "integer", min = 512, max = 2 ^ 24, optional = true, about = "with folder: a brick with more evaluated "
+    .. "points than this is given up for its eight children; 65536 where it is left out" },
+  { "brick_seconds", "number", above = 0, optional = true, unit = "s", about = "with folder: bricks have fewer points where one "
     .. "thread is foreseen to take longer for them, at 0.18 ns for each light, point and coefficient, counted in the levels "
     .. "above; 30 where brick_points is left out too. It bounds what a bake that is ended loses" },
-  { "seconds", "number", above = 0, optional = true, about = "with to: no brick is begun that would take longer than this since "
+  { "time_limit", "number", above = 0, optional = true, unit = "s",
+    about = "with folder: no brick is begun that would take longer than this since "
     .. "the call; nil, 'not finished ..', 'ELIMIT' then, and a call again goes on" },
   set.cache_option,
   form.threads, form.progress,
@@ -270,8 +271,8 @@ function bake.of_scene(description, lights, given, prints)
   o.progress = progress.long(o.progress)
   local fault = o.like and check.grid_fault(o.like)
   if fault then return check.bad(3, "bake", "like: %s", fault) end
-  if description.dynamic and o.light_tolerance then
-    return check.bad(3, "bake", "a grid with dynamic = true sums its lights exactly: leave light_tolerance out")
+  if description.dynamic and o.sums_tolerance then
+    return check.bad(3, "bake", "a grid with dynamic = true sums its lights exactly: leave sums_tolerance out")
   end
   local packed, failed, why = lights
   if form.kind(lights) == "virtual_lights" and lights.profile == "near" then
@@ -335,7 +336,7 @@ function bake.of_scene(description, lights, given, prints)
   if not baked or in_bricks then return baked, stages, code end
   stages_of[baked], grid_object.shadow_of[baked] = stages, tally()
   if type(packed) ~= "function" and light.followed(packed) then baked_from[baked] = packed end
-  unmet.remember(baked, o.light_tolerance)
+  unmet.remember(baked, o.sums_tolerance)
   unmet.warn(baked)
   light.heed(packed, description.lmax)
   return baked

@@ -61,7 +61,7 @@ function methods.save(g, path, given)
     return check.bad(1, "save", "a path expected, got %s", check.describe(path))
   end
   local ending = path:lower():match("%.(%w+)$")
-  if ending == "html" then return library.later.page(g, path, given) end
+  if ending == "html" then return library.later["ylm.page"](g, path, given) end
   if ending == "vtu" then return vtu.save(g, path, form.options(2, "save", vtu.options, given)) end
   if given ~= nil then form.options(2, "save", {}, given) end
   if ending == "ylm" then return check.result("save", core.grid_write(g, path)) end

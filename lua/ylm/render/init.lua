@@ -77,7 +77,7 @@ local function bake_for(s, view, o)
     return views.made[view].traced.lights -- no grid can be baked for no points; no point will ask what light there is
   end
   return baking.bake(s, { parts = "lights", occupied = view, threads = o.threads, progress = o.progress,
-    light_tolerance = o.light_tolerance })
+    sums_tolerance = o.sums_tolerance })
 end
 
 --- The picture that keeps a tolerance, and says whether it does.
@@ -145,8 +145,8 @@ local function rendered(s, o, given)
   if o.tolerance then return by_tolerance(s, o, given) end
   local probes = o.visibility ~= "rays" and o.grid == nil
   if probes and not s.probes then views.check_grid("render", nil) end
-  if o.grid and o.light_tolerance then
-    return check.fail "render: light_tolerance is for baking the scene's probes, this grid is baked: leave one out"
+  if o.grid and o.sums_tolerance then
+    return check.fail "render: sums_tolerance is for baking the scene's probes, this grid is baked: leave one out"
   end
   o.lmax = o.lmax or views.default_lmax(s, o.grid)
   local view, message, code = views.prepare("render", s, o)

@@ -98,7 +98,7 @@ options.grid_fields = {
 }
 
 -- Of the bake that a render by transfer vectors without a grid makes first.
-options.baked_fields = { light.tolerance_option "light_tolerance" }
+options.baked_fields = { light.tolerance_option "sums_tolerance" }
 
 -- Of pictures by rays to the lamps.
 options.direct_fields = {
@@ -109,7 +109,7 @@ options.direct_fields = {
 
 options.reference_fields = {
   { "dtype", "choice", of = { "float", "double" }, default = "float", about = "in which light is summed" },
-  light.tolerance_option "light_tolerance",
+  light.tolerance_option "sums_tolerance",
   { "lights", "any", optional = true,
     about = "what is summed in place of the scene's lights: a light, a list of lights, or what has a light field, as "
       .. "shadowed light" },

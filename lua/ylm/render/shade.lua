@@ -185,7 +185,7 @@ function shading.by_lights(name, p, o)
   if not ready then return nil, unready, cause end
   local start, before = core.seconds(), p.lib.shade_stages(p.view)
   local lights
-  lights, message, code = light.within(name, given, o.light_tolerance, o.threads)
+  lights, message, code = light.within(name, given, o.sums_tolerance, o.threads)
   if not lights then return nil, message, code end
   local radiance, pairs
   local tally = light.tally(given)
@@ -204,7 +204,7 @@ function shading.by_lights(name, p, o)
   out, message, code = pictures.picture(name, p, radiance, o)
   if not out then return nil, message, code end
   finish(p, o, report, start, seconds, before)
-  pictures.sign(out, p, "reference", report, { dtype = o.dtype, light_tolerance = o.light_tolerance,
+  pictures.sign(out, p, "reference", report, { dtype = o.dtype, sums_tolerance = o.sums_tolerance,
     pairs = ("%.0f"):format(pairs) })
   return out, report
 end

@@ -54,7 +54,7 @@ function visibility.settle_picture(name, o, given)
   visibility.settle(name, o, given, held == "lights" and not o.near and "transfer" or "rays")
   if held and held ~= "lights" then o.visibility = "rays" end -- the grid knows all shadows
   if o.visibility == "rays" and not held then
-    refuse(name, given, { "interpolation", "bias", "light_tolerance" }, 'a grid (visibility = "transfer" bakes one)', o)
+    refuse(name, given, { "interpolation", "bias", "sums_tolerance" }, 'a grid (visibility = "transfer" bakes one)', o)
   end
   return held
 end

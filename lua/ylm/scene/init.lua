@@ -9,7 +9,7 @@ local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local gltf = require "ylm.gltf"
 local gltf_write = require "ylm.gltf.write"
-local later = require "ylm.later"
+local library = require "ylm.library"
 local like = require "ylm.scene.like"
 local memory = require "ylm.memory"
 local polygon = require "ylm.light.polygon"
@@ -203,7 +203,7 @@ local methods = {}
 for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast", "pathtrace", "probe" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
-function methods.live(...) return later.live(...) end
+function methods.live(...) return library.later["ylm.live"](...) end
 function methods.transfer(...) return require("ylm.transfer").of_scene(...) end
 function methods.virtual_lights(...) return require("ylm.emit").of_scene(...) end
 --- Of virtual_lights:visible: lua/ylm/emit.lua is loaded, and takes its place.
@@ -214,7 +214,7 @@ end
 
 describe "scene:save" {
   about = "Writes the scene as glTF 2.0: geometry, materials, lamps, cameras. Numbers that glTF lacks stand in extras.ylm, by "
-    .. "which ylm.load_gltf reads its own lamps, skies and materials exactly. Disks become polygons, textures their mean, phong "
+    .. "which ylm.load reads its own lamps, skies and materials exactly. Disks become polygons, textures their mean, phong "
     .. "its nearest ggx; images and virtual lights are left out. A line on the terminal (ylm.on_warning) names what is.",
   arguments = { { "path", "string", "ends in .glb, or .gltf" }, { "options?", "table", "" } },
   options = gltf_write.options,
@@ -337,31 +337,15 @@ function scene.scene(name)
 end
 form.defined.scene.construct = scene.scene
 
-describe "load_scene" {
-  about = "Runs a scene file and returns its scene; of a glTF file (.gltf, .glb) the scene that it holds. The file may come from "
-    .. "a stranger: it sees numbers, tables, math and the constructors, and is bounded in instructions, memory and described "
-    .. "size.",
-  arguments = {
-    { "path", "string", "the file; other files are looked for in its folder only" },
-    { "limits?", "table", "instructions, memory (bytes), seconds, triangles, numbers, cells: see ylm help load_scene" },
-  },
-  options = sandbox.limits,
-  returns = { { "s", "scene", "or nil, message, 'EIO' | 'EFORMAT' | 'ELIMIT' | 'ENOMEM'" } },
-  errors = "nil, message, code for whatever is wrong with the file",
-  example = [[
-local s, message, code = ylm.load_scene "no such file.lua"
-assert(s == nil and code == "EIO", message)]],
-}
-function scene.load_scene(path, limits)
-  if type(path) ~= "string" or path == "" or path:find("%z") then
-    return check.bad(1, "load_scene", "the name of a file expected, got %s", check.describe(path))
-  end
-  limits = form.options(2, "load_scene", sandbox.limits, limits)
-  if not gltf.is_name(path) then return sandbox.run(path, limits, scene.scene) end
-  local model, message, code = gltf.within(path, limits)
+--- The scene of a scene file, for ylm.load. Or nil, message, code.
+function scene.of_file(path, limits) return sandbox.run(path, limits, scene.scene) end
+
+--- The scene of a glTF file, for ylm.load; its report says what the file holds. Or nil, message, code.
+function scene.of_gltf(path, options)
+  local model, message, code = gltf.load(path, options)
   if not model then return nil, message, code end
   local made = scene.scene(text.shown(path:match "[^/]*$"):sub(1, 200)) { like = model }
-  made.file = path
+  made.file, made.report = path, model.report
   return made
 end
 

@@ -24,6 +24,15 @@ local function by_device(by_view, view)
   return by_view[view]
 end
 
+local FAR = "device: it rounds positions to float, and the scene lies far from the origin: leave device out, or move it near 0"
+
+--- The points of the view p on the host; or nil, message, code: where the device would round them.
+local function places(name, p)
+  local here, message, code = check.result(name, p.lib.shade_positions(p.view))
+  if here and here.dtype ~= "float" then return check.result(name, nil, FAR, "ERANGE") end
+  return here, message, code
+end
+
 --- The points of the view p on a device, copied once; where there is no room for them the host's array. Or nil, message, code.
 function vulkan_image.positions(gpu, name, p)
   local c, message, code = binding.use(name, gpu)
@@ -31,7 +40,7 @@ function vulkan_image.positions(gpu, name, p)
   local by_gpu = by_device(positions, p.view)
   if by_gpu[gpu] then return by_gpu[gpu] end
   local here, there
-  here, message, code = check.result(name, p.lib.shade_positions(p.view))
+  here, message, code = places(name, p)
   if not here then return nil, message, code end
   there, message, code = memory.attempt(c.gpu_upload, gpu, here)
   if not there and (code == "ENOMEM" or code == "ELIMIT") then return here end
@@ -71,9 +80,9 @@ local function pixels_on(gpu, p)
 end
 
 --- The points of a view as arrays of the host's: position, transfer, material; or nil, message, code.
-local function points_of(p)
+local function points_of(name, p)
   local position, transfer, material, message, code
-  position, message, code = p.lib.shade_positions(p.view)
+  position, message, code = places(name, p)
   if not position then return nil, message, code end
   transfer, message, code = p.lib.shade_transfer(p.view)
   if not transfer then return nil, message, code end
@@ -87,7 +96,7 @@ end
 local function view_on(name, gpu, p)
   local by_gpu = by_device(copies, p.view)
   if by_gpu[gpu] then return by_gpu[gpu] end
-  local arrays, message, code = check.result(name, points_of(p))
+  local arrays, message, code = check.result(name, points_of(name, p))
   if not arrays then return nil, message, code end
   local position, there, pixels
   position, message, code = vulkan_image.positions(gpu, name, p)
