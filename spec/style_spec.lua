@@ -33,6 +33,18 @@ describe("the tree", function()
     end
   end)
 
+  it("keeps state of an object in core.own, and in no weak table", function()
+    local wrong = {}
+    for _, path in ipairs(scratch.lines "find lua/ylm -name '*.lua'") do
+      local n = 0
+      for line in io.lines(path) do
+        n = n + 1
+        if line:find "__mode" then wrong[#wrong + 1] = path .. ":" .. n end
+      end
+    end
+    assert.equal("", table.concat(wrong, "\n"))
+  end)
+
   it("compiles under Lua 5.5", function()
     if not scratch.shell "command -v lua5.5 >/dev/null" then pending "lua5.5 is not installed" end
     local list = folder:write("list.lua", "return { [[" .. table.concat(lua_files(), "]], [[") .. "]] }")

@@ -256,22 +256,8 @@ const ylm_field *ylmL_field_check(lua_State *L, int i) {
 #define BUSY "ylm.busy"
 #define PARTS "ylm.parts"
 
-/* Pushes the table of that name, a new one where there is none. */
-static void push_weak(lua_State *L, const char *name) {
-  lua_getfield(L, LUA_REGISTRYINDEX, name);
-  if (lua_istable(L, -1)) return;
-  lua_pop(L, 1);
-  lua_newtable(L);
-  lua_newtable(L);
-  lua_pushliteral(L, "k");
-  lua_setfield(L, -2, "__mode");
-  lua_setmetatable(L, -2);
-  lua_pushvalue(L, -1);
-  lua_setfield(L, LUA_REGISTRYINDEX, name);
-}
-
 void ylmL_note_part(lua_State *L) {
-  push_weak(L, PARTS);
+  ylmL_weak(L, PARTS);
   lua_pushvalue(L, -2);
   lua_pushboolean(L, 1);
   lua_rawset(L, -3);
@@ -291,7 +277,7 @@ static int count_running(lua_State *L, int busy, int more) {
 /* Makes entries for the arguments below `top`, and for the number of progress functions that run,
    so that marking them later takes no memory. */
 static void note_arguments(lua_State *L, int top) {
-  push_weak(L, BUSY);
+  ylmL_weak(L, BUSY);
   count_running(L, lua_gettop(L), 0);
   for (int i = 1; i <= top; i++) {
     if (lua_type(L, i) != LUA_TUSERDATA) continue;
@@ -350,7 +336,7 @@ ylm_status ylmL_busy(lua_State *L, int i) {
 ylm_status ylmL_array_busy(lua_State *L, const ylmL_array *a) {
   bool busy = false;
   luaL_checkstack(L, 6, "busy");
-  push_weak(L, BUSY);
+  ylmL_weak(L, BUSY);
   int table = lua_gettop(L);
   if (count_running(L, table, 0) > 0)
     for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {

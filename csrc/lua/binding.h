@@ -45,6 +45,7 @@
   X(light_tree)                                                                                    \
   X(light_virtual)                                                                                 \
   X(limits)                                                                                        \
+  X(own)                                                                                           \
   X(process)                                                                                       \
   X(sandbox)                                                                                       \
   X(sh)                                                                                            \
@@ -143,6 +144,17 @@ void ylmL_type(lua_State *L, const char *name, const luaL_Reg *methods);
 void *ylmL_test(lua_State *L, int i, const char *name);
 /* The userdata at `i` if it is of type `name`; raises a type error otherwise. */
 void *ylmL_check(lua_State *L, int i, const char *name);
+/* -- own tables: csrc/lua/binding_own.c, compiled into every binding ---------- */
+
+/* Pushes the own table of the value at absolute index `i`: fields that Lua keeps of it. A new one where there is none. */
+void ylmL_own(lua_State *L, int i);
+/* ylmL_own where there is one; else nothing is pushed, and false. */
+bool ylmL_owned(lua_State *L, int i);
+/* Drops the own table of the object at absolute index `i`: what closes an object says so. */
+void ylmL_disown(lua_State *L, int i);
+/* Pushes the table of the registry by that name whose keys are weak, a new one where there is none. */
+void ylmL_weak(lua_State *L, const char *name);
+
 /* Tells the collector of `bytes` of C memory: runs a step in proportion. */
 void ylmL_charge(lua_State *L, size_t bytes);
 
@@ -158,7 +170,7 @@ typedef struct ylmL_array {
   size_t shape[YLM_MAX_AXES];
   size_t count;        /* product of the shape */
   uint32_t convention; /* of SH coefficients; 0 is ylm's own (ylm_sh.h lists others) */
-  bool keeps;          /* a value of Lua in its environment keeps the elements alive */
+  bool keeps;          /* a value of Lua in its own table keeps the elements alive */
   struct ylmL_block *block;
 } ylmL_array;
 

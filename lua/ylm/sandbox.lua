@@ -157,26 +157,26 @@ end
 
 -- Stand-ins for what constructors build ------------------------------------------------
 
---- Stand-in -> the object it stands for. Files never hold the object itself: through an
+--- The object that a stand-in stands for; nil of any other value. Files never hold the object itself: through an
 -- object's metatable they could reach functions that trusted code uses later.
-local objects = setmetatable({}, { __mode = "k" })
+local function object_of(x) return core.owned(x, "object") end
 
 local stand_in = {
   __metatable = false,
   __index = function(p, key)
     return check.fail("a %s is a description: its field %s cannot be read in a scene file",
-      form.kind(objects[p]) or "value", check.describe(key))
+      form.kind(object_of(p)) or "value", check.describe(key))
   end,
   __newindex = function(p)
     return check.fail("a %s is a description: make another instead of changing it",
-      form.kind(objects[p]) or "value")
+      form.kind(object_of(p)) or "value")
   end,
-  __tostring = function(p) return form.kind(objects[p]) or "value" end,
+  __tostring = function(p) return form.kind(object_of(p)) or "value" end,
 }
 
 local function wrap(object)
   local p = setmetatable({}, stand_in)
-  objects[p] = object
+  core.own(p).object = object
   return p
 end
 
@@ -185,7 +185,8 @@ local function unwrap(x, seen)
   local t = type(x)
   if t == "number" or t == "string" or t == "boolean" or t == "nil" then return x end
   if t ~= "table" then return check.fail("a %s cannot be part of a description", t) end
-  if objects[x] then return objects[x] end
+  local object = object_of(x)
+  if object then return object end
   seen = seen or { depth = 0 }
   if seen[x] then return seen[x] end
   if seen.depth > 64 then return check.fail("tables nested more than 64 deep") end
@@ -345,7 +346,8 @@ local function environment(state, scene)
     end,
     tostring = function(x)
       local t = type(x)
-      if objects[x] then return form.kind(objects[x]) end
+      local object = object_of(x)
+      if object then return form.kind(object) end
       if t == "table" or t == "function" or t == "userdata" then return t end
       return tostring(x)
     end,
@@ -440,7 +442,7 @@ local DEEPEST = 8
 
 --- The scene that a file made, or nil, why.
 local function scene_of(result)
-  local object = objects[result]
+  local object = object_of(result)
   if form.kind(object) == "scene" then return object end
   return nil, ("must return a scene (return scene \"name\" { ... }), got %s"):format(
     object and "a " .. form.kind(object) or check.describe(result))

@@ -51,9 +51,6 @@ local function lamps_of(s)
   return parts
 end
 
---- Traced scenes by scene object, as long as the scene is unchanged.
-local traced = setmetatable({}, { __mode = "k" })
-
 --- The words for piece i of a scene's geometry: its number, and the name that its file gives it.
 function tracing.mesh_text(s, i)
   local name = s.geometry[i] and s.geometry[i].name
@@ -89,7 +86,7 @@ end
 function tracing.trace(name, s)
   local lib, message, code = tracing.library()
   if not lib then return nil, message, code end
-  local shapes, lamps, known = shapes_of(s), lamps_of(s), traced[s]
+  local shapes, lamps, known = shapes_of(s), lamps_of(s), core.owned(s, "traced")
   local alike = known and same(known.shapes, shapes)
   if alike and same(known.lamps, lamps) then return known end
   local start, made = core.seconds(), nil
@@ -111,7 +108,7 @@ function tracing.trace(name, s)
   local lo, hi = lib.scene_bounds(handle)
   local new = { shapes = shapes, lamps = lamps, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib,
     glossy = alike and known.glossy or made.glossy, seconds = core.seconds() - start }
-  traced[s] = new
+  core.own(s).traced = new
   return new
 end
 

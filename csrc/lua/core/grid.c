@@ -118,6 +118,7 @@ static int grid_close(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_grid_free(*g);
   *g = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 

@@ -200,6 +200,7 @@ static int lights_close(lua_State *L) {
   ylm_free(l->other);
   luaL_unref(L, LUA_REGISTRYINDEX, l->keep);
   *l = (lights){.keep = LUA_NOREF};
+  ylmL_disown(L, 1);
   return 0;
 }
 

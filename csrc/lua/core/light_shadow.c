@@ -90,6 +90,7 @@ static int occluder_close(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   if (o->of) o->kind->free(o->of);
   o->of = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 
@@ -319,6 +320,7 @@ static int shadowed_close(lua_State *L) {
   ylm_free(s->parts);
   luaL_unref(L, LUA_REGISTRYINDEX, s->keep);
   *s = (shadowed){.keep = LUA_NOREF};
+  ylmL_disown(L, 1);
   return 0;
 }
 

@@ -7,6 +7,7 @@ static int view_close(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_shade_view_free(*v);
   *v = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 

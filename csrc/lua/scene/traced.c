@@ -14,6 +14,7 @@ static int scene_close(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_scene_free(*s);
   *s = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 

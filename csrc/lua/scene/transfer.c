@@ -20,6 +20,7 @@ int ylmL_let_go(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   drop(*u);
   *u = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 

@@ -146,6 +146,7 @@ static int array_close(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_gpu_buffer_free(a->buffer);
   a->buffer = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 
@@ -157,6 +158,7 @@ static int array_gc(lua_State *L) {
   ylmL_gpu_array *a = ylmL_check(L, 1, YLM_GPU_ARRAY);
   ylm_gpu_buffer_free(a->buffer);
   a->buffer = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 

@@ -53,6 +53,7 @@ static int gc(lua_State *L) {
   ylm_gpu_grid **k = ylmL_check(L, 1, GPU_GRID);
   ylm_gpu_grid_free(*k);
   *k = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 

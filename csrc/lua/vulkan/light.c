@@ -43,6 +43,7 @@ static int release(lua_State *L) {
   d->on = NULL;
   luaL_unref(L, LUA_REGISTRYINDEX, d->keep);
   d->keep = LUA_NOREF;
+  ylmL_disown(L, 1);
   return 0;
 }
 

@@ -15,7 +15,7 @@ local unmet = require "ylm.grid.unmet"
 
 local bake = {}
 
-local methods, open, stages_of = grid_object.methods, grid_object.open, grid_object.stages_of
+local methods, open = grid_object.methods, grid_object.open
 
 --- The box around points, at least a thousandth as wide as it is long. Extent 0 in all axes is refused.
 local function bounds_of(points)
@@ -228,8 +228,6 @@ local function measure_of(description, jumps, normals)
   return wanted or (jumps and normals and not description.dynamic and "irradiance") or "coefficients"
 end
 
---- Grid -> the lights it was baked from.
-local baked_from = setmetatable({}, { __mode = "k" })
 --- The norm below which errors are not relative: of visibilities that of the function 1.
 local function floor_of(description, quantity, measure)
   if not description.tolerance or measure ~= "coefficients" or description.dynamic then return 0 end
@@ -260,6 +258,13 @@ assert(grid.stats.met and grid.stats.error <= 0.01)]],
   source = "Iwasaki & Dobashi 2025, Sec. 5.1",
 }
 function bake.bake(description, lights, given) return bake.of_scene(description, lights, given) end
+
+--- Remembers what a grid was baked from, and with which light_tolerance.
+local function remember(g, packed, light_tolerance)
+  local own = core.own(g)
+  own.lights = type(packed) ~= "function" and light.followed(packed) and packed or nil
+  own.light_tolerance = light_tolerance
+end
 
 --- bake.bake of light whose fingerprints are known, or nil.
 function bake.of_scene(description, lights, given, prints)
@@ -334,23 +339,20 @@ function bake.of_scene(description, lights, given, prints)
   end
   if made then object:close() end
   if not baked or in_bricks then return baked, stages, code end
-  stages_of[baked], grid_object.shadow_of[baked] = stages, tally()
-  if type(packed) ~= "function" and light.followed(packed) then baked_from[baked] = packed end
-  unmet.remember(baked, o.sums_tolerance)
+  local own = core.own(baked)
+  own.stages, own.shadow = stages, tally()
+  remember(baked, packed, o.sums_tolerance)
   unmet.warn(baked)
   light.heed(packed, description.lmax)
   return baked
 end
 
 --- Remembers the lights of a grid that was refreshed.
-function bake.refreshed(g, packed)
-  baked_from[g] = type(packed) ~= "function" and light.followed(packed) and packed or nil
-  unmet.remember(g, nil)
-end
+function bake.refreshed(g, packed) remember(g, packed) end
 
 --- The lights that a grid was baked from, if that was in this program and they were lights; for pictures.
 function bake.lights_of(g)
-  local lights = baked_from[g]
+  local lights = core.owned(g, "lights")
   return lights and (core.type(lights) ~= "ylm.lights" or core.lights_count(lights)) and lights or nil
 end
 
@@ -406,7 +408,7 @@ function methods.update(g, lights, given)
   local report, message, code = check.result("update", core.grid_update(g, object, o.tolerance or -1,
     o.threads or 0, progress.of(o.progress)))
   if report == nil then return nil, message, code end
-  baked_from[g] = object
+  core.own(g).lights = object
   unmet.warn(g)
   report.warning = g.stats.update.warning
   return report

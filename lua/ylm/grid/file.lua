@@ -75,7 +75,7 @@ grid_file.magic = "\137YLMgrid"
 function grid_file.load(path)
   local g, message, code = check.result("load", core.grid_read(path))
   if not g then return nil, message, code end
-  grid_object.path_of[g] = path
+  core.own(g).path = path
   return g
 end
 

@@ -56,7 +56,7 @@ function methods.refresh(g, lights, given)
   points, seconds, code = check.result("refresh", core.grid_refresh(g, packed, quantity, o.threads or 0,
     progress.of(o.progress)))
   if not points then return nil, seconds, code end
-  devices.forget(g)
+  devices.forgetting(g)()
   bake.refreshed(g, packed)
   return { points = points, seconds = seconds }
 end

@@ -50,7 +50,7 @@ end
 function set.open(path, cache)
   local s, message, code = check.result("load", core.grid_set_open((path:gsub("/+$", "")), cache or 0))
   if not s then return nil, message, code end
-  grid_object.path_of[s] = path
+  core.own(s).path = path
   return s
 end
 

@@ -7,9 +7,6 @@ local unmet = {}
 
 local FALL = 4     -- powers of 2 by which errors of fourth order fall from level to level
 
---- Grid -> the sums_tolerance that it was baked with, in this program.
-local sums_tolerance = setmetatable({}, { __mode = "k" })
-
 --- x rounded up to two digits, so that it is met.
 local function rounded_up(x)
   local unit = 10 ^ (math.floor(math.log(x) / math.log(10)) - 1)
@@ -82,13 +79,10 @@ local function sentence_of(s, form, lights)
     .. (s.update and cause_after_update(s, form) or cause_of(s, form, lights))
 end
 
---- Remembers with which sums_tolerance a grid was baked.
-function unmet.remember(g, tolerance) sums_tolerance[g] = tolerance end
-
 --- The stats of a grid with what it does not keep: stats.warning, stats.update.warning.
 function unmet.stats(g)
   local stats, form = core.grid_stats(g), core.grid_form(g)
-  stats.warning = sentence_of(stats, form, sums_tolerance[g])
+  stats.warning = sentence_of(stats, form, core.owned(g, "sums_tolerance"))
   if stats.update then stats.update.warning = stats.warning end
   return stats
 end

@@ -66,13 +66,14 @@ require "ylm.describe".object "image" {
 
 -- Metadata --------------------------------------------------------------------------
 
-local owner_of = setmetatable({}, { __mode = "k" })
+--- The image that a table of metadata is of.
+local function owner_of(proxy) return core.owned(proxy, "image") end
 
 local metadata = {}
 
 metadata.__index = function(proxy, key)
   if type(key) ~= "string" then return nil end
-  return (core.image_get_text(owner_of[proxy], key))
+  return (core.image_get_text(owner_of(proxy), key))
 end
 
 metadata.__newindex = function(proxy, key, value)
@@ -85,14 +86,14 @@ metadata.__newindex = function(proxy, key, value)
   elseif t ~= "nil" and (t ~= "string" or value:find("%z")) then
     return check.fail("metadata: '%s' must be a string, a number or true or false, got %s", key, check.describe(value))
   end
-  check.result("metadata", core.image_set_text(owner_of[proxy], key, value))
+  check.result("metadata", core.image_set_text(owner_of(proxy), key, value))
 end
 
 --- All entries as a plain table.
 metadata.__call = function(proxy)
   local all = {}
-  for _, key in ipairs(core.image_texts(owner_of[proxy])) do
-    all[key] = core.image_get_text(owner_of[proxy], key)
+  for _, key in ipairs(core.image_texts(owner_of(proxy))) do
+    all[key] = core.image_get_text(owner_of(proxy), key)
   end
   return all
 end
@@ -106,7 +107,7 @@ methods.__index = function(x, key)
   elseif key == "metadata" then
     images.open(x, "metadata")
     local proxy = setmetatable({}, metadata)
-    owner_of[proxy] = x
+    core.own(proxy).image = x
     return proxy
   end
   return rawget(methods, key)

@@ -29,7 +29,7 @@ function light.within(name, object, tolerance, threads)
   if not tolerance or core.type(object) ~= "ylm.lights" then return object end
   if not select(4, core.lights_count(object)) then return object end
   local cut, message, code = check.result(name, core.light_cut(object, tolerance, threads or 0))
-  if cut then light.parts[cut] = light.parts[object] end
+  if cut then core.own(cut).parts = light.parts(object) end
   return cut, message, code
 end
 
@@ -76,7 +76,7 @@ end
 local function each_field(object, f)
   local meta = core.type(object) and core.type(object) ~= "ylm.array" and getmetatable(object)
   if meta then f(object, meta) end
-  for _, part in ipairs(object ~= nil and light.parts[object] or {}) do each_field(part, f) end
+  for _, part in ipairs(light.parts(object) or {}) do each_field(part, f) end
 end
 
 --- Sentences about what a light field does not keep at a degree, said once.
@@ -91,7 +91,7 @@ end
 --- A light field that has the metric of bakes: a list of lights with light behind bodies in it has one as one such light. Or
 -- nil, message, code.
 function light.joined(object)
-  for _, part in ipairs(object ~= nil and light.parts[object] or {}) do
+  for _, part in ipairs(light.parts(object) or {}) do
     local join = getmetatable(part).__join
     if join then return join(object) end
   end

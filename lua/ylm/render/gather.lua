@@ -140,7 +140,7 @@ local function settle(p, o)
       if o.clamp == "none" then
         return check.fail "gather: compensate finds what a clamp takes away, clamp is 'none': leave it out"
       end
-      local made = emit.made[o.lights]
+      local made = emit.made(o.lights)
       if not made or made.scene ~= p.scene then
         return check.fail("gather: compensate needs lights that scene:virtual_lights made of the view's scene, whose lamps it "
           .. "asks")
@@ -166,13 +166,10 @@ function gather.radiance(name, p, o)
     progress = progress.resolve(o.progress) }))
 end
 
---- View -> the part of its virtual lights' light that passes walls, by the lights.
-local passing_of = setmetatable({}, { __mode = "k" })
-
 --- The part of the light of virtual lights in a view that surfaces would stop: by the mean light of LOOKED shading points of a
 -- small picture, with and without rays to at most RAYED lights; nil where nobody knows.
 local function passing(p, lights, threads)
-  local known = passing_of[p.view]
+  local known = core.owned(p.view, "passing") -- of the virtual lights that were asked of last
   if known and known.lights == lights then return known.part end
   if lights.profile == "near" or lights.count == 0 or not p.options.camera then return nil end
   local small = views.prepare("gather", p.scene, { camera = p.options.camera, size = LOOKED, samples = 1, seed = p.options.seed,
@@ -187,7 +184,7 @@ local function passing(p, lights, threads)
   end
   small:close()
   local part = sums[1] > 0 and math.max(0, 1 - sums[2] / sums[1]) or nil
-  passing_of[p.view] = { lights = lights, part = part }
+  core.own(p.view).passing = { lights = lights, part = part }
   return part
 end
 

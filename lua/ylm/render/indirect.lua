@@ -198,7 +198,7 @@ function indirect.relight(name, p, o)
     tracing.check_bodies(name, lit)
     o.lit = lit
   elseif o.bounced and o.bounced.lit then
-    o.lit = objects.radiosities[o.bounced.lit].lit_by
+    o.lit = objects.made(o.bounced.lit).lit_by
   end
   return true
 end

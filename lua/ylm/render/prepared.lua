@@ -247,8 +247,9 @@ function prepared.close(view)
   if core.type(view) ~= "ylm.prepared" then
     return check.fail("close: a prepared view expected before the colon, got %s", check.describe(view))
   end
-  check.result("close", views.made[view].lib.shade_close_view(view))
-  views.made[view].closed = true
+  local m = views.made[view]
+  check.result("close", m.lib.shade_close_view(view))
+  m.closed, views.made[view] = true, m
 end
 
 require "ylm.render.gather"

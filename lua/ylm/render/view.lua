@@ -31,9 +31,12 @@ require "ylm.describe".object "prepared" {
   },
 }
 
---- Methods of the userdata "ylm.prepared"; what it was made of stands in `made`.
+--- Methods of the userdata "ylm.prepared"; what it was made of stands in its own table.
 local prepared = tracing.library() and core.metatable "ylm.prepared" or {}
-local made = setmetatable({}, { __mode = "k" })
+local made = setmetatable({}, {
+  __index = function(_, view) return core.owned(view, "made") end,
+  __newindex = function(_, view, m) core.own(view).made = m end,
+})
 views.methods, views.made = prepared, made
 
 prepared.__index = function(view, key)

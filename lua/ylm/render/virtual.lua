@@ -35,7 +35,7 @@ local function given_lights(name, lights, given, o)
       return check.fail("%s: %s is of lights that are made, here are lights: leave one out", name, field[1])
     end
   end
-  local made = emit.made[lights]
+  local made = emit.made(lights)
   return { by = "virtual", lights = lights, bounces = made and made.bounces or "those of the lights",
     options = form.options(1, name, fields, given) }
 end

@@ -125,7 +125,7 @@ local function add_files(values, files)
   for _, entry in ipairs(files) do
     local first = #values.lights + 1
     for _, part in ipairs(entry.emitters or {}) do add_emitter(values.lights, part) end
-    for i = first, #values.lights do values.from_file[values.lights[i]] = true end
+    for i = first, #values.lights do core.between(values, values.lights[i]).from_file = true end
     for _, sentence in ipairs(entry.notes or {}) do note(sentence) end
   end
   values.notes = #notes > 0 and notes or nil
@@ -148,11 +148,11 @@ require "ylm.describe".object "scene" {
 
 -- Scenes that are like others -----------------------------------------------------
 
---- The lights of a list that geometry brought, or the others.
-local function lights_of(file, list, from_file)
+--- The lights of a list that geometry brought to the scene `values`, or the others.
+local function lights_of(values, file, list)
   local out = {}
   for _, light in ipairs(list) do
-    if (from_file[light] or false) == file then out[#out + 1] = light end
+    if (core.between(values, light).from_file or false) == file then out[#out + 1] = light end
   end
   return out
 end
@@ -160,15 +160,17 @@ end
 --- The lights of the scene `other` as `values` change them, with those that `values` add; or nil, message, code. Lights that
 -- geometry brought stay with that geometry.
 local function take_lights(values, other, fail)
-  local list, from_file = other.lights, values.from_file
-  for light in pairs(other.from_file) do from_file[light] = true end
+  local list = other.lights
+  for _, light in ipairs(core.partners(other)) do
+    core.between(values, light).from_file = core.between(other, light).from_file
+  end
   if values.moved or values.removed then
     local message, code
-    list, message, code = like.lights(list, values, ("%q"):format(other.name), from_file, fail)
+    list, message, code = like.lights(list, values, ("%q"):format(other.name), fail)
     if not list then return nil, message, code end
   end
-  if values.lights then list = { values.lights, lights_of(true, list, from_file) } end
-  if values.geometry then list = values.lights or lights_of(false, list, from_file) end
+  if values.lights then list = { values.lights, lights_of(values, true, list) } end
+  if values.geometry then list = values.lights or lights_of(values, false, list) end
   local added = { listed = {}, files = {} }
   flatten("lights", values.added or {}, added, "added", 0, fail)
   added.listed, added.files = nil, nil
@@ -265,7 +267,6 @@ local construct = form.define("scene", {
   },
   metatable = metatable,
   build = function(values, fail)
-    values.from_file = setmetatable({}, { __mode = "k" })
     local taken, message, code = take_after(values, fail)
     if not taken then return nil, message, code end
     local files
