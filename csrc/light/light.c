@@ -1,6 +1,7 @@
 /* light.c - lights one by one: listed, compared, kept, made into a set again. */
 #include "kind.h"
 #include "set.h"
+#include "ylm_list.h"
 
 #include <string.h>
 
@@ -74,13 +75,8 @@ ylm_status ylm_light_set_of(size_t n, const ylm_light *const *light, const doubl
 
 ylm_status ylm_light_keep(ylm_light_shapes *list, ylm_light *l) {
   if (!l->shape->numbers) return YLM_OK;
-  if (list->n == list->room) {
-    size_t room = list->room ? 2 * list->room : 16;
-    ylm_light_shape **more = ylm_realloc(list->shape, list->n * sizeof *more, room, sizeof *more);
-    if (!more) return YLM_ENOMEM;
-    list->shape = more;
-    list->room = room;
-  }
+  if (!ylm_list_reserve(&list->shape, list->n, list->n + 1, &list->room, sizeof *list->shape))
+    return YLM_ENOMEM;
   ylm_light_shape *own = ylm_alloc_copy(l->shape, 1, bytes_of(l->shape->numbers));
   if (!own) return YLM_ENOMEM;
   own->marked = false;

@@ -50,7 +50,7 @@ ylm_status ylm_light_cut_create(ylm_light_set *set, double tolerance, int thread
     return ylm_fail(e, YLM_ERANGE, "tolerance must be %g .. %g, got %g", YLM_LIGHT_TOLERANCE_LEAST,
                     YLM_LIGHT_TOLERANCE_MOST, tolerance);
   ylm_light_cut *c = ylm_alloc_zero(1, sizeof *c);
-  if (!c) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!c) return ylm_no_memory(e);
   c->set = set;
   c->packs = set->packs;
   c->within = ylm_alloc_zero(set->packs + 1, sizeof *c->within);
@@ -60,7 +60,7 @@ ylm_status ylm_light_cut_create(ylm_light_set *set, double tolerance, int thread
     *cut = c;
   else
     ylm_light_cut_free(c);
-  return s == YLM_ENOMEM ? ylm_fail(e, s, "%s", ylm_status_text(s)) : s;
+  return s == YLM_ENOMEM ? ylm_no_memory(e) : s;
 }
 
 void ylm_light_cut_free(ylm_light_cut *c) {

@@ -44,11 +44,6 @@ extern "C" {
 /* The most texels of an image that a light is made of. */
 #define YLM_LIGHT_TEXELS (1 << 22)
 
-/* Weights of linear Rec. 709 red, green and blue in luminance. */
-#define YLM_LUMINANCE_R 0.2126
-#define YLM_LUMINANCE_G 0.7152
-#define YLM_LUMINANCE_B 0.0722
-
 /* -- sets of lights: csrc/light/set.c ---------------------------------------------------------- */
 
 /* Any number of lights of any kinds; immutable once created. */

@@ -94,7 +94,8 @@ static ylm_status copy_mesh(scene_mesh *m, size_t i, const ylm_scene_mesh *in, y
 }
 
 static float luminance_of(const float *c) {
-  return 0.2126f * fabsf(c[0]) + 0.7152f * fabsf(c[1]) + 0.0722f * fabsf(c[2]);
+  return (float)YLM_LUMINANCE_R * fabsf(c[0]) + (float)YLM_LUMINANCE_G * fabsf(c[1]) +
+         (float)YLM_LUMINANCE_B * fabsf(c[2]);
 }
 
 static ylm_status copy_lamps(ylm_scene *s, const ylm_scene_lamps *l, ylm_error *e) {

@@ -19,8 +19,8 @@ void main() {
     int i = int(probe.x) * ROW + k;
     float L = texelFetch(rows, ivec2(i & 4095, i >> 12), 0).x;
 #if CHANNELS == 3
-    L = 0.2126 * L + 0.7152 * texelFetch(rows, ivec2((i + COUNT) & 4095, (i + COUNT) >> 12), 0).x
-        + 0.0722 * texelFetch(rows, ivec2((i + 2 * COUNT) & 4095, (i + 2 * COUNT) >> 12), 0).x;
+    L = LUMINANCE_R * L + LUMINANCE_G * texelFetch(rows, ivec2((i + COUNT) & 4095, (i + COUNT) >> 12), 0).x
+        + LUMINANCE_B * texelFetch(rows, ivec2((i + 2 * COUNT) & 4095, (i + 2 * COUNT) >> 12), 0).x;
 #endif
     sum += Y[k] * L;
   }

@@ -38,7 +38,7 @@ vec3 exact(vec3 n) {
     }
     sum += s2 * total * radiance;
   }
-  return CHANNELS == 3 ? sum : vec3(dot(sum, vec3(0.2126, 0.7152, 0.0722)));
+  return CHANNELS == 3 ? sum : vec3(dot(sum, vec3(LUMINANCE_R, LUMINANCE_G, LUMINANCE_B)));
 }
 
 vec3 painted(float t) {

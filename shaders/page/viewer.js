@@ -204,7 +204,7 @@
 
   /* A lamp's radiance in the grid's channels. */
   function channelsOf(lamp) {
-    return meta.channels === 3 ? lamp.slice(4, 7) : [0.2126 * lamp[4] + 0.7152 * lamp[5] + 0.0722 * lamp[6]];
+    return meta.channels === 3 ? lamp.slice(4, 7) : [LUMINANCE_R * lamp[4] + LUMINANCE_G * lamp[5] + LUMINANCE_B * lamp[6]];
   }
 
   /* Adds `sign` times a lamp's light at point p to rows of numbers; false where the point is in the lamp. */

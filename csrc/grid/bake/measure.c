@@ -56,7 +56,7 @@ double ylm__measure_anywhere(const measure *m, const float *row, const float *ex
   for (int c = 0; c < m->channels; c++, row += count, exact += count) {
     double d = 0, e = 0;
     for (int l = 0; l <= m->lmax; l++) {
-      double a = ylm_sh_cosine_factor(l) * ylm_sh_cosine_factor(l) / (4 * 3.14159265358979323846);
+      double a = ylm_sh_cosine_factor(l) * ylm_sh_cosine_factor(l) / (4 * YLM_PI);
       for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++) {
         double x = (double)row[k] - (double)exact[k];
         d += a * x * x;

@@ -235,5 +235,5 @@ ylm_status ylm_grid_surface_voxels(const ylm_grid *g, const ylm_grid_source *sou
                     "surfaces: they meet more than %zu of the finest voxels: take a smaller "
                     "depth, or points instead of surfaces",
                     OCCUPIED_MOST);
-  return ylm_fail(e, s, "%s", ylm_status_text(s));
+  return ylm_fail_plain(e, s);
 }

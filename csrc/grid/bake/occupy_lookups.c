@@ -6,6 +6,7 @@
 */
 #include "baker.h"
 #include "surface.h"
+#include "ylm_list.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,13 +19,7 @@ typedef struct code_list {
 } code_list;
 
 static ylm_status push(code_list *l, uint64_t code) {
-  if (l->n == l->room) {
-    size_t room = l->room ? 2 * l->room : 4096;
-    uint64_t *grown = ylm_realloc(l->code, l->n * sizeof *grown, room, sizeof *grown);
-    if (!grown) return YLM_ENOMEM;
-    l->code = grown;
-    l->room = room;
-  }
+  if (!ylm_list_reserve(&l->code, l->n, l->n + 1, &l->room, sizeof *l->code)) return YLM_ENOMEM;
   l->code[l->n++] = code;
   return YLM_OK;
 }

@@ -81,7 +81,7 @@ static const char *check_lattice(const ylm_grid *g) {
 ylm_status ylm__grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e) {
   bool lattice = g->contents.form.kind == YLM_GRID_UNIFORM;
   uint8_t *seen = lattice ? NULL : ylm_alloc_zero(g->cells, 1);
-  if (!lattice && !seen) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  if (!lattice && !seen) return ylm_no_memory_for(e, name);
   const char *what = lattice ? check_lattice(g) : check_octree(g, seen);
   ylm_free(seen);
   return what ? ylm__grid_file_bad(name, what, e) : YLM_OK;

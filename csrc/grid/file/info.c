@@ -28,8 +28,7 @@ static ylm_status info_of_sections(const file_source *source, ylm_grid_file_info
   grid_file_form form;
   ylm_status s = ylm__file_table_read(&t, source, e);
   if (s == YLM_OK) s = ylm__file_table_form(&t, source, &form, &info->form, &info->stats, e);
-  if (s == YLM_OK && list_sections(&t, info) != YLM_OK)
-    s = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", source->name);
+  if (s == YLM_OK && list_sections(&t, info) != YLM_OK) s = ylm_no_memory_for(e, source->name);
   ylm_free(t.entry);
   return s;
 }

@@ -139,7 +139,7 @@ static ylm_status read_grid(reading *r) {
   if (s != YLM_OK) return s;
   if (!counts_hold(&f, &form)) return ylm__grid_file_bad(name, "its counts", r->e);
   r->g = ylm__grid_new(&form);
-  if (!r->g) return ylm_fail(r->e, YLM_ENOMEM, "%s: memory ran out", name);
+  if (!r->g) return ylm_no_memory_for(r->e, name);
   r->g->stats = stats;
   if (!sizes_hold(r, &f)) return ylm__grid_file_bad(name, "the size of a section", r->e);
   if (!ylm__grid_file_table_holds(r->g, f.cells))

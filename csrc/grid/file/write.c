@@ -213,7 +213,7 @@ ylm_status ylm_grid_write(const ylm_grid *g, const char *path, ylm_error *e) {
   lay_out(&w, g);
   if (put_sections(&w, &s) != YLM_OK) {
     ylm_file_discard(s.file);
-    return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+    return ylm_no_memory_for(e, path);
   }
   if (fseeko(ylm_file_stream(s.file), 0, SEEK_SET) != 0) {
     ylm_file_discard(s.file);

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "tolerance.h"
+#include "ylm_list.h"
 
 /* -- arrays --------------------------------------------------------------------------------- */
 
@@ -51,15 +52,12 @@ void ylm__panel_exchange(panel *a, panel *b) {
 
 /* Room for the arrays of n points; what is there stays. */
 static ylm_status reserve(panel *p, size_t n, size_t width) {
-  float *point = ylm_realloc(p->point, p->n * 3 * sizeof *point, n, 3 * sizeof *point);
-  if (point) p->point = point;
-  float *exact = ylm_realloc(p->exact, p->n * width * sizeof *exact, n, width * sizeof *exact);
-  if (exact) p->exact = exact;
-  float *drift = ylm_realloc(p->drift, p->n * sizeof *drift, n, sizeof *drift);
-  if (drift) p->drift = drift;
-  uint8_t *inside = ylm_realloc(p->inside, p->n, n, 1);
-  if (inside) p->inside = inside;
-  return point && exact && drift && inside ? YLM_OK : YLM_ENOMEM;
+  return ylm_list_resize(&p->point, p->n, n, 3 * sizeof *p->point) &&
+                 ylm_list_resize(&p->exact, p->n, n, width * sizeof *p->exact) &&
+                 ylm_list_resize(&p->drift, p->n, n, sizeof *p->drift) &&
+                 ylm_list_resize(&p->inside, p->n, n, 1)
+             ? YLM_OK
+             : YLM_ENOMEM;
 }
 
 /* -- rulings -------------------------------------------------------------------------------- */
@@ -168,10 +166,8 @@ static ylm_status take(const refiner *r, panel *p) {
   ylm_status s = reserve(p, p->n + n, w);
   if (s == YLM_OK && r->side) {
     size_t row = 4 * sizeof *p->side;
-    float *side = ylm_realloc(p->side, p->n * row, p->n + n, row);
-    if (!side) return YLM_ENOMEM;
-    p->side = side;
-    ylm_copy(side + 4 * p->n, r->side, n * row);
+    if (!ylm_list_resize(&p->side, p->n, p->n + n, row)) return YLM_ENOMEM;
+    ylm_copy(p->side + 4 * p->n, r->side, n * row);
   }
   if (s != YLM_OK) return s;
   ylm_copy(p->point + 3 * p->n, r->points, 3 * n * sizeof *p->point);

@@ -87,7 +87,7 @@ ylm_status ylm__distant_write(const ylm_field_query *q, size_t n, const void *po
   size_t count = ylm_sh_count(q->lmax), wide = 10 * count, values = (size_t)q->channels * count;
   if (n == 0) return YLM_OK;
   double *sum = ylm_alloc_zero(3 * wide, sizeof *sum);
-  if (!sum) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!sum) return ylm_no_memory(e);
   for (size_t c = 0; c < 3; c++)
     memcpy(sum + c * wide, coefficients + c * count, count * sizeof *sum);
   ylm__field_write(q, 0, 3, sum, wide, r);

@@ -40,7 +40,7 @@ static int known_to(const ylm__distant *p) {
 
 static ylm_status check(const ylm__distant *p, bool projected, const ylm_field_query *q, size_t n,
                         const void *points, const ylm_field_result *r, ylm_error *e) {
-  ylm_status s = ylm__field_check(q, n, points, r, YLM_LIGHT_LMAX, e);
+  ylm_status s = ylm_field_check(q, n, points, r, YLM_LIGHT_LMAX, "these lights", e);
   int most = known_to(p);
   if (s != YLM_OK || q->lmax <= most) return s;
   return ylm_fail(e, YLM_ERANGE,
@@ -56,7 +56,7 @@ ylm_status ylm__environment_evaluate(const ylm__distant *p, bool projected,
   if (s != YLM_OK) return s;
   size_t count = ylm_sh_count(q->lmax);
   double *sum = ylm_alloc_zero(3 * count, sizeof *sum);
-  if (!sum) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!sum) return ylm_no_memory(e);
   for (size_t i = 0; i < p->n; i++) {
     const double *x = p->record[i];
     for (size_t k = 0; k < count && k < ylm_sh_count(degree_of(x)); k++)

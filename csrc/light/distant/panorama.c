@@ -90,5 +90,5 @@ ylm_status ylm_light_set_panorama(const ylm_light_panorama *p, size_t n,
     return ylm__light_set_of_pack(&made, set, e);
   }
   release(to);
-  return s == YLM_ENOMEM ? ylm_fail(e, s, "%s", ylm_status_text(s)) : s;
+  return s == YLM_ENOMEM ? ylm_no_memory(e) : s;
 }

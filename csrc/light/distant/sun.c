@@ -28,7 +28,7 @@ static size_t length(const double *x, size_t left) {
   return left < NUMBERS ? 0 : NUMBERS;
 }
 
-static double alpha_of(double angle) { return cos(angle * M_PI / 360); }
+static double alpha_of(double angle) { return cos(angle * YLM_PI / 360); }
 
 /* F_l of 0 .. lmax for irradiance 1. */
 static void zonal(double alpha, int lmax, double *F) {
@@ -61,11 +61,11 @@ static ylm_status add(const double *sun, int lmax, double *y, double *F, double 
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                            const void *points, ylm_field_result *r, ylm_error *e) {
   const ylm__distant *p = f->self;
-  ylm_status s = ylm__field_check(q, n, points, r, YLM_LIGHT_LMAX, e);
+  ylm_status s = ylm_field_check(q, n, points, r, YLM_LIGHT_LMAX, "these lights", e);
   if (s != YLM_OK) return s;
   size_t count = ylm_sh_count(q->lmax);
   double *sum = ylm_alloc_zero(4 * count + (size_t)q->lmax + 1, sizeof *sum);
-  if (!sum) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!sum) return ylm_no_memory(e);
   for (size_t i = 0; i < p->n && s == YLM_OK; i++)
     s = add(p->record[i], q->lmax, sum + 3 * count, sum + 4 * count, sum);
   if (s == YLM_OK) s = ylm__distant_write(q, n, points, sum, p->n, r, e);
@@ -77,7 +77,7 @@ static void cone(const void *of, size_t i, ylm_light_cone *out) {
   const double *sun = ((const ylm__distant *)of)->record[i], alpha = alpha_of(sun[ANGLE]);
   *out = (ylm_light_cone){.cosine = alpha};
   memcpy(out->axis, sun + DIRECTION, sizeof out->axis);
-  for (int c = 0; c < 3; c++) out->radiance[c] = sun[c] / (M_PI * (1 - alpha) * (1 + alpha));
+  for (int c = 0; c < 3; c++) out->radiance[c] = sun[c] / (YLM_PI * (1 - alpha) * (1 + alpha));
 }
 
 static void radiance(const void *of, const double d[3], double rgb[3]) {
@@ -115,7 +115,7 @@ static ylm_status create(size_t n, const double *const *record, ylm__light_pack 
 static double norm(const ylm_light *l, int lmax) {
   double F[YLM_LIGHT_LMAX + 1], s = 0;
   zonal(alpha_of(l->shape->x[ANGLE - DIRECTION]), lmax, F);
-  for (int k = 0; k <= lmax; k++) s += F[k] * F[k] * (2 * k + 1) / (4 * M_PI);
+  for (int k = 0; k <= lmax; k++) s += F[k] * F[k] * (2 * k + 1) / (4 * YLM_PI);
   return sqrt(s);
 }
 

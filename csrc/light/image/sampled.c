@@ -198,14 +198,14 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                            const void *points, ylm_field_result *r, ylm_error *e) {
   const sampled *s = f->self;
-  ylm_status status = ylm__field_check(q, n, points, r, YLM_LIGHT_LMAX, e);
+  ylm_status status = ylm_field_check(q, n, points, r, YLM_LIGHT_LMAX, "these lights", e);
   if (status != YLM_OK) return status;
   if (q->lmax > s->lmax)
     return ylm_fail(e, YLM_ERANGE, "a sampled light is known to lmax %d, and asked for at lmax %d",
                     s->lmax, q->lmax);
   job j = {s, q, points, r, q->want & (YLM_WANT_GRADIENT | YLM_WANT_HESSIAN | YLM_WANT_METRIC)};
   status = ylm_parallel(n, SAMPLED_GRAIN, q->threads, run, &j, q->progress, "lights");
-  if (status != YLM_OK) return ylm_fail(e, status, "%s", ylm_status_text(status));
+  if (status != YLM_OK) return ylm_fail_plain(e, status);
   r->pairs += (uint64_t)n * s->n;
   return ylm_light_finite(q, n, points, r, e);
 }
@@ -257,7 +257,7 @@ ylm_status ylm_light_set_sampled(const ylm_light_sampled *light, ylm_light_set *
   ylm_status status = check(light, e);
   if (status != YLM_OK) return status;
   sampled *s = ylm_alloc_zero(1, sizeof *s);
-  if (!s) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!s) return ylm_no_memory(e);
   *s = (sampled){{.self = s, .evaluate = evaluate, .crosses = crosses, .relative = true},
                  light->n,
                  light->lmax,
@@ -272,5 +272,5 @@ ylm_status ylm_light_set_sampled(const ylm_light_sampled *light, ylm_light_set *
     return ylm__light_set_of_pack(&made, set, e);
   }
   release(s);
-  return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  return ylm_no_memory(e);
 }

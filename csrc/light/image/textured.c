@@ -95,7 +95,7 @@ ylm_status ylm_light_set_textured(const ylm_light_texture *image, bool exact, co
                                   ylm_light_set **set, size_t *parts, ylm_error *e) {
   *set = NULL;
   textured *t = ylm_alloc_zero(1, sizeof *t);
-  if (!t) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!t) return ylm_no_memory(e);
   t->image = *image;
   t->image.texel = t->texel =
       ylm_alloc_copy(image->texel, 3 * image->width * image->height, sizeof *t->texel);
@@ -105,5 +105,5 @@ ylm_status ylm_light_set_textured(const ylm_light_texture *image, bool exact, co
     return ylm__light_set_of_pack(&made, set, e);
   }
   release(t);
-  return s == YLM_ENOMEM ? ylm_fail(e, s, "%s", ylm_status_text(s)) : s;
+  return s == YLM_ENOMEM ? ylm_no_memory(e) : s;
 }

@@ -11,6 +11,7 @@
 #include "shadow.h"
 
 #include "profile.h"
+#include "ylm_list.h"
 
 typedef struct request {
   size_t point, light;
@@ -36,17 +37,6 @@ typedef struct block {
   ylm_error *e;
   int worker;
 } block;
-
-/* Room for one more of `n` things. */
-static bool grow(void **list, size_t n, size_t *room, size_t size) {
-  if (n < *room) return true;
-  size_t more = *room ? 2 * *room : 256;
-  void *p = ylm_realloc(*list, n * size, more, size);
-  if (!p) return false;
-  *list = p;
-  *room = more;
-  return true;
-}
 
 /* Room for n things, whatever they were. */
 static bool have(void **list, size_t n, size_t *room, size_t size) {
@@ -140,7 +130,7 @@ static bool look(const double p[3], const double at[3], double radius, double le
   to->distance = sqrt(d2);
   for (int a = 0; a < 3; a++) to->w[a] = d2 > 0 ? to->w[a] / to->distance : 0;
   to->sine = to->distance > radius ? radius / to->distance : 1;
-  to->angle = to->sine < 1 ? asin(to->sine) : PI;
+  to->angle = to->sine < 1 ? asin(to->sine) : YLM_PI;
   /* the part of all directions that its cone takes: (1 - sqrt(1 - s^2))/2 */
   double s2 = to->sine * to->sine;
   to->cosine = to->sine < 1 ? sqrt(1 - s2) : -1;
@@ -168,7 +158,8 @@ static ylm_status see(block *b) {
     size_t first = b->seen_first[i] = b->seens;
     for (size_t k = 0; k < s->n; k++) {
       if (k >= b->w->skip && k - b->w->skip < b->w->skips) continue;
-      if (!grow((void **)&b->seen, b->seens, &b->seen_room, sizeof *b->seen)) return YLM_ENOMEM;
+      if (!ylm_list_reserve(&b->seen, b->seens, b->seens + 1, &b->seen_room, sizeof *b->seen))
+        return YLM_ENOMEM;
       shadow_seen *to = &b->seen[b->seens];
       to->caster = k;
       to->point = i;
@@ -337,20 +328,23 @@ static ylm_status hide(block *b) {
 
 static ylm_status new_light(block *b, size_t *at) {
   size_t wide = b->w->channels * b->w->rows * b->w->count * sizeof(real);
-  if (!grow((void **)&b->light, b->lights, &b->light_room, wide)) return YLM_ENOMEM;
+  if (!ylm_list_reserve(&b->light, b->lights, b->lights + 1, &b->light_room, wide))
+    return YLM_ENOMEM;
   memset((char *)b->light + b->lights * wide, 0, wide);
   *at = b->lights++;
   return YLM_OK;
 }
 
 static ylm_status new_term(block *b, shadow_term t) {
-  if (!grow((void **)&b->term, b->terms, &b->term_room, sizeof *b->term)) return YLM_ENOMEM;
+  if (!ylm_list_reserve(&b->term, b->terms, b->terms + 1, &b->term_room, sizeof *b->term))
+    return YLM_ENOMEM;
   b->term[b->terms++] = t;
   return YLM_OK;
 }
 
 static ylm_status add_before(block *b, shadow_before x) {
-  if (!grow((void **)&b->before, b->befores, &b->before_room, sizeof *b->before)) return YLM_ENOMEM;
+  if (!ylm_list_reserve(&b->before, b->befores, b->befores + 1, &b->before_room, sizeof *b->before))
+    return YLM_ENOMEM;
   b->before[b->befores++] = x;
   return YLM_OK;
 }
@@ -358,7 +352,8 @@ static ylm_status add_before(block *b, shadow_before x) {
 /* Casters seen from `first` on stand wholly before the next light. */
 static ylm_status all_before(block *b, size_t first, size_t n) {
   for (size_t j = 0; j < n; j++) {
-    if (!grow((void **)&b->before, b->befores, &b->before_room, sizeof *b->before))
+    if (!ylm_list_reserve(&b->before, b->befores, b->befores + 1, &b->before_room,
+                          sizeof *b->before))
       return YLM_ENOMEM;
     shadow_before *x = &b->before[b->befores++];
     x->seen = first + j;
@@ -373,7 +368,7 @@ static ylm_status all_before(block *b, size_t first, size_t n) {
    farther apart than a wave of lmax. */
 static double meets(int lmax, const shadow_seen *c, const shadow_seen *l, double slope[3]) {
   double cosine = c->w[0] * l->w[0] + c->w[1] * l->w[1] + c->w[2] * l->w[2];
-  double margin = PI / (lmax + 1), apart = acos(fmax(-1, fmin(1, cosine)));
+  double margin = YLM_PI / (lmax + 1), apart = acos(fmax(-1, fmin(1, cosine)));
   double t = (apart - c->angle - l->angle) / margin;
   memset(slope, 0, 3 * sizeof *slope);
   if (t <= 0) return 1;
@@ -555,7 +550,7 @@ static ylm_status sum_lights(block *b, const ylm_field *f, bool behind) {
 /* Do their cones meet? The cosine of the sum of half angles, by their sines and cosines. */
 static bool overlap(const shadow_seen *a, const shadow_seen *b) {
   double cosine = a->w[0] * b->w[0] + a->w[1] * b->w[1] + a->w[2] * b->w[2];
-  return a->angle + b->angle >= PI || cosine > a->cosine * b->cosine - a->sine * b->sine;
+  return a->angle + b->angle >= YLM_PI || cosine > a->cosine * b->cosine - a->sine * b->sine;
 }
 
 /* The first layer of a term where nothing overlaps caster k of it. */

@@ -14,7 +14,6 @@
 #include "ylm_sh.h"
 #include "ylm_sh_exponential.h"
 
-#define PI 3.14159265358979323846
 #define LIGHT_ONE 3.54490770181103205459 /* sqrt(4 pi): the function 1 */
 
 /* -- solids ---------------------------------------------------------------------------------- */

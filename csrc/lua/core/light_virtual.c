@@ -55,10 +55,10 @@ static void spread_colours(lua_State *L, int i, size_t n, double *to) {
     luaL_argerror(L, i, "an array of another shape expected");
   for (size_t k = 0; k < n; k++)
     for (size_t x = 0; x < 3; x++)
-      to[3 * k + x] = sqrt(4 * M_PI) * c[wide            ? 3 * k + x
-                                         : a->count == 3 ? x
-                                         : a->count == 1 ? 0
-                                                         : k];
+      to[3 * k + x] = sqrt(4 * YLM_PI) * c[wide            ? 3 * k + x
+                                           : a->count == 3 ? x
+                                           : a->count == 1 ? 0
+                                                           : k];
 }
 
 static ylm_light_virtual_profile profile_at(lua_State *L, int i) {

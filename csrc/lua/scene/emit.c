@@ -177,7 +177,7 @@ static int emit_write(lua_State *L) {
   ylmL_array *intensity = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, 3});
   if (!intensity) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   l.intensity = intensity->data;
-  for (size_t i = 0; count == 1 && i < 3 * n; i++) l.intensity[i] = emission[i] / sqrt(4 * M_PI);
+  for (size_t i = 0; count == 1 && i < 3 * n; i++) l.intensity[i] = emission[i] / sqrt(4 * YLM_PI);
   ylm_status s = count > 1 ? along_normals(n, count, l.normal, emission, l.intensity) : YLM_OK;
   for (size_t i = 0; i < 3 * n; i++) l.intensity[i] *= 1 + shift[i / 3];
   lua_pushboolean(L, true);

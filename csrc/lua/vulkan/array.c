@@ -13,7 +13,7 @@ ylmL_gpu_array *ylmL_gpu_array_new(lua_State *L, ylm_gpu *g, ylm_dtype t, int ax
                                    const size_t *shape, ylm_status *s, ylm_error *e) {
   size_t count;
   if (axes < 1 || axes > YLM_MAX_AXES || !ylm_shape_count(axes, shape, &count)) {
-    *s = ylm_fail(e, YLM_EOVERFLOW, "%s", ylm_status_text(YLM_EOVERFLOW));
+    *s = ylm_fail_plain(e, YLM_EOVERFLOW);
     return NULL;
   }
   ylmL_gpu_array *a = lua_newuserdata(L, sizeof *a);

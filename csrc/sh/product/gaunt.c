@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "product.h"
+#include "ylm_list.h"
 
 /* For each pair i <= j with integrals: its k's and values. */
 struct ylm__gaunt {
@@ -53,19 +54,13 @@ static double azimuth(int a, int b, int c) {
     }
     if (total == 0) sum += term;
   }
-  return 2 * 3.14159265358979323846 * (sines == 2 ? -sum : sum); /* (1/i)^2 */
+  return 2 * YLM_PI * (sines == 2 ? -sum : sum); /* (1/i)^2 */
 }
 
 /* Appends a number to a growing array; false where memory runs out. */
 #define PUSH(array, used, room, x)                                                                 \
   do {                                                                                             \
-    if ((used) == (room)) {                                                                        \
-      size_t more = (room) ? 2 * (room) : 1024;                                                    \
-      void *grown = ylm_realloc((array), (used) * sizeof *(array), more, sizeof *(array));         \
-      if (!grown) goto fail;                                                                       \
-      (array) = grown;                                                                             \
-      (room) = more;                                                                               \
-    }                                                                                              \
+    if (!ylm_list_reserve(&(array), used, (used) + 1, &(room), sizeof *(array))) goto fail;        \
     (array)[(used)++] = (x);                                                                       \
   } while (0)
 

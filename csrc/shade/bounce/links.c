@@ -18,13 +18,6 @@ struct ylm_shade_links {
   double seconds;
 };
 
-/* Random numbers of successive streams lie on a lattice, which the points of a pixel would share. */
-static uint64_t mix(uint64_t x) {
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
-}
-
 /* The points that do not gloss; the numbers of those that do go to l. NULL without memory. */
 static uint32_t *list_matte(ylm_shade_links *l) {
   const ylm_shade_view *v = l->view;
@@ -156,7 +149,8 @@ ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t
   double start = ylm_seconds();
   ylm_shade_links *l = ylm_alloc_zero(1, sizeof *l);
   uint64_t *stream = l ? ylm__shade_streams(v) : NULL;
-  for (size_t i = 0; stream && i < v->points; i++) stream[i] = mix(stream[i]);
+  /* Random numbers of successive streams lie on a lattice, which the points of a pixel would share. */
+  for (size_t i = 0; stream && i < v->points; i++) stream[i] = ylm_mix64(stream[i]);
   if (l) *l = (ylm_shade_links){.view = v, .transfer = t, .links = links};
   bool alone = which == YLM_SHADE_LINKS_GLOSS;
   bool apart = l && which != YLM_SHADE_LINKS_MATTE && (alone || has_gloss(l));
@@ -271,7 +265,7 @@ static void reflect(const ylm_shade_view *v, size_t first, size_t n, const float
                     const float *start, float *out) {
   float radiance[3 * SHADE_LINK_POINTS];
   for (size_t i = 0; i < n; i++)
-    for (size_t c = 0; c < 3; c++) radiance[3 * i + c] = (float)M_PI * mean[4 * i + c];
+    for (size_t c = 0; c < 3; c++) radiance[3 * i + c] = (float)YLM_PI * mean[4 * i + c];
   ylm__shade_reflect(v, first, n, radiance);
   for (size_t k = 0; k < 3 * n; k++) out[k] = (start ? start[k] : 0) + radiance[k];
 }

@@ -462,8 +462,7 @@ static ylm_status make_ask(gather_ask *a, const gather_lights *l) {
   double zonal[YLM_SHADE_GATHER_LMAX + 1], R2 = l->form.core * l->form.core;
   ylm_status s = ylm_material_cosine(o->lmax, zonal);
   for (int k = 0; s == YLM_OK && k <= o->lmax; k++)
-    a->zonal[k] = (float)(zonal[k] * (2 * k + 1) / (4 * 3.14159265358979323846) *
-                          (o->window ? o->window[k] : 1));
+    a->zonal[k] = (float)(zonal[k] * (2 * k + 1) / (4 * YLM_PI) * (o->window ? o->window[k] : 1));
   for (int k = 0; k <= o->lmax; k++) {
     float by = 1.0f / (float)(k + 1);
     a->up[k] = (float)(2 * k + 1) * by;

@@ -13,7 +13,6 @@
 #include "../gloss/slices.h"
 #include "ylm_sh.h"
 
-#define PI 3.14159265358979323846
 /* How far below the horizon of a normal of vertices the eye may be. */
 #define LEAST_COSINE 1e-4f
 /* Directions among which the least f of a material is taken as its matte base: angles of eye and light from the
@@ -91,9 +90,9 @@ static void find_base(material *m) {
   for (int c = 0; c < 3; c++) m->base[c] = INFINITY;
   for (int e = 0; e < EYES; e++) {
     for (int i = 0; i < N; i++) {
-      toward((e + 0.5) / EYES * 0.45 * PI, 0.4, wo[i]);
-      toward((i / AZIMUTHS + 0.5) / ANGLES * 0.45 * PI, 2 * PI * (i % AZIMUTHS) / AZIMUTHS + 0.4,
-             wi[i]);
+      toward((e + 0.5) / EYES * 0.45 * YLM_PI, 0.4, wo[i]);
+      toward((i / AZIMUTHS + 0.5) / ANGLES * 0.45 * YLM_PI,
+             2 * YLM_PI * (i % AZIMUTHS) / AZIMUTHS + 0.4, wi[i]);
     }
     ylm_material_eval(m->m, N, (const float(*)[3])wi, (const float(*)[3])wo, f);
     for (int i = 0; i < N; i++)
@@ -141,7 +140,7 @@ static bool make_hemisphere(gather_gloss *g) {
     h[l] = (P0 - P2) / (2 * l + 1);
     P0 = P1, P1 = P2;
   }
-  for (int l = 0; l <= lmax; l++) h[l] *= 2 * PI * sqrt((2 * l + 1) / (4 * PI));
+  for (int l = 0; l <= lmax; l++) h[l] *= 2 * YLM_PI * sqrt((2 * l + 1) / (4 * YLM_PI));
   return true;
 }
 
@@ -261,13 +260,13 @@ static ylm_status make_lobes(const gather_gloss *g, const material *m, const flo
 static void be_gaussian(float *z, gather_receiver *r) {
   double power = 0, along = 0, luminance[3] = {YLM_LUMINANCE_R, YLM_LUMINANCE_G, YLM_LUMINANCE_B};
   for (int c = 0; c < 3; c++) {
-    power += luminance[c] * 4 * PI * (double)z[2 * c];
-    along += luminance[c] * 4 * PI / 3 * (double)z[2 * c + 1];
+    power += luminance[c] * 4 * YLM_PI * (double)z[2 * c];
+    along += luminance[c] * 4 * YLM_PI / 3 * (double)z[2 * c + 1];
   }
   double R = power > 0 ? fmin(1 - 1e-6, fmax(0, along / power)) : 0;
   double sharp = R * (3 - R * R) / (1 - R * R);
-  double area = sharp > 1e-6 ? 2 * PI * -expm1(-2 * sharp) / sharp : 4 * PI;
-  for (int c = 0; c < 3; c++) z[c] = (float)(fmax(0, 4 * PI * (double)z[2 * c]) / area);
+  double area = sharp > 1e-6 ? 2 * YLM_PI * -expm1(-2 * sharp) / sharp : 4 * YLM_PI;
+  for (int c = 0; c < 3; c++) z[c] = (float)(fmax(0, 4 * YLM_PI * (double)z[2 * c]) / area);
   r->sharp = (float)sharp;
 }
 

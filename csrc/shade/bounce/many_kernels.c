@@ -41,29 +41,24 @@ static void gloss(const gather_lights *l, const gather_ask *a, const gather_rece
   }
 }
 
-#define X(isa)                                                                                     \
-  ylm_shade_weights_fn ylm_k_shade_weights_##isa;                                                  \
-  ylm_shade_collect_fn ylm_k_shade_collect_##isa;                                                  \
-  ylm_shade_collect_each_fn ylm_k_shade_collect_each_##isa;                                        \
-  ylm_shade_send_fn ylm_k_shade_send_##isa;                                                        \
-  ylm_shade_gloss_fn ylm_k_shade_gloss_##isa;                                                      \
-  ylm_shade_spheres_fn ylm_k_shade_spheres_##isa;
-YLM_SETS(X)
-#undef X
+static YLM_KERNEL_CHOICE(ylm_shade_weights_fn, weights_now, ylm_k_shade_weights, weights) static YLM_KERNEL_CHOICE(
+    ylm_shade_collect_fn, collect_now, ylm_k_shade_collect,
+    collect) static YLM_KERNEL_CHOICE(ylm_shade_collect_each_fn, collect_each_now,
+                                      ylm_k_shade_collect_each,
+                                      collect_each) static YLM_KERNEL_CHOICE(ylm_shade_send_fn,
+                                                                             send_now,
+                                                                             ylm_k_shade_send,
+                                                                             ylm__gather_send) static YLM_KERNEL_CHOICE(ylm_shade_gloss_fn,
+                                                                                                                        gloss_now,
+                                                                                                                        ylm_k_shade_gloss,
+                                                                                                                        gloss) static YLM_KERNEL_CHOICE(ylm_shade_spheres_fn,
+                                                                                                                                                        spheres_now,
+                                                                                                                                                        ylm_k_shade_spheres,
+                                                                                                                                                        ylm__gather_spheres)
 
-gather_kernels ylm__gather_kernels(const ylm_shade_gather_options *o) {
-  gather_kernels k = {weights, collect, collect_each, ylm__gather_send, gloss, ylm__gather_spheres};
-  switch (ylm_isa_current()) {
-#define X(isa)                                                                                     \
-  case YLM_ISA_##isa:                                                                              \
-    k = (gather_kernels){ylm_k_shade_weights_##isa,      ylm_k_shade_collect_##isa,                \
-                         ylm_k_shade_collect_each_##isa, ylm_k_shade_send_##isa,                   \
-                         ylm_k_shade_gloss_##isa,        ylm_k_shade_spheres_##isa};               \
-    break;
-    YLM_SETS(X)
-#undef X
-  default: break;
-  }
+    gather_kernels ylm__gather_kernels(const ylm_shade_gather_options *o) {
+  gather_kernels k = {weights_now(), collect_now(), collect_each_now(),
+                      send_now(),    gloss_now(),   spheres_now()};
   if (o->method == YLM_SHADE_HVL && o->horizon == YLM_SHADE_HORIZON_PAPER) k.weights = weights;
   return k;
 }

@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "many_gloss.h"
+#include "ylm_list.h"
 
 #define GRAIN 256
-#define PI 3.14159265358979323846
 #define PATHS 16 /* of each place that rays meet */
 
 /* Places near to points, whose light the bound cut. */
@@ -26,16 +26,12 @@ typedef struct job {
 } job;
 
 static bool grow(found *f) {
-  size_t room = f->room ? 2 * f->room : GRAIN;
-  ylm_scene_place *place = ylm_realloc(f->place, f->n * sizeof *place, room, sizeof *place);
-  if (place) f->place = place;
-  uint32_t *point = ylm_realloc(f->point, f->n * sizeof *point, room, sizeof *point);
-  if (point) f->point = point;
-  float(*factor)[3] = ylm_realloc(f->factor, f->n * sizeof *factor, room, sizeof *factor);
-  if (factor) f->factor = factor;
-  if (!place || !point || !factor) return false;
-  f->room = room;
-  return true;
+  size_t room = ylm_list_room(f->room, f->n + 1);
+  bool grown = ylm_list_resize(&f->place, f->n, room, sizeof *f->place) &&
+               ylm_list_resize(&f->point, f->n, room, sizeof *f->point) &&
+               ylm_list_resize(&f->factor, f->n, room, sizeof *f->factor);
+  if (grown) f->room = room;
+  return grown;
 }
 
 static void drop(found *f) {
@@ -66,7 +62,7 @@ static ylm_status meet(const job *j, size_t i, uint64_t stream, ylm_trace_ray *r
   a.reflectance =
       (float)((YLM_LUMINANCE_R * (double)albedo[0] + YLM_LUMINANCE_G * (double)albedo[1] +
                YLM_LUMINANCE_B * (double)albedo[2]) /
-              PI);
+              YLM_PI);
   if (glosses) {
     ylm__shade_tint(v, i, 1, tint);
     (void)ylm__gather_receive(j->gloss, v, i, NULL, &receiver); /* without tables it cannot fail */
@@ -74,7 +70,8 @@ static ylm_status meet(const job *j, size_t i, uint64_t stream, ylm_trace_ray *r
   ylm_rng_seed(&rng, ~a.o->seed, stream);
   ylm_scene_basis(v->normal[i], x, y);
   for (int k = 0; k < n; k++) {
-    double u = (k + ylm_rng_double(&rng)) / n, turn = 2 * PI * ylm_rng_double(&rng), r = sqrt(u);
+    double u = (k + ylm_rng_double(&rng)) / n, turn = 2 * YLM_PI * ylm_rng_double(&rng),
+           r = sqrt(u);
     memcpy(ray[k].org, v->origin[i], 12);
     for (int c = 0; c < 3; c++)
       ray[k].dir[c] = (float)(r * cos(turn) * (double)x[c] + r * sin(turn) * (double)y[c] +
@@ -101,7 +98,7 @@ static ylm_status meet(const job *j, size_t i, uint64_t stream, ylm_trace_ray *r
     if (f->n == f->room && !grow(f)) return YLM_ENOMEM;
     f->place[f->n] = place;
     f->point[f->n] = (uint32_t)i;
-    for (int c = 0; c < 3; c++) f->factor[f->n][c] = (float)(PI / n * part) * f3[0][c];
+    for (int c = 0; c < 3; c++) f->factor[f->n][c] = (float)(YLM_PI / n * part) * f3[0][c];
     f->n++;
   }
   return YLM_OK;

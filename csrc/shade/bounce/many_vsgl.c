@@ -19,7 +19,6 @@
 #include "many_gloss.h"
 #include "ylm_sh.h"
 
-#define PI 3.14159265358979323846
 /* The mean direction's length of a cosine lobe, and that of the lobe that stands for it. */
 #define COSINE_MEAN (2.0 / 3)
 #define MATTE_LOBE 0.57493
@@ -76,9 +75,9 @@ static ylm_status sphere_of(int degree, float (*u)[3], double *part, float *Y) {
   double z[RINGS], weight[RINGS];
   ylm_sh_gauss_legendre(RINGS, z, weight);
   for (int i = 0, k = 0; i < RINGS; i++) {
-    part[i] = weight[i] * 2 * PI / TURNS;
+    part[i] = weight[i] * 2 * YLM_PI / TURNS;
     for (int j = 0; j < TURNS; j++, k++) {
-      double turn = 2 * PI * j / TURNS, r = sqrt(1 - z[i] * z[i]);
+      double turn = 2 * YLM_PI * j / TURNS, r = sqrt(1 - z[i] * z[i]);
       u[k][0] = (float)(r * cos(turn)), u[k][1] = (float)(r * sin(turn)), u[k][2] = (float)z[i];
     }
   }
@@ -211,7 +210,7 @@ static void put(const item *list, const group *g, double least, const gather_lig
   }
   length = fmin(MOST_MEAN, sqrt(length));
   double sharp = length * (3 - length * length) / (1 - length * length);
-  double area = sharp > 1e-6 ? 2 * PI * -expm1(-2 * sharp) / sharp : 4 * PI;
+  double area = sharp > 1e-6 ? 2 * YLM_PI * -expm1(-2 * sharp) / sharp : 4 * YLM_PI;
   for (int a = 0; a < 3; a++) {
     l->at[a][i] = (float)m[a];
     l->normal[a][i] = length > 0 ? (float)(x[a] / length) : 0;
@@ -267,7 +266,7 @@ static double clamped(double k, double c) {
   double R = k < 0.1 ? k / 3 * (1 - k * k / 15) : 1 / tanh(k) - 1 / k;
   double each = k < 0.1 ? 1.0 / 3 - k * k / 45 : R / k, mean = c * R;
   double v = fmax(1e-30, each + c * c * (1 - 3 * each) - mean * mean), s = sqrt(v), t = mean / s;
-  return (mean * 0.5 * erfc(-t / sqrt(2)) + s * exp(-0.5 * t * t) / sqrt(2 * PI)) *
+  return (mean * 0.5 * erfc(-t / sqrt(2)) + s * exp(-0.5 * t * t) / sqrt(2 * YLM_PI)) *
          (1 + 0.0858 * exp(-k / 2.2));
 }
 

@@ -4,8 +4,6 @@
 
 #include "many_gloss.h"
 
-#define PI 3.14159265358979323846
-
 /* A light as it is seen from a point. */
 typedef struct sphere {
   double w[3], N[3], n[3], shift; /* direction to it; normals of receiver and light */
@@ -21,7 +19,7 @@ static double value(const sphere *s, const double d[3]) {
 /* The sum of the densities of all ways to choose a direction in the cone. */
 static double densities(const sphere *s, const double d[3]) {
   double light = s->turned ? fmax(0, -ylm_dot3d(s->n, d)) : 0;
-  return 1 / s->cone + (fmax(0, ylm_dot3d(s->N, d)) + light) / PI;
+  return 1 / s->cone + (fmax(0, ylm_dot3d(s->N, d)) + light) / YLM_PI;
 }
 
 /* The sum over n directions of one way; with `mis` weighed against all ways. */
@@ -34,13 +32,13 @@ static double sum_of(const sphere *s, int way, int n, bool mis, double u0, doubl
     double u = u0 + (i + 0.5) / n, v = v0 + i * 0.61803398874989485, d[3], p;
     u -= (double)(int)u;
     double z = way == GATHER_CONE ? 1 - u * (1 - s->edge) : sqrt(1 - u);
-    double r = sqrt(fmax(0, 1 - z * z)), t = 2 * PI * (v - floor(v)), x = r * cos(t),
+    double r = sqrt(fmax(0, 1 - z * z)), t = 2 * YLM_PI * (v - floor(v)), x = r * cos(t),
            y = r * sin(t);
     for (int k = 0; k < 3; k++) d[k] = sign * (x * (double)a[k] + y * (double)b[k] + z * axis[k]);
     if (way != GATHER_CONE && ylm_dot3d(s->w, d) < s->edge) continue;
     double f = value(s, d);
     if (!(f > 0)) continue;
-    p = mis ? densities(s, d) : way == GATHER_CONE ? 1 / s->cone : ylm_dot3d(s->N, d) / PI;
+    p = mis ? densities(s, d) : way == GATHER_CONE ? 1 / s->cone : ylm_dot3d(s->N, d) / YLM_PI;
     sum += f / p;
   }
   return sum;
@@ -63,7 +61,7 @@ static double see(const gather_lights *l, const ylm_shade_gather_options *o, siz
   for (int k = 0; k < 3; k++) s->w[k] /= d;
   double sine2 = d > r ? r * r / d2 : 1, part = sine2 / (1 + sqrt(1 - sine2));
   s->edge = 1 - part;
-  s->cone = 2 * PI * part;
+  s->cone = 2 * YLM_PI * part;
   *n = o->strategy == YLM_SHADE_RECEIVER ? o->samples : (int)fmax(4, ceil(o->samples * part));
   return d > r && ylm_dot3d(s->w, s->N) < -r / d ? 0 : part;
 }
@@ -94,7 +92,7 @@ void ylm__gather_spheres(const gather_lights *l, const gather_ask *a, size_t fir
       sum = sum_of(&s, GATHER_CONE, m, true, u, v) + sum_of(&s, GATHER_RECEIVER, m, true, v, u);
       if (s.turned) sum += sum_of(&s, GATHER_LIGHT, m, true, u, 1 - v);
     }
-    w[k] = (float)(sum / (m * PI * r * r)) * (keep ? keep[k] : 1);
+    w[k] = (float)(sum / (m * YLM_PI * r * r)) * (keep ? keep[k] : 1);
   }
 }
 
@@ -157,7 +155,7 @@ static bool choose(const sphere *s, const gather_receiver *r, int way, int i, in
     return pdf > 0;
   }
   double z = way == GATHER_CONE ? 1 - u * (1 - s->edge) : sqrt(1 - u);
-  float q = sqrtf(fmaxf(0, (float)(1 - z * z))), t = 2 * (float)PI * (float)v;
+  float q = sqrtf(fmaxf(0, (float)(1 - z * z))), t = 2 * (float)YLM_PI * (float)v;
   float x = q * cosf(t), y = q * sinf(t);
   for (int k = 0; k < 3; k++) d[k] = (float)(sign * ((double)(x * a[k] + y * b[k]) + z * axis[k]));
   return true;
@@ -173,7 +171,7 @@ static void add_way(waiting *x, const sphere *s, size_t light, int way, int n, b
     if (!choose(s, x->r, way, i, n, u, v, a, b, d)) continue;
     double wide[3] = {(double)d[0], (double)d[1], (double)d[2]};
     if (way != GATHER_CONE && ylm_dot3d(s->w, wide) < s->edge) continue;
-    double f = value(s, wide), light_pdf = s->turned ? fmax(0, -ylm_dot3d(s->n, wide)) / PI : 0;
+    double f = value(s, wide), light_pdf = s->turned ? fmax(0, -ylm_dot3d(s->n, wide)) / YLM_PI : 0;
     if (!(f > 0)) continue;
     x->of[x->n] = (uint16_t)light;
     x->value[x->n] = (float)(f / n);
@@ -212,7 +210,7 @@ void ylm__gather_spheres_gloss(const gather_lights *l, const gather_ask *a,
   }
   flush(&wait);
   for (size_t k = 0; k < n && first + k < l->n; k++) {
-    float R = l->radius[first + k], by = (keep ? keep[k] : 1) / ((float)PI * R * R);
+    float R = l->radius[first + k], by = (keep ? keep[k] : 1) / ((float)YLM_PI * R * R);
     for (int c = 0; c < 3; c++) w[c][k] *= by;
   }
 }

@@ -40,7 +40,7 @@ YLM_INLINE void basis(const ylm_vf n[3], ylm_vf a[3], ylm_vf b[3]) {
 
 /* Cosine and sine of v turns, v from 0, below 1. */
 YLM_INLINE void turn(ylm_vf v, ylm_vf *c, ylm_vf *s) {
-  ylm_vf x = (v - 0.5f) * 3.14159265f, x2 = x * x; /* half the angle, less half a turn */
+  ylm_vf x = (v - 0.5f) * (float)YLM_PI, x2 = x * x; /* half the angle, less half a turn */
   ylm_vf half_s =
       x * (1 + x2 * (-0.16666667f +
                      x2 * (8.3333333e-3f +
@@ -107,7 +107,7 @@ void YLM_KERNEL(ylm_k_shade_spheres)(const gather_lights *l, const gather_ask *a
     ylm_vf sine2 = ylm_vf_select(d > r, sine * sine, one);
     s.part = sine2 / (1 + ylm_vf_sqrt(most(zero, 1 - sine2)));
     s.edge = 1 - s.part;
-    s.over_cone = 1 / (6.2831853f * s.part);
+    s.over_cone = 1 / (2 * (float)YLM_PI * s.part);
     s.on = (d2 > 0) & ((d <= r) | (dot(s.w, s.N) >= -sine));
     s.on &= (d <= r) | (s.shift > 0) | (-dot(s.w, s.n) >= -sine);
     for (int q = 0; q < YLM_VF; q++) {
@@ -139,6 +139,6 @@ void YLM_KERNEL(ylm_k_shade_spheres)(const gather_lights *l, const gather_ask *a
       sum += sum_of(&s, GATHER_LIGHT, false, count, u, 1 - v, turned);
     }
     if (keep) sum *= ylm_vf_load(keep + k);
-    ylm_vf_store(w + k, sum / (s.directions * 3.14159265f * most(r * r, one * 1e-30f)));
+    ylm_vf_store(w + k, sum / (s.directions * (float)YLM_PI * most(r * r, one * 1e-30f)));
   }
 }

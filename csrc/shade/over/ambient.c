@@ -27,7 +27,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
     ylm_scene_basis(v->normal[i], a, b);
     for (int k = 0; k < RAYS; k++) {
       double h = fmod((double)k / RAYS + shift, 1);
-      double angle = 2 * 3.14159265358979323846 * (ylm_scene_radical((uint32_t)k) + turn);
+      double angle = 2 * YLM_PI * (ylm_scene_radical((uint32_t)k) + turn);
       float x = (float)(sqrt(h) * cos(angle)), y = (float)(sqrt(h) * sin(angle)),
             z = (float)sqrt(1 - h);
       for (int q = 0; q < 3; q++) {

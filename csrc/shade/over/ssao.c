@@ -4,7 +4,6 @@
 #include "ambient.h"
 
 #define GRAIN 256
-#define HALF_TURN 3.14159265358979323846
 #define NONE UINT32_MAX
 /* 16 samples: slices through the line of sight, both sides of each, so many steps. */
 #define SLICES 2
@@ -90,7 +89,7 @@ static void slice(const job *j, const seen *s, double dx, double dy, double shif
   double cosine = up / part, sine = side / part, g = atan2(side, up);
   double c = horizon(j, s, dx, dy, shift), d = horizon(j, s, -dx, -dy, shift);
   /* without horizons h is g + 90 and g - 90 degrees */
-  double half = (2 * cosine + 2 * g * sine) / 4, quarter = HALF_TURN * sine / 4,
+  double half = (2 * cosine + 2 * g * sine) / 4, quarter = YLM_PI * sine / 4,
          above = half + quarter;
   double below = half - quarter;
   sum[1] += part * 2 * half;
@@ -154,7 +153,7 @@ ylm_status ylm__shade_ssao(const ylm_shade_view *v, double radius, int threads, 
   }
   for (int k = 0; k < SLICES * PATTERN * PATTERN; k++) {
     double turn = (k / SLICES + 0.5) / (PATTERN * PATTERN),
-           angle = HALF_TURN * (k % SLICES + turn) / SLICES;
+           angle = YLM_PI * (k % SLICES + turn) / SLICES;
     j.direction[k][0] = cos(angle);
     j.direction[k][1] = sin(angle);
   }

@@ -5,8 +5,7 @@
 
 #include "../calibration.h"
 #include "../view.h"
-
-#define PI 3.14159265358979323846
+#include "ylm_list.h"
 
 /* Samples of one pixel that are shaded as one. */
 typedef struct group {
@@ -121,15 +120,10 @@ static int find_group(const nearness *near, group *groups, int *count, const sha
 
 /* Room for another entry, and its tint if wanted. */
 static bool widen(row *r, bool tinted) {
-  size_t room = r->room ? 2 * r->room : 1024;
-  shade_entry *p = ylm_realloc(r->entry, r->count * sizeof *p, room, sizeof *p);
-  if (!p) return false;
-  r->entry = p;
-  if (tinted) {
-    float(*t)[3] = ylm_realloc(r->tint, r->count * sizeof *t, room, sizeof *t);
-    if (!t) return false;
-    r->tint = t;
-  }
+  size_t room = ylm_list_room(r->room, r->count + 1);
+  if (!ylm_list_resize(&r->entry, r->count, room, sizeof *r->entry) ||
+      (tinted && !ylm_list_resize(&r->tint, r->count, room, sizeof *r->tint)))
+    return false;
   r->room = room;
   return true;
 }
@@ -299,8 +293,8 @@ static double lobe(const ylm_material *m) {
   for (int i = 0; i < 2; i++)
     for (int c = 0; c < 3; c++)
       if (f[i][c] > 0)
-        least =
-            fmin(least, 0.5 * sqrt((double)albedo[c] / (PI * (double)f[i][c] * (double)w[i][2])));
+        least = fmin(least,
+                     0.5 * sqrt((double)albedo[c] / (YLM_PI * (double)f[i][c] * (double)w[i][2])));
   return least;
 }
 

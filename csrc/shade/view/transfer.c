@@ -7,8 +7,6 @@
 #include "../calibration.h"
 #include "../gloss/gloss.h"
 
-#define PI 3.14159265358979323846
-
 typedef struct job {
   const ylm_shade_view *view;
   bool shadows;
@@ -50,7 +48,7 @@ static void point_rays(const job *j, size_t i, ylm_trace_ray *ray) {
   bool own = j->normal == (const float(*)[3])j->view->normal;
   ylm_rng_seed(&rng, ~j->view->o.seed, own ? ylm__shade_stream(j->view, i) : i);
   float shift = (float)ylm_rng_double(&rng);
-  double turn = 2 * PI * ylm_rng_double(&rng);
+  double turn = 2 * YLM_PI * ylm_rng_double(&rng);
   float c = (float)cos(turn), s = (float)sin(turn);
   ylm_scene_basis(n, a, b);
   for (int k = 0; k < samples; k++) {
@@ -89,7 +87,7 @@ static ylm_status estimate(const job *j, const ylm_trace_ray *ray, const scratch
     if (s != YLM_OK) return s;
     j->k.sums(count, (size_t)n, x->Y, x->visible + first, x->seen, x->all);
   }
-  float each = (float)(PI / samples), open = (float)visible / (float)samples;
+  float each = (float)(YLM_PI / samples), open = (float)visible / (float)samples;
   for (size_t k = 0; k < count; k++) T[k] = each * x->seen[k] + open * (T[k] - each * x->all[k]);
   return YLM_OK;
 }
@@ -118,7 +116,7 @@ static ylm_status add_hemisphere(int lmax, const float *n, float *Y, float *V) {
   ylm_status s = ylm_sh_eval(lmax, 0, false, YLM_FLOAT, 1, n, Y, NULL, NULL, 1, NULL);
   for (int l = 2; l <= lmax + 1; l++) at[l] = -(l - 1.0) / l * at[l - 2];
   for (int l = 0; s == YLM_OK && l <= lmax; l++) {
-    double part = 2 * PI * (l == 0 ? 1 : (at[l - 1] - at[l + 1]) / (2 * l + 1));
+    double part = 2 * YLM_PI * (l == 0 ? 1 : (at[l - 1] - at[l + 1]) / (2 * l + 1));
     for (int k = l * l; k < (l + 1) * (l + 1); k++) V[k] += (float)part * Y[k];
   }
   return s;
@@ -141,7 +139,7 @@ static ylm_status estimate_visibility(const job *j, const float *n, const ylm_tr
     if (s != YLM_OK) return s;
     j->k.sums(count, (size_t)m, x->Y, x->visible, x->seen, x->all);
   }
-  float each = (float)(2 * PI / samples);
+  float each = (float)(2 * YLM_PI / samples);
   if (occluded)
     for (size_t k = 0; k < count; k++) V[k] = -each * x->all[k];
   if (!mirror) return add_hemisphere(lmax, n, x->Y, V);
@@ -239,7 +237,7 @@ ylm_status ylm__shade_transfer(const ylm_shade_view *v, bool shadows, size_t n,
   j.zonal = ylm__shade_zonal(v->o.lmax);
   ylm_status s = j.disk && j.height && j.zonal ? YLM_OK : YLM_ENOMEM;
   for (int k = 0; s == YLM_OK && k < samples; k++) {
-    double turn = 2 * PI * ylm_scene_radical((uint32_t)k);
+    double turn = 2 * YLM_PI * ylm_scene_radical((uint32_t)k);
     j.disk[k][0] = (float)cos(turn);
     j.disk[k][1] = (float)sin(turn);
     j.height[k] = (float)k / (float)samples;

@@ -9,8 +9,6 @@
 #include "ylm_sh.h"
 #include "ylm_transfer.h"
 
-#define PI 3.14159265358979323846
-
 /* -- lattice.c: cells of all directions, the same everywhere ----------------------------------- */
 
 /* A border of two cells that lie side by side: a line of one coordinate of a face of the cube, from `from` on,

@@ -9,8 +9,9 @@
 ** a number of lights that depends on neither their number nor the room.
 */
 #include "levels.h"
-#include "keys.h"
 #include "near.h"
+#include "ylm_keys.h"
+#include "ylm_list.h"
 #include "ylm_sets.h"
 #include "ylm_sh.h"
 
@@ -22,10 +23,19 @@ enum { LEVELS = 24, TOP_POINTS = 2048, CHUNK = 2048, EXTENT = 1 << 28 };
 #define INSET 1e-3  /* of an edge */
 #define NONE UINT32_MAX
 
+/* A place on a lattice. */
+typedef struct level_key {
+  int32_t of[3];
+} level_key;
+
+static const level_key *key_at(const ylm_keys *t, size_t number) {
+  return ylm_keys_at(t, number, sizeof(level_key));
+}
+
 /* Cells of a lattice, and their corners. */
 typedef struct level {
   double edge[3], core;
-  ylm__keys cells, corners;
+  ylm_keys cells, corners;
   uint32_t (*corner)[8]; /* [cells] */
   uint32_t *above;       /* [corners] a cell of the level above that has the corner */
   float *rows;           /* [corners][4][stride] */
@@ -42,7 +52,7 @@ typedef struct levels {
   double origin[3];
   int32_t cells[3]; /* of the lowest level along an axis, at most */
   size_t count, stride;
-  ylm__keys finest;        /* cells of the lowest level that have points */
+  ylm_keys finest;         /* cells of the lowest level that have points */
   uint32_t *at;            /* [points] of these */
   uint32_t *leaf;          /* [finest] a cell */
   uint8_t *depth;          /* [finest] of this level */
@@ -57,20 +67,20 @@ typedef struct levels {
 
 /* Numbers the cells of the lowest level that have points. */
 static ylm_status find_cells(levels *s) {
-  ylm__key before = {{0}};
+  level_key before = {{0}};
   uint32_t number = NONE;
   double inverse[3];
   for (int a = 0; a < 3; a++) inverse[a] = 1 / s->level[0].edge[a];
   s->at = ylm_alloc(s->n, sizeof *s->at);
   if (!s->at) return YLM_ENOMEM;
   for (size_t i = 0; i < s->n; i++) {
-    ylm__key k = {{0}};
+    level_key k = {{0}};
     for (size_t a = 0; a < 3; a++) {
       int32_t at = (int32_t)(((double)s->points[3 * i + a] - s->origin[a]) * inverse[a]);
       k.of[a] = at < 0 ? 0 : at < s->cells[a] ? at : s->cells[a] - 1;
     }
     if (number == NONE || memcmp(&k, &before, sizeof k) != 0) {
-      ylm_status status = ylm__keys_put(&s->finest, &k, &number);
+      ylm_status status = ylm_keys_put(&s->finest, &k, sizeof k, &number);
       if (status != YLM_OK) return status;
       before = k;
     }
@@ -92,52 +102,40 @@ static ylm_status sort_points(levels *s) {
   return YLM_OK;
 }
 
-static ylm__key ancestor(const levels *s, uint32_t finest, int j) {
-  ylm__key k = s->finest.key[finest];
+static level_key ancestor(const levels *s, uint32_t finest, int j) {
+  level_key k = *key_at(&s->finest, finest);
   for (int a = 0; a < 3; a++) k.of[a] >>= j;
   return k;
 }
 
 /* Room for a cell more, and its corners. */
 static ylm_status reserve(level *l) {
-  if (l->cells.n + 1 >= l->room) {
-    size_t room = l->room ? 2 * l->room : 256;
-    uint32_t(*corner)[8] = ylm_alloc(room, sizeof *corner);
-    if (!corner) return YLM_ENOMEM;
-    ylm_copy(corner, l->corner, l->cells.n * sizeof *corner);
-    ylm_free(l->corner);
-    l->corner = corner, l->room = room;
-  }
-  if (l->corners.n + 8 >= l->corner_room) {
-    size_t room = l->corner_room ? 2 * l->corner_room : 512;
-    uint32_t *above = ylm_alloc(room, sizeof *above);
-    if (!above) return YLM_ENOMEM;
-    ylm_copy(above, l->above, l->corners.n * sizeof *above);
-    ylm_free(l->above);
-    l->above = above, l->corner_room = room;
-  }
+  if (!ylm_list_reserve(&l->corner, l->cells.n, l->cells.n + 1, &l->room, sizeof *l->corner) ||
+      !ylm_list_reserve(&l->above, l->corners.n, l->corners.n + 8, &l->corner_room,
+                        sizeof *l->above))
+    return YLM_ENOMEM;
   return YLM_OK;
 }
 
 /* The cell of level j with that key, whose parent is `above`: made where it is not there. */
-static ylm_status put_cell(level *l, const ylm__key *k, uint32_t above, uint32_t *number) {
+static ylm_status put_cell(level *l, const level_key *k, uint32_t above, uint32_t *number) {
   ylm_status status = reserve(l);
   size_t before = l->cells.n;
-  if (status == YLM_OK) status = ylm__keys_put(&l->cells, k, number);
+  if (status == YLM_OK) status = ylm_keys_put(&l->cells, k, sizeof *k, number);
   if (status != YLM_OK || l->cells.n == before) return status;
   for (int c = 0; c < 8 && status == YLM_OK; c++) {
-    ylm__key at = *k;
+    level_key at = *k;
     uint32_t corner = 0;
     for (int a = 0; a < 3; a++) at.of[a] += c >> a & 1;
     size_t corners = l->corners.n;
-    status = ylm__keys_put(&l->corners, &at, &corner);
+    status = ylm_keys_put(&l->corners, &at, sizeof at, &corner);
     if (l->corners.n > corners) l->above[corner] = above;
     l->corner[*number][c] = corner;
   }
   return status;
 }
 
-static void place_of(const levels *s, int j, const ylm__key *k, double beside, float out[3]) {
+static void place_of(const levels *s, int j, const level_key *k, double beside, float out[3]) {
   for (int a = 0; a < 3; a++)
     out[a] = (float)(s->origin[a] + ((double)k->of[a] + beside) * s->level[j].edge[a]);
 }
@@ -152,7 +150,7 @@ static ylm__near_lattice lattice_of(const levels *s, int j) {
 static ylm_status top_cells(levels *s) {
   ylm_status status = YLM_OK;
   for (uint32_t i = 0; i < s->finest.n && status == YLM_OK; i++) {
-    ylm__key k = ancestor(s, i, s->top);
+    level_key k = ancestor(s, i, s->top);
     status = put_cell(&s->level[s->top], &k, NONE, &s->leaf[i]);
     s->depth[i] = (uint8_t)s->top;
   }
@@ -162,28 +160,28 @@ static ylm_status top_cells(levels *s) {
 /* The cells of level j: those that `ring` reaches, of parents that have children. */
 static ylm_status cells_of(levels *s, int j, const ylm_light_virtual *ring) {
   const ylm__near_lattice lattice = lattice_of(s, j);
-  ylm__keys wanted = {0};
+  ylm_keys wanted = {0};
   uint32_t *which = ylm_alloc(s->finest.n, sizeof *which);
   ylm_status status = which ? YLM_OK : YLM_ENOMEM;
   for (uint32_t i = 0; i < s->finest.n && status == YLM_OK; i++) {
     if (s->depth[i] != j + 1) continue;
-    ylm__key k = ancestor(s, i, j);
-    status = ylm__keys_put(&wanted, &k, &which[i]);
+    level_key k = ancestor(s, i, j);
+    status = ylm_keys_put(&wanted, &k, sizeof k, &which[i]);
   }
   float *at = ylm_alloc(wanted.n, 3 * sizeof *at);
   uint8_t *touched = ylm_alloc(wanted.n, 1);
   if (!at || !touched) status = YLM_ENOMEM;
   for (size_t i = 0; i < wanted.n && status == YLM_OK; i++)
-    place_of(s, j, &wanted.key[i], 0.5, at + 3 * i);
+    place_of(s, j, key_at(&wanted, i), 0.5, at + 3 * i);
   if (status == YLM_OK)
     status = ylm__near_touch(ring, &lattice, wanted.n, at, s->o->threads, s->o->progress, touched);
   for (uint32_t i = 0; i < s->finest.n && status == YLM_OK; i++) {
     if (s->depth[i] != j + 1 || !touched[which[i]]) continue;
-    ylm__key k = wanted.key[which[i]];
+    level_key k = *key_at(&wanted, which[i]);
     status = put_cell(&s->level[j], &k, s->leaf[i], &s->leaf[i]);
     s->depth[i] = (uint8_t)j;
   }
-  ylm__keys_free(&wanted);
+  ylm_keys_free(&wanted);
   ylm_free(which);
   ylm_free(at);
   ylm_free(touched);
@@ -207,7 +205,7 @@ static ylm_status interpolate(void *context, size_t begin, size_t end, int worke
   const level *l = &s->level[j];
   for (size_t i = begin; i < end; i++) {
     const uint32_t above = l->above[i];
-    const ylm__key *own = &l->corners.key[i], *cell = &s->level[j + 1].cells.key[above];
+    const level_key *own = key_at(&l->corners, i), *cell = key_at(&s->level[j + 1].cells, above);
     const ylm__level_cell c = rows_of(s, j + 1, above);
     float t[3];
     for (int a = 0; a < 3; a++) t[a] = 0.5f * (float)(own->of[a] - 2 * cell->of[a]);
@@ -227,7 +225,8 @@ static ylm_status room_for_rows(const levels *s, level *l) {
 static float *places(const levels *s, int j) {
   const level *l = &s->level[j];
   float *at = ylm_alloc(l->corners.n, 3 * sizeof *at);
-  for (size_t i = 0; at && i < l->corners.n; i++) place_of(s, j, &l->corners.key[i], 0, at + 3 * i);
+  for (size_t i = 0; at && i < l->corners.n; i++)
+    place_of(s, j, key_at(&l->corners, i), 0, at + 3 * i);
   return at;
 }
 
@@ -327,7 +326,7 @@ static ylm_status shine_cell(const levels *s, chunk *c, uint32_t cell, const uin
                              size_t n) {
   const int j = s->depth[cell];
   const ylm__level_cell rows = rows_of(s, j, s->leaf[cell]);
-  const ylm__key *k = &s->level[j].cells.key[s->leaf[cell]];
+  const level_key *k = key_at(&s->level[j].cells, s->leaf[cell]);
   double inverse[3];
   for (int a = 0; a < 3; a++) inverse[a] = 1 / s->level[j].edge[a];
   for (size_t i = 0; i < n; i++) {
@@ -441,15 +440,15 @@ static ylm_status far_part(levels *s, ylm_light_virtual_levels_report *r, ylm_er
     r->corners += s->level[j].corners.n;
     r->cells += s->level[j].cells.n;
     r->bytes += s->level[j].corners.n * 4 * s->stride * sizeof(float);
-    ylm__keys_free(&s->level[j].cells);
-    ylm__keys_free(&s->level[j].corners);
+    ylm_keys_free(&s->level[j].cells);
+    ylm_keys_free(&s->level[j].corners);
     ylm_free(s->level[j].corner);
     ylm_free(s->level[j].above);
     ylm_free(s->level[j].rows);
     if (tiers && tiers[j].own) ylm__virtual_merged_free(&tiers[j].lights);
   }
   ylm_free(tiers);
-  ylm__keys_free(&s->finest);
+  ylm_keys_free(&s->finest);
   ylm_free(s->at);
   ylm_free(s->leaf);
   ylm_free(s->depth);
@@ -478,25 +477,14 @@ static bool find_lattice(levels *s, double edge) {
   return true;
 }
 
-#define CASE(isa)                                                                                  \
-  case YLM_ISA_##isa:                                                                              \
-    s->mix = ylm__level_mix_##isa;                                                                 \
-    s->shine = ylm__level_shine_##isa;                                                             \
-    return true;
-YLM_SETS_DECLARE(ylm__level_mix_fn, ylm__level_mix)
-YLM_SETS_DECLARE(ylm__level_shine_fn, ylm__level_shine)
+static YLM_KERNEL_CHOICE(ylm__level_mix_fn, mix_now, ylm__level_mix,
+                         NULL) static YLM_KERNEL_CHOICE(ylm__level_shine_fn, shine_now,
+                                                        ylm__level_shine, NULL)
 
-static bool find_kernels(levels *s) {
-  switch (ylm_isa_current()) {
-    YLM_SETS(CASE)
-  default: return false;
-  }
-}
-
-ylm_status ylm_light_virtual_irradiance(const ylm_light_virtual *lights,
-                                        const ylm_light_virtual_levels *o, size_t n,
-                                        const float *points, const float *normals, float *out,
-                                        ylm_light_virtual_levels_report *report, ylm_error *e) {
+    ylm_status
+    ylm_light_virtual_irradiance(const ylm_light_virtual *lights, const ylm_light_virtual_levels *o,
+                                 size_t n, const float *points, const float *normals, float *out,
+                                 ylm_light_virtual_levels_report *report, ylm_error *e) {
   ylm_light_virtual_levels_report own = {0}, *r = report ? report : &own;
   *r = (ylm_light_virtual_levels_report){0};
   levels s = {.lights = lights, .o = o, .n = n, .points = points, .normals = normals, .out = out};
@@ -520,7 +508,8 @@ ylm_status ylm_light_virtual_irradiance(const ylm_light_virtual *lights,
   if (!n || !lights->n) return YLM_OK;
   s.count = ylm_sh_count(o->lmax);
   s.stride = (3 * s.count + 15) / 16 * 16;
-  const bool vectors = find_kernels(&s);
+  s.mix = mix_now(), s.shine = shine_now();
+  const bool vectors = s.mix;
   ylm_light_virtual near = *lights;
   near.profile = YLM_LIGHT_VIRTUAL_NEAR;
   near.core = vectors ? o->core : INFINITY; /* without kernels lights are near everywhere */
@@ -535,7 +524,7 @@ ylm_status ylm_light_virtual_irradiance(const ylm_light_virtual *lights,
     return ylm_fail(e, YLM_ERANGE, "levels: points are too far apart for voxels of %g",
                     o->core * o->voxel);
   status = far_part(&s, r, e);
-  if (status != YLM_OK) return ylm_fail(e, status, "%s", ylm_status_text(status));
+  if (status != YLM_OK) return ylm_fail_plain(e, status);
   if (!ylm_all_finite(YLM_FLOAT, out, 3 * n, &where))
     return ylm_fail(e, YLM_ERANGE, "the light at point %zu is beyond the range of float",
                     where / 3 + 1);

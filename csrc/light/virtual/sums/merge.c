@@ -6,8 +6,8 @@
 ** are merged where normals and shifts are one, which is exact but for places. (csrc/emit/merge.c makes lights to be looked at
 ** from near by, out of particles: they are lifted above surfaces, and fitted.)
 */
-#include "keys.h"
 #include "levels.h"
+#include "ylm_keys.h"
 
 enum {
   FACES = 3, /* parts of a cube's edge that normals are told apart by */
@@ -51,15 +51,15 @@ static double weight_of(const ylm_light_virtual *v, size_t i) {
   return sum * (1 + v->shift[i]) * (1 + v->shift[i]);
 }
 
-static ylm_status number_lights(const ylm_light_virtual *v, double cell, ylm__keys *keys,
+static ylm_status number_lights(const ylm_light_virtual *v, double cell, ylm_keys *keys,
                                 uint32_t *of) {
   ylm_status s = YLM_OK;
   for (size_t i = 0; i < v->n && s == YLM_OK; i++) {
-    ylm__key k;
+    int32_t k[6]; /* a cell, a class */
     for (int a = 0; a < 3; a++)
-      k.of[a] = (int32_t)fmax(-0x1p30, fmin(0x1p30, floor(v->at[3 * i + a] / cell)));
-    class_of(v, i, k.of + 3);
-    s = ylm__keys_put(keys, &k, of + i);
+      k[a] = (int32_t)fmax(-0x1p30, fmin(0x1p30, floor(v->at[3 * i + a] / cell)));
+    class_of(v, i, k + 3);
+    s = ylm_keys_put(keys, k, sizeof k, of + i);
   }
   return s;
 }
@@ -122,13 +122,13 @@ static ylm_status make(const ylm_light_virtual *v, const uint32_t *of, size_t n,
 
 ylm_status ylm__virtual_merge(const ylm_light_virtual *v, double cell, double core,
                               ylm_light_virtual *m) {
-  ylm__keys keys = {0};
+  ylm_keys keys = {0};
   uint32_t *of = ylm_alloc(v->n, sizeof *of);
   *m = (ylm_light_virtual){0};
   ylm_status s = of ? number_lights(v, cell, &keys, of) : YLM_ENOMEM;
   if (s == YLM_OK) s = make(v, of, keys.n, core, m);
   if (s != YLM_OK) ylm__virtual_merged_free(m);
-  ylm__keys_free(&keys);
+  ylm_keys_free(&keys);
   ylm_free(of);
   return s;
 }

@@ -9,6 +9,7 @@
 #include <string.h>
 
 #include "near.h"
+#include "ylm_sets.h"
 #include "ylm_sh.h"
 
 enum { RUN = 8192, FINE = 3 }; /* points; bits of a cell's parts along an axis */
@@ -313,42 +314,17 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker_) {
 
 /* -- kernels -------------------------------------------------------------------------------- */
 
-#define SET(isa)                                                                                   \
-  ylm__near_cull_fn ylm__near_cull_##isa;                                                          \
-  ylm__virtual_near_fn ylm__near_irradiance_##isa, ylm__virtual_near_##isa;
-#define CASE(isa, n)                                                                               \
-  case YLM_ISA_##isa:                                                                              \
-    return (ylm__near_kernels){n, ylm__near_cull_##isa, ylm__near_irradiance_##isa,                \
-                               ylm__virtual_near_##isa};
-#if defined(__x86_64__)
-SET(sse2)
-SET(avx2)
-SET(avx512)
-#elif defined(__aarch64__)
-SET(neon)
-#endif
+static const ylm__near_kernels none = {0};
+static YLM_KERNEL_CHOICE(const ylm__near_kernels, kernels_now, ylm__near_kernels, &none)
 
-static ylm__near_kernels kernels_of(ylm_isa isa) {
-  switch (isa) {
-#if defined(__x86_64__)
-    CASE(sse2, 4)
-    CASE(avx2, 8)
-    CASE(avx512, 16)
-#elif defined(__aarch64__)
-    CASE(neon, 4)
-#endif
-  default: return (ylm__near_kernels){0};
-  }
-}
+    /* -- all ------------------------------------------------------------------------------------ */
 
-/* -- all ------------------------------------------------------------------------------------ */
-
-/* The reference: the whole field of the lights, to no distance. */
-static ylm_status run_plainly(search *s, const ylm_field_query *q, size_t n, ylm_error *e) {
+    /* The reference: the whole field of the lights, to no distance. */
+    static ylm_status run_plainly(search *s, const ylm_field_query *q, size_t n, ylm_error *e) {
   size_t count = ylm_sh_count(q->lmax);
   float *L = ylm_alloc(3 * count * n, sizeof *L), *Y = ylm_alloc(count * n, sizeof *Y);
   ylm_field_result r = {.value = L};
-  ylm_status status = L && Y ? YLM_OK : ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status status = L && Y ? YLM_OK : ylm_no_memory(e);
   if (status == YLM_OK)
     status = ylm_light_virtual_evaluate(s->lights, YLM_ISA_reference, q, n, s->points, &r, e);
   if (status == YLM_OK && s->normals)
@@ -376,7 +352,7 @@ static ylm_status sum(search *s, const ylm_field_query *q, const ylm_progress *p
     status = ylm_parallel((s->n + RUN - 1) / RUN, 1, q->threads, run, s, progress, "near lights");
   ylm__virtual_plan_free(&s->plan);
   release(&s->of_lights);
-  return status == YLM_OK ? status : ylm_fail(e, status, "%s", ylm_status_text(status));
+  return status == YLM_OK ? status : ylm_fail_plain(e, status);
 }
 
 static double length_of(const float v[3]) {
@@ -410,7 +386,7 @@ static ylm_status near_sums(search *s, int lmax, size_t n, int threads,
   s->n = n;
   s->reach = YLM_LIGHT_VIRTUAL_REACH * s->lights->core;
   for (int a = 0; a < 3; a++) s->size[a] = s->reach;
-  s->kernels = kernels_of(ylm_isa_current());
+  s->kernels = *kernels_now();
   ylm_status status = s->kernels.lanes ? sum(s, &q, progress, e) : run_plainly(s, &q, n, e);
   if (pairs) *pairs = s->kernels.lanes ? (uint64_t)s->pairs : (uint64_t)n * s->lights->n;
   if (status == YLM_OK && !ylm_all_finite(YLM_FLOAT, s->out, n * s->wide, &where))
@@ -431,7 +407,7 @@ ylm_status ylm_light_virtual_near_irradiance(const ylm_light_virtual *lights, in
               .zonal = zonal,
               .wide = 3};
   for (int l = 0; l <= lmax && l <= YLM_LIGHT_LMAX; l++)
-    zonal[l] = (float)(ylm_sh_cosine_factor(l) * (2 * l + 1) / (4 * M_PI));
+    zonal[l] = (float)(ylm_sh_cosine_factor(l) * (2 * l + 1) / (4 * YLM_PI));
   return near_sums(&s, lmax, n, threads, progress, pairs, e);
 }
 
@@ -456,7 +432,7 @@ static ylm_status between(search *s, int lmax, int want, int threads, const ylm_
                        .dtype = YLM_FLOAT,
                        .threads = threads};
   s->reach = YLM_LIGHT_VIRTUAL_REACH * s->lights->outer;
-  s->kernels = kernels_of(ylm_isa_current());
+  s->kernels = *kernels_now();
   if (!s->n || !s->lights->n) return YLM_OK;
   ylm_status status = sum(s, &q, progress, NULL);
   if (pairs) *pairs += (uint64_t)s->pairs;

@@ -183,3 +183,10 @@ ylm_status YLM_KERNEL(ylm__near_irradiance)(const ylm__virtual_plan *p,
     for (size_t c = 0; c < 3; c++) near->out[i][c] += sum[c][i];
   return YLM_OK;
 }
+
+ylm__virtual_near_fn YLM_KERNEL(ylm__virtual_near);
+extern const ylm__near_kernels YLM_KERNEL(ylm__near_kernels);
+
+const ylm__near_kernels YLM_KERNEL(ylm__near_kernels) = {LANES, YLM_KERNEL(ylm__near_cull),
+                                                         YLM_KERNEL(ylm__near_irradiance),
+                                                         YLM_KERNEL(ylm__virtual_near)};

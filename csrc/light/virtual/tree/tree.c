@@ -30,7 +30,7 @@ static void find_bounds(ylm__virtual_tree_plan *p, const ylm_field_query *q) {
   double G[YLM__NORMS];
   ylm__tree_norms(q->lmax, G);
   for (int k = 0; k < 3; k++) {
-    p->norm[k] = G[k] / M_PI; /* of intensity 1 */
+    p->norm[k] = G[k] / YLM_PI; /* of intensity 1 */
     for (int j = 0; j < 4; j++) p->c[k][j] = (float)(G[1 + k + j] / G[k]);
   }
   /* High degrees vary faster. */
@@ -96,14 +96,7 @@ bool ylm__virtual_tree_pays(const ylm__virtual_tree *t, int lmax, double toleran
   return t && (double)t->lights->n >= least;
 }
 
-YLM_SETS_DECLARE(ylm__virtual_tree_range, ylm__virtual_tree)
-
-ylm__virtual_tree_range *ylm__virtual_tree_kernel(ylm_isa isa) {
-  switch (isa) {
-    YLM_SETS_RETURN(ylm__virtual_tree)
-  default: return NULL;
-  }
-}
+YLM_KERNEL_CHOICE_OF(ylm__virtual_tree_range, ylm__virtual_tree_kernel, ylm__virtual_tree, NULL)
 
 /* -- the field ------------------------------------------------------------------------------ */
 
@@ -166,7 +159,7 @@ ylm_status ylm__virtual_within_evaluate(const void *of, ylm_isa isa, const ylm_f
     ylm__virtual_tree_plan_free(&plan);
   }
   ylm__local_end(&local);
-  if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s != YLM_OK) return ylm_fail_plain(e, s);
   return ylm_light_finite(q, n, points, r, e);
 }
 
@@ -189,7 +182,7 @@ ylm_status ylm__virtual_within(void *of, double tolerance, int threads, ylm_fiel
   if (s == YLM_OK && !v->tree) s = ylm__virtual_tree_create(v, threads, &v->tree);
   if (s != YLM_OK) {
     ylm_free(w);
-    return ylm_fail(e, s, "%s", ylm_status_text(s));
+    return ylm_fail_plain(e, s);
   }
   *w = (within){
       {.self = w, .evaluate = evaluate, .crosses = crosses, .relative = true}, v, tolerance};

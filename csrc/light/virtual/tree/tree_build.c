@@ -11,6 +11,7 @@
 
 #include "tree.h"
 #include "ylm_image.h"
+#include "ylm_list.h"
 
 /* Deeper than this, sets are halved by count. */
 #define DEEP 40
@@ -71,14 +72,11 @@ static uint32_t halve(builder *b, uint32_t begin, uint32_t end, bool deep) {
 
 static ylm_status grow(builder *b) {
   ylm__virtual_tree *t = b->t;
-  if (t->nodes + 2 <= b->room) return YLM_OK;
-  size_t room = b->room ? 2 * b->room : 64, n = t->nodes;
-  ylm__virtual_node *node = ylm_realloc(t->node, n * sizeof *node, room, sizeof *node);
-  if (!node) return YLM_ENOMEM;
-  t->node = node;
-  uint8_t *depth = ylm_realloc(b->depth, n, room, 1);
-  if (!depth) return YLM_ENOMEM;
-  b->depth = depth;
+  size_t n = t->nodes, room = ylm_list_room(b->room, n + 2);
+  if (room == b->room) return YLM_OK;
+  if (!ylm_list_resize(&t->node, n, room, sizeof *t->node) ||
+      !ylm_list_resize(&b->depth, n, room, sizeof *b->depth))
+    return YLM_ENOMEM;
   b->room = room;
   return YLM_OK;
 }
@@ -147,7 +145,7 @@ static void as_sphere(const ylm__virtual_tree *t, size_t i, ylm__lamp_d *l) {
     const double *b = v->emission + (3 * i + c) * wide;
     double s = 0;
     for (size_t q = 0; q < wide; q++) s += b[q] * b[q];
-    s = (1 + v->shift[i]) * sqrt(s / (4 * M_PI)) / (l->radius * l->radius);
+    s = (1 + v->shift[i]) * sqrt(s / (4 * YLM_PI)) / (l->radius * l->radius);
     l->rgb[c] = b[0] < 0 ? -s : s;
   }
   l->luminance = ylm__emission(l->rgb, 1, 0);
@@ -194,13 +192,8 @@ static ylm_status write(ylm__virtual_tree *t, const uint32_t *node, size_t n,
     size_t each = YLM__VIRTUAL_PLACE + 3 * (x->degree ? YLM__VIRTUAL_RICH : YLM__VIRTUAL_MATTE);
     size_t numbers = x->many * each;
     if (t->numbers + numbers > UINT32_MAX) return YLM_ENOMEM;
-    if (t->numbers + numbers > *room) {
-      size_t more = *room ? *room + *room / 2 : 16384;
-      float *p = ylm_realloc(t->proxies, t->numbers * sizeof *p, more, sizeof *p);
-      if (!p) return YLM_ENOMEM;
-      t->proxies = p;
-      *room = more;
-    }
+    if (!ylm_list_reserve(&t->proxies, t->numbers, t->numbers + numbers, room, sizeof *t->proxies))
+      return YLM_ENOMEM;
     x->proxies = (uint32_t)t->numbers;
     memcpy(t->proxies + t->numbers, from[i], numbers * sizeof *t->proxies);
     t->numbers += numbers;
