@@ -10,7 +10,7 @@
 #define YLM_PI 3.14159265358979323846
 
 /* Weights of linear Rec. 709 red, green and blue in luminance. In Lua: core.luminance; in the page's sources:
-   LUMINANCE_R, _G, _B, which lua/ylm/codegen/page.lua reads here. */
+   LUMINANCE_R, _G, _B, which lua/ylm/page/viewer.lua fills in. */
 #define YLM_LUMINANCE_R 0.2126
 #define YLM_LUMINANCE_G 0.7152
 #define YLM_LUMINANCE_B 0.0722
