@@ -205,13 +205,13 @@ void ylm__grid_trim(ylm_grid *g) {
   g->data = data;
   g->data_bytes = bytes;
   g->point_room = n; /* of all arrays, though the others may have more */
-  grow(&g->lattice, n, n, 3 * sizeof *g->lattice);
-  grow(&g->lambda, n, n, sizeof *g->lambda);
-  grow(&g->norm, n, n, sizeof *g->norm);
-  grow(&g->flags, n, n, 1);
-  if (grow(&g->cell, g->cells, g->cells, sizeof *g->cell)) g->cell_room = g->cells;
+  ylm_list_resize(&g->lattice, n, n, 3 * sizeof *g->lattice);
+  ylm_list_resize(&g->lambda, n, n, sizeof *g->lambda);
+  ylm_list_resize(&g->norm, n, n, sizeof *g->norm);
+  ylm_list_resize(&g->flags, n, n, 1);
+  if (ylm_list_resize(&g->cell, g->cells, g->cells, sizeof *g->cell)) g->cell_room = g->cells;
   size_t born = n - g->evaluated;
-  if (born && grow(&g->birth, born, born, sizeof *g->birth)) g->birth_room = born;
+  if (born && ylm_list_resize(&g->birth, born, born, sizeof *g->birth)) g->birth_room = born;
   ylm__grid_count(g);
   ylm__grid_sync(g);
 }
