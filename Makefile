@@ -41,8 +41,18 @@ STRAIGHT := -O2 -fno-tree-pre -fno-code-hoisting -fno-gcse -fno-tree-vrp
 STRAIGHT := $(if $(filter -O3,$(OPT)),$(shell $(CC) $(STRAIGHT) -Werror -E -x c /dev/null >/dev/null 2>&1 && echo $(STRAIGHT)))
 KERNEL_OPT = $(if $(filter -g,$(OPT)),-g1) $(if $(findstring /gen/,$(1)),$(STRAIGHT) $(SANITIZE_gen))
 
+# Links to the public headers, which alone are on the include path; made anew where their list or its place has changed.
+INCLUDE := $(BUILD)/include
+PUBLIC  := $(wildcard csrc/*/ylm_*.h)
+link_headers = rm -rf $(INCLUDE) && mkdir -p $(INCLUDE) && ln -s $(realpath $(PUBLIC)) $(INCLUDE)
+ifneq ($(if $(MAKECMDGOALS),$(filter-out clean help,$(MAKECMDGOALS)),all),)
+ifneq ($(sort $(realpath $(wildcard $(INCLUDE)/*))),$(sort $(realpath $(PUBLIC))))
+$(shell $(link_headers))
+endif
+endif
+
 CFLAGS  := -std=gnu11 -fPIC -fvisibility=hidden -fopenmp -fno-math-errno -fno-trapping-math -MMD -MP \
-           $(OPT) $(CWARN) $(SANITIZE) -Icsrc $(foreach d,$(CORE) $(CODEC) $(SCENE) vulkan vtk rival mpi,-Icsrc/$(d))
+           $(OPT) $(CWARN) $(SANITIZE) -I$(INCLUDE)
 LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now -Wl,-z,nodelete $(if $(SANITIZE),,-Wl,-z,defs)
 
 pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
@@ -235,6 +245,7 @@ help:   ## this list
 
 clean:   ## remove build and out
 	rm -rf $(BUILD) $(OUT)
+	$(if $(filter-out clean help,$(MAKECMDGOALS)),@$(link_headers))
 
 # Builds of check-long stand in folders of their own; a root of Debian there has folders of such names.
 -include $(shell find $(BUILD) \( -path $(BUILD)/portable -o -path $(BUILD)/embree -o -path $(BUILD)/asan \) -prune -o -name '*.d' -print 2>/dev/null)
