@@ -551,7 +551,7 @@ ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_vir
   size_t where;
   ylm_many_lights l = {0};
   ylm_many_series series = {0};
-  const ylm_shade_rival *rival;
+  const ylm_shade_rival *rival = NULL;
   ylm_many_host host;
   job j = {.view = v,
            .o = o,
