@@ -7,7 +7,7 @@ D        = $(DESTDIR)$(PREFIX)
 version  = $(patsubst lua%,%,$(1))
 
 # Headers of the libraries that are built, less those that only the libraries' own files include.
-PRIVATE  := $(addprefix ylm_,intrinsics.h keys.h list.h real.h sets.h simd.h vector.h light_device.h sh_rival.h material_rival.h)
+PRIVATE  := $(addprefix ylm_,intrinsics.h keys.h list.h real.h sets.h simd.h vector.h light_device.h sh_rival.h material_rival.h shade_rival.h shade_rise.h)
 FOLDERS   = $(CORE) $(if $(WITH_CODEC),$(CODEC)) $(if $(WITH_SCENE),$(SCENE)) $(filter vtk vulkan rival mpi,$(HAVE))
 HEADERS   = $(filter-out $(addprefix %/,$(PRIVATE)),$(wildcard $(FOLDERS:%=csrc/%/ylm_*.h)))
 

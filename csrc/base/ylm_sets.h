@@ -29,7 +29,7 @@
 /*
 ** YLM_KERNEL_CHOICE - defines the function that gives the kernel in use.
 **
-**   YLM_KERNEL_CHOICE(sum_fn, ylm__sum, ylm_k_sum, plain)
+**   YLM_KERNEL_CHOICE(sum_fn, ylm__sum, ylm_k_sum, plain);
 **
 ** is `sum_fn *ylm__sum(void)`: the address of ylm_k_sum_avx2 or its like of another set, which files
 ** x.isa.c define, or `plain` by default, which may be NULL. Kernels are functions, or tables of them
@@ -37,9 +37,11 @@
 ** `static` may stand before either.
 */
 #define YLM_KERNEL_CHOICE(type, function, name, plain)                                             \
-  type *function(void) { YLM__KERNEL_OF(type, ylm_isa_current(), name, plain) }
+  type *function(void) { YLM__KERNEL_OF(type, ylm_isa_current(), name, plain) }                     \
+  _Static_assert(1, "a semicolon follows")
 #define YLM_KERNEL_CHOICE_OF(type, function, name, plain)                                          \
-  type *function(ylm_isa isa) { YLM__KERNEL_OF(type, isa, name, plain) }
+  type *function(ylm_isa isa) { YLM__KERNEL_OF(type, isa, name, plain) }                            \
+  _Static_assert(1, "a semicolon follows")
 
 #define YLM__SET_CASE(isa, name)                                                                   \
   case YLM_ISA_##isa:                                                                              \

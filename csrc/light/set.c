@@ -312,3 +312,11 @@ ylm_status ylm_light_set_evaluate(const ylm_light_set *set, ylm_isa isa, const y
 /* -- fields of another origin --------------------------------------------------------------- */
 
 const ylm__light_kind ylm__foreign_kind = {.name = "field"};
+
+bool ylm_light_set_part(const ylm_light_set *set, size_t i, ylm_light_part *out) {
+  if (i >= set->packs) return false;
+  const ylm__light_pack *p = set->pack[i];
+  *out = (ylm_light_part){.kind = p->kind->name};
+  if (p->kind->device) p->kind->device(p->of, out);
+  return true;
+}

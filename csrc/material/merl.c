@@ -37,7 +37,7 @@ static void places(int phis, size_t n, const float (*wi)[3], const float (*wo)[3
   }
 }
 
-YLM_KERNEL_CHOICE(merl_places_fn, ylm__merl_places, ylm_k_merl_places, places)
+YLM_KERNEL_CHOICE(merl_places_fn, ylm__merl_places, ylm_k_merl_places, places);
 
 bool ylm_material_merl_centre(int theta_h, int theta_d, int phi_d, double wi[3], double wo[3]) {
   double root = (theta_h + 0.5) / MERL_THETA_H, th = root * root * YLM_PI / 2;

@@ -28,9 +28,9 @@ struct slice_room {
 };
 
 static const slice_kernels plain = {slice_places, slice_sums};
-static YLM_KERNEL_CHOICE(const slice_kernels, kernels_now, ylm_k_material_slice, &plain)
+static YLM_KERNEL_CHOICE(const slice_kernels, kernels_now, ylm_k_material_slice, &plain);
 
-    static bool make_recurrence(int lmax, slice_recurrence *r) {
+static bool make_recurrence(int lmax, slice_recurrence *r) {
   size_t entries = (size_t)(lmax + 1) * (size_t)(lmax + 2) / 2;
   double *p = ylm_alloc(entries, sizeof *p);
   *r = (slice_recurrence){lmax, ylm_alloc((size_t)lmax + 1, sizeof(double)),

@@ -15,12 +15,12 @@ static void plain(size_t n, int rows, const float *const *a, const float *w, flo
   }
 }
 
-static YLM_KERNEL_CHOICE(material_blend_fn, blend_now, ylm_k_material_blend, plain)
+static YLM_KERNEL_CHOICE(material_blend_fn, blend_now, ylm_k_material_blend, plain);
 
-    /* -- asking ---------------------------------------------------------------------- */
+/* -- asking ---------------------------------------------------------------------- */
 
-    /* acos x for x in 0 .. 1, to 3e-8 (Abramowitz & Stegun 1964, 4.4.46). */
-    static double arc(double x) {
+/* acos x for x in 0 .. 1, to 3e-8 (Abramowitz & Stegun 1964, 4.4.46). */
+static double arc(double x) {
   static const double c[8] = {1.5707963050, -0.2145988016, 0.0889789874, -0.0501743046,
                               0.0308918810, -0.0170881256, 0.0066700901, -0.0012624911};
   double sum = c[7];

@@ -131,14 +131,13 @@ static size_t scratch_of(const void *plan, ylm_dtype t) {
   return n * sizeof(double);
 }
 
-static YLM_KERNEL_CHOICE(
-    ylm__fourier_run_float, run_float, ylm__fourier_run_f,
-    ylm__fourier_run_f_reference) static YLM_KERNEL_CHOICE(ylm__fourier_run_double, run_double,
-                                                           ylm__fourier_run_d,
-                                                           ylm__fourier_run_d_reference)
+static YLM_KERNEL_CHOICE(ylm__fourier_run_float, run_float, ylm__fourier_run_f,
+                         ylm__fourier_run_f_reference);
+static YLM_KERNEL_CHOICE(ylm__fourier_run_double, run_double, ylm__fourier_run_d,
+                         ylm__fourier_run_d_reference);
 
-    static void apply(const void *plan, ylm_dtype t, const void *const *c, void *out, void *scratch,
-                      double *stage) {
+static void apply(const void *plan, ylm_dtype t, const void *const *c, void *out, void *scratch,
+                  double *stage) {
   if (t == YLM_DOUBLE)
     run_double()(plan, (const double *const *)c, out, scratch, stage);
   else

@@ -47,4 +47,4 @@ static void nodes(const scene_node *node, bool flat, const float x[3], const flo
   }
 }
 
-YLM_KERNEL_CHOICE(ylm_scene_nodes_fn, ylm__scene_nodes, ylm_k_scene_nodes, nodes)
+YLM_KERNEL_CHOICE(ylm_scene_nodes_fn, ylm__scene_nodes, ylm_k_scene_nodes, nodes);

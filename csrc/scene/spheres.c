@@ -31,4 +31,4 @@ static void spheres(size_t n, const float normal[3], scene_spheres *a) {
   }
 }
 
-YLM_KERNEL_CHOICE(ylm_scene_spheres_fn, ylm__scene_spheres, ylm_k_scene_spheres, spheres)
+YLM_KERNEL_CHOICE(ylm_scene_spheres_fn, ylm__scene_spheres, ylm_k_scene_spheres, spheres);

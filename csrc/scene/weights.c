@@ -28,4 +28,4 @@ static void weights(size_t chunks, float *const lamp[4], const float *luminance,
   }
 }
 
-YLM_KERNEL_CHOICE(ylm_scene_weights_fn, ylm__scene_weights, ylm_k_scene_weights, weights)
+YLM_KERNEL_CHOICE(ylm_scene_weights_fn, ylm__scene_weights, ylm_k_scene_weights, weights);

@@ -39,10 +39,8 @@ static void mix(size_t count, size_t n, int functions, int channels, size_t t_ro
   }
 }
 
-static YLM_KERNEL_CHOICE(ylm_shade_dot_fn, dot_now, ylm_k_shade_dot, dot) static YLM_KERNEL_CHOICE(
-    ylm_shade_sums_fn, sums_now, ylm_k_shade_sums,
-    sums) static YLM_KERNEL_CHOICE(ylm_shade_mix_fn, mix_now, ylm_k_shade_mix, mix)
+static YLM_KERNEL_CHOICE(ylm_shade_dot_fn, dot_now, ylm_k_shade_dot, dot);
+static YLM_KERNEL_CHOICE(ylm_shade_sums_fn, sums_now, ylm_k_shade_sums, sums);
+static YLM_KERNEL_CHOICE(ylm_shade_mix_fn, mix_now, ylm_k_shade_mix, mix);
 
-    shade_kernels ylm__shade_kernels(void) {
-  return (shade_kernels){dot_now(), sums_now(), mix_now()};
-}
+shade_kernels ylm__shade_kernels(void) { return (shade_kernels){dot_now(), sums_now(), mix_now()}; }

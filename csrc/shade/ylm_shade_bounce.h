@@ -16,6 +16,7 @@ extern "C" {
 #endif
 
 typedef struct ylm_light_virtual ylm_light_virtual; /* ylm_light_virtual.h */
+struct ylm_shade_rival;                             /* ylm_shade_rival.h */
 
 /* -- links -------------------------------------------------------------------- */
 
@@ -235,8 +236,11 @@ typedef struct ylm_shade_gather_report {
 **
 **   out  out  [points][3]
 **
-** Returns  YLM_OK; YLM_ERANGE (an option; lmax above YLM_MATERIAL_TABLE_LMAX, where surfaces gloss), YLM_EINVAL (compensation without a bound), YLM_ENOMEM,
-**          YLM_ECANCELLED (progress stages "virtual lights", "compensation")
+** Methods but HVL, and INTERLEAVED, are those of libylm_rival.so (ylm_shade_rival_set).
+**
+** Returns  YLM_OK; YLM_ERANGE (an option; lmax above YLM_MATERIAL_TABLE_LMAX, where surfaces gloss), YLM_EINVAL (compensation
+**          without a bound), YLM_EMISSING (a method of libylm_rival.so), YLM_ENOMEM, YLM_ECANCELLED (progress stages
+**          "virtual lights", "compensation")
 ** Cost     a pair: HVL some ns (lmax 4, one core), VPL 1 ns, VSL some ns a direction (matte), 50 (gloss); a ray with shadows; tables of
 **          materials that gloss, which they keep
 ** Source   Mezieres & Paulin 2022; Keller 1997, "Instant Radiosity"; Kollig & Keller 2004,
@@ -249,6 +253,9 @@ YLM_API ylm_status ylm_shade_gather_virtual(const ylm_shade_view *view,
                                             const ylm_light_virtual *lights,
                                             const ylm_shade_gather_options *o, float *out,
                                             ylm_shade_gather_report *report, ylm_error *e);
+
+/* Makes the methods that ylm_rival_many answers known for the life of the process. May be called again, and from any thread. */
+YLM_API void ylm_shade_rival_set(const struct ylm_shade_rival *rival);
 
 typedef struct ylm_shade_near_report {
   uint64_t pairs; /* of lights and points that were looked at */

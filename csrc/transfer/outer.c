@@ -12,4 +12,4 @@ static void plain(size_t n, size_t rows, size_t width, const float *left, const 
     }
 }
 
-YLM_KERNEL_CHOICE(ylm_transfer_outer_fn, ylm__transfer_outer, ylm_k_transfer_outer, plain)
+YLM_KERNEL_CHOICE(ylm_transfer_outer_fn, ylm__transfer_outer, ylm_k_transfer_outer, plain);

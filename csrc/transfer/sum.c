@@ -14,7 +14,7 @@ static void plain(size_t n, int links, const uint32_t *link, int width, const fl
     }
 }
 
-YLM_KERNEL_CHOICE(ylm_transfer_sum_fn, ylm__transfer_sum, ylm_k_transfer_sum, plain)
+YLM_KERNEL_CHOICE(ylm_transfer_sum_fn, ylm__transfer_sum, ylm_k_transfer_sum, plain);
 
 typedef struct job {
   ylm_transfer_sum_fn *sum;

@@ -55,7 +55,7 @@ typedef struct baker {
   size_t unsettleds;
 } baker;
 
-/* -- baker.c -------------------------------------------------------------------------------- */
+/* -- bake.c: begin and end --------------------------------------------------------------- */
 
 void ylm__baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_error *e);
 /* Frees what a baker holds, the grid and what it has learnt excepted. */
@@ -189,7 +189,7 @@ bool ylm__beside_wanted(const ylm_grid *g, const ylm_grid_source *s);
 ylm_status ylm__beside_mark(occupancy *o, const ylm_grid *g, const ylm_grid_source *s);
 ylm_status ylm__beside_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark);
 
-/* -- row.c ---------------------------------------------------------------------------------- */
+/* -- measure.c ---------------------------------------------------------------------------------- */
 
 /* Relative distance of two rows; 0 where both vanish. A norm below `floor` counts as that. */
 double ylm__row_distance(const float *a, const float *exact, size_t width, double floor);

@@ -8,7 +8,7 @@
 #include "ylm_sets.h"
 #include "ylm_sh.h"
 
-YLM_KERNEL_CHOICE_OF(ylm__flat_range, ylm__flat_kernel, ylm__flat_range, NULL)
+YLM_KERNEL_CHOICE_OF(ylm__flat_range, ylm__flat_kernel, ylm__flat_range, NULL);
 
 /* Coefficients of the monic recurrence, and what makes Y of monic polynomials. */
 static void make_harmonics(ylm__flat_plan *plan) {

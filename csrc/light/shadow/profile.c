@@ -14,7 +14,7 @@
 
 #define PAD 16 /* rings begin at a multiple of it */
 
-YLM_KERNEL_CHOICE(shadow_profile_fn, ylm__shadow_profile, ylm_k_shadow_profile, NULL)
+YLM_KERNEL_CHOICE(shadow_profile_fn, ylm__shadow_profile, ylm_k_shadow_profile, NULL);
 
 /* -- rings ------------------------------------------------------------------------------------- */
 

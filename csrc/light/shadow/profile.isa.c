@@ -1,4 +1,4 @@
-/* profile.isa.c - a sphere at the directions of a rule, once per instruction set; profile.h has the plain form. */
+/* profile.isa.c - a sphere at the directions of a rule, once per instruction set; spheres.real.c has the plain form. */
 #include "ylm_simd.h"
 
 #include "shadow.h"

@@ -7,4 +7,4 @@ static void sums(size_t n, float *out, const float *a, const float *b, const flo
   for (size_t i = 0; i < n; i++) out[i] = a[i] * b[i] + c[i] * d[i];
 }
 
-YLM_KERNEL_CHOICE(shadow_sums_fn, ylm__shadow_sums, ylm_k_shadow_sums, sums)
+YLM_KERNEL_CHOICE(shadow_sums_fn, ylm__shadow_sums, ylm_k_shadow_sums, sums);

@@ -299,10 +299,9 @@ void ylm__virtual_plan_free(ylm__virtual_plan *p) {
 
 /* -- kernels -------------------------------------------------------------------------------- */
 
-static YLM_KERNEL_CHOICE_OF(ylm__virtual_range, kernel_float, ylm__virtual_range_float,
-                            NULL) static YLM_KERNEL_CHOICE_OF(ylm__virtual_range, kernel_double,
-                                                              ylm__virtual_range_double, NULL)
+static YLM_KERNEL_CHOICE_OF(ylm__virtual_range, kernel_float, ylm__virtual_range_float, NULL);
+static YLM_KERNEL_CHOICE_OF(ylm__virtual_range, kernel_double, ylm__virtual_range_double, NULL);
 
-    ylm__virtual_range *ylm__virtual_kernel(ylm_isa isa, const ylm_field_query *q) {
+ylm__virtual_range *ylm__virtual_kernel(ylm_isa isa, const ylm_field_query *q) {
   return is_narrow(q) ? kernel_float(isa) : kernel_double(isa);
 }

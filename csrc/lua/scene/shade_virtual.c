@@ -75,6 +75,12 @@ static int shade_virtual(lua_State *L) {
   return ylmL_result_progress(L, 2, s, &e, &p);
 }
 
+/* shade_rivals(many() of ylm.c.rival): methods of shade_virtual that answered EMISSING */
+static int shade_rivals(lua_State *L) {
+  ylm_shade_rival_set(lua_touserdata(L, 1));
+  return 0;
+}
+
 /* shade_near(view, lights, "transfer" | "cosine", lmax, radiance [n][3], threads, progress) -> radiance,
    which it adds to, {pairs, seconds} */
 static int shade_near(lua_State *L) {
@@ -111,6 +117,7 @@ static int shade_reflect(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {{"shade_virtual", shade_virtual},
+                                     {"shade_rivals", shade_rivals},
                                      {"shade_near", shade_near},
                                      {"shade_reflect", shade_reflect},
                                      {NULL, NULL}};

@@ -14,33 +14,37 @@
 typedef struct job {
   const ylm_shade_view *view;
   const ylm_shade_gather_options *o;
-  const gather_lights *lights;
-  gather_ask ask;
-  gather_kernels kernels;
-  gather_gloss *gloss; /* NULL: all points are matte */
+  const ylm_many_lights *lights;
+  ylm_many_ask ask;
+  ylm_many_kernels kernels;
+  many_gloss *gloss; /* NULL: all points are matte */
   float *out;
   atomic_uint_fast64_t rays, pairs, kept;
 } job;
 
 /* Memory of one block of points. */
 typedef struct scratch {
-  float w[4][GATHER_CHUNK];        /* of functions or channels; of a matte base */
-  float I[3][GATHER_CHUNK];        /* intensities towards the point */
-  float to[GATHER_CHUNK][3];       /* directions to lights */
-  float f[GATHER_CHUNK][3];        /* reflectances there */
-  float keep[GATHER_CHUNK];        /* factors of lights, where few are kept */
-  float *row;                      /* [ylm__gather_gloss_room] */
-  ylm_trace_ray ray[GATHER_CHUNK]; /* to the middles of lights */
-  uint16_t of[GATHER_CHUNK];
+  float w[4][YLM_MANY_CHUNK];        /* of functions or channels; of a matte base */
+  float I[3][YLM_MANY_CHUNK];        /* intensities towards the point */
+  float to[YLM_MANY_CHUNK][3];       /* directions to lights */
+  float f[YLM_MANY_CHUNK][3];        /* reflectances there */
+  float keep[YLM_MANY_CHUNK];        /* factors of lights, where few are kept */
+  float *row;                        /* [ylm__many_gloss_room] */
+  ylm_trace_ray ray[YLM_MANY_CHUNK]; /* to the middles of lights */
+  uint16_t of[YLM_MANY_CHUNK];
   uint64_t rays, pairs, kept;
   size_t begin, end; /* lights that the point asks */
-  gather_walk walk;  /* along them, where few are kept */
+  many_walk walk;    /* along them, where few are kept */
 } scratch;
+
+static _Atomic(const ylm_shade_rival *) known;
+
+void ylm_shade_rival_set(const ylm_shade_rival *rival) { atomic_store(&known, rival); }
 
 /* -- lights ----------------------------------------------------------------------- */
 
 /* Puts light i in place `to`. */
-static void put(const gather_lights *l, size_t i, size_t to) {
+static void put(const ylm_many_lights *l, size_t i, size_t to) {
   const ylm_light_virtual_form *f = &l->form;
   bool turned = false;
   for (size_t k = 0; k < 3; k++) {
@@ -55,23 +59,23 @@ static void put(const gather_lights *l, size_t i, size_t to) {
 }
 
 /* Puts emission of a degree of light i in place `to` as kernels want it. */
-static void put_lobes(const gather_lights *l, size_t i, size_t place) {
+static void put_lobes(const ylm_many_lights *l, size_t i, size_t place) {
   const ylm_light_virtual_form *f = &l->form;
-  size_t block = l->series->entries * 6 * GATHER_LOBES, count = ylm_sh_count(f->degree);
-  float *to = l->lobe + place / GATHER_LOBES * block + place % GATHER_LOBES;
-  uint8_t *top = &l->top[place / GATHER_LOBES];
+  size_t block = l->series->entries * 6 * YLM_MANY_LOBES, count = ylm_sh_count(f->degree);
+  float *to = l->lobe + place / YLM_MANY_LOBES * block + place % YLM_MANY_LOBES;
+  uint8_t *top = &l->top[place / YLM_MANY_LOBES];
   for (size_t c = 0; c < 3; c++)
     for (int q = 0; q <= f->degree; q++)
       for (int m = -q; m <= q; m++) {
         double b = f->emission[(3 * i + c) * count + (size_t)(q * (q + 1) + m)];
-        size_t k = ylm__gather_entry(f->degree, q, m < 0 ? -m : m);
-        to[(6 * k + 2 * c + (m < 0)) * GATHER_LOBES] = (float)b;
+        size_t k = ylm_many_entry(f->degree, q, m < 0 ? -m : m);
+        to[(6 * k + 2 * c + (m < 0)) * YLM_MANY_LOBES] = (float)b;
         if (b != 0 && q > *top) *top = (uint8_t)q;
       }
 }
 
 /* The luminance of light i; of a degree its root mean square over directions. */
-static float bright(const gather_lights *l, size_t i) {
+static float bright(const ylm_many_lights *l, size_t i) {
   const ylm_light_virtual_form *f = &l->form;
   size_t count = ylm_sh_count(f->degree);
   double I[3];
@@ -84,11 +88,11 @@ static float bright(const gather_lights *l, size_t i) {
   return (float)ylm_luminance_size(I);
 }
 
-static ylm_status make_room(gather_lights *l, const ylm_shade_gather_options *o) {
+static ylm_status make_room(ylm_many_lights *l, const ylm_shade_gather_options *o) {
   size_t side = o->subset == YLM_SHADE_INTERLEAVED ? (size_t)o->tile : 1,
          g = l->groups = side * side;
   l->n = o->method == YLM_SHADE_VSGL ? o->groups : l->form.n;
-  l->padded = (l->n + GATHER_CHUNK - 1) / GATHER_CHUNK * GATHER_CHUNK;
+  l->padded = (l->n + YLM_MANY_CHUNK - 1) / YLM_MANY_CHUNK * YLM_MANY_CHUNK;
   if (g > 1) {
     l->begin = ylm_alloc(g + 1, sizeof *l->begin);
     if (!l->begin) return YLM_ENOMEM;
@@ -96,7 +100,7 @@ static ylm_status make_room(gather_lights *l, const ylm_shade_gather_options *o)
     for (size_t k = 0; k <= g; k++) {
       size_t own = l->n > k ? (l->n - k + g - 1) / g : 0;
       l->begin[k] = l->padded;
-      if (k < g) l->padded += (own + GATHER_LOBES - 1) / GATHER_LOBES * GATHER_LOBES;
+      if (k < g) l->padded += (own + YLM_MANY_LOBES - 1) / YLM_MANY_LOBES * YLM_MANY_LOBES;
     }
     l->n = l->padded;
   }
@@ -112,20 +116,21 @@ static ylm_status make_room(gather_lights *l, const ylm_shade_gather_options *o)
   if (o->subset == YLM_SHADE_STOCHASTIC) l->bright = p + 11 * l->padded;
   for (size_t i = 0; i < l->padded; i++) l->radius[i] = 1;
   if (l->form.degree == 0) return YLM_OK;
-  l->lobe = ylm_alloc_zero(l->padded / GATHER_LOBES,
-                           l->series->entries * 6 * GATHER_LOBES * sizeof *l->lobe);
-  l->top = ylm_alloc_zero(l->padded / GATHER_LOBES, 1);
+  l->lobe = ylm_alloc_zero(l->padded / YLM_MANY_LOBES,
+                           l->series->entries * 6 * YLM_MANY_LOBES * sizeof *l->lobe);
+  l->top = ylm_alloc_zero(l->padded / YLM_MANY_LOBES, 1);
   return l->lobe && l->top ? YLM_OK : YLM_ENOMEM;
 }
 
 static ylm_status read_lights(const ylm_light_virtual *from, const ylm_shade_gather_options *o,
-                              const gather_series *s, gather_lights *l) {
+                              const ylm_shade_rival *rival, const ylm_many_series *s,
+                              ylm_many_lights *l) {
   ylm_light_virtual_get(from, &l->form);
   l->series = s;
   ylm_status status = make_room(l, o);
   if (status == YLM_OK && o->method == YLM_SHADE_VSGL) {
     l->form.degree = 0;
-    return ylm__gather_parts(from, o->groups, &l->n, l);
+    return rival->parts(from, o->groups, &l->n, l);
   }
   for (size_t i = 0; status == YLM_OK && i < l->form.n; i++) {
     size_t to = l->begin ? l->begin[i % l->groups] + i / l->groups : i;
@@ -140,7 +145,7 @@ static ylm_status read_lights(const ylm_light_virtual *from, const ylm_shade_gat
 
 /* Drops lights that something hides from point p, whose weights are known, `rows` of each. */
 static void look(const job *j, scratch *s, size_t p, size_t first, size_t lights, int rows) {
-  const gather_lights *l = j->lights;
+  const ylm_many_lights *l = j->lights;
   const ylm_trace *trace = ylm_scene_trace(j->view->scene);
   const float *x = j->view->origin[p];
   size_t n = 0;
@@ -170,7 +175,7 @@ static void look(const job *j, scratch *s, size_t p, size_t first, size_t lights
 
 /* Intensities of lights from `first` on towards point p. */
 static void send(const job *j, scratch *s, size_t p, size_t first, size_t n, const float *I[3]) {
-  const gather_lights *l = j->lights;
+  const ylm_many_lights *l = j->lights;
   bool degree = l->form.degree > 0;
   bool soft = j->o->method == YLM_SHADE_HVL && l->form.profile != YLM_LIGHT_VIRTUAL_CAP &&
               l->form.profile != YLM_LIGHT_VIRTUAL_POINT;
@@ -178,8 +183,8 @@ static void send(const job *j, scratch *s, size_t p, size_t first, size_t n, con
   for (int c = 0; c < 3; c++) I[c] = degree ? s->I[c] : l->intensity[c] + first;
 }
 
-/* A bound of the light of light i as a sphere at x; many_vsl.c. */
-static double sphere_bound(const gather_lights *l, size_t i, const float x[3]) {
+/* A bound of the light of light i as a sphere at x. */
+static double sphere_bound(const ylm_many_lights *l, size_t i, const float x[3]) {
   double d2 = 0, r2 = (double)l->radius[i] * (double)l->radius[i];
   for (int k = 0; k < 3; k++) {
     double v = (double)l->at[k][i] - (double)x[k];
@@ -190,12 +195,12 @@ static double sphere_bound(const gather_lights *l, size_t i, const float x[3]) {
 
 /* The factor of light i, as a sphere: 0 leaves it out. */
 static float keep_sphere(const job *j, scratch *s, size_t i, const float x[3]) {
-  const gather_lights *l = j->lights;
+  const ylm_many_lights *l = j->lights;
   float factor = 1;
   bool none =
       l->shift[i] == 0 && l->normal[0][i] == 0 && l->normal[1][i] == 0 && l->normal[2][i] == 0;
   if (i >= l->n || none) return 0; /* padding */
-  if (l->bright) factor = ylm__gather_keep(&s->walk, sphere_bound(l, i, x));
+  if (l->bright) factor = ylm__many_keep(&s->walk, sphere_bound(l, i, x));
   s->kept += factor > 0;
   return factor;
 }
@@ -207,7 +212,7 @@ static void thin(const job *j, scratch *s, size_t first, size_t n, int rows) {
     float most = 0;
     for (int f = 0; f < rows; f++) most = fmaxf(most, fabsf(s->w[f][k]));
     if (most == 0) continue;
-    float factor = ylm__gather_keep(&s->walk, (double)most * (double)bright[first + k]);
+    float factor = ylm__many_keep(&s->walk, (double)most * (double)bright[first + k]);
     s->kept += factor > 0;
     for (int f = 0; f < rows; f++) s->w[f][k] *= factor;
   }
@@ -218,11 +223,11 @@ static const float *keep_spheres(const job *j, scratch *s, size_t first, size_t 
                                  const float x[3]) {
   if (!j->lights->bright) return NULL;
   for (size_t k = 0; k < n; k++) s->keep[k] = keep_sphere(j, s, first + k, x);
-  for (size_t k = n; k < GATHER_CHUNK; k++) s->keep[k] = 0;
+  for (size_t k = n; k < YLM_MANY_CHUNK; k++) s->keep[k] = 0;
   return s->keep;
 }
 
-static void weigh(const job *j, scratch *s, const gather_ask *a, size_t p, size_t first, size_t n,
+static void weigh(const job *j, scratch *s, const ylm_many_ask *a, size_t p, size_t first, size_t n,
                   const uint32_t seed[2]) {
   const float *x = j->view->position[p], *N = j->view->normal[p];
   if (j->o->method != YLM_SHADE_VSL) {
@@ -237,26 +242,26 @@ static void weigh(const job *j, scratch *s, const gather_ask *a, size_t p, size_
 /* Sets out for point p: its random numbers, and the lights that it asks. */
 static void start(const job *j, scratch *s, size_t pixel, uint64_t stream, bool all,
                   uint32_t seed[2]) {
-  const gather_lights *l = j->lights;
+  const ylm_many_lights *l = j->lights;
   ylm_rng rng;
   ylm_rng_seed(&rng, j->o->seed, stream);
   s->begin = 0, s->end = l->n;
   s->walk.alpha = j->ask.alpha;
   if (l->bright) s->walk.upto = j->ask.alpha * ylm_rng_double(&rng);
   for (int k = 0; k < 2; k++) seed[k] = ylm_rng_u32(&rng);
-  size_t group = l->begin && !all ? ylm__gather_group(j->view, j->o->tile, pixel) : 0;
+  size_t group = l->begin && !all ? ylm__many_group(j->view, j->o->tile, pixel) : 0;
   if (l->begin && !all) s->begin = l->begin[group], s->end = l->begin[group + 1];
   s->pairs += l->begin && !all ? (l->form.n + l->groups - 1 - group) / l->groups : l->n;
 }
 
 /* Lights from `first` on that go into one call of a kernel. */
 static size_t chunk(const job *j, const scratch *s, size_t first) {
-  return j->lights->begin && s->end - first < GATHER_CHUNK ? s->end - first : GATHER_CHUNK;
+  return j->lights->begin && s->end - first < YLM_MANY_CHUNK ? s->end - first : YLM_MANY_CHUNK;
 }
 
 /* Irradiance of point p. */
 static void gather(const job *j, scratch *s, size_t p, size_t pixel, uint64_t stream) {
-  gather_ask a = j->ask;
+  ylm_many_ask a = j->ask;
   double sum[3] = {0, 0, 0};
   float albedo[3];
   uint32_t seed[2];
@@ -286,15 +291,15 @@ static float luminous(const float x[3]) {
 }
 
 /* Weights of points: the matte ones times f, which bounds of all but the light are of too. */
-static void reflect_points(const job *j, scratch *s, const gather_ask *ask,
-                           const gather_receiver *r, const float tint[3], size_t p, size_t first,
+static void reflect_points(const job *j, scratch *s, const ylm_many_ask *ask,
+                           const ylm_many_receiver *r, const float tint[3], size_t p, size_t first,
                            size_t lights) {
-  const gather_lights *l = j->lights;
+  const ylm_many_lights *l = j->lights;
   const float *x = j->view->position[p];
-  gather_ask a = *ask;
+  ylm_many_ask a = *ask;
   ylm_shade_gather_options free_of_bounds = *j->o;
   bool whole = j->o->clamp == YLM_SHADE_CLAMP_WHOLE;
-  uint16_t of[GATHER_CHUNK];
+  uint16_t of[YLM_MANY_CHUNK];
   size_t n = 0;
   if (whole) free_of_bounds.clamp = YLM_SHADE_CLAMP_NONE, a.o = &free_of_bounds;
   j->kernels.weights(l, &a, first, lights, x, j->view->normal[p], s->w[0]);
@@ -309,7 +314,7 @@ static void reflect_points(const job *j, scratch *s, const gather_ask *ask,
     for (int c = 0; c < 3; c++) s->to[n][c] /= sqrtf(d2);
     of[n++] = (uint16_t)k;
   }
-  ylm__gather_eval(r, n, (const float(*)[3])s->to, s->f);
+  ylm__many_eval(r, n, (const float(*)[3])s->to, s->f);
   for (size_t i = 0; i < n; i++) {
     float g = s->w[0][of[i]];
     for (int c = 0; c < 3; c++) s->f[i][c] *= tint[c];
@@ -320,9 +325,9 @@ static void reflect_points(const job *j, scratch *s, const gather_ask *ask,
 }
 
 /* Weights of lights from `first` on in s->w, by channels or functions of the receiver; how many rows. */
-static int weigh_gloss(const job *j, scratch *s, const gather_receiver *r, const float tint[3],
+static int weigh_gloss(const job *j, scratch *s, const ylm_many_receiver *r, const float tint[3],
                        size_t p, size_t first, size_t n, const uint32_t seed[2]) {
-  const gather_lights *l = j->lights;
+  const ylm_many_lights *l = j->lights;
   const float *x = j->view->position[p], *N = j->view->normal[p];
   if (j->o->method == YLM_SHADE_VPL) {
     reflect_points(j, s, &j->ask, r, tint, p, first, n);
@@ -330,7 +335,7 @@ static int weigh_gloss(const job *j, scratch *s, const gather_receiver *r, const
   }
   if (j->o->method == YLM_SHADE_VSL) {
     const float *keep = keep_spheres(j, s, first, n, x);
-    ylm__gather_spheres_gloss(l, &j->ask, r, first, n, x, seed, keep, s->w);
+    j->kernels.spheres_gloss(l, &j->ask, r, first, n, x, seed, keep, s->w);
     for (int c = 0; c < 3; c++)
       for (size_t k = 0; k < n; k++) s->w[c][k] *= tint[c];
     return 3;
@@ -338,7 +343,7 @@ static int weigh_gloss(const job *j, scratch *s, const gather_receiver *r, const
   j->kernels.gloss(l, &j->ask, r, first, n, x, s->w);
   bool paper = j->o->method == YLM_SHADE_HVL && j->o->horizon == YLM_SHADE_HORIZON_PAPER;
   for (size_t k = 0; paper && k < n; k++) {
-    float part = first + k < l->n ? (float)ylm__gather_above(l, first + k, x, N) : 0;
+    float part = first + k < l->n ? (float)ylm__many_above(l, first + k, x, N) : 0;
     for (int f = 0; f < r->functions; f++) s->w[f][k] *= part;
   }
   if (j->o->method == YLM_SHADE_VSGL && r->based) {
@@ -356,11 +361,11 @@ static ylm_status gather_gloss_point(const job *j, scratch *s, size_t p, size_t 
                                      uint64_t stream) {
   double sum[3][3] = {{0}}, out[3] = {0, 0, 0};
   float tint[3] = {1, 1, 1};
-  gather_receiver r;
+  ylm_many_receiver r;
   uint32_t seed[2];
   ylm__shade_tint(j->view, p, 1, tint);
   start(j, s, pixel, stream, true, seed);
-  ylm_status status = ylm__gather_receive(j->gloss, j->view, p, s->row, &r);
+  ylm_status status = ylm__many_receive(j->gloss, j->view, p, s->row, &r);
   for (size_t first = s->begin, n; status == YLM_OK && first < s->end; first += n) {
     const float *I[3];
     n = chunk(j, s, first);
@@ -369,7 +374,7 @@ static ylm_status gather_gloss_point(const job *j, scratch *s, size_t p, size_t 
     if (j->o->shadows) look(j, s, p, first, n, rows);
     send(j, s, p, first, n, I);
     if (!r.mix)
-      j->kernels.collect_each(n, (const float(*)[GATHER_CHUNK])s->w, I, out);
+      j->kernels.collect_each(n, (const float(*)[YLM_MANY_CHUNK])s->w, I, out);
     else
       for (int f = 0; f < rows; f++) j->kernels.collect(n, s->w[f], I, sum[f]);
   }
@@ -384,13 +389,13 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
   scratch *s = ylm_alloc(1, sizeof *s);
-  float *row = j->gloss ? ylm_alloc(ylm__gather_gloss_room(j->gloss), sizeof *row) : NULL;
+  float *row = j->gloss ? ylm_alloc(ylm__many_gloss_room(j->gloss), sizeof *row) : NULL;
   ylm_status status = s && (row || !j->gloss) ? YLM_OK : YLM_ENOMEM;
   shade_stream at = ylm__shade_stream_at(j->view, begin);
   if (s) s->rays = s->pairs = s->kept = 0, s->row = row;
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     uint64_t stream = ylm__shade_stream_next(j->view, &at);
-    if (ylm__gather_glosses(j->gloss, j->view, i))
+    if (ylm__many_glosses(j->gloss, j->view, i))
       status = gather_gloss_point(j, s, i, at.pixel, stream);
     else
       gather(j, s, i, at.pixel, stream);
@@ -409,8 +414,8 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 static void reflect(const job *j, float *out) {
   const ylm_shade_view *v = j->view;
   for (size_t i = 0, behind; i < v->points; i = behind) {
-    bool glosses = ylm__gather_glosses(j->gloss, v, i);
-    for (behind = i + 1; behind < v->points && ylm__gather_glosses(j->gloss, v, behind) == glosses;)
+    bool glosses = ylm__many_glosses(j->gloss, v, i);
+    for (behind = i + 1; behind < v->points && ylm__many_glosses(j->gloss, v, behind) == glosses;)
       behind++;
     if (!glosses) ylm__shade_reflect(v, i, behind - i, out + 3 * i);
   }
@@ -457,7 +462,7 @@ static ylm_status check(const ylm_shade_gather_options *o, const ylm_light_virtu
   return YLM_OK;
 }
 
-static ylm_status make_ask(gather_ask *a, const gather_lights *l) {
+static ylm_status make_ask(ylm_many_ask *a, const ylm_many_lights *l) {
   const ylm_shade_gather_options *o = a->o;
   double zonal[YLM_SHADE_GATHER_LMAX + 1], R2 = l->form.core * l->form.core;
   ylm_status s = ylm_material_cosine(o->lmax, zonal);
@@ -481,12 +486,12 @@ static ylm_status choose_alpha(job *j) {
   if (!s) return YLM_ENOMEM;
   for (size_t i = 0; i < points; i++) {
     size_t p = i * v->points / points;
-    for (size_t first = 0; first < j->lights->n; first += GATHER_CHUNK) {
+    for (size_t first = 0; first < j->lights->n; first += YLM_MANY_CHUNK) {
       bool sphere = j->o->method == YLM_SHADE_VSL;
       if (!sphere)
-        j->kernels.weights(j->lights, &j->ask, first, GATHER_CHUNK, v->position[p], v->normal[p],
+        j->kernels.weights(j->lights, &j->ask, first, YLM_MANY_CHUNK, v->position[p], v->normal[p],
                            s->w[0]);
-      for (size_t k = 0; k < GATHER_CHUNK && first + k < j->lights->n; k++)
+      for (size_t k = 0; k < YLM_MANY_CHUNK && first + k < j->lights->n; k++)
         sum += sphere ? sphere_bound(j->lights, first + k, v->position[p])
                       : (double)(fabsf(s->w[0][k]) * j->lights->bright[first + k]);
     }
@@ -496,9 +501,46 @@ static ylm_status choose_alpha(job *j) {
   return YLM_OK;
 }
 
-static bool keeps(const void *context, size_t p) {
-  const job *j = context;
-  return ylm__gather_glosses(j->gloss, j->view, p);
+/* Whether a question is one of libylm_rival.so. */
+static bool is_rival(const ylm_shade_gather_options *o) {
+  return o->method != YLM_SHADE_HVL || o->subset == YLM_SHADE_INTERLEAVED;
+}
+
+/* The table of libylm_rival.so, where the question is one of it; else NULL. */
+static ylm_status find_rival(const ylm_shade_gather_options *o, const ylm_shade_rival **out,
+                             ylm_error *e) {
+  *out = is_rival(o) ? atomic_load(&known) : NULL;
+  if (*out || !is_rival(o)) return YLM_OK;
+  return ylm_fail(e, YLM_EMISSING,
+                  "this way to ask virtual lights needs libylm_rival: call "
+                  "ylm_shade_rival_set(ylm_rival_many())");
+}
+
+static size_t first_point(const ylm_shade_view *v, size_t pixel) { return v->pixel[pixel].first; }
+
+/* A view as rivals see it. */
+static ylm_many_host host_of(const ylm_shade_view *v, const many_gloss *gloss) {
+  return (ylm_many_host){.view = v,
+                         .gloss = gloss,
+                         .scene = v->scene,
+                         .trace = ylm_scene_trace(v->scene),
+                         .points = v->points,
+                         .size = {(size_t)v->image[0], (size_t)v->image[1]},
+                         .eye = v->frame.from,
+                         .origin = (const float(*)[3])v->origin,
+                         .normal = (const float(*)[3])v->normal,
+                         .mesh = v->mesh,
+                         .first = first_point,
+                         .stream = ylm__shade_stream,
+                         .albedo = ylm__shade_albedo,
+                         .tint = ylm__shade_tint,
+                         .glosses = ylm__many_glosses,
+                         .receive = ylm__many_receive,
+                         .eval = ylm__many_eval,
+                         .basis = ylm_scene_basis,
+                         .nearest = ylm_trace_nearest,
+                         .surfaces = ylm_scene_surfaces,
+                         .places = ylm_path_places};
 }
 
 ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_virtual *from,
@@ -506,13 +548,15 @@ ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_vir
                                     ylm_shade_gather_report *report, ylm_error *e) {
   double begun = ylm_seconds();
   size_t where;
-  gather_lights l = {0};
-  gather_series series = {0};
+  ylm_many_lights l = {0};
+  ylm_many_series series = {0};
+  const ylm_shade_rival *rival = NULL;
+  ylm_many_host host;
   job j = {.view = v,
            .o = o,
            .lights = &l,
            .ask = {.o = o},
-           .kernels = ylm__gather_kernels(o),
+           .kernels = ylm__many_kernels(o),
            .out = out};
   ylm_light_virtual_form form;
   ylm_light_virtual *own;
@@ -520,23 +564,26 @@ ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_vir
   if (own) from = own;
   ylm_light_virtual_get(from, &form);
   if (s == YLM_OK) s = check_subset(v, o, e);
-  if (s == YLM_OK) s = ylm__gather_series(form.degree, &series);
+  if (s == YLM_OK) s = find_rival(o, &rival, e);
+  if (s == YLM_OK && rival) rival->kernels(o->method, &j.kernels);
+  if (s == YLM_OK) s = ylm__many_series(form.degree, &series);
   if (s == YLM_OK) s = check(o, &form, e);
-  if (s == YLM_OK) s = read_lights(from, o, &series, &l);
+  if (s == YLM_OK) s = read_lights(from, o, rival, &series, &l);
   if (s == YLM_OK) s = make_ask(&j.ask, &l);
-  if (s == YLM_OK) s = ylm__gather_gloss(v, o, &j.gloss, e);
+  if (s == YLM_OK) s = ylm__many_gloss(v, o, &j.gloss, e);
+  host = host_of(v, j.gloss);
+  j.ask.host = &host;
   j.ask.alpha = o->alpha;
   if (s == YLM_OK && l.bright && o->alpha == 0) s = choose_alpha(&j);
   if (s == YLM_OK)
     s = ylm_parallel(v->points, o->method == YLM_SHADE_VSL && o->samples > MANY ? 1 : GRAIN,
                      o->threads, run, &j, o->progress, "virtual lights");
-  if (s == YLM_OK && l.begin)
-    s = ylm__gather_filter(v, o->tile, j.gloss ? keeps : NULL, &j, o->threads, out);
+  if (s == YLM_OK && l.begin) s = rival->filter(&host, o->tile, o->threads, out);
   uint64_t rays = j.rays, singular = 0;
   if (s == YLM_OK && !l.begin &&
       (o->method == YLM_SHADE_VPL || form.profile == YLM_LIGHT_VIRTUAL_POINT))
-    s = ylm__gather_singular(v, &l, &singular);
-  if (s == YLM_OK && o->compensate) s = ylm__gather_compensate(v, &j.ask, j.gloss, out, &rays, e);
+    s = ylm__many_singular(v, &l, &singular);
+  if (s == YLM_OK && o->compensate) s = rival->compensate(&j.ask, out, &rays, e);
   if (s == YLM_OK) reflect(&j, out);
   if (s == YLM_OK && !ylm_all_finite(YLM_FLOAT, out, 3 * v->points, &where))
     s = ylm_fail(e, YLM_ERANGE,
@@ -547,8 +594,8 @@ ylm_status ylm_shade_gather_virtual(const ylm_shade_view *v, const ylm_light_vir
   ylm_free(l.begin);
   ylm_free(l.lobe);
   ylm_free(l.top);
-  ylm__gather_series_free(&series);
-  ylm__gather_gloss_free(j.gloss);
+  ylm__many_series_free(&series);
+  ylm__many_gloss_free(j.gloss);
   size_t lights = o->method == YLM_SHADE_VSGL ? l.n : form.n;
   ylm_light_virtual_free(own);
   *report = (ylm_shade_gather_report){.pairs = j.pairs,

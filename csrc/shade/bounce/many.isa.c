@@ -3,41 +3,16 @@
 #include "ylm_simd.h"
 
 #include "many_gloss.h"
+#include "ylm_shade_rise.h"
 
-ylm_shade_weights_fn YLM_KERNEL(ylm_k_shade_weights);
-ylm_shade_collect_fn YLM_KERNEL(ylm_k_shade_collect);
-ylm_shade_collect_each_fn YLM_KERNEL(ylm_k_shade_collect_each);
-ylm_shade_send_fn YLM_KERNEL(ylm_k_shade_send);
-ylm_shade_gloss_fn YLM_KERNEL(ylm_k_shade_gloss);
-
-YLM_INLINE ylm_vf least(ylm_vf a, ylm_vf b) { return ylm_vf_select(a < b, a, b); }
-YLM_INLINE ylm_vf most(ylm_vf a, ylm_vf b) { return ylm_vf_select(a > b, a, b); }
-
-/* e^x for x <= 0, to 2 units in the last place; 0 below -87. */
-YLM_INLINE ylm_vf exponential(ylm_vf x) {
-  const ylm_vf zero = {0};
-  ylm_vi dark = x < zero - 87;
-  x = ylm_vf_select(dark, zero, x);
-  ylm_vf round = x * 1.44269504f + 12582912.0f, n = round - 12582912.0f;
-  ylm_vf r = x - n * 0.693359375f + n * 2.12194440e-4f, p = zero + 1.9875691500e-4f;
-  p = p * r + 1.3981999507e-3f;
-  p = p * r + 8.3334519073e-3f;
-  p = p * r + 4.1665795894e-2f;
-  p = p * r + 1.6666665459e-1f;
-  p = p * r + 5.0000001201e-1f;
-  p = p * r * r + r + 1;
-  ylm_vi power = ((ylm_vi)round << 23) + (127 << 23); /* of 2^n */
-  return ylm_vf_select(dark, zero, p * (ylm_vf)power);
-}
-
-/* 1 - e^-t for t >= 0. */
-YLM_INLINE ylm_vf rise(ylm_vf t) {
-  ylm_vf series = t * (1 - t * (0.5f - t * (0.16666667f - t * (0.041666668f - t * 0.0083333334f))));
-  return ylm_vf_select(t < 0.1f, series, 1 - exponential(-t));
-}
+ylm_many_weights_fn YLM_KERNEL(ylm_k_many_weights);
+ylm_many_collect_fn YLM_KERNEL(ylm_k_many_collect);
+ylm_many_collect_each_fn YLM_KERNEL(ylm_k_many_collect_each);
+ylm_many_send_fn YLM_KERNEL(ylm_k_many_send);
+ylm_many_gloss_fn YLM_KERNEL(ylm_k_many_gloss);
 
 /* G_0 of Gaussian lights and points, and what e^(-l(l+1) s^2 / 2 d^2) is a product of. */
-YLM_INLINE ylm_vf strength(const gather_ask *a, int profile, ylm_vf r, ylm_vf d2, ylm_vf *decay) {
+YLM_INLINE ylm_vf strength(const ylm_many_ask *a, int profile, ylm_vf r, ylm_vf d2, ylm_vf *decay) {
   const ylm_vf one = (ylm_vf){0} + 1;
   ylm_vf safe = most(d2, one * 1e-30f), inverse = 1 / safe, sg2 = r * r * 0.25f;
   *decay = one;
@@ -51,7 +26,7 @@ YLM_INLINE ylm_vf strength(const gather_ask *a, int profile, ylm_vf r, ylm_vf d2
 }
 
 /* sum over l of z_l G_l P_l(c), of Gaussian lights and points. */
-YLM_INLINE ylm_vf by_degrees(const gather_ask *a, int profile, ylm_vf r, ylm_vf d2, ylm_vf c) {
+YLM_INLINE ylm_vf by_degrees(const ylm_many_ask *a, int profile, ylm_vf r, ylm_vf d2, ylm_vf c) {
   const ylm_vf one = (ylm_vf){0} + 1;
   ylm_vf decay, G = strength(a, profile, r, d2, &decay);
   ylm_vf A = one, q = one, P0 = one, P1 = c, sum = one * a->zonal[0];
@@ -65,7 +40,7 @@ YLM_INLINE ylm_vf by_degrees(const gather_ask *a, int profile, ylm_vf r, ylm_vf 
   return G * sum;
 }
 
-YLM_INLINE ylm_vf by_cap(const gather_ask *a, ylm_vf r, ylm_vf d2, ylm_vf c) {
+YLM_INLINE ylm_vf by_cap(const ylm_many_ask *a, ylm_vf r, ylm_vf d2, ylm_vf c) {
   const ylm_vf one = (ylm_vf){0} + 1;
   ylm_vf m2 = most(d2, r * r), alpha = ylm_vf_sqrt(most(one * 0, 1 - r * r / m2));
   ylm_vf P0 = one, P1 = c, Q0 = one, Q1 = alpha, D0 = one * 0, D1 = one;
@@ -79,25 +54,10 @@ YLM_INLINE ylm_vf by_cap(const gather_ask *a, ylm_vf r, ylm_vf d2, ylm_vf c) {
   return sum / m2;
 }
 
-YLM_INLINE ylm_vf as_point(const gather_ask *a, ylm_vf d2, ylm_vf c, ylm_vf cosine) {
+YLM_INLINE void weigh(const ylm_many_lights *l, const ylm_many_ask *a, int profile, size_t first,
+                      size_t n, const float x[3], const float N[3], float *w) {
   const ylm_vf one = (ylm_vf){0} + 1;
-  float limit = (float)a->o->limit, f = a->reflectance;
-  ylm_vf inverse = 1 / most(d2, one * 1e-30f), g = most(one * 0, c) * cosine;
-  switch (a->o->clamp) {
-  case YLM_SHADE_CLAMP_DISTANCE: g *= least(inverse, one * limit); break;
-  case YLM_SHADE_CLAMP_GEOMETRY: g = least(g * inverse, one * limit); break;
-  case YLM_SHADE_CLAMP_WHOLE:
-    g = f > 0 ? least(g * inverse, one * (limit / f)) : g * inverse;
-    break;
-  default: g *= inverse;
-  }
-  return ylm_vf_select(d2 > 0, g, one * 0);
-}
-
-YLM_INLINE void weigh(const gather_lights *l, const gather_ask *a, int profile, bool point,
-                      size_t first, size_t n, const float x[3], const float N[3], float *w) {
-  const ylm_vf one = (ylm_vf){0} + 1;
-  bool soft = !point && profile != YLM_LIGHT_VIRTUAL_CAP && profile != YLM_LIGHT_VIRTUAL_POINT;
+  bool soft = profile != YLM_LIGHT_VIRTUAL_CAP && profile != YLM_LIGHT_VIRTUAL_POINT;
   for (size_t k = 0; k < n; k += YLM_VF) {
     size_t i = first + k;
     ylm_vf vx = ylm_vf_load(l->at[0] + i) - x[0], vy = ylm_vf_load(l->at[1] + i) - x[1],
@@ -109,115 +69,28 @@ YLM_INLINE void weigh(const gather_lights *l, const gather_ask *a, int profile, 
     ylm_vf D =
         soft ? ylm_vf_sqrt(most(d2 + r * r * (0.25f / 16), one * 1e-30f)) : ylm_vf_sqrt(safe);
     ylm_vf cosine = most(one * 0, ylm_vf_load(l->shift + i) + along / D), g;
-    if (point)
-      g = as_point(a, d2, c, cosine);
-    else if (profile == YLM_LIGHT_VIRTUAL_CAP)
+    if (profile == YLM_LIGHT_VIRTUAL_CAP)
       g = cosine * by_cap(a, r, d2, c);
     else
       g = cosine * by_degrees(a, profile, r, d2, c);
-    if (!point && a->o->horizon == YLM_SHADE_HORIZON_GATE) g = ylm_vf_select(up < -r, one * 0, g);
+    if (a->o->horizon == YLM_SHADE_HORIZON_GATE) g = ylm_vf_select(up < -r, one * 0, g);
     ylm_vf_store(w + k, g);
   }
 }
 
-/* -- Gaussian lights: many_vsgl.c has the plain form ----------------------------------- */
-
-/* (1 - e^(-2k))/k for k > 0. */
-YLM_INLINE ylm_vf area(ylm_vf k) { return rise(2 * k) / k; }
-
-/* The mean of the clamped cosine under a lobe of sharpness k, c the cosine from its axis to the normal. */
-YLM_INLINE ylm_vf clamped(ylm_vf k, ylm_vf c) {
-  const ylm_vf one = (ylm_vf){0} + 1;
-  ylm_vf e = exponential(-2 * most(k, one * 0.1f)), over = 1 / most(k, one * 0.1f);
-  ylm_vf R = (1 + e) / (1 - e) - over, each = R * over, c2 = c * c;
-  ylm_vf v = each + c2 * (1 - 3 * each) - c2 * R * R;
-  /* without terms that cancel, where the lobe is sharp */
-  v = ylm_vf_select(k > 20, (1 - c2) * over + (2 * c2 - 1) * over * over, v);
-  ylm_vf small = 1.0f / 3 - k * k * (1.0f / 45);
-  R = ylm_vf_select(k < 0.1f, k * (1.0f / 3) * (1 - k * k * (1.0f / 15)), R);
-  v = ylm_vf_select(k < 0.1f, small + c2 * (1 - 3 * small) - c2 * R * R, v);
-  ylm_vf mean = c * R, s = ylm_vf_sqrt(most(v, one * 1e-30f)), t = mean / s;
-  ylm_vf bell = exponential(-0.5f * t * t) * 0.39894228f, away = ylm_vf_select(t < 0, -t, t);
-  /* the normal distribution's tail, to 7.5e-8 (Abramowitz & Stegun 1964, 26.2.17) */
-  ylm_vf q = 1 / (1 + 0.2316419f * away), tail = one * 1.330274429f;
-  tail = tail * q - 1.821255978f;
-  tail = tail * q + 1.781477937f;
-  tail = tail * q - 0.356563782f;
-  tail = (tail * q + 0.319381530f) * q * bell;
-  ylm_vf below = ylm_vf_select(t < 0, tail, 1 - tail);
-  return most(one * 0, mean * below + s * bell) * (1 + 0.0858f * exponential(k * (-1 / 2.2f)));
-}
-
-/* Weights of groups: of the cosine about N, or of the lobe of a receiver. */
-YLM_INLINE void gaussian(const gather_lights *l, const gather_receiver *r, size_t first, size_t n,
-                         const float x[3], const float N[3], float (*w)[GATHER_CHUNK]) {
-  const ylm_vf one = (ylm_vf){0} + 1;
-  for (size_t k = 0; k < n; k += YLM_VF) {
-    size_t i = first + k;
-    ylm_vf u[3], v[3], d2 = one * 0, along = one * 0, s2 = one * 0, c = one * 0;
-    ylm_vf s = 1 / ylm_vf_load(l->radius + i), lam = ylm_vf_load(l->shift + i);
-    for (int a = 0; a < 3; a++) {
-      u[a] = ylm_vf_load(l->at[a] + i) - x[a];
-      d2 += u[a] * u[a];
-    }
-    ylm_vf k1 = d2 * s * s, by = 1 / ylm_vf_sqrt(most(d2, one * 1e-30f));
-    for (int a = 0; a < 3; a++) {
-      ylm_vf axis = ylm_vf_load(l->normal[a] + i);
-      u[a] *= by;
-      along += u[a] * axis;
-      v[a] = k1 * u[a] - lam * axis;
-      s2 += v[a] * v[a];
-    }
-    ylm_vf sharp = most(ylm_vf_sqrt(s2), one * 1e-6f), over = 1 / sharp;
-    ylm_vf power = exponential(least(one * 0, -2 * k1 * lam * (1 + along) /
-                                                  most(sharp + k1 + lam, one * 1e-30f))) *
-                   s * s;
-    if (!r) {
-      for (int a = 0; a < 3; a++) c += v[a] * over * N[a];
-      c = most(least(c, one), -one);
-      ylm_vf_store(w[0] + k, power * area(sharp) * clamped(sharp, c));
-      continue;
-    }
-    ylm_vf both = one * 0, toward = one * 0, q[3];
-    for (int a = 0; a < 3; a++) {
-      q[a] = v[a] + r->sharp * r->lobe[a];
-      both += q[a] * q[a];
-      toward += v[a] * over * r->lobe[a];
-    }
-    both = most(ylm_vf_sqrt(both), one * 1e-6f);
-    over = 1 / both;
-    for (int a = 0; a < 3; a++) c += q[a] * over * N[a];
-    c = most(least(c, one), -one);
-    power *= exponential(least(one * 0, -2 * sharp * r->sharp * (1 - toward) /
-                                            most(both + sharp + r->sharp, one * 1e-30f))) *
-             area(both) * clamped(both, c);
-    for (int f = 0; f < 3; f++) ylm_vf_store(w[f] + k, power * r->lobes[f]);
-  }
-}
-
-void YLM_KERNEL(ylm_k_shade_weights)(const gather_lights *l, const gather_ask *a, size_t first,
-                                     size_t n, const float x[3], const float N[3], float *w) {
-  if (a->o->method == YLM_SHADE_VSGL) {
-    gaussian(l, NULL, first, n, x, N, (float(*)[GATHER_CHUNK])(void *)w);
-    return;
-  }
-  if (a->o->method == YLM_SHADE_VPL) {
-    weigh(l, a, 0, true, first, n, x, N, w);
-    return;
-  }
+void YLM_KERNEL(ylm_k_many_weights)(const ylm_many_lights *l, const ylm_many_ask *a, size_t first,
+                                    size_t n, const float x[3], const float N[3], float *w) {
   switch (l->form.profile) {
-  case YLM_LIGHT_VIRTUAL_CAP: weigh(l, a, YLM_LIGHT_VIRTUAL_CAP, false, first, n, x, N, w); break;
-  case YLM_LIGHT_VIRTUAL_POINT:
-    weigh(l, a, YLM_LIGHT_VIRTUAL_POINT, false, first, n, x, N, w);
-    break;
-  case YLM_LIGHT_VIRTUAL_FAR: weigh(l, a, YLM_LIGHT_VIRTUAL_FAR, false, first, n, x, N, w); break;
-  case YLM_LIGHT_VIRTUAL_NEAR: weigh(l, a, YLM_LIGHT_VIRTUAL_NEAR, false, first, n, x, N, w); break;
-  default: weigh(l, a, YLM_LIGHT_VIRTUAL_GAUSS, false, first, n, x, N, w);
+  case YLM_LIGHT_VIRTUAL_CAP: weigh(l, a, YLM_LIGHT_VIRTUAL_CAP, first, n, x, N, w); break;
+  case YLM_LIGHT_VIRTUAL_POINT: weigh(l, a, YLM_LIGHT_VIRTUAL_POINT, first, n, x, N, w); break;
+  case YLM_LIGHT_VIRTUAL_FAR: weigh(l, a, YLM_LIGHT_VIRTUAL_FAR, first, n, x, N, w); break;
+  case YLM_LIGHT_VIRTUAL_NEAR: weigh(l, a, YLM_LIGHT_VIRTUAL_NEAR, first, n, x, N, w); break;
+  default: weigh(l, a, YLM_LIGHT_VIRTUAL_GAUSS, first, n, x, N, w);
   }
 }
 
-void YLM_KERNEL(ylm_k_shade_collect)(size_t n, const float *w, const float *const I[3],
-                                     double sum[3]) {
+void YLM_KERNEL(ylm_k_many_collect)(size_t n, const float *w, const float *const I[3],
+                                    double sum[3]) {
   ylm_vf s[3] = {{0}, {0}, {0}};
   for (size_t k = 0; k < n; k += YLM_VF) {
     ylm_vf one = ylm_vf_load(w + k);
@@ -227,8 +100,8 @@ void YLM_KERNEL(ylm_k_shade_collect)(size_t n, const float *w, const float *cons
     for (int i = 0; i < YLM_VF; i++) sum[c] += (double)s[c][i];
 }
 
-void YLM_KERNEL(ylm_k_shade_collect_each)(size_t n, const float (*w)[GATHER_CHUNK],
-                                          const float *const I[3], double sum[3]) {
+void YLM_KERNEL(ylm_k_many_collect_each)(size_t n, const float (*w)[YLM_MANY_CHUNK],
+                                         const float *const I[3], double sum[3]) {
   ylm_vf s[3] = {{0}, {0}, {0}};
   for (size_t k = 0; k < n; k += YLM_VF)
     for (int c = 0; c < 3; c++) s[c] += ylm_vf_load(w[c] + k) * ylm_vf_load(I[c] + k);
@@ -239,7 +112,7 @@ void YLM_KERNEL(ylm_k_shade_collect_each)(size_t n, const float (*w)[GATHER_CHUN
 /* -- emission ------------------------------------------------------------------------ */
 
 /* The intensity of a vector of lights, whose emission begins at b, in directions u. */
-YLM_INLINE void send(const gather_series *s, int top, const float *b, const ylm_vf u[3],
+YLM_INLINE void send(const ylm_many_series *s, int top, const float *b, const ylm_vf u[3],
                      ylm_vf out[3]) {
   const ylm_vf zero = {0};
   ylm_vf re = zero + 1, im = zero, r2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
@@ -250,10 +123,10 @@ YLM_INLINE void send(const gather_series *s, int top, const float *b, const ylm_
     ylm_vf before = zero, p = zero + s->first[m], plus[3] = {zero, zero, zero},
            minus[3] = {zero, zero, zero};
     for (int q = m; q <= top; q++, k++) {
-      const float *at = b + k * 6 * GATHER_LOBES;
-      for (int c = 0; c < 3; c++) plus[c] += p * ylm_vf_load(at + 2 * c * GATHER_LOBES);
+      const float *at = b + k * 6 * YLM_MANY_LOBES;
+      for (int c = 0; c < 3; c++) plus[c] += p * ylm_vf_load(at + 2 * c * YLM_MANY_LOBES);
       if (m > 0)
-        for (int c = 0; c < 3; c++) minus[c] += p * ylm_vf_load(at + (2 * c + 1) * GATHER_LOBES);
+        for (int c = 0; c < 3; c++) minus[c] += p * ylm_vf_load(at + (2 * c + 1) * YLM_MANY_LOBES);
       ylm_vf next = s->a[k] * u[2] * p - s->b[k] * r2 * before;
       before = p, p = next;
     }
@@ -264,12 +137,12 @@ YLM_INLINE void send(const gather_series *s, int top, const float *b, const ylm_
   }
 }
 
-void YLM_KERNEL(ylm_k_shade_send)(const gather_lights *l, bool soft, size_t first, size_t n,
-                                  const float x[3], float (*I)[GATHER_CHUNK]) {
+void YLM_KERNEL(ylm_k_many_send)(const ylm_many_lights *l, bool soft, size_t first, size_t n,
+                                 const float x[3], float (*I)[YLM_MANY_CHUNK]) {
   const ylm_vf one = (ylm_vf){0} + 1;
-  const size_t block = l->series->entries * 6 * GATHER_LOBES;
+  const size_t block = l->series->entries * 6 * YLM_MANY_LOBES;
   for (size_t k = 0; k < n; k += YLM_VF) {
-    size_t i = first + k, of = i / GATHER_LOBES;
+    size_t i = first + k, of = i / YLM_MANY_LOBES;
     ylm_vf u[3], d2 = soft ? ylm_vf_load(l->radius + i) : one * 0, out[3];
     d2 *= d2 * (0.25f / 16);
     for (int a = 0; a < 3; a++) {
@@ -278,7 +151,7 @@ void YLM_KERNEL(ylm_k_shade_send)(const gather_lights *l, bool soft, size_t firs
     }
     ylm_vf by = 1 / ylm_vf_sqrt(most(d2, one * 1e-30f));
     for (int a = 0; a < 3; a++) u[a] *= by;
-    send(l->series, l->top[of], l->lobe + of * block + i % GATHER_LOBES, u, out);
+    send(l->series, l->top[of], l->lobe + of * block + i % YLM_MANY_LOBES, u, out);
     for (int c = 0; c < 3; c++) ylm_vf_store(I[c] + k, out[c]);
   }
 }
@@ -286,7 +159,7 @@ void YLM_KERNEL(ylm_k_shade_send)(const gather_lights *l, bool soft, size_t firs
 /* -- receivers that gloss ------------------------------------------------------------ */
 
 /* G_l of lights, l to lmax. */
-YLM_INLINE void degrees(const gather_ask *a, int profile, ylm_vf r, ylm_vf d2, ylm_vf *G) {
+YLM_INLINE void degrees(const ylm_many_ask *a, int profile, ylm_vf r, ylm_vf d2, ylm_vf *G) {
   const ylm_vf one = (ylm_vf){0} + 1;
   const int lmax = a->o->lmax;
   if (profile == YLM_LIGHT_VIRTUAL_CAP) {
@@ -310,10 +183,10 @@ YLM_INLINE void degrees(const gather_ask *a, int profile, ylm_vf r, ylm_vf d2, y
 }
 
 /* Sums over degrees and orders of rows times G and harmonics at w. */
-YLM_INLINE void by_orders(const gather_receiver *r, int functions, bool halves, const ylm_vf *G,
+YLM_INLINE void by_orders(const ylm_many_receiver *r, int functions, bool halves, const ylm_vf *G,
                           const ylm_vf w[3], ylm_vf out[3]) {
   const ylm_vf zero = {0};
-  const gather_series *s = r->series;
+  const ylm_many_series *s = r->series;
   const float *row = r->row;
   ylm_vf re = zero + 1, im = zero;
   size_t k = 0, entries = s->entries;
@@ -337,7 +210,7 @@ YLM_INLINE void by_orders(const gather_receiver *r, int functions, bool halves, 
 }
 
 /* The sum over degrees of the cosine's harmonics times G and P_l(c). */
-YLM_INLINE ylm_vf by_cosine(const gather_ask *a, const ylm_vf *G, ylm_vf c) {
+YLM_INLINE ylm_vf by_cosine(const ylm_many_ask *a, const ylm_vf *G, ylm_vf c) {
   ylm_vf P0 = (ylm_vf){0} + 1, P1 = c, sum = a->zonal[0] * G[0];
   for (int k = 1; k <= a->o->lmax; k++) {
     sum += a->zonal[k] * G[k] * P1;
@@ -348,8 +221,8 @@ YLM_INLINE ylm_vf by_cosine(const gather_ask *a, const ylm_vf *G, ylm_vf c) {
 }
 
 /* Sums over degrees of three lobes times G and P_l(c). */
-YLM_INLINE void by_zones(const gather_ask *a, const gather_receiver *r, const ylm_vf *G, ylm_vf c,
-                         ylm_vf out[3]) {
+YLM_INLINE void by_zones(const ylm_many_ask *a, const ylm_many_receiver *r, const ylm_vf *G,
+                         ylm_vf c, ylm_vf out[3]) {
   const int lmax = a->o->lmax;
   const float *z = r->lobes;
   size_t row = (size_t)lmax + 1;
@@ -363,9 +236,9 @@ YLM_INLINE void by_zones(const gather_ask *a, const gather_receiver *r, const yl
   }
 }
 
-YLM_INLINE void gloss(const gather_lights *l, const gather_ask *a, const gather_receiver *r,
+YLM_INLINE void gloss(const ylm_many_lights *l, const ylm_many_ask *a, const ylm_many_receiver *r,
                       int profile, int functions, bool halves, size_t first, size_t n,
-                      const float x[3], float (*w)[GATHER_CHUNK]) {
+                      const float x[3], float (*w)[YLM_MANY_CHUNK]) {
   const ylm_vf one = (ylm_vf){0} + 1;
   const bool soft = profile != YLM_LIGHT_VIRTUAL_CAP && profile != YLM_LIGHT_VIRTUAL_POINT;
   ylm_vf G[YLM_MATERIAL_TABLE_LMAX + 1];
@@ -414,12 +287,10 @@ YLM_INLINE void gloss(const gather_lights *l, const gather_ask *a, const gather_
   default: gloss(l, a, r, l->form.profile, functions, halves, first, n, x, w);                     \
   }
 
-void YLM_KERNEL(ylm_k_shade_gloss)(const gather_lights *l, const gather_ask *a,
-                                   const gather_receiver *r, size_t first, size_t n,
-                                   const float x[3], float (*w)[GATHER_CHUNK]) {
-  if (a->o->method == YLM_SHADE_VSGL)
-    gaussian(l, r, first, n, x, r->axis[2], w);
-  else if (r->zonal || r->functions == 3) {
+void YLM_KERNEL(ylm_k_many_gloss)(const ylm_many_lights *l, const ylm_many_ask *a,
+                                  const ylm_many_receiver *r, size_t first, size_t n,
+                                  const float x[3], float (*w)[YLM_MANY_CHUNK]) {
+  if (r->zonal || r->functions == 3) {
     PROFILES(3, r->halves)
   } else if (r->functions == 2) {
     PROFILES(2, r->halves)

@@ -28,7 +28,7 @@ typedef struct material {
   float base[3];
 } material;
 
-struct gather_gloss {
+struct many_gloss {
   const ylm_shade_gather_options *o;
   int lmax; /* of tables: of lobes of VSGL power and mean direction alone */
   bool zonal;
@@ -38,16 +38,16 @@ struct gather_gloss {
   uint32_t *vertex;   /* of a view per vertex with anisotropic materials */
   bool turned;        /* there are such */
   double *hemisphere; /* [lmax+1] coefficients of m = 0 of all directions above the surface */
-  gather_series series;
+  ylm_many_series series;
 };
 
 /* -- recurrences -------------------------------------------------------------------- */
 
-ylm_status ylm__gather_series(int lmax, gather_series *s) {
+ylm_status ylm__many_series(int lmax, ylm_many_series *s) {
   size_t entries = (size_t)(lmax + 1) * (size_t)(lmax + 2) / 2, k = 0;
   double *p = ylm_alloc(entries, sizeof *p);
-  *s = (gather_series){lmax, entries, ylm_alloc((size_t)lmax + 1, sizeof(float)),
-                       ylm_alloc(entries, sizeof(float)), ylm_alloc(entries, sizeof(float))};
+  *s = (ylm_many_series){lmax, entries, ylm_alloc((size_t)lmax + 1, sizeof(float)),
+                         ylm_alloc(entries, sizeof(float)), ylm_alloc(entries, sizeof(float))};
   bool ok = p && s->first && s->a && s->b;
   if (ok) ylm_sh_legendre(lmax, 0, 1, p);
   for (int m = 0; ok && m <= lmax; m++) {
@@ -64,7 +64,7 @@ ylm_status ylm__gather_series(int lmax, gather_series *s) {
   return ok ? YLM_OK : YLM_ENOMEM;
 }
 
-void ylm__gather_series_free(gather_series *s) {
+void ylm__many_series_free(ylm_many_series *s) {
   ylm_free(s->first);
   ylm_free(s->a);
   ylm_free(s->b);
@@ -100,7 +100,7 @@ static void find_base(material *m) {
   }
 }
 
-static ylm_status make_material(const gather_gloss *g, material *m, ylm_error *e) {
+static ylm_status make_material(const many_gloss *g, material *m, ylm_error *e) {
   if (!has_tables(g->o)) return YLM_OK;
   ylm_status s = ylm_material_table_kept_as(
       m->m, g->zonal ? YLM_MATERIAL_TABLE_BARE : YLM_MATERIAL_TABLE_COSINE, g->lmax, g->o->threads,
@@ -111,7 +111,7 @@ static ylm_status make_material(const gather_gloss *g, material *m, ylm_error *e
   return YLM_OK;
 }
 
-static ylm_status list_materials(const ylm_shade_view *v, gather_gloss *g, ylm_error *e) {
+static ylm_status list_materials(const ylm_shade_view *v, many_gloss *g, ylm_error *e) {
   for (size_t i = 0; i < v->points; i++) {
     const ylm_material *m = ylm__shade_material(v, i);
     size_t k = 0;
@@ -128,7 +128,7 @@ static ylm_status list_materials(const ylm_shade_view *v, gather_gloss *g, ylm_e
 }
 
 /* Coefficients of what is 1 above the surface. */
-static bool make_hemisphere(gather_gloss *g) {
+static bool make_hemisphere(many_gloss *g) {
   int lmax = g->lmax;
   double P0 = 1, P1 = 0; /* at 0 */
   double *h = g->hemisphere = ylm_alloc((size_t)lmax + 2, sizeof *h);
@@ -144,8 +144,8 @@ static bool make_hemisphere(gather_gloss *g) {
   return true;
 }
 
-ylm_status ylm__gather_gloss(const ylm_shade_view *v, const ylm_shade_gather_options *o,
-                             gather_gloss **out, ylm_error *e) {
+ylm_status ylm__many_gloss(const ylm_shade_view *v, const ylm_shade_gather_options *o,
+                           many_gloss **out, ylm_error *e) {
   size_t meshes = ylm_scene_meshes(v->scene), glossy = 0;
   *out = NULL;
   for (size_t i = 0; i < meshes; i++)
@@ -156,7 +156,7 @@ ylm_status ylm__gather_gloss(const ylm_shade_view *v, const ylm_shade_gather_opt
                     "surfaces that gloss are shaded by tables of degree 0 to %d, lmax is %d: lower "
                     "it, or prepare the view with gloss = 'matte'",
                     YLM_MATERIAL_TABLE_LMAX, o->lmax);
-  gather_gloss *g = *out = ylm_alloc_zero(1, sizeof *g);
+  many_gloss *g = *out = ylm_alloc_zero(1, sizeof *g);
   if (!g) return YLM_ENOMEM;
   g->o = o;
   g->zonal = o->zonal || o->method == YLM_SHADE_VSGL;
@@ -170,12 +170,12 @@ ylm_status ylm__gather_gloss(const ylm_shade_view *v, const ylm_shade_gather_opt
     return YLM_ENOMEM;
   if (s != YLM_OK || !has_tables(o)) return s;
   if (g->zonal) return make_hemisphere(g) ? YLM_OK : YLM_ENOMEM;
-  return ylm__gather_series(o->lmax, &g->series);
+  return ylm__many_series(o->lmax, &g->series);
 }
 
-void ylm__gather_gloss_free(gather_gloss *g) {
+void ylm__many_gloss_free(many_gloss *g) {
   if (!g) return;
-  ylm__gather_series_free(&g->series);
+  ylm__many_series_free(&g->series);
   ylm_free(g->hemisphere);
   ylm_free(g->vertex);
   ylm_free(g->material);
@@ -183,13 +183,13 @@ void ylm__gather_gloss_free(gather_gloss *g) {
   ylm_free(g);
 }
 
-bool ylm__gather_glosses(const gather_gloss *g, const ylm_shade_view *v, size_t p) {
+bool ylm__many_glosses(const many_gloss *g, const ylm_shade_view *v, size_t p) {
   return g && g->slot[v->mesh[p]] != YLM_SHADE_MATTE;
 }
 
 /* -- points ------------------------------------------------------------------------- */
 
-size_t ylm__gather_gloss_room(const gather_gloss *g) {
+size_t ylm__many_gloss_room(const many_gloss *g) {
   size_t count = ylm_sh_count(g->lmax); /* a row as the table has it, then as kernels want it */
   return 3 * count + 3 * 2 * (g->series.entries ? g->series.entries : (size_t)g->lmax + 1) + count;
 }
@@ -200,17 +200,17 @@ static int place(const material *m, int l, int q) {
   return q < 0 ? -1 : l * (l + 1) / 2 + q;
 }
 
-static double window_of(const gather_gloss *g, int l) {
+static double window_of(const many_gloss *g, int l) {
   return g->o->window && g->o->method == YLM_SHADE_HVL ? g->o->window[l] : 1;
 }
 
 /* Rows in the order of kernels. */
-static void order_rows(const gather_gloss *g, const material *m, const float *from, float *to) {
+static void order_rows(const many_gloss *g, const material *m, const float *from, float *to) {
   int lmax = g->lmax;
   for (int f = 0; f < m->facts.functions; f++, from += m->facts.width, to += 2 * g->series.entries)
     for (int q = 0; q <= lmax; q++)
       for (int l = q; l <= lmax; l++) {
-        size_t k = ylm__gather_entry(lmax, l, q);
+        size_t k = ylm_many_entry(lmax, l, q);
         int minus = q > 0 ? place(m, l, -q) : -1;
         double by = window_of(g, l);
         to[k] = (float)(by * (double)from[place(m, l, q)]);
@@ -219,7 +219,7 @@ static void order_rows(const gather_gloss *g, const material *m, const float *fr
 }
 
 /* The lobe above the base, of channel c: coefficient (l, q). */
-static double above_base(const gather_gloss *g, const material *m, const float *row, int c, int l,
+static double above_base(const many_gloss *g, const material *m, const float *row, int c, int l,
                          int q) {
   const float(*mix)[3] = ylm_material_table_mix(m->table);
   int k = place(m, l, q);
@@ -230,8 +230,8 @@ static double above_base(const gather_gloss *g, const material *m, const float *
 }
 
 /* Lobes about the direction in which the light above the base lies, in the mean. */
-static ylm_status make_lobes(const gather_gloss *g, const material *m, const float *row, float *z,
-                             float *Y, gather_receiver *r) {
+static ylm_status make_lobes(const many_gloss *g, const material *m, const float *row, float *z,
+                             float *Y, ylm_many_receiver *r) {
   int lmax = g->lmax;
   double d[3] = {0, 0, 0}, luminance[3] = {YLM_LUMINANCE_R, YLM_LUMINANCE_G, YLM_LUMINANCE_B};
   float axis[3];
@@ -257,7 +257,7 @@ static ylm_status make_lobes(const gather_gloss *g, const material *m, const flo
 }
 
 /* From degrees 0 and 1 of three lobes z to powers over A of Gaussian ones, in place, and their sharpness. */
-static void be_gaussian(float *z, gather_receiver *r) {
+static void be_gaussian(float *z, ylm_many_receiver *r) {
   double power = 0, along = 0, luminance[3] = {YLM_LUMINANCE_R, YLM_LUMINANCE_G, YLM_LUMINANCE_B};
   for (int c = 0; c < 3; c++) {
     power += luminance[c] * 4 * YLM_PI * (double)z[2 * c];
@@ -278,14 +278,14 @@ static void raise(float wo[3]) {
   for (int k = 0; k < 3; k++) wo[k] *= each;
 }
 
-ylm_status ylm__gather_receive(const gather_gloss *g, const ylm_shade_view *v, size_t p,
-                               float *room, gather_receiver *r) {
+ylm_status ylm__many_receive(const many_gloss *g, const ylm_shade_view *v, size_t p, float *room,
+                             ylm_many_receiver *r) {
   const material *m = &g->material[g->slot[v->mesh[p]]];
   ylm_scene_surface s;
   float frame[3][3];
   bool turned = !ylm_material_isotropic(m->m);
   if (turned) ylm__shade_surface(v, g->vertex, p, &s);
-  *r = (gather_receiver){.material = m->m, .turn = {1, 0}, .zonal = g->zonal};
+  *r = (ylm_many_receiver){.material = m->m, .turn = {1, 0}, .zonal = g->zonal};
   ylm__shade_look_along(v, p, turned ? s.tangent : NULL, r->wo, frame);
   for (int k = 0; k < 3; k++)
     for (int a = 0; a < 3; a++) r->axis[a][k] = frame[k][a];
@@ -315,8 +315,8 @@ ylm_status ylm__gather_receive(const gather_gloss *g, const ylm_shade_view *v, s
   return YLM_OK;
 }
 
-void ylm__gather_eval(const gather_receiver *r, size_t n, const float (*w)[3], float (*f)[3]) {
-  float wi[GATHER_CHUNK][3], wo[GATHER_CHUNK][3];
+void ylm__many_eval(const ylm_many_receiver *r, size_t n, const float (*w)[3], float (*f)[3]) {
+  float wi[YLM_MANY_CHUNK][3], wo[YLM_MANY_CHUNK][3];
   for (size_t i = 0; i < n; i++) {
     float x = ylm_dot3(w[i], r->axis[0]), y = ylm_dot3(w[i], r->axis[1]);
     wi[i][0] = r->turn[0] * x - r->turn[1] * y;

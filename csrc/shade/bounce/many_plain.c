@@ -8,11 +8,12 @@
 #define SOFT2 (0.25 / 16)
 
 /* The intensity of light i, whose emission has a degree, towards x: out [3]. */
-static void send(const gather_lights *l, bool soft, size_t i, const float x[3], float *out,
+static void send(const ylm_many_lights *l, bool soft, size_t i, const float x[3], float *out,
                  size_t stride) {
-  const gather_series *s = l->series;
+  const ylm_many_series *s = l->series;
   double r = soft ? (double)l->radius[i] : 0, d2 = SOFT2 * r * r, u[3], r2 = 0, sum[3] = {0};
-  const float *b = l->lobe + i / GATHER_LOBES * s->entries * 6 * GATHER_LOBES + i % GATHER_LOBES;
+  const float *b =
+      l->lobe + i / YLM_MANY_LOBES * s->entries * 6 * YLM_MANY_LOBES + i % YLM_MANY_LOBES;
   for (int k = 0; k < 3; k++) {
     u[k] = (double)x[k] - (double)l->at[k][i];
     d2 += u[k] * u[k];
@@ -26,10 +27,10 @@ static void send(const gather_lights *l, bool soft, size_t i, const float x[3], 
   for (int m = 0; m <= s->lmax; m++) {
     double before = 0, p = (double)s->first[m];
     for (int q = m; q <= s->lmax; q++, k++) {
-      const float *at = b + k * 6 * GATHER_LOBES;
+      const float *at = b + k * 6 * YLM_MANY_LOBES;
       for (int c = 0; c < 3; c++)
-        sum[c] += p * (re * (double)at[2 * c * GATHER_LOBES] +
-                       im * (double)at[(2 * c + 1) * GATHER_LOBES]);
+        sum[c] += p * (re * (double)at[2 * c * YLM_MANY_LOBES] +
+                       im * (double)at[(2 * c + 1) * YLM_MANY_LOBES]);
       double next = (double)s->a[k] * u[2] * p - (double)s->b[k] * r2 * before;
       before = p, p = next;
     }
@@ -39,17 +40,17 @@ static void send(const gather_lights *l, bool soft, size_t i, const float x[3], 
   for (int c = 0; c < 3; c++) out[(size_t)c * stride] = (float)sum[c];
 }
 
-void ylm__gather_send(const gather_lights *l, bool soft, size_t first, size_t n, const float x[3],
-                      float (*I)[GATHER_CHUNK]) {
+void ylm__many_send(const ylm_many_lights *l, bool soft, size_t first, size_t n, const float x[3],
+                    float (*I)[YLM_MANY_CHUNK]) {
   for (size_t k = 0; k < n; k++)
     if (first + k < l->n)
-      send(l, soft, first + k, x, I[0] + k, GATHER_CHUNK);
+      send(l, soft, first + k, x, I[0] + k, YLM_MANY_CHUNK);
     else
       for (int c = 0; c < 3; c++) I[c][k] = 0;
 }
 
 /* The factor of all degrees; with *decay that of degree l is times decay^(l (l+1)/2). */
-static double profile(const gather_lights *l, const gather_ask *a, double r, double d2,
+static double profile(const ylm_many_lights *l, const ylm_many_ask *a, double r, double d2,
                       double *decay) {
   double sg2 = WIDTH2 * r * r, o = d2 * d2 * (double)a->core;
   double gauss = d2 > 0 ? -expm1(-2 * d2 / sg2) / d2 : 2 / sg2;
@@ -64,7 +65,7 @@ static double profile(const gather_lights *l, const gather_ask *a, double r, dou
 }
 
 /* sum over l of z_l G_l P_l(c). */
-static double by_degrees(const gather_lights *l, const gather_ask *a, double r, double d2,
+static double by_degrees(const ylm_many_lights *l, const ylm_many_ask *a, double r, double d2,
                          double c) {
   double decay, G = profile(l, a, r, d2, &decay), A = 1, q = 1, P0 = 1, P1 = c;
   double sum = (double)a->zonal[0];
@@ -79,7 +80,7 @@ static double by_degrees(const gather_lights *l, const gather_ask *a, double r, 
 }
 
 /* The sum for a cap, whose degrees are its own: G_l = 2 P_l'(alpha)/(l (l+1) max(d, r)^2). */
-static double by_cap(const gather_ask *a, double r, double d2, double c) {
+static double by_cap(const ylm_many_ask *a, double r, double d2, double c) {
   double most = fmax(d2, r * r), alpha = sqrt(fmax(0, 1 - r * r / most));
   double P0 = 1, P1 = c, Q0 = 1, Q1 = alpha, D0 = 0, D1 = 1; /* of c; of alpha, its slopes */
   double sum = (double)a->zonal[0] * 2 / (1 + alpha);
@@ -99,7 +100,7 @@ static double above(double r, double d2, double c) {
   return t * t * (3 - 2 * t);
 }
 
-double ylm__gather_above(const gather_lights *l, size_t i, const float x[3], const float N[3]) {
+double ylm__many_above(const ylm_many_lights *l, size_t i, const float x[3], const float N[3]) {
   double d2 = 0, up = 0;
   for (int k = 0; k < 3; k++) {
     double v = (double)l->at[k][i] - (double)x[k];
@@ -110,7 +111,8 @@ double ylm__gather_above(const gather_lights *l, size_t i, const float x[3], con
 }
 
 /* G_l of light i at the square of a distance, l to lmax. */
-static void degrees(const gather_lights *l, const gather_ask *a, size_t i, double d2, double *G) {
+static void degrees(const ylm_many_lights *l, const ylm_many_ask *a, size_t i, double d2,
+                    double *G) {
   double r = (double)l->radius[i], decay, g, A = 1, q = 1;
   if (l->form.profile == YLM_LIGHT_VIRTUAL_CAP) {
     double most = fmax(d2, r * r), alpha = sqrt(fmax(0, 1 - r * r / most));
@@ -132,8 +134,8 @@ static void degrees(const gather_lights *l, const gather_ask *a, size_t i, doubl
 }
 
 /* The sum over degrees and orders of a row times G and the harmonics at w, in the frame of the view. */
-static double by_orders(const gather_receiver *r, int f, const double *G, const double w[3]) {
-  const gather_series *s = r->series;
+static double by_orders(const ylm_many_receiver *r, int f, const double *G, const double w[3]) {
+  const ylm_many_series *s = r->series;
   const float *plus = r->row + (size_t)(2 * f) * s->entries, *minus = plus + s->entries;
   double re = 1, im = 0, sum = 0;
   size_t k = 0;
@@ -152,7 +154,7 @@ static double by_orders(const gather_receiver *r, int f, const double *G, const 
   return sum;
 }
 
-static double by_zones(const gather_ask *a, const float *z, const double *G, double c) {
+static double by_zones(const ylm_many_ask *a, const float *z, const double *G, double c) {
   double P0 = 1, P1 = c, sum = (double)z[0] * G[0];
   for (int k = 1; k <= a->o->lmax; k++) {
     sum += (double)z[k] * G[k] * P1;
@@ -162,8 +164,8 @@ static double by_zones(const gather_ask *a, const float *z, const double *G, dou
   return sum;
 }
 
-void ylm__gather_gloss_weight(const gather_lights *l, const gather_ask *a, const gather_receiver *r,
-                              size_t i, const float x[3], double out[3]) {
+void ylm__many_gloss_weight(const ylm_many_lights *l, const ylm_many_ask *a,
+                            const ylm_many_receiver *r, size_t i, const float x[3], double out[3]) {
   double v[3], w[3] = {0, 0, 1}, d2 = 0, along = 0, R = (double)l->radius[i];
   double G[YLM_MATERIAL_TABLE_LMAX + 1];
   int rows = r->zonal ? 3 : r->functions;
@@ -195,8 +197,8 @@ void ylm__gather_gloss_weight(const gather_lights *l, const gather_ask *a, const
                                 : by_orders(r, f, G, w));
 }
 
-double ylm__gather_weight(const gather_lights *l, const gather_ask *a, size_t i, const float x[3],
-                          const float N[3]) {
+double ylm__many_weight(const ylm_many_lights *l, const ylm_many_ask *a, size_t i, const float x[3],
+                        const float N[3]) {
   const ylm_shade_gather_options *o = a->o;
   double d2 = 0, up = 0, along = 0, r = (double)l->radius[i], eps2 = 0;
   for (int k = 0; k < 3; k++) {
@@ -206,13 +208,11 @@ double ylm__gather_weight(const gather_lights *l, const gather_ask *a, size_t i,
     along -= v * (double)l->normal[k][i];
   }
   double d = sqrt(d2), c = d > 0 ? up / d : 0;
-  bool soft = o->method == YLM_SHADE_HVL && l->form.profile != YLM_LIGHT_VIRTUAL_CAP &&
-              l->form.profile != YLM_LIGHT_VIRTUAL_POINT;
+  bool soft =
+      l->form.profile != YLM_LIGHT_VIRTUAL_CAP && l->form.profile != YLM_LIGHT_VIRTUAL_POINT;
   if (soft) eps2 = SOFT2 * r * r;
   double D = sqrt(d2 + eps2);
   double cosine = fmax(0, (double)l->shift[i] + (D > 0 ? along / D : 0));
-  if (o->method == YLM_SHADE_VPL)
-    return d2 > 0 ? ylm__gather_bound(a, fmax(0, c) * cosine / d2, d2) : 0;
   if (o->horizon == YLM_SHADE_HORIZON_GATE && up < -r) return 0;
   if (o->horizon == YLM_SHADE_HORIZON_PAPER) cosine *= above(r, d2, c);
   c = fmin(1, fmax(-1, c));

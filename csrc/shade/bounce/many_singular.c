@@ -24,7 +24,7 @@ static size_t before(const float (*list)[3], size_t n, const float x[3], bool up
   return low;
 }
 
-ylm_status ylm__gather_singular(const ylm_shade_view *v, const gather_lights *l, uint64_t *pairs) {
+ylm_status ylm__many_singular(const ylm_shade_view *v, const ylm_many_lights *l, uint64_t *pairs) {
   float(*list)[3] = ylm_alloc(l->n, sizeof *list);
   *pairs = 0;
   if (!list) return YLM_ENOMEM;

@@ -10,4 +10,4 @@ static void plain(size_t n, size_t rows, const float *w, size_t width, size_t st
         out[r * width + k] += (double)w[r * GATHER_BATCH + i] * (double)y[i * stride + k];
 }
 
-YLM_KERNEL_CHOICE(gather_rows_fn, ylm__gather_rows, ylm_k_gather_rows, plain)
+YLM_KERNEL_CHOICE(gather_rows_fn, ylm__gather_rows, ylm_k_gather_rows, plain);

@@ -6,6 +6,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local emit = require "ylm.emit"
 local form = require "ylm.form"
+local library = require "ylm.library"
 local near = require "ylm.render.near"
 local options = require "ylm.render.options"
 local pictures = require "ylm.render.picture"
@@ -155,9 +156,20 @@ local function settle(p, o)
   else o.samples, o.strategy = o.samples or SAMPLES, o.strategy or "mis" end
 end
 
+--- What C says of lights; methods that answer EMISSING are those of libylm_rival, which is loaded first.
+local function ask(p, ...)
+  local radiance, facts, code = p.lib.shade_virtual(p.view, ...)
+  if code ~= "EMISSING" then return radiance, facts, code end
+  local binding, message
+  binding, message, code = library.rival_binding()
+  if not binding then return nil, message, code end
+  p.lib.shade_rivals(binding.many())
+  return p.lib.shade_virtual(p.view, ...)
+end
+
 --- Radiance of the shading points of a view by options that are settled, and the report of C; nil, message, code.
 function gather.radiance(name, p, o)
-  return check.result(name, p.lib.shade_virtual(p.view, o.lights.lights, {
+  return check.result(name, ask(p, o.lights.lights, {
     method = o.method, lmax = o.lmax or 0, window = factors(o), horizon = o.horizon, clamp = o.clamp, limit = o.limit,
     compensate = o.compensate, bounces = math.max(1, o.bounces or 1), samples = o.samples, strategy = o.strategy,
     shadows = o.shadows == "centre",

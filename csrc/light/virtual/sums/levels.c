@@ -477,14 +477,13 @@ static bool find_lattice(levels *s, double edge) {
   return true;
 }
 
-static YLM_KERNEL_CHOICE(ylm__level_mix_fn, mix_now, ylm__level_mix,
-                         NULL) static YLM_KERNEL_CHOICE(ylm__level_shine_fn, shine_now,
-                                                        ylm__level_shine, NULL)
+static YLM_KERNEL_CHOICE(ylm__level_mix_fn, mix_now, ylm__level_mix, NULL);
+static YLM_KERNEL_CHOICE(ylm__level_shine_fn, shine_now, ylm__level_shine, NULL);
 
-    ylm_status
-    ylm_light_virtual_irradiance(const ylm_light_virtual *lights, const ylm_light_virtual_levels *o,
-                                 size_t n, const float *points, const float *normals, float *out,
-                                 ylm_light_virtual_levels_report *report, ylm_error *e) {
+ylm_status ylm_light_virtual_irradiance(const ylm_light_virtual *lights,
+                                        const ylm_light_virtual_levels *o, size_t n,
+                                        const float *points, const float *normals, float *out,
+                                        ylm_light_virtual_levels_report *report, ylm_error *e) {
   ylm_light_virtual_levels_report own = {0}, *r = report ? report : &own;
   *r = (ylm_light_virtual_levels_report){0};
   levels s = {.lights = lights, .o = o, .n = n, .points = points, .normals = normals, .out = out};

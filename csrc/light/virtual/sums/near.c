@@ -315,12 +315,12 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker_) {
 /* -- kernels -------------------------------------------------------------------------------- */
 
 static const ylm__near_kernels none = {0};
-static YLM_KERNEL_CHOICE(const ylm__near_kernels, kernels_now, ylm__near_kernels, &none)
+static YLM_KERNEL_CHOICE(const ylm__near_kernels, kernels_now, ylm__near_kernels, &none);
 
-    /* -- all ------------------------------------------------------------------------------------ */
+/* -- all ------------------------------------------------------------------------------------ */
 
-    /* The reference: the whole field of the lights, to no distance. */
-    static ylm_status run_plainly(search *s, const ylm_field_query *q, size_t n, ylm_error *e) {
+/* The reference: the whole field of the lights, to no distance. */
+static ylm_status run_plainly(search *s, const ylm_field_query *q, size_t n, ylm_error *e) {
   size_t count = ylm_sh_count(q->lmax);
   float *L = ylm_alloc(3 * count * n, sizeof *L), *Y = ylm_alloc(count * n, sizeof *Y);
   ylm_field_result r = {.value = L};

@@ -96,7 +96,7 @@ bool ylm__virtual_tree_pays(const ylm__virtual_tree *t, int lmax, double toleran
   return t && (double)t->lights->n >= least;
 }
 
-YLM_KERNEL_CHOICE_OF(ylm__virtual_tree_range, ylm__virtual_tree_kernel, ylm__virtual_tree, NULL)
+YLM_KERNEL_CHOICE_OF(ylm__virtual_tree_range, ylm__virtual_tree_kernel, ylm__virtual_tree, NULL);
 
 /* -- the field ------------------------------------------------------------------------------ */
 

@@ -1,9 +1,9 @@
-/* many_vpl.c - what a bound takes from virtual points, found by rays (Kollig & Keller 2004). */
+/* vpl.c - what a bound takes from virtual points, found by rays (Kollig & Keller 2004). */
 #include <math.h>
 #include <string.h>
 
-#include "many_gloss.h"
-#include "ylm_list.h"
+#include "many.h"
+#include "ylm_vector.h"
 
 #define GRAIN 256
 #define PATHS 16 /* of each place that rays meet */
@@ -19,19 +19,21 @@ typedef struct found {
 } found;
 
 typedef struct job {
-  const ylm_shade_view *view;
-  const gather_ask *ask;
-  const gather_gloss *gloss;
+  const ylm_many_ask *ask;
   found *blocks;
 } job;
 
 static bool grow(found *f) {
-  size_t room = ylm_list_room(f->room, f->n + 1);
-  bool grown = ylm_list_resize(&f->place, f->n, room, sizeof *f->place) &&
-               ylm_list_resize(&f->point, f->n, room, sizeof *f->point) &&
-               ylm_list_resize(&f->factor, f->n, room, sizeof *f->factor);
-  if (grown) f->room = room;
-  return grown;
+  size_t room = f->room ? 2 * f->room : GRAIN;
+  ylm_scene_place *place = ylm_realloc(f->place, f->n * sizeof *place, room, sizeof *place);
+  if (place) f->place = place;
+  uint32_t *point = ylm_realloc(f->point, f->n * sizeof *point, room, sizeof *point);
+  if (point) f->point = point;
+  float(*factor)[3] = ylm_realloc(f->factor, f->n * sizeof *factor, room, sizeof *factor);
+  if (factor) f->factor = factor;
+  if (!place || !point || !factor) return false;
+  f->room = room;
+  return true;
 }
 
 static void drop(found *f) {
@@ -41,34 +43,35 @@ static void drop(found *f) {
 }
 
 /* The part of the light of a hit that the bound cuts. */
-static double cut(const gather_ask *a, const ylm_trace_ray *ray, const ylm_scene_surface *s,
+static double cut(const ylm_many_ask *a, const ylm_trace_ray *ray, const ylm_scene_surface *s,
                   float t, const float N[3]) {
   float facing = -ylm_dot3(s->normal, ray->dir);
   if (!(facing > 0)) facing = -ylm_dot3(s->flat, ray->dir);
   double d2 = (double)t * (double)t, g = (double)ylm_dot3(N, ray->dir) * (double)facing / d2;
-  return g > 0 && d2 > 0 ? 1 - ylm__gather_bound(a, g, d2) / g : 0;
+  return g > 0 && d2 > 0 ? 1 - ylm__many_bound(a, g, d2) / g : 0;
 }
 
 static ylm_status meet(const job *j, size_t i, uint64_t stream, ylm_trace_ray *ray,
                        ylm_trace_hit *hit, found *f) {
-  const ylm_shade_view *v = j->view;
-  gather_ask a = *j->ask;
+  ylm_many_ask a = *j->ask;
+  const ylm_many_host *v = a.host;
   int n = a.o->compensate;
-  bool glosses = ylm__gather_glosses(j->gloss, v, i);
-  gather_receiver receiver;
+  bool glosses = v->glosses(v->gloss, v->view, i);
+  ylm_many_receiver receiver;
   float albedo[3], x[3], y[3], tint[3] = {1, 1, 1}, f3[1][3] = {{1, 1, 1}};
   ylm_rng rng;
-  ylm__shade_albedo(v, i, albedo);
+  v->albedo(v->view, i, albedo);
   a.reflectance =
       (float)((YLM_LUMINANCE_R * (double)albedo[0] + YLM_LUMINANCE_G * (double)albedo[1] +
                YLM_LUMINANCE_B * (double)albedo[2]) /
               YLM_PI);
   if (glosses) {
-    ylm__shade_tint(v, i, 1, tint);
-    (void)ylm__gather_receive(j->gloss, v, i, NULL, &receiver); /* without tables it cannot fail */
+    v->tint(v->view, i, 1, tint);
+    /* without tables it cannot fail */
+    (void)v->receive(v->gloss, v->view, i, NULL, &receiver);
   }
   ylm_rng_seed(&rng, ~a.o->seed, stream);
-  ylm_scene_basis(v->normal[i], x, y);
+  v->basis(v->normal[i], x, y);
   for (int k = 0; k < n; k++) {
     double u = (k + ylm_rng_double(&rng)) / n, turn = 2 * YLM_PI * ylm_rng_double(&rng),
            r = sqrt(u);
@@ -79,15 +82,15 @@ static ylm_status meet(const job *j, size_t i, uint64_t stream, ylm_trace_ray *r
     ray[k].near = 0;
     ray[k].far = INFINITY;
   }
-  ylm_trace_nearest(ylm_scene_trace(v->scene), (size_t)n, ray, false, hit);
+  v->nearest(v->trace, (size_t)n, ray, false, hit);
   for (int k = 0; k < n; k++) {
     ylm_scene_surface s;
     if (hit[k].mesh < 0) continue;
     bool back = ylm_dot3(hit[k].normal, ray[k].dir) > 0;
     ylm_scene_place place = {(uint32_t)hit[k].mesh, hit[k].element, hit[k].u, hit[k].v, back};
-    ylm_scene_surfaces(v->scene, 1, &place, &s);
+    v->surfaces(v->scene, 1, &place, &s);
     if (glosses) {
-      ylm__gather_eval(&receiver, 1, (const float(*)[3])ray[k].dir, f3);
+      v->eval(&receiver, 1, (const float(*)[3])ray[k].dir, f3);
       for (int c = 0; c < 3; c++) f3[0][c] *= tint[c];
       a.reflectance =
           (float)(YLM_LUMINANCE_R * (double)f3[0][0] + YLM_LUMINANCE_G * (double)f3[0][1] +
@@ -111,17 +114,17 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   ylm_trace_ray *ray = ylm_alloc(n, sizeof *ray);
   ylm_trace_hit *hit = ylm_alloc(n, sizeof *hit);
   ylm_status s = ray && hit ? YLM_OK : YLM_ENOMEM;
-  shade_stream at = ylm__shade_stream_at(j->view, begin);
+  const ylm_many_host *v = j->ask->host;
   for (size_t i = begin; s == YLM_OK && i < end; i++)
-    s = meet(j, i, ylm__shade_stream_next(j->view, &at), ray, hit, &j->blocks[begin / GRAIN]);
+    s = meet(j, i, v->stream(v->view, i), ray, hit, &j->blocks[begin / GRAIN]);
   ylm_free(ray);
   ylm_free(hit);
   return s;
 }
 
 /* Adds the light of the places that a block found. */
-static ylm_status add(const ylm_shade_view *v, const gather_ask *a, uint64_t seed, const found *f,
-                      float *out, uint64_t *rays, ylm_error *e) {
+static ylm_status add(const ylm_many_ask *a, uint64_t seed, const found *f, float *out,
+                      uint64_t *rays, ylm_error *e) {
   float *room = ylm_alloc_zero(9 * f->n, sizeof *room);
   ylm_path_options o = {.samples = PATHS,
                         .first = 1,
@@ -132,9 +135,10 @@ static ylm_status add(const ylm_shade_view *v, const gather_ask *a, uint64_t see
   ylm_path_sum sum = {0, room, room ? room + 3 * f->n : NULL, room ? room + 6 * f->n : NULL};
   ylm_path_stats stats = {0};
   if (!room) return YLM_ENOMEM;
-  ylm_status s = f->n > 0 ? ylm_path_places(v->scene, f->n, f->place, NULL, NULL, v->frame.from,
-                                            true, &o, &sum, &stats, e)
-                          : YLM_OK;
+  const ylm_many_host *v = a->host;
+  ylm_status s =
+      f->n > 0 ? v->places(v->scene, f->n, f->place, NULL, NULL, v->eye, true, &o, &sum, &stats, e)
+               : YLM_OK;
   for (size_t k = 0; s == YLM_OK && k < 3 * f->n; k++)
     out[3 * f->point[k / 3] + k % 3] += f->factor[k / 3][k % 3] * room[k];
   *rays += stats.nearest_rays + stats.shadow_rays + stats.lamp_rays;
@@ -142,18 +146,16 @@ static ylm_status add(const ylm_shade_view *v, const gather_ask *a, uint64_t see
   return s;
 }
 
-ylm_status ylm__gather_compensate(const ylm_shade_view *v, const gather_ask *a,
-                                  const gather_gloss *gloss, float *out, uint64_t *rays,
-                                  ylm_error *e) {
-  size_t blocks = (v->points + GRAIN - 1) / GRAIN;
-  job j = {v, a, gloss, ylm_alloc_zero(blocks, sizeof *j.blocks)};
+ylm_status ylm__many_compensate(const ylm_many_ask *a, float *out, uint64_t *rays, ylm_error *e) {
+  size_t points = a->host->points, blocks = (points + GRAIN - 1) / GRAIN;
+  job j = {a, ylm_alloc_zero(blocks, sizeof *j.blocks)};
   if (!j.blocks) return YLM_ENOMEM;
   ylm_status s =
-      ylm_parallel(v->points, GRAIN, a->o->threads, run, &j, a->o->progress, "compensation");
+      ylm_parallel(points, GRAIN, a->o->threads, run, &j, a->o->progress, "compensation");
   for (size_t b = 0; s == YLM_OK && b < blocks; b++)
-    s = add(v, a, a->o->seed + (b << 32), &j.blocks[b], out, rays, e);
+    s = add(a, a->o->seed + (b << 32), &j.blocks[b], out, rays, e);
   for (size_t b = 0; b < blocks; b++) drop(&j.blocks[b]);
   ylm_free(j.blocks);
-  *rays += (uint64_t)v->points * (uint64_t)a->o->compensate;
+  *rays += (uint64_t)points * (uint64_t)a->o->compensate;
   return s;
 }

@@ -1,10 +1,10 @@
-/* many_vsl.isa.c - virtual lights as spheres at a point that is matte, a vector of lights at a time, once per instruction
-   set. many_vsl.c has the plain form and the ways. */
+/* vsl.isa.c - virtual lights as spheres at a point that is matte, a vector of lights at a time, once per instruction
+   set. vsl.c has the plain form and the ways. */
 #include "ylm_simd.h"
 
 #include "many.h"
 
-ylm_shade_spheres_fn YLM_KERNEL(ylm_k_shade_spheres);
+ylm_many_spheres_fn YLM_KERNEL(ylm_k_many_spheres);
 
 typedef uint32_t vu __attribute__((vector_size(YLM_VECTOR_BYTES)));
 
@@ -57,15 +57,15 @@ YLM_INLINE void turn(ylm_vf v, ylm_vf *c, ylm_vf *s) {
 /* The sum over directions of one way. */
 YLM_INLINE ylm_vf sum_of(const sphere *s, int way, bool alone, int count, ylm_vf u0, ylm_vf v0,
                          ylm_vi on) {
-  const ylm_vf zero = {0}, *axis = way == GATHER_CONE ? s->w : way == GATHER_RECEIVER ? s->N : s->n;
-  const float sign = way == GATHER_LIGHT ? -1 : 1;
+  const ylm_vf zero = {0}, *axis = way == VSL_CONE ? s->w : way == VSL_RECEIVER ? s->N : s->n;
+  const float sign = way == VSL_LIGHT ? -1 : 1;
   ylm_vf a[3], b[3], cs, sn, sum = zero, per = 1 / s->directions;
   basis(axis, a, b);
   turn(v0, &cs, &sn);
   for (int i = 0; i < count; i++) {
     ylm_vf u = u0 + ((float)i + 0.5f) * per, d[3];
     u = ylm_vf_select(u >= 1, u - 1, u);
-    ylm_vf z = way == GATHER_CONE ? 1 - u * s->part : ylm_vf_sqrt(most(zero, 1 - u));
+    ylm_vf z = way == VSL_CONE ? 1 - u * s->part : ylm_vf_sqrt(most(zero, 1 - u));
     ylm_vf r = ylm_vf_sqrt(most(zero, 1 - z * z));
     for (int k = 0; k < 3; k++) d[k] = sign * (r * (cs * a[k] + sn * b[k]) + z * axis[k]);
     ylm_vf up = most(zero, dot(s->N, d)), along = -dot(s->n, d), out = most(zero, s->shift + along);
@@ -73,7 +73,7 @@ YLM_INLINE ylm_vf sum_of(const sphere *s, int way, bool alone, int count, ylm_vf
                      : s->over_cone +
                            ylm_vf_select(s->wide, (up + most(zero, along)) * 0.318309886f, zero);
     ylm_vi counts = on & ((zero + (float)i) < s->directions);
-    if (way != GATHER_CONE) counts &= dot(s->w, d) >= s->edge;
+    if (way != VSL_CONE) counts &= dot(s->w, d) >= s->edge;
     sum += ylm_vf_select(counts, up * out / p, zero);
     ylm_vf next = cs * -0.73736888f - sn * -0.67549029f;
     sn = cs * -0.67549029f + sn * -0.73736888f, cs = next;
@@ -87,9 +87,9 @@ YLM_INLINE bool any(ylm_vi x) {
   return all != 0;
 }
 
-void YLM_KERNEL(ylm_k_shade_spheres)(const gather_lights *l, const gather_ask *a, size_t first,
-                                     size_t n, const float x[3], const float N[3],
-                                     const uint32_t seed[2], const float *keep, float *w) {
+void YLM_KERNEL(ylm_k_many_spheres)(const ylm_many_lights *l, const ylm_many_ask *a, size_t first,
+                                    size_t n, const float x[3], const float N[3],
+                                    const uint32_t seed[2], const float *keep, float *w) {
   const ylm_vf zero = {0}, one = zero + 1;
   const ylm_shade_sphere_strategy strategy = a->o->strategy;
   const float samples = (float)a->o->samples;
@@ -126,17 +126,17 @@ void YLM_KERNEL(ylm_k_shade_spheres)(const gather_lights *l, const gather_ask *a
       s.directions[q] = (float)many;
       count = s.on[q] && many > count ? many : count;
     }
-    s.wide = strategy == YLM_SHADE_MIS ? s.part >= GATHER_SMALL : s.on & 0;
-    ylm_vf u = numbers(seed[0], GATHER_STEP_U, i), v = numbers(seed[1], GATHER_STEP_V, i);
+    s.wide = strategy == YLM_SHADE_MIS ? s.part >= VSL_SMALL : s.on & 0;
+    ylm_vf u = numbers(seed[0], VSL_STEP_U, i), v = numbers(seed[1], VSL_STEP_V, i);
     if (strategy == YLM_SHADE_RECEIVER)
-      sum = sum_of(&s, GATHER_RECEIVER, true, count, u, v, s.on);
+      sum = sum_of(&s, VSL_RECEIVER, true, count, u, v, s.on);
     else
-      sum = sum_of(&s, GATHER_CONE, false, count, u, v, s.on);
+      sum = sum_of(&s, VSL_CONE, false, count, u, v, s.on);
     ylm_vi wide = s.on & s.wide;
     if (any(wide)) {
       ylm_vi turned = wide & ((s.n[0] != 0) | (s.n[1] != 0) | (s.n[2] != 0));
-      sum += sum_of(&s, GATHER_RECEIVER, false, count, v, u, wide);
-      sum += sum_of(&s, GATHER_LIGHT, false, count, u, 1 - v, turned);
+      sum += sum_of(&s, VSL_RECEIVER, false, count, v, u, wide);
+      sum += sum_of(&s, VSL_LIGHT, false, count, u, 1 - v, turned);
     }
     if (keep) sum *= ylm_vf_load(keep + k);
     ylm_vf_store(w + k, sum / (s.directions * (float)YLM_PI * most(r * r, one * 1e-30f)));

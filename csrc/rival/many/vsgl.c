@@ -1,5 +1,5 @@
 /*
-** many_vsgl.c - virtual spherical Gaussian lights: groups of virtual lights as one lobe of places and one of directions.
+** vsgl.c - virtual spherical Gaussian lights: groups of virtual lights as one lobe of places and one of directions.
 **
 ** A group of power P has a mean place m and a variance s^2 of places. Its lobe of directions has
 ** the axis x and the sharpness k:
@@ -16,7 +16,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "many_gloss.h"
+#include "many.h"
 #include "ylm_sh.h"
 
 /* The mean direction's length of a cosine lobe, and that of the lobe that stands for it. */
@@ -190,7 +190,8 @@ static void rise(group *heap, size_t i) {
 }
 
 /* Puts a group as light i: place, axis, deviation, sharpness, power over A. */
-static void put(const item *list, const group *g, double least, const gather_lights *l, size_t i) {
+static void put(const item *list, const group *g, double least, const ylm_many_lights *l,
+                size_t i) {
   double m[3] = {0}, x[3] = {0}, power[3] = {0}, square = 0, all = 0, length = 0;
   for (size_t k = g->begin; k < g->end; k++) {
     double w = list[k].weight;
@@ -233,8 +234,8 @@ static double extent(const item *list, size_t n) {
   return sqrt(d2);
 }
 
-ylm_status ylm__gather_parts(const ylm_light_virtual *lights, size_t groups, size_t *count,
-                             const gather_lights *out) {
+ylm_status ylm__many_parts(const ylm_light_virtual *lights, size_t groups, size_t *count,
+                           const ylm_many_lights *out) {
   ylm_light_virtual_form f;
   ylm_light_virtual_get(lights, &f);
   item *list = ylm_alloc(f.n, sizeof *list);
@@ -270,8 +271,9 @@ static double clamped(double k, double c) {
          (1 + 0.0858 * exp(-k / 2.2));
 }
 
-void ylm__gather_gaussian(const gather_lights *l, const gather_receiver *r, size_t i,
-                          const float x[3], const float N[3], double out[3]) {
+/* The weight of group i at x, normal N: out [1]; r not NULL: of the lobe of that receiver, out [3]. */
+static void weigh(const ylm_many_lights *l, const ylm_many_receiver *r, size_t i, const float x[3],
+                  const float N[3], double out[3]) {
   double w[3], v[3], d2 = 0, along = 0, k2 = 0, c = 0, s = (double)l->radius[i];
   double lam = (double)l->shift[i];
   for (int a = 0; a < 3; a++) {
@@ -303,4 +305,25 @@ void ylm__gather_gaussian(const gather_lights *l, const gather_receiver *r, size
   part *= exp(-2 * k * sharp * (1 - toward) / fmax(both + k + sharp, 1e-30)) * -expm1(-2 * both) /
           both * clamped(both, fmin(1, fmax(-1, c)));
   for (int a = 0; a < 3; a++) out[a] = part * (double)r->lobes[a];
+}
+
+void ylm__many_gaussians(const ylm_many_lights *l, const ylm_many_ask *a, size_t first, size_t n,
+                         const float x[3], const float N[3], float *w) {
+  (void)a;
+  for (size_t k = 0; k < n; k++) {
+    double one[3] = {0, 0, 0};
+    if (first + k < l->n) weigh(l, NULL, first + k, x, N, one);
+    w[k] = (float)one[0];
+  }
+}
+
+void ylm__many_gaussians_gloss(const ylm_many_lights *l, const ylm_many_ask *a,
+                               const ylm_many_receiver *r, size_t first, size_t n, const float x[3],
+                               float (*w)[YLM_MANY_CHUNK]) {
+  (void)a;
+  for (size_t k = 0; k < n; k++) {
+    double one[3] = {0, 0, 0};
+    if (first + k < l->n) weigh(l, r, first + k, x, r->axis[2], one);
+    for (int f = 0; f < 3; f++) w[f][k] = (float)one[f];
+  }
 }

@@ -1,15 +1,15 @@
 /*
-** tree_kernel.h - the sum over a tree of virtual lights at packets of points, in float: lanes are points. Private to
-** the folder.
+** tree_kernel.isa.c - the sum over a tree of virtual lights at packets of points, in float: lanes are points.
 **
 ** The points of a packet walk down together. A node that is far from each of them is summed as its
 ** proxies. A node that is behind the horizon of all its lights is dropped, any other is opened. A
 ** first walk, the pilot's, finds the scales that errors refer to.
 */
-#ifndef YLM_LIGHT_VIRTUAL_TREE_KERNEL_H
-#define YLM_LIGHT_VIRTUAL_TREE_KERNEL_H
-
+#define YLM_REAL_IS_FLOAT
+#include "../kernel.h"
 #include "tree.h"
+
+#include <string.h>
 
 #define VECTORS (YLM__PACKET > LANES ? YLM__PACKET / LANES : 1)
 
@@ -44,8 +44,8 @@ static ylm_status tree_work_create(const ylm__virtual_tree_plan *p, void **scrat
                                    tree_work **out) {
   tree_work *k = *out = scratch[0];
   if (k) return YLM_OK;
-  const size_t count = p->lights.rows[0], main = room_of(&p->lights),
-               scales = room_of(&p->pilot[0]);
+  const size_t count = p->lights.rows[0], main = VIRTUAL(room_of)(&p->lights),
+               scales = VIRTUAL(room_of)(&p->pilot[0]);
   const size_t sums = VECTORS * p->lights.sums, pilot_sums = VECTORS * p->pilot[0].sums;
   const size_t dim_sums = VECTORS * p->dim[0].sums;
   const size_t results = LANES * 3 * 10 * count, stack = (size_t)p->tree->depth + 4;
@@ -55,8 +55,8 @@ static ylm_status tree_work_create(const ylm__virtual_tree_plan *p, void **scrat
   scratch[0] = *out = k;
   vreal *at = (vreal *)(k + 1);
   k->p = p;
-  work_place(&k->main, &p->lights, at), at += main;
-  work_place(&k->scales, &p->pilot[0], at), at += scales;
+  VIRTUAL(work_place)(&k->main, &p->lights, at), at += main;
+  VIRTUAL(work_place)(&k->scales, &p->pilot[0], at), at += scales;
   k->sums = at, at += sums;
   k->dim_sums = at, at += dim_sums;
   k->pilot_sums = at, at += pilot_sums;
@@ -80,9 +80,9 @@ static void sum_list(tree_work *k, lamp_list *l) {
     memset(w->part, 0, plan->sums * sizeof *w->part);
     for (size_t i = 0; i < l->n; i++) {
       add_light(l->of[i], w, l->row[i], k->xyz[v], 0);
-      if (w->held == TILE) flush(plan, w);
+      if (w->held == TILE) VIRTUAL(flush)(plan, w);
     }
-    flush(plan, w);
+    VIRTUAL(flush)(plan, w);
     for (size_t s = 0; s < plan->sums; s++) sums[s] += w->part[s];
   }
   k->pairs += k->n * l->n;
@@ -298,17 +298,17 @@ static void find_norms(const ylm__virtual_tree_plan *p, work *w, const vreal dow
   const ylm__virtual_plan *q = &p->pilot[0];
   const size_t count = q->rows[0];
   for (int j = 0; j < 3; j++) norm[j] = vreal_set(0);
-  if (p->want[0]) value_of(q, w, 1, 0, w->out);
+  if (p->want[0]) VIRTUAL(value_of)(q, w, 1, 0, w->out);
   for (size_t i = 0; p->want[0] && i < count; i++) {
     vreal x = w->out[i] * down[0];
     norm[0] += x * x;
   }
-  if (p->want[1]) gradient_of(q, w, 1, 0, w->out);
+  if (p->want[1]) VIRTUAL(gradient_of)(q, w, 1, 0, w->out);
   for (size_t i = 0; p->want[1] && i < 3 * count; i++) {
     vreal x = w->out[i] * down[1];
     norm[1] += x * x;
   }
-  if (p->want[2]) hessian_of(q, w, 1, 0, w->out);
+  if (p->want[2]) VIRTUAL(hessian_of)(q, w, 1, 0, w->out);
   for (size_t i = 0; p->want[2] && i < 6 * count; i++) {
     vreal x = w->out[i] * down[2];
     norm[2] += times[i % 6] * x * x;
@@ -410,9 +410,9 @@ static void sum_packet(tree_work *k, ylm_field_result *r) {
     const size_t first = (size_t)v * LANES;
     const int lanes = k->n - first < LANES ? (int)(k->n - first) : LANES;
     memcpy(k->main.sum, k->sums + (size_t)v * p->sums, p->sums * sizeof *k->sums);
-    mix(p, &k->main);
-    results(p, &k->main, 0, lanes, &own);
-    if (want & YLM_WANT_METRIC) metric(p, &k->main, 0, lanes, &own);
+    VIRTUAL(mix)(p, &k->main);
+    VIRTUAL(results)(p, &k->main, 0, lanes, &own);
+    if (want & YLM_WANT_METRIC) VIRTUAL(metric)(p, &k->main, 0, lanes, &own);
     scatter(k, first, lanes, &own, r);
   }
 }
@@ -433,5 +433,3 @@ ylm_status YLM_KERNEL(ylm__virtual_tree)(const ylm__virtual_tree_plan *p, void *
   }
   return YLM_OK;
 }
-
-#endif

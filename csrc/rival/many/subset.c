@@ -1,23 +1,15 @@
-/* many_subset.c - fewer lights for each point: interleaved ones, and the mean over pixels beside each other. */
+/* subset.c - the mean over pixels beside each other, whose points ask interleaved lights. */
 #include <math.h>
 
 #include "many.h"
+#include "ylm_vector.h"
 
 #define GRAIN 1024
 #define ALIKE 0.93969262f /* the cosine of 20 degrees */
 
-static size_t width_of(const ylm_shade_view *v) { return (size_t)v->image[0]; }
-
-size_t ylm__gather_group(const ylm_shade_view *v, int tile, size_t pixel) {
-  size_t side = (size_t)tile, x = pixel % width_of(v), y = pixel / width_of(v);
-  return y % side * side + x % side;
-}
-
 typedef struct job {
-  const ylm_shade_view *view;
+  const ylm_many_host *host;
   int tile;
-  ylm_shade_keeps_fn *keeps;
-  const void *context;
   const float *from; /* [points][3] */
   float *out;
 } job;
@@ -30,12 +22,12 @@ static size_t begin_of(size_t x, size_t n, size_t tile) {
 
 /* Adds the mean of a pixel's points that count for point p; false: there are none. */
 static bool add_pixel(const job *j, size_t p, size_t pixel, double sum[3]) {
-  const ylm_shade_view *v = j->view;
+  const ylm_many_host *v = j->host;
   double own[3] = {0, 0, 0};
   size_t n = 0;
-  for (size_t q = v->pixel[pixel].first; q < v->pixel[pixel + 1].first; q++) {
+  for (size_t q = v->first(v->view, pixel), end = v->first(v->view, pixel + 1); q < end; q++) {
     if (v->mesh[q] != v->mesh[p] || ylm_dot3(v->normal[q], v->normal[p]) < ALIKE) continue;
-    if (j->keeps && j->keeps(j->context, q)) continue;
+    if (v->gloss && v->glosses(v->gloss, v->view, q)) continue;
     for (size_t c = 0; c < 3; c++) own[c] += (double)j->from[3 * q + c];
     n++;
   }
@@ -46,14 +38,15 @@ static bool add_pixel(const job *j, size_t p, size_t pixel, double sum[3]) {
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const job *j = context;
-  const ylm_shade_view *v = j->view;
-  size_t width = width_of(v), height = (size_t)v->image[1], tile = (size_t)j->tile;
+  const ylm_many_host *v = j->host;
+  size_t width = v->size[0], height = v->size[1], tile = (size_t)j->tile;
   for (size_t pixel = begin; pixel < end; pixel++) {
     size_t left = begin_of(pixel % width, width, tile), low = begin_of(pixel / width, height, tile);
-    for (size_t p = v->pixel[pixel].first; p < v->pixel[pixel + 1].first; p++) {
+    for (size_t p = v->first(v->view, pixel), behind = v->first(v->view, pixel + 1); p < behind;
+         p++) {
       double sum[3] = {0, 0, 0};
       size_t n = 0;
-      if (j->keeps && j->keeps(j->context, p)) continue;
+      if (v->gloss && v->glosses(v->gloss, v->view, p)) continue;
       for (size_t y = low; y < low + tile && y < height; y++)
         for (size_t x = left; x < left + tile && x < width; x++)
           n += add_pixel(j, p, y * width + x, sum);
@@ -63,13 +56,11 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return YLM_OK;
 }
 
-ylm_status ylm__gather_filter(const ylm_shade_view *v, int tile, ylm_shade_keeps_fn *keeps,
-                              const void *context, int threads, float *out) {
-  float *from = ylm_alloc_copy(out, v->points, 3 * sizeof *out);
-  job j = {v, tile, keeps, context, from, out};
+ylm_status ylm__many_filter(const ylm_many_host *host, int tile, int threads, float *out) {
+  float *from = ylm_alloc_copy(out, host->points, 3 * sizeof *out);
+  job j = {host, tile, from, out};
   if (!from) return YLM_ENOMEM;
-  ylm_status s =
-      ylm_parallel((size_t)v->image[0] * (size_t)v->image[1], GRAIN, threads, run, &j, NULL, NULL);
+  ylm_status s = ylm_parallel(host->size[0] * host->size[1], GRAIN, threads, run, &j, NULL, NULL);
   ylm_free(from);
   return s;
 }
