@@ -82,7 +82,7 @@ local function state_of(more)
   local settings = { tolerance = 0.05, depth = 6, lmax = 4, exposure = 0, tone = "srgb", method = "grid", levels = false,
     lobes = false, gradients = false, errors = false, truth = false, panel = true }
   local s = { size = { 640, 480 }, camera = camera, cameras = { camera }, lamps = rows, settings = settings,
-    tones = core.image_tones(), methods = { "grid", "rays" }, diagonal = 4, near = 0.004, middle = { 0, 0.5, 0 },
+    tones = core.choices "tone", methods = { "grid", "rays" }, diagonal = 4, near = 0.004, middle = { 0, 0.5, 0 },
     surface_at = function() return { position = { 0, 0, 0 }, normal = { 0, 1, 0 }, object = 1, depth = 4 } end,
     lamp_at = function(x) return x < 200 and 1 or nil end }
   for k, v in pairs(more or {}) do s[k] = v end
@@ -314,7 +314,7 @@ describe("scene:live, replays", function()
     events[5] = { 4, "rest" }
     local edited = assert(play(s, events))
     assert(math.abs(edited.lights[1].at[1] + 0.5) > 0.1)
-    local tones, shown = core.image_tones(), { { 0, "rest" } }
+    local tones, shown = core.choices "tone", { { 0, "rest" } }
     for i = 1, #tones do
       shown[#shown + 1] = { i, "picture", ("%s/%d.png"):format(folder.path, i) }
       for _, name in ipairs { "o", "plus" } do shown[#shown + 1] = { i, "key", name } end

@@ -70,27 +70,6 @@ int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
   return 3;
 }
 
-/* Is the key at `i` one of the names? */
-static bool is_named(lua_State *L, int i, const char *const *names) {
-  if (lua_type(L, i) != LUA_TSTRING) return false;
-  for (; *names; names++)
-    if (strcmp(*names, lua_tostring(L, i)) == 0) return true;
-  return false;
-}
-
-void ylmL_named(lua_State *L, int i, const char *const *names) {
-  luaL_checktype(L, i, LUA_TTABLE);
-  lua_settop(L, i);
-  luaL_checkstack(L, 24, "named arguments");
-  for (lua_pushnil(L); lua_next(L, i); lua_pop(L, 1))
-    if (!is_named(L, -2, names))
-      luaL_argerror(L, i,
-                    lua_pushfstring(L, "no argument has the name '%s'",
-                                    lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2)
-                                                                   : luaL_typename(L, -2)));
-  for (; *names; names++) lua_getfield(L, i, *names);
-}
-
 /* -- object types ---------------------------------------------------------------------------- */
 
 /* The only list of types whose methods are written in Lua: the type, the module that has them. */

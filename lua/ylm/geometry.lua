@@ -98,7 +98,7 @@ local common = {
   { "material", "object", of = material.kinds, what = "a material", optional = true,
     about = "reflectance: matte { albedo = 0.75 }" },
   { "occludes", "boolean", default = true, about = "whether it casts shadows" },
-  { "sides", "choice", of = { "auto", "both", "front", "back" }, optional = true,
+  { "sides", "choice", of = core.choices "sides", optional = true,
     about = "which sides reflect to other surfaces (scene:transfer); front: from which the corners of triangles run "
       .. "counter-clockwise" },
 }

@@ -586,7 +586,7 @@ end
 
 --- Fields of ylm.shadowed and options of ylm.visibility.
 local products = {
-  { "product", "choice", of = { "rule", "accurate", "recursive", "exp" }, default = "rule",
+  { "product", "choice", of = core.choices "shadow_product", default = "rule",
     about = "'rule': at directions of one rule, whatever the number of casters; 'accurate': of a rule that is exact, for 15 "
       .. "casters at most; 'recursive': two factors at a time, cut off at lmax; 'exp': exponentials of sums of logarithms, "
       .. "of spheres alone, lmax at most 20 (all but the first to compare with)" },
@@ -596,7 +596,7 @@ local products = {
     about = "casters that change a visibility by less than this, over their number, are left out; 0: none" },
   { "layers", "boolean", optional = true,
     about = "casters that do not overlap, seen from a point, are summed, and are one factor; default: with 'rule' alone" },
-  { "exp", "choice", of = { "HYB", "PS", "OL" }, optional = true,
+  { "exp", "choice", of = core.choices("sh_exp", "HYB"), optional = true,
     about = "of 'exp': 'PS' its series, which diverges for bodies that look large; 'OL' a line; 'HYB', the default, a line of a "
       .. "part, squared until it is the whole" },
   { "terms", "integer", min = 1, max = core.limits.sh_exp_terms, optional = true, about = "of 'PS', default 9" },
@@ -865,7 +865,7 @@ end
 local visibility_options = {
   { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: gradients too" },
   products[1], products[2], products[3], products[4], products[5], products[6],
-  { "dtype", "choice", of = { "float", "double" }, optional = true,
+  { "dtype", "choice", of = core.choices "dtype", optional = true,
     about = "element type; that of the points where they are an array, else float" },
   form.threads, form.progress,
 }

@@ -1,6 +1,6 @@
 /* sh_product.c - binds products and transfer matrices. Arguments come sorted from
  * lua/ylm/sh/product.lua. */
-#include "../binding_product.h"
+#include "../binding.h"
 
 #include "ylm_sh.h"
 #include "ylm_sh_exponential.h"
@@ -23,7 +23,9 @@ static int product_gc(lua_State *L) {
 static int sh_product_plan(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
   int lmax = (int)luaL_checknumber(L, 1), factors = (int)luaL_checknumber(L, 2);
-  ylm_sh_product_method method = ylmL_product_method(L, 3), inner = ylmL_product_method(L, 4);
+  const char *const *methods = ylmL_sh_product_choices;
+  ylm_sh_product_method method = (ylm_sh_product_method)luaL_checkoption(L, 3, "auto", methods),
+                        inner = (ylm_sh_product_method)luaL_checkoption(L, 4, "auto", methods);
   handle *h = lua_newuserdata(L, sizeof *h);
   *h = (handle){NULL, lmax, factors};
   luaL_getmetatable(L, PRODUCT);
@@ -231,11 +233,7 @@ static int sh_exp(lua_State *L) { return sh_function(L, false); }
 static int sh_exponential(lua_State *L) {
   ylmL_array *in = ylmL_array_check(L, 1), *out = ylmL_array_check(L, 4);
   int lmax = (int)luaL_checknumber(L, 2), threads = (int)luaL_optnumber(L, 5, 0);
-  const char *name = luaL_checkstring(L, 3);
-  ylm_sh_exp_method method = YLM_SH_EXP_PS;
-  for (int m = 0; m < YLM_SH_EXP_METHOD_COUNT; m++)
-    if (strcmp(name, ylm_sh_exp_method_name((ylm_sh_exp_method)m)) == 0)
-      method = (ylm_sh_exp_method)m;
+  ylm_sh_exp_method method = (ylm_sh_exp_method)luaL_checkoption(L, 3, NULL, ylmL_sh_exp_choices);
   ylm_error e = {YLM_OK, ""};
   ylm_status s;
   ylm_sh_exponential *tables = NULL;

@@ -137,7 +137,8 @@ local function read(values, limits)
   local triangles, texels = left("triangles", TRIANGLES, limits), left("texels", TEXELS, limits)
   local file
   file, message, code = lib.gltf_read { path = values.file, file_size = left("file_size", BYTES, limits),
-    triangles = math.max(1, triangles), texels = math.max(1, texels), scene = values.scene or 0, images = texels >= 1,
+    triangles = math.max(1, triangles), texels = math.max(1, texels),
+    scene = math.min(values.scene or 0, 2 ^ 31 - 1), images = texels >= 1,
     groups = values.textures == "mean" and 1 or values.textures ~= "image" and values.textures or 0 }
   if file and file.triangles > triangles then return nil, values.file .. ": more than 0 triangles", "ELIMIT" end
   return file, message, code

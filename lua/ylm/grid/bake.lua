@@ -162,7 +162,7 @@ local bake_options = {
   { "geometry", "any", optional = true,
     about = "what occupied = 'surfaces' is about: a mesh, a shape (quad, sphere, mesh ...) or a list of them" },
   { "bounds", "bounds", optional = true, about = "where the description has none" },
-  { "quantity", "choice", of = { "lights", "direct", "indirect", "all", "visibility" }, optional = true,
+  { "quantity", "choice", of = core.choices "quantity", optional = true,
     about = "what a field that is a function holds; other fields know it. 'lights': light that nothing occludes (default); "
       .. "'direct': light of lamps and sky with shadows; 'indirect': what surfaces send back; 'all': both" },
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of the choice of held-out points" },

@@ -14,10 +14,10 @@ local grid_file = {}
 grid_file.page_options = {
   { "scene", "any", optional = true, about = ".html: the scene whose geometry, lamps and camera the page shows" },
   { "title", "string", optional = true, about = ".html: default the scene's name" },
-  { "precision", "choice", of = { "half", "float", "byte" }, default = "half",
+  { "precision", "choice", of = core.choices "precision", default = "half",
     about = ".html: of the numbers at probes; 'byte': slopes in bytes, 0.63 of the size" },
   { "exposure", "number", min = -20, max = 20, default = 0, unit = "stops", about = ".html: at first" },
-  { "tone", "choice", of = core.image_tones(), default = "srgb", about = ".html: tone curve at first" },
+  { "tone", "choice", of = core.choices "tone", default = "srgb", about = ".html: tone curve at first" },
   { "lamps", "boolean", default = true, about = ".html: whether the page has the scene's sphere lights" },
   { "poster", "any", optional = true,
     about = ".html: an image that is seen where the page cannot be drawn; default: rendered from the scene's camera; "

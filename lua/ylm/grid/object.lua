@@ -14,12 +14,12 @@ object.methods = methods
 
 --- Options of every way to sample a grid.
 object.sampling = {
-  interpolation = { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
+  interpolation = { "interpolation", "choice", of = core.choices "interpolation", default = "hermite",
     about = "cubic Hermite (fourth order), the corners' first-order expansions, or trilinear" },
   derivatives = { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: also the interpolant's gradient" },
-  outside = { "outside", "choice", of = { "clamp", "nan" }, default = "clamp",
+  outside = { "outside", "choice", of = core.choices "outside", default = "clamp",
     about = "points outside of the bounds: those of the nearest point inside, or NaN" },
-  dtype = { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
+  dtype = { "dtype", "choice", of = core.choices "dtype", default = "float", about = "of the results" },
 }
 
 --- All that Lua keeps of a grid, the fields of core.own(grid); closing drops them. With a device it has `copy`, which lies there.

@@ -13,7 +13,7 @@ local progress = require "ylm.progress"
 local methods, open = grid_object.methods, grid_object.open
 
 local refresh_options = {
-  { "quantity", "choice", of = { "lights", "direct", "indirect", "all", "visibility" }, optional = true,
+  { "quantity", "choice", of = core.choices "quantity", optional = true,
     about = "what a field that is a function holds; other fields know it" },
   form.threads, form.progress,
 }

@@ -85,9 +85,10 @@ end
 
 --- Bakes in bricks, and opens what was baked. Nil, message, code.
 function set.bake(wanted, object, occupied, o, how)
-  wanted.normals, wanted.limits, wanted.reach, wanted.bricks = nil, nil, nil, how
+  local most = how.max_points
+  wanted.normals, wanted.limits, wanted.reach, wanted.bricks, how.max_points = nil, nil, nil, how, nil
   local ok, message, code = core.grid_bake_bricks(wanted, object, occupied, o.seed, o.threads or 0,
-    how.max_points, progress.of(o.progress))
+    most, progress.of(o.progress))
   if not ok and code == "EBUSY" then return nil, message, code end -- of another process: nothing is wrong here
   ok, message, code = check.result("bake", ok, message, code)
   if not ok then return nil, message, code end

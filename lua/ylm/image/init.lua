@@ -175,7 +175,7 @@ local save_options = {
       about = ".png 8 (default) or 16; .exr 16 (half) or 32 (default)" },
   { "exposure", "number", min = -60, max = 60, default = 0, unit = "stops",
       about = ".png: pixels are multiplied by 2^exposure" },
-  { "tone", "choice", of = core.image_tones(), default = "srgb",
+  { "tone", "choice", of = core.choices "tone", default = "srgb",
       about = ".png: tone curve; hable and aces are filmic" },
 }
 
@@ -239,7 +239,7 @@ local r, g, b = ylm.colour("grey", 0.5)
 assert(r == 0.5 and g == 0.5 and b == 0.5)]],
 }
 function image.colour(map, t)
-  local good, wanted = form.types.choice(map, { of = core.colourmaps() })
+  local good, wanted = form.types.choice(map, { of = core.choices "colourmap" })
   if not good then return check.bad(1, "colour", "%s expected, got %s", wanted, check.describe(map)) end
   if not check.is_number(t) then return check.bad(2, "colour", "a number expected, got %s", check.describe(t)) end
   return core.colourmap_at(map, t)

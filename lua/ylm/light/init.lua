@@ -38,18 +38,18 @@ end
 --- Options of light.evaluate and ylm.light_field.
 local options = {
   { "derivatives", "integer", min = 0, max = 2, default = 0, about = "0 coefficients, 1 and gradients, 2 and Hessians" },
-  { "channels", "choice", of = { "rgb", "luminance" }, default = "rgb", about = "three linear channels, or one" },
-  { "metric", "choice", of = { "luminance", "rgb" }, optional = true,
+  { "channels", "choice", of = core.choices("channels", "rgb"), default = "rgb", about = "three linear channels, or one" },
+  { "metric", "choice", of = core.choices "channels", optional = true,
     about = "also report.lambda (norm of the Hessians' largest eigenvalues) and report.norm, of these channels; they end "
       .. "at the largest number of their type" },
-  { "dtype", "choice", of = { "float", "double" }, optional = true,
+  { "dtype", "choice", of = core.choices "dtype", optional = true,
     about = "element type; that of the points where they are an array, else float" },
   light.tolerance_option "tolerance",
   form.threads,
   { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take" },
   form.progress,
   { "device", "gpu", optional = true, about = "lights are summed there; gpu:lights copies them once" },
-  { "method", "choice", of = { "merged", "forward", "reversed" }, optional = true,
+  { "method", "choice", of = core.choices "sums", optional = true,
     about = "on a device: merged moments (default), or the papers' product rule for comparison, see gpu:lights" },
 }
 

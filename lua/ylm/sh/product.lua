@@ -184,7 +184,7 @@ function product.product_method(lmax, factors, method)
   return used, integrals
 end
 
-local transfer_options = { { "dtype", "choice", of = { "float", "double" }, default = "double",
+local transfer_options = { { "dtype", "choice", of = core.choices "dtype", default = "double",
   about = "of the matrix" } }
 
 describe "sh.transfer" {

@@ -78,7 +78,7 @@ local function matrix_of(n, name, value)
 end
 
 local rotation_options = {
-  { "dtype", "choice", of = { "float", "double" }, default = "double", about = "of the arrays it will be applied to" },
+  { "dtype", "choice", of = core.choices "dtype", default = "double", about = "of the arrays it will be applied to" },
 }
 
 describe "sh.rotation" {

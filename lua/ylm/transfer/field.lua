@@ -44,7 +44,7 @@ local options = {
     about = "of rays = 'auto' and of shadow rays; default: that of the bake that asks, 0.03 where there is none" },
   { "contrast", "number", min = 0, default = 0.2,
     about = "cells are split where the light of neighbours differs by more than this part of the mean" },
-  { "derivatives", "choice", of = { "cells", "points" }, default = "points",
+  { "derivatives", "choice", of = core.choices "gather_derivatives", default = "points",
     about = "gradients by the borders of cells, which move with the nearer surface, or by hit points that stay, less the mean "
       .. "light; Hessians are by cells (docs/bouncing.md compares them)" },
   { "remember", "boolean", default = false,

@@ -286,7 +286,7 @@ local map_options = {
   { "size", "texels", default = { 256, 256 }, unit = "texels", about = "{ width, height }" },
   { "part", "choice", of = { "all", "direct", "indirect" }, default = "all", about = "direct light, what surfaces send, or "
     .. "both" },
-  { "side", "choice", of = { "front", "back" }, optional = true, about = "default: the one that has elements, else the front" },
+  { "side", "choice", of = core.choices "side", optional = true, about = "default: the one that has elements, else the front" },
   { "links", "links", default = 128, about = "rays of each texel, by which elements light it" },
   { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = 32, about = "shadow rays of each texel" },
   { "gutter", "integer", min = 0, max = 64, default = 2,
