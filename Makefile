@@ -22,11 +22,14 @@ LUAS    ?= $(if $(ROCK_LUA),$(shell $(ROCK_LUA) -e 'print("lua" .. _VERSION:matc
 LUA_CFLAGS ?= # of the one Lua to build for; pkg-config knows them otherwise
 ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 
-# -- what belongs to which library (csrc/README.md) -------------------------
+# -- what belongs to which library: the ladder in csrc/README.md, core < codec < scene < { tops } < lua -----------
 
-CORE    := base sh image geom material light grid figure
-CODEC   := codec
-SCENE   := trace scene path transfer emit shade
+LADDER  := $(shell sed -n '/^    base </{s/ *< */./g; s/\.codec\./ codec /; s/\.{/ /; s/}.*//; s/|//g; p}' csrc/README.md)
+$(if $(word 4,$(LADDER)),,$(error csrc/README.md has no ladder "    base < .. < codec < .. < { .. } < lua"))
+CORE    := $(subst ., ,$(word 1,$(LADDER)))
+CODEC   := $(word 2,$(LADDER))
+SCENE   := $(subst ., ,$(word 3,$(LADDER)))
+TOPS    := $(strip $(wordlist 4,$(words $(LADDER)),$(LADDER)))
 
 ARCH    := $(shell $(CC) -dumpmachine 2>/dev/null | cut -d- -f1)
 ISAS    := $(if $(filter x86_64,$(ARCH)),sse2 avx2 avx512,$(if $(filter aarch64,$(ARCH)),neon))
@@ -244,8 +247,9 @@ check-long: all   ## run by hand before a release, hours (LONG=parts): sanitizer
 portable: ## build and test in minimal roots of Debian 12 and 13, by debootstrap as root (SUITES=trixie, PORTABLE_MORE=packages)
 	@BUILD=$(abspath $(BUILD)) spec/portable $(SUITES) $(SPEC)
 
-check: gen-check bench-check fuzz-check   ## style, generated files, warnings of benches and fuzz targets, without running specs
+check: gen-check bench-check fuzz-check   ## style, architecture (spec/check), generated files, warnings of benches and fuzz targets, without running specs
 	luacheck -q examples lua rockspec spec
+	@LUA_PATH='./?.lua' $(CODEGEN_LUA) spec/check/main.lua
 	@if command -v clang-format >/dev/null; then clang-format --dry-run --Werror $(FORMATTED); \
 	else echo "clang-format is not installed"; fi
 

@@ -243,7 +243,7 @@ end
 local fits = "[a][b] with c [..][b], [n][a][b] with c [b], [n][b] or [n][k][b], [n][k][a][b] with c [b], [k][b] or [n][k][b]"
 
 describe "sh.apply" {
-  about = "Applies a matrix of a product (from sh.product_matrix) to vectors of coefficients, or a matrix of its own to each of n of them "
+  about = "Applies a matrix of a product (from sh.product_matrix) to vectors of coefficients, or one of its own to each of n "
     .. "(from view:matrices). The matrices may be " .. fits .. ".",
   arguments = {
     { "M", "array", "[a][b], [n][a][b] or [n][k][a][b]; b as many as coefficients of c" },
