@@ -1,4 +1,4 @@
--- What Lua keeps of an object stands in the object's own table, and goes with the object.
+-- All that Lua keeps of an object stands in the own table of the object, and goes with it.
 
 local core = require "ylm.c.core"
 local grid_object = require "ylm.grid.object"

@@ -5,7 +5,7 @@ local library = require "ylm.library"
 local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 
---- What f(...) raises.
+--- The message that f(...) raises.
 local function refusal(f, ...)
   local ok, message = pcall(f, ...)
   assert.is_false(ok)
