@@ -22,6 +22,11 @@ LUAS    ?= $(if $(ROCK_LUA),$(shell $(ROCK_LUA) -e 'print("lua" .. _VERSION:matc
 LUA_CFLAGS ?= # of the one Lua to build for; pkg-config knows them otherwise
 ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 
+# All processors work, unless -j says how many, or several goals stand in an order (make clean all).
+ifeq ($(word 2,$(MAKECMDGOALS)),)
+MAKEFLAGS += $(shell case "$$MAKEFLAGS" in (*-j*) ;; (*) echo -j$$(nproc) ;; esac)
+endif
+
 # -- what belongs to which library: the ladder in csrc/README.md, core < codec < scene < { tops } < lua -----------
 
 LADDER  := $(shell sed -n '/^    base </{s/ *< */./g; s/\.codec\./ codec /; s/\.{/ /; s/}.*//; s/|//g; p}' csrc/README.md)
@@ -217,7 +222,7 @@ $(BUILD)/ylm: lua/ylm/cli/ylm.in Makefile
 
 # Packages may have brought the compiler and the Luas that this reading of the file did not find:
 # work goes on in a second one.
-again = @$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc)) $(1)
+again = @$(MAKE) --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc)) $(1)
 
 deps:   ## install what is missing (Debian packages; says what first; DEPS=no skips)
 	@.ci/deps build demo test
@@ -263,7 +268,7 @@ asan:   ## the specs under AddressSanitizer and UBSan (in build/asan)
 	  LD_PRELOAD=$$($(CC) -print-file-name=libasan.so):$$($(CC) -print-file-name=libubsan.so) \
 	  ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1" spec/run $(SPEC)
 
-FORMATTED := $(shell find csrc spec examples/c -name gen -prune -o \( -name '*.[ch]' -o -name '*.cpp' \) -print)
+FORMATTED  = $(shell find csrc spec examples/c -name gen -prune -o \( -name '*.[ch]' -o -name '*.cpp' \) -print)
 format:   ## lay out the C sources
 	clang-format -i $(FORMATTED)
 
@@ -274,5 +279,5 @@ clean:   ## remove build and out
 	rm -rf $(BUILD) $(OUT)
 	$(if $(filter-out clean help,$(MAKECMDGOALS)),@$(link_headers))
 
-# Builds of check-long stand in folders of their own; a root of Debian there has folders of such names.
--include $(shell find $(BUILD) \( -path $(BUILD)/portable -o -path $(BUILD)/embree -o -path $(BUILD)/asan \) -prune -o -name '*.d' -print 2>/dev/null)
+# What objects and programs depend on, as the compiler found it: in the folders of rooms, four deep at most.
+-include $(foreach d,obj $(ABIS:%=%/obj) bench check fuzz,$(wildcard $(addprefix $(BUILD)/$(d)/,*.d */*.d */*/*.d */*/*/*.d */*/*/*/*.d)))
