@@ -129,6 +129,23 @@ describe("glTF files", function()
     end
   end)
 
+  --- Area, volume, number of triangles and bounds of meshes.
+  local function sums_of(geometry)
+    local sum = { area = 0, volume = 0, triangles = 0, lo = { math.huge, math.huge, math.huge },
+      hi = { -math.huge, -math.huge, -math.huge } }
+    for _, g in ipairs(geometry) do
+      local b, p = g.mesh.bounds, g.mesh:vertices():totable()
+      sum.area, sum.triangles = sum.area + g.mesh.area, sum.triangles + #g.mesh
+      for a = 1, 3 do sum.lo[a], sum.hi[a] = math.min(sum.lo[a], b[1][a]), math.max(sum.hi[a], b[2][a]) end
+      for _, t in ipairs(g.mesh:triangles():totable()) do
+        local u, v, w = p[t[1]], p[t[2]], p[t[3]]
+        sum.volume = sum.volume + (u[1] * (v[2] * w[3] - v[3] * w[2]) + u[2] * (v[3] * w[1] - v[1] * w[3])
+          + u[3] * (v[1] * w[2] - v[2] * w[1])) / 6
+      end
+    end
+    return sum
+  end
+
   it("finds the triangles, areas, bounds and volumes that VTK's reader finds", function()
     local vtk = require "ylm.picture".vtk()
     if not vtk then pending "VTK is not built in" end
@@ -182,18 +199,7 @@ describe("glTF files", function()
           scenes = { { nodes = { 0 } } } }
         local path = folder:write(name .. ending, ending == ".glb" and f:binary(all) or f:text(all))
         local text, m = assert(vtk.describe(path)), assert(ylm.load(path))
-        local sum = { area = 0, volume = 0, triangles = 0, lo = { math.huge, math.huge, math.huge },
-          hi = { -math.huge, -math.huge, -math.huge } }
-        for _, g in ipairs(m.geometry) do
-          local b, p = g.mesh.bounds, g.mesh:vertices():totable()
-          sum.area, sum.triangles = sum.area + g.mesh.area, sum.triangles + #g.mesh
-          for a = 1, 3 do sum.lo[a], sum.hi[a] = math.min(sum.lo[a], b[1][a]), math.max(sum.hi[a], b[2][a]) end
-          for _, t in ipairs(g.mesh:triangles():totable()) do
-            local u, v, w = p[t[1]], p[t[2]], p[t[3]]
-            sum.volume = sum.volume + (u[1] * (v[2] * w[3] - v[3] * w[2]) + u[2] * (v[3] * w[1] - v[1] * w[3])
-              + u[3] * (v[1] * w[2] - v[2] * w[1])) / 6
-          end
-        end
+        local sum = sums_of(m.geometry)
         local n, bounds = text:match "^glTF %d+ (%d+)\nbounds ([^\n]*)\n"
         assert.equal(tonumber(n), sum.triangles, name)
         local i = 0

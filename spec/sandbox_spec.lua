@@ -254,7 +254,8 @@ describe("the sandbox of scene files", function()
     assert.equal("ELIMIT", code, message)
   end)
 
-  it("reads textures so too, and no more texels than are allowed, whatever their headers say", function()
+  --- Images in the folder `pictures` and out of it, good ones, links and files whose headers lie.
+  local function write_pictures()
     scratch.shell("cd " .. scratch.quote(folder.path) .. " && mkdir -p pictures && cd pictures && ln -sf /etc/passwd link.png"
       .. " && ln -sf ../outside.exr out.exr && rm -f pipe.png && mkfifo pipe.png && mkdir -p folder.png")
     local function image(w, h)
@@ -282,7 +283,10 @@ describe("the sandbox of scene files", function()
     local exr = io.open(folder.path .. "/pictures/here.exr", "rb"):read "*a"
     local at = exr:find("dataWindow", 1, true) + #"dataWindow\0box2i\0" + 4
     folder:write("pictures/bomb.exr", exr:sub(1, at + 7) .. "\31\78\0\0\31\78\0\0" .. exr:sub(at + 16))
+  end
 
+  it("reads textures so too, and no more texels than are allowed, whatever their headers say", function()
+    write_pictures()
     local function panel(fields, limits)
       return try(("\nreturn scene 'x' { lights = textured_light { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 }, "
         .. "%s } }"):format(fields), limits, "pictures/attack.lua")
