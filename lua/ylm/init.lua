@@ -1,4 +1,4 @@
---- ylm: spherical-harmonic lighting. The file is the table of contents.
+--- ylm: spherical-harmonic lighting. contents.lua is the table of contents.
 --
 -- Modules load when they are first used, so that SH mathematics alone needs
 -- nothing but libylm.so.
@@ -17,30 +17,6 @@ end
 
 local ylm = { version = (core.info()) }
 
---- Public name -> the module that defines it, in the order data flows.
-local contents = {
-  { "ylm.array", "array", "zeros", "stack", "wrap" },
-  { "ylm.team", "team" },
-  { "ylm.light", "light_field" },
-  { "ylm.grid", "adaptive_grid", "uniform_grid", "bake" },
-  { "ylm.spheres", "sphere_set" },
-  { "ylm.shadow", "occluder", "caster", "casters", "sphere_casters", "shadowed", "visibility" },
-  { "ylm.material", "matte", "ggx", "phong", "abc", "merl", "rgl", "tabulated" },
-  { "ylm.camera", "camera" },
-  { "ylm.gltf", "gltf" },
-  { "ylm.transfer", "transfer" },
-  { "ylm.scene", "scene" },
-  { "ylm.file", "load" },
-  { "ylm.image", "image", "colour" },
-  { "ylm.display", "display" },
-  { "ylm.render", "true_error" },
-  { "ylm.geometry", "quad", "sphere", "box", "torus", "knot", "mesh" },
-  { "ylm.view", "view" },
-  { "ylm.plot", "plot" },
-  { "ylm.figure", "figure" },
-  { "ylm.warning", "on_warning" },
-}
-
 --- Public name -> a module that is a table of functions itself.
 local tables = {
   sh = "ylm.sh",
@@ -53,7 +29,7 @@ for module, name in pairs { ["ylm.page"] = "save", ["ylm.live"] = "live" } do
 end
 
 local home = {}
-for _, list in ipairs { contents, require "ylm.light.kinds" } do
+for _, list in ipairs { require "ylm.contents", require "ylm.light.kinds" } do
   for _, entry in ipairs(list) do
     for i = 2, #entry do home[entry[i]] = entry[1] end
   end
