@@ -30,7 +30,8 @@ local GOOD = {
   ["csrc/light/tree/far.h"] = "/* of a room */\n",
   ["csrc/light/tree/far.c"] = '#include "far.h"\n#include "../light.h"\n#include "ylm_base.h"\n',
   ["csrc/light/light.h"] = "\n",
-  ["csrc/lua/binding.c"] = 'lua_setfield(L, -2, "__mode");\n',
+  ["csrc/lua/binding_own.c"] = 'lua_setfield(L, -2, "__mode");\n',
+  ["csrc/lua/binding_choices.h"] = '#define X(name, ...) #name\nX(dash, "solid", \\\n  "dotted") \\\n',
   ["csrc/lua/core/light.c"] = 'static const char *const methods[] = {"merged", "forward", NULL};\n',
   ["lua/ylm/light.lua"] = 'local methods = core.light_methods()\nlocal names = { "merged", "other" } -- __mode\n',
 }
@@ -78,6 +79,8 @@ local BAD = {
   choices = {
     { "lua/ylm/light.lua", '\nlocal o = { { "method", "choice", of = { "forward", "merged" } } }\n',
       "lua/ylm/light.lua:2: { forward, merged } are typed in csrc/lua/core/light.c:1 too" },
+    { "lua/ylm/plot.lua", 'local o = { of = { "solid", "dotted" } }\n',
+      "lua/ylm/plot.lua:1: { dotted, solid } are typed in csrc/lua/binding_choices.h:2 too" },
     { "lua/ylm/light.lua", "local METHODS = { merged = 0,\n  forward = 1 }\n",
       "lua/ylm/light.lua:1: { forward, merged } are typed in csrc/lua/core/light.c:1 too" },
   },

@@ -12,15 +12,19 @@
   X(channels, "luminance", "rgb")                                                                  \
   X(cie_sky, "overcast", "clear", "partly cloudy")                                                 \
   X(clamp, "none", "distance", "geometry", "whole")                                                \
+  X(dash, "solid", "dashed", "dotted")                                                             \
   X(difference, "absolute", "signed", "relative")                                                  \
   X(dtype, "float", "double")                                                                      \
   X(emit_radius, "density", "angle", "fixed", "footprint", "neighbours")                           \
   X(filter, "box", "linear", "lanczos")                                                            \
   X(gather_derivatives, "cells", "points")                                                         \
   X(gloss, "matte", "sh", "auto", "rays")                                                          \
+  X(grid_form, "adaptive_grid", "uniform_grid")                                                    \
   X(horizon, "none", "paper", "gate")                                                              \
   X(interpolation, "hermite", "taylor", "linear")                                                  \
+  X(legend, "none", "top right", "top left", "bottom right", "bottom left")                        \
   X(mapping, "latlong", "angular", "cube")                                                         \
+  X(marker, "none", "cross", "plus", "square", "circle", "diamond")                                \
   X(measure, "coefficients", "irradiance")                                                         \
   X(metric, "absolute", "relative")                                                                \
   X(metric_channels, "luminance", "rgb", "none")                                                   \

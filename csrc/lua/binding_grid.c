@@ -60,10 +60,8 @@ typedef struct form_entry {
   int other; /* entries of the source and of bricks, which others read */
 } form_entry;
 
-static const char *const kinds[] = {"adaptive_grid", "uniform_grid", NULL};
-
 static const ylmL_entry form_entries[] = {
-    YLML(form_entry, f.kind, "kind", CHOICE, .choices = kinds),
+    YLML(form_entry, f.kind, "kind", CHOICE, .choices = ylmL_grid_form_choices),
     YLML(form_entry, f.bounds, "bounds", NUMBERS),
     YLML(form_entry, f.lmax, "lmax", INT),
     YLML(form_entry, channels, "channels", CHOICE, .choices = ylmL_metric_channels_choices),

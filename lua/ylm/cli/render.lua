@@ -1,6 +1,7 @@
 --- ylm render scene.lua -o out.exr
 
 local check = require "ylm.check"
+local core = require "ylm.c.core"
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
@@ -18,7 +19,7 @@ local only = {
 }
 
 local visibilities = { "rays", "transfer", "none", "self" }
-local glosses = { "auto", "sh", "rays", "matte" }
+local glosses = core.choices "gloss"
 
 local MOST_STOPS = 60 -- of image:save
 

@@ -126,7 +126,7 @@ local function check_parts(s, o, probes)
 end
 
 local bake_options = options.list(options.view_fields, {
-  { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true, about = "instead of the scene's" },
+  { "probes", "object", of = core.choices "grid_form", optional = true, about = "instead of the scene's" },
   { "parts", "choice", of = { "lights", "direct", "indirect", "all" }, optional = true,
     about = "what the grid holds: 'lights', light that nothing occludes (default); 'direct', light of lamps and sky with "
       .. "shadows; 'indirect', what surfaces send back; 'all', both" },

@@ -258,7 +258,7 @@ local construct = form.define("scene", {
         .. "sphere_lights has a number" },
     { "removed", "table", optional = true, about = "with like: a list of numbers, as they are in the other scene" },
     { "added", "parts", optional = true, about = "with like: further lights, behind the others" },
-    { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true,
+    { "probes", "object", of = core.choices "grid_form", optional = true,
       about = "the grid that bake fills" },
     { "transfer", "object", of = "transfer", optional = true,
       about = "how surfaces are cut where light bounces; in the scene it is transfer_options" },
