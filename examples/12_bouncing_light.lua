@@ -97,7 +97,7 @@ common.save(ylm.figure {
 
 -- Where the grids err ------------------------------------------------------------------------
 
-local lamps = assert(ylm.bake(ylm.adaptive_grid(form), lit:field { parts = "direct" }, { occupied = view }))
+local lamps = assert(ylm.bake(ylm.adaptive_grid(form), lit:field { quantity = "direct" }, { occupied = view }))
 local function volume(g, name)
   return ylm.view { g, scene = scene, opacity = 0.25, quantity = "error", volume = true, levels = { occupied = true },
     title = ("%s: %d probes"):format(name, g.stats.points) }

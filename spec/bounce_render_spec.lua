@@ -262,20 +262,20 @@ describe("bounces of a picture", function()
       o.probes, o.occupied = probes, "everywhere"
       return scene:bake(o):sample { { 0.1, 0.5, 0.2 } }
     end
-    local own = ylm.bake(probes, t:radiosity():field { parts = "indirect" }):sample { { 0.1, 0.5, 0.2 } }
-    local given = light { parts = "indirect", transfer = t }
+    local own = ylm.bake(probes, t:radiosity():field { quantity = "indirect" }):sample { { 0.1, 0.5, 0.2 } }
+    local given = light { quantity = "indirect", transfer = t }
     assert.equal(0, (given - own):abs():max())
-    assert(given:get(1, 1, 1) > 0 and (light { parts = "direct", transfer = t } - given):abs():max() > 0)
+    assert(given:get(1, 1, 1) > 0 and (light { quantity = "direct", transfer = t } - given):abs():max() > 0)
     for _, case in ipairs {
-      { { transfer = t }, "bake: transfer is for parts = 'direct', 'indirect' or 'all'" },
-      { { parts = "all", transfer = room():transfer { spacing = 1, links = 4 } }, "bake: the transfer is of scene" },
+      { { transfer = t }, "bake: transfer is for quantity = 'direct', 'indirect' or 'all'" },
+      { { quantity = "all", transfer = room():transfer { spacing = 1, links = 4 } }, "bake: the transfer is of scene" },
     } do
       local ok, message = pcall(light, case[1])
       assert.is_false(ok)
       assert.matches(case[2], message, 1, true)
     end
     t:close()
-    assert.matches("bake: the transfer has been closed", select(2, pcall(light, { parts = "all", transfer = t })))
+    assert.matches("bake: the transfer has been closed", select(2, pcall(light, { quantity = "all", transfer = t })))
   end)
 
   it("says the noise of its links, and warns where they miss what is bright", function()

@@ -307,7 +307,7 @@ describe("radiosity:field", function()
 
     it("is that of the lamps themselves, with gradients and Hessians, where nothing is in the way", function()
       local points = { { 0, 0, 0 }, { -0.5, 0.4, 0.8 } }
-      local field = lit_scene({ floor }, lamps):field { parts = "direct", rays = 192 }
+      local field = lit_scene({ floor }, lamps):field { quantity = "direct", rays = 192 }
       local o = { derivatives = 2, dtype = "double" }
       local ours, theirs = { ylm.light_field(4, field, points, o) }, { ylm.light_field(4, lamps, points, o) }
       for k = 1, 3 do assert(apart(flat(ours[k]), flat(theirs[k])) < 1e-5, k) end
@@ -322,13 +322,13 @@ describe("radiosity:field", function()
     it("is exactly uniform under a uniform sky, and half of it over an endless floor", function()
       local sky = ylm.environment_light { radiance = { 1, 2, 3 } }
       local field = lit_scene({ ylm.quad { corner = { 40, 40, 40 }, u = { 1e-3, 0, 0 }, v = { 0, 1e-3, 0 } } }, sky)
-        :field { parts = "all", rays = 192 }
+        :field { quantity = "all", rays = 192 }
       local L, dL, ddL = ylm.light_field(4, field, { { 0.3, 0.2, -0.1 } }, { derivatives = 2 })
       assert.near(2 * sqrt(4 * pi), L:get(1, 2, 1), 1e-4)
       for _, x in ipairs(flat(dL)) do assert.equal(0, x) end
       for _, x in ipairs(flat(ddL)) do assert.equal(0, x) end
       local wide = lit_scene({ ylm.quad { corner = { -9e3, -1, 9e3 }, u = { 1.8e4, 0, 0 }, v = { 0, 0, -1.8e4 } } }, sky,
-        { spacing = 1e3 }):field { parts = "direct", rays = 768 }
+        { spacing = 1e3 }):field { quantity = "direct", rays = 768 }
       assert.near(sqrt(4 * pi) / 2, ylm.light_field(0, wide, { 0, 0, 0 }):get(1, 1), 0.01)
     end)
 
@@ -340,7 +340,7 @@ describe("radiosity:field", function()
       local lit = scene:transfer({ spacing = 0.1, links = 32 }):radiosity()
       local points = { { 0, 0, 0 }, { 0.6, 0, 0.1 }, { -0.2, 0.2, -0.2 }, { 0.1, 0.8, 0.6 } }
       for parts, reflections in pairs { direct = { 0, 0 }, all = { 0, 20 } } do
-        local field = lit:field { parts = parts, rays = 3072 }
+        local field = lit:field { quantity = parts, rays = 3072 }
         local L = flat(ylm.light_field(1, field, points))
         local truth, variance = scene:probe { points = points, lmax = 1, samples = 1024, reflections = reflections }
         local c, v, sum, norm = flat(truth), flat(variance), 0, 0
@@ -359,7 +359,7 @@ describe("radiosity:field", function()
       local wall = ylm.quad { corner = { 0.3, -1, 2 }, u = { 0, 4, 0 }, v = { 0, 0, -4 } }
       local scene = ylm.scene "many" { geometry = { floor, wall }, lights = many }
       local field = scene:transfer({ spacing = 1, links = 4 }):radiosity(nil, { light_samples = 1, bounces = 0 })
-        :field { parts = "direct", rays = 192, tolerance = 0.02 }
+        :field { quantity = "direct", rays = 192, tolerance = 0.02 }
       local points = { { -0.5, 0, 0 }, { 0.8, 0.3, 0.2 } }
       local L = flat(ylm.light_field(2, field, points))
       for i, side in ipairs { -1, 1 } do -- a wall between the lamps on both sides
@@ -374,7 +374,7 @@ describe("radiosity:field", function()
 
     it("follows lights that change", function()
       local lit = lit_scene({ floor }, lamps[1])
-      local field = lit:field { parts = "direct", rays = 192 }
+      local field = lit:field { quantity = "direct", rays = 192 }
       local before = ylm.light_field(0, field, { 0, 0, 0 }):get(2, 1)
       lit:update(ylm.sphere_light { at = { 0.2, 1.5, 0 }, radius = 0.2, radiance = { 20, 16, 12 } })
       assert.near(2 * before, ylm.light_field(0, field, { 0, 0, 0 }):get(2, 1), 1e-5)
@@ -424,7 +424,7 @@ describe("radiosity:field", function()
           transfer = ylm.transfer { spacing = 0.4, links = 32 },
         }
         local lit = scene:transfer({ spacing = 0.4, links = 32 }):radiosity()
-        local grid = scene:bake { parts = "indirect" }
+        local grid = scene:bake { quantity = "indirect" }
         assert.is_true(grid.kind == "uniform" or grid.stats.verified > 0)
         local function mean(indirect)
           local image = scene:render { size = { 16, 12 }, samples = 1, light_samples = 1, indirect = indirect, layers = false }

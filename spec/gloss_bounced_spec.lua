@@ -227,7 +227,7 @@ describe("light of a field that bounces, on surfaces that gloss", function()
     local probes = ylm.uniform_grid { bounds = { { -1.45, 0.02, -1.45 }, { 1.45, 1.95, 1.5 } }, cells = { 6, 4, 6 }, lmax = 3 }
     local o, size = { samples = 16, share = 0 }, { 16, 9 }
     local truth = scene:pathtrace { size = size, samples = 1024, layers = false, reflections = { 0, "all" } }
-    local grid = ylm.bake(probes, lit:field { parts = "all", rays = 384 })
+    local grid = ylm.bake(probes, lit:field { quantity = "all", rays = 384 })
     local function error(more) return error_of(scene:render(with({ grid = grid, size = size }, with(more, o))), truth) end
     local rays, harmonics, matte = error { transfer = lit.transfer }, error {}, error { gloss = "matte" }
     assert.is_true(rays < 0.6 * harmonics and harmonics < matte, ("%.3f %.3f %.3f"):format(rays, harmonics, matte))

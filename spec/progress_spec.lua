@@ -284,7 +284,7 @@ describe("names of stages", function()
       lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 },
       probes = ylm.adaptive_grid { lmax = 1, depth = 1, tolerance = 0.5 } }
     local count, nameless = 0, 0
-    assert(scene:bake { parts = "all", bounces = 1, progress = function(_, _, stage)
+    assert(scene:bake { quantity = "all", bounces = 1, progress = function(_, _, stage)
       count, nameless = count + 1, nameless + ((stage or "") == "" and 1 or 0)
     end })
     assert.is_true(count > 3)

@@ -71,7 +71,7 @@ describe("transfer:radiosity", function()
     local e, rays = t:elements(), t:radiosity()
     local grid = room:bake { probes = ylm.uniform_grid { cells = { 20, 20, 20 }, lmax = 3, bounds = { { -1, 0, -1 }, { 1, 2,
       1 } } },
-      parts = "direct" }
+      quantity = "direct" }
     local lit = t:radiosity(grid)
     near(elements.mean(e, lit:irradiance(), 1), elements.mean(e, rays:irradiance(), 1), 0.15, "by a grid of direct light")
     assert.is_true(lit:lightmap({ mesh = 1, size = { 4, 4 }, links = 16 }):layer("irradiance"):get(1, 1, 1) > 0)

@@ -159,7 +159,7 @@ describe("spot_light", function()
     local scene = floor(light)
     refused("a spot_light has no size", function() scene:bake { probes = ylm.uniform_grid { cells = { 2, 2, 2 }, lmax = 1 } } end)
     refused("a spot_light has no size", function() scene:reference { size = { 4, 3 } } end)
-    refused("a spot_light has no size", function() scene:transfer({ links = 16 }):radiosity():field { parts = "direct" } end)
+    refused("a spot_light has no size", function() scene:transfer({ links = 16 }):radiosity():field { quantity = "direct" } end)
   end)
 
   it("refuses what is wrong", function()

@@ -71,7 +71,7 @@ local function settle(name, o)
   if not b then return end
   local held = o.grid ~= nil and visibility.quantity(o.grid)
   if held == "all" or held == "indirect" then
-    return check.fail("%s: the grid holds bounces already: leave bounces and indirect out, or bake parts = 'direct'", name)
+    return check.fail("%s: the grid holds bounces already: leave bounces and indirect out, or bake quantity = 'direct'", name)
   end
   devices.of(o.device):check_rays(name)
   b.add, o.bounced = indirect.add, b

@@ -76,7 +76,7 @@ local function bake_for(s, view, o)
   if views.made[view].stats.points == 0 then
     return views.made[view].traced.lights -- no grid can be baked for no points; no point will ask what light there is
   end
-  return baking.bake(s, { parts = "lights", occupied = view, threads = o.threads, progress = o.progress,
+  return baking.bake(s, { quantity = "lights", occupied = view, threads = o.threads, progress = o.progress,
     sums_tolerance = o.sums_tolerance })
 end
 

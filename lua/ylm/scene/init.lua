@@ -207,6 +207,7 @@ for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast", "pa
 end
 function methods.live(...) return library.later["ylm.live"](...) end
 function methods.transfer(...) return require("ylm.transfer").of_scene(...) end
+function methods.field(...) return require("ylm.transfer").field_of(...) end
 function methods.virtual_lights(...) return require("ylm.emit").of_scene(...) end
 --- Of virtual_lights:visible: lua/ylm/emit.lua is loaded, and takes its place.
 virtual.with_shadows = virtual.with_shadows or function(...)

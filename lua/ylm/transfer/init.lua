@@ -201,6 +201,8 @@ end
 require "ylm.transfer.radiosity"
 require "ylm.transfer.field"
 require "ylm.transfer.vectors"
+local fields = require "ylm.transfer.scene"
+transfer.fields, transfer.field_of = fields, fields.of_scene
 memory.publish(methods)
 
 return transfer

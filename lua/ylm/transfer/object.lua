@@ -48,7 +48,7 @@ objects.radiosity = kind("radiosity", { "stats", "scene", "transfer", "notes" },
 end)
 
 objects.gather = kind("gather", { "stats", "scene", "radiosity", "rays" }, function(m)
-  return ("%s light, %s rays"):format(m.parts, m.rays == "auto" and m.rays or ("%.0f"):format(m.rays))
+  return ("%s light, %s rays"):format(m.quantity, m.rays == "auto" and m.rays or ("%.0f"):format(m.rays))
 end)
 
 --- All about the object before the colon.

@@ -87,7 +87,7 @@ end
 local function check_quantity(name, field, bounces)
   local held = core.field_quantity(field)
   if (held == "all" or held == "indirect") and bounces ~= 0 then
-    return check.fail("%s: %s holds light that has bounced (quantity %q): give lights or a grid of parts = 'direct', or "
+    return check.fail("%s: %s holds light that has bounced (quantity %q): give lights or a grid of quantity = 'direct', or "
       .. "bounces = 0",
       name, check.describe(field), held)
   end

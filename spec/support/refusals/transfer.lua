@@ -116,7 +116,7 @@ return {
   ["radiosity:leaving"] = methods("leaving", radiosity, "radiosity"),
   ["radiosity:elements"] = methods("elements", radiosity, "radiosity"),
   ["radiosity:field"] = methods("field", radiosity, "radiosity", {
-    field_of({ parts = "indirekt" }, "did you mean 'indirect'"), field_of({ rays = 100 },
+    field_of({ quantity = "indirekt" }, "did you mean 'indirect'"), field_of({ rays = 100 },
       "rays must be 'auto' or an integer from 192 to 49152"),
     field_of({ rays = "many" }, "rays must be 'auto'"), field_of({ rays = nan }, "rays must be"), field_of({ tolerance = 0 },
       "tolerance must be"),
@@ -126,8 +126,8 @@ return {
     field_of({ seed = -1 }, "seed must be"), field_of({ ray = 192 }, "did you mean 'rays'"),
     { call = function(ylm)
       local t = transfer(ylm)
-      return t:radiosity(t:radiosity(), { bounces = 0 }):field { parts = "all" }
-    end, says = "parts = 'all' is for lights that rays can be sent to: this radiosity was lit by another light field" },
+      return t:radiosity(t:radiosity(), { bounces = 0 }):field { quantity = "all" }
+    end, says = "quantity = 'all' is for lights that rays can be sent to: this radiosity was lit by another light field" },
     { call = function(ylm) return ylm.light_field(21, radiosity(ylm), { 0, 0, 0 }) end, says = "lmax must be 0 .. 20 for gathered light" },
     { call = function(ylm)
       local grid = ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 1, tolerance = 1e-6 }
