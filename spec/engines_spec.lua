@@ -268,8 +268,8 @@ describe("grid:export", function()
       lights = ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.1, radiance = 20 },
       camera = ylm.camera { from = { 0, 0.3, 6 }, at = { 0, 0, 0 } },
     }
-    local links = room:transfer { spacing = 0.4, links = 64 }
-    local lit = assert(room:bake { quantity = "all", transfer = links, probes = ylm.uniform_grid { lmax = 2, cells = { 6, 6, 6 } } })
+    local links = room:links { spacing = 0.4, rays = 64 }
+    local lit = assert(room:bake { quantity = "all", links = links, probes = ylm.uniform_grid { lmax = 2, cells = { 6, 6, 6 } } })
     local report = assert(lit:export(folder.path .. "/seen.ktx2", { tolerance = 0.1 }))
     assert(report.met and report.cells[1] <= 20, report.cells[1])
     for i = 1, #report.validity do assert(report.validity[i] >= 0.5) end

@@ -41,7 +41,7 @@ describe("a grid of another scene", function()
   local function scene(changes) return assert(ylm.load(folder:write("scene.lua", written(changes or {})))) end
   local function bake(parts)
     local s = scene()
-    return s:bake { quantity = parts, threads = 2, transfer = parts ~= "lights" and s:transfer { links = 4, lmax = 0 } or nil }
+    return s:bake { quantity = parts, threads = 2, links = parts ~= "lights" and s:links { rays = 4, lmax = 0 } or nil }
   end
   local function line(what, parts)
     return { ('%s was baked from other %s than scene "shelf" has: the light is not the scene\'s; bake it anew, or give the '

@@ -77,11 +77,11 @@ describe("grid:update { octree = 'follow' }", function()
     local form = ylm.adaptive_grid { bounds = box, lmax = 4, depth = 3, threshold = 0.1 }
     local grid = ylm.bake(form, sky, { occupied = lit })
     grid:update(shade, follow)
-    assert.equal(core.grid_encode(ylm.bake(form, shade, { occupied = lit })), core.grid_encode(grid))
+    assert(core.grid_encode(ylm.bake(form, shade, { occupied = lit })) == core.grid_encode(grid))
     local uniform = ylm.uniform_grid { bounds = box, cells = 2, lmax = 4, channels = "luminance" }
     grid = ylm.bake(uniform, sky)
     grid:update(shade, follow)
-    assert.equal(core.grid_encode(ylm.bake(uniform, shade)), core.grid_encode(grid))
+    assert.equal(0, (core.array_distance(ylm.bake(uniform, shade):points().value, grid:points().value)))
   end)
 
   it("leaves the grid as it was where it is cancelled, and fields that hold it follow", function()
@@ -90,7 +90,7 @@ describe("grid:update { octree = 'follow' }", function()
     local report, _, code = grid:update(shade, { octree = "follow", progress = function() return false end })
     assert.is_nil(report)
     assert.equal("ECANCELLED", code)
-    assert.equal(before, core.grid_encode(grid))
+    assert(before == core.grid_encode(grid))
     local both = ylm.shadowed { lights = grid, casters = {} }
     grid:update(sky, follow)
     local x = { { 0.1, 0.3, 0.2 } }

@@ -192,7 +192,7 @@ end)
 
 it("radiosity and links say that they see no virtual lights, instead of leaving them out", function()
   local other = ylm.scene "b" { geometry = scene.geometry, lights = { scene.lights[1], lights }, camera = scene.camera }
-  local t = other:transfer { spacing = 0.5, links = 8, lmax = 2 }
+  local t = other:links { spacing = 0.5, rays = 8, lmax = 2 }
   refused("virtual lights have no body, so rays see nothing of them: direct = 'field' takes their coefficients", function()
     t:radiosity()
   end)

@@ -28,7 +28,7 @@ local contents = {
   { "ylm.material", "matte", "ggx", "phong", "abc", "merl", "rgl", "tabulated" },
   { "ylm.camera", "camera" },
   { "ylm.gltf", "gltf" },
-  { "ylm.transfer", "transfer" },
+  { "ylm.transfer", "links" },
   { "ylm.scene", "scene" },
   { "ylm.file", "load" },
   { "ylm.image", "image", "colour" },

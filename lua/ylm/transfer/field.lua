@@ -168,7 +168,7 @@ local scene = ylm.scene "a box and a lamp" {
   geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
   lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 },
 }
-local lit = scene:transfer({ spacing = 0.5, links = 64 }):radiosity()
+local lit = scene:links({ spacing = 0.5, rays = 64 }):radiosity()
 ]]
 
 describe "radiosity:field" {

@@ -17,8 +17,8 @@ fields.quantity = { "quantity", "choice", of = { "lights", "direct", "indirect",
 fields.bounces = { "bounces", "bounces_summed", optional = true,
   about = "of 'indirect' and 'all': reflections after direct light, default 'all'" }
 
-fields.links = { "transfer", "object", of = "ylm.transfer", optional = true,
-  about = "of 'direct', 'indirect' and 'all': what scene:transfer returned; default: one with its defaults" }
+fields.links = { "links", "object", of = "ylm.links", optional = true,
+  about = "of 'direct', 'indirect' and 'all': what scene:links returned; default: one with its defaults" }
 
 --- Reflections on elements for o.bounces of them before the light of a field; raises where there is no light to hold.
 local function reflections(name, o)
@@ -35,11 +35,11 @@ function fields.check(name, s, o)
   if o.bounces and o.quantity ~= "indirect" and o.quantity ~= "all" then
     return check.fail("%s: bounces are of quantity = 'indirect' or 'all': name one, or leave bounces out", name)
   end
-  if o.transfer then
+  if o.links then
     if o.quantity == "lights" then
-      return check.fail("%s: transfer is for quantity = 'direct', 'indirect' or 'all': name one, or leave transfer out", name)
+      return check.fail("%s: links are for quantity = 'direct', 'indirect' or 'all': name one, or leave links out", name)
     end
-    objects.check_scene(name, o.transfer, s)
+    objects.check_scene(name, o.links, s)
   end
   if o.quantity ~= "lights" then reflections(name, o) end
 end
@@ -48,9 +48,9 @@ end
 -- Or nil, message, code.
 function fields.gathered(name, s, o, more)
   local n, direct = reflections(name, o), o.quantity == "direct" or o.bounces == 0
-  local links, lit, message, code = o.transfer
+  local links, lit, message, code = o.links
   if not links then
-    links, message, code = s:transfer { links = direct and 4 or nil, lmax = 0, threads = o.threads, progress = o.progress }
+    links, message, code = s:links { rays = direct and 4 or nil, lmax = 0, threads = o.threads, progress = o.progress }
     if not links then return nil, message, code end
   end
   lit, message, code = links:radiosity(s.lights, { bounces = n, light_samples = direct and 1 or nil, threads = o.threads,
@@ -68,7 +68,7 @@ options[#options + 1] = form.progress
 
 describe "scene:field" {
   about = "The light of a scene as a light field, which ylm.light_field and ylm.bake take. For light from surfaces it makes "
-    .. "links (scene:transfer), the radiosity of the scene's lights, and its field. Who lights the same surfaces more than once "
+    .. "links (scene:links), the radiosity of the scene's lights, and its field. Who lights the same surfaces more than once "
     .. "makes the links, and names them.",
   arguments = { { "options?", "table", "see the options" } },
   options = options,
