@@ -6,7 +6,7 @@
 -- Once: camera rays and transfer vectors of all that stands still, and a light field of what each body hides, as a grid.
 -- A frame is
 --   shade:move    bodies at new places,
---   ylm.bake      light behind them at the probes of surfaces in sight, like = the last grid: it goes on from that bake,
+--   grid:update   light behind them at the probes of surfaces in sight: it goes on from the last bake,
 --   view:render   shading by the grid; bodies are drawn over it, each shaded by its own transfer vectors, turned with it.
 -- --truth adds one frame by rays, beside which the middle frame is judged. --vertices asks for light at shading points
 -- instead of probes, as the papers do at vertices.
@@ -160,9 +160,8 @@ for frame = 0, option.frames - 1 do
   local number = frame * math.max(1, math.floor(60 / option.frames))
   all:move(places(number))
   if not option.vertices then
-    local new = good(ylm.bake(probes, shade, { occupied = view, like = grid }))
-    if grid then grid:close() end
-    grid = new
+    if grid then good(grid:update(shade, { octree = "follow" }))
+    else grid = good(ylm.bake(probes, shade, { occupied = view })) end
   end
   local baked = core.seconds()
   local picture, report = good(view:render { grid = grid or shade, bodies = all, layers = false, out = spare })

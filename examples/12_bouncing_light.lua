@@ -52,8 +52,8 @@ local function timed(make)
 end
 
 local direct, direct_seconds = timed(function() return scene:render(shared) end)
-local lit, lit_seconds = timed(function() return scene:transfer({ spacing = 0.1, links = 128 }):radiosity() end)
-print(("%d elements: links and %d bounces in %.1f s; balance %.1e"):format(lit.transfer.stats.elements, lit.stats.bounces,
+local lit, lit_seconds = timed(function() return scene:links({ spacing = 0.1, rays = 128 }):radiosity() end)
+print(("%d elements: links and %d bounces in %.1f s; balance %.1e"):format(lit.links.stats.elements, lit.stats.bounces,
   lit_seconds, lit.stats.balance))
 local gathered, gathered_seconds = timed(function() return scene:render(with { indirect = lit }) end)
 
@@ -97,7 +97,7 @@ common.save(ylm.figure {
 
 -- Where the grids err ------------------------------------------------------------------------
 
-local lamps = assert(ylm.bake(ylm.adaptive_grid(form), lit:field { parts = "direct" }, { occupied = view }))
+local lamps = assert(ylm.bake(ylm.adaptive_grid(form), lit:field { quantity = "direct" }, { occupied = view }))
 local function volume(g, name)
   return ylm.view { g, scene = scene, opacity = 0.25, quantity = "error", volume = true, levels = { occupied = true },
     title = ("%s: %d probes"):format(name, g.stats.points) }

@@ -73,7 +73,7 @@ describe("ambient", function()
   it("multiplies the radiance of surfaces, of a picture by rays and by a grid, and not that of lamps", function()
     local lit = ylm.scene "lamp in sight" { camera = corner.camera, geometry = { floor, wall }, background = { 0.25, 0.5, 1 },
       lights = { lamp, ylm.sphere_light { at = { 0.8, 0.5, 0 }, radius = 0.2, radiance = 7 } } }
-    local grid = lit:bake { probes = ylm.uniform_grid { cells = 2, lmax = 1 }, parts = "lights", occupied = "everywhere" }
+    local grid = lit:bake { probes = ylm.uniform_grid { cells = 2, lmax = 1 }, quantity = "lights", occupied = "everywhere" }
     local seen = { size = view.size, samples = 1, lmax = 1 }
     local byrays = lit:prepare(seen)
     seen.visibility = "none"

@@ -53,11 +53,11 @@ end
 describe("a picture with bounces", function()
   it("is rho/pi E / (1 - rho) inside of a sphere, and what n bounces add up to", function()
     local scene = globe()
-    local t = scene:transfer { spacing = 0.2, links = 64 }
+    local t = scene:links { spacing = 0.2, rays = 64 }
     local E = pi * RADIANCE * RADIUS ^ 2
     for bounces, sum in pairs { [0] = 1, [1] = 1 + RHO, [2] = 1 + RHO + RHO ^ 2, all = 1 / (1 - RHO) } do
       local image, report = scene:render { size = { 16, 9 }, samples = 1, bounces = bounces,
-        transfer = bounces ~= 0 and t or nil }
+        links = bounces ~= 0 and t or nil }
       assert.near(1, mean(image) / (RHO / pi * E * sum), 0.01)
       assert.equal(bounces, report.bounces)
       assert.equal(bounces == 0, report.omits ~= nil)
@@ -69,7 +69,7 @@ describe("a picture with bounces", function()
       camera = ylm.camera { from = { 0, -4, 1 }, up = { 0, 0, 1 }, fov = 30 },
       geometry = { ylm.knot { p = 2, q = 3, radius = 1, minor = 0.4, tube = 0.2, divide = { 200, 16 },
         material = ylm.matte { albedo = 1 } } },
-      lights = { ylm.environment_light { radiance = 1 } }, transfer = ylm.transfer { spacing = 0.2, links = 128 },
+      lights = { ylm.environment_light { radiance = 1 } }, links = ylm.links { spacing = 0.2, rays = 128 },
     }
     local image = scene:render { size = { 24, 18 }, samples = 4, light_samples = 32, bounces = "all" }
     assert.near(1, mean(image), 0.01)
@@ -89,7 +89,7 @@ local function room(lights, more)
   }
   for _, g in ipairs(more or {}) do geometry[#geometry + 1] = g end
   return ylm.scene "room" { camera = ylm.camera { from = { 0.9, 1.2, 1.3 }, at = { 0, 0.6, -0.5 }, fov = 60 },
-    geometry = geometry, lights = lights or { lamp(-0.5) }, transfer = ylm.transfer { spacing = 0.15, links = 64 } }
+    geometry = geometry, lights = lights or { lamp(-0.5) }, links = ylm.links { spacing = 0.15, rays = 64 } }
 end
 
 local SMALL = { size = { 32, 18 }, samples = 4 }
@@ -105,8 +105,8 @@ describe("gathered light", function()
   it("is that of paths, pixel by pixel", function()
     local scene = room()
     local truth = scene:pathtrace { size = SMALL.size, samples = 256, layers = false, reflections = { 1, "all" } }
-    local image = scene:render(with { bounces = "all", samples = 64, links = 512, light_samples = 64,
-      transfer = scene:transfer { spacing = 0.1, links = 64 } })
+    local image = scene:render(with { bounces = "all", samples = 64, rays = 512, light_samples = 64,
+      links = scene:links { spacing = 0.1, rays = 64 } })
     assert.is_true(error_of(image, truth) < 0.04)
     assert.is_true(error_of(scene:render(with { light_samples = 64 }), truth) > 0.2)
   end)
@@ -114,8 +114,8 @@ describe("gathered light", function()
   it("follows lamps without a ray, as a picture made anew, whatever the number of threads", function()
     local before, after = { lamp(-0.5) }, { lamp(0.6, { 5, 20, 40 }) }
     local scene = room(before)
-    local t = scene:transfer { spacing = 0.4, links = 32 }
-    local view = scene:prepare(with { links = 32, transfer = t })
+    local t = scene:links { spacing = 0.4, rays = 32 }
+    local view = scene:prepare(with { rays = 32, links = t })
     assert.equal(32, view.stats.links)
     assert.equal(4 * 32 * view.stats.points, view.stats.link_rays * 4)
     assert.is_true(view.stats.link_bytes >= view.stats.link_rays * 4)
@@ -124,7 +124,7 @@ describe("gathered light", function()
     lit:update(after)
     local image, report = view:render { indirect = lit, threads = 1 }
     local anew = room(after)
-    local again = anew:render(with { bounces = "all", links = 32, transfer = anew:transfer { spacing = 0.4, links = 32 } })
+    local again = anew:render(with { bounces = "all", rays = 32, links = anew:links { spacing = 0.4, rays = 32 } })
     assert.equal(0, different(again, image))
     assert.is_false(mean(first) == mean(image))
     assert.equal("gather", report.indirect)
@@ -141,7 +141,7 @@ end)
 local function two_rooms(wall, side)
   return ylm.scene "two rooms" { camera = ylm.camera { from = { 1.8 * side, 1.2, 1.2 }, at = { side, 0.8, -0.5 }, fov = 70 },
     geometry = { ylm.box { bounds = { { -2, 0, -1.5 }, { 2, 2, 1.5 } }, material = ylm.matte { albedo = 0.6 } }, wall },
-    lights = { lamp(-0.8) }, transfer = ylm.transfer { spacing = 0.1, links = 64 } }
+    lights = { lamp(-0.8) }, links = ylm.links { spacing = 0.1, rays = 64 } }
 end
 
 describe("a wall", function()
@@ -174,7 +174,7 @@ describe("a tolerance of a picture", function()
     local scene = room()
     local truth = scene:pathtrace { size = { 16, 9 }, samples = 512, layers = false, reflections = { 1, "all" } }
     local before = ylm.on_warning(false)
-    for _, means in ipairs { { samples = 1, links = 16, light_samples = 1 }, { samples = 4, links = 4, light_samples = 4 } } do
+    for _, means in ipairs { { samples = 1, rays = 16, light_samples = 1 }, { samples = 4, rays = 4, light_samples = 4 } } do
       local image, report = scene:render { size = { 16, 9 }, bounces = "all", tolerance = 0.001, samples = means.samples,
         links = means.links, light_samples = means.light_samples }
       assert.is_false(report.met)
@@ -209,13 +209,13 @@ describe("bounces of a picture", function()
   it("say why links cannot be made, and know a scene that has changed, and light that rays do not see", function()
     local scene = globe()
     local few = { size = { 4, 4 }, samples = 1 }
-    scene.transfer_options = ylm.transfer { spacing = 1e-9 }
+    scene.link_options = ylm.links { spacing = 1e-9 }
     local image, message, code = scene:render { size = few.size, samples = 1, bounces = "all" }
     assert.is_nil(image)
     assert.matches("spacing = 1e%-09 would make", message)
     assert.equal("ELIMIT", code)
-    scene.transfer_options = nil
-    local lit = scene:transfer({ spacing = 0.4, links = 16 }):radiosity()
+    scene.link_options = nil
+    local lit = scene:links({ spacing = 0.4, rays = 16 }):radiosity()
     assert.error_matches(function() scene:prepare(few):render { lights = { lit } } end, "see nothing of a ylm.radiosity")
     assert.error_matches(function() scene:render { bounces = 1e9 } end, "from 0 to 1000000")
     scene.geometry[1] = ylm.sphere { radius = 2, divide = { 16, 8 } }
@@ -234,14 +234,14 @@ describe("bounces of a picture", function()
 
   it("refuse options that contradict each other, naming the field", function()
     local scene = room()
-    local lit = scene:transfer { spacing = 1, links = 4 }:radiosity()
+    local lit = scene:links { spacing = 1, rays = 4 }:radiosity()
     for _, case in ipairs {
-      { { bounces = -1 }, "bounces must be a number of reflections" }, { { links = 5 }, "links must be a multiple of 4" },
+      { { bounces = -1 }, "bounces must be a number of reflections" }, { { rays = 5 }, "rays must be a multiple of 4" },
       { { bounces = 1, indirect = lit }, "leave one out" }, { { indirect = "lit" }, "indirect must be" },
       { { tolerance = 0 }, "tolerance must be" }, { { tolerance = 0.1, indirect = lit }, "leave indirect out" },
       { { tolerance = 0.1, shading = "vertex" }, "shading = 'pixel'" },
-      { { indirect = room():transfer({ spacing = 1, links = 4 }):radiosity() }, "the transfer is of scene" },
-      { { transfer = room():transfer { spacing = 1, links = 4 } }, "render: the transfer is of scene" }, -- bounces or not
+      { { indirect = room():links({ spacing = 1, rays = 4 }):radiosity() }, "the links are of scene" },
+      { { links = room():links { spacing = 1, rays = 4 } }, "render: the links are of scene" }, -- bounces or not
     } do
       local ok, message = pcall(scene.render, scene, with(case[1]))
       assert.is_false(ok)
@@ -249,44 +249,44 @@ describe("bounces of a picture", function()
     end
     lit:close()
     assert.matches("closed", select(2, pcall(scene.render, scene, with { indirect = lit })))
-    local shut = scene:transfer { spacing = 1, links = 4 }
+    local shut = scene:links { spacing = 1, rays = 4 }
     shut:close()
-    assert.matches("render: the transfer has been closed", select(2, pcall(scene.render, scene, with { transfer = shut })))
+    assert.matches("render: the links have been closed", select(2, pcall(scene.render, scene, with { links = shut })))
   end)
 
-  it("take their transfer in a bake as in a picture", function()
+  it("take their links in a bake as in a picture", function()
     local scene = room()
-    local t = scene:transfer { spacing = 0.5, links = 16 }
+    local t = scene:links { spacing = 0.5, rays = 16 }
     local probes = ylm.uniform_grid { bounds = { { -0.4, 0.3, -0.4 }, { 0.4, 0.9, 0.4 } }, cells = 1, lmax = 1 }
     local function light(o)
       o.probes, o.occupied = probes, "everywhere"
       return scene:bake(o):sample { { 0.1, 0.5, 0.2 } }
     end
-    local own = ylm.bake(probes, t:radiosity():field { parts = "indirect" }):sample { { 0.1, 0.5, 0.2 } }
-    local given = light { parts = "indirect", transfer = t }
+    local own = ylm.bake(probes, t:radiosity():field { quantity = "indirect" }):sample { { 0.1, 0.5, 0.2 } }
+    local given = light { quantity = "indirect", links = t }
     assert.equal(0, (given - own):abs():max())
-    assert(given:get(1, 1, 1) > 0 and (light { parts = "direct", transfer = t } - given):abs():max() > 0)
+    assert(given:get(1, 1, 1) > 0 and (light { quantity = "direct", links = t } - given):abs():max() > 0)
     for _, case in ipairs {
-      { { transfer = t }, "bake: transfer is for parts = 'direct', 'indirect' or 'all'" },
-      { { parts = "all", transfer = room():transfer { spacing = 1, links = 4 } }, "bake: the transfer is of scene" },
+      { { links = t }, "bake: links are for quantity = 'direct', 'indirect' or 'all'" },
+      { { quantity = "all", links = room():links { spacing = 1, rays = 4 } }, "bake: the links are of scene" },
     } do
       local ok, message = pcall(light, case[1])
       assert.is_false(ok)
       assert.matches(case[2], message, 1, true)
     end
     t:close()
-    assert.matches("bake: the transfer has been closed", select(2, pcall(light, { parts = "all", transfer = t })))
+    assert.matches("bake: the links have been closed", select(2, pcall(light, { quantity = "all", links = t })))
   end)
 
   it("says the noise of its links, and warns where they miss what is bright", function()
     local function lit_by(height, radius, radiance)
       return ylm.scene "a room" { camera = ylm.camera { from = { 0, 1.2, 1.8 }, at = { 0, 0.9, 0 } },
         geometry = { ylm.box { bounds = { { -2, 0, -2 }, { 2, 2.5, 2 } } } },
-        transfer = ylm.transfer { spacing = 0.15, links = 32 },
+        links = ylm.links { spacing = 0.15, rays = 32 },
         lights = { ylm.sphere_light { at = { 0, height, 0 }, radius = radius, radiance = radiance } } }
     end
     local function picture(scene, links)
-      return select(2, scene:render { size = { 24, 16 }, samples = 1, bounces = "all", links = links, layers = false })
+      return select(2, scene:render { size = { 24, 16 }, samples = 1, bounces = "all", rays = links, layers = false })
     end
     local calm, hot = picture(lit_by(1.3, 0.2, 10), 256), picture(lit_by(0.1, 0.05, 200))
     assert.equal(0, #calm.warnings)
@@ -301,15 +301,15 @@ describe("bounces of a picture", function()
   it("warns from 5 % on by default, and the links that it names leave no more than 2 %", function()
     local scene = ylm.scene "a room" { camera = ylm.camera { from = { 0, 1.2, 1.8 }, at = { 0, 0.9, 0 } },
       geometry = { ylm.box { bounds = { { -2, 0, -2 }, { 2, 2.5, 2 } } } },
-      transfer = ylm.transfer { spacing = 0.15, links = 32 },
+      links = ylm.links { spacing = 0.15, rays = 32 },
       lights = { ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.2, radiance = 10 } } }
     local function picture(links)
-      return select(2, scene:render { size = { 24, 16 }, samples = 1, bounces = "all", links = links, layers = false })
+      return select(2, scene:render { size = { 24, 16 }, samples = 1, bounces = "all", rays = links, layers = false })
     end
     local by_default = picture()
     assert.is_true(by_default.indirect_noise > 0.05 and by_default.indirect_noise < 0.25, by_default.indirect_noise)
     local enough = by_default.warnings[1]:match "64 links of a shading point leave a noise of %d+ %% in the light that bounces: "
-      and tonumber(by_default.warnings[1]:match "set links = (%d+) for 2 %%, or a tolerance")
+      and tonumber(by_default.warnings[1]:match "set rays = (%d+) for 2 %%, or a tolerance")
     local quiet = picture(enough)
     assert.same({}, quiet.warnings)
     assert.is_true(quiet.indirect_noise < 0.02, quiet.indirect_noise)

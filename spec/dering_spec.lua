@@ -21,7 +21,7 @@ describe("a picture by a grid of all light of a room with sun, lmax 2", function
       lights = { ylm.sun_light { direction = { 1, 0.9, 0.25 }, irradiance = 20 } },
       probes = ylm.uniform_grid { cells = { 8, 6, 6 }, lmax = 2 },
     }
-    grid = assert(scene:bake { parts = "all" })
+    grid = assert(scene:bake { quantity = "all" })
   end)
 
   --- The picture, its report, the part of its light below zero and what was said.

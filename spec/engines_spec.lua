@@ -250,7 +250,7 @@ describe("grid:export", function()
       lights = ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.1, radiance = 20 },
     }
     local before = ylm.on_warning(false)
-    local lit = assert(room:bake { parts = "all", probes = ylm.adaptive_grid { lmax = 2, depth = 4, tolerance = 0.1 } })
+    local lit = assert(room:bake { quantity = "all", probes = ylm.adaptive_grid { lmax = 2, depth = 4, tolerance = 0.1 } })
     ylm.on_warning(before)
     local path = folder.path .. "/room.ktx2"
     local report = assert(lit:export(path, { tolerance = 0.15 }))
@@ -268,8 +268,8 @@ describe("grid:export", function()
       lights = ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.1, radiance = 20 },
       camera = ylm.camera { from = { 0, 0.3, 6 }, at = { 0, 0, 0 } },
     }
-    local links = room:transfer { spacing = 0.4, links = 64 }
-    local lit = assert(room:bake { parts = "all", transfer = links, probes = ylm.uniform_grid { lmax = 2, cells = { 6, 6, 6 } } })
+    local links = room:links { spacing = 0.4, rays = 64 }
+    local lit = assert(room:bake { quantity = "all", links = links, probes = ylm.uniform_grid { lmax = 2, cells = { 6, 6, 6 } } })
     local report = assert(lit:export(folder.path .. "/seen.ktx2", { tolerance = 0.1 }))
     assert(report.met and report.cells[1] <= 20, report.cells[1])
     for i = 1, #report.validity do assert(report.validity[i] >= 0.5) end
@@ -278,7 +278,7 @@ describe("grid:export", function()
     local _, _, sampled = lit:sample(corners)
     assert.equal(0, sampled.outside)
     local inside = { { 0.9, 0.3, 0.2 }, { -0.6, -0.9, 0.4 }, { 0.2, 0.1, -0.95 }, { 0, -0.5, 0.9 } }
-    local truth = ylm.light_field(2, links:radiosity():field { parts = "all" }, inside)
+    local truth = ylm.light_field(2, links:radiosity():field { quantity = "all" }, inside)
     assert(ylm.sh.relative_error(lit:sample(inside), truth):max() < 0.1)
   end)
 

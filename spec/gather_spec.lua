@@ -11,7 +11,7 @@ local function room(spacing, extra)
     ylm.sphere { at = { 0.15, -0.1, -0.2 }, radius = 0.35, divide = { 32, 16 } } }
   for _, g in ipairs(extra or {}) do geometry[#geometry + 1] = g end
   local camera = ylm.camera { from = { 0.8, 0.8, 0.8 }, at = { 0, 0, 0 } }
-  return ylm.scene "a room with a sphere" { geometry = geometry, camera = camera }:transfer { spacing = spacing, links = 4 }
+  return ylm.scene "a room with a sphere" { geometry = geometry, camera = camera }:links { spacing = spacing, rays = 4 }
 end
 
 --- A radiosity whose elements send out radiance f(x, y, z, mesh) -> r, g, b.
@@ -90,7 +90,7 @@ describe("radiosity:field", function()
       geometry = { ylm.sphere { radius = 1, divide = { 96, 48 }, material = ylm.matte { albedo = rho } } },
       lights = ylm.sphere_light { at = { 0, 0, a }, radius = r, radiance = e },
     }
-    local lit = scene:transfer({ spacing = 0.1, links = 64 }):radiosity(nil, { light_samples = 8 })
+    local lit = scene:links({ spacing = 0.1, rays = 64 }):radiosity(nil, { light_samples = 8 })
     local L = ylm.light_field(3, lit, { 0, 0, 0 })
     local scale = rho * e * r * r
     for l = 0, 3 do
@@ -99,7 +99,7 @@ describe("radiosity:field", function()
       assert.near(truth, L:get(2, l * (l + 1) + 1), 0.015 * scale * sqrt(4 * pi))
       for m = 1, l do assert.near(0, L:get(2, l * (l + 1) + 1 + m), 0.01 * scale) end
     end
-    local middle = scene:transfer({ spacing = 0.1, links = 64 })
+    local middle = scene:links({ spacing = 0.1, rays = 64 })
       :radiosity(ylm.sphere_light { at = { 0, 0, 0 }, radius = r, radiance = e }, { light_samples = 8 })
     local V, dV = ylm.light_field(2, middle, { 0, 0, 0 }, { derivatives = 1, channels = "luminance" })
     assert.near(2 * scale * sqrt(4 * pi), V:get(1, 1), 0.01 * scale)
@@ -113,7 +113,7 @@ describe("radiosity:field", function()
       lights = ylm.sphere_light { at = { -0.4, 0.3, 0.2 }, radius = 0.15, radiance = 10 },
     }
     local points = { { 0.1, 0.3, 0.4 }, { -0.5, -0.4, -0.3 } }
-    local lit = scene:transfer({ spacing = 0.08, links = 64 }):radiosity(nil, { light_samples = 16 })
+    local lit = scene:links({ spacing = 0.08, rays = 64 }):radiosity(nil, { light_samples = 16 })
     local L = flat(ylm.light_field(2, lit, points))
     local truth, variance = scene:probe { points = points, lmax = 2, samples = 2048, reflections = { 1, 30 } }
     local c, v, sum, n = flat(truth), flat(variance), 0, 0
@@ -301,13 +301,13 @@ describe("radiosity:field", function()
 
     local function lit_scene(geometry, lights, o)
       local scene = ylm.scene "lamps" { geometry = geometry, lights = lights }
-      local t = assert(scene:transfer { spacing = o and o.spacing or 0.5, links = 4 })
+      local t = assert(scene:links { spacing = o and o.spacing or 0.5, rays = 4 })
       return assert(t:radiosity(nil, { bounces = 0, light_samples = 2 }))
     end
 
     it("is that of the lamps themselves, with gradients and Hessians, where nothing is in the way", function()
       local points = { { 0, 0, 0 }, { -0.5, 0.4, 0.8 } }
-      local field = lit_scene({ floor }, lamps):field { parts = "direct", rays = 192 }
+      local field = lit_scene({ floor }, lamps):field { quantity = "direct", rays = 192 }
       local o = { derivatives = 2, dtype = "double" }
       local ours, theirs = { ylm.light_field(4, field, points, o) }, { ylm.light_field(4, lamps, points, o) }
       for k = 1, 3 do assert(apart(flat(ours[k]), flat(theirs[k])) < 1e-5, k) end
@@ -322,13 +322,13 @@ describe("radiosity:field", function()
     it("is exactly uniform under a uniform sky, and half of it over an endless floor", function()
       local sky = ylm.environment_light { radiance = { 1, 2, 3 } }
       local field = lit_scene({ ylm.quad { corner = { 40, 40, 40 }, u = { 1e-3, 0, 0 }, v = { 0, 1e-3, 0 } } }, sky)
-        :field { parts = "all", rays = 192 }
+        :field { quantity = "all", rays = 192 }
       local L, dL, ddL = ylm.light_field(4, field, { { 0.3, 0.2, -0.1 } }, { derivatives = 2 })
       assert.near(2 * sqrt(4 * pi), L:get(1, 2, 1), 1e-4)
       for _, x in ipairs(flat(dL)) do assert.equal(0, x) end
       for _, x in ipairs(flat(ddL)) do assert.equal(0, x) end
       local wide = lit_scene({ ylm.quad { corner = { -9e3, -1, 9e3 }, u = { 1.8e4, 0, 0 }, v = { 0, 0, -1.8e4 } } }, sky,
-        { spacing = 1e3 }):field { parts = "direct", rays = 768 }
+        { spacing = 1e3 }):field { quantity = "direct", rays = 768 }
       assert.near(sqrt(4 * pi) / 2, ylm.light_field(0, wide, { 0, 0, 0 }):get(1, 1), 0.01)
     end)
 
@@ -337,10 +337,10 @@ describe("radiosity:field", function()
       local geometry = { ylm.quad { corner = { -2, -1, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, material = grey },
         ylm.sphere { at = { 0.1, 0.8, 0 }, radius = 0.25, divide = { 48, 24 } } }
       local scene = ylm.scene "shadows" { geometry = geometry, lights = lamps }
-      local lit = scene:transfer({ spacing = 0.1, links = 32 }):radiosity()
+      local lit = scene:links({ spacing = 0.1, rays = 32 }):radiosity()
       local points = { { 0, 0, 0 }, { 0.6, 0, 0.1 }, { -0.2, 0.2, -0.2 }, { 0.1, 0.8, 0.6 } }
       for parts, reflections in pairs { direct = { 0, 0 }, all = { 0, 20 } } do
-        local field = lit:field { parts = parts, rays = 3072 }
+        local field = lit:field { quantity = parts, rays = 3072 }
         local L = flat(ylm.light_field(1, field, points))
         local truth, variance = scene:probe { points = points, lmax = 1, samples = 1024, reflections = reflections }
         local c, v, sum, norm = flat(truth), flat(variance), 0, 0
@@ -358,8 +358,8 @@ describe("radiosity:field", function()
       end
       local wall = ylm.quad { corner = { 0.3, -1, 2 }, u = { 0, 4, 0 }, v = { 0, 0, -4 } }
       local scene = ylm.scene "many" { geometry = { floor, wall }, lights = many }
-      local field = scene:transfer({ spacing = 1, links = 4 }):radiosity(nil, { light_samples = 1, bounces = 0 })
-        :field { parts = "direct", rays = 192, tolerance = 0.02 }
+      local field = scene:links({ spacing = 1, rays = 4 }):radiosity(nil, { light_samples = 1, bounces = 0 })
+        :field { quantity = "direct", rays = 192, tolerance = 0.02 }
       local points = { { -0.5, 0, 0 }, { 0.8, 0.3, 0.2 } }
       local L = flat(ylm.light_field(2, field, points))
       for i, side in ipairs { -1, 1 } do -- a wall between the lamps on both sides
@@ -374,7 +374,7 @@ describe("radiosity:field", function()
 
     it("follows lights that change", function()
       local lit = lit_scene({ floor }, lamps[1])
-      local field = lit:field { parts = "direct", rays = 192 }
+      local field = lit:field { quantity = "direct", rays = 192 }
       local before = ylm.light_field(0, field, { 0, 0, 0 }):get(2, 1)
       lit:update(ylm.sphere_light { at = { 0.2, 1.5, 0 }, radius = 0.2, radiance = { 20, 16, 12 } })
       assert.near(2 * before, ylm.light_field(0, field, { 0, 0, 0 }):get(2, 1), 1e-5)
@@ -400,7 +400,7 @@ describe("radiosity:field", function()
         camera = ylm.camera { from = { 0, 9, 9 }, at = { 0, 1, 0 } }, geometry = geometry,
         lights = ylm.sphere_light { at = lamp, radius = 0.1, radiance = 40 },
       }
-      local field = scene:transfer({ spacing = 0.4, links = 32 }):radiosity():field { rays = 256 }
+      local field = scene:links({ spacing = 0.4, rays = 32 }):radiosity():field { rays = 256 }
       local sh = ylm.light_field(0, field, { { 0.3, y - 1e-4, 0.2 }, { 0.3, y + 0.02, 0.2 } })
       return sh:get(1, 2, 1) / sh:get(2, 2, 1)
     end
@@ -421,10 +421,10 @@ describe("radiosity:field", function()
           lights = { ylm.sphere_light { at = { 0, 1.6, 0 }, radius = 0.1, radiance = 40 } },
           probes = name == "thick walls" and ylm.adaptive_grid { lmax = 0, tolerance = 0.8, depth = 2 }
             or ylm.uniform_grid { lmax = 1, cells = { 4, 4, 4 } },
-          transfer = ylm.transfer { spacing = 0.4, links = 32 },
+          links = ylm.links { spacing = 0.4, rays = 32 },
         }
-        local lit = scene:transfer({ spacing = 0.4, links = 32 }):radiosity()
-        local grid = scene:bake { parts = "indirect" }
+        local lit = scene:links({ spacing = 0.4, rays = 32 }):radiosity()
+        local grid = scene:bake { quantity = "indirect" }
         assert.is_true(grid.kind == "uniform" or grid.stats.verified > 0)
         local function mean(indirect)
           local image = scene:render { size = { 16, 12 }, samples = 1, light_samples = 1, indirect = indirect, layers = false }

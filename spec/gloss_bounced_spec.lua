@@ -1,4 +1,4 @@
--- Light that bounces, met by surfaces that gloss: rays that their materials choose, into the elements of a transfer.
+-- Light that bounces, met by surfaces that gloss: rays that their materials choose, into elements.
 local long = require "spec.support.long"
 local ylm = require "ylm"
 
@@ -59,12 +59,12 @@ local function globe(material, degrees, more)
       material = material }, more or {})) }
   return ylm.scene "globe" {
     geometry = geometry, lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = LAMP, radiance = 10 },
-    transfer = ylm.transfer { spacing = 0.2, links = 64 },
+    links = ylm.links { spacing = 0.2, rays = 64 },
     camera = ylm.camera { from = { x[1] + 0.2 * math.sin(t), 0, x[3] + 0.2 * math.cos(t) }, at = x, fov = 0.1 },
   }
 end
 
-local few = { size = { 8, 8 }, samples = 1, links = 64 }
+local few = { size = { 8, 8 }, samples = 1, rays = 64 }
 
 --- Light that bounces alone, [3].
 local function bounced(scene, o)
@@ -75,8 +75,8 @@ end
 
 local ggx = ylm.ggx { alpha = 0.3, f0 = 0.7, base = 0.1 }
 
-local few_points = { size = { 16, 9 }, samples = 1, links = 16 }
-local function of(t) return with({ transfer = t }, few_points) end
+local few_points = { size = { 16, 9 }, samples = 1, rays = 16 }
+local function of(t) return with({ links = t }, few_points) end
 
 --- A room with coloured walls and a body, what bounces in it, and a prepared view of 16 x 9 points.
 local function room(material)
@@ -90,8 +90,8 @@ local function room(material)
     },
     lights = { ylm.sphere_light { at = { 0.3, 1.6, 0.3 }, radius = 0.2, radiance = { 15, 14, 12 } } },
   }
-  local lit = scene:transfer({ spacing = 0.15, links = 64 }):radiosity()
-  return scene, lit, scene:prepare(of(lit.transfer))
+  local lit = scene:links({ spacing = 0.15, rays = 64 }):radiosity()
+  return scene, lit, scene:prepare(of(lit.links))
 end
 
 describe("bounced light on surfaces that gloss", function()
@@ -120,7 +120,7 @@ describe("bounced light on surfaces that gloss", function()
     assert.equal(view.stats.points * 16, report.rays.links)
     assert.is_true(report.rays.gloss_links > 0 and report.rays.gloss_links < report.rays.links)
     assert.is_true(report.indirect_noise > 0)
-    local again = scene:prepare(of(lit.transfer))
+    local again = scene:prepare(of(lit.links))
     for _, threads in ipairs { 2, 7 } do
       assert.equal(0, different(image, (again:render { indirect = lit, threads = threads })))
     end
@@ -147,7 +147,7 @@ describe("bounced light on surfaces that gloss", function()
   it("agrees with paths", function()
     local scene, lit = room(ylm.ggx { alpha = 0.15, f0 = 0.7 })
     local truth = scene:pathtrace { size = { 16, 9 }, samples = 1024, layers = false, reflections = { 1, "all" } }
-    local error = error_of(scene:render { size = { 16, 9 }, samples = 64, light_samples = 64, indirect = lit, links = 64 }, truth)
+    local error = error_of(scene:render { size = { 16, 9 }, samples = 64, light_samples = 64, indirect = lit, rays = 64 }, truth)
     assert.is_true(error < 0.05, tostring(error))
   end)
 
@@ -156,9 +156,9 @@ describe("bounced light on surfaces that gloss", function()
     for i = 1, long(0, 1) do materials[1 + i] = ylm.ggx { alpha = { 0.2, 0.6 }, f0 = 0.8 } end -- whose table takes seconds
     for _, material in ipairs(materials) do
       local scene, lit = room(material)
-      local o = { size = { 16, 9 }, samples = 4, links = 64, visibility = "none", lmax = 0 }
+      local o = { size = { 16, 9 }, samples = 4, rays = 64, visibility = "none", lmax = 0 }
       local function by(shading)
-        local view = scene:prepare(with({ shading = shading, transfer = lit.transfer }, o))
+        local view = scene:prepare(with({ shading = shading, links = lit.links }, o))
         local grid = ylm.sphere_lights { at = { { 0, 9, 0 } }, radius = 0.1, radiance = 0 }.lights
         local image, sum = view:render { grid = grid, indirect = lit }, 0
         for i, row in ipairs(image:layer "normal":totable()) do
@@ -177,9 +177,9 @@ end)
 --- A round room's picture of `material` by the light `make(lit)`, less what it is without: in parts of RADIANCE, [3]; report.
 local function by_field(material, degrees, make, o)
   local scene = globe(material, degrees)
-  local t = scene:transfer { spacing = 0.2, links = 64 }
+  local t = scene:links { spacing = 0.2, rays = 64 }
   local light = make(t:radiosity())
-  local given = with({ indirect = light, transfer = o and o.rays and t or nil, gloss = o and o.gloss }, few)
+  local given = with({ indirect = light, links = o and o.rays and t or nil, gloss = o and o.gloss }, few)
   local image, report = scene:render(given)
   for i = #report.warnings, 1, -1 do -- noise of direct light is not the subject here
     if report.warnings[i]:find "in direct light" then table.remove(report.warnings, i) end
@@ -208,7 +208,7 @@ describe("light of a field that bounces, on surfaces that gloss", function()
     end
   end)
 
-  it("goes to rays where its degree is too low and a transfer is there, else one line says so", function()
+  it("goes to rays where its degree is too low and links are there, else one line says so", function()
     local m = ylm.ggx { alpha = 0.05, f0 = { 0.9, 0.6, 0.2 } }
     local truth = m:albedo({ math.cos(math.rad(35)) }):totable()[1]
     local got, report = by_field(m, 35, baked, { rays = true })
@@ -217,7 +217,7 @@ describe("light of a field that bounces, on surfaces that gloss", function()
     assert.same({}, report.warnings)
     report = select(2, by_field(m, 35, baked))
     assert.equal(1, #report.warnings)
-    assert.matches("harmonics of degree 3 miss %d+ %% of its lobes in bounced light: give transfer", report.warnings[1])
+    assert.matches("harmonics of degree 3 miss %d+ %% of its lobes in bounced light: give links", report.warnings[1])
     report = select(2, by_field(m, 35, baked, { gloss = "matte" }))
     assert.matches("a grid's bounced light meets it as a matte one of its mean albedo", report.warnings[1])
   end)
@@ -227,20 +227,20 @@ describe("light of a field that bounces, on surfaces that gloss", function()
     local probes = ylm.uniform_grid { bounds = { { -1.45, 0.02, -1.45 }, { 1.45, 1.95, 1.5 } }, cells = { 6, 4, 6 }, lmax = 3 }
     local o, size = { samples = 16, share = 0 }, { 16, 9 }
     local truth = scene:pathtrace { size = size, samples = 1024, layers = false, reflections = { 0, "all" } }
-    local grid = ylm.bake(probes, lit:field { parts = "all", rays = 384 })
+    local grid = ylm.bake(probes, lit:field { quantity = "all", rays = 384 })
     local function error(more) return error_of(scene:render(with({ grid = grid, size = size }, with(more, o))), truth) end
-    local rays, harmonics, matte = error { transfer = lit.transfer }, error {}, error { gloss = "matte" }
+    local rays, harmonics, matte = error { links = lit.links }, error {}, error { gloss = "matte" }
     assert.is_true(rays < 0.6 * harmonics and harmonics < matte, ("%.3f %.3f %.3f"):format(rays, harmonics, matte))
   end)
 
-  it("refuses rays without a transfer, and what shades nothing", function()
+  it("refuses rays without links, and what shades nothing", function()
     local scene, lit = room(ggx)
     local o = { size = { 16, 9 }, samples = 1 }
     for _, case in ipairs {
-      { { indirect = field(lit), gloss = "rays" }, "gloss = 'rays': rays find light on elements: give transfer" },
-      { { grid = field(lit), gloss = "rays" }, "or give transfer = scene:transfer {}, whose elements rays find" },
+      { { indirect = field(lit), gloss = "rays" }, "gloss = 'rays': rays find light on elements: give links" },
+      { { grid = field(lit), gloss = "rays" }, "or give links = scene:links {}, whose elements rays find" },
       { { bounces = 1, gloss = "sh" }, "gloss is for a grid" }, { { gloss = "matte" }, "gloss is for a grid" },
-      { { indirect = field(lit), transfer = room(ggx):transfer { spacing = 0.5, links = 4 } }, "this is another" },
+      { { indirect = field(lit), links = room(ggx):links { spacing = 0.5, rays = 4 } }, "this is another" },
     } do
       assert.error_matches(function() scene:render(with(case[1], o)) end, case[2])
     end

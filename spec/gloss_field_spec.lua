@@ -65,7 +65,7 @@ describe("surfaces that gloss, by harmonics", function()
     exact:add("variance", 3)
     for _, probes in ipairs { ylm.uniform_grid { bounds = bounds, cells = 6, lmax = LMAX },
       ylm.adaptive_grid { bounds = bounds, lmax = LMAX, depth = 4, tolerance = 0.02 } } do
-      o.grid = s:bake { probes = probes, parts = "lights" }
+      o.grid = s:bake { probes = probes, quantity = "lights" }
       assert.is_true(error_of(s:render(o), exact) < 0.01)
     end
   end)

@@ -198,10 +198,10 @@ describe("gloss = 'sh'", function()
     local s = scene { ylm.sphere { material = gold } }
     local probes = ylm.uniform_grid { cells = { 6, 6, 6 }, lmax = 6, bounds = { { -1.2, -1.2, -1.2 }, { 1.2, 1.2, 1.2 } } }
     local exact = s:reference(with({ lmax = 6, visibility = "none", gloss = "sh" }, picture))
-    local lights = s:bake { parts = "lights", probes = probes }
+    local lights = s:bake { quantity = "lights", probes = probes }
     local own = with({ grid = lights, visibility = "none", gloss = "sh", dering = false }, picture)
     assert.is_true(distance(s:render(own), exact) < 0.02)
-    local direct = s:bake { parts = "direct", probes = probes }
+    local direct = s:bake { quantity = "direct", probes = probes }
     local image, report = s:render(with({ grid = direct, gloss = "sh" }, picture))
     assert.is_true(distance(image, exact) < 0.08)
     assert.is_true(distance((s:render(with({ grid = direct, gloss = "matte" }, picture))), exact) > 0.2)
@@ -300,7 +300,7 @@ describe("gloss = 'sh'", function()
   it("says where rays are wanted and have no lamps, and what harmonics then miss", function()
     local s = scene { ylm.sphere { material = ylm.ggx { alpha = 0.1, f0 = 0.9 } } }
     local probes = ylm.uniform_grid { cells = 2, lmax = 4, bounds = { { -1.2, -1.2, -1.2 }, { 1.2, 1.2, 1.2 } } }
-    local grid = s:bake { parts = "lights", probes = probes }
+    local grid = s:bake { quantity = "lights", probes = probes }
     local _, report = s:render(with({ grid = grid, visibility = "none", light_samples = 16 }, picture))
     assert.is_true(report.glossy.rays > 0 and #report.warnings <= 1) -- of occlusion
     local unknown = ylm.bake(probes, function(points, lmax, channels)

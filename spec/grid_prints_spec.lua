@@ -41,7 +41,7 @@ describe("a grid of another scene", function()
   local function scene(changes) return assert(ylm.load(folder:write("scene.lua", written(changes or {})))) end
   local function bake(parts)
     local s = scene()
-    return s:bake { parts = parts, threads = 2, transfer = parts ~= "lights" and s:transfer { links = 4, lmax = 0 } or nil }
+    return s:bake { quantity = parts, threads = 2, links = parts ~= "lights" and s:links { rays = 4, lmax = 0 } or nil }
   end
   local function line(what, parts)
     return { ('%s was baked from other %s than scene "shelf" has: the light is not the scene\'s; bake it anew, or give the '
@@ -94,9 +94,9 @@ describe("a grid of another scene", function()
     local lit = s:bake {}
     local lights = lit.prints.lights
     assert.matches("^%x+$", lights)
-    assert(lit:refresh(s.lights)) -- the same light, to the bit
+    assert(lit:update(s.lights)) -- the same light, to the bit
     assert.equal(lights, lit.prints.lights)
-    assert(lit:refresh(s.lights[1]))
+    assert(lit:update(s.lights[1]))
     assert.is_nil(lit.prints)
     local followed = ylm.scene "followed" { lights = s.lights[1], geometry = s.geometry,
       probes = ylm.uniform_grid { cells = 2, lmax = 1, dynamic = true } }:bake {}
@@ -148,7 +148,7 @@ describe("a grid of another scene", function()
     local function at(name) return scratch.quote(folder.path .. "/" .. name) end
     folder:write("a.lua", written {})
     folder:write("b.lua", written { ALBEDO = 0.6, LAMP = 0.6, SHELF = -1.1 })
-    local _, code, err = run("bake " .. at "a.lua" .. " -q --parts direct -o " .. at "a.ylm")
+    local _, code, err = run("bake " .. at "a.lua" .. " -q --quantity direct -o " .. at "a.ylm")
     assert.equal(0, code, err)
     local out
     out, code, err = run("info " .. at "a.ylm")

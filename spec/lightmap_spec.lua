@@ -17,8 +17,8 @@ describe("radiosity:lightmap", function()
     local t = ylm.scene "globe" {
       geometry = { ylm.sphere { radius = 1, divide = { 64, 32 }, material = white } },
       lights = { ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 } },
-    }:transfer { spacing = 0.3, links = 64 }
-    local image, report = t:radiosity():lightmap { mesh = 1, size = { 32, 16 }, links = 64, light_samples = 4 }
+    }:links { spacing = 0.3, rays = 64 }
+    local image, report = t:radiosity():lightmap { mesh = 1, size = { 32, 16 }, rays = 64, light_samples = 4 }
     local E, coverage = image:layer "irradiance", image:layer "coverage"
     local truth = pi * 10 * 0.1 ^ 2 / (1 - 0.5)
     assert.same({ 32 * 16, 0 }, { report.texels, report.overlaps })
@@ -35,8 +35,8 @@ describe("radiosity:lightmap", function()
     local t = ylm.scene "floor" {
       geometry = { ylm.quad { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 0, -1 }, material = white } },
       lights = { ylm.sphere_light { at = at, radius = 0.05, radiance = 100 } },
-    }:transfer { spacing = 1, links = 8, sides = "front" }
-    local E = t:radiosity():lightmap({ mesh = 1, size = { 8, 8 }, links = 4 }):layer "irradiance"
+    }:links { spacing = 1, rays = 8, sides = "front" }
+    local E = t:radiosity():lightmap({ mesh = 1, size = { 8, 8 }, rays = 4 }):layer "irradiance"
     for i = 1, 8 do
       for k = 1, 8 do
         local x, z = (k - 0.5) / 8, -(1 - (i - 0.5) / 8)
@@ -48,9 +48,9 @@ describe("radiosity:lightmap", function()
 
   it("adds what links bring to direct light, whatever the number of threads", function()
     local room = elements.room(0.5, ylm.box { bounds = { { -0.3, 0, -0.3 }, { 0.3, 0.6, 0.3 } }, material = white })
-    local lit = room:transfer({ spacing = 0.5, links = 32 }):radiosity()
+    local lit = room:links({ spacing = 0.5, rays = 32 }):radiosity()
     local function map(part, threads)
-      return lit:lightmap({ mesh = 1, size = { 12, 12 }, links = 16, part = part,
+      return lit:lightmap({ mesh = 1, size = { 12, 12 }, rays = 16, part = part,
         threads = threads }):layer("irradiance"):totable()
     end
     local all, direct, indirect = map "all", map "direct", map "indirect"
@@ -60,7 +60,7 @@ describe("radiosity:lightmap", function()
       for k = 1, 12 do near(direct[i][k][1] + indirect[i][k][1], all[i][k][1], 1e-5, "texel") end
     end
     assert.is_true(indirect[2][2][1] > 0.05 * direct[2][2][1])
-    local image, report = lit:lightmap { mesh = 1, size = { 20, 20 }, links = 16, gutter = 1 }
+    local image, report = lit:lightmap { mesh = 1, size = { 20, 20 }, rays = 16, gutter = 1 }
     assert.equal(400 - 36, report.texels) -- 6 x 6 of them are under the box
     assert.is_true(image:layer "irradiance":get(8, 8, 1) > 0 and image:layer "irradiance":get(10, 10, 1) < 1e-6)
   end)
@@ -71,24 +71,24 @@ describe("radiosity:lightmap", function()
         geometry = { ylm.mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 0, -1 }, { 0, 0, -1 } }, material = white,
           triangles = { { 1, 2, 3 }, { 1, 3, 4 } }, uvs = uvs } },
         lights = ylm.sphere_light { at = { 0.5, 5, -0.5 }, radius = 0.1, radiance = 10 },
-      }:transfer({ spacing = 2, links = 4 }):radiosity()
+      }:links({ spacing = 2, rays = 4 }):radiosity()
     end
     local lit = half { { 0, 0 }, { 0.5, 0 }, { 0.5, 1 }, { 0, 1 } }
-    local image, report = lit:lightmap { mesh = 1, size = { 8, 4 }, gutter = 2, links = 4 }
+    local image, report = lit:lightmap { mesh = 1, size = { 8, 4 }, gutter = 2, rays = 4 }
     local E, coverage = image:layer "irradiance", image:layer "coverage"
     assert.same({ 16, 0 }, { report.texels, report.overlaps })
     assert.same({ 1, 0 }, { coverage:get(2, 4, 1), coverage:get(2, 5, 1) })
     assert.is_true(E:get(2, 5, 1) > 0.9 * E:get(2, 4, 1) and E:get(2, 6, 1) > 0)
     assert.equal(0, E:get(2, 7, 1))
     local twice = half { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 1, 0 } }
-    assert.is_true(select(2, twice:lightmap { mesh = 1, size = { 8, 8 }, links = 4 }).overlaps > 10)
+    assert.is_true(select(2, twice:lightmap { mesh = 1, size = { 8, 8 }, rays = 4 }).overlaps > 10)
   end)
 end)
 
 describe("radiosity:save", function()
   it("writes a PLY whose triangles are the elements, with their light", function()
     local folder = scratch.new()
-    local t = elements.room({ 0.5, 0.2, 0.1 }):transfer { spacing = 1, links = 16, sides = "front" }
+    local t = elements.room({ 0.5, 0.2, 0.1 }):links { spacing = 1, rays = 16, sides = "front" }
     local lit, path = t:radiosity(), folder.path .. "/room.ply"
     assert(lit:save(path))
     local mesh = ylm.mesh({ file = path }).mesh

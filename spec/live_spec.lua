@@ -304,7 +304,7 @@ describe("scene:live, replays", function()
     local stage = ylm.scene "stage" { camera = s.camera, geometry = s.geometry }
     local view = assert(stage:prepare { size = size or SIZE, samples = 2, transfer_samples = 16, visibility = "transfer",
       lmax = 3 })
-    local grid = assert(s:bake { parts = "lights" })
+    local grid = assert(s:bake { quantity = "lights" })
     local image = assert(view:render { grid = grid, lamps = s.lights, layers = false })
     return core.canvas_pixels(core.canvas_image(image, nil, tone, exposure)), image
   end
@@ -352,7 +352,7 @@ describe("scene:live, replays", function()
     local s = scene { probes = probes }
     assert(s:live { size = { 64, 48 }, hidden = true, events = { { 1, "close" } },
       on_frame = function(state) points = points or state.grid.stats.points end })
-    assert.equal(s:bake({ parts = "lights" }).stats.points, points)
+    assert.equal(s:bake({ quantity = "lights" }).stats.points, points)
   end)
 
   it("bake what ylm.bake bakes when the tolerance is another", function()
@@ -362,7 +362,7 @@ describe("scene:live, replays", function()
         points[#points + 1] = { state.settings.tolerance, state.grid.stats.points, state.grid.dynamic }
       end }))
     local last = points[#points]
-    local grid = s:bake { parts = "lights", probes = ylm.adaptive_grid { lmax = 3, depth = 4, tolerance = last[1] } }
+    local grid = s:bake { quantity = "lights", probes = ylm.adaptive_grid { lmax = 3, depth = 4, tolerance = last[1] } }
     assert.equal(grid.stats.points, last[2])
     assert(last[2] > points[2][2])
   end)

@@ -168,7 +168,7 @@ describe("what is no list of lights", function()
   local floor = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } }
   local scene = ylm.scene "floor" { camera = ylm.camera { from = { 0, 1.2, 2.6 }, at = { 0, 0, 0 } }, geometry = floor,
     lights = lamp }
-  local t = scene:transfer { links = 4, spacing = 2 }
+  local t = scene:links { rays = 4, spacing = 2 }
   local lit, view = t:radiosity(), scene:prepare { size = { 4, 3 }, samples = 1 }
   local function grid(dynamic) return ylm.bake(grids.uniform(dynamic), lamp) end
   local takes = {
@@ -176,9 +176,9 @@ describe("what is no list of lights", function()
     radiosity = function(lights) return t:radiosity(lights) end,
     ["radiosity:update"] = function(lights) return lit:update(lights) end,
     bake = function(lights) return ylm.bake(grids.uniform(false), lights) end,
-    ["scene:bake"] = function(lights) return scene:bake { parts = "lights", lights = lights, probes = grids.uniform(false) } end,
+    ["scene:bake"] = function(lights) return scene:bake { quantity = "lights", lights = lights, probes = grids.uniform(false) } end,
     update = function(lights) return grid(true):update(lights) end,
-    refresh = function(lights) return grid(false):refresh(lights) end,
+    ["grid:update of points"] = function(lights) return grid(false):update(lights) end,
     render = function(lights) return view:render { lights = lights } end,
     shadowed = function(lights) return ylm.shadowed { lights = lights, casters = ylm.sphere_casters { at = { { 0, 1, 0 } },
       radius = 0.1 } } end,
@@ -207,8 +207,8 @@ describe("what is no list of lights", function()
     local before = ylm.on_warning(function(message) said[#said + 1] = message:match "^%S+" end)
     local ok, why = pcall(function()
       local dark = ylm.scene "dark" { geometry = floor }
-      dark:transfer({ links = 4, spacing = 2 }):radiosity(dark.lights)
-      dark:bake { parts = "lights", probes = grids.uniform(false) }
+      dark:links({ rays = 4, spacing = 2 }):radiosity(dark.lights)
+      dark:bake { quantity = "lights", probes = grids.uniform(false) }
       assert.same({}, said)
       for _ = 1, 2 do
         ylm.sampled_light { lights = { {} }, at = { { 0, 0, 0 } } }

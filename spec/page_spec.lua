@@ -9,7 +9,7 @@ local ylm = require "ylm"
 local unpack = table.unpack or unpack -- luacheck: ignore
 
 local function lacks_parts()
-  local parts = " " .. table.concat(ylm.info().parts, " ") .. " "
+  local quantity = " " .. table.concat(ylm.info().parts, " ") .. " "
   return not (parts:find " codec " and parts:find " scene ")
 end
 
@@ -356,7 +356,7 @@ describe("a page", function()
       local moved = ylm.sphere_light { at = at, radius = 0.1, radiance = { 14, 11, 8 } }
       assert(grid:save(folder.path .. "/moved.ylm"))
       local again = assert(ylm.load(folder.path .. "/moved.ylm"))
-      assert(again:refresh { moved, scene.lights[2] })
+      assert(again:update { moved, scene.lights[2] })
       window:key "k"
       window:wait "ready"
       local shot = assert(ylm.load(window:screenshot(folder.path .. "/shot.png"), { raw = true })):layer()
@@ -408,7 +408,7 @@ describe("a page", function()
         shown(grid, { precision = "byte" })
         shown(grid, { precision = "float" })
         shown(scene:bake { probes = ylm.adaptive_grid { lmax = 8, depth = 3, tolerance = 0.1 } }, {})
-        shown(scene:bake { parts = "direct", probes = ylm.adaptive_grid { lmax = 3, depth = 4, tolerance = 0.1 } }, {})
+        shown(scene:bake { quantity = "direct", probes = ylm.adaptive_grid { lmax = 3, depth = 4, tolerance = 0.1 } }, {})
       end
       -- a title that would be a script is text
       assert(grid:save(other, { title = "</script><script>alert(1)</script>\226\128\168x" }))

@@ -18,7 +18,7 @@ describe("printing", function()
     local a = ylm.image { size = { 4, 4 } }
     assert.truthy(("\n" .. tostring(a:compare(a))):find "\nrmse +0\n")
     local s = ylm.scene "s" { geometry = ylm.box {}, lights = lamp }
-    assert.truthy(tostring(s:transfer({ spacing = 0.5, links = 4 }).stats):find "elements +%d+\n")
+    assert.truthy(tostring(s:links({ spacing = 0.5, rays = 4 }).stats):find "elements +%d+\n")
     local nested = require "ylm.show".report { rays = { primary = 3, shadow = 4 }, notes = { "a\27[31m" }, x = 0 / 0 }
     assert.equal("notes  {a?[31m}\nrays   { primary = 3, shadow = 4 }\nx      nan", tostring(nested))
   end)

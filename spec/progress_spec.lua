@@ -250,7 +250,7 @@ describe("progress bars", function()
   it("go to the end where bounces are fewer than could be known", function()
     local scene = ylm.scene "a box" { geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
       lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 } }
-    local t, done, total = scene:transfer { spacing = 1, links = 16 }, nil, nil
+    local t, done, total = scene:links { spacing = 1, rays = 16 }, nil, nil
     t:radiosity(nil, { progress = function(a, b, stage) if stage == "bounces" then done, total = a, b end end })
     assert.is_true(done == total)
     t:vectors { progress = function(a, b, stage) if stage == "bounces" then done, total = a, b end end }
@@ -284,7 +284,7 @@ describe("names of stages", function()
       lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 },
       probes = ylm.adaptive_grid { lmax = 1, depth = 1, tolerance = 0.5 } }
     local count, nameless = 0, 0
-    assert(scene:bake { parts = "all", bounces = 1, progress = function(_, _, stage)
+    assert(scene:bake { quantity = "all", bounces = 1, progress = function(_, _, stage)
       count, nameless = count + 1, nameless + ((stage or "") == "" and 1 or 0)
     end })
     assert.is_true(count > 3)

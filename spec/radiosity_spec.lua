@@ -19,12 +19,12 @@ local function globe(albedo, a)
   }
 end
 
-local cut = { spacing = 0.2, links = 64 }
+local cut = { spacing = 0.2, rays = 64 }
 local POWER = pi * 10 * 4 * pi * 0.1 ^ 2 -- of that lamp
 
-describe("transfer:radiosity", function()
+describe("links:radiosity", function()
   it("finds rho^k for order k in a sphere, and 1 / (1 - rho) for all", function()
-    local t = globe({ 0.5, 0.75, 0.25 }, 0.4):transfer(cut)
+    local t = globe({ 0.5, 0.75, 0.25 }, 0.4):links(cut)
     local e = t:elements()
     local direct = t:radiosity(nil, { bounces = 0 })
     local E0 = elements.integral(e, direct:irradiance(), 1)
@@ -42,7 +42,7 @@ describe("transfer:radiosity", function()
   end)
 
   it("finds what bounces in a sphere to be the same everywhere", function()
-    local t = globe(0.5, 0.6):transfer { spacing = 0.2, links = 256 }
+    local t = globe(0.5, 0.6):links { spacing = 0.2, rays = 256 }
     local e, lit = t:elements(), t:radiosity()
     local E, E0, area = lit:irradiance(), lit:irradiance "direct", elements.integral(t:elements())
     local bounced, sum2 = POWER / area, 0 -- rho / (1 - rho) = 1
@@ -55,8 +55,8 @@ describe("transfer:radiosity", function()
     local g, rho = 1.2, 0.5
     local s = (1 - math.cos(g)) / 2
     local sky = ylm.environment_light { radiance = 1 }
-    local t = ylm.scene "bowl" { geometry = { elements.bowl(g, 24, rho) }, lights = { sky } }:transfer { spacing = 0.2,
-      links = 128 }
+    local t = ylm.scene "bowl" { geometry = { elements.bowl(g, 24, rho) }, lights = { sky } }:links { spacing = 0.2,
+      rays = 128 }
     local e = t:elements()
     for _, direct in ipairs { "rays", "field" } do
       local E = t:radiosity(sky, { direct = direct, residual = 1e-5 }):irradiance()
@@ -67,18 +67,18 @@ describe("transfer:radiosity", function()
   it("takes direct light from grids: of lights times transfer vectors, of direct light with shadows times the cosine", function()
     local box = ylm.box { bounds = { { -0.3, 0, -0.3 }, { 0.3, 0.5, 0.3 } }, material = ylm.matte { albedo = 0.5 } }
     local room = elements.room(0.5, box)
-    local t = room:transfer { spacing = 0.25, links = 64, sides = "front", lmax = 4 }
+    local t = room:links { spacing = 0.25, rays = 64, sides = "front", lmax = 4 }
     local e, rays = t:elements(), t:radiosity()
     local grid = room:bake { probes = ylm.uniform_grid { cells = { 20, 20, 20 }, lmax = 3, bounds = { { -1, 0, -1 }, { 1, 2,
       1 } } },
-      parts = "direct" }
+      quantity = "direct" }
     local lit = t:radiosity(grid)
     near(elements.mean(e, lit:irradiance(), 1), elements.mean(e, rays:irradiance(), 1), 0.15, "by a grid of direct light")
-    assert.is_true(lit:lightmap({ mesh = 1, size = { 4, 4 }, links = 16 }):layer("irradiance"):get(1, 1, 1) > 0)
+    assert.is_true(lit:lightmap({ mesh = 1, size = { 4, 4 }, rays = 16 }):layer("irradiance"):get(1, 1, 1) > 0)
     -- Lights without a ceiling above them: T0 . L, of a grid of a lower degree than the transfer vectors.
     local yard = ylm.scene "a yard" { geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } } },
       lights = { ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 10 } } }
-    local open = yard:transfer { spacing = 0.25, links = 64, sides = "front" }
+    local open = yard:links { spacing = 0.25, rays = 64, sides = "front" }
     local probes = ylm.bake(ylm.uniform_grid { cells = 8, lmax = 2, bounds = { { -1, -0.1, -1 }, { 1, 0.5, 1 } } }, yard.lights)
     near(open:radiosity(probes).stats.emitted[1], open:radiosity().stats.emitted[1], 0.03, "by a grid of lights")
   end)
@@ -88,7 +88,7 @@ describe("transfer:radiosity", function()
       0.8 } } }
     local room = elements.room({ 0.8, 0.5, 0.3 }, torus)
     room.geometry[4].mesh = ylm.quad({ corner = { 0, 0, 1 }, u = { -1, 0, 0 }, v = { 0, 2, 0 } }).mesh -- half a wall is open
-    local t = room:transfer { spacing = 0.25, links = 64 }
+    local t = room:links { spacing = 0.25, rays = 64 }
     local stats = t:radiosity().stats
     local e, albedo = t:elements(), 0
     for c = 1, 3 do albedo = math.max(albedo, elements.mean(e, e.albedo, c)) end
@@ -99,7 +99,7 @@ describe("transfer:radiosity", function()
   end)
 
   it("ends at the residual, or adds the rest: both are what many bounces reach", function()
-    local t = elements.room(0.75):transfer { spacing = 0.4, links = 64, sides = "front" }
+    local t = elements.room(0.75):links { spacing = 0.4, rays = 64, sides = "front" }
     local e = t:elements()
     local function total(o)
       local lit = t:radiosity(nil, o)
@@ -119,7 +119,7 @@ describe("transfer:radiosity", function()
     local box = ylm.box { bounds = { { -0.6, 0, -0.6 }, { -0.1, 0.8, -0.1 } }, material = ylm.matte { albedo = { 0.7, 0.2,
       0.1 } } }
     local room = elements.room({ 0.6, 0.7, 0.5 }, box)
-    local t = room:transfer { spacing = long(0.15, 0.06), links = long(128, 512), sides = "auto" }
+    local t = room:links { spacing = long(0.15, 0.06), rays = long(128, 512), sides = "auto" }
     local e, E = t:elements(), t:radiosity(nil, { light_samples = 64 }):irradiance()
     local points, normals, found = {}, {}, { 0, 0, 0 }
     for i = 1, #e.area, math.floor(#e.area / 90) do
@@ -140,7 +140,7 @@ describe("transfer:radiosity", function()
   end)
 
   it("does not depend on the number of threads", function()
-    local t = elements.room(0.7):transfer { spacing = 0.4, links = 32 }
+    local t = elements.room(0.7):links { spacing = 0.4, rays = 32 }
     local function found(threads) return t:radiosity(nil, { threads = threads }):leaving():totable() end
     local one = found(1)
     assert.same(one, found(2))
@@ -150,7 +150,7 @@ describe("transfer:radiosity", function()
   it("is the same by each set of kernels, to rounding", function()
     local script = [[
       local elements = require "spec.support.elements"
-      local t = elements.room(0.7):transfer { spacing = 0.5, links = 16 }
+      local t = elements.room(0.7):links { spacing = 0.5, rays = 16 }
       local lit = t:radiosity(nil, { bounces = 4 })
       io.write(("%.9g"):format(elements.integral(t:elements(), lit:irradiance(), 1)))]]
     local interpreter, values = arg and arg[-1] or "lua", {}
@@ -169,15 +169,15 @@ describe("transfer:radiosity", function()
   end)
 
   it("of light that leaves is albedo over pi times irradiance", function()
-    local t = elements.room({ 0.2, 0.4, 0.6 }):transfer { spacing = 1, links = 16 }
+    local t = elements.room({ 0.2, 0.4, 0.6 }):links { spacing = 1, rays = 16 }
     local lit = t:radiosity()
     for c, rho in ipairs { 0.2, 0.4, 0.6 } do near(lit:leaving():get(1, c), lit:irradiance():get(1, c) * rho / pi, 1e-6) end
   end)
 
   it("sees no light without lights, and nothing without geometry", function()
-    local t = elements.room(0.5):transfer { spacing = 1, links = 16 }
+    local t = elements.room(0.5):links { spacing = 1, rays = 16 }
     assert.equal(0, elements.integral(t:elements(), t:radiosity({}):irradiance(), 1))
-    local empty = ylm.scene "empty" { lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 1 } }:transfer {}
+    local empty = ylm.scene "empty" { lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 1 } }:links {}
     assert.equal(0, empty:radiosity().stats.emitted[1])
   end)
 
@@ -185,11 +185,11 @@ describe("transfer:radiosity", function()
     local glossy = elements.room(0.5, ylm.sphere { at = { 0, 0.5, 0 }, scale = 0.3, material = ylm.ggx { alpha = 0.3,
       f0 = 0.9 } },
       ylm.sphere_light { at = { 0, 0.2, 0.8 }, radius = 0.02, radiance = 10 })
-    local t = glossy:transfer { spacing = 0.5, links = 16 }
+    local t = glossy:links { spacing = 0.5, rays = 16 }
     assert(t.notes[1]:find "1 of 7 meshes gloss")
     local notes = table.concat(t:radiosity().notes, "\n")
     assert(notes:find "1 of 7 meshes gloss" and notes:find "less than spacing = 0.25 shows them", notes)
-    local plain = elements.room(0.5):transfer { spacing = 0.1, links = 16 }
+    local plain = elements.room(0.5):links { spacing = 0.1, rays = 16 }
     assert.is_nil(plain:radiosity().notes)
   end)
 end)
@@ -199,7 +199,7 @@ describe("radiosity:update", function()
 
   it("gives what a new radiosity gives, of lights of the scene and others", function()
     local room = elements.room(0.6, nil, { at(0) })
-    local t = room:transfer { spacing = 0.5, links = 32 }
+    local t = room:links { spacing = 0.5, rays = 32 }
     local lit = t:radiosity()
     lit:update { at(0.5), at(-0.5) }
     assert.same(t:radiosity({ at(0.5), at(-0.5) }):leaving():totable(), lit:leaving():totable())
@@ -210,7 +210,7 @@ describe("radiosity:update", function()
 
   it("leaves what was known where it is cancelled", function()
     local cancel = false
-    local t = elements.room(0.6):transfer { spacing = 0.5, links = 32 }
+    local t = elements.room(0.6):links { spacing = 0.5, rays = 32 }
     local lit = t:radiosity(nil, { progress = function() return not cancel end })
     local before = lit:leaving():totable()
     cancel = true
@@ -222,11 +222,11 @@ describe("radiosity:update", function()
   end)
 end)
 
-describe("a scene's own transfer", function()
+describe("a scene's own links", function()
   it("stands for options that are not given", function()
-    local s = ylm.scene "own" { geometry = ylm.box {}, transfer = ylm.transfer { spacing = 0.5, links = 32, seed = 3 } }
-    local t = s:transfer()
+    local s = ylm.scene "own" { geometry = ylm.box {}, links = ylm.links { spacing = 0.5, rays = 32, seed = 3 } }
+    local t = s:links()
     assert.same({ 0.5, 32 }, { t.stats.spacing, t.stats.links })
-    assert.equal(64, s:transfer({ links = 64 }).stats.links)
+    assert.equal(64, s:links({ rays = 64 }).stats.links)
   end)
 end)

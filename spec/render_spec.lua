@@ -240,7 +240,7 @@ describe("a picture", function()
     s.geometry[2] = ylm.quad { corner = { -1, -1, 2 }, u = { 1, 0, 0 }, v = { 0, 2, 0 } } -- shades the left half of the card
     local o = { occupied = "everywhere" }
     local function bake(parts, bounces)
-      o.parts, o.bounces = parts, bounces
+      o.quantity, o.bounces = parts, bounces
       local grid = assert(s:bake(o))
       return grid, grid:points().value
     end

@@ -16,7 +16,7 @@ describe("a scene that is like another", function()
     lights = { lamp(1), ylm.sphere_lights { at = { { 2, 0, 0 }, { 3, 0, 0 }, { 4, 0, 0 } }, radius = { 1, 2, 3 } },
       ylm.polygon_light { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, radiance = 7 } },
     probes = ylm.adaptive_grid { depth = 3 },
-    transfer = ylm.transfer {},
+    links = ylm.links {},
   }
 
   --- x and radius of every sphere, in order; rows of arrays too.
@@ -30,7 +30,7 @@ describe("a scene that is like another", function()
   it("takes every field that is not given", function()
     local scene = ylm.scene "same" { like = other }
     assert.equal("same", scene.name)
-    for _, name in ipairs { "camera", "probes", "transfer_options" } do assert.equal(other[name], scene[name], name) end
+    for _, name in ipairs { "camera", "probes", "link_options" } do assert.equal(other[name], scene[name], name) end
     for _, name in ipairs { "geometry", "lights" } do
       assert.equal(#other[name], #scene[name])
       for i, part in ipairs(other[name]) do assert.equal(part, scene[name][i]) end

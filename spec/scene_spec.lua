@@ -64,7 +64,7 @@ describe("ylm.scene", function()
     local s = ylm.scene "x" {}
     local ok, message = pcall(s.render, s, { spacing = 1 })
     assert.is_false(ok)
-    assert.matches("no field 'spacing'; it is a field of ylm.transfer", message)
+    assert.matches("no field 'spacing'; it is a field of ylm.links", message)
   end)
 
   it("names the line of a mistake, though scene files end in a tail call", function()

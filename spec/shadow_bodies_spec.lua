@@ -1,3 +1,4 @@
+local core = require "ylm.c.core"
 local ylm = require "ylm"
 
 local seed = tonumber(os.getenv "YLM_SEED") or 20261123
@@ -30,64 +31,81 @@ local function missing(grid, field, places, tolerance)
   return failed / #e
 end
 
-describe("ylm.bake { like = grid }", function()
+describe("grid:update { octree = 'follow' }", function()
   local shade = ylm.shadowed { lights = sky, casters = { ball = ylm.caster { hides = ball, at = { 0, 0.8, 0 } } } }
   local lit = floor(3000, 3.6)
+  local follow = { octree = "follow" }
 
   it("follows casters that move, at its tolerance, with fewer evaluations", function()
-    local first = ylm.bake(probes(), shade, { occupied = lit })
-    local grid = first
+    local grid = ylm.bake(probes(), shade, { occupied = lit })
+    local first = grid.stats.pairs
     for frame = 1, 6 do
       shade:move { ball = { at = { 0.1 * frame, 0.8, 0.05 * frame } } }
-      grid = ylm.bake(probes(), shade, { occupied = lit, like = grid })
-      local s = grid.stats
+      local report, s = grid:update(shade, follow), grid.stats
       assert.is_true(s.met and s.error <= 0.05 and s.verified > 1900 and s.confidence > 0.98)
-      assert.is_true(s.pairs < first.stats.pairs)
+      assert.same({ s.points, s.error, s.pairs }, { report.points, report.error, report.pairs })
+      assert.is_true(s.pairs < first)
       assert(missing(grid, shade, floor(800, 3.6), 0.05) <= 0.02, "seed " .. seed)
     end
     shade:move { ball = { at = { 0, 0.8, 0 } } }
   end)
 
   it("is the same whatever the threads, and refines anew where the light is another", function()
-    local start = ylm.bake(probes(), shade, { occupied = lit })
-    local one = ylm.bake(probes(), shade, { occupied = lit, like = start, threads = 1 })
-    local two = ylm.bake(probes(), shade, { occupied = lit, like = start, threads = 3 })
+    local one, two = ylm.bake(probes(), shade, { occupied = lit }), ylm.bake(probes(), shade, { occupied = lit })
+    one:update(shade, { octree = "follow", threads = 1 })
+    two:update(shade, { octree = "follow", threads = 3 })
     local places = floor(50, 3.6)
     assert.same(one:sample(places):totable(), two:sample(places):totable())
     assert.equal(one.stats.error, two.stats.error)
     local other = ylm.shadowed { lights = ylm.sphere_light { at = { 0, 1.5, 0 }, radius = 0.1, radiance = 50 },
       casters = { ball = ylm.caster { hides = ball, at = { 0, 0.8, 0 }, scale = 0.4 } } }
-    local grid = ylm.bake(probes(), other, { occupied = lit, like = start })
-    assert(missing(grid, other, floor(800, 3.6), 0.05) <= 0.03, "seed " .. seed)
+    one:update(other, follow)
+    assert(missing(one, other, floor(800, 3.6), 0.05) <= 0.03, "seed " .. seed)
   end)
 
-  it("takes all places where there are few", function()
+  it("takes all places where there are few, and others where they are named", function()
     local few = floor(100, 3.6)
-    local start = ylm.bake(probes(), shade, { occupied = few })
-    local grid = ylm.bake(probes(), shade, { occupied = few, like = start })
+    local grid = ylm.bake(probes(), shade, { occupied = few })
+    grid:update(shade, follow)
     assert.equal(100, grid.stats.verified)
     assert.equal(1, grid.stats.confidence)
+    grid:update(shade, { octree = "follow", occupied = floor(60, 3.6) })
+    assert.equal(60, grid.stats.verified)
   end)
 
-  it("refuses grids that have learnt nothing, or of something else, and says which", function()
+  it("gives a grid of a threshold the voxels of a bake, and keeps those of a uniform one", function()
+    local form = ylm.adaptive_grid { bounds = box, lmax = 4, depth = 3, threshold = 0.1 }
+    local grid = ylm.bake(form, sky, { occupied = lit })
+    grid:update(shade, follow)
+    assert(core.grid_encode(ylm.bake(form, shade, { occupied = lit })) == core.grid_encode(grid))
+    local uniform = ylm.uniform_grid { bounds = box, cells = 2, lmax = 4, channels = "luminance" }
+    grid = ylm.bake(uniform, sky)
+    grid:update(shade, follow)
+    assert.equal(0, (core.array_distance(ylm.bake(uniform, shade):points().value, grid:points().value)))
+  end)
+
+  it("leaves the grid as it was where it is cancelled, and fields that hold it follow", function()
+    local grid = ylm.bake(probes(), shade, { occupied = lit })
+    local before = core.grid_encode(grid)
+    local report, _, code = grid:update(shade, { octree = "follow", progress = function() return false end })
+    assert.is_nil(report)
+    assert.equal("ECANCELLED", code)
+    assert(before == core.grid_encode(grid))
+    local both = ylm.shadowed { lights = grid, casters = {} }
+    grid:update(sky, follow)
+    local x = { { 0.1, 0.3, 0.2 } }
+    assert.same(grid:sample(x):totable(), ylm.light_field(4, both, x, { channels = "luminance" }):totable())
+  end)
+
+  it("refuses grids that were loaded, and other measures, and says why", function()
     local start = ylm.bake(probes(), shade, { occupied = lit })
-    local function refused(pattern, description, options)
-      assert.error_matches(function() assert(ylm.bake(description, shade, options)) end, pattern)
-    end
-    local threshold = ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 4, depth = 3, threshold = 0.1 }, shade,
-      { occupied = lit })
-    refused("like: a grid expected that ylm.bake made by a tolerance", probes(), { occupied = lit, like = threshold })
-    refused("like: is for grids with a tolerance", ylm.uniform_grid { bounds = box, cells = 2, lmax = 4,
-      channels = "luminance" }, { like = start })
-    refused("like: a grid of the same lmax, channels and measure expected", ylm.adaptive_grid { bounds = box, lmax = 3, depth = 4,
-      tolerance = 0.1, channels = "luminance" }, { occupied = lit, like = start })
-    refused("like", probes(), { occupied = lit, like = 3 })
     start:save "build/shadow_bodies_spec.ylm"
     local again = assert(ylm.load "build/shadow_bodies_spec.ylm")
     os.remove "build/shadow_bodies_spec.ylm"
-    refused("like: a grid expected that ylm.bake made", probes(), { occupied = lit, like = again })
+    assert.error_matches(function() again:update(shade, follow) end,
+      "update: octree = 'follow' needs to know where light is needed, which files do not hold")
     start:close()
-    refused("like", probes(), { occupied = lit, like = start })
+    assert.error_matches(function() start:update(shade, follow) end, "the grid has been closed")
   end)
 end)
 

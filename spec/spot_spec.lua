@@ -60,7 +60,7 @@ describe("spot_light", function()
     end
     assert.is_true(mean(scene:pathtrace(with(o, { strategy = "material" }))) < 0.5 * rays)
     local all = mean(scene:pathtrace(with(o, { bounces = 1, samples = 256 })))
-    local radiosity = mean(scene:render { size = { 16, 12 }, samples = 16, bounces = 1, links = 256, layers = false })
+    local radiosity = mean(scene:render { size = { 16, 12 }, samples = 16, bounces = 1, rays = 256, layers = false })
     assert.is_true(math.abs(radiosity / all - 1) < 0.03, radiosity / all)
   end)
 
@@ -159,7 +159,7 @@ describe("spot_light", function()
     local scene = floor(light)
     refused("a spot_light has no size", function() scene:bake { probes = ylm.uniform_grid { cells = { 2, 2, 2 }, lmax = 1 } } end)
     refused("a spot_light has no size", function() scene:reference { size = { 4, 3 } } end)
-    refused("a spot_light has no size", function() scene:transfer({ links = 16 }):radiosity():field { parts = "direct" } end)
+    refused("a spot_light has no size", function() scene:links({ rays = 16 }):radiosity():field { quantity = "direct" } end)
   end)
 
   it("refuses what is wrong", function()

@@ -56,8 +56,8 @@ describe("light at a surface", function()
     end,
     ["the lightmap"] = function(s, width)
       if width > 1 then return truth(0.01, 0) end
-      local E = s:transfer({ spacing = 0.1, links = 8 }):radiosity(nil, { bounces = 0 }):lightmap { mesh = 1, size = { 20, 20 },
-        links = 8, light_samples = 64 }
+      local E = s:links({ spacing = 0.1, rays = 8 }):radiosity(nil, { bounces = 0 }):lightmap { mesh = 1, size = { 20, 20 },
+        rays = 8, light_samples = 64 }
       return E:layer "irradiance":get(10, 12, 1) * truth(0.01, 0) / truth(0.015, 0.005)
     end,
   }
@@ -100,8 +100,8 @@ describe("links of a scene", function()
           ylm.quad { corner = { 0, 0, -e }, u = { e, 0, 0 }, v = { 0, e, 0 }, sides = "front" },
           ylm.box { at = { 50, 0, 0 }, scale = 0.01 * e },
         },
-      }:transfer { spacing = e / 8, links = long(512, 4096), lmax = 0 }
-      local elements, links, of, n, squares = t:elements(), t:links(), {}, 0, 0
+      }:links { spacing = e / 8, rays = long(512, 4096), lmax = 0 }
+      local elements, links, of, n, squares = t:elements(), t:hits(), {}, 0, 0
       for i = 1, #elements.area do of[i] = elements.mesh:get(i) end
       for i = 1, #of do
         squares = squares + (of[i] <= 2 and 1 or 0)

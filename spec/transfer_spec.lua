@@ -17,9 +17,9 @@ local function lamp(at) return ylm.sphere_light { at = at, radius = 0.05, radian
 --- The part of links that lead to elements.
 local function stays(t) return 1 - t.stats.escaped / t.stats.rays end
 
-describe("scene:transfer", function()
+describe("scene:links", function()
   it("cuts triangles into k^2 equal elements, of edges of at most the spacing", function()
-    local t = scene(ylm.quad(floor)):transfer { spacing = 0.25, links = 4, sides = "front" }
+    local t = scene(ylm.quad(floor)):links { spacing = 0.25, rays = 4, sides = "front" }
     local e = t:elements()
     assert.equal(2 * 6 * 6, t.stats.elements) -- the diagonal, 1.41, in 6
     local x = { 0, 0, 0 }
@@ -28,13 +28,13 @@ describe("scene:transfer", function()
       for a = 1, 3 do x[a] = x[a] + e.centre:get(i, a) / 72 end
     end
     assert.is_true(math.abs(x[1] - 0.5) < 1e-6 and math.abs(x[2]) < 1e-6 and math.abs(x[3] + 0.5) < 1e-6)
-    assert.equal(144, scene(ylm.quad(floor)):transfer({ spacing = 0.25, links = 4 }).stats.elements) -- both sides
+    assert.equal(144, scene(ylm.quad(floor)):links({ spacing = 0.25, rays = 4 }).stats.elements) -- both sides
   end)
 
   it("cuts to a hundredth of the diagonal, or as finely as max_elements lets it", function()
     local box = scene(ylm.box { scale = 2 })
-    assert.is_true(math.abs(box:transfer({ links = 4 }).stats.spacing - 2 * math.sqrt(3) / 100) < 1e-6)
-    local few = box:transfer { links = 4, max_elements = 1000 }
+    assert.is_true(math.abs(box:links({ rays = 4 }).stats.spacing - 2 * math.sqrt(3) / 100) < 1e-6)
+    local few = box:links { rays = 4, max_elements = 1000 }
     assert.is_true(few.stats.elements <= 1000 and few.stats.elements > 600, few.stats.elements)
   end)
 
@@ -42,17 +42,17 @@ describe("scene:transfer", function()
     local image = ylm.image { size = { 2, 1 }, layers = { { "radiance", 3 } } }
     image:layer "radiance":set(1, 1, 1, 1)
     local t = scene(ylm.quad { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 0, -1 },
-      material = ylm.matte { albedo = { 0.25, 0.5, 1 } } }):transfer { spacing = 2, links = 4, sides = "front" }
+      material = ylm.matte { albedo = { 0.25, 0.5, 1 } } }):links { spacing = 2, rays = 4, sides = "front" }
     assert.same({ 0.25, 0.5, 1 }, t:elements().albedo:totable()[1])
   end)
 
   it("leaves out triangles without area, and meshes that do not occlude", function()
     local flat = ylm.mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 }, { 2, 0, 0 } },
       triangles = { { 1, 2, 3 }, { 1, 2, 4 }, { 1, 1, 2 } } }
-    local t = scene({ flat, ylm.quad(with(floor, { occludes = false })) }):transfer { spacing = 2, links = 4 }
+    local t = scene({ flat, ylm.quad(with(floor, { occludes = false })) }):links { spacing = 2, rays = 4 }
     assert.equal(2, t.stats.degenerate)
     assert.equal(2, t.stats.elements)
-    assert.equal(0, scene {}:transfer({ links = 4 }).stats.elements)
+    assert.equal(0, scene {}:links({ rays = 4 }).stats.elements)
   end)
 end)
 
@@ -61,7 +61,7 @@ describe("sides of surfaces", function()
 
   it("are the outer ones of closed meshes, whose texture coordinates have seams", function()
     for name, shape in pairs(shapes) do
-      local t = scene(shape):transfer { spacing = 9, links = 4 }
+      local t = scene(shape):links { spacing = 9, rays = 4 }
       assert.same({ 1, 0 }, { t.stats.closed, t.stats.rooms }, name)
       assert.equal(#shape.mesh - t.stats.degenerate, t.stats.elements, name)
     end
@@ -71,14 +71,14 @@ describe("sides of surfaces", function()
     local eye = ylm.camera { from = { 0.1, 0.2, 0.3 }, at = { 1, 1, 1 } }
     local outside = ylm.camera { from = { 3, 3, 3 } }
     local function look(...)
-      local s = scene(...):transfer({ spacing = 9, links = 4 }).stats
+      local s = scene(...):links({ spacing = 9, rays = 4 }).stats
       return { s.rooms, s.elements }
     end
     assert.same({ 1, 12 }, look(ylm.box {}, lamp { 0, 0, 0 }))
     assert.same({ 1, 12 }, look(ylm.box {}, nil, eye))
     assert.same({ 0, 12 }, look(ylm.box {}, lamp { 0, 2, 0 }, outside))
     assert.same({ 1, 24 }, look(ylm.box {}, lamp { 0, 0, 0 }, outside))
-    assert.equal(1, scene(ylm.box {}):transfer({ spacing = 9, links = 4, inside = { { 0, 0, 0 } } }).stats.rooms)
+    assert.equal(1, scene(ylm.box {}):links({ spacing = 9, rays = 4, inside = { { 0, 0, 0 } } }).stats.rooms)
     -- A body in a room: the room's inner side, the body's outer one.
     assert.same({ 1, 24 }, look({ ylm.box { scale = 3 }, ylm.box {} }, lamp { 1, 1, 1 }))
     -- A disk in the ceiling of a room.
@@ -87,7 +87,7 @@ describe("sides of surfaces", function()
   end)
 
   it("are chosen for all meshes, or each", function()
-    local function count(o, quad) return scene(ylm.quad(with(floor, quad))):transfer(with({ spacing = 9, links = 4 },
+    local function count(o, quad) return scene(ylm.quad(with(floor, quad))):links(with({ spacing = 9, rays = 4 },
       o)).stats.elements end
     assert.equal(4, count {})
     assert.equal(2, count { sides = "back" })
@@ -101,7 +101,7 @@ describe("sides of surfaces", function()
       for i, t in ipairs(list) do list[i] = { t[1], t[3], t[2] } end
       return list
     end)() }
-    local e = scene(turned):transfer({ spacing = 9, links = 4 }):elements()
+    local e = scene(turned):links({ spacing = 9, rays = 4 }):elements()
     for i = 1, #e.area do
       local out = 0
       for a = 1, 3 do out = out + e.centre:get(i, a) * e.normal:get(i, a) end
@@ -116,9 +116,9 @@ describe("links", function()
   end
 
   it("of two unit squares: a fifth stays, facing at distance 1 or at right angles", function()
-    local facing = squares { corner = { 0, 1, -1 }, u = { 1, 0, 0 }, v = { 0, 0, 1 } }:transfer { spacing = 0.1, links = 64,
+    local facing = squares { corner = { 0, 1, -1 }, u = { 1, 0, 0 }, v = { 0, 0, 1 } }:links { spacing = 0.1, rays = 64,
       lmax = 0 }
-    local edge = squares { corner = { 0, 0, -1 }, u = { 1, 0, 0 }, v = { 0, 1, 0 } }:transfer { spacing = 0.1, links = 64,
+    local edge = squares { corner = { 0, 0, -1 }, u = { 1, 0, 0 }, v = { 0, 1, 0 } }:links { spacing = 0.1, rays = 64,
       lmax = 0 }
     for _, case in ipairs { { facing, 0.19982 }, { edge, 0.20004 } } do
       local sigma = math.sqrt(0.2 * 0.8 / case[1].stats.rays)
@@ -130,8 +130,8 @@ describe("links", function()
     local t = scene {
       ylm.quad { corner = { -0.01, 0, 0.01 }, u = { 0.02, 0, 0 }, v = { 0, 0, -0.02 }, sides = "front" },
       ylm.quad { corner = { -3, 1, -3 }, u = { 6, 0, 0 }, v = { 0, 0, 6 }, sides = "front" },
-    }:transfer { spacing = 0.25, links = 512, lmax = 0 }
-    local e, links = t:elements(), t:links():totable()[1]
+    }:links { spacing = 0.25, rays = 512, lmax = 0 }
+    local e, links = t:elements(), t:hits():totable()[1]
     for _, r in ipairs { 0.5, 1, 2 } do
       local within = 0
       for _, k in ipairs(links) do
@@ -142,13 +142,13 @@ describe("links", function()
   end)
 
   it("of a closed room all stay, though rays begin in its corners", function()
-    local t = elements.room(0.5):transfer { spacing = 0.3, links = 64, sides = "front" }
+    local t = elements.room(0.5):links { spacing = 0.3, rays = 64, sides = "front" }
     assert.same({ 0, 0 }, { t.stats.escaped, t.stats.dead })
   end)
 
   it("are in the order of their numbers, and another seed finds others", function()
     local room = elements.room(0.5)
-    local function links(seed) return room:transfer({ spacing = 0.7, links = 16, seed = seed }):links():totable() end
+    local function links(seed) return room:links({ spacing = 0.7, rays = 16, seed = seed }):hits():totable() end
     local one, differ = links(1), 0
     for i, row in ipairs(links(2)) do
       for k = 1, 16 do
@@ -161,7 +161,7 @@ describe("links", function()
 
   it("that begin inside of a body give their slots to others: a floor without the foot of a table", function()
     local table_box = ylm.box { bounds = { { -0.4, 0, -0.3 }, { 0.5, 0.7, 0.2 } } }
-    local t = elements.room(0.5, table_box):transfer { spacing = 0.15, links = 64, sides = "auto" }
+    local t = elements.room(0.5, table_box):links { spacing = 0.15, rays = 64, sides = "auto" }
     local area = elements.integral(t:elements(), nil, nil, 1)
     assert.is_true(t.stats.dead > 20 and t.stats.buried > 0)
     assert.is_true(math.abs(area - (4 + 4 - 0.9 * 0.5)) < 0.02, area) -- its upper side less the foot, its lower side
@@ -170,8 +170,8 @@ describe("links", function()
   it("do not depend on the number of threads", function()
     local room = elements.room(0.5, ylm.box { at = { 0, 1, 0 }, scale = 0.3 })
     local function found(threads)
-      local t = room:transfer { spacing = 0.5, links = 16, threads = threads }
-      return t:links():totable()
+      local t = room:links { spacing = 0.5, rays = 16, threads = threads }
+      return t:hits():totable()
     end
     local one = found(1)
     assert.same(one, found(2))
@@ -180,7 +180,7 @@ describe("links", function()
 
   it("are cancelled", function()
     local stages = {}
-    local t, message, code = elements.room(0.5):transfer { spacing = 0.1, progress = function(_, _, stage)
+    local t, message, code = elements.room(0.5):links { spacing = 0.1, progress = function(_, _, stage)
       stages[stage] = true
       return false
     end }
@@ -189,23 +189,23 @@ describe("links", function()
   end)
 end)
 
-describe("a .transfer file", function()
+describe("a .links file", function()
   local folder = scratch.new()
-  local path = folder.path .. "/room.transfer"
+  local path = folder.path .. "/room.links"
   local room = elements.room({ 0.5, 0.6, 0.7 }, ylm.box { scale = 0.5, at = { 0, 0.25, 0 } })
-  local t = room:transfer { spacing = 0.5, links = 16, lmax = 2 }
+  local t = room:links { spacing = 0.5, rays = 16, lmax = 2 }
   assert(t:save(path))
-  local whole = folder:read "room.transfer"
+  local whole = folder:read "room.links"
   teardown(function() folder:remove() end)
 
   local function read(s, text)
-    folder:write("other.transfer", text)
-    return s:transfer { file = folder.path .. "/other.transfer" }
+    folder:write("other.links", text)
+    return s:links { file = folder.path .. "/other.links" }
   end
 
   it("holds all: links, elements and light are those that were saved", function()
     local again = read(room, whole)
-    assert.same(t:links():totable(), again:links():totable())
+    assert.same(t:hits():totable(), again:hits():totable())
     for _, name in ipairs { "centre", "normal", "albedo", "area", "mesh" } do
       assert.same(t:elements()[name]:totable(), again:elements()[name]:totable(), name)
     end
@@ -216,8 +216,8 @@ describe("a .transfer file", function()
     local light = ylm.environment_light { radiance = 1 }
     local direct = { direct = "field", bounces = 0 }
     assert.same(t:radiosity(light, direct):irradiance():totable(), again:radiosity(light, direct):irradiance():totable())
-    assert(again:save(folder.path .. "/again.transfer"))
-    assert.equal(whole, folder:read "again.transfer")
+    assert(again:save(folder.path .. "/again.links"))
+    assert.equal(whole, folder:read "again.links")
   end)
 
   it("knows another albedo, which is not in it", function()
@@ -277,13 +277,13 @@ describe("a .transfer file", function()
     } do
       local x, message, code = read(room, (forged(case[1], case[2])))
       assert.is_nil(x, what)
-      local said = "other.transfer: " .. what:gsub(" *$", "") .. " of the transfer cannot be"
+      local said = "other.links: " .. what:gsub(" *$", "") .. " of the links cannot be"
       assert(code == "EFORMAT" and message:find(said, 1, true), what .. ": " .. tostring(message))
     end
     assert.truthy(read(room, (forged(0, ""))))
   end)
 
-  it("is refused where it is damaged, cut short, newer, no transfer, or of another scene", function()
+  it("is refused where it is damaged, cut short, newer, no links, or of another scene", function()
     local function refused(damaged, code, text, s)
       local x, message, got = read(s or room, damaged)
       assert.is_nil(x)
@@ -295,15 +295,15 @@ describe("a .transfer file", function()
       local at = 1 + math.floor(random / 2 ^ 31 * #whole)
       local x, message = read(room, whole:sub(1, at - 1) .. string.char((whole:byte(at) + 1) % 256) .. whole:sub(at + 1))
       assert.is_nil(x)
-      assert(message:find "other.transfer: ", message)
+      assert(message:find "other.links: ", message)
     end
     refused(whole:sub(1, -2), "EFORMAT", "cut short")
-    refused(whole:sub(1, 20), "EFORMAT", "no transfer")
-    refused("", "EFORMAT", "no transfer")
+    refused(whole:sub(1, 20), "EFORMAT", "no links")
+    refused("", "EFORMAT", "no links")
     refused(whole:sub(1, 12) .. "\2\0\0\0" .. whole:sub(17), "EVERSION", "of version 2, this ylm reads up to 1")
     local other = elements.room(0.5)
     assert.has_error(function() read(other, whole) end)
     local ok, message = pcall(read, other, whole)
-    assert(not ok and message:find "the transfer is of another scene", message)
+    assert(not ok and message:find "the links are of another scene", message)
   end)
 end)

@@ -30,23 +30,23 @@ end
 
 local sky = ylm.environment_light { coefficients = { { 3, 0.2, 0.9, -0.4, 0.1, 0.2, -0.1, 0.3, 0.2 },
   { 2, 0.1, 0.5, 0.4, 0, 0.1, 0, -0.2, 0.1 }, { 4, 0, 1.2, 0, 0.2, 0, 0.3, 0, 0 } } }
-local cut = { spacing = 0.25, links = 64, lmax = 2 }
+local cut = { spacing = 0.25, rays = 64, lmax = 2 }
 
 --- The coefficients of a light at points, [n][3][count] as tables.
 local function light_at(light, points, lmax) return ylm.light_field(lmax, light, points, { dtype = "double" }):totable() end
 
-describe("transfer:vectors", function()
+describe("links:vectors", function()
   it("has sqrt(4 pi) T_00 = pi (1 - s) / (1 - rho s) in a bowl: of elements, of vertices and of a view's points", function()
     local g, rho = 1.2, { 0.5, 0.9, 0 }
     local s, bowl = (1 - math.cos(g)) / 2, elements.bowl(g, 24, rho)
     local scene = ylm.scene "bowl" { geometry = { bowl }, camera = ylm.camera { from = { 0, 0.01, 1.5 }, at = { 0, 0, 0 },
       fov = 60 } }
-    local t = scene:transfer { spacing = 0.2, links = 128, lmax = 1 }
+    local t = scene:links { spacing = 0.2, rays = 128, lmax = 1 }
     local T, stats = t:vectors { residual = 1e-5 }
     local e, first = t:elements(), ylm.zeros({ #T, 3 }, "float")
     for i = 1, #T do for c = 1, 3 do first:set(i, c, T:get(i, c, 1) * math.sqrt(4 * pi)) end end
     local v, P = t:vectors { object = 1, residual = 1e-5 }, scene:prepare { size = { 24, 24 }, samples = 1 }:transfer {
-      transfer = t, residual = 1e-5 }
+      links = t, residual = 1e-5 }
     assert.equal(#bowl.mesh:vertices(), #v)
     for c = 1, 3 do
       local truth, of_vertices, of_points = pi * (1 - s) / (1 - rho[c] * s), 0, 0
@@ -60,7 +60,7 @@ describe("transfer:vectors", function()
   end)
 
   it("times the light of a sky is what radiosity finds, element by element, bounce by bounce", function()
-    local t = court(sky):transfer(cut)
+    local t = court(sky):links(cut)
     local L = light_at(sky, { { 0, 0, 0 } }, 2)[1]
     for _, bounces in ipairs { 0, 1, 3, "all" } do
       local o = { bounces = bounces, direct = "field", residual = 1e-6, closure = false }
@@ -79,17 +79,17 @@ describe("transfer:vectors", function()
   it("is one channel, copied, where no albedo is coloured", function()
     local s = elements.room(0.5)
     table.remove(s.geometry, 2)
-    local T = s:transfer(cut):vectors()
+    local T = s:links(cut):vectors()
     for i = 1, #T, 11 do assert.equal(0, relative(T[i][1], T[i][3]) + relative(T[i][1], T[i][2])) end
     assert(T:get(1, 3, 1) > 0)
   end)
 
   it("and matrices do not depend on the number of threads", function()
     local s = court(sky)
-    local t, view = s:transfer(cut), s:prepare { size = { 12, 8 }, samples = 1 }
+    local t, view = s:links(cut), s:prepare { size = { 12, 8 }, samples = 1 }
     local function found(threads)
-      local T, points = t:vectors { threads = threads }, view:transfer { transfer = t, threads = threads }
-      return { T, points, (view:matrices { transfer = t, rays = 96, threads = threads }) }
+      local T, points = t:vectors { threads = threads }, view:transfer { links = t, threads = threads }
+      return { T, points, (view:matrices { links = t, rays = 96, threads = threads }) }
     end
     local one = found(1)
     for _, threads in ipairs { 2, 7 } do
@@ -99,8 +99,8 @@ describe("transfer:vectors", function()
 
   it("is cancelled, and leaves nothing behind", function()
     local s = court(sky)
-    local t, view = s:transfer(cut), s:prepare { size = { 12, 8 }, samples = 1 }
-    local cancel = { transfer = t, progress = function() return false end }
+    local t, view = s:links(cut), s:prepare { size = { 12, 8 }, samples = 1 }
+    local cancel = { links = t, progress = function() return false end }
     local cancelled = { nil, "cancelled", "ECANCELLED" }
     assert.same(cancelled, { t:vectors { progress = cancel.progress } })
     assert.same(cancelled, { view:transfer(cancel) })
@@ -108,7 +108,7 @@ describe("transfer:vectors", function()
     assert.same(cancelled, { view:transfer(cancel) })
     assert.same(cancelled, { view:matrices(cancel) })
     local stages = {}
-    view:matrices { transfer = t, rays = 16, progress = function(_, _, stage) stages[stage] = true end }
+    view:matrices { links = t, rays = 16, progress = function(_, _, stage) stages[stage] = true end }
     assert.same({ bounces = true, matrices = true }, stages)
   end)
 
@@ -116,7 +116,7 @@ describe("transfer:vectors", function()
     local lamp = ylm.sphere_light { at = { -0.8, 0.6, 0.3 }, radius = 0.05, radiance = { 60, 50, 40 } }
     local points, normals = {}, {}
     local s = court(lamp)
-    local t = s:transfer { spacing = long(0.1, 0.05), links = long(128, 512), lmax = 4, sides = "front" }
+    local t = s:links { spacing = long(0.1, 0.05), rays = long(128, 512), lmax = 4, sides = "front" }
     local e, lit, T = t:elements(), t:radiosity(nil, { light_samples = 64 }), t:vectors():totable()
     local E, straight, T0 = lit:irradiance(), lit:irradiance "direct", t:vectors { bounces = 0 }:totable()
     local sums = { radiosity = { 0, 0, 0 }, vectors = { 0, 0, 0 }, bounced = { 0, 0, 0 }, wrong = { 0, 0, 0 } }
@@ -154,8 +154,8 @@ describe("prepared:shade", function()
     local view = s:prepare { size = { 12, 8 }, samples = 1, lmax = 2, visibility = "transfer", share = 0 }
     local own = view:shade { vectors = view:transfer() }
     assert(relative(own:layer(), view:reference():layer()) < 1e-6)
-    local t = s:transfer(cut)
-    local T = view:transfer { transfer = t }
+    local t = s:links(cut)
+    local T = view:transfer { links = t }
     local image = view:shade { vectors = T }
     local L, albedo = light_at(sky, { { 0, 0, 0 } }, 2)[1], view:points().albedo
     local sums, wanted, rows = { 0, 0, 0 }, { 0, 0, 0 }, T:totable()
@@ -175,7 +175,7 @@ describe("prepared:matrices", function()
     local floor = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } }
     local s = ylm.scene "a floor" { geometry = floor, camera = ylm.camera { from = { 0, 2, 0 }, at = { 0, 0, 0 },
       up = { 0, 0, 1 }, fov = 20 } }
-    local M = s:prepare { size = { 3, 3 }, samples = 1 }:matrices { transfer = s:transfer { links = 4, lmax = 3 }, rays = 4096 }
+    local M = s:prepare { size = { 3, 3 }, samples = 1 }:matrices { links = s:links { rays = 4, lmax = 3 }, rays = 4096 }
     local half = ylm.sh.product_matrix(ylm.sh.cap(6, { 0, 1, 0 }, pi / 2), 3)
     for i = 1, #M do
       for c = 1, 3 do assert(relative(ylm.array(M[i][c], "double"), half) < 3e-3) end
@@ -184,12 +184,12 @@ describe("prepared:matrices", function()
 
   it("times the clamped cosine are transfer vectors, straight and with bounces, to the noise of rays", function()
     local s = court(sky)
-    local t, view = s:transfer(cut), s:prepare { size = { 12, 8 }, samples = 1 }
+    local t, view = s:links(cut), s:prepare { size = { 12, 8 }, samples = 1 }
     local normal = view:points().normal
     local cosine = { pi, 2 * pi / 3, pi / 4, 0, -pi / 24, 0, pi / 64 } -- by degree
     for _, bounces in ipairs { 0, 2, "all" } do
-      local M = view:matrices { transfer = t, bounces = bounces, lmax_out = 6, rays = 1024 }:totable()
-      local T = view:transfer { transfer = t, bounces = bounces, links = 1024 }
+      local M = view:matrices { links = t, bounces = bounces, lmax_out = 6, rays = 1024 }:totable()
+      local T = view:transfer { links = t, bounces = bounces, rays = 1024 }
       local sum2, all2 = 0, 0
       for i = 1, #M do
         local Y, A = ylm.sh.eval(6, { { normal:get(i, 1), normal:get(i, 2), normal:get(i, 3) } })[1], {}
@@ -208,8 +208,8 @@ describe("prepared:matrices", function()
 
   it("is applied to the light of a sky by sh.apply", function()
     local s = court(sky)
-    local t, view = s:transfer(cut), s:prepare { size = { 6, 4 }, samples = 1 }
-    local M = view:matrices { transfer = t, lmax_out = 3, rays = 64 }
+    local t, view = s:links(cut), s:prepare { size = { 6, 4 }, samples = 1 }
+    local M = view:matrices { links = t, lmax_out = 3, rays = 64 }
     local L = ylm.light_field(2, sky, { 0, 0, 0 })
     local incident = ylm.sh.apply(M, L)
     assert.same({ #M, 3, 16 }, incident.shape)
@@ -224,9 +224,9 @@ describe("prepared:matrices", function()
       local ylm, s = require "ylm", elements.room(0.7)
       table.remove(s.geometry, 2)
       s.camera = ylm.camera { from = { 0, 3, 1 }, at = { 0, 0, 0 }, fov = 50 }
-      local t = s:transfer { spacing = 1, links = 16 }
+      local t = s:links { spacing = 1, rays = 16 }
       local sum, w = 0, 1
-      for _, point in ipairs(s:prepare({ size = { 4, 4 }, samples = 1 }):matrices({ transfer = t, rays = 100 }):totable()) do
+      for _, point in ipairs(s:prepare({ size = { 4, 4 }, samples = 1 }):matrices({ links = t, rays = 100 }):totable()) do
         for _, matrix in ipairs(point) do
           for _, row in ipairs(matrix) do for _, x in ipairs(row) do sum, w = sum + w * x, -1.01 * w % 2 end end
         end

@@ -104,7 +104,7 @@ describe("two rooms and a wall", function()
       local rooms, o = small(case[1]), { size = { 96, 36 }, samples = 4 }
       local bright = beyond(rooms:render(o), case[3])
       local function by(parts)
-        o.grid = assert(rooms:bake { probes = ylm.uniform_grid { cells = case[2], lmax = 3 }, parts = parts,
+        o.grid = assert(rooms:bake { probes = ylm.uniform_grid { cells = case[2], lmax = 3 }, quantity = parts,
           occupied = "camera", size = o.size, samples = o.samples })
         local image, report = rooms:render(o)
         local l, r = beyond(image, case[3])

@@ -101,10 +101,10 @@ describe("far and near", function()
     refused("near must be", function() view:render { grid = grid, near = 3 } end)
     refused("holds lights without their shadows", function() view:render { grid = grid } end)
     refused("near lights are gathered", function() scene:bake { lights = near, probes = probes } end)
-    refused("lights are baked as parts = 'lights', these are \"all\"", function()
-      scene:bake { lights = far, parts = "all", probes = probes }
+    refused("lights are baked as quantity = 'lights', this is \"all\"", function()
+      scene:bake { lights = far, quantity = "all", probes = probes }
     end)
-    local bounced = scene:bake { parts = "indirect", bounces = 1, probes = ylm.uniform_grid { cells = 2, lmax = 1 },
+    local bounced = scene:bake { quantity = "indirect", bounces = 1, probes = ylm.uniform_grid { cells = 2, lmax = 1 },
       occupied = view }
     refused("the grid holds indirect light, no far parts of virtual lights", function()
       view:render { grid = bounced, near = near }
@@ -192,7 +192,7 @@ end)
 
 it("radiosity and links say that they see no virtual lights, instead of leaving them out", function()
   local other = ylm.scene "b" { geometry = scene.geometry, lights = { scene.lights[1], lights }, camera = scene.camera }
-  local t = other:transfer { spacing = 0.5, links = 8, lmax = 2 }
+  local t = other:links { spacing = 0.5, rays = 8, lmax = 2 }
   refused("virtual lights have no body, so rays see nothing of them: direct = 'field' takes their coefficients", function()
     t:radiosity()
   end)

@@ -166,6 +166,16 @@ void ylm_grid_free(ylm_grid *g) {
   ylm_free(g);
 }
 
+void ylm_grid_take(ylm_grid *g, ylm_grid *from) {
+  ylm_grid before = *g;
+  *g = *from;
+  *from = before;
+  g->field.self = g;
+  from->field.self = from;
+  ylm__grid_sync(g);
+  ylm_grid_free(from);
+}
+
 ylm_status ylm__grid_reserve_cells(ylm_grid *g, size_t more) {
   size_t wanted = g->cells + more;
   if (wanted <= g->cell_room) return YLM_OK;

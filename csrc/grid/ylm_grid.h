@@ -198,6 +198,8 @@ typedef struct ylm_grid_stats {
 YLM_API ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *source,
                                  ylm_grid **g, ylm_error *e);
 YLM_API void ylm_grid_free(ylm_grid *g);
+/* Makes g what another grid is, which is freed. */
+YLM_API void ylm_grid_take(ylm_grid *g, ylm_grid *from);
 
 /* -- surfaces: bake/surface.c, bake/occupancy_triangles.c ---------------------- */
 

@@ -80,7 +80,7 @@ int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
   X("ylm.grid", "ylm.grid")                                                                        \
   X("ylm.grid_set", "ylm.grid")                                                                    \
   X("ylm.prepared", "ylm.render")                                                                  \
-  X("ylm.transfer", "ylm.transfer")                                                                \
+  X("ylm.links", "ylm.transfer")                                                                   \
   X("ylm.radiosity", "ylm.transfer")                                                               \
   X("ylm.gather", "ylm.transfer")                                                                  \
   X("ylm.occluder", "ylm.shadow")                                                                  \

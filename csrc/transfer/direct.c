@@ -118,7 +118,7 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
                     light_samples);
   ylm_status s = ylm__transfer_same(r->t->scene, scene, &same);
   if (s == YLM_OK && !same)
-    s = ylm_fail(e, YLM_EINVAL, "the scene has other meshes than those of the transfer");
+    s = ylm_fail(e, YLM_EINVAL, "the scene has other meshes than those of the links");
   if (s != YLM_OK) return s;
   int places = light_samples / DIRECT_EACH < 1               ? 1
                : light_samples / DIRECT_EACH < DIRECT_PLACES ? light_samples / DIRECT_EACH
@@ -220,9 +220,9 @@ ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, const y
   double begun = ylm_seconds();
   bool shadowed = field->quantity != YLM_QUANTITY_lights;
   if (!shadowed && !t->escape)
-    return ylm_fail(e, YLM_EINVAL, "the transfer was made without transfer vectors (lmax)");
+    return ylm_fail(e, YLM_EINVAL, "the links were made without transfer vectors (lmax)");
   if (lmax < 0 || lmax > (shadowed ? YLM_TRANSFER_LMAX : t->form.lmax))
-    return ylm_fail(e, YLM_ERANGE, "lmax %d is beyond that of the transfer", lmax);
+    return ylm_fail(e, YLM_ERANGE, "lmax %d is beyond that of the links", lmax);
   by_field x = {.t = t, .grid = grid, .lmax = lmax, .count = ylm_sh_count(lmax)};
   float *E0 = ylm_alloc_zero(t->elements + 1, 16);
   x.place = ylm_alloc(DIRECT_ASKED, 12);

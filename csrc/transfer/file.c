@@ -1,5 +1,5 @@
 /*
-** file.c - transfers as files (docs/bouncing.md has the table).
+** file.c - elements and links as files (docs/bouncing.md has the table).
 **
 ** A header, the cuts and the links; elements are made again from the scene, which must have the
 ** meshes that the links were found for. Files are written in this machine's byte order and read in
@@ -17,7 +17,7 @@
 /* Bytes that are summed at a time. */
 #define CHUNK 65536
 
-static const char magic[8] = {(char)0x89, 'Y', 'L', 'M', 't', 'r', 'f', 's'};
+static const char magic[8] = {(char)0x89, 'Y', 'L', 'M', 'l', 'i', 'n', 'k'};
 
 /* All numbers behind the version, in their order; no padding. */
 typedef struct header {
@@ -29,7 +29,7 @@ typedef struct header {
   double spacing;
   uint64_t degenerate, closed, rooms, dead, rays, escaped, buried, lost;
 } header;
-_Static_assert(sizeof(header) == 152, "the header of transfers has padding");
+_Static_assert(sizeof(header) == 152, "the header of links has padding");
 
 /* The sections behind the header; each begins at a multiple of 8 bytes. */
 enum { SIDES, CUTS, SHARES, LINKS, ESCAPE, SECTIONS };
@@ -180,7 +180,7 @@ static void turn_header(header *h) {
 }
 
 static ylm_status damaged(const char *name, const char *what, ylm_error *e) {
-  return ylm_fail(e, YLM_EFORMAT, "%s: %s of the transfer cannot be", name, what);
+  return ylm_fail(e, YLM_EFORMAT, "%s: %s of the links cannot be", name, what);
 }
 
 /* The header of a file that is whole. */
@@ -188,14 +188,14 @@ static ylm_status read_header(const unsigned char *bytes, size_t size, const cha
                               bool *turned, ylm_error *e) {
   uint64_t crc;
   if (size < 24 || memcmp(bytes, magic, sizeof magic) != 0)
-    return ylm_fail(e, YLM_EFORMAT, "%s: this is no transfer", name);
+    return ylm_fail(e, YLM_EFORMAT, "%s: these are no links", name);
   *h = (header){0};
   memcpy(h, bytes, size < sizeof *h ? size : sizeof *h);
   *turned = h->order == SWAPPED;
   if (*turned) turn_header(h);
   if (h->order != ORDER) return damaged(name, "the byte order", e);
   if (h->version > VERSION)
-    return ylm_fail(e, YLM_EVERSION, "%s: a transfer of version %u, this ylm reads up to %u", name,
+    return ylm_fail(e, YLM_EVERSION, "%s: links of version %u, this ylm reads up to %u", name,
                     h->version, VERSION);
   if (h->version != VERSION) return damaged(name, "the version", e);
   if (h->size != size || size < sizeof *h + 8)
@@ -217,7 +217,7 @@ static ylm_status check_header(const header *h, const ylm_scene *scene, const ch
   if (s != YLM_OK) return s;
   if (h->fingerprint != print || h->meshes != ylm_scene_meshes(scene) || h->triangles != triangles)
     return ylm_fail(e, YLM_EINVAL,
-                    "%s: the transfer is of another scene: its meshes are others (make it again)",
+                    "%s: the links are of another scene: its meshes are others (make them again)",
                     name);
   if (h->lmax > YLM_TRANSFER_LMAX + 1) return damaged(name, "lmax", e);
   if (ylm__transfer_check_links((int)h->links, NULL) != YLM_OK || h->links > YLM_TRANSFER_LINKS)

@@ -216,7 +216,7 @@ static ylm_status check(const ylm_radiosity *r, const ylm_radiosity_map *m, ylm_
   ylm_status s = ylm__transfer_check_links(m->links, e);
   if (s == YLM_OK && m->scene) s = ylm__transfer_same(t->scene, m->scene, &same);
   if (s == YLM_OK && !same)
-    s = ylm_fail(e, YLM_EINVAL, "the scene has other meshes than those of the transfer");
+    s = ylm_fail(e, YLM_EINVAL, "the scene has other meshes than those of the links");
   return s;
 }
 

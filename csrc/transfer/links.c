@@ -308,7 +308,7 @@ ylm_status ylm__transfer_link(ylm_transfer *t, const ylm_progress *progress, ylm
 
 ylm_status ylm__transfer_check_links(int links, ylm_error *e) {
   if (links >= 4 && links <= YLM_TRANSFER_LINKS && links % 4 == 0) return YLM_OK;
-  return ylm_fail(e, YLM_ERANGE, "links must be a multiple of 4 from 4 to %d, got %d",
+  return ylm_fail(e, YLM_ERANGE, "rays must be a multiple of 4 from 4 to %d, got %d",
                   YLM_TRANSFER_LINKS, links);
 }
 

@@ -144,11 +144,11 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 
 static ylm_status check(const ylm_transfer *t, int rays, int lmax_in, int lmax_out, ylm_error *e) {
   if (!t->escape)
-    return ylm_fail(e, YLM_EINVAL, "the transfer was made without transfer vectors (lmax = -1)");
+    return ylm_fail(e, YLM_EINVAL, "the links were made without transfer vectors (lmax = -1)");
   if (rays < 1 || rays > YLM_SCENE_SAMPLES)
     return ylm_fail(e, YLM_ERANGE, "rays must be from 1 to %d, got %d", YLM_SCENE_SAMPLES, rays);
   if (lmax_in < 0 || lmax_in > t->form.lmax)
-    return ylm_fail(e, YLM_ERANGE, "lmax_in must be from 0 to that of the transfer, %d, got %d",
+    return ylm_fail(e, YLM_ERANGE, "lmax_in must be from 0 to that of the links, %d, got %d",
                     t->form.lmax, lmax_in);
   if (lmax_out < 0 || lmax_out > YLM_TRANSFER_LMAX)
     return ylm_fail(e, YLM_ERANGE, "lmax_out must be from 0 to %d, got %d", YLM_TRANSFER_LMAX,

@@ -248,7 +248,7 @@ ylm_status ylm_radiosity_coarse(const ylm_radiosity *r, int bounces, double resi
   job j = {0};
   *change = 0;
   if (into && into->t != r->t)
-    return ylm_fail(e, YLM_EINVAL, "the two radiosities are of one transfer");
+    return ylm_fail(e, YLM_EINVAL, "the two radiosities are of the same links");
   ylm_status s = ylm__transfer_group(r->t, &groups);
   if (s == YLM_OK && !job_create(&j, r->t, r->direct, &groups)) s = YLM_ENOMEM;
   if (s == YLM_OK) s = walk(&j, bounces, residual, closure, threads, NULL, &found, e);

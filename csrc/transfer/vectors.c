@@ -11,7 +11,7 @@ size_t ylm_transfer_width(const ylm_transfer *t) {
 
 static ylm_status has_escape(const ylm_transfer *t, ylm_error *e) {
   if (t->escape) return YLM_OK;
-  return ylm_fail(e, YLM_EINVAL, "the transfer was made without transfer vectors (lmax = -1)");
+  return ylm_fail(e, YLM_EINVAL, "the links were made without transfer vectors (lmax = -1)");
 }
 
 /* -- elements --------------------------------------------------------------------- */

@@ -39,7 +39,7 @@ local function times(lights, list)
     threads = threads })
   local probes, grid = ylm.uniform_grid { cells = 7, lmax = lmax, metric_channels = "none" }
   local by_grid = best(function()
-    grid = scene:bake { probes = probes, parts = "lights", occupied = "everywhere", threads = threads }
+    grid = scene:bake { probes = probes, quantity = "lights", occupied = "everywhere", threads = threads }
   end) + best(function() return select(2, view:render { grid = grid, threads = threads, layers = false }).seconds.light end)
   local without = best(function() return select(2, view:reference { threads = threads, layers = false }).seconds.light end)
   if not list then return by_grid, without, nil, view.stats.points end

@@ -47,7 +47,7 @@ end
 
 local scene = scenes.row(quick and 10 or 96, materials, (scenes.dome(800, 34, 0.1, 5.2, 0.2, 0.55)))
 local view = assert(scene:prepare { size = size, samples = quick and 1 or 4, lmax = lmax, visibility = "none", gloss = "sh" })
-local grid = scene:bake { probes = ylm.uniform_grid { cells = 7, lmax = lmax, metric_channels = "none" }, parts = "lights",
+local grid = scene:bake { probes = ylm.uniform_grid { cells = 7, lmax = lmax, metric_channels = "none" }, quantity = "lights",
   occupied = "everywhere" }
 local picture, fast = view:render { grid = grid }
 local truth, slow = view:reference {}

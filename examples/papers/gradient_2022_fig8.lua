@@ -56,7 +56,7 @@ for _, bands in ipairs(quick and { 5 } or { 5, 9, 15, 21 }) do
   local view = bands == 5 and first or prepare(bands)
   local b, how = view:reference {}
   local grid = scene:bake { probes = ylm.uniform_grid { cells = 7, lmax = bands - 1, metric_channels = "none" },
-    parts = "lights",
+    quantity = "lights",
     occupied = "everywhere" }
   local c, fast = view:render { grid = grid }
   local matte, gloss = error_of(b, rest), error_of(b, glosses)

@@ -37,7 +37,7 @@ for i, case in ipairs(cases) do
   local view = assert(scene:prepare { size = size, samples = 1, lmax = lmax, visibility = "none", gloss = "sh",
     threads = threads })
   local probes = ylm.uniform_grid { cells = 7, lmax = lmax, metric_channels = "none" }
-  local grid = scene:bake { probes = probes, parts = "lights", occupied = "everywhere", threads = threads }
+  local grid = scene:bake { probes = probes, quantity = "lights", occupied = "everywhere", threads = threads }
   local corners, t = grid:points().position, {}
   local function coefficients(derivatives)
     return best(60, function() ylm.light_field(lmax, scene.lights, corners, { derivatives = derivatives,

@@ -62,7 +62,7 @@ print "  lights            ZH approx.                interp.      ZH / interp.  
 local function block(scene, glossy)
   local view = assert(scene:prepare { size = size, samples = 1, lmax = 4, visibility = "none", gloss = "sh" })
   local truth, object = assert(view:reference {}), view:points().object:totable()
-  local picture = assert(view:render { grid = scene:bake { occupied = "everywhere", parts = "lights" } })
+  local picture = assert(view:render { grid = scene:bake { occupied = "everywhere", quantity = "lights" } })
   local rough = assert(view:reference { method = "zonal" })
   local body, k = truth:layer "coverage":totable(), 0
   for _, line in ipairs(body) do

@@ -39,7 +39,7 @@ for _, bands in ipairs(quick and { 5, 6 } or { 5, 6, 7, 8, 9 }) do
     threads = threads })
   points = view.stats.points
   local probes, grid = ylm.uniform_grid { cells = 7, lmax = lmax, metric_channels = "none" }
-  local evaluation = best(15, function() grid = scene:bake { probes = probes, parts = "lights", occupied = "everywhere",
+  local evaluation = best(15, function() grid = scene:bake { probes = probes, quantity = "lights", occupied = "everywhere",
     threads = threads } end)
   local picture, truth
   local interpolation = best(4, function()

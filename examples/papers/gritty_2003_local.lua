@@ -92,9 +92,9 @@ end
 
 -- Pictures ------------------------------------------------------------------------------------
 
-local t = assert(scene:transfer { links = 4, lmax = 4 })
+local t = assert(scene:links { rays = 4, lmax = 4 })
 local view = assert(scene:prepare { size = size, samples = quick and 2 or 4, lmax = 4, visibility = "none" })
-local T = assert(view:transfer { transfer = t, bounces = 0, links = quick and 64 or 256 })
+local T = assert(view:transfer { links = t, bounces = 0, rays = quick and 64 or 256 })
 local truth, report = view:shade { vectors = T }
 print(("%d shading points, lmax 4; lamps asked at each: %.3f s"):format(view.stats.points, report.seconds.light))
 

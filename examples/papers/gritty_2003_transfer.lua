@@ -93,7 +93,7 @@ local scene = ylm.scene "a cup" {
 
 -- Links, vectors, pictures ---------------------------------------------------------------
 
-local t = assert(scene:transfer { spacing = 0.15, links = quick and 64 or 128, lmax = 4 })
+local t = assert(scene:links { spacing = 0.15, rays = quick and 64 or 128, lmax = 4 })
 local view = assert(scene:prepare { size = size, samples = quick and 2 or 4, lmax = 4, visibility = "none" })
 print(("%d elements, %d links of each: %.1f s; %d shading points"):format(t.stats.elements, t.stats.links, t.stats.seconds,
   view.stats.points))
@@ -117,8 +117,8 @@ local function shade(name, make)
 end
 
 local unshadowed = shade("Fig. 11: without shadows", function() return view:transfer() end)
-local shadowed = shade("Fig. 13: shadows", function() return view:transfer { transfer = t, bounces = 0, links = links } end)
-local all = shade("Fig. 15: shadows and bounces", function() return view:transfer { transfer = t, links = links } end)
+local shadowed = shade("Fig. 13: shadows", function() return view:transfer { links = t, bounces = 0, rays = links } end)
+local all = shade("Fig. 15: shadows and bounces", function() return view:transfer { links = t, rays = links } end)
 
 local start = clock()
 local truth = assert(scene:pathtrace { size = size, samples = samples })
@@ -145,7 +145,7 @@ local function project(p)
   return size[1] / 2 + scale * x / z, size[2] / 2 - scale * y / z
 end
 
-local e, list = t:elements(), t:links()
+local e, list = t:elements(), t:hits()
 local function place(i) return { e.centre:get(i, 1), e.centre:get(i, 2), e.centre:get(i, 3) } end
 local A, least = 1, math.huge -- the element nearest to the place under the cup's side that faces the saucer
 for i = 1, #e.area do

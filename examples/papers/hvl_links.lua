@@ -40,7 +40,7 @@ local row = common.table { { "scene", "%-14s" }, { "method", "%-24s" }, { "befor
   { "rms, %", "%7.1f" }, { "worst frame, %", "%14.1f" } }
 
 local ways = {}
-for _, links in ipairs(quick and { 16 } or { 64, 256 }) do ways[#ways + 1] = { name = "links, " .. links, links = links } end
+for _, links in ipairs(quick and { 16 } or { 64, 256 }) do ways[#ways + 1] = { name = "links, " .. links, rays = links } end
 for _, count in ipairs(quick and { 50 } or { 1000, 10000 }) do
   ways[#ways + 1] = { name = ("virtual, %s"):format(common.thousands(count)), count = count, sums = "split" }
   if count <= 1000 then
@@ -71,13 +71,13 @@ local function compare(name, scenes, glossy)
     lamp = lamp or image:layer "emitter"[{ {}, {}, { 1, 1 } }]:greater(0) -- which the view shows in each frame
   end
   for _, way in ipairs(ways) do
-    local start, transfer = clock(), nil
-    if way.links then transfer = assert(scenes[1]:transfer { links = quick and 4 or nil, lmax = 0 }) end
-    local view = assert(scenes[1]:prepare { size = size, samples = 4, transfer = transfer, links = way.links })
+    local start, links = clock(), nil
+    if way.rays then links = assert(scenes[1]:links { rays = quick and 4 or nil, lmax = 0 }) end
+    local view = assert(scenes[1]:prepare { size = size, samples = 4, links = links, rays = way.rays })
     local before, spent, square, worst = clock() - start, 0, 0, 0
     for i, s in ipairs(scenes) do
       local image, seconds = bounce(view, s, function()
-        if way.links then return { indirect = assert(transfer:radiosity(s.lights, { bounces = 0 })) } end
+        if way.rays then return { indirect = assert(links:radiosity(s.lights, { bounces = 0 })) } end
         return { bounces = 1, indirect = { method = "virtual", count = way.count, shadows = way.shadows,
           sums = not glossy and way.sums or nil } }
       end)

@@ -72,9 +72,9 @@ while count <= most do
   end
   count = 4 * count
 end
-local transfer = not quick and assert(scene:transfer { lmax = 0 })
+local elements = not quick and assert(scene:links { lmax = 0 })
 for _, links in ipairs(quick and {} or { 16, 64, 256, 1024 }) do
-  local linked = assert(scene:prepare { size = size, samples = 4, links = links, transfer = transfer })
+  local linked = assert(scene:prepare { size = size, samples = 4, rays = links, links = elements })
   local start = clock()
   local image = assert(linked:render { bounces = 1 })
   local seconds = clock() - start

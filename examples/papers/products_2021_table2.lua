@@ -178,8 +178,11 @@ local function frame_of(shade, n, points, probes, frames)
     local start, began = core.seconds(), os.clock()
     shade:move { balls = { at = balls(f) } }
     if probes then
-      grid = assert(ylm.bake(ylm.adaptive_grid { lmax = n - 1, depth = 7, tolerance = 0.05, channels = "luminance" }, shade,
-        { occupied = points, like = grid, threads = option.threads }))
+      if grid then assert(grid:update(shade, { octree = "follow", threads = option.threads }))
+      else
+        grid = assert(ylm.bake(ylm.adaptive_grid { lmax = n - 1, depth = 7, tolerance = 0.05, channels = "luminance" }, shade,
+          { occupied = points, threads = option.threads }))
+      end
       assert(grid:sample(points, { threads = option.threads }))
     else assert(ylm.light_field(n - 1, shade, points, { channels = "luminance", threads = option.threads })) end
     if f > 0 then least, least_cpu = math.min(least, core.seconds() - start), math.min(least_cpu, os.clock() - began) end

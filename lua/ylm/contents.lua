@@ -11,7 +11,7 @@ return {
   { "ylm.material", "matte", "ggx", "phong", "abc", "merl", "rgl", "tabulated" },
   { "ylm.camera", "camera" },
   { "ylm.gltf", "gltf" },
-  { "ylm.transfer", "transfer" },
+  { "ylm.transfer", "links" },
   { "ylm.scene", "scene" },
   { "ylm.file", "load" },
   { "ylm.image", "image", "colour" },

@@ -99,7 +99,7 @@ local common = {
     about = "reflectance: matte { albedo = 0.75 }" },
   { "occludes", "boolean", default = true, about = "whether it casts shadows" },
   { "sides", "choice", of = core.choices "sides", optional = true,
-    about = "which sides reflect to other surfaces (scene:transfer); front: from which the corners of triangles run "
+    about = "which sides reflect to other surfaces (scene:links); front: from which the corners of triangles run "
       .. "counter-clockwise" },
 }
 

@@ -45,8 +45,8 @@ end
 local function row(name, list) print(("%-46s %9.1f %9.1f"):format(name, summary(list))) end
 
 local stage = ylm.scene "frames" { camera = demo.camera, geometry = room, lights = {} }
-local t = assert(stage:transfer { spacing = 0.262, links = 128, lmax = 0 })
-local view = assert(stage:prepare { size = { 640, 470 }, samples = 1, links = 64, transfer = t })
+local t = assert(stage:links { spacing = 0.262, rays = 128, lmax = 0 })
+local view = assert(stage:prepare { size = { 640, 470 }, samples = 1, rays = 64, links = t })
 print(("%d elements, %d shading points, %d links of each, %d threads, %d frames"):format(t.stats.elements, view.stats.points,
   view.stats.links, threads, frames))
 

@@ -147,7 +147,7 @@ end
 
 for _, make in ipairs { room, yard } do
   local scene, box = make()
-  local t = assert(scene:transfer { spacing = 0.06, links = 128 })
+  local t = assert(scene:links { spacing = 0.06, rays = 128 })
   local lit = t:radiosity()
   local truth = lit:field { rays = TRUTH, contrast = 0.1 }
   print(("%s: %d elements; error of interpolated coefficients, lmax %d, beside a field of %d rays"):format(scene.name,

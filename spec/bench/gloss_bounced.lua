@@ -55,10 +55,10 @@ for _, alpha in ipairs(alphas) do
   local scene = room(alpha)
   local once = assert(scene:pathtrace { size = size, samples = samples, reflections = { 2, 2 }, layers = false })
   local all, judged = assert(scene:pathtrace { size = size, samples = samples, reflections = { 1, "all" }, layers = false })
-  local t = assert(scene:transfer { spacing = spacing, links = 128 })
+  local t = assert(scene:links { spacing = spacing, rays = 128 })
   local function picture(bounces, gloss)
     return assert(scene:render { size = size, light_samples = 64, links = bounces ~= 0 and links or nil, bounces = bounces,
-      transfer = bounces ~= 0 and t or nil, gloss = gloss })
+      links = bounces ~= 0 and t or nil, gloss = gloss })
   end
   local direct = picture(0)
   local lamp, found = numbers(direct, "emitter"), {}

@@ -27,9 +27,9 @@ end
 
 for _, entry in ipairs(scenes) do
   local scene = entry.make(ylm)
-  local t = assert(scene:transfer { spacing = 0.1, links = 128 })
+  local t = assert(scene:links { spacing = 0.1, rays = 128 })
   local lit = assert(t:radiosity())
-  local view = assert(scene:prepare { size = SIZE, samples = 1, transfer = t, links = LINKS })
+  local view = assert(scene:prepare { size = SIZE, samples = 1, links = t, rays = LINKS })
   local function picture(indirect)
     return pixels(assert(view:render { indirect = indirect, light_samples = 1, layers = false }))
   end

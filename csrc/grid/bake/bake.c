@@ -88,16 +88,16 @@ static ylm_status check_like(const ylm_grid_form *form, const ylm_grid_source *s
   const ylm_grid_form *f = &s->like->contents.form;
   if (!s->like->frames)
     return ylm_fail(e, YLM_EINVAL,
-                    "like: a grid expected that ylm.bake made by a tolerance, not dynamic, on the "
+                    "a grid expected that ylm.bake made by a tolerance, not dynamic, on the "
                     "processor");
   if (!(form->tolerance > 0) || form->dynamic || s->backend)
     return ylm_fail(e, YLM_EINVAL,
-                    "like: is for grids with a tolerance, not dynamic, on the processor");
+                    "what another bake has learnt is for grids with a tolerance, not dynamic, on "
+                    "the processor");
   if (f->lmax != form->lmax || f->channels != form->channels || f->measure != form->measure)
-    return ylm_fail(
-        e, YLM_EINVAL,
-        "like: a grid of the same lmax, channels and measure expected: of lmax %d, got %d",
-        form->lmax, f->lmax);
+    return ylm_fail(e, YLM_EINVAL,
+                    "a grid of the same lmax, channels and measure expected: of lmax %d, got %d",
+                    form->lmax, f->lmax);
   return YLM_OK;
 }
 

@@ -52,7 +52,7 @@ static void free_room(kept *k, size_t data_bytes) {
 static ylm_status evaluate(ylm_grid *g, const ylm_grid_source *source, ylm_error *e) {
   baker b;
   ylm__baker_begin(&b, g, source, e);
-  snprintf(b.stage_text, sizeof b.stage_text, "refreshing");
+  snprintf(b.stage_text, sizeof b.stage_text, "evaluating");
   ylm_status s = ylm_report(source->progress, 0, g->evaluated, b.stage);
   for (size_t i = 0; s == YLM_OK && i < g->evaluated; i += YLM_GRID_BLOCK) {
     size_t n = g->evaluated - i < YLM_GRID_BLOCK ? g->evaluated - i : YLM_GRID_BLOCK;
@@ -99,9 +99,7 @@ ylm_status ylm_grid_refresh(ylm_grid *g, const ylm_field *field, int threads,
   ylm_quantity quantity = g->contents.form.quantity;
   ylm_grid_source source = {.field = field, .threads = threads, .progress = progress};
   if (g->contents.form.dynamic)
-    return ylm_fail(e, YLM_EINVAL, "a dynamic grid is kept up to date by update, not by refresh");
-  if (g->points > g->evaluated && !g->birth)
-    return ylm_fail(e, YLM_EFORMAT, "the grid's interpolated points are no cell's");
+    return ylm_fail(e, YLM_EINVAL, "a dynamic grid is kept up to date by ylm_grid_update");
   ylm_status s = make_room(g, field->tells_validity, &fresh);
   if (s == YLM_OK) {
     put_arrays(g, &fresh);

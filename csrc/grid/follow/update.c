@@ -18,14 +18,8 @@ static ylm_status rebake(update *u) {
   ylm_grid_form form = g->contents.form;
   ylm_status s = ylm_grid_bake(&form, &u->source, &fresh, u->b.e);
   if (s != YLM_OK) return s;
-  ylm_grid swap = *g;
-  *g = *fresh;
-  *fresh = swap;
-  g->field.self = g;
-  fresh->field.self = fresh;
+  ylm_grid_take(g, fresh);
   g->updating = true;
-  ylm__grid_sync(g);
-  ylm_grid_free(fresh);
   u->stats.rebaked = true;
   u->stats.points = u->stats.exact = g->stats.points;
   u->stats.pairs = g->stats.pairs;

@@ -131,11 +131,25 @@ static int grid_close(lua_State *L) {
   return 0;
 }
 
+/* grid_take(grid, other): the grid becomes what the other is, which is closed. */
+static int grid_take(lua_State *L) {
+  ylm_grid *g = ylmL_grid_check(L, 1), **from;
+  ylmL_grid_check(L, 2);
+  from = lua_touserdata(L, 2);
+  if (*from == g) return luaL_argerror(L, 2, "another grid expected");
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylm_grid_take(g, *from);
+  *from = NULL;
+  lua_pushboolean(L, 1);
+  return 1;
+}
+
 static const luaL_Reg functions[] = {{"grid_sample", grid_sample},
                                      {"grid_flags", grid_flags},
                                      {"grid_sample_biased", grid_sample_biased},
                                      {"grid_is_open", grid_is_open},
                                      {"grid_close", grid_close},
+                                     {"grid_take", grid_take},
                                      {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", grid_close}, {NULL, NULL}};

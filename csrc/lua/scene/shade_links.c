@@ -63,7 +63,7 @@ static int shade_gather(lua_State *L) {
   if (start && (start->dtype != YLM_FLOAT || start->count != 3 * shape[0]))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   if (ylm_radiosity_transfer(lit) != ylm_shade_links_transfer(l)) {
-    ylm_fail(&e, YLM_EINVAL, "the view has links to elements of another transfer");
+    ylm_fail(&e, YLM_EINVAL, "the view has links to elements of others");
     return ylmL_result(L, 0, YLM_EINVAL, &e);
   }
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, shape);

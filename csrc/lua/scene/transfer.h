@@ -5,7 +5,7 @@
 #include "traced.h"
 #include "ylm_transfer.h"
 
-#define YLML_TRANSFER "ylm.transfer"
+#define YLML_TRANSFER "ylm.links"
 #define YLML_RADIOSITY "ylm.radiosity"
 
 /* A C object that others of C point to: it is freed with the last hold of it. */

@@ -32,7 +32,7 @@ static const float *read_vectors(lua_State *L, int i, const ylm_transfer *t) {
   ylmL_array *a = ylmL_array_opt(L, i);
   if (!a) return NULL;
   if (a->dtype != YLM_FLOAT || a->count != (ylm_transfer_count(t) + 1) * ylm_transfer_width(t))
-    luaL_argerror(L, i, "vectors of this transfer expected");
+    luaL_argerror(L, i, "vectors of these links expected");
   return a->data;
 }
 

@@ -3,19 +3,19 @@
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
-local parts_known = { lights = true, direct = true, indirect = true, all = true }
+local quantities = { lights = true, direct = true, indirect = true, all = true }
 
---- Ends the command where --parts is none, or does not fit beside other options.
-local function check_parts(given)
-  local parts = given.parts
-  if parts and not parts_known[parts] then
-    status.stop(status.usage, "bake: --parts is lights, direct, indirect or all, got '%s'", parts)
+--- Ends the command where --quantity is none, or does not fit beside other options.
+local function check_quantity(given)
+  local quantity = given.quantity
+  if quantity and not quantities[quantity] then
+    status.stop(status.usage, "bake: --quantity is lights, direct, indirect or all, got '%s'", quantity)
   end
-  if given.bounces and parts ~= "indirect" and parts ~= "all" then
-    status.stop(status.usage, "bake: --bounces is for --parts indirect or all: leave it out, or name one")
+  if given.bounces and quantity ~= "indirect" and quantity ~= "all" then
+    status.stop(status.usage, "bake: --bounces is for --quantity indirect or all: leave it out, or name one")
   end
-  if parts and parts ~= "lights" and given["sums-tolerance"] then
-    status.stop(status.usage, "bake: --sums-tolerance is for --parts lights, these are %s: leave it out", parts)
+  if quantity and quantity ~= "lights" and given["sums-tolerance"] then
+    status.stop(status.usage, "bake: --sums-tolerance is for --quantity lights, this is %s: leave it out", quantity)
   end
 end
 
@@ -65,9 +65,9 @@ return {
     { "fresh", nil, nil, "with -o NAME.ylmd: begin anew, whatever is there" },
     { "time", nil, "TIME", "with -o NAME.ylmd: begin no brick that would take longer (90s, 55m, 12h); exit status 75 where "
       .. "bricks are left" },
-    { "parts", nil, "NAME", "what the grid holds: lights (default: nothing occludes them), direct (with shadows), indirect (what "
-      .. "surfaces send back) or all" },
-    { "bounces", "-b", "NAME", "of --parts indirect and all: reflections after direct light, 1, 2 .. or all (default)" },
+    { "quantity", nil, "NAME", "what the grid holds: lights (default: nothing occludes them), direct (with shadows), indirect "
+      .. "(what surfaces send back) or all" },
+    { "bounces", "-b", "NAME", "of --quantity indirect and all: reflections after direct light, 1, 2 .. or all (default)" },
     { "occupied", nil, "NAME", "where light is needed: surfaces (default), camera, vertices or everywhere" },
     { "size", "-s", "WxH", "with --occupied camera: of its image, default that of render" },
     { "samples", "-n", "N", "with --occupied camera: rays per pixel" },
@@ -87,7 +87,7 @@ return {
       status.stop(status.usage, "bake: --size and --samples are of the camera's view, --occupied is %s: leave them out, "
         .. "or give --occupied camera", where)
     end
-    check_parts(given)
+    check_quantity(given)
     local bounces = status.bounces("bake", given.bounces)
     local scene = status.load_scene(given[1])
     if not scene.probes then
@@ -95,7 +95,7 @@ return {
     end
     local team = status.need(ylm.team())
     local grid = need_grid(scene:bake { folder = in_bricks and given.output or nil, fresh = given.fresh, time_limit = time_limit,
-      team = team.size > 1 and team or nil, parts = given.parts, bounces = bounces, occupied = given.occupied,
+      team = team.size > 1 and team or nil, quantity = given.quantity, bounces = bounces, occupied = given.occupied,
       size = given.size, samples = given.samples, sums_tolerance = given["sums-tolerance"], threads = given.threads,
       progress = report.progress(given) })
     local good, message, code = true, nil, nil

@@ -154,11 +154,11 @@ function kinds.scene(path)
   local results = { kind = "scene", name = s.name, meshes = #s.geometry, triangles = triangles, bounds = bounds_of(s.geometry),
     materials = counts(used, kind, one),
     lights = counts(s.lights, kind, function(l) return type(l) == "table" and l.count or 1 end),
-    camera = described(s.camera), probes = described(s.probes), transfer = described(s.transfer_options),
+    camera = described(s.camera), probes = described(s.probes), links = described(s.link_options),
     background = not s.sky_is_seen and s.background or nil, notes = s.notes }
   if results.camera then results.camera.kind = nil end
   for i, note in ipairs(results.notes or {}) do results.notes[i] = plain(note) end
-  return results, { "kind", "name", "meshes", "triangles", "bounds", "materials", "lights", "camera", "probes", "transfer",
+  return results, { "kind", "name", "meshes", "triangles", "bounds", "materials", "lights", "camera", "probes", "links",
     "background", "notes" }
 end
 

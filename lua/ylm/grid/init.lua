@@ -17,7 +17,8 @@ local channels_field = { "channels", "choice", of = core.choices("channels", "rg
   about = "what is baked: three linear channels, or one" }
 
 local dynamic_field = { "dynamic", "boolean", default = false,
-  about = "keeps what grid:update needs to follow sphere and flat lights that move: Hessians, lights, where light is needed" }
+  about = "keeps what grid:update needs to follow sphere and flat lights point by point: Hessians, "
+    .. "lights, where light is needed" }
 
 local bias_field = { "bias", "number", min = 0, max = core.limits.grid_bias, optional = true,
   about = "shading points with normals are looked up beside their surface, bias times the thickness of a voxel along the "
@@ -125,7 +126,7 @@ grid.uniform_grid = form.define("uniform_grid", {
 local bake = require "ylm.grid.bake"
 grid.bake, grid.bake_scene, grid.lights_of = bake.bake, bake.of_scene, bake.lights_of
 
-require "ylm.grid.refresh"
+require "ylm.grid.update"
 require "ylm.grid.sample"
 require "ylm.grid.look"
 require "ylm.grid.export"

@@ -28,6 +28,7 @@ object.own = {
   lights = "the lights that it was baked from, where these were lights",
   sums_tolerance = "with which it was baked",
   stages = "times by stage of the device that it was baked on",
+  recipe = "description and options of its bake, by which its octree follows other light",
   shadow = "what light behind bodies took, where it was baked from such light",
   said = "topics of warnings about it",
   partners = "devices that have a copy",

@@ -77,7 +77,6 @@ function set.check_bake(description, o, given, jumps)
     return check.bad(1, "bake", "a grid that follows lights is not baked in bricks: leave folder out")
   end
   if description.depth < 3 then return check.bad(1, "bake", "a grid in bricks has a depth of at least 3") end
-  if o.like then return check.bad(3, "bake", "like: a bake in bricks begins with what it learns itself: leave like out") end
   if devices.of(o.device):name() then return check.bad(3, "bake", "device: bricks are baked by the processor") end
   if jumps or (description.bias or 0) > 0 or description.measure == "irradiance" then
     return check.bad(2, "bake", "light that jumps at surfaces is looked up beside them, and not baked in bricks: leave "

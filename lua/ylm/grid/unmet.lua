@@ -73,7 +73,8 @@ end
 local function sentence_of(s, form, lights)
   if s.met ~= false then return nil end
   if s.error ~= s.error then
-    return ("grid: it was refreshed, and nobody has looked whether tolerance %.3g is kept: bake anew to know"):format(s.tolerance)
+    return ("grid: it was updated with octree = 'keep', and nobody has looked whether tolerance %.3g is kept: octree = 'follow' "
+      .. "keeps it"):format(s.tolerance)
   end
   return begin(s.update and "update" or "bake", s.tolerance, s.error)
     .. (s.update and cause_after_update(s, form) or cause_of(s, form, lights))

@@ -76,7 +76,7 @@ function methods.probes(f, settings, tolerance, dynamic)
 end
 
 local function bake(f, rows, probes, progress)
-  return f.lit:bake { probes = probes, parts = "lights", lights = f:lights(rows), threads = f.o.threads, progress = progress }
+  return f.lit:bake { probes = probes, quantity = "lights", lights = f:lights(rows), threads = f.o.threads, progress = progress }
 end
 
 --- Brings the grid that follows lamps up to date, or bakes it where there is none; `progress` may cancel.

@@ -230,7 +230,7 @@ local function edited(me)
   local c = s.camera
   return scenes.scene(scene.name or "scene") { geometry = scene.geometry, lights = lights, probes = probes,
     camera = c == s.cameras[1] and scene.camera or camera_form.camera { from = c.from, at = c.at, up = c.up, fov = c.fov },
-    transfer = scene.transfer_options, background = not scene.sky_is_seen and scene.background or nil }
+    links = scene.link_options, background = not scene.sky_is_seen and scene.background or nil }
 end
 
 local function report_of(me, seconds)

@@ -208,8 +208,8 @@ local function shortcomings(grid, o, others, counts, report)
       .. "%.2g %% (dering = false: none)"):format(100 * ringing.before, grid.lmax, ringing.width, 100 * ringing.after)
   end
   if passing and passing >= 0.01 then
-    list[#list + 1] = ("page: %.0f %% of the light passes occluders, since the grid's lights have no shadows: bake parts = "
-      .. "'direct' or 'all' (ylm bake --parts all, ylm page --grid) for these"):format(100 * passing)
+    list[#list + 1] = ("page: %.0f %% of the light passes occluders, since the grid's lights have no shadows: bake quantity = "
+      .. "'direct' or 'all' (ylm bake --quantity all, ylm page --grid) for these"):format(100 * passing)
   end
   if others > 0 and o.lamps then
     list[#list + 1] = ("page: %d of the scene's lights are no spheres: their light is in the grid, they are not drawn"):format(

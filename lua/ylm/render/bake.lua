@@ -6,7 +6,6 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local grids = require "ylm.grid"
 local light = require "ylm.light"
-local objects = require "ylm.transfer.object"
 local options = require "ylm.render.options"
 local prints = require "ylm.render.prints"
 local progress = require "ylm.progress"
@@ -62,79 +61,43 @@ end
 
 -- The light that is held ----------------------------------------------------------------
 
---- The quantity that a bake of a scene holds where nobody says.
-local function default_parts() return "lights" end
-
---- Reflections on elements for `bounces` of them before the light of a grid; raises where there is no light to hold.
-local function reflections(o)
-  if o.parts == "direct" then return 0 end
-  if o.bounces == nil or o.bounces == "all" then return "all" end
-  if o.bounces > 0 then return o.bounces - 1 end
-  if o.parts == "all" then return 0 end
-  return check.fail "bake: bounces = 0 is direct light alone, parts = 'indirect' would be dark: bounces = 1, 2 .. or 'all'"
-end
-
 --- The light field that is baked: the scene's lights, or light with shadows and bounces; or nil, message, code.
 local function field_of(s, t, o)
   if o.lights ~= nil then return o.lights end
-  if o.parts == "lights" then return t.lights end
-  local n = reflections(o)
-  local direct = o.parts == "direct" or o.bounces == 0
-  local links, lit, message, code = o.transfer
-  if not links then
-    links, message, code = transfer.of_scene(s, { links = direct and 4 or nil, lmax = 0, threads = o.threads,
-      progress = o.progress })
-    if not links then return nil, message, code end
-  end
-  lit, message, code = links:radiosity(s.lights, { bounces = n, light_samples = direct and 1 or nil, threads = o.threads,
-    progress = o.progress })
-  if not lit then return nil, message, code end
-  return lit:field { parts = direct and "direct" or o.parts }
+  if o.quantity == "lights" then return t.lights end
+  return transfer.fields.gathered("bake", s, o)
 end
 
 --- The fingerprints of the light that is baked; nil of light that options name, which need not be the scene's.
 local function prints_of(t, o)
   if o.lights ~= nil then return nil end
-  return prints.of(t, o.bounces == 0 and "direct" or o.parts)
+  return prints.of(t, o.bounces == 0 and "direct" or o.quantity)
 end
 
 --- Raises where options of gathered light stand beside others that have no use for it.
-local function check_parts(s, o, probes)
-  if o.bounces and o.parts ~= "indirect" and o.parts ~= "all" then
-    return check.fail "bake: bounces are of parts = 'indirect' or 'all': name one, or leave bounces out"
-  end
-  if o.transfer then
-    if o.parts == "lights" then
-      return check.fail "bake: transfer is for parts = 'direct', 'indirect' or 'all': name one, or leave transfer out"
-    end
-    objects.check_scene("bake", o.transfer, s)
-  end
-  if o.parts == "lights" then return end
+local function check_quantity(s, o, probes)
+  transfer.fields.check("bake", s, o)
+  if o.quantity == "lights" then return end
   if o.lights ~= nil then
-    return check.fail("bake: lights are baked as parts = 'lights', these are %q: leave one out", o.parts)
+    return check.fail("bake: lights are baked as quantity = 'lights', this is %q: leave one out", o.quantity)
   end
   for _, name in ipairs { "device", "sums_tolerance" } do
     if o[name] then
-      return check.fail("bake: %s is for parts = 'lights', these are %q: leave %s out", name, o.parts, name)
+      return check.fail("bake: %s is for quantity = 'lights', this is %q: leave %s out", name, o.quantity, name)
     end
   end
   if probes.dynamic then
-    return check.fail("bake: a dynamic grid follows lights, parts = 'lights', these are %q (grid:refresh follows a field)",
-      o.parts)
+    return check.fail("bake: a dynamic grid follows lights, quantity = 'lights', this is %q (grid:update brings other fields to "
+      .. "grids without dynamic = true)", o.quantity)
   end
-  reflections(o)
 end
 
 local bake_options = options.list(options.view_fields, {
   { "probes", "object", of = core.choices "grid_form", optional = true, about = "instead of the scene's" },
-  { "parts", "choice", of = { "lights", "direct", "indirect", "all" }, optional = true,
-    about = "what the grid holds: 'lights', light that nothing occludes (default); 'direct', light of lamps and sky with "
-      .. "shadows; 'indirect', what surfaces send back; 'all', both" },
-  { "lights", "any", optional = true, about = "instead of the scene's, of parts = 'lights': lights or what has a light field, as "
-    .. "in ylm.bake; of virtual lights the far parts (lights:split)" },
-  { "bounces", "bounces", optional = true, about = "of 'indirect' and 'all': reflections after direct light, default 'all'" },
-  { "transfer", "object", of = "ylm.transfer", optional = true,
-    about = "of 'direct', 'indirect' and 'all': what scene:transfer returned; default: one with its defaults" },
+  transfer.fields.quantity,
+  { "lights", "any", optional = true, about = "instead of the scene's, of quantity = 'lights': lights or what has a light "
+    .. "field, as in ylm.bake; of virtual lights the far parts (lights:split)" },
+  transfer.fields.bounces, transfer.fields.links,
   { "occupied", "any", default = "surfaces",
     about = "where light is needed: 'surfaces' (the whole geometry), 'camera' (what its rays hit: size, samples, share and "
       .. "shading are about them), 'vertices' (all of them), 'everywhere', a prepared view, or an array [n][3], with device "
@@ -143,9 +106,10 @@ local bake_options = options.list(options.view_fields, {
     about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
   light.tolerance_option "sums_tolerance",
   { "folder", "path", optional = true, about = "a folder, name.ylmd, that the grid is baked into in bricks, as in ylm.bake; with "
-    .. "fresh, seconds" },
+    .. "fresh, time_limit" },
   { "fresh", "boolean", default = false, about = "with folder: begins anew whatever is in the folder" },
-  { "time_limit", "number", above = 0, optional = true, unit = "s", about = "with folder: no brick is begun that would take longer" },
+  { "time_limit", "number", above = 0, optional = true, unit = "s",
+    about = "with folder: no brick is begun that would take longer" },
   { "team", "object", of = "team", optional = true, about = "ylm.team(), of ylm.bake; every process prepares the light field" },
   { "device", "gpu", optional = true, about = "bakes there, as ylm.bake does; a prepared view's points are copied there once" },
 }, options.common)
@@ -172,8 +136,7 @@ function bake.bake(s, given)
     return check.fail("bake: scene %q has no probes (probes = adaptive_grid { ... })", s.name or "?")
   end
   check_camera_options(given, o)
-  o.parts = o.parts or default_parts(s, o, probes)
-  check_parts(s, o, probes)
+  check_quantity(s, o, probes)
   local t, message, code = tracing.trace("bake", s)
   if not t then return nil, message, code end
   local where, own, why = occupied(s, t, o)

@@ -4,9 +4,9 @@
 --     lamps, by coefficients  auto     by harmonics where their lobes are wide enough for lmax, else by rays (default)
 --                             sh       by harmonics
 --                             rays     by rays to the lamps
---     direct, indirect, all   auto     by harmonics; with a transfer by rays where lmax is too low, to lamps and elements
+--     direct, indirect, all   auto     by harmonics; with links by rays where lmax is too low, to lamps and elements
 --                             sh       by harmonics
---                             rays     by these rays, with a transfer
+--                             rays     by these rays, with links
 --     any                     matte    as matte ones of their mean albedo
 
 local check = require "ylm.check"
@@ -41,7 +41,7 @@ gloss.fields = {
   { "gloss", "choice", of = { "auto", "sh", "rays", "matte" }, optional = true,
     about = "where coefficients of light shade surfaces that gloss, 'auto' (default): by harmonics of f cos, times visibility, "
       .. "to lmax, and by rays to the lamps where lmax is too low for a lobe (under a grid of direct, indirect or all light with "
-      .. "transfer = scene:transfer {}, whose elements rays find); 'sh', 'rays': by one of them alone; 'matte': as matte ones of "
+      .. "links = scene:links {}, whose elements rays find); 'sh', 'rays': by one of them alone; 'matte': as matte ones of "
       .. "their mean albedo, bounces too" },
   { "gloss_error", "gloss_error", default = gloss.BAND,
     about = "'auto': the part of a lobe's norm that lmax misses (material:degrees) up to which harmonics shade alone, and from "
@@ -87,9 +87,9 @@ function gloss.settle(name, o, given, s, held)
     return check.fail('%s: gloss is for a grid (visibility = "transfer" bakes one), visibility is "rays": name one that fits, '
       .. "or leave gloss out", name)
   end
-  if held and held ~= "lights" and o.gloss == "rays" and not o.transfer then
+  if held and held ~= "lights" and o.gloss == "rays" and not o.links then
     return check.fail("%s: gloss = 'rays': rays find light of lamps, the grid holds %s light: gloss = 'sh', or leave the grid "
-      .. "out, or give transfer = scene:transfer {}, whose elements rays find", name,
+      .. "out, or give links = scene:links {}, whose elements rays find", name,
       held == "all" and "direct and indirect" or held)
   end
   if type(given) == "table" and given.gloss_error and o.gloss and o.gloss ~= "auto" then
@@ -156,7 +156,7 @@ local function hindrance(p, o, field)
   if o.weight == "cosine" then
     if o.nearby then return "rays find no virtual lights" end
     local gathered = visibility.quantity(field) == "direct" and o.bounced and o.bounced.by == "gather"
-    return not (o.transfer or gathered) and "a grid's light that knows its shadows shades without rays" or nil
+    return not (o.links or gathered) and "a grid's light that knows its shadows shades without rays" or nil
   end
   if not lamps_of(field) then
     return core.type(field) == "ylm.grid" and "the lamps behind the grid are not known (it was loaded, or holds other light)"

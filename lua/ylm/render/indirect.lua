@@ -18,15 +18,15 @@ local indirect = {}
 
 local LINKS, MOST = 64, core.limits.transfer_bounces
 
-local transfer_field = { "transfer", "object", of = "ylm.transfer", optional = true,
-  about = "what scene:transfer returned; default: one with its defaults, where bounces are wanted" }
+local links_field = { "links", "object", of = "ylm.links", optional = true,
+  about = "what scene:links returned; default: some with its defaults, where bounces are wanted" }
 
 --- Options of views.
 indirect.link_fields = {
-  { "links", "links", optional = true,
+  { "rays", "links", optional = true,
     about = "of a shading point: rays to surfaces, traced once, whose light is then gathered without rays; default 64 where "
       .. "bounces are wanted, 4 bytes each" },
-  transfer_field,
+  links_field,
 }
 
 --- Options of pictures.
@@ -71,83 +71,83 @@ local function settle(name, o)
   if not b then return end
   local held = o.grid ~= nil and visibility.quantity(o.grid)
   if held == "all" or held == "indirect" then
-    return check.fail("%s: the grid holds bounces already: leave bounces and indirect out, or bake parts = 'direct'", name)
+    return check.fail("%s: the grid holds bounces already: leave bounces and indirect out, or bake quantity = 'direct'", name)
   end
   devices.of(o.device):check_rays(name)
   b.add, o.bounced = indirect.add, b
 end
 
---- Settles o.bounced, as above, and o.near, of a picture of `scene`. A transfer is looked at even where nothing bounces.
+--- Settles o.bounced, as above, and o.near, of a picture of `scene`. Links are looked at even where nothing bounces.
 function indirect.settle(name, o, scene)
-  if o.transfer then objects.check_scene(name, o.transfer, scene) end
+  if o.links then objects.check_scene(name, o.links, scene) end
   settle(name, o)
   near.settle(name, o)
 end
 
 -- Links ------------------------------------------------------------------------------------
 
---- The transfer that options or the view's links name, or a new one; or nil, message, code.
-local function transfer_of(p, o)
+--- The links to elements that options or the view name, or new ones; or nil, message, code.
+local function links_of(p, o)
   local known = views.made[p.view].links
-  local t = o.transfer or known and known.transfer
+  local t = o.links or known and known.links
   if t then return t end
-  return p.scene:transfer { lmax = 0, seed = p.options.seed, threads = o.threads, progress = o.progress }
+  return p.scene:links { lmax = 0, seed = p.options.seed, threads = o.threads, progress = o.progress }
 end
 
 --- Finds the links of a prepared view to the elements of t (nil: as above), or keeps those that it has: true, or nil,
 -- message, code.
 function indirect.link(name, p, t, o)
-  local m, count, handle, message, code = views.made[p.view], o.links
+  local m, count, handle, message, code = views.made[p.view], o.rays
   if not t then
-    t, message, code = transfer_of(p, o)
+    t, message, code = links_of(p, o)
     if not t then return nil, message, code end
   end
   objects.check_scene(name, t, p.scene)
   objects.of_view(name, p, t)
   local known = m.links
-  if known and known.transfer == t and (count == nil or known.count == count) then return true end
+  if known and known.links == t and (count == nil or known.count == count) then return true end
   count = count or LINKS
   handle, message, code = check.result(name, p.lib.shade_links(p.view, t, count, p.options.seed, o.threads or 0,
     progress.resolve(o.progress), p.options.gloss == "matte" and "matte" or "both"))
   if not handle then return nil, message, code end
   local stats = p.lib.shade_links_stats(handle)
-  m.links = { handle = handle, transfer = t, count = count, stats = stats }
+  m.links = { handle = handle, links = t, count = count, stats = stats }
   m.stats.links, m.stats.link_rays, m.stats.link_bytes, m.stats.link_seconds = count, stats.rays, stats.bytes, stats.seconds
   return true
 end
 
---- Links of those points of a view that gloss to the elements of t, kept: { handle =, transfer =, count =, stats = }; or nil,
+--- Links of those points of a view that gloss to the elements of t, kept: { handle =, links =, count =, stats = }; or nil,
 -- message, code.
 local function link_glossy(name, p, t, o)
   local m = views.made[p.view]
   local known = m.links or m.gloss_links
-  if known and known.transfer == t and (o.links == nil or known.count == o.links) then return known end
+  if known and known.links == t and (o.rays == nil or known.count == o.rays) then return known end
   objects.of_view(name, p, t)
-  local count = o.links or LINKS
+  local count = o.rays or LINKS
   local handle, message, code = check.result(name, p.lib.shade_links(p.view, t, count, p.options.seed, o.threads or 0,
     progress.resolve(o.progress), "gloss"))
   if not handle then return nil, message, code end
-  m.gloss_links = { handle = handle, transfer = t, count = count, stats = p.lib.shade_links_stats(handle) }
+  m.gloss_links = { handle = handle, links = t, count = count, stats = p.lib.shade_links_stats(handle) }
   return m.gloss_links
 end
 
---- Light on the elements of a transfer for b.bounces reflections after direct light, the last at the shading points: b.lit,
+--- Light on elements for b.bounces reflections after direct light, the last at the shading points: b.lit,
 -- or nil, message, code.
 local function shine(p, o, b)
-  local t, message, code = transfer_of(p, o)
+  local t, message, code = links_of(p, o)
   if not t then return nil, message, code end
   b.lit, message, code = t:radiosity(o.lights or p.scene.lights, { bounces = b.bounces == "all" and "all" or b.bounces - 1,
     seed = p.options.seed, threads = o.threads, progress = o.progress })
   return b.lit, message, code
 end
 
---- Light of o.transfer's elements for points that gloss: { lit =, links = }; or nil, message, code.
+--- Light of the elements of o.links for points that gloss: { lit =, links = }; or nil, message, code.
 function indirect.elements(name, p, o)
-  objects.check_scene(name, o.transfer, p.scene)
+  objects.check_scene(name, o.links, p.scene)
   local lit, message, code = shine(p, o, { bounces = "all" })
   if not lit then return nil, message, code end
   local links
-  links, message, code = link_glossy(name, p, o.transfer, o)
+  links, message, code = link_glossy(name, p, o.links, o)
   if not links then return nil, message, code end
   return { lit = lit, links = links }
 end
@@ -155,13 +155,13 @@ end
 --- Is it the light of a grid that points which gloss need harmonics for, and rays?
 local function glosses(p) return p.traced.glossy > 0 and p.options.gloss ~= "matte" end
 
---- Elements for the light of a grid that bounces, where a transfer is given. True, or nil, message, code.
+--- Elements for the light of a grid that bounces, where links are given. True, or nil, message, code.
 local function ready_grid(name, p, o, b, start)
   local by = p.options.gloss
   if not glosses(p) or by == "sh" then return true end
-  if not o.transfer then
+  if not o.links then
     if by ~= "rays" then return true end
-    return check.fail("%s: gloss = 'rays': rays find light on elements: give transfer = scene:transfer {}, or gloss = 'sh'", name)
+    return check.fail("%s: gloss = 'rays': rays find light on elements: give links = scene:links {}, or gloss = 'sh'", name)
   end
   local elements, message, code = indirect.elements(name, p, o)
   if not elements then return nil, message, code end
@@ -178,10 +178,10 @@ function indirect.ready(name, p, o)
   if not b.lit then
     local lit, message, code = shine(p, o, b)
     if not lit then return nil, message, code end
-  elseif o.transfer and o.transfer ~= b.lit.transfer then
-    return check.fail("%s: indirect is of another transfer than the option transfer: leave transfer out", name)
+  elseif o.links and o.links ~= b.lit.links then
+    return check.fail("%s: indirect is of other links than the option links: leave links out", name)
   end
-  local ok, message, code = indirect.link(name, p, b.lit.transfer, o)
+  local ok, message, code = indirect.link(name, p, b.lit.links, o)
   if not ok then return nil, message, code end
   b.prepared = core.seconds() - start
   return true
@@ -206,7 +206,7 @@ end
 -- Light --------------------------------------------------------------------------------------
 
 --- The remedy where a grid's degree is too low for lobes.
-indirect.BEYOND = "give transfer = scene:transfer {}, whose elements rays find, bake a higher lmax, or use scene:pathtrace"
+indirect.BEYOND = "give links = scene:links {}, whose elements rays find, bake a higher lmax, or use scene:pathtrace"
 
 --- Rays of points that gloss where the degree of the grid that bounces are from is too low, in place. True, or nil, message,
 -- code.
@@ -263,7 +263,7 @@ end
 local function say_noise(p, report, count, noise)
   local enough = math.min(core.limits.transfer_links, 64 * math.ceil(noises.enough(count, noise) / 64))
   local left = noise * math.sqrt(count / enough)
-  local advice = left <= noises.LOUD and ("set links = %d for %.0f %%, or a tolerance"):format(enough, 100 * left)
+  local advice = left <= noises.LOUD and ("set rays = %d for %.0f %%, or a tolerance"):format(enough, 100 * left)
     or "few of them meet what is bright; set a tolerance, which chooses camera rays too"
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "links", "scene %q: %d links of a shading point leave a noise of "
     .. "%.0f %% in the light that bounces: %s", p.scene.name or "?", count, 100 * noise, advice)
@@ -327,7 +327,7 @@ function indirect.report(p, o, report, image)
     local noise = noises.of_pixel(p, report.indirect_noise)
     if noise > noises.LOUD and not o.tolerance then say_noise(p, report, m.links.count, noise) end
     report.rays.gloss_links = m.links.stats.glossy
-    report.elements, report.balance = b.lit.transfer.stats.elements, b.lit.stats.balance
+    report.elements, report.balance = b.lit.links.stats.elements, b.lit.stats.balance
     report.elements_error = b.lit.stats.elements_error
   end
   if b.by == "virtual" then virtual.report(p, o, report) else say_gloss(p, report, b) end

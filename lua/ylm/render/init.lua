@@ -57,9 +57,9 @@ function render.prepare(s, given)
   gloss.settle("prepare", o, given, s)
   o.lmax = o.lmax or views.default_lmax(s)
   local view, message, code = views.prepare("prepare", s, o)
-  if not view or not (o.links or o.transfer) then return view, message, code end
+  if not view or not (o.rays or o.links) then return view, message, code end
   local ok
-  ok, message, code = indirect.link("prepare", views.open("prepare", view), o.transfer, o)
+  ok, message, code = indirect.link("prepare", views.open("prepare", view), o.links, o)
   if not ok then return nil, message, code end
   return view
 end
@@ -76,7 +76,7 @@ local function bake_for(s, view, o)
   if views.made[view].stats.points == 0 then
     return views.made[view].traced.lights -- no grid can be baked for no points; no point will ask what light there is
   end
-  return baking.bake(s, { parts = "lights", occupied = view, threads = o.threads, progress = o.progress,
+  return baking.bake(s, { quantity = "lights", occupied = view, threads = o.threads, progress = o.progress,
     sums_tolerance = o.sums_tolerance })
 end
 
@@ -102,9 +102,9 @@ local function by_tolerance(s, o, given)
   local c, view = found.chosen
   o.seen, message, code = array.zeros({ o.size[2], o.size[1], 3 }, "float")
   if not o.seen then return nil, message, code end
-  o.light_samples, o.links, o.samples, o.share, o.lmax = c.light_samples, c.links, c.samples, c.share, 0
+  o.light_samples, o.rays, o.samples, o.share, o.lmax = c.light_samples, c.links, c.samples, c.share, 0
   if virtual then o.bounced.options.tolerance = math.min(o.bounced.options.tolerance, o.tolerance)
-  elseif o.bounced then o.bounced.lit, o.transfer = found.lit, nil end
+  elseif o.bounced then o.bounced.lit, o.links = found.lit, nil end
   view, message, code = views.prepare("render", s, o)
   if not view then return nil, message, code end
   local image, report, verdict

@@ -73,7 +73,7 @@ end
 --- Radiance `start` with gathered light added, by links of seed + k.
 local function gather(x, v, lit, count, start, k)
   if not lit then return start end
-  local links = need(check.result(x.name, x.lib.shade_links(v.view, lit.transfer, count, x.o.seed + k, x.threads, x.bar,
+  local links = need(check.result(x.name, x.lib.shade_links(v.view, lit.links, count, x.o.seed + k, x.threads, x.bar,
     x.o.gloss == "matte" and "matte" or "both")))
   return need(check.result(x.name, x.lib.shade_gather(v.view, links, lit, start, x.threads, x.bar)))
 end
@@ -120,7 +120,7 @@ end
 local function light_elements(x, spacing)
   if x.bounces == 0 then return nil end
   local o = x.o
-  local t = o.transfer or need(x.scene:transfer { spacing = spacing, links = ELEMENT.links, lmax = 0, seed = o.seed,
+  local t = o.links or need(x.scene:links { spacing = spacing, rays = ELEMENT.links, lmax = 0, seed = o.seed,
     threads = o.threads, progress = o.progress })
   return need(t:radiosity(x.scene.lights, { light_samples = ELEMENT.light_samples,
     bounces = x.bounces == "all" and "all" or x.bounces - 1, seed = o.seed, threads = o.threads, progress = o.progress }))
@@ -194,17 +194,17 @@ local function element_error(x)
   return change / 2
 end
 
---- Elements small enough: groups of them would change little. A transfer that is given stays.
+--- Elements small enough: groups of them would change little. Links that are given stay.
 local function choose_elements(x)
   local c, aim = x.chosen, SHARE.elements * x.tolerance
   while true do
-    c.spacing, c.elements = x.lit.transfer.stats.spacing, x.lit.transfer.stats.elements
+    c.spacing, c.elements = x.lit.links.stats.spacing, x.lit.links.stats.elements
     x.causes.elements = element_error(x)
-    if x.causes.elements <= aim or x.o.transfer or 4 * c.elements > MOST.elements then return end
+    if x.causes.elements <= aim or x.o.links or 4 * c.elements > MOST.elements then return end
     local before = x.lit
     x.lit = light_elements(x, c.spacing / 2)
     before:close()
-    before.transfer:close()
+    before.links:close()
   end
 end
 
@@ -216,7 +216,7 @@ local function choose_links(x)
   while true do
     local a = gather(x, v, x.lit, c.links, nil, 0)
     x.causes.links = difference(x, v, a, gather(x, v, x.lit, c.links, nil, 1)) / math.sqrt(2)
-    if x.causes.links <= aim or x.given.links or c.links >= most then return end
+    if x.causes.links <= aim or x.given.rays or c.links >= most then return end
     c.links = math.min(most, more(c.links, x.causes.links, aim, 2))
   end
 end
@@ -340,7 +340,7 @@ local function cause_of(x, error)
   if x.bounces ~= 0 and math.sqrt(sum) < error / 2 then
     return x.glossy > 0 and (x.o.gloss == "matte" and "bounced light meets surfaces that gloss as matte ones: leave gloss out"
         or "surfaces that gloss send bounced light to others as matte ones: use scene:pathtrace")
-      or "elements meet light that changes faster than they are fine: give transfer = scene:transfer { spacing = .. }"
+      or "elements meet light that changes faster than they are fine: give links = scene:links { spacing = .. }"
   end
   local share = percent(math.min(x.causes[worst], error))
   if worst == "pixels" then
@@ -349,10 +349,10 @@ local function cause_of(x, error)
   elseif worst == "direct" then
     return ("%s come from %d shadow rays a point: set light_samples = %d"):format(share, c.light_samples, 4 * c.light_samples)
   elseif worst == "links" then
-    return ("%s come from %d links a point: set links = %d"):format(share, c.links,
+    return ("%s come from %d links a point: set rays = %d"):format(share, c.links,
       math.min(core.limits.transfer_links, 4 * c.links))
   end
-  return ("%s come from %d elements of spacing %.3g: give transfer = scene:transfer { spacing = %.2g }"):format(share,
+  return ("%s come from %d elements of spacing %.3g: give links = scene:links { spacing = %.2g }"):format(share,
     c.elements, c.spacing, c.spacing / 2)
 end
 
@@ -414,7 +414,7 @@ local function choose(x)
   local c, given = x.chosen, x.given
   x.final = look(x, c.samples, c.share)
   c.light_samples, c.links = per_point(FIRST.light_samples, FIRST.links, x.final.density)
-  c.light_samples, c.links = given.light_samples or c.light_samples, given.links or c.links
+  c.light_samples, c.links = given.light_samples or c.light_samples, given.rays or c.links
   choose_light_samples(x)
   if x.lit then
     choose_elements(x)
@@ -447,18 +447,18 @@ function knob.choose(name, s, o, given)
   local chosen = {}
   local t, message, code = tracing.trace(name, s)
   if not t then return nil, message, code end
-  for key, first in pairs(FIRST) do chosen[key] = given[key] or first end
+  for key, first in pairs(FIRST) do chosen[key] = given[key == "links" and "rays" or key] or first end
   chosen.samples, chosen.share = given.samples or given.pixel_samples or RAYS[1][1], given.share or RAYS[1][2]
-  if not o.transfer and s.transfer_options and s.transfer_options.spacing and (o.bounces or 0) ~= 0 then
-    o.transfer, message, code = s:transfer { seed = o.seed, threads = o.threads, progress = o.progress } -- as the scene says
-    if not o.transfer then return nil, message, code end
+  if not o.links and s.link_options and s.link_options.spacing and (o.bounces or 0) ~= 0 then
+    o.links, message, code = s:links { seed = o.seed, threads = o.threads, progress = o.progress } -- as the scene says
+    if not o.links then return nil, message, code end
   end
   chosen.spacing = FIRST.spacing * math.max(box.diagonal(t.lo, t.hi), 1e-30)
   local x = { name = name, scene = s, o = o, lib = t.lib, glossy = t.glossy, bounces = o.bounces or 0, tolerance = o.tolerance,
     threads = o.threads or 0, bar = progress.resolve(o.progress), chosen = chosen, causes = {}, noise = 0, seconds = 0,
     judged = { rays = 0, pixels = 0, samples = 0 },
     given = { samples = given.samples or given.pixel_samples, share = given.share, light_samples = given.light_samples,
-      links = given.links } }
+      links = given.rays } }
   local ok
   ok, message, code = try(choose, x)
   if not ok then return nil, message, code end
@@ -480,7 +480,7 @@ end
 function knob.report(found, v, report, image)
   local c, m = found.chosen, image.metadata
   report.tolerance, report.met, report.error = v.tolerance, v.met, v.error
-  report.chosen = { samples = c.samples, share = c.share, light_samples = c.light_samples, links = v.causes.links and c.links,
+  report.chosen = { samples = c.samples, share = c.share, light_samples = c.light_samples, rays = v.causes.links and c.links,
     spacing = v.causes.links and c.spacing, elements = c.elements }
   report.causes, report.judged = v.causes, v.judged
   report.seconds.judge = v.judged.seconds

@@ -141,7 +141,7 @@ require "ylm.describe".object "scene" {
     { "lights", "table", "a flat list" },
     { "probes", "table", "the grid's description, or nil" },
     { "background", "number[]", "{r, g, b}" },
-    { "transfer_options", "table", "the form transfer, or nil" },
+    { "link_options", "table", "the form links, or nil" },
     { "notes", "string[]", "about files: materials that are not there, lights that Ke made; or nil" },
   },
 }
@@ -193,7 +193,7 @@ local function take_after(values, fail)
   values.lights, values.geometry = lights, values.geometry or other.geometry
   values.cameras = other.cameras
   values.camera, values.probes = values.camera or other.camera, values.probes or other.probes
-  values.transfer = values.transfer or other.transfer_options
+  values.links = values.links or other.link_options
   if not values.background and not other.sky_is_seen then values.background = other.background end
   return true
 end
@@ -206,7 +206,8 @@ for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast", "pa
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
 function methods.live(...) return library.later["ylm.live"](...) end
-function methods.transfer(...) return require("ylm.transfer").of_scene(...) end
+function methods.links(...) return require("ylm.transfer").of_scene(...) end
+function methods.field(...) return require("ylm.transfer").field_of(...) end
 function methods.virtual_lights(...) return require("ylm.emit").of_scene(...) end
 --- Of virtual_lights:visible: lua/ylm/emit.lua is loaded, and takes its place.
 virtual.with_shadows = virtual.with_shadows or function(...)
@@ -260,8 +261,8 @@ local construct = form.define("scene", {
     { "added", "parts", optional = true, about = "with like: further lights, behind the others" },
     { "probes", "object", of = core.choices "grid_form", optional = true,
       about = "the grid that bake fills" },
-    { "transfer", "object", of = "transfer", optional = true,
-      about = "how surfaces are cut where light bounces; in the scene it is transfer_options" },
+    { "links", "object", of = "links", optional = true,
+      about = "how surfaces are cut where light bounces; in the scene it is link_options" },
     { "background", "colour", min = 0, optional = true, unit = "W sr^-1 m^-2",
       about = "radiance where nothing is hit; default: what distant lights send from there, else 0" },
   },
@@ -280,7 +281,7 @@ local construct = form.define("scene", {
     add_files(values, files)
     values.like, values.moved, values.removed, values.added = nil, nil, nil, nil
     values.sky_is_seen = values.background == nil
-    values.transfer_options, values.transfer = values.transfer, nil -- the method has that name
+    values.link_options, values.links = values.links, nil -- the method has that name
     values.background = values.background or { 0, 0, 0 }
     return setmetatable(values, metatable)
   end,

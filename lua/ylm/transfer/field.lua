@@ -34,9 +34,8 @@ function form.types.rays_of_field(x)
   return nil, ("'auto' or an integer from %d to %d"):format(least, most)
 end
 
-local options = {
-  { "parts", "choice", of = { "indirect", "direct", "all" }, default = "indirect",
-    about = "'indirect' is what surfaces send back; 'direct' light of lamps and the sky with shadows; 'all' both" },
+--- Options of fields but their quantity.
+objects.field_options = {
   { "rays", "rays_of_field", default = "auto",
     about = "about so many from a point: a cube of cells, and more where the light of neighbours differs. 'auto' takes as "
       .. "many as the tolerance of the bake that asks wants, 3072 where there is none" },
@@ -52,6 +51,13 @@ local options = {
   { "refine_surfaces", "boolean", default = false, about = "grids are refined to their depth at triangles" },
   { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of shadow rays" },
 }
+
+local options = {
+  { "quantity", "choice", of = { "lights", "direct", "indirect", "all" }, default = "indirect",
+    about = "'indirect' is what surfaces send back; 'direct' light of lamps and the sky with shadows; 'all' both; 'lights', "
+      .. "which nothing occludes, is of scene:field" },
+}
+for _, field in ipairs(objects.field_options) do options[#options + 1] = field end
 
 --- Cells along an edge for about so many rays.
 local function base_of(rays)
@@ -71,10 +77,10 @@ end
 --- A field of `lit` with so many cells along an edge, or nil, message, code.
 local function create(name, lit, of, o, base, rays, tolerance)
   local handle, message, code = check.result(name, of.lib.gather_create(lit, { base = base, levels = 2, contrast = o.contrast,
-    spacing = 0, parts = PARTS[o.parts], derivatives = o.derivatives, tolerance = tolerance, remember = o.remember,
+    spacing = 0, parts = PARTS[o.quantity], derivatives = o.derivatives, tolerance = tolerance, remember = o.remember,
     within = is_within(of), surfaces = o.refine_surfaces, seed = o.seed, lamps = of.lit_by and of.lit_by.handle }))
   if not handle then return nil, message, code end
-  core.own(handle).made = { radiosity = lit, of = of, scene = of.scene, lib = of.lib, parts = o.parts, rays = rays,
+  core.own(handle).made = { radiosity = lit, of = of, scene = of.scene, lib = of.lib, quantity = o.quantity, rays = rays,
     base = base, options = o, lamps = of.lit_by, chosen = {} }
   core.between(lit, handle).is_field = true
   return handle
@@ -162,7 +168,7 @@ local scene = ylm.scene "a box and a lamp" {
   geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
   lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 },
 }
-local lit = scene:transfer({ spacing = 0.5, links = 64 }):radiosity()
+local lit = scene:links({ spacing = 0.5, rays = 64 }):radiosity()
 ]]
 
 describe "radiosity:field" {
@@ -171,7 +177,8 @@ describe "radiosity:field" {
   arguments = { { "options?", "table", "see the options" } },
   options = options,
   returns = { { "field", "gather", "field:noise(), field:validity(points); field.stats" } },
-  errors = "raises on a bad option, and where parts has direct light that is no lights; nil, message, code where memory runs out",
+  errors = "raises on a bad option, and where the quantity has direct light that is no lights; nil, message, code where memory "
+    .. "runs out",
   example = room .. [[
 local L = ylm.light_field(2, lit:field { rays = 768 }, { { 0.3, 0.2, 0 } })
 assert(L:get(1, 1, 1) > 0)]],
@@ -180,9 +187,12 @@ assert(L:get(1, 1, 1) > 0)]],
 function objects.radiosity.field(lit, given)
   local of = objects.open_radiosity("field", lit)
   local o = form.options(1, "field", options, given)
-  if o.parts ~= "indirect" and not of.lit_by then
-    return check.fail("field: parts = '%s' is for lights that rays can be sent to: this radiosity was lit by another light field",
-      o.parts)
+  if o.quantity == "lights" then
+    return check.fail "field: quantity = 'lights' is light that no surface meets: scene:field { quantity = 'lights' } has it"
+  end
+  if o.quantity ~= "indirect" and not of.lit_by then
+    return check.fail("field: quantity = '%s' is for lights that rays can be sent to: this radiosity was lit by another light "
+      .. "field", o.quantity)
   end
   local base = o.rays == "auto" and DEFAULT or base_of(o.rays)
   local field, message, code = create("field", lit, of, o, base, o.rays, o.tolerance or 0.03)

@@ -1,4 +1,4 @@
---- The form `transfer`: how a scene file wants its surfaces cut.
+--- The form `links`: how a scene file wants its surfaces cut.
 
 local core = require "ylm.c.core"
 local form = require "ylm.form"
@@ -13,13 +13,13 @@ function form.types.links(x)
   return nil, ("a multiple of 4 from 4 to %d"):format(MOST_LINKS)
 end
 
---- Options of scene:transfer that a scene may carry.
+--- Options of scene:links that a scene may carry.
 cut.fields = {
   { "spacing", "number", above = 0, optional = true, unit = "scene units",
     about = "the longest edge of an element; default: a hundredth of the diagonal of the scene's bounding box, raised until "
       .. "there "
       .. "are at most max_elements" },
-  { "links", "links", default = 128, about = "rays of an element: 4 bytes each" },
+  { "rays", "links", default = 128, about = "rays of an element: 4 bytes each" },
   { "lmax", "integer", min = 0, max = MOST_LMAX, default = 4,
     about = "highest degree of the elements' transfer vectors: what direct = 'field' and distant light are weighed with" },
   { "sides", "choice", of = core.choices "sides", default = "auto",
@@ -31,16 +31,16 @@ cut.fields = {
   { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of all random numbers" },
 }
 
-cut.transfer = form.define("transfer", {
-  about = "How surfaces of a scene are cut into elements, and how many rays each of them sends: the defaults of scene:transfer.",
+cut.links = form.define("links", {
+  about = "How surfaces of a scene are cut into elements, and how many rays each of them sends: the defaults of scene:links.",
   fields = cut.fields,
   build = function(values, fail)
-    if form.budget and values.links * values.max_elements > IN_FILES then
-      return fail(("links times max_elements at most %.0f in a scene file"):format(IN_FILES))
+    if form.budget and values.rays * values.max_elements > IN_FILES then
+      return fail(("rays times max_elements at most %.0f in a scene file"):format(IN_FILES))
     end
-    return setmetatable(values, form.defined.transfer.metatable)
+    return setmetatable(values, form.defined.links.metatable)
   end,
-  example = "transfer { spacing = 0.05, links = 128 }",
+  example = "links { spacing = 0.05, rays = 128 }",
 })
 
 return cut

@@ -1,4 +1,4 @@
---- The objects that scene:transfer and transfer:radiosity return, and what they were made of.
+--- The objects that scene:links and links:radiosity return, and what they were made of.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -29,7 +29,8 @@ local function kind(name, fields, text)
     return rawget(methods, key)
   end
   methods.__newindex = function(_, key)
-    return check.fail("%s: cannot set %s: a %s does not change so", name, check.describe(key), name)
+    return check.fail("%s: cannot set %s: %s not change so", name, check.describe(key),
+      name == "links" and "links do" or ("a %s does"):format(name))
   end
   methods.__tostring = function(object)
     local m = objects.made(object)
@@ -39,16 +40,16 @@ local function kind(name, fields, text)
   return methods
 end
 
-objects.transfer = kind("transfer", { "stats", "scene", "notes" }, function(m)
+objects.links = kind("links", { "stats", "scene", "notes" }, function(m)
   return ("%d elements, %d links of each"):format(m.stats.elements, m.stats.links)
 end)
 
-objects.radiosity = kind("radiosity", { "stats", "scene", "transfer", "notes" }, function(m)
+objects.radiosity = kind("radiosity", { "stats", "scene", "links", "notes" }, function(m)
   return ("%d elements, %d bounces"):format(m.elements, m.stats.bounces)
 end)
 
 objects.gather = kind("gather", { "stats", "scene", "radiosity", "rays" }, function(m)
-  return ("%s light, %s rays"):format(m.parts, m.rays == "auto" and m.rays or ("%.0f"):format(m.rays))
+  return ("%s light, %s rays"):format(m.quantity, m.rays == "auto" and m.rays or ("%.0f"):format(m.rays))
 end)
 
 --- All about the object before the colon.
@@ -57,19 +58,22 @@ local function opened(name, object, type_name, article)
     return check.fail("%s: %s expected before the colon, got %s", name, article, check.describe(object))
   end
   local m = objects.made(object)
-  if not m or m.closed then return check.fail("%s: %s has been closed", name, article:gsub("^an? ", "the ")) end
+  if not m or m.closed then
+    return check.fail(article == "links" and "%s: the links have been closed" or "%s: the %s has been closed", name,
+      (article:gsub("^an? ", "")))
+  end
   return m
 end
 
-function objects.open_transfer(name, t)
-  return opened(name, t, "ylm.transfer", "a transfer")
+function objects.open_links(name, t)
+  return opened(name, t, "ylm.links", "links")
 end
 
---- Raises where the option `transfer` of function `name` is closed, or of another scene than `scene`.
+--- Raises where the option `links` of function `name` is closed, or of another scene than `scene`.
 function objects.check_scene(name, t, scene)
-  objects.open_transfer(name, t)
+  objects.open_links(name, t)
   if t.scene == scene then return end
-  return check.fail("%s: the transfer is of scene %q, this is another, %q: make one of it (scene:transfer)", name,
+  return check.fail("%s: the links are of scene %q, this is another, %q: make some of it (scene:links)", name,
     t.scene.name or "?", scene.name or "?")
 end
 
@@ -88,22 +92,22 @@ local function alike(a, b)
   return true
 end
 
---- All about the transfer t; raises where a prepared view is of other meshes, or t has been closed.
+--- All about the links t; raises where a prepared view is of other meshes, or t have been closed.
 function objects.of_view(name, p, t)
-  local m = objects.open_transfer(name, t)
+  local m = objects.open_links(name, t)
   if alike(p.traced, m.traced) then return m end
-  return check.fail("%s: the transfer is of other geometry, that of scene %q%s: make one of the view's scene (scene:transfer)",
+  return check.fail("%s: the links are of other geometry, that of scene %q%s: make some of the view's scene (scene:links)",
     name, m.scene.name or "?", m.scene == p.scene and ", before it changed or after" or "")
 end
 
---- Raises where the meshes of a scene differ from those of a transfer. Returns the scene traced
+--- Raises where the meshes of a scene differ from those that links were made of. Returns the scene traced
 -- anew; or nil, message, code.
 function objects.traced_again(name, m)
   local now, message, code = tracing.trace(name, m.scene)
   if not now then return nil, message, code end
   if alike(m.traced, now) then return now end
-  return check.fail("%s: the geometry of scene %q has changed since its transfer was made: make another one "
-    .. "(scene:transfer)", name,
+  return check.fail("%s: the geometry of scene %q has changed since its links were made: make others "
+    .. "(scene:links)", name,
     m.scene.name or "?")
 end
 

@@ -1,4 +1,4 @@
---- Bounces of light on the elements of a scene: transfer:radiosity, and the methods of what it returns.
+--- Bounces of light on the elements of a scene: links:radiosity, and the methods of what it returns.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -16,7 +16,7 @@ local methods = objects.radiosity
 local CLOSE = 0.02 -- the part of direct light from lamps nearer than two elements' lengths of which a note is made
 
 require "ylm.describe".object "radiosity" {
-  about = "Light on the elements of a scene: direct light, and all its bounces (transfer:radiosity).",
+  about = "Light on the elements of a scene: direct light, and all its bounces (links:radiosity).",
   fields = {
     { "stats", "table", "bounces that were summed; closed: whether the rest was added as a geometric series; residual: what "
       .. "one more "
@@ -26,7 +26,7 @@ require "ylm.describe".object "radiosity" {
       .. "relative; elements_error: half of what elements of twice the spacing would change of the light that bounces, root mean "
       .. "square over its mean, an estimate of the error that these leave, as it was when the radiosity was made; "
       .. "rays: shadow rays; direct_seconds, solve_seconds, seconds" },
-    { "transfer", "transfer", "of which elements" },
+    { "links", "links", "of which elements" },
     { "scene", "scene", "of what" },
     { "notes", "string[]", "what is known to be missed, or nil" },
   },
@@ -87,7 +87,7 @@ end
 local function check_quantity(name, field, bounces)
   local held = core.field_quantity(field)
   if (held == "all" or held == "indirect") and bounces ~= 0 then
-    return check.fail("%s: %s holds light that has bounced (quantity %q): give lights or a grid of parts = 'direct', or "
+    return check.fail("%s: %s holds light that has bounced (quantity %q): give lights or a grid of quantity = 'direct', or "
       .. "bounces = 0",
       name, check.describe(field), held)
   end
@@ -145,10 +145,10 @@ local scene = ylm.scene "a box and a lamp" {
   geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
   lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 },
 }
-local t = scene:transfer { spacing = 0.5, links = 64 }
+local t = scene:links { spacing = 0.5, rays = 64 }
 ]]
 
-describe "transfer:radiosity" {
+describe "links:radiosity" {
   about = "Light on the elements of a scene: direct light, and its bounces as sums over links.",
   arguments = { { "lights?", "any", "lights, or any object with a light field; default: the scene's lights" }, { "options?",
     "table", "" } },
@@ -163,13 +163,13 @@ local emitted, absorbed = lit.stats.emitted[1], lit.stats.absorbed[1]
 assert(math.abs(absorbed / emitted - 1) < 0.01) -- nothing leaves a closed box]],
   source = "Goral et al. 1984",
 }
-function objects.transfer.radiosity(t, lights, given)
-  local of = objects.open_transfer("radiosity", t)
+function objects.links.radiosity(t, lights, given)
+  local of = objects.open_links("radiosity", t)
   local o = form.options(2, "radiosity", options, given)
   o.progress = progress.long(o.progress)
   local lit, message, code = check.result("radiosity", of.lib.radiosity_create(t))
   if not lit then return nil, message, code end
-  local m = { of = of, transfer = t, scene = of.scene, lib = of.lib, elements = of.stats.elements, options = o }
+  local m = { of = of, links = t, scene = of.scene, lib = of.lib, elements = of.stats.elements, options = o }
   local done
   done, message, code = light_up("radiosity", lit, m, lights, o)
   if not done then return nil, message, code end
@@ -183,11 +183,11 @@ function objects.transfer.radiosity(t, lights, given)
 end
 
 --- Light of `lit`, constant on groups of up to four elements, which are those of twice the spacing: a radiosity of its
--- transfer, whose stats are those of `lit`; or nil, message, code.
+-- links, whose stats are those of `lit`; or nil, message, code.
 function objects.coarse(lit)
   local m = objects.open_radiosity("coarse", lit)
   local o = m.options
-  local out, message, code = check.result("coarse", m.lib.radiosity_create(m.transfer))
+  local out, message, code = check.result("coarse", m.lib.radiosity_create(m.links))
   if not out then return nil, message, code end
   local done
   done, message, code = check.result("coarse", m.lib.radiosity_coarse(lit, count_of(o.bounces), o.residual, o.closure,
@@ -202,9 +202,9 @@ end
 
 describe "radiosity:update" {
   about = "Lights the elements anew: direct light and bounces, without tracing links. Options are those that it was made with.",
-  arguments = { { "lights?", "any", "as transfer:radiosity takes; default: the scene's lights as they are now" } },
+  arguments = { { "lights?", "any", "as links:radiosity takes; default: the scene's lights as they are now" } },
   returns = { { "lit", "radiosity", "itself" } },
-  errors = "as transfer:radiosity; what was known before stays where it fails or is cancelled",
+  errors = "as links:radiosity; what was known before stays where it fails or is cancelled",
   example = one_box .. [[
 local lit = t:radiosity()
 lit:update(ylm.sphere_light { at = { 0.5, 0, 0 }, radius = 0.1, radiance = 20 })
@@ -249,15 +249,15 @@ function methods.leaving(lit)
 end
 
 describe "radiosity:elements" {
-  about = "The elements: transfer:elements of its transfer.",
+  about = "The elements: links:elements of its links.",
   arguments = {},
-  returns = { { "elements", "table", "as transfer:elements" } },
+  returns = { { "elements", "table", "as links:elements" } },
   errors = "raises on what is no radiosity; nil, message, code where memory runs out",
   example = one_box .. [[
 assert(#t:radiosity():elements().area == t.stats.elements)]],
 }
 function methods.elements(lit)
-  return objects.transfer.elements(objects.open_radiosity("elements", lit).transfer)
+  return objects.links.elements(objects.open_radiosity("elements", lit).links)
 end
 
 describe "radiosity:save" {
@@ -287,7 +287,7 @@ local map_options = {
   { "part", "choice", of = { "all", "direct", "indirect" }, default = "all", about = "direct light, what surfaces send, or "
     .. "both" },
   { "side", "choice", of = core.choices "side", optional = true, about = "default: the one that has elements, else the front" },
-  { "links", "links", default = 128, about = "rays of each texel, by which elements light it" },
+  { "rays", "links", default = 128, about = "rays of each texel, by which elements light it" },
   { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = 32, about = "shadow rays of each texel" },
   { "gutter", "integer", min = 0, max = 64, default = 2,
     about = "texels around the mesh's that take their neighbours' mean, so that a filter finds no black" },
@@ -323,7 +323,7 @@ describe "radiosity:lightmap" {
     .. "seconds" } },
   errors = "raises on a bad option and a mesh without texture coordinates; nil, message, code: memory, cancelled",
   example = one_box .. [[
-local image = t:radiosity():lightmap { mesh = 1, size = { 16, 16 }, links = 32 }
+local image = t:radiosity():lightmap { mesh = 1, size = { 16, 16 }, rays = 32 }
 assert(image:layer "coverage":get(8, 8, 1) == 1 and image:layer "irradiance":get(8, 8, 1) > 0)]],
 }
 function methods.lightmap(lit, given)
@@ -338,7 +338,7 @@ function methods.lightmap(lit, given)
   overlaps, message, code = check.result("lightmap", m.lib.radiosity_map(lit, { mesh = o.mesh, side = o.side, uvs = uvs,
     out = out:layer "irradiance", coverage = out:layer "coverage", indirect = o.part ~= "direct",
     scene = direct and m.from.traced and m.from.traced.handle or nil, field = direct and m.from.field or nil,
-      lmax = lmax_of(m, m.from.field), links = o.links,
+      lmax = lmax_of(m, m.from.field), links = o.rays,
     light_samples = o.light_samples, gutter = o.gutter, seed = o.seed, threads = o.threads,
     progress = progress.resolve(o.progress) }))
   if not overlaps then return nil, message, code end

@@ -1,4 +1,4 @@
---- Transfer vectors with bounces, of light that is the same everywhere: transfer:vectors.
+--- Transfer vectors with bounces, of light that is the same everywhere: links:vectors.
 
 local check = require "ylm.check"
 local describe = require "ylm.describe".describe
@@ -40,28 +40,28 @@ local fields = { { "object", "integer", min = 1, optional = true,
   about = "a place in scene.geometry: vectors of its vertices, means of those of the elements around each, by area" } }
 for _, field in ipairs(vectors.options) do fields[#fields + 1] = field end
 
-describe "transfer:vectors" {
+describe "links:vectors" {
   about = "Transfer vectors of the elements, or of the vertices of a part of the geometry, with bounces: irradiance is their "
     .. "product with coefficients of light that is the same everywhere (a sky, a sun). Lamps in a room are not: see "
-    .. "transfer:radiosity.",
+    .. "links:radiosity.",
   arguments = { { "options?", "table", "" } },
   options = fields,
   returns = {
-    { "T", "array", "float [n][3][(lmax+1)^2], lmax that of the transfer" },
+    { "T", "array", "float [n][3][(lmax+1)^2], lmax that of the links" },
     { "stats", "table", vectors.stats_text },
   },
   errors = "raises on a bad option, and on bounces that do not converge (albedo 1 in a closed scene); nil, message, code: "
     .. "memory, cancelled",
   example = [[
 local scene = ylm.scene "a bowl" { geometry = ylm.sphere { divide = 8, material = ylm.matte { albedo = 0.5 } } }
-local t = scene:transfer { links = 16, lmax = 2 }
+local t = scene:links { rays = 16, lmax = 2 }
 local T = t:vectors { bounces = 1 }
 assert(T.shape[1] == t.stats.elements and T.shape[2] == 3 and T.shape[3] == 9)
 assert(#t:vectors { object = 1 } == #scene.geometry[1].mesh:vertices())]],
   source = "Green 2003, \"Diffuse Interreflected Transfer\"; Sloan et al. 2002",
 }
-function objects.transfer.vectors(t, given)
-  local m = objects.open_transfer("vectors", t)
+function objects.links.vectors(t, given)
+  local m = objects.open_links("vectors", t)
   local o = form.options(1, "vectors", fields, given)
   if o.object and o.object > #m.scene.geometry then
     return check.bad(1, "vectors", "object must be from 1 to %d, the parts of scene.geometry, got %.0f", #m.scene.geometry,

@@ -141,23 +141,24 @@ return {
     { call = function(ylm) return ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 2 }, small(ylm)) end,
       says = "coefficients up to lmax 1, 2 is wanted" },
   },
-  ["grid:refresh"] = {
-    { call = function(ylm) return closed(ylm):refresh(lamp(ylm)) end, says = "the grid has been closed" },
-    { call = function(ylm) return small(ylm):refresh "lamp" end, says = "lights? expected" },
-    { call = function(ylm) return small(ylm):refresh(lamp(ylm), { threads = 0 }) end, says = "threads must be an integer" },
-    { call = function(ylm) return small(ylm):refresh(lamp(ylm), { quantity = "all" }) end,
+  ["grid:update"] = {
+    { call = function(ylm) return small(ylm):update "lamp" end, says = "lights? expected" },
+    { call = function(ylm) return small(ylm):update(lamp(ylm), { tolerance = 0.1 }) end,
+      says = "tolerance is of grids with dynamic = true: leave it out" },
+    { call = function(ylm) return small(ylm):update(lamp(ylm), { octree = "grow" }) end,
+      says = "octree must be one of 'follow', 'keep'" },
+    { call = function(ylm) return small(ylm):update(lamp(ylm), { occupied = { { 0, 0, 0 } } }) end,
+      says = "occupied is of octree = 'follow': the points stay: leave it out" },
+    { call = function(ylm) return small(ylm):update(lamp(ylm), { quantity = "all" }) end,
       says = "quantity: this light field holds lights, not all: leave it out" },
     { call = function(ylm)
       local g = small(ylm)
-      return g:refresh(g)
-    end, says = "a grid cannot be refreshed from itself" },
+      return g:update(g)
+    end, says = "a grid cannot be updated from itself" },
     { call = function(ylm)
       local g = ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, lamp(ylm))
-      return g:refresh(lamp(ylm))
-    end, says = "a grid with dynamic = true follows its lights by grid:update" },
-  },
-  ["grid:update"] = {
-    { call = function(ylm) return small(ylm):update(lamp(ylm)) end, says = "make it with dynamic = true" },
+      return g:update(lamp(ylm), { octree = "keep" })
+    end, says = "a grid with dynamic = true follows its lights: 'follow', or leave it out" },
     { call = function(ylm) return closed(ylm):update(lamp(ylm)) end, says = "the grid has been closed" },
     { call = update "lamp", says = "lights? expected" },
     { call = update(nil, { tolerance = -1 }), says = "tolerance must be a number >= 0" },

@@ -10,20 +10,20 @@ local function scene(ylm, fields)
   }
 end
 
-local function transfer(ylm, fields) return scene(ylm, fields):transfer { spacing = 4, links = 4 } end
-local function radiosity(ylm) return transfer(ylm):radiosity() end
+local function links(ylm, fields) return scene(ylm, fields):links { spacing = 4, rays = 4 } end
+local function radiosity(ylm) return links(ylm):radiosity() end
 
 --- Cases of method `name` of what `make` makes, called `what` in messages, before those of `list`.
 local function methods(name, make, what, list)
   local out = {
-    { call = function(ylm) return make(ylm)[name]({}) end, says = name .. ": a " .. what .. " expected before the colon" },
+    { call = function(ylm) return make(ylm)[name]({}) end, says = name .. ": " .. (what == "links" and what or "a " .. what) .. " expected before the colon" },
   }
   if name ~= "close" then
     out[2] = { call = function(ylm)
       local object = make(ylm)
       object:close()
       return object[name](object)
-    end, says = name .. ": the " .. what .. " has been closed" }
+    end, says = name .. ": the " .. what .. (what == "links" and " have" or " has") .. " been closed" }
   end
   for _, case in ipairs(list or {}) do out[#out + 1] = case end
   return out
@@ -39,73 +39,88 @@ local function form_cases(wrap)
   local out = {}
   for _, case in ipairs {
     { { spacing = 0 }, "spacing must be a number > 0" }, { { spacing = -1 }, "spacing must be" },
-    { { spacing = nan }, "spacing must be" }, { { spacing = inf }, "spacing must be" }, { { links = 3 }, "links must be a "
+    { { spacing = nan }, "spacing must be" }, { { spacing = inf }, "spacing must be" }, { { rays = 3 }, "rays must be a "
       .. "multiple of 4" },
-    { { links = 6 }, "links must be" }, { { links = 0 }, "links must be" }, { { links = 4100 }, "links must be" },
-    { { links = nan }, "links must be" }, { { lmax = -1 }, "lmax must be" }, { { lmax = 21 }, "lmax must be" },
+    { { rays = 6 }, "rays must be" }, { { rays = 0 }, "rays must be" }, { { rays = 4100 }, "rays must be" },
+    { { rays = nan }, "rays must be" }, { { lmax = -1 }, "lmax must be" }, { { lmax = 21 }, "lmax must be" },
     { { sides = "frnt" }, "did you mean 'front'" }, { { max_elements = 0 }, "max_elements must be" },
     { { seed = -1 }, "seed must be" }, { { spaceing = 1 }, "did you mean 'spacing'" },
   } do out[#out + 1] = { call = function(ylm) return wrap(ylm, case[1]) end, says = case[2] } end
   return out
 end
 
-local of_scene = form_cases(function(ylm, o) return scene(ylm):transfer(o) end)
+local of_scene = form_cases(function(ylm, o) return scene(ylm):links(o) end)
 for _, case in ipairs {
-  { call = function(ylm) return scene(ylm).transfer({}) end, says = "transfer: a scene expected before the colon" },
-  { call = function(ylm) return scene(ylm):transfer(7) end, says = "a table of options expected, got 7" },
-  { call = function(ylm) return scene(ylm):transfer { spacing = 1e-6 } end,
+  { call = function(ylm) return scene(ylm).links({}) end, says = "links: a scene expected before the colon" },
+  { call = function(ylm) return scene(ylm):links(7) end, says = "a table of options expected, got 7" },
+  { call = function(ylm) return scene(ylm):links { spacing = 1e-6 } end,
     says = "spacing = 1e%-06 would make 9.6e%+13 elements; spacing 0.01 makes 9.6e%+05 %(at most max_elements = 1048576%)" },
-  { call = function(ylm) return scene(ylm):transfer { max_elements = 11 } end,
+  { call = function(ylm) return scene(ylm):links { max_elements = 11 } end,
     says = "max_elements = 11 is less than the sides of the scene's triangles, 12" },
-  { call = function(ylm) return scene(ylm):transfer { file = "none.transfer" } end, says = "none.transfer" },
-  { call = function(ylm) return scene(ylm):transfer { file = "spec/once.lua" } end, says = "spec/once.lua: this is no transfer" },
-  { call = function(ylm) return scene(ylm):transfer { file = "none.transfer", spacing = 1 } end,
+  { call = function(ylm) return scene(ylm):links { file = "none.links" } end, says = "none.links" },
+  { call = function(ylm) return scene(ylm):links { file = "spec/once.lua" } end, says = "spec/once.lua: these are no links" },
+  { call = function(ylm) return scene(ylm):links { file = "none.links", spacing = 1 } end,
     says = "spacing is the file's: leave out file, or spacing" },
-  { call = function(ylm) return scene(ylm):transfer { inside = { { 0, 0 } } } end, says = "transfer" },
-  { call = function(ylm) return scene(ylm):transfer { threads = 0 } end, says = "threads must be" },
-  { call = function(ylm) return scene(ylm):transfer { progress = 5 } end, says = "progress must be" },
-  { call = function(ylm) return scene(ylm):transfer { progress = function() return false end } end, says = "cancelled" },
+  { call = function(ylm) return scene(ylm):links { inside = { { 0, 0 } } } end, says = "links" },
+  { call = function(ylm) return scene(ylm):links { threads = 0 } end, says = "threads must be" },
+  { call = function(ylm) return scene(ylm):links { progress = 5 } end, says = "progress must be" },
+  { call = function(ylm) return scene(ylm):links { progress = function() return false end } end, says = "cancelled" },
 } do of_scene[#of_scene + 1] = case end
 
 local function lit_by(o, says)
-  return { call = function(ylm) return transfer(ylm):radiosity(nil, o) end, says = says }
+  return { call = function(ylm) return links(ylm):radiosity(nil, o) end, says = says }
 end
 
 return {
-  transfer = form_cases(function(ylm, o) return ylm.transfer(o) end),
-  ["scene:transfer"] = of_scene,
-  ["transfer:elements"] = methods("elements", transfer, "transfer"),
-  ["transfer:links"] = methods("links", transfer, "transfer"),
-  ["transfer:save"] = methods("save", transfer, "transfer", {
-    { call = function(ylm) return transfer(ylm):save(5) end, says = "the name of a file expected, got 5" },
-    { call = function(ylm) return transfer(ylm):save "no such folder/a.transfer" end, says = "no such folder" },
+  links = form_cases(function(ylm, o) return ylm.links(o) end),
+  ["scene:links"] = of_scene,
+  ["scene:field"] = {
+    { call = function(ylm) return scene(ylm):field { quantity = "indirekt" } end, says = "did you mean 'indirect'" },
+    { call = function(ylm) return scene(ylm):field { bounces = 2 } end,
+      says = "field: bounces are of quantity = 'indirect' or 'all': name one, or leave bounces out" },
+    { call = function(ylm) return scene(ylm):field { rays = 768 } end,
+      says = "field: rays is for quantity = 'direct', 'indirect' or 'all': name one, or leave rays out" },
+    { call = function(ylm) return scene(ylm):field { links = links(ylm) } end,
+      says = "field: links are for quantity = 'direct', 'indirect' or 'all'" },
+    { call = function(ylm) return scene(ylm):field { quantity = "all", links = links(ylm) } end, says = "this is another" },
+    { call = function(ylm) return scene(ylm):field { quantity = "indirect", bounces = 0 } end,
+      says = "field: bounces = 0 is direct light alone, quantity = 'indirect' would be dark" },
+    { call = function(ylm) return scene(ylm).field {} end, says = "field: a scene expected before the colon" },
+    { call = function(ylm) return scene(ylm):field { quantity = "all", progress = function() return false end } end,
+      says = "cancelled" },
+  },
+  ["links:elements"] = methods("elements", links, "links"),
+  ["links:hits"] = methods("hits", links, "links"),
+  ["links:save"] = methods("save", links, "links", {
+    { call = function(ylm) return links(ylm):save(5) end, says = "the name of a file expected, got 5" },
+    { call = function(ylm) return links(ylm):save "no such folder/a.links" end, says = "no such folder" },
   }),
-  ["transfer:close"] = methods("close", transfer, "transfer"),
-  ["transfer:radiosity"] = methods("radiosity", transfer, "transfer", {
+  ["links:close"] = methods("close", links, "links"),
+  ["links:radiosity"] = methods("radiosity", links, "links", {
     lit_by({ direct = "ray" }, "did you mean 'rays'"), lit_by({ light_samples = 0 }, "light_samples must be"),
     lit_by({ bounces = -1 }, "bounces must be a number of reflections after direct light"), lit_by({ bounces = 1.5 },
       "bounces must be"),
     lit_by({ residual = 0 }, "residual must be"), lit_by({ residual = nan }, "residual must be"), lit_by({ closure = 1 },
       "closure must be"),
     lit_by({ progress = function() return false end }, "cancelled"),
-    { call = function(ylm) return transfer(ylm):radiosity(5) end, says = "a light or a list of lights expected, got 5" },
+    { call = function(ylm) return links(ylm):radiosity(5) end, says = "a light or a list of lights expected, got 5" },
     { call = function(ylm)
-      local t = transfer(ylm)
+      local t = links(ylm)
       local grid = ylm.bake(ylm.uniform_grid { cells = 1, lmax = 4, bounds = { { -1, -1, -1 }, { 1, 1, 1 } } }, t.scene.lights)
       return t:radiosity(grid, { direct = "rays" })
     end, says = "direct = 'rays' is for lights; a ylm.grid has coefficients alone: direct = 'field'" },
-    { call = function(ylm) return transfer(ylm, { albedo = 1 }):radiosity() end,
+    { call = function(ylm) return links(ylm, { albedo = 1 }):radiosity() end,
       says = "bounces = 'all' does not converge: each bounce keeps [%d.]+ of the light before %(the mean albedo is 1, and 0 %% of "
         .. "the links" },
     { call = function(ylm)
-      local t = transfer(ylm)
+      local t = links(ylm)
       return t:radiosity(t:radiosity())
-    end, says = 'a ylm.radiosity holds light that has bounced %(quantity "indirect"%): give lights or a grid of parts' },
+    end, says = 'a ylm.radiosity holds light that has bounced %(quantity "indirect"%): give lights or a grid of quantity' },
     { call = function(ylm)
-      local t = transfer(ylm)
+      local t = links(ylm)
       t.scene.geometry[2] = ylm.box {}
       return t:radiosity()
-    end, says = "radiosity: the geometry of scene \"refusing\" has changed since its transfer was made" },
+    end, says = "radiosity: the geometry of scene \"refusing\" has changed since its links were made" },
   }),
   ["radiosity:update"] = methods("update", radiosity, "radiosity", {
     { call = function(ylm) return radiosity(ylm):update "dark" end, says = "a light or a list of lights expected" },
@@ -116,7 +131,8 @@ return {
   ["radiosity:leaving"] = methods("leaving", radiosity, "radiosity"),
   ["radiosity:elements"] = methods("elements", radiosity, "radiosity"),
   ["radiosity:field"] = methods("field", radiosity, "radiosity", {
-    field_of({ parts = "indirekt" }, "did you mean 'indirect'"), field_of({ rays = 100 },
+    field_of({ quantity = "indirekt" }, "did you mean 'indirect'"),
+    field_of({ quantity = "lights" }, "field: quantity = 'lights' is light that no surface meets: scene:field"), field_of({ rays = 100 },
       "rays must be 'auto' or an integer from 192 to 49152"),
     field_of({ rays = "many" }, "rays must be 'auto'"), field_of({ rays = nan }, "rays must be"), field_of({ tolerance = 0 },
       "tolerance must be"),
@@ -125,9 +141,9 @@ return {
     field_of({ derivatives = "cell" }, "did you mean 'cells'"), field_of({ remember = 1 }, "remember must be"),
     field_of({ seed = -1 }, "seed must be"), field_of({ ray = 192 }, "did you mean 'rays'"),
     { call = function(ylm)
-      local t = transfer(ylm)
-      return t:radiosity(t:radiosity(), { bounces = 0 }):field { parts = "all" }
-    end, says = "parts = 'all' is for lights that rays can be sent to: this radiosity was lit by another light field" },
+      local t = links(ylm)
+      return t:radiosity(t:radiosity(), { bounces = 0 }):field { quantity = "all" }
+    end, says = "quantity = 'all' is for lights that rays can be sent to: this radiosity was lit by another light field" },
     { call = function(ylm) return ylm.light_field(21, radiosity(ylm), { 0, 0, 0 }) end, says = "lmax must be 0 .. 20 for gathered light" },
     { call = function(ylm)
       local grid = ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 1, tolerance = 1e-6 }
@@ -150,13 +166,13 @@ return {
   }),
   ["radiosity:lightmap"] = methods("lightmap", radiosity, "radiosity", (function()
     local out = {
-      { call = function(ylm) return transfer(ylm, { geometry = ylm.mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } },
+      { call = function(ylm) return links(ylm, { geometry = ylm.mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } },
         triangles = { { 1, 2, 3 } } } }):radiosity():lightmap { mesh = 1 } end, says = "mesh 1 has no texture coordinates" },
     }
     for _, case in ipairs { { {}, "field 'mesh' is missing" }, { { mesh = 0 }, "mesh must be" },
       { { mesh = 2 }, "mesh = 2: the scene has 1 pieces of geometry" }, { { mesh = 1, size = { 0, 4 } }, "size must be { "
         .. "width, height }" },
-      { { mesh = 1, part = "al" }, "did you mean 'all'" }, { { mesh = 1, links = 5 }, "links must be" },
+      { { mesh = 1, part = "al" }, "did you mean 'all'" }, { { mesh = 1, rays = 5 }, "rays must be" },
       { { mesh = 1, light_samples = 0 }, "light_samples must be" }, { { mesh = 1, gutter = -1 }, "gutter must be" },
       { { mesh = 1, side = "both" }, "side must be" },
       { { mesh = 1, size = { 4, 4 }, progress = function() return false end }, "cancelled" } } do

@@ -8,16 +8,16 @@ local function scene(ylm, albedo)
   }
 end
 
-local function transfer(ylm, albedo, lmax) return scene(ylm, albedo):transfer { spacing = 4, links = 4, lmax = lmax } end
+local function links(ylm, albedo, lmax) return scene(ylm, albedo):links { spacing = 4, rays = 4, lmax = lmax } end
 
-local function vectors(o, says) return { call = function(ylm) return transfer(ylm):vectors(o) end, says = says } end
+local function vectors(o, says) return { call = function(ylm) return links(ylm):vectors(o) end, says = says } end
 
---- Method `name` of a view of the same scene as its transfer, which is of degree 2.
+--- Method `name` of a view of the same scene as its links, which are of degree 2.
 local function viewed(name, o, says, size, lmax)
   return { call = function(ylm)
     local s, given = scene(ylm), {}
     for key, value in pairs(o) do given[key] = value end
-    given.transfer = s:transfer { spacing = 4, links = 4, lmax = lmax or 2 }
+    given.links = s:links { spacing = 4, rays = 4, lmax = lmax or 2 }
     local view = s:prepare { size = size or { 2, 2 }, samples = 1 }
     return view[name](view, given)
   end, says = says }
@@ -26,43 +26,43 @@ end
 local function of_another(name)
   return { call = function(ylm)
     local view = scene(ylm):prepare { size = { 2, 2 }, samples = 1 }
-    return view[name](view, { transfer = transfer(ylm) })
-  end, says = name .. ": the transfer is of other geometry, that of scene \"refusing\"" }
+    return view[name](view, { links = links(ylm) })
+  end, says = name .. ": the links are of other geometry, that of scene \"refusing\"" }
 end
 
 local function closed(name)
   return { call = function(ylm)
     local s = scene(ylm)
-    local view, t = s:prepare { size = { 2, 2 }, samples = 1 }, s:transfer { spacing = 4, links = 4 }
+    local view, t = s:prepare { size = { 2, 2 }, samples = 1 }, s:links { spacing = 4, rays = 4 }
     t:close()
-    return view[name](view, { transfer = t })
-  end, says = name .. ": the transfer has been closed" }
+    return view[name](view, { links = t })
+  end, says = name .. ": the links have been closed" }
 end
 
 return {
-  ["transfer:vectors"] = {
-    { call = function(ylm) return transfer(ylm).vectors {} end, says = "vectors: a transfer expected before the colon" },
+  ["links:vectors"] = {
+    { call = function(ylm) return links(ylm).vectors {} end, says = "vectors: links expected before the colon" },
     { call = function(ylm)
-      local t = transfer(ylm)
+      local t = links(ylm)
       t:close()
       return t:vectors()
-    end, says = "vectors: the transfer has been closed" },
+    end, says = "vectors: the links have been closed" },
     vectors({ bounces = -1 }, "bounces must be"), vectors({ residual = 0 }, "residual must be"),
     vectors({ object = 0 }, "object must be"), vectors({ object = 2 }, "object must be from 1 to 1, .* got 2"),
     vectors({ objects = 1 }, "did you mean 'object'"), vectors({ progress = function() return false end }, "cancelled"),
     { call = function(ylm)
       local s = ylm.scene "open" { geometry = ylm.quad { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 0, -1 } } }
-      return s:transfer({ links = 4 }):vectors { threads = 0 }
+      return s:links({ rays = 4 }):vectors { threads = 0 }
     end, says = "threads must be" },
   },
   ["prepared:transfer"] = {
-    viewed("transfer", { links = 6 }, "links must be a multiple of 4"), viewed("transfer", { bounces = "many" }, "bounces must be"),
+    viewed("transfer", { rays = 6 }, "rays must be a multiple of 4"), viewed("transfer", { bounces = "many" }, "bounces must be"),
     viewed("transfer", { residual = 2 }, "residual must be"), viewed("transfer", { lmax = 2 }, "no field 'lmax'"),
     of_another "transfer", closed "transfer",
-    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):transfer { transfer = 1 } end,
-      says = "transfer must be a ylm.transfer, got 1" },
+    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):transfer { links = 1 } end,
+      says = "links must be a ylm.links, got 1" },
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):transfer { bounces = 1 } end,
-      says = "bounces is for vectors with bounces: give transfer" },
+      says = "bounces is for vectors with bounces: give links" },
   },
   ["prepared:shade"] = {
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }).shade {} end,
@@ -84,8 +84,8 @@ return {
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }).matrices {} end,
       says = "matrices: a prepared view expected" },
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):matrices() end,
-      says = "field 'transfer' is missing" },
-    viewed("matrices", { lmax_in = 3 }, "lmax_in 3, and the transfer knows light to lmax 2"),
+      says = "field 'links' is missing" },
+    viewed("matrices", { lmax_in = 3 }, "lmax_in 3, and the links know light to lmax 2"),
     viewed("matrices", { lmax_in = 21 }, "lmax_in must be"), viewed("matrices", { lmax_out = -1 }, "lmax_out must be"),
     viewed("matrices", { rays = 0 }, "rays must be"), viewed("matrices", { lmax_out = 20 },
       "3881 shading points would take 2.3 GiB, more than 2 GiB: .* or links: view:transfer .* takes", { 64, 64 }, 10),
