@@ -306,7 +306,7 @@ return scene "a room" {
     end
     _, code, err = ylm("compare " .. scene .. " " .. scene)
     assert.equal(1, code)
-    assert.truthy(err:find("lamp.lua: not a file that ylm knows", 1, true), err)
+    assert.truthy(err:find("lamp.lua: not an image", 1, true), err)
     _, code, err = ylm("render " .. scene .. small .. "-o " .. quote(path .. "/nowhere/x.exr"))
     assert.equal(1, code)
     assert.truthy(err:find("nowhere", 1, true), err)

@@ -120,10 +120,10 @@ describe("far from the origin", function()
   end)
 
   it("grids of a room's light are the same, and so are pictures by them", function()
-    for _, parts in ipairs(long({ "all" }, { "direct", "indirect", "all" })) do
+    for _, quantity in ipairs(long({ "all" }, { "direct", "indirect", "all" })) do
       local probes, stats = ylm.adaptive_grid { lmax = 2, depth = 3, tolerance = 0.1 }, {}
       assert_same(picture(function(s, o)
-        local grid = assert(s:bake { parts = parts, probes = probes })
+        local grid = assert(s:bake { quantity = quantity, probes = probes })
         stats[o] = grid.stats
         return s:render { size = SIZE, samples = 2, grid = grid }
       end), 1e-3)
@@ -182,7 +182,7 @@ describe("far from the origin", function()
       assert(s:links { file = folder.path .. "/far.links" })
       local taken, message = pcall(function() return scene(0):links { file = folder.path .. "/far.links" } end)
       assert.is_false(taken)
-      assert.matches("is of another scene", message)
+      assert.matches("are of another scene", message)
       local lights = assert(s:virtual_lights { count = 20, seed = 2 })
       assert(emit.write(lights, folder.path .. "/far.ply"))
       assert.matches("property double x", folder:read "far.ply")

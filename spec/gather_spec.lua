@@ -436,5 +436,19 @@ describe("radiosity:field", function()
         assert.near(1, (mean(grid) - direct) / (mean(lit) - direct), 0.15)
       end)
     end
+
+    it("is in one call what links, radiosity and field are", function()
+      local scene = ylm.scene "a room" { geometry = ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } },
+        lights = ylm.sphere_light { at = { 0, 0.3, 0 }, radius = 0.1, radiance = 10 } }
+      local places = { { 0.3, 0.2, 0 }, { -0.4, -0.5, 0.6 } }
+      local function at(field) return ylm.light_field(2, field, places):totable() end
+      local links = scene:links { lmax = 0 }
+      local lit = links:radiosity(scene.lights, { bounces = 1 })
+      local short = scene:field { quantity = "all", bounces = 2, rays = 768 }
+      assert.same(at(lit:field { quantity = "all", rays = 768 }), at(short))
+      assert.same(at(short), at(scene:field { quantity = "all", bounces = 2, rays = 768, links = links }))
+      assert.equal(scene, short.scene)
+      assert.same(at(scene.lights), at(scene:field()))
+    end)
   end)
 end)

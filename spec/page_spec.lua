@@ -9,7 +9,7 @@ local ylm = require "ylm"
 local unpack = table.unpack or unpack -- luacheck: ignore
 
 local function lacks_parts()
-  local quantity = " " .. table.concat(ylm.info().parts, " ") .. " "
+  local parts = " " .. table.concat(ylm.info().parts, " ") .. " "
   return not (parts:find " codec " and parts:find " scene ")
 end
 
