@@ -166,7 +166,7 @@ describe("a tolerance of a picture", function()
     assert.is_true(report.met)
     assert.is_true(report.error <= 0.05 and report.judged.pixels > 300)
     assert.is_true(report.judged.sure and report.judged.uncertainty < 0.02 and #report.warnings == 0)
-    assert.equal(report.chosen.links, report.links)
+    assert.equal(report.chosen.rays, report.links)
     assert.equal("true", image.metadata.met)
   end)
 
@@ -176,7 +176,7 @@ describe("a tolerance of a picture", function()
     local before = ylm.on_warning(false)
     for _, means in ipairs { { samples = 1, rays = 16, light_samples = 1 }, { samples = 4, rays = 4, light_samples = 4 } } do
       local image, report = scene:render { size = { 16, 9 }, bounces = "all", tolerance = 0.001, samples = means.samples,
-        links = means.links, light_samples = means.light_samples }
+        rays = means.rays, light_samples = means.light_samples }
       assert.is_false(report.met)
       assert.near(1, report.error / error_of(image, truth), 0.1)
     end

@@ -157,7 +157,7 @@ describe("transfer vectors", function()
         visibility = "transfer" }
     end
     local one, many, other = view(1, 1), view(3, 1), view(1, 2)
-    assert.equal(0, (core.array_distance(one:hits(), many:hits())))
+    assert.equal(0, (core.array_distance(one:transfer(), many:transfer())))
     assert.equal(0, (core.array_distance(one:points().position, many:points().position)))
     local few, all = one:reference { threads = 1 }, many:reference { threads = 3 }
     assert.equal(0, (core.array_distance(few:layer(), all:layer())))

@@ -252,7 +252,7 @@ ylm_gather_form ylm_gather_defaults(void) {
 static ylm_status check_spots(const ylm_scene *lamps, ylm_error *e) {
   if (ylm_scene_spots(lamps, NULL) == 0) return YLM_OK;
   return ylm_fail(e, YLM_EINVAL,
-                  "a spot_light has no size, and no spherical harmonics: parts = 'indirect' has "
+                  "a spot_light has no size, and no spherical harmonics: quantity = 'indirect' has "
                   "the light that it sends by way of surfaces");
 }
 

@@ -458,7 +458,7 @@ function knob.choose(name, s, o, given)
     threads = o.threads or 0, bar = progress.resolve(o.progress), chosen = chosen, causes = {}, noise = 0, seconds = 0,
     judged = { rays = 0, pixels = 0, samples = 0 },
     given = { samples = given.samples or given.pixel_samples, share = given.share, light_samples = given.light_samples,
-      links = given.rays } }
+      rays = given.rays } }
   local ok
   ok, message, code = try(choose, x)
   if not ok then return nil, message, code end
