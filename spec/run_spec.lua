@@ -1,4 +1,4 @@
--- Messages of spec/run where it cannot work.
+-- spec/run: the order of specs, and messages where it cannot work; how many processors make takes.
 
 local scratch = require "spec.support.scratch"
 
@@ -29,5 +29,25 @@ describe("spec/run", function()
       SPEC_LUAS=%s spec/run spec/box_spec.lua]]):format(os.getenv "YLM_LUA" or "lua5.4"))
     assert.equal(2, status, out)
     assert.matches("^spec/run: busted is not installed for [%w.]+: 'make deps' installs it [^\n]*lua%-busted[^\n]*\n$", out)
+  end)
+end)
+
+describe("make", function()
+  local folder
+  setup(function() folder = scratch.new() end)
+  teardown(function() folder:remove() end)
+
+  --- The -j under which a goal of make works; options: of its command line.
+  local function jobs(options, environment)
+    local file = folder:write("show.mk", "include Makefile\nshow: ; @echo $(filter -j%,$(MAKEFLAGS))\n")
+    return (scratch.capture(("env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL %s make -s -f %s %s show"):format(environment or "", file,
+      options)):gsub("%s", ""))
+  end
+
+  it("takes all processors for one goal, unless -j says how many", function()
+    assert.equal("-j" .. scratch.capture "nproc":gsub("%s", ""), jobs "")
+    assert.equal("-j1", jobs "-j1")
+    assert.equal("-j3", jobs("", "MAKEFLAGS=-j3"))
+    assert.equal("", jobs "show")
   end)
 end)
