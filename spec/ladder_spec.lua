@@ -238,9 +238,8 @@ describe("the ladder", function()
       ["ylm_numbers.h"] = "base", ["ylm_pace.h"] = "base",
       ["ylm_sh_rival.h"] = "sh", ["ylm_sh_exponential.h"] = "sh", ["ylm_display.h"] = "codec",
       ["ylm_gltf.h"] = "codec", ["ylm_image_texture.h"] = "image",
-      ["ylm_light_device.h"] = "light", ["ylm_light_sky.h"] = "light", ["ylm_light_virtual.h"] = "light",
+      ["ylm_light_device.h"] = "light", ["ylm_light_emitter.h"] = "light", ["ylm_light_virtual.h"] = "light",
       ["ylm_light_shadow.h"] = "light", ["ylm_trace_occlusion.h"] = "trace",
-      ["ylm_light_spot.h"] = "light",
       ["ylm_material_table.h"] = "material", ["ylm_material_rival.h"] = "material" }
     for name, folder in pairs(public) do
       assert(name == "ylm_" .. folder .. ".h" or others[name] == folder, folder .. "/" .. name)
