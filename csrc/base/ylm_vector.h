@@ -44,4 +44,23 @@ static inline void ylm_cross3d(const double a[3], const double b[3], double out[
   out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/* Cosine and sine of t turns, 0 <= t <= 1, to 2e-16, without branches: Taylor's series within an eighth of a
+   turn about the nearest quarter. */
+static inline void ylm_turn(double t, double *cosine, double *sine) {
+  static const double sign[5][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}};
+  int quarter = (int)(4 * t + 0.5);
+  double x = 2 * 3.14159265358979323846 * (t - 0.25 * quarter), y = x * x;
+  double s = y * (-1.0 / 1307674368000), c = y * (1.0 / 20922789888000);
+  s = y * (s + 1.0 / 6227020800), c = y * (c - 1.0 / 87178291200);
+  s = y * (s - 1.0 / 39916800), c = y * (c + 1.0 / 479001600);
+  s = y * (s + 1.0 / 362880), c = y * (c - 1.0 / 3628800);
+  s = y * (s - 1.0 / 5040), c = y * (c + 1.0 / 40320);
+  s = y * (s + 1.0 / 120), c = y * (c - 1.0 / 720);
+  s = y * (s - 1.0 / 6), c = y * (c + 1.0 / 24);
+  s = x + x * s, c = 1 + y * (c - 0.5);
+  const double *q = sign[quarter];
+  *cosine = q[0] * c - q[1] * s;
+  *sine = q[1] * c + q[0] * s;
+}
+
 #endif

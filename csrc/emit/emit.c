@@ -31,13 +31,13 @@ static ylm_status check(const ylm_emit_options *o, ylm_error *e) {
 
 /* Options of a grid: a particle a texel, each a light. */
 static ylm_status lay_grids(const ylm_scene *scene, ylm_emit_options *o, ylm_error *e) {
-  size_t spots = ylm_scene_spots(scene, NULL), each = (size_t)o->grid * (size_t)o->grid;
-  if (spots == 0 || ylm_scene_near(scene) + ylm_scene_distant(scene) > 0)
-    return ylm_fail(e, YLM_EINVAL, "a grid is of spot_lights alone, the scene has %s",
-                    spots ? "other lamps too: distribution = 'particles' is of all" : "none");
-  if (o->grid > 8192 || each > YLM_EMIT_PARTICLES / spots)
+  size_t points = ylm_scene_points(scene, NULL), each = (size_t)o->grid * (size_t)o->grid;
+  if (points == 0 || ylm_scene_lamps_all(scene) > points)
+    return ylm_fail(e, YLM_EINVAL, "a grid is of spots alone, the scene has %s",
+                    points ? "other lamps too: distribution = 'particles' is of all" : "none");
+  if (o->grid > 8192 || each > YLM_EMIT_PARTICLES / points)
     return ylm_fail(e, YLM_ERANGE, "grids of %d texels a side are too many texels", o->grid);
-  o->particles = spots * each;
+  o->particles = points * each;
   o->lights = 0;
   o->bounces = 1;
   return YLM_OK;

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "ylm_emit.h"
+#include "ylm_light_emitter.h"
 #include "ylm_vector.h"
 
 #define EMIT_WIDEST (85 * YLM_PI / 180) /* half the opening of a grid */
@@ -28,12 +29,10 @@ void ylm__emit_numbers(const emit_sequence *s, uint64_t i, double u[EMIT_NUMBERS
 /* The lamps of a scene as sources of particles. */
 typedef struct emit_lamps {
   const ylm_scene *scene;
-  int side;            /* texels of a grid */
-  size_t near, sky, n; /* up to: lamps, distant lights, spots */
-  const ylm_light_spot *spot;
-  double *upto;         /* [n] luminous power of a lamp and all before it, W */
-  double (*record)[17]; /* [near] ylm_scene_lamp_record, then whether it is a sphere */
-  double (*power)[3];   /* [near] of a particle from a sphere */
+  int side;                   /* texels of a grid */
+  size_t n, points;           /* lamps; the first of those without a size, which are the last */
+  double *upto;               /* [n] luminous power of a lamp and all before it, W */
+  ylm_light_emitter *emitter; /* [n] but of distant lamps */
   double particles;
   double centre[3], reach; /* of the scene: particles of a sky come from a disk as wide */
 } emit_lamps;
@@ -51,34 +50,23 @@ bool ylm__emit_start(const emit_lamps *l, const double u[EMIT_NUMBERS], ylm_trac
 bool ylm__emit_texel(const emit_lamps *l, size_t i, ylm_trace_ray *ray, double power[3],
                      double *solid);
 
-/* Cosine and sine of t turns, 0 <= t <= 1, to 2e-16, without branches: Taylor's series within an eighth of a
-   turn about the nearest quarter. */
-static inline void ylm__emit_turn(double t, double *cosine, double *sine) {
-  static const double sign[5][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}};
-  int quarter = (int)(4 * t + 0.5);
-  double x = 2 * YLM_PI * (t - 0.25 * quarter), y = x * x;
-  double s = y * (-1.0 / 1307674368000), c = y * (1.0 / 20922789888000);
-  s = y * (s + 1.0 / 6227020800), c = y * (c - 1.0 / 87178291200);
-  s = y * (s - 1.0 / 39916800), c = y * (c + 1.0 / 479001600);
-  s = y * (s + 1.0 / 362880), c = y * (c - 1.0 / 3628800);
-  s = y * (s - 1.0 / 5040), c = y * (c + 1.0 / 40320);
-  s = y * (s + 1.0 / 120), c = y * (c - 1.0 / 720);
-  s = y * (s - 1.0 / 6), c = y * (c + 1.0 / 24);
-  s = x + x * s, c = 1 + y * (c - 0.5);
-  const double *q = sign[quarter];
-  *cosine = q[0] * c - q[1] * s;
-  *sine = q[1] * c + q[0] * s;
+/* A direction by its cosine and sine to the axis, and its turn around it, of 0 .. 1. */
+static inline void ylm__emit_about(const double axis[3], double cosine, double sine, double turn,
+                                   float out[3]) {
+  const float n[3] = {(float)axis[0], (float)axis[1], (float)axis[2]};
+  float a[3], b[3];
+  double x, y;
+  ylm_scene_basis(n, a, b);
+  ylm_turn(turn, &x, &y);
+  x *= sine, y *= sine;
+  for (int k = 0; k < 3; k++)
+    out[k] = (float)(x * (double)a[k] + y * (double)b[k] + cosine * axis[k]);
 }
 
 /* A direction about the axis, of length 1, with the density of the cosine. */
 static inline void ylm__emit_cosine(const float axis[3], double u, double v, float out[3]) {
-  float a[3], b[3];
-  double r = sqrt(u), z = sqrt(1 - u), x, y;
-  ylm__emit_turn(v, &x, &y);
-  x *= r, y *= r;
-  ylm_scene_basis(axis, a, b);
-  for (int k = 0; k < 3; k++)
-    out[k] = (float)(x * (double)a[k] + y * (double)b[k] + z * (double)axis[k]);
+  const double n[3] = {(double)axis[0], (double)axis[1], (double)axis[2]};
+  ylm__emit_about(n, sqrt(1 - u), sqrt(u), v, out);
 }
 
 /* -- gloss.c ------------------------------------------------------------------------ */

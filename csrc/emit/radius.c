@@ -1,6 +1,5 @@
 /* radius.c - how wide lights are: by the lights around them, by the way of their particle, or as told. */
 #include "emit.h"
-#include "ylm_light_spot.h"
 
 #define MOST_MEDIANS 4
 
@@ -72,11 +71,13 @@ static ylm_status settle(const ylm_emit_options *o, ylm_emit_lights *l, ylm_emit
 /* The paper's r2, of a grid: d tan(sqrt(2) times the angle of a texel). */
 static void by_texel(const ylm_scene *scene, const emit_landing *landing, const ylm_emit_options *o,
                      ylm_emit_lights *l) {
-  const ylm_light_spot *spot;
+  const ylm_light_emitter *point;
+  ylm_light_place place;
   size_t each = (size_t)o->grid * (size_t)o->grid;
-  (void)ylm_scene_spots(scene, &spot);
+  (void)ylm_scene_points(scene, &point);
   for (size_t i = 0; i < l->n; i++) {
-    double opening = 2 * fmin(acos(spot[landing[i].particle / each].outer), EMIT_WIDEST);
+    ylm_light_emitter_place(&point[landing[i].particle / each], &place);
+    double opening = 2 * fmin(acos(place.outer), EMIT_WIDEST);
     double angle = fmin(sqrt(2) * opening / o->grid, YLM_PI / 4);
     l->radius[i] = o->scale * (double)landing[i].way * tan(angle);
   }

@@ -15,7 +15,7 @@
 #include "calibration.h"
 #include "light.h"
 #include "ylm_light_device.h"
-#include "ylm_light_sky.h"
+#include "ylm_light_emitter.h"
 
 typedef struct ylm__light_kind ylm__light_kind;
 
@@ -44,6 +44,28 @@ typedef struct ylm__light_probes {
   const double *distance, *cosine;
 } ylm__light_probes;
 
+/* The half of a kind that rays and particles need: ylm_light_emitter.h has each question. x are the numbers of one
+   emitter. NULL: the question is not asked of the kind. */
+typedef struct ylm__light_emits {
+  /* Of a pack. Light i, if it is neither a surface nor distant: how many numbers. */
+  size_t (*numbers)(const void *of, size_t i, double x[YLM_LIGHT_EMITTER_NUMBERS]);
+  /* Where distant light i comes from, if that is a cone. NULL: they fill the sky. */
+  void (*cone)(const void *of, size_t i, ylm_light_cone *out);
+  /* Lights that fill the sky: what `out` says of their radiance but the pack. */
+  void (*dome)(const void *of, ylm_light_dome *out);
+
+  void (*move)(double *x, const double way[3]);
+  double (*power)(const double *x);
+  bool (*place)(const double *x, ylm_light_place *out);
+  bool (*toward)(const double *x, const double from[3], ylm_light_way *out);
+  double (*weight)(const double *x, const double from[3], const float *normal);
+  void (*intensity)(const double *x, double cosine, double rgb[3]);
+  void (*radiance)(const double *x, const double way[3], double rgb[3]);
+  bool (*leave)(const double *x, const double u[4], ylm_light_leaving *out);
+  /* Why the kind has no light field, a sentence; NULL: it has one, and x is its record. */
+  const char *fieldless;
+} ylm__light_emits;
+
 struct ylm__light_kind {
   const char *name;
   size_t common; /* numbers of a record behind its radiance */
@@ -54,6 +76,8 @@ struct ylm__light_kind {
   size_t (*length)(const double *x, size_t left);
   /* Checks n records and fills p->of, p->field. Errors count lights from 1. */
   ylm_status (*create)(size_t n, const double *const *record, ylm__light_pack *p, ylm_error *e);
+
+  const ylm__light_emits *emits; /* NULL: rays ask for nothing but surfaces */
 
   /* -- a pack -- */
 
@@ -81,10 +105,6 @@ struct ylm__light_kind {
   bool images;
   /* Distant lights: adds the radiance that comes from direction d, of length 1. NULL: none does. */
   void (*radiance)(const void *of, const double d[3], double rgb[3]);
-  /* Where light i of them comes from, if that is a cone. NULL: they fill the sky. */
-  void (*cone)(const void *of, size_t i, ylm_light_cone *out);
-  /* Lights that fill the sky: what `out` says of their radiance but the pack. */
-  void (*dome)(const void *of, ylm_light_dome *out);
   /* The part of a device's sums that the pack is; NULL: no device sums it. */
   void (*device)(const void *of, ylm_light_part *out);
 
@@ -131,6 +151,14 @@ ylm_status ylm__surfaces_disk(ylm_light_surfaces *s, const double at[3], double 
 
 /* Adds an image, whose triangles have been added; there is one for each textured light. */
 ylm_status ylm__surfaces_image(ylm_light_surfaces *s, const ylm_light_image *image);
+
+/* The last disk sends radiance as an emitter of this kind says. */
+ylm_status ylm__surfaces_direct(ylm_light_surfaces *s, const ylm__light_kind *kind, size_t numbers,
+                                const double *x);
+
+/* `evaluate` of fields of kinds that have none, which are packs of distant.h. emitter.c */
+ylm_status ylm__fieldless(const ylm_field *f, const ylm_field_query *q, size_t n,
+                          const void *points, ylm_field_result *r, ylm_error *e);
 
 /* A pack of spheres from arrays. sphere/kind.c */
 ylm_status ylm__sphere_pack(size_t n, const double *at, const double *radius,

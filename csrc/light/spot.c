@@ -13,25 +13,17 @@
 
 #include "distant/distant.h"
 #include "set.h"
-#include "ylm_light_spot.h"
 #include "ylm_vector.h"
 
 #define BRIGHTEST 1e20 /* W sr^-1: light of it is a float at distances above 1e-3 */
+#define SOLID 1e-12    /* sr */
+#define MOST 1e36      /* of a radiance, whose sums are floats */
 
 enum { AT = 3, AXIS = 6, ANGLE = 9, BLEND, NUMBERS };
 
 static size_t length(const double *x, size_t left) {
   (void)x;
   return left < NUMBERS ? 0 : NUMBERS;
-}
-
-static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
-                           const void *points, ylm_field_result *r, ylm_error *e) {
-  (void)f, (void)q, (void)n, (void)points, (void)r;
-  return ylm_fail(
-      e, YLM_EINVAL,
-      "a spot_light has no size, and no spherical harmonics: rays find its light "
-      "(scene:render, raycast, pathtrace), scene:virtual_lights and radiosity bounce it");
 }
 
 static ylm_status settle(double *x, size_t i, ylm_error *e) {
@@ -58,39 +50,110 @@ static ylm_status settle(double *x, size_t i, ylm_error *e) {
 static ylm_status create(size_t n, const double *const *record, ylm__light_pack *made,
                          ylm_error *e) {
   ylm_status s = ylm__distant_create(&ylm__spot_kind, n, record, settle, made, e);
-  if (s == YLM_OK) ((ylm__distant *)made->of)->field.evaluate = evaluate;
+  if (s == YLM_OK) ((ylm__distant *)made->of)->field.evaluate = ylm__fieldless;
   return s;
 }
 
-bool ylm_light_set_spot(const ylm_light_set *set, size_t i, ylm_light_spot *out) {
-  for (size_t k = 0; k < set->packs; k++) {
-    const ylm__light_pack *p = set->pack[k];
-    if (p->kind != &ylm__spot_kind) continue;
-    if (i >= p->n) {
-      i -= p->n;
-      continue;
-    }
-    const double *x = ((const ylm__distant *)p->of)->record[i], half = x[ANGLE] * YLM_PI / 360;
-    memcpy(out->intensity, x, sizeof out->intensity);
-    memcpy(out->at, x + AT, sizeof out->at);
-    memcpy(out->axis, x + AXIS, sizeof out->axis);
-    out->outer = cos(half);
-    out->inner = cos(half * (1 - x[BLEND]));
-    return true;
-  }
-  return false;
+/* -- rays -------------------------------------------------------------------------------------
+
+   A spot is sampled as if it filled a solid angle so small that no other ray finds it: estimates by several
+   kinds of rays leave its light to the rays that are aimed. Its numbers: intensity [3], place [3], axis [3], and the
+   cosines to the axis below which it is dark, and above which it has all its intensity. */
+
+enum { OUTER = 10, INNER = 9, SEEN };
+
+static size_t numbers(const void *of, size_t i, double *out) {
+  const double *x = ((const ylm__distant *)of)->record[i], half = x[ANGLE] * YLM_PI / 360;
+  memcpy(out, x, ANGLE * sizeof *x);
+  out[OUTER] = cos(half);
+  out[INNER] = cos(half * (1 - x[BLEND]));
+  return SEEN;
 }
 
-double ylm_light_spot_part(const ylm_light_spot *s, double cosine) {
-  if (cosine >= s->inner) return 1;
-  if (cosine <= s->outer) return 0;
-  double t = (cosine - s->outer) / (s->inner - s->outer);
+static void move(double *x, const double way[3]) {
+  for (int a = 0; a < 3; a++) x[AT + a] += way[a];
+}
+
+/* The part of the intensity at a cosine to the axis: a smooth step. */
+static double part_of(const double *x, double cosine) {
+  if (cosine >= x[INNER]) return 1;
+  if (cosine <= x[OUTER]) return 0;
+  double t = (cosine - x[OUTER]) / (x[INNER] - x[OUTER]);
   return t * t * (3 - 2 * t);
 }
 
-double ylm_light_spot_solid(const ylm_light_spot *s) {
-  return 2 * YLM_PI * (1 - (s->inner + s->outer) / 2);
+static double power(const double *x) {
+  return 2 * YLM_PI * (1 - (x[INNER] + x[OUTER]) / 2) * ylm_luminance_size(x);
 }
 
+static bool place(const double *x, ylm_light_place *out) {
+  *out = (ylm_light_place){.outer = x[OUTER], .bright = fabs(ylm_luminance(x))};
+  memcpy(out->at, x + AT, sizeof out->at);
+  memcpy(out->axis, x + AXIS, sizeof out->axis);
+  return true;
+}
+
+static void intensity(const double *x, double cosine, double rgb[3]) {
+  double part = part_of(x, cosine);
+  for (int c = 0; c < 3; c++) rgb[c] = x[c] * part;
+}
+
+/* The way to a spot, of length 1, its length, and the part of the intensity that comes along it, over its square. */
+static double look(const double *x, const double from[3], double v[3], double *distance) {
+  double d2 = 0, along = 0;
+  for (int a = 0; a < 3; a++) {
+    v[a] = x[AT + a] - from[a];
+    d2 += v[a] * v[a];
+  }
+  *distance = sqrt(d2);
+  if (!(d2 > 0)) return 0;
+  for (int a = 0; a < 3; a++) {
+    v[a] /= *distance;
+    along -= v[a] * x[AXIS + a];
+  }
+  return part_of(x, along) / d2;
+}
+
+static double weight(const double *x, const double from[3], const float *n) {
+  double v[3], d, part = look(x, from, v, &d);
+  double facing = n ? fmax(0, v[0] * (double)n[0] + v[1] * (double)n[1] + v[2] * (double)n[2]) : 1;
+  return fmin(part * facing * ylm_luminance_size(x), MOST);
+}
+
+static bool toward(const double *x, const double from[3], ylm_light_way *out) {
+  double part = look(x, from, out->to, &out->distance);
+  out->solid = SOLID;
+  memcpy(out->at, x + AT, sizeof out->at);
+  for (int c = 0; c < 3; c++) out->radiance[c] = fmin(fmax(x[c] * part / SOLID, -MOST), MOST);
+  return part > 0;
+}
+
+/* Directions are uniform in the cone. */
+static bool leave(const double *x, const double u[4], ylm_light_leaving *out) {
+  double z = 1 - u[0] * (1 - x[OUTER]);
+  out->cosine = z;
+  out->sine = sqrt(fmax(0, 1 - z * z));
+  out->turn = u[1];
+  out->extent = part_of(x, z) * 2 * M_PI * (1 - x[OUTER]);
+  out->flat = true;
+  memcpy(out->light, x, sizeof out->light);
+  memcpy(out->at, x + AT, sizeof out->at);
+  memcpy(out->axis, x + AXIS, sizeof out->axis);
+  return out->extent > 0;
+}
+
+static const ylm__light_emits emits = {
+    .numbers = numbers,
+    .move = move,
+    .power = power,
+    .place = place,
+    .toward = toward,
+    .weight = weight,
+    .intensity = intensity,
+    .leave = leave,
+    .fieldless =
+        "a spot_light has no size, and no spherical harmonics: rays find its light "
+        "(scene:render, raycast, pathtrace), scene:virtual_lights and radiosity bounce it"};
+
 const ylm__light_kind ylm__spot_kind = {
-    .name = "spot", .length = length, .create = create, .free = ylm__distant_free};
+    .name = "spot", .emits = &emits, .length = length, .create = create, .free = ylm__distant_free};

@@ -64,6 +64,17 @@ ylm_status ylm__surfaces_image(ylm_light_surfaces *s, const ylm_light_image *ima
   return YLM_OK;
 }
 
+ylm_status ylm__surfaces_direct(ylm_light_surfaces *s, const ylm__light_kind *kind, size_t numbers,
+                                const double *x) {
+  ylm_light_directed *more = make_room(s->directed, s->directions, sizeof *more);
+  if (!more) return YLM_ENOMEM;
+  s->directed = more;
+  more += s->directions++;
+  *more = (ylm_light_directed){s->disks - 1, {.kind = kind, .numbers = numbers}};
+  memcpy(more->emitter.x, x, numbers * sizeof *x);
+  return YLM_OK;
+}
+
 /* -- a set ------------------------------------------------------------------------------------ */
 
 static bool has_places(const ylm_light_set *set, size_t pack) {
@@ -103,4 +114,5 @@ void ylm_light_surfaces_free(ylm_light_surfaces *s) {
   ylm_free(s->triangle_emission);
   ylm_free(s->disk_emission);
   ylm_free(s->image);
+  ylm_free(s->directed);
 }

@@ -2,8 +2,8 @@
 ** ylm_light.h - lights whose spherical-harmonic coefficients are known in closed form.
 **
 ** A set holds lights of any kinds. Its light field is the sum of theirs; dynamic grids follow them
-** one by one; ray casting asks for their surfaces, devices for what they can sum
-** (ylm_light_device.h). The file of a kind says its parameters and formulas:
+** one by one; rays and particles ask for surfaces and emitters (ylm_light_emitter.h), devices for what they
+** can sum (ylm_light_device.h). The file of a kind says its parameters and formulas:
 **
 ** | kind              | file                            | lights |
 ** | sphere            | csrc/light/sphere/kind.c        | spheres of one radiance |
@@ -12,6 +12,7 @@
 ** | textured          | csrc/light/image/textured.c     | parallelograms with an image |
 ** | environment       | csrc/light/distant/environment.c | light from all around, infinitely far away |
 ** | sun               | csrc/light/distant/sun.c        | discs of one radiance, infinitely far away |
+** | spot              | csrc/light/spot.c               | places that shine into a cone; they have no light field |
 ** | sampled           | csrc/light/image/sampled.c      | light known at a few places, blended between them |
 ** | virtual           | csrc/light/virtual/             | small lights that send different light in different directions |
 **
@@ -249,51 +250,6 @@ YLM_API ylm_status ylm_light_bounds_meet(ylm_light_bounds *b, size_t n, const yl
 YLM_API bool ylm_light_bounds_add(const ylm_light_bounds *bounds, const ylm_light *a,
                                   const ylm_light *b, bool slides, const double p[3],
                                   double bound[3]);
-
-/* -- what rays see: csrc/light/surfaces.c ------------------------------------------------------ */
-
-/* A texture on triangles, the last ones of surfaces; pointers live as long as the set. */
-typedef struct ylm_light_image {
-  double corner[3], u[3], v[3]; /* its bottom left, to its bottom right, to its top left */
-  size_t width, height;
-  const float *texel; /* [height][width][3], the top row first */
-  double scale;       /* multiplies it */
-  size_t triangles;   /* how many cover it */
-} ylm_light_image;
-
-/* Surfaces that emit, spheres in the order of the set; of flat ones first triangles, then disks.
-   Radiances in W sr^-1 m^-2; a horizon of 0 cuts nothing off. */
-typedef struct ylm_light_surfaces {
-  size_t spheres, triangles, disks, images;
-  ylm_light *sphere;         /* [spheres] */
-  double *triangle, *disk;   /* [triangles][9] corners; [disks][7] centre, radius, normal */
-  double *triangle_emission; /* [triangles][6] radiance, horizon */
-  double *disk_emission;     /* [disks][6] */
-  ylm_light_image *image;    /* [images], in the order of their triangles */
-  size_t tiles;              /* an image is covered by, a side */
-} ylm_light_surfaces;
-
-/* To be freed with ylm_light_surfaces_free in any case; images are covered by at most `tiles` tiles
-   a side. YLM_ENOMEM. */
-YLM_API ylm_status ylm_light_set_surfaces(const ylm_light_set *set, size_t tiles,
-                                          ylm_light_surfaces *out);
-YLM_API void ylm_light_surfaces_free(ylm_light_surfaces *s);
-
-/* -- light from infinity, as rays see it: csrc/light/distant/sky.c ----------------------------- */
-
-/* Directions about an axis of length 1, with the cosine of half the angle; radiance all over it. */
-typedef struct ylm_light_cone {
-  double axis[3], cosine, radiance[3];
-} ylm_light_cone;
-
-/* Whether there are distant lights. */
-YLM_API bool ylm_light_set_is_distant(const ylm_light_set *set);
-/* The radiance that comes from infinity, from direction d of length 1: of lights that fill the sky,
-   and with `cones` of all. */
-YLM_API void ylm_light_set_sky(const ylm_light_set *set, const double d[3], bool cones,
-                               double rgb[3]);
-/* Cone i of the set; false where there are no more. */
-YLM_API bool ylm_light_set_cone(const ylm_light_set *set, size_t i, ylm_light_cone *out);
 
 /* -- textured parallelograms: csrc/light/image/texture.c, textured.c -------------------------- */
 

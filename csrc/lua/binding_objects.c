@@ -5,7 +5,7 @@
 #include "binding.h"
 #include "ylm_geom.h"
 #include "ylm_image.h"
-#include "ylm_light.h"
+#include "ylm_light_emitter.h"
 #include "ylm_material.h"
 
 #include <stdlib.h>

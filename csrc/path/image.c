@@ -20,8 +20,7 @@ static void see(path_tile *t, size_t i, float radiance[3]) {
   const path_job *j = t->job;
   const ylm_trace_hit *h = &t->rays.hit[i];
   double sky[3];
-  if (h->mesh == YLM_TRACE_LAMP)
-    memcpy(radiance, ylm_scene_lamp_radiance(j->scene, &t->rays.ray[i], h), 12);
+  if (h->mesh == YLM_TRACE_LAMP) ylm_scene_lamp_radiance(j->scene, &t->rays.ray[i], h, radiance);
   if (h->mesh != YLM_TRACE_NOTHING) return;
   if (ylm_scene_sky_radiance(j->scene, &t->rays.ray[i], sky))
     for (int c = 0; c < 3; c++) radiance[c] = (float)sky[c];

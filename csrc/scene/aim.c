@@ -24,27 +24,15 @@ static void place_of(const aiming *a, int k, double u[2]) {
 /* Ray k of all, to a lamp that was chosen with the chance 1/rarity. */
 static void aim_at(aiming *a, int k, uint32_t lamp, double rarity) {
   const ylm_scene *s = a->c->scene;
-  const float *x = a->c->x, *n = a->c->normal, *radiance;
-  size_t near = ylm_scene_near(s);
-  ylm_trace_ray *ray = &a->ray[a->rays];
-  double u[2], e;
-  float sky[3];
-  place_of(a, k, u);
-  if (lamp >= near + s->sky_lights) {
-    e = ylm__scene_spot_sample(s, lamp - near - s->sky_lights, x, n, ray, sky);
-    radiance = sky;
-  } else if (lamp >= near) {
-    e = ylm__scene_sky_sample(s, lamp - near, x, n, u[0], u[1], ray, sky);
-    radiance = sky;
-  } else if (lamp >= s->lamps) {
-    size_t i = lamp - s->lamps;
-    double solid = ylm__scene_solid(a->c, i);
-    e = (s->tree ? ylm__scene_patch_sample_one : ylm__scene_patch_sample)(s, i, x, n, u[0], u[1],
-                                                                          solid, ray, &radiance);
-  } else {
-    e = ylm__scene_sphere_sample(s, lamp, x, n, u[0], u[1], ray);
-    radiance = s->lamp_radiance + 3 * lamp;
-  }
+  size_t i = lamp;
+  int of = ylm__scene_storage_of(s, &i);
+  scene_aim to = {.x = a->c->x,
+                  .normal = a->c->normal,
+                  .solid = ylm__scene_solid(a->c, of, i),
+                  .one = s->tree != NULL};
+  float radiance[3];
+  place_of(a, k, to.u);
+  double e = ylm__scene_storage[of]->sample(s, i, &to, &a->ray[a->rays], radiance);
   if (!(e > 0)) return;
   e *= rarity / a->light_samples;
   for (int c = 0; c < 3; c++) a->value[a->rays][c] = (float)e * radiance[c];
@@ -114,12 +102,7 @@ size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], c
                      int light_samples, ylm_rng *rng, ylm_trace_ray *ray, float (*value)[3]) {
   const ylm_scene *s = c->scene;
   ylm__scene_turn_to(c, x, n);
-  if (!s->tree) {
-    c->weights(c->spheres, s->lamp, s->lamp_luminance, x, n, c->weight, c->sum);
-    ylm__scene_patch_weights(s, x, n, c->weight + c->spheres * YLM_LAMP_CHUNK, c->sum + c->spheres,
-                             c->solid);
-  }
-  if (!(ylm__scene_add_weights(c, light_samples) > 0)) return 0;
+  if (!(ylm__scene_weigh(c, false, light_samples) > 0)) return 0;
   scene_walk w = {0};
   scene_drawn d;
   size_t drawn = 0;

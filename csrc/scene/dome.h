@@ -4,7 +4,7 @@
 
 #include <stdatomic.h>
 
-#include "ylm_light_sky.h"
+#include "ylm_light_emitter.h"
 
 /* The numbers behind weights of lights of the sky: luminous power over pi, its mean direction times that,
    and the largest distance of a direction from that mean, times power too. */

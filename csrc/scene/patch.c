@@ -1,5 +1,4 @@
-/* patch.c - flat lights for ray casting: triangles and disks, how bright they may be and where on
-   them rays end. */
+/* patch.c - flat lamps: triangles and disks, how bright they may be and where on them rays end. */
 #include <math.h>
 #include <string.h>
 
@@ -61,8 +60,9 @@ double ylm__scene_patch_weight(const ylm_scene *s, size_t i, const float x[3], c
                           : disk_weight(s->disk + 7 * (i - s->triangles), x, n);
 }
 
-void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float n[3], float *weight,
-                              float *sum, double *solid) {
+/* Sums in double. */
+static void weigh_all(const ylm_scene *s, const float x[3], const float n[3], float *weight,
+                      float *sum, double *solid) {
   size_t count = s->triangles + s->disks;
   for (size_t b = 0; b * YLM_LAMP_CHUNK < count; b++) {
     size_t first = b * YLM_LAMP_CHUNK,
@@ -173,7 +173,7 @@ static double sample_disk(const float *disk, const float x[3], const float n[3],
 /* The ray from x to x + y on patch i that brings irradiance e for radiance 1: e, or 0 where the
    patch's horizon hides that place. */
 static double aim(const ylm_scene *s, size_t i, const float x[3], const double y[3], double e,
-                  ylm_trace_ray *ray, const float **radiance) {
+                  ylm_trace_ray *ray, float radiance[3]) {
   double p[3], d = sqrt(ylm_dot3d(y, y)), above = 0;
   float at[3];
   for (int k = 0; s->horizon && k < 3; k++) above += (double)s->horizon[3 * i + (size_t)k] * y[k];
@@ -183,19 +183,20 @@ static double aim(const ylm_scene *s, size_t i, const float x[3], const double y
     ray->dir[k] = (float)(y[k] / d);
     at[k] = (float)(p[k] = (double)x[k] + y[k]);
   }
-  *radiance = ylm__scene_patch_radiance(s, i, p);
+  ylm__scene_patch_radiance(s, i, p, ray->dir, radiance);
   ray->near = 0;
   /* a light may lie on a wall: the ray ends just before it */
   ray->far = fmaxf(0, (float)(d * (1 - 1e-5)) - ylm_trace_offset(s->trace, at));
   return e;
 }
 
-double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                               double u0, double u1, double solid, ylm_trace_ray *ray,
-                               const float **radiance) {
+static double sample_all(const ylm_scene *s, size_t i, const scene_aim *to, ylm_trace_ray *ray,
+                         float radiance[3]) {
+  const float *x = to->x, *n = to->normal;
   double y[3] = {0, 0, 0}, e;
-  e = i < s->triangles ? sample_triangle(s->triangle + 9 * i, x, n, u0, u1, solid, y)
-                       : sample_disk(s->disk + 7 * (i - s->triangles), x, n, u0, u1, y);
+  e = i < s->triangles
+          ? sample_triangle(s->triangle + 9 * i, x, n, to->u[0], to->u[1], to->solid, y)
+          : sample_disk(s->disk + 7 * (i - s->triangles), x, n, to->u[0], to->u[1], y);
   return aim(s, i, x, y, e, ray, radiance);
 }
 
@@ -239,8 +240,8 @@ static double far_weight(const scene_far *f, const double v[3], double d2, const
   return up > -2.0 / 3 / PATCH_FAR ? omega / YLM_PI * (up > 0.2 ? up : 0.2) : 0;
 }
 
-void ylm__scene_patch_weights_of_one(const ylm_scene *s, const float x[3], const float n[3],
-                                     float *weight, float *sum, double *solid) {
+static void weigh_one(const ylm_scene *s, const float x[3], const float n[3], float *weight,
+                      float *sum, double *solid) {
   size_t count = s->triangles + s->disks;
   for (size_t i = 0; i < count; i++) {
     double v[3], w, d2 = i < s->triangles ? far_away(s, i, x, v) : 0;
@@ -254,13 +255,13 @@ void ylm__scene_patch_weights_of_one(const ylm_scene *s, const float x[3], const
   }
 }
 
-double ylm__scene_patch_sample_one(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                                   double u0, double u1, double solid, ylm_trace_ray *ray,
-                                   const float **radiance) {
+static double sample(const ylm_scene *s, size_t i, const scene_aim *to, ylm_trace_ray *ray,
+                     float radiance[3]) {
   double y[3], v[3];
-  if (i >= s->triangles || !(far_away(s, i, x, v) > 0))
-    return ylm__scene_patch_sample(s, i, x, n, u0, u1, solid, ray, radiance);
-  return aim(s, i, x, y, sample_by_area(s->triangle + 9 * i, x, n, u0, u1, y), ray, radiance);
+  if (!to->one || i >= s->triangles || !(far_away(s, i, to->x, v) > 0))
+    return sample_all(s, i, to, ray, radiance);
+  double e = sample_by_area(s->triangle + 9 * i, to->x, to->normal, to->u[0], to->u[1], y);
+  return aim(s, i, to->x, y, e, ray, radiance);
 }
 
 /* Distance squared over the cosine at the patch and its area: h is the plane's distance, `along` the
@@ -292,12 +293,59 @@ static double disk_density(const float *disk, const float x[3], const double d[3
   return density_by_area(h, along, YLM_PI * r * r);
 }
 
-double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], double solid,
-                                const float d[3]) {
+static double density(const ylm_scene_chooser *c, size_t i, const float d[3]) {
+  const ylm_scene *s = c->scene;
   double to[3], above = 0;
   for (int k = 0; k < 3; k++) to[k] = (double)d[k];
   for (int k = 0; s->horizon && k < 3; k++) above += (double)s->horizon[3 * i + (size_t)k] * to[k];
   if (above < 0) return 0;
-  return i < s->triangles ? triangle_density(s, i, x, solid, to)
-                          : disk_density(s->disk + 7 * (i - s->triangles), x, to);
+  return i < s->triangles ? triangle_density(s, i, c->x, ylm__scene_solid(c, SCENE_PATCHES, i), to)
+                          : disk_density(s->disk + 7 * (i - s->triangles), c->x, to);
 }
+
+/* -- the storage ------------------------------------------------------------------- */
+
+static size_t count(const ylm_scene *s) { return s->triangles + s->disks; }
+
+static void weigh(const ylm_scene_chooser *c, bool one, float *weight, float *sum) {
+  const float *n = c->in_space ? NULL : c->normal;
+  (one ? weigh_one : weigh_all)(c->scene, c->x, n, weight, sum, c->solid);
+}
+
+static void widen(const float *from, int n, double *to) {
+  for (int a = 0; a < n; a++) to[a] = (double)from[a];
+}
+
+/* A disk's middle and two half axes. */
+static void axes_of(const float *disk, double rows[9]) {
+  double n[3];
+  float unit[3], a[3], b[3];
+  widen(disk + 4, 3, n);
+  ylm_unit3(n);
+  for (int k = 0; k < 3; k++) unit[k] = (float)n[k];
+  ylm_scene_basis(unit, a, b);
+  widen(disk, 3, rows);
+  for (int k = 0; k < 3; k++) {
+    rows[3 + k] = (double)disk[3] * (double)a[k];
+    rows[6 + k] = (double)disk[3] * (double)b[k];
+  }
+}
+
+static bool emitter(const ylm_scene *s, size_t i, ylm_light_emitter *out) {
+  const float *radiance = s->lamp_radiance + 3 * (s->lamps + i);
+  const float *horizon = s->horizon ? s->horizon + 3 * i : NULL;
+  const ylm_light_emitter *directed = ylm__scene_patch_directed(s, i);
+  double rows[9];
+  if (directed) {
+    *out = *directed;
+  } else if (i < s->triangles) {
+    widen(s->triangle + 9 * i, 9, rows);
+    ylm_light_emitter_triangle(radiance, horizon, rows, out);
+  } else {
+    axes_of(s->disk + 7 * (i - s->triangles), rows);
+    ylm_light_emitter_disk(radiance, horizon, rows, out);
+  }
+  return true;
+}
+
+const scene_storage ylm__scene_patch_storage = {count, weigh, sample, density, emitter};

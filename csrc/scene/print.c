@@ -3,7 +3,6 @@
 
 #include "scene.h"
 #include "ylm_light.h"
-#include "ylm_light_spot.h"
 
 /* Directions in which skies of harmonics are asked. */
 #define DIRECTIONS 256
@@ -73,7 +72,10 @@ static uint64_t lights(const ylm_scene *s, uint64_t crc) {
   crc = floats(crc, s->horizon, 3 * flat);
   for (size_t i = 0; i < s->textures; i++)
     crc = floats(crc, s->texture[i].texel, 3 * s->texture[i].width * s->texture[i].height);
-  crc = ylm_crc64(crc, s->spot, s->spots * sizeof *s->spot);
+  for (size_t i = 0; i < s->directions; i++)
+    crc = ylm_crc64(crc, s->directed[i].emitter.x, s->directed[i].emitter.numbers * sizeof(double));
+  for (size_t i = 0; i < s->points; i++)
+    crc = ylm_crc64(crc, s->point[i].x, s->point[i].numbers * sizeof *s->point[i].x);
   return sky(s, crc);
 }
 

@@ -126,7 +126,8 @@ static ylm_status copy_lamps(ylm_scene *s, const ylm_scene_lamps *l, ylm_error *
   }
   for (size_t i = 0; i < patches; i++)
     s->patch_luminance[i] = luminance_of(&l->radiance[3 * (count + i)]);
-  return ylm__scene_copy_textures(s, l, e);
+  ylm_status status = ylm__scene_copy_directed(s, l);
+  return status == YLM_OK ? ylm__scene_copy_textures(s, l, e) : status;
 }
 
 void ylm_scene_origin_of(size_t meshes, const ylm_scene_mesh *mesh, double origin[3]) {
@@ -238,7 +239,7 @@ static ylm_status light(ylm_scene *s, const ylm_scene_lamps *lamps, const ylm_sc
   ylm_status status = copy_lamps(s, lamps, e);
   if (status == YLM_OK) status = ylm__scene_make_far(s);
   if (status == YLM_OK) status = ylm__scene_plant(s, lamps->one_by_one);
-  if (status == YLM_OK) status = ylm__scene_copy_spots(s, lamps);
+  if (status == YLM_OK) status = ylm__scene_copy_points(s, lamps);
   return status == YLM_OK ? ylm__scene_share_sky(s, lamps, from) : status;
 }
 
@@ -298,7 +299,7 @@ void ylm_scene_free(ylm_scene *s) {
   ylm__scene_free_tree(s);
   ylm__scene_free_textures(s);
   ylm__scene_free_sky(s);
-  ylm_free(s->spot);
+  ylm_free(s->point);
   ylm_free(s);
 }
 
@@ -340,23 +341,6 @@ const uint32_t *ylm_scene_triangle(const ylm_scene *s, size_t m, size_t element)
 size_t ylm_scene_triangles(const ylm_scene *s, size_t m) { return s->mesh[m].count; }
 
 bool ylm_scene_occludes(const ylm_scene *s, size_t m) { return s->mesh[m].occludes; }
-
-void ylm_scene_lamp_middle(const ylm_scene *s, size_t i, float middle[3], float normal[3]) {
-  memset(normal, 0, 12);
-  if (i < s->lamps) {
-    for (int a = 0; a < 3; a++) middle[a] = s->lamp[a][i];
-  } else if (i - s->lamps < s->triangles) {
-    const float *p = s->triangle + 9 * (i - s->lamps);
-    for (int a = 0; a < 3; a++) middle[a] = (p[a] + p[3 + a] + p[6 + a]) / 3;
-    triangle_normal(p, p + 3, p + 6, normal);
-    normalise(normal);
-  } else {
-    const float *d = s->disk + 7 * (i - s->lamps - s->triangles);
-    memcpy(middle, d, 12);
-    memcpy(normal, d + 4, 12);
-    normalise(normal);
-  }
-}
 
 size_t ylm_scene_first_vertex(const ylm_scene *s, size_t m) {
   return m < s->meshes ? s->mesh[m].first_vertex : s->vertices;

@@ -10,8 +10,6 @@
 #include "ylm_scene.h"
 #include "ylm_vector.h"
 
-typedef struct ylm_light_cone ylm_light_cone; /* ylm_light.h */
-
 /* How far rays start off a triangle, and which part of the way to its middle off its edges. */
 typedef struct scene_off {
   float lift, pull;
@@ -70,15 +68,17 @@ struct ylm_scene {
   float *horizon;          /* [triangles + disks][3] or NULL */
   size_t textures;
   scene_texture *texture; /* in the order of their triangles */
-  ylm_light_set *sky;     /* distant lights; NULL: none */
+  size_t directions;
+  ylm_light_directed *directed; /* [directions] disks with radiance by direction, in order */
+  ylm_light_set *sky; /* distant lights; NULL: none */
   bool sky_is_seen;
-  size_t domes, cones, sky_lights;
-  scene_dome *dome;     /* [domes] those that fill the sky */
-  ylm_light_cone *cone; /* [cones] the others */
-  float *sky_bound[6];  /* [sky_lights] mean x, y, z, spread, 1/(4 spread), power */
-  size_t spots;
-  ylm_light_spot *spot;
-  scene_tree *tree; /* of lamps; NULL: they are weighed one by one */
+  size_t domes, cones, sky_lights; /* tiles of domes, or uniform domes, then cones */
+  scene_dome *dome;                /* [domes] those that fill the sky */
+  ylm_light_cone *cone;            /* [cones] the others */
+  float *sky_bound[6];             /* [sky_lights] mean x, y, z, spread, 1/(4 spread), power */
+  size_t points;
+  ylm_light_emitter *point; /* [points] lamps without a size */
+  scene_tree *tree;         /* of lamps; NULL: they are weighed one by one */
 };
 
 /* -- tint.c --------------------------------------------------------------------- */
@@ -111,30 +111,8 @@ double ylm__scene_weight(const double v[3], double r, const float n[3]);
 double ylm__scene_patch_weight(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                                double *solid);
 
-/* For each patch its luminance times about its unshadowed irradiance over pi, above 0 wherever it
-   brings light. `sum`: over chunks. n NULL: the scalar irradiance of a point in space. */
-void ylm__scene_patch_weights(const ylm_scene *s, const float x[3], const float n[3], float *weight,
-                              float *sum, double *solid);
-/* A ray from x to a random place on patch i. The place is uniform in the solid angle of triangles
-   that fill much of it (Arvo 1995), else in area. *radiance: the radiance there. Returns the
-   irradiance that the ray brings for radiance 1; n NULL: the scalar irradiance of a point in
-   space. */
-double ylm__scene_patch_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                               double u0, double u1, double solid, ylm_trace_ray *ray,
-                               const float **radiance);
-
-/* For choosers of one lamp these take less time: triangles that are far count as if they were at
-   their centre, and rays to them are uniform in area. */
+/* Fills s->far: triangles that are far count as if they were at their centre, for choosers of one lamp. */
 ylm_status ylm__scene_make_far(ylm_scene *s);
-void ylm__scene_patch_weights_of_one(const ylm_scene *s, const float x[3], const float n[3],
-                                     float *weight, float *sum, double *solid);
-double ylm__scene_patch_sample_one(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                                   double u0, double u1, double solid, ylm_trace_ray *ray,
-                                   const float **radiance);
-/* The density per solid angle of these rays, sr^-1, in a direction of length 1 that meets patch i;
-   0: it does not. */
-double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], double solid,
-                                const float d[3]);
 
 /* -- sky.c --------------------------------------------------------------------- */
 
@@ -142,36 +120,62 @@ double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], 
    case. */
 ylm_status ylm__scene_share_sky(ylm_scene *s, const ylm_scene_lamps *l, const ylm_scene *from);
 void ylm__scene_free_sky(ylm_scene *s);
-/* Distant lights: tiles of domes, or uniform domes, then cones. */
-static inline size_t ylm__scene_sky_lights(const ylm_scene *s) { return s->sky_lights; }
-/* As ylm__scene_patch_weights, of distant lights. */
-void ylm__scene_sky_weights(const ylm_scene *s, const float *n, float *weight, float *sum);
-/* A ray from x to distant light i, the radiance there and the irradiance that it brings for radiance 1. Points in space (n
-   NULL) have the scalar one. */
-double ylm__scene_sky_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                             double u0, double u1, ylm_trace_ray *ray, float radiance[3]);
-/* The density of those rays, sr^-1, in a direction of length 1. */
-double ylm__scene_sky_density(const ylm_scene *s, size_t i, const float *n, const float d[3]);
 
-/* -- spot.c --------------------------------------------------------------------- */
+/* -- point.c -------------------------------------------------------------------- */
 
-/* Copies the spots of the lamps; to be freed in any case. */
-ylm_status ylm__scene_copy_spots(ylm_scene *s, const ylm_scene_lamps *l);
-/* As ylm__scene_sky_weights, of spots seen from x. */
-void ylm__scene_spot_weights(const ylm_scene *s, const float x[3], const float *n, float *weight,
-                             float *sum);
-/* As ylm__scene_sky_sample, of the ray to spot i. */
-double ylm__scene_spot_sample(const ylm_scene *s, size_t i, const float x[3], const float *n,
-                              ylm_trace_ray *ray, float radiance[3]);
+/* Copies the lamps without a size; to be freed in any case. */
+ylm_status ylm__scene_copy_points(ylm_scene *s, const ylm_scene_lamps *l);
+
+/* -- storage.c ------------------------------------------------------------------ */
+
+/* Where a ray to a lamp starts, and how its place there is chosen. */
+typedef struct scene_aim {
+  const float *x, *normal; /* normal NULL: x is a point in space */
+  double u[2];
+  double solid; /* the lamp's solid angle, if it is known; else 0 */
+  bool one;     /* as choosers of one lamp do it, which takes less time */
+} scene_aim;
+
+/*
+** Lamps stand in arrays that suit their shape: spheres, patches, the sky, points. Their numbers follow one
+** another in this order. A storage says how its lamps are weighed and sampled; i counts them from 0.
+*/
+typedef struct scene_storage {
+  size_t (*count)(const ylm_scene *s);
+  /* weight[i]: luminance times about the unshadowed irradiance over pi at the chooser's place, in space the
+     scalar one, above 0 wherever the lamp brings light; sum: over chunks. Padding keeps its weight 0. */
+  void (*weigh)(const ylm_scene_chooser *c, bool one, float *weight, float *sum);
+  /* A ray to a random place of lamp i, and the radiance that comes from there. Returns the irradiance that it
+     brings for radiance 1, in space the scalar one; 0: none comes. */
+  double (*sample)(const ylm_scene *s, size_t i, const scene_aim *a, ylm_trace_ray *ray,
+                   float radiance[3]);
+  /* The density of these rays, sr^-1, in a direction of length 1; 0: it does not meet the lamp. */
+  double (*density)(const ylm_scene_chooser *c, size_t i, const float d[3]);
+  /* The light that lamp i is, of an image the mean of a part; false: a part of light that fills the sky. */
+  bool (*emitter)(const ylm_scene *s, size_t i, ylm_light_emitter *out);
+} scene_storage;
+
+extern const scene_storage ylm__scene_spheres_storage; /* sphere.c */
+extern const scene_storage ylm__scene_patch_storage;
+extern const scene_storage ylm__scene_sky_storage;
+extern const scene_storage ylm__scene_point_storage;
+
+enum { SCENE_SPHERES, SCENE_PATCHES, SCENE_SKY, SCENE_POINTS, SCENE_STORAGES };
+extern const scene_storage *const ylm__scene_storage[SCENE_STORAGES];
+
+/* Whether lamps of a storage are in the tree, if there is one. */
+static inline bool ylm__scene_is_planted(int storage) { return storage <= SCENE_PATCHES; }
+/* The storage of a lamp, whose number comes to count from its first. */
+int ylm__scene_storage_of(const ylm_scene *s, size_t *lamp);
 
 /* -- lamps.c -------------------------------------------------------------------- */
 
 struct ylm_scene_chooser {
   const ylm_scene *scene;
-  /* chunks of all lamps; of spheres; of spheres and patches: those of a tree are in none */
-  size_t chunks, spheres, near, sky; /* of all these and distant lights; spots follow */
+  /* chunks of all lamps; the first chunk of each storage: those of a tree have none */
+  size_t chunks, chunk[SCENE_STORAGES];
   ylm_scene_weights_fn *weights;
-  float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks]: spheres, patches, the sky */
+  float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks] */
   double *solid;       /* [patches] solid angles that are known, else 0; NULL: none is */
   /* what ylm_scene_choose was told last */
   float x[3], normal[3];
@@ -185,8 +189,8 @@ struct ylm_scene_chooser {
 
 /* Turns a chooser to x; `normal` may be NULL. */
 void ylm__scene_turn_to(ylm_scene_chooser *c, const float x[3], const float *normal);
-/* Weighs the tree of lamps, if there is one, for so many samples, and distant lights; returns the total with all chunks. */
-double ylm__scene_add_weights(ylm_scene_chooser *c, int light_samples);
+/* Weighs all lamps, the tree as a whole, for so many samples; returns the total. `one`: for choosers of one lamp. */
+double ylm__scene_weigh(ylm_scene_chooser *c, bool one, int light_samples);
 /* The weight of the tree of lamps. */
 static inline double ylm__scene_tree_weight(const ylm_scene_chooser *c) {
   return c->cut->n > 0 ? c->cut->open[0].upto[SCENE_WIDTH - 1] * c->scene->tree->unit : 0;
@@ -198,11 +202,12 @@ typedef struct scene_walk {
   double passed; /* weight of all lamps before `lamp` */
 } scene_walk;
 
-/* The lamp at a place in the chooser's weights. */
+/* The lamp at a place in the chooser's weights, and the place of a lamp that is in no tree. */
 uint32_t ylm__scene_lamp_at(const ylm_scene_chooser *c, size_t place);
-/* The solid angle of patch i, if it is known; else 0. */
-static inline double ylm__scene_solid(const ylm_scene_chooser *c, size_t i) {
-  return c->solid ? c->solid[i] : 0;
+size_t ylm__scene_place_of(const ylm_scene_chooser *c, size_t lamp);
+/* The solid angle of a lamp, if it is known; else 0. */
+static inline double ylm__scene_solid(const ylm_scene_chooser *c, int storage, size_t i) {
+  return c->solid && storage == SCENE_PATCHES ? c->solid[i] : 0;
 }
 /* Moves on to the lamp that holds `target`; targets increase. */
 void ylm__scene_walk_to(scene_walk *w, const ylm_scene_chooser *c, double target);
@@ -210,20 +215,17 @@ void ylm__scene_walk_to(scene_walk *w, const ylm_scene_chooser *c, double target
 /* A direction about the axis: cosine z, azimuth u of 0 .. 1. */
 void ylm__scene_turn(const float axis[3], double z, double u, float out[3]);
 
-/* A ray from x to a random place of sphere i and the irradiance that it brings for radiance 1. Points in space (n NULL)
-   have the scalar one. */
-double ylm__scene_sphere_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                                double u0, double u1, ylm_trace_ray *ray);
-/* The density of those rays, sr^-1, in a direction of length 1 that meets sphere i. */
-double ylm__scene_sphere_density(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                                 const float d[3]);
-
 /* -- texture.c ---------------------------------------------------------------- */
 
 /* Copies textures; their triangles are the last of s->triangles. */
 ylm_status ylm__scene_copy_textures(ylm_scene *s, const ylm_scene_lamps *l, ylm_error *e);
 void ylm__scene_free_textures(ylm_scene *s);
-/* The radiance of patch i at the place p on it, [3]. */
-const float *ylm__scene_patch_radiance(const ylm_scene *s, size_t i, const double p[3]);
+/* Copies disks whose radiance depends on the direction; freed with textures. */
+ylm_status ylm__scene_copy_directed(ylm_scene *s, const ylm_scene_lamps *l);
+/* The emitter that such a patch is; NULL: its radiance is the same in all directions. */
+const ylm_light_emitter *ylm__scene_patch_directed(const ylm_scene *s, size_t i);
+/* The radiance of patch i at the place p on it, along a ray of direction d, of any length, that meets it there. */
+void ylm__scene_patch_radiance(const ylm_scene *s, size_t i, const double p[3], const float d[3],
+                               float radiance[3]);
 
 #endif

@@ -105,7 +105,10 @@ bool ylm_scene_sky_radiance(const ylm_scene *s, const ylm_trace_ray *ray, double
 
 /* With the cosine to the mean x and the spread s, times power: x above s, 0 below -s, and a parabola
    between them that meets both. Padding keeps the weight 0 that it has. */
-void ylm__scene_sky_weights(const ylm_scene *s, const float *n, float *weight, float *sum) {
+static void weigh(const ylm_scene_chooser *c, bool one, float *weight, float *sum) {
+  const ylm_scene *s = c->scene;
+  const float *n = c->in_space ? NULL : c->normal;
+  (void)one;
   float *const *b = s->sky_bound;
   for (size_t chunk = 0; chunk * YLM_LAMP_CHUNK < s->sky_lights; chunk++) {
     size_t first = chunk * YLM_LAMP_CHUNK, left = s->sky_lights - first;
@@ -189,12 +192,13 @@ static double aim(const ylm_scene *s, size_t i, const float *n, double u0, doubl
   return aim_at_tile(d, i, u0, u1, direction, radiance);
 }
 
-double ylm__scene_sky_sample(const ylm_scene *s, size_t i, const float x[3], const float n[3],
-                             double u0, double u1, ylm_trace_ray *ray, float radiance[3]) {
+static double sample(const ylm_scene *s, size_t i, const scene_aim *to, ylm_trace_ray *ray,
+                     float radiance[3]) {
   size_t at = i;
   const scene_dome *d = dome_of(s, &at);
-  double area = aim(s, i, n, u0, u1, ray->dir, radiance);
-  for (int a = 0; a < 3; a++) ray->org[a] = x[a];
+  const float *n = to->normal;
+  double area = aim(s, i, n, to->u[0], to->u[1], ray->dir, radiance);
+  for (int a = 0; a < 3; a++) ray->org[a] = to->x[a];
   ray->near = 0;
   ray->far = INFINITY;
   if (!(area > 0) || !n) return area;
@@ -212,8 +216,9 @@ static bool pixel_at(const scene_dome *d, const double direction[3], size_t *pix
   return ylm_mapping_pixel(d->mapping, d->up, d->width, d->height, direction, pixel);
 }
 
-double ylm__scene_sky_density(const ylm_scene *s, size_t i, const float *n,
-                              const float direction[3]) {
+static double density(const ylm_scene_chooser *c, size_t i, const float direction[3]) {
+  const ylm_scene *s = c->scene;
+  const float *n = c->in_space ? NULL : c->normal;
   const scene_dome *d = dome_of(s, &i);
   double wide[3];
   size_t pixel;
@@ -225,6 +230,31 @@ double ylm__scene_sky_density(const ylm_scene *s, size_t i, const float *n,
   double area = ylm_mapping_spread(d->mapping, d->up, d->width, d->height, pixel, wide);
   return area > 0 ? (double)d->share[pixel] / area : 0;
 }
+
+static size_t count(const ylm_scene *s) { return s->sky_lights; }
+
+static bool emitter(const ylm_scene *s, size_t i, ylm_light_emitter *out) {
+  if (dome_of(s, &i)) return false;
+  ylm_light_emitter_cone(&s->cone[i], out);
+  return true;
+}
+
+const scene_storage ylm__scene_sky_storage = {count, weigh, sample, density, emitter};
+
+double ylm_scene_distant_ray(const ylm_scene *s, size_t i, const double u[2], float direction[3],
+                             float radiance[3]) {
+  const scene_aim a = {.x = (const float[]){0, 0, 0}, .u = {u[0], u[1]}, .one = true};
+  ylm_trace_ray ray;
+  double area = sample(s, i, &a, &ray, radiance);
+  memcpy(direction, ray.dir, sizeof ray.dir);
+  return area;
+}
+
+double ylm_scene_distant_power(const ylm_scene *s, size_t i) {
+  return YLM_PI * (double)s->sky_bound[POWER][i]; /* times power over pi */
+}
+
+const ylm_light_set *ylm_scene_sky(const ylm_scene *s) { return s->sky; }
 
 /* Where a dome shines from a direction: the light of it, and its radiance. */
 static size_t light_at(const scene_dome *d, const double direction[3], double rgb[3]) {

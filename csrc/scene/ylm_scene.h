@@ -28,9 +28,10 @@
 extern "C" {
 #endif
 
-typedef struct ylm_light_image ylm_light_image; /* ylm_light.h */
-typedef struct ylm_light_set ylm_light_set;
-typedef struct ylm_light_spot ylm_light_spot; /* ylm_light_spot.h */
+typedef struct ylm_light_image ylm_light_image; /* ylm_light_emitter.h */
+typedef struct ylm_light_directed ylm_light_directed;
+typedef struct ylm_light_emitter ylm_light_emitter;
+typedef struct ylm_light_set ylm_light_set; /* ylm_light.h */
 
 /* -- scenes ------------------------------------------------------------------ */
 
@@ -64,9 +65,11 @@ typedef struct ylm_scene_lamps {
   const float *horizon;  /* [triangles + disks][3] or NULL: what of a lamp is below the plane across
                             it through a shading point brings no light there; 0: all does */
   size_t images;
-  const ylm_light_image *image; /* in the world, as the spots of `sky` */
-  const ylm_light_set *sky; /* distant lights, which the scene shares with the set, and spots, which
-                               it copies; or NULL */
+  const ylm_light_image *image; /* in the world, as emitters are */
+  size_t directions;
+  const ylm_light_directed *directed; /* disks whose radiance depends on the direction */
+  const ylm_light_set *sky; /* distant lights, which the scene shares with the set, and emitters without a size,
+                               which it copies; or NULL */
   bool sky_is_seen;         /* by camera rays that hit nothing */
   size_t one_by_one;        /* up to so many lamps choosers weigh one by one for each point, more of
                                them through a tree; 0: YLM_SCENE_ONE_BY_ONE */
@@ -175,9 +178,9 @@ YLM_API void ylm_scene_ray_origin(const ylm_scene *scene, const float x[3], cons
 
 /* -- lamps ------------------------------------------------------------------- */
 
-/* The radiance [3] of the lamp that a ray hit, at the place where it did. */
-YLM_API const float *ylm_scene_lamp_radiance(const ylm_scene *scene, const ylm_trace_ray *ray,
-                                             const ylm_trace_hit *hit);
+/* The radiance [3] of the lamp that a ray hit, at the place where it did, towards the ray's origin. */
+YLM_API void ylm_scene_lamp_radiance(const ylm_scene *scene, const ylm_trace_ray *ray,
+                                     const ylm_trace_hit *hit, float radiance[3]);
 
 /* Whether a ray that hits nothing sees distant lights, and then the radiance [3] of those. */
 YLM_API bool ylm_scene_sky_radiance(const ylm_scene *scene, const ylm_trace_ray *ray,
@@ -245,24 +248,20 @@ YLM_API void ylm_scene_batch_aim(ylm_scene_batch *b, const float x[3], const flo
 /* Traces them all: ray[k].far < 0 where something is in the way of ray k. */
 YLM_API void ylm_scene_batch_trace(ylm_scene_batch *b);
 
-/* Lamps are counted as ylm_trace.h counts those that are hit; distant lights follow them. */
+/* Lamps are counted as ylm_trace.h counts those that are hit; distant lights follow them, then points: lamps without a
+   size. */
 
-/* Spots, whose numbers follow those of distant lights: how many there are, and where, as long as the
-   scene lives. Rays are aimed at them, and never meet them. */
-YLM_API size_t ylm_scene_spots(const ylm_scene *scene, const ylm_light_spot **spot);
-/* The number of lamps that are not distant; of distant ones. */
+/* The number of all lamps. */
+YLM_API size_t ylm_scene_lamps_all(const ylm_scene *scene);
+/* The number of points, and these, as long as the scene lives. Rays are aimed at them, and never meet them. */
+YLM_API size_t ylm_scene_points(const ylm_scene *scene, const ylm_light_emitter **point);
+/* The light that a lamp is, relative to the scene's origin; of an image the mean of a part. False: a part of
+   light that fills the sky. */
+YLM_API bool ylm_scene_emitter(const ylm_scene *scene, size_t lamp, ylm_light_emitter *out);
+YLM_API bool ylm_scene_is_distant(const ylm_scene *scene, size_t lamp);
+/* The number of lamps that rays can meet, which are the first; of distant ones. */
 YLM_API size_t ylm_scene_near(const ylm_scene *scene);
 YLM_API size_t ylm_scene_distant(const ylm_scene *scene);
-/*
-** ylm_scene_lamp_record - the light that a lamp is, of an image the mean of a part.
-**
-**   kind  out  "sphere", "polygon" or "sun"
-**   x     out  [16] its record: csrc/light/kind.h
-**
-** Returns  the numbers of the record; 0: a part of light that fills the sky
-*/
-YLM_API size_t ylm_scene_lamp_record(const ylm_scene *scene, size_t lamp, const char **kind,
-                                     double x[16]);
 /* A ray from x to the place u [2] of a lamp, from 0 below 1, uniform in the solid angle or the area;
    false: nothing of it is seen there. */
 YLM_API bool ylm_scene_lamp_ray(const ylm_scene *scene, size_t lamp, const float x[3],
@@ -275,9 +274,6 @@ YLM_API double ylm_scene_distant_ray(const ylm_scene *scene, size_t i, const dou
 YLM_API double ylm_scene_distant_power(const ylm_scene *scene, size_t i);
 /* The distant lights of a scene; NULL: there are none. */
 YLM_API const ylm_light_set *ylm_scene_sky(const ylm_scene *scene);
-/* The middle of a lamp that is not distant, and the unit normal of a flat one; of a sphere: zeros. */
-YLM_API void ylm_scene_lamp_middle(const ylm_scene *scene, size_t lamp, float middle[3],
-                                   float normal[3]);
 /* The radiance [3] that a lamp, met at distance t of a ray of length 1, sends to the ray's origin;
    false: it is below the lamp's horizon, and sends none. */
 YLM_API bool ylm_scene_near_radiance(const ylm_scene *scene, const ylm_trace_ray *ray,

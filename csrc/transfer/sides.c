@@ -3,7 +3,7 @@
 
 #include "calibration.h"
 #include "transfer.h"
-#include "ylm_light_spot.h"
+#include "ylm_light_emitter.h"
 
 /* A closed mesh whose sides are to be found. */
 typedef struct body {
@@ -90,23 +90,27 @@ static void look(crowd *c, const double p[3]) {
   mark(c, set[0], set + 1);
 }
 
-static void look_from_lamps(crowd *c) {
-  size_t n = ylm_scene_near(c->scene), step = n / SIDES_LAMPS + 1;
-  const ylm_trace *trace = ylm_scene_trace(c->scene);
-  for (size_t i = 0; i < n; i += step) {
-    float middle[3], normal[3];
-    ylm_scene_lamp_middle(c->scene, i, middle, normal);
-    double aside = 4 * (double)ylm_trace_offset(trace, middle);
-    bool flat = ylm_dot3(normal, normal) > 0;
-    for (int side = flat ? -1 : 1; side <= 1; side += 2) {
-      double p[3];
-      for (int a = 0; a < 3; a++) p[a] = (double)middle[a] + side * aside * (double)normal[a];
-      look(c, p);
-    }
+/* Looks from a lamp that is not distant, a flat one from both sides. */
+static void look_from(crowd *c, size_t lamp) {
+  ylm_light_emitter e;
+  ylm_light_place place;
+  double p[3];
+  ylm_scene_emitter(c->scene, lamp, &e);
+  ylm_light_emitter_place(&e, &place);
+  float middle[3] = {(float)place.at[0], (float)place.at[1], (float)place.at[2]};
+  double aside = 4 * (double)ylm_trace_offset(ylm_scene_trace(c->scene), middle);
+  bool flat = ylm_dot3d(place.normal, place.normal) > 0;
+  for (int side = flat ? -1 : 1; side <= 1; side += 2) {
+    for (int a = 0; a < 3; a++) p[a] = place.at[a] + side * aside * place.normal[a];
+    look(c, p);
   }
-  const ylm_light_spot *spot;
-  size_t spots = ylm_scene_spots(c->scene, &spot);
-  for (size_t i = 0; i < spots; i++) look(c, spot[i].at);
+}
+
+static void look_from_lamps(crowd *c) {
+  size_t n = ylm_scene_near(c->scene), step = n / SIDES_LAMPS + 1,
+         all = ylm_scene_lamps_all(c->scene);
+  for (size_t i = 0; i < n; i += step) look_from(c, i);
+  for (size_t i = all - ylm_scene_points(c->scene, NULL); i < all; i++) look_from(c, i);
   if (ylm_scene_distant(c->scene) > 0) mark(c, 0, NULL);
 }
 

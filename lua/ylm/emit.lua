@@ -75,7 +75,7 @@ local options = {}
 for _, field in ipairs(emit.fields) do options[#options + 1] = field end
 for _, field in ipairs {
   { "distribution", "choice", of = { "particles", "grid" }, default = "particles",
-    about = "'grid': instead, the paper's picture from each spot_light, of which count texels in all have a light where they "
+    about = "'grid': instead, the paper's picture from each spot, of which count texels in all have a light where they "
       .. "land; bounces = 1" },
   { "bounces", "reflected", default = 1, about = "reflections of a particle, each of which leaves a light; 'all': 64" },
   { "seed", "integer", min = 0, max = core.limits.seed, default = 1,
@@ -120,7 +120,8 @@ local function trace(name, s, o, traced)
   local t, message, code = traced, nil, nil
   if not t then t, message, code = tracing.trace(name, s) end
   if not t then return nil, message, code end
-  local grid = o.distribution == "grid" and math.max(1, math.floor(math.sqrt(o.count / math.max(1, o.spots))))
+  local points = math.max(1, t.lib.scene_points(t.handle))
+  local grid = o.distribution == "grid" and math.max(1, math.floor(math.sqrt(o.count / points)))
     or nil
   o.radius = o.radius or (grid and "footprint" or "density")
   local fixed = type(o.radius) == "number" and o.radius or nil
@@ -156,8 +157,6 @@ function emit.lights(name, s, o, traced)
   if o.distribution == "grid" and o.merge then
     return check.bad(1, name, "merge is of particles: the lights of distribution = 'grid' are its texels")
   end
-  o.spots = 0
-  for _, l in ipairs(s.lights) do if form.kind(l) == "spot_light" then o.spots = o.spots + 1 end end
   local at, normal, radius, intensity, shift, report = trace(name, s, o, traced)
   if not at then return nil, normal, radius end
   if o.bounces == 0 then

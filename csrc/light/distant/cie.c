@@ -1,7 +1,7 @@
 /* cie.c - skies of the CIE. */
 #include <math.h>
 
-#include "ylm_light_sky.h"
+#include "ylm_light_emitter.h"
 #include "ylm_vector.h"
 
 static const struct {

@@ -124,13 +124,15 @@ static double norm(const ylm_light *l, int lmax) {
   return sqrt(s);
 }
 
+static const ylm__light_emits emits = {.dome = dome};
+
 const ylm__light_kind ylm__environment_kind = {.name = "environment",
                                                .length = length,
                                                .create = create,
                                                .free = ylm__distant_free,
                                                .get = ylm__distant_get,
                                                .radiance = radiance,
-                                               .dome = dome,
+                                               .emits = &emits,
                                                .record = ylm__distant_record,
                                                .slides = ylm__distant_slides,
                                                .norm = norm};

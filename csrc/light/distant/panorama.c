@@ -45,11 +45,13 @@ static void dome(const void *of, ylm_light_dome *out) {
   out->panorama = &((const panorama *)of)->seen;
 }
 
+static const ylm__light_emits emits = {.dome = dome};
+
 const ylm__light_kind ylm__panorama_kind = {.name = "panorama",
                                             .free = release,
                                             .get = ylm__distant_get,
                                             .radiance = radiance,
-                                            .dome = dome};
+                                            .emits = &emits};
 
 ylm_status ylm_light_panorama_check(const ylm_light_panorama *p, ylm_error *e) {
   if (!p->texel) return YLM_OK;

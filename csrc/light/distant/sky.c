@@ -1,6 +1,8 @@
 /* sky.c - light that comes from infinity, as rays see it. */
 #include "../set.h"
 
+static bool has_cones(const ylm__light_kind *k) { return k->emits && k->emits->cone; }
+
 bool ylm_light_set_is_distant(const ylm_light_set *set) {
   for (size_t k = 0; k < set->packs; k++)
     if (set->pack[k]->kind->radiance) return true;
@@ -11,16 +13,16 @@ void ylm_light_set_sky(const ylm_light_set *set, const double d[3], bool cones, 
   rgb[0] = rgb[1] = rgb[2] = 0;
   for (size_t k = 0; k < set->packs; k++) {
     const ylm__light_pack *p = set->pack[k];
-    if (p->kind->radiance && (cones || !p->kind->cone)) p->kind->radiance(p->of, d, rgb);
+    if (p->kind->radiance && (cones || !has_cones(p->kind))) p->kind->radiance(p->of, d, rgb);
   }
 }
 
 bool ylm_light_set_cone(const ylm_light_set *set, size_t i, ylm_light_cone *out) {
   for (size_t k = 0; k < set->packs; k++) {
     const ylm__light_pack *p = set->pack[k];
-    if (!p->kind->cone) continue;
+    if (!has_cones(p->kind)) continue;
     if (i < p->n) {
-      p->kind->cone(p->of, i, out);
+      p->kind->emits->cone(p->of, i, out);
       return true;
     }
     i -= p->n;
@@ -31,9 +33,9 @@ bool ylm_light_set_cone(const ylm_light_set *set, size_t i, ylm_light_cone *out)
 bool ylm_light_set_dome(const ylm_light_set *set, size_t i, ylm_light_dome *out) {
   for (size_t k = 0; k < set->packs; k++) {
     const ylm__light_pack *p = set->pack[k];
-    if (!p->kind->dome || i-- > 0) continue;
+    if (!p->kind->emits || !p->kind->emits->dome || i-- > 0) continue;
     *out = (ylm_light_dome){.pack = p};
-    p->kind->dome(p->of, out);
+    p->kind->emits->dome(p->of, out);
     return true;
   }
   return false;

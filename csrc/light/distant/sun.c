@@ -119,13 +119,32 @@ static double norm(const ylm_light *l, int lmax) {
   return sqrt(s);
 }
 
+/* -- rays ------------------------------------------------------------------------------------ */
+
+void ylm_light_emitter_cone(const ylm_light_cone *c, ylm_light_emitter *out) {
+  double area = M_PI * (1 - c->cosine * c->cosine);
+  *out = (ylm_light_emitter){.kind = &ylm__sun_kind, .numbers = NUMBERS};
+  for (int k = 0; k < 3; k++) {
+    out->x[k] = c->radiance[k] * area;
+    out->x[DIRECTION + k] = c->axis[k];
+  }
+  out->x[ANGLE] = acos(c->cosine) * 360 / M_PI;
+}
+
+static bool place(const double *x, ylm_light_place *out) {
+  *out = (ylm_light_place){.bright = fabs(ylm_luminance(x))};
+  return false;
+}
+
+static const ylm__light_emits emits = {.cone = cone, .place = place};
+
 const ylm__light_kind ylm__sun_kind = {.name = "sun",
                                        .length = length,
                                        .create = create,
                                        .free = ylm__distant_free,
                                        .get = ylm__distant_get,
                                        .radiance = radiance,
-                                       .cone = cone,
+                                       .emits = &emits,
                                        .record = ylm__distant_record,
                                        .slides = ylm__distant_slides,
                                        .norm = norm};

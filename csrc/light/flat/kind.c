@@ -219,6 +219,7 @@ static const ylm__light_probes probes_sphere = {
 const ylm__light_kind ylm__polygon_kind = {.name = "polygon",
                                            .common = COMMON,
                                            .length = length,
+                                           .emits = &ylm__flat_emits,
                                            .create = create_exact,
                                            .free = release,
                                            .join = join,

@@ -4,6 +4,8 @@
 #include <math.h>
 #include <string.h>
 
+#include "ylm_vector.h"
+
 enum { NUMBERS = 7 };
 
 static size_t length(const double *x, size_t left) {
@@ -96,8 +98,56 @@ static const ylm__light_probes probes = {1,
                                          ylm__probe_distance,
                                          ylm__probe_cosine};
 
+/* -- rays: numbers of an emitter are its record ---------------------------------------------- */
+
+enum { AT = 3, RADIUS = 6 };
+
+void ylm_light_emitter_sphere(const float radiance[3], const double at[3], double radius,
+                              ylm_light_emitter *out) {
+  *out = (ylm_light_emitter){.kind = &ylm__sphere_kind, .numbers = NUMBERS};
+  for (int c = 0; c < 3; c++) out->x[c] = (double)radiance[c];
+  memcpy(out->x + AT, at, 3 * sizeof *at);
+  out->x[RADIUS] = radius;
+}
+
+static void move(double *x, const double way[3]) {
+  for (int a = 0; a < 3; a++) x[AT + a] += way[a];
+}
+
+static double power(const double *x) {
+  return M_PI * ylm_luminance_size(x) * 4 * M_PI * x[RADIUS] * x[RADIUS];
+}
+
+static bool place(const double *x, ylm_light_place *out) {
+  *out = (ylm_light_place){.reach = x[RADIUS],
+                           .bright = fabs(ylm_luminance(x)) * M_PI * x[RADIUS] * x[RADIUS]};
+  memcpy(out->at, x + AT, sizeof out->at);
+  return true;
+}
+
+/* From a place uniform in the surface, as the cosine to its normal. */
+static bool leave(const double *x, const double u[4], ylm_light_leaving *out) {
+  double z = 1 - 2 * u[0], r = sqrt(fmax(0, 1 - z * z)), cosine, sine;
+  ylm_turn(u[1], &cosine, &sine);
+  double n[3] = {r * cosine, r * sine, z}, area = 4 * M_PI * x[RADIUS] * x[RADIUS];
+  for (int k = 0; k < 3; k++) {
+    out->axis[k] = (double)(float)n[k];
+    out->at[k] = x[AT + k] + x[RADIUS] * n[k];
+    out->light[k] = x[k];
+  }
+  out->cosine = sqrt(1 - u[2]);
+  out->sine = sqrt(u[2]);
+  out->turn = u[3];
+  out->extent = M_PI * area;
+  return true;
+}
+
+static const ylm__light_emits emits = {
+    .move = move, .power = power, .place = place, .leave = leave};
+
 const ylm__light_kind ylm__sphere_kind = {.name = "sphere",
                                           .length = length,
+                                          .emits = &emits,
                                           .create = create,
                                           .free = release,
                                           .evaluate = evaluate,

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "ylm_light.h"
+#include "ylm_light_emitter.h"
 #include "ylm_light_virtual.h"
 #include "ylm_sh.h"
 

@@ -2,7 +2,7 @@
    lua/ylm/light/environment.lua and lua/ylm/sh/sky.lua. */
 #include "../binding.h"
 
-#include "ylm_light_sky.h"
+#include "ylm_light_emitter.h"
 
 /* The three numbers of field `name` of the table on top of the stack; zeros where there is none. */
 static void vector(lua_State *L, const char *name, double out[3]) {

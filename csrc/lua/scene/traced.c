@@ -4,7 +4,7 @@
 
 #include "traced.h"
 #include "ylm_geom.h"
-#include "ylm_light.h"
+#include "ylm_light_emitter.h"
 
 #define SCENE "ylm.traced"
 #define IMAGE_TILES 8 /* a side, for rays that are aimed at images */
@@ -103,6 +103,8 @@ bool ylmL_scene_lamps(lua_State *L, int i, const double *origin, ylm_scene_lamps
                              .horizon = horizon,
                              .images = s->images,
                              .image = s->image,
+                             .directions = s->directions,
+                             .directed = s->directed,
                              .sky = ylmL_lights_check(L, i)};
   return true;
 }
@@ -149,6 +151,12 @@ static int scene_relight(lua_State *L) {
   lamps.one_by_one = one_by_one > 0 ? (size_t)one_by_one : 0;
   ylm_scene **s = new_scene(L);
   return ylmL_result(L, 1, ylm_scene_relight(from, &lamps, s, &e), &e);
+}
+
+/* scene_points(scene) -> the number of its lamps without a size */
+static int scene_points(lua_State *L) {
+  ylmL_push_count(L, ylm_scene_points(ylmL_scene(L, 1), NULL));
+  return 1;
 }
 
 static void push_three(lua_State *L, const double x[3]) {
@@ -323,6 +331,7 @@ static int scene_lamps(lua_State *L) {
 static const luaL_Reg functions[] = {{"scene_create", scene_create},
                                      {"scene_relight", scene_relight},
                                      {"scene_bounds", scene_bounds},
+                                     {"scene_points", scene_points},
                                      {"scene_print", scene_print},
                                      {"scene_print_lights", scene_print_lights},
                                      {"scene_vertices", scene_vertices},

@@ -167,7 +167,8 @@ static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s, const
   for (int i = 0; i < samples; i++) {
     const ylm_trace_hit *h = &hit[i];
     if (h->mesh == YLM_TRACE_LAMP) {
-      const float *seen = ylm_scene_lamp_radiance(v->scene, &ray[i], h);
+      float seen[3];
+      ylm_scene_lamp_radiance(v->scene, &ray[i], h, seen);
       lamps++;
       for (int c = 0; c < 3; c++) light[c] += seen[c];
     }

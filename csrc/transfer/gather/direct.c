@@ -17,7 +17,7 @@ struct gather_direct {
   gather_group group[GATHER_GROUPS];
   ylm_trace_ray ray[GATHER_SHADOWS];
   uint32_t of[GATHER_SHADOWS];
-  double *record; /* [lamps][16] */
+  double *record; /* [lamps][YLM_LIGHT_EMITTER_NUMBERS] */
   double *value, *gradient, *hessian;
   uint64_t rays;
 };
@@ -30,7 +30,7 @@ gather_direct *ylm__gather_direct_create(const ylm_gather *g, const gather_lamps
   d->g = g;
   d->lamps = lamps;
   d->want = *want;
-  d->record = ylm_alloc(16 * lamps->n, sizeof *d->record);
+  d->record = ylm_alloc(YLM_LIGHT_EMITTER_NUMBERS * lamps->n, sizeof *d->record);
   d->value = ylm_alloc(rows, sizeof *d->value);
   d->gradient = ylm_alloc(3 * rows, sizeof *d->gradient);
   d->hessian = ylm_alloc(6 * rows, sizeof *d->hessian);
@@ -121,20 +121,17 @@ static size_t find_groups(gather_direct *d, const float x[3], double indirect) {
 
 /* -- light ------------------------------------------------------------------------------------- */
 
-/* Records of one kind, of all lamps that are seen, dimmed: how many numbers. */
-static size_t collect(gather_direct *d, size_t groups, const char *kind) {
+/* Records of one kind, of all lamps that are seen, dimmed: how many numbers, and the kind's name. */
+static size_t collect(gather_direct *d, size_t groups, size_t kind, const char **name) {
   size_t numbers = 0;
   for (size_t i = 0; i < groups; i++) {
     const gather_group *g = &d->group[i];
     if (!g->seen) continue;
     double part = (double)g->seen / g->rays;
     for (uint32_t k = g->first; k < g->first + g->n; k++) {
-      const gather_lamp *lamp = &d->lamps->lamp[k];
-      if (strcmp(lamp->kind, kind)) continue;
-      double *to = d->record + numbers;
-      memcpy(to, lamp->record, lamp->numbers * sizeof *to);
-      for (int c = 0; c < 3; c++) to[c] *= part;
-      numbers += lamp->numbers;
+      const ylm_light_emitter *e = &d->lamps->lamp[k].emitter;
+      if (ylm_light_emitter_order(e) == kind)
+        numbers += ylm_light_emitter_record(e, part, d->record + numbers, name);
     }
   }
   return numbers;
@@ -142,7 +139,6 @@ static size_t collect(gather_direct *d, size_t groups, const char *kind) {
 
 ylm_status ylm__gather_direct_light(gather_direct *d, const float at[3], double indirect,
                                     gather_sums *s, bool *inside, ylm_error *e) {
-  static const char *const kinds[] = {"sphere", "polygon", "sun"};
   const double x[3] = {(double)at[0], (double)at[1], (double)at[2]};
   size_t groups = find_groups(d, at, indirect);
   ylm_field_query q = {.lmax = d->want.lmax,
@@ -151,8 +147,9 @@ ylm_status ylm__gather_direct_light(gather_direct *d, const float at[3], double 
                                (d->want.hessians ? YLM_WANT_HESSIAN : 0),
                        .dtype = YLM_DOUBLE,
                        .threads = 1};
-  for (size_t k = 0; k < 3; k++) {
-    ylm_light_source source = {kinds[k], d->record, collect(d, groups, kinds[k]), NULL, NULL};
+  for (size_t k = 0; k < d->lamps->kinds; k++) {
+    ylm_light_source source = {NULL, d->record, 0, NULL, NULL};
+    source.numbers = collect(d, groups, d->lamps->kind[k], &source.kind);
     ylm_light_set *set;
     uint8_t within = 0;
     if (!source.numbers) continue;

@@ -4,13 +4,12 @@
 
 #include "calibration.h"
 #include "gather.h"
-#include "ylm_light_sky.h"
+#include "ylm_light_emitter.h"
 
 typedef struct gather_lamp {
-  const char *kind;
-  double record[16], at[3], reach, power;
-  uint32_t lamp, numbers; /* as the scene counts it */
-  bool distant;
+  ylm_light_emitter emitter;
+  double at[3], reach, power;
+  uint32_t lamp; /* as the scene counts it */
 } gather_lamp;
 
 typedef struct gather_node {
@@ -23,6 +22,7 @@ struct gather_lamps {
   gather_lamp *lamp; /* [n] in the order of the tree, distant ones last */
   gather_node *node;
   size_t n, suns;
+  size_t *kind, kinds; /* [kinds] of lamps, by ylm_light_emitter_order */
   uint32_t nodes;
   float (*sky)[3]; /* [cells] radiance of the sky in the base's cells; NULL: there is none */
 };

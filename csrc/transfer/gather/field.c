@@ -1,7 +1,7 @@
 /* field.c - what surfaces send to points in space, as a light field. */
 #include "gather.h"
 
-#include "ylm_light.h"
+#include "ylm_light_emitter.h"
 
 /* A query, and the memory of each thread. */
 typedef struct gather_job {
@@ -248,18 +248,23 @@ ylm_gather_form ylm_gather_defaults(void) {
                            .tolerance = 0.03};
 }
 
-/* Direct light of spots is in no field. */
-static ylm_status check_spots(const ylm_scene *lamps, ylm_error *e) {
-  if (ylm_scene_spots(lamps, NULL) == 0) return YLM_OK;
-  return ylm_fail(e, YLM_EINVAL,
-                  "a spot_light has no size, and no spherical harmonics: quantity = 'indirect' has "
-                  "the light that it sends by way of surfaces");
+/* Some lamps have no light field. */
+static ylm_status check_lamps(const ylm_scene *lamps, ylm_error *e) {
+  ylm_light_emitter lamp;
+  for (size_t i = 0; i < ylm_scene_lamps_all(lamps); i++) {
+    const char *why =
+        ylm_scene_emitter(lamps, i, &lamp) ? ylm_light_emitter_fieldless(&lamp) : NULL;
+    if (why)
+      return ylm_fail(e, YLM_EINVAL,
+                      "%s; quantity = 'indirect' has the light that it sends by way of surfaces", why);
+  }
+  return YLM_OK;
 }
 
 ylm_status ylm_gather_lamps(ylm_gather *g, const ylm_scene *scene, ylm_error *e) {
   gather_lamps *lamps = NULL;
   if (!(g->form.parts & YLM_GATHER_DIRECT)) return YLM_OK;
-  ylm_status s = check_spots(scene, e);
+  ylm_status s = check_lamps(scene, e);
   if (s != YLM_OK) return s;
   s = ylm__gather_light(g, scene, &lamps);
   if (s != YLM_OK) return ylm_fail_plain(e, s);
@@ -274,7 +279,7 @@ ylm_status ylm_gather_create(const ylm_radiosity *r, const ylm_gather_form *form
   *out = NULL;
   ylm_status s = check_form(form, e);
   if (s == YLM_OK && (form->parts & YLM_GATHER_DIRECT))
-    s = check_spots(form->lamps ? form->lamps : ylm_transfer_scene(ylm_radiosity_transfer(r)), e);
+    s = check_lamps(form->lamps ? form->lamps : ylm_transfer_scene(ylm_radiosity_transfer(r)), e);
   return s == YLM_OK ? create(r, form, out) : s;
 }
 

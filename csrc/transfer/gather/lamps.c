@@ -10,42 +10,24 @@
 #include "direct.h"
 #include "ylm_light.h"
 
-static double luminance_of(const double *rgb) {
-  return fabs(YLM_LUMINANCE_R * rgb[0] + YLM_LUMINANCE_G * rgb[1] + YLM_LUMINANCE_B * rgb[2]);
+/* Place, size and power of a lamp, which of a distant one is its irradiance. Returns whether it is distant. */
+static bool measure(gather_lamp *l) {
+  ylm_light_place place;
+  bool near = ylm_light_emitter_place(&l->emitter, &place);
+  l->power = place.bright;
+  if (!near) return true;
+  memcpy(l->at, place.at, sizeof l->at);
+  l->reach = place.reach;
+  return false;
 }
 
-/* Power, place and size of a lamp by its record; a sun's power is its irradiance. */
-static void measure(gather_lamp *l) {
-  const double *x = l->record;
-  if (!strcmp(l->kind, "sphere")) {
-    memcpy(l->at, x + 3, sizeof l->at);
-    l->reach = x[6];
-    l->power = luminance_of(x) * YLM_PI * x[6] * x[6];
-  } else if (!strcmp(l->kind, "sun")) {
-    l->distant = true;
-    l->power = luminance_of(x);
-  } else {
-    const double *p = x + 7;
-    double u[3], v[3], n[3], area = 0;
-    for (int a = 0; a < 3; a++) {
-      l->at[a] = x[6] > 0 ? (p[a] + p[3 + a] + p[6 + a]) / 3 : p[a];
-      u[a] = x[6] > 0 ? p[3 + a] - p[a] : p[3 + a];
-      v[a] = x[6] > 0 ? p[6 + a] - p[a] : p[6 + a];
-    }
-    for (int a = 0; a < 3; a++) {
-      n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
-      area += n[a] * n[a];
-    }
-    area = sqrt(area) * (x[6] > 0 ? 0.5 : YLM_PI);
-    for (int k = 0; k < 3; k++) {
-      double d2 = 0;
-      for (int a = 0; a < 3; a++)
-        d2 += x[6] > 0 ? (p[3 * k + a] - l->at[a]) * (p[3 * k + a] - l->at[a])
-                       : (k ? p[3 * k + a] * p[3 * k + a] : 0);
-      l->reach = fmax(l->reach, sqrt(d2));
-    }
-    l->power = luminance_of(x) * area;
-  }
+/* Notes the kind of a lamp; kinds are in order. */
+static void note_kind(gather_lamps *l, const ylm_light_emitter *e) {
+  size_t kind = ylm_light_emitter_order(e), at = 0;
+  while (at < l->kinds && l->kind[at] < kind) at++;
+  if (at < l->kinds && l->kind[at] == kind) return;
+  memmove(l->kind + at + 1, l->kind + at, (l->kinds++ - at) * sizeof *l->kind);
+  l->kind[at] = kind;
 }
 
 /* -- the tree ---------------------------------------------------------------------------------- */
@@ -100,18 +82,15 @@ ylm_status ylm__gather_lamps_create(const ylm_scene *scene, gather_lamps *l) {
   *l = (gather_lamps){.scene = scene};
   l->lamp = ylm_alloc_zero(all + 1, sizeof *l->lamp); /* one to look at */
   l->node = ylm_alloc(2 * all, sizeof *l->node);
-  if (!l->lamp || !l->node) return YLM_ENOMEM;
+  l->kind = ylm_alloc(YLM_LIGHT_KINDS, sizeof *l->kind);
+  if (!l->lamp || !l->node || !l->kind) return YLM_ENOMEM;
   for (int distant = 0; distant < 2; distant++)
     for (size_t i = 0; i < all; i++) {
       gather_lamp *lamp = &l->lamp[l->n];
-      lamp->numbers = (uint32_t)ylm_scene_lamp_record(scene, i, &lamp->kind, lamp->record);
-      if (!lamp->numbers || !strcmp(lamp->kind, "sun") != (distant == 1)) continue;
-      lamp->lamp = (uint32_t)i;
-      measure(lamp);
-      if (!(lamp->power > 0)) {
-        *lamp = (gather_lamp){0};
-        continue;
-      }
+      *lamp = (gather_lamp){.lamp = (uint32_t)i};
+      if (!ylm_scene_emitter(scene, i, &lamp->emitter)) continue;
+      if (measure(lamp) != (distant == 1) || !(lamp->power > 0)) continue;
+      note_kind(l, &lamp->emitter);
       l->n++;
       suns += (size_t)distant;
     }
@@ -123,6 +102,7 @@ ylm_status ylm__gather_lamps_create(const ylm_scene *scene, gather_lamps *l) {
 void ylm__gather_lamps_free(gather_lamps *l) {
   ylm_free(l->lamp);
   ylm_free(l->node);
+  ylm_free(l->kind);
   ylm_free(l->sky);
   *l = (gather_lamps){0};
 }

@@ -17,7 +17,7 @@ return {
     { "merge", nil, nil, "particles that land close to each other become one light" },
     { "cell", nil, "N", "with --merge, how close: the edge of a cell, scene units" },
     { "bounces", "-b", "NAME", "reflections of a particle: 1 (default), 2 .. or all" },
-    { "distribution", nil, "NAME", "particles (default) or grid: a picture from each spot_light" },
+    { "distribution", nil, "NAME", "particles (default) or grid: a picture from each spot" },
     { "radius", nil, "NAME", "of a light: density, angle, footprint, neighbours, or a length" },
     { "scale", nil, "N", "multiplies radii" },
     { "degree", nil, "NAME", "of what surfaces that gloss send: auto (default), or 0 to 8" },

@@ -48,7 +48,7 @@ local fields = {
   { "light_scale", "number", min = 0, max = 1e6, default = 1, unit = "W/lm",
     about = "multiplies intensities: 1 candela counts as this many W sr^-1" },
   { "spots", "choice", of = { "spot", "sphere" }, default = "spot",
-    about = "spot: spot_light, which has no light field; sphere: as a point that shines all around" },
+    about = "spot: as ylm has them, without a light field; sphere: as a point that shines all around" },
   { "emitters", "integer", min = 0, max = 1e5, default = 256,
     about = "most polygon lights that surfaces that emit become; 0: they do not emit" },
   { "textures", "gltf_textures", default = "image",

@@ -72,21 +72,11 @@ function makers.directional(l, o)
   return sun.sun_light(values)
 end
 
---- The corners of a flat light: of a disk 64 on its rim.
-function lights.outline(l)
-  if l.vertices then return l.vertices end
-  local c, u, v, rim = l.axes[1], l.axes[2], l.axes[3], {}
-  for i = 1, 64 do
-    local a, b = math.cos(math.pi * i / 32), math.sin(math.pi * i / 32)
-    rim[i] = { c[1] + a * u[1] + b * v[1], c[2] + a * u[2] + b * v[2], c[3] + a * u[3] + b * v[3] }
-  end
-  return rim
-end
-
 --- The flat light that ylm has written as this surface, while it is where it was, and emits as it did; else nil.
 function lights.of_piece(piece, extras, emission, o)
-  local definition = (extras.light == "polygon_light" or extras.light == "disk_light") and form.defined[extras.light]
-  if not definition or not emission or o.light_scale ~= 1 then return nil end
+  local definition = form.defined[extras.light]
+  local as_light = definition and definition.light
+  if not as_light or not as_light.outline or not emission or o.light_scale ~= 1 then return nil end
   local given = {}
   for _, field in ipairs(definition.fields) do given[field[1]] = extras[field[1]] end
   local ok, made = pcall(definition.construct, given)
@@ -95,7 +85,7 @@ function lights.of_piece(piece, extras, emission, o)
     if math.abs(made.radiance[i] - emission[i]) > 1e-6 * largest(emission) then return nil end
   end
   local lo, hi = { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge }
-  for _, p in ipairs(lights.outline(made)) do
+  for _, p in ipairs(as_light.outline(made)) do
     for i = 1, 3 do lo[i], hi[i] = math.min(lo[i], p[i]), math.max(hi[i], p[i]) end
   end
   local bounds, size = piece.mesh.bounds, 0

@@ -7,8 +7,8 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local json = require "ylm.gltf.json"
-local lights = require "ylm.gltf.lights"
 local material = require "ylm.material"
+local pack = require "ylm.light.pack"
 local text = require "ylm.text"
 local vector = require "ylm.vector"
 local warning = require "ylm.warning"
@@ -178,27 +178,12 @@ end
 
 -- Lamps ------------------------------------------------------------------------------------------
 
-local function punctual(w, at, rotation, light)
-  w.used.KHR_lights_punctual = true
-  local n = add(w.lights, light)
-  add(w.nodes, json.object("translation", at, "rotation", rotation, "extensions",
-    json.object("KHR_lights_punctual", json.object("light", n))))
-end
-
 --- Largest channel, and the colour that it multiplies; nothing where a channel is negative.
 local function split(c)
   local most = math.max(c[1], c[2], c[3])
   if math.min(c[1], c[2], c[3]) < 0 then return nil end
   if most == 0 then return 0, { 1, 1, 1 } end
   return most, { c[1] / most, c[2] / most, c[3] / most }
-end
-
-local function add_sphere(w, at, radius, radiance)
-  local most, colour = split(radiance)
-  if not most then return leave_out(w, "lamps of negative radiance, left out") end
-  if most == 0 or radius == 0 then return leave_out(w, "dark lamps, left out") end
-  punctual(w, at, nil, json.object("type", "point", "color", colour, "intensity", math.pi * radius * radius * most, "extras",
-    extras("radius", radius, "radiance", radiance)))
 end
 
 --- The quaternion of the rotation that turns the axes x, y, z into these unit vectors.
@@ -233,10 +218,35 @@ local function fan(n)
   return list
 end
 
---- A flat light as a surface that emits.
-local function add_flat(w, kind, l, vertices)
+--- Methods of the file that forms of lights write themselves with: `gltf(w, l)`.
+local lamps = { leave_out = leave_out, object = json.object }
+lamps.__index = lamps
+
+--- A lamp of KHR_lights_punctual: { type =, at = nil or a place, along = nil or its axis, light = colour, scale = 1: of it,
+-- cone = nil or { inner, outer } in radians, extras = { name, value, .. } }. Or nothing, where its light is negative.
+function lamps.punctual(w, lamp)
+  local most, colour = split(lamp.light)
+  if not most then return leave_out(w, "lamps of negative radiance, left out") end
+  local cone = lamp.cone and json.object("innerConeAngle", lamp.cone[1], "outerConeAngle", lamp.cone[2])
+  w.used.KHR_lights_punctual = true
+  local n = add(w.lights, json.object("type", lamp.type, "color", colour, "intensity", (lamp.scale or 1) * most, "spot", cone,
+    "extras", extras((table.unpack or unpack)(lamp.extras)))) -- luacheck: ignore 113
+  add(w.nodes, json.object("translation", lamp.at, "rotation", lamp.along and rotation_of(lamp.along), "extensions",
+    json.object("KHR_lights_punctual", json.object("light", n))))
+end
+
+--- A sphere { at =, radius =, radiance = }, as a point of its intensity.
+function lamps.sphere(w, l)
+  local most = split(l.radiance)
+  if most and (most == 0 or l.radius == 0) then return leave_out(w, "dark lamps, left out") end
+  lamps.punctual(w, { type = "point", at = l.at, light = l.radiance, scale = math.pi * l.radius * l.radius,
+    extras = { "radius", l.radius, "radiance", l.radiance } })
+end
+
+--- A flat light of these corners as a surface that emits; its fields are in extras.
+function lamps.flat(w, l, vertices)
   if not split(l.radiance) then return leave_out(w, "lamps of negative radiance, left out") end
-  local number = emitter(w, l.radiance)
+  local kind, number = form.kind(l), emitter(w, l.radiance)
   local positions = require "ylm.array".array(vertices, "float")
   local lo, hi = { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge }
   for i = 1, #vertices do
@@ -254,63 +264,8 @@ local function add_flat(w, kind, l, vertices)
   add(w.nodes, json.object("mesh", mesh, "extras", extras((table.unpack or unpack)(list)))) -- luacheck: ignore 113
 end
 
-local writers = {}
-
-function writers.sphere_light(w, l) add_sphere(w, l.at, l.radius, l.radiance) end
-
-function writers.sphere_lights(w, l)
-  local at, radius, radiance = check.result("save", core.lights_surfaces(l.lights, 1))
-  if not at then return nil, radius, radiance end
-  at, radius, radiance = core.array_totable(at), core.array_totable(radius), core.array_totable(radiance)
-  for i = 1, l.count do add_sphere(w, at[i], radius[i], radiance[i]) end
-end
-
-function writers.polygon_light(w, l) add_flat(w, "polygon_light", l, lights.outline(l)) end
-
-function writers.disk_light(w, l) add_flat(w, "disk_light", l, lights.outline(l)) end
-
-function writers.sun_light(w, l)
-  local most, colour = split(l.irradiance)
-  if not most then return leave_out(w, "lamps of negative radiance, left out") end
-  local d = l.direction
-  punctual(w, nil, rotation_of { -d[1], -d[2], -d[3] }, json.object("type", "directional", "color", colour, "intensity", most,
-    "extras", extras("angle", l.angle, "direction", d, "irradiance", l.irradiance)))
-end
-
-function writers.spot_light(w, l)
-  local most, colour = split(l.intensity)
-  local outer = math.rad(l.angle / 2)
-  if not most or l.angle > 180 then return leave_out(w, "spots of more than 180 degrees, or negative, left out") end
-  local d = { l.to[1] - l.at[1], l.to[2] - l.at[2], l.to[3] - l.at[3] }
-  -- Equal angles are refused by validators.
-  local inner = math.min(outer * (1 - l.blend), outer * (1 - 1e-9))
-  punctual(w, l.at, rotation_of(d), json.object("type", "spot", "color", colour, "intensity", most, "spot",
-    json.object("innerConeAngle", inner, "outerConeAngle", outer), "extras", extras("angle", l.angle, "blend", l.blend,
-    "to", l.to, "intensity", l.intensity)))
-end
-
---- Numbers of three channels, or of one, of an environment's records; their scale is the first colour's.
-local function coefficients_of(l)
-  local rows = {}
-  for i, r in ipairs(l.records) do rows[i] = r[3] end
-  return #rows == 1 and rows[1] or rows
-end
-
---- Light from all around stands in extras.ylm of the scene, since images of EXT_lights_image_based hold 8 bits.
-function writers.environment_light(w, l)
-  leave_out(w, "skies, in extras.ylm, which other programs do not read")
-  local sky = l.sky and json.object("kind", l.seen.kind, "zenith", check.plain(l.sky.zenith), "sun", check.plain(l.sky.sun),
-    "luminance", l.seen.luminance)
-  local coefficients = not sky and not l.radiance and coefficients_of(l) or nil
-  if l.image or l.file then
-    leave_out(w, ("images of skies, written as their coefficients of degree %d"):format(l.lmax))
-  end
-  w.skies[#w.skies + 1] = json.object("radiance", l.radiance, "coefficients", coefficients, "sky", sky, "lmax",
-    sky and l.lmax, "scale", l.scale)
-end
-
---- The number of lamps that a light becomes.
-local function count_of(l) return form.kind(l) == "sphere_lights" and l.count or 1 end
+--- Light from all around, in extras.ylm of the scene: names and values.
+function lamps.sky(w, ...) w.skies[#w.skies + 1] = json.object(...) end
 
 -- The whole -------------------------------------------------------------------------------------
 
@@ -354,23 +309,22 @@ local function container(head, data)
 end
 
 local function fill(w, scene)
-  local lamps = 0
-  for _, l in ipairs(scene.lights) do lamps = lamps + count_of(l) end
-  if lamps > LAMPS then
-    return nil, ("glTF has a node for each lamp: %d lamps, at most %d are written"):format(lamps, LAMPS), "ELIMIT"
+  local count = 0
+  for _, l in ipairs(scene.lights) do count = count + pack.rows(l) end
+  if count > LAMPS then
+    return nil, ("glTF has a node for each lamp: %d lamps, at most %d are written"):format(count, LAMPS), "ELIMIT"
   end
   for _, piece in ipairs(scene.geometry) do
     local ok, message, code = add_piece(w, piece)
     if not ok then return nil, message, code end
   end
   for _, l in ipairs(scene.lights) do
-    local kind = form.kind(l)
-    local writer = writers[kind]
-    if writer then
-      local _, message, code = writer(w, l)
+    local as_light = pack.form_of(l)
+    if as_light and as_light.gltf then
+      local _, message, code = as_light.gltf(w, l)
       if message then return nil, message, code end
     else
-      leave_out(w, ("lights of kind %s, left out"):format((kind:gsub("^ylm%.", ""))))
+      leave_out(w, ("lights of kind %s, left out"):format((form.kind(l):gsub("^ylm%.", ""))))
     end
   end
   if scene.camera then add_camera(w, scene.camera) end
@@ -408,7 +362,7 @@ function write.save(scene, path, given)
   end
   local o = form.options(2, "save", options, given)
   if o.separate and ending == "glb" then return check.bad(2, "save", "separate is for .gltf: a .glb file is one file") end
-  local w = new()
+  local w = setmetatable(new(), lamps)
   local ok, message, code = fill(w, scene)
   if not ok then return nil, message, code end
   local notes = notes_of(w)

@@ -154,6 +154,25 @@ local function build(values, fail)
   return setmetatable(values, form.defined.environment_light.metatable)
 end
 
+--- Numbers of three channels, or of one, of records; their scale is the first colour's.
+local function coefficients_of(l)
+  local rows = {}
+  for i, r in ipairs(l.records) do rows[i] = r[3] end
+  return #rows == 1 and rows[1] or rows
+end
+
+--- Light from all around stands in extras.ylm of the scene, since images of EXT_lights_image_based hold 8 bits.
+local function write(w, l)
+  w:leave_out "skies, in extras.ylm, which other programs do not read"
+  local sky = l.sky and w.object("kind", l.seen.kind, "zenith", check.plain(l.sky.zenith), "sun", check.plain(l.sky.sun),
+    "luminance", l.seen.luminance)
+  local coefficients = not sky and not l.radiance and coefficients_of(l) or nil
+  if l.image or l.file then
+    w:leave_out(("images of skies, written as their coefficients of degree %d"):format(l.lmax))
+  end
+  w:sky("radiance", l.radiance, "coefficients", coefficients, "sky", sky, "lmax", sky and l.lmax, "scale", l.scale)
+end
+
 environment.environment_light = form.define("environment_light", {
   numbers = 256,
   about = "Light from all around, infinitely far away: the same at every point, seen where nothing is hit. Give radiance, "
@@ -180,6 +199,8 @@ environment.environment_light = form.define("environment_light", {
     record = function(l, out)
       for _, r in ipairs(l.records) do append(out, r) end
     end,
+    moved = function(l, changes) return pack.moved(l, changes, l.coefficients and "lmax") end, -- they have their own
+    gltf = write,
   },
   example = "environment_light { radiance = {0.5, 0.6, 0.8} }",
 })

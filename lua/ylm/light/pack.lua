@@ -52,6 +52,28 @@ function pack.append(record, ...)
   end
 end
 
+--- The `light` of the form of a value (lua/ylm/light/kinds.lua); nil: it is no light of a form.
+function pack.form_of(value)
+  local kind = type(value) == "table" and form.kind(value)
+  return kind and form.defined[kind] and form.defined[kind].light or nil
+end
+
+--- How many lights a value counts as.
+function pack.rows(value)
+  local light = pack.form_of(value)
+  return light and light.rows and light.rows(value) or 1
+end
+
+--- A light that is alike but for some fields, and for the field `without`, which it does not keep: what lights of forms
+-- without `moved` become; nil, message, code. `name`: the form, of a row of fields.
+function pack.moved(value, changes, without, name)
+  local definition, given = form.defined[name or form.kind(value)], {}
+  for _, field in ipairs(definition.fields) do given[field[1]] = value[field[1]] end
+  if without then given[without] = nil end
+  for key, x in pairs(changes) do given[key] = x end
+  return definition.construct(given)
+end
+
 --- Ends a run of records, which becomes a source of lights_create.
 local function flush(sources, run)
   if #run == 0 then return end

@@ -31,6 +31,17 @@ end
 local method_field = { "method", "choice", of = { "exact", "sphere" }, default = "exact",
   about = "exact: integrals along the edges; sphere: a sphere of the same area times |cos gamma|" }
 
+--- The corners of a flat light: of a disk 64 on its rim.
+local function outline(l)
+  if l.vertices then return l.vertices end
+  local c, u, v, rim = l.axes[1], l.axes[2], l.axes[3], {}
+  for i = 1, 64 do
+    local a, b = math.cos(math.pi * i / 32), math.sin(math.pi * i / 32)
+    rim[i] = { c[1] + a * u[1] + b * v[1], c[2] + a * u[2] + b * v[2], c[3] + a * u[3] + b * v[3] }
+  end
+  return rim
+end
+
 --- How polygons and disks become records of csrc/light/flat/kind.c.
 local as_light = {
   kind = function(l) return l.method == "exact" and "polygon" or "polygon_as_sphere" end,
@@ -40,6 +51,8 @@ local as_light = {
     out[#out + 1] = l.vertices and #l.vertices or 0
     for _, v in ipairs(l.vertices or l.axes) do pack.append(out, v) end
   end,
+  outline = outline,
+  gltf = function(w, l) w:flat(l, outline(l)) end,
 }
 
 polygon.polygon_light = form.define("polygon_light", {

@@ -33,6 +33,8 @@ sphere.sphere_light = form.define("sphere_light", {
       out[n + 1], out[n + 2], out[n + 3], out[n + 4], out[n + 5], out[n + 6], out[n + 7] =
         c[1], c[2], c[3], at[1], at[2], at[3], l.radius
     end,
+    spheres = function(l) return { l } end,
+    gltf = function(w, l) w:sphere(l) end,
   },
   example = "sphere_light { at = {0, 2, 0}, radius = 0.1, radiance = {10, 8, 6} }",
 })
@@ -59,6 +61,16 @@ local function build_lights(values, fail)
   return setmetatable({ lights = packed, count = n }, form.defined.sphere_lights.metatable)
 end
 
+--- The lights of arrays as rows.
+local function rows_of(l)
+  local at, radius, radiance = check.result("lights", core.lights_surfaces(l.lights, 1))
+  if not at then return nil, radius, radiance end
+  at, radius, radiance = core.array_totable(at), core.array_totable(radius), core.array_totable(radiance)
+  local rows = {}
+  for i = 1, l.count do rows[i] = { at = at[i], radius = radius[i], radiance = radiance[i] } end
+  return rows
+end
+
 sphere.sphere_lights = form.define("sphere_lights", {
   about = "Many sphere lights as one object, from arrays: fast to make and to use.",
   fields = {
@@ -68,7 +80,21 @@ sphere.sphere_lights = form.define("sphere_lights", {
       about = "[n][3] linear Rec. 709 or [n], or a number or {r, g, b} for all; may be negative" },
   },
   build = build_lights,
-  light = {},
+  light = {
+    rows = function(l) return l.count end,
+    row = "sphere_light",
+    join = function(rows)
+      local arrays = { at = {}, radius = {}, radiance = {} }
+      for i, row in ipairs(rows) do arrays.at[i], arrays.radius[i], arrays.radiance[i] = row.at, row.radius, row.radiance end
+      return sphere.sphere_lights(arrays)
+    end,
+    spheres = rows_of,
+    gltf = function(w, l)
+      local rows, message, code = rows_of(l)
+      for _, row in ipairs(rows or {}) do w:sphere(row) end
+      if not rows then return nil, message, code end
+    end,
+  },
   example = "sphere_lights { at = { {0, 2, 0}, {1, 2, 0} }, radius = { 0.1, 0.2 }, radiance = 10 }",
 })
 

@@ -26,6 +26,16 @@ spot.spot_light = form.define("spot_light", {
       out[#out + 1] = l.angle
       out[#out + 1] = l.blend
     end,
+    gltf = function(w, l)
+      local c, outer = l.intensity, math.rad(l.angle / 2)
+      if math.min(c[1], c[2], c[3]) < 0 or l.angle > 180 then
+        return w:leave_out "spots of more than 180 degrees, or negative, left out"
+      end
+      -- Equal angles are refused by validators.
+      local inner = math.min(outer * (1 - l.blend), outer * (1 - 1e-9))
+      w:punctual { type = "spot", at = l.at, along = { l.to[1] - l.at[1], l.to[2] - l.at[2], l.to[3] - l.at[3] }, light = c,
+        cone = { inner, outer }, extras = { "angle", l.angle, "blend", l.blend, "to", l.to, "intensity", c } }
+    end,
   },
   example = "spot_light { at = {0, 3, 0}, to = {0, 0, 0}, angle = 60, intensity = {10, 8, 6} }",
 })

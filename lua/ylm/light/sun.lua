@@ -20,6 +20,11 @@ sun.sun_light = form.define("sun_light", {
       pack.append(out, l.irradiance, l.direction)
       out[#out + 1] = l.angle
     end,
+    gltf = function(w, l)
+      local d = l.direction
+      w:punctual { type = "directional", along = { -d[1], -d[2], -d[3] }, light = l.irradiance,
+        extras = { "angle", l.angle, "direction", d, "irradiance", l.irradiance } }
+    end,
   },
   example = "sun_light { direction = {1, 2, 0.5}, irradiance = {3, 2.9, 2.7} }",
 })

@@ -121,7 +121,7 @@ textured.textured_light = form.define("textured_light", {
     t.count = message
     return setmetatable(t, form.defined.textured_light.metatable)
   end,
-  light = {},
+  light = { moved = false },
   metatable = { __tostring = function(t)
     return ("textured_light of %dx%d texels in %d parts"):format(t.texels.shape[2], t.texels.shape[1], t.count)
   end },

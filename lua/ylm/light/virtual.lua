@@ -314,7 +314,7 @@ virtual.virtual_lights = form.define("virtual_lights", {
     { "shift", "any", default = 0, about = "[n] numbers or one, 0 to 1: of lights that stand for surfaces of several normals" },
   },
   build = build,
-  light = {},
+  light = { moved = false },
   metatable = { __index = memory.publish(methods), __tostring = function(l)
     return ("%d virtual lights of degree %d, profile %s"):format(l.count, l.degree, l.profile)
   end },

@@ -1,11 +1,9 @@
 --- Lights of a scene for a live window: spheres as rows that move, everything else, which stays.
 --
--- A row is { at, radius, radiance, number }: number is the light's place in the scene's list, where each sphere of
--- `sphere_lights` counts as one (lua/ylm/scene/like.lua).
+-- A row is { at, radius, radiance, number }: number is the light's place in the scene's list, where each light of
+-- many counts as one (lua/ylm/scene/like.lua).
 
 local array = require "ylm.array"
-local core = require "ylm.c.core"
-local form = require "ylm.form"
 local light = require "ylm.light"
 local sphere = require "ylm.light.sphere"
 
@@ -15,22 +13,15 @@ local lamps = {}
 function lamps.of(s)
   local rows, others, number = {}, {}, 0
   for _, l in ipairs(s.lights) do
-    local kind = form.kind(l)
-    if kind == "sphere_light" then
-      number = number + 1
-      rows[#rows + 1] = { at = { l.at[1], l.at[2], l.at[3] }, radius = l.radius,
-        radiance = { l.radiance[1], l.radiance[2], l.radiance[3] }, number = number }
-    elseif kind == "sphere_lights" then
-      local at, radius, radiance = light.arrays(light.pack(1, "live", l))
-      at, radius, radiance = core.array_totable(at), core.array_totable(radius), core.array_totable(radiance)
-      for i = 1, l.count do
-        rows[#rows + 1] = { at = at[i], radius = radius[i], radiance = radiance[i], number = number + i }
-      end
-      number = number + l.count
-    else
-      number = number + 1
-      others[#others + 1] = l
+    local as_light = light.form_of(l)
+    local spheres = as_light and as_light.spheres and as_light.spheres(l)
+    for i, one in ipairs(spheres or {}) do
+      local at, c = one.at, one.radiance
+      rows[#rows + 1] = { at = { at[1], at[2], at[3] }, radius = one.radius, radiance = { c[1], c[2], c[3] },
+        number = number + i }
     end
+    if not spheres then others[#others + 1] = l end
+    number = number + light.rows(l)
   end
   return rows, others, number
 end

@@ -50,8 +50,8 @@ end
 local function lamps_of(scene)
   local rows, others = {}, 0
   for _, one in ipairs(scene.lights) do
-    local kind = form.kind(one)
-    if kind ~= "sphere_light" and kind ~= "sphere_lights" then others = others + 1 end
+    local as_light = light.form_of(one)
+    if not (as_light and as_light.spheres) then others = others + 1 end
   end
   if #scene.lights == 0 then return rows, others end
   local packed, message, code = light.pack(1, "save", scene.lights)

@@ -3,9 +3,9 @@
 -- Lights have numbers: places in that list, where each sphere of `sphere_lights` counts as one light.
 
 local check = require "ylm.check"
-local core = require "ylm.c.core"
 local form = require "ylm.form"
 local gltf = require "ylm.gltf"
+local pack = require "ylm.light.pack"
 local sandbox = require "ylm.sandbox"
 
 local like = {}
@@ -42,58 +42,41 @@ end
 
 -- Lights by number -------------------------------------------------------------------------
 
---- Kinds of lights whose fields are gone once they are made.
-local whole = { textured_light = true, virtual_lights = true }
-
---- The number of lights that a part of a scene counts as.
-local function count_of(light)
-  return form.kind(light) == "sphere_lights" and light.count or 1
-end
-
---- The light of form `name` with the fields of `old` and, over them, those of `changes`; or nil, message, code.
-local function changed(name, old, changes, place, fail)
-  local fields, given = form.defined[name].fields, {}
-  for _, field in ipairs(fields) do given[field[1]] = old[field[1]] end
-  if given.coefficients then given.lmax = nil end -- they have their own
-  for key, value in pairs(changes) do given[key] = value end
-  local ok, light, message, code = pcall(form.defined[name].construct, given)
-  if ok then return light, message, code end
-  if type(light) ~= "string" or not light:find(name .. ": ", 1, true) then error(light, 0) end
-  return fail(("%s: %s"):format(place, light:match("^.-(" .. name .. ": .*)$")))
+--- A light of form `name`, or a row of its fields, with the fields `changes`; or nil, message, code.
+local function changed(name, light, changes, place, fail)
+  local moved = form.defined[name].light.moved
+  local ok, new, message, code = pcall(moved or pack.moved, light, changes, nil, name)
+  if ok then return new, message, code end
+  if type(new) ~= "string" or not new:find(name .. ": ", 1, true) then error(new, 0) end
+  return fail(("%s: %s"):format(place, new:match("^.-(" .. name .. ": .*)$")))
 end
 
 --- One light, changed; or nil, message, code.
 local function change(light, changes, place, fail)
-  local kind = form.kind(light)
-  if type(light) ~= "table" or whole[kind] then
+  local kind, as_light = form.kind(light), pack.form_of(light)
+  if not as_light or as_light.moved == false then
     return fail(("%s: the fields of %s are not kept; remove it, and add another"):format(place,
       kind == "ylm.lights" and "packed lights" or "a " .. kind))
   end
   return changed(kind, light, changes, place, fail)
 end
 
---- Arrays of spheres with the changes, by row, and without the rows that are removed; or nil, message, code. Nothing (false)
+--- A light of many with the changes, by row, and without the rows that are removed; or nil, message, code. Nothing (false)
 -- where no row is left.
 local function change_rows(light, first, moved, removed, fail)
-  local at, radius, radiance = check.result("scene", core.lights_surfaces(light.lights, 1))
-  if not at then return nil, radius, radiance end
-  at, radius, radiance = core.array_totable(at), core.array_totable(radius), core.array_totable(radiance)
-  local rows = { at = {}, radius = {}, radiance = {} }
-  for i = 1, light.count do
+  local as_light, left = pack.form_of(light), {}
+  local rows, message, code = as_light.spheres(light)
+  if not rows then return nil, message, code end
+  for i, row in ipairs(rows) do
     local number = first + i - 1
-    local row = { at = at[i], radius = radius[i], radiance = radiance[i] }
     if moved[number] then
-      local message, code
-      row, message, code = changed("sphere_light", row, moved[number], ("moved[%d]"):format(number), fail)
+      row, message, code = changed(as_light.row, row, moved[number], ("moved[%d]"):format(number), fail)
       if not row then return nil, message, code end
     end
-    if not removed[number] then
-      local n = #rows.at + 1
-      rows.at[n], rows.radius[n], rows.radiance[n] = row.at, row.radius, row.radiance
-    end
+    if not removed[number] then left[#left + 1] = row end
   end
-  if #rows.at == 0 then return false end
-  return form.defined.sphere_lights.construct(rows)
+  if #left == 0 then return false end
+  return as_light.join(left)
 end
 
 --- The numbers of `removed` as a set, once they and those of `moved` are numbers of lights.
@@ -131,13 +114,14 @@ end
 -- geometry brought are such lights. Or nil, message, code.
 function like.lights(lights, values, name, fail)
   local moved, total, out = values.moved or {}, 0, {}
-  for _, light in ipairs(lights) do total = total + count_of(light) end
+  for _, light in ipairs(lights) do total = total + pack.rows(light) end
   local removed = numbers_of(values, total, name, fail)
   local first = 1
   for _, light in ipairs(lights) do
-    local last, new, message, code = first + count_of(light) - 1, light, nil, nil
+    local last, new, message, code = first + pack.rows(light) - 1, light, nil, nil
     if any(moved, first, last) or any(removed, first, last) then
-      if form.kind(light) == "sphere_lights" then
+      local as_light = pack.form_of(light)
+      if as_light and as_light.join then
         new, message, code = change_rows(light, first, moved, removed, fail)
       elseif removed[first] then new = false
       else new, message, code = change(light, moved[first], ("moved[%d]"):format(first), fail) end
