@@ -133,7 +133,7 @@ struct ylm__light_kind {
   X(sphere)                                                                                        \
   X(polygon)                                                                                       \
   X(polygon_as_sphere)                                                                             \
-  X(textured) X(environment) X(panorama) X(sun) X(sampled) X(spot) X(virtual) X(foreign)
+  X(textured) X(environment) X(panorama) X(sun) X(sampled) X(spot) X(lobe) X(virtual) X(foreign)
 #define X(name) extern const ylm__light_kind ylm__##name##_kind;
 YLM__LIGHT_KINDS(X)
 #undef X

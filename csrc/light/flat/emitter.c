@@ -1,5 +1,6 @@
 /* emitter.c - triangles and disks as rays and particles meet them. Numbers of an emitter are its record: radiance [3],
    horizon [3], sides (3, or 0: a disk), corners [3][3], of a disk its middle and two half axes. */
+#include "../kind.h"
 #include "flat.h"
 
 #include <math.h>

@@ -25,7 +25,6 @@
 #ifndef YLM_LIGHT_POLYGON_H
 #define YLM_LIGHT_POLYGON_H
 
-#include "../kind.h"
 #include "calibration.h"
 #include "contour.h"
 #include "ylm_light_device.h"
@@ -91,7 +90,7 @@ ylm_status ylm_polygons_join(ylm_polygons *polygons);
 size_t ylm__flat_get(const void *of, size_t i, ylm_light *out, ylm_light_shape *shape);
 ylm_status ylm__flat_evaluate(const void *of, ylm_isa isa, const ylm_field_query *q, size_t n,
                               const void *points, ylm_field_result *r, ylm_error *e);
-extern const ylm__light_emits ylm__flat_emits; /* emitter.c */
+extern const struct ylm__light_emits ylm__flat_emits; /* emitter.c */
 void ylm__flat_device(const void *of, ylm_light_part *out);
 
 /* Rows of vertices that a light of so many sides has. */

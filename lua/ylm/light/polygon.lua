@@ -42,17 +42,24 @@ local function outline(l)
   return rim
 end
 
---- How polygons and disks become records of csrc/light/flat/kind.c.
+--- How polygons and disks become records of csrc/light/flat/kind.c, disks with spread of lobe.c.
 local as_light = {
-  kind = function(l) return l.method == "exact" and "polygon" or "polygon_as_sphere" end,
+  kind = function(l)
+    if (l.spread or 0) > 0 then return "lobe" end
+    return l.method == "exact" and "polygon" or "polygon_as_sphere"
+  end,
   record = function(l, out)
     local h = l.horizon or { 0, 0, 0 }
     pack.append(out, l.radiance, h)
     out[#out + 1] = l.vertices and #l.vertices or 0
     for _, v in ipairs(l.vertices or l.axes) do pack.append(out, v) end
+    if (l.spread or 0) > 0 then out[#out + 1] = l.spread end
   end,
   outline = outline,
-  gltf = function(w, l) w:flat(l, outline(l)) end,
+  gltf = function(w, l)
+    if (l.spread or 0) > 0 then w:leave_out "spread of disks, in extras.ylm, which other programs do not read" end
+    w:flat(l, outline(l))
+  end,
 }
 
 polygon.polygon_light = form.define("polygon_light", {
@@ -92,17 +99,24 @@ end
 
 polygon.disk_light = form.define("disk_light", {
   numbers = 256,
-  about = "A disk that emits the same radiance to both sides.",
+  about = "A disk that emits the same radiance to both sides, or with spread more of it along its normal. With spread it has no "
+    .. "light field: rays find its light, in scene:render, raycast and pathtrace; radiosity and scene:virtual_lights bounce it.",
   fields = {
     { "at", "point", unit = "scene units", about = "centre" },
     { "normal", "vector", about = "across the disk" },
     { "radius", "number", above = 0, max = core.limits.extent, default = 0.1, unit = "scene units" },
-    { "radiance", "colour", default = 1, unit = "W sr^-1 m^-2", about = "number or {r, g, b}; may be negative" },
+    { "radiance", "colour", default = 1, unit = "W sr^-1 m^-2",
+      about = "number or {r, g, b}; may be negative; with spread that along the normal" },
+    { "spread", "number", min = 0, max = 1000, default = 0,
+      about = "n: the radiance is multiplied by cos^n of the angle to the normal, on both sides; 0: the same in all directions" },
     { "method", "choice", of = { "exact", "sphere" }, default = "exact",
       about = "exact: integrals along the rim, to 1e-12 (no closed form off the axis); sphere: as of polygon_light" },
     { "horizon", "vector", optional = true, about = "as of polygon_light" },
   },
   build = function(values, fail)
+    if values.spread > 0 and values.method ~= "exact" then
+      return fail "method is of light fields, and with spread there is none"
+    end
     local u, v = polygon.frame(values.normal)
     local r = values.radius
     values.axes = { values.at, { r * u[1], r * u[2], r * u[3] }, { r * v[1], r * v[2], r * v[3] } }
