@@ -1,8 +1,8 @@
 /*
 ** ylm_keys.h - a table of keys of one size, numbered in the order in which they come.
 **
-** A hash table with open addressing. What belongs to a key stands in an array of its owner's, at the
-** key's number. Numbers depend on the order of keys alone, so results that follow them do too.
+** A hash table with open addressing. Data of a key stand in an array of their owner's, at the key's
+** number. Numbers depend on the order of keys alone, so results that follow them do too.
 ** `size`, the bytes of a key, is a multiple of 4 and the same in all calls for a table; keys are
 ** alike where all their bytes are, those between their fields included.
 **

@@ -2,8 +2,7 @@
 ** ylm_list.h - arrays that grow.
 **
 ** A list is a pointer that its owner declares with its type, NULL at first, and frees with ylm_free.
-** `list` is the pointer's address; `size` are the bytes of an item. What there is stays where memory
-** runs out.
+** `list` is the pointer's address; `size` are the bytes of an item. Items stay where memory runs out.
 */
 #ifndef YLM_LIST_H
 #define YLM_LIST_H
