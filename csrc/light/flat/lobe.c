@@ -16,7 +16,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "../distant.h"
+#include "../distant/distant.h"
 #include "flat.h"
 #include "ylm_vector.h"
 
