@@ -10,6 +10,7 @@ local camera = {}
 local EXTENT = core.limits.extent
 
 camera.camera = form.define("camera", {
+  shelf = "everyday",
   about = "A pinhole camera.",
   fields = {
     { "from", "point", unit = "scene units", about = "where it stands" },

@@ -83,6 +83,7 @@ for _, kind in ipairs { "scene", "gltf", "mesh", "image", "grid_set", "array", "
 end
 
 describe "load" {
+  shelf = "everyday",
   about = "Reads a file by its content: a scene (.lua, .glb, .gltf), a grid, an array (.npy), an image (.exr, .png, .jpg, .hdr, "
     .. ".pfm), a mesh (.obj, .ply) or a measured material (.binary of MERL, .bsdf of RGL); or a grid in bricks, a folder "
     .. "name.ylmd. A scene file may come from a stranger: it sees numbers, tables, math and the constructors, and is bounded in "

@@ -451,6 +451,7 @@ function methods.triangles(x)
 end
 
 describe "mesh:save" {
+  shelf = "everyday",
   about = "Writes the mesh as binary PLY.",
   arguments = { { "path", "string", "ends in .ply" } },
   returns = { { "ok", "boolean", "true" } },

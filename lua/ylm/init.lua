@@ -72,6 +72,7 @@ function ylm.names()
 end
 
 describe "info" {
+  shelf = "everyday",
   about = "Version, kernel sets, threads, libraries: what this ylm is made of. Loads the libraries to know.",
   arguments = {},
   returns = { { "info", "table", "version (also ylm.version), kernel (the set in use; YLM_ISA forces one), kernels (a list), "

@@ -54,6 +54,7 @@ function warning.say(object, topic, message, ...)
 end
 
 describe "on_warning" {
+  shelf = "everyday",
   about = "Chooses where warnings go: one line for each promise that a result does not keep, with its cause and what to "
     .. "change. Each is said once of a scene or a grid; reports and grid.stats hold it too.",
   arguments = { { "listener?", "function|false", "called as f(message); false: nowhere; nil: to stderr, unless "

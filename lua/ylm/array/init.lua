@@ -30,6 +30,7 @@ local methods = core.metatable "ylm.array"
 local open, shape_of = operand.open, operand.shape_of
 
 describe "array" {
+  shelf = "everyday",
   about = "Makes an array from nested tables of numbers, or converts an array to another element type.",
   arguments = {
     { "values", "table|array", "nested to the array's shape; every row of a level has the same length" },
@@ -63,6 +64,7 @@ array.array = setmetatable({ frombytes = memory.public(bytes.frombytes) }, {
 })
 
 describe "zeros" {
+  shelf = "everyday",
   about = "Makes an array of zeros.",
   arguments = {
     { "shape", "table", "1 to 8 extents, each 0 or more" },
@@ -88,6 +90,7 @@ local function index_text(name, shape, behind)
 end
 
 describe "array:get" {
+  shelf = "everyday",
   about = "One element.",
   arguments = { { "...", "integer", "one index per axis, from 1" } },
   returns = { { "x", "number", "" } },
@@ -102,6 +105,7 @@ function methods.get(a, ...)
 end
 
 describe "array:set" {
+  shelf = "everyday",
   about = "Changes one element.",
   arguments = { { "...", "number", "one index per axis, from 1, then the number" } },
   returns = { { "a", "array", "the array itself" } },
@@ -117,6 +121,7 @@ function methods.set(a, ...)
 end
 
 describe "array:totable" {
+  shelf = "everyday",
   about = "The numbers as nested tables.",
   arguments = {},
   returns = { { "t", "table", "" } },
@@ -129,6 +134,7 @@ function methods.totable(a)
 end
 
 describe "array:clone" {
+  shelf = "everyday",
   about = "A copy with numbers of its own.",
   arguments = {},
   returns = { { "b", "array", "same shape, element type and convention" } },
@@ -191,6 +197,7 @@ function methods.close(a)
 end
 
 describe "array:save" {
+  shelf = "everyday",
   about = "Writes the array as .npy (NumPy's format, version 1), float32, float64, int32 or float16, C order. Nothing is "
     .. "lost: the convention of coefficients stands in a comment of the header, which NumPy reads over and ylm.load heeds.",
   arguments = { { "path", "string", "ends in .npy" } },
@@ -279,6 +286,7 @@ methods.__tostring = function(a)
 end
 
 describe "array:print" {
+  shelf = "everyday",
   about = "Prints type, shape and all numbers, a line for each row; tostring shows arrays of at most 36 numbers whole.",
   arguments = {},
   returns = {},

@@ -219,6 +219,7 @@ function bake.lights_of(g)
 end
 
 describe "bake" {
+  shelf = "everyday",
   about = "Evaluates a light field at the points of a grid: each corner of a voxel once, level by level.",
   arguments = {
     { "description", "adaptive_grid|uniform_grid", "what grid" },

@@ -328,6 +328,7 @@ local function unmet_by(report, tolerance, o)
 end
 
 describe "grid:export" {
+  shelf = "everyday",
   about = "Writes the grid's light at the middles of equal cells of its bounds, for engines that interpolate along the axes: "
     .. "'.ktx2' ambient cubes (irradiance over pi at six faces, alpha: validity) as Bevy reads them, '.three.json' the atlas of "
     .. "three.js' LightProbeGrid (degree 2, radiance, halves, base64), '.npy' coefficients [nz][ny][nx][channels][(lmax+1)^2]. "

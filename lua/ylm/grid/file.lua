@@ -35,6 +35,7 @@ for _, field in ipairs(grid_file.page_options) do save_options[#save_options + 1
 local methods, open = grid_object.methods, grid_object.open
 
 describe "grid:save" {
+  shelf = "everyday",
   about = "Writes the grid; the ending chooses the format. An existing file is replaced whole or not at all. Equal grids "
     .. "are equal bytes: times are not in the file.",
   arguments = {

@@ -26,6 +26,7 @@ local bias_field = { "bias", "number", min = 0, max = core.limits.grid_bias, opt
     .. "surfaces (quantity is not 'lights'), else 0: no bias" }
 
 grid.adaptive_grid = form.define("adaptive_grid", {
+  shelf = "everyday",
   about = "An octree of voxels that subdivides where its interpolation would be wrong and light is needed. "
     .. "tolerance promises an error; threshold reproduces the paper's metric. Without either, tolerance is 0.01.",
   fields = {
@@ -99,6 +100,7 @@ function form.types.cells(x)
 end
 
 grid.uniform_grid = form.define("uniform_grid", {
+  shelf = "everyday",
   about = "A lattice of equal voxels.",
   fields = {
     bounds_field, lmax_field,

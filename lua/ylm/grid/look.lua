@@ -9,6 +9,7 @@ local grid_object = require "ylm.grid.object"
 local methods, open = grid_object.methods, grid_object.open
 
 describe "grid:points" {
+  shelf = "everyday",
   about = "Everything that the grid keeps at its points, as arrays: evaluated points first, then those that only "
     .. "continuity needs.",
   arguments = {},
@@ -32,6 +33,7 @@ local cells_options = {
 }
 
 describe "grid:cells" {
+  shelf = "everyday",
   about = "The voxels as arrays: parents before children, eight children in a row.",
   arguments = { { "options?", "table", "see the options" } },
   options = cells_options,

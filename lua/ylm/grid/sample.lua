@@ -21,6 +21,7 @@ local sample_options = {
 }
 
 describe "grid:sample" {
+  shelf = "everyday",
   about = "Interpolates coefficients at points. Fastest where neighbours in the array are neighbours in space.",
   arguments = {
     { "points", "array|table|gpu_array", "[n][3] or one point, scene units; with device also an array in its memory, whose "

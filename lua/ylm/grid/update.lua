@@ -100,6 +100,7 @@ local function bake_again(g, lights, o)
 end
 
 describe "grid:update" {
+  shelf = "everyday",
   about = "Brings other light to a grid: lights that moved, changed, appeared or vanished, or another field. A grid made with "
     .. "dynamic = true bakes only what they change beyond the tolerance, and its octree follows. Of other grids octree = 'keep' "
     .. "evaluates all points anew: points in lights or bodies are filled from their neighbours, and nothing measures the errors "

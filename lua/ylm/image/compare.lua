@@ -44,6 +44,7 @@ local compare_options = {
 }
 
 describe "image:compare" {
+  shelf = "everyday",
   about = "How far the image is from a reference, over all channels of a layer. mse and rmse; psnr in dB of peak;"
     .. " mae and max, the mean and largest absolute difference; mape in percent of the reference, where that is"
     .. " above floor; relmse, the mean of (a - b)^2 / (b^2 + epsilon);"
@@ -135,6 +136,7 @@ local difference_options = {
 }
 
 describe "image:difference" {
+  shelf = "everyday",
   about = "The difference from a reference as an image of one layer.",
   arguments = { { "reference", "image", "the truth" }, { "options?", "table", "" } },
   options = difference_options,

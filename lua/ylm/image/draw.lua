@@ -40,6 +40,7 @@ local resize_options = {
 }
 
 describe "image:resize" {
+  shelf = "everyday",
   about = "The image at another size, with every layer and the metadata.",
   arguments = { { "size", "table", "{ width, height }" }, { "options?", "table", "" } },
   options = resize_options,

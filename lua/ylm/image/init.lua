@@ -24,6 +24,7 @@ local function check_path(n, name, path)
 end
 
 image.image = form.define("image", {
+  shelf = "everyday",
   about = "A raster of named layers of 32-bit floats, all zero; pixels are linear.",
   fields = {
     { "size", "list", of = "integer", unit = "pixels", about = "{ width, height }" },
@@ -125,6 +126,7 @@ methods.__tostring = function(x)
 end
 
 describe "image:layers" {
+  shelf = "everyday",
   about = "The names of the layers, in order, and how many channels each has.",
   arguments = {},
   returns = { { "names", "table", "list of strings" }, { "channels", "table", "number of channels by name" } },
@@ -141,6 +143,7 @@ function methods.layers(x)
 end
 
 describe "image:layer" {
+  shelf = "everyday",
   about = "A layer's pixels as an array that shares their memory: row 1 is the top.",
   arguments = { { "name?", "string", "default: the first layer" } },
   returns = { { "pixels", "array", "float [height][width][channels]" } },
@@ -180,6 +183,7 @@ local save_options = {
 }
 
 describe "image:save" {
+  shelf = "everyday",
   about = "Writes the image; the ending chooses the format. An existing file is replaced whole or not at all.",
   arguments = {
     { "path", "string", ".exr (all layers, metadata), .png (one layer through exposure and tone curve), .hdr, .pfm" },

@@ -174,6 +174,7 @@ local function write(w, l)
 end
 
 environment.environment_light = form.define("environment_light", {
+  shelf = "everyday",
   numbers = 256,
   about = "Light from all around, infinitely far away: the same at every point, seen where nothing is hit. Give radiance, "
     .. "coefficients, image, file or sky. Light fields have its coefficients; rays see the image or the sky itself, of "

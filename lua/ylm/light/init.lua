@@ -120,6 +120,7 @@ function light.tally(...)
 end
 
 describe "light_field" {
+  shelf = "everyday",
   about = "The sum of all lights at points: coefficients, gradients and Hessians with respect to the point.",
   arguments = {
     { "lmax", "integer", "highest degree, 0 to 100" },

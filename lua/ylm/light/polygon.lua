@@ -63,6 +63,7 @@ local as_light = {
 }
 
 polygon.polygon_light = form.define("polygon_light", {
+  shelf = "everyday",
   numbers = 256,
   about = "A planar convex polygon that emits the same radiance to both sides.",
   fields = {
@@ -98,6 +99,7 @@ function polygon.frame(n)
 end
 
 polygon.disk_light = form.define("disk_light", {
+  shelf = "everyday",
   numbers = 256,
   about = "A disk that emits the same radiance to both sides, or with spread more of it along its normal. With spread it has no "
     .. "light field: rays find its light, in scene:render, raycast and pathtrace; radiosity and scene:virtual_lights bounce it.",

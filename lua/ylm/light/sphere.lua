@@ -10,6 +10,7 @@ local sphere = {}
 local EXTENT = core.limits.extent
 
 sphere.sphere_light = form.define("sphere_light", {
+  shelf = "everyday",
   about = "A sphere that emits the same radiance everywhere and in every direction.",
   fields = {
     { "at", "point", unit = "scene units", about = "centre" },
@@ -72,6 +73,7 @@ local function rows_of(l)
 end
 
 sphere.sphere_lights = form.define("sphere_lights", {
+  shelf = "everyday",
   about = "Many sphere lights as one object, from arrays: fast to make and to use.",
   fields = {
     { "at", "any", unit = "scene units", about = "centres: an array or table [n][3]; empty: darkness" },

@@ -6,6 +6,7 @@ local pack = require "ylm.light.pack"
 local sun = {}
 
 sun.sun_light = form.define("sun_light", {
+  shelf = "everyday",
   about = "A disc of one radiance, infinitely far away: the same at every point, seen where nothing is hit.",
   fields = {
     { "direction", "vector", about = "towards the sun" },

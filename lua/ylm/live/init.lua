@@ -280,6 +280,7 @@ local function checked(s, given)
 end
 
 describe "scene:live" {
+  shelf = "everyday",
   about = "Opens a window in which lamps are dragged, and returns when it is closed. A grid follows the lamps within a tolerance "
     .. "(visibility = 'transfer'); at rest the picture is refined, at last by rays to the lamps, whose shadows are true: the "
     .. "panel says which. The key h shows all keys. A replay of events needs no display.",

@@ -12,6 +12,7 @@ function form.types.roughness(x, field)
 end
 
 local ggx = form.define("ggx", {
+  shelf = "everyday",
   about = "A surface of GGX microfacets, height-correlated, with Schlick's Fresnel term; a base shines through it.",
   fields = {
     { "alpha", "roughness", min = 1e-3, max = 1, default = 0.3,

@@ -31,6 +31,7 @@ end
 local build = object.builder "matte"
 
 local matte = form.define("matte", {
+  shelf = "everyday",
   about = "A matte (Lambertian) surface: light leaves it alike in every direction. An image is a texture: the mesh needs "
     .. "texture coordinates, at which it is looked up.",
   fields = {

@@ -216,6 +216,7 @@ virtual.with_shadows = virtual.with_shadows or function(...)
 end
 
 describe "scene:save" {
+  shelf = "everyday",
   about = "Writes the scene as glTF 2.0: geometry, materials, lamps, cameras. Numbers that glTF lacks stand in extras.ylm, by "
     .. "which ylm.load reads its own lamps, skies and materials exactly. Disks become polygons, textures their mean, phong "
     .. "its nearest ggx; images and virtual lights are left out. A line on the terminal (ylm.on_warning) names what is.",
@@ -245,6 +246,7 @@ local metatable = {
 }
 
 local construct = form.define("scene", {
+  shelf = "everyday",
   about = "A camera, geometry, lights and probes of a picture. Lists may nest, so that plain Lua loops build them: "
     .. "scene \"name\" { ... }.",
   fields = {
@@ -296,6 +298,7 @@ assert(s.name == "one lamp" and #s.geometry == 2 and #s.lights == 1)]],
 })
 
 describe "scene" {
+  shelf = "everyday",
   about = "Makes a scene: ylm.scene \"name\" { camera = , geometry = , lights = , probes = , background = }. "
     .. "Methods: bake, prepare, render, reference, raycast.",
   arguments = { { "name", "string", "what pictures are titled with" } },

@@ -102,6 +102,7 @@ local convert_options = {
 }
 
 describe "sh.convert" {
+  shelf = "everyday",
   about = "Translates coefficients between conventions: 'ylm', 'plain' (no Condon-Shortley phase; also 'sphericart'), "
     .. "'n3d' and 'sn3d' (ambisonics, ACN order), 'scipy' (complex; also 'sph_harm_y'), 'unity' (SHAr .. SHC), 'three.js', "
     .. "'filament' (also 'lovr'), 'e3nn', 'e3nn-component', 'e3nn-norm' (polar axis y), '3dgs' (Gaussian splats), 'mrtrix' and "

@@ -58,6 +58,7 @@ local function dtype_of(points, asked)
 end
 
 describe "sh.eval" {
+  shelf = "everyday",
   about = "Evaluates every basis function of degree <= lmax at points, with derivatives.\n"
     .. "Y is taken at v/|v|, its derivatives are those of Y(v/|v|) with respect to v; exact at the poles too.",
   arguments = {
@@ -95,6 +96,7 @@ end
 local reconstruct_options = { form.threads, args.out, args.progress }
 
 describe "sh.reconstruct" {
+  shelf = "everyday",
   about = "The functions that coefficients stand for, at points: sum over k of c_k Y_k(v/|v|).",
   arguments = {
     { "c", "array|table", "[..][(lmax+1)^2], in ylm's own convention" },

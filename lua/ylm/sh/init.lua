@@ -50,6 +50,7 @@ setmetatable(sh, {
 -- Indices -------------------------------------------------------------------------
 
 describe "sh.count" {
+  shelf = "everyday",
   about = "The number of coefficients of all degrees up to lmax.",
   arguments = { { "lmax", "integer", "highest degree, from 0 to 1000" } },
   returns = { { "count", "integer", "(lmax+1)^2" } },
@@ -62,6 +63,7 @@ function sh.count(lmax)
 end
 
 describe "sh.index" {
+  shelf = "everyday",
   about = "The one-based index of the coefficient of degree l and order m.",
   arguments = { { "l", "integer", "degree, from 0 to 1000" }, { "m", "integer", "from -l to l" } },
   returns = { { "index", "integer", "l(l+1) + m + 1" } },

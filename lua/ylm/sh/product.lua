@@ -88,6 +88,7 @@ local function check_rule(o)
 end
 
 describe "sh.product" {
+  shelf = "everyday",
   about = "The coefficients of the product of two or more functions, cut off at the lmax of the factors.\n"
     .. "A factor of one row multiplies every row of the others.",
   arguments = {

@@ -245,6 +245,7 @@ local function of_table(lmax, t, o)
 end
 
 describe "sh.project" {
+  shelf = "everyday",
   about = "The coefficients of a function on the sphere: of a Lua function f(x, y, z) that returns a number or r, g, b; "
     .. "of an image of the whole sphere; of samples { directions = [n][3], values = [n] or [n][channels], "
     .. "weights = [n] in sr, default 4 pi / n }.",

@@ -202,6 +202,7 @@ local function frames_of(value, shape, lmax, dtype)
 end
 
 describe "sh.rotate" {
+  shelf = "everyday",
   about = "Turns functions given by coefficients: the result at s is the argument at R^-1 s.\n"
     .. "Identity, quarter and half turns about the axes and their products are exact.",
   arguments = {

@@ -44,6 +44,7 @@ window.names = names
 function window.factors(name, width, lmax) return factors_of(shapes[name], width, lmax) end
 
 describe "sh.window" {
+  shelf = "everyday",
   about = "Damps high degrees against ringing. Degree l is multiplied by\n"
     .. "hann: (1 + cos(pi l/w))/2; lanczos: s = sin(pi l/w)/(pi l/w); sinc: s^4; all 0 from l = w on; "
     .. "gaussian: exp(-(pi l/w)^2/2).",

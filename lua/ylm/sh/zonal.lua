@@ -54,6 +54,7 @@ function axial.zonal(z, direction)
 end
 
 describe "sh.convolve" {
+  shelf = "everyday",
   about = "Convolves functions with a kernel that is symmetric about z: c_lm times sqrt(4 pi / (2l+1)) z_l.",
   arguments = {
     { "c", "array|table", "[..][(lmax+1)^2]" },
@@ -123,6 +124,7 @@ local irradiance_options = {
 }
 
 describe "sh.irradiance" {
+  shelf = "everyday",
   about = "The irradiance of surfaces under radiance given by coefficients, by their normals.",
   arguments = {
     { "c", "array|table", "[..][(lmax+1)^2], radiance" },

@@ -67,6 +67,7 @@ options[#options + 1] = form.threads
 options[#options + 1] = form.progress
 
 describe "scene:field" {
+  shelf = "everyday",
   about = "The light of a scene as a light field, which ylm.light_field and ylm.bake take. For light from surfaces it makes "
     .. "links (scene:links), the radiosity of the scene's lights, and its field. Who lights the same surfaces more than once "
     .. "makes the links, and names them.",

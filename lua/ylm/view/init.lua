@@ -362,6 +362,7 @@ local function build_view(values, fail)
 end
 
 local construct = form.define("view", {
+  shelf = "everyday",
   about = "A picture in three dimensions: of a grid, of numbers on a lattice, of SH vectors, of a scene. "
     .. "Methods: save, show, pixels, bars, window.",
   fields = fields,
