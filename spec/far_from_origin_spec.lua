@@ -189,7 +189,8 @@ describe("far from the origin", function()
     local near
     for _, offset in ipairs { 0, (table.unpack or unpack)(OFFSETS) } do -- luacheck: ignore
       local lights, bounds = scene(offset, SEED + 10)
-      local set = assert(ylm.bake(described(bounds, { bricks = 1 }), lights, { folder = ("%s/%g.ylmd"):format(folder.path, offset) }))
+      local set = assert(ylm.bake(described(bounds, { bricks = 1 }), lights,
+        { folder = ("%s/%g.ylmd"):format(folder.path, offset) }))
       local e = true_error(set, lights, bounds)
       near = near or set.stats
       assert.equal(near.met, set.stats.met)

@@ -67,7 +67,7 @@ describe("disk_light { spread = }", function()
     end)
 
     it("and by links: elements have its irradiance" .. name, function()
-      local lit = scene:transfer({ links = 16, spacing = 0.1, sides = "front" }):radiosity(nil, { light_samples = 64 })
+      local lit = scene:links({ rays = 16, spacing = 0.1, sides = "front" }):radiosity(nil, { light_samples = 64 })
       local centres, E = lit:elements().centre, lit:irradiance "direct"
       local got, wanted = 0, 0
       for i = 1, #centres do
@@ -145,7 +145,7 @@ describe("disk_light { spread = }", function()
     local scene = floor(light)
     refused(why, function() scene:bake { probes = ylm.uniform_grid { cells = { 2, 2, 2 }, lmax = 1 } } end)
     refused(why, function() scene:reference { size = { 4, 3 } } end)
-    refused(why, function() scene:transfer({ links = 16 }):radiosity():field { parts = "direct" } end)
+    refused(why, function() scene:links({ rays = 16 }):radiosity():field { quantity = "direct" } end)
   end)
 
   it("refuses what is wrong", function()

@@ -176,7 +176,9 @@ describe("what is no list of lights", function()
     radiosity = function(lights) return t:radiosity(lights) end,
     ["radiosity:update"] = function(lights) return lit:update(lights) end,
     bake = function(lights) return ylm.bake(grids.uniform(false), lights) end,
-    ["scene:bake"] = function(lights) return scene:bake { quantity = "lights", lights = lights, probes = grids.uniform(false) } end,
+    ["scene:bake"] = function(lights)
+      return scene:bake { quantity = "lights", lights = lights, probes = grids.uniform(false) }
+    end,
     update = function(lights) return grid(true):update(lights) end,
     ["grid:update of points"] = function(lights) return grid(false):update(lights) end,
     render = function(lights) return view:render { lights = lights } end,

@@ -14,7 +14,7 @@ local light = require "ylm.light"
 
 local field = {}
 
---- What an object may be asked: field of its metatable -> what it answers.
+--- The questions that an object may be asked: field of its metatable -> the answer.
 field.protocol = {
   -- light fields
   __field = "the function of C by which the field is evaluated",
@@ -33,7 +33,7 @@ field.protocol = {
   __names = "() -> the names in a table that loads its parts when they are first used",
 }
 
---- What answers a question of the protocol about an object; nil where its kind has none.
+--- The function that answers a question of the protocol about an object; nil where its kind has none.
 local function answer_of(x, question)
   assert(field.protocol[question], question)
   local kind = core.type(x)
@@ -81,7 +81,7 @@ end
 --- The lights that a dynamic grid can follow; nil where the field is of others.
 function methods:followed() return not self.is_function and light.followed(self.object) or nil end
 
---- What else than lights that are followed the field is of, in words.
+--- The kind of field that a dynamic grid cannot follow, in words.
 function methods:other() return light.other(self.object) end
 
 --- Options of the bake of a body's visibility, and the body; nothing where the field is none.

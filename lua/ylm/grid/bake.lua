@@ -79,10 +79,10 @@ local function options_of(description, given)
   return o
 end
 
--- What light ---------------------------------------------------------------------------
+-- The light ----------------------------------------------------------------------------
 
---- What is baked: { field, quantity, jumps (at surfaces), body (of a visibility), tally }, and options, which a body completes.
--- Or nil, message, code.
+--- The light that is baked: { field, quantity, jumps (at surfaces), body (of a visibility), tally }, and options, which a body
+-- completes. Or nil, message, code.
 local function what_light(description, lights, o)
   if form.kind(lights) == "virtual_lights" and lights.profile == "near" then
     return check.bad(2, "bake", "near lights are gathered where they are needed, with near:irradiance; bake the far ones")
