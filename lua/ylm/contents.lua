@@ -1,4 +1,4 @@
---- The public names: a module, then those that it defines, in the order data flows. Those of lights stand in light/kinds.lua.
+--- The public names: a module, then those that it defines, in the order data flows. light/kinds.lua has those of lights.
 -- Also read by .luacheckrc.
 
 return {

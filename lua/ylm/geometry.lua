@@ -204,6 +204,7 @@ function form.types.divisions(x)
 end
 
 shape("quad", {
+  shelf = "everyday",
   about = "A parallelogram corner + s u + t v, s and t from 0 to 1; it faces along u x v.",
   fields = {
     { "corner", "point", unit = "scene units", about = "one corner" },
@@ -223,6 +224,7 @@ shape("quad", {
 })
 
 shape("sphere", {
+  shelf = "everyday",
   about = "A sphere about the origin (move it with at); its poles lie on the z axis.",
   fields = {
     { "radius", "number", above = 0, default = 1, unit = "scene units", about = "" },
@@ -234,6 +236,7 @@ shape("sphere", {
 })
 
 shape("box", {
+  shelf = "everyday",
   about = "A box between two corners.",
   fields = {
     { "bounds", "bounds", default = { { -0.5, -0.5, -0.5 }, { 0.5, 0.5, 0.5 } }, unit = "scene units",
@@ -250,6 +253,7 @@ shape("box", {
 })
 
 shape("torus", {
+  shelf = "everyday",
   about = "A ring about the z axis.",
   fields = {
     { "radius", "number", above = 0, default = 1, unit = "scene units",
@@ -322,6 +326,7 @@ local function mesh_of_file(values, fail)
 end
 
 shape("mesh", {
+  shelf = "everyday",
   about = "Triangles from an OBJ or PLY file, or from arrays. Normals are computed where there are none. Of an OBJ file that "
     .. "names materials (mtllib, usemtl) parts is a list of geometry, one for each, emitters are the parts that emit, which "
     .. "scenes turn into polygon lights, and notes says what was not read; material = overrules all of it.",

@@ -55,7 +55,7 @@ function model.read()
   return { modules = modules, objects = objects, forms = forms }
 end
 
---- Those of a list that stand on a shelf.
+--- The entries of a list that stand on a shelf.
 function model.on_shelf(list, shelf)
   local some = {}
   for _, x in ipairs(list) do if reference.shelf(x) == shelf then some[#some + 1] = x end end

@@ -3,6 +3,7 @@
 -- Lights have numbers: places in that list, where each sphere of `sphere_lights` counts as one light.
 
 local check = require "ylm.check"
+local core = require "ylm.c.core"
 local form = require "ylm.form"
 local gltf = require "ylm.gltf"
 local pack = require "ylm.light.pack"
