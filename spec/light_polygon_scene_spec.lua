@@ -74,7 +74,7 @@ describe("ylm.polygon_light", function()
         local scene = floor { camera = ylm.camera { from = { -0.7, 0.3 + side, -0.7 }, at = { -0.7, 0.3, -0.7 },
           up = { 0, 0, 1 }, fov = 10 }, geometry = {}, probes = probes }
         local size = { 4, 4 }
-        for _, image in ipairs { scene:raycast { size = size, pixel_samples = 1 },
+        for _, image in ipairs { scene:raycast { size = size, samples = 1 },
           scene:reference { size = size, samples = 1 },
           (scene:render { size = size, samples = 1, grid = scene:bake { occupied = "everywhere" } }) } do
           assert.equal(1, image:layer "emitter":get(2, 2, 1))
@@ -83,7 +83,7 @@ describe("ylm.polygon_light", function()
         end
       end
       local disk = floor { camera = ylm.camera { from = { 1.1, 1.4, 0.6 }, at = { 0.6, 0.4, 0.6 }, fov = 10 } }
-      assert.equal(2, disk:raycast { size = { 2, 2 }, pixel_samples = 1 }:layer():get(1, 1, 3))
+      assert.equal(2, disk:raycast { size = { 2, 2 }, samples = 1 }:layer():get(1, 1, 3))
     end)
 
     it("are cut at their horizon for rays too", function()

@@ -62,7 +62,7 @@ describe("ylm.sun_light", function()
       lights = { ylm.sun_light { direction = { 0, 0, 1 }, irradiance = 3 },
         ylm.sun_light { direction = { math.sin(math.rad(5)), 0, -math.cos(math.rad(5)) }, angle = 4, irradiance = 2 } },
     }
-    local image = scene:raycast { size = { 41, 41 }, pixel_samples = 4, samples = 4, layers = true }
+    local image = scene:raycast { size = { 41, 41 }, samples = 4, layers = true }
     local rgb = image:layer():totable()
     assert.same({ 0, 0, 0 }, rgb[21][11]) -- on the left, the first sun is behind the camera's quad
     local radiance = 2 / (math.pi * math.sin(math.rad(2)) ^ 2)

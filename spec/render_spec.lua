@@ -73,37 +73,19 @@ describe("a picture", function()
     assert.equal(0, sum(image:layer "coverage"))
   end)
 
-  it("takes samples as camera rays by every method, by either name", function()
+  it("takes samples as camera rays by every method", function()
     local size = { 6, 4 }
     local function primary(_, report) return report.rays.primary end
     for _, method in ipairs { "reference", "raycast" } do
-      for _, name in ipairs { "samples", "pixel_samples" } do
-        local s = card(1)
-        assert.equal(72, primary(s[method](s, { size = size, [name] = 3, light_samples = method == "raycast" and 2 or nil })))
-      end
+      local s = card(1)
+      assert.equal(72, primary(s[method](s, { size = size, samples = 3, light_samples = method == "raycast" and 2 or nil })))
     end
-    local view = card(1):prepare { size = size, pixel_samples = 3 }
+    local view = card(1):prepare { size = size, samples = 3 }
     assert.equal(72, view.stats.primary_rays)
     assert.equal(3, view.options.samples)
     local image, report = card(1):raycast { size = size, samples = 1, light_samples = 5 }
     assert.equal(5 * report.points, report.rays.shadow)
     assert.same({ "1", "5" }, { image.metadata.samples, image.metadata.light_samples })
-  end)
-
-  it("says that raycast's samples are no shadow rays, where they may be meant as such", function()
-    local said = {}
-    local before = ylm.on_warning(function(message) said[#said + 1] = message end)
-    local s = card(1)
-    for _, o in ipairs { { light_samples = 2 }, { pixel_samples = 2 }, { samples = 2, light_samples = 2 }, {} } do
-      o.size = { 6, 4 }
-      assert.same({}, (select(2, s:raycast(o))).warnings)
-    end
-    local _, report = s:raycast { size = { 6, 4 }, samples = 2 }
-    ylm.on_warning(before)
-    assert.equal(1, #report.warnings)
-    assert.same(report.warnings, said)
-    assert.truthy(said[1]:find("samples = 2 are camera rays per pixel", 1, true), said[1])
-    assert.truthy(said[1]:find("set light_samples, which are 64", 1, true), said[1])
   end)
 
   it("is lit as the closed form says: a lamp over a plane", function()
@@ -298,7 +280,7 @@ describe("a picture", function()
   it("reports its stages and can be cancelled in each, leaving the floating-point mode alone", function()
     local s = card(1)
     local stages = {}
-    local o = with(options, { visibility = "pixel", progress = function(_, _, stage) stages[stage] = true end })
+    local o = with(options, { visibility = "transfer", progress = function(_, _, stage) stages[stage] = true end })
     s:reference(o)
     s:raycast { size = { 40, 20 }, progress = o.progress }
     for _, stage in ipairs { "primary rays", "transfer", "shading", "raycast" } do
@@ -331,8 +313,8 @@ describe("a picture", function()
     local grid = s:bake { occupied = "everywhere" }
     for what, picture in pairs {
       render = { s:render(options) }, grid = { s:render(with(options, { grid = grid })) },
-      vertices = { s:render(with(options, { shading = "vertex", visibility = "vertex" })) },
-      reference = { s:reference(options) }, raycast = { s:raycast { size = options.size, pixel_samples = 4 } },
+      vertices = { s:render(with(options, { shading = "vertex", visibility = "transfer" })) },
+      reference = { s:reference(options) }, raycast = { s:raycast { size = options.size, samples = 4 } },
     } do
       local image, report = picture[1], picture[2]
       assert.same({ 0.25, 0.5, 0.75 }, image:layer()[1][1]:totable(), what)

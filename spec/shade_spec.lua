@@ -351,9 +351,7 @@ describe("shading", function()
     local options = { size = { 32, 18 }, samples = 4, layers = false }
     local pixels = s:reference(options)
     local vertices, report = s:reference(with(options, { shading = "vertex" }))
-    local mixed = s:reference(with(options, { shading = "pixel", visibility = "vertex" }))
-    local earlier = s:reference(with(options, { visibility = "vertex" })) -- the name that this had before "transfer"
-    assert.equal(0, select(2, core.array_distance(earlier:layer(), vertices:layer())))
+    local mixed = s:reference(with(options, { vectors_at = "vertices" }))
     assert.is_true(report.points > 100)
     for _, image in ipairs { vertices, mixed } do
       local _, off, norm = core.array_distance(image:layer(), pixels:layer())

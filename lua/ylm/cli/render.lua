@@ -134,7 +134,7 @@ end
 
 --- The options of scene:render, scene:reference or scene:raycast.
 local function options_of(given, method)
-  local options = { size = given.size, pixel_samples = given.samples, threads = given.threads, progress = report.progress(given) }
+  local options = { size = given.size, samples = given.samples, threads = given.threads, progress = report.progress(given) }
   options.light_samples = given["light-samples"]
   if method ~= "reference" then options.display = status.display("render", given.display) end
   if method == "raycast" then return options end

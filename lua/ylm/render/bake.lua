@@ -4,6 +4,7 @@ local box = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local form = require "ylm.form"
 local grids = require "ylm.grid"
 local light = require "ylm.light"
 local objects = require "ylm.transfer.object"
@@ -21,7 +22,7 @@ local bake = {}
 --- Raises where options that are about the camera alone are given and would be ignored.
 local function check_camera_options(given, o)
   if o.occupied == "camera" or type(given) ~= "table" then return end
-  for _, name in ipairs { "size", "samples", "pixel_samples", "share", "shading" } do
+  for _, name in ipairs { "size", "samples", "share", "shading" } do
     if given[name] ~= nil then
       return check.fail("bake: %s is about the camera's rays: give occupied = 'camera' too, or leave it out", name)
     end
@@ -165,7 +166,7 @@ assert(grid.stats.points >= seen.stats.points)]],
 }
 function bake.bake(s, given)
   tracing.check_scene("bake", s)
-  local o = options.of_view("bake", bake_options, given)
+  local o = form.options(1, "bake", bake_options, given)
   o.progress = progress.long(o.progress)
   local probes = o.probes or s.probes
   if not probes then

@@ -31,7 +31,7 @@ local function view_of(name, p, surface, o)
   if known[surface][lmax] then return known[surface][lmax] end
   local alone = { name = p.scene.name, camera = CAMERA, geometry = surface, lights = {}, background = { 0, 0, 0 } }
   local view, message, code = views.prepare(name, alone, { size = { 1, 1 }, samples = 1, seed = p.options.seed, share = 0,
-    lmax = lmax, shading = "vertex", visibility = "transfer", vectors = "vertex", occlusion_distance = math.huge,
+    lmax = lmax, shading = "vertex", visibility = "transfer", occlusion_distance = math.huge,
     relight = "all", gloss = "matte", coarse = true, threads = o.threads, progress = o.progress })
   if not view then return nil, message, code end
   known[surface][lmax] = view

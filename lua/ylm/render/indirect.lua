@@ -35,7 +35,6 @@ indirect.bounce_fields = {
     about = "reflections after direct light, a number or 'all', gathered pixel by pixel; default 0, which the report says" },
   { "indirect", "any", optional = true,
     about = "instead of bounces: what t:radiosity returned, gathered pixel by pixel; a grid of it, or of indirect light; "
-      .. "'links': the default way of bounces, all of them where bounces is left out; 'gather': as bounces = 'all'; "
       .. "with near, a grid of the far parts of virtual lights. "
       .. "'virtual', or { method = 'virtual', count =, particles =, radius =, scale =, profile =, "
       .. "merge =, cell =, degree =, conserve =, lights =, lmax =, shadows =, "
@@ -52,10 +51,10 @@ local function settle(name, o)
   local b
   if virtual.is_wanted(x) then
     b = virtual.settle(name, x, o)
-  elseif x ~= nil and x ~= "links" and o.bounces ~= nil then
+  elseif x ~= nil and o.bounces ~= nil then
     return check.fail("%s: bounces and indirect say the same: leave one out", name)
-  elseif x == nil or x == "gather" or x == "links" then
-    local bounces = x == "gather" and "all" or o.bounces or x and "all" or 0
+  elseif x == nil then
+    local bounces = o.bounces or 0
     if bounces ~= "all" and bounces > MOST then
       return check.bad(1, name, "bounces must be an integer from 0 to %d, or 'all', got %.0f", MOST, bounces)
     end
@@ -65,7 +64,7 @@ local function settle(name, o)
   elseif core.has_field(x) and (visibility.quantity(x) == "indirect" or o.near and visibility.quantity(x) == "lights") then
     b = { by = "grid", grid = x }
   else
-    return check.fail("%s: indirect must be what t:radiosity returned, a grid of it, 'links', 'gather' or 'virtual', got %s%s",
+    return check.fail("%s: indirect must be what t:radiosity returned, a grid of it or 'virtual', got %s%s",
       name, check.describe(x), core.has_field(x) and " of " .. visibility.quantity(x) or "")
   end
   if not b then return end

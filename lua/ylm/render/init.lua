@@ -7,6 +7,7 @@ local baking = require "ylm.render.bake"
 local check = require "ylm.check"
 local dering = require "ylm.render.dering"
 local describe = require "ylm.describe".describe
+local form = require "ylm.form"
 local display = require "ylm.display"
 local gloss = require "ylm.render.gloss"
 local indirect = require "ylm.render.indirect"
@@ -50,7 +51,7 @@ assert(papers:reference())]],
 }
 function render.prepare(s, given)
   tracing.check_scene("prepare", s)
-  local o = options.of_view("prepare", prepare_options, given)
+  local o = form.options(1, "prepare", prepare_options, given)
   o.progress = progress.long(o.progress)
   relight.settle("prepare", o, given or {})
   visibility.settle("prepare", o, given or {}, o.relight and "transfer" or "rays")
@@ -172,7 +173,7 @@ end
 
 function render.render(s, given)
   tracing.check_scene("render", s)
-  local o = options.of_view("render", render_options, given)
+  local o = form.options(1, "render", render_options, given)
   o.progress = progress.long(o.progress)
   return shown(s, o, "render", function() return rendered(s, o, given) end)
 end
@@ -193,7 +194,7 @@ describe "scene:reference" {
 }
 function render.reference(s, given)
   tracing.check_scene("reference", s)
-  local o = options.of_view("reference", reference_options, given)
+  local o = form.options(1, "reference", reference_options, given)
   o.progress = progress.long(o.progress)
   visibility.settle("reference", o, given or {}, "transfer")
   gloss.settle("reference", o, given, s, "lights")
@@ -204,14 +205,6 @@ function render.reference(s, given)
   local view, message, code = views.prepare("reference", s, o)
   if not view then return nil, message, code end
   return shading.by_lights("reference", views.open("reference", view), o)
-end
-
---- One release: samples of raycast were shadow rays.
-local function say_samples(s, o, report)
-  report.warnings[#report.warnings + 1] = warning.say(s, "samples",
-    "scene %q: raycast: samples = %d are camera rays per pixel, "
-    .. "as everywhere, and no longer shadow rays per shading point: set light_samples, which are %d", s.name or "?", o.samples,
-    o.light_samples)
 end
 
 local raycast_options = options.list(options.view_fields, options.ray_fields, options.noise_fields, options.layer_fields,
@@ -228,7 +221,7 @@ describe "scene:raycast" {
 }
 function render.raycast(s, given)
   tracing.check_scene("raycast", s)
-  local o = options.of_view("raycast", raycast_options, given)
+  local o = form.options(1, "raycast", raycast_options, given)
   o.progress = progress.long(o.progress)
   o.lmax, o.shading, o.visibility = 0, "pixel", "rays"
   if o.variance then o.samples = math.max(1, math.floor(o.samples / shading.BATCHES + 0.5)) end
@@ -243,7 +236,6 @@ function render.raycast(s, given)
     return cast(view)
   end)
   if not image then return nil, report, code end
-  if given and given.samples ~= nil and given.light_samples == nil then say_samples(s, o, report) end
   return image, report
 end
 

@@ -448,7 +448,7 @@ function knob.choose(name, s, o, given)
   local t, message, code = tracing.trace(name, s)
   if not t then return nil, message, code end
   for key, first in pairs(FIRST) do chosen[key] = given[key] or first end
-  chosen.samples, chosen.share = given.samples or given.pixel_samples or RAYS[1][1], given.share or RAYS[1][2]
+  chosen.samples, chosen.share = given.samples or RAYS[1][1], given.share or RAYS[1][2]
   if not o.transfer and s.transfer_options and s.transfer_options.spacing and (o.bounces or 0) ~= 0 then
     o.transfer, message, code = s:transfer { seed = o.seed, threads = o.threads, progress = o.progress } -- as the scene says
     if not o.transfer then return nil, message, code end
@@ -457,7 +457,7 @@ function knob.choose(name, s, o, given)
   local x = { name = name, scene = s, o = o, lib = t.lib, glossy = t.glossy, bounces = o.bounces or 0, tolerance = o.tolerance,
     threads = o.threads or 0, bar = progress.resolve(o.progress), chosen = chosen, causes = {}, noise = 0, seconds = 0,
     judged = { rays = 0, pixels = 0, samples = 0 },
-    given = { samples = given.samples or given.pixel_samples, share = given.share, light_samples = given.light_samples,
+    given = { samples = given.samples, share = given.share, light_samples = given.light_samples,
       links = given.links } }
   local ok
   ok, message, code = try(choose, x)

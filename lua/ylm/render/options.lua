@@ -40,33 +40,22 @@ end
 options.view_fields = {
   { "size", "image_size", default = { 1280, 720 }, unit = "pixels", about = "{ width, height }" },
   { "samples", "integer", min = 1, max = core.limits.camera_samples, default = 16, about = "camera rays per pixel, stratified" },
-  { "pixel_samples", "integer", min = 1, max = core.limits.camera_samples, optional = true, about = "another name of samples" },
   { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of all random numbers" },
   { "share", "number", min = 0, default = 1.5, unit = "pixel widths",
     about = "samples of a pixel that hit one mesh this near to each other, normals within 10 degrees, "
       .. "are shaded as one; 0: every sample is shaded" },
 }
 
---- The option table of function `name`, whose fields begin with view_fields: samples by either name.
-function options.of_view(name, fields, given)
-  local o = form.options(1, name, fields, given)
-  if not o.pixel_samples then return o end
-  if given.samples ~= nil and given.samples ~= o.pixel_samples then
-    return check.bad(1, name, "pixel_samples is another name of samples, got %d and %d: leave one out", o.pixel_samples,
-      given.samples)
-  end
-  o.samples, o.pixel_samples = o.pixel_samples, nil
-  return o
-end
-
 options.transfer_fields = {
   { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
     about = "shade what camera rays hit, or the vertices of the triangles they hit (colours are interpolated)" },
-  { "visibility", "choice", of = { "rays", "transfer", "none", "self", "pixel", "vertex" }, optional = true,
+  { "visibility", "choice", of = { "rays", "transfer", "none", "self" }, optional = true,
     about = "'rays': rays to the lamps, whose shadows are true (default without a grid of lights); 'transfer': occlusion rays "
       .. "by direction, projected into transfer vectors, as the papers do; 'none': no occlusion; 'self': 'transfer' whose rays "
-      .. "meet the own surface alone, for shadowed light, whose casters are the others (ylm.shadowed); "
-      .. "'pixel', 'vertex': 'transfer' with that shading" },
+      .. "meet the own surface alone, for shadowed light, whose casters are the others (ylm.shadowed)" },
+  { "vectors_at", "choice", of = { "points", "vertices" }, default = "points",
+    about = "'transfer': where transfer vectors are found: at shading points, or at vertices, between which they are "
+      .. "interpolated" },
   { "transfer_samples", "integer", min = 1, max = core.limits.light_samples, optional = true,
     about = "'transfer': occlusion rays per transfer vector; default: 128, 256 from vertices, doubled until the noise that they "
       .. "leave under the scene's lights is at most 2 %, at most 2048 (report.transfer_samples, report.noise)" },

@@ -52,7 +52,7 @@ function relight.settle(name, o, given)
   end
   o.gloss = "sh"
   if o.relight ~= "all" then return end
-  if given.shading ~= nil and given.shading ~= "vertex" or o.visibility == "pixel" then
+  if given.shading ~= nil and given.shading ~= "vertex" then
     return check.fail("%s: relight = 'all' shades vertices, which every camera sees: shading = 'vertex', or leave shading out",
       name)
   end

@@ -92,12 +92,14 @@ function views.prepare(name, s, o)
     distance = box.diagonal(t.lo, t.hi) / 10
     if distance == 0 then distance = 1 end
   end
-  local rays = o.transfer_samples or (o.vectors == "vertex" or o.shading == "vertex") and 256 or 128
+  local at_vertices = o.vectors_at == "vertices" or o.shading == "vertex"
+  local rays = o.transfer_samples or at_vertices and 256 or 128
   local light = not o.transfer_samples and #s.lights > 0 and visibility == "transfer" and t.lights or nil
   local view
   view, message, code = check.result(name, t.lib.shade_view(t.handle, {
     camera = views.camera_numbers(s, o.camera), width = o.size[1], height = o.size[2], samples = o.samples,
-    lmax = o.lmax, shading = o.shading, visibility = visibility == "transfer" and o.vectors or visibility,
+    lmax = o.lmax, shading = o.shading,
+    visibility = visibility == "transfer" and (at_vertices and "vertex" or "pixel") or visibility,
     transfer_samples = rays,
     occlusion_distance = distance, share = o.share, seed = o.seed,
     threads = o.threads, progress = progress.resolve(o.progress), light = light, noise = NOISE,

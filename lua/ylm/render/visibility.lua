@@ -18,7 +18,7 @@ function visibility.quantity(field)
 end
 
 --- Options of the ways that need them.
-local of_transfer = { "transfer_samples", "occlusion_distance" }
+local of_transfer = { "transfer_samples", "occlusion_distance", "vectors_at" }
 
 --- Raises where `given` has one of `names`, which options with o.visibility have no use for.
 local function refuse(name, given, names, whose, o)
@@ -30,16 +30,12 @@ local function refuse(name, given, names, whose, o)
   end
 end
 
---- Settles o.visibility ("rays", "transfer", "none") and o.vectors: whose transfer vectors they are, "pixel" or "vertex".
--- `default` is the visibility where none is given; "pixel" and "vertex" are earlier names of "transfer".
+--- Settles o.visibility, "rays", "transfer" or "none"; `default` where none is given.
 function visibility.settle(name, o, given, default)
   local v = o.visibility or default
   o.self = v == "self" -- "transfer", by rays that meet the own surface alone
   if o.self then v = "transfer" end
-  if v == "pixel" or v == "vertex" then
-    if given.shading == nil then o.shading = v end
-    o.visibility, o.vectors = "transfer", v
-  else o.visibility, o.vectors = v, o.shading end
+  o.visibility = v
   if o.visibility == "rays" then return refuse(name, given, of_transfer, 'visibility = "transfer"', o) end
 end
 

@@ -149,7 +149,6 @@ return {
     { { light_tolerance = 2 }, "light_tolerance must be a number >= 1e%-06 and <= 0.5, got 2" } })),
   ["scene:raycast"] = options("raycast", {
     { { samples = 0 }, "samples must be" }, { { samples = 1025 }, "samples must be" },
-    { { pixel_samples = 0 }, "pixel_samples must be" }, { { samples = 2, pixel_samples = 3 }, "is another name of samples" },
     { { light_samples = 0 }, "light_samples must be" }, { { light_samples = 1e9 }, "light_samples must be" },
     { { shadows = 1 }, "shadows must be" }, { { lmax = 4 }, "no field 'lmax'" },
   }),
