@@ -100,7 +100,7 @@ void ylmL_named(lua_State *L, int i, const char *const *names) {
   X("ylm.mesh", "ylm.geometry")                                                                    \
   X("ylm.grid", "ylm.grid")                                                                        \
   X("ylm.grid_set", "ylm.grid")                                                                    \
-  X("ylm.prepared", "ylm.render")                                                                  \
+  X("ylm.view", "ylm.render")                                                                      \
   X("ylm.transfer", "ylm.transfer")                                                                \
   X("ylm.radiosity", "ylm.transfer")                                                               \
   X("ylm.gather", "ylm.transfer")                                                                  \

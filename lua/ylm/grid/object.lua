@@ -14,7 +14,7 @@ object.methods = methods
 
 --- Options of every way to sample a grid.
 object.sampling = {
-  interpolation = { "interpolation", "choice", of = { "hermite", "taylor", "linear" }, default = "hermite",
+  interpolation = { "interpolation", "choice", of = require "ylm.grid.interpolations", default = "hermite",
     about = "cubic Hermite (fourth order), the corners' first-order expansions, or trilinear" },
   derivatives = { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: also the interpolant's gradient" },
   outside = { "outside", "choice", of = { "clamp", "nan" }, default = "clamp",

@@ -39,7 +39,7 @@ local function occupied(s, t, o)
     return check.fail("bake: scene %q has no geometry, so no surfaces (occupied = 'everywhere' needs none)", s.name or "?")
   end
   if x == "vertices" then return t.lib.scene_vertices(t.handle) end
-  if core.type(x) == "ylm.prepared" then return views.open("bake", x).view end
+  if core.type(x) == "ylm.view" then return views.open("bake", x).view end
   if core.type(x) == "ylm.array" or core.type(x) == "ylm.gpu_array" then return x end
   if x ~= "camera" then
     return check.fail("bake: occupied must be 'surfaces', 'camera', 'vertices', 'everywhere', a prepared view or an array, "
@@ -53,7 +53,7 @@ end
 
 --- Raises where a view or an array has no points.
 local function check_points(points)
-  if core.type(points) == "ylm.prepared" and views.made[points].stats.points == 0 then
+  if core.type(points) == "ylm.view" and views.made[points].stats.points == 0 then
     return check.fail "bake: no shading points: the camera sees no geometry (occupied = 'everywhere' needs none)"
   end
   if core.type(points) == "ylm.array" and #points == 0 then
@@ -140,7 +140,7 @@ local bake_options = options.list(options.view_fields, {
     about = "where light is needed: 'surfaces' (the whole geometry), 'camera' (what its rays hit: size, samples, share and "
       .. "shading are about them), 'vertices' (all of them), 'everywhere', a prepared view, or an array [n][3], with device "
       .. "also a gpu_array" },
-  { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
+  { "shading", "choice", of = { "pixel", "vertices" }, default = "pixel",
     about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
   light.tolerance_option "light_tolerance",
   { "to", "path", optional = true, about = "a folder, name.ylmd, that the grid is baked into in bricks, as in ylm.bake; with "

@@ -9,12 +9,13 @@
 --                             rays     by these rays, with a transfer
 --     any                     matte    as matte ones of their mean albedo
 
+local beyond = require "ylm.render.bounced.grid".BEYOND
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local grids = require "ylm.grid"
-local indirect = require "ylm.render.indirect"
 local light = require "ylm.light"
+local links = require "ylm.render.bounced.links"
 local material = require "ylm.material"
 local progress = require "ylm.progress"
 local options = require "ylm.render.options"
@@ -43,23 +44,16 @@ gloss.fields = {
       .. "to lmax, and by rays to the lamps where lmax is too low for a lobe (under a grid of direct, indirect or all light with "
       .. "transfer = scene:transfer {}, whose elements rays find); 'sh', 'rays': by one of them alone; 'matte': as matte ones of "
       .. "their mean albedo, bounces too" },
-  { "gloss_error", "gloss_error", default = gloss.BAND,
+  { "gloss_error", "gloss_error", shelf = "experiments", default = gloss.BAND,
     about = "'auto': the part of a lobe's norm that lmax misses (material:degrees) up to which harmonics shade alone, and from "
       .. "which on rays do; mixed between" },
-  { "below", "choice", of = { "mirror", "dark" }, default = "mirror",
+  { "below", "choice", of = { "mirror", "dark" }, default = "mirror", shelf = "experiments",
     about = "visibility below a surface that glosses, for its product with f cos in harmonics: the mirror image of that above, "
       .. "or none, which costs accuracy, and keeps light from below out of lobes that lmax is far too low for" },
-  { "window", "choice", of = window.names, optional = true,
+  { "window", "choice", of = window.names, optional = true, shelf = "experiments",
     about = "damps degrees of f cos in harmonics against ringing, as ylm.sh.window; lobes become wider" },
-  { "window_width", "number", above = 0, optional = true, unit = "degrees l", about = "of window; default lmax + 1" },
-}
-
---- Options of pictures that reference fields make.
-gloss.ray_fields = {
-  { "light_samples", "integer", min = 1, max = core.limits.light_samples, optional = true,
-    about = "where rays shade surfaces that gloss: rays to lamps from the points of a mesh in a pixel, and as many by the "
-      .. "material; default: " .. options.LIGHT_SAMPLES .. " to 16384, most where they vary most, as few as leave a noise of 1 % "
-      .. "in each mesh's radiance (report.glossy), from as many places as that needs" },
+  { "window_width", "number", above = 0, optional = true, unit = "degrees l", shelf = "experiments",
+    about = "of window; default lmax + 1" },
 }
 
 --- The noise that rays may leave where nobody says how many they are, and the most of them.
@@ -81,11 +75,10 @@ end
 -- there may be one later.
 function gloss.settle(name, o, given, s, held)
   local by_rays = o.visibility == "rays" and held == false
-  local bounced = o.indirect ~= nil or (o.bounces or 0) ~= 0
-  if by_rays and (o.gloss == "sh" and not (core.has_field(o.indirect) and core.type(o.indirect) ~= "ylm.radiosity")
-    or o.gloss == "matte" and not bounced) then
-    return check.fail('%s: gloss is for a grid (visibility = "transfer" bakes one), visibility is "rays": name one that fits, '
-      .. "or leave gloss out", name)
+  local bounced = o.reflected ~= nil
+  if by_rays and (o.gloss == "sh" and not (bounced and o.reflected.grid) or o.gloss == "matte" and not bounced) then
+    return check.fail('%s: gloss is for a grid (by = "grid"), and this picture is by rays: name one that fits, or '
+      .. "leave gloss out", name)
   end
   if held and held ~= "lights" and o.gloss == "rays" and not o.transfer then
     return check.fail("%s: gloss = 'rays': rays find light of lamps, the grid holds %s light: gloss = 'sh', or leave the grid "
@@ -97,12 +90,11 @@ function gloss.settle(name, o, given, s, held)
   end
   if by_rays and not bounced then o.gloss = nil else o.gloss = o.gloss or "auto" end
   gloss.check_harmonics(name, o, given, by_rays and not bounced)
-  if o.gloss == "rays" and o.shading == "vertex" and not by_rays and is_glossy(s) then
+  if o.gloss == "rays" and o.shading == "vertices" and not by_rays and is_glossy(s) then
     return check.fail("%s: gloss = 'rays': rays start at what camera rays hit: shading = 'pixel'", name)
   end
   if o.light_samples and not by_rays and not (is_glossy(s) and (o.gloss == "auto" or o.gloss == "rays")) then
-    return check.fail("%s: light_samples is for visibility = \"rays\", visibility is %q, and for surfaces that gloss: leave it "
-      .. "out", name, o.visibility)
+    return check.fail("%s: light_samples is for by = 'rays', and for glossy surfaces: leave it out", name)
   end
 end
 
@@ -155,10 +147,10 @@ end
 
 --- The reason why rays shade nothing in a picture that might want them; nil: they do.
 local function hindrance(p, o, field)
-  if p.options.shading == "vertex" then return "rays start at pixels, shading is 'vertex'" end
+  if p.options.shading == "vertices" then return "rays start at pixels, shading is 'vertices'" end
   if o.weight == "cosine" then
     if o.nearby then return "rays find no virtual lights" end
-    local gathered = visibility.quantity(field) == "direct" and o.bounced and o.bounced.by == "gather"
+    local gathered = visibility.quantity(field) == "direct" and o.reflected and o.reflected.lit
     return not (o.transfer or gathered) and "a grid's light that knows its shadows shades without rays" or nil
   end
   if not lamps_of(field) then
@@ -177,7 +169,7 @@ local function aim_beyond(name, p, o, x, held)
     x.lit = o.lit and o.lit.handle
   end
   if held ~= "direct" then
-    x.elements, message, code = indirect.elements(name, p, o)
+    x.elements, message, code = links.elements(name, p, o)
     if not x.elements then return nil, message, code end
   end
   return true
@@ -201,7 +193,7 @@ function gloss.ready(name, p, o, field)
   local held = core.type(field) == "ylm.grid" and field.lmax or p.options.lmax
   local x = { by = by, add = gloss.add, lmax = o.weight == "cosine" and held or math.min(p.options.lmax, held) }
   if by ~= "sh" then
-    x.hindrance, x.beyond = hindrance(p, o, field), o.weight == "cosine" and p.options.shading ~= "vertex"
+    x.hindrance, x.beyond = hindrance(p, o, field), o.weight == "cosine" and p.options.shading ~= "vertices"
     if x.hindrance and by == "rays" then
       return check.fail("%s: gloss = 'rays': %s: prepare the view with gloss = 'sh'", name, x.hindrance)
     end
@@ -245,7 +237,7 @@ local LOUD = 0.1 -- the part of lobes that 'sh' may miss without a word
 --- Says that harmonics miss more than was wanted, why, and what to change.
 local function say_missed(p, report, x, missed)
   local advice = x.by == "sh" and "set gloss = 'auto', whose rays find these, or a higher lmax"
-    or x.beyond and indirect.BEYOND or x.hindrance .. "; set a higher lmax, or visibility = 'rays'"
+    or x.beyond and beyond or x.hindrance .. "; set a higher lmax, or by = 'rays'"
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss missed", "scene %q: harmonics of degree %d miss %.0f %% of "
     .. "the lobes of surfaces that gloss: %s", p.scene.name or "?", x.lmax, 100 * missed, advice)
 end

@@ -27,7 +27,7 @@ relight.prepare_fields = {
 relight.method_fields = {
   { "method", "choice", of = { "table", "nearest", "zonal" }, optional = true,
     about = "of slices of surfaces that gloss; 'table', default: cubic between rows; to compare with: 'nearest', one of 90 rows; "
-      .. "'zonal': lobes about the mirror direction with the cosine of each lamp's middle, without shadows (view:reference)" },
+      .. "'zonal': lobes about the mirror direction with the cosine of each lamp's middle, without shadows (by = 'sum')" },
   { "product", "choice", of = { "auto", "gaunt", "quadrature", "fourier", "brute", "list" }, optional = true,
     about = "the method of sh.product by which slices and visibility are multiplied; default auto" },
 }
@@ -52,11 +52,11 @@ function relight.settle(name, o, given)
   end
   o.gloss = "sh"
   if o.relight ~= "all" then return end
-  if given.shading ~= nil and given.shading ~= "vertex" then
-    return check.fail("%s: relight = 'all' shades vertices, which every camera sees: shading = 'vertex', or leave shading out",
+  if given.shading ~= nil and given.shading ~= "vertices" then
+    return check.fail("%s: relight = 'all' shades vertices, which every camera sees: shading = 'vertices', or leave shading out",
       name)
   end
-  o.shading = "vertex"
+  o.shading = "vertices"
 end
 
 --- The materials of a change, by mesh: userdata or false; a key that tells them from others; or nil, message, code.
@@ -112,15 +112,11 @@ function relight.check(name, o)
   local first = type(o.grid) == "table" and (form.kind(o.grid) and o.grid or o.grid[1])
   local kind = first and form.kind(first)
   if kind and form.defined[kind] and form.defined[kind].light then o.grid = light.field(1, name, o.grid) end
-  if (o.materials or o.camera) and o.bounced then
-    return check.fail("%s: light that bounces is that of the scene's materials and camera: leave bounces and indirect out", name)
+  if (o.materials or o.camera) and o.reflected then
+    return check.fail("%s: light that bounces is that of the scene's materials and camera: leave bounces and bounced out", name)
   end
   if (o.materials or o.camera or o.method or o.product) and o.device then
     return check.fail("%s: materials, camera, method and product are the processor's: leave device out", name)
-  end
-  if (o.materials or o.camera or o.method or o.product) and o.grid == nil then
-    return check.fail("%s: materials, camera, method and product are of pictures by coefficients of light: give a grid, or "
-      .. "lights, as grid", name)
   end
 end
 

@@ -43,14 +43,15 @@ end
 -- the quantity that the grid holds, or false.
 function visibility.settle_picture(name, o, given)
   local held = o.grid ~= nil and visibility.quantity(o.grid)
-  if held == "lights" and o.visibility == "rays" and not o.near then
+  if held == "lights" and o.visibility == "rays" and not o.near_lights then
     return check.fail("%s: the grid holds lights without their shadows, which transfer vectors shade: name visibility = "
       .. '"transfer", or leave the grid out', name)
   end
-  visibility.settle(name, o, given, held == "lights" and not o.near and "transfer" or "rays")
+  visibility.settle(name, o, given, (held == "lights" or not held) and not o.near_lights and "transfer" or "rays")
   if held and held ~= "lights" then o.visibility = "rays" end -- the grid knows all shadows
   if o.visibility == "rays" and not held then
-    refuse(name, given, { "interpolation", "bias", "light_tolerance" }, 'a grid (visibility = "transfer" bakes one)', o)
+    return check.fail('%s: by = "grid" without a grid bakes lights, which transfer vectors shade: visibility = "transfer", or '
+      .. "give a grid", name)
   end
   return held
 end
