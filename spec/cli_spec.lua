@@ -35,7 +35,7 @@ describe("the command-line tool", function()
     assert.equal(2, code)
     assert.truthy(err:find("no option --jsn (did you mean --json?)", 1, true), err)
     for _, words in ipairs { "info x y", "render", "render a.lua --size 3", "render a.lua --samples x", "render a.lua -o",
-      "render a.lua", "bake a.lua", "compare a.exr", "run", "info --json=1", "render a.lua -o b.exr --method x" } do
+      "render a.lua", "bake a.lua", "compare a.exr", "run", "info --json=1", "render a.lua -o b.exr --by x" } do
       local _, status, text = ylm(words)
       assert.equal(2, status, words .. ": " .. text)
       assert.truthy(#text > 0)
@@ -278,9 +278,9 @@ return scene "a room" {
     local out, code, err = ylm("bake " .. scene .. " --json -o " .. quote(path .. "/lamp.ylm"))
     assert.equal(0, code, err)
     assert.truthy(out:find '"points":%d+', out)
-    for _, method in ipairs { "grid", "reference", "raycast" } do
-      out, code, err = ylm("render " .. scene .. small .. "--json --method " .. method .. " -o "
-        .. quote(path .. "/" .. method .. ".exr"))
+    for _, by in ipairs { "grid", "sum", "rays" } do
+      out, code, err = ylm("render " .. scene .. small .. "--json --by " .. by .. " -o "
+        .. quote(path .. "/" .. by .. ".exr"))
       assert.equal(0, code, err)
       assert.truthy(out:find '^{".*}\n$', out)
     end
@@ -288,7 +288,7 @@ return scene "a room" {
       .. quote(path .. "/again.png"))
     assert.equal(0, code, err)
     assert.equal("\137PNG", folder:read("again.png"):sub(1, 4))
-    local images = quote(path .. "/grid.exr") .. " " .. quote(path .. "/reference.exr")
+    local images = quote(path .. "/grid.exr") .. " " .. quote(path .. "/sum.exr")
     out, code, err = ylm("compare " .. images .. " --difference " .. quote(path .. "/difference.pfm"))
     assert.equal(0, code, err)
     assert.truthy(out:find "^mse +%S+\nrmse", out)

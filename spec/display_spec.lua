@@ -138,7 +138,8 @@ describe("ylm.display", function()
     for _, how in ipairs { "pathtrace", "raycast", "render" } do
       local address, read = viewer "all"
       local scene, first, most = room(), nil, nil
-      assert(scene[how](scene, { size = { 64, 48 }, samples = 16, display = address, threads = 1, progress = function(done, total)
+      assert(scene[how](scene, { size = { 64, 48 }, samples = 16, display = address, threads = 1, progress = function(done,
+        total)
         first, most = first or done, total                       -- a part is sent before progress is told
       end }))
       assert(first < most, how)
@@ -158,7 +159,7 @@ describe("ylm.display", function()
   geometry = { quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } } },
   lights = { sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 50 } },
 }]])
-    for _, words in ipairs { "pathtrace -n 8", "render -n 4", "render -m raycast -n 4" } do
+    for _, words in ipairs { "pathtrace -n 8", "render -n 4", "render -b 0 -n 4" } do
       local address, read = viewer "all"
       local out, code, err = run(("%s %s -q -s 33x21 --display %s -o %s/s.exr"):format(words, scene, address, folder.path))
       assert.equal(0, code, out .. err)
@@ -196,7 +197,8 @@ describe("ylm.display", function()
   end
 
   it("warns once where nobody listens, and makes the picture", function()
-    local said, report = warned(function() return room():render { size = { 16, 16 }, samples = 1, display = "127.0.0.1:9" } end)
+    local said, report = warned(function() return room():render { size = { 16, 16 }, samples = 1, display = "127.0.0.1:9",
+      bounces = 0 } end)
     assert.same({ "no image viewer listens at 127.0.0.1:9: the picture is made without it" }, said)
     assert.equal(said[1], report.warnings[#report.warnings])
   end)
@@ -233,6 +235,6 @@ describe("ylm.display", function()
     display:close()
     read "port"
     assert.has_error(function() display:send("a", image) end, "bad argument #1 to 'send' (the display has been closed)")
-    assert.has_error(function() room():render { display = 7 } end)
+    assert.has_error(function() room():render { display = 7, bounces = 0 } end)
   end)
 end)

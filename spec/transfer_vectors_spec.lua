@@ -147,16 +147,16 @@ describe("transfer:vectors", function()
   end)
 end)
 
-describe("prepared:shade", function()
+describe("view:render by vectors", function()
   it("multiplies vectors, light and albedo at each point; its own vectors are the reference's picture", function()
     local s = court(sky)
     s.camera = ylm.camera { from = { 0, 3.5, 0.4 }, at = { 0, 0, 0 }, fov = 12 } -- sees no sky
     local view = s:prepare { size = { 12, 8 }, samples = 1, lmax = 2, visibility = "transfer", share = 0 }
-    local own = view:shade { vectors = view:transfer() }
-    assert(relative(own:layer(), view:reference():layer()) < 1e-6)
+    local own = view:render { vectors = view:transfer() }
+    assert(relative(own:layer(), view:render { by = "sum" }:layer()) < 1e-6)
     local t = s:transfer(cut)
     local T = view:transfer { transfer = t }
-    local image = view:shade { vectors = T }
+    local image = view:render { vectors = T }
     local L, albedo = light_at(sky, { { 0, 0, 0 } }, 2)[1], view:points().albedo
     local sums, wanted, rows = { 0, 0, 0 }, { 0, 0, 0 }, T:totable()
     for i = 1, #rows do
@@ -189,7 +189,7 @@ describe("prepared:matrices", function()
     local cosine = { pi, 2 * pi / 3, pi / 4, 0, -pi / 24, 0, pi / 64 } -- by degree
     for _, bounces in ipairs { 0, 2, "all" } do
       local M = view:matrices { transfer = t, bounces = bounces, lmax_out = 6, rays = 1024 }:totable()
-      local T = view:transfer { transfer = t, bounces = bounces, links = 1024 }
+      local T = view:transfer { transfer = t, bounces = bounces, rays = 1024 }
       local sum2, all2 = 0, 0
       for i = 1, #M do
         local Y, A = ylm.sh.eval(6, { { normal:get(i, 1), normal:get(i, 2), normal:get(i, 3) } })[1], {}

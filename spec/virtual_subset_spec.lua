@@ -1,9 +1,10 @@
--- view:gather { subset = }: points that ask a part of the lights, interleaved by pixel, or by chance.
+-- Pictures of virtual lights { subset = }: points that ask a part of the lights, interleaved by pixel, or by chance.
 
 local gathered = require "spec.support.gathered"
 local with = require "spec.support.with"
 local refused = require "spec.support.raises"
 local ylm = require "ylm"
+local ways = require "spec.support.ways"
 
 local unpack = table.unpack or unpack -- luacheck: ignore
 local silent
@@ -172,7 +173,7 @@ describe("a part of the lights", function()
     local scene = ground()
     local view, lights = scene:prepare { size = { 2, 2 }, samples = 1 }, scene:virtual_lights { count = 5 }
     local function says(pattern, o, v)
-      refused(pattern, function() (v or view):gather(with({ lights = lights }, o)) end)
+      refused(pattern, function() (v or view):render(ways.virtual(with({ lights = lights }, o))) end)
     end
     says("tile is for subset = 'interleaved', this is 'all'", { tile = 4 })
     says("alpha is for subset = 'stochastic', this is 'interleaved'", { alpha = 4, subset = "interleaved" })
@@ -181,6 +182,6 @@ describe("a part of the lights", function()
     says("subset = 'stochastic' is of single lights", { subset = "stochastic", method = "vsgl" })
     says("subset must be one of 'all', 'interleaved', 'stochastic'", { subset = "few" })
     says("pixels are interleaved: the view has none of its own", { subset = "interleaved" },
-      scene:prepare { size = { 2, 2 }, samples = 1, shading = "vertex" })
+      scene:prepare { size = { 2, 2 }, samples = 1, shading = "vertices" })
   end)
 end)

@@ -65,7 +65,7 @@ describe("ylm.vulkan", function()
       local view = s:prepare { size = { 8, 8 }, samples = 1 }
       for says, call in pairs {
         ['device: it traces no rays to lamps: leave it out, or name visibility = "transfer"'] = function()
-          s:render { device = gpu, size = { 8, 8 }, samples = 1 }
+          s:render { device = gpu, size = { 8, 8 }, samples = 1, bounces = 0 }
         end,
         ["device: it traces no rays to lamps"] = function() view:render { device = gpu } end,
         ['device: it shades grids of lights by transfer vectors, this one holds "direct": leave device out'] = function()

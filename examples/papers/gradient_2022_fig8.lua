@@ -29,12 +29,12 @@ end
 
 -- Masks: pixels of the body that glosses, and all others that surfaces fill.
 local first = prepare(5)
-local rays = { shadows = false, light_samples = quick and 64 or 8 * option.samples }
-local truth, told = first:raycast(rays)
+local rays = { by = "rays", visibility = "none", light_samples = quick and 64 or 8 * option.samples }
+local truth, told = first:render(rays)
 rays.seed = 2
-local a1, a2 = truth:layer():clone(), first:raycast(rays):layer()
+local a1, a2 = truth:layer():clone(), first:render(rays):layer()
 local body = ylm.scene "body" { camera = scene.camera, geometry = scene.geometry[3] }
-local covered = body:prepare({ size = size, samples = quick and 1 or 4, visibility = "none", lmax = 0 }):reference {}
+local covered = body:prepare({ size = size, samples = quick and 1 or 4, visibility = "none", lmax = 0 }):render { by = "sum" }
 local bodies, surface = covered:layer "coverage"[{ {}, {}, 1 }], common.surface_mask(ylm, truth)
 local glosses, rest = surface * bodies:greater(0.999), surface * bodies:less_equal(0)
 
@@ -54,7 +54,7 @@ local slices = glossy:table { lmax = quick and 5 or 20 }
 local shown = {}
 for _, bands in ipairs(quick and { 5 } or { 5, 9, 15, 21 }) do
   local view = bands == 5 and first or prepare(bands)
-  local b, how = view:reference {}
+  local b, how = view:render { by = "sum" }
   local grid = scene:bake { probes = ylm.uniform_grid { cells = 7, lmax = bands - 1, metric_channels = "none" },
     parts = "lights",
     occupied = "everywhere" }

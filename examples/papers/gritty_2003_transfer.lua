@@ -111,14 +111,14 @@ local function shade(name, make)
   local start = clock()
   local T = assert(make())
   local made = clock() - start
-  local image, report = assert(view:shade { vectors = T })
+  local image, report = assert(view:render { vectors = T })
   row { name, made, report.seconds.light, brightness(image) * pi }
   return image
 end
 
 local unshadowed = shade("Fig. 11: without shadows", function() return view:transfer() end)
-local shadowed = shade("Fig. 13: shadows", function() return view:transfer { transfer = t, bounces = 0, links = links } end)
-local all = shade("Fig. 15: shadows and bounces", function() return view:transfer { transfer = t, links = links } end)
+local shadowed = shade("Fig. 13: shadows", function() return view:transfer { transfer = t, bounces = 0, rays = links } end)
+local all = shade("Fig. 15: shadows and bounces", function() return view:transfer { transfer = t, rays = links } end)
 
 local start = clock()
 local truth = assert(scene:pathtrace { size = size, samples = samples })

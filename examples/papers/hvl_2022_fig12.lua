@@ -29,23 +29,26 @@ local error_of, noise, seen = rooms.judge(direct, truth)
 print(("%d pixels count; noise of the paths %.1f %%"):format(seen, 100 * noise))
 
 local PIXELS, MS, bands = 1600 * 900, 40, quick and 3 or 15
-local row = common.table { { "method", "%-22s" }, { "lights", "%6d" }, { "ns a pair", "%9.1f" }, { "paper", "%6.4f" }, { "ratio",
+local row = common.table { { "method", "%-22s" }, { "lights", "%6d" }, { "ns a pair", "%9.1f" }, { "paper", "%6.4f" },
+  { "ratio",
   "%6.0f" },
   { "rms, %", "%7.2f" },
   { "with shadows", "%12.2f" } }
 local items, found = {}, {}
 for _, r in ipairs {
-  { "points", 900, { method = "vpl", clamp = "none" }, true }, { "points, clamped", 900, { method = "vpl" } },
-  { "spherical Gaussians", 529, { method = "vsgl" }, true },
-  { "harmonics, zonal", 400, { zonal = true, lmax = bands - 1 }, true }, { "harmonics, whole", 400, { lmax = bands - 1 } },
+  { "points", 900, { rival = { "vpl", clamp = "none" } }, true }, { "points, clamped", 900, { rival = { "vpl" } } },
+  { "spherical Gaussians", 529, { rival = { "vsgl" } }, true },
+  { "harmonics, zonal", 400, { virtual = { zonal = true, lmax = bands - 1 } }, true }, { "harmonics, whole", 400,
+    { virtual = { lmax = bands - 1 } } },
 } do
   local n = quick and 25 or r[2]
-  local lights = rooms.placed(scene, r[3].method == "vsgl" and 16 * n or n, { radius = "angle", profile = "cap" })
+  local lights = rooms.placed(scene, r[3].rival and r[3].rival[1] == "vsgl" and 16 * n or n, { radius = "angle",
+    profile = "cap" })
   local o = r[3]
-  o.lights, o.layers = lights, false
-  if o.method == "vsgl" then o.groups = n end
+  o.bounced, o.layers = lights, false
+  if o.rival and o.rival[1] == "vsgl" then o.rival.groups = n end
   local plain, ns = rooms.gather(view, o)
-  o.shadows = "centre"
+  o.virtual.shadows = "centre"
   local image = rooms.gather(view, o)
   local e = 100 * error_of(image)
   local theirs = r[4] and 1e6 * MS / (PIXELS * r[2]) or nil

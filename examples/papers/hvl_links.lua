@@ -66,20 +66,20 @@ local function compare(name, scenes, glossy)
   local judges, wanted, lamp = {}, {}, nil
   for i, s in ipairs(scenes) do
     local truth = assert(s:pathtrace { size = size, samples = samples, reflections = { 2, 2 } })
-    local image = assert(s:render { size = size, samples = 4, light_samples = 1 })
+    local image = assert(s:render { size = size, samples = 4, light_samples = 1, bounces = 0 })
     judges[i], wanted[i] = rooms.judge(image, truth), truth:layer()
     lamp = lamp or image:layer "emitter"[{ {}, {}, { 1, 1 } }]:greater(0) -- which the view shows in each frame
   end
   for _, way in ipairs(ways) do
     local start, transfer = clock(), nil
     if way.links then transfer = assert(scenes[1]:transfer { links = quick and 4 or nil, lmax = 0 }) end
-    local view = assert(scenes[1]:prepare { size = size, samples = 4, transfer = transfer, links = way.links })
+    local view = assert(scenes[1]:prepare { size = size, samples = 4, transfer = transfer, rays = way.links })
     local before, spent, square, worst = clock() - start, 0, 0, 0
     for i, s in ipairs(scenes) do
       local image, seconds = bounce(view, s, function()
-        if way.links then return { indirect = assert(transfer:radiosity(s.lights, { bounces = 0 })) } end
-        return { bounces = 1, indirect = { method = "virtual", count = way.count, shadows = way.shadows,
-          sums = not glossy and way.sums or nil } }
+        if way.links then return { bounced = assert(transfer:radiosity(s.lights, { bounces = 0 })) } end
+        return { bounced = assert(s:virtual_lights { count = way.count }),
+          virtual = { shadows = way.shadows, sums = not glossy and way.sums or nil } }
       end)
       image = image * (1 - lamp) + wanted[i] * lamp
       local e = judges[i](image)

@@ -46,7 +46,7 @@ local function row(name, list) print(("%-46s %9.1f %9.1f"):format(name, summary(
 
 local stage = ylm.scene "frames" { camera = demo.camera, geometry = room, lights = {} }
 local t = assert(stage:transfer { spacing = 0.262, links = 128, lmax = 0 })
-local view = assert(stage:prepare { size = { 640, 470 }, samples = 1, links = 64, transfer = t })
+local view = assert(stage:prepare { size = { 640, 470 }, samples = 1, rays = 64, transfer = t })
 print(("%d elements, %d shading points, %d links of each, %d threads, %d frames"):format(t.stats.elements, view.stats.points,
   view.stats.links, threads, frames))
 
@@ -62,7 +62,7 @@ local function by_rays(count)
     local now = lamps(frame)
     local moved = core.seconds()
     lit:update(now)
-    local image, report = assert(view:render { indirect = lit, light_samples = 4, layers = false, threads = threads, lamps = now,
+    local image, report = assert(view:render { bounced = lit, light_samples = 4, layers = false, threads = threads, lamps = now,
       out = picture })
     picture = image
     local s, all = report.seconds, core.seconds() - start

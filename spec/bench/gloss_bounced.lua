@@ -57,8 +57,8 @@ for _, alpha in ipairs(alphas) do
   local all, judged = assert(scene:pathtrace { size = size, samples = samples, reflections = { 1, "all" }, layers = false })
   local t = assert(scene:transfer { spacing = spacing, links = 128 })
   local function picture(bounces, gloss)
-    return assert(scene:render { size = size, light_samples = 64, links = bounces ~= 0 and links or nil, bounces = bounces,
-      transfer = bounces ~= 0 and t or nil, gloss = gloss })
+    return assert(scene:render { size = size, light_samples = 64, rays = bounces ~= 0 and links or nil, bounces = bounces,
+      bounced = bounces ~= 0 and t or nil, gloss = gloss })
   end
   local direct = picture(0)
   local lamp, found = numbers(direct, "emitter"), {}

@@ -29,9 +29,9 @@ for _, entry in ipairs(scenes) do
   local scene = entry.make(ylm)
   local t = assert(scene:transfer { spacing = 0.1, links = 128 })
   local lit = assert(t:radiosity())
-  local view = assert(scene:prepare { size = SIZE, samples = 1, transfer = t, links = LINKS })
+  local view = assert(scene:prepare { size = SIZE, samples = 1, transfer = t, rays = LINKS })
   local function picture(indirect)
-    return pixels(assert(view:render { indirect = indirect, light_samples = 1, layers = false }))
+    return pixels(assert(view:render { bounced = indirect, light_samples = 1, layers = false }))
   end
   local direct, truth = picture(nil), picture(lit)
   local function bake(probes)

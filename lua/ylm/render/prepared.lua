@@ -6,6 +6,7 @@ local choose = require "ylm.render.choose"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local gloss = require "ylm.render.gloss"
 local light = require "ylm.light"
 local make = require "ylm.render.make"
 local memory = require "ylm.memory"
@@ -24,6 +25,18 @@ local render_last = options.list({
 }, options.layer_fields, options.common)
 local render_options = choose.fields("view", render_first, render_last, choose.direct, choose.bounced, choose.over)
 local render_common = options.names(render_first, render_last)
+local render_names = options.names(render_options)
+local settled = options.names(options.view_fields, options.prepare_fields, gloss.fields)
+
+--- Raises where an option is one that the view was prepared with.
+local function check_settled(given)
+  for name in pairs(type(given) == "table" and given or {}) do
+    if settled[name] and not render_names[name] then
+      return check.bad(1, "render", "%s is of scene:prepare, and the view has it already: leave it out", name)
+    end
+  end
+end
+
 local radiance_options = options.list(options.grid_fields, relight.fields, relight.method_fields, options.common)
 
 describe "view:render" {
@@ -56,6 +69,7 @@ assert(view:render { by = "none", bounced = bright, rival = { "vpl", clamp = "di
 }
 function prepared.render(view, given)
   local p = views.open("render", view)
+  check_settled(given)
   local o = form.options(1, "render", render_options, given)
   o.direct = choose.direct_of(o, p)
   bounces.settle("render", o, p.scene)

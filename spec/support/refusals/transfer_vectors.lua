@@ -55,8 +55,8 @@ return {
       return s:transfer({ links = 4 }):vectors { threads = 0 }
     end, says = "threads must be" },
   },
-  ["prepared:transfer"] = {
-    viewed("transfer", { links = 6 }, "links must be a multiple of 4"), viewed("transfer", { bounces = "many" }, "bounces must be"),
+  ["view:transfer"] = {
+    viewed("transfer", { rays = 6 }, "rays must be a multiple of 4"), viewed("transfer", { bounces = "many" }, "bounces must be"),
     viewed("transfer", { residual = 2 }, "residual must be"), viewed("transfer", { lmax = 2 }, "no field 'lmax'"),
     of_another "transfer", closed "transfer",
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):transfer { transfer = 1 } end,
@@ -64,23 +64,19 @@ return {
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):transfer { bounces = 1 } end,
       says = "bounces is for vectors with bounces: give transfer" },
   },
-  ["prepared:shade"] = {
-    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }).shade {} end,
-      says = "shade: a prepared view expected" },
-    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):shade() end,
-      says = "field 'vectors' is missing" },
-    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):shade { vectors = ylm.zeros { 4, 3 } } end,
-      says = "shade: vectors must be %[%d%]%[3%].* got 4x3" },
+  ["view:render"] = {
+    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):render { vectors = ylm.zeros { 4, 3 } } end,
+      says = "render: vectors must be %[%d%]%[3%].* got 4x3" },
     { call = function(ylm)
       local view = scene(ylm):prepare { size = { 2, 2 }, samples = 1 }
-      return view:shade { vectors = ylm.zeros { view.stats.points, 3, 9 }, lights = 4 }
+      return view:render { vectors = ylm.zeros { view.stats.points, 3, 9 }, lights = 4 }
     end, says = "a light or a list of lights expected, got 4" },
     { call = function(ylm)
       local view = scene(ylm):prepare { size = { 2, 2 }, samples = 1 }
-      return view:shade { vectors = ylm.zeros { view.stats.points, 3, 9 }, progress = function() return false end }
+      return view:render { vectors = ylm.zeros { view.stats.points, 3, 9 }, progress = function() return false end }
     end, says = "cancelled" },
   },
-  ["prepared:matrices"] = {
+  ["view:matrices"] = {
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }).matrices {} end,
       says = "matrices: a prepared view expected" },
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):matrices() end,
