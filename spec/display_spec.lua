@@ -120,28 +120,26 @@ describe("ylm.display", function()
   end)
 
   it("shows pictures while they are made, and the finished one to the bit", function()
-    for _, how in ipairs { "pathtrace", "raycast", "render" } do
+    for _, how in ipairs { "paths", "direct", "all" } do
       local address, read = viewer "all"
-      local options = { size = { 32, 20 }, samples = how == "pathtrace" and 32 or 4, display = address }
-      local scene = room()
-      local image, report = scene[how](scene, options)
+      local options = { by = how == "paths" and "paths" or "rays", size = { 32, 20 }, samples = how == "paths" and 32 or 4,
+        bounces = how == "direct" and 0 or nil, display = address }
+      local image, report = room():render(options)
       assert(image, report)
       local _, floats = picture(read)
       assert(floats == floats_of(image), how)
       options.display = nil
-      local alone = room()[how](room(), options)
+      local alone = room():render(options)
       assert(floats_of(alone) == floats, how .. ": the picture is another one without a viewer")
     end
   end)
 
   it("shows the first part of a picture before the last is made", function()
-    for _, how in ipairs { "pathtrace", "raycast", "render" } do
+    for _, how in ipairs { "paths", "rays" } do
       local address, read = viewer "all"
-      local scene, first, most = room(), nil, nil
-      assert(scene[how](scene, { size = { 64, 48 }, samples = 16, display = address, threads = 1, progress = function(done,
-        total)
-        first, most = first or done, total                       -- a part is sent before progress is told
-      end }))
+      local first, most
+      assert(room():render { by = how, bounces = 0, size = { 64, 48 }, samples = 16, display = address, threads = 1,
+        progress = function(done, total) first, most = first or done, total end }) -- a part is sent before progress is told
       assert(first < most, how)
       local parts, whole = 0, nil
       for line in read "packets":gmatch "[^\n]+" do

@@ -203,11 +203,11 @@ describe("a wall beside a floor that glosses", function()
       lights = ylm.spot_light { at = { -0.9, 0.8, 0 }, to = { 0, 0, 0 }, angle = 30, intensity = 10 } }
     local view = scene:prepare { size = { 18, 12 }, samples = 1, share = 0 }
     local truth = require "ylm.trace".library().shade_judge(view, { samples = 512, first = 2, last = 2, seed = 1 })
-    local at, prepared = view:points().position, require "ylm.render.view".open("gather", view)
+    local at, prepared = view:points().position, require "ylm.render.view".open("render", view)
     local off, whole = {}, {}
     for _, degree in ipairs { 0, 4 } do
       local lights = scene:virtual_lights { distribution = "grid", count = 400, degree = degree }
-      local got = require "ylm.render.gather".radiance("gather", prepared, { lights = lights, method = "hvl", lmax = 8 })
+      local got = require "ylm.render.bounced.virtual".sum("render", prepared, { lights = lights, lmax = 8 })
       local d, all, sum, wanted = 0, 0, 0, 0
       for i = 1, #truth do
         if at:get(i, 1) > 0.99 then

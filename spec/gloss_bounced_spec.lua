@@ -239,7 +239,7 @@ describe("light of a field that bounces, on surfaces that gloss", function()
     for _, case in ipairs {
       { { bounced = field(lit), gloss = "rays" }, "gloss = 'rays': rays find light on elements: give transfer" },
       { { grid = field(lit), gloss = "rays" }, "or give transfer = scene:transfer {}, whose elements rays find" },
-      { { bounces = 1, gloss = "sh" }, "gloss is for a grid" }, { { gloss = "matte" }, "gloss is for a grid" },
+      { { bounces = 1, gloss = "sh" }, "gloss is for a grid" }, { { gloss = "matte", bounces = 0 }, "gloss is for a grid" },
       { { bounced = field(lit), transfer = room(ggx):transfer { spacing = 0.5, links = 4 } }, "this is another" },
     } do
       assert.error_matches(function() scene:render(with(case[1], o)) end, case[2])

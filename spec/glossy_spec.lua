@@ -344,6 +344,6 @@ describe("gloss = 'sh'", function()
     assert.matches("tables of degree 0 to 60, here is light of degree 61: lower lmax, or set gloss = 'rays' or 'matte'", message)
     local v = s:prepare(with { lmax = 2, visibility = "transfer", gloss = "sh" })
     assert.has_error(function() v:transfer() end,
-      'transfer: surfaces that gloss have no transfer vectors but as matte ones: prepare with gloss = "matte"')
+      'transfer: glossy surfaces have no transfer vectors but as matte ones: prepare with gloss = "matte"')
   end)
 end)

@@ -231,10 +231,10 @@ describe("scene:pathtrace", function()
 
   it("ends at a wanted noise, after some time, or when it is told to", function()
     local image, report = scene:pathtrace { size = small, samples = 65536, bounces = 0, tolerance = 0.1, layers = false }
-    assert.are.equal("error", report.ended)
+    assert.are.equal("tolerance", report.ended)
     assert.is_true(report.noise <= 0.1 and report.samples < 65536 and image.metadata.samples == tostring(report.samples))
     local _, late = scene:pathtrace { size = small, samples = 2 ^ 24, time_limit = 0.05, layers = false }
-    assert.are.equal("seconds", late.ended)
+    assert.are.equal("time_limit", late.ended)
     local calls = 0
     local none, message, code = scene:pathtrace { size = small, samples = 65536, progress = function(done, total)
       calls = calls + 1

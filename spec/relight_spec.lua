@@ -121,7 +121,7 @@ describe("view:render { materials = .. }", function()
       "bad argument #1 to 'render' (materials: [1] must be a material, got 0.5)")
     assert.has_error(function() v:render { grid = lamp, materials = { gold }, bounces = 1 } end,
       "render: light that bounces is "
-      .. "that of the scene's materials and camera: leave bounces and indirect out")
+      .. "that of the scene's materials and camera: leave bounces and bounced out")
     assert.has_error(function() v:render { grid = lamp, camera = v.scene.camera } end,
       "render: another camera sees other shading points: prepare the view with relight = 'all'")
     local still = scene():prepare(with { relight = "light" })
@@ -131,7 +131,7 @@ describe("view:render { materials = .. }", function()
       "prepare: relight = \"light\" "
       .. "is of surfaces that gloss by spherical harmonics: gloss = 'sh', or leave gloss out")
     assert.has_error(function() scene():prepare(with { relight = "all", shading = "pixel" }) end,
-      "prepare: relight = 'all' shades vertices, which every camera sees: shading = 'vertex', or leave shading out")
+      "prepare: relight = 'all' shades vertices, which every camera sees: shading = 'vertices', or leave shading out")
   end)
 end)
 
@@ -214,7 +214,7 @@ describe("methods to compare with", function()
     local v = scene():prepare(with())
     assert.has_error(function() v:render { grid = lamp, method = "zonal" } end,
       "render: zonal lobes are summed lamp by lamp, without a grid: by = 'sum', method = 'zonal'")
-    assert.has_error(function() v:render { product = "list" } end, "render: product is for by = \"grid\" or by = "
+    assert.has_error(function() v:render { by = "rays", product = "list" } end, "render: product is for by = \"grid\" or by = "
       .. "\"sum\", and this picture is by = \"rays\": name one that fits, or leave product out")
     local matte = scene():prepare(with { gloss = "matte" })
     assert.has_error(function() matte:render { grid = lamp, product = "list" } end,
@@ -224,6 +224,6 @@ describe("methods to compare with", function()
     assert.has_error(function()
       flat:prepare { size = { 2, 2 }, samples = 1, lmax = 1, visibility = "none", gloss = "sh" }:render { by = "sum",
         method = "zonal" }
-    end, "reference: zonal lobes are summed over sphere lights, and the scene has others: method = 'table' takes all")
+    end, "render: zonal lobes are summed over sphere lights, and the scene has others: method = 'table' takes all")
   end)
 end)

@@ -176,7 +176,7 @@ end
 
 describe "scene:virtual_lights" {
   about = "Traces particles from the scene's lamps and skies; where they land, surfaces send on what they reflect, as virtual "
-    .. "lights. These are a light field, without shadows: ylm.light_field, ylm.bake, view:gather take them.",
+    .. "lights. These are a light field, without shadows: ylm.light_field, ylm.bake, and bounced of pictures take them.",
   arguments = { { "options?", "table", "" } },
   options = options,
   returns = {

@@ -94,9 +94,20 @@ local function rows(out, title, list)
   end
 end
 
-local function field_rows(fields)
+--- Rows { name, what it is, about } of fields; those of a field that is a table of its own follow it, as "virtual.lmax".
+function help.field_rows(fields, owner)
   local list = {}
-  for i, field in ipairs(fields) do list[i] = { field[1], form.field_text(field), field.about } end
+  for _, field in ipairs(fields) do
+    list[#list + 1] = { (owner and owner .. "." or "") .. field[1], form.field_text(field), field.about or "" }
+    for _, row in ipairs(field.fields and help.field_rows(field.fields, field[1]) or {}) do list[#list + 1] = row end
+  end
+  return list
+end
+
+--- Rows of the fields of a report, { name, unit, what it says }.
+function help.report_rows(fields)
+  local list = {}
+  for i, field in ipairs(fields) do list[i] = { field[1], field[2] == "1" and "number" or field[2], field[3] } end
   return list
 end
 
@@ -128,8 +139,9 @@ local function entry_text(out, name, entry)
   out[#out + 1] = help.signature(name, entry)
   wrap(out, entry.about, 2)
   rows(out, "arguments", value_rows(entry.arguments))
-  if type(entry.options) == "table" and #entry.options > 0 then rows(out, "options", field_rows(entry.options)) end
+  if type(entry.options) == "table" and #entry.options > 0 then rows(out, "options", help.field_rows(entry.options)) end
   rows(out, "returns", value_rows(entry.returns))
+  if entry.report then rows(out, "report", help.report_rows(entry.report)) end
   if sentence(entry.errors) then
     out[#out + 1] = ""
     out[#out + 1] = "errors"
@@ -146,7 +158,7 @@ end
 local function form_text(out, name, definition)
   out[#out + 1] = name == "scene" and 'scene "name" { ... }' or name .. " { ... }"
   wrap(out, definition.about or "", 2)
-  rows(out, "fields", field_rows(definition.fields))
+  rows(out, "fields", help.field_rows(definition.fields))
   example(out, definition.example)
 end
 
@@ -170,8 +182,27 @@ local function progress_text()
   return table.concat(out, "\n")
 end
 
+--- The page on reports: fields by the calls that return them.
+local function report_text()
+  local out, by_fields, list = { "report", "" }, {}, {}
+  wrap(out, "The table that calls return beside their result. Fields are there where they say something.", 2)
+  help.load()
+  for _, name in ipairs(reference.names) do
+    local fields = reference.entries[name].report
+    if fields then
+      if not by_fields[fields] then
+        by_fields[fields] = {}
+        list[#list + 1] = fields
+      end
+      table.insert(by_fields[fields], name)
+    end
+  end
+  for _, fields in ipairs(list) do rows(out, table.concat(by_fields[fields], ", "), help.report_rows(fields)) end
+  return table.concat(out, "\n")
+end
+
 -- Words that are no name of the interface.
-local topics = { progress = progress_text }
+local topics = { progress = progress_text, report = report_text }
 
 --- Help on a form, function or method; its last part will do ("eval"). nil, message if there is none.
 function help.text(word)

@@ -29,7 +29,8 @@ return {
     local resume
     if given.resume then resume = status.need_kind("ylm.image", "an image", given.resume, ylm.load(given.resume)) end
     local image, facts = scene:pathtrace { size = given.size, samples = given.samples, bounces = bounces,
-      strategy = given.strategy, tolerance = given.tolerance, time_limit = given["time-limit"], seed = given.seed, resume = resume,
+      strategy = given.strategy, tolerance = given.tolerance,
+      time_limit = given["time-limit"], seed = given.seed, resume = resume,
       threads = given.threads, display = status.display("pathtrace", given.display),
       progress = report.progress(given) }
     status.need(image, facts)

@@ -113,9 +113,7 @@ end
 local function field_table(put, fields)
   put "| field | is | |"
   put "| --- | --- | --- |"
-  for _, field in ipairs(fields) do
-    put(("| `%s` | %s | %s |"):format(field[1], cell(form.field_text(field)), cell(field.about)))
-  end
+  for _, row in ipairs(help.field_rows(fields)) do put(("| `%s` | %s | %s |"):format(row[1], cell(row[2]), cell(row[3]))) end
   put ""
 end
 
@@ -143,6 +141,7 @@ local function section(put, entry)
   row_table(put, "argument", entry.arguments)
   if type(entry.options) == "table" and #entry.options > 0 then field_table(put, entry.options) end
   row_table(put, "returns", entry.returns)
+  if entry.report then row_table(put, "report", help.report_rows(entry.report)) end
   if entry.errors and entry.errors ~= "" then
     prose(put, "Errors: " .. model.one_line(entry.errors) .. ".")
     put ""

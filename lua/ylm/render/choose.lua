@@ -13,6 +13,7 @@
 --     alone                         nothing bounces and nothing lies over it
 --     settle(name, s, o, given)     before scene:render prepares its view
 --     make(name, s, o, given, how)  scene:render's picture where it takes more than one view; how() makes one
+--     check(name, p)                raises where it cannot shade the view p
 --     prepare(name, p, o)           the view that is shaded, its report; or nil, message, code
 --     radiance(name, p, o, report)  of shading points, or function(layer) that writes a picture; seconds; or nil, message, code
 --     report(p, o, report, image, before)   before: stages of the view when it began

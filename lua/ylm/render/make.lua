@@ -56,6 +56,7 @@ end
 --- The picture of the prepared view p by o, whose ways choose and bounces have settled, and its report; or nil, message, code.
 function make.picture(name, p, o)
   pictures.check_truth(name, p, o)
+  if o.direct.check then o.direct.check(name, p) end
   local ok, message, code = prepare(name, p, o)
   if not ok then return nil, message, code end
   local tally = light.tally(o.grid, o.bodies)

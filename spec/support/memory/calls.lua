@@ -500,7 +500,7 @@ calls["virtual lights, merged and interleaved"] = on(scene, function(s)
   return view:render { by = "none", bounced = lights, virtual = { subset = "interleaved", tile = 2 } }
 end)
 calls["virtual lights by parts, in a picture"] = on(scene, function(s)
-  return s:render { size = size, samples = 1, light_samples = 1, layers = false, bounced = s:virtual_lights { count = 4 },
+  return s:render { size = size, samples = 1, light_samples = 1, layers = false, bounced = "virtual", bounces = 1,
     virtual = { sums = "split", tolerance = 1 } }
 end)
 calls["virtual lights by their tree"] = on(function()
@@ -537,7 +537,7 @@ local function many_lamps()
   for i = 1, 300 do at[i] = { i / 100, 1, 0 } end
   return ylm.sphere_lights { at = at, radius = 0.01 }
 end
-calls["scene:raycast with other lamps"] = on(function()
+calls["scene:render with other lamps"] = on(function()
   local s = scene()
   assert(s:render { bounces = 0, size = size, samples = 1, light_samples = 1 })
   return s
@@ -560,9 +560,9 @@ calls["prepared"] = on(scene, function(s)
   local view, message, code = s:prepare { size = size, samples = 1, visibility = "transfer" }
   if not view then return nil, message, code end
   local out = {}
-  for _, call in ipairs { "points", "transfer", "reference", "raycast" } do
+  for _, call in ipairs { { "points" }, { "transfer" }, { "render", { by = "sum" } }, { "render", { by = "rays" } } } do
     local result
-    result, message, code = view[call](view)
+    result, message, code = view[call[1]](view, call[2])
     if result == nil then
       assert(view:points() or view:points()) -- still usable
       return nil, message, code

@@ -43,11 +43,15 @@ local function is_matte(s)
   return true
 end
 
-function rays.prepare(name, p, o)
+--- Raises where rays cannot shade the view p.
+function rays.check(name, p)
   tracing.check_bodies(name, p.traced)
   if p.options.shading == "vertices" and not is_matte(p.scene) then
     return check.fail("%s: surfaces that are not matte are ray-cast from pixels: shading = 'pixel' in scene:prepare", name)
   end
+end
+
+function rays.prepare(_, p, o)
   if o.shadows == nil then o.shadows = o.visibility ~= "none" end
   o.chosen_samples, o.light_samples = o.light_samples == nil, o.light_samples or options.LIGHT_SAMPLES
   local report = pictures.new_report(p)
