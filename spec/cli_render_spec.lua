@@ -100,7 +100,7 @@ describe("the command-line tool's renderings", function()
 
   it("refuse options that a method would not use, before they work", function()
     for words, says in pairs {
-      ["render --shading vertex"] = "--shading is pixel or vertices, got 'vertex' (did you mean vertices?)",
+      ["render --shading vertex"] = "--shading is pixel or vertices, got 'vertex'",
       ["render --by rays --sums-tolerance 0.1"] = "--sums-tolerance is for --by grid and sum, this is by rays: leave it out",
       ["render --by sum --interpolation linear"] = "--interpolation is for --by grid, this is by sum",
       ["render --by sum --grid x.ylm"] = "--grid is for --by grid, this is by sum",

@@ -72,8 +72,8 @@ describe("light that passes occluders", function()
     assert.same({ 1, 0, 0, 0 }, { o.passing, o.passing_error, o.missing, o.missing_error })
     assert.equal("1", image.metadata.light_passing)
     assert.same({ 'scene "floor": 100 % of the picture\'s light passes through occluders: occluders count by direction, up to '
-      .. "occlusion_distance = 0.3 wherever the lamp is; set a longer one or use visibility = \"rays\" (scene:raycast, ylm "
-      .. "render --visibility rays), whose shadows are true" }, said)
+      .. "occlusion_distance = 0.3 wherever the lamp is; set a longer one or use by = \"rays\" (ylm render --by rays), "
+      .. "whose shadows are true" }, said)
     assert.same(said, report.warnings)
     assert.same({}, (listening(function() return scene:render(ways.sum(size)) end))) -- once a scene
   end)

@@ -102,7 +102,7 @@ describe("occlusion rays", function()
     end
     assert.is_truthy(warned(0.1):find "2048 occlusion rays from each shading point leave a noise of %d+%.%d %%, more than 2 %%: "
       and warned(0.1):find "set transfer_samples = %d+")
-    assert.is_truthy(warned(0.02):find 'too little of the sky is seen for such rays, use visibility = "rays"')
+    assert.is_truthy(warned(0.02):find 'too little of the sky is seen for such rays, use by = "rays"')
     local clear, noise = warned(4)
     assert.is_true(noise <= 0.02 and not clear:find "noise", clear)
   end)

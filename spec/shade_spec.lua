@@ -424,7 +424,7 @@ describe("ray casting", function()
       visibility = "none" }
     assert.near(1, pixel(image) * pi / wanted, 2e-3)
     local around = element(x, n, { ylm.sphere_light { at = { 0, 0, 0.1 }, radius = 0.5, radiance = 3 } })
-    assert.near(3, pixel(around:render { bounces = 0, size = { 1, 1 }, samples = 1, light_samples = 64, shadows = true }), 1e-4)
+    assert.near(3, pixel(around:render { bounces = 0, size = { 1, 1 }, samples = 1, light_samples = 64 }), 1e-4)
   end)
 
   it("sees shadows: none in the open, all of them behind a blocker", function()

@@ -1,4 +1,4 @@
--- Pictures of virtual lights { method = "vsgl" }: groups of virtual lights as spherical Gaussians; report.singular.
+-- rival = { "vsgl" } of pictures by virtual lights: groups of them as spherical Gaussians; report.virtual.singular.
 
 local with = require "spec.support.with"
 local refused = require "spec.support.raises"
@@ -89,8 +89,8 @@ describe("groups of lights", function()
     assert.is_true(math.abs(exact / sum - 1) < 1e-4)
     for k, n in ipairs { 1, 4, 16, 32 } do
       local got, report = radiance(view, lights, { groups = n })
-      assert.equal(n, report.groups)
-      assert.equal(n * view.stats.points, report.pairs)
+      assert.equal(n, report.virtual.groups)
+      assert.equal(n * view.stats.points, report.virtual.pairs)
       off[k] = math.abs(got / exact - 1)
     end
     assert.is_true(off[4] < off[1] and off[4] < 0.1, table.concat(off, " "))
@@ -98,7 +98,7 @@ describe("groups of lights", function()
     local one = ylm.virtual_lights { at = { { 0, 1, 0 }, { 0, 1, 0 } }, normal = { { 0, -1, 0 }, { 0, -1, 0 } }, radius = 0.1,
       intensity = 1 }
     local _, report = radiance(view, one, { groups = 2 })
-    assert.equal(1, report.groups)
+    assert.equal(1, report.virtual.groups)
     assert.equal(0, (radiance(view, ylm.virtual_lights { at = {}, radius = 1, intensity = 1 })))
   end)
 
@@ -132,8 +132,9 @@ describe("groups of lights", function()
     local lights = ylm.virtual_lights { at = { { 0, 1, 0 } }, radius = 0.1, intensity = 1 }
     refused("groups %(5%) must be at most the 1 lights", function() radiance(view, lights, { groups = 5 }) end)
     refused("groups must be an integer >= 1", function() radiance(view, lights, { groups = 0 }) end)
-    refused("groups is for method = 'vsgl', this is 'hvl'", function() view:render { by = "none", bounced = lights,
-      groups = 1 } end)
+    refused("groups is for 'vsgl', this is 'vpl'", function()
+      view:render { by = "none", bounced = lights, rival = { "vpl", groups = 1 } }
+    end)
   end)
 end)
 
@@ -144,11 +145,11 @@ describe("lights at shading points", function()
     local places = { p[1], { 0, 1, 0 }, p[1] }
     local _, report = view:render { by = "none", bounced = ylm.virtual_lights { at = places, intensity = 1,
       profile = "point" } }
-    assert.equal(2, report.singular)
+    assert.equal(2, report.virtual.singular)
     local soft = ylm.virtual_lights { at = places, intensity = 1, radius = 0.1 }
     _, report = view:render { by = "none", bounced = soft }
-    assert.equal(0, report.singular)
+    assert.equal(0, report.virtual.singular)
     _, report = view:render { by = "none", bounced = soft, rival = { "vpl" } }
-    assert.equal(2, report.singular)
+    assert.equal(2, report.virtual.singular)
   end)
 end)

@@ -88,7 +88,7 @@ describe("harmonics on surfaces that gloss", function()
     local path = script.path .. "/plain.lua"
     local file = assert(io.open(path, "w"))
     file:write [[
-      local ylm = require "ylm"
+      local ylm, ways = require "ylm", require "spec.support.ways"
       ylm.on_warning(false)
       local e = { {}, {} }
       for i = 1, 2 do for c = 1, 3 do e[i][c] = {} for k = 1, 25 do e[i][c][k] = math.sin(i + 2 * c + k) end end end

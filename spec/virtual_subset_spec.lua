@@ -1,4 +1,4 @@
--- Pictures of virtual lights { subset = }: points that ask a part of the lights, interleaved by pixel, or by chance.
+-- virtual = { subset = } of pictures by virtual lights: points that ask a part of the lights, interleaved by pixel, or by chance.
 
 local gathered = require "spec.support.gathered"
 local with = require "spec.support.with"
@@ -40,7 +40,7 @@ describe("interleaved lights", function()
         assert.is_true(math.abs(got:get(i, j, 1) / sum - 1) < 1e-5)
       end
     end
-    assert.equal(9 * 7 * 45 / 9, report.pairs)
+    assert.equal(9 * 7 * 45 / 9, report.virtual.pairs)
   end)
 
   it("come near all lights, by any method, for a part of the pairs", function()
@@ -55,8 +55,8 @@ describe("interleaved lights", function()
         for j = 1, 32 do off, sum = off + (got:get(i, j, 2) - all:get(i, j, 2)) ^ 2, sum + all:get(i, j, 2) ^ 2 end
       end
       assert.is_true(math.sqrt(off / sum) < 0.12, method .. math.sqrt(off / sum))
-      assert.is_true(math.abs(rb.pairs / ra.pairs - 0.25) < 0.01)
-      assert.is_true(rb.rays.shadow < 0.3 * ra.rays.shadow)
+      assert.is_true(math.abs(rb.virtual.pairs / ra.virtual.pairs - 0.25) < 0.01)
+      assert.is_true(rb.rays.virtual < 0.3 * ra.rays.virtual)
     end
   end)
 
@@ -105,11 +105,11 @@ describe("stochastic lights", function()
     for _, method in ipairs { "hvl", "vpl", "vsl" } do
       local o = { method = method, samples = method == "vsl" and 64 or nil, shadows = "centre" }
       local all, n, z2, mean, sum = gathered(view, lights, o), 40, 0, 0, 0
-      local alpha = 4 * select(2, gathered(view, lights, with(o, { subset = "stochastic" }))).alpha
+      local alpha = 4 * select(2, gathered(view, lights, with(o, { subset = "stochastic" }))).virtual.alpha
       local m, s2 = {}, {}
       for seed = 1, n do
         local got, r = gathered(view, lights, with(o, { subset = "stochastic", alpha = alpha, seed = seed }))
-        assert.is_true(r.kept < 60, r.kept)
+        assert.is_true(r.virtual.kept < 60, r.virtual.kept)
         for k = 1, 20 do
           local x = got:get((k - 1) % 4 + 1, math.floor((k - 1) / 4) + 1, 2)
           m[k], s2[k] = (m[k] or 0) + x / n, (s2[k] or 0) + x * x / n
@@ -132,8 +132,8 @@ describe("stochastic lights", function()
     local all, ra = gathered(view, lights, { shadows = "centre" })
     assert.same(all:totable(), gathered(view, lights, { shadows = "centre", subset = "stochastic", alpha = 1e-12 }):totable())
     local _, r = gathered(view, lights, { shadows = "centre", subset = "stochastic" })
-    assert.is_true(r.kept > 40 and r.kept < 90, r.kept)
-    assert.is_true(r.rays.shadow < 0.3 * ra.rays.shadow and r.pairs == ra.pairs and r.alpha > 0)
+    assert.is_true(r.virtual.kept > 40 and r.virtual.kept < 90, r.virtual.kept)
+    assert.is_true(r.rays.virtual < 0.3 * ra.rays.virtual and r.virtual.pairs == ra.virtual.pairs and r.virtual.alpha > 0)
   end)
 
   it("are chosen on surfaces that gloss too", function()

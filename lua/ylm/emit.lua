@@ -19,7 +19,7 @@ local MOST_BOUNCES, MOST, DEGREE = core.limits.emit_bounces, core.limits.emit_pa
 local LOUD = 0.26 -- the part of slices that lights may miss without a word
 local SCALE = { density = 1.5, angle = 1, footprint = 1.5, neighbours = 1 } -- of radii, by their rule
 
---- Lights that scene:virtual_lights made -> { scene, bounces, radius (the median) }.
+--- Lights that scene:virtual_lights made -> { scene, bounces, radius (the median), report }.
 emit.made = setmetatable({}, { __mode = "k" })
 
 function form.types.reflected(x)
@@ -170,8 +170,9 @@ function emit.lights(name, s, o, traced)
   report.note = note_of(s, o, report)
   report.warnings = shortcomings(s, o, report)
   report.power.lights = lights.power
-  emit.made[lights] = { scene = s, bounces = o.bounces, radius = report.radius.median }
-  return lights, show.report(report)
+  report = show.report(report)
+  emit.made[lights] = { scene = s, bounces = o.bounces, radius = report.radius.median, report = report }
+  return lights, report
 end
 
 describe "scene:virtual_lights" {

@@ -87,7 +87,8 @@ function virtual.settle(name, o, s, bounces)
       return check.fail("%s: bounces are those of the virtual lights that bounced names: leave one out", name)
     end
     local made = emit.made[o.bounced]
-    return { lights = o.bounced, bounces = made and made.bounces or "those of the lights", options = own, rival = x, scene = s }
+    return { lights = o.bounced, bounces = made and made.bounces or "those of the lights", options = own, rival = x, scene = s,
+      emitted = made and made.report }
   end
   if bounces ~= "all" and bounces > MOST then
     return check.fail("%s: particles are reflected %d times at most: bounces must be 0 to %d or 'all', got %.0f", name, MOST,
