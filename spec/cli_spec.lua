@@ -407,7 +407,7 @@ return scene "a room" {
         geometry = quad { corner = { -2, -0.5, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } },
         lights   = sphere_light { at = { 0.5, 1.5, 0.5 }, radius = 0.1, radiance = 50 },
         probes   = adaptive_grid { lmax = 1, depth = 2, threshold = 1 },
-      }]]) .. " --size 16x9 --samples 1 -o " .. scratch.quote(folder.path .. "/log.pfm"))
+      }]]) .. " -b 0 --size 16x9 --samples 1 -o " .. scratch.quote(folder.path .. "/log.pfm"))
     assert.equal(0, code, err)
     assert.truthy(out:find("^visibility +rays\n.*\nrays +occlusion 0, primary %d+, shadow %d+\n"), out)
     assert.truthy(err:find "raycast +10 20 30 40 50 60 70 80 90 100 %%  0:0%d\n", err)

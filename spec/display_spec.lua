@@ -157,7 +157,7 @@ describe("ylm.display", function()
   geometry = { quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } } },
   lights = { sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 50 } },
 }]])
-    for _, words in ipairs { "pathtrace -n 8", "render -n 4", "render -b 0 -n 4" } do
+    for _, words in ipairs { "pathtrace -n 8", "render -b 0 -n 4" } do
       local address, read = viewer "all"
       local out, code, err = run(("%s %s -q -s 33x21 --display %s -o %s/s.exr"):format(words, scene, address, folder.path))
       assert.equal(0, code, out .. err)
@@ -180,7 +180,7 @@ describe("ylm.display", function()
       end
     end
     local warning = tool.runner(folder, "YLM_WARNINGS=yes")
-    local out, code, err = warning(("render %s -n 1 -s 8x8 --display 127.0.0.1:9 -o %s/s.exr"):format(scene, folder.path))
+    local out, code, err = warning(("render %s -b 0 -n 1 -s 8x8 --display 127.0.0.1:9 -o %s/s.exr"):format(scene, folder.path))
     assert.equal(0, code, out .. err)
     assert.equal(1, select(2, err:gsub("no image viewer listens at 127.0.0.1:9", "")), err)
   end)

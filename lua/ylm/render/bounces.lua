@@ -40,7 +40,7 @@ function bounces.settle(name, o, s, whole)
         return check.fail("%s: the grid holds bounces already: leave bounces and bounced out, or bake parts = 'direct'", name)
       end
       devices.of(o.device):check_rays(name)
-      b.record, o.reflected = way, b
+      b.record, b.unasked, o.reflected = way, o.bounces == nil and o.bounced == nil, b
     end
   end
   near.settle(name, o)

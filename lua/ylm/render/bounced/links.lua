@@ -133,8 +133,12 @@ function links.prepare(name, p, o)
 end
 
 function links.radiance(name, p, o, start)
-  return check.result(name, p.lib.shade_gather(p.view, views.made[p.view].links.handle, o.reflected.lit, start, o.threads or 0,
-    progress.resolve(o.progress)))
+  local b = o.reflected
+  local all, message, code = check.result(name, p.lib.shade_gather(p.view, views.made[p.view].links.handle, b.lit, start,
+    o.threads or 0, progress.resolve(o.progress)))
+  if not all then return nil, message, code end
+  if b.unasked and start then b.share = 1 - start:sum() / math.max(all:sum(), 1e-300) end
+  return all
 end
 
 --- Says that links are few for what is bright, and what to change; `noise` is that of a pixel.
@@ -168,7 +172,8 @@ function links.report(p, o, report)
   report.links, report.rays.links = m.links.count, m.links.stats.rays
   report.bounced_noise = p.lib.shade_gather_noise(m.links.handle, b.lit)
   local noise = noises.of_pixel(p, report.bounced_noise)
-  if noise > noises.LOUD and not o.tolerance then say_noise(p, report, m.links.count, noise) end
+  local whole = noise * (b.share or 1) -- of bounces that nobody asked for, beside all light
+  if whole > noises.LOUD and not o.tolerance then say_noise(p, report, m.links.count, noise) end
   report.rays.gloss_links = m.links.stats.glossy
   report.elements, report.balance = b.lit.transfer.stats.elements, b.lit.stats.balance
   report.elements_error = b.lit.stats.elements_error
