@@ -1,5 +1,5 @@
 -- Virtual lights in pictures: a Cornell box with one bounce of them beside paths; the same few lights by all methods; a corner
--- from near; grids of whole lights and of their far parts; what lights send over a floor that glosses; a lamp that moves.
+-- from near; grids of whole lights and of their far parts; what lights send over a glossy floor; a lamp that moves.
 --
 --     ylm run examples/13_virtual_lights.lua [--out DIR] [--only NAME] [--width N] [--samples N] [--lights N] [--few N]
 --
@@ -182,7 +182,7 @@ end
 
 function parts.lobes()
   local floor = ylm.ggx { alpha = 0.3, f0 = { 0.95, 0.7, 0.35 } }
-  local room = ylm.scene "a floor that glosses" {
+  local room = ylm.scene "a glossy floor" {
     camera = ylm.camera { from = { 0.4, 1.5, 3.1 }, at = { 0.1, 0.3, 0 }, fov = 44 },
     geometry = { ylm.quad { corner = { -1.6, 0, 1.2 }, u = { 3.2, 0, 0 }, v = { 0, 0, -2.4 }, material = floor },
       ylm.quad { corner = { -1.6, 0, -1.2 }, u = { 3.2, 0, 0 }, v = { 0, 1.4, 0 },
@@ -227,7 +227,7 @@ function parts.lobes()
   local direct = assert(room:render { size = { 540, 360 }, samples = 8, gloss = "rays", bounces = 0 })
   print(("%d lights of degree %d; their slices miss %.0f %% of what the floor sends"):format(lights.count, lights.degree,
     100 * report.slices.missed))
-  common.save(ylm.figure { title = "What virtual lights send over a floor that glosses", rows = { { { image = direct,
+  common.save(ylm.figure { title = "What virtual lights send over a glossy floor", rows = { { { image = direct,
     tone = "hable",
     exposure = 1, caption = "direct light" }, { image = picture, caption = "intensity of each light by direction" } } },
     caption = ("GGX of alpha 0.3, fitted slices of degree %d; the wall is matte and sends a cosine."):format(lights.degree) },

@@ -29,7 +29,7 @@ describe("the command-line tool's renderings", function()
     return lines
   end
 
-  it("shade surfaces that gloss as --gloss says", function()
+  it("shade glossy surfaces as --gloss says", function()
     local ball = scratch.quote(folder:write("ball.lua", [[
       return scene "a ball" {
         camera   = camera { from = { 0, 0, 4 }, at = { 0, 0, 0 } },

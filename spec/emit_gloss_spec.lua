@@ -1,4 +1,4 @@
--- scene:virtual_lights of surfaces that gloss: slices fitted over the hemisphere, their power, their axes.
+-- scene:virtual_lights of glossy surfaces: slices fitted over the hemisphere, their power, their axes.
 
 local refused = require "spec.support.raises"
 local ylm = require "ylm"
@@ -92,7 +92,7 @@ describe("fits over the hemisphere", function()
   end)
 end)
 
-describe("lights of surfaces that gloss", function()
+describe("lights of glossy surfaces", function()
   local turned = ylm.ggx { alpha = { 0.5, 0.25 }, f0 = 0.8 }
 
   for _, case in ipairs {
@@ -193,7 +193,7 @@ describe("lights of surfaces that gloss", function()
   end)
 end)
 
-describe("a wall beside a floor that glosses", function()
+describe("a wall beside a glossy floor", function()
   it("has the light that paths bring there from the floor, which matte lights have not", function()
     local grey = ylm.matte { albedo = 0.6 }
     local scene = ylm.scene "a lobe" { camera = ylm.camera { from = { 0, 0.5, 2.2 }, at = { 0.5, 0.4, -0.3 }, fov = 50 },

@@ -101,7 +101,7 @@ describe("merged lights", function()
     near(r.power.reflected[2], lights.power[2], 1e-6)
   end)
 
-  it("of surfaces that gloss are fitted, and keep the power", function()
+  it("of glossy surfaces are fitted, and keep the power", function()
     local scene = room(nil, ylm.ggx { alpha = 0.5, f0 = { 0.9, 0.6, 0.3 } })
     local lights, r = scene:virtual_lights { merge = 60, particles = 3000, degree = 2 }
     assert.equal(2, lights.degree)

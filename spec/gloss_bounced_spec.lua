@@ -1,4 +1,4 @@
--- Light that bounces, met by surfaces that gloss: rays that their materials choose, into the elements of a transfer.
+-- Light that bounces, met by glossy surfaces: rays that their materials choose, into the elements of a transfer.
 local long = require "spec.support.long"
 local ylm = require "ylm"
 
@@ -94,7 +94,7 @@ local function room(material)
   return scene, lit, scene:prepare(of(lit.transfer))
 end
 
-describe("bounced light on surfaces that gloss", function()
+describe("bounced light on glossy surfaces", function()
   it("is the reflectance towards the camera where it comes from everywhere alike", function()
     local cases = {
       { ylm.ggx { alpha = 0.1, f0 = { 1, 0.78, 0.34 } }, 50 },
@@ -196,7 +196,7 @@ local function baked(lit)
   return ylm.bake(ylm.uniform_grid { bounds = { { -0.5, -0.5, -0.7 }, { 0.5, 0.5, 0.3 } }, cells = 2, lmax = 3 }, field(lit))
 end
 
-describe("light of a field that bounces, on surfaces that gloss", function()
+describe("light of a field that bounces, on glossy surfaces", function()
   it("is F . L: the reflectance where it comes from everywhere alike", function()
     local m = ylm.ggx { alpha = 0.5, f0 = { 0.9, 0.6, 0.2 }, base = 0.05 }
     local truth = m:albedo({ math.cos(math.rad(35)) }):totable()[1]

@@ -1,4 +1,4 @@
--- Surfaces that gloss under every kind of light field, by harmonics, against paths of one reflection.
+-- Glossy surfaces under every kind of light field, by harmonics, against paths of one reflection.
 local ylm = require "ylm"
 local ways = require "spec.support.ways"
 
@@ -47,7 +47,7 @@ local fields = {
   { "a sun", { sun } }, { "a sky", { sky } }, { "their sum", { sphere, sun, sky } },
 }
 
-describe("surfaces that gloss, by harmonics", function()
+describe("glossy surfaces, by harmonics", function()
   for _, case in ipairs(fields) do
     it("are those of paths under " .. case[1], function()
       local s = ball(case[2])

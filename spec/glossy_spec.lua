@@ -1,4 +1,4 @@
--- Surfaces that gloss, shaded by spherical harmonics: gloss = "sh".
+-- Glossy surfaces, shaded by spherical harmonics: gloss = "sh".
 local core = require "ylm.c.core"
 local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
@@ -285,7 +285,7 @@ describe("gloss = 'sh'", function()
     assert.is_true(same(shot {}, shot { window = "gaussian", window_width = 1e9 }))
     assert.is_true(distance(shot { window = "hann", window_width = 1 }, shot { lmax = 0 }) < 0.01)
     for message, more in pairs {
-      ["window is for surfaces that gloss in harmonics, gloss = 'auto' or 'sh': leave it"] = { gloss = "rays", window = "hann" },
+      ["window is for glossy surfaces in harmonics, gloss = 'auto' or 'sh': leave it"] = { gloss = "rays", window = "hann" },
       ["below = 'dark' is a visibility: name visibility = 'transfer', or"] = { below = "dark", visibility = "none" },
       ["window_width is of a window: name one ('hann'), or leave it out"] = { window_width = 3 },
       ["gloss_error must be two numbers, 0 <= first < second"] = { gloss = "auto", gloss_error = { 0.3, 0.1 } },
@@ -312,7 +312,7 @@ describe("gloss = 'sh'", function()
     _, report = s:render(with({ grid = unknown, visibility = "none" }, picture))
     ylm.on_warning(before)
     assert.equal(0, report.glossy.rays)
-    assert.matches("harmonics of degree 4 miss %d+ %% of the lobes of surfaces that gloss: the lamps behind the grid are not",
+    assert.matches("harmonics of degree 4 miss %d+ %% of the lobes of glossy surfaces: the lamps behind the grid are not",
       table.concat(report.warnings, "\n"))
     local ok, said = pcall(s.render, s, with({ grid = unknown, visibility = "none", gloss = "rays" }, picture))
     assert(not ok and said:find("the lamps behind the grid are not known (it was loaded, or holds other light)", 1, true), said)

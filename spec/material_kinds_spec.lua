@@ -366,7 +366,7 @@ describe("abc", function()
   end)
 end)
 
-describe("pictures of surfaces that gloss", function()
+describe("pictures of glossy surfaces", function()
   local function scene(m)
     return ylm.scene "gloss" {
       camera = ylm.camera { from = { 0, 3, 0.1 } },

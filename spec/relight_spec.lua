@@ -91,7 +91,7 @@ describe("view:render { materials = .. }", function()
     assert.equal(0, (apart((v:render { grid = lamp }), (scene():prepare(with()):render { grid = lamp }))))
   end)
 
-  it("makes a surface that glosses matte, by its visibility alone", function()
+  it("makes a glossy surface matte, by its visibility alone", function()
     local matte = ylm.matte { albedo = 0.6 }
     local image = scene():prepare(with { relight = "material", transfer_samples = 128 })
       :render { grid = lamp, materials = { [3] = matte } }
@@ -129,7 +129,7 @@ describe("view:render { materials = .. }", function()
       "render: materials change in views that are prepared with relight = 'material' or 'all', here it is \"light\"")
     assert.has_error(function() scene():prepare(with { relight = "light", gloss = "matte" }) end,
       "prepare: relight = \"light\" "
-      .. "is of surfaces that gloss by spherical harmonics: gloss = 'sh', or leave gloss out")
+      .. "is of glossy surfaces by spherical harmonics: gloss = 'sh', or leave gloss out")
     assert.has_error(function() scene():prepare(with { relight = "all", shading = "pixel" }) end,
       "prepare: relight = 'all' shades vertices, which every camera sees: shading = 'vertices', or leave shading out")
   end)
@@ -218,7 +218,7 @@ describe("methods to compare with", function()
       .. "\"sum\", and this picture is by = \"rays\": name one that fits, or leave product out")
     local matte = scene():prepare(with { gloss = "matte" })
     assert.has_error(function() matte:render { grid = lamp, product = "list" } end,
-      "render: product is of surfaces that gloss by spherical harmonics: prepare the view with gloss = 'sh'")
+      "render: product is of glossy surfaces by spherical harmonics: prepare the view with gloss = 'sh'")
     local flat = ylm.scene "flat" { camera = ylm.camera { from = { 0, 0, 2 }, up = { 0, 1, 0 } },
       geometry = { ylm.sphere { material = gold } }, lights = { ylm.environment_light { radiance = 1 } } }
     assert.has_error(function()

@@ -102,7 +102,7 @@ describe("groups of lights", function()
     assert.equal(0, (radiance(view, ylm.virtual_lights { at = {}, radius = 1, intensity = 1 })))
   end)
 
-  it("light surfaces that gloss by a lobe of f's power and mean direction", function()
+  it("light glossy surfaces by a lobe of f's power and mean direction", function()
     local material = ylm.ggx { alpha = 0.4, f0 = 1 }
     local view = point(material)
     local wo = { 0, 2 / math.sqrt(4.25), 0.5 / math.sqrt(4.25) }

@@ -1,4 +1,4 @@
--- Pictures of virtual lights on surfaces that gloss: slices of their materials, f itself, zonal lobes.
+-- Pictures of virtual lights on glossy surfaces: slices of their materials, f itself, zonal lobes.
 
 local scratch = require "spec.support.scratch"
 local gathered = require "spec.support.gathered"
@@ -46,7 +46,7 @@ local function apart(a, b)
   return math.sqrt(d / all)
 end
 
-describe("harmonics on surfaces that gloss", function()
+describe("harmonics on glossy surfaces", function()
   for _, case in ipairs { { "grey", "gauss" }, { "varnish", "cap" }, { "brushed", "point" }, { "polish", "gauss" } } do
     it("are coefficients of the lights times slices turned to the world: " .. table.concat(case, ", "), function()
       local lights = some_lights { profile = case[2] }
@@ -142,7 +142,7 @@ describe("harmonics on surfaces that gloss", function()
   end)
 end)
 
-describe("points and spheres on surfaces that gloss", function()
+describe("points and spheres on glossy surfaces", function()
   it("are f times the geometry term: harmonics of high degree come to it", function()
     local points = some_lights { profile = "point" }
     for _, name in ipairs { "grey", "polish" } do

@@ -89,7 +89,7 @@ describe("interleaved lights", function()
     end
   end)
 
-  it("leave surfaces that gloss as they are", function()
+  it("leave glossy surfaces as they are", function()
     local scene = ylm.scene "gloss" { lights = lamp, camera = room().camera,
       geometry = ylm.box { scale = 2, material = ylm.ggx { alpha = 0.4, f0 = 0.3 } } }
     local view, lights = scene:prepare { size = { 4, 3 }, samples = 1 }, scene:virtual_lights { count = 30, degree = 2 }
@@ -136,7 +136,7 @@ describe("stochastic lights", function()
     assert.is_true(r.rays.virtual < 0.3 * ra.rays.virtual and r.virtual.pairs == ra.virtual.pairs and r.virtual.alpha > 0)
   end)
 
-  it("are chosen on surfaces that gloss too", function()
+  it("are chosen on glossy surfaces too", function()
     local scene = ylm.scene "gloss" { lights = lamp, camera = room().camera,
       geometry = ylm.box { scale = 2, material = ylm.ggx { alpha = 0.4, f0 = 0.3 } } }
     local view, lights = scene:prepare { size = { 3, 2 }, samples = 1 }, scene:virtual_lights { count = 60, degree = 2 }

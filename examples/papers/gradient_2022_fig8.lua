@@ -27,7 +27,7 @@ local function prepare(bands)
   return assert(scene:prepare { size = size, samples = quick and 1 or 4, lmax = bands - 1, visibility = "none", gloss = "sh" })
 end
 
--- Masks: pixels of the body that glosses, and all others that surfaces fill.
+-- Masks: pixels of the glossy body, and all others that surfaces fill.
 local first = prepare(5)
 local rays = { by = "rays", visibility = "none", light_samples = quick and 64 or 8 * option.samples }
 local truth, told = first:render(rays)
@@ -84,6 +84,6 @@ rows[2] = { { values = values(shown[#shown].b, truth), caption = ("(b) of %d ban
   { values = values(shown[1].b, truth), caption = "(b) - (a)" }, { values = values(shown[1].c, shown[1].b, 1000),
     caption = "(c) - (b), 1000 times as bright" } }
 common.save(ylm.figure { title = "A matte and a glossy body under 242 lights, without shadows", rows = rows, bar = bar,
-  caption = ("Meshes made here, GGX of alpha %g. Harmonics lose most on the body that glosses: %.0f %% (rms) at 5 bands. "
+  caption = ("Meshes made here, GGX of alpha %g. Harmonics lose most on the glossy body: %.0f %% (rms) at 5 bands. "
     .. "Speckles are the rays' noise."):format(
     alpha, shown[1].gloss) }, out .. "gradient_2022_fig8.png")

@@ -53,7 +53,7 @@ local function mae(image, truth)
   return 1000 * m.mae / m.peak
 end
 
--- First block: surfaces that gloss, under spheres. Truth is the slice f cos of GGX, to 5 bands, times coefficients of light at
+-- First block: glossy surfaces, under spheres. Truth is the slice f cos of GGX, to 5 bands, times coefficients of light at
 -- every pixel.
 print "Table 4, spheres: MAE x 1000 against coefficients at every pixel (paper's figure behind; ratio)"
 print "  lights            ZH approx.                interp.      ZH / interp.     the glossy body alone: ZH, interp."

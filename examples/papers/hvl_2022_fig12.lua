@@ -4,7 +4,7 @@
 --     lua examples/papers/hvl_2022_fig12.lua [--width 160] [--samples 1024] [--bunny FILE] [--suzanne FILE] [--scene FILE]
 --         [--out out] [--quick]
 --
--- Writes hvl_2022_fig12.png. Two bodies made here over a floor that glosses stand in for the paper's scene; --bunny and --suzanne
+-- Writes hvl_2022_fig12.png. Two bodies made here over a glossy floor stand in for the paper's scene; --bunny and --suzanne
 -- name meshes. One bounce without direct light; errors are relative to the mean, without shadows of virtual lights,
 -- as the paper has it, and with rays to their middles. Nanoseconds are of the processor, without shadows;
 -- each Gaussian stands for 16 texels (the paper's for 196).
@@ -67,7 +67,7 @@ print "Gaussians and harmonics are as wide as a light. What 15 bands cut off of 
 print "harmonics. ns: the card has 2,944 lanes."
 if not quick then
   local paths = { image = truth, tone = "hable", exposure = 2, caption = ("paths, %d a pixel"):format(samples) }
-  common.save(ylm.figure { title = "One bounce over a floor that glosses",
+  common.save(ylm.figure { title = "One bounce over a glossy floor",
     rows = { { items[1], items[2], items[3] }, { items[4], items[5], paths } },
       caption = "After Fig. 12 of Mezieres & Paulin 2022, another scene; rays to middles of lights. "
       .. "Numbers: rms error, of the mean." },

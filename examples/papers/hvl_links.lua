@@ -1,4 +1,4 @@
--- Links or virtual lights: one bounce in a Cornell box, standing, with a lamp that moves, and with a floor that glosses; error
+-- Links or virtual lights: one bounce in a Cornell box, standing, with a lamp that moves, and with a glossy floor; error
 -- beside paths, and time before the first frame and of each.
 --
 --     lua examples/papers/hvl_links.lua [--width 64] [--samples 512] [--frames 3] [--scene FILE] [--quick]
@@ -8,7 +8,7 @@
 -- elements and links of the scene and of the view. "frame" is light on elements and along links, or particles, lights and their
 -- sums.
 -- "virtual, rays" has a ray from each point to each light; else far parts are from a grid, near parts summed at each point, and
--- beside the floor that glosses all lights at each point. --scene stands in place of the box; its lamps do not move, and its
+-- beside the glossy floor all lights at each point. --scene stands in place of the box; its lamps do not move, and its
 -- floor is what it is.
 
 local ylm = require "ylm"

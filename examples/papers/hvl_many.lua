@@ -6,7 +6,7 @@
 --
 -- Writes hvl_many.png. Processor seconds, all threads together, of the bounce in a picture of --width pixels (1160: a million),
 -- behind emission, which stands beside them: twice those of spec/bench/virtual_pictures.lua, which halves them for two threads.
--- Each particle is a light and surfaces that gloss are matte, as there. "all" of more than 1,000 lights is measured at 1,000
+-- Each particle is a light and glossy surfaces are matte, as there. "all" of more than 1,000 lights is measured at 1,000
 -- points and scaled. "error" is what scene:render judges: of irradiance, root mean square over its mean, beside all lights; no
 -- noise of the lights is in it.
 -- Rooms: cornell, atrium, table_room.

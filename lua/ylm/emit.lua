@@ -63,7 +63,7 @@ emit.fields = {
   { "scale", "number", above = 0, optional = true,
     about = "multiplies radii; default 1.5, of 'angle' and 'neighbours' 1" },
   { "degree", "emission_degree", default = "auto",
-    about = "of what surfaces that gloss send, in harmonics: 0, as matte ones of their mean albedo, to 8; 'auto': the least "
+    about = "of what glossy surfaces send, in harmonics: 0, as matte ones of their mean albedo, to 8; 'auto': the least "
       .. "of 2, 4, 8 whose slices at 45 degrees miss at most 14 %, 26 %, all (a white metal of alpha 0.5 has 2, of 0.25 4); "
       .. "matte surfaces alone have 0" },
   { "conserve", "boolean", default = true,
@@ -99,10 +99,10 @@ end
 local function shortcomings(s, o, r)
   local list, n = {}, r.glossy
   if n > 0 and o.degree == 0 then
-    list[1] = warning.say(s, "gloss virtual", "scene %q: %d of its virtual lights' landings are on surfaces that gloss, which "
+    list[1] = warning.say(s, "gloss virtual", "scene %q: %d of its virtual lights' landings are on glossy surfaces, which "
       .. "send light on as matte ones of their mean albedo (degree = 0): no highlights, no caustics", s.name or "?", n)
   elseif r.slices.missed > LOUD then
-    list[1] = warning.say(s, "slices virtual", "scene %q: virtual lights of degree %d miss %.0f %% of what surfaces that gloss "
+    list[1] = warning.say(s, "slices virtual", "scene %q: virtual lights of degree %d miss %.0f %% of what glossy surfaces "
       .. "send: %s (scene:pathtrace has it all)", s.name or "?", r.degree, 100 * r.slices.missed, r.degree < DEGREE
       and "set a higher degree" or "their lobes are sharper than degree 8 has them, and come out wider")
   end
@@ -186,7 +186,7 @@ describe "scene:virtual_lights" {
       .. "landed + lost (to the sky, before a first landing), reflected (at all landings), lights (what was chosen of it), going "
       .. "(under way behind the last reflection); radius = { min, median, max, cut }, cut: of those above four medians, which "
       .. "became that; turned: landings with the normal of their triangle, that of the vertices looking away; absorbed; glossy: "
-      .. "those on surfaces that gloss; degree, of emission; slices, of what these send: { missed: error over norm, root mean "
+      .. "those on glossy surfaces; degree, of emission; slices, of what these send: { missed: error over norm, root mean "
       .. "square by power, most, below: power below zero over all, unscaled: lights that `conserve` left as they are, their "
       .. "slices keeping less than a twentieth }; merged = { landings, cell } of merged lights; seconds = { trace, radius, "
       .. "emission, merge }; warnings; note, where it is dark" },

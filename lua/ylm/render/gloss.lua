@@ -1,4 +1,4 @@
---- Surfaces that gloss in pictures by coefficients of light: by harmonics, by rays, or as matte ones.
+--- Glossy surfaces in pictures by coefficients of light: by harmonics, by rays, or as matte ones.
 --
 --     light                   gloss    shades such surfaces
 --     lamps, by coefficients  auto     by harmonics where their lobes are wide enough for lmax, else by rays (default)
@@ -40,7 +40,7 @@ end
 --- Options of views.
 gloss.fields = {
   { "gloss", "choice", of = { "auto", "sh", "rays", "matte" }, optional = true,
-    about = "where coefficients of light shade surfaces that gloss, 'auto' (default): by harmonics of f cos, times visibility, "
+    about = "where coefficients of light shade glossy surfaces, 'auto' (default): by harmonics of f cos, times visibility, "
       .. "to lmax, and by rays to the lamps where lmax is too low for a lobe (under a grid of direct, indirect or all light with "
       .. "transfer = scene:transfer {}, whose elements rays find); 'sh', 'rays': by one of them alone; 'matte': as matte ones of "
       .. "their mean albedo, bounces too" },
@@ -48,7 +48,7 @@ gloss.fields = {
     about = "'auto': the part of a lobe's norm that lmax misses (material:degrees) up to which harmonics shade alone, and from "
       .. "which on rays do; mixed between" },
   { "below", "choice", of = { "mirror", "dark" }, default = "mirror", shelf = "experiments",
-    about = "visibility below a surface that glosses, for its product with f cos in harmonics: the mirror image of that above, "
+    about = "visibility below a glossy surface, for its product with f cos in harmonics: the mirror image of that above, "
       .. "or none, which costs accuracy, and keeps light from below out of lobes that lmax is far too low for" },
   { "window", "choice", of = window.names, optional = true, shelf = "experiments",
     about = "damps degrees of f cos in harmonics against ringing, as ylm.sh.window; lobes become wider" },
@@ -98,13 +98,13 @@ function gloss.settle(name, o, given, s, held)
   end
 end
 
---- Raises where options about harmonics are given and no surface that glosses is shaded by them.
+--- Raises where options about harmonics are given and no glossy surface is shaded by them.
 function gloss.check_harmonics(name, o, given, by_rays)
   if type(given) ~= "table" then return end
   local harmonics = not by_rays and (o.gloss == "auto" or o.gloss == "sh")
   for _, field in ipairs { "below", "window", "gloss_error" } do
     if given[field] ~= nil and not harmonics then
-      return check.fail("%s: %s is for surfaces that gloss in harmonics, gloss = 'auto' or 'sh': leave it out", name, field)
+      return check.fail("%s: %s is for glossy surfaces in harmonics, gloss = 'auto' or 'sh': leave it out", name, field)
     end
   end
   if o.below == "dark" and o.visibility ~= "transfer" then
@@ -184,7 +184,7 @@ local function aim_at_lamps(name, p, o, x, field)
   return true
 end
 
---- Makes o.glossy ready, what a picture needs to know of surfaces that gloss, where it has some: { by =, add =, share =, .. }.
+--- Makes o.glossy ready, what a picture needs to know of glossy surfaces, where it has some: { by =, add =, share =, .. }.
 -- `field`: the light that shades. True, or nil, message, code.
 function gloss.ready(name, p, o, field)
   local by = p.options.gloss or "matte"
@@ -239,17 +239,17 @@ local function say_missed(p, report, x, missed)
   local advice = x.by == "sh" and "set gloss = 'auto', whose rays find these, or a higher lmax"
     or x.beyond and beyond or x.hindrance .. "; set a higher lmax, or by = 'rays'"
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss missed", "scene %q: harmonics of degree %d miss %.0f %% of "
-    .. "the lobes of surfaces that gloss: %s", p.scene.name or "?", x.lmax, 100 * missed, advice)
+    .. "the lobes of glossy surfaces: %s", p.scene.name or "?", x.lmax, 100 * missed, advice)
 end
 
 --- Says that rays at their most leave more noise than is promised, and what to do.
 local function say_noise(p, report, found)
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss noise", "scene %q: up to %d light samples, as many as are "
-    .. "chosen, leave a noise of %.0f %% in a mesh that glosses, its highlights being smaller than pixels: widen its lobe or the "
+    .. "chosen, leave a noise of %.0f %% in a glossy mesh, its highlights being smaller than pixels: widen its lobe or the "
     .. "lamp, or set a larger size", p.scene.name or "?", MOST_SAMPLES, 100 * found.noise)
 end
 
---- Says in the report how coefficients of light shade surfaces that gloss: where as matte ones, in a sentence too.
+--- Says in the report how coefficients of light shade glossy surfaces: where as matte ones, in a sentence too.
 function gloss.announce(p, report)
   local n = p.traced.glossy
   if n == 0 then return end

@@ -18,7 +18,7 @@ local relight = {}
 --- Options of scene:prepare.
 relight.prepare_fields = {
   { "relight", "choice", of = { "light", "material", "all" }, optional = true,
-    about = "what changes from picture to picture of surfaces that gloss, gloss = 'sh': 'light': products of slices and "
+    about = "what changes from picture to picture of glossy surfaces, gloss = 'sh': 'light': products of slices and "
       .. "visibility are kept, 4 (lmax+1)^2 bytes and more a point, other light costs a dot product; 'material': these are made "
       .. "again where view:render names other materials; 'all': shading points are all vertices, and the camera may move too" },
 }
@@ -26,7 +26,7 @@ relight.prepare_fields = {
 --- Options of pictures by the coefficients of light.
 relight.method_fields = {
   { "method", "choice", of = { "table", "nearest", "zonal" }, optional = true,
-    about = "of slices of surfaces that gloss; 'table', default: cubic between rows; to compare with: 'nearest', one of 90 rows; "
+    about = "of slices of glossy surfaces; 'table', default: cubic between rows; to compare with: 'nearest', one of 90 rows; "
       .. "'zonal': lobes about the mirror direction with the cosine of each lamp's middle, without shadows (by = 'sum')" },
   { "product", "choice", of = { "auto", "gaunt", "quadrature", "fourier", "brute", "list" }, optional = true,
     about = "the method of sh.product by which slices and visibility are multiplied; default auto" },
@@ -43,7 +43,7 @@ relight.fields = {
 function relight.settle(name, o, given)
   if not o.relight then return end
   if given.gloss ~= nil and given.gloss ~= "sh" then
-    return check.fail("%s: relight = %q is of surfaces that gloss by spherical harmonics: gloss = 'sh', or leave gloss out", name,
+    return check.fail("%s: relight = %q is of glossy surfaces by spherical harmonics: gloss = 'sh', or leave gloss out", name,
       o.relight)
   end
   if o.visibility == "rays" then
@@ -102,7 +102,7 @@ local function check_change(name, p, o)
       mode and (", here it is %q"):format(mode) or "")
   end
   if p.options.gloss ~= "sh" then
-    return check.fail("%s: %s is of surfaces that gloss by spherical harmonics: prepare the view with gloss = 'sh'", name,
+    return check.fail("%s: %s is of glossy surfaces by spherical harmonics: prepare the view with gloss = 'sh'", name,
       o.product and "product" or "method")
   end
 end
@@ -186,7 +186,7 @@ local function lobes(m, lmax, o)
   return out
 end
 
---- Replaces in `radiance` that of points that gloss by zonal lobes: true; or nil, message, code.
+--- Replaces in `radiance` that of glossy points by zonal lobes: true; or nil, message, code.
 function relight.zonal(name, p, o, radiance)
   local binding, message, code = library.rival_binding()
   if not binding then return nil, message, code end

@@ -470,11 +470,11 @@ for _, name in ipairs { "render", "reference", "raycast" } do
 end
 calls["scene:render transfer"] = on(scene, function(s) return s:render { size = size, samples = 1,
   visibility = "transfer" } end)
-calls["surfaces that gloss"] = on(scene, function(s)
+calls["glossy surfaces"] = on(scene, function(s)
   s.geometry[1].material = ylm.phong { exponent = 4 }
   return s:render { by = "sum", size = size, samples = 1, lmax = 1, gloss = "sh", transfer_samples = 8 }
 end)
-calls["surfaces that gloss, by rays too"] = on(scene, function(s)
+calls["glossy surfaces, by rays too"] = on(scene, function(s)
   s.geometry[1].material = ylm.phong { exponent = 4 }
   return s:render { by = "sum", size = size, samples = 1, lmax = 1, gloss = "auto", transfer_samples = 8, light_samples = 2,
     gloss_error = { 0.1, 1 } }

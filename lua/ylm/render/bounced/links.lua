@@ -82,7 +82,7 @@ local function shine(p, o, b)
   return b.lit, message, code
 end
 
---- Light of o.transfer's elements for points that gloss: { lit =, links = }; or nil, message, code.
+--- Light of o.transfer's elements for glossy points: { lit =, links = }; or nil, message, code.
 function links.elements(name, p, o)
   objects.check_scene(name, o.transfer, p.scene)
   local lit, message, code = shine(p, o, { bounces = "all" })
