@@ -26,7 +26,7 @@
 --     radiance(name, p, o, start)   that of shading points, added to `start` (nil: nothing), a new array; or nil, message, code
 --     report(p, o, report, image)
 --
--- What lies over them (render/over):
+-- Ways that lie over them (render/over):
 --
 --     wants(o)
 --     prepare(name, p, o)           true; or nil, message, code

@@ -1,4 +1,4 @@
---- What pictures and probes by paths have in common: options, orders of reflections, reports.
+--- Estimates by paths, of pictures and probes: options, orders of reflections, reports.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"

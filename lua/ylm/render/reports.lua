@@ -100,7 +100,7 @@ reports.of_probe = joined({ { "note", "string", "where there are no lights" } },
   { "seconds", "s", "of all paths" },
 })
 
---- What the returns of an entry say of it.
+--- The words for a report in the returns of an entry.
 reports.text = "its fields are below"
 
 return reports

@@ -110,6 +110,7 @@ function methods.check_rays(_, name)
 end
 
 function methods.check_picture(_, name, o)
+  if o.bodies then return check.bad(1, name, "device: bodies are drawn by the processor: leave device out") end
   if o.near_lights then return check.bad(1, name, "device: near lights are summed by the processor: leave device out") end
   if core.type(o.grid) ~= "ylm.grid" then
     return check.bad(1, name, "device: a baked grid expected, got %s", check.describe(o.grid))

@@ -69,7 +69,6 @@ function bodies.wants(o) return o.bodies ~= nil end
 
 --- Raises where bodies cannot be drawn.
 function bodies.prepare(name, _, o)
-  if o.device then return check.fail("%s: bodies are drawn by the processor: leave device out", name) end
   shadow.bodies(name, o.bodies)
   return true
 end
