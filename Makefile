@@ -22,11 +22,19 @@ LUAS    ?= $(if $(ROCK_LUA),$(shell $(ROCK_LUA) -e 'print("lua" .. _VERSION:matc
 LUA_CFLAGS ?= # of the one Lua to build for; pkg-config knows them otherwise
 ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 
-# -- what belongs to which library (csrc/README.md) -------------------------
+# All processors work, unless -j says how many, or several goals stand in an order (make clean all).
+ifeq ($(word 2,$(MAKECMDGOALS)),)
+MAKEFLAGS += $(shell case "$$MAKEFLAGS" in (*-j*) ;; (*) echo -j$$(nproc) ;; esac)
+endif
 
-CORE    := base sh image geom material light grid figure
-CODEC   := codec
-SCENE   := trace scene path transfer emit shade
+# -- what belongs to which library: the ladder in csrc/README.md, core < codec < scene < { tops } < lua -----------
+
+LADDER  := $(shell sed -n '/^    base </{s/ *< */./g; s/\.codec\./ codec /; s/\.{/ /; s/}.*//; s/|//g; p}' csrc/README.md)
+$(if $(word 4,$(LADDER)),,$(error csrc/README.md has no ladder "    base < .. < codec < .. < { .. } < lua"))
+CORE    := $(subst ., ,$(word 1,$(LADDER)))
+CODEC   := $(word 2,$(LADDER))
+SCENE   := $(subst ., ,$(word 3,$(LADDER)))
+TOPS    := $(strip $(wordlist 4,$(words $(LADDER)),$(LADDER)))
 
 ARCH    := $(shell $(CC) -dumpmachine 2>/dev/null | cut -d- -f1)
 ISAS    := $(if $(filter x86_64,$(ARCH)),sse2 avx2 avx512,$(if $(filter aarch64,$(ARCH)),neon))
@@ -41,8 +49,18 @@ STRAIGHT := -O2 -fno-tree-pre -fno-code-hoisting -fno-gcse -fno-tree-vrp
 STRAIGHT := $(if $(filter -O3,$(OPT)),$(shell $(CC) $(STRAIGHT) -Werror -E -x c /dev/null >/dev/null 2>&1 && echo $(STRAIGHT)))
 KERNEL_OPT = $(if $(filter -g,$(OPT)),-g1) $(if $(findstring /gen/,$(1)),$(STRAIGHT) $(SANITIZE_gen))
 
+# Links to the public headers, which alone are on the include path; made anew where their list or its place has changed.
+INCLUDE := $(BUILD)/include
+PUBLIC  := $(wildcard csrc/*/ylm_*.h)
+link_headers = rm -rf $(INCLUDE) && mkdir -p $(INCLUDE) && ln -s $(realpath $(PUBLIC)) $(INCLUDE)
+ifneq ($(if $(MAKECMDGOALS),$(filter-out clean help,$(MAKECMDGOALS)),all),)
+ifneq ($(sort $(realpath $(wildcard $(INCLUDE)/*))),$(sort $(realpath $(PUBLIC))))
+$(shell $(link_headers))
+endif
+endif
+
 CFLAGS  := -std=gnu11 -fPIC -fvisibility=hidden -fopenmp -fno-math-errno -fno-trapping-math -MMD -MP \
-           $(OPT) $(CWARN) $(SANITIZE) -Icsrc $(foreach d,$(CORE) $(CODEC) $(SCENE) vulkan vtk rival mpi,-Icsrc/$(d))
+           $(OPT) $(CWARN) $(SANITIZE) -I$(INCLUDE)
 LDFLAGS := -shared -fopenmp $(SANITIZE) -Wl,-z,now -Wl,-z,nodelete $(if $(SANITIZE),,-Wl,-z,defs)
 
 pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
@@ -58,12 +76,16 @@ LIBS_codec   = $(OPENEXR) $(call pkg,--libs,libpng $(if $(WITH_JANSSON),jansson)
 LIBS_scene   = $(EMBREE_DIR:%=-L%/lib) $(EMBREE_DIR:%=-Wl,-rpath,%/lib) -lembree$(EMBREE)
 CFLAGS_scene = -DYLM_EMBREE=$(EMBREE) $(EMBREE_DIR:%=-isystem %/include)
 
-# -- objects: *.c of a folder and its rooms once, *.isa.c once per instruction set ----------
+# -- objects: *.c of a folder and its rooms once, *.isa.c once per instruction set, *.real.c and *.real.isa.c for float and
+# for double too -----------------------------------------------------------------------------
 
-sources = $(filter-out %.isa.c,$(wildcard csrc/$(1)/*.c csrc/$(1)/*/*.c csrc/$(1)/*/gen/*.c))
-kernels = $(wildcard csrc/$(1)/*.isa.c csrc/$(1)/*/*.isa.c csrc/$(1)/*/gen/*.isa.c)
+sources = $(filter-out %.isa.c %.real.c,$(wildcard csrc/$(1)/*.c csrc/$(1)/*/*.c csrc/$(1)/*/*/*.c csrc/$(1)/*/*/gen/*.c))
+kernels = $(wildcard csrc/$(1)/*.isa.c csrc/$(1)/*/*.isa.c csrc/$(1)/*/*/*.isa.c csrc/$(1)/*/*/gen/*.isa.c)
+reals   = $(wildcard csrc/$(1)/*.real.c csrc/$(1)/*/*.real.c csrc/$(1)/*/*/*.real.c)
+typed   = $(foreach t,float double,$(patsubst %.real,%.$(t),$(filter %.real,$(1)))) $(filter-out %.real,$(1))
 objects = $(patsubst csrc/%.c,$(BUILD)/obj/%.o,$(call sources,$(1))) \
-          $(foreach i,$(ISAS),$(patsubst csrc/%.isa.c,$(BUILD)/obj/%.$(i).o,$(call kernels,$(1))))
+          $(patsubst csrc/%,$(BUILD)/obj/%.o,$(call typed,$(patsubst %.c,%,$(call reals,$(1))))) \
+          $(foreach i,$(ISAS),$(patsubst csrc/%,$(BUILD)/obj/%.$(i).o,$(call typed,$(patsubst %.isa.c,%,$(call kernels,$(1))))))
 
 # Embree 3 or 4, whichever is there, the former if both are; EMBREE=4 wants the other, EMBREE_DIR=prefix one elsewhere.
 EMBREE_DIR ?=
@@ -111,6 +133,25 @@ $(BUILD)/obj/%.$(1).o: csrc/%.isa.c
 	$(Q)$$(CC) $$(CFLAGS) $$(FLAGS_$(1)) $$(call KERNEL_OPT,$$<) -DYLM_ISA=$(1) -c $$< -o $$@
 endef
 $(foreach i,$(ISAS),$(eval $(call KERNEL,$(i))))
+
+# Files that are compiled for each element type: real is float, then double.
+REAL_float  := -DYLM_REAL_IS_FLOAT
+REAL_double :=
+define REAL
+$(BUILD)/obj/%.$(1).o: csrc/%.real.c
+	@mkdir -p $$(@D)
+	$$(call say,CC,$$@)
+	$(Q)$$(CC) $$(CFLAGS) $(REAL_$(1)) -c $$< -o $$@
+endef
+$(foreach t,float double,$(eval $(call REAL,$(t))))
+
+define REAL_KERNEL
+$(BUILD)/obj/%.$(1).$(2).o: csrc/%.real.isa.c
+	@mkdir -p $$(@D)
+	$$(call say,CC,$$@)
+	$(Q)$$(CC) $$(CFLAGS) $$(FLAGS_$(2)) $$(call KERNEL_OPT,$$<) $(REAL_$(1)) -DYLM_ISA=$(2) -c $$< -o $$@
+endef
+$(foreach i,$(ISAS),$(foreach t,float double,$(eval $(call REAL_KERNEL,$(t),$(i)))))
 
 $(BUILD)/obj/codec/%.o: csrc/codec/%.c
 	@mkdir -p $(@D)
@@ -181,7 +222,7 @@ $(BUILD)/ylm: lua/ylm/cli/ylm.in Makefile
 
 # Packages may have brought the compiler and the Luas that this reading of the file did not find:
 # work goes on in a second one.
-again = @$(MAKE) --no-print-directory $(if $(findstring jobserver,$(MAKEFLAGS)),,-j$(shell nproc)) $(1)
+again = @$(MAKE) --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc)) $(1)
 
 deps:   ## install what is missing (Debian packages; says what first; DEPS=no skips)
 	@.ci/deps build demo test
@@ -211,8 +252,9 @@ check-long: all   ## run by hand before a release, hours (LONG=parts): sanitizer
 portable: ## build and test in minimal roots of Debian 12 and 13, by debootstrap as root (SUITES=trixie, PORTABLE_MORE=packages)
 	@BUILD=$(abspath $(BUILD)) spec/portable $(SUITES) $(SPEC)
 
-check: gen-check bench-check fuzz-check   ## style, generated files, warnings of benches and fuzz targets, without running specs
+check: gen-check bench-check fuzz-check   ## style, architecture (spec/check), generated files, warnings of benches and fuzz targets, without running specs
 	luacheck -q examples lua rockspec spec
+	@LUA_PATH='./?.lua' $(CODEGEN_LUA) spec/check/main.lua
 	@if command -v clang-format >/dev/null; then clang-format --dry-run --Werror $(FORMATTED); \
 	else echo "clang-format is not installed"; fi
 
@@ -226,7 +268,7 @@ asan:   ## the specs under AddressSanitizer and UBSan (in build/asan)
 	  LD_PRELOAD=$$($(CC) -print-file-name=libasan.so):$$($(CC) -print-file-name=libubsan.so) \
 	  ASAN_OPTIONS=detect_leaks=0:detect_odr_violation=0:allocator_may_return_null=1 UBSAN_OPTIONS=print_stacktrace=1" spec/run $(SPEC)
 
-FORMATTED := $(shell find csrc spec examples/c -name gen -prune -o \( -name '*.[ch]' -o -name '*.cpp' \) -print)
+FORMATTED  = $(shell find csrc spec examples/c -name gen -prune -o \( -name '*.[ch]' -o -name '*.cpp' \) -print)
 format:   ## lay out the C sources
 	clang-format -i $(FORMATTED)
 
@@ -235,6 +277,7 @@ help:   ## this list
 
 clean:   ## remove build and out
 	rm -rf $(BUILD) $(OUT)
+	$(if $(filter-out clean help,$(MAKECMDGOALS)),@$(link_headers))
 
-# Builds of check-long stand in folders of their own; a root of Debian there has folders of such names.
--include $(shell find $(BUILD) \( -path $(BUILD)/portable -o -path $(BUILD)/embree -o -path $(BUILD)/asan \) -prune -o -name '*.d' -print 2>/dev/null)
+# What objects and programs depend on, as the compiler found it: in the folders of rooms, four deep at most.
+-include $(foreach d,obj $(ABIS:%=%/obj) bench check fuzz,$(wildcard $(addprefix $(BUILD)/$(d)/,*.d */*.d */*/*.d */*/*/*.d */*/*/*/*.d)))

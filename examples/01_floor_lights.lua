@@ -28,7 +28,7 @@ local function say(...) print(("\n" .. select(1, ...)):format(select(2, ...))) e
 
 --- The scene file, with a mesh of the user's in place of the knot: as large as it, standing on the floor.
 local function load()
-  local scene = assert(ylm.load_scene(here .. "scenes/floor_lights.lua"))
+  local scene = assert(ylm.load(here .. "scenes/floor_lights.lua"))
   if option.mesh == "" then return scene end
   local lo, hi = unpack(assert(ylm.load(option.mesh)).bounds)
   local scale = 2.3 / math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3])

@@ -14,7 +14,7 @@ local option = common.options { out = "out", width = 1024, height = 768, samples
   quiet = false }
 local out = option.out
 
-local scene = assert(ylm.load_scene(here .. "scenes/two_lamps.lua"))
+local scene = assert(ylm.load(here .. "scenes/two_lamps.lua"))
 local kept = {}
 
 local function compare(shading)

@@ -28,7 +28,7 @@ end
 
 local device = option.device ~= "" and good(ylm.vulkan.open { device = tonumber(option.device) or option.device }) or nil
 
-local scene = assert(ylm.load_scene(here .. "scenes/floor_lights.lua"))
+local scene = assert(ylm.load(here .. "scenes/floor_lights.lua"))
 
 -- The lamps as arrays: those that fly are the first lanterns of the spiral, taken from their places ----------
 

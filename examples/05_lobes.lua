@@ -62,15 +62,15 @@ for degrees = 0, 180, 30 do
 end
 save(vectors, labels, "Turned about y", "lobes_rotation.png")
 
--- Figs. 9, 10: a mask that is Y(2,2), its transfer matrix, and what it makes of the light.
+-- Figs. 9, 10: a mask that is Y(2,2), the matrix of its products, and what it makes of the light.
 local mask = { 0, 0, 0, 0, 0, 0, 0, 0, 1 }
-local M = ylm.sh.transfer(mask, 4)
-print "entries of the transfer matrix of Y(2,2) that are not zero (Fig. 9):"
+local M = ylm.sh.product_matrix(mask, 4)
+print "entries of the matrix of products with Y(2,2) that are not zero (Fig. 9):"
 for i = 1, 25 do
   local row = {}
   for j = 1, 25 do row[j] = math.abs(M:get(i, j)) > 1e-12 and "#" or "." end
   print("  " .. table.concat(row))
 end
 local four = ylm.sh.resize(c, 4)
-save({ four, ylm.sh.resize(mask, 4), ylm.sh.transfer_apply(M, four) },
+save({ four, ylm.sh.resize(mask, 4), ylm.sh.apply(M, four) },
   { "light", "Y(2,2)", "product" }, "A light behind a mask", "lobes_product.png")

@@ -11,7 +11,7 @@ local here = arg[0]:match "^(.*/)" or "./"
 local common = dofile(here .. "common.lua")
 local option = common.options { out = "out", width = 640, samples = 4, rays = 256, exposure = 1.7 }
 
-local scene = assert(ylm.load_scene(here .. "scenes/two_rooms.lua"))
+local scene = assert(ylm.load(here .. "scenes/two_rooms.lua"))
 scene.camera = ylm.camera { from = scene.camera.from, at = scene.camera.at, fov = 28 } -- the rooms fill the picture
 local size = { option.width, math.floor(option.width * 0.45) }
 local small = { math.floor(option.width / 2), math.floor(option.width * 0.225) }

@@ -12,7 +12,7 @@ local option = common.options { out = "out", width = 320, samples = 256 }
 
 -- A room: direct light, all bounces, and how far its pixels may be off ---------------------------------
 
-local room = assert(ylm.load_scene(here .. "scenes/room.lua"))
+local room = assert(ylm.load(here .. "scenes/room.lua"))
 local size = { option.width, math.floor(option.width * 0.75) }
 local direct = assert(room:pathtrace { size = size, samples = option.samples, bounces = 0 })
 local all, report = assert(room:pathtrace { size = size, samples = option.samples })

@@ -226,10 +226,9 @@ idea("rims", function()
   } } }
 end)
 
---- Textured lights: the parts of an image, and errors of spheres in their place.
-idea("texture", function()
-  -- A window: sky above hills, bars across. Texels of one colour become one part.
-  local side, texels = 64, {}
+--- The texels of a window: sky above hills, bars across. Texels of one colour become one part.
+local function window(side)
+  local texels = {}
   for row = 1, side do
     texels[row] = {}
     for column = 1, side do
@@ -240,9 +239,16 @@ idea("texture", function()
       texels[row][column] = c
     end
   end
+  return texels
+end
+
+--- Textured lights: the parts of an image, and errors of spheres in their place.
+idea("texture", function()
+  local side = 64
+  local texels = window(side)
   local light = ylm.textured_light { corner = { -1, 0, 0 }, u = { 2, 0, 0 }, v = { 0, 2, 0 }, image = texels }
 
-  -- The quadtree again, as csrc/light/texture.c has it, to draw it; its number of parts is the light's.
+  -- The quadtree again, as csrc/light/image/texture.c has it, to draw it; its number of parts is the light's.
   local zoom = 5
   local picture, count = ylm.image { size = { side * zoom, side * zoom } }, 0
   picture:fill(1, 1, side * zoom, side * zoom, { 1, 1, 1 })

@@ -11,11 +11,11 @@ local here = arg[0]:match "^(.*/)" or "./"
 local common = dofile(here .. "common.lua")
 local option = common.options { out = "out", width = 256, samples = 9, exposure = 1 }
 
-local scene = assert(ylm.load_scene(here .. "scenes/room.lua"))
+local scene = assert(ylm.load(here .. "scenes/room.lua"))
 local path = option.out .. "gltf_room.glb"
 local _, notes = assert(scene:save(path))
 for _, note in ipairs(notes) do print(note) end
-local same = assert(ylm.load_scene(path))
+local same = assert(ylm.load(path))
 
 -- Names of the same length keep the file's chunks where they are.
 local file = assert(io.open(path, "rb"))
@@ -25,7 +25,7 @@ local stranger = option.out .. "gltf_stranger.glb"
 file = assert(io.open(stranger, "wb"))
 file:write(bytes)
 file:close()
-local other = assert(ylm.load_gltf(stranger, { lamp_radius = 0.1 }))
+local other = assert(ylm.load(stranger, { lamp_radius = 0.1 }))
 os.remove(stranger)
 for _, note in ipairs(other.report.notes) do print(note) end
 local moved = ylm.scene "moved" { like = other, moved = { { at = { 0.6, 0.9, 0.5 } } } }

@@ -268,6 +268,22 @@ local function shells(field, lmax, n, m, near, far)
   end, #points
 end
 
+--- Pixels of places in a square picture on edges of a grid's voxels that are larger than `least`.
+local function edges_of(grid, where, side, least)
+  local edge = {}
+  for y = 1, side do
+    local last
+    for x = 1, side do
+      local cell = grid:locate(where[(y - 1) * side + x])
+      local above = y > 1 and grid:locate(where[(y - 2) * side + x])
+      local other = last and last ~= cell.index or above and above.index ~= cell.index
+      if other and cell.size[1] > least then edge[(y - 1) * side + x] = true end
+      last = cell.index
+    end
+  end
+  return edge
+end
+
 picture("slice", function()
   local lmax, side, reach = 9, number(12, 150), 2.2
   local knot = ylm.knot { radius = 0.6, minor = 0.26, tube = 0.13, divide = number({ 40, 8 }, { 160, 16 }) }
@@ -306,17 +322,7 @@ picture("slice", function()
       judged[(y - 1) * side + x] = far_off
     end
   end
-  local edge = {} -- pixels on edges of voxels that are not too small to be seen
-  for y = 1, side do
-    local last
-    for x = 1, side do
-      local cell = grid:locate(where[(y - 1) * side + x])
-      local above = y > 1 and grid:locate(where[(y - 2) * side + x])
-      local other = last and last ~= cell.index or above and above.index ~= cell.index
-      if other and cell.size[1] > 7 * 2 * reach / side then edge[(y - 1) * side + x] = true end
-      last = cell.index
-    end
-  end
+  local edge = edges_of(grid, where, side, 7 * 2 * reach / side)
   local names = { ("shells: %d directions, %d radii"):format(6 * n * n + 2, radii),
     ("grid, tolerance 0.05: %d probes"):format(grid.stats.points) }
   local line = common.table { { "form", "%-38s" }, { "samples", "%7d" }, { "MB", "%6.1f" }, { "mean error", "%10.4f" },

@@ -6,9 +6,9 @@ STRIP   ?= strip
 D        = $(DESTDIR)$(PREFIX)
 version  = $(patsubst lua%,%,$(1))
 
-# Headers of the libraries that are built, less those that only the libraries' own files include.
-PRIVATE  := $(addprefix ylm_,intrinsics.h real.h sets.h simd.h vector.h light_device.h sh_rival.h material_rival.h)
-FOLDERS   = $(CORE) $(if $(WITH_CODEC),$(CODEC)) $(if $(WITH_SCENE),$(SCENE)) $(filter vtk vulkan rival mpi,$(HAVE))
+# Headers of the libraries that are built, less those of the last column of csrc/README.md, that only the libraries' own files include.
+PRIVATE   = $(filter ylm_%,$(shell sed -n 's/^| [a-z]* |[^|]*| \(`.*\) |$$/\1/p' csrc/README.md | tr '`,' '  '))
+FOLDERS   = $(CORE) $(if $(WITH_CODEC),$(CODEC)) $(if $(WITH_SCENE),$(SCENE)) $(filter $(TOPS),$(HAVE))
 HEADERS   = $(filter-out $(addprefix %/,$(PRIVATE)),$(wildcard $(FOLDERS:%=csrc/%/ylm_*.h)))
 
 ABOUT_ylm        := spherical harmonics, lights, grids of probes
@@ -53,6 +53,9 @@ define INSTALL_SHARE
 	$(INSTALL) -m 644 $(BUILD)/share/ylm.fish $(1)/fish/vendor_completions.d/ylm.fish
 endef
 
+# Lua files, and the page viewer's sources, which stand beside the module that reads them.
+LUA_FILES := \( -name '*.lua' -o -path 'ylm/page/viewer/*' \) -type f
+
 # The core for programs that take it along; kernels are objects like any other.
 $(BUILD)/lib/libylm.a: $(OBJ_core) Makefile
 	@mkdir -p $(@D)
@@ -73,8 +76,8 @@ install: all static $(INSTALL_TEXTS)   ## install libraries, headers, Lua files 
 	sed -e 's|@VERSION@|$(VERSION)|' package/ylmConfigVersion.cmake.in > $(D)/lib/cmake/ylm/ylmConfigVersion.cmake
 	set -e; for v in $(foreach a,$(ABIS),$(call version,$(a))); do \
 	  for f in $(patsubst lua/%/init.lua,%.lua,$(wildcard lua/ylm/*/init.lua)); do rm -f $(D)/share/lua/$$v/$$f; done; \
-	  for d in $$(cd lua && find ylm -type d); do \
-	    $(INSTALL) -d $(D)/share/lua/$$v/$$d; $(INSTALL) -m 644 lua/$$d/*.lua $(D)/share/lua/$$v/$$d; done; \
+	  for d in $$(cd lua && find ylm $(LUA_FILES) -printf '%h\n' | sort -u); do $(INSTALL) -d $(D)/share/lua/$$v/$$d; \
+	    $(INSTALL) -m 644 $$(cd lua && find $$d -maxdepth 1 $(LUA_FILES) -printf 'lua/%p ') $(D)/share/lua/$$v/$$d; done; \
 	  $(INSTALL) -d $(D)/lib/lua/$$v/ylm/c; $(INSTALL) -m 755 $(BUILD)/lua$$v/ylm/c/*.so $(D)/lib/lua/$$v/ylm/c; done
 	sed -e 's|@ROOT@||; s|@LUA@|$(PREFIX)/share/lua/$$v|g; s|@C@|$(PREFIX)/lib/lua/$$v|' lua/ylm/cli/ylm.in > $(D)/bin/ylm
 	chmod 755 $(D)/bin/ylm
@@ -83,7 +86,7 @@ install: all static $(INSTALL_TEXTS)   ## install libraries, headers, Lua files 
 
 # Called by rockspec/ylm-scm-1.rockspec with LuaRocks' LUADIR, LIBDIR and BINDIR, and the rock's own folder.
 rock: all $(INSTALL_TEXTS)
-	cd lua && find ylm -name '*.lua' -exec $(INSTALL) -D -m 644 {} $(LUADIR)/{} \;
+	cd lua && find ylm $(LUA_FILES) -exec $(INSTALL) -D -m 644 {} $(LUADIR)/{} \;
 	$(INSTALL) -d $(LIBDIR)/ylm/c $(BINDIR)
 	$(INSTALL) -m 755 $(BUILD)/$(ABIS)/ylm/c/*.so $(LIBDIR)/ylm/c
 	for l in $(LIBS); do $(INSTALL) -m 755 $$l $(LIBDIR)/ylm/c/$${l##*/}.$(SOVERSION) || exit; done

@@ -1,6 +1,6 @@
 /*
 ** Distances of cells' interpolants from the values at some places: relative distances of rows of values, as
-** refiner_distance has them in csrc/grid/bake/residual.c. Eight invocations make one.
+** refiner_distance has them in csrc/grid/promise/residual.c. Eight invocations make one.
 */
 #version 450
 #extension GL_GOOGLE_include_directive : require

@@ -1,5 +1,5 @@
 /*
-** Which of the voxels `asked` the surface of a sphere crosses, to the bit as the processor says it (csrc/light/crosses.c, of
+** Which of the voxels `asked` the surface of a sphere crosses, to the bit as the processor says it (csrc/light/boxes.c, of
 ** spheres that stand for flat lights flat/shape.c). A group asks 64 of them about a chunk of spheres.
 */
 #version 450

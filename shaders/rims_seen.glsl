@@ -48,10 +48,10 @@ node node_of(uint a, uint i, out double weight) {
     return arc_node(edge, x);
   }
   if (arc_kind[a] == STEPPED)
-    x = (2 * double(i) + 1) * arcs[13][a] / 3.141592653589793lf - 1;
+    x = (2 * double(i) + 1) * arcs[13][a] / PI - 1;
   else
     weight *= rule[from + 3 + MOST_NODES + i];
-  turned half_way = turn(0.5lf * (arcs[12][a] + (arc_kind[a] == STEPPED ? 3.141592653589793lf : arcs[13][a]) * x));
+  turned half_way = turn(0.5lf * (arcs[12][a] + (arc_kind[a] == STEPPED ? PI : arcs[13][a]) * x));
   double c = half_way.cosine, s = half_way.sine;
   if (arc_kind[a] == STEPPED) weight *= 2;
   return rim_node(take(a, 0), take(a, 3), take(a, 6), take(a, 9), 2 * c * c - 1, 2 * s * c);
@@ -153,7 +153,7 @@ struct Ellipse {
 double ellipse_seen(rvec3 x, uint row, out Ellipse o) {
   rvec3 normal = lamp[row].xyz, up = lamp[row + 3].xyz;
   o.c = lamp[row + 4].xyz - x, o.u = lamp[row + 5].xyz, o.v = lamp[row + 6].xyz;
-  o.size = lamp[row + 1].w, o.wide = 3.141592653589793lf;
+  o.size = lamp[row + 1].w, o.wide = PI;
   double height = dot(o.c, normal), side = height < 0 ? -1.0lf : 1.0lf;
   double uu = dot(o.u, o.u), vv = dot(o.v, o.v), uv = dot(o.u, o.v), cu = dot(o.c, o.u), cv = dot(o.c, o.v);
   o.facing = side * normal;
@@ -217,7 +217,7 @@ uint equal_steps(Ellipse o) {
 
 uint ellipse_arc(Ellipse o, bool chord, rvec3 up, double radiance, uint t, bool cutting, out bool more) {
   double weight = o.sign * radiance;
-  bool cut_off = o.wide < 3.141592653589793lf;
+  bool cut_off = o.wide < PI;
   more = false;
   if (o.wide == 0 || (cutting || chord) && !cut_off) return 0;
   if (cutting) {
@@ -232,7 +232,7 @@ uint ellipse_arc(Ellipse o, bool chord, rvec3 up, double radiance, uint t, bool 
   uint steps = cut_off ? 0 : equal_steps(o);
   if (steps == 0) return put_panel(o, weight, t, more);
   put(t, 0, o.c), put(t, 3, o.u), put(t, 6, o.v), put(t, 9, o.facing);
-  arcs[12][t] = 0, arcs[13][t] = 3.141592653589793lf / double(steps), arcs[14][t] = weight;
+  arcs[12][t] = 0, arcs[13][t] = PI / double(steps), arcs[14][t] = weight;
   arc_kind[t] = STEPPED, arc_rule[t] = 0;
   return steps;
 }
@@ -245,7 +245,7 @@ uint find_arc(rvec3 x, uvec2 which_arc, uint channel, uint t, bool cutting, uint
   double side = sides > 0 ? polygon_side(row, sides, x, lamp[row].xyz) : ellipse_seen(x, row, o);
   more = false;
   if (side == 2 && edge == 0 && !cutting) {
-    omega += 2 * 3.141592653589793lf * radiance;
+    omega += 2 * PI * radiance;
     atomicOr(inside[i], 1u);
   }
   if (side == 2 || side == 0) return 0;

@@ -28,6 +28,7 @@ layout(local_size_x_id = 0) in;
 #define rvec3 vec3
 #endif
 #define REAL(x) real(x)
+#define PI 3.141592653589793lf
 
 real choose(bool first, real a, real b) { return first ? a : b; }
 

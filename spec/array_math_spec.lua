@@ -333,7 +333,7 @@ describe("arrays in words", function()
   it("stay out of scene files, whose tables are counted instead", function()
     local folder = scratch.new()
     for _, text in ipairs { "ylm", "array {1}", "zeros {1}", "wrap(8, {1})", "stack {}" } do
-      local scene, message = ylm.load_scene(folder:write("s.lua", ("local a = %s\nreturn scene 'x' {}"):format(text)))
+      local scene, message = ylm.load(folder:write("s.lua", ("local a = %s\nreturn scene 'x' {}"):format(text)))
       assert.is_nil(scene)
       assert.truthy(message:find("there is no '", 1, true), message)
     end

@@ -58,7 +58,7 @@ describe("a grid in bricks", function()
       local more = { depth = case.depth, threshold = case.threshold, continuous = case.continuous }
       local one = assert(ylm.bake(described(more), lamps, { occupied = occupied }))
       more.bricks = case.bricks
-      local set = assert(ylm.bake(described(more), lamps, { occupied = occupied, to = to(), brick_points = case.points }))
+      local set = assert(ylm.bake(described(more), lamps, { occupied = occupied, folder = to(), brick_points = case.points }))
       local points = places(4000, case.bricks + 1, grids.seed)
       local a, da, of_one = one:sample(points, { derivatives = 1 })
       local b, db, of_set = set:sample(points, { derivatives = 1 })
@@ -78,8 +78,8 @@ describe("a grid in bricks", function()
   end
 
   it("has the same files whatever the number of threads", function()
-    assert(ylm.bake(described { bricks = 2 }, lamps, { to = to "one.ylmd", threads = 1, brick_points = 1000 }))
-    assert(ylm.bake(described { bricks = 2 }, lamps, { to = to "two.ylmd", threads = 2, brick_points = 1000 }))
+    assert(ylm.bake(described { bricks = 2 }, lamps, { folder = to "one.ylmd", threads = 1, brick_points = 1000 }))
+    assert(ylm.bake(described { bricks = 2 }, lamps, { folder = to "two.ylmd", threads = 2, brick_points = 1000 }))
     assert.equal(sums "one.ylmd", sums "two.ylmd")
   end)
 
@@ -87,7 +87,7 @@ describe("a grid in bricks", function()
     local forms = {}
     for i, options in ipairs { { brick_points = 512 }, { brick_seconds = 1e-9 }, { brick_points = 65536, brick_seconds = 1e9 },
       {} } do
-      options.to, options.fresh = to(), true
+      options.folder, options.fresh = to(), true
       assert(ylm.bake(described { bricks = 1, lmax = 0, depth = 3 }, lamps, options))
       forms[i] = folder:read "grid.ylmd/form"
     end
@@ -107,11 +107,11 @@ describe("a grid in bricks", function()
 
   it("goes on where it was, to the same files, and opens what is finished", function()
     local description = described { bricks = 1 }
-    assert(ylm.bake(description, lamps, { to = to "whole.ylmd" }))
+    assert(ylm.bake(description, lamps, { folder = to "whole.ylmd" }))
     local grid, message, code
     for stop = 2, 14, 3 do
       local seen = 0
-      grid, message, code = ylm.bake(description, lamps, { to = to(), threads = 1, progress = function(_, _, stage)
+      grid, message, code = ylm.bake(description, lamps, { folder = to(), threads = 1, progress = function(_, _, stage)
         if stage ~= "level 0" and stage ~= "top" then seen = seen + 1 end
         return seen < stop * 3
       end })
@@ -122,16 +122,16 @@ describe("a grid in bricks", function()
       assert.matches("has not finished", why)
       assert.equal("EIO", kind)
     end
-    grid = grid or assert(ylm.bake(description, lamps, { to = to() }))
+    grid = grid or assert(ylm.bake(description, lamps, { folder = to() }))
     assert.equal(sums "whole.ylmd", sums())
-    local again = assert(ylm.bake(description, lamps, { to = to() }))
+    local again = assert(ylm.bake(description, lamps, { folder = to() }))
     assert.equal(grid.stats.points, again.stats.points)
   end)
 
   it("keeps a tolerance, of points, of surfaces and everywhere, and says so", function()
     for _, o in ipairs { {}, { occupied = grids.occupied }, { geometry = ylm.sphere { radius = 0.8 } } } do
       local one = ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 2, depth = 5, tolerance = 0.05 }, grids.lamps, o)
-      o.to, o.fresh = to(), true
+      o.folder, o.fresh = to(), true
       local set = assert(ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 2, depth = 5, tolerance = 0.05, bricks = 1 },
         grids.lamps, o))
       assert.equal(one.stats.met, set.stats.met)
@@ -140,13 +140,13 @@ describe("a grid in bricks", function()
     end
   end)
 
-  it("has the same files with light_tolerance, whatever the number of threads and the bricks that were there", function()
+  it("has the same files with sums_tolerance, whatever the number of threads and the bricks that were there", function()
     local r, at = random(grids.seed), {}
     for i = 1, 500 do at[i] = { 2 * r() - 1, 1.2 + r(), 2 * r() - 1 } end
     local many = ylm.sphere_lights { at = at, radius = 0.02, radiance = 5 }
     local function bake(name, threads)
       return ylm.bake(described { depth = 4, bricks = 1, threshold = 0.02 }, many,
-        { to = to(name), light_tolerance = 0.02, threads = threads })
+        { folder = to(name), sums_tolerance = 0.02, threads = threads })
     end
     local grid = assert(bake("one.ylmd", 1))
     assert(bake("two.ylmd", 2))
@@ -168,7 +168,7 @@ describe("a grid in bricks", function()
       local ylm = require "ylm"
       local lamps = ylm.sphere_lights { at = { { 0.1, 0.02, 0 }, { -0.7, 0.1, -0.5 } }, radius = { 0.2, 0.05 }, radiance = 4 }
       assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 2, depth = 6, threshold = 0.3,
-        bricks = 2 }, lamps, { to = arg[1], threads = %d, brick_points = 600 }))
+        bricks = 2 }, lamps, { folder = arg[1], threads = %d, brick_points = 600 }))
     ]]):format(threads))
   end
 
@@ -220,7 +220,7 @@ describe("a grid in bricks", function()
   end)
 
   it("keeps no more bricks in memory than the cache holds", function()
-    assert(ylm.bake(described { bricks = 2 }, lamps, { to = to() }))
+    assert(ylm.bake(described { bricks = 2 }, lamps, { folder = to() }))
     local all, few = ylm.load(to()), ylm.load(to(), { cache = "2 MB" })
     local points = places(2000, 3, grids.seed)
     local a, b = all:sample(points), few:sample(points)
@@ -233,7 +233,7 @@ describe("a grid in bricks", function()
 
   it("is a light field, and a brick alone is a grid of its box", function()
     local one = ylm.bake(described(), lamps)
-    local set = ylm.bake(described { bricks = 1 }, lamps, { to = to() })
+    local set = ylm.bake(described { bricks = 1 }, lamps, { folder = to() })
     local points = places(500, 2, grids.seed)
     for _, channels in ipairs { "rgb", "luminance" } do
       local a = ylm.light_field(2, one, points, { channels = channels, derivatives = 1 })
@@ -264,7 +264,7 @@ describe("a grid in bricks", function()
   it("refuses a folder of another bake, and says what differs", function()
     local function bake(more, of, options)
       options = options or {}
-      options.to = to()
+      options.folder = to()
       local ok, message = pcall(ylm.bake, described(more), of or lamps, options)
       return ok, message
     end
@@ -280,11 +280,11 @@ describe("a grid in bricks", function()
     end
     assert.is_true((bake({ bricks = 2 }, nil, { fresh = true })))
     scratch.shell("mkdir " .. to "other.ylmd" .. " && touch " .. to "other.ylmd/thesis.tex")
-    local _, message = pcall(ylm.bake, described { bricks = 1 }, lamps, { to = to "other.ylmd" })
+    local _, message = pcall(ylm.bake, described { bricks = 1 }, lamps, { folder = to "other.ylmd" })
     assert.matches("not a folder of a grid in bricks %(it has thesis.tex%)", message)
     assert.is_truthy(folder:read "other.ylmd/thesis.tex")
     for _, name in ipairs { "form", "index" } do folder:write("other.ylmd/" .. name, "of a thesis") end
-    _, message = pcall(ylm.bake, described { bricks = 1 }, lamps, { to = to "other.ylmd", fresh = true })
+    _, message = pcall(ylm.bake, described { bricks = 1 }, lamps, { folder = to "other.ylmd", fresh = true })
     assert.matches("not a folder of a grid in bricks %(its file form is no bake's%)", message)
     assert.equal("of a thesis", folder:read "other.ylmd/index")
   end)
@@ -300,7 +300,7 @@ describe("a grid in bricks", function()
     local script = scratch.quote(folder:write("small.lua", [[
       local ylm = require "ylm"
       print(pcall(ylm.bake, ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 0, depth = 3, threshold = 0.5,
-        bricks = 1 }, ylm.sphere_light { at = { 0, 3, 0 } }, { to = arg[1] }))]]))
+        bricks = 1 }, ylm.sphere_light { at = { 0, 3, 0 } }, { folder = arg[1] }))]]))
     local function bake(words, name)
       return (scratch.capture(("%s %s %s %s"):format(words, os.getenv "YLM_LUA" or "lua5.4", script, scratch.quote(to(name)))))
     end
@@ -318,10 +318,10 @@ describe("a grid in bricks", function()
 
   it("refuses a second bake in a folder while one is at work", function()
     local message, code
-    assert(ylm.bake(described { bricks = 1 }, lamps, { to = to(), threads = 1, progress = function(_, _, stage)
+    assert(ylm.bake(described { bricks = 1 }, lamps, { folder = to(), threads = 1, progress = function(_, _, stage)
       if not message and stage == "bricks" then
         local _
-        _, message, code = ylm.bake(described { bricks = 1 }, lamps, { to = to() })
+        _, message, code = ylm.bake(described { bricks = 1 }, lamps, { folder = to() })
       end
       return true
     end }))
@@ -330,7 +330,7 @@ describe("a grid in bricks", function()
   end)
 
   it("tells damage", function()
-    assert(ylm.bake(described { bricks = 1 }, lamps, { to = to() }))
+    assert(ylm.bake(described { bricks = 1 }, lamps, { folder = to() }))
     for name, code in pairs { ["index"] = "ECHECKSUM", ["top.ylm"] = "ECHECKSUM", ["07/7.ylm"] = "ECHECKSUM" } do
       local text = folder:read("grid.ylmd/" .. name)
       local middle = math.floor(#text / 2)
@@ -353,7 +353,7 @@ describe("a grid in bricks", function()
 
   it("bakes a brick anew whose points for neighbours are damaged", function()
     local function bake(last)
-      return ylm.bake(described { bricks = 1, lmax = 0, depth = 3 }, lamps, { to = to(), threads = 1,
+      return ylm.bake(described { bricks = 1, lmax = 0, depth = 3 }, lamps, { folder = to(), threads = 1,
         progress = last and function(_, _, stage) return stage ~= last end })
     end
     local name = "grid.ylmd/07/7.b"
@@ -372,16 +372,16 @@ describe("a grid in bricks", function()
       assert.is_false(ok)
       assert.matches(words, message)
     end
-    fails("to: a folder name.ylmd expected", described { bricks = 1 }, lamps, { to = to "grid.ylm" })
-    fails("say which, to = 'name.ylmd'", described { bricks = 1 }, lamps)
+    fails("folder: a path name.ylmd expected", described { bricks = 1 }, lamps, { folder = to "grid.ylm" })
+    fails("say which, folder = 'name.ylmd'", described { bricks = 1 }, lamps)
     fails("cache is of a grid in bricks", described(), lamps, { cache = "1 GB" })
-    fails("'256 MB'", described { bricks = 1 }, lamps, { to = to(), cache = "much" })
-    fails("an adaptive_grid", ylm.uniform_grid { bounds = box, cells = 4 }, lamps, { to = to() })
-    fails("at least 3", described { depth = 2 }, lamps, { to = to() })
+    fails("'256 MB'", described { bricks = 1 }, lamps, { folder = to(), cache = "much" })
+    fails("an adaptive_grid", ylm.uniform_grid { bounds = box, cells = 4 }, lamps, { folder = to() })
+    fails("at least 3", described { depth = 2 }, lamps, { folder = to() })
     assert.has_error(function() described { bricks = 4 } end)
     local ok, words = pcall(described, { bricks = 1, dynamic = true })
     assert(not ok and words:find("bricks: a grid that follows lights is not baked in bricks", 1, true), words)
-    fails("a grid that follows lights is not baked in bricks: leave to out", described { dynamic = true }, lamps, { to = to() })
+    fails("a grid that follows lights is not baked in bricks: leave folder out", described { dynamic = true }, lamps, { folder = to() })
     assert.is_nil((io.open(to())))
     local _, message, code = ylm.load(to())
     assert.equal("EIO", code)

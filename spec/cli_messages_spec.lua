@@ -69,7 +69,7 @@ describe("the command-line tool's messages", function()
       ["render " .. scene .. " -o x.png -s 64x64x64"] = "ylm: render: -s: a size such as 640x360 expected, got '64x64x64'",
       ["render " .. scene .. " -o x.png --light-samples 0"] = "ylm: render: --light-samples must be an integer >= 1 and "
         .. "<= 65536, got 0",
-      ["bake " .. scene .. " -o x.ylm --light_tolerance 5"] = "ylm: bake: --light-tolerance must be a number >= 1e-06 and "
+      ["bake " .. scene .. " -o x.ylm --sums_tolerance 5"] = "ylm: bake: --sums-tolerance must be a number >= 1e-06 and "
         .. "<= 0.5, got 5",
       ["view x.ylm -o x.png --range 1,1e999"] = "ylm: view: --range: two numbers such as 1e-4,1 expected, got '1,1e999'",
     } do assert.equal(says, refused(words)) end
@@ -80,8 +80,8 @@ describe("the command-line tool's messages", function()
       local usage = name ~= "help" and ylm(name .. " --help") or ""
       for option in usage:gmatch "%-%-[%a_%-]+" do assert.is_nil(option:find "_", name .. ": " .. option) end
     end
-    assert.equal("ylm: bake: no option --light_toleranc (did you mean --light-tolerance?)",
-      refused "bake s.lua --light_toleranc 1")
+    assert.equal("ylm: bake: no option --sums_toleranc (did you mean --sums-tolerance?)",
+      refused "bake s.lua --sums_toleranc 1")
     assert.equal("ylm: render: --gloss_error: two numbers such as 1e-4,1 expected, got '1'",
       refused "render s.lua --gloss_error 1")
   end)

@@ -221,8 +221,16 @@ show( LightProbeGenerator.fromCubeTexture( { colorSpace: NoColorSpace,
     assert.truthy(json:find('"convention":"plain irradiance x,z,-y"', 1, true), json)
   end)
 
+  --- The expressions of a function in GLSL as one of Lua.
+  local function function_of(glsl)
+    local list, body = glsl:match "vec3%[9%]%((.-)%);", glsl:match "{\n(.-)\n}"
+    local text = "local n = ... local sh, k = {}, 0\n" .. list:gsub("vec3(%b())", function(numbers)
+      return ("sh[k], k = A {%s}, k + 1"):format(numbers:sub(2, -2))
+    end):gsub("\n *", " "):gsub(", sh", " sh") .. "\n" .. body:gsub("float ", "local "):gsub(";", "")
+    return assert((loadstring or load)("local A = require 'ylm'.array " .. text))
+  end
+
   it("emits code that evaluates to the same numbers: Lua, C, GLSL", function()
-    local has_glslc = scratch.shell "command -v glslc >/dev/null"
     local c = ylm.sh.project(2, ylm.load(folder.path .. "/small.exr"), { up = "y" })
     local programs, wanted, shaders, shaded = {}, {}, {}, {}
     for i, system in ipairs { "three.js", "filament", "3dgs", "e3nn-norm", "dipy", "sn3d" } do
@@ -241,13 +249,9 @@ show( LightProbeGenerator.fromCubeTexture( { colorSpace: NoColorSpace,
         local rgb = lua and { lua(v[1], v[2], v[3]) } or sums
         for k = 1, 3 do assert.is_near(sums[k], rgb[k], 3e-5 * math.abs(sums[k]) + 3e-5) end
         if i == 2 or i == 5 then wanted[#wanted + 1] = sums end
-        if glsl then shaded[#shaded + 1] = { v, sums } end
         if glsl then -- its expressions are Lua's too
-          local list, body = glsl:match "vec3%[9%]%((.-)%);", glsl:match "{\n(.-)\n}"
-          local text = "local n = ... local sh, k = {}, 0\n" .. list:gsub("vec3(%b())", function(numbers)
-            return ("sh[k], k = A {%s}, k + 1"):format(numbers:sub(2, -2))
-          end):gsub("\n *", " "):gsub(", sh", " sh") .. "\n" .. body:gsub("float ", "local "):gsub(";", "")
-          local f = assert((loadstring or load)("local A = require 'ylm'.array " .. text))
+          shaded[#shaded + 1] = { v, sums }
+          local f = function_of(glsl)
           local value = f { x = v[1], y = v[2], z = v[3] }
           for k = 1, 3 do assert.is_near(sums[k], value[k], 3e-5 * math.abs(sums[k]) + 3e-5) end
         end
@@ -274,7 +278,7 @@ show( LightProbeGenerator.fromCubeTexture( { colorSpace: NoColorSpace,
       assert.equal(#list, i)
     end
     agree(wanted)
-    if not has_glslc then pending "glslc is not installed" end
+    if not scratch.shell "command -v glslc >/dev/null" then pending "glslc is not installed" end
     local words, sums = {}, {} -- the rows of system k are those that shader k evaluates
     for i, row in ipairs(shaded) do
       words[i], sums[i] = ("%.9g %.9g %.9g"):format(row[1][1], row[1][2], row[1][3]), row[2]

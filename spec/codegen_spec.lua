@@ -96,7 +96,7 @@ describe("ylm.codegen", function()
     it("include every file in a gen folder", function()
       local known = {}
       for _, target in ipairs(targets) do known[target[1]] = true end
-      local out = capture("ls csrc/*/gen/* csrc/*/*/gen/* shaders/gen/* 2>/dev/null; true")
+      local out = capture("ls csrc/*/gen/* csrc/*/*/gen/* shaders/gen/* lua/ylm/*/gen/* 2>/dev/null; true")
       for path in out:gmatch("%S+") do assert(known[path], path .. " is not in lua/ylm/codegen/targets.lua") end
     end)
 

@@ -17,7 +17,7 @@ return scene "a lamp" {
 local program = [[
 local ylm = require "ylm"
 local folder, run = ...
-local scene = assert(ylm.load_scene(folder .. "/scene.lua"))
+local scene = assert(ylm.load(folder .. "/scene.lua"))
 local function save(x, name) assert(x:save(folder .. "/" .. run .. name)) end
 local size = { 12, 8 }
 local grid = assert(scene:bake { occupied = "camera", size = size })

@@ -336,7 +336,7 @@ describe("gloss = 'sh'", function()
   it("refuses degrees beyond its tables, and transfer vectors of what has none", function()
     local s = scene { ylm.sphere { material = gold } }
     assert.has_error(function() s:prepare(with { gloss = "ray" }) end, "bad argument #1 to 'prepare' (gloss must be one of "
-      .. "'auto', 'sh', 'rays', 'matte' (did you mean 'rays'?), got 'ray')")
+      .. "'matte', 'sh', 'auto', 'rays' (did you mean 'rays'?), got 'ray')")
     assert.has_error(function() s:render { size = { 8, 4 }, gloss = "sh", bounces = 0 } end, 'render: gloss is for a grid (by = '
       .. '"grid"), and this picture is by rays: name one that fits, or leave gloss out')
     local ok, message = pcall(s.prepare, s, with({ lmax = 61, visibility = "none", gloss = "sh" }, picture))

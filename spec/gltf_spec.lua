@@ -8,9 +8,9 @@ local ylm = require "ylm"
 local codec = library.open("codec", "%s")
 if not codec or select(3, codec.gltf_read { path = "/nonexistent", file_size = 0, triangles = 0, texels = 0, scene = 0,
   images = false }) == "EMISSING" then
-  describe("ylm.load_gltf without jansson", function()
+  describe("glTF files without jansson", function()
     it("says what to install", function()
-      local m, message, code = ylm.load_gltf "room.glb"
+      local m, message, code = ylm.gltf { file = "room.glb" }
       assert.is_nil(m)
       assert.equal("EMISSING", code)
       assert.truthy(message:find(codec and "libjansson-dev" or "libylm_codec", 1, true), message)
@@ -20,7 +20,7 @@ if not codec or select(3, codec.gltf_read { path = "/nonexistent", file_size = 0
   return
 end
 
-describe("ylm.load_gltf", function()
+describe("glTF files", function()
   local folder, with_jpeg
   setup(function()
     folder = scratch.new()
@@ -36,7 +36,7 @@ describe("ylm.load_gltf", function()
 
   --- Loads a file of these bytes.
   local function load(text, options, name)
-    return ylm.load_gltf(folder:write(name or "model.gltf", text), options)
+    return ylm.load(folder:write(name or "model.gltf", text), options)
   end
 
   --- The model of a file whose nodes are these and whose mesh has one primitive.
@@ -129,6 +129,23 @@ describe("ylm.load_gltf", function()
     end
   end)
 
+  --- Area, volume, number of triangles and bounds of meshes.
+  local function sums_of(geometry)
+    local sum = { area = 0, volume = 0, triangles = 0, lo = { math.huge, math.huge, math.huge },
+      hi = { -math.huge, -math.huge, -math.huge } }
+    for _, g in ipairs(geometry) do
+      local b, p = g.mesh.bounds, g.mesh:vertices():totable()
+      sum.area, sum.triangles = sum.area + g.mesh.area, sum.triangles + #g.mesh
+      for a = 1, 3 do sum.lo[a], sum.hi[a] = math.min(sum.lo[a], b[1][a]), math.max(sum.hi[a], b[2][a]) end
+      for _, t in ipairs(g.mesh:triangles():totable()) do
+        local u, v, w = p[t[1]], p[t[2]], p[t[3]]
+        sum.volume = sum.volume + (u[1] * (v[2] * w[3] - v[3] * w[2]) + u[2] * (v[3] * w[1] - v[1] * w[3])
+          + u[3] * (v[1] * w[2] - v[2] * w[1])) / 6
+      end
+    end
+    return sum
+  end
+
   it("finds the triangles, areas, bounds and volumes that VTK's reader finds", function()
     local vtk = require "ylm.picture".vtk()
     if not vtk then pending "VTK is not built in" end
@@ -181,19 +198,8 @@ describe("ylm.load_gltf", function()
         local all = { meshes = { { primitives = primitives } }, nodes = nodes or { { mesh = 0 } }, scene = 0,
           scenes = { { nodes = { 0 } } } }
         local path = folder:write(name .. ending, ending == ".glb" and f:binary(all) or f:text(all))
-        local text, m = assert(vtk.describe(path)), assert(ylm.load_gltf(path))
-        local sum = { area = 0, volume = 0, triangles = 0, lo = { math.huge, math.huge, math.huge },
-          hi = { -math.huge, -math.huge, -math.huge } }
-        for _, g in ipairs(m.geometry) do
-          local b, p = g.mesh.bounds, g.mesh:vertices():totable()
-          sum.area, sum.triangles = sum.area + g.mesh.area, sum.triangles + #g.mesh
-          for a = 1, 3 do sum.lo[a], sum.hi[a] = math.min(sum.lo[a], b[1][a]), math.max(sum.hi[a], b[2][a]) end
-          for _, t in ipairs(g.mesh:triangles():totable()) do
-            local u, v, w = p[t[1]], p[t[2]], p[t[3]]
-            sum.volume = sum.volume + (u[1] * (v[2] * w[3] - v[3] * w[2]) + u[2] * (v[3] * w[1] - v[1] * w[3])
-              + u[3] * (v[1] * w[2] - v[2] * w[1])) / 6
-          end
-        end
+        local text, m = assert(vtk.describe(path)), assert(ylm.load(path))
+        local sum = sums_of(m.geometry)
         local n, bounds = text:match "^glTF %d+ (%d+)\nbounds ([^\n]*)\n"
         assert.equal(tonumber(n), sum.triangles, name)
         local i = 0
@@ -494,15 +500,15 @@ describe("ylm.load_gltf", function()
       nodes = { { mesh = 0 }, { extensions = { KHR_lights_punctual = { light = 0 } } } },
       extensions = { KHR_lights_punctual = { lights = { { type = "point" } } } } }
     local path = folder:write("room.glb", text)
-    local scene = assert(ylm.load_scene(folder:write("a.lua",
+    local scene = assert(ylm.load(folder:write("a.lua",
       "return scene 'a' { like = gltf { file = 'room.glb', lamp_radius = 0.1 }, moved = { { at = { 0, 5, 0 } } } }")))
     assert.equal(1, #scene.geometry)
     assert.same({ 0, 5, 0 }, scene.lights[1].at)
     assert.equal(0.1, scene.lights[1].radius)
-    assert.equal(1, #assert(ylm.load_scene(folder:write("b.lua", "return scene 'b' { like = 'room.glb' }"))).lights)
-    assert.equal(1, #assert(ylm.load_scene(path)).geometry)
-    assert.equal("gltf", require "ylm.form".kind(ylm.load(path)))
-    local none, message, code = ylm.load_scene(folder.path .. "/a.lua", { triangles = 0 })
+    assert.equal(1, #assert(ylm.load(folder:write("b.lua", "return scene 'b' { like = 'room.glb' }"))).lights)
+    assert.equal(1, #assert(ylm.load(path)).geometry)
+    assert.equal("scene", require "ylm.form".kind(ylm.load(path)))
+    local none, message, code = ylm.load(folder.path .. "/a.lua", { triangles = 0 })
     assert.is_nil(none)
     assert.equal("ELIMIT", code)
     assert.truthy(message:find("more than", 1, true), message)
@@ -575,7 +581,7 @@ describe("ylm.load_gltf", function()
         assert.is_true(ok)
         assert.same({ "materials of kind phong, written as their nearest ggx: 1",
           "skies, in extras.ylm, which other programs do not read: 1" }, notes)
-        check_same(assert(ylm.load_scene(path)))
+        check_same(assert(ylm.load(path)))
       end
     end)
 
@@ -609,7 +615,7 @@ describe("ylm.load_gltf", function()
       local _, notes = assert(ylm.scene "skies" { lights = skies }:save(path))
       assert.same({ "skies, in extras.ylm, which other programs do not read: 3",
         "images of skies, written as their coefficients of degree 5: 1" }, notes)
-      local again = assert(ylm.load_scene(path))
+      local again = assert(ylm.load(path))
       for i, sky in ipairs(skies) do
         local a, b = ylm.light_field(1, sky, { 0, 0, 0 }), ylm.light_field(1, again.lights[i], { 0, 0, 0 })
         assert.equal(0, (a - b):abs():max())
@@ -676,7 +682,7 @@ describe("ylm.load_gltf", function()
         lights = { lights[1], lights[4] } }
       assert(lit:save(folder.path .. "/lit.glb"))
       local function look(of) return of:render { by = "sum", size = { 24, 16 }, visibility = "none" }:layer() end
-      local a, d = look(lit), look(assert(ylm.load_scene(folder.path .. "/lit.glb")))
+      local a, d = look(lit), look(assert(ylm.load(folder.path .. "/lit.glb")))
       d = d - a
       assert((d * d):mean() <= 1e-6 * a:max() ^ 2, (d * d):mean()) -- 60 dB
       assert(a:max() > 0.1)
@@ -835,8 +841,8 @@ const bytes = f => new Uint8Array(fs.readFileSync(f));
       f:accessor("VEC3", 5126, square)
       f:accessor("SCALAR", 5123, { 0, 1, 2 })
       local several = folder:write("several.gltf", f:text { meshes = mesh.meshes, nodes = instances })
-      assert.equal(4, assert(ylm.load_gltf(several)).report.triangles)
-      local none, says, why = ylm.load_scene(several, { triangles = 3 })
+      assert.equal(4, assert(ylm.load(several)).report.triangles)
+      local none, says, why = ylm.load(several, { triangles = 3 })
       assert.is_nil(none)
       assert.equal("ELIMIT", why)
       assert.truthy(says:find("more than 3 triangles", 1, true), says)
@@ -848,7 +854,7 @@ const bytes = f => new Uint8Array(fs.readFileSync(f));
       assert.truthy(bomb.notes[1]:find("image 0: 60000 x 60000 pixels: images are limited to", 1, true), bomb.notes[1])
       assert.truthy(bomb.notes[1]:find("the factors stand alone", 1, true), bomb.notes[1])
       local path = folder:write("many.gltf", changed())
-      local m, message, code = ylm.load_scene(path, { triangles = 0 })
+      local m, message, code = ylm.load(path, { triangles = 0 })
       assert.is_nil(m)
       assert.truthy(message:find("more than", 1, true), message)
       assert.equal("ELIMIT", code)

@@ -4,7 +4,6 @@ local core = require "ylm.c.core"
 local ylm = require "ylm"
 local bytes = require "spec.support.grid_bytes"
 local grids = require "spec.support.grids"
-local old = require "spec.support.old_grids"
 local random = require "spec.support.random"
 local shell = require "spec.support.scratch"
 
@@ -134,25 +133,11 @@ assert(grid:points().value:save(folder .. "/value.npy"))]])
     end
   end)
 
-  it("of version 1 are read, in either byte order", function()
-    for _, name in ipairs { "octree", "lattice" } do -- the lattice is big-endian
-      local loaded, here = assert(ylm.load("spec/data/grid_1_" .. name .. ".ylm")), old[name]()
-      assert.equal(here.stats.interpolated, loaded.stats.interpolated)
-      assert.is_nil(loaded.stats.seconds)
-      local a, b = here:points(), loaded:points()
-      for _, key in ipairs { "position", "value", "gradient", "lambda", "norm", "invalid", "interpolated" } do
-        local _, distance, norm = core.array_distance(b[key], a[key]) -- of kernel sets that round differently
-        assert(distance <= 1e-6 * norm, name .. " " .. key)
-      end
-      local c, d = here:cells { added = true }, loaded:cells { added = true }
-      for _, key in ipairs { "origin", "level", "leaf", "occupied", "baked", "added", "corners" } do
-        assert.equal(0, core.array_distance(c[key], d[key]), key)
-      end
-      -- saved again, they are of version 2, with the births that bakes note
-      local text = core.grid_encode(loaded)
-      assert.equal(2, bytes.open(text).version)
-      assert(bytes.open(text).section.births.data == bytes.open(core.grid_encode(here)).section.births.data)
-      assert.equal(loaded.stats.points, core.grid_decode(text).stats.points)
+  it("of another version or byte order are refused", function()
+    local u32 = bytes.u32
+    local text = core.grid_encode(ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 0 }, lamp))
+    for code, head in pairs { EVERSION = text:sub(1, 12) .. u32(1), EFORMAT = text:sub(1, 8) .. u32(0x04030201) .. u32(2) } do
+      assert.equal(code, select(3, core.grid_decode(head .. text:sub(#head + 1))))
     end
   end)
 
@@ -179,13 +164,17 @@ assert(grid:points().value:save(folder .. "/value.npy"))]])
     local octree = ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 0, depth = 1, threshold = 0,
       channels = "luminance" }, lamp)
     assert.equal(0, core.grid_accepted_damage(core.grid_encode(octree)))
-    local file = assert(io.open("spec/data/grid_1_lattice.ylm", "rb"))
-    assert.equal(0, core.grid_accepted_damage(file:read "*a"))
-    file:close()
   end)
 
-  --- The continuous octree of version 1's file, as a file of version 2 to be forged.
-  local whole = core.grid_encode(assert(ylm.load "spec/data/grid_1_octree.ylm"))
+  --- A field whose values and gradients are exact in float, with a metric that refines half of the box.
+  local halves = grids.analytic(function(x, y, z)
+    return x * x + y - 0.5 * z, 2 * x, 1, -0.5
+  end, function(x) return x < 0 and 8 or 0.25 end)
+
+  --- The bytes of a continuous octree, to be forged. Some of its voxels hold no shading points.
+  local whole = core.grid_encode(ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 1, depth = 3, threshold = 1,
+    metric = "absolute", channels = "luminance" },
+    halves, { occupied = ylm.array { { -0.1, -0.6, -0.9 }, { 0.3, -0.5, -0.4 } } }))
   local function forge() return bytes.open(whole) end
 
   it("skip sections that they do not know, and refuse those they would have to", function()

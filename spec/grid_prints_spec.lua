@@ -38,7 +38,7 @@ describe("a grid of another scene", function()
   end)
   after_each(function() ylm.on_warning(before) end)
 
-  local function scene(changes) return assert(ylm.load_scene(folder:write("scene.lua", written(changes or {})))) end
+  local function scene(changes) return assert(ylm.load(folder:write("scene.lua", written(changes or {})))) end
   local function bake(parts)
     local s = scene()
     return s:bake { parts = parts, threads = 2, transfer = parts ~= "lights" and s:transfer { links = 4, lmax = 0 } or nil }
@@ -109,7 +109,7 @@ describe("a grid of another scene", function()
 
   it("in bricks is one too", function()
     local path = folder.path .. "/bricks.ylmd"
-    local o = { probes = ylm.adaptive_grid { lmax = 1, depth = 3, threshold = 0.5, bricks = 1 }, to = path }
+    local o = { probes = ylm.adaptive_grid { lmax = 1, depth = 3, threshold = 0.5, bricks = 1 }, folder = path }
     local set = assert(scene():bake(o))
     assert.same({}, render({}, set))
     assert.same(line("grid " .. path, "lights"), render({ LAMP = 0.6 }, assert(ylm.load(path))))

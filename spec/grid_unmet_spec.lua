@@ -62,10 +62,10 @@ describe("a tolerance that is not met", function()
     local at = {}
     for i = 1, 4000 do at[i] = { 2 * math.sin(1.7 * i) * (i % 97) / 97, 1.5 + i % 13 / 13, 2 * math.cos(1.3 * i) } end
     local grid = ylm.bake(probes(3, 1e-3), ylm.sphere_lights { at = at, radius = 0.02 },
-      { occupied = occupied, light_tolerance = 0.05 })
+      { occupied = occupied, sums_tolerance = 0.05 })
     assert.is_false(grid.stats.met)
-    assert.truthy(grid.stats.warning:find(": lights are summed to light_tolerance = 0.05, voxels end at depth 3; set "
-      .. "light_tolerance = 0.001, then depth, or tolerance = ", 1, true), grid.stats.warning)
+    assert.truthy(grid.stats.warning:find(": lights are summed to sums_tolerance = 0.05, voxels end at depth 3; set "
+      .. "sums_tolerance = 0.001, then depth, or tolerance = ", 1, true), grid.stats.warning)
   end)
 
   it("is said once of a grid, and stands in the report of each picture by it, also when it was loaded", function()

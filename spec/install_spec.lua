@@ -8,6 +8,9 @@ local clean = "env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL -u LUA_PATH -u LUA_CPATH 
 local experiment = [[
 local ylm = require "ylm"
 assert(#ylm.sh.eval(2, { 0, 0, 1 }) == 9)
+local grid = assert(ylm.bake(ylm.uniform_grid { bounds = { { 0, 0, 0 }, { 1, 1, 1 } }, cells = 1, lmax = 1 },
+  ylm.sphere_light { at = { 0, 2, 0 } }))
+assert(grid:save(arg[1]))
 print(ylm.info().version)]]
 
 --- The build that `make` makes; others (sanitizers) are not installed.
@@ -35,10 +38,16 @@ describe("what is installed", function()
       assert.truthy(said:find(words:format(prefix), 1, true), said)
     end
     local file = scratch.quote(folder:write("experiment.lua", experiment))
-    for _, lua in ipairs { "lua5.4", "luajit" } do
+    local page = folder.path .. "/page.html"
+    runs(("build/ylm run %s %s"):format(file, scratch.quote(page)))
+    local written = scratch.text(page)
+    for _, lua in ipairs { "lua5.4", "luajit", "lua5.1" } do
       if scratch.shell("command -v " .. lua .. " >/dev/null") then
-        local out = runs(("cd / && %s YLM_LUA=%s %s/bin/ylm run %s"):format(clean, lua, scratch.quote(prefix), file))
+        os.remove(page)
+        local out = runs(("cd / && %s YLM_LUA=%s %s/bin/ylm run %s %s"):format(clean, lua, scratch.quote(prefix), file,
+          scratch.quote(page)))
         assert.truthy(out:find "^%d+%.%d+%.%d+\n", out)
+        assert(scratch.text(page) == written, "the page of an installed ylm has other bytes under " .. lua)
       end
     end
     assert.truthy(scratch.shell("test -f " .. scratch.quote(prefix .. "/include/ylm/ylm_base.h")))
@@ -70,6 +79,17 @@ describe("what is installed", function()
       assert.truthy(texts.fish:find("__fish_seen_subcommand_from " .. name, 1, true), name)
     end
   end
+
+  it("by make install: a page's viewer, of which a missing file is named", function()
+    if not usual then pending "only of the usual build" end
+    local lua = folder.path .. "/lua"
+    runs(("mkdir %s && cp -r lua/ylm %s && rm %s/ylm/page/viewer/viewer.js"):format(lua, lua, lua))
+    local command = ("LUA_PATH='%s/?.lua;%s/?/init.lua' LUA_CPATH='build/lua5.4/?.so' lua5.4 %s %s"):format(lua, lua,
+      scratch.quote(folder:write("experiment.lua", experiment)), scratch.quote(folder.path .. "/none.html"))
+    local out, code = scratch.capture(command)
+    assert.equal(1, code, out)
+    assert.truthy(out:find("page: the viewer is incomplete: " .. lua .. "/ylm/page/viewer/viewer.js: ", 1, true), out)
+  end)
 
   it("by make install: a man page, completions, annotations", function()
     if not usual then pending "only of the usual build" end
@@ -107,7 +127,7 @@ describe("what is installed", function()
       local tree = scratch.quote(folder.path .. "/rocks" .. version)
       runs(("%s luarocks --lua-version=%s --tree %s make rockspec/ylm-scm-1.rockspec"):format(clean, version, tree))
       local file = scratch.quote(folder:write("experiment.lua", experiment))
-      local out = runs(("cd / && %s %s/bin/ylm run %s"):format(clean, tree, file))
+      local out = runs(("cd / && %s %s/bin/ylm run %s %s"):format(clean, tree, file, scratch.quote(folder.path .. "/rock.html")))
       assert.truthy(out:find "^%d+%.%d+%.%d+\n", out)
       has_texts(("%s/rocks%s/lib/luarocks/rocks-%s/ylm/scm-1/share"):format(folder.path, version, version))
     end)

@@ -1,31 +1,15 @@
 -- The architecture: includes go down the ladder, libraries stay free of what they do not need.
 
+local ladder = require "spec.check.ladder"
 local scratch = require "spec.support.scratch"
 local build = os.getenv "YLM_BUILD" or "build"
-
-local ladder = { "base", "sh", "image", "geom", "material", "light", "grid", "figure", "codec", "trace", "scene", "path",
-  "transfer", "emit", "shade" }
-local tops = { vulkan = true, vtk = true, rival = true, mpi = true } -- above all of these, and never one another
-local rank = { lua = 100 }
-for i, folder in ipairs(ladder) do rank[folder] = i end
-for folder in pairs(tops) do rank[folder] = 50 end
-
---- Sub-folders of a folder: the stages of its machine. gen/, which is generated, may stand in each of them.
-local rooms = {
-  codec = { "gltf" },
-  sh = { "eval", "product", "rotate", "project" },
-  light = { "sphere", "moments", "tree", "flat", "virtual", "shadow" },
-  transfer = { "gather" },
-  grid = { "bake", "sample", "follow", "file", "brick" },
-  vulkan = { "device", "light", "grid", "picture", "rival" },
-  lua = { "core", "codec", "scene", "vtk", "vulkan", "rival", "mpi" },
-}
+local known = ladder.read "."
 
 --- Files that are compiled into one unit with another room's, against the direction of their folder.
 local joined = { ["csrc/light/moments/sum_float.isa.c"] = "tree", ["csrc/light/moments/sum_double.isa.c"] = "tree" }
 
 --- Rooms whose files call one another in one direction, no two each other.
-local ordered = { "grid/bake" }
+local ordered = { "grid/bake", "grid/promise" }
 
 --- Which folders may include a system header that matches.
 local reserved = {
@@ -35,7 +19,7 @@ local reserved = {
   { "^embree", "trace" }, { "^vulkan/", "vulkan" }, { "^mpi%.h$", "mpi" },
 }
 
-local lines_of = require "spec.support.scratch".lines
+local lines_of = scratch.lines
 
 local sources = lines_of [[find csrc -name '*.[ch]' -o -name '*.cpp' -o -name '*.cc' -o -name '*.hpp' -o -name '*.inc']]
 
@@ -52,34 +36,8 @@ local function exists(path)
   return file ~= nil
 end
 
---- The file that an include of `path` would be: "csrc/light/tree/far.c", "../light.h" -> "csrc/light/light.h".
-local function beside(path, header)
-  local place, n = path:match("^(.*/)") .. header, 1
-  while n > 0 do place, n = place:gsub("[^/]+/%.%./", "", 1) end
-  return place
-end
-
 --- Is `path` a file of a folder?
 local function belongs(path, folder) return path:sub(1, #folder + 6) == "csrc/" .. folder .. "/" and exists(path) end
-
---- Header name -> folder, of the public headers ylm_*.h.
-local public = {}
-for _, path in ipairs(sources) do
-  local folder, name = path:match("^csrc/([^/]+)/(ylm_[%w_]+%.h)$")
-  if folder then public[name] = folder end
-end
-
---- Calls f(path, folder, line number, header, "<" or '"') for every include.
-local function each_include(f)
-  for _, path in ipairs(sources) do
-    local folder, n = path:match("^csrc/([^/]+)/"), 0
-    for line in io.lines(path) do
-      n = n + 1
-      local kind, header = line:match('^%s*#%s*include%s*([<"])([^>"]+)')
-      if header then f(path, folder, n, header, kind) end
-    end
-  end
-end
 
 --- A way through a graph { [from] = { [to] = true } } that ends in a circle, as "a > b > c > b"; or nil.
 local function circle(graph)
@@ -134,47 +92,23 @@ local function calls_of(room)
 end
 
 describe("the ladder", function()
-  it("knows every folder", function()
-    assert(#sources > 0)
-    for _, path in ipairs(sources) do
-      local folder = path:match("^csrc/([^/]+)/")
-      assert(folder and rank[folder], path .. ": not a folder of the ladder")
-    end
-  end)
-
-  it("knows every room, in which no public header stands", function()
-    for _, path in ipairs(sources) do
-      local folder, room, rest = path:match("^csrc/([^/]+)/([^/]+)/(.+)$")
-      local known = room == nil or room == "gen" and not rest:find "/"
-      for _, name in ipairs(rooms[folder] or {}) do
-        known = known or name == room and not rest:gsub("^gen/", ""):find "/" and not rest:find "^ylm_"
-      end
-      assert(known, path .. ": not in a room of " .. tostring(folder))
-    end
+  it("has every folder and room, in which no public header stands", function()
+    assert(#sources > 0 and known.rank.base == 1 and #known.rooms.light > 5)
+    assert.equal("", table.concat(ladder.rooms ".", "\n"))
   end)
 
   it("is only gone down by includes, through public headers", function()
-    local wrong = {}
-    each_include(function(path, folder, n, header, kind)
-      local from = public[header] or public[header:match("[^/]+$")]
-      local own = belongs(beside(path, header), folder) or belongs(beside("csrc/" .. folder .. "/", header), folder)
-      if own or (kind == "<" and not from) then return end
-      if not from then wrong[#wrong + 1] = ("%s:%d: %s is no public header"):format(path, n, header)
-      elseif rank[from] >= rank[folder] and from ~= folder then
-        wrong[#wrong + 1] = ("%s:%d: %s includes %s of %s, which is not below it"):format(path, n, folder, header, from)
-      end
-    end)
-    assert.equal("", table.concat(wrong, "\n"))
+    assert.equal("", table.concat(ladder.includes ".", "\n"))
   end)
 
   it("leads through the rooms of a folder in one direction", function()
     local graphs = {}
-    each_include(function(path, folder, _, header)
+    ladder.each_include(".", function(path, folder, _, header)
       local room = path:match("^csrc/[^/]+/([^/]+)/")
-      local place = beside(path, header)
-      if not exists(place) then place = beside("csrc/" .. folder .. "/", header) end
+      local place = ladder.beside(path, header)
+      if not exists(place) then place = ladder.beside("csrc/" .. folder .. "/", header) end
       local other = place:match("^csrc/" .. folder .. "/([^/]+)/")
-      if not rooms[folder] or not room or not other or other == room or other == "gen" or room == "gen" then return end
+      if not known.rooms[folder] or not room or not other or other == room or other == "gen" or room == "gen" then return end
       if joined[path] ~= other and exists(place) then
         graphs[folder] = graphs[folder] or {}
         add(graphs[folder], room, other)
@@ -216,9 +150,9 @@ describe("the ladder", function()
 
   it("keeps Lua to csrc/lua, VTK to csrc/vtk, and each library to its folder", function()
     local wrong = {}
-    each_include(function(path, folder, n, header)
+    ladder.each_include(".", function(path, folder, n, header)
       for _, rule in ipairs(reserved) do
-        if header:find(rule[1]) and folder ~= rule[2] and not belongs(beside(path, header), folder) then
+        if header:find(rule[1]) and folder ~= rule[2] and not belongs(ladder.beside(path, header), folder) then
           wrong[#wrong + 1] = ("%s:%d: only csrc/%s includes %s"):format(path, n, rule[2], header)
         end
       end
@@ -231,20 +165,9 @@ describe("the ladder", function()
     assert.equal("", table.concat(wrong, "\n"))
   end)
 
-  it("has one public header per folder, and those of `others`", function()
-    local others = { ["ylm_simd.h"] = "base", ["ylm_real.h"] = "base", ["ylm_vector.h"] = "base", ["ylm_intrinsics.h"] = "base",
-      ["ylm_sets.h"] = "base",
-      ["ylm_version.h"] = "base",
-      ["ylm_numbers.h"] = "base", ["ylm_pace.h"] = "base",
-      ["ylm_sh_rival.h"] = "sh", ["ylm_sh_exponential.h"] = "sh", ["ylm_display.h"] = "codec",
-      ["ylm_gltf.h"] = "codec", ["ylm_image_texture.h"] = "image",
-      ["ylm_light_device.h"] = "light", ["ylm_light_sky.h"] = "light", ["ylm_light_virtual.h"] = "light",
-      ["ylm_light_shadow.h"] = "light", ["ylm_trace_occlusion.h"] = "trace",
-      ["ylm_light_spot.h"] = "light",
-      ["ylm_material_table.h"] = "material", ["ylm_material_rival.h"] = "material" }
-    for name, folder in pairs(public) do
-      assert(name == "ylm_" .. folder .. ".h" or others[name] == folder, folder .. "/" .. name)
-    end
+  it("has one public header per folder, and those of the table in csrc/README.md", function()
+    assert.equal("", table.concat(ladder.headers ".", "\n"))
+    assert(known.headers["ylm_gltf.h"] == "codec" and known.headers["ylm_simd.h"] == "base")
   end)
 
   it("leaves libylm.so with libc, libm and the OpenMP runtime only", function()
@@ -307,26 +230,10 @@ describe("csrc/README.md", function()
     local file = assert(io.open "csrc/README.md")
     local text, at = file:read "*a", 0
     file:close()
-    local folders = { "vulkan", "vtk", "rival", "mpi", "lua" }
-    for i, folder in ipairs(ladder) do table.insert(folders, i, folder) end
-    for _, folder in ipairs(folders) do
-      if exists("csrc/" .. folder .. "/.") or scratch.shell("test -d csrc/" .. folder) then
-        local found = text:find("\n**" .. folder .. "**", at + 1, true)
-        assert(found, folder .. " is missing, or not where the ladder has it")
-        at = found
-      end
-    end
-  end)
-
-  it("says what the rooms of a folder are for", function()
-    local file = assert(io.open "csrc/README.md")
-    local text = file:read "*a" .. "\n\n"
-    file:close()
-    for folder, names in pairs(rooms) do
-      local paragraph = text:match("\n%*%*" .. folder .. "%*%*.-\n\n")
-      for _, room in ipairs(names) do
-        assert(paragraph:find("`" .. room .. "/`", 1, true), folder .. "/" .. room .. " is missing")
-      end
+    for _, folder in ipairs(known.folders) do
+      local found = text:find("\n**" .. folder .. "**", at + 1, true)
+      assert(found, folder .. " is missing, or not where the ladder has it")
+      at = found
     end
   end)
 end)

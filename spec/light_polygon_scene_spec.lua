@@ -143,7 +143,7 @@ return scene "flat" {
   },
   probes = adaptive_grid { lmax = 3, depth = 5, tolerance = 0.02 },
 }]])
-    local scene = assert(ylm.load_scene(path))
+    local scene = assert(ylm.load(path))
     local grid = assert(scene:bake())
     assert(grid.stats.error <= 0.02, grid.stats.error)
     local truth = scene:render { by = "sum", size = { 32, 24 }, samples = 1, lmax = 3 }

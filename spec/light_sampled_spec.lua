@@ -109,7 +109,7 @@ describe("ylm.sampled_light", function()
     local folder = scratch.new()
     local function scene(light, limits)
       local text = ('return scene "s" { geometry = sphere {}, lights = %s }'):format(light)
-      return ylm.load_scene(folder:write("s.lua", text), limits)
+      return ylm.load(folder:write("s.lua", text), limits)
     end
     local loaded = assert(scene [[
       sampled_light { at = { { 0, 1, 0 }, { 1, 0, 0 } }, lights = sphere_light { at = { 0, 3, 0 } } }]])

@@ -324,9 +324,8 @@ describe("ylm.environment_light { sky }", function()
 
   it("may stand in a scene file", function()
     local folder = scratch.new()
-    folder:write("sky.lua", [[return scene "sky" { lights = environment_light { sky = { kind = "clear", sun = { 0, 1,
-      1 } } } }]])
-    local scene, why = ylm.load_scene(folder.path .. "/sky.lua")
+    folder:write("sky.lua", [[return scene "sky" { lights = environment_light { sky = { kind = "clear", sun = { 0, 1, 1 } } } }]])
+    local scene, why = ylm.load(folder.path .. "/sky.lua")
     folder:remove()
     assert.equal(1, scene and #scene.lights, why)
   end)

@@ -296,7 +296,7 @@ describe("ylm.textured_light", function()
       local picture = {}
       for i, given in ipairs { "file = 'panel.exr'", "image = { { { 4, 0, 0 }, { 0, 4, 0 }, { 0, 0, 4 }, { 0, 0, 0 } }, "
         .. "{ { 1, 1, 1 }, { 0, 0, 0 }, { 2, 2, 0 }, { 0, 3, 3 } } }" } do
-        local scene = assert(ylm.load_scene(folder:write("panel.lua", [[
+        local scene = assert(ylm.load(folder:write("panel.lua", [[
 return scene "panel" {
   camera = camera { from = { 0, 3, 2.01 }, at = { 0, 0, 0.5 }, fov = 50 },
   geometry = { quad { corner = { -1, 0, 1.5 }, u = { 2, 0, 0 }, v = { 0, 0, -1.2 } } },

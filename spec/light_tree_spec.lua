@@ -320,7 +320,7 @@ describe("a tree of lights", function()
 
     it("into uniform grids with fewer pairs, to the tolerance", function()
       local form = ylm.uniform_grid { bounds = { { 0.1, 0.1, 0.1 }, { 0.9, 0.9, 0.9 } }, cells = 6, lmax = 2 }
-      local exact, tree = ylm.bake(form, lights), ylm.bake(form, lights, { light_tolerance = 1e-2 })
+      local exact, tree = ylm.bake(form, lights), ylm.bake(form, lights, { sums_tolerance = 1e-2 })
       assert.is_true(tree.stats.pairs < 0.3 * exact.stats.pairs)
       local a, b = tree:points(), exact:points()
       check_errors(errors({ a.value, a.gradient, nil, { lambda = a.lambda } },
@@ -332,7 +332,7 @@ describe("a tree of lights", function()
       local form = ylm.adaptive_grid { bounds = box, lmax = 2, depth = 5, tolerance = 0.05 }
       local occupied = {}
       for i = 0, 6 do for j = 0, 6 do occupied[#occupied + 1] = { 0.3 + i / 15, 0.5, 0.3 + j / 15 } end end
-      local grid = ylm.bake(form, lights, { light_tolerance = 5e-3, occupied = occupied })
+      local grid = ylm.bake(form, lights, { sums_tolerance = 5e-3, occupied = occupied })
       assert.is_true(grid.stats.met)
       local L = ylm.light_field(2, lights, occupied)
       local sampled = grid:sample(occupied)
@@ -362,7 +362,7 @@ describe("a tree of lights", function()
       assert.is_true(t.pairs < 0.5 * e.pairs)
       assert.is_true(tree:compare(exact).mape < 1)
       assert.equal("0.01", tree.metadata.sums_tolerance)
-      assert.is_true(s:bake({ light_tolerance = 1e-2 }).stats.pairs
+      assert.is_true(s:bake({ sums_tolerance = 1e-2 }).stats.pairs
         < 0.5 * s:bake().stats.pairs)
       assert(s:render(view))
       local ok, message = pcall(s.render, s, { grid = s:bake(), sums_tolerance = 1e-2 })
@@ -380,9 +380,9 @@ describe("a tree of lights", function()
         assert.is_false(ok)
         assert.truthy(message:find("tolerance must be a number >= 1e%-06 and <= 0.5"), message)
         ok, message = pcall(ylm.bake, ylm.uniform_grid { cells = 1, bounds = { { 0, 0, 0 }, { 1, 1, 1 } } }, lamp,
-          { light_tolerance = value })
+          { sums_tolerance = value })
         assert.is_false(ok)
-        assert.truthy(message:find("light_tolerance must be a number >= 1e%-06 and <= 0.5"), message)
+        assert.truthy(message:find("sums_tolerance must be a number >= 1e%-06 and <= 0.5"), message)
       end)
     end
   end)

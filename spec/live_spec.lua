@@ -82,7 +82,7 @@ local function state_of(more)
   local settings = { tolerance = 0.05, depth = 6, lmax = 4, exposure = 0, tone = "srgb", method = "grid", levels = false,
     lobes = false, gradients = false, errors = false, truth = false, panel = true }
   local s = { size = { 640, 480 }, camera = camera, cameras = { camera }, lamps = rows, settings = settings,
-    tones = core.image_tones(), methods = { "grid", "rays" }, diagonal = 4, near = 0.004, middle = { 0, 0.5, 0 },
+    tones = core.choices "tone", methods = { "grid", "rays" }, diagonal = 4, near = 0.004, middle = { 0, 0.5, 0 },
     surface_at = function() return { position = { 0, 0, 0 }, normal = { 0, 1, 0 }, object = 1, depth = 4 } end,
     lamp_at = function(x) return x < 200 and 1 or nil end }
   for k, v in pairs(more or {}) do s[k] = v end
@@ -314,7 +314,7 @@ describe("scene:live, replays", function()
     events[5] = { 4, "rest" }
     local edited = assert(play(s, events))
     assert(math.abs(edited.lights[1].at[1] + 0.5) > 0.1)
-    local tones, shown = core.image_tones(), { { 0, "rest" } }
+    local tones, shown = core.choices "tone", { { 0, "rest" } }
     for i = 1, #tones do
       shown[#shown + 1] = { i, "picture", ("%s/%d.png"):format(folder.path, i) }
       for _, name in ipairs { "o", "plus" } do shown[#shown + 1] = { i, "key", name } end
@@ -428,19 +428,19 @@ return scene "room" {
     sphere_lights { at = { { 0.9, 0.6, 0.6 }, { 0.2, 1, -1 } }, radius = 0.06, radiance = 20 } },
   probes = adaptive_grid { lmax = 3, depth = 4, tolerance = 0.03 },
 }]])
-    local s = assert(ylm.load_scene(file))
+    local s = assert(ylm.load(file))
     local edited, report = play(s, { { 0, "key", "Tab" }, { 1, "key", "Right" }, { 2, "key", "Tab" }, { 3, "key", "Delete" },
       { 4, "key", "n" }, { 4, "rest" }, { 5, "key", "s" }, { 50, "key", "s" }, { 51, "key", "d" }, { 52, "wheel", 50, 30, 2 },
       { 53, "key", "s" } }, { save = folder.path .. "/room" })
     assert(edited, report)
     assert.equal(9, #report.saved)
-    local first = assert(ylm.load_scene(folder.path .. "/room-1.lua"))
+    local first = assert(ylm.load(folder.path .. "/room-1.lua"))
     assert(bytes(folder.path .. "/room-1.lua"):find "like     = \"room.lua\"")
     assert.equal(bytes(folder.path .. "/room-1.png"), bytes(folder.path .. "/room-2.png"))
     local picture = assert(ylm.load(folder.path .. "/room-1.exr"))
     local _, again = fresh(first, "srgb", 0)
     assert((picture:layer "radiance" - again:layer "radiance"):abs():max() <= 1e-2 * again:layer("radiance"):max())
-    local last = assert(ylm.load_scene(folder.path .. "/room-3.lua"))
+    local last = assert(ylm.load(folder.path .. "/room-3.lua"))
     assert.equal(7 - 2, last.probes.depth)
     for a = 1, 3 do
       assert.equal(edited.camera.from[a], last.camera.from[a])
@@ -458,7 +458,7 @@ return scene "room" {
 }]]
     local other, notes, events = scratch.new(), {}, { { 0, "key", "Tab" }, { 1, "key", "Right" }, { 2, "key", "s" } }
     local function saved(file)
-      local edited, report = play(assert(ylm.load_scene(file)), events, { size = { 32, 24 }, samples = 1, transfer_samples = 4,
+      local edited, report = play(assert(ylm.load(file)), events, { size = { 32, 24 }, samples = 1, transfer_samples = 4,
         save = other.path .. "/mine", on_frame = function(state) notes[#notes + 1] = state.note end })
       return assert(edited, report), report
     end
@@ -469,7 +469,7 @@ return scene "room" {
       return names
     end)())
     assert.equal(text, bytes(other.path .. "/mine-scene.lua"))
-    assert.equal(edited.lights[1].at[1], assert(ylm.load_scene(other.path .. "/mine-1.lua")).lights[1].at[1])
+    assert.equal(edited.lights[1].at[1], assert(ylm.load(other.path .. "/mine-1.lua")).lights[1].at[1])
     saved(folder:write("other.lua", (text:gsub("room", "other"))))
     assert(bytes(other.path .. "/mine-2.lua"):find('like     = "mine-scene-2.lua"', 1, true))
     saved(folder:write("like.lua", 'return scene "like" { like = "room.lua" }'))

@@ -497,7 +497,7 @@ describe("a tabulated material", function()
 end)
 
 describe("materials of files in scene files", function()
-  local function try(text, limits) return ylm.load_scene(folder:write("scene.lua", text), limits) end
+  local function try(text, limits) return ylm.load(folder:write("scene.lua", text), limits) end
 
   local function scene(material)
     return "return scene 'x' { geometry = sphere { material = " .. material .. " } }"

@@ -79,6 +79,6 @@ describe("memory that runs out", function()
 
   it("is no failure of a limit that a scene file has passed", function()
     local path = folder:write("s.lua", "local s = 'x' while true do s = s .. s end")
-    assert.equal("ELIMIT", (select(3, ylm.load_scene(path, { memory = 2 ^ 20 }))))
+    assert.equal("ELIMIT", (select(3, ylm.load(path, { memory = 2 ^ 20 }))))
   end)
 end)

@@ -26,7 +26,7 @@ describe("NEON kernels", function()
   local function run(name, ...)
     local program = quote(folder.path .. "/" .. name)
     local out, status = scratch.capture(table.concat({ "env -u LD_PRELOAD", cc,
-      "-std=gnu11 -O0 -Wall -Wextra -Werror -fopenmp -static -Icsrc/base -Icsrc/sh -Icsrc/light -Icsrc/grid -Icsrc/rival",
+      "-std=gnu11 -O0 -Wall -Wextra -Werror -fopenmp -static -I" .. quote(folder.path .. "/include"),
       "spec/support/" .. name .. ".c", "$(find " .. quote(folder.path) .. "/obj -name '*.o')", "-lm -o", program }, " "))
     assert(status == 0, out)
     local words = { ... }

@@ -158,7 +158,7 @@ describe("light that passes occluders", function()
   end)
 
   it("of two rooms is all that the dark one shows: they are measured, said and saved", function()
-    local scene = assert(ylm.load_scene "examples/scenes/two_rooms.lua")
+    local scene = assert(ylm.load "examples/scenes/two_rooms.lua")
     local function right(image) -- the dark room's part of the surfaces' light
       local half = image:crop(image.size[1] / 2 + 1, 1, image.size[1] / 2, image.size[2])
       return surfaces(half) / surfaces(image)

@@ -241,7 +241,7 @@ describe("a page", function()
       return assert(ylm.load(folder.path .. "/truth.png", { raw = true })):layer()
     end
 
-    it("shows the grid as prepared:render does, 38 dB", function()
+    it("shows the grid as view:render does, 38 dB", function()
       needs_browser()
       local decibels = psnr(seen(path, "nolamps&still"), rendered(scene, grid))
       assert(decibels >= 38, decibels)
@@ -437,7 +437,7 @@ describe("a page", function()
       needs_browser()
       if not long(false, true) then pending "make check-long shows them" end
       for _, one in ipairs { { "two_lamps", nil, 10e6 }, { "floor_lights", 8, 25e6 } } do
-        local s = assert(ylm.load_scene("examples/scenes/" .. one[1] .. ".lua"))
+        local s = assert(ylm.load("examples/scenes/" .. one[1] .. ".lua"))
         local g = assert(s:bake { -- the second one's own probes are too many for a page
           probes = one[2] and ylm.adaptive_grid { lmax = 4, depth = one[2], tolerance = 0.05 } })
         local other = folder.path .. "/" .. one[1] .. ".html"

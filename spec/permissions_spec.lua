@@ -34,7 +34,7 @@ describe("permissions", function()
         ok, message, code = ylm.load(folder .. name)
         print("load " .. name, ok and true, message, code)
       end
-      local ok, message, code = ylm.load_scene(folder .. "s.lua")
+      local ok, message, code = ylm.load(folder .. "s.lua")
       print("load s.lua", ok and true, message, code)
       os.exit(0)]])
     folder:write("s.lua", "return scene 's' {}")
@@ -91,7 +91,7 @@ describe("permissions", function()
       for _, name in ipairs { "a.npy", "i.exr", "i.png", "i.hdr", "i.pfm", "m.ply", "g.ylm" } do
         print(ylm.load(%q .. name))
       end
-      print(ylm.load_scene(%q .. "s.lua"))]]):format(folder.path .. "/good/", folder.path .. "/good/"))))
+      print(ylm.load(%q .. "s.lua"))]]):format(folder.path .. "/good/", folder.path .. "/good/"))))
     local _, times = out:gsub("nil\t[^\n]*: Permission denied\tEIO\n", "")
     assert.equal(8, times, out)
   end)

@@ -4,17 +4,17 @@ local core = require "ylm.c.core"
 local ylm = require "ylm"
 local scratch = require "spec.support.scratch"
 
-local small = { instructions = 2e6, memory = 2 ^ 24, seconds = 20 }
+local small = { instructions = 2e6, memory = 2 ^ 24, time_limit = 20 }
 
 describe("the sandbox of scene files", function()
   local folder
   setup(function() folder = scratch.new() end)
   teardown(function() folder:remove() end)
 
-  --- Loads a file with this text; returns what load_scene returns.
+  --- Loads a file with this text; returns what ylm.load returns.
   local function try(text, limits, name)
     local path = folder:write(name or "attack.lua", text)
-    return ylm.load_scene(path, limits or small)
+    return ylm.load(path, limits or small)
   end
 
   --- The file is refused with this code and a message that matches `says`.
@@ -170,7 +170,7 @@ describe("the sandbox of scene files", function()
       local s = "x" for i = 1, 21 do s = s .. s end
       local a, b = s .. "1", s .. "2"
       local n = 0
-      for i = 1, 1e9 do if a < b then n = n + 1 end end]], { seconds = 0.3, instructions = 1e12 })
+      for i = 1, 1e9 do if a < b then n = n + 1 end end]], { time_limit = 0.3, instructions = 1e12 })
     assert.truthy(os.clock() - began < 5)
   end)
 
@@ -250,11 +250,12 @@ describe("the sandbox of scene files", function()
       assert.truthy(code == "EFORMAT" or code == "EIO", code)
     end
     local path = folder:write("in/attack.lua", "return scene 'x' { geometry = mesh { file = 'here.obj' } }")
-    local _, message, code = ylm.load_scene(path, { file_size = 10 })
+    local _, message, code = ylm.load(path, { file_size = 10 })
     assert.equal("ELIMIT", code, message)
   end)
 
-  it("reads textures so too, and no more texels than are allowed, whatever their headers say", function()
+  --- Images in the folder `pictures` and out of it, good ones, links and files whose headers lie.
+  local function write_pictures()
     scratch.shell("cd " .. scratch.quote(folder.path) .. " && mkdir -p pictures && cd pictures && ln -sf /etc/passwd link.png"
       .. " && ln -sf ../outside.exr out.exr && rm -f pipe.png && mkfifo pipe.png && mkdir -p folder.png")
     local function image(w, h)
@@ -282,7 +283,10 @@ describe("the sandbox of scene files", function()
     local exr = io.open(folder.path .. "/pictures/here.exr", "rb"):read "*a"
     local at = exr:find("dataWindow", 1, true) + #"dataWindow\0box2i\0" + 4
     folder:write("pictures/bomb.exr", exr:sub(1, at + 7) .. "\31\78\0\0\31\78\0\0" .. exr:sub(at + 16))
+  end
 
+  it("reads textures so too, and no more texels than are allowed, whatever their headers say", function()
+    write_pictures()
     local function panel(fields, limits)
       return try(("\nreturn scene 'x' { lights = textured_light { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 }, "
         .. "%s } }"):format(fields), limits, "pictures/attack.lua")
@@ -439,20 +443,20 @@ describe("the sandbox of scene files", function()
   end)
 
   it("does not run inside itself", function()
-    assert.has_error(function() ylm.load_scene(3) end)
-    assert.has_error(function() ylm.load_scene("x.lua", { instructions = 0 }) end)
-    assert.has_error(function() ylm.load_scene("x.lua", { instruction = 5 }) end)
+    assert.has_error(function() ylm.load(3) end)
+    assert.has_error(function() ylm.load("x.lua", { instructions = 0 }) end)
+    assert.has_error(function() ylm.load("x.lua", { instruction = 5 }) end)
   end)
 
   it("reads only regular files", function()
-    local _, message, code = ylm.load_scene(folder.path .. "/missing.lua")
+    local _, message, code = ylm.load(folder.path .. "/missing.lua")
     assert.equal("EIO", code, message)
-    _, message, code = ylm.load_scene(folder.path)
+    _, message, code = ylm.load(folder.path)
     assert.equal("EIO", code, message)
-    _, message, code = ylm.load_scene "/dev/zero"
+    _, message, code = ylm.load "/dev/zero"
     assert.equal("EIO", code, message)
     scratch.shell("mkfifo " .. folder.path .. "/pipe.lua")
-    _, message, code = ylm.load_scene(folder.path .. "/pipe.lua")
+    _, message, code = ylm.load(folder.path .. "/pipe.lua")
     assert.equal("EIO", code, message)
   end)
 end)

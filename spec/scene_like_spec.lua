@@ -91,7 +91,7 @@ describe("a scene that is like another", function()
     folder:write("deep/second.lua", "return scene 'second' { like = 'first.lua', background = 1 }")
     local path = folder:write("third.lua",
       ("return scene 'third' { like = 'deep/second.lua', moved = { { at = { %.17g, 0, 0 } } } }"):format(x))
-    local scene = assert(ylm.load_scene(path))
+    local scene = assert(ylm.load(path))
     assert.equal(x, scene.lights[1].at[1])
     assert.same({ 1, 1, 1 }, scene.background)
     assert.equal(path, scene.file)
@@ -100,7 +100,7 @@ describe("a scene that is like another", function()
 
   --- The file is refused with this code and a message that matches `says`.
   local function refuses(code, says, name, text, limits)
-    local scene, message, got = ylm.load_scene(folder:write(name, text), limits)
+    local scene, message, got = ylm.load(folder:write(name, text), limits)
     assert.is_nil(scene)
     message = message:gsub("/[^ ]*/", "")
     assert.equal(says, message:sub(1, #says))
@@ -131,8 +131,8 @@ describe("a scene that is like another", function()
       "return scene 'a' { like = 'b.lua' }")
     folder:write("f1.lua", "return scene 'f' {}")
     for i = 2, 8 do folder:write(("f%d.lua"):format(i), ("return scene 'f' { like = 'f%d.lua' }"):format(i - 1)) end
-    assert(ylm.load_scene(folder.path .. "/f8.lua"))
-    local scene, message = ylm.load_scene(folder:write("f9.lua", "return scene 'f' { like = 'f8.lua' }"))
+    assert(ylm.load(folder.path .. "/f8.lua"))
+    local scene, message = ylm.load(folder:write("f9.lua", "return scene 'f' { like = 'f8.lua' }"))
     assert.is_nil(scene)
     assert.truthy(message:find "more than 8 scenes that are like one another$", message)
   end)
@@ -143,10 +143,10 @@ describe("a scene that is like another", function()
     local text = "local n = 0 for i = 1, 3e5 do n = n + 1 end "
       .. "return scene 'x' { like = 'half.lua', geometry = box { divide = 10 } }"
     local path = folder:write("whole.lua", text)
-    assert(ylm.load_scene(path, { triangles = 2400 }))
+    assert(ylm.load(path, { triangles = 2400 }))
     refuses("ELIMIT", "whole.lua:1: like: half.lua:1: box: more than 2399 triangles in one scene file", "whole.lua", text,
       { triangles = 2399 })
-    assert(ylm.load_scene(folder.path .. "/half.lua", { instructions = 1e6 }))
+    assert(ylm.load(folder.path .. "/half.lua", { instructions = 1e6 }))
     refuses("ELIMIT", "whole.lua:1: like: half.lua: takes more than 1000000 instructions", "whole.lua",
       text, { instructions = 1e6 })
   end)

@@ -178,9 +178,9 @@ describe("ylm.sh.product", function()
     assert.equal(0, (core.array_distance(whole, (ylm.sh.product(a, a)))))
     assert.same({ nil, "cancelled", "ECANCELLED" }, { ylm.sh.product(a, a, { progress = function() return false end }) })
     assert.has_error(function() ylm.sh.product(a, a, { progress = function() a:close() end }) end)
-    local M = ylm.sh.transfer(a[1], 5)
+    local M = ylm.sh.product_matrix(a[1], 5)
     assert.same({ nil, "cancelled", "ECANCELLED" },
-      { ylm.sh.transfer_apply(M, a, { progress = function() return false end }) })
+      { ylm.sh.apply(M, a, { progress = function() return false end }) })
   end)
 
   it("tells the time of its stages", function()
@@ -191,11 +191,11 @@ describe("ylm.sh.product", function()
   end)
 end)
 
-describe("ylm.sh.transfer", function()
+describe("ylm.sh.product_matrix", function()
   it("multiplies by its function; of Y(2,2) at lmax 4 it has the entries of Green's Fig. 9", function()
     math.randomseed(seed)
     local y22 = { 0, 0, 0, 0, 0, 0, 0, 0, 1 }
-    local M = ylm.sh.transfer(y22, 4)
+    local M = ylm.sh.product_matrix(y22, 4)
     local nonzero = 0
     for i = 1, 25 do
       for j = 1, 25 do
@@ -219,7 +219,7 @@ describe("ylm.sh.transfer", function()
     end
     assert.equal(wanted, nonzero)
     local c = random_vectors(3, 4)
-    assert(relative(ylm.sh.transfer_apply(M, c), ylm.sh.product(c, ylm.sh.resize(y22, 4))) < 1e-14)
+    assert(relative(ylm.sh.apply(M, c), ylm.sh.product(c, ylm.sh.resize(y22, 4))) < 1e-14)
   end)
 
   it("is applied to batches of any number of rows", function()
@@ -227,10 +227,10 @@ describe("ylm.sh.transfer", function()
     for _, lmax in ipairs { 0, 1, 3, 5, 8 } do
       local b = random_vectors(1, lmax)[1]
       for _, dtype in ipairs { "float", "double" } do
-        local M = ylm.sh.transfer(b, lmax, { dtype = dtype })
+        local M = ylm.sh.product_matrix(b, lmax, { dtype = dtype })
         for _, rows in ipairs { 1, 7, 8, 70 } do
           local c = random_vectors(rows, lmax, dtype)
-          assert(relative(ylm.sh.transfer_apply(M, c, { threads = 2 }), ylm.sh.product(c, ylm.array(b, dtype)))
+          assert(relative(ylm.sh.apply(M, c, { threads = 2 }), ylm.sh.product(c, ylm.array(b, dtype)))
             < (dtype == "float" and 2e-6 or 1e-13), "seed " .. seed)
         end
       end
@@ -252,7 +252,7 @@ describe("ylm.sh.transfer", function()
       for i = 1, b do s = s + flat[row * b + i] * v[from + i] end
       return s
     end
-    local apply, n, a, b = ylm.sh.transfer_apply, 5, 9, 25
+    local apply, n, a, b = ylm.sh.apply, 5, 9, 25
     local one, entries = matrices(a, b)
     local square, corners = matrices(9, 9) -- not symmetric
     local c, v = matrices(n, 3, b)
@@ -282,11 +282,11 @@ describe("ylm.sh.transfer", function()
   it("takes functions of higher degree than the vectors, which matter up to twice their lmax", function()
     math.randomseed(seed)
     local b, c = random_vectors(1, 9), random_vectors(5, 3)
-    local M = ylm.sh.transfer(b[1], 3)
+    local M = ylm.sh.product_matrix(b[1], 3)
     local wide = ylm.sh.product(ylm.sh.resize(c, 9), b)
-    assert(relative(ylm.sh.transfer_apply(M, c), ylm.sh.resize(wide, 3)) < 1e-13)
-    assert(relative(ylm.sh.transfer(ylm.sh.resize(b[1], 6), 3), M) < 1e-14)
-    local f = ylm.sh.transfer(b[1], 3, { dtype = "float" })
-    assert(relative(ylm.sh.transfer_apply(f, ylm.array(c, "float")), ylm.sh.resize(wide, 3)) < 1e-5)
+    assert(relative(ylm.sh.apply(M, c), ylm.sh.resize(wide, 3)) < 1e-13)
+    assert(relative(ylm.sh.product_matrix(ylm.sh.resize(b[1], 6), 3), M) < 1e-14)
+    local f = ylm.sh.product_matrix(b[1], 3, { dtype = "float" })
+    assert(relative(ylm.sh.apply(f, ylm.array(c, "float")), ylm.sh.resize(wide, 3)) < 1e-5)
   end)
 end)

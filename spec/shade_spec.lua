@@ -213,14 +213,13 @@ describe("shading", function()
     assert.is_true(report.outside > 0 and report.outside < view.stats.points)
   end)
 
-  it("by a grid is the reference where the field is one that Hermite interpolation represents: a cubic", function()
-    local s, count = small_scene(), 9
+  --- A field of `count` coefficients that is cubic in one axis times linear in the others; gradients by hand.
+  local function cubic_field(count)
     local rng = 7
     local function random()
       rng = rng * 16807 % 2147483647
       return rng / 2147483647 - 0.5
     end
-    -- Cubic in one axis times linear in the others, per channel and coefficient; gradients by hand.
     local terms = {}
     for k = 1, 3 * count do
       terms[k] = {}
@@ -229,7 +228,7 @@ describe("shading", function()
       end
     end
     local function power(x, n) return n == 0 and 1 or x ^ n end
-    local function cubic(points)
+    return function(points)
       local value, gradient = {}, {}
       for i, p in ipairs(points:totable()) do
         value[i], gradient[i] = {}, {}
@@ -253,6 +252,11 @@ describe("shading", function()
       end
       return ylm.array(value), ylm.array(gradient)
     end
+  end
+
+  it("by a grid is the reference where the field is one that Hermite interpolation represents: a cubic", function()
+    local s, count = small_scene(), 9
+    local cubic = cubic_field(count)
     local view = s:prepare { size = { 32, 18 }, samples = 4, transfer_samples = 16, visibility = "transfer", lmax = 2 }
     local box = { { -4, -2, -4 }, { 4, 4, 4 } }
     -- One voxel is the polynomial itself: asked as a light field, point by point, it gives the reference.

@@ -199,7 +199,7 @@ describe("shadowed:without", function()
   end)
 end)
 
-describe("prepared:render { bodies = shade }", function()
+describe("view:render { bodies = shade }", function()
   it("has bodies and their shadows as rays have them", function()
     local shade = shaded()
     local view = prepared(room())

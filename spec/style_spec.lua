@@ -33,6 +33,44 @@ describe("the tree", function()
     end
   end)
 
+  it("keeps state of an object in core.own, and in no weak table", function()
+    local wrong = {}
+    for _, path in ipairs(scratch.lines "find lua/ylm -name '*.lua'") do
+      local n = 0
+      for line in io.lines(path) do
+        n = n + 1
+        if line:find "__mode" then wrong[#wrong + 1] = path .. ":" .. n end
+      end
+    end
+    assert.equal("", table.concat(wrong, "\n"))
+  end)
+
+  -- Functions of a C file that begin in column 1: calls f(line number, lines), signature and body.
+  local function each_function(path, f)
+    local n, first, opened = 0, nil, false
+    for line in io.lines(path) do
+      n = n + 1
+      if line:find "^[%w_][^;=]*%(" and not line:find "^typedef" then first = first or n end
+      opened = opened or first and line:find "{$" ~= nil
+      if line:find "^}" or not opened and (line == "" or line:find ";$") then
+        if line == "}" and first then f(first, n - first + 1) end
+        first, opened = nil, false
+      end
+    end
+  end
+
+  it("has functions in C of at most 70 lines", function()
+    local wrong, count = {}, 0
+    for _, path in ipairs(scratch.lines "find csrc -name gen -prune -o \\( -name '*.[ch]' -o -name '*.cpp' \\) -print") do
+      each_function(path, function(n, lines)
+        count = count + 1
+        if lines > 70 then wrong[#wrong + 1] = ("%s:%d: %d lines"):format(path, n, lines) end
+      end)
+    end
+    assert(count > 4000, count)
+    assert.equal("", table.concat(wrong, "\n"))
+  end)
+
   it("compiles under Lua 5.5", function()
     if not scratch.shell "command -v lua5.5 >/dev/null" then pending "lua5.5 is not installed" end
     local list = folder:write("list.lua", "return { [[" .. table.concat(lua_files(), "]], [[") .. "]] }")
@@ -42,7 +80,9 @@ describe("the tree", function()
   end)
 
   it("has the specs that spec/once.lua names", function()
-    for name in pairs(dofile "spec/once.lua") do assert(io.open("spec/" .. name .. "_spec.lua"), name):close() end
+    for _, names in pairs(dofile "spec/once.lua") do
+      for name in names:gmatch "%S+" do assert(io.open("spec/" .. name .. "_spec.lua"), name):close() end
+    end
   end)
 
   -- The lines of a C file that a reflow of comments has torn: the end of a comment of one line, alone

@@ -35,7 +35,7 @@ local few, many = lamps(40), lamps(400)
 local bakes = {
   { ylm.adaptive_grid { bounds = bounds, lmax = 3, depth = 5, tolerance = 0.05, channels = "rgb" }, few, { occupied = floor } },
   { ylm.adaptive_grid { bounds = bounds, lmax = 2, depth = 4, threshold = 2 }, { few, panel }, {} },
-  { ylm.uniform_grid { bounds = bounds, cells = { 24, 20, 24 }, lmax = 2 }, many, { light_tolerance = 0.05 } },
+  { ylm.uniform_grid { bounds = bounds, cells = { 24, 20, 24 }, lmax = 2 }, many, { sums_tolerance = 0.05 } },
   { ylm.adaptive_grid { bounds = bounds, lmax = 2, depth = 3, threshold = 0.5 }, analytic, {} },
 }
 for i, one in ipairs(bakes) do

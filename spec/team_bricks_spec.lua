@@ -48,7 +48,7 @@ describe("a bake in bricks that a team shares", function()
       local ylm = require "ylm"
       local team = ylm.team()
       local ok, grid, message = pcall(ylm.bake, ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 0, depth = 3,
-        threshold = 1, bricks = 1 }, ylm.sphere_light { at = { 0, 2, 0 } }, { team = team, to = %q .. team.rank .. ".ylmd" })
+        threshold = 1, bricks = 1 }, ylm.sphere_light { at = { 0, 2, 0 } }, { team = team, folder = %q .. team.rank .. ".ylmd" })
       if team.rank == 2 then print(tostring(ok and message or grid)) end]]):format(folder.path .. "/two"))
     assert.matches("process 2 was called with another name of the folder of bricks %(to, %-o%) than process 1", out)
   end)
@@ -59,9 +59,9 @@ describe("a bake in bricks that a team shares", function()
     local script = folder:write("kill.lua", ([[
       local ylm = require "ylm"
       local team = ylm.team()
-      local scene = assert(ylm.load_scene(%q))
+      local scene = assert(ylm.load(%q))
       local calls = 0
-      assert(scene:bake { to = %q, team = team, threads = 1, progress = function(_, _, stage)
+      assert(scene:bake { folder = %q, team = team, threads = 1, progress = function(_, _, stage)
         if stage == "bricks" then calls = calls + 1 end
         if calls == 4 then os.execute "kill -9 $PPID" end
         return true

@@ -115,8 +115,8 @@ describe("a bake in bricks that a team shares, where something breaks", function
 
   --- A folder whose bake was cancelled while bricks were joined: it has files of every kind.
   local function begun(name)
-    local calls, loaded = 0, assert(ylm.load_scene(folder.path .. "/scene.lua"))
-    local grid, message = loaded:bake { to = to(name), threads = 1, progress = function(_, _, stage)
+    local calls, loaded = 0, assert(ylm.load(folder.path .. "/scene.lua"))
+    local grid, message = loaded:bake { folder = to(name), threads = 1, progress = function(_, _, stage)
       if stage == "joining" then calls = calls + 1 end
       return calls < 4
     end }

@@ -411,7 +411,7 @@ describe("materials of OBJ files", function()
       .. "quad { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 }, material = matte { file = 't.png' } } } }")
     local function try(library, limits)
       folder:write("inner/a.mtl", library)
-      return ylm.load_scene(inner .. "/scene.lua", limits)
+      return ylm.load(inner .. "/scene.lua", limits)
     end
     local s = assert(try "newmtl x\nmap_Kd t.png\n")
     assert(material.texture(s.geometry[1].material) and material.texture(s.geometry[2].material))

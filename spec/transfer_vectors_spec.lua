@@ -170,13 +170,13 @@ describe("view:render by vectors", function()
   end)
 end)
 
-describe("prepared:matrices", function()
+describe("view:matrices", function()
   it("cuts the sphere at the horizon in the open: the matrix of a hemisphere", function()
     local floor = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } }
     local s = ylm.scene "a floor" { geometry = floor, camera = ylm.camera { from = { 0, 2, 0 }, at = { 0, 0, 0 },
       up = { 0, 0, 1 }, fov = 20 } }
     local M = s:prepare { size = { 3, 3 }, samples = 1 }:matrices { transfer = s:transfer { links = 4, lmax = 3 }, rays = 4096 }
-    local half = ylm.sh.transfer(ylm.sh.cap(6, { 0, 1, 0 }, pi / 2), 3)
+    local half = ylm.sh.product_matrix(ylm.sh.cap(6, { 0, 1, 0 }, pi / 2), 3)
     for i = 1, #M do
       for c = 1, 3 do assert(relative(ylm.array(M[i][c], "double"), half) < 3e-3) end
     end
@@ -206,12 +206,12 @@ describe("prepared:matrices", function()
     end
   end)
 
-  it("is applied to the light of a sky by sh.transfer_apply", function()
+  it("is applied to the light of a sky by sh.apply", function()
     local s = court(sky)
     local t, view = s:transfer(cut), s:prepare { size = { 6, 4 }, samples = 1 }
     local M = view:matrices { transfer = t, lmax_out = 3, rays = 64 }
     local L = ylm.light_field(2, sky, { 0, 0, 0 })
-    local incident = ylm.sh.transfer_apply(M, L)
+    local incident = ylm.sh.apply(M, L)
     assert.same({ #M, 3, 16 }, incident.shape)
     local x = 0
     for k = 1, 9 do x = x + M:get(5, 2, 3, k) * L:get(2, k) end

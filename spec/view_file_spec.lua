@@ -167,7 +167,7 @@ describe("view:save \"x.gltf\"", function()
     local least, largest = text:match "bounds (%S+) %S+ %S+ (%S+)"
     assert.near(-1, tonumber(least), 0.3)
     assert.near(2.5, tonumber(largest), 1e-3)
-    local model, message, code = ylm.load_gltf(path)
+    local model, message, code = ylm.load(path)
     if code == "EMISSING" then return end
     assert(model, message)
     for a = 1, 3 do assert.near(camera.from[a], model.camera.from[a], 1e-12) end
@@ -177,7 +177,7 @@ describe("view:save \"x.gltf\"", function()
     assert.truthy(require "ylm.material.texture".of(slice.material))
     for _, piece in ipairs(model.geometry) do assert.equal("both", piece.sides) end
     assert(ylm.view { sh = { { 1, 0, 0, 0 } } }:save(path))
-    local lobe = assert(ylm.load_gltf(path)).geometry[1].mesh
+    local lobe = assert(ylm.load(path)).geometry[1].mesh
     local p, n = lobe:vertices():totable()[1], lobe:normals():totable()[1]
     local length = math.sqrt(p[1] ^ 2 + p[2] ^ 2 + p[3] ^ 2)
     for a = 1, 3 do assert.near(p[a] / length, n[a], 1e-2) end -- a ball

@@ -196,7 +196,7 @@ describe("a tree of virtual lights", function()
   it("is what grids are baked by", function()
     local lights = scene("room", 0)
     local grid = ylm.uniform_grid { bounds = { { 0.2, 0.2, 0.2 }, { 0.8, 0.8, 0.8 } }, cells = { 3, 3, 3 }, lmax = 2 }
-    local whole, within = ylm.bake(grid, lights), ylm.bake(grid, lights, { light_tolerance = 0.05 })
+    local whole, within = ylm.bake(grid, lights), ylm.bake(grid, lights, { sums_tolerance = 0.05 })
     local a, b = whole:sample(places(20)), within:sample(places(20))
     local _, d, norm = core.array_distance(b, a)
     assert(d > 0 and d < 0.05 * norm, ("%g of %g"):format(d, norm))

@@ -23,6 +23,14 @@ describe("baking on a device", function()
     local description = ylm.adaptive_grid { bounds = { { 5e6, 5e6, 0 }, { 5e6 + 4, 5e6 + 4, 4 } }, tolerance = 0.05, lmax = 1 }
     local ok, message, text = pcall(ylm.bake, description, far, { device = gpu })
     assert.matches("positions to float, and 5e%+06 from the origin", tostring(ok and text or message))
+    local near = ylm.adaptive_grid { bounds = { { 5e3, 5e3, 0 }, { 5e3 + 4, 5e3 + 4, 4 } },
+      tolerance = 1e-4, depth = 4, lmax = 1 }
+    local lamp = ylm.sphere_light { at = { 5e3, 5e3, 3 } }
+    ok, message, text = pcall(ylm.bake, near, lamp, { device = gpu })
+    assert.matches("too coarse for a tolerance of 0.0001", tostring(ok and text or message))
+    local cells = ylm.uniform_grid { bounds = description.bounds, cells = { 16, 16, 16 }, lmax = 1 }
+    ok, message, text = pcall(ylm.bake, cells, far, { device = gpu })
+    assert.matches("that is 1.2 of the finest voxel", tostring(ok and text or message))
   end)
 
   describe("agreement with the processor", function()
@@ -160,7 +168,7 @@ describe("baking on a device", function()
       end)
       refused("device: bricks are baked by the processor", function()
         return (ylm.bake(ylm.adaptive_grid { bounds = box, depth = 3, lmax = 1, threshold = 0.5, bricks = 1 }, lamps_of(5),
-          { device = gpu, to = "never.ylmd" }))
+          { device = gpu, folder = "never.ylmd" }))
       end)
       refused("device must be an open device", function() return (ylm.bake(uniform, lamps_of(5), { device = "gpu" })) end)
     end)

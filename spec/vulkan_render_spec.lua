@@ -39,6 +39,17 @@ describe("ylm.vulkan", function()
       end
     end)
 
+    it("is refused far from the origin", function()
+      local gpu, o = open(), 5e6
+      local s = ylm.scene "far" { geometry = ylm.quad { corner = { o, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 0, -1 } },
+        camera = ylm.camera { from = { o + 0.5, 2, -0.5 }, at = { o + 0.5, 0, -0.5 }, up = { 1, 0, 0 } } }
+      local grid = assert(ylm.bake(
+        ylm.uniform_grid { lmax = 2, cells = { 2, 2, 2 }, bounds = { { o, -1, -2 }, { o + 2, 1, 0 } } },
+        ylm.sphere_light { at = { o, 2, 0 }, radiance = 1 }))
+      local ok, image, message = pcall(s.render, s, { grid = grid, size = { 8, 8 }, samples = 1, device = gpu })
+      assert.matches("the scene lies far from the origin", tostring(ok and message or image))
+    end)
+
     it("keeps a view's points on the device between frames", function()
       local gpu, s = open(), scene "rgb"
       local grid, view = assert(s:bake()), assert(s:prepare { size = { 40, 30 }, samples = 1, visibility = "transfer" })

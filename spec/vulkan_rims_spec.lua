@@ -228,11 +228,11 @@ describe("exact flat lights on a device", function()
     local form = ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 }
     for _, o in ipairs { { lights, gpu }, { copied } } do
       local plain = ylm.bake(form, o[1], { device = o[2] })
-      local grid = assert(ylm.bake(form, o[1], { device = o[2], light_tolerance = 0.05 }))
+      local grid = assert(ylm.bake(form, o[1], { device = o[2], sums_tolerance = 0.05 }))
       local _, apart = core.array_distance(grid:points().value, plain:points().value)
       assert.equal(0, apart)
-      local ok, message = pcall(ylm.bake, form, o[1], { device = o[2], light_tolerance = 2 })
-      assert(not ok and message:find "light_tolerance must be a number", message)
+      local ok, message = pcall(ylm.bake, form, o[1], { device = o[2], sums_tolerance = 2 })
+      assert(not ok and message:find "sums_tolerance must be a number", message)
     end
     local ok, message = pcall(ylm.light_field, 3, lights, points, { device = gpu, tolerance = 0 })
     assert(not ok and message:find "tolerance must be a number", message)

@@ -1,7 +1,25 @@
-/* field.c - light fields far from 0: origins, and fields that do not know them. */
+/* field.c - light fields: the check of a query; far from 0 origins, and fields that do not know them. */
 #include <math.h>
 
 #include "ylm_base.h"
+
+ylm_status ylm_field_check(const ylm_field_query *q, size_t n, const void *points,
+                           const ylm_field_result *r, int most, const char *what, ylm_error *e) {
+  size_t where;
+  if (q->lmax < 0 || q->lmax > most)
+    return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for %s, got %d", most, what, q->lmax);
+  if (q->channels != 1 && q->channels != 3)
+    return ylm_fail(e, YLM_EINVAL, "channels must be 1 or 3, got %d", q->channels);
+  if ((q->want & YLM_WANT_METRIC) && q->metric_channels != 1 && q->metric_channels != 3)
+    return ylm_fail(e, YLM_EINVAL, "metric_channels must be 1 or 3, got %d", q->metric_channels);
+  if (((q->want & YLM_WANT_VALUE) && !r->value) ||
+      ((q->want & YLM_WANT_GRADIENT) && !r->gradient) ||
+      ((q->want & YLM_WANT_HESSIAN) && !r->hessian))
+    return ylm_fail(e, YLM_EINVAL, "a result is wanted but has no place to go");
+  if (points && !ylm_all_finite(q->dtype, points, 3 * n, &where))
+    return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", where / 3 + 1);
+  return YLM_OK;
+}
 
 void ylm_origin(const double box[6], double origin[3]) {
   double half = 0, far = 0;
@@ -95,7 +113,7 @@ ylm_status ylm_field_evaluate(const ylm_field *f, const ylm_field_query *q, size
   if (most < LEAST) most = LEAST;
   if (most > n) most = n ? n : 1;
   ylm_status s = make(&w, most, r) ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_ENOMEM) s = ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s == YLM_ENOMEM) s = ylm_fail_plain(e, s);
   for (size_t i = 0; s == YLM_OK && i < n; i += most)
     s = ask(&w, i, n - i < most ? n - i : most, points, r, e);
   forget(&w);

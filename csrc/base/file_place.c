@@ -91,7 +91,7 @@ static bool may_replace(const char *path, const ylm__place *p) {
 
 /* Says why there is no place: errno, and where a link leads to. */
 static ylm_status fail_to_find(const char *path, const ylm__place *p, ylm_error *e) {
-  if (errno == ENOMEM) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  if (errno == ENOMEM) return ylm_no_memory_for(e, path);
   bool link = p->path && strcmp(path, p->path) != 0;
   return ylm_fail(e, YLM_EIO, "%s: cannot be %s: %s%s%s%s", path, p->exists ? "written" : "created",
                   strerror(errno), link ? " (it is a link to " : "", link ? p->path : "",

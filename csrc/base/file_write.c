@@ -38,7 +38,7 @@ static bool open_stream(ylm_file *f) {
 /* Says why no file could be made beside the place. */
 static ylm_status fail_to_open(const ylm_file *f, ylm_error *e) {
   const char *why = strerror(errno);
-  if (errno == ENOMEM) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", f->path);
+  if (errno == ENOMEM) return ylm_no_memory_for(e, f->path);
   if (f->place.exists)
     return ylm_fail(
         e, YLM_EIO,
@@ -55,7 +55,7 @@ ylm_status ylm_file_create(const char *path, ylm_file **out, ylm_error *e) {
   if (f) f->path = strdup(path);
   if (!f || !f->path) {
     free(f);
-    return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+    return ylm_no_memory_for(e, path);
   }
   ylm_status s = ylm__place_find(path, &f->place, e);
   if (s == YLM_OK) {

@@ -47,3 +47,13 @@ ylm_status ylm_fail(ylm_error *e, ylm_status s, const char *format, ...) {
   }
   return s;
 }
+
+ylm_status ylm_fail_plain(ylm_error *e, ylm_status s) {
+  return ylm_fail(e, s, "%s", ylm_status_text(s));
+}
+
+ylm_status ylm_no_memory(ylm_error *e) { return ylm_fail_plain(e, YLM_ENOMEM); }
+
+ylm_status ylm_no_memory_for(ylm_error *e, const char *name) {
+  return ylm_fail(e, YLM_ENOMEM, "%s: %s", name, ylm_status_text(YLM_ENOMEM));
+}

@@ -22,6 +22,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "ylm_math.h"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -85,6 +87,11 @@ YLM_API bool ylm_status_is_callers(ylm_status s);
 /* Writes status and formatted sentence to `e` (may be NULL) and returns `s`. */
 YLM_API ylm_status ylm_fail(ylm_error *e, ylm_status s, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+/* ylm_fail with the status's general sentence. */
+YLM_API ylm_status ylm_fail_plain(ylm_error *e, ylm_status s);
+/* Memory ran out: YLM_ENOMEM with its general sentence, which the second form says of a file or a place. */
+YLM_API ylm_status ylm_no_memory(ylm_error *e);
+YLM_API ylm_status ylm_no_memory_for(ylm_error *e, const char *name);
 
 /* -- memory ---------------------------------------------------------------- */
 
@@ -369,6 +376,20 @@ struct ylm_field {
   bool pointwise; /* a point's results are the same bits whatever other points the query has */
   bool relative;  /* evaluate honours the query's origin */
 };
+
+/*
+** ylm_field_check - refuse a query that a field cannot answer.
+**
+**   points  in   [n][3] in the query's dtype; NULL: they are not looked at
+**   most    in   the field's highest lmax
+**   what    in   the light that is asked for, in the message on lmax: "these lights"
+**
+** Returns  YLM_OK; YLM_ERANGE (lmax), YLM_EINVAL (channels, a result without a place), YLM_EDOMAIN (a point that is not
+** finite). field.c
+*/
+YLM_API ylm_status ylm_field_check(const ylm_field_query *q, size_t n, const void *points,
+                                   const ylm_field_result *r, int most, const char *what,
+                                   ylm_error *e);
 
 /*
 ** ylm_field_evaluate - the field's `evaluate` for queries that may have an origin.

@@ -26,10 +26,31 @@
 #define YLM__SET_DECLARE(isa, type, name) extern type name##_##isa;
 #define YLM_SETS_DECLARE(type, name) YLM_SETS_WITH(YLM__SET_DECLARE, type, name)
 
-/* The cases of a switch over a ylm_isa that return them. */
-#define YLM__SET_RETURN(isa, name)                                                                 \
+/*
+** YLM_KERNEL_CHOICE - defines the function that gives the kernel in use.
+**
+**   YLM_KERNEL_CHOICE(sum_fn, ylm__sum, ylm_k_sum, plain);
+**
+** is `sum_fn *ylm__sum(void)`: the address of ylm_k_sum_avx2 or its like of another set, which files
+** x.isa.c define, or `plain` by default, which may be NULL. Kernels are functions, or tables of them
+** (`const type`). YLM_KERNEL_CHOICE_OF is the same for a set that is given: `sum_fn *ylm__sum(ylm_isa isa)`.
+** `static` may stand before either.
+*/
+#define YLM_KERNEL_CHOICE(type, function, name, plain)                                             \
+  type *function(void) { YLM__KERNEL_OF(type, ylm_isa_current(), name, plain) }                     \
+  _Static_assert(1, "a semicolon follows")
+#define YLM_KERNEL_CHOICE_OF(type, function, name, plain)                                          \
+  type *function(ylm_isa isa) { YLM__KERNEL_OF(type, isa, name, plain) }                            \
+  _Static_assert(1, "a semicolon follows")
+
+#define YLM__SET_CASE(isa, name)                                                                   \
   case YLM_ISA_##isa:                                                                              \
-    return name##_##isa;
-#define YLM_SETS_RETURN(name) YLM_SETS_WITH(YLM__SET_RETURN, name)
+    return &name##_##isa;
+#define YLM__KERNEL_OF(type, set, name, plain)                                                     \
+  YLM_SETS_DECLARE(type, name)                                                                     \
+  switch (set) {                                                                                   \
+    YLM_SETS_WITH(YLM__SET_CASE, name)                                                             \
+  default: return plain;                                                                           \
+  }
 
 #endif

@@ -11,10 +11,10 @@ ylm_status ylm_codec_deflate(const unsigned char *bytes, size_t size, unsigned c
   if (size > ((size_t)1 << 31)) return ylm_fail(e, YLM_ELIMIT, "deflate: more than 2 GiB at once");
   uLongf n = compressBound((uLong)size);
   unsigned char *room = ylm_alloc((size_t)n, 1);
-  if (!room) return ylm_fail(e, YLM_ENOMEM, "deflate: memory ran out");
+  if (!room) return ylm_no_memory_for(e, "deflate");
   if (compress2(room, &n, bytes, (uLong)size, Z_BEST_COMPRESSION) != Z_OK) {
     ylm_free(room);
-    return ylm_fail(e, YLM_ENOMEM, "deflate: memory ran out");
+    return ylm_no_memory_for(e, "deflate");
   }
   *out = room;
   *packed = (size_t)n;
@@ -25,7 +25,7 @@ ylm_status ylm_codec_inflate(const unsigned char *bytes, size_t size, size_t wan
                              unsigned char *out, ylm_error *e) {
   uLongf n = (uLongf)wanted;
   int result = uncompress(out, &n, bytes, (uLong)size);
-  if (result == Z_MEM_ERROR) return ylm_fail(e, YLM_ENOMEM, "inflate: memory ran out");
+  if (result == Z_MEM_ERROR) return ylm_no_memory_for(e, "inflate");
   if (result != Z_OK || n != wanted)
     return ylm_fail(e, YLM_EFORMAT, "inflate: the stream is damaged, or not of %zu bytes", wanted);
   return YLM_OK;

@@ -1,5 +1,6 @@
 /* display.c - the protocol of tev over TCP, see ylm_display.h. */
 #include "ylm_display.h"
+#include "ylm_list.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -42,15 +43,7 @@ typedef struct packet {
 } packet;
 
 static void put(packet *p, const void *from, size_t n) {
-  if (p->size + n > p->room && !p->failed) {
-    size_t room = 2 * (p->size + n);
-    unsigned char *more = ylm_realloc(p->bytes, p->size, room, 1);
-    if (more) {
-      p->bytes = more;
-      p->room = room;
-    } else
-      p->failed = true;
-  }
+  p->failed = p->failed || !ylm_list_reserve(&p->bytes, p->size, p->size + n, &p->room, 1);
   if (p->failed) return;
   memcpy(p->bytes + p->size, from, n);
   p->size += n;

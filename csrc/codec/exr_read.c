@@ -179,7 +179,7 @@ static ylm_status read_texts(reading *r) {
       continue;
     const char *key = ylm__exr_text(a->name);
     ylm_status st = a->string->str ? ylm_image_set_text(r->image, key, a->string->str) : YLM_OK;
-    if (st == YLM_ENOMEM) return ylm_fail(r->e, st, "%s: memory ran out", r->name);
+    if (st == YLM_ENOMEM) return ylm_no_memory_for(r->e, r->name);
   }
   return YLM_OK;
 }
@@ -303,7 +303,7 @@ ylm_status ylm__exr_parse(const unsigned char *bytes, size_t size, const char *n
                           const ylm_codec_input *input, ylm_image **image, ylm_error *e) {
   *image = NULL;
   reading *r = ylm_alloc_zero(1, sizeof *r);
-  if (!r) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  if (!r) return ylm_no_memory_for(e, name);
   r->s.bytes = bytes;
   r->s.size = size;
   r->name = name;

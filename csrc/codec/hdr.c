@@ -144,7 +144,7 @@ ylm_status ylm__hdr_parse(const unsigned char *bytes, size_t size, const char *n
   st = ylm__codec_start(name, input, w, h, 3, size, (size_t)(l.rows * (l.columns / 32)), image, e);
   if (st != YLM_OK) return st;
   unsigned char *row = ylm_alloc((size_t)l.columns, 4);
-  if (!row) st = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  if (!row) st = ylm_no_memory_for(e, name);
   for (size_t j = 0; st == YLM_OK && j < l.rows; j++) {
     if (!read_row(&s, row, (size_t)l.columns)) {
       st = ylm_fail(e, YLM_EFORMAT, "%s: damaged or truncated in row %zu of %llu", name, j + 1,
@@ -236,8 +236,7 @@ ylm_status ylm__hdr_write(const ylm_image *image, const ylm_layer *layer, const 
   }
   unsigned char *row = ylm_alloc(n, 4), *out = ylm_alloc(2 * n + 8, 1);
   ylm_file *f = NULL;
-  ylm_status s = row && out ? ylm_file_create(path, &f, e)
-                            : ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  ylm_status s = row && out ? ylm_file_create(path, &f, e) : ylm_no_memory_for(e, path);
   if (s == YLM_OK) {
     char head[128];
     int length = snprintf(head, sizeof head,

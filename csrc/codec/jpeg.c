@@ -61,7 +61,7 @@ static ylm_status read_all(work *w, const unsigned char *bytes, size_t size, con
   jpeg_start_decompress(j);
   size_t n = (size_t)j->output_width * (size_t)channels;
   w->row = ylm_alloc_zero(n, 1);
-  if (!w->row) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  if (!w->row) return ylm_no_memory_for(e, name);
   float table[256], *out = w->image->layer[0].data;
   for (int i = 0; i < 256; i++)
     table[i] = input->raw ? (float)i / 255 : ylm_tone_decode_srgb((float)i / 255);
@@ -77,14 +77,14 @@ ylm_status ylm__jpeg_parse(const unsigned char *bytes, size_t size, const char *
                            const ylm_codec_input *input, ylm_image **image, ylm_error *e) {
   *image = NULL;
   work *w = ylm_alloc_zero(1, sizeof *w);
-  if (!w) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  if (!w) return ylm_no_memory_for(e, name);
   volatile ylm_status s = YLM_OK;
   w->jpeg.err = jpeg_std_error(&w->st.base);
   w->st.base.error_exit = on_error;
   w->st.base.emit_message = on_message;
   if (setjmp(w->st.back)) {
     s = w->st.base.msg_code == JERR_OUT_OF_MEMORY
-            ? ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name)
+            ? ylm_no_memory_for(e, name)
             : ylm_fail(e, YLM_EFORMAT, "%s: not a whole JPEG image: %s", name, w->st.message);
   } else {
     jpeg_create_decompress(&w->jpeg);

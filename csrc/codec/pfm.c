@@ -70,7 +70,7 @@ ylm_status ylm__pfm_write(const ylm_image *image, const ylm_layer *layer, const 
   size_t row = (size_t)image->width * (size_t)layer->channels;
   unsigned char *bytes = ylm_alloc(row, 4);
   ylm_file *f;
-  if (!bytes) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  if (!bytes) return ylm_no_memory_for(e, path);
   ylm_status s = ylm_file_create(path, &f, e);
   if (s == YLM_OK) {
     char head[64];

@@ -1,5 +1,6 @@
 /* png.c - PNG through libpng's low-level interface (the simplified one hides limits). */
 #include "codec.h"
+#include "ylm_list.h"
 
 #include <png.h>
 #include <setjmp.h>
@@ -51,13 +52,7 @@ static void on_read(png_structp png, png_bytep out, size_t n) {
 
 /* Appends to s->written. */
 static bool keep(state *s, const unsigned char *data, size_t n) {
-  if (n > s->room - s->size) {
-    size_t room = 2 * s->room + n + 4096;
-    unsigned char *more = ylm_realloc(s->written, s->size, room, 1);
-    if (!more) return false;
-    s->written = more;
-    s->room = room;
-  }
+  if (!ylm_list_reserve(&s->written, s->size, s->size + n, &s->room, 1)) return false;
   memcpy(s->written + s->size, data, n);
   s->size += n;
   return true;
@@ -112,7 +107,7 @@ static ylm_status read_all(png_structp png, png_infop info, const char *name,
   size_t row = png_get_rowbytes(png, info);
   w->pixels = ylm_alloc_zero(row, height);
   w->rows = ylm_alloc(height, sizeof *w->rows);
-  if (!w->pixels || !w->rows) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  if (!w->pixels || !w->rows) return ylm_no_memory_for(e, name);
   for (size_t y = 0; y < height; y++) w->rows[y] = w->pixels + y * row;
   png_read_image(png, w->rows);
   png_read_end(png, NULL);
@@ -145,9 +140,9 @@ ylm_status ylm__png_parse(const unsigned char *bytes, size_t size, const char *n
   png_infop info = png ? png_create_info_struct(png) : NULL;
   volatile ylm_status s = YLM_OK;
   if (!w || !info) {
-    s = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+    s = ylm_no_memory_for(e, name);
   } else if (setjmp(png_jmpbuf(png))) {
-    s = st.no_memory ? ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name)
+    s = st.no_memory ? ylm_no_memory_for(e, name)
                      : ylm_fail(e, YLM_EFORMAT, "%s: not a whole PNG image: %s", name, st.message);
   } else {
     png_set_read_fn(png, &st, on_read);

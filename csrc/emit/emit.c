@@ -91,7 +91,7 @@ static ylm_status fill_some(void *context, size_t begin, size_t end, int worker)
     for (size_t k = 0; k < 3; k++) {
       f->l->at[3 * i + k] = (double)from->at[k];
       f->l->normal[3 * i + k] = length > 0 ? n[k] / length : 0;
-      f->l->intensity[3 * i + k] = (double)from->power[k] / EMIT_PI;
+      f->l->intensity[3 * i + k] = (double)from->power[k] / YLM_PI;
     }
   }
   return YLM_OK;

@@ -8,8 +8,7 @@
 #include "ylm_emit.h"
 #include "ylm_vector.h"
 
-#define EMIT_PI 3.14159265358979323846
-#define EMIT_WIDEST (85 * EMIT_PI / 180) /* half the opening of a grid */
+#define EMIT_WIDEST (85 * YLM_PI / 180) /* half the opening of a grid */
 
 /* -- sequence.c --------------------------------------------------------------------- */
 
@@ -57,7 +56,7 @@ bool ylm__emit_texel(const emit_lamps *l, size_t i, ylm_trace_ray *ray, double p
 static inline void ylm__emit_turn(double t, double *cosine, double *sine) {
   static const double sign[5][2] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}, {1, 0}};
   int quarter = (int)(4 * t + 0.5);
-  double x = 2 * EMIT_PI * (t - 0.25 * quarter), y = x * x;
+  double x = 2 * YLM_PI * (t - 0.25 * quarter), y = x * x;
   double s = y * (-1.0 / 1307674368000), c = y * (1.0 / 20922789888000);
   s = y * (s + 1.0 / 6227020800), c = y * (c - 1.0 / 87178291200);
   s = y * (s - 1.0 / 39916800), c = y * (c + 1.0 / 479001600);
@@ -134,7 +133,7 @@ ylm_status ylm__emit_emission(const emit_gloss *g, const emit_landing *landing,
                               const ylm_emit_options *o, ylm_emit_lights *lights,
                               ylm_emit_report *report, ylm_error *e);
 
-/* -- density.c ---------------------------------------------------------------------- */
+/* -- neighbours.c ------------------------------------------------------------------- */
 
 /* radius [n] of each landing: scale d/sqrt(k), d the distance to the k-th neighbour of its surface, k = 10
    or as many as there are; 0: there are none. Neighbours have normals within 60 degrees, and are within d/2

@@ -51,10 +51,10 @@ static ylm_status measure(void *context, size_t begin, size_t end, int worker) {
   gloss_material *m = context;
   for (size_t i = begin; i < end; i++) {
     size_t rows = (size_t)m->rows;
-    double angle = (double)(i % rows) / (double)(rows - 1) * EMIT_PI / 2;
+    double angle = (double)(i % rows) / (double)(rows - 1) * YLM_PI / 2;
     float w[3];
     /* the last row is a little above the horizon */
-    toward(fmin(angle, 0.4999 * EMIT_PI), 2 * EMIT_PI * (double)(i / rows) / m->columns, w);
+    toward(fmin(angle, 0.4999 * YLM_PI), 2 * YLM_PI * (double)(i / rows) / m->columns, w);
     ylm_material_reflectance(m->m, 1, (const float(*)[3])w, m->reflectance + i);
   }
   return YLM_OK;
@@ -124,10 +124,10 @@ void ylm__emit_frame(const ylm_scene_surface *s, float x[3], float y[3]) {
 
 void ylm__emit_reflectance(const emit_gloss *g, uint32_t slot, const float wo[3], float out[3]) {
   const gloss_material *m = &g->material[slot];
-  double row = acos(fmin(1, fmax(0, (double)wo[2]))) / (EMIT_PI / 2) * (m->rows - 1);
+  double row = acos(fmin(1, fmax(0, (double)wo[2]))) / (YLM_PI / 2) * (m->rows - 1);
   double column = 0;
   if (m->columns > 1) {
-    column = atan2((double)wo[1], (double)wo[0]) / (2 * EMIT_PI) * m->columns;
+    column = atan2((double)wo[1], (double)wo[0]) / (2 * YLM_PI) * m->columns;
     if (column < 0) column += m->columns;
   }
   int i = (int)fmin(row, m->rows - 2), j = (int)column;
@@ -224,12 +224,12 @@ static bool prepare(making *x) {
   x->turned = ylm_alloc(BATCH, 3 * x->count * sizeof *x->turned);
   bool ok = x->basis && basis && x->row && x->turned && ylm_material_cosine(K, a) == YLM_OK &&
             ylm_sh_rotator_create(K, &x->rotator, NULL) == YLM_OK;
-  for (int l = 0; l <= K; l++) x->flux[l] = a[l] * sqrt((2 * l + 1) / (4 * EMIT_PI));
+  for (int l = 0; l <= K; l++) x->flux[l] = a[l] * sqrt((2 * l + 1) / (4 * YLM_PI));
   ylm_sh_gauss_legendre(RINGS, z, weight);
   for (int i = 0; i < RINGS; i++) {
     double cosine = (z[i] + 1) / 2;
-    x->part[i] = cosine * weight[i] / 2 * 2 * EMIT_PI / TURNS;
-    for (int j = 0; j < TURNS; j++, k++) toward(acos(cosine), 2 * EMIT_PI * j / TURNS, at[k]);
+    x->part[i] = cosine * weight[i] / 2 * 2 * YLM_PI / TURNS;
+    for (int j = 0; j < TURNS; j++, k++) toward(acos(cosine), 2 * YLM_PI * j / TURNS, at[k]);
   }
   ok = ok && ylm_sh_eval(K, 0, true, YLM_FLOAT, RINGS * TURNS, at[0], basis, NULL, NULL, 1, NULL) ==
                  YLM_OK;
@@ -362,7 +362,7 @@ ylm_status ylm__emit_emission(const emit_gloss *g, const emit_landing *landing,
   s = l->emission && prepare(&x) ? YLM_OK : YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < l->n; i++)
     for (size_t c = 0; landing[i].slot == EMIT_MATTE && c < 3; c++)
-      l->emission[(3 * i + c) * x.count] = sqrt(4 * EMIT_PI) * l->intensity[3 * i + c];
+      l->emission[(3 * i + c) * x.count] = sqrt(4 * YLM_PI) * l->intensity[3 * i + c];
   for (size_t k = 0; s == YLM_OK && k < g->n; k++) s = do_material(&x, k, e);
   report->missed[0] = x.weight > 0 ? sqrt(x.missed[0] / x.weight) : 0;
   report->missed[1] = x.missed[1];

@@ -21,7 +21,7 @@ static double edges(const double *x, double a[3], double b[3], double normal[3])
   cross(a, b, normal);
   double area = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
   if (!ylm_unit3(normal)) return 0;
-  return triangle ? area / 2 : EMIT_PI * area;
+  return triangle ? area / 2 : YLM_PI * area;
 }
 
 /* The side that a lamp with this normal and horizon shines to: 1, -1, or 0: both, or neither wholly. */
@@ -36,8 +36,8 @@ static int side_of(const double *x, const double normal[3]) {
 }
 
 static double power_of(const double *x) {
-  double a[3], b[3], normal[3], light = EMIT_PI * ylm_luminance_size(x);
-  if (x[SPHERE] > 0) return light * 4 * EMIT_PI * x[SPHERE_RADIUS] * x[SPHERE_RADIUS];
+  double a[3], b[3], normal[3], light = YLM_PI * ylm_luminance_size(x);
+  if (x[SPHERE] > 0) return light * 4 * YLM_PI * x[SPHERE_RADIUS] * x[SPHERE_RADIUS];
   double area = edges(x, a, b, normal);
   return light * area * (side_of(x, normal) ? 1 : 2);
 }
@@ -63,10 +63,10 @@ static void find_reach(emit_lamps *l) {
 static void find_powers(emit_lamps *l) {
   for (size_t i = 0; i < l->near; i++) {
     const double *x = l->record[i];
-    double radius = x[SPHERE_RADIUS], area = 4 * EMIT_PI * radius * radius;
+    double radius = x[SPHERE_RADIUS], area = 4 * YLM_PI * radius * radius;
     double chance = (l->upto[i] - (i > 0 ? l->upto[i - 1] : 0)) / l->upto[l->n - 1];
     for (int c = 0; x[SPHERE] > 0 && c < 3; c++)
-      l->power[i][c] = x[c] * (EMIT_PI * area) / chance / l->particles;
+      l->power[i][c] = x[c] * (YLM_PI * area) / chance / l->particles;
   }
 }
 
@@ -88,7 +88,7 @@ ylm_status ylm__emit_lamps(const ylm_scene *scene, size_t particles, emit_lamps 
       sum += ylm_light_spot_solid(&l->spot[i - l->sky]) *
              ylm_luminance_size(l->spot[i - l->sky].intensity);
     else
-      sum += EMIT_PI * l->reach * l->reach * ylm_scene_distant_power(scene, i - l->near);
+      sum += YLM_PI * l->reach * l->reach * ylm_scene_distant_power(scene, i - l->near);
     l->upto[i] = sum;
   }
   find_powers(l);
@@ -173,7 +173,7 @@ static bool leave_patch(const emit_lamps *l, size_t i, const double *u, ylm_trac
   for (int k = 0; k < 3; k++) back.dir[k] = -ray->dir[k];
   if (!ylm_scene_near_radiance(l->scene, &back, (uint32_t)i, 0, radiance)) return false;
   widen(radiance, power);
-  for (int c = 0; c < 3; c++) power[c] *= EMIT_PI * area;
+  for (int c = 0; c < 3; c++) power[c] *= YLM_PI * area;
   /* a lamp may lie on a wall, which then is not in its way */
   ray->near = ylm_trace_offset(ylm_scene_trace(l->scene), ray->org);
   return true;
@@ -194,7 +194,7 @@ static bool leave_sky(const emit_lamps *l, size_t i, const double *u, ylm_trace_
     ray->dir[k] = -to[k];
   }
   widen(radiance, power);
-  for (int c = 0; c < 3; c++) power[c] *= solid * EMIT_PI * l->reach * l->reach;
+  for (int c = 0; c < 3; c++) power[c] *= solid * YLM_PI * l->reach * l->reach;
   ray->near = 0;
   return true;
 }
@@ -205,7 +205,7 @@ static bool leave_spot(const emit_lamps *l, size_t i, const double *u, ylm_trace
   const ylm_light_spot *s = &l->spot[i - l->sky];
   float axis[3], a[3], b[3];
   double z = 1 - u[0] * (1 - s->outer), r = sqrt(fmax(0, 1 - z * z)), x, y;
-  double part = ylm_light_spot_part(s, z) * 2 * EMIT_PI * (1 - s->outer);
+  double part = ylm_light_spot_part(s, z) * 2 * YLM_PI * (1 - s->outer);
   for (int k = 0; k < 3; k++) axis[k] = (float)s->axis[k];
   ylm_scene_basis(axis, a, b);
   ylm__emit_turn(u[1], &x, &y);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "emit.h"
+#include "ylm_keys.h"
 #include "ylm_light_virtual.h"
 #include "ylm_sh.h"
 
@@ -38,14 +39,12 @@ typedef struct merging {
   const emit_landings *from;
   const ylm_emit_lights *parts; /* their emission; NULL: all are matte */
   spot *spot;                   /* [n] */
-  size_t n, most;               /* of cells; at most */
-  cell *cell;                   /* [most] */
-  size_t slots;                 /* a power of two */
-  uint32_t *slot;               /* [slots] a cell's number + 1, or 0 */
+  size_t most;                  /* cells, at most */
+  ylm_keys cells;               /* cell */
   uint32_t *of;                 /* [landings] their cells */
-  size_t *begin;                /* [n + 1] of the cells' members */
+  size_t *begin;                /* [cells + 1] of the cells' members */
   uint32_t *member;             /* [landings] in the order of particles */
-  emit_landing *landing;        /* [n] merged */
+  emit_landing *landing;        /* [cells] merged */
   ylm_emit_lights *lights;
 } merging;
 
@@ -75,29 +74,14 @@ static cell cell_of(const spot *s, double inverse) {
   return c;
 }
 
-static size_t hash(const cell *c) {
-  uint64_t x = (uint64_t)(uint32_t)c->at[0] * 0x9e3779b97f4a7c15u;
-  x ^= ((uint64_t)(uint32_t)c->at[1] + (x >> 32)) * 0xc2b2ae3d27d4eb4fu;
-  x ^= ((uint64_t)(uint32_t)c->at[2] * 8 + c->side + (x >> 32)) * 0x165667b19e3779f9u;
-  return (size_t)(x ^ x >> 32);
-}
-
 /* Finds the cells of edge h that hold landings; false: there are more than `most`. */
 static bool find_cells(merging *m, double h) {
   double inverse = 1 / h;
-  ylm_zero(m->slot, m->slots * sizeof *m->slot);
-  m->n = 0;
+  ylm_keys_clear(&m->cells);
   for (size_t i = 0; i < m->from->n; i++) {
     cell c = cell_of(&m->spot[i], inverse);
-    size_t k = hash(&c) & (m->slots - 1);
-    while (m->slot[k] && memcmp(&m->cell[m->slot[k] - 1], &c, sizeof c) != 0)
-      k = (k + 1) & (m->slots - 1);
-    if (!m->slot[k]) {
-      if (m->n == m->most) return false;
-      m->cell[m->n++] = c;
-      m->slot[k] = (uint32_t)m->n;
-    }
-    m->of[i] = m->slot[k] - 1;
+    if (ylm_keys_put(&m->cells, &c, sizeof c, &m->of[i]) != YLM_OK || m->cells.n > m->most)
+      return false;
   }
   return true;
 }
@@ -140,19 +124,20 @@ static int by_place(const void *a, const void *b) {
 
 /* Numbers cells by their places, and lists their members. */
 static ylm_status list(merging *m) {
-  ranked *r = ylm_alloc(m->n, sizeof *r);
-  uint32_t *number = ylm_alloc(m->n, sizeof *number);
-  m->begin = ylm_alloc_zero(m->n + 2, sizeof *m->begin);
+  ranked *r = ylm_alloc(m->cells.n, sizeof *r);
+  uint32_t *number = ylm_alloc(m->cells.n, sizeof *number);
+  m->begin = ylm_alloc_zero(m->cells.n + 2, sizeof *m->begin);
   m->member = ylm_alloc(m->from->n, sizeof *m->member);
   bool ok = r && number && m->begin && m->member;
-  for (size_t k = 0; ok && k < m->n; k++) r[k] = (ranked){m->cell[k], (uint32_t)k};
-  if (ok) qsort(r, m->n, sizeof *r, by_place);
-  for (size_t k = 0; ok && k < m->n; k++) number[r[k].of] = (uint32_t)k;
+  for (size_t k = 0; ok && k < m->cells.n; k++)
+    r[k] = (ranked){((const cell *)m->cells.key)[k], (uint32_t)k};
+  if (ok) qsort(r, m->cells.n, sizeof *r, by_place);
+  for (size_t k = 0; ok && k < m->cells.n; k++) number[r[k].of] = (uint32_t)k;
   for (size_t i = 0; ok && i < m->from->n; i++) {
     m->of[i] = number[m->of[i]];
     m->begin[m->of[i] + 2]++;
   }
-  for (size_t k = 0; ok && k < m->n; k++) m->begin[k + 2] += m->begin[k + 1];
+  for (size_t k = 0; ok && k < m->cells.n; k++) m->begin[k + 2] += m->begin[k + 1];
   for (size_t i = 0; ok && i < m->from->n; i++) m->member[m->begin[m->of[i] + 1]++] = (uint32_t)i;
   ylm_free(r);
   ylm_free(number);
@@ -246,10 +231,10 @@ static void directions(const double n[3], double s, double (*u)[3], double *soli
   for (int i = 0, k = 0; i < RINGS; i++)
     for (int j = 0; j < TURNS; j++, k++) {
       double up = (1 - s) / 2 + (1 + s) / 2 * z[i], across = sqrt(fmax(0, 1 - up * up));
-      double turn = 2 * EMIT_PI * (j + 0.5 * (i % 2)) / TURNS;
+      double turn = 2 * YLM_PI * (j + 0.5 * (i % 2)) / TURNS;
       for (int x = 0; x < 3; x++)
         u[k][x] = up * n[x] + across * (cos(turn) * (double)a[x] + sin(turn) * (double)b[x]);
-      solid[k] = (1 + s) / 2 * part[i] * 2 * EMIT_PI / TURNS;
+      solid[k] = (1 + s) / 2 * part[i] * 2 * YLM_PI / TURNS;
     }
 }
 
@@ -319,7 +304,7 @@ static void emission_of(const merging *m, const group *g, size_t i, double shift
     bool scaled = power[c] > LEAST_FLUX * wanted[c] && wanted[c] > 0;
     for (size_t q = 0; q < count; q++) to[c * count + q] *= scaled ? wanted[c] / power[c] : 0;
     if (!scaled) /* as a matte surface sends it */
-      to[c * count] = sqrt(4 * EMIT_PI) * wanted[c] / (EMIT_PI * (1 + shift) * (1 + shift));
+      to[c * count] = sqrt(4 * YLM_PI) * wanted[c] / (YLM_PI * (1 + shift) * (1 + shift));
   }
 }
 
@@ -344,7 +329,7 @@ static ylm_status make(void *context, size_t begin, size_t end, int worker) {
     if (!matte && g.widest < ALIKE) shift = sqrt(1 - widest * widest);
     emit_landing *to = &m->landing[i];
     *to = (emit_landing){.way = (float)g.way,
-                         .area = (float)(2 * EMIT_PI * g.spread),
+                         .area = (float)(2 * YLM_PI * g.spread),
                          .particle = (uint32_t)i,
                          .slot = EMIT_MATTE};
     l->shift[i] = shift;
@@ -352,7 +337,7 @@ static ylm_status make(void *context, size_t begin, size_t end, int worker) {
       to->at[a] = (float)(l->at[3 * i + a] = g.at[a]);
       to->normal[a] = (float)(l->normal[3 * i + a] = g.normal[a]);
       to->power[a] = (float)g.power[a];
-      l->intensity[3 * i + a] = g.power[a] / (EMIT_PI * (1 + shift) * (1 + shift));
+      l->intensity[3 * i + a] = g.power[a] / (YLM_PI * (1 + shift) * (1 + shift));
     }
     if (!m->parts) continue;
     if (!matte) {
@@ -362,7 +347,7 @@ static ylm_status make(void *context, size_t begin, size_t end, int worker) {
     size_t count = ylm_sh_count(m->parts->degree);
     for (size_t c = 0; c < 3; c++) {
       ylm_zero(l->emission + (3 * i + c) * count, count * sizeof *l->emission);
-      l->emission[(3 * i + c) * count] = sqrt(4 * EMIT_PI) * l->intensity[3 * i + c];
+      l->emission[(3 * i + c) * count] = sqrt(4 * YLM_PI) * l->intensity[3 * i + c];
     }
   }
   return YLM_OK;
@@ -371,7 +356,7 @@ static ylm_status make(void *context, size_t begin, size_t end, int worker) {
 /* -- all -------------------------------------------------------------------------- */
 
 static ylm_status make_room(merging *m, ylm_emit_lights *l) {
-  size_t n = l->n = m->n;
+  size_t n = l->n = m->cells.n;
   m->landing = ylm_alloc(n, sizeof *m->landing);
   l->at = ylm_alloc(n, 3 * sizeof *l->at);
   l->normal = ylm_alloc(n, 3 * sizeof *l->normal);
@@ -391,12 +376,10 @@ static ylm_status begin(merging *m, const ylm_emit_options *o) {
   size_t n = m->from->n;
   m->most = o->cell > 0 || o->lights == 0 || o->lights > n ? n : o->lights;
   if (m->most < YLM_EMIT_LEAST_MERGED) m->most = YLM_EMIT_LEAST_MERGED;
-  for (m->slots = 64; m->slots < 2 * m->most;) m->slots *= 2;
   m->spot = ylm_alloc(n, sizeof *m->spot);
-  m->cell = ylm_alloc(m->most, sizeof *m->cell);
-  m->slot = ylm_alloc(m->slots, sizeof *m->slot);
   m->of = ylm_alloc(n, sizeof *m->of);
-  if (!m->spot || !m->cell || !m->slot || !m->of) return YLM_ENOMEM;
+  if (!m->spot || !m->of || !ylm_keys_reserve(&m->cells, m->most + 1, sizeof(cell)))
+    return YLM_ENOMEM;
   for (size_t i = 0; i < n; i++) {
     memcpy(m->spot[i].at, m->from->landing[i].at, sizeof m->spot[i].at);
     m->spot[i].side = side_of(m->from->landing[i].normal);
@@ -414,16 +397,15 @@ ylm_status ylm__emit_merge(const ylm_emit_options *o, const ylm_emit_lights *par
     s = list(&m);
   }
   if (s == YLM_OK) s = make_room(&m, lights);
-  if (s == YLM_OK) s = ylm_parallel(m.n, GRAIN, o->threads, make, &m, o->progress, "merge");
+  if (s == YLM_OK) s = ylm_parallel(m.cells.n, GRAIN, o->threads, make, &m, o->progress, "merge");
   if (s == YLM_OK) {
     ylm_free(x->landing);
-    *x = (emit_landings){m.n, m.landing};
+    *x = (emit_landings){m.cells.n, m.landing};
     m.landing = NULL;
   }
   ylm_free(m.landing);
   ylm_free(m.spot);
-  ylm_free(m.cell);
-  ylm_free(m.slot);
+  ylm_keys_free(&m.cells);
   ylm_free(m.of);
   ylm_free(m.begin);
   ylm_free(m.member);

@@ -1,5 +1,6 @@
 /* particles.c - particles from lamps to surfaces, and on from there. */
 #include "emit.h"
+#include "ylm_list.h"
 
 /* Particles that are traced together. */
 #define GRAIN 256
@@ -92,13 +93,8 @@ static void arrive(const flight *f, size_t i, const float x[3], const float y[3]
 
 /* Room for n more landings of a block. */
 static ylm_status make_room(block *b, size_t n) {
-  if (b->room - b->n >= n) return YLM_OK;
-  size_t room = 2 * b->room > b->n + n ? 2 * b->room : b->n + n;
-  emit_landing *more = ylm_realloc(b->landing, b->n * sizeof *more, room, sizeof *more);
-  if (!more) return YLM_ENOMEM;
-  b->landing = more;
-  b->room = room;
-  return YLM_OK;
+  return ylm_list_reserve(&b->landing, b->n, b->n + n, &b->room, sizeof *b->landing) ? YLM_OK
+                                                                                     : YLM_ENOMEM;
 }
 
 /* Leaves a landing of particle i, whose power becomes what is reflected. */
@@ -258,9 +254,7 @@ static ylm_status widen(job *j, size_t done) {
   if (x->n <= j->room) return YLM_OK;
   size_t guess = (size_t)(1.02 * (double)x->n / (double)done * (double)j->o->particles) + GRAIN;
   size_t room = guess > x->n ? guess : x->n;
-  emit_landing *more = ylm_realloc(x->landing, j->kept * sizeof *more, room, sizeof *more);
-  if (!more) return YLM_ENOMEM;
-  x->landing = more;
+  if (!ylm_list_resize(&x->landing, j->kept, room, sizeof *x->landing)) return YLM_ENOMEM;
   j->room = room;
   return YLM_OK;
 }

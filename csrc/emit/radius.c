@@ -16,7 +16,7 @@ static double even(const ylm_emit_lights *l, double scale) {
     size[a] = most - least;
   }
   area = 2 * (size[0] * size[1] + size[1] * size[2] + size[2] * size[0]);
-  return area > 0 ? scale * sqrt(area / EMIT_PI / (double)l->n) : scale;
+  return area > 0 ? scale * sqrt(area / YLM_PI / (double)l->n) : scale;
 }
 
 /* The number of n that has so many below it. Source: Hoare 1961, "Algorithm 65: Find". */
@@ -77,7 +77,7 @@ static void by_texel(const ylm_scene *scene, const emit_landing *landing, const 
   (void)ylm_scene_spots(scene, &spot);
   for (size_t i = 0; i < l->n; i++) {
     double opening = 2 * fmin(acos(spot[landing[i].particle / each].outer), EMIT_WIDEST);
-    double angle = fmin(sqrt(2) * opening / o->grid, EMIT_PI / 4);
+    double angle = fmin(sqrt(2) * opening / o->grid, YLM_PI / 4);
     l->radius[i] = o->scale * (double)landing[i].way * tan(angle);
   }
 }
@@ -120,12 +120,12 @@ static ylm_status by_neighbours(const emit_landing *landing, const ylm_emit_opti
 /* The paper's: by the ways of particles. */
 static void by_angle(const emit_landing *landing, const ylm_emit_options *o, ylm_emit_lights *l) {
   double lights = (double)(o->lights ? o->lights : o->particles);
-  double wide = tan(fmin(acos(fmax(0, 1 - 2 / lights)), EMIT_PI / 4));
+  double wide = tan(fmin(acos(fmax(0, 1 - 2 / lights)), YLM_PI / 4));
   for (size_t i = 0; i < l->n; i++) l->radius[i] = o->scale * (double)landing[i].way * wide;
 }
 
 static double by_area(const emit_landing *l, const ylm_emit_options *o) {
-  return o->scale * sqrt((double)l->area / EMIT_PI);
+  return o->scale * sqrt((double)l->area / YLM_PI);
 }
 
 ylm_status ylm__emit_radii(const ylm_scene *scene, const emit_landing *landing,

@@ -177,7 +177,7 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
     ylm_status where = ylm_light_finite(q, n, points, r, e);
     if (where != YLM_OK) return where;
   }
-  return s == YLM_OK ? s : ylm_fail(e, s, "%s", ylm_status_text(s));
+  return s == YLM_OK ? s : ylm_fail_plain(e, s);
 }
 
 static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
@@ -189,7 +189,7 @@ ylm_status ylm_emit_visible_create(const ylm_scene *scene, ylm_light_virtual *li
                                    ylm_emit_visible **visible, ylm_error *e) {
   ylm_emit_visible *v = ylm_alloc_zero(1, sizeof *v);
   *visible = NULL;
-  if (!v) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!v) return ylm_no_memory(e);
   ylm_light_virtual_get(lights, &v->form);
   v->scene = scene;
   v->field = (ylm_field){.self = v,

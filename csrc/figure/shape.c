@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "ylm_list.h"
 #include "ylm_vector.h"
 
 void ylm_figure_shape_init(ylm_figure_shape *s, int corners) {
@@ -40,33 +41,22 @@ void ylm_figure_shape_reach(const ylm_figure_shape *s, size_t n, const double *d
   }
 }
 
-/* Grows one block to `room` items of `size` bytes. */
-static bool grow(void *block, size_t used, size_t room, size_t size) {
-  void **p = block, *q = *p ? ylm_realloc(*p, used * size, room, size) : ylm_alloc(room, size);
-  if (q) *p = q;
-  return q != NULL;
-}
-
-static size_t next_room(size_t room, size_t needed) {
-  size_t r = room + room / 2 + 64;
-  return r > needed ? r : needed;
-}
-
 ylm_status ylm__figure_reserve(ylm_figure_shape *s, size_t points, size_t cells) {
   if (points > UINT32_MAX - s->points || cells > SIZE_MAX / 4 - s->cells) return YLM_EOVERFLOW;
   points += s->points;
   cells += s->cells;
   if (points > s->point_room) {
-    size_t room = next_room(s->point_room, points);
-    if (!grow(&s->position, s->points, room, 3 * sizeof(float)) ||
-        !grow(&s->colour, s->points, room, 4) ||
-        (s->corners == 3 && !grow(&s->normal, s->points, room, 3 * sizeof(float))))
+    size_t room = ylm_list_room(s->point_room, points);
+    if (!ylm_list_resize(&s->position, s->points, room, 3 * sizeof(float)) ||
+        !ylm_list_resize(&s->colour, s->points, room, 4) ||
+        (s->corners == 3 && !ylm_list_resize(&s->normal, s->points, room, 3 * sizeof(float))))
       return YLM_ENOMEM;
     s->point_room = room;
   }
   if (cells > s->cell_room) {
-    size_t room = next_room(s->cell_room, cells);
-    if (!grow(&s->index, s->cells, room, (size_t)s->corners * sizeof(uint32_t))) return YLM_ENOMEM;
+    size_t room = ylm_list_room(s->cell_room, cells);
+    if (!ylm_list_resize(&s->index, s->cells, room, (size_t)s->corners * sizeof(uint32_t)))
+      return YLM_ENOMEM;
     s->cell_room = room;
   }
   return YLM_OK;
@@ -178,7 +168,7 @@ static uint32_t ring(ylm_figure_shape *s, const double at[3], const double d[3],
                      const double v[3], double radius, double slope, const double rgb[3]) {
   uint32_t first = (uint32_t)s->points;
   for (int i = 0; i < SIDES; i++) {
-    double t = 2 * M_PI * i / SIDES, p[3], n[3];
+    double t = 2 * YLM_PI * i / SIDES, p[3], n[3];
     for (int a = 0; a < 3; a++) {
       double out = cos(t) * u[a] + sin(t) * v[a];
       p[a] = at[a] + radius * out;
@@ -205,7 +195,7 @@ static void disc(ylm_figure_shape *s, const double at[3], const double d[3], con
   uint32_t middle = ylm__figure_point(s, at, back, rgb, 1);
   uint32_t first = (uint32_t)s->points;
   for (int i = 0; i < SIDES; i++) {
-    double t = 2 * M_PI * i / SIDES, p[3];
+    double t = 2 * YLM_PI * i / SIDES, p[3];
     for (int a = 0; a < 3; a++) p[a] = at[a] + radius * (cos(t) * u[a] + sin(t) * v[a]);
     ylm__figure_point(s, p, back, rgb, 1);
   }

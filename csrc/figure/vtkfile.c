@@ -132,7 +132,7 @@ static ylm_status layout_make(const ylm_figure_hexahedra *h, cell_layout *l, ylm
   l->type = ylm_alloc(h->cells, 1);
   if (!l->order || !l->ends || !l->type) {
     layout_free(l);
-    return ylm_fail(e, YLM_ENOMEM, "memory ran out");
+    return ylm_no_memory(e);
   }
   order_corners(h->cells, h->corner, l->order);
   for (size_t i = 0; i < h->cells; i++)
@@ -188,7 +188,7 @@ ylm_status ylm_figure_pieces_begin(const char *path, size_t pieces, ylm_figure_p
                                    ylm_error *e) {
   *out = NULL;
   ylm_figure_pieces *p = ylm_alloc_zero(1, sizeof *p);
-  if (!p) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  if (!p) return ylm_no_memory_for(e, path);
   ylm_status s = open_file(&p->w, path, e);
   if (s != YLM_OK) {
     ylm_free(p);

@@ -169,7 +169,7 @@ ylm_status ylm_mesh_make_creased_normals(ylm_mesh *m, double degrees, const uint
   if (degrees >= 180 && !group) return ylm_mesh_make_normals(m);
   creases c = {.mesh = m,
                .group = group,
-               .cosine = degrees < 180 ? fmin(EVEN, cos(degrees * (M_PI / 180))) : -2,
+               .cosine = degrees < 180 ? fmin(EVEN, cos(degrees * (YLM_PI / 180))) : -2,
                .normal = ylm_alloc(n, sizeof(double)),
                .first = ylm_alloc_zero(m->vertices + 1, sizeof(size_t)),
                .side = ylm_alloc(n, sizeof(side)),

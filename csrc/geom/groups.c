@@ -28,7 +28,7 @@ void ylm__groups_discard(ylm_grouping *g) {
   free_texts(g->library.data, g->library.count);
   free_texts(g->name.data, g->name.count);
   ylm_free(g->group.data);
-  ylm_free(g->table);
+  ylm_keys_free(&g->table);
 }
 
 ylm_status ylm__groups_library(ylm_grouping *g, ylm_lines *at) {
@@ -46,41 +46,35 @@ static uint64_t hash(const char *text) {
   return h ^ h >> 29;
 }
 
-/* The slot of a name in the table, which is empty where the name is new. */
-static uint32_t *slot_of(const ylm_grouping *g, const char *text) {
-  const ylm_mesh_text *name = g->name.data;
-  size_t k = hash(text) & (g->slots - 1);
-  while (g->table[k] && strcmp(name[g->table[k] - 1].text, text) != 0) k = (k + 1) & (g->slots - 1);
-  return &g->table[k];
-}
+/* A name's hash; where another name has it too, the next of these. */
+typedef struct name_key {
+  uint64_t hash, next;
+} name_key;
 
-/* Room in the table for another name. */
-static bool widen(ylm_grouping *g) {
-  if (2 * (g->name.count + 1) <= g->slots) return true;
+/* The number of the name behind the others, or of the one that is like it. */
+static ylm_status number_name(ylm_grouping *g, const char *text, uint32_t *number) {
   const ylm_mesh_text *name = g->name.data;
-  size_t slots = g->slots ? 2 * g->slots : 64;
-  uint32_t *table = ylm_alloc_zero(slots, sizeof *table);
-  if (!table) return false;
-  ylm_free(g->table);
-  g->table = table;
-  g->slots = slots;
-  for (size_t i = 0; i < g->name.count; i++) *slot_of(g, name[i].text) = (uint32_t)i + 1;
-  return true;
+  name_key key = {hash(text), 0};
+  for (;; key.next++) {
+    ylm_status s = ylm_keys_put(&g->table, &key, sizeof key, number);
+    if (s != YLM_OK || *number == g->name.count || strcmp(name[*number].text, text) == 0) return s;
+  }
 }
 
 ylm_status ylm__groups_use(ylm_grouping *g, ylm_lines *at) {
   ylm_mesh_text *t = ylm__grow(&g->name, 1);
-  if (!t || !widen(g)) return YLM_ENOMEM;
+  uint32_t number;
+  if (!t) return YLM_ENOMEM;
   t->line = at->line;
   ylm_status s = ylm__rest_of_line(at, &t->text);
   if (s != YLM_OK) return s;
-  uint32_t *slot = slot_of(g, t->text);
-  if (*slot)
-    ylm_free(t->text);
+  s = number_name(g, t->text, &number);
+  if (s == YLM_OK && number == g->name.count)
+    g->name.count++;
   else
-    *slot = (uint32_t)++g->name.count;
-  g->current = *slot;
-  return YLM_OK;
+    ylm_free(t->text);
+  if (s == YLM_OK) g->current = number + 1;
+  return s;
 }
 
 bool ylm__groups_faces(ylm_grouping *g, size_t n) {
@@ -100,7 +94,7 @@ ylm_mesh_groups *ylm__groups_finish(ylm_grouping *g) {
   out->name = g->name.data;
   out->triangles = g->group.count;
   out->group = g->group.data;
-  ylm_free(g->table);
+  ylm_keys_free(&g->table);
   ylm__groups_begin(g);
   return out;
 }
@@ -152,8 +146,7 @@ static ylm_status extract(splitting *s, size_t k, ylm_mesh **out, ylm_error *e) 
   copy_vertices(m->position, n, s->used, 3, (*out)->position);
   copy_vertices(m->normal, n, s->used, 3, (*out)->normal);
   copy_vertices(m->uv, n, s->used, 2, (*out)->uv);
-  if (m->colour && !((*out)->colour = ylm_alloc(n, 3 * sizeof(float))))
-    return ylm_fail(e, YLM_ENOMEM, "memory ran out");
+  if (m->colour && !((*out)->colour = ylm_alloc(n, 3 * sizeof(float)))) return ylm_no_memory(e);
   copy_vertices(m->colour, n, s->used, 3, (*out)->colour);
   for (size_t i = 0; i < 3 * triangles; i++)
     (*out)->index[i] = s->place[m->index[3 * order[i / 3] + i % 3]];
@@ -170,7 +163,7 @@ ylm_status ylm_mesh_split(const ylm_mesh *mesh, const ylm_mesh_groups *g, ylm_me
                  .place = ylm_alloc(mesh->vertices, sizeof(uint32_t)),
                  .used = ylm_alloc(mesh->vertices, sizeof(uint32_t))};
   bool room = s.order && s.first && s.stamp && s.place && s.used;
-  ylm_status status = room ? YLM_OK : ylm_fail(e, YLM_ENOMEM, "memory ran out");
+  ylm_status status = room ? YLM_OK : ylm_no_memory(e);
   for (size_t k = 0; k < groups; k++) part[k] = NULL;
   if (room) sort_triangles(&s, g);
   for (size_t k = 0; status == YLM_OK && k < groups; k++) status = extract(&s, k, &part[k], e);

@@ -3,13 +3,13 @@
 #define YLM_GEOM_GROUPS_H
 
 #include "reader.h"
+#include "ylm_keys.h"
 
 typedef struct ylm_grouping {
   ylm_growing library, name; /* ylm_mesh_text */
   ylm_growing group;         /* uint32_t, of each triangle so far */
   uint32_t current;          /* 0: none yet */
-  uint32_t *table;           /* [slots]: 1 + a name's place, by its hash; 0: empty */
-  size_t slots;
+  ylm_keys table;            /* of names, numbered as they are */
 } ylm_grouping;
 
 void ylm__groups_begin(ylm_grouping *g);

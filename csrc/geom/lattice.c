@@ -22,7 +22,7 @@ static ylm_status check_closed(const ylm_mesh *m, ylm_error *e) {
   ylm_status s = name ? ylm_mesh_weld(m->vertices, m->position, name, &places) : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm_mesh_open_edges(m->triangles, m->index, name, &open);
   ylm_free(name);
-  if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s != YLM_OK) return ylm_fail_plain(e, s);
   if (!open) return s;
   return ylm_fail(e, YLM_EDOMAIN,
                   "the mesh has %zu edge%s that %s open, or between triangles that turn opposite "
@@ -143,7 +143,7 @@ ylm_status ylm__lattice_create(const ylm_mesh *m, size_t inside, ylm__lattice *l
   if (s == YLM_OK && !l->inside)
     s = ylm_fail(e, YLM_EDOMAIN,
                  "the mesh is too thin: no point of a lattice of %.3g is inside of it", l->step);
-  if (s == YLM_ENOMEM) ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s == YLM_ENOMEM) ylm_no_memory(e);
   if (s != YLM_OK) {
     ylm_free(l->in);
     l->in = NULL;

@@ -150,7 +150,7 @@ ylm_status ylm_mesh_transform(ylm_mesh *mesh, const double m[12], ylm_error *e) 
   if (!isfinite(det) || det == 0)
     return ylm_fail(e, YLM_EDOMAIN, "the transform is singular (determinant %g)", det);
   double *moved = ylm_alloc(mesh->vertices * 3, sizeof(double));
-  if (!moved) return ylm_fail(e, YLM_ENOMEM, "memory ran out");
+  if (!moved) return ylm_no_memory(e);
   bool finite = true;
   for (size_t i = 0; i < mesh->vertices; i++) {
     double p[3];

@@ -46,7 +46,7 @@ static ylm_status read_text(parser *s, const char *what, ylm_mesh_text *out) {
   char *text;
   size_t line = s->at.line;
   ylm_status st = ylm__rest_of_line(&s->at, &text);
-  if (st == YLM_ENOMEM) return ylm_fail(s->e, st, "%s: memory ran out", s->name);
+  if (st == YLM_ENOMEM) return ylm_no_memory_for(s->e, s->name);
   if (st != YLM_OK)
     return ylm_fail(s->e, st, "%s:%zu: the name after %s has a zero byte", s->name, line, what);
   if (*text == 0) {
@@ -126,7 +126,7 @@ static ylm_status read_map(parser *s, ylm_mesh_material *m) {
 
 static ylm_status begin_material(parser *s) {
   ylm_mesh_material *m = ylm__grow(&s->material, 1);
-  if (!m) return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+  if (!m) return ylm_no_memory_for(s->e, s->name);
   *m = (ylm_mesh_material){0};
   ylm_status st = read_text(s, "newmtl", &m->name);
   if (st == YLM_OK) s->material.count++;
@@ -193,7 +193,7 @@ ylm_status ylm_mesh_parse_mtl(const unsigned char *text, size_t size, const char
   s.material.size = sizeof(ylm_mesh_material);
   *library = NULL;
   s.library = ylm_alloc_zero(1, sizeof *s.library);
-  ylm_status st = s.library ? YLM_OK : ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  ylm_status st = s.library ? YLM_OK : ylm_no_memory_for(e, name);
   if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0) s.at.p += 3; /* a mark of UTF-8 */
   while (st == YLM_OK && s.at.p < s.at.end) {
     ylm__skip_blanks(&s.at);

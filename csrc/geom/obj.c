@@ -30,7 +30,7 @@ typedef struct parser {
 static ylm_status read_numbers(parser *s, ylm_growing *to, const char *what, int n, int least) {
   void *out = ylm__grow(to, 1);
   ylm_dtype t = to == &s->place ? YLM_DOUBLE : YLM_FLOAT;
-  if (!out) return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+  if (!out) return ylm_no_memory_for(s->e, s->name);
   for (int i = 0; i < n; i++) {
     double x = 0;
     ylm__skip_blanks(&s->at);
@@ -123,7 +123,7 @@ static ylm_status read_face(parser *s) {
   for (ylm__skip_blanks(&s->at); !ylm__at_line_end(&s->at) && *s->at.p != '#';
        ylm__skip_blanks(&s->at)) {
     ylm_corner *c = ylm__grow(&s->polygon, 1);
-    if (!c) return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+    if (!c) return ylm_no_memory_for(s->e, s->name);
     ylm_status st = read_corner(s, c);
     if (st != YLM_OK) return st;
     s->polygon.count++;
@@ -141,7 +141,7 @@ static ylm_status read_face(parser *s) {
   if (!ylm__add_polygon(&s->triangle, s->polygon.data, s->polygon.count) ||
       !add_smoothing(s, s->polygon.count - 2) ||
       (s->groups && !ylm__groups_faces(s->groups, s->polygon.count - 2)))
-    return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+    return ylm_no_memory_for(s->e, s->name);
   if (s->triangle.count / 3 > YLM_MESH_MAX)
     return ylm_fail(s->e, YLM_ELIMIT, "%s:%zu: more than %zu triangles", s->name, s->at.line,
                     YLM_MESH_MAX);
@@ -154,7 +154,7 @@ static ylm_status read_grouping(parser *s, const char *what,
                                 ylm_status (*read)(ylm_grouping *, ylm_lines *)) {
   size_t line = s->at.line;
   ylm_status st = read(s->groups, &s->at);
-  if (st == YLM_ENOMEM) return ylm_fail(s->e, st, "%s: memory ran out", s->name);
+  if (st == YLM_ENOMEM) return ylm_no_memory_for(s->e, s->name);
   if (st != YLM_OK)
     return ylm_fail(s->e, st, "%s:%zu: the name after %s has a zero byte", s->name, line, what);
   return YLM_OK;
@@ -208,7 +208,7 @@ static ylm_status read_lines(parser *s) {
 static ylm_status take_places(parser *s) {
   ylm_mesh plain = {.vertices = s->place.count,
                     .position = ylm_alloc(s->place.count, 3 * sizeof(float))};
-  if (!plain.position) return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+  if (!plain.position) return ylm_no_memory_for(s->e, s->name);
   ylm_mesh_set_places(&plain, s->place.data);
   memcpy(s->origin, plain.origin, sizeof s->origin);
   s->position = (ylm_growing){plain.position, plain.vertices, plain.vertices, 3 * sizeof(float)};
@@ -234,36 +234,20 @@ static ylm_status make_normals(parser *s) {
   return st == YLM_OK ? st : ylm_fail(s->e, st, "%s: memory ran out", s->name);
 }
 
-static uint64_t hash(const ylm_corner *c) {
-  uint64_t h =
-      (uint64_t)c->v * 0x9E3779B97F4A7C15u ^ ((uint64_t)c->t << 32 | c->n) * 0xC2B2AE3D27D4EB4Fu;
-  h ^= h >> 29;
-  h *= 0x94D049BB133111EBu;
-  return h ^ h >> 32;
-}
-
 /* Numbers distinct corners in the order they come: vertex[i] of corner i, first[k] the corner that
    made vertex k. */
 static bool number_corners(const ylm_corner *c, size_t n, uint32_t *vertex, uint32_t *first,
                            size_t *count) {
-  size_t slots = 16;
-  while (slots < 2 * n) slots *= 2;
-  uint32_t *table = ylm_alloc(slots, sizeof *table);
-  if (!table) return false;
-  memset(table, 0xff, slots * sizeof *table);
-  *count = 0;
-  for (size_t i = 0; i < n; i++) {
-    size_t h = hash(&c[i]) & (slots - 1);
-    while (table[h] != UINT32_MAX && memcmp(&c[first[table[h]]], &c[i], sizeof *c) != 0)
-      h = (h + 1) & (slots - 1);
-    if (table[h] == UINT32_MAX) {
-      first[*count] = (uint32_t)i;
-      table[h] = (uint32_t)(*count)++;
-    }
-    vertex[i] = table[h];
+  ylm_keys corners = {0};
+  bool ok = true;
+  for (size_t i = 0; ok && i < n; i++) {
+    size_t before = corners.n;
+    ok = ylm_keys_put(&corners, &c[i], sizeof *c, &vertex[i]) == YLM_OK;
+    if (corners.n > before) first[before] = (uint32_t)i;
   }
-  ylm_free(table);
-  return true;
+  *count = corners.n;
+  ylm_keys_free(&corners);
+  return ok;
 }
 
 /* Positions as make_normals left them: no texture coordinates. */
@@ -360,7 +344,7 @@ ylm_status ylm_mesh_parse_obj_groups(const unsigned char *text, size_t size, con
   if (st == YLM_OK && !(*groups = ylm__groups_finish(&g))) {
     ylm_mesh_free(*m);
     *m = NULL;
-    st = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+    st = ylm_no_memory_for(e, name);
   }
   ylm__groups_discard(&g);
   return st;

@@ -289,7 +289,7 @@ static ylm_status read_list(parser *s, const property *q, uint64_t i) {
     return fail(s, "face %llu has %g corners, 3 at least are wanted", (unsigned long long)i + 1, n);
   s->polygon.count = 0;
   ylm_corner *c = face ? ylm__grow(&s->polygon, (size_t)n) : NULL;
-  if (face && !c) return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+  if (face && !c) return ylm_no_memory_for(s->e, s->name);
   for (size_t k = 0; k < (size_t)n; k++) {
     if (!read_value(s, q->value, &x)) return fail(s, "the data end or are no number");
     if (!face) continue;
@@ -300,7 +300,7 @@ static ylm_status read_list(parser *s, const property *q, uint64_t i) {
       s->largest = (uint64_t)x + 1, s->largest_line = s->line, s->largest_face = i + 1;
   }
   if (face && !ylm__add_polygon(&s->triangle, c, (size_t)n))
-    return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+    return ylm_no_memory_for(s->e, s->name);
   if (s->triangle.count / 3 > YLM_MESH_MAX)
     return ylm_fail(s->e, YLM_ELIMIT, "%s: more than %zu triangles", s->name, YLM_MESH_MAX);
   return YLM_OK;
@@ -345,11 +345,11 @@ static ylm_status read_data(parser *s, ylm_mesh **m) {
   if ((s->slots >> COLOUR & 7) == 7) v->colour = ylm_alloc_zero(v->vertices * 3, sizeof(float));
   if ((s->slots >> COLOUR & 7) == 7 && !v->colour) {
     ylm_mesh_free(v);
-    return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+    return ylm_no_memory_for(s->e, s->name);
   }
   if (!(s->place = ylm_alloc_zero(v->vertices * 3, sizeof(double)))) {
     ylm_mesh_free(v);
-    return ylm_fail(s->e, YLM_ENOMEM, "%s: memory ran out", s->name);
+    return ylm_no_memory_for(s->e, s->name);
   }
   s->out[1] = v->normal, s->out[2] = v->uv, s->out[3] = v->colour;
   for (int i = 0; st == YLM_OK && i < s->elements; i++) st = read_element(s, &s->element[i]);
@@ -372,7 +372,7 @@ static ylm_status read_data(parser *s, ylm_mesh **m) {
   } else if (st == YLM_OK) {
     st = YLM_ENOMEM;
   }
-  if (st == YLM_ENOMEM) ylm_fail(s->e, st, "%s: memory ran out", s->name);
+  if (st == YLM_ENOMEM) ylm_no_memory_for(s->e, s->name);
   if (st == YLM_OK)
     *m = v;
   else
@@ -393,7 +393,7 @@ ylm_status ylm_mesh_parse_ply(const unsigned char *bytes, size_t size, const cha
                               double crease, ylm_mesh **m, ylm_error *e) {
   *m = NULL;
   parser *s = ylm_alloc_zero(1, sizeof *s);
-  if (!s) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  if (!s) return ylm_no_memory_for(e, name);
   s->start = s->p = bytes;
   s->end = bytes + size;
   s->name = name;

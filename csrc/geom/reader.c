@@ -1,18 +1,12 @@
 /* reader.c - numbers from text, blocks that grow, polygons. */
 #include "reader.h"
+#include "ylm_list.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 void *ylm__grow(ylm_growing *g, size_t more) {
-  if (g->room - g->count < more) {
-    size_t room = g->room < 512 ? 1024 : g->room * 2;
-    if (room - g->count < more) room = g->count + more;
-    void *p = ylm_realloc(g->data, g->count * g->size, room, g->size);
-    if (!p) return NULL;
-    g->data = p;
-    g->room = room;
-  }
+  if (!ylm_list_reserve(&g->data, g->count, g->count + more, &g->room, g->size)) return NULL;
   return (char *)g->data + g->count * g->size;
 }
 

@@ -4,7 +4,7 @@
 
 #include "ylm_geom.h"
 
-/* A block that grows by doubling. */
+/* A list whose items the reader knows: ylm_list.h. */
 typedef struct ylm_growing {
   void *data;
   size_t count, room, size; /* size of one item */

@@ -5,8 +5,6 @@
 
 #include "ylm_vector.h"
 
-#define PI 3.14159265358979323846
-
 /* Position, unit normal and texture coordinates of a surface at grid vertex (i, j). */
 typedef void surface_fn(const void *shape, int i, int j, double p[3], double n[3], double uv[2]);
 
@@ -120,7 +118,7 @@ static void at_sphere(const void *shape, int i, int j, double p[3], double n[3],
   const sphere *s = shape;
   uv[0] = (double)i / s->around;
   uv[1] = (double)j / s->rings; /* from the south pole up: d/di x d/dj points outwards */
-  double phi = 2 * PI * (i == s->around ? 0 : uv[0]), theta = PI * (1 - uv[1]);
+  double phi = 2 * YLM_PI * (i == s->around ? 0 : uv[0]), theta = YLM_PI * (1 - uv[1]);
   double rho = j == 0 || j == s->rings ? 0 : sin(theta);
   n[0] = rho * cos(phi);
   n[1] = rho * sin(phi);
@@ -195,7 +193,8 @@ static void at_torus(const void *shape, int i, int j, double p[3], double n[3], 
   const torus *t = shape;
   uv[0] = (double)i / t->around;
   uv[1] = (double)j / t->across;
-  double phi = 2 * PI * (i == t->around ? 0 : uv[0]), psi = 2 * PI * (j == t->across ? 0 : uv[1]);
+  double phi = 2 * YLM_PI * (i == t->around ? 0 : uv[0]),
+         psi = 2 * YLM_PI * (j == t->across ? 0 : uv[1]);
   n[0] = cos(psi) * cos(phi);
   n[1] = cos(psi) * sin(phi);
   n[2] = sin(psi);
@@ -239,8 +238,8 @@ static void at_knot(const void *shape, int i, int j, double p[3], double n[3], d
   uv[0] = (double)i / k->along;
   uv[1] = (double)j / k->across;
   double c[3], tangent[3], out[3], side[3];
-  knot_frame(k, 2 * PI * (i == k->along ? 0 : uv[0]), c, tangent, out);
-  double psi = 2 * PI * (j == k->across ? 0 : uv[1]);
+  knot_frame(k, 2 * YLM_PI * (i == k->along ? 0 : uv[0]), c, tangent, out);
+  double psi = 2 * YLM_PI * (j == k->across ? 0 : uv[1]);
   side[0] = out[1] * tangent[2] - out[2] * tangent[1];
   side[1] = out[2] * tangent[0] - out[0] * tangent[2];
   side[2] = out[0] * tangent[1] - out[1] * tangent[0];

@@ -281,7 +281,7 @@ ylm_status ylm_mesh_sphere_set(const ylm_mesh *m, size_t count, double *at, doub
   w.bin = ylm_alloc(BINS_MOST, sizeof *w.bin);
   s = ylm_alloc(count, sizeof *s);
   status = w.cover && w.depth && w.heap && w.bin && s ? fit_spheres(&w, count, s, &n) : YLM_ENOMEM;
-  if (status == YLM_ENOMEM) ylm_fail(e, status, "%s", ylm_status_text(status));
+  if (status == YLM_ENOMEM) ylm_no_memory(e);
   if (status == YLM_OK) finish(&w, n, s, at, radius, set);
   for (size_t i = 0; status == YLM_OK && i < 3 * set->count; i++) at[i] += m->origin[i % 3];
   ylm_free(w.l.in);

@@ -50,7 +50,7 @@ struct ylm_grid {
   double scale[3];    /* lattice cells per scene unit */
   double origin[3]; /* ylm_origin of the bounds: points that are kept in float are relative to it */
 
-  struct frames *frames; /* for bakes like this one (bake/frames.c); NULL: it knows none */
+  struct frames *frames; /* for bakes like this one (promise/go_on.c); NULL: it knows none */
   const struct follower *follower; /* NULL: the grid follows no lights */
   struct grid_dynamic *dynamic;    /* what the follower keeps (follow/follow.h) */
   bool updating;

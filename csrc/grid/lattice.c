@@ -15,16 +15,9 @@ uint64_t ylm__morton(uint32_t x, uint32_t y, uint32_t z) {
   return spread(x) | spread(y) << 1 | spread(z) << 2;
 }
 
-/* A mixer with full avalanche (the finaliser of SplitMix64, Steele et al. 2014). */
-static uint64_t mix(uint64_t x) {
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
-}
-
 /* The place of a key, or the free place where it would stand. */
 static size_t place(const lattice_hash *h, uint64_t key) {
-  size_t i = (size_t)mix(key) & (h->size - 1);
+  size_t i = (size_t)ylm_mix64(key) & (h->size - 1);
   while (h->entry[i].value != YLM_GRID_NONE && h->entry[i].key != key) i = (i + 1) & (h->size - 1);
   return i;
 }
@@ -56,7 +49,7 @@ uint32_t ylm__lattice_hash_find(const lattice_hash *h, uint64_t key) {
 }
 
 void ylm__lattice_hash_prefetch(const lattice_hash *h, uint64_t key) {
-  if (h->size) __builtin_prefetch(&h->entry[(size_t)mix(key) & (h->size - 1)]);
+  if (h->size) __builtin_prefetch(&h->entry[(size_t)ylm_mix64(key) & (h->size - 1)]);
 }
 
 /* Backward-shift deletion: entries behind the gap move into it unless they are where they
@@ -66,7 +59,7 @@ void ylm__lattice_hash_remove(lattice_hash *h, uint64_t key) {
   size_t mask = h->size - 1, gap = place(h, key);
   if (h->entry[gap].value == YLM_GRID_NONE) return;
   for (size_t i = (gap + 1) & mask; h->entry[i].value != YLM_GRID_NONE; i = (i + 1) & mask) {
-    size_t home = (size_t)mix(h->entry[i].key) & mask;
+    size_t home = (size_t)ylm_mix64(h->entry[i].key) & mask;
     if (((i - home) & mask) < ((i - gap) & mask)) continue;
     h->entry[gap] = h->entry[i];
     gap = i;

@@ -1,5 +1,6 @@
 /* store.c - cells and points of a grid, and the way from a position to its cell. */
 #include "grid.h"
+#include "ylm_list.h"
 
 #include <math.h>
 #include <string.h>
@@ -165,22 +166,12 @@ void ylm_grid_free(ylm_grid *g) {
   ylm_free(g);
 }
 
-/* Grows *p from `used` to `room` elements of `size` bytes; false without memory. */
-static bool grow(void *p, size_t used, size_t room, size_t size) {
-  void *old, *now;
-  memcpy(&old, p, sizeof old);
-  now = ylm_realloc(old, used * size, room, size);
-  if (!now) return false;
-  memcpy(p, &now, sizeof now);
-  return true;
-}
-
 ylm_status ylm__grid_reserve_cells(ylm_grid *g, size_t more) {
   size_t wanted = g->cells + more;
   if (wanted <= g->cell_room) return YLM_OK;
   if (wanted >= YLM_GRID_NONE) return YLM_ELIMIT;
   size_t room = g->cell_room * 2 > wanted ? g->cell_room * 2 : wanted;
-  if (!grow(&g->cell, g->cells, room, sizeof *g->cell)) return YLM_ENOMEM;
+  if (!ylm_list_resize(&g->cell, g->cells, room, sizeof *g->cell)) return YLM_ENOMEM;
   g->cell_room = room;
   return YLM_OK;
 }
@@ -196,10 +187,11 @@ ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more) {
   if (!data) return YLM_ENOMEM;
   g->data = data;
   g->data_bytes = room * record + padding;
-  if (!grow(&g->lattice, n, room, 3 * sizeof *g->lattice) ||
-      !grow(&g->lambda, n, room, sizeof *g->lambda) || !grow(&g->norm, n, room, sizeof *g->norm) ||
-      !grow(&g->flags, n, room, 1) ||
-      (g->validity && !grow(&g->validity, n, room, sizeof *g->validity)))
+  if (!ylm_list_resize(&g->lattice, n, room, 3 * sizeof *g->lattice) ||
+      !ylm_list_resize(&g->lambda, n, room, sizeof *g->lambda) ||
+      !ylm_list_resize(&g->norm, n, room, sizeof *g->norm) ||
+      !ylm_list_resize(&g->flags, n, room, 1) ||
+      (g->validity && !ylm_list_resize(&g->validity, n, room, sizeof *g->validity)))
     return YLM_ENOMEM;
   g->point_room = room;
   return YLM_OK;
@@ -213,13 +205,13 @@ void ylm__grid_trim(ylm_grid *g) {
   g->data = data;
   g->data_bytes = bytes;
   g->point_room = n; /* of all arrays, though the others may have more */
-  grow(&g->lattice, n, n, 3 * sizeof *g->lattice);
-  grow(&g->lambda, n, n, sizeof *g->lambda);
-  grow(&g->norm, n, n, sizeof *g->norm);
-  grow(&g->flags, n, n, 1);
-  if (grow(&g->cell, g->cells, g->cells, sizeof *g->cell)) g->cell_room = g->cells;
+  ylm_list_resize(&g->lattice, n, n, 3 * sizeof *g->lattice);
+  ylm_list_resize(&g->lambda, n, n, sizeof *g->lambda);
+  ylm_list_resize(&g->norm, n, n, sizeof *g->norm);
+  ylm_list_resize(&g->flags, n, n, 1);
+  if (ylm_list_resize(&g->cell, g->cells, g->cells, sizeof *g->cell)) g->cell_room = g->cells;
   size_t born = n - g->evaluated;
-  if (born && grow(&g->birth, born, born, sizeof *g->birth)) g->birth_room = born;
+  if (born && ylm_list_resize(&g->birth, born, born, sizeof *g->birth)) g->birth_room = born;
   ylm__grid_count(g);
   ylm__grid_sync(g);
 }

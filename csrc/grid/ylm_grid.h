@@ -237,8 +237,8 @@ YLM_API void ylm_grid_surface_draw(const ylm_grid_surface *s, uint64_t seed, uin
 /*
 ** ylm_grid_surface_voxels - the finest voxels of a grid that the triangles of a source meet.
 **
-** A voxel counts with its faces, enlarged by 2^-22 of the largest coordinate of the bounds (at most
-** a quarter of an edge): points of a triangle that were rounded to float are in marked voxels.
+** A voxel counts with its faces, enlarged by 2^-22 of the largest coordinate of the bounds, relative to
+** the origin of the surfaces (at most a quarter of an edge): points of a triangle that were rounded to float are in marked voxels.
 ** Rounding in the test marks too much, never too little.
 **
 **   g        in   a grid in the making: its form is used
@@ -299,7 +299,7 @@ YLM_API bool ylm_grid_updating(const ylm_grid *g);
 /* True if an update failed and could not be taken back: the grid is good for ylm_grid_free only. */
 YLM_API bool ylm_grid_spent(const ylm_grid *g);
 
-/* -- other light: refresh.c ------------------------------------------------------------------ */
+/* -- other light: follow/refresh.c ----------------------------------------------------------- */
 
 /*
 ** ylm_grid_refresh - evaluate a grid's points anew, in another light field or in one that changed.
@@ -754,14 +754,14 @@ YLM_API ylm_status ylm_grid_encode(const ylm_grid *g, unsigned char **data, size
                                    ylm_error *e);
 
 /*
-** ylm_grid_read, ylm_grid_decode - a grid from a file of version 1 or 2, or from its bytes.
+** ylm_grid_read, ylm_grid_decode - a grid from a file, or from its bytes.
 **
 ** Coefficients of evaluated points are those of the file, to the bit. Interpolated points are made
-** again (of version 1: read) by the kernel set in use: where it is that of the writer, the grid
-** samples as the one that was saved, to the bit. Times of stats are NaN.
+** again by the kernel set in use: where it is that of the writer, the grid samples as the one that
+** was saved, to the bit. Times of stats are NaN.
 **
 ** Returns  YLM_OK; YLM_EFORMAT (no grid file, or one that cannot be), YLM_ECHECKSUM (damaged),
-**          YLM_EVERSION (a newer version, or a section that is required and not known), YLM_EIO,
+**          YLM_EVERSION (another version, or a section that is required and not known), YLM_EIO,
 **          YLM_ENOMEM, YLM_ELIMIT
 ** Memory   at most 105 times the file's rows, whatever the file says: at most 104 points are
 **          interpolated for an evaluated one (in most grids about 1.5)
@@ -787,13 +787,13 @@ typedef struct ylm_grid_file_info {
   uint64_t size; /* bytes of the file */
   ylm_grid_form form;
   ylm_grid_stats stats; /* as far as files have them */
-  size_t sections;      /* 0 in version 1 */
+  size_t sections;
   ylm_grid_file_section *section;
 } ylm_grid_file_info;
 
 /*
-** ylm_grid_file_look - what is in a grid file, from its header, table and first two sections alone
-** (a file of version 1 is read whole). ylm_grid_file_forget frees it.
+** ylm_grid_file_look - what is in a grid file, from its header, table and first two sections alone.
+** ylm_grid_file_forget frees it.
 **
 ** Returns  as ylm_grid_read
 */

@@ -70,7 +70,7 @@ static void from_oklab(double L, double a, double b, float rgb[3]) {
 
 /* Blue - light grey - red: lightness falls alike on both sides, chroma rises. */
 static void coolwarm(double t, float rgb[3]) {
-  const double degree = 3.14159265358979323846 / 180;
+  const double degree = YLM_PI / 180;
   double x = 2 * t - 1, side = fabs(x), hue = (x < 0 ? 258 : 27) * degree;
   double chroma = 0.17 * sin(90 * degree * fmin(1, side * 1.15)),
          lightness = 0.95 - 0.50 * pow(side, 1.4);

@@ -14,8 +14,6 @@
 
 #include "metrics.h"
 
-#define PI 3.14159265358979323846
-
 /* Exponents and weights of the papers. */
 #define COLOUR_POWER 0.7
 #define FEATURE_POWER 0.5
@@ -194,15 +192,15 @@ static void balance(double *w, int radius) {
 /* YLM_ERANGE: filters are too large. */
 static ylm_status make_filters(flip *f, double pixels, ylm_error *e) {
   double part[4], deviation = 0.5 * FEATURE_WIDTH * pixels, v = deviation * deviation;
-  double reach = 3 * sqrt(eye[2].b / (2 * PI * PI)) * pixels;
+  double reach = 3 * sqrt(eye[2].b / (2 * YLM_PI * YLM_PI)) * pixels;
   if (!(pixels > 0) || !(reach <= FLIP_RADIUS) || !(3 * deviation <= FLIP_RADIUS))
     return ylm_fail(e, YLM_ERANGE, "%g pixels per degree: more than 0 and at most %g expected",
-                    pixels, floor(FLIP_RADIUS / (3 * sqrt(eye[2].b / (2 * PI * PI)))));
+                    pixels, floor(FLIP_RADIUS / (3 * sqrt(eye[2].b / (2 * YLM_PI * YLM_PI)))));
   f->eye = (int)ceil(reach);
   f->feature = (int)ceil(3 * deviation);
   for (int k = 0; k < 4; k++) {
-    double sum = gaussian(f, EYE_Y + k, eye[k].b * pixels * pixels / (2 * PI * PI), f->eye);
-    part[k] = eye[k].a * sqrt(PI / eye[k].b) * sum * sum;
+    double sum = gaussian(f, EYE_Y + k, eye[k].b * pixels * pixels / (2 * YLM_PI * YLM_PI), f->eye);
+    part[k] = eye[k].a * sqrt(YLM_PI / eye[k].b) * sum * sum;
   }
   f->second = part[3] / (part[2] + part[3]);
   gaussian(f, GAUSS, v, f->feature);
@@ -427,7 +425,7 @@ ylm_status ylm_image_flip(const ylm_image *a, const ylm_image *b, const char *na
   float *room = NULL;
   flip *f = ylm_alloc_zero(1, sizeof *f);
   *map = NULL;
-  if (!f) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!f) return ylm_no_memory(e);
   f->mask = mask;
   f->hdr = o->hdr;
   make_colours(f);
@@ -449,6 +447,6 @@ ylm_status ylm_image_flip(const ylm_image *a, const ylm_image *b, const char *na
   }
   ylm_free(room);
   ylm_free(f);
-  if (s == YLM_ENOMEM || s == YLM_ECANCELLED) return ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s == YLM_ENOMEM || s == YLM_ECANCELLED) return ylm_fail_plain(e, s);
   return s;
 }

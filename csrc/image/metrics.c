@@ -161,7 +161,7 @@ static ylm_status measure(comparison *c, size_t blocks, double peak, double floo
   c->epsilon = m->epsilon = epsilon > 0 ? epsilon : 0.01;
   ylm_parallel(c->height, IMAGE_ROWS, threads, sum_up, c, NULL, NULL);
   ylm_status s = ylm_parallel(c->height, IMAGE_ROWS, threads, ssim_rows, c, progress, "comparing");
-  if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s != YLM_OK) return ylm_fail_plain(e, s);
   for (size_t i = 0; i < blocks; i++) {
     m->mse += c->part[i].square;
     m->mae += c->part[i].absolute;
@@ -198,7 +198,7 @@ ylm_status ylm_image_compare(const ylm_image *a, const ylm_image *b, const char 
   size_t blocks = (c.height + IMAGE_ROWS - 1) / IMAGE_ROWS;
   make_window(c.window);
   c.part = ylm_alloc_zero(blocks, sizeof *c.part);
-  if (!c.part) return ylm_fail(e, YLM_ENOMEM, "memory ran out");
+  if (!c.part) return ylm_no_memory(e);
   s = measure(&c, blocks, peak, floor, epsilon, threads, progress, m, e);
   ylm_free(c.part);
   return s;

@@ -1,5 +1,6 @@
 /* raster.c - images: sizes, layers, metadata. */
 #include "ylm_image.h"
+#include "ylm_list.h"
 
 #include <string.h>
 
@@ -94,10 +95,9 @@ ylm_status ylm_image_set_text(ylm_image *image, const char *key, const char *val
     image->text[i].value = v;
     return YLM_OK;
   }
-  size_t used = (size_t)image->texts * sizeof(ylm_text);
-  ylm_text *grown = ylm_realloc(image->text, used, (size_t)image->texts + 1, sizeof(ylm_text));
-  if (!grown) goto no_memory;
-  image->text = grown;
+  size_t used = (size_t)image->texts;
+  if (!ylm_list_resize(&image->text, used, used + 1, sizeof *image->text)) goto no_memory;
+  ylm_text *grown = image->text;
   memmove(grown + i + 1, grown + i, (size_t)(image->texts++ - i) * sizeof *grown);
   grown[i] = (ylm_text){k, v};
   return YLM_OK;

@@ -47,7 +47,7 @@ static double box(double x) { return x >= -0.5 && x < 0.5; }
 static double tent(double x) { return fabs(x) < 1 ? 1 - fabs(x) : 0; }
 
 static double lanczos(double x) {
-  const double pi = 3.14159265358979323846;
+  const double pi = YLM_PI;
   if (x == 0) return 1;
   return fabs(x) < 3 ? 3 * sin(pi * x) * sin(pi * x / 3) / (pi * pi * x * x) : 0;
 }
@@ -150,7 +150,7 @@ ylm_status ylm_image_resize(const ylm_image *in, int width, int height, ylm_filt
   float *half = ylm_alloc((size_t)in->height * (size_t)width * 4, sizeof *half);
   if (!half || !make_kernel(in->width, width, filter, &kx) ||
       !make_kernel(in->height, height, filter, &ky))
-    s = ylm_fail(e, YLM_ENOMEM, "memory ran out");
+    s = ylm_no_memory(e);
   for (int i = 0; s == YLM_OK && i < in->layers; i++) {
     size_t c = (size_t)in->layer[i].channels;
     job jx = {in->layer[i].data, half, &kx, (size_t)in->width, (size_t)width, c};
@@ -158,7 +158,7 @@ ylm_status ylm_image_resize(const ylm_image *in, int width, int height, ylm_filt
     s = ylm_parallel((size_t)in->height, IMAGE_ROWS, threads, along_x, &jx, progress, "resizing");
     if (s == YLM_OK)
       s = ylm_parallel((size_t)height, IMAGE_ROWS, threads, along_y, &jy, progress, "resizing");
-    if (s != YLM_OK) ylm_fail(e, s, "%s", ylm_status_text(s));
+    if (s != YLM_OK) ylm_fail_plain(e, s);
   }
   free_kernel(&kx);
   free_kernel(&ky);

@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-#define PI 3.14159265358979323846
-
 /* From forward, left, up to scene axes and back: z up looks along +x, y up along -z. */
 static void to_scene(ylm_up up, double f, double l, double u, double d[3]) {
   if (up == YLM_UP_Z)
@@ -34,15 +32,15 @@ bool ylm_mapping_direction(ylm_mapping m, ylm_up up, int width, int height, doub
   d[0] = d[1] = d[2] = 0;
   if (!isfinite(u) || !isfinite(v)) return false;
   if (m == YLM_MAPPING_LATLONG) {
-    double phi = PI * (1 - 2 * u), theta = PI * v;
+    double phi = YLM_PI * (1 - 2 * u), theta = YLM_PI * v;
     to_scene(up, sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta), d);
     return true;
   }
   if (m == YLM_MAPPING_ANGULAR) {
     double right = 2 * u - 1, top = 1 - 2 * v, r = hypot(right, top);
     if (r > 1) return false;
-    double k = r > 0 ? sin(PI * r) / r : PI;
-    to_scene(up, cos(PI * r), -right * k, top * k, d);
+    double k = r > 0 ? sin(YLM_PI * r) / r : YLM_PI;
+    to_scene(up, cos(YLM_PI * r), -right * k, top * k, d);
     return true;
   }
   int face = (int)floor(6 * v);
@@ -64,10 +62,10 @@ bool ylm_mapping_position(ylm_mapping m, ylm_up up, int width, int height, const
   double n[3] = {d[0] / scale, d[1] / scale, d[2] / scale}, f, l, u;
   from_scene(up, n, &f, &l, &u);
   if (m == YLM_MAPPING_LATLONG) {
-    *x = f == 0 && l == 0 ? 0.5 * width : width * (0.5 - atan2(l, f) / (2 * PI));
-    *y = height * atan2(hypot(f, l), u) / PI;
+    *x = f == 0 && l == 0 ? 0.5 * width : width * (0.5 - atan2(l, f) / (2 * YLM_PI));
+    *y = height * atan2(hypot(f, l), u) / YLM_PI;
   } else if (m == YLM_MAPPING_ANGULAR) {
-    double side = hypot(l, u), r = atan2(side, f) / PI;
+    double side = hypot(l, u), r = atan2(side, f) / YLM_PI;
     double right = side > 0 ? -l / side * r : r, top = side > 0 ? u / side * r : 0;
     *x = width * (right + 1) / 2;
     *y = height * (1 - top) / 2;
@@ -85,10 +83,10 @@ static double corner_angle(double s, double t) { return atan2(s * t, sqrt(s * s 
 
 static double solid_angle(ylm_mapping m, int width, int height, int x, int y) {
   if (m == YLM_MAPPING_LATLONG) /* cos a - cos b without cancellation */
-    return 2 * PI / width * 2 * sin(PI * (y + 0.5) / height) * sin(PI / (2.0 * height));
+    return 2 * YLM_PI / width * 2 * sin(YLM_PI * (y + 0.5) / height) * sin(YLM_PI / (2.0 * height));
   if (m == YLM_MAPPING_ANGULAR) {
     double r = hypot(2 * (x + 0.5) / width - 1, 1 - 2 * (y + 0.5) / height);
-    return (r > 0 ? PI * sin(PI * r) / r : PI * PI) * 4.0 / width / height;
+    return (r > 0 ? YLM_PI * sin(YLM_PI * r) / r : YLM_PI * YLM_PI) * 4.0 / width / height;
   }
   int row = y % width;
   double s0 = 2.0 * x / width - 1, s1 = 2.0 * (x + 1) / width - 1;
@@ -119,9 +117,9 @@ bool ylm_mapping_within(ylm_mapping m, ylm_up up, int width, int height, size_t 
   double x = (double)(pixel % (size_t)width) + u, row = (double)(pixel / (size_t)width);
   if (m != YLM_MAPPING_LATLONG) return ylm_mapping_direction(m, up, width, height, x, row + v, d);
   /* 1 - cos theta = 2 sin^2(theta/2) grows evenly */
-  double a = sin(PI * row / (2 * height)), b = sin(PI * (row + 1) / (2 * height));
+  double a = sin(YLM_PI * row / (2 * height)), b = sin(YLM_PI * (row + 1) / (2 * height));
   double s = sqrt(a * a + v * (b * b - a * a));
-  return ylm_mapping_direction(m, up, width, height, x, 2 * height / PI * asin(fmin(1, s)), d);
+  return ylm_mapping_direction(m, up, width, height, x, 2 * height / YLM_PI * asin(fmin(1, s)), d);
 }
 
 double ylm_mapping_spread(ylm_mapping m, ylm_up up, int width, int height, size_t pixel,
@@ -132,7 +130,7 @@ double ylm_mapping_spread(ylm_mapping m, ylm_up up, int width, int height, size_
   if (!ylm_mapping_position(m, up, width, height, d, &x, &y)) return 0;
   if (m == YLM_MAPPING_ANGULAR) {
     double r = hypot(2 * x / width - 1, 1 - 2 * y / height);
-    return (r > 0 ? PI * fmax(0, sin(PI * r)) / r : PI * PI) * 4 / width / height;
+    return (r > 0 ? YLM_PI * fmax(0, sin(YLM_PI * r)) / r : YLM_PI * YLM_PI) * 4 / width / height;
   }
   double s = 2 * x / width - 1, t = 2 * (y / width - floor(fmin(5, y / width))) - 1;
   return 4 / ((double)width * width) / pow(1 + s * s + t * t, 1.5);

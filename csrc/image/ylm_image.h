@@ -21,23 +21,6 @@ extern "C" {
 #define YLM_IMAGE_MAX_LAYERS 64
 #define YLM_IMAGE_MAX_NAME 64 /* bytes of a layer's name, without the final 0 */
 
-/* -- luminance ---------------------------------------------------------------- */
-
-/* Weights of linear Rec. 709 red, green and blue. ylm_light.h has them too, for kernels that know no
-   images: a compiler that sees both finds them equal. */
-#define YLM_LUMINANCE_R 0.2126
-#define YLM_LUMINANCE_G 0.7152
-#define YLM_LUMINANCE_B 0.0722
-
-static inline double ylm_luminance(const double rgb[3]) {
-  return YLM_LUMINANCE_R * rgb[0] + YLM_LUMINANCE_G * rgb[1] + YLM_LUMINANCE_B * rgb[2];
-}
-/* Of absolute values: how much a light counts whose radiance may be negative. */
-static inline double ylm_luminance_size(const double rgb[3]) {
-  return YLM_LUMINANCE_R * fabs(rgb[0]) + YLM_LUMINANCE_G * fabs(rgb[1]) +
-         YLM_LUMINANCE_B * fabs(rgb[2]);
-}
-
 /* -- rasters ------------------------------------------------------------------ */
 
 typedef struct ylm_layer {

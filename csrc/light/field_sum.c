@@ -36,7 +36,7 @@ static void add_rows(ylm_dtype t, const void *from, size_t n, size_t width, doub
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                            const void *points, ylm_field_result *r, ylm_error *e) {
   const ylm_field_sum *s = f->self;
-  ylm_status status = ylm__field_check(q, n, points, r, YLM_LIGHT_LMAX, e);
+  ylm_status status = ylm_field_check(q, n, points, r, YLM_LIGHT_LMAX, "these lights", e);
   if (status != YLM_OK) return status;
   ylm_field_query part = part_query(q);
   size_t count = ylm_sh_count(q->lmax), channels = (size_t)part.channels;

@@ -52,12 +52,6 @@ ylm_status ylm__local_begin(const ylm_field_query *q, const double origin[3], si
                             const void *points, ylm__local *out);
 void ylm__local_end(ylm__local *local);
 
-/* A query is sound but for its points, lmax <= most. */
-ylm_status ylm__query_check(const ylm_field_query *q, const ylm_field_result *r, int most,
-                            ylm_error *e);
-/* For fields that are no sums of spheres (query.c): a query is sound, lmax <= most. */
-ylm_status ylm__field_check(const ylm_field_query *q, size_t n, const void *points,
-                            const ylm_field_result *r, int most, ylm_error *e);
 /* Writes what q wants for a point from sums [channels][wide]: value [count], gradient [count][3],
    Hessian [count][6] in that order; channels 3, or 1 where luminance is all that is wanted. */
 void ylm__field_write(const ylm_field_query *q, size_t point, int channels, const double *sum,

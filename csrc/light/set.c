@@ -256,7 +256,7 @@ ylm_status ylm_light_set_create(size_t n, const ylm_light_source *source, ylm_li
     *set = m.set;
   else
     ylm_light_set_free(m.set);
-  return s == YLM_ENOMEM ? ylm_fail(e, s, "%s", ylm_status_text(s)) : s;
+  return s == YLM_ENOMEM ? ylm_no_memory(e) : s;
 }
 
 ylm_status ylm__light_set_of_pack(const ylm__light_pack *made, ylm_light_set **set, ylm_error *e) {
@@ -269,7 +269,7 @@ ylm_status ylm__light_set_of_pack(const ylm__light_pack *made, ylm_light_set **s
     return YLM_OK;
   }
   ylm_light_set_free(s);
-  return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  return ylm_no_memory(e);
 }
 
 ylm_status ylm_light_set_spheres(size_t n, const double *at, const double *radius,
@@ -312,3 +312,11 @@ ylm_status ylm_light_set_evaluate(const ylm_light_set *set, ylm_isa isa, const y
 /* -- fields of another origin --------------------------------------------------------------- */
 
 const ylm__light_kind ylm__foreign_kind = {.name = "field"};
+
+bool ylm_light_set_part(const ylm_light_set *set, size_t i, ylm_light_part *out) {
+  if (i >= set->packs) return false;
+  const ylm__light_pack *p = set->pack[i];
+  *out = (ylm_light_part){.kind = p->kind->name};
+  if (p->kind->device) p->kind->device(p->of, out);
+  return true;
+}

@@ -11,7 +11,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "distant.h"
+#include "distant/distant.h"
 #include "set.h"
 #include "ylm_light_spot.h"
 #include "ylm_vector.h"
@@ -70,7 +70,7 @@ bool ylm_light_set_spot(const ylm_light_set *set, size_t i, ylm_light_spot *out)
       i -= p->n;
       continue;
     }
-    const double *x = ((const ylm__distant *)p->of)->record[i], half = x[ANGLE] * M_PI / 360;
+    const double *x = ((const ylm__distant *)p->of)->record[i], half = x[ANGLE] * YLM_PI / 360;
     memcpy(out->intensity, x, sizeof out->intensity);
     memcpy(out->at, x + AT, sizeof out->at);
     memcpy(out->axis, x + AXIS, sizeof out->axis);
@@ -89,7 +89,7 @@ double ylm_light_spot_part(const ylm_light_spot *s, double cosine) {
 }
 
 double ylm_light_spot_solid(const ylm_light_spot *s) {
-  return 2 * M_PI * (1 - (s->inner + s->outer) / 2);
+  return 2 * YLM_PI * (1 - (s->inner + s->outer) / 2);
 }
 
 const ylm__light_kind ylm__spot_kind = {

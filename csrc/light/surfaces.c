@@ -2,6 +2,7 @@
 #include <string.h>
 
 #include "set.h"
+#include "ylm_list.h"
 
 /* Room for one more behind n elements, which fill a room for a power of two of them. */
 static void *make_room(void *elements, size_t n, size_t size) {
@@ -58,10 +59,7 @@ ylm_status ylm__surfaces_disk(ylm_light_surfaces *s, const double at[3], double 
 }
 
 ylm_status ylm__surfaces_image(ylm_light_surfaces *s, const ylm_light_image *image) {
-  ylm_light_image *more =
-      ylm_realloc(s->image, s->images * sizeof *more, s->images + 1, sizeof *more);
-  if (!more) return YLM_ENOMEM;
-  s->image = more;
+  if (!ylm_list_resize(&s->image, s->images, s->images + 1, sizeof *s->image)) return YLM_ENOMEM;
   s->image[s->images++] = *image;
   return YLM_OK;
 }

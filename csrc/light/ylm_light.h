@@ -5,15 +5,15 @@
 ** one by one; ray casting asks for their surfaces, devices for what they can sum
 ** (ylm_light_device.h). The file of a kind says its parameters and formulas:
 **
-** | kind              | file                        | lights |
-** | sphere            | csrc/light/sphere/kind.c    | spheres of one radiance |
-** | polygon           | csrc/light/flat/kind.c      | polygons and ellipses, exactly |
-** | polygon_as_sphere | csrc/light/flat/kind.c      | the same, approximated by spheres |
-** | textured          | csrc/light/textured.c       | parallelograms with an image |
-** | environment       | csrc/light/environment.c    | light from all around, infinitely far away |
-** | sun               | csrc/light/sun.c            | discs of one radiance, infinitely far away |
-** | sampled           | csrc/light/sampled.c        | light known at a few places, blended between them |
-** | virtual           | csrc/light/virtual/         | small lights that send different light in different directions |
+** | kind              | file                            | lights |
+** | sphere            | csrc/light/sphere/kind.c        | spheres of one radiance |
+** | polygon           | csrc/light/flat/kind.c          | polygons and ellipses, exactly |
+** | polygon_as_sphere | csrc/light/flat/kind.c          | the same, approximated by spheres |
+** | textured          | csrc/light/image/textured.c     | parallelograms with an image |
+** | environment       | csrc/light/distant/environment.c | light from all around, infinitely far away |
+** | sun               | csrc/light/distant/sun.c        | discs of one radiance, infinitely far away |
+** | sampled           | csrc/light/image/sampled.c      | light known at a few places, blended between them |
+** | virtual           | csrc/light/virtual/             | small lights that send different light in different directions |
 **
 **     ylm_light_set *lamps;
 **     double at[3] = {0, 2, 0}, radius = 0.1, radiance[3] = {10, 8, 6};
@@ -43,11 +43,6 @@ extern "C" {
 #define YLM_POLYGON_VERTICES 64
 /* The most texels of an image that a light is made of. */
 #define YLM_LIGHT_TEXELS (1 << 22)
-
-/* Weights of linear Rec. 709 red, green and blue in luminance. */
-#define YLM_LUMINANCE_R 0.2126
-#define YLM_LUMINANCE_G 0.7152
-#define YLM_LUMINANCE_B 0.0722
 
 /* -- sets of lights: csrc/light/set.c ---------------------------------------------------------- */
 
@@ -177,7 +172,7 @@ YLM_API ylm_status ylm_light_cut_evaluate(const ylm_light_cut *cut, ylm_isa isa,
 /* The memory that the lights' tree takes; 0 where there is none. */
 YLM_API size_t ylm_light_set_tree_bytes(const ylm_light_set *set);
 
-/* -- lights one by one: csrc/light/one.c, bound.c --------------------------------------------- */
+/* -- lights one by one: csrc/light/light.c, bound.c ------------------------------------------- */
 
 /* The other numbers of a light; its kind knows them. */
 typedef struct ylm_light_shape ylm_light_shape;
@@ -284,7 +279,7 @@ YLM_API ylm_status ylm_light_set_surfaces(const ylm_light_set *set, size_t tiles
                                           ylm_light_surfaces *out);
 YLM_API void ylm_light_surfaces_free(ylm_light_surfaces *s);
 
-/* -- light from infinity, as rays see it: csrc/light/sky.c ------------------------------------- */
+/* -- light from infinity, as rays see it: csrc/light/distant/sky.c ----------------------------- */
 
 /* Directions about an axis of length 1, with the cosine of half the angle; radiance all over it. */
 typedef struct ylm_light_cone {
@@ -300,8 +295,7 @@ YLM_API void ylm_light_set_sky(const ylm_light_set *set, const double d[3], bool
 /* Cone i of the set; false where there are no more. */
 YLM_API bool ylm_light_set_cone(const ylm_light_set *set, size_t i, ylm_light_cone *out);
 
-/* -- textured parallelograms: csrc/light/texture.c,
- * textured.c----------------------------------------- */
+/* -- textured parallelograms: csrc/light/image/texture.c, textured.c -------------------------- */
 
 /*
 ** An image on a parallelogram, which a quadtree cuts into parts. Leaves are of one colour to
@@ -336,7 +330,7 @@ YLM_API ylm_status ylm_light_set_textured(const ylm_light_texture *t, bool exact
                                           const double *horizon, ylm_light_set **set, size_t *parts,
                                           ylm_error *e);
 
-/* -- light from samples: csrc/light/sampled.c --------------------------------------------- */
+/* -- light from samples: csrc/light/image/sampled.c --------------------------------------- */
 
 #define YLM_LIGHT_SAMPLES 4096 /* the most places of a sampled light */
 

@@ -15,7 +15,7 @@ extern "C" {
 YLM_API ylm_status ylm_light_check(const ylm_field_query *q, int most, size_t n, const void *points,
                                    const ylm_field_result *r, ylm_error *e);
 
-/* -- lights as they are summed: csrc/light/device.c ------------------------------------------ */
+/* -- lights as they are summed: csrc/light/set.c --------------------------------------------- */
 
 /* A sphere; where it stands for a flat light, the light's normal, else 0. */
 typedef struct ylm_light_lamp {

@@ -1,7 +1,7 @@
 /*
 ** ylm_light_sky.h - skies: what rays see of light from infinity that fills the sky, for scenes.
 **
-** The light field of an environment is a sum of harmonics (csrc/light/environment.c). A panorama
+** The light field of an environment is a sum of harmonics (csrc/light/distant/environment.c). A panorama
 ** is what rays see of one that is more than that: an image of the whole sphere, or a sky of the CIE.
 **
 ** A dome is light that fills the sky, as one thing to be sampled. A set has one for each panorama,
@@ -19,7 +19,7 @@ extern "C" {
 
 typedef struct ylm_light_set ylm_light_set; /* ylm_light.h */
 
-/* -- skies of the CIE: csrc/light/cie.c -------------------------------------------------------- */
+/* -- skies of the CIE: csrc/light/distant/cie.c ------------------------------------------------ */
 
 /* Skies of the CIE: their names and the constants a, b, k, c, e of ylm_light_cie_luminance. */
 #define YLM_LIGHT_CIE_LIST(X)                                                                      \
@@ -54,7 +54,7 @@ typedef struct ylm_light_cie {
 */
 YLM_API double ylm_light_cie_luminance(const ylm_light_cie *sky, const double d[3]);
 
-/* -- panoramas: csrc/light/panorama.c ---------------------------------------------------------- */
+/* -- panoramas: csrc/light/distant/panorama.c -------------------------------------------------- */
 
 typedef struct ylm_light_panorama {
   int width, height;
@@ -82,7 +82,7 @@ YLM_API ylm_status ylm_light_set_panorama(const ylm_light_panorama *p, size_t n,
                                           const double *const *record, ylm_light_set **set,
                                           ylm_error *e);
 
-/* -- domes: csrc/light/sky.c ------------------------------------------------------------------- */
+/* -- domes: csrc/light/distant/sky.c ----------------------------------------------------------- */
 
 typedef struct ylm_light_dome {
   const ylm_light_panorama *panorama; /* NULL: environments, whose coefficients are all */

@@ -70,27 +70,6 @@ int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
   return 3;
 }
 
-/* Is the key at `i` one of the names? */
-static bool is_named(lua_State *L, int i, const char *const *names) {
-  if (lua_type(L, i) != LUA_TSTRING) return false;
-  for (; *names; names++)
-    if (strcmp(*names, lua_tostring(L, i)) == 0) return true;
-  return false;
-}
-
-void ylmL_named(lua_State *L, int i, const char *const *names) {
-  luaL_checktype(L, i, LUA_TTABLE);
-  lua_settop(L, i);
-  luaL_checkstack(L, 24, "named arguments");
-  for (lua_pushnil(L); lua_next(L, i); lua_pop(L, 1))
-    if (!is_named(L, -2, names))
-      luaL_argerror(L, i,
-                    lua_pushfstring(L, "no argument has the name '%s'",
-                                    lua_type(L, -2) == LUA_TSTRING ? lua_tostring(L, -2)
-                                                                   : luaL_typename(L, -2)));
-  for (; *names; names++) lua_getfield(L, i, *names);
-}
-
 /* -- object types ---------------------------------------------------------------------------- */
 
 /* The only list of types whose methods are written in Lua: the type, the module that has them. */
@@ -256,22 +235,8 @@ const ylm_field *ylmL_field_check(lua_State *L, int i) {
 #define BUSY "ylm.busy"
 #define PARTS "ylm.parts"
 
-/* Pushes the table of that name, a new one where there is none. */
-static void push_weak(lua_State *L, const char *name) {
-  lua_getfield(L, LUA_REGISTRYINDEX, name);
-  if (lua_istable(L, -1)) return;
-  lua_pop(L, 1);
-  lua_newtable(L);
-  lua_newtable(L);
-  lua_pushliteral(L, "k");
-  lua_setfield(L, -2, "__mode");
-  lua_setmetatable(L, -2);
-  lua_pushvalue(L, -1);
-  lua_setfield(L, LUA_REGISTRYINDEX, name);
-}
-
 void ylmL_note_part(lua_State *L) {
-  push_weak(L, PARTS);
+  ylmL_weak(L, PARTS);
   lua_pushvalue(L, -2);
   lua_pushboolean(L, 1);
   lua_rawset(L, -3);
@@ -291,7 +256,7 @@ static int count_running(lua_State *L, int busy, int more) {
 /* Makes entries for the arguments below `top`, and for the number of progress functions that run,
    so that marking them later takes no memory. */
 static void note_arguments(lua_State *L, int top) {
-  push_weak(L, BUSY);
+  ylmL_weak(L, BUSY);
   count_running(L, lua_gettop(L), 0);
   for (int i = 1; i <= top; i++) {
     if (lua_type(L, i) != LUA_TUSERDATA) continue;
@@ -350,7 +315,7 @@ ylm_status ylmL_busy(lua_State *L, int i) {
 ylm_status ylmL_array_busy(lua_State *L, const ylmL_array *a) {
   bool busy = false;
   luaL_checkstack(L, 6, "busy");
-  push_weak(L, BUSY);
+  ylmL_weak(L, BUSY);
   int table = lua_gettop(L);
   if (count_running(L, table, 0) > 0)
     for (lua_pushnil(L); lua_next(L, table); lua_pop(L, 1)) {

@@ -17,7 +17,9 @@
 #include <lauxlib.h>
 #include <lua.h>
 #include <lualib.h>
+#include <stddef.h>
 
+#include "binding_choices.h"
 #include "ylm_numbers.h"
 
 /* -- what is bound ----------------------------------------------------------- */
@@ -45,6 +47,7 @@
   X(light_tree)                                                                                    \
   X(light_virtual)                                                                                 \
   X(limits)                                                                                        \
+  X(own)                                                                                           \
   X(process)                                                                                       \
   X(sandbox)                                                                                       \
   X(sh)                                                                                            \
@@ -126,11 +129,50 @@ void ylmL_set_count(lua_State *L, const char *name, uint64_t n);
 void ylmL_set_number(lua_State *L, const char *name, double x);
 void ylmL_set_boolean(lua_State *L, const char *name, bool x);
 
-/* Named arguments: puts the entries `names` (NULL ends them) of the table at absolute index `i`
-   onto the stack, names[0] at i + 1. Values that stood there are dropped. An entry that is missing
-   is nil. An entry of another name raises. A
-   function with more than seven arguments takes them so. */
-void ylmL_named(lua_State *L, int i, const char *const *names);
+/* -- named arguments: csrc/lua/binding_read.c, compiled into every binding ---- */
+
+/* The kinds of values, and the C types that they become. */
+typedef enum ylmL_kind {
+  YLML_INT,
+  YLML_COUNT,   /* size_t */
+  YLML_UINT64,
+  YLML_DOUBLE,
+  YLML_BOOL,    /* nil leaves the field as it is */
+  YLML_CHOICE,  /* an enum: the place of the word in `choices` */
+  YLML_EITHER,  /* bool: is it the second of two `choices`? */
+  YLML_STRING,  /* const char *, of the table's */
+  YLML_NUMBERS, /* double[n], from a list of as many */
+  YLML_OBJECTS, /* these and what follows stay on the stack, behind the table: */
+  YLML_ARRAY = YLML_OBJECTS, /* ylmL_array *, open, of float or double */
+  YLML_FIELD,   /* const ylm_field * */
+  YLML_READ,    /* what `read` makes of it */
+  YLML_VALUE,   /* int: its index on the stack; any value, also nil, for the caller to look at */
+  YLML_KINDS
+} ylmL_kind;
+
+/* An entry of a table of Lua, and the field of a struct that its value goes into. */
+typedef struct ylmL_entry {
+  const char *name; /* NULL ends a list of entries */
+  ylmL_kind kind;
+  size_t at, size;            /* of the field */
+  bool optional;              /* nil leaves the field as it is; of others nil raises */
+  double least, most;         /* of numbers; where least < most does not hold, all that the field can hold */
+  const char *const *choices; /* NULL ends them */
+  void (*read)(lua_State *L, int i, void *field); /* the value is at i, maybe nil; raises where it is another */
+} ylmL_entry;
+
+/* The entry `text` for a field of a struct `type`; what else it has follows, as .optional = true. */
+#define YLML(type, field, text, what, ...)                                                         \
+  {.name = text,                                                                                   \
+   .kind = YLML_##what,                                                                            \
+   .at = offsetof(type, field),                                                                    \
+   .size = sizeof(((type *)NULL)->field),                                                          \
+   __VA_ARGS__}
+
+/* Named arguments: reads the table at absolute index `i` into the struct at `out`. Values that stood above are dropped; those
+   of YLML_OBJECTS stay there. Raises where an entry has no such name, is missing, of another type, out of its range or none of
+   its choices. A function with more than seven arguments takes them so. */
+void ylmL_read(lua_State *L, int i, const ylmL_entry *entries, void *out);
 
 /* -- object types ---------------------------------------------------------- */
 
@@ -143,6 +185,17 @@ void ylmL_type(lua_State *L, const char *name, const luaL_Reg *methods);
 void *ylmL_test(lua_State *L, int i, const char *name);
 /* The userdata at `i` if it is of type `name`; raises a type error otherwise. */
 void *ylmL_check(lua_State *L, int i, const char *name);
+/* -- own tables: csrc/lua/binding_own.c, compiled into every binding ---------- */
+
+/* Pushes the own table of the value at absolute index `i`: fields that Lua keeps of it. A new one where there is none. */
+void ylmL_own(lua_State *L, int i);
+/* ylmL_own where there is one; else nothing is pushed, and false. */
+bool ylmL_owned(lua_State *L, int i);
+/* Drops the own table of the object at absolute index `i`: what closes an object says so. */
+void ylmL_disown(lua_State *L, int i);
+/* Pushes the table of the registry by that name whose keys are weak, a new one where there is none. */
+void ylmL_weak(lua_State *L, const char *name);
+
 /* Tells the collector of `bytes` of C memory: runs a step in proportion. */
 void ylmL_charge(lua_State *L, size_t bytes);
 
@@ -158,7 +211,7 @@ typedef struct ylmL_array {
   size_t shape[YLM_MAX_AXES];
   size_t count;        /* product of the shape */
   uint32_t convention; /* of SH coefficients; 0 is ylm's own (ylm_sh.h lists others) */
-  bool keeps;          /* a value of Lua in its environment keeps the elements alive */
+  bool keeps;          /* a value of Lua in its own table keeps the elements alive */
   struct ylmL_block *block;
 } ylmL_array;
 
@@ -259,9 +312,6 @@ ylmL_field_of *ylmL_field_getter(lua_State *L, int i);
 
 #define YLM_LIGHTS "ylm.lights"
 
-/* The number of the kernel set named at `i`; nil: -1, the one in use; raises if unknown.
-   core/sh.c */
-int ylmL_isa(lua_State *L, int i);
 /* The cut of a set of lights at `i`, or NULL. core/light_tree.c */
 const struct ylm_light_cut *ylmL_light_cut(lua_State *L, int i);
 /* New lights on the stack, whose set is to be made there. core/light.c */

@@ -71,24 +71,12 @@ ylmL_array *ylmL_array_unset(lua_State *L, ylm_dtype t, int axes, const size_t *
   return new_array(L, t, axes, shape, false);
 }
 
-/* The table that stands beside a userdata: its environment, or its user value. */
-#if LUA_VERSION_NUM < 502
-#define get_table lua_getfenv
-#define set_table lua_setfenv
-#elif LUA_VERSION_NUM < 504
-#define get_table lua_getuservalue
-#define set_table lua_setuservalue
-#else
-#define get_table(L, i) lua_getiuservalue(L, i, 1)
-#define set_table(L, i) lua_setiuservalue(L, i, 1)
-#endif
-
 void ylmL_array_keep(lua_State *L, int i) {
   ylmL_array *a = lua_touserdata(L, -1);
-  lua_createtable(L, 1, 0);
+  ylmL_own(L, lua_gettop(L));
   lua_pushvalue(L, i);
   lua_rawseti(L, -2, 1);
-  set_table(L, -2);
+  lua_pop(L, 1);
   a->keeps = true;
 }
 
@@ -122,8 +110,11 @@ ylmL_array *ylmL_array_part(lua_State *L, int at, size_t k, int axes, const size
   v->block = parent->block;
   v->block->users++;
   if (parent->keeps) {
-    get_table(L, at);
-    set_table(L, -2);
+    ylmL_own(L, lua_gettop(L));
+    ylmL_own(L, at);
+    lua_rawgeti(L, -1, 1);
+    lua_rawseti(L, -3, 1);
+    lua_pop(L, 2);
     v->keeps = true;
   }
   return v;

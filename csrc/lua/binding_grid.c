@@ -23,51 +23,11 @@ ylm_grid *ylmL_grid_check(lua_State *L, int i) {
 }
 
 ylm_grid_interpolation ylmL_grid_interpolation(lua_State *L, int i) {
-  static const char *const names[] = {"hermite", "taylor", "linear", NULL};
-  return (ylm_grid_interpolation)luaL_checkoption(L, i, NULL, names);
+  return (ylm_grid_interpolation)luaL_checkoption(L, i, NULL, ylmL_interpolation_choices);
 }
 
 ylm_quantity ylmL_grid_quantity(lua_State *L, int i) {
-  static const char *const names[] = {
-#define X(name) #name,
-      YLM_QUANTITY_LIST(X)
-#undef X
-          NULL};
-  return (ylm_quantity)luaL_checkoption(L, i, names[0], names);
-}
-
-/* The place of entry `name` in `words`, the first where there is none. */
-static int choice(lua_State *L, int table, const char *name, const char *const *words) {
-  lua_getfield(L, table, name);
-  int k = luaL_checkoption(L, -1, words[0], words);
-  lua_pop(L, 1);
-  return k;
-}
-
-static bool boolean(lua_State *L, int table, const char *name) {
-  lua_getfield(L, table, name);
-  bool yes = lua_toboolean(L, -1);
-  lua_pop(L, 1);
-  return yes;
-}
-
-static double number(lua_State *L, int table, const char *name) {
-  lua_getfield(L, table, name);
-  double x = luaL_checknumber(L, -1);
-  lua_pop(L, 1);
-  return x;
-}
-
-/* Numbers 1 .. n of list `name` in the table. */
-static void list(lua_State *L, int table, const char *name, int n, double *out) {
-  lua_getfield(L, table, name);
-  luaL_checktype(L, -1, LUA_TTABLE);
-  for (int i = 0; i < n; i++) {
-    lua_rawgeti(L, -1, i + 1);
-    out[i] = luaL_checknumber(L, -1);
-    lua_pop(L, 1);
-  }
-  lua_pop(L, 1);
+  return (ylm_quantity)luaL_checkoption(L, i, ylmL_quantity_choices[0], ylmL_quantity_choices);
 }
 
 /* The fingerprint `name` of the table on top, 16 digits; false: it has none. */
@@ -79,61 +39,69 @@ static bool print_of(lua_State *L, const char *name, uint64_t *print) {
   return is_there;
 }
 
-/* The fingerprints in the table's field `prints`, which may be missing. */
-static ylm_grid_prints prints_of(lua_State *L, int table) {
-  ylm_grid_prints p = {0};
-  lua_getfield(L, table, "prints");
-  if (lua_istable(L, -1)) {
-    if (print_of(L, "geometry", &p.geometry)) p.known |= YLM_GRID_PRINT_GEOMETRY;
-    if (print_of(L, "materials", &p.materials)) p.known |= YLM_GRID_PRINT_MATERIALS;
-    if (print_of(L, "lights", &p.lights)) p.known |= YLM_GRID_PRINT_LIGHTS;
-  }
+/* The fingerprints in the table at `i`, or none where nil stands there. */
+static void read_prints(lua_State *L, int i, void *field) {
+  ylm_grid_prints *p = field;
+  if (lua_isnil(L, i)) return;
+  lua_pushvalue(L, i);
+  if (print_of(L, "geometry", &p->geometry)) p->known |= YLM_GRID_PRINT_GEOMETRY;
+  if (print_of(L, "materials", &p->materials)) p->known |= YLM_GRID_PRINT_MATERIALS;
+  if (print_of(L, "lights", &p->lights)) p->known |= YLM_GRID_PRINT_LIGHTS;
   lua_pop(L, 1);
-  return p;
 }
 
+/* How many channels a word names, of ylmL_metric_channels_choices. */
+static const int channels_of[] = {1, 3, 0};
+
+typedef struct form_entry {
+  ylm_grid_form f;
+  int channels, metric_channels;
+  double cells[3], body[5];
+  int other; /* entries of the source and of bricks, which others read */
+} form_entry;
+
+static const ylmL_entry form_entries[] = {
+    YLML(form_entry, f.kind, "kind", CHOICE, .choices = ylmL_grid_form_choices),
+    YLML(form_entry, f.bounds, "bounds", NUMBERS),
+    YLML(form_entry, f.lmax, "lmax", INT),
+    YLML(form_entry, channels, "channels", CHOICE, .choices = ylmL_metric_channels_choices),
+    YLML(form_entry, metric_channels, "metric_channels", CHOICE,
+         .choices = ylmL_metric_channels_choices),
+    YLML(form_entry, f.depth, "depth", INT),
+    YLML(form_entry, cells, "cells", NUMBERS),
+    YLML(form_entry, f.metric, "metric", CHOICE, .choices = ylmL_metric_choices),
+    YLML(form_entry, f.threshold, "threshold", DOUBLE),
+    YLML(form_entry, f.tolerance, "tolerance", DOUBLE),
+    YLML(form_entry, f.continuous, "continuous", BOOL),
+    YLML(form_entry, f.dynamic, "dynamic", BOOL),
+    YLML(form_entry, f.measure, "measure", CHOICE, .choices = ylmL_measure_choices,
+         .optional = true),
+    YLML(form_entry, f.quantity, "quantity", CHOICE, .choices = ylmL_quantity_choices,
+         .optional = true),
+    YLML(form_entry, f.bias, "bias", DOUBLE, .optional = true),
+    YLML(form_entry, f.floor, "floor", DOUBLE, .optional = true),
+    YLML(form_entry, body, "body", NUMBERS, .optional = true),
+    YLML(form_entry, f.prints, "prints", READ, .read = read_prints),
+    YLML(form_entry, other, "normals", VALUE),
+    YLML(form_entry, other, "limits", VALUE),
+    YLML(form_entry, other, "team", VALUE),
+    YLML(form_entry, other, "reach", VALUE),
+    YLML(form_entry, other, "like", VALUE),
+    YLML(form_entry, other, "bricks", VALUE),
+    {.name = NULL}};
+
 ylm_grid_form ylmL_grid_form(lua_State *L, int i) {
-  static const char *const kinds[] = {"adaptive_grid", "uniform_grid", NULL};
-  static const char *const metrics[] = {"absolute", "relative", NULL};
-  static const char *const channels[] = {"none", "luminance", "rgb", NULL};
-  static const int numbers[] = {0, 1, 3};
-  ylm_grid_form f = {0};
-  double cells[3];
-  luaL_checktype(L, i, LUA_TTABLE);
-  f.kind = (ylm_grid_kind)choice(L, i, "kind", kinds);
-  list(L, i, "bounds", 6, f.bounds);
-  f.lmax = (int)number(L, i, "lmax");
-  f.channels = numbers[choice(L, i, "channels", channels)];
-  f.metric_channels = numbers[choice(L, i, "metric_channels", channels)];
-  f.depth = (int)number(L, i, "depth");
-  list(L, i, "cells", 3, cells);
-  for (int a = 0; a < 3; a++) f.cells[a] = (uint32_t)cells[a];
-  f.metric = (ylm_grid_metric)choice(L, i, "metric", metrics);
-  f.threshold = number(L, i, "threshold");
-  f.tolerance = number(L, i, "tolerance");
-  f.continuous = boolean(L, i, "continuous");
-  f.dynamic = boolean(L, i, "dynamic");
-  static const char *const measures[] = {"coefficients", "irradiance", NULL};
-  f.measure = (ylm_grid_measure)choice(L, i, "measure", measures);
-  lua_getfield(L, i, "quantity");
-  f.quantity = ylmL_grid_quantity(L, -1);
-  lua_pop(L, 1);
-  lua_getfield(L, i, "bias");
-  f.bias = luaL_optnumber(L, -1, 0);
-  lua_pop(L, 1);
-  lua_getfield(L, i, "floor");
-  f.floor = luaL_optnumber(L, -1, 0);
-  lua_pop(L, 1);
-  lua_getfield(L, i, "body");
-  if (!lua_isnil(L, -1)) {
-    double body[5];
-    lua_pop(L, 1);
-    list(L, i, "body", 5, body);
-    f.body = (ylm_grid_body){{body[0], body[1], body[2]}, body[3], body[4]};
-  } else
-    lua_pop(L, 1);
-  f.prints = prints_of(L, i);
-  return f;
+  form_entry e = {.other = 0};
+  lua_pushvalue(L, i);
+  int top = lua_gettop(L);
+  ylmL_read(L, top, form_entries, &e);
+  lua_settop(L, top - 1);
+  for (int a = 0; a < 3; a++) e.f.cells[a] = (uint32_t)e.cells[a];
+  e.f.channels = channels_of[e.channels];
+  e.f.metric_channels = channels_of[e.metric_channels];
+  const double *b = e.body;
+  e.f.body = (ylm_grid_body){{b[0], b[1], b[2]}, b[3], b[4]};
+  return e.f;
 }
 
 const ylm_grid_mesh *ylmL_grid_meshes(lua_State *L, int i, size_t *n) {

@@ -29,6 +29,7 @@ int ylmL_object_close(lua_State *L) {
   if (u) {
     let_go(*u);
     *u = NULL;
+    ylmL_disown(L, 1);
   }
   return 0;
 }

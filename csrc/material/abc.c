@@ -9,8 +9,6 @@
 #include "kind.h"
 #include "plain.h"
 
-#define PI 3.14159265358979323846
-
 enum { KD, A = KD + 3, B = A + 3, C, IOR, SCALE, NUMBERS };
 
 static ylm_status check(const float *x, ylm_error *e) {
@@ -41,8 +39,8 @@ static ylm_status prepare(ylm_material *m, ylm_error *e) {
   m->table = g;
   m->bytes = sizeof *g;
   for (int k = 0; k < 3; k++) {
-    g->kd[k] = (float)((double)x[SCALE] * (double)x[KD + k] / PI);
-    g->a[k] = (float)((double)x[SCALE] * (double)x[A + k] / PI);
+    g->kd[k] = (float)((double)x[SCALE] * (double)x[KD + k] / YLM_PI);
+    g->a[k] = (float)((double)x[SCALE] * (double)x[A + k] / YLM_PI);
   }
   g->b = x[B], g->c = x[C], g->ior = x[IOR];
   g->alpha = (float)roughness((double)g->b, (double)g->c);
@@ -74,7 +72,7 @@ static double fresnel(double ior, double c) {
 /* D of GGX of the normal along (x, y, z). */
 static double ndf(double alpha, double x2, double z) {
   double q = (x2 + z * z) / fmax(1e-30, x2 / (alpha * alpha) + z * z);
-  return q * q / (PI * alpha * alpha);
+  return q * q / (YLM_PI * alpha * alpha);
 }
 
 /* f and the density of samples for two directions above the surface. */
@@ -92,7 +90,7 @@ static double both(const void *p, const double wi[3], const double wo[3], double
   double root = sqrt(wo[2] * wo[2] + alpha * alpha * (wo[0] * wo[0] + wo[1] * wo[1]));
   double D =
       ndf(alpha, flat, z) + (gz > 0 && flat + gz * gz > MATERIAL_FOLDED ? ndf(alpha, flat, gz) : 0);
-  return share * D / (2 * (wo[2] + root)) + (1 - share) * wi[2] / PI;
+  return share * D / (2 * (wo[2] + root)) + (1 - share) * wi[2] / YLM_PI;
 }
 
 /* A direction: mirrored, or as the cosine. */

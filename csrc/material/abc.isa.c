@@ -27,7 +27,7 @@ YLM_INLINE lane density_at(const abc *g, const lane wi[3], const lane wo[3]) {
   lane D, square;
   lane root = visible_root(g->alpha, g->alpha, wo);
   return g->share * visible_pdf(g->alpha, g->alpha, wi, wo, root, &D, &square) +
-         (1 - g->share) * (1 / VISIBLE_PI) * wi[2];
+         (1 - g->share) * (1 / (float)YLM_PI) * wi[2];
 }
 
 static void eval(const void *p, size_t n, const float (*in)[3], const float (*out)[3],

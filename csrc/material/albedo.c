@@ -4,8 +4,6 @@
 #include "calibration.h"
 #include "kind.h"
 
-#define PI 3.14159265358979323846
-
 /* Point i of the additive sequence of d <= 5 coordinates whose steps are powers of 1/g, with
    g^(d+1) = g + 1 (Roberts 2018). */
 static void place(size_t i, int d, float *u) {
@@ -43,7 +41,7 @@ void ylm__material_mean(const ylm_material *m, float albedo[3]) {
   for (size_t i = 0; i < n; i += ALBEDO_BATCH) {
     for (size_t k = 0; k < ALBEDO_BATCH; k++) {
       place(i + k, 5, p);
-      float r = sqrtf(p[3]), angle = (float)(2 * PI) * p[4];
+      float r = sqrtf(p[3]), angle = (float)(2 * YLM_PI) * p[4];
       wo[k][0] = r * cosf(angle);
       wo[k][1] = r * sinf(angle);
       wo[k][2] = sqrtf(1 - p[3]);

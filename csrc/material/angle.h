@@ -2,9 +2,7 @@
 #ifndef YLM_MATERIAL_ANGLE_H
 #define YLM_MATERIAL_ANGLE_H
 
-#include <math.h>
-
-#define ANGLE_PI 3.14159265358979323846f
+#include "ylm_math.h"
 
 /* The angle of (x, y), -pi .. pi, to 2e-7; 0 where both are 0. Abramowitz & Stegun 1964, 4.4.49. */
 static inline float ylm__angle(float y, float x) {
@@ -18,8 +16,8 @@ static inline float ylm__angle(float y, float x) {
   p = p * q + 0.1999355085f;
   p = p * q - 0.3333314528f;
   p = p * q * t + t;
-  p = ay > ax ? ANGLE_PI / 2 - p : p;
-  p = x < 0 ? ANGLE_PI - p : p;
+  p = ay > ax ? (float)YLM_PI / 2 - p : p;
+  p = x < 0 ? (float)YLM_PI - p : p;
   return y < 0 ? -p : p;
 }
 

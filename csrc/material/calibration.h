@@ -49,7 +49,7 @@
 /* -- tables: table.c, table_kept.c, fit.c ---------------------------------------------------------- */
 
 /* Angles beyond this count as grazing: `error` is not about them. */
-#define TABLE_LAST_TOLD (84.0 / 180 * TABLE_PI)
+#define TABLE_LAST_TOLD (84.0 / 180 * YLM_PI)
 /* Functions that are a smaller part of all slices than this are left out. */
 #define TABLE_FAINT 1e-3
 /* Columns at which rows are judged, and rows at which columns are. */

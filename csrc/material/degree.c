@@ -6,8 +6,6 @@
 #include "kind.h"
 #include "ylm_sh.h"
 
-#define PI 3.14159265358979323846
-
 /* A slice f wi.z on rows of directions above the surface, their azimuths twice as many. */
 typedef struct slice {
   int rows;
@@ -36,7 +34,7 @@ static bool slice_create(int rows, slice *s) {
   ylm_sh_gauss_legendre(rows, s->z, s->weight);
   for (int i = 0; i < rows; i++) s->z[i] = (s->z[i] + 1) / 2, s->weight[i] /= 2;
   for (size_t k = 0; k < 2 * columns; k++) {
-    double turn = PI * (double)k / (double)columns;
+    double turn = YLM_PI * (double)k / (double)columns;
     s->turn[2 * k] = cos(turn), s->turn[2 * k + 1] = sin(turn);
   }
   return true;
@@ -61,7 +59,7 @@ static double fill(const ylm_material *m, double angle, slice *s) {
         *value = (double)s->f[k][c] * z;
         sum += *value * *value;
       }
-    total += sum * s->weight[i] * 2 * PI / (double)columns;
+    total += sum * s->weight[i] * 2 * YLM_PI / (double)columns;
   }
   return total;
 }
@@ -85,7 +83,7 @@ static void turns(const slice *s, int order, double *sum) {
 /* Adds to power[l] the squares of the coefficients of order m >= 0 and -m, of degrees to `most`. */
 static void add_order(const slice *s, int m, int most, const double *sum, double *p, double *before,
                       double *power) {
-  double step = 2 * PI / (2 * s->rows);
+  double step = 2 * YLM_PI / (2 * s->rows);
   for (int l = m; l <= most; l++) {
     double c[6] = {0};
     double x = sqrt((4.0 * l * l - 1) / ((double)l * l - (double)m * m));
@@ -110,7 +108,7 @@ static int least(const slice *s, double total, double error, int most, double *s
   for (int m = 0; m <= most; m++) {
     turns(s, m, sum);
     for (int i = 0; i < s->rows; i++) {
-      double r2 = 1 - s->z[i] * s->z[i], start = 1 / (4 * PI);
+      double r2 = 1 - s->z[i] * s->z[i], start = 1 / (4 * YLM_PI);
       for (int k = 1; k <= m; k++) start *= (2 * k + 1.0) / (2 * k) * r2;
       p[i] = sqrt(start), before[i] = 0;
     }

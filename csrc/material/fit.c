@@ -13,7 +13,6 @@
 #include "calibration.h"
 #include "ylm_sh.h"
 
-#define PI 3.14159265358979323846
 #define WIDE (YLM_MATERIAL_TABLE_FIT_LMAX + 1)
 #define NODES 16 /* exact for polynomials of degree 31: z^2 times two of degree 8 has 18 */
 
@@ -30,8 +29,8 @@ static void add_node(material_fit *fit, double z, double weight) {
   for (int m = 0; m <= fit->lmax; m++)
     for (int i = m; i <= fit->lmax; i++)
       for (int j = m; j <= fit->lmax; j++)
-        fit->gram[m][i - m][j - m] +=
-            (m ? PI : 2 * PI) * weight * z * z * p[i * (i + 1) / 2 + m] * p[j * (j + 1) / 2 + m];
+        fit->gram[m][i - m][j - m] += (m ? YLM_PI : 2 * YLM_PI) * weight * z * z *
+                                      p[i * (i + 1) / 2 + m] * p[j * (j + 1) / 2 + m];
 }
 
 static void factorise(int n, const double gram[WIDE][WIDE], double L[WIDE][WIDE]) {

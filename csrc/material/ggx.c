@@ -10,8 +10,6 @@
 #include "kind.h"
 #include "plain.h"
 
-#define PI 3.14159265358979323846
-
 enum { ALPHA_X, ALPHA_Y, F0, BASE = F0 + 3, COMPENSATE = BASE + 3, NUMBERS };
 
 static ylm_status check(const float *x, ylm_error *e) {
@@ -103,9 +101,9 @@ static ylm_status prepare(ylm_material *m, ylm_error *e) {
     double f0 = (double)g->f0[c], F = f0 + (1 - f0) / 21;
     double K = x[COMPENSATE] != 0 ? F * F * E / (1 - F * (1 - E)) : 0;
     g->K[c] = (float)K;
-    g->lost[c] = E < 1 - 1e-6 ? (float)(K / (PI * (1 - E))) : 0;
+    g->lost[c] = E < 1 - 1e-6 ? (float)(K / (YLM_PI * (1 - E))) : 0;
     double over = above(g, c, A, B);
-    g->base[c] = over < 1 - 1e-6 ? (float)((double)g->colour[c] / (PI * (1 - over))) : 0;
+    g->base[c] = over < 1 - 1e-6 ? (float)((double)g->colour[c] / (YLM_PI * (1 - over))) : 0;
   }
   return YLM_OK;
 }
@@ -154,7 +152,7 @@ static double root(const ggx *g, const double w[3]) {
 static double ndf(const ggx *g, double x, double y, double z) {
   double ax = (double)g->ax, ay = (double)g->ay, e = x * x / (ax * ax) + y * y / (ay * ay) + z * z;
   double q = (x * x + y * y + z * z) / fmax(e, 1e-30);
-  return q * q / (PI * ax * ay);
+  return q * q / (YLM_PI * ax * ay);
 }
 
 /* The share of mirrored directions among samples. */
@@ -188,7 +186,7 @@ static double both(const void *p, const double wi[3], const double wo[3], double
     f[c] += (double)g->base[c] * (1 - above(g, c, Ai, Bi)) * (1 - above(g, c, Ao, Bo));
   }
   double share = share_of(g, wo[2]);
-  return share * (D + also) / (2 * (wo[2] + ro)) + (1 - share) * wi[2] / PI;
+  return share * (D + also) / (2 * (wo[2] + ro)) + (1 - share) * wi[2] / YLM_PI;
 }
 
 /* A direction: mirrored, or as the cosine. */

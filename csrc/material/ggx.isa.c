@@ -103,7 +103,7 @@ YLM_INLINE void sample_as(const ggx *g, size_t n, const float (*out)[3], const f
     mask lit = (wi[2] > 0) & (wo[2] > 0);
     lane density = visible_pdf(g->ax, g->ay, wi, wo, v.root, &D, &square);
     reflect(g, wi, wo, &v, D, square, plain, f);
-    if (!plain) density = v.share * density + (1 - v.share) * wi[2] * (1 / VISIBLE_PI);
+    if (!plain) density = v.share * density + (1 - v.share) * wi[2] * (1 / (float)YLM_PI);
     lane scale = lane_if(lit & (density > 0), wi[2] / density);
     for (int c = 0; c < 3; c++) f[c] = lane_if(lit, f[c]) * scale;
     lanes_store3(wi, rows, in + i);
@@ -138,7 +138,7 @@ static void pdf(const void *p, size_t n, const float (*in)[3], const float (*out
     lanes_load3(out + i, rows, wo);
     eye v = look(g, wo, g->plain);
     lane density = visible_pdf(g->ax, g->ay, wi, wo, v.root, &D, &square);
-    density = v.share * density + (1 - v.share) * wi[2] * (1 / VISIBLE_PI);
+    density = v.share * density + (1 - v.share) * wi[2] * (1 / (float)YLM_PI);
     lanes_store(lane_if((wi[2] > 0) & (wo[2] > 0), density), rows, to + i);
   }
 }

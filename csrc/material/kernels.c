@@ -4,11 +4,6 @@
 #include "ylm_sets.h"
 
 #define X(name)                                                                                    \
-  YLM_SETS_DECLARE(const material_kernels, ylm_k_material_##name)                                  \
-  const material_kernels *ylm__material_##name##_kernels(void) {                                   \
-    switch (ylm_isa_current()) {                                                                   \
-      YLM_SETS_RETURN(&ylm_k_material_##name)                                                      \
-    default: return &ylm__material_##name##_plain;                                                 \
-    }                                                                                              \
-  }
+  YLM_KERNEL_CHOICE(const material_kernels, ylm__material_##name##_kernels, ylm_k_material_##name, \
+                    &ylm__material_##name##_plain);
 MATERIAL_KERNELS(X)

@@ -7,6 +7,7 @@
 #ifndef YLM_MATERIAL_LANES_H
 #define YLM_MATERIAL_LANES_H
 
+#include "ylm_math.h"
 #include "ylm_simd.h"
 
 #define W YLM_VF
@@ -148,7 +149,7 @@ YLM_INLINE lane lane_1mexp(lane x) {
 /* Sine and cosine of u turns, 0 <= u <= 1. */
 YLM_INLINE void lane_turn(lane u, lane *sine, lane *cosine) {
   mask q = lane_int(u * 4 + 0.5f);
-  lane r = (u - lane_float(q) * 0.25f) * 6.28318530717958648f, z = r * r;
+  lane r = (u - lane_float(q) * 0.25f) * (float)(2 * YLM_PI), z = r * r;
   lane s = ((z * -1.9515295891e-4f + 8.3321608736e-3f) * z - 1.6666654611e-1f) * z * r + r;
   lane c =
       ((z * 2.443315711809948e-5f - 1.388731625493765e-3f) * z + 4.166664568298827e-2f) * z * z -

@@ -17,12 +17,10 @@ typedef struct lobe {
   float share; /* of directions that they get */
 } lobe;
 
-#define LOBE_PI 3.14159265358979323846f
-
 /* D of GGX along a vector. */
 static inline float ylm__lobe_ndf(float alpha, float x, float y, float z) {
   float a2 = alpha * alpha, flat = x * x + y * y, s = (flat + z * z) / (flat / a2 + z * z);
-  return s * s / (LOBE_PI * a2);
+  return s * s / ((float)YLM_PI * a2);
 }
 
 /* The density of directions, sr^-1, of pairs above the surface. Mirrored directions below the surface
@@ -33,12 +31,12 @@ static inline float ylm__lobe_pdf(lobe l, const float wi[3], const float wo[3]) 
   if (image > 0 && x * x + y * y + image * image > 1e-7f) d += ylm__lobe_ndf(l.alpha, x, y, image);
   /* 4 cos (1 + Lambda) = 2 (cos + sqrt(cos^2 + alpha^2 sin^2)) */
   float root = sqrtf(wo[2] * wo[2] + a2 * (wo[0] * wo[0] + wo[1] * wo[1]));
-  return l.share * d / (2 * (wo[2] + root)) + (1 - l.share) * wi[2] * (1 / LOBE_PI);
+  return l.share * d / (2 * (wo[2] + root)) + (1 - l.share) * wi[2] * (1 / (float)YLM_PI);
 }
 
 /* A direction of that density for numbers u in 0 .. 1. */
 static inline void ylm__lobe_sample(lobe l, const float wo[3], const float u[3], float wi[3]) {
-  float c = cosf(2 * LOBE_PI * u[1]), s = sinf(2 * LOBE_PI * u[1]);
+  float c = cosf(2 * (float)YLM_PI * u[1]), s = sinf(2 * (float)YLM_PI * u[1]);
   if (u[2] >= l.share) {
     float r = sqrtf(u[0]);
     wi[0] = r * c;

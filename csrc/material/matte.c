@@ -6,8 +6,6 @@
 #include "kernels.h"
 #include "kind.h"
 
-#define PI 3.14159265358979323846
-
 static ylm_status check(const float *albedo, ylm_error *e) {
   static const char *const names[] = {"red", "green", "blue"};
   for (int c = 0; c < 3; c++)
@@ -21,9 +19,9 @@ static ylm_status check(const float *albedo, ylm_error *e) {
    a[l+2] = -a[l] (l-1)/(l+4) of even l. */
 static ylm_status transfer(int lmax, double *a) {
   for (int l = 0; l <= lmax; l++)
-    a[l] = l == 0   ? PI
-           : l == 1 ? 2 * PI / 3
-           : l == 2 ? PI / 4
+    a[l] = l == 0   ? YLM_PI
+           : l == 1 ? 2 * YLM_PI / 3
+           : l == 2 ? YLM_PI / 4
            : l % 2  ? 0
                     : -a[l - 2] * (l - 3) / (l + 2);
   return YLM_OK;
@@ -44,7 +42,7 @@ static void radiance(const float *albedo, size_t n, float *light) {
 }
 
 static void reflect(const float *albedo, const double irradiance[3], float out[3]) {
-  for (int c = 0; c < 3; c++) out[c] = (float)(irradiance[c] / PI) * albedo[c];
+  for (int c = 0; c < 3; c++) out[c] = (float)(irradiance[c] / YLM_PI) * albedo[c];
 }
 
 static bool isotropic(const ylm_material *m) {
@@ -58,19 +56,19 @@ static void eval_plain(const void *albedo, size_t n, const float (*wi)[3], const
                        float (*f)[3]) {
   for (size_t i = 0; i < n; i++)
     for (int c = 0; c < 3; c++)
-      f[i][c] = wi[i][2] > 0 && wo[i][2] > 0 ? ((const float *)albedo)[c] * (float)(1 / PI) : 0;
+      f[i][c] = wi[i][2] > 0 && wo[i][2] > 0 ? ((const float *)albedo)[c] * (float)(1 / YLM_PI) : 0;
 }
 
 /* Directions as the cosine: a place on the unit disk, raised to the sphere. */
 static void sample_plain(const void *albedo, size_t n, const float (*wo)[3], const float (*u)[3],
                          float (*wi)[3], float (*weight)[3], float *pdf) {
   for (size_t i = 0; i < n; i++) {
-    float z = sqrtf(1 - u[i][0]), r = sqrtf(u[i][0]), angle = (float)(2 * PI) * u[i][1];
+    float z = sqrtf(1 - u[i][0]), r = sqrtf(u[i][0]), angle = (float)(2 * YLM_PI) * u[i][1];
     bool above = wo[i][2] > 0;
     wi[i][0] = r * cosf(angle);
     wi[i][1] = r * sinf(angle);
     wi[i][2] = z;
-    pdf[i] = above ? z * (float)(1 / PI) : 0;
+    pdf[i] = above ? z * (float)(1 / YLM_PI) : 0;
     for (int c = 0; c < 3; c++) weight[i][c] = above ? ((const float *)albedo)[c] : 0;
   }
 }
@@ -79,7 +77,7 @@ static void pdf_plain(const void *albedo, size_t n, const float (*wi)[3], const 
                       float *out) {
   (void)albedo;
   for (size_t i = 0; i < n; i++)
-    out[i] = wi[i][2] > 0 && wo[i][2] > 0 ? wi[i][2] * (float)(1 / PI) : 0;
+    out[i] = wi[i][2] > 0 && wo[i][2] > 0 ? wi[i][2] * (float)(1 / YLM_PI) : 0;
 }
 
 const material_kernels ylm__material_matte_plain = {eval_plain, sample_plain, pdf_plain};

@@ -6,8 +6,6 @@
 #include "kind.h"
 #include "ylm_sets.h"
 
-#define PI 3.14159265358979323846
-
 /* -- places ----------------------------------------------------------------- */
 
 /* Of a pair, by the angles of the light's direction d in the frame of the half vector. */
@@ -22,10 +20,10 @@ static void place(int phis, const float wi[3], const float wo[3], float out[3]) 
   double theta_d = atan2(sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), length);
   /* d has its x axis down the half vector's meridian. */
   double phi = flat > 0 ? atan2(v[1] * h[0] - v[0] * h[1], -v[2] * length) : atan2(v[1], v[0]);
-  if (phi < 0) phi += phis == MERL_PHI_D ? PI : 2 * PI;
-  out[0] = (float)(MERL_THETA_H * sqrt(theta_h * (2 / PI)));
-  out[1] = (float)(MERL_THETA_D * theta_d * (2 / PI));
-  out[2] = (float)(MERL_PHI_D * phi / PI);
+  if (phi < 0) phi += phis == MERL_PHI_D ? YLM_PI : 2 * YLM_PI;
+  out[0] = (float)(MERL_THETA_H * sqrt(theta_h * (2 / YLM_PI)));
+  out[1] = (float)(MERL_THETA_D * theta_d * (2 / YLM_PI));
+  out[2] = (float)(MERL_PHI_D * phi / YLM_PI);
 }
 
 static void places(int phis, size_t n, const float (*wi)[3], const float (*wo)[3],
@@ -39,18 +37,11 @@ static void places(int phis, size_t n, const float (*wi)[3], const float (*wo)[3
   }
 }
 
-YLM_SETS_DECLARE(merl_places_fn, ylm_k_merl_places)
-
-merl_places_fn *ylm__merl_places(void) {
-  switch (ylm_isa_current()) {
-    YLM_SETS_RETURN(ylm_k_merl_places)
-  default: return places;
-  }
-}
+YLM_KERNEL_CHOICE(merl_places_fn, ylm__merl_places, ylm_k_merl_places, places);
 
 bool ylm_material_merl_centre(int theta_h, int theta_d, int phi_d, double wi[3], double wo[3]) {
-  double root = (theta_h + 0.5) / MERL_THETA_H, th = root * root * PI / 2;
-  double td = (theta_d + 0.5) / MERL_THETA_D * PI / 2, pd = (phi_d + 0.5) / MERL_PHI_D * PI;
+  double root = (theta_h + 0.5) / MERL_THETA_H, th = root * root * YLM_PI / 2;
+  double td = (theta_d + 0.5) / MERL_THETA_D * YLM_PI / 2, pd = (phi_d + 0.5) / MERL_PHI_D * YLM_PI;
   double d[3] = {sin(td) * cos(pd), sin(td) * sin(pd), cos(td)};
   double x = cos(th) * d[0], z = -sin(th) * d[0];
   double hx = sin(th) * d[2], hz = cos(th) * d[2];

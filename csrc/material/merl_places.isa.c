@@ -6,8 +6,6 @@
 
 merl_places_fn YLM_KERNEL(ylm_k_merl_places);
 
-#define PI 3.14159265358979323846f
-
 YLM_INLINE ylm_vf larger(ylm_vf a, ylm_vf b) { return ylm_vf_select(a > b, a, b); }
 YLM_INLINE ylm_vf smaller(ylm_vf a, ylm_vf b) { return ylm_vf_select(a < b, a, b); }
 
@@ -25,7 +23,7 @@ YLM_INLINE ylm_vf quarter(ylm_vf y, ylm_vf x) {
   p = p * q + 0.1999355085f;
   p = p * q - 0.3333314528f;
   p = p * q * t + t;
-  return ylm_vf_select(y > x, PI / 2 - p, p);
+  return ylm_vf_select(y > x, (float)YLM_PI / 2 - p, p);
 }
 
 void YLM_KERNEL(ylm_k_merl_places)(int phis, size_t n, const float (*wi)[3], const float (*wo)[3],
@@ -48,11 +46,11 @@ void YLM_KERNEL(ylm_k_merl_places)(int phis, size_t n, const float (*wi)[3], con
     ylm_vi pole = flat2 == zero;
     ylm_vf y = ylm_vf_select(pole, vy, vy * hx - vx * hy), x = ylm_vf_select(pole, vx, -(vz * h));
     ylm_vf phi = quarter(ylm_vf_select(y < zero, -y, y), ylm_vf_select(x < zero, -x, x));
-    phi = ylm_vf_select(x < zero, PI - phi, phi);
-    ylm_vf turn = ylm_vf_set(phis == MERL_PHI_D ? PI : 2 * PI);
+    phi = ylm_vf_select(x < zero, (float)YLM_PI - phi, phi);
+    ylm_vf turn = ylm_vf_set(phis == MERL_PHI_D ? (float)YLM_PI : 2 * (float)YLM_PI);
     phi = ylm_vf_select(y < zero, turn - phi, phi);
-    ylm_vf_store(out->theta_h + k, MERL_THETA_H * ylm_vf_sqrt(theta_h * (2 / PI)));
-    ylm_vf_store(out->theta_d + k, theta_d * (MERL_THETA_D * 2 / PI));
-    ylm_vf_store(out->phi_d + k, phi * (MERL_PHI_D / PI));
+    ylm_vf_store(out->theta_h + k, MERL_THETA_H * ylm_vf_sqrt(theta_h * (2 / (float)YLM_PI)));
+    ylm_vf_store(out->theta_d + k, theta_d * (MERL_THETA_D * 2 / (float)YLM_PI));
+    ylm_vf_store(out->phi_d + k, phi * (MERL_PHI_D / (float)YLM_PI));
   }
 }

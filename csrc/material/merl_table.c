@@ -4,8 +4,6 @@
 #include "kind.h"
 #include "merl.h"
 
-#define PI 3.14159265358979323846f
-
 /* Bytes that a line of the cache has. */
 #define LINE 64
 
@@ -36,13 +34,14 @@ static void fill_missing(merl_table *t) {
 /* -- the lobe --------------------------------------------------------------- */
 
 static float luminance(const float *bin) {
-  return 0.2126f * bin[0] + 0.7152f * bin[1] + 0.0722f * bin[2];
+  return (float)YLM_LUMINANCE_R * bin[0] + (float)YLM_LUMINANCE_G * bin[1] +
+         (float)YLM_LUMINANCE_B * bin[2];
 }
 
 /* The angle of the centre of a bin, or of the border before it. */
 static float theta_h_of(float place) {
   float root = place / MERL_THETA_H;
-  return root * root * (PI / 2);
+  return root * root * ((float)YLM_PI / 2);
 }
 
 /* The mean over phi_d of the bins around theta_d = 0. */
@@ -74,14 +73,14 @@ static float gloss(const merl_table *t) {
   float albedo = 0, least = -1;
   for (int i = 0; i < MERL_THETA_H; i++) {
     float theta = theta_h_of((float)i + 0.5f);
-    if (theta >= PI / 4) break;
-    int d = (int)(theta * (MERL_THETA_D * 2 / PI));
+    if (theta >= (float)YLM_PI / 4) break;
+    int d = (int)(theta * (MERL_THETA_D * 2 / (float)YLM_PI));
     const float *bin = t->bin[((size_t)i * MERL_THETA_D + (size_t)d) * (size_t)t->phis];
     float f = luminance(bin), step = 2 * (theta_h_of((float)i + 1) - theta_h_of((float)i));
-    albedo += PI * f * sinf(4 * theta) * step;
+    albedo += (float)YLM_PI * f * sinf(4 * theta) * step;
     if (bin[3] != 0 && (least < 0 || f < least)) least = f;
   }
-  return albedo > 0 && least >= 0 ? 1 - PI * least / albedo : 0;
+  return albedo > 0 && least >= 0 ? 1 - (float)YLM_PI * least / albedo : 0;
 }
 
 void ylm__merl_complete(merl_table *t) {

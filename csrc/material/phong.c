@@ -9,8 +9,6 @@
 #include "kind.h"
 #include "plain.h"
 
-#define PI 3.14159265358979323846
-
 enum { EXPONENT, SPECULAR, BASE = SPECULAR + 3, NUMBERS = BASE + 3 };
 
 static ylm_status check(const float *x, ylm_error *e) {
@@ -39,12 +37,12 @@ static ylm_status prepare(ylm_material *m, ylm_error *e) {
   m->bytes = sizeof *g;
   double n = (double)m->x[EXPONENT], specular = 0, base = 0;
   g->exponent = m->x[EXPONENT];
-  g->density = (float)((n + 1) / (2 * PI));
+  g->density = (float)((n + 1) / (2 * YLM_PI));
   for (int c = 0; c < 3; c++) {
     specular += (double)m->x[SPECULAR + c];
     base += (double)m->x[BASE + c];
-    g->lobe[c] = (float)((double)m->x[SPECULAR + c] * (n + 2) / (2 * PI));
-    g->base[c] = (float)((double)m->x[BASE + c] / PI);
+    g->lobe[c] = (float)((double)m->x[SPECULAR + c] * (n + 2) / (2 * YLM_PI));
+    g->base[c] = (float)((double)m->x[BASE + c] / YLM_PI);
   }
   g->share = base == 0 ? 1 : specular == 0 ? 0 : (float)fmax(0.1, specular / (specular + base));
   return YLM_OK;
@@ -72,12 +70,13 @@ static double both(const void *p, const double wi[3], const double wo[3], double
   double image = power(x * x + y * y + far * far, (double)g->exponent);
   for (int c = 0; c < 3; c++) f[c] = (double)g->base[c] + (double)g->lobe[c] * lobe;
   return (double)g->share * (double)g->density * (lobe + image) +
-         (1 - (double)g->share) * wi[2] / PI;
+         (1 - (double)g->share) * wi[2] / YLM_PI;
 }
 
 /* A direction of the lobe about the mirror direction. */
 static void lobe(const phong *g, const double wo[3], const float u[3], double wi[3]) {
-  double t = -expm1(log1p(-(double)u[1]) / ((double)g->exponent + 1)), turn = 2 * PI * (double)u[0];
+  double t = -expm1(log1p(-(double)u[1]) / ((double)g->exponent + 1)),
+         turn = 2 * YLM_PI * (double)u[0];
   double s = sqrt(t * (2 - t)), x = -wo[0], y = -wo[1], k = 1 / (1 + wo[2]);
   double a = s * cos(turn), b = s * sin(turn);
   wi[0] = a * (1 - x * x * k) - b * x * y * k + (1 - t) * x;

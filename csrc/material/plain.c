@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-#define PI 3.14159265358979323846
+#include "ylm_math.h"
 
 void ylm__plain_eval(plain_both_fn *both, const void *p, size_t n, const float (*wi)[3],
                      const float (*wo)[3], float (*f)[3]) {
@@ -39,7 +39,7 @@ void ylm__plain_sample(plain_both_fn *both, plain_choose_fn *choose, const void 
 
 void ylm__plain_mirrored(double ax, double ay, const double wo[3], const float u[3], double wi[3]) {
   double v[3] = {wo[0] * ax, wo[1] * ay, wo[2]};
-  double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), turn = 2 * PI * (double)u[0];
+  double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), turn = 2 * YLM_PI * (double)u[0];
   for (int a = 0; a < 3; a++) v[a] /= length;
   double h = (1 - (double)u[1]) * (1 + v[2]), z = h - v[2], r = sqrt(fmax(0, 1 - z * z));
   double m[3] = {(r * cos(turn) + v[0]) * ax, (r * sin(turn) + v[1]) * ay, h};
@@ -50,6 +50,6 @@ void ylm__plain_mirrored(double ax, double ay, const double wo[3], const float u
 }
 
 void ylm__plain_cosine(const float u[3], double wi[3]) {
-  double turn = 2 * PI * (double)u[0], r = sqrt((double)u[1]);
+  double turn = 2 * YLM_PI * (double)u[0], r = sqrt((double)u[1]);
   wi[0] = r * cos(turn), wi[1] = r * sin(turn), wi[2] = sqrt(1 - (double)u[1]);
 }

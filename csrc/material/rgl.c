@@ -12,8 +12,6 @@
 #include "angle.h"
 #include "kind.h"
 
-#define PI 3.14159265358979323846f
-
 /* -- directions and places -------------------------------------------------- */
 
 /* The angle from the normal, with all its digits near the normal. */
@@ -23,8 +21,8 @@ static float elevation(const float d[3]) {
 
 static float azimuth(const float d[3]) { return ylm__angle(d[1], d[0]); }
 
-static float place_of_theta(float theta) { return sqrtf(theta * (2 / PI)); }
-static float place_of_phi(float phi) { return (phi + PI) / (2 * PI); }
+static float place_of_theta(float theta) { return sqrtf(theta * (2 / (float)YLM_PI)); }
+static float place_of_phi(float phi) { return (phi + (float)YLM_PI) / (2 * (float)YLM_PI); }
 
 /* Into the frame of the tables, and into the part of the azimuths that is measured; back undoes it. */
 typedef struct frame {
@@ -114,7 +112,7 @@ static void value_at(const rgl_table *t, const eye *v, const float u[2], const f
 
 /* The density of directions, per density of places of half vectors; cosine: of eye and half vector. */
 static float per_direction(float cosine, float u, float sine) {
-  float area = 2 * PI * PI * u * sine;
+  float area = 2 * (float)YLM_PI * (float)YLM_PI * u * sine;
   return 1 / (4 * cosine * (area > 1e-6f ? area : 1e-6f));
 }
 
@@ -165,7 +163,8 @@ static void pdf(const ylm_material *m, size_t n, const float (*wi)[3], const flo
 
 /* The half vector of a place, and per_direction. */
 static float half_vector(const rgl_table *t, const eye *v, const float u[2], float m[3]) {
-  float theta = u[0] * u[0] * (PI / 2), phi = (2 * u[1] - 1) * PI + (t->isotropic ? v->phi : 0);
+  float theta = u[0] * u[0] * ((float)YLM_PI / 2),
+        phi = (2 * u[1] - 1) * (float)YLM_PI + (t->isotropic ? v->phi : 0);
   float sine = sinf(theta);
   m[0] = sine * cosf(phi);
   m[1] = sine * sinf(phi);

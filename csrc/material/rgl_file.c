@@ -6,8 +6,6 @@
 #include "rgl.h"
 #include "tensor.h"
 
-#define PI 3.14159265358979323846
-
 /* Numbers that are larger cannot be measurements, and their products could overflow. */
 #define LARGEST 1e12f
 
@@ -133,7 +131,7 @@ static ylm_status set_reduction(const tensor *t, rgl_table *r, ylm_error *e) {
   r->reduction = 1;
   if (r->isotropic) return YLM_OK;
   float first = r->phi[0], last = r->phi[r->phis - 1];
-  double times = round(2 * PI / (double)(last - first));
+  double times = round(2 * YLM_PI / (double)(last - first));
   if (times != 1 && times != 2 && times != 4)
     return ylm_fail(e, YLM_EFORMAT,
                     "%s: field 'phi_i' goes from %g to %g: 1/%g of the circle, 1, 1/2 or 1/4 "
@@ -186,8 +184,8 @@ ylm_status ylm__rgl_read(const unsigned char *bytes, size_t size, const char *na
   if (s == YLM_OK) {
     r->phis = (int)f.phi.count;
     r->thetas = (int)f.theta.count;
-    r->turn[0] = cosf(rotate * (float)(PI / 180));
-    r->turn[1] = sinf(rotate * (float)(PI / 180));
+    r->turn[0] = cosf(rotate * (float)(YLM_PI / 180));
+    r->turn[1] = sinf(rotate * (float)(YLM_PI / 180));
     s = fill(&file, &f, r, spare, e);
   }
   ylm_free(spare);

@@ -7,7 +7,6 @@
 #include "ylm_sets.h"
 #include "ylm_sh.h"
 
-#define PI 3.14159265358979323846
 #define MOST (SLICE_MOST_NODES * SLICE_WIDE)
 
 /* Places in parts of the angle from the mirror direction to the horizon, and what they count. */
@@ -28,15 +27,8 @@ struct slice_room {
   double *before, *about; /* [3][count]: of half the nodes; in the mirror direction's frame */
 };
 
-YLM_SETS_DECLARE(const slice_kernels, ylm_k_material_slice)
-
-static const slice_kernels *kernels_now(void) {
-  static const slice_kernels plain = {slice_places, slice_sums};
-  switch (ylm_isa_current()) {
-    YLM_SETS_RETURN(&ylm_k_material_slice)
-  default: return &plain;
-  }
-}
+static const slice_kernels plain = {slice_places, slice_sums};
+static YLM_KERNEL_CHOICE(const slice_kernels, kernels_now, ylm_k_material_slice, &plain);
 
 static bool make_recurrence(int lmax, slice_recurrence *r) {
   size_t entries = (size_t)(lmax + 1) * (size_t)(lmax + 2) / 2;
@@ -161,13 +153,13 @@ static void integrate(const ylm_material *m, slice_room *r, int nodes, double an
   for (int c = 0; c < 3; c++) out->total[c] = 0;
   for (int k = 0; k < planes; k += SLICE_WIDE) {
     for (int q = 0; q < SLICE_WIDE; q++) {
-      double phi = PI * (k + q + 0.5) / nodes;
+      double phi = YLM_PI * (k + q + 0.5) / nodes;
       p.cos_phi[q] = cos(phi), p.sin_phi[q] = sin(phi);
       p.end[q] = atan2(p.cosine, -p.cos_phi[q] * p.sine);
     }
     r->kernels->places(&p, &at);
     ylm_material_eval(m, (size_t)n, (const float(*)[3])r->wi, (const float(*)[3])r->wo, r->f);
-    weigh(r, n, of, PI / nodes * (symmetric ? 2 : 1), out->total);
+    weigh(r, n, of, YLM_PI / nodes * (symmetric ? 2 : 1), out->total);
     memset(r->sum, 0, 3 * SLICE_WIDE * (size_t)r->entries * sizeof *r->sum);
     r->kernels->sums(&r->recurrence, nodes, r->x, r->s, r->value, r->sum);
     gather(r, &p);

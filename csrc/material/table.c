@@ -74,7 +74,7 @@ static ylm_status make(making *x, size_t n, const wanted *list) {
 }
 
 static double angle_of(double row, int rows) { return TABLE_LAST * row / (rows - 1); }
-static double azimuth_of(double column, int columns) { return 2 * TABLE_PI * column / columns; }
+static double azimuth_of(double column, int columns) { return 2 * YLM_PI * column / columns; }
 
 /* Slice (row, column), rows from -1 to `rows`: of what is beyond the normal, the other side's. */
 static double *at(const making *x, int row, int column) {

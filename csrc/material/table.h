@@ -5,9 +5,8 @@
 #include "calibration.h"
 #include "ylm_material_table.h"
 
-#define TABLE_PI 3.14159265358979323846
 /* The last of the rows: f wi.z has a limit at the horizon, but no value. */
-#define TABLE_LAST (89.5 / 180 * TABLE_PI)
+#define TABLE_LAST (89.5 / 180 * YLM_PI)
 
 struct ylm_material_table {
   int lmax, rows, columns, functions;

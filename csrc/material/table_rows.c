@@ -15,14 +15,7 @@ static void plain(size_t n, int rows, const float *const *a, const float *w, flo
   }
 }
 
-YLM_SETS_DECLARE(material_blend_fn, ylm_k_material_blend)
-
-static material_blend_fn *blend_now(void) {
-  switch (ylm_isa_current()) {
-    YLM_SETS_RETURN(ylm_k_material_blend)
-  default: return plain;
-  }
-}
+static YLM_KERNEL_CHOICE(material_blend_fn, blend_now, ylm_k_material_blend, plain);
 
 /* -- asking ---------------------------------------------------------------------- */
 
@@ -50,7 +43,7 @@ static int row_at(const ylm_material_table *t, const float wo[3], double *part) 
 static int column_at(const ylm_material_table *t, const float wo[3], double *part) {
   *part = 0;
   if (t->columns == 1) return 0;
-  double column = atan2((double)wo[1], (double)wo[0]) / (2 * TABLE_PI) * t->columns;
+  double column = atan2((double)wo[1], (double)wo[0]) / (2 * YLM_PI) * t->columns;
   if (column < 0) column += t->columns;
   int j = (int)column;
   *part = column - j;

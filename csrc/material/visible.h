@@ -13,8 +13,6 @@
 
 #include "lanes.h"
 
-#define VISIBLE_PI 3.14159265358979323846f
-
 /* cos (1 + 2 Lambda) of a direction: sqrt(z^2 + ax^2 x^2 + ay^2 y^2). */
 YLM_INLINE lane visible_root(float ax, float ay, const lane w[3]) {
   lane x = w[0] * ax, y = w[1] * ay;
@@ -26,7 +24,7 @@ YLM_INLINE lane visible_ndf(float ax, float ay, lane hx, lane hy, lane hz, lane 
   lane x2 = hx * hx, y2 = hy * hy, z2 = hz * hz, l2 = x2 + y2 + z2;
   lane e = x2 * (1 / (ax * ax)) + y2 * (1 / (ay * ay)) + z2, q = l2 / lane_max(e, lane_of(1e-30f));
   *square = l2;
-  return q * q * (1 / (VISIBLE_PI * ax * ay));
+  return q * q * (1 / ((float)YLM_PI * ax * ay));
 }
 
 /* The density of wi, sr^-1, both directions above the surface; D and |wi + wo|^2 besides. */

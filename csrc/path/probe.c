@@ -2,8 +2,6 @@
 #include "path.h"
 #include "ylm_sh.h"
 
-#define PI 3.14159265358979323846
-
 static float norm_of(const float v[3]) { return sqrtf(ylm_dot3(v, v)); }
 
 /* The unit normal of an item; NULL: it has none. */
@@ -19,7 +17,7 @@ static const float *normal_of(const path_job *j, uint64_t item, float out[3]) {
 /* A direction: uniform over the sphere, or as the cosine about the normal. */
 static void direction_of(const path_state *p, const float *normal, float out[3]) {
   double z = normal ? sqrt(1 - p->chosen[0]) : 1 - 2 * p->chosen[0];
-  double r = sqrt(fmax(0, 1 - z * z)), angle = 2 * PI * p->chosen[1];
+  double r = sqrt(fmax(0, 1 - z * z)), angle = 2 * YLM_PI * p->chosen[1];
   float d[3] = {(float)(r * cos(angle)), (float)(r * sin(angle)), (float)z}, a[3], b[3];
   if (!normal) {
     memcpy(out, d, 12);
@@ -31,8 +29,8 @@ static void direction_of(const path_state *p, const float *normal, float out[3])
 
 /* The density of that direction. */
 static float density_of(const float *normal, const float direction[3]) {
-  if (!normal) return (float)(1 / (4 * PI));
-  return fmaxf(0, ylm_dot3(normal, direction)) * (float)(1 / PI);
+  if (!normal) return (float)(1 / (4 * YLM_PI));
+  return fmaxf(0, ylm_dot3(normal, direction)) * (float)(1 / YLM_PI);
 }
 
 /* Aims path i at a lamp; whether that may bring light. */
@@ -109,7 +107,8 @@ static void finish_irradiance(path_tile *t, size_t k, double *values) {
   memset(values, 0, 3 * sizeof *values);
   for (size_t i = k * YLM_PATH_BATCH; i < (k + 1) * YLM_PATH_BATCH; i++)
     for (int c = 0; c < 3; c++)
-      values[c] += (PI * (double)t->path[i].radiance[c] + (double)t->start[i][c]) / YLM_PATH_BATCH;
+      values[c] +=
+          (YLM_PI * (double)t->path[i].radiance[c] + (double)t->start[i][c]) / YLM_PATH_BATCH;
 }
 
 /* Adds radiance from one direction, whose basis functions are y. */
@@ -129,7 +128,7 @@ static void finish_probe(path_tile *t, size_t k, double *values) {
   ylm_sh_eval(t->job->lmax, 0, false, YLM_FLOAT, YLM_PATH_BATCH, t->toward + first, aimed, NULL,
               NULL, 1, NULL);
   for (size_t i = 0; i < YLM_PATH_BATCH; i++) {
-    project(count, chosen + i * count, t->path[first + i].radiance, 4 * PI / YLM_PATH_BATCH,
+    project(count, chosen + i * count, t->path[first + i].radiance, 4 * YLM_PI / YLM_PATH_BATCH,
             values);
     project(count, aimed + i * count, t->start[first + i], 1.0 / YLM_PATH_BATCH, values);
   }

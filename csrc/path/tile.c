@@ -52,16 +52,8 @@ void ylm__path_tile_free(path_tile *t) {
 
 /* -- random numbers ---------------------------------------------------------------- */
 
-/* Source: Steele, Lea, Flood 2014, "Fast Splittable Pseudorandom Number Generators" (the finish of
-   SplitMix64). */
-static uint64_t mix(uint64_t x) {
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
-}
-
 static void seed(ylm_rng *r, uint64_t seed_of_all, uint64_t kind, uint64_t number) {
-  ylm_rng_seed(r, mix(seed_of_all ^ mix(number + kind)), number);
+  ylm_rng_seed(r, ylm_mix64(seed_of_all ^ ylm_mix64(number + kind)), number);
 }
 
 static double wrap(double x) { return x - floor(x); }

@@ -1,5 +1,6 @@
 /* brute.c - the product of k factors by all integrals of k+1 basis functions that are not zero. */
 #include "rival.h"
+#include "ylm_list.h"
 
 #include <math.h>
 #include <string.h>
@@ -45,9 +46,9 @@ static double *basis(int lmax, int factors, size_t *points, double **weights) {
   for (int h = 0; h < nodes; h++) {
     ylm_sh_legendre(lmax, x[h], sqrt(1 - x[h] * x[h]), p);
     for (int j = 0; j < around; j++) {
-      double phi = 2 * 3.14159265358979323846 * j / around;
+      double phi = 2 * YLM_PI * j / around;
       size_t at = (size_t)h * (size_t)around + (size_t)j;
-      (*weights)[at] = w[h] * 2 * 3.14159265358979323846 / around;
+      (*weights)[at] = w[h] * 2 * YLM_PI / around;
       for (int l = 0; l <= lmax; l++)
         for (int m = -l; m <= l; m++)
           y[ylm_sh_index(l, m) * n + at] =
@@ -98,13 +99,10 @@ static ylm_status create(int lmax, int factors, void **out, ylm_error *e) {
       for (size_t q = 0; q < n; q++) sum += product[(size_t)(factors - 1) * n + q] * y[i * n + q];
       if (fabs(sum) < 1e-12) continue;
       if (used == room) {
-        size_t more = room ? 2 * room : 4096;
-        uint16_t *k = ylm_realloc(b->k, used * sizeof *k, more, sizeof *k);
-        if (k) b->k = k;
-        double *v = ylm_realloc(b->value_d, used * sizeof *v, more, sizeof *v);
-        if (v) b->value_d = v;
-        if (!k || !v) goto fail;
-        room = more;
+        room = ylm_list_room(room, used + 1);
+        if (!ylm_list_resize(&b->k, used, room, sizeof *b->k) ||
+            !ylm_list_resize(&b->value_d, used, room, sizeof *b->value_d))
+          goto fail;
       }
       b->k[used] = (uint16_t)i;
       b->value_d[used++] = sum;

@@ -3,8 +3,6 @@
 
 #include <math.h>
 
-#define PI 3.14159265358979323846
-
 static void fourier_free(void *plan) {
   ylm__fourier *f = plan;
   if (!f) return;
@@ -38,8 +36,8 @@ static bool plan(int n, ylm__fft *f) {
   f->twiddle_f = ylm_alloc(2 * (size_t)n, sizeof(float));
   if (!f->twiddle_d || !f->twiddle_f) return false;
   for (int k = 0; k < n; k++) {
-    f->twiddle_f[2 * k] = (float)(f->twiddle_d[2 * k] = cos(2 * PI * k / n));
-    f->twiddle_f[2 * k + 1] = (float)(f->twiddle_d[2 * k + 1] = sin(2 * PI * k / n));
+    f->twiddle_f[2 * k] = (float)(f->twiddle_d[2 * k] = cos(2 * YLM_PI * k / n));
+    f->twiddle_f[2 * k + 1] = (float)(f->twiddle_d[2 * k + 1] = sin(2 * YLM_PI * k / n));
   }
   return true;
 }
@@ -75,7 +73,7 @@ static bool tables(ylm__fourier *f) {
   ylm_sh_gauss_legendre(nodes, x, w);
   for (int h = 0; h < nodes; h++) ylm_sh_legendre(L, x[h], sqrt(1 - x[h] * x[h]), p + h * entries);
   for (int h = 0; h < cheb; h++) { /* angles (h + 1/2) pi/cheb */
-    double angle = (h + 0.5) * PI / cheb;
+    double angle = (h + 0.5) * YLM_PI / cheb;
     ylm_sh_legendre(L, cos(angle), sin(angle), q + h * entries);
   }
   for (int l = 0; f->series_d && f->back_d && l <= L; l++)
@@ -87,7 +85,7 @@ static bool tables(ylm__fourier *f) {
          * m > 0 */
         double sum = 0;
         for (int h = 0; h < cheb; h++) {
-          double angle = (h + 0.5) * PI / cheb;
+          double angle = (h + 0.5) * YLM_PI / cheb;
           sum += q[h * entries + entry] * (m & 1 ? sin(s * angle) : cos(s * angle));
         }
         *series++ = sum / cheb * (m ? 0.5 : 1);
@@ -98,7 +96,7 @@ static bool tables(ylm__fourier *f) {
           double angle = acos(x[h]);
           sum += w[h] * p[h * entries + entry] * (m & 1 ? sin(s * angle) : cos(s * angle));
         }
-        *back++ = 2 * PI * sum * (s ? 2 : 1);
+        *back++ = 2 * YLM_PI * sum * (s ? 2 : 1);
       }
     }
   ylm_free(x);
@@ -133,34 +131,17 @@ static size_t scratch_of(const void *plan, ylm_dtype t) {
   return n * sizeof(double);
 }
 
-static void apply_f(const ylm__fourier *f, const float *const *c, float *out, void *scratch,
-                    double *stage) {
-  switch (ylm_isa_current()) {
-#define X(isa)                                                                                     \
-  case YLM_ISA_##isa: ylm__fourier_run_f_##isa(f, c, out, scratch, stage); return;
-    YLM_SETS(X)
-#undef X
-  default: ylm__fourier_run_f_reference(f, c, out, scratch, stage);
-  }
-}
-
-static void apply_d(const ylm__fourier *f, const double *const *c, double *out, void *scratch,
-                    double *stage) {
-  switch (ylm_isa_current()) {
-#define X(isa)                                                                                     \
-  case YLM_ISA_##isa: ylm__fourier_run_d_##isa(f, c, out, scratch, stage); return;
-    YLM_SETS(X)
-#undef X
-  default: ylm__fourier_run_d_reference(f, c, out, scratch, stage);
-  }
-}
+static YLM_KERNEL_CHOICE(ylm__fourier_run_float, run_float, ylm__fourier_run_f,
+                         ylm__fourier_run_f_reference);
+static YLM_KERNEL_CHOICE(ylm__fourier_run_double, run_double, ylm__fourier_run_d,
+                         ylm__fourier_run_d_reference);
 
 static void apply(const void *plan, ylm_dtype t, const void *const *c, void *out, void *scratch,
                   double *stage) {
   if (t == YLM_DOUBLE)
-    apply_d(plan, (const double *const *)c, out, scratch, stage);
+    run_double()(plan, (const double *const *)c, out, scratch, stage);
   else
-    apply_f(plan, (const float *const *)c, out, scratch, stage);
+    run_float()(plan, (const float *const *)c, out, scratch, stage);
 }
 
 const ylm_sh_rival_product ylm__rival_fourier = {create, fourier_free, scratch_of, apply};

@@ -2,6 +2,7 @@
    zero, walked one by one: the triple product of relighting before it had Fourier series (Ng et al.
    2004). */
 #include "rival.h"
+#include "ylm_list.h"
 
 #include <string.h>
 
@@ -25,14 +26,12 @@ static void list_free(void *plan) {
 }
 
 static ylm_status grow(list *x, ylm_error *e) {
-  size_t room = 2 * x->room + 4096;
   if (x->room >= MOST)
     return ylm_fail(e, YLM_ELIMIT, "a list of integrals has at most %d: lower lmax", MOST);
-  void *place = ylm_realloc(x->place, x->room * sizeof *x->place, room, sizeof *x->place);
-  if (place) x->place = place;
-  void *value = ylm_realloc(x->value_d, x->room * sizeof(double), room, sizeof(double));
-  if (value) x->value_d = value;
-  if (!place || !value) return YLM_ENOMEM;
+  size_t room = ylm_list_room(x->room, x->room + 1);
+  if (!ylm_list_resize(&x->place, x->room, room, sizeof *x->place) ||
+      !ylm_list_resize(&x->value_d, x->room, room, sizeof *x->value_d))
+    return YLM_ENOMEM;
   x->room = room;
   return YLM_OK;
 }
@@ -65,7 +64,7 @@ static ylm_status create(int lmax, int factors, void **out, ylm_error *e) {
   if (x) x->count = count;
   for (size_t i = 0; s == YLM_OK && i < count; i++) {
     unit[i] = 1;
-    s = ylm_sh_transfer(lmax, unit, lmax, matrix, e);
+    s = ylm_sh_product_matrix(lmax, unit, lmax, matrix, e);
     unit[i] = 0;
     if (s == YLM_OK) s = append(x, i, matrix, e);
   }

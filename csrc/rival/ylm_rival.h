@@ -4,6 +4,8 @@
 
 #include "ylm_base.h"
 
+struct ylm_shade_rival; /* ylm_shade_rival.h */
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -14,6 +16,12 @@ extern "C" {
 ** the process. May be called again, and from any thread.
 */
 YLM_API void ylm_rival_register(void);
+
+/*
+** The library's ways to ask virtual lights (ylm_shade_bounce.h): for ylm_shade_rival_set of libylm_scene.so, which this
+** library is not linked with.
+*/
+YLM_API const struct ylm_shade_rival *ylm_rival_many(void);
 
 /* Points that gloss, and lobes of their materials, for ylm_rival_zonal. */
 typedef struct ylm_rival_points {

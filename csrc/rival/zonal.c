@@ -4,7 +4,6 @@
 
 #include <math.h>
 
-#define PI 3.14159265358979323846
 #define LMAX 60
 
 typedef struct job {
@@ -28,7 +27,7 @@ static void lamp_terms(int lmax, double s2, double cosine, double *w) {
 /* The lobes of the three channels at a cosine of elevation: [3][lmax+1]. */
 static void lobes_at(const ylm_rival_points *p, size_t lobe, double cosine, double *z) {
   size_t row = 3 * ((size_t)p->lmax + 1);
-  double at = acos(fmin(1, fmax(0, cosine))) / (PI / 2) * (double)(p->rows - 1);
+  double at = acos(fmin(1, fmax(0, cosine))) / (YLM_PI / 2) * (double)(p->rows - 1);
   size_t k = (size_t)fmin(at, (double)(p->rows - 2));
   const double *a = p->zonal + (lobe * p->rows + k) * row, t = at - (double)k;
   for (size_t i = 0; i < row; i++) z[i] = (1 - t) * a[i] + t * a[row + i];

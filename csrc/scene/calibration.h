@@ -40,7 +40,7 @@
    variance in a room with lamps on its walls. */
 #define SCENE_SPREAD 0.35
 
-/* -- the walk down: walk.c ----------------------------------------------------------------------- */
+/* -- the walk down: draw.c ----------------------------------------------------------------------- */
 
 /* Samples that walk down together. */
 #define SCENE_GROUP 64

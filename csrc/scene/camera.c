@@ -22,7 +22,7 @@ ylm_status ylm_scene_frame(const ylm_scene *s, const ylm_camera *c, int width, i
   if (!(sine > 1e-9) || !ylm_unit3(f->right))
     return ylm_fail(e, YLM_EINVAL, "the camera's up must not point along its view");
   ylm_cross3d(f->right, f->forward, f->up);
-  double half = tan(c->fov * (3.14159265358979323846 / 360));
+  double half = tan(c->fov * (YLM_PI / 360));
   for (int a = 0; a < 3; a++) {
     f->right[a] *= half * width / height;
     f->up[a] *= half;

@@ -5,8 +5,6 @@
 #include "calibration.h"
 #include "scene.h"
 
-#define PI 3.14159265358979323846
-
 size_t ylm_scene_near(const ylm_scene *s) { return s->lamps + s->triangles + s->disks; }
 
 bool ylm_scene_near_radiance(const ylm_scene *s, const ylm_trace_ray *ray, uint32_t lamp, float t,

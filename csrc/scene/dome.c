@@ -12,8 +12,6 @@
 #include "dome.h"
 #include "ylm_base.h"
 
-#define PI 3.14159265358979323846
-
 /* Tiles of each mapping, about 45 degrees wide or less. */
 static const size_t tiles[][2] = {[YLM_MAPPING_LATLONG] = {16, 8},
                                   [YLM_MAPPING_ANGULAR] = {12, 12},
@@ -101,7 +99,7 @@ static void measure(const scene_dome *d, double *power) {
   double sum = 0;
   for (size_t i = 0; i < n; i++) sum += power[i] = look(d, i) * solid_angle(d, i);
   if (d->light.panorama && d->light.panorama->texel) return;
-  for (size_t i = 0; i < n; i++) power[i] += TABLE_LEAST * sum / (4 * PI) * solid_angle(d, i);
+  for (size_t i = 0; i < n; i++) power[i] += TABLE_LEAST * sum / (4 * YLM_PI) * solid_angle(d, i);
 }
 
 /* Room for the alias table of a tile. */
@@ -134,8 +132,8 @@ static void pair_up(scene_dome *d, const tile *t, const double *power, const tab
 /* No direction of a pixel is farther than this from that of its middle. */
 static double radius_of(const scene_dome *d) {
   double w = d->width, h = d->height;
-  if (d->mapping == YLM_MAPPING_LATLONG) return PI / (2 * h) + PI / w;
-  return d->mapping == YLM_MAPPING_ANGULAR ? PI * sqrt(2) / w : sqrt(2) / w;
+  if (d->mapping == YLM_MAPPING_LATLONG) return YLM_PI / (2 * h) + YLM_PI / w;
+  return d->mapping == YLM_MAPPING_ANGULAR ? YLM_PI * sqrt(2) / w : sqrt(2) / w;
 }
 
 static double distance(const double a[3], const double b[3]) {
@@ -159,7 +157,7 @@ static void bound_tile(const scene_dome *d, const tile *t, const double *power,
     size_t i = pixel_in(d, t, k);
     middle(d, i, direction);
     for (int a = 0; a < 3; a++) out->mean[a] += (double)d->share[i] * direction[a];
-    out->power += power[i] / PI;
+    out->power += power[i] / YLM_PI;
   }
   for (size_t k = 0; k < n; k++) {
     size_t i = pixel_in(d, t, k);

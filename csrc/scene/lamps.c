@@ -3,8 +3,6 @@
 
 #include "scene.h"
 
-#define PI 3.14159265358979323846
-
 const float *ylm_scene_lamp_radiance(const ylm_scene *s, const ylm_trace_ray *ray,
                                      const ylm_trace_hit *h) {
   double p[3];
@@ -33,7 +31,7 @@ void ylm__scene_walk_to(scene_walk *w, const ylm_scene_chooser *s, double target
 
 void ylm__scene_turn(const float axis[3], double z, double u, float out[3]) {
   float a[3], b[3];
-  double r = sqrt(fmax(0, 1 - z * z)), c = r * cos(2 * PI * u), s = r * sin(2 * PI * u);
+  double r = sqrt(fmax(0, 1 - z * z)), c = r * cos(2 * YLM_PI * u), s = r * sin(2 * YLM_PI * u);
   ylm_scene_basis(axis, a, b);
   for (int k = 0; k < 3; k++) out[k] = (float)(c * a[k] + s * b[k] + z * axis[k]);
 }
@@ -65,7 +63,7 @@ double ylm__scene_sphere_sample(const ylm_scene *s, size_t i, const float x[3], 
     double along = 0;
     for (int a = 0; a < 3; a++) along += v[a] * (double)ray->dir[a];
     ray->far = (float)(along + sqrt(fmax(0, along * along + r * r - d2)));
-    return n ? PI : 4 * PI;
+    return n ? YLM_PI : 4 * YLM_PI;
   }
   float axis[3];
   double d = sqrt(d2), cap = cap_of(r, d2);
@@ -73,14 +71,14 @@ double ylm__scene_sphere_sample(const ylm_scene *s, size_t i, const float x[3], 
   double z = 1 - u0 * cap, side2 = d2 * fmax(0, 1 - z * z);
   ylm__scene_turn(axis, z, u1, ray->dir);
   ray->far = (float)(d * z - sqrt(fmax(0, r * r - side2)));
-  return (n ? fmax(0, (double)ylm_dot3(ray->dir, n)) : 1) * 2 * PI * cap;
+  return (n ? fmax(0, (double)ylm_dot3(ray->dir, n)) : 1) * 2 * YLM_PI * cap;
 }
 
 double ylm__scene_sphere_density(const ylm_scene *s, size_t i, const float x[3], const float n[3],
                                  const float d[3]) {
   double v[3], r = s->lamp[3][i], d2 = to_centre(s, i, x, v);
-  if (d2 <= r * r) return n ? fmax(0, (double)ylm_dot3(d, n)) / PI : 1 / (4 * PI);
-  return 1 / (2 * PI * cap_of(r, d2));
+  if (d2 <= r * r) return n ? fmax(0, (double)ylm_dot3(d, n)) / YLM_PI : 1 / (4 * YLM_PI);
+  return 1 / (2 * YLM_PI * cap_of(r, d2));
 }
 
 ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *s) {

@@ -47,11 +47,4 @@ static void nodes(const scene_node *node, bool flat, const float x[3], const flo
   }
 }
 
-YLM_SETS_DECLARE(ylm_scene_nodes_fn, ylm_k_scene_nodes)
-
-ylm_scene_nodes_fn *ylm__scene_nodes(void) {
-  switch (ylm_isa_current()) {
-    YLM_SETS_RETURN(ylm_k_scene_nodes)
-  default: return nodes;
-  }
-}
+YLM_KERNEL_CHOICE(ylm_scene_nodes_fn, ylm__scene_nodes, ylm_k_scene_nodes, nodes);

@@ -6,8 +6,6 @@
 #include "calibration.h"
 #include "scene.h"
 
-#define PI 3.14159265358979323846
-
 /* A triangle's corners about x, its unnormalised normal (twice the area) and solid angle, which is
    `known` if that is above 0. */
 static double triangle_about(const float *corners, const float x[3], double known, double v[3][3],
@@ -30,7 +28,7 @@ static double triangle_weight(const float *corners, const float x[3], const floa
                               double *solid) {
   double v[3][3], across[3], most = 0;
   double omega = *solid = triangle_about(corners, x, 0, v, across);
-  if (!n) return omega / PI;
+  if (!n) return omega / YLM_PI;
   for (int i = 0; i < 3; i++) {
     double h = v[i][0] * (double)n[0] + v[i][1] * (double)n[1] + v[i][2] * (double)n[2];
     double r = sqrt(ylm_dot3d(v[i], v[i]));
@@ -38,7 +36,7 @@ static double triangle_weight(const float *corners, const float x[3], const floa
     most = cosine > most ? cosine : most;
   }
   /* between corners the cosine may be larger: never below a fifth where anything is visible */
-  return most > 0 ? omega / PI * (most > 0.2 ? most : 0.2) : 0;
+  return most > 0 ? omega / YLM_PI * (most > 0.2 ? most : 0.2) : 0;
 }
 
 static double disk_weight(const float *disk, const float x[3], const float n[3]) {
@@ -52,8 +50,8 @@ static double disk_weight(const float *disk, const float x[3], const float n[3])
   double highest = up + r * sqrt(fmax(0, 1 - nm * nm)), d2 = ylm_dot3d(v, v), d = sqrt(d2);
   if (n && !(highest > 0)) return 0;
   double facing = fabs(ylm_dot3d(v, m)) / fmax(d, 1e-30), near = fmax(d - r, 0.2 * r);
-  double omega = 2 * PI * (1 - d / sqrt(d2 + r * r)) * fmax(facing, 0.1);
-  return omega / PI * (n ? fmin(1, fmax(0.2, highest / near)) : 1);
+  double omega = 2 * YLM_PI * (1 - d / sqrt(d2 + r * r)) * fmax(facing, 0.1);
+  return omega / YLM_PI * (n ? fmin(1, fmax(0.2, highest / near)) : 1);
 }
 
 double ylm__scene_patch_weight(const ylm_scene *s, size_t i, const float x[3], const float n[3],
@@ -90,7 +88,7 @@ static void in_spherical_triangle(const double a[3], const double b[3], const do
   }
   for (int i = 0; i < 3; i++) /* inner angles at a, b, c */
     angle[i] = acos(fmax(-1, fmin(1, -ylm_dot3d(n[i], n[(i + 2) % 3]))));
-  double area = u0 * (angle[0] + angle[1] + angle[2] - PI);
+  double area = u0 * (angle[0] + angle[1] + angle[2] - YLM_PI);
   double s = sin(area - angle[0]), t = cos(area - angle[0]), cosine = ylm_dot3d(a, b);
   double u = t - cos(angle[0]), v = s + sin(angle[0]) * cosine;
   double q = ((v * t - u * s) * cos(angle[0]) - v) / ((v * s + u * t) * sin(angle[0]));
@@ -167,9 +165,9 @@ static double sample_disk(const float *disk, const float x[3], const float n[3],
   for (int k = 0; k < 3; k++) {
     m[k] = (double)disk[4 + k];
     y[k] = (double)disk[k] - (double)x[k] +
-           q * (cos(2 * PI * u1) * (double)a[k] + sin(2 * PI * u1) * (double)b[k]);
+           q * (cos(2 * YLM_PI * u1) * (double)a[k] + sin(2 * YLM_PI * u1) * (double)b[k]);
   }
-  return by_area(y, m, PI * r * r, n);
+  return by_area(y, m, YLM_PI * r * r, n);
 }
 
 /* The ray from x to x + y on patch i that brings irradiance e for radiance 1: e, or 0 where the
@@ -235,10 +233,10 @@ static double far_away(const ylm_scene *s, size_t i, const float x[3], double v[
 static double far_weight(const scene_far *f, const double v[3], double d2, const float n[3]) {
   double d = sqrt(d2), facing = fabs(ylm_dot3d(v, f->across)) / d, least = 0.1 * f->area;
   double omega = (facing > least ? facing : least) / d2;
-  if (!n) return omega / PI;
+  if (!n) return omega / YLM_PI;
   double up = (v[0] * (double)n[0] + v[1] * (double)n[1] + v[2] * (double)n[2]) / d;
   /* corners are within 2/3 of the longest edge of the centre */
-  return up > -2.0 / 3 / PATCH_FAR ? omega / PI * (up > 0.2 ? up : 0.2) : 0;
+  return up > -2.0 / 3 / PATCH_FAR ? omega / YLM_PI * (up > 0.2 ? up : 0.2) : 0;
 }
 
 void ylm__scene_patch_weights_of_one(const ylm_scene *s, const float x[3], const float n[3],
@@ -291,7 +289,7 @@ static double disk_density(const float *disk, const float x[3], const double d[3
     h += ((double)disk[k] - (double)x[k]) * (double)disk[4 + k];
     along += d[k] * (double)disk[4 + k];
   }
-  return density_by_area(h, along, PI * r * r);
+  return density_by_area(h, along, YLM_PI * r * r);
 }
 
 double ylm__scene_patch_density(const ylm_scene *s, size_t i, const float x[3], double solid,

@@ -4,8 +4,6 @@
 #include "scene.h"
 #include "ylm_light.h"
 
-#define PI 3.14159265358979323846
-
 static void widen(const float *from, int n, double *to) {
   for (int a = 0; a < n; a++) to[a] = (double)from[a];
 }
@@ -36,12 +34,12 @@ static size_t flat_record(const ylm_scene *s, size_t i, double *x) {
 }
 
 static size_t cone_record(const ylm_light_cone *c, double *x) {
-  double area = PI * (1 - c->cosine * c->cosine);
+  double area = YLM_PI * (1 - c->cosine * c->cosine);
   for (int k = 0; k < 3; k++) {
     x[k] = c->radiance[k] * area;
     x[3 + k] = c->axis[k];
   }
-  x[6] = acos(c->cosine) * 360 / PI;
+  x[6] = acos(c->cosine) * 360 / YLM_PI;
   return 7;
 }
 
@@ -83,7 +81,7 @@ double ylm_scene_distant_ray(const ylm_scene *s, size_t i, const double u[2], fl
 }
 
 double ylm_scene_distant_power(const ylm_scene *s, size_t i) {
-  return PI * (double)s->sky_bound[5][i]; /* times power over pi */
+  return YLM_PI * (double)s->sky_bound[5][i]; /* times power over pi */
 }
 
 const ylm_light_set *ylm_scene_sky(const ylm_scene *s) { return s->sky; }

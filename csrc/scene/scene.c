@@ -94,7 +94,8 @@ static ylm_status copy_mesh(scene_mesh *m, size_t i, const ylm_scene_mesh *in, y
 }
 
 static float luminance_of(const float *c) {
-  return 0.2126f * fabsf(c[0]) + 0.7152f * fabsf(c[1]) + 0.0722f * fabsf(c[2]);
+  return (float)YLM_LUMINANCE_R * fabsf(c[0]) + (float)YLM_LUMINANCE_G * fabsf(c[1]) +
+         (float)YLM_LUMINANCE_B * fabsf(c[2]);
 }
 
 static ylm_status copy_lamps(ylm_scene *s, const ylm_scene_lamps *l, ylm_error *e) {
@@ -134,8 +135,7 @@ void ylm_scene_origin_of(size_t meshes, const ylm_scene_mesh *mesh, double origi
   for (size_t i = 0; i < meshes; i++)
     for (size_t k = 0; k < mesh[i].vertices; k++, any = true)
       for (size_t a = 0; a < 3; a++) {
-        double x =
-            (double)mesh[i].positions[3 * k + a] + (mesh[i].origin ? mesh[i].origin[a] : 0);
+        double x = (double)mesh[i].positions[3 * k + a] + (mesh[i].origin ? mesh[i].origin[a] : 0);
         box[a] = any && box[a] < x ? box[a] : x;
         box[a + 3] = any && box[a + 3] > x ? box[a + 3] : x;
       }
@@ -149,8 +149,7 @@ static ylm_status lay(ylm_scene_mesh *m, const double origin[3], float **positio
   if (way[0] == 0 && way[1] == 0 && way[2] == 0) return YLM_OK;
   float *x = *positions = ylm_alloc(m->vertices, 3 * sizeof *x);
   if (!x) return YLM_ENOMEM;
-  for (size_t i = 0; i < 3 * m->vertices; i++)
-    x[i] = (float)((double)m->positions[i] + way[i % 3]);
+  for (size_t i = 0; i < 3 * m->vertices; i++) x[i] = (float)((double)m->positions[i] + way[i % 3]);
   m->positions = x;
   return YLM_OK;
 }
@@ -262,7 +261,8 @@ ylm_status ylm_scene_create(size_t meshes, const ylm_scene_mesh *mesh, const ylm
   float **positions;
   ylm_scene_origin_of(meshes, mesh, s->origin);
   ylm_status status = lay_meshes(s, meshes, mesh, &laid, &positions);
-  if (status == YLM_OK) status = trace_scene(s, meshes, laid, lamps, e); /* checks positions, indices */
+  if (status == YLM_OK)
+    status = trace_scene(s, meshes, laid, lamps, e); /* checks positions, indices */
   if (status == YLM_OK) status = share_meshes(meshes, laid, &shared, e);
   free_laid(meshes, laid, positions);
   if (shared) take_meshes(s, shared);
@@ -514,7 +514,7 @@ void ylm_scene_vertex(const ylm_scene *s, size_t mesh, size_t vertex, bool back,
 }
 
 void ylm_scene_ray_origin(const ylm_scene *s, const float x[3], const float normal[3],
-                      float origin[3]) {
+                          float origin[3]) {
   ylm_trace_hit h;
   corners c;
   float flat[3];

@@ -10,8 +10,6 @@
 #include "scene.h"
 #include "ylm_light.h"
 
-#define PI 3.14159265358979323846
-
 enum { SPREAD = 3, QUARTER, POWER };
 
 /* -- the lights of the sky --------------------------------------------------------------------- */
@@ -153,7 +151,7 @@ static double aim_at_cone(const ylm_light_cone *c, double u0, double u1, float d
   narrow(c->axis, axis);
   narrow(c->radiance, radiance);
   ylm__scene_turn(axis, 1 - u0 * (1 - c->cosine), u1, direction);
-  return 2 * PI * (1 - c->cosine);
+  return 2 * YLM_PI * (1 - c->cosine);
 }
 
 /* As the cosine where there is a normal. */
@@ -164,9 +162,9 @@ static double aim_at_uniform(const scene_dome *d, const float *n, double u0, dou
   widen(direction, wide);
   ylm_light_dome_radiance(&d->light, wide, rgb);
   narrow(rgb, radiance);
-  if (!n) return 4 * PI;
+  if (!n) return 4 * YLM_PI;
   double cosine = (double)ylm_dot3(direction, n);
-  return cosine > 0 ? PI / cosine : 0;
+  return cosine > 0 ? YLM_PI / cosine : 0;
 }
 
 static double aim_at_tile(const scene_dome *d, size_t tile, double u0, double u1,
@@ -200,7 +198,7 @@ double ylm__scene_sky_sample(const ylm_scene *s, size_t i, const float x[3], con
   ray->near = 0;
   ray->far = INFINITY;
   if (!(area > 0) || !n) return area;
-  return d && d->light.uniform ? PI : fmax(0, (double)ylm_dot3(ray->dir, n)) * area;
+  return d && d->light.uniform ? YLM_PI : fmax(0, (double)ylm_dot3(ray->dir, n)) * area;
 }
 
 /* -- directions -------------------------------------------------------------------------------- */
@@ -220,8 +218,9 @@ double ylm__scene_sky_density(const ylm_scene *s, size_t i, const float *n,
   double wide[3];
   size_t pixel;
   widen(direction, wide);
-  if (!d) return in_cone(&s->cone[i], wide) ? 1 / (2 * PI * (1 - s->cone[i].cosine)) : 0;
-  if (d->light.uniform) return n ? fmax(0, (double)ylm_dot3(direction, n)) / PI : 1 / (4 * PI);
+  if (!d) return in_cone(&s->cone[i], wide) ? 1 / (2 * YLM_PI * (1 - s->cone[i].cosine)) : 0;
+  if (d->light.uniform)
+    return n ? fmax(0, (double)ylm_dot3(direction, n)) / YLM_PI : 1 / (4 * YLM_PI);
   if (!pixel_at(d, wide, &pixel) || ylm__scene_dome_tile(d, pixel) != i) return 0;
   double area = ylm_mapping_spread(d->mapping, d->up, d->width, d->height, pixel, wide);
   return area > 0 ? (double)d->share[pixel] / area : 0;

@@ -5,8 +5,6 @@
 #include "scene.h"
 #include "ylm_sets.h"
 
-#define PI 3.14159265358979323846
-
 static void spheres(size_t n, const float normal[3], scene_spheres *a) {
   for (size_t i = 0; i < n; i++) {
     double r = (double)a->radius[i], d2 = 0, toward = 0;
@@ -17,7 +15,7 @@ static void spheres(size_t n, const float normal[3], scene_spheres *a) {
     }
     double d = sqrt(d2), s2 = r * r / d2, cap = s2 / (1 + sqrt(1 - s2));
     double q = (double)a->u[0][i] * cap, side2 = q * (2 - q), up, x[3], axis[3];
-    double c = cos(2 * PI * (double)a->u[1][i]), s = sin(2 * PI * (double)a->u[1][i]);
+    double c = cos(2 * YLM_PI * (double)a->u[1][i]), s = sin(2 * YLM_PI * (double)a->u[1][i]);
     for (int k = 0; k < 3; k++) axis[k] = (double)a->v[k][i] / d;
     up = axis[2] < 0 ? -1 : 1;
     double p = -1 / (up + axis[2]), w = axis[0] * axis[1] * p, side = sqrt(fmax(0, side2));
@@ -29,15 +27,8 @@ static void spheres(size_t n, const float normal[3], scene_spheres *a) {
       toward += (double)a->dir[k][i] * (double)normal[k];
     }
     a->far[i] = (float)(d * (1 - q) - sqrt(fmax(0, r * r - d2 * side2)));
-    a->value[i] = (float)(fmax(0, toward) * 2 * PI * cap);
+    a->value[i] = (float)(fmax(0, toward) * 2 * YLM_PI * cap);
   }
 }
 
-YLM_SETS_DECLARE(ylm_scene_spheres_fn, ylm_k_scene_spheres)
-
-ylm_scene_spheres_fn *ylm__scene_spheres(void) {
-  switch (ylm_isa_current()) {
-    YLM_SETS_RETURN(ylm_k_scene_spheres)
-  default: return spheres;
-  }
-}
+YLM_KERNEL_CHOICE(ylm_scene_spheres_fn, ylm__scene_spheres, ylm_k_scene_spheres, spheres);

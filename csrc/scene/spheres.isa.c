@@ -5,14 +5,12 @@
 
 ylm_scene_spheres_fn YLM_KERNEL(ylm_k_scene_spheres);
 
-#define PI 3.14159265f
-
 YLM_INLINE ylm_vf most(ylm_vf a, ylm_vf b) { return ylm_vf_select(a > b, a, b); }
 
 /* Cosine and sine of 2 pi u, for u of 0 .. 1, by their series within an eighth of a turn. */
 YLM_INLINE void turn(ylm_vf u, ylm_vf *cosine, ylm_vf *sine) {
   ylm_vi quarter = __builtin_convertvector(4 * u + 0.5f, ylm_vi);
-  ylm_vf t = (4 * u - __builtin_convertvector(quarter, ylm_vf)) * (PI / 2), t2 = t * t;
+  ylm_vf t = (4 * u - __builtin_convertvector(quarter, ylm_vf)) * ((float)YLM_PI / 2), t2 = t * t;
   ylm_vf s =
       t * (1 + t2 * (-1 / 6.f + t2 * (1 / 120.f + t2 * (-1 / 5040.f + t2 * (1 / 362880.f)))));
   ylm_vf c = 1 + t2 * (-1 / 2.f + t2 * (1 / 24.f + t2 * (-1 / 720.f + t2 * (1 / 40320.f))));
@@ -49,7 +47,7 @@ YLM_INLINE void aim(const float normal[3], size_t i, scene_spheres *a) {
   ylm_vf cosine = most(dir[0] * normal[0] + dir[1] * normal[1] + dir[2] * normal[2], zero);
   for (int k = 0; k < 3; k++) ylm_vf_store(a->dir[k] + i, dir[k]);
   ylm_vf_store(a->far + i, far);
-  ylm_vf_store(a->value + i, ylm_vf_select(outside, cosine * (2 * PI) * cap, zero - 1));
+  ylm_vf_store(a->value + i, ylm_vf_select(outside, cosine * (2 * (float)YLM_PI) * cap, zero - 1));
 }
 
 void YLM_KERNEL(ylm_k_scene_spheres)(size_t n, const float normal[3], scene_spheres *a) {

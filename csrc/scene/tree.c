@@ -7,7 +7,6 @@
 
 #include "scene.h"
 
-#define PI 3.14159265358979323846
 /* Of the largest, so that each lamp has a chance. */
 #define LEAST_POWER 1e-30
 /* Its square is a number. */
@@ -66,7 +65,7 @@ static void triangle_lane(const ylm_scene *s, size_t i, lane *l) {
     reach2 = fmax(reach2, distance2(corner, l->x));
   }
   l->radius = sqrt(reach2);
-  l->power = f->area / PI * (double)s->patch_luminance[i];
+  l->power = f->area / YLM_PI * (double)s->patch_luminance[i];
   face(normal, l);
 }
 

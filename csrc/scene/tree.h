@@ -72,7 +72,7 @@ typedef void ylm_scene_nodes_fn(const scene_node *node, bool flat, const float x
 /* The kernel of the instruction set in use. */
 ylm_scene_nodes_fn *ylm__scene_nodes(void);
 
-/* -- walk.c --------------------------------------------------------------------------------- */
+/* -- draw.c --------------------------------------------------------------------------------- */
 
 /* A node that is open: the weights of its children are sums over theirs where these are open too. */
 typedef struct scene_open {
@@ -115,7 +115,7 @@ typedef void ylm_scene_spheres_fn(size_t n, const float normal[3], scene_spheres
 /* The kernel of the instruction set in use. */
 ylm_scene_spheres_fn *ylm__scene_spheres(void);
 
-/* -- walk.c ---------------------------------------------------------------------------------- */
+/* -- draw.c ---------------------------------------------------------------------------------- */
 
 /* Looks at the tree from c->x, and opens nodes whose doubt is above SCENE_DOUBT of the whole over the
    root of the number of samples. */

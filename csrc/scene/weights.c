@@ -28,11 +28,4 @@ static void weights(size_t chunks, float *const lamp[4], const float *luminance,
   }
 }
 
-YLM_SETS_DECLARE(ylm_scene_weights_fn, ylm_k_scene_weights)
-
-ylm_scene_weights_fn *ylm__scene_weights(void) {
-  switch (ylm_isa_current()) {
-    YLM_SETS_RETURN(ylm_k_scene_weights)
-  default: return weights;
-  }
-}
+YLM_KERNEL_CHOICE(ylm_scene_weights_fn, ylm__scene_weights, ylm_k_scene_weights, weights);

@@ -51,7 +51,7 @@ typedef struct ylm_scene_mesh {
   const float *colours;         /* [vertices][3]  0 .. 1, linear; NULL: none: they, and          */
   const ylm_texture *texture;   /* at the uvs (kept: reference counted; NULL: none), multiply what
                                    the material reflects */
-  const double *origin; /* [3] NULL: 0 */
+  const double *origin;         /* [3] NULL: 0 */
 } ylm_scene_mesh;
 
 /* Lamps, spheres and flat ones that emit to both sides: drawn as emitters, sampled by choosers;
@@ -170,8 +170,8 @@ YLM_API void ylm_scene_vertex(const ylm_scene *scene, size_t m, size_t vertex, b
                               ylm_scene_surface *out);
 /* Where rays from x, on a surface with this normal whose triangle is not known, start: as the origin
    there; x, where no surface is. */
-YLM_API void ylm_scene_ray_origin(const ylm_scene *scene, const float x[3],
-                                  const float normal[3], float origin[3]);
+YLM_API void ylm_scene_ray_origin(const ylm_scene *scene, const float x[3], const float normal[3],
+                                  float origin[3]);
 
 /* -- lamps ------------------------------------------------------------------- */
 

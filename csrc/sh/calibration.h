@@ -26,14 +26,14 @@
 #define PRODUCT_GAUNT_LOW 3
 /* More integrals than this are refused: the method pays for far fewer only. */
 #define GAUNT_MOST 20000000
-/* Products, rows of a transfer matrix, and rows times stacked matrices, that a thread takes at a time. */
+/* Products, rows of a matrix of products, and rows times stacked matrices, that a thread takes at a time. */
 #define PRODUCT_GRAIN 64
 #define TRANSFER_GRAIN 64
 #define STACK_GRAIN 256
 /* Nodes whose rings are there at once, of factors that several rows share. */
 #define PRODUCT_CHUNK 8
 /* Sums that share what they read, as many as registers hold. Batches (product_batch.h): nodes, azimuths and orders at
-   a time. Factors that rows share (product_shared.h): nodes, azimuths, orders and sums. Transfer matrices
+   a time. Factors that rows share (product_shared.h): nodes, azimuths, orders and sums. Matrices of products
    (transfer_kernel.h): rows. Rotations of batches (rotate_batch.h): rows of a quarter turn. */
 #define BATCH_NODES 4
 #if YLM_VECTOR_BYTES == 64

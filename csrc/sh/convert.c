@@ -5,8 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846
-
 static const char *const systems[] = {
 #define X(name, text) text,
     YLM_SH_SYSTEM_LIST(X)
@@ -123,10 +121,10 @@ ylm_status ylm_sh_convention_name(uint32_t c, char text[64]) {
 /* -- one group of vectors, in double ---------------------------------------------------------- */
 
 double ylm_sh_cosine_factor(int l) {
-  if (l == 0) return PI;
-  if (l == 1) return 2 * PI / 3;
+  if (l == 0) return YLM_PI;
+  if (l == 1) return 2 * YLM_PI / 3;
   if (l & 1) return 0;
-  double a = PI / 4; /* l = 2; A(l) = -A(l-2) (l-3)/(l+2) */
+  double a = YLM_PI / 4; /* l = 2; A(l) = -A(l-2) (l-3)/(l+2) */
   for (int k = 4; k <= l; k += 2) a *= -(double)(k - 3) / (k + 2);
   return a;
 }
@@ -135,16 +133,16 @@ double ylm_sh_cosine_factor(int l) {
    3z^2-1, xz, x^2-y^2. */
 static double polynomial_constant(int i) {
   static const double square[9] = {1, 3, 3, 3, 15, 15, 1.25, 15, 3.75}; /* times 1/4pi */
-  return sqrt(square[i] / (4 * PI));
+  return sqrt(square[i] / (4 * YLM_PI));
 }
 
 /* Factor from radiance without phase to what `system` holds, but for its quantity; real systems. */
 static double normalisation(ylm_sh_system s, int l) {
   switch (s) {
-  case YLM_SH_SYSTEM_n3d: return sqrt(4 * PI);
-  case YLM_SH_SYSTEM_sn3d: return sqrt(4 * PI / (2 * l + 1));
-  case YLM_SH_SYSTEM_e3nn_component: return sqrt(1 / (4 * PI));
-  case YLM_SH_SYSTEM_e3nn_norm: return sqrt((2 * l + 1) / (4 * PI));
+  case YLM_SH_SYSTEM_n3d: return sqrt(4 * YLM_PI);
+  case YLM_SH_SYSTEM_sn3d: return sqrt(4 * YLM_PI / (2 * l + 1));
+  case YLM_SH_SYSTEM_e3nn_component: return sqrt(1 / (4 * YLM_PI));
+  case YLM_SH_SYSTEM_e3nn_norm: return sqrt((2 * l + 1) / (4 * YLM_PI));
   default: return 1;
   }
 }
@@ -377,7 +375,7 @@ ylm_status ylm_sh_convert(uint32_t from, uint32_t to, int lmax, ylm_dtype t, siz
     int qf = quantity(from), qt = quantity(to);
     for (int l = 0; l <= lmax; l++) {
       double a = qf && qt ? 1 : qt ? ylm_sh_cosine_factor(l) : qf ? 1 / ylm_sh_cosine_factor(l) : 1;
-      factor[l] = a * (qf == 2 ? PI : 1) / (qt == 2 ? PI : 1);
+      factor[l] = a * (qf == 2 ? YLM_PI : 1) / (qt == 2 ? YLM_PI : 1);
     }
     job j = {&f, &g, channels, factor, p, r, mirrored, t, in, out};
     size_t groups = rows / channels;

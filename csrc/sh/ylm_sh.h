@@ -480,7 +480,7 @@ YLM_API ylm_status ylm_sh_exp(int lmax, ylm_dtype t, size_t rows, int terms, con
                               void *out, int threads, const ylm_progress *progress, ylm_error *e);
 
 /*
-** ylm_sh_transfer - the matrix that multiplies by a function: (M a)_i = sum_j M_ij a_j.
+** ylm_sh_product_matrix - the matrix that multiplies by a function: (M a)_i = sum_j M_ij a_j.
 **
 **   M_ij = sum_k c_k int Y_i Y_j Y_k,   Green 2003, Eq. 8; symmetric
 **
@@ -489,11 +489,11 @@ YLM_API ylm_status ylm_sh_exp(int lmax, ylm_dtype t, size_t rows, int terms, con
 **
 ** Returns  YLM_OK, YLM_ERANGE, YLM_ENOMEM.  Cost  O(lmax^5)
 */
-YLM_API ylm_status ylm_sh_transfer(int clmax, const double *c, int lmax, double *matrix,
+YLM_API ylm_status ylm_sh_product_matrix(int clmax, const double *c, int lmax, double *matrix,
                                    ylm_error *e);
 
 /* out[r] = M in[r]: `n` numbers a row, M [n][n], symmetric; out is not in. YLM_OK, YLM_ENOMEM. */
-YLM_API ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
+YLM_API ylm_status ylm_sh_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
                                          const void *in, void *out, int threads,
                                          const ylm_progress *progress);
 

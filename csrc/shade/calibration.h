@@ -7,7 +7,7 @@
 #ifndef YLM_SHADE_CALIBRATION_H
 #define YLM_SHADE_CALIBRATION_H
 
-/* -- camera rays: primary.c, again.c ------------------------------------------------------------- */
+/* -- camera rays: primary.c, incremental.c ------------------------------------------------------- */
 
 /* Camera rays that are traced in one go. */
 #define SHADE_RAYS 256

@@ -39,19 +39,8 @@ static void mix(size_t count, size_t n, int functions, int channels, size_t t_ro
   }
 }
 
-#define DECLARE(isa)                                                                               \
-  ylm_shade_dot_fn ylm_k_shade_dot_##isa;                                                          \
-  ylm_shade_sums_fn ylm_k_shade_sums_##isa;                                                        \
-  ylm_shade_mix_fn ylm_k_shade_mix_##isa;
-#define CASE(isa)                                                                                  \
-  case YLM_ISA_##isa:                                                                              \
-    return (shade_kernels){ylm_k_shade_dot_##isa, ylm_k_shade_sums_##isa, ylm_k_shade_mix_##isa};
+static YLM_KERNEL_CHOICE(ylm_shade_dot_fn, dot_now, ylm_k_shade_dot, dot);
+static YLM_KERNEL_CHOICE(ylm_shade_sums_fn, sums_now, ylm_k_shade_sums, sums);
+static YLM_KERNEL_CHOICE(ylm_shade_mix_fn, mix_now, ylm_k_shade_mix, mix);
 
-YLM_SETS(DECLARE)
-
-shade_kernels ylm__shade_kernels(void) {
-  switch (ylm_isa_current()) {
-    YLM_SETS(CASE)
-  default: return (shade_kernels){dot, sums, mix};
-  }
-}
+shade_kernels ylm__shade_kernels(void) { return (shade_kernels){dot_now(), sums_now(), mix_now()}; }

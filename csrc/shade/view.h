@@ -5,6 +5,9 @@
 #include "ylm_shade.h"
 #include "ylm_vector.h"
 
+typedef struct ylm_light_virtual ylm_light_virtual; /* ylm_light_virtual.h */
+typedef struct ylm_shade_links ylm_shade_links;     /* ylm_shade_bounce.h */
+
 /* One shaded part of a pixel: a place on a triangle, and its share of the pixel's samples. */
 typedef struct shade_entry {
   ylm_scene_place at;
@@ -112,9 +115,9 @@ void ylm__shade_vertices_free(shade_vertices *x);
 /* vertices.c: the corners of the view's entries in v->vertex; YLM_EINVAL: one is not there. */
 ylm_status ylm__shade_corners(ylm_shade_view *v, ylm_error *e);
 
-/* cosine.c: the zonal coefficients of all kinds of materials, [kinds][lmax+1]; NULL without memory. */
+/* transfer.c: the zonal coefficients of all kinds of materials, [kinds][lmax+1]; NULL without memory. */
 double *ylm__shade_zonal(int lmax);
-/* cosine.c: SH coefficients of what the materials of n points weigh light with, out
+/* transfer.c: SH coefficients of what the materials of n points weigh light with, out
    [n][(lmax+1)^2]; zonal of ylm__shade_zonal(lmax). */
 ylm_status ylm__shade_cosines(const ylm_shade_view *v, int lmax, const double *zonal, size_t n,
                               const uint32_t *mesh, const float (*normal)[3], float *out);

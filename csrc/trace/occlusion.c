@@ -20,11 +20,10 @@
 #include "ylm_light_shadow.h"
 #include "ylm_sh.h"
 
-#define PI 3.14159265358979323846
 #define LIGHT_ONE 3.54490770181103205459 /* sqrt(4 pi): the function 1 */
 
 /* Bodies that are seen within this half angle have one map across them. */
-#define NARROW (PI / 4)
+#define NARROW (YLM_PI / 4)
 /* A map is wider than its body by this factor, so that the rim lies in it. */
 #define MARGIN 1.04
 /* Arcs longer than this, times lmax, have two nodes of Gauss' rule: one errs by a square of it over 24. */
@@ -252,8 +251,8 @@ static ylm_status sum_rim(const job *j, room *r, const double p[3], bool *inside
   if (s == YLM_OK && r->nodes) s = add_nodes(r, lmax, gradient, metric, e);
   if (s != YLM_OK) return s;
   /* triangles know solid angles but for whole spheres */
-  solid += 4 * PI * round((hit - solid) / (4 * PI));
-  r->sum[0] = fmax(0, fmin(4 * PI, solid)) / LIGHT_ONE;
+  solid += 4 * YLM_PI * round((hit - solid) / (4 * YLM_PI));
+  r->sum[0] = fmax(0, fmin(4 * YLM_PI, solid)) / LIGHT_ONE;
   for (int l = 1; l <= lmax; l++)
     for (size_t k = (size_t)(l * l); k < (size_t)((l + 1) * (l + 1)); k++) r->sum[k] /= l * (l + 1);
   return YLM_OK;
@@ -306,7 +305,7 @@ static ylm_status ask(const ylm_trace_occlusion *o, int rays, const ylm_field_qu
   for (int i = 0; j.room && i < threads; i++) room_free(&j.room[i]);
   ylm_free(j.room);
   r->pairs += n;
-  return s == YLM_OK ? s : ylm_fail(e, s, "%s", ylm_status_text(s));
+  return s == YLM_OK ? s : ylm_fail_plain(e, s);
 }
 
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
@@ -424,7 +423,7 @@ static void surface_place(const ylm_trace_occlusion *o, ylm_rng *rng, double p[3
 
 /* A direction by the cosine to n. */
 static void random_direction(const double n[3], ylm_rng *rng, double w[3]) {
-  double across[3], up[3], r = sqrt(ylm_rng_double(rng)), phi = 2 * PI * ylm_rng_double(rng);
+  double across[3], up[3], r = sqrt(ylm_rng_double(rng)), phi = 2 * YLM_PI * ylm_rng_double(rng);
   frame(n, across, up);
   for (int a = 0; a < 3; a++)
     w[a] = r * (cos(phi) * across[a] + sin(phi) * up[a]) + sqrt(1 - r * r) * n[a];
@@ -487,7 +486,7 @@ ylm_status ylm_trace_occlusion_noise(const ylm_trace_occlusion *o, int lmax, siz
                        .dtype = YLM_FLOAT,
                        .threads = threads};
   *noise = 0;
-  if (!v) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!v) return ylm_no_memory(e);
   ylm_field_result all = {.value = v}, half = {.value = v + n * count};
   ylm_status s = ask(o, o->rays, &q, n, places, &all, e);
   if (s == YLM_OK) s = ask(o, (o->rays + 1) / 2, &q, n, places, &half, e);
@@ -557,7 +556,7 @@ ylm_status ylm_trace_occlusion_create(size_t vertices, const float *position, si
   ylm_status s = ylm_light_body_measure(vertices, position, triangles, index, &body, e);
   if (s != YLM_OK) return s;
   ylm_trace_occlusion *o = ylm_alloc_zero(1, sizeof *o);
-  if (!o) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!o) return ylm_no_memory(e);
   o->field = (ylm_field){
       .self = o, .evaluate = evaluate, .crosses = crosses, .quantity = YLM_QUANTITY_visibility};
   memcpy(o->at, body.at, sizeof o->at);
@@ -573,5 +572,5 @@ ylm_status ylm_trace_occlusion_create(size_t vertices, const float *position, si
     *out = o;
   else
     ylm_trace_occlusion_free(o);
-  return s == YLM_ENOMEM ? ylm_fail(e, s, "%s", ylm_status_text(s)) : s;
+  return s == YLM_ENOMEM ? ylm_no_memory(e) : s;
 }

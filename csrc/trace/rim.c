@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "occlusion.h"
+#include "ylm_list.h"
 
 #define QUARTER 0.78539816339744830962 /* of pi */
 
@@ -154,13 +155,8 @@ static void halve(const ylm_trace *t, const double p[3], const rim_map *m, rim_r
 /* -- arcs -------------------------------------------------------------------------------------------- */
 
 static ylm_status add_arc(rim_room *r, uint32_t from, uint32_t to) {
-  if (r->arcs == r->arcs_room) {
-    size_t more = r->arcs_room ? 2 * r->arcs_room : 512;
-    rim_arc *a = ylm_realloc(r->arc, r->arcs * sizeof *a, more, sizeof *a);
-    if (!a) return YLM_ENOMEM;
-    r->arc = a;
-    r->arcs_room = more;
-  }
+  if (!ylm_list_reserve(&r->arc, r->arcs, r->arcs + 1, &r->arcs_room, sizeof *r->arc))
+    return YLM_ENOMEM;
   r->arc[r->arcs++] = (rim_arc){r->found[from].point, r->found[to].point};
   return YLM_OK;
 }

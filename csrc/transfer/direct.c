@@ -180,7 +180,8 @@ ylm_status ylm__transfer_beside(const ylm_transfer *t, const ylm_grid *grid, siz
                                 const float (*place)[3], const float (*normal)[3],
                                 float (*out)[3]) {
   float b = (float)(t->form.spacing / 2);
-  if (grid) ylm_grid_bias(grid, 1, ylm_scene_origin(t->scene), n, place, normal, NULL, NULL, out, 1);
+  if (grid)
+    ylm_grid_bias(grid, 1, ylm_scene_origin(t->scene), n, place, normal, NULL, NULL, out, 1);
   for (size_t i = 0; !grid && i < n; i++)
     for (int a = 0; a < 3; a++) out[i][a] = place[i][a] + b * normal[i][a];
   return YLM_OK;

@@ -10,7 +10,6 @@
 #include "calibration.h"
 #include "transfer.h"
 
-#define PI 3.14159265358979323846
 #define ORDER 0x01020304u
 #define SWAPPED 0x04030201u
 #define VERSION 1u
@@ -276,9 +275,9 @@ static bool check_share(const header *h, float share) {
 static bool check_escape(const ylm_transfer *t, const header *h, size_t i) {
   size_t count = (size_t)h->lmax * h->lmax;
   const float *T = t->escape + i * count;
-  double square = 0, part = (double)T[0] / sqrt(PI / 4), rays = h->links;
+  double square = 0, part = (double)T[0] / sqrt(YLM_PI / 4), rays = h->links;
   for (size_t k = 0; k < count; k++) square += (double)T[k] * (double)T[k];
-  double most = sqrt(2 * PI / 3) + ESCAPE_NOISE * h->lmax * sqrt(PI / (4 * rays));
+  double most = sqrt(2 * YLM_PI / 3) + ESCAPE_NOISE * h->lmax * sqrt(YLM_PI / (4 * rays));
   return square <= most * most && part >= -ESCAPE_ROUNDING &&
          part <= open_links(t, h, i) / rays + ESCAPE_ROUNDING;
 }

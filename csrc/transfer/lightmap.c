@@ -5,7 +5,6 @@
 #include "transfer.h"
 
 /* Texels that are worked on in one go. */
-#define PI 3.14159265358979323846
 
 typedef struct job {
   const ylm_radiosity *r;
@@ -135,7 +134,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
                                 is_shadowed(j) ? NULL : x->escape, j->share + begin);
   if (s == YLM_OK) ylm__transfer_sum()(n, j->m->links, x->link, 4, j->r->leaving, NULL, x->sum);
   for (size_t i = 0; s == YLM_OK && i < 4 * n; i++)
-    x->sum[i] = j->m->indirect ? (float)PI * x->sum[i] : 0;
+    x->sum[i] = j->m->indirect ? (float)YLM_PI * x->sum[i] : 0;
   if (s == YLM_OK && j->m->field) s = add_field(j, x, n, x->sum);
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
     if (j->m->scene) add_rays(j, x, i, x->sum + 4 * i);

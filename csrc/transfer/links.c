@@ -6,7 +6,6 @@
 #include "transfer.h"
 
 /* Rays that are traced in one go, unless one place has more. */
-#define PI 3.14159265358979323846
 
 typedef struct job {
   const ylm_transfer *t;
@@ -39,7 +38,7 @@ typedef struct scratch {
 /* Directions of one place: dense as the cosine about n, or even over the sphere. */
 static void aim(const job *j, const float *n, ylm_rng *rng, ylm_trace_ray *ray) {
   float shift = (float)ylm_rng_double(rng), a[3], b[3];
-  double turn = 2 * PI * ylm_rng_double(rng);
+  double turn = 2 * YLM_PI * ylm_rng_double(rng);
   float c = (float)cos(turn), s = (float)sin(turn);
   if (n) ylm_scene_basis(n, a, b);
   for (int k = 0; k < j->links; k++) {
@@ -118,7 +117,7 @@ static ylm_status whole(const job *j, const float *n, float *T) {
   size_t count = ylm_sh_count(j->lmax);
   if (!n) {
     memset(T, 0, count * sizeof *T);
-    T[0] = (float)sqrt(4 * PI);
+    T[0] = (float)sqrt(4 * YLM_PI);
     return YLM_OK;
   }
   ylm_status s = ylm_sh_eval(j->lmax, 0, false, YLM_FLOAT, 1, n, T, NULL, NULL, 1, NULL);
@@ -152,7 +151,7 @@ static ylm_status escape(const job *j, scratch *x, const float *n, const ylm_tra
         for (size_t q = 0; q < count; q++) x->seen[q] += y[q];
     }
   }
-  float each = (float)((n ? PI : 4 * PI) / j->links), part = (float)seen / (float)j->links;
+  float each = (float)((n ? YLM_PI : 4 * YLM_PI) / j->links), part = (float)seen / (float)j->links;
   for (size_t q = 0; q < count; q++) T[q] = each * x->seen[q] + part * (T[q] - each * x->all[q]);
   return s;
 }
@@ -263,7 +262,7 @@ static ylm_status share(job *j) {
   j->zonal = ylm_alloc((size_t)(j->lmax < 0 ? 0 : j->lmax) + 1, sizeof *j->zonal);
   if (!j->disk || !j->height || !j->inside || !j->zonal) return YLM_ENOMEM;
   for (size_t k = 0; k < links; k++) {
-    double turn = 2 * PI * ylm_scene_radical((uint32_t)k), x, y;
+    double turn = 2 * YLM_PI * ylm_scene_radical((uint32_t)k), x, y;
     j->disk[k][0] = (float)cos(turn);
     j->disk[k][1] = (float)sin(turn);
     j->height[k] = (float)k / (float)links;

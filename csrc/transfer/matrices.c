@@ -4,8 +4,6 @@
 #include "calibration.h"
 #include "transfer.h"
 
-#define PI 3.14159265358979323846
-
 typedef struct job {
   const ylm_transfer *t;
   ylm_transfer_outer_fn *outer;
@@ -67,7 +65,7 @@ static void aim(const job *j, size_t i, scratch *x) {
   ylm_rng rng;
   ylm_rng_seed(&rng, j->seed, j->stream ? j->stream[i] : i);
   float shift = (float)ylm_rng_double(&rng), each = 1 / (float)j->rays;
-  double turn = 2 * PI * ylm_rng_double(&rng);
+  double turn = 2 * YLM_PI * ylm_rng_double(&rng);
   float c = (float)cos(turn), s = (float)sin(turn);
   ylm_scene_basis(n, a, b);
   for (int k = 0; k < j->rays; k++) {
@@ -138,7 +136,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
     if (s != YLM_OK) break;
     add(j, &x, true, x.sky);
     if (j->B) add(j, &x, false, x.surface);
-    write(j, &x, i, good ? 2 * PI / (double)good : 0);
+    write(j, &x, i, good ? 2 * YLM_PI / (double)good : 0);
   }
   scratch_free(&x);
   return s;
@@ -179,10 +177,10 @@ ylm_status ylm_transfer_matrices(const ylm_transfer *t, const float *vectors, si
            .out = out};
   j.plain = (j.count_in + 3) / 4 * 4;
   j.disk = ylm_alloc((size_t)rays, sizeof *j.disk);
-  float *B = vectors ? ylm__transfer_reflected(t, vectors, 1 / PI) : NULL;
+  float *B = vectors ? ylm__transfer_reflected(t, vectors, 1 / YLM_PI) : NULL;
   if (!j.disk || (vectors && !B)) s = YLM_ENOMEM;
   for (int k = 0; s == YLM_OK && k < rays; k++) {
-    double phi = 2 * PI * ylm_scene_radical((uint32_t)k);
+    double phi = 2 * YLM_PI * ylm_scene_radical((uint32_t)k);
     j.disk[k][0] = (float)cos(phi);
     j.disk[k][1] = (float)sin(phi);
   }

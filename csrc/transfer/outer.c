@@ -12,11 +12,4 @@ static void plain(size_t n, size_t rows, size_t width, const float *left, const 
     }
 }
 
-YLM_SETS_DECLARE(ylm_transfer_outer_fn, ylm_k_transfer_outer)
-
-ylm_transfer_outer_fn *ylm__transfer_outer(void) {
-  switch (ylm_isa_current()) {
-    YLM_SETS_RETURN(ylm_k_transfer_outer)
-  default: return plain;
-  }
-}
+YLM_KERNEL_CHOICE(ylm_transfer_outer_fn, ylm__transfer_outer, ylm_k_transfer_outer, plain);

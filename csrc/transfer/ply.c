@@ -78,7 +78,9 @@ static double exposure_of(const ylm_radiosity *r) {
   for (size_t i = 0; i < r->t->elements; i++) {
     const float *E = r->E + 4 * i;
     area += (double)r->t->area[i];
-    sum += (double)r->t->area[i] * (0.2126 * E[0] + 0.7152 * E[1] + 0.0722 * E[2]);
+    sum +=
+        (double)r->t->area[i] * (YLM_LUMINANCE_R * (double)E[0] + YLM_LUMINANCE_G * (double)E[1] +
+                                 YLM_LUMINANCE_B * (double)E[2]);
   }
   return sum > 0 ? area / (2 * sum) : 1;
 }

@@ -14,14 +14,7 @@ static void plain(size_t n, int links, const uint32_t *link, int width, const fl
     }
 }
 
-YLM_SETS_DECLARE(ylm_transfer_sum_fn, ylm_k_transfer_sum)
-
-ylm_transfer_sum_fn *ylm__transfer_sum(void) {
-  switch (ylm_isa_current()) {
-    YLM_SETS_RETURN(ylm_k_transfer_sum)
-  default: return plain;
-  }
-}
+YLM_KERNEL_CHOICE(ylm_transfer_sum_fn, ylm__transfer_sum, ylm_k_transfer_sum, plain);
 
 typedef struct job {
   ylm_transfer_sum_fn *sum;

@@ -17,7 +17,7 @@ endif
 HPDF := $(wildcard /usr/include/hpdf.h /usr/local/include/hpdf.h)
 
 CXXFLAGS := -std=c++17 -fPIC -fvisibility=hidden -MMD -MP $(OPT) $(filter-out -Wshadow,$(WARN)) $(SANITIZE) \
-            -Icsrc/base -Icsrc/figure -Icsrc/vtk -isystem $(VTK_INCLUDE) \
+            -I$(INCLUDE) -isystem $(VTK_INCLUDE) \
             $(if $(HPDF),-DYLM_WITH_HPDF)
 
 $(BUILD)/obj/vtk/%.o: csrc/vtk/%.cpp

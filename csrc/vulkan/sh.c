@@ -42,7 +42,7 @@ static ylm_status create_table(job *j, ylm_error *e) {
   void *table = ylm_alloc(n, size);
   double k[7], *d = table;
   float *f = table;
-  if (!table) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!table) return ylm_no_memory(e);
   for (int l = 1; l <= j->lmax; l++)
     for (int q = 0; q <= l; q++) {
       ylm_sh_coefficients(l, q, k);
@@ -107,7 +107,7 @@ ylm_status ylm_gpu_sh_eval(ylm_gpu *g, int lmax, int derivatives, bool solid, yl
   ylm_status s = ylm_gpu_state(g, e);
   if (s != YLM_OK) return s;
   if (lmax < 0 || lmax > YLM_LMAX || derivatives < 0 || derivatives > 2)
-    return ylm_fail(e, YLM_ERANGE, "%s", ylm_status_text(YLM_ERANGE));
+    return ylm_fail_plain(e, YLM_ERANGE);
   if (t == YLM_FLOAT && lmax > FLOAT_LMAX)
     return ylm_fail(e, YLM_ERANGE, "float on a device goes to lmax %d: ask for double", FLOAT_LMAX);
   ylm_sh_how how = {.derivatives = derivatives, .solid = solid, .isa = -1};

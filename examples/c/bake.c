@@ -27,7 +27,7 @@ static bool good(ylm_status s, const ylm_error *e) {
 static ylm_status light(ylm_light_set **lamps, ylm_error *e) {
   double at[LAMPS][3], radius[LAMPS], radiance[LAMPS][3];
   for (int i = 0; i < LAMPS; i++) {
-    double angle = 2 * 3.14159265358979324 * i / LAMPS;
+    double angle = 2 * YLM_PI * i / LAMPS;
     at[i][0] = cos(angle), at[i][1] = 2, at[i][2] = sin(angle);
     radius[i] = 0.05;
     radiance[i][0] = 10, radiance[i][1] = 8, radiance[i][2] = 2 + i % 3;

@@ -27,6 +27,6 @@ int main(int argc, char **argv) {
       sum += y[k] * y[k];
     }
   printf("sum of squares, times 4 pi / (lmax + 1)^2: %.12f\n",
-         sum * 4 * 3.14159265358979324 / COUNT);
+         sum * 4 * YLM_PI / COUNT);
   return 0;
 }

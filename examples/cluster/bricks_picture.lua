@@ -17,7 +17,7 @@ local knot = ylm.knot { at = { 0, 1.3, 0 }, radius = 0.75, tube = 0.22, divide =
 
 local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = { low, { low[1] + edge, low[2] + edge, low[3] + edge } }, lmax = 4,
   depth = option.quick and 5 or 6, tolerance = 0.05, bricks = 2 }, lamps,
-  { geometry = { floor, knot }, to = folder, fresh = true, brick_points = option.quick and 512 or 1024 }))
+  { geometry = { floor, knot }, folder = folder, fresh = true, brick_points = option.quick and 512 or 1024 }))
 local stats = grid.stats
 print(("%d points in %d bricks"):format(stats.points, stats.bricks))
 

@@ -58,7 +58,7 @@ end
 --- A grid in bricks of some lamps, baked anew; nil for `to`: whole.
 local function bake(to, n, shared)
   return assert(ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 4, depth = quick and 5 or 6, threshold = quick and 0.4 or 0.1,
-    bricks = to and 2 or nil }, lamps(n), { to = to, fresh = to ~= nil, threads = 1, team = shared }))
+    bricks = to and 2 or nil }, lamps(n), { folder = to, fresh = to ~= nil, threads = 1, team = shared }))
 end
 
 local FEW = 20

@@ -41,7 +41,7 @@ local made = assert(io.open(name, "w"))
 made:write(table.concat(lines, "\n"), "\n")
 made:close()
 
-local scene = assert(ylm.load_scene(option.scene))
+local scene = assert(ylm.load(option.scene))
 local counted = {}
 local edited, report = scene:live { events = name, hidden = true, quiet = true, light_samples = option.rays,
   on_frame = function(s)

@@ -13,7 +13,7 @@ local common = dofile(here .. "../common.lua")
 local option = common.options { out = "out", depth = 9, samples = 4, width = 1024, height = 768 }
 local out = option.out
 
-local scene = assert(ylm.load_scene(here .. "../scenes/two_lamps.lua"))
+local scene = assert(ylm.load(here .. "../scenes/two_lamps.lua"))
 local size = { option.width, option.height }
 local view = assert(scene:prepare { size = size, samples = option.samples, shading = "vertices",
   visibility = "transfer" })

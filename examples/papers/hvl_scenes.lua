@@ -387,7 +387,7 @@ function rooms.rms(E, truth) return math.sqrt(((E - truth) ^ 2):mean()) / truth:
 --- The scene of a file, or of `otherwise` where the name is empty.
 function rooms.given(path, otherwise, ...)
   if path == "" then return rooms[otherwise](...) end
-  local scene, message = ylm.load_scene(path)
+  local scene, message = ylm.load(path)
   if not scene then error(message, 0) end
   return scene
 end

@@ -1,6 +1,7 @@
 --- The one source of `ylm help`, the LuaLS annotations and the LDoc pages.
 --
 --     describe "sh.count" {
+--       shelf     = "everyday",                          -- optional: reference.shelves
 --       about     = "The number of coefficients of all degrees up to lmax.",
 --       arguments = { { "lmax", "integer", "highest degree, 0 or more" } },
 --       returns   = { { "count", "integer", "(lmax+1)^2" } },
@@ -14,6 +15,37 @@
 -- a spec, with `ylm` as a local.
 
 local reference = { entries = {}, names = {}, objects = {} }
+
+--- The shelves of the interface, in the order in which they are printed: what every user needs, what experiments need,
+-- and what exists to compare with. An entry stands on 'experiments' where it names no shelf, an option on its entry's.
+reference.shelves = { "everyday", "experiments", "comparison" }
+reference.shelf_titles = {
+  everyday = "Everyday", experiments = "Experiments", comparison = "Comparison",
+}
+
+local known_shelf = {}
+for _, shelf in ipairs(reference.shelves) do known_shelf[shelf] = true end
+
+--- The shelf of an entry, a form's definition, or an option of `owner`.
+function reference.shelf(x, owner)
+  local shelf = x.shelf or owner and owner.shelf or "experiments"
+  assert(known_shelf[shelf], "no such shelf: " .. tostring(shelf))
+  return shelf
+end
+
+--- A list by shelves, in order: { { shelf, list }, .. } of the shelves that have some of it.
+function reference.by_shelf(list, owner)
+  local by, out = {}, {}
+  for _, x in ipairs(list) do
+    local shelf = reference.shelf(x, owner)
+    by[shelf] = by[shelf] or {}
+    table.insert(by[shelf], x)
+  end
+  for _, shelf in ipairs(reference.shelves) do
+    if by[shelf] then out[#out + 1] = { shelf, by[shelf] } end
+  end
+  return out
+end
 
 --- A described function or object -> its file: a file that is loaded again, because memory ran out at first, describes its
 -- own again.

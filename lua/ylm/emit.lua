@@ -19,8 +19,8 @@ local MOST_BOUNCES, MOST, DEGREE = core.limits.emit_bounces, core.limits.emit_pa
 local LOUD = 0.26 -- the part of slices that lights may miss without a word
 local SCALE = { density = 1.5, angle = 1, footprint = 1.5, neighbours = 1 } -- of radii, by their rule
 
---- Lights that scene:virtual_lights made -> { scene, bounces, radius (the median), report }.
-emit.made = setmetatable({}, { __mode = "k" })
+--- { scene, bounces, radius (the median), report } of lights that scene:virtual_lights made; nil of others.
+function emit.made(lights) return core.owned(lights, "emitted") end
 
 function form.types.reflected(x)
   if x == "all" then return MOST_BOUNCES end
@@ -171,7 +171,7 @@ function emit.lights(name, s, o, traced)
   report.warnings = shortcomings(s, o, report)
   report.power.lights = lights.power
   report = show.report(report)
-  emit.made[lights] = { scene = s, bounces = o.bounces, radius = report.radius.median, report = report }
+  core.own(lights).emitted = { scene = s, bounces = o.bounces, radius = report.radius.median, report = report }
   return lights, report
 end
 
@@ -219,10 +219,12 @@ require "ylm.describe".object "visible" {
 
 local TYPE = "ylm.visible"
 local methods = tracing.library() and core.metatable(TYPE) or {}
-local visible = setmetatable({}, { __mode = "k" }) -- field -> { lights, scene, traced, closed }
+
+--- { lights, scene, traced, closed } of a field.
+local function visible(field) return core.owned(field, "visible") end
 
 function methods.__index(field, key)
-  local m = visible[field]
+  local m = visible(field)
   if m and (key == "lights" or key == "scene") then return m[key] end
   return rawget(methods, key)
 end
@@ -232,7 +234,7 @@ function methods.__newindex(_, key)
 end
 
 function methods.__tostring(field)
-  local m = visible[field]
+  local m = visible(field)
   if not m or m.closed then return TYPE .. " (closed)" end
   return ("%s: %d virtual lights with the shadows of scene %q"):format(TYPE, m.lights.count, m.scene.name or "?")
 end
@@ -247,7 +249,7 @@ function virtual.with_shadows(lights, s)
   local field
   field, message, code = check.result("visible", t.lib.emit_visible(t.handle, lights.lights))
   if not field then return nil, message, code end
-  visible[field] = { lights = lights, scene = s, traced = t }
+  core.own(field).visible = { lights = lights, scene = s, traced = t }
   return field
 end
 
@@ -264,9 +266,9 @@ function methods.close(field)
   if core.type(field) ~= TYPE then
     return check.fail("close: a field of visible lights expected before the colon, got %s", check.describe(field))
   end
-  local m = visible[field]
+  local m = visible(field)
   if not m.closed then check.result("close", m.traced.lib.emit_visible_close(field)) end
-  m.closed = true
+  m.closed, core.own(field).visible = true, m
 end
 memory.publish(methods)
 

@@ -65,7 +65,7 @@ local item_fields = {
     about = "{x, y, width, height} from the top left" },
   { "mark", "any", optional = true, about = "rectangles {x, y, w, h} outlined in the image: one or a list" },
   { "layer", "string", optional = true, about = "of an image" },
-  { "tone", "choice", of = core.image_tones(), default = "srgb", about = "tone curve of an image" },
+  { "tone", "choice", of = core.choices "tone", default = "srgb", about = "tone curve of an image" },
   { "exposure", "number", min = -60, max = 60, default = 0, unit = "stops", about = "of an image" },
   { "range", "any", optional = true, about = "{least, largest} of values; default: the bar's" },
   { "log", "boolean", optional = true, about = "of values; default: the bar's" },

@@ -98,7 +98,7 @@ local common = {
   { "material", "object", of = material.kinds, what = "a material", optional = true,
     about = "reflectance: matte { albedo = 0.75 }" },
   { "occludes", "boolean", default = true, about = "whether it casts shadows" },
-  { "sides", "choice", of = { "auto", "both", "front", "back" }, optional = true,
+  { "sides", "choice", of = core.choices "sides", optional = true,
     about = "which sides reflect to other surfaces (scene:transfer); front: from which the corners of triangles run "
       .. "counter-clockwise" },
 }
@@ -151,12 +151,9 @@ local function add_parts(entry, parts, set, fail)
   tell(entry, set, #emitters)
 end
 
---- Entry -> how its mesh is made without subdivision, for shapes that then are the same surface.
-local plain_of = setmetatable({}, { __mode = "k" })
-
 --- The mesh of an entry, of flat shapes without subdivision; nil, message, code. Textures and colours of vertices keep theirs.
 function geometry.plain(entry)
-  local plain = plain_of[entry]
+  local plain = core.owned(entry, "plain") -- how it is made without subdivision, where that is the same surface
   if not plain or entry.material and material.texture(entry.material) or core.mesh_colours(entry.mesh) then return entry.mesh end
   local mesh, message, code = plain.make()
   if not mesh then return nil, message, code end
@@ -187,7 +184,7 @@ local function shape(name, definition)
     local entry = setmetatable({ mesh = mesh, material = values.material, occludes = values.occludes,
       sides = values.sides }, definition.metatable)
     if parts then add_parts(entry, parts, set, fail) end
-    if definition.plain then plain_of[entry] = { make = definition.plain(values), transform = transform } end
+    if definition.plain then core.own(entry).plain = { make = definition.plain(values), transform = transform } end
     local ok, message, code = place(name, entry, transform)
     if not ok then return nil, message, code end
     for _, part in ipairs(entry.parts or { entry }) do check_texture(part, fail) end

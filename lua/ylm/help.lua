@@ -111,6 +111,15 @@ function help.report_rows(fields)
   return list
 end
 
+local MORE = { everyday = "", experiments = " for experiments", comparison = " to compare with" }
+
+--- Rows of options or fields, by shelf; those of the owner's shelf have no other title.
+local function shelves_of(out, title, fields, owner)
+  for _, part in ipairs(reference.by_shelf(fields, owner)) do
+    rows(out, title .. (part[1] ~= reference.shelf(owner) and MORE[part[1]] or ""), help.field_rows(part[2]))
+  end
+end
+
 local function value_rows(values)
   local list = {}
   for i, value in ipairs(values or {}) do list[i] = { value[1], value[2], value[3] } end
@@ -139,7 +148,7 @@ local function entry_text(out, name, entry)
   out[#out + 1] = help.signature(name, entry)
   wrap(out, entry.about, 2)
   rows(out, "arguments", value_rows(entry.arguments))
-  if type(entry.options) == "table" and #entry.options > 0 then rows(out, "options", help.field_rows(entry.options)) end
+  if type(entry.options) == "table" then shelves_of(out, "options", entry.options, entry) end
   rows(out, "returns", value_rows(entry.returns))
   if entry.report then rows(out, "report", help.report_rows(entry.report)) end
   if sentence(entry.errors) then
@@ -158,7 +167,7 @@ end
 local function form_text(out, name, definition)
   out[#out + 1] = name == "scene" and 'scene "name" { ... }' or name .. " { ... }"
   wrap(out, definition.about or "", 2)
-  rows(out, "fields", help.field_rows(definition.fields))
+  shelves_of(out, "fields", definition.fields, definition)
   example(out, definition.example)
 end
 
@@ -264,15 +273,19 @@ function help.matches(word, more)
   return table.concat(out, "\n")
 end
 
---- The list of all names with the first sentence of each.
+--- The list of all names with the first sentence of each, by shelf.
 function help.overview()
-  local list = { { "forms", {} }, { "functions", {} }, { "methods", {} } }
-  for _, name in ipairs(help.names()) do
-    local place = form.defined[name] and 1 or name:find(":", 1, true) and 3 or 2
-    table.insert(list[place][2], { name, first_sentence(name) })
-  end
   local out = {}
-  for _, part in ipairs(list) do rows(out, part[1], part[2]) end
+  for _, shelf in ipairs(reference.shelves) do
+    local list = { { "forms", {} }, { "functions", {} }, { "methods", {} } }
+    for _, name in ipairs(help.names()) do
+      local place = form.defined[name] and 1 or name:find(":", 1, true) and 3 or 2
+      if reference.shelf(form.defined[name] or reference.entries[name]) == shelf then
+        table.insert(list[place][2], { name, first_sentence(name) })
+      end
+    end
+    for _, part in ipairs(list) do rows(out, shelf .. ": " .. part[1], part[2]) end
+  end
   table.remove(out, 1)
   return table.concat(out, "\n")
 end

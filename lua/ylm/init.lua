@@ -1,4 +1,4 @@
---- ylm: spherical-harmonic lighting. The file is the table of contents.
+--- ylm: spherical-harmonic lighting. contents.lua is the table of contents.
 --
 -- Modules load when they are first used, so that SH mathematics alone needs
 -- nothing but libylm.so.
@@ -6,6 +6,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local library = require "ylm.library"
 local memory = require "ylm.memory"
 
 -- A kernel set or a number of threads that is silently not the one asked for spoils every measurement.
@@ -16,43 +17,19 @@ end
 
 local ylm = { version = (core.info()) }
 
-require("ylm.later").live = function(...) return require("ylm.live").live(...) end
-
---- Public name -> the module that defines it, in the order data flows.
-local contents = {
-  { "ylm.array", "array", "zeros", "stack", "wrap" },
-  { "ylm.team", "team" },
-  { "ylm.light", "light_field" },
-  { "ylm.grid", "adaptive_grid", "uniform_grid", "bake" },
-  { "ylm.spheres", "sphere_set" },
-  { "ylm.shadow", "occluder", "caster", "casters", "sphere_casters", "shadowed", "visibility" },
-  { "ylm.material", "matte", "ggx", "phong", "abc", "merl", "rgl", "tabulated" },
-  { "ylm.camera", "camera" },
-  { "ylm.gltf", "gltf", "load_gltf" },
-  { "ylm.transfer", "transfer" },
-  { "ylm.scene", "scene", "load_scene" },
-  { "ylm.file", "load" },
-  { "ylm.image", "image", "colour" },
-  { "ylm.display", "display" },
-  { "ylm.render", "true_error" },
-  { "ylm.geometry", "quad", "sphere", "box", "torus", "knot", "mesh" },
-  { "ylm.view", "view" },
-  { "ylm.plot", "plot" },
-  { "ylm.figure", "figure" },
-  { "ylm.warning", "on_warning" },
-}
-
 --- Public name -> a module that is a table of functions itself.
 local tables = {
   sh = "ylm.sh",
   vulkan = "ylm.vulkan",
 }
 
--- grid:save of pages, which show scenes too.
-require("ylm.library").later.page = function(...) return require("ylm.page").save(...) end
+--- Functions that modules further down the ladder call, and the modules that define them.
+for module, name in pairs { ["ylm.page"] = "save", ["ylm.live"] = "live" } do
+  library.later[module] = function(...) return require(module)[name](...) end
+end
 
 local home = {}
-for _, list in ipairs { contents, require "ylm.light.kinds" } do
+for _, list in ipairs { require "ylm.contents", require "ylm.light.kinds" } do
   for _, entry in ipairs(list) do
     for i = 2, #entry do home[entry[i]] = entry[1] end
   end

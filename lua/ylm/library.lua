@@ -28,7 +28,7 @@ function library.open(name, advice)
   return nil, advice:format(why), "EMISSING"
 end
 
---- Functions that a module before them in the ladder calls, by name: lua/ylm/init.lua says where they are.
+--- Functions that modules further down the ladder call, by the modules that define them: lua/ylm/init.lua fills the table.
 library.later = {}
 
 local RIVAL = "this method, kept for comparison, needs libylm_rival: run make (or make install) again (%s)"

@@ -51,18 +51,15 @@ local function leave(...)
   return results(...)
 end
 
---- Functions that memory.public made.
-local made = setmetatable({}, { __mode = "k" })
-
 --- `f` as users call it.
 function memory.public(f)
-  if type(f) ~= "function" or made[f] then return f end
+  if type(f) ~= "function" or core.owned(f, "public") then return f end
   local function public(...)
     if within then return f(...) end
     within = true
     return leave(pcall(f, ...))
   end
-  made[public] = true
+  core.own(public).public = true
   return public
 end
 

@@ -33,9 +33,6 @@ function progress.line(done, total, stage, seconds)
   return ("%-12s [%-" .. width .. "s] %3d %%  %s"):format(stage or "", bar, math.floor(part * 100), clock(seconds))
 end
 
--- Bars that this module has made: functions that write a line between theirs.
-local speakers = setmetatable({}, { __mode = "k" })
-
 --- Names of stages that have ended, and their seconds together: `add`, and `write`, which makes a line of them.
 local function brief_stages(stream)
   local names, times, seconds = {}, {}, 0
@@ -86,7 +83,7 @@ function progress.bar(stream, patience)
     elseif now >= awake and now - began >= SHORT and now - (last or 0) >= 0.1 then show(done, total, now) end
     return true
   end
-  speakers[bar] = function(text, seconds)
+  core.own(bar).speak = function(text, seconds)
     local now = core.seconds()
     if now < awake and seconds < (patience or 0) then return end
     if stage then close(1, 1, now) end
@@ -138,7 +135,7 @@ function progress.log(stream)
     stream:flush()
     return true
   end
-  speakers[log] = function(text)
+  core.own(log).speak = function(text)
     leave()
     unended = nil
     stream:write("ylm: ", text, "\n")
@@ -177,11 +174,11 @@ function progress.long(value)
 end
 
 --- Is `bar` one that this module has made?
-function progress.speaks(bar) return bar ~= nil and speakers[bar] ~= nil end
+function progress.speaks(bar) return core.owned(bar, "speak") ~= nil end
 
 --- Writes a line where `bar` is one that this module has made, and the work takes so many seconds.
 function progress.say(bar, seconds, text, ...)
-  local speak = bar and speakers[bar]
+  local speak = core.owned(bar, "speak")
   if speak then speak(text:format(...), seconds) end
 end
 

@@ -17,7 +17,7 @@ local sandbox = {}
 --- The limits and their defaults.
 sandbox.limits = {
   { "instructions", "number", min = 1, default = 2e8, about = "of the Lua machine" },
-  { "seconds", "number", above = 0, default = 60, unit = "s", about = "of processor time" },
+  { "time_limit", "number", above = 0, default = 60, unit = "s", about = "of processor time" },
   { "memory", "number", min = 65536, default = 2 ^ 28, unit = "bytes", about = "for Lua's values" },
   { "triangles", "number", min = 0, default = 2e7, about = "of all geometry together" },
   { "numbers", "number", min = 0, default = 2 ^ 23,
@@ -157,26 +157,26 @@ end
 
 -- Stand-ins for what constructors build ------------------------------------------------
 
---- Stand-in -> the object it stands for. Files never hold the object itself: through an
+--- The object that a stand-in stands for; nil of any other value. Files never hold the object itself: through an
 -- object's metatable they could reach functions that trusted code uses later.
-local objects = setmetatable({}, { __mode = "k" })
+local function object_of(x) return core.owned(x, "object") end
 
 local stand_in = {
   __metatable = false,
   __index = function(p, key)
     return check.fail("a %s is a description: its field %s cannot be read in a scene file",
-      form.kind(objects[p]) or "value", check.describe(key))
+      form.kind(object_of(p)) or "value", check.describe(key))
   end,
   __newindex = function(p)
     return check.fail("a %s is a description: make another instead of changing it",
-      form.kind(objects[p]) or "value")
+      form.kind(object_of(p)) or "value")
   end,
-  __tostring = function(p) return form.kind(objects[p]) or "value" end,
+  __tostring = function(p) return form.kind(object_of(p)) or "value" end,
 }
 
 local function wrap(object)
   local p = setmetatable({}, stand_in)
-  objects[p] = object
+  core.own(p).object = object
   return p
 end
 
@@ -185,7 +185,8 @@ local function unwrap(x, seen)
   local t = type(x)
   if t == "number" or t == "string" or t == "boolean" or t == "nil" then return x end
   if t ~= "table" then return check.fail("a %s cannot be part of a description", t) end
-  if objects[x] then return objects[x] end
+  local object = object_of(x)
+  if object then return object end
   seen = seen or { depth = 0 }
   if seen[x] then return seen[x] end
   if seen.depth > 64 then return check.fail("tables nested more than 64 deep") end
@@ -345,7 +346,8 @@ local function environment(state, scene)
     end,
     tostring = function(x)
       local t = type(x)
-      if objects[x] then return form.kind(objects[x]) end
+      local object = object_of(x)
+      if object then return form.kind(object) end
       if t == "table" or t == "function" or t == "userdata" then return t end
       return tostring(x)
     end,
@@ -440,7 +442,7 @@ local DEEPEST = 8
 
 --- The scene that a file made, or nil, why.
 local function scene_of(result)
-  local object = objects[result]
+  local object = object_of(result)
   if form.kind(object) == "scene" then return object end
   return nil, ("must return a scene (return scene \"name\" { ... }), got %s"):format(
     object and "a " .. form.kind(object) or check.describe(result))
@@ -527,7 +529,7 @@ function sandbox.run(path, limits, scene)
 
   local restore, compile_again = guarded_strings(state.sources), without_jit()
   form.like = follower(state, limits, scene)
-  local called, ok, result, reason = pcall(core.bounded_call, run, limits.instructions, limits.memory, limits.seconds,
+  local called, ok, result, reason = pcall(core.bounded_call, run, limits.instructions, limits.memory, limits.time_limit,
     located(state.sources))
   form.budget, form.locate, form.observer, form.like, check.boundary = nil, nil, nil, nil, false
   restore()
@@ -535,7 +537,7 @@ function sandbox.run(path, limits, scene)
   if not called then error(ok, 0) end
 
   if reason and reason ~= "exhausted" then
-    local limit = reason == "time" and limits.seconds or limits[reason]
+    local limit = reason == "time" and limits.time_limit or limits[reason]
     return nil, with_lines(state, reasons[reason]:format(limit)), "ELIMIT"
   end
   if ok then

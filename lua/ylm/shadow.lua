@@ -50,8 +50,8 @@ end
 
 local BY_RAYS = "bodies by rays need libylm_scene with Embree 3 or 4 (Debian 12 and 13: apt install libembree-dev, then make): %s"
 
---- Occluder -> { rays, near }: rays of one that is known by rays, where the nearest receivers are.
-local how_of = setmetatable({}, { __mode = "k" })
+--- { rays, near } of an occluder: rays of one that is known by rays, where the nearest receivers are; nil once closed.
+local function how_of(occluder) return core.owned(occluder, "how") end
 
 --- The object of a closed mesh: exact, or by rays.
 local function build_mesh(values, mesh, fail)
@@ -64,7 +64,7 @@ end
 --- The object, and where its nearest receivers are.
 local function remember(values, object, message, code)
   if not object then return nil, message, code end
-  how_of[object] = { rays = values.rays, near = values.near }
+  core.own(object).how = { rays = values.rays, near = values.near }
   return object
 end
 
@@ -113,7 +113,7 @@ end
 function occluders.__index(o, key)
   if key == "radius" then return (select(2, body_of(o))) end
   if key == "area" then return (select(3, body_of(o))) end
-  if key == "rays" then return how_of[o] and how_of[o].rays end
+  if key == "rays" then return (how_of(o) or {}).rays end
   return rawget(occluders, key)
 end
 
@@ -129,7 +129,7 @@ local REACH, PLACES, LOOKS, QUIET = 20, 20000, 16, 2
 --- Places around a body, from `near` radii off its surface to a distance: float [n][3]; nil, message, code.
 local function places_around(o, near, far, n)
   local _, radius = body_of(o)
-  local exact = not how_of[o].rays -- near of a convex body is a part of the way from its middle to its surface
+  local exact = not how_of(o).rays -- near of a convex body is a part of the way from its middle to its surface
   return check.result("occluder", core.occluder_places(o, exact and near or near * radius, far, n))
 end
 
@@ -152,8 +152,8 @@ function occluders.noise(o, lmax, given)
   local options = form.options(2, "noise", { form.threads }, given)
   local _, radius = body_of(o)
   if not radius then return check.fail("noise: the occluder has been closed") end
-  if not how_of[o].rays then return 0 end
-  local places, message, code = places_around(o, how_of[o].near, REACH * radius, LOOKS)
+  if not how_of(o).rays then return 0 end
+  local places, message, code = places_around(o, how_of(o).near, REACH * radius, LOOKS)
   if not places then return nil, message, code end
   return check.result("noise", library.open("scene", BY_RAYS).occlusion_noise(o, lmax, places, options.threads or 0))
 end
@@ -165,7 +165,7 @@ local function check_noise(o, description)
   if not noise then return nil, message, code end
   if description.tolerance >= QUIET * noise then return true end
   return check.bad(1, "bake", "tolerance %g is below the noise of rays here, %.2g: rays = %d may do, or tolerance = %.2g",
-    description.tolerance, noise, math.min(1024, math.ceil(how_of[o].rays * QUIET * noise / description.tolerance)),
+    description.tolerance, noise, math.min(1024, math.ceil(how_of(o).rays * QUIET * noise / description.tolerance)),
     QUIET * noise * 1.05)
 end
 
@@ -188,7 +188,7 @@ function occluders.__for_grid(o, description, given)
   if given.occupied == nil and given.geometry == nil and description.depth then
     local far = math.huge
     for a = 1, 3 do far = math.min(far, at[a] - box[1][a], box[2][a] - at[a]) end
-    options.occupied, message, code = places_around(o, how_of[o].near, math.max(far, 2 * radius), PLACES)
+    options.occupied, message, code = places_around(o, how_of(o).near, math.max(far, 2 * radius), PLACES)
     if not options.occupied then return nil, message, code end
   end
   return options, { at[1], at[2], at[3], radius, area }
@@ -462,8 +462,8 @@ reference.object "shadowed" {
 
 local shadoweds = core.metatable "ylm.shadowed"
 
---- Object -> what it was made of.
-local about_of = setmetatable({}, { __mode = "k" })
+--- The parts that shadowed light was made of.
+local function about_of(object) return core.owned(object, "about") end
 
 local kinds = { caster = true, casters = true, sphere_casters = true }
 
@@ -483,7 +483,7 @@ end
 
 --- Sentences about what shadowed light does not keep at lmax, said once; for lua/ylm/light and lua/ylm/grid.
 function shadoweds.__heed(s, lmax)
-  local of = about_of[s]
+  local of = about_of(s)
   local list = heed(s, of and of.list or {}, lmax)
   for _, sentence in ipairs(of and of.lights and light.heed(of.lights, lmax) or {}) do list[#list + 1] = sentence end
   return list
@@ -491,7 +491,7 @@ end
 
 --- The object whose stats count what is asked of shadowed light; nil once closed. For lua/ylm/light.
 function shadoweds.__counted(s)
-  local of = about_of[s]
+  local of = about_of(s)
   local whole = of and of.of or s
   return core.shadowed_look(whole) and whole
 end
@@ -586,7 +586,7 @@ end
 
 --- Fields of ylm.shadowed and options of ylm.visibility.
 local products = {
-  { "product", "choice", of = { "rule", "accurate", "recursive", "exp" }, default = "rule",
+  { "product", "choice", of = core.choices "shadow_product", default = "rule",
     about = "'rule': at directions of one rule, whatever the number of casters; 'accurate': of a rule that is exact, for 15 "
       .. "casters at most; 'recursive': two factors at a time, cut off at lmax; 'exp': exponentials of sums of logarithms, "
       .. "of spheres alone, lmax at most 20 (all but the first to compare with)" },
@@ -596,7 +596,7 @@ local products = {
     about = "casters that change a visibility by less than this, over their number, are left out; 0: none" },
   { "layers", "boolean", optional = true,
     about = "casters that do not overlap, seen from a point, are summed, and are one factor; default: with 'rule' alone" },
-  { "exp", "choice", of = { "HYB", "PS", "OL" }, optional = true,
+  { "exp", "choice", of = core.choices("sh_exp", "HYB"), optional = true,
     about = "of 'exp': 'PS' its series, which diverges for bodies that look large; 'OL' a line; 'HYB', the default, a line of a "
       .. "part, squared until it is the whole" },
   { "terms", "integer", min = 1, max = core.limits.sh_exp_terms, optional = true, about = "of 'PS', default 9" },
@@ -633,7 +633,7 @@ local function build_shadowed(values, fail)
     if group.name then of.groups[group.name] = { first = group.first, count = group.caster.count,
       spheres = group.caster.hides == nil } end
   end
-  about_of[object] = of
+  core.own(object).about = of
   return object
 end
 
@@ -664,7 +664,7 @@ function shadoweds.__join(packed) return shadow.shadowed { lights = packed, cast
 
 --- The record of an open object; raises.
 local function opened(name, s)
-  local of = about_of[s]
+  local of = about_of(s)
   if core.type(s) ~= "ylm.shadowed" then
     return check.fail("%s: shadowed light expected before the colon, got %s", name, check.describe(s))
   end
@@ -673,13 +673,13 @@ local function opened(name, s)
 end
 
 function shadoweds.__index(s, key)
-  if key == "count" and about_of[s] then return about_of[s].count end
-  if key == "stats" and about_of[s] and not about_of[s].of then return core.shadowed_look(s) end
+  if key == "count" and about_of(s) then return about_of(s).count end
+  if key == "stats" and about_of(s) and not about_of(s).of then return core.shadowed_look(s) end
   return rawget(shadoweds, key)
 end
 
 function shadoweds.__tostring(s)
-  local of = about_of[s]
+  local of = about_of(s)
   if not of or of.closed then return "ylm.shadowed (closed)" end
   return ("ylm.shadowed: light behind %d casters"):format(of.count)
 end
@@ -803,7 +803,7 @@ function shadoweds.without(s, name)
   if not group then return check.bad(1, "without", "no caster has the name %s", check.describe(name)) end
   local object, message, code = check.result("without", core.shadowed_without(s, group.first, group.count))
   if not object then return nil, message, code end
-  about_of[object] = { groups = {}, bodies = {}, count = about_of[s].count - group.count, of = s }
+  core.own(object).about = { groups = {}, bodies = {}, count = about_of(s).count - group.count, of = s }
   return object
 end
 
@@ -855,8 +855,9 @@ function shadoweds.close(s)
   if core.type(s) ~= "ylm.shadowed" then
     return check.fail("close: shadowed light expected before the colon, got %s", check.describe(s))
   end
+  local of = about_of(s)
   check.result("close", core.shadowed_close(s))
-  if about_of[s] then about_of[s].closed = true end
+  core.own(s).about = { closed = true, count = of and of.count, of = of and of.of }
 end
 
 -- Visibility ----------------------------------------------------------------------------------
@@ -864,7 +865,7 @@ end
 local visibility_options = {
   { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: gradients too" },
   products[1], products[2], products[3], products[4], products[5], products[6],
-  { "dtype", "choice", of = { "float", "double" }, optional = true,
+  { "dtype", "choice", of = core.choices "dtype", optional = true,
     about = "element type; that of the points where they are an array, else float" },
   form.threads, form.progress,
 }

@@ -51,9 +51,6 @@ local function lamps_of(s)
   return parts
 end
 
---- Traced scenes by scene object, as long as the scene is unchanged.
-local traced = setmetatable({}, { __mode = "k" })
-
 --- The words for piece i of a scene's geometry: its number, and the name that its file gives it.
 function tracing.mesh_text(s, i)
   local name = s.geometry[i] and s.geometry[i].name
@@ -84,13 +81,12 @@ local function surfaces(name, s)
   return { meshes, materials, occludes, textures, glossy = glossy }
 end
 
---- { handle, lights, bounds, glossy: the number of such meshes, seconds, far: whether positions are kept in double
--- } of a scene; nil, message, code. Where lights
+--- { handle, lights, bounds, glossy: the number of such meshes, seconds } of a scene; nil, message, code. Where lights
 -- alone have changed since the last call, meshes are shared with what was made then.
 function tracing.trace(name, s)
   local lib, message, code = tracing.library()
   if not lib then return nil, message, code end
-  local shapes, lamps, known = shapes_of(s), lamps_of(s), traced[s]
+  local shapes, lamps, known = shapes_of(s), lamps_of(s), core.owned(s, "traced")
   local alike = known and same(known.shapes, shapes)
   if alike and same(known.lamps, lamps) then return known end
   local start, made = core.seconds(), nil
@@ -109,10 +105,10 @@ function tracing.trace(name, s)
   end
   handle, message, code = check.result(name, handle, with_name(s, message), code)
   if not handle then return nil, message, code end
-  local lo, hi, far = lib.scene_bounds(handle)
-  local new = { shapes = shapes, lamps = lamps, handle = handle, lights = lights, lo = lo, hi = hi, far = far, lib = lib,
+  local lo, hi = lib.scene_bounds(handle)
+  local new = { shapes = shapes, lamps = lamps, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib,
     glossy = alike and known.glossy or made.glossy, seconds = core.seconds() - start }
-  traced[s] = new
+  core.own(s).traced = new
   return new
 end
 
@@ -145,7 +141,7 @@ function tracing.relight(name, t, lights)
   local handle
   handle, message, code = check.result(name, t.lib.scene_relight(t.handle, light.set(packed), true))
   if not handle then return nil, message, code end
-  return { shapes = t.shapes, lamps = false, handle = handle, lights = packed, lo = t.lo, hi = t.hi, far = t.far, lib = t.lib,
+  return { shapes = t.shapes, lamps = false, handle = handle, lights = packed, lo = t.lo, hi = t.hi, lib = t.lib,
     glossy = t.glossy, seconds = core.seconds() - start }
 end
 

@@ -1,5 +1,7 @@
 --- Vectors {x, y, z} whose squares need not be representable: what is scaled to length 1, is here.
 
+local core = require "ylm.c.core"
+
 local vector = {}
 
 --- The vector times a power of two that brings its largest component near 1: nothing is rounded.
@@ -29,5 +31,11 @@ end
 
 --- The length of a vector whose square is representable.
 function vector.length(v) return math.sqrt(v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2) end
+
+--- The luminance of a colour {r, g, b}, linear Rec. 709.
+function vector.luminance(c)
+  local weight = core.luminance
+  return weight[1] * c[1] + weight[2] * c[2] + weight[3] * c[3]
+end
 
 return vector

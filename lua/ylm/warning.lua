@@ -5,6 +5,7 @@
 -- Reports hold the same lines.
 
 local check = require "ylm.check"
+local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 
 local warning = {}
@@ -25,9 +26,6 @@ end
 
 local listener = standard
 
---- Object -> the topics that were said of it: a film of a thousand frames says a thing once.
-local said = setmetatable({}, { __mode = "k" })
-
 local muted = false
 
 --- Results of f(...), whose warnings are neither said nor counted as said: the caller says its own.
@@ -46,10 +44,10 @@ end
 function warning.say(object, topic, message, ...)
   if select("#", ...) > 0 then message = message:format(...) end
   if muted then return message end
-  local topics = said[object] or {}
-  if not topics[topic] then
-    said[object] = topics
-    topics[topic] = true
+  local own = core.own(object)
+  own.said = own.said or {} -- topics: a film of a thousand frames says a thing once
+  if not own.said[topic] then
+    own.said[topic] = true
     listener(message)
   end
   return message

@@ -53,7 +53,7 @@ real argument(real re, real im) {
   real size = sqrt(re * re + im * im);
   size = choose(size > REAL(0.0lf), size, real(REAL(1.0lf)));
   real a = angle_of(abs(re) / size, im / size);
-  return choose(re < REAL(0.0lf), REAL(3.141592653589793lf) - a, a);
+  return choose(re < REAL(0.0lf), REAL(PI) - a, a);
 }
 
 /* Half the angle of (cosine, sine), sine > 0, accurate relative to itself. */

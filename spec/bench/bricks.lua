@@ -63,7 +63,7 @@ for _, bricks in ipairs { { 3 }, { 2 }, { 1, 2 ^ 17 } } do
   if set then set:close() end
   local took, busy
   took, busy, set = timed(function()
-    return ylm.bake(grid_of(level), lights, { geometry = ball, threads = 1, to = folder, fresh = true, brick_points = most,
+    return ylm.bake(grid_of(level), lights, { geometry = ball, threads = 1, folder = folder, fresh = true, brick_points = most,
       cache = "1 MB" })
   end)
   print(("| bricks of level %d | %d | %d | %d | %.2f | %.2f | %.2f | %.3f |"):format(level, set.stats.points,

@@ -28,7 +28,7 @@ local function bake()
   end
   local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 4, depth = depth, threshold = 0, bricks = 3 },
     ylm.sphere_lights { at = at, radius = 0.02, radiance = 3 },
-    { geometry = ylm.sphere { radius = 0.95, divide = { 256, 128 } }, to = folder, threads = 1 }))
+    { geometry = ylm.sphere { radius = 0.95, divide = { 256, 128 } }, folder = folder, threads = 1 }))
   local s = grid.stats
   return ("%.0f points, %.0f interpolated, %d bricks, %.2f GB of files"):format(s.points, s.interpolated, s.bricks,
     s.file_bytes / 1e9)

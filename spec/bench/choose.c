@@ -9,7 +9,6 @@
 #include "ylm_scene.h"
 
 #define POINTS 1024
-#define PI 3.14159265358979323846
 
 /* Kinds of lamps. */
 typedef enum kind { SPHERES, TRIANGLES } kind;
@@ -25,7 +24,7 @@ typedef struct job {
 static double uniform(ylm_rng *r) { return ylm_rng_double(r); }
 
 static void direction(ylm_rng *r, float d[3]) {
-  double z = 2 * uniform(r) - 1, phi = 2 * PI * uniform(r), s = sqrt(1 - z * z);
+  double z = 2 * uniform(r) - 1, phi = 2 * YLM_PI * uniform(r), s = sqrt(1 - z * z);
   d[0] = (float)(s * cos(phi)), d[1] = (float)(s * sin(phi)), d[2] = (float)z;
 }
 

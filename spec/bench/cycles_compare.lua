@@ -8,7 +8,7 @@
 
 local ylm = require "ylm"
 
-local scene = assert(ylm.load_scene "examples/scenes/room.lua")
+local scene = assert(ylm.load "examples/scenes/room.lua")
 local files = {}
 for i, name in ipairs(arg) do files[i] = assert(ylm.load(name)) end
 assert(#files >= 2, "two files of Cycles at least")

@@ -8,7 +8,7 @@ local ylm = require "ylm"
 local core = require "ylm.c.core"
 
 local threads, frames = tonumber(arg[1] or 2), tonumber(arg[2] or 12)
-local demo = assert(ylm.load_scene "examples/scenes/floor_lights.lua")
+local demo = assert(ylm.load "examples/scenes/floor_lights.lua")
 
 local room = {
   ylm.box { bounds = { { -5.6, -0.001, -5.6 }, { 5.6, 3.8, 5.6 } }, material = ylm.matte { albedo = { 0.62, 0.6, 0.55 } } },

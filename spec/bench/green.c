@@ -12,7 +12,6 @@
 #include "ylm_transfer.h"
 
 enum { LMAX = 4, COUNT = 25, WIDE = 3 * COUNT, BOUNCES = 3, SOME = 256, MATRICES = 8 };
-#define PI 3.14159265358979323846
 
 /* The vertices of all meshes, one after the other. */
 typedef struct world {
@@ -53,7 +52,8 @@ static void make_samples(green *g, int side) {
   g->samples = side * side;
   for (int i = 0; i < g->samples; i++) {
     double x = (i / side + ylm_rng_double(&r)) / side, y = (i % side + ylm_rng_double(&r)) / side;
-    double z = 1 - 2 * x, s = sqrt(1 - z * z), d[3] = {s * cos(2 * PI * y), s * sin(2 * PI * y), z};
+    double z = 1 - 2 * x, s = sqrt(1 - z * z),
+           d[3] = {s * cos(2 * YLM_PI * y), s * sin(2 * YLM_PI * y), z};
     memcpy(g->sample[i].direction, d, sizeof d);
     must(ylm_sh_eval(LMAX, 0, false, YLM_DOUBLE, 1, d, g->sample[i].y, NULL, NULL, 1, NULL) ==
          YLM_OK);
@@ -97,7 +97,7 @@ static void green_direct(green *g) {
         out[2 * COUNT + k] += g->w->albedo[v][2] * value;
       }
     }
-    for (int k = 0; k < WIDE; k++) out[k] *= 4 * PI / g->samples;
+    for (int k = 0; k < WIDE; k++) out[k] *= 4 * YLM_PI / g->samples;
   }
 }
 
@@ -120,12 +120,12 @@ static void green_bounce(green *g, const double *before, double *after) {
       double b = (double)hit.u, c = (double)hit.v, a = 1 - b - c;
       for (int k = 0; k < WIDE; k++) sh[k] = a * corner[0][k] + b * corner[1][k] + c * corner[2][k];
       for (int k = 0; k < COUNT; k++) {
-        out[k] += g->w->albedo[v][0] / PI * h * sh[k];
-        out[COUNT + k] += g->w->albedo[v][1] / PI * h * sh[COUNT + k];
-        out[2 * COUNT + k] += g->w->albedo[v][2] / PI * h * sh[2 * COUNT + k];
+        out[k] += g->w->albedo[v][0] / YLM_PI * h * sh[k];
+        out[COUNT + k] += g->w->albedo[v][1] / YLM_PI * h * sh[COUNT + k];
+        out[2 * COUNT + k] += g->w->albedo[v][2] / YLM_PI * h * sh[2 * COUNT + k];
       }
     }
-    for (int k = 0; k < WIDE; k++) out[k] *= 4 * PI / g->samples;
+    for (int k = 0; k < WIDE; k++) out[k] *= 4 * YLM_PI / g->samples;
   }
 }
 
@@ -335,7 +335,8 @@ static void written_out(const world *w, size_t v, int rays, float matrix[COUNT][
   ylm_rng_seed(&r, 3, v);
   memset(matrix, 0, sizeof(float[COUNT][COUNT]));
   for (int s = 0; s < rays; s++) {
-    double z = 1 - 2 * ylm_rng_double(&r), phi = 2 * PI * ylm_rng_double(&r), p = sqrt(1 - z * z);
+    double z = 1 - 2 * ylm_rng_double(&r), phi = 2 * YLM_PI * ylm_rng_double(&r),
+           p = sqrt(1 - z * z);
     float d[3] = {(float)(p * cos(phi)), (float)(p * sin(phi)), (float)z}, y[COUNT];
     ylm_trace_ray ray = {.org = {w->origin[v][0], w->origin[v][1], w->origin[v][2]},
                          .dir = {d[0], d[1], d[2]},
@@ -344,7 +345,8 @@ static void written_out(const world *w, size_t v, int rays, float matrix[COUNT][
     if (ray.far < 0) continue;
     ylm_sh_eval(LMAX, 0, false, YLM_FLOAT, 1, d, y, NULL, NULL, 1, NULL);
     for (int i = 0; i < COUNT; i++)
-      for (int j = 0; j < COUNT; j++) matrix[i][j] += y[i] * y[j] * (float)(4 * PI) / (float)rays;
+      for (int j = 0; j < COUNT; j++)
+        matrix[i][j] += y[i] * y[j] * (float)(4 * YLM_PI) / (float)rays;
   }
 }
 

@@ -24,7 +24,7 @@ end
 
 --- A session of a scene in a hidden window; it has to be closed.
 local function open(file, size)
-  local scene = assert(ylm.load_scene(file))
+  local scene = assert(ylm.load(file))
   local window = assert(vtk.live(size[1], size[2], "bench", true))
   local me = sessions.new(scene, window, options(size))
   me.fixed = 1

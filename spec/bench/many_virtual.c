@@ -91,7 +91,7 @@ static lamps scene(int kind, size_t n) {
     lit += 0.1 / (0.05 + lamp[0] * lamp[0] + lamp[1] * lamp[1] + lamp[2] * lamp[2]);
     for (int c = 0; c < 3; c++) {
       double e = (1 + 0.5 * c) * lit * (kind == ROOM ? 1 : 0.2 + ylm_rng_double(&r));
-      l.emission[(3 * i + (size_t)c) * wide] = e * sqrt(4 * M_PI);
+      l.emission[(3 * i + (size_t)c) * wide] = e * sqrt(4 * YLM_PI);
       for (size_t q = 1; q < wide; q++)
         l.emission[(3 * i + (size_t)c) * wide + q] = 2 * e * (ylm_rng_double(&r) - 0.5);
       l.radiance[3 * i + (size_t)c] = e;

@@ -62,7 +62,7 @@ local function per_point()
       return assert(ylm.bake(ylm.adaptive_grid { bounds = box, depth = 6, tolerance = 0.005, dynamic = dynamic }, few))
     end, function(grid) return grid.stats.points + grid.stats.interpolated end, bytes)
   end
-  local scene = assert(ylm.load_scene "examples/scenes/floor_lights.lua")
+  local scene = assert(ylm.load "examples/scenes/floor_lights.lua")
   local stage = ylm.scene(scene.name) { camera = scene.camera, geometry = scene.geometry, lights = {} }
   -- the traced scene is not the view's
   assert(stage:prepare { size = { 8, 8 }, samples = 1, transfer_samples = 1, visibility = "transfer" })

@@ -8,7 +8,7 @@
 local ylm = require "ylm"
 
 local threads, frames = tonumber(arg[1] or 2), tonumber(arg[2] or 24)
-local scene = assert(ylm.load_scene "examples/scenes/floor_lights.lua")
+local scene = assert(ylm.load "examples/scenes/floor_lights.lua")
 
 --- The lamps of the scene as arrays, times a factor; the first lantern's index.
 local function arrays(factor)

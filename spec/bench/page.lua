@@ -34,7 +34,7 @@ end
 print "| scene | probes | MB | first picture, s | picture at rest, s |"
 print "| --- | --: | --: | --: | --: |"
 for _, one in ipairs { { "two_lamps", 6 }, { "floor_lights", 8 } } do
-  local scene = assert(ylm.load_scene("examples/scenes/" .. one[1] .. ".lua"))
+  local scene = assert(ylm.load("examples/scenes/" .. one[1] .. ".lua"))
   local grid = assert(scene:bake { probes = ylm.adaptive_grid { lmax = 4, depth = quick and 3 or one[2], tolerance = 0.05 } })
   local path = folder.path .. "/" .. one[1] .. ".html"
   assert(grid:save(path, { scene = scene, limit = 100e6 }))

@@ -51,7 +51,7 @@ static bool list_integrals(int lmax, list *all) {
   for (size_t i = 0; unit && matrix && i < n; i++) {
     memset(unit, 0, n * sizeof *unit);
     unit[i] = 1;
-    if (ylm_sh_transfer(lmax, unit, lmax, matrix, NULL) != YLM_OK) return false;
+    if (ylm_sh_product_matrix(lmax, unit, lmax, matrix, NULL) != YLM_OK) return false;
     for (size_t jk = 0; jk < n * n; jk++) {
       if (matrix[jk] > -1e-12 && matrix[jk] < 1e-12) continue;
       if (all->n == room) {

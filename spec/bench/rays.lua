@@ -23,7 +23,7 @@ end
 print(("%d x %d, 16 samples a pixel, %d threads"):format(size[1], size[2], ylm.info().threads))
 print(("%-14s %7s %9s %15s %9s %15s"):format("scene", "points", "rays", "noise %", "light s", "picture s"))
 for _, name in ipairs { "floor_lights", "two_rooms", "two_lamps", "room", "window" } do
-  local scene = assert(ylm.load_scene("examples/scenes/" .. name .. ".lua"))
+  local scene = assert(ylm.load("examples/scenes/" .. name .. ".lua"))
   local view = assert(scene:prepare { size = size })
   local rest = view.stats.primary_seconds + view.stats.transfer_seconds
   for _, n in ipairs(counts) do

@@ -34,7 +34,7 @@ function rows.nothing() return 0, "" end
 
 function rows.bricks(team, begin)
   local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = box, depth = quick and 4 or 6, lmax = 4, threshold = 1e-5,
-    bricks = 2 }, lamps(quick and 100 or 4000), { to = folder, fresh = true, team = team }))
+    bricks = 2 }, lamps(quick and 100 or 4000), { folder = folder, fresh = true, team = team }))
   return core.seconds() - begin, ("%d points, %d bricks"):format(grid.stats.points, grid.stats.bricks)
 end
 

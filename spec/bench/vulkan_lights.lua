@@ -63,13 +63,19 @@ local function seconds(lights, lmax, o, times)
   return best[1], best[2]
 end
 
-local function bench(gpu)
+--- The peaks of a device, the best of five, as times are the least of many; nil, message.
+local function peaks(gpu)
   local flops, bytes = gpu:peak()
-  if not flops then return print(gpu.name .. ": " .. tostring(bytes)) end
-  for _ = 1, 4 do -- the best of five, as times are the least of many
+  for _ = 1, flops and 4 or 0 do
     local f, b = gpu:peak()
     flops, bytes = math.max(flops, f), math.max(bytes, b)
   end
+  return flops, bytes
+end
+
+local function bench(gpu)
+  local flops, bytes = peaks(gpu)
+  if not flops then return print(gpu.name .. ": " .. tostring(bytes)) end
   print(("%s (%s): %.1f Gflop/s, %.1f GB/s measured"):format(gpu.name, gpu.type, flops / 1e9, bytes / 1e9))
   if gpu.type == "cpu" then print "a driver in software: its figures say nothing of a GPU" end
   local pairs_ = LIGHTS * EDGE ^ 3

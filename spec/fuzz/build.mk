@@ -32,7 +32,7 @@ FUZZ_ABOUT_grid := $(wildcard csrc/grid/file/*.c)
 
 FUZZ_SANITIZE := -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined
 FUZZ_CFLAGS := -std=gnu11 -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION -O1 -g -fno-omit-frame-pointer $(FUZZ_SANITIZE) -fprofile-instr-generate -fcoverage-mapping \
-  -Wno-unknown-pragmas -MMD -MP -Ispec/fuzz/support -Icsrc $(foreach d,$(CORE) codec $(SCENE),-Icsrc/$(d))
+  -Wno-unknown-pragmas -MMD -MP -Ispec/fuzz/support -I$(INCLUDE)
 # Folders whose sources every target may use, and single sources beside them (no kernels: compiling
 # the generated ones with sanitizers takes many minutes).
 FUZZ_FOLDERS := base image geom grid codec material

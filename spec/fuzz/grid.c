@@ -2,7 +2,7 @@
 ** grid.c - fuzzes the reader of grid files.
 **
 ** Mutations get a size and checksums that fit, or else nothing behind them would ever be reached;
-** one in sixteen goes through as it is. Of a file with sections, most mutations are of one section,
+** one in sixteen goes through as it is. Most mutations are of one section,
 ** whose size they keep. Accepted files must be safe to sample and, saved, be accepted again.
 */
 #include <math.h>
@@ -78,22 +78,13 @@ bool ylm_light_bounds_add(const ylm_light_bounds *bounds, const ylm_light *a, co
   __builtin_trap();
 }
 
-/* Size and checksum of a file of version 1. */
-static void seal_whole(uint8_t *data, size_t size, bool swap) {
-  uint64_t bytes = swap ? __builtin_bswap64(size) : size;
-  memcpy(data + 16, &bytes, sizeof bytes);
-  uint64_t crc = ylm_crc64(0, data, size - 8);
-  if (swap) crc = __builtin_bswap64(crc);
-  memcpy(data + size - 8, &crc, sizeof crc);
-}
-
-/* How many entries of the table are there; 0: the file has no sections. */
+/* How many entries of the table are there; 0: the file is none of ylm. */
 static size_t sections(const uint8_t *data, size_t size) {
   grid_file_header h;
   if (size < sizeof h) return 0;
   memcpy(&h, data, sizeof h);
   size_t room = (size - sizeof h) / sizeof(grid_file_entry);
-  return h.order != GRID_FILE_ORDER || h.version < 2 ? 0 : h.sections < room ? h.sections : room;
+  return h.order != GRID_FILE_ORDER ? 0 : h.sections < room ? h.sections : room;
 }
 
 static grid_file_entry entry_of(const uint8_t *data, size_t i) {
@@ -138,12 +129,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t room, unsigned
     size = LLVMFuzzerMutate(data, size, room);
   if (size < 40 || seed % 16 == 0) return size;
   n = sections(data, size);
-  uint32_t order;
-  memcpy(&order, data + 8, sizeof order);
-  if (n)
-    seal_sections(data, size, n);
-  else
-    seal_whole(data, size, order == 0x04030201u);
+  if (n) seal_sections(data, size, n);
   return size;
 }
 
@@ -178,8 +164,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   ylm_grid *h;
   if (ylm_grid_encode(g, &once, &bytes, &e) == YLM_OK) {
     ylm_status s = ylm_grid_decode(once, bytes, "again", &h, &e);
-    /* of version 1, more is accepted than version 2 holds */
-    if (s != YLM_OK && s != YLM_ENOMEM && sections(data, size)) __builtin_trap();
+    if (s != YLM_OK && s != YLM_ENOMEM) __builtin_trap();
     if (s == YLM_OK && ylm_grid_encode(h, &twice, &more, &e) == YLM_OK) {
       if (more != bytes || memcmp(once, twice, bytes) != 0) __builtin_trap();
       ylm_free(twice);

@@ -27,7 +27,7 @@ static const char *const image_names[2] = {"a.png", "a.exr"};
 static const char setup[] =
     "package.path = 'lua/?.lua;lua/?/init.lua'\n"
     "local sandbox, form, check = require 'ylm.sandbox', require 'ylm.form', require 'ylm.check'\n"
-    "local limits = form.options(1, 'fuzz', sandbox.limits, { instructions = 3e4, seconds = 5,\n"
+    "local limits = form.options(1, 'fuzz', sandbox.limits, { instructions = 3e4, time_limit = 5,\n"
     "  memory = 4e6, triangles = 2e4, numbers = 1e5, cells = 1e4, texels = 4096, lmax = 8,\n"
     "  depth = 6, file_size = 65536 })\n"
     "local shown, make = require 'ylm.text'.shown, require 'ylm.scene'.scene\n"

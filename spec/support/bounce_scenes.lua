@@ -15,7 +15,7 @@ end
 
 -- The knot of the demo and its 2,516 lamps, in a room with a ceiling.
 add("knot and lamps in a room", function(ylm)
-  local demo = assert(ylm.load_scene "examples/scenes/floor_lights.lua")
+  local demo = assert(ylm.load "examples/scenes/floor_lights.lua")
   local geometry = { ylm.box { bounds = { { -5.6, -0.001, -5.6 }, { 5.6, 3.8, 5.6 } },
     material = ylm.matte { albedo = { 0.62, 0.6, 0.55 } } } }
   geometry[2] = ylm.knot { at = { 0, 1.25, 0 }, p = 2, q = 3, radius = 0.75, minor = 0.38, tube = 0.21, divide = { 350, 28 },

@@ -72,18 +72,42 @@ static VkPipeline pipeline_of(VkDevice device, const char *path, VkPipelineLayou
   return pipeline;
 }
 
-int main(int argc, char **argv) {
-  uint32_t n = (uint32_t)(argc - 2) / 3;
-  VkPhysicalDevice physical = first_device();
+/* A device with one queue, of family 0, which lavapipe computes by. */
+static VkDevice device_of(VkPhysicalDevice physical) {
   VkDevice device;
   float priority = 1;
   VkDeviceQueueCreateInfo qi = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                .queueCount = 1, /* of family 0, which lavapipe computes by */
+                                .queueCount = 1,
                                 .pQueuePriorities = &priority};
   VkDeviceCreateInfo di = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
                            .queueCreateInfoCount = 1,
                            .pQueueCreateInfos = &qi};
   need(vkCreateDevice(physical, &di, NULL, &device), "device");
+  return device;
+}
+
+/* The layout of a pipeline with one buffer, and of the set that names it. */
+static VkPipelineLayout layout_of(VkDevice device, VkDescriptorSetLayout *sets) {
+  VkDescriptorSetLayoutBinding binding = {.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
+                                          .descriptorCount = 1,
+                                          .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
+  VkDescriptorSetLayoutCreateInfo li = {.sType =
+                                            VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                        .bindingCount = 1,
+                                        .pBindings = &binding};
+  need(vkCreateDescriptorSetLayout(device, &li, NULL, sets), "set layout");
+  VkPipelineLayoutCreateInfo pl = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+                                   .setLayoutCount = 1,
+                                   .pSetLayouts = sets};
+  VkPipelineLayout layout;
+  need(vkCreatePipelineLayout(device, &pl, NULL, &layout), "layout");
+  return layout;
+}
+
+int main(int argc, char **argv) {
+  uint32_t n = (uint32_t)(argc - 2) / 3;
+  VkPhysicalDevice physical = first_device();
+  VkDevice device = device_of(physical);
 
   VkBuffer buffer;
   VkBufferCreateInfo bi = {.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
@@ -95,20 +119,8 @@ int main(int argc, char **argv) {
   need(vkMapMemory(device, memory, 0, VK_WHOLE_SIZE, 0, (void **)&at), "map");
   for (uint32_t i = 0; i < 3 * n; i++) at[i / 3 * 4 + i % 3] = strtof(argv[2 + i], NULL);
 
-  VkDescriptorSetLayoutBinding binding = {.descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER,
-                                          .descriptorCount = 1,
-                                          .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT};
-  VkDescriptorSetLayoutCreateInfo li = {.sType =
-                                            VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                        .bindingCount = 1,
-                                        .pBindings = &binding};
   VkDescriptorSetLayout sets;
-  need(vkCreateDescriptorSetLayout(device, &li, NULL, &sets), "set layout");
-  VkPipelineLayoutCreateInfo pl = {.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                   .setLayoutCount = 1,
-                                   .pSetLayouts = &sets};
-  VkPipelineLayout layout;
-  need(vkCreatePipelineLayout(device, &pl, NULL, &layout), "layout");
+  VkPipelineLayout layout = layout_of(device, &sets);
   VkDescriptorPoolSize size = {.type = VK_DESCRIPTOR_TYPE_STORAGE_BUFFER, .descriptorCount = 1};
   VkDescriptorPoolCreateInfo po = {.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                    .maxSets = 1,

@@ -23,7 +23,7 @@ local function scenes()
   return function()
     next_one = next_one + 1
     local name = names[next_one]
-    if name then return name, assert(ylm.load_scene("examples/scenes/" .. name .. ".lua")) end
+    if name then return name, assert(ylm.load("examples/scenes/" .. name .. ".lua")) end
   end
 end
 

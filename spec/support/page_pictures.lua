@@ -6,7 +6,7 @@ local ylm = require "ylm"
 
 assert(not browser.missing(), browser.missing())
 local folder = scratch.new()
-local scene = assert(ylm.load_scene "examples/scenes/two_lamps.lua")
+local scene = assert(ylm.load "examples/scenes/two_lamps.lua")
 local grid = assert(scene:bake { probes = ylm.adaptive_grid { lmax = 4, depth = 6, tolerance = 0.05 } })
 assert(grid:save(folder.path .. "/a.html", { scene = scene, poster = false, exposure = 1 }))
 

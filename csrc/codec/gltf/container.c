@@ -181,7 +181,7 @@ ylm_status ylm_gltf_read(const char *path, size_t limit, const ylm_gltf_options 
   char *name = ylm_alloc_copy(path, strlen(path) + 1, 1);
   if (name && slash) name[slash == path ? 1 : slash - path] = 0;
   if (!name) {
-    s = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+    s = ylm_no_memory_for(e, path);
   } else if (!realpath(slash ? name : ".", f.path)) {
     s = ylm_fail(e, YLM_EIO, "%s: its folder is gone", path);
   } else {

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 
 #include "gltf.h"
+#include "ylm_list.h"
 
 /* -- failures ----------------------------------------------------------------------- */
 
@@ -42,9 +43,8 @@ void ylm__gltf_note(gltf *g, const char *format, ...) {
   va_start(args, format);
   vsnprintf(text, sizeof text, format, args);
   va_end(args);
-  char **more =
-      ylm_realloc(g->out->note, g->out->notes * sizeof *more, g->out->notes + 1, sizeof *more);
-  if (more) g->out->note = more;
+  bool more =
+      ylm_list_resize(&g->out->note, g->out->notes, g->out->notes + 1, sizeof *g->out->note);
   char *copy = more ? ylm_alloc_copy(text, strlen(text) + 1, 1) : NULL;
   if (copy)
     g->out->note[g->out->notes++] = copy;

@@ -1,8 +1,8 @@
 /* material.c - materials as factors, and the images that they use. */
 #include <math.h>
 
-#include "../ylm_codec.h"
 #include "gltf.h"
+#include "ylm_codec.h"
 
 /* Extensions of materials that are read. */
 static const char *const known[] = {"KHR_materials_emissive_strength", "KHR_materials_ior",

@@ -1,9 +1,40 @@
-/* bake.c - a bake from its beginning to its end: which voxels there are, the loop over levels, by a
+/* bake.c - a bake under way, from its beginning to its end: which voxels there are, the loop over levels, by a
    tolerance as often as it takes, and what finishes the grid. */
 #include "baker.h"
 #include "surface.h"
 
 #include <float.h>
+#include <string.h>
+
+/* Reports the progress of some work under the bake's own stage. */
+static bool forward(void *user, uint64_t done, uint64_t total, const char *stage) {
+  const baker *b = user;
+  (void)stage;
+  return ylm_report(b->source->progress, done, total, b->stage) == YLM_OK;
+}
+
+void ylm__baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_error *e) {
+  *b = (baker){.g = g, .source = source, .remote = source->backend, .e = e};
+  b->own = ylm__processor_backend(b);
+  if (g) b->measure = ylm__measure_of(&g->contents.form);
+  if (g && source->backend) memset(g->origin, 0, sizeof g->origin); /* it asks at positions */
+  b->stage = strcpy(b->stage_text, "verifying"); /* points that judge come before any level */
+  b->progress = (ylm_progress){forward, b};
+  b->making = (ylm_grid_making){.source = source,
+                                .grid = g,
+                                .stats = g ? &g->stats : NULL,
+                                .progress = source->progress ? &b->progress : NULL,
+                                .e = e};
+}
+
+void ylm__baker_free(baker *b) {
+  ylm__evaluate_free_block(&b->block);
+  ylm_free(b->row);
+  ylm_free(b->wave.cell);
+  ylm_free(b->next.cell);
+  ylm_free(b->parent.cell);
+  ylm_free(b->used);
+}
 
 ylm_status ylm__grid_check_source(const ylm_grid_source *s, bool dynamic, ylm_error *e) {
   size_t bad;
@@ -31,13 +62,21 @@ ylm_status ylm__grid_no_room(ylm_status s, const ylm_grid_source *source, ylm_er
 
 /* A back end rounds positions to float: far from 0 the light at them is that of another place. */
 static ylm_status check_back_end(const ylm_grid_form *f, ylm_error *e) {
-  double far = 0, edge = INFINITY;
+  double far = 0, edge = INFINITY, voxel = INFINITY;
   for (int a = 0; a < 3; a++) {
+    double wide = f->bounds[a + 3] - f->bounds[a];
     far = fmax(far, fmax(fabs(f->bounds[a]), fabs(f->bounds[a + 3])));
-    edge = fmin(edge, f->bounds[a + 3] - f->bounds[a]);
+    edge = fmin(edge, wide);
+    voxel = fmin(voxel, f->kind == YLM_GRID_UNIFORM ? wide / f->cells[a] : ldexp(wide, -f->depth));
   }
-  if (!(f->tolerance > 0) || far * FLT_EPSILON / 2 <= f->tolerance * edge * REMOTE_ROUNDING)
-    return YLM_OK;
+  double rounding = far * FLT_EPSILON / 2;
+  if (rounding > voxel * REMOTE_VOXEL)
+    return ylm_fail(
+        e, YLM_ERANGE,
+        "device: it rounds positions to float, and %g from the origin that is %.2g of the "
+        "finest voxel: leave device out, or move the scene to the origin",
+        far, rounding / voxel);
+  if (!(f->tolerance > 0) || rounding <= f->tolerance * edge * REMOTE_ROUNDING) return YLM_OK;
   return ylm_fail(e, YLM_ERANGE,
                   "device: it rounds positions to float, and %g from the origin that is too coarse "
                   "for a tolerance of %g: leave device out, or move the scene to the origin",

@@ -55,7 +55,7 @@ typedef struct baker {
   size_t unsettleds;
 } baker;
 
-/* -- baker.c -------------------------------------------------------------------------------- */
+/* -- bake.c: begin and end --------------------------------------------------------------- */
 
 void ylm__baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_error *e);
 /* Frees what a baker holds, the grid and what it has learnt excepted. */
@@ -181,7 +181,7 @@ static inline const ylm_grid_cell *cells_before(const baker *b, const ylm_grid_c
   return b->before && c->source != YLM_GRID_NONE ? &b->before[c->source] : NULL;
 }
 
-/* -- beside.c ------------------------------------------------------------------------------- */
+/* -- occupy_lookups.c ----------------------------------------------------------------------- */
 
 /* True if points have normals, and are looked up beside their surfaces. */
 bool ylm__beside_wanted(const ylm_grid *g, const ylm_grid_source *s);
@@ -189,12 +189,12 @@ bool ylm__beside_wanted(const ylm_grid *g, const ylm_grid_source *s);
 ylm_status ylm__beside_mark(occupancy *o, const ylm_grid *g, const ylm_grid_source *s);
 ylm_status ylm__beside_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark);
 
-/* -- row.c ---------------------------------------------------------------------------------- */
+/* -- measure.c ---------------------------------------------------------------------------------- */
 
 /* Relative distance of two rows; 0 where both vanish. A norm below `floor` counts as that. */
 double ylm__row_distance(const float *a, const float *exact, size_t width, double floor);
 
-/* -- frames.c ------------------------------------------------------------------------------- */
+/* -- go_on.c -------------------------------------------------------------------------------- */
 
 ylm_status ylm__tolerance_bake(baker *b);
 

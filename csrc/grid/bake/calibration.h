@@ -48,7 +48,7 @@
 #define BEYOND 1.001
 #define STEP 1.5
 
-/* -- frames: frames.c ------------------------------------------------------------------------ */
+/* -- frames: go_on.c ------------------------------------------------------------------------- */
 
 /* Held-out points of a bake like another, and the part of them that may fail without a round of refinement. */
 #define FRAME_HELD 256
@@ -84,10 +84,10 @@
    its part of DOUBT. */
 #define LOOKS 4
 
-/* -- the two sides of surfaces: sides.c ----------------------------------------------------- */
+/* -- the two sides of surfaces: held_lookups.c ---------------------------------------------- */
 
 /* How far off a surface the field is asked, in parts of the thickness of a finest voxel; and at least, in parts of the
-   largest coordinate. */
+   largest coordinate relative to the scene's origin. */
 #define SIDES_OFF 0x1p-10
 #define SIDES_ROUNDING 0x1p-20
 /* Light jumps within a voxel where values along an edge miss their slopes by more than this part of the larger norm. */
@@ -111,7 +111,7 @@
 #define SORT_BLOCK 16384
 #define SORT_BITS 11
 
-/* -- work: continuity.c, corners.c, evaluate.c, metric.c, processor.c, sides.c -------------- */
+/* -- work: continuity.c, corners.c, evaluate.c, metric.c, processor.c, held_lookups.c ------- */
 
 /* Points that a thread takes at a time where their numbers are computed; points and voxels where they are looked up
    or measured; cells whose corners are found. */
@@ -132,5 +132,7 @@
 
 /* The part of the tolerance times the shortest edge of the bounds that rounding of positions may be. */
 #define REMOTE_ROUNDING 0.01
+/* The part of the shortest edge of a finest voxel that it may be. */
+#define REMOTE_VOXEL 0.1
 
 #endif

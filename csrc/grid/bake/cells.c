@@ -1,8 +1,15 @@
-/* cells.c - cells under way: the root, children, the next level. */
+/* cells.c - lists of cells; cells under way: the root, children, the next level. */
 #include "baker.h"
+#include "ylm_list.h"
 
 #include <math.h>
 #include <string.h>
+
+ylm_status ylm__cell_list_push(cell_list *l, uint32_t cell) {
+  if (!ylm_list_reserve(&l->cell, l->n, l->n + 1, &l->room, sizeof *l->cell)) return YLM_ENOMEM;
+  l->cell[l->n++] = cell;
+  return YLM_OK;
+}
 
 ylm_status ylm__cells_root(baker *b) {
   ylm_grid *g = b->g;

@@ -9,6 +9,7 @@
 ** around an edge would not do: across an edge the cells' transversal derivatives differ.)
 */
 #include "baker.h"
+#include "ylm_list.h"
 
 #include <math.h>
 #include <string.h>
@@ -31,13 +32,8 @@ static ylm_status add_interpolated(ylm_grid *g, uint32_t parent, int n, uint32_t
   ylm_status s = ylm__grid_reserve_points(g, 1);
   if (s != YLM_OK) return s;
   size_t p = g->points, born = p - g->evaluated;
-  if (born == g->birth_room) {
-    size_t room = born ? 2 * born : 256;
-    ylm_grid_birth *more = ylm_realloc(g->birth, born * sizeof *more, room, sizeof *more);
-    if (!more) return YLM_ENOMEM;
-    g->birth = more;
-    g->birth_room = room;
-  }
+  if (!ylm_list_reserve(&g->birth, born, born + 1, &g->birth_room, sizeof *g->birth))
+    return YLM_ENOMEM;
   const ylm_grid_cell *c = &g->cell[parent];
   uint32_t half = ylm__grid_edge(g, c) / 2,
            place[3] = {(uint32_t)n % 3, (uint32_t)n / 3 % 3, (uint32_t)n / 9};

@@ -1,5 +1,6 @@
 /* corners.c - points at lattice coordinates, and which of them are the corners of cells. */
 #include "baker.h"
+#include "ylm_list.h"
 
 #include <string.h>
 
@@ -9,10 +10,8 @@
 static ylm_status reserve_used(baker *b) {
   size_t room = b->g->point_room;
   if (!b->used || b->used_room >= room) return YLM_OK;
-  uint8_t *more = ylm_realloc(b->used, b->used_room, room, 1);
-  if (!more) return YLM_ENOMEM;
-  memset(more + b->used_room, 0, room - b->used_room);
-  b->used = more;
+  if (!ylm_list_resize(&b->used, b->used_room, room, 1)) return YLM_ENOMEM;
+  memset(b->used + b->used_room, 0, room - b->used_room);
   b->used_room = room;
   return YLM_OK;
 }

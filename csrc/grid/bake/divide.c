@@ -26,7 +26,7 @@ size_t ylm__divide_part(const baker *b, size_t n) {
 ylm_status ylm__divide_agree(baker *b, ylm_status s) {
   ylm_team *t = team_of(b);
   if (!t || b->agreed) return s;
-  if (s != YLM_OK && !(b->e && b->e->status == s)) ylm_fail(b->e, s, "%s", ylm_status_text(s));
+  if (s != YLM_OK && !(b->e && b->e->status == s)) ylm_fail_plain(b->e, s);
   s = t->agree(t->self, s, b->e);
   b->told |= b->agreed = s != YLM_OK;
   return s;

@@ -6,6 +6,16 @@
 #include "baker.h"
 #include "ylm_sh.h"
 
+double ylm__row_distance(const float *a, const float *exact, size_t width, double floor) {
+  double d = 0, n = 0;
+  for (size_t j = 0; j < width; j++) {
+    double x = (double)a[j] - (double)exact[j];
+    d += x * x;
+    n += (double)exact[j] * (double)exact[j];
+  }
+  return relative_distance(d, n < floor * floor ? floor * floor : n);
+}
+
 measure ylm__measure_of(const ylm_grid_form *form) {
   return (measure){
       .kind = form->measure, .lmax = form->lmax, .channels = form->channels, .floor = form->floor};
@@ -56,7 +66,7 @@ double ylm__measure_anywhere(const measure *m, const float *row, const float *ex
   for (int c = 0; c < m->channels; c++, row += count, exact += count) {
     double d = 0, e = 0;
     for (int l = 0; l <= m->lmax; l++) {
-      double a = ylm_sh_cosine_factor(l) * ylm_sh_cosine_factor(l) / (4 * 3.14159265358979323846);
+      double a = ylm_sh_cosine_factor(l) * ylm_sh_cosine_factor(l) / (4 * YLM_PI);
       for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++) {
         double x = (double)row[k] - (double)exact[k];
         d += a * x * x;

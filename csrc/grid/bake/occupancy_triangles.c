@@ -8,6 +8,7 @@
 */
 #include "surface.h"
 
+#include <math.h>
 #include <stdatomic.h>
 #include <string.h>
 
@@ -16,6 +17,7 @@ typedef struct marking {
   const double *bounds;
   triangle_list list;
   bool uniform;
+  double origin[3];           /* of rounding */
   double scale[3], margin[3]; /* lattice units of this pass */
   uint32_t resolution[3];
   uint64_t *word; /* of 64 voxels that follow one another, or that are in each of `above` */
@@ -149,13 +151,31 @@ static ylm_status collect(marking *m, size_t *n) {
   return YLM_OK;
 }
 
+/* The origin that surfaces far from 0 were rounded relative to: that of the box around them. */
+static void rounded_at(const marking *m, const ylm_grid *g, double origin[3]) {
+  double box[6], p[3][3];
+  memcpy(origin, g->origin, 3 * sizeof *origin);
+  if (origin[0] == 0 && origin[1] == 0 && origin[2] == 0) return;
+  for (size_t i = 0; i < m->list.triangles; i++) {
+    ylm__triangle_list_get(&m->list, i, p);
+    for (int k = 0; k < 9; k++) {
+      double x = p[k / 3][k % 3];
+      bool first = i == 0 && k < 3;
+      box[k % 3] = first ? x : fmin(box[k % 3], x);
+      box[k % 3 + 3] = first ? x : fmax(box[k % 3 + 3], x);
+    }
+  }
+  if (m->list.triangles) ylm_origin(box, origin);
+}
+
 /* Marks the voxels of a lattice of which this one has 1/coarser along each axis. */
 static ylm_status pass(marking *m, const ylm_grid *g, uint32_t coarser, size_t *n) {
   for (int a = 0; a < 3; a++) {
     const double *b = m->bounds;
     m->resolution[a] = g->contents.resolution[a] / coarser;
     m->scale[a] = g->scale[a] / coarser;
-    double ulps = 0x1p-22 * fmax(fabs(b[a]), fabs(b[a + 3])) * m->scale[a];
+    double ulps =
+        0x1p-22 * fmax(fabs(b[a] - m->origin[a]), fabs(b[a + 3] - m->origin[a])) * m->scale[a];
     m->margin[a] = fmin(ulps, 0.25) + 1e-9;
   }
   size_t items = m->list.triangles * (size_t)m->parts * (size_t)m->parts * (size_t)m->parts;
@@ -201,6 +221,7 @@ ylm_status ylm_grid_surface_voxels(const ylm_grid *g, const ylm_grid_source *sou
   ylm_status s = ylm__triangle_list_make(&m.list, source->meshes, source->mesh);
   m.parts = m.list.triangles < OCCUPIED_FEW ? OCCUPIED_PARTS : 1;
   *n = 0;
+  if (s == YLM_OK) rounded_at(&m, g, m.origin);
   if (s == YLM_OK) s = mark_all(&m, g, n);
   ylm__triangle_list_free(&m.list);
   *outside += m.outside;
@@ -214,5 +235,5 @@ ylm_status ylm_grid_surface_voxels(const ylm_grid *g, const ylm_grid_source *sou
                     "surfaces: they meet more than %zu of the finest voxels: take a smaller "
                     "depth, or points instead of surfaces",
                     OCCUPIED_MOST);
-  return ylm_fail(e, s, "%s", ylm_status_text(s));
+  return ylm_fail_plain(e, s);
 }

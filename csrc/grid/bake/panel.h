@@ -31,7 +31,7 @@ typedef struct ruling {
   bool met; /* error <= tolerance */
 } ruling;
 
-/* -- confidence.c ----------------------------------------------------------------------- */
+/* -- what random points say of all: panel.c ---------------------------------------------- */
 
 /*
 ** The most failures among n random points at which less than `share` of all points are said to

@@ -167,7 +167,7 @@ static double sum_areas(ylm_grid_surface *s, int threads) {
 static ylm_status measure(ylm_grid_surface *s, int threads, ylm_error *e) {
   ylm_status status = ylm__triangle_list_make(&s->list, s->list.meshes, s->list.mesh);
   if (status == YLM_OK) s->sum = ylm_alloc(s->list.triangles, sizeof *s->sum);
-  if (!s->sum) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!s->sum) return ylm_no_memory(e);
   if (sum_areas(s, threads) > 0) return YLM_OK;
   s->flat = true;
   if (sum_areas(s, threads) > 0) return YLM_OK;
@@ -180,7 +180,7 @@ ylm_status ylm_grid_surface_create(size_t meshes, const ylm_grid_mesh *mesh, con
   ylm_status status = ylm__grid_check_meshes(meshes, mesh, e);
   if (status != YLM_OK) return status;
   ylm_grid_surface *s = ylm_alloc_zero(1, sizeof *s);
-  if (!s) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!s) return ylm_no_memory(e);
   s->list.meshes = meshes;
   s->list.mesh = mesh;
   for (int a = 0; a < 3; a++) s->size = fmax(s->size, bounds[a + 3] - bounds[a]);
@@ -240,17 +240,11 @@ size_t ylm__surface_bytes(const ylm_grid_surface *s) {
 
 /* -- random points ---------------------------------------------------------------------------- */
 
-/* The finaliser of SplitMix64 (Steele et al. 2014). */
-static uint64_t mix(uint64_t x) {
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
-}
-
 /* Number j of draw k of a seed, in [0, 1). */
 static double uniform(uint64_t seed, uint64_t k, uint64_t j) {
   const uint64_t step = 0x9e3779b97f4a7c15u;
-  return (double)(mix(mix(mix(seed + step) + k * step) + (j + 1) * step) >> 11) * 0x1p-53;
+  return (double)(ylm_mix64(ylm_mix64(ylm_mix64(seed + step) + k * step) + (j + 1) * step) >> 11) *
+         0x1p-53;
 }
 
 /* The first triangle whose sum exceeds `at`. */

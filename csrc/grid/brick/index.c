@@ -1,5 +1,5 @@
 /* index.c - the index of a folder: its presence says that the bake is finished. */
-#include "../bake/tolerance.h"
+#include "../promise/tolerance.h"
 #include "brick.h"
 #include "set.h"
 
@@ -119,8 +119,7 @@ ylm_status ylm__brick_finish(const plan *p, ylm_error *e) {
   index_entry *entries = ylm_alloc_zero(p->bricks, sizeof *entries);
   ylm_file *f = NULL;
   ylm__folder_file(p->how.folder, "index", path);
-  ylm_status s =
-      entries ? look_at_top(p, &h, e) : ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  ylm_status s = entries ? look_at_top(p, &h, e) : ylm_no_memory_for(e, path);
   for (size_t i = 0; i < p->bricks && s == YLM_OK; i++)
     s = look(p, &p->brick[i], &h, &entries[i], e);
   if (s == YLM_OK && p->form.tolerance > 0) s = judge(p, &h, entries, e);
@@ -158,7 +157,7 @@ ylm_status ylm__index_read(const char *folder, index_head *h, index_entry **entr
           h->bricks <= size / sizeof **entries && size == sizeof *h + h->bricks * sizeof **entries;
   *entries = holds ? ylm_alloc_copy(data + sizeof *h, h->bricks, sizeof **entries) : NULL;
   ylm_free(data);
-  if (holds && !*entries) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  if (holds && !*entries) return ylm_no_memory_for(e, path);
   if (holds && h->crc == sum_of(h, *entries)) return YLM_OK;
   ylm_free(*entries);
   *entries = NULL;

@@ -7,6 +7,7 @@
 ** that of the brick with the least code.
 */
 #include "brick.h"
+#include "ylm_list.h"
 
 #include <string.h>
 
@@ -53,19 +54,15 @@ static ylm_status take_point(joining *j, const void *record, bool better) {
   ylm_status s = ylm__corners_point(j->b, r.at, 0, &point);
   if (s == YLM_OK && g->points > j->room) {
     size_t room = 2 * g->points;
-    uint8_t *more = ylm_realloc(j->taken, j->room, room, 1);
-    if (!more) return YLM_ENOMEM;
-    memset(more + j->room, 0, room - j->room);
-    j->taken = more;
+    if (!ylm_list_resize(&j->taken, j->room, room, 1)) return YLM_ENOMEM;
+    memset(j->taken + j->room, 0, room - j->room);
     j->room = room;
   }
   if (s != YLM_OK) return s;
   bool is_new = g->points > before;
-  if (g->validity && is_new) {
-    float *more = ylm_realloc(g->validity, before * sizeof *more, g->points, sizeof *more);
-    if (!more) return YLM_ENOMEM;
-    g->validity = more;
-  }
+  if (g->validity && is_new &&
+      !ylm_list_resize(&g->validity, before, g->points, sizeof *g->validity))
+    return YLM_ENOMEM;
   g->evaluated = g->points;
   if (j->taken[point] || !(is_new || better)) return YLM_OK;
   j->taken[point] = 1;

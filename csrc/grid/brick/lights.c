@@ -7,6 +7,7 @@
 ** there. The other groups of a brick are its own affair.
 */
 #include "brick.h"
+#include "ylm_list.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -55,13 +56,8 @@ typedef struct gathering {
 
 static ylm_status add_point(gathering *t, uint32_t p, uint32_t *number) {
   if (t->number[p] == YLM_GRID_NONE) {
-    if (t->l.points == t->point_room) {
-      size_t room = t->point_room ? 2 * t->point_room : 64;
-      char *more = ylm_realloc(t->l.point, t->l.points * t->l.bytes, room, t->l.bytes);
-      if (!more) return YLM_ENOMEM;
-      t->l.point = more;
-      t->point_room = room;
-    }
+    if (!ylm_list_reserve(&t->l.point, t->l.points, t->l.points + 1, &t->point_room, t->l.bytes))
+      return YLM_ENOMEM;
     t->number[p] = (uint32_t)t->l.points;
     ylm__point_put(t->g, p, t->l.point + t->l.points++ * t->l.bytes);
   }
@@ -70,13 +66,9 @@ static ylm_status add_point(gathering *t, uint32_t p, uint32_t *number) {
 }
 
 static ylm_status add_voxel(gathering *t, const ylm_grid_cell *c) {
-  if (t->l.voxels == t->voxel_room) {
-    size_t room = t->voxel_room ? 2 * t->voxel_room : 64;
-    voxel_record *more = ylm_realloc(t->l.voxel, t->l.voxels * sizeof *more, room, sizeof *more);
-    if (!more) return YLM_ENOMEM;
-    t->l.voxel = more;
-    t->voxel_room = room;
-  }
+  if (!ylm_list_reserve(&t->l.voxel, t->l.voxels, t->l.voxels + 1, &t->voxel_room,
+                        sizeof *t->l.voxel))
+    return YLM_ENOMEM;
   voxel_record v = {.level = c->level};
   memcpy(v.origin, c->origin, sizeof v.origin);
   ylm_status s = YLM_OK;
@@ -206,7 +198,7 @@ static ylm_status write_filled(const ylm_grid *g, const char *path, ylm_error *e
   size_t n = 0;
   for (uint32_t i = 0; i < g->evaluated; i++) n += is_invalid(g, i);
   l.point = ylm_alloc(n, l.bytes);
-  if (!l.point) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+  if (!l.point) return ylm_no_memory_for(e, path);
   for (uint32_t i = 0; i < g->evaluated; i++)
     if (is_invalid(g, i)) ylm__point_put(g, i, l.point + l.points++ * l.bytes);
   ylm_status s = ylm__points_write(path, &l, e);

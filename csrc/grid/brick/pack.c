@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "set.h"
+#include "ylm_list.h"
 
 /* A grid in the making. */
 typedef struct packing {
@@ -26,10 +27,8 @@ static ylm_status add_points(packing *t, const ylm_grid *from) {
     s = ylm__corners_point(&t->b, from->lattice + 3 * i, 0, &t->point[i]);
     if (s != YLM_OK || g->points == before) continue;
     if (g->validity && from->validity) {
-      float *more = ylm_realloc(g->validity, before * sizeof *more, g->points, sizeof *more);
-      if (!more) return YLM_ENOMEM;
-      g->validity = more;
-      more[before] = from->validity[i];
+      if (!ylm_list_resize(&g->validity, before, g->points, sizeof *g->validity)) return YLM_ENOMEM;
+      g->validity[before] = from->validity[i];
     }
     g->flags[before] = from->flags[i];
     g->lambda[before] = from->lambda[i];

@@ -1,5 +1,6 @@
 /* plan.c - the jobs of a bake in bricks, one after the other, and the bricks there are. */
 #include "brick.h"
+#include "ylm_list.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -86,7 +87,7 @@ static ylm_status begin_jobs(plan *p, ylm_error *e) {
 ylm_status ylm__plan_agree(plan_team *team, ylm_status s, ylm_error *e) {
   ylm_team *t = team->team;
   if (t->size == 1 || team->agreed) return s;
-  if (s != YLM_OK && !(e && e->status == s)) ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s != YLM_OK && !(e && e->status == s)) ylm_fail_plain(e, s);
   s = t->agree(t->self, s, e);
   team->agreed = s != YLM_OK;
   return s;
@@ -193,9 +194,8 @@ static ylm_status await_brick(const plan *p, const brick *k) {
 
 /* The refined bricks of the round join the list; *more are those that were given up, at its end. */
 static ylm_status take_round(plan *p, size_t *given_up, ylm_error *e) {
-  brick *all = ylm_realloc(p->brick, p->bricks * sizeof *all, p->bricks + p->wanteds, sizeof *all);
-  if (!all) return ylm_fail(e, YLM_ENOMEM, "memory ran out");
-  p->brick = all;
+  if (!ylm_list_resize(&p->brick, p->bricks, p->bricks + p->wanteds, sizeof *p->brick))
+    return ylm_no_memory(e);
   size_t n = 0;
   for (size_t i = 0; i < p->wanteds; i++) {
     const brick k = p->wanted[i];
@@ -203,7 +203,7 @@ static ylm_status take_round(plan *p, size_t *given_up, ylm_error *e) {
     if (ylm__brick_given_up(p, &k))
       p->wanted[n++] = k;
     else if (s == YLM_OK)
-      all[p->bricks++] = k;
+      p->brick[p->bricks++] = k;
     else if (s == YLM_ENOMEM)
       return ylm_fail(e, s, "memory ran out");
     else
@@ -248,7 +248,7 @@ static ylm_status look_for_lights(plan *p, ylm_error *e) {
   ylm_free(p->wanted);
   p->wanted = ylm_alloc(p->bricks, sizeof *p->wanted);
   p->wanteds = 0;
-  ylm_status s = invalid && p->wanted ? YLM_OK : ylm_fail(e, YLM_ENOMEM, "memory ran out");
+  ylm_status s = invalid && p->wanted ? YLM_OK : ylm_no_memory(e);
   for (size_t i = 0; i < p->bricks && s == YLM_OK; i++)
     s = look_at(p, &p->brick[i], &invalid[i], &points, e);
   if (s == YLM_OK && p->source->max_points && points > p->source->max_points)

@@ -14,9 +14,7 @@ static ylm_status damaged(const char *path, ylm_error *e) {
                   "%s: the file is damaged: bake anew, with fresh = true (ylm bake --fresh)", path);
 }
 
-static ylm_status no_memory(const char *path, ylm_error *e) {
-  return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
-}
+static ylm_status no_memory(const char *path, ylm_error *e) { return ylm_no_memory_for(e, path); }
 
 /* -- points --------------------------------------------------------------------------------------- */
 

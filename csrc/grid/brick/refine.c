@@ -1,7 +1,8 @@
 /* refine.c - the first task of a brick: its cells and evaluated points, without regard to its neighbours. */
 #include "../bake/surface.h"
-#include "../bake/tolerance.h"
+#include "../promise/tolerance.h"
 #include "brick.h"
+#include "ylm_list.h"
 
 #include <string.h>
 
@@ -68,12 +69,7 @@ static ylm_status choose_points(const plan *p, const brick *k, ylm_grid_source *
     double x[3];
     for (size_t a = 0; a < 3; a++) x[a] = ylm_get(s->occupied_dtype, s->occupied_points, 3 * i + a);
     if (!is_in(p, k, x)) continue;
-    if (n == room) {
-      room = room ? 2 * room : 256;
-      char *more = ylm_realloc(*points, n * row, room, row);
-      if (!more) return YLM_ENOMEM;
-      *points = more;
-    }
+    if (!ylm_list_reserve(points, n, n + 1, &room, row)) return YLM_ENOMEM;
     memcpy(*points + n++ * row, (const char *)s->occupied_points + i * row, row);
   }
   s->occupied_points = *points;

@@ -119,7 +119,7 @@ static uint32_t number_of(const ylm_grid_set *s, const ylm_grid_cell *c) {
 static ylm_status number_cells(ylm_grid_set *s, ylm_error *e) {
   size_t found = 0;
   s->number = ylm_alloc(s->top->cells, sizeof *s->number);
-  if (!s->number) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", s->folder);
+  if (!s->number) return ylm_no_memory_for(e, s->folder);
   for (size_t i = 0; i < s->top->cells; i++) {
     const ylm_grid_cell *c = &s->top->cell[i];
     s->number[i] = (uint32_t)s->bricks;
@@ -154,8 +154,7 @@ static ylm_status make_all(ylm_grid_set *s, const index_head *h, const index_ent
   s->bricks = h->bricks;
   s->level = h->level;
   s->brick = ylm_alloc_zero(h->bricks, sizeof *s->brick);
-  if (status == YLM_OK && !s->brick)
-    status = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", s->folder);
+  if (status == YLM_OK && !s->brick) status = ylm_no_memory_for(e, s->folder);
   for (size_t i = 0; status == YLM_OK && i < s->bricks; i++) {
     set_brick *k = &s->brick[i];
     memcpy(k->origin, entries[i].origin, sizeof k->origin);
@@ -188,7 +187,7 @@ ylm_status ylm__set_make(const char *folder, size_t cache, const index_head *h,
                          const index_entry *entries, ylm_grid_set **out, ylm_error *e) {
   *out = NULL;
   ylm_grid_set *s = ylm_alloc_zero(1, sizeof *s);
-  if (!s) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", folder);
+  if (!s) return ylm_no_memory_for(e, folder);
   snprintf(s->folder, sizeof s->folder, "%s", folder);
   s->cache = cache ? cache : SET_CACHE;
   pthread_mutex_init(&s->lock, NULL);

@@ -1,5 +1,6 @@
 /* top.c - the levels above the bricks: baked by every process, since they are small. */
 #include "brick.h"
+#include "ylm_list.h"
 
 #include <string.h>
 
@@ -12,12 +13,8 @@ static void name_cell(const plan *p, const ylm_grid_cell *c, char code[BRICK_COD
 }
 
 static ylm_status want(plan *p, uint32_t cell, size_t *room) {
-  if (p->wanteds == *room) {
-    *room = *room ? 2 * *room : 64;
-    brick *more = ylm_realloc(p->wanted, p->wanteds * sizeof *p->wanted, *room, sizeof *p->wanted);
-    if (!more) return YLM_ENOMEM;
-    p->wanted = more;
-  }
+  if (!ylm_list_reserve(&p->wanted, p->wanteds, p->wanteds + 1, room, sizeof *p->wanted))
+    return YLM_ENOMEM;
   const ylm_grid_cell *c = &p->top.g->cell[cell];
   brick k = {.cell = cell, .level = c->level, .error = c->error};
   memcpy(k.origin, c->origin, sizeof k.origin);

@@ -81,7 +81,7 @@ static const char *check_lattice(const ylm_grid *g) {
 ylm_status ylm__grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e) {
   bool lattice = g->contents.form.kind == YLM_GRID_UNIFORM;
   uint8_t *seen = lattice ? NULL : ylm_alloc_zero(g->cells, 1);
-  if (!lattice && !seen) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", name);
+  if (!lattice && !seen) return ylm_no_memory_for(e, name);
   const char *what = lattice ? check_lattice(g) : check_octree(g, seen);
   ylm_free(seen);
   return what ? ylm__grid_file_bad(name, what, e) : YLM_OK;
@@ -146,37 +146,6 @@ void ylm__grid_file_place_births(ylm_grid *g) {
     for (int a = 0; a < 3; a++) g->lattice[3 * p + (size_t)a] = c->origin[a] + place[a] * half;
     g->flags[p] = YLM_GRID_POINT_INTERPOLATED;
   }
-}
-
-/* Notes the interpolated points among corners of the children that a cell has for continuity,
-   but for its own corners. (At a corner, too, some early writers interpolated: the point is its
-   copy.) */
-static void note_births(ylm_grid *g, uint32_t cell) {
-  const ylm_grid_cell *parent = &g->cell[cell];
-  for (uint32_t k = 0; k < 8; k++)
-    for (uint32_t i = 0; i < 8; i++) {
-      uint32_t p = g->cell[parent->child + k].corner[i], place = 0, three = 1;
-      for (uint32_t a = 0; a < 3; a++, three *= 3) place += three * ((k >> a & 1) + (i >> a & 1));
-      if (p != YLM_GRID_NONE && p >= g->evaluated && (i != k || p != parent->corner[k]))
-        g->birth[p - g->evaluated] = (ylm_grid_birth){cell, place};
-    }
-}
-
-ylm_status ylm__grid_file_find_births(ylm_grid *g) {
-  size_t n = g->points - g->evaluated;
-  if (!n) return YLM_OK;
-  g->birth = ylm_alloc(n, sizeof *g->birth);
-  if (!g->birth) return YLM_ENOMEM;
-  g->birth_room = n;
-  for (size_t i = 0; i < n; i++) g->birth[i] = (ylm_grid_birth){YLM_GRID_NONE, 0};
-  for (size_t i = 0; i < g->cells; i++)
-    if (g->cell[i].child && g->cell[i].child >= g->contents.octree_cells)
-      note_births(g, (uint32_t)i);
-  if (!ylm__grid_file_check_births(g)) return YLM_OK;
-  ylm_free(g->birth);
-  g->birth = NULL;
-  g->birth_room = 0;
-  return YLM_OK;
 }
 
 /* -- what a file does not hold ---------------------------------------------------------------- */

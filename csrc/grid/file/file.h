@@ -1,6 +1,5 @@
 /*
-** file.h - grid files of version 2 as they lie on the disk, and what their reader and writer
-** share. docs/grids.md has the table.
+** file.h - grid files as they lie on the disk, and what their reader and writer share. docs/grids.md has the table.
 **
 ** A file is a header of 64 bytes, a table of 64 bytes per section, and the sections. Each begins at a multiple of 64 bytes,
 ** with zeros between them. Numbers are little-endian. A section that a reader does not know is skipped, unless it is
@@ -16,7 +15,7 @@
 #define GRID_FILE_BOUND 64u     /* sections begin at multiples of it */
 #define GRID_FILE_SECTIONS 256u /* at most */
 #define GRID_FILE_REQUIRED 1u   /* flag of a section: readers that do not know it refuse the file */
-#define GRID_FILE_LEAST 32u     /* bytes of any version, up to the size */
+#define GRID_FILE_LEAST 32u     /* bytes of a header, up to the size */
 #define GRID_FILE_CHUNK (1u << 18) /* bytes that are copied and summed while they are in cache */
 
 typedef struct grid_file_header {
@@ -131,8 +130,6 @@ typedef struct file_source {
   FILE *file;                /* NULL: memory */
   const unsigned char *data; /* [size] of memory */
   uint64_t size;
-  uint32_t version;
-  bool swapped; /* the other byte order: version 1 only */
 } file_source;
 /* A file, or bytes; both look at magic, byte order, version and size. */
 ylm_status ylm__file_source_open(file_source *s, const char *path, ylm_error *e);
@@ -169,21 +166,17 @@ ylm_status ylm__file_table_form(const file_table *t, const file_source *s, grid_
 
 /* -- readers ------------------------------------------------------------------------- */
 
-/* read.c: version 2. */
 /* Memory that the rows of a grid were in, for those of the next: pages that need no clearing. */
 typedef struct grid_file_room {
   float *data;
   size_t bytes;
 } grid_file_room;
 /* `room` is taken where it is not NULL and has any; interpolated rows are made by so many threads, 0: all. */
-ylm_status ylm__grid_file_read_2(const file_source *s, grid_file_room *room, int threads,
-                                 ylm_grid **out, ylm_error *e);
+ylm_status ylm__grid_file_read_source(const file_source *s, grid_file_room *room, int threads,
+                                      ylm_grid **out, ylm_error *e);
 /* As ylm_grid_read. file.c */
 ylm_status ylm__grid_file_read(const char *path, grid_file_room *room, int threads, ylm_grid **g,
                                ylm_error *e);
-/* version_1.c: version 1, all of whose bytes are at `data`. */
-ylm_status ylm__grid_file_read_1(const char *name, const unsigned char *data, size_t size,
-                                 bool swapped, ylm_grid **out, ylm_error *e);
 
 /* -- check.c: what no grid may have --------------------------------------------------- */
 
@@ -199,9 +192,6 @@ const char *ylm__grid_file_check_births(const ylm_grid *g);
 bool ylm__grid_file_table_holds(const ylm_grid *g, uint64_t cells);
 /* Gives interpolated points flags and lattice coordinates from their births. */
 void ylm__grid_file_place_births(ylm_grid *g);
-/* The births of a grid that has none, from its cells; where they do not explain all interpolated
-   points, it still has none. */
-ylm_status ylm__grid_file_find_births(ylm_grid *g);
 /* Stats without the times of a bake, which files do not have. */
 void ylm__grid_file_forget_times(ylm_grid_stats *s);
 /* The hash of evaluated points, sources, table, counts. */

@@ -21,38 +21,25 @@ static ylm_status list_sections(const file_table *t, ylm_grid_file_info *info) {
   return YLM_OK;
 }
 
-/* Of version 2: header, table, form and stats are read and checked. */
+/* Header, table, form and stats are read and checked. */
 static ylm_status info_of_sections(const file_source *source, ylm_grid_file_info *info,
                                    ylm_error *e) {
   file_table t;
   grid_file_form form;
   ylm_status s = ylm__file_table_read(&t, source, e);
   if (s == YLM_OK) s = ylm__file_table_form(&t, source, &form, &info->form, &info->stats, e);
-  if (s == YLM_OK && list_sections(&t, info) != YLM_OK)
-    s = ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", source->name);
+  if (s == YLM_OK && list_sections(&t, info) != YLM_OK) s = ylm_no_memory_for(e, source->name);
   ylm_free(t.entry);
   return s;
-}
-
-/* Of version 1, which has no sections: the grid is loaded, since its counts stand nowhere else. */
-static ylm_status info_of_grid(const char *path, ylm_grid_file_info *info, ylm_error *e) {
-  ylm_grid *g;
-  ylm_status s = ylm_grid_read(path, &g, e);
-  if (s != YLM_OK) return s;
-  info->form = g->contents.form;
-  info->stats = g->stats;
-  ylm_grid_free(g);
-  return YLM_OK;
 }
 
 ylm_status ylm_grid_file_look(const char *path, ylm_grid_file_info *info, ylm_error *e) {
   file_source source;
   *info = (ylm_grid_file_info){0};
   ylm_status s = ylm__file_source_open(&source, path, e);
-  info->version = source.version;
+  info->version = GRID_FILE_VERSION;
   info->size = source.size;
-  if (s == YLM_OK)
-    s = source.version == 1 ? info_of_grid(path, info, e) : info_of_sections(&source, info, e);
+  if (s == YLM_OK) s = info_of_sections(&source, info, e);
   ylm__file_source_close(&source);
   if (s != YLM_OK) ylm_grid_file_forget(info);
   return s;

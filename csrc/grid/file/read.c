@@ -1,5 +1,5 @@
 /*
-** read.c - grids from files of version 2.
+** read.c - grids from files.
 **
 ** Every section is read to where the grid has it. Sizes are compared with the file before memory is
 ** asked for, and cells, places and births are checked before rows are read. Interpolated points are
@@ -139,7 +139,7 @@ static ylm_status read_grid(reading *r) {
   if (s != YLM_OK) return s;
   if (!counts_hold(&f, &form)) return ylm__grid_file_bad(name, "its counts", r->e);
   r->g = ylm__grid_new(&form);
-  if (!r->g) return ylm_fail(r->e, YLM_ENOMEM, "%s: memory ran out", name);
+  if (!r->g) return ylm_no_memory_for(r->e, name);
   r->g->stats = stats;
   if (!sizes_hold(r, &f)) return ylm__grid_file_bad(name, "the size of a section", r->e);
   if (!ylm__grid_file_table_holds(r->g, f.cells))
@@ -150,8 +150,8 @@ static ylm_status read_grid(reading *r) {
   return s == YLM_OK ? read_rows(r) : s;
 }
 
-ylm_status ylm__grid_file_read_2(const file_source *source, grid_file_room *room, int threads,
-                                 ylm_grid **out, ylm_error *e) {
+ylm_status ylm__grid_file_read_source(const file_source *source, grid_file_room *room, int threads,
+                                      ylm_grid **out, ylm_error *e) {
   reading r = {.source = source, .room = room, .threads = threads, .e = e};
   ylm_status s = ylm__file_table_read(&r.table, source, e);
   if (s == YLM_OK) s = read_grid(&r);

@@ -1,4 +1,4 @@
-/* source.c - the bytes that a grid is read from, and which version they are of. */
+/* source.c - the bytes that a grid is read from. */
 #include "file.h"
 
 #include <errno.h>
@@ -12,19 +12,16 @@ static ylm_status look(file_source *s, const unsigned char *head, size_t n, ylm_
   if (n < GRID_FILE_LEAST)
     return ylm_fail(e, YLM_ECHECKSUM, "%s: the grid file is cut off", s->name);
   memcpy(&h, head, GRID_FILE_LEAST);
-  s->swapped = h.order == __builtin_bswap32(GRID_FILE_ORDER);
-  if (h.order != GRID_FILE_ORDER && !s->swapped)
-    return ylm_fail(e, YLM_ECHECKSUM, "%s: the grid file is damaged (byte order)", s->name);
-  s->version = s->swapped ? __builtin_bswap32(h.version) : h.version;
-  uint64_t size = s->swapped ? __builtin_bswap64(h.size) : h.size;
-  if (s->version < 1 || s->version > GRID_FILE_VERSION)
-    return ylm_fail(e, YLM_EVERSION, "%s: grid file of version %u, this is ylm with version %u",
-                    s->name, s->version, GRID_FILE_VERSION);
-  if (s->swapped && s->version > 1)
+  if (h.order == __builtin_bswap32(GRID_FILE_ORDER))
     return ylm_fail(e, YLM_EFORMAT, "%s: not a valid grid: big-endian numbers", s->name);
-  if (size != s->size)
+  if (h.order != GRID_FILE_ORDER)
+    return ylm_fail(e, YLM_ECHECKSUM, "%s: the grid file is damaged (byte order)", s->name);
+  if (h.version != GRID_FILE_VERSION)
+    return ylm_fail(e, YLM_EVERSION, "%s: grid file of version %u, this is ylm with version %u",
+                    s->name, h.version, GRID_FILE_VERSION);
+  if (h.size != s->size)
     return ylm_fail(e, YLM_ECHECKSUM, "%s: the grid file is damaged: %llu bytes, should be %llu",
-                    s->name, (unsigned long long)s->size, (unsigned long long)size);
+                    s->name, (unsigned long long)s->size, (unsigned long long)h.size);
   return YLM_OK;
 }
 

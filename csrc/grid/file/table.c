@@ -1,4 +1,4 @@
-/* table.c - header and table of a grid file of version 2, and its sections one by one. */
+/* table.c - header and table of a grid file, and its sections one by one. */
 #include "file.h"
 
 #include <string.h>
@@ -76,7 +76,7 @@ ylm_status ylm__file_table_read(file_table *t, const file_source *s, ylm_error *
       h.sections > (s->size - sizeof h) / sizeof *t->entry)
     return damaged(s, "number of sections", e);
   t->entry = ylm_alloc(h.sections, sizeof *t->entry);
-  if (!t->entry) return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", s->name);
+  if (!t->entry) return ylm_no_memory_for(e, s->name);
   t->sections = h.sections;
   uint64_t crc = ylm_crc64(0, &h, offsetof(grid_file_header, crc));
   status =

@@ -1,5 +1,4 @@
-/* write.c - grids as files of version 2: sections one after the other, then what says
-   where they are. */
+/* write.c - grids as files: sections one after the other, then what says where they are. */
 #include "file.h"
 
 #include <errno.h>
@@ -104,9 +103,9 @@ static void sizes(const writing *w, uint64_t size[GRID_FILE_COUNT],
 #undef SECTION
 }
 
-/* Where every section will stand, and the size of the file. */
-static void lay_out(writing *w) {
-  const ylm_grid *g = w->g;
+/* Where every section of the grid's file will stand, and the size of the file. */
+static void lay_out(writing *w, const ylm_grid *g) {
+  *w = (writing){.g = g};
   uint64_t size[GRID_FILE_COUNT], at = sizeof w->header;
   const void *data[GRID_FILE_COUNT];
   describe(w);
@@ -188,21 +187,11 @@ static void put_head(writing *w, sink *s) {
   put(s, w->entry, w->entries * sizeof *w->entry);
 }
 
-/* Interpolated points need births: only a forged file of version 1 makes a grid without. */
-static ylm_status begin(writing *w, const ylm_grid *g, ylm_error *e) {
-  *w = (writing){.g = g};
-  if (g->points > g->evaluated && !g->birth)
-    return ylm_fail(e, YLM_EFORMAT,
-                    "the grid's interpolated points are no cell's: it cannot be saved");
-  lay_out(w);
-  return YLM_OK;
-}
-
 ylm_status ylm_grid_encode(const ylm_grid *g, unsigned char **data, size_t *size, ylm_error *e) {
   writing w;
   ylm_status status = ylm__grid_file_machine("the grid", e);
-  if (status == YLM_OK) status = begin(&w, g, e);
   if (status != YLM_OK) return status;
+  lay_out(&w, g);
   *size = w.header.size;
   *data = ylm_alloc(*size, 1);
   sink s = {.data = *data};
@@ -219,12 +208,12 @@ ylm_status ylm_grid_write(const ylm_grid *g, const char *path, ylm_error *e) {
   writing w;
   sink s = {0};
   ylm_status status = ylm__grid_file_machine(path, e);
-  if (status == YLM_OK) status = begin(&w, g, e);
   if (status == YLM_OK) status = ylm_file_create(path, &s.file, e);
   if (status != YLM_OK) return status;
+  lay_out(&w, g);
   if (put_sections(&w, &s) != YLM_OK) {
     ylm_file_discard(s.file);
-    return ylm_fail(e, YLM_ENOMEM, "%s: memory ran out", path);
+    return ylm_no_memory_for(e, path);
   }
   if (fseeko(ylm_file_stream(s.file), 0, SEEK_SET) != 0) {
     ylm_file_discard(s.file);

@@ -8,7 +8,7 @@
 #ifndef YLM_GRID_DYNAMIC_H
 #define YLM_GRID_DYNAMIC_H
 
-#include "../bake/tolerance.h"
+#include "../promise/tolerance.h"
 #include "calibration.h"
 #include "ylm_light.h"
 
@@ -53,7 +53,7 @@ typedef struct grid_dynamic {
   void *occupied_points;
   ylm_grid_surface *surface; /* of the source's meshes, with a copy of these; NULL: it has points */
 
-  /* The state of refinement by a tolerance: bake/tolerance.c */
+  /* The state of refinement by a tolerance: promise/tolerance.c */
   ratios ratio;
   double tight, loosest; /* now; by the bake */
   lattice_hash forced;   /* voxels that failed: update by cell_key */

@@ -1,5 +1,6 @@
 /* movers.c - lights that have changed, and the states that points have them in. */
 #include "update.h"
+#include "ylm_list.h"
 
 #include <string.h>
 
@@ -39,10 +40,8 @@ static void enter_state(update *u, mover *m, const ylm_light *now) {
 
 /* A mover whose points all have it in state 0. */
 static ylm_status new_mover(grid_dynamic *d, const ylm_light *was) {
-  mover *more = ylm_realloc(d->mover, d->movers * sizeof *more, d->movers + 1, sizeof *more);
-  if (!more) return YLM_ENOMEM;
-  d->mover = more;
-  mover *m = &more[d->movers];
+  if (!ylm_list_resize(&d->mover, d->movers, d->movers + 1, sizeof *d->mover)) return YLM_ENOMEM;
+  mover *m = &d->mover[d->movers];
   *m = (mover){.evict = -1};
   m->state[0] = *was;
   m->taken[0] = true;

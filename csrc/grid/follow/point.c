@@ -5,29 +5,20 @@
 #include <string.h>
 
 #include "ylm_image.h"
-
-/* Grows *p from `used` to `room` bytes; false without memory. */
-static bool grow(void *p, size_t used, size_t room) {
-  void *old, *now;
-  memcpy(&old, p, sizeof old);
-  now = ylm_realloc(old, used, room, 1);
-  if (!now) return false;
-  memcpy(p, &now, sizeof now);
-  return true;
-}
+#include "ylm_list.h"
 
 ylm_status ylm__dynamic_reserve(ylm_grid *g) {
   grid_dynamic *d = g->dynamic;
   if (g->points <= d->room) return YLM_OK;
   size_t was = d->room, room = g->points + g->points / 4, row = d->hessians * sizeof(float);
   if (room > SIZE_MAX / (row + 8)) return YLM_ENOMEM;
-  if (row && !grow(&d->hessian, was * row, room * row)) return YLM_ENOMEM;
-  if (!grow(&d->sign, was * sizeof *d->sign, room * sizeof *d->sign)) return YLM_ENOMEM;
-  if (!grow(&d->size, was * sizeof(float), room * sizeof(float)) ||
-      !grow(&d->drift, was * sizeof(float), room * sizeof(float)))
+  if (row && !ylm_list_resize(&d->hessian, was, room, row)) return YLM_ENOMEM;
+  if (!ylm_list_resize(&d->sign, was, room, sizeof *d->sign)) return YLM_ENOMEM;
+  if (!ylm_list_resize(&d->size, was, room, sizeof *d->size) ||
+      !ylm_list_resize(&d->drift, was, room, sizeof *d->drift))
     return YLM_ENOMEM;
   for (size_t m = 0; m < d->movers; m++)
-    if (!grow(&d->mover[m].seen, was, room)) return YLM_ENOMEM;
+    if (!ylm_list_resize(&d->mover[m].seen, was, room, 1)) return YLM_ENOMEM;
   d->room = room;
   return YLM_OK;
 }

@@ -7,16 +7,10 @@
 ** 2^64.
 */
 #include "follow.h"
+#include "ylm_list.h"
 
 #include <math.h>
 #include <string.h>
-
-/* The finaliser of SplitMix64 (Steele et al. 2014). */
-static inline uint64_t mix(uint64_t x) {
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebu;
-  return x ^ x >> 31;
-}
 
 __extension__ typedef unsigned __int128 product;
 
@@ -29,7 +23,7 @@ static inline uint64_t fold(uint64_t a, uint64_t b) {
 /* Four chains of products, so that they do not wait for one another. */
 static uint64_t sign_data(const ylm_grid *g, size_t p) {
   static const uint64_t salt[4] = {0x5692161d100b05e5u, 0xdbd238973a2b148au, 0x1e535eede31428f0u,
-                                   0xb7a4712c74562914u}; /* mix(1), .. mix(4) */
+                                   0xb7a4712c74562914u}; /* ylm_mix64 of 1 .. 4 */
   uint64_t h[4] = {1, 2, 3, 4}, x[2];
   const char *row = (const char *)(g->data + p * 4 * g->stride);
   size_t bytes = 4 * g->stride * sizeof(float); /* the stride is a multiple of 8 */
@@ -38,7 +32,7 @@ static uint64_t sign_data(const ylm_grid *g, size_t p) {
       memcpy(x, row + i + k * sizeof x, sizeof x);
       h[k] = fold(x[0] ^ salt[k], x[1] ^ h[k]);
     }
-  return mix(h[0] + 3 * mix(h[1] + 5 * mix(h[2] + 7 * mix(h[3]))));
+  return ylm_mix64(h[0] + 3 * ylm_mix64(h[1] + 5 * ylm_mix64(h[2] + 7 * ylm_mix64(h[3]))));
 }
 
 void ylm__dynamic_sign(ylm_grid *g, uint32_t p) { g->dynamic->sign[p] = sign_data(g, p); }
@@ -52,7 +46,7 @@ static uint64_t corners(const ylm_grid *g, const ylm_grid_cell *c) {
         0x9e3779b97f4a7c15u;
     h ^= h >> 32;
   }
-  return mix(h);
+  return ylm_mix64(h);
 }
 
 /* An interpolated value in a cell follows from its corners, its size and the place. */
@@ -60,7 +54,8 @@ void ylm__dynamic_sign_births(ylm_grid *g, const ylm_grid_cell *c, size_t n,
                               const uint32_t *birth) {
   uint64_t of_cell = corners(g, c) + c->level;
   for (size_t i = 0; i < n; i++)
-    g->dynamic->born_sign[birth[i]] = mix(of_cell ^ (uint64_t)(g->birth[birth[i]].place + 1) << 48);
+    g->dynamic->born_sign[birth[i]] =
+        ylm_mix64(of_cell ^ (uint64_t)(g->birth[birth[i]].place + 1) << 48);
 }
 
 static ylm_status sign_cells(void *context, size_t begin, size_t end, int worker) {
@@ -70,7 +65,7 @@ static ylm_status sign_cells(void *context, size_t begin, size_t end, int worker
     const ylm_grid_cell *c = &g->cell[i], *from = &g->cell[c->source];
     uint64_t place = lattice_key(from->origin) ^ (uint64_t)from->level << 58;
     /* A leaf without data that evaluated points touch has no corners of its own: 0, never equal. */
-    uint64_t sign = corners(g, from) ^ mix(place ^ g->dynamic->form_sign);
+    uint64_t sign = corners(g, from) ^ ylm_mix64(place ^ g->dynamic->form_sign);
     g->dynamic->cell_sign[i] = c->detail ? 0 : sign | 1;
   }
   return YLM_OK;
@@ -81,18 +76,16 @@ static uint64_t sign_form(const ylm_grid_form *f) {
   uint64_t h = (uint64_t)f->lmax << 8 ^ (uint64_t)f->channels ^ (uint64_t)f->depth << 16, x;
   for (int a = 0; a < 6; a++) {
     memcpy(&x, &f->bounds[a], sizeof x);
-    h = mix(h ^ x);
+    h = ylm_mix64(h ^ x);
   }
-  for (int a = 0; a < 3; a++) h = mix(h ^ f->cells[a]);
+  for (int a = 0; a < 3; a++) h = ylm_mix64(h ^ f->cells[a]);
   return h;
 }
 
 /* Room for `n` numbers at *p, which has room for *room. */
 static bool room_for(uint64_t **p, size_t *room, size_t n) {
   if (n <= *room) return true;
-  uint64_t *more = ylm_realloc(*p, *room * sizeof **p, n + n / 4, sizeof **p);
-  if (!more) return false;
-  *p = more;
+  if (!ylm_list_resize(p, *room, n + n / 4, sizeof **p)) return false;
   *room = n + n / 4;
   return true;
 }

@@ -3,12 +3,7 @@
 
 #include <string.h>
 
-sample_kernel *ylm__grid_kernel(void) {
-  switch (ylm_isa_current()) {
-    YLM_SETS_RETURN(ylm_k_grid_sample)
-  default: return ylm_k_grid_sample_reference;
-  }
-}
+YLM_KERNEL_CHOICE(sample_kernel, ylm__grid_kernel, ylm_k_grid_sample, ylm_k_grid_sample_reference);
 
 void ylm__grid_set_edge(const ylm_grid *g, uint32_t edge, sample_batch *b) {
   for (int a = 0; a < 3; a++) b->edge[a] = (float)(edge / g->scale[a]);

@@ -25,7 +25,7 @@ static double sample_lambda(const ylm_grid *g, const double p[3]) {
 /* Turns a row of the grid's coefficients into one of the query's: fewer degrees, other channels. */
 static void convert_row(const ylm_grid *g, const ylm_field_query *q, const float *from, int step,
                         void *to, size_t at) {
-  static const double weight[3] = {0.2126, 0.7152, 0.0722};
+  static const double weight[3] = {YLM_LUMINANCE_R, YLM_LUMINANCE_G, YLM_LUMINANCE_B};
   int count = (q->lmax + 1) * (q->lmax + 1), own = g->contents.count,
       channels = g->contents.form.channels;
   for (int c = 0; c < q->channels; c++)

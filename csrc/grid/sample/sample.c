@@ -258,7 +258,7 @@ ylm_status ylm_grid_sample(const ylm_grid *g, const ylm_grid_query *q, size_t n,
     status = ylm_parallel(n, size, threads, sample_chunk, &s, q->progress, "sampling");
   free_chunks(&s, threads);
   if (report) *report = (ylm_grid_report){s.outside, s.unbaked, ylm_seconds() - begin};
-  return status == YLM_OK ? YLM_OK : ylm_fail(e, status, "%s", ylm_status_text(status));
+  return status == YLM_OK ? YLM_OK : ylm_fail_plain(e, status);
 }
 
 /* -- what is counted, point by point -------------------------------------------------------- */

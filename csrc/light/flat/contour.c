@@ -26,7 +26,7 @@ void ylm__contour_clear(const ylm__contour *k) {
 
 ylm_status ylm__contour_touched(const ylm__contour *k) {
   ylm__contour_clear(k);
-  k->value[0] = sqrt(M_PI);
+  k->value[0] = sqrt(YLM_PI);
   return YLM_EDOMAIN;
 }
 

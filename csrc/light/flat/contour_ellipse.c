@@ -85,7 +85,7 @@ double ylm__rim_speed(const double *u, const double *v) {
 
 static ylm_status full(rim *r, int n) {
   double s[YLM__STEPS][3], m[YLM__STEPS][3], inverse[YLM__STEPS];
-  for (int i = 0; i < n; i++) node(r, 2 * M_PI * i / n, 2 * M_PI / n, s[i], m[i], inverse + i);
+  for (int i = 0; i < n; i++) node(r, 2 * YLM_PI * i / n, 2 * YLM_PI / n, s[i], m[i], inverse + i);
   return ylm__contour_nodes(r->k, n, (const double(*)[3])s, (const double(*)[3])m, inverse, true);
 }
 
@@ -115,11 +115,11 @@ static ylm_status above(rim *r, double from, double to, const double *up) {
 static ylm_status from_far(const rim *r) {
   double y[7][3], w[7], n[3];
   ylm_cross3d(r->u, r->v, n);
-  double area = M_PI * sqrt(ylm_dot3d(n, n));
+  double area = YLM_PI * sqrt(ylm_dot3d(n, n));
   memcpy(y[0], r->c, sizeof y[0]);
   w[0] = area / 4;
   for (int i = 0; i < 6; i++) {
-    double c = sqrt(2.0 / 3) * cos(M_PI * i / 3), s = sqrt(2.0 / 3) * sin(M_PI * i / 3);
+    double c = sqrt(2.0 / 3) * cos(YLM_PI * i / 3), s = sqrt(2.0 / 3) * sin(YLM_PI * i / 3);
     for (int q = 0; q < 3; q++) y[1 + i][q] = r->c[q] + c * r->u[q] + s * r->v[q];
     w[1 + i] = area / 8;
   }
@@ -161,8 +161,8 @@ ylm_status ylm__contour_ellipse(const ylm__contour *k, const double (*ellipse)[3
     return from_far(&r);
   } else {
     int n = whole_steps(&r);
-    s = n ? full(&r, n) : part(&r, 0, 2 * M_PI);
+    s = n ? full(&r, n) : part(&r, 0, 2 * YLM_PI);
   }
-  k->value[0] = fabs(r.solid_angle) * sqrt(1 / (4 * M_PI));
+  k->value[0] = fabs(r.solid_angle) * sqrt(1 / (4 * YLM_PI));
   return s;
 }

@@ -134,7 +134,7 @@ ylm_status ylm__contour_polygon(const ylm__contour *k, int n, const double (*v)[
     for (int i = 0; i < n; i++) cut.edge[i] = true, cut.cut[i] = false;
   }
   double omega = solid_angle(cut.n, (const double(*)[3])cut.v), sign = height < 0 ? -1 : 1;
-  k->value[0] = fabs(omega) * sqrt(1 / (4 * M_PI));
+  k->value[0] = fabs(omega) * sqrt(1 / (4 * YLM_PI));
   for (int i = 0; i < cut.n; i++) {
     const double *a = cut.v[i], *b = cut.v[(i + 1) % cut.n];
     ylm_status s = YLM_OK;

@@ -44,7 +44,7 @@ static ylm_status value_rows(ylm__rows *r, const ylm__flat_plan *p, const ylm__r
   if (ylm__rows_create(r, n, terms + p->value.begin[n] + 1) != YLM_OK) return YLM_ENOMEM;
   for (size_t k = 0; k < n; k++) {
     append_base(r, base, k);
-    if (!k) ylm__rows_term(r, first + 3 * p->width, sqrt(1 / (4 * M_PI)));
+    if (!k) ylm__rows_term(r, first + 3 * p->width, sqrt(1 / (4 * YLM_PI)));
     for (size_t i = p->value.begin[k]; i < p->value.begin[k + 1]; i++) {
       const ylm__flat_entry *e = p->value.entry + i;
       ylm__rows_term(r, first + (size_t)e->axis * p->width + e->from, e->factor);

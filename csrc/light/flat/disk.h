@@ -82,7 +82,7 @@ YLM_INLINE VI difficult_disk(const ylm__flat_plan *plan, v3 c, V height, const d
 /* Node j, at the middle of step i; what the solid angle gains. */
 YLM_INLINE V add_node(const seen_disk *d, int i, rim_nodes *n, int j) {
   VI used = i < d->steps;
-  turned t = turn(ylm_vd_select(used, M_PI * ((i + 0.5) / d->steps - 0.5), set(0)));
+  turned t = turn(ylm_vd_select(used, YLM_PI * ((i + 0.5) / d->steps - 0.5), set(0)));
   /* of the whole angle from those of its half */
   V sine = 2 * t.sine * t.cosine, cosine = 2 * t.cosine * t.cosine - 1;
   node at = rim_node(d->c, d->u, d->v, d->facing, cosine, sine);
@@ -115,7 +115,7 @@ YLM_INLINE void add_disk(const ylm__flat_plan *plan, const int kinds, size_t lig
   c.z = ylm_vd_select(*out, set(size * normal[2]), c.z);
   V side = ylm_vd_select(dot(c, spread(normal)) < 0, set(-1), set(1)), solid = set(0);
   seen_disk d = {c, spread(row[1]), spread(row[2]), scale(spread(normal), side), steps, side};
-  d.weight *= 2 * M_PI / steps;
+  d.weight *= 2 * YLM_PI / steps;
   d.weight = ylm_vd_select(*out, set(0), d.weight);
   V *to = plan->channels == 1 ? sum : one;
   if (plan->channels == 1)

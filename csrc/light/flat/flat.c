@@ -107,8 +107,8 @@ ylm_status ylm_polygons_evaluate(const ylm_polygons *p, ylm_isa isa, const ylm_f
                                  size_t n, const void *points, ylm_field_result *r, ylm_error *e) {
   if (!ylm_isa_available(isa))
     return ylm_fail(e, YLM_EINVAL, "no kernels for '%s' here", ylm_isa_name(isa));
-  ylm_status s =
-      ylm__field_check(q, n, points, r, p->exact ? YLM_LIGHT_RIM_LMAX : YLM_LIGHT_LMAX, e);
+  ylm_status s = ylm_field_check(q, n, points, r, p->exact ? YLM_LIGHT_RIM_LMAX : YLM_LIGHT_LMAX,
+                                 "these lights", e);
   if (s != YLM_OK) return s;
   ylm__flat_plan plan = {0};
   job j = {.p = p, .q = q, .points = points, .r = r};
@@ -121,7 +121,7 @@ ylm_status ylm_polygons_evaluate(const ylm_polygons *p, ylm_isa isa, const ylm_f
   if (s == YLM_OK) s = ylm_parallel(n, grain, q->threads, run, &j, q->progress, "polygons");
   ylm__flat_plan_free(&plan);
   ylm__merged_free(&j.merged);
-  if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s != YLM_OK) return ylm_fail_plain(e, s);
   r->pairs += (uint64_t)n * p->n;
   return ylm_light_finite(q, n, points, r, e);
 }

@@ -25,9 +25,9 @@
 #ifndef YLM_LIGHT_POLYGON_H
 #define YLM_LIGHT_POLYGON_H
 
-#include "../ylm_light_device.h"
 #include "calibration.h"
 #include "contour.h"
+#include "ylm_light_device.h"
 
 /* An edge that two polygons share. */
 typedef struct ylm__flat_edge {
@@ -86,7 +86,7 @@ ylm_status ylm_polygons_evaluate(const ylm_polygons *polygons, ylm_isa isa,
 */
 ylm_status ylm_polygons_join(ylm_polygons *polygons);
 
-/* Functions that the kinds of flat lights share, for csrc/light/textured.c: see kind.h. kind.c */
+/* Functions that the kinds of flat lights share, for csrc/light/image/textured.c: see kind.h. kind.c */
 size_t ylm__flat_get(const void *of, size_t i, ylm_light *out, ylm_light_shape *shape);
 ylm_status ylm__flat_evaluate(const void *of, ylm_isa isa, const ylm_field_query *q, size_t n,
                               const void *points, ylm_field_result *r, ylm_error *e);

@@ -311,7 +311,7 @@ YLM_INLINE void finish(const ylm__flat_plan *plan, const int kinds, const V *sum
   static const int index[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
   size_t width = plan->width, count = plan->count;
   for (size_t k = 0; k < count; k++) {
-    V v = k ? set(0) : sum[3 * width] * sqrt(1 / (4 * M_PI));
+    V v = k ? set(0) : sum[3 * width] * sqrt(1 / (4 * YLM_PI));
     for (size_t i = plan->value.begin[k]; i < plan->value.begin[k + 1]; i++) {
       const ylm__flat_entry *e = plan->value.entry + i;
       v += e->factor * sum[(size_t)e->axis * width + e->from];

@@ -8,19 +8,12 @@
 #include "ylm_sets.h"
 #include "ylm_sh.h"
 
-YLM_SETS_DECLARE(ylm__flat_range, ylm__flat_range)
-
-ylm__flat_range *ylm__flat_kernel(ylm_isa isa) {
-  switch (isa) {
-    YLM_SETS_RETURN(ylm__flat_range)
-  default: return NULL;
-  }
-}
+YLM_KERNEL_CHOICE_OF(ylm__flat_range, ylm__flat_kernel, ylm__flat_range, NULL);
 
 /* Coefficients of the monic recurrence, and what makes Y of monic polynomials. */
 static void make_harmonics(ylm__flat_plan *plan) {
   int top = plan->lmax + 1;
-  double start = sqrt(1 / (4 * M_PI));
+  double start = sqrt(1 / (4 * YLM_PI));
   for (int m = 0; m <= top; m++) {
     if (m > 0) start *= -sqrt((2 * m + 1.0) / (2 * m)) * (m == 1 ? M_SQRT2 : 1);
     double norm = start;

@@ -72,7 +72,7 @@ static ylm_status check_outline(size_t index, int n, const double *v, const doub
       return ylm_fail(e, YLM_EDOMAIN, "polygon %zu is not convex", index + 1);
     turned += atan2(left, ylm_dot3d(a, b));
   }
-  if (turned > 3 * M_PI) return ylm_fail(e, YLM_EDOMAIN, "polygon %zu crosses itself", index + 1);
+  if (turned > 3 * YLM_PI) return ylm_fail(e, YLM_EDOMAIN, "polygon %zu crosses itself", index + 1);
   return YLM_OK;
 }
 
@@ -96,7 +96,7 @@ ylm_status ylm__polygon_describe(size_t index, int sides, const double *v, doubl
       return ylm_fail(e, YLM_EDOMAIN, "polygon %zu is not planar", index + 1);
     *reach = fmax(*reach, sqrt(ylm_dot3d(d, d)));
   }
-  *radius = sqrt(twice / 2 / M_PI);
+  *radius = sqrt(twice / 2 / YLM_PI);
   return check_outline(index, sides, v, normal, size, e);
 }
 

@@ -28,7 +28,7 @@ static ylm_status product_rows(ylm__rows *r, int lmax, int derivatives, int part
   static const int parts[3] = {1, 4, 10};
   size_t n = (size_t)(lmax + 1) * (size_t)(lmax + 1);
   if (ylm__rows_create(r, (size_t)width * n, (size_t)width * n) != YLM_OK) return YLM_ENOMEM;
-  double sign = part == 1 ? -2 * M_PI : 2 * M_PI;
+  double sign = part == 1 ? -2 * YLM_PI : 2 * YLM_PI;
   for (int l = 0; l <= lmax; l++)
     for (int m = -l; m <= l; m++) {
       int q = m < 0 ? -m : m;

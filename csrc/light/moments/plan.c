@@ -52,14 +52,14 @@ static size_t place(const layout *y, int kind, int k, int m) {
 
 /* Factors that the weight of a kind lacks: constants, the normalisation of its polynomial. */
 static double weight_scale(int kind, int k) {
-  if (k == 0) return 2 * M_PI;
-  if (kind == 0) return M_PI;
-  if (kind == 1) return M_PI * k * (k + 1.0);
-  return -M_PI * (k - 1.0) * (k + 1.0) * (k + 2.0) / (2.0 * k + 1);
+  if (k == 0) return 2 * YLM_PI;
+  if (kind == 0) return YLM_PI;
+  if (kind == 1) return YLM_PI * k * (k + 1.0);
+  return -YLM_PI * (k - 1.0) * (k + 1.0) * (k + 2.0) / (2.0 * k + 1);
 }
 
 double ylm__harmonic_scale(int k, int m, double grow) {
-  double c = sqrt(0.25 / M_PI) * (m ? M_SQRT2 : 1);
+  double c = sqrt(0.25 / YLM_PI) * (m ? M_SQRT2 : 1);
   for (int j = 1; j <= m; j++) c *= -sqrt((2.0 * j + 1) / (2.0 * j));
   for (int j = m + 1; j <= k; j++) c /= grow * sqrt(YLM__BETA(j, m));
   return c;

@@ -7,8 +7,8 @@
 #define YLM_LIGHT_PLAN_H
 
 #include "../light.h"
-#include "../ylm_light_device.h"
 #include "moments.h"
+#include "ylm_light_device.h"
 
 typedef ylm_light_rows ylm__rows;
 

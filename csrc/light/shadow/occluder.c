@@ -58,7 +58,7 @@ void ylm_light_occluder_places(const ylm_light_occluder *o, double near, double 
   ylm_rng r;
   ylm_rng_seed(&r, seed, 19);
   for (size_t i = 0; i < n; i++) {
-    double z = 2 * ylm_rng_double(&r) - 1, phi = 2 * PI * ylm_rng_double(&r),
+    double z = 2 * ylm_rng_double(&r) - 1, phi = 2 * YLM_PI * ylm_rng_double(&r),
            u = ylm_rng_double(&r);
     double sine = sqrt(1 - z * z), w[3] = {sine * cos(phi), sine * sin(phi), z};
     double from = (1 + near) * surface(o, w), t = from * pow(fmax(1, far / from), u);
@@ -133,7 +133,7 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   bool metric = q->want & YLM_WANT_METRIC;
   void *value = NULL;
   uint8_t *inside = NULL;
-  ylm_status s = ylm__field_check(q, n, points, r, YLM_LIGHT_LMAX, e);
+  ylm_status s = ylm_field_check(q, n, points, r, YLM_LIGHT_LMAX, "these lights", e);
   if (s != YLM_OK) return s;
   if (metric && !(q->want & YLM_WANT_VALUE)) {
     all.want |= YLM_WANT_VALUE;
@@ -147,7 +147,7 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   if (s == YLM_OK)
     s = ask(f->self, &all, n, points, &own, e);
   else
-    ylm_fail(e, s, "%s", ylm_status_text(s));
+    ylm_fail_plain(e, s);
   r->pairs = own.pairs;
   ylm_free(value);
   ylm_free(inside);
@@ -185,10 +185,10 @@ ylm_status ylm_light_occluder_sphere(const double at[3], double radius, ylm_ligh
   if (!(radius > 0))
     return ylm_fail(e, YLM_EDOMAIN, "the radius of a body must be above 0, got %g", radius);
   ylm_light_occluder *o = begin();
-  if (!o) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!o) return ylm_no_memory(e);
   memcpy(o->at, at, sizeof o->at);
   o->radius = radius;
-  o->area = PI * radius * radius;
+  o->area = YLM_PI * radius * radius;
   memcpy(o->middle, at, sizeof o->middle);
   ylm_status s = ylm_light_set_spheres(1, at, &radius, one, &o->light, e);
   if (s != YLM_OK) {
@@ -217,10 +217,9 @@ ylm_status ylm_light_occluder_solid(size_t vertices, const float *position, size
     solid.plane = NULL;
     s = ylm_light_set_create(1, &source, &o->light, e);
     const ylm__light_pack *faces = s == YLM_OK ? o->light->pack[0] : NULL;
-    if (faces && faces->kind->join(faces->of) != YLM_OK)
-      s = ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+    if (faces && faces->kind->join(faces->of) != YLM_OK) s = ylm_no_memory(e);
   } else
-    s = ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+    s = ylm_no_memory(e);
   ylm_free(solid.record);
   ylm_free(solid.plane);
   if (s == YLM_OK)

@@ -14,14 +14,7 @@
 
 #define PAD 16 /* rings begin at a multiple of it */
 
-YLM_SETS_DECLARE(shadow_profile_fn, ylm_k_shadow_profile)
-
-shadow_profile_fn *ylm__shadow_profile(void) {
-  switch (ylm_isa_current()) {
-    YLM_SETS_RETURN(ylm_k_shadow_profile)
-  default: return NULL;
-  }
-}
+YLM_KERNEL_CHOICE(shadow_profile_fn, ylm__shadow_profile, ylm_k_shadow_profile, NULL);
 
 /* -- rings ------------------------------------------------------------------------------------- */
 
@@ -94,7 +87,7 @@ ylm_status ylm__shadow_rings_create(const ylm_sh_nodes *nodes, shadow_rings *r) 
 /* -- caps -------------------------------------------------------------------------------------- */
 
 shadow_blur ylm__shadow_blur(int degree, bool lone) {
-  double step = (lone ? SHADOW_STEP_LONE : SHADOW_STEP) * PI / (degree + 1), h = step / 2;
+  double step = (lone ? SHADOW_STEP_LONE : SHADOW_STEP) * YLM_PI / (degree + 1), h = step / 2;
   double mean = h < 1e-3 ? 1 - h * h / 10 : 3 * (sin(h) - h * cos(h)) / (h * h * h);
   return (shadow_blur){.step = step, .half_cosine = cos(h), .half_sine = sin(h), .mean = mean};
 }

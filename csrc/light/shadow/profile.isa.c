@@ -1,4 +1,4 @@
-/* profile.isa.c - a sphere at the directions of a rule, once per instruction set; profile.h has the plain form. */
+/* profile.isa.c - a sphere at the directions of a rule, once per instruction set; spheres.real.c has the plain form. */
 #include "ylm_simd.h"
 
 #include "shadow.h"
@@ -41,7 +41,7 @@ typedef struct window {
 } window;
 
 static window window_of(const shadow_rings *r, const shadow_cap *c) {
-  const double turn = 1 / (2 * PI);
+  const double turn = 1 / (2 * YLM_PI);
   double m = (double)r->around, middle = (c->azimuth * turn + 0.5) * m - 0.5;
   /* the arcsine, or more */
   double half = (c->reach + 0.5709 * c->reach * c->reach * c->reach) * turn * m + 0.01;

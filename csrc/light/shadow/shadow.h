@@ -1,7 +1,7 @@
 /*
 ** shadow.h - what the files of csrc/light/shadow share. Private to the room.
 **
-** A query goes block by block (block.h): which casters hide something from each point, what each of them hides there,
+** A query goes block by block (block.real.c): which casters hide something from each point, what each of them hides there,
 ** which lamps they stand before, the products at nodes.
 */
 #ifndef YLM_LIGHT_SHADOW_PRIVATE_H
@@ -14,7 +14,6 @@
 #include "ylm_sh.h"
 #include "ylm_sh_exponential.h"
 
-#define PI 3.14159265358979323846
 #define LIGHT_ONE 3.54490770181103205459 /* sqrt(4 pi): the function 1 */
 
 /* -- solids ---------------------------------------------------------------------------------- */
@@ -176,7 +175,7 @@ typedef struct shadow_before {
   double weight, slope[3];
 } shadow_before;
 
-/* Spheres at directions: profile.c, profile.h, profile.isa.c. YLM_ENOMEM; what was made is freed with the rings */
+/* Spheres at directions: profile.c, spheres.real.c, profile.isa.c. YLM_ENOMEM; what was made is freed with the rings */
 ylm_status ylm__shadow_rings_create(const ylm_sh_nodes *nodes, shadow_rings *r);
 void ylm__shadow_rings_free(shadow_rings *r);
 shadow_profile_fn *ylm__shadow_profile(void);
@@ -184,10 +183,16 @@ shadow_blur ylm__shadow_blur(int degree, bool lone);
 void ylm__shadow_cap_of(const shadow_blur *b, const shadow_seen *s, const shadow_before *x,
                         bool lone, shadow_cap *c);
 
-/* Points begin .. end-1 of a query, SHADOW_BLOCK at most. block.h */
+/* room.c: room for one more of `n` things, of which there is none; room for n things, whatever they were; memory of a thread,
+   which its next block uses again, NULL without any. */
+bool ylm__shadow_grow(void **list, size_t n, size_t *room, size_t size);
+bool ylm__shadow_have(void **list, size_t n, size_t *room, size_t size);
+void *ylm__shadow_room(const shadow_query *w, int worker, int which, size_t bytes);
+
+/* Points begin .. end-1 of a query, SHADOW_BLOCK at most. block.real.c */
 ylm_status ylm__shadow_block_f(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e);
 ylm_status ylm__shadow_block_d(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e);
-/* Asks light that is the same everywhere, once for all blocks of a query; w->even is the caller's to free. block.h */
+/* Asks light that is the same everywhere, once for all blocks of a query; w->even is the caller's to free. block.real.c */
 ylm_status ylm__shadow_even_f(shadow_query *w, ylm_error *e);
 ylm_status ylm__shadow_even_d(shadow_query *w, ylm_error *e);
 /* Frees what a thread's blocks have kept; NULL: nothing. */

@@ -92,7 +92,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   if (e.text[0])
     ylm_fail(j->e, s, "%s", e.text);
   else
-    ylm_fail(j->e, s, "%s", ylm_status_text(s));
+    ylm_fail_plain(j->e, s);
   return s;
 }
 
@@ -144,7 +144,7 @@ void ylm_light_shadowed_look(const ylm_light_shadowed *s, ylm_light_shadowed_sta
 static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
                          const ylm_field_query *q, size_t n, const void *points,
                          ylm_field_result *r, ylm_error *e) {
-  ylm_status status = ylm__field_check(q, n, points, r, YLM_SH_PRODUCT_LMAX, e);
+  ylm_status status = ylm_field_check(q, n, points, r, YLM_SH_PRODUCT_LMAX, "these lights", e);
   if (status != YLM_OK) return status;
   if (q->want & YLM_WANT_HESSIAN)
     return ylm_fail(e, YLM_EINVAL, "shadowed light has no Hessians: derivatives = 1 at most");
@@ -191,7 +191,7 @@ static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
   ylm_free(j.w.block);
   r->pairs += atomic_load(&j.w.pairs);
   if (status == YLM_OK) note(s, &j.w, n, ylm_seconds() - begin);
-  if (status == YLM_ENOMEM) return ylm_fail(e, status, "%s", ylm_status_text(status));
+  if (status == YLM_ENOMEM) return ylm_no_memory(e);
   return status == YLM_OK ? ylm_light_finite(q, n, points, r, e) : status;
 }
 
@@ -341,14 +341,14 @@ static ylm_status add_caster(shadow_caster *c, const ylm_light_caster *from, boo
   ylm_status s = settle(c, i, e);
   if (s != YLM_OK || !(f->far > 0)) return s;
   if (!(f->area > 0)) return ylm_fail(e, YLM_EDOMAIN, "caster %zu: its area must be above 0", i);
-  return ylm_light_occluder_sphere(f->centre, sqrt(f->area / PI), &c->disk, e);
+  return ylm_light_occluder_sphere(f->centre, sqrt(f->area / YLM_PI), &c->disk, e);
 }
 
 ylm_status ylm_light_shadowed_move(ylm_light_shadowed *s, size_t first, size_t n, const double *at,
                                    const double *rotation, const double *scale, ylm_error *e) {
   if (first > s->n || n > s->n - first) return ylm_fail(e, YLM_ERANGE, "there are no such casters");
   shadow_caster *was = ylm_alloc_copy(s->caster + first, n, sizeof *was);
-  if (!was) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!was) return ylm_no_memory(e);
   ylm_status status = YLM_OK;
   for (size_t i = 0; i < n && status == YLM_OK; i++) {
     shadow_caster *c = &s->caster[first + i];
@@ -485,7 +485,7 @@ ylm_status ylm_light_shadowed_create(const ylm_light_set *lights, const ylm_fiel
   if (s) s->caster = ylm_alloc_zero(n, sizeof *s->caster);
   if (!s || !s->caster) {
     ylm_free(s);
-    return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+    return ylm_no_memory(e);
   }
   s->form = *form;
   s->field = (ylm_field){.self = s, .evaluate = evaluate, .crosses = crosses, .relative = true};
@@ -502,7 +502,7 @@ ylm_status ylm_light_shadowed_create(const ylm_light_set *lights, const ylm_fiel
     return YLM_OK;
   }
   ylm_light_shadowed_free(s);
-  return status == YLM_ENOMEM ? ylm_fail(e, status, "%s", ylm_status_text(status)) : status;
+  return status == YLM_ENOMEM ? ylm_no_memory(e) : status;
 }
 
 void ylm_light_shadowed_free(ylm_light_shadowed *s) {

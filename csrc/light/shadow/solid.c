@@ -238,7 +238,7 @@ ylm_status ylm__solid_create(size_t vertices, const float *position, size_t tria
   if (status == YLM_OK) return status;
   ylm_free(s->plane);
   ylm_free(s->record);
-  return status == YLM_ENOMEM ? ylm_fail(e, status, "%s", ylm_status_text(status)) : status;
+  return status == YLM_ENOMEM ? ylm_no_memory(e) : status;
 }
 
 ylm_status ylm_light_body_measure(size_t vertices, const float *position, size_t triangles,
@@ -254,5 +254,5 @@ ylm_status ylm_light_body_measure(size_t vertices, const float *position, size_t
   }
   ylm_free(m.at);
   ylm_free(m.index);
-  return status == YLM_ENOMEM ? ylm_fail(e, status, "%s", ylm_status_text(status)) : status;
+  return status == YLM_ENOMEM ? ylm_no_memory(e) : status;
 }

@@ -7,11 +7,4 @@ static void sums(size_t n, float *out, const float *a, const float *b, const flo
   for (size_t i = 0; i < n; i++) out[i] = a[i] * b[i] + c[i] * d[i];
 }
 
-YLM_SETS_DECLARE(shadow_sums_fn, ylm_k_shadow_sums)
-
-shadow_sums_fn *ylm__shadow_sums(void) {
-  switch (ylm_isa_current()) {
-    YLM_SETS_RETURN(ylm_k_shadow_sums)
-  default: return sums;
-  }
-}
+YLM_KERNEL_CHOICE(shadow_sums_fn, ylm__shadow_sums, ylm_k_shadow_sums, sums);

@@ -74,7 +74,7 @@ static ylm_status sum(const ylm_lights *lights, ylm_isa isa, const ylm_field_que
 
 ylm_status ylm_light_check(const ylm_field_query *q, int most, size_t n, const void *points,
                            const ylm_field_result *r, ylm_error *e) {
-  ylm_status s = ylm__query_check(q, r, most, e);
+  ylm_status s = ylm_field_check(q, n, NULL, r, most, "these lights", e);
   return s == YLM_OK ? check_points(q, n, points, e) : s;
 }
 
@@ -93,7 +93,7 @@ ylm_status ylm_lights_evaluate(const ylm_lights *lights, ylm_isa isa, const ylm_
   s = ylm__local_begin(q, lights->origin, n, points, &local);
   if (s == YLM_OK && n) s = sum(lights, isa, &local.q, n, local.points, r);
   ylm__local_end(&local);
-  if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s != YLM_OK) return ylm_fail_plain(e, s);
   r->pairs += (uint64_t)n * lights->active;
   return ylm__lights_finite(lights, q, n, points, r, e);
 }

@@ -75,7 +75,7 @@ static ylm_status add_light(work *k, const ylm_field_query *q, const ylm__lamp_d
   double d = sqrt(d2), h2 = (d - r) * (d + r);
   if (!(h2 > 0)) {
     for (int c = 0; c < ch.value; c++)
-      k->value[c * k->count] += emission(lamp, ch.value, c) * sqrt(4 * M_PI);
+      k->value[c * k->count] += emission(lamp, ch.value, c) * sqrt(4 * YLM_PI);
     *inside = true;
     return YLM_OK;
   }
@@ -84,9 +84,9 @@ static ylm_status add_light(work *k, const ylm_field_query *q, const ylm__lamp_d
   legendre(q->lmax, alpha, k->P, k->dP);
   if (basis(k, v) != YLM_OK) return YLM_ERANGE;
   for (int l = 0, i = 0; l <= q->lmax; l++) {
-    double F[3] = {2 * M_PI * s2 * (l ? k->dP[l] / (l * (l + 1.0)) : 1 / (1 + alpha)),
-                   -2 * M_PI * k->P[l] * u,
-                   -2 * M_PI * u * (k->dP[l] * u - k->P[l] * (2 / d + d / h2))};
+    double F[3] = {2 * YLM_PI * s2 * (l ? k->dP[l] / (l * (l + 1.0)) : 1 / (1 + alpha)),
+                   -2 * YLM_PI * k->P[l] * u,
+                   -2 * YLM_PI * u * (k->dP[l] * u - k->P[l] * (2 / d + d / h2))};
     for (int m = -l; m <= l; m++, i++) add(k, i, w, d, F, lamp, ch);
   }
   return YLM_OK;

@@ -23,7 +23,7 @@ void ylm__tree_norms(int lmax, double G[YLM__NORMS]) {
   for (int j = 0; j < YLM__NORMS; j++) {
     double s = 0;
     for (int l = 0; l <= lmax; l++) s += (2 * l + 1) * derivative_square(j, l, -2);
-    G[j] = sqrt(M_PI / 4 * s); /* a small light's coefficients are pi e r^2/d^2 Y_lm */
+    G[j] = sqrt(YLM_PI / 4 * s); /* a small light's coefficients are pi e r^2/d^2 Y_lm */
   }
 }
 

@@ -6,6 +6,7 @@
 ** cancellation would make poor proxies.
 */
 #include "tree.h"
+#include "ylm_list.h"
 
 #include <math.h>
 #include <string.h>
@@ -84,14 +85,10 @@ static int divide(builder *b, ylm__branch s[YLM__GROUP], int n, bool deep) {
 static ylm_status new_group(builder *b, uint32_t *at) {
   ylm_light_tree *t = b->t;
   if (t->groups == b->room) {
-    size_t room = b->room ? 2 * b->room : 64, n = t->groups;
-    ylm__group *g = ylm_realloc(t->group, n * sizeof *g, room, sizeof *g);
-    if (!g) return YLM_ENOMEM;
-    t->group = g;
-    ylm__branch *s =
-        ylm_realloc(b->branch, n * YLM__GROUP * sizeof *s, room, YLM__GROUP * sizeof *s);
-    if (!s) return YLM_ENOMEM;
-    b->branch = s;
+    size_t n = t->groups, room = ylm_list_room(b->room, n + 1);
+    if (!ylm_list_resize(&t->group, n, room, sizeof *t->group) ||
+        !ylm_list_resize(&b->branch, n, room, YLM__GROUP * sizeof *b->branch))
+      return YLM_ENOMEM;
     b->room = room;
   }
   *at = t->groups++;

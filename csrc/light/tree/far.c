@@ -59,7 +59,7 @@ static void expand(double *K) {
   double cosine[SAMPLES][SAMPLES], turned[SAMPLES * SAMPLES];
   for (int i = 0; i < SAMPLES; i++)
     for (int j = 0; j < SAMPLES; j++)
-      cosine[i][j] = (i ? 2.0 : 1.0) / SAMPLES * cos(i * (j + 0.5) * M_PI / SAMPLES);
+      cosine[i][j] = (i ? 2.0 : 1.0) / SAMPLES * cos(i * (j + 0.5) * YLM_PI / SAMPLES);
   for (int turn = 0; turn < 2; turn++) {
     for (int i = 0; i < SAMPLES; i++)
       for (int j = 0; j < SAMPLES; j++) {
@@ -75,7 +75,7 @@ static void find_errors(int lmax, int k, double d, float error[YLM__FAR_NODES + 
   double W[YLM_LIGHT_LMAX + 4], K[SAMPLES * SAMPLES], x[SAMPLES], unit = 0, tail = 0;
   find_weights(lmax, k, W);
   for (int l = 0; l <= lmax + k; l++) unit += W[l];
-  for (int i = 0; i < SAMPLES; i++) x[i] = cos((i + 0.5) * M_PI / SAMPLES);
+  for (int i = 0; i < SAMPLES; i++) x[i] = cos((i + 0.5) * YLM_PI / SAMPLES);
   for (int i = 0; i < SAMPLES; i++)
     for (int j = 0; j <= i; j++)
       K[i * SAMPLES + j] = K[j * SAMPLES + i] = product(W, lmax + k, k, d, x[i], x[j]);

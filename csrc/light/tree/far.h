@@ -32,7 +32,7 @@ static void place_nodes(far_field *f, const real *half) {
   for (size_t i = 0; i < (size_t)c->vectors * LANES; i++) {
     size_t at = i < f->nodes ? i : 0;
     for (int a = 0; a < 3; at /= (size_t)f->n[a++]) {
-      double t = cos(((double)(at % (size_t)f->n[a]) + 0.5) * M_PI / f->n[a]);
+      double t = cos(((double)(at % (size_t)f->n[a]) + 0.5) * YLM_PI / f->n[a]);
       c->xyz[i / LANES][a][i % LANES] = f->middle[a] + half[a] * (real)t;
     }
   }
@@ -41,7 +41,7 @@ static void place_nodes(far_field *f, const real *half) {
     f->scale[a] = n > 1 ? 1 / half[a] : 0;
     for (int i = 0; i < n; i++)
       for (int j = 0; j < n; j++)
-        f->basis[a][i][j] = (real)((j ? 2.0 : 1.0) / n * cos(j * (i + 0.5) * M_PI / n));
+        f->basis[a][i][j] = (real)((j ? 2.0 : 1.0) / n * cos(j * (i + 0.5) * YLM_PI / n));
   }
 }
 

@@ -76,7 +76,7 @@ ylm_status ylm__tree_field_evaluate(const ylm__tree_field *t, ylm_isa isa, const
   ylm__plan_free(&pilot);
   ylm__plan_free(&sums);
   ylm__local_end(&local);
-  if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s != YLM_OK) return ylm_fail_plain(e, s);
   return ylm__lights_finite(lights, q, n, points, r, e);
 }
 
@@ -97,7 +97,7 @@ ylm_status ylm__tree_field_create(ylm_lights *lights, double tolerance, int thre
   ylm__tree_field *c = ylm_alloc(1, sizeof *c);
   ylm_status s = lights->tree ? YLM_OK : ylm__tree_create(lights, threads, &lights->tree);
   if (!c || s != YLM_OK) ylm_free(c);
-  if (!c || s != YLM_OK) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!c || s != YLM_OK) return ylm_no_memory(e);
   *c = (ylm__tree_field){
       {.self = c, .evaluate = evaluate, .crosses = crosses, .relative = true}, lights, tolerance};
   *out = c;

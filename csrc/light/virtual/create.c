@@ -133,7 +133,7 @@ ylm_status ylm_light_virtual_create(const ylm_light_virtual_form *f, ylm_light_v
   if (!v || !x) {
     ylm_free(v);
     ylm_free(x);
-    return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+    return ylm_no_memory(e);
   }
   *v = (ylm_light_virtual){
       .field = {.self = v, .evaluate = evaluate, .crosses = crosses, .relative = true},
@@ -164,7 +164,7 @@ ylm_status ylm_light_virtual_create(const ylm_light_virtual_form *f, ylm_light_v
     return s;
   }
   ylm_light_virtual_free(v);
-  return ylm_fail(e, s, "%s", ylm_status_text(s));
+  return ylm_fail_plain(e, s);
 }
 
 void ylm_light_virtual_free(ylm_light_virtual *v) {

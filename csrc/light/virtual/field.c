@@ -43,7 +43,7 @@ ylm_status ylm_light_virtual_evaluate(const ylm_light_virtual *v, ylm_isa isa,
   job j = {.lights = v, .q = &local.q, .points = local.points, .r = r};
   if (s == YLM_OK && n) s = sum(&j, isa, n);
   ylm__local_end(&local);
-  if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s != YLM_OK) return ylm_fail_plain(e, s);
   r->pairs += (uint64_t)n * v->n;
   return ylm_light_finite(q, n, points, r, e);
 }

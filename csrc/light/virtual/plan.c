@@ -299,16 +299,9 @@ void ylm__virtual_plan_free(ylm__virtual_plan *p) {
 
 /* -- kernels -------------------------------------------------------------------------------- */
 
-YLM_SETS_DECLARE(ylm__virtual_range, ylm__virtual_range_float)
-YLM_SETS_DECLARE(ylm__virtual_range, ylm__virtual_range_double)
-#define CASE(isa)                                                                                  \
-  case YLM_ISA_##isa:                                                                              \
-    return narrow ? ylm__virtual_range_float_##isa : ylm__virtual_range_double_##isa;
+static YLM_KERNEL_CHOICE_OF(ylm__virtual_range, kernel_float, ylm__virtual_range_float, NULL);
+static YLM_KERNEL_CHOICE_OF(ylm__virtual_range, kernel_double, ylm__virtual_range_double, NULL);
 
 ylm__virtual_range *ylm__virtual_kernel(ylm_isa isa, const ylm_field_query *q) {
-  bool narrow = is_narrow(q);
-  switch (isa) {
-    YLM_SETS(CASE)
-  default: (void)narrow; return NULL;
-  }
+  return is_narrow(q) ? kernel_float(isa) : kernel_double(isa);
 }

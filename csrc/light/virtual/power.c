@@ -27,8 +27,8 @@ static void integrals(double s, double I[DEGREE + 2]) {
 static void cosine_factors(double s, double lambda[DEGREE + 1]) {
   double I[DEGREE + 2];
   integrals(s, I);
-  lambda[0] = M_PI * (1 + s) * (1 + s);
-  for (int l = 1; l <= DEGREE; l++) lambda[l] = 2 * M_PI * (I[l - 1] - I[l + 1]) / (2 * l + 1);
+  lambda[0] = YLM_PI * (1 + s) * (1 + s);
+  for (int l = 1; l <= DEGREE; l++) lambda[l] = 2 * YLM_PI * (I[l - 1] - I[l + 1]) / (2 * l + 1);
 }
 
 void ylm_light_virtual_flux(const double *normal, double shift, int degree, const double *emission,
@@ -37,7 +37,7 @@ void ylm_light_virtual_flux(const double *normal, double shift, int degree, cons
   double Y[(DEGREE + 1) * (DEGREE + 1)], lambda[DEGREE + 1];
   memset(power, 0, 3 * sizeof *power);
   if (!normal || (normal[0] == 0 && normal[1] == 0 && normal[2] == 0)) {
-    for (size_t c = 0; c < 3; c++) power[c] = sqrt(4 * M_PI) * emission[c * wide];
+    for (size_t c = 0; c < 3; c++) power[c] = sqrt(4 * YLM_PI) * emission[c * wide];
     return;
   }
   cosine_factors(shift, lambda);

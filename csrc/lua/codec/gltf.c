@@ -141,26 +141,34 @@ static void push_file(lua_State *L, ylm_gltf *g) {
   ylmL_set_count(L, "triangles", g->triangles);
 }
 
-static const char *const option_names[] = {"path",  "file_size", "triangles", "texels",
-                                           "scene", "images",    "groups",    NULL};
-enum { PATH = 2, FILE_SIZE, TRIANGLES, TEXELS, SCENE, IMAGES, GROUPS };
+typedef struct read_form {
+  const char *path;
+  size_t file_size;
+  ylm_gltf_options o;
+  bool images;
+} read_form;
+
+static const ylmL_entry read_entries[] = {
+    YLML(read_form, path, "path", STRING),
+    YLML(read_form, file_size, "file_size", COUNT),
+    YLML(read_form, o.triangles, "triangles", UINT64),
+    YLML(read_form, o.texels, "texels", UINT64),
+    YLML(read_form, o.scene, "scene", INT),
+    YLML(read_form, images, "images", BOOL),
+    YLML(read_form, o.groups, "groups", INT, .optional = true),
+    {.name = NULL}};
 
 /* gltf_read { path =, file_size =, triangles =, texels =, scene =, images =, groups = } -> table */
 static int gltf_read(lua_State *L) {
-  lua_settop(L, 1);
-  ylmL_named(L, 1, option_names);
-  ylm_gltf_options o = {.triangles = (uint64_t)luaL_checknumber(L, TRIANGLES),
-                        .texels = (uint64_t)luaL_checknumber(L, TEXELS),
-                        .scene = (int)luaL_checknumber(L, SCENE),
-                        .groups = (int)luaL_optnumber(L, GROUPS, 0),
-                        .no_images = !lua_toboolean(L, IMAGES)};
+  read_form f = {.path = NULL};
+  ylmL_read(L, 1, read_entries, &f);
+  f.o.no_images = !f.images;
   ylm_error e = {0};
   ylm_gltf **g = lua_newuserdata(L, sizeof *g);
   *g = NULL;
   ylmL_type(L, YLML_GLTF, file_methods);
   lua_setmetatable(L, -2);
-  ylm_status s =
-      ylm_gltf_read(luaL_checkstring(L, PATH), (size_t)luaL_checknumber(L, FILE_SIZE), &o, g, &e);
+  ylm_status s = ylm_gltf_read(f.path, f.file_size, &f.o, g, &e);
   if (s != YLM_OK) return ylmL_result(L, 0, s, &e);
   luaL_checkstack(L, 12, "gltf_read");
   push_file(L, *g);

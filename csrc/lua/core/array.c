@@ -296,6 +296,7 @@ static int array_distance(lua_State *L) {
 static int array_close(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylmL_array_close(ylmL_check(L, 1, YLM_ARRAY));
+  ylmL_disown(L, 1);
   return 0;
 }
 

@@ -17,7 +17,7 @@ static int array_read(lua_State *L) {
       ylm_array_file_copy(&f, a->data);
       a->convention = f.convention;
     } else {
-      s = ylm_fail(&e, YLM_ENOMEM, "%s: memory ran out", path);
+      s = ylm_no_memory_for(&e, path);
     }
   }
   ylm_free(bytes);

@@ -1,4 +1,5 @@
 /* core.c - opens ylm.c.core: the binding of libylm.so. */
+#include <string.h>
 #include <unistd.h>
 
 #include "../binding.h"
@@ -18,6 +19,45 @@ static int object_type(lua_State *L) {
   lua_gettable(L, LUA_REGISTRYINDEX);
   if (!lua_rawequal(L, -1, -3)) return 0;
   lua_pop(L, 1);
+  return 1;
+}
+
+/* The lists of words by name. */
+static const struct {
+  const char *name;
+  const char *const *words;
+} lists[] = {
+#define X(name, ...) {#name, ylmL_##name##_choices},
+    YLML_CHOICES(X) YLML_LISTS(X)
+#undef X
+};
+
+/* Pushes a list of words, `first` (NULL: none) in front. */
+static void push_words(lua_State *L, const char *const *words, const char *first) {
+  int n = 0;
+  lua_newtable(L);
+  if (first) {
+    lua_pushstring(L, first);
+    lua_rawseti(L, -2, ++n);
+  }
+  for (; *words; words++) {
+    if (first && strcmp(first, *words) == 0) continue;
+    lua_pushstring(L, *words);
+    lua_rawseti(L, -2, ++n);
+  }
+}
+
+/* choices(name, first | nil) -> list of the words of an option, `first` in front; choices() -> all lists by name */
+static int choices(lua_State *L) {
+  const char *name = luaL_optstring(L, 1, NULL), *first = luaL_optstring(L, 2, NULL);
+  if (!name) lua_newtable(L);
+  for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
+    if (name && strcmp(name, lists[i].name) != 0) continue;
+    push_words(L, lists[i].words, first);
+    if (name) return 1;
+    lua_setfield(L, -2, lists[i].name);
+  }
+  if (name) luaL_argerror(L, 1, "no option has such a list");
   return 1;
 }
 
@@ -78,10 +118,16 @@ static int is_terminal(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"metatable", metatable},     {"type", object_type},    {"info", info},
-    {"environment", environment}, {"status", status},       {"seconds", seconds},
-    {"is_terminal", is_terminal}, {"no_memory", no_memory}, {NULL, NULL}};
+static const luaL_Reg functions[] = {{"metatable", metatable},
+                                     {"type", object_type},
+                                     {"info", info},
+                                     {"environment", environment},
+                                     {"status", status},
+                                     {"seconds", seconds},
+                                     {"is_terminal", is_terminal},
+                                     {"no_memory", no_memory},
+                                     {"choices", choices},
+                                     {NULL, NULL}};
 
 int luaopen_ylm_c_core(lua_State *L) {
   ylmL_check_abi(L);

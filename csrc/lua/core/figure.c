@@ -112,29 +112,42 @@ static int shape_segments(lua_State *L) {
   return ylmL_result(L, 0, ylm_figure_add_segments(s, n, from, to, colour), NULL);
 }
 
+typedef struct lobes_form {
+  ylmL_array *coefficients;
+  int centre, scale, basis; /* on the stack */
+  double positive[3], negative[3];
+  int detail;
+  bool fit;
+} lobes_form;
+
+static const ylmL_entry lobes_entries[] = {
+    YLML(lobes_form, coefficients, "coefficients", ARRAY),
+    YLML(lobes_form, centre, "centre", VALUE),
+    YLML(lobes_form, scale, "scale", VALUE),
+    YLML(lobes_form, positive, "positive", NUMBERS),
+    YLML(lobes_form, negative, "negative", NUMBERS),
+    YLML(lobes_form, detail, "detail", INT, .least = 0, .most = 6),
+    YLML(lobes_form, basis, "basis", VALUE),
+    YLML(lobes_form, fit, "fit", BOOL),
+    {.name = NULL}};
+
 /* lobes(shape, {coefficients [n][count], centre, scale, positive, negative, detail, basis, fit}) */
 static int shape_lobes(lua_State *L) {
-  static const char *const names[] = {"coefficients", "centre", "scale", "positive", "negative",
-                                      "detail",       "basis",  "fit",   NULL};
-  enum { COEFFICIENTS = 3, CENTRE, SCALE, POSITIVE, NEGATIVE, DETAIL, BASIS, FIT };
+  lobes_form f = {.detail = 0};
   ylm_figure_shape *s = shape_at(L, 1);
-  ylmL_named(L, 2, names);
-  ylmL_array *c = ylmL_array_check(L, COEFFICIENTS);
+  ylmL_read(L, 2, lobes_entries, &f);
+  const ylmL_array *c = f.coefficients;
   size_t n, rows;
-  const double *centre = ylmL_doubles(L, CENTRE, 3, &n), *scale = ylmL_doubles_of(L, SCALE, 1, n);
-  double positive[3], negative[3];
-  ylmL_numbers(L, POSITIVE, 3, positive);
-  ylmL_numbers(L, NEGATIVE, 3, negative);
-  int detail = (int)luaL_checknumber(L, DETAIL);
+  const double *centre = ylmL_doubles(L, f.centre, 3, &n),
+               *scale = ylmL_doubles_of(L, f.scale, 1, n);
   if (n == 0) return 0;
   size_t count = c->count / n;
-  const double *basis = ylmL_doubles(L, BASIS, count ? count : 1, &rows);
-  if (c->dtype != YLM_DOUBLE || c->count != n * count || detail < 0 || detail > 6 ||
-      rows != ((size_t)4 << 2 * detail) + 2)
+  const double *basis = ylmL_doubles(L, f.basis, count ? count : 1, &rows);
+  if (c->dtype != YLM_DOUBLE || c->count != n * count || rows != ((size_t)4 << 2 * f.detail) + 2)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   return ylmL_result(L, 0,
-                     ylm_figure_add_lobes(s, n, (int)count, detail, basis, c->data, centre, scale,
-                                          lua_toboolean(L, FIT), positive, negative),
+                     ylm_figure_add_lobes(s, n, (int)count, f.detail, basis, c->data, centre, scale,
+                                          f.fit, f.positive, f.negative),
                      NULL);
 }
 

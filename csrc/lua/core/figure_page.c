@@ -63,10 +63,10 @@ static void push_numbers(lua_State *L, const float *x, size_t n, bool half) {
 
 /* page_rows(grid, exponent, precision) -> bytes of rows; of "byte" those of values, slopes, scales */
 static int page_rows(lua_State *L) {
-  static const char *const precisions[] = {"half", "float", "byte", NULL};
   const ylm_grid *g = ylmL_grid_check(L, 1);
   const ylm_grid_contents *v = ylm_grid_look(g);
-  int exponent = (int)luaL_checkinteger(L, 2), how = luaL_checkoption(L, 3, NULL, precisions);
+  int exponent = (int)luaL_checkinteger(L, 2),
+      how = luaL_checkoption(L, 3, NULL, ylmL_precision_choices);
   size_t n = v->evaluated, width = (size_t)v->form.channels * (size_t)v->count;
   float *row = room(L, 4 * n * width * sizeof *row);
   ylm_figure_page_rows(g, exponent, row);

@@ -111,22 +111,30 @@ static int volume_save(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
+typedef struct lines_form {
+  int seeds; /* on the stack */
+  double step, radius;
+  size_t room, fewest;
+} lines_form;
+
+static const ylmL_entry lines_entries[] = {
+    YLML(lines_form, seeds, "seeds", VALUE),    YLML(lines_form, step, "step", DOUBLE),
+    YLML(lines_form, room, "room", COUNT),      YLML(lines_form, fewest, "fewest", COUNT),
+    YLML(lines_form, radius, "radius", DOUBLE), {.name = NULL}};
+
 /* streamlines(shape, volume, {seeds, step, room, fewest, radius}, scale...) */
 static int shape_streamlines(lua_State *L) {
-  static const char *const names[] = {"seeds", "step", "room", "fewest", "radius", NULL};
-  enum { LINES = 8, SEEDS, STEP, ROOM, FEWEST, RADIUS };
+  enum { LINES = 8 };
+  lines_form f = {.seeds = 0};
   size_t n;
   ylm_figure_scale scale = ylmL_scale(L, 4);
   lua_settop(L, LINES - 1);
   lua_pushvalue(L, 3);
-  ylmL_named(L, LINES, names);
-  const double *seed = ylmL_doubles(L, SEEDS, 3, &n);
+  ylmL_read(L, LINES, lines_entries, &f);
+  const double *seed = ylmL_doubles(L, f.seeds, 3, &n);
   return ylmL_result(L, 0,
                      ylm_figure_add_streamlines(ylmL_check(L, 1, YLM_SHAPE), volume_at(L, 2), n,
-                                                seed, (double)luaL_checknumber(L, STEP),
-                                                (size_t)luaL_checknumber(L, ROOM),
-                                                (size_t)luaL_checknumber(L, FEWEST),
-                                                (double)luaL_checknumber(L, RADIUS), &scale),
+                                                seed, f.step, f.room, f.fewest, f.radius, &scale),
                      NULL);
 }
 

@@ -9,38 +9,48 @@ static const ylm_field *field_of(void *object) {
   return *g && !ylm_grid_updating(*g) && !ylm_grid_spent(*g) ? ylm_grid_field(*g) : NULL;
 }
 
+typedef struct sample_form {
+  ylm_grid_query q;
+  int derivatives;
+  int value, gradient, progress; /* on the stack */
+} sample_form;
+
+static const ylmL_entry sample_entries[] = {
+    YLML(sample_form, q.interpolation, "interpolation", CHOICE,
+         .choices = ylmL_interpolation_choices),
+    YLML(sample_form, derivatives, "derivatives", INT),
+    YLML(sample_form, q.nan_outside, "outside", EITHER, .choices = ylmL_outside_choices),
+    YLML(sample_form, q.dtype, "dtype", CHOICE, .choices = ylmL_dtype_choices),
+    YLML(sample_form, q.threads, "threads", INT, .optional = true),
+    YLML(sample_form, progress, "progress", VALUE),
+    YLML(sample_form, value, "value", VALUE),
+    YLML(sample_form, gradient, "gradient", VALUE),
+    {.name = NULL}};
+
 /*
 ** grid_sample(grid, points [n][3], {interpolation, derivatives, outside, dtype, threads, progress,
 **             value | nil, gradient | nil: arrays to be written})
 **   -> value, gradient | nil, outside, unbaked, seconds; of a grid in bricks, too
 */
 static int grid_sample(lua_State *L) {
-  static const char *const names[] = {"interpolation", "derivatives", "outside",
-                                      "dtype",         "threads",     "progress",
-                                      "value",         "gradient",    NULL};
-  static const char *const dtypes[] = {"float", "double", NULL};
-  static const char *const outside[] = {"clamp", "nan", NULL};
-  enum { INTERPOLATION = 4, DERIVATIVES, OUTSIDE, DTYPE, THREADS, PROGRESS, VALUE, GRADIENT };
-  ylmL_named(L, 3, names);
+  sample_form f = {.derivatives = 0};
+  ylmL_read(L, 3, sample_entries, &f);
   ylm_grid_set *set = ylmL_grid_set_test(L, 1);
   if (set && ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_grid *grid = set ? NULL : ylmL_grid_check(L, 1);
   const ylm_grid_contents *v = set ? ylm_grid_set_look(set) : ylm_grid_look(grid);
   ylmL_array *points = ylmL_array_check(L, 2), *value, *gradient = NULL;
   ylmL_progress progress;
-  ylm_grid_query q = {.interpolation = ylmL_grid_interpolation(L, INTERPOLATION),
-                      .nan_outside = luaL_checkoption(L, OUTSIDE, NULL, outside) == 1,
-                      .point_dtype = points->dtype,
-                      .dtype = (ylm_dtype)luaL_checkoption(L, DTYPE, NULL, dtypes),
-                      .threads = (int)luaL_optnumber(L, THREADS, 0),
-                      .progress = ylmL_progress_begin(L, PROGRESS, &progress)};
+  ylm_grid_query q = f.q;
+  q.point_dtype = points->dtype;
+  q.progress = ylmL_progress_begin(L, f.progress, &progress);
   size_t shape[4] = {points->count / 3, (size_t)v->form.channels, (size_t)v->count, 3};
   ylm_grid_report report = {0};
   ylm_error e = {0};
   ylm_status s = YLM_OK;
-  value = ylmL_array_result(L, VALUE, q.dtype, 3, shape, &s);
-  if (luaL_checknumber(L, DERIVATIVES) > 0)
-    gradient = ylmL_array_result(L, GRADIENT, q.dtype, 4, shape, &s);
+  value = ylmL_array_result(L, f.value, q.dtype, 3, shape, &s);
+  if (f.derivatives > 0)
+    gradient = ylmL_array_result(L, f.gradient, q.dtype, 4, shape, &s);
   else
     lua_pushnil(L);
   void *slope = gradient ? gradient->data : NULL;
@@ -57,11 +67,10 @@ static int grid_sample(lua_State *L) {
 
 /* grid_flags(grid, points [n][3], dtype, threads, out | nil) -> [n] YLM_GRID_SAMPLE_* */
 static int grid_flags(lua_State *L) {
-  static const char *const dtypes[] = {"float", "double", NULL};
   lua_settop(L, 5);
   const ylm_grid *g = ylmL_grid_check(L, 1);
   const ylmL_array *points = ylmL_array_check(L, 2);
-  ylm_dtype type = (ylm_dtype)luaL_checkoption(L, 3, NULL, dtypes);
+  ylm_dtype type = (ylm_dtype)luaL_checkoption(L, 3, NULL, ylmL_dtype_choices);
   size_t n = points->count / 3;
   ylm_status s = YLM_OK;
   ylmL_array *flags = ylmL_array_result(L, 5, type, 1, &n, &s);
@@ -118,6 +127,7 @@ static int grid_close(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_grid_free(*g);
   *g = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 

@@ -155,13 +155,14 @@ static int grid_bake(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
-/* A number of the table at `i`. */
-static size_t number(lua_State *L, int i, const char *name) {
-  lua_getfield(L, i, name);
-  size_t x = (size_t)luaL_optnumber(L, -1, 0);
-  lua_pop(L, 1);
-  return x;
-}
+static const ylmL_entry bricks_entries[] = {
+    YLML(ylm_grid_bricks, folder, "folder", STRING),
+    YLML(ylm_grid_bricks, level, "level", INT, .optional = true),
+    YLML(ylm_grid_bricks, points, "points", COUNT, .optional = true),
+    YLML(ylm_grid_bricks, brick_seconds, "brick_seconds", DOUBLE, .optional = true),
+    YLML(ylm_grid_bricks, fresh, "fresh", BOOL),
+    YLML(ylm_grid_bricks, seconds, "seconds", DOUBLE, .optional = true),
+    {.name = NULL}};
 
 /* grid_bake_bricks(as grid_bake; the form has bricks = {folder, level, points, brick_seconds, fresh, seconds}) -> true */
 static int grid_bake_bricks(lua_State *L) {
@@ -170,22 +171,12 @@ static int grid_bake_bricks(lua_State *L) {
   luaL_checktype(L, 1, LUA_TTABLE);
   lua_getfield(L, 1, "bricks");
   luaL_checkstack(L, 20, "grid_bake_bricks");
-  luaL_checktype(L, BRICKS, LUA_TTABLE);
+  ylm_grid_bricks how = {.alone = !ylmL_test(L, 2, YLM_LIGHTS) && !ylmL_light_cut(L, 2)};
+  ylmL_read(L, BRICKS, bricks_entries, &how);
   ylm_grid_form form = ylmL_grid_form(L, 1);
   ylmL_progress progress;
   lua_field own;
   ylm_grid_source source = source_of(L, &form, &own, &progress);
-  ylm_grid_bricks how = {.level = (int)number(L, BRICKS, "level"),
-                         .points = number(L, BRICKS, "points"),
-                         .alone = !ylmL_test(L, 2, YLM_LIGHTS) && !ylmL_light_cut(L, 2)};
-  lua_getfield(L, BRICKS, "seconds");
-  how.seconds = luaL_optnumber(L, -1, 0);
-  lua_getfield(L, BRICKS, "brick_seconds");
-  how.brick_seconds = luaL_optnumber(L, -1, 0);
-  lua_getfield(L, BRICKS, "fresh");
-  how.fresh = lua_toboolean(L, -1);
-  lua_getfield(L, BRICKS, "folder");
-  how.folder = luaL_checkstring(L, -1); /* the table keeps it */
   ylm_error e = {0};
   ylm_status s = ylm_grid_bake_bricks(&form, &source, &how, &e);
   if (own.raised) return lua_error(L);

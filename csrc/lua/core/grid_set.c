@@ -82,6 +82,7 @@ static int grid_set_close(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_grid_set_free(*s);
   *s = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 

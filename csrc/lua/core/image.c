@@ -94,22 +94,15 @@ static int image_close(lua_State *L) {
   return ylmL_object_close(L);
 }
 
-/* image_tones() -> list of the names of tone curves */
-static int image_tones(lua_State *L) {
-  lua_createtable(L, YLM_TONE_COUNT, 0);
-  for (int i = 0; i < YLM_TONE_COUNT; i++) {
-    lua_pushstring(L, ylm_tone_name((ylm_tone)i));
-    lua_rawseti(L, -2, i + 1);
-  }
-  return 1;
-}
-
-static const luaL_Reg functions[] = {
-    {"image_new", image_new},           {"image_add", image_add},
-    {"image_info", image_info},         {"image_layer", image_layer},
-    {"image_set_text", image_set_text}, {"image_get_text", image_get_text},
-    {"image_texts", image_texts},       {"image_close", image_close},
-    {"image_tones", image_tones},       {NULL, NULL}};
+static const luaL_Reg functions[] = {{"image_new", image_new},
+                                     {"image_add", image_add},
+                                     {"image_info", image_info},
+                                     {"image_layer", image_layer},
+                                     {"image_set_text", image_set_text},
+                                     {"image_get_text", image_get_text},
+                                     {"image_texts", image_texts},
+                                     {"image_close", image_close},
+                                     {NULL, NULL}};
 
 void ylmL_open_image(lua_State *L) {
   ylmL_image_new(L); /* registers the type */

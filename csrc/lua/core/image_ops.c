@@ -32,22 +32,33 @@ static const float *mask(lua_State *L, int i, const ylm_image *image) {
   return a->data;
 }
 
+typedef struct compare_form {
+  const char *layer;
+  double peak, least, epsilon;
+  int threads, mask, progress; /* mask, progress: on the stack */
+} compare_form;
+
+static const ylmL_entry compare_entries[] = {
+    YLML(compare_form, layer, "layer", STRING, .optional = true),
+    YLML(compare_form, mask, "mask", VALUE),
+    YLML(compare_form, peak, "peak", DOUBLE, .optional = true),
+    YLML(compare_form, least, "floor", DOUBLE, .optional = true),
+    YLML(compare_form, epsilon, "epsilon", DOUBLE, .optional = true),
+    YLML(compare_form, threads, "threads", INT),
+    YLML(compare_form, progress, "progress", VALUE),
+    {.name = NULL}};
+
 /* image_compare(a, b, {layer or nil, mask or nil, peak, floor, epsilon, threads, progress}) -> table */
 static int image_compare(lua_State *L) {
-  static const char *const names[] = {"layer",   "mask",    "peak",     "floor",
-                                      "epsilon", "threads", "progress", NULL};
-  enum { LAYER = 4, MASK, PEAK, FLOOR, EPSILON, THREADS, PROGRESS };
+  compare_form f = {.layer = NULL};
   ylm_image *a = ylmL_image_check(L, 1), *b = ylmL_image_check(L, 2);
-  ylmL_named(L, 3, names);
-  const float *where = mask(L, MASK, a);
+  ylmL_read(L, 3, compare_entries, &f);
+  const float *where = mask(L, f.mask, a);
   ylm_error e = {0};
   ylm_metrics m;
   ylmL_progress progress;
-  const char *layer = luaL_optstring(L, LAYER, NULL);
-  double peak = (double)luaL_optnumber(L, PEAK, 0), least = (double)luaL_optnumber(L, FLOOR, 0);
-  double epsilon = (double)luaL_optnumber(L, EPSILON, 0);
-  ylm_status s = ylm_image_compare(a, b, layer, where, peak, least, epsilon, integer(L, THREADS),
-                                   ylmL_progress_begin(L, PROGRESS, &progress), &m, &e);
+  ylm_status s = ylm_image_compare(a, b, f.layer, where, f.peak, f.least, f.epsilon, f.threads,
+                                   ylmL_progress_begin(L, f.progress, &progress), &m, &e);
   lua_createtable(L, 0, 12);
   ylmL_set_number(L, "mse", m.mse);
   ylmL_set_number(L, "rmse", m.rmse);
@@ -64,32 +75,41 @@ static int image_compare(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
+typedef struct flip_form {
+  ylm_flip o;
+  const char *layer;
+  int threads, mask, progress; /* mask, progress: on the stack */
+} flip_form;
+
+static const ylmL_entry flip_entries[] = {
+    YLML(flip_form, layer, "layer", STRING, .optional = true),
+    YLML(flip_form, mask, "mask", VALUE),
+    YLML(flip_form, o.pixels_per_degree, "pixels_per_degree", DOUBLE),
+    YLML(flip_form, o.hdr, "hdr", BOOL),
+    YLML(flip_form, o.start, "start", DOUBLE, .optional = true),
+    YLML(flip_form, o.stop, "stop", DOUBLE, .optional = true),
+    YLML(flip_form, threads, "threads", INT),
+    YLML(flip_form, progress, "progress", VALUE),
+    {.name = NULL}};
+
 /* image_flip(a, b, {layer or nil, mask or nil, pixels_per_degree, hdr, start or nil, stop or nil,
    threads, progress}) -> map, {mean, max, start, stop, exposures} */
 static int image_flip(lua_State *L) {
-  static const char *const names[] = {"layer", "mask",    "pixels_per_degree", "hdr", "start",
-                                      "stop",  "threads", "progress",          NULL};
-  enum { LAYER = 4, MASK, PIXELS, HDR, START, STOP, THREADS, PROGRESS };
+  flip_form f = {.o = {.start = NAN, .stop = NAN}};
   ylm_image *a = ylmL_image_check(L, 1), *b = ylmL_image_check(L, 2);
-  ylmL_named(L, 3, names);
-  const float *where = mask(L, MASK, a);
-  const char *layer = luaL_optstring(L, LAYER, NULL);
+  ylmL_read(L, 3, flip_entries, &f);
+  const float *where = mask(L, f.mask, a);
   ylm_error e = {0};
-  ylm_flip o = {.pixels_per_degree = (double)luaL_checknumber(L, PIXELS),
-                .hdr = lua_toboolean(L, HDR),
-                .start = (double)luaL_optnumber(L, START, (lua_Number)NAN),
-                .stop = (double)luaL_optnumber(L, STOP, (lua_Number)NAN)};
   ylmL_progress p;
-  int threads = integer(L, THREADS);
-  const ylm_progress *progress = ylmL_progress_begin(L, PROGRESS, &p);
+  const ylm_progress *progress = ylmL_progress_begin(L, f.progress, &p);
   ylm_image **map = ylmL_image_new(L);
-  ylm_status s = ylm_image_flip(a, b, layer, where, &o, threads, progress, map, &e);
+  ylm_status s = ylm_image_flip(a, b, f.layer, where, &f.o, f.threads, progress, map, &e);
   lua_createtable(L, 0, 5);
-  ylmL_set_number(L, "mean", o.mean);
-  ylmL_set_number(L, "max", o.max);
-  ylmL_set_number(L, "start", o.start);
-  ylmL_set_number(L, "stop", o.stop);
-  ylmL_set_number(L, "exposures", o.exposures);
+  ylmL_set_number(L, "mean", f.o.mean);
+  ylmL_set_number(L, "max", f.o.max);
+  ylmL_set_number(L, "start", f.o.start);
+  ylmL_set_number(L, "stop", f.o.stop);
+  ylmL_set_number(L, "exposures", f.o.exposures);
   return ylmL_result_progress(L, 2, s, &e, &p);
 }
 
@@ -111,11 +131,10 @@ static int image_agree(lua_State *L) {
 
 /* image_difference(a, b, layer or nil, kind, scale, floor) -> image */
 static int image_difference(lua_State *L) {
-  static const char *const kinds[] = {"absolute", "signed", "relative", NULL};
   ylm_image *a = ylmL_image_check(L, 1), *b = ylmL_image_check(L, 2);
   ylm_error e = {0};
   const char *layer = luaL_optstring(L, 3, NULL);
-  ylm_difference kind = (ylm_difference)luaL_checkoption(L, 4, NULL, kinds);
+  ylm_difference kind = (ylm_difference)luaL_checkoption(L, 4, NULL, ylmL_difference_choices);
   double scale = (double)luaL_checknumber(L, 5), floor = (double)luaL_checknumber(L, 6);
   ylm_image **out = ylmL_image_new(L);
   return ylmL_result(L, 1, ylm_image_difference(a, b, layer, kind, scale, floor, out, &e), &e);
@@ -132,11 +151,10 @@ static int image_crop(lua_State *L) {
 
 /* image_resize(image, width, height, filter, threads, progress) -> image */
 static int image_resize(lua_State *L) {
-  static const char *const filters[] = {"box", "linear", "lanczos", NULL};
   ylm_image *in = ylmL_image_check(L, 1);
   ylm_error e = {0};
   int w = integer(L, 2), h = integer(L, 3), threads = integer(L, 5);
-  ylm_filter filter = (ylm_filter)luaL_checkoption(L, 4, NULL, filters);
+  ylm_filter filter = (ylm_filter)luaL_checkoption(L, 4, NULL, ylmL_filter_choices);
   lua_settop(L, 6);
   ylm_image **out = ylmL_image_new(L);
   ylmL_progress p;
@@ -198,16 +216,6 @@ static int image_colours(lua_State *L) {
                      &e);
 }
 
-/* colourmaps() -> list of names */
-static int colourmaps(lua_State *L) {
-  lua_createtable(L, YLM_COLOURMAP_COUNT, 0);
-  for (int i = 0; i < YLM_COLOURMAP_COUNT; i++) {
-    lua_pushstring(L, ylm_colourmap_name((ylm_colourmap)i));
-    lua_rawseti(L, -2, i + 1);
-  }
-  return 1;
-}
-
 /* colourmap_at(name, t) -> r, g, b, sRGB-encoded */
 static int colourmap_at(lua_State *L) {
   ylm_colourmap map;
@@ -230,13 +238,10 @@ static int tone_map(lua_State *L) {
   return 1;
 }
 
-static const char *const mappings[] = {"latlong", "angular", "cube", NULL};
-static const char *const ups[] = {"z", "y", NULL};
-
 /* mapping_pixels(mapping, up, width, height) -> directions [h*w][3], solid angles [h*w], double */
 static int mapping_pixels(lua_State *L) {
-  ylm_mapping m = (ylm_mapping)luaL_checkoption(L, 1, NULL, mappings);
-  ylm_up up = (ylm_up)luaL_checkoption(L, 2, NULL, ups);
+  ylm_mapping m = (ylm_mapping)luaL_checkoption(L, 1, NULL, ylmL_mapping_choices);
+  ylm_up up = (ylm_up)luaL_checkoption(L, 2, NULL, ylmL_up_choices);
   int w = integer(L, 3), h = integer(L, 4);
   if (w < 1 || h < 1) return ylmL_result(L, 0, YLM_ERANGE, NULL);
   size_t shape[2] = {(size_t)w * (size_t)h, 3};
@@ -249,8 +254,8 @@ static int mapping_pixels(lua_State *L) {
 /* mapping_positions(mapping, up, width, height, directions [n][3] double) -> [n][2] double from
    0 */
 static int mapping_positions(lua_State *L) {
-  ylm_mapping m = (ylm_mapping)luaL_checkoption(L, 1, NULL, mappings);
-  ylm_up up = (ylm_up)luaL_checkoption(L, 2, NULL, ups);
+  ylm_mapping m = (ylm_mapping)luaL_checkoption(L, 1, NULL, ylmL_mapping_choices);
+  ylm_up up = (ylm_up)luaL_checkoption(L, 2, NULL, ylmL_up_choices);
   int w = integer(L, 3), h = integer(L, 4);
   ylmL_array *d = ylmL_array_check(L, 5);
   if (d->dtype != YLM_DOUBLE || d->count % 3) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
@@ -278,7 +283,6 @@ static const luaL_Reg functions[] = {{"image_compare", image_compare},
                                      {"image_fill", image_fill},
                                      {"image_text", image_text},
                                      {"image_colours", image_colours},
-                                     {"colourmaps", colourmaps},
                                      {"colourmap_at", colourmap_at},
                                      {"tone_map", tone_map},
                                      {"mapping_pixels", mapping_pixels},

@@ -200,6 +200,7 @@ static int lights_close(lua_State *L) {
   ylm_free(l->other);
   luaL_unref(L, LUA_REGISTRYINDEX, l->keep);
   *l = (lights){.keep = LUA_NOREF};
+  ylmL_disown(L, 1);
   return 0;
 }
 
@@ -277,49 +278,71 @@ static int field_quantity(lua_State *L) {
   return 2;
 }
 
-static const char *const query_names[] = {
-    "lmax",     "channels", "derivatives", "metric", "threads", "progress", "value",
-    "gradient", "hessian",  "isa",         "rough",  "narrow",  NULL};
-enum {
-  OBJECT = 1,
-  POINTS,
-  LMAX = 4,
-  CHANNELS,
-  DERIVATIVES,
-  METRIC,
-  THREADS,
-  PROGRESS,
-  OUT_VALUE,
-  OUT_GRADIENT,
-  OUT_HESSIAN,
-  ISA,
-  ROUGH,
-  NARROW
-};
+enum { OBJECT = 1, POINTS };
 
-/* The number of channels named at `i`: luminance or rgb. */
-static int channels_at(lua_State *L, int i) {
-  static const char *const names[] = {"luminance", "rgb", NULL};
-  return luaL_checkoption(L, i, "luminance", names) ? 3 : 1;
-}
+typedef struct query_form {
+  int lmax, derivatives, threads, isa; /* isa: -1, the one in use */
+  int channels, metric;                /* 0 luminance, 1 rgb; metric -1: none */
+  bool rough, narrow;
+  int progress, out[3]; /* on the stack */
+} query_form;
+
+static const ylmL_entry query_entries[] = {
+    YLML(query_form, lmax, "lmax", INT),
+    YLML(query_form, channels, "channels", CHOICE, .choices = ylmL_channels_choices,
+         .optional = true),
+    YLML(query_form, derivatives, "derivatives", INT),
+    YLML(query_form, metric, "metric", CHOICE, .choices = ylmL_channels_choices, .optional = true),
+    YLML(query_form, threads, "threads", INT, .optional = true),
+    YLML(query_form, progress, "progress", VALUE),
+    YLML(query_form, out[0], "value", VALUE),
+    YLML(query_form, out[1], "gradient", VALUE),
+    YLML(query_form, out[2], "hessian", VALUE),
+    YLML(query_form, isa, "isa", CHOICE, .choices = ylmL_isa_choices, .optional = true),
+    YLML(query_form, rough, "rough", BOOL),
+    YLML(query_form, narrow, "narrow", BOOL),
+    {.name = NULL}};
 
 /* The results that are wanted: values, derivatives to an order, a metric where one is named. */
-static int wanted(lua_State *L) {
-  int order = (int)luaL_checknumber(L, DERIVATIVES);
-  return YLM_WANT_VALUE | (order >= 1 ? YLM_WANT_GRADIENT : 0) |
-         (order >= 2 ? YLM_WANT_HESSIAN : 0) | (lua_isnil(L, METRIC) ? 0 : YLM_WANT_METRIC) |
-         (lua_toboolean(L, ROUGH) ? YLM_WANT_ROUGH : 0);
+static int wanted(const query_form *f) {
+  return YLM_WANT_VALUE | (f->derivatives >= 1 ? YLM_WANT_GRADIENT : 0) |
+         (f->derivatives >= 2 ? YLM_WANT_HESSIAN : 0) | (f->metric >= 0 ? YLM_WANT_METRIC : 0) |
+         (f->rough ? YLM_WANT_ROUGH : 0);
 }
 
 /* Calls the field, or lights by the kernels of a given instruction set (for specs and
    benchmarks). */
-static ylm_status call_field(lua_State *L, const ylm_field *f, const ylm_field_query *q, size_t n,
-                             const void *points, ylm_field_result *r, ylm_error *e) {
-  if (lua_isnil(L, ISA)) return ylm_field_evaluate(f, q, n, points, r, e);
+static ylm_status call_field(lua_State *L, int isa, const ylm_field *f, const ylm_field_query *q,
+                             size_t n, const void *points, ylm_field_result *r, ylm_error *e) {
+  if (isa < 0) return ylm_field_evaluate(f, q, n, points, r, e);
   const ylm_light_cut *cut = ylmL_light_cut(L, OBJECT);
-  if (cut) return ylm_light_cut_evaluate(cut, (ylm_isa)ylmL_isa(L, ISA), q, n, points, r, e);
-  return ylm_light_set_evaluate(ylmL_lights_check(L, OBJECT), (ylm_isa)ylmL_isa(L, ISA), q, n,
-                                points, r, e);
+  if (cut) return ylm_light_cut_evaluate(cut, (ylm_isa)isa, q, n, points, r, e);
+  return ylm_light_set_evaluate(ylmL_lights_check(L, OBJECT), (ylm_isa)isa, q, n, points, r, e);
+}
+
+/* Pushes arrays of results for n points: value, gradient, hessian, lambda, norm; nil where one is not wanted. */
+static ylm_status push_results(lua_State *L, const query_form *f, const ylm_field_query *q,
+                               size_t n, ylm_field_result *r) {
+  size_t shape[4] = {n, (size_t)q->channels, (size_t)(q->lmax + 1) * (size_t)(q->lmax + 1), 0};
+  ylm_status s = YLM_OK;
+  void **slots[3] = {&r->value, &r->gradient, &r->hessian};
+  for (int i = 0; i < 3; i++) {
+    shape[3] = i == 1 ? 3 : 6;
+    if (q->want & (1 << i)) {
+      ylmL_array *a = ylmL_array_result(L, f->out[i], q->dtype, i ? 4 : 3, shape, &s);
+      *slots[i] = a ? a->data : NULL;
+    } else
+      lua_pushnil(L);
+  }
+  for (int i = 0; i < 2; i++) {
+    lua_pushnil(L);
+    if (q->want & YLM_WANT_METRIC) {
+      ylmL_array *a = ylmL_array_result(L, lua_gettop(L), q->dtype, 1, shape, &s);
+      lua_remove(L, -2);
+      *(i ? &r->norm : &r->lambda) = a ? a->data : NULL;
+    }
+  }
+  return s;
 }
 
 /* The box around n points. */
@@ -364,48 +387,30 @@ static int points_far(lua_State *L) {
 ** The dtype is that of the points, unless `narrow` is given.
 */
 static int field_evaluate(lua_State *L) {
-  ylmL_named(L, 3, query_names);
-  luaL_checkstack(L, 20, "field_evaluate");
-  const ylm_field *f = ylmL_field_check(L, OBJECT);
+  query_form f = {.isa = -1, .channels = 0, .metric = -1};
+  ylmL_read(L, 3, query_entries, &f);
+  const ylm_field *field = ylmL_field_check(L, OBJECT);
   ylmL_array *points = ylmL_array_check(L, POINTS);
   size_t n = points->count / 3;
   ylmL_progress progress;
-  ylm_field_query q = {.lmax = (int)luaL_checknumber(L, LMAX),
-                       .channels = channels_at(L, CHANNELS),
-                       .want = wanted(L),
-                       .metric_channels = channels_at(L, METRIC),
+  ylm_field_query q = {.lmax = f.lmax,
+                       .channels = f.channels ? 3 : 1,
+                       .want = wanted(&f),
+                       .metric_channels = f.metric > 0 ? 3 : 1,
                        .dtype = points->dtype,
-                       .threads = (int)luaL_optnumber(L, THREADS, 0),
-                       .progress = ylmL_progress_begin(L, PROGRESS, &progress)};
+                       .threads = f.threads,
+                       .progress = ylmL_progress_begin(L, f.progress, &progress)};
   if (points->axes != 2 || points->shape[1] != 3 || q.lmax < 0 || q.lmax > 10000)
     return ylmL_result(L, 0, YLM_ERANGE, NULL);
-  size_t shape[4] = {n, (size_t)q.channels, (size_t)(q.lmax + 1) * (size_t)(q.lmax + 1), 0};
-  ylm_status s = YLM_OK;
-  const void *at = lua_toboolean(L, NARROW) ? narrowed(L, n, points, &q) : points->data;
+  const void *at = f.narrow ? narrowed(L, n, points, &q) : points->data;
   ylm_field_result r = {0};
-  void **slots[3] = {&r.value, &r.gradient, &r.hessian};
-  for (int i = 0; i < 3; i++) {
-    shape[3] = i == 1 ? 3 : 6;
-    if (q.want & (1 << i)) {
-      ylmL_array *a = ylmL_array_result(L, OUT_VALUE + i, q.dtype, i ? 4 : 3, shape, &s);
-      *slots[i] = a ? a->data : NULL;
-    } else
-      lua_pushnil(L);
-  }
-  for (int i = 0; i < 2; i++) {
-    lua_pushnil(L);
-    if (q.want & YLM_WANT_METRIC) {
-      ylmL_array *a = ylmL_array_result(L, lua_gettop(L), q.dtype, 1, shape, &s);
-      lua_remove(L, -2);
-      *(i ? &r.norm : &r.lambda) = a ? a->data : NULL;
-    }
-  }
+  ylm_status s = push_results(L, &f, &q, n, &r);
   uint8_t *inside = lua_newuserdata(L, n + 1); /* collected whatever happens */
   r.inside = inside;
   ylm_error e = {0};
-  if (s == YLM_OK) s = call_field(L, f, &q, n, at, &r, &e);
+  if (s == YLM_OK) s = call_field(L, f.isa, field, &q, n, at, &r, &e);
   if (s != YLM_OK) return ylmL_result_progress(L, 0, s, &e, &progress);
-  ylmL_array *flags = ylmL_array_new(L, YLM_FLOAT, 1, shape);
+  ylmL_array *flags = ylmL_array_new(L, YLM_FLOAT, 1, &n);
   if (!flags) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   for (size_t i = 0; i < n; i++) ((float *)flags->data)[i] = inside[i];
   lua_remove(L, -2);

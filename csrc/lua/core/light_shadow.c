@@ -90,6 +90,7 @@ static int occluder_close(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   if (o->of) o->kind->free(o->of);
   o->of = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 
@@ -117,26 +118,11 @@ static const ylm_field *shadowed_field(void *object) {
   return s->of ? ylm_light_shadowed_field(s->of) : NULL;
 }
 
-static const char *const create_names[] = {"lights",   "hides",  "facts", "which",   "at",
-                                           "rotation", "scale",  "body",  "product", "rule",
-                                           "cull",     "layers", "exp",   "terms",   NULL};
-enum {
-  FORM = 1,
-  LIGHTS,
-  HIDES,
-  FACTS,
-  WHICH,
-  AT,
-  ROTATION,
-  SCALE,
-  BODY,
-  PRODUCT,
-  RULE,
-  CULL,
-  LAYERS,
-  EXP,
-  TERMS
-};
+/* Arguments of shadowed_create, those of lights and casters as their places on the stack. */
+typedef struct shadowed_form {
+  int lights, hides, facts, which, at, rotation, scale, body;
+  ylm_light_shadow_form form;
+} shadowed_form;
 enum { LMAX, CENTRE, RADIUS = 4, FAR, AREA, FACTS_WIDTH };
 
 /* The double array at `i` of `count` numbers; raises otherwise. */
@@ -148,43 +134,43 @@ static const double *numbers(lua_State *L, int i, size_t count) {
 }
 
 /* Casters from the arguments of shadowed_create, in a userdata left on the stack. */
-static ylm_light_caster *read_casters(lua_State *L, size_t *n) {
-  const ylmL_array *which = ylmL_array_check(L, WHICH);
-  size_t hides = lua_rawlen(L, HIDES);
+static ylm_light_caster *read_casters(lua_State *L, const shadowed_form *f, size_t *n) {
+  const ylmL_array *which = ylmL_array_check(L, f->which);
+  size_t hides = lua_rawlen(L, f->hides);
   *n = which->count;
-  const double *w = numbers(L, WHICH, *n), *at = numbers(L, AT, 3 * *n),
-               *rotation = numbers(L, ROTATION, 9 * *n), *scale = numbers(L, SCALE, *n),
-               *body = numbers(L, BODY, *n), *facts = numbers(L, FACTS, FACTS_WIDTH * hides);
+  const double *w = numbers(L, f->which, *n), *at = numbers(L, f->at, 3 * *n),
+               *rotation = numbers(L, f->rotation, 9 * *n), *scale = numbers(L, f->scale, *n),
+               *body = numbers(L, f->body, *n), *facts = numbers(L, f->facts, FACTS_WIDTH * hides);
   ylm_light_caster *c = lua_newuserdata(L, (*n + 1) * sizeof *c);
   for (size_t i = 0; i < *n; i++) {
     c[i] = (ylm_light_caster){.scale = scale[i], .body = (uint32_t)body[i]};
     memcpy(c[i].at, at + 3 * i, sizeof c[i].at);
     memcpy(c[i].rotation, rotation + 9 * i, sizeof c[i].rotation);
     if (!(w[i] >= 1 && w[i] <= (double)hides)) continue; /* a sphere */
-    const double *f = facts + FACTS_WIDTH * ((size_t)w[i] - 1);
-    lua_rawgeti(L, HIDES, (int)w[i]);
+    const double *fact = facts + FACTS_WIDTH * ((size_t)w[i] - 1);
+    lua_rawgeti(L, f->hides, (int)w[i]);
     c[i].hides = ylmL_field_check(L, lua_gettop(L));
     lua_pop(L, 1);
-    c[i].lmax = (int)f[LMAX];
-    memcpy(c[i].centre, f + CENTRE, sizeof c[i].centre);
-    c[i].radius = f[RADIUS];
-    c[i].far = f[FAR];
-    c[i].area = f[AREA];
+    c[i].lmax = (int)fact[LMAX];
+    memcpy(c[i].centre, fact + CENTRE, sizeof c[i].centre);
+    c[i].radius = fact[RADIUS];
+    c[i].far = fact[FAR];
+    c[i].area = fact[AREA];
   }
   return c;
 }
 
 /* Keeps the lights and what casters hide alive, and looks at them before each use. */
-static bool keep_parts(lua_State *L, shadowed *s) {
-  size_t hides = lua_rawlen(L, HIDES);
+static bool keep_parts(lua_State *L, const shadowed_form *f, shadowed *s) {
+  size_t hides = lua_rawlen(L, f->hides);
   s->parts = ylm_alloc(hides + 1, sizeof *s->parts);
   if (!s->parts) return false;
   lua_createtable(L, (int)hides + 1, 0);
   for (size_t i = 0; i <= hides; i++) {
     if (i)
-      lua_rawgeti(L, HIDES, (int)i);
+      lua_rawgeti(L, f->hides, (int)i);
     else
-      lua_pushvalue(L, LIGHTS);
+      lua_pushvalue(L, f->lights);
     s->parts[s->n++] = (part){lua_touserdata(L, -1), ylmL_field_getter(L, -1)};
     ylmL_note_part(L);
     lua_rawseti(L, -2, (int)i + 1);
@@ -193,21 +179,22 @@ static bool keep_parts(lua_State *L, shadowed *s) {
   return true;
 }
 
-static ylm_shadow_product product_at(lua_State *L, int i) {
-  const char *name = luaL_checkstring(L, i);
-  for (int p = 0; p < YLM_SHADOW_PRODUCT_COUNT; p++)
-    if (strcmp(name, ylm_shadow_product_name((ylm_shadow_product)p)) == 0)
-      return (ylm_shadow_product)p;
-  return (ylm_shadow_product)luaL_argerror(L, i, "no such product");
-}
-
-static ylm_sh_exp_method exponential_at(lua_State *L, int i) {
-  const char *name = luaL_checkstring(L, i);
-  for (int m = 0; m < YLM_SH_EXP_METHOD_COUNT; m++)
-    if (strcmp(name, ylm_sh_exp_method_name((ylm_sh_exp_method)m)) == 0)
-      return (ylm_sh_exp_method)m;
-  return (ylm_sh_exp_method)luaL_argerror(L, i, "no such exponential");
-}
+static const ylmL_entry shadowed_entries[] = {
+    YLML(shadowed_form, lights, "lights", VALUE),
+    YLML(shadowed_form, hides, "hides", VALUE),
+    YLML(shadowed_form, facts, "facts", VALUE),
+    YLML(shadowed_form, which, "which", VALUE),
+    YLML(shadowed_form, at, "at", VALUE),
+    YLML(shadowed_form, rotation, "rotation", VALUE),
+    YLML(shadowed_form, scale, "scale", VALUE),
+    YLML(shadowed_form, body, "body", VALUE),
+    YLML(shadowed_form, form.product, "product", CHOICE, .choices = ylmL_shadow_product_choices),
+    YLML(shadowed_form, form.rule, "rule", DOUBLE),
+    YLML(shadowed_form, form.cull, "cull", DOUBLE),
+    YLML(shadowed_form, form.layers, "layers", BOOL),
+    YLML(shadowed_form, form.exponential, "exp", CHOICE, .choices = ylmL_sh_exp_choices),
+    YLML(shadowed_form, form.terms, "terms", INT),
+    {.name = NULL}};
 
 /*
 ** shadowed_create{lights: an object with a light field, hides: list of objects with one, facts: double [hides][7] of
@@ -215,28 +202,22 @@ static ylm_sh_exp_method exponential_at(lua_State *L, int i) {
 **   scale [n], body [n], product, rule, cull, layers, exp, terms} -> an object with a light field
 */
 static int shadowed_create(lua_State *L) {
+  shadowed_form f = {.lights = 0};
   ylm_error e = {YLM_OK, ""};
   size_t n;
-  lua_settop(L, 1);
-  luaL_checkstack(L, 30, "shadowed_create");
-  ylmL_named(L, FORM, create_names);
-  luaL_checktype(L, HIDES, LUA_TTABLE);
-  const ylm_field *field = ylmL_field_check(L, LIGHTS);
-  const ylm_light_set *set = ylmL_test(L, LIGHTS, YLM_LIGHTS) ? ylmL_lights_check(L, LIGHTS) : NULL;
-  ylm_light_shadow_form form = {.product = product_at(L, PRODUCT),
-                                .rule = (double)luaL_checknumber(L, RULE),
-                                .cull = (double)luaL_checknumber(L, CULL),
-                                .layers = lua_toboolean(L, LAYERS),
-                                .exponential = exponential_at(L, EXP),
-                                .terms = (int)luaL_checknumber(L, TERMS)};
-  const ylm_light_caster *caster = read_casters(L, &n);
+  ylmL_read(L, 1, shadowed_entries, &f);
+  luaL_checktype(L, f.hides, LUA_TTABLE);
+  const ylm_field *field = ylmL_field_check(L, f.lights);
+  const ylm_light_set *set =
+      ylmL_test(L, f.lights, YLM_LIGHTS) ? ylmL_lights_check(L, f.lights) : NULL;
+  const ylm_light_caster *caster = read_casters(L, &f, &n);
   shadowed *s = lua_newuserdata(L, sizeof *s);
   *s = (shadowed){.keep = LUA_NOREF};
   luaL_getmetatable(L, SHADOWED);
   lua_setmetatable(L, -2);
-  if (!keep_parts(L, s)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (!keep_parts(L, &f, s)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_status status =
-      ylm_light_shadowed_create(set, set ? NULL : field, n, caster, &form, &s->of, &e);
+      ylm_light_shadowed_create(set, set ? NULL : field, n, caster, &f.form, &s->of, &e);
   if (status == YLM_OK) ylmL_charge(L, n * 400 + 2000);
   return ylmL_result(L, 1, status, &e);
 }
@@ -319,6 +300,7 @@ static int shadowed_close(lua_State *L) {
   ylm_free(s->parts);
   luaL_unref(L, LUA_REGISTRYINDEX, s->keep);
   *s = (shadowed){.keep = LUA_NOREF};
+  ylmL_disown(L, 1);
   return 0;
 }
 

@@ -19,12 +19,11 @@ static void vector(lua_State *L, const char *name, double out[3]) {
 
 /* The sky {kind, zenith, sun | nil, luminance} at stack index i. */
 static ylm_light_cie sky(lua_State *L, int i) {
-  static const char *const kinds[] = {"overcast", "clear", "partly cloudy", NULL};
   ylm_light_cie s;
   luaL_checktype(L, i, LUA_TTABLE);
   lua_pushvalue(L, i);
   lua_getfield(L, -1, "kind");
-  s.kind = (ylm_light_cie_kind)luaL_checkoption(L, lua_gettop(L), NULL, kinds);
+  s.kind = (ylm_light_cie_kind)luaL_checkoption(L, lua_gettop(L), NULL, ylmL_cie_sky_choices);
   lua_getfield(L, -2, "luminance");
   s.luminance = (double)luaL_checknumber(L, -1);
   lua_pop(L, 2);
@@ -56,8 +55,6 @@ static int sky_luminance(lua_State *L) {
 
 /* The panorama of an image at 1, float [h][w][3], its mapping at 2 and up at 3. */
 static ylm_light_panorama image(lua_State *L) {
-  static const char *const mappings[] = {"latlong", "angular", "cube", NULL};
-  static const char *const ups[] = {"z", "y", NULL};
   const ylmL_array *a = ylmL_array_check(L, 1);
   if (a->dtype != YLM_FLOAT || a->axes != 3 || a->shape[2] != 3 || a->count == 0 ||
       a->shape[0] > YLM_IMAGE_MAX_SIDE || a->shape[1] > YLM_IMAGE_MAX_SIDE)
@@ -65,8 +62,9 @@ static ylm_light_panorama image(lua_State *L) {
   return (ylm_light_panorama){.width = (int)a->shape[1],
                               .height = (int)a->shape[0],
                               .texel = a->data,
-                              .mapping = (ylm_mapping)luaL_checkoption(L, 2, NULL, mappings),
-                              .up = (ylm_up)luaL_checkoption(L, 3, NULL, ups)};
+                              .mapping =
+                                  (ylm_mapping)luaL_checkoption(L, 2, NULL, ylmL_mapping_choices),
+                              .up = (ylm_up)luaL_checkoption(L, 3, NULL, ylmL_up_choices)};
 }
 
 /* panorama_check(texels, mapping, up) -> true | nil, message, code */
@@ -79,8 +77,7 @@ static int panorama_check(lua_State *L) {
 
 /* mapping_fits(mapping, width, height) -> whether an image of the sphere may have this size */
 static int mapping_fits(lua_State *L) {
-  static const char *const mappings[] = {"latlong", "angular", "cube", NULL};
-  ylm_mapping m = (ylm_mapping)luaL_checkoption(L, 1, NULL, mappings);
+  ylm_mapping m = (ylm_mapping)luaL_checkoption(L, 1, NULL, ylmL_mapping_choices);
   lua_pushboolean(L, ylm_mapping_fits(m, (int)luaL_checknumber(L, 2), (int)luaL_checknumber(L, 3)));
   return 1;
 }

@@ -55,10 +55,10 @@ static void spread_colours(lua_State *L, int i, size_t n, double *to) {
     luaL_argerror(L, i, "an array of another shape expected");
   for (size_t k = 0; k < n; k++)
     for (size_t x = 0; x < 3; x++)
-      to[3 * k + x] = sqrt(4 * M_PI) * c[wide            ? 3 * k + x
-                                         : a->count == 3 ? x
-                                         : a->count == 1 ? 0
-                                                         : k];
+      to[3 * k + x] = sqrt(4 * YLM_PI) * c[wide            ? 3 * k + x
+                                           : a->count == 3 ? x
+                                           : a->count == 1 ? 0
+                                                           : k];
 }
 
 static ylm_light_virtual_profile profile_at(lua_State *L, int i) {
@@ -194,34 +194,59 @@ static int lights_virtual_near(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
+typedef struct irradiance_form {
+  ylm_light_virtual_levels o;
+  int part, onto, progress; /* onto, progress: on the stack */
+} irradiance_form;
+
+enum { BOTH, NEAR, FAR };
+
+static const ylmL_entry irradiance_entries[] = {
+    YLML(irradiance_form, o.core, "core", DOUBLE),
+    YLML(irradiance_form, o.voxel, "voxel", DOUBLE),
+    YLML(irradiance_form, o.merge, "merge", DOUBLE),
+    YLML(irradiance_form, o.lmax, "lmax", INT),
+    YLML(irradiance_form, part, "part", CHOICE, .choices = ylmL_near_far_choices, .optional = true),
+    YLML(irradiance_form, onto, "onto", VALUE),
+    YLML(irradiance_form, o.threads, "threads", INT, .optional = true),
+    YLML(irradiance_form, progress, "progress", VALUE),
+    {.name = NULL}};
+
+static void push_levels(lua_State *L, const ylm_light_virtual_levels_report *r) {
+  lua_newtable(L);
+  ylmL_set_count(L, "levels", (uint64_t)r->levels);
+  ylmL_set_count(L, "corners", r->corners);
+  ylmL_set_count(L, "cells", r->cells);
+  ylmL_set_count(L, "bytes", r->bytes);
+  ylmL_set_count(L, "merged", r->merged);
+  ylmL_set_number(L, "cell", r->cell);
+  ylmL_set_count(L, "pairs", r->pairs);
+  ylmL_set_count(L, "far_pairs", r->far_pairs);
+  ylmL_set_number(L, "sorting", r->seconds[0]);
+  ylmL_set_number(L, "merging", r->seconds[1]);
+  ylmL_set_number(L, "baking", r->seconds[2]);
+  ylmL_set_number(L, "far", r->seconds[3]);
+  ylmL_set_number(L, "near", r->seconds[4]);
+}
+
 /* lights_virtual_irradiance(lights, points [n][3], normals [n][3], {core, voxel, merge, lmax, part, onto [n][3],
    threads, progress}) ->
    irradiance [n][3], {levels, corners, cells, bytes, merged, cell, pairs, far_pairs, sorting, merging, baking, far, near}; arrays
    are float. */
 static int lights_virtual_irradiance(lua_State *L) {
-  static const char *const names[] = {"core", "voxel",   "merge",    "lmax", "part",
-                                      "onto", "threads", "progress", NULL};
-  static const char *const parts[] = {"both", "near", "far", NULL};
-  enum { CORE = 5, VOXEL, MERGE, LMAX, PART, ONTO, THREADS, PROGRESS };
-  lua_settop(L, 4);
+  irradiance_form f = {.part = BOTH};
   const ylm_light_virtual *v = lights_at(L, 1);
   const ylmL_array *points = floats(L, 2), *normals = floats(L, 3);
   const size_t n = points->count / 3;
   if (points->count != 3 * n || normals->count != 3 * n) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylmL_named(L, 4, names);
+  ylmL_read(L, 4, irradiance_entries, &f);
   ylm_error e = {0};
   ylmL_progress p;
-  const int part = luaL_checkoption(L, PART, "both", parts);
-  const ylmL_array *onto = lua_isnil(L, ONTO) ? NULL : floats(L, ONTO);
+  const ylmL_array *onto = lua_isnil(L, f.onto) ? NULL : floats(L, f.onto);
   if (onto && onto->count != 3 * n) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylm_light_virtual_levels o = {.core = (double)luaL_checknumber(L, CORE),
-                                .voxel = (double)luaL_checknumber(L, VOXEL),
-                                .merge = (double)luaL_checknumber(L, MERGE),
-                                .lmax = (int)luaL_checknumber(L, LMAX),
-                                .near = part != 2,
-                                .far = part != 1,
-                                .threads = (int)luaL_optnumber(L, THREADS, 0),
-                                .progress = ylmL_progress_begin(L, PROGRESS, &p)};
+  f.o.near = f.part != FAR;
+  f.o.far = f.part != NEAR;
+  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   if (onto)
@@ -230,21 +255,8 @@ static int lights_virtual_irradiance(lua_State *L) {
     ylm_zero(out->data, 3 * n * sizeof(float));
   ylm_light_virtual_levels_report r;
   ylm_status s =
-      ylm_light_virtual_irradiance(v, &o, n, points->data, normals->data, out->data, &r, &e);
-  lua_newtable(L);
-  ylmL_set_count(L, "levels", (uint64_t)r.levels);
-  ylmL_set_count(L, "corners", r.corners);
-  ylmL_set_count(L, "cells", r.cells);
-  ylmL_set_count(L, "bytes", r.bytes);
-  ylmL_set_count(L, "merged", r.merged);
-  ylmL_set_number(L, "cell", r.cell);
-  ylmL_set_count(L, "pairs", r.pairs);
-  ylmL_set_count(L, "far_pairs", r.far_pairs);
-  ylmL_set_number(L, "sorting", r.seconds[0]);
-  ylmL_set_number(L, "merging", r.seconds[1]);
-  ylmL_set_number(L, "baking", r.seconds[2]);
-  ylmL_set_number(L, "far", r.seconds[3]);
-  ylmL_set_number(L, "near", r.seconds[4]);
+      ylm_light_virtual_irradiance(v, &f.o, n, points->data, normals->data, out->data, &r, &e);
+  push_levels(L, &r);
   return ylmL_result_progress(L, 2, s, &e, &p);
 }
 

@@ -15,31 +15,36 @@ static int table_gc(lua_State *L) {
   return 0;
 }
 
+typedef struct table_form {
+  ylm_material_table_form f;
+  int progress; /* on the stack */
+} table_form;
+
+static const ylmL_entry table_entries[] = {
+    YLML(table_form, f.lmax, "lmax", INT),
+    YLML(table_form, f.rows, "rows", INT),
+    YLML(table_form, f.columns, "columns", INT),
+    YLML(table_form, f.error, "error", DOUBLE),
+    YLML(table_form, f.slice, "slice", CHOICE, .choices = ylmL_slice_choices),
+    YLML(table_form, f.threads, "threads", INT, .optional = true),
+    YLML(table_form, progress, "progress", VALUE),
+    {.name = NULL}};
+
 /* material_table(material, {lmax, rows, columns, error, slice: "cosine" | "bare" | "fit", threads, progress}) ->
    table, facts */
 static int material_table(lua_State *L) {
-  static const char *const names[] = {"lmax",  "rows",    "columns",  "error",
-                                      "slice", "threads", "progress", NULL};
-  static const char *const slices[] = {"cosine", "bare", "fit", NULL};
-  enum { LMAX = 3, ROWS, COLUMNS, ERROR, SLICE, THREADS, PROGRESS };
+  table_form t = {.progress = 0};
   const ylm_material *m = ylmL_material_check(L, 1);
   ylm_error e = {0};
   ylmL_progress p;
   ylm_material_table_facts f;
-  ylmL_named(L, 2, names);
-  ylm_material_table_form form = {
-      .lmax = (int)luaL_checknumber(L, LMAX),
-      .rows = (int)luaL_checknumber(L, ROWS),
-      .columns = (int)luaL_checknumber(L, COLUMNS),
-      .error = (double)luaL_checknumber(L, ERROR),
-      .slice = (ylm_material_table_slice)luaL_checkoption(L, SLICE, NULL, slices),
-      .threads = (int)luaL_optnumber(L, THREADS, 0)};
+  ylmL_read(L, 2, table_entries, &t);
   handle *h = lua_newuserdata(L, sizeof *h);
   h->table = NULL;
   luaL_getmetatable(L, TABLE);
   lua_setmetatable(L, -2);
-  form.progress = ylmL_progress_begin(L, PROGRESS, &p);
-  ylm_status s = ylm_material_table_create(m, &form, &h->table, &e);
+  t.f.progress = ylmL_progress_begin(L, t.progress, &p);
+  ylm_status s = ylm_material_table_create(m, &t.f, &h->table, &e);
   if (s != YLM_OK) return ylmL_result_progress(L, 0, s, &e, &p);
   ylm_material_table_look(h->table, &f);
   ylmL_charge(L, f.bytes);

@@ -82,7 +82,7 @@ static bool copy_floats(const ylmL_array *a, float *out) {
 static ylm_status copy_places(const ylmL_array *a, ylm_mesh *m, ylm_error *e) {
   double *place = ylm_alloc(a->count, sizeof *place);
   bool finite = true;
-  if (!place) return ylm_fail(e, YLM_ENOMEM, "memory ran out");
+  if (!place) return ylm_no_memory(e);
   for (size_t i = 0; i < a->count; i++) {
     place[i] = ylmL_array_get(a, i);
     finite = finite && isfinite((float)place[i]);
@@ -95,7 +95,7 @@ static ylm_status copy_places(const ylmL_array *a, ylm_mesh *m, ylm_error *e) {
 /* Gives a mesh the colours [vertices][3], each number from 0 to 1. */
 static ylm_status copy_colours(const ylmL_array *a, size_t vertices, ylm_mesh *m, ylm_error *e) {
   m->colour = ylm_alloc(3 * vertices, sizeof(float));
-  if (!m->colour) return ylm_fail(e, YLM_ENOMEM, "memory ran out");
+  if (!m->colour) return ylm_no_memory(e);
   for (size_t i = 0; i < a->count; i++) {
     m->colour[i] = (float)ylmL_array_get(a, i);
     if (!(m->colour[i] >= 0 && m->colour[i] <= 1))

@@ -5,55 +5,45 @@
 
 #include "ylm_sh.h"
 
-#include <string.h>
-
 static void *data_of(ylmL_array *a) { return a ? a->data : NULL; }
 
-/* The number of the method called `name`; -1 if there is none. */
-static int method_of(const char *name) {
-  for (int m = 0; m < YLM_SH_METHOD_COUNT; m++)
-    if (strcmp(name, ylm_sh_method_name((ylm_sh_method)m)) == 0) return m;
-  return -1;
-}
+typedef struct eval_form {
+  ylmL_array *y, *dy, *ddy;
+  ylm_sh_how how;
+  int progress; /* on the stack */
+} eval_form;
 
-int ylmL_isa(lua_State *L, int i) {
-  if (lua_isnoneornil(L, i)) return -1;
-  const char *name = luaL_checkstring(L, i);
-  for (int k = 0; k < YLM_ISA_COUNT; k++)
-    if (strcmp(name, ylm_isa_name((ylm_isa)k)) == 0) return k;
-  return luaL_argerror(L, i, "no such kernel set");
-}
+static const ylmL_entry eval_entries[] = {
+    YLML(eval_form, y, "y", ARRAY),
+    YLML(eval_form, dy, "dy", ARRAY, .optional = true),
+    YLML(eval_form, ddy, "ddy", ARRAY, .optional = true),
+    YLML(eval_form, how.solid, "solid", BOOL),
+    YLML(eval_form, how.method, "method", CHOICE, .choices = ylmL_sh_method_choices),
+    YLML(eval_form, how.threads, "threads", INT, .optional = true),
+    YLML(eval_form, how.isa, "isa", CHOICE, .choices = ylmL_isa_choices, .optional = true),
+    YLML(eval_form, progress, "progress", VALUE),
+    {.name = NULL}};
 
 /* sh_eval(lmax, points [n][3], {y, dy | nil, ddy | nil, solid, method, threads, isa | nil,
    progress}) fills y [n][count], dy [n][count][3], ddy [n][count][6], all of the points' type */
 static int sh_eval(lua_State *L) {
-  static const char *const names[] = {"y",       "dy",  "ddy",      "solid", "method",
-                                      "threads", "isa", "progress", NULL};
-  enum { Y = 4, DY, DDY, SOLID, METHOD, THREADS, ISA, PROGRESS };
-  ylmL_named(L, 3, names);
-  ylmL_array *p = ylmL_array_check(L, 2), *y = ylmL_array_check(L, Y);
-  ylmL_array *dy = ylmL_array_opt(L, DY), *ddy = ylmL_array_opt(L, DDY);
+  eval_form f = {.how = {.isa = -1}};
+  ylmL_read(L, 3, eval_entries, &f);
+  const ylmL_array *p = ylmL_array_check(L, 2), *y = f.y, *dy = f.dy, *ddy = f.ddy;
   ylmL_progress progress;
   ylm_error e = {YLM_OK, ""};
-  int lmax = (int)luaL_checknumber(L, 1), method = method_of(luaL_checkstring(L, METHOD));
+  int lmax = (int)luaL_checknumber(L, 1);
   if (lmax < 0 || lmax > YLM_LMAX) return ylmL_result(L, 0, YLM_ERANGE, NULL);
   size_t n = p->count / 3, count = ylm_sh_count(lmax);
-  if (method < 0) return ylmL_result(L, 0, YLM_EINVAL, NULL);
   if (p->count != 3 * n || y->count != n * count || (dy && dy->count != 3 * n * count) ||
       (ddy && (!dy || ddy->count != 6 * n * count)))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   if (y->dtype != p->dtype || (dy && dy->dtype != p->dtype) || (ddy && ddy->dtype != p->dtype))
     return ylmL_result(L, 0, YLM_ETYPE, NULL);
-  ylm_sh_how how = {.derivatives = ddy  ? 2
-                                   : dy ? 1
-                                        : 0,
-                    .solid = lua_toboolean(L, SOLID),
-                    .method = (ylm_sh_method)method,
-                    .isa = ylmL_isa(L, ISA),
-                    .threads = (int)luaL_optnumber(L, THREADS, 0)};
-  how.progress = ylmL_progress_begin(L, PROGRESS, &progress);
-  ylm_status s =
-      ylm_sh_eval_how(&how, lmax, p->dtype, n, p->data, y->data, data_of(dy), data_of(ddy), &e);
+  f.how.derivatives = ddy ? 2 : dy ? 1 : 0;
+  f.how.progress = ylmL_progress_begin(L, f.progress, &progress);
+  ylm_status s = ylm_sh_eval_how(&f.how, lmax, p->dtype, n, p->data, f.y->data, data_of(f.dy),
+                                 data_of(f.ddy), &e);
   lua_pushboolean(L, s == YLM_OK);
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }

@@ -1,6 +1,6 @@
-/* sh_product.c - binds products and transfer matrices. Arguments come sorted from
+/* sh_product.c - binds products and their matrices. Arguments come sorted from
  * lua/ylm/sh/product.lua. */
-#include "../binding_product.h"
+#include "../binding.h"
 
 #include "ylm_sh.h"
 #include "ylm_sh_exponential.h"
@@ -23,7 +23,9 @@ static int product_gc(lua_State *L) {
 static int sh_product_plan(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
   int lmax = (int)luaL_checknumber(L, 1), factors = (int)luaL_checknumber(L, 2);
-  ylm_sh_product_method method = ylmL_product_method(L, 3), inner = ylmL_product_method(L, 4);
+  const char *const *methods = ylmL_sh_product_choices;
+  ylm_sh_product_method method = (ylm_sh_product_method)luaL_checkoption(L, 3, "auto", methods),
+                        inner = (ylm_sh_product_method)luaL_checkoption(L, 4, "auto", methods);
   handle *h = lua_newuserdata(L, sizeof *h);
   *h = (handle){NULL, lmax, factors};
   luaL_getmetatable(L, PRODUCT);
@@ -80,8 +82,8 @@ static int sh_product(lua_State *L) {
   return 3;
 }
 
-/* sh_transfer(c double [count of clmax], clmax, lmax, out double [count][count]) -> true */
-static int sh_transfer(lua_State *L) {
+/* sh_product_matrix(c double [count of clmax], clmax, lmax, out double [count][count]) -> true */
+static int sh_product_matrix(lua_State *L) {
   ylmL_array *c = ylmL_array_check(L, 1), *out = ylmL_array_check(L, 4);
   int clmax = (int)luaL_checknumber(L, 2), lmax = (int)luaL_checknumber(L, 3);
   ylm_error e = {YLM_OK, ""};
@@ -93,13 +95,13 @@ static int sh_transfer(lua_State *L) {
             ? YLM_OK
             : YLM_ESHAPE;
   }
-  if (s == YLM_OK) s = ylm_sh_transfer(clmax, c->data, lmax, out->data, &e);
+  if (s == YLM_OK) s = ylm_sh_product_matrix(clmax, c->data, lmax, out->data, &e);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, &e);
 }
 
-/* sh_transfer_apply(matrix [n][n], in [rows][n], out, threads, progress) -> true */
-static int sh_transfer_apply(lua_State *L) {
+/* sh_apply(matrix [n][n], in [rows][n], out, threads, progress) -> true */
+static int sh_apply(lua_State *L) {
   ylmL_array *m = ylmL_array_check(L, 1), *in = ylmL_array_check(L, 2),
              *out = ylmL_array_check(L, 3);
   ylmL_progress progress;
@@ -110,7 +112,7 @@ static int sh_transfer_apply(lua_State *L) {
   if (s == YLM_OK && (m->dtype != in->dtype || in->dtype != out->dtype)) s = YLM_ETYPE;
   if (s == YLM_OK && in->data == out->data) s = YLM_EINVAL;
   if (s == YLM_OK)
-    s = ylm_sh_transfer_apply(n, in->dtype, m->data, in->count / n, in->data, out->data,
+    s = ylm_sh_apply(n, in->dtype, m->data, in->count / n, in->data, out->data,
                               (int)luaL_optnumber(L, 4, 0), report);
   lua_pushboolean(L, 1);
   return ylmL_result_progress(L, 1, s, NULL, &progress);
@@ -231,11 +233,7 @@ static int sh_exp(lua_State *L) { return sh_function(L, false); }
 static int sh_exponential(lua_State *L) {
   ylmL_array *in = ylmL_array_check(L, 1), *out = ylmL_array_check(L, 4);
   int lmax = (int)luaL_checknumber(L, 2), threads = (int)luaL_optnumber(L, 5, 0);
-  const char *name = luaL_checkstring(L, 3);
-  ylm_sh_exp_method method = YLM_SH_EXP_PS;
-  for (int m = 0; m < YLM_SH_EXP_METHOD_COUNT; m++)
-    if (strcmp(name, ylm_sh_exp_method_name((ylm_sh_exp_method)m)) == 0)
-      method = (ylm_sh_exp_method)m;
+  ylm_sh_exp_method method = (ylm_sh_exp_method)luaL_checkoption(L, 3, NULL, ylmL_sh_exp_choices);
   ylm_error e = {YLM_OK, ""};
   ylm_status s;
   ylm_sh_exponential *tables = NULL;
@@ -269,8 +267,8 @@ static const luaL_Reg functions[] = {{"sh_product_plan", sh_product_plan},
                                      {"sh_exponential", sh_exponential},
                                      {"sh_circle_log", sh_circle_log},
                                      {"sh_product", sh_product},
-                                     {"sh_transfer", sh_transfer},
-                                     {"sh_transfer_apply", sh_transfer_apply},
+                                     {"sh_product_matrix", sh_product_matrix},
+                                     {"sh_apply", sh_apply},
                                      {"sh_matrices_apply", sh_matrices_apply},
                                      {"sh_symmetric", sh_symmetric},
                                      {NULL, NULL}};

@@ -32,18 +32,30 @@ static int sh_samples(lua_State *L) {
   return 1;
 }
 
+typedef struct project_form {
+  ylmL_array *directions, *weights, *values, *out, *squares;
+  int threads, progress; /* progress: on the stack */
+} project_form;
+
+static const ylmL_entry project_entries[] = {
+    YLML(project_form, directions, "directions", ARRAY),
+    YLML(project_form, weights, "weights", ARRAY, .optional = true),
+    YLML(project_form, values, "values", ARRAY),
+    YLML(project_form, out, "out", ARRAY),
+    YLML(project_form, squares, "squares", ARRAY, .optional = true),
+    YLML(project_form, threads, "threads", INT, .optional = true),
+    YLML(project_form, progress, "progress", VALUE),
+    {.name = NULL}};
+
 /* sh_project(lmax, {directions [n][3], weights [n] | nil, values [n][channels], out
    [channels][count], squares [channels][count] | nil, threads, progress})
    -> true; all double */
 static int sh_project(lua_State *L) {
-  static const char *const names[] = {"directions", "weights", "values",   "out",
-                                      "squares",    "threads", "progress", NULL};
-  enum { DIRECTIONS = 3, WEIGHTS, VALUES, OUT, SQUARES, THREADS, PROGRESS };
+  project_form f = {.threads = 0};
   int lmax = (int)luaL_checknumber(L, 1);
-  ylmL_named(L, 2, names);
-  ylmL_array *d = ylmL_array_check(L, DIRECTIONS), *w = ylmL_array_opt(L, WEIGHTS);
-  ylmL_array *v = ylmL_array_check(L, VALUES), *out = ylmL_array_check(L, OUT);
-  ylmL_array *square = ylmL_array_opt(L, SQUARES);
+  ylmL_read(L, 2, project_entries, &f);
+  const ylmL_array *d = f.directions, *w = f.weights, *v = f.values, *out = f.out,
+                   *square = f.squares;
   ylm_error e = {YLM_OK, ""};
   ylmL_progress progress;
   size_t n = d->count / 3;
@@ -56,10 +68,10 @@ static int sh_project(lua_State *L) {
   if (d->dtype != YLM_DOUBLE || v->dtype != YLM_DOUBLE || out->dtype != YLM_DOUBLE ||
       (w && w->dtype != YLM_DOUBLE) || (square && square->dtype != YLM_DOUBLE))
     return ylmL_result(L, 0, YLM_ETYPE, NULL);
-  ylm_status s = ylm_sh_project_samples(lmax, n, d->data, w ? w->data : NULL, (int)channels,
-                                        v->data, out->data, square ? square->data : NULL,
-                                        (int)luaL_optnumber(L, THREADS, 0),
-                                        ylmL_progress_begin(L, PROGRESS, &progress), &e);
+  const ylm_progress *report = ylmL_progress_begin(L, f.progress, &progress);
+  ylm_status s =
+      ylm_sh_project_samples(lmax, n, d->data, w ? w->data : NULL, (int)channels, v->data,
+                             out->data, square ? square->data : NULL, f.threads, report, &e);
   lua_pushboolean(L, 1);
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }

@@ -131,13 +131,12 @@ static int sh_rotate_each(lua_State *L) {
 
 /* sh_rotation(plan, {9}, lmax, dtype) -> rotation */
 static int sh_rotation(lua_State *L) {
-  static const char *const types[] = {"float", "double", NULL};
   handle *plan = ylmL_check(L, 1, ROTATOR);
   double r[9];
   ylm_error e = {YLM_OK, ""};
   numbers(L, 2, 9, r);
   int lmax = (int)luaL_checknumber(L, 3);
-  ylm_dtype t = (ylm_dtype)luaL_checkoption(L, 4, "double", types);
+  ylm_dtype t = (ylm_dtype)luaL_checkoption(L, 4, "double", ylmL_dtype_choices);
   handle *h = push_handle(L, ROTATION);
   ylm_status s =
       ylm_sh_rotation_create(plan->object, r, lmax, t, (ylm_sh_rotation **)&h->object, &e);
@@ -213,40 +212,50 @@ static int sh_convention_name(lua_State *L) {
   return 1;
 }
 
+typedef struct convert_form {
+  uint64_t from, to;
+  size_t rows;
+  int lmax, threads, progress; /* progress: on the stack */
+} convert_form;
+
+static const ylmL_entry convert_entries[] = {
+    YLML(convert_form, from, "from", UINT64, .least = 0, .most = UINT32_MAX),
+    YLML(convert_form, to, "to", UINT64, .least = 0, .most = UINT32_MAX),
+    YLML(convert_form, lmax, "lmax", INT, .least = 0, .most = YLM_LMAX),
+    YLML(convert_form, rows, "rows", COUNT),
+    YLML(convert_form, threads, "threads", INT, .optional = true),
+    YLML(convert_form, progress, "progress", VALUE),
+    {.name = NULL}};
+
+/* The numbers of n rows of coefficients to lmax in a convention. */
+static size_t numbers_in(uint32_t convention, size_t n, int lmax) {
+  size_t count = ylm_sh_count(lmax);
+  switch (ylm_sh_convention_system(convention)) {
+  case YLM_SH_SYSTEM_scipy: return 2 * n * count;
+  case YLM_SH_SYSTEM_unity: return n / 3 * 28;
+  case YLM_SH_SYSTEM_mrtrix:
+  case YLM_SH_SYSTEM_dipy: return n * (count + (size_t)lmax + 1) / 2;
+  default: return n * count;
+  }
+}
+
 /* sh_convert(in, out, {from, to, lmax, rows, threads, progress}) -> true; the arrays' sizes were
  * made to fit by the caller */
 static int sh_convert(lua_State *L) {
-  static const char *const names[] = {"from", "to", "lmax", "rows", "threads", "progress", NULL};
-  enum { FROM = 4, TO, LMAX, ROWS, THREADS, PROGRESS };
-  ylmL_named(L, 3, names);
-  uint32_t from = (uint32_t)luaL_checknumber(L, FROM), to = (uint32_t)luaL_checknumber(L, TO);
-  int lmax = (int)luaL_checknumber(L, LMAX);
-  int64_t rows;
+  convert_form f = {.threads = 0};
+  ylmL_read(L, 3, convert_entries, &f);
+  uint32_t from = (uint32_t)f.from, to = (uint32_t)f.to;
   ylmL_array *in = ylmL_array_check(L, 1), *out = ylmL_array_check(L, 2);
   ylm_error e = {YLM_OK, ""};
   ylmL_progress progress;
-  const ylm_progress *report = ylmL_progress_begin(L, PROGRESS, &progress);
+  const ylm_progress *report = ylmL_progress_begin(L, f.progress, &progress);
   ylm_status s = YLM_OK;
-  if (!ylmL_toint64(L, ROWS, &rows) || rows < 0 || lmax < 0 || lmax > YLM_LMAX)
-    s = YLM_ERANGE;
-  else {
-    size_t needed[2];
-    for (int i = 0; i < 2; i++) {
-      size_t n = (size_t)rows, count = ylm_sh_count(lmax);
-      switch (ylm_sh_convention_system(i ? to : from)) {
-      case YLM_SH_SYSTEM_scipy: needed[i] = 2 * n * count; break;
-      case YLM_SH_SYSTEM_unity: needed[i] = n / 3 * 28; break;
-      case YLM_SH_SYSTEM_mrtrix:
-      case YLM_SH_SYSTEM_dipy: needed[i] = n * (count + (size_t)lmax + 1) / 2; break;
-      default: needed[i] = n * count;
-      }
-    }
-    if (in->count != needed[0] || out->count != needed[1] || in->dtype != out->dtype)
-      s = YLM_ESHAPE;
-  }
+  if (in->count != numbers_in(from, f.rows, f.lmax) ||
+      out->count != numbers_in(to, f.rows, f.lmax) || in->dtype != out->dtype)
+    s = YLM_ESHAPE;
   if (s == YLM_OK)
-    s = ylm_sh_convert(from, to, lmax, in->dtype, (size_t)rows, in->data, out->data,
-                       (int)luaL_optnumber(L, THREADS, 0), report, &e);
+    s = ylm_sh_convert(from, to, f.lmax, in->dtype, f.rows, in->data, out->data, f.threads, report,
+                       &e);
   if (s == YLM_OK) out->convention = to;
   lua_pushboolean(L, 1);
   return ylmL_result_progress(L, 1, s, &e, &progress);

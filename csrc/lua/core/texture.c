@@ -7,9 +7,8 @@
 
 /* texture_create(float [h][w][c], wrap of u | nil, wrap of v | nil) -> texture of 0 .. 1 */
 static int texture_create(lua_State *L) {
-  static const char *const wraps[] = {"repeat", "mirror", "clamp", NULL};
-  ylm_texture_wrap u = (ylm_texture_wrap)luaL_checkoption(L, 2, "repeat", wraps);
-  ylm_texture_wrap v = (ylm_texture_wrap)luaL_checkoption(L, 3, "repeat", wraps);
+  ylm_texture_wrap u = (ylm_texture_wrap)luaL_checkoption(L, 2, "repeat", ylmL_wrap_choices);
+  ylm_texture_wrap v = (ylm_texture_wrap)luaL_checkoption(L, 3, "repeat", ylmL_wrap_choices);
   ylmL_array *a = ylmL_array_check(L, 1);
   ylm_error e = {0};
   if (a->dtype != YLM_FLOAT || a->axes != 3) return ylmL_result(L, 0, YLM_ESHAPE, NULL);

@@ -1,5 +1,5 @@
 /* rival.c - opens ylm.c.rival, which registers libylm_rival.so, and binds what shades by lamps. For
-   lua/ylm/library.lua and lua/ylm/render/zonal.lua. */
+   lua/ylm/library.lua, lua/ylm/render/zonal.lua and lua/ylm/render/gather.lua. */
 #include "ylm_rival.h"
 
 #include "../binding.h"
@@ -44,7 +44,13 @@ static int zonal(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
-static const luaL_Reg functions[] = {{"zonal", zonal}, {NULL, NULL}};
+/* many() -> what shade_rivals of ylm.c.scene takes */
+static int many(lua_State *L) {
+  lua_pushlightuserdata(L, (void *)(uintptr_t)ylm_rival_many());
+  return 1;
+}
+
+static const luaL_Reg functions[] = {{"zonal", zonal}, {"many", many}, {NULL, NULL}};
 
 int luaopen_ylm_c_rival(lua_State *L) {
   ylmL_check_abi(L);

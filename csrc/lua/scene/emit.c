@@ -95,51 +95,41 @@ static bool push_lights(lua_State *L, const ylm_emit_lights *l) {
   return a != NULL;
 }
 
+typedef struct emit_form {
+  ylm_emit_options o;
+  int progress; /* on the stack */
+} emit_form;
+
+static const ylmL_entry emit_entries[] = {
+    YLML(emit_form, o.particles, "particles", COUNT),
+    YLML(emit_form, o.lights, "lights", COUNT, .optional = true),
+    YLML(emit_form, o.bounces, "bounces", INT),
+    YLML(emit_form, o.radius, "radius", CHOICE, .choices = ylmL_emit_radius_choices),
+    YLML(emit_form, o.fixed, "fixed", DOUBLE, .optional = true),
+    YLML(emit_form, o.scale, "scale", DOUBLE),
+    YLML(emit_form, o.seed, "seed", UINT64),
+    YLML(emit_form, o.threads, "threads", INT, .optional = true),
+    YLML(emit_form, progress, "progress", VALUE),
+    YLML(emit_form, o.grid, "grid", INT, .optional = true),
+    YLML(emit_form, o.degree, "degree", INT),
+    YLML(emit_form, o.conserve, "conserve", BOOL),
+    YLML(emit_form, o.merge, "merge", BOOL),
+    YLML(emit_form, o.cell, "cell", DOUBLE, .optional = true),
+    {.name = NULL}};
+
 /* emit_lights(scene, {particles, lights, bounces, radius: "density" | "angle" | "fixed" | "footprint" | "neighbours",
    fixed, scale, seed, threads, progress, grid: texels a side or nil, degree: -1 auto, conserve, merge, cell}) -> at
    [n][3], normal [n][3], radius [n], intensity [n][3] or emission [n][3][(degree+1)^2], shift [n] or nil, report */
 static int emit_lights(lua_State *L) {
-  static const char *const names[] = {"particles", "lights",   "bounces", "radius",   "fixed",
-                                      "scale",     "seed",     "threads", "progress", "grid",
-                                      "degree",    "conserve", "merge",   "cell",     NULL};
-  static const char *const radii[] = {"density", "angle", "fixed", "footprint", "neighbours", NULL};
-  enum {
-    PARTICLES = 3,
-    LIGHTS,
-    BOUNCES,
-    RADIUS,
-    FIXED,
-    SCALE,
-    SEED,
-    THREADS,
-    PROGRESS,
-    GRID,
-    DEGREE,
-    CONSERVE,
-    MERGE,
-    CELL
-  };
-  ylmL_named(L, 2, names);
+  emit_form f = {.progress = 0};
+  ylmL_read(L, 2, emit_entries, &f);
   const ylm_scene *scene = ylmL_scene(L, 1);
   ylm_error e = {0};
   ylmL_progress p;
   ylm_emit_lights lights;
   ylm_emit_report report;
-  ylm_emit_options o = {.particles = (size_t)luaL_checknumber(L, PARTICLES),
-                        .lights = (size_t)luaL_optnumber(L, LIGHTS, 0),
-                        .bounces = (int)luaL_checknumber(L, BOUNCES),
-                        .radius = (ylm_emit_radius)luaL_checkoption(L, RADIUS, NULL, radii),
-                        .fixed = (double)luaL_optnumber(L, FIXED, 0),
-                        .scale = (double)luaL_checknumber(L, SCALE),
-                        .grid = (int)luaL_optnumber(L, GRID, 0),
-                        .degree = (int)luaL_checknumber(L, DEGREE),
-                        .conserve = lua_toboolean(L, CONSERVE),
-                        .merge = lua_toboolean(L, MERGE),
-                        .cell = (double)luaL_optnumber(L, CELL, 0),
-                        .seed = (uint64_t)luaL_checknumber(L, SEED),
-                        .threads = (int)luaL_optnumber(L, THREADS, 0),
-                        .progress = ylmL_progress_begin(L, PROGRESS, &p)};
-  ylm_status s = ylm_emit(scene, &o, &lights, &report, &e);
+  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
+  ylm_status s = ylm_emit(scene, &f.o, &lights, &report, &e);
   if (s == YLM_OK && !push_lights(L, &lights)) s = YLM_ENOMEM;
   ylm_emit_free(&lights);
   if (s == YLM_OK)
@@ -187,7 +177,7 @@ static int emit_write(lua_State *L) {
   ylmL_array *intensity = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, 3});
   if (!intensity) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   l.intensity = intensity->data;
-  for (size_t i = 0; count == 1 && i < 3 * n; i++) l.intensity[i] = emission[i] / sqrt(4 * M_PI);
+  for (size_t i = 0; count == 1 && i < 3 * n; i++) l.intensity[i] = emission[i] / sqrt(4 * YLM_PI);
   ylm_status s = count > 1 ? along_normals(n, count, l.normal, emission, l.intensity) : YLM_OK;
   for (size_t i = 0; i < 3 * n; i++) l.intensity[i] *= 1 + shift[i / 3];
   lua_pushboolean(L, true);

@@ -76,44 +76,30 @@ static gathered *check_gather(lua_State *L, int i) {
   return ylmL_held_check(L, i, YLML_GATHER)->object;
 }
 
+static const ylmL_entry gather_entries[] = {
+    YLML(ylm_gather_form, base, "base", INT),
+    YLML(ylm_gather_form, levels, "levels", INT),
+    YLML(ylm_gather_form, contrast, "contrast", DOUBLE),
+    YLML(ylm_gather_form, spacing, "spacing", DOUBLE),
+    YLML(ylm_gather_form, parts, "parts", INT),
+    YLML(ylm_gather_form, derivatives, "derivatives", CHOICE,
+         .choices = ylmL_gather_derivatives_choices),
+    YLML(ylm_gather_form, tolerance, "tolerance", DOUBLE),
+    YLML(ylm_gather_form, remember, "remember", BOOL),
+    YLML(ylm_gather_form, within, "within", BOOL),
+    YLML(ylm_gather_form, refine_surfaces, "surfaces", BOOL),
+    YLML(ylm_gather_form, seed, "seed", UINT64),
+    YLML(ylm_gather_form, lamps, "lamps", READ, .read = ylmL_read_scene, .optional = true),
+    {.name = NULL}};
+
 /* gather_create(radiosity, {base, levels, contrast, spacing (0: the elements'), parts: 1 indirect + 2 direct,
    derivatives: "cells" | "points", tolerance, remember, within, surfaces, seed, lamps: scene | nil}) -> gather */
 static int gather_create(lua_State *L) {
-  static const char *const names[] = {"base",        "levels",    "contrast", "spacing", "parts",
-                                      "derivatives", "tolerance", "remember", "within",  "surfaces",
-                                      "seed",        "lamps",     NULL};
-  enum {
-    BASE = 3,
-    LEVELS,
-    CONTRAST,
-    SPACING,
-    PARTS,
-    DERIVATIVES,
-    TOLERANCE,
-    REMEMBER,
-    WITHIN,
-    SURFACES,
-    SEED,
-    LAMPS
-  };
-  static const char *const derivatives[] = {"cells", "points", NULL};
   ylmL_held *of = ylmL_held_check(L, 1, YLML_RADIOSITY);
   gathered *g;
   ylm_error e = {0};
-  ylmL_named(L, 2, names);
-  ylm_gather_form f = {
-      .base = (int)luaL_checknumber(L, BASE),
-      .levels = (int)luaL_checknumber(L, LEVELS),
-      .contrast = (double)luaL_checknumber(L, CONTRAST),
-      .spacing = (double)luaL_checknumber(L, SPACING),
-      .parts = (ylm_gather_parts)luaL_checknumber(L, PARTS),
-      .derivatives = (ylm_gather_derivatives)luaL_checkoption(L, DERIVATIVES, NULL, derivatives),
-      .tolerance = (double)luaL_checknumber(L, TOLERANCE),
-      .remember = lua_toboolean(L, REMEMBER),
-      .within = lua_toboolean(L, WITHIN),
-      .refine_surfaces = lua_toboolean(L, SURFACES),
-      .seed = (uint64_t)luaL_checknumber(L, SEED),
-      .lamps = lua_isnil(L, LAMPS) ? NULL : ylmL_scene(L, LAMPS)};
+  ylm_gather_form f = {.lamps = NULL};
+  ylmL_read(L, 2, gather_entries, &f);
   ylmL_held *h = ylmL_hold(L, YLML_GATHER, destroy, of);
   ylm_status s = make(of, &f, &g, &e);
   if (s == YLM_OK) {

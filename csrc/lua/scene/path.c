@@ -3,25 +3,15 @@
 #include "ylm_path.h"
 #include "ylm_sh.h"
 
-/* Arguments that all estimates take, in the order in which they stand behind others. */
-#define COMMON                                                                                     \
-  "samples", "first", "last", "strategy", "error", "seconds", "seed", "threads", "progress"
-enum { SAMPLES, FIRST, LAST, STRATEGY, ERROR, SECONDS, SEED, THREADS, PROGRESS };
-
-/* Options from stack index `at` on. */
-static ylm_path_options read_options(lua_State *L, int at, ylmL_progress *p) {
-  static const char *const strategies[] = {"both", "lights", "material", NULL};
-  return (ylm_path_options){
-      .samples = (int)luaL_checknumber(L, at + SAMPLES),
-      .first = (int)luaL_checknumber(L, at + FIRST),
-      .last = (int)luaL_checknumber(L, at + LAST),
-      .strategy = (ylm_path_strategy)luaL_checkoption(L, at + STRATEGY, NULL, strategies),
-      .error = (double)luaL_optnumber(L, at + ERROR, 0),
-      .seconds = (double)luaL_optnumber(L, at + SECONDS, 0),
-      .seed = (uint64_t)luaL_checknumber(L, at + SEED),
-      .threads = (int)luaL_optnumber(L, at + THREADS, 0),
-      .progress = ylmL_progress_begin(L, at + PROGRESS, p)};
-}
+/* Entries that all estimates take, of a struct with `o` and `progress`, an index on the stack. */
+#define COMMON(form)                                                                               \
+  YLML(form, o.samples, "samples", INT), YLML(form, o.first, "first", INT),                        \
+      YLML(form, o.last, "last", INT),                                                             \
+      YLML(form, o.strategy, "strategy", CHOICE, .choices = ylmL_path_strategy_choices),           \
+      YLML(form, o.error, "error", DOUBLE, .optional = true),                                      \
+      YLML(form, o.seconds, "seconds", DOUBLE, .optional = true),                                  \
+      YLML(form, o.seed, "seed", UINT64), YLML(form, o.threads, "threads", INT, .optional = true), \
+      YLML(form, progress, "progress", VALUE)
 
 static void push_stats(lua_State *L, const ylm_path_sum *sum, const ylm_path_stats *s) {
   static const char *const ends[] = {"samples", "error", "seconds"};
@@ -46,29 +36,40 @@ static float *floats(lua_State *L, int i, size_t n) {
   return a->data;
 }
 
+typedef struct image_form {
+  ylm_path_options o;
+  ylm_camera camera;
+  int width, height, mean, rest, variance, progress; /* from mean on: on the stack */
+  double background[3];
+  uint64_t done;
+} image_form;
+
+static const ylmL_entry image_entries[] = {
+    YLML(image_form, camera, "camera", READ, .read = ylmL_read_camera),
+    YLML(image_form, width, "width", INT),
+    YLML(image_form, height, "height", INT),
+    YLML(image_form, background, "background", NUMBERS),
+    YLML(image_form, mean, "mean", VALUE),
+    YLML(image_form, rest, "rest", VALUE),
+    YLML(image_form, variance, "variance", VALUE),
+    YLML(image_form, done, "done", UINT64),
+    COMMON(image_form),
+    {.name = NULL}};
+
 /* path_image(scene, {camera: from, at, up, fov, 10 numbers; width, height, background {r, g, b}, mean,
    rest, variance: float [h][w][3], done: samples that they hold; COMMON}) -> stats */
 static int path_image(lua_State *L) {
-  static const char *const names[] = {"camera", "width",    "height", "background", "mean",
-                                      "rest",   "variance", "done",   COMMON,       NULL};
-  enum { CAMERA = 3, WIDTH, HEIGHT, BACKGROUND, MEAN, REST, VARIANCE, DONE, OTHERS };
+  image_form f = {.progress = 0};
   const ylm_scene *scene = ylmL_scene(L, 1);
   ylm_error e = {0};
   ylmL_progress p;
-  double c[10], b[3];
-  ylmL_named(L, 2, names);
-  ylmL_scene_numbers(L, CAMERA, 10, c);
-  ylmL_scene_numbers(L, BACKGROUND, 3, b);
-  ylm_camera camera = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}, c[9]};
-  int width = (int)luaL_checknumber(L, WIDTH), height = (int)luaL_checknumber(L, HEIGHT);
-  size_t n = 3 * (size_t)width * (size_t)height;
-  ylm_path_sum sum = {(uint64_t)luaL_checknumber(L, DONE), floats(L, MEAN, n), floats(L, REST, n),
-                      floats(L, VARIANCE, n)};
-  ylm_path_options o = read_options(L, OTHERS, &p);
+  ylmL_read(L, 2, image_entries, &f);
+  float b[3] = {(float)f.background[0], (float)f.background[1], (float)f.background[2]};
+  size_t n = 3 * (size_t)f.width * (size_t)f.height;
+  ylm_path_sum sum = {f.done, floats(L, f.mean, n), floats(L, f.rest, n), floats(L, f.variance, n)};
+  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
   ylm_path_stats stats;
-  ylm_status s =
-      ylm_path_image(scene, &camera, width, height,
-                     (float[]){(float)b[0], (float)b[1], (float)b[2]}, &o, &sum, &stats, &e);
+  ylm_status s = ylm_path_image(scene, &f.camera, f.width, f.height, b, &f.o, &sum, &stats, &e);
   if (s == YLM_OK) push_stats(L, &sum, &stats);
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
@@ -87,30 +88,39 @@ static bool push_sum(lua_State *L, const ylm_path_sum *sum, size_t n, size_t cou
   return true;
 }
 
+typedef struct probe_form {
+  ylm_path_options o;
+  int points, normals, lmax, progress; /* all but lmax: on the stack */
+} probe_form;
+
+static const ylmL_entry probe_entries[] = {YLML(probe_form, points, "points", VALUE),
+                                           YLML(probe_form, normals, "normals", VALUE),
+                                           YLML(probe_form, lmax, "lmax", INT),
+                                           COMMON(probe_form),
+                                           {.name = NULL}};
+
 /* path_probe(scene, {points [n][3], normals float [n][3] or nil, lmax, COMMON}) ->
    without normals: c, variance [n][3][count]; with: irradiance, variance [n][3]; stats */
 static int path_probe(lua_State *L) {
-  static const char *const names[] = {"points", "normals", "lmax", COMMON, NULL};
-  enum { POINTS = 3, NORMALS, LMAX, OTHERS };
+  probe_form f = {.progress = 0};
   const ylm_scene *scene = ylmL_scene(L, 1);
   ylm_error e = {0};
   ylmL_progress p;
-  ylmL_named(L, 2, names);
+  ylmL_read(L, 2, probe_entries, &f);
   size_t n;
-  const float(*x)[3] = ylmL_scene_places(L, POINTS, ylm_scene_origin(scene), &n);
-  const float *normals = lua_isnil(L, NORMALS) ? NULL : floats(L, NORMALS, 3 * n);
-  int lmax = (int)luaL_checknumber(L, LMAX);
-  size_t count = normals ? 0 : (size_t)(lmax + 1) * (size_t)(lmax + 1),
+  const float(*x)[3] = ylmL_scene_places(L, f.points, ylm_scene_origin(scene), &n);
+  const float *normals = lua_isnil(L, f.normals) ? NULL : floats(L, f.normals, 3 * n);
+  size_t count = normals ? 0 : (size_t)(f.lmax + 1) * (size_t)(f.lmax + 1),
          all = 3 * n * (count ? count : 1);
-  ylm_path_options o = read_options(L, OTHERS, &p);
+  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
   ylmL_array *room = ylmL_array_new(L, YLM_FLOAT, 1, (size_t[]){3 * all});
   if (!room) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   float *data = room->data;
   ylm_path_sum sum = {0, data, data + all, data + 2 * all};
   ylm_path_stats stats;
   const float(*d)[3] = (const float(*)[3])normals;
-  ylm_status s = d ? ylm_path_irradiance(scene, n, x, d, &o, &sum, &stats, &e)
-                   : ylm_path_probe(scene, n, x, lmax, &o, &sum, &stats, &e);
+  ylm_status s = d ? ylm_path_irradiance(scene, n, x, d, &f.o, &sum, &stats, &e)
+                   : ylm_path_probe(scene, n, x, f.lmax, &f.o, &sum, &stats, &e);
   if (s == YLM_OK && !push_sum(L, &sum, n, count)) s = YLM_ENOMEM;
   if (s == YLM_OK) push_stats(L, &sum, &stats);
   return ylmL_result_progress(L, 3, s, &e, &p);

@@ -145,66 +145,67 @@ static int radiosity_write(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
+typedef struct map_form {
+  ylm_radiosity_map m;
+  ylmL_array *uvs, *out, *coverage;
+  double lmax;  /* is asked for, and not used */
+  int side;     /* SIDE_UNKNOWN where it is to be found */
+  int progress; /* on the stack */
+} map_form;
+
+enum { SIDE_UNKNOWN = -1 };
+
+static const ylmL_entry map_entries[] = {
+    YLML(map_form, m.mesh, "mesh", COUNT, .least = 1, .most = 1e9),
+    YLML(map_form, side, "side", CHOICE, .choices = ylmL_side_choices, .optional = true),
+    YLML(map_form, uvs, "uvs", ARRAY),
+    YLML(map_form, out, "out", ARRAY),
+    YLML(map_form, coverage, "coverage", ARRAY),
+    YLML(map_form, m.indirect, "indirect", BOOL),
+    YLML(map_form, m.scene, "scene", READ, .read = ylmL_read_scene, .optional = true),
+    YLML(map_form, m.field, "field", FIELD, .optional = true),
+    YLML(map_form, lmax, "lmax", DOUBLE, .optional = true),
+    YLML(map_form, m.links, "links", INT),
+    YLML(map_form, m.light_samples, "light_samples", INT),
+    YLML(map_form, m.gutter, "gutter", INT),
+    YLML(map_form, m.seed, "seed", UINT64),
+    YLML(map_form, m.threads, "threads", INT, .optional = true),
+    YLML(map_form, progress, "progress", VALUE),
+    {.name = NULL}};
+
+/* Is the back of the mesh the side that has elements, of front and back? */
+static bool is_back(const ylm_transfer *t, size_t mesh, size_t vertices) {
+  ylm_scene_place front = {.mesh = (uint32_t)mesh};
+  return vertices > 0 && ylm_scene_triangles(ylm_transfer_scene(t), mesh) > 0 &&
+         ylm_transfer_element(t, &front) == ylm_transfer_count(t);
+}
+
 /* radiosity_map(radiosity, {mesh from 1, side: "front", "back" or nil, uvs float [n][2], out float [h][w][3],
    coverage float [h][w], indirect, scene or nil, field or nil, lmax, links, light_samples, gutter, seed, threads,
    progress}) -> how many texels more than one triangle has */
 static int radiosity_map(lua_State *L) {
-  static const char *const names[] = {
-      "mesh", "side",  "uvs",           "out",    "coverage", "indirect", "scene",    "field",
-      "lmax", "links", "light_samples", "gutter", "seed",     "threads",  "progress", NULL};
-  enum {
-    MESH = 3,
-    SIDE,
-    UVS,
-    OUT,
-    COVERAGE,
-    INDIRECT,
-    SCENE,
-    FIELD,
-    LMAX,
-    LINKS,
-    SAMPLES,
-    GUTTER,
-    SEED,
-    THREADS,
-    PROGRESS
-  };
-  static const char *const sides[] = {"front", "back", NULL};
+  map_form f = {.side = SIDE_UNKNOWN};
   const ylm_radiosity *r = ylmL_radiosity(L, 1);
   const ylm_transfer *t = ylm_radiosity_transfer(r);
   const ylm_scene *own = ylm_transfer_scene(t);
   ylm_error e = {0};
   ylmL_progress p;
-  size_t overlaps = 0;
-  ylmL_named(L, 2, names);
-  ylmL_array *uvs = ylmL_array_check(L, UVS), *out = ylmL_array_check(L, OUT);
-  ylmL_array *coverage = ylmL_array_check(L, COVERAGE);
-  size_t mesh = (size_t)luaL_checknumber(L, MESH) - 1, vertices = 0;
+  size_t overlaps = 0, vertices = 0;
+  ylmL_read(L, 2, map_entries, &f);
+  const ylmL_array *uvs = f.uvs, *out = f.out, *coverage = f.coverage;
+  size_t mesh = f.m.mesh -= 1;
   if (mesh < ylm_scene_meshes(own))
     vertices = ylm_scene_first_vertex(own, mesh + 1) - ylm_scene_first_vertex(own, mesh);
   if (uvs->dtype != YLM_FLOAT || out->dtype != YLM_FLOAT || coverage->dtype != YLM_FLOAT)
     return ylmL_result(L, 0, YLM_ETYPE, NULL);
   if (uvs->count != 2 * vertices || out->count != 3 * coverage->count || coverage->axes < 2)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylm_radiosity_map m = {.mesh = mesh,
-                         .uvs = uvs->data,
-                         .width = (int)coverage->shape[1],
-                         .height = (int)coverage->shape[0],
-                         .indirect = lua_toboolean(L, INDIRECT),
-                         .scene = lua_isnil(L, SCENE) ? NULL : ylmL_scene(L, SCENE),
-                         .field = lua_isnil(L, FIELD) ? NULL : ylmL_field_check(L, FIELD),
-                         .links = (int)luaL_checknumber(L, LINKS),
-                         .light_samples = (int)luaL_checknumber(L, SAMPLES),
-                         .gutter = (int)luaL_checknumber(L, GUTTER),
-                         .seed = (uint64_t)luaL_checknumber(L, SEED),
-                         .threads = (int)luaL_optnumber(L, THREADS, 0),
-                         .progress = ylmL_progress_begin(L, PROGRESS, &p)};
-  ylm_scene_place front = {.mesh = (uint32_t)mesh};
-  if (!lua_isnil(L, SIDE))
-    m.back = luaL_checkoption(L, SIDE, NULL, sides) == 1;
-  else if (vertices > 0 && ylm_scene_triangles(own, mesh) > 0)
-    m.back = ylm_transfer_element(t, &front) == ylm_transfer_count(t);
-  ylm_status s = ylm_radiosity_lightmap(r, &m, out->data, coverage->data, &overlaps, &e);
+  f.m.uvs = uvs->data;
+  f.m.width = (int)coverage->shape[1];
+  f.m.height = (int)coverage->shape[0];
+  f.m.back = f.side == SIDE_UNKNOWN ? is_back(t, mesh, vertices) : f.side;
+  f.m.progress = ylmL_progress_begin(L, f.progress, &p);
+  ylm_status s = ylm_radiosity_lightmap(r, &f.m, out->data, coverage->data, &overlaps, &e);
   ylmL_push_count(L, overlaps);
   return ylmL_result_progress(L, 1, s, &e, &p);
 }

@@ -1,11 +1,13 @@
 /* shade.c - views as objects, shading of their points; lua/ylm/render/init.lua drives it. */
 #include "shade.h"
+#include "ylm_shade_gloss.h"
 
 static int view_close(lua_State *L) {
   ylm_shade_view **v = ylmL_check(L, 1, YLML_SHADE_VIEW);
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_shade_view_free(*v);
   *v = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 
@@ -40,18 +42,16 @@ size_t ylmL_shade_points(const ylm_shade_view *v) {
 }
 
 ylm_shade_weight ylmL_shade_weight(lua_State *L, int i) {
-  static const char *const names[] = {"transfer", "cosine", NULL};
-  return (ylm_shade_weight)luaL_checkoption(L, i, NULL, names);
+  return (ylm_shade_weight)luaL_checkoption(L, i, NULL, ylmL_weight_choices);
 }
 
 /* shade_field(view, object, "transfer" | "cosine", "float" | "double", threads, progress)
    -> radiance [n][3], pairs */
 static int shade_field(lua_State *L) {
-  static const char *const names[] = {"float", "double", NULL};
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_field *field = ylmL_field_check(L, 2);
   ylm_shade_weight weight = ylmL_shade_weight(L, 3);
-  ylm_dtype t = (ylm_dtype)luaL_checkoption(L, 4, "float", names);
+  ylm_dtype t = (ylm_dtype)luaL_checkoption(L, 4, "float", ylmL_dtype_choices);
   int threads = (int)luaL_checknumber(L, 5);
   ylm_error e = {0};
   ylmL_progress p;
@@ -85,26 +85,39 @@ static int shade_coefficients(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
+typedef struct raycast_form {
+  int light_samples, threads;
+  bool shadows;
+  uint64_t seed;
+  const ylm_scene *lit;
+  int progress, into; /* on the stack */
+} raycast_form;
+
+static const ylmL_entry raycast_entries[] = {
+    YLML(raycast_form, light_samples, "light_samples", INT),
+    YLML(raycast_form, shadows, "shadows", BOOL),
+    YLML(raycast_form, seed, "seed", UINT64),
+    YLML(raycast_form, threads, "threads", INT),
+    YLML(raycast_form, progress, "progress", VALUE),
+    YLML(raycast_form, lit, "lit", READ, .read = ylmL_read_scene, .optional = true),
+    YLML(raycast_form, into, "into", VALUE),
+    {.name = NULL}};
+
 /* shade_raycast(view, {light_samples, shadows, seed, threads, progress, lit: the traced scene of the lamps, or nil: the
    view's, into: float array [n][3], filled while rays are traced, or nil}) -> radiance [n][3], rays */
 static int shade_raycast(lua_State *L) {
-  static const char *const names[] = {"light_samples", "shadows", "seed", "threads",
-                                      "progress",      "lit",     "into", NULL};
-  enum { SAMPLES = 3, SHADOWS, SEED, THREADS, PROGRESS, LIT, INTO };
-  ylmL_named(L, 2, names);
+  raycast_form f = {.lit = NULL};
+  ylmL_read(L, 2, raycast_entries, &f);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
-  int light_samples = (int)luaL_checknumber(L, SAMPLES),
-      threads = (int)luaL_checknumber(L, THREADS);
-  bool shadows = lua_toboolean(L, SHADOWS);
-  uint64_t seed = (uint64_t)luaL_checknumber(L, SEED), rays = 0;
+  uint64_t rays = 0;
   ylmL_progress p;
-  const ylm_scene *lit = lua_isnil(L, LIT) ? NULL : ylmL_scene(L, LIT);
   ylm_status s = YLM_OK;
   ylmL_array *out =
-      ylmL_array_result(L, INTO, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3}, &s);
+      ylmL_array_result(L, f.into, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3}, &s);
   if (!out) return ylmL_result(L, 0, s, NULL);
-  const ylm_progress *progress = ylmL_progress_begin(L, PROGRESS, &p);
-  s = ylm_shade_raycast(v, lit, light_samples, shadows, seed, threads, progress, out->data, &rays);
+  const ylm_progress *progress = ylmL_progress_begin(L, f.progress, &p);
+  s = ylm_shade_raycast(v, f.lit, f.light_samples, f.shadows, f.seed, f.threads, progress,
+                        out->data, &rays);
   if (s == YLM_OK) ylmL_push_count(L, rays);
   return ylmL_result_progress(L, 2, s, NULL, &p);
 }
@@ -125,15 +138,30 @@ static int shade_raycast_noise(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
+typedef struct blend_form {
+  ylm_shade_blending o;
+  int progress; /* on the stack */
+} blend_form;
+
+static const ylmL_entry blend_entries[] = {
+    YLML(blend_form, o.weight, "weight", CHOICE, .choices = ylmL_weight_choices),
+    YLML(blend_form, o.lmax, "lmax", INT),
+    YLML(blend_form, o.light_samples, "light_samples", INT),
+    YLML(blend_form, o.noise, "noise", DOUBLE, .optional = true),
+    YLML(blend_form, o.most_samples, "most_samples", INT, .optional = true),
+    YLML(blend_form, o.shadows, "shadows", BOOL),
+    YLML(blend_form, o.seed, "seed", UINT64),
+    YLML(blend_form, o.threads, "threads", INT),
+    YLML(blend_form, progress, "progress", VALUE),
+    YLML(blend_form, o.lit, "lit", READ, .read = ylmL_read_scene, .optional = true),
+    {.name = NULL}};
+
 /* shade_blend(view, radiance [n][3], {weight: "transfer" | "cosine", lmax, light_samples: or 0, noise | nil,
    most_samples | nil, shadows, seed, threads, progress, lit: the traced scene of the lamps, or nil: the view's})
    -> share [n], {sh, rays, missed, traced, light_samples, noise | nil, seconds}; writes radiance */
 static int shade_blend(lua_State *L) {
-  static const char *const names[] = {
-      "weight",  "lmax",     "light_samples", "noise", "most_samples", "shadows", "seed",
-      "threads", "progress", "lit",           NULL};
-  enum { WEIGHT = 4, LMAX, SAMPLES, NOISE, MOST, SHADOWS, SEED, THREADS, PROGRESS, LIT };
-  ylmL_named(L, 3, names);
+  blend_form f = {.progress = 0};
+  ylmL_read(L, 3, blend_entries, &f);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   ylmL_array *radiance = ylmL_array_check(L, 2);
   size_t n = ylmL_shade_points(v);
@@ -142,19 +170,10 @@ static int shade_blend(lua_State *L) {
   ylmL_progress p;
   if (radiance->dtype != YLM_FLOAT || radiance->count != 3 * n)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylm_shade_blending o = {.lit = lua_isnil(L, LIT) ? NULL : ylmL_scene(L, LIT),
-                          .weight = ylmL_shade_weight(L, WEIGHT),
-                          .lmax = (int)luaL_checknumber(L, LMAX),
-                          .light_samples = (int)luaL_checknumber(L, SAMPLES),
-                          .noise = (double)luaL_optnumber(L, NOISE, 0),
-                          .most_samples = (int)luaL_optnumber(L, MOST, 0),
-                          .shadows = lua_toboolean(L, SHADOWS),
-                          .seed = (uint64_t)luaL_checknumber(L, SEED),
-                          .threads = (int)luaL_checknumber(L, THREADS)};
   ylmL_array *share = ylmL_array_new(L, YLM_FLOAT, 1, &n);
   if (!share) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  o.progress = ylmL_progress_begin(L, PROGRESS, &p);
-  ylm_status s = ylm_shade_blend(v, &o, radiance->data, share->data, &r, &e);
+  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
+  ylm_status s = ylm_shade_blend(v, &f.o, radiance->data, share->data, &r, &e);
   if (s == YLM_OK) {
     lua_newtable(L);
     ylmL_set_count(L, "sh", r.sh);

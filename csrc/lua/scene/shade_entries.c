@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "shade.h"
+#include "ylm_shade_over.h"
 
 /* A new array, set as field `name` of the table on top, which keeps it; its numbers. */
 static void *field(lua_State *L, const char *name, ylm_dtype t, int axes, const size_t *shape,
@@ -48,7 +49,8 @@ static int shade_discs(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   ylm_scene_lamps lamps;
   lua_settop(L, 2);
-  if (!ylmL_scene_lamps(L, 2, ylm_shade_view_origin(v), &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (!ylmL_scene_lamps(L, 2, ylm_shade_view_origin(v), &lamps))
+    return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   size_t n = lamps.shape.spheres, seen = 0;
   ylmL_array *all = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, YLM_SHADE_DISC});
   if (!all) return ylmL_result(L, 0, YLM_ENOMEM, NULL);

@@ -3,6 +3,7 @@
 
 #include "../binding_grid.h"
 #include "shade.h"
+#include "ylm_shade_over.h"
 
 /* The factors that field `window` of the table at i lists; false: there is none. */
 static bool read_window(lua_State *L, int i, double window[YLM_LMAX + 1]) {
@@ -118,7 +119,8 @@ static int draw(lua_State *L, size_t numbers,
   if (image->dtype != YLM_FLOAT || image->count != numbers * (size_t)o->width * (size_t)o->height)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   lua_settop(L, 4);
-  if (!ylmL_scene_lamps(L, 4, ylm_shade_view_origin(v), &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (!ylmL_scene_lamps(L, 4, ylm_shade_view_origin(v), &lamps))
+    return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_status s = lamps_into(v, &lamps, threads, image->data);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, s, NULL);
@@ -138,7 +140,8 @@ static int shade_lamp_at(lua_State *L) {
   ylm_scene_lamps lamps;
   ylm_shade_lamp found;
   lua_settop(L, 2);
-  if (!ylmL_scene_lamps(L, 2, ylm_shade_view_origin(v), &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (!ylmL_scene_lamps(L, 2, ylm_shade_view_origin(v), &lamps))
+    return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   bool some = ylm_shade_lamp_at(v, &lamps, x, y, reach, &found);
   ylmL_push_count(L, some ? (uint64_t)found.index + 1 : 0);
   lua_pushnumber(L, some ? (lua_Number)found.away : 0);

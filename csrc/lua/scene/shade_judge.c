@@ -1,29 +1,36 @@
 /* shade_judge.c - what paths say of the points of a view, and how far estimates are from it. */
 #include "shade.h"
 
+typedef struct judge_form {
+  ylm_path_options o;
+  int progress; /* on the stack */
+} judge_form;
+
+static const ylmL_entry judge_entries[] = {
+    YLML(judge_form, o.samples, "samples", INT),
+    YLML(judge_form, o.first, "first", INT),
+    YLML(judge_form, o.last, "last", INT),
+    YLML(judge_form, o.error, "error", DOUBLE, .optional = true),
+    YLML(judge_form, o.seed, "seed", UINT64),
+    YLML(judge_form, o.threads, "threads", INT, .optional = true),
+    YLML(judge_form, progress, "progress", VALUE),
+    {.name = NULL}};
+
 /* shade_judge(view, {samples, first, last, error, seed, threads, progress})
    -> mean [n][3], variance [n][3], rays */
 static int shade_judge(lua_State *L) {
-  static const char *const names[] = {"samples", "first",   "last",     "error",
-                                      "seed",    "threads", "progress", NULL};
-  enum { SAMPLES = 3, FIRST, LAST, ERROR, SEED, THREADS, PROGRESS };
-  ylmL_named(L, 2, names);
+  judge_form f = {.progress = 0};
+  ylmL_read(L, 2, judge_entries, &f);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   ylm_error e = {0};
   ylmL_progress p;
-  ylm_path_options o = {.samples = (int)luaL_checknumber(L, SAMPLES),
-                        .first = (int)luaL_checknumber(L, FIRST),
-                        .last = (int)luaL_checknumber(L, LAST),
-                        .error = (double)luaL_optnumber(L, ERROR, 0),
-                        .seed = (uint64_t)luaL_checknumber(L, SEED),
-                        .threads = (int)luaL_optnumber(L, THREADS, 0),
-                        .progress = ylmL_progress_begin(L, PROGRESS, &p)};
+  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
   size_t shape[] = {ylmL_shade_points(v), 3};
   ylmL_array *mean = ylmL_array_new(L, YLM_FLOAT, 2, shape);
   ylmL_array *variance = mean ? ylmL_array_new(L, YLM_FLOAT, 2, shape) : NULL;
   ylm_path_stats stats = {0};
   if (!variance) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_status s = ylm_shade_judge(v, &o, mean->data, variance->data, &stats, &e);
+  ylm_status s = ylm_shade_judge(v, &f.o, mean->data, variance->data, &stats, &e);
   ylmL_push_count(L, stats.nearest_rays + stats.lamp_rays + stats.shadow_rays);
   return ylmL_result_progress(L, 3, s, &e, &p);
 }

@@ -1,6 +1,8 @@
 /* shade_links.c - views with links: light that surfaces send to their points. */
 #include "shade.h"
 #include "transfer.h"
+#include "ylm_shade_bounce.h"
+#include "ylm_shade_gloss.h"
 
 #define LINKS "ylm.shade_links"
 
@@ -94,18 +96,39 @@ static int shade_add(lua_State *L) {
   return 1;
 }
 
+typedef struct blend_form {
+  const ylm_shade_links *links;
+  const ylm_radiosity *lit;
+  int lmax, threads;
+  ylmL_array *share;
+  int progress; /* on the stack */
+} blend_form;
+
+static void read_links(lua_State *L, int i, void *field) {
+  *(const ylm_shade_links **)field = check_links(L, i);
+}
+
+static void read_radiosity(lua_State *L, int i, void *field) {
+  *(const ylm_radiosity **)field = ylmL_radiosity(L, i);
+}
+
+static const ylmL_entry blend_entries[] = {
+    YLML(blend_form, links, "links", READ, .read = read_links),
+    YLML(blend_form, lit, "lit", READ, .read = read_radiosity),
+    YLML(blend_form, lmax, "lmax", INT),
+    YLML(blend_form, threads, "threads", INT),
+    YLML(blend_form, progress, "progress", VALUE),
+    YLML(blend_form, share, "share", ARRAY,
+         .optional = true), /* last: the result, where it is given */
+    {.name = NULL}};
+
 /* shade_blend_links(view, radiance [n][3], {links, lit, lmax, share: [n], or nil: it is found, threads, progress}) ->
    share [n], {sh, rays, missed, seconds}; writes radiance */
 static int shade_blend_links(lua_State *L) {
-  static const char *const names[] = {"links", "lit", "lmax", "share", "threads", "progress", NULL};
-  enum { OF = 4, LIT, LMAX, SHARE, THREADS, PROGRESS };
-  ylmL_named(L, 3, names);
+  blend_form f = {.share = NULL};
+  ylmL_read(L, 3, blend_entries, &f);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
-  ylmL_array *radiance = ylmL_array_check(L, 2);
-  const ylm_shade_links *l = check_links(L, OF);
-  const ylm_radiosity *lit = ylmL_radiosity(L, LIT);
-  int lmax = (int)luaL_checknumber(L, LMAX), threads = (int)luaL_checknumber(L, THREADS);
-  ylmL_array *share = lua_isnil(L, SHARE) ? NULL : ylmL_array_check(L, SHARE);
+  ylmL_array *radiance = ylmL_array_check(L, 2), *share = f.share;
   bool known = share != NULL;
   size_t n = ylmL_shade_points(v);
   ylm_shade_blended r;
@@ -114,15 +137,15 @@ static int shade_blend_links(lua_State *L) {
   if (radiance->dtype != YLM_FLOAT || radiance->count != 3 * n ||
       (known && (share->dtype != YLM_FLOAT || share->count != n)))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  if (ylm_radiosity_transfer(lit) != ylm_shade_links_transfer(l))
+  if (ylm_radiosity_transfer(f.lit) != ylm_shade_links_transfer(f.links))
     return ylmL_result(L, 0, YLM_EINVAL, NULL);
-  if (known)
-    lua_pushvalue(L, SHARE);
-  else if (!(share = ylmL_array_new(L, YLM_FLOAT, 1, &n)))
+  if (!known && !(share = ylmL_array_new(L, YLM_FLOAT, 1, &n)))
     return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  const ylm_progress *progress = ylmL_progress_begin(L, PROGRESS, &p);
-  ylm_status s = ylm_shade_blend_links(l, ylm_radiosity_leaving(lit), lmax, known, threads,
-                                       progress, radiance->data, share->data, &r, &e);
+  int result = lua_gettop(L);
+  const ylm_progress *progress = ylmL_progress_begin(L, f.progress, &p);
+  ylm_status s = ylm_shade_blend_links(f.links, ylm_radiosity_leaving(f.lit), f.lmax, known,
+                                       f.threads, progress, radiance->data, share->data, &r, &e);
+  lua_pushvalue(L, result);
   if (s == YLM_OK) {
     lua_newtable(L);
     ylmL_set_count(L, "sh", r.sh);

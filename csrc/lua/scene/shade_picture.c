@@ -1,5 +1,6 @@
 /* shade_picture.c - pictures of a view from numbers at its points, and their differences. */
 #include "shade.h"
+#include "ylm_shade_over.h"
 
 /* shade_difference(a, b, out): out = |a - b|; float arrays of one size */
 static int shade_difference(lua_State *L) {

@@ -1,6 +1,5 @@
 /* shade_relight.c - prepared views with other materials or another camera; lua/ylm/render/relight.lua drives it. */
 
-#include "../binding_product.h"
 #include "shade.h"
 
 /* The materials in the table at `i`, by mesh, in memory of the state; NULL: there are none. */
@@ -16,35 +15,49 @@ static const ylm_material **read_materials(lua_State *L, int i, size_t meshes) {
   return m;
 }
 
+typedef struct change_form {
+  ylm_shade_change change;
+  ylm_camera camera;
+  size_t meshes;
+  int threads, materials, progress; /* materials, progress: on the stack */
+} change_form;
+
+/* A camera, which the change then points to. */
+static void read_moved(lua_State *L, int i, void *field) {
+  change_form *f = (change_form *)(void *)((char *)field - offsetof(change_form, camera));
+  ylmL_read_camera(L, i, &f->camera);
+  f->change.camera = &f->camera;
+}
+
+static const ylmL_entry change_entries[] = {
+    YLML(change_form, camera, "camera", READ, .read = read_moved, .optional = true),
+    YLML(change_form, change.blind, "blind", BOOL),
+    YLML(change_form, materials, "materials", VALUE),
+    YLML(change_form, meshes, "meshes", COUNT),
+    YLML(change_form, change.nearest, "nearest", BOOL),
+    YLML(change_form, change.product, "product", CHOICE, .choices = ylmL_sh_product_choices,
+         .optional = true),
+    YLML(change_form, change.keep, "keep", BOOL),
+    YLML(change_form, threads, "threads", INT, .optional = true),
+    YLML(change_form, progress, "progress", VALUE),
+    {.name = NULL}};
+
 /* shade_change(view, {camera: 10 numbers | nil, blind, materials: by mesh, false for one that is the same, | nil,
    meshes: how many, nearest, product | nil, keep, threads, progress}) -> view */
 static int shade_change(lua_State *L) {
-  static const char *const names[] = {"camera",  "blind", "materials", "meshes",   "nearest",
-                                      "product", "keep",  "threads",   "progress", NULL};
-  enum { CAMERA = 3, BLIND, MATERIALS, MESHES, NEAREST, PRODUCT, KEEP, THREADS, PROGRESS };
-  ylmL_named(L, 2, names);
+  change_form f = {.threads = 0};
+  ylmL_read(L, 2, change_entries, &f);
   const ylm_shade_view *from = ylmL_shade_view(L, 1);
-  bool moved = !lua_isnil(L, CAMERA);
-  double c[10] = {0};
   ylm_error e = {0};
   ylmL_progress p;
-  if (moved) ylmL_scene_numbers(L, CAMERA, 10, c);
-  ylm_camera camera = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}, c[9]};
-  ylm_shade_change change = {.camera = moved ? &camera : NULL,
-                             .blind = lua_toboolean(L, BLIND),
-                             .materials =
-                                 read_materials(L, MATERIALS, (size_t)luaL_checknumber(L, MESHES)),
-                             .nearest = lua_toboolean(L, NEAREST),
-                             .product = ylmL_product_method(L, PRODUCT),
-                             .keep = lua_toboolean(L, KEEP)};
-  const ylm_progress *progress = ylmL_progress_begin(L, PROGRESS, &p);
+  f.change.materials = read_materials(L, f.materials, f.meshes);
+  const ylm_progress *progress = ylmL_progress_begin(L, f.progress, &p);
   ylm_shade_view **v = lua_newuserdata(L, sizeof *v);
   *v = NULL;
   luaL_getmetatable(L, YLML_SHADE_VIEW);
   lua_setmetatable(L, -2);
   ylm_shade_stats stats = {0};
-  ylm_status s =
-      ylm_shade_view_change(from, &change, (int)luaL_optnumber(L, THREADS, 0), progress, v, &e);
+  ylm_status s = ylm_shade_view_change(from, &f.change, f.threads, progress, v, &e);
   if (s == YLM_OK) ylm_shade_view_stats(*v, &stats);
   ylmL_charge(L, stats.bytes);
   return ylmL_result_progress(L, 1, s, &e, &p);

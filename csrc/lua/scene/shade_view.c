@@ -18,11 +18,40 @@ static const uint32_t *read_pixels(lua_State *L, int i, size_t *n) {
   return pixel;
 }
 
-static void read_window(lua_State *L, int i, float *window) {
-  double factor[YLM_SHADE_DEGREES];
-  ylmL_scene_numbers(L, i, YLM_SHADE_DEGREES, factor);
-  for (int l = 0; l < YLM_SHADE_DEGREES; l++) window[l] = (float)factor[l];
-}
+typedef struct view_form {
+  ylm_camera camera;
+  ylm_shade_options o;
+  double window[YLM_SHADE_DEGREES];
+  int pixels, progress; /* on the stack */
+} view_form;
+
+static const ylmL_entry view_entries[] = {
+    YLML(view_form, camera, "camera", READ, .read = ylmL_read_camera),
+    YLML(view_form, o.width, "width", INT),
+    YLML(view_form, o.height, "height", INT),
+    YLML(view_form, o.samples, "samples", INT),
+    YLML(view_form, o.lmax, "lmax", INT),
+    YLML(view_form, o.per_vertex, "shading", EITHER, .choices = ylmL_shading_choices),
+    YLML(view_form, o.visibility, "visibility", CHOICE, .choices = ylmL_visibility_choices),
+    YLML(view_form, o.transfer_samples, "transfer_samples", INT),
+    YLML(view_form, o.occlusion_distance, "occlusion_distance", DOUBLE),
+    YLML(view_form, o.share, "share", DOUBLE),
+    YLML(view_form, o.seed, "seed", UINT64),
+    YLML(view_form, o.threads, "threads", INT, .optional = true),
+    YLML(view_form, progress, "progress", VALUE),
+    YLML(view_form, o.light, "light", FIELD, .optional = true),
+    YLML(view_form, o.noise, "noise", DOUBLE, .optional = true),
+    YLML(view_form, o.most_samples, "most_samples", INT, .optional = true),
+    YLML(view_form, pixels, "pixels", VALUE),
+    YLML(view_form, o.gloss, "gloss", CHOICE, .choices = ylmL_gloss_choices, .optional = true),
+    YLML(view_form, o.gloss_error, "gloss_error", NUMBERS, .optional = true),
+    YLML(view_form, o.fine, "fine", BOOL),
+    YLML(view_form, o.below_dark, "below_dark", BOOL),
+    YLML(view_form, window, "window", NUMBERS, .optional = true),
+    YLML(view_form, o.keep, "keep", BOOL),
+    YLML(view_form, o.all_vertices, "all_vertices", BOOL),
+    YLML(view_form, o.self, "self", BOOL),
+    {.name = NULL}};
 
 /* shade_view(scene, {camera: from, at, up, fov, 10 numbers; width, height, samples, lmax, shading,
    visibility, transfer_samples, occlusion_distance, share, seed, threads, progress, light | nil,
@@ -30,99 +59,19 @@ static void read_window(lua_State *L, int i, float *window) {
    gloss: "matte", "sh", "auto", "rays" | nil, gloss_error: two numbers | nil, fine, below_dark,
    window: YLM_SHADE_DEGREES factors | nil, keep | nil, all_vertices | nil, self | nil}) -> view */
 static int shade_view(lua_State *L) {
-  static const char *const names[] = {"camera",
-                                      "width",
-                                      "height",
-                                      "samples",
-                                      "lmax",
-                                      "shading",
-                                      "visibility",
-                                      "transfer_samples",
-                                      "occlusion_distance",
-                                      "share",
-                                      "seed",
-                                      "threads",
-                                      "progress",
-                                      "light",
-                                      "noise",
-                                      "most_samples",
-                                      "pixels",
-                                      "gloss",
-                                      "gloss_error",
-                                      "fine",
-                                      "below_dark",
-                                      "window",
-                                      "keep",
-                                      "all_vertices",
-                                      "self",
-                                      NULL};
-  static const char *const shadings[] = {"pixel", "vertex", NULL};
-  static const char *const glosses[] = {"matte", "sh", "auto", "rays", NULL};
-  static const char *const visibilities[] = {"none", "pixel", "vertex", "rays", NULL};
-  enum {
-    CAMERA = 3,
-    WIDTH,
-    HEIGHT,
-    SAMPLES,
-    LMAX,
-    SHADING,
-    VISIBILITY,
-    TRANSFER,
-    DISTANCE,
-    SHARE,
-    SEED,
-    THREADS,
-    PROGRESS,
-    LIGHT,
-    NOISE,
-    MOST,
-    PIXELS,
-    GLOSS,
-    BAND,
-    FINE,
-    BELOW,
-    WINDOW,
-    KEEP,
-    ALL
-  };
-  ylmL_named(L, 2, names);
+  view_form f = {.pixels = 0};
   const ylm_scene *scene = ylmL_scene(L, 1);
   ylm_error e = {0};
   ylmL_progress p;
-  double c[10];
-  ylmL_scene_numbers(L, CAMERA, 10, c);
-  bool chosen = !lua_isnil(L, LIGHT);
-  ylm_camera camera = {{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}, c[9]};
-  ylm_shade_options o = {
-      .width = (int)luaL_checknumber(L, WIDTH),
-      .height = (int)luaL_checknumber(L, HEIGHT),
-      .samples = (int)luaL_checknumber(L, SAMPLES),
-      .lmax = (int)luaL_checknumber(L, LMAX),
-      .per_vertex = luaL_checkoption(L, SHADING, NULL, shadings) == 1,
-      .visibility = (ylm_shade_visibility)luaL_checkoption(L, VISIBILITY, NULL, visibilities),
-      .transfer_samples = (int)luaL_checknumber(L, TRANSFER),
-      .light = chosen ? ylmL_field_check(L, LIGHT) : NULL,
-      .noise = (double)luaL_optnumber(L, NOISE, 0),
-      .most_samples = (int)luaL_optnumber(L, MOST, 0),
-      .occlusion_distance = (double)luaL_checknumber(L, DISTANCE),
-      .share = (double)luaL_checknumber(L, SHARE),
-      .below_dark = lua_toboolean(L, BELOW),
-      .fine = lua_toboolean(L, FINE),
-      .gloss = (ylm_shade_gloss)luaL_checkoption(L, GLOSS, "matte", glosses),
-      .keep = lua_toboolean(L, KEEP),
-      .all_vertices = lua_toboolean(L, ALL),
-      .self = lua_toboolean(L, ALL + 1),
-      .seed = (uint64_t)luaL_checknumber(L, SEED),
-      .threads = (int)luaL_optnumber(L, THREADS, 0),
-      .progress = ylmL_progress_begin(L, PROGRESS, &p)};
-  if (!lua_isnil(L, BAND)) ylmL_scene_numbers(L, BAND, 2, o.gloss_error);
-  if (!lua_isnil(L, WINDOW)) read_window(L, WINDOW, o.window);
-  o.pixel = read_pixels(L, PIXELS, &o.pixels);
+  ylmL_read(L, 2, view_entries, &f);
+  for (int l = 0; l < YLM_SHADE_DEGREES; l++) f.o.window[l] = (float)f.window[l];
+  f.o.pixel = read_pixels(L, f.pixels, &f.o.pixels);
+  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
   ylm_shade_view **v = lua_newuserdata(L, sizeof *v);
   *v = NULL;
   luaL_getmetatable(L, YLML_SHADE_VIEW);
   lua_setmetatable(L, -2);
-  ylm_status s = ylm_shade_view_create(scene, &camera, &o, v, &e);
+  ylm_status s = ylm_shade_view_create(scene, &f.camera, &f.o, v, &e);
   ylm_shade_stats stats = {0};
   if (s == YLM_OK) ylm_shade_view_stats(*v, &stats);
   ylmL_charge(L, stats.bytes);

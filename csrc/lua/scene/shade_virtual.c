@@ -1,6 +1,7 @@
 /* shade_virtual.c - views under virtual lights; lua/ylm/render/gather.lua drives it. */
 #include "shade.h"
 #include "ylm_light_virtual.h"
+#include "ylm_shade_bounce.h"
 
 /* The window's factors at `i`, lmax + 1 of them, in memory of the state; NULL: nil stands there. */
 static const double *read_window(lua_State *L, int i, int lmax) {
@@ -11,81 +12,73 @@ static const double *read_window(lua_State *L, int i, int lmax) {
   return x;
 }
 
+typedef struct virtual_form {
+  ylm_shade_gather_options o;
+  int window, progress; /* on the stack */
+} virtual_form;
+
+static const ylmL_entry virtual_entries[] = {
+    YLML(virtual_form, o.method, "method", CHOICE, .choices = ylmL_virtual_method_choices),
+    YLML(virtual_form, o.lmax, "lmax", INT),
+    YLML(virtual_form, window, "window", VALUE),
+    YLML(virtual_form, o.horizon, "horizon", CHOICE, .choices = ylmL_horizon_choices,
+         .optional = true),
+    YLML(virtual_form, o.clamp, "clamp", CHOICE, .choices = ylmL_clamp_choices, .optional = true),
+    YLML(virtual_form, o.limit, "limit", DOUBLE, .optional = true),
+    YLML(virtual_form, o.compensate, "compensate", INT, .optional = true),
+    YLML(virtual_form, o.bounces, "bounces", INT, .optional = true),
+    YLML(virtual_form, o.samples, "samples", INT, .optional = true),
+    YLML(virtual_form, o.strategy, "strategy", CHOICE, .choices = ylmL_sphere_strategy_choices,
+         .optional = true),
+    YLML(virtual_form, o.shadows, "shadows", BOOL),
+    YLML(virtual_form, o.seed, "seed", UINT64),
+    YLML(virtual_form, o.threads, "threads", INT, .optional = true),
+    YLML(virtual_form, progress, "progress", VALUE),
+    YLML(virtual_form, o.zonal, "zonal", BOOL),
+    YLML(virtual_form, o.matte, "matte", BOOL),
+    YLML(virtual_form, o.groups, "groups", COUNT, .optional = true),
+    YLML(virtual_form, o.subset, "subset", CHOICE, .choices = ylmL_subset_choices,
+         .optional = true),
+    YLML(virtual_form, o.tile, "tile", INT, .optional = true),
+    YLML(virtual_form, o.alpha, "alpha", DOUBLE, .optional = true),
+    {.name = NULL}};
+
+static void push_gathered(lua_State *L, const ylm_shade_gather_report *r) {
+  lua_newtable(L);
+  ylmL_set_count(L, "pairs", r->pairs);
+  ylmL_set_count(L, "rays", r->rays);
+  ylmL_set_count(L, "singular", r->singular);
+  ylmL_set_count(L, "lights", r->lights);
+  ylmL_set_count(L, "kept", r->kept);
+  ylmL_set_number(L, "alpha", r->alpha);
+  ylmL_set_number(L, "seconds", r->seconds);
+}
+
 /* shade_virtual(view, lights, {method, lmax, window: list | nil, horizon, clamp, limit, compensate,
    bounces, samples, strategy, shadows, seed, threads, progress, zonal, matte, groups, subset, tile, alpha}) -> radiance
    [n][3], {pairs, rays, singular, lights, kept, alpha, seconds} */
 static int shade_virtual(lua_State *L) {
-  static const char *const names[] = {
-      "method",  "lmax",    "window",   "horizon", "clamp", "limit",   "compensate",
-      "bounces", "samples", "strategy", "shadows", "seed",  "threads", "progress",
-      "zonal",   "matte",   "groups",   "subset",  "tile",  "alpha",   NULL};
-  static const char *const methods[] = {"hvl", "vpl", "vsl", "vsgl", NULL};
-  static const char *const horizons[] = {"none", "paper", "gate", NULL};
-  static const char *const clamps[] = {"none", "distance", "geometry", "whole", NULL};
-  static const char *const strategies[] = {"cone", "receiver", "mis", NULL};
-  static const char *const subsets[] = {"all", "interleaved", "stochastic", NULL};
-  enum {
-    METHOD = 4,
-    LMAX,
-    WINDOW,
-    HORIZON,
-    CLAMP,
-    LIMIT,
-    COMPENSATE,
-    BOUNCES,
-    SAMPLES,
-    STRATEGY,
-    SHADOWS,
-    SEED,
-    THREADS,
-    PROGRESS,
-    ZONAL,
-    MATTE,
-    GROUPS,
-    SUBSET,
-    TILE,
-    ALPHA
-  };
-  ylmL_named(L, 3, names);
+  virtual_form f = {.o = {.bounces = 1, .samples = 1, .strategy = YLM_SHADE_MIS}};
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_light_virtual *lights = ylm_light_set_virtuals(ylmL_lights_check(L, 2));
   if (!lights) return ylmL_result(L, 0, YLM_EINVAL, NULL);
   ylm_error e = {0};
   ylmL_progress p;
-  ylm_shade_gather_options o = {
-      .method = (ylm_shade_gather_method)luaL_checkoption(L, METHOD, NULL, methods),
-      .lmax = (int)luaL_checknumber(L, LMAX),
-      .horizon = (ylm_shade_horizon)luaL_checkoption(L, HORIZON, "none", horizons),
-      .clamp = (ylm_shade_clamp)luaL_checkoption(L, CLAMP, "none", clamps),
-      .limit = (double)luaL_optnumber(L, LIMIT, 0),
-      .compensate = (int)luaL_optnumber(L, COMPENSATE, 0),
-      .bounces = (int)luaL_optnumber(L, BOUNCES, 1),
-      .samples = (int)luaL_optnumber(L, SAMPLES, 1),
-      .strategy = (ylm_shade_sphere_strategy)luaL_checkoption(L, STRATEGY, "mis", strategies),
-      .shadows = lua_toboolean(L, SHADOWS),
-      .groups = (size_t)luaL_optnumber(L, GROUPS, 0),
-      .zonal = lua_toboolean(L, ZONAL),
-      .matte = lua_toboolean(L, MATTE),
-      .subset = (ylm_shade_subset)luaL_checkoption(L, SUBSET, "all", subsets),
-      .tile = (int)luaL_optnumber(L, TILE, 0),
-      .alpha = (double)luaL_optnumber(L, ALPHA, 0),
-      .seed = (uint64_t)luaL_checknumber(L, SEED),
-      .threads = (int)luaL_optnumber(L, THREADS, 0),
-      .progress = ylmL_progress_begin(L, PROGRESS, &p)};
-  o.window = read_window(L, WINDOW, o.lmax);
+  ylmL_read(L, 3, virtual_entries, &f);
+  f.o.window = read_window(L, f.window, f.o.lmax);
+  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
   ylm_shade_gather_report r;
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3});
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_status s = ylm_shade_gather_virtual(v, lights, &o, out->data, &r, &e);
-  lua_newtable(L);
-  ylmL_set_count(L, "pairs", r.pairs);
-  ylmL_set_count(L, "rays", r.rays);
-  ylmL_set_count(L, "singular", r.singular);
-  ylmL_set_count(L, "lights", r.lights);
-  ylmL_set_count(L, "kept", r.kept);
-  ylmL_set_number(L, "alpha", r.alpha);
-  ylmL_set_number(L, "seconds", r.seconds);
+  ylm_status s = ylm_shade_gather_virtual(v, lights, &f.o, out->data, &r, &e);
+  push_gathered(L, &r);
   return ylmL_result_progress(L, 2, s, &e, &p);
+}
+
+/* shade_rivals(many() of ylm.c.rival): methods of shade_virtual that answered EMISSING */
+static int shade_rivals(lua_State *L) {
+  ylm_shade_rival_set(lua_touserdata(L, 1));
+  return 0;
 }
 
 /* shade_near(view, lights, "transfer" | "cosine", lmax, radiance [n][3], threads, progress) -> radiance,
@@ -124,6 +117,7 @@ static int shade_reflect(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {{"shade_virtual", shade_virtual},
+                                     {"shade_rivals", shade_rivals},
                                      {"shade_near", shade_near},
                                      {"shade_reflect", shade_reflect},
                                      {NULL, NULL}};

@@ -14,6 +14,7 @@ static int scene_close(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_scene_free(*s);
   *s = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 
@@ -34,6 +35,17 @@ void ylmL_scene_numbers(lua_State *L, int i, int n, double *x) {
   }
 }
 
+void ylmL_read_scene(lua_State *L, int i, void *field) {
+  *(const ylm_scene **)field = ylmL_scene(L, i);
+}
+
+void ylmL_read_camera(lua_State *L, int i, void *field) {
+  double c[10];
+  ylmL_scene_numbers(L, i, 10, c);
+  *(ylm_camera *)field =
+      (ylm_camera){{c[0], c[1], c[2]}, {c[3], c[4], c[5]}, {c[6], c[7], c[8]}, c[9]};
+}
+
 /* One mesh from lists of meshes, materials and flags at 1, 2, 3, textures or false at 6. */
 static ylm_scene_mesh read_mesh(lua_State *L, int i) {
   lua_rawgeti(L, 1, i);
@@ -45,8 +57,8 @@ static ylm_scene_mesh read_mesh(lua_State *L, int i) {
   lua_rawgeti(L, 6, i);
   const ylm_texture *texture = lua_toboolean(L, -1) ? ylmL_texture_check(L, lua_gettop(L)) : NULL;
   lua_pop(L, 4);
-  return (ylm_scene_mesh){m->position,  m->normal, m->uv,    m->vertices, m->index, m->triangles,
-                          material,     occludes,  m->colour, texture,    m->origin};
+  return (ylm_scene_mesh){m->position, m->normal, m->uv,     m->vertices, m->index, m->triangles,
+                          material,    occludes,  m->colour, texture,     m->origin};
 }
 
 static void copy(float *to, const double *from, size_t n) {
@@ -131,7 +143,8 @@ static int scene_relight(lua_State *L) {
   const ylm_scene *from = ylmL_scene(L, 1);
   lua_settop(L, 4);
   lua_Integer one_by_one = luaL_optinteger(L, 4, 0);
-  if (!ylmL_scene_lamps(L, 2, ylm_scene_origin(from), &lamps)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  if (!ylmL_scene_lamps(L, 2, ylm_scene_origin(from), &lamps))
+    return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   lamps.sky_is_seen = lua_toboolean(L, 3);
   lamps.one_by_one = one_by_one > 0 ? (size_t)one_by_one : 0;
   ylm_scene **s = new_scene(L);
@@ -146,7 +159,7 @@ static void push_three(lua_State *L, const double x[3]) {
   }
 }
 
-/* scene_bounds(scene) -> min, max, whether positions are relative to another origin than 0 */
+/* scene_bounds(scene) -> min, max */
 static int scene_bounds(lua_State *L) {
   double lo[3], hi[3];
   const ylm_scene *s = ylmL_scene(L, 1);
@@ -155,8 +168,7 @@ static int scene_bounds(lua_State *L) {
   for (int a = 0; origin && a < 3; a++) lo[a] += origin[a], hi[a] += origin[a];
   push_three(L, lo);
   push_three(L, hi);
-  lua_pushboolean(L, origin != NULL);
-  return 3;
+  return 2;
 }
 
 static void push_print(lua_State *L, uint64_t print) {

@@ -9,6 +9,10 @@
 ylm_scene *ylmL_scene(lua_State *L, int i);
 /* The n numbers of the table at `i`. */
 void ylmL_scene_numbers(lua_State *L, int i, int n, double *x);
+/* For entries of a struct (ylmL_read): a traced scene, const ylm_scene *; a camera, ylm_camera, of a list of ten numbers: from,
+   at, up, fov. */
+void ylmL_read_scene(lua_State *L, int i, void *field);
+void ylmL_read_camera(lua_State *L, int i, void *field);
 
 /* The lights at `i` as rays see them, relative to an origin (NULL: 0); the floats live in an array left on the stack.
    False without memory. */

@@ -20,6 +20,7 @@ int ylmL_let_go(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   drop(*u);
   *u = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 
@@ -47,44 +48,51 @@ ylm_transfer *ylmL_transfer(lua_State *L, int i) {
 
 static void destroy(void *t) { ylm_transfer_free(t); }
 
-static const char *const sides[] = {"auto", "both", "front", "back", NULL};
-
 /* Sides by their names, in an array over the lua_State's memory; NULL: the list is nil. */
 static const uint8_t *read_sides(lua_State *L, int i, size_t meshes) {
   if (lua_isnil(L, i)) return NULL;
   uint8_t *out = lua_newuserdata(L, meshes + 1);
   for (size_t m = 0; m < meshes; m++) {
     lua_rawgeti(L, i, (int)m + 1);
-    out[m] = (uint8_t)luaL_checkoption(L, lua_gettop(L), NULL, sides);
+    out[m] = (uint8_t)luaL_checkoption(L, lua_gettop(L), NULL, ylmL_sides_choices);
     lua_pop(L, 1);
   }
   return out;
 }
 
+typedef struct create_form {
+  ylm_transfer_form f;
+  ylmL_array *inside;
+  int sides, progress; /* on the stack */
+} create_form;
+
+static const ylmL_entry create_entries[] = {
+    YLML(create_form, f.spacing, "spacing", DOUBLE),
+    YLML(create_form, f.max_elements, "max_elements", COUNT),
+    YLML(create_form, f.links, "links", INT),
+    YLML(create_form, f.lmax, "lmax", INT),
+    YLML(create_form, sides, "sides", VALUE),
+    YLML(create_form, inside, "inside", ARRAY, .optional = true),
+    YLML(create_form, f.seed, "seed", UINT64),
+    YLML(create_form, f.threads, "threads", INT, .optional = true),
+    YLML(create_form, progress, "progress", VALUE),
+    {.name = NULL}};
+
 /* transfer_create(scene, {spacing (0: chosen), max_elements, links, lmax, sides: names of all meshes,
    inside float [n][3] or nil, seed, threads, progress}) -> transfer */
 static int transfer_create(lua_State *L) {
-  static const char *const names[] = {"spacing", "max_elements", "links",   "lmax",     "sides",
-                                      "inside",  "seed",         "threads", "progress", NULL};
-  enum { SPACING = 3, MOST, LINKS, LMAX, SIDES, INSIDE, SEED, THREADS, PROGRESS };
+  create_form c = {.inside = NULL};
   const ylm_scene *scene = ylmL_scene(L, 1);
   ylm_error e = {0};
   ylmL_progress p;
-  ylmL_named(L, 2, names);
-  ylmL_array *inside = ylmL_array_opt(L, INSIDE);
-  ylm_transfer_form f = {.spacing = (double)luaL_checknumber(L, SPACING),
-                         .max_elements = (size_t)luaL_checknumber(L, MOST),
-                         .links = (int)luaL_checknumber(L, LINKS),
-                         .lmax = (int)luaL_checknumber(L, LMAX),
-                         .places = inside ? inside->count / 3 : 0,
-                         .inside = inside ? inside->data : NULL,
-                         .seed = (uint64_t)luaL_checknumber(L, SEED),
-                         .threads = (int)luaL_optnumber(L, THREADS, 0),
-                         .progress = ylmL_progress_begin(L, PROGRESS, &p)};
-  f.mesh_sides = read_sides(L, SIDES, ylm_scene_meshes(scene));
+  ylmL_read(L, 2, create_entries, &c);
+  c.f.places = c.inside ? c.inside->count / 3 : 0;
+  c.f.inside = c.inside ? c.inside->data : NULL;
+  c.f.mesh_sides = read_sides(L, c.sides, ylm_scene_meshes(scene));
+  c.f.progress = ylmL_progress_begin(L, c.progress, &p);
   ylmL_held *h = ylmL_hold(L, YLML_TRANSFER, destroy, NULL);
   ylm_transfer *t;
-  ylm_status s = ylm_transfer_create(scene, &f, &t, &e);
+  ylm_status s = ylm_transfer_create(scene, &c.f, &t, &e);
   h->object = t;
   if (s == YLM_OK) {
     ylm_transfer_stats stats;

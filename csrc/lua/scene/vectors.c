@@ -1,6 +1,7 @@
 /* vectors.c - transfer vectors with bounces and transfer matrices, of elements, of vertices, and of shading points. */
 #include "shade.h"
 #include "transfer.h"
+#include "ylm_shade_bounce.h"
 
 /* transfer_vectors(t, bounces (-1: all), residual, closure, threads, progress) -> float [n + 1][width] as C keeps them,
    {bounces, closed, residual, shrink, seconds} */
@@ -83,28 +84,38 @@ static int shade_vectors(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
+typedef struct matrices_form {
+  int rays, lmax_in, lmax_out, threads;
+  uint64_t seed;
+  int progress; /* on the stack */
+} matrices_form;
+
+static const ylmL_entry matrices_entries[] = {
+    YLML(matrices_form, rays, "rays", INT),
+    YLML(matrices_form, seed, "seed", UINT64),
+    YLML(matrices_form, lmax_in, "lmax_in", INT, .least = 0, .most = YLM_LMAX),
+    YLML(matrices_form, lmax_out, "lmax_out", INT, .least = 0, .most = YLM_LMAX),
+    YLML(matrices_form, threads, "threads", INT, .optional = true),
+    YLML(matrices_form, progress, "progress", VALUE),
+    {.name = NULL}};
+
 /* shade_matrices(view, t, vectors | nil, {rays, seed, lmax_in, lmax_out, threads, progress})
    -> [points][3][(lmax_out+1)^2][(lmax_in+1)^2] */
 static int shade_matrices(lua_State *L) {
-  static const char *const names[] = {"rays",    "seed",     "lmax_in", "lmax_out",
-                                      "threads", "progress", NULL};
-  enum { RAYS = 5, SEED, IN, OUT, THREADS, PROGRESS };
+  matrices_form f = {.threads = 0};
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_transfer *t = ylmL_transfer(L, 2);
-  const float *vectors = read_vectors(L, 3, t);
   ylm_error e = {0};
   ylmL_progress p;
-  ylmL_named(L, 4, names);
-  int in = (int)luaL_checknumber(L, IN), out = (int)luaL_checknumber(L, OUT);
-  const ylm_progress *show = ylmL_progress_begin(L, PROGRESS, &p);
+  ylmL_read(L, 4, matrices_entries, &f);
+  const float *vectors = read_vectors(L, 3, t);
+  const ylm_progress *show = ylmL_progress_begin(L, f.progress, &p);
+  size_t in = (size_t)f.lmax_in + 1, out = (size_t)f.lmax_out + 1;
   ylmL_array *a =
-      ylmL_array_new(L, YLM_FLOAT, 4,
-                     (size_t[]){ylmL_shade_points(v), 3, (size_t)((out + 1) * (out + 1)),
-                                (size_t)((in + 1) * (in + 1))});
+      ylmL_array_new(L, YLM_FLOAT, 4, (size_t[]){ylmL_shade_points(v), 3, out * out, in * in});
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_status s = ylm_shade_view_matrices(v, t, vectors, (int)luaL_checknumber(L, RAYS),
-                                         (uint64_t)luaL_checknumber(L, SEED), in, out,
-                                         (int)luaL_optnumber(L, THREADS, 0), show, a->data, &e);
+  ylm_status s = ylm_shade_view_matrices(v, t, vectors, f.rays, f.seed, f.lmax_in, f.lmax_out,
+                                         f.threads, show, a->data, &e);
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 

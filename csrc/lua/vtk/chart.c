@@ -8,11 +8,6 @@
 #define SERIES 64
 #define TICKS 64
 
-/* In the order of ylm_vtk_series and ylm_vtk_chart. */
-static const char *const markers[] = {"none", "cross", "plus", "square", "circle", "diamond", NULL};
-static const char *const legends[] = {"none",         "top right",   "top left",
-                                      "bottom right", "bottom left", NULL};
-
 /* field(table, name) as a string, "" where it is missing; the table keeps it */
 static const char *word(lua_State *L, int i, const char *name) {
   lua_getfield(L, i, name);
@@ -65,9 +60,9 @@ static void series(lua_State *L, ylm_vtk_series *s) {
   s->label = word(L, i, "label");
   colour(L, i, "colour", 4, s->colour);
   s->width = ylmL_vtk_number(L, i, "width", 0);
-  s->marker = ylmL_vtk_choice(L, i, "marker", markers);
+  s->marker = ylmL_vtk_choice(L, i, "marker", ylmL_marker_choices);
   s->marker_size = ylmL_vtk_number(L, i, "marker_size", 0);
-  s->dash = ylmL_vtk_choice(L, i, "dash", ylmL_vtk_dashes);
+  s->dash = ylmL_vtk_choice(L, i, "dash", ylmL_dash_choices);
 }
 
 /* plot(chart table, canvas): fills the canvas */
@@ -88,7 +83,7 @@ int ylmL_vtk_plot(lua_State *L) {
   c.right = ylmL_vtk_number(L, 1, "right", 0);
   c.top = ylmL_vtk_number(L, 1, "top", 0);
   c.bottom = ylmL_vtk_number(L, 1, "bottom", 0);
-  c.legend = ylmL_vtk_choice(L, 1, "legend", legends);
+  c.legend = ylmL_vtk_choice(L, 1, "legend", ylmL_legend_choices);
   c.font = ylmL_vtk_number(L, 1, "font", 0);
   colour(L, 1, "background", 3, c.background);
   colour(L, 1, "foreground", 3, c.foreground);

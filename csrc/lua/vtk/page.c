@@ -28,7 +28,7 @@ static void read_mark(lua_State *L, int i, int room, ylm_vtk_mark *m) {
   lua_getfield(L, i, "text");
   m->text = lua_tostring(L, -1); /* the table keeps it */
   lua_pop(L, 1);
-  m->dash = ylmL_vtk_choice(L, i, "dash", ylmL_vtk_dashes);
+  m->dash = ylmL_vtk_choice(L, i, "dash", ylmL_dash_choices);
   m->size = ylmL_vtk_number(L, i, "size", 12);
   m->width = ylmL_vtk_number(L, i, "width", 1);
   m->bold = ylmL_vtk_is_true(L, i, "bold");

@@ -25,20 +25,26 @@ static int scene_new(lua_State *L) {
   return ylmL_result(L, 1, ylm_vtk_scene_create(s, &e), &e);
 }
 
+typedef struct style_form {
+  ylm_vtk_style style;
+  bool flat;
+} style_form;
+
+static const ylmL_entry style_entries[] = {YLML(style_form, style.ambient, "ambient", DOUBLE),
+                                           YLML(style_form, style.diffuse, "diffuse", DOUBLE),
+                                           YLML(style_form, style.specular, "specular", DOUBLE),
+                                           YLML(style_form, style.line_width, "line_width", DOUBLE),
+                                           YLML(style_form, style.opacity, "opacity", DOUBLE),
+                                           YLML(style_form, flat, "flat", BOOL),
+                                           {.name = NULL}};
+
 /* shape(scene, shape, {ambient, diffuse, specular, line_width, opacity, flat}) */
 static int scene_shape(lua_State *L) {
-  static const char *const names[] = {"ambient", "diffuse", "specular", "line_width",
-                                      "opacity", "flat",    NULL};
-  enum { AMBIENT = 4, DIFFUSE, SPECULAR, LINE_WIDTH, OPACITY, FLAT };
   ylm_error e;
-  ylmL_named(L, 3, names);
-  ylm_vtk_style style = {.ambient = (double)luaL_checknumber(L, AMBIENT),
-                         .diffuse = (double)luaL_checknumber(L, DIFFUSE),
-                         .specular = (double)luaL_checknumber(L, SPECULAR),
-                         .line_width = (double)luaL_checknumber(L, LINE_WIDTH),
-                         .opacity = (double)luaL_checknumber(L, OPACITY),
-                         .flat = lua_toboolean(L, FLAT)};
-  ylm_status s = ylm_vtk_add_shape(scene_at(L, 1), ylmL_check(L, 2, YLM_SHAPE), &style, &e);
+  style_form f = {.flat = false};
+  ylmL_read(L, 3, style_entries, &f);
+  f.style.flat = f.flat;
+  ylm_status s = ylm_vtk_add_shape(scene_at(L, 1), ylmL_check(L, 2, YLM_SHAPE), &f.style, &e);
   return ylmL_result(L, 0, s, &e);
 }
 

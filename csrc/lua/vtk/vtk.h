@@ -2,6 +2,8 @@
 #ifndef YLM_LUA_DRAWING_H
 #define YLM_LUA_DRAWING_H
 
+#include "../binding_choices.h"
+
 #include <lauxlib.h>
 #include <lua.h>
 
@@ -29,9 +31,6 @@ static inline int ylmL_vtk_is_true(lua_State *L, int i, const char *name) {
   lua_pop(L, 1);
   return yes;
 }
-
-/* In the order of ylm_vtk_series and ylm_vtk_mark. */
-static const char *const ylmL_vtk_dashes[] = {"solid", "dashed", "dotted", NULL};
 
 int ylmL_vtk_plot(lua_State *L);
 int ylmL_vtk_save_pdf(lua_State *L);

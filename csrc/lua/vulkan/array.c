@@ -13,7 +13,7 @@ ylmL_gpu_array *ylmL_gpu_array_new(lua_State *L, ylm_gpu *g, ylm_dtype t, int ax
                                    const size_t *shape, ylm_status *s, ylm_error *e) {
   size_t count;
   if (axes < 1 || axes > YLM_MAX_AXES || !ylm_shape_count(axes, shape, &count)) {
-    *s = ylm_fail(e, YLM_EOVERFLOW, "%s", ylm_status_text(YLM_EOVERFLOW));
+    *s = ylm_fail_plain(e, YLM_EOVERFLOW);
     return NULL;
   }
   ylmL_gpu_array *a = lua_newuserdata(L, sizeof *a);
@@ -146,6 +146,7 @@ static int array_close(lua_State *L) {
   if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_gpu_buffer_free(a->buffer);
   a->buffer = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 
@@ -157,6 +158,7 @@ static int array_gc(lua_State *L) {
   ylmL_gpu_array *a = ylmL_check(L, 1, YLM_GPU_ARRAY);
   ylm_gpu_buffer_free(a->buffer);
   a->buffer = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 

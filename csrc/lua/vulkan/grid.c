@@ -53,6 +53,7 @@ static int gc(lua_State *L) {
   ylm_gpu_grid **k = ylmL_check(L, 1, GPU_GRID);
   ylm_gpu_grid_free(*k);
   *k = NULL;
+  ylmL_disown(L, 1);
   return 0;
 }
 
@@ -61,15 +62,28 @@ static int close_copy(lua_State *L) {
   return gc(L);
 }
 
+typedef struct sample_form {
+  ylm_grid_query q;
+  int derivatives;
+  int value, gradient, progress; /* on the stack */
+} sample_form;
+
+static const ylmL_entry sample_entries[] = {
+    YLML(sample_form, q.interpolation, "interpolation", CHOICE,
+         .choices = ylmL_interpolation_choices),
+    YLML(sample_form, derivatives, "derivatives", INT),
+    YLML(sample_form, q.nan_outside, "outside", EITHER, .choices = ylmL_outside_choices),
+    YLML(sample_form, progress, "progress", VALUE),
+    YLML(sample_form, value, "value", VALUE),
+    YLML(sample_form, gradient, "gradient", VALUE),
+    {.name = NULL}};
+
 /* gpu_grid_sample(copy, grid, points, {interpolation, derivatives, outside, progress, value | nil,
    gradient | nil}) -> value, gradient | nil, outside, unbaked, seconds, times. New results are where the
    points are. */
 static int sample(lua_State *L) {
-  static const char *const names[] = {"interpolation", "derivatives", "outside", "progress",
-                                      "value",         "gradient",    NULL};
-  static const char *const outside[] = {"clamp", "nan", NULL};
-  enum { INTERPOLATION = 5, DERIVATIVES, OUTSIDE, PROGRESS, VALUE, GRADIENT };
-  ylmL_named(L, 4, names);
+  sample_form f = {.q = {.dtype = YLM_FLOAT}};
+  ylmL_read(L, 4, sample_entries, &f);
   ylm_gpu_grid *k = copy_at(L, 1);
   const ylm_grid *grid = ylmL_grid_check(L, 2);
   const ylm_grid_contents *v = ylm_grid_look(grid);
@@ -78,22 +92,19 @@ static int sample(lua_State *L) {
   ylm_grid_report report = {0};
   ylm_gpu_times times = {0};
   ylmL_progress progress;
-  ylm_grid_query q = {.interpolation = ylmL_grid_interpolation(L, INTERPOLATION),
-                      .nan_outside = luaL_checkoption(L, OUTSIDE, NULL, outside) == 1,
-                      .point_dtype = points.dtype,
-                      .dtype = YLM_FLOAT,
-                      .progress = ylmL_progress_begin(L, PROGRESS, &progress)};
+  f.q.point_dtype = points.dtype;
+  f.q.progress = ylmL_progress_begin(L, f.progress, &progress);
   size_t shape[4] = {points.count / 3, (size_t)v->form.channels, (size_t)v->count, 3};
   ylm_gpu *there = points.there ? ylm_gpu_buffer_device(points.there) : NULL;
   ylm_status s = YLM_OK;
   ylm_gpu_output gradient = {NULL, NULL},
-                 value = ylmL_gpu_output(L, VALUE, there, 3, shape, &s, &e);
-  if (luaL_checknumber(L, DERIVATIVES) > 0)
-    gradient = ylmL_gpu_output(L, GRADIENT, there, 4, shape, &s, &e);
+                 value = ylmL_gpu_output(L, f.value, there, 3, shape, &s, &e);
+  if (f.derivatives > 0)
+    gradient = ylmL_gpu_output(L, f.gradient, there, 4, shape, &s, &e);
   else
     lua_pushnil(L);
   if (s == YLM_OK)
-    s = ylm_gpu_grid_sample(k, grid, &q, shape[0], ylmL_gpu_input(&points), value, gradient,
+    s = ylm_gpu_grid_sample(k, grid, &f.q, shape[0], ylmL_gpu_input(&points), value, gradient,
                             &report, &times, &e);
   if (s == YLM_OK) {
     ylmL_push_count(L, report.outside);
@@ -104,18 +115,30 @@ static int sample(lua_State *L) {
   return ylmL_result_progress(L, 6, s, &e, &progress);
 }
 
+typedef struct shade_form {
+  ylm_grid_query q;
+  int points, transfer, material, radiance, progress; /* on the stack */
+} shade_form;
+
+static const ylmL_entry shade_entries[] = {YLML(shade_form, points, "points", VALUE),
+                                           YLML(shade_form, transfer, "transfer", VALUE),
+                                           YLML(shade_form, material, "material", VALUE),
+                                           YLML(shade_form, q.interpolation, "interpolation",
+                                                CHOICE, .choices = ylmL_interpolation_choices),
+                                           YLML(shade_form, progress, "progress", VALUE),
+                                           YLML(shade_form, radiance, "radiance", VALUE),
+                                           {.name = NULL}};
+
 /* gpu_grid_shade(copy, grid, {points [n][3], transfer [n][row], material [n][3], interpolation,
    progress, radiance | nil}) -> radiance [n][3], outside, unbaked, seconds, times; all float. The
    radiance is where the points are. */
 static int shade(lua_State *L) {
-  static const char *const names[] = {"points",   "transfer", "material", "interpolation",
-                                      "progress", "radiance", NULL};
-  enum { POINTS = 4, TRANSFER, MATERIAL, INTERPOLATION, PROGRESS, RADIANCE };
-  ylmL_named(L, 3, names);
+  shade_form f = {.q = {.point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT}};
+  ylmL_read(L, 3, shade_entries, &f);
   ylm_gpu_grid *k = copy_at(L, 1);
   const ylm_grid *grid = ylmL_grid_check(L, 2);
-  ylmL_any_array points = ylmL_any(L, POINTS), transfer = ylmL_any(L, TRANSFER),
-                 material = ylmL_any(L, MATERIAL);
+  ylmL_any_array points = ylmL_any(L, f.points), transfer = ylmL_any(L, f.transfer),
+                 material = ylmL_any(L, f.material);
   ylm_error e = {YLM_OK, ""};
   ylm_grid_report report = {0};
   ylm_gpu_times times = {0};
@@ -126,16 +149,14 @@ static int shade(lua_State *L) {
     return ylmL_result(L, 0, YLM_ETYPE, NULL);
   if (points.count != 3 * n || transfer.count != n * row || material.count != 3 * n)
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylm_grid_query q = {.interpolation = ylmL_grid_interpolation(L, INTERPOLATION),
-                      .point_dtype = YLM_FLOAT,
-                      .dtype = YLM_FLOAT,
-                      .progress = ylmL_progress_begin(L, PROGRESS, &progress)};
+  f.q.progress = ylmL_progress_begin(L, f.progress, &progress);
   ylm_gpu *there = points.there ? ylm_gpu_buffer_device(points.there) : NULL;
   ylm_status s = YLM_OK;
-  ylm_gpu_output radiance = ylmL_gpu_output(L, RADIANCE, there, 2, (size_t[]){n, 3}, &s, &e);
+  ylm_gpu_output radiance = ylmL_gpu_output(L, f.radiance, there, 2, (size_t[]){n, 3}, &s, &e);
   if (s == YLM_OK)
-    s = ylm_gpu_grid_shade(k, grid, &q, n, ylmL_gpu_input(&points), row, ylmL_gpu_input(&transfer),
-                           ylmL_gpu_input(&material), radiance, &report, &times, &e);
+    s = ylm_gpu_grid_shade(k, grid, &f.q, n, ylmL_gpu_input(&points), row,
+                           ylmL_gpu_input(&transfer), ylmL_gpu_input(&material), radiance, &report,
+                           &times, &e);
   ylmL_push_count(L, report.outside);
   ylmL_push_count(L, report.unbaked);
   lua_pushnumber(L, (lua_Number)report.seconds);

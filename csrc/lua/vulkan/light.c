@@ -19,7 +19,6 @@ static const ylm_field *field_of(void *object) {
 }
 
 /* In the order of ylm_gpu_method. */
-static const char *const methods_of_sums[] = {"merged", "forward", "reversed", NULL};
 
 /* gpu_lights_create(gpu, lights, method) -> lights on the device */
 static int create(lua_State *L) {
@@ -27,7 +26,7 @@ static int create(lua_State *L) {
   lua_settop(L, 3);
   ylm_gpu *g = ylmL_gpu_check(L, 1);
   const ylm_light_set *set = ylmL_lights_check(L, 2);
-  int method = luaL_checkoption(L, 3, NULL, methods_of_sums);
+  int method = luaL_checkoption(L, 3, NULL, ylmL_sums_choices);
   device_lights *d = lua_newuserdata(L, sizeof *d);
   *d = (device_lights){NULL, lua_touserdata(L, 2), LUA_NOREF, method};
   luaL_getmetatable(L, GPU_LIGHTS);
@@ -43,6 +42,7 @@ static int release(lua_State *L) {
   d->on = NULL;
   luaL_unref(L, LUA_REGISTRYINDEX, d->keep);
   d->keep = LUA_NOREF;
+  ylmL_disown(L, 1);
   return 0;
 }
 
@@ -57,7 +57,7 @@ static int info(lua_State *L) {
   const device_lights *d = ylmL_check(L, 1, GPU_LIGHTS);
   if (!field_of((void *)(uintptr_t)d)) return 0;
   ylmL_push_count(L, ylm_light_set_count(*d->from));
-  lua_pushstring(L, methods_of_sums[d->method]);
+  lua_pushstring(L, ylmL_sums_choices[d->method]);
   return 2;
 }
 

@@ -1,7 +1,7 @@
 /*
 ** exponential.c - exponentials and logarithms of functions given by coefficients.
 **
-** M is the matrix that multiplies by f, cut off at lmax (ylm_sh_transfer), M = R D R'. With 1 the coefficients of the
+** M is the matrix that multiplies by f, cut off at lmax (ylm_sh_product_matrix), M = R D R'. With 1 the coefficients of the
 ** function 1 and q(x) = log x/(x - 1), q(1) = 1:
 **
 **   log f = R q(max(D, epsilon max D)) R' (f - 1)
@@ -53,7 +53,7 @@ static ylm_status apply(job *j, size_t rows, size_t grain, int threads, ylm_rang
 static ylm_status log_row(const job *j, size_t r, double *matrix, double *w, double *f) {
   size_t n = ylm_sh_count(j->lmax);
   load(j, r, f);
-  ylm_status s = ylm_sh_transfer(j->lmax, f, j->lmax, matrix, j->e);
+  ylm_status s = ylm_sh_product_matrix(j->lmax, f, j->lmax, matrix, j->e);
   if (s == YLM_OK) s = ylm__sh_eigen((int)n, matrix, w);
   if (s != YLM_OK) return s;
   double most = w[0];

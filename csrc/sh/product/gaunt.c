@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "product.h"
+#include "ylm_list.h"
 
 /* For each pair i <= j with integrals: its k's and values. */
 struct ylm__gaunt {
@@ -53,19 +54,13 @@ static double azimuth(int a, int b, int c) {
     }
     if (total == 0) sum += term;
   }
-  return 2 * 3.14159265358979323846 * (sines == 2 ? -sum : sum); /* (1/i)^2 */
+  return 2 * YLM_PI * (sines == 2 ? -sum : sum); /* (1/i)^2 */
 }
 
 /* Appends a number to a growing array; false where memory runs out. */
 #define PUSH(array, used, room, x)                                                                 \
   do {                                                                                             \
-    if ((used) == (room)) {                                                                        \
-      size_t more = (room) ? 2 * (room) : 1024;                                                    \
-      void *grown = ylm_realloc((array), (used) * sizeof *(array), more, sizeof *(array));         \
-      if (!grown) goto fail;                                                                       \
-      (array) = grown;                                                                             \
-      (room) = more;                                                                               \
-    }                                                                                              \
+    if (!ylm_list_reserve(&(array), used, (used) + 1, &(room), sizeof *(array))) goto fail;        \
     (array)[(used)++] = (x);                                                                       \
   } while (0)
 
@@ -162,13 +157,13 @@ fail:
 APPLY(ylm__gaunt_f, float, value_f)
 APPLY(ylm__gaunt_d, double, value_d)
 
-/* -- transfer matrices
+/* -- matrices of products
  * ------------------------------------------------------------------------------- */
 
 /* Columns j of M: the function times Y_j, by the quadrature rule exact for degree 4 lmax. */
-ylm_status ylm_sh_transfer(int clmax, const double *c, int lmax, double *matrix, ylm_error *e) {
+ylm_status ylm_sh_product_matrix(int clmax, const double *c, int lmax, double *matrix, ylm_error *e) {
   if (lmax < 0 || lmax > YLM_SH_PRODUCT_LMAX / 2)
-    return ylm_fail(e, YLM_ERANGE, "lmax of a transfer matrix must be from 0 to %d, got %d",
+    return ylm_fail(e, YLM_ERANGE, "lmax of a matrix of products must be from 0 to %d, got %d",
                     YLM_SH_PRODUCT_LMAX / 2, lmax);
   if (clmax < 0 || clmax > YLM_LMAX) return ylm_fail(e, YLM_ERANGE, "no such lmax: %d", clmax);
   int both = clmax < 2 * lmax ? clmax : 2 * lmax, top = both > lmax ? both : lmax;
@@ -252,7 +247,7 @@ static ylm_status transfer_rows(void *context, size_t begin, size_t end, int wor
   return YLM_OK;
 }
 
-ylm_status ylm_sh_transfer_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
+ylm_status ylm_sh_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
                                  const void *in, void *out, int threads,
                                  const ylm_progress *progress) {
   size_t size = ylm_dtype_size(t), lanes = 128 / size, padded = (n + lanes - 1) / lanes * lanes;

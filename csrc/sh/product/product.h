@@ -102,7 +102,7 @@ static inline size_t product_nodes_scratch(const ylm_sh_product *p, size_t lanes
     void (*synthesise)(const ylm_sh_product *p, const T *const *rows, bool multiply, T *value,     \
                        T *scratch);                                                                \
     void (*analyse)(const ylm_sh_product *p, T *value, T *const *out, T *scratch);                 \
-    /* transfer matrices: m [n][padded], symmetric, 64 bytes aligned, padded to 128 bytes a row */ \
+    /* matrices of products: m [n][padded], symmetric, 64 bytes aligned, padded to 128 bytes a row */ \
     void (*transfer)(size_t n, size_t padded, const T *m, size_t rows, const T *in, T *out);       \
     int lanes;                                                                                     \
   }

@@ -1,6 +1,6 @@
 /*
 ** product_kernel.h - kernels of products, for the unit's element type: quadrature for one and for
-** batches, straight-line sums of low degree, transfer matrices.
+** batches, straight-line sums of low degree, matrices of products.
 */
 #include "product_batch.h"
 #include "product_nodes.h"

@@ -32,10 +32,10 @@ static bool finish(ylm_dtype t, double *x, size_t n, void **table) {
 }
 
 double ylm__product_cosine(int m, int j, int azimuths) {
-  return cos(m * (j + 0.5) * (2 * 3.14159265358979323846 / azimuths));
+  return cos(m * (j + 0.5) * (2 * YLM_PI / azimuths));
 }
 double ylm__product_sine(int m, int j, int azimuths) {
-  return sin(m * (j + 0.5) * (2 * 3.14159265358979323846 / azimuths));
+  return sin(m * (j + 0.5) * (2 * YLM_PI / azimuths));
 }
 
 /* Tables at the nodes z >= 0: [half]. */
@@ -69,8 +69,7 @@ static bool dense_tables(const ylm_sh_product *p, const rule *r, ylm_dtype t,
           int k = at[l & 1]++;
           values[(size_t)k * (size_t)out->pairs_padded + (size_t)pair] = y;
           int column = l & 1 ? k - out->evens + out->evens_padded : k;
-          weights[(size_t)pair * row + (size_t)column] =
-              y * r->w[h] * 2 * 3.14159265358979323846 / p->azimuths;
+          weights[(size_t)pair * row + (size_t)column] = y * r->w[h] * 2 * YLM_PI / p->azimuths;
         }
     }
   }
@@ -105,7 +104,7 @@ static bool separable_tables(const ylm_sh_product *p, const rule *r, ylm_dtype t
           double y = r->p[h * entries + l * (l + 1) / 2 + m];
           legendre[k * row + (size_t)h] = y;
           back[(size_t)out->back_at[2 * m + parity] + (size_t)(h * padded + i)] =
-              y * r->w[h] * 2 * 3.14159265358979323846 / p->azimuths * (r->z[h] == 0 ? 0.5 : 1);
+              y * r->w[h] * 2 * YLM_PI / p->azimuths * (r->z[h] == 0 ? 0.5 : 1);
         }
     }
   for (int j = 0; ok && j < J; j++)
@@ -115,7 +114,7 @@ static bool separable_tables(const ylm_sh_product *p, const rule *r, ylm_dtype t
     }
   for (int h = 0; ok && h < p->half; h++) {
     for (int q = 0; q < entries; q++) node[h * entries + q] = r->p[h * entries + q];
-    weights[h] = r->w[h] * 2 * 3.14159265358979323846 / p->azimuths * (r->z[h] == 0 ? 0.5 : 1);
+    weights[h] = r->w[h] * 2 * YLM_PI / p->azimuths * (r->z[h] == 0 ? 0.5 : 1);
   }
   bool a = finish(t, legendre, nl, &out->legendre), b = finish(t, back, nb, &out->back);
   bool c = finish(t, cosines, nc, &out->cosines), d = finish(t, sines, nc, &out->sines);

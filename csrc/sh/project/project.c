@@ -5,8 +5,6 @@
 #include <math.h>
 #include <string.h>
 
-#define PI 3.14159265358979323846
-
 ylm_status ylm_sh_sphere_rule(int nodes, int azimuths, double lo, double hi, double *direction,
                               double *weight) {
   if (nodes < 1 || nodes > 100000 || azimuths < 1 || azimuths > 100000 ||
@@ -18,12 +16,13 @@ ylm_status ylm_sh_sphere_rule(int nodes, int azimuths, double lo, double hi, dou
   for (int h = 0; h < nodes; h++) {
     double z = 0.5 * (lo + hi) + 0.5 * (hi - lo) * x[h], s = sqrt((1 - z) * (1 + z));
     for (int j = 0; j < azimuths; j++) {
-      double phi = 2 * PI * (j + 0.5) / azimuths;
+      double phi = 2 * YLM_PI * (j + 0.5) / azimuths;
       double *d = direction + 3 * ((size_t)h * (size_t)azimuths + (size_t)j);
       d[0] = s * cos(phi);
       d[1] = s * sin(phi);
       d[2] = z;
-      weight[(size_t)h * (size_t)azimuths + (size_t)j] = 0.5 * (hi - lo) * w[h] * 2 * PI / azimuths;
+      weight[(size_t)h * (size_t)azimuths + (size_t)j] =
+          0.5 * (hi - lo) * w[h] * 2 * YLM_PI / azimuths;
     }
   }
   ylm_free(x);
@@ -36,7 +35,7 @@ void ylm_sh_sphere_samples(int side, uint64_t seed, uint64_t stream, double *dir
   for (int a = 0; a < side; a++)
     for (int b = 0; b < side; b++, direction += 3) {
       double x = (a + ylm_rng_double(&r)) / side, y = (b + ylm_rng_double(&r)) / side;
-      double z = 1 - 2 * x, s = sqrt(4 * x * (1 - x)), phi = 2 * PI * y;
+      double z = 1 - 2 * x, s = sqrt(4 * x * (1 - x)), phi = 2 * YLM_PI * y;
       direction[0] = s * cos(phi);
       direction[1] = s * sin(phi);
       direction[2] = z;
@@ -71,7 +70,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
     s = ylm_sh_eval(j->lmax, 0, false, YLM_DOUBLE, n, p, y, NULL, NULL, 1, NULL);
     for (size_t c = 0; c < channels && s == YLM_OK; c++) {
       for (size_t k = 0; k < n; k++)
-        wf[k] = (j->weight ? j->weight[i + k] : 4 * PI / (double)j->n) *
+        wf[k] = (j->weight ? j->weight[i + k] : 4 * YLM_PI / (double)j->n) *
                 j->value[(i + k) * channels + c];
       for (size_t k = 0; k < n; k++)
         for (size_t q = 0; q < count; q++) out[c * count + q] += wf[k] * y[k * count + q];

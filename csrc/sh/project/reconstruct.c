@@ -57,5 +57,5 @@ ylm_status ylm_sh_reconstruct(int lmax, ylm_dtype t, size_t rows, const void *c,
   if (!k.basis) return ylm_fail(e, YLM_ENOMEM, "no memory for degree %d", lmax);
   s = ylm_parallel(n, RECONSTRUCT_BLOCK, threads, block, &k, progress, "reconstruct");
   ylm_free(k.basis);
-  return s == YLM_OK ? s : ylm_fail(e, s, "%s", ylm_status_text(s));
+  return s == YLM_OK ? s : ylm_fail_plain(e, s);
 }

@@ -12,7 +12,7 @@ float *ylm__gather_base(const gather_lattice *l, int lmax) {
     for (int k = 0; k < 4; k++) {
       double x[2] = {i + 0.5 + (k % 2 ? 1 : -1) * 0.28867513459481287,
                      j + 0.5 + (k / 2 ? 1 : -1) * 0.28867513459481287};
-      for (int a = 0; a < 2; a++) x[a] = tan((2 * x[a] / l->base - 1) * (PI / 4));
+      for (int a = 0; a < 2; a++) x[a] = tan((2 * x[a] / l->base - 1) * (YLM_PI / 4));
       double r2 = 1 + x[0] * x[0] + x[1] * x[1];
       at[k][f / 2] = f % 2 ? -1 : 1;
       at[k][(f / 2 + 1) % 3] = (float)x[0];

@@ -81,7 +81,7 @@ static void find_mean(gather_sight *v) {
     if (!first) first = v->radiance[i];
     for (int c = 0; c < 3; c++) sum[c] += (double)(angle_of(v, i) * (v->radiance[i][c] - first[c]));
   }
-  for (int c = 0; c < 3; c++) v->mean[c] = first[c] + (float)(sum[c] / (4 * PI));
+  for (int c = 0; c < 3; c++) v->mean[c] = first[c] + (float)(sum[c] / (4 * YLM_PI));
 }
 
 /* -- rays -------------------------------------------------------------------------------------- */
@@ -126,7 +126,7 @@ void ylm__gather_glance(gather_sight *v, const float at[3]) {
   trace(v, 0, l->cells);
   for (size_t i = 0; i < l->cells; i++)
     if (v->cell[i].element > v->g->elements) buried += (double)l->angle[i];
-  v->buried = (float)(buried / (4 * PI));
+  v->buried = (float)(buried / (4 * YLM_PI));
 }
 
 /* -- borders ----------------------------------------------------------------------------------- */

@@ -197,7 +197,7 @@ ylm_status ylm__gather_make_sky(const gather_lattice *l, gather_lamps *lamps) {
       d[axis] = c / (n * n) % 2 ? -1 : 1;
       for (int a = 0; a < 2; a++)
         d[(axis + 1 + a) % 3] =
-            (float)tan((((double)at[a] + 0.5) / (2 * (double)n) - 1) * (PI / 4));
+            (float)tan((((double)at[a] + 0.5) / (2 * (double)n) - 1) * (YLM_PI / 4));
       double length = sqrt((double)(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]));
       for (int a = 0; a < 3; a++) d[a] = (float)((double)d[a] / length);
       ylm__gather_sky(lamps, d, rgb);

@@ -20,20 +20,8 @@ typedef struct gather_job {
 
 static ylm_status check_query(const ylm_field_query *q, size_t n, const void *points,
                               const ylm_field_result *r, ylm_error *e) {
-  size_t where;
-  if (q->lmax < 0 || q->lmax > YLM_TRANSFER_LMAX)
-    return ylm_fail(e, YLM_ERANGE, "lmax must be 0 .. %d for gathered light, got %d",
-                    YLM_TRANSFER_LMAX, q->lmax);
-  if (q->channels != 1 && q->channels != 3)
-    return ylm_fail(e, YLM_EINVAL, "channels must be 1 or 3, got %d", q->channels);
-  if ((q->want & YLM_WANT_METRIC) && q->metric_channels != 1 && q->metric_channels != 3)
-    return ylm_fail(e, YLM_EINVAL, "metric_channels must be 1 or 3, got %d", q->metric_channels);
-  if (((q->want & YLM_WANT_VALUE) && !r->value) ||
-      ((q->want & YLM_WANT_GRADIENT) && !r->gradient) ||
-      ((q->want & YLM_WANT_HESSIAN) && !r->hessian))
-    return ylm_fail(e, YLM_EINVAL, "a result is wanted but has no place to go");
-  if (!ylm_all_finite(q->dtype, points, 3 * n, &where))
-    return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", where / 3 + 1);
+  ylm_status s = ylm_field_check(q, n, points, r, YLM_TRANSFER_LMAX, "gathered light", e);
+  if (s != YLM_OK) return s;
   for (size_t i = 0; i < 3 * n; i++)
     if (fabs(ylm_get(q->dtype, points, i)) > YLM_LIGHT_EXTENT)
       return ylm_fail(e, YLM_ERANGE, "point %zu is farther away than %g", i / 3 + 1,
@@ -112,7 +100,7 @@ static ylm_status light(const gather_job *j, int worker, gather_sums *s, bool *i
                 YLM_LUMINANCE_B * (double)v->mean[2];
   if (!*d) *d = ylm__gather_direct_create(g, g->lamps, &j->want);
   if (!*d) return YLM_ENOMEM;
-  ylm_status status = ylm__gather_direct_light(*d, v->at, 4 * PI * mean, s, inside, NULL);
+  ylm_status status = ylm__gather_direct_light(*d, v->at, 4 * YLM_PI * mean, s, inside, NULL);
   atomic_fetch_add_explicit(&g->shadow_rays, ylm__gather_direct_rays(*d), memory_order_relaxed);
   return status;
 }
@@ -274,7 +262,7 @@ ylm_status ylm_gather_lamps(ylm_gather *g, const ylm_scene *scene, ylm_error *e)
   ylm_status s = check_spots(scene, e);
   if (s != YLM_OK) return s;
   s = ylm__gather_light(g, scene, &lamps);
-  if (s != YLM_OK) return ylm_fail(e, s, "%s", ylm_status_text(s));
+  if (s != YLM_OK) return ylm_fail_plain(e, s);
   ylm__gather_dark(g->lamps);
   g->lamps = lamps;
   g->form.lamps = scene;

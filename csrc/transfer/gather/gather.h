@@ -9,8 +9,6 @@
 #include "ylm_sh.h"
 #include "ylm_transfer.h"
 
-#define PI 3.14159265358979323846
-
 /* -- lattice.c: cells of all directions, the same everywhere ----------------------------------- */
 
 /* A border of two cells that lie side by side: a line of one coordinate of a face of the cube, from `from` on,
@@ -237,7 +235,7 @@ ylm_status ylm__gather_direct_light(gather_direct *d, const float at[3], double 
 /* Rays of the last point. */
 uint64_t ylm__gather_direct_rays(const gather_direct *d);
 
-/* -- meets.c: boxes and triangles -------------------------------------------------------------- */
+/* -- boxes.c: boxes and triangles -------------------------------------------------------------- */
 
 /* The triangles of a scene that occlude. To be freed in any case. */
 ylm_status ylm__gather_meets_create(const ylm_scene *s, struct gather_meets **m);

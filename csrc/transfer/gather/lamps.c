@@ -20,7 +20,7 @@ static void measure(gather_lamp *l) {
   if (!strcmp(l->kind, "sphere")) {
     memcpy(l->at, x + 3, sizeof l->at);
     l->reach = x[6];
-    l->power = luminance_of(x) * PI * x[6] * x[6];
+    l->power = luminance_of(x) * YLM_PI * x[6] * x[6];
   } else if (!strcmp(l->kind, "sun")) {
     l->distant = true;
     l->power = luminance_of(x);
@@ -36,7 +36,7 @@ static void measure(gather_lamp *l) {
       n[a] = u[(a + 1) % 3] * v[(a + 2) % 3] - u[(a + 2) % 3] * v[(a + 1) % 3];
       area += n[a] * n[a];
     }
-    area = sqrt(area) * (x[6] > 0 ? 0.5 : PI);
+    area = sqrt(area) * (x[6] > 0 ? 0.5 : YLM_PI);
     for (int k = 0; k < 3; k++) {
       double d2 = 0;
       for (int a = 0; a < 3; a++)

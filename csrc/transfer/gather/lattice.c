@@ -28,7 +28,8 @@ void ylm__gather_children_of(const gather_lattice *l, gather_place p, float (*ou
   size_t half = (size_t)1 << 2 * (l->levels - p.level - 1); /* of a child's edge */
   const float *u = l->tangent + half * (8 * (size_t)p.i + 1),
               *v = l->tangent + half * (8 * (size_t)p.j + 1);
-  float edge = (float)(PI / 2) * (float)half / (float)l->fine, inverse[16], angle[16], x[4], y[4];
+  float edge = (float)(YLM_PI / 2) * (float)half / (float)l->fine, inverse[16], angle[16], x[4],
+        y[4];
   for (size_t k = 0; k < 4; k++) x[k] = u[2 * half * k], y[k] = v[2 * half * k];
   for (size_t j = 0; j < 4; j++)
     for (size_t k = 0; k < 4; k++) {
@@ -204,7 +205,7 @@ static void add_outer(gather_lattice *l, int face) {
 static void fill(gather_lattice *l) {
   size_t n = (size_t)l->base;
   for (size_t k = 0; k <= 2 * l->fine; k++)
-    l->tangent[k] = (float)tan(((double)k / (double)l->fine - 1) * (PI / 4));
+    l->tangent[k] = (float)tan(((double)k / (double)l->fine - 1) * (YLM_PI / 4));
   for (int face = 0; face < 6; face++)
     for (size_t j = 0; j < n; j++)
       for (size_t i = 0; i < n; i++) {

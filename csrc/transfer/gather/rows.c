@@ -10,11 +10,4 @@ static void plain(size_t n, size_t rows, const float *w, size_t width, size_t st
         out[r * width + k] += (double)w[r * GATHER_BATCH + i] * (double)y[i * stride + k];
 }
 
-YLM_SETS_DECLARE(gather_rows_fn, ylm_k_gather_rows)
-
-gather_rows_fn *ylm__gather_rows(void) {
-  switch (ylm_isa_current()) {
-    YLM_SETS_RETURN(ylm_k_gather_rows)
-  default: return plain;
-  }
-}
+YLM_KERNEL_CHOICE(gather_rows_fn, ylm__gather_rows, ylm_k_gather_rows, plain);

@@ -73,7 +73,7 @@ static int border_channels(const gather_sums *s) {
 
 /* Borders of the finest cells are taken four at a time where the basis hardly changes along them. */
 static uint16_t group_of(const ylm_gather *g, int lmax) {
-  double length = PI / 2 / (4 * g->lattice.base);
+  double length = YLM_PI / 2 / (4 * g->lattice.base);
   return g->lattice.levels == 2 && lmax * length < SUMS_GROUPED ? 4 : 0;
 }
 

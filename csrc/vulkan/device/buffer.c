@@ -35,7 +35,7 @@ ylm_status ylm_gpu_buffer_create(ylm_gpu *g, uint64_t bytes, ylm_gpu_buffer **ou
                     g->info.name, (double)g->info.allocation_bytes / 1048576,
                     (double)bytes / 1048576);
   ylm_gpu_buffer *b = ylm_alloc_zero(1, sizeof *b);
-  if (!b) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!b) return ylm_no_memory(e);
   /* Vulkan knows no empty buffers, and fills in words. */
   VkResult r = create(g, bytes ? (bytes + 3) / 4 * 4 : 4, STORAGE, &b->buffer, &need);
   if (r != VK_SUCCESS) {

@@ -99,7 +99,7 @@ ylm_status ylm_gpu_list(ylm_gpu_info **list, size_t *n, ylm_error *e) {
   if (s != YLM_OK) return s;
   s = ylm__vk_devices(&vk, &devices, &count, e);
   if (s == YLM_OK) *list = ylm_alloc(count, sizeof **list);
-  if (s == YLM_OK && !*list) s = ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (s == YLM_OK && !*list) s = ylm_no_memory(e);
   for (uint32_t i = 0; s == YLM_OK && i < count; i++) fill_info(&vk, devices[i], &(*list)[i]);
   if (s == YLM_OK) *n = count;
   ylm_free(devices);
@@ -244,7 +244,7 @@ static bool asked_to_validate(const ylm_gpu_options *o) {
 ylm_status ylm_gpu_open(const ylm_gpu_options *o, ylm_gpu **out, ylm_error *e) {
   *out = NULL;
   ylm_gpu *g = ylm_alloc_zero(1, sizeof *g);
-  if (!g) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!g) return ylm_no_memory(e);
   g->users = 1;
   ylm_status s = ylm__vk_open(&g->vk, asked_to_validate(o), e);
   if (s == YLM_OK) s = choose(g, o, e);

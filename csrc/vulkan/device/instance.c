@@ -172,7 +172,7 @@ ylm_status ylm__vk_devices(const ylm__vk *vk, VkPhysicalDevice **list, uint32_t 
     return ylm_fail(e, YLM_EMISSING, "there is no Vulkan device; " INSTALL);
   if (r != VK_SUCCESS) return ylm__vk_fail(r, "no devices", e);
   *list = ylm_alloc(*n, sizeof **list);
-  if (!*list) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!*list) return ylm_no_memory(e);
   r = vk->vkEnumeratePhysicalDevices(vk->instance, n, *list);
   if (r == VK_SUCCESS || r == VK_INCOMPLETE) return YLM_OK;
   ylm_free(*list);

@@ -136,7 +136,7 @@ ylm_status ylm_gpu_kernel_get(ylm_gpu *g, const char *name, int constants, const
   s = check(g, name, &n, constant[0], e);
   if (s != YLM_OK) return s;
   ylm_gpu_kernel *k = ylm_alloc_zero(1, sizeof *k);
-  if (!k) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!k) return ylm_no_memory(e);
   k->shader = shader;
   k->binds = n.binds;
   k->constants = constants;

@@ -57,7 +57,7 @@ static used **gap(struct ylm__block *b, const VkMemoryRequirements *need, VkDevi
 static ylm_status create_block(ylm_gpu *g, VkDeviceSize bytes, uint32_t type,
                                struct ylm__block **out, ylm_error *e) {
   struct ylm__block *b = ylm_alloc_zero(1, sizeof *b);
-  if (!b) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!b) return ylm_no_memory(e);
   VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
                                .allocationSize = bytes,
                                .memoryTypeIndex = type};
@@ -87,7 +87,7 @@ ylm_status ylm__memory_take(ylm_gpu *g, const VkMemoryRequirements *need, ylm__p
   if (!(need->memoryTypeBits >> g->memory_type & 1))
     return ylm_fail(e, YLM_EDEVICE, "'%s' does not keep buffers in its own memory", g->info.name);
   used *mine = ylm_alloc(1, sizeof *mine), **place = NULL;
-  if (!mine) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!mine) return ylm_no_memory(e);
   struct ylm__block *b = NULL;
   bool own = need->size > GPU_BLOCK_BYTES / 4;
   if (!own)

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "../gen/layout.h"
+#include "ylm_list.h"
 
 #define SCAN_BLOCK ((uint32_t)YLM_GPU_SCAN_EACH * YLM_GPU_SCAN_LANES)
 
@@ -18,15 +19,12 @@ void ylm__steps_free(step_queue *q) {
 static ylm_gpu_work *next_step(step_queue *q) {
   if (q->status != YLM_OK) return NULL;
   if (q->n == q->room) {
-    size_t room = q->room ? 2 * q->room : 64;
-    void *work = ylm_realloc(q->work, q->n * sizeof *q->work, room, sizeof *q->work);
-    if (work) q->work = work;
-    void *push = work ? ylm_realloc(q->push, q->n * sizeof *q->push, room, sizeof *q->push) : NULL;
-    if (!push) {
-      q->status = ylm_fail(q->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+    size_t room = ylm_list_room(q->room, q->n + 1);
+    if (!ylm_list_resize(&q->work, q->n, room, sizeof *q->work) ||
+        !ylm_list_resize(&q->push, q->n, room, sizeof *q->push)) {
+      q->status = ylm_no_memory(q->e);
       return NULL;
     }
-    q->push = push;
     q->room = room;
   }
   ylm_gpu_work *w = &q->work[q->n++];

@@ -27,7 +27,7 @@ static ylm_status bake_octree(ylm_gpu_lights *l, const ylm_grid_form *form,
                               const ylm_grid_source *source, ylm_gpu_buffer *there, ylm_grid **out,
                               ylm_gpu_grid **copy, ylm_error *e) {
   octree *t = ylm_alloc_zero(1, sizeof *t);
-  if (!t) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!t) return ylm_no_memory(e);
   t->l = l;
   t->occupied.there = there;
   ylm_grid_backend backend = ylm__octree_backend(t);
@@ -57,7 +57,7 @@ static ylm_status check_points(const ylm_gpu_lights *l, const ylm_grid_source *s
   if (ylm_gpu_buffer_device(there) != l->gpu)
     return ylm_fail(e, YLM_EINVAL, "occupied is in the memory of another device");
   if (!source->occupied || ylm_gpu_buffer_bytes(there) / row < source->occupied)
-    return ylm_fail(e, YLM_ESHAPE, "%s", ylm_status_text(YLM_ESHAPE));
+    return ylm_fail_plain(e, YLM_ESHAPE);
   return YLM_OK;
 }
 

@@ -22,7 +22,7 @@ static void fill_cell(const ylm_grid_contents *v, size_t i, gpu_cell *out) {
 
 static ylm_status copy_cells(ylm_gpu_grid *k, const ylm_grid_contents *v, ylm_error *e) {
   gpu_cell *cell = ylm_alloc(v->cells, sizeof *cell);
-  if (!cell) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!cell) return ylm_no_memory(e);
   for (size_t i = 0; i < v->cells; i++) fill_cell(v, i, &cell[i]);
   ylm_status s = ylm_gpu_buffer_from(k->g, v->cells * sizeof *cell, cell, &k->cells, e);
   ylm_free(cell);
@@ -35,7 +35,7 @@ static ylm_status copy_table(ylm_gpu_grid *k, const ylm_grid_contents *v, ylm_er
   if (v->form.kind != YLM_GRID_UNIFORM) return ylm_gpu_buffer_create(k->g, 0, &k->table, e);
   size_t n = (size_t)r[0] * r[1] * r[2];
   uint32_t *table = ylm_alloc(n, sizeof *table);
-  if (!table) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!table) return ylm_no_memory(e);
   for (size_t i = 0; i < n; i++) table[i] = YLM_GPU_NONE;
   for (size_t i = 0; i < v->cells; i++) {
     const uint32_t *o = v->cell[i].origin;
@@ -87,7 +87,7 @@ ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **
                     ylm_gpu_about(g)->name, (double)(GRID_PARTS * most) / 1048576,
                     (double)most / 1048576);
   ylm_gpu_grid *k = ylm_alloc_zero(1, sizeof *k);
-  if (!k) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!k) return ylm_no_memory(e);
   k->g = ylm_gpu_share(g);
   k->form = v->form;
   k->updates = v->stats->update.updates;

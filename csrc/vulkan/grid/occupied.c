@@ -73,7 +73,7 @@ static ylm_status upload_fences(const occupied_voxels *o, ylm_gpu_buffer **fence
   size_t inner = (size_t)r[0] + r[1] + r[2] - 3, n = inner + 6, at = 0;
   uint32_t(*fence)[2] = ylm_alloc(n, sizeof *fence);
   uint64_t lo, hi;
-  if (!fence) return ylm_fail(o->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!fence) return ylm_no_memory(o->e);
   ends_of(type, &lo, &hi);
   for (size_t a = 0; a < 3; a++) {
     question begin = {o->grid, a, 0, 1, v->form.bounds[a]},
@@ -208,7 +208,7 @@ ylm_status ylm__occupied_mark(occupied_voxels *o, uint32_t count[YLM_GPU_COUNTS]
     return ylm_fail(o->e, YLM_ELIMIT, "more than 2^29 shading points on a device");
   shading p = {.chunks = (n + OCCUPIED_POINTS - 1) / OCCUPIED_POINTS};
   p.place = ylm_alloc_zero(p.chunks, sizeof *p.place);
-  ylm_status s = p.place ? YLM_OK : ylm_fail(o->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status s = p.place ? YLM_OK : ylm_no_memory(o->e);
   if (s == YLM_OK) s = find_voxels(o, &p);
   if (s == YLM_OK) s = (uniform ? mark_lattice : mark_octree)(o, &p);
   if (s == YLM_OK) s = ylm__steps_counts(o->q, o->counts, YLM_GPU_COUNTS, count);

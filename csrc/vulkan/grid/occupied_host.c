@@ -8,11 +8,11 @@
 static ylm_status descend(const occupied_level *v, uint64_t **code, size_t *n, ylm_error *e) {
   size_t words = (*n + 3) / 4, more = 0;
   uint32_t *bits = ylm_alloc(words, sizeof *bits);
-  ylm_status s = bits ? YLM_OK : ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status s = bits ? YLM_OK : ylm_no_memory(e);
   if (s == YLM_OK) s = ylm_gpu_download(v->bits, 0, words * sizeof *bits, bits, e);
   for (size_t i = 0; s == YLM_OK && i < words; i++) more += (size_t)__builtin_popcount(bits[i]);
   uint64_t *next = s == YLM_OK ? ylm_alloc(more, sizeof *next) : NULL;
-  if (s == YLM_OK && !next) s = ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (s == YLM_OK && !next) s = ylm_no_memory(e);
   size_t k = 0;
   for (size_t i = 0; s == YLM_OK && i < *n; i++)
     for (uint32_t left = bits[i / 4] >> i % 4 * 8 & 0xff; left && k < more; left &= left - 1)
@@ -29,7 +29,7 @@ ylm_status ylm__occupied_codes(const occupied_voxels *o, uint64_t **code, size_t
   double start = ylm_seconds();
   *n = 1;
   *code = ylm_alloc_zero(1, sizeof **code);
-  ylm_status s = *code ? YLM_OK : ylm_fail(o->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status s = *code ? YLM_OK : ylm_no_memory(o->e);
   for (int level = 1; s == YLM_OK && level <= depth; level++)
     s = descend(&o->level[level], code, n, o->e);
   ylm__lights_copied(o->l, "download", start);
@@ -45,7 +45,7 @@ static ylm_status gather(const occupied_voxels *o, size_t n, ylm_gpu_buffer *ind
                          ylm_gpu_buffer *rows) {
   size_t row = 3 * ylm_dtype_size(o->source->occupied_dtype), all = o->source->occupied;
   size_t most = ylm_gpu_rows(o->l->gpu, all, row, row, UINT64_MAX);
-  if (!most) return ylm_fail(o->e, YLM_ELIMIT, "%s", ylm_status_text(YLM_ELIMIT));
+  if (!most) return ylm_fail_plain(o->e, YLM_ELIMIT);
   for (size_t at = 0, now; at < all; at += now) {
     now = all - at < most ? all - at : most;
     step_kernel k = {"shading_take", 1, {(uint32_t)row / 4}, 0};
@@ -64,8 +64,7 @@ ylm_status ylm__occupied_points(const occupied_voxels *o, size_t n, const size_t
   uint32_t *which = ylm_alloc(n, sizeof *which);
   double *rows = ylm_alloc(n, row);
   ylm_gpu_buffer *there = NULL, *taken = NULL;
-  ylm_status s =
-      which && rows ? YLM_OK : ylm_fail(o->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status s = which && rows ? YLM_OK : ylm_no_memory(o->e);
   for (size_t i = 0; s == YLM_OK && i < n; i++) which[i] = (uint32_t)index[i];
   if (s == YLM_OK) s = ylm_gpu_buffer_from(o->l->gpu, 4 * n, which, &there, o->e);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(o->l->gpu, n * row, &taken, o->e);
@@ -83,6 +82,6 @@ ylm_status ylm__occupied_fetch(const ylm_grid_source *source, const ylm_gpu_buff
                                void **points, ylm_error *e) {
   size_t row = 3 * ylm_dtype_size(source->occupied_dtype);
   *points = ylm_alloc(source->occupied, row);
-  if (!*points) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!*points) return ylm_no_memory(e);
   return ylm_gpu_download(there, 0, source->occupied * row, *points, e);
 }

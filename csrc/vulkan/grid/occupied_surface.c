@@ -8,8 +8,8 @@ static ylm_status upload_bits(occupied_voxels *o, occupied_level *v, uint32_t *b
   ylm_gpu *g = o->l->gpu;
   double start = ylm_seconds();
   v->words = (uint32_t)words;
-  ylm_status s = bits ? ylm_gpu_buffer_from(g, 4 * words, bits, &v->bits, o->e)
-                      : ylm_fail(o->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status s =
+      bits ? ylm_gpu_buffer_from(g, 4 * words, bits, &v->bits, o->e) : ylm_no_memory(o->e);
   ylm__lights_copied(o->l, "upload", start);
   ylm_free(bits);
   if (s == YLM_OK) s = ylm_gpu_buffer_create(g, 4 * words, &v->before, o->e);

@@ -36,7 +36,7 @@ static ylm_status upload_exact(octree *t) {
   size_t n = (size_t)t->resolution + 1;
   if (!ylm_gpu_about(t->g)->float64) return YLM_OK;
   double *d = ylm_alloc(3 * n, sizeof *d);
-  if (!d) return ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!d) return ylm_no_memory(t->e);
   for (uint32_t i = 0; i < n; i++) {
     double at[3];
     ylm_grid_position(t->grid, (uint32_t[]){i, i, i}, at);

@@ -9,7 +9,7 @@
 
 static ylm_status take_points(octree *t, const ylm_grid_parts *parts) {
   uint32_t(*key)[2] = ylm_alloc(OCTREE_KEYS, sizeof *key);
-  ylm_status s = key ? YLM_OK : ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status s = key ? YLM_OK : ylm_no_memory(t->e);
   for (size_t i = 0, now; s == YLM_OK && i < t->p.points; i += now) {
     now = t->p.points - i < OCTREE_KEYS ? t->p.points - i : OCTREE_KEYS;
     s = ylm_gpu_download(t->p.key, 8 * i, 8 * now, key, t->e);
@@ -42,8 +42,7 @@ static ylm_status voxels_take(const octree *t, const octree_level *l, voxels *v)
   size_t n = l->voxels;
   *v = (voxels){ylm_alloc(n, sizeof *v->voxel), ylm_alloc(n, sizeof *v->state),
                 ylm_alloc(n, sizeof *v->corner), ylm_alloc(n, sizeof *v->error)};
-  if (!v->voxel || !v->state || !v->corner || !v->error)
-    return ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!v->voxel || !v->state || !v->corner || !v->error) return ylm_no_memory(t->e);
   ylm_status s = ylm_gpu_download(l->voxel, 0, n * sizeof *v->voxel, v->voxel, t->e);
   if (s == YLM_OK) s = ylm_gpu_download(l->state, 0, n * sizeof *v->state, v->state, t->e);
   if (s == YLM_OK) s = ylm_gpu_download(l->corner, 0, n * sizeof *v->corner, v->corner, t->e);

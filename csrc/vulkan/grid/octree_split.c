@@ -13,7 +13,7 @@ static ylm_status upload_spheres(octree *t, int flat) {
   if (t->sphere[flat]) return YLM_OK;
   const ylm_light_part *p = flat ? &t->l->cosines : &t->l->spheres;
   double(*sphere)[4] = ylm_alloc(p->lamps, sizeof *sphere);
-  if (!sphere) return ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!sphere) return ylm_no_memory(t->e);
   uint32_t kept = 0;
   for (size_t i = 0; i < p->lamps; i++) {
     ylm_light_lamp lamp;
@@ -71,7 +71,7 @@ static ylm_status ask_field(octree *t, int level, const crossing *c) {
   for (size_t i = 0; i < n; i++)
     box_of(t, c->voxel[c->asked[i] < all ? c->asked[i] : 0], octree_edge(t, level), c->box[i]);
   s = f->crosses(f, n, c->box[0], c->out);
-  if (s != YLM_OK) return ylm_fail(t->e, s, "%s", ylm_status_text(s));
+  if (s != YLM_OK) return ylm_fail_plain(t->e, s);
   for (size_t i = 0; i < n; i++)
     if (c->out[i] && c->asked[i] < all) c->state[c->asked[i]] |= YLM_GPU_CROSSED;
   return ylm_gpu_upload(v->state, 0, all * sizeof *c->state, c->state, t->e);
@@ -84,9 +84,8 @@ static ylm_status cross_any(octree *t, int level) {
   if (s != YLM_OK) return s;
   crossing c = {ylm_alloc(n, sizeof *c.asked), ylm_alloc(all, sizeof *c.voxel),
                 ylm_alloc(all, sizeof *c.state), ylm_alloc(n, sizeof *c.box), ylm_alloc(n, 1)};
-  s = c.asked && c.voxel && c.state && c.box && c.out
-          ? ask_field(t, level, &c)
-          : ylm_fail(t->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  s = c.asked && c.voxel && c.state && c.box && c.out ? ask_field(t, level, &c)
+                                                      : ylm_no_memory(t->e);
   ylm_free(c.asked);
   ylm_free(c.voxel);
   ylm_free(c.state);

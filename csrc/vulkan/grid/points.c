@@ -40,7 +40,7 @@ static ylm_status upload_axes(gpu_points *p) {
   const uint32_t *resolution = ylm_grid_look(p->grid)->resolution;
   size_t n = (size_t)p->resolution + 1;
   float *f = ylm_alloc_zero(3 * n, 2 * sizeof *f);
-  if (!f) return ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!f) return ylm_no_memory(p->e);
   for (uint32_t i = 0; i < n; i++) {
     double at[3];
     ylm_grid_position(p->grid, (uint32_t[]){i, i, i}, at);
@@ -235,9 +235,8 @@ static ylm_status check_finite(gpu_points *p, uint32_t begin, uint32_t end) {
   bad_block k = {ylm_alloc(n, sizeof *k.key), ylm_alloc(n, 3 * sizeof(float)),
                  ylm_alloc(n, p->width * sizeof(float)),
                  ylm_alloc(n, 3 * (size_t)p->width * sizeof(float))};
-  s = k.key && k.position && k.value && k.gradient
-          ? look_again(p, first, n, &k)
-          : ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  s = k.key && k.position && k.value && k.gradient ? look_again(p, first, n, &k)
+                                                   : ylm_no_memory(p->e);
   if (s == YLM_OK)
     s = ylm_light_beyond("the light field", YLM_FLOAT, ~bad - first, k.position, p->e);
   ylm_free(k.key);

@@ -24,8 +24,7 @@ static ylm_status put_filled(gpu_points *p, const ylm_grid_contents *v) {
   if (!n) return YLM_OK;
   uint32_t *point = ylm_alloc(n, sizeof *point);
   float *rows = ylm_alloc(n * row, sizeof *rows);
-  ylm_status s =
-      point && rows ? YLM_OK : ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status s = point && rows ? YLM_OK : ylm_no_memory(p->e);
   for (size_t i = 0, k = 0; s == YLM_OK && i < v->evaluated; i++) {
     if (!(v->flags[i] & YLM_GRID_POINT_INVALID)) continue;
     memcpy(rows + k * row, v->data + i * row, row * sizeof *rows);
@@ -49,7 +48,7 @@ static ylm_status sort_births(gpu_points *p, const ylm_grid_contents *v,
                               uint32_t first[YLM_GRID_MAX_DEPTH + 2], ylm_gpu_buffer **births) {
   uint32_t n = (uint32_t)(v->points - v->evaluated), next[YLM_GRID_MAX_DEPTH + 2];
   gpu_birth *list = ylm_alloc(n, sizeof *list);
-  if (!list) return ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!list) return ylm_no_memory(p->e);
   memset(first, 0, (YLM_GRID_MAX_DEPTH + 2) * sizeof *first);
   for (uint32_t i = 0; i < n; i++) first[v->cell[v->birth[i].cell].level + 1]++;
   for (int k = 0; k <= YLM_GRID_MAX_DEPTH; k++) first[k + 1] += first[k];

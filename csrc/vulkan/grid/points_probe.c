@@ -54,7 +54,7 @@ static ylm_status pass(gpu_points *p, const sum_plan *plan, const ylm_field_quer
   points_copied(p, "upload", start);
   if (s == YLM_OK) s = ylm__sum_run(p->l, plan, q, n, reach->at_once, progress, p->e);
   uint32_t *flags = ylm_alloc(n, sizeof *flags);
-  if (s == YLM_OK && !flags) s = ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (s == YLM_OK && !flags) s = ylm_no_memory(p->e);
   if (s == YLM_OK) s = ylm_gpu_download(scratch[BUFFER_INSIDE], 0, 4 * (uint64_t)n, flags, p->e);
   for (uint32_t i = 0; s == YLM_OK && i < n; i++) inside[at + i] = flags[i] != 0;
   ylm_free(flags);

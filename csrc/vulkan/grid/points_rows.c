@@ -21,7 +21,7 @@ ylm_status ylm__points_extra(gpu_points *p, uint32_t first, uint32_t n, float *l
                              uint8_t *flags) {
   enum { PART = 4096 };
   float(*extra)[3] = ylm_alloc(n < PART ? n : PART, sizeof *extra);
-  ylm_status s = extra ? YLM_OK : ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status s = extra ? YLM_OK : ylm_no_memory(p->e);
   double start = ylm_seconds();
   for (uint32_t at = 0, now; s == YLM_OK && at < n; at += now) {
     now = n - at < PART ? n - at : PART;

@@ -80,7 +80,7 @@ static ylm_status shading(void *self, const ylm_grid_making *m, size_t n, const 
 /* Keys of n points from `first` on. */
 static ylm_status upload_keys(gpu_points *p, size_t first, size_t n, const uint32_t *lattice) {
   uint32_t(*key)[2] = ylm_alloc(n < REMOTE_KEYS ? n : REMOTE_KEYS, sizeof *key);
-  ylm_status s = key ? YLM_OK : ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status s = key ? YLM_OK : ylm_no_memory(p->e);
   double start = ylm_seconds();
   for (size_t at = 0, now; s == YLM_OK && at < n; at += now) {
     now = n - at < REMOTE_KEYS ? n - at : REMOTE_KEYS;
@@ -141,7 +141,7 @@ static ylm_status residuals(void *self, const ylm_grid_making *m, size_t n,
   gpu_points *p = points_of(self, m);
   double start = ylm_seconds();
   float *near = ylm_alloc(n, sizeof *near);
-  ylm_status s = near ? YLM_OK : ylm_fail(p->e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status s = near ? YLM_OK : ylm_no_memory(p->e);
   if (s == YLM_OK && held) s = evaluate_held(p, m, n, held);
   if (s == YLM_OK) s = ylm__points_probe(p, n, probe, held != NULL, near);
   for (size_t i = 0; s == YLM_OK && i < n; i++) distance[i] = (double)near[i];

@@ -234,8 +234,7 @@ static const void *here(const ylm_gpu_input *in, size_t at, size_t n, size_t byt
   if (in->host) return (const char *)in->host + at * bytes;
   if (!in->there) return NULL;
   *own = ylm_alloc(n, bytes);
-  *s = *own ? ylm_gpu_download(in->there, at * bytes, n * bytes, *own, e)
-            : ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  *s = *own ? ylm_gpu_download(in->there, at * bytes, n * bytes, *own, e) : ylm_no_memory(e);
   return *own;
 }
 
@@ -272,7 +271,7 @@ static ylm_status run_host(const sampling *m, size_t at, size_t n, ylm_grid_repo
   const float *T = here(&m->transfer, at, n, m->row * sizeof *T, &own[1], &s, e);
   const float *material = here(&m->material, at, n, ROW, &own[2], &s, e);
   float *L = ylm_alloc(n * (wide + 3), sizeof *L), *out = L ? L + n * wide : NULL;
-  if (!L) s = ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!L) s = ylm_no_memory(e);
   if (s == YLM_OK)
     s = ylm_grid_sample(m->grid, &q, n, points, L, wide > w ? L + n * w : NULL, r, e);
   for (size_t i = 0; s == YLM_OK && m->shade && i < n; i++)
@@ -369,7 +368,7 @@ static ylm_status passes(sampling *m, size_t n, ylm_grid_report *report, ylm_err
   rows = ylm_gpu_rows(m->k->g, n, widest, own, SAMPLE_PASS_BYTES);
   if (!rows && n) return ylm_fail(e, YLM_ELIMIT, "the device has too little memory for 64 points");
   m->scratch = ylm_alloc(rows, 24);
-  if (!m->scratch) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!m->scratch) return ylm_no_memory(e);
   m->k->busy = true;
   for (size_t at = 0, now; s == YLM_OK && at < n; at += now) {
     now = n - at < rows ? n - at : rows;

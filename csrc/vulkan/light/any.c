@@ -43,7 +43,7 @@ static ylm_status add_pass(const ylm_gpu_lights *l, int lmax, uint32_t kinds, ui
   *pass = (struct sum_pass){.kinds = kinds, .block = block_of((uint32_t)lmax, kinds)};
   uint32_t top = top_of((uint32_t)lmax, kinds), each = top / pass->block + 1;
   item *items = ylm_alloc((size_t)count * (top + 1) * each, sizeof *items);
-  if (!items) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!items) return ylm_no_memory(e);
   for (uint32_t i = 0; i < count; i++)
     pass->items += add_items(lmax, pass, first + i, &set->sums, items + pass->items);
   ylm_status s = ylm_gpu_buffer_from(l->gpu, pass->items * sizeof *items, items, &pass->item, e);
@@ -56,7 +56,7 @@ static ylm_status add_constants(const ylm_gpu_lights *l, sum_plan *p, ylm_error 
   size_t wide = (size_t)p->lmax + 3, n = wide * wide, size = ylm_dtype_size(p->dtype);
   if (p->constants) return YLM_OK;
   void *all = ylm_alloc(4 * n, size);
-  if (!all) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!all) return ylm_no_memory(e);
   for (size_t i = 0; i < n; i++) {
     double c[4];
     p->grow = (uint32_t)ylm_light_recurrence(p->lmax, (int)(i / wide), (int)(i % wide), c);

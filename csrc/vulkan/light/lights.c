@@ -49,7 +49,7 @@ static ylm_status upload(ylm_gpu_lights *l, ylm_dtype t, ylm_error *e) {
   if (l->lamps[t]) return YLM_OK;
   size_t wide = 4 * lamp_rows(l), bytes = (size_t)l->active * wide * ylm_dtype_size(t);
   void *packed = ylm_alloc(bytes, 1);
-  if (!packed) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!packed) return ylm_no_memory(e);
   pack(&l->cosines, t, wide, packed, pack(&l->spheres, t, wide, packed, 0));
   ylm_status s = ylm_gpu_buffer_from(l->gpu, bytes, packed, &l->lamps[t], e);
   ylm_free(packed);
@@ -116,7 +116,7 @@ static ylm_status download(const ylm_gpu_lights *l, const ylm_field_query *q, si
   }
   if (s != YLM_OK || !r->inside) return s;
   uint32_t *flags = ylm_alloc(n, sizeof *flags);
-  if (!flags) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!flags) return ylm_no_memory(e);
   s = ylm_gpu_download(l->scratch[BUFFER_INSIDE], 0, n * sizeof *flags, flags, e);
   for (size_t i = 0; i < n && s == YLM_OK; i++) r->inside[begin + i] = flags[i] != 0;
   ylm_free(flags);
@@ -232,7 +232,7 @@ static ylm_status take_parts(ylm_gpu_lights *l, ylm_error *e) {
   while (ylm_light_set_part(l->set, n, &part)) n++;
   l->rims.of = ylm_alloc(n, sizeof *l->rims.of);
   ylm_status s = YLM_OK;
-  if (!l->rims.of) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!l->rims.of) return ylm_no_memory(e);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     ylm_light_set_part(l->set, i, &part);
     s = take(l, &part, e);
@@ -244,7 +244,7 @@ ylm_status ylm_gpu_lights_create(ylm_gpu *g, const ylm_light_set *set, ylm_gpu_m
                                  ylm_gpu_lights **out, ylm_error *e) {
   *out = NULL;
   ylm_gpu_lights *l = ylm_alloc_zero(1, sizeof *l);
-  if (!l) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!l) return ylm_no_memory(e);
   l->gpu = ylm_gpu_share(g);
   l->set = set;
   l->method = method;

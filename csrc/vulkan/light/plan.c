@@ -58,7 +58,7 @@ static ylm_status maps_create(const ylm_gpu_lights *l, const sum_plan *p, int ne
   if (s == YLM_OK) s = rows_upload(l->gpu, &maps->hessian, p->dtype, &m->hessian, e);
   ylm_light_maps_free(&base);
   ylm_light_maps_free(&all);
-  return s == YLM_ENOMEM ? ylm_fail(e, s, "%s", ylm_status_text(s)) : s;
+  return s == YLM_ENOMEM ? ylm_no_memory(e) : s;
 }
 
 /* Luminance of rgb sums as a matrix. */
@@ -73,8 +73,7 @@ static ylm_status mix_create(ylm_gpu *g, uint32_t sums, ylm_dtype t, device_rows
     m.coef[i] = weight[i % 3];
     m.coef_f[i] = (float)weight[i % 3];
   }
-  ylm_status s =
-      ok ? rows_upload(g, &m, t, r, e) : ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  ylm_status s = ok ? rows_upload(g, &m, t, r, e) : ylm_no_memory(e);
   ylm_free(m.start);
   ylm_free(m.index);
   ylm_free(m.coef);
@@ -215,7 +214,7 @@ ylm_status ylm__sum_plan_get(ylm_gpu_lights *l, const ylm_field_query *q, const 
     }
   }
   sum_plan *p = ylm_alloc(1, sizeof *p);
-  if (!p) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!p) return ylm_no_memory(e);
   *p = want;
   ylm_status s = fill(l, p, e);
   if (s != YLM_OK) {

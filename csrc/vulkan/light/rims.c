@@ -9,9 +9,7 @@
 #define SLOTS 64u
 #define ROWS 4u /* of a light before its vertices */
 
-static ylm_status no_memory(ylm_error *e) {
-  return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
-}
+static ylm_status no_memory(ylm_error *e) { return ylm_no_memory(e); }
 
 /* -- lights -------------------------------------------------------------------------------- */
 

@@ -90,7 +90,7 @@ static ylm_status tile_discs(const ylm_gpu_picture *k, size_t n, const double *d
     return YLM_OK;
   }
   ylm_free(list);
-  return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  return ylm_no_memory(e);
 }
 
 static ylm_status upload(ylm_gpu_picture *k, size_t n, const double *disc, const tiling *t,

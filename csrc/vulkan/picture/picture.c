@@ -33,7 +33,7 @@ static ylm_status take_words(ylm_gpu *g, const double *x, size_t n, double below
   if (!w && bad < n)
     return ylm_fail(e, YLM_EINVAL, "a picture's entries: number %zu is %g, from 0 to below %g%s",
                     bad, x[bad], below, rising ? " and no less than the last" : "");
-  if (!w) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!w) return ylm_no_memory(e);
   ylm_status s = ylm_gpu_buffer_from(g, n * sizeof *w, w, b, e);
   ylm_free(w);
   return s;
@@ -48,7 +48,7 @@ ylm_status ylm__picture_reals(const ylm_gpu_picture *k, const double *x, size_t 
   size_t bytes = n * (k->wide ? sizeof *x : sizeof *f);
   if (!k->wide) {
     f = ylm_alloc(n, sizeof *f);
-    if (!f) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+    if (!f) return ylm_no_memory(e);
     for (size_t i = 0; i < n; i++) f[i] = (float)x[i];
     from = f;
   }
@@ -118,7 +118,7 @@ ylm_status ylm_gpu_picture_create(ylm_gpu *g, const ylm_gpu_pixels *p, ylm_gpu_p
   if (s == YLM_OK) s = check_size(g, p, e);
   if (s != YLM_OK) return s;
   ylm_gpu_picture *k = ylm_alloc_zero(1, sizeof *k);
-  if (!k) return ylm_fail(e, YLM_ENOMEM, "%s", ylm_status_text(YLM_ENOMEM));
+  if (!k) return ylm_no_memory(e);
   k->g = ylm_gpu_share(g);
   k->width = (uint32_t)p->width;
   k->height = (uint32_t)p->height;
@@ -190,7 +190,7 @@ static ylm_status check(const ylm_gpu_picture *k, const ylm_gpu_input *radiance,
     if (there[i] && ylm_gpu_buffer_device(there[i]) != k->g)
       return ylm_fail(e, YLM_EINVAL, "an array is in the memory of another device");
     if (there[i] && ylm_gpu_buffer_bytes(there[i]) < 12 * rows[i])
-      return ylm_fail(e, YLM_ESHAPE, "%s", ylm_status_text(YLM_ESHAPE));
+      return ylm_fail_plain(e, YLM_ESHAPE);
   }
   return YLM_OK;
 }

@@ -14,8 +14,8 @@ local function check_parts(given)
   if given.bounces and parts ~= "indirect" and parts ~= "all" then
     status.stop(status.usage, "bake: --bounces is for --parts indirect or all: leave it out, or name one")
   end
-  if parts and parts ~= "lights" and given["light-tolerance"] then
-    status.stop(status.usage, "bake: --light-tolerance is for --parts lights, these are %s: leave it out", parts)
+  if parts and parts ~= "lights" and given["sums-tolerance"] then
+    status.stop(status.usage, "bake: --sums-tolerance is for --parts lights, these are %s: leave it out", parts)
   end
 end
 
@@ -71,14 +71,14 @@ return {
     { "occupied", nil, "NAME", "where light is needed: surfaces (default), camera, vertices or everywhere" },
     { "size", "-s", "WxH", "with --occupied camera: of its image, default that of render" },
     { "samples", "-n", "N", "with --occupied camera: rays per pixel" },
-    { "light-tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
+    { "sums-tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
     { "strict", nil, nil, "exit status 6 where the tolerance is not met; the grid is written" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
   },
   run = function(given)
     local ylm = require "ylm"
     local in_bricks = check_output(given)
-    local seconds = seconds_of(given.time)
+    local time_limit = seconds_of(given.time)
     local where = given.occupied or "surfaces"
     if where ~= "surfaces" and where ~= "camera" and where ~= "vertices" and where ~= "everywhere" then
       status.stop(status.usage, "bake: --occupied is surfaces, camera, vertices or everywhere, got '%s'", where)
@@ -89,14 +89,14 @@ return {
     end
     check_parts(given)
     local bounces = status.bounces("bake", given.bounces)
-    local scene = status.need_scene(ylm.load_scene(given[1]))
+    local scene = status.load_scene(given[1])
     if not scene.probes then
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
     end
     local team = status.need(ylm.team())
-    local grid = need_grid(scene:bake { to = in_bricks and given.output or nil, fresh = given.fresh, seconds = seconds,
+    local grid = need_grid(scene:bake { folder = in_bricks and given.output or nil, fresh = given.fresh, time_limit = time_limit,
       team = team.size > 1 and team or nil, parts = given.parts, bounces = bounces, occupied = given.occupied,
-      size = given.size, samples = given.samples, light_tolerance = given["light-tolerance"], threads = given.threads,
+      size = given.size, samples = given.samples, sums_tolerance = given["sums-tolerance"], threads = given.threads,
       progress = report.progress(given) })
     local good, message, code = true, nil, nil
     if team.rank == 1 and not in_bricks then

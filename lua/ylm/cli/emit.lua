@@ -26,11 +26,10 @@ return {
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
   },
   run = function(given)
-    local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "emit: -o FILE says where the lights go") end
     status.need_output("emit", given.output, "ply")
     local bounces = status.bounces("emit", given.bounces)
-    local scene = status.need_scene(ylm.load_scene(given[1]))
+    local scene = status.load_scene(given[1])
     local lights, facts = status.need(scene:virtual_lights { count = given.count, particles = given.particles,
       merge = given.merge, cell = given.cell, bounces = bounces, distribution = given.distribution,
       radius = word_or_number(given.radius), scale = given.scale, degree = word_or_number(given.degree), seed = given.seed,

@@ -94,7 +94,7 @@ function kinds.mesh(path)
 end
 
 function kinds.gltf(path)
-  local model = status.need(require "ylm".load_gltf(path))
+  local model = status.load(path)
   local results, order = { kind = "glTF" }, { "kind" }
   add(results, order, model.report, { "nodes", "pieces", "triangles", "materials", "lights", "cameras", "notes" })
   for i, note in ipairs(results.notes) do results.notes[i] = plain(note) end
@@ -141,10 +141,10 @@ local function bounds_of(geometry)
   return lo and { lo, hi }
 end
 
---- A scene file runs within the limits of ylm.load_scene.
+--- A scene file runs within the limits of ylm.load.
 function kinds.scene(path)
   local forms, materials, triangles = require "ylm.form", require "ylm.material", 0
-  local s = status.need_scene(require "ylm".load_scene(path))
+  local s = status.load(path)
   local used = {}
   for i, piece in ipairs(s.geometry) do
     triangles, used[i] = triangles + #piece.mesh, piece.material or materials.default
@@ -164,6 +164,6 @@ end
 
 --- Prints what the file given[1] holds.
 return function(given)
-  local kind = given[1]:lower():find "%.lua$" and "scene" or status.need(require("ylm.file").kind_of(given[1]))
+  local kind = status.need(require("ylm.file").kind_of(given[1]))
   report.print(given, kinds[kind](given[1], given))
 end

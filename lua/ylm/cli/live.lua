@@ -38,16 +38,13 @@ return {
   },
   notes = notes(),
   run = function(given)
-    local ylm = require "ylm"
     if given.picture then status.need_output("live", given.picture, "png") end
     if given.hidden and not given.replay then status.stop(status.usage,
       "live: --hidden goes with --replay FILE: nobody could close it") end
     if given.budget and not (given.budget > 0) then status.stop(status.usage,
       "live: --budget is a number of milliseconds above 0") end
     local path = given[1]
-    local scene
-    if path:lower():find "%.lua$" then scene = status.need_scene(ylm.load_scene(path))
-    else scene = status.need_kind("scene", "a scene", path, ylm.load(path)) end
+    local scene = status.load_scene(path)
     if not scene.camera then status.stop(status.script, "%s: live: the scene has no camera", path) end
     local edited, facts = scene:live { size = given.size, tolerance = given.tolerance, depth = given.depth,
       exposure = given.exposure, tone = given.tone, budget = given.budget and given.budget / 1e3,

@@ -43,7 +43,7 @@ local function things_of(ylm, given)
   if given.grid and (given.tolerance or given.depth) then
     status.stop(status.usage, "page: --%s is of a bake, --grid is baked: leave one out", given.depth and "depth" or "tolerance")
   end
-  local scene = status.need_scene(ylm.load_scene(path))
+  local scene = status.load_scene(path)
   if given.grid then return load_grid(ylm, given.grid), scene end
   return status.need(scene:bake { probes = probes_of(ylm, scene, given), threads = given.threads,
     occupied = #scene.geometry > 0 and "surfaces" or "everywhere", progress = report.progress(given) }), scene

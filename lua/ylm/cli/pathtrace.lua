@@ -25,7 +25,7 @@ return {
     if not given.output then status.stop(status.usage, "pathtrace: -o FILE says where the image goes") end
     status.need_output("pathtrace", given.output, "exr", "png", "hdr", "pfm")
     local bounces = status.bounces("pathtrace", given.bounces)
-    local scene = status.need_scene(ylm.load_scene(given[1]))
+    local scene = status.load_scene(given[1])
     local resume
     if given.resume then resume = status.need_kind("ylm.image", "an image", given.resume, ylm.load(given.resume)) end
     local image, facts = scene:pathtrace { size = given.size, samples = given.samples, bounces = bounces,

@@ -1,6 +1,7 @@
 --- ylm render scene.lua -o out.exr
 
 local check = require "ylm.check"
+local core = require "ylm.c.core"
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
@@ -8,7 +9,7 @@ local MOST_STOPS = 60 -- of image:save
 
 local choices = {
   by = { "rays", "grid", "sum" }, visibility = { "rays", "transfer", "none", "self" },
-  gloss = { "auto", "sh", "rays", "matte" }, bounced = { "links", "virtual" }, shading = { "pixel", "vertices" },
+  gloss = core.choices "gloss", bounced = { "links", "virtual" }, shading = { "pixel", "vertices" },
 }
 
 --- Which ways an option is for, where it is not for all.
@@ -178,7 +179,7 @@ return {
     check_exposure(given)
     check_virtual(given)
     local options = options_of(given, by)
-    local scene = status.need_scene(ylm.load_scene(given[1]))
+    local scene = status.load_scene(given[1])
     if given.grid then options.grid = status.need_kind("ylm.grid", "a grid", given.grid, ylm.load(given.grid))
     elseif by == "grid" and not scene.probes then
       status.stop(status.script, "%s: the scene has no probes; add some, or use --by rays", given[1])

@@ -7,7 +7,7 @@ local sh_code = require "ylm.cli.sh_code"
 local status = require "ylm.cli.status"
 
 local formats = { "text", "json", "glsl", "c", "lua", "npy" }
-local mappings = { "latlong", "cube", "angular" }
+local mappings = core.choices "mapping"
 
 --- Systems whose numbers are irradiance over pi.
 local is_irradiance = { unity = true, filament = true }

@@ -98,11 +98,18 @@ function status.need_kind(kind, words, path, first, message, code)
   return first
 end
 
---- status.need for scene files, whose mistakes have a status of their own.
-function status.need_scene(first, message, code)
-  if first == nil and of_code[code] and not is_interrupt(message) then status.stop(of_code[code], tostring(message)) end
-  return status.need(first, message, code)
+--- The object in a file, by ylm.load; a mistake in a scene has a status of its own.
+function status.load(path)
+  local x, message, code = require "ylm".load(path)
+  local describes = path:lower():find "%.lua$" or require "ylm.gltf".is_name(path)
+  if x == nil and of_code[code] and describes and not is_interrupt(message) then
+    status.stop(of_code[code], tostring(message))
+  end
+  return status.need(x, message, code)
 end
+
+--- The scene in a file; another file ends the command.
+function status.load_scene(path) return status.need_kind("scene", "a scene", path, status.load(path)) end
 
 --- The text of any error that was raised, with its traceback where YLM_DEBUG is set.
 local function words_of(raised)

@@ -18,11 +18,11 @@ local function refuse(given, names, what)
 end
 
 --- Contents of the files, sorted: { arrays = {}, grid = , scene = , meshes = {} }.
-local function load(ylm, given)
+local function load(given)
   local core, form = require "ylm.c.core", require "ylm.form"
   local found = { arrays = {}, meshes = {} }
   for i, path in ipairs(given) do
-    local thing = path:lower():find "%.lua$" and status.need_scene(ylm.load_scene(path)) or status.need(ylm.load(path))
+    local thing = status.load(path)
     local kind = core.type(thing) == "ylm.array" and "array" or form.kind(thing):gsub("^ylm%.", "")
     if kind == "array" then found.arrays[i] = thing
     elseif kind == "mesh" then found.meshes[#found.meshes + 1] = thing
@@ -118,7 +118,7 @@ return {
     if given.output then status.need_output("view", given.output, "png") end
     if given.json and not given.output then status.stop(status.usage, "view: --json goes with -o FILE, not with a window") end
     if given.angle and not given.rotate then status.stop(status.usage, "view: --angle goes with --rotate X,Y,Z") end
-    local picture, summaries = view_of(ylm, given, load(ylm, given))
+    local picture, summaries = view_of(ylm, given, load(given))
     if given.output then
       status.need(try(picture.save, picture, given.output))
       if given.json then report.print(given, { output = given.output, vectors = summaries })

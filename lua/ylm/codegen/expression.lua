@@ -17,6 +17,27 @@ local function is_constant(a, value)
   return a.op == "constant" and (value == nil or a.value == value)
 end
 
+--- Gives a graph its products, quotients and roots; make and binary intern nodes.
+local function add_products(g, make, binary)
+  function g.multiply(a, b)
+    if is_constant(a) and is_constant(b) then return g.constant(a.value * b.value) end
+    if is_constant(b) then a, b = b, a end
+    if is_constant(a) then
+      if a.value == 0 then return a end
+      if a.value == 1 then return b end
+      if a.value < 0 then return g.negate(g.multiply(g.constant(-a.value), b)) end
+      if b.op == "*" and is_constant(b.a) then return g.multiply(g.constant(a.value * b.a.value), b.b) end
+      if b.op == "*" and is_constant(b.b) then return g.multiply(g.constant(a.value * b.b.value), b.a) end
+    end
+    if a.op == "negate" then return g.negate(g.multiply(a.a, b)) end
+    if b.op == "negate" then return g.negate(g.multiply(a, b.a)) end
+    return binary("*", a, b, true)
+  end
+
+  function g.divide(a, b) return binary("/", a, b) end
+  function g.sqrt(a) return make("sqrt " .. a.id, "sqrt", a) end
+end
+
 --- A new, empty graph.
 function expression.graph()
   local g, nodes, by_key = {}, {}, {}
@@ -81,24 +102,7 @@ function expression.graph()
     return binary("-", a, b)
   end
 
-  function g.multiply(a, b)
-    if is_constant(a) and is_constant(b) then return g.constant(a.value * b.value) end
-    if is_constant(b) then a, b = b, a end
-    if is_constant(a) then
-      if a.value == 0 then return a end
-      if a.value == 1 then return b end
-      if a.value < 0 then return g.negate(g.multiply(g.constant(-a.value), b)) end
-      if b.op == "*" and is_constant(b.a) then return g.multiply(g.constant(a.value * b.a.value), b.b) end
-      if b.op == "*" and is_constant(b.b) then return g.multiply(g.constant(a.value * b.b.value), b.a) end
-    end
-    if a.op == "negate" then return g.negate(g.multiply(a.a, b)) end
-    if b.op == "negate" then return g.negate(g.multiply(a, b.a)) end
-    return binary("*", a, b, true)
-  end
-
-  function g.divide(a, b) return binary("/", a, b) end
-  function g.sqrt(a) return make("sqrt " .. a.id, "sqrt", a) end
-
+  add_products(g, make, binary)
   return g
 end
 

@@ -16,7 +16,7 @@ local expression = require "ylm.codegen.expression"
 local interpolation = {}
 
 --- In the order of ylm_grid_interpolation.
-interpolation.kinds = require "ylm.grid.interpolations"
+interpolation.kinds = { "hermite", "taylor", "linear" }
 
 --- L, S, K of a kind for both ends, as nodes of t and edge.
 function interpolation.values(g, kind)

@@ -120,17 +120,17 @@ local function write(path, text)
   return true
 end
 
---- The text of one generated file; root: of the source tree, default the present folder.
-function main.generate(target, root)
+--- The text of one generated file.
+function main.generate(target)
   local module = require(target[2])
-  return (type(module) == "table" and module.text or module)(target[3], root or ".")
+  return (type(module) == "table" and module.text or module)(target[3])
 end
 
 --- Compares (or writes) all targets; returns the number that differed or failed, printing their names.
 local function targets(root, writes)
   local bad = 0
   for _, target in ipairs(require "ylm.codegen.targets") do
-    local path, text = root .. "/" .. target[1], main.generate(target, root)
+    local path, text = root .. "/" .. target[1], main.generate(target)
     if read(path) ~= text then
       if not writes then
         io.write(target[1], " is not what the generator makes: run make gen\n")

@@ -57,6 +57,6 @@ targets[#targets + 1] = { "shaders/gen/interpolation.glsl", "ylm.codegen.interpo
 targets[#targets + 1] = { "csrc/grid/gen/interpolation.h", "ylm.codegen.interpolation", "element" }
 targets[#targets + 1] = { "shaders/gen/moments.glsl", "ylm.codegen.moments_glsl", 10 }
 targets[#targets + 1] = { "shaders/gen/product.glsl", "ylm.codegen.product_glsl", 8 }
-targets[#targets + 1] = { "lua/ylm/page/gen/template.lua", "ylm.codegen.page", 8 }
+targets[#targets + 1] = { "lua/ylm/page/gen/functions.lua", "ylm.codegen.page", 8 }
 
 return targets

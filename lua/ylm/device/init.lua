@@ -33,19 +33,16 @@ end
 
 -- Copies of grids on devices ------------------------------------------------------------
 
---- Grid -> { gpu -> copy }.
-local copies = setmetatable({}, { __mode = "k" })
-
---- The copies of a grid, by gpu.
-function devices.copies(grid)
-  if not copies[grid] then copies[grid] = setmetatable({}, { __mode = "k" }) end
-  return copies[grid]
-end
-
---- Gives back the copies of a grid that has been closed.
-function devices.forget(grid)
-  for _, copy in pairs(copies[grid] or {}) do copy:close() end
-  copies[grid] = nil
+--- A function that gives back the copies that a grid has on devices now, also of one that has been closed since.
+function devices.forgetting(grid)
+  local pairs_of = {}
+  for i, gpu in ipairs(core.partners(grid)) do pairs_of[i] = core.between(grid, gpu) end
+  return function()
+    for _, both in ipairs(pairs_of) do
+      if both.copy then both.copy:close() end
+      both.copy = nil
+    end
+  end
 end
 
 return devices

@@ -32,7 +32,7 @@ function processor.lights(_, n, name, object, o, within)
     return check.bad(n, name, is_elsewhere(object) and "method: gpu:lights has chosen it"
       or "method: a choice for computing on a device")
   end
-  return within(name, object, o.tolerance or o.light_tolerance, o.threads)
+  return within(name, object, o.tolerance or o.sums_tolerance, o.threads)
 end
 
 function processor.evaluate(_, name, object, points, query)
@@ -76,12 +76,9 @@ end
 
 -- Pictures ----------------------------------------------------------------------------
 
---- View -> what shading it again needs: { handle, radiance }.
-local shaded = setmetatable({}, { __mode = "k" })
-
 --- Radiance of a view under a dynamic grid: only what changed since the last time is sampled.
 local function shade_again(name, p, o, bar)
-  local before = shaded[p.view]
+  local before = core.owned(p.view, "shaded") -- what shading it again needs
   if not before then
     local handle, radiance, message, code
     handle, message, code = check.result(name, p.lib.shade_memory(p.view))
@@ -89,7 +86,7 @@ local function shade_again(name, p, o, bar)
     radiance, message, code = core.array_zeros({ p.stats.points, 3 }, "float")
     if not radiance then return nil, message, code end
     before = { handle = handle, radiance = radiance }
-    shaded[p.view] = before
+    core.own(p.view).shaded = before
   end
   return check.result(name, p.lib.shade_grid_again(p.view, before.handle, o.grid, o.interpolation, o.threads or 0, bar,
     before.radiance))

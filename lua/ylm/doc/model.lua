@@ -6,7 +6,10 @@ local reference = require "ylm.describe"
 
 local model = {}
 
---- Everything, as lists sorted by name:
+local rank = {}
+for i, shelf in ipairs(reference.shelves) do rank[shelf] = i end
+
+--- Everything, as lists sorted by name, entries and forms by shelf first:
 -- modules { name, entries }, objects { name, about, fields, entries }, forms { definitions }.
 function model.read()
   local public = help.public()
@@ -36,11 +39,27 @@ function model.read()
   end
   for name in pairs(reference.objects) do object(name) end
   local function by_name(a, b) return a.name < b.name end
+  local function by_rank(a, b)
+    local x, y = rank[reference.shelf(a)], rank[reference.shelf(b)]
+    if x ~= y then return x < y end
+    return a.name < b.name
+  end
+  for _, group in ipairs { modules, objects } do
+    for _, of in ipairs(group) do table.sort(of.entries, by_rank) end
+  end
   table.sort(modules, by_name)
   table.sort(objects, by_name)
   local forms = {}
   for _, name in ipairs(public.forms) do forms[#forms + 1] = form.defined[name] end
+  table.sort(forms, by_rank)
   return { modules = modules, objects = objects, forms = forms }
+end
+
+--- Those of a list that stand on a shelf.
+function model.on_shelf(list, shelf)
+  local some = {}
+  for _, x in ipairs(list) do if reference.shelf(x) == shelf then some[#some + 1] = x end end
+  return some
 end
 
 --- Calls f(line) for each line of `text`.

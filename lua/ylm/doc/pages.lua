@@ -3,6 +3,7 @@
 local form = require "ylm.form"
 local help = require "ylm.help"
 local model = require "ylm.doc.model"
+local reference = require "ylm.describe"
 
 local pages = {}
 
@@ -110,11 +111,18 @@ local function prose(put, text)
   put(line)
 end
 
-local function field_table(put, fields)
-  put "| field | is | |"
-  put "| --- | --- | --- |"
-  for _, row in ipairs(help.field_rows(fields)) do put(("| `%s` | %s | %s |"):format(row[1], cell(row[2]), cell(row[3]))) end
-  put ""
+local TITLES = { everyday = "", experiments = ", for experiments", comparison = ", to compare with" }
+
+--- Fields or options of `owner`, a table for each shelf.
+local function field_table(put, fields, owner)
+  for _, part in ipairs(reference.by_shelf(fields, owner)) do
+    put(("| field%s | is | |"):format(part[1] ~= reference.shelf(owner) and TITLES[part[1]] or ""))
+    put "| --- | --- | --- |"
+    for _, row in ipairs(help.field_rows(part[2])) do
+      put(("| `%s` | %s | %s |"):format(row[1], cell(row[2]), cell(row[3])))
+    end
+    put ""
+  end
 end
 
 local function row_table(put, title, rows)
@@ -139,7 +147,7 @@ local function section(put, entry)
   prose(put, (model.one_line(entry.about):gsub("<", "&lt;")))
   put ""
   row_table(put, "argument", entry.arguments)
-  if type(entry.options) == "table" and #entry.options > 0 then field_table(put, entry.options) end
+  if type(entry.options) == "table" and #entry.options > 0 then field_table(put, entry.options, entry) end
   row_table(put, "returns", entry.returns)
   if entry.report then row_table(put, "report", help.report_rows(entry.report)) end
   if entry.errors and entry.errors ~= "" then
@@ -153,6 +161,45 @@ local function section(put, entry)
   example(put, entry.example)
 end
 
+local function form_section(put, definition)
+  put("### " .. (definition.name == "scene" and 'scene "name" { ... }' or definition.name .. " { ... }"))
+  put ""
+  prose(put, model.one_line(definition.about))
+  put ""
+  field_table(put, definition.fields, definition)
+  example(put, definition.example)
+end
+
+--- An object and its methods of a shelf; what it is, and its fields, where it is named first.
+local function object_section(put, object, entries, said)
+  put("### " .. object.name)
+  put ""
+  if not said[object] then
+    if object.about ~= "" then
+      prose(put, model.one_line(object.about))
+      put ""
+    end
+    row_table(put, "field", object.fields)
+  end
+  said[object] = true
+  for _, entry in ipairs(entries) do section(put, entry) end
+end
+
+--- All of one shelf: forms, functions, objects.
+local function shelf_of(put, all, shelf, said)
+  put("## " .. reference.shelf_titles[shelf])
+  put ""
+  for _, definition in ipairs(model.on_shelf(all.forms, shelf)) do form_section(put, definition) end
+  for _, module in ipairs(all.modules) do
+    for _, entry in ipairs(model.on_shelf(module.entries, shelf)) do section(put, entry) end
+  end
+  for _, object in ipairs(all.objects) do
+    local entries = model.on_shelf(object.entries, shelf)
+    local bare = #object.entries == 0 and shelf == "experiments"
+    if #entries > 0 or bare then object_section(put, object, entries, said) end
+  end
+end
+
 --- docs/api.md, as text.
 function pages.markdown()
   local all, lines = model.read(), {}
@@ -163,37 +210,12 @@ function pages.markdown()
   put ""
   put "`ylm help WORD` prints this text too. Conventions (axes, units, indices) are in docs/conventions.md."
   put ""
-  put "## Forms"
+  put "Entries stand on three shelves: [everyday](#everyday) has what every user needs, [experiments](#experiments) what"
+  put "experiments need, and [comparison](#comparison) what exists to compare with. Forms are constructors that take one named"
+  put "table: `ylm.NAME { ... }` in scripts, globals in scene files."
   put ""
-  put "Constructors that take one named table: `ylm.NAME { ... }` in scripts, globals in scene files."
-  put ""
-  for _, definition in ipairs(all.forms) do
-    put("### " .. (definition.name == "scene" and 'scene "name" { ... }' or definition.name .. " { ... }"))
-    put ""
-    prose(put, model.one_line(definition.about))
-    put ""
-    field_table(put, definition.fields)
-    example(put, definition.example)
-  end
-  put "## Functions"
-  put ""
-  for _, module in ipairs(all.modules) do
-    for _, entry in ipairs(module.entries) do section(put, entry) end
-  end
-  put "## Objects"
-  put ""
-  for _, object in ipairs(all.objects) do
-    put("### " .. object.name)
-    put ""
-    if object.about ~= "" then
-      prose(put, model.one_line(object.about))
-      put ""
-    end
-    row_table(put, "field", object.fields)
-    for _, entry in ipairs(object.entries) do
-      section(put, entry)
-    end
-  end
+  local said = {}
+  for _, shelf in ipairs(reference.shelves) do shelf_of(put, all, shelf, said) end
   while lines[#lines] == "" do lines[#lines] = nil end
   return table.concat(lines, "\n") .. "\n"
 end

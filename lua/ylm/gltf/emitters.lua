@@ -218,7 +218,7 @@ local function part(piece, triangles)
   return setmetatable(copy, getmetatable(piece))
 end
 
-local function power(p) return p.area * (0.2126 * p.radiance[1] + 0.7152 * p.radiance[2] + 0.0722 * p.radiance[3]) end
+local function power(p) return p.area * vector.luminance(p.radiance) end
 
 --- Lights of the pieces that emit, { piece =, m =, image =, wraps = } each: polygon lights, and the surfaces that stay. The
 -- `most` most powerful are kept; note(sentence, ...) takes what is lost. Or nil, message, code.

@@ -1,4 +1,4 @@
---- glTF 2.0: ylm.load_gltf, the form gltf.
+--- glTF 2.0: the form gltf, and what ylm.load uses.
 --
 -- The reader (csrc/codec/gltf) returns meshes in world coordinates, factors of materials, lamps and cameras; the files
 -- of this room make ylm's of them.
@@ -6,7 +6,6 @@
 local camera = require "ylm.camera"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
-local describe = require "ylm.describe".describe
 local emitters = require "ylm.gltf.emitters"
 local form = require "ylm.form"
 require "ylm.geometry" -- the form mesh
@@ -21,7 +20,7 @@ local vector = require "ylm.vector"
 
 local gltf = {}
 
-local TRIANGLES, TEXELS, BYTES = 2e7, 2 ^ 26, 2 ^ 30 -- where no scene file's limits are narrower
+local TRIANGLES, TEXELS, BYTES = 2e7, 2 ^ 26, 2 ^ 30 -- where no limits of a scene file or of ylm.load are narrower
 
 --- Is it the name of a glTF file?
 function gltf.is_name(path)
@@ -129,7 +128,7 @@ local function cameras(file, note)
   return out
 end
 
---- The file as lib.gltf_read returns it. `limits`: of ylm.load_scene, or nil.
+--- The file as lib.gltf_read returns it. `limits`: of ylm.load, or nil.
 local function read(values, limits)
   local lib, message, code = library.open("codec", "glTF needs libylm_codec (Debian: libopenexr-dev libpng-dev "
     .. "libjansson-dev, then make): %s")
@@ -137,7 +136,8 @@ local function read(values, limits)
   local triangles, texels = left("triangles", TRIANGLES, limits), left("texels", TEXELS, limits)
   local file
   file, message, code = lib.gltf_read { path = values.file, file_size = left("file_size", BYTES, limits),
-    triangles = math.max(1, triangles), texels = math.max(1, texels), scene = values.scene or 0, images = texels >= 1,
+    triangles = math.max(1, triangles), texels = math.max(1, texels),
+    scene = math.min(values.scene or 0, 2 ^ 31 - 1), images = texels >= 1,
     groups = values.textures == "mean" and 1 or values.textures ~= "image" and values.textures or 0 }
   if file and file.triangles > triangles then return nil, values.file .. ": more than 0 triangles", "ELIMIT" end
   return file, message, code
@@ -214,30 +214,18 @@ require "ylm.describe".object "gltf" {
   },
 }
 
-describe "load_gltf" {
-  about = "Reads a glTF 2.0 file, .gltf or .glb: the same as the form gltf.",
-  arguments = { { "path", "string", "a regular file; others that it names lie in its folder" }, { "options?", "table", "" } },
-  options = fields,
-  returns = { { "model", "gltf", "or nil, message, 'EIO' | 'EFORMAT' | 'EVERSION' | 'ELIMIT' | 'EMISSING' | 'ENOMEM'" } },
-  errors = "nil, message, code for whatever is wrong with the file, with the place in its JSON; raises on a wrong argument",
-  example = [[
-local model, message, code = ylm.load_gltf "no such file.glb"
-assert(model == nil and code == "EIO", message)]],
+--- The options of ylm.load of a glTF file: those of the form, and limits.
+gltf.load_options = {
+  { "triangles", "number", min = 0, default = TRIANGLES, about = "of the file" },
+  { "texels", "number", min = 0, default = TEXELS, about = "of all images together" },
+  { "file_size", "number", min = 0, default = BYTES, unit = "bytes", about = "of the file and of each that it names" },
 }
-function gltf.load_gltf(path, options)
-  if type(path) ~= "string" or path == "" or path:find "%z" then
-    return check.bad(1, "load_gltf", "the name of a file expected, got %s", check.describe(path))
-  end
-  local given = form.options(2, "load_gltf", fields, options)
-  given.file = path
-  return gltf.gltf(given)
-end
+for i, field in ipairs(fields) do table.insert(gltf.load_options, i, field) end
 
---- The model of a file for ylm.load_scene: within its limits. Or nil, message, code.
-function gltf.within(path, limits)
-  local values = form.options(2, "load_gltf", fields)
-  values.file = path
-  return build(values, check.fail, limits)
+--- The model of a file for ylm.load. Or nil, message, code.
+function gltf.load(path, options)
+  options.file = path
+  return build(options, check.fail, options)
 end
 
 return gltf

@@ -15,7 +15,7 @@ local unmet = require "ylm.grid.unmet"
 
 local bake = {}
 
-local methods, open, stages_of = grid_object.methods, grid_object.open, grid_object.stages_of
+local methods, open = grid_object.methods, grid_object.open
 
 --- The box around points, at least a thousandth as wide as it is long. Extent 0 in all axes is refused.
 local function bounds_of(points)
@@ -162,7 +162,7 @@ local bake_options = {
   { "geometry", "any", optional = true,
     about = "what occupied = 'surfaces' is about: a mesh, a shape (quad, sphere, mesh ...) or a list of them" },
   { "bounds", "bounds", optional = true, about = "where the description has none" },
-  { "quantity", "choice", of = { "lights", "direct", "indirect", "all", "visibility" }, optional = true,
+  { "quantity", "choice", of = core.choices "quantity", optional = true,
     about = "what a field that is a function holds; other fields know it. 'lights': light that nothing occludes (default); "
       .. "'direct': light of lamps and sky with shadows; 'indirect': what surfaces send back; 'all': both" },
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of the choice of held-out points" },
@@ -171,16 +171,17 @@ local bake_options = {
       .. "is taken over, and 256 fresh points verify instead of 2048 and more; stats are about those of the last 2048 points "
       .. "that bakes in a row compared. For frames of lights or casters that move" },
   { "max_points", "integer", min = 8, max = core.limits.grid_points, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
-  light.tolerance_option "light_tolerance",
-  { "to", "path", optional = true, about = "a folder, name.ylmd: the grid is baked in bricks, which are files in it. A bake "
+  light.tolerance_option "sums_tolerance",
+  { "folder", "path", optional = true, about = "a path name.ylmd: the grid is baked in bricks, which are files in it. A bake "
     .. "that was interrupted goes on where it was; one that is finished is opened" },
-  { "fresh", "boolean", default = false, about = "with to: begins anew whatever is in the folder" },
-  { "brick_points", "integer", min = 512, max = 2 ^ 24, optional = true, about = "with to: a brick with more evaluated points "
-    .. "than this is given up for its eight children; 65536 where it is left out" },
-  { "brick_seconds", "number", above = 0, optional = true, unit = "s", about = "with to: bricks have fewer points where one "
+  { "fresh", "boolean", default = false, about = "with folder: begins anew whatever is in the folder" },
+  { "brick_points", "integer", min = 512, max = 2 ^ 24, optional = true, about = "with folder: a brick with more evaluated "
+    .. "points than this is given up for its eight children; 65536 where it is left out" },
+  { "brick_seconds", "number", above = 0, optional = true, unit = "s", about = "with folder: bricks have fewer points where one "
     .. "thread is foreseen to take longer for them, at 0.18 ns for each light, point and coefficient, counted in the levels "
     .. "above; 30 where brick_points is left out too. It bounds what a bake that is ended loses" },
-  { "seconds", "number", above = 0, optional = true, about = "with to: no brick is begun that would take longer than this since "
+  { "time_limit", "number", above = 0, optional = true, unit = "s",
+    about = "with folder: no brick is begun that would take longer than this since "
     .. "the call; nil, 'not finished ..', 'ELIMIT' then, and a call again goes on" },
   set.cache_option,
   form.threads, form.progress,
@@ -227,8 +228,6 @@ local function measure_of(description, jumps, normals)
   return wanted or (jumps and normals and not description.dynamic and "irradiance") or "coefficients"
 end
 
---- Grid -> the lights it was baked from.
-local baked_from = setmetatable({}, { __mode = "k" })
 --- The norm below which errors are not relative: of visibilities that of the function 1.
 local function floor_of(description, quantity, measure)
   if not description.tolerance or measure ~= "coefficients" or description.dynamic then return 0 end
@@ -260,6 +259,13 @@ assert(grid.stats.met and grid.stats.error <= 0.01)]],
 }
 function bake.bake(description, lights, given) return bake.of_scene(description, lights, given) end
 
+--- Remembers what a grid was baked from, and with which sums_tolerance.
+local function remember(g, packed, sums_tolerance)
+  local own = core.own(g)
+  own.lights = type(packed) ~= "function" and light.followed(packed) and packed or nil
+  own.sums_tolerance = sums_tolerance
+end
+
 --- bake.bake of light whose fingerprints are known, or nil.
 function bake.of_scene(description, lights, given, prints)
   local kind = form.kind(description)
@@ -270,8 +276,8 @@ function bake.of_scene(description, lights, given, prints)
   o.progress = progress.long(o.progress)
   local fault = o.like and check.grid_fault(o.like)
   if fault then return check.bad(3, "bake", "like: %s", fault) end
-  if description.dynamic and o.light_tolerance then
-    return check.bad(3, "bake", "a grid with dynamic = true sums its lights exactly: leave light_tolerance out")
+  if description.dynamic and o.sums_tolerance then
+    return check.bad(3, "bake", "a grid with dynamic = true sums its lights exactly: leave sums_tolerance out")
   end
   local packed, failed, why = lights
   if form.kind(lights) == "virtual_lights" and lights.profile == "near" then
@@ -333,23 +339,20 @@ function bake.of_scene(description, lights, given, prints)
   end
   if made then object:close() end
   if not baked or in_bricks then return baked, stages, code end
-  stages_of[baked], grid_object.shadow_of[baked] = stages, tally()
-  if type(packed) ~= "function" and light.followed(packed) then baked_from[baked] = packed end
-  unmet.remember(baked, o.light_tolerance)
+  local own = core.own(baked)
+  own.stages, own.shadow = stages, tally()
+  remember(baked, packed, o.sums_tolerance)
   unmet.warn(baked)
   light.heed(packed, description.lmax)
   return baked
 end
 
 --- Remembers the lights of a grid that was refreshed.
-function bake.refreshed(g, packed)
-  baked_from[g] = type(packed) ~= "function" and light.followed(packed) and packed or nil
-  unmet.remember(g, nil)
-end
+function bake.refreshed(g, packed) remember(g, packed) end
 
 --- The lights that a grid was baked from, if that was in this program and they were lights; for pictures.
 function bake.lights_of(g)
-  local lights = baked_from[g]
+  local lights = core.owned(g, "lights")
   return lights and (core.type(lights) ~= "ylm.lights" or core.lights_count(lights)) and lights or nil
 end
 
@@ -405,7 +408,7 @@ function methods.update(g, lights, given)
   local report, message, code = check.result("update", core.grid_update(g, object, o.tolerance or -1,
     o.threads or 0, progress.of(o.progress)))
   if report == nil then return nil, message, code end
-  baked_from[g] = object
+  core.own(g).lights = object
   unmet.warn(g)
   report.warning = g.stats.update.warning
   return report

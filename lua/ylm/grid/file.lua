@@ -14,10 +14,10 @@ local grid_file = {}
 grid_file.page_options = {
   { "scene", "any", optional = true, about = ".html: the scene whose geometry, lamps and camera the page shows" },
   { "title", "string", optional = true, about = ".html: default the scene's name" },
-  { "precision", "choice", of = { "half", "float", "byte" }, default = "half",
+  { "precision", "choice", of = core.choices "precision", default = "half",
     about = ".html: of the numbers at probes; 'byte': slopes in bytes, 0.63 of the size" },
   { "exposure", "number", min = -20, max = 20, default = 0, unit = "stops", about = ".html: at first" },
-  { "tone", "choice", of = core.image_tones(), default = "srgb", about = ".html: tone curve at first" },
+  { "tone", "choice", of = core.choices "tone", default = "srgb", about = ".html: tone curve at first" },
   { "lamps", "boolean", default = true, about = ".html: whether the page has the scene's sphere lights" },
   { "poster", "any", optional = true,
     about = ".html: an image that is seen where the page cannot be drawn; default: rendered from the scene's camera; "
@@ -61,7 +61,7 @@ function methods.save(g, path, given)
     return check.bad(1, "save", "a path expected, got %s", check.describe(path))
   end
   local ending = path:lower():match("%.(%w+)$")
-  if ending == "html" then return library.later.page(g, path, given) end
+  if ending == "html" then return library.later["ylm.page"](g, path, given) end
   if ending == "vtu" then return vtu.save(g, path, form.options(2, "save", vtu.options, given)) end
   if given ~= nil then form.options(2, "save", {}, given) end
   if ending == "ylm" then return check.result("save", core.grid_write(g, path)) end
@@ -75,7 +75,7 @@ grid_file.magic = "\137YLMgrid"
 function grid_file.load(path)
   local g, message, code = check.result("load", core.grid_read(path))
   if not g then return nil, message, code end
-  grid_object.path_of[g] = path
+  core.own(g).path = path
   return g
 end
 

@@ -13,7 +13,7 @@ local DEFAULT_TOLERANCE = 0.01
 local bounds_field = { "bounds", "bounds", optional = true, unit = "scene units",
   about = "corners {min, max}; default: those of the geometry or of the occupied points" }
 local lmax_field = { "lmax", "integer", min = 0, max = core.limits.lmax, default = 4, about = "highest degree" }
-local channels_field = { "channels", "choice", of = { "rgb", "luminance" }, default = "rgb",
+local channels_field = { "channels", "choice", of = core.choices("channels", "rgb"), default = "rgb",
   about = "what is baked: three linear channels, or one" }
 
 local dynamic_field = { "dynamic", "boolean", default = false,
@@ -34,7 +34,7 @@ grid.adaptive_grid = form.define("adaptive_grid", {
     { "tolerance", "number", above = 0, optional = true,
       about = "relative L2 error that 99 % of the occupied points keep, of surfaces 99 % of the area; verified after "
         .. "bakes and updates, see stats.met" },
-    { "measure", "choice", of = { "coefficients", "irradiance" }, optional = true,
+    { "measure", "choice", of = core.choices "measure", optional = true,
       about = "what tolerance is of: 'coefficients', the distance of all of them relative to their norm; 'irradiance', the "
         .. "irradiance of occupied points with normals, relative to itself or, where that is more, to its mean over "
         .. "the occupied points, in the worst channel. Default: 'irradiance' where light jumps at surfaces (quantity is not "
@@ -43,10 +43,10 @@ grid.adaptive_grid = form.define("adaptive_grid", {
       about = "of a tolerance of coefficients: a norm that is smaller counts as this one, so that darkness is not refined "
         .. "without end. Default: sqrt(4 pi), the norm of the function 1, of visibilities, else 0" },
     bias_field,
-    { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
+    { "metric", "choice", of = core.choices("metric", "relative"), default = "relative",
       about = "the Hessian's error metric that threshold is compared with" },
     { "threshold", "number", min = 0, optional = true, about = "voxels above it are subdivided" },
-    { "metric_channels", "choice", of = { "luminance", "rgb" }, default = "luminance",
+    { "metric_channels", "choice", of = core.choices "channels", default = "luminance",
       about = "what the metric is of" },
     channels_field,
     { "continuous", "boolean", default = true, about = "no jumps between voxels of different levels" },
@@ -103,9 +103,9 @@ grid.uniform_grid = form.define("uniform_grid", {
     bounds_field, lmax_field,
     { "cells", "cells", about = "voxels along each axis: a number, or {nx, ny, nz}" },
     channels_field,
-    { "metric_channels", "choice", of = { "luminance", "rgb", "none" }, default = "luminance",
+    { "metric_channels", "choice", of = core.choices "metric_channels", default = "luminance",
       about = "what the metric is of; none: faster to bake, and cells() knows no errors" },
-    { "metric", "choice", of = { "relative", "absolute" }, default = "relative",
+    { "metric", "choice", of = core.choices("metric", "relative"), default = "relative",
       about = "of the errors that cells() reports" },
     bias_field,
     dynamic_field,

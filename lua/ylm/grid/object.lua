@@ -14,22 +14,24 @@ object.methods = methods
 
 --- Options of every way to sample a grid.
 object.sampling = {
-  interpolation = { "interpolation", "choice", of = require "ylm.grid.interpolations", default = "hermite",
+  interpolation = { "interpolation", "choice", of = core.choices "interpolation", default = "hermite",
     about = "cubic Hermite (fourth order), the corners' first-order expansions, or trilinear" },
   derivatives = { "derivatives", "integer", min = 0, max = 1, default = 0, about = "1: also the interpolant's gradient" },
-  outside = { "outside", "choice", of = { "clamp", "nan" }, default = "clamp",
+  outside = { "outside", "choice", of = core.choices "outside", default = "clamp",
     about = "points outside of the bounds: those of the nearest point inside, or NaN" },
-  dtype = { "dtype", "choice", of = { "float", "double" }, default = "float", about = "of the results" },
+  dtype = { "dtype", "choice", of = core.choices "dtype", default = "float", about = "of the results" },
 }
 
---- Grid -> times by stage of the device that it was baked on.
-object.stages_of = setmetatable({}, { __mode = "k" })
-
---- Grid -> what light behind bodies took, where it was baked from such light.
-object.shadow_of = setmetatable({}, { __mode = "k" })
-
---- Grid, or grid in bricks -> the file or folder that it was loaded from.
-object.path_of = setmetatable({}, { __mode = "k" })
+--- All that Lua keeps of a grid, the fields of core.own(grid); closing drops them. With a device it has `copy`, which lies there.
+object.own = {
+  path = "the file that it was loaded from, of a grid in bricks the folder",
+  lights = "the lights that it was baked from, where these were lights",
+  sums_tolerance = "with which it was baked",
+  stages = "times by stage of the device that it was baked on",
+  shadow = "what light behind bodies took, where it was baked from such light",
+  said = "topics of warnings about it",
+  partners = "devices that have a copy",
+}
 
 require "ylm.describe".object "grid" {
   about = "A baked grid of probes. The fields of its description can be read from it. The cells of a uniform grid are "
@@ -86,8 +88,9 @@ ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2,
 }
 function methods.close(g)
   object.open(g, "close")
+  local forget = devices.forgetting(g)
   check.result("close", core.grid_close(g))
-  devices.forget(g)
+  forget()
 end
 
 methods.__index = function(g, key)
@@ -96,7 +99,7 @@ methods.__index = function(g, key)
   object.open(g, key)
   if key == "stats" then
     local stats = unmet.stats(g)
-    stats.stages, stats.shadow = object.stages_of[g], object.shadow_of[g]
+    stats.stages, stats.shadow = core.owned(g, "stages"), core.owned(g, "shadow")
     return show.report(stats)
   end
   return core.grid_form(g)[key]

@@ -13,7 +13,7 @@ local progress = require "ylm.progress"
 local methods, open = grid_object.methods, grid_object.open
 
 local refresh_options = {
-  { "quantity", "choice", of = { "lights", "direct", "indirect", "all", "visibility" }, optional = true,
+  { "quantity", "choice", of = core.choices "quantity", optional = true,
     about = "what a field that is a function holds; other fields know it" },
   form.threads, form.progress,
 }
@@ -56,7 +56,7 @@ function methods.refresh(g, lights, given)
   points, seconds, code = check.result("refresh", core.grid_refresh(g, packed, quantity, o.threads or 0,
     progress.of(o.progress)))
   if not points then return nil, seconds, code end
-  devices.forget(g)
+  devices.forgetting(g)()
   bake.refreshed(g, packed)
   return { points = points, seconds = seconds }
 end

@@ -1,4 +1,4 @@
---- Grids in bricks: ylm.bake with the option to, ylm.load of such a folder, and the methods of what they return.
+--- Grids in bricks: ylm.bake with the option folder, ylm.load of such a folder, and the methods of what they return.
 
 local array = require "ylm.array"
 local check = require "ylm.check"
@@ -50,44 +50,50 @@ end
 function set.open(path, cache)
   local s, message, code = check.result("load", core.grid_set_open((path:gsub("/+$", "")), cache or 0))
   if not s then return nil, message, code end
-  grid_object.path_of[s] = path
+  core.own(s).path = path
   return s
 end
 
 --- The facts that a bake in bricks is told; nil: it is none. Raises where description and options do not fit.
 function set.check_bake(description, o, given, jumps)
-  if not o.to then
+  if not o.folder then
     if description.bricks then
-      return check.bad(3, "bake", "bricks: a grid in bricks is a folder: say which, to = 'name.ylmd'")
+      return check.bad(3, "bake", "bricks: a grid in bricks is a folder: say which, folder = 'name.ylmd'")
     end
-    for _, name in ipairs { "cache", "fresh", "brick_points", "brick_seconds", "seconds" } do
-      if o[name] then return check.bad(3, "bake", "%s is of a grid in bricks: give to = 'name.ylmd', or leave it out", name) end
+    for _, name in ipairs { "cache", "fresh", "brick_points", "brick_seconds", "time_limit" } do
+      if o[name] then
+        return check.bad(3, "bake", "%s is of a grid in bricks: give folder = 'name.ylmd', or leave it out", name)
+      end
     end
     return nil
   end
-  if not o.to:lower():find "%.ylmd/*$" then
-    return check.bad(3, "bake", "to: a folder name.ylmd expected, got %s", check.describe(o.to))
+  if not o.folder:lower():find "%.ylmd/*$" then
+    return check.bad(3, "bake", "folder: a path name.ylmd expected, got %s", check.describe(o.folder))
   end
   if form.kind(description) ~= "adaptive_grid" then
-    return check.bad(1, "bake", "a grid in bricks is an adaptive_grid; leave to out, and save a uniform_grid")
+    return check.bad(1, "bake", "a grid in bricks is an adaptive_grid; leave folder out, and save a uniform_grid")
   end
-  if description.dynamic then return check.bad(1, "bake", "a grid that follows lights is not baked in bricks: leave to out") end
+  if description.dynamic then
+    return check.bad(1, "bake", "a grid that follows lights is not baked in bricks: leave folder out")
+  end
   if description.depth < 3 then return check.bad(1, "bake", "a grid in bricks has a depth of at least 3") end
   if o.like then return check.bad(3, "bake", "like: a bake in bricks begins with what it learns itself: leave like out") end
   if devices.of(o.device):name() then return check.bad(3, "bake", "device: bricks are baked by the processor") end
   if jumps or (description.bias or 0) > 0 or description.measure == "irradiance" then
-    return check.bad(2, "bake", "light that jumps at surfaces is looked up beside them, and not baked in bricks: leave to out")
+    return check.bad(2, "bake", "light that jumps at surfaces is looked up beside them, and not baked in bricks: leave "
+      .. "folder out")
   end
-  return { folder = (o.to:gsub("/+$", "")), level = description.bricks or 0, fresh = o.fresh, points = o.brick_points or 0,
-    brick_seconds = o.brick_seconds, seconds = o.seconds,
+  return { folder = (o.folder:gsub("/+$", "")), level = description.bricks or 0, fresh = o.fresh, points = o.brick_points or 0,
+    brick_seconds = o.brick_seconds, seconds = o.time_limit,
     max_points = type(given) == "table" and given.max_points or 0 }
 end
 
 --- Bakes in bricks, and opens what was baked. Nil, message, code.
 function set.bake(wanted, object, occupied, o, how)
-  wanted.normals, wanted.limits, wanted.reach, wanted.bricks = nil, nil, nil, how
+  local most = how.max_points
+  wanted.normals, wanted.limits, wanted.reach, wanted.bricks, how.max_points = nil, nil, nil, how, nil
   local ok, message, code = core.grid_bake_bricks(wanted, object, occupied, o.seed, o.threads or 0,
-    how.max_points, progress.of(o.progress))
+    most, progress.of(o.progress))
   if not ok and code == "EBUSY" then return nil, message, code end -- of another process: nothing is wrong here
   ok, message, code = check.result("bake", ok, message, code)
   if not ok then return nil, message, code end
@@ -119,7 +125,7 @@ describe "grid_set:sample" {
 local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1 }
 local folder = os.tmpname() .. ".ylmd"
 local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 1, depth = 3, bricks = 1,
-  threshold = 0.05 }, lamp, { to = folder }))
+  threshold = 0.05 }, lamp, { folder = folder }))
 local c = grid:sample({ { 0, 0, 0 }, { 0.5, 0, 0.25 } })
 assert(#c == 2 and grid.stats.bricks > 0)
 os.execute("rm -r " .. folder)]],
@@ -150,7 +156,7 @@ describe "grid_set:save" {
   example = [[
 local folder = os.tmpname() .. ".ylmd"
 local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 1, depth = 3, threshold = 0.5 },
-  ylm.sphere_light { at = { 0, 2, 0 } }, { to = folder }))
+  ylm.sphere_light { at = { 0, 2, 0 } }, { folder = folder }))
 assert(grid:save(folder .. "/grid.pvtu"))
 assert(grid:save(folder .. "/all.ylm"))
 assert(ylm.load(folder .. "/all.ylm").depth == 3)
@@ -181,7 +187,7 @@ describe "grid_set:close" {
   example = [[
 local folder = os.tmpname() .. ".ylmd"
 assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 1, depth = 3, threshold = 0.5 },
-  ylm.sphere_light { at = { 0, 2, 0 } }, { to = folder })):close()
+  ylm.sphere_light { at = { 0, 2, 0 } }, { folder = folder })):close()
 os.execute("rm -r " .. folder)]],
 }
 function methods.close(s)

@@ -7,9 +7,6 @@ local unmet = {}
 
 local FALL = 4     -- powers of 2 by which errors of fourth order fall from level to level
 
---- Grid -> the light_tolerance that it was baked with, in this program.
-local light_tolerance = setmetatable({}, { __mode = "k" })
-
 --- x rounded up to two digits, so that it is met.
 local function rounded_up(x)
   local unit = 10 ^ (math.floor(math.log(x) / math.log(10)) - 1)
@@ -52,8 +49,8 @@ end
 local function cause_of(s, form, lights)
   if s.verified == 0 then return "all its surfaces face out of its bounds, where no light is known; set larger bounds" end
   if lights and lights > s.tolerance then
-    return ("lights are summed to light_tolerance = %.3g, voxels end at depth %d"):format(lights, form.depth)
-      .. set(("light_tolerance = %.2g, then depth,"):format(s.tolerance), looser(s.error))
+    return ("lights are summed to sums_tolerance = %.3g, voxels end at depth %d"):format(lights, form.depth)
+      .. set(("sums_tolerance = %.2g, then depth,"):format(s.tolerance), looser(s.error))
   end
   if (s.crossed or 0) > (s.failed or 0) / 2 then return too_crossed(s, form) end
   if s.limited then return too_shallow(form.depth, s.error, s.tolerance) end
@@ -82,13 +79,10 @@ local function sentence_of(s, form, lights)
     .. (s.update and cause_after_update(s, form) or cause_of(s, form, lights))
 end
 
---- Remembers with which light_tolerance a grid was baked.
-function unmet.remember(g, tolerance) light_tolerance[g] = tolerance end
-
 --- The stats of a grid with what it does not keep: stats.warning, stats.update.warning.
 function unmet.stats(g)
   local stats, form = core.grid_stats(g), core.grid_form(g)
-  stats.warning = sentence_of(stats, form, light_tolerance[g])
+  stats.warning = sentence_of(stats, form, core.owned(g, "sums_tolerance"))
   if stats.update then stats.update.warning = stats.warning end
   return stats
 end

@@ -129,7 +129,7 @@ end
 local difference_options = {
   layer_option,
   { "scale", "number", default = 1, about = "differences are multiplied by this" },
-  { "kind", "choice", of = { "absolute", "signed", "relative" }, default = "absolute",
+  { "kind", "choice", of = core.choices "difference", default = "absolute",
     about = "|a - b|, a - b, or |a - b| / max(|b|, floor)" },
   { "floor", "number", above = 0, default = 1e-3, about = "least divisor of relative differences" },
 }

@@ -33,7 +33,7 @@ function methods.crop(x, left, top, width, height)
 end
 
 local resize_options = {
-  { "filter", "choice", of = { "box", "linear", "lanczos" }, default = "box",
+  { "filter", "choice", of = core.choices "filter", default = "box",
     about = "shrinking: all average; enlarging: box repeats pixels" },
   images.threads,
   images.progress,
@@ -164,7 +164,7 @@ form.types.rising = types_range
 
 local colours_options = {
   { "layer", "string", optional = true, about = "which layer; default the first" },
-  { "map", "choice", of = core.colourmaps(), default = "viridis", about = "coolwarm diverges" },
+  { "map", "choice", of = core.choices "colourmap", default = "viridis", about = "coolwarm diverges" },
   { "range", "rising", about = "the numbers at both ends of the map" },
   { "log", "boolean", default = false, about = "a logarithmic scale; the range is then above 0" },
 }

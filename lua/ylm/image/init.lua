@@ -66,13 +66,14 @@ require "ylm.describe".object "image" {
 
 -- Metadata --------------------------------------------------------------------------
 
-local owner_of = setmetatable({}, { __mode = "k" })
+--- The image that a table of metadata is of.
+local function owner_of(proxy) return core.owned(proxy, "image") end
 
 local metadata = {}
 
 metadata.__index = function(proxy, key)
   if type(key) ~= "string" then return nil end
-  return (core.image_get_text(owner_of[proxy], key))
+  return (core.image_get_text(owner_of(proxy), key))
 end
 
 metadata.__newindex = function(proxy, key, value)
@@ -85,14 +86,14 @@ metadata.__newindex = function(proxy, key, value)
   elseif t ~= "nil" and (t ~= "string" or value:find("%z")) then
     return check.fail("metadata: '%s' must be a string, a number or true or false, got %s", key, check.describe(value))
   end
-  check.result("metadata", core.image_set_text(owner_of[proxy], key, value))
+  check.result("metadata", core.image_set_text(owner_of(proxy), key, value))
 end
 
 --- All entries as a plain table.
 metadata.__call = function(proxy)
   local all = {}
-  for _, key in ipairs(core.image_texts(owner_of[proxy])) do
-    all[key] = core.image_get_text(owner_of[proxy], key)
+  for _, key in ipairs(core.image_texts(owner_of(proxy))) do
+    all[key] = core.image_get_text(owner_of(proxy), key)
   end
   return all
 end
@@ -106,7 +107,7 @@ methods.__index = function(x, key)
   elseif key == "metadata" then
     images.open(x, "metadata")
     local proxy = setmetatable({}, metadata)
-    owner_of[proxy] = x
+    core.own(proxy).image = x
     return proxy
   end
   return rawget(methods, key)
@@ -174,7 +175,7 @@ local save_options = {
       about = ".png 8 (default) or 16; .exr 16 (half) or 32 (default)" },
   { "exposure", "number", min = -60, max = 60, default = 0, unit = "stops",
       about = ".png: pixels are multiplied by 2^exposure" },
-  { "tone", "choice", of = core.image_tones(), default = "srgb",
+  { "tone", "choice", of = core.choices "tone", default = "srgb",
       about = ".png: tone curve; hable and aces are filmic" },
 }
 
@@ -238,7 +239,7 @@ local r, g, b = ylm.colour("grey", 0.5)
 assert(r == 0.5 and g == 0.5 and b == 0.5)]],
 }
 function image.colour(map, t)
-  local good, wanted = form.types.choice(map, { of = core.colourmaps() })
+  local good, wanted = form.types.choice(map, { of = core.choices "colourmap" })
   if not good then return check.bad(1, "colour", "%s expected, got %s", wanted, check.describe(map)) end
   if not check.is_number(t) then return check.bad(2, "colour", "a number expected, got %s", check.describe(t)) end
   return core.colourmap_at(map, t)

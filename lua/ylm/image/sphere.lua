@@ -9,9 +9,9 @@ local images = require "ylm.image.check"
 local methods = core.metatable "ylm.image"
 
 local mapping_options = {
-  { "mapping", "choice", of = { "latlong", "angular", "cube" }, default = "latlong",
+  { "mapping", "choice", of = core.choices "mapping", default = "latlong",
     about = "cube: six faces in a column, +x -x +y -y +z -z" },
-  { "up", "choice", of = { "z", "y" }, default = "z",
+  { "up", "choice", of = core.choices "up", default = "z",
     about = "the pole; the middle of the image is +x, or -z where y is up" },
 }
 

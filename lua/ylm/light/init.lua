@@ -29,7 +29,7 @@ function light.within(name, object, tolerance, threads)
   if not tolerance or core.type(object) ~= "ylm.lights" then return object end
   if not select(4, core.lights_count(object)) then return object end
   local cut, message, code = check.result(name, core.light_cut(object, tolerance, threads or 0))
-  if cut then light.parts[cut] = light.parts[object] end
+  if cut then core.own(cut).parts = light.parts(object) end
   return cut, message, code
 end
 
@@ -38,18 +38,18 @@ end
 --- Options of light.evaluate and ylm.light_field.
 local options = {
   { "derivatives", "integer", min = 0, max = 2, default = 0, about = "0 coefficients, 1 and gradients, 2 and Hessians" },
-  { "channels", "choice", of = { "rgb", "luminance" }, default = "rgb", about = "three linear channels, or one" },
-  { "metric", "choice", of = { "luminance", "rgb" }, optional = true,
+  { "channels", "choice", of = core.choices("channels", "rgb"), default = "rgb", about = "three linear channels, or one" },
+  { "metric", "choice", of = core.choices "channels", optional = true,
     about = "also report.lambda (norm of the Hessians' largest eigenvalues) and report.norm, of these channels; they end "
       .. "at the largest number of their type" },
-  { "dtype", "choice", of = { "float", "double" }, optional = true,
+  { "dtype", "choice", of = core.choices "dtype", optional = true,
     about = "element type; that of the points where they are an array, else float" },
   light.tolerance_option "tolerance",
   form.threads,
   { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take" },
   form.progress,
   { "device", "gpu", optional = true, about = "lights are summed there; gpu:lights copies them once" },
-  { "method", "choice", of = { "merged", "forward", "reversed" }, optional = true,
+  { "method", "choice", of = core.choices "sums", optional = true,
     about = "on a device: merged moments (default), or the papers' product rule for comparison, see gpu:lights" },
 }
 
@@ -76,7 +76,7 @@ end
 local function each_field(object, f)
   local meta = core.type(object) and core.type(object) ~= "ylm.array" and getmetatable(object)
   if meta then f(object, meta) end
-  for _, part in ipairs(object ~= nil and light.parts[object] or {}) do each_field(part, f) end
+  for _, part in ipairs(light.parts(object) or {}) do each_field(part, f) end
 end
 
 --- Sentences about what a light field does not keep at a degree, said once.
@@ -91,7 +91,7 @@ end
 --- A light field that has the metric of bakes: a list of lights with light behind bodies in it has one as one such light. Or
 -- nil, message, code.
 function light.joined(object)
-  for _, part in ipairs(object ~= nil and light.parts[object] or {}) do
+  for _, part in ipairs(light.parts(object) or {}) do
     local join = getmetatable(part).__join
     if join then return join(object) end
   end

@@ -111,18 +111,18 @@ local function gather(n, name, value, sources, run, depth)
   end
 end
 
---- Object "ylm.lights" -> the light fields in it that are no plain lights, as shadowed light.
-pack.parts = setmetatable({}, { __mode = "k" })
+--- The light fields in an object "ylm.lights" that are no plain lights, as shadowed light; nil: there are none.
+function pack.parts(lights) return core.owned(lights, "parts") end
 
 --- Remembers what of the sources of `lights` is a light field of its own.
 local function remember(lights, sources)
   local parts = {}
   for _, source in ipairs(sources) do
-    local inner = pack.parts[source]
+    local inner = pack.parts(source)
     for _, part in ipairs(inner or {}) do parts[#parts + 1] = part end
     if not inner and type(source) == "userdata" and core.type(source) ~= "ylm.lights" then parts[#parts + 1] = source end
   end
-  if #parts > 0 then pack.parts[lights] = parts end
+  if #parts > 0 then core.own(lights).parts = parts end
   return lights
 end
 

@@ -51,7 +51,7 @@ local live_options = {
   { "light_samples", "integer", min = 1, max = 65536, default = 1024, about = "rays to the lamps at rest, where passes end" },
   { "paths", "integer", min = 32, max = 65536, default = 1024, about = "paths per pixel at rest, where passes end" },
   { "exposure", "number", min = -8, max = 8, default = 0, unit = "stops" },
-  { "tone", "choice", of = core.image_tones(), default = "srgb", about = "tone curve" },
+  { "tone", "choice", of = core.choices "tone", default = "srgb", about = "tone curve" },
   { "refine", "refine", default = { "view", "grid", "smooth", "rays" },
     about = "at rest: a view of full size, the grid by the probes' own tolerance, samples of the options; the last of reference, "
       .. "rays, path is the method that is shown at rest first" },

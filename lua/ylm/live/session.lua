@@ -57,7 +57,7 @@ function session.new(s, window, o)
   local start = {}
   for k, v in pairs(settings) do start[k] = v end
   me.state = states.new { scene = s, size = { o.size[1], o.size[2] }, camera = cameras[1], cameras = cameras, lamps = rows,
-    first_lamps = first, others = #others, settings = settings, first = start, tones = core.image_tones(),
+    first_lamps = first, others = #others, settings = settings, first = start, tones = core.choices "tone",
     methods = methods_of_light, diagonal = f.diagonal, near = 1e-3 * f.diagonal, middle = cameras[1].at,
     surface_at = function(x, y) return me:surface_at(x, y) end,
     lamp_at = function(x, y, reach) return me:lamp_at(x, y, reach) end }

@@ -15,8 +15,10 @@ local object = {}
 --- The methods of materials; lua/ylm/material/methods.lua fills them.
 object.methods = {}
 
---- Material -> { values, numbers, made: C's object, once it is needed }.
-local inside = setmetatable({}, { __mode = "k" })
+-- A material's own table has values, the form's; numbers; made: C's object, once it is needed.
+
+--- The fields of a material as the form has checked them; nil of what is none.
+local function values_of(m) return core.owned(m, "values") end
 
 --- A colour that stands in a field named as a method is called as that method: matte's albedo.
 local function callable(value, method)
@@ -25,7 +27,7 @@ end
 
 --- A method, or a field as the form has checked it.
 local function index(m, key)
-  local method, value = object.methods[key], inside[m].values[key]
+  local method, value = object.methods[key], values_of(m)[key]
   if method and type(value) == "table" and #value == 3 then return callable(value, method) end
   if method ~= nil then return method end
   return value
@@ -40,7 +42,7 @@ function object.metatable()
     end,
     __tostring = function(m)
       local kind = form.kind(m)
-      return show.form("ylm." .. kind, form.defined[kind].fields, function(name) return inside[m].values[name] end)
+      return show.form("ylm." .. kind, form.defined[kind].fields, function(name) return values_of(m)[name] end)
     end,
   }
 end
@@ -57,20 +59,21 @@ function object.builder(kind)
       return nil, message, code
     end
     local m = setmetatable({}, definition.metatable)
-    inside[m] = { values = values, numbers = numbers, made = made }
+    local own = core.own(m)
+    own.values, own.numbers, own.made = values, numbers, made
     return m
   end
 end
 
 --- Is it a material?
-function object.is(m) return type(m) == "table" and inside[m] ~= nil end
+function object.is(m) return type(m) == "table" and values_of(m) ~= nil end
 
 --- The numbers that describe a material.
-function object.numbers(m) return inside[m].numbers end
+function object.numbers(m) return core.own(m).numbers end
 
 --- The material as C asks it what it does with light; nil, message, code. `name`: the function that raises.
 function object.made(name, m)
-  local own = inside[m]
+  local own = core.own(m)
   local message, code
   if not own.made then own.made, message, code = check.result(name, core.material_create(form.kind(m), own.numbers)) end
   return own.made, message, code

@@ -144,7 +144,7 @@ function methods.lobe(m, given)
   values, message, code = values_at("lobe", made, list, o)
   if not values then return nil, message, code end
   for i, v in ipairs(values) do
-    values[i] = 0.2126 * v[1] + 0.7152 * v[2] + 0.0722 * v[3]
+    values[i] = vector.luminance(v)
     largest = math.max(largest, values[i])
   end
   local scale = o.scale or largest > 0 and 1 / largest or 1

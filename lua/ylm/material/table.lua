@@ -11,7 +11,8 @@ local progress = require "ylm.progress"
 
 local methods = object.methods
 local tables = core.metatable "ylm.material_table"
-local known = setmetatable({}, { __mode = "k" }) -- table -> facts
+
+local function facts_of(t) return core.owned(t, "facts") end
 
 require "ylm.describe".object "material_table" {
   about = "A material's slices f wi.z in spherical harmonics, at rows of elevation of the view and, of anisotropic materials, "
@@ -27,7 +28,7 @@ require "ylm.describe".object "material_table" {
 }
 
 tables.__index = function(t, key)
-  local facts = known[t]
+  local facts = facts_of(t)
   local fact = facts and facts[key]
   if fact ~= nil then return fact end
   return rawget(tables, key)
@@ -36,7 +37,7 @@ tables.__newindex = function(_, key)
   return check.fail("material_table: cannot set %s: a table does not change", check.describe(key))
 end
 tables.__tostring = function(t)
-  local f = known[t]
+  local f = facts_of(t)
   return ("ylm.material_table lmax %d, %d rows, %d columns"):format(f.lmax, f.rows, f.columns)
 end
 
@@ -80,7 +81,7 @@ function methods.table(m, given)
   local t, facts
   t, facts, code = check.result("table", core.material_table(made, o))
   if not t then return nil, facts, code end
-  known[t] = facts
+  core.own(t).facts = facts
   return t
 end
 
@@ -122,7 +123,7 @@ function tables.missed(t, lmax, wo)
   if core.type(t) ~= "ylm.material_table" then
     return check.fail("missed: a material_table expected before the colon, got %s", check.describe(t))
   end
-  check.integer(1, "missed", "lmax", lmax, 0, known[t].lmax)
+  check.integer(1, "missed", "lmax", lmax, 0, facts_of(t).lmax)
   return check.result("missed", core.material_table_missed(t, lmax, open("missed", t, 2, wo)))
 end
 

@@ -34,17 +34,14 @@ function texture.of_file(path, fail)
   return made
 end
 
---- Material -> its texture.
-local textures = setmetatable({}, { __mode = "k" })
-
 --- Gives a new material a texture, if there is one; passes on its other arguments, a material or nil, message, code.
 function texture.attach(made, material, ...)
-  if material then textures[material] = made end
+  if material then core.own(material).texture = made end
   return material, ...
 end
 
 --- The texture of a material, or nil.
-function texture.of(material) return textures[material] end
+function texture.of(material) return core.owned(material, "texture") end
 
 --- The texture's mean, { r, g, b }; of nil 1.
 function texture.mean(made)

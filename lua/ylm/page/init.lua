@@ -3,6 +3,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
+local functions = require "ylm.page.gen.functions"
 local grid_file = require "ylm.grid.file"
 local image = require "ylm.image"
 local light = require "ylm.light"
@@ -10,10 +11,10 @@ local pack = require "ylm.page.pack"
 require "ylm.render.dering" -- the type dering
 require "ylm.render.options" -- the type image_size
 local prints = require "ylm.render.prints"
-local template = require "ylm.page.gen.template"
 local text = require "ylm.text"
 local tracing = require "ylm.trace"
 local vector = require "ylm.vector"
+local viewer = require "ylm.page.viewer"
 local window = require "ylm.sh.window"
 local warning = require "ylm.warning"
 
@@ -161,15 +162,17 @@ local function joined(degrees, lmax)
   return table.concat(out)
 end
 
-local function shaders(lmax)
-  local harmonics = "void harmonics(float x, float y, float z, float g, float o) {\n" .. joined(template.harmonics_essl, lmax)
-    .. "}\n"
+local function shaders(sources, lmax)
+  local harmonics = "void harmonics(float x, float y, float z, float g, float o) {\n"
+    .. joined(functions.harmonics_essl, lmax) .. "}\n"
   local list = {
-    { "cells-glsl", template.cells_essl }, { "interpolation-glsl", template.interpolation_essl },
-    { "harmonics-glsl", harmonics }, { "walk-glsl", template.walk }, { "surface-vertex", template.surface_vertex },
-    { "surface-fragment", template.surface }, { "edge-vertex", template.edge_vertex }, { "flat-fragment", template.flat },
-    { "lobe-vertex", template.lobe_vertex }, { "lamp-vertex", template.lamp_vertex },
-    { "lamp-fragment", template.lamp }, { "resolve-vertex", template.resolve_vertex }, { "resolve-fragment", template.resolve },
+    { "cells-glsl", functions.cells_essl }, { "interpolation-glsl", functions.interpolation_essl },
+    { "harmonics-glsl", harmonics }, { "walk-glsl", sources["walk.glsl"] },
+    { "surface-vertex", sources["surface.vert.glsl"] }, { "surface-fragment", sources["surface.frag.glsl"] },
+    { "edge-vertex", sources["edge.vert.glsl"] }, { "flat-fragment", sources["flat.frag.glsl"] },
+    { "lobe-vertex", sources["lobe.vert.glsl"] }, { "lamp-vertex", sources["lamp.vert.glsl"] },
+    { "lamp-fragment", sources["lamp.frag.glsl"] }, { "resolve-vertex", sources["resolve.vert.glsl"] },
+    { "resolve-fragment", sources["resolve.frag.glsl"] },
   }
   for i, one in ipairs(list) do
     list[i] = ('<script id="%s" type="text/plain">\n%s</script>'):format(one[1], one[2])
@@ -177,14 +180,15 @@ local function shaders(lmax)
   return table.concat(list, "\n")
 end
 
-local function html(meta, data, poster, lmax)
-  return filled(template.page, {
-    VERSION = meta.version, TITLE = (meta.title:gsub('[<>&"]', entities)), STYLE = template.style,
+--- The page's bytes; sources: the viewer's files by name.
+local function html(sources, meta, data, poster, lmax)
+  return filled(sources["page.html"], {
+    VERSION = meta.version, TITLE = (meta.title:gsub('[<>&"]', entities)), STYLE = sources["style.css"],
     POSTER = poster and ('<img id="poster" alt="" src="data:image/png;base64,%s">'):format(core.page_base64(poster)) or "",
-    META = pack.json(meta), DATA = data, SHADERS = shaders(lmax),
-    SCRIPT = (template.viewer:gsub("/%*@(%u+)@%*/", {
-      INTERPOLATION = template.interpolation_js,
-      HARMONICS = joined(template.harmonics_js, lmax),
+    META = pack.json(meta), DATA = data, SHADERS = shaders(sources, lmax),
+    SCRIPT = (sources["viewer.js"]:gsub("/%*@(%u+)@%*/", {
+      INTERPOLATION = functions.interpolation_js,
+      HARMONICS = joined(functions.harmonics_js, lmax),
     })),
   })
 end
@@ -274,6 +278,9 @@ end
 local function write(grid, path, o)
   local facts, message, code = facts_of(grid)
   if not facts then return nil, message, code end
+  local sources
+  sources, message, code = viewer.sources()
+  if not sources then return nil, message, code end
   local lamps, others = {}, 0
   if o.scene then
     lamps, others, code = lamps_of(o.scene)
@@ -295,7 +302,7 @@ local function write(grid, path, o)
   meta.cosine = damped(meta.cosine, report.dering)
   local warnings = shortcomings(grid, o, others, counts, report)
   if code then warnings[#warnings + 1] = "page: without a poster: " .. found end
-  local bytes = html(meta, blob.base64(), poster, grid.lmax)
+  local bytes = html(sources, meta, blob.base64(), poster, grid.lmax)
   if #bytes > o.limit then return refuse_size(#bytes, o, blob) end
   local ok
   ok, message, code = check.result("save", core.file_save(path, bytes))

@@ -29,9 +29,9 @@ local series_fields = {
   { "label", "string", optional = true, about = "in the legend" },
   { "colour", "colour", min = 0, max = 1, optional = true, about = "default: the next of the palette" },
   { "width", "number", min = 0, max = 50, default = 2.2, unit = "pixels", about = "0 draws no line" },
-  { "marker", "choice", of = { "none", "circle", "square", "diamond", "cross", "plus" }, default = "circle" },
+  { "marker", "choice", of = core.choices "marker", default = "circle" },
   { "marker_size", "number", min = 0, max = 100, default = 8, unit = "pixels" },
-  { "dash", "choice", of = { "solid", "dashed", "dotted" }, default = "solid" },
+  { "dash", "choice", of = core.choices "dash", default = "solid" },
 }
 
 --- A plain list of numbers out of a table or array.
@@ -278,7 +278,7 @@ local fields = {
   { "y_log", "boolean", optional = true },
   { "x_range", "any", optional = true, about = "{least, largest}; default: of the data" },
   { "y_range", "any", optional = true, about = "{least, largest}; default: of the data" },
-  { "legend", "choice", of = { "top left", "top right", "bottom left", "bottom right", "none" }, default = "top left" },
+  { "legend", "choice", of = core.choices "legend", default = "top left" },
   { "size", "list", of = "integer", min = 64, max = 8192, default = { 960, 640 }, unit = "pixels" },
   { "background", "any", default = "white", about = "\"dark\", \"white\" or {r, g, b}, 0 to 1" },
   { "supersample", "integer", min = 1, max = 4, default = 2, about = "anti-aliasing" },

@@ -81,6 +81,30 @@ local function dash_of(s) return s.dash ~= "solid" and s.dash or nil end
 
 -- The plot -------------------------------------------------------------------------------
 
+--- The legend of the series `named` in the corner of a box that the chart names.
+local function put_legend(put, label, measure, chart, named, box)
+  local fg, bg, font = chart.foreground, chart.background, chart.font
+  local left, top, right, bottom = box[1], box[2], box[3], box[4]
+  local widest, line = 0, font + LEGEND.padding
+  for _, s in ipairs(named) do widest = math.max(widest, (measure(s.label, font))) end
+  local w, h = widest + LEGEND.symbol + 2 * LEGEND.padding, #named * line + LEGEND.padding
+  local x = chart.legend:find "right" and right - w or left
+  local y = chart.legend:find "top" and top or bottom - h
+  local frame = { x, y, x + w, y, x + w, y + h, x, y + h }
+  put { points = frame, fill = true, colour = { bg[1], bg[2], bg[3], 0.85 } }
+  frame[9], frame[10] = x, y
+  put { points = frame, colour = { fg[1], fg[2], fg[3], 0.25 }, width = 1 }
+  for i, s in ipairs(named) do
+    local middle = y + LEGEND.padding / 2 + (i - 0.5) * line
+    local from, to = x + LEGEND.padding, x + LEGEND.padding + LEGEND.symbol
+    if s.width > 0 then
+      put { points = { from, middle, to, middle }, colour = s.colour, width = s.width, dash = dash_of(s) }
+    end
+    if s.marker_size > 0 then put_marker(put, s, (from + to) / 2, middle) end
+    label(s.label, to, middle, 0, 0.5)
+  end
+end
+
 --- Strokes, areas and words of a chart of `width` x `height` pixels. measure(text, size) returns a width and a height;
 -- `words` are texts around the axes, by their upper left corners.
 function lines.of(chart, words, width, height, measure)
@@ -128,26 +152,7 @@ function lines.of(chart, words, width, height, measure)
     end
     if s.label and s.label ~= "" then named[#named + 1] = s end
   end
-  if chart.legend ~= "none" and #named > 0 then
-    local widest, line = 0, font + LEGEND.padding
-    for _, s in ipairs(named) do widest = math.max(widest, (measure(s.label, font))) end
-    local w, h = widest + LEGEND.symbol + 2 * LEGEND.padding, #named * line + LEGEND.padding
-    local x = chart.legend:find "right" and right - w or left
-    local y = chart.legend:find "top" and top or bottom - h
-    local frame = { x, y, x + w, y, x + w, y + h, x, y + h }
-    put { points = frame, fill = true, colour = { bg[1], bg[2], bg[3], 0.85 } }
-    frame[9], frame[10] = x, y
-    put { points = frame, colour = { fg[1], fg[2], fg[3], 0.25 }, width = 1 }
-    for i, s in ipairs(named) do
-      local middle = y + LEGEND.padding / 2 + (i - 0.5) * line
-      local from, to = x + LEGEND.padding, x + LEGEND.padding + LEGEND.symbol
-      if s.width > 0 then
-        put { points = { from, middle, to, middle }, colour = s.colour, width = s.width, dash = dash_of(s) }
-      end
-      if s.marker_size > 0 then put_marker(put, s, (from + to) / 2, middle) end
-      label(s.label, to, middle, 0, 0.5)
-    end
-  end
+  if chart.legend ~= "none" and #named > 0 then put_legend(put, label, measure, chart, named, box) end
   for _, word in ipairs(words) do
     local _, h = measure(word.text, word.size, word.bold)
     put { text = word.text, x = word.x, y = word.y + ASCENT * h, size = word.size, bold = word.bold, colour = word.colour }

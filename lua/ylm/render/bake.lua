@@ -114,7 +114,7 @@ local function check_parts(s, o, probes)
   if o.lights ~= nil then
     return check.fail("bake: lights are baked as parts = 'lights', these are %q: leave one out", o.parts)
   end
-  for _, name in ipairs { "device", "light_tolerance" } do
+  for _, name in ipairs { "device", "sums_tolerance" } do
     if o[name] then
       return check.fail("bake: %s is for parts = 'lights', these are %q: leave %s out", name, o.parts, name)
     end
@@ -127,7 +127,7 @@ local function check_parts(s, o, probes)
 end
 
 local bake_options = options.list(options.view_fields, {
-  { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true, about = "instead of the scene's" },
+  { "probes", "object", of = core.choices "grid_form", optional = true, about = "instead of the scene's" },
   { "parts", "choice", of = { "lights", "direct", "indirect", "all" }, optional = true,
     about = "what the grid holds: 'lights', light that nothing occludes (default); 'direct', light of lamps and sky with "
       .. "shadows; 'indirect', what surfaces send back; 'all', both" },
@@ -142,11 +142,11 @@ local bake_options = options.list(options.view_fields, {
       .. "also a gpu_array" },
   { "shading", "choice", of = { "pixel", "vertices" }, default = "pixel",
     about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
-  light.tolerance_option "light_tolerance",
-  { "to", "path", optional = true, about = "a folder, name.ylmd, that the grid is baked into in bricks, as in ylm.bake; with "
+  light.tolerance_option "sums_tolerance",
+  { "folder", "path", optional = true, about = "a folder, name.ylmd, that the grid is baked into in bricks, as in ylm.bake; with "
     .. "fresh, seconds" },
-  { "fresh", "boolean", default = false, about = "with to: begins anew whatever is in the folder" },
-  { "seconds", "number", above = 0, optional = true, about = "with to: no brick is begun that would take longer" },
+  { "fresh", "boolean", default = false, about = "with folder: begins anew whatever is in the folder" },
+  { "time_limit", "number", above = 0, optional = true, unit = "s", about = "with folder: no brick is begun that would take longer" },
   { "team", "object", of = "team", optional = true, about = "ylm.team(), of ylm.bake; every process prepares the light field" },
   { "device", "gpu", optional = true, about = "bakes there, as ylm.bake does; a prepared view's points are copied there once" },
 }, options.common)
@@ -186,8 +186,8 @@ function bake.bake(s, given)
     grid, message, code = grids.bake_scene(probes, field, { occupied = where,
       geometry = where == "surfaces" and s.geometry or nil,
       bounds = box.padded(t.lo, t.hi), seed = o.seed, threads = o.threads, progress = o.progress,
-      light_tolerance = o.light_tolerance, device = o.device, team = o.team, to = o.to,
-      fresh = o.fresh, seconds = o.seconds }, prints_of(t, o))
+      sums_tolerance = o.sums_tolerance, device = o.device, team = o.team, folder = o.folder,
+      fresh = o.fresh, time_limit = o.time_limit }, prints_of(t, o))
   end
   if own then where:close() end
   return grid, message, code

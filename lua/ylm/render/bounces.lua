@@ -55,7 +55,7 @@ function bounces.relight(name, p, o)
     tracing.check_bodies(name, lit)
     o.lit = lit
   elseif o.reflected and o.reflected.lit then
-    o.lit = objects.radiosities[o.reflected.lit].lit_by
+    o.lit = objects.made(o.reflected.lit).lit_by
   end
   return true
 end

@@ -29,7 +29,7 @@ end
 --- Parts of a budget that pictures and probes have.
 estimates.options = {
   options.bounce_fields[1],
-  { "strategy", "choice", of = { "both", "lights", "material" }, default = "both", shelf = "experiments",
+  { "strategy", "choice", of = core.choices "path_strategy", default = "both", shelf = "experiments",
     about = "by paths: rays that find light: to lamps and by material, weighed by the balance heuristic; or one kind alone, to "
       .. "compare" },
   { "tolerance", "number", above = 0, optional = true, about = "ends once the noise, report.noise, is at most this" },

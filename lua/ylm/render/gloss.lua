@@ -39,7 +39,7 @@ end
 
 --- Options of views.
 gloss.fields = {
-  { "gloss", "choice", of = { "auto", "sh", "rays", "matte" }, optional = true,
+  { "gloss", "choice", of = core.choices "gloss", optional = true,
     about = "where coefficients of light shade glossy surfaces, 'auto' (default): by harmonics of f cos, times visibility, "
       .. "to lmax, and by rays to the lamps where lmax is too low for a lobe (under a grid of direct, indirect or all light with "
       .. "transfer = scene:transfer {}, whose elements rays find); 'sh', 'rays': by one of them alone; 'matte': as matte ones of "
@@ -123,9 +123,6 @@ end
 
 -- Lamps --------------------------------------------------------------------------------------
 
---- Prepared view -> lights that its scene was traced with last: { lights, handle }.
-local relit = setmetatable({}, { __mode = "k" })
-
 --- The lamps that a field is the light of, as a set; nil: not known, or not of lamps alone.
 local function lamps_of(field)
   local lights = core.type(field) == "ylm.grid" and grids.lights_of(field) or field
@@ -135,11 +132,11 @@ end
 --- The traced scene of these lamps; nil: that of the view. Or false, message, code.
 local function traced_with(name, p, lights)
   if lights == p.traced.lights then return nil end
-  local known = relit[p.view]
+  local known = core.owned(p.view, "relit") -- lights that its scene was traced with last, and the scene
   if known and known.lights == lights then return known.handle end
   local lit, message, code = tracing.relight(name, p.traced, lights)
   if not lit then return false, message, code end
-  relit[p.view] = { lights = lights, handle = lit.handle }
+  core.own(p.view).relit = { lights = lights, handle = lit.handle }
   return lit.handle
 end
 

@@ -30,6 +30,7 @@ local prepare_options = options.list(options.view_fields, {
   options.common)
 
 describe "scene:prepare" {
+  shelf = "everyday",
   about = "Traces a camera's rays, and with visibility = 'transfer' the transfer vectors of what they hit, once, for any number "
     .. "of renderings.",
   arguments = { { "options?", "table", "" } },
@@ -97,6 +98,7 @@ local function picture(name, s, o, given)
 end
 
 describe "scene:render" {
+  shelf = "everyday",
   about = "Renders a scene, by default by rays to its lamps, whose shadows are true, and with all light that bounces: no probes "
     .. "are needed. By a grid, lights are shaded by transfer vectors, as is the grid that visibility = 'transfer' bakes for what "
     .. "the camera sees; the report says how much light of theirs is not the scene's. The sum of all lights is the reference of "
@@ -128,6 +130,7 @@ function render.render(s, given)
 end
 
 describe "scene:pathtrace" {
+  shelf = "everyday",
   about = "Renders a scene by paths of any length: an unbiased picture, with its variance, that judges all others. It is "
     .. "scene:render { by = 'paths' }.",
   arguments = { { "options?", "table", "" } },

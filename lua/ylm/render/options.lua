@@ -3,7 +3,6 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
-local interpolations = require "ylm.grid.interpolations"
 local light = require "ylm.light"
 
 local options = {}
@@ -101,7 +100,7 @@ options.layer_fields = {
 
 --- How a grid is looked up.
 options.sample_fields = {
-  { "interpolation", "choice", of = interpolations, default = "hermite", shelf = "experiments", about = "of the grid" },
+  { "interpolation", "choice", of = core.choices "interpolation", default = "hermite", shelf = "experiments", about = "of the grid" },
   { "bias", "number", min = 0, max = core.limits.grid_bias, optional = true, shelf = "experiments",
     about = "of a grid whose light jumps at surfaces: factor of the distance at which it is looked up beside them, in "
       .. "thicknesses of a voxel, at most half of the way to the next surface; 0: at the points themselves. Default: the "
@@ -133,7 +132,7 @@ options.lights_field = { "lights", "any", optional = true,
   about = "lights in place of the scene's. By rays they may move; default with bounced = lit: those of lit. By sum and by "
     .. "vectors a light, a list of lights, or what has a light field, as shadowed light" }
 
-options.dtype_field = { "dtype", "choice", of = { "float", "double" }, default = "float", shelf = "comparison",
+options.dtype_field = { "dtype", "choice", of = core.choices "dtype", default = "float", shelf = "comparison",
   about = "in which light is summed" }
 
 --- Light that bounces.

@@ -40,6 +40,7 @@ end
 local radiance_options = options.list(options.grid_fields, relight.fields, relight.method_fields, options.common)
 
 describe "view:render" {
+  shelf = "everyday",
   about = "Shades a prepared view: by a grid, or one that was prepared with visibility = 'rays' by rays to its lamps. "
     .. "report.seconds.light says how long sampling and shading took. Of a grid made with dynamic = true only what grid:update "
     .. "changed since the last time is sampled. A grid of lights needs the view's transfer vectors, as a sum does; others hold "
@@ -200,8 +201,9 @@ function prepared.close(view)
   if core.type(view) ~= "ylm.view" then
     return check.fail("close: a prepared view expected before the colon, got %s", check.describe(view))
   end
-  check.result("close", views.made[view].lib.shade_close_view(view))
-  views.made[view].closed = true
+  local m = views.made[view]
+  check.result("close", m.lib.shade_close_view(view))
+  m.closed, views.made[view] = true, m
 end
 
 require "ylm.render.vectors"

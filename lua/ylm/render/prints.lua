@@ -1,7 +1,6 @@
 --- Fingerprints of what a grid was baked from, beside those of the scene that it lights.
 
 local core = require "ylm.c.core"
-local grid_object = require "ylm.grid.object"
 local warning = require "ylm.warning"
 
 local prints = {}
@@ -49,7 +48,7 @@ function prints.warn(grid, s, t, apart)
     if own[part] ~= there[part] and not (apart and apart[part]) then other[#other + 1] = part end
   end
   if #other == 0 then return nil end
-  local path = grid_object.path_of[grid]
+  local path = core.owned(grid, "path")
   return warning.say(grid, "prints " .. table.concat(other, " "), "%s was baked from other %s than scene %q has: the light is "
     .. "not the scene's; bake it anew, or give the scene it is of", path and "grid " .. path or "the grid", words(other),
     s.name or "?")

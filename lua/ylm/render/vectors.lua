@@ -82,7 +82,7 @@ end
 
 describe "view:matrices" {
   about = "The transfer matrices of a prepared view: from distant light to the light that arrives at each shading point, as "
-    .. "coefficients of incident radiance above its horizon, straight and by way of other surfaces. sh.transfer_apply applies "
+    .. "coefficients of incident radiance above its horizon, straight and by way of other surfaces. sh.apply applies "
     .. "them. At most 2 GiB; what they hold is in links too, in 4 bytes a link.",
   arguments = { { "options", "table", "transfer is needed" } },
   options = matrix_fields,
@@ -96,7 +96,7 @@ describe "view:matrices" {
 local view = scene:prepare { size = { 16, 9 }, samples = 1 }
 local M = view:matrices { transfer = scene:transfer { links = 16 }, lmax_in = 2, lmax_out = 3, rays = 64 }
 assert(M.shape[2] == 3 and M.shape[3] == 16 and M.shape[4] == 9)
-local incident = ylm.sh.transfer_apply(M, { 1, 0, 0, 0, 0, 0, 0, 0, 0 })
+local incident = ylm.sh.apply(M, { 1, 0, 0, 0, 0, 0, 0, 0, 0 })
 assert(incident.shape[2] == 3 and incident.shape[3] == 16)]],
   source = "Green 2003, \"transfer matrices\"; Sloan et al. 2002; Lehtinen & Kautz 2003",
 }

@@ -31,9 +31,12 @@ require "ylm.describe".object "view" {
   },
 }
 
---- Methods of the userdata "ylm.view"; what it was made of stands in `made`.
+--- Methods of the userdata "ylm.view"; what it was made of stands in its own table.
 local prepared = tracing.library() and core.metatable "ylm.view" or {}
-local made = setmetatable({}, { __mode = "k" })
+local made = setmetatable({}, {
+  __index = function(_, view) return core.owned(view, "made") end,
+  __newindex = function(_, view, m) core.own(view).made = m end,
+})
 views.methods, views.made = prepared, made
 
 prepared.__index = function(view, key)
@@ -43,7 +46,7 @@ prepared.__index = function(view, key)
 end
 
 prepared.__newindex = function(_, key)
-  return check.fail("prepared: cannot set %s: a prepared view does not change", check.describe(key))
+  return check.fail("view: cannot set %s: a prepared view does not change", check.describe(key))
 end
 
 prepared.__tostring = function(view)

@@ -9,7 +9,7 @@ local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local gltf = require "ylm.gltf"
 local gltf_write = require "ylm.gltf.write"
-local later = require "ylm.later"
+local library = require "ylm.library"
 local like = require "ylm.scene.like"
 local memory = require "ylm.memory"
 local polygon = require "ylm.light.polygon"
@@ -125,7 +125,7 @@ local function add_files(values, files)
   for _, entry in ipairs(files) do
     local first = #values.lights + 1
     for _, part in ipairs(entry.emitters or {}) do add_emitter(values.lights, part) end
-    for i = first, #values.lights do values.from_file[values.lights[i]] = true end
+    for i = first, #values.lights do core.between(values, values.lights[i]).from_file = true end
     for _, sentence in ipairs(entry.notes or {}) do note(sentence) end
   end
   values.notes = #notes > 0 and notes or nil
@@ -148,11 +148,11 @@ require "ylm.describe".object "scene" {
 
 -- Scenes that are like others -----------------------------------------------------
 
---- The lights of a list that geometry brought, or the others.
-local function lights_of(file, list, from_file)
+--- The lights of a list that geometry brought to the scene `values`, or the others.
+local function lights_of(values, file, list)
   local out = {}
   for _, light in ipairs(list) do
-    if (from_file[light] or false) == file then out[#out + 1] = light end
+    if (core.between(values, light).from_file or false) == file then out[#out + 1] = light end
   end
   return out
 end
@@ -160,15 +160,17 @@ end
 --- The lights of the scene `other` as `values` change them, with those that `values` add; or nil, message, code. Lights that
 -- geometry brought stay with that geometry.
 local function take_lights(values, other, fail)
-  local list, from_file = other.lights, values.from_file
-  for light in pairs(other.from_file) do from_file[light] = true end
+  local list = other.lights
+  for _, light in ipairs(core.partners(other)) do
+    core.between(values, light).from_file = core.between(other, light).from_file
+  end
   if values.moved or values.removed then
     local message, code
-    list, message, code = like.lights(list, values, ("%q"):format(other.name), from_file, fail)
+    list, message, code = like.lights(list, values, ("%q"):format(other.name), fail)
     if not list then return nil, message, code end
   end
-  if values.lights then list = { values.lights, lights_of(true, list, from_file) } end
-  if values.geometry then list = values.lights or lights_of(false, list, from_file) end
+  if values.lights then list = { values.lights, lights_of(values, true, list) } end
+  if values.geometry then list = values.lights or lights_of(values, false, list) end
   local added = { listed = {}, files = {} }
   flatten("lights", values.added or {}, added, "added", 0, fail)
   added.listed, added.files = nil, nil
@@ -203,7 +205,7 @@ local methods = {}
 for _, name in ipairs { "bake", "prepare", "render", "pathtrace", "probe" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
-function methods.live(...) return later.live(...) end
+function methods.live(...) return library.later["ylm.live"](...) end
 function methods.transfer(...) return require("ylm.transfer").of_scene(...) end
 function methods.virtual_lights(...) return require("ylm.emit").of_scene(...) end
 --- Of virtual_lights:visible: lua/ylm/emit.lua is loaded, and takes its place.
@@ -214,7 +216,7 @@ end
 
 describe "scene:save" {
   about = "Writes the scene as glTF 2.0: geometry, materials, lamps, cameras. Numbers that glTF lacks stand in extras.ylm, by "
-    .. "which ylm.load_gltf reads its own lamps, skies and materials exactly. Disks become polygons, textures their mean, phong "
+    .. "which ylm.load reads its own lamps, skies and materials exactly. Disks become polygons, textures their mean, phong "
     .. "its nearest ggx; images and virtual lights are left out. A line on the terminal (ylm.on_warning) names what is.",
   arguments = { { "path", "string", "ends in .glb, or .gltf" }, { "options?", "table", "" } },
   options = gltf_write.options,
@@ -256,7 +258,7 @@ local construct = form.define("scene", {
         .. "sphere_lights has a number" },
     { "removed", "table", optional = true, about = "with like: a list of numbers, as they are in the other scene" },
     { "added", "parts", optional = true, about = "with like: further lights, behind the others" },
-    { "probes", "object", of = { "adaptive_grid", "uniform_grid" }, optional = true,
+    { "probes", "object", of = core.choices "grid_form", optional = true,
       about = "the grid that bake fills" },
     { "transfer", "object", of = "transfer", optional = true,
       about = "how surfaces are cut where light bounces; in the scene it is transfer_options" },
@@ -265,7 +267,6 @@ local construct = form.define("scene", {
   },
   metatable = metatable,
   build = function(values, fail)
-    values.from_file = setmetatable({}, { __mode = "k" })
     local taken, message, code = take_after(values, fail)
     if not taken then return nil, message, code end
     local files
@@ -337,31 +338,15 @@ function scene.scene(name)
 end
 form.defined.scene.construct = scene.scene
 
-describe "load_scene" {
-  about = "Runs a scene file and returns its scene; of a glTF file (.gltf, .glb) the scene that it holds. The file may come from "
-    .. "a stranger: it sees numbers, tables, math and the constructors, and is bounded in instructions, memory and described "
-    .. "size.",
-  arguments = {
-    { "path", "string", "the file; other files are looked for in its folder only" },
-    { "limits?", "table", "instructions, memory (bytes), seconds, triangles, numbers, cells: see ylm help load_scene" },
-  },
-  options = sandbox.limits,
-  returns = { { "s", "scene", "or nil, message, 'EIO' | 'EFORMAT' | 'ELIMIT' | 'ENOMEM'" } },
-  errors = "nil, message, code for whatever is wrong with the file",
-  example = [[
-local s, message, code = ylm.load_scene "no such file.lua"
-assert(s == nil and code == "EIO", message)]],
-}
-function scene.load_scene(path, limits)
-  if type(path) ~= "string" or path == "" or path:find("%z") then
-    return check.bad(1, "load_scene", "the name of a file expected, got %s", check.describe(path))
-  end
-  limits = form.options(2, "load_scene", sandbox.limits, limits)
-  if not gltf.is_name(path) then return sandbox.run(path, limits, scene.scene) end
-  local model, message, code = gltf.within(path, limits)
+--- The scene of a scene file, for ylm.load. Or nil, message, code.
+function scene.of_file(path, limits) return sandbox.run(path, limits, scene.scene) end
+
+--- The scene of a glTF file, for ylm.load; its report says what the file holds. Or nil, message, code.
+function scene.of_gltf(path, options)
+  local model, message, code = gltf.load(path, options)
   if not model then return nil, message, code end
   local made = scene.scene(text.shown(path:match "[^/]*$"):sub(1, 200)) { like = model }
-  made.file = path
+  made.file, made.report = path, model.report
   return made
 end
 

@@ -37,7 +37,7 @@ function like.scene_of(other)
   if form.kind(other) == "scene" then return other end
   return { name = other.file:match "[^/]*$", camera = other.camera, cameras = other.cameras, geometry = other.geometry,
     lights = other.lights, notes = other.notes,
-    from_file = {}, sky_is_seen = not other.background, background = other.background }
+    sky_is_seen = not other.background, background = other.background }
 end
 
 -- Lights by number -------------------------------------------------------------------------
@@ -127,9 +127,9 @@ local function any(set, first, last)
   return false
 end
 
---- The list `lights` of the scene `name` after `values.moved` and `values.removed`; `from_file` is a set of lights that
--- geometry brought, which their successors join. Or nil, message, code.
-function like.lights(lights, values, name, from_file, fail)
+--- The list `lights` of the scene `name` after `values.moved` and `values.removed`; successors of lights that
+-- geometry brought are such lights. Or nil, message, code.
+function like.lights(lights, values, name, fail)
   local moved, total, out = values.moved or {}, 0, {}
   for _, light in ipairs(lights) do total = total + count_of(light) end
   local removed = numbers_of(values, total, name, fail)
@@ -144,7 +144,7 @@ function like.lights(lights, values, name, from_file, fail)
     end
     if new == nil then return nil, message, code end
     if new then out[#out + 1] = new end
-    if new and from_file[light] then from_file[new] = true end
+    if new then core.between(values, new).from_file = core.between(values, light).from_file end
     first = last + 1
   end
   return out

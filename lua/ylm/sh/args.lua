@@ -120,6 +120,6 @@ end
 
 args.progress = { "progress", "progress", optional = true }
 args.out = { "out", "array", optional = true, about = "the array to be written and returned" }
-args.dtype = { "dtype", "choice", of = { "float", "double" }, optional = true, about = "default: that of the argument" }
+args.dtype = { "dtype", "choice", of = core.choices "dtype", optional = true, about = "default: that of the argument" }
 
 return args

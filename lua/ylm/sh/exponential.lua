@@ -24,7 +24,7 @@ local function apply(name, c, limit, f, parameter, o)
 end
 
 local exp_options = {
-  { "method", "choice", of = { "PS", "OL", "HYB" }, default = "PS",
+  { "method", "choice", of = core.choices "sh_exp", default = "PS",
     about = "'PS': the series of exp; 'OL': a line of the function, the same for all that have as large coefficients, right for "
       .. "circles; 'HYB': the line of a part, squared until it is the whole. lmax of OL and HYB is at most 20" },
   { "terms", "integer", min = 1, max = core.limits.sh_exp_terms, optional = true,

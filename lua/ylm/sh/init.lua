@@ -15,7 +15,7 @@ local parts = {
   { "ylm.sh.eval", "eval", "reconstruct" },
   { "ylm.sh.rotate", "rotate", "rotation" },
   { "ylm.sh.convert", "convert", "resize" },
-  { "ylm.sh.product", "product", "product_method", "transfer", "transfer_apply" },
+  { "ylm.sh.product", "product", "product_method", "product_matrix", "apply" },
   { "ylm.sh.exponential", "exp", "log", "circle_log" },
   { "ylm.sh.project", "project" },
   { "ylm.sh.zonal", "zonal", "convolve", "cap", "irradiance", "zonal_irradiance" },

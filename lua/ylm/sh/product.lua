@@ -1,4 +1,4 @@
---- ylm.sh.product and ylm.sh.transfer.
+--- ylm.sh.product, ylm.sh.product_matrix and ylm.sh.apply.
 
 local args = require "ylm.sh.args"
 local check = require "ylm.check"
@@ -184,39 +184,39 @@ function product.product_method(lmax, factors, method)
   return used, integrals
 end
 
-local transfer_options = { { "dtype", "choice", of = { "float", "double" }, default = "double",
+local matrix_options = { { "dtype", "choice", of = core.choices "dtype", default = "double",
   about = "of the matrix" } }
 
-describe "sh.transfer" {
+describe "sh.product_matrix" {
   about = "The matrix that multiplies coefficients by a function: M a are the coefficients of the product, M_ij = the "
-    .. "integral of b Y_i Y_j. A shadow, a mask; apply it with sh.transfer_apply.",
+    .. "integral of b Y_i Y_j. A shadow, a mask; apply it with sh.apply.",
   arguments = {
     { "b", "array|table", "[(blmax+1)^2], the function; degrees above 2 lmax have no effect" },
     { "lmax", "integer", "of the vectors that it multiplies, from 0 to 50" },
     { "options?", "table", "see the options" },
   },
-  options = transfer_options,
+  options = matrix_options,
   returns = { { "M", "array", "[(lmax+1)^2][(lmax+1)^2], symmetric" } },
   errors = "raises where b is no single vector or lmax is out of range",
   example = [[
-local M = ylm.sh.transfer({ math.sqrt(4 * math.pi) }, 1)   -- multiplies by 1
+local M = ylm.sh.product_matrix({ math.sqrt(4 * math.pi) }, 1)   -- multiplies by 1
 assert(math.abs(M:get(2, 2) - 1) < 1e-15 and math.abs(M:get(1, 2)) < 1e-15)]],
   source = "Green 2003, Eqs. 8, 9",
 }
-function product.transfer(b, lmax, options)
-  options = form.options(3, "transfer", transfer_options, options)
-  local c, clmax, _, _, rows, convention = args.coefficients(1, "transfer", b)
-  if rows ~= 1 then return check.bad(1, "transfer", "one vector of coefficients expected, got %d", rows) end
-  check.integer(2, "transfer", "lmax", lmax, 0, core.limits.sh_product_lmax / 2)
+function product.product_matrix(b, lmax, options)
+  options = form.options(3, "product_matrix", matrix_options, options)
+  local c, clmax, _, _, rows, convention = args.coefficients(1, "product_matrix", b)
+  if rows ~= 1 then return check.bad(1, "product_matrix", "one vector of coefficients expected, got %d", rows) end
+  check.integer(2, "product_matrix", "lmax", lmax, 0, core.limits.sh_product_lmax / 2)
   local n = (lmax + 1) * (lmax + 1)
-  local M, message, code = args.result("transfer", nil, { n, n }, "double", convention)
+  local M, message, code = args.result("product_matrix", nil, { n, n }, "double", convention)
   if not M then return nil, message, code end
   local ok
-  ok, message, code = core.sh_transfer(args.as(c, "double"), clmax, lmax, M)
-  if not ok then return check.result("transfer", nil, message, code) end
+  ok, message, code = core.sh_product_matrix(args.as(c, "double"), clmax, lmax, M)
+  if not ok then return check.result("product_matrix", nil, message, code) end
   local result = args.as(M, options.dtype)
   core.array_set_convention(result, 0) -- a matrix, no coefficients
-  return args.held("transfer", result)
+  return args.held("product_matrix", result)
 end
 
 local apply_options = { form.threads, args.out, args.progress }
@@ -242,8 +242,8 @@ end
 
 local fits = "[a][b] with c [..][b], [n][a][b] with c [b], [n][b] or [n][k][b], [n][k][a][b] with c [b], [k][b] or [n][k][b]"
 
-describe "sh.transfer_apply" {
-  about = "Applies a transfer matrix (from sh.transfer) to vectors of coefficients, or a matrix of its own to each of n of them "
+describe "sh.apply" {
+  about = "Applies a matrix of a product (from sh.product_matrix) to vectors of coefficients, or one of its own to each of n "
     .. "(from view:matrices). The matrices may be " .. fits .. ".",
   arguments = {
     { "M", "array", "[a][b], [n][a][b] or [n][k][a][b]; b as many as coefficients of c" },
@@ -254,33 +254,33 @@ describe "sh.transfer_apply" {
   returns = { { "c", "array", "of the shape of c with a for b, [n][a], or [n][k][a]" } },
   errors = "raises where the sizes do not fit",
   example = [[
-local M = ylm.sh.transfer({ 1, 0.5, 0, 0.2 }, 2)
+local M = ylm.sh.product_matrix({ 1, 0.5, 0, 0.2 }, 2)
 local a = { 1, 2, 3, 4, 5, 6, 7, 8, 9 }
 local b = ylm.sh.resize({ 1, 0.5, 0, 0.2 }, 2)
-assert(math.abs(ylm.sh.transfer_apply(M, a)[5] - ylm.sh.product(a, b)[5]) < 1e-14)]],
+assert(math.abs(ylm.sh.apply(M, a)[5] - ylm.sh.product(a, b)[5]) < 1e-14)]],
   source = "Green 2003, Eq. 9",
 }
-function product.transfer_apply(M, c, options)
-  options = form.options(3, "transfer_apply", apply_options, options)
-  local a, _, shape, dtype, _, convention = args.coefficients(2, "transfer_apply", c)
+function product.apply(M, c, options)
+  options = form.options(3, "apply", apply_options, options)
+  local a, _, shape, dtype, _, convention = args.coefficients(2, "apply", c)
   local size = core.type(M) == "ylm.array" and M.shape or {}
   local period, result = meeting(size, shape)
   if not period then
     local stack = #size > 2 and (", or a stack of them that fits c of %s (%s)"):format(table.concat(shape, "x"), fits) or ""
-    return check.bad(1, "transfer_apply", "a matrix of %dx%d expected%s, got %s", shape[#shape], shape[#shape], stack,
+    return check.bad(1, "apply", "a matrix of %dx%d expected%s, got %s", shape[#shape], shape[#shape], stack,
       check.describe(M))
   end
   M = args.as(M, dtype)
-  local out, message, code = args.result("transfer_apply", options.out, result, dtype, convention, { a, M })
+  local out, message, code = args.result("apply", options.out, result, dtype, convention, { a, M })
   if not out then return nil, message, code end
   local ok
   if #size == 2 and core.sh_symmetric(M) then
-    ok, message, code = core.sh_transfer_apply(M, a, out, options.threads, progress.of(options.progress))
+    ok, message, code = core.sh_apply(M, a, out, options.threads, progress.of(options.progress))
   else
     ok, message, code = core.sh_matrices_apply(M, a, out, period, options.threads, progress.of(options.progress))
   end
-  if not ok then return check.result("transfer_apply", nil, message, code) end
-  return args.held("transfer_apply", out)
+  if not ok then return check.result("apply", nil, message, code) end
+  return args.held("apply", out)
 end
 
 return product

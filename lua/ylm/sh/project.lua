@@ -18,10 +18,10 @@ local project_options = {
     about = "about how many evaluations; default: 2 (4 lmax + 16)^2, or 10000 for montecarlo. A quadrature takes 2 n^2 "
       .. "with an even n of 4 or more, so that no node lies on a coordinate plane, where a function may have a horizon" },
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of montecarlo" },
-  { "mapping", "choice", of = { "latlong", "angular", "cube" }, default = "latlong", about = "of an image" },
-  { "up", "choice", of = { "z", "y" }, default = "z", about = "of an image: where its pole is" },
+  { "mapping", "choice", of = core.choices "mapping", default = "latlong", about = "of an image" },
+  { "up", "choice", of = core.choices "up", default = "z", about = "of an image: where its pole is" },
   { "layer", "string", optional = true, about = "of an image; default: the first" },
-  { "dtype", "choice", of = { "float", "double" }, default = "double", about = "of the result" },
+  { "dtype", "choice", of = core.choices "dtype", default = "double", about = "of the result" },
   form.threads, args.out, args.progress,
 }
 

@@ -78,7 +78,7 @@ local function matrix_of(n, name, value)
 end
 
 local rotation_options = {
-  { "dtype", "choice", of = { "float", "double" }, default = "double", about = "of the arrays it will be applied to" },
+  { "dtype", "choice", of = core.choices "dtype", default = "double", about = "of the arrays it will be applied to" },
 }
 
 describe "sh.rotation" {
@@ -107,22 +107,22 @@ function rotate.rotation(lmax, r, options)
   local object
   object, message, code = check.result("rotation", core.sh_rotation(p, matrix, lmax, options.dtype))
   if not object then return nil, message, code end
-  rotate.about[object] = { lmax = lmax, dtype = options.dtype,
+  core.own(object).about = { lmax = lmax, dtype = options.dtype,
     matrix = { { matrix[1], matrix[2], matrix[3] }, { matrix[4], matrix[5], matrix[6] },
       { matrix[7], matrix[8], matrix[9] } } }
   return object
 end
 
 --- The arguments that a rotation object was made from.
-rotate.about = setmetatable({}, { __mode = "k" })
+local function about_of(r) return core.owned(r, "about") end
 
 methods.__index = function(r, key)
-  local about = rotate.about[r]
+  local about = about_of(r)
   return about and about[key] or rawget(methods, key)
 end
 
 methods.__tostring = function(r)
-  local about = rotate.about[r]
+  local about = about_of(r)
   return ("ylm.sh_rotation lmax %d %s"):format(about.lmax, about.dtype)
 end
 
@@ -139,7 +139,7 @@ function methods.block(r, l)
   if core.type(r) ~= "ylm.sh_rotation" then
     return check.fail("block: a rotation expected before the colon, got %s", check.describe(r))
   end
-  check.integer(1, "block", "l", l, 0, rotate.about[r].lmax)
+  check.integer(1, "block", "l", l, 0, about_of(r).lmax)
   local out = assert(core.array_zeros({ 2 * l + 1, 2 * l + 1 }, "double"))
   assert(core.sh_rotation_block(r, l, out))
   return out
@@ -228,7 +228,7 @@ function rotate.rotate(c, rotation, options)
   local frames = are_frames(rotation) and frames_of(rotation, shape, lmax, dtype)
   local matrix, p, out, message, code
   if object then
-    local about = rotate.about[object]
+    local about = about_of(object)
     if about.lmax < lmax then
       return check.bad(2, "rotate", "rotation up to lmax %d, coefficients up to %d", about.lmax, lmax)
     end
@@ -242,7 +242,7 @@ function rotate.rotate(c, rotation, options)
     return check.fail "rotate: method 'reference' takes one rotation"
   elseif options.method == "reference" then
     if options.out then return check.fail("rotate: method 'reference' makes a new array, it takes no out") end
-    if object then matrix = numbers(rotate.about[object].matrix, 9) end
+    if object then matrix = numbers(about_of(object).matrix, 9) end
     local result = core.array_reshape(by_reference(matrix, lmax, a, dtype, rows), shape)
     core.array_set_convention(result, convention)
     return args.held("rotate", result, small)

@@ -16,7 +16,7 @@ local pi = math.pi
 
 --- The fields that describe a sky.
 local fields = {
-  { "kind", "choice", of = { "overcast", "clear", "partly cloudy" }, default = "overcast", about = "CIE standard sky" },
+  { "kind", "choice", of = core.choices "cie_sky", default = "overcast", about = "CIE standard sky" },
   { "zenith", "vector", default = { 0, 0, 1 }, about = "up" },
   { "sun", "vector", optional = true,
     about = "towards the sun; 'clear' and 'partly cloudy' need it, above the horizon" },

@@ -173,7 +173,7 @@ local random_options = {
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1 },
   { "low", "number", default = -1, about = "the least number" },
   { "high", "number", default = 1, about = "what numbers stay below" },
-  { "dtype", "choice", of = { "float", "double" }, default = "double" },
+  { "dtype", "choice", of = core.choices "dtype", default = "double" },
 }
 
 describe "sh.random" {

@@ -44,7 +44,7 @@ local options = {
     about = "of rays = 'auto' and of shadow rays; default: that of the bake that asks, 0.03 where there is none" },
   { "contrast", "number", min = 0, default = 0.2,
     about = "cells are split where the light of neighbours differs by more than this part of the mean" },
-  { "derivatives", "choice", of = { "cells", "points" }, default = "points",
+  { "derivatives", "choice", of = core.choices "gather_derivatives", default = "points",
     about = "gradients by the borders of cells, which move with the nearer surface, or by hit points that stay, less the mean "
       .. "light; Hessians are by cells (docs/bouncing.md compares them)" },
   { "remember", "boolean", default = false,
@@ -74,10 +74,9 @@ local function create(name, lit, of, o, base, rays, tolerance)
     spacing = 0, parts = PARTS[o.parts], derivatives = o.derivatives, tolerance = tolerance, remember = o.remember,
     within = is_within(of), surfaces = o.refine_surfaces, seed = o.seed, lamps = of.lit_by and of.lit_by.handle }))
   if not handle then return nil, message, code end
-  objects.gathers[handle] = { radiosity = lit, of = of, scene = of.scene, lib = of.lib, parts = o.parts, rays = rays,
+  core.own(handle).made = { radiosity = lit, of = of, scene = of.scene, lib = of.lib, parts = o.parts, rays = rays,
     base = base, options = o, lamps = of.lit_by, chosen = {} }
-  of.fields = of.fields or setmetatable({}, { __mode = "k" })
-  of.fields[handle] = true
+  core.between(lit, handle).is_field = true
   return handle
 end
 
@@ -128,15 +127,14 @@ local function choose(name, m, places, lmax, tolerance, o)
     local field, message, code = create(name, m.radiosity, m.of, m.options, base, PER_CELL * base ^ 2, tolerance)
     if not field then return nil, message, code end
     local noise
-    noise, message, code = noise_at(name, field, objects.gathers[field], places, lmax, o.threads, show)
+    noise, message, code = noise_at(name, field, objects.made(field), places, lmax, o.threads, show)
     if not noise then return nil, message, code end
     if noise < tolerance / 3 or i == #BASES then
       refuse(name, base, noise, tolerance)
-      objects.gathers[field].noise = noise
+      objects.made(field).noise = noise
       return field
     end
-    m.lib.gather_close(field)
-    objects.gathers[field].closed = true
+    objects.close(field, m.lib.gather_close)
   end
 end
 
@@ -191,7 +189,7 @@ function objects.radiosity.field(lit, given)
   if not field then return nil, message, code end
   if o.rays ~= "auto" or not o.tolerance then return field end
   local places = places_in(nil, { of.of.traced.lo, of.of.traced.hi }, o.seed)
-  return choose("field", objects.gathers[field], places, 4, o.tolerance, {})
+  return choose("field", objects.made(field), places, 4, o.tolerance, {})
 end
 
 --- Bakes of a radiosity ask its default field.
@@ -206,9 +204,9 @@ function objects.radiosity.__for_bake(lit, request)
 end
 
 --- Direct light of all fields of a radiosity, after its lights have changed: true, or nil, message, code.
-function objects.relit(of)
-  for field in pairs(of.fields or {}) do
-    local m = objects.gathers[field]
+function objects.relit(lit, of)
+  for _, field in ipairs(core.partners(lit)) do
+    local m = objects.made(field)
     if of.lit_by and not m.closed and m.lamps ~= of.lit_by then
       local ok, message, code = check.result("update", m.lib.gather_lamps(field, of.lit_by.handle))
       if not ok then return nil, message, code end
@@ -272,15 +270,13 @@ function methods.close(field)
   if core.type(field) ~= "ylm.gather" then
     return check.fail("close: a gathered field expected before the colon, got %s", check.describe(field))
   end
-  local m = objects.gathers[field]
-  check.result("close", m.lib.gather_close(field))
-  m.closed = true
+  objects.close(field, objects.made(field).lib.gather_close)
 end
 
 --- field.stats is counted anew each time that it is read.
 local index = methods.__index
 function methods.__index(field, key)
-  local m = objects.gathers[field]
+  local m = objects.made(field)
   if key == "stats" and m and not m.closed then
     local stats = m.lib.gather_stats(field)
     stats.noise = m.noise

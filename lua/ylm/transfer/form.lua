@@ -22,7 +22,7 @@ cut.fields = {
   { "links", "links", default = 128, about = "rays of an element: 4 bytes each" },
   { "lmax", "integer", min = 0, max = MOST_LMAX, default = 4,
     about = "highest degree of the elements' transfer vectors: what direct = 'field' and distant light are weighed with" },
-  { "sides", "choice", of = { "auto", "both", "front", "back" }, default = "auto",
+  { "sides", "choice", of = core.choices "sides", default = "auto",
     about = "which sides of triangles reflect: 'auto' is both of an open mesh, and of a closed one those that a lamp or the "
       .. "camera "
       .. "can see; geometry has an option of this name too" },

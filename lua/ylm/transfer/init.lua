@@ -88,7 +88,7 @@ end
 
 --- A transfer of `handle`; what it was made of is remembered.
 local function remember(s, traced, handle)
-  objects.transfers[handle] = { scene = s, traced = traced, lib = traced.lib, stats = traced.lib.transfer_stats(handle),
+  core.own(handle).made = { scene = s, traced = traced, lib = traced.lib, stats = traced.lib.transfer_stats(handle),
     notes = notes_of(s, traced) }
   return handle
 end
@@ -195,9 +195,7 @@ function methods.close(t)
   if core.type(t) ~= "ylm.transfer" then
     return check.fail("close: a transfer expected before the colon, got %s", check.describe(t))
   end
-  local m = objects.transfers[t]
-  check.result("close", m.lib.transfer_close(t))
-  m.closed = true
+  objects.close(t, objects.made(t).lib.transfer_close)
 end
 
 require "ylm.transfer.radiosity"

@@ -9,12 +9,22 @@ local objects = {}
 
 local lib = tracing.library()
 
---- { methods, made } of the userdata "ylm.NAME"; `fields` can be read from it, `text` is what it prints as.
+--- The record of all that such an object was made of.
+function objects.made(object) return core.owned(object, "made") end
+
+--- Closes an object by `close`; what it was made of can be read as before.
+function objects.close(object, close)
+  local m = objects.made(object)
+  check.result("close", close(object))
+  m.closed, core.own(object).made = true, m
+end
+
+--- The methods of the userdata "ylm.NAME"; `fields` can be read from it, `text` is what it prints as.
 local function kind(name, fields, text)
-  local methods, made, readable = lib and core.metatable("ylm." .. name) or {}, setmetatable({}, { __mode = "k" }), {}
+  local methods, readable = lib and core.metatable("ylm." .. name) or {}, {}
   for _, field in ipairs(fields) do readable[field] = true end
   methods.__index = function(object, key)
-    local m = made[object]
+    local m = objects.made(object)
     if m and readable[key] then return key == "stats" and show.report(m[key]) or m[key] end
     return rawget(methods, key)
   end
@@ -22,37 +32,37 @@ local function kind(name, fields, text)
     return check.fail("%s: cannot set %s: a %s does not change so", name, check.describe(key), name)
   end
   methods.__tostring = function(object)
-    local m = made[object]
+    local m = objects.made(object)
     if not m or m.closed then return ("ylm.%s (closed)"):format(name) end
     return ("ylm.%s of %q: %s"):format(name, m.scene.name or "?", text(m))
   end
-  return methods, made
+  return methods
 end
 
-objects.transfer, objects.transfers = kind("transfer", { "stats", "scene", "notes" }, function(m)
+objects.transfer = kind("transfer", { "stats", "scene", "notes" }, function(m)
   return ("%d elements, %d links of each"):format(m.stats.elements, m.stats.links)
 end)
 
-objects.radiosity, objects.radiosities = kind("radiosity", { "stats", "scene", "transfer", "notes" }, function(m)
+objects.radiosity = kind("radiosity", { "stats", "scene", "transfer", "notes" }, function(m)
   return ("%d elements, %d bounces"):format(m.elements, m.stats.bounces)
 end)
 
-objects.gather, objects.gathers = kind("gather", { "stats", "scene", "radiosity", "rays" }, function(m)
+objects.gather = kind("gather", { "stats", "scene", "radiosity", "rays" }, function(m)
   return ("%s light, %s rays"):format(m.parts, m.rays == "auto" and m.rays or ("%.0f"):format(m.rays))
 end)
 
---- All about the object before the colon: `made` of its kind, and `handle`.
-local function opened(name, object, kinds, type_name, article)
+--- All about the object before the colon.
+local function opened(name, object, type_name, article)
   if core.type(object) ~= type_name then
     return check.fail("%s: %s expected before the colon, got %s", name, article, check.describe(object))
   end
-  local m = kinds[object]
+  local m = objects.made(object)
   if not m or m.closed then return check.fail("%s: %s has been closed", name, article:gsub("^an? ", "the ")) end
   return m
 end
 
 function objects.open_transfer(name, t)
-  return opened(name, t, objects.transfers, "ylm.transfer", "a transfer")
+  return opened(name, t, "ylm.transfer", "a transfer")
 end
 
 --- Raises where the option `transfer` of function `name` is closed, or of another scene than `scene`.
@@ -64,11 +74,11 @@ function objects.check_scene(name, t, scene)
 end
 
 function objects.open_radiosity(name, lit)
-  return opened(name, lit, objects.radiosities, "ylm.radiosity", "a radiosity")
+  return opened(name, lit, "ylm.radiosity", "a radiosity")
 end
 
 function objects.open_gather(name, field)
-  return opened(name, field, objects.gathers, "ylm.gather", "a gathered field")
+  return opened(name, field, "ylm.gather", "a gathered field")
 end
 
 --- Do two traced scenes hold the same meshes?

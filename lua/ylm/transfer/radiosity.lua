@@ -173,7 +173,7 @@ function objects.transfer.radiosity(t, lights, given)
   local done
   done, message, code = light_up("radiosity", lit, m, lights, o)
   if not done then return nil, message, code end
-  objects.radiosities[lit] = m
+  core.own(lit).made = m
   local change
   change, message, code = check.result("radiosity", of.lib.radiosity_coarse(lit, count_of(o.bounces), o.residual, o.closure,
     o.threads or 0))
@@ -196,7 +196,7 @@ function objects.coarse(lit)
   local copy = {}
   for key, value in pairs(m) do copy[key] = value end
   copy.closed = nil
-  objects.radiosities[out] = copy
+  core.own(out).made = copy
   return out
 end
 
@@ -213,7 +213,7 @@ assert(lit.stats.bounces > 0)]],
 function methods.update(lit, lights)
   local m = objects.open_radiosity("update", lit)
   local done, message, code = light_up("update", lit, m, lights, m.options)
-  if done then done, message, code = objects.relit(m) end
+  if done then done, message, code = objects.relit(lit, m) end
   if not done then return nil, message, code end
   return lit
 end
@@ -286,7 +286,7 @@ local map_options = {
   { "size", "texels", default = { 256, 256 }, unit = "texels", about = "{ width, height }" },
   { "part", "choice", of = { "all", "direct", "indirect" }, default = "all", about = "direct light, what surfaces send, or "
     .. "both" },
-  { "side", "choice", of = { "front", "back" }, optional = true, about = "default: the one that has elements, else the front" },
+  { "side", "choice", of = core.choices "side", optional = true, about = "default: the one that has elements, else the front" },
   { "links", "links", default = 128, about = "rays of each texel, by which elements light it" },
   { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = 32, about = "shadow rays of each texel" },
   { "gutter", "integer", min = 0, max = 64, default = 2,
@@ -358,9 +358,7 @@ function methods.close(lit)
   if core.type(lit) ~= "ylm.radiosity" then
     return check.fail("close: a radiosity expected before the colon, got %s", check.describe(lit))
   end
-  local m = objects.radiosities[lit]
-  check.result("close", m.lib.radiosity_close(lit))
-  m.closed = true
+  objects.close(lit, objects.made(lit).lib.radiosity_close)
 end
 
 memory.publish(methods)

@@ -21,9 +21,6 @@ reference.object "gpu_array" {
   },
 }
 
---- Array in the device's memory -> seconds that its upload took.
-local upload_seconds = setmetatable({}, { __mode = "k" })
-
 local bound = binding.bound
 
 --- An array in the device's memory; argument `n` of `name` is the array to copy.
@@ -32,7 +29,7 @@ function arrays.upload(gpu, n, name, values)
   elseif not select(4, core.array_info(values)) then return check.bad(n, name, "the array has been closed") end
   local copy, seconds, code = check.result(name, bound().gpu_upload(gpu, values))
   if not copy then return nil, seconds, code end
-  upload_seconds[copy] = seconds
+  core.own(copy).seconds = seconds
   return copy
 end
 
@@ -92,7 +89,7 @@ function methods.__index(a, key)
   local shape, dtype = bound().gpu_array_info(a)
   if key == "shape" then return shape end
   if key == "dtype" then return dtype end
-  if key == "seconds" then return upload_seconds[a] end
+  if key == "seconds" then return core.owned(a, "seconds") end
 end
 
 function methods.__newindex(_, key)

@@ -5,7 +5,6 @@ local binding = require "ylm.vulkan.binding"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
-local devices = require "ylm.device"
 local outputs = require "ylm.outputs"
 local progress = require "ylm.progress"
 local reference = require "ylm.describe"
@@ -23,9 +22,6 @@ reference.object "gpu_grid" {
   },
 }
 
---- Copy -> seconds that it took.
-local seconds_of = setmetatable({}, { __mode = "k" })
-
 local bound = binding.bound
 
 
@@ -33,23 +29,22 @@ local bound = binding.bound
 function vulkan_grid.copy_of(name, grid, gpu)
   local c, message, code = binding.use(name, gpu)
   if not c then return nil, message, code end
-  local by_gpu = devices.copies(grid)
-  local copy = by_gpu[gpu]
+  local both = core.between(grid, gpu)
+  local copy = both.copy
   if copy and c.gpu_grid_info(copy) then return copy end
   local seconds
   copy, seconds, code = check.result(name, c.gpu_grid_create(gpu, grid))
   if not copy then return nil, seconds, code end
-  by_gpu[gpu] = copy
-  seconds_of[copy] = seconds
+  both.copy, core.own(copy).seconds = copy, seconds
   return copy
 end
 
 --- grid:to(gpu).
 function vulkan_grid.to(grid, gpu)
-  local by_gpu = devices.copies(grid)
-  local old = by_gpu[gpu]
+  local both = core.between(grid, gpu)
+  local old = both.copy
   if old and not bound().gpu_grid_current(old, grid) then
-    by_gpu[gpu] = nil
+    both.copy = nil
     bound().gpu_grid_close(old)
   end
   return vulkan_grid.copy_of("to", grid, gpu)
@@ -57,8 +52,7 @@ end
 
 --- Keeps the copy that a bake on the device has left there.
 function vulkan_grid.keep(grid, gpu, copy)
-  devices.copies(grid)[gpu] = copy
-  seconds_of[copy] = 0
+  core.between(grid, gpu).copy, core.own(copy).seconds = copy, 0
 end
 
 --- Points [n][3] for argument `n` of `name`, which calls them `what`, in a device's memory or the host's, and whether
@@ -143,7 +137,7 @@ function methods.__index(copy, key)
   local method = methods[key]
   if method then return method end
   if key == "bytes" then return bound().gpu_grid_info(copy) end
-  if key == "seconds" then return seconds_of[copy] end
+  if key == "seconds" then return core.owned(copy, "seconds") end
 end
 
 function methods.__newindex(_, key)

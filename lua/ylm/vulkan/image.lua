@@ -12,31 +12,31 @@ local vulkan_image = {}
 
 local bound = binding.bound
 
---- View -> gpu -> what of it is on that device: position, transfer, material, and picture, radiance where it filters.
-local copies = setmetatable({}, { __mode = "k" })
+-- A view and a device have in common `copies`: position, transfer, material, and picture, radiance where the device filters;
+-- and `positions` on that device: bakes ask for these alone.
 
---- View -> gpu -> positions on that device: bakes ask for these alone.
-local positions = setmetatable({}, { __mode = "k" })
+local FAR = "device: it rounds positions to float, and the scene lies far from the origin: leave device out, or move it near 0"
 
---- The copies of a view in `by_view`, by device.
-local function by_device(by_view, view)
-  if not by_view[view] then by_view[view] = setmetatable({}, { __mode = "k" }) end
-  return by_view[view]
+--- The points of the view p on the host; or nil, message, code: where the device would round them.
+local function places(name, p)
+  local here, message, code = check.result(name, p.lib.shade_positions(p.view))
+  if here and here.dtype ~= "float" then return check.result(name, nil, FAR, "ERANGE") end
+  return here, message, code
 end
 
 --- The points of the view p on a device, copied once; where there is no room for them the host's array. Or nil, message, code.
 function vulkan_image.positions(gpu, name, p)
   local c, message, code = binding.use(name, gpu)
   if not c then return nil, message, code end
-  local by_gpu = by_device(positions, p.view)
-  if by_gpu[gpu] then return by_gpu[gpu] end
+  local both = core.between(p.view, gpu)
+  if both.positions then return both.positions end
   local here, there
-  here, message, code = check.result(name, p.lib.shade_positions(p.view))
+  here, message, code = places(name, p)
   if not here then return nil, message, code end
   there, message, code = memory.attempt(c.gpu_upload, gpu, here)
   if not there and (code == "ENOMEM" or code == "ELIMIT") then return here end
   if not there then return check.result(name, nil, message, code) end
-  by_gpu[gpu] = there
+  both.positions = there
   return there
 end
 
@@ -71,9 +71,9 @@ local function pixels_on(gpu, p)
 end
 
 --- The points of a view as arrays of the host's: position, transfer, material; or nil, message, code.
-local function points_of(p)
+local function points_of(name, p)
   local position, transfer, material, message, code
-  position, message, code = p.lib.shade_positions(p.view)
+  position, message, code = places(name, p)
   if not position then return nil, message, code end
   transfer, message, code = p.lib.shade_transfer(p.view)
   if not transfer then return nil, message, code end
@@ -85,9 +85,9 @@ end
 --- The copies of a view on a device. Without room for its points they stay the host's, and are copied in each call;
 -- without room for its pixels the host filters, and message and code say why.
 local function view_on(name, gpu, p)
-  local by_gpu = by_device(copies, p.view)
-  if by_gpu[gpu] then return by_gpu[gpu] end
-  local arrays, message, code = check.result(name, points_of(p))
+  local both = core.between(p.view, gpu)
+  if both.copies then return both.copies end
+  local arrays, message, code = check.result(name, points_of(name, p))
   if not arrays then return nil, message, code end
   local position, there, pixels
   position, message, code = vulkan_image.positions(gpu, name, p)
@@ -103,7 +103,7 @@ local function view_on(name, gpu, p)
   there = there or arrays
   if pixels then there.picture, there.radiance = pixels.picture, pixels.radiance
   else there.message, there.code = message, code end
-  by_gpu[gpu] = there
+  both.copies = there
   return there
 end
 

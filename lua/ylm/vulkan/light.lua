@@ -34,11 +34,8 @@ local function lights_of(n, name, packed)
   return check.bad(n, name, NO_OTHERS .. (light.other(packed) == "virtual lights" and ", and here are virtual lights" or ""))
 end
 
---- Lights on a device -> the gpu.
-local gpu_of = setmetatable({}, { __mode = "k" })
-
 --- The gpu of lights that are on one.
-function vulkan_light.gpu_of(lights) return gpu_of[lights] end
+function vulkan_light.gpu_of(lights) return core.owned(lights, "gpu") end
 
 --- Lights -> the object on the device.
 local function create(name, gpu, packed, method)
@@ -47,12 +44,12 @@ local function create(name, gpu, packed, method)
   local lights
   lights, message, code = check.result(name, c.gpu_lights_create(gpu, packed, method))
   if not lights then return nil, message, code end
-  gpu_of[lights] = gpu
+  core.own(lights).gpu = gpu
   return lights
 end
 
 local lights_options = {
-  { "method", "choice", of = { "merged", "forward", "reversed" }, default = "merged",
+  { "method", "choice", of = core.choices "sums", default = "merged",
     about = "merged moments, or the product rule for each light (lmax <= 8, for comparison): all orders m at once, or "
       .. "one after the other; exact flat lights are only summed with merged" },
 }

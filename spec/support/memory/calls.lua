@@ -172,10 +172,10 @@ for _, method in ipairs { "gaunt", "fourier", "quadrature", "recursive" } do
   calls["sh.product " .. method] = on(function() return { coefficients(2, 2), coefficients(2, 2), coefficients(2, 2) } end,
     function(c) return ylm.sh.product(c[1], c[2], c[3], { method = method }) end)
 end
-calls["sh.transfer"] = on(function() return { coefficients(1, 2)[1], coefficients(2, 2) } end, function(c)
-  local M, message, code = ylm.sh.transfer(c[1], 2)
+calls["sh.product_matrix"] = on(function() return { coefficients(1, 2)[1], coefficients(2, 2) } end, function(c)
+  local M, message, code = ylm.sh.product_matrix(c[1], 2)
   if not M then return nil, message, code end
-  return ylm.sh.transfer_apply(M, c[2])
+  return ylm.sh.apply(M, c[2])
 end)
 calls["sh.product rule"] = on(function() return { coefficients(2, 2), coefficients(2, 2) } end,
   function(c) return ylm.sh.product(c[1], c[2], { rule = 3 }) end)
@@ -247,7 +247,7 @@ calls["bake by a threshold"] = on(few, function(l)
   return ylm.bake(adaptive { threshold = 0.5, continuous = false }, l, { occupied = points(50) })
 end)
 calls["bake with a tree"] = on(function() return { few(), lamps(200) } end, function(l)
-  return ylm.bake(adaptive { threshold = 0.5 }, l, { occupied = points(50), light_tolerance = 0.01 })
+  return ylm.bake(adaptive { threshold = 0.5 }, l, { occupied = points(50), sums_tolerance = 0.01 })
 end)
 calls["bake dynamic"] = on(function() return { few(), triangle() } end, function(l)
   return ylm.bake(adaptive { tolerance = 0.05, dynamic = true }, l, { occupied = points(50) })
@@ -268,7 +268,7 @@ calls["bake of a grid"] = on(grid, function(g) return ylm.bake(uniform { metric_
 calls["grid:sample"] = on(grid, function(g) return g:sample(points(9), { derivatives = 1 }) end)
 calls["bake in bricks, grid_set:sample"] = on(function(keep) return few(), keep "g.ylmd" end, function(light, folder)
   local description = adaptive { threshold = 1, depth = 3, bricks = 1, lmax = 1 }
-  local g, message, code = ylm.bake(description, light, { to = folder, threads = 1 })
+  local g, message, code = ylm.bake(description, light, { folder = folder, threads = 1 })
   local c
   if g then c, message, code = g:sample(points(9), { derivatives = 1 }) end
   os.execute("rm -r " .. folder)
@@ -420,21 +420,21 @@ local function write_gltf(path)
   file:close()
 end
 
-if select(3, ylm.load_gltf "/nonexistent.glb") ~= "EMISSING" then
-  calls["load_gltf"] = function(keep)
+if select(3, ylm.gltf { file = "/nonexistent.glb" }) ~= "EMISSING" then
+  calls["load of glTF"] = function(keep)
     write_gltf(keep "m.gltf")
     keep "m.gltf.png"
     return function()
-      local m, message, code = ylm.load_gltf(keep "m.gltf")
+      local m, message, code = ylm.load(keep "m.gltf")
       assert(m == nil or #m.report.notes > 0 and #m.lights == 3 or code == "ENOMEM", message)
       return m, message, code
     end
   end
-  calls["load_gltf in groups"] = function(keep)
+  calls["load of glTF in groups"] = function(keep)
     write_gltf(keep "n.gltf")
     keep "n.gltf.png"
     return function()
-      local m, message, code = ylm.load_gltf(keep "n.gltf", { textures = 4 })
+      local m, message, code = ylm.load(keep "n.gltf", { textures = 4 })
       assert(m == nil or #m.geometry > 0 or code == "ENOMEM", message)
       return m, message, code
     end
@@ -448,12 +448,12 @@ calls["scene like another"] = function()
   local given = ylm.scene "x" { geometry = ylm.box {}, lights = { few(), triangle() } }
   return function() return ylm.scene "y" { like = given, moved = { [3] = { radius = 0.2 } }, removed = { 2 } } end
 end
-calls["load_scene"] = function(keep)
+calls["load of a scene file"] = function(keep)
   local file = assert(io.open(keep "s.lua", "w"))
   file:write(text)
   file:close()
   return function()
-    local s, message, code = ylm.load_scene(keep "s.lua")
+    local s, message, code = ylm.load(keep "s.lua")
     if not s then return nil, message, code end
     return { s.name, #s.geometry, #s.lights }
   end

@@ -49,7 +49,7 @@ local function check(name, where, expected, ok, result, message, code)
     if code ~= "ENOMEM" or type(message) ~= "string" then
       return defect(name, where, "nil, %s, %s", tostring(message), tostring(code))
     end
-    if message:find "%.lua:%d" and name ~= "load_scene" then return defect(name, where, "names a line: %s", message) end
+    if message:find "%.lua:%d" and name ~= "load of a scene file" then return defect(name, where, "names a line: %s", message) end
     return true
   end
   local got = words(result)

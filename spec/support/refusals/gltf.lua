@@ -1,7 +1,7 @@
--- Refusals of ylm.gltf and ylm.load_gltf.
+-- Refusals of ylm.gltf and of scene:save.
 
 -- The sentence of a build without jansson.
-local missing = select(3, require "ylm".load_gltf "/nonexistent.glb") == "EMISSING" and "glTF needs jansson" or nil
+local missing = select(3, require "ylm".gltf { file = "/nonexistent.glb" }) == "EMISSING" and "glTF needs jansson" or nil
 
 local function case(call, says) return { call = call, says = says } end
 
@@ -15,15 +15,6 @@ return {
     case(function(ylm) ylm.gltf { file = "x.glb", scene = 0 } end, "scene must be an integer >= 1, got 0"),
     case(function(ylm) return ylm.gltf { file = "/nonexistent.glb" } end, missing or "No such file"),
     case(function(ylm) return ylm.gltf { file = "README.md" } end, "README.md: line 1, column 1: not JSON"),
-  },
-  load_gltf = {
-    case(function(ylm) ylm.load_gltf() end, "bad argument #1 to 'load_gltf' %(the name of a file expected, got nil%)"),
-    case(function(ylm) ylm.load_gltf "" end, "the name of a file expected"),
-    case(function(ylm) ylm.load_gltf "a\0b" end, "the name of a file expected"),
-    case(function(ylm) ylm.load_gltf("x.glb", { lamp = 1 }) end, "no field 'lamp'"),
-    case(function(ylm) ylm.load_gltf("x.glb", { light_scale = -1 }) end, "light_scale must be a number >= 0"),
-    case(function(ylm) return ylm.load_gltf "/" end, missing or "not a regular file"),
-    case(function(ylm) return ylm.load_gltf "/nonexistent.glb" end, missing or "No such file"),
   },
   ["scene:save"] = {
     case(function(ylm) ylm.scene "x" {}:save() end, "a file name that ends in .glb or .gltf expected, got nil"),

@@ -20,7 +20,7 @@ local function in_bricks(f)
   return function(ylm)
     local folder = os.tmpname()
     os.remove(folder)
-    local g = ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 0, depth = 3, threshold = 100 }, lamp(ylm), { to = folder .. ".ylmd" })
+    local g = ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 0, depth = 3, threshold = 100 }, lamp(ylm), { folder = folder .. ".ylmd" })
     os.execute("rm -r " .. folder .. ".ylmd")
     return f(g)
   end
@@ -104,9 +104,9 @@ return {
     end, says = "dynamic = true follows sphere lights and flat lights, this is baked from another light field" },
     { call = function(ylm)
       return ylm.bake(ylm.uniform_grid { bounds = box, cells = 1, lmax = 1, dynamic = true }, lamp(ylm),
-        { light_tolerance = 1e-2 })
-    end, says = "dynamic = true sums its lights exactly: leave light_tolerance out" },
-    { call = bake({ light_tolerance = 0 }), says = "light_tolerance must be a number >= 1e%-06 and <= 0.5, got 0" },
+        { sums_tolerance = 1e-2 })
+    end, says = "dynamic = true sums its lights exactly: leave sums_tolerance out" },
+    { call = bake({ sums_tolerance = 0 }), says = "sums_tolerance must be a number >= 1e%-06 and <= 0.5, got 0" },
     { call = function(ylm) return ylm.bake() end, says = "an adaptive_grid or a uniform_grid expected, got nil" },
     { call = function(ylm) return ylm.bake(lamp(ylm), lamp(ylm)) end,
       says = "an adaptive_grid or a uniform_grid expected" },

@@ -1,4 +1,4 @@
--- Refusals of ylm.scene, ylm.load_scene and the form.
+-- Refusals of ylm.scene and the form.
 
 local nan = 0 / 0
 
@@ -36,19 +36,6 @@ local cases = {
     { call = function(ylm) ylm.scene(("x"):rep(201)) end, says = "at most 200 characters" },
     { call = function(ylm) ylm.scene "a\27[2Jb" end, says = "none of them for control" },
     { call = function(ylm) ylm.scene() end, says = "the scene's name comes first" },
-  },
-  load_scene = {
-    { call = function(ylm) ylm.load_scene() end, says = "the name of a file expected, got nil" },
-    { call = function(ylm) ylm.load_scene "" end, says = "the name of a file expected" },
-    { call = function(ylm) ylm.load_scene "a\0b" end, says = "the name of a file expected" },
-    { call = function(ylm) ylm.load_scene("x", 3) end, says = "a table of options expected, got 3" },
-    { call = function(ylm) ylm.load_scene("x", { memry = 1 }) end, says = "no field 'memry' %(did you mean 'memory'" },
-    { call = function(ylm) ylm.load_scene("x", { memory = nan }) end, says = "memory must be a number" },
-    { call = function(ylm) ylm.load_scene("x", { instructions = -1 }) end,
-      says = "instructions must be a number >= 1" },
-    { call = function(ylm) return ylm.load_scene "no such file.lua" end, says = "no such file.lua" },
-    { call = function(ylm) return ylm.load_scene "/" end, says = "not a regular file" },
-    { call = function(ylm) return ylm.load_scene "README.md" end, says = "README.md:%d+: " },
   },
 }
 for _, case in ipairs(fields) do table.insert(cases.scene, case) end

@@ -1,4 +1,4 @@
--- Refusals of products and transfer matrices: see spec/refusals_spec.lua.
+-- Refusals of products and their matrices: see spec/refusals_spec.lua.
 
 local c = { 1, 2, 3, 4 }
 local nine = { 1, 2, 3, 4, 5, 6, 7, 8, 9 }
@@ -53,21 +53,21 @@ return {
     { call = function(ylm) return ylm.sh.product_method(2, 2, "x") end, says = "one of 'auto'.*got 'x'" },
     { call = function(ylm) return ylm.sh.product_method(40, 2, "gaunt") end, says = "up to degree 30, needed is 40" },
   },
-  ["sh.transfer"] = {
-    { call = function(ylm) return ylm.sh.transfer(nil, 2) end, says = "got nil" },
-    { call = function(ylm) return ylm.sh.transfer({ c, c }, 2) end,
+  ["sh.product_matrix"] = {
+    { call = function(ylm) return ylm.sh.product_matrix(nil, 2) end, says = "got nil" },
+    { call = function(ylm) return ylm.sh.product_matrix({ c, c }, 2) end,
       says = "one vector of coefficients expected, got 2" },
-    { call = function(ylm) return ylm.sh.transfer(c) end, says = "lmax must be an integer from 0 to 50, got nil" },
-    { call = function(ylm) return ylm.sh.transfer(c, 51) end, says = "lmax must be an integer from 0 to 50" },
-    { call = function(ylm) return ylm.sh.transfer(ylm.sh.convert(c, "sn3d"), 1) end, says = "convention 'sn3d'" },
+    { call = function(ylm) return ylm.sh.product_matrix(c) end, says = "lmax must be an integer from 0 to 50, got nil" },
+    { call = function(ylm) return ylm.sh.product_matrix(c, 51) end, says = "lmax must be an integer from 0 to 50" },
+    { call = function(ylm) return ylm.sh.product_matrix(ylm.sh.convert(c, "sn3d"), 1) end, says = "convention 'sn3d'" },
   },
-  ["sh.transfer_apply"] = {
-    { call = function(ylm) return ylm.sh.transfer_apply(nil, c) end, says = "a matrix of 4x4 expected, got nil" },
-    { call = function(ylm) return ylm.sh.transfer_apply(ylm.zeros { 9, 9 }, c) end, says = "a matrix of 4x4 expected" },
-    { call = function(ylm) return ylm.sh.transfer_apply(ylm.zeros { 3, 4, 4 }, { c, c }) end,
+  ["sh.apply"] = {
+    { call = function(ylm) return ylm.sh.apply(nil, c) end, says = "a matrix of 4x4 expected, got nil" },
+    { call = function(ylm) return ylm.sh.apply(ylm.zeros { 9, 9 }, c) end, says = "a matrix of 4x4 expected" },
+    { call = function(ylm) return ylm.sh.apply(ylm.zeros { 3, 4, 4 }, { c, c }) end,
       says = "or a stack of them that fits c of 2x4 .*got .*3x4x4" },
-    { call = function(ylm) return ylm.sh.transfer_apply(ylm.zeros { 3, 3, 4, 4 }, { c, c }) end, says = "that fits c of 2x4" },
-    { call = function(ylm) return ylm.sh.transfer_apply(ylm.zeros { 4, 4 }, { 1, 2 }) end,
+    { call = function(ylm) return ylm.sh.apply(ylm.zeros { 3, 3, 4, 4 }, { c, c }) end, says = "that fits c of 2x4" },
+    { call = function(ylm) return ylm.sh.apply(ylm.zeros { 4, 4 }, { 1, 2 }) end,
       says = "coefficients expected" },
   },
   ["sh.exp"] = {

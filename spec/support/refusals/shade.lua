@@ -168,10 +168,10 @@ return {
     { { occupied = "camera", probes = uniform, bounces = 2, parts = "lights" }, "bounces are of parts = 'indirect' or 'all'" },
     { { occupied = "camera", probes = uniform, bounces = 2, parts = "direct" }, "bounces are of parts = 'indirect' or 'all'" },
     { { occupied = "camera", probes = uniform, parts = "indirect", bounces = 0 }, "parts = 'indirect' would be dark" },
-    { { occupied = "camera", probes = uniform, parts = "direct", light_tolerance = 0.1 },
-      "light_tolerance is for parts = 'lights', these are \"direct\"" },
+    { { occupied = "camera", probes = uniform, parts = "direct", sums_tolerance = 0.1 },
+      "sums_tolerance is for parts = 'lights', these are \"direct\"" },
     { { occupied = "camera", probes = following, parts = "all" }, "a dynamic grid follows lights" },
-    { { light_tolerance = -1 }, "light_tolerance must be a number >= 1e%-06" },
+    { { sums_tolerance = -1 }, "sums_tolerance must be a number >= 1e%-06" },
     { {}, "has no probes" }, { { probes = 5 }, "probes must be" }, { { samples = 0 }, "samples must be" },
   }), {
     { call = function(ylm)

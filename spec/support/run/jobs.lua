@@ -1,32 +1,60 @@
---- Prints what spec/run has to do, "LUA FILE" a line, the longest first.
+--- Prints what spec/run has to do, "LUA FILE" a line, the longest first, by the seconds that spec/run measured last.
 --
 --     lua spec/support/run/jobs.lua "lua5.4 luajit" spec/sh_eval_spec.lua spec ...
 --
 -- YLM_SPEC=quick leaves out what is slow or needs more than a compiler; YLM_SPEC=long runs every spec under each Lua;
 -- YLM_SPEC=luas runs those that make test runs under each, and four whose subject is the interpreter too.
 
-local once = dofile "spec/once.lua"
-local OTHERS = 10 -- seconds: a spec that runs under each Lua takes less
+local LONG = 40           -- seconds of a spec that once.lua calls long, before one was measured
+local BYTES = 3000        -- of a spec's file a second, for any other
 local which = os.getenv "YLM_SPEC"
+local build = os.getenv "BUILD" or "build"
 local of_luas = { abi = true, codegen = true, guide = true, style = true }
 
 local luas = {}
 for lua in arg[1]:gmatch "%S+" do luas[#luas + 1] = lua end
 
---- The seconds of a spec, and the Luas that run it.
-local function about(name)
-  local entry = once[name]
-  if which == "luas" and type(entry) == "number" and not of_luas[name] then return 0, {} end
-  if which == "luas" then return OTHERS, luas end
-  if not entry then return OTHERS, luas end
-  if type(entry) == "number" then return entry, which == "long" and luas or { luas[1] } end
-  return entry[1], which == "long" and luas or { luas[1], luas[2] and luas[#luas] }
+--- List of spec/once.lua -> spec -> true.
+local once = {}
+for list, names in pairs(dofile "spec/once.lua") do
+  once[list] = {}
+  for name in names:gmatch "%S+" do once[list][name] = true end
+end
+
+--- The Luas that run a spec.
+local function luas_of(name)
+  if which == "luas" then return once.one[name] and not of_luas[name] and {} or luas end
+  if which == "long" then return luas end
+  if once.one[name] then return { luas[1] } end
+  if once.two[name] then return { luas[1], luas[2] and luas[#luas] } end
+  return luas
+end
+
+--- The seconds of processor time that a spec took last; nil where there is no whole report.
+local function measured(lua, name)
+  local file = io.open(("%s/spec/%s/%s_spec"):format(build, lua, name))
+  if not file then return nil end
+  local seconds, done = 0, false
+  for line in file:lines() do
+    seconds = seconds + (tonumber(line:match "^%l+\t([%d.]+)\t") or 0)
+    done = line == "done"
+  end
+  file:close()
+  return done and seconds or nil
+end
+
+--- About as many seconds as a spec takes under a Lua: measured under it, under the first Lua, or by the size of its file.
+local function seconds_of(lua, name, path)
+  local seconds = measured(lua, name) or measured(luas[1], name)
+  if seconds or once.long[name] then return seconds or LONG end
+  local file = io.open(path)
+  local bytes = file and file:seek "end" or 0
+  if file then file:close() end
+  return bytes / BYTES
 end
 
 --- Is a spec left out of `make quick`?
-local function slow(name)
-  return about(name) > 15 or name:find "^vulkan" or name == "install" or name == "memory"
-end
+local function slow(name) return once.long[name] or name:find "^vulkan" or name == "install" or name == "memory" end
 
 local function quote(s) return "'" .. s:gsub("'", "'\\''") .. "'" end
 
@@ -43,9 +71,8 @@ local jobs = {}
 for i = 2, #arg do
   for _, file in ipairs(files(arg[i])) do
     local name = file:match "([^/]*)_spec%.lua$" or file
-    local seconds, run_by = about(name)
-    for _, lua in ipairs(which == "quick" and slow(name) and {} or run_by) do
-      jobs[#jobs + 1] = { seconds = seconds, text = lua .. " " .. file }
+    for _, lua in ipairs(which == "quick" and slow(name) and {} or luas_of(name)) do
+      jobs[#jobs + 1] = { seconds = seconds_of(lua, name, file), text = lua .. " " .. file }
     end
   end
 end

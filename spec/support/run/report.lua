@@ -23,6 +23,13 @@ local function clock()
   return sum / ticks
 end
 
+--- Prints a failure, or why a spec was skipped.
+local function say(result, name, message, trace)
+  local place = trace and trace.short_src and ("%s:%d: "):format(trace.short_src, trace.currentline) or ""
+  message = type(message) == "string" and message or require "pl.pretty".write(message)
+  print(("%s %s\n    %s%s"):format(result, name, message:find(place, 1, true) and "" or place, (message:gsub("\n", "\n    "))))
+end
+
 return function()
   lacking.watch()
   local names = require "busted.outputHandlers.base"()
@@ -33,12 +40,6 @@ return function()
   local function note(result, name)
     report:write(result, ("\t%.2f\t"):format(clock() - begun), (name:gsub("%s+", " ")), "\n")
     report:flush()
-  end
-
-  local function say(result, name, message, trace)
-    local place = trace and trace.short_src and ("%s:%d: "):format(trace.short_src, trace.currentline) or ""
-    message = type(message) == "string" and message or require "pl.pretty".write(message)
-    print(("%s %s\n    %s%s"):format(result, name, message:find(place, 1, true) and "" or place, (message:gsub("\n", "\n    "))))
   end
 
   local function start()

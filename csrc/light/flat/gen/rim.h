@@ -50,7 +50,7 @@ YLM_INLINE V argument(V re, V im) {
   V size = ylm_vd_sqrt(re * re + im * im);
   size = ylm_vd_select(size > 0.0, size, set(1.0));
   V a = angle_of(absolute(re) / size, im / size);
-  return ylm_vd_select(re < 0.0, M_PI - a, a);
+  return ylm_vd_select(re < 0.0, YLM_PI - a, a);
 }
 
 /* Half the angle of (cosine, sine), sine > 0, accurate relative to itself. */

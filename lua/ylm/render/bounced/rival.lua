@@ -4,6 +4,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local emit = require "ylm.emit"
 local form = require "ylm.form"
+local library = require "ylm.library"
 
 local rival = {}
 
@@ -12,7 +13,7 @@ local SAMPLES, GROUPS = 25, 400
 --- Options by method.
 local own = {
   vpl = {
-    { "clamp", "choice", of = { "none", "distance", "geometry", "whole" }, default = "geometry",
+    { "clamp", "choice", of = core.choices "clamp", default = "geometry",
       about = "what limit bounds: 1/d^2, the geometry term c c/d^2, or this times the receiver's albedo/pi" },
     { "limit", "number", above = 0, optional = true, about = "default 1/r^2, r the median of the lights' radii" },
     { "compensate", "integer", min = 0, max = core.limits.light_samples, default = 0,
@@ -21,7 +22,7 @@ local own = {
   vsl = {
     { "samples", "integer", min = 1, max = core.limits.light_samples, default = SAMPLES,
       about = "directions to a light, times 1 - the cosine of its half angle, at least 4; of 'receiver' all" },
-    { "strategy", "choice", of = { "cone", "receiver", "mis" }, default = "mis",
+    { "strategy", "choice", of = core.choices "sphere_strategy", default = "mis",
       about = "directions in the light's cone, by the receiver's cosine, or both and the light's, weighed" },
   },
   vsgl = {
@@ -109,7 +110,7 @@ function rival.ready(name, p, b)
   if x.method == "vpl" then
     if x.clamp ~= "none" then x.limit = x.limit or default_limit(name, lights) end
     if x.compensate == 0 then return end
-    local made = emit.made[lights]
+    local made = emit.made(lights)
     if not made or made.scene ~= p.scene then
       return check.fail("%s: rival: compensate needs lights that scene:virtual_lights made of the view's scene, whose lamps it "
         .. "asks", name)
@@ -121,6 +122,17 @@ function rival.ready(name, p, b)
     end
     x.groups = math.min(x.groups or GROUPS, lights.count)
   end
+end
+
+--- What C says of lights; methods that answer EMISSING are those of libylm_rival, which is loaded first.
+function rival.ask(p, ...)
+  local radiance, facts, code = p.lib.shade_virtual(p.view, ...)
+  if code ~= "EMISSING" then return radiance, facts, code end
+  local binding, message
+  binding, message, code = library.rival_binding()
+  if not binding then return nil, message, code end
+  p.lib.shade_rivals(binding.many())
+  return p.lib.shade_virtual(p.view, ...)
 end
 
 --- Completes report.virtual.

@@ -30,7 +30,7 @@ local harmonics = {
       .. "default false" },
   { "window", "any", optional = true,
     about = "{ name, width } of sh.window, which damps what the receiver weighs light with" },
-  { "horizon", "choice", of = { "none", "paper", "gate" }, optional = true,
+  { "horizon", "choice", of = core.choices "horizon", optional = true,
     about = "of lights near the receiver's horizon, 'paper' takes a smooth part away, 'gate' drops those wholly below; "
       .. "default 'none'" },
   split.fields[1], split.fields[2],
@@ -39,7 +39,7 @@ local harmonics = {
 local sum_fields = {
   { "shadows", "choice", of = { "none", "centre" }, default = "none",
     about = "'centre': a ray from each point to each light; 'none': they shine through walls" },
-  { "subset", "choice", of = { "all", "interleaved", "stochastic" }, default = "all",
+  { "subset", "choice", of = core.choices "subset", default = "all",
     about = "lights that a point asks: 'interleaved', those of its place in a tile of pixels, and then the mean over such a "
       .. "tile, of points on the same mesh whose normals are within 20 degrees; 'stochastic', bright ones, and others by "
       .. "chance, which then count for more: the mean over seeds is that of all" },
@@ -86,7 +86,7 @@ function virtual.settle(name, o, s, bounces)
     if o.bounces ~= nil then
       return check.fail("%s: bounces are those of the virtual lights that bounced names: leave one out", name)
     end
-    local made = emit.made[o.bounced]
+    local made = emit.made(o.bounced)
     return { lights = o.bounced, bounces = made and made.bounces or "those of the lights", options = own, rival = x, scene = s,
       emitted = made and made.report }
   end
@@ -103,7 +103,7 @@ end
 --- Radiance of the shading points of a view by options that are settled, and the report of C; nil, message, code.
 function virtual.sum(name, p, o)
   local x = o.rival or {}
-  return check.result(name, p.lib.shade_virtual(p.view, o.lights.lights, {
+  return check.result(name, rival.ask(p, o.lights.lights, {
     method = x.method or "hvl", lmax = o.lmax or 0, window = windows.factors(name, o), horizon = o.horizon, clamp = x.clamp,
     limit = x.limit, compensate = x.compensate, bounces = math.max(1, o.bounces or 1), samples = x.samples,
     strategy = x.strategy, shadows = o.shadows == "centre", groups = x.groups, zonal = o.zonal,
@@ -149,13 +149,10 @@ end
 
 -- The report ---------------------------------------------------------------------------------
 
---- View -> the part of its virtual lights' light that passes walls, by the lights.
-local passing_of = setmetatable({}, { __mode = "k" })
-
 --- The part of the light of virtual lights in a view that surfaces would stop: by the mean light of LOOKED shading points of a
 -- small picture, with and without rays to at most RAYED lights; nil where nobody knows.
 local function passing(name, p, lights, threads)
-  local known = passing_of[p.view]
+  local known = core.owned(p.view, "passing") -- of the virtual lights that were asked of last
   if known and known.lights == lights then return known.part end
   if lights.profile == "near" or lights.count == 0 or not p.options.camera then return nil end
   local small = views.prepare(name, p.scene, { camera = p.options.camera, size = LOOKED, samples = 1, seed = p.options.seed,
@@ -170,7 +167,7 @@ local function passing(name, p, lights, threads)
   end
   small:close()
   local part = sums[1] > 0 and math.max(0, 1 - sums[2] / sums[1]) or nil
-  passing_of[p.view] = { lights = lights, part = part }
+  core.own(p.view).passing = { lights = lights, part = part }
   return part
 end
 

@@ -47,7 +47,7 @@ end
 local function baked(p, o)
   if p.stats.points == 0 then return p.traced.lights end -- no point will ask what light there is
   return baking.bake(p.scene, { parts = "lights", occupied = p.view, threads = o.threads, progress = o.progress,
-    light_tolerance = o.sums_tolerance })
+    sums_tolerance = o.sums_tolerance })
 end
 
 function grid.prepare(name, p, o)

@@ -18,23 +18,21 @@ bodies.view_options = {
       .. "lamps of the view" },
 }
 
---- Surface -> lmax -> the view of the body in its frame.
-local known = setmetatable({}, { __mode = "k" })
-
 --- Any camera: a body is seen through that of the picture.
 local CAMERA = { from = { 0, 0, 1 }, at = { 0, 0, 0 }, up = { 0, 1, 0 }, fov = 40 }
 
 --- The view of a body's surface, made once for each lmax; or nil, message, code.
 local function view_of(name, p, surface, o)
   local lmax = p.options.lmax
-  known[surface] = known[surface] or {}
-  if known[surface][lmax] then return known[surface][lmax] end
+  local own = core.own(surface)
+  own.views = own.views or {} -- by lmax, of the body in its frame
+  if own.views[lmax] then return own.views[lmax] end
   local alone = { name = p.scene.name, camera = CAMERA, geometry = surface, lights = {}, background = { 0, 0, 0 } }
   local view, message, code = views.prepare(name, alone, { size = { 1, 1 }, samples = 1, seed = p.options.seed, share = 0,
     lmax = lmax, shading = "vertices", visibility = "transfer", occlusion_distance = math.huge,
     relight = "all", gloss = "matte", coarse = true, threads = o.threads, progress = o.progress })
   if not view then return nil, message, code end
-  known[surface][lmax] = view
+  own.views[lmax] = view
   return view
 end
 

@@ -1,0 +1,156 @@
+/* hide.real.c - what casters hide from the points of a block. */
+#include "block.h"
+
+#include <math.h>
+#include <string.h>
+
+/* Points of the block that see a caster, in its frame. */
+typedef struct viewers {
+  size_t n, seen[SHADOW_BLOCK];
+  real at[3 * SHADOW_BLOCK];
+  double distance[SHADOW_BLOCK]; /* from `centre`, in its frame */
+} viewers;
+
+static void gather_viewers(const block *b, size_t caster, viewers *v) {
+  const ylm_light_caster *c = &b->w->s->caster[caster].form;
+  v->n = 0;
+  for (size_t j = b->by_caster_first[caster]; j < b->by_caster_first[caster + 1]; j++) {
+    size_t seen = b->by_caster[j];
+    const double *at = b->point[b->seen[seen].point];
+    double p[3], d2 = 0;
+    for (int a = 0; a < 3; a++) {
+      p[a] = 0;
+      for (int k = 0; k < 3; k++) {
+        double x = c->rotation[3 * k + a] * (at[k] - c->at[k]);
+        p[a] += c->scale == 1 ? x : x / c->scale;
+      }
+      v->at[3 * v->n + (size_t)a] = (real)p[a];
+      d2 += (p[a] - c->centre[a]) * (p[a] - c->centre[a]);
+    }
+    v->distance[v->n] = sqrt(d2);
+    v->seen[v->n++] = seen;
+  }
+}
+
+/* Lists what points see by casters, each in the order of the points. */
+static ylm_status sort_by_caster(block *b) {
+  size_t n = b->w->s->n;
+  if (!b->by_caster_first) b->by_caster_first = ylm_alloc(n + 2, sizeof *b->by_caster_first);
+  if (!b->by_caster_first ||
+      !ylm__shadow_have((void **)&b->by_caster, b->seens, &b->by_room, sizeof *b->by_caster) ||
+      !ylm__shadow_have((void **)&b->blur, b->seens, &b->blur_room, sizeof *b->blur))
+    return YLM_ENOMEM;
+  size_t *first = b->by_caster_first;
+  memset(first, 0, (n + 2) * sizeof *first);
+  memset(b->blur, 0, b->seens * sizeof *b->blur);
+  for (size_t j = 0; j < b->seens; j++) first[b->seen[j].caster + 2]++;
+  for (size_t k = 0; k < n; k++) first[k + 2] += first[k + 1];
+  for (size_t j = 0; j < b->seens; j++)
+    b->by_caster[b->seen[j].row = first[b->seen[j].caster + 1]++] = j;
+  return YLM_OK;
+}
+
+/* The share of the disk at a distance, and its derivative. */
+static double share(const ylm_light_caster *c, double distance, double *slope) {
+  double from = SHADOW_BLEND * c->far, t = (distance - from) / (c->far - from);
+  *slope = 0;
+  if (!(c->far > 0) || t <= 0) return 0;
+  if (t >= 1) return 1;
+  *slope = 6 * t * (1 - t) / (c->far - from);
+  return t * t * (3 - 2 * t);
+}
+
+/* Rows of visibility at the viewers, in the body's frame: of its field, of its disk, or between them. */
+static ylm_status hide_near(block *b, const shadow_caster *c, const viewers *v, bool disk,
+                            real *rows) {
+  const shadow_query *w = b->w;
+  size_t n = 0, own[SHADOW_BLOCK], row = w->rows * w->count;
+  real *points = ylm_alloc(3 * v->n, sizeof *points), *one = ylm_alloc(row, sizeof *one);
+  const ylm_field *f = disk ? ylm_light_occluder_field(c->disk) : c->form.hides;
+  int lmax = disk || c->form.lmax > w->q->lmax ? w->q->lmax : c->form.lmax;
+  double slope;
+  answer a = {0};
+  ylm_status s = points && one ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; i < v->n && s == YLM_OK; i++) {
+    double t = share(&c->form, v->distance[i], &slope);
+    if (disk ? t == 0 : t == 1) continue;
+    memcpy(points + 3 * n, v->at + 3 * i, 3 * sizeof *points);
+    own[n++] = i;
+  }
+  /* values of a field that knows all degrees stand where they are wanted */
+  real *into = w->rows == 1 && !disk && n == v->n && lmax == w->q->lmax ? rows : NULL;
+  if (s == YLM_OK && n) s = SHADOW(ask)(b, f, lmax, 1, n, points, NULL, into, &a);
+  for (size_t i = 0; i < n && s == YLM_OK; i++) {
+    size_t j = own[i], seen = v->seen[j];
+    double t = share(&c->form, v->distance[j], &slope);
+    real *to = rows + j * row;
+    if (a.lambda && (!disk || t == 1)) b->blur[seen] = (double)a.lambda[i];
+    if (a.inside[i] && !disk) b->inside[b->seen[seen].point] = 1;
+    if (!disk || t == 1) {
+      if (!into) SHADOW(unfold)(w, &a, i, ylm_sh_count(lmax), to);
+      continue;
+    }
+    SHADOW(unfold)(w, &a, i, ylm_sh_count(lmax), one);
+    for (size_t d = 0; d < 3 && w->rows > 1; d++) {
+      double away = ((double)v->at[3 * j + d] - c->form.centre[d]) / v->distance[j];
+      for (size_t k = 0; k < w->count; k++) {
+        real *x = to + (d + 1) * w->count + k;
+        *x +=
+            (real)t * (one[(d + 1) * w->count + k] - *x) + (real)(slope * away) * (one[k] - to[k]);
+      }
+    }
+    for (size_t k = 0; k < w->count; k++) to[k] += (real)t * (one[k] - to[k]);
+  }
+  SHADOW(answer_free)(&a);
+  ylm_free(points);
+  ylm_free(one);
+  return s;
+}
+
+/* Rows in the body's frame become rows where it stands. */
+static ylm_status place(block *b, size_t caster, const viewers *v, real *rows) {
+  const shadow_query *w = b->w;
+  const shadow_caster *c = &w->s->caster[caster];
+  double size = c->form.scale;
+  real r[9];
+  ylm_status s = YLM_OK;
+  if (c->turned)
+    s = ylm_sh_rotation_apply(w->turn[caster], w->q->lmax, v->n * w->rows, rows, rows, 1, NULL);
+  for (size_t i = 0; i < 9; i++) r[i] = (real)(c->form.rotation[i] / size);
+  for (size_t i = 0; i < v->n && s == YLM_OK; i++) {
+    b->blur[v->seen[i]] /= size * size;
+    real *x = rows + i * w->rows * w->count + w->count, *y = x + w->count, *z = y + w->count;
+    for (size_t k = 0; w->rows > 1 && k < w->count; k++) {
+      real g[3] = {x[k], y[k], z[k]};
+      x[k] = r[0] * g[0] + r[1] * g[1] + r[2] * g[2];
+      y[k] = r[3] * g[0] + r[4] * g[1] + r[5] * g[2];
+      z[k] = r[6] * g[0] + r[7] * g[1] + r[8] * g[2];
+    }
+  }
+  return s;
+}
+
+ylm_status SHADOW(hide)(block *b) {
+  const shadow_query *w = b->w;
+  size_t row = w->rows * w->count;
+  b->hidden = room(b, ROOM_HIDDEN, b->seens * row);
+  viewers *v = ylm_alloc(1, sizeof *v);
+  ylm_status s = b->hidden && v ? sort_by_caster(b) : YLM_ENOMEM;
+  for (size_t k = 0; k < w->s->n && s == YLM_OK; k++) {
+    const shadow_caster *c = &w->s->caster[k];
+    real *rows = b->hidden + b->by_caster_first[k] * row;
+    if (!c->form.hides || w->exponential) {
+      for (size_t j = b->by_caster_first[k]; j < b->by_caster_first[k + 1]; j++) {
+        const shadow_seen *seen = &b->seen[b->by_caster[j]];
+        if (seen->distance <= c->radius) b->inside[seen->point] = 1;
+      }
+      continue;
+    }
+    gather_viewers(b, k, v);
+    if (v->n) s = hide_near(b, c, v, false, rows);
+    if (v->n && c->disk && s == YLM_OK) s = hide_near(b, c, v, true, rows);
+    if (v->n && s == YLM_OK) s = place(b, k, v, rows);
+  }
+  ylm_free(v);
+  return s;
+}

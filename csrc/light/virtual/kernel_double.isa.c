@@ -1,2 +1,0 @@
-/* kernel_double.isa.c - sums over virtual lights in double. */
-#include "kernel.h"
