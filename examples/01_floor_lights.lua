@@ -59,7 +59,7 @@ local function bake(probes, with)
   return assert(scene:bake(fields))
 end
 
-local truth, truth_report = view:reference { progress = progress }
+local truth, truth_report = view:render { by = "sum", progress = progress }
 local mask = common.surface_mask(ylm, truth)
 
 local function adaptive(fields)

@@ -26,11 +26,11 @@ end
 
 -- Distances against rays to the lamps -----------------------------------------------------------------
 
-local left = halves(assert(scene:raycast { size = small, samples = option.samples, light_samples = 16 }))
+local left = halves(assert(scene:render { bounces = 0, size = small, samples = option.samples, light_samples = 16 }))
 local row = common.table { { "occlusion_distance", "%18s" }, { "passing %", "%9.1f" }, { "+-", "%4.1f" },
   { "missing %", "%9.1f" }, { "+-", "%4.1f" }, { "left / true", "%11.3f" }, { "right / all", "%11.3f" } }
 local function try(name, distance)
-  local image, report = assert(scene:reference { size = small, samples = option.samples, occlusion_distance = distance })
+  local image, report = assert(scene:render { by = "sum", size = small, samples = option.samples, occlusion_distance = distance })
   local l, r = halves(image)
   local o = report.occlusion
   row { name or ("%g"):format(distance), 100 * o.passing, 100 * o.passing_error, 100 * o.missing, 100 * o.missing_error,
@@ -42,7 +42,8 @@ try("default"); try(nil, 0.5); try(nil, 1.5); try(nil, 2); try(nil, 3); try(nil,
 
 local image = assert(scene:render { size = size, samples = option.samples, visibility = "transfer",
   transfer_samples = 2 * option.rays })
-local truth = assert(scene:render { size = size, samples = option.samples, light_samples = option.rays })
+local truth = assert(scene:render { size = size, samples = option.samples, light_samples = option.rays,
+  bounces = 0 })
 common.save(ylm.figure {
   rows = { {
     { image = image, tone = "hable", exposure = option.exposure, caption = 'visibility = "transfer": light passes the wall' },

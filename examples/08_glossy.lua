@@ -94,10 +94,10 @@ for _, lmax in ipairs(degrees) do
     line[k + 2] = slices[lmax][k]
   end
   print_row(line)
-  local sh = assert(row:reference(with { lmax = lmax, gloss = "sh" }))
+  local sh = assert(row:render(with { by = "sum", lmax = lmax, gloss = "sh" }))
   measured[lmax] = judge(sh, ("sh, lmax %d"):format(lmax))
   show(sh, ('gloss = "sh", lmax = %d'):format(lmax))
-  last, report = assert(row:reference(with { lmax = lmax, gloss = "auto", light_samples = rays }))
+  last, report = assert(row:render(with { by = "sum", lmax = lmax, gloss = "auto", light_samples = rays }))
   judge(last, ("auto, lmax %d"):format(lmax))
   print(("  %.0f of %.0f points by rays, %d light samples, noise %.1f %%; %.1f s, of these rays %.1f s"):format(
     report.glossy.rays, report.glossy.points, report.glossy.light_samples, 100 * (report.glossy.noise or 0),

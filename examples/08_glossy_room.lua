@@ -63,10 +63,10 @@ local function with(more)
 end
 for _, gloss in ipairs { "matte", "sh", "auto" } do
   judge(('reference, gloss = "%s", lmax %d'):format(gloss, option.lmax), ('gloss = "%s", lmax %d'):format(gloss, option.lmax),
-    assert(room:reference(with { gloss = gloss })))
+    assert(room:render(with { by = "sum", gloss = gloss })))
 end
 judge("render: rays, 64 light samples", "scene:render, by rays", assert(room:render { size = size, samples = 16,
-  light_samples = 64 }))
+  light_samples = 64, bounces = 0 }))
 print(("truth: %d paths a pixel, noise %.1f %%, %.1f s"):format(truth.metadata.samples, 100 * judged.noise, judged.seconds.total))
 pictures[#pictures + 1] = { image = truth, tone = "hable", exposure = 1, caption = ("paths of one reflection, %d a pixel"):format(
   truth.metadata.samples) }

@@ -105,12 +105,12 @@ local scene = ylm.scene "textured room" {
 for _, note in ipairs(scene.notes) do print(note) end
 
 local size = { option.width, math.floor(option.width * 0.75) }
-local rays = assert(scene:raycast { size = size, samples = option.samples, light_samples = option.rays })
-local harmonics = assert(scene:reference { size = size, samples = option.samples, occlusion_distance = 1.5 })
+local rays = assert(scene:render { bounces = 0, size = size, samples = option.samples, light_samples = option.rays })
+local harmonics = assert(scene:render { by = "sum", size = size, samples = option.samples, occlusion_distance = 1.5 })
 common.save(ylm.figure {
   rows = { {
-    { image = rays, tone = "hable", exposure = 1, caption = "scene:raycast" },
-    { image = harmonics, tone = "hable", exposure = 1, caption = "scene:reference" },
+    { image = rays, tone = "hable", exposure = 1, caption = "by rays" },
+    { image = harmonics, tone = "hable", exposure = 1, caption = "by the sum of lights" },
     { image = rays, layer = "albedo", caption = "albedo" },
   } },
 }, option.out .. "textured_room.png")

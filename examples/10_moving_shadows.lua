@@ -196,7 +196,7 @@ end
 if option.truth then
   all:move(places(middle * math.max(1, math.floor(60 / option.frames))))
   local still = ylm.scene "still" { like = scene, geometry = { scene.geometry, all:surfaces() } }
-  local truth = good(still:raycast { size = size, samples = option.samples, light_samples = 256 })
+  local truth = good(still:render { bounces = 0, size = size, samples = option.samples, light_samples = 256 })
   good(truth:save(option.out .. "shadows_truth.png", { exposure = option.exposure, tone = "hable" }))
   local a, b = judged:layer "radiance", truth:layer "radiance"
   local off, mean, n = 0, 0, 0

@@ -42,7 +42,8 @@ local function lit_by(sky)
     camera = ylm.camera { from = { 2.4, 1.5, 4.2 }, at = { 0, 0.95, 0 }, fov = 42 },
     geometry = {
       ylm.quad { corner = { -600, 0, 600 }, u = { 1200, 0, 0 }, v = { 0, 0, -1200 }, material = grey },
-      ylm.knot { at = { 0, 1, 0 }, p = 2, q = 3, radius = 0.6, minor = 0.3, tube = 0.17, divide = { 700, 60 }, material = clay },
+      ylm.knot { at = { 0, 1, 0 }, p = 2, q = 3, radius = 0.6, minor = 0.3, tube = 0.17, divide = { 700, 60 },
+        material = clay },
     },
     lights = sky,
   }
@@ -51,7 +52,8 @@ end
 local sun = { -0.9, 0.75, 0.6 }
 local skies = {
   { "an image of a studio", { image = studio(128), up = "y", lmax = option.lmax }, 0 },
-  { "a clear sky of the CIE", { sky = { kind = "clear", zenith = { 0, 1, 0 }, sun = sun, luminance = 0.5 }, lmax = option.lmax },
+  { "a clear sky of the CIE", { sky = { kind = "clear", zenith = { 0, 1, 0 }, sun = sun, luminance = 0.5 },
+    lmax = option.lmax },
     0 },
   { "an overcast sky of the CIE", { sky = { zenith = { 0, 1, 0 }, luminance = 1.5 }, lmax = option.lmax }, 0 },
 }
@@ -61,9 +63,10 @@ local row = common.table { { "sky", "%-28s" }, { "rays s", "%7.2f" }, { "harmoni
 local rows = {}
 for i, sky in ipairs(skies) do
   local scene, start = lit_by(ylm.environment_light(sky[2])), core.seconds()
-  local truth = assert(scene:raycast { size = size, samples = option.samples, light_samples = option.rays })
+  local truth = assert(scene:render { bounces = 0, size = size, samples = option.samples, light_samples = option.rays })
   local between = core.seconds()
-  local image = assert(scene:reference { size = size, samples = option.samples, lmax = option.lmax, occlusion_distance = 100 })
+  local image = assert(scene:render { by = "sum", size = size, samples = option.samples, lmax = option.lmax,
+    occlusion_distance = 100 })
   local finished = core.seconds()
   local map, look = assert(image:flip(truth))
   local m = assert(image:compare(truth))

@@ -51,11 +51,11 @@ local function timed(make)
   return a, core.seconds() - start, b, c
 end
 
-local direct, direct_seconds = timed(function() return scene:render(shared) end)
+local direct, direct_seconds = timed(function() return scene:render(with { bounces = 0 }) end)
 local lit, lit_seconds = timed(function() return scene:links({ spacing = 0.1, rays = 128 }):radiosity() end)
 print(("%d elements: links and %d bounces in %.1f s; balance %.1e"):format(lit.links.stats.elements, lit.stats.bounces,
   lit_seconds, lit.stats.balance))
-local gathered, gathered_seconds = timed(function() return scene:render(with { indirect = lit }) end)
+local gathered, gathered_seconds = timed(function() return scene:render(with { bounced = lit }) end)
 
 local view = assert(scene:prepare { size = size, samples = 1 })
 local form = { lmax = 2, tolerance = option.tolerance, depth = 5,
@@ -63,7 +63,7 @@ local form = { lmax = 2, tolerance = option.tolerance, depth = 5,
 local grid, grid_seconds = timed(function() return ylm.bake(ylm.adaptive_grid(form), lit, { occupied = view }) end)
 print(("indirect light: %d probes in %.1f s, tolerance %g %s"):format(grid.stats.points, grid_seconds, option.tolerance,
   grid.stats.met and "met" or "not met"))
-local by_grid, by_grid_seconds = timed(function() return scene:render(with { indirect = grid }) end)
+local by_grid, by_grid_seconds = timed(function() return scene:render(with { bounced = grid }) end)
 local truth, truth_seconds = timed(function() return scene:pathtrace { size = size, samples = option.samples } end)
 
 local row = common.table { { "picture", "%-34s" }, { "seconds", "%7.1f" }, { "PSNR dB", "%7.1f" }, { "relmse", "%9.2e" } }

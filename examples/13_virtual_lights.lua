@@ -1,5 +1,5 @@
 -- Virtual lights in pictures: a Cornell box with one bounce of them beside paths; the same few lights by all methods; a corner
--- from near; grids of whole lights and of their far parts; what lights send over a floor that glosses; a lamp that moves.
+-- from near; grids of whole lights and of their far parts; what lights send over a glossy floor; a lamp that moves.
 --
 --     ylm run examples/13_virtual_lights.lua [--out DIR] [--only NAME] [--width N] [--samples N] [--lights N] [--few N]
 --
@@ -46,14 +46,16 @@ local box = rooms.cornell {}
 -- One bounce ---------------------------------------------------------------------------------
 
 function parts.bounce()
-  local direct, direct_seconds = timed(function() return box:render(shared) end)
+  local direct, direct_seconds = timed(function() return box:render(with { bounces = 0 }) end)
+  local emitted
   local bounced, bounced_seconds, report = timed(function()
-    return box:render(with { bounces = 1, indirect = { method = "virtual", count = option.lights,
-      shadows = "centre" } })
+    local lights
+    lights, emitted = assert(box:virtual_lights { count = option.lights })
+    return box:render(with { bounced = lights, virtual = { shadows = "centre" } })
   end)
   local truth, truth_seconds = timed(function() return box:pathtrace { size = size, samples = option.samples, bounces = 1 } end)
   local values, rms = differences(bounced, truth, direct:layer "emitter")
-  local power = report.virtual.emitted.power
+  local power = emitted.power
   print(("%d lights, %.1f million pairs; of %.2f W (red) that the lamp emits, %.2f W land and %.2f W are reflected"):format(
     report.virtual.lights, report.virtual.pairs / 1e6, power.emitted[1], power.landed[1], power.reflected[1]))
   print(("root mean square of the difference: %.3f of the mean luminance"):format(rms))
@@ -75,11 +77,12 @@ local function compared(view, truth, list, exposure, lamp)
   local row = common.table { { "method", "%-24s" }, { "ns a pair", "%9.1f" }, { "rms", "%7.3f" } }
   local items = {}
   for i, m in ipairs(list) do
-    m[3].lights, m[3].shadows, m[3].layers = m[2], m[3].shadows or "centre", false
-    local image, facts = view:gather(m[3])
+    local o = m[3]
+    o.by, o.bounced, o.virtual, o.layers = "none", m[2], { shadows = "centre", sums = not o.rival and "all" or nil }, false
+    local image, facts = view:render(o)
     if not image then error(facts, 0) end
     local _, off = differences(image, truth, lamp)
-    row { m[1], facts.ns_per_pair, off }
+    row { m[1], facts.virtual.ns_per_pair, off }
     items[i] = shown(image, ("%s: %.2f"):format(m[1], off), exposure)
   end
   return items
@@ -107,11 +110,11 @@ function parts.methods()
   local bounce = assert(box:pathtrace { size = size, samples = 4 * option.samples, reflections = { 2, 2 } })
   local lit = assert(view:render { lamps = dots(few, 0.014) })
   local items = compared(view, bounce, {
-    { "points", few, { method = "vpl", clamp = "none" } },
-    { "points, clamped", few, { method = "vpl" } },
-    { "clamped, compensated", few, { method = "vpl", compensate = 8 } },
-    { "spheres", few, { method = "vsl" } },
-    { "Gaussians", many, { method = "vsgl", groups = option.few } },
+    { "points", few, { rival = { "vpl", clamp = "none" } } },
+    { "points, clamped", few, { rival = { "vpl" } } },
+    { "clamped, compensated", few, { rival = { "vpl", compensate = 8 } } },
+    { "spheres", few, { rival = { "vsl" } } },
+    { "Gaussians", many, { rival = { "vsgl", groups = option.few } } },
     { "harmonics, cap", caps, {} },
     { "harmonics, gauss", few, {} },
   }, 3, lit:layer "emitter")
@@ -141,8 +144,8 @@ function parts.corner()
   local gauss, cap = lights "gauss", lights "cap"
   local truth = assert(corner:pathtrace { size = size, samples = 4 * option.samples, reflections = { 2, 2 } })
   local items = compared(view, truth, {
-    { "points", gauss, { method = "vpl", clamp = "none" } }, { "points, clamped", gauss, { method = "vpl" } },
-    { "spheres", cap, { method = "vsl" } }, { "harmonics, cap", cap, {} }, { "harmonics, gauss", gauss, {} },
+    { "points", gauss, { rival = { "vpl", clamp = "none" } } }, { "points, clamped", gauss, { rival = { "vpl" } } },
+    { "spheres", cap, { rival = { "vsl" } } }, { "harmonics, cap", cap, {} }, { "harmonics, gauss", gauss, {} },
   }, 3)
   items[6] = shown(truth, "paths", 3)
   common.save(ylm.figure { title = ("A wall over a lit floor, from near: its bounce by %d virtual lights"):format(gauss.count),
@@ -179,7 +182,7 @@ end
 
 function parts.lobes()
   local floor = ylm.ggx { alpha = 0.3, f0 = { 0.95, 0.7, 0.35 } }
-  local room = ylm.scene "a floor that glosses" {
+  local room = ylm.scene "a glossy floor" {
     camera = ylm.camera { from = { 0.4, 1.5, 3.1 }, at = { 0.1, 0.3, 0 }, fov = 44 },
     geometry = { ylm.quad { corner = { -1.6, 0, 1.2 }, u = { 3.2, 0, 0 }, v = { 0, 0, -2.4 }, material = floor },
       ylm.quad { corner = { -1.6, 0, -1.2 }, u = { 3.2, 0, 0 }, v = { 0, 1.4, 0 },
@@ -221,10 +224,10 @@ function parts.lobes()
   end
   local picture = ylm.view { scene = room, meshes = meshes, size = { 540, 360 }, bar = false, frame = false,
     background = "white" }
-  local direct = assert(room:render { size = { 540, 360 }, samples = 8, gloss = "rays" })
+  local direct = assert(room:render { size = { 540, 360 }, samples = 8, gloss = "rays", bounces = 0 })
   print(("%d lights of degree %d; their slices miss %.0f %% of what the floor sends"):format(lights.count, lights.degree,
     100 * report.slices.missed))
-  common.save(ylm.figure { title = "What virtual lights send over a floor that glosses", rows = { { { image = direct,
+  common.save(ylm.figure { title = "What virtual lights send over a glossy floor", rows = { { { image = direct,
     tone = "hable",
     exposure = 1, caption = "direct light" }, { image = picture, caption = "intensity of each light by direction" } } },
     caption = ("GGX of alpha 0.3, fitted slices of degree %d; the wall is matte and sends a cosine."):format(lights.degree) },
@@ -241,11 +244,12 @@ function parts.moving()
     local scene = rooms.cornell { lamp = "spot", to = { 1.3 * (2 * t - 1), 0.55, -0.35 } }
     local view = assert(scene:prepare { size = small, samples = 4 })
     local lights, report = assert(scene:virtual_lights { count = option.lights / 2 })
-    local bounce, facts = assert(view:gather { lights = lights, shadows = "centre", layers = false })
-    local all = assert(view:render { bounces = 1, layers = false, indirect = { method = "virtual", count = option.lights / 2,
-      shadows = "centre" } })
+    local bounce, facts = assert(view:render { by = "none", bounced = lights, virtual = { shadows = "centre" },
+      layers = false })
+    local all = assert(view:render { layers = false, bounced = view.scene:virtual_lights { count = option.lights / 2 },
+      virtual = { shadows = "centre" } })
     print(("frame %d: %d lights, %.0f ms emission, %.0f ms gathering"):format(i + 1, lights.count,
-      1000 * (report.seconds.trace + report.seconds.radius), 1000 * facts.seconds.light))
+      1000 * (report.seconds.trace + report.seconds.radius), 1000 * facts.seconds.bounced))
     above[i + 1], below[i + 1] = shown(all, nil, 1.5), shown(bounce, nil, 3)
   end
   common.save(ylm.figure { title = "A lamp that moves: colour that bleeds from walls", rows = { above, below },

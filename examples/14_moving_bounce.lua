@@ -64,7 +64,7 @@ for frame = 1, option.frames do
   local function bounce(seed)
     local lights, report = scene:virtual_lights { merge = option.lights, particles = option.particles, cell = cell, seed = seed }
     cell = cell or report.merged.cell
-    return lights, assert(view:gather { lights = lights, layers = false }):layer "radiance"
+    return lights, assert(view:render { by = "none", bounced = lights, layers = false }):layer "radiance"
   end
   local lights
   lights, same[frame] = bounce(1)
@@ -72,6 +72,6 @@ for frame = 1, option.frames do
   print(("frame %2d: %d lights%s%s"):format(frame, lights.count,
     frame > 1 and (", changed by %.2f %%"):format(change(same[frame], same[frame - 1])) or "",
     frame > 2 and (", jitter %.2f %%, with other particles %.2f %%"):format(jitter(same, frame), jitter(other, frame)) or ""))
-  local image = assert(view:render { lights = lamp, indirect = lights })
+  local image = assert(view:render { lights = lamp, bounced = lights })
   assert(image:save(("%s/bounce_%02d.png"):format(option.out, frame), { exposure = option.exposure }))
 end

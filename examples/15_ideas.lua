@@ -101,7 +101,7 @@ idea("metrics", function()
     lights = { ylm.sphere_light { at = { -1.5, 3, 2.5 }, radius = 0.2, radiance = 50 },
       ylm.environment_light { radiance = 0.12 } },
   }
-  local truth = assert(scene:render { size = size, samples = 16 })
+  local truth = assert(scene:render { size = size, samples = 16, bounces = 0 })
   local pixels = truth:layer()
   local mean = pixels:mean()
 
@@ -159,7 +159,8 @@ idea("normals", function()
       camera = ylm.camera { from = { 0, 0.9, 4.2 }, at = { 0, 0, 0 }, fov = 32 },
       geometry = { mesh }, lights = { ylm.sphere_light { at = { -2, 3, 3 }, radius = 0.3, radiance = { 190, 180, 160 } },
         ylm.sphere_light { at = { 4, -1, 2 }, radius = 0.3, radiance = { 16, 22, 34 } } },
-    }:raycast { size = number({ 60, 60 }, { 300, 300 }), samples = 16, light_samples = 16, shadows = false })
+    }:render { by = "rays", bounces = 0, size = number({ 60, 60 }, { 300, 300 }), samples = 16, light_samples = 16,
+      visibility = "none" })
   end
   local size = number({ 80, 60 }, { 340, 300 })
   return ylm.figure { rows = { {
@@ -321,7 +322,8 @@ idea("choice", function()
   }
   local size = number({ 64, 48 }, { 250, 188 })
   local function cast(n)
-    return assert(scene:raycast { size = size, samples = 1, light_samples = n, shadows = false, layers = true })
+    return assert(scene:render { by = "rays", bounces = 0, size = size, samples = 1, light_samples = n, visibility = "none",
+      layers = true })
   end
   local drawn, truth = cast(4), cast(number(64, 1024))
 
@@ -467,7 +469,8 @@ idea("inside", function()
   end
   print(("inside: %d points of %d in the lamp"):format(grid.stats.invalid, grid.stats.points))
   return ylm.plot { size = { 760, 400 }, legend = "top right", x_range = { 0, 0.9 },
-    title = "Light around and in a lamp of radius 0.3", x_label = "distance from the lamp's middle", y_label = "coefficient 0,0",
+    title = "Light around and in a lamp of radius 0.3", x_label = "distance from the lamp's middle",
+      y_label = "coefficient 0,0",
     series = { { x = x, y = y, label = "light", marker = "none", width = 3 },
       { x = dots[1].x, y = dots[1].y, label = "points, evaluated", width = 0, marker_size = 5 },
       { x = dots[2].x, y = dots[2].y, label = "points in the lamp, filled", width = 0, marker_size = 6 } } }

@@ -31,7 +31,8 @@ for _, note in ipairs(other.report.notes) do print(note) end
 local moved = ylm.scene "moved" { like = other, moved = { { at = { 0.6, 0.9, 0.5 } } } }
 
 local function picture(s)
-  return (assert(s:raycast { size = { option.width, option.width }, samples = option.samples, light_samples = 24, seed = 1 }))
+  return (assert(s:render { bounces = 0, size = { option.width, option.width }, samples = option.samples,
+    light_samples = 24, seed = 1 }))
 end
 
 local first = picture(scene)

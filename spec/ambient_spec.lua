@@ -4,7 +4,7 @@ local ylm = require "ylm"
 local lamp = ylm.sphere_light { at = { 1, 50, 20 }, radius = 1, radiance = { 3000, 2000, 1000 } }
 local floor = ylm.quad { corner = { 0, 0, 20 }, u = { 40, 0, 0 }, v = { 0, 0, -40 } }
 local wall = ylm.quad { corner = { 0, 0, 20 }, u = { 0, 0, -40 }, v = { 0, 40, 0 } }
-local view = { size = { 48, 36 }, samples = 1, light_samples = 1 }
+local view = { size = { 48, 36 }, samples = 1, light_samples = 1, bounces = 0 }
 
 local function with(more)
   local out = {}
@@ -133,9 +133,9 @@ describe("ambient", function()
   it("refuses a radius alone, vertices, a tolerance, and what is no radius", function()
     assert.has_error(function() corner:render(with { ambient_radius = 1 }) end,
       "render: ambient_radius is for ambient = 'ssao' or 'rays': name one, or leave it out")
-    assert.has_error(function() corner:render(with { ambient = "ssao", shading = "vertex" }) end,
+    assert.has_error(function() corner:render(with { ambient = "ssao", shading = "vertices" }) end,
       "render: ambient is of what camera rays hit: shading = 'pixel' in scene:prepare")
-    assert.has_error(function() corner:render { ambient = "ssao", tolerance = 0.1 } end,
+    assert.has_error(function() corner:render { ambient = "ssao", tolerance = 0.1, bounces = 0 } end,
       "render: tolerance is of the scene's light, which ambient is not: leave one out")
     for _, radius in ipairs { 0, -1, 0 / 0 } do
       local ok, message = pcall(corner.render, corner, with { ambient = "ssao", ambient_radius = radius })

@@ -57,7 +57,7 @@ describe("a picture with bounces", function()
     local E = pi * RADIANCE * RADIUS ^ 2
     for bounces, sum in pairs { [0] = 1, [1] = 1 + RHO, [2] = 1 + RHO + RHO ^ 2, all = 1 / (1 - RHO) } do
       local image, report = scene:render { size = { 16, 9 }, samples = 1, bounces = bounces,
-        links = bounces ~= 0 and t or nil }
+        bounced = bounces ~= 0 and t or nil }
       assert.near(1, mean(image) / (RHO / pi * E * sum), 0.01)
       assert.equal(bounces, report.bounces)
       assert.equal(bounces == 0, report.omits ~= nil)
@@ -106,9 +106,9 @@ describe("gathered light", function()
     local scene = room()
     local truth = scene:pathtrace { size = SMALL.size, samples = 256, layers = false, reflections = { 1, "all" } }
     local image = scene:render(with { bounces = "all", samples = 64, rays = 512, light_samples = 64,
-      links = scene:links { spacing = 0.1, rays = 64 } })
+      bounced = scene:links { spacing = 0.1, rays = 64 } })
     assert.is_true(error_of(image, truth) < 0.04)
-    assert.is_true(error_of(scene:render(with { light_samples = 64 }), truth) > 0.2)
+    assert.is_true(error_of(scene:render(with { light_samples = 64, bounces = 0 }), truth) > 0.2)
   end)
 
   it("follows lamps without a ray, as a picture made anew, whatever the number of threads", function()
@@ -120,16 +120,16 @@ describe("gathered light", function()
     assert.equal(4 * 32 * view.stats.points, view.stats.link_rays * 4)
     assert.is_true(view.stats.link_bytes >= view.stats.link_rays * 4)
     local lit = t:radiosity()
-    local first = view:render { indirect = lit }
+    local first = view:render { bounced = lit }
     lit:update(after)
-    local image, report = view:render { indirect = lit, threads = 1 }
+    local image, report = view:render { bounced = lit, threads = 1 }
     local anew = room(after)
-    local again = anew:render(with { bounces = "all", rays = 32, links = anew:links { spacing = 0.4, rays = 32 } })
+    local again = anew:render(with { bounces = "all", rays = 32, bounced = anew:links { spacing = 0.4, rays = 32 } })
     assert.equal(0, different(again, image))
     assert.is_false(mean(first) == mean(image))
-    assert.equal("gather", report.indirect)
+    assert.equal("links", report.bounced)
     for _, threads in ipairs { 2, 7 } do
-      local other = view:render { indirect = lit, threads = threads, lights = after }
+      local other = view:render { bounced = lit, threads = threads, lights = after }
       assert.equal(0, different(image, other))
     end
   end)
@@ -176,7 +176,7 @@ describe("a tolerance of a picture", function()
     local before = ylm.on_warning(false)
     for _, means in ipairs { { samples = 1, rays = 16, light_samples = 1 }, { samples = 4, rays = 4, light_samples = 4 } } do
       local image, report = scene:render { size = { 16, 9 }, bounces = "all", tolerance = 0.001, samples = means.samples,
-        rays = means.rays, light_samples = means.light_samples }
+        rays = means.links, light_samples = means.light_samples }
       assert.is_false(report.met)
       assert.near(1, report.error / error_of(image, truth), 0.1)
     end
@@ -196,7 +196,7 @@ describe("a tolerance of a picture", function()
   it("that is not met is said with cause and remedy", function()
     local said = {}
     local before = ylm.on_warning(function(m) said[#said + 1] = m end)
-    local _, report = room():render { size = { 32, 18 }, tolerance = 0.001, samples = 1, light_samples = 1 }
+    local _, report = room():render { size = { 32, 18 }, tolerance = 0.001, samples = 1, light_samples = 1, bounces = 0 }
     ylm.on_warning(before)
     assert.is_false(report.met)
     assert.equal(1, #said)
@@ -219,7 +219,7 @@ describe("bounces of a picture", function()
     assert.error_matches(function() scene:prepare(few):render { lights = { lit } } end, "see nothing of a ylm.radiosity")
     assert.error_matches(function() scene:render { bounces = 1e9 } end, "from 0 to 1000000")
     scene.geometry[1] = ylm.sphere { radius = 2, divide = { 16, 8 } }
-    assert.error_matches(function() scene:render { size = few.size, samples = 1, indirect = lit } end, "of other geometry")
+    assert.error_matches(function() scene:render { size = few.size, samples = 1, bounced = lit } end, "of other geometry")
     lit:close()
     assert.error_matches(function() ylm.light_field(2, lit, { 0, 0, 0 }) end, "the radiosity has been closed")
   end)
@@ -227,9 +227,19 @@ describe("bounces of a picture", function()
   it("go by links where links are asked for by name", function()
     local scene = room()
     local plain, report = scene:render(with { bounces = 1 })
-    local named, other = scene:render(with { bounces = 1, indirect = "links" })
+    local named, other = scene:render(with { bounces = 1, bounced = "links" })
     assert(report.bounces == 1 and other.bounces == 1)
     assert(plain:compare(named).max == 0)
+  end)
+
+  it("are all of a scene's where nobody says how many, and none where 0 is named", function()
+    local scene = room()
+    local all, report = scene:render(with { bounces = "all" })
+    local plain, other = scene:render(with {})
+    assert(report.bounces == "all" and other.bounces == "all" and other.bounced == "links")
+    assert(plain:compare(all).max == 0)
+    local _, none = scene:render(with { bounces = 0 })
+    assert(none.bounces == 0 and none.omits)
   end)
 
   it("refuse options that contradict each other, naming the field", function()
@@ -237,21 +247,22 @@ describe("bounces of a picture", function()
     local lit = scene:links { spacing = 1, rays = 4 }:radiosity()
     for _, case in ipairs {
       { { bounces = -1 }, "bounces must be a number of reflections" }, { { rays = 5 }, "rays must be a multiple of 4" },
-      { { bounces = 1, indirect = lit }, "leave one out" }, { { indirect = "lit" }, "indirect must be" },
-      { { tolerance = 0 }, "tolerance must be" }, { { tolerance = 0.1, indirect = lit }, "leave indirect out" },
-      { { tolerance = 0.1, shading = "vertex" }, "shading = 'pixel'" },
-      { { indirect = room():links({ spacing = 1, rays = 4 }):radiosity() }, "the links are of scene" },
-      { { links = room():links { spacing = 1, rays = 4 } }, "render: the links are of scene" }, -- bounces or not
+      { { bounces = 1, bounced = lit }, "leave one out" }, { { bounced = "lit" }, "bounced must be" },
+      { { tolerance = 0 }, "tolerance must be" }, { { tolerance = 0.1, bounced = lit }, "leave bounced out" },
+      { { tolerance = 0.1, shading = "vertices" }, "shading = 'pixel'" },
+      { { bounced = room():links({ spacing = 1, rays = 4 }):radiosity() }, "the transfer is of scene" },
+      { { bounced = room():links { spacing = 1, rays = 4 }, bounces = 0 }, "render: the transfer is of scene" },
+        -- bounces or not
     } do
       local ok, message = pcall(scene.render, scene, with(case[1]))
       assert.is_false(ok)
       assert.matches(case[2], message, 1, true)
     end
     lit:close()
-    assert.matches("closed", select(2, pcall(scene.render, scene, with { indirect = lit })))
+    assert.matches("closed", select(2, pcall(scene.render, scene, with { bounced = lit })))
     local shut = scene:links { spacing = 1, rays = 4 }
     shut:close()
-    assert.matches("render: the links have been closed", select(2, pcall(scene.render, scene, with { links = shut })))
+    assert.matches("render: the transfer has been closed", select(2, pcall(scene.render, scene, with { bounced = shut })))
   end)
 
   it("take their links in a bake as in a picture", function()
@@ -290,12 +301,12 @@ describe("bounces of a picture", function()
     end
     local calm, hot = picture(lit_by(1.3, 0.2, 10), 256), picture(lit_by(0.1, 0.05, 200))
     assert.equal(0, #calm.warnings)
-    assert.is_true(calm.indirect_noise > 0 and calm.indirect_noise < 0.05)
-    assert.is_true(hot.indirect_noise > 0.25)
+    assert.is_true(calm.bounced_noise > 0 and calm.bounced_noise < 0.05)
+    assert.is_true(hot.bounced_noise > 0.25)
     assert.matches("64 links of a shading point leave a noise of %d+ %% in the light that bounces: few of them meet what is "
       .. "bright", hot.warnings[1])
     local more = picture(lit_by(0.1, 0.05, 200), 1024)
-    assert.is_true(more.indirect_noise < hot.indirect_noise / 2)
+    assert.is_true(more.bounced_noise < hot.bounced_noise / 2)
   end)
 
   it("warns from 5 % on by default, and the links that it names leave no more than 2 %", function()
@@ -307,12 +318,12 @@ describe("bounces of a picture", function()
       return select(2, scene:render { size = { 24, 16 }, samples = 1, bounces = "all", rays = links, layers = false })
     end
     local by_default = picture()
-    assert.is_true(by_default.indirect_noise > 0.05 and by_default.indirect_noise < 0.25, by_default.indirect_noise)
+    assert.is_true(by_default.bounced_noise > 0.05 and by_default.bounced_noise < 0.25, by_default.bounced_noise)
     local enough = by_default.warnings[1]:match "64 links of a shading point leave a noise of %d+ %% in the light that bounces: "
       and tonumber(by_default.warnings[1]:match "set rays = (%d+) for 2 %%, or a tolerance")
     local quiet = picture(enough)
     assert.same({}, quiet.warnings)
-    assert.is_true(quiet.indirect_noise < 0.02, quiet.indirect_noise)
+    assert.is_true(quiet.bounced_noise < 0.02, quiet.bounced_noise)
   end)
 end)
 
@@ -338,7 +349,7 @@ describe("direct light of a picture", function()
 
   it("warns where shadow rays leave more than 5 %, and names how many leave 2 %", function()
     local function picture(rays)
-      return select(2, plate(0.8):render { size = { 48, 27 }, samples = 1, light_samples = rays, layers = false })
+      return select(2, plate(0.8):render { size = { 48, 27 }, samples = 1, light_samples = rays, layers = false, bounces = 0 })
     end
     local few = picture(1)
     local enough = tonumber(few.warnings[1]:match
@@ -350,7 +361,8 @@ describe("direct light of a picture", function()
 
   it("says of camera rays that are shaded as one what shadow rays are called", function()
     local function picture(samples, rays)
-      return select(2, plate(0.1):render { size = { 24, 16 }, samples = samples, light_samples = rays, layers = false })
+      return select(2, plate(0.1):render { size = { 24, 16 }, samples = samples, light_samples = rays, layers = false,
+        bounces = 0 })
     end
     assert.matches("128 camera rays of a pixel are shaded as %d.%d: more of them smooth edges alone; shadow rays are "
       .. "light_samples = 32 %(ylm render %-%-light%-samples%)", picture(128).warnings[1])

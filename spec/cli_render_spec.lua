@@ -29,7 +29,7 @@ describe("the command-line tool's renderings", function()
     return lines
   end
 
-  it("shade surfaces that gloss as --gloss says", function()
+  it("shade glossy surfaces as --gloss says", function()
     local ball = scratch.quote(folder:write("ball.lua", [[
       return scene "a ball" {
         camera   = camera { from = { 0, 0, 4 }, at = { 0, 0, 0 } },
@@ -38,14 +38,14 @@ describe("the command-line tool's renderings", function()
       }]]))
     for words, says in pairs { [""] = '"gloss":"auto"', [" --gloss rays --light-samples 16"] = '"gloss":"rays"',
       [" --gloss auto --gloss-error 0.5,0.9"] = '"gloss":"auto"', [" --gloss matte"] = '"gloss":"matte"' } do
-      local out, code, err = ylm("render " .. ball .. " -m reference -s 16x9 -n 1" .. words .. to "ball.exr" .. " --json")
+      local out, code, err = ylm("render " .. ball .. " --by sum -s 16x9 -n 1" .. words .. to "ball.exr" .. " --json")
       assert.equal(0, code, err)
       assert.truthy(out:find(says, 1, true), out)
     end
   end)
 
   it("take --samples as camera rays and --light-samples as shadow rays", function()
-    local out, code, err = ylm("render " .. scene .. " -m raycast -s 16x9 -n 3 --light-samples 5" .. to "rays.exr" .. " --json")
+    local out, code, err = ylm("render " .. scene .. " -b 0 -s 16x9 -n 3 --light-samples 5" .. to "rays.exr" .. " --json")
     assert.equal(0, code, err)
     assert.truthy(out:find('"primary":' .. 16 * 9 * 3, 1, true), out)
     local points, shadow = tonumber(out:match '"points":(%d+)'), tonumber(out:match '"shadow":(%d+)')
@@ -53,8 +53,7 @@ describe("the command-line tool's renderings", function()
     assert.truthy(out:find('"warnings":[]', 1, true), out)
     local usage = ylm "render --help"
     assert.truthy(usage:find "%-n, %-%-samples N +camera rays per pixel\n", usage)
-    assert.truthy(usage:find "%-%-light%-samples N +rays, raycast: shadow rays per shading point, default 32; raycast: 64\n",
-      usage)
+    assert.truthy(usage:find "%-%-light%-samples N +by rays: shadow rays per shading point, default 32\n", usage)
   end)
 
   it("trace paths, go on from their file, and say whether two images agree", function()
@@ -93,7 +92,7 @@ describe("the command-line tool's renderings", function()
       assert.equal(2, code, err)
       assert.truthy(out == "" and err:find(says, 1, true), err)
     end
-    out, code, err = ylm("render " .. scene .. " -s 16x9 -n 1 --json --indirect virtual --count 40 --merge --shadows centre"
+    out, code, err = ylm("render " .. scene .. " -s 16x9 -n 1 --json --bounced virtual -b 1 --count 40 --merge --shadows centre"
       .. to "x.exr")
     assert.equal(0, code, err)
     assert.truthy(out:find('"particles":2000', 1, true), out)
@@ -101,19 +100,20 @@ describe("the command-line tool's renderings", function()
 
   it("refuse options that a method would not use, before they work", function()
     for words, says in pairs {
-      ["render -m raycast --shading vertex"] = "--shading is for --method grid and reference, this is raycast: leave it out",
-      ["render -m raycast --sums-tolerance 0.1"] = "--sums-tolerance is for --method grid and reference, this is raycast",
-      ["render -m reference --interpolation linear"] = "--interpolation is for --method grid, this is reference",
-      ["render -m reference --grid x.ylm"] = "--grid is for --method grid, this is reference",
-      ["render -m reference --light-samples 4"] = "--light-samples is for --method raycast, this is reference",
-      ["render -m grid --light-samples 4"] = "--light-samples is for --method raycast, this is grid",
+      ["render --shading vertex"] = "--shading is pixel or vertices, got 'vertex'",
+      ["render --by rays --sums-tolerance 0.1"] = "--sums-tolerance is for --by grid and sum, this is by rays: leave it out",
+      ["render --by sum --interpolation linear"] = "--interpolation is for --by grid, this is by sum",
+      ["render --by sum --grid x.ylm"] = "--grid is for --by grid, this is by sum",
+      ["render --by sum --light-samples 4"] = "--light-samples is for pictures by rays to the lamps (--by rays)",
+      ["render --by grid --light-samples 4"] = "--light-samples is for pictures by rays to the lamps (--by rays)",
+      ["render --by paths"] = "--by is rays, grid or sum, got 'paths'",
       ["render --visibility transfer --light-samples 4"] = "--light-samples is for pictures by rays to the lamps",
       ["render --grid x.ylm --light-samples 4"] = "--light-samples is for pictures by rays to the lamps",
-      ["render --interpolation linear"] = "--interpolation is for grids (--grid FILE, or --visibility transfer)",
-      ["render --sums-tolerance 0.1"] = "--sums-tolerance is for grids (--grid FILE, or --visibility transfer)",
+      ["render --interpolation linear"] = "--interpolation is for --by grid, this is by rays: leave it out",
+      ["render --grid x.ylm --tolerance 0.1"] = "--tolerance is for --by rays, this is by grid",
       ["render --visibility tansfer"] = "--visibility is rays, transfer, none or self, got 'tansfer' (did you mean transfer?)",
-      ["render -m reference --visibility rays"] = "--visibility rays is for pictures without --method reference: leave one out",
-      ["render -m raycast --visibility none"] = "--visibility is for --method grid and reference, this is raycast",
+      ["render --by sum --visibility rays"] = "--visibility rays is not of pictures by sum: leave one out",
+      ["render --by rays --visibility transfer"] = "--visibility transfer is not of pictures by rays: leave one out",
       ["render --grid x.ylm --sums-tolerance 0.1"] = "--sums-tolerance is for baking the scene's probes, --grid is baked",
       ["bake --occupied vertices --size 16x9"] = "--size and --samples are of the camera's view, --occupied is vertices",
       ["bake --quantity shadows"] = "--quantity is lights, direct, indirect or all, got 'shadows'",
@@ -122,12 +122,11 @@ describe("the command-line tool's renderings", function()
       ["bake --quantity all --bounces some"] = "--bounces is a number from 0 on, or all, got 'some'",
       ["bake --quantity all --sums-tolerance 0.1"] = "--sums-tolerance is for --quantity lights, this is all: leave it out",
       ["bake --occupied everywhere -n 2"] = "--size and --samples are of the camera's view, --occupied is everywhere",
-      ["render --gloss reys"] = "--gloss is auto, sh, rays or matte, got 'reys' (did you mean rays?)",
-      ["render --gloss sh"] = "--gloss sh is for grids (--grid FILE, or --visibility transfer): rays know materials",
-      ["render -m raycast --gloss sh"] = "--gloss is for --method grid and reference, this is raycast: leave it out",
-      ["render -m reference --gloss sh --gloss-error 0.1,0.2"] = "--gloss-error is for --gloss auto, this is sh: leave one out",
-      ["render -m reference --gloss-error 0.2,0.1"] = "--gloss-error is two numbers such as 0.01,0.03",
-      ["render --merge"] = "--merge is for --indirect virtual: leave it out, or ask for that",
+      ["render --gloss reys"] = "--gloss is matte, sh, auto or rays, got 'reys' (did you mean rays?)",
+      ["render --gloss sh"] = "--gloss sh is for grids (--grid FILE, or --by grid): rays know materials",
+      ["render --by sum --gloss sh --gloss-error 0.1,0.2"] = "--gloss-error is for --gloss auto, this is sh: leave one out",
+      ["render --by sum --gloss-error 0.2,0.1"] = "--gloss-error is two numbers such as 0.01,0.03",
+      ["render --merge"] = "--merge is for --bounced virtual: leave it out, or ask for that",
       ["render --exposure 1e300"] = "--exposure is from -60 to 60 stops, got 1e+300",
       ["render --exposure -61"] = "--exposure is from -60 to 60 stops, got -61",
     } do
@@ -140,8 +139,7 @@ describe("the command-line tool's renderings", function()
     local _, code, err = ylm("render missing.lua --exposure 1" .. to "x.exr")
     assert.equal(2, code)
     assert.truthy(err:find("render: --exposure is of a .png: ", 1, true), err)
-    -- a reference takes the shading that it did not take before
-    assert.equal(0, select(2, ylm("render " .. scene .. " -q -m reference --shading vertex -s 16x9 -n 1" .. to "x.exr")))
+    assert.equal(0, select(2, ylm("render " .. scene .. " -q --by sum --shading vertices -s 16x9 -n 1" .. to "x.exr")))
   end)
 
   it("say what falls short in a line each, and end with status 6 under --strict", function()
@@ -180,8 +178,8 @@ describe("the command-line tool's renderings", function()
     assert.equal(0, code, err)
     assert.truthy(out:find "^visibility +grid\n", out)
     assert.is_nil(out:find "occlusion +missing", out)
-    assert.equal(0, select(2, ylm("render " .. scene .. small .. " -m raycast --strict")))
-    assert.equal(0, select(2, ylm("render " .. scene .. small .. " --strict"))) -- by rays
+    assert.equal(0, select(2, ylm("render " .. scene .. small .. " --by rays -b 0 --strict")))
+    assert.equal(0, select(2, ylm("render " .. scene .. small .. " --visibility rays -b 0 --strict"))) -- by rays
     assert.truthy((ylm "--help"):find("6 a warning was given and --strict asked for", 1, true))
   end)
 end)

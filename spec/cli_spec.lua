@@ -35,7 +35,7 @@ describe("the command-line tool", function()
     assert.equal(2, code)
     assert.truthy(err:find("no option --jsn (did you mean --json?)", 1, true), err)
     for _, words in ipairs { "info x y", "render", "render a.lua --size 3", "render a.lua --samples x", "render a.lua -o",
-      "render a.lua", "bake a.lua", "compare a.exr", "run", "info --json=1", "render a.lua -o b.exr --method x" } do
+      "render a.lua", "bake a.lua", "compare a.exr", "run", "info --json=1", "render a.lua -o b.exr --by x" } do
       local _, status, text = ylm(words)
       assert.equal(2, status, words .. ": " .. text)
       assert.truthy(#text > 0)
@@ -278,9 +278,9 @@ return scene "a room" {
     local out, code, err = ylm("bake " .. scene .. " --json -o " .. quote(path .. "/lamp.ylm"))
     assert.equal(0, code, err)
     assert.truthy(out:find '"points":%d+', out)
-    for _, method in ipairs { "grid", "reference", "raycast" } do
-      out, code, err = ylm("render " .. scene .. small .. "--json --method " .. method .. " -o "
-        .. quote(path .. "/" .. method .. ".exr"))
+    for _, by in ipairs { "grid", "sum", "rays" } do
+      out, code, err = ylm("render " .. scene .. small .. "--json --by " .. by .. " -o "
+        .. quote(path .. "/" .. by .. ".exr"))
       assert.equal(0, code, err)
       assert.truthy(out:find '^{".*}\n$', out)
     end
@@ -288,7 +288,7 @@ return scene "a room" {
       .. quote(path .. "/again.png"))
     assert.equal(0, code, err)
     assert.equal("\137PNG", folder:read("again.png"):sub(1, 4))
-    local images = quote(path .. "/grid.exr") .. " " .. quote(path .. "/reference.exr")
+    local images = quote(path .. "/grid.exr") .. " " .. quote(path .. "/sum.exr")
     out, code, err = ylm("compare " .. images .. " --difference " .. quote(path .. "/difference.pfm"))
     assert.equal(0, code, err)
     assert.truthy(out:find "^mse +%S+\nrmse", out)
@@ -407,7 +407,7 @@ return scene "a room" {
         geometry = quad { corner = { -2, -0.5, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } },
         lights   = sphere_light { at = { 0.5, 1.5, 0.5 }, radius = 0.1, radiance = 50 },
         probes   = adaptive_grid { lmax = 1, depth = 2, threshold = 1 },
-      }]]) .. " --size 16x9 --samples 1 -o " .. scratch.quote(folder.path .. "/log.pfm"))
+      }]]) .. " -b 0 --size 16x9 --samples 1 -o " .. scratch.quote(folder.path .. "/log.pfm"))
     assert.equal(0, code, err)
     assert.truthy(out:find("^visibility +rays\n.*\nrays +occlusion 0, primary %d+, shadow %d+\n"), out)
     assert.truthy(err:find "raycast +10 20 30 40 50 60 70 80 90 100 %%  0:0%d\n", err)

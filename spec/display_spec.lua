@@ -120,27 +120,26 @@ describe("ylm.display", function()
   end)
 
   it("shows pictures while they are made, and the finished one to the bit", function()
-    for _, how in ipairs { "pathtrace", "raycast", "render" } do
+    for _, how in ipairs { "paths", "direct", "all" } do
       local address, read = viewer "all"
-      local options = { size = { 32, 20 }, samples = how == "pathtrace" and 32 or 4, display = address }
-      local scene = room()
-      local image, report = scene[how](scene, options)
+      local options = { by = how == "paths" and "paths" or "rays", size = { 32, 20 }, samples = how == "paths" and 32 or 4,
+        bounces = how == "direct" and 0 or nil, display = address }
+      local image, report = room():render(options)
       assert(image, report)
       local _, floats = picture(read)
       assert(floats == floats_of(image), how)
       options.display = nil
-      local alone = room()[how](room(), options)
+      local alone = room():render(options)
       assert(floats_of(alone) == floats, how .. ": the picture is another one without a viewer")
     end
   end)
 
   it("shows the first part of a picture before the last is made", function()
-    for _, how in ipairs { "pathtrace", "raycast", "render" } do
+    for _, how in ipairs { "paths", "rays" } do
       local address, read = viewer "all"
-      local scene, first, most = room(), nil, nil
-      assert(scene[how](scene, { size = { 64, 48 }, samples = 16, display = address, threads = 1, progress = function(done, total)
-        first, most = first or done, total                       -- a part is sent before progress is told
-      end }))
+      local first, most
+      assert(room():render { by = how, bounces = 0, size = { 64, 48 }, samples = 16, display = address, threads = 1,
+        progress = function(done, total) first, most = first or done, total end }) -- a part is sent before progress is told
       assert(first < most, how)
       local parts, whole = 0, nil
       for line in read "packets":gmatch "[^\n]+" do
@@ -158,7 +157,7 @@ describe("ylm.display", function()
   geometry = { quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } } },
   lights = { sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 50 } },
 }]])
-    for _, words in ipairs { "pathtrace -n 8", "render -n 4", "render -m raycast -n 4" } do
+    for _, words in ipairs { "pathtrace -n 8", "render -b 0 -n 4" } do
       local address, read = viewer "all"
       local out, code, err = run(("%s %s -q -s 33x21 --display %s -o %s/s.exr"):format(words, scene, address, folder.path))
       assert.equal(0, code, out .. err)
@@ -181,7 +180,7 @@ describe("ylm.display", function()
       end
     end
     local warning = tool.runner(folder, "YLM_WARNINGS=yes")
-    local out, code, err = warning(("render %s -n 1 -s 8x8 --display 127.0.0.1:9 -o %s/s.exr"):format(scene, folder.path))
+    local out, code, err = warning(("render %s -b 0 -n 1 -s 8x8 --display 127.0.0.1:9 -o %s/s.exr"):format(scene, folder.path))
     assert.equal(0, code, out .. err)
     assert.equal(1, select(2, err:gsub("no image viewer listens at 127.0.0.1:9", "")), err)
   end)
@@ -196,7 +195,8 @@ describe("ylm.display", function()
   end
 
   it("warns once where nobody listens, and makes the picture", function()
-    local said, report = warned(function() return room():render { size = { 16, 16 }, samples = 1, display = "127.0.0.1:9" } end)
+    local said, report = warned(function() return room():render { size = { 16, 16 }, samples = 1, display = "127.0.0.1:9",
+      bounces = 0 } end)
     assert.same({ "no image viewer listens at 127.0.0.1:9: the picture is made without it" }, said)
     assert.equal(said[1], report.warnings[#report.warnings])
   end)
@@ -233,6 +233,6 @@ describe("ylm.display", function()
     display:close()
     read "port"
     assert.has_error(function() display:send("a", image) end, "bad argument #1 to 'send' (the display has been closed)")
-    assert.has_error(function() room():render { display = 7 } end)
+    assert.has_error(function() room():render { display = 7, bounces = 0 } end)
   end)
 end)

@@ -1,4 +1,4 @@
--- scene:virtual_lights of surfaces that gloss: slices fitted over the hemisphere, their power, their axes.
+-- scene:virtual_lights of glossy surfaces: slices fitted over the hemisphere, their power, their axes.
 
 local refused = require "spec.support.raises"
 local ylm = require "ylm"
@@ -92,7 +92,7 @@ describe("fits over the hemisphere", function()
   end)
 end)
 
-describe("lights of surfaces that gloss", function()
+describe("lights of glossy surfaces", function()
   local turned = ylm.ggx { alpha = { 0.5, 0.25 }, f0 = 0.8 }
 
   for _, case in ipairs {
@@ -193,7 +193,7 @@ describe("lights of surfaces that gloss", function()
   end)
 end)
 
-describe("a wall beside a floor that glosses", function()
+describe("a wall beside a glossy floor", function()
   it("has the light that paths bring there from the floor, which matte lights have not", function()
     local grey = ylm.matte { albedo = 0.6 }
     local scene = ylm.scene "a lobe" { camera = ylm.camera { from = { 0, 0.5, 2.2 }, at = { 0.5, 0.4, -0.3 }, fov = 50 },
@@ -203,11 +203,11 @@ describe("a wall beside a floor that glosses", function()
       lights = ylm.spot_light { at = { -0.9, 0.8, 0 }, to = { 0, 0, 0 }, angle = 30, intensity = 10 } }
     local view = scene:prepare { size = { 18, 12 }, samples = 1, share = 0 }
     local truth = require "ylm.trace".library().shade_judge(view, { samples = 512, first = 2, last = 2, seed = 1 })
-    local at, prepared = view:points().position, require "ylm.render.view".open("gather", view)
+    local at, prepared = view:points().position, require "ylm.render.view".open("render", view)
     local off, whole = {}, {}
     for _, degree in ipairs { 0, 4 } do
       local lights = scene:virtual_lights { distribution = "grid", count = 400, degree = degree }
-      local got = require "ylm.render.gather".radiance("gather", prepared, { lights = lights, method = "hvl", lmax = 8 })
+      local got = require "ylm.render.bounced.virtual".sum("render", prepared, { lights = lights, lmax = 8 })
       local d, all, sum, wanted = 0, 0, 0, 0
       for i = 1, #truth do
         if at:get(i, 1) > 0.99 then

@@ -33,7 +33,7 @@ end
 
 local function gathered(scene, lights)
   local view = scene:prepare { size = { 16, 10 }, samples = 1, gloss = "matte" }
-  return assert(view:gather { lights = lights, layers = false }):layer "radiance"
+  return assert(view:render { by = "none", bounced = lights, layers = false }):layer "radiance"
 end
 
 --- The root mean square of a difference over that of `b`.
@@ -101,7 +101,7 @@ describe("merged lights", function()
     near(r.power.reflected[2], lights.power[2], 1e-6)
   end)
 
-  it("of surfaces that gloss are fitted, and keep the power", function()
+  it("of glossy surfaces are fitted, and keep the power", function()
     local scene = room(nil, ylm.ggx { alpha = 0.5, f0 = { 0.9, 0.6, 0.3 } })
     local lights, r = scene:virtual_lights { merge = 60, particles = 3000, degree = 2 }
     assert.equal(2, lights.degree)
@@ -128,7 +128,8 @@ describe("merged lights", function()
     for _, n in ipairs { 20, 60, 200 } do
       local lights, sums = scene(0):virtual_lights { merge = n, particles = 20000 }, {}
       for k, shadows in ipairs { "none", "centre" } do
-        local layer = view:gather({ lights = lights, shadows = shadows, layers = false }):layer "radiance"
+        local layer = view:render({ by = "none", bounced = lights, virtual = { shadows = shadows },
+          layers = false }):layer "radiance"
         sums[k] = 0
         for i = 1, 10 do for j = 1, 16 do sums[k] = sums[k] + layer:get(i, j, 2) end end
       end

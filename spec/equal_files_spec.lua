@@ -24,8 +24,8 @@ local grid = assert(scene:bake { occupied = "camera", size = size })
 save(grid, ".ylm")
 local picture = assert(scene:render { size = size, grid = grid, layers = true })
 for _, ending in ipairs { ".exr", ".png", ".hdr", ".pfm" } do save(picture, ending) end
-save(assert(scene:raycast { size = size }), "_raycast.exr")
-save(assert(scene:reference { size = size }), "_reference.exr")
+save(assert(scene:render { bounces = 0, size = size, light_samples = 64 }), "_raycast.exr")
+save(assert(scene:render { by = "sum", size = size }), "_reference.exr")
 ]]
 
 local names = { ".ylm", ".exr", ".png", ".hdr", ".pfm", "_raycast.exr", "_reference.exr" }

@@ -1,4 +1,4 @@
--- Light that bounces, met by surfaces that gloss: rays that their materials choose, into elements.
+-- Light that bounces, met by glossy surfaces: rays that their materials choose, into the elements of a transfer.
 local long = require "spec.support.long"
 local ylm = require "ylm"
 
@@ -69,7 +69,7 @@ local few = { size = { 8, 8 }, samples = 1, rays = 64 }
 --- Light that bounces alone, [3].
 local function bounced(scene, o)
   local all = mean((scene:render(with({ bounces = "all" }, o))))
-  local direct = mean((scene:render { size = o.size, samples = o.samples }))
+  local direct = mean((scene:render { size = o.size, samples = o.samples, bounces = 0 }))
   return { all[1] - direct[1], all[2] - direct[2], all[3] - direct[3] }
 end
 
@@ -94,7 +94,7 @@ local function room(material)
   return scene, lit, scene:prepare(of(lit.links))
 end
 
-describe("bounced light on surfaces that gloss", function()
+describe("bounced light on glossy surfaces", function()
   it("is the reflectance towards the camera where it comes from everywhere alike", function()
     local cases = {
       { ylm.ggx { alpha = 0.1, f0 = { 1, 0.78, 0.34 } }, 50 },
@@ -112,23 +112,23 @@ describe("bounced light on surfaces that gloss", function()
 
   it("follows lamps without a ray, as a picture made anew, whatever the number of threads", function()
     local scene, lit, view = room(ggx)
-    local first = view:render { indirect = lit }
+    local first = view:render { bounced = lit }
     local lamps = { ylm.sphere_light { at = { -0.6, 1.6, 0.9 }, radius = 0.1, radiance = { 5, 20, 40 } } }
     lit:update(lamps)
-    local image, report = view:render { indirect = lit, threads = 1 }
+    local image, report = view:render { bounced = lit, threads = 1 }
     assert.is_true(different(first, image) > 0)
     assert.equal(view.stats.points * 16, report.rays.links)
     assert.is_true(report.rays.gloss_links > 0 and report.rays.gloss_links < report.rays.links)
-    assert.is_true(report.indirect_noise > 0)
+    assert.is_true(report.bounced_noise > 0)
     local again = scene:prepare(of(lit.links))
     for _, threads in ipairs { 2, 7 } do
-      assert.equal(0, different(image, (again:render { indirect = lit, threads = threads })))
+      assert.equal(0, different(image, (again:render { bounced = lit, threads = threads })))
     end
   end)
 
   it("changes no bit of what is matte", function()
     local scene, lit = room(ggx)
-    local function picture(gloss) return scene:render(with({ indirect = lit, gloss = gloss }, few_points)) end
+    local function picture(gloss) return scene:render(with({ bounced = lit, gloss = gloss }, few_points)) end
     local rays, matte = picture(), picture "matte"
     local a, b, n, changed, kept = radiance(rays), radiance(matte), rays:layer "normal":totable(), 0, 0
     for i, row in ipairs(a) do
@@ -147,7 +147,7 @@ describe("bounced light on surfaces that gloss", function()
   it("agrees with paths", function()
     local scene, lit = room(ylm.ggx { alpha = 0.15, f0 = 0.7 })
     local truth = scene:pathtrace { size = { 16, 9 }, samples = 1024, layers = false, reflections = { 1, "all" } }
-    local error = error_of(scene:render { size = { 16, 9 }, samples = 64, light_samples = 64, indirect = lit, rays = 64 }, truth)
+    local error = error_of(scene:render { size = { 16, 9 }, samples = 64, light_samples = 64, bounced = lit, rays = 64 }, truth)
     assert.is_true(error < 0.05, tostring(error))
   end)
 
@@ -160,13 +160,13 @@ describe("bounced light on surfaces that gloss", function()
       local function by(shading)
         local view = scene:prepare(with({ shading = shading, links = lit.links }, o))
         local grid = ylm.sphere_lights { at = { { 0, 9, 0 } }, radius = 0.1, radiance = 0 }.lights
-        local image, sum = view:render { grid = grid, indirect = lit }, 0
+        local image, sum = view:render { grid = grid, bounced = lit }, 0
         for i, row in ipairs(image:layer "normal":totable()) do
           for k, n in ipairs(row) do if n[2] > 0.99 then sum = sum + image:layer "radiance":get(i, k, 1) end end
         end
         return sum
       end
-      local vertices, pixels = by "vertex", by "pixel"
+      local vertices, pixels = by "vertices", by "pixel"
       assert.near(1, vertices / pixels, 0.05)
     end
   end)
@@ -179,12 +179,12 @@ local function by_field(material, degrees, make, o)
   local scene = globe(material, degrees)
   local t = scene:links { spacing = 0.2, rays = 64 }
   local light = make(t:radiosity())
-  local given = with({ indirect = light, links = o and o.rays and t or nil, gloss = o and o.gloss }, few)
+  local given = with({ bounced = light, links = o and o.rays and t or nil, gloss = o and o.gloss }, few)
   local image, report = scene:render(given)
   for i = #report.warnings, 1, -1 do -- noise of direct light is not the subject here
     if report.warnings[i]:find "in direct light" then table.remove(report.warnings, i) end
   end
-  local all, direct = mean(image), mean((scene:render(few)))
+  local all, direct = mean(image), mean((scene:render { size = few.size, samples = few.samples, bounces = 0 }))
   local out = {}
   for c = 1, 3 do out[c] = (all[c] - direct[c]) / SENT end
   return out, report
@@ -196,7 +196,7 @@ local function baked(lit)
   return ylm.bake(ylm.uniform_grid { bounds = { { -0.5, -0.5, -0.7 }, { 0.5, 0.5, 0.3 } }, cells = 2, lmax = 3 }, field(lit))
 end
 
-describe("light of a field that bounces, on surfaces that gloss", function()
+describe("light of a field that bounces, on glossy surfaces", function()
   it("is F . L: the reflectance where it comes from everywhere alike", function()
     local m = ylm.ggx { alpha = 0.5, f0 = { 0.9, 0.6, 0.2 }, base = 0.05 }
     local truth = m:albedo({ math.cos(math.rad(35)) }):totable()[1]
@@ -204,7 +204,7 @@ describe("light of a field that bounces, on surfaces that gloss", function()
       local got, report = by_field(m, 35, make, { gloss = "sh" })
       for c = 1, 3 do assert.near(1, got[c] / truth[c], 0.03) end
       assert.equal("those of the grid", report.bounces)
-      assert.is_true(report.indirect_glossy.sh > 0 and report.indirect_glossy.rays == 0)
+      assert.is_true(report.bounced_glossy.sh > 0 and report.bounced_glossy.rays == 0)
     end
   end)
 
@@ -213,7 +213,7 @@ describe("light of a field that bounces, on surfaces that gloss", function()
     local truth = m:albedo({ math.cos(math.rad(35)) }):totable()[1]
     local got, report = by_field(m, 35, baked, { rays = true })
     for c = 1, 3 do assert.near(1, got[c] / truth[c], 0.03) end
-    assert.is_true(report.indirect_glossy.rays > 0 and report.indirect_glossy.sh == 0 and report.rays.gloss_links > 0)
+    assert.is_true(report.bounced_glossy.rays > 0 and report.bounced_glossy.sh == 0 and report.rays.gloss_links > 0)
     assert.same({}, report.warnings)
     report = select(2, by_field(m, 35, baked))
     assert.equal(1, #report.warnings)
@@ -237,10 +237,10 @@ describe("light of a field that bounces, on surfaces that gloss", function()
     local scene, lit = room(ggx)
     local o = { size = { 16, 9 }, samples = 1 }
     for _, case in ipairs {
-      { { indirect = field(lit), gloss = "rays" }, "gloss = 'rays': rays find light on elements: give links" },
-      { { grid = field(lit), gloss = "rays" }, "or give links = scene:links {}, whose elements rays find" },
-      { { bounces = 1, gloss = "sh" }, "gloss is for a grid" }, { { gloss = "matte" }, "gloss is for a grid" },
-      { { indirect = field(lit), links = room(ggx):links { spacing = 0.5, rays = 4 } }, "this is another" },
+      { { bounced = field(lit), gloss = "rays" }, "gloss = 'rays': rays find light on elements: give transfer" },
+      { { grid = field(lit), gloss = "rays" }, "or give transfer = scene:links {}, whose elements rays find" },
+      { { bounces = 1, gloss = "sh" }, "gloss is for a grid" }, { { gloss = "matte", bounces = 0 }, "gloss is for a grid" },
+      { { bounced = field(lit), links = room(ggx):links { spacing = 0.5, rays = 4 } }, "this is another" },
     } do
       assert.error_matches(function() scene:render(with(case[1], o)) end, case[2])
     end

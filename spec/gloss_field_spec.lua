@@ -1,5 +1,6 @@
--- Surfaces that gloss under every kind of light field, by harmonics, against paths of one reflection.
+-- Glossy surfaces under every kind of light field, by harmonics, against paths of one reflection.
 local ylm = require "ylm"
+local ways = require "spec.support.ways"
 
 local SIZE, LMAX = { 16, 16 }, 8
 
@@ -46,12 +47,12 @@ local fields = {
   { "a sun", { sun } }, { "a sky", { sky } }, { "their sum", { sphere, sun, sky } },
 }
 
-describe("surfaces that gloss, by harmonics", function()
+describe("glossy surfaces, by harmonics", function()
   for _, case in ipairs(fields) do
     it("are those of paths under " .. case[1], function()
       local s = ball(case[2])
       local truth = s:pathtrace { size = SIZE, samples = 512, reflections = { 1, 1 }, layers = false }
-      local image, report = s:reference { size = SIZE, samples = 64, lmax = LMAX, visibility = "none", gloss = "sh" }
+      local image, report = s:render { by = "sum", size = SIZE, samples = 64, lmax = LMAX, visibility = "none", gloss = "sh" }
       local error, missed = error_of(image, truth), report.glossy.missed
       assert.is_true(error < missed + 0.01, ("%.4f, slices miss %.4f"):format(error, missed))
     end)
@@ -60,7 +61,7 @@ describe("surfaces that gloss, by harmonics", function()
   it("are those of exact coefficients under uniform and adaptive grids", function()
     local s = ball(fields[7][2])
     local o = { size = SIZE, samples = 4, lmax = LMAX, visibility = "none", gloss = "sh" }
-    local exact = s:reference(o)
+    local exact = s:render(ways.sum(o))
     local bounds = { { -1.1, -1.1, -1.1 }, { 1.1, 1.1, 1.1 } }
     exact:add("variance", 3)
     for _, probes in ipairs { ylm.uniform_grid { bounds = bounds, cells = 6, lmax = LMAX },

@@ -1,7 +1,8 @@
--- Surfaces that gloss, shaded by spherical harmonics: gloss = "sh".
+-- Glossy surfaces, shaded by spherical harmonics: gloss = "sh".
 local core = require "ylm.c.core"
 local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
+local ways = require "spec.support.ways"
 
 local function unit(v)
   local l = math.sqrt(v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2)
@@ -91,7 +92,7 @@ describe("gloss = 'sh'", function()
     for _, case in ipairs { { view(0), view(20, 90) }, { view(30, 50), view(25, 200) }, { view(50, 250), view(40, 110) } } do
       local eye, d = case[1], case[2]
       local image = element(gold, eye, { ylm.sphere_light { at = d, radius = 0.3, radiance = 1 } })
-        :reference(with { lmax = 8, visibility = "none", gloss = "sh" })
+        :render(ways.sum(with { lmax = 8, visibility = "none", gloss = "sh" }))
       local got, truth = pixel(image), by_quadrature(gold, eye, d, 0.3)
       for c = 1, 3 do assert.near(1, got[c] / truth[c], 0.03) end
     end
@@ -99,30 +100,30 @@ describe("gloss = 'sh'", function()
 
   it("shades a table of a matte material as transfer vectors shade the material, of floats and doubles", function()
     local o = with({ lmax = 6, visibility = "none", share = 0 }, picture)
-    local matte = scene { ylm.sphere { material = ylm.matte { albedo = { 0.3, 0.5, 0.2 } } } }:reference(o)
+    local matte = scene { ylm.sphere { material = ylm.matte { albedo = { 0.3, 0.5, 0.2 } } } }:render(ways.sum(o))
     local tabled = scene { ylm.sphere { material = ylm.phong { exponent = 1, specular = 0, base = { 0.3, 0.5, 0.2 } } } }
     for _, dtype in ipairs { "float", "double" } do
-      assert.is_true(distance(tabled:reference(with({ gloss = "sh", dtype = dtype }, o)), matte) < 1e-4)
+      assert.is_true(distance(tabled:render(ways.sum(with({ gloss = "sh", dtype = dtype }, o))), matte) < 1e-4)
     end
   end)
 
   it("takes nothing away where nothing occludes, to the last bit", function()
     local floor = scene { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, material = gold } }
-    local open = floor:reference(with({ lmax = 4, visibility = "none", gloss = "sh" }, picture))
-    assert.is_true(same(open, floor:reference(with({ lmax = 4, visibility = "transfer", gloss = "sh" }, picture))))
+    local open = floor:render(ways.sum(with({ lmax = 4, visibility = "none", gloss = "sh" }, picture)))
+    assert.is_true(same(open, floor:render(ways.sum(with({ lmax = 4, visibility = "transfer", gloss = "sh" }, picture)))))
   end)
 
   it("agrees with paths of one reflection on a sphere", function()
     local s = scene { ylm.sphere { material = ylm.ggx { alpha = 0.5, f0 = { 1, 0.8, 0.3 } } } }
     local o = { size = picture.size, samples = 64, lmax = 8, visibility = "none" }
-    local image, report = s:reference(with({ gloss = "sh" }, o))
+    local image, report = s:render(ways.sum(with({ gloss = "sh" }, o)))
     local truth = s:pathtrace { size = picture.size, samples = 256, reflections = { 1, 1 } }
     local error = distance(image, truth, truth:layer "variance")
     assert.is_true(error < 0.02, tostring(error))
-    assert.is_true(3 * error < distance(s:reference(with({ gloss = "matte" }, o)), truth))
+    assert.is_true(3 * error < distance(s:render(ways.sum(with({ gloss = "matte" }, o))), truth))
     assert.equal("sh", report.gloss)
     assert.is_true(report.gloss_bytes > 0 and report.seconds.gloss > 0 and report.seconds.gloss <= report.seconds.transfer)
-    local _, again = s:reference(with({ gloss = "sh" }, o)) -- the material keeps its table
+    local _, again = s:render(ways.sum(with({ gloss = "sh" }, o))) -- the material keeps its table
     assert.is_true(again.gloss_bytes == report.gloss_bytes and again.seconds.gloss < 0.2 * report.seconds.gloss)
   end)
 
@@ -131,20 +132,20 @@ describe("gloss = 'sh'", function()
       return scene { ylm.sphere { material = ylm.ggx { alpha = alpha, f0 = 0.9, compensate = false } } }
     end
     local s = sphere { 0.4, 0.9 }
-    local truth = s:raycast(with({ light_samples = 256 }, picture))
-    assert.is_true(distance(s:reference(with({ lmax = 6, visibility = "none", gloss = "sh" }, picture)), truth) < 0.06)
-    assert.is_true(distance(sphere { 0.9, 0.4 }:raycast(with({ light_samples = 256 }, picture)), truth) > 0.3)
+    local truth = s:render(ways.rays(with({ light_samples = 256 }, picture)))
+    assert.is_true(distance(s:render(ways.sum(with({ lmax = 6, visibility = "none", gloss = "sh" }, picture))), truth) < 0.06)
+    assert.is_true(distance(sphere { 0.9, 0.4 }:render(ways.rays(with({ light_samples = 256 }, picture))), truth) > 0.3)
   end)
 
   it("keeps what occluders stop from a floor", function()
     local floor = ylm.quad { corner = { -2, -1, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, material = gold }
     local s = scene({ floor, ylm.sphere { at = { 0, -0.5, -0.8 }, scale = 0.5 } },
       { ylm.sphere_light { at = { 0, 2.5, -5 }, radius = 1.5, radiance = 10 } })
-    local truth = s:raycast(with({ light_samples = 64 }, picture))
+    local truth = s:render(ways.rays(with({ light_samples = 64 }, picture)))
     local o = with({ lmax = 8, transfer_samples = 256, occlusion_distance = math.huge, gloss = "sh" }, picture)
-    local shadows = distance(s:reference(with({ visibility = "transfer" }, o)), truth)
+    local shadows = distance(s:render(ways.sum(with({ visibility = "transfer" }, o))), truth)
     o.transfer_samples, o.occlusion_distance = nil, nil
-    local none = distance(s:reference(with({ visibility = "none" }, o)), truth)
+    local none = distance(s:render(ways.sum(with({ visibility = "none" }, o))), truth)
     assert.is_true(shadows < 0.015 and none > 0.05, shadows .. " " .. none)
   end)
 
@@ -158,7 +159,7 @@ describe("gloss = 'sh'", function()
           ylm.quad { corner = { -2, -1, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 },
             material = ylm.ggx { alpha = 0.5, f0 = { 1, 0.78, 0.34 } } }, ylm.sphere { scale = 0.7 } }, lights = { light } }
         for _, lmax in ipairs { 2, 7 } do
-          local image = s:reference { size = { 7, 5 }, samples = 1, lmax = lmax, visibility = "transfer",
+          local image = s:render { by = "sum", size = { 7, 5 }, samples = 1, lmax = lmax, visibility = "transfer",
             transfer_samples = 32, gloss = "sh", threads = 1 }
           for _, row in ipairs(image:layer "radiance":totable()) do
             for _, p in ipairs(row) do print(("%.9g %.9g %.9g"):format(p[1], p[2], p[3])) end
@@ -189,15 +190,15 @@ describe("gloss = 'sh'", function()
     local s = scene { ylm.sphere { material = gold }, ylm.sphere { at = { 0.9, 0.9, 0.4 }, scale = 0.3,
       material = ylm.phong { exponent = 4, specular = 0.5, base = { 0.1, 0.2, 0.4 } } } }
     local o = with({ lmax = 4, visibility = "transfer", transfer_samples = 32, gloss = "sh" }, picture)
-    local first = s:reference(with({ threads = 1 }, o))
-    for _, threads in ipairs { 2, 7 } do assert.is_true(same(first, s:reference(with({ threads = threads }, o)))) end
-    assert.is_true(distance(s:reference(with({ shading = "vertex", transfer_samples = 256 }, o)), first) < 0.1)
+    local first = s:render(ways.sum(with({ threads = 1 }, o)))
+    for _, threads in ipairs { 2, 7 } do assert.is_true(same(first, s:render(ways.sum(with({ threads = threads }, o))))) end
+    assert.is_true(distance(s:render(ways.sum(with({ shading = "vertices", transfer_samples = 256 }, o))), first) < 0.1)
   end)
 
   it("shades by grids: of lights with the view's visibility, of direct light without", function()
     local s = scene { ylm.sphere { material = gold } }
     local probes = ylm.uniform_grid { cells = { 6, 6, 6 }, lmax = 6, bounds = { { -1.2, -1.2, -1.2 }, { 1.2, 1.2, 1.2 } } }
-    local exact = s:reference(with({ lmax = 6, visibility = "none", gloss = "sh" }, picture))
+    local exact = s:render(ways.sum(with({ lmax = 6, visibility = "none", gloss = "sh" }, picture)))
     local lights = s:bake { quantity = "lights", probes = probes }
     local own = with({ grid = lights, visibility = "none", gloss = "sh", dering = false }, picture)
     assert.is_true(distance(s:render(own), exact) < 0.02)
@@ -214,13 +215,13 @@ describe("gloss = 'sh'", function()
   it("changes nothing where it is not asked for", function()
     local s = scene { ylm.sphere { material = gold } }
     local o = with({ lmax = 3, visibility = "none", gloss = "matte" }, picture)
-    local image, report = s:reference(o)
-    assert.is_true(same(image, (s:prepare(o):reference())))
+    local image, report = s:render(ways.sum(o))
+    assert.is_true(same(image, (s:prepare(o):render { by = "sum" })))
     assert.equal("matte", report.gloss)
     assert.equal(1, #report.warnings)
     local matte = scene { ylm.sphere {} }
-    local a, b = matte:reference(with({ gloss = "sh" }, o))
-    assert.is_true(same(a, (matte:reference(o))))
+    local a, b = matte:render(ways.sum(with({ gloss = "sh" }, o)))
+    assert.is_true(same(a, (matte:render(ways.sum(o)))))
     assert.is_nil(b.gloss)
   end)
 
@@ -228,7 +229,7 @@ describe("gloss = 'sh'", function()
     local s = scene { ylm.sphere { material = ylm.ggx { alpha = 0.6, f0 = 0.9 } },
       ylm.sphere { at = { 0.9, 0.9, 0.4 }, scale = 0.3 } }
     local o = with({ lmax = 8, visibility = "transfer", transfer_samples = 64, share = 0 }, picture)
-    local function shot(more) return s:reference(with(more, o)) end
+    local function shot(more) return s:render(ways.sum(with(more, o))) end
     local rays, by_rays = shot { gloss = "rays", light_samples = 16 }
     local sh, by_sh = shot { gloss = "sh" }
     local auto, report = shot { light_samples = 16, gloss_error = { 0.03, 0.06 } }
@@ -252,18 +253,18 @@ describe("gloss = 'sh'", function()
     assert.is_true(same(sh, (shot { gloss_error = { 10, 11 } })))
     assert.is_true(same(rays, (shot { gloss_error = { 0, 1e-9 }, light_samples = 16 })))
     local matte = scene { ylm.sphere {} }
-    assert.is_true(same(matte:reference(o), (matte:reference(with({ gloss = "matte" }, o)))))
+    assert.is_true(same(matte:render(ways.sum(o)), (matte:render(ways.sum(with({ gloss = "matte" }, o))))))
   end)
 
   it("finds highlights smaller than a pixel, by as many rays as their noise needs", function()
     local s = scene({ ylm.sphere { material = ylm.ggx { alpha = 0.1, f0 = 0.9 } } },
       { ylm.sphere_light { at = { 3, 4, 3 }, radius = 0.3, radiance = 300 } })
     local truth = s:pathtrace { size = picture.size, samples = 512, reflections = { 1, 1 } }
-    local image, report = s:reference { size = picture.size, samples = 16, lmax = 4, visibility = "none" }
+    local image, report = s:render { by = "sum", size = picture.size, samples = 16, lmax = 4, visibility = "none" }
     assert.is_true(distance(image, truth, truth:layer "variance") < 0.05)
     assert.is_true(report.glossy.noise <= 0.015 and report.glossy.light_samples >= 32)
     assert.is_true(report.glossy.sh == 0 and #report.warnings == 0)
-    assert.is_true(distance(s:render { size = picture.size, samples = 16 }, truth) < 0.08)
+    assert.is_true(distance(s:render { size = picture.size, samples = 16, bounces = 0 }, truth) < 0.08)
   end)
 
   it("keeps light from below out with below = 'dark', and damps degrees with a window", function()
@@ -273,26 +274,26 @@ describe("gloss = 'sh'", function()
     local o = with({ lmax = 4, visibility = "transfer", transfer_samples = 16, gloss = "sh" }, picture)
     local function brightest(more)
       local most = 0
-      for _, row in ipairs(s:reference(with(more, o)):layer "radiance":totable()) do
+      for _, row in ipairs(s:render(ways.sum(with(more, o))):layer "radiance":totable()) do
         for _, p in ipairs(row) do most = math.max(most, math.abs(p[1])) end
       end
       return most
     end
     assert.is_true(brightest { below = "dark" } < 0.9 * brightest {}, brightest { below = "dark" } .. " " .. brightest {})
     local ball = scene { ylm.sphere { material = gold } }
-    local function shot(more) return (ball:reference(with(more, with({ visibility = "none", lmax = 4 }, o)))) end
+    local function shot(more) return (ball:render(ways.sum(with(more, with({ visibility = "none", lmax = 4 }, o))))) end
     assert.is_true(same(shot {}, shot { window = "gaussian", window_width = 1e9 }))
     assert.is_true(distance(shot { window = "hann", window_width = 1 }, shot { lmax = 0 }) < 0.01)
     for message, more in pairs {
-      ["window is for surfaces that gloss in harmonics, gloss = 'auto' or 'sh': leave it"] = { gloss = "rays", window = "hann" },
+      ["window is for glossy surfaces in harmonics, gloss = 'auto' or 'sh': leave it"] = { gloss = "rays", window = "hann" },
       ["below = 'dark' is a visibility: name visibility = 'transfer', or"] = { below = "dark", visibility = "none" },
       ["window_width is of a window: name one ('hann'), or leave it out"] = { window_width = 3 },
       ["gloss_error must be two numbers, 0 <= first < second"] = { gloss = "auto", gloss_error = { 0.3, 0.1 } },
       ["gloss_error is for gloss = 'auto', gloss is \"sh\": leave one out"] = { gloss_error = { 0.1, 0.3 } },
-      ["light_samples is for visibility = \"rays\", visibility is \"transfer\", and for"] = { light_samples = 4 },
-      ["gloss = 'rays': rays start at what camera rays hit: shading = 'pixel'"] = { gloss = "rays", shading = "vertex" },
+      ["light_samples is for by = 'rays', and for glossy surfaces"] = { light_samples = 4 },
+      ["gloss = 'rays': rays start at what camera rays hit: shading = 'pixel'"] = { gloss = "rays", shading = "vertices" },
     } do
-      local ok, said = pcall(ball.reference, ball, with(more, o))
+      local ok, said = pcall(ball.render, ball, ways.sum(with(more, o)))
       assert(not ok and said:find(message, 1, true), said)
     end
   end)
@@ -311,7 +312,7 @@ describe("gloss = 'sh'", function()
     _, report = s:render(with({ grid = unknown, visibility = "none" }, picture))
     ylm.on_warning(before)
     assert.equal(0, report.glossy.rays)
-    assert.matches("harmonics of degree 4 miss %d+ %% of the lobes of surfaces that gloss: the lamps behind the grid are not",
+    assert.matches("harmonics of degree 4 miss %d+ %% of the lobes of glossy surfaces: the lamps behind the grid are not",
       table.concat(report.warnings, "\n"))
     local ok, said = pcall(s.render, s, with({ grid = unknown, visibility = "none", gloss = "rays" }, picture))
     assert(not ok and said:find("the lamps behind the grid are not known (it was loaded, or holds other light)", 1, true), said)
@@ -335,14 +336,14 @@ describe("gloss = 'sh'", function()
   it("refuses degrees beyond its tables, and transfer vectors of what has none", function()
     local s = scene { ylm.sphere { material = gold } }
     assert.has_error(function() s:prepare(with { gloss = "ray" }) end, "bad argument #1 to 'prepare' (gloss must be one of "
-      .. "'auto', 'sh', 'rays', 'matte' (did you mean 'rays'?), got 'ray')")
-    assert.has_error(function() s:render(with { gloss = "sh" }) end, 'render: gloss is for a grid (visibility = "transfer" bakes '
-      .. 'one), visibility is "rays": name one that fits, or leave gloss out')
+      .. "'matte', 'sh', 'auto', 'rays' (did you mean 'rays'?), got 'ray')")
+    assert.has_error(function() s:render { size = { 8, 4 }, gloss = "sh", bounces = 0 } end, 'render: gloss is for a grid (by = '
+      .. '"grid"), and this picture is by rays: name one that fits, or leave gloss out')
     local ok, message = pcall(s.prepare, s, with({ lmax = 61, visibility = "none", gloss = "sh" }, picture))
     assert.is_false(ok)
     assert.matches("tables of degree 0 to 60, here is light of degree 61: lower lmax, or set gloss = 'rays' or 'matte'", message)
     local v = s:prepare(with { lmax = 2, visibility = "transfer", gloss = "sh" })
     assert.has_error(function() v:transfer() end,
-      'transfer: surfaces that gloss have no transfer vectors but as matte ones: prepare with gloss = "matte"')
+      'transfer: glossy surfaces have no transfer vectors but as matte ones: prepare with gloss = "matte"')
   end)
 end)

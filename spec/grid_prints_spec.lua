@@ -50,7 +50,7 @@ describe("a grid of another scene", function()
   --- The lines that a picture of a scene by a grid gives.
   local function render(changes, grid)
     said = {}
-    local o = grid.quantity == "indirect" and { indirect = grid } or { grid = grid }
+    local o = grid.quantity == "indirect" and { bounced = grid } or { grid = grid }
     local _, report = assert(scene(changes):render(with(o)))
     for _, sentence in ipairs(said) do
       local found = false

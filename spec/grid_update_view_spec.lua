@@ -7,7 +7,7 @@ local moving = require "spec.support.moving"
 local update, lamp, canopy = moving.update, moving.lamp, moving.canopy
 local box = grids.box
 
-describe("prepared:render of a grid that was updated", function()
+describe("view:render of a grid that was updated", function()
   local camera = ylm.camera { from = { 0, 1.2, 2.6 }, at = { 0, 0, 0 }, fov = 45 }
   local floor = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, divide = 8 }
   local stage = ylm.scene "stage" { camera = camera, geometry = { floor }, lights = {} }

@@ -125,7 +125,7 @@ describe("a tolerance", function()
       for _, s in ipairs { ... } do said[#said + 1] = s end
     end })
     local scene = spots.scene(3)
-    local _, report = scene:render { size = { 8, 5 }, tolerance = 0.5, samples = 1, share = 1.5, progress = true }
+    local _, report = scene:render { size = { 8, 5 }, tolerance = 0.5, samples = 1, share = 1.5, progress = true, bounces = 0 }
     rawset(io, "stderr", stderr)
     local text = table.concat(said)
     local rays, shadow, at = text:match("ylm: tolerance 0.5 chooses (%d+) camera rays a pixel %(share 1.5%), (%d+) shadow "
@@ -147,7 +147,7 @@ describe("the error of elements", function()
     scene.camera = ylm.camera { from = { 0.7, 1.2, 0.9 }, at = { 0, 0.6, -0.4 }, fov = 70 }
     local view = scene:prepare { size = { 18, 12 }, samples = 4, share = 0 }
     local function picture(from)
-      local image = view:render { indirect = from, rays = 256, light_samples = 1, layers = false }
+      local image = view:render { bounced = from, rays = 256, light_samples = 1, layers = false }
       return ylm.array(image:layer "radiance", "double")
     end
     local direct = ylm.array(view:render({ light_samples = 1, layers = false }):layer "radiance", "double")
@@ -168,9 +168,9 @@ describe("the error of elements", function()
     local known = one.stats.elements_error
     one:update { ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.2, radiance = 4 } }
     assert.equal(known, one.stats.elements_error)
-    local _, report = scene:render { size = { 8, 6 }, samples = 1, rays = 256, indirect = one }
+    local _, report = scene:render { size = { 8, 6 }, samples = 1, rays = 256, bounced = one }
     assert.equal(known, report.elements_error)
-    local _, judged = scene:render { size = { 4, 3 }, tolerance = 0.5, bounces = "all", links = one.links,
+    local _, judged = scene:render { size = { 4, 3 }, tolerance = 0.5, bounces = "all", bounced = one.links,
       samples = 1, share = 1.5 }
     assert.is_true(judged.causes.elements > 0)
   end)

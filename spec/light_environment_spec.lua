@@ -4,6 +4,7 @@ local core = require "ylm.c.core"
 local ylm = require "ylm"
 local gpu = require "spec.support.gpu"
 local relative = require "spec.support.vectors".relative
+local ways = require "spec.support.ways"
 
 local points = { { 0, 0, 0 }, { 3, -2, 1 }, { 1e6, 0, 5 } }
 
@@ -120,8 +121,8 @@ describe("ylm.environment_light", function()
       local scene = scene_with(sky)
       local o = { size = { 9, 9 }, samples = 1, visibility = "none", lmax = 2 }
       local L = ylm.light_field(2, sky, { { 0, 0, 0 } }, { dtype = "double" })
-      local by_light = scene:reference(o):layer():totable()[5][5]
-      local by_rays = scene:raycast { size = { 9, 9 }, samples = 1, light_samples = 4096 }:layer():totable()[5][5]
+      local by_light = scene:render(ways.sum(o)):layer():totable()[5][5]
+      local by_rays = scene:render { bounces = 0, size = { 9, 9 }, samples = 1, light_samples = 4096 }:layer():totable()[5][5]
       for channel = 1, 3 do
         local T = L[1][channel]:totable()
         for k = 1, 9 do T[k] = T[k] * core.sh_cosine_factor((ylm.sh.degree(k))) end
@@ -137,7 +138,7 @@ describe("ylm.environment_light", function()
     local sky = ylm.environment_light { coefficients = c }
     local o = { size = { 3, 3 }, samples = 1, visibility = "none", lmax = 2, layers = true }
     local t = math.tan(math.rad(30))
-    local image = scene_with(sky):reference(o)
+    local image = scene_with(sky):render(ways.sum(o))
     local corner = image:layer():totable()[1][1]
     for channel = 1, 3 do
       local least, most = math.huge, -math.huge
@@ -148,7 +149,7 @@ describe("ylm.environment_light", function()
       assert(corner[channel] >= least - 0.02 and corner[channel] <= most + 0.02)
     end
     assert.equal(1, image:layer "emitter":get(1, 1, 1))
-    local black = scene_with(sky, 0):reference(o)
+    local black = scene_with(sky, 0):render(ways.sum(o))
     assert.same({ 0, 0, 0 }, black:layer():totable()[1][1])
     assert.equal(0, black:layer "emitter":get(1, 1, 1))
   end)

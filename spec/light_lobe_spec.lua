@@ -52,13 +52,13 @@ describe("disk_light { spread = }", function()
 
     it("lights a floor as quadrature has it, by rays" .. name, function()
       local view = scene:prepare { size = { 12, 9 }, samples = 1, share = 0 }
-      local got, wanted = means(light, view:raycast({ light_samples = 256, layers = false }):layer(), view)
+      local got, wanted = means(light, view:render({ light_samples = 256, layers = false }):layer(), view)
       assert.is_true(math.abs(got / wanted - 1) < 0.005, got / wanted)
     end)
 
     it("and by paths, whether they aim at lamps or meet them" .. name, function()
       local view = scene:prepare { size = { 12, 9 }, samples = 1, share = 0 }
-      local _, wanted = means(light, view:raycast({ light_samples = 1, layers = false }):layer(), view)
+      local _, wanted = means(light, view:render({ light_samples = 1, layers = false }):layer(), view)
       for strategy, within in pairs { both = 0.02, lights = 0.02, material = 0.06 } do
         local got = means(light, scene:pathtrace({ size = { 12, 9 }, samples = 256, bounces = 0, strategy = strategy,
           layers = false }):layer(), view)
@@ -111,7 +111,7 @@ describe("disk_light { spread = }", function()
       local a = math.rad(angle)
       local scene = ylm.scene "a disk" { lights = ylm.disk_light(light), geometry = ylm.box { at = { 0, 90, 0 } },
         camera = ylm.camera { from = { 9 * math.sin(a), 0, 9 * math.cos(a) }, at = { 0, 0, 0 }, fov = 0.05 } }
-      for _, image in ipairs { scene:raycast { size = { 1, 1 }, layers = false },
+      for _, image in ipairs { scene:render { bounces = 0, size = { 1, 1 }, layers = false },
         (scene:pathtrace { size = { 1, 1 }, samples = 16, layers = false }) } do
         local wanted = 6 * math.abs(math.cos(a)) ^ 5
         assert.is_true(math.abs(image:layer():get(1, 1, 1) - wanted) < 1e-3 * wanted, image:layer():get(1, 1, 1))
@@ -125,11 +125,11 @@ describe("disk_light { spread = }", function()
       many[i] = ylm.disk_light(with(lobe, { at = { (i % 20) / 10 - 1, 1.5, i / 50 - 1 }, radius = 0.02, spread = i % 3 }))
     end
     local o = { size = { 12, 9 }, samples = 64, bounces = 0, layers = false }
-    local one, two = floor(many):pathtrace(o):layer(), floor(many):raycast({ size = { 12, 9 }, samples = 64,
+    local one, two = floor(many):pathtrace(o):layer(), floor(many):render({ bounces = 0, size = { 12, 9 }, samples = 64,
       light_samples = 16, layers = false }):layer()
     local a, b = one:mean(), two:mean()
     assert.is_true(math.abs(a / b - 1) < 0.02, a / b)
-    local dark = floor(ylm.disk_light(with(lobe, { horizon = { 0, -1, 0 } }))):raycast { size = { 4, 3 }, layers = false }
+    local dark = floor(ylm.disk_light(with(lobe, { horizon = { 0, -1, 0 } }))):render { bounces = 0, size = { 4, 3 }, layers = false }
     assert.equal(0, dark:layer():max())
   end)
 
@@ -144,7 +144,7 @@ describe("disk_light { spread = }", function()
     refused(why, function() ylm.light_field(2, light, { { 0, 0, 0 } }) end)
     local scene = floor(light)
     refused(why, function() scene:bake { probes = ylm.uniform_grid { cells = { 2, 2, 2 }, lmax = 1 } } end)
-    refused(why, function() scene:reference { size = { 4, 3 } } end)
+    refused(why, function() scene:render { by = "sum", size = { 4, 3 } } end)
     refused(why, function() scene:links({ rays = 16 }):radiosity():field { quantity = "direct" } end)
   end)
 

@@ -29,9 +29,9 @@ describe("ylm.polygon_light", function()
     }
     local grid = scene:bake()
     local image = scene:render { grid = grid, size = { 24, 16 } }
-    local truth = scene:reference { size = { 24, 16 }, lmax = 3 }
+    local truth = scene:render { by = "sum", size = { 24, 16 }, lmax = 3 }
     assert(image:compare(truth).rmse < 0.05 * image:compare(truth).peak)
-    assert(scene:raycast { size = { 8, 8 }, light_samples = 1 })
+    assert(scene:render { bounces = 0, size = { 8, 8 }, light_samples = 1 })
   end)
 
   describe("and disk_light in pictures", function()
@@ -53,8 +53,8 @@ describe("ylm.polygon_light", function()
 
     it("are sampled without bias: rays without shadows bring what high degrees give", function()
       local scene, size = floor(), { 16, 16 }
-      local rays = scene:raycast { size = size, light_samples = 1024, samples = 1, shadows = false }
-      local truth = scene:reference { size = size, samples = 1, lmax = 30, visibility = "none" }
+      local rays = scene:render { by = "rays", bounces = 0, size = size, light_samples = 1024, samples = 1, visibility = "none" }
+      local truth = scene:render { by = "sum", size = size, samples = 1, lmax = 30, visibility = "none" }
       local a, b = rays:layer():totable(), truth:layer():totable()
       local sum_a, sum_b = { 0, 0, 0 }, { 0, 0, 0 }
       for y = 1, 16 do
@@ -74,8 +74,8 @@ describe("ylm.polygon_light", function()
         local scene = floor { camera = ylm.camera { from = { -0.7, 0.3 + side, -0.7 }, at = { -0.7, 0.3, -0.7 },
           up = { 0, 0, 1 }, fov = 10 }, geometry = {}, probes = probes }
         local size = { 4, 4 }
-        for _, image in ipairs { scene:raycast { size = size, pixel_samples = 1 },
-          scene:reference { size = size, samples = 1 },
+        for _, image in ipairs { scene:render { bounces = 0, size = size, samples = 1, light_samples = 64 },
+          scene:render { by = "sum", size = size, samples = 1 },
           (scene:render { size = size, samples = 1, grid = scene:bake { occupied = "everywhere" } }) } do
           assert.equal(1, image:layer "emitter":get(2, 2, 1))
           assert.equal(3, image:layer():get(2, 2, 1))
@@ -83,7 +83,7 @@ describe("ylm.polygon_light", function()
         end
       end
       local disk = floor { camera = ylm.camera { from = { 1.1, 1.4, 0.6 }, at = { 0.6, 0.4, 0.6 }, fov = 10 } }
-      assert.equal(2, disk:raycast { size = { 2, 2 }, pixel_samples = 1 }:layer():get(1, 1, 3))
+      assert.equal(2, disk:render { bounces = 0, size = { 2, 2 }, samples = 1, light_samples = 64 }:layer():get(1, 1, 3))
     end)
 
     it("are cut at their horizon for rays too", function()
@@ -94,10 +94,10 @@ describe("ylm.polygon_light", function()
         ylm.disk_light { at = { 0.6, 0.5, -0.4 }, normal = { 1, 0, 0 }, radius = 0.4, radiance = { 1, 2, 3 }, horizon = up },
       }
       local scene, size = floor { lights = lights }, { 12, 12 }
-      local rays = scene:raycast { size = size, light_samples = 1024, samples = 1, shadows = false }
-      local truth = scene:reference { size = size, samples = 1, lmax = 30, visibility = "none" }
+      local rays = scene:render { by = "rays", bounces = 0, size = size, light_samples = 1024, samples = 1, visibility = "none" }
+      local truth = scene:render { by = "sum", size = size, samples = 1, lmax = 30, visibility = "none" }
       local whole = floor { lights = { ylm.polygon_light { vertices = lights[1].vertices, radiance = 3 } } }
-        :raycast { size = size, light_samples = 1024, samples = 1, shadows = false }
+        :render { by = "rays", bounces = 0, size = size, light_samples = 1024, samples = 1, visibility = "none" }
       local a, b, c, covered = rays:layer():totable(), truth:layer():totable(), whole:layer():totable(),
         rays:layer "coverage"
       local less = 0
@@ -122,7 +122,7 @@ describe("ylm.polygon_light", function()
         end
         local image = floor { geometry = geometry, lights = { light },
           camera = ylm.camera { from = { 0.3, 0.2, 0 }, at = { 0, 0, 0 }, fov = 5 } }
-          :raycast { size = { 4, 4 }, light_samples = 64, samples = 1 }
+          :render { bounces = 0, size = { 4, 4 }, light_samples = 64, samples = 1 }
         return image:layer():get(2, 2, 1)
       end
       assert.equal(0, brightness(0.5))
@@ -146,7 +146,7 @@ return scene "flat" {
     local scene = assert(ylm.load(path))
     local grid = assert(scene:bake())
     assert(grid.stats.error <= 0.02, grid.stats.error)
-    local truth = scene:reference { size = { 32, 24 }, samples = 1, lmax = 3 }
+    local truth = scene:render { by = "sum", size = { 32, 24 }, samples = 1, lmax = 3 }
     local image = scene:render { grid = grid, size = { 32, 24 }, samples = 1 }
     assert(image:compare(truth).rmse < 0.01 * image:compare(truth).peak)
     if require("ylm.picture").vtk() then

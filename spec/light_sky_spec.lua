@@ -7,6 +7,7 @@ local tracing = require "ylm.trace"
 local relative = require "spec.support.vectors".relative
 local scratch = require "spec.support.scratch"
 local spread = require("spec.support.random").spread
+local ways = require "spec.support.ways"
 
 local up, here = { 0, 1, 0 }, { 0, 0, 0 }
 
@@ -177,7 +178,7 @@ describe("a sky that rays are aimed at", function()
     local a, b = math.pi * (y - 1) / h, math.pi * y / h
     local truth = value * 2 * math.pi / w * (math.sin(b) ^ 2 - math.sin(a) ^ 2) / 2 / math.pi
     local sky = ylm.environment_light { image = spot(w, h, { x, y }, value), up = "y" }
-    local mean, deviation = middle(floor_under(sky):raycast { size = { 32, 32 }, samples = 1, light_samples = 16 })
+    local mean, deviation = middle(floor_under(sky):render { bounces = 0, size = { 32, 32 }, samples = 1, light_samples = 16 })
     assert.is_near(truth, mean, 1e-3 * truth)
     -- by the cosine a share p = truth/value of rays meets the pixel: the deviation of 16 is sqrt((1/p - 1)/16)
     local by_cosine = math.sqrt((value / truth - 1) / 16)
@@ -213,7 +214,7 @@ describe("ylm.environment_light { image }", function()
     local sky = ylm.environment_light { image = image(16, 8, patchy), up = "y", scale = 2 }
     local scene = ylm.scene "seen" { lights = sky,
       camera = ylm.camera { from = { 0, 0, 0 }, at = { 0, 0, -1 }, up = up, fov = 40 } }
-    local seen = scene:raycast { size = { 16, 16 }, samples = 1, light_samples = 1 }:layer():totable()
+    local seen = scene:render { bounces = 0, size = { 16, 16 }, samples = 1, light_samples = 1 }:layer():totable()
     local directions = image(16, 8, black):positions({ { 0.02, -0.1, -1 } }, { up = "y" }):totable()[1]
     local at = { math.floor(directions[1]) + 1, math.floor(directions[2]) + 1 }
     local found = {}
@@ -234,8 +235,9 @@ describe("ylm.environment_light { image }", function()
     local same = ylm.environment_light { radiance = { 0.7, 0.5, 0.25 } }
     local L = ylm.light_field(4, flat, { here }, { dtype = "double" })
     assert(relative(L, ylm.light_field(4, same, { here }, { dtype = "double" })) < 2e-3) -- pixels stand at their middle
-    local by_image = middle(floor_under(flat):raycast { size = { 32, 32 }, samples = 1, light_samples = 64 })
-    local by_radiance, deviation = middle(floor_under(same):raycast { size = { 32, 32 }, samples = 1, light_samples = 64 })
+    local by_image = middle(floor_under(flat):render { bounces = 0, size = { 32, 32 }, samples = 1, light_samples = 64 })
+    local by_radiance, deviation = middle(floor_under(same):render { bounces = 0, size = { 32, 32 }, samples = 1,
+      light_samples = 64 })
     assert.is_near(0.7, by_radiance, 1e-6)
     assert(deviation < 1e-5, deviation)
     assert.is_near(0.7, by_image, 2e-3)
@@ -247,13 +249,13 @@ describe("ylm.environment_light { image }", function()
       ylm.sun_light { direction = { 1, 2, 0 }, angle = 5, irradiance = 2 },
       ylm.sphere_light { at = { 2, 2, 0 }, radius = 0.3, radiance = 8 } }
     local o, sum = { size = { 24, 24 }, samples = 1, light_samples = 256 }, 0
-    for _, part in ipairs(parts) do sum = sum + middle(floor_under(part):raycast(o)) end
-    assert.is_near(sum, (middle(floor_under(parts):raycast(o))), 4e-3 * sum)
+    for _, part in ipairs(parts) do sum = sum + middle(floor_under(part):render(ways.rays(o))) end
+    assert.is_near(sum, (middle(floor_under(parts):render(ways.rays(o)))), 4e-3 * sum)
   end)
 
   it("that is black is darkness", function()
     local sky = ylm.environment_light { image = image(8, 4, black) }
-    assert.equal(0, (middle(floor_under(sky):raycast { size = { 8, 8 }, samples = 1, light_samples = 16 })))
+    assert.equal(0, (middle(floor_under(sky):render { bounces = 0, size = { 8, 8 }, samples = 1, light_samples = 16 })))
     local L = ylm.light_field(2, sky, { here })
     assert.equal(0, (select(3, core.array_distance(L, L))))
   end)
@@ -316,8 +318,8 @@ describe("ylm.environment_light { sky }", function()
   it("lights a floor: 7/9 of the zenith where it is overcast", function()
     local sky = ylm.environment_light { sky = { zenith = up, luminance = 9 } }
     local scene = floor_under(sky)
-    assert.is_near(7, (middle(scene:raycast { size = { 32, 32 }, samples = 1, light_samples = 256 })), 7 * 2e-3)
-    assert.is_near(7, (middle(scene:reference { size = { 8, 8 }, samples = 1, visibility = "none", lmax = 8 })), 7e-3)
+    assert.is_near(7, (middle(scene:render { bounces = 0, size = { 32, 32 }, samples = 1, light_samples = 256 })), 7 * 2e-3)
+    assert.is_near(7, (middle(scene:render { by = "sum", size = { 8, 8 }, samples = 1, visibility = "none", lmax = 8 })), 7e-3)
   end)
 
   it("may stand in a scene file", function()

@@ -47,7 +47,7 @@ describe("ylm.sun_light", function()
           material = ylm.matte { albedo = 0.5 } },
         lights = ylm.sun_light { direction = { 0, 0, 2 }, irradiance = { 4, 2, 1 } },
       }
-      local image = scene:raycast { size = { 3, 3 }, samples = 1, light_samples = 64 }:layer():totable()[2][2]
+      local image = scene:render { bounces = 0, size = { 3, 3 }, samples = 1, light_samples = 64 }:layer():totable()[2][2]
       for c, irradiance in ipairs { 4, 2, 1 } do
         assert.is_near(0.5 / math.pi * irradiance * normal[4], image[c], 1e-4 * irradiance)
       end
@@ -62,7 +62,7 @@ describe("ylm.sun_light", function()
       lights = { ylm.sun_light { direction = { 0, 0, 1 }, irradiance = 3 },
         ylm.sun_light { direction = { math.sin(math.rad(5)), 0, -math.cos(math.rad(5)) }, angle = 4, irradiance = 2 } },
     }
-    local image = scene:raycast { size = { 41, 41 }, pixel_samples = 4, samples = 4, layers = true }
+    local image = scene:render { bounces = 0, size = { 41, 41 }, samples = 4, layers = true, light_samples = 64 }
     local rgb = image:layer():totable()
     assert.same({ 0, 0, 0 }, rgb[21][11]) -- on the left, the first sun is behind the camera's quad
     local radiance = 2 / (math.pi * math.sin(math.rad(2)) ^ 2)

@@ -251,8 +251,8 @@ describe("ylm.textured_light", function()
           up = { 0, 1, 0.2 }, fov = 2 * math.deg(math.atan(0.5 / math.sqrt(1.04))) * 1.06 }
         local scene = floor(panel(window), camera)
         scene.probes = ylm.uniform_grid { cells = { 2, 2, 2 }, lmax = 1, bounds = { { -1, -1, -1 }, { 1, 1, 1 } } }
-        for _, image in ipairs { scene:raycast { size = size, samples = 1, light_samples = 1 },
-          scene:reference { size = size, samples = 1, transfer_samples = 1 },
+        for _, image in ipairs { scene:render { bounces = 0, size = size, samples = 1, light_samples = 1 },
+          scene:render { by = "sum", size = size, samples = 1, transfer_samples = 1 },
           (scene:render { size = size, samples = 1, transfer_samples = 1,
             grid = scene:bake { occupied = "everywhere" } }) } do
           for y = 1, 2 do
@@ -271,8 +271,8 @@ describe("ylm.textured_light", function()
 
     it("is sampled without bias: rays without shadows bring what high degrees of the exact method give", function()
       local scene, size = floor(panel(window, { method = "exact", scale = 2 })), { 12, 12 }
-      local rays = scene:raycast { size = size, light_samples = 1024, samples = 1, shadows = false }
-      local truth = scene:reference { size = size, samples = 1, lmax = 30, visibility = "none" }
+      local rays = scene:render { by = "rays", bounces = 0, size = size, light_samples = 1024, samples = 1, visibility = "none" }
+      local truth = scene:render { by = "sum", size = size, samples = 1, lmax = 30, visibility = "none" }
       local a, b, hits = rays:layer():totable(), truth:layer():totable(), rays:layer "coverage"
       local sums = { { 0, 0, 0 }, { 0, 0, 0 } }
       for y = 1, 12 do
@@ -304,7 +304,7 @@ return scene "panel" {
   probes = adaptive_grid { lmax = 3, depth = 5, tolerance = 0.02 },
 }]])))
         picture[i] = assert(scene:render { size = { 32, 24 }, samples = 1, transfer_samples = 16, visibility = "transfer" })
-        local truth = scene:reference { size = { 32, 24 }, samples = 1, lmax = 3, transfer_samples = 16 }
+        local truth = scene:render { by = "sum", size = { 32, 24 }, samples = 1, lmax = 3, transfer_samples = 16 }
         assert(picture[i]:compare(truth).rmse < 0.01 * picture[i]:compare(truth).peak)
         if require("ylm.picture").vtk() then
           assert(ylm.view { scene = scene, lights = true, size = { 160, 120 } }:save(folder.path .. "/view.png"))

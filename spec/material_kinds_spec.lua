@@ -366,7 +366,7 @@ describe("abc", function()
   end)
 end)
 
-describe("pictures of surfaces that gloss", function()
+describe("pictures of glossy surfaces", function()
   local function scene(m)
     return ylm.scene "gloss" {
       camera = ylm.camera { from = { 0, 3, 0.1 } },
@@ -378,7 +378,7 @@ describe("pictures of surfaces that gloss", function()
 
   it("say that they do not show it", function()
     local before = ylm.on_warning(false)
-    local _, report = scene(ylm.ggx {}):reference { size = { 8, 4 }, samples = 1, gloss = "matte" }
+    local _, report = scene(ylm.ggx {}):render { by = "sum", size = { 8, 4 }, samples = 1, gloss = "matte" }
     ylm.on_warning(before)
     local said = table.concat(report.warnings, "\n")
     assert.truthy(said:find("1 mesh is glossy: transfer vectors shade it as a matte one of its mean albedo", 1, true), said)
@@ -395,7 +395,7 @@ describe("pictures of surfaces that gloss", function()
     local s = scene(ylm.ggx {})
     s.geometry[2] = ylm.mesh { vertices = { { 0, 0, 0 }, { 1, 0, 0 }, { 0, 1, 0 } }, triangles = { { 1, 2, 3 } },
       material = ylm.ggx { alpha = { 0.1, 0.2 } } }
-    local ok, message = pcall(s.reference, s, { size = { 8, 4 } })
+    local ok, message = pcall(s.render, s, { by = "sum", size = { 8, 4 } })
     assert(not ok and message:find("alpha = {a, b} needs uvs: mesh 2 has none", 1, true), message)
   end)
 end)

@@ -6,6 +6,7 @@ local form = require "ylm.form"
 local material = require "ylm.material"
 local files = require "spec.support.brdf_files"
 local scratch = require "spec.support.scratch"
+local ways = require "spec.support.ways"
 
 local folder = scratch.new()
 teardown(function() folder:remove() end)
@@ -57,9 +58,9 @@ describe("materials", function()
         local s = inside(m)
         local options = { size = { 2, 2 }, samples = 1, visibility = "none", lmax = 2, gloss = "matte" }
         local view = s:prepare(options)
-        local harmonics, points = view:reference(), view:points()
+        local harmonics, points = view:render { by = "sum" }, view:points()
         local matte = name == "matte"
-        local rays, seen = view:raycast { light_samples = matte and 16 or 1024 }, m:albedo { 0.999 }
+        local rays, seen = view:render { by = "rays", light_samples = matte and 16 or 1024 }, m:albedo { 0.999 }
         for c = 1, 3 do
           assert(albedo[c] >= 0 and albedo[c] <= 1)
           assert.near(albedo[c], points.albedo:get(1, c), 1e-7)
@@ -85,9 +86,9 @@ describe("materials", function()
       local m = examples[name][1]
       local s = inside(m)
       local options = { size = { 2, 2 }, samples = 1, visibility = "none", lmax = 0 }
-      local before = s:reference(options):layer "albedo":get(1, 1, 1)
+      local before = s:render(ways.sum(options)):layer "albedo":get(1, 1, 1)
       s.geometry[1].material = examples[name][2]
-      assert.is_true(s:reference(options):layer "albedo":get(1, 1, 1) > before)
+      assert.is_true(s:render(ways.sum(options)):layer "albedo":get(1, 1, 1) > before)
     end)
   end
 

@@ -134,8 +134,8 @@ describe("no lights", function()
         geometry = { floor }, lights = lights, probes = ylm.adaptive_grid { depth = 3, lmax = 2 } }
       local grid = assert(scene:bake())
       local size = { 16, 12 }
-      local pictures = { scene:render { grid = grid, size = size }, scene:reference { size = size },
-        (scene:raycast { size = size, light_samples = 2 }) }
+      local pictures = { scene:render { grid = grid, size = size }, scene:render { by = "sum", size = size },
+        (scene:render { bounces = 0, size = size, light_samples = 2 }) }
       assert.equal(3, #pictures, name)
       local prepared = assert(scene:prepare { size = size, samples = 1, transfer_samples = 4, visibility = "transfer" })
       pictures[4] = prepared:render { grid = grid, lamps = {} }

@@ -3,6 +3,7 @@ local lib = require "ylm.c.scene"
 local scratch = require "spec.support.scratch"
 local with = require "spec.support.with"
 local ylm = require "ylm"
+local ways = require "spec.support.ways"
 
 local huge = math.huge
 
@@ -34,7 +35,7 @@ local function listening(f)
 end
 
 local function report_of(scene, options)
-  return select(3, listening(function() return scene:reference(with(size, options)) end))
+  return select(3, listening(function() return scene:render(ways.sum(with(size, options))) end))
 end
 
 --- Luminance of the surfaces in a picture.
@@ -53,7 +54,7 @@ describe("light that passes occluders", function()
     local wall = ylm.quad { corner = { -1, 0, 0.3 }, u = { 2, 0, 0 }, v = { 0, 0.9, 0 }, occludes = false }
     for what, scene in pairs { open = floor(), unoccluding = floor(wall), dark = floor(nil, { lights = {} }),
       empty = ylm.scene "empty" { camera = ylm.camera { from = { 0, 0, 1 } } } } do
-      local said, image, report = listening(function() return scene:reference(size) end)
+      local said, image, report = listening(function() return scene:render(ways.sum(size)) end)
       local o = report.occlusion
       assert.same({ 0, 0, 0, 0 }, { o.passing, o.missing, o.passing_error, o.missing_error }, what)
       assert.same({}, said)
@@ -65,15 +66,16 @@ describe("light that passes occluders", function()
 
   it("is all of it under a ceiling below the lamp, beyond the occlusion distance", function()
     local scene = floor(ceiling(0.8), below)
-    local said, image, report = listening(function() return scene:reference(with(size, { occlusion_distance = 0.3 })) end)
+    local said, image, report = listening(function() return scene:render(ways.sum(with(size,
+      { occlusion_distance = 0.3 }))) end)
     local o = report.occlusion
     assert.same({ 1, 0, 0, 0 }, { o.passing, o.passing_error, o.missing, o.missing_error })
     assert.equal("1", image.metadata.light_passing)
     assert.same({ 'scene "floor": 100 % of the picture\'s light passes through occluders: occluders count by direction, up to '
-      .. "occlusion_distance = 0.3 wherever the lamp is; set a longer one or use visibility = \"rays\" (scene:raycast, ylm "
-      .. "render --visibility rays), whose shadows are true" }, said)
+      .. "occlusion_distance = 0.3 wherever the lamp is; set a longer one or use by = \"rays\" (ylm render --by rays), "
+      .. "whose shadows are true" }, said)
     assert.same(said, report.warnings)
-    assert.same({}, (listening(function() return scene:reference(size) end))) -- once a scene
+    assert.same({}, (listening(function() return scene:render(ways.sum(size)) end))) -- once a scene
   end)
 
   it("is missing under a ceiling above the lamp, within the occlusion distance", function()
@@ -87,15 +89,16 @@ describe("light that passes occluders", function()
   it("is what rays to the lamps find, without shadows", function()
     local scene = floor(ylm.sphere { at = { 0.2, 0.3, 0.1 }, radius = 0.25 })
     local rays = { size = { 80, 60 }, samples = 4, light_samples = 32 }
-    local true_part = surfaces(scene:raycast(rays)) / surfaces(scene:raycast(with(rays, { shadows = false })))
-    for _, shading in ipairs { "pixel", "vertex" } do
+    local true_part = surfaces(scene:render(ways.rays(rays))) / surfaces(scene:render(ways.rays(with(rays,
+      { shadows = false }))))
+    for _, shading in ipairs { "pixel", "vertices" } do
       local r = report_of(scene, { visibility = "none", shading = shading, size = { 80, 60 }, samples = 4 })
       local o = r.occlusion
       assert.equal(0, o.missing)
       assert.is_true(o.passing_error > 0 and o.passing_error < 0.2 * o.passing, tostring(o.passing_error))
       if shading == "pixel" then assert.near(1 - true_part, o.passing, 3 * o.passing_error) end
-      assert.truthy(r.warnings[1]:find('visibility = "none" has no shadows; set visibility = "transfer" or use visibility = '
-        .. '"rays"', 1, true))
+      assert.truthy(r.warnings[1]:find('visibility = "none" has no shadows; set visibility = "transfer" or use by = "rays"', 1,
+        true))
     end
   end)
 
@@ -111,7 +114,8 @@ describe("light that passes occluders", function()
     } do
       local scene = floor(plank, { lights = { lamp } })
       local rays = { size = { 40, 30 }, samples = 4, light_samples = 32 }
-      local true_part = surfaces(scene:raycast(rays)) / surfaces(scene:raycast(with(rays, { shadows = false })))
+      local true_part = surfaces(scene:render(ways.rays(rays))) / surfaces(scene:render(ways.rays(with(rays,
+        { shadows = false }))))
       local o = report_of(scene, { visibility = "none", size = { 40, 30 }, samples = 4 }).occlusion
       assert.near(1 - true_part, o.passing, 3 * o.passing_error, what)
       assert.is_true(o.passing > 0.02, what)
@@ -162,7 +166,7 @@ describe("light that passes occluders", function()
     local small = { size = { 96, 54 }, samples = 4 }
     local image, report
     local said = listening(function()
-      image, report = scene:reference(small)
+      image, report = scene:render(ways.sum(small))
       return image
     end)
     assert.equal(1, #said)
@@ -170,7 +174,7 @@ describe("light that passes occluders", function()
     local o = report.occlusion
     assert.is_true(o.passing > 0.1 and o.missing < 0.01)
     assert.near(right(image), o.passing, 3 * o.passing_error + 0.02) -- harmonics blur some of it
-    assert.equal(0, right(scene:raycast { size = small.size, samples = 4, light_samples = 4 }))
+    assert.equal(0, right(scene:render { bounces = 0, size = small.size, samples = 4, light_samples = 4 }))
     local long = report_of(scene, with(small, { occlusion_distance = 3 }))
     assert.is_true(long.occlusion.missing > 0.2 and long.occlusion.passing > 0.05)
     assert.truthy(long.warnings[1]:find(" passes through occluders and %d+ %% of the scene's light is missing: "))
@@ -193,11 +197,11 @@ describe("light that passes occluders", function()
     local view = scene:prepare(with(size, { occlusion_distance = 0.3 }))
     local grid = scene:bake { probes = ylm.uniform_grid { cells = 2, lmax = 2 }, occupied = view }
     local _, first = view:render { grid = grid }
-    local _, second = view:reference()
+    local _, second = view:render { by = "sum" }
     assert.same(first.occlusion, second.occlusion)
     assert.same(first.warnings, second.warnings)
     assert.equal(first.occlusion.seconds, second.seconds.occlusion)
-    local image, rays = view:raycast { light_samples = 4 }
+    local image, rays = view:render { by = "rays", light_samples = 4 }
     assert.is_nil(rays.occlusion)
     assert.is_nil(image.metadata.light_passing)
     assert.same({}, rays.warnings)

@@ -241,7 +241,7 @@ describe("a page", function()
       return assert(ylm.load(folder.path .. "/truth.png", { raw = true })):layer()
     end
 
-    it("shows the grid as prepared:render does, 38 dB", function()
+    it("shows the grid as view:render does, 38 dB", function()
       needs_browser()
       local decibels = psnr(seen(path, "nolamps&still"), rendered(scene, grid))
       assert(decibels >= 38, decibels)

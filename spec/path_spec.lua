@@ -117,10 +117,10 @@ describe("scene:pathtrace", function()
     assert.is_true(a:compare(b, { variance = true }).z2 > 3)
   end)
 
-  it("shows the direct light that scene:raycast shows", function()
+  it("shows the direct light that rays to the lamps show", function()
     local size = { 24, 14 }
     local a = scene:pathtrace { size = size, samples = 512, reflections = { 1, 1 }, layers = false }
-    local b, report = scene:raycast { size = size, samples = 512, share = 0, light_samples = 4, variance = true }
+    local b, report = scene:render { bounces = 0, size = size, samples = 512, share = 0, light_samples = 4, variance = true }
     local emitter, mask = b:layer "emitter", ylm.zeros({ size[2], size[1] }, "float")
     local variance = a:layer "variance"
     for y = 1, size[2] do -- pixels that show lamps differ: order 0 is theirs
@@ -230,11 +230,11 @@ describe("scene:pathtrace", function()
   end)
 
   it("ends at a wanted noise, after some time, or when it is told to", function()
-    local image, report = scene:pathtrace { size = small, samples = 65536, bounces = 0, error = 0.1, layers = false }
-    assert.are.equal("error", report.ended)
+    local image, report = scene:pathtrace { size = small, samples = 65536, bounces = 0, tolerance = 0.1, layers = false }
+    assert.are.equal("tolerance", report.ended)
     assert.is_true(report.noise <= 0.1 and report.samples < 65536 and image.metadata.samples == tostring(report.samples))
-    local _, late = scene:pathtrace { size = small, samples = 2 ^ 24, seconds = 0.05, layers = false }
-    assert.are.equal("seconds", late.ended)
+    local _, late = scene:pathtrace { size = small, samples = 2 ^ 24, time_limit = 0.05, layers = false }
+    assert.are.equal("time_limit", late.ended)
     local calls = 0
     local none, message, code = scene:pathtrace { size = small, samples = 65536, progress = function(done, total)
       calls = calls + 1

@@ -181,7 +181,7 @@ describe("links:radiosity", function()
     assert.equal(0, empty:radiosity().stats.emitted[1])
   end)
 
-  it("notes surfaces that gloss, and lamps nearer than elements are long", function()
+  it("notes glossy surfaces, and lamps nearer than elements are long", function()
     local glossy = elements.room(0.5, ylm.sphere { at = { 0, 0.5, 0 }, scale = 0.3, material = ylm.ggx { alpha = 0.3,
       f0 = 0.9 } },
       ylm.sphere_light { at = { 0, 0.2, 0.8 }, radius = 0.02, radiance = 10 })

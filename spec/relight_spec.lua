@@ -52,7 +52,7 @@ describe("scene:prepare { relight = 'light' }", function()
       if i == 1 then assert.is_true(t.rows > 0 and t.rotation > 0 and t.product > 0)
       else assert.same({ 0, 0, 0 }, { t.rows, t.rotation, t.product }) end
     end
-    assert.equal(0, (apart((kept:reference()), (fresh:reference()))))
+    assert.equal(0, (apart((kept:render { by = "sum" }), (fresh:render { by = "sum" }))))
   end)
 
   it("has pictures under light that all points share, which others make without products, to rounding", function()
@@ -91,7 +91,7 @@ describe("view:render { materials = .. }", function()
     assert.equal(0, (apart((v:render { grid = lamp }), (scene():prepare(with()):render { grid = lamp }))))
   end)
 
-  it("makes a surface that glosses matte, by its visibility alone", function()
+  it("makes a glossy surface matte, by its visibility alone", function()
     local matte = ylm.matte { albedo = 0.6 }
     local image = scene():prepare(with { relight = "material", transfer_samples = 128 })
       :render { grid = lamp, materials = { [3] = matte } }
@@ -119,17 +119,19 @@ describe("view:render { materials = .. }", function()
       "bad argument #1 to 'render' (materials: places in scene.geometry expected, 1 to 3, got 4)")
     assert.has_error(function() v:render { grid = lamp, materials = { 0.5 } } end,
       "bad argument #1 to 'render' (materials: [1] must be a material, got 0.5)")
-    assert.has_error(function() v:render { grid = lamp, materials = { gold }, bounces = 1 } end, "render: light that bounces is "
-      .. "that of the scene's materials and camera: leave bounces and indirect out")
+    assert.has_error(function() v:render { grid = lamp, materials = { gold }, bounces = 1 } end,
+      "render: light that bounces is "
+      .. "that of the scene's materials and camera: leave bounces and bounced out")
     assert.has_error(function() v:render { grid = lamp, camera = v.scene.camera } end,
       "render: another camera sees other shading points: prepare the view with relight = 'all'")
     local still = scene():prepare(with { relight = "light" })
     assert.has_error(function() still:render { grid = lamp, materials = { gold } } end,
       "render: materials change in views that are prepared with relight = 'material' or 'all', here it is \"light\"")
-    assert.has_error(function() scene():prepare(with { relight = "light", gloss = "matte" }) end, "prepare: relight = \"light\" "
-      .. "is of surfaces that gloss by spherical harmonics: gloss = 'sh', or leave gloss out")
+    assert.has_error(function() scene():prepare(with { relight = "light", gloss = "matte" }) end,
+      "prepare: relight = \"light\" "
+      .. "is of glossy surfaces by spherical harmonics: gloss = 'sh', or leave gloss out")
     assert.has_error(function() scene():prepare(with { relight = "all", shading = "pixel" }) end,
-      "prepare: relight = 'all' shades vertices, which every camera sees: shading = 'vertex', or leave shading out")
+      "prepare: relight = 'all' shades vertices, which every camera sees: shading = 'vertices', or leave shading out")
   end)
 end)
 
@@ -145,7 +147,7 @@ describe("scene:prepare { relight = 'all' }", function()
     assert.is_true(report.stages.rows > 0)
     local before = v:render { grid = lamp }
     assert.is_true(apart(image, before) > 0.01)
-    local few = scene(nil, nil, nil, moved):prepare(open { shading = "vertex" })
+    local few = scene(nil, nil, nil, moved):prepare(open { shading = "vertices" })
     assert.is_true(few.stats.points < v.stats.points)
     local all = scene():prepare(open { relight = "all" })
     local _, error = apart((all:render { grid = lamp, camera = moved }), (few:render { grid = lamp }))
@@ -167,7 +169,8 @@ describe("scene:prepare { relight = 'all' }", function()
   it("refuses a camera that sees a side whose vertices are not there", function()
     local v = scene():prepare(with { relight = "all" })
     local below = ylm.camera { from = { 0, -3, 0.1 } }
-    assert.has_error(function() v:render { grid = lamp, camera = below } end, "render: the camera sees mesh 2 from within, where "
+    assert.has_error(function() v:render { grid = lamp, camera = below } end,
+      "render: the camera sees mesh 2 from within, where "
       .. "the prepared view has no vertices: prepare it with a camera that sees this side too")
   end)
 
@@ -191,9 +194,9 @@ describe("methods to compare with", function()
 
   it("take the nearest of 90 rows, or zonal lobes, whose error is larger", function()
     local v = scene():prepare(open())
-    local image = v:reference()
-    local _, nearest = apart((v:reference { method = "nearest" }), image)
-    local _, zonal = apart((v:reference { method = "zonal" }), image)
+    local image = v:render { by = "sum" }
+    local _, nearest = apart((v:render { by = "sum", method = "nearest" }), image)
+    local _, zonal = apart((v:render { by = "sum", method = "zonal" }), image)
     assert.is_true(nearest > 1e-4 and nearest < 0.01, tostring(nearest))
     assert.is_true(zonal > 0.05 and zonal < 0.4, tostring(zonal))
   end)
@@ -203,23 +206,24 @@ describe("methods to compare with", function()
       geometry = { ylm.quad { corner = { -1, -1, 0 }, u = { 2, 0, 0 }, v = { 0, 2, 0 }, material = gold } },
       lights = { ylm.sphere_light { at = { 0, 0, 3 }, radius = 0.8, radiance = 1 } } }
     local v = s:prepare { size = { 2, 2 }, samples = 1, lmax = 8, visibility = "none", gloss = "sh" }
-    local _, error = apart((v:reference { method = "zonal" }), (v:reference()))
+    local _, error = apart((v:render { by = "sum", method = "zonal" }), (v:render { by = "sum" }))
     assert.is_true(error < 0.03, tostring(error))
   end)
 
   it("are refused where they do not fit", function()
     local v = scene():prepare(with())
     assert.has_error(function() v:render { grid = lamp, method = "zonal" } end,
-      "render: zonal lobes are summed lamp by lamp, without a grid: view:reference { method = 'zonal' }")
-    assert.has_error(function() v:render { product = "list" } end, "render: materials, camera, method and product are of "
-      .. "pictures by coefficients of light: give a grid, or lights, as grid")
+      "render: zonal lobes are summed lamp by lamp, without a grid: by = 'sum', method = 'zonal'")
+    assert.has_error(function() v:render { by = "rays", product = "list" } end, "render: product is for by = \"grid\" or by = "
+      .. "\"sum\", and this picture is by = \"rays\": name one that fits, or leave product out")
     local matte = scene():prepare(with { gloss = "matte" })
     assert.has_error(function() matte:render { grid = lamp, product = "list" } end,
-      "render: product is of surfaces that gloss by spherical harmonics: prepare the view with gloss = 'sh'")
+      "render: product is of glossy surfaces by spherical harmonics: prepare the view with gloss = 'sh'")
     local flat = ylm.scene "flat" { camera = ylm.camera { from = { 0, 0, 2 }, up = { 0, 1, 0 } },
       geometry = { ylm.sphere { material = gold } }, lights = { ylm.environment_light { radiance = 1 } } }
     assert.has_error(function()
-      flat:prepare { size = { 2, 2 }, samples = 1, lmax = 1, visibility = "none", gloss = "sh" }:reference { method = "zonal" }
-    end, "reference: zonal lobes are summed over sphere lights, and the scene has others: method = 'table' takes all")
+      flat:prepare { size = { 2, 2 }, samples = 1, lmax = 1, visibility = "none", gloss = "sh" }:render { by = "sum",
+        method = "zonal" }
+    end, "render: zonal lobes are summed over sphere lights, and the scene has others: method = 'table' takes all")
   end)
 end)

@@ -2,6 +2,7 @@
 
 local with = require "spec.support.with"
 local ylm = require "ylm"
+local ways = require "spec.support.ways"
 
 if not pcall(require, "ylm.c.scene") then
   describe("noise", function() it("is measured", function() pending "scenes are not built in" end) end)
@@ -52,7 +53,7 @@ end
 describe("occlusion rays", function()
   it("are doubled until the noise is at most 2 %, which the report says", function()
     local s = shaded()
-    local _, report = assert(s:reference(with(small, { layers = false })))
+    local _, report = assert(s:render(ways.sum(with(small, { layers = false }))))
     assert.is_true(report.transfer_samples > 128, tostring(report.transfer_samples))
     assert.is_true(report.noise > 0 and report.noise <= 0.02, tostring(report.noise))
     local truth = luminances(s, { transfer_samples = 2048 })
@@ -96,12 +97,12 @@ describe("occlusion rays", function()
       }
     end
     local function warned(wide)
-      local _, report = assert(slit(wide):reference(with(small, { lmax = 2, layers = false })))
+      local _, report = assert(slit(wide):render(ways.sum(with(small, { lmax = 2, layers = false }))))
       return table.concat(report.warnings, "\n"), report.noise
     end
     assert.is_truthy(warned(0.1):find "2048 occlusion rays from each shading point leave a noise of %d+%.%d %%, more than 2 %%: "
       and warned(0.1):find "set transfer_samples = %d+")
-    assert.is_truthy(warned(0.02):find 'too little of the sky is seen for such rays, use visibility = "rays"')
+    assert.is_truthy(warned(0.02):find 'too little of the sky is seen for such rays, use by = "rays"')
     local clear, noise = warned(4)
     assert.is_true(noise <= 0.02 and not clear:find "noise", clear)
   end)

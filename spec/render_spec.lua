@@ -5,6 +5,7 @@ local core = require "ylm.c.core"
 local pi, tan = math.pi, math.tan
 
 local with = require "spec.support.with"
+local ways = require "spec.support.ways"
 
 --- A square of half-width h in the plane z = 0, seen from z = 5 with y up.
 local function card(h, fov, fields)
@@ -28,7 +29,7 @@ end
 describe("a picture", function()
   it("has x to the right, row 1 at the top, and the field of view in its height", function()
     local half = 5 * tan(pi / 9) -- of the visible height at the card, fov 40
-    local image = card(100):reference(options)
+    local image = card(100):render(ways.sum(options))
     local position = image:layer "position"
     for _, p in ipairs { { 1, 1 }, { 1, 40 }, { 20, 1 }, { 11, 21 }, { 7, 33 } } do
       local x, y = ((p[2] - 0.5) / 40 * 2 - 1) * 2 * half, (1 - (p[1] - 0.5) / 20 * 2) * half
@@ -40,22 +41,22 @@ describe("a picture", function()
     assert.near(5, image:layer "depth":get(1, 1, 1), 1e-4)
     assert.near(5, image:layer "depth":get(11, 21, 1), 1e-4)
     -- A card as high as the view covers its square in the middle, and what is beside it is background.
-    local coverage = card(half):reference(options):layer "coverage"
+    local coverage = card(half):render(ways.sum(options)):layer "coverage"
     assert.same({ 1, 0, 1, 0 }, { coverage:get(1, 20, 1), coverage:get(1, 8, 1), coverage:get(20, 28, 1),
       coverage:get(10, 33, 1) })
     assert.near(400, sum(coverage), 8)
   end)
 
   it("has the layers it names, and background where nothing is", function()
-    local image = card(1):reference(options)
+    local image = card(1):render(ways.sum(options))
     assert.same({ "radiance", "normal", "position", "depth", "albedo", "coverage", "emitter" }, (image:layers()))
     assert.same({ { 0.25, 0.5, 0.75 } }, { image:layer()[1][1]:totable() })
     assert.equal(math.huge, image:layer "depth":get(1, 1, 1))
     assert.same({ 0, 0, 1 }, image:layer "normal"[10][20]:totable())
     assert.same({ 0.5, 0.25, 0.125 }, image:layer "albedo"[10][20]:totable())
-    assert.same({ "radiance" }, (card(1):reference(with(options, { layers = false })):layers()))
+    assert.same({ "radiance" }, (card(1):render(ways.sum(with(options, { layers = false }))):layers()))
     -- From behind, normals turn to the camera.
-    local back = card(1, 40, { camera = ylm.camera { from = { 0, 0, -5 } } }):reference(options)
+    local back = card(1, 40, { camera = ylm.camera { from = { 0, 0, -5 } } }):render(ways.sum(options))
     assert.same({ 0, 0, -1 }, back:layer "normal"[10][20]:totable())
   end)
 
@@ -65,7 +66,7 @@ describe("a picture", function()
       camera = ylm.camera { from = { 0, 0, d }, fov = 40 },
       lights = { ylm.sphere_light { at = { 0, 0, 0 }, radius = r, radiance = { 1, 2, 4 } } },
     }
-    local image = s:raycast { size = { n, n }, samples = 9, light_samples = 1 }
+    local image = s:render { bounces = 0, size = { n, n }, samples = 9, light_samples = 1 }
     -- The silhouette's radius is that of the tangent cone.
     local a = r / math.sqrt(d * d - r * r) / tan(pi / 9)
     assert.near(pi * a * a / 4, sum(image:layer "emitter") / n / n, 1e-3)
@@ -73,42 +74,23 @@ describe("a picture", function()
     assert.equal(0, sum(image:layer "coverage"))
   end)
 
-  it("takes samples as camera rays by every method, by either name", function()
+  it("takes samples as camera rays by every method", function()
     local size = { 6, 4 }
     local function primary(_, report) return report.rays.primary end
-    for _, method in ipairs { "reference", "raycast" } do
-      for _, name in ipairs { "samples", "pixel_samples" } do
-        local s = card(1)
-        assert.equal(72, primary(s[method](s, { size = size, [name] = 3, light_samples = method == "raycast" and 2 or nil })))
-      end
+    for _, by in ipairs { "sum", "rays" } do
+      assert.equal(72, primary(card(1):render { by = by, size = size, samples = 3, light_samples = by == "rays" and 2 or nil }))
     end
-    local view = card(1):prepare { size = size, pixel_samples = 3 }
+    local view = card(1):prepare { size = size, samples = 3 }
     assert.equal(72, view.stats.primary_rays)
     assert.equal(3, view.options.samples)
-    local image, report = card(1):raycast { size = size, samples = 1, light_samples = 5 }
+    local image, report = card(1):render { bounces = 0, size = size, samples = 1, light_samples = 5 }
     assert.equal(5 * report.points, report.rays.shadow)
     assert.same({ "1", "5" }, { image.metadata.samples, image.metadata.light_samples })
   end)
 
-  it("says that raycast's samples are no shadow rays, where they may be meant as such", function()
-    local said = {}
-    local before = ylm.on_warning(function(message) said[#said + 1] = message end)
-    local s = card(1)
-    for _, o in ipairs { { light_samples = 2 }, { pixel_samples = 2 }, { samples = 2, light_samples = 2 }, {} } do
-      o.size = { 6, 4 }
-      assert.same({}, (select(2, s:raycast(o))).warnings)
-    end
-    local _, report = s:raycast { size = { 6, 4 }, samples = 2 }
-    ylm.on_warning(before)
-    assert.equal(1, #report.warnings)
-    assert.same(report.warnings, said)
-    assert.truthy(said[1]:find("samples = 2 are camera rays per pixel", 1, true), said[1])
-    assert.truthy(said[1]:find("set light_samples, which are 64", 1, true), said[1])
-  end)
-
   it("is lit as the closed form says: a lamp over a plane", function()
     local d, r = 9, 0.1
-    local image = card(0.01, 0.05):reference { size = { 2, 2 }, samples = 4, visibility = "none", lmax = 10 }
+    local image = card(0.01, 0.05):render { by = "sum", size = { 2, 2 }, samples = 4, visibility = "none", lmax = 10 }
     -- To lmax 10 the clamped cosine is 1.01023 at its peak: the sum of A_l (2l+1) / 4pi.
     local A, peak = require("ylm.c.core").material_transfer("matte", 10), 0
     for l = 0, 10 do peak = peak + A:get(l + 1) * (2 * l + 1) / (4 * pi) end
@@ -119,7 +101,7 @@ describe("a picture", function()
 
   it("is lit by rays to the lamps where nobody says how, without probes: prepared or not, by any number of threads", function()
     local s, size = card(1, 40, { probes = nil }), { 40, 20 }
-    local image, report = s:render { size = size, samples = 4 }
+    local image, report = s:render { size = size, samples = 4, bounces = 0 }
     local m = image.metadata
     assert.same({ "rays", 32, 0 }, { report.visibility, report.light_samples, report.rays.occlusion })
     assert.equal(32 * report.points, report.rays.shadow)
@@ -128,18 +110,18 @@ describe("a picture", function()
     assert.same({}, report.warnings)
     local function same(what, other) assert.equal(0, (core.array_distance(image:layer(), other:layer())), what) end
     local view = s:prepare { size = size, samples = 4 }
-    same("named", (s:render { size = size, samples = 4, visibility = "rays", light_samples = 32, threads = 1 }))
+    same("named", (s:render { size = size, samples = 4, visibility = "rays", light_samples = 32, threads = 1, bounces = 0 }))
     same("prepared", (view:render()))
-    same("raycast", (view:raycast { light_samples = 32, threads = 3 }))
-    same("written again", (view:render { out = s:render { size = size, samples = 4, light_samples = 1 } }))
+    same("raycast", (view:render { by = "rays", light_samples = 32, threads = 3 }))
+    same("written again", (view:render { out = s:render { size = size, samples = 4, light_samples = 1, bounces = 0 } }))
     -- A lamp behind the card brings nothing, what the closed form says in front of it.
-    local dark = card(1, 40, { camera = ylm.camera { from = { 0, 0, -5 } } }):render { size = size, samples = 4 }
+    local dark = card(1, 40, { camera = ylm.camera { from = { 0, 0, -5 } } }):render { size = size, samples = 4, bounces = 0 }
     assert.same({ 0, 0, 0 }, dark:layer()[10][20]:totable())
     local p = image:layer "position"[10][20]:totable()
     local r2 = p[1] ^ 2 + p[2] ^ 2 + 81
     assert.near(0.5 * 100 * 0.01 * 9 / r2 ^ 1.5, image:layer():get(10, 20, 1), 1e-3 * image:layer():get(10, 20, 1))
     -- By vertices, of a mesh of two triangles.
-    local vertices = s:render { size = size, samples = 4, shading = "vertex" }
+    local vertices = s:render { size = size, samples = 4, shading = "vertices", bounces = 0 }
     assert.is_true(vertices:layer():get(10, 20, 1) > 0)
   end)
 
@@ -155,7 +137,7 @@ describe("a picture", function()
     assert.same({ "transfer", 1 }, { report.visibility, report.occlusion.passing })
     assert.truthy(report.warnings[1]:find "100 %% of the picture's light passes through occluders")
     assert.is_true(image:layer():get(5, 10, 1) > 0)
-    assert.same({ 0, 0, 0 }, (s:render { size = o.size, samples = 1 }):layer()[5][10]:totable())
+    assert.same({ 0, 0, 0 }, (s:render { size = o.size, samples = 1, bounces = 0 }):layer()[5][10]:totable())
   end)
 
   it("by a grid that holds its shadows is lit by the cosine alone, whatever the view knows of visibility", function()
@@ -216,7 +198,7 @@ describe("a picture", function()
     local s = card(1)
     local view = s:prepare(with(options, { lmax = 2 }))
     local grid = s:bake { probes = ylm.adaptive_grid { depth = 4, threshold = 0.05, lmax = 2 }, occupied = view }
-    local image = view:render { grid = grid, truth = view:reference() }
+    local image = view:render { grid = grid, truth = view:render { by = "sum" } }
     local level, cell = image:layer "level":get(10, 20, 1), grid:locate(image:layer "position"[10][20]:totable())
     assert.is_true(math.abs(level - cell.level) <= 1)
     assert.is_true(image:layer "error":get(10, 20, 1) >= 0)
@@ -227,7 +209,7 @@ describe("a picture", function()
 
   it("bakes what it needs where a scene has probes", function()
     local s = card(1, 40, { probes = ylm.uniform_grid { cells = 2, lmax = 2 } })
-    local image, report = s:render(options)
+    local image, report = s:render(with(options, { bounces = 0 }))
     assert.equal("2", image.metadata.lmax)
     assert.equal(0, report.unbaked + report.outside)
     for _, occupied in ipairs { "surfaces", "camera", "vertices", "everywhere" } do
@@ -290,36 +272,37 @@ describe("a picture", function()
 
   it("traces a changed scene anew", function()
     local s = card(1)
-    local before = s:reference(options):layer():get(10, 20, 1)
+    local before = s:render(ways.sum(options)):layer():get(10, 20, 1)
     s.geometry[1].material = ylm.matte { albedo = 0.25 }
-    assert.near(before / 2, s:reference(options):layer():get(10, 20, 1), 1e-6 * before)
+    assert.near(before / 2, s:render(ways.sum(options)):layer():get(10, 20, 1), 1e-6 * before)
   end)
 
   it("reports its stages and can be cancelled in each, leaving the floating-point mode alone", function()
     local s = card(1)
     local stages = {}
-    local o = with(options, { visibility = "pixel", progress = function(_, _, stage) stages[stage] = true end })
-    s:reference(o)
-    s:raycast { size = { 40, 20 }, progress = o.progress }
+    local o = with(options, { visibility = "transfer", progress = function(_, _, stage) stages[stage] = true end })
+    s:render(ways.sum(o))
+    s:render { bounces = 0, size = { 40, 20 }, progress = o.progress, light_samples = 64 }
     for _, stage in ipairs { "primary rays", "transfer", "shading", "raycast" } do
       assert.is_true(stages[stage], stage)
       local function stop(_, _, at) return at ~= stage end
       local image, message, code
-      if stage == "raycast" then image, message, code = s:raycast { size = { 40, 20 }, progress = stop }
-      else image, message, code = s:reference(with(o, { progress = stop })) end
+      if stage == "raycast" then image, message, code = s:render { bounces = 0, size = { 40, 20 }, progress = stop,
+        light_samples = 64 }
+      else image, message, code = s:render(ways.sum(with(o, { progress = stop }))) end
       assert.same({ "nil", "cancelled", "ECANCELLED" }, { type(image), message, code })
     end
-    assert.is_false(pcall(function() s:reference(with(o, { progress = function() error "mine" end })) end))
+    assert.is_false(pcall(function() s:render(ways.sum(with(o, { progress = function() error "mine" end }))) end))
     local tiny = tonumber "1e-310"
     assert.is_true(tiny * 0.5 > 0)
   end)
 
   it("of nothing is background", function()
     local s = ylm.scene "nothing" { camera = ylm.camera { from = { 0, 0, 5 } }, background = 0.5 }
-    local image, report = s:reference(options)
+    local image, report = s:render(ways.sum(options))
     assert.equal(0, report.points)
     assert.equal(0.5, image:layer():get(1, 1, 1))
-    assert.is_true(s:raycast { size = { 4, 2 } } ~= nil)
+    assert.is_true(s:render { bounces = 0, size = { 4, 2 }, light_samples = 64 } ~= nil)
   end)
 
   it("of a camera that looks away is background and lamps by every method, and the report says so", function()
@@ -330,9 +313,10 @@ describe("a picture", function()
     })
     local grid = s:bake { occupied = "everywhere" }
     for what, picture in pairs {
-      render = { s:render(options) }, grid = { s:render(with(options, { grid = grid })) },
-      vertices = { s:render(with(options, { shading = "vertex", visibility = "vertex" })) },
-      reference = { s:reference(options) }, raycast = { s:raycast { size = options.size, pixel_samples = 4 } },
+      render = { s:render(with(options, { bounces = 0 })) }, grid = { s:render(with(options, { grid = grid })) },
+      vertices = { s:render(with(options, { shading = "vertices", visibility = "transfer" })) },
+      reference = { s:render(ways.sum(options)) }, raycast = { s:render { bounces = 0, size = options.size, samples = 4,
+        light_samples = 64 } },
     } do
       local image, report = picture[1], picture[2]
       assert.same({ 0.25, 0.5, 0.75 }, image:layer()[1][1]:totable(), what)
@@ -340,7 +324,7 @@ describe("a picture", function()
       assert.equal(0, report.points, what)
       assert.equal("the camera sees no geometry: nothing to shade", report.note, what)
     end
-    local _, report = card(1):reference(options)
+    local _, report = card(1):render(ways.sum(options))
     assert.is_nil(report.note)
   end)
 end)

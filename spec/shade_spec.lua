@@ -1,3 +1,4 @@
+local ways = require "spec.support.ways"
 -- Transfer vectors, shading by light fields, and the ray-cast truth they are held against.
 local ylm = require "ylm"
 require "ylm.array"
@@ -159,10 +160,11 @@ describe("transfer vectors", function()
     local one, many, other = view(1, 1), view(3, 1), view(1, 2)
     assert.equal(0, (core.array_distance(one:transfer(), many:transfer())))
     assert.equal(0, (core.array_distance(one:points().position, many:points().position)))
-    local few, all = one:reference { threads = 1 }, many:reference { threads = 3 }
+    local few, all = one:render { by = "sum", threads = 1 }, many:render { by = "sum", threads = 3 }
     assert.equal(0, (core.array_distance(few:layer(), all:layer())))
-    assert.is_true(core.array_distance(one:reference():layer(), other:reference():layer()) > 0)
-    local a, b = one:raycast { light_samples = 4, threads = 1 }, many:raycast { light_samples = 4, threads = 3 }
+    assert.is_true(core.array_distance(one:render { by = "sum" }:layer(), other:render { by = "sum" }:layer()) > 0)
+    local a, b = one:render { by = "rays", light_samples = 4, threads = 1 }, many:render { by = "rays", light_samples = 4,
+      threads = 3 }
     assert.equal(0, (core.array_distance(a:layer(), b:layer())))
   end)
 end)
@@ -176,7 +178,7 @@ describe("shading", function()
       local s = element(e.x, e.n, { lamp })
       local scale = e.r ^ 2 / ((e.x[1] - e.y[1]) ^ 2 + (e.x[2] - e.y[2]) ^ 2 + (e.x[3] - e.y[3]) ^ 2) * pi
       for _, lmax in ipairs { 2, 4, 8 } do
-        local image = s:reference(with(one_pixel, { lmax = lmax, visibility = "none" }))
+        local image = s:render(ways.sum(with(one_pixel, { lmax = lmax, visibility = "none" })))
         local off = math.abs(pixel(image) * pi - e.sh[lmax]) / scale
         assert.is_true(off < 1e-4, ("record %d, lmax %d: off by %g"):format(i, lmax, off))
       end
@@ -186,17 +188,17 @@ describe("shading", function()
   it("is the same by any object with that light field, and in double", function()
     local s = small_scene()
     local view = s:prepare { size = { 32, 18 }, samples = 4, transfer_samples = 16, visibility = "transfer" }
-    local truth = view:reference()
+    local truth = view:render { by = "sum" }
     local packed = require("ylm.light").pack(1, "spec", s.lights)
     assert.equal(0, (core.array_distance(view:render({ grid = packed }):layer(), truth:layer())))
-    local _, off, norm = core.array_distance(truth:layer(), view:reference({ dtype = "double" }):layer())
+    local _, off, norm = core.array_distance(truth:layer(), view:render({ by = "sum", dtype = "double" }):layer())
     assert.is_true(off < 1e-5 * norm, tostring(off / norm))
   end)
 
   it("by a grid comes near the reference as the grid gets finer, and says where a grid does not reach", function()
     local s = small_scene()
     local view = s:prepare { size = { 32, 18 }, samples = 4, transfer_samples = 16, visibility = "transfer" }
-    local truth, last = view:reference(), math.huge
+    local truth, last = view:render { by = "sum" }, math.huge
     for _, n in ipairs { 4, 8, 16 } do
       local grid = assert(s:bake { probes = ylm.uniform_grid { cells = n }, occupied = view })
       local image, report = view:render { grid = grid }
@@ -316,7 +318,7 @@ describe("shading", function()
       lights = { ylm.sphere_light { at = { -0.9, 1.3, 0.8 }, radius = 0.1, radiance = { 40, 30, 18 } } },
     }
     local lights = s.lights
-    for _, shading in ipairs { "pixel", "vertex" } do
+    for _, shading in ipairs { "pixel", "vertices" } do
       local o = { size = { 32, 18 }, samples = 2, shading = shading, lmax = 4 }
       local open, rays = s:prepare(with(o, { visibility = "none" })), s:prepare(o)
       local shadowed = s:prepare(with(o, { visibility = "transfer", transfer_samples = 16, occlusion_distance = 1 }))
@@ -353,11 +355,9 @@ describe("shading", function()
       lights = { ylm.sphere_light { at = { 0.3, 1, 0 }, radius = 0.1, radiance = 30 } },
     }
     local options = { size = { 32, 18 }, samples = 4, layers = false }
-    local pixels = s:reference(options)
-    local vertices, report = s:reference(with(options, { shading = "vertex" }))
-    local mixed = s:reference(with(options, { shading = "pixel", visibility = "vertex" }))
-    local earlier = s:reference(with(options, { visibility = "vertex" })) -- the name that this had before "transfer"
-    assert.equal(0, select(2, core.array_distance(earlier:layer(), vertices:layer())))
+    local pixels = s:render(ways.sum(options))
+    local vertices, report = s:render(ways.sum(with(options, { shading = "vertices" })))
+    local mixed = s:render(ways.sum(with(options, { vectors_at = "vertices" })))
     assert.is_true(report.points > 100)
     for _, image in ipairs { vertices, mixed } do
       local _, off, norm = core.array_distance(image:layer(), pixels:layer())
@@ -376,10 +376,10 @@ local s = ylm.scene "k" {
     ylm.sphere_light { at = { 1.2, -0.1, -0.4 }, radius = 0.2, radiance = 9 } } }
 for _, lmax in ipairs { 0, 2, 4, 5 } do
   local v = s:prepare { size = { 24, 14 }, samples = 3, lmax = lmax, transfer_samples = 16, visibility = "transfer" }
-  local t = v:reference():layer():totable()
+  local t = v:render { by = "sum" }:layer():totable()
   for _, row in ipairs(t) do for _, p in ipairs(row) do print(p[1]) print(p[2]) end end
 end
-for _, row in ipairs(s:raycast({ size = { 24, 14 }, samples = 3, light_samples = 8 }):layer():totable()) do
+for _, row in ipairs(s:render({ bounces = 0, size = { 24, 14 }, samples = 3, light_samples = 8 }):layer():totable()) do
   for _, p in ipairs(row) do print(p[1]) end
 end]]
     local name = os.tmpname()
@@ -409,7 +409,7 @@ describe("ray casting", function()
     for i = 1, #elements do
       local e = elements[i]
       local s = element(e.x, e.n, { ylm.sphere_light { at = e.y, radius = e.r, radiance = 1 } })
-      local image = s:raycast { size = { 1, 1 }, samples = 1, light_samples = 4096, shadows = false }
+      local image = s:render { by = "rays", bounces = 0, size = { 1, 1 }, samples = 1, light_samples = 4096, visibility = "none" }
       local off = math.abs(pixel(image) * pi - e.value)
       assert.is_true(off <= 5e-3 * e.value + 1e-12, ("record %d, seed 1: %g of %g"):format(i, off, e.value))
     end
@@ -424,28 +424,29 @@ describe("ray casting", function()
       lights[i] = ylm.sphere_light { at = y, radius = r, radiance = i }
       wanted = wanted + i * pi * r * r / d2 * y[3] / sqrt(d2)
     end
-    local image = element(x, n, lights):raycast { size = { 1, 1 }, samples = 1, light_samples = 2048, shadows = false }
+    local image = element(x, n, lights):render { by = "rays", bounces = 0, size = { 1, 1 }, samples = 1, light_samples = 2048,
+      visibility = "none" }
     assert.near(1, pixel(image) * pi / wanted, 2e-3)
     local around = element(x, n, { ylm.sphere_light { at = { 0, 0, 0.1 }, radius = 0.5, radiance = 3 } })
-    assert.near(3, pixel(around:raycast { size = { 1, 1 }, samples = 1, light_samples = 64, shadows = true }), 1e-4)
+    assert.near(3, pixel(around:render { bounces = 0, size = { 1, 1 }, samples = 1, light_samples = 64 }), 1e-4)
   end)
 
   it("sees shadows: none in the open, all of them behind a blocker", function()
     local lamp = ylm.sphere_light { at = { 0, 0, 2 }, radius = 0.1, radiance = 1 }
     local options = { size = { 1, 1 }, samples = 1, light_samples = 64 }
-    local open = element({ 0, 0, 0 }, { 0, 0, 1 }, { lamp }):raycast(options)
+    local open = element({ 0, 0, 0 }, { 0, 0, 1 }, { lamp }):render(ways.rays(options))
     assert.near(pi * 0.05 ^ 2, pixel(open) * pi, 1e-5)
     local blocker = ylm.quad { corner = { -1, -1, 1 }, u = { 2, 0, 0 }, v = { 0, 2, 0 } }
-    assert.equal(0, pixel(element({ 0, 0, 0 }, { 0, 0, 1 }, { lamp }, { blocker }):raycast(options)))
+    assert.equal(0, pixel(element({ 0, 0, 0 }, { 0, 0, 1 }, { lamp }, { blocker }):render(ways.rays(options))))
     -- A blocker behind the lamp hides nothing.
     local behind = ylm.quad { corner = { -1, -1, 3 }, u = { 2, 0, 0 }, v = { 0, 2, 0 } }
-    assert.near(pixel(open), pixel(element({ 0, 0, 0 }, { 0, 0, 1 }, { lamp }, { behind }):raycast(options)), 1e-7)
+    assert.near(pixel(open), pixel(element({ 0, 0, 0 }, { 0, 0, 1 }, { lamp }, { behind }):render(ways.rays(options))), 1e-7)
   end)
 
   it("agrees with SH shading where light is of low degree", function()
     local s = small_scene()
     local view = s:prepare { size = { 32, 18 }, samples = 4, visibility = "none", lmax = 10 }
-    local sh, rays = view:reference(), view:raycast { light_samples = 64, shadows = false }
+    local sh, rays = view:render { by = "sum" }, view:render { by = "rays", light_samples = 64, visibility = "none" }
     local _, off, norm = core.array_distance(sh:layer(), rays:layer())
     assert.is_true(off < 0.03 * norm, tostring(off / norm))
   end)

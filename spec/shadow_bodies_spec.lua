@@ -217,12 +217,12 @@ describe("shadowed:without", function()
   end)
 end)
 
-describe("prepared:render { bodies = shade }", function()
+describe("view:render { bodies = shade }", function()
   it("has bodies and their shadows as rays have them", function()
     local shade = shaded()
     local view = prepared(room())
     local image, report = assert(view:render { grid = shade, bodies = shade, layers = false })
-    local truth = room(shade:surfaces()):raycast { size = size, samples = 4, light_samples = 64, layers = false }
+    local truth = room(shade:surfaces()):render { bounces = 0, size = size, samples = 4, light_samples = 64, layers = false }
     local e = apart(image, truth)
     assert(e < 0.09, ("%g"):format(e))
     assert.equal(1, report.bodies.count)
@@ -232,7 +232,7 @@ describe("prepared:render { bodies = shade }", function()
     assert.is_true(report.shadow.casters > 0 and report.shadow.products > 0 and report.shadow.seconds > 0)
     shade:move { cube = { at = { 0.6, 1.1, -0.3 }, scale = 0.7, rotation = { axis = { 0, 1, 0 }, angle = 80 } } }
     local moved = apart(view:render { grid = shade, bodies = shade, layers = false },
-      room(shade:surfaces()):raycast { size = size, samples = 4, light_samples = 64, layers = false })
+      room(shade:surfaces()):render { bounces = 0, size = size, samples = 4, light_samples = 64, layers = false })
     assert(moved < 0.09, ("%g"):format(moved))
   end)
 

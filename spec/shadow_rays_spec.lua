@@ -195,7 +195,7 @@ describe("ylm.shadowed beside the path tracer", function()
   end)
 end)
 
-describe("scene:reference of shadowed light", function()
+describe("sums of shadowed light", function()
   it("is the picture of its coefficients at every shading point, behind casters", function()
     local lamp = ylm.sphere_light { at = { 0, 3, 0 }, radius = 0.3, radiance = 50 }
     local scene = ylm.scene "one lamp" {
@@ -206,10 +206,10 @@ describe("scene:reference of shadowed light", function()
     local function behind(casters) return ylm.shadowed { lights = lamp, casters = casters } end
     local shade = behind { ylm.caster { hides = ylm.occluder { radius = 0.4 }, at = { 0, 1, 0 } } }
     local size = { 32, 18 }
-    local plain = scene:reference { size = size, samples = 2 }
-    local same = scene:reference { size = size, samples = 2, lights = behind {} }
+    local plain = scene:render { by = "sum", size = size, samples = 2 }
+    local same = scene:render { by = "sum", size = size, samples = 2, lights = behind {} }
     assert.equal(0, plain:compare(same).mse)
-    local dark = scene:reference { size = size, samples = 2, lights = shade }
+    local dark = scene:render { by = "sum", size = size, samples = 2, lights = shade }
     assert.is_true(plain:compare(dark).mse > 1e-4)
     local each = scene:render { size = size, samples = 2, grid = shade, visibility = "transfer" }
     assert.equal(0, dark:compare(each).mse)

@@ -30,7 +30,8 @@ describe("spot_light", function()
     for _, blend in ipairs { 0, 0.5 } do
       local light = with(spot, { blend = blend })
       local view = floor(ylm.spot_light(light)):prepare { size = { 15, 11 }, samples = 1, share = 0 }
-      local position, got, k, lit = view:points().position, view:raycast({ light_samples = 1, layers = false }):layer(), 0, 0
+      local position, got, k, lit = view:points().position, view:render({ by = "rays", light_samples = 1,
+        layers = false }):layer(), 0, 0
       for i = 1, 11 do
         for j = 1, 15 do
           k = k + 1
@@ -53,7 +54,7 @@ describe("spot_light", function()
       return sum
     end
     local o = { size = { 16, 12 }, samples = 64, bounces = 0, layers = false }
-    local rays = mean(scene:raycast { size = { 16, 12 }, samples = 64, light_samples = 16, layers = false })
+    local rays = mean(scene:render { bounces = 0, size = { 16, 12 }, samples = 64, light_samples = 16, layers = false })
     for _, strategy in ipairs { "both", "lights" } do
       local paths = mean(scene:pathtrace(with(o, { strategy = strategy })))
       assert.is_true(math.abs(paths / rays - 1) < 0.02, paths / rays)
@@ -157,8 +158,9 @@ describe("spot_light", function()
     local light = ylm.spot_light(spot)
     refused("a spot_light has no size, and no spherical harmonics", function() ylm.light_field(2, light, { { 0, 0, 0 } }) end)
     local scene = floor(light)
-    refused("a spot_light has no size", function() scene:bake { probes = ylm.uniform_grid { cells = { 2, 2, 2 }, lmax = 1 } } end)
-    refused("a spot_light has no size", function() scene:reference { size = { 4, 3 } } end)
+    refused("a spot_light has no size", function() scene:bake { probes = ylm.uniform_grid { cells = { 2, 2, 2 },
+      lmax = 1 } } end)
+    refused("a spot_light has no size", function() scene:render { by = "sum", size = { 4, 3 } } end)
     refused("a spot_light has no size", function() scene:links({ rays = 16 }):radiosity():field { quantity = "direct" } end)
   end)
 

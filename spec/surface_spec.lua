@@ -4,6 +4,7 @@
 local long = require "spec.support.long"
 local with = require "spec.support.with"
 local ylm = require "ylm"
+local ways = require "spec.support.ways"
 
 local pi = math.pi
 local one = { size = { 1, 1 } }
@@ -43,7 +44,7 @@ describe("light at a surface", function()
   --- The irradiance at x, 0, z.
   local function truth(x, z) return pi * 0.005 ^ 2 * 0.05 / (x * x + 0.05 ^ 2 + z * z) ^ 1.5 end
 
-  local ways = {
+  local measures = {
     ["the path tracer at points"] = function(s)
       return (s:probe { points = { { 0.01, 0, 0 } }, normals = { { 0, 1, 0 } }, samples = 1024, bounces = 0,
         strategy = "lights" }:get(1, 1))
@@ -52,7 +53,7 @@ describe("light at a surface", function()
       return pi * s:pathtrace(with(one, { samples = 512, bounces = 0, strategy = "lights" })):layer "radiance":get(1, 1, 1)
     end,
     ["the picture by rays"] = function(s)
-      return pi * s:raycast(with(one, { samples = 1, light_samples = 64 })):layer "radiance":get(1, 1, 1)
+      return pi * s:render(ways.rays(with(one, { samples = 1, light_samples = 64 }))):layer "radiance":get(1, 1, 1)
     end,
     ["the lightmap"] = function(s, width)
       if width > 1 then return truth(0.01, 0) end
@@ -61,7 +62,7 @@ describe("light at a surface", function()
       return E:layer "irradiance":get(10, 12, 1) * truth(0.01, 0) / truth(0.015, 0.005)
     end,
   }
-  for way, measure in pairs(ways) do
+  for way, measure in pairs(measures) do
     it("is 0.1 % of the closed form for a lamp 0.05 above a floor, whatever is 20, 100 or 500 away: " .. way, function()
       for _, width in ipairs { 0.2, 1000 } do
         for _, far in ipairs { 20, 100, 500 } do
@@ -184,8 +185,9 @@ describe("a surface", function()
               lights = { ylm.sun_light { direction = up, angle = 0.1, irradiance = 1 } },
             }
             local size = { 32, 32 }
-            local a = s:raycast({ size = size, samples = 1, light_samples = 2 }):layer "radiance"
-            local b = s:raycast({ size = size, samples = 1, light_samples = 2, shadows = false }):layer "radiance"
+            local a = s:render({ bounces = 0, size = size, samples = 1, light_samples = 2 }):layer "radiance"
+            local b = s:render({ by = "rays", bounces = 0, size = size, samples = 1, light_samples = 2,
+              visibility = "none" }):layer "radiance"
             assert.is_true(b:get(16, 16, 1) > 0)
             assert.equal(0, lit(32 * 32, function(i)
               local y, x = 1 + math.floor((i - 1) / 32), 1 + (i - 1) % 32

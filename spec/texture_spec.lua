@@ -8,6 +8,7 @@ local form = require "ylm.form"
 local material = require "ylm.material"
 local pictures = require "spec.support.pictures"
 local scratch = require "spec.support.scratch"
+local ways = require "spec.support.ways"
 
 local can_trace = pcall(require, "ylm.c.scene")
 
@@ -92,19 +93,20 @@ describe("textures", function()
     if not can_trace then pending "no Embree" end
     local s = inside(square({ 0, 0 }, { 1, 1 }, ylm.matte { albedo = image_of(8, 8, noise) }))
     local view = s:prepare(options)
-    local truth = view:reference():layer "albedo"
+    local truth = view:render { by = "sum" }:layer "albedo"
     local grid = s:bake { probes = ylm.uniform_grid { cells = { 1, 1, 1 }, lmax = 2 } }
     local first, last = truth:get(12, 6, 1), truth:get(12, 18, 1)
     assert(math.abs(first - last) > 0.1)
     for name, image in pairs {
-      reference = (view:reference()), double = (view:reference { dtype = "double" }),
-      grid = (view:render { grid = grid }), raycast = (view:raycast { light_samples = 4 }),
+      reference = (view:render { by = "sum" }), double = (view:render { by = "sum", dtype = "double" }),
+      grid = (view:render { grid = grid }), raycast = (view:render { by = "rays", light_samples = 4 }),
       field = (view:render { grid = ylm.sphere_lights { at = { { 0, 0, 0 } }, radius = 50, radiance = 1 }.lights }),
     } do
       assert(apart(truth, image:layer()) < 3e-6, name)
     end
     if s.pathtrace then
-      local mean = s:reference { size = { 24, 24 }, samples = 64, share = 10, visibility = "none", lmax = 2 }:layer "albedo"
+      local mean = s:render { by = "sum", size = { 24, 24 }, samples = 64, share = 10, visibility = "none",
+        lmax = 2 }:layer "albedo"
       local paths = s:pathtrace { size = { 24, 24 }, samples = 64, bounces = 0 }:layer()
       local product, power = 0, 0
       for y = 1, 24 do
@@ -126,15 +128,15 @@ describe("textures", function()
     if not can_trace then pending "no Embree" end
     local checker = image_of(64, 64, function(y, x) return (x + y) % 2 end)
     local s = inside(square({ 0, 0 }, { 1, 1 }, ylm.matte { albedo = checker }))
-    local image = s:reference { size = { 2, 2 }, samples = 256, share = 10, visibility = "none", lmax = 2 }
+    local image = s:render { by = "sum", size = { 2, 2 }, samples = 256, share = 10, visibility = "none", lmax = 2 }
     assert.near(0.5, image:layer "albedo":get(1, 1, 1), 0.05)
     assert.near(image:layer "albedo":get(1, 1, 1), image:layer():get(1, 1, 1), 1e-5)
     local smooth = inside(square({ 0.25, 0.25 }, { 0.5, 0.5 }, ylm.matte { albedo = image_of(2, 2, noise) }))
-    local by_vertex = { size = { 24, 24 }, samples = 1, shading = "vertex", lmax = 2, visibility = "none" }
+    local by_vertex = { size = { 24, 24 }, samples = 1, shading = "vertices", lmax = 2, visibility = "none" }
     local points = smooth:prepare(by_vertex):points()
     assert.equal(4, #points.albedo)
     assert.near(noise(2, 1, 1), points.albedo:get(1, 1), 1e-6)
-    assert(apart(smooth:reference(by_vertex):layer "albedo", smooth:reference(options):layer "albedo") < 1e-6)
+    assert(apart(smooth:render(ways.sum(by_vertex)):layer "albedo", smooth:render(ways.sum(options)):layer "albedo") < 1e-6)
   end)
 
   it("are taken from the image when the material is made, and multiplied by albedo where they come from a file", function()
@@ -234,7 +236,7 @@ describe("colours of vertices", function()
       local red = y < x and 1 - x or 1 - y + (y - x) -- corners 1 2 3 below the diagonal, 1 3 4 above
       assert.near(0.8 * red, albedo[i][1], 1e-5)
     end
-    assert(apart(plain:reference():layer "albedo", plain:raycast { light_samples = 4 }:layer()) < 3e-6)
+    assert(apart(plain:render { by = "sum" }:layer "albedo", plain:render { by = "rays", light_samples = 4 }:layer()) < 3e-6)
     local both = inside(square({ 0, 0 }, { 1, 1 }, ylm.matte { albedo = image_of(1, 1, function() return 0.25 end) }, c))
     local darker = both:prepare(options):points().albedo:totable()
     for i = 1, #darker do assert.near(albedo[i][2] / 0.8 * 0.25, darker[i][2], 1e-6) end
@@ -290,7 +292,7 @@ describe("materials of OBJ files", function()
     assert.same({ 4, 5, 6 }, s.lights[2].radiance)
     assert.same(m.notes, s.notes)
     if not can_trace then return end
-    local image, report = s:raycast { size = { 16, 16 }, samples = 1, light_samples = 4 }
+    local image, report = s:render { bounces = 0, size = { 16, 16 }, samples = 1, light_samples = 4 }
     assert.same(s.notes, report.notes)
     local albedo = image:layer "albedo"
     assert.near(0.9, albedo:get(12, 5, 1), 1e-6)
@@ -328,7 +330,8 @@ describe("materials of OBJ files", function()
     near({ 2 / 3, 1 / 3, 0 }, b.base)
     near({ 1 / 3, 1 / 2, 1 / 6 }, b.specular)
     assert.same(1, #m.notes)
-    assert.truthy(m.notes[1]:find("a.mtl:5: material 'b': Kd + Ks is above 1: both are multiplied by 0.667", 1, true), m.notes[1])
+    assert.truthy(m.notes[1]:find("a.mtl:5: material 'b': Kd + Ks is above 1: both are multiplied by 0.667", 1, true),
+      m.notes[1])
   end)
 
   it("are told where they are missing, with a guess", function()

@@ -147,16 +147,16 @@ describe("links:vectors", function()
   end)
 end)
 
-describe("prepared:shade", function()
+describe("view:render by vectors", function()
   it("multiplies vectors, light and albedo at each point; its own vectors are the reference's picture", function()
     local s = court(sky)
     s.camera = ylm.camera { from = { 0, 3.5, 0.4 }, at = { 0, 0, 0 }, fov = 12 } -- sees no sky
     local view = s:prepare { size = { 12, 8 }, samples = 1, lmax = 2, visibility = "transfer", share = 0 }
-    local own = view:shade { vectors = view:transfer() }
-    assert(relative(own:layer(), view:reference():layer()) < 1e-6)
+    local own = view:render { vectors = view:transfer() }
+    assert(relative(own:layer(), view:render { by = "sum" }:layer()) < 1e-6)
     local t = s:links(cut)
     local T = view:transfer { links = t }
-    local image = view:shade { vectors = T }
+    local image = view:render { vectors = T }
     local L, albedo = light_at(sky, { { 0, 0, 0 } }, 2)[1], view:points().albedo
     local sums, wanted, rows = { 0, 0, 0 }, { 0, 0, 0 }, T:totable()
     for i = 1, #rows do
@@ -170,7 +170,7 @@ describe("prepared:shade", function()
   end)
 end)
 
-describe("prepared:matrices", function()
+describe("view:matrices", function()
   it("cuts the sphere at the horizon in the open: the matrix of a hemisphere", function()
     local floor = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } }
     local s = ylm.scene "a floor" { geometry = floor, camera = ylm.camera { from = { 0, 2, 0 }, at = { 0, 0, 0 },

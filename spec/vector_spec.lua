@@ -62,7 +62,7 @@ describe("a direction", function()
     same(function(v)
       local scene = ylm.scene "up" { camera = ylm.camera { from = { 0, 1, 3 }, up = v(0.25, 1, 0) },
         geometry = { ylm.box {} }, lights = { ylm.sphere_light { at = { 0, 3, 0 } } } }
-      return scene:reference({ size = { 8, 6 }, samples = 1, transfer_samples = 1, lmax = 1 }):layer()
+      return scene:render({ by = "sum", size = { 8, 6 }, samples = 1, transfer_samples = 1, lmax = 1 }):layer()
     end)
     local near = ylm.camera { from = { 0, 0, 0 }, at = { 0, 0, 1e-170 } }
     assert.equal(1e-170, near.at[3])

@@ -1,9 +1,10 @@
--- view:gather: virtual lights at every shading point by their harmonics, as points, as spheres; closed forms and the judge.
+-- Virtual lights at every shading point by their harmonics, as points, as spheres; closed forms and the judge.
 
 local gathered = require "spec.support.gathered"
 local with = require "spec.support.with"
 local refused = require "spec.support.raises"
 local ylm = require "ylm"
+local ways = require "spec.support.ways"
 
 local silent
 setup(function() silent = ylm.on_warning(false) end)
@@ -162,7 +163,7 @@ describe("points", function()
     for i = 1, 40 do Phi = Phi + i % 7 end
     local scene = ylm.scene "a ball" { geometry = ylm.sphere { radius = R, material = grey },
       camera = ylm.camera { from = { 0, 0, 0 }, at = { 1, 0, 0 }, fov = 60 } }
-    local view = scene:prepare { size = { 12, 8 }, samples = 1, shading = "vertex" } -- vertices lie on the sphere
+    local view = scene:prepare { size = { 12, 8 }, samples = 1, shading = "vertices" } -- vertices lie on the sphere
     local lights = ylm.virtual_lights { at = at, normal = normal, intensity = intensity, profile = "point" }
     local got, wanted = gathered(view, lights, { method = "vpl", clamp = "none" }), Phi / (4 * math.pi * R * R) * 0.5 / math.pi
     for i = 1, 8 do for j = 1, 12 do assert.is_true(math.abs(got:get(i, j, 1) / wanted - 1) < 1e-4) end end
@@ -173,7 +174,8 @@ describe("points", function()
     scene.camera = ylm.camera { from = { 0, 3, 0 }, at = { 0, 0, 0 }, up = { 0, 0, -1 }, fov = 0.01 }
     local view = scene:prepare { size = { 1, 1 }, samples = 1 }
     local lights = ylm.virtual_lights { at = { { 0, 0.1, 0 } }, normal = { { 0, -1, 0 } }, radius = 0.5, intensity = 1 }
-    local function radiance(options) return mean(gathered(view, lights, with({ method = "vpl" }, options))) / (0.5 / math.pi) end
+    local function radiance(options) return mean(gathered(view, lights, with({ method = "vpl" },
+      options))) / (0.5 / math.pi) end
     local function near(a, b) assert.is_true(math.abs(a / b - 1) < 2e-2, a .. " " .. b) end
     near(radiance { clamp = "none" }, 100)
     near(radiance { clamp = "distance", limit = 7 }, 7)
@@ -271,8 +273,8 @@ describe("bounces by virtual lights", function()
   end
 
   it("are direct light and the light of scene:virtual_lights, with the picture's seed", function()
-    local direct = rendered {}
-    local all, report = rendered { bounces = 1, indirect = { method = "virtual", count = 50, shadows = "centre" } }
+    local direct = rendered { bounces = 0 }
+    local all, report = rendered { bounced = (scene:virtual_lights { count = 50 }), virtual = { shadows = "centre" } }
     local view = scene:prepare { size = { 6, 4 }, samples = 1 }
     local alone = gathered(view, (scene:virtual_lights { count = 50 }), { shadows = "centre" })
     for i = 1, 4 do
@@ -281,49 +283,49 @@ describe("bounces by virtual lights", function()
         assert.is_true(math.abs(all:get(i, j, 1) - sum) < 1e-6 * sum)
       end
     end
-    assert.equal("virtual", report.indirect)
+    assert.equal("virtual", report.bounced)
     assert.equal(1, report.bounces)
     assert.equal(50, report.virtual.lights)
     assert.equal(0, #report.warnings)
-    assert.is_true(apart(rendered { indirect = (scene:virtual_lights { count = 50 }) }, all) < 1e-6) -- nothing is in the way
+    assert.is_true(apart(rendered { bounced = (scene:virtual_lights { count = 50 }) }, all) < 1e-6) -- nothing is in the way
   end)
 
   it("are of lamps that view:render is given", function()
     local view = scene:prepare { size = { 6, 4 }, samples = 1 }
     local twice = ylm.sphere_light { at = { 0.1, 0.8, 0 }, radius = 0.05, radiance = 200 }
-    local o = { indirect = { method = "virtual", count = 20 }, layers = false }
+    local o = { bounced = "virtual", bounces = 1, layers = false }
     local one = view:render(o):layer "radiance"
     local two = view:render(with(o, { lights = twice })):layer "radiance"
     assert.is_true(math.abs(two:get(2, 3, 1) / one:get(2, 3, 1) - 2) < 1e-4)
   end)
 
   it("are none where bounces = 0, and say that they pass walls", function()
-    local _, report = rendered { bounces = 0, indirect = "virtual" }
+    local _, report = rendered { bounces = 0, bounced = "virtual" }
     assert.equal(0, report.bounces)
-    _, report = rendered { indirect = { method = "virtual", count = 5 } }
+    _, report = rendered { bounced = (scene:virtual_lights { count = 5 }) }
     assert.matches("shine through walls", report.warnings[1])
   end)
 
   it("refuse what is no option of theirs", function()
-    refused("no field 'cuont'", function() rendered { indirect = { method = "virtual", cuont = 3 } } end)
-    refused("method must be one of 'virtual'", function() rendered { indirect = { method = "links" } } end)
-    refused("reflected 64 times at most", function() rendered { bounces = 65, indirect = "virtual" } end)
-    refused("bounces and indirect say the same", function()
-      rendered { bounces = 2, indirect = (scene:virtual_lights { count = 5 }) }
+    refused("no field 'shadow'", function() rendered { bounced = "virtual",
+      virtual = { shadow = 3 } } end)
+    refused("reflected 64 times at most", function() rendered { bounces = 65, bounced = "virtual" } end)
+    refused("bounces are those of the virtual lights", function()
+      rendered { bounces = 2, bounced = (scene:virtual_lights { count = 5 }) }
     end)
-    refused("'gather' or 'virtual'", function() rendered { indirect = "lines" } end)
+    refused("bounced must be 'links', 'virtual'", function() rendered { bounced = "lines" } end)
   end)
 end)
 
-describe("view:gather", function()
+describe("pictures of virtual lights", function()
   it("makes the same picture whatever the number of threads, and counts pairs and rays", function()
     local scene = room()
     local view, lights = scene:prepare { size = { 9, 7 }, samples = 1 }, scene:virtual_lights { count = 70 }
     for _, o in ipairs { { method = "vsl" }, { method = "vpl", compensate = 4 }, { shadows = "centre" } } do
       local first, report = gathered(view, lights, with(o, { threads = 1 }))
       assert.same(first:totable(), gathered(view, lights, with(o, { threads = 3 })):totable())
-      assert.equal(70 * view.stats.points, report.pairs)
-      assert.is_true((report.rays.shadow > 0) == (o.method ~= "vsl"))
+      assert.equal(70 * view.stats.points, report.virtual.pairs)
+      assert.is_true((report.rays.virtual > 0) == (o.method ~= "vsl"))
     end
   end)
 
@@ -345,39 +347,41 @@ describe("view:gather", function()
     local scene = ylm.scene "gloss" { lights = lamp, camera = room().camera,
       geometry = ylm.box { scale = 2, material = ylm.ggx { alpha = 0.4, f0 = 0.3 } } }
     local view = scene:prepare { size = { 2, 2 }, samples = 1 }
-    local _, r = view:gather { lights = one_light() }
+    local _, r = view:render { by = "none", bounced = one_light() }
     assert.matches("shine through walls: %S+ %% of their light here passes them.*: shadows = 'centre'", r.warnings[1])
     assert.equal(1, #r.warnings)
     local matte = scene:prepare { size = { 2, 2 }, samples = 1, visibility = "none", gloss = "matte" }
-    _, r = matte:gather { lights = one_light() }
+    _, r = matte:render { by = "none", bounced = one_light() }
     assert.matches("1 mesh is glossy: virtual lights shade it as a matte one", r.warnings[2])
-    _, r = view:gather { lights = one_light(), shadows = "centre" }
+    _, r = view:render { by = "none", bounced = one_light(), virtual = { shadows = "centre" } }
     assert.equal(0, #r.warnings)
   end)
 
   it("refuses what is another method's, and what no method knows", function()
     local view, lights = ground():prepare { size = { 2, 2 }, samples = 1 }, one_light()
-    local function says(pattern, o) refused(pattern, function() view:gather(with({ lights = lights }, o)) end) end
-    says("lmax is for method = 'hvl', this is 'vpl'", { method = "vpl", lmax = 4 })
-    says("samples is for method = 'vsl', this is 'hvl'", { samples = 4 })
+    local function says(pattern, o) refused(pattern, function() view:render(ways.virtual(with({ lights = lights }, o))) end) end
+    says("lmax is of harmonics, which rival = 'vpl' has none of", { method = "vpl", lmax = 4 })
+    refused("samples is of scene:prepare", function() view:render { by = "none", bounced = lights, samples = 4 } end)
     says("samples must be an integer >= 1", { method = "vsl", samples = 0 })
     says("limit is of a clamp", { method = "vpl", clamp = "none", limit = 3 })
     says("compensate finds what a clamp takes away", { method = "vpl", clamp = "none", compensate = 3 })
     says("compensate needs lights that scene:virtual_lights made", { method = "vpl", compensate = 3 })
     says("window", { window = { "no such", 3 } })
     says("shadows must be one of 'none', 'centre'", { shadows = "all" })
-    refused("field 'lights' is missing", function() view:gather {} end)
+    refused("and nothing bounces", function() view:render { by = "none" } end)
     local bare = ylm.virtual_lights { at = { { 0, 1, 0 } }, intensity = 1, profile = "point" }
-    refused("limit is needed: the lights have no radius", function() view:gather { lights = bare, method = "vpl" } end)
-    refused("light 1 has no radius", function() view:gather { lights = bare, method = "vsl" } end)
+    refused("limit is needed: the lights have no radius", function() view:render { by = "none", bounced = bare,
+      rival = { "vpl" } } end)
+    refused("light 1 has no radius", function() view:render { by = "none", bounced = bare, rival = { "vsl" } } end)
     local _, near = one_light():split { core = 1 }
-    refused("only method = 'hvl' knows", function() view:gather { lights = near, method = "vsl" } end)
+    refused("which only harmonics know", function() view:render { by = "none", bounced = near, rival = { "vsl" } } end)
   end)
 
   it("ends where progress says so", function()
     local scene = room()
     local view, lights = scene:prepare { size = { 64, 48 }, samples = 1 }, scene:virtual_lights { count = 3000 }
-    local image, message, code = view:gather { lights = lights, threads = 1, progress = function() return false end }
+    local image, message, code = view:render { by = "none", bounced = lights, threads = 1,
+      progress = function() return false end }
     assert.same({ nil, "cancelled", "ECANCELLED" }, { image, message, code })
   end)
 end)

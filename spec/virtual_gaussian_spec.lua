@@ -1,8 +1,9 @@
--- view:gather { method = "vsgl" }: groups of virtual lights as spherical Gaussians; report.singular.
+-- rival = { "vsgl" } of pictures by virtual lights: groups of them as spherical Gaussians; report.virtual.singular.
 
 local with = require "spec.support.with"
 local refused = require "spec.support.raises"
 local ylm = require "ylm"
+local ways = require "spec.support.ways"
 
 local silent
 setup(function() silent = ylm.on_warning(false) end)
@@ -18,7 +19,7 @@ local function point(material)
 end
 
 local function radiance(view, lights, options)
-  local image, report = view:gather(with({ lights = lights, layers = false, method = "vsgl" }, options or {}))
+  local image, report = view:render(ways.virtual(with({ lights = lights, layers = false, method = "vsgl" }, options or {})))
   return assert(image, report):layer "radiance":get(1, 1, 2), report
 end
 
@@ -26,7 +27,8 @@ end
 local function integral(m, s, axis, sharp, f)
   local d2 = dot(m, m)
   local d, sum, n = math.sqrt(d2), 0, 90
-  local w, area = { m[1] / d, m[2] / d, m[3] / d }, sharp > 0 and 2 * math.pi * (1 - math.exp(-2 * sharp)) / sharp or 4 * math.pi
+  local w, area = { m[1] / d, m[2] / d, m[3] / d },
+    sharp > 0 and 2 * math.pi * (1 - math.exp(-2 * sharp)) / sharp or 4 * math.pi
   for i = 1, n do
     for j = 1, 2 * n do
       local z, t = (i - 0.5) / n, (j - 0.5) / n * math.pi
@@ -87,8 +89,8 @@ describe("groups of lights", function()
     assert.is_true(math.abs(exact / sum - 1) < 1e-4)
     for k, n in ipairs { 1, 4, 16, 32 } do
       local got, report = radiance(view, lights, { groups = n })
-      assert.equal(n, report.groups)
-      assert.equal(n * view.stats.points, report.pairs)
+      assert.equal(n, report.virtual.groups)
+      assert.equal(n * view.stats.points, report.virtual.pairs)
       off[k] = math.abs(got / exact - 1)
     end
     assert.is_true(off[4] < off[1] and off[4] < 0.1, table.concat(off, " "))
@@ -96,11 +98,11 @@ describe("groups of lights", function()
     local one = ylm.virtual_lights { at = { { 0, 1, 0 }, { 0, 1, 0 } }, normal = { { 0, -1, 0 }, { 0, -1, 0 } }, radius = 0.1,
       intensity = 1 }
     local _, report = radiance(view, one, { groups = 2 })
-    assert.equal(1, report.groups)
+    assert.equal(1, report.virtual.groups)
     assert.equal(0, (radiance(view, ylm.virtual_lights { at = {}, radius = 1, intensity = 1 })))
   end)
 
-  it("light surfaces that gloss by a lobe of f's power and mean direction", function()
+  it("light glossy surfaces by a lobe of f's power and mean direction", function()
     local material = ylm.ggx { alpha = 0.4, f0 = 1 }
     local view = point(material)
     local wo = { 0, 2 / math.sqrt(4.25), 0.5 / math.sqrt(4.25) }
@@ -130,7 +132,9 @@ describe("groups of lights", function()
     local lights = ylm.virtual_lights { at = { { 0, 1, 0 } }, radius = 0.1, intensity = 1 }
     refused("groups %(5%) must be at most the 1 lights", function() radiance(view, lights, { groups = 5 }) end)
     refused("groups must be an integer >= 1", function() radiance(view, lights, { groups = 0 }) end)
-    refused("groups is for method = 'vsgl', this is 'hvl'", function() view:gather { lights = lights, groups = 1 } end)
+    refused("groups is for 'vsgl', this is 'vpl'", function()
+      view:render { by = "none", bounced = lights, rival = { "vpl", groups = 1 } }
+    end)
   end)
 end)
 
@@ -139,12 +143,13 @@ describe("lights at shading points", function()
     local view = point()
     local p = view:points().position:totable()
     local places = { p[1], { 0, 1, 0 }, p[1] }
-    local _, report = view:gather { lights = ylm.virtual_lights { at = places, intensity = 1, profile = "point" } }
-    assert.equal(2, report.singular)
+    local _, report = view:render { by = "none", bounced = ylm.virtual_lights { at = places, intensity = 1,
+      profile = "point" } }
+    assert.equal(2, report.virtual.singular)
     local soft = ylm.virtual_lights { at = places, intensity = 1, radius = 0.1 }
-    _, report = view:gather { lights = soft }
-    assert.equal(0, report.singular)
-    _, report = view:gather { lights = soft, method = "vpl" }
-    assert.equal(2, report.singular)
+    _, report = view:render { by = "none", bounced = soft }
+    assert.equal(0, report.virtual.singular)
+    _, report = view:render { by = "none", bounced = soft, rival = { "vpl" } }
+    assert.equal(2, report.virtual.singular)
   end)
 end)

@@ -1,4 +1,4 @@
--- view:gather on surfaces that gloss: slices of their materials, f itself, zonal lobes.
+-- Pictures of virtual lights on glossy surfaces: slices of their materials, f itself, zonal lobes.
 
 local scratch = require "spec.support.scratch"
 local gathered = require "spec.support.gathered"
@@ -46,7 +46,7 @@ local function apart(a, b)
   return math.sqrt(d / all)
 end
 
-describe("harmonics on surfaces that gloss", function()
+describe("harmonics on glossy surfaces", function()
   for _, case in ipairs { { "grey", "gauss" }, { "varnish", "cap" }, { "brushed", "point" }, { "polish", "gauss" } } do
     it("are coefficients of the lights times slices turned to the world: " .. table.concat(case, ", "), function()
       local lights = some_lights { profile = case[2] }
@@ -56,7 +56,8 @@ describe("harmonics on surfaces that gloss", function()
       assert.is_true(apart(gathered(view, lights, { lmax = 5 }), wanted) < 2e-6)
       -- vertices, and a view by transfer vectors
       assert.is_true(apart(gathered(by_slices, lights, { lmax = 5 }), wanted) < 2e-6)
-      assert.is_true(apart(gathered(prepared(materials[case[1]], { shading = "vertex" }), lights, { lmax = 5 }), wanted) > 1e-4)
+      assert.is_true(apart(gathered(prepared(materials[case[1]], { shading = "vertices" }), lights, { lmax = 5 }),
+        wanted) > 1e-4)
     end)
   end
 
@@ -87,7 +88,7 @@ describe("harmonics on surfaces that gloss", function()
     local path = script.path .. "/plain.lua"
     local file = assert(io.open(path, "w"))
     file:write [[
-      local ylm = require "ylm"
+      local ylm, ways = require "ylm", require "spec.support.ways"
       ylm.on_warning(false)
       local e = { {}, {} }
       for i = 1, 2 do for c = 1, 3 do e[i][c] = {} for k = 1, 25 do e[i][c][k] = math.sin(i + 2 * c + k) end end end
@@ -102,7 +103,7 @@ describe("harmonics on surfaces that gloss", function()
           for _, o in ipairs { { lmax = 5 }, { lmax = 5, zonal = true }, { method = "vpl", clamp = "none" },
             { method = "vsgl" }, { method = "vsl" }, { method = "vsl", strategy = "receiver" } } do
             o.lights, o.layers = lights, false
-            local a = view:gather(o):layer "radiance"
+            local a = view:render(ways.virtual(o)):layer "radiance"
             for i = 1, 2 do for j = 1, 3 do for c = 1, 3 do print(("%.9g"):format(a:get(i, j, c))) end end end
           end
         end
@@ -129,7 +130,8 @@ describe("harmonics on surfaces that gloss", function()
 
   it("are refused beyond tables, and shaded as matte where a view says so", function()
     local lights = some_lights()
-    refused("tables of degree 0 to 60, lmax is 61", function() prepared(materials.grey):gather { lights = lights, lmax = 61 } end)
+    refused("tables of degree 0 to 60, lmax is 61", function() prepared(materials.grey):render { by = "none",
+      bounced = lights, virtual = { lmax = 61 } } end)
     local grey = gathered(prepared(materials.grey), lights)
     local matte, report = gathered(prepared(materials.grey, { visibility = "none", gloss = "matte" }), lights)
     assert.is_true(apart(matte, grey) > 0.1)
@@ -140,7 +142,7 @@ describe("harmonics on surfaces that gloss", function()
   end)
 end)
 
-describe("points and spheres on surfaces that gloss", function()
+describe("points and spheres on glossy surfaces", function()
   it("are f times the geometry term: harmonics of high degree come to it", function()
     local points = some_lights { profile = "point" }
     for _, name in ipairs { "grey", "polish" } do
@@ -185,7 +187,8 @@ describe("zonal lobes", function()
   it("are coefficients on matte surfaces", function()
     local view, lights = prepared(ylm.matte { albedo = { 0.7, 0.5, 0.2 } }), some_lights()
     for _, lmax in ipairs { 4, 14 } do
-      assert.is_true(apart(gathered(view, lights, { zonal = true, lmax = lmax }), gathered(view, lights, { lmax = lmax })) < 1e-6)
+      assert.is_true(apart(gathered(view, lights, { zonal = true, lmax = lmax }), gathered(view, lights,
+        { lmax = lmax })) < 1e-6)
     end
   end)
 

@@ -40,19 +40,19 @@ end
 describe("far and near", function()
   it("make the picture of every light at every point, where the view has no transfer vectors", function()
     local grid = scene:bake { lights = far, probes = probes, occupied = view }
-    local wanted = assert(view:gather { lights = lights, layers = false })
-    local image, report = rendered(view, { grid = grid, near = near })
+    local wanted = assert(view:render { by = "none", bounced = lights, layers = false })
+    local image, report = rendered(view, { grid = grid, near_lights = near })
     assert.is_true(apart(image, wanted) < 0.01, apart(image, wanted))
     assert.same({ "none", near.count, near.core }, { report.visibility, report.near.lights, report.near.core })
     assert.is_true(report.near.pairs > 0 and report.near.pairs < lights.count * report.points and report.seconds.near > 0)
     assert.matches("virtual lights shine through walls", report.warnings[1])
     assert.equal(1, #report.warnings)
-    assert.is_true(apart(rendered(view, { grid = grid, near = near, threads = 3 }), image) == 0)
+    assert.is_true(apart(rendered(view, { grid = grid, near_lights = near, threads = 3 }), image) == 0)
     -- beside direct light
     local direct = rendered(view, {})
-    local both = rendered(view, { indirect = grid, near = near })
+    local both = rendered(view, { bounced = grid, near_lights = near })
     assert.is_true(apart(both:difference(direct), image) < 1e-5)
-    local again = assert(scene:render { grid = grid, near = near, size = { 40, 22 }, samples = 1, layers = false })
+    local again = assert(scene:render { grid = grid, near_lights = near, size = { 40, 22 }, samples = 1, layers = false })
     assert.is_true(apart(again, image) == 0)
   end)
 
@@ -60,7 +60,7 @@ describe("far and near", function()
     local shadowed = scene:prepare { size = { 40, 22 }, samples = 1, visibility = "transfer", transfer_samples = 64 }
     local grid = scene:bake { lights = far, probes = probes, occupied = shadowed }
     local wanted = rendered(shadowed, { grid = lights.lights })
-    assert.is_true(apart(rendered(shadowed, { grid = grid, near = near }), wanted) < 0.01)
+    assert.is_true(apart(rendered(shadowed, { grid = grid, near_lights = near }), wanted) < 0.01)
     assert.is_true(apart(rendered(shadowed, { grid = grid }), wanted) > 0.03) -- without them
   end)
 
@@ -95,10 +95,10 @@ describe("far and near", function()
     refused("scene: a scene expected, got 3", function() lights:split { scene = 3 } end)
     refused("points is of core = 'auto', core is 1: leave one out", function() lights:split { core = 1, points = 5 } end)
     refused("lights of profile 'gauss' are split, and these are 'near'", function() near:split() end)
-    refused("near lights lack", function() view:render { near = near } end)
-    refused("near is the near part of lights:split, these lights are of profile 'far': that is what the grid is baked of",
-      function() view:render { grid = grid, near = far } end)
-    refused("near must be", function() view:render { grid = grid, near = 3 } end)
+    refused("near lights lack", function() view:render { near_lights = near } end)
+    refused("near_lights is the near part of lights:split, these lights are of profile 'far': that is what the grid is baked of",
+      function() view:render { grid = grid, near_lights = far } end)
+    refused("near_lights must be", function() view:render { grid = grid, near_lights = 3 } end)
     refused("holds lights without their shadows", function() view:render { grid = grid } end)
     refused("near lights are gathered", function() scene:bake { lights = near, probes = probes } end)
     refused("lights are baked as quantity = 'lights', this is \"all\"", function()
@@ -107,7 +107,7 @@ describe("far and near", function()
     local bounced = scene:bake { quantity = "indirect", bounces = 1, probes = ylm.uniform_grid { cells = 2, lmax = 1 },
       occupied = view }
     refused("the grid holds indirect light, no far parts of virtual lights", function()
-      view:render { grid = bounced, near = near }
+      view:render { grid = bounced, near_lights = near }
     end)
     refused("irradiance needs normals", function()
       scene:bake { lights = far, occupied = ylm.zeros { 1, 3 },
@@ -116,10 +116,10 @@ describe("far and near", function()
   end)
 end)
 
-describe("indirect = 'virtual'", function()
-  local function bounced(options, more)
-    return rendered(view, with({ bounces = 1, light_samples = 1,
-      indirect = with({ method = "virtual", count = 300 }, options) }, more or {}))
+describe("bounced = 'virtual'", function()
+  local function bounced(options, more, profile)
+    return rendered(view, with({ light_samples = 1, bounced = (scene:virtual_lights { count = 300, profile = profile }),
+      virtual = options }, more or {}))
   end
 
   it("sums by far and near parts what every light at every point brings, judges itself, and says each part's time", function()
@@ -149,8 +149,8 @@ describe("indirect = 'virtual'", function()
   end)
 
   it("is judged in direct light where a picture has a tolerance, and says so", function()
-    local image, report = scene:render { size = { 40, 22 }, layers = false, tolerance = 0.2, bounces = 1,
-      indirect = { method = "virtual", count = 100 } }
+    local image, report = scene:render { size = { 40, 22 }, layers = false, tolerance = 0.2,
+      bounced = scene:virtual_lights { count = 100 } }
     assert(image, report)
     assert.is_true(report.met)
     assert.matches("tolerance is judged in direct light", report.warnings[#report.warnings])
@@ -158,14 +158,11 @@ describe("indirect = 'virtual'", function()
 
   it("takes lights that are given, with options", function()
     local image, report = rendered(view, { light_samples = 1,
-      indirect = { method = "virtual", lights = lights, sums = "split" } })
+      bounced = lights, virtual = { sums = "split" } })
     assert.is_true(apart(image, (bounced { sums = "split" })) == 0)
     assert.equal("split", report.virtual.sums)
-    refused("count is of lights that are made, here are lights: leave one out", function()
-      view:render { indirect = { method = "virtual", lights = lights, count = 3 } }
-    end)
-    refused("bounces and indirect say the same", function()
-      view:render { bounces = 1, indirect = { method = "virtual", lights = lights } }
+    refused("bounces are those of the virtual lights", function()
+      view:render { bounces = 1, bounced = lights }
     end)
   end)
 
@@ -174,7 +171,7 @@ describe("indirect = 'virtual'", function()
       bounced { sums = "split", shadows = "centre" }
     end)
     refused("sums = 'split': lights of profile 'gauss' are split, and these are 'cap'", function()
-      bounced { sums = "split", profile = "cap" }
+      bounced({ sums = "split" }, nil, "cap")
     end)
     refused("tolerance must be", function() bounced { tolerance = 0 } end)
     refused("sums must be one of", function() bounced { sums = "some" } end)
@@ -182,8 +179,8 @@ describe("indirect = 'virtual'", function()
 
   it("stops where progress says so, in each step", function()
     for _, stage in ipairs { "near lights", "lights", "far lights" } do
-      local image, message, code = view:render { bounces = 1, light_samples = 1,
-        indirect = { method = "virtual", count = 300, sums = "split" },
+      local image, message, code = view:render { light_samples = 1, bounced = view.scene:virtual_lights { count = 300 },
+        virtual = { sums = "split" },
         progress = function(_, _, at) return at ~= stage end }
       assert.same({ nil, "cancelled", "ECANCELLED" }, { image, message, code }, stage)
     end

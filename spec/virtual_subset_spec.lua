@@ -1,9 +1,10 @@
--- view:gather { subset = }: points that ask a part of the lights, interleaved by pixel, or by chance.
+-- virtual = { subset = } of pictures by virtual lights: points that ask a part of the lights, interleaved by pixel, or by chance.
 
 local gathered = require "spec.support.gathered"
 local with = require "spec.support.with"
 local refused = require "spec.support.raises"
 local ylm = require "ylm"
+local ways = require "spec.support.ways"
 
 local unpack = table.unpack or unpack -- luacheck: ignore
 local silent
@@ -39,7 +40,7 @@ describe("interleaved lights", function()
         assert.is_true(math.abs(got:get(i, j, 1) / sum - 1) < 1e-5)
       end
     end
-    assert.equal(9 * 7 * 45 / 9, report.pairs)
+    assert.equal(9 * 7 * 45 / 9, report.virtual.pairs)
   end)
 
   it("come near all lights, by any method, for a part of the pairs", function()
@@ -54,8 +55,8 @@ describe("interleaved lights", function()
         for j = 1, 32 do off, sum = off + (got:get(i, j, 2) - all:get(i, j, 2)) ^ 2, sum + all:get(i, j, 2) ^ 2 end
       end
       assert.is_true(math.sqrt(off / sum) < 0.12, method .. math.sqrt(off / sum))
-      assert.is_true(math.abs(rb.pairs / ra.pairs - 0.25) < 0.01)
-      assert.is_true(rb.rays.shadow < 0.3 * ra.rays.shadow)
+      assert.is_true(math.abs(rb.virtual.pairs / ra.virtual.pairs - 0.25) < 0.01)
+      assert.is_true(rb.rays.virtual < 0.3 * ra.rays.virtual)
     end
   end)
 
@@ -88,7 +89,7 @@ describe("interleaved lights", function()
     end
   end)
 
-  it("leave surfaces that gloss as they are", function()
+  it("leave glossy surfaces as they are", function()
     local scene = ylm.scene "gloss" { lights = lamp, camera = room().camera,
       geometry = ylm.box { scale = 2, material = ylm.ggx { alpha = 0.4, f0 = 0.3 } } }
     local view, lights = scene:prepare { size = { 4, 3 }, samples = 1 }, scene:virtual_lights { count = 30, degree = 2 }
@@ -104,11 +105,11 @@ describe("stochastic lights", function()
     for _, method in ipairs { "hvl", "vpl", "vsl" } do
       local o = { method = method, samples = method == "vsl" and 64 or nil, shadows = "centre" }
       local all, n, z2, mean, sum = gathered(view, lights, o), 40, 0, 0, 0
-      local alpha = 4 * select(2, gathered(view, lights, with(o, { subset = "stochastic" }))).alpha
+      local alpha = 4 * select(2, gathered(view, lights, with(o, { subset = "stochastic" }))).virtual.alpha
       local m, s2 = {}, {}
       for seed = 1, n do
         local got, r = gathered(view, lights, with(o, { subset = "stochastic", alpha = alpha, seed = seed }))
-        assert.is_true(r.kept < 60, r.kept)
+        assert.is_true(r.virtual.kept < 60, r.virtual.kept)
         for k = 1, 20 do
           local x = got:get((k - 1) % 4 + 1, math.floor((k - 1) / 4) + 1, 2)
           m[k], s2[k] = (m[k] or 0) + x / n, (s2[k] or 0) + x * x / n
@@ -131,11 +132,11 @@ describe("stochastic lights", function()
     local all, ra = gathered(view, lights, { shadows = "centre" })
     assert.same(all:totable(), gathered(view, lights, { shadows = "centre", subset = "stochastic", alpha = 1e-12 }):totable())
     local _, r = gathered(view, lights, { shadows = "centre", subset = "stochastic" })
-    assert.is_true(r.kept > 40 and r.kept < 90, r.kept)
-    assert.is_true(r.rays.shadow < 0.3 * ra.rays.shadow and r.pairs == ra.pairs and r.alpha > 0)
+    assert.is_true(r.virtual.kept > 40 and r.virtual.kept < 90, r.virtual.kept)
+    assert.is_true(r.rays.virtual < 0.3 * ra.rays.virtual and r.virtual.pairs == ra.virtual.pairs and r.virtual.alpha > 0)
   end)
 
-  it("are chosen on surfaces that gloss too", function()
+  it("are chosen on glossy surfaces too", function()
     local scene = ylm.scene "gloss" { lights = lamp, camera = room().camera,
       geometry = ylm.box { scale = 2, material = ylm.ggx { alpha = 0.4, f0 = 0.3 } } }
     local view, lights = scene:prepare { size = { 3, 2 }, samples = 1 }, scene:virtual_lights { count = 60, degree = 2 }
@@ -172,7 +173,7 @@ describe("a part of the lights", function()
     local scene = ground()
     local view, lights = scene:prepare { size = { 2, 2 }, samples = 1 }, scene:virtual_lights { count = 5 }
     local function says(pattern, o, v)
-      refused(pattern, function() (v or view):gather(with({ lights = lights }, o)) end)
+      refused(pattern, function() (v or view):render(ways.virtual(with({ lights = lights }, o))) end)
     end
     says("tile is for subset = 'interleaved', this is 'all'", { tile = 4 })
     says("alpha is for subset = 'stochastic', this is 'interleaved'", { alpha = 4, subset = "interleaved" })
@@ -181,6 +182,6 @@ describe("a part of the lights", function()
     says("subset = 'stochastic' is of single lights", { subset = "stochastic", method = "vsgl" })
     says("subset must be one of 'all', 'interleaved', 'stochastic'", { subset = "few" })
     says("pixels are interleaved: the view has none of its own", { subset = "interleaved" },
-      scene:prepare { size = { 2, 2 }, samples = 1, shading = "vertex" })
+      scene:prepare { size = { 2, 2 }, samples = 1, shading = "vertices" })
   end)
 end)

@@ -70,12 +70,12 @@ describe("virtual_lights:visible", function()
       { { 0, 0, 1 } }), 0))
   end)
 
-  it("is what view:gather sums with shadows = 'centre'", function()
+  it("is what pictures by virtual lights sum with shadows = 'centre'", function()
     local room = ylm.scene "a floor" { geometry = { block, ylm.quad { corner = { -2, -2, -1 }, u = { 4, 0, 0 }, v = { 0, 4, 0 },
       material = ylm.matte { albedo = 1 } } }, camera = ylm.camera { from = { 0, -3, 0.5 }, at = { 0, 0, -1 }, fov = 60 } }
     local lights = lights_of(40, 0)
     local view = assert(room:prepare { size = { 12, 8 }, samples = 1 })
-    local image = assert(view:gather { lights = lights, shadows = "centre" })
+    local image = assert(view:render { by = "none", bounced = lights, virtual = { shadows = "centre" } })
     local points = view:points()
     local L = ylm.light_field(4, lights:visible(room), points.position)
     local E, compared = ylm.sh.irradiance(L, { 0, 0, 1 }), 0
@@ -118,7 +118,7 @@ describe("virtual_lights:visible", function()
     local room = ylm.scene "lit" { geometry = { block, ylm.quad { corner = { -1, -1, -1 }, u = { 2, 0, 0 }, v = { 0, 2, 0 } } },
       lights = lamp, camera = ylm.camera { from = { 0, -2, 0.5 }, at = { 0, 0, -1 } } }
     local view = assert(room:prepare { size = { 6, 4 }, samples = 1 })
-    local direct, more = assert(view:render {}), assert(view:render { indirect = grid })
+    local direct, more = assert(view:render {}), assert(view:render { bounced = grid })
     assert.is_true(more:layer():sum() > direct:layer():sum())
     refused("rays, which see nothing of a ylm.visible", function() view:render { lights = field } end)
   end)

@@ -68,7 +68,7 @@ describe("ylm.vulkan pictures", function()
     local s = scene { channels = "luminance" }
     local grid = assert(s:bake())
     for samples = 1, 3, 2 do
-      compare(assert(s:prepare { size = { 41, 31 }, samples = samples, shading = "vertex", transfer_samples = 16,
+      compare(assert(s:prepare { size = { 41, 31 }, samples = samples, shading = "vertices", transfer_samples = 16,
         visibility = "transfer" }),
         { grid = grid, lamps = flying })
     end

@@ -75,10 +75,10 @@ describe("ylm.vulkan", function()
         metric_channels = "none" }, dark, { quantity = "direct" })
       local view = s:prepare { size = { 8, 8 }, samples = 1 }
       for says, call in pairs {
-        ['device: it traces no rays to lamps: leave it out, or name visibility = "transfer"'] = function()
-          s:render { device = gpu, size = { 8, 8 }, samples = 1 }
+        ['device is for by = "grid"'] = function()
+          s:render { device = gpu, size = { 8, 8 }, samples = 1, bounces = 0 }
         end,
-        ["device: it traces no rays to lamps"] = function() view:render { device = gpu } end,
+        ['device is for by = "grid", and this picture is by = "rays"'] = function() view:render { device = gpu } end,
         ['device: it shades grids of lights by transfer vectors, this one holds "direct": leave device out'] = function()
           s:render { grid = direct, device = gpu, size = { 8, 8 }, samples = 1 }
         end,

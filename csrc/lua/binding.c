@@ -79,7 +79,7 @@ int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
   X("ylm.mesh", "ylm.geometry")                                                                    \
   X("ylm.grid", "ylm.grid")                                                                        \
   X("ylm.grid_set", "ylm.grid")                                                                    \
-  X("ylm.prepared", "ylm.render")                                                                  \
+  X("ylm.view", "ylm.render")                                                                      \
   X("ylm.links", "ylm.transfer")                                                                   \
   X("ylm.radiosity", "ylm.transfer")                                                               \
   X("ylm.gather", "ylm.transfer")                                                                  \

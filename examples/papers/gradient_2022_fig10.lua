@@ -41,7 +41,8 @@ local function times(lights, list)
   local by_grid = best(function()
     grid = scene:bake { probes = probes, quantity = "lights", occupied = "everywhere", threads = threads }
   end) + best(function() return select(2, view:render { grid = grid, threads = threads, layers = false }).seconds.light end)
-  local without = best(function() return select(2, view:reference { threads = threads, layers = false }).seconds.light end)
+  local without = best(function() return select(2, view:render { by = "sum", threads = threads,
+    layers = false }).seconds.light end)
   if not list then return by_grid, without, nil, view.stats.points end
   local rough = zonal.shader(view, list, { ylm.matte { albedo = 0.7 }, ylm.matte { albedo = 0.7 }, glossy }, lmax, threads)
   return by_grid, without, rough and best(function() rough() end), view.stats.points

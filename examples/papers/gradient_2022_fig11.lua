@@ -50,8 +50,8 @@ local view = assert(scene:prepare { size = size, samples = quick and 1 or 4, lma
 local grid = scene:bake { probes = ylm.uniform_grid { cells = 7, lmax = lmax, metric_channels = "none" }, quantity = "lights",
   occupied = "everywhere" }
 local picture, fast = view:render { grid = grid }
-local truth, slow = view:reference {}
-local rays, cast = view:raycast { shadows = false, light_samples = quick and 16 or 256 }
+local truth, slow = view:render { by = "sum" }
+local rays, cast = view:render { by = "rays", visibility = "none", light_samples = quick and 16 or 256 }
 
 local mask = common.surface_mask(ylm, truth)
 local m = picture:compare(truth, { mask = mask })

@@ -27,14 +27,14 @@ local function prepare(bands)
   return assert(scene:prepare { size = size, samples = quick and 1 or 4, lmax = bands - 1, visibility = "none", gloss = "sh" })
 end
 
--- Masks: pixels of the body that glosses, and all others that surfaces fill.
+-- Masks: pixels of the glossy body, and all others that surfaces fill.
 local first = prepare(5)
-local rays = { shadows = false, light_samples = quick and 64 or 8 * option.samples }
-local truth, told = first:raycast(rays)
+local rays = { by = "rays", visibility = "none", light_samples = quick and 64 or 8 * option.samples }
+local truth, told = first:render(rays)
 rays.seed = 2
-local a1, a2 = truth:layer():clone(), first:raycast(rays):layer()
+local a1, a2 = truth:layer():clone(), first:render(rays):layer()
 local body = ylm.scene "body" { camera = scene.camera, geometry = scene.geometry[3] }
-local covered = body:prepare({ size = size, samples = quick and 1 or 4, visibility = "none", lmax = 0 }):reference {}
+local covered = body:prepare({ size = size, samples = quick and 1 or 4, visibility = "none", lmax = 0 }):render { by = "sum" }
 local bodies, surface = covered:layer "coverage"[{ {}, {}, 1 }], common.surface_mask(ylm, truth)
 local glosses, rest = surface * bodies:greater(0.999), surface * bodies:less_equal(0)
 
@@ -54,7 +54,7 @@ local slices = glossy:table { lmax = quick and 5 or 20 }
 local shown = {}
 for _, bands in ipairs(quick and { 5 } or { 5, 9, 15, 21 }) do
   local view = bands == 5 and first or prepare(bands)
-  local b, how = view:reference {}
+  local b, how = view:render { by = "sum" }
   local grid = scene:bake { probes = ylm.uniform_grid { cells = 7, lmax = bands - 1, metric_channels = "none" },
     quantity = "lights",
     occupied = "everywhere" }
@@ -84,6 +84,6 @@ rows[2] = { { values = values(shown[#shown].b, truth), caption = ("(b) of %d ban
   { values = values(shown[1].b, truth), caption = "(b) - (a)" }, { values = values(shown[1].c, shown[1].b, 1000),
     caption = "(c) - (b), 1000 times as bright" } }
 common.save(ylm.figure { title = "A matte and a glossy body under 242 lights, without shadows", rows = rows, bar = bar,
-  caption = ("Meshes made here, GGX of alpha %g. Harmonics lose most on the body that glosses: %.0f %% (rms) at 5 bands. "
+  caption = ("Meshes made here, GGX of alpha %g. Harmonics lose most on the glossy body: %.0f %% (rms) at 5 bands. "
     .. "Speckles are the rays' noise."):format(
     alpha, shown[1].gloss) }, out .. "gradient_2022_fig8.png")

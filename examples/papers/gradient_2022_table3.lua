@@ -54,7 +54,7 @@ for i, case in ipairs(cases) do
     return report.seconds.ambient
   end)
   t.reference = more * best(2, function()
-    truth, report = view:reference { threads = threads }
+    truth, report = view:render { by = "sum", threads = threads }
     return report.seconds.light
   end)
   t.total = t.grad + t.interp + t.ssao

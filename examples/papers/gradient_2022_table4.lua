@@ -43,7 +43,7 @@ local function pictures(list, method, lmax, grid, radiance, shapes)
     geometry = shapes or geometry, lights = triangles.lights(list, method, radiance or 3), probes = probes,
   }
   local view = scene:prepare { size = size, samples = quick and 1 or 4, lmax = lmax, visibility = "none", gloss = "sh" }
-  local exact = view:reference { layers = false }
+  local exact = view:render { by = "sum", layers = false }
   return exact, grid and (view:render { grid = scene:bake { occupied = "everywhere" }, layers = false })
 end
 
@@ -53,7 +53,7 @@ local function mae(image, truth)
   return 1000 * m.mae / m.peak
 end
 
--- First block: surfaces that gloss, under spheres. Truth is the slice f cos of GGX, to 5 bands, times coefficients of light at
+-- First block: glossy surfaces, under spheres. Truth is the slice f cos of GGX, to 5 bands, times coefficients of light at
 -- every pixel.
 print "Table 4, spheres: MAE x 1000 against coefficients at every pixel (paper's figure behind; ratio)"
 print "  lights            ZH approx.                interp.      ZH / interp.     the glossy body alone: ZH, interp."
@@ -61,9 +61,9 @@ print "  lights            ZH approx.                interp.      ZH / interp.  
 --- 1000 times the mean absolute errors of the zonal rival and of an 8^3 grid, over all surfaces and over object `glossy`.
 local function block(scene, glossy)
   local view = assert(scene:prepare { size = size, samples = 1, lmax = 4, visibility = "none", gloss = "sh" })
-  local truth, object = assert(view:reference {}), view:points().object:totable()
+  local truth, object = assert(view:render { by = "sum" }), view:points().object:totable()
   local picture = assert(view:render { grid = scene:bake { occupied = "everywhere", quantity = "lights" } })
-  local rough = assert(view:reference { method = "zonal" })
+  local rough = assert(view:render { by = "sum", method = "zonal" })
   local body, k = truth:layer "coverage":totable(), 0
   for _, line in ipairs(body) do
     for x, shown in ipairs(line) do

@@ -49,7 +49,7 @@ for _, bands in ipairs(quick and { 5, 6 } or { 5, 6, 7, 8, 9 }) do
   end)
   local reference = best(4, function()
     local report
-    truth, report = view:reference { threads = threads }
+    truth, report = view:render { by = "sum", threads = threads }
     return report.seconds.light
   end)
   local m = picture:compare(truth, { mask = common.surface_mask(ylm, truth) })

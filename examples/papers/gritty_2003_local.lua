@@ -95,7 +95,7 @@ end
 local t = assert(scene:links { rays = 4, lmax = 4 })
 local view = assert(scene:prepare { size = size, samples = quick and 2 or 4, lmax = 4, visibility = "none" })
 local T = assert(view:transfer { links = t, bounces = 0, rays = quick and 64 or 256 })
-local truth, report = view:shade { vectors = T }
+local truth, report = view:render { vectors = T }
 print(("%d shading points, lmax 4; lamps asked at each: %.3f s"):format(view.stats.points, report.seconds.light))
 
 local row = common.table { { "light", "%-30s" }, { "probes", "%6d" }, { "asked s", "%8.4f" }, { "shading s", "%9.3f" },
@@ -106,7 +106,7 @@ local function try(name, caption, make)
   local start = clock()
   local light, probes = make()
   local asked = clock() - start
-  local image, how = assert(view:shade { vectors = T, lights = light })
+  local image, how = assert(view:render { vectors = T, lights = light })
   local m = assert(image:compare(truth))
   row { name, probes, asked, how.seconds.light, m.psnr, m.relmse }
   local values = common.luminance(image:layer()) - common.luminance(truth:layer())

@@ -111,7 +111,7 @@ local function shade(name, make)
   local start = clock()
   local T = assert(make())
   local made = clock() - start
-  local image, report = assert(view:shade { vectors = T })
+  local image, report = assert(view:render { vectors = T })
   row { name, made, report.seconds.light, brightness(image) * pi }
   return image
 end

@@ -15,9 +15,9 @@ local out = option.out
 
 local scene = assert(ylm.load(here .. "../scenes/two_lamps.lua"))
 local size = { option.width, option.height }
-local view = assert(scene:prepare { size = size, samples = option.samples, shading = "vertex",
+local view = assert(scene:prepare { size = size, samples = option.samples, shading = "vertices",
   visibility = "transfer" })
-local truth = assert(view:reference())
+local truth = assert(view:render { by = "sum" })
 local mask = common.surface_mask(ylm, truth)
 
 local columns = { "threshold", "points", "seconds", "mse", "mae", "mape", "psnr" }

@@ -43,10 +43,10 @@ local error_of = rooms.judge(direct, truth)
 
 local row = common.table { { "method", "%-20s" }, { "lights", "%6d" }, { "ns a pair", "%9.1f" }, { "rms, %", "%7.1f" } }
 local items = {}
-for _, m in ipairs { { "harmonics, 5 bands", { lmax = 4 } }, { "points", { method = "vpl", clamp = "none" } },
-  { "points, clamped", { method = "vpl" } } } do
+for _, m in ipairs { { "harmonics, 5 bands", { virtual = { lmax = 4 } } }, { "points", { rival = { "vpl", clamp = "none" } } },
+  { "points, clamped", { rival = { "vpl" } } } } do
   local o = m[2]
-  o.lights, o.layers = caps, false
+  o.bounced, o.layers = caps, false
   local image, ns = rooms.gather(view, o)
   local e = 100 * error_of(image)
   row { m[1], caps.count, ns, e }

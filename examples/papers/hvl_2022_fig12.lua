@@ -4,7 +4,7 @@
 --     lua examples/papers/hvl_2022_fig12.lua [--width 160] [--samples 1024] [--bunny FILE] [--suzanne FILE] [--scene FILE]
 --         [--out out] [--quick]
 --
--- Writes hvl_2022_fig12.png. Two bodies made here over a floor that glosses stand in for the paper's scene; --bunny and --suzanne
+-- Writes hvl_2022_fig12.png. Two bodies made here over a glossy floor stand in for the paper's scene; --bunny and --suzanne
 -- name meshes. One bounce without direct light; errors are relative to the mean, without shadows of virtual lights,
 -- as the paper has it, and with rays to their middles. Nanoseconds are of the processor, without shadows;
 -- each Gaussian stands for 16 texels (the paper's for 196).
@@ -29,23 +29,26 @@ local error_of, noise, seen = rooms.judge(direct, truth)
 print(("%d pixels count; noise of the paths %.1f %%"):format(seen, 100 * noise))
 
 local PIXELS, MS, bands = 1600 * 900, 40, quick and 3 or 15
-local row = common.table { { "method", "%-22s" }, { "lights", "%6d" }, { "ns a pair", "%9.1f" }, { "paper", "%6.4f" }, { "ratio",
+local row = common.table { { "method", "%-22s" }, { "lights", "%6d" }, { "ns a pair", "%9.1f" }, { "paper", "%6.4f" },
+  { "ratio",
   "%6.0f" },
   { "rms, %", "%7.2f" },
   { "with shadows", "%12.2f" } }
 local items, found = {}, {}
 for _, r in ipairs {
-  { "points", 900, { method = "vpl", clamp = "none" }, true }, { "points, clamped", 900, { method = "vpl" } },
-  { "spherical Gaussians", 529, { method = "vsgl" }, true },
-  { "harmonics, zonal", 400, { zonal = true, lmax = bands - 1 }, true }, { "harmonics, whole", 400, { lmax = bands - 1 } },
+  { "points", 900, { rival = { "vpl", clamp = "none" } }, true }, { "points, clamped", 900, { rival = { "vpl" } } },
+  { "spherical Gaussians", 529, { rival = { "vsgl" } }, true },
+  { "harmonics, zonal", 400, { virtual = { zonal = true, lmax = bands - 1 } }, true }, { "harmonics, whole", 400,
+    { virtual = { lmax = bands - 1 } } },
 } do
   local n = quick and 25 or r[2]
-  local lights = rooms.placed(scene, r[3].method == "vsgl" and 16 * n or n, { radius = "angle", profile = "cap" })
+  local lights = rooms.placed(scene, r[3].rival and r[3].rival[1] == "vsgl" and 16 * n or n, { radius = "angle",
+    profile = "cap" })
   local o = r[3]
-  o.lights, o.layers = lights, false
-  if o.method == "vsgl" then o.groups = n end
+  o.bounced, o.layers = lights, false
+  if o.rival and o.rival[1] == "vsgl" then o.rival.groups = n end
   local plain, ns = rooms.gather(view, o)
-  o.shadows = "centre"
+  o.virtual.shadows = "centre"
   local image = rooms.gather(view, o)
   local e = 100 * error_of(image)
   local theirs = r[4] and 1e6 * MS / (PIXELS * r[2]) or nil
@@ -64,7 +67,7 @@ print "Gaussians and harmonics are as wide as a light. What 15 bands cut off of 
 print "harmonics. ns: the card has 2,944 lanes."
 if not quick then
   local paths = { image = truth, tone = "hable", exposure = 2, caption = ("paths, %d a pixel"):format(samples) }
-  common.save(ylm.figure { title = "One bounce over a floor that glosses",
+  common.save(ylm.figure { title = "One bounce over a glossy floor",
     rows = { { items[1], items[2], items[3] }, { items[4], items[5], paths } },
       caption = "After Fig. 12 of Mezieres & Paulin 2022, another scene; rays to middles of lights. "
       .. "Numbers: rms error, of the mean." },

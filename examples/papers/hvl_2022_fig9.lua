@@ -64,7 +64,7 @@ for k, room in ipairs(own and { "scene" } or { "table_room", not quick and "atri
   end
   for _ = 1, quick and 1 or 3 do -- in turns, so that what else the machine does meets all
     for _, c in pairs(cases) do
-      local image, ns = rooms.gather(c.view, { lights = c.lights, lmax = bands - 1 })
+      local image, ns = rooms.gather(c.view, { bounced = c.lights, virtual = { lmax = bands - 1 } })
       c.image, c.ns = image, math.min(c.ns, ns)
     end
   end

@@ -143,11 +143,11 @@ ylm.on_warning(false)
 local o = { size = quick and { 32, 14 } or { 1120, 500 }, samples = quick and 1 or 16, lmax = lmax, visibility = "transfer",
   transfer_samples = quick and 16 or 128, gloss = "sh", occlusion_distance = 1.2 }
 local prepared = assert(scene:prepare(o))
-local picture, how = prepared:reference {}
+local picture, how = prepared:render { by = "sum" }
 local plain = { geometry[1] }
 for i = 2, #geometry do plain[i] = ylm.sphere { at = geometry[i].at, radius = 0.45, divide = divide, material = list[1][3] } end
 local same = ylm.scene "one material" { camera = scene.camera, geometry = plain, lights = scene.lights }
-local _, other = assert(same:prepare(o)):reference {}
+local _, other = assert(same:prepare(o)):render { by = "sum" }
 print(("\nFig. 9, materials change, the time does not: %d materials %.2f s, one %.2f s (ratio %.2f; the paper's 1)"):format(
   #list, how.seconds.light, other.seconds.light, how.seconds.light / other.seconds.light))
 local m = picture:compare(picture, { mask = common.surface_mask(ylm, picture) })

@@ -5,7 +5,7 @@
 --
 -- Nanoseconds of a pair of a light and a shading point, beside the paper's: milliseconds of 1280 x 1024 pixels on its card.
 -- The atrium stands in for the teaser's. "sum" are the N^2 coefficients of light at a shading point, the paper's work but for
--- one dot product a pixel; "zonal" is irradiance by view:gather, which needs no harmonics (Appendix B, exactly). --threads 0
+-- one dot product a pixel; "zonal" is irradiance at a view's points, which needs no harmonics (Appendix B, exactly). --threads 0
 -- means all.
 
 local ylm = require "ylm"
@@ -56,8 +56,9 @@ for _, n in ipairs(quick and { 64, 400 } or { 64, 196, 400 }) do
       local sum, theirs = ns(lights), 1e6 * printed[n][i] / (n * PIXELS)
       local zonal = math.huge
       for _ = 1, runs do
-        local _, report = assert(view:gather { lights = plain, lmax = bands - 1, threads = threads, layers = false })
-        zonal = math.min(zonal, report.ns_per_pair)
+        local _, report = assert(view:render { by = "none", bounced = plain, virtual = { lmax = bands - 1, sums = "all" },
+          threads = threads, layers = false })
+        zonal = math.min(zonal, report.virtual.ns_per_pair)
       end
       sums[n][bands] = sum
       row { n, bands, sum, theirs, sum / theirs, ns(plain), zonal }

@@ -35,16 +35,16 @@ print(("%s shading points; noise of the paths %.4f of the peak"):format(common.t
   exposure * math.sqrt(noise)))
 
 local rows = { -- row of the paper, method, lights, options, ms of indirect light, rmse, psnr, ssim
-  { "10b", "VPL", 400, { method = "vpl", clamp = "none" }, 13, 0.054, 25.20, 0.977 },
-  { "10c", "VPL", 1928, { method = "vpl", clamp = "none" }, 61, 0.088, 21.10, 0.981 },
-  { "11b", "VPL", 10000, { method = "vpl", clamp = "none" }, 500, 0.040, 27.91, 0.984 },
-  { "10d", "VSL", 400, { method = "vsl", samples = 25, strategy = "receiver" }, 254, 0.043, 27.24, 0.974 },
-  { "10e", "VSL", 256, { method = "vsl", samples = 9, strategy = "receiver" }, 63, 0.043, 27.26, 0.972 },
-  { "10a", "HVL", 400, { lmax = 4, window = { "lanczos", 5 } }, 61, 0.039, 28.01, 0.980 },
-  { "11a", "HVL", 1500, { lmax = 8, window = { "lanczos", 9 } }, 500, 0.039, 28.24, 0.983 },
-  { "", "VPL, clamped", 400, { method = "vpl" } },
-  { "", "VSL, mis", 400, { method = "vsl" } },
-  { "", "HVL, gauss", 400, { lmax = 4 }, profile = "gauss" },
+  { "10b", "VPL", 400, { rival = { "vpl", clamp = "none" } }, 13, 0.054, 25.20, 0.977 },
+  { "10c", "VPL", 1928, { rival = { "vpl", clamp = "none" } }, 61, 0.088, 21.10, 0.981 },
+  { "11b", "VPL", 10000, { rival = { "vpl", clamp = "none" } }, 500, 0.040, 27.91, 0.984 },
+  { "10d", "VSL", 400, { rival = { "vsl", samples = 25, strategy = "receiver" } }, 254, 0.043, 27.24, 0.974 },
+  { "10e", "VSL", 256, { rival = { "vsl", samples = 9, strategy = "receiver" } }, 63, 0.043, 27.26, 0.972 },
+  { "10a", "HVL", 400, { virtual = { lmax = 4, window = { "lanczos", 5 } } }, 61, 0.039, 28.01, 0.980 },
+  { "11a", "HVL", 1500, { virtual = { lmax = 8, window = { "lanczos", 9 } } }, 500, 0.039, 28.24, 0.983 },
+  { "", "VPL, clamped", 400, { rival = { "vpl" } } },
+  { "", "VSL, mis", 400, { rival = { "vsl" } } },
+  { "", "HVL, gauss", 400, { virtual = { lmax = 4 } }, profile = "gauss" },
 }
 local row = common.table { { "row", "%-4s" }, { "method", "%-12s" }, { "lights", "%6d" }, { "ns a pair", "%9.1f" },
   { "paper", "%6.3f" }, { "ratio", "%6.0f" }, { "ms", "%8.0f" }, { "RMSE", "%6.4f" }, { "paper", "%5.3f" }, { "PSNR dB",
@@ -54,7 +54,7 @@ local found, items = {}, {}
 for i, r in ipairs(rows) do
   if not quick or i == 1 or i == 6 then
     local lights = rooms.placed(scene, quick and 25 or r[3], { radius = "angle", profile = r.profile or "cap", degree = 2 })
-    r[4].lights, r[4].layers = lights, false
+    r[4].bounced, r[4].layers = lights, false
     local image, ns = rooms.gather(view, r[4])
     local picture = rooms.sum(direct, image, exposure, 1)
     local m = picture:compare(wanted, { peak = 1, floor = 0.02 })

@@ -97,23 +97,23 @@ local traced = common.table { { "traced lights", "%-26s" }, { "lights", "%6d" },
   "%7.2f" } }
 
 local function try(name, lights, o)
-  o.lights, o.layers = lights, false
-  local image = assert(view:gather(o))
+  o.by, o.bounced, o.layers = "none", lights, false
+  local image = assert(view:render(o))
   local mean, rms = spread(ylm.array(image:layer()[{ {}, {}, 1 }], "double") * (math.pi / RHO / (o.factor or 1)))
   traced { name, lights.count, mean, rms }
 end
 
 local one, report = assert(scene:virtual_lights { count = count })
 local caps = assert(scene:virtual_lights { count = count, profile = "cap" })
-try("points", one, { method = "vpl", clamp = "none" })
-try("points, clamped", one, { method = "vpl" })
-try("clamped, compensated", one, { method = "vpl", compensate = quick and 2 or 16 })
-try("spheres", one, { method = "vsl" })
-try("harmonics, cap", caps, {})
-try("harmonics, gauss", one, {})
+try("points", one, { rival = { "vpl", clamp = "none" } })
+try("points, clamped", one, { rival = { "vpl" } })
+try("clamped, compensated", one, { rival = { "vpl", compensate = quick and 2 or 16 } })
+try("spheres", one, { rival = { "vsl" } })
+try("harmonics, cap", caps, { virtual = { sums = "all" } })
+try("harmonics, gauss", one, { virtual = { sums = "all" } })
 if not quick then
   for _, more in ipairs { 500, 8000, 32000 } do
-    try("harmonics, gauss, lmax 8", (assert(scene:virtual_lights { count = more })), { lmax = 8 })
+    try("harmonics, gauss, lmax 8", (assert(scene:virtual_lights { count = more })), { virtual = { lmax = 8, sums = "all" } })
   end
 end
 print(("power, W: emitted %.3f, landed %.3f, reflected %.3f = rho of it"):format(report.power.emitted[1], report.power.landed[1],

@@ -1,4 +1,4 @@
--- Links or virtual lights: one bounce in a Cornell box, standing, with a lamp that moves, and with a floor that glosses; error
+-- Links or virtual lights: one bounce in a Cornell box, standing, with a lamp that moves, and with a glossy floor; error
 -- beside paths, and time before the first frame and of each.
 --
 --     lua examples/papers/hvl_links.lua [--width 64] [--samples 512] [--frames 3] [--scene FILE] [--quick]
@@ -8,7 +8,7 @@
 -- elements and links of the scene and of the view. "frame" is light on elements and along links, or particles, lights and their
 -- sums.
 -- "virtual, rays" has a ray from each point to each light; else far parts are from a grid, near parts summed at each point, and
--- beside the floor that glosses all lights at each point. --scene stands in place of the box; its lamps do not move, and its
+-- beside the glossy floor all lights at each point. --scene stands in place of the box; its lamps do not move, and its
 -- floor is what it is.
 
 local ylm = require "ylm"
@@ -66,20 +66,20 @@ local function compare(name, scenes, glossy)
   local judges, wanted, lamp = {}, {}, nil
   for i, s in ipairs(scenes) do
     local truth = assert(s:pathtrace { size = size, samples = samples, reflections = { 2, 2 } })
-    local image = assert(s:render { size = size, samples = 4, light_samples = 1 })
+    local image = assert(s:render { size = size, samples = 4, light_samples = 1, bounces = 0 })
     judges[i], wanted[i] = rooms.judge(image, truth), truth:layer()
     lamp = lamp or image:layer "emitter"[{ {}, {}, { 1, 1 } }]:greater(0) -- which the view shows in each frame
   end
   for _, way in ipairs(ways) do
     local start, links = clock(), nil
-    if way.rays then links = assert(scenes[1]:links { rays = quick and 4 or nil, lmax = 0 }) end
-    local view = assert(scenes[1]:prepare { size = size, samples = 4, links = links, rays = way.rays })
+    if way.links then transfer = assert(scenes[1]:links { rays = quick and 4 or nil, lmax = 0 }) end
+    local view = assert(scenes[1]:prepare { size = size, samples = 4, links = transfer, rays = way.links })
     local before, spent, square, worst = clock() - start, 0, 0, 0
     for i, s in ipairs(scenes) do
       local image, seconds = bounce(view, s, function()
-        if way.rays then return { indirect = assert(links:radiosity(s.lights, { bounces = 0 })) } end
-        return { bounces = 1, indirect = { method = "virtual", count = way.count, shadows = way.shadows,
-          sums = not glossy and way.sums or nil } }
+        if way.links then return { bounced = assert(transfer:radiosity(s.lights, { bounces = 0 })) } end
+        return { bounced = assert(s:virtual_lights { count = way.count }),
+          virtual = { shadows = way.shadows, sums = not glossy and way.sums or nil } }
       end)
       image = image * (1 - lamp) + wanted[i] * lamp
       local e = judges[i](image)

@@ -6,7 +6,7 @@
 --
 -- Writes hvl_many.png. Processor seconds, all threads together, of the bounce in a picture of --width pixels (1160: a million),
 -- behind emission, which stands beside them: twice those of spec/bench/virtual_pictures.lua, which halves them for two threads.
--- Each particle is a light and surfaces that gloss are matte, as there. "all" of more than 1,000 lights is measured at 1,000
+-- Each particle is a light and glossy surfaces are matte, as there. "all" of more than 1,000 lights is measured at 1,000
 -- points and scaled. "error" is what scene:render judges: of irradiance, root mean square over its mean, beside all lights; no
 -- noise of the lights is in it.
 -- Rooms: cornell, atrium, table_room.
@@ -50,9 +50,13 @@ while n <= (quick and 1000 or option.most) do
   local o = { count = n }
   local emission, lights = timed(function() return scene:virtual_lights(o) end)
   local which, scaled = n > 1000 and few or view, n > 1000 and points / some or 1
-  local whole = timed(function() return which:gather { lights = lights, layers = false } end) * scaled
-  o.method, o.sums, o.tolerance = "virtual", "split", option.tolerance
-  local seconds, _, report = timed(function() return view:render { indirect = o, layers = false } end)
+  local whole = timed(function()
+    return which:render { by = "none", bounced = lights, virtual = { sums = "all" }, layers = false }
+  end) * scaled
+  local seconds, _, report = timed(function()
+    return view:render { bounced = assert(scene:virtual_lights(o)), virtual = { sums = "split", tolerance = option.tolerance },
+      layers = false }
+  end)
   local v, parts = report.virtual, math.max(1e-3, seconds - direct - emission)
   row { common.thousands(lights.count), emission, whole, parts, whole / parts, v.core, v.grid.points, v.pairs / points,
     100 * v.error }

@@ -57,16 +57,17 @@ while count <= most do
   local many = assert(scene:virtual_lights { count = 16 * count })
   local cap = assert(scene:virtual_lights { count = count, profile = "cap" })
   for _, m in ipairs {
-    { "points", gauss, { method = "vpl", clamp = "none" } }, { "points, clamped", gauss, { method = "vpl" } },
-    { "clamped, compensated", gauss, { method = "vpl", compensate = quick and 1 or 8 } },
-    { "spheres", cap, { method = "vsl" } },
-    { "spherical Gaussians", many, { method = "vsgl", groups = count } }, { "harmonics, cap", cap, {} }, { "harmonics, gauss",
+    { "points", gauss, { rival = { "vpl", clamp = "none" } } }, { "points, clamped", gauss, { rival = { "vpl" } } },
+    { "clamped, compensated", gauss, { rival = { "vpl", compensate = quick and 1 or 8 } } },
+    { "spheres", cap, { rival = { "vsl" } } },
+    { "spherical Gaussians", many, { rival = { "vsgl", groups = count } } }, { "harmonics, cap", cap, {} }, { "harmonics, gauss",
       gauss, {} },
   } do
     if m[1] ~= "spheres" or count <= 1024 then
-      m[3].lights, m[3].shadows, m[3].layers = m[2], "centre", false
+      local o = m[3]
+      o.by, o.bounced, o.virtual, o.layers = "none", m[2], { shadows = "centre" }, false
       start = clock()
-      local image = assert(view:gather(m[3]))
+      local image = assert(view:render(o))
       last[m[1]] = say(m[1], count, image, emission + clock() - start)
     end
   end
@@ -74,7 +75,7 @@ while count <= most do
 end
 local elements = not quick and assert(scene:links { lmax = 0 })
 for _, links in ipairs(quick and {} or { 16, 64, 256, 1024 }) do
-  local linked = assert(scene:prepare { size = size, samples = 4, rays = links, links = elements })
+  local linked = assert(scene:prepare { size = size, samples = 4, rays = links, links = transfer })
   local start = clock()
   local image = assert(linked:render { bounces = 1 })
   local seconds = clock() - start

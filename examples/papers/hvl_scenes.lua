@@ -304,13 +304,16 @@ end
 
 -- Pictures and their time ---------------------------------------------------------------------
 
---- The image of view:gather, and the nanoseconds of the processor, all threads together, of a pair of a light and a point.
+--- The image of virtual lights alone, o.bounced, each at each point, by options of view:render; and the nanoseconds of the
+-- processor, all threads together, of a pair of a light and a point.
 function rooms.gather(view, o)
+  o.by, o.virtual = "none", o.virtual or {}
+  if not o.rival then o.virtual.sums = "all" end
   local start = os.clock()
-  local image, report = view:gather(o)
+  local image, report = view:render(o)
   local ns = 1e9 * (os.clock() - start)
   if not image then error(report, 0) end
-  return image, report.pairs > 0 and ns / report.pairs or 0
+  return image, report.virtual.pairs > 0 and ns / report.virtual.pairs or 0
 end
 
 --- Direct light (an image) and a bounce (another) as a new image, times `factor`, and no more than `most`; and its mean.

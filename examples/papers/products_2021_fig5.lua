@@ -60,7 +60,7 @@ local function map_of(shape, at)
     local to = { at[1] + f[1][1], at[2] + f[1][2], at[3] + f[1][3] }
     local scene = ylm.scene "map" { geometry = { shape }, lights = {},
       camera = ylm.camera { from = at, at = to, up = f[2], fov = 90 } }
-    seen[i] = assert(scene:prepare { size = { side, side }, samples = 1 }):raycast { light_samples = 1 }
+    seen[i] = assert(scene:prepare { size = { side, side }, samples = 1 }):render { by = "rays", light_samples = 1 }
     seen[i] = seen[i]:layer "coverage":totable()
   end
   for k, v in ipairs(d) do

@@ -1,7 +1,7 @@
---- The zonal rival of Mezieres et al. 2022 (gradient), Fig. 10, for all surfaces, matte ones too (view:reference { method =
--- "zonal" } takes those that gloss). Lobes are symmetric about the mirror direction, lamps about theirs. They meet in lmax + 1
--- products a lamp, with the cosine taken at the lamp's centre. The sum is that of libylm_rival. Loaded
--- with dofile by gradient_2022_fig10.lua.
+--- The zonal rival of Mezieres et al. 2022 (gradient), Fig. 10, for all surfaces, matte ones too (view:render { by = "sum",
+-- method = "zonal" } takes the glossy ones). Lobes are symmetric about the mirror direction, lamps about theirs. They meet in
+-- lmax + 1 products a lamp, with the cosine taken at the lamp's centre. The sum is that of libylm_rival. Loaded with dofile by
+-- gradient_2022_fig10.lua.
 
 local ylm = require "ylm"
 

@@ -60,8 +60,8 @@ display.fields = {
 -- Connections ----------------------------------------------------------------------------
 
 describe "display" {
-  about = "Connects to an image viewer that speaks the protocol of tev. The option `display` of scene:render, raycast and "
-    .. "pathtrace takes it, and it shows pictures of one's own.",
+  about = "Connects to an image viewer that speaks the protocol of tev. The option `display` of scene:render and "
+    .. "scene:pathtrace takes it, and it shows pictures of one's own.",
   arguments = { { "address", "string", "'host:port'; without a port " .. PORT } },
   returns = { { "display", "display", "or nil, message, 'EIO' where nobody listens, 'EMISSING', 'ENOMEM'" } },
   errors = "raises on what is no address",

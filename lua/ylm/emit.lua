@@ -19,7 +19,7 @@ local MOST_BOUNCES, MOST, DEGREE = core.limits.emit_bounces, core.limits.emit_pa
 local LOUD = 0.26 -- the part of slices that lights may miss without a word
 local SCALE = { density = 1.5, angle = 1, footprint = 1.5, neighbours = 1 } -- of radii, by their rule
 
---- { scene, bounces, radius (the median) } of lights that scene:virtual_lights made; nil of others.
+--- { scene, bounces, radius (the median), report } of lights that scene:virtual_lights made; nil of others.
 function emit.made(lights) return core.owned(lights, "emitted") end
 
 function form.types.reflected(x)
@@ -63,7 +63,7 @@ emit.fields = {
   { "scale", "number", above = 0, optional = true,
     about = "multiplies radii; default 1.5, of 'angle' and 'neighbours' 1" },
   { "degree", "emission_degree", default = "auto",
-    about = "of what surfaces that gloss send, in harmonics: 0, as matte ones of their mean albedo, to 8; 'auto': the least "
+    about = "of what glossy surfaces send, in harmonics: 0, as matte ones of their mean albedo, to 8; 'auto': the least "
       .. "of 2, 4, 8 whose slices at 45 degrees miss at most 14 %, 26 %, all (a white metal of alpha 0.5 has 2, of 0.25 4); "
       .. "matte surfaces alone have 0" },
   { "conserve", "boolean", default = true,
@@ -99,10 +99,10 @@ end
 local function shortcomings(s, o, r)
   local list, n = {}, r.glossy
   if n > 0 and o.degree == 0 then
-    list[1] = warning.say(s, "gloss virtual", "scene %q: %d of its virtual lights' landings are on surfaces that gloss, which "
+    list[1] = warning.say(s, "gloss virtual", "scene %q: %d of its virtual lights' landings are on glossy surfaces, which "
       .. "send light on as matte ones of their mean albedo (degree = 0): no highlights, no caustics", s.name or "?", n)
   elseif r.slices.missed > LOUD then
-    list[1] = warning.say(s, "slices virtual", "scene %q: virtual lights of degree %d miss %.0f %% of what surfaces that gloss "
+    list[1] = warning.say(s, "slices virtual", "scene %q: virtual lights of degree %d miss %.0f %% of what glossy surfaces "
       .. "send: %s (scene:pathtrace has it all)", s.name or "?", r.degree, 100 * r.slices.missed, r.degree < DEGREE
       and "set a higher degree" or "their lobes are sharper than degree 8 has them, and come out wider")
   end
@@ -169,13 +169,14 @@ function emit.lights(name, s, o, traced)
   report.note = note_of(s, o, report)
   report.warnings = shortcomings(s, o, report)
   report.power.lights = lights.power
-  core.own(lights).emitted = { scene = s, bounces = o.bounces, radius = report.radius.median }
-  return lights, show.report(report)
+  report = show.report(report)
+  core.own(lights).emitted = { scene = s, bounces = o.bounces, radius = report.radius.median, report = report }
+  return lights, report
 end
 
 describe "scene:virtual_lights" {
   about = "Traces particles from the scene's lamps and skies; where they land, surfaces send on what they reflect, as virtual "
-    .. "lights. These are a light field, without shadows: ylm.light_field, ylm.bake, view:gather take them.",
+    .. "lights. These are a light field, without shadows: ylm.light_field, ylm.bake, and bounced of pictures take them.",
   arguments = { { "options?", "table", "" } },
   options = options,
   returns = {
@@ -184,7 +185,7 @@ describe "scene:virtual_lights" {
       .. "landed + lost (to the sky, before a first landing), reflected (at all landings), lights (what was chosen of it), going "
       .. "(under way behind the last reflection); radius = { min, median, max, cut }, cut: of those above four medians, which "
       .. "became that; turned: landings with the normal of their triangle, that of the vertices looking away; absorbed; glossy: "
-      .. "those on surfaces that gloss; degree, of emission; slices, of what these send: { missed: error over norm, root mean "
+      .. "those on glossy surfaces; degree, of emission; slices, of what these send: { missed: error over norm, root mean "
       .. "square by power, most, below: power below zero over all, unscaled: lights that `conserve` left as they are, their "
       .. "slices keeping less than a twentieth }; merged = { landings, cell } of merged lights; seconds = { trace, radius, "
       .. "emission, merge }; warnings; note, where it is dark" },

@@ -94,9 +94,20 @@ local function rows(out, title, list)
   end
 end
 
-local function field_rows(fields)
+--- Rows { name, what it is, about } of fields; those of a field that is a table of its own follow it, as "virtual.lmax".
+function help.field_rows(fields, owner)
   local list = {}
-  for i, field in ipairs(fields) do list[i] = { field[1], form.field_text(field), field.about } end
+  for _, field in ipairs(fields) do
+    list[#list + 1] = { (owner and owner .. "." or "") .. field[1], form.field_text(field), field.about or "" }
+    for _, row in ipairs(field.fields and help.field_rows(field.fields, field[1]) or {}) do list[#list + 1] = row end
+  end
+  return list
+end
+
+--- Rows of the fields of a report, { name, unit, what it says }.
+function help.report_rows(fields)
+  local list = {}
+  for i, field in ipairs(fields) do list[i] = { field[1], field[2] == "1" and "number" or field[2], field[3] } end
   return list
 end
 
@@ -105,7 +116,7 @@ local MORE = { everyday = "", experiments = " for experiments", comparison = " t
 --- Rows of options or fields, by shelf; those of the owner's shelf have no other title.
 local function shelves_of(out, title, fields, owner)
   for _, part in ipairs(reference.by_shelf(fields, owner)) do
-    rows(out, title .. (part[1] ~= reference.shelf(owner) and MORE[part[1]] or ""), field_rows(part[2]))
+    rows(out, title .. (part[1] ~= reference.shelf(owner) and MORE[part[1]] or ""), help.field_rows(part[2]))
   end
 end
 
@@ -139,6 +150,7 @@ local function entry_text(out, name, entry)
   rows(out, "arguments", value_rows(entry.arguments))
   if type(entry.options) == "table" then shelves_of(out, "options", entry.options, entry) end
   rows(out, "returns", value_rows(entry.returns))
+  if entry.report then rows(out, "report", help.report_rows(entry.report)) end
   if sentence(entry.errors) then
     out[#out + 1] = ""
     out[#out + 1] = "errors"
@@ -179,8 +191,27 @@ local function progress_text()
   return table.concat(out, "\n")
 end
 
+--- The page on reports: fields by the calls that return them.
+local function report_text()
+  local out, by_fields, list = { "report", "" }, {}, {}
+  wrap(out, "The table that calls return beside their result. Fields are there where they say something.", 2)
+  help.load()
+  for _, name in ipairs(reference.names) do
+    local fields = reference.entries[name].report
+    if fields then
+      if not by_fields[fields] then
+        by_fields[fields] = {}
+        list[#list + 1] = fields
+      end
+      table.insert(by_fields[fields], name)
+    end
+  end
+  for _, fields in ipairs(list) do rows(out, table.concat(by_fields[fields], ", "), help.report_rows(fields)) end
+  return table.concat(out, "\n")
+end
+
 -- Words that are no name of the interface.
-local topics = { progress = progress_text }
+local topics = { progress = progress_text, report = report_text }
 
 --- Help on a form, function or method; its last part will do ("eval"). nil, message if there is none.
 function help.text(word)

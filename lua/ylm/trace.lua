@@ -128,7 +128,7 @@ end
 function tracing.check_bodies(name, t, remedy)
   if core.type(t.lights) ~= "ylm.lights" or not core.lights_has_virtual(t.lights) then return end
   return check.fail("%s: virtual lights have no body, so rays see nothing of them: %s", name,
-    remedy or 'bake them, or take visibility = "transfer", or view:gather')
+    remedy or 'bake them, or take visibility = "transfer", or give them as bounced')
 end
 
 --- A traced scene with other lights, which are those of the scene no more: as tracing.trace returns it; nil, message, code.

@@ -62,12 +62,12 @@ local function by_rays(count)
     local now = lamps(frame)
     local moved = core.seconds()
     lit:update(now)
-    local image, report = assert(view:render { indirect = lit, light_samples = 4, layers = false, threads = threads, lamps = now,
+    local image, report = assert(view:render { bounced = lit, light_samples = 4, layers = false, threads = threads, lamps = now,
       out = picture })
     picture = image
     local s, all = report.seconds, core.seconds() - start
     local ms = { lamps = moved - start, ["relight and E0"] = lit.stats.seconds - lit.stats.solve_seconds,
-      solve = lit.stats.solve_seconds, ["shadow rays"] = s.light, gather = s.indirect, image = s.image, frame = all }
+      solve = lit.stats.solve_seconds, ["shadow rays"] = s.light, gather = s.bounced, image = s.image, frame = all }
     for name, x in pairs(ms) do table.insert(parts[name], 1000 * x) end
   end
   print(("\n%d lamps, all move: 4 shadow rays a point%17s %9s"):format(count, "median ms", "least ms"))

@@ -1,4 +1,4 @@
--- Bounced light on surfaces that gloss, by rays of their materials and as matte ones, against the path tracer: a room with a
+-- Bounced light on glossy surfaces, by rays of their materials and as matte ones, against the path tracer: a room with a
 -- floor, a metal ball and a lacquered one of GGX.
 --
 --     build/ylm run spec/bench/gloss_bounced.lua [width] [samples of the judge] [spacing] [links] [alpha]
@@ -18,7 +18,7 @@ local function room(alpha)
   local function wall(corner, u, v, albedo)
     return ylm.quad { corner = corner, u = u, v = v, material = ylm.matte { albedo = albedo } }
   end
-  return ylm.scene "a room that glosses" {
+  return ylm.scene "a glossy room" {
     camera = ylm.camera { from = { 0, 1.25, 3.7 }, at = { 0, 0.85, 0 }, fov = 42 },
     geometry = {
       ylm.quad { corner = { -2, 0, 4 }, u = { 4, 0, 0 }, v = { 0, 0, -6 },
@@ -57,8 +57,8 @@ for _, alpha in ipairs(alphas) do
   local all, judged = assert(scene:pathtrace { size = size, samples = samples, reflections = { 1, "all" }, layers = false })
   local t = assert(scene:links { spacing = spacing, rays = 128 })
   local function picture(bounces, gloss)
-    return assert(scene:render { size = size, light_samples = 64, bounces = bounces, links = bounces ~= 0 and t or nil,
-      gloss = gloss })
+    return assert(scene:render { size = size, light_samples = 64, rays = bounces ~= 0 and links or nil, bounces = bounces,
+      bounced = bounces ~= 0 and t or nil, gloss = gloss })
   end
   local direct = picture(0)
   local lamp, found = numbers(direct, "emitter"), {}

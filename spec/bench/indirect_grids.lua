@@ -31,7 +31,7 @@ for _, entry in ipairs(scenes) do
   local lit = assert(t:radiosity())
   local view = assert(scene:prepare { size = SIZE, samples = 1, links = t, rays = LINKS })
   local function picture(indirect)
-    return pixels(assert(view:render { indirect = indirect, light_samples = 1, layers = false }))
+    return pixels(assert(view:render { bounced = indirect, light_samples = 1, layers = false }))
   end
   local direct, truth = picture(nil), picture(lit)
   local function bake(probes)

@@ -28,7 +28,7 @@ for _, name in ipairs { "floor_lights", "two_rooms", "two_lamps", "room", "windo
   local rest = view.stats.primary_seconds + view.stats.transfer_seconds
   for _, n in ipairs(counts) do
     local first, report = view:render { light_samples = n, layers = false }
-    local second = view:raycast { light_samples = n, layers = false, seed = 77 }
+    local second = view:render { by = "rays", light_samples = n, layers = false, seed = 77 }
     local light = report.seconds.light
     print(("%-14s %7d %9d %15.2f %9.3f %15.3f"):format(name, view.stats.points, n, 100 * noise(first, second), light,
       light + rest))

@@ -50,10 +50,10 @@ for frame = 1, frames do
   local grid = timed("far part: bake of 15 x 10 x 15 cells", ylm.bake,
     ylm.uniform_grid { bounds = bounds, cells = { 15, 10, 15 }, lmax = 4 }, far, { threads = threads })
   timed("grid and near part at the points", view.render, view,
-    { grid = grid, near = near, layers = false, threads = threads })
+    { grid = grid, near_lights = near, layers = false, threads = threads })
   timed("direct light alone", view.render, view, { light_samples = 1, layers = false, threads = threads })
   timed("instead: with the bounce, far parts in levels", view.render, view,
-    { light_samples = 1, layers = false, threads = threads, indirect = { method = "virtual", lights = lights } })
+    { light_samples = 1, layers = false, threads = threads, bounced = lights })
   timed("instead: each light at each point", view.gather, view, { lights = lights, layers = false, threads = threads })
   timed("instead: those of 4 x 4 pixels", view.gather, view,
     { lights = lights, subset = "interleaved", layers = false, threads = threads })

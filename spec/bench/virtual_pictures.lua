@@ -34,7 +34,7 @@ end
 local function picture(lights, sums, v)
   return timed(function()
     return (v or view):render { light_samples = 1, layers = false, threads = THREADS,
-      indirect = lights and { method = "virtual", lights = lights, sums = sums } }
+      bounced = lights, virtual = lights and { sums = sums } }
   end)
 end
 

@@ -32,9 +32,10 @@ local function make()
   print(("%-32s %10s"):format("picture, " .. table.concat(size, " x "), "seconds"))
   for name, scene in scenes() do
     local pictures = {
-      rays = function() return scene:raycast { size = size, samples = 4, light_samples = 16, layers = false } end,
-      hits = function() return scene:reference { size = size, samples = 4, visibility = "none" } end,
-      transfer = function() return scene:reference { size = size, samples = 4, visibility = "transfer", layers = false } end,
+      rays = function() return scene:render { bounces = 0, size = size, samples = 4, light_samples = 16, layers = false } end,
+      hits = function() return scene:render { by = "sum", size = size, samples = 4, visibility = "none" } end,
+      transfer = function() return scene:render { by = "sum", size = size, samples = 4, visibility = "transfer",
+        layers = false } end,
       paths = function() return scene:pathtrace { size = size, samples = 16, bounces = 2, layers = false } end,
     }
     for _, kind in ipairs { "hits", "rays", "transfer", "paths" } do

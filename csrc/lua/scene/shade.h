@@ -5,7 +5,7 @@
 #include "traced.h"
 #include "ylm_shade.h"
 
-#define YLML_SHADE_VIEW "ylm.prepared"
+#define YLML_SHADE_VIEW "ylm.view"
 
 /* The view at `i`, open; raises otherwise. */
 ylm_shade_view *ylmL_shade_view(lua_State *L, int i);

@@ -20,7 +20,7 @@ return {
     { "distribution", nil, "NAME", "particles (default) or grid: a picture from each spot" },
     { "radius", nil, "NAME", "of a light: density, angle, footprint, neighbours, or a length" },
     { "scale", nil, "N", "multiplies radii" },
-    { "degree", nil, "NAME", "of what surfaces that gloss send: auto (default), or 0 to 8" },
+    { "degree", nil, "NAME", "of what glossy surfaces send: auto (default), or 0 to 8" },
     { "seed", nil, "N", "of all random numbers" },
     { "strict", nil, nil, "exit status 6 where a warning was given; the lights are written" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },

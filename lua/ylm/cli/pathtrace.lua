@@ -13,8 +13,8 @@ return {
     { "samples", "-n", "N", "camera rays per pixel, in batches of 16" },
     { "bounces", "-b", "NAME", "reflections after direct light: 0, 1 .. or all (default)" },
     { "strategy", nil, "NAME", "both (default), lights or material" },
-    { "error", nil, "N", "end once the noise is at most this" },
-    { "seconds", nil, "N", "end after so long" },
+    { "tolerance", nil, "N", "end once the noise is at most this" },
+    { "time-limit", nil, "N", "seconds: end after so long" },
     { "seed", nil, "N", "of all random numbers" },
     { "display", nil, "ADDRESS", "HOST:PORT of an image viewer (tev) that shows the picture while it is made" },
     { "resume", nil, "FILE", "go on from this .exr of an earlier run" },
@@ -29,7 +29,8 @@ return {
     local resume
     if given.resume then resume = status.need_kind("ylm.image", "an image", given.resume, ylm.load(given.resume)) end
     local image, facts = scene:pathtrace { size = given.size, samples = given.samples, bounces = bounces,
-      strategy = given.strategy, error = given.error, seconds = given.seconds, seed = given.seed, resume = resume,
+      strategy = given.strategy, tolerance = given.tolerance,
+      time_limit = given["time-limit"], seed = given.seed, resume = resume,
       threads = given.threads, display = status.display("pathtrace", given.display),
       progress = report.progress(given) }
     status.need(image, facts)

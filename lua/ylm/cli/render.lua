@@ -5,36 +5,48 @@ local core = require "ylm.c.core"
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
---- The methods of a scene; without --method it is rendered as --visibility, or a grid, says.
-local methods = { default = "render", grid = "render", reference = "reference", raycast = "raycast" }
-
---- Which methods an option is for, where it is not for all.
-local only = {
-  grid = { "default", "grid" }, interpolation = { "default", "grid" }, shading = { "default", "grid", "reference" },
-  gloss = { "default", "grid", "reference" }, ["gloss-error"] = { "default", "grid", "reference" },
-  visibility = { "default", "grid", "reference" }, ["sums-tolerance"] = { "default", "grid", "reference" },
-  ["light-samples"] = { "default", "raycast" }, bounces = { "default", "grid" }, tolerance = { "default" },
-  indirect = { "default", "grid" }, dering = { "default", "grid" },
-  display = { "default", "grid", "raycast" },
-}
-
-local visibilities = { "rays", "transfer", "none", "self" }
-local glosses = core.choices "gloss"
-
 local MOST_STOPS = 60 -- of image:save
 
---- Was it said that rays shade surfaces that gloss?
+local choices = {
+  by = { "rays", "grid", "sum" }, visibility = { "rays", "transfer", "none", "self" },
+  gloss = core.choices "gloss", bounced = { "links", "virtual" }, shading = { "pixel", "vertices" },
+}
+
+--- Which ways an option is for, where it is not for all.
+local only = {
+  grid = { grid = true }, interpolation = { grid = true }, dering = { grid = true }, tolerance = { rays = true },
+  ["sums-tolerance"] = { grid = true, sum = true },
+}
+
+--- Options of --bounced virtual: those of scene:virtual_lights, and of their sum.
+local of_lights, of_virtual = { "count", "particles", "merge", "cell", "degree" }, { "shadows" }
+
+--- Ends the command where an option is none of its choices.
+local function check_choices(given)
+  for _, name in ipairs { "by", "visibility", "gloss", "bounced", "shading" } do
+    local x, list, known = given[name], choices[name], given[name] == nil
+    for _, choice in ipairs(list) do known = known or x == choice end
+    if not known then
+      local guess = check.guess(x, list)
+      local words = table.concat(list, ", ", 1, #list - 1) .. " or " .. list[#list]
+      local more = name == "by" and x == "paths" and ": paths are ylm pathtrace's" or ""
+      status.stop(status.usage, "render: --%s is %s, got '%s'%s%s", name, words, x,
+        guess and (" (did you mean %s?)"):format(guess) or "", more)
+    end
+  end
+end
+
+--- Was it said that rays shade glossy surfaces?
 local function has_rays(given) return given.gloss == "auto" or given.gloss == "rays" end
 
---- Ends the command where --gloss is no way to shade, or does not fit its band.
-local function check_gloss(given)
-  local known = given.gloss == nil
-  for _, name in ipairs(glosses) do known = known or given.gloss == name end
-  if not known then
-    local guess = check.guess(given.gloss, glosses)
-    status.stop(status.usage, "render: --gloss is auto, sh, rays or matte, got '%s'%s", given.gloss,
-      guess and (" (did you mean %s?)"):format(guess) or "")
-  end
+--- The way that options mean: "rays", "grid" or "sum".
+local function way_of(given)
+  local v = given.visibility
+  return given.by or (given.grid or v and v ~= "rays") and "grid" or "rays"
+end
+
+--- Ends the command where --gloss does not fit its band, or the way.
+local function check_gloss(given, by)
   local band = given["gloss-error"]
   if band and (band[1] < 0 or band[1] >= band[2]) then
     status.stop(status.usage, "render: --gloss-error is two numbers such as 0.01,0.03, the first from 0 to below the second")
@@ -42,61 +54,37 @@ local function check_gloss(given)
   if band and given.gloss and given.gloss ~= "auto" then
     status.stop(status.usage, "render: --gloss-error is for --gloss auto, this is %s: leave one out", given.gloss)
   end
+  if by == "rays" and given.gloss == "sh" then
+    status.stop(status.usage, "render: --gloss %s is for grids (--grid FILE, or --by grid): rays know materials", given.gloss)
+  end
 end
 
---- Ends the command where an option was given that `method` has no use for.
-local function refuse_idle(given, method)
+--- Ends the command where an option was given that the way has no use for.
+local function refuse_idle(given, by)
   local names = {}
   for name in pairs(only) do names[#names + 1] = name end
   table.sort(names)
   for _, name in ipairs(names) do
-    local fits = given[name] == nil
-    local fit = {}
-    for _, one in ipairs(only[name]) do
-      fits = fits or one == method or name == "light-samples" and has_rays(given)
-      if one ~= "default" then fit[#fit + 1] = one end
+    if given[name] ~= nil and not only[name][by] then
+      local fit = {}
+      for way in pairs(only[name]) do fit[#fit + 1] = way end
+      table.sort(fit)
+      status.stop(status.usage, "render: --%s is for --by %s, this is by %s: leave it out", name, table.concat(fit, " and "), by)
     end
-    if not fits then
-      status.stop(status.usage, "render: --%s is for --method %s, this is %s: leave it out", name,
-        table.concat(fit, " and "), method)
-    end
+  end
+  if given.visibility == "rays" and by == "sum" or given.visibility and given.visibility ~= "rays" and given.visibility ~= "none"
+    and by == "rays" then
+    status.stop(status.usage, "render: --visibility %s is not of pictures by %s: leave one out", given.visibility, by)
+  end
+  if by ~= "rays" and given["light-samples"] and not has_rays(given) then
+    status.stop(status.usage, "render: --light-samples is for pictures by rays to the lamps (--by rays): leave it out")
   end
   if given.grid and given["sums-tolerance"] then
     status.stop(status.usage, "render: --sums-tolerance is for baking the scene's probes, --grid is baked: leave one out")
   end
-end
-
---- The visibility that the options mean; nil: the default of scene:render or scene:reference. Ends the command where they
--- do not fit together.
-local function visibility_of(given, method)
-  local v = given.visibility
-  if v then
-    local known = false
-    for _, name in ipairs(visibilities) do known = known or v == name end
-    if not known then
-      local guess = check.guess(v, visibilities)
-      status.stop(status.usage, "render: --visibility is rays, transfer, none or self, got '%s'%s", v,
-        guess and (" (did you mean %s?)"):format(guess) or "")
-    end
-    if v == "rays" and method ~= "default" then
-      status.stop(status.usage, "render: --visibility rays is for pictures without --method %s: leave one out", method)
-    end
-  elseif method == "grid" and not given.grid then v = "transfer" end
-  local by_rays = not given.grid and (v or "rays") == "rays" and method == "default"
-  for _, name in ipairs { "interpolation", "sums-tolerance" } do
-    if by_rays and given[name] then
-      status.stop(status.usage, "render: --%s is for grids (--grid FILE, or --visibility transfer): leave it out", name)
-    end
+  if given.tolerance and given.shading == "vertices" then
+    status.stop(status.usage, "render: --tolerance is judged at what camera rays hit: leave --shading vertices out")
   end
-  if by_rays and (given.gloss == "sh" or given.gloss == "matte") then
-    status.stop(status.usage, "render: --gloss %s is for grids (--grid FILE, or --visibility transfer): rays know materials",
-      given.gloss)
-  end
-  if method == "default" and not by_rays and given["light-samples"] and not has_rays(given) then
-    status.stop(status.usage, "render: --light-samples is for pictures by rays to the lamps (--visibility rays, "
-      .. "--method raycast): leave it out")
-  end
-  return v
 end
 
 --- Ends the command where --exposure is out of range or the image has none.
@@ -111,91 +99,71 @@ local function check_exposure(given)
   end
 end
 
---- Options of --indirect virtual, by their names in the table `indirect` of scene:render.
-local of_virtual = { "count", "particles", "merge", "cell", "degree", "shadows" }
-
---- Ends the command where --indirect is no way to find bounces.
-local function check_indirect(given)
-  local x = given.indirect
-  for _, name in ipairs(of_virtual) do
-    if given[name] ~= nil and x ~= "virtual" then
-      status.stop(status.usage, "render: --%s is for --indirect virtual: leave it out, or ask for that", name)
+--- Ends the command where options of virtual lights are given and these are not asked for.
+local function check_virtual(given)
+  for _, list in ipairs { of_lights, of_virtual } do
+    for _, name in ipairs(list) do
+      if given[name] ~= nil and given.bounced ~= "virtual" then
+        status.stop(status.usage, "render: --%s is for --bounced virtual: leave it out, or ask for that", name)
+      end
     end
   end
-  if x == nil or x == "links" or x == "virtual" then
-    if x == "links" and not given.bounces then
-      status.stop(status.usage, "render: --indirect links: --bounces says how many")
-    end
-    return
-  end
-  local guess = check.guess(x, { "links", "virtual" })
-  status.stop(status.usage, "render: --indirect is links or virtual, got '%s'%s", x,
-    guess and (" (did you mean %s?)"):format(guess) or "")
 end
 
---- The options of scene:render, scene:reference or scene:raycast.
-local function options_of(given, method)
-  local options = { size = given.size, pixel_samples = given.samples, threads = given.threads, progress = report.progress(given) }
-  options.light_samples = given["light-samples"]
-  if method ~= "reference" then options.display = status.display("render", given.display) end
-  if method == "raycast" then return options end
-  options.gloss, options.gloss_error = given.gloss, given["gloss-error"]
-  options.sums_tolerance, options.shading = given["sums-tolerance"], given.shading
-  options.visibility = visibility_of(given, method)
-  options.bounces, options.tolerance = status.bounces("render", given.bounces), given.tolerance
-  if given.indirect == "virtual" then
-    options.indirect = { method = "virtual" }
-    for _, name in ipairs(of_virtual) do options.indirect[name] = given[name] end
-    options.indirect.degree = tonumber(given.degree) or given.degree
+--- The virtual lights that options describe; nil: none are described, the picture makes its own.
+local function lights_of(scene, given, bounces)
+  local own, any = { bounces = bounces or "all", threads = given.threads, progress = report.progress(given) }, false
+  for _, name in ipairs(of_lights) do
+    own[name] = name == "degree" and tonumber(given.degree) or given[name]
+    any = any or given[name] ~= nil
   end
-  if given.tolerance and (given.grid or options.visibility and options.visibility ~= "rays") then
-    status.stop(status.usage, "render: --tolerance chooses how light is found, by rays: leave --%s out",
-      given.grid and "grid" or "visibility")
-  end
-  if given.tolerance and given.shading == "vertex" then
-    status.stop(status.usage, "render: --tolerance is judged at what camera rays hit: leave --shading vertex out")
-  end
-  if method ~= "reference" then
-    options.interpolation, options.dering = given.interpolation, status.dering("render", given.dering)
-  end
-  return options
+  if not any or bounces == 0 then return nil end
+  return status.need(scene:virtual_lights(own))
+end
+
+--- The options of scene:render but for grid and bounced.
+local function options_of(given, by)
+  return { by = by, size = given.size, samples = given.samples, threads = given.threads, progress = report.progress(given),
+    light_samples = given["light-samples"], display = status.display("render", given.display), gloss = given.gloss,
+    gloss_error = given["gloss-error"], sums_tolerance = given["sums-tolerance"], shading = given.shading,
+    visibility = given.visibility, bounces = status.bounces("render", given.bounces), tolerance = given.tolerance,
+    interpolation = given.interpolation, dering = status.dering("render", given.dering), bounced = given.bounced,
+    virtual = given.shadows and { shadows = given.shadows } or nil }
 end
 
 return {
-  summary = "renders a scene file: by rays to its lamps, or by a grid of probes",
+  summary = "renders a scene file: by rays to its lamps with all light that bounces, or by a grid of probes",
   usage = "SCENE.lua -o IMAGE",
   least = 1,
   options = {
     { "output", "-o", "FILE", "the image: .exr, .png, .hdr or .pfm" },
     { "size", "-s", "WxH", "pixels, default that of the renderer" },
     { "samples", "-n", "N", "camera rays per pixel" },
-    { "visibility", nil, "NAME", "rays (default: true shadows, no probes) or transfer (the papers': the scene's probes are "
-      .. "baked), none, self" },
-    { "bounces", "-b", "NAME", "reflections after direct light: 0 (default), 1 .. or all" },
-    { "indirect", nil, "NAME", "how bounces are found: links (default) or virtual (lights of particles, which pass walls); "
-      .. "virtual without --bounces is one" },
+    { "by", nil, "NAME", "how direct light is found: rays (default: true shadows, no probes), grid (the papers': --grid, or the "
+      .. "scene's probes are baked) or sum (the reference of grids); paths: ylm pathtrace" },
+    { "bounces", "-b", "NAME", "reflections after direct light: 0, 1 .. or all (default by rays)" },
+    { "bounced", nil, "NAME", "how light that bounces is found: links (default) or virtual (lights of particles, which pass "
+      .. "walls)" },
     { "count", nil, "N", "virtual: lights, at most; default 2000" },
     { "particles", nil, "N", "virtual: that are traced for them" },
     { "merge", nil, nil, "virtual: particles that land close to each other become one light" },
     { "cell", nil, "N", "virtual: with --merge, how close: the edge of a cell, scene units" },
-    { "degree", nil, "NAME", "virtual: of what surfaces that gloss send: auto (default), or 0 to 8" },
+    { "degree", nil, "NAME", "virtual: of what glossy surfaces send: auto (default), or 0 to 8" },
     { "shadows", nil, "NAME", "virtual: none (default) or centre, a ray from each point to each light" },
     { "tolerance", nil, "N", "of the picture, 0.02 for 2 %: chooses samples, light-samples and all about bounces, judges itself "
       .. "by paths, and says whether it is met" },
-    { "light-samples", nil, "N", "rays, raycast: shadow rays per shading point, default 32; raycast: 64" },
-    { "gloss", nil, "NAME", "surfaces that gloss, by a grid: auto (default, rays where harmonics are too few), sh, rays, "
-      .. "matte" },
+    { "light-samples", nil, "N", "by rays: shadow rays per shading point, default 32" },
+    { "visibility", nil, "NAME", "rays, transfer (by grid and sum: occlusion by direction), none or self" },
+    { "gloss", nil, "NAME", "glossy surfaces, by a grid: auto (default, rays where harmonics are too few), sh, rays, matte" },
     { "gloss-error", nil, "A,B", "auto: the part of a lobe that harmonics may miss: rays from A on, alone from B on; default "
       .. "0.01,0.03" },
-    { "method", "-m", "NAME", "instead: grid (as --visibility transfer), reference (of grids, no interpolation) or raycast (no "
-      .. "harmonics)" },
     { "grid", "-g", "FILE", "a grid baked before" },
-    { "shading", nil, "NAME", "pixel (default) or vertex; not of raycast" },
+    { "shading", nil, "NAME", "pixel (default) or vertices" },
     { "dering", nil, "N", "of a grid: width of the window against light below zero, in degrees, 0: none; default: chosen where "
       .. "needed" },
     { "interpolation", nil, "NAME", "of a grid: hermite, taylor or linear" },
     { "exposure", nil, "N", "of a .png, in stops" },
-    { "display", nil, "ADDRESS", "HOST:PORT of an image viewer (tev) that shows the picture while it is made; not of reference" },
+    { "display", nil, "ADDRESS", "HOST:PORT of an image viewer (tev) that shows the picture while it is made" },
     { "sums-tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
     { "strict", nil, nil, "exit status 6 where a warning is given; the image is written" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
@@ -204,21 +172,23 @@ return {
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "render: -o FILE says where the image goes") end
     status.need_output("render", given.output, "exr", "png", "hdr", "pfm")
-    local method = given.method or "default"
-    if not methods[method] or given.method == "default" then
-      status.stop(status.usage, "render: --method is grid, reference or raycast, got '%s'", method)
-    end
-    refuse_idle(given, method)
-    check_gloss(given)
+    check_choices(given)
+    local by = way_of(given)
+    refuse_idle(given, by)
+    check_gloss(given, by)
     check_exposure(given)
-    check_indirect(given)
-    local options = options_of(given, method)
+    check_virtual(given)
+    local options = options_of(given, by)
     local scene = status.load_scene(given[1])
     if given.grid then options.grid = status.need_kind("ylm.grid", "a grid", given.grid, ylm.load(given.grid))
-    elseif methods[method] == "render" and options.visibility and options.visibility ~= "rays" and not scene.probes then
-      status.stop(status.script, "%s: the scene has no probes; add some, or use --visibility rays", given[1])
+    elseif by == "grid" and not scene.probes then
+      status.stop(status.script, "%s: the scene has no probes; add some, or use --by rays", given[1])
     end
-    local image, facts = scene[methods[method]](scene, options)
+    if given.bounced == "virtual" then
+      local lights = lights_of(scene, given, options.bounces)
+      if lights then options.bounced, options.bounces = lights, nil end
+    end
+    local image, facts = scene:render(options)
     status.need(image, facts)
     status.need(image:save(given.output, given.exposure and { exposure = given.exposure } or nil))
     report.print(given, facts, report.names(facts, { "reference", "visibility", "gloss", "bounces", "omits", "met", "error" }))

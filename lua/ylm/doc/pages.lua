@@ -118,8 +118,8 @@ local function field_table(put, fields, owner)
   for _, part in ipairs(reference.by_shelf(fields, owner)) do
     put(("| field%s | is | |"):format(part[1] ~= reference.shelf(owner) and TITLES[part[1]] or ""))
     put "| --- | --- | --- |"
-    for _, field in ipairs(part[2]) do
-      put(("| `%s` | %s | %s |"):format(field[1], cell(form.field_text(field)), cell(field.about)))
+    for _, row in ipairs(help.field_rows(part[2])) do
+      put(("| `%s` | %s | %s |"):format(row[1], cell(row[2]), cell(row[3])))
     end
     put ""
   end
@@ -149,6 +149,7 @@ local function section(put, entry)
   row_table(put, "argument", entry.arguments)
   if type(entry.options) == "table" and #entry.options > 0 then field_table(put, entry.options, entry) end
   row_table(put, "returns", entry.returns)
+  if entry.report then row_table(put, "report", help.report_rows(entry.report)) end
   if entry.errors and entry.errors ~= "" then
     prose(put, "Errors: " .. model.one_line(entry.errors) .. ".")
     put ""

@@ -42,7 +42,7 @@ end
 local function shading_points(x, device, jumps)
   if x == nil then return nil end
   local points, normals, limits = x, nil, nil
-  if core.type(x) == "ylm.prepared" then
+  if core.type(x) == "ylm.view" then
     local message, code
     points, message, code = field.ask(x, "__positions", "bake", device)
     if not points then return nil, message, code end

@@ -8,7 +8,7 @@ local spot = {}
 spot.spot_light = form.define("spot_light", {
   shelf = "everyday",
   about = "A light of one place that shines into a cone. It has no size, and so no light field: rays find its light, in "
-    .. "scene:render, raycast and pathtrace; radiosity and scene:virtual_lights bounce it. It is not seen.",
+    .. "scene:render by rays and by paths; radiosity and scene:virtual_lights bounce it. It is not seen.",
   fields = {
     { "at", "point", unit = "scene units" },
     { "to", "point", unit = "scene units", about = "a place on the cone's axis" },

@@ -277,7 +277,7 @@ describe "virtual_lights:visible" {
     .. "each light that faces it. ylm.light_field and ylm.bake take it. Derivatives are those of the lights that a point "
     .. "sees; a shadow's edge is a step between points, which adaptive grids find by their tolerance.",
   arguments = { { "scene", "scene", "its geometry, as it is now; its lights do not count" } },
-  returns = { { "field", "visible", "its grids hold light of quantity 'indirect': view:render { indirect = grid }" } },
+  returns = { { "field", "visible", "its grids hold light of quantity 'indirect': view:render { bounced = grid }" } },
   errors = "raises on what is no scene, and on near parts; nil, message, code: memory, 'EMISSING' without the library that "
     .. "traces rays",
   example = [[

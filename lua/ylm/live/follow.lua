@@ -195,8 +195,8 @@ function methods.cast(f, v, rows, light_samples, progress)
       rest = array.zeros(shape, "float"), variance = array.zeros(shape, "float") }
   end
   local r = f.rays
-  local image, message, code = f.ray_view:raycast { light_samples = light_samples, seed = r.passes + 1, layers = false,
-    threads = f.o.threads, progress = progress }
+  local image, message, code = f.ray_view:render { by = "rays", light_samples = light_samples, seed = r.passes + 1,
+    layers = false, threads = f.o.threads, progress = progress }
   if not image then return nil, message, code end
   local values, lib = image:layer "radiance", tracing.library()
   if not r.image then

@@ -94,7 +94,7 @@ local function albedo_of(entry, mesh, n)
 end
 
 --- The scene's geometry; returns { lowest, step } of its positions, the numbers of vertices and triangles, and the number of
--- surfaces that gloss; nil where there is none; nil, message, code.
+-- glossy surfaces; nil where there is none; nil, message, code.
 function pack.meshes(blob, scene)
   local lo, hi = { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge }
   local list, glossy = {}, 0

@@ -4,6 +4,7 @@ local box = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local form = require "ylm.form"
 local grids = require "ylm.grid"
 local light = require "ylm.light"
 local options = require "ylm.render.options"
@@ -20,7 +21,7 @@ local bake = {}
 --- Raises where options that are about the camera alone are given and would be ignored.
 local function check_camera_options(given, o)
   if o.occupied == "camera" or type(given) ~= "table" then return end
-  for _, name in ipairs { "size", "samples", "pixel_samples", "share", "shading" } do
+  for _, name in ipairs { "size", "samples", "share", "shading" } do
     if given[name] ~= nil then
       return check.fail("bake: %s is about the camera's rays: give occupied = 'camera' too, or leave it out", name)
     end
@@ -37,7 +38,7 @@ local function occupied(s, t, o)
     return check.fail("bake: scene %q has no geometry, so no surfaces (occupied = 'everywhere' needs none)", s.name or "?")
   end
   if x == "vertices" then return t.lib.scene_vertices(t.handle) end
-  if core.type(x) == "ylm.prepared" then return views.open("bake", x).view end
+  if core.type(x) == "ylm.view" then return views.open("bake", x).view end
   if core.type(x) == "ylm.array" or core.type(x) == "ylm.gpu_array" then return x end
   if x ~= "camera" then
     return check.fail("bake: occupied must be 'surfaces', 'camera', 'vertices', 'everywhere', a prepared view or an array, "
@@ -51,7 +52,7 @@ end
 
 --- Raises where a view or an array has no points.
 local function check_points(points)
-  if core.type(points) == "ylm.prepared" and views.made[points].stats.points == 0 then
+  if core.type(points) == "ylm.view" and views.made[points].stats.points == 0 then
     return check.fail "bake: no shading points: the camera sees no geometry (occupied = 'everywhere' needs none)"
   end
   if core.type(points) == "ylm.array" and #points == 0 then
@@ -102,7 +103,7 @@ local bake_options = options.list(options.view_fields, {
     about = "where light is needed: 'surfaces' (the whole geometry), 'camera' (what its rays hit: size, samples, share and "
       .. "shading are about them), 'vertices' (all of them), 'everywhere', a prepared view, or an array [n][3], with device "
       .. "also a gpu_array" },
-  { "shading", "choice", of = { "pixel", "vertex" }, default = "pixel",
+  { "shading", "choice", of = { "pixel", "vertices" }, default = "pixel",
     about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
   light.tolerance_option "sums_tolerance",
   { "folder", "path", optional = true, about = "a folder, name.ylmd, that the grid is baked into in bricks, as in ylm.bake; with "
@@ -129,7 +130,7 @@ assert(grid.stats.points >= seen.stats.points)]],
 }
 function bake.bake(s, given)
   tracing.check_scene("bake", s)
-  local o = options.of_view("bake", bake_options, given)
+  local o = form.options(1, "bake", bake_options, given)
   o.progress = progress.long(o.progress)
   local probes = o.probes or s.probes
   if not probes then

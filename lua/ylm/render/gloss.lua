@@ -1,4 +1,4 @@
---- Surfaces that gloss in pictures by coefficients of light: by harmonics, by rays, or as matte ones.
+--- Glossy surfaces in pictures by coefficients of light: by harmonics, by rays, or as matte ones.
 --
 --     light                   gloss    shades such surfaces
 --     lamps, by coefficients  auto     by harmonics where their lobes are wide enough for lmax, else by rays (default)
@@ -9,12 +9,13 @@
 --                             rays     by these rays, with links
 --     any                     matte    as matte ones of their mean albedo
 
+local beyond = require "ylm.render.bounced.grid".BEYOND
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local grids = require "ylm.grid"
-local indirect = require "ylm.render.indirect"
 local light = require "ylm.light"
+local links = require "ylm.render.bounced.links"
 local material = require "ylm.material"
 local progress = require "ylm.progress"
 local options = require "ylm.render.options"
@@ -38,28 +39,21 @@ end
 
 --- Options of views.
 gloss.fields = {
-  { "gloss", "choice", of = { "auto", "sh", "rays", "matte" }, optional = true,
-    about = "where coefficients of light shade surfaces that gloss, 'auto' (default): by harmonics of f cos, times visibility, "
+  { "gloss", "choice", of = core.choices "gloss", optional = true,
+    about = "where coefficients of light shade glossy surfaces, 'auto' (default): by harmonics of f cos, times visibility, "
       .. "to lmax, and by rays to the lamps where lmax is too low for a lobe (under a grid of direct, indirect or all light with "
       .. "links = scene:links {}, whose elements rays find); 'sh', 'rays': by one of them alone; 'matte': as matte ones of "
       .. "their mean albedo, bounces too" },
-  { "gloss_error", "gloss_error", default = gloss.BAND,
+  { "gloss_error", "gloss_error", shelf = "experiments", default = gloss.BAND,
     about = "'auto': the part of a lobe's norm that lmax misses (material:degrees) up to which harmonics shade alone, and from "
       .. "which on rays do; mixed between" },
-  { "below", "choice", of = { "mirror", "dark" }, default = "mirror",
-    about = "visibility below a surface that glosses, for its product with f cos in harmonics: the mirror image of that above, "
+  { "below", "choice", of = { "mirror", "dark" }, default = "mirror", shelf = "experiments",
+    about = "visibility below a glossy surface, for its product with f cos in harmonics: the mirror image of that above, "
       .. "or none, which costs accuracy, and keeps light from below out of lobes that lmax is far too low for" },
-  { "window", "choice", of = window.names, optional = true,
+  { "window", "choice", of = window.names, optional = true, shelf = "experiments",
     about = "damps degrees of f cos in harmonics against ringing, as ylm.sh.window; lobes become wider" },
-  { "window_width", "number", above = 0, optional = true, unit = "degrees l", about = "of window; default lmax + 1" },
-}
-
---- Options of pictures that reference fields make.
-gloss.ray_fields = {
-  { "light_samples", "integer", min = 1, max = core.limits.light_samples, optional = true,
-    about = "where rays shade surfaces that gloss: rays to lamps from the points of a mesh in a pixel, and as many by the "
-      .. "material; default: " .. options.LIGHT_SAMPLES .. " to 16384, most where they vary most, as few as leave a noise of 1 % "
-      .. "in each mesh's radiance (report.glossy), from as many places as that needs" },
+  { "window_width", "number", above = 0, optional = true, unit = "degrees l", shelf = "experiments",
+    about = "of window; default lmax + 1" },
 }
 
 --- The noise that rays may leave where nobody says how many they are, and the most of them.
@@ -81,11 +75,10 @@ end
 -- there may be one later.
 function gloss.settle(name, o, given, s, held)
   local by_rays = o.visibility == "rays" and held == false
-  local bounced = o.indirect ~= nil or (o.bounces or 0) ~= 0
-  if by_rays and (o.gloss == "sh" and not (core.has_field(o.indirect) and core.type(o.indirect) ~= "ylm.radiosity")
-    or o.gloss == "matte" and not bounced) then
-    return check.fail('%s: gloss is for a grid (visibility = "transfer" bakes one), visibility is "rays": name one that fits, '
-      .. "or leave gloss out", name)
+  local bounced = o.reflected ~= nil
+  if by_rays and (o.gloss == "sh" and not (bounced and o.reflected.grid) or o.gloss == "matte" and not bounced) then
+    return check.fail('%s: gloss is for a grid (by = "grid"), and this picture is by rays: name one that fits, or '
+      .. "leave gloss out", name)
   end
   if held and held ~= "lights" and o.gloss == "rays" and not o.links then
     return check.fail("%s: gloss = 'rays': rays find light of lamps, the grid holds %s light: gloss = 'sh', or leave the grid "
@@ -97,22 +90,21 @@ function gloss.settle(name, o, given, s, held)
   end
   if by_rays and not bounced then o.gloss = nil else o.gloss = o.gloss or "auto" end
   gloss.check_harmonics(name, o, given, by_rays and not bounced)
-  if o.gloss == "rays" and o.shading == "vertex" and not by_rays and is_glossy(s) then
+  if o.gloss == "rays" and o.shading == "vertices" and not by_rays and is_glossy(s) then
     return check.fail("%s: gloss = 'rays': rays start at what camera rays hit: shading = 'pixel'", name)
   end
   if o.light_samples and not by_rays and not (is_glossy(s) and (o.gloss == "auto" or o.gloss == "rays")) then
-    return check.fail("%s: light_samples is for visibility = \"rays\", visibility is %q, and for surfaces that gloss: leave it "
-      .. "out", name, o.visibility)
+    return check.fail("%s: light_samples is for by = 'rays', and for glossy surfaces: leave it out", name)
   end
 end
 
---- Raises where options about harmonics are given and no surface that glosses is shaded by them.
+--- Raises where options about harmonics are given and no glossy surface is shaded by them.
 function gloss.check_harmonics(name, o, given, by_rays)
   if type(given) ~= "table" then return end
   local harmonics = not by_rays and (o.gloss == "auto" or o.gloss == "sh")
   for _, field in ipairs { "below", "window", "gloss_error" } do
     if given[field] ~= nil and not harmonics then
-      return check.fail("%s: %s is for surfaces that gloss in harmonics, gloss = 'auto' or 'sh': leave it out", name, field)
+      return check.fail("%s: %s is for glossy surfaces in harmonics, gloss = 'auto' or 'sh': leave it out", name, field)
     end
   end
   if o.below == "dark" and o.visibility ~= "transfer" then
@@ -152,10 +144,10 @@ end
 
 --- The reason why rays shade nothing in a picture that might want them; nil: they do.
 local function hindrance(p, o, field)
-  if p.options.shading == "vertex" then return "rays start at pixels, shading is 'vertex'" end
+  if p.options.shading == "vertices" then return "rays start at pixels, shading is 'vertices'" end
   if o.weight == "cosine" then
     if o.nearby then return "rays find no virtual lights" end
-    local gathered = visibility.quantity(field) == "direct" and o.bounced and o.bounced.by == "gather"
+    local gathered = visibility.quantity(field) == "direct" and o.reflected and o.reflected.lit
     return not (o.links or gathered) and "a grid's light that knows its shadows shades without rays" or nil
   end
   if not lamps_of(field) then
@@ -174,7 +166,7 @@ local function aim_beyond(name, p, o, x, held)
     x.lit = o.lit and o.lit.handle
   end
   if held ~= "direct" then
-    x.elements, message, code = indirect.elements(name, p, o)
+    x.elements, message, code = links.elements(name, p, o)
     if not x.elements then return nil, message, code end
   end
   return true
@@ -189,7 +181,7 @@ local function aim_at_lamps(name, p, o, x, field)
   return true
 end
 
---- Makes o.glossy ready, what a picture needs to know of surfaces that gloss, where it has some: { by =, add =, share =, .. }.
+--- Makes o.glossy ready, what a picture needs to know of glossy surfaces, where it has some: { by =, add =, share =, .. }.
 -- `field`: the light that shades. True, or nil, message, code.
 function gloss.ready(name, p, o, field)
   local by = p.options.gloss or "matte"
@@ -198,7 +190,7 @@ function gloss.ready(name, p, o, field)
   local held = core.type(field) == "ylm.grid" and field.lmax or p.options.lmax
   local x = { by = by, add = gloss.add, lmax = o.weight == "cosine" and held or math.min(p.options.lmax, held) }
   if by ~= "sh" then
-    x.hindrance, x.beyond = hindrance(p, o, field), o.weight == "cosine" and p.options.shading ~= "vertex"
+    x.hindrance, x.beyond = hindrance(p, o, field), o.weight == "cosine" and p.options.shading ~= "vertices"
     if x.hindrance and by == "rays" then
       return check.fail("%s: gloss = 'rays': %s: prepare the view with gloss = 'sh'", name, x.hindrance)
     end
@@ -242,19 +234,19 @@ local LOUD = 0.1 -- the part of lobes that 'sh' may miss without a word
 --- Says that harmonics miss more than was wanted, why, and what to change.
 local function say_missed(p, report, x, missed)
   local advice = x.by == "sh" and "set gloss = 'auto', whose rays find these, or a higher lmax"
-    or x.beyond and indirect.BEYOND or x.hindrance .. "; set a higher lmax, or visibility = 'rays'"
+    or x.beyond and beyond or x.hindrance .. "; set a higher lmax, or by = 'rays'"
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss missed", "scene %q: harmonics of degree %d miss %.0f %% of "
-    .. "the lobes of surfaces that gloss: %s", p.scene.name or "?", x.lmax, 100 * missed, advice)
+    .. "the lobes of glossy surfaces: %s", p.scene.name or "?", x.lmax, 100 * missed, advice)
 end
 
 --- Says that rays at their most leave more noise than is promised, and what to do.
 local function say_noise(p, report, found)
   report.warnings[#report.warnings + 1] = warning.say(p.scene, "gloss noise", "scene %q: up to %d light samples, as many as are "
-    .. "chosen, leave a noise of %.0f %% in a mesh that glosses, its highlights being smaller than pixels: widen its lobe or the "
+    .. "chosen, leave a noise of %.0f %% in a glossy mesh, its highlights being smaller than pixels: widen its lobe or the "
     .. "lamp, or set a larger size", p.scene.name or "?", MOST_SAMPLES, 100 * found.noise)
 end
 
---- Says in the report how coefficients of light shade surfaces that gloss: where as matte ones, in a sentence too.
+--- Says in the report how coefficients of light shade glossy surfaces: where as matte ones, in a sentence too.
 function gloss.announce(p, report)
   local n = p.traced.glossy
   if n == 0 then return end

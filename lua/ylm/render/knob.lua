@@ -1,4 +1,4 @@
---- One knob: a picture with a tolerance chooses spacing, links, shadow rays and camera rays, and judges itself.
+--- One knob: a picture with a tolerance chooses elements, links, shadow rays and camera rays, and judges itself.
 --
 -- A cheap picture comes first. Some hundred pixels, half of them drawn by its light, are rendered with ever finer means. Noise
 -- is the difference of two estimates with random numbers of their own, the error of elements that to groups of four of them.
@@ -41,7 +41,7 @@ local TERM, RANGE = math.sqrt(2 * math.log(2 / 0.05)), 7 / 3 * math.log(2 / 0.05
 
 knob.fields = {
   { "tolerance", "number", min = 0.001, max = 1, optional = true,
-    about = "of the picture, the root mean square error relative to its mean, edges included: chooses spacing, links, "
+    about = "of the picture, the root mean square error relative to its mean, edges included: chooses elements, rays, "
       .. "light_samples and samples where they are not given, judges itself by paths, and says whether it is met (report.met, "
       .. ".error)" },
 }
@@ -330,7 +330,7 @@ end
 
 local function percent(share) return (share < 0.1 and "%.2g %%" or "%.0f %%"):format(100 * share) end
 
---- The largest cause and its remedy; where causes that are known are too small to be it: surfaces that gloss, or small parts.
+--- The largest cause and its remedy; where causes that are known are too small to be it: glossy surfaces, or small parts.
 local function cause_of(x, error)
   local c, worst, sum = x.chosen, nil, 0
   for _, name in ipairs { "elements", "links", "direct", "pixels" } do
@@ -338,9 +338,9 @@ local function cause_of(x, error)
     if x.causes[name] and (not worst or x.causes[name] > x.causes[worst]) then worst = name end
   end
   if x.bounces ~= 0 and math.sqrt(sum) < error / 2 then
-    return x.glossy > 0 and (x.o.gloss == "matte" and "bounced light meets surfaces that gloss as matte ones: leave gloss out"
-        or "surfaces that gloss send bounced light to others as matte ones: use scene:pathtrace")
-      or "elements meet light that changes faster than they are fine: give links = scene:links { spacing = .. }"
+    return x.glossy > 0 and (x.o.gloss == "matte" and "bounced light meets glossy surfaces as matte ones: leave gloss out"
+        or "glossy surfaces send bounced light to others as matte ones: use scene:pathtrace")
+      or "elements meet light that changes faster than they are fine: give bounced = scene:links { spacing = .. }"
   end
   local share = percent(math.min(x.causes[worst], error))
   if worst == "pixels" then
@@ -352,7 +352,7 @@ local function cause_of(x, error)
     return ("%s come from %d links a point: set rays = %d"):format(share, c.links,
       math.min(core.limits.transfer_links, 4 * c.links))
   end
-  return ("%s come from %d elements of spacing %.3g: give links = scene:links { spacing = %.2g }"):format(share,
+  return ("%s come from %d elements of spacing %.3g: give bounced = scene:links { spacing = %.2g }"):format(share,
     c.elements, c.spacing, c.spacing / 2)
 end
 
@@ -444,20 +444,21 @@ end
 --- Chooses what options leave open: { lit, chosen }, for knob.judge; or nil, message, code. `given` are the options
 -- as the caller wrote them: what stands there is kept.
 function knob.choose(name, s, o, given)
-  local chosen = {}
+  local chosen, by = { spacing = FIRST.spacing }, o.reflected and o.reflected.record.name
+  local bounces = by == "links" and o.reflected.bounces or 0
   local t, message, code = tracing.trace(name, s)
   if not t then return nil, message, code end
-  for key, first in pairs(FIRST) do chosen[key] = given[key == "links" and "rays" or key] or first end
-  chosen.samples, chosen.share = given.samples or given.pixel_samples or RAYS[1][1], given.share or RAYS[1][2]
-  if not o.links and s.link_options and s.link_options.spacing and (o.bounces or 0) ~= 0 then
+  chosen.light_samples, chosen.links = given.light_samples or FIRST.light_samples, given.rays or FIRST.links
+  chosen.samples, chosen.share = given.samples or RAYS[1][1], given.share or RAYS[1][2]
+  if not o.links and s.link_options and s.link_options.spacing and bounces ~= 0 then
     o.links, message, code = s:links { seed = o.seed, threads = o.threads, progress = o.progress } -- as the scene says
     if not o.links then return nil, message, code end
   end
   chosen.spacing = FIRST.spacing * math.max(box.diagonal(t.lo, t.hi), 1e-30)
-  local x = { name = name, scene = s, o = o, lib = t.lib, glossy = t.glossy, bounces = o.bounces or 0, tolerance = o.tolerance,
+  local x = { name = name, scene = s, o = o, lib = t.lib, glossy = t.glossy, bounces = bounces, tolerance = o.tolerance,
     threads = o.threads or 0, bar = progress.resolve(o.progress), chosen = chosen, causes = {}, noise = 0, seconds = 0,
     judged = { rays = 0, pixels = 0, samples = 0 },
-    given = { samples = given.samples or given.pixel_samples, share = given.share, light_samples = given.light_samples,
+    given = { samples = given.samples, share = given.share, light_samples = given.light_samples,
       rays = given.rays } }
   local ok
   ok, message, code = try(choose, x)
@@ -477,7 +478,7 @@ function knob.judge(found, seen)
 end
 
 --- Completes report and metadata of a picture by its tolerance.
-function knob.report(found, v, report, image)
+local function report_of(found, v, report, image)
   local c, m = found.chosen, image.metadata
   report.tolerance, report.met, report.error = v.tolerance, v.met, v.error
   report.chosen = { samples = c.samples, share = c.share, light_samples = c.light_samples, rays = v.causes.links and c.links,
@@ -487,6 +488,49 @@ function knob.report(found, v, report, image)
   report.seconds.total = report.seconds.total + v.judged.seconds
   if v.warning then report.warnings[#report.warnings + 1] = v.warning end
   m.tolerance, m.error, m.met = ("%.3g"):format(v.tolerance), ("%.3g"):format(v.error), tostring(v.met)
+end
+
+--- Raises where a tolerance judges no such picture.
+local function check_judged(name, o)
+  if o.ambient or o.ambient_radius then
+    return check.fail("%s: tolerance is of the scene's light, which ambient is not: leave one out", name)
+  end
+  if o.shading == "vertices" then
+    return check.fail("%s: tolerance is judged at what camera rays hit: shading = 'pixel'", name)
+  end
+  if not o.shadows then return check.fail("%s: tolerance is of the scene's light, shadows too: leave visibility out", name) end
+  local b = o.reflected
+  if b and (b.lit or b.grid) then
+    return check.fail("%s: tolerance chooses how light that bounces is found: leave bounced out, or give links or 'virtual'",
+      name)
+  end
+end
+
+--- The picture of scene:render that keeps o.tolerance, and says whether it does; how() makes one. Or nil, message, code.
+function knob.picture(name, s, o, given, how)
+  check_judged(name, o)
+  local b = o.reflected
+  local by_virtual = b and b.record.name == "virtual" -- direct light alone is judged
+  local found, message, code = knob.choose(name, s, o, given)
+  if not found then return nil, message, code end
+  local c = found.chosen
+  o.seen, message, code = array.zeros({ o.size[2], o.size[1], 3 }, "float")
+  if not o.seen then return nil, message, code end
+  o.light_samples, o.rays, o.samples, o.share, o.lmax = c.light_samples, c.links, c.samples, c.share, 0
+  if by_virtual then b.options.tolerance = math.min(b.options.tolerance or 1, o.tolerance)
+  elseif b then b.lit, o.links = found.lit, nil end
+  local image, report, judged
+  image, report, code = how()
+  if not image then return nil, report, code end
+  judged, message, code = knob.judge(found, o.seen)
+  if not judged then return nil, message, code end
+  report_of(found, judged, report, image)
+  if by_virtual then
+    report.warnings[#report.warnings + 1] = warning.say(s, "tolerance virtual", "scene %q: tolerance is judged in direct light; "
+      .. "of virtual lights it bounds the sum (report.virtual.error), not what their number leaves: scene:pathtrace tells",
+      s.name or "?")
+  end
+  return image, report
 end
 
 return knob

@@ -1,4 +1,4 @@
---- Near parts of virtual lights (lights:split) in pictures by a grid of the far parts: option near.
+--- Near parts of virtual lights (lights:split) in pictures by a grid of the far parts: option near_lights.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -10,27 +10,27 @@ local warning = require "ylm.warning"
 local near = {}
 
 near.fields = {
-  { "near", "object", of = "virtual_lights", optional = true,
+  { "near_lights", "object", of = "virtual_lights", optional = true, shelf = "experiments",
     about = "of a picture by a grid of the far parts of virtual lights (lights:split): their near parts, summed at every "
       .. "shading point; where a view has transfer vectors, as coefficients" },
 }
 
---- Raises where o.near is no near part, or there is no grid for it.
+--- Raises where o.near_lights is no near part, or there is no grid for it.
 function near.settle(name, o)
-  local x = o.near
+  local x = o.near_lights
   if not x then return end
   if x.profile ~= "near" then
-    return check.fail("%s: near is the near part of lights:split, these lights are of profile '%s'%s", name, x.profile,
+    return check.fail("%s: near_lights is the near part of lights:split, these lights are of profile '%s'%s", name, x.profile,
       x.profile == "far" and ": that is what the grid is baked of" or "")
   end
   local grid = o.grid
-  if o.bounced and o.bounced.by == "grid" then grid = o.bounced.grid end
+  if o.reflected and o.reflected.grid then grid = o.reflected.grid end
   if grid == nil then
-    return check.fail("%s: near lights lack their far parts: give grid = scene:bake { lights = far, .. }, or leave near out",
-      name)
+    return check.fail("%s: near lights lack their far parts: give grid = scene:bake { lights = far, .. }, or leave "
+      .. "near_lights out", name)
   end
   if visibility.quantity(grid) ~= "lights" then
-    return check.fail("%s: near: the grid holds %s light, no far parts of virtual lights: leave one out", name,
+    return check.fail("%s: near_lights: the grid holds %s light, no far parts of virtual lights: leave one out", name,
       visibility.quantity(grid))
   end
 end
@@ -48,10 +48,10 @@ end
 
 --- The entry o.nearby of a picture by o.grid: { add =, pairs =, seconds = }, or nil.
 function near.of_grid(o)
-  if not o.near or o.bounced and o.bounced.by == "grid" then return nil end
+  if not o.near_lights or o.reflected and o.reflected.grid then return nil end
   local x = {}
   function x.add(name, p, options, radiance)
-    local out, facts, code = near.add(name, p, o.near, o.weight, near.degree(p, o.grid), options, radiance)
+    local out, facts, code = near.add(name, p, o.near_lights, o.weight, near.degree(p, o.grid), options, radiance)
     if not out then return nil, facts, code end
     x.pairs, x.seconds = facts.pairs, facts.seconds
     return out
@@ -69,14 +69,15 @@ end
 
 --- Completes report and metadata of a picture with near lights.
 function near.report(p, o, report, image)
-  if not o.near then return end
-  local x = o.nearby or o.bounced.nearby
-  report.near = { lights = o.near.count, core = o.near.core, pairs = x.pairs }
+  local lights = o.near_lights
+  if not lights then return end
+  local x = o.nearby or o.reflected.nearby
+  report.near = { lights = lights.count, core = lights.core, pairs = x.pairs }
   report.seconds.near = x.seconds
   if o.nearby then report.seconds.image = report.seconds.image - x.seconds end
   if p.options.visibility == "rays" then near.say_walls(p, report) end
   if core.type(image) == "ylm.image" then
-    image.metadata.near = ("%d lights, core %.6g"):format(o.near.count, o.near.core)
+    image.metadata.near = ("%d lights, core %.6g"):format(lights.count, lights.core)
   end
 end
 

@@ -29,7 +29,7 @@ local function percent(share, error)
 end
 
 local CAUSE = "occluders count by direction, up to occlusion_distance = %.3g wherever the lamp is; "
-local REMEDY = 'visibility = "rays" (scene:raycast, ylm render --visibility rays), whose shadows are true'
+local REMEDY = 'by = "rays" (ylm render --by rays), whose shadows are true'
 
 --- The sentence about a view: how much is not the scene's, why, and what to change; nil where it is of no account.
 local function sentence(p, found)

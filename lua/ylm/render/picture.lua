@@ -1,48 +1,50 @@
 --- From the radiance of shading points to an image with layers and metadata, and the report beside it.
 
-local ambient = require "ylm.render.ambient"
-local bodies = require "ylm.render.bodies"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local image = require "ylm.image"
-local light = require "ylm.light"
 local show = require "ylm.show"
 local tracing = require "ylm.trace"
 
 local pictures = {}
 
---- Writes the layer radiance from that of shading points [points][3], bounces added, o.lamps drawn over it.
+--- The radiance of shading points with all that is added to direct light, which is changed by what lies over it; `radiance`:
+-- false for none. Or nil, message, code.
+local function completed(name, p, radiance, o)
+  local steps = {}
+  for _, step in ipairs { o.glossy or false, o.nearby or false } do steps[#steps + 1] = step or nil end
+  for _, over in ipairs(o.over or {}) do steps[#steps + 1] = over.radiance and { add = over.radiance } or nil end
+  for _, step in ipairs(radiance and steps or {}) do
+    local all, message, code = step.add(name, p, o, radiance)
+    if not all then return nil, message, code end
+    radiance = all
+  end
+  local b = o.reflected
+  if not b then return radiance end
+  local start = core.seconds()
+  local all, message, code = b.record.radiance(name, p, o, radiance or nil)
+  if not all then return nil, message, code end
+  b.seconds = core.seconds() - start
+  return all
+end
+
+--- Writes the layer radiance from that of shading points [points][3]: what is added to it, and what lies over it.
 function pictures.compose(name, p, radiance, o, layer)
   local lib, view, threads = p.lib, p.view, o.threads or 0
-  if o.glossy then
-    local all, message, code = o.glossy.add(name, p, o, radiance)
-    if not all then return nil, message, code end
-    radiance = all
+  local all, message, code = completed(name, p, radiance, o)
+  if not all then return nil, message, code end
+  if o.seen then assert(check.result(name, lib.shade_resolve(view, all, nil, false, threads, o.seen))) end
+  if o.direct and o.direct.bare then return check.result(name, lib.shade_resolve(view, all, nil, false, threads, layer)) end
+  assert(check.result(name, lib.shade_compose(view, all, p.scene.background or { 0, 0, 0 }, threads, layer)))
+  for _, over in ipairs(o.over or {}) do
+    if over.draw then
+      local ok
+      ok, message, code = over.draw(name, p, o, layer)
+      if not ok then return nil, message, code end
+    end
   end
-  if o.nearby then
-    local all, message, code = o.nearby.add(name, p, o, radiance)
-    if not all then return nil, message, code end
-    radiance = all
-  end
-  if o.openness then
-    local dark, message, code = ambient.darken(name, p, o, radiance)
-    if not dark then return nil, message, code end
-    radiance = dark
-  end
-  if o.bounced then
-    local all, message, code = o.bounced.add(name, p, o, radiance)
-    if not all then return nil, message, code end
-    radiance = all
-  end
-  if o.seen then assert(check.result(name, lib.shade_resolve(view, radiance, nil, false, threads, o.seen))) end
-  assert(check.result(name, lib.shade_compose(view, radiance, p.scene.background or { 0, 0, 0 }, threads, layer)))
-  if o.bodies then
-    local drawn, message, code = bodies.draw(name, p, o, layer)
-    if not drawn then return nil, message, code end
-  end
-  if not o.lamps then return true end
-  return assert(check.result(name, lib.shade_draw_lamps(view, threads, layer, light.lamps(name, o.lamps))))
+  return true
 end
 
 --- The image `out` where it has a size and layers { name, channels }; those that are missing are added.
@@ -67,12 +69,13 @@ local function with_layers(name, out, size, layers)
   return out
 end
 
---- An image with the layers asked for; `radiance` [points][3], or what writes that layer: function(layer) -> true.
-function pictures.picture(name, p, radiance, o, cells)
+local VIEW_LAYERS = { { "normal", 3 }, { "position", 3 }, { "depth", 1 }, { "albedo", 3 }, { "coverage", 1 }, { "emitter", 1 } }
+
+--- The layers that options ask for, { name, channels }; `cells`: of a grid.
+local function layers_of(o, cells)
   local layers = { { "radiance", 3 } }
   if o.layers then
-    for _, l in ipairs { { "normal", 3 }, { "position", 3 }, { "depth", 1 }, { "albedo", 3 }, { "coverage", 1 },
-      { "emitter", 1 } } do layers[#layers + 1] = l end
+    for _, layer in ipairs(VIEW_LAYERS) do layers[#layers + 1] = layer end
     if o.glossy then layers[#layers + 1] = { "gloss", 1 } end
     if o.openness then layers[#layers + 1] = { "ambient", 1 } end
     if cells then
@@ -81,27 +84,44 @@ function pictures.picture(name, p, radiance, o, cells)
     end
   end
   if o.truth then layers[#layers + 1] = { "true_error", 3 } end
+  return layers
+end
+
+--- Levels and errors of the grid's cells at shading points, where layers are asked for, nil else; or false, message, code.
+local function cells_of(p, o)
+  if not o.layers or core.type(o.grid) ~= "ylm.grid" then return nil end
+  local level, error = p.lib.shade_grid_cells(p.view, o.grid, o.threads or 0)
+  if not level then return false, error, "ENOMEM" end
+  return { level = level, error = error }
+end
+
+--- Writes the layers of surfaces.
+local function write_layers(name, p, o, out, cells)
   local lib, view, threads = p.lib, p.view, o.threads or 0
-  local out, message, code
-  if o.out then out, message, code = with_layers(name, o.out, p.options.size, layers)
-  else out, message, code = image.image { size = p.options.size, layers = layers } end
-  if not out then return nil, message, code end
   local function done(...) return assert(check.result(name, ...)) end
+  for _, layer in ipairs(VIEW_LAYERS) do done(lib.shade_layer(view, layer[1], threads, out:layer(layer[1]))) end
+  if o.glossy then done(lib.shade_resolve(view, o.glossy.share, nil, true, threads, out:layer "gloss")) end
+  if o.openness then done(lib.shade_resolve(view, o.openness, { 1 }, true, threads, out:layer "ambient")) end
+  if cells then
+    done(lib.shade_resolve(view, cells.level, nil, true, threads, out:layer "level"))
+    done(lib.shade_resolve(view, cells.error, nil, true, threads, out:layer "error"))
+  end
+end
+
+--- An image with the layers asked for; `radiance` [points][3], false for none, or what writes that layer:
+-- function(layer) -> true.
+function pictures.picture(name, p, radiance, o)
+  local cells, message, code = cells_of(p, o)
+  if cells == false then return nil, message, code end
+  local out
+  if o.out then out, message, code = with_layers(name, o.out, p.options.size, layers_of(o, cells))
+  else out, message, code = image.image { size = p.options.size, layers = layers_of(o, cells) } end
+  if not out then return nil, message, code end
   local ok
   if type(radiance) == "function" then ok, message, code = radiance(out:layer "radiance")
   else ok, message, code = pictures.compose(name, p, radiance, o, out:layer "radiance") end
   if not ok then return nil, message, code end
-  if o.layers then
-    for _, layer in ipairs { "normal", "position", "depth", "albedo", "coverage", "emitter" } do
-      done(lib.shade_layer(view, layer, threads, out:layer(layer)))
-    end
-    if o.glossy then done(lib.shade_resolve(view, o.glossy.share, nil, true, threads, out:layer "gloss")) end
-    if o.openness then done(lib.shade_resolve(view, o.openness, { 1 }, true, threads, out:layer "ambient")) end
-    if cells then
-      done(lib.shade_resolve(view, cells.level, nil, true, threads, out:layer "level"))
-      done(lib.shade_resolve(view, cells.error, nil, true, threads, out:layer "error"))
-    end
-  end
+  if o.layers then write_layers(name, p, o, out, cells) end
   if o.truth then pictures.true_error(out, o.truth) end
   return out
 end
@@ -152,7 +172,7 @@ end
 
 describe "true_error" {
   about = "Adds to an image the layer true_error: |radiance - truth's radiance|, per channel.",
-  arguments = { { "image", "image", "" }, { "truth", "image", "of the same size, e.g. from scene:reference" } },
+  arguments = { { "image", "image", "" }, { "truth", "image", "of the same size, e.g. by = 'sum'" } },
   returns = { { "image", "image", "the first argument" } },
   errors = "raises where the sizes differ or a layer is missing",
   example = [[

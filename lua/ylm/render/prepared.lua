@@ -1,101 +1,91 @@
 --- The methods of prepared views.
 
-local ambient = require "ylm.render.ambient"
-local bodies = require "ylm.render.bodies"
+local bounces = require "ylm.render.bounces"
 local check = require "ylm.check"
+local choose = require "ylm.render.choose"
 local core = require "ylm.c.core"
-local dering = require "ylm.render.dering"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local gloss = require "ylm.render.gloss"
-local indirect = require "ylm.render.indirect"
 local light = require "ylm.light"
+local make = require "ylm.render.make"
 local memory = require "ylm.memory"
-local near = require "ylm.render.near"
 local options = require "ylm.render.options"
-local outputs = require "ylm.outputs"
 local relight = require "ylm.render.relight"
-local shading = require "ylm.render.shade"
+local reports = require "ylm.render.reports"
 local views = require "ylm.render.view"
 
 local prepared = views.methods
 
-local prepared_render = options.list(options.grid_fields, dering.fields, near.fields, options.direct_fields, relight.fields,
-  relight.method_fields,
-  indirect.bounce_fields, indirect.link_fields, {
-  { "lights", "any", optional = true,
-    about = "lights that shine instead of the scene's, by rays: they may move; default with indirect = lit: those of lit" },
-  { "lamps", "any", optional = true,
-    about = "sphere lights to draw that are not in the prepared scene, because they move" },
-  { "depth", "array", optional = true,
-    about = "float [height][width]: takes the layer depth, and in front of it that of lamps which cover more than half of a "
-      .. "pixel" },
-  { "download", "boolean", default = true,
-    about = "false: a picture made on the device stays there, as a gpu_array [height][width][3] of radiance" },
-  { "out", "any", optional = true,
+local render_first = { choose.by("rays", "grid", "sum", "vectors", "none") }
+local render_last = options.list({
+  { "out", "any", optional = true, shelf = "experiments",
     about = "an image of an earlier call, to be written again and returned: its memory is there; "
       .. "with download = false the gpu_array" },
-}, bodies.fields, ambient.fields, options.layer_fields, options.common)
-local prepared_reference = options.list(options.reference_fields, gloss.ray_fields, relight.method_fields, options.layer_fields,
-  options.common)
-local prepared_radiance = options.list(options.grid_fields, relight.fields, relight.method_fields, options.common)
-local prepared_raycast = options.list(options.ray_fields, {
-  { "seed", "integer", min = 0, max = core.limits.seed, optional = true, about = "default: that of the view" },
 }, options.layer_fields, options.common)
+local render_options = choose.fields("view", render_first, render_last, choose.direct, choose.bounced, choose.over)
+local render_common = options.names(render_first, render_last)
+local render_names = options.names(render_options)
+local settled = options.names(options.view_fields, options.prepare_fields, gloss.fields)
 
---- Raises where the option depth is no float array of the view's size.
-local function check_depth(p, o)
-  local size = p.options.size
-  if o.depth then outputs.of(1, "render: depth", o.depth, "float", { { size[2], size[1] } }) end
+--- Raises where an option is one that the view was prepared with.
+local function check_settled(given)
+  for name in pairs(type(given) == "table" and given or {}) do
+    if settled[name] and not render_names[name] then
+      return check.bad(1, "render", "%s is of scene:prepare, and the view has it already: leave it out", name)
+    end
+  end
 end
 
---- Writes into o.depth how far surfaces and o.lamps are; true, or nil, message, code.
-local function write_depth(p, o)
-  if not o.depth then return true end
-  local threads = o.threads or 0
-  local ok, message, code = check.result("render", p.lib.shade_layer(p.view, "depth", threads, o.depth))
-  if not ok or not o.lamps then return ok, message, code end
-  return check.result("render", p.lib.shade_lamp_depth(p.view, threads, o.depth, light.lamps("render", o.lamps)))
-end
+local radiance_options = options.list(options.grid_fields, relight.fields, relight.method_fields, options.common)
 
-describe "prepared:render" {
+describe "view:render" {
+  shelf = "everyday",
   about = "Shades a prepared view: by a grid, or one that was prepared with visibility = 'rays' by rays to its lamps. "
     .. "report.seconds.light says how long sampling and shading took. Of a grid made with dynamic = true only what grid:update "
-    .. "changed since the last time is sampled. A grid of lights needs the view's transfer vectors; others hold their shadows.",
+    .. "changed since the last time is sampled. A grid of lights needs the view's transfer vectors, as a sum does; others hold "
+    .. "their shadows. Nothing bounces unless bounces or bounced are given.",
   arguments = { { "options?", "table", "grid is needed where the view has transfer vectors" } },
-  options = prepared_render,
-  returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "outside, unbaked: shading points; "
-    .. "of a dynamic grid fresh: those that were sampled; bodies: count, vertices, rays, seconds" } },
-  errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
+  options = render_options,
+  returns = { { "image", "image", "" }, { "report", "table", reports.text } },
+  report = reports.fields,
+  errors = "raises on a bad option, and one that the chosen ways have no use for; nil, message, code where memory runs out or it "
+    .. "is cancelled",
   example = options.one_lamp .. [[
 local view = scene:prepare { size = { 32, 18 }, samples = 4, visibility = "transfer" }
 local lights = ylm.sphere_lights { at = { { 0, 1, 0 } }, radius = 0.1, radiance = 50 }
-local image = view:render { grid = lights.lights }     -- anything that has a light field
+local image = view:render { grid = lights.lights }                            -- anything that has a light field
 assert(image:layer "radiance":get(9, 16, 1) > 0)
-assert(scene:prepare { size = { 32, 18 } }:render { light_samples = 4 })   -- by rays]],
+assert(view:render { by = "sum", dtype = "double" })                          -- the reference of grids
+assert(scene:prepare { size = { 32, 18 } }:render { light_samples = 4 })      -- by rays
+local T = view:transfer { links = scene:links { rays = 16 } }
+image = view:render { vectors = T, lights = ylm.environment_light { radiance = 1 } }
+assert(image:layer "radiance":get(9, 16, 1) > 0)
+local bright = scene:virtual_lights { count = 50 }
+local _, report = view:render { by = "none", bounced = bright }               -- light that bounces alone
+assert(report.virtual.pairs == bright.count * view.stats.points)
+assert(view:render { by = "none", bounced = bright, rival = { "vpl", clamp = "distance", limit = 4 } })]],
+  source = "Green 2003; Sloan et al. 2002; Mezieres & Paulin 2022; Keller 1997; Kollig & Keller 2004; Hasan et al. 2009; "
+    .. "Tokuyoshi 2015",
 }
 function prepared.render(view, given)
   local p = views.open("render", view)
-  local o = form.options(1, "render", prepared_render, given)
-  indirect.settle("render", o, p.scene)
+  check_settled(given)
+  local o = form.options(1, "render", render_options, given)
+  o.direct = choose.direct_of(o, p)
+  bounces.settle("render", o, p.scene)
+  choose.check("render", "view", render_options, render_common, o, given)
   relight.check("render", o)
-  bodies.check("render", o)
-  check_depth(p, o)
-  local ok, message, code = indirect.relight("render", p, o)
+  local ok, message, code = bounces.relight("render", p, o)
   if not ok then return nil, message, code end
-  local image, report
-  image, report, code = shading.picture("render", p, o)
-  if not image then return nil, report, code end
-  ok, message, code = write_depth(p, o)
-  if not ok then return nil, message, code end
-  return image, report
+  return make.picture("render", p, o)
 end
 
-describe "prepared:radiance" {
+describe "view:radiance" {
   about = "The radiance of a prepared view's shading points, without a picture: the colours of vertices for who draws them, of "
     .. "views prepared with relight = 'all' those of all vertices (view:points).",
   arguments = { { "options", "table", "grid is needed" } },
-  options = prepared_radiance,
+  options = radiance_options,
   returns = { { "radiance", "array", "float [points][3]" },
     { "report", "table", "points, seconds.light, stages as of view:render" } },
   errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
@@ -106,48 +96,12 @@ assert(colours.shape[1] == view.stats.points)]],
 }
 function prepared.radiance(view, given)
   local p = views.open("radiance", view)
-  local o = form.options(1, "radiance", prepared_radiance, given)
+  local o = form.options(1, "radiance", radiance_options, given)
   relight.check("radiance", o)
-  return shading.points("radiance", p, o)
+  return choose.direct.grid.points("radiance", p, o)
 end
 
-describe "prepared:reference" {
-  about = "The reference of pictures by grids of lights under the view's transfer vectors: the lights' own coefficients at every "
-    .. "shading point, no interpolation. The view is one that was prepared with visibility = 'transfer' or 'none'.",
-  arguments = { { "options?", "table", "" } },
-  options = prepared_reference,
-  returns = { { "image", "image", "" }, { "report", "table", options.transfer_text .. "pairs: light x point evaluations" } },
-  errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
-  example = options.one_lamp .. [[
-local view = scene:prepare { size = { 32, 18 }, samples = 4, visibility = "transfer" }
-assert(view:reference { dtype = "double" })]],
-}
-function prepared.reference(view, given)
-  local p = views.open("reference", view)
-  return shading.by_lights("reference", p, form.options(1, "reference", prepared_reference, given))
-end
-
-describe "prepared:raycast" {
-  about = "Shades a prepared view by rays to the lamps: no spherical harmonics, no occlusion_distance.",
-  arguments = { { "options?", "table", "" } },
-  options = prepared_raycast,
-  returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "rays.shadow" } },
-  errors = "raises on a bad option; nil, message, code where memory runs out or it is cancelled",
-  example = options.one_lamp .. [[
-local view = scene:prepare { size = { 32, 18 }, samples = 4 }
-assert(view:raycast { light_samples = 16 })]],
-  source = "Shirley, Wang, Zimmerman 1996",
-}
-function prepared.raycast(view, given)
-  local p = views.open("raycast", view)
-  if type(given) == "table" and given.samples ~= nil then
-    return check.bad(1, "raycast", "samples are camera rays, which the view has already: shadow rays per shading point are "
-      .. "light_samples")
-  end
-  return shading.by_rays("raycast", p, form.options(1, "raycast", prepared_raycast, given))
-end
-
-describe "prepared:points" {
+describe "view:points" {
   about = "Where a prepared view asks for light.",
   arguments = {},
   returns = { { "points", "table",
@@ -166,7 +120,7 @@ end
 
 local layer_names = { "depth", "position", "normal", "albedo", "coverage", "emitter", "object" }
 
-describe "prepared:layer" {
+describe "view:layer" {
   about = "Surfaces that a prepared view sees, without shading them: a layer of its pictures. Numbers of a pixel are means "
     .. "over its surfaces; object is the place in scene.geometry of what has most of the pixel, 0 where nothing is seen.",
   arguments = { { "name", "string", table.concat(layer_names, ", ") } },
@@ -185,7 +139,7 @@ function prepared.layer(view, name)
   return check.bad(1, "layer", "%s expected, got %s", table.concat(layer_names, ", "), check.describe(name))
 end
 
-describe "prepared:hit" {
+describe "view:hit" {
   about = "The surface that has most of a pixel.",
   arguments = { { "x", "integer", "column, from 1" }, { "y", "integer", "row, from 1: the top" } },
   returns = { { "hit?", "table", "position, normal {x, y, z}, object: place in scene.geometry, depth along the view axis; nil "
@@ -206,7 +160,7 @@ function prepared.hit(view, x, y)
   return p.lib.shade_hit(p.view, x - 1, y - 1)
 end
 
-describe "prepared:lamp_at" {
+describe "view:lamp_at" {
   about = "The lamp near a place of the picture: that whose rim is nearest, of several under it the nearest to the camera. "
     .. "Lamps behind surfaces are not found.",
   arguments = { { "lamps", "table", "sphere lights, as the option lamps of view:render" },
@@ -236,7 +190,7 @@ function prepared.lamp_at(view, lamps, x, y, reach)
   return index, away, depth
 end
 
-describe "prepared:close" {
+describe "view:close" {
   about = "Frees the memory of a prepared view now rather than at the next collection.",
   arguments = {},
   returns = {},
@@ -244,7 +198,7 @@ describe "prepared:close" {
   example = options.one_lamp .. 'scene:prepare({ size = { 32, 18 }, samples = 1 }):close()',
 }
 function prepared.close(view)
-  if core.type(view) ~= "ylm.prepared" then
+  if core.type(view) ~= "ylm.view" then
     return check.fail("close: a prepared view expected before the colon, got %s", check.describe(view))
   end
   local m = views.made[view]
@@ -252,7 +206,6 @@ function prepared.close(view)
   m.closed, views.made[view] = true, m
 end
 
-require "ylm.render.gather"
 require "ylm.render.vectors"
 memory.publish(prepared)
 

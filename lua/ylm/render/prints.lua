@@ -58,7 +58,7 @@ end
 -- Lights and materials that options name in place of the scene's are not compared.
 function prints.say(p, o)
   local apart, said = { lights = o.lights ~= nil, materials = o.materials ~= nil }, {}
-  local bounced = o.bounced and o.bounced.by == "grid" and o.bounced.grid or nil
+  local bounced = o.reflected and o.reflected.grid or nil
   for _, grid in ipairs { o.grid or false, bounced } do said[#said + 1] = prints.warn(grid, p.scene, p.traced, apart) end
   return said
 end

@@ -18,7 +18,7 @@ local relight = {}
 --- Options of scene:prepare.
 relight.prepare_fields = {
   { "relight", "choice", of = { "light", "material", "all" }, optional = true,
-    about = "what changes from picture to picture of surfaces that gloss, gloss = 'sh': 'light': products of slices and "
+    about = "what changes from picture to picture of glossy surfaces, gloss = 'sh': 'light': products of slices and "
       .. "visibility are kept, 4 (lmax+1)^2 bytes and more a point, other light costs a dot product; 'material': these are made "
       .. "again where view:render names other materials; 'all': shading points are all vertices, and the camera may move too" },
 }
@@ -26,8 +26,8 @@ relight.prepare_fields = {
 --- Options of pictures by the coefficients of light.
 relight.method_fields = {
   { "method", "choice", of = { "table", "nearest", "zonal" }, optional = true,
-    about = "of slices of surfaces that gloss; 'table', default: cubic between rows; to compare with: 'nearest', one of 90 rows; "
-      .. "'zonal': lobes about the mirror direction with the cosine of each lamp's middle, without shadows (view:reference)" },
+    about = "of slices of glossy surfaces; 'table', default: cubic between rows; to compare with: 'nearest', one of 90 rows; "
+      .. "'zonal': lobes about the mirror direction with the cosine of each lamp's middle, without shadows (by = 'sum')" },
   { "product", "choice", of = { "auto", "gaunt", "quadrature", "fourier", "brute", "list" }, optional = true,
     about = "the method of sh.product by which slices and visibility are multiplied; default auto" },
 }
@@ -43,7 +43,7 @@ relight.fields = {
 function relight.settle(name, o, given)
   if not o.relight then return end
   if given.gloss ~= nil and given.gloss ~= "sh" then
-    return check.fail("%s: relight = %q is of surfaces that gloss by spherical harmonics: gloss = 'sh', or leave gloss out", name,
+    return check.fail("%s: relight = %q is of glossy surfaces by spherical harmonics: gloss = 'sh', or leave gloss out", name,
       o.relight)
   end
   if o.visibility == "rays" then
@@ -52,11 +52,11 @@ function relight.settle(name, o, given)
   end
   o.gloss = "sh"
   if o.relight ~= "all" then return end
-  if given.shading ~= nil and given.shading ~= "vertex" or o.visibility == "pixel" then
-    return check.fail("%s: relight = 'all' shades vertices, which every camera sees: shading = 'vertex', or leave shading out",
+  if given.shading ~= nil and given.shading ~= "vertices" then
+    return check.fail("%s: relight = 'all' shades vertices, which every camera sees: shading = 'vertices', or leave shading out",
       name)
   end
-  o.shading = "vertex"
+  o.shading = "vertices"
 end
 
 --- The materials of a change, by mesh: userdata or false; a key that tells them from others; or nil, message, code.
@@ -102,7 +102,7 @@ local function check_change(name, p, o)
       mode and (", here it is %q"):format(mode) or "")
   end
   if p.options.gloss ~= "sh" then
-    return check.fail("%s: %s is of surfaces that gloss by spherical harmonics: prepare the view with gloss = 'sh'", name,
+    return check.fail("%s: %s is of glossy surfaces by spherical harmonics: prepare the view with gloss = 'sh'", name,
       o.product and "product" or "method")
   end
 end
@@ -112,15 +112,11 @@ function relight.check(name, o)
   local first = type(o.grid) == "table" and (form.kind(o.grid) and o.grid or o.grid[1])
   local kind = first and form.kind(first)
   if kind and form.defined[kind] and form.defined[kind].light then o.grid = light.field(1, name, o.grid) end
-  if (o.materials or o.camera) and o.bounced then
-    return check.fail("%s: light that bounces is that of the scene's materials and camera: leave bounces and indirect out", name)
+  if (o.materials or o.camera) and o.reflected then
+    return check.fail("%s: light that bounces is that of the scene's materials and camera: leave bounces and bounced out", name)
   end
   if (o.materials or o.camera or o.method or o.product) and o.device then
     return check.fail("%s: materials, camera, method and product are the processor's: leave device out", name)
-  end
-  if (o.materials or o.camera or o.method or o.product) and o.grid == nil then
-    return check.fail("%s: materials, camera, method and product are of pictures by coefficients of light: give a grid, or "
-      .. "lights, as grid", name)
   end
 end
 
@@ -190,7 +186,7 @@ local function lobes(m, lmax, o)
   return out
 end
 
---- Replaces in `radiance` that of points that gloss by zonal lobes: true; or nil, message, code.
+--- Replaces in `radiance` that of glossy points by zonal lobes: true; or nil, message, code.
 function relight.zonal(name, p, o, radiance)
   local binding, message, code = library.rival_binding()
   if not binding then return nil, message, code end

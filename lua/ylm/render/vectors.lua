@@ -1,14 +1,11 @@
---- Transfer vectors and matrices of prepared views: prepared:transfer, prepared:matrices.
+--- Transfer vectors and matrices of prepared views: view:transfer, view:matrices.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
-local light = require "ylm.light"
-local lmax_of = require "ylm.sh.args".lmax_of
 local objects = require "ylm.transfer.object"
 local options = require "ylm.render.options"
-local pictures = require "ylm.render.picture"
 local progress = require "ylm.progress"
 local vectors = require "ylm.transfer.vectors"
 local views = require "ylm.render.view"
@@ -22,10 +19,10 @@ local transfer_fields = options.list({
   { "links", "object", of = "ylm.links", optional = true,
     about = "elements and links of the view's scene (scene:links): vectors with bounces, by rays that know no "
       .. "occlusion_distance. Without it the view's own vectors are returned, and other options are refused" },
-  { "rays", "links", default = 128, about = "rays of a shading point" },
+  { "rays", "links", default = 128, about = "of a shading point, a multiple of 4" },
 }, vectors.options, { { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of these rays" } })
 
-describe "prepared:transfer" {
+describe "view:transfer" {
   about = "The transfer vectors of a prepared view: SH coefficients of cosine times visibility, or with them what surfaces send "
     .. "on. With links they hold bounces of light that is the same everywhere (a sky, a sun); lamps in a room are not: see "
     .. "links:radiosity. Without one the view was prepared with visibility = 'transfer' or 'none'.",
@@ -53,7 +50,7 @@ function prepared.transfer(view, given)
     if name then return check.fail("transfer: %s is for vectors with bounces: give links (scene:links)", name) end
     visibility.need_transfer("transfer", p)
     if p.options.gloss ~= "matte" and p.traced.glossy > 0 then
-      return check.fail 'transfer: surfaces that gloss have no transfer vectors but as matte ones: prepare with gloss = "matte"'
+      return check.fail 'transfer: glossy surfaces have no transfer vectors but as matte ones: prepare with gloss = "matte"'
     end
     return check.result("transfer", p.lib.shade_transfer(p.view))
   end
@@ -83,7 +80,7 @@ local function in_words(bytes)
   return ("%.0f MiB"):format(math.max(1, bytes / 2 ^ 20))
 end
 
-describe "prepared:matrices" {
+describe "view:matrices" {
   about = "The transfer matrices of a prepared view: from distant light to the light that arrives at each shading point, as "
     .. "coefficients of incident radiance above its horizon, straight and by way of other surfaces. sh.apply applies "
     .. "them. At most 2 GiB; what they hold is in links too, in 4 bytes a link.",
@@ -127,60 +124,6 @@ function prepared.matrices(view, given)
     { rays = o.rays, seed = o.seed, lmax_in = into, lmax_out = out, threads = o.threads, progress = show }))
   if not M then return nil, message, code end
   return M, stats
-end
-
-local shade_fields = options.list({
-  { "vectors", "array", about = "transfer vectors of the view's points, float [n][3][(lmax+1)^2] or [n][(lmax+1)^2]" },
-  { "lights", "any", optional = true,
-    about = "lights, or any other light field, asked at every point; default: the scene's lights" },
-}, options.layer_fields, options.common)
-
---- The vectors as a float array, and their lmax.
-local function given_vectors(p, value)
-  local shape, dtype = core.array_info(value)
-  local n, lmax = p.stats.points, lmax_of(shape[#shape])
-  if shape[1] ~= n or #shape < 2 or #shape > 3 or #shape == 3 and shape[2] ~= 3 or not lmax then
-    return check.fail("shade: vectors must be [%d][3][(lmax+1)^2] or [%d][(lmax+1)^2], got %s", n, n, table.concat(shape, "x"))
-  end
-  return dtype == "float" and value or core.array_convert(value, "float"), lmax
-end
-
-describe "prepared:shade" {
-  about = "Shades a prepared view by transfer vectors of its points: view:transfer's, or others. Light is asked at every point, "
-    .. "so that vectors without bounces know any light, and vectors with bounces distant light. Surfaces reflect as matte ones.",
-  arguments = { { "options", "table", "vectors are needed" } },
-  options = shade_fields,
-  returns = { { "image", "image", "" }, { "report", "table", options.report_text .. "pairs: light x point evaluations" } },
-  errors = "raises on a bad option, and vectors of other points; nil, message, code: memory, cancelled",
-  example = options.one_lamp .. [[
-local view = scene:prepare { size = { 32, 18 }, samples = 1 }
-local T = view:transfer { links = scene:links { rays = 16 } }
-local image = view:shade { vectors = T, lights = ylm.environment_light { radiance = 1 } }
-assert(image:layer "radiance":get(9, 16, 1) > 0)]],
-  source = "Green 2003; Sloan et al. 2002",
-}
-function prepared.shade(view, given)
-  local p = views.open("shade", view)
-  local o = form.options(1, "shade", shade_fields, given)
-  pictures.check_truth("shade", p, o)
-  local T, lmax = given_vectors(p, o.vectors)
-  local lights, message, code = p.traced.lights, nil, nil
-  if o.lights ~= nil then lights, message, code = light.field(1, "shade", o.lights) end
-  if not lights then return nil, message, code end
-  local report, start = pictures.new_report(p), core.seconds()
-  report.visibility = "vectors"
-  local radiance, pairs
-  radiance, pairs, code = check.result("shade", p.lib.shade_by_vectors(p.view, T, lmax, lights, o.threads,
-    progress.resolve(o.progress)))
-  if not radiance then return nil, pairs, code end
-  local seconds = core.seconds() - start
-  report.pairs = pairs
-  local out
-  out, message, code = pictures.picture("shade", p, radiance, o)
-  if not out then return nil, message, code end
-  pictures.finish(report, start, seconds)
-  pictures.sign(out, p, "vectors", report, { pairs = ("%.0f"):format(pairs) })
-  return out, report
 end
 
 return prepared

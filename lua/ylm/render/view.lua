@@ -13,16 +13,16 @@ local show = require "ylm.show"
 
 local views = {}
 
---- The noise at which rays are enough, and the most rays, without transfer_samples: see options.transfer_fields.
+--- The noise at which rays are enough, and the most rays, without transfer_samples: see options.vector_fields.
 local NOISE, MOST_SAMPLES = 0.02, 2048
 
 local DEGREES = core.limits.material_table_lmax + 1 -- of slices
 
 local GIVEN_SAMPLES = core.limits.light_samples -- the most that transfer_samples may be
 
-require "ylm.describe".object "prepared" {
-  about = "The part of a scene that one camera sees, ready to be shaded: by rays to its lamps, or with transfer vectors by any "
-    .. "light field.",
+require "ylm.describe".object "view" {
+  about = "The part of a scene that one camera sees, prepared (scene:prepare) to be shaded: by rays to its lamps, or with "
+    .. "transfer vectors by any light field. The drawings of ylm.view { .. } have bars, window, show and save alone.",
   fields = {
     { "stats", "table", "points, hits, pixels, primary_rays, occlusion_rays, scene_seconds, primary_seconds, "
       .. "transfer_seconds, bytes; transfer_samples, noise as in a report" },
@@ -31,8 +31,8 @@ require "ylm.describe".object "prepared" {
   },
 }
 
---- Methods of the userdata "ylm.prepared"; what it was made of stands in its own table.
-local prepared = tracing.library() and core.metatable "ylm.prepared" or {}
+--- Methods of the userdata "ylm.view"; what it was made of stands in its own table.
+local prepared = tracing.library() and core.metatable "ylm.view" or {}
 local made = setmetatable({}, {
   __index = function(_, view) return core.owned(view, "made") end,
   __newindex = function(_, view, m) core.own(view).made = m end,
@@ -46,19 +46,19 @@ prepared.__index = function(view, key)
 end
 
 prepared.__newindex = function(_, key)
-  return check.fail("prepared: cannot set %s: a prepared view does not change", check.describe(key))
+  return check.fail("view: cannot set %s: a prepared view does not change", check.describe(key))
 end
 
 prepared.__tostring = function(view)
   local m = made[view]
-  if not m or m.closed then return "ylm.prepared (closed)" end
-  return ("ylm.prepared view of %q: %dx%d, %d shading points"):format(m.scene.name or "?", m.options.size[1],
+  if not m or m.closed then return "ylm.view (closed)" end
+  return ("ylm.view of %q: %dx%d, %d shading points"):format(m.scene.name or "?", m.options.size[1],
     m.options.size[2], m.stats.points)
 end
 
 --- The prepared view before the colon with all about it: { view, scene, traced, lib, stats, options }.
 function views.open(name, view)
-  if core.type(view) ~= "ylm.prepared" then
+  if core.type(view) ~= "ylm.view" then
     return check.fail("%s: a prepared view expected before the colon, got %s", name, check.describe(view))
   end
   if made[view].closed then return check.fail("%s: the prepared view has been closed", name) end
@@ -95,12 +95,14 @@ function views.prepare(name, s, o)
     distance = box.diagonal(t.lo, t.hi) / 10
     if distance == 0 then distance = 1 end
   end
-  local rays = o.transfer_samples or (o.vectors == "vertex" or o.shading == "vertex") and 256 or 128
+  local at_vertices = o.vectors_at == "vertices" or o.shading == "vertices"
+  local rays = o.transfer_samples or at_vertices and 256 or 128
   local light = not o.transfer_samples and #s.lights > 0 and visibility == "transfer" and t.lights or nil
   local view
   view, message, code = check.result(name, t.lib.shade_view(t.handle, {
     camera = views.camera_numbers(s, o.camera), width = o.size[1], height = o.size[2], samples = o.samples,
-    lmax = o.lmax, shading = o.shading, visibility = visibility == "transfer" and o.vectors or visibility,
+    lmax = o.lmax, shading = o.shading == "vertices" and "vertex" or "pixel",
+    visibility = visibility == "transfer" and (at_vertices and "vertex" or "pixel") or visibility,
     transfer_samples = rays,
     occlusion_distance = distance, share = o.share, seed = o.seed,
     threads = o.threads, progress = progress.resolve(o.progress), light = light, noise = NOISE,
@@ -129,7 +131,7 @@ function views.loud(p)
   if not noise or noise <= NOISE then return nil end
   local enough = 2 ^ math.ceil(math.log(rays * (noise / NOISE) ^ 2) / math.log(2))
   local advice = enough <= GIVEN_SAMPLES and ("set transfer_samples = %d"):format(enough)
-    or 'too little of the sky is seen for such rays, use visibility = "rays" (scene:raycast, ylm render --visibility rays)'
+    or 'too little of the sky is seen for such rays, use by = "rays" (ylm render --by rays)'
   return ("scene %q: %d occlusion rays from each shading point leave a noise of %.1f %%, more than %g %%: %s"):format(
     p.scene.name or "?", rays, 100 * noise, 100 * NOISE, advice)
 end
@@ -144,7 +146,7 @@ end
 --- Is it a grid, or another object with a light field?
 function views.check_grid(name, grid)
   if grid == nil then
-    return check.fail("%s: field 'grid' is missing (scene:bake() makes one; scene:reference needs none)", name)
+    return check.fail("%s: field 'grid' is missing (scene:bake() makes one; by = 'sum' needs none)", name)
   end
   local fault = check.grid_fault(grid)
   if fault then return check.fail("%s: %s", name, fault) end

@@ -18,7 +18,7 @@ function visibility.quantity(field)
 end
 
 --- Options of the ways that need them.
-local of_transfer = { "transfer_samples", "occlusion_distance" }
+local of_transfer = { "transfer_samples", "occlusion_distance", "vectors_at" }
 
 --- Raises where `given` has one of `names`, which options with o.visibility have no use for.
 local function refuse(name, given, names, whose, o)
@@ -30,16 +30,12 @@ local function refuse(name, given, names, whose, o)
   end
 end
 
---- Settles o.visibility ("rays", "transfer", "none") and o.vectors: whose transfer vectors they are, "pixel" or "vertex".
--- `default` is the visibility where none is given; "pixel" and "vertex" are earlier names of "transfer".
+--- Settles o.visibility, "rays", "transfer" or "none"; `default` where none is given.
 function visibility.settle(name, o, given, default)
   local v = o.visibility or default
   o.self = v == "self" -- "transfer", by rays that meet the own surface alone
   if o.self then v = "transfer" end
-  if v == "pixel" or v == "vertex" then
-    if given.shading == nil then o.shading = v end
-    o.visibility, o.vectors = "transfer", v
-  else o.visibility, o.vectors = v, o.shading end
+  o.visibility = v
   if o.visibility == "rays" then return refuse(name, given, of_transfer, 'visibility = "transfer"', o) end
 end
 
@@ -47,14 +43,15 @@ end
 -- the quantity that the grid holds, or false.
 function visibility.settle_picture(name, o, given)
   local held = o.grid ~= nil and visibility.quantity(o.grid)
-  if held == "lights" and o.visibility == "rays" and not o.near then
+  if held == "lights" and o.visibility == "rays" and not o.near_lights then
     return check.fail("%s: the grid holds lights without their shadows, which transfer vectors shade: name visibility = "
       .. '"transfer", or leave the grid out', name)
   end
-  visibility.settle(name, o, given, held == "lights" and not o.near and "transfer" or "rays")
+  visibility.settle(name, o, given, (held == "lights" or not held) and not o.near_lights and "transfer" or "rays")
   if held and held ~= "lights" then o.visibility = "rays" end -- the grid knows all shadows
   if o.visibility == "rays" and not held then
-    refuse(name, given, { "interpolation", "bias", "sums_tolerance" }, 'a grid (visibility = "transfer" bakes one)', o)
+    return check.fail('%s: by = "grid" without a grid bakes lights, which transfer vectors shade: visibility = "transfer", or '
+      .. "give a grid", name)
   end
   return held
 end

@@ -1,6 +1,6 @@
 --- Scenes: a camera, geometry, lights, probes; and scene files.
 --
--- A scene only describes. Its methods bake, render, reference and raycast are
+-- A scene only describes. Its methods bake, prepare, render, pathtrace and probe are
 -- those of lua/ylm/render/init.lua.
 
 local check = require "ylm.check"
@@ -202,7 +202,7 @@ end
 
 --- The methods are those of lua/ylm/render/init.lua, loaded when one is first called.
 local methods = {}
-for _, name in ipairs { "bake", "prepare", "render", "reference", "raycast", "pathtrace", "probe" } do
+for _, name in ipairs { "bake", "prepare", "render", "pathtrace", "probe" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
 function methods.live(...) return library.later["ylm.live"](...) end
@@ -253,7 +253,7 @@ local construct = form.define("scene", {
     { "like", "like", optional = true,
       about = "another scene, or the file of one (in a scene file: in its folder), or a glTF file; fields that are given "
         .. "replace that scene's" },
-    { "camera", "object", of = "camera", optional = true, about = "needed by render, reference and raycast" },
+    { "camera", "object", of = "camera", optional = true, about = "needed by prepare, render and pathtrace" },
     { "geometry", "parts", optional = true, about = "surfaces: one, or a list that may nest" },
     { "lights", "parts", optional = true, about = "lights: one, or a list that may nest" },
     { "moved", "table", optional = true,
@@ -300,7 +300,7 @@ assert(s.name == "one lamp" and #s.geometry == 2 and #s.lights == 1)]],
 describe "scene" {
   shelf = "everyday",
   about = "Makes a scene: ylm.scene \"name\" { camera = , geometry = , lights = , probes = , background = }. "
-    .. "Methods: bake, prepare, render, reference, raycast.",
+    .. "Methods: bake, prepare, render, pathtrace, probe.",
   arguments = { { "name", "string", "what pictures are titled with" } },
   returns = { { "fields", "function", "takes the table of fields, see the form 'scene', and returns the scene" } },
   errors = "raises at the caller's line on missing, misspelt or wrong fields",

@@ -106,11 +106,12 @@ function methods.sample(on, ...) return grids.sample(on.gpu, ...) end
 -- Pictures ----------------------------------------------------------------------------
 
 function methods.check_rays(_, name)
-  return check.bad(1, name, 'device: it traces no rays to lamps: leave it out, or name visibility = "transfer"')
+  return check.bad(1, name, 'device: it traces no rays to lamps: leave it out, or name by = "grid"')
 end
 
 function methods.check_picture(_, name, o)
-  if o.near then return check.bad(1, name, "device: near lights are summed by the processor: leave device out") end
+  if o.bodies then return check.bad(1, name, "device: bodies are drawn by the processor: leave device out") end
+  if o.near_lights then return check.bad(1, name, "device: near lights are summed by the processor: leave device out") end
   if core.type(o.grid) ~= "ylm.grid" then
     return check.bad(1, name, "device: a baked grid expected, got %s", check.describe(o.grid))
   end

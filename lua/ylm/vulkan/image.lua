@@ -143,7 +143,7 @@ local function filter(name, p, o, v, radiance, image, bar, stages)
   return true
 end
 
---- The radiance of the prepared view p by a grid (the options o of prepared:render), the host's array or the device's;
+--- The radiance of the prepared view p by a grid (the options o of view:render), the host's array or the device's;
 -- and { outside, unbaked, seconds, stages }; or nil, message, code.
 function vulkan_image.shade(gpu, name, p, o, bar)
   local copy, message, code = vulkan_grid.copy_of(name, o.grid, gpu)

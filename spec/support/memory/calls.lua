@@ -179,7 +179,8 @@ calls["sh.product_matrix"] = on(function() return { coefficients(1, 2)[1], coeff
 end)
 calls["sh.product rule"] = on(function() return { coefficients(2, 2), coefficients(2, 2) } end,
   function(c) return ylm.sh.product(c[1], c[2], { rule = 3 }) end)
-calls["sphere_set"] = on(function() return ylm.box {} end, function(geometry) return ylm.sphere_set(geometry, { count = 1 }) end)
+calls["sphere_set"] = on(function() return ylm.box {} end, function(geometry) return ylm.sphere_set(geometry,
+  { count = 1 }) end)
 calls["visibility by exponentials"] = on(function() return ylm.sphere_casters { at = { { 2, 0, 0 } }, radius = 1 } end,
   function(spheres) return ylm.visibility(1, spheres, points(3), { derivatives = 1, product = "exp", exp = "PS" }) end)
 calls["sh.circle_log"] = of(function()
@@ -194,7 +195,8 @@ calls["sh.log"] = on(function() return ylm.array { 4, 0.1, 0.2, -0.1 } end, func
 end)
 for _, name in ipairs { "convolve", "window", "irradiance", "dering", "convert", "resize", "summary" } do
   calls["sh." .. name] = on(function() return coefficients(2, 3) end, function(c)
-    local second = { convolve = { 1, 0.5, 0.25, 0.1 }, window = "hann", convert = "plain", resize = 5, irradiance = { 0, 0, 1 } }
+    local second = { convolve = { 1, 0.5, 0.25, 0.1 }, window = "hann", convert = "plain", resize = 5, irradiance = { 0, 0,
+      1 } }
     return ylm.sh[name](c, second[name])
   end)
 end
@@ -409,7 +411,8 @@ local function write_gltf(path)
     TEXCOORD_0 = f:accessor("VEC2", 5126, { 0, 0, 1, 0, 0, 1 }) }
   local json = f:text { nodes = { { mesh = 0 }, { mesh = 0, extensions = { KHR_lights_punctual = { light = 0 } } } },
     meshes = { { primitives = { { attributes = attributes, material = 0 }, { attributes = attributes, material = 1 } } } },
-    materials = { { name = "a", pbrMetallicRoughness = { baseColorTexture = { index = 0 } } }, { emissiveFactor = { 1, 1, 1 } } },
+    materials = { { name = "a", pbrMetallicRoughness = { baseColorTexture = { index = 0 } } }, { emissiveFactor = { 1, 1,
+      1 } } },
     textures = { { source = 0 } }, images = { { uri = path:match "[^/]*$" .. ".png" } },
     extensions = { KHR_lights_punctual = { lights = { { type = "point" } } } } }
   local file = assert(io.open(path, "w"))
@@ -465,14 +468,15 @@ for _, name in ipairs { "render", "reference", "raycast" } do
     return s[name](s, { size = size, samples = 1, light_samples = name ~= "reference" and 2 or nil })
   end)
 end
-calls["scene:render transfer"] = on(scene, function(s) return s:render { size = size, samples = 1, visibility = "transfer" } end)
-calls["surfaces that gloss"] = on(scene, function(s)
+calls["scene:render transfer"] = on(scene, function(s) return s:render { size = size, samples = 1,
+  visibility = "transfer" } end)
+calls["glossy surfaces"] = on(scene, function(s)
   s.geometry[1].material = ylm.phong { exponent = 4 }
-  return s:reference { size = size, samples = 1, lmax = 1, gloss = "sh", transfer_samples = 8 }
+  return s:render { by = "sum", size = size, samples = 1, lmax = 1, gloss = "sh", transfer_samples = 8 }
 end)
-calls["surfaces that gloss, by rays too"] = on(scene, function(s)
+calls["glossy surfaces, by rays too"] = on(scene, function(s)
   s.geometry[1].material = ylm.phong { exponent = 4 }
-  return s:reference { size = size, samples = 1, lmax = 1, gloss = "auto", transfer_samples = 8, light_samples = 2,
+  return s:render { by = "sum", size = size, samples = 1, lmax = 1, gloss = "auto", transfer_samples = 8, light_samples = 2,
     gloss_error = { 0.1, 1 } }
 end)
 calls["virtual lights of a scene, gathered"] = on(scene, function(s)
@@ -481,7 +485,7 @@ calls["virtual lights of a scene, gathered"] = on(scene, function(s)
   local view
   view, message, code = s:prepare { size = size, samples = 1 }
   if not view then return nil, message, code end
-  return view:gather { lights = lights, method = "vpl", compensate = 2 }
+  return view:render { by = "none", bounced = lights, rival = { "vpl", compensate = 2 } }
 end)
 calls["virtual lights, merged and interleaved"] = on(scene, function(s)
   s.geometry[1].material = ylm.phong { exponent = 4 }
@@ -491,13 +495,13 @@ calls["virtual lights, merged and interleaved"] = on(scene, function(s)
   view, message, code = s:prepare { size = size, samples = 1, gloss = "matte" }
   if not view then return nil, message, code end
   local image
-  image, message, code = view:gather { lights = lights, subset = "stochastic" }
+  image, message, code = view:render { by = "none", bounced = lights, virtual = { subset = "stochastic" } }
   if not image then return nil, message, code end
-  return view:gather { lights = lights, subset = "interleaved", tile = 2 }
+  return view:render { by = "none", bounced = lights, virtual = { subset = "interleaved", tile = 2 } }
 end)
 calls["virtual lights by parts, in a picture"] = on(scene, function(s)
-  return s:render { size = size, samples = 1, light_samples = 1, layers = false,
-    indirect = { method = "virtual", count = 4, sums = "split", tolerance = 1 } }
+  return s:render { size = size, samples = 1, light_samples = 1, layers = false, bounced = "virtual", bounces = 1,
+    virtual = { sums = "split", tolerance = 1 } }
 end)
 calls["virtual lights by their tree"] = on(function()
   local at, normal = {}, {}
@@ -525,7 +529,7 @@ calls["virtual lights with their shadows"] = on(scene, function(s)
 end)
 for _, how in ipairs { "ssao", "rays" } do
   calls["ambient by " .. how] = on(scene, function(s)
-    return s:render { size = size, samples = 1, light_samples = 2, ambient = how }
+    return s:render { size = size, samples = 1, light_samples = 2, ambient = how, bounces = 0 }
   end)
 end
 local function many_lamps()
@@ -533,15 +537,15 @@ local function many_lamps()
   for i = 1, 300 do at[i] = { i / 100, 1, 0 } end
   return ylm.sphere_lights { at = at, radius = 0.01 }
 end
-calls["scene:raycast with other lamps"] = on(function()
+calls["scene:render with other lamps"] = on(function()
   local s = scene()
-  assert(s:raycast { size = size, samples = 1, light_samples = 1 })
+  assert(s:render { bounces = 0, size = size, samples = 1, light_samples = 1 })
   return s
 end, function(s)
   local others, message, code = many_lamps()
   if not others then return nil, message, code end
   s.lights[1] = others -- meshes stay
-  return s:raycast { size = size, samples = 1, light_samples = 2 }
+  return s:render { bounces = 0, size = size, samples = 1, light_samples = 2 }
 end)
 calls["prepared by rays"] = on(scene, function(s)
   local view, message, code = s:prepare { size = size, samples = 1 }
@@ -556,9 +560,9 @@ calls["prepared"] = on(scene, function(s)
   local view, message, code = s:prepare { size = size, samples = 1, visibility = "transfer" }
   if not view then return nil, message, code end
   local out = {}
-  for _, call in ipairs { "points", "transfer", "reference", "raycast" } do
+  for _, call in ipairs { { "points" }, { "transfer" }, { "render", { by = "sum" } }, { "render", { by = "rays" } } } do
     local result
-    result, message, code = view[call](view)
+    result, message, code = view[call[1]](view, call[2])
     if result == nil then
       assert(view:points() or view:points()) -- still usable
       return nil, message, code

@@ -36,8 +36,8 @@ local estimates = {
   { { reflections = 2 }, "reflections must be" }, { { reflections = { -1, 2 } }, "reflections must be" },
   { { reflections = { "all", 2 } }, "reflections must be" },
   { { bounces = 1, reflections = { 0, 1 } }, "bounces and reflections say the same" },
-  { { strategy = "bidirectional" }, "strategy must be one of" }, { { error = 0 }, "error must be a number > 0" },
-  { { seconds = -1 }, "seconds must be a number > 0" }, { { seed = -1 }, "seed must be" }, { { threads = 0 }, "threads must be" },
+  { { strategy = "bidirectional" }, "strategy must be one of" }, { { tolerance = 0 }, "tolerance must be a number > 0" },
+  { { time_limit = -1 }, "time_limit must be a number > 0" }, { { seed = -1 }, "seed must be" }, { { threads = 0 }, "threads must be" },
   { { progress = 5 }, "progress must be" }, { { sample = 4 }, "did you mean 'samples'" },
 }
 

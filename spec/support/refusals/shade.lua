@@ -50,12 +50,15 @@ end
 local view_cases = {
   { { samples = 0 }, "samples must be" }, { { samples = 1025 }, "samples must be" },
   { { samples = 1.5 }, "samples must be" },
-  { { shading = "vertx" }, "did you mean 'vertex'" }, { { visibility = true }, "visibility must be" },
+  { { shading = "vertice" }, "did you mean 'vertices'" }, { { visibility = true }, "visibility must be" },
   { { transfer_samples = 0 }, "transfer_samples must be" }, { { transfer_samples = 1e9 }, "transfer_samples must be" },
   { { occlusion_distance = 0 }, "occlusion_distance must be" },
   { { occlusion_distance = nan }, "occlusion_distance must be" },
   { { lmax = -1 }, "lmax must be" }, { { lmax = 1e6 }, "lmax must be" },
   { { visibility = "transfr" }, "did you mean 'transfer'" },
+}
+
+local prepare_cases = {
   { { visibility = "rays", transfer_samples = 8 }, 'transfer_samples is for visibility = "transfer", visibility is "rays"' },
   { { visibility = "rays", occlusion_distance = 8 }, 'occlusion_distance is for visibility = "transfer"' },
 }
@@ -134,25 +137,31 @@ return {
     { call = function(ylm) return scene(ylm):live { budget = nan } end, says = "budget must be" },
     { call = function(ylm) return scene(ylm):live { refine = { "x" } } end, says = "refine must be" },
   },
-  ["scene:prepare"] = options("prepare", view_cases),
+  ["scene:prepare"] = options("prepare", joined(view_cases, prepare_cases)),
   ["scene:render"] = options("render", joined(view_cases, {
     { { visibility = "transfer" }, "field 'grid' is missing" }, { { grid = 5 }, "grid must be a grid" },
     { { visibility = "none" }, "field 'grid' is missing" }, { { light_samples = 0 }, "light_samples must be" },
     { { interpolation = "cubic" }, "interpolation" },
-    { { interpolation = "linear" }, "interpolation is for a grid" }, { { sums_tolerance = 0.1 }, "sums_tolerance is for a grid" },
-    { { visibility = "transfer", light_samples = 4 }, 'light_samples is for visibility = "rays", visibility is "transfer"' },
+    { { interpolation = "linear" }, 'interpolation is for by = "grid" or bounced = a grid, and this picture is by = "rays"' },
+    { { sums_tolerance = 0.1 }, 'sums_tolerance is for by = "grid" or by = "sum", and this picture is by = "rays"' },
+    { { transfer_samples = 8 }, 'transfer_samples is for by = "grid" or by = "sum", and this picture is by = "rays"' },
+    { { visibility = "rays", occlusion_distance = 8 }, 'occlusion_distance is for by = "grid" or by = "sum"' },
+    { { by = "rays", grid = 5 }, 'grid is for by = "grid", and this picture is by = "rays"' },
+    { { by = "rays", visibility = "transfer" }, "visibility must be one of 'rays', 'none'" },
+    { { by = "grid", visibility = "rays" }, "without a grid bakes lights, which transfer vectors shade" },
+    { { visibility = "transfer", light_samples = 4 }, "light_samples is for by = 'rays', and for glossy surfaces" },
     { { layers = 1 }, "layers must be" }, { { sums_tolerance = 0 }, "sums_tolerance must be a number >= 1e%-06" },
+    { { by = "ray" }, "did you mean 'rays'" }, { { by = "paths", share = 1 }, 'share is for by = "rays"' },
+    { { resume = true }, "resume must be" }, { { time_limit = 1 }, 'time_limit is for by = "paths", and this picture is by = "rays"' },
+    { { bounces = 0, rays = 8 }, "rays is for bounced = 'links' or bounced = a grid, and this picture is by = \"rays\"" },
+    { { bounced = "link" }, "bounced must be 'links', 'virtual', what scene:links" },
+    { { bounced = "links", virtual = {} }, "virtual is for bounced = 'virtual', and this picture is by = \"rays\", bounced = 'links'" },
+    { { tolerance = 2 }, "tolerance must be a number >= 0.001 and <= 1" }, { { light_samples = 1e9 }, "light_samples must be" },
+    { { by = "sum", dtype = "half" }, "dtype must be" }, { { by = "sum", visibility = "rays" }, "visibility must be one of 'transfer'" },
+    { { by = "sum", lights = 7 }, "a light or a list of lights expected, got 7" },
+    { { by = "sum", sums_tolerance = 2 }, "sums_tolerance must be a number >= 1e%-06 and <= 0.5, got 2" },
+    { { by = "rays", shadows = 1 }, "no field 'shadows'" }, { { lmax = 4 }, 'lmax is for by = "grid" or by = "sum"' },
   })),
-  ["scene:reference"] = options("reference", joined(view_cases, { { { dtype = "half" }, "dtype must be" },
-    { { visibility = "rays" }, 'it is T . L, visibility = "transfer" or "none"' },
-    { { lights = 7 }, "a light or a list of lights expected, got 7" },
-    { { sums_tolerance = 2 }, "sums_tolerance must be a number >= 1e%-06 and <= 0.5, got 2" } })),
-  ["scene:raycast"] = options("raycast", {
-    { { samples = 0 }, "samples must be" }, { { samples = 1025 }, "samples must be" },
-    { { pixel_samples = 0 }, "pixel_samples must be" }, { { samples = 2, pixel_samples = 3 }, "is another name of samples" },
-    { { light_samples = 0 }, "light_samples must be" }, { { light_samples = 1e9 }, "light_samples must be" },
-    { { shadows = 1 }, "shadows must be" }, { { lmax = 4 }, "no field 'lmax'" },
-  }),
   ["scene:bake"] = joined(options("bake", {
     { { occupied = "camera", probes = uniform, quantity = "shadows" }, "quantity must be" },
     { { occupied = "camera", probes = uniform, bounces = 2 }, "bounces are of quantity = 'indirect' or 'all'" },
@@ -191,51 +200,54 @@ return {
         progress = function() return false end }
     end, says = "cancelled" },
   }),
-  ["prepared:render"] = joined(of_prepared("render", joined(layer_cases, {
+  ["view:render"] = joined(of_prepared("render", joined(layer_cases, {
     { {}, "field 'grid' is missing" }, { { grid = {} }, "grid must be a grid" },
     { { interpolation = 1 }, "interpolation" }, { { light_samples = 4 }, "field 'grid' is missing" },
+    { { by = "sum", dtype = 4 }, "dtype must be" }, { { by = "paths" }, "by must be one of" },
+    { { by = "rays", light_samples = 0 }, "light_samples must be" }, { { by = "rays", seed = -1 }, "seed must be" },
+    { { samples = 4 }, "samples is of scene:prepare, and the view has it already" },
+    { { by = "none" }, "light that bounces alone, and nothing bounces" },
+    { { by = "rays", rival = { "vpl" } }, 'rival is for bounced = \'virtual\', and this picture is by = "rays"' },
+    { { bounced = "virtual", by = "none", rival = { "vpx" } }, "rival must be { 'vpl' | 'vsl' | 'vsgl', .. }, got 'vpx'" },
+    { { by = "vectors" }, "field 'vectors' is missing" },
   })), {
+    by_rays("render", function() return { by = "sum" } end, no_transfer),
     by_rays("render", function(ylm) return { grid = lights(ylm) } end,
       "a ylm.grid holds lights without their shadows, which transfer vectors shade, and the view has none: prepare it"),
-    by_rays("render", function() return { download = false } end, "download: name the device"),
+    by_rays("render", function() return { download = false } end, 'download is for by = "grid"'),
+    { call = function(ylm) return prepared(ylm):render { grid = lights(ylm), download = false } end, says = "download: name the device" },
     { call = function(ylm) return prepared(ylm):render { grid = lights(ylm), light_samples = 4 } end,
       says = "light_samples is for pictures by rays to the lamps, here is a grid" },
     { call = function(ylm) return scene(ylm):render { grid = lights(ylm), visibility = "rays" } end,
       says = "the grid holds lights without their shadows, which transfer vectors shade: name visibility" },
   }),
-  ["prepared:radiance"] = of_prepared("radiance", {
+  ["view:radiance"] = of_prepared("radiance", {
     { { threads = -1 }, "threads must be" }, { { layers = false }, "no field 'layers'" }, { 7, "a table of options expected" },
     { {}, "field 'grid' is missing" }, { { grid = {} }, "grid must be a grid" },
     { { grid = lamp(require "ylm"), method = "cubic" }, "method must be" },
     { { grid = lamp(require "ylm"), camera = 5 }, "camera must be" },
     { { grid = lamp(require "ylm"), materials = {} }, "materials change in views that are prepared with relight" },
   }),
-  ["prepared:reference"] = joined(of_prepared("reference", joined(layer_cases, { { { dtype = 4 }, "dtype must be" } })),
-    { by_rays("reference", nil, no_transfer) }),
-  ["prepared:raycast"] = of_prepared("raycast", joined(layer_cases, {
-    { { light_samples = 0 }, "light_samples must be" }, { { light_samples = 1e9 }, "light_samples must be" },
-    { { samples = 4 }, "samples are camera rays" }, { { seed = -1 }, "seed must be" },
-  })),
-  ["prepared:points"] = of_prepared("points"),
-  ["prepared:layer"] = {
+  ["view:points"] = of_prepared("points"),
+  ["view:layer"] = {
     { call = function(ylm) return prepared(ylm).layer(5, "depth") end, says = "layer: a prepared view expected" },
     { call = function(ylm) return prepared(ylm):layer "radiance" end, says = "coverage, emitter, object expected, got 'radiance'" },
     { call = function(ylm) return prepared(ylm):layer() end, says = "got nil" },
   },
-  ["prepared:hit"] = {
+  ["view:hit"] = {
     { call = function(ylm) return prepared(ylm).hit(5, 1, 1) end, says = "hit: a prepared view expected" },
     { call = function(ylm) return prepared(ylm):hit() end, says = "a pixel's column from 1 to 4 expected, got" },
     { call = function(ylm) return prepared(ylm):hit(1, 3) end, says = "a pixel's row from 1 to 2 expected, got 3" },
     { call = function(ylm) return prepared(ylm):hit(nan, 1) end, says = "a pixel's column" },
   },
-  ["prepared:lamp_at"] = {
+  ["view:lamp_at"] = {
     { call = function(ylm) return prepared(ylm).lamp_at(5, {}, 1, 1) end, says = "lamp_at: a prepared view expected" },
     { call = function(ylm) return prepared(ylm):lamp_at(nil, 1, 1) end, says = "sphere lights expected, got nil" },
     { call = function(ylm) return prepared(ylm):lamp_at({}, inf, 1) end, says = "a finite number expected" },
     { call = function(ylm) return prepared(ylm):lamp_at({}, 1, 1, -1) end, says = "pixels >= 0 expected, got %-1" },
   },
-  ["prepared:transfer"] = joined(of_prepared("transfer"), { by_rays("transfer", nil, no_transfer) }),
-  ["prepared:close"] = {
+  ["view:transfer"] = joined(of_prepared("transfer"), { by_rays("transfer", nil, no_transfer) }),
+  ["view:close"] = {
     { call = function(ylm) return prepared(ylm).close(5) end, says = "close: a prepared view expected" },
   },
   camera = {

@@ -26,7 +26,7 @@ end
 local function of_another(name)
   return { call = function(ylm)
     local view = scene(ylm):prepare { size = { 2, 2 }, samples = 1 }
-    return view[name](view, { links = links(ylm) })
+    return view[name](view, { rays = links(ylm) })
   end, says = name .. ": the links are of other geometry, that of scene \"refusing\"" }
 end
 
@@ -55,32 +55,28 @@ return {
       return s:links({ rays = 4 }):vectors { threads = 0 }
     end, says = "threads must be" },
   },
-  ["prepared:transfer"] = {
+  ["view:transfer"] = {
     viewed("transfer", { rays = 6 }, "rays must be a multiple of 4"), viewed("transfer", { bounces = "many" }, "bounces must be"),
     viewed("transfer", { residual = 2 }, "residual must be"), viewed("transfer", { lmax = 2 }, "no field 'lmax'"),
     of_another "transfer", closed "transfer",
-    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):transfer { links = 1 } end,
+    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):transfer { rays = 1 } end,
       says = "links must be a ylm.links, got 1" },
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):transfer { bounces = 1 } end,
       says = "bounces is for vectors with bounces: give links" },
   },
-  ["prepared:shade"] = {
-    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }).shade {} end,
-      says = "shade: a prepared view expected" },
-    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):shade() end,
-      says = "field 'vectors' is missing" },
-    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):shade { vectors = ylm.zeros { 4, 3 } } end,
-      says = "shade: vectors must be %[%d%]%[3%].* got 4x3" },
+  ["view:render"] = {
+    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):render { vectors = ylm.zeros { 4, 3 } } end,
+      says = "render: vectors must be %[%d%]%[3%].* got 4x3" },
     { call = function(ylm)
       local view = scene(ylm):prepare { size = { 2, 2 }, samples = 1 }
-      return view:shade { vectors = ylm.zeros { view.stats.points, 3, 9 }, lights = 4 }
+      return view:render { vectors = ylm.zeros { view.stats.points, 3, 9 }, lights = 4 }
     end, says = "a light or a list of lights expected, got 4" },
     { call = function(ylm)
       local view = scene(ylm):prepare { size = { 2, 2 }, samples = 1 }
-      return view:shade { vectors = ylm.zeros { view.stats.points, 3, 9 }, progress = function() return false end }
+      return view:render { vectors = ylm.zeros { view.stats.points, 3, 9 }, progress = function() return false end }
     end, says = "cancelled" },
   },
-  ["prepared:matrices"] = {
+  ["view:matrices"] = {
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }).matrices {} end,
       says = "matrices: a prepared view expected" },
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):matrices() end,

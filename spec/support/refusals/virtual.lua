@@ -1,6 +1,7 @@
--- Refusals of virtual lights, of scenes that emit them and views that gather them, and of spots: see spec/refusals_spec.lua.
+-- Refusals of virtual lights, of scenes that emit them and views that sum them, and of spots: see spec/refusals_spec.lua.
 
 local refused = require "spec.support.refused"
+local ways = require "spec.support.ways"
 
 local nan = 0 / 0
 
@@ -39,24 +40,27 @@ local emitted = cases(function(ylm, o) return scene(ylm):virtual_lights(o) end, 
   { { threads = 0 }, "threads must be" }, { { progress = 3 }, "progress must be" },
 }, refused(function() return require "ylm.emit".of_scene {} end, "virtual_lights: a scene expected before the colon"))
 
-local gathered = cases(function(ylm, o)
+local summed = cases(function(ylm, o)
   o.lights = o.lights or one(ylm)
-  return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):gather(o)
+  return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):render(ways.virtual(o))
 end, {
-  { { method = "mc" }, "method must be one of 'hvl', 'vpl', 'vsl', 'vsgl'" }, { { lmax = 101 }, "lmax must be" },
-  { { method = "vsgl", groups = 0 }, "groups must be an integer >= 1" }, { { method = "vsgl", groups = 2 }, "at most the 1 lights" },
-  { { groups = 1 }, "groups is for method = 'vsgl', this is 'hvl'" }, { { method = "vsl", zonal = true }, "zonal is for method = 'hvl'" },
-  { { method = "vpl", lmax = 3 }, "lmax is for method = 'hvl', this is 'vpl'" },
-  { { clamp = "none" }, "clamp is for method = 'vpl', this is 'hvl'" },
+  { { lmax = 101 }, "lmax must be" }, { { method = "vsgl", groups = 0 }, "groups must be an integer >= 1" },
+  { { method = "vsgl", groups = 2 }, "at most the 1 lights" },
+  { { method = "vsl", zonal = true }, "zonal is of harmonics, which rival = 'vsl' has none of" },
+  { { method = "vpl", lmax = 3 }, "lmax is of harmonics, which rival = 'vpl' has none of" },
   { { method = "vpl", limit = 0 }, "limit must be a number > 0" },
   { { method = "vpl", compensate = 4 }, "compensate needs lights that scene:virtual_lights made" },
   { { method = "vsl", samples = 0 }, "samples must be" }, { { method = "vsl", strategy = "brdf" }, "strategy must be one of" },
   { { window = 3 }, "window: { name, width } of sh.window expected" }, { { horizon = "soft" }, "horizon must be one of" },
   { { shadows = true }, "shadows must be one of 'none', 'centre'" },
-  { function(ylm) return { lights = ylm.sphere_light { at = { 0, 0, 0 } } } end, "lights must be" },
   { function(ylm) return { lights = ylm.virtual_lights { at = { { 0, 1, 0 } }, radius = 0.2, intensity = 1e300 } } end,
     "the light at shading point 1 is beyond the range of float" },
-}, refused(function(ylm) return scene(ylm):prepare({ size = { 2, 2 } }):gather {} end, "field 'lights' is missing"))
+}, cases(function(ylm, rival)
+  return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):render { by = "none", bounced = one(ylm), rival = rival }
+end, {
+  { { "mc" }, "rival must be { 'vpl' | 'vsl' | 'vsgl', .. }, got 'mc'" }, { { "vsl", clamp = "none" }, "clamp is for 'vpl', this is 'vsl'" },
+  { { "vpl", groups = 1 }, "groups is for 'vsgl', this is 'vpl'" }, { { "vsl", lmax = 4 }, "no field 'lmax'" },
+}))
 
 local lights = cases(function(ylm, o) return ylm.virtual_lights(o) end, {
   { { radius = 1, intensity = 1 }, "field 'at' is missing" },
@@ -81,7 +85,7 @@ local spots = cases(function(ylm, o) return ylm.spot_light(o) end, {
 })
 
 return {
-  virtual_lights = lights, spot_light = spots, ["scene:virtual_lights"] = emitted, ["prepared:gather"] = gathered,
+  virtual_lights = lights, spot_light = spots, ["scene:virtual_lights"] = emitted, ["view:render"] = summed,
   ["virtual_lights:arrays"] = refused(function(ylm) return one(ylm).arrays {} end,
     "arrays: virtual lights expected before the colon"),
   ["virtual_lights:irradiance"] = refused(function(ylm) return one(ylm).irradiance {} end, "virtual lights expected",

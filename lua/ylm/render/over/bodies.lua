@@ -9,10 +9,10 @@ local progress = require "ylm.progress"
 local shadow = require "ylm.shadow"
 local views = require "ylm.render.view"
 
-local bodies = {}
+local bodies = { name = "bodies", called = "bodies" }
 
-bodies.fields = {
-  { "bodies", "object", of = "ylm.shadowed", optional = true,
+bodies.view_options = {
+  { "bodies", "object", of = "ylm.shadowed", optional = true, shelf = "experiments",
     about = "shadowed light whose casters with a surface are drawn where they stand, matte: vertices in that light, behind all "
       .. "other casters, with the shadows that a body casts on itself. Of the layers radiance alone shows them; they are before "
       .. "lamps of the view" },
@@ -29,7 +29,7 @@ local function view_of(name, p, surface, o)
   if own.views[lmax] then return own.views[lmax] end
   local alone = { name = p.scene.name, camera = CAMERA, geometry = surface, lights = {}, background = { 0, 0, 0 } }
   local view, message, code = views.prepare(name, alone, { size = { 1, 1 }, samples = 1, seed = p.options.seed, share = 0,
-    lmax = lmax, shading = "vertex", visibility = "transfer", vectors = "vertex", occlusion_distance = math.huge,
+    lmax = lmax, shading = "vertices", visibility = "transfer", occlusion_distance = math.huge,
     relight = "all", gloss = "matte", coarse = true, threads = o.threads, progress = o.progress })
   if not view then return nil, message, code end
   own.views[lmax] = view
@@ -63,10 +63,17 @@ function bodies.draw(name, p, o, layer)
   return true
 end
 
+function bodies.wants(o) return o.bodies ~= nil end
+
 --- Raises where bodies cannot be drawn.
-function bodies.check(name, o)
-  if o.bodies and o.device then return check.fail("%s: bodies are drawn by the processor: leave device out", name) end
-  if o.bodies then shadow.bodies(name, o.bodies) end
+function bodies.prepare(name, _, o)
+  shadow.bodies(name, o.bodies)
+  return true
+end
+
+function bodies.report(_, o, report)
+  report.bodies = o.drawn
+  return true
 end
 
 return bodies

@@ -39,7 +39,11 @@ local function hindrance(p, b)
   if b.lights.profile ~= "gauss" then
     return ("lights of profile 'gauss' are split, and these are '%s'"):format(b.lights.profile)
   end
-  if p.traced.glossy > 0 and p.options.gloss ~= "matte" then return "surfaces gloss" end
+  if p.traced.glossy > 0 and p.options.gloss ~= "matte" then return "surfaces are glossy" end
+  if b.options.zonal or b.options.window or (b.options.horizon or "none") ~= "none" or b.options.subset ~= "all"
+    or b.options.lmax > core.limits.lmax then
+    return "zonal, window, horizon, subset and degrees above " .. core.limits.lmax .. " are of single lights"
+  end
   return nil
 end
 
