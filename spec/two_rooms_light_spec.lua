@@ -54,7 +54,8 @@ describe("two rooms and a wall", function()
   for _, wall in ipairs { "box", "quad" } do
     it("are one bright and one dark, by `ylm render` alone: a wall that is a " .. wall, function()
       local scene, picture = folder:write("rooms.lua", text(wall)), folder.path .. "/rooms.exr"
-      local out, code, err = command("render " .. scratch.quote(scene) .. " -b 0 -s 128x72 --strict -o " .. scratch.quote(picture))
+      local out, code, err = command("render " .. scratch.quote(scene) .. " -b 0 -s 128x72 --strict -o "
+        .. scratch.quote(picture))
       assert.equal(0, code, err)
       assert.truthy(out:find "^visibility +rays\n", out)
       local bright, dark = halves(assert(ylm.load(picture)))

@@ -72,12 +72,12 @@ local function compare(name, scenes, glossy)
   end
   for _, way in ipairs(ways) do
     local start, links = clock(), nil
-    if way.links then transfer = assert(scenes[1]:links { rays = quick and 4 or nil, lmax = 0 }) end
-    local view = assert(scenes[1]:prepare { size = size, samples = 4, links = transfer, rays = way.links })
+    if way.links then links = assert(scenes[1]:links { rays = quick and 4 or nil, lmax = 0 }) end
+    local view = assert(scenes[1]:prepare { size = size, samples = 4, links = links, rays = way.links })
     local before, spent, square, worst = clock() - start, 0, 0, 0
     for i, s in ipairs(scenes) do
       local image, seconds = bounce(view, s, function()
-        if way.links then return { bounced = assert(transfer:radiosity(s.lights, { bounces = 0 })) } end
+        if way.links then return { bounced = assert(links:radiosity(s.lights, { bounces = 0 })) } end
         return { bounced = assert(s:virtual_lights { count = way.count }),
           virtual = { shadows = way.shadows, sums = not glossy and way.sums or nil } }
       end)

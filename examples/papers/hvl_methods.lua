@@ -75,7 +75,7 @@ while count <= most do
 end
 local elements = not quick and assert(scene:links { lmax = 0 })
 for _, links in ipairs(quick and {} or { 16, 64, 256, 1024 }) do
-  local linked = assert(scene:prepare { size = size, samples = 4, rays = links, links = transfer })
+  local linked = assert(scene:prepare { size = size, samples = 4, rays = links, links = elements })
   local start = clock()
   local image = assert(linked:render { bounces = 1 })
   local seconds = clock() - start

@@ -116,6 +116,7 @@ local bake_options = options.list(options.view_fields, {
 }, options.common)
 
 describe "scene:bake" {
+  shelf = "everyday",
   about = "Bakes a scene's probes: a grid of its light for the surfaces of its geometry, or for what its camera sees.",
   arguments = { { "options?", "table", "the camera's default to those of scene:render" } },
   options = bake_options,

@@ -171,6 +171,7 @@ function pictures.finish(report, start, light_seconds)
 end
 
 describe "true_error" {
+  shelf = "comparison",
   about = "Adds to an image the layer true_error: |radiance - truth's radiance|, per channel.",
   arguments = { { "image", "image", "" }, { "truth", "image", "of the same size, e.g. by = 'sum'" } },
   returns = { { "image", "image", "the first argument" } },

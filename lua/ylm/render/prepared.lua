@@ -102,6 +102,7 @@ function prepared.radiance(view, given)
 end
 
 describe "view:points" {
+  shelf = "everyday",
   about = "Where a prepared view asks for light.",
   arguments = {},
   returns = { { "points", "table",

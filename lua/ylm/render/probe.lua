@@ -26,6 +26,7 @@ local probe_options = options.list({
 }, estimates.options, options.common)
 
 describe "scene:probe" {
+  shelf = "everyday",
   about = "The light that arrives at points, by paths: what grids and probes are judged by.",
   arguments = { { "options", "table", "points are needed" } },
   options = probe_options,
