@@ -176,7 +176,7 @@ describe("a tolerance of a picture", function()
     local before = ylm.on_warning(false)
     for _, means in ipairs { { samples = 1, rays = 16, light_samples = 1 }, { samples = 4, rays = 4, light_samples = 4 } } do
       local image, report = scene:render { size = { 16, 9 }, bounces = "all", tolerance = 0.001, samples = means.samples,
-        rays = means.links, light_samples = means.light_samples }
+        rays = means.rays, light_samples = means.light_samples }
       assert.is_false(report.met)
       assert.near(1, report.error / error_of(image, truth), 0.1)
     end
@@ -250,8 +250,8 @@ describe("bounces of a picture", function()
       { { bounces = 1, bounced = lit }, "leave one out" }, { { bounced = "lit" }, "bounced must be" },
       { { tolerance = 0 }, "tolerance must be" }, { { tolerance = 0.1, bounced = lit }, "leave bounced out" },
       { { tolerance = 0.1, shading = "vertices" }, "shading = 'pixel'" },
-      { { bounced = room():links({ spacing = 1, rays = 4 }):radiosity() }, "the transfer is of scene" },
-      { { bounced = room():links { spacing = 1, rays = 4 }, bounces = 0 }, "render: the transfer is of scene" },
+      { { bounced = room():links({ spacing = 1, rays = 4 }):radiosity() }, "the links are of scene" },
+      { { bounced = room():links { spacing = 1, rays = 4 }, bounces = 0 }, "render: the links are of scene" },
         -- bounces or not
     } do
       local ok, message = pcall(scene.render, scene, with(case[1]))

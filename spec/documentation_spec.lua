@@ -98,6 +98,20 @@ describe("the reference", function()
     assert(scratch.text "docs/api.md" == pages.markdown(), "docs/api.md is not what the entries say: make api")
   end)
 
+  it("has at most 70 entries on its first shelf, each with at most 25 options there", function()
+    local count, wide = 0, {}
+    for _, name in ipairs(help.names()) do
+      local entry = form.defined[name] or reference.entries[name]
+      local rows = entry.options or entry.fields
+      if reference.shelf(entry) == "everyday" then count = count + 1 end
+      for _, part in ipairs(reference.by_shelf(type(rows) == "table" and rows or {}, entry)) do
+        if part[1] == "everyday" and #part[2] > 25 then wide[#wide + 1] = name end
+      end
+    end
+    assert.is_true(count > 40 and count <= 70, count)
+    assert.same({}, wide)
+  end)
+
   it("is what help prints", function()
     for _, name in ipairs(help.names()) do
       local text = assert(help.text(name))

@@ -219,7 +219,7 @@ describe("scene:virtual_lights", function()
     local _, r = room(lamp, ylm.ggx { alpha = 0.3, f0 = 0.5 }):virtual_lights { count = 20, degree = 0 }
     ylm.on_warning(before)
     assert.equal(20, r.glossy)
-    assert.matches("gloss, which send light on as matte ones", r.warnings[1])
+    assert.matches("glossy surfaces, which send light on as matte ones", r.warnings[1])
     assert.same(said, r.warnings)
   end)
 

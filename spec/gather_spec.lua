@@ -427,7 +427,8 @@ describe("radiosity:field", function()
         local grid = scene:bake { quantity = "indirect" }
         assert.is_true(grid.kind == "uniform" or grid.stats.verified > 0)
         local function mean(indirect)
-          local image = scene:render { size = { 16, 12 }, samples = 1, light_samples = 1, bounced = indirect, layers = false }
+          local image = scene:render { size = { 16, 12 }, samples = 1, light_samples = 1, bounced = indirect,
+            bounces = not indirect and 0 or nil, layers = false }
           local sum = 0
           for y = 1, 12 do for x = 1, 16 do sum = sum + image:layer "radiance":get(y, x, 2) end end
           return sum

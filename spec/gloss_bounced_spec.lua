@@ -237,8 +237,8 @@ describe("light of a field that bounces, on glossy surfaces", function()
     local scene, lit = room(ggx)
     local o = { size = { 16, 9 }, samples = 1 }
     for _, case in ipairs {
-      { { bounced = field(lit), gloss = "rays" }, "gloss = 'rays': rays find light on elements: give transfer" },
-      { { grid = field(lit), gloss = "rays" }, "or give transfer = scene:links {}, whose elements rays find" },
+      { { bounced = field(lit), gloss = "rays" }, "gloss = 'rays': rays find light on elements: give links" },
+      { { grid = field(lit), gloss = "rays" }, "or give links = scene:links {}, whose elements rays find" },
       { { bounces = 1, gloss = "sh" }, "gloss is for a grid" }, { { gloss = "matte", bounces = 0 }, "gloss is for a grid" },
       { { bounced = field(lit), links = room(ggx):links { spacing = 0.5, rays = 4 } }, "this is another" },
     } do

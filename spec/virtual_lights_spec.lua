@@ -285,7 +285,7 @@ describe("ylm.virtual_lights", function()
     local sum = 0
     for _, row in ipairs(image:layer("radiance"):totable()) do for _, p in ipairs(row) do sum = sum + p[1] end end
     assert(sum > 0)
-    for _, name in ipairs { "raycast", "pathtrace", "render" } do
+    for _, name in ipairs { "pathtrace", "render" } do
       local good, message = pcall(scene[name], scene, { size = { 16, 9 }, samples = 1 })
       assert.equal(false, good)
       assert.truthy(message:find("virtual lights have no body, so rays see nothing of them", 1, true), message)

@@ -223,7 +223,7 @@ describe("virtual lights where they are not known", function()
     end)
     refused("virtual lights have no body to be drawn", function() ylm.view { lights = { lights } } end)
     local scene = ylm.scene "lit" { geometry = ylm.box {}, lights = lights, camera = ylm.camera { from = { 0, 0, 3 } } }
-    for _, name in ipairs { "raycast", "pathtrace", "render" } do
+    for _, name in ipairs { "pathtrace", "render" } do
       refused("virtual lights have no body", function() scene[name](scene, { size = { 2, 2 } }) end)
     end
   end)

@@ -26,7 +26,7 @@ end
 local function of_another(name)
   return { call = function(ylm)
     local view = scene(ylm):prepare { size = { 2, 2 }, samples = 1 }
-    return view[name](view, { rays = links(ylm) })
+    return view[name](view, { links = links(ylm) })
   end, says = name .. ": the links are of other geometry, that of scene \"refusing\"" }
 end
 

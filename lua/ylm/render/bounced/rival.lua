@@ -124,7 +124,7 @@ function rival.ready(name, p, b)
   end
 end
 
---- What C says of lights; methods that answer EMISSING are those of libylm_rival, which is loaded first.
+--- The answer of C about lights; methods that answer EMISSING are those of libylm_rival, which is loaded first.
 function rival.ask(p, ...)
   local radiance, facts, code = p.lib.shade_virtual(p.view, ...)
   if code ~= "EMISSING" then return radiance, facts, code end
