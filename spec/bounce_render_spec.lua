@@ -262,7 +262,7 @@ describe("bounces of a picture", function()
     assert.matches("closed", select(2, pcall(scene.render, scene, with { bounced = lit })))
     local shut = scene:links { spacing = 1, rays = 4 }
     shut:close()
-    assert.matches("render: the transfer has been closed", select(2, pcall(scene.render, scene, with { bounced = shut })))
+    assert.matches("render: the links have been closed", select(2, pcall(scene.render, scene, with { bounced = shut })))
   end)
 
   it("take their links in a bake as in a picture", function()

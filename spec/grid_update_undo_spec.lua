@@ -78,7 +78,7 @@ describe("grid:update", function()
     assert.is_true(grid.dynamic)
     assert.is_false(loaded.dynamic)
     assert.equal(0, (core.array_distance(grid:sample(everywhere), loaded:sample(everywhere))))
-    assert.error_matches(function() loaded:update(lamps(0.4), { octree = "follow" }) end, "loaded")
+    assert.error_matches(function() loaded:update(lamps(0.4), { octree = "follow" }) end, "which files do not hold")
   end)
 
   it("counts what it keeps among the grid's bytes", function()

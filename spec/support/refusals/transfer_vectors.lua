@@ -59,7 +59,7 @@ return {
     viewed("transfer", { rays = 6 }, "rays must be a multiple of 4"), viewed("transfer", { bounces = "many" }, "bounces must be"),
     viewed("transfer", { residual = 2 }, "residual must be"), viewed("transfer", { lmax = 2 }, "no field 'lmax'"),
     of_another "transfer", closed "transfer",
-    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):transfer { rays = 1 } end,
+    { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):transfer { links = 1 } end,
       says = "links must be a ylm.links, got 1" },
     { call = function(ylm) return scene(ylm):prepare({ size = { 2, 2 }, samples = 1 }):transfer { bounces = 1 } end,
       says = "bounces is for vectors with bounces: give links" },
