@@ -157,6 +157,7 @@ local scene = ylm.scene "one lamp" {
   camera = ylm.camera { from = { 0, 3, 4 } },
   geometry = { ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } } },
   lights = { ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 50 } },
+  links = ylm.links { spacing = 0.5, rays = 16 }, -- how surfaces are cut where light bounces
 }
 ]]
 

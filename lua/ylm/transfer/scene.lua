@@ -80,6 +80,7 @@ describe "scene:field" {
 local scene = ylm.scene "a box and a lamp" {
   geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
   lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 },
+  links = ylm.links { spacing = 0.5, rays = 16 },
 }
 local field = scene:field { quantity = "indirect", bounces = 2, rays = 768 }
 assert(ylm.light_field(2, field, { { 0.3, 0.2, 0 } }):get(1, 1, 1) > 0)]],
