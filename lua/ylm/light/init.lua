@@ -49,7 +49,7 @@ local options = {
   { "out", "any", optional = true, about = "an array, or a list of them, shaped and typed like the results, which they take" },
   form.progress,
   { "device", "gpu", optional = true, about = "lights are summed there; gpu:lights copies them once" },
-  { "method", "choice", of = core.choices "sums", optional = true,
+  { "method", "choice", shelf = "comparison", of = core.choices "sums", optional = true,
     about = "on a device: merged moments (default), or the papers' product rule for comparison, see gpu:lights" },
 }
 

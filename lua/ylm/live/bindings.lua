@@ -7,13 +7,13 @@ local bindings = {}
 
 bindings.gestures = {
   { "drag a lamp", "in the plane through it that faces the camera; with Shift along `up`, with Control across `up`" },
-  { "wheel over a lamp that is dragged", "along the line of sight, 5 % a notch" },
+  { "wheel while a lamp is dragged", "move it along the line of sight, 5 % per notch" },
   { "drag elsewhere", "turn the camera; with the right button shift it" },
-  { "wheel", "nearer, farther" },
+  { "wheel", "move the camera nearer or farther" },
   { "click on a lamp", "choose it" },
-  { "click on a surface", "print the grid's cell there, its error and the true one; show the cell and its lobes" },
+  { "click on a surface", "print the grid's cell at that place, its error and the true error; show the cell and its lobes" },
   { "double click on a surface", "look at it" },
-  { "drag a slider", "tolerance, depth, exposure, lmax" },
+  { "drag a slider", "change tolerance, depth, exposure or lmax" },
 }
 
 bindings.keys = {

@@ -25,10 +25,11 @@ relight.prepare_fields = {
 
 --- Options of pictures by the coefficients of light.
 relight.method_fields = {
-  { "method", "choice", of = { "table", "nearest", "zonal" }, optional = true,
+  { "method", "choice", shelf = "comparison", of = { "table", "nearest", "zonal" }, optional = true,
     about = "of slices of glossy surfaces; 'table', default: cubic between rows; to compare with: 'nearest', one of 90 rows; "
       .. "'zonal': lobes about the mirror direction with the cosine of each lamp's middle, without shadows (by = 'sum')" },
-  { "product", "choice", of = { "auto", "gaunt", "quadrature", "fourier", "brute", "list" }, optional = true,
+  { "product", "choice", shelf = "comparison", optional = true,
+    of = { "auto", "gaunt", "quadrature", "fourier", "brute", "list" },
     about = "the method of sh.product by which slices and visibility are multiplied; default auto" },
 }
 

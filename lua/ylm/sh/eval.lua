@@ -16,7 +16,7 @@ local eval_options = {
   { "solid", "boolean", default = false, about = "solid harmonics |v|^l Y; points may then be zero" },
   { "dtype", "choice", of = core.choices "dtype", optional = true,
     about = "of the results; default: that of the points, double for tables" },
-  { "method", "choice", of = core.choices "sh_method", default = "solid",
+  { "method", "choice", shelf = "comparison", of = core.choices "sh_method", default = "solid",
     about = "the others are kept for comparison, in libylm_rival; they may be singular at the poles" },
   { "kernel", "choice", of = core.choices "isa", optional = true,
     about = "the kernel set; default: the one in ylm.info().kernel" },

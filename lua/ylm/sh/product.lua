@@ -50,7 +50,7 @@ end
 local methods = { "auto", "gaunt", "fourier", "quadrature", "brute", "list", "recursive" }
 
 local product_options = {
-  { "method", "choice", of = methods, default = "auto",
+  { "method", "choice", shelf = "comparison", of = methods, default = "auto",
     about = "auto: the fastest for the size. All are exact but 'recursive', which cuts off after every multiplication. "
       .. "'fourier', 'brute' and 'list' (two factors) are kept for comparison, in libylm_rival. "
       .. "'gaunt': (k+1)/2 lmax, rounded down to a multiple of lmax, is at most 30 for k factors" },

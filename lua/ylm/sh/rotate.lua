@@ -146,7 +146,7 @@ function methods.block(r, l)
 end
 
 local rotate_options = {
-  { "method", "choice", of = { "fast", "reference" }, default = "fast",
+  { "method", "choice", shelf = "comparison", of = { "fast", "reference" }, default = "fast",
     about = "reference: the recurrence of Ivanic & Ruedenberg, slow; it is 1e-14 off at degree 64, 1e-8 at 128" },
   form.threads, { "out", "array", optional = true, about = "the array to be written and returned; may be c" },
   args.progress,

@@ -118,7 +118,7 @@ end
 -- Irradiance -----------------------------------------------------------------------------------
 
 local irradiance_options = {
-  { "method", "choice", of = { "full", "quadratic" }, default = "full",
+  { "method", "choice", shelf = "comparison", of = { "full", "quadratic" }, default = "full",
     about = "quadratic: the polynomial of Ramamoorthi & Hanrahan 2001, degrees to 2" },
   form.threads,
 }

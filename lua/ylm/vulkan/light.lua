@@ -49,7 +49,7 @@ local function create(name, gpu, packed, method)
 end
 
 local lights_options = {
-  { "method", "choice", of = core.choices "sums", default = "merged",
+  { "method", "choice", shelf = "comparison", of = core.choices "sums", default = "merged",
     about = "merged moments, or the product rule for each light (lmax <= 8, for comparison): all orders m at once, or "
       .. "one after the other; exact flat lights are only summed with merged" },
 }
