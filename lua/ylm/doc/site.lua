@@ -41,7 +41,8 @@ end
 local function topic(path) return (path:gsub("^docs/", ""):gsub("/", "_")) end
 
 --- The first of the site's pages; others follow by name.
-local first_pages = { "README.md", "tutorial.md", "how-do-i.md", "gallery.md", "conventions.md", "grids.md", "math.md" }
+local first_pages = { "README.md", "model.md", "tutorial.md", "how-do-i.md", "gallery.md", "conventions.md",
+  "grids.md", "math.md" }
 
 -- Making pages -----------------------------------------------------------------------------
 
