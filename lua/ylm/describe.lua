@@ -33,6 +33,13 @@ function reference.shelf(x, owner)
   return shelf
 end
 
+local notes = { everyday = "", experiments = "for experiments", comparison = "to compare with" }
+
+--- The words behind a title of options on a shelf that is not their owner's, after `joint`; else "".
+function reference.shelf_note(shelf, owner, joint)
+  return shelf ~= reference.shelf(owner) and notes[shelf] ~= "" and joint .. notes[shelf] or ""
+end
+
 --- A list by shelves, in order: { { shelf, list }, .. } of the shelves that have some of it.
 function reference.by_shelf(list, owner)
   local by, out = {}, {}

@@ -111,12 +111,10 @@ function help.report_rows(fields)
   return list
 end
 
-local MORE = { everyday = "", experiments = " for experiments", comparison = " to compare with" }
-
 --- Rows of options or fields, by shelf; those of the owner's shelf have no other title.
 local function shelves_of(out, title, fields, owner)
   for _, part in ipairs(reference.by_shelf(fields, owner)) do
-    rows(out, title .. (part[1] ~= reference.shelf(owner) and MORE[part[1]] or ""), help.field_rows(part[2]))
+    rows(out, title .. reference.shelf_note(part[1], owner, " "), help.field_rows(part[2]))
   end
 end
 

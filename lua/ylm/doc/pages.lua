@@ -111,12 +111,10 @@ local function prose(put, text)
   put(line)
 end
 
-local TITLES = { everyday = "", experiments = ", for experiments", comparison = ", to compare with" }
-
 --- Fields or options of `owner`, a table for each shelf.
 local function field_table(put, fields, owner)
   for _, part in ipairs(reference.by_shelf(fields, owner)) do
-    put(("| field%s | is | |"):format(part[1] ~= reference.shelf(owner) and TITLES[part[1]] or ""))
+    put(("| field%s | is | |"):format(reference.shelf_note(part[1], owner, ", ")))
     put "| --- | --- | --- |"
     for _, row in ipairs(help.field_rows(part[2])) do
       put(("| `%s` | %s | %s |"):format(row[1], cell(row[2]), cell(row[3])))
