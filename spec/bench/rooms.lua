@@ -1,0 +1,515 @@
+-- Grids of light that jumps at walls, beside paths: five scenes with walls and the three of bounce_scenes.
+--
+--     build/ylm run spec/bench/rooms.lua [scene: a pattern] [seed] [folder of truths] [all | truth | fine | again] [rows]
+--
+-- Each seed has 2,000 places of surfaces and their irradiance by paths, which are kept in the folder, so that several libraries
+-- are judged by the same truth. "truth" makes these alone; called again it adds paths. YLM_BENCH_SECONDS bounds the paths of a
+-- call (default 100). With YLM_BENCH_LABEL = a word, what grids answered at the places is kept beside the truth, and "again"
+-- judges that without a bake. "fine" keeps the light there of a gathered field of 49,152 rays to degree 8, whose elements have
+-- another seed: a truth without noise, for quantiles below the paths' noise, but with the elements' error. How far it is from the
+-- paths is printed.
+
+local ylm = require "ylm"
+
+local PLACES, OFF, AIR, LIFT = 2000, 1e-3, 0.02, 0.015
+local RAYS, LMAX, PILOT, WANTED = 1728, 2, 1024, 0.003
+local MOST = 30000                                     -- points of adaptive grids whose look-up knows no walls
+local LUMINANCE = { 0.2126, 0.7152, 0.0722 }
+local FINE, FINE_LMAX = 49152, 8
+local COSINE = { [0] = math.pi, 2 * math.pi / 3, math.pi / 4, 0, -math.pi / 24, 0, math.pi / 64, 0, -math.pi / 128 }
+
+local pattern, seed, folder = arg[1] or "", tonumber(arg[2]) or 1, arg[3] or "out/rooms"
+local truth_alone, judged_again, fine_alone, rows_wanted = arg[4] == "truth", arg[4] == "again", arg[4] == "fine", arg[5] or ""
+local label = os.getenv "YLM_BENCH_LABEL"
+local seconds_most = tonumber(os.getenv "YLM_BENCH_SECONDS") or 100
+
+ylm.on_warning(false)
+
+local entries = {}
+for _, entry in ipairs(require "spec.support.walled_scenes") do entries[#entries + 1] = entry end
+for _, entry in ipairs(require "spec.support.bounce_scenes") do
+  entries[#entries + 1] = { name = entry.name, make = entry.make, quantity = "indirect" }
+end
+
+--- Numbers from 0 to 1, the same everywhere.
+local function random(from)
+  local state = from
+  return function()
+    state = (state * 16807) % 2147483647
+    return state / 2147483647
+  end
+end
+
+local function lum(c) return LUMINANCE[1] * c[1] + LUMINANCE[2] * c[2] + LUMINANCE[3] * c[3] end
+
+-- The library ------------------------------------------------------------------
+
+--- Does grid:sample take normals, and so know sides of walls?
+local function knows_sides()
+  pcall(require, "ylm.grid.sample")
+  local entry = require "ylm.describe".entries["grid:sample"]
+  for _, option in ipairs(entry and entry.options or {}) do if option[1] == "normals" then return true end end
+  return false
+end
+local SIDED = knows_sides()
+
+--- Floats a channel of the grid's points; tables of sides are not in it. Grids with sides keep values, others gradients too.
+local function numbers(grid)
+  return grid.stats.points * (SIDED and grid.sides and 1 or 4) * (grid.lmax + 1) ^ 2
+end
+
+--- Bytes of the grid's file over its channels.
+local function bytes(grid)
+  local name = os.tmpname()
+  local path = name .. ".ylm"
+  local ok, size = grid:save(path), nil
+  local f = ok and io.open(path, "rb")
+  if f then
+    size = f:seek "end"
+    f:close()
+  end
+  os.remove(path)
+  os.remove(name)
+  return size and size / grid.channels
+end
+
+--- Irradiance [n][3] by coefficients [n][3][count] of light and normals.
+local function shaded(c, normals)
+  local count = c.shape[3]
+  local lmax = math.floor(math.sqrt(count) + 0.5) - 1
+  local Y, out = ylm.sh.eval(lmax, ylm.array(normals)), {}
+  for i = 1, #normals do
+    local e = { 0, 0, 0 }
+    for l = 0, lmax do
+      for k = l * l + 1, (l + 1) ^ 2 do
+        local w = COSINE[l] * Y:get(i, k)
+        for channel = 1, 3 do e[channel] = e[channel] + w * c:get(i, channel, k) end
+      end
+    end
+    out[i] = e
+  end
+  return out
+end
+
+--- Look-ups in a grid: { name, f(points, normals) -> irradiance }.
+local function lookups(grid, scene)
+  --- Options of grid:sample: a grid without sides takes none.
+  local function by(more)
+    return function(points, normals)
+      return shaded(assert(grid:sample(points, more and { normals = normals, scene = more.scene })), normals)
+    end
+  end
+  if not grid.sides then return { { "no sides", by(nil) } } end
+  return { { "by ray", by { scene = scene } }, { "by bits", by {} } }
+end
+
+-- Places -------------------------------------------------------------------------------------
+
+--- All triangles of a scene: { a, b, c, u, v, n (of length 1), lo, hi }, sums of their areas.
+local function triangles_of(scene)
+  local list, sums, sum = {}, {}, 0
+  for _, g in ipairs(scene.geometry) do
+    local v, t = g.mesh:vertices(), g.mesh:triangles()
+    for i = 1, #t do
+      local p = {}
+      for k = 1, 3 do
+        local row = t:get(i, k)
+        p[k] = { v:get(row, 1), v:get(row, 2), v:get(row, 3) }
+      end
+      local T = { a = p[1], u = {}, v = {}, n = {}, lo = {}, hi = {} }
+      for x = 1, 3 do
+        T.u[x], T.v[x] = p[2][x] - p[1][x], p[3][x] - p[1][x]
+        T.lo[x], T.hi[x] = math.min(p[1][x], p[2][x], p[3][x]), math.max(p[1][x], p[2][x], p[3][x])
+      end
+      for x = 1, 3 do
+        local y, z = x % 3 + 1, (x + 1) % 3 + 1
+        T.n[x] = T.u[y] * T.v[z] - T.u[z] * T.v[y]
+      end
+      local length = math.sqrt(T.n[1] ^ 2 + T.n[2] ^ 2 + T.n[3] ^ 2)
+      if length > 0 then
+        for x = 1, 3 do T.n[x] = T.n[x] / length end
+        sum = sum + length / 2
+        list[#list + 1], sums[#sums + 1] = T, sum
+      end
+    end
+  end
+  return list, sums
+end
+
+local function dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
+local function cross(a, b) return { a[2] * b[3] - a[3] * b[2], a[3] * b[1] - a[1] * b[3], a[1] * b[2] - a[2] * b[1] } end
+
+--- Is there a triangle within `far` of p along d? By the method of Moeller and Trumbore.
+local function blocked(triangles, p, d, far)
+  local lo, hi = {}, {}
+  for x = 1, 3 do lo[x], hi[x] = math.min(p[x], p[x] + far * d[x]), math.max(p[x], p[x] + far * d[x]) end
+  for i = 1, #triangles do
+    local T = triangles[i]
+    local l, h = T.lo, T.hi
+    if l[1] <= hi[1] and h[1] >= lo[1] and l[2] <= hi[2] and h[2] >= lo[2] and l[3] <= hi[3] and h[3] >= lo[3] then
+      local q = cross(d, T.v)
+      local det = dot(T.u, q)
+      if math.abs(det) > 1e-12 then
+        local w = { p[1] - T.a[1], p[2] - T.a[2], p[3] - T.a[3] }
+        local r = cross(w, T.u)
+        local s, t, far_off = dot(w, q) / det, dot(d, r) / det, dot(T.v, r) / det
+        if s >= 0 and t >= 0 and s + t <= 1 and far_off > 0 and far_off < far then return true end
+      end
+    end
+  end
+  return false
+end
+
+local function within(box, p)
+  for a = 1, 3 do if p[a] < box[1][a] or p[a] > box[2][a] then return false end end
+  return true
+end
+
+--- The box around a scene's geometry.
+local function box_of(scene)
+  local box = { { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge } }
+  for _, g in ipairs(scene.geometry) do
+    for a = 1, 3 do
+      box[1][a], box[2][a] = math.min(box[1][a], g.mesh.bounds[1][a]), math.max(box[2][a], g.mesh.bounds[2][a])
+    end
+  end
+  return box
+end
+
+--- Places by area: points, a little off their surface, and normals. Left out are sides in bodies and outside of rooms, and places
+-- with less than AIR above them, and places outside of the geometry's box (tops of walls), where grids end.
+local function places(scene, field)
+  local triangles, sums = triangles_of(scene)
+  local box = box_of(scene)
+  local draw, points, normals = random(7919 * seed + 12345), {}, {}
+  for _ = 1, 100 do draw() end
+  while #points < PLACES do
+    local p, n = {}, {}
+    for i = 1, PLACES do
+      local wanted, low, high = draw() * sums[#sums], 1, #sums
+      while low < high do
+        local middle = math.floor((low + high) / 2)
+        if sums[middle] < wanted then low = middle + 1 else high = middle end
+      end
+      local T, s, t, side = triangles[low], draw(), draw(), draw() < 0.5 and 1 or -1
+      if s + t > 1 then s, t = 1 - s, 1 - t end
+      p[i], n[i] = {}, {}
+      for x = 1, 3 do
+        n[i][x] = side * T.n[x]
+        p[i][x] = T.a[x] + s * T.u[x] + t * T.v[x] + OFF * n[i][x]
+      end
+    end
+    local above = {} -- validity of a place as near as OFF is that of its triangle's other side
+    for i = 1, PLACES do above[i] = { p[i][1] + LIFT * n[i][1], p[i][2] + LIFT * n[i][2], p[i][3] + LIFT * n[i][3] } end
+    local validity = field:validity(above)
+    for i = 1, PLACES do
+      if #points < PLACES and within(box, p[i]) and validity[i] > 0.9 and not blocked(triangles, p[i], n[i], AIR) then
+        points[#points + 1], normals[#normals + 1] = p[i], n[i]
+      end
+    end
+  end
+  return points, normals
+end
+
+-- Truth --------------------------------------------------------------------------------------
+
+--- Adds paths to a truth: E [n][3], V [n][3], its variance, and N [n], paths of a place (0: none yet). Places take as many as a
+-- standard error of WANTED times the mean wants, all fewer where that would last longer than seconds_most. Returns their number.
+local function add_paths(entry, scene, truth)
+  local reflections = { entry.quantity == "all" and 0 or 1, "all" }
+  local points, E, V, N, total, calls = truth.points, truth.E, truth.V, truth.N, 0, 0
+  truth.rounds = truth.rounds + 1
+  local function trace(which, samples)
+    local p, n = {}, {}
+    for k, i in ipairs(which) do p[k], n[k] = points[i], truth.normals[i] end
+    calls = calls + 1
+    local e, v, report = scene:probe { points = p, normals = n, samples = samples, reflections = reflections, progress = false,
+      seed = 100000 * seed + 100 * truth.rounds + calls }
+    if not e then error(v) end
+    for k, i in ipairs(which) do
+      local a, b = N[i] / (N[i] + samples), samples / (N[i] + samples)
+      for c = 1, 3 do E[i][c], V[i][c] = a * E[i][c] + b * e:get(k, c), a * a * V[i][c] + b * b * v:get(k, c) end
+      N[i] = N[i] + samples
+    end
+    total = total + report.paths
+    return report.seconds
+  end
+  local all, missing, mean = {}, false, 0
+  for i = 1, #points do all[i], missing = i, missing or N[i] == 0 end
+  if missing then
+    for i = 1, #points do E[i], V[i], N[i] = { 0, 0, 0 }, { 0, 0, 0 }, 0 end
+  end
+  local pilot = { {}, {}, {} }
+  for i = 1, #points do
+    pilot[1][i], pilot[2][i], pilot[3][i] = { E[i][1], E[i][2], E[i][3] }, { V[i][1], V[i][2], V[i][3] }, N[i]
+  end
+  local seconds = trace(all, PILOT)
+  for i = 1, #points do mean = mean + lum(E[i]) / #points end
+  local most, needs, sum = PILOT * #points * seconds_most / seconds, {}, 0
+  local function wanted(factor)
+    sum = 0
+    for i = 1, #points do
+      local v = 0 -- channels share their paths: standard errors are added
+      for c = 1, 3 do v = v + LUMINANCE[c] * math.sqrt(V[i][c]) end
+      local x = N[i] * ((v / (WANTED * factor * mean)) ^ 2 - 1)
+      needs[i] = x <= PILOT and 0 or math.min(21, math.floor(math.log(x) / math.log(2) + 0.5))
+      sum = sum + (needs[i] > 0 and 2 ^ needs[i] or 0)
+    end
+  end
+  local factor = 1
+  wanted(factor)
+  while sum > most do
+    factor = factor * 1.03
+    wanted(factor)
+  end
+  for level = 10, 21 do
+    local which = {}
+    for i = 1, #points do if needs[i] == level then which[#which + 1] = i end end
+    for _, i in ipairs(which) do E[i], V[i], N[i] = pilot[1][i], pilot[2][i], pilot[3][i] end -- not by chance
+    if #which > 0 then trace(which, 2 ^ level) end
+  end
+  return total
+end
+
+local function slug(name) return (name:gsub("[^%w]+", "_")) end
+
+local FIELDS = 13
+
+--- Reads a truth; nil where there is none. Raises where it is of another scene.
+local function read_truth(path, head)
+  local file = io.open(path)
+  if not file then return nil end
+  local truth, first = { points = {}, normals = {}, E = {}, V = {}, N = {}, rounds = 1 }, file:read "*l"
+  if first ~= head then error(("%s is of another scene: '%s', wanted '%s'"):format(path, first, head)) end
+  for line in file:lines() do
+    local x, i = {}, #truth.points + 1
+    for word in line:gmatch "%S+" do x[#x + 1] = tonumber(word) end
+    if #x == 1 then truth.rounds = x[1]
+    elseif #x >= FIELDS - 1 then
+      truth.points[i], truth.normals[i] = { x[1], x[2], x[3] }, { x[4], x[5], x[6] }
+      truth.E[i], truth.V[i], truth.N[i] = { x[7], x[8], x[9] }, { x[10], x[11], x[12] }, x[13] or 0
+    end
+  end
+  file:close()
+  return truth
+end
+
+local function write_truth(path, head, truth)
+  local file = assert(io.open(path .. ".part", "w"))
+  file:write(head, "\n", truth.rounds, "\n")
+  for i = 1, #truth.points do
+    local row = {}
+    for _, list in ipairs { truth.points, truth.normals, truth.E, truth.V } do
+      for k = 1, 3 do row[#row + 1] = ("%.9g"):format(list[i][k]) end
+    end
+    row[#row + 1] = ("%d"):format(truth.N[i])
+    file:write(table.concat(row, " "), "\n")
+  end
+  file:close()
+  assert(os.rename(path .. ".part", path))
+end
+
+--- { points, normals, E, V, N, rounds } of a scene: from the folder, or by paths; "truth" adds paths to what the folder has.
+local function truth_of(entry, scene, field)
+  local path = ("%s/%s.%d.txt"):format(folder, slug(entry.name), seed)
+  local area, count = 0, 0
+  for _, g in ipairs(scene.geometry) do area, count = area + g.mesh.area, count + #g.mesh end
+  local head = ("ylm rooms 1: %s, %d triangles, area %.4f, %s"):format(entry.name, count, area, entry.quantity)
+  local truth = read_truth(path, head)
+  if truth and not truth_alone then return truth end
+  local began = os.time()
+  if not truth then
+    truth = { E = {}, V = {}, N = {}, rounds = 0 }
+    truth.points, truth.normals = places(scene, field())
+    for i = 1, #truth.points do truth.N[i] = 0 end
+  end
+  local total = add_paths(entry, scene, truth)
+  write_truth(path, head, truth)
+  print(("  round %d: %.0f million paths, %d s"):format(truth.rounds, total / 1e6, os.time() - began))
+  return truth
+end
+
+--- The light of a fine field at the places, [n][3]: made where `make`, else that of the folder or nil.
+local function fine_of(entry, scene, truth, make)
+  local path, E = ("%s/%s.%d.fine"):format(folder, slug(entry.name), seed), {}
+  if make then
+    local lit = assert(assert(scene:links { rays = 256, seed = 2 }):radiosity(nil, { light_samples = 64, seed = 2 }))
+    local field = assert(lit:field { rays = FINE, quantity = entry.quantity, tolerance = 0.01 })
+    E = shaded(assert(ylm.light_field(FINE_LMAX, field, truth.points)), truth.normals)
+    local file = assert(io.open(path, "w"))
+    for _, e in ipairs(E) do file:write(("%.7g %.7g %.7g\n"):format(e[1], e[2], e[3])) end
+    file:close()
+    return E
+  end
+  local file = io.open(path)
+  if not file then return nil end
+  for line in file:lines() do
+    local a, b, c = line:match "^(%S+) (%S+) (%S+)$"
+    E[#E + 1] = { tonumber(a), tonumber(b), tonumber(c) }
+  end
+  file:close()
+  return E
+end
+
+-- Judge --------------------------------------------------------------------------------------
+
+local function quantile(list, q)
+  table.sort(list)
+  return list[math.max(1, math.ceil(q * #list))]
+end
+
+--- Means and noise of a truth; sealed: the rows of places in the sealed room.
+local function measure(truth, entry)
+  local n, noise, good = #truth.E, 0, 0
+  truth.mean, truth.channel, truth.sealed = 0, { 0, 0, 0 }, {}
+  truth.error = {}
+  for i = 1, n do
+    truth.mean = truth.mean + lum(truth.E[i]) / n
+    for c = 1, 3 do
+      truth.channel[c] = truth.channel[c] + truth.E[i][c] / n
+      truth.error[i] = (truth.error[i] or 0) + LUMINANCE[c] * math.sqrt(truth.V[i][c])
+    end
+    if entry.sealed and within(entry.sealed, truth.points[i]) then truth.sealed[#truth.sealed + 1] = i end
+  end
+  for i = 1, n do
+    local se = truth.error[i] / truth.mean
+    noise = noise + se ^ 2 / n
+    if se < WANTED then good = good + 1 / n end
+  end
+  truth.noise = math.sqrt(noise)
+  truth.good = good
+end
+
+--- Errors of irradiance E [n][3] at the places, as a row of the table.
+local function judge(truth, E)
+  local n = #truth.E
+  local square, apart, channels, sealed, brightest, fine = 0, {}, {}, 0, 0, {}
+  for i = 1, n do
+    local a, b = lum(E[i]), lum(truth.E[i])
+    square = square + ((a - b) / truth.mean) ^ 2 / n
+    apart[i] = math.abs(a - b) / math.max(b, truth.mean)
+    if truth.fine then fine[i] = math.abs(a - lum(truth.fine[i])) / math.max(lum(truth.fine[i]), truth.mean) end
+    channels[i] = 0
+    for c = 1, 3 do
+      local m = math.max(truth.E[i][c], truth.channel[c])
+      channels[i] = math.max(channels[i], math.abs(E[i][c] - truth.E[i][c]) / m)
+    end
+  end
+  for _, i in ipairs(truth.sealed) do
+    local x = math.abs(lum(E[i])) / truth.mean
+    sealed, brightest = sealed + x / #truth.sealed, math.max(brightest, x)
+  end
+  local row = ("%7.4f %7.4f | %7.4f %7.4f | %7.4f %7.4f"):format(math.sqrt(square),
+    math.sqrt(math.max(0, square - truth.noise ^ 2)), quantile(apart, 0.9), quantile(apart, 0.99), quantile(channels, 0.9),
+    quantile(channels, 0.99))
+  if truth.fine then row = row .. (" | %7.4f %7.4f"):format(quantile(fine, 0.9), quantile(fine, 0.99)) end
+  if #truth.sealed > 0 then row = row .. (" | %.6f %.6f"):format(sealed, brightest) end
+  return row
+end
+
+--- Prints rows of answers that were kept.
+local function judge_again(path, truth)
+  local rows, kept = {}, assert(io.open(path), "nothing was kept: " .. path)
+  for line in kept:lines() do
+    local words, a, b, c = line:match "^# (.*)$", line:match "^(%S+) (%S+) (%S+)$"
+    if words then rows[#rows + 1] = { words, {} }
+    else table.insert(rows[#rows][2], { tonumber(a), tonumber(b), tonumber(c) }) end
+  end
+  kept:close()
+  for _, row in ipairs(rows) do
+    print(("  %s%s"):format(row[1], row[2][1] and " | " .. judge(truth, row[2]) or ""))
+  end
+end
+
+-- Rows -----------------------------------------------------------------------------------------
+
+--- All that is baked: { name, description, options of the bake }.
+local function cases(scene)
+  local box, list = box_of(scene), {}
+  for _, h in ipairs { 0.35, 0.25, 0.18 } do
+    local cells = {}
+    for a = 1, 3 do cells[a] = math.max(1, math.floor((box[2][a] - box[1][a]) / h + 0.5)) end
+    list[#list + 1] = { ("uniform %.2f"):format(h), ylm.uniform_grid { lmax = LMAX, cells = cells } }
+  end
+  for _, tolerance in ipairs { 0.1, 0.05 } do
+    if SIDED then
+      list[#list + 1] = { ("adaptive %g"):format(tolerance), ylm.adaptive_grid { lmax = LMAX, tolerance = tolerance } }
+    else
+      for depth = 6, 4, -1 do
+        list[#list + 1] = { ("adaptive %g, depth %d"):format(tolerance, depth),
+          ylm.adaptive_grid { lmax = LMAX, tolerance = tolerance, depth = depth }, { max_points = MOST },
+          depth = depth, instead = depth < 6 and ("adaptive %g, depth %d"):format(tolerance, depth + 1) }
+      end
+    end
+  end
+  return list
+end
+
+local function now() return os.time() end
+
+local function run(entry)
+  local scene = entry.make(ylm)
+  local lit
+  local function field()
+    lit = lit or assert(assert(scene:links { rays = 256 }):radiosity(nil, { light_samples = 64 }))
+    return assert(lit:field { rays = RAYS, quantity = entry.quantity })
+  end
+  print(("%s, seed %d, %s"):format(entry.name, seed, entry.quantity))
+  local truth = truth_of(entry, scene, field)
+  measure(truth, entry)
+  print(("  %d places, mean %.4g; standard errors over it: rms %.4f, below %g at %.0f %%; sealed: %d places"):format(#truth.E,
+    truth.mean, truth.noise, WANTED, 100 * truth.good, #truth.sealed))
+  io.stdout:flush()
+  truth.fine = fine_of(entry, scene, truth, fine_alone)
+  if truth.fine then print(("  %-77s | %s"):format("the fine field", judge(truth, truth.fine))) end
+  if truth_alone or fine_alone then return end
+  print(("  %-22s %7s %9s %7s %9s %5s %6s %4s | %7s %7s | %7s %7s | %7s %7s%s%s"):format("grid", "points", "numbers", "rays/M",
+    "B/channel", "met", "error", "s", "rms", "less se", "90 %", "99 %", "ch 90 %", "ch 99 %",
+    truth.fine and " | fine 90    99 %" or "", entry.sealed and " | sealed   most" or ""))
+  local path = label and ("%s/%s.%d.%s.rows"):format(folder, slug(entry.name), seed, label)
+  if judged_again then return judge_again(assert(path, "YLM_BENCH_LABEL names what is judged again"), truth) end
+  local kept = path and assert(io.open(path, "w"))
+  --- Prints and keeps a row: words, and the irradiance E at the places, or nil.
+  local function say(words, E)
+    print(("  %s%s"):format(words, E and " | " .. judge(truth, E) or ""))
+    io.stdout:flush()
+    if not kept then return end
+    kept:write("# ", words, "\n")
+    for _, e in ipairs(E or {}) do kept:write(("%.7g %.7g %.7g\n"):format(e[1], e[2], e[3])) end
+    kept:flush()
+  end
+  local itself = field()
+  say(("%-22s %54s"):format("the field, " .. RAYS .. " rays", ""),
+    shaded(assert(ylm.light_field(LMAX, itself, truth.points)), truth.normals))
+  local failed, limited = {}, math.huge
+  for _, case in ipairs(cases(scene)) do
+    local name, description, options = case[1], case[2], case[3] or {}
+    local wanted = name:find(rows_wanted) and (not case.instead or failed[case.instead])
+    if wanted and case.depth and case.depth >= limited then -- a larger tolerance was refused there
+      failed[name] = true
+    elseif wanted then
+      local f, began = field(), now()
+      options.geometry, options.occupied, options.progress = scene.geometry, "surfaces", false
+      local ok, grid, message = pcall(ylm.bake, description, f, options)
+      if ok and grid then
+        local s, size = grid.stats, bytes(grid)
+        local seconds = now() - began
+        for _, way in ipairs(lookups(grid, scene, f)) do
+          say(("%-22s %7d %9.0f %7.1f %9.0f %5s %6s %4d"):format(name .. (SIDED and ", " .. way[1] or ""), s.points,
+            numbers(grid), f.stats.rays / 1e6, size or 0, s.met == nil and "" or tostring(s.met),
+            s.error and ("%.3f"):format(s.error) or "", seconds), way[2](truth.points, truth.normals))
+        end
+        grid:close()
+      else
+        local why = tostring(ok and message or grid):gsub("^.-: ", "", 1):sub(1, 160)
+        say(("%-22s %.1f M rays, %d s: refused: %s"):format(name, f.stats.rays / 1e6, now() - began, why))
+        failed[name] = ok -- a limit, not a refusal: fewer levels may do
+        limited = ok and case.depth or limited
+      end
+      f:close()
+    end
+  end
+  if kept then kept:close() end
+end
+
+for _, entry in ipairs(entries) do if entry.name:find(pattern) then run(entry) end end
