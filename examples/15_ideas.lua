@@ -2,8 +2,8 @@
 --
 --     ylm run examples/15_ideas.lua [--out DIR] [--only NAME] [--quick]
 --
--- Leaves idea_NAME.png in out/, and prints the numbers that the pages quote. NAME is tree, metrics, normals, rims, texture,
--- choice, measure, jump, inside, continuity or moving. --quick draws small ones.
+-- Leaves idea_NAME.png in out/, of parts sides.png, and prints the numbers that the pages quote. NAME is tree, metrics, normals,
+-- rims, texture, choice, measure, sides, parts, inside, continuity or moving. --quick draws small ones.
 
 local ylm = require "ylm"
 local core = require "ylm.c.core"
@@ -11,10 +11,12 @@ local common = dofile((arg[0]:match "^(.*/)" or "./") .. "common.lua")
 local option = common.options { out = "out", only = "", quick = false }
 local quick = option.quick
 
-local ideas, order = {}, {}
+local ideas, order, files = {}, {}, {}
 
---- Adds an idea: f() makes its picture.
-local function idea(name, f) ideas[name], order[#order + 1] = f, name end
+--- Adds an idea: f() makes its picture, idea_NAME.png or another file.
+local function idea(name, f, file)
+  ideas[name], order[#order + 1], files[name] = f, name, file or "idea_" .. name .. ".png"
+end
 
 local function number(least, most) return quick and least or most end
 
@@ -405,8 +407,8 @@ idea("measure", function()
   } } }
 end)
 
---- Surfaces where light jumps: light across a wall, its interpolant, and what is looked up beside the wall.
-idea("jump", function()
+--- Surfaces where light jumps: light along a line through a wall, in a grid without sides and in one with them.
+idea("sides", function()
   local wall, dark = 0.03, 0.15
   local lamp = ylm.sphere_light { at = { 0.2, 0.1, 2.2 }, radius = 0.1, radiance = 100 }
   local function field(points, lmax, channels)
@@ -416,35 +418,67 @@ idea("jump", function()
     local weight = points[{ {}, { 3, 3 } }]:less(wall) * (dark - 1) + 1
     return L * weight:reshape { n, 1, 1 }, dL * weight:reshape { n, 1, 1, 1 }, report.lambda * weight:reshape { n }
   end
-  local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 8, lmax = 0,
-    channels = "luminance" }, field, { quantity = "direct" })
-  local x, y = 0.12, 0.05
+  local scene = ylm.scene "a wall" { lights = lamp,
+    geometry = ylm.quad { corner = { -2, -2, wall }, u = { 4, 0, 0 }, v = { 0, 4, 0 } } }
+  local form = ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 8, lmax = 0, channels = "luminance" }
+  local without = ylm.bake(form, field, { quantity = "direct" })
+  local with = ylm.bake(form, field, { quantity = "direct", scene = scene })
   local heights, points = {}, {}
-  for i = 0, 300 do
-    heights[i + 1] = -0.5 + i / 300
-    points[i + 1] = { x, y, heights[i + 1] }
+  for i = 0, 400 do
+    heights[i + 1] = -0.5 + i / 400
+    points[i + 1] = { 0.12, 0.05, heights[i + 1] }
   end
-  local truth, sampled = field(ylm.array(points), 0, 1), grid:sample(points)
-  local voxel = grid:locate({ x, y, wall }).size[3]
-  local series = {
-    { x = heights, y = truth:reshape { 301 }:totable(), label = "light", width = 3, marker = "none" },
-    { x = heights, y = sampled:reshape { 301 }:totable(), label = "the grid at the points", dash = "dashed", marker = "none" },
-  }
-  for _, side in ipairs { 1, -1 } do
-    local b = voxel * side
-    local c, dc = grid:sample({ { x, y, wall + b } }, { derivatives = 1 })
-    local value, slope = c:get(1, 1, 1), dc:get(1, 1, 1, 3)
-    series[#series + 1] = { x = { wall + b, wall }, y = { value, value - b * slope },
-      label = side == 1 and "beside the wall, carried back" or nil, colour = { 0, 0.55, 0.35 }, width = 2 }
-    local there = field(ylm.array { { x, y, wall + 1e-4 * side } }, 0, 1):get(1, 1, 1)
-    local at = grid:sample({ { x, y, wall } }):get(1, 1, 1)
-    print(("jump: side %+d, carried back off by %.1f %%, at the point by %.0f %%"):format(side,
-      100 * math.abs(value - b * slope - there) / there, 100 * math.abs(at - there) / there))
+  local truth = field(ylm.array(points), 0, 1):reshape { 401 }
+  local ramp, step = without:sample(points):reshape { 401 }, with:sample(points, { scene = scene }):reshape { 401 }
+  for i, name in ipairs { "without", "with" } do
+    local off = ((i == 1 and ramp or step) / truth - 1):abs():totable()
+    local largest = { 0, 0 }
+    for k, z in ipairs(heights) do
+      local side = z < wall and 1 or 2
+      largest[side] = math.max(largest[side], off[k])
+    end
+    print(("sides: a grid %s sides is off by at most %.1f %% in the dark, %.1f %% in the light"):format(name, 100 * largest[1],
+      100 * largest[2]))
   end
-  return ylm.plot { size = { 760, 400 }, series = series, legend = "top left", x_range = { -0.5, 0.5 },
-    title = "Light across a wall", x_label = "distance along the wall's normal, voxels of 0.25, wall at 0.03",
-    y_label = "coefficient 0,0" }
+  local ghosts = with.stats.ghosts
+  print(("sides: %d points, %d of them ghosts; %d without sides"):format(with.stats.points, ghosts, without.stats.points))
+  return ylm.plot { size = { 760, 400 }, legend = "top left", x_range = { -0.5, 0.5 }, title = "Light across a wall",
+    x_label = "distance along the wall's normal, voxels of 0.25, wall at 0.03", y_label = "coefficient 0,0",
+    series = { { x = heights, y = truth:totable(), label = "light", width = 5, marker = "none", colour = { 0.75, 0.75, 0.75 } },
+      { x = heights, y = ramp:totable(), label = "a grid without sides", dash = "dashed", width = 2, marker = "none" },
+      { x = heights, y = step:totable(), label = "a grid with sides", width = 2, marker = "none" } } }
 end)
+
+--- Sides of walls: the parts of the leaves that a wall between two rooms crosses, and the light in them.
+idea("parts", function()
+  local white, red = ylm.matte { albedo = 0.7 }, ylm.matte { albedo = { 0.65, 0.2, 0.15 } }
+  local bodies = { { { -0.06, 0.001, -1.499 }, { 0.06, 2.599, -0.4 } }, { { -0.06, 0.001, 0.5 }, { 0.06, 2.599, 1.499 } },
+    { { 0.9, 0.001, -1.2 }, { 1.5, 0.7, -0.6 } } }
+  local height, cut = 0.5, {} -- of the slice; bodies below it
+  local geometry = { ylm.box { bounds = { { -3, 0, -1.5 }, { 3, 2.6, 1.5 } }, material = white } }
+  for i, b in ipairs(bodies) do
+    geometry[i + 1] = ylm.box { bounds = b, material = red }
+    cut[i] = { ylm.box { bounds = { b[1], { b[2][1], height - 0.01, b[2][3] } } }, colour = 0.45 }
+  end
+  local grid = assert(ylm.scene "two rooms" { geometry = geometry,
+    lights = ylm.sphere_light { at = { -1.4, 1.9, 0.3 }, radius = 0.15, radiance = { 40, 36, 30 } } }:bake {
+    quantity = "indirect", bounces = number(1, 3), occupied = "everywhere",
+    probes = ylm.uniform_grid { cells = { 13, 6, 7 }, lmax = 1 } })
+  print(("parts: %d leaves of %d are crossed, with %d parts; %d points of %d are ghosts"):format(grid.stats.crossed_leaves,
+    grid.stats.leaves, grid.stats.parts, grid.stats.ghosts, grid.stats.points))
+  local far = 200 -- from above, nearly parallel: edges of voxels that lie below one another are one line
+  local camera = ylm.camera { from = { 0.15, far, 0 }, at = { 0.15, 0, 0 }, up = { 0, 0, -1 },
+    fov = 2 * math.deg(math.atan(1.56 / far)) }
+  local function slice(quantity, range)
+    return ylm.view { grid, quantity = quantity, range = range, slices = { { axis = "y", at = height } }, meshes = cut,
+      levels = { opacity = 0.5 }, camera = camera, size = number({ 160, 160 }, { 470, 490 }), background = "white",
+      frame = false }
+  end
+  return ylm.figure { rows = { {
+    { image = slice "parts", caption = "two rooms from above: parts of the leaves that walls cross" },
+    { image = slice("L00", { 0.02, 2 }), caption = "light: either side of the wall has its own" },
+  } } }
+end, "sides.png")
 
 --- Corners in lights: what the grid holds at its points, by their distance from a lamp.
 idea("inside", function()
@@ -550,6 +584,6 @@ if option.only ~= "" and not ideas[option.only] then error("--only: no picture "
 for _, name in ipairs(order) do
   if option.only == "" or option.only == name then
     local picture = ideas[name]()
-    if picture then common.save(picture, option.out .. "idea_" .. name .. ".png") end
+    if picture then common.save(picture, option.out .. files[name]) end
   end
 end

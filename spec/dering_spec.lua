@@ -1,10 +1,10 @@
--- Light below zero in pictures by coefficients: look-ups beside surfaces, the window, what is said of it.
+-- Light below zero in pictures by coefficients: the window, the report of it; sides of walls leave none.
 
 local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 
 describe("a picture by a grid of all light of a room with sun, lmax 2", function()
-  local scene, grid
+  local scene, grid, with_sides
   setup(function()
     local white = ylm.matte { albedo = 0.7 }
     local function wall(corner, u, v) return ylm.quad { corner = corner, u = u, v = v, divide = 4, material = white } end
@@ -21,7 +21,18 @@ describe("a picture by a grid of all light of a room with sun, lmax 2", function
       lights = { ylm.sun_light { direction = { 1, 0.9, 0.25 }, irradiance = 20 } },
       probes = ylm.uniform_grid { cells = { 8, 6, 6 }, lmax = 2 },
     }
-    grid = assert(scene:bake { quantity = "all" })
+    local sun = scene.lights[1] or scene.lights
+    grid = assert(ylm.bake(scene.probes, function(p, lmax, channels) -- the sun alone, which rings, and no walls
+      local L, dL, _, report = ylm.light_field(lmax, sun, p, { derivatives = 1, metric = "luminance",
+        channels = channels == 3 and "rgb" or "luminance" })
+      return L, dL, report.lambda
+    end, { quantity = "all", geometry = scene.geometry }))
+    with_sides = assert(scene:bake { quantity = "all" })
+  end)
+
+  it("has none of its light below zero where the grid knows the walls", function()
+    local _, report = scene:render { grid = with_sides, size = { 48, 36 }, samples = 1, layers = false }
+    assert(report.dering.before <= 0.001 and report.dering.after == 0, report.dering.before)
   end)
 
   --- The picture, its report, the part of its light below zero and what was said.

@@ -254,7 +254,7 @@ describe("grid:export", function()
     ylm.on_warning(before)
     local path = folder.path .. "/room.ktx2"
     local report = assert(lit:export(path, { tolerance = 0.15 }))
-    assert(report.met and report.cells[1] <= 12, report.cells[1])
+    assert(report.met and report.cells[1] <= 24, report.cells[1])
     local none, message, code = lit:export(path .. ".npy", { tolerance = 0.001, bytes = 1e4 })
     assert(none == nil and code == "ELIMIT" and message:find "cells end at bytes = 10000", message)
     none, message, code = lit:export(path .. ".npy", { cells = { 9, 9, 9 }, bytes = 1e4 })

@@ -35,7 +35,7 @@ describe("the field protocol", function()
     for _, x in ipairs { lamp, { lamp, { lamp } }, function() end } do
       local f = assert(field.of(1, "spec", x))
       assert.equal("lights", (f:quantity(1, "spec")))
-      assert.is_nil(f:reach())
+      assert.is_nil(f:walls())
       assert.equal(f, f:for_bake {})
       assert.is_false(f:answers "__for_grid")
       assert.is_nil(f:tally()())

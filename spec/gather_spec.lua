@@ -154,7 +154,11 @@ describe("radiosity:field", function()
 
   it("is interpolated twice as well with its gradients, 0.4 apart", function()
     local grid = ylm.bake(ylm.uniform_grid { bounds = { { -0.85, 0.45, -0.85 }, { 0.75, 0.85, -0.05 } }, cells = { 4, 1, 2 },
-      lmax = 2 }, the_room():field { rays = 6144 })
+      lmax = 2 }, function(p, lmax, channels) -- whose walls nobody knows: points with slopes
+        local L, dL, _, report = ylm.light_field(lmax, the_room():field { rays = 6144 }, p, { derivatives = 1,
+          metric = "luminance", channels = channels == 3 and "rgb" or "luminance" })
+        return L, dL, report.lambda
+      end)
     local points = {}
     for i = 0, 5 do for j = 0, 2 do points[#points + 1] = { -0.7 + 0.25 * i, 0.6 + 0.05 * j, -0.15 - 0.3 * j } end end
     local truth = flat(ylm.light_field(2, the_room():field { rays = 12288 }, points))
@@ -242,29 +246,8 @@ describe("radiosity:field", function()
     local report = select(4, ylm.light_field(1, field, { { 0.15, -0.1, -0.2 }, { 0.7, 0.7, 0.7 } }))
     assert.same({ 1, 0 }, report.inside:totable())
     local grid = ylm.bake(ylm.uniform_grid { bounds = { { -0.15, -0.4, -0.5 }, { 0.45, 0.2, 0.1 } }, cells = 2, lmax = 1 }, field)
-    assert.equal(7, grid.stats.invalid) -- those on the axes through the middle of the sphere
-  end)
-
-  it("crosses the boxes that meet triangles, where surfaces are to be refined", function()
-    local form = ylm.adaptive_grid { bounds = { { -0.3, -0.6, -0.7 }, { 0.7, 0.4, 0.3 } }, lmax = 0, depth = 3, threshold = 1e9 }
-    assert.equal(1, ylm.bake(form, the_room():field { rays = 192 }).stats.leaves)
-    local grid = ylm.bake(form, the_room():field { rays = 192, refine_surfaces = true })
-    local cells, finest = grid:cells(), 0
-    for i = 1, cells.origin.shape[1] do
-      local size = cells.size:get(i, 1)
-      if size < 0.126 then -- a leaf of the finest level, or one beside it that meets no triangle
-        finest = finest + 1
-      end
-    end
-    local far = 0.35 + math.sqrt(3) * 0.25 -- voxels of level 2 within which the sphere has been met
-    for i = 1, cells.origin.shape[1] do
-      if cells.size:get(i, 1) < 0.126 then
-        local d = 0
-        for a, c in ipairs { 0.15, -0.1, -0.2 } do d = d + (cells.origin:get(i, a) + 0.0625 - c) ^ 2 end
-        assert(sqrt(d) < far)
-      end
-    end
-    assert(finest > 150 and finest <= 512, finest)
+    assert.equal(0, grid.stats.invalid) -- corners in the sphere are seen by no part
+    assert(grid.stats.ghosts >= 7, grid.stats.ghosts)
   end)
 
   it("is baked to a tolerance that its own noise allows, else says how many rays would", function()
@@ -393,26 +376,6 @@ describe("radiosity:field", function()
         quad({ -1, 0, -1 }, { 2, 0, 0 }, { 0, 2, 0 }), quad({ -1, 0, 1 }, { 2, 0, 0 }, { 0, 2, 0 }),
         quad({ -1, 0, -1 }, { 0, 0, 2 }, { 0, 2, 0 }), quad({ 1, 0, -1 }, { 0, 0, 2 }, { 0, 2, 0 }) },
     }
-
-    --- Degree 0 of the light a little beyond the floor at height y, over that a little above it, seen by a camera elsewhere.
-    local function beyond(geometry, y, lamp)
-      local scene = ylm.scene "seen from elsewhere" {
-        camera = ylm.camera { from = { 0, 9, 9 }, at = { 0, 1, 0 } }, geometry = geometry,
-        lights = ylm.sphere_light { at = lamp, radius = 0.1, radiance = 40 },
-      }
-      local field = scene:links({ spacing = 0.4, rays = 32 }):radiosity():field { rays = 256 }
-      local sh = ylm.light_field(0, field, { { 0.3, y - 1e-4, 0.2 }, { 0.3, y + 0.02, 0.2 } })
-      return sh:get(1, 2, 1) / sh:get(2, 2, 1)
-    end
-
-    it("stands on lit sides of walls, wherever the camera is", function()
-      local closed = { ylm.box { bounds = { { -1, 0, -1 }, { 1, 2, 1 } }, material = white } }
-      local floor = { quad({ -1, 0, -1 }, { 0, 0, 2 }, { 2, 0, 0 }), wall({ -0.9, 0, -0.9 }, { -0.5, 0.5, -0.5 }) }
-      assert.near(1, beyond(closed, 0, { 0, 1.6, 0 }), 0.1)
-      assert.near(1, beyond(rooms["walls of one quad"], 0, { 0, 1.6, 0 }), 0.1)
-      assert.near(1, beyond(floor, 0, { 0, 1.6, 0 }), 0.2)
-      assert(math.abs(beyond(rooms["walls of one quad"], 0, { 0, -1, 0 }) - 1) > 0.5, "the lamp is on the other side")
-    end)
 
     for name, geometry in pairs(rooms) do
       it("has the indirect light of pixels: " .. name, function()

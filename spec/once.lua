@@ -5,8 +5,9 @@ return {
   one = [[
     abi ambient bounce_render bricks c check choose cli_sh codec codegen dering display emit emit_gloss emit_merge
     engines far_from_origin far_scene first_call flip gather gloss_bounced gloss_field glossy grid_bake grid_sample
+    grid_sides
     grid_surface grid_update grid_update_flat grid_update_memory grid_update_octree grid_update_random
-    grid_update_undo grid_update_view guide install irradiance_measure knob ladder light light_blocks light_merged
+    grid_update_undo grid_update_view guide install knob ladder light light_blocks light_merged
     light_polygon_kernel light_polygon_scene light_sampled light_sky light_textured light_tree lightmap live
     live_display material material_file material_kinds material_table memory_picture neon no_lights occlusion page
     papers path plot plot_lines prepared_look radiosity refresh relight render render_noise run sh_eval

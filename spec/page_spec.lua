@@ -27,6 +27,25 @@ local function small(title)
   }
 end
 
+--- A room that a wall of one quad parts, but for a gap, and a grid that light jumps in: behind the wall it is a fifth.
+local function walled(probes)
+  local lamp = ylm.sphere_light { at = { -0.8, 1.2, 0.1 }, radius = 0.15, radiance = { 14, 12, 9 } }
+  local scene = ylm.scene "a wall" { camera = ylm.camera { from = { 1.3, 1.3, 0.9 }, at = { -0.2, 0.5, -0.3 }, fov = 60 },
+    geometry = { ylm.box { bounds = { { -1.5, 0, -1 }, { 1.5, 1.6, 1 } }, material = ylm.matte { albedo = 0.7 } },
+      ylm.quad { corner = { 0.13, 0, -1 }, u = { 0, 1.2, 0 }, v = { 0, 0, 1.4 },
+        material = ylm.matte { albedo = { 0.65, 0.2, 0.15 } } } },
+    lights = lamp }
+  local function field(points, lmax, channels)
+    local L, dL, _, report = ylm.light_field(lmax, lamp, points, { derivatives = 1, metric = "luminance",
+      channels = channels == 3 and "rgb" or "luminance" })
+    local function column(a) return points[{ {}, { a, a } }] end
+    local weight = column(1):greater(0.13) * column(2):less(1.2) * column(3):less(0.4) * -0.8 + 1
+    local n = #points
+    return L * weight:reshape { n, 1, 1 }, dL * weight:reshape { n, 1, 1, 1 }, report.lambda * weight:reshape { n }
+  end
+  return scene, assert(ylm.bake(probes, field, { quantity = "all", scene = scene, geometry = scene.geometry }))
+end
+
 describe("a page", function()
   local folder, scene, grid, path
   local said = ylm.on_warning(false)
@@ -78,6 +97,37 @@ describe("a page", function()
       end
     end
     assert(meta.counts.points > n, "the grid has no points of continuity")
+  end)
+
+  it("of a grid with sides has the light of grid:sample on both sides of a wall, as a second decoder looks it up", function()
+    needs_parts()
+    local decoder, other = require "spec.support.page", folder.path .. "/walled.html"
+    for _, probes in ipairs { ylm.uniform_grid { cells = { 9, 5, 6 }, lmax = 2 },
+      ylm.adaptive_grid { lmax = 1, depth = 4, threshold = 0.3, continuous = false } } do
+      local room, lit = walled(probes)
+      assert(lit.sides and lit.stats.parts > 100)
+      assert(lit:save(other, { scene = room, precision = "float", poster = false }))
+      local p, points, normals, width = decoder.read(other), {}, {}, 3 * (lit.lmax + 1) ^ 2
+      assert.equal(0, p.left)
+      assert.equal(12 * (p.meta.counts.cells + lit.stats.parts), #p.sections.cells)
+      for i = 1, 300 do
+        local u, v, front = i * 0.618034 % 1, i * 0.754878 % 1, i % 2 == 0 and 1 or -1
+        points[i] = i % 3 == 0 and { 3 * u - 1.5, 0, 2 * v - 1 } or { 0.13, 1.2 * u, 1.4 * v - 1 }
+        normals[i] = i % 3 == 0 and { 0, 1, 0 } or { front, 0, 0 }
+        if i % 7 == 0 then normals[i] = { front * 0.6, 0, 0.8 } end
+      end
+      local L, near, largest = lit:sample(points, { normals = normals }), 0, 0
+      for i = 1, #points do
+        local found, nearest = decoder.light(p, points[i], normals[i])
+        near = near + (nearest and 1 or 0)
+        for k = 1, width do
+          local wanted = L:get(i, math.floor((k - 1) / (width / 3)) + 1, (k - 1) % (width / 3) + 1)
+          largest = math.max(largest, math.abs(found[k] - wanted) / L:get(i, 1, 1))
+        end
+      end
+      assert(largest < 1e-5, largest)
+      if os.getenv "YLM_SAY" then print(lit, largest, near) end
+    end
   end)
 
   it("holds the meshes within 2^-16 of their box, flat ones undivided, and the lamps", function()
@@ -388,6 +438,36 @@ describe("a page", function()
       assert.near(exact:get(1, 1, 1), tonumber(words:match "of the lamps (%S+)"), 1e-3 * exact:get(1, 1, 1))
       local wrong = ylm.sh.relative_error(L:reshape { 1, 48 }, exact:reshape { 1, 48 })[1]
       assert.near(wrong, tonumber(words:match "true error (%S+)"), 1e-3 + 0.1 * wrong)
+      assert.same({}, window.said)
+    end)
+
+    it("shows and says light on both sides of a wall", function()
+      needs_browser()
+      local other = folder.path .. "/walled.html"
+      local room, lit = walled(ylm.adaptive_grid { lmax = 2, depth = 6, threshold = 0.3 })
+      assert(lit:save(other, { scene = room, precision = "float", poster = false }))
+      local decibels = psnr(seen(other, "nolamps&still"), rendered(room, lit))
+      assert(decibels >= 38, decibels)
+      local function click(x, y)
+        window:mouse("mousePressed", x, y)
+        window:mouse("mouseReleased", x, y)
+        window:wait "ready"
+        local words = window:eval "document.getElementById('corner').textContent"
+        local hit = {}
+        for number in words:match "^at ([^\n]*)":gmatch "%S+" do hit[#hit + 1] = tonumber(number) end
+        return words, hit, tonumber(words:match "L00 (%S+)")
+      end
+      for _, from in ipairs { { 1.3, 1 }, { -1.3, -1 } } do
+        window:go(("bare&samples=1&from=%g,0.7,-0.3&at=0,0.5,-0.3"):format(from[1]))
+        window:wait "ready"
+        local words, hit, told = click(SIZE[1] / 2, SIZE[2] / 2)
+        assert.near(0.13, hit[1], 1e-4)
+        assert.truthy(words:find "part %d+ of %d+")
+        local front = lit:sample({ hit }, { normals = { { from[2], 0, 0 } } }):get(1, 1, 1)
+        local behind = lit:sample({ hit }, { normals = { { -from[2], 0, 0 } } }):get(1, 1, 1)
+        assert.near(front, told, 2e-3 * front)
+        assert(math.abs(front - behind) > 0.5 * math.min(front, behind))
+      end
       assert.same({}, window.said)
     end)
 

@@ -31,12 +31,15 @@ local function analytic(points, lmax, channels)
   for i = 1, n do value:set(i, 1, 1, 1 + points:get(i, 1)) slope:set(i, 1, 1, 1, 1) end
   return value, slope
 end
+local wall = ylm.quad { corner = { -2, -0.37, -2 }, u = { 0, 0, 4 }, v = { 4, 0, 0 } }
 local few, many = lamps(40), lamps(400)
 local bakes = {
   { ylm.adaptive_grid { bounds = bounds, lmax = 3, depth = 5, tolerance = 0.05, channels = "rgb" }, few, { occupied = floor } },
   { ylm.adaptive_grid { bounds = bounds, lmax = 2, depth = 4, threshold = 2 }, { few, panel }, {} },
   { ylm.uniform_grid { bounds = bounds, cells = { 24, 20, 24 }, lmax = 2 }, many, { sums_tolerance = 0.05 } },
   { ylm.adaptive_grid { bounds = bounds, lmax = 2, depth = 3, threshold = 0.5 }, analytic, {} },
+  { ylm.adaptive_grid { bounds = bounds, lmax = 1, depth = 4, tolerance = 0.1 }, analytic, { quantity = "direct",
+    geometry = wall, scene = ylm.scene "a wall" { geometry = { wall }, lights = panel } } }, -- with sides
 }
 for i, one in ipairs(bakes) do
   one[3].team, one[3].threads = team.size > 1 and team or nil, THREADS
@@ -60,7 +63,7 @@ describe("a bake that a team divides", function()
     local one, status = scratch.capture(("%s %s"):format(os.getenv "YLM_LUA" or "lua5.4",
       scratch.quote(folder:write("one.lua", (SCRIPT:gsub("THREADS", "1"))))))
     assert.equal(0, status, one)
-    assert.equal(4, select(2, one:gsub("\n", "")), one)
+    assert.equal(5, select(2, one:gsub("\n", "")), one)
     for _, case in ipairs { { 2, 2 }, { 3, 1 } } do
       local out
       out, status = run(case[1], "lua", (SCRIPT:gsub("THREADS", tostring(case[2]))))

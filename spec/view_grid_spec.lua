@@ -2,6 +2,7 @@
 
 local colours = require "spec.support.pixels"
 local core = require "ylm.c.core"
+local scratch = require "spec.support.scratch"
 local views = require "spec.support.views"
 local ylm = require "ylm"
 
@@ -95,6 +96,64 @@ describe("ylm.view, of grids:", function()
     local x, y = project(p[1], p[2], p[3], v:window())
     local t = math.log(L00 / bar.range[1]) / math.log(bar.range[2] / bar.range[1])
     assert_colour(map_colour(bar.map, math.max(0, math.min(1, t))), pixel(pixels, x, y), 0.06, "L00")
+  end)
+
+  it("parts of a grid with sides have colours; light in a slice jumps at a wall, as grid:sample says", function()
+    local walls = require "spec.support.walls"
+    local scene = ylm.scene "a wall" { lights = walls.lamp,
+      geometry = { ylm.quad { corner = { -2, -2, walls.height }, u = { 4, 0, 0 }, v = { 0, 4, 0 } } } }
+    local form = ylm.uniform_grid { bounds = walls.box, cells = { 3, 3, 5 }, lmax = 1, channels = "luminance" }
+    local g = ylm.bake(form, walls.field, { quantity = "direct", scene = scene })
+    assert.equal(18, g.stats.parts)
+    local cells, crossed = g:cells(), 0
+    for i = 1, #cells.parts do
+      crossed = crossed + cells.crossed[i]
+      assert.equal(cells.crossed[i] == 1 and 2 or 0, cells.parts[i])
+    end
+    assert.equal(9, crossed)
+    local pixels, v = draw { g, quantity = "parts", slices = { { axis = "y", at = 0.3 } }, frame = false, bar = false }
+    assert.same({ 1, 2 }, v.scale.range)
+    assert(coverage(pixels) > 0.03)
+    local n, b = 32, { -1.1, 0.3, -1, 1.1, 0.3, 1.2 }
+    local function column(quantity)
+      local volume = assert(core.volume(b, { n, 1, n }, 1))
+      local values = quantity and g:points().value
+      values = values and core.figure_mix(values, values.shape[1], { 0 }, { 1 }, 1)
+      core.volume_fill_parts(volume, g, values and values:reshape { values.shape[1] })
+      return core.volume_values(volume)
+    end
+    local parts, light, two = column(), column "L00", {}
+    for k = 1, n do
+      local z, x = -1 + 2.2 * (k - 0.5) / n, -1.1 + 2.2 * 15.5 / n
+      local part, L = parts:get(k, 1, 16, 1), light:get(k, 1, 16, 1)
+      if g:locate({ x, 0.3, z }).crossed then
+        local side = z > walls.height and "above" or "below"
+        if math.abs(z - walls.height) > 0.08 then
+          two[side] = two[side] or part
+          assert.equal(two[side], part)
+          assert.near(g:sample({ { x, 0.3, z } }):get(1, 1, 1), L, 1e-5 * L)
+        end
+      else assert(part ~= part and L ~= L) end
+    end
+    assert(two.above and two.below and two.above ~= two.below)
+    local folder = scratch.new()
+    assert(g:save(folder.path .. "/sides.vtu"))
+    assert.truthy(scratch.text(folder.path .. "/sides.vtu"):find('Name="parts"', 1, true))
+    folder:remove()
+    local arrows = draw { g, glyphs = { count = 30 }, frame = false, bar = false }
+    assert(coverage(arrows) > 0.01)
+    local real = require "ylm.view.drawing".spread(g:points().position, { -1.1, -1.1, -1, 1.1, 1.1, 1.2 }, 1000,
+      core.array_convert(g:points().ghost, "double"))
+    local ghost = g:points().ghost
+    for i = 1, #ghost do assert(ghost[i] == 0 or real[i] == 0) end
+    for more, words in pairs { isosurfaces = "numbers of parts have no order", boxes = "boxes show a quantity of cells" } do
+      local ok, message = pcall(function() return assert(ylm.view { g, quantity = "parts", [more] = true }:pixels()) end)
+      assert.is_false(ok)
+      assert.truthy(tostring(message):find(words, 1, true), message)
+    end
+    local ok, message = pcall(function() return assert(ylm.view { uniform(), quantity = "parts", slices = true }:pixels()) end)
+    assert.is_false(ok)
+    assert.truthy(tostring(message):find("parts are of a grid with sides", 1, true), message)
   end)
 
   it("shows the lights that a grid was baked from", function()

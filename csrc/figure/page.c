@@ -16,19 +16,44 @@ static uint16_t half_of(float x) {
   return h;
 }
 
+/* A cell as a shader walks it: `first` is its child, or its record; `corner` those of the cell or of a part. */
+static void put_cell(const ylm_grid_cell *c, uint32_t first, const uint32_t corner[8],
+                     uint32_t words[YLM_FIGURE_PAGE_WORDS]) {
+  bool whole = true;
+  for (int k = 0; k < 8; k++) {
+    words[4 + k] = corner[k];
+    whole &= corner[k] != YLM_GRID_NONE;
+  }
+  words[0] = first;
+  words[1] = c->level | (whole ? 1u << 8 : 0) | (uint32_t)c->flags << 16;
+  words[2] = c->origin[0] | c->origin[1] << 16;
+  words[3] = c->origin[2] | (uint32_t)half_of(c->error) << 16;
+}
+
 void ylm_figure_page_cells(const ylm_grid *g, uint32_t *cell) {
   const ylm_grid_contents *v = ylm_grid_look(g);
-  for (size_t i = 0; i < v->cells; i++, cell += YLM_FIGURE_PAGE_WORDS) {
-    const ylm_grid_cell *c = &v->cell[i];
-    bool whole = true;
-    for (int k = 0; k < 8; k++) {
-      cell[4 + k] = c->corner[k];
-      whole &= c->corner[k] != YLM_GRID_NONE;
+  uint32_t(*words)[YLM_FIGURE_PAGE_WORDS] = (uint32_t(*)[YLM_FIGURE_PAGE_WORDS])cell;
+  for (size_t i = 0; i < v->cells; i++)
+    put_cell(&v->cell[i], v->cell[i].child, v->cell[i].corner, words[i]);
+  for (size_t i = 0; i < v->sides; i++) {
+    const ylm_grid_side *s = &v->side[i];
+    words[s->cell][0] = (uint32_t)(i * YLM_FIGURE_PAGE_SIDE);
+    for (uint32_t p = s->first; p < s->first + s->parts; p++)
+      put_cell(&v->cell[s->cell], 0, v->node[p], words[v->cells + p]);
+  }
+}
+
+void ylm_figure_page_sides(const ylm_grid *g, uint32_t *record) {
+  const ylm_grid_contents *v = ylm_grid_look(g);
+  for (size_t i = 0; i < v->sides; i++, record += YLM_FIGURE_PAGE_SIDE) {
+    const ylm_grid_side *s = &v->side[i];
+    record[0] = (uint32_t)v->cells + s->first;
+    record[1] = s->parts;
+    for (size_t k = 0; k < YLM_GRID_PIECES / 8; k++) {
+      const uint8_t *four = s->part + 4 * k;
+      record[2 + k] =
+          four[0] | (uint32_t)four[1] << 8 | (uint32_t)four[2] << 16 | (uint32_t)four[3] << 24;
     }
-    cell[0] = c->child;
-    cell[1] = c->level | (whole ? 1u << 8 : 0) | (uint32_t)c->flags << 16;
-    cell[2] = c->origin[0] | c->origin[1] << 16;
-    cell[3] = c->origin[2] | (uint32_t)half_of(c->error) << 16;
   }
 }
 
@@ -50,13 +75,13 @@ ylm_status ylm_figure_page_exponent(const ylm_grid *g, int *exponent, ylm_error 
   size_t width = (size_t)v->form.channels * (size_t)v->count;
   float most = 0;
   *exponent = 0;
-  for (size_t r = 0; r < 4 * v->evaluated; r++) {
+  for (size_t r = 0; r < v->rows * v->evaluated; r++) {
     const float *row = v->data + r * v->stride;
     for (size_t i = 0; i < width; i++) {
       float x = fabsf(row[i]);
       if (!(x < INFINITY))
         return ylm_fail(e, YLM_EDOMAIN, "point %zu of the grid has a number that is not finite",
-                        r / 4 + 1);
+                        r / v->rows + 1);
       if (x > most) most = x;
     }
   }
@@ -72,7 +97,7 @@ void ylm_figure_page_rows(const ylm_grid *g, int exponent, float *row) {
   for (size_t p = 0; p < v->evaluated; p++)
     for (size_t i = 0; i < width; i++)
       for (size_t r = 0; r < 4; r++)
-        *row++ = ldexpf(v->data[(4 * p + r) * v->stride + i], exponent);
+        *row++ = r < v->rows ? ldexpf(v->data[(v->rows * p + r) * v->stride + i], exponent) : 0;
 }
 
 void ylm_figure_page_bytes(size_t n, size_t width, const float *row, float *value, float *scale,

@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "ylm_grid.h"
 #include "ylm_vector.h"
 
 ylm_status ylm_figure_volume_init(ylm_figure_volume *v, const double b[6], const size_t size[3],
@@ -110,6 +111,47 @@ ylm_status ylm_figure_fill(ylm_figure_volume *v, const ylm_figure_cells *cells, 
     fill_cell(v, &c, pointwise);
   }
   return YLM_OK;
+}
+
+/* A voxel at p of a leaf with sides: the number of its piece's part, or what is there of the values. */
+static void fill_piece(const ylm_grid *g, const ylm_grid_side *s, const cell *c,
+                       const double *value, const double p[3], size_t n, float *out) {
+  size_t piece = 0;
+  double w[8];
+  for (int a = 2; a >= 0; a--) {
+    double at = floor(4 * (p[a] - c->origin[a]) / c->size[a]) + 1;
+    piece = piece * 6 + (size_t)fmin(fmax(at, 1), 4);
+  }
+  uint32_t part = s->part[piece / 2] >> 4 * (piece & 1) & 15;
+  weights(c, p, w);
+  for (size_t j = 0; j < n; j++) {
+    double sum = value ? 0 : part + 1.0;
+    for (int k = 0; value && part != YLM_GRID_PARTS && k < 8; k++)
+      sum += w[k] * value[n * ylm_grid_look(g)->node[s->first + part][k] + j];
+    out[j] = part == YLM_GRID_PARTS ? NAN : (float)sum;
+  }
+}
+
+void ylm_figure_fill_parts(ylm_figure_volume *v, const ylm_grid *g, const double *value) {
+  const ylm_grid_contents *look = ylm_grid_look(g);
+  for (size_t i = 0; i < look->sides; i++) {
+    const ylm_grid_side *s = &look->side[i];
+    size_t lo[3], hi[3], n = (size_t)v->components;
+    double box[6], size[3], p[3];
+    ylm_grid_box(g, s->cell, box);
+    for (int a = 0; a < 3; a++) {
+      size[a] = box[a + 3] - box[a];
+      span(v, a, box[a], box[a + 3], &lo[a], &hi[a]);
+    }
+    cell c = {.origin = box, .size = size};
+    for (size_t z = lo[2]; z < hi[2]; z++)
+      for (size_t y = lo[1]; y < hi[1]; y++)
+        for (size_t x = lo[0]; x < hi[0]; x++) {
+          size_t at[3] = {x, y, z};
+          for (int a = 0; a < 3; a++) p[a] = v->origin[a] + v->spacing[a] * (double)at[a];
+          fill_piece(g, s, &c, value, p, n, v->value + ((z * v->size[1] + y) * v->size[0] + x) * n);
+        }
+  }
 }
 
 bool ylm_figure_volume_at(const ylm_figure_volume *v, const double p[3], double *out) {

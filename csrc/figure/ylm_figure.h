@@ -141,6 +141,16 @@ YLM_API void ylm_figure_volume_clear(ylm_figure_volume *v);
 YLM_API ylm_status ylm_figure_fill(ylm_figure_volume *v, const ylm_figure_cells *cells,
                                    const double *value, size_t points, bool pointwise);
 
+typedef struct ylm_grid ylm_grid; /* ylm_grid.h */
+
+/*
+** ylm_figure_fill_parts - the leaves of a grid with sides, piece by piece, to a volume; the rest stays.
+**
+**   value  [points][components]: trilinear between the corners of a piece's part; NULL: the part's
+**          number in its leaf, from 1. NaN where a piece has no part
+*/
+YLM_API void ylm_figure_fill_parts(ylm_figure_volume *v, const ylm_grid *g, const double *value);
+
 /* The volume at p, trilinear; false (out untouched) outside, and where a neighbour is NaN. */
 YLM_API bool ylm_figure_volume_at(const ylm_figure_volume *v, const double p[3], double *out);
 
@@ -289,17 +299,21 @@ YLM_API ylm_status ylm_figure_save_volume(const char *path, const ylm_figure_vol
 
 /* -- pages: lua/ylm/page ------------------------------------------------------ */
 
-typedef struct ylm_grid ylm_grid; /* ylm_grid.h */
-
 #define YLM_FIGURE_PAGE_WORDS 12 /* of a cell */
+#define YLM_FIGURE_PAGE_SIDE 29  /* words of a leaf with sides: first part, parts, 27 of pieces */
 
 /*
-** ylm_figure_page_cells - a grid's cells as a shader walks them.
+** ylm_figure_page_cells - a grid's cells as a shader walks them, then the parts of leaves with sides.
 **
-**   cell  out  [cells][12]  child (0: none); level + 2^8 (it has eight corners) + 2^16 flags;
-**                           origin x + 2^16 y; origin z + 2^16 (estimated error, a half); corners
+**   cell  out  [cells + parts][12]  child (0: none), of a leaf flagged YLM_GRID_SIDED the word in
+**                                   which its record begins; level + 2^8 (it has eight corners) +
+**                                   2^16 flags; origin x + 2^16 y; origin z + 2^16 (estimated error,
+**                                   a half); corners
 */
 YLM_API void ylm_figure_page_cells(const ylm_grid *g, uint32_t *cell);
+/* Records of leaves with sides, [sides][29]: the first part's row among cells, the number of parts, the parts of
+   pieces, 8 a word, the lowest bits first. */
+YLM_API void ylm_figure_page_sides(const ylm_grid *g, uint32_t *record);
 /* The cell of each voxel of a uniform grid, [z][y][x]; YLM_GRID_NONE: no data. */
 YLM_API void ylm_figure_page_table(const ylm_grid *g, uint32_t *cell);
 
@@ -307,7 +321,7 @@ YLM_API void ylm_figure_page_table(const ylm_grid *g, uint32_t *cell);
    hold the small ones. YLM_EDOMAIN: some number is not finite. */
 YLM_API ylm_status ylm_figure_page_exponent(const ylm_grid *g, int *exponent, ylm_error *e);
 /* Numbers of evaluated points times 2^exponent, [evaluated][channels * count][4]: value, d/dx, d/dy,
-   d/dz. */
+   d/dz; slopes are 0 in a grid with sides. */
 YLM_API void ylm_figure_page_rows(const ylm_grid *g, int exponent, float *row);
 /* Rows [n][width][4] with slopes in bytes: value [n][width]; scale [n][3], of each point's d/dx, d/dy,
    d/dz; slope [n][width][3], -127 .. 127 times the scale. */

@@ -20,6 +20,18 @@ typedef struct lattice_hash {
   size_t size, used; /* size is a power of two */
 } lattice_hash;
 
+/* The leaves that surfaces cross, of a grid with sides: sides/. */
+typedef struct grid_sides {
+  ylm_grid_side *side; /* in the order of their leaves, once the grid is finished */
+  size_t n, room;
+  uint32_t (*node)[8]; /* [parts] */
+  size_t parts, part_room;
+  uint32_t *leaf; /* [parts] the cell that a part is of */
+  uint32_t *of; /* [cells] the row of side[], YLM_GRID_NONE: uncrossed; NULL until the grid is finished */
+  float (*asked)[3]; /* [points] as long as point_room: of ylm_grid_contents; NULL: the grid has no sides */
+  float *dark;       /* [stride + ROW_PADDING] zeros */
+} grid_sides;
+
 struct ylm_grid {
   ylm_grid_contents contents; /* its pointers are the arrays below */
   ylm_grid_stats stats;
@@ -29,12 +41,13 @@ struct ylm_grid {
   size_t cells, cell_room;
 
   uint32_t *lattice; /* [points][3] */
-  float *data;       /* [points][4][stride], and some floats of padding behind the last */
+  float *data;       /* [points][rows][stride], and some floats of padding behind the last */
   size_t data_bytes;
   float *lambda, *norm;
   uint8_t *flags;
   float *validity; /* [evaluated], as long as point_room in a bake; NULL: none is told */
-  size_t points, point_room, evaluated, stride;
+  size_t points, point_room, evaluated, stride, rows;
+  grid_sides sides;
 
   /* Where interpolated points come from, in their order: [points - evaluated]. */
   ylm_grid_birth *birth;
@@ -50,6 +63,8 @@ struct ylm_grid {
   double scale[3];    /* lattice cells per scene unit */
   double origin[3]; /* ylm_origin of the bounds: points that are kept in float are relative to it */
 
+  float (*judge)[6]; /* [judges] places and normals of the first points that judged the bake, relative to `origin` */
+  size_t judges;
   struct frames *frames; /* for bakes like this one (promise/go_on.c); NULL: it knows none */
   const struct follower *follower; /* NULL: the grid follows no lights */
   struct grid_dynamic *dynamic;    /* what the follower keeps (follow/follow.h) */
@@ -112,14 +127,23 @@ ylm_status ylm__grid_split(ylm_grid *g, uint32_t cell, uint32_t *first);
 static inline uint32_t ylm__grid_edge(const ylm_grid *g, const ylm_grid_cell *c) {
   return g->contents.form.kind == YLM_GRID_UNIFORM ? 1u : 1u << (g->contents.form.depth - c->level);
 }
+/* Floats of a point's rows. */
+static inline size_t ylm__grid_record(const ylm_grid *g) { return g->rows * g->stride; }
+/* A row of a point: its value, then its slopes. Where there are no slopes, the value stands for them, with weight 0. */
 static inline const float *ylm__grid_row(const ylm_grid *g, uint32_t point, int row) {
-  return g->data + ((size_t)point * 4 + (size_t)row) * g->stride;
+  size_t r = (size_t)row < g->rows ? (size_t)row : 0;
+  return g->data + ((size_t)point * g->rows + r) * g->stride;
+}
+/* How cells are interpolated: along the axes where points have no slopes. */
+static inline ylm_grid_interpolation ylm__grid_interpolation(const ylm_grid *g,
+                                                             ylm_grid_interpolation wanted) {
+  return g->rows == 1 ? YLM_GRID_LINEAR : wanted;
 }
 /* Brings the rows of a cell's corners towards the cache. */
 static inline void ylm__grid_fetch(const ylm_grid *g, const ylm_grid_cell *c) {
   for (int k = 0; k < 8; k++) {
     const char *row = (const char *)ylm__grid_row(g, c->corner[k], 0);
-    for (size_t i = 0; i < 16 * g->stride; i += 64) __builtin_prefetch(row + i, 0, 2);
+    for (size_t i = 0; i < 4 * ylm__grid_record(g); i += 64) __builtin_prefetch(row + i, 0, 2);
   }
 }
 /* Flags the octree's cells whose corners were all evaluated. */
@@ -270,6 +294,24 @@ bool ylm__grid_side(const ylm_grid *g, const uint32_t at[3], int side, uint32_t 
 ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threads,
                                         const ylm_progress *progress);
 
+/* -- sides/index.c, sides/look.c ------------------------------------------------------ */
+
+void ylm__sides_free(grid_sides *s);
+/* Finds sides by their cells, and counts them; YLM_ENOMEM. */
+ylm_status ylm__sides_index(ylm_grid *g);
+/* The hash of evaluated points that are no ghosts; YLM_ENOMEM. */
+ylm_status ylm__sides_hash(ylm_grid *g);
+/* The side of an octree's leaf, or NULL: no surface crosses it. */
+static inline const ylm_grid_side *ylm__grid_side_of(const ylm_grid *g, uint32_t leaf) {
+  return g->cell[leaf].flags & YLM_GRID_SIDED ? &g->sides.side[g->sides.of[leaf]] : NULL;
+}
+/* Whether a place in free space, a position of the scene, is in a piece with a part. */
+bool ylm__side_is_free(const ylm_grid *g, const ylm_grid_side *s, const double x[3]);
+/* The part of a side that a place is in, a position of the scene; normal NULL: in free space; walls NULL: by pieces alone.
+   The side has parts. */
+uint32_t ylm__side_look(const ylm_grid *g, const ylm_grid_side *s, const double x[3],
+                        const float normal[3], const ylm_grid_walls *walls);
+
 /* -- sample/virtual.c --------------------------------------------------------------- */
 
 /* A cell that exists only while a leaf without data is sampled. */
@@ -281,13 +323,6 @@ typedef struct virtual_cell {
 /* The virtual cell that holds lattice coordinates `at` of a leaf with `detail`. */
 void ylm__grid_virtual(const ylm_grid *g, uint32_t leaf, const double at[3], virtual_cell *v,
                        float *scratch);
-
-/* -- sample/bias.c ------------------------------------------------------------------ */
-
-/* The place at which a grid is looked up for point x on a surface with normal n: ylm_grid_bias.
-   Both are relative to `origin`. */
-void ylm__grid_beside(const ylm_grid *g, double factor, const double origin[3], const float x[3],
-                      const float n[3], double limit, const ylm_grid_reach *reach, float place[3]);
 
 /* -- sample/sample.c ---------------------------------------------------------------- */
 

@@ -76,12 +76,10 @@ ylm_status ylm__grid_check_form(const ylm_grid_form *f, ylm_error *e) {
     return ylm_fail(e, YLM_ERANGE, "lmax: 0 to 255, got %d", f->lmax);
   if (f->channels != 1 && f->channels != 3)
     return ylm_fail(e, YLM_EINVAL, "channels: 1 or 3, got %d", f->channels);
-  bool none = f->metric_channels == 0 && f->kind == YLM_GRID_UNIFORM;
+  bool none = f->metric_channels == 0 && (f->kind == YLM_GRID_UNIFORM || f->sides);
   if (f->metric_channels != 1 && !none && (f->metric_channels != 3 || f->channels != 3))
     return ylm_fail(e, YLM_EINVAL,
                     "metric_channels: 1, 3 where channels are 3, or 0 where the grid is uniform");
-  if (!(f->bias >= 0 && f->bias <= YLM_GRID_MAX_BIAS))
-    return ylm_fail(e, YLM_ERANGE, "bias: 0 to %d, got %g", YLM_GRID_MAX_BIAS, f->bias);
   if (f->measure != YLM_GRID_COEFFICIENTS && f->measure != YLM_GRID_IRRADIANCE)
     return ylm_fail(e, YLM_EINVAL, "measure: coefficients or irradiance");
   if ((int)f->quantity < 0 || f->quantity >= YLM_QUANTITY_COUNT)
@@ -92,9 +90,11 @@ ylm_status ylm__grid_check_form(const ylm_grid_form *f, ylm_error *e) {
     return ylm_fail(e, YLM_EDOMAIN, "body: a finite place, radius and area expected");
   if (!prints_hold(&f->prints))
     return ylm_fail(e, YLM_EINVAL, "fingerprints: of geometry, materials and lights expected");
-  if (f->dynamic && (f->bias > 0 || f->floor > 0 || f->measure != YLM_GRID_COEFFICIENTS))
+  if (f->sides && f->dynamic)
+    return ylm_fail(e, YLM_EINVAL, "dynamic: a grid with sides follows no lights");
+  if (f->dynamic && (f->floor > 0 || f->measure != YLM_GRID_COEFFICIENTS))
     return ylm_fail(e, YLM_EINVAL,
-                    "dynamic: a grid that follows lights has no bias, no floor, and a tolerance of "
+                    "dynamic: a grid that follows lights has no floor, and a tolerance of "
                     "coefficients");
   if (f->kind == YLM_GRID_UNIFORM) return check_uniform(f, e);
   if (f->kind == YLM_GRID_ADAPTIVE) return check_adaptive(f, e);
@@ -109,12 +109,19 @@ void ylm__grid_sync(ylm_grid *g) {
   v->evaluated = g->evaluated;
   v->lattice = g->lattice;
   v->stride = g->stride;
+  v->rows = g->rows;
   v->data = g->data;
   v->lambda = g->lambda;
   v->norm = g->norm;
   v->flags = g->flags;
   v->validity = g->validity;
   v->birth = g->birth;
+  v->sides = g->sides.n;
+  v->side = g->sides.side;
+  v->parts = g->sides.parts;
+  v->node = (const uint32_t(*)[8])g->sides.node;
+  v->asked = (const float(*)[3])g->sides.asked;
+  v->origin = g->origin;
   v->stats = &g->stats;
 }
 
@@ -125,6 +132,7 @@ ylm_grid *ylm__grid_new(const ylm_grid_form *form) {
   g->contents.count = (form->lmax + 1) * (form->lmax + 1);
   g->width = (uint32_t)(g->contents.count * form->channels);
   g->stride = (g->width + 7) / 8 * 8;
+  g->rows = form->sides ? 1 : 4;
   for (int a = 0; a < 3; a++) {
     g->contents.resolution[a] = form->kind == YLM_GRID_UNIFORM ? form->cells[a] : 1u << form->depth;
     g->last[a] = g->contents.resolution[a] - 1;
@@ -162,6 +170,8 @@ void ylm_grid_free(ylm_grid *g) {
   ylm__lattice_hash_free(&g->hash);
   ylm_free(g->birth);
   ylm_free(g->frames);
+  ylm_free(g->judge);
+  ylm__sides_free(&g->sides);
   if (g->follower) g->follower->free(g);
   ylm_free(g);
 }
@@ -191,7 +201,7 @@ ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more) {
   if (wanted <= g->point_room) return YLM_OK;
   if (wanted >= YLM_GRID_NONE) return YLM_ELIMIT;
   size_t room = g->point_room * 2 > wanted ? g->point_room * 2 : wanted;
-  size_t record = 4 * g->stride * sizeof(float), padding = ROW_PADDING * sizeof(float);
+  size_t record = ylm__grid_record(g) * sizeof(float), padding = ROW_PADDING * sizeof(float);
   if (room > SIZE_MAX / record - 1) return YLM_ENOMEM;
   float *data = ylm_regrow(g->data, g->data_bytes, room * record + padding);
   if (!data) return YLM_ENOMEM;
@@ -201,14 +211,16 @@ ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more) {
       !ylm_list_resize(&g->lambda, n, room, sizeof *g->lambda) ||
       !ylm_list_resize(&g->norm, n, room, sizeof *g->norm) ||
       !ylm_list_resize(&g->flags, n, room, 1) ||
-      (g->validity && !ylm_list_resize(&g->validity, n, room, sizeof *g->validity)))
+      (g->validity && !ylm_list_resize(&g->validity, n, room, sizeof *g->validity)) ||
+      (g->contents.form.sides &&
+       !ylm_list_resize(&g->sides.asked, n, room, sizeof *g->sides.asked)))
     return YLM_ENOMEM;
   g->point_room = room;
   return YLM_OK;
 }
 
 void ylm__grid_trim(ylm_grid *g) {
-  size_t n = g->points, bytes = (n * 4 * g->stride + ROW_PADDING) * sizeof(float);
+  size_t n = g->points, bytes = (n * ylm__grid_record(g) + ROW_PADDING) * sizeof(float);
   if (!n || n == g->point_room) return;
   float *data = ylm_regrow(g->data, g->data_bytes, bytes);
   if (!data) return;
@@ -262,7 +274,7 @@ void ylm__grid_find_baked(ylm_grid *g) {
 static void find_sources(ylm_grid *g) {
   for (size_t i = 0; i < g->cells; i++) {
     ylm_grid_cell *c = &g->cell[i];
-    bool root = i == 0 || g->contents.form.kind == YLM_GRID_UNIFORM;
+    bool root = i == 0 || g->contents.form.kind == YLM_GRID_UNIFORM || c->flags & YLM_GRID_SIDED;
     if (root || has_corners(c, g->points)) c->source = (uint32_t)i;
     for (uint32_t k = 0; c->child && k < 8; k++) g->cell[c->child + k].source = c->source;
   }
@@ -274,7 +286,9 @@ void ylm__grid_count(ylm_grid *g) {
   s->points = g->evaluated;
   s->interpolated = g->points - g->evaluated;
   s->cells = octree;
-  s->leaves = s->occupied = s->levels = s->continuity = s->invalid = s->tested = 0;
+  s->leaves = s->occupied = s->levels = s->continuity = s->invalid = s->tested = s->ghosts = 0;
+  s->crossed_leaves = g->sides.n;
+  s->parts = g->sides.parts;
   for (size_t i = 0; i < g->cells; i++) {
     const ylm_grid_cell *c = &g->cell[i];
     if (i >= octree) {
@@ -288,12 +302,15 @@ void ylm__grid_count(ylm_grid *g) {
   for (size_t i = 0; i < g->evaluated; i++) {
     s->invalid += (g->flags[i] & YLM_GRID_POINT_INVALID) != 0;
     s->tested += (g->flags[i] & YLM_GRID_POINT_TESTED) != 0;
+    s->ghosts += (g->flags[i] & YLM_GRID_POINT_GHOST) != 0;
   }
   s->bytes = g->hash.size * sizeof *g->hash.entry;
   size_t table = (size_t)g->top[0] * g->top[1] * g->top[2];
   s->bytes += g->cell_room * sizeof *g->cell + table * sizeof *g->table +
               g->point_room *
-                  (4 * g->stride * sizeof(float) + 3 * sizeof *g->lattice + 2 * sizeof(float) + 1);
+                  (ylm__grid_record(g) * sizeof(float) + 3 * sizeof *g->lattice + 2 * sizeof(float) + 1);
+  s->bytes += g->sides.n * sizeof *g->sides.side + g->sides.parts * sizeof *g->sides.node;
+  if (g->contents.form.sides) s->bytes += g->point_room * sizeof *g->sides.asked;
   s->bytes += g->birth_room * sizeof *g->birth + (g->follower ? g->follower->bytes(g) : 0);
 }
 
@@ -361,6 +378,7 @@ ylm_status ylm__grid_finish(ylm_grid *g) {
   ylm__grid_find_baked(g);
   find_sources(g);
   ylm_status s = ylm__grid_build_table(g);
+  if (s == YLM_OK && g->contents.form.sides) s = ylm__sides_index(g);
   if (s != YLM_OK) return s;
   ylm__grid_count(g);
   ylm__grid_sync(g);

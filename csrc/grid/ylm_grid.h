@@ -27,7 +27,6 @@ extern "C" {
 #define YLM_GRID_BLOCK 8192                    /* points of one call of the field in a bake */
 #define YLM_GRID_MAX_CELLS ((uint64_t)1 << 31) /* of a uniform grid */
 #define YLM_GRID_MAX_SIDE (1u << 20)           /* of a uniform grid: cells along an axis */
-#define YLM_GRID_MAX_BIAS 16
 
 typedef struct ylm_grid ylm_grid;
 typedef struct ylm_light_set ylm_light_set; /* ylm_light.h */
@@ -77,9 +76,9 @@ typedef struct ylm_grid_form {
   double tolerance;         /* adaptive: relative error promised; 0: none, use the threshold */
   bool continuous;          /* adaptive: no jumps across faces that change level */
   bool dynamic;             /* keeps what ylm_grid_update needs */
+  bool sides; /* voxels that surfaces cross hold a function for each part of their free space; probes are values alone,
+                 and interpolated along the axes. Needs ylm_grid_source.walls */
   ylm_grid_measure measure; /* adaptive, with a tolerance */
-  double bias;           /* factor of the biased look-up (ylm_grid_bias), by which held-out points
-                             with normals are looked up too; 0: none */
   ylm_quantity quantity; /* what it holds; a bake takes it from its field */
   double floor; /* of a tolerance of coefficients: smaller norms count as this one; 0: none do */
   ylm_grid_body body;     /* of visibilities; kept and saved */
@@ -96,13 +95,22 @@ typedef struct ylm_grid_mesh {
 
 typedef struct ylm_grid_backend ylm_grid_backend;
 
-/* The distance from x, which is relative to `origin` (NULL: 0), along a direction of length 1, to the first surface;
-   `far` where there is none before. Called on any of the threads. */
-typedef struct ylm_grid_reach {
-  double (*distance)(const void *self, const float x[3], const float direction[3], double far);
+/*
+** Surfaces that hide light, as a bake and look-ups ask for them. Positions are relative to `origin` (NULL: 0). Called on any
+** of the threads.
+**
+**   share   of the ways from a[i] to b[i]: the part of it before the first surface, 1 where there is none
+**   meets   whether a box (min, max) meets a triangle; NULL: nobody knows, look-ups alone may be asked for
+**   buried  of the directions from x in which surfaces are seen, the part that sees a side that is not used; *open: the part of
+**           all directions in which no surface is; NULL: no side is unused
+*/
+typedef struct ylm_grid_walls {
+  void (*share)(const void *self, size_t n, const float (*a)[3], const float (*b)[3], float *share);
+  bool (*meets)(const void *self, const double box[6]);
+  double (*buried)(const void *self, const float x[3], double *open);
   const void *self;
   const double *origin; /* [3], as long as `self` lives */
-} ylm_grid_reach;
+} ylm_grid_walls;
 
 /* From where, and how. */
 typedef struct ylm_grid_source {
@@ -115,12 +123,14 @@ typedef struct ylm_grid_source {
       *occupied_points; /* [occupied][3]; NULL: every voxel is occupied, or the back end has them */
   const void *normals; /* [occupied][3] of the points, unit, of their type: the sides that are seen;
                            NULL: none. Surfaces have both of theirs */
-  const ylm_grid_reach *reach; /* where surfaces are; NULL: not known */
-  const float *limits; /* [occupied] the most that the bias may be at each point; NULL: no limit */
+  const ylm_grid_walls *walls; /* of a grid with sides */
   size_t meshes;       /* surfaces instead of points: voxels that a triangle meets */
   const ylm_grid_mesh *mesh;    /* [meshes]; a dynamic grid keeps a copy */
   uint64_t seed;                /* of the choice of held-out points */
   size_t max_points;            /* YLM_ELIMIT beyond; 0: no limit but memory */
+  double aim; /* of a grid with sides and a tolerance: refinement is for this part of it, since another judge will also see
+                 the field's own error; 0: all of it */
+  size_t budget; /* of a grid with sides and a tolerance: refinement ends at so many points; 0: none */
   const ylm_grid *like;         /* a grid of much the same light, whose bake this one goes on from:
                                    estimates are those, and few points verify. NULL: none */
   int threads;                  /* 0: the default */
@@ -159,6 +169,9 @@ typedef struct ylm_grid_stats {
   uint64_t invalid;       /* points in or on a light, filled from their neighbours */
   uint64_t outside;       /* shading points outside of the bounds, moved onto them; triangles that
                              are not wholly within them, whose parts outside count for nothing */
+  uint64_t crossed_leaves, parts; /* of a grid with sides: leaves that surfaces cross, and their parts */
+  uint64_t ghosts;        /* of `points`: expanded from the nearest place that the part's class sees */
+  uint64_t joined;        /* parts beyond the most that a leaf can have, which count as parts of others */
   uint64_t bytes;         /* of memory that the grid holds */
   double seconds;         /* of the whole bake */
   double field_seconds;   /* of these, inside of the light field */
@@ -175,10 +188,9 @@ typedef struct ylm_grid_stats {
   double confidence;    /* of that bound; 0 in a grid that was loaded */
   double largest_error; /* of the points that judge it */
   uint64_t failed;      /* of the points that judge it: above the tolerance */
-  uint64_t crossed;     /* of these: looked up in voxels that occluders cross, where the field jumps
-                           (of a field that jumps; 0 in a grid that was loaded) */
   bool met;             /* error <= tolerance */
   bool limited;         /* not met because the depth is reached where it would refine */
+  bool spent;           /* not met because the budget of points is spent */
   ylm_grid_update_stats update;
 } ylm_grid_stats;
 
@@ -197,6 +209,19 @@ typedef struct ylm_grid_stats {
 */
 YLM_API ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *source,
                                  ylm_grid **g, ylm_error *e);
+
+/*
+** ylm_grid_judges - the places that have judged a grid with sides in its bake: for another judge, such as paths.
+**
+**   rows  out  [n][6] places and normals, scene units; NULL: only their number is wanted
+**
+** Returns  their number, at most 2048; 0: none has, or the grid was loaded
+*/
+YLM_API size_t ylm_grid_judges(const ylm_grid *g, double (*rows)[6]);
+/* The verdict of another judge becomes that of the grid's stats: of so many places, those above the tolerance, the error
+   that is exceeded by at most 1 % of all, the largest. */
+YLM_API void ylm_grid_verdict(ylm_grid *g, uint64_t verified, uint64_t failed, double error,
+                              double largest);
 YLM_API void ylm_grid_free(ylm_grid *g);
 /* Makes g what another grid is, which is freed. */
 YLM_API void ylm_grid_take(ylm_grid *g, ylm_grid *from);
@@ -328,7 +353,8 @@ enum {
   YLM_GRID_BAKED = 4,    /* all eight corners were evaluated */
   YLM_GRID_CROSSED = 8,  /* meets a light's surface */
   YLM_GRID_ADDED = 16,   /* exists for continuity only */
-  YLM_GRID_BRICK = 32    /* of the top of a grid in bricks: a leaf that a brick continues */
+  YLM_GRID_BRICK = 32,   /* of the top of a grid in bricks: a leaf that a brick continues */
+  YLM_GRID_SIDED = 64    /* a leaf that surfaces cross, which has parts; its corners are those of the first */
 };
 
 /* A voxel. Parents stand before their children, the eight children in a row, x fastest. */
@@ -347,8 +373,21 @@ typedef struct ylm_grid_cell {
 enum {
   YLM_GRID_POINT_INVALID = 1,      /* in or on a light: filled from valid neighbours */
   YLM_GRID_POINT_INTERPOLATED = 2, /* from the parent's interpolant, for continuity */
-  YLM_GRID_POINT_TESTED = 4        /* evaluated at first for a residual */
+  YLM_GRID_POINT_TESTED = 4,       /* evaluated at first for a residual */
+  YLM_GRID_POINT_GHOST = 8         /* stands for a corner that its parts do not see */
 };
+
+/*
+** Sides of a leaf that surfaces cross. Its box, and a quarter of its edge more on each side, is cut into 6 x 6 x 6 pieces, of
+** which those in the middle are its own. A part is a set of pieces that are seen from one place: there light is one function.
+*/
+#define YLM_GRID_PIECES 216
+#define YLM_GRID_PARTS 15 /* of a leaf, at most; as the number of a piece's part: none */
+typedef struct ylm_grid_side {
+  uint32_t cell, first;  /* the leaf; its first part among all */
+  uint32_t parts;        /* 0: nothing of it is free, and its light is 0 */
+  uint8_t part[YLM_GRID_PIECES / 2]; /* of pieces, x fastest: 4 bits each, the lower ones first */
+} ylm_grid_side;
 
 /* Where an interpolated point comes from: the interpolant of a cell, which its corners' levels
    precede, at place 0 .. 26 of its 3 x 3 x 3 half-edge lattice, x fastest. */
@@ -370,12 +409,18 @@ typedef struct ylm_grid_contents {
   size_t evaluated;
   const uint32_t *lattice; /* [points][3] lattice coordinates */
   size_t stride;           /* floats from one row of `data` to the next, >= channels*count */
-  const float *data;     /* [points][4][stride]: values [channels][count], then d/dx, d/dy, d/dz */
+  const float *data;     /* [points][rows][stride]: values [channels][count], then d/dx, d/dy, d/dz */
+  size_t rows;           /* 4; 1 in a grid with sides: values alone */
   const float *lambda;   /* [points]; NaN where interpolated */
   const float *norm;     /* [points] */
   const uint8_t *flags;  /* [points] YLM_GRID_POINT_* */
   const float *validity; /* [evaluated] as of ylm_field_result; NULL: the field told none */
   const ylm_grid_birth *birth; /* [points - evaluated]; NULL where there are none */
+  size_t sides, parts;         /* of a grid with sides */
+  const ylm_grid_side *side;
+  const uint32_t (*node)[8]; /* [parts] points at the corners, x fastest */
+  const float (*asked)[3];   /* [evaluated] where the field was asked for ghosts, relative to `origin` */
+  const double *origin;      /* [3] */
   const ylm_grid_stats *stats;
 } ylm_grid_contents;
 
@@ -513,6 +558,10 @@ typedef struct ylm_grid_query {
   int threads;                  /* 0: the default */
   const ylm_progress *progress; /* may be NULL */
   const double *origin;         /* [3] points are relative to it; NULL: to 0 */
+  /* In a grid with sides: */
+  const float (*normals)[3];   /* [n] of length 1, of the surfaces that the points lie on, to the side that is seen; NULL:
+                                  the points lie in free space */
+  const ylm_grid_walls *walls; /* a point's part is one that it sees; NULL: that of the piece in front of it */
 } ylm_grid_query;
 
 /*
@@ -533,7 +582,8 @@ YLM_API ylm_status ylm_grid_sample(const ylm_grid *g, const ylm_grid_query *q, s
 
 enum {
   YLM_GRID_SAMPLE_OUTSIDE = 1, /* outside of the bounds */
-  YLM_GRID_SAMPLE_UNBAKED = 2  /* in a voxel without data of its own */
+  YLM_GRID_SAMPLE_UNBAKED = 2, /* in a voxel without data of its own */
+  YLM_GRID_SAMPLE_BURIED = 4   /* in a body: of a voxel of which nothing is free darkness, else a part's light nearby */
 };
 
 /*
@@ -603,59 +653,6 @@ YLM_API ylm_status ylm_grid_track_sample(ylm_grid_track *track, const ylm_grid *
                                          const ylm_progress *progress, const ylm_grid_taker *taker,
                                          uint64_t *fresh, ylm_grid_report *report);
 
-/*
-** ylm_grid_bias - where a grid is looked up for points on surfaces, where its light jumps.
-**
-** A voxel that a surface cuts holds light of both its sides. A shading point x with normal n is
-** looked up at x + b n, in a voxel beyond the surface's plane:
-**
-**   b = factor * (h_x |n_x| + h_y |n_y| + h_z |n_z|)
-**
-** h edges of the leaf at x, or of that at x + b n where it is larger. Beside other surfaces, in
-** concave edges, it is moved away from these too, by as much as they are nearer than a voxel is
-** thick; between two of them to their middle.
-**
-**   factor   in   of ylm_grid_form.bias; 0: points are looked up where they are
-**   origin   in   [3] points and places are relative to it; NULL: to 0
-**   points   in   [n][3] any finite position
-**   normals  in   [n][3] unit, on the side that is seen
-**   limit    in   [n] the most that b may be, such as half of the distance to the first hit along
-**                 n; NULL: no limit
-**   reach    in   NULL: nobody knows other surfaces
-**   places   out  [n][3]
-**
-** Cost     four rays a point
-*/
-YLM_API void ylm_grid_bias(const ylm_grid *g, double factor, const double *origin, size_t n,
-                           const float (*points)[3], const float (*normals)[3], const float *limit,
-                           const ylm_grid_reach *reach, float (*places)[3], int threads);
-
-/* Of biased look-ups: the mean and the largest distance. */
-typedef struct ylm_grid_bias_report {
-  double mean, largest;
-} ylm_grid_bias_report;
-
-/*
-** ylm_grid_sample_biased - interpolate coefficients at points on surfaces, looked up elsewhere.
-**
-**   value = L(place) + t (x - place) . grad L(place),     L the interpolant
-**
-** t is 1, or less where the mean light of a channel, degree 0, would change by more than half of
-** itself: behind the edge of a shadow light would be below zero. Where the place is x the value
-** is that of ylm_grid_sample, to the bit.
-**
-**   q        in   points and values are float, whatever it says
-**   places   in   [n][3] of ylm_grid_bias
-**   value    out  [n][channels][count]
-**   report   out  of the places; may be NULL
-**
-** Returns  as ylm_grid_sample
-** Cost     a sample with its gradient: about 3 times one without
-*/
-YLM_API ylm_status ylm_grid_sample_biased(const ylm_grid *g, const ylm_grid_query *q, size_t n,
-                                          const float (*points)[3], const float (*places)[3],
-                                          float *value, ylm_grid_report *report, ylm_error *e);
-
 /* The grid as a light field (Hermite, clamped): value, gradient, and lambda and norm interpolated.
    The field has no Hessian, and no degree above the grid's. */
 YLM_API const ylm_field *ylm_grid_field(const ylm_grid *g);
@@ -682,7 +679,7 @@ typedef struct ylm_grid_bricks {
 /*
 ** ylm_grid_bake_bricks - make a grid in bricks, or go on with it.
 **
-**   form    in  adaptive, not dynamic, without bias, with measure YLM_GRID_COEFFICIENTS
+**   form    in  adaptive, not dynamic, without sides, with measure YLM_GRID_COEFFICIENTS
 **   source  in  as of ylm_grid_bake, without back end; max_points is of the sum over bricks
 **
 ** Returns  as ylm_grid_bake; YLM_EINVAL also where the folder is another bake's, YLM_EBUSY where another

@@ -81,7 +81,8 @@
   X(shade_virtual)                                                                                 \
   X(traced)                                                                                        \
   X(transfer)                                                                                      \
-  X(vectors)
+  X(vectors)                                                                                       \
+  X(walls)
 
 #define X(name) void ylmL_open_##name(lua_State *L);
 YLML_CORE_BINDINGS(X)

@@ -78,14 +78,15 @@ static const ylmL_entry form_entries[] = {
          .optional = true),
     YLML(form_entry, f.quantity, "quantity", CHOICE, .choices = ylmL_quantity_choices,
          .optional = true),
-    YLML(form_entry, f.bias, "bias", DOUBLE, .optional = true),
     YLML(form_entry, f.floor, "floor", DOUBLE, .optional = true),
     YLML(form_entry, body, "body", NUMBERS, .optional = true),
     YLML(form_entry, f.prints, "prints", READ, .read = read_prints),
     YLML(form_entry, other, "normals", VALUE),
-    YLML(form_entry, other, "limits", VALUE),
     YLML(form_entry, other, "team", VALUE),
-    YLML(form_entry, other, "reach", VALUE),
+    YLML(form_entry, f.sides, "sides", BOOL, .optional = true),
+    YLML(form_entry, other, "walls", VALUE),
+    YLML(form_entry, other, "budget", VALUE),
+    YLML(form_entry, other, "aim", VALUE),
     YLML(form_entry, other, "like", VALUE),
     YLML(form_entry, other, "bricks", VALUE),
     {.name = NULL}};
@@ -129,12 +130,12 @@ const ylm_grid_mesh *ylmL_grid_meshes(lua_State *L, int i, size_t *n) {
   return mesh;
 }
 
-const ylm_grid_reach *ylmL_grid_reach(lua_State *L, int i, ylm_grid_reach *reach) {
+const ylm_grid_walls *ylmL_grid_walls(lua_State *L, int i, ylm_grid_walls *walls) {
   size_t size;
   const char *bytes = lua_tolstring(L, i, &size);
-  if (!bytes || size != sizeof *reach) return NULL;
-  memcpy(reach, bytes, sizeof *reach);
-  return reach;
+  if (!bytes || size != sizeof *walls) return NULL;
+  memcpy(walls, bytes, sizeof *walls);
+  return walls;
 }
 
 /* The array `name` of the table, which keeps it, or NULL. */
@@ -159,17 +160,20 @@ ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress) {
     const ylmL_array *normals = named_array(L, 1, "normals");
     if (normals && normals->count == occupied->count && normals->dtype == occupied->dtype)
       s.normals = normals->data;
-    const ylmL_array *limits = named_array(L, 1, "limits");
-    if (limits && limits->dtype == YLM_FLOAT && limits->count == s.occupied)
-      s.limits = limits->data;
   }
   if (surfaces) s.mesh = ylmL_grid_meshes(L, 3, &s.meshes);
   lua_getfield(L, 1, "team");
   s.team = ylmL_team_opt(L, -1); /* the table keeps it */
   lua_pop(L, 1);
-  lua_getfield(L, 1, "reach");
-  ylm_grid_reach *room = lua_newuserdata(L, sizeof *room); /* stays on the stack */
-  s.reach = ylmL_grid_reach(L, -2, room);
+  lua_getfield(L, 1, "aim");
+  s.aim = (double)lua_tonumber(L, -1);
+  lua_pop(L, 1);
+  lua_getfield(L, 1, "budget");
+  s.budget = (size_t)lua_tonumber(L, -1);
+  lua_pop(L, 1);
+  lua_getfield(L, 1, "walls");
+  ylm_grid_walls *walls = lua_newuserdata(L, sizeof *walls); /* stays on the stack */
+  s.walls = ylmL_grid_walls(L, -2, walls);
   lua_getfield(L, 1, "like"); /* the form keeps it */
   if (!lua_isnil(L, -1)) s.like = ylmL_grid_check(L, lua_gettop(L));
   lua_pop(L, 1);

@@ -54,7 +54,7 @@
 #define NOISE_RAYS_LEAST 256
 #define NOISE_RAYS_MOST 4096
 /* Points whose surfaces are asked for at once. */
-#define SHADE_BIAS_POINTS 64
+#define SHADE_FLATS 64
 
 /* -- noise: noise.c, links.c --------------------------------------------------------------------- */
 

@@ -312,61 +312,8 @@ YLM_API ylm_status ylm_shade_field(const ylm_shade_view *view, const ylm_field *
 */
 YLM_API ylm_status ylm_shade_grid(const ylm_shade_view *view, const ylm_grid *grid,
                                   ylm_shade_weight weight, ylm_grid_interpolation interpolation,
-                                  int threads, const ylm_progress *progress, float *out,
-                                  ylm_grid_report *report, ylm_error *e);
-
-/*
-** ylm_shade_limits - halves of the distances from n shading points to the first surface along their
-** normals.
-**
-**   flat   in   [n][3] of ylm_shade_view_flats
-**   most   in   distances beyond twice this are infinite
-**   limit  out  [n] scene units
-**
-** Returns  YLM_OK, YLM_ENOMEM
-*/
-YLM_API ylm_status ylm_shade_limits(const ylm_shade_view *view, size_t first, size_t n,
-                                    const float (*flat)[3], float most, float *limit);
-
-/* The distance from x along a direction of length 1 to the first occluding surface of a ylm_scene, or
-   `far`: of ylm_grid_reach. */
-YLM_API double ylm_shade_reach(const void *scene, const float x[3], const float direction[3],
-                               double far);
-
-/*
-** ylm_shade_bias - where n shading points from `first` on look a grid up: ylm_grid_bias, at most half
-** of the way to the first hit along the normal.
-**
-**   factor  in   of ylm_grid_form.bias
-**   flat    in   [n][3] of ylm_shade_view_flats
-**   places  out  [n][3]
-**
-** Returns  YLM_OK, YLM_ENOMEM
-** Cost     five rays a point
-*/
-YLM_API ylm_status ylm_shade_bias(const ylm_shade_view *view, const ylm_grid *grid, double factor,
-                                  size_t first, size_t n, const float (*flat)[3],
-                                  float (*places)[3]);
-
-/*
-** ylm_shade_grid_biased - ylm_shade_grid, looked up beside surfaces (ylm_shade_bias,
-** ylm_grid_sample_biased): of grids whose light jumps there.
-**
-**   factor  in   0: looked up at the points themselves, as ylm_shade_grid does
-**   window  in   [lmax+1] of the grid: what degrees of its light are multiplied by; NULL: 1
-**   report  out  points outside and unbaked, of the places that are looked up; may be NULL
-**   bias    out  of the distances; may be NULL
-**
-** Returns  as ylm_shade_grid
-** Cost     a ray per point, and samples with gradients
-*/
-YLM_API ylm_status ylm_shade_grid_biased(const ylm_shade_view *view, const ylm_grid *grid,
-                                         ylm_shade_weight weight,
-                                         ylm_grid_interpolation interpolation, double factor,
-                                         const double *window, int threads,
-                                         const ylm_progress *progress, float *out,
-                                         ylm_grid_report *report, ylm_grid_bias_report *bias,
-                                         ylm_error *e);
+                                  const double *window, int threads, const ylm_progress *progress,
+                                  float *out, ylm_grid_report *report, ylm_error *e);
 
 /* Radiance of a view under a dynamic grid, kept from one rendering to the next. */
 typedef struct ylm_shade_memory ylm_shade_memory;

@@ -67,4 +67,9 @@
    exceed the caches. */
 #define SUM_AHEAD 8
 
+/* -- boxes.c -------------------------------------------------------------------------------------- */
+
+/* Triangles of a leaf at most. */
+#define MEETS_LEAF 4
+
 #endif

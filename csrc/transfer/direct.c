@@ -143,7 +143,6 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
 /* Light by coefficients. */
 typedef struct by_field {
   const ylm_transfer *t;
-  const ylm_grid *grid;
   int lmax;
   size_t count;   /* coefficients of a channel */
   double *zonal;  /* [lmax+1] of the cosine; NULL: T0 is used */
@@ -176,15 +175,11 @@ static ylm_status dot(const by_field *x, size_t first, size_t n, float *E0) {
   return s;
 }
 
-ylm_status ylm__transfer_beside(const ylm_transfer *t, const ylm_grid *grid, size_t n,
-                                const float (*place)[3], const float (*normal)[3],
-                                float (*out)[3]) {
+void ylm__transfer_off(const ylm_transfer *t, size_t n, const float (*place)[3],
+                       const float (*normal)[3], float (*out)[3]) {
   float b = (float)(t->form.spacing / 2);
-  if (grid)
-    ylm_grid_bias(grid, 1, ylm_scene_origin(t->scene), n, place, normal, NULL, NULL, out, 1);
-  for (size_t i = 0; !grid && i < n; i++)
+  for (size_t i = 0; i < n; i++)
     for (int a = 0; a < 3; a++) out[i][a] = place[i][a] + b * normal[i][a];
-  return YLM_OK;
 }
 
 static ylm_status ask(const by_field *x, const ylm_field *field, int threads,
@@ -203,19 +198,17 @@ static ylm_status ask(const by_field *x, const ylm_field *field, int threads,
     ylm_field_result out = {.value = x->light};
     const float(*place)[3] = (const float(*)[3])x->t->centre + first;
     if (x->zonal) {
-      s = ylm__transfer_beside(x->t, x->grid, part, place, (const float(*)[3])x->t->normal + first,
-                               x->place);
+      ylm__transfer_off(x->t, part, place, (const float(*)[3])x->t->normal + first, x->place);
       place = (const float(*)[3])x->place;
     }
-    if (s == YLM_OK) s = ylm_field_evaluate(field, &q, part, place, &out, e);
+    s = ylm_field_evaluate(field, &q, part, place, &out, e);
     if (s == YLM_OK) s = dot(x, first, part, E0);
     if (s == YLM_OK) s = ylm_report(progress, first + part, n, "direct");
   }
   return s;
 }
 
-ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, const ylm_grid *grid,
-                               int lmax, int threads, const ylm_progress *progress, ylm_error *e) {
+ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int lmax, int threads, const ylm_progress *progress, ylm_error *e) {
   const ylm_transfer *t = r->t;
   double begun = ylm_seconds();
   bool shadowed = field->quantity != YLM_QUANTITY_lights;
@@ -223,7 +216,7 @@ ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, const y
     return ylm_fail(e, YLM_EINVAL, "the links were made without transfer vectors (lmax)");
   if (lmax < 0 || lmax > (shadowed ? YLM_TRANSFER_LMAX : t->form.lmax))
     return ylm_fail(e, YLM_ERANGE, "lmax %d is beyond that of the links", lmax);
-  by_field x = {.t = t, .grid = grid, .lmax = lmax, .count = ylm_sh_count(lmax)};
+  by_field x = {.t = t, .lmax = lmax, .count = ylm_sh_count(lmax)};
   float *E0 = ylm_alloc_zero(t->elements + 1, 16);
   x.place = ylm_alloc(DIRECT_ASKED, 12);
   x.light = ylm_alloc(DIRECT_ASKED * 3 * x.count, sizeof *x.light);

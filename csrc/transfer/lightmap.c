@@ -101,8 +101,8 @@ static ylm_status add_field(const job *j, scratch *x, size_t n, float *E) {
   ylm_field_result out = {.value = x->light};
   ylm_status s = is_shadowed(j) ? cosines(j, x, n) : YLM_OK;
   if (s == YLM_OK && is_shadowed(j))
-    s = ylm__transfer_beside(j->r->t, j->m->grid, n, (const float(*)[3])x->origin,
-                             (const float(*)[3])x->normal, x->origin);
+    ylm__transfer_off(j->r->t, n, (const float(*)[3])x->origin, (const float(*)[3])x->normal,
+                      x->origin);
   if (s == YLM_OK) s = ylm_field_evaluate(j->m->field, &q, n, x->origin, &out, NULL);
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     for (size_t c = 0; c < 3; c++) {

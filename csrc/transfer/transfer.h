@@ -112,10 +112,18 @@ float *ylm__transfer_reflected(const ylm_transfer *t, const float *vectors, doub
 
 /* -- direct.c ------------------------------------------------------------------- */
 
-/* Where light that jumps at surfaces is asked for, for n places on them: off them, by the grid's voxels or by half a
-   spacing where there is none. */
-ylm_status ylm__transfer_beside(const ylm_transfer *t, const ylm_grid *grid, size_t n,
-                                const float (*place)[3], const float (*normal)[3], float (*out)[3]);
+/* Where light that jumps at surfaces is asked for, for n places on them: half a spacing off them. */
+void ylm__transfer_off(const ylm_transfer *t, size_t n, const float (*place)[3],
+                       const float (*normal)[3], float (*out)[3]);
+
+/* -- boxes.c: boxes and triangles ------------------------------------------------------------- */
+
+struct transfer_boxes;
+/* The triangles of a scene that occlude. To be freed in any case. */
+ylm_status ylm__boxes_create(const ylm_scene *s, struct transfer_boxes **b);
+void ylm__boxes_free(struct transfer_boxes *b);
+/* Whether a box (min, max) meets any of them. */
+bool ylm__boxes_meet(const struct transfer_boxes *b, const double box[6]);
 
 /* -- coarse.c ------------------------------------------------------------------- */
 

@@ -186,8 +186,7 @@ YLM_API const ylm_transfer *ylm_radiosity_transfer(const ylm_radiosity *r);
 ** ylm_radiosity_field - direct light from coefficients of degree <= lmax. Of a field of lights E0 = T0 . L with L at the
 ** elements' centres and T0 of ylm_transfer_escape, lmax at most that of T0: it knows no shadow of what is nearer than a
 ** light and takes what is behind one for an occluder. Of a field that holds shadows E0 = A . L, A
-** the cosine. L is that half a spacing off the surface, or as far as ylm_grid_bias says of `grid`,
-** if the field is one's (else NULL).
+** the cosine. L is that half a spacing off the surface.
 **
 ** ylm_radiosity_set - direct light that is given, irradiance E0 [elements][3], W m^-2.
 **
@@ -197,9 +196,8 @@ YLM_API const ylm_transfer *ylm_radiosity_transfer(const ylm_radiosity *r);
 YLM_API ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int light_samples,
                                       uint64_t seed, int threads, const ylm_progress *progress,
                                       ylm_error *e);
-YLM_API ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field,
-                                       const ylm_grid *grid, int lmax, int threads,
-                                       const ylm_progress *progress, ylm_error *e);
+YLM_API ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int lmax,
+                                       int threads, const ylm_progress *progress, ylm_error *e);
 YLM_API void ylm_radiosity_set(ylm_radiosity *r, const float *E0);
 
 /*
@@ -252,8 +250,7 @@ typedef struct ylm_radiosity_map {
   bool indirect;          /* with the light that elements send */
   const ylm_scene *scene; /* direct light by rays to the lamps of this scene, or NULL */
   const ylm_field *field; /* direct light by coefficients of degree <= lmax, or NULL */
-  const ylm_grid *grid;   /* and these two, as ylm_radiosity_field takes them */
-  int lmax;
+  int lmax;               /* of it, as ylm_radiosity_field takes both */
   int links, light_samples; /* of a texel */
   int gutter;               /* how many texels beside the mesh take the mean of their neighbours */
   uint64_t seed;
@@ -303,12 +300,6 @@ typedef struct ylm_gather_form {
       tolerance; /* of shadow rays of direct light: groups are looked at closer until they matter less than an eighth of it */
   bool
       remember; /* keep each point's cells: the field asked again there, after another solution, traces shadow rays alone */
-  bool
-      within; /* points on the sides of the box around all meshes, or outside by up to a thousandth of its
-                  diagonal, stand so far inside of it: walls there are seen from within; false: at
-                  those sides alone most of which is surfaces that look inwards, and have no less
-                  light in the last solution than those that look outwards */
-  bool refine_surfaces; /* boxes that meet triangles are crossed by what the field jumps on */
   uint64_t seed;
   const ylm_scene *lamps; /* whose lamps and sky give direct light; NULL: the transfer's scene */
 } ylm_gather_form;
@@ -350,6 +341,19 @@ YLM_API ylm_status ylm_gather_noise(const ylm_gather *g, size_t n, const float (
 YLM_API size_t ylm_gather_directions(const ylm_gather *g, const float point[3], size_t room,
                                      float (*direction)[3]);
 YLM_API void ylm_gather_look(const ylm_gather *g, ylm_gather_stats *stats);
+
+/* -- walls: reach.c ----------------------------------------------------------------- */
+
+/* A scene's surfaces as bakes of grids with sides ask for them (ylm_grid_walls). */
+typedef struct ylm_walls ylm_walls;
+/* `transfer` knows which sides of surfaces are used; NULL: all are. Both must outlive the walls. YLM_OK; YLM_ENOMEM */
+YLM_API ylm_status ylm_walls_create(const ylm_scene *scene, const ylm_transfer *transfer,
+                                    ylm_walls **walls);
+YLM_API void ylm_walls_free(ylm_walls *w);
+YLM_API ylm_grid_walls ylm_walls_look(const ylm_walls *w);
+/* ylm_grid_walls.share, whose self is a ylm_scene: all that look-ups need. */
+YLM_API void ylm_walls_share(const void *scene, size_t n, const float (*a)[3], const float (*b)[3],
+                             float *share);
 
 /* -- distant light ---------------------------------------------------------------- */
 

@@ -23,10 +23,10 @@ field.protocol = {
   __join = "(lights) -> lights among which this field is, as one field with the metric of bakes",
   __for_bake = "(field, request) -> the field that a bake asks instead, known well enough for its tolerance",
   __for_grid = "(body, description, options) -> options of the bake of a body's visibility, { centre, radius, area }",
-  __reach = "(field) -> distances to the surfaces at which its light jumps",
+  __walls = "(object, name) -> the surfaces that hide light, for bakes and look-ups; of fields and scenes",
   -- places where light is needed
   __positions = "(view, name, device) -> points [n][3] in the memory of the device",
-  __normals = "(view, name, flat) -> normals [n][3] at these points, of triangles where flat, then with distances [n]",
+  __normals = "(view, name, flat) -> normals [n][3] at these points, of triangles where flat",
   -- all objects
   __device = "(object) -> the device on which its numbers lie",
   __kind = "the name of the form that made it",
@@ -36,8 +36,8 @@ field.protocol = {
 --- The function that answers a question of the protocol about an object; nil where its kind has none.
 local function answer_of(x, question)
   assert(field.protocol[question], question)
-  local kind = core.type(x)
-  return kind and kind ~= "ylm.array" and getmetatable(x)[question] or nil
+  local kind, metatable = core.type(x), type(x) ~= "string" and getmetatable(x)
+  return kind ~= "ylm.array" and type(metatable) == "table" and metatable[question] or nil
 end
 
 --- The answer of an object to a question of the protocol; nothing where its kind has none.
@@ -98,8 +98,8 @@ function methods:for_bake(request)
   return self
 end
 
---- Distances to the surfaces at which its light jumps; nil where it tells none.
-function methods:reach() return field.ask(self.object, "__reach") end
+--- The surfaces at which its light jumps; nil where it tells none. Or nil, message, code.
+function methods:walls() return field.ask(self.object, "__walls", "bake") end
 
 --- A function that tells what light behind bodies has multiplied since now; it returns nil where there is none.
 function methods:tally() return light.tally(self.object) end

@@ -232,6 +232,7 @@ progress.stages = {
   { "sampling", "a grid is interpolated at points" },
   { "shading", "light is asked for at the points of a picture, and reflected" },
   { "shadows", "light behind bodies that move is found" },
+  { "sides", "voxels that walls cross are cut into parts" },
   { "spheres", "spheres fill a closed mesh" },
   { "spherical harmonics", "basis functions are evaluated" },
   { "table", "a material is tabulated" },

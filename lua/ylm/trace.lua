@@ -112,6 +112,19 @@ function tracing.trace(name, s)
   return new
 end
 
+--- The surfaces of a scene that hide light, as core's bakes and look-ups take them; nil, message, code.
+function tracing.walls(name, s)
+  local t, message, code = tracing.trace(name, s)
+  if not t then return nil, message, code end
+  if not t.walls then
+    local object, bytes, why = t.lib.scene_walls(t.handle)
+    object, bytes, code = check.result(name, object, bytes, why)
+    if not object then return nil, bytes, code end
+    t.walls = { object = object, bytes = bytes }
+  end
+  return t.walls.bytes
+end
+
 --- Raises where lights, or a list among them, hold light of which rays see nothing: a light field without lamps. pack.pack
 -- refuses grids.
 local function check_rays(name, lights, depth)

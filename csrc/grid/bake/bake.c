@@ -115,6 +115,7 @@ static ylm_status bake(baker *b) {
   size_t voxels = 0;
   ylm_status s = occupy(b, &voxels);
   if (s != YLM_OK) return s;
+  if (b->g->contents.form.sides) return ylm__sides_bake(b);
   if (b->g->contents.form.tolerance > 0) return ylm__tolerance_bake(b);
   s = ylm__refine(b, voxels);
   return s == YLM_OK ? ylm__finish(b) : s;
@@ -126,6 +127,10 @@ ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_source *sourc
   *out = NULL;
   ylm_status s = ylm__grid_check_form(form, e);
   if (s == YLM_OK) s = ylm__grid_check_source(source, form->dynamic, e);
+  if (s == YLM_OK && form->sides && !(source->walls && source->walls->meets))
+    s = ylm_fail(e, YLM_EINVAL, "a grid with sides needs to know where surfaces are");
+  if (s == YLM_OK && form->sides && source->backend)
+    s = ylm_fail(e, YLM_EINVAL, "device: a grid with sides is baked by the processor");
   if (s == YLM_OK && source->like) s = check_like(form, source, e);
   if (s == YLM_OK && source->backend) s = check_back_end(form, e);
   if (s == YLM_OK && form->dynamic && source->backend)

@@ -116,6 +116,8 @@ ylm_grid_backend ylm__processor_backend(baker *b);
 
 /* The index of the point at lattice coordinates; a new one waits for ylm__backend_evaluate. */
 ylm_status ylm__corners_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index);
+/* Room for one more point. YLM_ELIMIT: there are as many as may be. */
+ylm_status ylm__corners_room(baker *b);
 /* Finds the corners of the wave's cells; new points wait, in the order of cells. */
 ylm_status ylm__corners_find(baker *b);
 /* b->parent, of cells that the caller has made. */
@@ -181,13 +183,19 @@ static inline const ylm_grid_cell *cells_before(const baker *b, const ylm_grid_c
   return b->before && c->source != YLM_GRID_NONE ? &b->before[c->source] : NULL;
 }
 
-/* -- occupy_lookups.c ----------------------------------------------------------------------- */
+/* -- sides/bake.c ------------------------------------------------------------------------------ */
 
-/* True if points have normals, and are looked up beside their surfaces. */
-bool ylm__beside_wanted(const ylm_grid *g, const ylm_grid_source *s);
-/* Voxels of each level that are looked up beside surfaces are occupied too; of a lattice, marked. */
-ylm_status ylm__beside_mark(occupancy *o, const ylm_grid *g, const ylm_grid_source *s);
-ylm_status ylm__beside_mark_uniform(const ylm_grid *g, const ylm_grid_source *s, uint8_t *mark);
+/* A grid with sides, of the voxels that the wave holds. */
+ylm_status ylm__sides_bake(baker *b);
+
+/* Is a place, relative to the walls' origin, in a body? Of indirect light also behind surfaces whose other sides alone are used:
+   nothing sends light there. Other light may come from where no surface is. */
+static inline bool place_buried(const ylm_grid *g, const ylm_grid_walls *w, const float x[3]) {
+  double open, share = w->buried ? w->buried(w->self, x, &open) : 0;
+  if (!w->buried) return false;
+  bool indirect = g->contents.form.quantity == YLM_QUANTITY_indirect;
+  return (indirect ? share : share * (1 - open)) > SIDES_BURIED;
+}
 
 /* -- measure.c ---------------------------------------------------------------------------------- */
 

@@ -18,9 +18,6 @@
 /* Factor of a voxel's estimate at first; it only grows. With 0.5, and LET_GO 0.001, STEP 2, the
    lamps took 2977, 5386, 8948, 16613 points. */
 #define FIRST_TIGHT 0.35
-/* Its first value where points are looked up beside surfaces: the metric itself is the estimate then, since values carried
-   back over a voxel's thickness err as its square. */
-#define FIRST_TIGHT_BIASED 0.1
 /* Ratios of residual to squared metric before their quantiles are trusted; before, the metric alone
    is the estimate. */
 #define FEW_RATIOS 32
@@ -90,8 +87,18 @@
    largest coordinate relative to the scene's origin. */
 #define SIDES_OFF 0x1p-10
 #define SIDES_ROUNDING 0x1p-20
-/* Light jumps within a voxel where values along an edge miss their slopes by more than this part of the larger norm. */
-#define SIDES_JUMP 0.25
+
+/* A place is buried where more of the directions that see surfaces see sides that are not used. */
+#define SIDES_BURIED 0.5
+/* The part of a ghost's norm that its way to the corner may change. */
+#define GHOST_MOST 0.5
+/* A place with less air above it than this part of the longest edge is covered; rays start so far off. */
+#define COVERED 0x1p-8
+#define COVERED_OFF 0x1p-14
+/* Draws for the places of a round, where most are left out. */
+#define HELD_TRIES 16
+/* Rays by which a place finds that it sees no surface. */
+#define SKYWARD 32
 
 /* -- occupied voxels: occupancy.c, occupancy_triangles.c, surface.c ------------------------- */
 

@@ -57,18 +57,18 @@ typedef struct interpolation {
 static void interpolate_births(ylm_grid *g, const uint32_t *order, int n, const ylm_grid_cell *c) {
   sample_batch b = {.points = n,
                     .width = (int)g->width,
-                    .derivatives = 1,
+                    .derivatives = g->rows > 1,
                     .sparse = true,
-                    .interpolation = YLM_GRID_HERMITE};
+                    .interpolation = ylm__grid_interpolation(g, YLM_GRID_HERMITE)};
   ylm__grid_set_cell(g, c, &b);
   for (int i = 0; i < n; i++) {
     size_t p = g->evaluated + order[i];
     uint32_t place = g->birth[order[i]].place;
-    float *to = g->data + p * 4 * g->stride, t[3];
+    float *to = g->data + p * ylm__grid_record(g), t[3];
     for (int a = 0; a < 3; a++, place /= 3) b.t[a][i] = t[a] = 0.5f * (float)(place % 3);
     b.value[i] = to;
-    for (size_t a = 0; a < 3; a++) b.gradient[a][i] = to + (a + 1) * g->stride;
-    for (size_t r = 0; r < 4; r++)
+    for (size_t a = 0; b.derivatives && a < 3; a++) b.gradient[a][i] = to + (a + 1) * g->stride;
+    for (size_t r = 0; r < g->rows; r++)
       memset(to + r * g->stride + g->width, 0, (g->stride - g->width) * sizeof *to);
     interpolate_metric(g, c, t, p);
   }
@@ -275,6 +275,7 @@ static ylm_status find_hanging(void *context, size_t begin, size_t end, int work
       if (!ylm__grid_side(j->g, at, side, beside)) continue;
       uint32_t cell = ylm__grid_finest(j->g, beside);
       const ylm_grid_cell *c = &j->g->cell[cell];
+      if (c->flags & YLM_GRID_SIDED) continue;
       if (!(c->flags & YLM_GRID_BAKED) || hangs(j->g, c, at))
         __atomic_store_n(&j->leaf[cell], 1, __ATOMIC_RELAXED);
     }

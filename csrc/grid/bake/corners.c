@@ -16,6 +16,12 @@ static ylm_status reserve_used(baker *b) {
   return YLM_OK;
 }
 
+ylm_status ylm__corners_room(baker *b) {
+  if (b->source->max_points && b->g->points >= b->source->max_points) return YLM_ELIMIT;
+  ylm_status s = ylm__grid_reserve_points(b->g, 1);
+  return s == YLM_OK ? reserve_used(b) : s;
+}
+
 ylm_status ylm__corners_point(baker *b, const uint32_t at[3], uint8_t flags, uint32_t *index) {
   ylm_grid *g = b->g;
   ylm_status s = ylm__lattice_hash_reserve(&b->g->hash, b->g->hash.used + 1);

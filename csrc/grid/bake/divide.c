@@ -121,12 +121,11 @@ ylm_status ylm__divide_same(ylm_team *t, const ylm_grid_form *f, const ylm_grid_
   add(&a, "threshold", &f->threshold, sizeof f->threshold);
   add(&a, "tolerance", &f->tolerance, sizeof f->tolerance);
   add(&a, "continuity, measure or quantity", &flags, sizeof flags);
-  add(&a, "bias", &f->bias, sizeof f->bias);
+  add(&a, "sides", &f->sides, sizeof f->sides);
   add(&a, "seed", &source->seed, sizeof source->seed);
   add(&a, "limit of points", &source->max_points, sizeof source->max_points);
   add(&a, "list of occupied points", points ? source->occupied_points : NULL, bytes);
   add(&a, "list of normals", points ? source->normals : NULL, bytes);
-  add(&a, "list of limits of the bias", points ? source->limits : NULL, points * sizeof(float));
   add(&a, "geometry", &meshes, sizeof meshes);
   return ylm_team_same(t, "", a.n, a.name, a.value, e);
 }

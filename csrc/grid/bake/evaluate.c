@@ -75,6 +75,10 @@ ylm_status ylm__evaluate_ask(baker *b, const ylm_field *field, size_t n, field_b
 
 void ylm__grid_asked(const ylm_grid *g, uint32_t point, float out[3]) {
   double p[3];
+  if (g->flags[point] & YLM_GRID_POINT_GHOST) {
+    memcpy(out, g->sides.asked[point], sizeof *g->sides.asked);
+    return;
+  }
   ylm_grid_position(g, g->lattice + 3 * (size_t)point, p);
   ylm__grid_inward(g, p, out);
 }
@@ -91,6 +95,18 @@ static size_t point_of(const evaluation *j, size_t i) {
   return j->list ? j->list[i] : j->first + i;
 }
 
+/* Shortens a ghost's way d so that light changes by at most GHOST_MOST of its norm on it. */
+static void shorten(size_t w, const float *value, const float *slope, float d[3]) {
+  double norm = 0, change = 0;
+  for (size_t c = 0; c < w; c++) {
+    double x = (double)carried(0, d, slope + 3 * c);
+    norm += (double)value[c] * (double)value[c];
+    change += x * x;
+  }
+  double most = GHOST_MOST * sqrt(norm), way = sqrt(change);
+  for (int a = 0; way > most && a < 3; a++) d[a] *= (float)(most / way);
+}
+
 /*
 ** Puts a block's results in their places. The field was asked at positions rounded to float; the
 ** gradient carries the value over the last bit to the exact lattice position.
@@ -104,22 +120,23 @@ static ylm_status store_block(void *context, size_t begin, size_t end, int worke
   for (size_t i = begin; i < end; i++) {
     double exact[3];
     size_t p = point_of(j, i);
-    float d[3], *to = g->data + p * 4 * g->stride;
+    float d[3], *to = g->data + p * ylm__grid_record(g);
     ylm_grid_position(g, g->lattice + 3 * p, exact);
     for (size_t a = 0; a < 3; a++)
       d[a] = (float)(exact[a] - g->origin[a] - (double)k->position[3 * i + a]);
     const float *value = k->value + i * w, *slope = k->gradient + i * w * 3;
+    if (g->flags[p] & YLM_GRID_POINT_GHOST) shorten(w, value, slope, d);
     for (size_t c = 0; c < w; c++) {
       to[c] = carried(value[c], d, slope + 3 * c);
-      for (size_t a = 0; a < 3; a++) to[(a + 1) * g->stride + c] = slope[3 * c + a];
+      for (size_t a = 0; a + 1 < g->rows; a++) to[(a + 1) * g->stride + c] = slope[3 * c + a];
     }
-    for (size_t a = 0; a < 4; a++) memset(to + a * g->stride + w, 0, (g->stride - w) * sizeof *to);
+    for (size_t a = 0; a < g->rows; a++) memset(to + a * g->stride + w, 0, (g->stride - w) * sizeof *to);
     g->lambda[p] = k->lambda[i];
     g->norm[p] = k->norm[i];
     g->flags[p] &= (uint8_t)~YLM_GRID_POINT_INVALID;
     if (k->inside[i]) g->flags[p] |= YLM_GRID_POINT_INVALID;
     if (k->validity) g->validity[p] = k->validity[i];
-    if (!ylm_all_finite(YLM_FLOAT, to, 4 * g->stride, NULL)) return YLM_EDOMAIN;
+    if (!ylm_all_finite(YLM_FLOAT, to, ylm__grid_record(g), NULL)) return YLM_EDOMAIN;
     if (g->follower) g->follower->store(g, (uint32_t)p, k, i);
   }
   return YLM_OK;
@@ -138,7 +155,7 @@ static ylm_status not_finite(const evaluation *j, size_t n) {
   ylm_status s = ylm_light_finite(&q, n, k->position, &r, b->e);
   if (s != YLM_OK) return s;
   size_t i = 0,
-         row = 4 * b->g->stride; /* a gradient was too large for the last bit of a position */
+         row = ylm__grid_record(b->g); /* a gradient was too large for the last bit of a position */
   while (i + 1 < n && ylm_all_finite(YLM_FLOAT, b->g->data + point_of(j, i) * row, row, NULL)) i++;
   return ylm_light_beyond("the light field", YLM_FLOAT, i, k->position, b->e);
 }

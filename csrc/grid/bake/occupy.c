@@ -39,14 +39,6 @@ static ylm_status mark_uniform(baker *b, uint8_t *mark, size_t n) {
   return s;
 }
 
-/* Marks these, and where voxels beside surfaces are looked up those too. */
-static ylm_status mark_lattice(baker *b, uint8_t *mark, size_t n) {
-  ylm_status s = mark_uniform(b, mark, n);
-  return s == YLM_OK && ylm__beside_wanted(b->g, b->source)
-             ? ylm__beside_mark_uniform(b->g, b->source, mark)
-             : s;
-}
-
 /* Voxels of a lattice, all or those that are occupied. */
 static ylm_status list_lattice(baker *b) {
   ylm_grid *g = b->g;
@@ -55,7 +47,7 @@ static ylm_status list_lattice(baker *b) {
   uint8_t *mark = ylm_alloc_zero(n, 1);
   if (!mark) return YLM_ENOMEM;
   double t = ylm_seconds();
-  ylm_status s = mark_lattice(b, mark, n);
+  ylm_status s = mark_uniform(b, mark, n);
   g->stats.occupancy_seconds += ylm_seconds() - t;
   if (s == YLM_OK) s = reserve_uniform(b, mark, n);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
@@ -90,8 +82,6 @@ ylm_status ylm__occupy_voxels(baker *b, uint64_t *code, size_t n) {
   if (b->g->contents.form.kind == YLM_GRID_UNIFORM) return list_lattice(b);
   double t = ylm_seconds();
   ylm_status s = find_occupied(b, code, n);
-  if (s == YLM_OK && ylm__beside_wanted(b->g, b->source))
-    s = ylm__beside_mark(&b->learnt.occupied, b->g, b->source);
   b->g->stats.occupancy_seconds += ylm_seconds() - t;
   return s == YLM_OK ? ylm__cells_root(b) : s;
 }

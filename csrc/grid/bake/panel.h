@@ -14,7 +14,7 @@ typedef struct panel {
   float *exact;    /* [n][width] */
   float *drift;    /* [n] bound of what rounding has added up to; 0 where all lights were summed */
   uint8_t *inside; /* [n] in or on a light: left out */
-  float *side;     /* [n][4] normals and the most that the bias may be; NULL: none are known */
+  float *side;     /* [n][3] normals; NULL: none are known */
   /* Of a dynamic grid, from its first update on: */
   ylm_grid_track *track; /* finds the points whose samples changed */
   float *sampled;        /* [n][width] samples of the grid as it was after the last update */

@@ -45,12 +45,15 @@ static const char *check_octree(const ylm_grid *g, uint8_t *seen) {
   const ylm_grid_cell *root = &g->cell[0];
   if (root->level != g->contents.root_level) return "the root";
   if (memcmp(root->origin, g->contents.root, sizeof root->origin) != 0) return "the root";
-  if (!is_complete(root)) return "the root's corners";
+  bool sides = g->contents.form.sides;
+  if (!sides && !is_complete(root)) return "the root's corners";
   for (size_t i = 0; i < g->cells; i++) {
     const ylm_grid_cell *c = &g->cell[i];
     if (!seen[i]) return "a cell without parent";
     if (!links_hold(g, i)) return "a cell's children";
     if (!corners_hold(g, c)) return "a cell's corners";
+    if (sides && c->flags & YLM_GRID_LEAF && !(c->flags & YLM_GRID_SIDED) && !is_complete(c))
+      return "a cell's corners";
     if (c->detail && (c->detail > g->contents.form.depth || c->detail < c->level))
       return "a cell's detail";
     if (!c->child) continue;
@@ -71,7 +74,8 @@ static const char *check_lattice(const ylm_grid *g) {
     const ylm_grid_cell *c = &g->cell[i];
     for (int a = 0; a < 3; a++)
       if (c->origin[a] >= g->contents.resolution[a]) return "a voxel's origin";
-    if (c->level || c->child || c->detail || !is_complete(c) || !corners_hold(g, c))
+    bool complete = is_complete(c) || (g->contents.form.sides && c->flags & YLM_GRID_SIDED);
+    if (c->level || c->child || c->detail || !complete || !corners_hold(g, c))
       return "a voxel";
     if (c->flags & YLM_GRID_ADDED || !(c->flags & YLM_GRID_LEAF)) return "a voxel's flags";
   }
@@ -85,6 +89,52 @@ ylm_status ylm__grid_file_check_cells(const ylm_grid *g, const char *name, ylm_e
   const char *what = lattice ? check_lattice(g) : check_octree(g, seen);
   ylm_free(seen);
   return what ? ylm__grid_file_bad(name, what, e) : YLM_OK;
+}
+
+/* -- sides --------------------------------------------------------------------------------------- */
+
+/* The corners of a part are evaluated points, and where they should be. */
+static bool part_holds(const ylm_grid *g, const ylm_grid_cell *c, const uint32_t node[8]) {
+  ylm_grid_cell part = *c;
+  memcpy(part.corner, node, sizeof part.corner);
+  for (int k = 0; k < 8; k++)
+    if (node[k] >= g->evaluated) return false;
+  return corners_hold(g, &part);
+}
+
+/* A side is that of a leaf, and of its own parts. */
+static const char *check_side(const ylm_grid *g, const ylm_grid_side *s) {
+  const ylm_grid_cell *c = &g->cell[s->cell];
+  if (!(c->flags & YLM_GRID_LEAF) || !(c->flags & YLM_GRID_SIDED) || c->child || c->detail)
+    return "the leaf of a side";
+  for (size_t i = 0; i < YLM_GRID_PIECES; i++) {
+    uint32_t part = s->part[i / 2] >> 4 * (i & 1) & 15;
+    if (part != YLM_GRID_PARTS && part >= s->parts) return "the part of a piece";
+  }
+  for (uint32_t p = s->first; p < s->first + s->parts; p++)
+    if (!part_holds(g, c, g->sides.node[p])) return "a part's corners";
+  for (int k = 0; k < 8; k++)
+    if (c->corner[k] != (s->parts ? g->sides.node[s->first][k] : YLM_GRID_NONE))
+      return "a side's corners";
+  return NULL;
+}
+
+const char *ylm__grid_file_check_sides(const ylm_grid *g) {
+  const grid_sides *s = &g->sides;
+  size_t parts = 0, sided = 0;
+  for (size_t i = 0; i < g->cells; i++) sided += (g->cell[i].flags & YLM_GRID_SIDED) != 0;
+  if (sided != s->n) return "the number of its sides";
+  for (size_t i = 0; i < s->n; i++) {
+    const ylm_grid_side *side = &s->side[i];
+    if (side->cell >= g->contents.octree_cells || (i && side->cell <= s->side[i - 1].cell))
+      return "the order of its sides";
+    if (side->parts > YLM_GRID_PARTS || side->first != parts || side->parts > s->parts - parts)
+      return "the number of a side's parts";
+    const char *what = check_side(g, side);
+    if (what) return what;
+    parts += side->parts;
+  }
+  return parts == s->parts ? NULL : "the number of its parts";
 }
 
 bool ylm__grid_file_table_holds(const ylm_grid *g, uint64_t cells) {
@@ -153,10 +203,7 @@ void ylm__grid_file_place_births(ylm_grid *g) {
 /* The hash of the evaluated points, which voxels without data are sampled with. */
 static ylm_status index_points(ylm_grid *g) {
   if (g->contents.form.kind == YLM_GRID_UNIFORM || !g->contents.form.continuous) return YLM_OK;
-  ylm_status s = ylm__lattice_hash_reserve(&g->hash, g->evaluated);
-  for (size_t i = 0; s == YLM_OK && i < g->evaluated; i++)
-    *ylm__lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
-  return s;
+  return ylm__sides_hash(g);
 }
 
 void ylm__grid_file_forget_times(ylm_grid_stats *s) {

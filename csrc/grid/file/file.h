@@ -73,20 +73,23 @@ typedef struct grid_file_brick {
 /* Section "measure". */
 typedef struct grid_file_measure {
   uint32_t measure, zero;
-  double bias;
+  uint64_t zeros;
 } grid_file_measure;
 
 _Static_assert(sizeof(grid_file_measure) == 16 && sizeof(ylm_grid_body) == 40 &&
                    sizeof(ylm_grid_prints) == 32 && sizeof(grid_file_brick) == 16 &&
                    sizeof(grid_file_header) == 64 && sizeof(grid_file_entry) == 64 &&
                    sizeof(grid_file_form) == 136 && sizeof(grid_file_stats) == 104 &&
-                   sizeof(ylm_grid_cell) == 64 && sizeof(ylm_grid_birth) == 8,
+                   sizeof(ylm_grid_cell) == 64 && sizeof(ylm_grid_birth) == 8 &&
+                   sizeof(ylm_grid_side) == 120,
                "a record of grid files has padding");
 
 /* The sections of a grid, in their order in the file: name, bytes of a record, required. `rows` are
-   the evaluated points' [4][stride], the stride a multiple of 8, and ROW_PADDING zeros behind. The
+   the evaluated points' [4][stride], of a grid with sides [1][stride], the stride a multiple of 8, and ROW_PADDING zeros
+   behind. `sides`, which only such a grid has, are its leaves that surfaces cross, `nodes` the corners of their parts,
+   `ghosts` where the field was asked for the last of the evaluated points, which are flagged as such. The
    sections behind `rows` are left out where they would say nothing: quantity "lights", measure
-   "coefficients" without bias, the validity of points that nobody told, no floor, no body, no
+   "coefficients", the validity of points that nobody told, no floor, no body, no
    fingerprints, and the brick that a whole grid is not. */
 #define GRID_FILE_LIST(X)                                                                          \
   X(form, sizeof(grid_file_form), true)                                                            \
@@ -97,14 +100,17 @@ _Static_assert(sizeof(grid_file_measure) == 16 && sizeof(ylm_grid_body) == 40 &&
   X(norm, sizeof(float), true)                                                                     \
   X(flags, 1, true)                                                                                \
   X(births, sizeof(ylm_grid_birth), true)                                                          \
-  X(rows, 4 * g->stride * sizeof(float), true)                                                     \
+  X(rows, ylm__grid_record(g) * sizeof(float), true)                                                     \
   X(quantity, sizeof(uint32_t), false)                                                             \
   X(measure, sizeof(grid_file_measure), false)                                                     \
   X(validity, sizeof(float), false)                                                                \
   X(floor, sizeof(double), false)                                                                  \
   X(body, sizeof(ylm_grid_body), false)                                                            \
   X(prints, sizeof(ylm_grid_prints), false)                                                        \
-  X(brick, sizeof(grid_file_brick), true)
+  X(brick, sizeof(grid_file_brick), true)                                                          \
+  X(sides, sizeof(ylm_grid_side), true)                                                            \
+  X(nodes, 8 * sizeof(uint32_t), true)                                                             \
+  X(ghosts, 3 * sizeof(float), true)
 
 enum {
 #define X(name, record, required) GRID_FILE_##name,
@@ -183,6 +189,8 @@ ylm_status ylm__grid_file_read(const char *path, grid_file_room *room, int threa
 /* Whether cells and points of a grid that was read hold, all of whose points have their lattice
    coordinates: YLM_EFORMAT, YLM_ENOMEM where there is no room to look. */
 ylm_status ylm__grid_file_check_cells(const ylm_grid *g, const char *name, ylm_error *e);
+/* The error in the sides of a grid, or NULL: needs cells and points that hold, but for their corners. */
+const char *ylm__grid_file_check_sides(const ylm_grid *g);
 /* The error in lambda and norm of evaluated points, or NULL. */
 const char *ylm__grid_file_check_points(const ylm_grid *g);
 /* The error in births, and in the range of cells' corners, or NULL; needs no check of cells

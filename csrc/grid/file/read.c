@@ -47,7 +47,7 @@ static bool sizes_hold(const reading *r, const grid_file_form *f) {
                         *validity = ylm__file_table_find(&r->table, GRID_FILE_validity);
   return cells && births && rows && cells->size == f->cells * sizeof *g->cell &&
          births->size == (f->points - f->evaluated) * sizeof *g->birth &&
-         rows->size == (f->evaluated * 4 * g->stride + ROW_PADDING) * sizeof *g->data &&
+         rows->size == (f->evaluated * ylm__grid_record(g) + ROW_PADDING) * sizeof *g->data &&
          (!validity || validity->size == f->evaluated * sizeof *g->validity);
 }
 
@@ -76,6 +76,42 @@ static ylm_status reserve(reading *r, const grid_file_form *f) {
   return YLM_OK;
 }
 
+/* Records in a section; 0: there is none. */
+static size_t records_in(const reading *r, int kind, size_t record) {
+  const grid_file_entry *entry = ylm__file_table_find(&r->table, kind);
+  return entry ? (size_t)(entry->size / record) : 0;
+}
+
+/* Sides, the corners of their parts, and ghosts. */
+static ylm_status read_sides(reading *r) {
+  ylm_grid *g = r->g;
+  grid_sides *s = &g->sides;
+  if (!g->contents.form.sides) return YLM_OK;
+  size_t n = records_in(r, GRID_FILE_sides, sizeof *s->side),
+         parts = records_in(r, GRID_FILE_nodes, sizeof *s->node),
+         ghosts = records_in(r, GRID_FILE_ghosts, sizeof *s->asked);
+  if (n > g->cells || parts > n * YLM_GRID_PARTS || ghosts > g->evaluated)
+    return ylm__grid_file_bad(r->source->name, "its sides", r->e);
+  s->side = ylm_alloc(n ? n : 1, sizeof *s->side);
+  s->node = ylm_alloc(parts ? parts : 1, sizeof *s->node);
+  if (!s->side || !s->node) return ylm_no_memory_for(r->e, r->source->name);
+  s->room = n ? n : 1;
+  s->part_room = parts ? parts : 1;
+  s->n = n;
+  s->parts = parts;
+  float(*asked)[3] = s->asked + (g->evaluated - ghosts);
+  bool finite = true;
+  ylm_status status = take(r, GRID_FILE_sides, sizeof *s->side, n, s->side);
+  if (status == YLM_OK && parts) status = take(r, GRID_FILE_nodes, sizeof *s->node, parts, s->node);
+  if (status == YLM_OK && ghosts)
+    status = ylm__file_table_take_floats(&r->table, r->source, GRID_FILE_ghosts, sizeof *asked,
+                                         ghosts * sizeof *asked, asked[0], &finite, r->e);
+  if (status != YLM_OK) return status;
+  for (size_t i = 0; finite && i < g->evaluated; i++)
+    finite = !(g->flags[i] & YLM_GRID_POINT_GHOST) == (i < g->evaluated - ghosts);
+  return finite ? YLM_OK : ylm__grid_file_bad(r->source->name, "its ghosts", r->e);
+}
+
 /* All sections but the rows, checked. */
 static ylm_status read_structure(reading *r) {
   ylm_grid *g = r->g;
@@ -89,17 +125,21 @@ static ylm_status read_structure(reading *r) {
   if (s == YLM_OK && g->validity)
     s = take(r, GRID_FILE_validity, sizeof *g->validity, n, g->validity);
   if (s != YLM_OK) return s;
+  s = read_sides(r);
+  if (s != YLM_OK) return s;
   const char *what = ylm__grid_file_check_points(g);
   if (!what) what = ylm__grid_file_check_births(g);
   if (!what) ylm__grid_file_place_births(g);
   if (what) return ylm__grid_file_bad(r->source->name, what, r->e);
-  return ylm__grid_file_check_cells(g, r->source->name, r->e);
+  s = ylm__grid_file_check_cells(g, r->source->name, r->e);
+  what = s == YLM_OK && g->contents.form.sides ? ylm__grid_file_check_sides(g) : NULL;
+  return what ? ylm__grid_file_bad(r->source->name, what, r->e) : s;
 }
 
 /* The rows of evaluated points from the file, then those of interpolated ones from these. */
 static ylm_status read_rows(reading *r) {
   ylm_grid *g = r->g;
-  size_t row = 4 * g->stride, bytes = (g->evaluated * row + ROW_PADDING) * sizeof *g->data;
+  size_t row = ylm__grid_record(g), bytes = (g->evaluated * row + ROW_PADDING) * sizeof *g->data;
   bool finite;
   ylm_status s = ylm__file_table_take_floats(&r->table, r->source, GRID_FILE_rows,
                                              row * sizeof *g->data, bytes, g->data, &finite, r->e);

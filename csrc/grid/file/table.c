@@ -179,6 +179,7 @@ static ylm_status take_meaning(const file_table *t, const file_source *s, ylm_gr
                                   &quantity, e);
   if (status == YLM_OK && ylm__file_table_find(t, GRID_FILE_measure))
     status = ylm__file_table_take(t, s, GRID_FILE_measure, sizeof m, sizeof m, &m, e);
+  if (status == YLM_OK && (m.zero || m.zeros)) return ylm__grid_file_bad(s->name, "its measure", e);
   if (status == YLM_OK && ylm__file_table_find(t, GRID_FILE_floor))
     status = ylm__file_table_take(t, s, GRID_FILE_floor, sizeof out->floor, sizeof out->floor,
                                   &out->floor, e);
@@ -188,7 +189,7 @@ static ylm_status take_meaning(const file_table *t, const file_source *s, ylm_gr
   if (status == YLM_OK) status = take_prints(t, s, &out->prints, e);
   out->quantity = quantity < YLM_QUANTITY_COUNT ? (ylm_quantity)quantity : YLM_QUANTITY_COUNT;
   out->measure = (ylm_grid_measure)m.measure;
-  out->bias = m.bias;
+  out->sides = ylm__file_table_find(t, GRID_FILE_sides) != NULL;
   return status;
 }
 

@@ -65,7 +65,7 @@ static void describe(writing *w) {
                              .points = g->points,
                              .evaluated = g->evaluated};
   w->quantity = (uint32_t)f->quantity;
-  w->measure = (grid_file_measure){.measure = (uint32_t)f->measure, .bias = f->bias};
+  w->measure = (grid_file_measure){.measure = (uint32_t)f->measure};
   w->brick.level = (uint32_t)g->contents.root_level;
   memcpy(w->brick.origin, g->contents.root, sizeof w->brick.origin);
   memcpy(w->form.lattice, f->cells, sizeof f->cells);
@@ -91,15 +91,21 @@ static void sizes(const writing *w, uint64_t size[GRID_FILE_COUNT],
   SECTION(norm, g->norm, n * sizeof *g->norm);
   SECTION(flags, g->flags, n);
   SECTION(births, g->birth, (g->points - n) * sizeof *g->birth);
-  SECTION(rows, NULL, (n * 4 * g->stride + ROW_PADDING) * sizeof *g->data);
+  SECTION(rows, NULL, (n * ylm__grid_record(g) + ROW_PADDING) * sizeof *g->data);
   SECTION(quantity, &w->quantity, w->quantity ? sizeof w->quantity : 0);
-  SECTION(measure, &w->measure, w->measure.measure || w->measure.bias > 0 ? sizeof w->measure : 0);
+  SECTION(measure, &w->measure, w->measure.measure ? sizeof w->measure : 0);
   SECTION(validity, g->validity, g->validity ? n * sizeof *g->validity : 0);
   const ylm_grid_form *f = &g->contents.form;
   SECTION(floor, &f->floor, f->floor > 0 ? sizeof f->floor : 0);
   SECTION(body, &f->body, f->body.radius > 0 ? sizeof f->body : 0);
   SECTION(prints, &f->prints, f->prints.known ? sizeof f->prints : 0);
   SECTION(brick, &w->brick, w->brick.level ? sizeof w->brick : 0);
+  const grid_sides *s = &g->sides;
+  uint64_t ghosts = 0;
+  for (size_t i = 0; f->sides && i < n; i++) ghosts += (g->flags[i] & YLM_GRID_POINT_GHOST) != 0;
+  SECTION(sides, s->side, s->n * sizeof *s->side);
+  SECTION(nodes, s->node, s->parts * sizeof *s->node);
+  SECTION(ghosts, ghosts ? s->asked[n - ghosts] : NULL, ghosts * sizeof *s->asked);
 #undef SECTION
 }
 
@@ -120,7 +126,8 @@ static void lay_out(writing *w, const ylm_grid *g) {
 #undef X
   };
   for (int i = 0; i < GRID_FILE_COUNT; i++) {
-    if (i > GRID_FILE_rows && !size[i]) continue;
+    bool named = i == GRID_FILE_sides && g->contents.form.sides; /* also where there are none */
+    if (i > GRID_FILE_rows && !size[i] && !named) continue;
     w->kind[w->entries] = i;
     w->entry[w->entries++] = all[i];
   }
@@ -142,11 +149,11 @@ static void lay_out(writing *w, const ylm_grid *g) {
 /* The rows of evaluated points, with zeros behind the coefficients of each: equal grids are equal
    files. `room` is that of `rows` points. */
 static void put_rows(sink *s, const ylm_grid *g, float *room, size_t rows) {
-  size_t row = 4 * g->stride, rest = (g->stride - g->width) * sizeof *room;
+  size_t row = ylm__grid_record(g), rest = (g->stride - g->width) * sizeof *room;
   for (size_t p = 0; p < g->evaluated; p += rows) {
     size_t n = g->evaluated - p < rows ? g->evaluated - p : rows;
     memcpy(room, g->data + p * row, n * row * sizeof *room);
-    for (size_t r = 0; rest && r < 4 * n; r++) memset(room + r * g->stride + g->width, 0, rest);
+    for (size_t r = 0; rest && r < g->rows * n; r++) memset(room + r * g->stride + g->width, 0, rest);
     put(s, room, n * row * sizeof *room);
   }
   memset(room, 0, ROW_PADDING * sizeof *room);
@@ -158,7 +165,7 @@ static ylm_status put_sections(writing *w, sink *s) {
   const ylm_grid *g = w->g;
   uint64_t size[GRID_FILE_COUNT];
   const void *data[GRID_FILE_COUNT];
-  size_t row = 4 * g->stride * sizeof(float), rows = GRID_FILE_CHUNK / row + 1;
+  size_t row = ylm__grid_record(g) * sizeof(float), rows = GRID_FILE_CHUNK / row + 1;
   float *room = ylm_alloc(rows, row + ROW_PADDING * sizeof *room);
   if (!room) return YLM_ENOMEM;
   sizes(w, size, data);

@@ -77,7 +77,7 @@ static void find_errors(ylm_grid *g) {
 
 /* True if the light at all points is what it was, to the bit. */
 static bool is_same(const ylm_grid *g, const kept *old) {
-  size_t rows = g->evaluated * 4 * g->stride * sizeof *g->data;
+  size_t rows = g->evaluated * ylm__grid_record(g) * sizeof *g->data;
   return memcmp(g->data, old->data, rows) == 0 && memcmp(g->flags, old->flags, g->points) == 0;
 }
 
@@ -87,7 +87,7 @@ static void forget_promise(ylm_grid *g) {
   for (size_t i = 0; i < g->cells; i++) g->cell[i].residual = NAN;
   s->met = s->limited = false;
   s->error = s->largest_error = NAN;
-  s->verified = s->failed = s->crossed = 0;
+  s->verified = s->failed = 0;
   s->confidence = 0;
 }
 

@@ -146,10 +146,7 @@ static ylm_status run(refiner *r) {
 }
 
 ylm_status ylm__tolerance_bake(baker *b) {
-  bool biased = b->g->contents.form.bias > 0 && ylm__sides_wanted(b);
-  refiner r = {.b = b,
-               .tolerance = b->g->contents.form.tolerance,
-               .tight = biased ? FIRST_TIGHT_BIASED : FIRST_TIGHT};
+  refiner r = {.b = b, .tolerance = b->g->contents.form.tolerance, .tight = FIRST_TIGHT};
   if (b->before_this) {
     r.ratio = b->before_this->ratio;
     r.tight = b->before_this->tight;

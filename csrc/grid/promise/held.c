@@ -14,18 +14,16 @@ static void shading_point(const refiner *r, size_t k, float out[3]) {
 }
 
 /* The side of shading point k. */
-static void shading_side(const ylm_grid_source *s, size_t k, float out[4]) {
+static void shading_side(const ylm_grid_source *s, size_t k, float out[3]) {
   for (size_t a = 0; a < 3; a++) out[a] = (float)ylm_get(s->occupied_dtype, s->normals, 3 * k + a);
-  out[3] = s->limits ? s->limits[k] : INFINITY;
 }
 
 void ylm__held_surface_side(const ylm_grid_surface *surface, uint64_t seed, uint64_t k,
-                            uint64_t strata, float out[4]) {
+                            uint64_t strata, float out[3]) {
   double p[3], normal[3];
   ylm_grid_surface_draw(surface, seed, k, strata, p, normal);
   float side = k & 1 ? -1 : 1; /* triangles have two */
   for (int a = 0; a < 3; a++) out[a] = side * (float)normal[a];
-  out[3] = INFINITY;
 }
 
 void ylm__held_surface_point(const refiner *r, uint64_t seed, uint64_t k, uint64_t strata,
@@ -67,7 +65,7 @@ ylm_status ylm__held_points(refiner *r, ylm_rng *rng, bool all, size_t n) {
     if (r->side) {
       size_t k = all ? i : (size_t)(ylm_rng_double(rng) * (double)s->occupied);
       shading_point(r, k, r->points + 3 * i);
-      shading_side(s, k, r->side + 4 * i);
+      shading_side(s, k, r->side + 3 * i);
     } else if (here && !all)
       ylm__held_draw(r, rng, r->points + 3 * i);
     else if (here)

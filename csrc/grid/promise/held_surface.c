@@ -57,7 +57,7 @@ static ylm_status hold_voxels(refiner *r, uint64_t round, size_t *n, float *out)
   }
   *n = choose_voxels(c, candidates, &rng, *n, out);
   for (size_t i = 0; r->side && i < *n; i++)
-    ylm__held_surface_side(r->surface, seed, c[i].draw, candidates, r->side + 4 * i);
+    ylm__held_surface_side(r->surface, seed, c[i].draw, candidates, r->side + 3 * i);
   ylm_free(c);
   return YLM_OK;
 }
@@ -70,8 +70,7 @@ static size_t hold_triangles(const refiner *r, uint64_t round, size_t n, float *
     uint64_t k = ~(round * n + i);
     if (!ylm__surface_draw_alike(r->surface, r->b->source->seed, k, p, normal)) continue;
     for (size_t a = 0; side && a < 3; a++)
-      side[4 * held + a] = (float)(k & 1 ? -normal[a] : normal[a]);
-    if (side) side[4 * held + 3] = INFINITY;
+      side[3 * held + a] = (float)(k & 1 ? -normal[a] : normal[a]);
     ylm__grid_inward(r->b->g, p, out + 3 * held);
     held++;
   }
@@ -84,12 +83,12 @@ ylm_status ylm__held_surface(refiner *r, uint64_t round, size_t n) {
   if (round <= MAX_ROUNDS) {
     s = hold_voxels(r, round, &voxels, r->points);
     aside = voxels + hold_triangles(r, round, n / EXTRA, r->points + 3 * voxels,
-                                    r->side ? r->side + 4 * voxels : NULL);
+                                    r->side ? r->side + 3 * voxels : NULL);
   }
   size_t area = n - aside;
   for (size_t i = 0; s == YLM_OK && r->side && i < area; i++)
     ylm__held_surface_side(r->surface, r->b->source->seed, round * n + i, area,
-                           r->side + 4 * (aside + i));
+                           r->side + 3 * (aside + i));
   for (size_t i = 0; s == YLM_OK && i < area; i++)
     ylm__held_surface_point(r, r->b->source->seed, round * n + i, area,
                             r->points + 3 * (aside + i));

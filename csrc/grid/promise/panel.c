@@ -135,7 +135,6 @@ static ylm_status rule_sides(const refiner *r, const panel *p, double doubt, rul
   for (size_t i = 0; s == YLM_OK && !out->points && i < p->n; i++)
     if (!p->inside[i])
       out->met = false, out->error = INFINITY; /* all are looked up out of the bounds */
-  if (s == YLM_OK) s = ylm__sides_count(r, p, error, &g->stats.crossed);
   ylm_free(error);
   return s;
 }
@@ -172,14 +171,13 @@ void ylm__panel_report(ylm_grid_stats *s, const panel *p, const ruling *r, bool 
 
 /* -- of a bake ------------------------------------------------------------------------------ */
 
-/* The points that the refiner holds join the panel. */
-static ylm_status take(const refiner *r, panel *p) {
+ylm_status ylm__panel_take(const refiner *r, panel *p) {
   size_t w = r->b->g->width, n = r->held;
   ylm_status s = reserve(p, p->n + n, w);
   if (s == YLM_OK && r->side) {
-    size_t row = 4 * sizeof *p->side;
+    size_t row = 3 * sizeof *p->side;
     if (!ylm_list_resize(&p->side, p->n, p->n + n, row)) return YLM_ENOMEM;
-    ylm_copy(p->side + 4 * p->n, r->side, n * row);
+    ylm_copy(p->side + 3 * p->n, r->side, n * row);
   }
   if (s != YLM_OK) return s;
   ylm_copy(p->point + 3 * p->n, r->points, 3 * n * sizeof *p->point);
@@ -195,7 +193,7 @@ static ylm_status draw(refiner *r, panel *p, size_t *had, size_t batches) {
   ylm_status s = YLM_OK;
   for (; *had < batches && s == YLM_OK; ++*had) {
     s = ylm__verify(r, MAX_ROUNDS + 1 + *had);
-    if (s == YLM_OK) s = take(r, p);
+    if (s == YLM_OK) s = ylm__panel_take(r, p);
   }
   return s;
 }
@@ -206,12 +204,43 @@ static bool is_open(const ruling *r) {
   return !r->met && (double)r->failed <= expected + 2 * sqrt(expected);
 }
 
+/* The first places of a panel are kept for another judge. */
+static ylm_status keep_judges(ylm_grid *g, const panel *p) {
+  size_t n = p->n < HELD_OUT ? p->n : HELD_OUT;
+  g->judge = ylm_alloc(n ? n : 1, sizeof *g->judge);
+  if (!g->judge) return YLM_ENOMEM;
+  for (size_t i = 0; i < n; i++) {
+    if (p->inside[i]) continue;
+    memcpy(g->judge[g->judges], p->point + 3 * i, 3 * sizeof(float));
+    memcpy(g->judge[g->judges++] + 3, p->side + 3 * i, 3 * sizeof(float));
+  }
+  return YLM_OK;
+}
+
+size_t ylm_grid_judges(const ylm_grid *g, double (*rows)[6]) {
+  for (size_t i = 0; rows && i < g->judges; i++)
+    for (int k = 0; k < 6; k++) rows[i][k] = (double)g->judge[i][k] + (k < 3 ? g->origin[k] : 0);
+  return g->judges;
+}
+
+void ylm_grid_verdict(ylm_grid *g, uint64_t verified, uint64_t failed, double error,
+                      double largest) {
+  ylm_grid_stats *s = &g->stats;
+  s->verified = verified;
+  s->failed = failed;
+  s->error = error;
+  s->largest_error = largest;
+  s->met = error <= g->contents.form.tolerance;
+  s->limited &= !s->met;
+  s->spent &= !s->met;
+}
+
 ylm_status ylm__panel_judge(refiner *r, bool limited) {
   ylm_grid *g = r->b->g;
   panel p = {.all = r->all};
   ruling said = {0};
   size_t had = 0;
-  ylm_status s = p.all ? take(r, &p) : YLM_OK;
+  ylm_status s = p.all ? ylm__panel_take(r, &p) : YLM_OK;
   for (int look = 0; look < LOOKS && s == YLM_OK; look++) {
     if (!p.all) s = draw(r, &p, &had, (size_t)1 << look);
     double t = ylm_seconds();
@@ -221,6 +250,7 @@ ylm_status ylm__panel_judge(refiner *r, bool limited) {
   }
   if (s == YLM_OK && g->follower && !p.all) s = draw(r, &p, &had, PANEL / HELD_OUT);
   if (s == YLM_OK) ylm__panel_report(&g->stats, &p, &said, limited);
+  if (s == YLM_OK && g->contents.form.sides && p.side) s = keep_judges(g, &p);
   if (s == YLM_OK && g->follower)
     r->b->learnt.panel = p;
   else

@@ -20,9 +20,6 @@ static double ratios_quantile(const ratios *r, double q) {
 
 /* -- estimates ------------------------------------------------------------------------- */
 
-/* Are points looked up beside surfaces, and their values carried back? */
-static bool is_biased(const refiner *r) { return r->side && r->b->g->contents.form.bias > 0; }
-
 /* The square of the relative metric, that of norms in the dark at least the mean of occupied points
    where irradiance is measured. */
 static double metric_squared(const refiner *r, const ylm_grid_cell *c) {
@@ -49,13 +46,12 @@ void ylm__residual_learn(refiner *r) {
 double ylm__residual_estimate(const refiner *r, const ylm_grid_cell *c) {
   if (!isnan(c->residual)) return (double)c->residual;
   double e2 = metric_squared(r, c);
-  return r->trusted && !is_biased(r) ? r->median * e2 : sqrt(e2);
+  return r->trusted ? r->median * e2 : sqrt(e2);
 }
 
 /* True if a measurement may change what happens to a cell. */
 bool ylm__residual_wanted(const refiner *r, const ylm_grid_cell *c) {
   if (c->level >= r->b->g->contents.form.depth || c->flags & YLM_GRID_CROSSED) return false;
-  if (is_biased(r)) return false; /* a centre may lie on the other side of a surface */
   if (!isnan(c->residual)) return false;
   double e2 = metric_squared(r, c);
   double high = r->trusted ? r->high * e2 : sqrt(e2);

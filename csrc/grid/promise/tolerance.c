@@ -70,9 +70,7 @@ ylm_status ylm__tolerance_again(refiner *r) {
   for (size_t i = 0; i < r->verdicts && s == YLM_OK; i++) {
     const verdict *v = &r->verdict[i];
     if (!(v->error > r->tolerance)) continue;
-    int here = g->cell[v->leaf].level, there = g->cell[v->beyond].level;
-    if (here <= there) s = split_failed(r, v->leaf);
-    if (s == YLM_OK && there <= here) s = split_failed(r, v->beyond);
+    s = split_failed(r, v->leaf);
   }
   for (size_t i = 0; i < cells && s == YLM_OK; i++) {
     const ylm_grid_cell *c = &g->cell[i];
@@ -112,7 +110,7 @@ ylm_status ylm__tolerance_begin(refiner *r) {
   r->inside = ylm_alloc(HELD_OUT, 1);
   r->verdict = ylm_alloc(HELD_OUT, sizeof *r->verdict);
   bool sides = ylm__sides_wanted(b);
-  if (sides) r->side = ylm_alloc(HELD_OUT, 4 * sizeof *r->side);
+  if (sides) r->side = ylm_alloc(HELD_OUT, 3 * sizeof *r->side);
   ylm__residual_learn(r);
   bool ok = b->row && r->points && r->exact && r->inside && r->verdict && (r->side || !sides);
   ylm_status s = ok ? find_surface(r) : YLM_ENOMEM;

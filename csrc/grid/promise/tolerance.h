@@ -8,7 +8,6 @@
 typedef struct verdict {
   double error; /* by the grid's measure */
   uint32_t leaf;
-  uint32_t beyond; /* the leaf that is looked up, beside the surface; else `leaf` */
 } verdict;
 
 typedef struct refiner {
@@ -21,8 +20,7 @@ typedef struct refiner {
   float *points;            /* [HELD_OUT][3] relative to the grid's origin */
   float *exact;             /* [HELD_OUT][width] */
   uint8_t *inside;
-  float
-      *side; /* [HELD_OUT][4] normals and the most that the bias may be; NULL: none are asked for */
+  float *side; /* [HELD_OUT][3] normals; NULL: none are asked for */
   verdict *verdict;
   size_t held, verdicts;
   size_t most;                     /* held-out points of a round, HELD_OUT at best */
@@ -62,19 +60,14 @@ ylm_status ylm__residual_measure(refiner *r);
 
 /* -- held_lookups.c ---------------------------------------------------------------------- */
 
-/* True if held-out points are compared beside their surfaces, or by their irradiance. */
+/* True if held-out points have normals that count. */
 bool ylm__sides_wanted(const baker *b);
-/* Means over held-out points, which the errors of darker light are relative to. */
-ylm_status ylm__sides_scale(refiner *r);
+/* The light at the points that are held. */
+ylm_status ylm__sides_ask(refiner *r);
 /* ylm__verify_compare of points with sides. */
 ylm_status ylm__sides_compare(refiner *r);
 /* Errors of a panel's points in the finished grid; negative: left out. */
 ylm_status ylm__sides_errors(const refiner *r, const panel *p, double *error);
-/* How many of a panel's points with errors above the tolerance are looked up in voxels that surfaces
-   cross. */
-ylm_status ylm__sides_count(const refiner *r, const panel *p, const double *error,
-                            uint64_t *crossed);
-
 /* -- verify.c --------------------------------------------------------------------------- */
 
 /* One verification of the grid as it is. */
@@ -82,6 +75,8 @@ ylm_status ylm__verify(refiner *r, uint64_t round);
 /* Evaluates the r->held points, whose occupied leaves stand in r->verdict, and compares them with
    their leaves' interpolants. */
 ylm_status ylm__verify_compare(refiner *r);
+/* Draws points of a round, and asks for their light. */
+ylm_status ylm__verify_draw(refiner *r, uint64_t round);
 /*
 ** True if refinement may stop. Else `tight` has grown so that the estimates of the voxels in which points failed exceed the
 ** tolerance. A few are left out: they are split because of their points.
@@ -93,9 +88,9 @@ bool ylm__verify_satisfied(refiner *r, bool *limited);
 /* Point k of a seed on the surface, in float; `strata` as of ylm_grid_surface_draw. */
 void ylm__held_surface_point(const refiner *r, uint64_t seed, uint64_t k, uint64_t strata,
                              float out[3]);
-/* Its normal, of one of its two sides, and no limit. */
+/* Its normal, of one of its two sides. */
 void ylm__held_surface_side(const ylm_grid_surface *surface, uint64_t seed, uint64_t k,
-                            uint64_t strata, float out[4]);
+                            uint64_t strata, float out[3]);
 /* A random shading point, or any where every voxel is occupied; the leaf of the octree it is in. */
 void ylm__held_draw(const refiner *r, ylm_rng *rng, float out[3]);
 uint32_t ylm__held_leaf(const ylm_grid *g, const float x[3]);
@@ -113,7 +108,18 @@ ylm_grid_probe ylm__held_probe(const ylm_grid *g, const ylm_grid_cell *c, const 
    triangle. */
 ylm_status ylm__held_surface(refiner *r, uint64_t round, size_t n);
 
+/* -- means.c ---------------------------------------------------------------------------- */
+
+/* Means over held-out points, which the errors of darker light are relative to. */
+ylm_status ylm__sides_scale(refiner *r);
+
 /* -- panel.c ---------------------------------------------------------------------------- */
+
+/* The points that the refiner holds join the panel. */
+ylm_status ylm__panel_take(const refiner *r, panel *p);
+
+/* The points that the refiner holds join the panel. */
+ylm_status ylm__panel_take(const refiner *r, panel *p);
 
 /* Judges the finished grid by fresh points, as many as it takes, and writes what they say to its
    stats. A dynamic grid keeps them. */

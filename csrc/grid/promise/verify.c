@@ -23,10 +23,91 @@ static ylm_status hold_out(refiner *r, uint64_t round) {
     uint32_t leaf = ylm__held_leaf(g, x);
     if (!(g->cell[leaf].flags & YLM_GRID_OCCUPIED)) continue;
     memmove(r->points + 3 * r->held, x, 3 * sizeof *x);
-    if (r->side) memmove(r->side + 4 * r->held, r->side + 4 * i, 4 * sizeof *x);
+    if (r->side) memmove(r->side + 3 * r->held, r->side + 3 * i, 3 * sizeof *x);
     r->verdict[r->held++].leaf = leaf;
   }
   return status;
+}
+
+/* Does a place see nothing but the sky? Rays over the hemisphere of normal n. */
+static bool sees_nothing(const ylm_grid_walls *w, const float x[3], const float n[3], double far) {
+  float from[SKYWARD][3], to[SKYWARD][3], share[SKYWARD];
+  for (int i = 0; i < SKYWARD; i++) {
+    double z = 1 - (2 * i + 1.0) / SKYWARD, r = sqrt(1 - z * z), phi = i * YLM_PI * (3 - sqrt(5));
+    double d[3] = {r * cos(phi), r * sin(phi), z}, up = 0;
+    for (int a = 0; a < 3; a++) up += d[a] * (double)n[a];
+    for (int a = 0; a < 3; a++) {
+      from[i][a] = x[a];
+      to[i][a] = x[a] + (float)(far * (up < 0 ? -d[a] : d[a]));
+    }
+  }
+  w->share(w->self, SKYWARD, (const float(*)[3])from, (const float(*)[3])to, share);
+  for (int i = 0; i < SKYWARD; i++)
+    if (share[i] < 1) return false;
+  return true;
+}
+
+/*
+** Leaves out places that no promise is about: on sides of surfaces that are not used, and where other surfaces cover them,
+** since nobody sees these; of indirect light also those that see no surface, where it is 0.
+*/
+static void leave_out(const refiner *r) {
+  const ylm_grid *g = r->b->g;
+  const ylm_grid_walls *w = r->b->source->walls;
+  const double *box = g->contents.form.bounds;
+  double longest = fmax(box[3] - box[0], fmax(box[4] - box[1], box[5] - box[2]));
+  bool indirect = g->contents.form.quantity == YLM_QUANTITY_indirect;
+  for (size_t i = 0; i < r->held; i++) {
+    float from[1][3], to[1][3], share;
+    const float *n = r->side + 3 * i;
+    for (size_t a = 0; a < 3; a++) {
+      double way = g->origin[a] - (w->origin ? w->origin[a] : 0);
+      double x = (double)r->points[3 * i + a] + way;
+      from[0][a] = (float)(x + COVERED_OFF * longest * (double)n[a]);
+      to[0][a] = (float)(x + COVERED * longest * (double)n[a]);
+    }
+    w->share(w->self, 1, (const float(*)[3])from, (const float(*)[3])to, &share);
+    r->inside[i] |= share < 1 || place_buried(g, w, to[0]) ||
+                    (indirect && sees_nothing(w, to[0], n, 4 * longest));
+  }
+}
+
+/* Moves the held points that are not left out to the lists' ends; how many fit. */
+static size_t keep(const refiner *r, size_t n, float *point, float *side) {
+  for (size_t i = 0; i < r->held && n < HELD_OUT; i++) {
+    if (r->inside[i]) continue;
+    memcpy(point + 3 * n, r->points + 3 * i, 3 * sizeof *point);
+    memcpy(side + 3 * n, r->side + 3 * i, 3 * sizeof *side);
+    n++;
+  }
+  return n;
+}
+
+/* Draws places until HELD_OUT are not left out, or HELD_TRIES times. */
+static ylm_status hold_open(refiner *r, uint64_t round) {
+  float *point = ylm_alloc(2 * HELD_OUT, 3 * sizeof *point), *side = point + 3 * (size_t)HELD_OUT;
+  ylm_status s = point ? YLM_OK : YLM_ENOMEM;
+  size_t n = 0;
+  for (uint64_t k = 0; s == YLM_OK && k < HELD_TRIES && n < HELD_OUT; k++) {
+    s = hold_out(r, round * HELD_TRIES + k);
+    if (s != YLM_OK) break;
+    memset(r->inside, 0, r->held);
+    leave_out(r);
+    n = keep(r, n, point, side);
+    if (r->all) break;
+  }
+  if (s == YLM_OK) {
+    memcpy(r->points, point, 3 * n * sizeof *point);
+    memcpy(r->side, side, 3 * n * sizeof *side);
+    r->held = n;
+  }
+  ylm_free(point);
+  return s;
+}
+
+ylm_status ylm__verify_draw(refiner *r, uint64_t round) {
+  ylm_status s = r->side ? hold_open(r, round) : hold_out(r, round);
+  return s == YLM_OK ? ylm__sides_ask(r) : s;
 }
 
 ylm_status ylm__verify_compare(refiner *r) {
@@ -45,8 +126,7 @@ ylm_status ylm__verify_compare(refiner *r) {
   if (s == YLM_OK) s = ylm__backend_residuals(b, r->held, probe, &held, distance);
   r->verdicts = 0;
   for (size_t i = 0; i < r->held && s == YLM_OK; i++)
-    if (!r->inside[i])
-      r->verdict[r->verdicts++] = (verdict){distance[i], r->verdict[i].leaf, r->verdict[i].leaf};
+    if (!r->inside[i]) r->verdict[r->verdicts++] = (verdict){distance[i], r->verdict[i].leaf};
   ylm_free(probe);
   ylm_free(distance);
   return s;
@@ -64,8 +144,6 @@ bool ylm__verify_satisfied(refiner *r, bool *limited) {
   for (size_t i = 0; i < n; i++) {
     const ylm_grid_cell *c = &g->cell[r->verdict[i].leaf];
     if (!(r->verdict[i].error > r->tolerance)) continue;
-    const ylm_grid_cell *beyond = &g->cell[r->verdict[i].beyond];
-    if (beyond->level < c->level) c = beyond;
     if (c->level < g->contents.form.depth)
       estimates[refinable++] = ylm__residual_estimate(r, c);
     else
@@ -88,6 +166,11 @@ ylm_status ylm__verify(refiner *r, uint64_t round) {
   baker *b = r->b;
   double t = ylm_seconds();
   b->stage = "verifying";
+  if (b->g->contents.form.sides) {
+    ylm_status s = ylm__verify_draw(r, round);
+    b->g->stats.verify_seconds += ylm_seconds() - t;
+    return s;
+  }
   ylm_status s = hold_out(r, round);
   if (s == YLM_OK) s = ylm__backend_fill_invalid(b);
   if (s == YLM_OK) s = ylm__verify_compare(r);

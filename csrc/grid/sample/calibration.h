@@ -12,11 +12,5 @@
 #define SAMPLE_MOST ((size_t)1 << 17)
 /* Points that a kernel interpolates at once. */
 #define SAMPLE_POINTS 4
-/* Looks for the surface beside a point, at larger and larger leaves. */
-#define BIAS_LOOKS 4
-/* Points beside surfaces that a thread takes at a time. */
-#define BIAS_GRAIN 256
-/* the part of a point's mean light that the way back to a surface changes at most */
-#define BIAS_CARRY 0.5f
 
 #endif

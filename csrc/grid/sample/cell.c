@@ -29,7 +29,7 @@ void ylm__grid_mix(const ylm_grid *g, const float *const row[ROWS], uint32_t edg
   sample_batch b = {.points = 1,
                     .width = (int)g->width,
                     .derivatives = gradient != NULL,
-                    .interpolation = YLM_GRID_HERMITE};
+                    .interpolation = ylm__grid_interpolation(g, YLM_GRID_HERMITE)};
   ylm__grid_set_edge(g, edge, &b);
   memcpy(b.row, row, sizeof b.row);
   b.value[0] = value;

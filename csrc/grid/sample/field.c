@@ -9,6 +9,7 @@ static double sample_lambda(const ylm_grid *g, const double p[3]) {
   double at[3], sum = 0;
   ylm__grid_coordinates(g, p, at);
   const ylm_grid_cell *c = &g->cell[g->cell[ylm__grid_leaf(g, at)].source];
+  if (c->corner[0] == YLM_GRID_NONE) return 0; /* a leaf of which nothing is free */
   double edge = ylm__grid_edge(g, c);
   for (int k = 0; k < 8; k++) {
     double w = 1;

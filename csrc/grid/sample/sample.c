@@ -41,13 +41,31 @@ static void read_point(const sampling *s, size_t i, double p[3]) {
   for (int a = 0; s->q->origin && a < 3; a++) p[a] += s->q->origin[a];
 }
 
+/* The part of a sided leaf that answers for a point: its number behind those of all cells, or, where the leaf has none, the
+   number behind all parts. */
+static int find_part(const ylm_grid *g, const ylm_grid_side *side, const double p[3],
+                     const float normal[3], const ylm_grid_walls *walls, uint32_t *cell) {
+  bool dark = !side->parts;
+  size_t part = dark ? g->sides.parts : ylm__side_look(g, side, p, normal, walls);
+  *cell = (uint32_t)(g->cells + part);
+  bool buried = dark || (!normal && !walls && !ylm__side_is_free(g, side, p));
+  return buried ? YLM_GRID_SAMPLE_BURIED : 0;
+}
+
 /* The cell that answers for a point, and fractions of its edges; YLM_GRID_SAMPLE_*. */
 static inline int find_cell(const ylm_grid *g, leaf_cursor *cursor, const double p[3],
-                            uint32_t *cell, float t[3]) {
+                            const float normal[3], const ylm_grid_walls *walls, uint32_t *cell,
+                            float t[3]) {
   double at[3];
   bool outside = !ylm__grid_coordinates(g, p, at);
   uint32_t found = ylm__grid_leaf_again(g, cursor, at);
   const ylm_grid_cell *leaf = &g->cell[found], *c = leaf->detail ? leaf : &g->cell[leaf->source];
+  const ylm_grid_side *side = ylm__grid_side_of(g, found);
+  if (side) {
+    int buried = find_part(g, side, p, normal, walls, cell);
+    bool away = ylm__grid_fractions(g, leaf, at, t);
+    return buried | (outside ? YLM_GRID_SAMPLE_OUTSIDE : 0) | (away ? YLM_GRID_SAMPLE_UNBAKED : 0);
+  }
   bool moved = ylm__grid_fractions(g, c, at, t);
   bool unbaked = moved || !(leaf->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED));
   *cell = leaf->detail ? found : leaf->source;
@@ -62,7 +80,8 @@ static void locate(sampling *s, chunk *k, size_t n) {
   for (size_t i = 0; i < n; i++) {
     double p[3];
     read_point(s, k->first + i, p);
-    int flags = find_cell(g, &cursor, p, &k->cell[i], k->t[i]);
+    const float *normal = s->q->normals ? s->q->normals[k->first + i] : NULL;
+    int flags = find_cell(g, &cursor, p, normal, s->q->walls, &k->cell[i], k->t[i]);
     k->away[i] = (flags & YLM_GRID_SAMPLE_OUTSIDE) != 0;
     outside += k->away[i];
     unbaked += (flags & YLM_GRID_SAMPLE_UNBAKED) != 0;
@@ -139,22 +158,35 @@ static void sample_virtual(const sampling *s, const chunk *k, sample_batch *b, s
   run_batch(s, k, b, &i);
 }
 
+/* Points the batch's rows at the corners of a cell, or of a part. */
+static void set_any(const ylm_grid *g, uint32_t cell, sample_batch *b) {
+  if (cell < g->cells) {
+    ylm__grid_set_cell(g, &g->cell[cell], b);
+    return;
+  }
+  size_t part = cell - g->cells;
+  bool dark = part == g->sides.parts;
+  ylm__grid_set_edge(g, dark ? 1 : ylm__grid_edge(g, &g->cell[g->sides.leaf[part]]), b);
+  for (int r = 0; r < ROWS; r++)
+    b->row[r] = dark ? g->sides.dark : ylm__grid_row(g, g->sides.node[part][r & 7], 0);
+}
+
 /* Samples a chunk's n points in an order, or as they come, cell by cell. */
 static void sample_cells(const sampling *s, const chunk *k, size_t n, const uint32_t *order) {
   sample_batch b = {.width = (int)s->g->width,
                     .derivatives = s->gradient != NULL,
-                    .interpolation = s->q->interpolation};
+                    .interpolation = ylm__grid_interpolation(s->g, s->q->interpolation)};
   size_t index[BATCH];
   uint32_t last = YLM_GRID_NONE;
   for (size_t i = 0; i < n;) {
     uint32_t first = order ? order[i] : (uint32_t)i, cell = k->cell[first];
-    if (s->g->cell[cell].detail) {
+    if (cell < s->g->cells && s->g->cell[cell].detail) {
       sample_virtual(s, k, &b, first);
       last = YLM_GRID_NONE;
       i++;
       continue;
     }
-    if (cell != last) ylm__grid_set_cell(s->g, &s->g->cell[cell], &b);
+    if (cell != last) set_any(s->g, cell, &b);
     last = cell;
     b.points = 0;
     while (i < n && b.points < BATCH) {
@@ -279,7 +311,7 @@ static ylm_status flag_points(void *context, size_t begin, size_t end, int worke
     uint32_t cell;
     float t[3];
     for (size_t a = 0; a < 3; a++) p[a] = ylm_get(f->dtype, f->points, 3 * i + a);
-    ylm_put(f->type, f->flags, i, find_cell(f->g, &cursor, p, &cell, t));
+    ylm_put(f->type, f->flags, i, find_cell(f->g, &cursor, p, NULL, NULL, &cell, t));
   }
   return YLM_OK;
 }

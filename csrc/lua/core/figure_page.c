@@ -5,7 +5,7 @@
 /* Room for `bytes` bytes, which goes with the stack. */
 static void *room(lua_State *L, size_t bytes) { return lua_newuserdata(L, bytes ? bytes : 1); }
 
-/* page_facts(grid) -> cells, octree cells, points, evaluated, channels, coefficients; exponent, or
+/* page_facts(grid) -> cells, octree cells, points, evaluated, channels, coefficients, leaves with sides, parts; exponent, or
    nil, message, code */
 static int page_facts(lua_State *L) {
   const ylm_grid *g = ylmL_grid_check(L, 1);
@@ -18,18 +18,31 @@ static int page_facts(lua_State *L) {
   ylmL_push_count(L, v->evaluated);
   lua_pushinteger(L, v->form.channels);
   lua_pushinteger(L, v->count);
+  ylmL_push_count(L, v->sides);
+  ylmL_push_count(L, v->parts);
   ylm_status s = ylm_figure_page_exponent(g, &exponent, &e);
   lua_pushinteger(L, exponent);
-  return s == YLM_OK ? 7 : 6 + ylmL_result(L, 1, s, &e);
+  return s == YLM_OK ? 9 : 8 + ylmL_result(L, 1, s, &e);
 }
 
-/* page_cells(grid) -> bytes of uint32 [cells][12] */
+/* page_cells(grid) -> bytes of uint32 [cells + parts][12] */
 static int page_cells(lua_State *L) {
   const ylm_grid *g = ylmL_grid_check(L, 1);
-  size_t bytes = ylm_grid_look(g)->cells * YLM_FIGURE_PAGE_WORDS * sizeof(uint32_t);
+  const ylm_grid_contents *v = ylm_grid_look(g);
+  size_t bytes = (v->cells + v->parts) * YLM_FIGURE_PAGE_WORDS * sizeof(uint32_t);
   uint32_t *cell = room(L, bytes);
   ylm_figure_page_cells(g, cell);
   lua_pushlstring(L, (const char *)cell, bytes);
+  return 1;
+}
+
+/* page_sides(grid) -> bytes of uint32 [leaves with sides][29] */
+static int page_sides(lua_State *L) {
+  const ylm_grid *g = ylmL_grid_check(L, 1);
+  size_t bytes = ylm_grid_look(g)->sides * YLM_FIGURE_PAGE_SIDE * sizeof(uint32_t);
+  uint32_t *record = room(L, bytes);
+  ylm_figure_page_sides(g, record);
+  lua_pushlstring(L, (const char *)record, bytes);
   return 1;
 }
 
@@ -44,11 +57,12 @@ static int page_table(lua_State *L) {
   return 1;
 }
 
-/* page_flags(grid) -> bytes [evaluated]: 1 where a point is in a light or a body */
+/* page_flags(grid) -> bytes [evaluated]: 1 where a point is in a light or a body, + 8 where it is a ghost */
 static int page_flags(lua_State *L) {
   const ylm_grid_contents *v = ylm_grid_look(ylmL_grid_check(L, 1));
   unsigned char *flag = room(L, v->evaluated);
-  for (size_t i = 0; i < v->evaluated; i++) flag[i] = v->flags[i] & YLM_GRID_POINT_INVALID;
+  for (size_t i = 0; i < v->evaluated; i++)
+    flag[i] = v->flags[i] & (YLM_GRID_POINT_INVALID | YLM_GRID_POINT_GHOST);
   lua_pushlstring(L, (const char *)flag, v->evaluated);
   return 1;
 }
@@ -150,16 +164,12 @@ static int page_base64(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"page_facts", page_facts},
-                                     {"page_cells", page_cells},
-                                     {"page_table", page_table},
-                                     {"page_flags", page_flags},
-                                     {"page_rows", page_rows},
-                                     {"page_positions", page_positions},
-                                     {"page_normals", page_normals},
-                                     {"page_triangles", page_triangles},
-                                     {"page_planes", page_planes},
-                                     {"page_base64", page_base64},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"page_facts", page_facts},         {"page_cells", page_cells},
+    {"page_sides", page_sides},         {"page_table", page_table},
+    {"page_flags", page_flags},         {"page_rows", page_rows},
+    {"page_positions", page_positions}, {"page_normals", page_normals},
+    {"page_triangles", page_triangles}, {"page_planes", page_planes},
+    {"page_base64", page_base64},       {NULL, NULL}};
 
 void ylmL_open_figure_page(lua_State *L) { luaL_setfuncs(L, functions, 0); }

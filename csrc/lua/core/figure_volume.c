@@ -1,5 +1,6 @@
 /* figure_volume.c - lattices of numbers: resampling, isosurfaces' and streamlines' source. */
 #include "../binding_figure.h"
+#include "../binding_grid.h"
 
 #include <math.h>
 #include <string.h>
@@ -42,6 +43,18 @@ static int volume_fill(lua_State *L) {
   const double *value = ylmL_doubles(L, 2, pointwise ? (size_t)v->components : 1, &rows);
   if (!pointwise && rows != c.n) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   return ylmL_result(L, 0, ylm_figure_fill(v, &c, value, rows, pointwise), NULL);
+}
+
+/* fill_parts(volume, grid with sides, doubles [points][components] or nil: numbers of parts) */
+static int volume_fill_parts(lua_State *L) {
+  ylm_figure_volume *v = volume_at(L, 1);
+  const ylm_grid *g = ylmL_grid_check(L, 2);
+  bool numbers = lua_isnoneornil(L, 3);
+  size_t rows = 0;
+  const double *value = numbers ? NULL : ylmL_doubles(L, 3, (size_t)v->components, &rows);
+  if (!numbers && rows != ylm_grid_look(g)->points) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_figure_fill_parts(v, g, value);
+  return 0;
 }
 
 /* set(volume, array [nz][ny][nx][components]) */
@@ -141,6 +154,7 @@ static int shape_streamlines(lua_State *L) {
 static const luaL_Reg functions[] = {{"shape_streamlines", shape_streamlines},
                                      {"volume", volume_new},
                                      {"volume_fill", volume_fill},
+                                     {"volume_fill_parts", volume_fill_parts},
                                      {"volume_set", volume_set},
                                      {"volume_values", volume_values},
                                      {"volume_centres", volume_centres},

@@ -12,7 +12,7 @@ static const ylm_field *field_of(void *object) {
 typedef struct sample_form {
   ylm_grid_query q;
   int derivatives;
-  int value, gradient, progress; /* on the stack */
+  int value, gradient, progress, normals, walls; /* on the stack */
 } sample_form;
 
 static const ylmL_entry sample_entries[] = {
@@ -25,11 +25,14 @@ static const ylmL_entry sample_entries[] = {
     YLML(sample_form, progress, "progress", VALUE),
     YLML(sample_form, value, "value", VALUE),
     YLML(sample_form, gradient, "gradient", VALUE),
+    YLML(sample_form, normals, "normals", VALUE),
+    YLML(sample_form, walls, "walls", VALUE),
     {.name = NULL}};
 
 /*
 ** grid_sample(grid, points [n][3], {interpolation, derivatives, outside, dtype, threads, progress,
-**             value | nil, gradient | nil: arrays to be written})
+**             value | nil, gradient | nil: arrays to be written; normals [n][3] of float | nil, walls: bytes of a
+**             ylm_grid_walls | nil})
 **   -> value, gradient | nil, outside, unbaked, seconds; of a grid in bricks, too
 */
 static int grid_sample(lua_State *L) {
@@ -43,6 +46,11 @@ static int grid_sample(lua_State *L) {
   ylmL_progress progress;
   ylm_grid_query q = f.q;
   q.point_dtype = points->dtype;
+  ylm_grid_walls walls;
+  ylmL_array *normals = ylmL_array_opt(L, f.normals);
+  if (normals && normals->dtype == YLM_FLOAT && normals->count == points->count)
+    q.normals = normals->data;
+  q.walls = ylmL_grid_walls(L, f.walls, &walls);
   q.progress = ylmL_progress_begin(L, f.progress, &progress);
   size_t shape[4] = {points->count / 3, (size_t)v->form.channels, (size_t)v->count, 3};
   ylm_grid_report report = {0};
@@ -80,37 +88,6 @@ static int grid_flags(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
-/* grid_sample_biased(grid, rows [n][6] of float: points and normals, factor, reach | nil) -> values
-   [n][channels][count], places [n][3] */
-static int grid_sample_biased(lua_State *L) {
-  const ylm_grid *g = ylmL_grid_check(L, 1);
-  const ylm_grid_contents *v = ylm_grid_look(g);
-  const ylmL_array *rows = ylmL_array_check(L, 2);
-  double factor = luaL_checknumber(L, 3);
-  size_t n = rows->count / 6;
-  if (rows->dtype != YLM_FLOAT || rows->axes != 2 || rows->shape[1] != 6)
-    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylm_grid_query q = {.point_dtype = YLM_FLOAT, .dtype = YLM_FLOAT};
-  ylmL_array *x = ylmL_array_new(L, YLM_FLOAT, 3, (size_t[]){2, n, 3});
-  ylmL_array *value =
-      x ? ylmL_array_new(L, YLM_FLOAT, 3, (size_t[]){n, (size_t)v->form.channels, (size_t)v->count})
-        : NULL;
-  ylmL_array *place = value ? ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3}) : NULL;
-  if (!place) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  float(*points)[3] = x->data, (*normals)[3] = points + n;
-  for (size_t i = 0; i < n; i++) {
-    memcpy(points[i], (const float *)rows->data + 6 * i, sizeof *points);
-    memcpy(normals[i], (const float *)rows->data + 6 * i + 3, sizeof *normals);
-  }
-  ylm_error e = {0};
-  ylm_grid_reach reach;
-  ylm_grid_bias(g, factor, NULL, n, (const float(*)[3])points, (const float(*)[3])normals, NULL,
-                ylmL_grid_reach(L, 4, &reach), place->data, 0);
-  ylm_status s = ylm_grid_sample_biased(g, &q, n, (const float(*)[3])points, place->data,
-                                        value->data, NULL, &e);
-  return ylmL_result(L, 2, s, &e);
-}
-
 /* grid_is_open(value) -> true for a grid that has not been closed, false for a closed one, else
    nil; whether it is being updated; whether an update has spent it */
 static int grid_is_open(lua_State *L) {
@@ -146,7 +123,6 @@ static int grid_take(lua_State *L) {
 
 static const luaL_Reg functions[] = {{"grid_sample", grid_sample},
                                      {"grid_flags", grid_flags},
-                                     {"grid_sample_biased", grid_sample_biased},
                                      {"grid_is_open", grid_is_open},
                                      {"grid_close", grid_close},
                                      {"grid_take", grid_take},

@@ -247,6 +247,25 @@ static int grid_split(lua_State *L) {
   return bad ? 3 : 2;
 }
 
+/* grid_unit(normals [n][3]) -> float [n][3] of length 1, or 0 where theirs is; the number of the first row that is not finite,
+   if there is one */
+static int grid_unit(lua_State *L) {
+  const ylmL_array *a = ylmL_array_check(L, 1);
+  size_t n = a->count / 3, bad = 0;
+  ylmL_array *unit = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
+  if (!unit) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  float *out = unit->data;
+  for (size_t i = 0; i < n; i++) {
+    double x[3], sum = 0;
+    for (size_t k = 0; k < 3; k++) x[k] = ylmL_array_get(a, 3 * i + k);
+    for (size_t k = 0; k < 3; k++) sum += x[k] * x[k];
+    if (!isfinite(sum) && !bad) bad = i + 1;
+    for (size_t k = 0; k < 3; k++) out[3 * i + k] = sum > 0 ? (float)(x[k] / sqrt(sum)) : 0;
+  }
+  if (bad) ylmL_push_count(L, bad);
+  return bad ? 2 : 1;
+}
+
 /* grid_aside(points [n][3], normals [n][3], distance) -> [n][3] so far off, of the points' type */
 static int grid_aside(lua_State *L) {
   const ylmL_array *p = ylmL_array_check(L, 1), *normal = ylmL_array_check(L, 2);
@@ -311,6 +330,7 @@ static const luaL_Reg functions[] = {{"grid_bake", grid_bake},
                                      {"grid_update", grid_update},
                                      {"grid_refresh", grid_refresh},
                                      {"grid_split", grid_split},
+                                     {"grid_unit", grid_unit},
                                      {"grid_aside", grid_aside},
                                      {"grid_bounds", grid_bounds},
                                      {NULL, NULL}};

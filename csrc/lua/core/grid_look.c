@@ -12,7 +12,6 @@ static void set_promise(lua_State *L, const ylm_grid_stats *s) {
   ylmL_set_number(L, "error", s->error);
   if (s->verified && s->confidence > 0) {
     ylmL_set_count(L, "failed", s->failed);
-    ylmL_set_count(L, "crossed", s->crossed);
   }
   if (s->confidence > 0) ylmL_set_number(L, "confidence", s->confidence);
   ylmL_set_boolean(L, "met", s->met);
@@ -54,6 +53,13 @@ void ylmL_grid_push_stats(lua_State *L, const ylm_grid_form *f, const ylm_grid_s
   COUNT(invalid);
   COUNT(outside);
   COUNT(bytes);
+  if (f->sides) {
+    COUNT(crossed_leaves);
+    COUNT(parts);
+    COUNT(ghosts);
+    COUNT(joined);
+    ylmL_set_boolean(L, "spent", s->spent);
+  }
 #undef COUNT
 #define TIME(name)                                                                                 \
   if (!isnan(s->name)) ylmL_set_number(L, #name, s->name)
@@ -139,7 +145,7 @@ void ylmL_grid_push_form(lua_State *L, const ylm_grid_form *f) {
   ylmL_set_boolean(L, "dynamic", f->dynamic);
   lua_pushstring(L, ylm_quantity_name(f->quantity));
   lua_setfield(L, -2, "quantity");
-  ylmL_set_number(L, "bias", f->bias);
+  ylmL_set_boolean(L, "sides", f->sides);
   if (f->floor > 0) ylmL_set_number(L, "floor", f->floor);
   if (f->body.radius > 0) {
     push_body(L, &f->body);
@@ -199,6 +205,46 @@ static double validity_of(const ylm_grid_contents *v, size_t i) {
   return sum;
 }
 
+/* Adds the slopes along the edges of a box of cells to its corners' gradients [channels count][3], and counts them. */
+static void add_slopes(const ylm_grid_contents *v, const uint32_t corner[8], const double edge[3],
+                       float *gradient, float *count) {
+  size_t w = (size_t)(v->form.channels * v->count);
+  for (int k = 0; k < 8; k++) {
+    if (corner[k] == YLM_GRID_NONE || corner[k] >= v->points) continue;
+    count[corner[k]]++;
+    for (int a = 0; a < 3; a++) {
+      const float *from = v->data + v->stride * corner[k & ~(1 << a)],
+                  *to = v->data + v->stride * corner[k | 1 << a];
+      for (size_t j = 0; j < w; j++)
+        gradient[3 * (corner[k] * w + j) + (size_t)a] += (to[j] - from[j]) / (float)edge[a];
+    }
+  }
+}
+
+/* Gradients of points that are values alone: the means of the slopes of the voxels and parts around them. */
+static ylm_status mean_slopes(const ylm_grid *g, const ylm_grid_contents *v, float *gradient) {
+  size_t w = (size_t)(v->form.channels * v->count);
+  float *count = ylm_alloc_zero(v->points, sizeof *count);
+  if (!count) return YLM_ENOMEM;
+  memset(gradient, 0, 3 * v->points * w * sizeof *gradient);
+  for (size_t i = 0, side = 0; i < v->cells; i++) {
+    const ylm_grid_cell *c = &v->cell[i];
+    double box[6], edge[3];
+    if (c->child || c->corner[0] == YLM_GRID_NONE) continue;
+    ylm_grid_box(g, i, box);
+    for (int a = 0; a < 3; a++) edge[a] = box[a + 3] - box[a];
+    while (side < v->sides && v->side[side].cell < i) side++;
+    const ylm_grid_side *s = side < v->sides && v->side[side].cell == i ? &v->side[side] : NULL;
+    if (!s) add_slopes(v, c->corner, edge, gradient, count);
+    for (uint32_t p = 0; s && p < s->parts; p++)
+      add_slopes(v, v->node[s->first + p], edge, gradient, count);
+  }
+  for (size_t i = 0; i < v->points; i++)
+    for (size_t j = 0; count[i] > 0 && j < 3 * w; j++) gradient[3 * i * w + j] /= count[i];
+  ylm_free(count);
+  return YLM_OK;
+}
+
 /* grid_points(grid) -> table of arrays, one row per point: evaluated ones first */
 static int grid_points(lua_State *L) {
   const ylm_grid *g = ylmL_grid_check(L, 1);
@@ -213,19 +259,41 @@ static int grid_points(lua_State *L) {
   float *invalid = set_array(L, "invalid", YLM_FLOAT, 1, &n);
   float *interpolated = set_array(L, "interpolated", YLM_FLOAT, 1, &n);
   float *validity = set_array(L, "validity", YLM_FLOAT, 1, &n);
+  float *ghost = v->form.sides ? set_array(L, "ghost", YLM_FLOAT, 1, &n) : NULL;
   for (size_t i = 0; i < n; i++) {
-    const float *row = v->data + 4 * i * v->stride;
+    const float *row = v->data + v->rows * i * v->stride;
     ylm_grid_position(g, v->lattice + 3 * i, position + 3 * i);
     memcpy(value + i * w, row, w * sizeof *value);
-    for (size_t j = 0; j < w; j++)
+    for (size_t j = 0; v->rows > 1 && j < w; j++)
       for (size_t a = 0; a < 3; a++) gradient[3 * (i * w + j) + a] = row[(a + 1) * v->stride + j];
     lambda[i] = v->lambda[i];
     norm[i] = v->norm[i];
     invalid[i] = (v->flags[i] & YLM_GRID_POINT_INVALID) != 0;
     interpolated[i] = (v->flags[i] & YLM_GRID_POINT_INTERPOLATED) != 0;
     validity[i] = (float)validity_of(v, i);
+    if (ghost) ghost[i] = (v->flags[i] & YLM_GRID_POINT_GHOST) != 0;
   }
+  ylm_status s = v->rows > 1 ? YLM_OK : mean_slopes(g, v, gradient);
+  return ylmL_result(L, 1, s, NULL);
+}
+
+/* grid_judges(grid) -> [n][6] places and normals that have judged its bake, or nil: there are none */
+static int grid_judges(lua_State *L) {
+  const ylm_grid *g = ylmL_grid_check(L, 1);
+  size_t n = ylm_grid_judges(g, NULL);
+  if (!n) return 0;
+  ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, 6});
+  if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_grid_judges(g, a->data);
   return 1;
+}
+
+/* grid_verdict(grid, verified, failed, error, largest): what another judge says */
+static int grid_verdict(lua_State *L) {
+  ylm_grid *g = ylmL_grid_check(L, 1);
+  ylm_grid_verdict(g, (uint64_t)luaL_checknumber(L, 2), (uint64_t)luaL_checknumber(L, 3),
+                   (double)luaL_checknumber(L, 4), (double)luaL_checknumber(L, 5));
+  return 0;
 }
 
 /* grid_cells(grid, with added ones) -> table of arrays, one row per cell */
@@ -236,7 +304,7 @@ static int grid_cells(lua_State *L) {
   } flags[] = {{"leaf", YLM_GRID_LEAF},
                {"occupied", YLM_GRID_OCCUPIED},
                {"baked", YLM_GRID_BAKED},
-               {"crossed", YLM_GRID_CROSSED},
+               {"crossed", YLM_GRID_CROSSED | YLM_GRID_SIDED},
                {"added", YLM_GRID_ADDED}};
   const ylm_grid *g = ylmL_grid_check(L, 1);
   const ylm_grid_contents *v = ylm_grid_look(g);
@@ -250,6 +318,7 @@ static int grid_cells(lua_State *L) {
   double *corners = set_array(L, "corners", YLM_DOUBLE, 2, (size_t[]){n, 8});
   float *flag[5];
   for (int k = 0; k < 5; k++) flag[k] = set_array(L, flags[k].name, YLM_FLOAT, 1, &n);
+  float *parts = v->form.sides ? set_array(L, "parts", YLM_FLOAT, 1, &n) : NULL;
   for (size_t i = 0; i < n; i++) {
     const ylm_grid_cell *c = &v->cell[i];
     double box[6];
@@ -264,7 +333,9 @@ static int grid_cells(lua_State *L) {
     error[i] = c->error;
     residual[i] = c->residual;
     for (int k = 0; k < 5; k++) flag[k][i] = (c->flags & flags[k].flag) != 0;
+    if (parts) parts[i] = 0;
   }
+  for (size_t i = 0; parts && i < v->sides; i++) parts[v->side[i].cell] = (float)v->side[i].parts;
   return 1;
 }
 
@@ -286,7 +357,7 @@ static int grid_locate(lua_State *L) {
   ylmL_set_boolean(L, "leaf", c->flags & YLM_GRID_LEAF);
   ylmL_set_boolean(L, "occupied", c->flags & YLM_GRID_OCCUPIED);
   ylmL_set_boolean(L, "baked", c->flags & YLM_GRID_BAKED);
-  ylmL_set_boolean(L, "crossed", c->flags & YLM_GRID_CROSSED);
+  ylmL_set_boolean(L, "crossed", c->flags & (YLM_GRID_CROSSED | YLM_GRID_SIDED));
   ylmL_set_boolean(L, "outside", outside);
   lua_newtable(L);
   lua_newtable(L);
@@ -308,6 +379,7 @@ static int grid_locate(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {{"grid_stats", grid_stats},   {"grid_form", grid_form},
+                                     {"grid_judges", grid_judges}, {"grid_verdict", grid_verdict},
                                      {"grid_points", grid_points}, {"grid_cells", grid_cells},
                                      {"grid_locate", grid_locate}, {NULL, NULL}};
 

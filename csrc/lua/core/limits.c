@@ -22,7 +22,6 @@
   X(emit_degree, YLM_EMIT_DEGREE)                                                                  \
   X(emit_particles, YLM_EMIT_PARTICLES)                                                            \
   X(extent, YLM_LIGHT_EXTENT)                                                                      \
-  X(grid_bias, YLM_GRID_MAX_BIAS)                                                                  \
   X(grid_cells, YLM_GRID_MAX_CELLS)                                                                \
   X(gather_least, YLM_GATHER_LEAST)                                                                \
   X(gather_most, YLM_GATHER_MOST)                                                                  \

@@ -8,6 +8,7 @@
 typedef struct gathered {
   ylm_field field;
   ylm_gather *gather;
+  ylm_walls *walls; /* NULL: nobody has asked */
   ylmL_held *of;
 } gathered;
 
@@ -21,13 +22,9 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   return s;
 }
 
-static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
-  const ylm_field *own = ylm_gather_field(((const gathered *)f->self)->gather);
-  return own->crosses(own, n, boxes, out);
-}
-
 static void destroy(void *object) {
   gathered *g = object;
+  ylm_walls_free(g->walls);
   ylm_gather_free(g->gather);
   ylm_free(g);
 }
@@ -43,7 +40,6 @@ static ylm_status make(ylmL_held *of, const ylm_gather_form *form, gathered **ou
   g->field = *ylm_gather_field(g->gather);
   g->field.self = g;
   g->field.evaluate = evaluate;
-  g->field.crosses = crosses;
   g->of = of;
   *out = g;
   return YLM_OK;
@@ -86,14 +82,12 @@ static const ylmL_entry gather_entries[] = {
          .choices = ylmL_gather_derivatives_choices),
     YLML(ylm_gather_form, tolerance, "tolerance", DOUBLE),
     YLML(ylm_gather_form, remember, "remember", BOOL),
-    YLML(ylm_gather_form, within, "within", BOOL),
-    YLML(ylm_gather_form, refine_surfaces, "surfaces", BOOL),
     YLML(ylm_gather_form, seed, "seed", UINT64),
     YLML(ylm_gather_form, lamps, "lamps", READ, .read = ylmL_read_scene, .optional = true),
     {.name = NULL}};
 
 /* gather_create(radiosity, {base, levels, contrast, spacing (0: the elements'), parts: 1 indirect + 2 direct,
-   derivatives: "cells" | "points", tolerance, remember, within, surfaces, seed, lamps: scene | nil}) -> gather */
+   derivatives: "cells" | "points", tolerance, remember, seed, lamps: scene | nil}) -> gather */
 static int gather_create(lua_State *L) {
   ylmL_held *of = ylmL_held_check(L, 1, YLML_RADIOSITY);
   gathered *g;
@@ -109,14 +103,14 @@ static int gather_create(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-/* gather_reach(gather) -> the bytes of a ylm_grid_reach: distances to the surfaces of its scene, as
-   long as it lives */
-static int gather_reach(lua_State *L) {
-  const gathered *g = check_gather(L, 1);
+/* gather_walls(gather) -> the bytes of a ylm_grid_walls: the surfaces of its scene, as long as it lives */
+static int gather_walls(lua_State *L) {
+  gathered *g = check_gather(L, 1);
   const ylm_transfer *t = ylm_radiosity_transfer(g->of->object);
-  const ylm_scene *scene = ylm_transfer_scene(t);
-  ylm_grid_reach reach = {ylm_shade_reach, scene, ylm_scene_origin(scene)};
-  lua_pushlstring(L, (const char *)&reach, sizeof reach);
+  ylm_status s = g->walls ? YLM_OK : ylm_walls_create(ylm_transfer_scene(t), t, &g->walls);
+  if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
+  ylm_grid_walls walls = ylm_walls_look(g->walls);
+  lua_pushlstring(L, (const char *)&walls, sizeof walls);
   return 1;
 }
 
@@ -181,7 +175,7 @@ static int gather_lamps(lua_State *L) {
 
 static const luaL_Reg functions[] = {
     {"gather_create", gather_create}, {"gather_noise", gather_noise},
-    {"gather_reach", gather_reach},   {"gather_validity", gather_validity},
+    {"gather_walls", gather_walls},   {"gather_validity", gather_validity},
     {"gather_stats", gather_stats},   {"gather_lamps", gather_lamps},
     {"gather_close", ylmL_let_go},    {NULL, NULL}};
 

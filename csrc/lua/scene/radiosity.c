@@ -1,15 +1,8 @@
 /* radiosity.c - light on elements as a Lua object. */
 #include "transfer.h"
 
-#include "../binding_grid.h"
-
 ylm_radiosity *ylmL_radiosity(lua_State *L, int i) {
   return ylmL_held_check(L, i, YLML_RADIOSITY)->object;
-}
-
-/* The grid at `i`, or NULL where another object is. */
-static const ylm_grid *grid_at(lua_State *L, int i) {
-  return ylmL_test(L, i, YLM_GRID_TYPE) ? ylmL_grid_check(L, i) : NULL;
 }
 
 static void destroy(void *r) { ylm_radiosity_free(r); }
@@ -49,8 +42,8 @@ static int radiosity_field(lua_State *L) {
   lua_settop(L, 5);
   if (ylmL_radiosity_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
   ylm_status s =
-      ylm_radiosity_field(r, field, grid_at(L, 2), (int)luaL_checknumber(L, 3),
-                          (int)luaL_optnumber(L, 4, 0), ylmL_progress_begin(L, 5, &p), &e);
+      ylm_radiosity_field(r, field, (int)luaL_checknumber(L, 3), (int)luaL_optnumber(L, 4, 0),
+                          ylmL_progress_begin(L, 5, &p), &e);
   lua_pushvalue(L, 1);
   return ylmL_result_progress(L, 1, s, &e, &p);
 }

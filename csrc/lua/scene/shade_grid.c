@@ -19,7 +19,7 @@ static bool read_window(lua_State *L, int i, double window[YLM_LMAX + 1]) {
 }
 
 /* shade_grid(view, grid, "transfer" | "cosine", "hermite" | "taylor" | "linear", threads, progress,
-              {bias =, window = factors of degrees 0 .. | nil} | nil)
+              {window = factors of degrees 0 .. | nil} | nil)
    -> radiance [n][3], outside, unbaked, seconds */
 static int shade_grid(lua_State *L) {
   double window[YLM_LMAX + 1];
@@ -31,29 +31,23 @@ static int shade_grid(lua_State *L) {
   ylm_grid_report report = {0};
   ylm_error e = {0};
   ylmL_progress p;
-  ylm_grid_bias_report bias = {0};
   lua_settop(L, 7);
   if (!lua_istable(L, 7)) {
     lua_newtable(L);
     lua_replace(L, 7);
   }
-  lua_getfield(L, 7, "bias");
-  double factor = (double)lua_tonumber(L, -1);
   bool damped = read_window(L, 7, window);
-  lua_settop(L, 7);
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3});
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   const ylm_progress *progress = ylmL_progress_begin(L, 6, &p);
-  ylm_status s = ylm_shade_grid_biased(v, g, weight, how, factor, damped ? window : NULL, threads,
-                                       progress, out->data, &report, &bias, &e);
+  ylm_status s = ylm_shade_grid(v, g, weight, how, damped ? window : NULL, threads, progress,
+                                out->data, &report, &e);
   if (s == YLM_OK) {
     ylmL_push_count(L, report.outside);
     ylmL_push_count(L, report.unbaked);
     lua_pushnumber(L, (lua_Number)report.seconds);
-    lua_pushnumber(L, bias.mean);
-    lua_pushnumber(L, bias.largest);
   }
-  return ylmL_result_progress(L, 6, s, &e, &p);
+  return ylmL_result_progress(L, 4, s, &e, &p);
 }
 
 #define MEMORY "ylm.shade_memory"

@@ -156,22 +156,17 @@ static int shade_materials(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-/* shade_normals(view, of triangles) -> [n][3] on the side that is seen; of triangles also [n], halves
-   of the distances to the first hits along them */
+/* shade_normals(view, of triangles) -> [n][3] on the side that is seen */
 static int shade_normals(lua_State *L) {
   const ylm_shade_view *v = ylmL_shade_view(L, 1);
   size_t n = ylmL_shade_points(v);
   ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  if (!lua_toboolean(L, 2)) {
+  if (lua_toboolean(L, 2))
+    ylm_shade_view_flats(v, 0, n, a->data);
+  else
     ylm_copy(a->data, ylm_shade_view_normals(v), n * 3 * sizeof(float));
-    return 1;
-  }
-  ylmL_array *limit = ylmL_array_new(L, YLM_FLOAT, 1, &n);
-  if (!limit) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_shade_view_flats(v, 0, n, a->data);
-  ylm_status s = ylm_shade_limits(v, 0, n, a->data, INFINITY, limit->data);
-  return ylmL_result(L, 2, s, NULL);
+  return 1;
 }
 
 static void push_vector(lua_State *L, const float v[3], const double *origin, const char *name) {

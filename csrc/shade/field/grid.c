@@ -4,6 +4,7 @@
 
 #include "../calibration.h"
 #include "../gloss/gloss.h"
+#include "ylm_transfer.h"
 
 typedef struct grid_job {
   const ylm_shade_view *view;
@@ -13,8 +14,6 @@ typedef struct grid_job {
   shade_rows rows;
   ylm_shade_dot_fn *dot;
   float *out, *level, *error;
-  double factor;        /* of look-ups beside surfaces */
-  float *b;             /* [points] of these; NULL: none */
   const double *window; /* [lmax+1] */
   atomic_uint_fast64_t outside, unbaked;
 } grid_job;
@@ -26,24 +25,21 @@ static void damp(const double *window, int lmax, size_t n, float *L) {
       for (int m = -l; m <= l; m++) *L++ *= (float)window[l];
 }
 
-/* Coefficients of points begin .. begin+n-1 to L, looked up beside their surfaces. */
-static ylm_status sample_beside(grid_job *j, size_t begin, size_t n, float *L, ylm_grid_report *r) {
-  const float(*x)[3] = (const float(*)[3])j->view->position + begin;
-  float(*flat)[3] = ylm_alloc(n, sizeof *flat), (*place)[3] = ylm_alloc(n, sizeof *place);
-  ylm_status s = flat && place ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK) {
-    ylm_shade_view_flats(j->view, begin, n, flat);
-    s = ylm_shade_bias(j->view, j->grid, j->factor, begin, n, (const float(*)[3])flat, place);
+/* Coefficients of points begin .. begin+n-1 to L; in a grid with sides by what the points see. */
+static ylm_status sample(const grid_job *j, size_t begin, size_t n, float *L, ylm_grid_report *r) {
+  const ylm_shade_view *v = j->view;
+  ylm_grid_walls walls = {.share = ylm_walls_share, .self = v->scene, .origin = v->world};
+  ylm_grid_query q = j->query;
+  float(*flat)[3] = NULL;
+  if (j->look->form.sides) {
+    flat = ylm_alloc(n, sizeof *flat);
+    if (!flat) return YLM_ENOMEM;
+    ylm_shade_view_flats(v, begin, n, flat);
+    q.normals = (const float(*)[3])flat;
+    q.walls = &walls;
   }
-  if (s == YLM_OK)
-    s = ylm_grid_sample_biased(j->grid, &j->query, n, x, (const float(*)[3])place, L, r, NULL);
-  for (size_t i = 0; s == YLM_OK && i < n; i++) {
-    float d[3];
-    for (int a = 0; a < 3; a++) d[a] = place[i][a] - x[i][a];
-    j->b[begin + i] = sqrtf(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
-  }
+  ylm_status s = ylm_grid_sample(j->grid, &q, n, v->position[begin], L, NULL, r, NULL);
   ylm_free(flat);
-  ylm_free(place);
   return s;
 }
 
@@ -56,10 +52,7 @@ static ylm_status run_grid(void *context, size_t begin, size_t end, int worker) 
   float *L = ylm_alloc(n * (size_t)form->channels * (size_t)j->look->count, sizeof *L);
   ylm_status s = L ? YLM_OK : YLM_ENOMEM;
   double start = ylm_seconds();
-  if (s == YLM_OK && j->b)
-    s = sample_beside(j, begin, n, L, &r);
-  else if (s == YLM_OK)
-    s = ylm_grid_sample(j->grid, &j->query, n, j->view->position[begin], L, NULL, &r, NULL);
+  if (s == YLM_OK) s = sample(j, begin, n, L, &r);
   if (s == YLM_OK && j->window) damp(j->window, form->lmax, n * (size_t)form->channels, L);
   ylm__shade_clock(j->view, SHADE_LIGHT, start);
   if (s == YLM_OK)
@@ -72,25 +65,13 @@ static ylm_status run_grid(void *context, size_t begin, size_t end, int worker) 
   return s;
 }
 
-/* The mean and the largest of n distances. */
-static ylm_grid_bias_report distances(const float *b, size_t n) {
-  ylm_grid_bias_report out = {0};
-  for (size_t i = 0; b && i < n; i++) {
-    out.mean += (double)b[i] / (double)n;
-    out.largest = fmax(out.largest, (double)b[i]);
-  }
-  return out;
-}
-
-ylm_status ylm_shade_grid_biased(const ylm_shade_view *v, const ylm_grid *grid,
-                                 ylm_shade_weight weight, ylm_grid_interpolation interpolation,
-                                 double factor, const double *window, int threads,
-                                 const ylm_progress *progress, float *out, ylm_grid_report *report,
-                                 ylm_grid_bias_report *bias, ylm_error *e) {
+ylm_status ylm_shade_grid(const ylm_shade_view *v, const ylm_grid *grid, ylm_shade_weight weight,
+                          ylm_grid_interpolation interpolation, const double *window, int threads,
+                          const ylm_progress *progress, float *out, ylm_grid_report *report,
+                          ylm_error *e) {
   double start = ylm_seconds();
   grid_job j = {.view = v,
                 .grid = grid,
-                .factor = factor,
                 .window = window,
                 .look = ylm_grid_look(grid),
                 .out = out,
@@ -100,26 +81,12 @@ ylm_status ylm_shade_grid_biased(const ylm_shade_view *v, const ylm_grid *grid,
                           .dtype = YLM_FLOAT,
                           .threads = 1,
                           .origin = v->world}};
-  if (factor > 0) {
-    j.b = ylm_alloc(v->points, sizeof *j.b);
-    if (!j.b) return ylm_fail(e, YLM_ENOMEM, "no memory to shade %zu points", v->points);
-  }
   ylm_status s = ylm__shade_rows(v, weight, j.look->form.lmax, threads, progress, &j.rows, e);
   if (s == YLM_OK)
     s = ylm_parallel(v->points, SHADE_GRID_POINTS, threads, run_grid, &j, progress, "shading");
   ylm_free(j.rows.zonal);
   if (report) *report = (ylm_grid_report){j.outside, j.unbaked, ylm_seconds() - start};
-  if (bias && s == YLM_OK) *bias = distances(j.b, v->points);
-  ylm_free(j.b);
   return s;
-}
-
-ylm_status ylm_shade_grid(const ylm_shade_view *v, const ylm_grid *grid, ylm_shade_weight weight,
-                          ylm_grid_interpolation interpolation, int threads,
-                          const ylm_progress *progress, float *out, ylm_grid_report *report,
-                          ylm_error *e) {
-  return ylm_shade_grid_biased(v, grid, weight, interpolation, 0, NULL, threads, progress, out,
-                               report, NULL, e);
 }
 
 static ylm_status run_cells(void *context, size_t begin, size_t end, int worker) {

@@ -13,8 +13,6 @@
 #define CELLS_ROUND 1.5
 /* Rays that are traced at once. */
 #define CELLS_RAYS 256
-/* Triangles of a leaf at most. */
-#define MEETS_LEAF 4
 
 /* -- sums: sums.c -------------------------------------------------------------------------------- */
 
@@ -38,12 +36,5 @@
 /* Nodes below this share of the light, or seen under this angle, need not be opened. */
 #define SMALL_SHARE 1e-4
 #define SMALL_ANGLE 0.02
-
-/* -- walls: walls.c ------------------------------------------------------------------------------ */
-
-/* A side of the box around a scene is a wall where surfaces that look inwards are more than this part of it. */
-#define GATHER_WALL_AREA 0.5
-/* Surfaces lie in a side of the box where the cosine of their normals to its own is at most this below 1. */
-#define GATHER_WALL_TILT 1e-3
 
 #endif

@@ -117,7 +117,6 @@ static ylm_status evaluate_range(void *context, size_t begin, size_t end, int wo
     float at[3];
     for (size_t a = 0; a < 3; a++)
       at[a] = (float)(ylm_get(j->q->dtype, j->points, 3 * i + a) + j->way[a]);
-    ylm__gather_step_in(g, at);
     ylm_status status = ylm__gather_look(*v, at);
     if (status != YLM_OK) return status;
     bool inside = (*v)->buried > 0.5f;
@@ -167,17 +166,6 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
   return s == YLM_OK ? ylm_light_finite(q, n, points, r, e) : s;
 }
 
-static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uint8_t *out) {
-  const ylm_gather *g = f->self;
-  const double *own = ylm_scene_origin(g->scene);
-  for (size_t i = 0; i < n; i++) {
-    double box[6];
-    for (size_t a = 0; a < 6; a++) box[a] = boxes[6 * i + a] - (own ? own[a % 3] : 0);
-    out[i] = g->meets && ylm__gather_meets(g->meets, box);
-  }
-  return YLM_OK;
-}
-
 /* -- objects ------------------------------------------------------------------------------------ */
 
 static ylm_status check_form(const ylm_gather_form *f, ylm_error *e) {
@@ -198,7 +186,6 @@ static ylm_status check_form(const ylm_gather_form *f, ylm_error *e) {
 
 static ylm_status fill(ylm_gather *g) {
   ylm_status s = ylm__gather_lattice_create(g->form.base, g->form.levels, true, &g->lattice);
-  if (s == YLM_OK) s = ylm__gather_walls(g);
   if (s != YLM_OK) return s;
   g->most = ylm__gather_most(&g->lattice);
   if (g->form.derivatives == YLM_GATHER_POINTS) {
@@ -208,7 +195,6 @@ static ylm_status fill(ylm_gather *g) {
   }
   if (g->form.parts & YLM_GATHER_DIRECT)
     s = ylm__gather_light(g, g->form.lamps ? g->form.lamps : g->scene, &g->lamps);
-  if (s == YLM_OK && g->form.refine_surfaces) s = ylm__gather_meets_create(g->scene, &g->meets);
   if (s == YLM_OK && g->form.remember) s = ylm__gather_memory_create(&g->memory);
   return s;
 }
@@ -219,7 +205,6 @@ static ylm_status create(const ylm_radiosity *r, const ylm_gather_form *form, yl
   if (!g) return YLM_ENOMEM;
   g->field = (ylm_field){.self = g,
                          .evaluate = evaluate,
-                         .crosses = crosses,
                          .quantity = form->parts == YLM_GATHER_ALL      ? YLM_QUANTITY_all
                                      : form->parts == YLM_GATHER_DIRECT ? YLM_QUANTITY_direct
                                                                         : YLM_QUANTITY_indirect,
@@ -296,7 +281,6 @@ void ylm_gather_free(ylm_gather *g) {
   ylm__gather_lattice_free(&g->lattice);
   ylm__gather_memory_free(g->memory);
   ylm__gather_dark(g->lamps);
-  ylm__gather_meets_free(g->meets);
   ylm_free(g->normal);
   ylm_free(g);
 }

@@ -89,20 +89,11 @@ struct ylm_gather {
   float spacing;
   float (*normal)[3]; /* [elements], for YLM_GATHER_POINTS; else NULL */
   gather_lattice lattice;
-  double lo[3], hi[3], margin; /* the box around all meshes; 0: points stay where they are */
-  bool wall[2][3];             /* sides of that box, the low ones first, that points step in from */
   size_t most;                 /* cells of a point */
   struct gather_memory *memory; /* NULL: nothing is remembered */
   gather_lamps *lamps;          /* of direct light; NULL: it is not asked for */
-  struct gather_meets *meets;   /* NULL: surfaces are not refined at */
   atomic_uint_fast64_t points, rays, shadow_rays, invalid;
 };
-
-/* Moves a point off the box around all meshes into it, where that side of the box is a wall: walls.c. */
-void ylm__gather_step_in(const ylm_gather *g, float at[3]);
-/* Finds the box and its walls: every side with form.within, else those most of which is surfaces that look inwards, and
-   get no less light than those that look outwards. YLM_ENOMEM */
-ylm_status ylm__gather_walls(ylm_gather *g);
 
 /* The memory of one thread, and one point in it. */
 typedef struct gather_sight {
@@ -234,14 +225,6 @@ ylm_status ylm__gather_direct_light(gather_direct *d, const float at[3], double 
                                     gather_sums *s, bool *inside, ylm_error *e);
 /* Rays of the last point. */
 uint64_t ylm__gather_direct_rays(const gather_direct *d);
-
-/* -- boxes.c: boxes and triangles -------------------------------------------------------------- */
-
-/* The triangles of a scene that occlude. To be freed in any case. */
-ylm_status ylm__gather_meets_create(const ylm_scene *s, struct gather_meets **m);
-void ylm__gather_meets_free(struct gather_meets *m);
-/* Whether a box (min, max) meets any of them. */
-bool ylm__gather_meets(const struct gather_meets *m, const double box[6]);
 
 /* -- field.c ------------------------------------------------------------------------------------- */
 

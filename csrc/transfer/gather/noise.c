@@ -25,7 +25,6 @@ static ylm_status glance_range(void *context, size_t begin, size_t end, int work
   if (!*v) return YLM_ENOMEM;
   for (size_t i = begin; i < end; i++) {
     float at[3] = {j->point[i][0], j->point[i][1], j->point[i][2]};
-    ylm__gather_step_in(j->g, at);
     ylm__gather_glance(*v, at);
     j->validity[i] = 1 - (*v)->buried;
   }

@@ -74,6 +74,8 @@ static ylm_status copy_data(ylm_gpu_grid *k, const ylm_grid_contents *v, ylm_err
 ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **out, ylm_error *e) {
   const ylm_grid_contents *v = ylm_grid_look(grid);
   *out = NULL;
+  if (v->form.sides)
+    return ylm_fail(e, YLM_EINVAL, "device: it knows no sides of walls, which this grid has");
   ylm_status s = ylm_gpu_state(g, e);
   if (s != YLM_OK) return s;
   uint64_t most = ylm_gpu_about(g)->bind_bytes, row = 4 * v->stride * sizeof(float);

@@ -65,8 +65,8 @@ return {
     { "fresh", nil, nil, "with -o NAME.ylmd: begin anew, whatever is there" },
     { "time", nil, "TIME", "with -o NAME.ylmd: begin no brick that would take longer (90s, 55m, 12h); exit status 75 where "
       .. "bricks are left" },
-    { "quantity", nil, "NAME", "what the grid holds: lights (default: nothing occludes them), direct (with shadows), indirect "
-      .. "(what surfaces send back) or all" },
+    { "quantity", nil, "NAME", "what the grid holds: lights (nothing occludes them; default of a scene with probes), direct "
+      .. "(with shadows), indirect (what surfaces send back; default of a scene without) or all" },
     { "bounces", "-b", "NAME", "of --quantity indirect and all: reflections after direct light, 1, 2 .. or all (default)" },
     { "occupied", nil, "NAME", "where light is needed: surfaces (default), camera, vertices or everywhere" },
     { "size", "-s", "WxH", "with --occupied camera: of its image, default that of render" },
@@ -90,7 +90,7 @@ return {
     check_quantity(given)
     local bounces = status.bounces("bake", given.bounces)
     local scene = status.load_scene(given[1])
-    if not scene.probes then
+    if not scene.probes and #scene.geometry == 0 then
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
     end
     local team = status.need(ylm.team())

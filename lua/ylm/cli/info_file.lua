@@ -4,7 +4,7 @@ local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
 local form = { "quantity", "lmax", "channels", "bounds", "resolution", "depth", "continuous", "metric", "metric_channels",
-  "tolerance", "measure", "threshold", "bias", "floor", "body", "prints" }
+  "tolerance", "measure", "threshold", "sides", "floor", "body", "prints" }
 local stats = { "points", "interpolated", "invalid", "tested", "cells", "leaves", "occupied", "levels", "continuity", "pairs",
   "outside", "error", "largest_error", "met", "limited", "verified" }
 

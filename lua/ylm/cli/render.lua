@@ -157,7 +157,7 @@ return {
     { "gloss", nil, "NAME", "glossy surfaces, by a grid: auto (default, rays where harmonics are too few), sh, rays, matte" },
     { "gloss-error", nil, "A,B", "auto: the part of a lobe that harmonics may miss: rays from A on, alone from B on; default "
       .. "0.01,0.03" },
-    { "grid", "-g", "FILE", "a grid baked before" },
+    { "grid", "-g", "FILE", "a grid baked before; of indirect light: that light alone, and the lamps' by rays" },
     { "shading", nil, "NAME", "pixel (default) or vertices" },
     { "dering", nil, "N", "of a grid: width of the window against light below zero, in degrees, 0: none; default: chosen where "
       .. "needed" },
@@ -183,6 +183,9 @@ return {
     if given.grid then options.grid = status.need_kind("ylm.grid", "a grid", given.grid, ylm.load(given.grid))
     elseif by == "grid" and not scene.probes then
       status.stop(status.script, "%s: the scene has no probes; add some, or use --by rays", given[1])
+    end
+    if given.grid and options.grid.quantity == "indirect" and not given.by then
+      options.by, options.bounced, options.grid, options.bounces = "rays", options.grid, nil, nil
     end
     if given.bounced == "virtual" then
       local lights = lights_of(scene, given, options.bounces)

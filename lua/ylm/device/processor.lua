@@ -63,7 +63,8 @@ function processor.sample(_, g, points, o, shapes, single)
   if o.derivatives == 0 then gradient, flags = nil, gradient end
   local c, dc, outside, unbaked, seconds = check.result("sample", core.grid_sample(g, points, {
     interpolation = o.interpolation, derivatives = o.derivatives, outside = o.outside, dtype = o.dtype,
-    threads = o.threads, progress = progress.of(o.progress), value = value, gradient = gradient }))
+    threads = o.threads, progress = progress.of(o.progress), value = value, gradient = gradient,
+    normals = o.normals, walls = o.walls }))
   if c == nil then return nil, dc, outside end
   if o.flags then
     local message, code
@@ -104,16 +105,14 @@ end
 function processor.shade(_, name, p, o, bar)
   if core.type(o.grid) ~= "ylm.grid" then return shade_field(name, p, o, bar) end
   local radiance, outside, unbaked, seconds, fresh
-  local bias, mean, largest = o.bias or o.grid.bias, nil, nil
   if o.grid.dynamic and o.weight == "transfer" and not o.window then
     radiance, outside, unbaked, seconds, fresh = shade_again(name, p, o, bar)
   else
-    radiance, outside, unbaked, seconds, mean, largest = check.result(name, p.lib.shade_grid(p.view, o.grid, o.weight,
-      o.interpolation, o.threads or 0, bar, { bias = bias, window = o.window }))
+    radiance, outside, unbaked, seconds = check.result(name, p.lib.shade_grid(p.view, o.grid, o.weight,
+      o.interpolation, o.threads or 0, bar, { window = o.window }))
   end
   if not radiance then return nil, outside, unbaked end
-  return radiance, { outside = outside, unbaked = unbaked, seconds = seconds, fresh = fresh,
-    bias = bias > 0 and mean and { mean = mean, largest = largest } or nil }
+  return radiance, { outside = outside, unbaked = unbaked, seconds = seconds, fresh = fresh }
 end
 
 function processor.check_rays() end

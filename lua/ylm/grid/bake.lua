@@ -14,6 +14,8 @@ local where = require "ylm.grid.where"
 
 local bake = {}
 
+local AIM = 0.75 -- of its tolerance, for which a grid is refined that paths will judge: they see the field's error too
+
 local bake_options = {
   { "occupied", "any", optional = true,
     about = "'surfaces': voxels that the triangles of geometry meet, where the tolerance holds by area; or shading points "
@@ -26,6 +28,9 @@ local bake_options = {
   { "quantity", "choice", of = core.choices "quantity", optional = true,
     about = "what a field that is a function holds; other fields know it. 'lights': light that nothing occludes (default); "
       .. "'direct': light of lamps and sky with shadows; 'indirect': what surfaces send back; 'all': both" },
+  { "scene", "any", optional = true, shelf = "experiments",
+    about = "where a function holds light that jumps at surfaces: the scene whose surfaces these are. Voxels that they cross "
+      .. "then hold the light of each side; fields of scenes know their surfaces" },
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of the choice of held-out points" },
   { "max_points", "integer", min = 8, max = core.limits.grid_points, default = 2 ^ 24, about = "nil, message, 'ELIMIT' beyond" },
   light.tolerance_option "sums_tolerance",
@@ -136,19 +141,35 @@ local function settled(f, description, place, o)
     points = core.type(occupied) == "ylm.array" and occupied or nil, seed = o.seed, threads = o.threads, progress = o.progress }
 end
 
---- All that C is told of a bake. `f`: the field that is asked; `prints`, `like`: as of bake.of_scene.
-local function form_of(description, o, what, f, place, prints, like)
+--- The surfaces at which light jumps: those of the field, or of the option `scene`; nil where nobody tells. Or nil, message,
+-- code.
+local function walls_of(f, o)
+  if o.scene ~= nil then
+    local walls, message, code = field.ask(o.scene, "__walls", "bake")
+    if not walls and not message then
+      return check.bad(3, "bake", "scene: a scene or a prepared view expected, got %s", check.describe(o.scene))
+    end
+    return walls, message, code
+  end
+  return f:walls()
+end
+
+--- All that C is told of a bake. `prints`, `like`: as of bake.of_scene.
+local function form_of(description, o, what, place, prints, like, judged_later)
   local box = place.bounds
   return {
     kind = form.kind(description), lmax = description.lmax, depth = description.depth or 0,
     cells = description.cells or { 1, 1, 1 },
     bounds = { box[1][1], box[1][2], box[1][3], box[2][1], box[2][2], box[2][3] },
-    channels = description.channels, metric_channels = description.metric_channels, metric = description.metric,
+    channels = description.channels,
+    metric_channels = place.walls and description.tolerance and "none" or description.metric_channels,
+    metric = description.metric,
     threshold = description.threshold or -1, tolerance = description.tolerance or 0,
     continuous = description.continuous, dynamic = description.dynamic,
-    measure = place.measure, quantity = what.quantity, normals = place.normals, limits = place.limits,
+    measure = place.measure, quantity = what.quantity, normals = place.normals,
     team = o.team and o.team.handle,
-    reach = f:reach(), bias = description.bias or what.jumps and 1 or 0,
+    sides = place.walls ~= nil, walls = place.walls, budget = description.points,
+    aim = judged_later and AIM or nil,
     floor = floor_of(description, what.quantity, place.measure), body = what.body, like = like,
     prints = prints,
   }
@@ -176,19 +197,19 @@ end
 --- The options of a bake that hold for another one in other light.
 local function kept_options(given)
   local options = {}
-  for _, name in ipairs { "occupied", "geometry", "bounds", "seed", "max_points", "sums_tolerance", "device" } do
+  for _, name in ipairs { "occupied", "geometry", "bounds", "scene", "seed", "max_points", "sums_tolerance", "device" } do
     options[name] = given and given[name]
   end
   return options
 end
 
 --- Remembers what a grid was baked from, and says what it does not keep.
-local function remember(g, description, given, o, what, f, stages)
+local function remember(g, description, given, o, what, f, stages, judged_later)
   local own = core.own(g)
   own.stages, own.shadow = stages, what.tally()
   own.lights, own.sums_tolerance = f:followed() and f.object, o.sums_tolerance
   own.recipe = not description.dynamic and { description = description, options = kept_options(given) } or nil
-  unmet.warn(g)
+  if not judged_later then unmet.warn(g) end
   f:heed(description.lmax)
   return g
 end
@@ -245,7 +266,8 @@ assert(grid.stats.met and grid.stats.error <= 0.01)]],
 function bake.bake(description, lights, given) return bake.of_scene(description, lights, given) end
 
 --- bake.bake of light whose fingerprints are known, or nil, that goes on from what the grid `like` has learnt, or nil.
-function bake.of_scene(description, lights, given, prints, like)
+-- judged_later: the caller judges it by something else, and warns.
+function bake.of_scene(description, lights, given, prints, like, judged_later)
   local o = options_of(description, given)
   local what, code, place, f, message
   what, o, code = what_light(description, lights, o)
@@ -255,11 +277,18 @@ function bake.of_scene(description, lights, given, prints, like)
   place.measure = measure_of(description, what.jumps, place.normals or place.meshes)
   f, message, code = settled(what.field, description, place, o)
   if not f then return nil, message, code end
+  if what.jumps then
+    place.walls, message, code = walls_of(f, o)
+    if message then return nil, message, code end
+  end
+  if description.points and not place.walls then
+    return check.bad(1, "bake", "points are a budget of grids with sides, of light with shadows or bounces: leave points out")
+  end
   local in_bricks = set.check_bake(description, o, given, what.jumps)
   local baked, stages
-  baked, stages, code = baked_by(form_of(description, o, what, f, place, prints, like), f, place, o, in_bricks)
+  baked, stages, code = baked_by(form_of(description, o, what, place, prints, like, judged_later), f, place, o, in_bricks)
   if not baked or in_bricks then return baked, stages, code end
-  return remember(baked, description, given, o, what, f, stages)
+  return remember(baked, description, given, o, what, f, stages, judged_later)
 end
 
 return bake

@@ -14,6 +14,7 @@ local warning = require "ylm.warning"
 
 local methods, open = object.methods, object.open
 
+local BURIED = 4               -- flag of samples in bodies
 local HALVED = 0.5             -- points of less validity lie in bodies, or behind walls
 local MOST_CELLS = 256         -- along the longest axis, where a tolerance chooses
 local MOST_PROBES = 2 ^ 20
@@ -75,6 +76,11 @@ end
 
 --- The validity at points, array [n]: 1 less the part of each that lies in bodies.
 local function validity_of(g, positions)
+  if g.sides then
+    local flags = select(4, g:sample(positions, { flags = true }))
+    for i = 1, #flags do flags:set(i, flags:get(i) >= BURIED and 0 or 1) end
+    return flags
+  end
   local known, all = g:points().validity, true
   for i = 1, #known do all = all and known[i] == 1 end
   local list = {}

@@ -20,11 +20,6 @@ local dynamic_field = { "dynamic", "boolean", default = false,
   about = "keeps what grid:update needs to follow sphere and flat lights point by point: Hessians, "
     .. "lights, where light is needed" }
 
-local bias_field = { "bias", "number", min = 0, max = core.limits.grid_bias, optional = true,
-  about = "shading points with normals are looked up beside their surface, bias times the thickness of a voxel along the "
-    .. "normal off it, since a voxel that a surface cuts holds light of both its sides. Default: 1 where light jumps at "
-    .. "surfaces (quantity is not 'lights'), else 0: no bias" }
-
 grid.adaptive_grid = form.define("adaptive_grid", {
   shelf = "everyday",
   about = "An octree of voxels that subdivides where its interpolation would be wrong and light is needed. "
@@ -36,6 +31,8 @@ grid.adaptive_grid = form.define("adaptive_grid", {
     { "tolerance", "number", above = 0, optional = true,
       about = "relative L2 error that 99 % of the occupied points keep, of surfaces 99 % of the area; verified after "
         .. "bakes and updates, see stats.met" },
+    { "points", "integer", min = 64, max = core.limits.grid_points, optional = true,
+      about = "of a grid with sides, beside a tolerance: refinement ends at about so many points, and stats.spent says so" },
     { "measure", "choice", of = core.choices "measure", optional = true,
       about = "what tolerance is of: 'coefficients', the distance of all of them relative to their norm; 'irradiance', the "
         .. "irradiance of occupied points with normals, relative to itself or, where that is more, to its mean over "
@@ -44,7 +41,6 @@ grid.adaptive_grid = form.define("adaptive_grid", {
     { "floor", "number", min = 0, optional = true,
       about = "of a tolerance of coefficients: a norm that is smaller counts as this one, so that darkness is not refined "
         .. "without end. Default: sqrt(4 pi), the norm of the function 1, of visibilities, else 0" },
-    bias_field,
     { "metric", "choice", of = core.choices("metric", "relative"), default = "relative",
       about = "the Hessian's error metric that threshold is compared with" },
     { "threshold", "number", min = 0, optional = true, about = "voxels above it are subdivided" },
@@ -70,6 +66,9 @@ grid.adaptive_grid = form.define("adaptive_grid", {
     end
     if values.bricks and values.dynamic then
       return fail("bricks: a grid that follows lights is not baked in bricks; leave dynamic or bricks out")
+    end
+    if values.points and values.threshold then
+      return fail("points end refinement by a tolerance: give one, or leave points out")
     end
     if values.measure and values.threshold then
       return fail("measure is what a tolerance is of: give a tolerance, or leave measure out")
@@ -110,7 +109,6 @@ grid.uniform_grid = form.define("uniform_grid", {
       about = "what the metric is of; none: faster to bake, and cells() knows no errors" },
     { "metric", "choice", of = core.choices("metric", "relative"), default = "relative",
       about = "of the errors that cells() reports" },
-    bias_field,
     dynamic_field,
   },
   build = function(values, fail)

@@ -16,7 +16,7 @@ describe "grid:points" {
   returns = { { "points", "table", "position [n][3], value [n][channels][count], gradient [n][channels][count][3], "
     .. "lambda [n], norm [n], invalid [n] (1: in a light or a body, filled from neighbours), validity [n] (1 less the share of "
     .. "directions that see sides of surfaces that are not used, below 0.5 in a body; of a field that knows of no bodies "
-    .. "1, in lights 0), interpolated [n]" } },
+    .. "1, in lights 0), interpolated [n]; of a grid with sides ghost [n] (1: stands for a corner that its parts do not see)" } },
   errors = "raises on a closed grid",
   example = [[
 local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
@@ -39,7 +39,8 @@ describe "grid:cells" {
   options = cells_options,
   returns = { { "cells", "table", "origin [n][3], size [n][3], level [n] (0 is the root), error [n] (the metric; NaN "
     .. "where unknown), residual [n] (relative error measured at the centre; NaN where not), leaf [n], occupied [n], "
-    .. "baked [n], crossed [n] (by a light's surface), added [n], corners [n][8] (rows of points(); 0: none)" } },
+    .. "baked [n], crossed [n] (by a light's surface, in a grid with sides by any), added [n], corners [n][8] (rows of "
+    .. "points(); 0: none); of a grid with sides parts [n], of leaves that surfaces cross" } },
   errors = "raises on a closed grid",
   example = [[
 local lamp = ylm.sphere_light { at = { 0, 2, 0 } }

@@ -30,6 +30,7 @@ object.own = {
   stages = "times by stage of the device that it was baked on",
   recipe = "description and options of its bake, by which its octree follows other light",
   shadow = "what light behind bodies took, where it was baked from such light",
+  paths = "what paths say of its promise: { undecided, rms, seconds, field_met, field_error }",
   said = "topics of warnings about it",
   partners = "devices that have a copy",
 }
@@ -46,7 +47,7 @@ require "ylm.describe".object "grid" {
     { "metric_channels", "string", "what the error metric is of" },
     { "quantity", "string", "what it holds: 'lights' (light that nothing occludes), 'direct' (with shadows), 'indirect', 'all' "
       .. "or 'visibility'" },
-    { "bias", "number", "factor of the look-up beside surfaces; 0: none" },
+    { "sides", "boolean", "whether voxels that walls cross hold the light of each side, as light with shadows has it" },
     { "floor", "number", "the least norm that errors are relative to, where the tolerance has one" },
     { "body", "table", "of visibilities: { at, radius, area } of the body, a sphere around it and the mean of its projections' "
       .. "areas" },
@@ -58,8 +59,8 @@ require "ylm.describe".object "grid" {
     { "stats", "table", "points, cells, leaves, levels, pairs, invalid, bytes, ...; with a tolerance met: at least 99 % "
       .. "of the occupied points keep it, error: a bound of their 99 % quantile, both with this confidence (1: all points were "
       .. "compared; nil in a loaded grid), verified: the random points that judge, limited: not met because of the depth, "
-      .. "failed: of these points, those above the tolerance, crossed: of these, those looked up in voxels that surfaces cross, "
-      .. "where light jumps; measure: what error is of; "
+      .. "failed: of these points, those above the tolerance; with sides crossed_leaves, their parts, ghosts (of the points, "
+      .. "those that stand for corners which no part sees), joined; measure: what error is of; "
       .. "warning: a sentence, where it is not met; "
       .. "seconds, of which field_seconds in the light field, occupancy_, lattice_, residual_ and continuity_seconds in "
       .. "parts of the bake, verify_seconds (field included) to verify (a loaded grid has none: files hold no times); baked "

@@ -5,18 +5,19 @@ local core = require "ylm.c.core"
 
 local quantities = {}
 
---- Quantity -> label, unit, colour map, whether its range spans decades; and of what it is: cells or points.
+--- Quantity -> label, unit, colour map, whether its range spans decades; and of what it is: cells, pieces of them, or points.
 quantities.of = {
   error = { label = "estimated error", map = "magma", log = true, of = "cells" },
   level = { label = "level", map = "viridis", log = false, whole = true, of = "cells" },
   residual = { label = "measured relative error", map = "magma", log = true, of = "cells" },
+  parts = { label = "part of a crossed leaf", map = "viridis", log = false, whole = true, of = "pieces" },
   norm = { label = "‖L‖", unit = "W m⁻² sr⁻¹ᐟ²", map = "viridis", log = true, of = "points" },
   lambda = { label = "‖λ‖", unit = "W m⁻² sr⁻¹ᐟ² per length²", map = "magma", log = true, of = "points" },
   L00 = { label = "L₀₀", unit = "W m⁻² sr⁻¹ᐟ²", map = "viridis", log = true, of = "points" },
   gradient = { label = "|∇L₀₀|", unit = "W m⁻² sr⁻¹ᐟ² per length", map = "viridis", log = true,
     of = "points" },
 }
-quantities.names = { "error", "level", "residual", "norm", "lambda", "L00", "gradient" }
+quantities.names = { "error", "level", "residual", "parts", "norm", "lambda", "L00", "gradient" }
 
 local function doubles(a)
   if not a then return nil end
@@ -47,6 +48,8 @@ function quantities.open(grid)
     return points[name]
   end
 
+  --- The mask [n] of ghosts, of a grid with sides.
+  function source.ghost() return doubles(point "ghost") end
   function source.position() return doubles(point "position") end
   function source.gradient() return luminance(point "gradient", 3) end
   --- Coefficients [n][count] of luminance.
@@ -62,6 +65,7 @@ function quantities.open(grid)
   function source.values(quantity)
     if quantity == "error" or quantity == "residual" then return doubles(cells[quantity]) end
     if quantity == "level" then return source.cells.level end
+    if quantity == "parts" then return doubles(cells.parts) end
     if quantity == "L00" then return core.array_reshape(luminance(point "value", 1), { point("value").shape[1] }) end
     if quantity == "gradient" then return core.figure_lengths(source.gradient()) end
     return doubles(point(quantity))

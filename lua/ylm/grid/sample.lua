@@ -1,15 +1,52 @@
 --- Coefficients between a grid's points: grid:sample, and grid:to for a device's memory.
 
+local array = require "ylm.array"
 local check = require "ylm.check"
+local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local devices = require "ylm.device"
+local field = require "ylm.field"
 local form = require "ylm.form"
 local grid_object = require "ylm.grid.object"
 
 local methods, open, sampling = grid_object.methods, grid_object.open, grid_object.sampling
 
+--- Normals and surfaces of a look-up in a grid with sides, in place of o.normals and o.scene. True, or nil, message, code.
+local function settle_sides(g, o, points)
+  if o.normals == nil and o.scene == nil then return true end
+  if devices.of(o.device):name() then
+    return check.bad(2, "sample", "device: it knows no sides: leave device, or normals and scene, out")
+  end
+  if not g.sides then
+    return check.bad(2, "sample", "normals and scene are for a grid with sides, this one of %q light has none: leave them out",
+      g.quantity)
+  end
+  if o.normals ~= nil then
+    local unit, bad, code = check.result("sample", core.grid_unit((array.rows(2, "sample", "normals", o.normals, 3))))
+    if not unit then return nil, bad, code end
+    if bad then return check.bad(2, "sample", "normals: row %d is not finite", bad) end
+    o.normals = unit
+    if o.normals.shape[1] ~= points.shape[1] then
+      return check.bad(2, "sample", "normals: one for each of %d points expected, got %d", points.shape[1], o.normals.shape[1])
+    end
+  end
+  if o.scene ~= nil then
+    local walls, message, code = field.ask(o.scene, "__walls", "sample")
+    if not walls and message then return nil, message, code end
+    if not walls then
+      return check.bad(2, "sample", "scene: a scene or a prepared view expected, got %s", check.describe(o.scene))
+    end
+    o.walls = walls
+  end
+  return true
+end
+
 local sample_options = {
   sampling.interpolation, sampling.derivatives, sampling.outside, sampling.dtype,
+  { "normals", "any", optional = true, about = "of a grid with sides (grid.sides): [n][3] of the surfaces that the points "
+    .. "lie on, to the side that is seen. The look-up then is that side's" },
+  { "scene", "any", optional = true, about = "of a grid with sides: the scene whose surfaces it knows, or a prepared view of it. "
+    .. "A ray from each point then finds what the point sees; without it the pieces of the voxel tell, 1/4 of its edge wide" },
   { "flags", "boolean", default = false, about = "also which points were outside or unbaked; not with device" },
   form.threads,
   { "device", "gpu", optional = true,
@@ -34,7 +71,8 @@ describe "grid:sample" {
     { "dc", "array", "[n][channels][(lmax+1)^2][3], the same, or nil" },
     { "report", "table", "outside: points outside of the bounds; unbaked: points in voxels without data of their own, "
       .. "which the nearest evaluated ancestor (uniform: voxel) answers for; seconds" },
-    { "flags", "array", "[n], with flags = true: 1 for a point outside, 2 for an unbaked one, 3 for both, else 0" },
+    { "flags", "array", "[n], with flags = true: 1 for a point outside, 2 for an unbaked one, 4 for one in a body (of a grid "
+      .. "with sides), their sum, or 0" },
   },
   errors = "raises on bad arguments; nil, 'cancelled', 'ECANCELLED' where progress returns false",
   example = [[
@@ -53,6 +91,8 @@ function methods.sample(g, points, given)
   if not p then
     return check.bad(2, "sample", "device: points are in a device's memory: name the device, or download them")
   end
+  local ok, message, code = settle_sides(g, o, p)
+  if not ok then return nil, message, code end
   local shape = { p.shape[1], g.channels, (g.lmax + 1) ^ 2 }
   return device:sample(g, p, o, { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }, single)
 end

@@ -78,9 +78,8 @@ function set.check_bake(description, o, given, jumps)
   end
   if description.depth < 3 then return check.bad(1, "bake", "a grid in bricks has a depth of at least 3") end
   if devices.of(o.device):name() then return check.bad(3, "bake", "device: bricks are baked by the processor") end
-  if jumps or (description.bias or 0) > 0 or description.measure == "irradiance" then
-    return check.bad(2, "bake", "light that jumps at surfaces is looked up beside them, and not baked in bricks: leave "
-      .. "folder out")
+  if jumps or description.measure == "irradiance" then
+    return check.bad(2, "bake", "light that jumps at surfaces has sides, and is not baked in bricks: leave folder out")
   end
   return { folder = (o.folder:gsub("/+$", "")), level = description.bricks or 0, fresh = o.fresh, points = o.brick_points or 0,
     brick_seconds = o.brick_seconds, seconds = o.time_limit,
@@ -90,7 +89,7 @@ end
 --- Bakes in bricks, and opens what was baked. Nil, message, code.
 function set.bake(wanted, object, occupied, o, how)
   local most = how.max_points
-  wanted.normals, wanted.limits, wanted.reach, wanted.bricks, how.max_points = nil, nil, nil, how, nil
+  wanted.normals, wanted.walls, wanted.bricks, how.max_points = nil, nil, how, nil
   local ok, message, code = core.grid_bake_bricks(wanted, object, occupied, o.seed, o.threads or 0,
     most, progress.of(o.progress))
   if not ok and code == "EBUSY" then return nil, message, code end -- of another process: nothing is wrong here

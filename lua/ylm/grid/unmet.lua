@@ -35,24 +35,25 @@ local function too_shallow(depth, error, tolerance)
   return ("voxels end at depth %d"):format(depth) .. set(deeper(depth, error, tolerance), looser(error))
 end
 
---- The cause where light jumps at surfaces: in the voxels that they cross no depth helps, the look-up beside them does.
-local function too_crossed(s, form)
-  local words = ("%.0f of the %.0f points that fail are looked up in voxels that surfaces cross, where light jumps")
-    :format(s.crossed, s.failed)
-  if form.bias == 0 then return words .. "; leave bias = 0 out" .. (looser(s.error) and ", or set " .. looser(s.error) or "") end
-  local more = form.depth + 1
-  return words .. " (corners, walls thinner than a voxel)"
-    .. set(more <= core.limits.grid_depth and "depth = " .. more or nil, looser(s.error))
+--- Why paths say that a tolerance is not met which the grid keeps against its own light field.
+local function against_paths(s, paths)
+  if s.failed - paths.undecided <= 0.005 * s.verified then
+    return ("%d of %d places are undecided by the paths"):format(paths.undecided, s.verified) .. set(looser(s.error))
+  end
+  return "the light field itself is that far from the paths; make links of a smaller spacing" .. set(looser(s.error))
 end
 
 --- Why a bake's tolerance is not met, and what to change. The sum of lights is no smoother than its own tolerance.
-local function cause_of(s, form, lights)
+local function cause_of(s, form, lights, paths)
   if s.verified == 0 then return "all its surfaces face out of its bounds, where no light is known; set larger bounds" end
   if lights and lights > s.tolerance then
     return ("lights are summed to sums_tolerance = %.3g, voxels end at depth %d"):format(lights, form.depth)
       .. set(("sums_tolerance = %.2g, then depth,"):format(s.tolerance), looser(s.error))
   end
-  if (s.crossed or 0) > (s.failed or 0) / 2 then return too_crossed(s, form) end
+  if paths and paths.field_met then return against_paths(s, paths) end
+  if s.spent then
+    return "its points are spent; leave points out" .. (looser(s.error) and ", or set " .. looser(s.error) or "")
+  end
   if s.limited then return too_shallow(form.depth, s.error, s.tolerance) end
   return ("%d rounds of refinement end above it"):format(s.rounds) .. set(looser(s.error))
 end
@@ -70,20 +71,22 @@ local function cause_after_update(s, form)
 end
 
 --- The sentence of a bake, or of the last update; nil where its tolerance is met, or there is none.
-local function sentence_of(s, form, lights)
+local function sentence_of(s, form, lights, paths)
   if s.met ~= false then return nil end
   if s.error ~= s.error then
     return ("grid: it was updated with octree = 'keep', and nobody has looked whether tolerance %.3g is kept: octree = 'follow' "
       .. "keeps it"):format(s.tolerance)
   end
   return begin(s.update and "update" or "bake", s.tolerance, s.error)
-    .. (s.update and cause_after_update(s, form) or cause_of(s, form, lights))
+    .. (s.update and cause_after_update(s, form) or cause_of(s, form, lights, paths))
 end
 
 --- The stats of a grid with what it does not keep: stats.warning, stats.update.warning.
 function unmet.stats(g)
   local stats, form = core.grid_stats(g), core.grid_form(g)
-  stats.warning = sentence_of(stats, form, core.owned(g, "sums_tolerance"))
+  local paths = core.owned(g, "paths")
+  stats.warning = sentence_of(stats, form, core.owned(g, "sums_tolerance"), paths)
+  if paths then stats.paths = paths end
   if stats.update then stats.update.warning = stats.warning end
   return stats
 end

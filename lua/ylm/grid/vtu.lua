@@ -31,11 +31,15 @@ local function complete(cells, but)
   return mask
 end
 
---- How each point came to its numbers: 0 evaluated, 1 interpolated for continuity, 2 in a light, filled from neighbours.
+--- How each point came to its numbers: 0 evaluated, 1 interpolated for continuity, 2 in a light, filled from neighbours, 3 a
+-- ghost of a grid with sides.
 local function states(source)
   local interpolated, invalid = core.array_totable(source.values "interpolated"), core.array_totable(source.values "invalid")
-  local list = {}
-  for i = 1, #invalid do list[i] = interpolated[i] ~= 0 and 1 or invalid[i] ~= 0 and 2 or 0 end
+  local ghost, list = source.ghost(), {}
+  ghost = ghost and core.array_totable(ghost)
+  for i = 1, #invalid do
+    list[i] = interpolated[i] ~= 0 and 1 or invalid[i] ~= 0 and 2 or ghost and ghost[i] ~= 0 and 3 or 0
+  end
   local state = core.array_zeros({ #list }, "float")
   core.array_fill(state, list)
   return state
@@ -59,6 +63,8 @@ local function leaves(grid, o, but)
   add_light(point_data, source.coefficients_of_channels(), o)
   local cell_data = { { "level", cells(source.cells.level) }, { "error", cells(source.values "error") },
     { "occupied", cells(source.cells.occupied) } }
+  local parts = source.values "parts"
+  if parts then cell_data[#cell_data + 1] = { "parts", cells(parts) } end
   return source.position(), cells(source.cells.corner), point_data, cell_data
 end
 

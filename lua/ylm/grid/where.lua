@@ -37,18 +37,18 @@ local function has_normals(x)
 end
 
 --- The shading points that a bake on `device` is to serve: an array of the host's, or of a device's memory; nil: everywhere;
--- and, where they come with some, their normals and halves of the distances to the next surfaces. Or nil, message, code.
+-- and, where they come with some, their normals. Or nil, message, code.
 -- `jumps`: normals of triangles are wanted, not of shading.
 local function shading_points(x, device, jumps)
   if x == nil then return nil end
-  local points, normals, limits = x, nil, nil
+  local points, normals = x, nil
   if core.type(x) == "ylm.view" then
     local message, code
     points, message, code = field.ask(x, "__positions", "bake", device)
     if not points then return nil, message, code end
     if device:name() == nil then
-      normals, limits, code = field.ask(x, "__normals", "bake", jumps)
-      if not normals then return nil, limits, code end
+      normals, message, code = field.ask(x, "__normals", "bake", jumps)
+      if not normals then return nil, message, code end
       if normals.dtype ~= points.dtype then normals = core.array_convert(normals, points.dtype) end
     end
   elseif has_normals(x) then
@@ -61,7 +61,7 @@ local function shading_points(x, device, jumps)
     return check.bad(3, "bake", "device: occupied is in a device's memory: name the device, or download it")
   end
   if points.shape[1] == 0 then return check.bad(3, "bake", "occupied: at least one point expected") end
-  return points, normals, limits
+  return points, normals
 end
 
 --- The mesh of a mesh or a shape, else nil.
@@ -127,16 +127,16 @@ local function bounds(description, given, points)
   return check.bad(1, "bake", "no bounds: give them in the grid, or geometry or occupied points that span a box")
 end
 
---- Where the options `o` of a bake want light: { points = , meshes = , normals = , limits = , bounds = }, of which points and
+--- Where the options `o` of a bake want light: { points = , meshes = , normals = , bounds = }, of which points and
 -- meshes may both be missing: everywhere. `jumps`: the light jumps at surfaces. Or nil, message, code.
 function where.needed(description, o, object, jumps)
   local meshes = surfaces(o)
-  local points, normals, limits
+  local points, normals, code
   if not meshes then
-    points, normals, limits = shading_points(o.occupied, devices.of(o.device or object), jumps)
-    if not points and normals then return nil, normals, limits end
+    points, normals, code = shading_points(o.occupied, devices.of(o.device or object), jumps)
+    if not points and normals then return nil, normals, code end
   end
-  return { points = points, meshes = meshes, normals = normals, limits = limits,
+  return { points = points, meshes = meshes, normals = normals,
     bounds = bounds(description, o.bounds, meshes or points) }
 end
 

@@ -105,10 +105,10 @@ local function facts_of(grid)
     return nil, ("page: lmax %d needs %d numbers a corner of a cell and channel; bake with lmax <= %d"):format(grid.lmax,
       (grid.lmax + 1) ^ 2, MOST_LMAX), "ELIMIT"
   end
-  local names = { "cells", "octree", "points", "evaluated", "channels", "count", "exponent" }
+  local names = { "cells", "octree", "points", "evaluated", "channels", "count", "sides", "parts", "exponent" }
   local found, facts = { core.page_facts(grid) }, {}
   for i, name in ipairs(names) do facts[name] = found[i] end
-  if not facts.exponent then return nil, "page: " .. found[8], found[9] end
+  if not facts.exponent then return nil, "page: " .. found[10], found[11] end
   if facts.points * facts.channels * facts.count > MOST_TEXELS then
     return nil, ("page: %d points at lmax %d in %d channels are too many for a page: at most %d; bake with a coarser tolerance "
       .. "or a lower lmax"):format(facts.points, grid.lmax, facts.channels,
@@ -236,8 +236,9 @@ local function meta_of(grid, facts, o, lamps, others)
   return { ylm = 1, version = (core.info()), title = o.title or scene and scene.name or "Grid",
     bounds = { lo[1], lo[2], lo[3], hi[1], hi[2], hi[3] }, unit = unit, resolution = { n[1], n[2], n[3] },
     depth = grid.kind == "adaptive" and grid.depth or 0, kind = grid.kind, lmax = grid.lmax, channels = facts.channels,
-    quantity = grid.quantity, bias = grid.bias or 0,
-    counts = { cells = facts.cells, octree = facts.octree, points = facts.points, evaluated = facts.evaluated },
+    quantity = grid.quantity, sides = grid.sides,
+    counts = { cells = facts.cells, parts = facts.parts, octree = facts.octree, points = facts.points,
+      evaluated = facts.evaluated },
     exponent = facts.exponent, precision = o.precision, cosine = cosine,
     camera = scene and scene.camera and numbers_of(scene.camera) or camera_of(grid.bounds),
     background = scene and scene.background or { 0.02, 0.02, 0.02 }, lamps = o.lamps and lamps or {},

@@ -55,9 +55,10 @@ function pack.blob()
   return blob
 end
 
---- Cells and rows of a grid; facts: those of core.page_facts by name.
+--- Cells, sides and rows of a grid; facts: those of core.page_facts by name.
 function pack.grid(blob, grid, facts, precision)
-  blob.add("cells", "u32", { facts.cells, 12 }, core.page_cells(grid))
+  blob.add("cells", "u32", { facts.cells + facts.parts, 12 }, core.page_cells(grid))
+  if facts.sides > 0 then blob.add("sides", "u32", { facts.sides, 29 }, core.page_sides(grid)) end
   if grid.kind == "uniform" then
     local n = grid.resolution
     blob.add("table", "u32", { n[1] * n[2] * n[3] }, core.page_table(grid))

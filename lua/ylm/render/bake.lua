@@ -9,9 +9,11 @@ local grids = require "ylm.grid"
 local light = require "ylm.light"
 local options = require "ylm.render.options"
 local prints = require "ylm.render.prints"
+local promise = require "ylm.render.promise"
 local progress = require "ylm.progress"
 local tracing = require "ylm.trace"
 local transfer = require "ylm.transfer"
+local unmet = require "ylm.grid.unmet"
 local views = require "ylm.render.view"
 
 local bake = {}
@@ -93,12 +95,26 @@ local function check_quantity(s, o, probes)
   end
 end
 
+--- Probes of a scene that has none: of the light that its surfaces send back, to a tolerance on irradiance.
+local function room_probes(s, o, given)
+  if #s.geometry == 0 or o.lights ~= nil then
+    return check.fail("bake: scene %q has no probes (probes = adaptive_grid { ... })", s.name or "?")
+  end
+  if type(given) ~= "table" or given.quantity == nil then o.quantity = "indirect" end
+  return grids.adaptive_grid { lmax = 2, depth = 7, tolerance = 0.1 }
+end
+
 local bake_options = options.list(options.view_fields, {
-  { "probes", "object", of = core.choices "grid_form", optional = true, about = "instead of the scene's" },
+  { "probes", "object", of = core.choices "grid_form", optional = true,
+    about = "instead of the scene's. A scene without probes has adaptive_grid { lmax = 2, depth = 7, tolerance = 0.1 }, and "
+      .. "quantity = 'indirect' by default" },
   transfer.fields.quantity,
   { "lights", "any", optional = true, about = "instead of the scene's, of quantity = 'lights': lights or what has a light "
     .. "field, as in ylm.bake; of virtual lights the far parts (lights:split)" },
   transfer.fields.bounces, transfer.fields.links,
+  { "judge", "choice", of = { "paths", "field" }, default = "paths", shelf = "experiments",
+    about = "what a tolerance on irradiance is judged by, in a grid with sides: paths, up to 16384 from each of 2048 places; or "
+      .. "the light field that was baked, whose own error is not seen" },
   { "occupied", "any", default = "surfaces",
     about = "where light is needed: 'surfaces' (the whole geometry), 'camera' (what its rays hit: size, samples, share and "
       .. "shading are about them), 'vertices' (all of them), 'everywhere', a prepared view, or an array [n][3], with device "
@@ -120,9 +136,8 @@ describe "scene:bake" {
   about = "Bakes a scene's probes: a grid of its light for the surfaces of its geometry, or for what its camera sees.",
   arguments = { { "options?", "table", "the camera's default to those of scene:render" } },
   options = bake_options,
-  returns = { { "grid", "grid", "bounds default to the box around the geometry; probes on its sides that are walls see from "
-    .. "within" } },
-  errors = "raises where there are no probes or a bad option; nil, message, code: memory, cancelled",
+  returns = { { "grid", "grid", "bounds default to the box around the geometry" } },
+  errors = "raises where there are neither probes nor geometry, or on a bad option; nil, message, code: memory, cancelled",
   example = options.one_lamp .. [[
 local probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 }
 local grid = scene:bake { probes = probes }
@@ -133,10 +148,7 @@ function bake.bake(s, given)
   tracing.check_scene("bake", s)
   local o = form.options(1, "bake", bake_options, given)
   o.progress = progress.long(o.progress)
-  local probes = o.probes or s.probes
-  if not probes then
-    return check.fail("bake: scene %q has no probes (probes = adaptive_grid { ... })", s.name or "?")
-  end
+  local probes = o.probes or s.probes or room_probes(s, o, given)
   check_camera_options(given, o)
   check_quantity(s, o, probes)
   local t, message, code = tracing.trace("bake", s)
@@ -145,13 +157,19 @@ function bake.bake(s, given)
   if where == false then return nil, own, why end
   check_points(where)
   local field, grid
+  local by_paths = o.judge == "paths" and o.lights == nil and o.quantity ~= "lights"
   field, message, code = field_of(s, t, o)
   if field then
     grid, message, code = grids.bake_scene(probes, field, { occupied = where,
       geometry = where == "surfaces" and s.geometry or nil,
       bounds = box.padded(t.lo, t.hi), seed = o.seed, threads = o.threads, progress = o.progress,
       sums_tolerance = o.sums_tolerance, device = o.device, team = o.team, folder = o.folder,
-      fresh = o.fresh, time_limit = o.time_limit }, prints_of(t, o))
+      fresh = o.fresh, time_limit = o.time_limit }, prints_of(t, o), nil, by_paths)
+  end
+  if grid and by_paths and core.type(grid) == "ylm.grid" then
+    local judged
+    judged, message, code = promise.judge(s, grid, o)
+    if judged then unmet.warn(grid) else grid = nil end
   end
   if own then where:close() end
   return grid, message, code

@@ -79,7 +79,7 @@ end
 
 --- Radiance of the shading points of p under o.grid by a window where it is needed, and what device:shade says, with `dering`
 -- = { before, after, width }; or nil, message, code.
-function dering.shade(device, name, p, o, bar)
+local function dering_shade(device, name, p, o, bar)
   local radiance, done, code = device:shade(name, p, o, bar)
   if not radiance or core.type(o.grid) ~= "ylm.grid" then return radiance, done, code end
   local before = below(radiance)
@@ -100,6 +100,16 @@ function dering.shade(device, name, p, o, bar)
   if not damped then return nil, message, code end
   found.after = below(damped)
   return damped, done
+end
+
+--- Radiance of the shading points of p under o.grid, and what device:shade says, with `dering` = { before, after, width,
+-- clipped }; or nil, message, code. In grids with sides what a window leaves below zero becomes 0.
+function dering.shade(device, name, p, o, bar)
+  local radiance, done, code = dering_shade(device, name, p, o, bar)
+  local found = radiance and done.dering
+  if not found or o.dering == false or not o.grid.sides or found.after == 0 then return radiance, done, code end
+  found.clipped, found.after = found.after, 0
+  return radiance:clamp(0, math.huge), done
 end
 
 --- The share below zero of a picture that a device made, which has no windows; nil where it stays there.

@@ -102,10 +102,6 @@ options.layer_fields = {
 options.sample_fields = {
   { "interpolation", "choice", of = core.choices "interpolation", default = "hermite",
     shelf = "experiments", about = "of the grid" },
-  { "bias", "number", min = 0, max = core.limits.grid_bias, optional = true, shelf = "experiments",
-    about = "of a grid whose light jumps at surfaces: factor of the distance at which it is looked up beside them, in "
-      .. "thicknesses of a voxel, at most half of the way to the next surface; 0: at the points themselves. Default: the "
-      .. "grid's (grid.bias); report.bias = { mean, largest }, scene units" },
 }
 
 options.grid_fields = options.list({

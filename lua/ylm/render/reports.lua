@@ -39,8 +39,8 @@ local by_coefficients = {
   { "outside", "1", "shading points outside of the grid" },
   { "unbaked", "1", "shading points in voxels that are not baked" },
   { "fresh", "1", "of a dynamic grid: shading points that were sampled" },
-  { "bias", "table", "mean, largest: how far beside surfaces the grid was looked up, scene units" },
-  { "dering", "table", "before, after: the part of the picture's light below zero; width of the window" },
+  { "dering", "table", "before, after: the part of the picture's light below zero; width of the window; clipped: the part that "
+    .. "became 0" },
   { "near", "table", "of near_lights: lights, core, pairs" },
   { "reference", "string", "by sum: of what it is the reference" },
 }

@@ -71,11 +71,13 @@ function prepared.__positions(view, name, device) return device:positions(name, 
 
 --- The normals of these points, [n][3] float, on the side that is seen: of triangles (flat), or of shading. Or nil, message,
 -- code.
--- Where normals are of triangles, also [n]: halves of the distances to the next surfaces along them.
 function prepared.__normals(view, name, flat)
   local p = views.open(name, view)
   return check.result(name, p.lib.shade_normals(p.view, flat))
 end
+
+--- The surfaces of the view's scene. Or nil, message, code.
+function prepared.__walls(view, name) return tracing.walls(name, views.open(name, view).scene) end
 
 --- The camera of a scene, or another, as C takes it: from, at, up, fov.
 function views.camera_numbers(s, camera)

@@ -15,6 +15,7 @@ local memory = require "ylm.memory"
 local polygon = require "ylm.light.polygon"
 local sandbox = require "ylm.sandbox"
 local text = require "ylm.text"
+local tracing = require "ylm.trace"
 require "ylm.transfer.form" -- a field of scenes
 local vector = require "ylm.vector"
 local virtual = require "ylm.light.virtual"
@@ -240,6 +241,7 @@ memory.publish(methods)
 
 local metatable = {
   __index = methods,
+  __walls = function(s, name) return tracing.walls(name, s) end,
   __tostring = function(s)
     return ("scene %q: %d pieces of geometry, %d lights"):format(s.name, #s.geometry, #s.lights)
   end,

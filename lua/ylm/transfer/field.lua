@@ -48,7 +48,6 @@ objects.field_options = {
       .. "light; Hessians are by cells (docs/bouncing.md compares them)" },
   { "remember", "boolean", default = false,
     about = "keep what each point sees, some 24 KB each: asked again there after lit:update, the field traces nothing" },
-  { "refine_surfaces", "boolean", default = false, about = "grids are refined to their depth at triangles" },
   { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of shadow rays" },
 }
 
@@ -65,20 +64,11 @@ local function base_of(rays)
   return math.max(LEAST, math.min(MOST, n))
 end
 
---- Does the camera of a scene, if it has one, stand in the box around its meshes?
-local function is_within(of)
-  local c, lo, hi = of.scene.camera, of.of.traced.lo, of.of.traced.hi
-  for a = 1, c and 3 or 0 do
-    if c.from[a] < lo[a] or c.from[a] > hi[a] then return false end
-  end
-  return true
-end
-
 --- A field of `lit` with so many cells along an edge, or nil, message, code.
 local function create(name, lit, of, o, base, rays, tolerance)
   local handle, message, code = check.result(name, of.lib.gather_create(lit, { base = base, levels = 2, contrast = o.contrast,
     spacing = 0, parts = PARTS[o.quantity], derivatives = o.derivatives, tolerance = tolerance, remember = o.remember,
-    within = is_within(of), surfaces = o.refine_surfaces, seed = o.seed, lamps = of.lit_by and of.lit_by.handle }))
+    seed = o.seed, lamps = of.lit_by and of.lit_by.handle }))
   if not handle then return nil, message, code end
   core.own(handle).made = { radiosity = lit, of = of, scene = of.scene, lib = of.lib, quantity = o.quantity, rays = rays,
     base = base, options = o, lamps = of.lit_by, chosen = {} }
@@ -126,7 +116,7 @@ local function refuse(name, base, noise, tolerance)
     or ("rays = %d, the most, would not reach %g"):format(most, tolerance))
 end
 
---- A field like that of `m` with as few rays as know the light at places to a third of a tolerance; nil, message, code.
+--- A field like that of `m` with as few rays as know the light at places to half of a tolerance; nil, message, code.
 local function choose(name, m, places, lmax, tolerance, o)
   local show = progress.resolve(o.progress)
   for i, base in ipairs(BASES) do
@@ -135,7 +125,7 @@ local function choose(name, m, places, lmax, tolerance, o)
     local noise
     noise, message, code = noise_at(name, field, objects.made(field), places, lmax, o.threads, show)
     if not noise then return nil, message, code end
-    if noise < tolerance / 3 or i == #BASES then
+    if noise < tolerance / 2 or i == #BASES then
       refuse(name, base, noise, tolerance)
       objects.made(field).noise = noise
       return field
@@ -158,9 +148,9 @@ function methods.__for_bake(field, request)
   return field
 end
 
---- Distances to the surfaces of the field's scene, for core.grid_bake.
-function methods.__reach(field)
-  return objects.open_gather("bake", field).lib.gather_reach(field)
+--- The surfaces of the field's scene. Or nil, message, code.
+function methods.__walls(field, name)
+  return check.result(name, objects.open_gather(name, field).lib.gather_walls(field))
 end
 
 local room = [[

@@ -23,7 +23,7 @@ function fill.lobes(stage, v)
   local o = drawing.options(v.lobes)
   local position = v.source.position()
   local mask, spacing = o.mask, o.spacing
-  if not mask then mask, spacing = drawing.spread(position, v.source.bounds, o.count or 300) end
+  if not mask then mask, spacing = drawing.spread(position, v.source.bounds, o.count or 300, v.source.ghost()) end
   local centres = core.figure_pick(position, mask)
   local coefficients = core.figure_pick(v.source.coefficients(), mask)
   local n, count = centres.shape[1], coefficients.shape[2]

@@ -79,8 +79,8 @@ function drawing.lines(stage, shape, width)
     opacity = 1 }))
 end
 
---- At most `count` of the points, spread evenly: their mask and their distance.
-function drawing.spread(points, bounds, count)
+--- At most `count` of points, spread evenly: their mask and their distance.
+local function thinned(points, bounds, count)
   local n = points.shape[1]
   local spacing = math.max(drawing.diagonal(bounds), 1e-30) / (2 * count ^ (1 / 3))
   for _ = 1, 12 do
@@ -89,6 +89,27 @@ function drawing.spread(points, bounds, count)
     spacing = spacing * 1.12 * math.min(1.6, (kept / count) ^ (1 / 3))
   end
   return core.figure_thin(points, spacing, count), spacing
+end
+
+--- The mask [n] of what is 0 in `without`; with `kept`, of that what is in a mask of these alone.
+local function mask_without(without, kept)
+  local list, other, k = core.array_totable(without), kept and core.array_totable(kept), 0
+  for i, x in ipairs(list) do
+    local there = x == 0
+    if there then k = k + 1 end
+    list[i] = there and (not other or other[k] ~= 0) and 1 or 0
+  end
+  local mask = core.array_zeros({ #list }, "double")
+  core.array_fill(mask, list)
+  return mask
+end
+
+--- At most `count` of the points, of those that are no ghosts where there is such a mask, spread evenly: their mask and their
+-- distance.
+function drawing.spread(points, bounds, count, ghost)
+  if not ghost then return thinned(points, bounds, count) end
+  local mask, spacing = thinned(core.figure_pick(points, mask_without(ghost)), bounds, count)
+  return mask_without(ghost, mask), spacing
 end
 
 --- n times the number x.

@@ -67,6 +67,9 @@ end
 
 function fill.isosurfaces(stage, v)
   local b = numbers.bounds(v)
+  if v.quantity == "parts" then
+    error({ "isosurfaces: numbers of parts have no order; slices or volume show them", "EINVAL" }, 0)
+  end
   local volume = v.lattice and v.lattice.volume or numbers.sampled(v, b, numbers.voxels(b, v.resolution))
   if not numbers.pointwise(v) then drawing.run(core.volume_smooth(volume, 2)) end
   local wanted, values = v.isosurfaces, {}
@@ -134,7 +137,7 @@ end
 function fill.boxes(stage, v)
   local o = drawing.options(v.boxes)
   local values = v.values
-  if quantities.of[v.quantity].of == "points" then
+  if quantities.of[v.quantity].of ~= "cells" then
     error({ "boxes show a quantity of cells: error, level or residual", "EINVAL" }, 0)
   end
   local drawn = chosen_cells(v, o)
@@ -152,7 +155,7 @@ function fill.glyphs(stage, v)
   else
     local position = v.source.position()
     local mask
-    mask, spacing = drawing.spread(position, v.source.bounds, o.count or 1500)
+    mask, spacing = drawing.spread(position, v.source.bounds, o.count or 1500, v.source.ghost())
     at, along = core.figure_pick(position, mask), core.figure_pick(v.gradient, mask)
   end
   local lengths = core.figure_lengths(along)
@@ -202,7 +205,7 @@ function fill.streamlines(stage, v)
     drawing.run(core.volume_set(volume, v.flow.values))
   else
     volume = assert(core.volume(b, numbers.voxels(b, v.resolution), 3))
-    drawing.run(core.volume_fill(volume, v.gradient, true, numbers.cells_args(v.source, nil, true)))
+    numbers.fill(volume, v, v.gradient, true)
   end
   local shape, reach = core.shape(3), drawing.diagonal(b)
   drawing.run(core.shape_streamlines(shape, volume, { seeds = seeds(b, o.count or 150), step = reach / 400, room = 600,

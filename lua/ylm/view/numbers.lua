@@ -67,8 +67,13 @@ function numbers.prepare(v)
   elseif v.source and coloured then
     v.values = v.source.values(v.quantity)
     local q = quantities.of[v.quantity]
-    local of = q.of == "cells" and core.figure_pick(v.values, v.source.cells.leaf) or v.values
+    if not v.values then
+      return nil, ("quantity: parts are of a grid with sides, this one of '%s' light has none"):format(v.subject.quantity),
+        "EINVAL"
+    end
+    local of = q.of ~= "points" and core.figure_pick(v.values, v.source.cells.leaf) or v.values
     local least, largest, positive = core.figure_range(of)
+    if q.of == "pieces" then least = largest and largest > 0 and 1 or nil end
     if not least then
       return nil, ("the grid holds no '%s' anywhere"):format(v.quantity), "EFORMAT"
     end
@@ -109,13 +114,20 @@ function numbers.voxels(b, most)
   return size
 end
 
+--- Fills a volume from values of a grid's cells, or of its points: those of a leaf with sides part by part.
+function numbers.fill(volume, v, values, pointwise)
+  drawing.run(core.volume_fill(volume, values, pointwise, numbers.cells_args(v.source, nil, pointwise)))
+  if pointwise and v.subject.sides then drawing.run(core.volume_fill_parts(volume, v.subject, values)) end
+end
+
 --- The quantity on a lattice that fills `b`.
 function numbers.sampled(v, b, size)
   local volume = assert(core.volume(b, size, 1))
   if v.lattice then drawing.run(core.volume_resample(volume, v.lattice.volume))
   else
-    local pointwise = quantities.of[v.quantity].of == "points"
-    drawing.run(core.volume_fill(volume, v.values, pointwise, numbers.cells_args(v.source, nil, pointwise)))
+    local of = quantities.of[v.quantity].of
+    if of == "pieces" then drawing.run(core.volume_fill_parts(volume, v.subject))
+    else numbers.fill(volume, v, v.values, of == "points") end
   end
   return volume
 end

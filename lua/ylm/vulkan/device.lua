@@ -87,9 +87,6 @@ function methods.check_bake(_, description, object)
   if (description.floor or 0) > 0 then
     return check.bad(3, "bake", "device: floor is the processor's: leave device or floor out")
   end
-  if (description.bias or 0) > 0 then
-    return check.bad(3, "bake", "device: bias is the processor's: leave device or bias out")
-  end
 end
 
 function methods.bake(on, form, object, occupied, o)
@@ -121,8 +118,9 @@ function methods.check_picture(_, name, o)
   end
   if o.dering then return check.bad(1, name, "device: it has no window against light below zero: leave device or dering out") end
   if o.ambient then return check.bad(1, name, "device: it finds no ambient occlusion: leave device or ambient out") end
-  if (o.bias or o.grid.bias) > 0 then
-    return check.bad(1, name, "device: it looks grids up at the points themselves: give bias = 0, or leave device out")
+  if o.grid.sides then
+    return check.bad(1, name, "device: it knows no sides of walls, which this grid of %q light has: leave device out",
+      o.grid.quantity)
   end
 end
 

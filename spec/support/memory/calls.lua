@@ -462,6 +462,9 @@ calls["scene"] = on(triangle, function(light)
   local s, message, code = ylm.scene "one light" { lights = light }
   return s and s.name, message, code
 end)
+calls["scene:bake with sides"] = on(scene, function(s)
+  return s:bake { quantity = "indirect", probes = ylm.adaptive_grid { lmax = 0, depth = 1, tolerance = 0.9 } }
+end)
 calls["scene:bake"] = on(scene, function(s) return s:bake { occupied = "camera", samples = 1, size = size } end)
 for _, name in ipairs { "render", "reference", "raycast" } do
   calls["scene:" .. name] = on(scene, function(s)

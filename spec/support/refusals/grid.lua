@@ -60,7 +60,6 @@ return {
       says = "measure is what a tolerance is of: give a tolerance, or leave measure out" },
     { call = function(ylm) return ylm.adaptive_grid { measure = "irradiance", dynamic = true } end,
       says = "a dynamic grid keeps a tolerance of coefficients" },
-    { call = function(ylm) return ylm.adaptive_grid { bias = 17 } end, says = "bias must be a number" },
     { call = function(ylm) return ylm.adaptive_grid() end, says = "a table of named fields expected, got nil" },
     { call = adaptive { boundz = box }, says = "did you mean 'bounds'" },
     { call = adaptive { bounds = { { 0, 0, 0 }, { 0, 1, 1 } } }, says = "bounds must be .* x0 < x1.*%(axis 1 goes from 0 to 0%)" },

@@ -172,7 +172,7 @@ return {
       "sums_tolerance is for quantity = 'lights', this is \"direct\"" },
     { { occupied = "camera", probes = following, quantity = "all" }, "a dynamic grid follows lights" },
     { { sums_tolerance = -1 }, "sums_tolerance must be a number >= 1e%-06" },
-    { {}, "has no probes" }, { { probes = 5 }, "probes must be" }, { { samples = 0 }, "samples must be" },
+    { { probes = 5 }, "probes must be" }, { { samples = 0 }, "samples must be" },
   }), {
     { call = function(ylm)
       return scene(ylm):bake { probes = ylm.uniform_grid { cells = 1 }, occupied = "camra" }

@@ -93,7 +93,7 @@
 
   /* ---- points of continuity ------------------------------------------------ */
 
-  const INTERPOLATION = 0;
+  const INTERPOLATION = meta.sides ? 2 : 0;  /* values alone have no slopes */
 /*@INTERPOLATION@*/
   /* What makes a point at place 0 .. 26 of a cell of that level: for its value and slopes, weights of the corners' numbers. */
   function recipe(place, edge) {
@@ -102,7 +102,7 @@
       f[a] = values(t[a], edge[a]);
       g[a] = slopes(t[a], edge[a]);
     }
-    for (let r = 0; r < 4; r++) {
+    for (let r = 0; r < (meta.sides ? 1 : 4); r++) {
       const w = new Array(32), use = f.map((x, a) => r === a + 1 ? g[a] : x), list = [];
       corner_weights(w, use[0], use[1], use[2]);
       for (let k = 0; k < 32; k++) if (w[k] !== 0) list.push(k % 8, Math.floor(k / 8), w[k]);
@@ -111,12 +111,14 @@
     return lists;
   }
 
+  const isSided = (i, cells) => (cells[12 * i + 1] >>> 16 & 64) !== 0;
+
   /* Cell, place and point of each point of continuity, in the order in which they are made. */
   function births(cells) {
     const list = [], made = new Uint8Array(meta.counts.points), evaluated = meta.counts.evaluated;
     for (let c = 0; c < meta.counts.cells; c++) {
       const child = cells[12 * c];
-      if (child === 0 || !(cells[12 * c + 1] & 256)) continue;
+      if (child === 0 || !(cells[12 * c + 1] & 256) || isSided(c, cells)) continue;
       for (let k = 0; k < 8; k++) {
         for (let i = 0; i < 8; i++) {
           const p = cells[12 * (child + k) + 4 + i];
@@ -138,7 +140,7 @@
       const key = level * 27 + place;
       if (!known.has(key)) known.set(key, recipe(place, meta.unit.map(u => u * 2 ** (meta.depth - level))));
       const lists = known.get(key);
-      for (let r = 0; r < 4; r++) {
+      for (let r = 0; r < lists.length; r++) {
         const w = lists[r];
         for (let i = 0; i < ROW; i++) rows[to + 4 * i + r] = 0;
         for (let k = 0; k < w.length; k += 3) {
@@ -269,8 +271,8 @@
     }
     const list = numbers => numbers.map(x => x.toExponential(9)).join(', ');
     const defines = `#define LMAX ${meta.lmax}\n#define CHANNELS ${meta.channels}\n#define MODE ${MODES[mode]}\n` +
-      `#define UNIFORM ${meta.kind === 'uniform' ? 1 : 0}\n#define BIAS ${meta.bias > 0 ? 1 : 0}\n` +
-      `#define INTERPOLATION 0\n#define USED_COUNT ${used.length}\n` +
+      `#define UNIFORM ${meta.kind === 'uniform' ? 1 : 0}\n#define SIDES ${sections.sides ? 1 : 0}\n` +
+      `#define INTERPOLATION ${INTERPOLATION}\n#define USED_COUNT ${used.length}\n` +
       `const int USED[${used.length}] = int[](${used.join(', ')});\n` +
       `const float COSINE[${used.length}] = float[](${list(cosine)});\n` +
       `const float LEGENDRE[${meta.lmax + 1}] = float[](${list(legendre)});\n`;
@@ -299,7 +301,7 @@
     return [out, height];
   }
 
-  const UNIT = { cells: 0, table: 1, rows: 2, lamps: 3, picture: 4 };
+  const UNIT = { cells: 0, table: 1, rows: 2, lamps: 3, picture: 4, sides: 5 };
   let internalRows;
 
   function makeTextures() {
@@ -307,6 +309,8 @@
     texture(UNIT.cells, gl.RGBA32UI, WIDE, height, gl.RGBA_INTEGER, gl.UNSIGNED_INT, data);
     [data, height] = padded(sections.table || new Uint32Array(1), 1, Uint32Array);
     texture(UNIT.table, gl.R32UI, WIDE, height, gl.RED_INTEGER, gl.UNSIGNED_INT, data);
+    [data, height] = padded(sections.sides || new Uint32Array(1), 1, Uint32Array);
+    texture(UNIT.sides, gl.R32UI, WIDE, height, gl.RED_INTEGER, gl.UNSIGNED_INT, data);
     const few = meta.lamps.length <= 64 && meta.counts.evaluated <= 20000;
     internalRows = few || meta.precision === 'float' ? gl.RGBA32F : gl.RGBA16F;
     makeRows();
@@ -373,10 +377,10 @@
   }
   const halfTable = halves();
 
-  /* Where points are, from the cells that they are corners of. */
+  /* Where points are, from the cells and parts that they are corners of. */
   function placesOf(cells) {
     const out = new Float64Array(3 * meta.counts.points).fill(NaN);
-    for (let i = 0; i < meta.counts.cells; i++) {
+    for (let i = 0; i < meta.counts.cells + meta.counts.parts; i++) {
       const c = cellAt(i);
       for (let k = 0; k < 8; k++) {
         const p = cells[12 * i + 4 + k];
@@ -481,9 +485,9 @@
   let edgeOfPoint;  /* the shortest edge of a leaf at each point, scene units */
   function findEdges() {
     edgeOfPoint = new Float32Array(meta.counts.points).fill(Infinity);
-    for (let i = 0; i < meta.counts.octree; i++) {
+    for (let i = 0; i < meta.counts.cells + meta.counts.parts; i++) {
       const c = cellAt(i);
-      if (!(c.flags & 1) || !c.whole) continue;
+      if (!(c.flags & 1) || !c.whole || (i >= meta.counts.octree && i < meta.counts.cells)) continue;
       const edge = c.edge * Math.min(...meta.unit);
       for (let k = 0; k < 8; k++) {
         const p = sections.cells[12 * i + 4 + k];
@@ -492,12 +496,12 @@
     }
   }
 
-  /* The lobes of the probes nearest to what the camera looks at. */
+  /* The lobes of the probes nearest to what the camera looks at; ghosts stand where no probe is. */
   function nearLobes() {
     if (!edgeOfPoint) findEdges();
     const list = [];
     for (let p = 0; p < meta.counts.evaluated; p++) {
-      if (edgeOfPoint[p] < Infinity) list.push([Math.hypot(...[0, 1, 2].map(a => places[3 * p + a] - state.at[a])), p]);
+      if (edgeOfPoint[p] < Infinity && !(sections.flags[p] & 8)) list.push([Math.hypot(...[0, 1, 2].map(a => places[3 * p + a] - state.at[a])), p]);
     }
     list.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
     return makeLobes(list.slice(0, LOBES).map(x => x[1]), p => edgeOfPoint[p]);
@@ -597,7 +601,7 @@
         eye: ['3f', ...state.from], cells: ['1i', UNIT.cells], table: ['1i', UNIT.table], rows: ['1i', UNIT.rows],
         lamps: ['1i', UNIT.lamps], lowest: ['3f', ...meta.bounds.slice(0, 3)], unit: ['3f', ...meta.unit],
         resolution: ['3f', ...meta.resolution], depth: ['1i', meta.depth], scale: ['1f', 2 ** -meta.exponent],
-        bias: ['1f', meta.bias], lamp_count: ['1i', lamps.length], palette: ['3fv', [].concat(...meta.palette)],
+        sides: ['1i', UNIT.sides], lamp_count: ['1i', lamps.length], palette: ['3fv', [].concat(...meta.palette)],
         range: ['2f', ...meta.range],
       }));
       gl.drawElements(gl.TRIANGLES, mesh.n, gl.UNSIGNED_INT, 0);
@@ -1043,10 +1047,10 @@
 
   /* ---- a point that is asked about ------------------------------------------------------ */
 
-  /* The distance along a ray to the nearest triangle; Infinity: there is none. */
-  function distanceAlong(from, ray) {
+  /* The distance along a ray to the nearest triangle, and its normal to the side of the ray's beginning; Infinity: there is none. */
+  function hitAlong(from, ray) {
     const t = sections.triangles, q = sections.positions, m = meta.mesh;
-    let best = Infinity;
+    let best = Infinity, normal = null;
     const s = m.step, ox = (from[0] - m.lowest[0]), oy = (from[1] - m.lowest[1]), oz = (from[2] - m.lowest[2]);
     for (let i = 0; i < t.length; i += 3) {
       const a = 3 * t[i], b = 3 * t[i + 1], c = 3 * t[i + 2];
@@ -1062,13 +1066,45 @@
       const v = (ray[0] * wx + ray[1] * wy + ray[2] * wz) / det;
       if (v < 0 || u + v > 1) continue;
       const d = (vx * wx + vy * wy + vz * wz) / det;
-      if (d > 0 && d < best) best = d;
+      if (d <= 0 || d >= best) continue;
+      best = d;
+      normal = unitOf(cross([ux, uy, uz], [vx, vy, vz]).map(x => det > 0 ? x : -x));
     }
-    return best;
+    return { distance: best, normal };
   }
 
-  /* The leaf of the octree at a place, and the cell whose corners are interpolated there; -1: none. */
-  function locate(x) {
+  const WAYS = [1, 1.7, 0.5];
+
+  /* The cell of the part that a surface at x sees in a leaf with sides, as seen_part of walk.glsl; -1: nothing of it is free. */
+  function partAt(leaf, x, normal) {
+    const s = sections.sides, from = sections.cells[12 * leaf], first = s[from], c = cellAt(leaf);
+    if (s[from + 1] < 2) return s[from + 1] ? first : -1;
+    const partOf = i => s[from + 2 + (i >> 3)] >>> 4 * (i & 7) & 15;
+    const edge = meta.unit.map(u => u * c.edge), thick = 0.1875 * edge.reduce((sum, e, a) => sum + Math.abs(normal[a]) * e, 0);
+    const place = way => x.map((p, a) => ((p - meta.bounds[a]) / meta.unit[a] - c.origin[a]) / c.edge +
+      way * thick * normal[a] / edge[a]);
+    for (const way of WAYS) {
+      const q = place(way).map(t => Math.min(Math.max(Math.floor(4 * t) + 1, 0), 5)), part = partOf(q[0] + 6 * q[1] + 36 * q[2]);
+      if (part !== 15) return first + part;
+    }
+    const front = place(1);
+    let best = -1, least = Infinity;
+    for (let i = 0; i < 216; i++) {
+      if (partOf(i) === 15) continue;
+      const d = Math.hypot(...[i % 6, Math.floor(i / 6) % 6, Math.floor(i / 36)].map((k, a) => ((k - 0.5) / 4 - front[a]) * edge[a]));
+      if (d < least) { least = d; best = partOf(i); }
+    }
+    return first + best;
+  }
+
+  /* The leaf of the octree at a place on a surface, and the cell whose corners are interpolated there; -1: none. */
+  function locate(x, normal) {
+    const found = walkTo(x);
+    if (found.leaf >= 0 && isSided(found.leaf, sections.cells)) found.whole = partAt(found.leaf, x, normal);
+    return found;
+  }
+
+  function walkTo(x) {
     const at = x.map((c, a) => Math.min(Math.max((c - meta.bounds[a]) / meta.unit[a], 0), meta.resolution[a]));
     const q = at.map((c, a) => Math.min(Math.floor(c), meta.resolution[a] - 1));
     if (meta.kind === 'uniform') {
@@ -1080,7 +1116,7 @@
       const c = cellAt(i), child = sections.cells[12 * i];
       if (!(c.flags & 16)) leaf = i;
       if (c.whole) whole = i;
-      if (!child) break;
+      if (!child || c.flags & 64) break;
       const bit = meta.depth - c.level - 1;
       i = child + (q[0] >> bit & 1) + 2 * (q[1] >> bit & 1) + 4 * (q[2] >> bit & 1);
     }
@@ -1111,19 +1147,26 @@
 
   const short = x => Number.isFinite(x) ? x.toPrecision(4) : 'unknown';
 
+  /* Which part of a leaf with sides answers. */
+  function partWords(found) {
+    const from = sections.cells[12 * found.leaf];
+    if (found.whole < meta.counts.cells) return [];
+    return [`part ${found.whole - sections.sides[from] + 1} of ${sections.sides[from + 1]}`];
+  }
+
   /* Says what the grid knows at the surface under a pixel, and draws the cell. */
   function ask(x, y) {
     chosen = null;
     $('corner').textContent = '';
-    const ray = rayAt(x, y), d = mesh ? distanceAlong(state.from, ray) : Infinity;
-    if (d === Infinity) return;
-    const place = plus(state.from, ray, d), found = locate(place), words = ['at ' + place.map(c => +c.toFixed(6)).join(' ')];
+    const ray = rayAt(x, y), hit = mesh && hitAlong(state.from, ray);
+    if (!hit || hit.distance === Infinity) return;
+    const place = plus(state.from, ray, hit.distance), found = locate(place, hit.normal), words = ['at ' + place.map(c => +c.toFixed(6)).join(' ')];
     if (found.leaf >= 0 && found.whole >= 0) {
       const c = cellAt(found.leaf), L = sample(found), lo = placeOf(c.origin), corners = [];
       const edge = meta.unit.map(u => u * c.edge);
       words.push(`cell ${found.leaf + 1}, level ${c.level}, ${edge.map(short).join(' x ')}`,
         'estimated error ' + short(halfTable[sections.cells[12 * found.leaf + 3] >>> 16]),
-        'L00 ' + [...Array(meta.channels)].map((_, k) => short(L[k * COUNT])).join(' '));
+        ...partWords(found), 'L00 ' + [...Array(meta.channels)].map((_, k) => short(L[k * COUNT])).join(' '));
       const E = meta.no_exact ? null : exactAt(place);
       if (E) {
         let square = 0, all = 0;

@@ -1,15 +1,15 @@
-/* Where a place is in the grid, and its light. LMAX, CHANNELS, UNIFORM, BIAS, USED_COUNT, USED and COSINE are defined before. */
+/* Where a place is in the grid, and its light. LMAX, CHANNELS, UNIFORM, SIDES, USED_COUNT, USED and COSINE are defined before. */
 uniform usampler2D cells;   /* three texels a cell */
 uniform usampler2D table;   /* of a uniform grid: the cell of a voxel */
+uniform usampler2D sides;   /* a texel a word of a leaf with sides */
 uniform sampler2D rows;     /* a texel a coefficient of a point: value, slopes */
 uniform vec3 lowest, unit;  /* of the bounds; a lattice cell in scene units */
 uniform vec3 resolution;    /* lattice cells */
 uniform int depth;
 uniform float scale;        /* of the numbers in `rows` */
-uniform float bias;
 
 const int COUNT = (LMAX + 1) * (LMAX + 1), ROW = CHANNELS * COUNT;
-const uint NONE = 0xffffffffu;
+const uint NONE = 0xffffffffu, SIDED = 0x400000u;
 
 float Y[COUNT];
 float weight[32];
@@ -38,10 +38,16 @@ void find(vec3 at, out uint leaf, out uint whole) {
   for (int step = 0; step <= 16; step++) {
     uvec4 w = words(leaf, 0u);
     if ((w.y & 256u) != 0u) whole = leaf;
-#if MODE == 3 || MODE == 4 || BIAS
+#if MODE == 3 || MODE == 4
     if ((w.y & 0x100000u) == 0u) {
       own = leaf;
       if ((w.w >> 16 & 0x7c00u) != 0x7c00u) estimate = unpackHalf2x16(w.w >> 16).x;
+    }
+#endif
+#if SIDES
+    if ((w.y & SIDED) != 0u) {
+      whole = leaf;
+      break;
     }
 #endif
     if (w.x == 0u) break;
@@ -74,82 +80,58 @@ vec3 corner(uint point, vec4 w, float cosine[USED_COUNT]) {
 
 vec4 of_corner(int c) { return vec4(weight[c], weight[8 + c], weight[16 + c], weight[24 + c]); }
 
-/* The weights of a cell's interpolant at fractions t, moved along `off` by its slope. */
-void weigh(vec3 t, vec3 edge, vec3 off) {
-  Axis x = values(t.x, edge.x), y = values(t.y, edge.y), z = values(t.z, edge.z);
-#if BIAS
-  float sum[32];
-  corner_weights(0u, slopes(t.x, edge.x), y, z);
-  for (int i = 0; i < 32; i++) sum[i] = off.x * weight[i];
-  corner_weights(0u, x, slopes(t.y, edge.y), z);
-  for (int i = 0; i < 32; i++) sum[i] += off.y * weight[i];
-  corner_weights(0u, x, y, slopes(t.z, edge.z));
-  for (int i = 0; i < 32; i++) sum[i] += off.z * weight[i];
-  corner_weights(0u, x, y, z);
-  for (int i = 0; i < 32; i++) weight[i] += sum[i];
-#else
-  corner_weights(0u, x, y, z);
-#endif
+vec3 origin_of(uvec4 w) { return vec3(float(w.z & 65535u), float(w.z >> 16), float(w.w & 65535u)); }
+
+#if SIDES
+uint side_word(uint i) { return texelFetch(sides, ivec2(int(i & 4095u), int(i >> 12)), 0).x; }
+
+/* The part of a piece of the leaf whose record begins at that word; 15: none. */
+uint part_of(uint record, int piece) {
+  return side_word(record + 2u + uint(piece >> 3)) >> uint(4 * (piece & 7)) & 15u;
 }
 
-#if BIAS
-/* The mean light of the channels by the weights of a cell's corners. */
-vec3 mean_light(uvec4 lower, uvec4 upper) {
-  vec3 sum = vec3(0.0);
-  for (int c = 0; c < 8; c++) {
-    int base = int(c < 4 ? lower[c] : upper[c - 4]) * ROW;
-    vec4 w = of_corner(c);
-    sum.x += dot(w, row(base));
-#if CHANNELS == 3
-    sum.y += dot(w, row(base + COUNT));
-    sum.z += dot(w, row(base + 2 * COUNT));
-#endif
+/* The cell of the part that a surface sees in a leaf with sides, as by_pieces of csrc/grid/sides/look.c: that of the piece in
+   front of it, else of the nearest one; NONE: nothing of the leaf is free. */
+uint seen_part(uvec4 w, vec3 place, vec3 face) {
+  uint first = side_word(w.x), parts = side_word(w.x + 1u), best = 0u;
+  if (parts < 2u) return parts == 0u ? NONE : first;
+  vec3 edge = edge_of(w) * unit, at = ((place - lowest) / unit - origin_of(w)) / edge_of(w);
+  vec3 way = 0.1875 * dot(abs(face), edge) * face / edge;
+  for (int i = 0; i < 3; i++) {
+    ivec3 q = clamp(ivec3(floor(4.0 * (at + (i == 0 ? 1.0 : i == 1 ? 1.7 : 0.5) * way))) + 1, 0, 5);
+    uint part = part_of(w.x, q.x + 6 * q.y + 36 * q.z);
+    if (part != 15u) return first + part;
   }
-  return sum;
-}
-
-/* The part of the way off a place on which the mean light of no channel changes by more than half of itself. */
-float carry(vec3 t, vec3 edge, vec3 off, uvec4 lower, uvec4 upper) {
-  weigh(t, edge, vec3(0.0));
-  vec3 value = mean_light(lower, upper);
-  weigh(t, edge, off);
-  vec3 change = abs(mean_light(lower, upper) - value), most = 0.5 * abs(value);
-  float part = 1.0;
-  for (int k = 0; k < CHANNELS; k++)
-    if (most[k] < part * change[k]) part = most[k] / change[k];
-  return part;
+  float least = 1e38;
+  for (int i = 0; i < 216; i++) {
+    uint part = part_of(w.x, i);
+    if (part == 15u) continue;
+    vec3 d = (0.25 * (vec3(float(i % 6), float(i / 6 % 6), float(i / 36)) - 0.5) - at - way) * edge;
+    if (dot(d, d) >= least) continue;
+    least = dot(d, d);
+    best = part;
+  }
+  return first + best;
 }
 #endif
 
 /* Irradiance of a surface by the grid; face: the normal of its triangle, on the side of n. */
 vec3 irradiance(vec3 place, vec3 n, vec3 face) {
   uint leaf, whole;
-  vec3 there = place;
-#if BIAS
-  /* as ylm_grid_bias: a voxel's thickness off the surface, that of the larger one on the way */
-  vec3 h = unit * abs(face);
-  float b = 0.0;
-  for (int look = 0; look <= 4; look++) {
-    find(lattice(place + b * face), leaf, whole);
-    float further = bias * (UNIFORM == 1 ? 1.0 : edge_of(words(own, 0u))) * (h.x + h.y + h.z);
-    if (!(further > b)) break;
-    b = further;
-  }
-  there = place + b * face;
-#endif
-  vec3 at = lattice(there);
+  vec3 at = lattice(place);
   find(at, leaf, whole);
   if (whole == NONE) return vec3(0.0);
-  uvec4 w = words(whole, 0u), lower = words(whole, 1u), upper = words(whole, 2u);
-  float edge = edge_of(w), inverse = 1.0 / edge;
-  vec3 t = vec3(edge_fraction(at.x, float(w.z & 65535u), inverse), edge_fraction(at.y, float(w.z >> 16), inverse),
-      edge_fraction(at.z, float(w.w & 65535u), inverse));
-  t = clamp(t, 0.0, 1.0);
-  vec3 off = place - there;
-#if BIAS
-  off *= carry(t, edge * unit, off, lower, upper);
+  uvec4 w = words(whole, 0u);
+#if SIDES
+  if ((w.y & SIDED) != 0u) whole = seen_part(w, place, face);
+  if (whole == NONE) return vec3(0.0);
 #endif
-  weigh(t, edge * unit, off);
+  uvec4 lower = words(whole, 1u), upper = words(whole, 2u);
+  float edge = edge_of(w), inverse = 1.0 / edge;
+  vec3 origin = origin_of(w), size = edge * unit;
+  vec3 t = clamp(vec3(edge_fraction(at.x, origin.x, inverse), edge_fraction(at.y, origin.y, inverse),
+      edge_fraction(at.z, origin.z, inverse)), 0.0, 1.0);
+  corner_weights(0u, values(t.x, size.x), values(t.y, size.y), values(t.z, size.z));
   harmonics(n.x, n.y, n.z, n.z < 0.0 ? -1.0 : 1.0, 1.0 - abs(n.z));
   float cosine[USED_COUNT];
   for (int j = 0; j < USED_COUNT; j++) cosine[j] = COSINE[j] * Y[USED[j]];

@@ -70,10 +70,10 @@ end
 
 function grid.radiance(name, p, o, start)
   local b, bar, threads = o.reflected, progress.resolve(o.progress), o.threads or 0
-  local out, message, code = dering.shade(devices.of(nil), name, p, { grid = b.grid, weight = "cosine", bias = o.bias,
+  local out, message, code = dering.shade(devices.of(nil), name, p, { grid = b.grid, weight = "cosine",
     threads = threads, interpolation = o.interpolation, dering = o.dering }, bar)
   if not out then return nil, message, code end
-  b.bias, b.dering = message.bias, message.dering
+  b.dering = message.dering
   if has_lobes(p) then
     local ok, failed, why = blend(name, p, o, b, out)
     if not ok then return nil, failed, why end
@@ -102,7 +102,6 @@ end
 
 function grid.report(p, o, report)
   local b, n = o.reflected, p.traced.glossy
-  report.bias = report.bias or b.bias
   if b.dering then dering.report(p, { grid = b.grid, dering = o.dering }, report, b.dering) end
   if n == 0 then return end
   local line = say_grid(p, report, b, n == 1 and "1 mesh is glossy: " or n .. " meshes are glossy: ", n == 1)

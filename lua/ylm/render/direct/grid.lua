@@ -84,7 +84,6 @@ function grid.radiance(name, p, o, report)
     local done, message, code = device:picture(name, p, o, layer, bar, pictures.compose)
     if not done then return nil, message, code end
     report.outside, report.unbaked, report.stages = done.outside, done.unbaked, done.stages
-    report.bias = done.bias
     dering.report(p, o, report, done.dering or dering.of_device(o, layer))
     report.pairs, report.fresh, report.seconds.light = done.pairs, done.fresh, done.seconds
     return true

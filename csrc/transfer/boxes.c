@@ -1,8 +1,8 @@
-/* boxes.c - which boxes meet triangles that occlude: gathered light jumps there. */
+/* boxes.c - which boxes meet triangles that occlude: where leaves of grids are crossed. */
 #include <stdlib.h>
 
 #include "calibration.h"
-#include "gather.h"
+#include "transfer.h"
 #include "ylm_vector.h"
 
 typedef struct corner3 {
@@ -15,7 +15,7 @@ typedef struct meets_node {
   uint32_t first, n;
 } meets_node;
 
-struct gather_meets {
+struct transfer_boxes {
   corner3 *triangle;
   meets_node *node;
   size_t triangles, nodes;
@@ -31,7 +31,7 @@ static int by_x(const void *x, const void *y) { return compare(x, y, 0); }
 static int by_y(const void *x, const void *y) { return compare(x, y, 1); }
 static int by_z(const void *x, const void *y) { return compare(x, y, 2); }
 
-static void build(struct gather_meets *m, size_t at, size_t first, size_t n) {
+static void build(struct transfer_boxes *m, size_t at, size_t first, size_t n) {
   static int (*const by[3])(const void *, const void *) = {by_x, by_y, by_z};
   meets_node *node = &m->node[at];
   for (int a = 0; a < 3; a++) node->lo[a] = INFINITY, node->hi[a] = -INFINITY;
@@ -55,7 +55,7 @@ static void build(struct gather_meets *m, size_t at, size_t first, size_t n) {
   build(m, child + 1, first + n / 2, n - n / 2);
 }
 
-static void fill(struct gather_meets *m, const ylm_scene *s, const float *vertex) {
+static void fill(struct transfer_boxes *m, const ylm_scene *s, const float *vertex) {
   for (size_t i = 0; i < ylm_scene_meshes(s); i++)
     for (size_t k = 0; ylm_scene_occludes(s, i) && k < ylm_scene_triangles(s, i); k++) {
       const uint32_t *corner = ylm_scene_triangle(s, i, k);
@@ -66,10 +66,10 @@ static void fill(struct gather_meets *m, const ylm_scene *s, const float *vertex
     }
 }
 
-ylm_status ylm__gather_meets_create(const ylm_scene *s, struct gather_meets **out) {
+ylm_status ylm__boxes_create(const ylm_scene *s, struct transfer_boxes **out) {
   size_t n = 0;
   for (size_t i = 0; i < ylm_scene_meshes(s); i++) n += ylm_scene_triangles(s, i);
-  struct gather_meets *m = *out = ylm_alloc_zero(1, sizeof *m);
+  struct transfer_boxes *m = *out = ylm_alloc_zero(1, sizeof *m);
   float *vertex = ylm_alloc(ylm_scene_vertices(s, NULL), 12);
   if (m) m->triangle = ylm_alloc(n, sizeof *m->triangle);
   if (m) m->node = ylm_alloc(2 * n + 1, sizeof *m->node);
@@ -84,7 +84,7 @@ ylm_status ylm__gather_meets_create(const ylm_scene *s, struct gather_meets **ou
   return good ? YLM_OK : YLM_ENOMEM;
 }
 
-void ylm__gather_meets_free(struct gather_meets *m) {
+void ylm__boxes_free(struct transfer_boxes *m) {
   if (!m) return;
   ylm_free(m->triangle);
   ylm_free(m->node);
@@ -125,7 +125,7 @@ static bool meets(const corner3 *t, const double box[6]) {
   return true;
 }
 
-bool ylm__gather_meets(const struct gather_meets *m, const double box[6]) {
+bool ylm__boxes_meet(const struct transfer_boxes *m, const double box[6]) {
   uint32_t stack[128];
   size_t top = 0;
   stack[top++] = 0;

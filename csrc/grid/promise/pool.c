@@ -1,0 +1,286 @@
+/*
+** pool.c - refinement of a grid with sides: leaves are split where the error of places, by area, is largest.
+**
+** A pool of places is compared with the grid as it is. A leaf's score is the sum over its places of their errors, squared and
+** clipped. The leaves of the largest scores are split, unless splits there have not helped. Where few places of the pool
+** fail, fresh ones are drawn. If too many of these fail, they join the pool.
+*/
+#include "../sides/sides.h"
+#include "tolerance.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "ylm_list.h"
+
+/* The record of a leaf. */
+typedef struct leaf_record {
+  float score;     /* of its places now */
+  float parent;    /* of its parent's when that was split; negative: it was not by its score */
+  uint8_t strikes; /* splits in a row that did not help */
+} leaf_record;
+
+typedef struct pool {
+  side_baker *k;
+  refiner *r;
+  panel p;       /* the places */
+  double *error; /* [p.n] */
+  size_t error_room;
+  leaf_record *leaf; /* [cells] */
+  size_t leaves, leaf_room;
+  uint64_t round; /* of draws */
+  bool stuck;     /* places fail where nothing may be split */
+  bool spent;     /* the budget is */
+} pool;
+
+/* -- places ---------------------------------------------------------------------------------------- */
+
+/* The points that the refiner holds join the pool. */
+static ylm_status take(pool *q) {
+  refiner *r = q->r;
+  ylm_status s = ylm__panel_take(r, &q->p);
+  if (s != YLM_OK) return s;
+  return ylm_list_reserve(&q->error, 0, q->p.n, &q->error_room, sizeof *q->error) ? YLM_OK
+                                                                                  : YLM_ENOMEM;
+}
+
+/* The errors of places in the grid as it is; negative: left out. */
+static ylm_status measure_places(const refiner *r, const panel *p, double *error) {
+  const ylm_grid *g = r->b->g;
+  if (p->side) return ylm__sides_errors(r, p, error);
+  ylm_grid_query q = {.point_dtype = YLM_FLOAT,
+                      .dtype = YLM_FLOAT,
+                      .threads = r->b->source->threads,
+                      .origin = ylm__grid_origin(g),
+                      .walls = r->b->source->walls};
+  float *value = ylm_alloc(p->n, g->width * sizeof *value);
+  ylm_status s = value ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm_grid_sample(g, &q, p->n, p->point, value, NULL, NULL, r->b->e);
+  for (size_t i = 0; s == YLM_OK && i < p->n; i++)
+    error[i] = ylm__panel_error(p, i, value + i * g->width, g->width, g->contents.form.floor);
+  ylm_free(value);
+  return s;
+}
+
+/* The leaf of the octree that a place is looked up in. */
+static uint32_t leaf_of(const pool *q, const float x[3]) {
+  const ylm_grid *g = q->r->b->g;
+  double p[3];
+  ylm__grid_outward(g, x, p);
+  return ylm_grid_locate(g, p, false, NULL);
+}
+
+/* The parts of places that fail: all, and those in leaves that may be split. */
+typedef struct failing {
+  double all, open;
+} failing;
+
+static bool may_split(const pool *q, uint32_t leaf) {
+  const ylm_grid *g = q->r->b->g;
+  return g->cell[leaf].level < g->contents.form.depth && q->leaf[leaf].strikes < POOL_STRIKES;
+}
+
+static failing count_failing(const pool *q, const panel *p, const double *error) {
+  size_t failed = 0, open = 0, all = 0;
+  for (size_t i = 0; i < p->n; i++) {
+    all += error[i] >= 0;
+    if (!(error[i] > q->r->tolerance)) continue;
+    uint32_t leaf = leaf_of(q, p->point + 3 * i);
+    failed++;
+    open += leaf != YLM_GRID_NONE && may_split(q, leaf);
+  }
+  if (!all) return (failing){0, 0};
+  return (failing){(double)failed / (double)all, (double)open / (double)all};
+}
+
+/* Few enough fail, or can be helped. */
+static bool is_enough(failing f) { return f.all <= ENOUGH || f.open <= POOL_OPEN; }
+
+/* -- scores ---------------------------------------------------------------------------------------- */
+
+/* The score of an error. */
+static float score_of(const pool *q, double error) {
+  double x = error / q->r->tolerance;
+  return x > POOL_SLIGHT ? (float)fmin(x * x, POOL_CLIP) : 0;
+}
+
+static ylm_status find_scores(pool *q) {
+  const ylm_grid *g = q->r->b->g;
+  if (!ylm_list_reserve(&q->leaf, q->leaves, g->cells, &q->leaf_room, sizeof *q->leaf))
+    return YLM_ENOMEM;
+  for (; q->leaves < g->cells; q->leaves++) q->leaf[q->leaves] = (leaf_record){.parent = -1};
+  for (size_t i = 0; i < g->cells; i++) q->leaf[i].score = 0;
+  ylm_status s = measure_places(q->r, &q->p, q->error);
+  for (size_t i = 0; s == YLM_OK && i < q->p.n; i++) {
+    uint32_t leaf = leaf_of(q, q->p.point + 3 * i);
+    if (leaf != YLM_GRID_NONE && q->error[i] >= 0) q->leaf[leaf].score += score_of(q, q->error[i]);
+  }
+  return s;
+}
+
+/* Strikes of the children of leaves that were split: where their scores together are still most of what it was. */
+static void judge_splits(pool *q) {
+  const ylm_grid *g = q->r->b->g;
+  for (size_t i = 0; i < g->cells; i++) {
+    uint32_t first = g->cell[i].child;
+    float sum = 0;
+    if (!first || q->leaf[first].parent < 0) continue;
+    for (uint32_t c = first; c < first + 8; c++) sum += q->leaf[c].score;
+    bool helped = sum <= (float)POOL_HELPS * q->leaf[first].parent;
+    for (uint32_t c = first; c < first + 8; c++) {
+      q->leaf[c].strikes = helped ? 0 : (uint8_t)(q->leaf[i].strikes + 1);
+      q->leaf[c].parent = -1;
+    }
+  }
+}
+
+/* -- splits ---------------------------------------------------------------------------------------- */
+
+typedef struct candidate {
+  float score;
+  uint32_t leaf;
+} candidate;
+
+static int by_score(const void *a, const void *b) {
+  const candidate *x = a, *y = b;
+  if (x->score != y->score) return x->score > y->score ? -1 : 1;
+  return x->leaf < y->leaf ? -1 : 1;
+}
+
+/* Leaves that the budget of points leaves room to split. */
+static ylm_status find_room(pool *q, size_t *most) {
+  size_t budget = q->r->b->source->budget, points;
+  if (!budget) return YLM_OK;
+  ylm_status s = ylm__sides_count(q->r->b->g, &points);
+  size_t room = points < budget ? (budget - points) / POOL_COST : 0;
+  if (room < *most) *most = room;
+  q->spent = !room;
+  return s;
+}
+
+/* Splits the leaves of the largest scores; how many. */
+static ylm_status split_worst(pool *q, size_t *split) {
+  const ylm_grid *g = q->r->b->g;
+  candidate *c = ylm_alloc(g->cells, sizeof *c);
+  size_t n = 0, leaves = 0;
+  if (!c) return YLM_ENOMEM;
+  q->stuck = false;
+  for (size_t i = 0; i < g->cells; i++) {
+    if (!(g->cell[i].flags & YLM_GRID_LEAF)) continue;
+    leaves++;
+    if (!(q->leaf[i].score > 0)) continue;
+    if (!may_split(q, (uint32_t)i))
+      q->stuck = true;
+    else
+      c[n++] = (candidate){q->leaf[i].score, (uint32_t)i};
+  }
+  qsort(c, n, sizeof *c, by_score);
+  size_t most = 1 + (size_t)(POOL_SPLIT * (double)leaves);
+  ylm_status s = n ? find_room(q, &most) : YLM_OK;
+  for (*split = 0; s == YLM_OK && *split < n && *split < most; ++*split) {
+    uint32_t leaf = c[*split].leaf;
+    uint8_t strikes = q->leaf[leaf].strikes;
+    s = ylm__sides_split(q->k, leaf);
+    if (s == YLM_OK &&
+        !ylm_list_reserve(&q->leaf, q->leaves, g->cells, &q->leaf_room, sizeof *q->leaf))
+      s = YLM_ENOMEM;
+    for (; s == YLM_OK && q->leaves < g->cells; q->leaves++)
+      q->leaf[q->leaves] = (leaf_record){.parent = c[*split].score, .strikes = strikes};
+  }
+  q->k->b->next.n = 0; /* leaves are looked for among all */
+  ylm_free(c);
+  return s;
+}
+
+/* Splits occupied leaves that are wider than they may be. */
+static ylm_status split_wide(pool *q) {
+  baker *b = q->k->b;
+  const ylm_grid_form *f = &b->g->contents.form;
+  ylm_status s = YLM_OK;
+  int level = 0;
+  while (level < f->depth && ldexp(1, -level) > POOL_WIDEST) level++;
+  while (b->wave.n && s == YLM_OK) {
+    for (size_t i = 0; s == YLM_OK && i < b->wave.n; i++)
+      if (b->g->cell[b->wave.cell[i]].level < level) s = ylm__sides_split(q->k, b->wave.cell[i]);
+    ylm__cells_advance(b);
+  }
+  return s;
+}
+
+/* The grid as it is, ready to be sampled. */
+static ylm_status renew(pool *q) {
+  ylm_grid *g = q->r->b->g;
+  ylm_status s = ylm__sides_renew(q->k);
+  return s == YLM_OK ? ylm__grid_finish(g) : s;
+}
+
+/* -- rounds ---------------------------------------------------------------------------------------- */
+
+/* Draws places: HELD_OUT of them. */
+static ylm_status draw(pool *q) {
+  double t = ylm_seconds();
+  q->r->b->stage = "verifying";
+  ylm_status s = ylm__verify_draw(q->r, POOL_FROM + ++q->round);
+  q->r->b->stage = q->r->b->stage_text;
+  q->r->b->g->stats.verify_seconds += ylm_seconds() - t;
+  return s;
+}
+
+/* Whether fresh places confirm that few fail; else they join the pool. */
+static ylm_status confirm(pool *q, bool *enough) {
+  panel fresh = {.n = 0};
+  ylm_status s = draw(q);
+  if (s == YLM_OK) s = ylm__panel_take(q->r, &fresh);
+  double *error = ylm_alloc(fresh.n ? fresh.n : 1, sizeof *error);
+  if (s == YLM_OK && !error) s = YLM_ENOMEM;
+  if (s == YLM_OK) s = measure_places(q->r, &fresh, error);
+  *enough = s == YLM_OK && is_enough(count_failing(q, &fresh, error));
+  if (s == YLM_OK && !*enough) s = take(q);
+  ylm__panel_free(&fresh);
+  ylm_free(error);
+  return s;
+}
+
+static ylm_status refine(pool *q) {
+  baker *b = q->r->b;
+  ylm_status s = split_wide(q);
+  if (s == YLM_OK) s = draw(q);
+  if (s == YLM_OK) s = take(q);
+  for (int round = 1; s == YLM_OK; round++) {
+    size_t split = 0;
+    snprintf(b->stage_text, sizeof b->stage_text, "round %d", round);
+    b->g->stats.rounds = (uint64_t)round;
+    s = renew(q);
+    if (s == YLM_OK) s = find_scores(q);
+    if (s != YLM_OK || round >= POOL_ROUNDS) break;
+    judge_splits(q);
+    bool enough = is_enough(count_failing(q, &q->p, q->error));
+    if (enough && !q->r->all && q->p.n < POOL_MOST) {
+      s = confirm(q, &enough);
+      if (s == YLM_OK && !enough) s = find_scores(q);
+    }
+    if (s != YLM_OK || enough) break;
+    s = split_worst(q, &split);
+    if (!split) break;
+  }
+  return s;
+}
+
+ylm_status ylm__pool_bake(side_baker *k) {
+  baker *b = k->b;
+  double aim = b->source->aim > 0 ? b->source->aim : 1;
+  refiner r = {.b = b, .tolerance = aim * b->g->contents.form.tolerance};
+  pool q = {.k = k, .r = &r};
+  ylm_status s = ylm__tolerance_begin(&r);
+  b->choose = NULL;
+  if (s == YLM_OK) s = refine(&q);
+  if (s == YLM_OK) s = ylm__sides_finish(k);
+  if (s == YLM_OK) s = ylm__panel_judge(&r, q.stuck);
+  if (s == YLM_OK) b->g->stats.spent = q.spent && !b->g->stats.met;
+  ylm__tolerance_end(&r);
+  ylm__panel_free(&q.p);
+  ylm_free(q.error);
+  ylm_free(q.leaf);
+  return s;
+}

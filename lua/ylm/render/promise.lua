@@ -1,0 +1,165 @@
+--- The promise of a grid of a room's light: irradiance at 99 % of the surface by area, judged by paths.
+--
+-- A place whose error is d with a standard error s is decided where |d - X m| > 2.6 s, m the larger of its own irradiance and
+-- the mean. Its paths are doubled until then. Undecided places count as failed: noise can only make the verdict worse. Few paths
+-- may all miss what is bright, and then claim little noise: s is at least that of the median place with as many paths.
+
+local array = require "ylm.array"
+local core = require "ylm.c.core"
+local progress = require "ylm.progress"
+local sh = require "ylm.sh"
+
+local promise = {}
+
+local PROMISED, DOUBT = 0.01, 0.01
+local FIRST, MOST = 256, 16384 -- paths of a place
+local MANY, CROWD = 4096, 0.6   -- where more than this part of the places is undecided by MANY paths, it stays so
+local SURE = 2.6             -- standard errors
+
+--- The most failures of n places with which fewer than 1 % of all fail, but for a chance of 1 % (Clopper & Pearson 1934); -1: n
+-- is too small.
+local function allowed(n)
+  local term = (1 - PROMISED) ^ n
+  local sum, k = term, -1
+  while sum <= DOUBT and k + 1 < n do
+    k = k + 1
+    term = term * (n - k) / (k + 1) * (PROMISED / (1 - PROMISED))
+    sum = sum + term
+  end
+  return k
+end
+
+--- Irradiance of coefficients [n][3][count] on surfaces with normals, a list of lists.
+local function irradiance(L, normals, lmax)
+  local Y, out = sh.eval(lmax, normals), {}
+  for i = 1, #L do
+    local E = {}
+    for c = 1, 3 do
+      local sum, k = 0, 0
+      for l = 0, lmax do
+        local part = 0
+        for _ = 1, 2 * l + 1 do
+          k = k + 1
+          part = part + Y:get(i, k) * L:get(i, c, k)
+        end
+        sum = sum + core.sh_cosine_factor(l) * part
+      end
+      E[c] = math.max(0, sum) -- as pictures clip it
+    end
+    out[i] = E
+  end
+  return out
+end
+
+--- The rows of an array that a list names.
+local function rows_of(a, list, first)
+  local out = {}
+  for i, row in ipairs(list) do out[i] = { a:get(row, first), a:get(row, first + 1), a:get(row, first + 2) } end
+  return array.array(out)
+end
+
+--- Adds paths of the places in `open` to their estimates e.mean, e.variance, e.paths. True, or nil, message, code.
+local function add_paths(s, e, open, samples, seed, o)
+  local E, variance, code = s:probe { points = rows_of(e.rows, open, 1), normals = rows_of(e.rows, open, 4), samples = samples,
+    reflections = e.reflections, seed = seed, threads = o.threads, progress = progress.resolve(o.progress) or false }
+  if not E then return nil, variance, code end
+  for i, place in ipairs(open) do
+    local old = e.paths[place]
+    local share = samples / (samples + old)
+    for c = 1, 3 do
+      local m, v = E:get(i, c), variance:get(i, c)
+      local before = old > 0 and e.mean[place][c] or 0
+      e.mean[place][c] = before + share * (m - before)
+      e.variance[place][c] = (1 - share) ^ 2 * (old > 0 and e.variance[place][c] or 0) + share ^ 2 * v
+    end
+    e.paths[place] = old + samples
+  end
+  return true
+end
+
+--- The means of the paths' irradiance over all places, by channel.
+local function means(e)
+  local mean = { 0, 0, 0 }
+  for _, m in ipairs(e.mean) do
+    for c = 1, 3 do mean[c] = mean[c] + m[c] / #e.mean end
+  end
+  return mean
+end
+
+--- The variance of one path over m^2, in the median place, by channel.
+local function spreads(e, mean)
+  local out = {}
+  for c = 1, 3 do
+    local all = {}
+    for i = 1, #e.mean do
+      local m = math.max(math.abs(e.mean[i][c]), mean[c])
+      all[i] = m > 0 and e.variance[i][c] * e.paths[i] / (m * m) or 0
+    end
+    table.sort(all)
+    out[c] = all[math.ceil(#all / 2)] or 0
+  end
+  return out
+end
+
+--- The errors of place i that are sure at least, and at most; over m, in the worst channel.
+local function bounds_of(e, i, mean, spread)
+  local least, most = 0, 0
+  for c = 1, 3 do
+    local m = math.max(math.abs(e.mean[i][c]), mean[c])
+    local variance = math.max(e.variance[i][c], spread[c] * m * m / e.paths[i])
+    local d, noise = math.abs(e.grid[i][c] - e.mean[i][c]), SURE * math.sqrt(variance)
+    if m > 0 then least, most = math.max(least, (d - noise) / m), math.max(most, (d + noise) / m) end
+  end
+  return least, most
+end
+
+--- The verdict of the estimates: places by verdict, the error that 99 % of the surface keeps, the root mean square.
+local function rule(e, tolerance)
+  local mean, failed, open, errors, square = means(e), 0, {}, {}, 0
+  local spread = spreads(e, mean)
+  for i = 1, #e.mean do
+    local least, most = bounds_of(e, i, mean, spread)
+    if least > tolerance then failed = failed + 1
+    elseif most > tolerance then open[#open + 1] = i end
+    errors[i] = most
+    local d = e.grid[i][2] - e.mean[i][2]
+    square = square + d * d - e.variance[i][2]
+  end
+  table.sort(errors, function(a, b) return a > b end)
+  local most = allowed(#errors)
+  return { failed = failed, open = open, error = most >= 0 and errors[most + 1] or math.huge, largest = errors[1] or 0,
+    rms = mean[2] > 0 and math.sqrt(math.max(0, square / #errors)) / mean[2] or 0 }
+end
+
+--- Judges a grid of the light of scene `s` by paths, where points with normals have judged it by its field. The verdict is that
+-- of the grid's stats. True, or nil, message, code.
+function promise.judge(s, g, o)
+  local rows = g.sides and g.measure == "irradiance" and core.grid_judges(g)
+  if not rows then return true end
+  local before, start = core.grid_stats(g), core.seconds()
+  local places = {}
+  for i = 1, rows.shape[1] do places[i] = i end
+  local normals = rows_of(rows, places, 4)
+  local L, message, code = g:sample(rows_of(rows, places, 1), { normals = normals, scene = s, threads = o.threads })
+  if not L then return nil, message, code end
+  local last = o.bounces or "all"
+  local e = { rows = rows, grid = irradiance(L, normals, g.lmax), mean = {}, variance = {}, paths = {},
+    reflections = g.quantity == "indirect" and { 1, last } or g.quantity == "direct" and { 0, 0 } or { 0, last } }
+  for i = 1, #places do e.mean[i], e.variance[i], e.paths[i] = { 0, 0, 0 }, { 0, 0, 0 }, 0 end
+  local samples, seed, open, said = FIRST, 1, places, nil
+  while open[1] do
+    local ok
+    ok, message, code = add_paths(s, e, open, samples, 1000003 * seed + o.seed, o)
+    if not ok then return nil, message, code end
+    said, seed = rule(e, g.tolerance), seed + 1
+    local crowded = e.paths[said.open[1] or 1] >= MANY and #said.open > CROWD * #places
+    open = samples * 2 < MOST and not crowded and said.open or {}
+    samples = seed > 2 and samples * 2 or samples
+  end
+  core.grid_verdict(g, #places, said.failed + #said.open, said.error, said.largest)
+  core.own(g).paths = { field_met = before.met, field_error = before.error, undecided = #said.open, rms = said.rms,
+    seconds = core.seconds() - start }
+  return true
+end
+
+return promise
