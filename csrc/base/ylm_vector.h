@@ -44,6 +44,14 @@ static inline void ylm_cross3d(const double a[3], const double b[3], double out[
   out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
+/* Direction i of n that are spread evenly over the sphere: along a spiral, by the golden angle. */
+static inline void ylm_spiral(int i, int n, double out[3]) {
+  double z = 1 - (2 * i + 1.0) / n, r = sqrt(1 - z * z), phi = 2.39996322972865332 * i;
+  out[0] = r * cos(phi);
+  out[1] = r * sin(phi);
+  out[2] = z;
+}
+
 /* Cosine and sine of t turns, 0 <= t <= 1, to 2e-16, without branches: Taylor's series within an eighth of a
    turn about the nearest quarter. */
 static inline void ylm_turn(double t, double *cosine, double *sine) {

@@ -116,13 +116,9 @@ ylm_status ylm_figure_fill(ylm_figure_volume *v, const ylm_figure_cells *cells, 
 /* A voxel at p of a leaf with sides: the number of its piece's part, or what is there of the values. */
 static void fill_piece(const ylm_grid *g, const ylm_grid_side *s, const cell *c,
                        const double *value, const double p[3], size_t n, float *out) {
-  size_t piece = 0;
-  double w[8];
-  for (int a = 2; a >= 0; a--) {
-    double at = floor(4 * (p[a] - c->origin[a]) / c->size[a]) + 1;
-    piece = piece * 6 + (size_t)fmin(fmax(at, 1), 4);
-  }
-  uint32_t part = s->part[piece / 2] >> 4 * (piece & 1) & 15;
+  double w[8], place[3];
+  for (int a = 0; a < 3; a++) place[a] = fmin(fmax((p[a] - c->origin[a]) / c->size[a], 0), 0.999);
+  uint32_t part = ylm_grid_side_part_at(s, place);
   weights(c, p, w);
   for (size_t j = 0; j < n; j++) {
     double sum = value ? 0 : part + 1.0;

@@ -27,9 +27,11 @@ typedef struct grid_sides {
   uint32_t (*node)[8]; /* [parts] */
   size_t parts, part_room;
   uint32_t *leaf; /* [parts] the cell that a part is of */
-  uint32_t *of; /* [cells] the row of side[], YLM_GRID_NONE: uncrossed; NULL until the grid is finished */
-  float (*asked)[3]; /* [points] as long as point_room: of ylm_grid_contents; NULL: the grid has no sides */
-  float *dark;       /* [stride + ROW_PADDING] zeros */
+  uint32_t *
+      of; /* [cells] the row of side[], YLM_GRID_NONE: uncrossed; NULL until the grid can be sampled */
+  float (*asked)
+      [3]; /* [points] as long as point_room: of ylm_grid_contents; NULL: the grid has no sides */
+  float *dark; /* [stride + ROW_PADDING] zeros */
 } grid_sides;
 
 struct ylm_grid {
@@ -63,7 +65,8 @@ struct ylm_grid {
   double scale[3];    /* lattice cells per scene unit */
   double origin[3]; /* ylm_origin of the bounds: points that are kept in float are relative to it */
 
-  float (*judge)[6]; /* [judges] places and normals of the first points that judged the bake, relative to `origin` */
+  float (*judge)
+      [6]; /* [judges] places and normals of the first points that judged the bake, relative to `origin` */
   size_t judges;
   struct frames *frames; /* for bakes like this one (promise/go_on.c); NULL: it knows none */
   const struct follower *follower; /* NULL: the grid follows no lights */
@@ -119,6 +122,7 @@ ylm_status ylm__grid_check_source(const ylm_grid_source *s, bool dynamic, ylm_er
 /* Room for `more` cells or points beyond those there are. */
 ylm_status ylm__grid_reserve_cells(ylm_grid *g, size_t more);
 ylm_status ylm__grid_reserve_points(ylm_grid *g, size_t more);
+void ylm__grid_free_points(ylm_grid *g);
 /* Gives back the room that growing has left over. */
 void ylm__grid_trim(ylm_grid *g);
 /* Eight children of a cell, with origins and levels; the index of the first through *first. */
@@ -126,6 +130,18 @@ ylm_status ylm__grid_split(ylm_grid *g, uint32_t cell, uint32_t *first);
 /* Edge of a cell in lattice units. */
 static inline uint32_t ylm__grid_edge(const ylm_grid *g, const ylm_grid_cell *c) {
   return g->contents.form.kind == YLM_GRID_UNIFORM ? 1u : 1u << (g->contents.form.depth - c->level);
+}
+/* Lattice coordinates of corner k of a cell. */
+static inline void ylm__grid_corner_at(const ylm_grid *g, const ylm_grid_cell *c, int k,
+                                       uint32_t at[3]) {
+  uint32_t edge = ylm__grid_edge(g, c);
+  for (int a = 0; a < 3; a++) at[a] = c->origin[a] + (k >> a & 1 ? edge : 0);
+}
+/* Does a cell have all its corners? */
+static inline bool ylm__grid_is_complete(const ylm_grid_cell *c) {
+  for (int k = 0; k < 8; k++)
+    if (c->corner[k] == YLM_GRID_NONE) return false;
+  return true;
 }
 /* Floats of a point's rows. */
 static inline size_t ylm__grid_record(const ylm_grid *g) { return g->rows * g->stride; }
@@ -297,7 +313,7 @@ ylm_status ylm__grid_interpolate_points(ylm_grid *g, uint8_t *changed, int threa
 /* -- sides/index.c, sides/look.c ------------------------------------------------------ */
 
 void ylm__sides_free(grid_sides *s);
-/* Finds sides by their cells, and counts them; YLM_ENOMEM. */
+/* Finds sides by their cells, and cells by their parts; YLM_ENOMEM. */
 ylm_status ylm__sides_index(ylm_grid *g);
 /* The hash of evaluated points that are no ghosts; YLM_ENOMEM. */
 ylm_status ylm__sides_hash(ylm_grid *g);

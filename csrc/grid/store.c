@@ -157,15 +157,20 @@ void ylm__grid_set_root(ylm_grid *g, int level, const uint32_t origin[3]) {
   }
 }
 
-void ylm_grid_free(ylm_grid *g) {
-  if (!g) return;
-  ylm_free(g->cell);
+void ylm__grid_free_points(ylm_grid *g) {
   ylm_free(g->lattice);
   ylm_regrow_free(g->data, g->data_bytes);
   ylm_free(g->lambda);
   ylm_free(g->norm);
   ylm_free(g->flags);
   ylm_free(g->validity);
+  ylm_free(g->sides.asked);
+}
+
+void ylm_grid_free(ylm_grid *g) {
+  if (!g) return;
+  ylm_free(g->cell);
+  ylm__grid_free_points(g);
   ylm_free(g->table);
   ylm__lattice_hash_free(&g->hash);
   ylm_free(g->birth);
@@ -307,8 +312,8 @@ void ylm__grid_count(ylm_grid *g) {
   s->bytes = g->hash.size * sizeof *g->hash.entry;
   size_t table = (size_t)g->top[0] * g->top[1] * g->top[2];
   s->bytes += g->cell_room * sizeof *g->cell + table * sizeof *g->table +
-              g->point_room *
-                  (ylm__grid_record(g) * sizeof(float) + 3 * sizeof *g->lattice + 2 * sizeof(float) + 1);
+              g->point_room * (ylm__grid_record(g) * sizeof(float) + 3 * sizeof *g->lattice +
+                               2 * sizeof(float) + 1);
   s->bytes += g->sides.n * sizeof *g->sides.side + g->sides.parts * sizeof *g->sides.node;
   if (g->contents.form.sides) s->bytes += g->point_room * sizeof *g->sides.asked;
   s->bytes += g->birth_room * sizeof *g->birth + (g->follower ? g->follower->bytes(g) : 0);

@@ -16,6 +16,8 @@
 #ifndef YLM_GRID_H
 #define YLM_GRID_H
 
+#include <math.h>
+
 #include "ylm_base.h"
 
 #ifdef __cplusplus
@@ -64,22 +66,23 @@ typedef struct ylm_grid_body {
 /* The description of a grid. */
 typedef struct ylm_grid_form {
   ylm_grid_kind kind;
-  double bounds[6];         /* min x y z, max x y z; max > min */
-  int lmax;                 /* 0 .. */
-  int channels;             /* 1 luminance, 3 rgb */
-  int metric_channels;      /* 1 or 3: of what lambda and norm are; 3 only where channels is 3;
+  double bounds[6];       /* min x y z, max x y z; max > min */
+  int lmax;               /* 0 .. */
+  int channels;           /* 1 luminance, 3 rgb */
+  int metric_channels;    /* 1 or 3: of what lambda and norm are; 3 only where channels is 3;
                              0 in a uniform grid: they are not asked for, and NaN */
-  int depth;                /* adaptive: finest level N, 0 .. YLM_GRID_MAX_DEPTH */
-  uint32_t cells[3];        /* uniform: voxels along each axis */
-  ylm_grid_metric metric;   /* adaptive, with a threshold */
-  double threshold;         /* adaptive: subdivide above it; negative: none, use the tolerance */
-  double tolerance;         /* adaptive: relative error promised; 0: none, use the threshold */
-  bool continuous;          /* adaptive: no jumps across faces that change level */
-  bool dynamic;             /* keeps what ylm_grid_update needs */
-  bool sides; /* voxels that surfaces cross hold a function for each part of their free space; probes are values alone,
-                 and interpolated along the axes. Needs ylm_grid_source.walls */
+  int depth;              /* adaptive: finest level N, 0 .. YLM_GRID_MAX_DEPTH */
+  uint32_t cells[3];      /* uniform: voxels along each axis */
+  ylm_grid_metric metric; /* adaptive, with a threshold */
+  double threshold;       /* adaptive: subdivide above it; negative: none, use the tolerance */
+  double tolerance;       /* adaptive: relative error promised; 0: none, use the threshold */
+  bool continuous;        /* adaptive: no jumps across faces that change level */
+  bool dynamic;           /* keeps what ylm_grid_update needs */
+  /* Voxels that surfaces cross hold a function for each part of their free space; probes are values alone, and interpolated
+     along the axes. Needs ylm_grid_source.walls. */
+  bool sides;
   ylm_grid_measure measure; /* adaptive, with a tolerance */
-  ylm_quantity quantity; /* what it holds; a bake takes it from its field */
+  ylm_quantity quantity;    /* what it holds; a bake takes it from its field */
   double floor; /* of a tolerance of coefficients: smaller norms count as this one; 0: none do */
   ylm_grid_body body;     /* of visibilities; kept and saved */
   ylm_grid_prints prints; /* kept and saved; other light from refresh and update takes them away */
@@ -96,8 +99,8 @@ typedef struct ylm_grid_mesh {
 typedef struct ylm_grid_backend ylm_grid_backend;
 
 /*
-** Surfaces that hide light, as a bake and look-ups ask for them. Positions are relative to `origin` (NULL: 0). Called on any
-** of the threads.
+** Surfaces that hide light, as a bake and look-ups ask for them. Positions are relative to `origin`. Called on any of the
+** threads.
 **
 **   share   of the ways from a[i] to b[i]: the part of it before the first surface, 1 where there is none
 **   meets   whether a box (min, max) meets a triangle; NULL: nobody knows, look-ups alone may be asked for
@@ -109,7 +112,7 @@ typedef struct ylm_grid_walls {
   bool (*meets)(const void *self, const double box[6]);
   double (*buried)(const void *self, const float x[3], double *open);
   const void *self;
-  const double *origin; /* [3], as long as `self` lives */
+  double origin[3];
 } ylm_grid_walls;
 
 /* From where, and how. */
@@ -124,13 +127,14 @@ typedef struct ylm_grid_source {
   const void *normals; /* [occupied][3] of the points, unit, of their type: the sides that are seen;
                            NULL: none. Surfaces have both of theirs */
   const ylm_grid_walls *walls; /* of a grid with sides */
-  size_t meshes;       /* surfaces instead of points: voxels that a triangle meets */
-  const ylm_grid_mesh *mesh;    /* [meshes]; a dynamic grid keeps a copy */
-  uint64_t seed;                /* of the choice of held-out points */
-  size_t max_points;            /* YLM_ELIMIT beyond; 0: no limit but memory */
-  double aim; /* of a grid with sides and a tolerance: refinement is for this part of it, since another judge will also see
-                 the field's own error; 0: all of it */
-  size_t budget; /* of a grid with sides and a tolerance: refinement ends at so many points; 0: none */
+  size_t meshes;               /* surfaces instead of points: voxels that a triangle meets */
+  const ylm_grid_mesh *mesh;   /* [meshes]; a dynamic grid keeps a copy */
+  uint64_t seed;               /* of the choice of held-out points */
+  size_t max_points;           /* YLM_ELIMIT beyond; 0: no limit but memory */
+  /* Of a grid with sides and a tolerance: refinement is for this part of it (0: all), since another judge will also see the
+     field's own error; and ends at so many points (0: none). */
+  double aim;
+  size_t budget;
   const ylm_grid *like;         /* a grid of much the same light, whose bake this one goes on from:
                                    estimates are those, and few points verify. NULL: none */
   int threads;                  /* 0: the default */
@@ -158,24 +162,25 @@ typedef struct ylm_grid_update_stats {
 
 /* The report of a bake. Counts are of evaluated points unless said otherwise. */
 typedef struct ylm_grid_stats {
-  uint64_t points;        /* evaluated, each once: N_p of the paper */
-  uint64_t tested;        /* of these: only to measure a residual, at a voxel's centre */
-  uint64_t interpolated;  /* points that only continuity needs, no light evaluated */
-  uint64_t cells, leaves; /* of the octree (uniform: voxels with data), before continuity */
-  uint64_t occupied;      /* leaves that hold shading points */
-  uint64_t continuity;    /* leaves added by continuity */
-  uint64_t levels;        /* deepest level + 1 */
-  uint64_t pairs;         /* light x point evaluations, verification included */
-  uint64_t invalid;       /* points in or on a light, filled from their neighbours */
-  uint64_t outside;       /* shading points outside of the bounds, moved onto them; triangles that
+  uint64_t points;         /* evaluated, each once: N_p of the paper */
+  uint64_t tested;         /* of these: only to measure a residual, at a voxel's centre */
+  uint64_t interpolated;   /* points that only continuity needs, no light evaluated */
+  uint64_t cells, leaves;  /* of the octree (uniform: voxels with data), before continuity */
+  uint64_t occupied;       /* leaves that hold shading points */
+  uint64_t continuity;     /* leaves added by continuity */
+  uint64_t levels;         /* deepest level + 1 */
+  uint64_t pairs;          /* light x point evaluations, verification included */
+  uint64_t invalid;        /* points in or on a light, filled from their neighbours */
+  uint64_t outside;        /* shading points outside of the bounds, moved onto them; triangles that
                              are not wholly within them, whose parts outside count for nothing */
-  uint64_t crossed_leaves, parts; /* of a grid with sides: leaves that surfaces cross, and their parts */
-  uint64_t ghosts;        /* of `points`: expanded from the nearest place that the part's class sees */
-  uint64_t joined;        /* parts beyond the most that a leaf can have, which count as parts of others */
-  uint64_t bytes;         /* of memory that the grid holds */
-  double seconds;         /* of the whole bake */
-  double field_seconds;   /* of these, inside of the light field */
-  double verify_seconds;  /* of these, for the verification of a tolerance (field included) */
+  uint64_t crossed_leaves; /* of a grid with sides: leaves that surfaces cross */
+  uint64_t parts;          /* of these */
+  uint64_t ghosts; /* of `points`: expanded from the nearest place that the part's class sees */
+  uint64_t joined; /* parts beyond the most that a leaf can have, which count as parts of others */
+  uint64_t bytes;  /* of memory that the grid holds */
+  double seconds;  /* of the whole bake */
+  double field_seconds;  /* of these, inside of the light field */
+  double verify_seconds; /* of these, for the verification of a tolerance (field included) */
   /* of `seconds`, without the field; what is left is bookkeeping. 0 in a grid that was loaded */
   double occupancy_seconds;  /* the octree of shading points */
   double lattice_seconds;    /* finding corners by their lattice coordinates */
@@ -218,6 +223,9 @@ YLM_API ylm_status ylm_grid_bake(const ylm_grid_form *form, const ylm_grid_sourc
 ** Returns  their number, at most 2048; 0: none has, or the grid was loaded
 */
 YLM_API size_t ylm_grid_judges(const ylm_grid *g, double (*rows)[6]);
+/* The most failures among n of them with which fewer than 1 % of all fail, but for a chance of 1 % (Clopper & Pearson 1934); -1: n
+   are too few. */
+YLM_API int ylm_grid_allowed(size_t n);
 /* The verdict of another judge becomes that of the grid's stats: of so many places, those above the tolerance, the error
    that is exceeded by at most 1 % of all, the largest. */
 YLM_API void ylm_grid_verdict(ylm_grid *g, uint64_t verified, uint64_t failed, double error,
@@ -354,7 +362,7 @@ enum {
   YLM_GRID_CROSSED = 8,  /* meets a light's surface */
   YLM_GRID_ADDED = 16,   /* exists for continuity only */
   YLM_GRID_BRICK = 32,   /* of the top of a grid in bricks: a leaf that a brick continues */
-  YLM_GRID_SIDED = 64    /* a leaf that surfaces cross, which has parts; its corners are those of the first */
+  YLM_GRID_SIDED = 64    /* a leaf that surfaces cross: its corners are those of its first part */
 };
 
 /* A voxel. Parents stand before their children, the eight children in a row, x fastest. */
@@ -384,10 +392,28 @@ enum {
 #define YLM_GRID_PIECES 216
 #define YLM_GRID_PARTS 15 /* of a leaf, at most; as the number of a piece's part: none */
 typedef struct ylm_grid_side {
-  uint32_t cell, first;  /* the leaf; its first part among all */
-  uint32_t parts;        /* 0: nothing of it is free, and its light is 0 */
+  uint32_t cell, first;              /* the leaf; its first part among all */
+  uint32_t parts;                    /* 0: nothing of it is free, and its light is 0 */
   uint8_t part[YLM_GRID_PIECES / 2]; /* of pieces, x fastest: 4 bits each, the lower ones first */
 } ylm_grid_side;
+
+/* Pieces along an axis: of the leaf itself, and with the margin. */
+#define YLM_GRID_PIECES_OWN 4
+#define YLM_GRID_PIECES_ALL 6
+
+/* The part of a piece. */
+static inline uint8_t ylm_grid_side_part(const ylm_grid_side *s, size_t piece) {
+  return (uint8_t)(s->part[piece / 2] >> 4 * (piece & 1) & 15);
+}
+/* The part of the piece at a place in edges of the leaf; beyond the margin, of the outermost there. */
+static inline uint8_t ylm_grid_side_part_at(const ylm_grid_side *s, const double place[3]) {
+  size_t piece = 0;
+  for (int a = 2; a >= 0; a--) {
+    double at = floor(place[a] * YLM_GRID_PIECES_OWN) + 1, last = YLM_GRID_PIECES_ALL - 1;
+    piece = piece * YLM_GRID_PIECES_ALL + (size_t)(at < 0 ? 0 : at > last ? last : at);
+  }
+  return ylm_grid_side_part(s, piece);
+}
 
 /* Where an interpolated point comes from: the interpolant of a cell, which its corners' levels
    precede, at place 0 .. 26 of its 3 x 3 x 3 half-edge lattice, x fastest. */
@@ -409,17 +435,17 @@ typedef struct ylm_grid_contents {
   size_t evaluated;
   const uint32_t *lattice; /* [points][3] lattice coordinates */
   size_t stride;           /* floats from one row of `data` to the next, >= channels*count */
-  const float *data;     /* [points][rows][stride]: values [channels][count], then d/dx, d/dy, d/dz */
-  size_t rows;           /* 4; 1 in a grid with sides: values alone */
-  const float *lambda;   /* [points]; NaN where interpolated */
-  const float *norm;     /* [points] */
-  const uint8_t *flags;  /* [points] YLM_GRID_POINT_* */
-  const float *validity; /* [evaluated] as of ylm_field_result; NULL: the field told none */
+  const float *data;   /* [points][rows][stride]: values [channels][count], then d/dx, d/dy, d/dz */
+  size_t rows;         /* 4; 1 in a grid with sides: values alone */
+  const float *lambda; /* [points]; NaN where interpolated */
+  const float *norm;   /* [points] */
+  const uint8_t *flags;        /* [points] YLM_GRID_POINT_* */
+  const float *validity;       /* [evaluated] as of ylm_field_result; NULL: the field told none */
   const ylm_grid_birth *birth; /* [points - evaluated]; NULL where there are none */
   size_t sides, parts;         /* of a grid with sides */
   const ylm_grid_side *side;
   const uint32_t (*node)[8]; /* [parts] points at the corners, x fastest */
-  const float (*asked)[3];   /* [evaluated] where the field was asked for ghosts, relative to `origin` */
+  const float (*asked)[3];   /* [evaluated] where ghosts' light is from, relative to `origin` */
   const double *origin;      /* [3] */
   const ylm_grid_stats *stats;
 } ylm_grid_contents;
@@ -427,6 +453,9 @@ typedef struct ylm_grid_contents {
 YLM_API const ylm_grid_contents *ylm_grid_look(const ylm_grid *g);
 /* Scene coordinates of lattice coordinates [3]. */
 YLM_API void ylm_grid_position(const ylm_grid *g, const uint32_t lattice[3], double out[3]);
+/* Gradients [points][channels count][3] of a grid with sides, whose points are values alone: the means of the slopes of the
+   voxels and parts around each. YLM_ENOMEM. */
+YLM_API ylm_status ylm_grid_mean_slopes(const ylm_grid *g, float *gradient);
 /* The box of a cell: min x y z, max x y z. */
 YLM_API void ylm_grid_box(const ylm_grid *g, size_t cell, double out[6]);
 /*
@@ -558,10 +587,10 @@ typedef struct ylm_grid_query {
   int threads;                  /* 0: the default */
   const ylm_progress *progress; /* may be NULL */
   const double *origin;         /* [3] points are relative to it; NULL: to 0 */
-  /* In a grid with sides: */
-  const float (*normals)[3];   /* [n] of length 1, of the surfaces that the points lie on, to the side that is seen; NULL:
-                                  the points lie in free space */
-  const ylm_grid_walls *walls; /* a point's part is one that it sees; NULL: that of the piece in front of it */
+  /* In a grid with sides: normals [n][3] of length 1 of the surfaces that the points lie on, to the side that is seen (NULL:
+     they lie in free space). A point's part is one that it sees among walls; NULL: that of the piece in front of it. */
+  const float (*normals)[3];
+  const ylm_grid_walls *walls;
 } ylm_grid_query;
 
 /*
@@ -583,7 +612,7 @@ YLM_API ylm_status ylm_grid_sample(const ylm_grid *g, const ylm_grid_query *q, s
 enum {
   YLM_GRID_SAMPLE_OUTSIDE = 1, /* outside of the bounds */
   YLM_GRID_SAMPLE_UNBAKED = 2, /* in a voxel without data of its own */
-  YLM_GRID_SAMPLE_BURIED = 4   /* in a body: of a voxel of which nothing is free darkness, else a part's light nearby */
+  YLM_GRID_SAMPLE_BURIED = 4   /* in a body: dark where nothing of the voxel is free */
 };
 
 /*

@@ -6,7 +6,6 @@
 
 /* Directions in which skies of harmonics are asked. */
 #define DIRECTIONS 256
-#define GOLDEN 2.399963229728653
 
 static uint64_t floats(uint64_t crc, const float *x, size_t n) {
   uint64_t count = x ? n : 0;
@@ -54,8 +53,9 @@ static uint64_t sky(const ylm_scene *s, uint64_t crc) {
     if (p && p->texel) crc = floats(crc, p->texel, 3 * (size_t)p->width * (size_t)p->height);
   }
   for (int i = 0; i < DIRECTIONS; i++) {
-    double z = 1 - (2 * i + 1.0) / DIRECTIONS, r = sqrt(1 - z * z), rgb[3];
-    ylm_light_set_sky(s->sky, (double[3]){r * cos(GOLDEN * i), r * sin(GOLDEN * i), z}, false, rgb);
+    double d[3], rgb[3];
+    ylm_spiral(i, DIRECTIONS, d);
+    ylm_light_set_sky(s->sky, d, false, rgb);
     crc = floats(crc, (float[3]){(float)rgb[0], (float)rgb[1], (float)rgb[2]}, 3);
   }
   for (size_t i = 0; i < s->cones; i++) crc = ylm_crc64(crc, &s->cone[i], sizeof s->cone[i]);

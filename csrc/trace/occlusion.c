@@ -19,6 +19,7 @@
 #include "ylm_light.h"
 #include "ylm_light_shadow.h"
 #include "ylm_sh.h"
+#include "ylm_vector.h"
 
 #define LIGHT_ONE 3.54490770181103205459 /* sqrt(4 pi): the function 1 */
 
@@ -34,7 +35,6 @@
 #define STEEP 6
 /* Directions by which a point knows that it is in the body. */
 #define LOOKS 14
-#define SPIRAL 2.39996322972865332 /* the golden angle */
 /* Places and rays by which areas are measured. */
 #define AREA_PLACES 128
 #define AREA_RAYS 16
@@ -207,10 +207,13 @@ static bool is_in(const ylm_trace_occlusion *o, const double p[3]) {
   ylm_trace_hit hit[LOOKS];
   int back = 0, seen = 0;
   for (int i = 0; i < LOOKS; i++) {
-    double z = 1 - (2 * i + 1.0) / LOOKS, sine = sqrt(1 - z * z), phi = SPIRAL * i;
-    ray[i] = (ylm_trace_ray){.far = INFINITY,
-                             .dir = {(float)(sine * cos(phi)), (float)(sine * sin(phi)), (float)z}};
-    for (int a = 0; a < 3; a++) ray[i].org[a] = (float)p[a];
+    double d[3];
+    ylm_spiral(i, LOOKS, d);
+    ray[i] = (ylm_trace_ray){.far = INFINITY};
+    for (int a = 0; a < 3; a++) {
+      ray[i].org[a] = (float)p[a];
+      ray[i].dir[a] = (float)d[a];
+    }
   }
   ylm_trace_nearest(o->trace, LOOKS, ray, false, hit);
   for (int i = 0; i < LOOKS; i++) {
@@ -509,8 +512,8 @@ static ylm_status measure_area(ylm_trace_occlusion *o, ylm_error *e) {
   float place[AREA_PLACES][3], v[AREA_PLACES];
   double far = 20 * o->radius, sum = 0;
   for (int i = 0; i < AREA_PLACES; i++) {
-    double z = 1 - (2 * i + 1.0) / AREA_PLACES, sine = sqrt(1 - z * z), phi = SPIRAL * i;
-    double w[3] = {sine * cos(phi), sine * sin(phi), z};
+    double w[3];
+    ylm_spiral(i, AREA_PLACES, w);
     for (int a = 0; a < 3; a++) place[i][a] = (float)(o->at[a] + far * w[a]);
   }
   ylm_field_query q = {.lmax = 0,

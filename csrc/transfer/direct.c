@@ -208,7 +208,8 @@ static ylm_status ask(const by_field *x, const ylm_field *field, int threads,
   return s;
 }
 
-ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int lmax, int threads, const ylm_progress *progress, ylm_error *e) {
+ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int lmax, int threads,
+                               const ylm_progress *progress, ylm_error *e) {
   const ylm_transfer *t = r->t;
   double begun = ylm_seconds();
   bool shadowed = field->quantity != YLM_QUANTITY_lights;

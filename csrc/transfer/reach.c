@@ -50,13 +50,14 @@ static double buried(const void *self, const float x[3], double *open) {
   uint32_t element[WAYS];
   size_t found = 0, met = 0;
   for (int i = 0; i < WAYS; i++) {
-    double z = 1 - (2 * i + 1.0) / WAYS, r = sqrt(1 - z * z), phi = i * YLM_PI * (3 - sqrt(5));
+    double d[3];
+    ylm_spiral(i, WAYS, d);
     ray[i].near = 0;
     ray[i].far = INFINITY;
-    memcpy(ray[i].org, x, sizeof ray[i].org);
-    ray[i].dir[0] = (float)(r * cos(phi));
-    ray[i].dir[1] = (float)(r * sin(phi));
-    ray[i].dir[2] = (float)z;
+    for (int a = 0; a < 3; a++) {
+      ray[i].org[a] = x[a];
+      ray[i].dir[a] = (float)d[a];
+    }
   }
   ylm_trace_nearest(ylm_scene_trace(w->scene), WAYS, ray, false, hit);
   ylm_transfer_hits(w->transfer, WAYS, ray, hit, element);
@@ -93,5 +94,5 @@ ylm_grid_walls ylm_walls_look(const ylm_walls *w) {
                           .meets = meets,
                           .buried = w->transfer ? buried : NULL,
                           .self = w,
-                          .origin = w->origin};
+                          .origin = {w->origin[0], w->origin[1], w->origin[2]}};
 }

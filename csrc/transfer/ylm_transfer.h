@@ -244,13 +244,13 @@ YLM_API ylm_status ylm_radiosity_write_ply(const ylm_radiosity *r, const char *p
 /* A picture of the irradiance of one mesh, by its texture coordinates. */
 typedef struct ylm_radiosity_map {
   size_t mesh;
-  bool back;              /* of its back */
-  const float *uvs;       /* [vertices of the mesh][2]: u to the right, v upwards, 0 .. 1 */
-  int width, height;      /* 1 .. 16384 */
-  bool indirect;          /* with the light that elements send */
-  const ylm_scene *scene; /* direct light by rays to the lamps of this scene, or NULL */
-  const ylm_field *field; /* direct light by coefficients of degree <= lmax, or NULL */
-  int lmax;               /* of it, as ylm_radiosity_field takes both */
+  bool back;                /* of its back */
+  const float *uvs;         /* [vertices of the mesh][2]: u to the right, v upwards, 0 .. 1 */
+  int width, height;        /* 1 .. 16384 */
+  bool indirect;            /* with the light that elements send */
+  const ylm_scene *scene;   /* direct light by rays to the lamps of this scene, or NULL */
+  const ylm_field *field;   /* direct light by coefficients of degree <= lmax, or NULL */
+  int lmax;                 /* of it, as ylm_radiosity_field takes both */
   int links, light_samples; /* of a texel */
   int gutter;               /* how many texels beside the mesh take the mean of their neighbours */
   uint64_t seed;

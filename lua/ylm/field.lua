@@ -46,6 +46,15 @@ function field.ask(x, question, ...)
   if answer then return answer(x, ...) end
 end
 
+--- The surfaces of a scene or a prepared view, option `scene` of argument `n` of `name`; or nil, message, code.
+function field.walls_of_scene(n, name, x)
+  local walls, message, code = field.ask(x, "__walls", name)
+  if not walls and not message then
+    return check.bad(n, name, "scene: a scene or a prepared view expected, got %s", check.describe(x))
+  end
+  return walls, message, code
+end
+
 local methods = {}
 local wrapped = { __index = methods }
 

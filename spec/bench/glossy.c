@@ -85,8 +85,8 @@ static void shade(void *context) {
 
 static void whole(void *context) {
   job *j = context;
-  if (ylm_shade_grid(j->view, j->grid, YLM_SHADE_TRANSFER, YLM_GRID_HERMITE, 1, NULL, j->radiance,
-                     NULL, NULL) != YLM_OK)
+  if (ylm_shade_grid(j->view, j->grid, YLM_SHADE_TRANSFER, YLM_GRID_HERMITE, NULL, 1, NULL,
+                     j->radiance, NULL, NULL) != YLM_OK)
     exit(1);
 }
 

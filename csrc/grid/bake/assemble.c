@@ -35,17 +35,15 @@ bool ylm_grid_voxel(const ylm_grid *g, const double p[3], uint32_t voxel[3]) {
 
 /* Corners of an occupied cell are points, and where they should be; others have none. */
 static bool corners_hold(const ylm_grid *g, const ylm_grid_cell *c) {
-  uint32_t edge = ylm__grid_edge(g, c);
   for (int k = 0; k < 8; k++) {
-    uint32_t p = c->corner[k];
+    uint32_t p = c->corner[k], at[3];
     if (!(c->flags & YLM_GRID_OCCUPIED)) {
       if (p != YLM_GRID_NONE) return false;
       continue;
     }
     if (p >= g->points) return false;
-    for (int a = 0; a < 3; a++)
-      if (g->lattice[3 * (size_t)p + (size_t)a] != c->origin[a] + (k >> a & 1 ? edge : 0))
-        return false;
+    ylm__grid_corner_at(g, c, k, at);
+    if (memcmp(g->lattice + 3 * (size_t)p, at, sizeof at) != 0) return false;
   }
   return true;
 }

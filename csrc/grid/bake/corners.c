@@ -43,12 +43,6 @@ ylm_status ylm__corners_point(baker *b, const uint32_t at[3], uint8_t flags, uin
 
 /* -- cells ---------------------------------------------------------------------------------- */
 
-/* Lattice coordinates of corner k of a cell. */
-static void corner_at(const ylm_grid *g, const ylm_grid_cell *c, int k, uint32_t at[3]) {
-  uint32_t edge = ylm__grid_edge(g, c);
-  for (int a = 0; a < 3; a++) at[a] = c->origin[a] + (k >> a & 1 ? edge : 0);
-}
-
 /*
 ** The eight children of a voxel share 27 corner positions, a half-edge lattice of 3 x 3 x 3. A
 ** corner that one child has found is not looked up by its siblings; the outer eight are the
@@ -117,7 +111,7 @@ static void look_for_corners(const baker *b, uint32_t cell, family *f) {
   for (uint32_t i = 0; i < 8; i++) {
     uint32_t n = family_place(child, i), at[3];
     if (c->corner[i] == YLM_GRID_NONE && f->point[n] == YLM_GRID_NONE && !(f->asked >> n & 1)) {
-      corner_at(g, c, (int)i, at);
+      ylm__grid_corner_at(g, c, (int)i, at);
       f->point[n] = ylm__lattice_hash_find(&g->hash, lattice_key(at));
       f->asked |= 1u << n;
     }
@@ -150,7 +144,7 @@ ylm_status ylm__corners_find(baker *b) {
     for (int i = 0; i < 8; i++) {
       uint32_t at[3];
       if (c->corner[i] == YLM_GRID_NONE) {
-        corner_at(g, c, i, at);
+        ylm__grid_corner_at(g, c, i, at);
         ylm_status s = ylm__corners_point(b, at, 0, &c->corner[i]);
         if (s != YLM_OK) return s;
       }

@@ -130,7 +130,8 @@ static ylm_status store_block(void *context, size_t begin, size_t end, int worke
       to[c] = carried(value[c], d, slope + 3 * c);
       for (size_t a = 0; a + 1 < g->rows; a++) to[(a + 1) * g->stride + c] = slope[3 * c + a];
     }
-    for (size_t a = 0; a < g->rows; a++) memset(to + a * g->stride + w, 0, (g->stride - w) * sizeof *to);
+    for (size_t a = 0; a < g->rows; a++)
+      memset(to + a * g->stride + w, 0, (g->stride - w) * sizeof *to);
     g->lambda[p] = k->lambda[i];
     g->norm[p] = k->norm[i];
     g->flags[p] &= (uint8_t)~YLM_GRID_POINT_INVALID;

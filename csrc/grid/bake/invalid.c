@@ -80,7 +80,8 @@ static ylm_status list_cells(const ylm_grid *g, filling *f) {
     const uint32_t *corner = corners_of(g, i, &level);
     bool any = false;
     if (i < g->cells && g->cell[i].flags & (YLM_GRID_ADDED | YLM_GRID_SIDED)) continue;
-    for (int k = 0; k < 8; k++) any |= corner[k] != YLM_GRID_NONE && f->slot[corner[k]] != YLM_GRID_NONE;
+    for (int k = 0; k < 8; k++)
+      any |= corner[k] != YLM_GRID_NONE && f->slot[corner[k]] != YLM_GRID_NONE;
     if (any) s = ylm__cell_list_push(&f->cell, (uint32_t)i);
   }
   return s;

@@ -29,10 +29,9 @@ static ylm_status check_how(const ylm_grid_form *f, const ylm_grid_source *s,
     return ylm_fail(e, YLM_EINVAL, "bricks: an adaptive grid is baked in bricks, not a lattice");
   if (f->dynamic)
     return ylm_fail(e, YLM_EINVAL, "bricks: a grid that follows lights is not baked in bricks");
-  if (ylm_quantity_jumps(s->field->quantity) || f->sides ||
-      f->measure != YLM_GRID_COEFFICIENTS || s->normals)
-    return ylm_fail(e, YLM_EINVAL,
-                    "bricks: light that has sides is not baked in bricks");
+  if (ylm_quantity_jumps(s->field->quantity) || f->sides || f->measure != YLM_GRID_COEFFICIENTS ||
+      s->normals)
+    return ylm_fail(e, YLM_EINVAL, "bricks: light that has sides is not baked in bricks");
   if (s->like) return ylm_fail(e, YLM_EINVAL, "bricks: like is of grids that are baked whole");
   if (s->backend) return ylm_fail(e, YLM_EINVAL, "bricks: devices do not bake bricks");
   if (how->level < 0 || how->level > f->depth - 2)

@@ -21,21 +21,13 @@ static bool links_hold(const ylm_grid *g, size_t i) {
 
 /* Corners are points, and where they should be. */
 static bool corners_hold(const ylm_grid *g, const ylm_grid_cell *c) {
-  uint32_t edge = ylm__grid_edge(g, c);
   for (int k = 0; k < 8; k++) {
+    uint32_t at[3];
     if (c->corner[k] == YLM_GRID_NONE) continue;
     if (c->corner[k] >= g->points) return false;
-    for (int a = 0; a < 3; a++)
-      if (g->lattice[3 * (size_t)c->corner[k] + (size_t)a] !=
-          c->origin[a] + (k >> a & 1 ? edge : 0))
-        return false;
+    ylm__grid_corner_at(g, c, k, at);
+    if (memcmp(g->lattice + 3 * (size_t)c->corner[k], at, sizeof at) != 0) return false;
   }
-  return true;
-}
-
-static bool is_complete(const ylm_grid_cell *c) {
-  for (int k = 0; k < 8; k++)
-    if (c->corner[k] == YLM_GRID_NONE) return false;
   return true;
 }
 
@@ -46,13 +38,14 @@ static const char *check_octree(const ylm_grid *g, uint8_t *seen) {
   if (root->level != g->contents.root_level) return "the root";
   if (memcmp(root->origin, g->contents.root, sizeof root->origin) != 0) return "the root";
   bool sides = g->contents.form.sides;
-  if (!sides && !is_complete(root)) return "the root's corners";
+  if (!sides && !ylm__grid_is_complete(root)) return "the root's corners";
   for (size_t i = 0; i < g->cells; i++) {
     const ylm_grid_cell *c = &g->cell[i];
     if (!seen[i]) return "a cell without parent";
     if (!links_hold(g, i)) return "a cell's children";
     if (!corners_hold(g, c)) return "a cell's corners";
-    if (sides && c->flags & YLM_GRID_LEAF && !(c->flags & YLM_GRID_SIDED) && !is_complete(c))
+    if (sides && c->flags & YLM_GRID_LEAF && !(c->flags & YLM_GRID_SIDED) &&
+        !ylm__grid_is_complete(c))
       return "a cell's corners";
     if (c->detail && (c->detail > g->contents.form.depth || c->detail < c->level))
       return "a cell's detail";
@@ -74,9 +67,9 @@ static const char *check_lattice(const ylm_grid *g) {
     const ylm_grid_cell *c = &g->cell[i];
     for (int a = 0; a < 3; a++)
       if (c->origin[a] >= g->contents.resolution[a]) return "a voxel's origin";
-    bool complete = is_complete(c) || (g->contents.form.sides && c->flags & YLM_GRID_SIDED);
-    if (c->level || c->child || c->detail || !complete || !corners_hold(g, c))
-      return "a voxel";
+    bool complete =
+        ylm__grid_is_complete(c) || (g->contents.form.sides && c->flags & YLM_GRID_SIDED);
+    if (c->level || c->child || c->detail || !complete || !corners_hold(g, c)) return "a voxel";
     if (c->flags & YLM_GRID_ADDED || !(c->flags & YLM_GRID_LEAF)) return "a voxel's flags";
   }
   return NULL;
@@ -108,7 +101,7 @@ static const char *check_side(const ylm_grid *g, const ylm_grid_side *s) {
   if (!(c->flags & YLM_GRID_LEAF) || !(c->flags & YLM_GRID_SIDED) || c->child || c->detail)
     return "the leaf of a side";
   for (size_t i = 0; i < YLM_GRID_PIECES; i++) {
-    uint32_t part = s->part[i / 2] >> 4 * (i & 1) & 15;
+    uint32_t part = ylm_grid_side_part(s, i);
     if (part != YLM_GRID_PARTS && part >= s->parts) return "the part of a piece";
   }
   for (uint32_t p = s->first; p < s->first + s->parts; p++)

@@ -100,7 +100,7 @@ _Static_assert(sizeof(grid_file_measure) == 16 && sizeof(ylm_grid_body) == 40 &&
   X(norm, sizeof(float), true)                                                                     \
   X(flags, 1, true)                                                                                \
   X(births, sizeof(ylm_grid_birth), true)                                                          \
-  X(rows, ylm__grid_record(g) * sizeof(float), true)                                                     \
+  X(rows, ylm__grid_record(g) * sizeof(float), true)                                               \
   X(quantity, sizeof(uint32_t), false)                                                             \
   X(measure, sizeof(grid_file_measure), false)                                                     \
   X(validity, sizeof(float), false)                                                                \

@@ -153,7 +153,8 @@ static void put_rows(sink *s, const ylm_grid *g, float *room, size_t rows) {
   for (size_t p = 0; p < g->evaluated; p += rows) {
     size_t n = g->evaluated - p < rows ? g->evaluated - p : rows;
     memcpy(room, g->data + p * row, n * row * sizeof *room);
-    for (size_t r = 0; rest && r < g->rows * n; r++) memset(room + r * g->stride + g->width, 0, rest);
+    for (size_t r = 0; rest && r < g->rows * n; r++)
+      memset(room + r * g->stride + g->width, 0, rest);
     put(s, room, n * row * sizeof *room);
   }
   memset(room, 0, ROW_PADDING * sizeof *room);

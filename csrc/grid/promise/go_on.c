@@ -34,21 +34,9 @@ static bool is_limited(const refiner *r) {
 
 /* Errors of the held-out points in the finished grid; negative: left out. */
 static ylm_status finished(const refiner *r, double *error) {
-  const ylm_grid *g = r->b->g;
   panel p = {
       .n = r->held, .point = r->points, .exact = r->exact, .inside = r->inside, .side = r->side};
-  if (r->side) return ylm__sides_errors(r, &p, error);
-  ylm_grid_query q = {.point_dtype = YLM_FLOAT,
-                      .dtype = YLM_FLOAT,
-                      .threads = r->b->source->threads,
-                      .origin = ylm__grid_origin(g)};
-  float *sampled = ylm_alloc(p.n, g->width * sizeof *sampled);
-  ylm_status s = sampled ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK) s = ylm_grid_sample(g, &q, p.n, p.point, sampled, NULL, NULL, r->b->e);
-  for (size_t i = 0; s == YLM_OK && i < p.n; i++)
-    error[i] = ylm__panel_error(&p, i, sampled + i * g->width, g->width, g->contents.form.floor);
-  ylm_free(sampled);
-  return s;
+  return ylm__panel_errors(r, &p, NULL, error);
 }
 
 static void remember(frames *f, double error) {

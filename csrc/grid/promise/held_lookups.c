@@ -26,8 +26,7 @@ static void places(const ylm_grid *g, const ylm_grid_walls *walls, size_t n, con
   const ylm_grid_form *f = &g->contents.form;
   bool jumps = ylm_quantity_jumps(f->quantity);
   double way[3];
-  for (int a = 0; a < 3; a++)
-    way[a] = walls ? g->origin[a] - (walls->origin ? walls->origin[a] : 0) : 0;
+  for (int a = 0; a < 3; a++) way[a] = walls ? g->origin[a] - walls->origin[a] : 0;
   for (size_t i = 0; i < n; i++) {
     double off = 0, largest = 0;
     for (size_t a = 0; a < 3; a++) {
@@ -57,15 +56,9 @@ typedef struct sides_job {
   float *room;   /* [workers][stride + ROW_PADDING] */
 } sides_job;
 
-static bool has_corners(const ylm_grid_cell *c) {
-  for (int k = 0; k < 8; k++)
-    if (c->corner[k] == YLM_GRID_NONE) return false;
-  return true;
-}
-
 /* The finest voxel with data that holds a place: its leaf, or an ancestor. */
 static const ylm_grid_cell *voxel_of(const baker *b, uint32_t leaf) {
-  while (leaf && !has_corners(&b->g->cell[leaf])) leaf = b->parent.cell[(leaf - 1) / 8];
+  while (leaf && !ylm__grid_is_complete(&b->g->cell[leaf])) leaf = b->parent.cell[(leaf - 1) / 8];
   return &b->g->cell[leaf];
 }
 

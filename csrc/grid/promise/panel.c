@@ -114,48 +114,52 @@ double ylm__panel_error(const panel *p, size_t i, const float *sample, size_t wi
   return isnan(error) ? INFINITY : error;
 }
 
-ylm_status ylm__panel_rule_samples(const ylm_grid *g, const panel *p, const float *sampled,
-                                   double doubt, ruling *out) {
+/* The errors of samples of a finished grid. */
+static void sample_errors(const ylm_grid *g, const panel *p, const float *sampled, double *error) {
   size_t w = g->width;
-  double *error = ylm_alloc(p->n, sizeof *error);
-  if (!error) return YLM_ENOMEM;
   for (size_t i = 0; i < p->n; i++)
     error[i] = ylm__panel_error(p, i, sampled + i * w, w, g->contents.form.floor);
+}
+
+ylm_status ylm__panel_rule_samples(const ylm_grid *g, const panel *p, const float *sampled,
+                                   double doubt, ruling *out) {
+  double *error = ylm_alloc(p->n, sizeof *error);
+  if (!error) return YLM_ENOMEM;
+  sample_errors(g, p, sampled, error);
   ylm_status s = ylm__panel_rule(p, error, g->contents.form.tolerance, doubt, out);
   ylm_free(error);
   return s;
 }
 
-/* Judges a finished grid whose points have sides. */
-static ylm_status rule_sides(const refiner *r, const panel *p, double doubt, ruling *out) {
-  ylm_grid *g = r->b->g;
-  double *error = ylm_alloc(p->n, sizeof *error);
-  ylm_status s = error ? ylm__sides_errors(r, p, error) : YLM_ENOMEM;
-  if (s == YLM_OK) s = ylm__panel_rule(p, error, g->contents.form.tolerance, doubt, out);
-  for (size_t i = 0; s == YLM_OK && !out->points && i < p->n; i++)
-    if (!p->inside[i])
-      out->met = false, out->error = INFINITY; /* all are looked up out of the bounds */
-  ylm_free(error);
+ylm_status ylm__panel_errors(const refiner *r, const panel *p, const ylm_grid_walls *walls,
+                             double *error) {
+  if (p->side) return ylm__sides_errors(r, p, error);
+  const ylm_grid *g = r->b->g;
+  ylm_grid_query q = {.point_dtype = YLM_FLOAT,
+                      .dtype = YLM_FLOAT,
+                      .threads = r->b->source->threads,
+                      .origin = ylm__grid_origin(g),
+                      .walls = walls};
+  float *value = ylm_alloc(p->n, g->width * sizeof *value);
+  ylm_status s = value ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK && r->sample)
+    s = r->sample(r->sampled, &q, p->n, p->point, value, r->b->e);
+  else if (s == YLM_OK)
+    s = ylm_grid_sample(g, &q, p->n, p->point, value, NULL, NULL, r->b->e);
+  if (s == YLM_OK) sample_errors(g, p, value, error);
+  ylm_free(value);
   return s;
 }
 
 /* Judges a finished grid. */
-static ylm_status rule_finished(const refiner *r, const panel *p, double doubt, int threads,
-                                ruling *out, ylm_error *e) {
-  const ylm_grid *g = r->b->g;
-  ylm_grid_query q = {.point_dtype = YLM_FLOAT,
-                      .dtype = YLM_FLOAT,
-                      .threads = threads,
-                      .origin = ylm__grid_origin(g)};
-  if (p->side) return rule_sides(r, p, doubt, out);
-  float *sampled = ylm_alloc(p->n, g->width * sizeof *sampled);
-  ylm_status s = sampled ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK && r->sample)
-    s = r->sample(r->sampled, &q, p->n, p->point, sampled, e);
-  else if (s == YLM_OK)
-    s = ylm_grid_sample(g, &q, p->n, p->point, sampled, NULL, NULL, e);
-  if (s == YLM_OK) s = ylm__panel_rule_samples(g, p, sampled, doubt, out);
-  ylm_free(sampled);
+static ylm_status rule_finished(const refiner *r, const panel *p, double doubt, ruling *out) {
+  double *error = ylm_alloc(p->n, sizeof *error);
+  ylm_status s = error ? ylm__panel_errors(r, p, NULL, error) : YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm__panel_rule(p, error, r->b->g->contents.form.tolerance, doubt, out);
+  for (size_t i = 0; s == YLM_OK && !out->points && i < p->n; i++)
+    if (!p->inside[i])
+      out->met = false, out->error = INFINITY; /* all are looked up out of the bounds */
+  ylm_free(error);
   return s;
 }
 
@@ -235,6 +239,8 @@ void ylm_grid_verdict(ylm_grid *g, uint64_t verified, uint64_t failed, double er
   s->spent &= !s->met;
 }
 
+int ylm_grid_allowed(size_t n) { return ylm__confidence_allowed(n, PROMISED, DOUBT); }
+
 ylm_status ylm__panel_judge(refiner *r, bool limited) {
   ylm_grid *g = r->b->g;
   panel p = {.all = r->all};
@@ -244,7 +250,7 @@ ylm_status ylm__panel_judge(refiner *r, bool limited) {
   for (int look = 0; look < LOOKS && s == YLM_OK; look++) {
     if (!p.all) s = draw(r, &p, &had, (size_t)1 << look);
     double t = ylm_seconds();
-    if (s == YLM_OK) s = rule_finished(r, &p, DOUBT / LOOKS, r->b->source->threads, &said, r->b->e);
+    if (s == YLM_OK) s = rule_finished(r, &p, DOUBT / LOOKS, &said);
     g->stats.verify_seconds += ylm_seconds() - t;
     if (p.all || !is_open(&said)) break;
   }

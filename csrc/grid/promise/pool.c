@@ -45,24 +45,6 @@ static ylm_status take(pool *q) {
                                                                                   : YLM_ENOMEM;
 }
 
-/* The errors of places in the grid as it is; negative: left out. */
-static ylm_status measure_places(const refiner *r, const panel *p, double *error) {
-  const ylm_grid *g = r->b->g;
-  if (p->side) return ylm__sides_errors(r, p, error);
-  ylm_grid_query q = {.point_dtype = YLM_FLOAT,
-                      .dtype = YLM_FLOAT,
-                      .threads = r->b->source->threads,
-                      .origin = ylm__grid_origin(g),
-                      .walls = r->b->source->walls};
-  float *value = ylm_alloc(p->n, g->width * sizeof *value);
-  ylm_status s = value ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK) s = ylm_grid_sample(g, &q, p->n, p->point, value, NULL, NULL, r->b->e);
-  for (size_t i = 0; s == YLM_OK && i < p->n; i++)
-    error[i] = ylm__panel_error(p, i, value + i * g->width, g->width, g->contents.form.floor);
-  ylm_free(value);
-  return s;
-}
-
 /* The leaf of the octree that a place is looked up in. */
 static uint32_t leaf_of(const pool *q, const float x[3]) {
   const ylm_grid *g = q->r->b->g;
@@ -105,13 +87,19 @@ static float score_of(const pool *q, double error) {
   return x > POOL_SLIGHT ? (float)fmin(x * x, POOL_CLIP) : 0;
 }
 
+/* Cells that are new get a record. */
+static ylm_status extend_leaves(pool *q, leaf_record record) {
+  size_t n = q->r->b->g->cells;
+  if (!ylm_list_reserve(&q->leaf, q->leaves, n, &q->leaf_room, sizeof *q->leaf)) return YLM_ENOMEM;
+  while (q->leaves < n) q->leaf[q->leaves++] = record;
+  return YLM_OK;
+}
+
 static ylm_status find_scores(pool *q) {
   const ylm_grid *g = q->r->b->g;
-  if (!ylm_list_reserve(&q->leaf, q->leaves, g->cells, &q->leaf_room, sizeof *q->leaf))
-    return YLM_ENOMEM;
-  for (; q->leaves < g->cells; q->leaves++) q->leaf[q->leaves] = (leaf_record){.parent = -1};
-  for (size_t i = 0; i < g->cells; i++) q->leaf[i].score = 0;
-  ylm_status s = measure_places(q->r, &q->p, q->error);
+  ylm_status s = extend_leaves(q, (leaf_record){.parent = -1});
+  for (size_t i = 0; s == YLM_OK && i < g->cells; i++) q->leaf[i].score = 0;
+  if (s == YLM_OK) s = ylm__panel_errors(q->r, &q->p, q->r->b->source->walls, q->error);
   for (size_t i = 0; s == YLM_OK && i < q->p.n; i++) {
     uint32_t leaf = leaf_of(q, q->p.point + 3 * i);
     if (leaf != YLM_GRID_NONE && q->error[i] >= 0) q->leaf[leaf].score += score_of(q, q->error[i]);
@@ -182,11 +170,8 @@ static ylm_status split_worst(pool *q, size_t *split) {
     uint32_t leaf = c[*split].leaf;
     uint8_t strikes = q->leaf[leaf].strikes;
     s = ylm__sides_split(q->k, leaf);
-    if (s == YLM_OK &&
-        !ylm_list_reserve(&q->leaf, q->leaves, g->cells, &q->leaf_room, sizeof *q->leaf))
-      s = YLM_ENOMEM;
-    for (; s == YLM_OK && q->leaves < g->cells; q->leaves++)
-      q->leaf[q->leaves] = (leaf_record){.parent = c[*split].score, .strikes = strikes};
+    if (s == YLM_OK)
+      s = extend_leaves(q, (leaf_record){.parent = c[*split].score, .strikes = strikes});
   }
   q->k->b->next.n = 0; /* leaves are looked for among all */
   ylm_free(c);
@@ -234,7 +219,7 @@ static ylm_status confirm(pool *q, bool *enough) {
   if (s == YLM_OK) s = ylm__panel_take(q->r, &fresh);
   double *error = ylm_alloc(fresh.n ? fresh.n : 1, sizeof *error);
   if (s == YLM_OK && !error) s = YLM_ENOMEM;
-  if (s == YLM_OK) s = measure_places(q->r, &fresh, error);
+  if (s == YLM_OK) s = ylm__panel_errors(q->r, &fresh, q->r->b->source->walls, error);
   *enough = s == YLM_OK && is_enough(count_failing(q, &fresh, error));
   if (s == YLM_OK && !*enough) s = take(q);
   ylm__panel_free(&fresh);

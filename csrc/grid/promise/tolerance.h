@@ -66,8 +66,9 @@ bool ylm__sides_wanted(const baker *b);
 ylm_status ylm__sides_ask(refiner *r);
 /* ylm__verify_compare of points with sides. */
 ylm_status ylm__sides_compare(refiner *r);
-/* Errors of a panel's points in the finished grid; negative: left out. */
+/* ylm__panel_errors of points with sides. */
 ylm_status ylm__sides_errors(const refiner *r, const panel *p, double *error);
+
 /* -- verify.c --------------------------------------------------------------------------- */
 
 /* One verification of the grid as it is. */
@@ -117,9 +118,9 @@ ylm_status ylm__sides_scale(refiner *r);
 
 /* The points that the refiner holds join the panel. */
 ylm_status ylm__panel_take(const refiner *r, panel *p);
-
-/* The points that the refiner holds join the panel. */
-ylm_status ylm__panel_take(const refiner *r, panel *p);
+/* Errors of a panel's points in the finished grid; negative: left out. `walls` (or NULL): surfaces, of points without normals. */
+ylm_status ylm__panel_errors(const refiner *r, const panel *p, const ylm_grid_walls *walls,
+                             double *error);
 
 /* Judges the finished grid by fresh points, as many as it takes, and writes what they say to its
    stats. A dynamic grid keeps them. */

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "ylm_vector.h"
+
 /* Chooses points for this round: all, if there are not more. One that rounding to float moved out
    of occupied voxels is left out. */
 static ylm_status hold_out(refiner *r, uint64_t round) {
@@ -33,8 +35,8 @@ static ylm_status hold_out(refiner *r, uint64_t round) {
 static bool sees_nothing(const ylm_grid_walls *w, const float x[3], const float n[3], double far) {
   float from[SKYWARD][3], to[SKYWARD][3], share[SKYWARD];
   for (int i = 0; i < SKYWARD; i++) {
-    double z = 1 - (2 * i + 1.0) / SKYWARD, r = sqrt(1 - z * z), phi = i * YLM_PI * (3 - sqrt(5));
-    double d[3] = {r * cos(phi), r * sin(phi), z}, up = 0;
+    double d[3], up = 0;
+    ylm_spiral(i, SKYWARD, d);
     for (int a = 0; a < 3; a++) up += d[a] * (double)n[a];
     for (int a = 0; a < 3; a++) {
       from[i][a] = x[a];
@@ -61,7 +63,7 @@ static void leave_out(const refiner *r) {
     float from[1][3], to[1][3], share;
     const float *n = r->side + 3 * i;
     for (size_t a = 0; a < 3; a++) {
-      double way = g->origin[a] - (w->origin ? w->origin[a] : 0);
+      double way = g->origin[a] - w->origin[a];
       double x = (double)r->points[3 * i + a] + way;
       from[0][a] = (float)(x + COVERED_OFF * longest * (double)n[a]);
       to[0][a] = (float)(x + COVERED * longest * (double)n[a]);

@@ -43,16 +43,21 @@ static void read_point(const sampling *s, size_t i, double p[3]) {
 
 /* The part of a sided leaf that answers for a point: its number behind those of all cells, or, where the leaf has none, the
    number behind all parts. */
-static int find_part(const ylm_grid *g, const ylm_grid_side *side, const double p[3],
-                     const float normal[3], const ylm_grid_walls *walls, uint32_t *cell) {
-  bool dark = !side->parts;
-  size_t part = dark ? g->sides.parts : ylm__side_look(g, side, p, normal, walls);
-  *cell = (uint32_t)(g->cells + part);
-  bool buried = dark || (!normal && !walls && !ylm__side_is_free(g, side, p));
-  return buried ? YLM_GRID_SAMPLE_BURIED : 0;
+static uint32_t find_part(const ylm_grid *g, const ylm_grid_side *side, const double p[3],
+                          const float normal[3], const ylm_grid_walls *walls) {
+  size_t part = side->parts ? ylm__side_look(g, side, p, normal, walls) : g->sides.parts;
+  return (uint32_t)(g->cells + part);
 }
 
-/* The cell that answers for a point, and fractions of its edges; YLM_GRID_SAMPLE_*. */
+/* Does a place lie in a body, of which `cell` answers for it? */
+static bool is_buried(const ylm_grid *g, uint32_t cell, const double p[3]) {
+  if (cell < g->cells) return false;
+  size_t part = cell - g->cells;
+  if (part == g->sides.parts) return true;
+  return !ylm__side_is_free(g, ylm__grid_side_of(g, g->sides.leaf[part]), p);
+}
+
+/* The cell that answers for a point, and fractions of its edges; YLM_GRID_SAMPLE_OUTSIDE and _UNBAKED. */
 static inline int find_cell(const ylm_grid *g, leaf_cursor *cursor, const double p[3],
                             const float normal[3], const ylm_grid_walls *walls, uint32_t *cell,
                             float t[3]) {
@@ -62,9 +67,9 @@ static inline int find_cell(const ylm_grid *g, leaf_cursor *cursor, const double
   const ylm_grid_cell *leaf = &g->cell[found], *c = leaf->detail ? leaf : &g->cell[leaf->source];
   const ylm_grid_side *side = ylm__grid_side_of(g, found);
   if (side) {
-    int buried = find_part(g, side, p, normal, walls, cell);
+    *cell = find_part(g, side, p, normal, walls);
     bool away = ylm__grid_fractions(g, leaf, at, t);
-    return buried | (outside ? YLM_GRID_SAMPLE_OUTSIDE : 0) | (away ? YLM_GRID_SAMPLE_UNBAKED : 0);
+    return (outside ? YLM_GRID_SAMPLE_OUTSIDE : 0) | (away ? YLM_GRID_SAMPLE_UNBAKED : 0);
   }
   bool moved = ylm__grid_fractions(g, c, at, t);
   bool unbaked = moved || !(leaf->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED));
@@ -311,7 +316,9 @@ static ylm_status flag_points(void *context, size_t begin, size_t end, int worke
     uint32_t cell;
     float t[3];
     for (size_t a = 0; a < 3; a++) p[a] = ylm_get(f->dtype, f->points, 3 * i + a);
-    ylm_put(f->type, f->flags, i, find_cell(f->g, &cursor, p, NULL, NULL, &cell, t));
+    int flags = find_cell(f->g, &cursor, p, NULL, NULL, &cell, t);
+    if (is_buried(f->g, cell, p)) flags |= YLM_GRID_SAMPLE_BURIED;
+    ylm_put(f->type, f->flags, i, flags);
   }
   return YLM_OK;
 }

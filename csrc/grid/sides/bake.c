@@ -22,7 +22,7 @@ static bool is_crossed(const ylm_grid *g, const ylm_grid_walls *w, uint32_t leaf
   double box[6];
   ylm_grid_box(g, leaf, box);
   for (int a = 0; a < 3; a++) {
-    double more = SIDES_MARGIN * (box[a + 3] - box[a]), from = w->origin ? w->origin[a] : 0;
+    double more = SIDES_MARGIN * (box[a + 3] - box[a]), from = w->origin[a];
     box[a] -= more + from;
     box[a + 3] += more - from;
   }
@@ -34,8 +34,7 @@ static bool is_buried(const ylm_grid *g, const ylm_grid_walls *w, uint32_t leaf)
   double box[6];
   float middle[3];
   ylm_grid_box(g, leaf, box);
-  for (int a = 0; a < 3; a++)
-    middle[a] = (float)(0.5 * (box[a] + box[a + 3]) - (w->origin ? w->origin[a] : 0));
+  for (int a = 0; a < 3; a++) middle[a] = (float)(0.5 * (box[a] + box[a + 3]) - w->origin[a]);
   return place_buried(g, w, middle);
 }
 

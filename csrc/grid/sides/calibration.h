@@ -1,7 +1,7 @@
 /*
 ** calibration.h - the tuned constants of sides. Private to csrc/grid.
 **
-** `make bench BENCH=rooms` prints errors, points and rays of grids in rooms, by which they were chosen.
+** `make bench BENCH=rooms` prints errors and points of grids in rooms: what a change of theirs does.
 */
 #ifndef YLM_GRID_SIDES_CALIBRATION_H
 #define YLM_GRID_SIDES_CALIBRATION_H

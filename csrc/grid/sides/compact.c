@@ -51,30 +51,20 @@ static ylm_status take_room(ylm_grid *g, size_t n) {
   g->flags = NULL;
   g->sides.asked = NULL;
   g->data_bytes = g->points = g->point_room = 0;
-  if (g->validity) g->validity = ylm_alloc(1, sizeof *g->validity);
+  bool told = g->validity;
+  g->validity = told ? ylm_alloc(1, sizeof *g->validity) : NULL;
+  if (told && !g->validity) return YLM_ENOMEM;
   return ylm__grid_reserve_points(g, n ? n : 1);
-}
-
-static void free_points(ylm_grid *g) {
-  ylm_regrow_free(g->data, g->data_bytes);
-  ylm_free(g->lattice);
-  ylm_free(g->lambda);
-  ylm_free(g->norm);
-  ylm_free(g->flags);
-  ylm_free(g->validity);
-  ylm_free(g->sides.asked);
 }
 
 /* Points get their new numbers; the hash has those that are no ghosts. */
 static ylm_status renumber(ylm_grid *g, const uint32_t *number) {
   for (size_t i = 0; i < g->cells; i++) {
     ylm_grid_cell *c = &g->cell[i];
-    bool all = true;
-    for (int k = 0; k < 8; k++) {
+    for (int k = 0; k < 8; k++)
       if (c->corner[k] != YLM_GRID_NONE) c->corner[k] = number[c->corner[k]];
-      all &= c->corner[k] != YLM_GRID_NONE;
-    }
-    for (int k = 0; !all && k < 8; k++) c->corner[k] = YLM_GRID_NONE;
+    bool whole = ylm__grid_is_complete(c);
+    for (int k = 0; !whole && k < 8; k++) c->corner[k] = YLM_GRID_NONE;
   }
   for (size_t p = 0; p < g->sides.parts; p++)
     for (int k = 0; k < 8; k++) g->sides.node[p][k] = number[g->sides.node[p][k]];
@@ -122,11 +112,8 @@ ylm_status ylm__sides_compact(side_baker *k) {
     old = *g;
     s = take_room(g, kept);
     if (s != YLM_OK) {
-      free_points(g);
-      g->data = old.data, g->data_bytes = old.data_bytes, g->lattice = old.lattice;
-      g->lambda = old.lambda, g->norm = old.norm, g->flags = old.flags;
-      g->validity = old.validity, g->sides.asked = old.sides.asked, g->point_room = old.point_room;
-      g->points = old.points;
+      ylm__grid_free_points(g);
+      *g = old;
     }
   }
   if (s == YLM_OK) {
@@ -138,7 +125,7 @@ ylm_status ylm__sides_compact(side_baker *k) {
           number[p] = (uint32_t)g->points++;
         }
     g->evaluated = g->points;
-    free_points(&old);
+    ylm__grid_free_points(&old);
     s = renumber(g, number);
   }
   ylm_free(mark);

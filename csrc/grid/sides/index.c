@@ -6,9 +6,7 @@ void ylm__sides_free(grid_sides *s) {
   ylm_free(s->node);
   ylm_free(s->of);
   ylm_free(s->leaf);
-  ylm_free(s->asked);
   ylm_free(s->dark);
-  *s = (grid_sides){0};
 }
 
 ylm_status ylm__sides_index(ylm_grid *g) {

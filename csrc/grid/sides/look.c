@@ -26,16 +26,6 @@ static looking look_into(const ylm_grid *g, const ylm_grid_side *s, const double
   return l;
 }
 
-/* The part of the piece at a place in edges of the leaf. */
-static uint8_t part_at(const looking *l, const double place[3]) {
-  size_t piece = 0;
-  for (int a = 2; a >= 0; a--) {
-    double at = floor(place[a] * SUB) + 1;
-    piece = piece * MORE + (size_t)(at < 0 ? 0 : at > MORE - 1 ? MORE - 1 : at);
-  }
-  return side_part(l->side, piece);
-}
-
 /* Squared distances of pieces from a place, in scene units; INFINITY for those without a part. */
 static void measure_pieces(const looking *l, const double place[3], double d2[YLM_GRID_PIECES]) {
   double axis[3][MORE];
@@ -45,7 +35,7 @@ static void measure_pieces(const looking *l, const double place[3], double d2[YL
       axis[a][i] = x * x;
     }
   for (size_t i = 0; i < YLM_GRID_PIECES; i++)
-    d2[i] = side_part(l->side, i) == YLM_GRID_PARTS
+    d2[i] = ylm_grid_side_part(l->side, i) == YLM_GRID_PARTS
                 ? INFINITY
                 : axis[0][i % MORE] + axis[1][i / MORE % MORE] + axis[2][i / (MORE * MORE)];
 }
@@ -70,30 +60,30 @@ static uint8_t by_pieces(const looking *l, const float normal[3]) {
   for (int a = 0; normal && a < 3; a++) thick += 0.75 * fabs((double)normal[a]) * l->edge[a] / SUB;
   for (int i = 0; i < (normal ? 3 : 1); i++) {
     in_front(l, normal, way[i] * thick, place);
-    uint8_t part = part_at(l, place);
+    uint8_t part = ylm_grid_side_part_at(l->side, place);
     if (part != YLM_GRID_PARTS) return part;
   }
   in_front(l, normal, thick, place);
   measure_pieces(l, place, d2);
-  return side_part(l->side, nearest(d2));
+  return ylm_grid_side_part(l->side, nearest(d2));
 }
 
 /* The part of the first piece, from the place in front of a point outwards, that the point sees. */
 static uint8_t by_rays(const looking *l, const double x[3], const float normal[3],
                        const ylm_grid_walls *walls) {
-  double place[3], d2[YLM_GRID_PIECES], origin[3] = {0};
+  double place[3], d2[YLM_GRID_PIECES];
   float from[1][3], to[1][3], share;
   in_front(l, normal, LOOK_FRONT * l->mean, place);
   measure_pieces(l, place, d2);
   for (int a = 0; a < 3; a++) {
-    if (walls->origin) origin[a] = walls->origin[a];
-    from[0][a] = (float)(x[a] - origin[a] + (normal ? LOOK_OFF * l->mean * (double)normal[a] : 0));
+    double off = normal ? LOOK_OFF * l->mean * (double)normal[a] : 0;
+    from[0][a] = (float)(x[a] - walls->origin[a] + off);
   }
   for (int asked = 0; asked < LOOK_PIECES; asked++) {
     size_t i = nearest(d2);
-    uint8_t part = side_part(l->side, i);
+    uint8_t part = ylm_grid_side_part(l->side, i);
     if (isinf(d2[i])) break;
-    ylm__side_place(l->g, l->cell, i, origin, to[0]);
+    ylm__side_place(l->g, l->cell, i, walls->origin, to[0]);
     walls->share(walls->self, 1, (const float(*)[3])from, (const float(*)[3])to, &share);
     if (share >= 1) return part;
     d2[i] = INFINITY;
@@ -110,5 +100,5 @@ uint32_t ylm__side_look(const ylm_grid *g, const ylm_grid_side *s, const double 
 
 bool ylm__side_is_free(const ylm_grid *g, const ylm_grid_side *s, const double x[3]) {
   looking l = look_into(g, s, x);
-  return part_at(&l, l.place) != YLM_GRID_PARTS;
+  return ylm_grid_side_part_at(s, l.place) != YLM_GRID_PARTS;
 }

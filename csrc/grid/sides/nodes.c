@@ -24,19 +24,13 @@ typedef struct staking {
   side_baker *k;
   stake *stake;
   size_t n;
-  double origin[3]; /* of the walls */
+  const ylm_grid_walls *walls;
 } staking;
 
 static int by_corner(const void *a, const void *b) {
   const stake *x = a, *y = b;
   if (x->key != y->key) return x->key < y->key ? -1 : 1;
   return x->part != y->part ? (x->part < y->part ? -1 : 1) : x->corner - y->corner;
-}
-
-/* Lattice coordinates of a cell's corner. */
-static void corner_of(const ylm_grid *g, const ylm_grid_cell *c, int corner, uint32_t at[3]) {
-  uint32_t edge = ylm__grid_edge(g, c);
-  for (int a = 0; a < 3; a++) at[a] = c->origin[a] + (corner >> a & 1 ? edge : 0);
 }
 
 /* -- leaves that no surface crosses --------------------------------------------------------------- */
@@ -48,7 +42,7 @@ static ylm_status find_open(side_baker *k) {
     for (int corner = 0; corner < 8; corner++) {
       uint32_t at[3], point = g->cell[i].corner[corner];
       if (point != YLM_GRID_NONE) continue;
-      corner_of(g, &g->cell[i], corner, at);
+      ylm__grid_corner_at(g, &g->cell[i], corner, at);
       ylm_status s = ylm__corners_point(k->b, at, 0, &point);
       if (s != YLM_OK) return s;
       g->cell[i].corner[corner] = point;
@@ -63,7 +57,7 @@ static ylm_status find_open(side_baker *k) {
 static void stand_of(const staking *j, const stake *s, float out[3]) {
   const ylm_grid *g = j->k->b->g;
   const ylm_grid_cell *c = &g->cell[g->sides.side[s->row].cell];
-  ylm__side_place(g, c, j->k->view[s->part].piece[s->corner], j->origin, out);
+  ylm__side_place(g, c, j->k->view[s->part].piece[s->corner], j->walls->origin, out);
 }
 
 /* A corner relative to the walls' origin. */
@@ -71,9 +65,9 @@ static void corner_place(const staking *j, const stake *s, double out[3]) {
   const ylm_grid *g = j->k->b->g;
   const ylm_grid_cell *c = &g->cell[g->sides.side[s->row].cell];
   uint32_t at[3];
-  corner_of(g, c, s->corner, at);
+  ylm__grid_corner_at(g, c, s->corner, at);
   ylm_grid_position(g, at, out);
-  for (int a = 0; a < 3; a++) out[a] -= j->origin[a];
+  for (int a = 0; a < 3; a++) out[a] -= j->walls->origin[a];
 }
 
 /* All corners of all parts of leaves. */
@@ -92,7 +86,7 @@ static ylm_status drive_stakes(staking *j) {
         uint32_t at[3];
         float stand[3];
         double to[3];
-        corner_of(g, c, corner, at);
+        ylm__grid_corner_at(g, c, corner, at);
         s.key = lattice_key(at);
         s.sees = k->view[part].share[corner] >= 1;
         stand_of(j, &s, stand);
@@ -115,7 +109,7 @@ static uint32_t class_of(const stake *s, uint32_t i) {
 
 /* Joins the n stakes of a corner that do not see it, where parts of different leaves see each other. */
 static ylm_status find_classes(const staking *j, stake *s, uint32_t n) {
-  const ylm_grid_walls *w = j->k->b->source->walls;
+  const ylm_grid_walls *w = j->walls;
   float(*stand)[3] = ylm_alloc(3 * (size_t)n, sizeof *stand);
   float *share = ylm_alloc(n, sizeof *share);
   bool ok = stand && share;
@@ -150,7 +144,7 @@ static void ask_at(const staking *j, const stake *s, float out[3]) {
   corner_place(j, s, to);
   for (int a = 0; a < 3; a++) {
     double p = (double)stand[a] + way * (to[a] - (double)stand[a]);
-    out[a] = (float)(p + j->origin[a] - g->origin[a]);
+    out[a] = (float)(p + j->walls->origin[a] - g->origin[a]);
   }
 }
 
@@ -162,7 +156,7 @@ static ylm_status find_ghost(staking *j, const stake *s, uint32_t *point) {
   ghost_key key;
   uint32_t number;
   size_t before = k->ghosts.n;
-  corner_of(g, &g->cell[g->sides.side[s->row].cell], s->corner, key.lattice);
+  ylm__grid_corner_at(g, &g->cell[g->sides.side[s->row].cell], s->corner, key.lattice);
   ask_at(j, s, key.asked);
   ylm_status status = ylm_keys_put(&k->ghosts, &key, size, &number);
   if (status != YLM_OK) return status;
@@ -187,7 +181,7 @@ static ylm_status settle_corner(staking *j, stake *s, uint32_t n) {
   const ylm_grid *g = j->k->b->g;
   uint32_t point = YLM_GRID_NONE, at[3];
   bool blind = false;
-  corner_of(g, &g->cell[g->sides.side[s->row].cell], s->corner, at);
+  ylm__grid_corner_at(g, &g->cell[g->sides.side[s->row].cell], s->corner, at);
   ylm_status status = YLM_OK;
   for (uint32_t i = 0; i < n; i++) blind |= !s[i].sees;
   for (uint32_t i = 0; status == YLM_OK && i < n; i++) {
@@ -210,9 +204,7 @@ static ylm_status settle_corner(staking *j, stake *s, uint32_t n) {
 
 ylm_status ylm__sides_find_nodes(side_baker *k) {
   ylm_grid *g = k->b->g;
-  staking j = {.k = k};
-  const double *origin = k->b->source->walls->origin;
-  for (int a = 0; origin && a < 3; a++) j.origin[a] = origin[a];
+  staking j = {.k = k, .walls = k->b->source->walls};
   ylm_status s = find_open(k);
   if (s == YLM_OK) s = drive_stakes(&j);
   for (size_t i = 0, n; s == YLM_OK && i < j.n; i += n) {

@@ -188,8 +188,7 @@ static void look_at_corners(const cutting *k, const double origin[3], uint8_t pa
 
 uint64_t ylm__side_cut(const ylm_grid *g, const ylm_grid_walls *walls, uint32_t cell,
                        ylm_grid_side *side, part_view *views) {
-  static const double zero[3] = {0};
-  const double *origin = walls->origin ? walls->origin : zero;
+  const double *origin = walls->origin;
   cutting k = {.g = g, .walls = walls, .cell = &g->cell[cell]};
   lay_out(&k, origin);
   for (int axis = 0; axis < 3; axis++) join_along(&k, axis);

@@ -12,13 +12,9 @@
 #include "calibration.h"
 #include "ylm_keys.h"
 
-/* Pieces along an axis: of the leaf itself, and with the margin. */
-#define SUB 4
-#define MORE 6
+#define SUB YLM_GRID_PIECES_OWN
+#define MORE YLM_GRID_PIECES_ALL
 
-static inline uint8_t side_part(const ylm_grid_side *s, size_t piece) {
-  return (uint8_t)(s->part[piece / 2] >> 4 * (piece & 1) & 15);
-}
 static inline void side_set_part(ylm_grid_side *s, size_t piece, uint8_t part) {
   int shift = 4 * (int)(piece & 1);
   s->part[piece / 2] = (uint8_t)((s->part[piece / 2] & ~(15 << shift)) | part << shift);
@@ -71,6 +67,13 @@ typedef struct ghost_key {
   float asked[3];
 } ghost_key;
 
+/* Sides of new leaves, their points, and these evaluated. */
+ylm_status ylm__sides_renew(side_baker *k);
+/* Splits a leaf; its occupied children come next. */
+ylm_status ylm__sides_split(side_baker *k, uint32_t cell);
+/* Finishes: then the grid can be sampled. Nothing may be refined after that. */
+ylm_status ylm__sides_finish(side_baker *k);
+
 /* -- nodes.c -------------------------------------------------------------------------------------- */
 
 /* Gives all leaves the points at their corners: new ones wait to be evaluated. */
@@ -82,15 +85,6 @@ ylm_status ylm__sides_find_nodes(side_baker *k);
 ylm_status ylm__sides_count(const ylm_grid *g, size_t *points);
 /* Drops the points that no leaf has, and sides that are no leaves any more; ghosts stand last. */
 ylm_status ylm__sides_compact(side_baker *k);
-
-/* -- bake.c --------------------------------------------------------------------------------------- */
-
-/* Sides of new leaves, their points, and these evaluated. */
-ylm_status ylm__sides_renew(side_baker *k);
-/* Splits a leaf; its occupied children come next. */
-ylm_status ylm__sides_split(side_baker *k, uint32_t cell);
-/* Finishes: then the grid can be sampled. Nothing may be refined after that. */
-ylm_status ylm__sides_finish(side_baker *k);
 
 /* -- ../promise/pool.c ---------------------------------------------------------------------------- */
 

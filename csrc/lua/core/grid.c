@@ -121,12 +121,9 @@ static int grid_take(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"grid_sample", grid_sample},
-                                     {"grid_flags", grid_flags},
-                                     {"grid_is_open", grid_is_open},
-                                     {"grid_close", grid_close},
-                                     {"grid_take", grid_take},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {{"grid_sample", grid_sample},   {"grid_flags", grid_flags},
+                                     {"grid_is_open", grid_is_open}, {"grid_close", grid_close},
+                                     {"grid_take", grid_take},       {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", grid_close}, {NULL, NULL}};
 

@@ -205,46 +205,6 @@ static double validity_of(const ylm_grid_contents *v, size_t i) {
   return sum;
 }
 
-/* Adds the slopes along the edges of a box of cells to its corners' gradients [channels count][3], and counts them. */
-static void add_slopes(const ylm_grid_contents *v, const uint32_t corner[8], const double edge[3],
-                       float *gradient, float *count) {
-  size_t w = (size_t)(v->form.channels * v->count);
-  for (int k = 0; k < 8; k++) {
-    if (corner[k] == YLM_GRID_NONE || corner[k] >= v->points) continue;
-    count[corner[k]]++;
-    for (int a = 0; a < 3; a++) {
-      const float *from = v->data + v->stride * corner[k & ~(1 << a)],
-                  *to = v->data + v->stride * corner[k | 1 << a];
-      for (size_t j = 0; j < w; j++)
-        gradient[3 * (corner[k] * w + j) + (size_t)a] += (to[j] - from[j]) / (float)edge[a];
-    }
-  }
-}
-
-/* Gradients of points that are values alone: the means of the slopes of the voxels and parts around them. */
-static ylm_status mean_slopes(const ylm_grid *g, const ylm_grid_contents *v, float *gradient) {
-  size_t w = (size_t)(v->form.channels * v->count);
-  float *count = ylm_alloc_zero(v->points, sizeof *count);
-  if (!count) return YLM_ENOMEM;
-  memset(gradient, 0, 3 * v->points * w * sizeof *gradient);
-  for (size_t i = 0, side = 0; i < v->cells; i++) {
-    const ylm_grid_cell *c = &v->cell[i];
-    double box[6], edge[3];
-    if (c->child || c->corner[0] == YLM_GRID_NONE) continue;
-    ylm_grid_box(g, i, box);
-    for (int a = 0; a < 3; a++) edge[a] = box[a + 3] - box[a];
-    while (side < v->sides && v->side[side].cell < i) side++;
-    const ylm_grid_side *s = side < v->sides && v->side[side].cell == i ? &v->side[side] : NULL;
-    if (!s) add_slopes(v, c->corner, edge, gradient, count);
-    for (uint32_t p = 0; s && p < s->parts; p++)
-      add_slopes(v, v->node[s->first + p], edge, gradient, count);
-  }
-  for (size_t i = 0; i < v->points; i++)
-    for (size_t j = 0; count[i] > 0 && j < 3 * w; j++) gradient[3 * i * w + j] /= count[i];
-  ylm_free(count);
-  return YLM_OK;
-}
-
 /* grid_points(grid) -> table of arrays, one row per point: evaluated ones first */
 static int grid_points(lua_State *L) {
   const ylm_grid *g = ylmL_grid_check(L, 1);
@@ -273,7 +233,7 @@ static int grid_points(lua_State *L) {
     validity[i] = (float)validity_of(v, i);
     if (ghost) ghost[i] = (v->flags[i] & YLM_GRID_POINT_GHOST) != 0;
   }
-  ylm_status s = v->rows > 1 ? YLM_OK : mean_slopes(g, v, gradient);
+  ylm_status s = v->rows > 1 ? YLM_OK : ylm_grid_mean_slopes(g, gradient);
   return ylmL_result(L, 1, s, NULL);
 }
 
@@ -285,6 +245,12 @@ static int grid_judges(lua_State *L) {
   ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, 6});
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_grid_judges(g, a->data);
+  return 1;
+}
+
+/* grid_allowed(n) -> the most failures among n judging places, or -1 */
+static int grid_allowed(lua_State *L) {
+  lua_pushinteger(L, ylm_grid_allowed((size_t)luaL_checknumber(L, 1)));
   return 1;
 }
 
@@ -378,9 +344,9 @@ static int grid_locate(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"grid_stats", grid_stats},   {"grid_form", grid_form},
-                                     {"grid_judges", grid_judges}, {"grid_verdict", grid_verdict},
-                                     {"grid_points", grid_points}, {"grid_cells", grid_cells},
-                                     {"grid_locate", grid_locate}, {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"grid_stats", grid_stats},     {"grid_form", grid_form},       {"grid_judges", grid_judges},
+    {"grid_allowed", grid_allowed}, {"grid_verdict", grid_verdict}, {"grid_points", grid_points},
+    {"grid_cells", grid_cells},     {"grid_locate", grid_locate},   {NULL, NULL}};
 
 void ylmL_open_grid_look(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -28,10 +28,11 @@ static void damp(const double *window, int lmax, size_t n, float *L) {
 /* Coefficients of points begin .. begin+n-1 to L; in a grid with sides by what the points see. */
 static ylm_status sample(const grid_job *j, size_t begin, size_t n, float *L, ylm_grid_report *r) {
   const ylm_shade_view *v = j->view;
-  ylm_grid_walls walls = {.share = ylm_walls_share, .self = v->scene, .origin = v->world};
+  ylm_grid_walls walls = {.share = ylm_walls_share, .self = v->scene};
   ylm_grid_query q = j->query;
   float(*flat)[3] = NULL;
   if (j->look->form.sides) {
+    if (v->world) memcpy(walls.origin, v->world, sizeof walls.origin);
     flat = ylm_alloc(n, sizeof *flat);
     if (!flat) return YLM_ENOMEM;
     ylm_shade_view_flats(v, begin, n, flat);

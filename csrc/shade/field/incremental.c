@@ -89,7 +89,8 @@ ylm_status ylm_shade_grid_again(const ylm_shade_view *v, ylm_shade_memory *m, co
   if (m->points != v->points) return YLM_ESHAPE;
   if (!v->transfer || v->gloss) {
     *fresh = v->points;
-    return ylm_shade_grid(v, grid, YLM_SHADE_TRANSFER, how, NULL, threads, progress, out, report, e);
+    return ylm_shade_grid(v, grid, YLM_SHADE_TRANSFER, how, NULL, threads, progress, out, report,
+                          e);
   }
   again_job j = {v, &ylm_grid_look(grid)->form, ylm__shade_kernels().dot, out};
   ylm_status s = ylm_grid_track_sample(m->track, grid, how, threads, progress,

@@ -241,7 +241,8 @@ static ylm_status check_lamps(const ylm_scene *lamps, ylm_error *e) {
         ylm_scene_emitter(lamps, i, &lamp) ? ylm_light_emitter_fieldless(&lamp) : NULL;
     if (why)
       return ylm_fail(e, YLM_EINVAL,
-                      "%s; quantity = 'indirect' has the light that it sends by way of surfaces", why);
+                      "%s; quantity = 'indirect' has the light that it sends by way of surfaces",
+                      why);
   }
   return YLM_OK;
 }

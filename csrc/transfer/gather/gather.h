@@ -89,7 +89,7 @@ struct ylm_gather {
   float spacing;
   float (*normal)[3]; /* [elements], for YLM_GATHER_POINTS; else NULL */
   gather_lattice lattice;
-  size_t most;                 /* cells of a point */
+  size_t most;                  /* cells of a point */
   struct gather_memory *memory; /* NULL: nothing is remembered */
   gather_lamps *lamps;          /* of direct light; NULL: it is not asked for */
   atomic_uint_fast64_t points, rays, shadow_rays, invalid;

@@ -144,13 +144,7 @@ end
 --- The surfaces at which light jumps: those of the field, or of the option `scene`; nil where nobody tells. Or nil, message,
 -- code.
 local function walls_of(f, o)
-  if o.scene ~= nil then
-    local walls, message, code = field.ask(o.scene, "__walls", "bake")
-    if not walls and not message then
-      return check.bad(3, "bake", "scene: a scene or a prepared view expected, got %s", check.describe(o.scene))
-    end
-    return walls, message, code
-  end
+  if o.scene ~= nil then return field.walls_of_scene(3, "bake", o.scene) end
   return f:walls()
 end
 

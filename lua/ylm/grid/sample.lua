@@ -31,11 +31,8 @@ local function settle_sides(g, o, points)
     end
   end
   if o.scene ~= nil then
-    local walls, message, code = field.ask(o.scene, "__walls", "sample")
-    if not walls and message then return nil, message, code end
-    if not walls then
-      return check.bad(2, "sample", "scene: a scene or a prepared view expected, got %s", check.describe(o.scene))
-    end
+    local walls, message, code = field.walls_of_scene(2, "sample", o.scene)
+    if not walls then return nil, message, code end
     o.walls = walls
   end
   return true

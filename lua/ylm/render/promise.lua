@@ -11,23 +11,9 @@ local sh = require "ylm.sh"
 
 local promise = {}
 
-local PROMISED, DOUBT = 0.01, 0.01
 local FIRST, MOST = 256, 16384 -- paths of a place
-local MANY, CROWD = 4096, 0.6   -- where more than this part of the places is undecided by MANY paths, it stays so
-local SURE = 2.6             -- standard errors
-
---- The most failures of n places with which fewer than 1 % of all fail, but for a chance of 1 % (Clopper & Pearson 1934); -1: n
--- is too small.
-local function allowed(n)
-  local term = (1 - PROMISED) ^ n
-  local sum, k = term, -1
-  while sum <= DOUBT and k + 1 < n do
-    k = k + 1
-    term = term * (n - k) / (k + 1) * (PROMISED / (1 - PROMISED))
-    sum = sum + term
-  end
-  return k
-end
+local MANY, CROWD = 4096, 0.6  -- where more than this part of the places is undecided by MANY paths, it stays so
+local SURE = 2.6               -- standard errors
 
 --- Irradiance of coefficients [n][3][count] on surfaces with normals, a list of lists.
 local function irradiance(L, normals, lmax)
@@ -126,7 +112,7 @@ local function rule(e, tolerance)
     square = square + d * d - e.variance[i][2]
   end
   table.sort(errors, function(a, b) return a > b end)
-  local most = allowed(#errors)
+  local most = core.grid_allowed(#errors)
   return { failed = failed, open = open, error = most >= 0 and errors[most + 1] or math.huge, largest = errors[1] or 0,
     rms = mean[2] > 0 and math.sqrt(math.max(0, square / #errors)) / mean[2] or 0 }
 end
