@@ -29,7 +29,7 @@ endif
 
 # -- what belongs to which library: the ladder in csrc/README.md, core < codec < scene < { tops } < lua -----------
 
-LADDER  := $(shell sed -n '/^    base </{s/ *< */./g; s/\.codec\./ codec /; s/\.{/ /; s/}.*//; s/|//g; p}' csrc/README.md)
+LADDER  := $(shell sed -n '/^    base </{N; s/\n//; s/ *< */./g; s/\.codec\./ codec /; s/\.{/ /; s/}.*//; s/|//g; p}' csrc/README.md)
 $(if $(word 4,$(LADDER)),,$(error csrc/README.md has no ladder "    base < .. < codec < .. < { .. } < lua"))
 CORE    := $(subst ., ,$(word 1,$(LADDER)))
 CODEC   := $(word 2,$(LADDER))

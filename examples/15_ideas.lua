@@ -1,9 +1,9 @@
--- A figure for each idea of docs/math.md and docs/grids.md that no other example draws.
+-- A figure for each idea of docs/math.md, docs/grids.md and docs/surfaces.md that no other example draws.
 --
 --     ylm run examples/15_ideas.lua [--out DIR] [--only NAME] [--quick]
 --
 -- Leaves idea_NAME.png in out/, of parts sides.png, and prints the numbers that the pages quote. NAME is tree, metrics, normals,
--- rims, texture, choice, measure, sides, parts, inside, continuity or moving. --quick draws small ones.
+-- rims, texture, choice, measure, sides, parts, rectangles, inside, continuity or moving. --quick draws small ones.
 
 local ylm = require "ylm"
 local core = require "ylm.c.core"
@@ -479,6 +479,49 @@ idea("parts", function()
     { image = slice("L00", { 0.02, 2 }), caption = "light: either side of the wall has its own" },
   } } }
 end, "sides.png")
+
+--- Light on surfaces: the rectangles of a room, and the picture that they light.
+idea("rectangles", function()
+  local function matte(r, g, b) return ylm.matte { albedo = { r, g, b } } end
+  local geometry = { ylm.box { bounds = { { -2, 0, -1.5 }, { 2, 2.4, 1.5 } }, material = matte(0.72, 0.7, 0.66) },
+    ylm.box { bounds = { { -0.05, 0.001, -1.499 }, { 0.05, 1.8, 0.4 } }, material = matte(0.65, 0.2, 0.15) },
+    ylm.box { bounds = { { 0.9, 0.001, -1 }, { 1.5, 0.6, -0.4 } }, material = matte(0.3, 0.4, 0.6) },
+    ylm.sphere { at = { 0.8, 0.4, 0.7 }, radius = 0.4, material = matte(0.6, 0.6, 0.5) } }
+  local scene = ylm.scene "a parted room" { geometry = geometry,
+    camera = ylm.camera { from = { 1.9, 2.1, 1.4 }, at = { 0.2, 0.5, -0.3 }, fov = 75 },
+    lights = ylm.sphere_light { at = { -1, 1.9, 0.2 }, radius = 0.12, radiance = { 60, 54, 45 } } }
+  local light = assert(scene:surface_grid { tolerance = number(0.5, 0.1), judge = "field" })
+  print(("rectangles: %d with %d corners keep %.3f; %.1f KB"):format(light.stats.rectangles, light.stats.corners,
+    light.stats.error, light.stats.bytes / 1000))
+  local size = number({ 96, 72 }, half)
+  local picture = assert(scene:render { size = size, samples = number(4, 64), bounced = light })
+  local seen = assert(scene:render { size = size, samples = 1, bounces = 0 })
+  local position, normal, depth = seen:layer "position", seen:layer "normal", seen:layer "depth"
+  local points, normals, pixel = {}, {}, {}
+  for y = 1, size[2] do
+    for x = 1, size[1] do
+      if depth:get(y, x, 1) < math.huge then
+        local k = #points + 1
+        points[k], normals[k], pixel[k] = {}, {}, { x, y }
+        for c = 1, 3 do points[k][c], normals[k][c] = position:get(y, x, c), normal:get(y, x, c) end
+      end
+    end
+  end
+  local _, of = light:irradiance(points, normals)
+  local image = ylm.image { size = size }
+  local layer = image:layer()
+  for k, p in ipairs(pixel) do
+    local hue = of:get(k) * 0.618033988749895 % 1
+    for c = 1, 3 do
+      local wave = 0.5 + 0.5 * math.cos(2 * math.pi * (hue + c / 3))
+      layer:set(p[2], p[1], c, 0.1 + 0.7 * wave)
+    end
+  end
+  return ylm.figure { rows = { {
+    { image = image, caption = "rectangles of a surface grid, tolerance 0.1" },
+    { image = picture, caption = "light that bounces from it, lamps by rays" },
+  } } }
+end)
 
 --- Corners in lights: what the grid holds at its points, by their distance from a lamp.
 idea("inside", function()

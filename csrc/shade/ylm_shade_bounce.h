@@ -3,13 +3,14 @@
 **
 **   ylm_shade_links            the elements of surfaces that points see: bounces as sums over links
 **   ylm_shade_gather_virtual   virtual lights, each asked at each point
+**   ylm_shade_surfaces         light that a surface grid holds
 **   ylm_shade_near             the near parts of virtual lights, over a grid of the far ones
 */
 #ifndef YLM_SHADE_BOUNCE_H
 #define YLM_SHADE_BOUNCE_H
 
 #include "ylm_shade_gloss.h"
-#include "ylm_transfer.h"
+#include "ylm_surface.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -117,6 +118,20 @@ YLM_API ylm_status ylm_shade_view_matrices(const ylm_shade_view *view, const ylm
                                            const float *vectors, int rays, uint64_t seed,
                                            int lmax_in, int lmax_out, int threads,
                                            const ylm_progress *progress, float *out, ylm_error *e);
+
+/* -- light on surfaces ---------------------------------------------------------- */
+
+/*
+** ylm_shade_surfaces - what a surface grid holds at the shading points of a view of its scene.
+**
+**   irradiance  out  [points][3], W m^-2; ylm_shade_reflect makes radiance of it
+**   rectangle   out  [points] or NULL: the number of the rectangle, UINT32_MAX: none
+**
+** Returns  YLM_OK; YLM_EINVAL (the view's points are vertices), YLM_ENOMEM. Nothing is traced
+*/
+YLM_API ylm_status ylm_shade_surfaces(const ylm_shade_view *view, const ylm_surface_grid *g,
+                                      int threads, float (*irradiance)[3], uint32_t *rectangle,
+                                      ylm_error *e);
 
 /* -- virtual lights ------------------------------------------------------------ */
 

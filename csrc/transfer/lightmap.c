@@ -1,24 +1,21 @@
-/* lightmap.c - irradiance at the texels of a mesh: direct light at each, and what its links bring. */
+/* lightmap.c - irradiance at places of surfaces, and at the texels of a mesh: direct light at each, and what its links bring. */
 #include <math.h>
 
 #include "calibration.h"
 #include "transfer.h"
 
-/* Texels that are worked on in one go. */
-
 typedef struct job {
   const ylm_radiosity *r;
   const ylm_radiosity_map *m;
-  const uint32_t *texel; /* [n] */
+  const uint64_t *stream; /* [n] */
   const ylm_scene_place *place;
-  float *out;
-  float *share; /* [n] of each texel's rays, those that do not begin inside of a body */
+  float (*out)[3];
+  float *share; /* [n] of each place's rays, those that do not begin inside of a body */
 } job;
 
 typedef struct scratch {
   ylm_scene_surface at[LIGHTMAP_TEXELS];
   float origin[LIGHTMAP_TEXELS][3], normal[LIGHTMAP_TEXELS][3];
-  uint64_t stream[LIGHTMAP_TEXELS];
   uint32_t *link; /* [LIGHTMAP_TEXELS][links] */
   float *sum;     /* [LIGHTMAP_TEXELS][4] */
   float *escape;  /* [LIGHTMAP_TEXELS][count] or NULL */
@@ -55,10 +52,10 @@ static scratch *scratch_create(const job *j) {
   return NULL;
 }
 
-/* Adds direct light by rays from texel i of the batch. */
-static void add_rays(const job *j, scratch *x, size_t i, float E[3]) {
+/* Adds direct light by rays from place i of the batch, whose random numbers are those of `stream`. */
+static void add_rays(const job *j, scratch *x, size_t i, uint64_t stream, float E[3]) {
   ylm_rng rng;
-  ylm_rng_seed(&rng, ~j->m->seed, x->stream[i]);
+  ylm_rng_seed(&rng, ~j->m->seed, stream);
   ylm_scene_batch_aim(&x->lit, x->at[i].lit, x->normal[i], x->at[i].origin, j->m->light_samples,
                       &rng);
   ylm_scene_batch_trace(&x->lit);
@@ -68,7 +65,7 @@ static void add_rays(const job *j, scratch *x, size_t i, float E[3]) {
   x->lit.rays = 0;
 }
 
-/* The cosine's coefficients at n texels, in place of transfer vectors. */
+/* The cosine's coefficients at n places, in place of transfer vectors. */
 static ylm_status cosines(const job *j, scratch *x, size_t n) {
   int lmax = j->m->lmax;
   double zonal[YLM_TRANSFER_LMAX + 1];
@@ -87,7 +84,7 @@ static bool is_shadowed(const job *j) {
   return j->m->field && j->m->field->quantity != YLM_QUANTITY_lights;
 }
 
-/* Adds direct light by coefficients to n texels. */
+/* Adds direct light by coefficients to n places. */
 static ylm_status add_field(const job *j, scratch *x, size_t n, float *E) {
   int lmax = j->m->lmax;
   size_t count = ylm_sh_count(lmax);
@@ -114,7 +111,7 @@ static ylm_status add_field(const job *j, scratch *x, size_t n, float *E) {
   return s;
 }
 
-/* Texels begin .. end-1 of the list. */
+/* Places begin .. end-1 of the list. */
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const job *j = context;
@@ -126,19 +123,18 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   for (size_t i = 0; i < n; i++) {
     memcpy(x->origin[i], x->at[i].origin, 12);
     memcpy(x->normal[i], x->at[i].normal, 12);
-    x->stream[i] = j->texel[begin + i];
   }
   ylm_status s =
       ylm__transfer_find_shares(t, n, (const float(*)[3])x->origin, (const float(*)[3])x->normal,
-                                x->stream, j->m->links, j->m->seed, 1, NULL, x->link, j->m->lmax,
-                                is_shadowed(j) ? NULL : x->escape, j->share + begin);
+                                j->stream + begin, j->m->links, j->m->seed, 1, NULL, x->link,
+                                j->m->lmax, is_shadowed(j) ? NULL : x->escape, j->share + begin);
   if (s == YLM_OK) ylm__transfer_sum()(n, j->m->links, x->link, 4, j->r->leaving, NULL, x->sum);
   for (size_t i = 0; s == YLM_OK && i < 4 * n; i++)
     x->sum[i] = j->m->indirect ? (float)YLM_PI * x->sum[i] : 0;
   if (s == YLM_OK && j->m->field) s = add_field(j, x, n, x->sum);
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
-    if (j->m->scene) add_rays(j, x, i, x->sum + 4 * i);
-    memcpy(j->out + 3 * (size_t)j->texel[begin + i], x->sum + 4 * i, 12);
+    if (j->m->scene) add_rays(j, x, i, j->stream[begin + i], x->sum + 4 * i);
+    memcpy(j->out[begin + i], x->sum + 4 * i, 12);
   }
   scratch_free(x);
   return s;
@@ -203,12 +199,10 @@ static void fill_gutter(int w, int h, int rings, uint8_t *age, float *out) {
       }
 }
 
+/* Checks the fields of a form that places and texels have. */
 static ylm_status check(const ylm_radiosity *r, const ylm_radiosity_map *m, ylm_error *e) {
   const ylm_transfer *t = r->t;
   bool same = true;
-  if (m->mesh >= t->meshes) return ylm_fail(e, YLM_ERANGE, "there is no mesh %zu", m->mesh + 1);
-  if (m->width < 1 || m->height < 1 || m->width > 16384 || m->height > 16384)
-    return ylm_fail(e, YLM_ERANGE, "a lightmap has 1 to 16384 texels a side");
   if (m->scene && (m->light_samples < 1 || m->light_samples > YLM_TRANSFER_LINKS))
     return ylm_fail(e, YLM_ERANGE, "light_samples must be from 1 to %d", YLM_TRANSFER_LINKS);
   if (m->field && (m->lmax < 0 || m->lmax > YLM_TRANSFER_LMAX))
@@ -220,28 +214,45 @@ static ylm_status check(const ylm_radiosity *r, const ylm_radiosity_map *m, ylm_
   return s;
 }
 
+ylm_status ylm_radiosity_places(const ylm_radiosity *r, const ylm_radiosity_map *m, size_t n,
+                                const ylm_scene_place *place, const uint64_t *stream,
+                                float (*out)[3], float *share, ylm_error *e) {
+  job j = {r, m, stream, place, out, share};
+  ylm_status s = check(r, m, e);
+  if (s != YLM_OK) return s;
+  return ylm_parallel(n, LIGHTMAP_TEXELS, m->threads, run, &j, m->progress, "lightmap");
+}
+
+static ylm_status check_texels(const ylm_radiosity *r, const ylm_radiosity_map *m, ylm_error *e) {
+  if (m->mesh >= r->t->meshes) return ylm_fail(e, YLM_ERANGE, "there is no mesh %zu", m->mesh + 1);
+  if (m->width < 1 || m->height < 1 || m->width > 16384 || m->height > 16384)
+    return ylm_fail(e, YLM_ERANGE, "a lightmap has 1 to 16384 texels a side");
+  return YLM_OK;
+}
+
 ylm_status ylm_radiosity_lightmap(const ylm_radiosity *r, const ylm_radiosity_map *m, float *out,
                                   float *coverage, size_t *overlaps, ylm_error *e) {
-  ylm_status s = check(r, m, e);
+  ylm_status s = check_texels(r, m, e);
   if (s != YLM_OK) return s;
   size_t all = (size_t)m->width * (size_t)m->height, n = 0;
   ylm_scene_place *place = ylm_alloc(all, sizeof *place);
-  uint32_t *texel = ylm_alloc(all, sizeof *texel);
+  uint64_t *texel = ylm_alloc(all, sizeof *texel);
   uint8_t *age = ylm_alloc_zero(all, 1);
-  float *share = ylm_alloc(all, sizeof *share);
+  float *share = ylm_alloc(all, sizeof *share), (*light)[3] = ylm_alloc(all, sizeof *light);
   *overlaps = 0;
-  if (place && texel && age && share) {
+  if (place && texel && age && share && light) {
     raster(m, r->t->scene, place, overlaps);
     for (size_t i = 0; i < all; i++) {
       if (place[i].element == UINT32_MAX) continue;
       place[n] = place[i];
-      texel[n++] = (uint32_t)i;
+      texel[n++] = i;
     }
-    job j = {r, m, texel, place, out, share};
-    s = ylm_parallel(n, LIGHTMAP_TEXELS, m->threads, run, &j, m->progress, "lightmap");
+    s = ylm_radiosity_places(r, m, n, place, texel, light, share, e);
     memset(coverage, 0, all * sizeof *coverage);
-    for (size_t i = 0; s == YLM_OK && i < n; i++)
+    for (size_t i = 0; s == YLM_OK && i < n; i++) {
+      memcpy(out + 3 * texel[i], light[i], sizeof light[i]);
       coverage[texel[i]] = age[texel[i]] = share[i] >= 0.5f;
+    }
   } else
     s = YLM_ENOMEM;
   if (s == YLM_OK) fill_gutter(m->width, m->height, m->gutter, age, out);
@@ -249,5 +260,6 @@ ylm_status ylm_radiosity_lightmap(const ylm_radiosity *r, const ylm_radiosity_ma
   ylm_free(texel);
   ylm_free(age);
   ylm_free(share);
+  ylm_free(light);
   return s;
 }

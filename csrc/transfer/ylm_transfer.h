@@ -271,6 +271,21 @@ YLM_API ylm_status ylm_radiosity_lightmap(const ylm_radiosity *r, const ylm_radi
                                           float *out, float *coverage, size_t *overlaps,
                                           ylm_error *e);
 
+/*
+** ylm_radiosity_places - irradiance at n places of surfaces, as ylm_radiosity_lightmap finds it at texels. Of `m` the mesh,
+** its side, texture coordinates, size and gutter are not looked at.
+**
+**   stream  in   [n]     the number of each place's random numbers
+**   out     out  [n][3]  W m^-2
+**   share   out  [n]     the part of a place's rays that does not begin inside of a body
+**
+** Returns  YLM_OK; YLM_ERANGE, YLM_EINVAL, YLM_ENOMEM, YLM_ECANCELLED (stage "lightmap"), what the field returns
+*/
+YLM_API ylm_status ylm_radiosity_places(const ylm_radiosity *r, const ylm_radiosity_map *m,
+                                        size_t n, const ylm_scene_place *place,
+                                        const uint64_t *stream, float (*out)[3], float *share,
+                                        ylm_error *e);
+
 /* -- the gathered field --------------------------------------------------------- */
 
 /* Cells along an edge of the cube of directions. */

@@ -25,6 +25,9 @@ function file.kind_of(path)
   if head:sub(1, 8) == require("ylm.grid").magic then return "grid" end
   if require("ylm.material.file").kind_of(path, head) then return "material" end
   if path:lower():find("%.lua$") then return "scene" end
+  if head:sub(1, 8) == "\137YLMsurf" then
+    return nil, path .. ": light on surfaces is read with its scene: scene:surface_grid { file = }", "EFORMAT"
+  end
   return nil, path
     .. ": not a file that ylm knows (scene .lua, .glb, .gltf, grid, .npy, .exr, .png, .jpg, .hdr, .pfm, .obj, .ply, .binary, "
     .. ".bsdf)", "EFORMAT"

@@ -1,4 +1,4 @@
--- Grids of light that jumps at walls, beside paths: five scenes with walls and the three of bounce_scenes.
+-- Grids of light that jumps at walls, and surface grids, beside paths: five scenes with walls and the three of bounce_scenes.
 --
 --     build/ylm run spec/bench/rooms.lua [scene: a pattern] [seed] [folder of truths] [all | truth | fine | again] [rows]
 --
@@ -447,6 +447,36 @@ end
 
 local function now() return os.time() end
 
+--- Rows of surface grids, judged by the elements' light or by paths. Places lie on their surfaces there.
+local function by_surfaces(scene, entry, truth, links, say)
+  local points = {}
+  for i, p in ipairs(truth.points) do
+    local n = truth.normals[i]
+    points[i] = { p[1] - OFF * n[1], p[2] - OFF * n[2], p[3] - OFF * n[3] }
+  end
+  for _, tolerance in ipairs { 0.2, 0.1, 0.05 } do
+    for _, by in ipairs { "field", "paths" } do
+      local name, began = ("surfaces %g, %s"):format(tolerance, by), now()
+      if name:find(rows_wanted) then
+        local light = assert(scene:surface_grid { tolerance = tolerance, quantity = entry.quantity, links = links, judge = by,
+          seed = seed, progress = false })
+        local s, E = light.stats, {}
+        local seconds, path = now() - began, os.tmpname()
+        assert(light:save(path))
+        local file = assert(io.open(path))
+        local size = file:seek "end"
+        file:close()
+        os.remove(path)
+        local e = assert(light:irradiance(points, truth.normals))
+        for i = 1, #points do E[i] = { e:get(i, 1), e:get(i, 2), e:get(i, 3) } end
+        say(("%-22s %7d %9.0f %7.1f %9.0f %5s %6s %4d"):format(name, s.rectangles, s.corners, s.rays / 1e6, size / 3,
+          tostring(s.met), ("%.3f"):format(s.error), seconds), E)
+        light:close()
+      end
+    end
+  end
+end
+
 local function run(entry)
   local scene = entry.make(ylm)
   local lit
@@ -509,6 +539,7 @@ local function run(entry)
       f:close()
     end
   end
+  if scene.surface_grid then by_surfaces(scene, entry, truth, lit.links, say) end
   if kept then kept:close() end
 end
 

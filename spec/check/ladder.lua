@@ -8,7 +8,7 @@ local ladder = {}
 -- of sub-folders, "room/room" of a room that has some; headers, public header -> its folder.
 function ladder.read(root)
   local text = tree.text(root, "csrc/README.md") .. "\n\n"
-  local line = assert(text:match "\n    (base <[^\n]*)", "csrc/README.md has no line '    base < ...'")
+  local line = assert(text:match "\n    (base <[^\n]*\n[^\n]*)", "csrc/README.md has no lines '    base < ...'")
   local out, place = { folders = {}, rank = {}, rooms = {}, headers = {} }, 0
   for level in (line .. "<"):gmatch "(.-)<" do
     place = place + 1

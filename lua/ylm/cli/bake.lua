@@ -1,4 +1,4 @@
---- ylm bake scene.lua -o grid.ylm
+--- ylm bake scene.lua -o grid.ylm | room.surfaces
 
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
@@ -26,11 +26,31 @@ local function check_output(given)
     status.stop(status.usage, "bake: --coefficients is of .vtu files: give -o NAME.vtu, or leave it out")
   end
   if given.output:lower():find "%.ylmd/*$" then return true end
+  if given.tolerance and not given.output:lower():find "%.surfaces$" then
+    status.stop(status.usage, "bake: --tolerance is of -o NAME.surfaces; a grid's is that of the scene's probes")
+  end
   for _, name in ipairs { "fresh", "time" } do
     if given[name] then status.stop(status.usage, "bake: --%s is of bricks: give -o NAME.ylmd, or leave it out", name) end
   end
-  status.need_output("bake", given.output, "ylm", "vtu", "ylmd")
+  status.need_output("bake", given.output, "ylm", "vtu", "ylmd", "surfaces")
   return false
+end
+
+--- Finds the light on the surfaces of a scene.
+local function bake_surfaces(given, scene, bounces)
+  for _, name in ipairs { "occupied", "size", "samples", "sums-tolerance" } do
+    if given[name] then status.stop(status.usage, "bake: --%s is of grids, this is NAME.surfaces: leave it out", name) end
+  end
+  if given.quantity == "lights" then
+    status.stop(status.usage, "bake: --quantity of NAME.surfaces is direct, indirect (default) or all")
+  end
+  if #scene.geometry == 0 then status.stop(status.script, "%s: the scene has no surfaces", given[1]) end
+  local light = status.need(scene:surface_grid { tolerance = given.tolerance, quantity = given.quantity, bounces = bounces,
+    threads = given.threads, progress = report.progress(given) })
+  status.need(light:save(given.output))
+  local stats = light.stats
+  report.print(given, stats, report.names(stats, { "met", "error" }))
+  return status.of_warnings(given, { stats.warning })
 end
 
 local units = { [""] = 1, s = 1, m = 60, h = 3600 }
@@ -53,14 +73,15 @@ local function need_grid(grid, message, code)
 end
 
 return {
-  summary = "bakes the probes of a scene file into a grid",
+  summary = "bakes the probes of a scene file into a grid, or finds the light on its surfaces",
   usage = "SCENE.lua -o GRID.ylm",
   notes = "mpirun or srun with this command share the work among their processes (docs/cluster.md).",
   least = 1,
   shared = true,
   options = {
     { "output", "-o", "FILE", "the grid (.ylm), or .vtu for ParaView; .ylmd: a folder of bricks, for grids larger than "
-      .. "memory, which a second call goes on with" },
+      .. "memory, which a second call goes on with; .surfaces: light on the scene's surfaces instead of probes" },
+    { "tolerance", nil, "N", "with -o NAME.surfaces: of irradiance at 99 % of the surface; default 0.05" },
     { "coefficients", nil, nil, "with -o NAME.vtu: also all coefficients of points" },
     { "fresh", nil, nil, "with -o NAME.ylmd: begin anew, whatever is there" },
     { "time", nil, "TIME", "with -o NAME.ylmd: begin no brick that would take longer (90s, 55m, 12h); exit status 75 where "
@@ -90,6 +111,7 @@ return {
     check_quantity(given)
     local bounces = status.bounces("bake", given.bounces)
     local scene = status.load_scene(given[1])
+    if given.output:lower():find "%.surfaces$" then return bake_surfaces(given, scene, bounces) end
     if not scene.probes and #scene.geometry == 0 then
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
     end

@@ -42,6 +42,7 @@ local function has_rays(given) return given.gloss == "auto" or given.gloss == "r
 --- The way that options mean: "rays", "grid" or "sum".
 local function way_of(given)
   local v = given.visibility
+  if given.by == nil and given.grid and given.grid:lower():find "%.surfaces$" then return "rays" end
   return given.by or (given.grid or v and v ~= "rays") and "grid" or "rays"
 end
 
@@ -65,7 +66,8 @@ local function refuse_idle(given, by)
   for name in pairs(only) do names[#names + 1] = name end
   table.sort(names)
   for _, name in ipairs(names) do
-    if given[name] ~= nil and not only[name][by] then
+    local fits = only[name][by] or name == "grid" and given.grid and given.grid:lower():find "%.surfaces$"
+    if given[name] ~= nil and not fits then
       local fit = {}
       for way in pairs(only[name]) do fit[#fit + 1] = way end
       table.sort(fit)
@@ -157,7 +159,8 @@ return {
     { "gloss", nil, "NAME", "glossy surfaces, by a grid: auto (default, rays where harmonics are too few), sh, rays, matte" },
     { "gloss-error", nil, "A,B", "auto: the part of a lobe that harmonics may miss: rays from A on, alone from B on; default "
       .. "0.01,0.03" },
-    { "grid", "-g", "FILE", "a grid baked before; of indirect light: that light alone, and the lamps' by rays" },
+    { "grid", "-g", "FILE", "a grid baked before, or a .surfaces file; of indirect light: that light alone, and the lamps' by "
+      .. "rays" },
     { "shading", nil, "NAME", "pixel (default) or vertices" },
     { "dering", nil, "N", "of a grid: width of the window against light below zero, in degrees, 0: none; default: chosen where "
       .. "needed" },
@@ -180,11 +183,14 @@ return {
     check_virtual(given)
     local options = options_of(given, by)
     local scene = status.load_scene(given[1])
-    if given.grid then options.grid = status.need_kind("ylm.grid", "a grid", given.grid, ylm.load(given.grid))
+    if given.grid and given.grid:lower():find "%.surfaces$" then
+      options.by, options.bounces = given.by or "rays", nil
+      options.bounced = status.need(scene:surface_grid { file = given.grid })
+    elseif given.grid then options.grid = status.need_kind("ylm.grid", "a grid", given.grid, ylm.load(given.grid))
     elseif by == "grid" and not scene.probes then
       status.stop(status.script, "%s: the scene has no probes; add some, or use --by rays", given[1])
     end
-    if given.grid and options.grid.quantity == "indirect" and not given.by then
+    if options.grid and options.grid.quantity == "indirect" and not given.by then
       options.by, options.bounced, options.grid, options.bounces = "rays", options.grid, nil, nil
     end
     if given.bounced == "virtual" then

@@ -42,7 +42,7 @@ local function topic(path) return (path:gsub("^docs/", ""):gsub("/", "_")) end
 
 --- The first of the site's pages; others follow by name.
 local first_pages = { "README.md", "model.md", "tutorial.md", "how-do-i.md", "gallery.md", "conventions.md",
-  "grids.md", "math.md" }
+  "grids.md", "surfaces.md", "math.md" }
 
 -- Making pages -----------------------------------------------------------------------------
 

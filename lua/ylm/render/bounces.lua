@@ -23,8 +23,9 @@ local function way_of(name, o)
     if way.wants(o) then return way end
   end
   local x = o.bounced
-  return check.fail("%s: bounced must be 'links', 'virtual', what scene:links or t:radiosity returned, a grid of indirect "
-    .. "light or virtual lights, got %s%s", name, check.describe(x), core.has_field(x) and " of " .. visibility.quantity(x) or "")
+  return check.fail("%s: bounced must be 'links', 'virtual', what scene:links, links:radiosity or scene:surface_grid returned, a "
+    .. "grid of indirect light or virtual lights, got %s%s", name, check.describe(x),
+    core.has_field(x) and " of " .. visibility.quantity(x) or "")
 end
 
 --- Settles o.reflected of a picture of scene `s`, nil where nothing bounces, and o.near_lights. `whole`: of scene:render.
@@ -72,7 +73,7 @@ end
 --- Completes the times of a picture in which light bounces, and says how often.
 function bounces.report(o, report, image)
   local b, seconds = o.reflected, report.seconds
-  report.bounces = b.record.name == "grid" and "those of the grid" or b.bounces
+  report.bounces = (b.grid or b.surfaces) and "those of the grid" or b.bounces
   report.bounced, image.metadata.bounces = b.record.name, tostring(report.bounces)
   seconds.bounces, seconds.bounced = b.prepared, b.seconds
   seconds.image = seconds.image - b.seconds

@@ -51,7 +51,7 @@ end
 
 --- Ways of a kind, in the order in which they are asked; by name too.
 choose.direct = room("direct", "vectors", "none", "sum", "paths", "grid", "rays")
-choose.bounced = room("bounced", "virtual", "grid", "links")
+choose.bounced = room("bounced", "virtual", "surfaces", "grid", "links")
 choose.over = room("over", "ambient", "bodies", "lamps")
 
 -- Options ------------------------------------------------------------------------------------

@@ -16,11 +16,13 @@ local probes = require "ylm.render.probe"
 local progress = require "ylm.progress"
 local relight = require "ylm.render.relight"
 local reports = require "ylm.render.reports"
+local surfaces = require "ylm.render.surfaces"
 local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
 local visibility = require "ylm.render.visibility"
 
-local render = { bake = baking.bake, true_error = pictures.true_error, probe = probes.probe }
+local render = { bake = baking.bake, surface_grid = surfaces.surface_grid, true_error = pictures.true_error,
+  probe = probes.probe }
 
 local prepare_options = options.list(options.view_fields, {
   { "camera", "object", of = "camera", optional = true,

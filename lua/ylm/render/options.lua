@@ -139,7 +139,7 @@ options.bounce_fields = {
       .. "scene has surfaces and lights, and wherever bounced is named; else 0, which the report says" },
   { "bounced", "any", optional = true,
     about = "how light that bounces is found: 'links' (default), along rays to surfaces; 'virtual', by virtual lights; or what "
-      .. "finds it: what scene:links returned, what t:radiosity returned, a grid of indirect light, or virtual lights "
+      .. "finds it: what scene:links, t:radiosity or scene:surface_grid returned, a grid of indirect light, or virtual lights "
       .. "(scene:virtual_lights); with near_lights a grid of the far parts of these" },
 }
 

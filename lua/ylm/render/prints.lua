@@ -28,6 +28,13 @@ local function of_traced(t, wanted)
   return out
 end
 
+--- Of all fingerprints of a scene the ones that such light depends on.
+function prints.needed(all, quantity)
+  local out = {}
+  for part in pairs(needed[quantity]) do out[part] = all[part] end
+  return out
+end
+
 --- The fingerprints that a grid of such light of a traced scene carries.
 function prints.of(t, quantity) return of_traced(t, needed[quantity]) end
 
@@ -42,6 +49,7 @@ end
 function prints.warn(grid, s, t, apart)
   local kind = core.type(grid)
   local own = (kind == "ylm.grid" or kind == "ylm.grid_set") and grid.prints
+    or kind == "ylm.surface_grid" and core.owned(grid, "made").prints
   if not own then return nil end
   local there, other = of_traced(t, own), {}
   for _, part in ipairs(PARTS) do
@@ -58,7 +66,7 @@ end
 -- Lights and materials that options name in place of the scene's are not compared.
 function prints.say(p, o)
   local apart, said = { lights = o.lights ~= nil, materials = o.materials ~= nil }, {}
-  local bounced = o.reflected and o.reflected.grid or nil
+  local bounced = o.reflected and (o.reflected.grid or o.reflected.surfaces) or nil
   for _, grid in ipairs { o.grid or false, bounced } do said[#said + 1] = prints.warn(grid, p.scene, p.traced, apart) end
   return said
 end

@@ -1,4 +1,4 @@
---- The promise of a grid of a room's light: irradiance at 99 % of the surface by area, judged by paths.
+--- The promise of a room's light in grids and on surfaces: irradiance at 99 % of the surface by area, judged by paths.
 --
 -- A place whose error is d with a standard error s is decided where |d - X m| > 2.6 s, m the larger of its own irradiance and
 -- the mean. Its paths are doubled until then. Undecided places count as failed: noise can only make the verdict worse. Few paths
@@ -37,16 +37,18 @@ local function irradiance(L, normals, lmax)
   return out
 end
 
---- The rows of an array that a list names.
+--- The rows of an array that a list names, three numbers from the column `first` on.
 local function rows_of(a, list, first)
-  local out = {}
-  for i, row in ipairs(list) do out[i] = { a:get(row, first), a:get(row, first + 1), a:get(row, first + 2) } end
-  return array.array(out)
+  local rows = {}
+  for i, row in ipairs(list) do rows[i] = { a:get(row, first), a:get(row, first + 1), a:get(row, first + 2) } end
+  return rows
 end
 
 --- Adds paths of the places in `open` to their estimates e.mean, e.variance, e.paths. True, or nil, message, code.
 local function add_paths(s, e, open, samples, seed, o)
-  local E, variance, code = s:probe { points = rows_of(e.rows, open, 1), normals = rows_of(e.rows, open, 4), samples = samples,
+  local points, normals = {}, {}
+  for i, place in ipairs(open) do points[i], normals[i] = e.points[place], e.normals[place] end
+  local E, variance, code = s:probe { points = array.array(points), normals = array.array(normals), samples = samples,
     reflections = e.reflections, seed = seed, threads = o.threads, progress = progress.resolve(o.progress) or false }
   if not E then return nil, variance, code end
   for i, place in ipairs(open) do
@@ -93,7 +95,7 @@ local function bounds_of(e, i, mean, spread)
   for c = 1, 3 do
     local m = math.max(math.abs(e.mean[i][c]), mean[c])
     local variance = math.max(e.variance[i][c], spread[c] * m * m / e.paths[i])
-    local d, noise = math.abs(e.grid[i][c] - e.mean[i][c]), SURE * math.sqrt(variance)
+    local d, noise = math.abs(e.told[i][c] - e.mean[i][c]), SURE * math.sqrt(variance)
     if m > 0 then least, most = math.max(least, (d - noise) / m), math.max(most, (d + noise) / m) end
   end
   return least, most
@@ -108,7 +110,7 @@ local function rule(e, tolerance)
     if least > tolerance then failed = failed + 1
     elseif most > tolerance then open[#open + 1] = i end
     errors[i] = most
-    local d = e.grid[i][2] - e.mean[i][2]
+    local d = e.told[i][2] - e.mean[i][2]
     square = square + d * d - e.variance[i][2]
   end
   table.sort(errors, function(a, b) return a > b end)
@@ -117,34 +119,43 @@ local function rule(e, tolerance)
     rms = mean[2] > 0 and math.sqrt(math.max(0, square / #errors)) / mean[2] or 0 }
 end
 
+--- Compares irradiance `told` at places, lists of { x, y, z } and { r, g, b }, with that of paths in scene `s`, of `quantity`.
+-- The verdict: failed, undecided, error, largest, rms, seconds; or nil, message, code.
+function promise.compare(s, points, normals, told, tolerance, quantity, o)
+  local start, last, all = core.seconds(), o.bounces or "all", {}
+  local e = { points = points, normals = normals, told = told, mean = {}, variance = {}, paths = {},
+    reflections = quantity == "indirect" and { 1, last } or quantity == "direct" and { 0, 0 } or { 0, last } }
+  for i = 1, #points do all[i], e.mean[i], e.variance[i], e.paths[i] = i, { 0, 0, 0 }, { 0, 0, 0 }, 0 end
+  local samples, seed, open, said = FIRST, 1, all, { failed = 0, open = {}, error = 0, largest = 0, rms = 0 }
+  while open[1] do
+    local ok, message, code = add_paths(s, e, open, samples, 1000003 * seed + o.seed, o)
+    if not ok then return nil, message, code end
+    said, seed = rule(e, tolerance), seed + 1
+    local crowded = e.paths[said.open[1] or 1] >= MANY and #said.open > CROWD * #points
+    open = samples * 2 < MOST and not crowded and said.open or {}
+    samples = seed > 2 and samples * 2 or samples
+  end
+  said.undecided, said.seconds = #said.open, core.seconds() - start
+  return said
+end
+
 --- Judges a grid of the light of scene `s` by paths, where points with normals have judged it by its field. The verdict is that
 -- of the grid's stats. True, or nil, message, code.
 function promise.judge(s, g, o)
   local rows = g.sides and g.measure == "irradiance" and core.grid_judges(g)
   if not rows then return true end
-  local before, start = core.grid_stats(g), core.seconds()
-  local places = {}
+  local before, places = core.grid_stats(g), {}
   for i = 1, rows.shape[1] do places[i] = i end
-  local normals = rows_of(rows, places, 4)
-  local L, message, code = g:sample(rows_of(rows, places, 1), { normals = normals, scene = s, threads = o.threads })
+  local points, normals = rows_of(rows, places, 1), rows_of(rows, places, 4)
+  local L, message, code = g:sample(array.array(points), { normals = array.array(normals), scene = s, threads = o.threads })
   if not L then return nil, message, code end
-  local last = o.bounces or "all"
-  local e = { rows = rows, grid = irradiance(L, normals, g.lmax), mean = {}, variance = {}, paths = {},
-    reflections = g.quantity == "indirect" and { 1, last } or g.quantity == "direct" and { 0, 0 } or { 0, last } }
-  for i = 1, #places do e.mean[i], e.variance[i], e.paths[i] = { 0, 0, 0 }, { 0, 0, 0 }, 0 end
-  local samples, seed, open, said = FIRST, 1, places, nil
-  while open[1] do
-    local ok
-    ok, message, code = add_paths(s, e, open, samples, 1000003 * seed + o.seed, o)
-    if not ok then return nil, message, code end
-    said, seed = rule(e, g.tolerance), seed + 1
-    local crowded = e.paths[said.open[1] or 1] >= MANY and #said.open > CROWD * #places
-    open = samples * 2 < MOST and not crowded and said.open or {}
-    samples = seed > 2 and samples * 2 or samples
-  end
-  core.grid_verdict(g, #places, said.failed + #said.open, said.error, said.largest)
-  core.own(g).paths = { field_met = before.met, field_error = before.error, undecided = #said.open, rms = said.rms,
-    seconds = core.seconds() - start }
+  local said
+  said, message, code = promise.compare(s, points, normals, irradiance(L, array.array(normals), g.lmax), g.tolerance,
+    g.quantity, o)
+  if not said then return nil, message, code end
+  core.grid_verdict(g, #places, said.failed + said.undecided, said.error, said.largest)
+  core.own(g).paths = { field_met = before.met, field_error = before.error, undecided = said.undecided, rms = said.rms,
+    seconds = said.seconds }
   return true
 end
 

@@ -20,7 +20,7 @@ function objects.close(object, close)
 end
 
 --- The methods of the userdata "ylm.NAME"; `fields` can be read from it, `text` is what it prints as.
-local function kind(name, fields, text)
+function objects.kind(name, fields, text)
   local methods, readable = lib and core.metatable("ylm." .. name) or {}, {}
   for _, field in ipairs(fields) do readable[field] = true end
   methods.__index = function(object, key)
@@ -30,7 +30,7 @@ local function kind(name, fields, text)
   end
   methods.__newindex = function(_, key)
     return check.fail("%s: cannot set %s: %s not change so", name, check.describe(key),
-      name == "links" and "links do" or ("a %s does"):format(name))
+      name == "links" and "links do" or ("a %s does"):format((name:gsub("_", " "))))
   end
   methods.__tostring = function(object)
     local m = objects.made(object)
@@ -40,20 +40,20 @@ local function kind(name, fields, text)
   return methods
 end
 
-objects.links = kind("links", { "stats", "scene", "notes" }, function(m)
+objects.links = objects.kind("links", { "stats", "scene", "notes" }, function(m)
   return ("%d elements, %d links of each"):format(m.stats.elements, m.stats.links)
 end)
 
-objects.radiosity = kind("radiosity", { "stats", "scene", "links", "notes" }, function(m)
+objects.radiosity = objects.kind("radiosity", { "stats", "scene", "links", "notes" }, function(m)
   return ("%d elements, %d bounces"):format(m.elements, m.stats.bounces)
 end)
 
-objects.gather = kind("gather", { "stats", "scene", "radiosity", "rays" }, function(m)
+objects.gather = objects.kind("gather", { "stats", "scene", "radiosity", "rays" }, function(m)
   return ("%s light, %s rays"):format(m.quantity, m.rays == "auto" and m.rays or ("%.0f"):format(m.rays))
 end)
 
 --- All about the object before the colon.
-local function opened(name, object, type_name, article)
+function objects.opened(name, object, type_name, article)
   if core.type(object) ~= type_name then
     return check.fail("%s: %s expected before the colon, got %s", name, article, check.describe(object))
   end
@@ -66,7 +66,7 @@ local function opened(name, object, type_name, article)
 end
 
 function objects.open_links(name, t)
-  return opened(name, t, "ylm.links", "links")
+  return objects.opened(name, t, "ylm.links", "links")
 end
 
 --- Raises where the option `links` of function `name` is closed, or of another scene than `scene`.
@@ -78,15 +78,15 @@ function objects.check_scene(name, t, scene)
 end
 
 function objects.open_radiosity(name, lit)
-  return opened(name, lit, "ylm.radiosity", "a radiosity")
+  return objects.opened(name, lit, "ylm.radiosity", "a radiosity")
 end
 
 function objects.open_gather(name, field)
-  return opened(name, field, "ylm.gather", "a gathered field")
+  return objects.opened(name, field, "ylm.gather", "a gathered field")
 end
 
 --- Do two traced scenes hold the same meshes?
-local function alike(a, b)
+function objects.alike(a, b)
   if #a.shapes ~= #b.shapes then return false end
   for i = 1, #a.shapes do if a.shapes[i] ~= b.shapes[i] then return false end end
   return true
@@ -95,7 +95,7 @@ end
 --- All about the links t; raises where a prepared view is of other meshes, or t have been closed.
 function objects.of_view(name, p, t)
   local m = objects.open_links(name, t)
-  if alike(p.traced, m.traced) then return m end
+  if objects.alike(p.traced, m.traced) then return m end
   return check.fail("%s: the links are of other geometry, that of scene %q%s: make some of the view's scene (scene:links)",
     name, m.scene.name or "?", m.scene == p.scene and ", before it changed or after" or "")
 end
@@ -105,7 +105,7 @@ end
 function objects.traced_again(name, m)
   local now, message, code = tracing.trace(name, m.scene)
   if not now then return nil, message, code end
-  if alike(m.traced, now) then return now end
+  if objects.alike(m.traced, now) then return now end
   return check.fail("%s: the geometry of scene %q has changed since its links were made: make others "
     .. "(scene:links)", name,
     m.scene.name or "?")

@@ -1,0 +1,106 @@
+/*
+** calibration.h - the tuned constants of light on surfaces. Private to csrc/surface.
+**
+** Lengths are parts of the root of the scene's area. `build/ylm run spec/bench/rooms.lua` prints errors and numbers of
+** eight scenes beside paths, which moved them.
+*/
+#ifndef YLM_SURFACE_CALIBRATION_H
+#define YLM_SURFACE_CALIBRATION_H
+
+/* -- charts: charts.c ---------------------------------------------------------------------------- */
+
+/* Planes of a mesh with less than this part of the area are round: one chart each would cost more than it holds. */
+#define PLANE_LEAST 5e-5
+/* Triangles are of one plane where normals, and distances over the root of the area, agree to about this. */
+#define PLANE_NORMAL 5e-4
+#define PLANE_DISTANCE 2e-5
+/* The least component of a normal by which a chart of a round mesh counts. */
+#define ROUND_LEAST 0.55
+
+/* -- rectangles: tree.c, refine.c ---------------------------------------------------------------- */
+
+/* Edges of the first rectangles at most, and of the last at least. */
+#define WIDEST 0.125
+#define NARROWEST 0.002
+/* Rectangles with less than this part of all places are not too wide. */
+#define WIDE_PLACES 5e-4
+/* Random places from which all others are chosen, and those that a rectangle needs to be halved. */
+#define PLACES 1000000
+#define SITE_BLOCK 4000
+#define PLACES_LEAST 22
+/* Places of a rectangle whose light is asked for, and of the whole surface. */
+#define SAMPLES 16
+#define SAMPLES_ALL 12000
+/* Where places turn out to be buried others are asked, twice as many on each pass. */
+#define SAMPLE_PASSES 6
+/* Each is the farthest of so many from those before. */
+#define SPREAD 6
+/* The part of rectangles that a round halves, and the least score that counts, over the largest. */
+#define ROUND_SPLIT 0.3
+#define SCORE_LEAST 0.002
+#define ROUNDS 48
+/* Unknowns that a rectangle has of its own, about: corners are shared. */
+#define FREEDOM 1.5
+
+/* -- fits: fit.c --------------------------------------------------------------------------------- */
+
+/* Weights of a rectangle's twist and of the differences along its edges, beside those of places. */
+#define TWIST 0.1
+#define SLOPE 0.003
+#define FIT_STEPS 150
+#define FIT_SMALL 1e-12
+
+/* -- corners: corners.c -------------------------------------------------------------------------- */
+
+/* Places beside a corner are looked for among so many. */
+#define CORNER_PLACES 128
+/* Where the nearest turns out to be buried so often, only places that have light count. */
+#define NEAREST_PASSES 4
+/* Surfaces join where they lie off each other's plane by less than this part of their distance, and a bit. */
+#define JOIN_SLOPE 0.4
+#define JOIN_BIT 2e-4
+/* Sight between two places of one plane passes this far above it; over others it goes up by a part of the distance. */
+#define SIGHT_OFF 1e-4
+#define SIGHT_UP 0.25
+
+/* -- cuts: cut.c --------------------------------------------------------------------------------- */
+
+/* Places by which parts are told apart, lines that are tried (so many times as many where places are many), and the part of
+   places that may lie wrong. */
+#define CUT_PLACES 48
+#define CUT_LINES 32
+#define CUT_DENSE 8
+#define CUT_WRONG 0.12
+/* Places beside corners are looked for among so many; a part has the light of so many places at least, and is cut off where
+   that leaves less than this part of the error. */
+#define CUT_CORNERS 1024
+#define CUT_SIDE 6
+#define CUT_GAIN 0.5
+/* Then the line is moved and turned by so many places near it, as many as a leaf is looked at by that something crosses; this many times, within this part of the gap, by so many
+   parts of the angle before. */
+#define CUT_NEAR 1024
+#define CUT_TURNS 3
+#define CUT_BAND 4
+#define CUT_FINER 8
+
+/* -- the end of refinement: refine.c ------------------------------------------------------------- */
+
+/* Fresh places, and rays of each half of their light: so many that their noise is this part of the tolerance. */
+#define JUDGES 2048
+#define JUDGE_NOISE 0.25
+#define JUDGE_LEAST 64
+#define JUDGE_MOST 2048
+/* The part that may fail of them, and that is promised. */
+#define ENOUGH 0.006
+#define PROMISED 0.01
+/* They are asked where about so few places are expected to fail, or where corners have grown by so much. */
+#define HOPE 0.02
+#define GROWN 1.5
+#define JUDGED_MOST 12
+/* Covered: another surface is nearer than this. */
+#define COVERED 2e-3
+
+/* Work of a thread at a time. */
+#define SURFACE_GRAIN 256
+
+#endif

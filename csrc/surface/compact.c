@@ -1,0 +1,103 @@
+/* compact.c - the finished grid: nodes in numbers, rectangles, and a row for each class of corners. */
+#include <math.h>
+
+#include "surface.h"
+
+/* How far a rectangle lies from another, of one chart. */
+static double apart(const surface_branch *a, const surface_branch *b) {
+  double d = 0;
+  for (int k = 0; k < 3; k++) {
+    double gap = fmax(0, fmax((double)b->lo[k] - a->hi[k], (double)a->lo[k] - b->hi[k]));
+    d += gap * gap;
+  }
+  return d;
+}
+
+/* Rectangles by leaves. A leaf without light has its nearest neighbour's; SURFACE_NONE: its chart has none. */
+static void number(const surface_bake *b, uint32_t *of) {
+  uint32_t n = 0;
+  for (size_t i = 0; i < b->leaves; i++) of[i] = b->leaf[i].sampled ? n++ : SURFACE_NONE;
+  for (size_t i = 0; i < b->leaves; i++) {
+    const surface_branch *x = &b->branch[b->leaf[i].branch];
+    double least = INFINITY;
+    for (size_t k = 0; !b->leaf[i].sampled && k < b->leaves; k++) {
+      const surface_branch *y = &b->branch[b->leaf[k].branch];
+      if (!b->leaf[k].sampled || y->chart != x->chart || apart(x, y) >= least) continue;
+      least = apart(x, y);
+      of[i] = of[k];
+    }
+  }
+}
+
+/* Nodes have the branches' order: children follow each other there too. */
+static void fill_nodes(const surface_bake *b, const uint32_t *of, ylm_surface_grid *g) {
+  uint32_t planes = 0;
+  for (size_t i = 0; i < b->branches; i++) {
+    const surface_branch *n = &b->branch[i];
+    uint32_t value = n->child;
+    if (n->kind == NODE_RECTANGLE) value = of[n->leaf] == SURFACE_NONE ? 0 : of[n->leaf];
+    if (n->kind == NODE_PLANE) {
+      g->plane[planes] = (surface_plane){.child = n->child};
+      memcpy(g->plane[planes].a, n->a, sizeof n->a);
+      value = planes++;
+    }
+    g->node[i] = value << NODE_BITS | n->kind;
+  }
+  for (size_t c = 0; c < g->charts.charts; c++) g->root[c] = SURFACE_NONE;
+  for (size_t i = 0; i < b->leaves; i++) {
+    uint32_t chart = b->branch[b->leaf[i].branch].chart;
+    if (b->leaf[i].sampled && g->root[chart] == SURFACE_NONE) {
+      g->root[chart] = b->root[chart];
+      g->stats.charts++;
+    }
+  }
+}
+
+static void fill_rectangles(const surface_bake *b, ylm_surface_grid *g) {
+  size_t to = 0;
+  for (size_t i = 0; i < b->leaves; i++) {
+    const surface_leaf *l = &b->leaf[i];
+    if (!l->sampled) continue;
+    const surface_branch *n = &b->branch[l->branch];
+    surface_rectangle *r = &g->rectangle[to++];
+    r->chart = n->chart;
+    memcpy(r->corner, l->corner, sizeof r->corner);
+    for (int a = 0; a < 2; a++) r->lo[a] = n->lo[a], r->hi[a] = n->hi[a];
+  }
+  for (size_t k = 0; k < b->classes; k++) memcpy(g->row[k], b->class[k].value, sizeof g->row[k]);
+}
+
+ylm_status ylm__surface_compact(surface_bake *b, ylm_surface_grid **out) {
+  ylm_surface_grid *g = ylm_alloc_zero(1, sizeof *g);
+  uint32_t *of = ylm_alloc(b->leaves, sizeof *of);
+  size_t planes = 0, rectangles = 0;
+  for (size_t i = 0; i < b->branches; i++) planes += b->branch[i].kind == NODE_PLANE;
+  for (size_t i = 0; i < b->leaves; i++) rectangles += b->leaf[i].sampled > 0;
+  if (g) {
+    g->charts = b->charts;
+    b->charts = (surface_charts){.scene = NULL};
+    g->stats = b->stats;
+    g->nodes = b->branches;
+    g->planes = planes;
+    g->root = ylm_alloc(g->charts.charts, sizeof *g->root);
+    g->node = ylm_alloc(b->branches, sizeof *g->node);
+    g->plane = ylm_alloc(planes, sizeof *g->plane);
+    g->rectangle = ylm_alloc(rectangles, sizeof *g->rectangle);
+    g->row = ylm_alloc(b->classes, sizeof *g->row);
+  }
+  ylm_status s =
+      g && of && g->root && g->node && g->plane && g->rectangle && g->row ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) {
+    g->stats.rectangles = rectangles;
+    g->stats.corners = b->unknowns;
+    g->stats.rows = b->classes;
+    number(b, of);
+    fill_nodes(b, of, g);
+    fill_rectangles(b, g);
+    ylm__surface_weigh(g);
+  }
+  ylm_free(of);
+  if (s != YLM_OK) ylm_surface_free(g);
+  *out = s == YLM_OK ? g : NULL;
+  return s;
+}
