@@ -86,7 +86,7 @@
 /* -- the end of refinement: refine.c ------------------------------------------------------------- */
 
 /* Fresh places, and rays of each half of their light: so many that their noise is this part of the tolerance. */
-#define JUDGES 2048
+#define JUDGES (2 * 1024)
 #define JUDGE_NOISE 0.25
 #define JUDGE_LEAST 64
 #define JUDGE_MOST 2048

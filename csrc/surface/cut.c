@@ -32,7 +32,7 @@ static void add(moments *m, const surface_bake *b, const surface_branch *at,
   m->n++;
 }
 
-/* What the fit of a channel leaves: by elimination, of the first k terms. */
+/* The rest that the fit of a channel leaves: by elimination, of the first k terms. */
 static double left(const moments *m, int c, int k) {
   double a[3][4], rest = m->square[c];
   double ridge = 0.02 * m->a[c][0][0] / (double)(m->n ? m->n : 1);
@@ -58,7 +58,7 @@ static double residual(const moments *m) {
   return most;
 }
 
-/* What a leaf leaves as it is. */
+/* The rest that one fit of a leaf leaves. */
 static double judge_whole(const surface_bake *b, const surface_leaf *l) {
   moments all = {.n = 0};
   for (size_t i = l->first; i < l->first + l->sampled; i++)
@@ -66,7 +66,7 @@ static double judge_whole(const surface_bake *b, const surface_leaf *l) {
   return residual(&all);
 }
 
-/* What both halves of a leaf leave. *both: neither is empty. */
+/* The rest that fits of both halves of a leaf leave. *both: neither is empty. */
 static double judge(const surface_bake *b, const surface_leaf *l, int axis, const float plane[4],
                     bool *both) {
   const surface_branch *n = &b->branch[l->branch];
@@ -108,14 +108,15 @@ static int by_place(const void *a, const void *b) {
   return x->t < y->t ? -1 : x->t > y->t;
 }
 
-/* The entry of a leaf nearest to one of its corners, of those not known to be buried. */
-static uint32_t beside_corner(const surface_bake *b, const surface_leaf *l, int corner) {
+/* The entry of a leaf nearest to one of its corners, of the first `most` that are not known to be buried. */
+static uint32_t beside_corner(const surface_bake *b, const surface_leaf *l, int corner,
+                              size_t most) {
   const surface_branch *n = &b->branch[l->branch];
   const float *size = b->charts.chart[n->chart].size;
   float u = corner & 1 ? n->hi[0] : n->lo[0], v = corner & 2 ? n->hi[1] : n->lo[1];
   uint32_t best = SURFACE_NONE;
   float least = INFINITY;
-  for (size_t i = l->first; i < l->first + l->n && i < l->first + CUT_CORNERS; i++) {
+  for (size_t i = l->first; i < l->first + l->n && i < l->first + most; i++) {
     const surface_entry *e = &b->entry[i];
     if (b->site[e->site].known == SITE_BURIED) continue;
     float x = (e->at[0] - u) * size[0], y = (e->at[1] - v) * size[1];
@@ -131,7 +132,7 @@ static ylm_status find_places(surface_bake *b, const surface_leaf *l, size_t mos
   for (size_t i = l->first; i < l->first + l->n && i < l->first + most; i++)
     list[all++] = b->entry[i].site;
   for (int c = 0; c < 4; c++) {
-    uint32_t site = beside_corner(b, l, c);
+    uint32_t site = beside_corner(b, l, c, most > CUT_PLACES ? l->n : CUT_CORNERS);
     if (site != SURFACE_NONE) list[all++] = site;
   }
   for (size_t i = 0; i < all; i++)

@@ -142,7 +142,7 @@ static ylm_status add_site(fit *f, const surface_site *p) {
   return s == YLM_OK ? end_row(&f->row, E, weight) : s;
 }
 
-/* What holds a leaf where places are few: it twists little, and its edges are level. */
+/* Holds a leaf where places are few: it twists little, and its edges are level. */
 static ylm_status add_leaf(fit *f, const surface_leaf *l) {
   static const float rule[5][4] = {
       {1, -1, -1, 1}, {1, -1, 0, 0}, {0, 0, 1, -1}, {1, 0, -1, 0}, {0, 1, 0, -1}};
@@ -273,8 +273,7 @@ static void spread(fit *f) {
       memcpy(b->leaf[i].value[c], b->class[b->leaf[i].corner[c]].value, sizeof b->leaf[i].value[c]);
 }
 
-/* The mean of the light by area. */
-static void find_mean(surface_bake *b) {
+void ylm__surface_mean(surface_bake *b) {
   double sum[3] = {0, 0, 0}, all = 0;
   for (size_t i = 0; i < b->leaves; i++) {
     const surface_leaf *l = &b->leaf[i];
@@ -291,7 +290,7 @@ static void find_mean(surface_bake *b) {
 
 ylm_status ylm__surface_fit(surface_bake *b) {
   fit f = {.b = b};
-  find_mean(b);
+  ylm__surface_mean(b);
   f.first = ylm_alloc(b->classes, sizeof *f.first);
   f.count = ylm_alloc(b->classes, sizeof *f.count);
   f.state = ylm_alloc_zero(b->classes, 1);

@@ -244,6 +244,7 @@ static ylm_status join(surface_bake *b, const panel *p) {
 
 static ylm_status fit(surface_bake *b) {
   ylm_status s = ylm__surface_sample(b);
+  if (s == YLM_OK) ylm__surface_mean(b);
   if (s == YLM_OK) s = ylm__surface_part(b);
   if (s == YLM_OK) s = ylm__surface_sample(b);
   if (s == YLM_OK) s = ylm__surface_corners(b);
@@ -291,7 +292,7 @@ static ylm_status check(const ylm_surface_form *f, ylm_error *e) {
   return YLM_OK;
 }
 
-/* What the light is of. */
+/* Notes the quantity and the prints of the light. */
 static void describe(surface_bake *b) {
   const ylm_scene *lit = b->form->lit ? b->form->lit : b->scene;
   b->stats.tolerance = b->form->tolerance;

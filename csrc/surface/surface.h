@@ -196,6 +196,8 @@ ylm_status ylm__surface_join(surface_bake *b, size_t n, const uint32_t (*pair)[2
 /* corners.c: classes of the leaves' corners, and those that hang. */
 ylm_status ylm__surface_corners(surface_bake *b);
 
+/* fit.c: the mean of the light by area. */
+void ylm__surface_mean(surface_bake *b);
 /* fit.c: the values of all classes, and of the leaves' corners. */
 ylm_status ylm__surface_fit(surface_bake *b);
 
@@ -214,7 +216,7 @@ void ylm__surface_weigh(ylm_surface_grid *g);
 static inline void ylm__surface_mid(const surface_light *l, double E[3]) {
   for (int c = 0; c < 3; c++) E[c] = 0.5 * ((double)l->a[c] + (double)l->b[c]);
 }
-/* What errors at a place are relative to, by channel. */
+/* The scale of errors at a place, by channel. */
 static inline double ylm__surface_scale(const surface_bake *b, double E, int c) {
   return fmax(E, b->mean[c]);
 }

@@ -61,7 +61,7 @@ YLM_API ylm_status ylm_surface_bake(const ylm_radiosity *r, const ylm_surface_fo
                                     ylm_surface_grid **out, ylm_error *e);
 YLM_API void ylm_surface_free(ylm_surface_grid *g);
 YLM_API void ylm_surface_look(const ylm_surface_grid *g, ylm_surface_stats *stats);
-/* What another judge finds at places of ylm_surface_draw takes the place of what the bake found. */
+/* The verdict of another judge, at places of ylm_surface_draw, takes the place of the bake's. */
 YLM_API void ylm_surface_verdict(ylm_surface_grid *g, size_t verified, size_t failed, double error,
                                  double rms);
 YLM_API const ylm_scene *ylm_surface_scene(const ylm_surface_grid *g);

@@ -140,7 +140,7 @@ local function bake(s, traced, o)
   local direct, by_paths, g = o.quantity ~= "indirect", o.judge == "paths"
   g, message, code = check.result("surface_grid", traced.lib.surface_bake(lit, { tolerance = o.tolerance,
     aim = by_paths and AIM or 1, quantity = o.quantity, lit = traced.handle, corners = o.corners or 0,
-    indirect = o.quantity ~= "direct", scene = direct and traced.handle or nil, links = o.rays,
+    indirect = o.quantity ~= "direct" and o.bounces ~= 0, scene = direct and traced.handle or nil, links = o.rays,
     light_samples = o.light_samples, seed = o.seed, threads = o.threads, progress = progress.resolve(o.progress) }))
   if not g then return nil, message, code end
   local m = remember(g, s, traced, o, lit.links)
