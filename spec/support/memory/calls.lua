@@ -465,6 +465,10 @@ end)
 calls["scene:bake with sides"] = on(scene, function(s)
   return s:bake { quantity = "indirect", probes = ylm.adaptive_grid { lmax = 0, depth = 1, tolerance = 0.9 } }
 end)
+calls["surface: grid"] = on(scene, function(s)
+  local light, message, code = s:surface_grid { tolerance = 1, judge = "field", rays = 4 }
+  return light and light.stats.corners, message, code
+end)
 calls["scene:bake"] = on(scene, function(s) return s:bake { occupied = "camera", samples = 1, size = size } end)
 for _, name in ipairs { "render", "reference", "raycast" } do
   calls["scene:" .. name] = on(scene, function(s)
