@@ -296,7 +296,7 @@ describe("a surface grid", function()
       for _, inside in ipairs { true, false } do
         local s = ylm.scene(name) { lights = ylm.sphere_light { at = { 0.3, 0.8, 0.6 }, radius = 0.1 },
           geometry = inside and { ylm.box { scale = 4 }, ylm.mesh(mesh) } or { ylm.mesh(mesh) } }
-        local g = listen(function() 
+        local g = listen(function()
           return assert(s:surface_grid { tolerance = 0.5, judge = "field", corners = 100, rays = 16,
             links = s:links { spacing = 1, rays = 16 } })
         end)
