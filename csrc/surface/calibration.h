@@ -76,8 +76,8 @@
 #define CUT_CORNERS 1024
 #define CUT_SIDE 6
 #define CUT_GAIN 0.5
-/* Then the line is moved and turned by so many places near it, as many as a leaf is looked at by that something crosses; this many times, within this part of the gap, by so many
-   parts of the angle before. */
+/* Then the line is moved and turned by so many places near it, by as many as a leaf that something crosses is looked at with;
+   this many times, within so many gaps, by so many parts of the angle before. */
 #define CUT_NEAR 1024
 #define CUT_TURNS 3
 #define CUT_BAND 4

@@ -18,8 +18,8 @@ typedef struct planes {
 
 enum { ROUND = 0x7fffffff };
 
-/* A triangle's corners, its normal and its area; 0: none. */
-static double measure(const float *positions, const uint32_t *t, const float *p[3], double n[3]) {
+double ylm__surface_triangle(const float *positions, const uint32_t *t, const float *p[3],
+                             double n[3]) {
   double u[3], v[3];
   for (int k = 0; k < 3; k++) p[k] = positions + 3 * (size_t)t[k];
   for (int a = 0; a < 3; a++)
@@ -71,7 +71,8 @@ static ylm_status find_planes(surface_charts *c, const float *positions, planes 
     for (uint32_t m = 0; s == YLM_OK && m < meshes; m++) {
       size_t first = ylm_scene_first_vertex(c->scene, m);
       for (uint32_t i = 0; s == YLM_OK && i < ylm_scene_triangles(c->scene, m); i++) {
-        double area = measure(positions + 3 * first, ylm_scene_triangle(c->scene, m, i), x, n);
+        double area =
+            ylm__surface_triangle(positions + 3 * first, ylm_scene_triangle(c->scene, m, i), x, n);
         uint32_t *of = &p->of[c->first[m] + i];
         if (pass == 0)
           c->area += area;
@@ -165,7 +166,7 @@ static void find_axes(surface_charts *c, const float *positions, const planes *p
     for (uint32_t i = 0; i < ylm_scene_triangles(c->scene, m); i++) {
       uint32_t of = p->of[c->first[m] + i];
       if (of == SURFACE_NONE || of == ROUND || x->plane[of] == SURFACE_NONE) continue;
-      measure(positions + 3 * first, ylm_scene_triangle(c->scene, m, i), q, n);
+      ylm__surface_triangle(positions + 3 * first, ylm_scene_triangle(c->scene, m, i), q, n);
       double length = longest(q, edge);
       if (length <= x->edge[of]) continue;
       x->edge[of] = length;
@@ -189,7 +190,7 @@ static void find_bounds(surface_charts *c, const float *positions, size_t count,
     for (uint32_t i = 0; i < ylm_scene_triangles(c->scene, m); i++) {
       uint32_t of = c->of[c->first[m] + i];
       if (of == SURFACE_NONE) continue;
-      measure(positions + 3 * first, ylm_scene_triangle(c->scene, m, i), q, n);
+      ylm__surface_triangle(positions + 3 * first, ylm_scene_triangle(c->scene, m, i), q, n);
       for (uint32_t k = 0; k < (of & 1 ? 6u : 2u); k++) stretch(&c->chart[of / 2 + k], q);
     }
   }

@@ -75,7 +75,7 @@ static double judge(const surface_bake *b, const surface_leaf *l, int axis, cons
   for (size_t i = l->first; i < l->first + l->sampled; i++) {
     const surface_entry *e = &b->entry[i];
     bool second =
-        plane ? !(ylm_dot3(plane, b->site[e->site].position) < plane[3]) : e->at[axis] >= middle;
+        plane ? ylm__surface_is_beyond(plane, b->site[e->site].position) : e->at[axis] >= middle;
     add(&half[second], b, n, e);
   }
   *both = half[0].n && half[1].n;
@@ -164,6 +164,12 @@ static size_t nearest_to(const surface_bake *b, const parted *p, const double x[
   return best;
 }
 
+static size_t count_seen(const parted *p) {
+  size_t seen = 0;
+  for (size_t i = 0; i < p->n; i++) seen += p->seen[i];
+  return seen;
+}
+
 static ylm_status look_from(surface_bake *b, uint32_t pole, parted *p) {
   uint32_t(*pair)[2] = ylm_alloc(p->n, sizeof *pair);
   if (!pair) return YLM_ENOMEM;
@@ -177,12 +183,11 @@ static ylm_status look_from(surface_bake *b, uint32_t pole, parted *p) {
 static ylm_status find_line(const surface_bake *b, const parted *p, int lines, double step,
                             line *x) {
   ordered *o = ylm_alloc(p->n, sizeof *o);
-  size_t seen = 0;
+  size_t seen = count_seen(p);
   double middle = x->angle;
   if (!o) return YLM_ENOMEM;
   x->wrong = SIZE_MAX;
   x->gap = 0;
-  for (size_t i = 0; i < p->n; i++) seen += p->seen[i];
   for (int k = 0; k < lines; k++) {
     double angle = middle + step * (k - lines / 2);
     float d[3];
@@ -225,8 +230,7 @@ static ylm_status sharpen(surface_bake *b, const surface_leaf *l, uint32_t pole,
     }
     if (p->n < 8) break;
     s = look_from(b, pole, p);
-    size_t seen = 0;
-    for (size_t i = 0; i < p->n; i++) seen += p->seen[i];
+    size_t seen = count_seen(p);
     if (seen == 0 || seen == p->n) break;
     step /= CUT_FINER;
     line finer = *x;
@@ -241,7 +245,7 @@ static ylm_status sharpen(surface_bake *b, const surface_leaf *l, uint32_t pole,
 static size_t count_wrong(const surface_bake *b, const parted *p, const float plane[4]) {
   size_t apart = 0;
   for (size_t i = 0; i < p->n; i++)
-    apart += p->seen[i] == (ylm_dot3(plane, b->site[p->site[i]].position) < plane[3]);
+    apart += p->seen[i] != ylm__surface_is_beyond(plane, b->site[p->site[i]].position);
   return apart < p->n - apart ? apart : p->n - apart;
 }
 
@@ -250,8 +254,7 @@ static ylm_status try_pole(surface_bake *b, const surface_leaf *l, parted *p, si
                            bool *found, bool *all) {
   uint32_t site = p->site[pole];
   ylm_status s = look_from(b, site, p);
-  size_t seen = 0;
-  for (size_t i = 0; i < p->n; i++) seen += p->seen[i];
+  size_t seen = count_seen(p);
   size_t least = seen < p->n - seen ? seen : p->n - seen;
   *all = seen == p->n;
   if (s != YLM_OK || least < 1) return s;
@@ -322,7 +325,7 @@ static ylm_status light_both(surface_bake *b, surface_leaf *l, const float plane
   size_t have[2] = {0, 0};
   for (size_t i = l->first; i < l->first + l->n; i++) {
     const surface_site *x = &b->site[b->entry[i].site];
-    int side = !(ylm_dot3(plane, x->position) < plane[3]);
+    int side = ylm__surface_is_beyond(plane, x->position);
     if (have[side] >= CUT_SIDE || x->known == SITE_BURIED) continue;
     have[side]++;
     if (i < l->first + l->sampled) continue;
@@ -331,19 +334,10 @@ static ylm_status light_both(surface_bake *b, surface_leaf *l, const float plane
   }
   ylm_status s = ylm__surface_ask(b, n, site, b->form->light.links, light, share);
   if (s == YLM_OK) s = ylm__surface_know(b, n, site, share);
-  if (s == YLM_OK &&
-      !ylm_list_reserve(&b->light, b->lights, b->lights + n, &b->light_room, sizeof *b->light))
-    s = YLM_ENOMEM;
-  for (size_t i = 0; s == YLM_OK && i < n;
-       i++) { /* entries ascend: those behind stay where they are */
-    surface_site *x = &b->site[site[i]];
-    if (x->known == SITE_BURIED) continue;
-    if (x->light == SURFACE_NONE) {
-      x->light = (uint32_t)b->lights;
-      b->light[b->lights++] = light[i];
-    }
-    ylm__surface_take(l, b->entry, entry[i]);
-  }
+  if (s == YLM_OK) s = ylm__surface_keep(b, n, site, light);
+  /* Entries ascend: those behind stay where they are. */
+  for (size_t i = 0; s == YLM_OK && i < n; i++)
+    if (b->site[site[i]].known != SITE_BURIED) ylm__surface_take(l, b->entry, entry[i]);
   return s;
 }
 

@@ -56,9 +56,10 @@ static ylm_status expand(fit *f, uint32_t k) {
   if (f->state[k] == STATE_OPEN || c->host == SURFACE_NONE) return make_free(f, k);
   f->state[k] = STATE_OPEN;
   const surface_leaf *host = &f->b->leaf[c->host];
-  const float at[3] = {c->at[0], c->at[1], 0};
+  const surface_branch *r = &f->b->branch[host->branch];
+  const float at[2] = {c->at[0], c->at[1]};
   float w[4];
-  ylm__surface_weights(&f->b->branch[host->branch], at, w);
+  ylm__surface_weights(r->lo, r->hi, at, w);
   for (int i = 0; i < 4; i++) {
     if (!(w[i] > 1e-6f)) continue;
     ylm_status s = expand(f, host->corner[i]);
@@ -130,7 +131,8 @@ static ylm_status add_site(fit *f, const surface_site *p) {
     if (leaf[i] == SURFACE_NONE || !b->leaf[leaf[i]].sampled) continue;
     const surface_leaf *l = &b->leaf[leaf[i]];
     float w[4];
-    ylm__surface_weights(&b->branch[l->branch], spot[i].at, w);
+    const surface_branch *r = &b->branch[l->branch];
+    ylm__surface_weights(r->lo, r->hi, spot[i].at, w);
     for (int c = 0; s == YLM_OK && c < 4; c++) s = put(f, l, c, spot[i].weight / have * w[c]);
   }
   double E[3], weight[3];

@@ -43,7 +43,7 @@ static uint32_t descend(const ylm_surface_grid *g, const surface_spot *s, const 
     if (kind == NODE_RECTANGLE) return value;
     if (kind == NODE_PLANE) {
       const surface_plane *p = &g->plane[value];
-      k = p->child + !(ylm_dot3(p->a, x) < p->a[3]);
+      k = p->child + ylm__surface_is_beyond(p->a, x);
       continue;
     }
     uint32_t middle = (lo[kind] + hi[kind]) / 2;
@@ -55,13 +55,10 @@ static uint32_t descend(const ylm_surface_grid *g, const surface_spot *s, const 
 
 static void add(const ylm_surface_grid *g, const surface_rectangle *r, const surface_spot *s,
                 float E[3]) {
-  float t[2];
-  for (int a = 0; a < 2; a++)
-    t[a] = fminf(fmaxf((s->at[a] - r->lo[a]) / (float)(r->hi[a] - r->lo[a]), 0), 1);
-  for (int c = 0; c < 4; c++) {
-    float w = s->weight * (c & 1 ? t[0] : 1 - t[0]) * (c & 2 ? t[1] : 1 - t[1]);
-    for (int k = 0; k < 3; k++) E[k] += w * g->row[r->corner[c]][k];
-  }
+  float w[4];
+  ylm__surface_weights(r->lo, r->hi, s->at, w);
+  for (int c = 0; c < 4; c++)
+    for (int k = 0; k < 3; k++) E[k] += s->weight * w[c] * g->row[r->corner[c]][k];
 }
 
 typedef struct job {

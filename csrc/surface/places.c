@@ -16,18 +16,15 @@ double *ylm__surface_areas(const surface_charts *c) {
   float *x = ylm_alloc(vertices, 3 * sizeof *x);
   if (sum && x) {
     ylm_scene_vertices(scene, x);
+    const float *corner[3];
+    double normal[3];
     sum[0] = 0;
     for (size_t m = 0; m < meshes; m++) {
       const float *p = x + 3 * ylm_scene_first_vertex(scene, m);
       for (size_t i = 0; i < ylm_scene_triangles(scene, m); i++) {
         const uint32_t *t = ylm_scene_triangle(scene, m, i);
-        double u[3], v[3], w[3];
-        for (size_t a = 0; a < 3; a++) {
-          u[a] = (double)p[3 * t[1] + a] - (double)p[3 * t[0] + a];
-          v[a] = (double)p[3 * t[2] + a] - (double)p[3 * t[0] + a];
-        }
-        ylm_cross3d(u, v, w);
-        sum[c->first[m] + i + 1] = sum[c->first[m] + i] + 0.5 * sqrt(ylm_dot3d(w, w));
+        sum[c->first[m] + i + 1] =
+            sum[c->first[m] + i] + ylm__surface_triangle(p, t, corner, normal);
       }
     }
   } else {

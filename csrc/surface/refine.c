@@ -222,14 +222,8 @@ static double compare(surface_bake *b, panel *p) {
 
 /* The places of a panel become places of their leaves. */
 static ylm_status join(surface_bake *b, const panel *p) {
-  if (!ylm_list_reserve(&b->light, b->lights, b->lights + p->n, &b->light_room, sizeof *b->light))
-    return YLM_ENOMEM;
-  for (size_t i = 0; i < p->n; i++) {
-    surface_site *s = &b->site[p->site[i]];
-    if (s->light != SURFACE_NONE) continue; /* was drawn twice */
-    s->light = (uint32_t)b->lights;
-    b->light[b->lights++] = p->light[i];
-  }
+  ylm_status s = ylm__surface_keep(b, p->n, p->site, p->light); /* one may be drawn twice */
+  if (s != YLM_OK) return s;
   for (size_t k = 0; k < b->leaves; k++) {
     surface_leaf *l = &b->leaf[k];
     for (size_t i = l->first + l->sampled; i < l->first + l->n; i++)

@@ -156,6 +156,19 @@ ylm_status ylm__surface_know(surface_bake *b, size_t n, const uint32_t *site, co
   return s;
 }
 
+ylm_status ylm__surface_keep(surface_bake *b, size_t n, const uint32_t *site,
+                             const surface_light *light) {
+  if (!ylm_list_reserve(&b->light, b->lights, b->lights + n, &b->light_room, sizeof *b->light))
+    return YLM_ENOMEM;
+  for (size_t i = 0; i < n; i++) {
+    surface_site *s = &b->site[site[i]];
+    if (s->known == SITE_BURIED || s->light != SURFACE_NONE) continue;
+    s->light = (uint32_t)b->lights;
+    b->light[b->lights++] = light[i];
+  }
+  return YLM_OK;
+}
+
 void ylm__surface_take(surface_leaf *l, surface_entry *entry, size_t at) {
   surface_entry e = entry[at];
   entry[at] = entry[l->first + l->sampled];

@@ -2,6 +2,8 @@
 #ifndef YLM_SURFACE_PRIVATE_H
 #define YLM_SURFACE_PRIVATE_H
 
+#include <math.h>
+
 #include "calibration.h"
 #include "ylm_list.h"
 #include "ylm_surface.h"
@@ -25,9 +27,9 @@ typedef struct surface_charts {
   double unit;   /* its root */
   surface_chart *chart;
   size_t charts;
-  uint32_t *
-      of; /* [triangles] twice the first of its charts, + 1: six that blend; else front and back of a plane;
-                   SURFACE_NONE: no area */
+  /* [triangles] twice the first of a triangle's charts; + 1: six that blend, else front and back of a plane;
+     SURFACE_NONE: no area. */
+  uint32_t *of;
 } surface_charts;
 
 /* A place on a chart, its part of the place's light, and its coordinates, 0 .. SURFACE_TOP. */
@@ -36,11 +38,26 @@ typedef struct surface_spot {
   float weight, at[3];
 } surface_spot;
 
+/* The area of a triangle of a mesh with these positions, its corners p and its normal n; 0: it has none. */
+double ylm__surface_triangle(const float *positions, const uint32_t *triangle, const float *p[3],
+                             double n[3]);
 ylm_status ylm__surface_charts(const ylm_scene *scene, surface_charts *c, ylm_error *e);
 void ylm__surface_charts_free(surface_charts *c);
 /* The spots of a place whose position and normal are known, 3 at most; how many. */
 int ylm__surface_spots(const surface_charts *c, const ylm_scene_place *p, const float position[3],
                        const float normal[3], surface_spot spot[3]);
+
+/* Whether x lies on the second side of a cut: not where a . x < a[3]. */
+static inline bool ylm__surface_is_beyond(const float a[4], const float x[3]) {
+  return !(ylm_dot3(a, x) < a[3]);
+}
+/* Bilinear weights of the corners of a rectangle at a spot; beyond its edges those of the edges. */
+static inline void ylm__surface_weights(const uint16_t lo[2], const uint16_t hi[2],
+                                        const float at[2], float w[4]) {
+  float t[2];
+  for (int a = 0; a < 2; a++) t[a] = fminf(fmaxf((at[a] - lo[a]) / (float)(hi[a] - lo[a]), 0), 1);
+  for (int c = 0; c < 4; c++) w[c] = (c & 1 ? t[0] : 1 - t[0]) * (c & 2 ? t[1] : 1 - t[1]);
+}
 
 /* -- look.c: a finished grid ------------------------------------------------------ */
 
@@ -169,6 +186,9 @@ ylm_status ylm__surface_sites(surface_bake *b);
 ylm_status ylm__surface_sample(surface_bake *b);
 /* sites.c: finds out what a list of sites is; of `share` that ylm__surface_ask found, or of rays of its own. */
 ylm_status ylm__surface_know(surface_bake *b, size_t n, const uint32_t *site, const float *share);
+/* sites.c: keeps the light of a list of sites, of those that have none yet and are not buried. */
+ylm_status ylm__surface_keep(surface_bake *b, size_t n, const uint32_t *site,
+                             const surface_light *light);
 /* Takes an entry of a leaf, whose light is known, to those that are sampled. */
 void ylm__surface_take(surface_leaf *l, surface_entry *entry, size_t at);
 
@@ -185,8 +205,6 @@ ylm_status ylm__surface_plant(surface_bake *b, uint32_t chart, size_t first, siz
 ylm_status ylm__surface_halve(surface_bake *b, uint32_t leaf, uint32_t kind, const float a[4]);
 /* Whether a leaf may be halved across an axis. */
 bool ylm__surface_may(const surface_bake *b, const surface_branch *n, int axis);
-/* Bilinear weights of an entry in a leaf. */
-void ylm__surface_weights(const surface_branch *n, const float at[3], float w[4]);
 /* The light of the bake as it is at a site. */
 void ylm__surface_value(const surface_bake *b, const surface_site *s, float E[3]);
 

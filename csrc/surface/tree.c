@@ -8,7 +8,7 @@ uint32_t ylm__surface_descend(const surface_bake *b, const surface_spot *s,
   uint32_t k = b->root[s->chart];
   while (k != SURFACE_NONE && b->branch[k].kind != NODE_RECTANGLE) {
     const surface_branch *n = &b->branch[k], *child = &b->branch[n->child];
-    bool second = n->kind == NODE_PLANE ? !(ylm_dot3(n->a, position) < n->a[3])
+    bool second = n->kind == NODE_PLANE ? ylm__surface_is_beyond(n->a, position)
                                         : s->at[n->kind] >= child->hi[n->kind];
     k = n->child + second;
   }
@@ -45,20 +45,13 @@ bool ylm__surface_may(const surface_bake *b, const surface_branch *n, int axis) 
          (double)ylm__surface_extent(b, n, axis) > 2 * NARROWEST * b->charts.unit;
 }
 
-void ylm__surface_weights(const surface_branch *n, const float at[3], float w[4]) {
-  float t[2];
-  for (int a = 0; a < 2; a++)
-    t[a] = fminf(fmaxf((at[a] - n->lo[a]) / (float)(n->hi[a] - n->lo[a]), 0), 1);
-  for (int c = 0; c < 4; c++) w[c] = (c & 1 ? t[0] : 1 - t[0]) * (c & 2 ? t[1] : 1 - t[1]);
-}
-
 /* Values at the corners of a part of a leaf. */
 static void inherit(const surface_branch *whole, const float value[4][3],
                     const surface_branch *part, float out[4][3]) {
   for (int c = 0; c < 4; c++) {
-    const float at[3] = {c & 1 ? part->hi[0] : part->lo[0], c & 2 ? part->hi[1] : part->lo[1], 0};
+    const float at[2] = {c & 1 ? part->hi[0] : part->lo[0], c & 2 ? part->hi[1] : part->lo[1]};
     float w[4];
-    ylm__surface_weights(whole, at, w);
+    ylm__surface_weights(whole->lo, whole->hi, at, w);
     for (int k = 0; k < 3; k++) {
       out[c][k] = 0;
       for (int i = 0; i < 4; i++) out[c][k] += w[i] * value[i][k];
@@ -67,7 +60,7 @@ static void inherit(const surface_branch *whole, const float value[4][3],
 }
 
 static bool is_second(const surface_bake *b, const surface_branch *n, const surface_entry *e) {
-  if (n->kind == NODE_PLANE) return !(ylm_dot3(n->a, b->site[e->site].position) < n->a[3]);
+  if (n->kind == NODE_PLANE) return ylm__surface_is_beyond(n->a, b->site[e->site].position);
   return e->at[n->kind] >= b->branch[n->child].hi[n->kind];
 }
 
@@ -139,7 +132,8 @@ void ylm__surface_value(const surface_bake *b, const surface_site *s, float E[3]
     if (leaf == SURFACE_NONE || !b->leaf[leaf].sampled) continue;
     const surface_leaf *l = &b->leaf[leaf];
     float w[4];
-    ylm__surface_weights(&b->branch[l->branch], spot[i].at, w);
+    const surface_branch *r = &b->branch[l->branch];
+    ylm__surface_weights(r->lo, r->hi, spot[i].at, w);
     have += spot[i].weight;
     for (int c = 0; c < 4; c++)
       for (int k = 0; k < 3; k++) E[k] += spot[i].weight * w[c] * l->value[c][k];

@@ -18,16 +18,15 @@ extern "C" {
 typedef struct ylm_surface_grid ylm_surface_grid;
 
 typedef struct ylm_surface_form {
-  double
-      tolerance; /* of irradiance at 99 % of the surface, over the larger of the place's and the mean; what is promised */
-  double aim;    /* the part of it that is refined for, where another judge follows; 0: all */
-  size_t corners;        /* at most about so many; 0: as the tolerance asks */
+  /* The promise: of irradiance at 99 % of the surface, over the larger of the place's and the mean. */
+  double tolerance;
+  double aim;     /* the part of it that is refined for, where another judge follows; 0: all */
+  size_t corners; /* at most about so many; 0: as the tolerance asks */
   ylm_quantity quantity; /* what the light is, for who reads it */
-  const ylm_scene
-      *lit; /* whose materials and lamps it is of, for its prints; NULL: the radiosity's scene */
-  ylm_radiosity_map
-      light; /* as ylm_radiosity_places takes it; links: of a place, twice. Seed, threads and progress are
-                              those of all work here (stage "surfaces") */
+  const ylm_scene *lit; /* whose materials and lamps have its prints; NULL: the radiosity's scene */
+  /* As ylm_radiosity_places takes it; `links` of a place, twice. Seed, threads and progress are those of all work here
+     (stage "surfaces"). */
+  ylm_radiosity_map light;
 } ylm_surface_form;
 
 typedef struct ylm_surface_stats {

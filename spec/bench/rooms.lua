@@ -58,10 +58,10 @@ local function numbers(grid)
   return grid.stats.points * (SIDED and grid.sides and 1 or 4) * (grid.lmax + 1) ^ 2
 end
 
---- Bytes of the grid's file over its channels.
-local function bytes(grid)
+--- Bytes of the file of a grid over its channels.
+local function bytes(grid, channels, ending)
   local name = os.tmpname()
-  local path = name .. ".ylm"
+  local path = name .. ending
   local ok, size = grid:save(path), nil
   local f = ok and io.open(path, "rb")
   if f then
@@ -70,7 +70,7 @@ local function bytes(grid)
   end
   os.remove(path)
   os.remove(name)
-  return size and size / grid.channels
+  return size and size / channels
 end
 
 --- Irradiance [n][3] by coefficients [n][3][count] of light and normals.
@@ -461,16 +461,11 @@ local function by_surfaces(scene, entry, truth, links, say)
         local light = assert(scene:surface_grid { tolerance = tolerance, quantity = entry.quantity, links = links, judge = by,
           seed = seed, progress = false })
         local s, E = light.stats, {}
-        local seconds, path = now() - began, os.tmpname()
-        assert(light:save(path))
-        local file = assert(io.open(path))
-        local size = file:seek "end"
-        file:close()
-        os.remove(path)
+        local seconds = now() - began
         local e = assert(light:irradiance(points, truth.normals))
         for i = 1, #points do E[i] = { e:get(i, 1), e:get(i, 2), e:get(i, 3) } end
-        say(("%-22s %7d %9.0f %7.1f %9.0f %5s %6s %4d"):format(name, s.rectangles, s.corners, s.rays / 1e6, size / 3,
-          tostring(s.met), ("%.3f"):format(s.error), seconds), E)
+        say(("%-22s %7d %9.0f %7.1f %9.0f %5s %6s %4d"):format(name, s.rectangles, s.corners, s.rays / 1e6,
+          bytes(light, 3, ".surfaces"), tostring(s.met), ("%.3f"):format(s.error), seconds), E)
         light:close()
       end
     end
@@ -522,7 +517,7 @@ local function run(entry)
       options.geometry, options.occupied, options.progress = scene.geometry, "surfaces", false
       local ok, grid, message = pcall(ylm.bake, description, f, options)
       if ok and grid then
-        local s, size = grid.stats, bytes(grid)
+        local s, size = grid.stats, bytes(grid, grid.channels, ".ylm")
         local seconds = now() - began
         for _, way in ipairs(lookups(grid, scene, f)) do
           say(("%-22s %7d %9.0f %7.1f %9.0f %5s %6s %4d"):format(name .. (SIDED and ", " .. way[1] or ""), s.points,

@@ -39,8 +39,8 @@ static const ylmL_entry bake_entries[] = {
     YLML(bake_form, progress, "progress", VALUE),
     {.name = NULL}};
 
-/* surface_bake(radiosity, {tolerance, aim, quantity, lit: the scene whose lamps and materials it is of, corners, indirect, scene whose lamps light directly or nil, links, light_samples,
-   seed, threads, progress}) -> surface grid, which the radiosity's scene must outlive */
+/* surface_bake(radiosity, {tolerance, aim, quantity, lit: the scene whose lamps and materials it is of, corners, indirect,
+   scene whose lamps light directly or nil, links, light_samples, seed, threads, progress}) -> surface grid, which the radiosity's scene must outlive */
 static int surface_bake(lua_State *L) {
   bake_form f = {.progress = 0};
   const ylm_radiosity *r = ylmL_radiosity(L, 1);
@@ -56,11 +56,8 @@ static int surface_bake(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
 
-/* A fingerprint: 16 digits. */
 static void set_print(lua_State *L, const char *name, uint64_t print) {
-  char text[17];
-  snprintf(text, sizeof text, "%016llx", (unsigned long long)print);
-  lua_pushstring(L, text);
+  ylmL_scene_push_print(L, print);
   lua_setfield(L, -2, name);
 }
 

@@ -179,7 +179,7 @@ static int scene_bounds(lua_State *L) {
   return 2;
 }
 
-static void push_print(lua_State *L, uint64_t print) {
+void ylmL_scene_push_print(lua_State *L, uint64_t print) {
   char text[17];
   snprintf(text, sizeof text, "%016llx", (unsigned long long)print);
   lua_pushstring(L, text);
@@ -189,15 +189,15 @@ static void push_print(lua_State *L, uint64_t print) {
 static int scene_print(lua_State *L) {
   ylm_scene_prints p;
   ylm_scene_print(ylmL_scene(L, 1), &p);
-  push_print(L, p.geometry);
-  push_print(L, p.materials);
-  push_print(L, p.lights);
+  ylmL_scene_push_print(L, p.geometry);
+  ylmL_scene_push_print(L, p.materials);
+  ylmL_scene_push_print(L, p.lights);
   return 3;
 }
 
 /* scene_print_lights(scene) -> 16 digits, the same whether or not the sky is seen */
 static int scene_print_lights(lua_State *L) {
-  push_print(L, ylm_scene_print_lights(ylmL_scene(L, 1)));
+  ylmL_scene_push_print(L, ylm_scene_print_lights(ylmL_scene(L, 1)));
   return 1;
 }
 

@@ -24,4 +24,7 @@ const float (*ylmL_scene_places(lua_State *L, int i, const double *origin, size_
    without memory. */
 bool ylmL_scene_push_places(lua_State *L, const double *origin, size_t n, const float *x);
 
+/* Pushes a fingerprint: 16 digits. */
+void ylmL_scene_push_print(lua_State *L, uint64_t print);
+
 #endif

@@ -26,7 +26,7 @@ local function check_output(given)
     status.stop(status.usage, "bake: --coefficients is of .vtu files: give -o NAME.vtu, or leave it out")
   end
   if given.output:lower():find "%.ylmd/*$" then return true end
-  if given.tolerance and not given.output:lower():find "%.surfaces$" then
+  if given.tolerance and not status.is_surfaces(given.output) then
     status.stop(status.usage, "bake: --tolerance is of -o NAME.surfaces; a grid's is that of the scene's probes")
   end
   for _, name in ipairs { "fresh", "time" } do
@@ -111,7 +111,7 @@ return {
     check_quantity(given)
     local bounces = status.bounces("bake", given.bounces)
     local scene = status.load_scene(given[1])
-    if given.output:lower():find "%.surfaces$" then return bake_surfaces(given, scene, bounces) end
+    if status.is_surfaces(given.output) then return bake_surfaces(given, scene, bounces) end
     if not scene.probes and #scene.geometry == 0 then
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
     end

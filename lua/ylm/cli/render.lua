@@ -42,7 +42,7 @@ local function has_rays(given) return given.gloss == "auto" or given.gloss == "r
 --- The way that options mean: "rays", "grid" or "sum".
 local function way_of(given)
   local v = given.visibility
-  if given.by == nil and given.grid and given.grid:lower():find "%.surfaces$" then return "rays" end
+  if given.by == nil and status.is_surfaces(given.grid) then return "rays" end
   return given.by or (given.grid or v and v ~= "rays") and "grid" or "rays"
 end
 
@@ -66,7 +66,7 @@ local function refuse_idle(given, by)
   for name in pairs(only) do names[#names + 1] = name end
   table.sort(names)
   for _, name in ipairs(names) do
-    local fits = only[name][by] or name == "grid" and given.grid and given.grid:lower():find "%.surfaces$"
+    local fits = only[name][by] or name == "grid" and status.is_surfaces(given.grid)
     if given[name] ~= nil and not fits then
       local fit = {}
       for way in pairs(only[name]) do fit[#fit + 1] = way end
@@ -183,7 +183,7 @@ return {
     check_virtual(given)
     local options = options_of(given, by)
     local scene = status.load_scene(given[1])
-    if given.grid and given.grid:lower():find "%.surfaces$" then
+    if status.is_surfaces(given.grid) then
       options.by, options.bounces = given.by or "rays", nil
       options.bounced = status.need(scene:surface_grid { file = given.grid })
     elseif given.grid then options.grid = status.need_kind("ylm.grid", "a grid", given.grid, ylm.load(given.grid))

@@ -31,6 +31,9 @@ function status.stop(code, message, ...)
   error(setmetatable({ status = code, message = message }, ending), 0)
 end
 
+--- Is it the name of a file of light on surfaces?
+function status.is_surfaces(path) return path ~= nil and path:lower():find "%.surfaces$" ~= nil end
+
 --- The number of bounces, or "all", that the option of a command says; nil: it was not given.
 function status.bounces(name, text)
   if text == nil or text == "all" then return text end

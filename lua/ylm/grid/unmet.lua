@@ -8,13 +8,13 @@ local unmet = {}
 local FALL = 4     -- powers of 2 by which errors of fourth order fall from level to level
 
 --- x rounded up to two digits, so that it is met.
-local function rounded_up(x)
+function unmet.rounded_up(x)
   local unit = 10 ^ (math.floor(math.log(x) / math.log(10)) - 1)
   return ("%.2g"):format(math.ceil(x / unit - 1e-9) * unit)
 end
 
 --- "tolerance = 0.02", which is met; nil where the error has no bound: there is light in the grid where all is dark.
-local function looser(error) return error < math.huge and "tolerance = " .. rounded_up(error) or nil end
+local function looser(error) return error < math.huge and "tolerance = " .. unmet.rounded_up(error) or nil end
 
 --- "depth = 7", at which errors of fourth order would be within the tolerance; nil where no grid is that deep.
 local function deeper(depth, error, tolerance)
@@ -35,11 +35,16 @@ local function too_shallow(depth, error, tolerance)
   return ("voxels end at depth %d"):format(depth) .. set(deeper(depth, error, tolerance), looser(error))
 end
 
+--- That paths leave places undecided, where the others keep a tolerance; nil where they do not.
+function unmet.undecided(s, paths)
+  if s.failed - paths.undecided > 0.005 * s.verified then return nil end
+  return ("%d of %d places are undecided by the paths"):format(paths.undecided, s.verified)
+end
+
 --- Why paths say that a tolerance is not met which the grid keeps against its own light field.
 local function against_paths(s, paths)
-  if s.failed - paths.undecided <= 0.005 * s.verified then
-    return ("%d of %d places are undecided by the paths"):format(paths.undecided, s.verified) .. set(looser(s.error))
-  end
+  local undecided = unmet.undecided(s, paths)
+  if undecided then return undecided .. set(looser(s.error)) end
   return "the light field itself is that far from the paths; make links of a smaller spacing" .. set(looser(s.error))
 end
 

@@ -13,6 +13,7 @@ local progress = require "ylm.progress"
 local promise = require "ylm.render.promise"
 local tracing = require "ylm.trace"
 local transfer = require "ylm.transfer"
+local unmet = require "ylm.grid.unmet"
 local warning = require "ylm.warning"
 
 local surfaces = {}
@@ -62,34 +63,14 @@ local all_options = options.list(fields, options.common)
 
 -- Making ---------------------------------------------------------------------------------------
 
---- Elements and their light; or nil, message, code.
-local function light_up(s, o)
-  local links, message, code = o.links
-  if not links then
-    links, message, code = s:links { lmax = 0, threads = o.threads, progress = o.progress }
-    if not links then return nil, message, code end
-  end
-  local bounces = o.quantity == "direct" and 0 or o.bounces or "all"
-  if o.quantity ~= "direct" and bounces ~= "all" then bounces = math.max(0, bounces - 1) end
-  return links:radiosity(s.lights, { bounces = bounces, seed = o.seed, threads = o.threads, progress = o.progress })
-end
-
---- A number rounded up to two digits, as warnings name tolerances.
-local function rounded_up(x)
-  if not (x < math.huge) then return "larger" end
-  local unit = 10 ^ (math.floor(math.log(x) / math.log(10)) - 1)
-  return ("%.2g"):format(math.ceil(x / unit - 1e-9) * unit)
-end
-
 --- Why a tolerance is not met, and what to change.
 local function cause_of(m)
   local s, paths = m.stats, m.stats.paths
-  local looser = "set tolerance = " .. rounded_up(s.error)
+  local looser = "set tolerance = " .. (s.error < math.huge and unmet.rounded_up(s.error) or "larger")
   if s.spent then return "its corners are spent; leave corners out, or " .. looser end
   if paths and paths.field_met then
-    if s.failed - paths.undecided <= 0.005 * s.verified then
-      return ("%d of %d places are undecided by the paths; %s"):format(paths.undecided, s.verified, looser)
-    end
+    local undecided = unmet.undecided(s, paths)
+    if undecided then return undecided .. "; " .. looser end
     return ("the light of elements is that far from the paths; give links = scene:links { spacing = %.2g }, or %s"):format(
       math.max(LEAST_SPACING, m.tolerance / s.error) * m.links.stats.spacing, looser)
   end
@@ -135,12 +116,12 @@ local function remember(g, s, traced, o, links)
 end
 
 local function bake(s, traced, o)
-  local lit, message, code = light_up(s, o)
+  local lit, message, code = transfer.fields.radiosity("surface_grid", s, o, o.seed)
   if not lit then return nil, message, code end
   local direct, by_paths, g = o.quantity ~= "indirect", o.judge == "paths"
   g, message, code = check.result("surface_grid", traced.lib.surface_bake(lit, { tolerance = o.tolerance,
     aim = by_paths and AIM or 1, quantity = o.quantity, lit = traced.handle, corners = o.corners or 0,
-    indirect = o.quantity ~= "direct" and o.bounces ~= 0, scene = direct and traced.handle or nil, links = o.rays,
+    indirect = not transfer.fields.is_direct(o), scene = direct and traced.handle or nil, links = o.rays,
     light_samples = o.light_samples, seed = o.seed, threads = o.threads, progress = progress.resolve(o.progress) }))
   if not g then return nil, message, code end
   local m = remember(g, s, traced, o, lit.links)

@@ -44,19 +44,28 @@ function fields.check(name, s, o)
   if o.quantity ~= "lights" then reflections(name, o) end
 end
 
---- Light of the scene `s` from its surfaces, by options that fields.check has seen; `more`: further options of radiosity:field.
--- Or nil, message, code.
-function fields.gathered(name, s, o, more)
-  local n, direct = reflections(name, o), o.quantity == "direct" or o.bounces == 0
-  local links, lit, message, code = o.links
+--- The light of the scene `s` on elements, by options that fields.check has seen; `seed` of shadow rays, nil: the default.
+-- Direct light alone needs few rays of them. Or nil, message, code.
+function fields.radiosity(name, s, o, seed)
+  local n, direct = reflections(name, o), fields.is_direct(o)
+  local links, message, code = o.links
   if not links then
     links, message, code = s:links { rays = direct and 4 or nil, lmax = 0, threads = o.threads, progress = o.progress }
     if not links then return nil, message, code end
   end
-  lit, message, code = links:radiosity(s.lights, { bounces = n, light_samples = direct and 1 or nil, threads = o.threads,
+  return links:radiosity(s.lights, { bounces = n, light_samples = direct and 1 or nil, seed = seed, threads = o.threads,
     progress = o.progress })
+end
+
+--- Is it direct light alone that options ask for?
+function fields.is_direct(o) return o.quantity == "direct" or o.bounces == 0 end
+
+--- Light of the scene `s` from its surfaces, by options that fields.check has seen; `more`: further options of radiosity:field.
+-- Or nil, message, code.
+function fields.gathered(name, s, o, more)
+  local lit, message, code = fields.radiosity(name, s, o)
   if not lit then return nil, message, code end
-  local given = { quantity = direct and "direct" or o.quantity }
+  local given = { quantity = fields.is_direct(o) and "direct" or o.quantity }
   for _, field in ipairs(more or {}) do given[field[1]] = o[field[1]] end
   return lit:field(given)
 end
