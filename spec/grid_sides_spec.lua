@@ -215,7 +215,7 @@ describe("sides", function()
     assert.truthy(grid.stats.warning:find("its points are spent; leave points out", 1, true), grid.stats.warning)
     local ok, message = pcall(ylm.bake, adaptive { points = 300 }, walls.lamp)
     assert.is_false(ok)
-    assert.truthy(message:find("points are a budget of grids with sides", 1, true), message)
+    assert.truthy(message:find("points are a budget beside a tolerance of grids with sides", 1, true), message)
   end)
 
   it("of damaged files are refused", function()

@@ -1,5 +1,6 @@
 /* store.c - cells and points of a grid, and the way from a position to its cell. */
 #include "grid.h"
+#include "bake/panel.h"
 #include "ylm_list.h"
 
 #include <math.h>
@@ -176,6 +177,7 @@ void ylm_grid_free(ylm_grid *g) {
   ylm_free(g->birth);
   ylm_free(g->frames);
   ylm_free(g->judge);
+  ylm__grid_forget_panel(g);
   ylm__sides_free(&g->sides);
   if (g->follower) g->follower->free(g);
   ylm_free(g);

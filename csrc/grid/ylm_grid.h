@@ -781,6 +781,56 @@ YLM_API ylm_status ylm_grid_write(const ylm_grid *g, const char *path, ylm_error
 YLM_API ylm_status ylm_grid_encode(const ylm_grid *g, unsigned char **data, size_t *size,
                                    ylm_error *e);
 
+/* -- few bytes: small/ --------------------------------------------------------- */
+
+/* How few, or how exact: one of tolerance, bytes and step. */
+typedef struct ylm_grid_small {
+  double tolerance; /* of the light, as that of a bake: of what is decoded, in all; 0: none */
+  uint64_t bytes;   /* of the file, at most; 0: none */
+  double step;      /* of rounding, relative to the light's norm; 0: it is found */
+  int threads;      /* 0: the default */
+  const ylm_progress *progress; /* may be NULL; stage "rounding" */
+} ylm_grid_small;
+
+/* What a small file keeps. Errors are of the grid's measure. */
+typedef struct ylm_grid_small_report {
+  double error;      /* in all: 99 % of all places err by less; NaN: the grid's own error is not known */
+  double confidence; /* of that */
+  double before;     /* what interpolation alone errs by: the grid's own error; NaN: not known */
+  double rounding;   /* of decoded light against the grid's: 99 % of the places looked at */
+  double largest;    /* of these */
+  double middle;     /* the median of the total where a panel judged it, else of rounding */
+  uint64_t places;   /* places looked at */
+  uint64_t judged;   /* 1: the bake's own held-out places, with exact light; 0: error is the sum of before and largest */
+  double step;       /* relative to the light's norm */
+} ylm_grid_small_report;
+
+/*
+** ylm_grid_encode_small - a grid as a file of few bytes, within a tolerance or within a number of bytes.
+**
+** Points are predicted from points before them, and what is left is turned, rounded and counted (docs/grids.md, "Few bytes").
+** What is decoded is measured before it is written: at the places that judged the bake where the grid is from one, else by
+** the triangle inequality at 16,384 random ones.
+**
+**   data, size  out  the file (ylm_free); NULL on failure
+**   report      out  may be NULL
+**
+** Returns  YLM_OK; YLM_EINVAL (a dynamic grid; not one of tolerance, bytes and step), YLM_EDOMAIN (one of these is out of
+**          range; light that is not finite), YLM_ELIMIT (the grid itself errs by more than the tolerance; so few bytes do not
+**          do), YLM_ENOMEM, YLM_ECANCELLED
+** Results  decoded rows are the same on every machine, whatever the kernel set and number of threads
+*/
+YLM_API ylm_status ylm_grid_encode_small(const ylm_grid *g, const ylm_grid_small *how,
+                                         unsigned char **data, size_t *size,
+                                         ylm_grid_small_report *report, ylm_error *e);
+/* Gives a file of a grid in memory, which holds it to the bit, the stats and the tolerance that the grid has by now: another
+   judge may have spoken. YLM_EFORMAT: it is no file of such a grid. */
+YLM_API ylm_status ylm_grid_restate(unsigned char *data, size_t size, const ylm_grid *g, ylm_error *e);
+/* The places that judged a bake, with their light, become those of a grid that was decoded from it. */
+YLM_API void ylm_grid_inherit(ylm_grid *to, ylm_grid *from);
+/* The report that a small file has; false: the grid was not read from one. */
+YLM_API bool ylm_grid_small_of(const ylm_grid *g, ylm_grid_small_report *report);
+
 /*
 ** ylm_grid_read, ylm_grid_decode - a grid from a file, or from its bytes.
 **

@@ -28,7 +28,7 @@ FUZZ_ABOUT_jpeg := csrc/codec/jpeg.c
 FUZZ_ABOUT_gltf := $(wildcard csrc/codec/gltf/*.c)
 FUZZ_ABOUT_merl := csrc/material/merl_file.c csrc/material/merl_table.c
 FUZZ_ABOUT_tensor := csrc/material/tensor.c csrc/material/rgl_file.c csrc/material/warp.c csrc/material/rgl.c
-FUZZ_ABOUT_grid := $(wildcard csrc/grid/file/*.c)
+FUZZ_ABOUT_grid := $(wildcard csrc/grid/file/*.c csrc/grid/small/*.c)
 
 FUZZ_SANITIZE := -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined
 FUZZ_CFLAGS := -std=gnu11 -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION -O1 -g -fno-omit-frame-pointer $(FUZZ_SANITIZE) -fprofile-instr-generate -fcoverage-mapping \

@@ -21,6 +21,12 @@ typedef struct panel {
   bool known;            /* these are there */
 } panel;
 
+/* What a grid keeps of its bake: a panel, and the measure of its errors. */
+typedef struct grid_panel {
+  panel points;
+  measure measure;
+} grid_panel;
+
 /* The verdict of a panel about a grid. */
 typedef struct ruling {
   size_t points, failed;
@@ -43,6 +49,8 @@ int ylm__confidence_allowed(size_t n, double share, double doubt);
 /* -- panel.c ---------------------------------------------------------------------------- */
 
 void ylm__panel_free(panel *p);
+/* The grid has no panel any more: its light is another's. */
+void ylm__grid_forget_panel(ylm_grid *g);
 /* A panel of the same points with light of its own, a copy; what frees it; two that change it. */
 ylm_status ylm__panel_copy_light(panel *to, const panel *from, size_t width);
 void ylm__panel_forget_light(panel *p);

@@ -140,8 +140,9 @@ bool ylm__grid_file_table_holds(const ylm_grid *g, uint64_t cells) {
 
 const char *ylm__grid_file_check_points(const ylm_grid *g) {
   bool metric = g->contents.form.metric_channels != 0;
+  bool known = g->evaluated && !isnan(g->lambda[0]); /* of a grid that was read from few bytes no lambda is */
   for (size_t i = 0; i < g->evaluated; i++) {
-    if (metric && (isnan(g->lambda[i]) || isnan(g->norm[i]))) return "a point's metric";
+    if (metric && (isnan(g->norm[i]) || isnan(g->lambda[i]) == known)) return "a point's metric";
     if (g->flags[i] & YLM_GRID_POINT_INTERPOLATED) return "a point's flags";
     if (g->validity && !(g->validity[i] >= 0 && g->validity[i] <= 1)) return "a point's validity";
     for (size_t a = 0; a < 3; a++)

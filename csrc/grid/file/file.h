@@ -9,6 +9,7 @@
 #define YLM_GRID_FILE_H
 
 #include "../grid.h"
+#include "../small/small.h"
 
 #define GRID_FILE_ORDER 0x01020304u
 #define GRID_FILE_VERSION 2u
@@ -76,7 +77,8 @@ typedef struct grid_file_measure {
   uint64_t zeros;
 } grid_file_measure;
 
-_Static_assert(sizeof(grid_file_measure) == 16 && sizeof(ylm_grid_body) == 40 &&
+_Static_assert(sizeof(small_head) == 64 && sizeof(ylm_grid_small_report) == 72 &&
+                   sizeof(grid_file_measure) == 16 && sizeof(ylm_grid_body) == 40 &&
                    sizeof(ylm_grid_prints) == 32 && sizeof(grid_file_brick) == 16 &&
                    sizeof(grid_file_header) == 64 && sizeof(grid_file_entry) == 64 &&
                    sizeof(grid_file_form) == 136 && sizeof(grid_file_stats) == 104 &&
@@ -90,7 +92,8 @@ _Static_assert(sizeof(grid_file_measure) == 16 && sizeof(ylm_grid_body) == 40 &&
    `ghosts` where the field was asked for the last of the evaluated points, which are flagged as such. The
    sections behind `rows` are left out where they would say nothing: quantity "lights", measure
    "coefficients", the validity of points that nobody told, no floor, no body, no
-   fingerprints, and the brick that a whole grid is not. */
+   fingerprints, and the brick that a whole grid is not. A file of few bytes has the sections `small...` instead of those
+   from `cells` to `rows`, `validity`, `sides`, `nodes` and `ghosts`. */
 #define GRID_FILE_LIST(X)                                                                          \
   X(form, sizeof(grid_file_form), true)                                                            \
   X(stats, sizeof(grid_file_stats), false)                                                         \
@@ -110,7 +113,15 @@ _Static_assert(sizeof(grid_file_measure) == 16 && sizeof(ylm_grid_body) == 40 &&
   X(brick, sizeof(grid_file_brick), true)                                                          \
   X(sides, sizeof(ylm_grid_side), true)                                                            \
   X(nodes, 8 * sizeof(uint32_t), true)                                                             \
-  X(ghosts, 3 * sizeof(float), true)
+  X(ghosts, 3 * sizeof(float), true)                                                               \
+  X(small, sizeof(small_head), true)                                                               \
+  X(small_tree, 1, true)                                                                           \
+  X(small_bases, 1, true)                                                                          \
+  X(small_tables, 1, true)                                                                         \
+  X(small_points, 1, true)                                                                         \
+  X(small_numbers, 1, true)                                                                        \
+  X(small_bits, 1, true)                                                                           \
+  X(small_report, sizeof(ylm_grid_small_report), false)
 
 enum {
 #define X(name, record, required) GRID_FILE_##name,
@@ -169,6 +180,14 @@ ylm_status ylm__file_table_take_floats(const file_table *t, const file_source *s
 /* Form and stats; those of a file without the section stats are 0, errors NaN. */
 ylm_status ylm__file_table_form(const file_table *t, const file_source *s, grid_file_form *form,
                                 ylm_grid_form *out, ylm_grid_stats *stats, ylm_error *e);
+
+/* -- write.c ------------------------------------------------------------------------- */
+
+/* The file of a grid: small NULL: all its sections as they are; else those of few bytes. */
+ylm_status ylm__grid_file_encode(const ylm_grid *g, const small_packed *small, unsigned char **data,
+                                 size_t *size, ylm_error *e);
+/* Bytes of a file of few bytes. */
+uint64_t ylm__grid_file_small_size(const ylm_grid *g, const small_packed *small);
 
 /* -- readers ------------------------------------------------------------------------- */
 

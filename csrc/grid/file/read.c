@@ -169,6 +169,61 @@ static ylm_status take_root(reading *r) {
   return YLM_OK;
 }
 
+/* A section's bytes (ylm_free); an absent one has none. */
+static ylm_status take_bytes(const reading *r, int kind, unsigned char **data, size_t *size) {
+  const grid_file_entry *entry = ylm__file_table_find(&r->table, kind);
+  *size = entry ? (size_t)entry->size : 0;
+  *data = ylm_alloc(*size + 1, 1);
+  if (!*data) return ylm_no_memory_for(r->e, r->source->name);
+  return entry ? take(r, kind, 1, *size, *data) : YLM_OK;
+}
+
+/* Cells and points of a file of few bytes. */
+static ylm_status read_packed(reading *r, const grid_file_form *f, small_packed *p) {
+  const char *bad = NULL, *name = r->source->name;
+  ylm_status s = take(r, GRID_FILE_small, sizeof p->head, 1, &p->head);
+  if (s == YLM_OK && !ylm__small_head_holds(&p->head, r->g))
+    return ylm__grid_file_bad(name, "how its points are rounded", r->e);
+  if (s == YLM_OK) s = take_bytes(r, GRID_FILE_small_tree, &p->tree, &p->tree_size);
+  if (s == YLM_OK) s = take_bytes(r, GRID_FILE_small_bases, &p->bases, &p->bases_size);
+  if (s == YLM_OK) s = take_bytes(r, GRID_FILE_small_tables, &p->tables, &p->tables_size);
+  if (s == YLM_OK) s = take_bytes(r, GRID_FILE_small_points, &p->points, &p->points_size);
+  if (s == YLM_OK) s = take_bytes(r, GRID_FILE_small_numbers, &p->data, &p->data_size);
+  if (s == YLM_OK) s = take_bytes(r, GRID_FILE_small_bits, &p->raw, &p->raw_size);
+  if (s != YLM_OK) return s;
+  s = ylm__small_decode(r->g, p, f->octree_cells, f->evaluated, r->threads, &bad);
+  if (bad) return ylm__grid_file_bad(name, bad, r->e);
+  if (s != YLM_OK) return ylm_fail(r->e, s, "%s: the grid does not fit into memory", name);
+  if (r->g->cells != f->cells || r->g->points != f->points)
+    return ylm__grid_file_bad(name, "its counts", r->e);
+  return YLM_OK;
+}
+
+/* A file of few bytes, whose form is known. */
+static ylm_status read_small(reading *r, const grid_file_form *f) {
+  ylm_grid *g = r->g;
+  small_packed p = {0};
+  if (r->room && r->room->data) {
+    g->data = r->room->data;
+    g->data_bytes = r->room->bytes;
+    *r->room = (grid_file_room){0};
+  }
+  ylm_status s = take_root(r);
+  if (s == YLM_OK) s = read_packed(r, f, &p);
+  ylm_free(p.tree);
+  ylm_free(p.bases);
+  ylm_free(p.tables);
+  ylm_free(p.points);
+  ylm_free(p.data);
+  ylm_free(p.raw);
+  if (s != YLM_OK) return s;
+  if (ylm__file_table_find(&r->table, GRID_FILE_small_report)) {
+    s = take(r, GRID_FILE_small_report, sizeof g->small, 1, &g->small);
+    g->is_small = s == YLM_OK;
+  }
+  return s;
+}
+
 /* The grid of a file whose table was read. */
 static ylm_status read_grid(reading *r) {
   grid_file_form f;
@@ -181,6 +236,7 @@ static ylm_status read_grid(reading *r) {
   r->g = ylm__grid_new(&form);
   if (!r->g) return ylm_no_memory_for(r->e, name);
   r->g->stats = stats;
+  if (ylm__file_table_find(&r->table, GRID_FILE_small)) return read_small(r, &f);
   if (!sizes_hold(r, &f)) return ylm__grid_file_bad(name, "the size of a section", r->e);
   if (!ylm__grid_file_table_holds(r->g, f.cells))
     return ylm__grid_file_bad(name, "too sparse a lattice", r->e);

@@ -190,6 +190,11 @@ static ylm_status take_meaning(const file_table *t, const file_source *s, ylm_gr
   out->quantity = quantity < YLM_QUANTITY_COUNT ? (ylm_quantity)quantity : YLM_QUANTITY_COUNT;
   out->measure = (ylm_grid_measure)m.measure;
   out->sides = ylm__file_table_find(t, GRID_FILE_sides) != NULL;
+  small_head small;
+  if (status == YLM_OK && ylm__file_table_find(t, GRID_FILE_small)) {
+    status = ylm__file_table_take(t, s, GRID_FILE_small, sizeof small, sizeof small, &small, e);
+    out->sides = status == YLM_OK && small.flags & SMALL_HAS_SIDES;
+  }
   return status;
 }
 

@@ -36,6 +36,7 @@ static void put_zeros(sink *s, uint64_t end) {
 
 typedef struct writing {
   const ylm_grid *g;
+  const small_packed *small; /* NULL: none */
   grid_file_header header;
   grid_file_entry entry[GRID_FILE_COUNT];
   size_t entries;
@@ -106,12 +107,27 @@ static void sizes(const writing *w, uint64_t size[GRID_FILE_COUNT],
   SECTION(sides, s->side, s->n * sizeof *s->side);
   SECTION(nodes, s->node, s->parts * sizeof *s->node);
   SECTION(ghosts, ghosts ? s->asked[n - ghosts] : NULL, ghosts * sizeof *s->asked);
+  for (int i = GRID_FILE_small; i < GRID_FILE_COUNT; i++) size[i] = 0;
+  if (!w->small) return;
+  static const int instead[] = {GRID_FILE_cells, GRID_FILE_lattice,  GRID_FILE_lambda, GRID_FILE_norm,
+                                GRID_FILE_flags, GRID_FILE_births,   GRID_FILE_rows,   GRID_FILE_validity,
+                                GRID_FILE_sides, GRID_FILE_nodes,    GRID_FILE_ghosts};
+  for (size_t i = 0; i < sizeof instead / sizeof *instead; i++) size[instead[i]] = 0;
+  const small_packed *p = w->small;
+  SECTION(small, &p->head, sizeof p->head);
+  SECTION(small_tree, p->tree, p->tree_size);
+  SECTION(small_bases, p->bases, p->bases_size);
+  SECTION(small_tables, p->tables, p->tables_size);
+  SECTION(small_points, p->points, p->points_size);
+  SECTION(small_numbers, p->data, p->data_size);
+  SECTION(small_bits, p->raw, p->raw_size);
+  SECTION(small_report, &p->report, sizeof p->report);
 #undef SECTION
 }
 
 /* Where every section of the grid's file will stand, and the size of the file. */
-static void lay_out(writing *w, const ylm_grid *g) {
-  *w = (writing){.g = g};
+static void lay_out(writing *w, const ylm_grid *g, const small_packed *small) {
+  *w = (writing){.g = g, .small = small};
   uint64_t size[GRID_FILE_COUNT], at = sizeof w->header;
   const void *data[GRID_FILE_COUNT];
   describe(w);
@@ -126,8 +142,8 @@ static void lay_out(writing *w, const ylm_grid *g) {
 #undef X
   };
   for (int i = 0; i < GRID_FILE_COUNT; i++) {
-    bool named = i == GRID_FILE_sides && g->contents.form.sides; /* also where there are none */
-    if (i > GRID_FILE_rows && !size[i] && !named) continue;
+    bool always = !small && (i <= GRID_FILE_rows || (i == GRID_FILE_sides && g->contents.form.sides));
+    if (!always && !size[i]) continue;
     w->kind[w->entries] = i;
     w->entry[w->entries++] = all[i];
   }
@@ -195,11 +211,22 @@ static void put_head(writing *w, sink *s) {
   put(s, w->entry, w->entries * sizeof *w->entry);
 }
 
+uint64_t ylm__grid_file_small_size(const ylm_grid *g, const small_packed *small) {
+  writing w;
+  lay_out(&w, g, small);
+  return w.header.size;
+}
+
 ylm_status ylm_grid_encode(const ylm_grid *g, unsigned char **data, size_t *size, ylm_error *e) {
+  return ylm__grid_file_encode(g, NULL, data, size, e);
+}
+
+ylm_status ylm__grid_file_encode(const ylm_grid *g, const small_packed *small, unsigned char **data,
+                                 size_t *size, ylm_error *e) {
   writing w;
   ylm_status status = ylm__grid_file_machine("the grid", e);
   if (status != YLM_OK) return status;
-  lay_out(&w, g);
+  lay_out(&w, g, small);
   *size = w.header.size;
   *data = ylm_alloc(*size, 1);
   sink s = {.data = *data};
@@ -218,7 +245,7 @@ ylm_status ylm_grid_write(const ylm_grid *g, const char *path, ylm_error *e) {
   ylm_status status = ylm__grid_file_machine(path, e);
   if (status == YLM_OK) status = ylm_file_create(path, &s.file, e);
   if (status != YLM_OK) return status;
-  lay_out(&w, g);
+  lay_out(&w, g, NULL);
   if (put_sections(&w, &s) != YLM_OK) {
     ylm_file_discard(s.file);
     return ylm_no_memory_for(e, path);
@@ -229,4 +256,39 @@ ylm_status ylm_grid_write(const ylm_grid *g, const char *path, ylm_error *e) {
   }
   put_head(&w, &s);
   return ylm_file_commit(s.file, e);
+}
+
+/* The entry of a section in a table in memory; NULL: there is none of that size. */
+static grid_file_entry *entry_of(grid_file_entry *entry, size_t n, const char *name, size_t bytes) {
+  for (size_t i = 0; i < n; i++)
+    if (strncmp(entry[i].name, name, sizeof entry[i].name) == 0)
+      return entry[i].size == bytes ? &entry[i] : NULL;
+  return NULL;
+}
+
+ylm_status ylm_grid_restate(unsigned char *data, size_t size, const ylm_grid *g, ylm_error *e) {
+  writing w = {.g = g};
+  file_source source;
+  file_table t;
+  ylm_status s = ylm__file_source_memory(&source, "the grid", data, size, e);
+  if (s == YLM_OK) s = ylm__file_table_read(&t, &source, e);
+  if (s != YLM_OK) return s;
+  describe(&w);
+  grid_file_entry *form = entry_of(t.entry, t.sections, "form", sizeof w.form),
+                  *stats = entry_of(t.entry, t.sections, "stats", sizeof w.stats);
+  if (!form || !stats || memcmp(data + form->offset, &w.form, offsetof(grid_file_form, bounds)) != 0)
+    s = ylm__grid_file_bad("the grid", "it is another's", e);
+  if (s == YLM_OK) {
+    memcpy(data + form->offset, &w.form, sizeof w.form);
+    memcpy(data + stats->offset, &w.stats, sizeof w.stats);
+    form->crc = ylm_crc64(0, &w.form, sizeof w.form);
+    stats->crc = ylm_crc64(0, &w.stats, sizeof w.stats);
+    size_t bytes = t.sections * sizeof *t.entry;
+    memcpy(data + sizeof w.header, t.entry, bytes);
+    memcpy(&w.header, data, sizeof w.header);
+    w.header.crc = ylm_crc64(ylm_crc64(0, &w.header, offsetof(grid_file_header, crc)), t.entry, bytes);
+    memcpy(data, &w.header, sizeof w.header);
+  }
+  ylm_free(t.entry);
+  return s;
 }

@@ -1,4 +1,5 @@
 /* refresh.c - a grid's points in another light: evaluated anew, all or none. */
+#include "../bake/panel.h"
 #include "../bake/baker.h"
 
 #include <math.h>
@@ -84,6 +85,8 @@ static bool is_same(const ylm_grid *g, const kept *old) {
 /* A promise about another light is none. */
 static void forget_promise(ylm_grid *g) {
   ylm_grid_stats *s = &g->stats;
+  ylm__grid_forget_panel(g);
+  g->is_small = false;
   for (size_t i = 0; i < g->cells; i++) g->cell[i].residual = NAN;
   s->met = s->limited = false;
   s->error = s->largest_error = NAN;

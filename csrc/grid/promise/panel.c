@@ -36,6 +36,22 @@ void ylm__panel_free(panel *p) {
   *p = (panel){0};
 }
 
+void ylm__grid_forget_panel(ylm_grid *g) {
+  if (g->panel) ylm__panel_free(&g->panel->points);
+  ylm_free(g->panel);
+  g->panel = NULL;
+}
+
+/* The panel becomes the grid's, which has none. */
+static ylm_status keep_panel(const refiner *r, panel *p) {
+  grid_panel *kept = ylm_alloc(1, sizeof *kept);
+  if (!kept) return YLM_ENOMEM;
+  *kept = (grid_panel){*p, r->b->measure};
+  r->b->g->panel = kept;
+  *p = (panel){0};
+  return YLM_OK;
+}
+
 size_t ylm__panel_bytes(const panel *p, size_t width) {
   size_t kept = p->sampled ? width * sizeof *p->sampled + 16 : 0; /* 16: of the track */
   return p->n * (3 * sizeof *p->point + width * sizeof *p->exact + sizeof *p->drift + 1 + kept);
@@ -257,6 +273,7 @@ ylm_status ylm__panel_judge(refiner *r, bool limited) {
   if (s == YLM_OK && g->follower && !p.all) s = draw(r, &p, &had, PANEL / HELD_OUT);
   if (s == YLM_OK) ylm__panel_report(&g->stats, &p, &said, limited);
   if (s == YLM_OK && g->contents.form.sides && p.side) s = keep_judges(g, &p);
+  if (s == YLM_OK && !g->follower && !g->contents.form.sides) s = keep_panel(r, &p);
   if (s == YLM_OK && g->follower)
     r->b->learnt.panel = p;
   else

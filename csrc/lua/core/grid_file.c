@@ -29,6 +29,68 @@ static int grid_encode(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
+static void push_small_report(lua_State *L, const ylm_grid_small_report *r) {
+  lua_newtable(L);
+  ylmL_set_number(L, "error", r->error);
+  ylmL_set_number(L, "confidence", r->confidence);
+  ylmL_set_number(L, "before", r->before);
+  ylmL_set_number(L, "rounding", r->rounding);
+  ylmL_set_number(L, "largest", r->largest);
+  ylmL_set_number(L, "median", r->middle);
+  ylmL_set_count(L, "places", r->places);
+  ylmL_set_boolean(L, "judged", r->judged != 0);
+  ylmL_set_number(L, "step", r->step);
+}
+
+/* grid_encode_small(grid, tolerance or 0, bytes or 0, step or 0, threads, progress) -> the bytes of the file, report */
+static int grid_encode_small(lua_State *L) {
+  lua_settop(L, 6);
+  ylm_grid *g = ylmL_grid_check(L, 1);
+  ylmL_progress progress;
+  ylm_error e = {0};
+  ylm_grid_small how = {.tolerance = luaL_checknumber(L, 2),
+                        .bytes = (uint64_t)luaL_checknumber(L, 3),
+                        .step = luaL_checknumber(L, 4),
+                        .threads = (int)luaL_checknumber(L, 5),
+                        .progress = ylmL_progress_begin(L, 6, &progress)};
+  ylm_grid_small_report report;
+  unsigned char *data = NULL;
+  size_t size = 0;
+  ylm_status s = ylm_grid_encode_small(g, &how, &data, &size, &report, &e);
+  if (s == YLM_OK) {
+    lua_pushlstring(L, (const char *)data, size);
+    push_small_report(L, &report);
+  }
+  ylm_free(data);
+  return ylmL_result_progress(L, 2, s, &e, &progress);
+}
+
+/* grid_small(grid) -> the report of the file that it was read from, nil where that was not of few bytes */
+static int grid_small(lua_State *L) {
+  ylm_grid_small_report report;
+  if (!ylm_grid_small_of(ylmL_grid_check(L, 1), &report)) return 0;
+  push_small_report(L, &report);
+  return 1;
+}
+
+/* grid_restate(bytes of a file, grid) -> the bytes, with the stats and the tolerance that the grid has */
+static int grid_restate(lua_State *L) {
+  ylm_error e = {0};
+  size_t size;
+  const char *data = luaL_checklstring(L, 1, &size);
+  unsigned char *copy = lua_newuserdata(L, size + 1);
+  memcpy(copy, data, size);
+  ylm_status s = ylm_grid_restate(copy, size, ylmL_grid_check(L, 2), &e);
+  if (s == YLM_OK) lua_pushlstring(L, (const char *)copy, size);
+  return ylmL_result(L, 1, s, &e);
+}
+
+/* grid_inherit(grid, another that is read from its file): the places that judged it become those of the other */
+static int grid_inherit(lua_State *L) {
+  ylm_grid_inherit(ylmL_grid_check(L, 1), ylmL_grid_check(L, 2));
+  return 0;
+}
+
 /* grid_decode(bytes) -> grid */
 static int grid_decode(lua_State *L) {
   ylm_error e = {0};
@@ -99,6 +161,10 @@ static int grid_accepted_damage(lua_State *L) {
 static const luaL_Reg functions[] = {{"grid_write", grid_write},
                                      {"grid_read", grid_read},
                                      {"grid_encode", grid_encode},
+                                     {"grid_encode_small", grid_encode_small},
+                                     {"grid_small", grid_small},
+                                     {"grid_restate", grid_restate},
+                                     {"grid_inherit", grid_inherit},
                                      {"grid_decode", grid_decode},
                                      {"grid_file_look", grid_file_look},
                                      {"grid_accepted_damage", grid_accepted_damage},

@@ -72,6 +72,31 @@ local function need_grid(grid, message, code)
   return status.need(grid, message, code)
 end
 
+local PART = 0.6 -- of a tolerance, that interpolation takes where rounding takes the rest
+
+--- The probes to bake instead of a scene's, where few bytes are asked for; and the options of grid:save.
+local function few_bytes(given, scene)
+  if not given.small and not given.bytes then return nil, nil end
+  if given.small and given.bytes then status.stop(status.usage, "bake: --small or --bytes: each chooses the rounding") end
+  if not given.output:lower():find "%.ylm$" then
+    status.stop(status.usage, "bake: --%s is of -o NAME.ylm: leave it out", given.small and "small" or "bytes")
+  end
+  local small, probes = require "ylm.grid.small", scene.probes
+  if not probes then
+    status.stop(status.script, "%s: --%s needs probes of the scene's: probes = adaptive_grid { ... }", given[1],
+      given.small and "small" or "bytes")
+  end
+  if given.bytes then
+    local bytes = status.few_bytes("bake", given).bytes
+    if require "ylm.form".kind(probes) == "uniform_grid" then return nil, { bytes = bytes } end
+    return small.with_bytes(probes, bytes), nil
+  end
+  if not probes.tolerance then
+    status.stop(status.script, "%s: --small needs a tolerance of the scene's probes: tolerance = 0.01", given[1])
+  end
+  return small.with_tolerance(probes, PART * probes.tolerance), { tolerance = probes.tolerance }
+end
+
 return {
   summary = "bakes the probes of a scene file into a grid, or finds the light on its surfaces",
   usage = "SCENE.lua -o GRID.ylm",
@@ -82,6 +107,8 @@ return {
     { "output", "-o", "FILE", "the grid (.ylm), or .vtu for ParaView; .ylmd: a folder of bricks, for grids larger than "
       .. "memory, which a second call goes on with; .surfaces: light on the scene's surfaces instead of probes" },
     { "tolerance", nil, "N", "with -o NAME.surfaces: of irradiance at 99 % of the surface; default 0.05" },
+    { "small", nil, nil, "with -o NAME.ylm: few bytes: the tolerance of the scene's probes holds for what is decoded" },
+    { "bytes", nil, "SIZE", "with -o NAME.ylm: few bytes: the least error in at most so many (2MB, 500kB)" },
     { "coefficients", nil, nil, "with -o NAME.vtu: also all coefficients of points" },
     { "fresh", nil, nil, "with -o NAME.ylmd: begin anew, whatever is there" },
     { "time", nil, "TIME", "with -o NAME.ylmd: begin no brick that would take longer (90s, 55m, 12h); exit status 75 where "
@@ -115,18 +142,24 @@ return {
     if not scene.probes and #scene.geometry == 0 then
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
     end
+    local probes, few = few_bytes(given, scene)
     local team = status.need(ylm.team())
     local grid = need_grid(scene:bake { folder = in_bricks and given.output or nil, fresh = given.fresh, time_limit = time_limit,
       team = team.size > 1 and team or nil, quantity = given.quantity, bounces = bounces, occupied = given.occupied,
-      size = given.size, samples = given.samples, sums_tolerance = given["sums-tolerance"], threads = given.threads,
+      probes = probes, size = given.size, samples = given.samples, sums_tolerance = given["sums-tolerance"], threads = given.threads,
       progress = report.progress(given) })
     local good, message, code = true, nil, nil
     if team.rank == 1 and not in_bricks then
-      good, message, code = grid:save(given.output, given.coefficients and { coefficients = true } or nil)
+      good, message, code = grid:save(given.output, few or given.coefficients and { coefficients = true } or nil)
     end
     status.need(require "ylm.team".agree(team, good, message, code))
-    local stats = grid.stats
+    local stats, rounded = grid.stats, few and message or grid.small
     stats.quantity = grid.quantity
+    if rounded then
+      local bytes = few and message.bytes or #require "ylm.c.core".owned(grid, "few")
+      stats.file_bytes, stats.rounding = bytes, rounded.rounding
+      if few then stats.error, stats.met = rounded.error, not few.tolerance or rounded.error <= few.tolerance end
+    end
     report.print(given, stats, report.names(stats, { "met", "error", "quantity" }))
     return status.of_warnings(given, { stats.warning })
   end,

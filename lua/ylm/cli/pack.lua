@@ -1,23 +1,35 @@
---- ylm pack big.ylmd -o big.ylm
+--- ylm pack big.ylmd -o big.ylm; ylm pack grid.ylm -o small.ylm --tolerance 0.01
 
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
 return {
-  summary = "a grid in bricks, a folder, as one file",
-  usage = "GRID.ylmd -o GRID.ylm",
+  summary = "a grid, or a folder of bricks, as one file, of few bytes where they are asked for",
+  usage = "GRID.ylmd|GRID.ylm -o GRID.ylm",
   least = 1, most = 1,
   options = {
     { "output", "-o", "FILE", "the file (.ylm); the grid has to fit into memory" },
+    { "tolerance", nil, "N", "few bytes: interpolation and rounding err by this at most, in all, at 99 % of the places" },
+    { "bytes", nil, "SIZE", "few bytes: at most so many (2MB, 500kB), with the least error" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
   },
   run = function(given)
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "pack: -o FILE says where the file goes") end
     status.need_output("pack", given.output, "ylm")
-    local set = status.need_kind("ylm.grid_set", "a grid in bricks (a folder name.ylmd)", given[1], ylm.load(given[1]))
-    status.need(set:save(given.output, { threads = given.threads, progress = report.progress(given) }))
-    local stats = set.stats
-    report.print(given, { bricks = stats.bricks, points = stats.points }, { "bricks", "points" })
+    local few = status.few_bytes("pack", given)
+    local grid = status.need(ylm.load(given[1]))
+    local is_set = require "ylm.form".kind(grid) == "ylm.grid_set"
+    if not is_set then grid = status.need_kind("ylm.grid", "a grid (name.ylm) or one in bricks (a folder name.ylmd)", given[1], grid) end
+    if not is_set and not few then
+      status.stop(status.usage, "pack: %s is one file already: --tolerance or --bytes make it a small one", given[1])
+    end
+    local o = { tolerance = few and few.tolerance, bytes = few and few.bytes, threads = given.threads,
+      progress = report.progress(given) }
+    local _, small = status.need(grid:save(given.output, o))
+    local stats = grid.stats
+    local results = { bricks = is_set and stats.bricks or nil, points = stats.points }
+    if small then for name, value in pairs(small) do results[name] = value end end
+    report.print(given, results, small and { "bytes", "error", "points" } or { "bricks", "points" })
   end,
 }

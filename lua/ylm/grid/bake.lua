@@ -9,6 +9,7 @@ local form = require "ylm.form"
 local light = require "ylm.light"
 local progress = require "ylm.progress"
 local set = require "ylm.grid.set"
+local small = require "ylm.grid.small"
 local unmet = require "ylm.grid.unmet"
 local where = require "ylm.grid.where"
 
@@ -220,10 +221,15 @@ function bake.refreshed(g, f)
   own.lights, own.sums_tolerance = f:followed() and f.object, nil
 end
 
---- Makes g what another grid is, which is closed; all that is known of that one is known of g.
-function bake.take(g, other)
+--- All that is known of a grid's bake is known of g.
+function bake.keep(g, other)
   local own, theirs = core.own(g), core.own(other)
   for _, name in ipairs { "stages", "shadow", "lights", "sums_tolerance", "recipe" } do own[name] = theirs[name] end
+end
+
+--- Makes g what another grid is, which is closed; all that is known of that one is known of g.
+function bake.take(g, other)
+  bake.keep(g, other)
   return check.result("update", core.grid_take(g, other))
 end
 
@@ -259,9 +265,8 @@ assert(grid.stats.met and grid.stats.error <= 0.01)]],
 }
 function bake.bake(description, lights, given) return bake.of_scene(description, lights, given) end
 
---- bake.bake of light whose fingerprints are known, or nil, that goes on from what the grid `like` has learnt, or nil.
--- judged_later: the caller judges it by something else, and warns.
-function bake.of_scene(description, lights, given, prints, like, judged_later)
+--- One bake of what is described.
+local function bake_once(description, lights, given, prints, like, judged_later)
   local o = options_of(description, given)
   local what, code, place, f, message
   what, o, code = what_light(description, lights, o)
@@ -275,14 +280,45 @@ function bake.of_scene(description, lights, given, prints, like, judged_later)
     place.walls, message, code = walls_of(f, o)
     if message then return nil, message, code end
   end
-  if description.points and not place.walls then
-    return check.bad(1, "bake", "points are a budget of grids with sides, of light with shadows or bounces: leave points out")
+  if description.points and not place.walls then -- the caller bakes again, to another tolerance
+    if not description.free then
+      return check.bad(1, "bake", "points are a budget beside a tolerance of grids with sides, of light with shadows or bounces: "
+        .. "leave tolerance or points out")
+    end
+    description = small.with_tolerance(description, description.tolerance)
   end
   local in_bricks = set.check_bake(description, o, given, what.jumps)
   local baked, stages
   baked, stages, code = baked_by(form_of(description, o, what, place, prints, like, judged_later), f, place, o, in_bricks)
   if not baked or in_bricks then return baked, stages, code end
   return remember(baked, description, given, o, what, f, stages, judged_later)
+end
+
+--- The grid that takes so many bytes, judged and remembered as it is decoded.
+local function bake_bytes(description, lights, given, prints, judged_later)
+  local g, bytes, report = small.bake_bytes(description, given or {}, function(wanted)
+    return bake_once(wanted, lights, given, prints, nil, true)
+  end)
+  if not g then return nil, bytes, report end
+  local other, message, code = small.decoded(g, bytes)
+  if not other then return nil, message, code end
+  bake.keep(other, g)
+  core.grid_close(g)
+  if not judged_later then unmet.warn(other) end
+  return other
+end
+
+--- bake.bake of light whose fingerprints are known, or nil, that goes on from what the grid `like` has learnt, or nil.
+-- judged_later: the caller judges it by something else, and warns.
+function bake.of_scene(description, lights, given, prints, like, judged_later)
+  local is_free = form.kind(description) == "adaptive_grid" and description.free
+  if is_free and description.bytes then return bake_bytes(description, lights, given, prints, judged_later) end
+  local function once(wanted, later) return bake_once(wanted, lights, given, prints, like, later) end
+  local g, message, code = once(description, judged_later or is_free)
+  if not g or not is_free or core.type(g) ~= "ylm.grid" or core.grid_form(g).sides then return g, message, code end
+  g, message, code = small.bake_points(description, g, function(wanted) return once(wanted, true) end)
+  if g and not judged_later then unmet.warn(g) end
+  return g, message, code
 end
 
 return bake

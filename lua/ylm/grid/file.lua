@@ -6,6 +6,7 @@ local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local grid_object = require "ylm.grid.object"
 local library = require "ylm.library"
+local small = require "ylm.grid.small"
 local vtu = require "ylm.grid.vtu"
 
 local grid_file = {}
@@ -29,7 +30,12 @@ grid_file.page_options = {
   form.threads,
 }
 
+local ylm_options = {}
+for _, field in ipairs(small.options) do ylm_options[#ylm_options + 1] = field end
+for _, field in ipairs { form.threads, form.progress } do ylm_options[#ylm_options + 1] = field end
+
 local save_options = { vtu.options[1] }
+for _, field in ipairs(small.options) do save_options[#save_options + 1] = field end
 for _, field in ipairs(grid_file.page_options) do save_options[#save_options + 1] = field end
 
 local methods, open = grid_object.methods, grid_object.open
@@ -37,18 +43,22 @@ local methods, open = grid_object.methods, grid_object.open
 describe "grid:save" {
   shelf = "everyday",
   about = "Writes the grid; the ending chooses the format. An existing file is replaced whole or not at all. Equal grids "
-    .. "are equal bytes: times are not in the file.",
+    .. "are equal bytes: times are not in the file. With tolerance, bytes or step a .ylm file takes few bytes, and is measured "
+    .. "as it will be decoded (docs/grids.md); without, it has all numbers as they are.",
   arguments = {
     { "path", "string", ".ylm (everything, checksummed; ylm.load reads it), .vtu (for ParaView: of points also the irradiance by "
       .. "six normals, one array each), .html (a page that browsers "
       .. "show without a network: docs/page.md)" },
-    { "options?", "table", "of .html and .vtu" },
+    { "options?", "table", "of .html, .vtu and .ylm" },
   },
   options = save_options,
-  returns = { { "ok", "boolean", "true" }, { "report", "table", ".html: bytes of the file, poster, sections: bytes by name, "
-    .. "triangles, warnings: what the page does not show, dering as of scene:render" } },
+  returns = { { "ok", "boolean", "true" }, { "report", "table", ".ylm of few bytes: bytes, points, bytes_per_point, error in all "
+    .. "with its confidence, before: the grid's own error, rounding (99 %), largest, median, places: looked at, judged: "
+    .. "whether these are the bake's own held-out ones, else error is the sum of before and largest; step. .html: bytes of "
+    .. "the file, poster, sections: bytes by name, triangles, warnings: what the page does not show, dering as of scene:render" } },
   errors = "raises on another ending and bad options; nil, message, code where the file cannot be written, and of .html 'ELIMIT' "
-    .. "where it would be too large, 'EDOMAIN' where a number of the grid is not finite",
+    .. "where it would be too large, 'EDOMAIN' where a number of the grid is not finite; of few bytes 'ELIMIT' where the grid "
+    .. "itself errs by more than the tolerance, or bytes are too few; nothing is written then",
   example = [[
 local lamp = ylm.sphere_light { at = { 0, 2, 0 } }
 local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 }, lamp)
@@ -64,8 +74,13 @@ function methods.save(g, path, given)
   local ending = path:lower():match("%.(%w+)$")
   if ending == "html" then return library.later["ylm.page"](g, path, given) end
   if ending == "vtu" then return vtu.save(g, path, form.options(2, "save", vtu.options, given)) end
-  if given ~= nil then form.options(2, "save", {}, given) end
-  if ending == "ylm" then return check.result("save", core.grid_write(g, path)) end
+  local o = form.options(2, "save", ending == "ylm" and ylm_options or {}, given)
+  if ending == "ylm" then
+    if small.is_asked(2, "save", o) then return small.save("save", g, path, o) end
+    local few = small.file_of(g)
+    if few then return check.result("save", core.file_save(path, few)) end
+    return check.result("save", core.grid_write(g, path))
+  end
   return check.bad(1, "save", "a path ending in .ylm, .vtu or .html expected, got %s", check.describe(path))
 end
 

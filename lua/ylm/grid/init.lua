@@ -32,7 +32,11 @@ grid.adaptive_grid = form.define("adaptive_grid", {
       about = "relative L2 error that 99 % of the occupied points keep, of surfaces 99 % of the area; verified after "
         .. "bakes and updates, see stats.met" },
     { "points", "integer", min = 64, max = core.limits.grid_points, optional = true,
-      about = "of a grid with sides, beside a tolerance: refinement ends at about so many points, and stats.spent says so" },
+      about = "evaluated points at most. With sides, beside a tolerance: refinement ends at about so many, and stats.spent says "
+        .. "so. Else instead of a tolerance: the least error that so many points have, by up to four bakes" },
+    { "bytes", "memory", optional = true,
+      about = "instead of a tolerance: the least error in a file of so many bytes, a number or '2 MB', by up to four bakes. The "
+        .. "grid is what its file decodes to (grid.small), and grid:save without options writes that file" },
     { "measure", "choice", of = core.choices "measure", optional = true,
       about = "what tolerance is of: 'coefficients', the distance of all of them relative to their norm; 'irradiance', the "
         .. "irradiance of occupied points with normals, relative to itself or, where that is more, to its mean over "
@@ -70,6 +74,12 @@ grid.adaptive_grid = form.define("adaptive_grid", {
     if values.points and values.threshold then
       return fail("points end refinement by a tolerance: give one, or leave points out")
     end
+    if values.bytes then
+      for _, name in ipairs { "tolerance", "threshold", "points", "bricks" } do
+        if values[name] then return fail(("bytes choose the error: leave %s out"):format(name)) end
+      end
+      if values.dynamic then return fail("bytes: a grid that follows lights is saved as it is; leave dynamic or bytes out") end
+    end
     if values.measure and values.threshold then
       return fail("measure is what a tolerance is of: give a tolerance, or leave measure out")
     end
@@ -79,6 +89,7 @@ grid.adaptive_grid = form.define("adaptive_grid", {
     if (values.floor or 0) > 0 and (values.threshold or values.measure == "irradiance" or values.dynamic) then
       return fail("floor is of a tolerance of coefficients, of grids that follow no lights: leave floor out")
     end
+    values.free = not values.threshold and not values.tolerance and (values.points or values.bytes) and true or nil
     if not values.threshold and not values.tolerance then values.tolerance = DEFAULT_TOLERANCE end
     return setmetatable(values, form.defined.adaptive_grid.metatable)
   end,

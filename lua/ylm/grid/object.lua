@@ -33,6 +33,7 @@ object.own = {
   paths = "what paths say of its promise: { undecided, rms, seconds, field_met, field_error }",
   said = "topics of warnings about it",
   partners = "devices that have a copy",
+  few = "the bytes of its file, where it was baked for a number of bytes",
 }
 
 require "ylm.describe".object "grid" {
@@ -54,6 +55,7 @@ require "ylm.describe".object "grid" {
     { "prints", "table", "of scene:bake: fingerprints of what the light depends on, 'lights' and, where surfaces cast shadows "
       .. "or send light back, 'geometry' and 'materials'; nil where nobody told them, as after other light" },
     { "dynamic", "boolean", "whether grid:update follows lights" },
+    { "small", "table", "of a grid that is from a file of few bytes: its report, as of grid:save; else nil" },
     { "depth", "integer", "finest level of an adaptive grid; its metric, continuous, and tolerance with its "
       .. "measure, or threshold likewise" },
     { "stats", "table", "points, cells, leaves, levels, pairs, invalid, bytes, ...; with a tolerance met: at least 99 % "
@@ -104,6 +106,7 @@ methods.__index = function(g, key)
     stats.stages, stats.shadow = core.owned(g, "stages"), core.owned(g, "shadow")
     return show.report(stats)
   end
+  if key == "small" then return core.grid_small(g) end
   return core.grid_form(g)[key]
 end
 

@@ -8,6 +8,7 @@ local devices = require "ylm.device"
 local form = require "ylm.form"
 local progress = require "ylm.progress"
 local grid_object = require "ylm.grid.object"
+local small = require "ylm.grid.small"
 local vtu = require "ylm.grid.vtu"
 local show = require "ylm.show"
 
@@ -137,7 +138,7 @@ function methods.sample(s, points, given)
   return devices.of(nil):sample(s, p, o, { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }, single)
 end
 
-local save_options = {
+local save_options = { small.options[1], small.options[2], small.options[3],
   { "team", "object", of = "team", optional = true, about = ".pvtu: ylm.team(), whose processes share the files; all call" },
   vtu.options[1], form.threads, form.progress,
 }
@@ -171,10 +172,14 @@ function methods.save(s, path, given)
   local g, message, code = check.result("save", core.grid_set_pack(s, o.threads or 0, progress.of(o.progress)))
   if not g then return nil, message, code end
   local ok
-  ok, message, code = check.result("save", core.grid_write(g, path))
+  if small.is_asked(2, "save", o) then
+    ok, message, code = small.save("save", g, path, o)
+  else
+    ok, message, code = check.result("save", core.grid_write(g, path))
+  end
   core.grid_close(g)
   if not ok then return nil, message, code end
-  return true
+  return true, message
 end
 
 describe "grid_set:close" {

@@ -1,0 +1,75 @@
+/* file.c - grids as files of few bytes. */
+#include "../file/file.h"
+#include "../bake/panel.h"
+
+#include <math.h>
+
+static ylm_status check(const ylm_grid *g, const ylm_grid_small *how, ylm_error *e) {
+  int asked = (how->tolerance != 0) + (how->bytes != 0) + (how->step != 0);
+  if (g->contents.form.dynamic)
+    return ylm_fail(e, YLM_EINVAL, "a grid that follows lights is saved as it is: few bytes are for grids that do not");
+  if (asked != 1) return ylm_fail(e, YLM_EINVAL, "one of tolerance, bytes and step expected");
+  if (how->tolerance != 0 && !(how->tolerance > 0 && how->tolerance <= 0.5))
+    return ylm_fail(e, YLM_EDOMAIN, "tolerance: above 0 and at most 0.5 expected, got %g", how->tolerance);
+  if (how->step != 0 && !(how->step >= 1e-7 && how->step <= 1))
+    return ylm_fail(e, YLM_EDOMAIN, "step: 1e-7 to 1 expected, got %g", how->step);
+  if (how->tolerance > 0 && g->stats.error >= how->tolerance)
+    return ylm_fail(e, YLM_ELIMIT,
+                    "tolerance: the grid errs by %.3g already, and %g is asked for in all: bake it to a "
+                    "smaller tolerance, or save it to a larger one",
+                    g->stats.error, how->tolerance);
+  if (!ylm_all_finite(YLM_FLOAT, g->data, g->evaluated * ylm__grid_record(g), NULL))
+    return ylm_fail(e, YLM_EDOMAIN, "the grid's light is not finite");
+  return YLM_OK;
+}
+
+/* What the file says of itself. */
+static void describe(ylm_grid *g, const ylm_grid_small *how, const ylm_grid_small_report *r) {
+  ylm_grid_stats *s = &g->stats;
+  double *promised = &g->contents.form.tolerance;
+  bool promises = *promised > 0;
+  s->error = r->error;
+  if (how->tolerance > 0 && promises) *promised = how->tolerance;
+  if (!(how->tolerance > 0) && promises && r->error > *promised) *promised = r->error;
+  s->met = promises && r->error <= *promised;
+  s->limited &= !s->met;
+}
+
+ylm_status ylm_grid_encode_small(const ylm_grid *g, const ylm_grid_small *how, unsigned char **data,
+                                 size_t *size, ylm_grid_small_report *report, ylm_error *e) {
+  small_encoder *k = NULL;
+  *data = NULL;
+  *size = 0;
+  ylm_status s = ylm__grid_file_machine("the grid", e);
+  if (s == YLM_OK) s = check(g, how, e);
+  if (s != YLM_OK) return s;
+  s = ylm__small_encoder(g, how->threads, &k);
+  if (s == YLM_EDOMAIN) ylm_fail(e, s, "the grid has no points");
+  if (s == YLM_ENOMEM) ylm_fail(e, s, "the grid does not fit into memory twice");
+  if (s == YLM_OK) s = ylm__small_search(k, g, how, e);
+  if (s == YLM_OK) {
+    small_packed *p = ylm__small_packed_of(k);
+    describe(ylm__small_grid_of(k), how, &p->report);
+    if (report) *report = p->report;
+    s = ylm__grid_file_encode(ylm__small_grid_of(k), p, data, size, e);
+  } else if (s == YLM_ENOMEM)
+    ylm_fail(e, s, "the grid does not fit into memory twice");
+  ylm__small_encoder_free(k);
+  return s;
+}
+
+bool ylm_grid_small_of(const ylm_grid *g, ylm_grid_small_report *report) {
+  if (g->is_small) *report = g->small;
+  return g->is_small;
+}
+
+void ylm_grid_inherit(ylm_grid *to, ylm_grid *from) {
+  ylm__grid_forget_panel(to);
+  ylm_free(to->judge);
+  to->judge = from->judge;
+  to->judges = from->judges;
+  to->panel = from->panel;
+  from->judge = NULL;
+  from->judges = 0;
+  from->panel = NULL;
+}

@@ -1,0 +1,112 @@
+/*
+** rans.h - whole numbers by static tables of frequencies.
+**
+** Numbers up to RANS_MOST in size are symbols; larger ones are a symbol for their number of bits, and raw bits. Four states
+** take turns. Arithmetic is of whole numbers.
+** Source   asymmetric numeral systems: Duda 2014
+*/
+#ifndef YLM_GRID_SMALL_RANS_H
+#define YLM_GRID_SMALL_RANS_H
+
+#include "coder.h"
+
+#define RANS_TABLES 64 /* table 0: all numbers are 0, and nothing is coded */
+#define RANS_SYMBOLS 32
+#define RANS_MOST 10
+#define RANS_LONG 10      /* the last symbol's: its size has RANS_LONG_BITS bits */
+#define RANS_LONG_BITS 25
+#define RANS_BITS 11 /* of frequencies */
+#define RANS_SUM (1u << RANS_BITS)
+#define RANS_STATES 4
+
+/* -- symbols ------------------------------------------------------------------------------------ */
+
+/* The symbol of a number; bits that follow it raw, their number through *more. */
+static inline uint32_t rans_symbol(int32_t q, int *more, uint32_t *bits) {
+  *more = 0;
+  if (q >= -RANS_MOST && q <= RANS_MOST) return (uint32_t)(q + RANS_MOST);
+  uint32_t size = (uint32_t)(q < 0 ? -(int64_t)q : q) - RANS_MOST; /* at least 1 */
+  int k = 31 - __builtin_clz(size);
+  if (k > RANS_LONG) k = RANS_LONG;
+  *more = k < RANS_LONG ? k + 1 : RANS_LONG_BITS;
+  *bits = (size - (1u << k)) << 1 | (q < 0);
+  return (uint32_t)(2 * RANS_MOST + 1 + k);
+}
+#define RANS_LARGEST ((1 << (RANS_LONG_BITS - 1)) - 1)
+
+/* -- encoding ------------------------------------------------------------------------------------ */
+
+/* What is coded, in its order; one for each number that is not of table 0. */
+typedef struct rans_item {
+  uint8_t table, symbol;
+} rans_item;
+
+typedef struct rans_writer {
+  rans_item *item;
+  size_t n, room;
+  unsigned char *raw; /* bits, lowest first */
+  size_t raw_room;
+  uint64_t raw_bits;
+  bool failed;
+} rans_writer;
+void ylm__rans_put(rans_writer *w, uint8_t table, int32_t q);
+/* Frequencies of the sum RANS_SUM; what occurs has at least 1. */
+void ylm__rans_count(const uint64_t count[RANS_SYMBOLS], uint16_t frequency[RANS_SYMBOLS]);
+/* The stream of all items (ylm_free). */
+ylm_status ylm__rans_end(const rans_writer *w, uint16_t (*frequency)[RANS_SYMBOLS],
+                         unsigned char **data, size_t *size);
+void ylm__rans_free(rans_writer *w);
+
+/* -- decoding ------------------------------------------------------------------------------------ */
+
+typedef struct rans_reader {
+  uint32_t (*slot)[RANS_SUM]; /* [RANS_TABLES] symbol, frequency, place within it */
+  uint32_t state[RANS_STATES];
+  const unsigned char *in, *raw;
+  size_t size, at, raw_size;
+  uint64_t raw_at; /* in bits */
+  size_t turn;
+  bool bad; /* the stream ended early */
+} rans_reader;
+/* Tables [RANS_TABLES]; false: a sum is not RANS_SUM (but for 0, of a table that is not used). */
+bool ylm__rans_tables(rans_reader *r, uint16_t (*frequency)[RANS_SYMBOLS]);
+void ylm__rans_begin(rans_reader *r, const unsigned char *in, size_t size, const unsigned char *raw,
+                     size_t raw_size);
+/* Whether all was read, to the bit. */
+bool ylm__rans_is_done(const rans_reader *r);
+
+static inline uint32_t rans_raw(rans_reader *r, int n) {
+  uint32_t out = 0;
+  for (int i = 0; i < n; i++, r->raw_at++) {
+    if (r->raw_at >= 8 * (uint64_t)r->raw_size) {
+      r->bad = true;
+      return 0;
+    }
+    out |= (uint32_t)(r->raw[r->raw_at / 8] >> r->raw_at % 8 & 1) << i;
+  }
+  return out;
+}
+
+static inline int32_t rans_take(rans_reader *r, const uint32_t *slots) {
+  uint32_t *state = &r->state[r->turn++ % RANS_STATES], x = *state,
+           slot = slots[x & (RANS_SUM - 1)];
+  uint32_t symbol = slot & 31, frequency = slot >> 5 & 0xfff;
+  x = frequency * (x >> RANS_BITS) + (slot >> 17);
+  if (x < 1u << 16) {
+    if (r->at + 2 > r->size) {
+      r->bad = true;
+      x = 1u << 16;
+    } else {
+      x = x << 16 | (uint32_t)r->in[r->at] | (uint32_t)r->in[r->at + 1] << 8;
+      r->at += 2;
+    }
+  }
+  *state = x;
+  if (symbol <= 2 * RANS_MOST) return (int32_t)symbol - RANS_MOST;
+  int k = (int)symbol - 2 * RANS_MOST - 1;
+  uint32_t bits = rans_raw(r, k < RANS_LONG ? k + 1 : RANS_LONG_BITS);
+  int32_t size = (int32_t)((1u << k) + (bits >> 1) + RANS_MOST);
+  return bits & 1 ? -size : size;
+}
+
+#endif

@@ -1,0 +1,226 @@
+/*
+** small.h - grids in few bytes: predicted, turned, rounded, counted. docs/grids.md has the format.
+**
+** A small file has a grid's octree as bits and its points as rounded differences from predictions by points before them.
+** Encoder and reader make the same grid by the same walk (layout.c) and the same arithmetic (row.c), so that the encoder holds
+** what any reader will decode, to the bit, and can measure it.
+*/
+#ifndef YLM_GRID_SMALL_H
+#define YLM_GRID_SMALL_H
+
+#include "../grid.h"
+#include "coder.h"
+#include "rans.h"
+
+#define SMALL_VERSION 1u
+#define SMALL_BLOCK 64u  /* points that share a basis of colour */
+#define SMALL_CLASSES 32 /* sizes of a point's numbers */
+#define SMALL_PARENTS 4
+#define SMALL_KINDS 6 /* of classes: values and slopes, of each channel */
+
+/* How coefficients are turned. */
+typedef enum small_turn { SMALL_AS_THEY_ARE = 0, SMALL_BY_DEGREE = 1, SMALL_ALL = 2 } small_turn;
+
+enum { SMALL_HAS_SIDES = 1, SMALL_HAS_VALIDITY = 2 };
+
+/* Section "small". */
+typedef struct small_head {
+  uint32_t version, turn;
+  float step;   /* of values, relative to the light's norm at the point */
+  float slopes; /* steps of slopes, in those of values an edge */
+  float least, most; /* norms below and above count as these */
+  float degree;      /* the least weight of a degree of irradiance; 1: all are alike */
+  uint32_t loose;    /* points that are corners of no cell */
+  uint64_t sides, parts, ghosts;
+  uint32_t flags, zero; /* SMALL_HAS_* */
+} small_head;
+
+/* -- layout.c: cells, points and what predicts them ----------------------------------------------- */
+
+/* What a point is predicted from, of points before it. */
+typedef struct small_source {
+  uint32_t parent[SMALL_PARENTS]; /* cells of the level above that have it at a half of their edges; YLM_GRID_NONE: no more */
+  uint32_t kin;                   /* the cell, or where `of_part` the part, that has it as corner; YLM_GRID_NONE: none */
+  uint8_t corner, of_part;
+} small_source;
+
+/* A grid in the making. Points are met in an order, and numbered by it, but that ghosts stand last. */
+typedef struct small_layout {
+  ylm_grid *g;
+  const ylm_grid *from; /* encoder: the grid that is encoded */
+  bit_coder *c;
+  uint32_t *was; /* [cells] encoder: the cell of `from` */
+  size_t was_room;
+  uint32_t *old; /* [met] encoder: the point of `from` */
+  size_t old_room;
+  lattice_hash known; /* encoder: points of `from` that are no ghosts */
+  small_source *source; /* [met] */
+  size_t source_room, met;
+  uint32_t *place, *rank; /* [met] the number of a point that was met, and back: from ylm__small_finish on */
+  uint8_t *level;  /* [met] of the cells that it was met at; LOOSE */
+  size_t level_room;
+  uint32_t *before; /* [met] the ghost before it at the same corner; from ylm__small_finish on the number that it was met with */
+  size_t before_room;
+  lattice_hash ghost; /* the last ghost at a corner */
+  size_t loose;
+  struct layout_chances *chance;
+  const char *bad;      /* the error of a damaged stream */
+  size_t most_cells, most_points;
+} small_layout;
+
+/* Makes cells, sides and points (without data), from `from` or from the stream. */
+ylm_status ylm__small_lay_out(small_layout *k);
+/* Points on the border of a brick that its cells do not ask for, of `from` or of the stream. */
+ylm_status ylm__small_loose(small_layout *k);
+/* Numbers of points, corners that cells share. Points can have their rows then. */
+ylm_status ylm__small_finish(small_layout *k);
+/* Continuity and interpolated points, whose rows are made from those of evaluated ones: the grid can be sampled. */
+ylm_status ylm__small_continue(small_layout *k, int threads);
+void ylm__small_layout_free(small_layout *k);
+
+/* -- row.c: the arithmetic that encoder and reader share --------------------------------------------- */
+
+/* A turn of coefficients: columns of an orthonormal matrix, entries / 127 before they are made so. */
+typedef struct small_basis {
+  small_turn turn;
+  int lmax, count;
+  size_t kinds, size; /* rows of a point; entries of one kind's matrix */
+  int8_t *entry;      /* [kinds][size], by blocks and columns */
+  float *column;      /* [kinds][size] */
+} small_basis;
+
+/* Steps and predictions of a grid's rows. */
+typedef struct small_frame {
+  const ylm_grid *g;
+  const small_layout *k;
+  small_head head;
+  size_t rows, width;
+  int channels, count;
+  float *weight, *unweight; /* [count] of a coefficient's degree; their reciprocals */
+  struct small_weights *weights; /* [levels] of predictions by parents */
+  uint8_t *edge;     /* [met] level of the largest leaf that the point is a corner of */
+  double voxel[3];   /* the scene's extent of one cell of the lattice */
+  small_basis basis;
+  float *colour; /* [blocks][9] columns; NULL: one channel */
+  uint32_t *turns; /* [blocks] of these, as they are written */
+} small_frame;
+
+ylm_status ylm__small_frame(small_frame *f, const small_layout *k, const small_head *head);
+void ylm__small_frame_free(small_frame *f);
+/* Room for bases that stand for no turn. */
+ylm_status ylm__small_bases(small_frame *f);
+/* Columns from entries. */
+void ylm__small_settle(small_basis *b);
+/* Entries of one kind's matrix. */
+size_t ylm__small_basis_size(small_turn turn, int lmax);
+#define SMALL_NO_TURN (511u | 511u << 10 | 511u << 20)
+/* The turn of a block's colours: columns. */
+void ylm__small_turn(uint32_t turn, float column[9]);
+
+/* Can a point be predicted by parents, by kin? Bits 1, 2. */
+int ylm__small_ways(const small_frame *f, size_t met);
+/* The prediction of a point: [rows][stride]. */
+void ylm__small_predict(const small_frame *f, size_t met, int way, float *row);
+/* Steps of the rows of a point whose norm's exponent is e: of values, and of slopes by axis. */
+void ylm__small_steps(const small_frame *f, size_t met, int e, float step[4]);
+/* Numbers [rows][width] to differences, which are added to the prediction. room: [2][width]. */
+void ylm__small_add(const small_frame *f, size_t met, const float step[4], const float *number,
+                    const uint8_t *used, float *row, float *room);
+/* The encoder's: numbers [rows][width], not rounded yet, of a row and its prediction. room: [count]. */
+void ylm__small_difference(const small_frame *f, size_t met, const float step[4], const float *row,
+                           const float *predicted, float *number, float *room);
+/* The norm that a row's steps are relative to, as an exponent. */
+int ylm__small_exponent(const small_frame *f, const float *row);
+/* The norm of an exponent: 2^(e/2). */
+float ylm__small_norm(int e);
+/* A number as it is read. */
+static inline float small_read_as(int32_t q) {
+  return q > 0 ? (float)q + 0.08f : q < 0 ? (float)q - 0.08f : 0.0f;
+}
+/* What a point's numbers are counted as. */
+static inline uint32_t small_class(uint64_t sum) {
+  uint32_t c = 0;
+  static const uint32_t from[SMALL_CLASSES] = {0,   1,   2,   3,   4,   5,   6,   7,   9,   11,   14,
+                                               17,  21,  26,  32,  40,  50,  63,  80,  101, 127,  160,
+                                               202, 254, 320, 404, 509, 641, 900, 1500, 3000, 8000};
+  while (c + 1 < SMALL_CLASSES && sum >= from[c + 1]) c++;
+  return c;
+}
+
+/* -- stream.c: points as streams ---------------------------------------------------------------------- */
+
+/* Tables and estimates of points' streams. */
+typedef struct small_tables {
+  uint8_t *table; /* [SMALL_CLASSES][rows * width] of RANS_TABLES */
+  uint16_t *coded; /* reader: [SMALL_CLASSES][rows * width] of each row and channel the coefficients whose table is not 0 */
+  uint16_t *codes; /* [SMALL_CLASSES][rows * channels] how many */
+  uint16_t frequency[RANS_TABLES][RANS_SYMBOLS];
+} small_tables;
+/* Lists what is coded, for a reader. */
+ylm_status ylm__small_tables_list(small_tables *t, size_t rows, size_t count);
+ylm_status ylm__small_tables_room(small_tables *t, size_t components);
+void ylm__small_tables_free(small_tables *t);
+/* Codes tables. false: they do not hold. */
+bool ylm__small_tables_code(small_tables *t, size_t components, bit_coder *c);
+
+/* What stands beside a point's numbers. */
+typedef struct small_point {
+  int exponent, way;
+  uint8_t invalid, validity;
+  uint8_t class[SMALL_KINDS];
+} small_point;
+struct point_chances;
+typedef struct small_points {
+  bit_coder *c;
+  struct point_chances *chance;
+  small_point before;
+} small_points;
+ylm_status ylm__small_points_begin(small_points *s, bit_coder *c);
+void ylm__small_points_free(small_points *s);
+/* How a point is predicted, of the ways that there are. */
+int ylm__small_way_code(small_points *s, int ways, int way);
+/* `expected` is the exponent of the prediction's norm. */
+void ylm__small_point_code(small_points *s, const small_frame *f, int ways, int expected, small_point *p);
+
+/* -- learn.c: bases ------------------------------------------------------------------------------------- */
+
+/* Bases of the differences between a grid's own rows and predictions by the rows that the grid in the making has; exponents
+   [met] of the light's norms. */
+ylm_status ylm__small_learn(small_frame *f, const int16_t *exponent);
+
+/* -- encode.c --------------------------------------------------------------------------------------------- */
+
+/* Bytes of the sections of a small file. */
+typedef struct small_packed {
+  small_head head;
+  ylm_grid_small_report report;
+  unsigned char *tree, *bases, *tables, *points, *data, *raw;
+  size_t tree_size, bases_size, tables_size, points_size, data_size, raw_size;
+} small_packed;
+
+/* An encoding under way: the grid in the making holds what readers will decode. */
+typedef struct small_encoder small_encoder;
+ylm_status ylm__small_encoder(const ylm_grid *from, int threads, small_encoder **out);
+void ylm__small_encoder_free(small_encoder *k);
+/* Rounds and codes all points with a step relative to the light's norm. */
+ylm_status ylm__small_round(small_encoder *k, float step);
+small_packed *ylm__small_packed_of(small_encoder *k);
+ylm_grid *ylm__small_grid_of(small_encoder *k);
+
+/* -- decode.c --------------------------------------------------------------------------------------------- */
+
+/* Makes cells and points of a grid that has its form, from sections; the error of damaged ones through *bad. */
+ylm_status ylm__small_decode(ylm_grid *g, const small_packed *p, size_t cells, size_t evaluated,
+                             int threads, const char **bad);
+/* The norm of a point's rows: of luminance or of all channels, as the form says; NaN where it says none. */
+float ylm__small_norm_of(const ylm_grid *g, const float *row);
+/* Whether a header is of a kind that this reader knows. */
+bool ylm__small_head_holds(const small_head *h, const ylm_grid *g);
+
+/* -- search.c ------------------------------------------------------------------------------------------------ */
+
+/* Searches the step that is asked for. */
+ylm_status ylm__small_search(small_encoder *k, const ylm_grid *from, const ylm_grid_small *how,
+                             ylm_error *e);
+
+#endif
