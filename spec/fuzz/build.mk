@@ -28,6 +28,8 @@ FUZZ_ABOUT_jpeg := csrc/codec/jpeg.c
 FUZZ_ABOUT_gltf := $(wildcard csrc/codec/gltf/*.c)
 FUZZ_ABOUT_merl := csrc/material/merl_file.c csrc/material/merl_table.c
 FUZZ_ABOUT_tensor := csrc/material/tensor.c csrc/material/rgl_file.c csrc/material/warp.c csrc/material/rgl.c
+# Spherical harmonics of irradiance, and errors of lights, are those of the library as it is built.
+FUZZ_LIBS_grid := -L$(BUILD)/lib -lylm -Wl,-rpath,$(abspath $(BUILD)/lib)
 FUZZ_ABOUT_grid := $(wildcard csrc/grid/file/*.c csrc/grid/small/*.c)
 
 FUZZ_SANITIZE := -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined

@@ -146,7 +146,8 @@ return {
     local team = status.need(ylm.team())
     local grid = need_grid(scene:bake { folder = in_bricks and given.output or nil, fresh = given.fresh, time_limit = time_limit,
       team = team.size > 1 and team or nil, quantity = given.quantity, bounces = bounces, occupied = given.occupied,
-      probes = probes, size = given.size, samples = given.samples, sums_tolerance = given["sums-tolerance"], threads = given.threads,
+      probes = probes, size = given.size, samples = given.samples, sums_tolerance = given["sums-tolerance"],
+      threads = given.threads,
       progress = report.progress(given) })
     local good, message, code = true, nil, nil
     if team.rank == 1 and not in_bricks then

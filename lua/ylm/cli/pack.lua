@@ -20,7 +20,8 @@ return {
     local few = status.few_bytes("pack", given)
     local grid = status.need(ylm.load(given[1]))
     local is_set = require "ylm.form".kind(grid) == "ylm.grid_set"
-    if not is_set then grid = status.need_kind("ylm.grid", "a grid (name.ylm) or one in bricks (a folder name.ylmd)", given[1], grid) end
+    local words = "a grid (name.ylm) or one in bricks (a folder name.ylmd)"
+    if not is_set then grid = status.need_kind("ylm.grid", words, given[1], grid) end
     if not is_set and not few then
       status.stop(status.usage, "pack: %s is one file already: --tolerance or --bytes make it a small one", given[1])
     end
