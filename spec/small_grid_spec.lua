@@ -4,6 +4,7 @@ local core = require "ylm.c.core"
 local ylm = require "ylm"
 local bytes = require "spec.support.grid_bytes"
 local grids = require "spec.support.grids"
+local long = require "spec.support.long"
 local random = require "spec.support.random"
 local shell = require "spec.support.scratch"
 
@@ -84,6 +85,35 @@ describe("grids in few bytes", function()
         if d > t * norm then failed = failed + 1 end
       end
       assert(failed <= 0.015 * #occupied, failed)
+    end
+  end)
+
+  it("keep it in scenes of random lamps, at fresh places", function()
+    local next = random.from(77)
+    for scene = 1, long(2, 50) do
+      local lamps_of = {}
+      for i = 1, 1 + math.floor(6 * next()) do
+        lamps_of[i] = ylm.sphere_light { at = { 2 * next() - 1, 0.05 + next(), 2 * next() - 1 }, radius = 0.01 + 0.1 * next(),
+          radiance = { 9 * next(), 9 * next(), 9 * next() } }
+      end
+      local lmax, t = math.floor(7 * next()), 0.006 * 10 ^ next()
+      local ground = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } }
+      local before = ylm.on_warning(false)
+      local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1.1, -0.1, -1.1 }, { 1.1, 1.1, 1.1 } }, lmax = lmax,
+        depth = 8, tolerance = 0.6 * t, channels = scene % 3 == 0 and "luminance" or "rgb" }, lamps_of, { geometry = ground }))
+      ylm.on_warning(before)
+      if grid.stats.error < t then
+        local read, _, report = through(grid, { tolerance = t })
+        assert(report.error <= t and report.judged)
+        local places = {}
+        for i = 1, 4096 do places[i] = { 2 * next() - 1, 0, 2 * next() - 1 } end
+        places = ylm.array(places, "double")
+        local e = grids.errors(read:sample(places), ylm.light_field(lmax, lamps_of, places, { dtype = "float",
+          channels = scene % 3 == 0 and "luminance" or "rgb" }))
+        local failed = 0
+        for i = 1, #e do failed = failed + (e[i] > t and 1 or 0) end
+        assert(failed <= 0.0147 * #e, ("scene %d: %d of %d fail"):format(scene, failed, #e)) -- 1 % and 3 deviations of chance
+      end
     end
   end)
 

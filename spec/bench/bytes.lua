@@ -69,10 +69,10 @@ local function row(name, scene, form, tolerance, occupied)
   local grid, seconds = bake(scene, form, occupied)
   local raw = #core.grid_encode(grid)
   local bytes, read, report, encoded, decoded = pack(grid, { tolerance = tolerance })
-  print(("  %-34s %5.3f %9d %6.1f   %.4f %.4f  %s   %5.2f %5.2f %5.2f   1/%d of %.1f MB"):format(name, tolerance, #bytes,
-    #bytes / grid.stats.points, report.error, report.median,
-    scene == floor_lights and occupied == "surfaces" and ("%.4f"):format((fresh_error(read))) or "  -   ", seconds, encoded,
-    decoded, math.floor(raw / #bytes + 0.5), raw / 1e6))
+  local has_fresh = scene == floor_lights and occupied == "surfaces" and not form.measure
+  print(("  %-35s %6.4f %9d %6.1f   %.4f %.4f  %s   %5.2f %5.2f %5.2f   1/%d of %.1f MB"):format(name, tolerance, #bytes,
+    #bytes / grid.stats.points, report.error, report.median, has_fresh and ("%.4f"):format((fresh_error(read))) or "  -   ",
+    seconds, encoded, decoded, math.floor(raw / #bytes + 0.5), raw / 1e6))
   read:close()
   return grid, #bytes, report
 end
@@ -80,6 +80,8 @@ row("floor_lights, camera", floor_lights, { lmax = 4, depth = 9, tolerance = 0.0
 row("floor_lights, camera, baked to .006", floor_lights, { lmax = 4, depth = 9, tolerance = 0.006 }, 0.01, "camera"):close()
 row("floor_lights, surfaces", floor_lights, { lmax = 4, depth = 9, tolerance = 0.006 }, 0.01, "surfaces"):close()
 row("two_lamps, surfaces", two_lamps, { lmax = 4, depth = 7, tolerance = 0.006 }, 0.01, "surfaces"):close()
+row("floor_lights, irradiance", floor_lights, { lmax = 4, depth = 9, tolerance = 0.01, measure = "irradiance" }, 0.0125,
+  "surfaces"):close()
 row("floor_lights, lmax 8", floor_lights, { lmax = 8, depth = 9, tolerance = 0.014 }, 0.02, "surfaces"):close()
 local small, small_bytes, small_report = row("floor_lights, lmax 2", floor_lights, { lmax = 2, depth = 9, tolerance = 0.012 },
   0.02, "surfaces")

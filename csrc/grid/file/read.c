@@ -169,11 +169,11 @@ static ylm_status take_root(reading *r) {
   return YLM_OK;
 }
 
-/* A section's bytes (ylm_free); an absent one has none. */
+/* A section's bytes (ylm_free), and zeros behind them; an absent one has none. */
 static ylm_status take_bytes(const reading *r, int kind, unsigned char **data, size_t *size) {
   const grid_file_entry *entry = ylm__file_table_find(&r->table, kind);
   *size = entry ? (size_t)entry->size : 0;
-  *data = ylm_alloc(*size + 1, 1);
+  *data = ylm_alloc_zero(*size + RANS_BEHIND(r->g->contents.count), 1);
   if (!*data) return ylm_no_memory_for(r->e, r->source->name);
   return entry ? take(r, kind, 1, *size, *data) : YLM_OK;
 }

@@ -77,9 +77,10 @@ static bool take_numbers(taking *t, const small_point *p, uint8_t used[4]) {
     used[i / channels] = 1;
     for (size_t k = 0; k < n; k++)
       to[coded[k]] = small_read_as(rans_take(&rans, rans.slot[table[coded[k]]]));
+    if (rans_is_short(&rans)) return false;
   }
   t->rans = rans;
-  return !rans.bad;
+  return true;
 }
 
 static const char *take_point(taking *t, size_t met) {

@@ -8,6 +8,7 @@
 #define DEAD 0.35f /* numbers round down up to 1 - DEAD above a whole one: most are 0 */
 #define LEAST_OF_MEDIAN 1e-4 /* norms below this part of the median count as it */
 #define IRRADIANCE_LEAST 0.0625f /* of the mean: the least norm where irradiance is what counts */
+#define IRRADIANCE_MOST 2.0 /* of the mean: the largest: beside a lamp that grazes a floor irradiance is far below the norm */
 #define DEGREE_LEAST (1 / 24.0f) /* weight of degrees that irradiance does not see */
 #define SLOPES 5.0f
 #define ENOUGH 26 /* points for each coefficient that a turn of its own pays for */
@@ -74,7 +75,7 @@ static ylm_status make_head(small_encoder *k, small_head *h) {
                     .turn = (uint32_t)turn_of(k->from, k->layout.met),
                     .slopes = SLOPES,
                     .least = (float)least,
-                    .most = irradiance ? (float)fmax(mean, 1e-30) : 1e30f,
+                    .most = irradiance ? (float)fmax(IRRADIANCE_MOST * mean, 1e-30) : 1e30f,
                     .degree = irradiance ? DEGREE_LEAST : 1,
                     .loose = (uint32_t)k->layout.loose,
                     .sides = k->layout.g->sides.n,

@@ -8,6 +8,8 @@
 #ifndef YLM_GRID_SMALL_RANS_H
 #define YLM_GRID_SMALL_RANS_H
 
+#include <string.h>
+
 #include "coder.h"
 
 #define RANS_TABLES 64 /* table 0: all numbers are 0, and nothing is coded */
@@ -68,12 +70,16 @@ typedef struct rans_reader {
   size_t turn;
   bool bad; /* the stream ended early */
 } rans_reader;
+/* Bytes behind a stream that must be there, where so many numbers are taken between two looks at rans_is_short. */
+#define RANS_BEHIND(numbers) (2 * (size_t)(numbers) + 2)
 /* Tables [RANS_TABLES]; false: a sum is not RANS_SUM (but for 0, of a table that is not used). */
 bool ylm__rans_tables(rans_reader *r, uint16_t (*frequency)[RANS_SYMBOLS]);
 void ylm__rans_begin(rans_reader *r, const unsigned char *in, size_t size, const unsigned char *raw,
                      size_t raw_size);
 /* Whether all was read, to the bit. */
 bool ylm__rans_is_done(const rans_reader *r);
+
+static inline bool rans_is_short(const rans_reader *r) { return r->at > r->size || r->bad; }
 
 static inline uint32_t rans_raw(rans_reader *r, int n) {
   uint32_t out = 0;
@@ -87,20 +93,17 @@ static inline uint32_t rans_raw(rans_reader *r, int n) {
   return out;
 }
 
+/* One number. The stream may be read up to two bytes for each number beyond its end: rans_is_short says so afterwards. */
 static inline int32_t rans_take(rans_reader *r, const uint32_t *slots) {
   uint32_t *state = &r->state[r->turn++ % RANS_STATES], x = *state,
            slot = slots[x & (RANS_SUM - 1)];
   uint32_t symbol = slot & 31, frequency = slot >> 5 & 0xfff;
+  uint16_t word;
+  memcpy(&word, r->in + r->at, sizeof word); /* files are little-endian, as the machine is */
   x = frequency * (x >> RANS_BITS) + (slot >> 17);
-  if (x < 1u << 16) {
-    if (r->at + 2 > r->size) {
-      r->bad = true;
-      x = 1u << 16;
-    } else {
-      x = x << 16 | (uint32_t)r->in[r->at] | (uint32_t)r->in[r->at + 1] << 8;
-      r->at += 2;
-    }
-  }
+  size_t more = x < 1u << 16;
+  x = more ? x << 16 | word : x;
+  r->at += 2 * more;
   *state = x;
   if (symbol <= 2 * RANS_MOST) return (int32_t)symbol - RANS_MOST;
   int k = (int)symbol - 2 * RANS_MOST - 1;

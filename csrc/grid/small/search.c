@@ -35,6 +35,7 @@ typedef struct search {
   measure m;
   double *error, *total;
   double steep;
+  uint64_t tried;
 } search;
 
 /* -- places --------------------------------------------------------------------------------------------- */
@@ -195,7 +196,7 @@ static double first_step(const search *s) {
 
 static ylm_status try_step(search *s, double *step) {
   *step = fmin(fmax(*step, LEAST_STEP), MOST_STEP);
-  ylm_status status = ylm_report(s->how->progress, 0, 1, "rounding");
+  ylm_status status = ylm_report(s->how->progress, s->tried++, TRIES + 1, "rounding");
   if (status == YLM_OK) status = ylm__small_round(s->k, (float)*step);
   return status == YLM_OK ? judge(s) : status;
 }

@@ -8,7 +8,7 @@ return {
   usage = "GRID.ylmd|GRID.ylm -o GRID.ylm",
   least = 1, most = 1,
   options = {
-    { "output", "-o", "FILE", "the file (.ylm); the grid has to fit into memory" },
+    { "output", "-o", "FILE", "the file (.ylm), or - for stdout; the grid has to fit into memory" },
     { "tolerance", nil, "N", "few bytes: interpolation and rounding err by this at most, in all, at 99 % of the places" },
     { "bytes", nil, "SIZE", "few bytes: at most so many (2MB, 500kB), with the least error" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
@@ -16,7 +16,8 @@ return {
   run = function(given)
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "pack: -o FILE says where the file goes") end
-    status.need_output("pack", given.output, "ylm")
+    local to_stdout = given.output == "-"
+    if not to_stdout then status.need_output("pack", given.output, "ylm") end
     local few = status.few_bytes("pack", given)
     local grid = status.need(ylm.load(given[1]))
     local is_set = require "ylm.form".kind(grid) == "ylm.grid_set"
@@ -27,6 +28,11 @@ return {
     end
     local o = { tolerance = few and few.tolerance, bytes = few and few.bytes, threads = given.threads,
       progress = report.progress(given) }
+    if to_stdout then
+      if is_set or given.json then status.stop(status.usage, "pack: -o - is for a grid in one file, without --json: give a name") end
+      io.stdout:write((status.need(require "ylm.grid.small".encode("pack", grid, o))))
+      return
+    end
     local _, small = status.need(grid:save(given.output, o))
     local stats = grid.stats
     local results = { bricks = is_set and stats.bricks or nil, points = stats.points }
