@@ -29,7 +29,9 @@ return {
     local o = { tolerance = few and few.tolerance, bytes = few and few.bytes, threads = given.threads,
       progress = report.progress(given) }
     if to_stdout then
-      if is_set or given.json then status.stop(status.usage, "pack: -o - is for a grid in one file, without --json: give a name") end
+      if is_set or given.json then
+        status.stop(status.usage, "pack: -o - is for a grid in one file, without --json: give a name")
+      end
       io.stdout:write((status.need(require "ylm.grid.small".encode("pack", grid, o))))
       return
     end
