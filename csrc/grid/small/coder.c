@@ -8,8 +8,8 @@
 #define EVEN 0x8000u
 #define QUICK 4
 #define SLOW 7
-#define LEAST 48u        /* of 65,536: the chance of what never came */
-#define TOP (1u << 24)   /* a range below it takes another byte */
+#define LEAST 48u      /* of 65,536: the chance of what never came */
+#define TOP (1u << 24) /* a range below it takes another byte */
 #define CARRY_BITS 32
 #define NUMBER_BITS 5
 
@@ -130,10 +130,8 @@ uint32_t ylm__coder_number(bit_coder *c, bit_chance *p, uint32_t number) {
   bits = (int)ylm__coder_symbol(c, p, NUMBER_BITS, (uint32_t)bits);
   if (bits > 30) bits = 30; /* of a damaged stream */
   uint32_t out = 1;
-  if (bits)
-    out = 2 | (uint32_t)ylm__coder_bit(c, &p[32 + bits], (int)(more >> (bits - 1) & 1));
-  for (int i = bits - 2; i >= 0; i--)
-    out = out << 1 | ylm__coder_raw(c, 1, more >> i & 1);
+  if (bits) out = 2 | (uint32_t)ylm__coder_bit(c, &p[32 + bits], (int)(more >> (bits - 1) & 1));
+  for (int i = bits - 2; i >= 0; i--) out = out << 1 | ylm__coder_raw(c, 1, more >> i & 1);
   return out - 1;
 }
 

@@ -6,7 +6,8 @@
 
 #include "ylm_math.h"
 
-#define CELLS_A_BYTE 512 /* of the octree's stream, at most: a bit costs a thousandth of one at least */
+#define CELLS_A_BYTE                                                                               \
+  512 /* of the octree's stream, at most: a bit costs a thousandth of one at least */
 #define POINTS_A_BYTE 256
 
 float ylm__small_norm_of(const ylm_grid *g, const float *row) {
@@ -18,8 +19,8 @@ float ylm__small_norm_of(const ylm_grid *g, const float *row) {
   for (size_t i = 0; i < (mix ? count : g->width); i++) {
     double x = (double)row[i];
     if (mix)
-      x = ylm_luminance((const double[]){(double)row[i], (double)row[count + i],
-                                         (double)row[2 * count + i]});
+      x = ylm_luminance(
+          (const double[]){(double)row[i], (double)row[count + i], (double)row[2 * count + i]});
     sum += x * x;
   }
   return (float)sqrt(sum);
@@ -31,8 +32,8 @@ bool ylm__small_head_holds(const small_head *h, const ylm_grid *g) {
   return h->version == SMALL_VERSION && h->turn <= SMALL_ALL &&
          (h->turn != SMALL_ALL || g->contents.form.lmax <= 8) && in_range(h->step, 1e-9f, 10) &&
          in_range(h->slopes, 1e-3f, 1e3f) && in_range(h->least, 1e-37f, 1e37f) &&
-         in_range(h->most, h->least, 1e37f) && in_range(h->degree, 1e-3f, 1) && !h->zero && h->flags <= 3 &&
-         (g->contents.form.sides || !(h->sides || h->parts || h->ghosts));
+         in_range(h->most, h->least, 1e37f) && in_range(h->degree, 1e-3f, 1) && !h->zero &&
+         h->flags <= 3 && (g->contents.form.sides || !(h->sides || h->parts || h->ghosts));
 }
 
 /* -- bases ------------------------------------------------------------------------------------------ */
@@ -118,9 +119,11 @@ static ylm_status take_points(taking *t, const small_packed *p, const char **bad
   if (s != YLM_OK || !t->tables || !t->rans.slot || !t->number || !t->room) return YLM_ENOMEM;
   s = ylm__small_tables_room(t->tables, all);
   if (s != YLM_OK) return s;
-  bool holds = ylm__small_tables_code(t->tables, all, &c);
-  s = ylm__small_tables_list(t->tables, t->f->rows * (size_t)t->f->channels, (size_t)t->f->count);
-  if (s != YLM_OK) return s;
+  s = ylm__small_tables_code(t->tables, all, &c);
+  bool holds = s != YLM_EFORMAT;
+  if (s == YLM_OK)
+    s = ylm__small_tables_list(t->tables, t->f->rows * (size_t)t->f->channels, (size_t)t->f->count);
+  if (s != YLM_OK && holds) return s;
   if (!holds || !ylm__rans_tables(&t->rans, t->tables->frequency)) {
     *bad = "its tables";
     return YLM_EFORMAT;
@@ -131,7 +134,8 @@ static ylm_status take_points(taking *t, const small_packed *p, const char **bad
   return *bad ? YLM_EFORMAT : YLM_OK;
 }
 
-static ylm_status decode_points(ylm_grid *g, small_layout *k, const small_packed *p, const char **bad) {
+static ylm_status decode_points(ylm_grid *g, small_layout *k, const small_packed *p,
+                                const char **bad) {
   small_frame f = {0};
   taking t = {.g = g, .f = &f};
   ylm_status s = ylm__small_frame(&f, k, &p->head);
@@ -157,7 +161,8 @@ ylm_status ylm__small_decode(ylm_grid *g, const small_packed *p, size_t cells, s
     return YLM_EFORMAT;
   }
   ylm__coder_decode(&c, p->tree, p->tree_size);
-  small_layout k = {.g = g, .c = &c, .most_cells = cells, .most_points = evaluated, .loose = p->head.loose};
+  small_layout k = {
+      .g = g, .c = &c, .most_cells = cells, .most_points = evaluated, .loose = p->head.loose};
   ylm_status s = ylm__small_lay_out(&k);
   if (s == YLM_OK) s = ylm__small_loose(&k);
   if (s == YLM_OK && (g->cells != cells || k.met != evaluated || g->sides.n != p->head.sides ||
@@ -170,7 +175,8 @@ ylm_status ylm__small_decode(ylm_grid *g, const small_packed *p, size_t cells, s
     if (!g->validity) s = YLM_ENOMEM;
   }
   if (s == YLM_OK) s = decode_points(g, &k, p, bad);
-  if (s == YLM_OK && !ylm_all_finite(YLM_FLOAT, g->data, g->evaluated * ylm__grid_record(g), NULL)) {
+  if (s == YLM_OK &&
+      !ylm_all_finite(YLM_FLOAT, g->data, g->evaluated * ylm__grid_record(g), NULL)) {
     *bad = "coefficients";
     s = YLM_EFORMAT;
   }

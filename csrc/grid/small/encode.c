@@ -5,10 +5,11 @@
 
 #include "small.h"
 
-#define DEAD 0.35f /* numbers round down up to 1 - DEAD above a whole one: most are 0 */
+#define DEAD 0.35f           /* numbers round down up to 1 - DEAD above a whole one: most are 0 */
 #define LEAST_OF_MEDIAN 1e-4 /* norms below this part of the median count as it */
 #define IRRADIANCE_LEAST 0.0625f /* of the mean: the least norm where irradiance is what counts */
-#define IRRADIANCE_MOST 2.0 /* of the mean: the largest: beside a lamp that grazes a floor irradiance is far below the norm */
+#define IRRADIANCE_MOST                                                                            \
+  2.0 /* of the mean: the largest: beside a lamp that grazes a floor irradiance is far below the norm */
 #define DEGREE_LEAST (1 / 24.0f) /* weight of degrees that irradiance does not see */
 #define SLOPES 5.0f
 #define ENOUGH 26 /* points for each coefficient that a turn of its own pays for */
@@ -122,8 +123,7 @@ static ylm_status copy_points(small_encoder *k) {
   for (size_t i = 0; i < k->layout.met; i++) {
     size_t to = k->layout.place[i], was = k->layout.old[i];
     g->flags[to] |= from->flags[was] & YLM_GRID_POINT_INVALID;
-    if (from->validity)
-      g->validity[to] = floorf(from->validity[was] * 255 + 0.5f) / 255;
+    if (from->validity) g->validity[to] = floorf(from->validity[was] * 255 + 0.5f) / 255;
     k->exponent[i] = (int16_t)ylm__small_exponent(&k->frame, ylm__grid_row(from, (uint32_t)was, 0));
   }
   return YLM_OK;
@@ -227,7 +227,7 @@ static void round_numbers(rounding *r, size_t met, uint8_t used[4], small_point 
       }
   }
   for (int k = 0; k < SMALL_KINDS; k++) p->class[k] = (uint8_t)small_class(sum[k]);
-  memcpy(r->k->class[met], p->class, sizeof p->class);
+  memcpy(r->k->class[met], p -> class, sizeof p->class);
 }
 
 static void round_point(rounding *r, size_t met) {
@@ -245,7 +245,8 @@ static void round_point(rounding *r, size_t met) {
   ylm__small_predict(f, met, p.way, row);
   int expected = ylm__small_exponent(f, row);
   ylm__small_steps(f, met, p.exponent, step);
-  ylm__small_difference(f, met, step, ylm__grid_row(k->from, k->layout.old[met], 0), row, r->number, r->room);
+  ylm__small_difference(f, met, step, ylm__grid_row(k->from, k->layout.old[met], 0), row, r->number,
+                        r->room);
   round_numbers(r, met, used, &p);
   ylm__small_point_code(&r->points, f, ways, expected, &p);
   ylm__small_add(f, met, step, r->number, used, row, r->room);
@@ -326,7 +327,7 @@ static ylm_status code_tables(rounding *r, small_packed *p) {
   if (s == YLM_OK) {
     choose_tables(r, t);
     count_numbers(r, t);
-    if (!ylm__small_tables_code(t, all, &c)) s = YLM_ENOMEM;
+    s = ylm__small_tables_code(t, all, &c);
   }
   if (s == YLM_OK) s = ylm__coder_end(&c);
   p->tables = c.out;

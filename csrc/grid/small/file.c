@@ -7,17 +7,21 @@
 static ylm_status check(const ylm_grid *g, const ylm_grid_small *how, ylm_error *e) {
   int asked = (how->tolerance != 0) + (how->bytes != 0) + (how->step != 0);
   if (g->contents.form.dynamic)
-    return ylm_fail(e, YLM_EINVAL, "a grid that follows lights is saved as it is: few bytes are for grids that do not");
+    return ylm_fail(
+        e, YLM_EINVAL,
+        "a grid that follows lights is saved as it is: few bytes are for grids that do not");
   if (asked != 1) return ylm_fail(e, YLM_EINVAL, "one of tolerance, bytes and step expected");
   if (how->tolerance != 0 && !(how->tolerance > 0 && how->tolerance <= 0.5))
-    return ylm_fail(e, YLM_EDOMAIN, "tolerance: above 0 and at most 0.5 expected, got %g", how->tolerance);
+    return ylm_fail(e, YLM_EDOMAIN, "tolerance: above 0 and at most 0.5 expected, got %g",
+                    how->tolerance);
   if (how->step != 0 && !(how->step >= 1e-7 && how->step <= 1))
     return ylm_fail(e, YLM_EDOMAIN, "step: 1e-7 to 1 expected, got %g", how->step);
   if (how->tolerance > 0 && g->stats.error >= how->tolerance)
-    return ylm_fail(e, YLM_ELIMIT,
-                    "tolerance: the grid errs by %.3g already, and %g is asked for in all: bake it to a "
-                    "smaller tolerance, or save it to a larger one",
-                    g->stats.error, how->tolerance);
+    return ylm_fail(
+        e, YLM_ELIMIT,
+        "tolerance: the grid errs by %.3g already, and %g is asked for in all: bake it to a "
+        "smaller tolerance, or save it to a larger one",
+        g->stats.error, how->tolerance);
   if (!ylm_all_finite(YLM_FLOAT, g->data, g->evaluated * ylm__grid_record(g), NULL))
     return ylm_fail(e, YLM_EDOMAIN, "the grid's light is not finite");
   return YLM_OK;

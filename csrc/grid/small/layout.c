@@ -13,14 +13,15 @@
 #include "../bake/baker.h"
 #include "ylm_list.h"
 
-#define LOOSE 0xff        /* level of points that no cell has brought */
-#define ASKED_BITS 16     /* of a ghost's place, along an axis */
-#define ASKED_WIDE 4.0    /* edges of a leaf that these cover */
-#define NEAR_BITS 3       /* of the pieces from which a ghost's place may be seen */
+#define LOOSE 0xff     /* level of points that no cell has brought */
+#define ASKED_BITS 16  /* of a ghost's place, along an axis */
+#define ASKED_WIDE 4.0 /* edges of a leaf that these cover */
+#define NEAR_BITS 3    /* of the pieces from which a ghost's place may be seen */
 #define NEAR (1 << NEAR_BITS)
-#define NEAR_ENOUGH 0.01  /* edges of the leaf, from such a way: a small part of what lies between the place and the wall */
-#define WAY_BITS 8        /* of the way from there; rounded back, away from the wall */
-#define NUMBERS 64        /* estimates of a number */
+#define NEAR_ENOUGH                                                                                \
+  0.01 /* edges of the leaf, from such a way: a small part of what lies between the place and the wall */
+#define WAY_BITS 8 /* of the way from there; rounded back, away from the wall */
+#define NUMBERS 64 /* estimates of a number */
 
 struct layout_chances {
   bit_chance split[YLM_GRID_MAX_DEPTH + 1][4], occupied[8], data[8], crossed[8], sided[4], brick[2],
@@ -46,8 +47,8 @@ static bool room_of_points(small_layout *k, size_t n) {
 }
 
 /* A new point; `old` is that of `from`. */
-static ylm_status meet(small_layout *k, const uint32_t at[3], int level, uint8_t flags, uint32_t old,
-                       uint32_t *point) {
+static ylm_status meet(small_layout *k, const uint32_t at[3], int level, uint8_t flags,
+                       uint32_t old, uint32_t *point) {
   ylm_grid *g = k->g;
   if (decoding(k) && k->met >= k->most_points) return damaged(k, "its number of points");
   ylm_status s = ylm__grid_reserve_points(g, 1);
@@ -141,19 +142,26 @@ static void code_cell(small_layout *k, uint32_t cell, uint32_t parent, bool *spl
   bool deeper = octree && c->level < k->g->contents.form.depth;
   bool was_split = k->from && !(was->flags & YLM_GRID_LEAF);
   int last = cell && !(beside & YLM_GRID_LEAF);
-  *split = deeper && ylm__coder_bit(k->c, &p->split[c->level][2 * last + ((beside & YLM_GRID_OCCUPIED) != 0)], was_split);
+  *split = deeper &&
+           ylm__coder_bit(k->c, &p->split[c->level][2 * last + ((beside & YLM_GRID_OCCUPIED) != 0)],
+                          was_split);
   if (!*split) flags |= YLM_GRID_LEAF;
   int about = 4 * *split + 2 * ((beside & YLM_GRID_OCCUPIED) != 0);
-  flags |= (uint8_t)flag(k->c, &p->occupied[about + ((above & YLM_GRID_OCCUPIED) != 0)], was->flags, YLM_GRID_OCCUPIED);
+  flags |= (uint8_t)flag(k->c, &p->occupied[about + ((above & YLM_GRID_OCCUPIED) != 0)], was->flags,
+                         YLM_GRID_OCCUPIED);
   int crossed = 2 * ((beside & YLM_GRID_CROSSED) != 0) + ((above & YLM_GRID_CROSSED) != 0);
   flags |= (uint8_t)flag(k->c, &p->crossed[4 * *split + crossed], was->flags, YLM_GRID_CROSSED);
   if (!*split && k->g->contents.form.sides)
-    flags |= (uint8_t)flag(k->c, &p->sided[2 * ((flags & YLM_GRID_OCCUPIED) != 0) + ((beside & YLM_GRID_SIDED) != 0)], was->flags, YLM_GRID_SIDED);
+    flags |= (uint8_t)flag(
+        k->c, &p->sided[2 * ((flags & YLM_GRID_OCCUPIED) != 0) + ((beside & YLM_GRID_SIDED) != 0)],
+        was->flags, YLM_GRID_SIDED);
   if (!*split && octree) flags |= (uint8_t)flag(k->c, p->brick, was->flags, YLM_GRID_BRICK);
   c->flags = flags;
   *data = false;
   if (!(flags & YLM_GRID_SIDED))
-    *data = ylm__coder_bit(k->c, &p->data[4 * *split + 2 * ((flags & YLM_GRID_OCCUPIED) != 0) + ((beside & YLM_GRID_OCCUPIED) != 0)],
+    *data = ylm__coder_bit(k->c,
+                           &p->data[4 * *split + 2 * ((flags & YLM_GRID_OCCUPIED) != 0) +
+                                    ((beside & YLM_GRID_OCCUPIED) != 0)],
                            k->from && has_data(k, was));
   *centre = false;
   if (*data && !*split && deeper && k->g->rows > 1) {
@@ -266,7 +274,8 @@ static double way_to(const double from[3], int corner, const double place[3], do
 }
 
 /* The place where the field was asked for a ghost: on the way from one of the part's pieces to the corner; else anywhere. */
-static void code_asked(small_layout *k, uint32_t point, const ylm_grid_side *side, uint32_t part, int corner) {
+static void code_asked(small_layout *k, uint32_t point, const ylm_grid_side *side, uint32_t part,
+                       int corner) {
   const ylm_grid_cell *c = &k->g->cell[side->cell];
   struct layout_chances *p = k->chance;
   size_t piece[NEAR];
@@ -285,8 +294,7 @@ static void code_asked(small_layout *k, uint32_t point, const ylm_grid_side *sid
     if (which >= n) which = 0; /* of a damaged stream */
     piece_middle(piece[which], middle);
     way = (double)bits / ((1 << WAY_BITS) - 1);
-    for (int a = 0; a < 3; a++)
-      place[a] = middle[a] + way * ((corner >> a & 1) - middle[a]);
+    for (int a = 0; a < 3; a++) place[a] = middle[a] + way * ((corner >> a & 1) - middle[a]);
   } else
     for (int a = 0; a < 3; a++) {
       double unit = ASKED_WIDE / (1 << ASKED_BITS), last = (1 << ASKED_BITS) - 1,
@@ -298,8 +306,8 @@ static void code_asked(small_layout *k, uint32_t point, const ylm_grid_side *sid
 }
 
 /* The ghost at a corner of a part. */
-static ylm_status bring_ghost(small_layout *k, uint32_t part, int corner, const uint32_t at[3], uint32_t old,
-                              uint32_t *point) {
+static ylm_status bring_ghost(small_layout *k, uint32_t part, int corner, const uint32_t at[3],
+                              uint32_t old, uint32_t *point) {
   struct layout_chances *p = k->chance;
   ylm_status s = ylm__lattice_hash_reserve(&k->ghost, k->ghost.used + 1);
   if (s != YLM_OK) return s;
@@ -332,7 +340,8 @@ static ylm_status bring_part(small_layout *k, uint32_t cell, uint32_t part, cons
     uint32_t at[3], point;
     bool ghost = was && k->from->flags[was[i]] & YLM_GRID_POINT_GHOST;
     ylm__grid_corner_at(k->g, &leaf, i, at);
-    int sure = i ? 1 + ((k->g->flags[k->g->sides.node[part][i - 1]] & YLM_GRID_POINT_GHOST) != 0) : 0;
+    int sure =
+        i ? 1 + ((k->g->flags[k->g->sides.node[part][i - 1]] & YLM_GRID_POINT_GHOST) != 0) : 0;
     ghost = ylm__coder_bit(k->c, &k->chance->ghost[sure], ghost);
     ylm_status s = ghost ? bring_ghost(k, part, i, at, was ? was[i] : 0, &point)
                          : point_at(k, at, leaf.level, &point);
@@ -525,12 +534,14 @@ static ylm_status sort_points(small_layout *k) {
   bool ok = first && order && old && level && source;
   for (size_t i = 0; ok && i < n; i++) first[4 * level[i] + middles_of(k, i) + 1]++;
   for (size_t i = 0; ok && i < 4 * 256; i++) first[i + 1] += first[i];
-  for (size_t i = 0; ok && i < n; i++) order[first[4 * level[i] + middles_of(k, i)]++] = (uint32_t)i;
+  for (size_t i = 0; ok && i < n; i++)
+    order[first[4 * level[i] + middles_of(k, i)]++] = (uint32_t)i;
   for (size_t i = 0; ok && i < n; i++) {
     k->old[i] = old[order[i]];
     k->level[i] = level[order[i]];
     k->source[i] = source[order[i]];
-    k->before[i] = order[i]; /* of ghosts no more is needed: the number that the point was met with */
+    k->before[i] =
+        order[i]; /* of ghosts no more is needed: the number that the point was met with */
   }
   ylm_free(first);
   ylm_free(order);
@@ -545,7 +556,8 @@ static void find_places(small_layout *k) {
   size_t next = 0;
   for (int ghosts = 0; ghosts < 2; ghosts++)
     for (size_t i = 0; i < k->met; i++)
-      if (!(k->g->flags[k->before[i]] & YLM_GRID_POINT_GHOST) == !ghosts) k->place[i] = (uint32_t)next++;
+      if (!(k->g->flags[k->before[i]] & YLM_GRID_POINT_GHOST) == !ghosts)
+        k->place[i] = (uint32_t)next++;
   for (size_t i = 0; i < k->met; i++) k->rank[k->place[i]] = (uint32_t)i;
 }
 

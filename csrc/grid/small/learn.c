@@ -6,7 +6,7 @@
 
 #define SWEEPS 12
 #define LEARNT_FROM 16384 /* points at most, of coefficients */
-#define BLOCK_MOST 81 /* columns of a matrix that is turned at once */
+#define BLOCK_MOST 81     /* columns of a matrix that is turned at once */
 
 /* Eigenvectors of a symmetric matrix [n][n], as rows of v, by falling eigenvalue; a is spent. Jacobi's turns. */
 static void eigenvectors(size_t n, double *a, double *v, double *value) {
@@ -55,7 +55,8 @@ static void eigenvectors(size_t n, double *a, double *v, double *value) {
 /* A proper turn with columns v[0], v[1], v[2], as it is written. */
 static uint32_t pack_turn(const double v[9]) {
   double m[3][3], best = -1, q[4] = {1, 0, 0, 0};
-  for (int signs = 0; signs < 8; signs++) { /* the signs of columns are free: of turns, the smallest */
+  for (int signs = 0; signs < 8;
+       signs++) { /* the signs of columns are free: of turns, the smallest */
     for (int d = 0; d < 3; d++)
       for (int c = 0; c < 3; c++) m[c][d] = v[3 * d + c] * (signs >> d & 1 ? -1 : 1);
     double det = m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) -
@@ -152,7 +153,8 @@ static void sum_products(learning *j) {
       double *sum = j->sum + r * b->size;
       size_t blocks = b->turn == SMALL_ALL ? 1 : (size_t)b->lmax + 1;
       for (size_t l = 0; l < blocks; l++) {
-        size_t first = b->turn == SMALL_ALL ? 0 : l * l, n = b->turn == SMALL_ALL ? count : 2 * l + 1;
+        size_t first = b->turn == SMALL_ALL ? 0 : l * l,
+               n = b->turn == SMALL_ALL ? count : 2 * l + 1;
         for (size_t i = 0; i < n; i++) {
           double scaled = w * (double)x[first + i];
           for (size_t k = 0; k < n; k++) sum[i * n + k] += scaled * (double)x[first + k];

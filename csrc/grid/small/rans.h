@@ -15,7 +15,7 @@
 #define RANS_TABLES 64 /* table 0: all numbers are 0, and nothing is coded */
 #define RANS_SYMBOLS 32
 #define RANS_MOST 10
-#define RANS_LONG 10      /* the last symbol's: its size has RANS_LONG_BITS bits */
+#define RANS_LONG 10 /* the last symbol's: its size has RANS_LONG_BITS bits */
 #define RANS_LONG_BITS 25
 #define RANS_BITS 11 /* of frequencies */
 #define RANS_SUM (1u << RANS_BITS)

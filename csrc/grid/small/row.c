@@ -14,9 +14,9 @@
 #define F float
 #include "../gen/interpolation.h"
 
-#define PLACES 27 /* of a cell's half-edge lattice */
-#define OUT 4     /* a value and three slopes */
-#define LANES 8 /* numbers that are summed side by side: strides are multiples of it */
+#define PLACES 27     /* of a cell's half-edge lattice */
+#define OUT 4         /* a value and three slopes */
+#define LANES 8       /* numbers that are summed side by side: strides are multiples of it */
 #define TURN_MOST 511 /* of 10 bits with a sign */
 
 /* The terms of one output of a prediction: rows of corners, as ROWS counts them, and their weights. */
@@ -117,8 +117,8 @@ ylm_status ylm__small_frame(small_frame *f, const small_layout *k, const small_h
                      .channels = g->contents.form.channels,
                      .count = g->contents.count};
   for (int a = 0; a < 3; a++)
-    f->voxel[a] = (g->contents.form.bounds[a + 3] - g->contents.form.bounds[a]) /
-                  g->contents.resolution[a];
+    f->voxel[a] =
+        (g->contents.form.bounds[a + 3] - g->contents.form.bounds[a]) / g->contents.resolution[a];
   f->weight = ylm_alloc((size_t)f->count, sizeof *f->weight);
   f->unweight = ylm_alloc((size_t)f->count, sizeof *f->unweight);
   if (!f->weight || !f->unweight) return YLM_ENOMEM;
@@ -224,9 +224,9 @@ void ylm__small_turn(uint32_t turn, float column[9]) {
   q[largest] = sum < 1 ? sqrt(1 - sum) : 0;
   double scale = sum < 1 ? 1 : 1 / sqrt(sum), w = q[0] * scale, x = q[1] * scale, y = q[2] * scale,
          z = q[3] * scale;
-  double m[9] = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y),
-                 2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x),
-                 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)};
+  double m[9] = {1 - 2 * (y * y + z * z), 2 * (x * y + w * z),     2 * (x * z - w * y),
+                 2 * (x * y - w * z),     1 - 2 * (x * x + z * z), 2 * (y * z + w * x),
+                 2 * (x * z + w * y),     2 * (y * z - w * x),     1 - 2 * (x * x + y * y)};
   for (int i = 0; i < 9; i++) column[i] = (float)m[i];
 }
 
@@ -289,8 +289,8 @@ typedef struct small_pair {
   bool known;
 } small_pair;
 
-static void find_pair(const small_frame *f, size_t met, const uint32_t at[3], int axis, uint32_t half,
-                      small_pair *pair) {
+static void find_pair(const small_frame *f, size_t met, const uint32_t at[3], int axis,
+                      uint32_t half, small_pair *pair) {
   uint32_t place[3];
   memcpy(place, at, sizeof place);
   place[axis] -= half;
@@ -307,7 +307,8 @@ static void add_term(const small_frame *f, small_mix *m, uint32_t point, int row
 
 /* One row, from pairs along axes: the value, or the slope along axis row - 1. The cubic between two points says their middle's
    value and its slope along the axis; other slopes are means. h: the distance of a pair along each axis. */
-static void mix_pairs(const small_frame *f, const small_pair pair[3], const float h[3], size_t row, float *to) {
+static void mix_pairs(const small_frame *f, const small_pair pair[3], const float h[3], size_t row,
+                      float *to) {
   small_mix m = {.n = 0};
   int pairs = 0;
   bool own = row && pair[row - 1].known;

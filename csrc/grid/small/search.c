@@ -15,10 +15,10 @@
 #define TRIES 8
 #define LEAST_STEP 1e-7
 #define MOST_STEP 1.0
-#define CLOSE 0.985      /* of a tolerance or a number of bytes: no more is searched for */
-#define PER_STEP 0.416   /* of rounding's 99 %: times the root of the row's width */
-#define STEEP 0.6         /* bytes fall as step^-STEEP, until two sizes say how they do */
-#define AIM 0.993         /* of the bytes that are asked for */
+#define CLOSE 0.985    /* of a tolerance or a number of bytes: no more is searched for */
+#define PER_STEP 0.416 /* of rounding's 99 %: times the root of the row's width */
+#define STEEP 0.6      /* bytes fall as step^-STEEP, until two sizes say how they do */
+#define AIM 0.993      /* of the bytes that are asked for */
 #define SEED 0x736d616c6cu
 #define NORMALS 6
 
@@ -27,10 +27,10 @@ typedef struct search {
   const ylm_grid *from;
   const ylm_grid_small *how;
   ylm_error *e;
-  size_t n;        /* places */
+  size_t n; /* places */
   double (*place)[3];
-  float *normal;   /* [n][3] of a panel of irradiance */
-  float *before;   /* [n][width] light of the grid */
+  float *normal;      /* [n][3] of a panel of irradiance */
+  float *before;      /* [n][width] light of the grid */
   const panel *judge; /* NULL: none */
   measure m;
   double *error, *total;
@@ -98,8 +98,7 @@ static void find_means(search *s) {
       double e[3];
       normal_of(k, n);
       ylm__measure_irradiance(&s->m, s->before + i * s->from->width, n, e);
-      for (int c = 0; c < s->m.channels; c++)
-        s->m.mean[c] += fabs(e[c]) / (double)(NORMALS * s->n);
+      for (int c = 0; c < s->m.channels; c++) s->m.mean[c] += fabs(e[c]) / (double)(NORMALS * s->n);
     }
 }
 
@@ -157,7 +156,8 @@ static ylm_status judge(search *s) {
   *r = (ylm_grid_small_report){.before = stats->error,
                                .rounding = quantile(s->error, n, 0.99),
                                .largest = quantile(s->error, n, 1),
-                               .middle = s->judge ? quantile(s->total, totals, 0.5) : quantile(s->error, n, 0.5),
+                               .middle = s->judge ? quantile(s->total, totals, 0.5)
+                                                  : quantile(s->error, n, 0.5),
                                .places = n,
                                .judged = s->judge != NULL,
                                .confidence = 1 - DOUBT,
@@ -180,7 +180,8 @@ static double ratio(const search *s) {
 
 /* The next step, from a step whose ratio is known. */
 static double guess(const search *s, double step, double found) {
-  double before = s->judge || !isnan(s->from->stats.error) ? s->from->stats.error / s->how->tolerance : 0;
+  double before =
+      s->judge || !isnan(s->from->stats.error) ? s->from->stats.error / s->how->tolerance : 0;
   if (s->how->bytes) return step * pow(found / AIM, 1 / s->steep);
   if (!s->judge) return found > before ? step * (1 - before) / (found - before) * 0.995 : 2 * step;
   double squares = found * found - before * before;
@@ -190,7 +191,8 @@ static double guess(const search *s, double step, double found) {
 static double first_step(const search *s) {
   double before = isnan(s->from->stats.error) ? 0 : s->from->stats.error, t = s->how->tolerance;
   if (s->how->bytes) return fmax(1e-4, 0.3 * (isnan(s->from->stats.error) ? 0.01 : before));
-  double part = s->judge ? sqrt(fmax(t * t - before * before, 1e-4 * t * t)) : fmax(t - before, 0.01 * t) / 1.3;
+  double part = s->judge ? sqrt(fmax(t * t - before * before, 1e-4 * t * t))
+                         : fmax(t - before, 0.01 * t) / 1.3;
   return part / (PER_STEP * sqrt((double)s->from->width));
 }
 
@@ -204,10 +206,14 @@ static ylm_status try_step(search *s, double *step) {
 static ylm_status not_to_be_had(const search *s) {
   const ylm_grid_small_report *r = &ylm__small_packed_of(s->k)->report;
   if (s->how->bytes)
-    return ylm_fail(s->e, YLM_ELIMIT, "bytes: this grid takes %zu at the coarsest step of rounding, and %llu are asked for",
-                    (size_t)ylm__grid_file_small_size(ylm__small_grid_of(s->k), ylm__small_packed_of(s->k)), (unsigned long long)s->how->bytes);
+    return ylm_fail(
+        s->e, YLM_ELIMIT,
+        "bytes: this grid takes %zu at the coarsest step of rounding, and %llu are asked for",
+        (size_t)ylm__grid_file_small_size(ylm__small_grid_of(s->k), ylm__small_packed_of(s->k)),
+        (unsigned long long)s->how->bytes);
   return ylm_fail(s->e, YLM_ELIMIT,
-                  "tolerance: the grid errs by %.3g before any rounding, %g is asked for in all: bake it to a smaller tolerance, or "
+                  "tolerance: the grid errs by %.3g before any rounding, %g is asked for in all: "
+                  "bake it to a smaller tolerance, or "
                   "save it to a larger one",
                   r->before, s->how->tolerance);
 }

@@ -26,8 +26,8 @@ enum { SMALL_HAS_SIDES = 1, SMALL_HAS_VALIDITY = 2 };
 /* Section "small". */
 typedef struct small_head {
   uint32_t version, turn;
-  float step;   /* of values, relative to the light's norm at the point */
-  float slopes; /* steps of slopes, in those of values an edge */
+  float step;        /* of values, relative to the light's norm at the point */
+  float slopes;      /* steps of slopes, in those of values an edge */
   float least, most; /* norms below and above count as these */
   float degree;      /* the least weight of a degree of irradiance; 1: all are alike */
   uint32_t loose;    /* points that are corners of no cell */
@@ -39,8 +39,10 @@ typedef struct small_head {
 
 /* What a point is predicted from, of points before it. */
 typedef struct small_source {
-  uint32_t parent[SMALL_PARENTS]; /* cells of the level above that have it at a half of their edges; YLM_GRID_NONE: no more */
-  uint32_t kin;                   /* the cell, or where `of_part` the part, that has it as corner; YLM_GRID_NONE: none */
+  uint32_t parent
+      [SMALL_PARENTS]; /* cells of the level above that have it at a half of their edges; YLM_GRID_NONE: no more */
+  uint32_t
+      kin; /* the cell, or where `of_part` the part, that has it as corner; YLM_GRID_NONE: none */
   uint8_t corner, of_part;
 } small_source;
 
@@ -53,18 +55,20 @@ typedef struct small_layout {
   size_t was_room;
   uint32_t *old; /* [met] encoder: the point of `from` */
   size_t old_room;
-  lattice_hash known; /* encoder: points of `from` that are no ghosts */
+  lattice_hash known;   /* encoder: points of `from` that are no ghosts */
   small_source *source; /* [met] */
   size_t source_room, met;
-  uint32_t *place, *rank; /* [met] the number of a point that was met, and back: from ylm__small_finish on */
-  uint8_t *level;  /* [met] of the cells that it was met at; LOOSE */
+  uint32_t *place,
+      *rank; /* [met] the number of a point that was met, and back: from ylm__small_finish on */
+  uint8_t *level; /* [met] of the cells that it was met at; LOOSE */
   size_t level_room;
-  uint32_t *before; /* [met] the ghost before it at the same corner; from ylm__small_finish on the number that it was met with */
+  uint32_t *
+      before; /* [met] the ghost before it at the same corner; from ylm__small_finish on the number that it was met with */
   size_t before_room;
   lattice_hash ghost; /* the last ghost at a corner */
   size_t loose;
   struct layout_chances *chance;
-  const char *bad;      /* the error of a damaged stream */
+  const char *bad; /* the error of a damaged stream */
   size_t most_cells, most_points;
 } small_layout;
 
@@ -96,12 +100,12 @@ typedef struct small_frame {
   small_head head;
   size_t rows, width;
   int channels, count;
-  float *weight, *unweight; /* [count] of a coefficient's degree; their reciprocals */
+  float *weight, *unweight;      /* [count] of a coefficient's degree; their reciprocals */
   struct small_weights *weights; /* [levels] of predictions by parents */
-  uint8_t *edge;     /* [met] level of the largest leaf that the point is a corner of */
-  double voxel[3];   /* the scene's extent of one cell of the lattice */
+  uint8_t *edge;                 /* [met] level of the largest leaf that the point is a corner of */
+  double voxel[3];               /* the scene's extent of one cell of the lattice */
   small_basis basis;
-  float *colour; /* [blocks][9] columns; NULL: one channel */
+  float *colour;   /* [blocks][9] columns; NULL: one channel */
   uint32_t *turns; /* [blocks] of these, as they are written */
 } small_frame;
 
@@ -140,9 +144,9 @@ static inline float small_read_as(int32_t q) {
 /* What a point's numbers are counted as. */
 static inline uint32_t small_class(uint64_t sum) {
   uint32_t c = 0;
-  static const uint32_t from[SMALL_CLASSES] = {0,   1,   2,   3,   4,   5,   6,   7,   9,   11,   14,
-                                               17,  21,  26,  32,  40,  50,  63,  80,  101, 127,  160,
-                                               202, 254, 320, 404, 509, 641, 900, 1500, 3000, 8000};
+  static const uint32_t from[SMALL_CLASSES] = {
+      0,  1,  2,  3,   4,   5,   6,   7,   9,   11,  14,  17,  21,  26,   32,   40,
+      50, 63, 80, 101, 127, 160, 202, 254, 320, 404, 509, 641, 900, 1500, 3000, 8000};
   while (c + 1 < SMALL_CLASSES && sum >= from[c + 1]) c++;
   return c;
 }
@@ -152,7 +156,8 @@ static inline uint32_t small_class(uint64_t sum) {
 /* Tables and estimates of points' streams. */
 typedef struct small_tables {
   uint8_t *table; /* [SMALL_CLASSES][rows * width] of RANS_TABLES */
-  uint16_t *coded; /* reader: [SMALL_CLASSES][rows * width] of each row and channel the coefficients whose table is not 0 */
+  uint16_t *
+      coded; /* reader: [SMALL_CLASSES][rows * width] of each row and channel the coefficients whose table is not 0 */
   uint16_t *codes; /* [SMALL_CLASSES][rows * channels] how many */
   uint16_t frequency[RANS_TABLES][RANS_SYMBOLS];
 } small_tables;
@@ -160,8 +165,8 @@ typedef struct small_tables {
 ylm_status ylm__small_tables_list(small_tables *t, size_t rows, size_t count);
 ylm_status ylm__small_tables_room(small_tables *t, size_t components);
 void ylm__small_tables_free(small_tables *t);
-/* Codes tables. false: they do not hold. */
-bool ylm__small_tables_code(small_tables *t, size_t components, bit_coder *c);
+/* Codes tables; YLM_EFORMAT where these of a stream do not hold, YLM_ENOMEM. */
+ylm_status ylm__small_tables_code(small_tables *t, size_t components, bit_coder *c);
 
 /* What stands beside a point's numbers. */
 typedef struct small_point {
@@ -180,7 +185,8 @@ void ylm__small_points_free(small_points *s);
 /* How a point is predicted, of the ways that there are. */
 int ylm__small_way_code(small_points *s, int ways, int way);
 /* `expected` is the exponent of the prediction's norm. */
-void ylm__small_point_code(small_points *s, const small_frame *f, int ways, int expected, small_point *p);
+void ylm__small_point_code(small_points *s, const small_frame *f, int ways, int expected,
+                           small_point *p);
 
 /* -- learn.c: bases ------------------------------------------------------------------------------------- */
 

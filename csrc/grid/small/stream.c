@@ -43,13 +43,14 @@ static void code_choice(small_tables *t, size_t n, bit_coder *c, struct table_ch
     for (size_t i = 0; i < n; i++) {
       uint8_t *table = t->table + class * n + i;
       uint8_t below = t->table[(class - 1) * n + i], beside = i ? table[-1] : 0;
-      *table = (uint8_t)ylm__coder_symbol_of(c, p->below[below], p->beside[beside], TABLE_BITS, *table);
+      *table =
+          (uint8_t)ylm__coder_symbol_of(c, p->below[below], p->beside[beside], TABLE_BITS, *table);
     }
 }
 
-bool ylm__small_tables_code(small_tables *t, size_t components, bit_coder *c) {
+ylm_status ylm__small_tables_code(small_tables *t, size_t components, bit_coder *c) {
   struct table_chances *p = ylm_alloc(1, sizeof *p);
-  if (!p) return false;
+  if (!p) return YLM_ENOMEM;
   ylm__coder_even((bit_chance *)p, sizeof *p / sizeof(bit_chance));
   code_choice(t, components, c, p);
   bool holds = true;
@@ -66,7 +67,7 @@ bool ylm__small_tables_code(small_tables *t, size_t components, bit_coder *c) {
     holds &= !left;
   }
   ylm_free(p);
-  return holds && !c->short_by;
+  return holds && !c->short_by ? YLM_OK : YLM_EFORMAT;
 }
 
 /* -- points ---------------------------------------------------------------------------------------- */
@@ -101,10 +102,14 @@ void ylm__small_point_code(small_points *s, const small_frame *f, int ways, int 
   struct point_chances *c = s->chance;
   p->invalid = (uint8_t)ylm__coder_bit(s->c, &c->invalid[s->before.invalid], p->invalid);
   if (f->g->validity)
-    p->validity = (uint8_t)ylm__coder_symbol(s->c, c->validity[s->before.validity >> 5], 8, p->validity);
+    p->validity =
+        (uint8_t)ylm__coder_symbol(s->c, c->validity[s->before.validity >> 5], 8, p->validity);
   if (!ways) expected = s->before.exponent;
-  p->exponent =
-      expected + ylm__coder_signed(s->c, c->exponent[ways > 1 ? 1 : ways ? 2 : 0], p->exponent - expected);
+  p->exponent = expected + ylm__coder_signed(s->c,
+                                             c->exponent[ways > 1 ? 1
+                                                         : ways   ? 2
+                                                                  : 0],
+                                             p->exponent - expected);
   code_classes(s, f, p);
   s->before = *p;
 }

@@ -291,6 +291,12 @@ calls["grid:export .ktx2"] = few_cells "g.ktx2"
 calls["grid:export .three.json"] = few_cells("g.three.json", true)
 calls["grid:export .npy"] = on(function(keep) return ylm.bake(uniform {}, few()), keep "e.npy" end,
   function(g, path) return g:export(path, { tolerance = 10, points = points(9) }) end)
+calls["save a grid in few bytes"] = on(function(keep) return grid(), keep "s.ylm" end, function(g, path)
+  return g:save(path, { step = 0.1 })
+end)
+calls["load a grid in few bytes"] = on(function(keep)
+  return assert(grid():save(keep "s.ylm", { step = 0.1 })) and keep "s.ylm"
+end, function(path) return ylm.load(path) end)
 calls["load a grid"] = on(function(keep) return grid():save(keep "g.ylm") and keep "g.ylm" end,
   function(path) return ylm.load(path) end)
 
