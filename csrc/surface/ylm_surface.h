@@ -36,9 +36,10 @@ typedef struct ylm_surface_stats {
   size_t places, rounds; /* whose light was asked for; fits */
   uint64_t rays;         /* of light and of sight */
   size_t verified, failed;
-  double error; /* of 99 % of the verified places */
+  double
+      error; /* that 99 % of the surface keep, with 99 % confidence; infinite: too few were verified */
   double rms;   /* over the mean, without the places' noise */
-  bool met;     /* at the verified places, by the radiosity that was asked */
+  bool met;     /* by the radiosity that was asked, or by the judge after it */
   bool spent;   /* it is not, and no more corners were allowed */
   size_t bytes; /* in memory */
   double seconds;

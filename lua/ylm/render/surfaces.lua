@@ -31,9 +31,10 @@ require "ylm.describe".object "surface_grid" {
   fields = {
     { "stats", "table", "corners: numbers a channel that were fitted; rectangles; charts: planes and maps that these lie on; "
       .. "rows: corners with those that hang on longer edges; places whose light was asked for, rays, rounds; verified, failed: "
-      .. "places that judged, and those that missed the tolerance; error: what 99 % of them keep; rms: root mean square error "
-      .. "over the mean, without noise; met; warning: what is not kept, or nil; spent: corners were not enough; paths: what "
-      .. "paths found, undecided, field_met and field_error of the light that was fitted, seconds; bytes, seconds" },
+      .. "places that judged, and those that missed the tolerance; error: what 99 % of the surface keep, with 99 % confidence; "
+      .. "rms: root mean square error over the mean, without noise; met; warning: what is not kept, or nil; spent: corners were "
+      .. "not enough; paths: what paths found, undecided, field_met and field_error of the light that was fitted, seconds; "
+      .. "bytes, seconds" },
     { "scene", "scene", "of what" },
     { "quantity", "string", "'direct', 'indirect' or 'all'" },
     { "tolerance", "number", "that was asked for" },
@@ -67,6 +68,10 @@ local all_options = options.list(fields, options.common)
 local function cause_of(m)
   local s, paths = m.stats, m.stats.paths
   local looser = "set tolerance = " .. (s.error < math.huge and unmet.rounded_up(s.error) or "larger")
+  if core.grid_allowed(s.verified) < 0 then
+    return ("the %d places that were found open are too few to judge by: all other surface is in bodies, or covered by surfaces "
+      .. "nearby"):format(s.verified)
+  end
   if s.spent then return "its corners are spent; leave corners out, or " .. looser end
   if paths and paths.field_met then
     local undecided = unmet.undecided(s, paths)
