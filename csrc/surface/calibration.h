@@ -98,6 +98,8 @@
 #define HOPE 0.02
 #define GROWN 1.5
 #define JUDGED_MOST 12
+/* Fits of other light on the same rectangles: places that judged one become places of the next. */
+#define REFITS 6
 /* Covered: another surface is nearer than this. */
 #define COVERED 2e-3
 

@@ -251,11 +251,12 @@ static ylm_status join(surface_bake *b, const panel *p) {
 
 /* -- rounds -------------------------------------------------------------------------------------- */
 
-static ylm_status fit(surface_bake *b) {
+/* Asks for light and fits it; `part`: cuts leaves that are new. */
+static ylm_status fit(surface_bake *b, bool part) {
   ylm_status s = ylm__surface_sample(b);
   if (s == YLM_OK) ylm__surface_mean(b);
-  if (s == YLM_OK) s = ylm__surface_part(b);
-  if (s == YLM_OK) s = ylm__surface_sample(b);
+  if (s == YLM_OK && part) s = ylm__surface_part(b);
+  if (s == YLM_OK && part) s = ylm__surface_sample(b);
   if (s == YLM_OK) s = ylm__surface_corners(b);
   if (s == YLM_OK) s = ylm__surface_fit(b);
   if (s == YLM_OK) s = ylm_parallel(b->leaves, 16, b->form->light.threads, measure, b, NULL, NULL);
@@ -271,7 +272,7 @@ static ylm_status refine(surface_bake *b, panel *p) {
     size_t halved = 0;
     snprintf(stage, sizeof stage, "surfaces, round %d", (int)round);
     s = ylm_report(b->form->light.progress, round - 1, ROUNDS, stage);
-    if (s == YLM_OK) s = fit(b);
+    if (s == YLM_OK) s = fit(b, true);
     if (s != YLM_OK) break;
     double hope = expected(b);
     if (judges < JUDGED_MOST && (hope < HOPE || (double)b->unknowns > GROWN * (double)judged)) {
@@ -289,6 +290,24 @@ static ylm_status refine(surface_bake *b, panel *p) {
   if (s == YLM_OK && judged != b->unknowns) {
     s = draw(b, judges, p);
     if (s == YLM_OK) compare(b, p);
+  }
+  return s;
+}
+
+/* Light on the rectangles of another grid. */
+static ylm_status refit(surface_bake *b, panel *p) {
+  ylm_scene_prints prints;
+  ylm_scene_print(b->scene, &prints);
+  if (prints.geometry != b->form->like->stats.prints.geometry)
+    return ylm_fail(b->e, YLM_EINVAL, "the rectangles are of other meshes");
+  ylm_status s = ylm__surface_grow(b, b->form->like);
+  for (uint64_t round = 0; s == YLM_OK && round < REFITS; round++) {
+    if (round > 0) s = join(b, p);
+    if (s == YLM_OK) s = ylm_report(b->form->light.progress, round, REFITS, "surfaces");
+    if (s == YLM_OK) s = fit(b, false);
+    if (s == YLM_OK) s = draw(b, round, p);
+    if (s == YLM_OK) compare(b, p);
+    if (s == YLM_OK && is_enough(b)) break;
   }
   return s;
 }
@@ -334,7 +353,7 @@ ylm_status ylm_surface_bake(const ylm_radiosity *r, const ylm_surface_form *form
   panel *p = ylm_alloc(1, sizeof *p);
   s = p ? ylm__surface_charts(b.scene, &b.charts, e) : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm__surface_sites(&b);
-  if (s == YLM_OK) s = refine(&b, p);
+  if (s == YLM_OK) s = form->like ? refit(&b, p) : refine(&b, p);
   b.stats.places = b.lights;
   b.stats.seconds = ylm_seconds() - start;
   if (s == YLM_OK) s = ylm__surface_compact(&b, out);

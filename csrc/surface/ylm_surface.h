@@ -23,6 +23,8 @@ typedef struct ylm_surface_form {
   double aim;     /* the part of it that is refined for, where another judge follows; 0: all */
   size_t corners; /* at most about so many; 0: as the tolerance asks */
   ylm_quantity quantity; /* what the light is, for who reads it */
+  /* Whose rectangles take the light, a grid of the same meshes: none is halved; NULL: they are found. */
+  const ylm_surface_grid *like;
   const ylm_scene *lit; /* whose materials and lamps have its prints; NULL: the radiosity's scene */
   /* As ylm_radiosity_places takes it; `links` of a place, twice. Seed, threads and progress are those of all work here
      (stage "surfaces"). */
@@ -87,6 +89,9 @@ YLM_API void ylm_surface_rectangle(const ylm_surface_grid *g, size_t i, float co
 
 /* Writes to a file, beside it first; reads one, which must be of this scene (YLM_EINVAL). */
 YLM_API ylm_status ylm_surface_write(const ylm_surface_grid *g, const char *path, ylm_error *e);
+/* What the header of a file says, without its scene: all but `bytes` in memory. */
+YLM_API ylm_status ylm_surface_inspect(const unsigned char *bytes, size_t size, const char *name,
+                                       ylm_surface_stats *stats, ylm_error *e);
 YLM_API ylm_status ylm_surface_read(const ylm_scene *scene, const unsigned char *bytes, size_t size,
                                     const char *name, ylm_surface_grid **g, ylm_error *e);
 
