@@ -4,6 +4,7 @@ local ylm = require "ylm"
 local core = require "ylm.c.core"
 local json = require "spec.support.json"
 local parted = require "spec.support.parted_rooms"
+local picture = require "ylm.picture"
 local scratch = require "spec.support.scratch"
 local tool = require "spec.support.tool"
 
@@ -290,6 +291,9 @@ describe("a surface grid", function()
     assert.is_nil(nothing)
     assert.equal("EFORMAT", code)
     assert.truthy(why:find("scene:surface_grid { file = }", 1, true))
+    local _, refused, names = tool.runner(folder)("view " .. name .. " -o out.png")
+    assert.is_true(refused ~= 0)
+    assert.truthy(names:find "name the scene's file too", names)
     local cut = assert(io.open(name, "wb"))
     cut:write "\137YLMsurf and no more than that"
     cut:close()
@@ -298,6 +302,23 @@ describe("a surface grid", function()
     assert.truthy(err:find "light on surfaces" or err:find "cut short", err)
     os.remove(name)
     folder:remove()
+  end)
+
+  it("is seen in the colours of its rectangles", function()
+    local made, why = pcall(ylm.view, { surfaces = 7 })
+    assert.is_false(made)
+    assert.truthy(why:find("surfaces must be a surface grid (scene:surface_grid), got 7", 1, true), why)
+    if not picture.vtk() then return pending "VTK is not built in" end
+    local pixels, colours, n = assert(ylm.view { surfaces = light, size = { 64, 48 }, supersample = 1 }:pixels()), {}, 0
+    for y = 1, 48 do
+      for x = 1, 64 do
+        local key = {}
+        for c = 1, 3 do key[c] = math.floor(16 * pixels:get(y, x, c)) end
+        key = table.concat(key, " ")
+        if not colours[key] then colours[key], n = true, n + 1 end
+      end
+    end
+    assert.is_true(n > 20, n)
   end)
 
   it("lies on round bodies, and on many small planes", function()
