@@ -53,7 +53,7 @@ describe("the promise of a surface grid", function()
   end
 
   it("holds at places that no judge has seen", function()
-    holds("a parted room", scene, links, "indirect", 0.3, long(400, 10000), long(4096, 65536))
+    holds("a parted room", scene, links, "indirect", long(0.5, 0.2), long(200, 10000), long(1024, 65536))
     for _, entry in ipairs(long({}, scenes)) do
       if entry.name == "rooms" or entry.name == "court" or entry.name == "ball" then
         local s = entry.make(ylm)
@@ -63,17 +63,18 @@ describe("the promise of a surface grid", function()
   end)
 
   it("is false for as few seeds of its judge as its confidence says", function()
-    local tolerance, seeds = long(0.2, 0.1), long(3, 200)
+    local tolerance, seeds = long(0.3, 0.1), long(2, 200)
     local function baked(seed)
       return quietly(function()
         return assert(scene:surface_grid { tolerance = tolerance, links = links, judge = "field", seed = seed })
       end)
     end
     local lit, said, wrong = links:radiosity(nil, { light_samples = 64 }), 0, {}
-    local places = promise.draw(baked(1), lit, long(500, 4000), 777)
-    promise.by_elements(places, lit, "indirect", long(3072, 12288))
+    local first = baked(1)
+    local places = promise.draw(first, lit, long(200, 4000), 777)
+    promise.by_elements(places, lit, "indirect", long(768, 12288))
     for seed = 1, seeds do
-      local light = baked(seed)
+      local light = seed == 1 and first or baked(seed)
       local share = promise.share(places, tolerance, answers(light, places))
       if light.stats.met then said = said + 1 end
       if light.stats.met and share > PROMISED then wrong[#wrong + 1] = seed end
@@ -85,7 +86,7 @@ describe("the promise of a surface grid", function()
 
   it("is not given where few places can be judged", function()
     local vertices, triangles = {}, {}
-    for i = 0, 99 do -- cards that cover each other
+    for i = 0, 59 do -- cards that cover each other
       for _, c in ipairs { { -0.4, -0.4 }, { 0.4, -0.4 }, { 0.4, 0.4 }, { -0.4, 0.4 } } do
         vertices[#vertices + 1] = { c[1], 1e-4 * i, c[2] }
       end
@@ -94,7 +95,7 @@ describe("the promise of a surface grid", function()
     local cards = ylm.scene "cards" { lights = ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 20 },
       geometry = ylm.mesh { vertices = vertices, triangles = triangles, crease = 1 } }
     local light = quietly(function()
-      return assert(cards:surface_grid { tolerance = 0.5, judge = "field", quantity = "all",
+      return assert(cards:surface_grid { tolerance = 0.5, judge = "field", quantity = "all", corners = 16,
         links = cards:links { rays = 16, spacing = 0.5 } })
     end)
     assert.is_true(light.stats.verified > 0 and light.stats.verified < 459, light.stats.verified)

@@ -89,7 +89,7 @@ YLM_API void ylm_surface_rectangle(const ylm_surface_grid *g, size_t i, float co
 
 /* Writes to a file, beside it first; reads one, which must be of this scene (YLM_EINVAL). */
 YLM_API ylm_status ylm_surface_write(const ylm_surface_grid *g, const char *path, ylm_error *e);
-/* What the header of a file says, without its scene: all but `bytes` in memory. */
+/* The header of a file, without its scene: all stats but `bytes` in memory. */
 YLM_API ylm_status ylm_surface_inspect(const unsigned char *bytes, size_t size, const char *name,
                                        ylm_surface_stats *stats, ylm_error *e);
 YLM_API ylm_status ylm_surface_read(const ylm_scene *scene, const unsigned char *bytes, size_t size,

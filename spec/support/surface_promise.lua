@@ -39,7 +39,7 @@ local function add_paths(scene, places, which, samples, reflections, seed)
   end
 end
 
---- Gives places E and V, their light by `samples` paths of each and its variance. Those of `which` alone, or all.
+--- Gives places E and V, their light by `samples` paths of each and its variance. `which`: of these alone; nil: of all.
 function promise.by_paths(scene, places, quantity, samples, seed, which)
   if not places.E then
     places.E, places.V, places.paths = {}, {}, {}

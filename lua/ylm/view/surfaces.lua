@@ -9,7 +9,8 @@ local drawing = require "ylm.view.drawing"
 
 local surfaces = {}
 
-local PARTS, MOST = 120000, 400000 -- small triangles, about, and at most
+local LEAST, MOST = 4000, 120000 -- small triangles, about
+local PIXELS = 8                 -- of the picture for each
 local GOLDEN = 0.618033988749895
 local NONE = { 0.3, 0.3, 0.32 }   -- of places that no rectangle has
 
@@ -49,10 +50,10 @@ local function triangles_of(scene)
   return list, area
 end
 
---- The length of small triangles' edges.
-local function edge_of(list, area)
-  local edge, parts = math.sqrt(2 * area / PARTS), math.huge
-  while parts > math.max(MOST, 2 * #list) do
+--- The length of the edges of about so many small triangles; needles do not make them many more.
+local function edge_of(list, area, wanted)
+  local edge, parts = math.sqrt(2 * area / wanted), math.huge
+  while parts > math.max(4 * wanted, 2 * #list) do
     parts = 0
     for _, T in ipairs(list) do parts = parts + math.ceil(T.longest / edge) ^ 2 end
     edge = 1.5 * edge
@@ -112,7 +113,8 @@ function surfaces.fill(stage, v)
   local light = v.surfaces
   local list, area = triangles_of(light.scene)
   if #list == 0 then return end
-  local corners, middles, normals = cut(list, edge_of(list, area))
+  local wanted = math.min(MOST, math.max(LEAST, v.size[1] * v.size[2] / PIXELS))
+  local corners, middles, normals = cut(list, edge_of(list, area, wanted))
   local colours, index = {}, {}
   for i, number in ipairs(rectangles_of(light, middles, normals)) do
     local c = colour_of(number)
