@@ -97,10 +97,13 @@ static void use(const ylm_surface_grid *g) {
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   ylm_error e;
   ylm_surface_grid *g;
+  ylm_surface_stats stats;
+  bool told = ylm_surface_inspect(data, size, "fuzz", &stats, &e) == YLM_OK;
   if (ylm_surface_read(scene(), data, size, "fuzz", &g, &e) != YLM_OK) {
     if (g) __builtin_trap();
     return 0;
   }
+  if (!told) __builtin_trap();
   use(g);
   ylm_surface_free(g);
   return 0;
