@@ -2,7 +2,12 @@
 
 local ylm = require "ylm"
 local core = require "ylm.c.core"
+local json = require "spec.support.json"
+local long = require "spec.support.long"
 local parted = require "spec.support.parted_rooms"
+local picture = require "ylm.picture"
+local scratch = require "spec.support.scratch"
+local tool = require "spec.support.tool"
 
 --- A box of half edge 1 from within, a lamp, and a wall that parts it but for a gap.
 local function room(more)
@@ -222,6 +227,101 @@ describe("a surface grid", function()
     assert.is_true(paths.field_met)
     assert.is_true(g.stats.error >= paths.field_error)
     assert.equal(g.stats.error <= 0.3, g.stats.met)
+  end)
+
+  it("takes other light on the rectangles that it has", function()
+    local function lamp(x, radiance) return ylm.sphere_light { at = { x, 0.4, 0 }, radius = 0.15, radiance = radiance } end
+    --- The first and last corners of all rectangles, in an order of their own.
+    local function rectangles_of(g)
+      local corners, list = g:rectangles(), {}
+      for i = 1, #corners do
+        local words = {}
+        for a = 1, 3 do words[a], words[a + 3] = corners:get(i, 1, a), corners:get(i, 4, a) end
+        list[i] = table.concat(words, " ")
+      end
+      table.sort(list)
+      return list
+    end
+    local g = listen(function() return assert(scene:surface_grid { tolerance = 0.3, links = links, judge = "field" }) end)
+    local corners, points, normals = rectangles_of(g), floor_places(5)
+    local function change(lights)
+      local before = g:irradiance(points, normals)
+      local report = listen(function() return assert(g:update(lights)) end)
+      assert.equal(report, g.stats)
+      assert.same(corners, rectangles_of(g))
+      local after, most, least = g:irradiance(points, normals), 0, math.huge
+      for i = 1, #points do
+        local x = after:get(i, 1) / before:get(i, 1)
+        most, least = math.max(most, x), math.min(least, x)
+      end
+      return least, most
+    end
+    local least, most = change()
+    assert.is_true(least > 0.6 and most < 1.4, least .. " " .. most) -- other places, the same tolerance
+    assert.is_true(g.stats.met)
+    least, most = change(lamp(0.5, 40))
+    assert.is_true(math.abs(least - 2) < 1e-3 and math.abs(most - 2) < 1e-3)
+    least, most = change(lamp(-0.5, 40)) -- behind the wall
+    assert.is_true(least < 0.6 and most > 1.5, least .. " " .. most)
+    local name, kept = os.tmpname(), g:irradiance(points, normals)
+    assert.is_true(g:save(name))
+    local ok, message, code = g:update(lamp(0.5, 20), { progress = function() return false end })
+    assert.same({ message = "cancelled", code = "ECANCELLED" }, { ok, message = message, code = code })
+    assert.is_true(g:irradiance(points, normals):same(kept))
+    if long(false, true) then -- makes links
+      local loaded = scene:surface_grid { file = name }
+      assert.is_number(listen(function() return assert(loaded:update(lamp(-0.5, 40))) end).error)
+      assert.same(corners, rectangles_of(loaded))
+    end
+    os.remove(name)
+  end)
+
+  it("tells what its file holds", function()
+    local name = os.tmpname()
+    assert.is_true(light:save(name))
+    local folder = scratch.new()
+    local out, status = tool.runner(folder)("info " .. name .. " --json")
+    local told = json.read(out)
+    assert.equal(0, status)
+    for _, key in ipairs { "corners", "rectangles", "charts", "rows", "error", "met", "verified", "rays" } do
+      assert.equal(light.stats[key], told[key], key)
+    end
+    assert.same({ "light on surfaces", "indirect", 0.1 }, { told.kind, told.quantity, told.tolerance })
+    local file = assert(io.open(name, "rb"))
+    assert.equal(#file:read "*a", told.bytes)
+    file:close()
+    local nothing, why, code = ylm.load(name)
+    assert.is_nil(nothing)
+    assert.equal("EFORMAT", code)
+    assert.truthy(why:find("scene:surface_grid { file = }", 1, true))
+    local _, refused, names = tool.runner(folder)("view " .. name .. " -o out.png")
+    assert.is_true(refused ~= 0)
+    assert.truthy(names:find "name the scene's file too", names)
+    local cut = assert(io.open(name, "wb"))
+    cut:write "\137YLMsurf and no more than that"
+    cut:close()
+    local _, failed, err = tool.runner(folder)("info " .. name)
+    assert.is_true(failed ~= 0)
+    assert.truthy(err:find "light on surfaces" or err:find "cut short", err)
+    os.remove(name)
+    folder:remove()
+  end)
+
+  it("is seen in the colours of its rectangles", function()
+    local made, why = pcall(ylm.view, { surfaces = 7 })
+    assert.is_false(made)
+    assert.truthy(why:find("surfaces must be a surface grid (scene:surface_grid), got 7", 1, true), why)
+    if not picture.vtk() then return pending "VTK is not built in" end
+    local pixels, colours, n = assert(ylm.view { surfaces = light, size = { 64, 48 }, supersample = 1 }:pixels()), {}, 0
+    for y = 1, 48 do
+      for x = 1, 64 do
+        local key = {}
+        for c = 1, 3 do key[c] = math.floor(16 * pixels:get(y, x, c)) end
+        key = table.concat(key, " ")
+        if not colours[key] then colours[key], n = true, n + 1 end
+      end
+    end
+    assert.is_true(n > 20, n)
   end)
 
   it("lies on round bodies, and on many small planes", function()

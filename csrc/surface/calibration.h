@@ -90,13 +90,16 @@
 #define JUDGE_NOISE 0.25
 #define JUDGE_LEAST 64
 #define JUDGE_MOST 2048
-/* The part that may fail of them, and that is promised. */
+/* The part of them that may fail where refinement ends: of 2,048 places 12, where another judge follows, and else 6, since
+   there are JUDGED_MOST looks: a surface of which 1 % fails passes one of them with a chance of 2e-4. */
 #define ENOUGH 0.006
-#define PROMISED 0.01
+#define ENOUGH_SURE 0.003
 /* They are asked where about so few places are expected to fail, or where corners have grown by so much. */
 #define HOPE 0.02
 #define GROWN 1.5
 #define JUDGED_MOST 12
+/* Fits of other light on the same rectangles: places that judged one become places of the next. */
+#define REFITS 6
 /* Covered: another surface is nearer than this. */
 #define COVERED 2e-3
 

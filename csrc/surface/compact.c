@@ -13,18 +13,34 @@ static double apart(const surface_branch *a, const surface_branch *b) {
   return d;
 }
 
+/* The first leaf of each chart's list, and the next one of a leaf's: the lists of leaves that have light. */
+typedef struct lists {
+  uint32_t *first, *next;
+  size_t charts;
+} lists;
+
+static void sort_by_charts(const surface_bake *b, const lists *l) {
+  for (size_t c = 0; c < l->charts; c++) l->first[c] = SURFACE_NONE;
+  for (uint32_t i = (uint32_t)b->leaves; i-- > 0;) {
+    uint32_t chart = b->branch[b->leaf[i].branch].chart;
+    if (!b->leaf[i].sampled) continue;
+    l->next[i] = l->first[chart];
+    l->first[chart] = i;
+  }
+}
+
 /* Rectangles by leaves. A leaf without light has its nearest neighbour's; SURFACE_NONE: its chart has none. */
-static void number(const surface_bake *b, uint32_t *of) {
+static void number(const surface_bake *b, const lists *l, uint32_t *of) {
   uint32_t n = 0;
   for (size_t i = 0; i < b->leaves; i++) of[i] = b->leaf[i].sampled ? n++ : SURFACE_NONE;
+  sort_by_charts(b, l);
   for (size_t i = 0; i < b->leaves; i++) {
     const surface_branch *x = &b->branch[b->leaf[i].branch];
     double least = INFINITY;
-    for (size_t k = 0; !b->leaf[i].sampled && k < b->leaves; k++) {
-      const surface_branch *y = &b->branch[b->leaf[k].branch];
-      if (!b->leaf[k].sampled || y->chart != x->chart || apart(x, y) >= least) continue;
-      least = apart(x, y);
-      of[i] = of[k];
+    if (b->leaf[i].sampled) continue;
+    for (uint32_t k = l->first[x->chart]; k != SURFACE_NONE; k = l->next[k]) {
+      double d = apart(x, &b->branch[b->leaf[k].branch]);
+      if (d < least) least = d, of[i] = of[k];
     }
   }
 }
@@ -70,6 +86,8 @@ static void fill_rectangles(const surface_bake *b, ylm_surface_grid *g) {
 ylm_status ylm__surface_compact(surface_bake *b, ylm_surface_grid **out) {
   ylm_surface_grid *g = ylm_alloc_zero(1, sizeof *g);
   uint32_t *of = ylm_alloc(b->leaves, sizeof *of);
+  lists l = {ylm_alloc(b->charts.charts, sizeof *l.first), ylm_alloc(b->leaves, sizeof *l.next),
+             b->charts.charts};
   size_t planes = 0, rectangles = 0;
   for (size_t i = 0; i < b->branches; i++) planes += b->branch[i].kind == NODE_PLANE;
   for (size_t i = 0; i < b->leaves; i++) rectangles += b->leaf[i].sampled > 0;
@@ -86,17 +104,21 @@ ylm_status ylm__surface_compact(surface_bake *b, ylm_surface_grid **out) {
     g->row = ylm_alloc(b->classes, sizeof *g->row);
   }
   ylm_status s =
-      g && of && g->root && g->node && g->plane && g->rectangle && g->row ? YLM_OK : YLM_ENOMEM;
+      g && of && l.first && l.next && g->root && g->node && g->plane && g->rectangle && g->row
+          ? YLM_OK
+          : YLM_ENOMEM;
   if (s == YLM_OK) {
     g->stats.rectangles = rectangles;
     g->stats.corners = b->unknowns;
     g->stats.rows = b->classes;
-    number(b, of);
+    number(b, &l, of);
     fill_nodes(b, of, g);
     fill_rectangles(b, g);
     ylm__surface_weigh(g);
   }
   ylm_free(of);
+  ylm_free(l.first);
+  ylm_free(l.next);
   if (s != YLM_OK) ylm_surface_free(g);
   *out = s == YLM_OK ? g : NULL;
   return s;

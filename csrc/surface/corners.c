@@ -110,7 +110,7 @@ static uint32_t find_nearest(const surface_bake *b, const nearest *x, bool sampl
     if (b->site[e->site].known == SITE_BURIED) continue;
     double u = (double)((e->at[0] - x->at[0]) * size[0]),
            v = (double)((e->at[1] - x->at[1]) * size[1]);
-    if (u * u + v * v < least) least = u * u + v * v, best = e->site;
+    if (best == SURFACE_NONE || u * u + v * v < least) least = u * u + v * v, best = e->site;
   }
   return best;
 }
@@ -161,6 +161,7 @@ static uint32_t root_of(joiner *j, uint32_t i) {
 }
 
 static ylm_status add_pair(joiner *j, uint32_t a, uint32_t b) {
+  if (j->near[a].site == SURFACE_NONE || j->near[b].site == SURFACE_NONE) return YLM_OK;
   if (!ylm_list_reserve(&j->pair, j->pairs, j->pairs + 1, &j->pair_room, sizeof *j->pair) ||
       !ylm_list_reserve(&j->sites, j->pairs, j->pairs + 1, &j->site_room, sizeof *j->sites))
     return YLM_ENOMEM;

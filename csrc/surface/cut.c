@@ -93,6 +93,7 @@ typedef struct parted {
 
 typedef struct ordered {
   float t;
+  uint32_t place; /* of the list */
   bool seen;
 } ordered;
 
@@ -120,7 +121,7 @@ static uint32_t beside_corner(const surface_bake *b, const surface_leaf *l, int 
     const surface_entry *e = &b->entry[i];
     if (b->site[e->site].known == SITE_BURIED) continue;
     float x = (e->at[0] - u) * size[0], y = (e->at[1] - v) * size[1];
-    if (x * x + y * y < least) least = x * x + y * y, best = e->site;
+    if (best == SURFACE_NONE || x * x + y * y < least) least = x * x + y * y, best = e->site;
   }
   return best;
 }
@@ -179,6 +180,16 @@ static ylm_status look_from(surface_bake *b, uint32_t pole, parted *p) {
   return s;
 }
 
+/* Sorts places along a line from their order along the one before, which is much the same. */
+static void sort_again(ordered *o, size_t n) {
+  for (size_t i = 1; i < n; i++) {
+    ordered x = o[i];
+    size_t k = i;
+    for (; k > 0 && o[k - 1].t > x.t; k--) o[k] = o[k - 1];
+    o[k] = x;
+  }
+}
+
 /* The best line of `lines` about x->angle, `step` apart: the fewest places lie wrong, then the widest gap. */
 static ylm_status find_line(const surface_bake *b, const parted *p, int lines, double step,
                             line *x) {
@@ -188,13 +199,16 @@ static ylm_status find_line(const surface_bake *b, const parted *p, int lines, d
   if (!o) return YLM_ENOMEM;
   x->wrong = SIZE_MAX;
   x->gap = 0;
+  for (uint32_t i = 0; i < p->n; i++) o[i] = (ordered){.place = i, .seen = p->seen[i]};
   for (int k = 0; k < lines; k++) {
     double angle = middle + step * (k - lines / 2);
     float d[3];
     for (int a = 0; a < 3; a++) d[a] = (float)cos(angle) * x->t[a] + (float)sin(angle) * x->u[a];
-    for (size_t i = 0; i < p->n; i++)
-      o[i] = (ordered){ylm_dot3(d, b->site[p->site[i]].position), p->seen[i]};
-    qsort(o, p->n, sizeof *o, by_place);
+    for (size_t i = 0; i < p->n; i++) o[i].t = ylm_dot3(d, b->site[p->site[o[i].place]].position);
+    if (k == 0)
+      qsort(o, p->n, sizeof *o, by_place);
+    else
+      sort_again(o, p->n);
     size_t yes = 0, no = 0, hidden = p->n - seen;
     for (size_t i = 0; i + 1 < p->n; i++) {
       yes += o[i].seen;

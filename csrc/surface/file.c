@@ -172,24 +172,54 @@ static ylm_status read_sections(ylm_surface_grid *g, const header *h, const unsi
   return what ? damaged(name, what, e) : YLM_OK;
 }
 
+static ylm_surface_stats stats_of(const header *h) {
+  return (ylm_surface_stats){.rectangles = h->rectangles,
+                             .rows = h->rows,
+                             .corners = h->corners,
+                             .places = h->places,
+                             .rounds = h->rounds,
+                             .rays = h->rays,
+                             .verified = h->verified,
+                             .failed = h->failed,
+                             .error = h->error,
+                             .rms = h->rms,
+                             .met = h->error <= h->tolerance,
+                             .tolerance = h->tolerance,
+                             .quantity = (ylm_quantity)h->quantity,
+                             .prints = {h->prints[0], h->prints[1], h->prints[2]},
+                             .seconds = h->seconds};
+}
+
 static void restore(ylm_surface_grid *g, const header *h) {
   g->nodes = h->nodes;
   g->planes = h->planes;
-  g->stats = (ylm_surface_stats){.rectangles = h->rectangles,
-                                 .rows = h->rows,
-                                 .corners = h->corners,
-                                 .places = h->places,
-                                 .rounds = h->rounds,
-                                 .rays = h->rays,
-                                 .verified = h->verified,
-                                 .failed = h->failed,
-                                 .error = h->error,
-                                 .rms = h->rms,
-                                 .met = h->error <= h->tolerance,
-                                 .tolerance = h->tolerance,
-                                 .quantity = (ylm_quantity)h->quantity,
-                                 .prints = {h->prints[0], h->prints[1], h->prints[2]},
-                                 .seconds = h->seconds};
+  g->stats = stats_of(h);
+}
+
+/* Charts that have rectangles. */
+static size_t count_charts(const uint32_t *root, size_t charts) {
+  size_t n = 0;
+  for (size_t c = 0; c < charts; c++) n += root[c] != SURFACE_NONE;
+  return n;
+}
+
+ylm_status ylm_surface_inspect(const unsigned char *bytes, size_t size, const char *name,
+                               ylm_surface_stats *stats, ylm_error *e) {
+  const ylm_surface_grid none = {.root = NULL};
+  header h;
+  ylm_status s = read_header(bytes, size, name, &h, e);
+  if (s != YLM_OK) return s;
+  const char *what = check_header(&h);
+  sections all = sections_of(&h, &none);
+  if (!what && size_of(&all) != size) what = "the size";
+  if (what) return damaged(name, what, e);
+  *stats = stats_of(&h);
+  for (size_t c = 0; c < h.charts; c++) {
+    uint32_t root;
+    memcpy(&root, bytes + sizeof h + c * sizeof root, sizeof root);
+    stats->charts += count_charts(&root, 1);
+  }
+  return YLM_OK;
 }
 
 ylm_status ylm_surface_read(const ylm_scene *scene, const unsigned char *bytes, size_t size,
@@ -212,7 +242,7 @@ ylm_status ylm_surface_read(const ylm_scene *scene, const unsigned char *bytes, 
   if (s == YLM_OK && g->charts.charts != h.charts) s = damaged(name, "the number of charts", e);
   if (s == YLM_OK) s = read_sections(g, &h, bytes, name, e);
   if (s == YLM_OK) {
-    for (size_t c = 0; c < h.charts; c++) g->stats.charts += g->root[c] != SURFACE_NONE;
+    g->stats.charts = count_charts(g->root, h.charts);
     ylm__surface_weigh(g);
     *out = g;
   } else

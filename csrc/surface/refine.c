@@ -9,6 +9,7 @@
 #include <stdlib.h>
 
 #include "surface.h"
+#include "ylm_grid.h"
 
 /* -- errors ------------------------------------------------------------------------------------ */
 
@@ -192,8 +193,15 @@ static int upwards(const void *a, const void *b) {
   return x < y ? -1 : x > y;
 }
 
-/* Compares the places with the fit; the part that fails. */
-static double compare(surface_bake *b, panel *p) {
+/* The error that all but 1 % of the surface keep, but for a chance of 1 %; of places whose errors ascend. */
+static double error_of(const panel *p) {
+  int failures = ylm_grid_allowed(p->n);
+  if (p->n == 0) return 0;
+  return failures < 0 ? INFINITY : p->error[p->n - 1 - (size_t)failures];
+}
+
+/* Compares the places with the fit. */
+static void compare(surface_bake *b, panel *p) {
   double square = 0, mean = 0;
   size_t failed = 0;
   for (size_t i = 0; i < p->n; i++) {
@@ -215,9 +223,16 @@ static double compare(surface_bake *b, panel *p) {
   double n = p->n ? (double)p->n : 1;
   b->stats.verified = p->n;
   b->stats.failed = failed;
-  b->stats.error = p->n ? p->error[p->n - 1 - (size_t)(PROMISED * n)] : 0;
+  b->stats.error = error_of(p);
   b->stats.rms = mean > 0 ? sqrt(fmax(0, square / n)) / (mean / n) : 0;
-  return (double)failed / n;
+  b->stats.met = b->stats.error <= b->aim;
+}
+
+/* Whether so few of the places fail that refinement ends. */
+static bool is_enough(const surface_bake *b) {
+  double failed = (double)b->stats.failed, n = (double)b->stats.verified;
+  if (b->aim < b->form->tolerance) return failed <= ENOUGH * n; /* another judge follows */
+  return n == 0 || (b->stats.met && failed <= ENOUGH_SURE * n);
 }
 
 /* The places of a panel become places of their leaves. */
@@ -236,11 +251,12 @@ static ylm_status join(surface_bake *b, const panel *p) {
 
 /* -- rounds -------------------------------------------------------------------------------------- */
 
-static ylm_status fit(surface_bake *b) {
+/* Asks for light and fits it; `part`: cuts leaves that are new. */
+static ylm_status fit(surface_bake *b, bool part) {
   ylm_status s = ylm__surface_sample(b);
   if (s == YLM_OK) ylm__surface_mean(b);
-  if (s == YLM_OK) s = ylm__surface_part(b);
-  if (s == YLM_OK) s = ylm__surface_sample(b);
+  if (s == YLM_OK && part) s = ylm__surface_part(b);
+  if (s == YLM_OK && part) s = ylm__surface_sample(b);
   if (s == YLM_OK) s = ylm__surface_corners(b);
   if (s == YLM_OK) s = ylm__surface_fit(b);
   if (s == YLM_OK) s = ylm_parallel(b->leaves, 16, b->form->light.threads, measure, b, NULL, NULL);
@@ -256,13 +272,14 @@ static ylm_status refine(surface_bake *b, panel *p) {
     size_t halved = 0;
     snprintf(stage, sizeof stage, "surfaces, round %d", (int)round);
     s = ylm_report(b->form->light.progress, round - 1, ROUNDS, stage);
-    if (s == YLM_OK) s = fit(b);
+    if (s == YLM_OK) s = fit(b, true);
     if (s != YLM_OK) break;
     double hope = expected(b);
     if (judges < JUDGED_MOST && (hope < HOPE || (double)b->unknowns > GROWN * (double)judged)) {
       s = draw(b, judges++, p);
       judged = b->unknowns;
-      if (s != YLM_OK || compare(b, p) <= ENOUGH) break;
+      if (s == YLM_OK) compare(b, p);
+      if (s != YLM_OK || is_enough(b)) break;
       s = join(b, p);
       if (s == YLM_OK)
         s = ylm_parallel(b->leaves, 16, b->form->light.threads, measure, b, NULL, NULL);
@@ -274,7 +291,24 @@ static ylm_status refine(surface_bake *b, panel *p) {
     s = draw(b, judges, p);
     if (s == YLM_OK) compare(b, p);
   }
-  b->stats.met = (double)b->stats.failed <= PROMISED * (double)b->stats.verified;
+  return s;
+}
+
+/* Light on the rectangles of another grid. */
+static ylm_status refit(surface_bake *b, panel *p) {
+  ylm_scene_prints prints;
+  ylm_scene_print(b->scene, &prints);
+  if (prints.geometry != b->form->like->stats.prints.geometry)
+    return ylm_fail(b->e, YLM_EINVAL, "the rectangles are of other meshes");
+  ylm_status s = ylm__surface_grow(b, b->form->like);
+  for (uint64_t round = 0; s == YLM_OK && round < REFITS; round++) {
+    if (round > 0) s = join(b, p);
+    if (s == YLM_OK) s = ylm_report(b->form->light.progress, round, REFITS, "surfaces");
+    if (s == YLM_OK) s = fit(b, false);
+    if (s == YLM_OK) s = draw(b, round, p);
+    if (s == YLM_OK) compare(b, p);
+    if (s == YLM_OK && is_enough(b)) break;
+  }
   return s;
 }
 
@@ -319,7 +353,7 @@ ylm_status ylm_surface_bake(const ylm_radiosity *r, const ylm_surface_form *form
   panel *p = ylm_alloc(1, sizeof *p);
   s = p ? ylm__surface_charts(b.scene, &b.charts, e) : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm__surface_sites(&b);
-  if (s == YLM_OK) s = refine(&b, p);
+  if (s == YLM_OK) s = form->like ? refit(&b, p) : refine(&b, p);
   b.stats.places = b.lights;
   b.stats.seconds = ylm_seconds() - start;
   if (s == YLM_OK) s = ylm__surface_compact(&b, out);

@@ -203,6 +203,8 @@ uint32_t ylm__surface_descend(const surface_bake *b, const surface_spot *s,
 ylm_status ylm__surface_plant(surface_bake *b, uint32_t chart, size_t first, size_t n);
 /* Halves a leaf; kind NODE_U .. NODE_W, or by the plane `a`. */
 ylm_status ylm__surface_halve(surface_bake *b, uint32_t leaf, uint32_t kind, const float a[4]);
+/* Halves the planted leaves as those of another grid are; YLM_EFORMAT: its nodes are no trees. */
+ylm_status ylm__surface_grow(surface_bake *b, const ylm_surface_grid *like);
 /* Whether a leaf may be halved across an axis. */
 bool ylm__surface_may(const surface_bake *b, const surface_branch *n, int axis);
 /* The light of the bake as it is at a site. */

@@ -122,6 +122,54 @@ ylm_status ylm__surface_halve(surface_bake *b, uint32_t leaf, uint32_t kind, con
   return YLM_OK;
 }
 
+/* A node of another grid, and the leaf that becomes like it. */
+typedef struct growing {
+  uint32_t node, leaf;
+} growing;
+
+typedef struct growings {
+  growing *list;
+  size_t n, room;
+} growings;
+
+static ylm_status push(growings *g, uint32_t node, uint32_t leaf) {
+  if (node == SURFACE_NONE) return YLM_OK;
+  if (!ylm_list_reserve(&g->list, g->n, g->n + 1, &g->room, sizeof *g->list)) return YLM_ENOMEM;
+  g->list[g->n++] = (growing){node, leaf};
+  return YLM_OK;
+}
+
+/* Halves a leaf as a node is, and lists both halves. */
+static ylm_status grow_leaf(surface_bake *b, const ylm_surface_grid *like, growing x, growings *g) {
+  uint32_t kind = like->node[x.node] & ((1u << NODE_BITS) - 1),
+           child = like->node[x.node] >> NODE_BITS;
+  const surface_branch *n = &b->branch[b->leaf[x.leaf].branch];
+  const float *plane = NULL;
+  if (kind == NODE_RECTANGLE || (kind != NODE_PLANE && n->hi[kind] - n->lo[kind] < 2))
+    return YLM_OK;
+  if (kind == NODE_PLANE) {
+    plane = like->plane[child].a;
+    child = like->plane[child].child;
+  }
+  ylm_status s = ylm__surface_halve(b, x.leaf, kind, plane);
+  if (s == YLM_OK) s = push(g, child + 1, (uint32_t)b->leaves - 1);
+  return s == YLM_OK ? push(g, child, x.leaf) : s;
+}
+
+ylm_status ylm__surface_grow(surface_bake *b, const ylm_surface_grid *like) {
+  growings g = {.list = NULL};
+  ylm_status s = YLM_OK;
+  size_t visited = 0;
+  for (uint32_t i = (uint32_t)b->leaves; s == YLM_OK && i-- > 0;)
+    s = push(&g, like->root[b->branch[b->leaf[i].branch].chart], i);
+  while (s == YLM_OK && g.n > 0) {
+    growing x = g.list[--g.n];
+    s = ++visited > like->nodes ? YLM_EFORMAT : grow_leaf(b, like, x, &g);
+  }
+  ylm_free(g.list);
+  return s;
+}
+
 void ylm__surface_value(const surface_bake *b, const surface_site *s, float E[3]) {
   surface_spot spot[3];
   float have = 0;

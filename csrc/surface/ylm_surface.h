@@ -23,6 +23,8 @@ typedef struct ylm_surface_form {
   double aim;     /* the part of it that is refined for, where another judge follows; 0: all */
   size_t corners; /* at most about so many; 0: as the tolerance asks */
   ylm_quantity quantity; /* what the light is, for who reads it */
+  /* Whose rectangles take the light, a grid of the same meshes: none is halved; NULL: they are found. */
+  const ylm_surface_grid *like;
   const ylm_scene *lit; /* whose materials and lamps have its prints; NULL: the radiosity's scene */
   /* As ylm_radiosity_places takes it; `links` of a place, twice. Seed, threads and progress are those of all work here
      (stage "surfaces"). */
@@ -36,9 +38,10 @@ typedef struct ylm_surface_stats {
   size_t places, rounds; /* whose light was asked for; fits */
   uint64_t rays;         /* of light and of sight */
   size_t verified, failed;
-  double error; /* of 99 % of the verified places */
+  double
+      error; /* that 99 % of the surface keep, with 99 % confidence; infinite: too few were verified */
   double rms;   /* over the mean, without the places' noise */
-  bool met;     /* at the verified places, by the radiosity that was asked */
+  bool met;     /* by the radiosity that was asked, or by the judge after it */
   bool spent;   /* it is not, and no more corners were allowed */
   size_t bytes; /* in memory */
   double seconds;
@@ -86,6 +89,9 @@ YLM_API void ylm_surface_rectangle(const ylm_surface_grid *g, size_t i, float co
 
 /* Writes to a file, beside it first; reads one, which must be of this scene (YLM_EINVAL). */
 YLM_API ylm_status ylm_surface_write(const ylm_surface_grid *g, const char *path, ylm_error *e);
+/* The header of a file, without its scene: all stats but `bytes` in memory. */
+YLM_API ylm_status ylm_surface_inspect(const unsigned char *bytes, size_t size, const char *name,
+                                       ylm_surface_stats *stats, ylm_error *e);
 YLM_API ylm_status ylm_surface_read(const ylm_scene *scene, const unsigned char *bytes, size_t size,
                                     const char *name, ylm_surface_grid **g, ylm_error *e);
 

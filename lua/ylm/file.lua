@@ -25,9 +25,7 @@ function file.kind_of(path)
   if head:sub(1, 8) == require("ylm.grid").magic then return "grid" end
   if require("ylm.material.file").kind_of(path, head) then return "material" end
   if path:lower():find("%.lua$") then return "scene" end
-  if head:sub(1, 8) == "\137YLMsurf" then
-    return nil, path .. ": light on surfaces is read with its scene: scene:surface_grid { file = }", "EFORMAT"
-  end
+  if head:sub(1, 8) == "\137YLMsurf" then return "surface_grid" end
   return nil, path
     .. ": not a file that ylm knows (scene .lua, .glb, .gltf, grid, .npy, .exr, .png, .jpg, .hdr, .pfm, .obj, .ply, .binary, "
     .. ".bsdf)", "EFORMAT"
@@ -35,7 +33,7 @@ end
 
 --- The kinds of files that options are for, as a refusal names them.
 local of_kind = { array = "arrays", image = "images", mesh = "meshes", gltf = "glTF files", grid = "grids",
-  grid_set = "grids in bricks", material = "materials", scene = "scene files" }
+  grid_set = "grids in bricks", material = "materials", scene = "scene files", surface_grid = "light on surfaces" }
 
 --- Kind -> options, and read(path, options).
 local readers = {
@@ -56,6 +54,9 @@ local readers = {
       return core.mesh_read(path)
     end,
   },
+  surface_grid = { options = {}, read = function(path)
+    return nil, path .. ": light on surfaces is read with its scene: scene:surface_grid { file = }", "EFORMAT"
+  end },
   grid = { options = {}, read = function(path) return require("ylm.grid").load(path) end },
   grid_set = {
     options = { { "cache", "memory", optional = true, about = ".ylmd: memory of bricks that were used last; default 256 MB" } },

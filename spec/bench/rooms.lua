@@ -2,6 +2,9 @@
 --
 --     build/ylm run spec/bench/rooms.lua [scene: a pattern] [seed] [folder of truths] [all | truth | fine | again] [rows]
 --
+-- `make bench BENCH=rooms` runs it without arguments: all scenes, seeds 1 to 3, the rows of tolerance 0.1, in hours. Rows are a
+-- pattern too, such as "^surfaces 0.1"; if a scene is named, the default is all of them.
+--
 -- Each seed has 2,000 places of surfaces and their irradiance by paths, which are kept in the folder, so that several libraries
 -- are judged by the same truth. "truth" makes these alone; called again it adds paths. YLM_BENCH_SECONDS bounds the paths of a
 -- call (default 100). With YLM_BENCH_LABEL = a word, what grids answered at the places is kept beside the truth, and "again"
@@ -18,8 +21,11 @@ local LUMINANCE = { 0.2126, 0.7152, 0.0722 }
 local FINE, FINE_LMAX = 49152, 8
 local COSINE = { [0] = math.pi, 2 * math.pi / 3, math.pi / 4, 0, -math.pi / 24, 0, math.pi / 64, 0, -math.pi / 128 }
 
-local pattern, seed, folder = arg[1] or "", tonumber(arg[2]) or 1, arg[3] or "out/rooms"
-local truth_alone, judged_again, fine_alone, rows_wanted = arg[4] == "truth", arg[4] == "again", arg[4] == "fine", arg[5] or ""
+local SEEDS = 3
+local pattern, seed, folder = arg[1] or "", tonumber(arg[2]), arg[3] or "out/rooms"
+local truth_alone, judged_again, fine_alone = arg[4] == "truth", arg[4] == "again", arg[4] == "fine"
+local rows_wanted = arg[5] or (arg[1] and "" or "[es] 0%.1") -- "adaptive 0.1" and "surfaces 0.1"
+local first_seed, last_seed = seed or 1, seed or SEEDS
 local label = os.getenv "YLM_BENCH_LABEL"
 local seconds_most = tonumber(os.getenv "YLM_BENCH_SECONDS") or 100
 
@@ -538,4 +544,8 @@ local function run(entry)
   if kept then kept:close() end
 end
 
-for _, entry in ipairs(entries) do if entry.name:find(pattern) then run(entry) end end
+os.execute("mkdir -p '" .. folder:gsub("'", "'\\''") .. "'")
+for number = first_seed, last_seed do
+  seed = number
+  for _, entry in ipairs(entries) do if entry.name:find(pattern) then run(entry) end end
+end

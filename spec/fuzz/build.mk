@@ -10,7 +10,7 @@
 
 FUZZ_CC   ?= clang
 FUZZ_RUNS ?= 1000000
-FUZZ      ?= $(filter-out $(if $(WITH_SCENE),,transfer) $(if $(WITH_JANSSON),,gltf) $(if $(WITH_JPEG),,jpeg),$(patsubst spec/fuzz/%.c,%,$(wildcard spec/fuzz/*.c)))
+FUZZ      ?= $(filter-out $(if $(WITH_SCENE),,surface transfer) $(if $(WITH_JANSSON),,gltf) $(if $(WITH_JPEG),,jpeg),$(patsubst spec/fuzz/%.c,%,$(wildcard spec/fuzz/*.c)))
 FUZZ_DIR  := $(BUILD)/fuzz
 FUZZ_ARGS ?= -max_total_time=1800 -timeout=120 -rss_limit_mb=4096 -print_final_stats=1
 
@@ -127,3 +127,12 @@ $(FUZZ_DIR)/bin/transfer: spec/fuzz/transfer.c $(FUZZ_ALSO_transfer) $(LIBS)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer spec/fuzz/transfer.c $(FUZZ_ALSO_transfer) $(FUZZ_LIBS_transfer) -lm -o $@
+
+# Light on surfaces: its reader, charts and look-ups instrumented, scenes from libylm_scene as it is built.
+FUZZ_ABOUT_surface := csrc/surface/file.c csrc/surface/look.c
+FUZZ_ALSO_surface := $(patsubst %,$(FUZZ_DIR)/obj/surface/%.o,charts file look)
+FUZZ_LIBS_surface := $(FUZZ_LIBS_transfer)
+$(FUZZ_DIR)/bin/surface: spec/fuzz/surface.c $(FUZZ_ALSO_surface) $(LIBS)
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer spec/fuzz/surface.c $(FUZZ_ALSO_surface) $(FUZZ_LIBS_surface) -lm -o $@

@@ -8,7 +8,7 @@ local irradiance = {}
 function irradiance.at(L, i, normal)
   local lmax = math.floor(math.sqrt(L.shape[3]) + 0.5) - 1
   local Y = ylm.sh.eval(lmax, normal)
-  local A = { [0] = math.pi, 2 * math.pi / 3, math.pi / 4, 0, -math.pi / 24 }
+  local A = { [0] = math.pi, 2 * math.pi / 3, math.pi / 4, 0, -math.pi / 24, 0, math.pi / 64, 0, -math.pi / 128 }
   local E = { 0, 0, 0 }
   for c = 1, 3 do
     for l = 0, lmax do

@@ -19,6 +19,10 @@ static void charge(lua_State *L, const ylm_surface_grid *g) {
   ylmL_charge(L, s.bytes);
 }
 
+static void read_like(lua_State *L, int i, void *to) {
+  *(const ylm_surface_grid **)to = check_surface(L, i);
+}
+
 typedef struct bake_form {
   ylm_surface_form f;
   int progress; /* on the stack */
@@ -30,6 +34,7 @@ static const ylmL_entry bake_entries[] = {
     YLML(bake_form, f.quantity, "quantity", CHOICE, .choices = ylmL_quantity_choices),
     YLML(bake_form, f.lit, "lit", READ, .read = ylmL_read_scene),
     YLML(bake_form, f.corners, "corners", COUNT, .optional = true),
+    YLML(bake_form, f.like, "like", READ, .read = read_like, .optional = true),
     YLML(bake_form, f.light.indirect, "indirect", BOOL),
     YLML(bake_form, f.light.scene, "scene", READ, .read = ylmL_read_scene, .optional = true),
     YLML(bake_form, f.light.links, "links", INT),
@@ -39,7 +44,7 @@ static const ylmL_entry bake_entries[] = {
     YLML(bake_form, progress, "progress", VALUE),
     {.name = NULL}};
 
-/* surface_bake(radiosity, {tolerance, aim, quantity, lit: the scene whose lamps and materials it is of, corners, indirect,
+/* surface_bake(radiosity, {tolerance, aim, quantity, lit: the scene whose lamps and materials it is of, corners, like: a surface grid, indirect,
    scene whose lamps light directly or nil, links, light_samples, seed, threads, progress}) -> surface grid, which the radiosity's scene must outlive */
 static int surface_bake(lua_State *L) {
   bake_form f = {.progress = 0};
@@ -69,33 +74,66 @@ static int surface_verdict(lua_State *L) {
   return 0;
 }
 
+/* Pushes a table of stats, one of fingerprints, the tolerance and the quantity. */
+static int push_stats(lua_State *L, const ylm_surface_stats *s) {
+  lua_newtable(L);
+  ylmL_set_count(L, "charts", s->charts);
+  ylmL_set_count(L, "rectangles", s->rectangles);
+  ylmL_set_count(L, "corners", s->corners);
+  ylmL_set_count(L, "rows", s->rows);
+  ylmL_set_count(L, "places", s->places);
+  ylmL_set_count(L, "rounds", s->rounds);
+  ylmL_set_count(L, "rays", s->rays);
+  ylmL_set_count(L, "verified", s->verified);
+  ylmL_set_count(L, "failed", s->failed);
+  ylmL_set_number(L, "error", s->error);
+  ylmL_set_number(L, "rms", s->rms);
+  ylmL_set_boolean(L, "met", s->met);
+  ylmL_set_boolean(L, "spent", s->spent);
+  ylmL_set_count(L, "bytes", s->bytes);
+  ylmL_set_number(L, "seconds", s->seconds);
+  lua_newtable(L);
+  set_print(L, "geometry", s->prints.geometry);
+  set_print(L, "materials", s->prints.materials);
+  set_print(L, "lights", s->prints.lights);
+  lua_pushnumber(L, (lua_Number)s->tolerance);
+  lua_pushstring(L, ylm_quantity_name(s->quantity));
+  return 4;
+}
+
 /* surface_stats(surface grid) -> table, { geometry, materials, lights: fingerprints }, tolerance, quantity */
 static int surface_stats(lua_State *L) {
   ylm_surface_stats s;
   ylm_surface_look(check_surface(L, 1), &s);
-  lua_newtable(L);
-  ylmL_set_count(L, "charts", s.charts);
-  ylmL_set_count(L, "rectangles", s.rectangles);
-  ylmL_set_count(L, "corners", s.corners);
-  ylmL_set_count(L, "rows", s.rows);
-  ylmL_set_count(L, "places", s.places);
-  ylmL_set_count(L, "rounds", s.rounds);
-  ylmL_set_count(L, "rays", s.rays);
-  ylmL_set_count(L, "verified", s.verified);
-  ylmL_set_count(L, "failed", s.failed);
-  ylmL_set_number(L, "error", s.error);
-  ylmL_set_number(L, "rms", s.rms);
-  ylmL_set_boolean(L, "met", s.met);
-  ylmL_set_boolean(L, "spent", s.spent);
-  ylmL_set_count(L, "bytes", s.bytes);
-  ylmL_set_number(L, "seconds", s.seconds);
-  lua_newtable(L);
-  set_print(L, "geometry", s.prints.geometry);
-  set_print(L, "materials", s.prints.materials);
-  set_print(L, "lights", s.prints.lights);
-  lua_pushnumber(L, (lua_Number)s.tolerance);
-  lua_pushstring(L, ylm_quantity_name(s.quantity));
-  return 4;
+  return push_stats(L, &s);
+}
+
+/* surface_inspect(path) -> as surface_stats, but bytes are those of the file */
+static int surface_inspect(lua_State *L) {
+  const char *path = luaL_checkstring(L, 1);
+  ylm_error e = {0};
+  ylm_surface_stats stats;
+  unsigned char *bytes;
+  size_t size;
+  ylm_status s = ylm_file_read(path, (size_t)1 << 40, &bytes, &size, &e);
+  if (s == YLM_OK) {
+    s = ylm_surface_inspect(bytes, size, path, &stats, &e);
+    ylm_free(bytes);
+  }
+  if (s != YLM_OK) return ylmL_result(L, 0, s, &e);
+  stats.bytes = size;
+  return push_stats(L, &stats);
+}
+
+/* surface_take(surface grid, other): the grid becomes what the other is, which becomes what that was. */
+static int surface_take(lua_State *L) {
+  ylmL_held *to = ylmL_held_check(L, 1, YLML_SURFACE), *from = ylmL_held_check(L, 2, YLML_SURFACE);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  void *object = to->object;
+  to->object = from->object;
+  from->object = object;
+  lua_pushboolean(L, 1);
+  return 1;
 }
 
 /* The places of n points with normals, in memory of the state; NULL: *lost is the row of one that lies on no surface. */
@@ -227,6 +265,8 @@ static int shade_surfaces(lua_State *L) {
 
 static const luaL_Reg functions[] = {{"surface_bake", surface_bake},
                                      {"surface_stats", surface_stats},
+                                     {"surface_inspect", surface_inspect},
+                                     {"surface_take", surface_take},
                                      {"surface_verdict", surface_verdict},
                                      {"surface_irradiance", surface_irradiance},
                                      {"surface_judges", surface_judges},

@@ -8,6 +8,9 @@ local form = { "quantity", "lmax", "channels", "bounds", "resolution", "depth", 
 local stats = { "points", "interpolated", "invalid", "tested", "cells", "leaves", "occupied", "levels", "continuity", "pairs",
   "outside", "error", "largest_error", "met", "limited", "verified" }
 
+local of_surfaces = { "error", "met", "rms", "corners", "rectangles", "rows", "charts", "places", "rounds", "rays", "verified",
+  "failed", "seconds", "bytes" }
+
 --- Adds fields of a table to the results, in an order.
 local function add(results, order, from, names)
   for _, name in ipairs(names) do
@@ -57,6 +60,16 @@ function kinds.grid_set(path)
   for _, name in ipairs(form) do results[name], order[#order + 1] = set[name], name end
   add(results, order, of, stats)
   add(results, order, of, { "bricks", "brick_level", "file_bytes" })
+  return results, order
+end
+
+function kinds.surface_grid(path)
+  local lib = status.need(require("ylm.trace").library())
+  local of, known, tolerance, quantity = status.need(lib.surface_inspect(path))
+  local results = { kind = "light on surfaces", quantity = quantity, tolerance = tolerance, prints = known }
+  local order = { "kind", "quantity", "tolerance" }
+  add(results, order, of, of_surfaces)
+  order[#order + 1] = "prints"
   return results, order
 end
 

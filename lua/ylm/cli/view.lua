@@ -17,11 +17,27 @@ local function refuse(given, names, what)
   end
 end
 
---- Contents of the files, sorted: { arrays = {}, grid = , scene = , meshes = {} }.
+--- Reads light on surfaces, which needs its scene: found.surfaces.
+local function load_surfaces(found, path)
+  if found.grid or found.arrays[1] then
+    status.stop(status.usage, "view: light on surfaces is seen alone: %s, and no grid or SH vectors", path)
+  end
+  if not found.scene then
+    status.stop(status.usage, "view: %s: light on surfaces is seen on its scene: name the scene's file too", path)
+  end
+  found.surfaces = status.need(found.scene:surface_grid { file = path })
+end
+
+--- Contents of the files, sorted: { arrays = {}, grid = , scene = , meshes = {}, surfaces = }.
 local function load(given)
   local core, form = require "ylm.c.core", require "ylm.form"
-  local found = { arrays = {}, meshes = {} }
-  for i, path in ipairs(given) do
+  local found, paths, last = { arrays = {}, meshes = {} }, {}, nil
+  for _, path in ipairs(given) do
+    if require "ylm.file".kind_of(path) ~= "surface_grid" then paths[#paths + 1] = path
+    elseif last then status.stop(status.usage, "view: one file of light on surfaces at a time, %s is the second", path)
+    else last = path end
+  end
+  for i, path in ipairs(paths) do
     local thing = status.load(path)
     local kind = core.type(thing) == "ylm.array" and "array" or form.kind(thing):gsub("^ylm%.", "")
     if kind == "array" then found.arrays[i] = thing
@@ -33,9 +49,10 @@ local function load(given)
     elseif found[kind] then status.stop(status.usage, "view: one %s at a time, %s is the second", kind, path)
     else found[kind] = thing end
     if next(found.arrays) and #found.arrays < i then
-      status.stop(status.usage, "view: several files must all hold SH vectors, %s does not", given[#found.arrays + 1])
+      status.stop(status.usage, "view: several files must all hold SH vectors, %s does not", paths[#found.arrays + 1])
     end
   end
+  if last then load_surfaces(found, last) end
   return found
 end
 
@@ -57,12 +74,15 @@ local function view_of(ylm, given, found)
   refuse(given, of_vectors, "SH vectors")
   if not found.grid then refuse(given, of_grids, "grids") end
   if not found.scene then refuse(given, of_scenes, "scenes: name the file of one too") end
-  return try(ylm.view, view_things.fields(ylm, given, found.grid, found.scene, found.meshes))
+  local fields = view_things.fields(ylm, given, found.grid, found.scene, found.meshes)
+  fields.surfaces = found.surfaces
+  return try(ylm.view, fields)
 end
 
 return {
   summary = "a picture of a grid, a scene and meshes, or of SH vectors as lobes: to a file with -o, else in a window",
   usage = "GRID.ylm [SCENE.lua] [MESH.obj ..] [--quantity NAME] [-o PICTURE.png]\n"
+    .. "       ylm view SCENE.lua LIGHT.surfaces [-o PICTURE.png]\n"
     .. "       ylm view C.npy [MORE.npy ..] [--product] [--rotate X,Y,Z [--angle N]] [-o PICTURE.png]",
   least = 1,
   most = 16,

@@ -31,9 +31,10 @@ require "ylm.describe".object "surface_grid" {
   fields = {
     { "stats", "table", "corners: numbers a channel that were fitted; rectangles; charts: planes and maps that these lie on; "
       .. "rows: corners with those that hang on longer edges; places whose light was asked for, rays, rounds; verified, failed: "
-      .. "places that judged, and those that missed the tolerance; error: what 99 % of them keep; rms: root mean square error "
-      .. "over the mean, without noise; met; warning: what is not kept, or nil; spent: corners were not enough; paths: what "
-      .. "paths found, undecided, field_met and field_error of the light that was fitted, seconds; bytes, seconds" },
+      .. "places that judged, and those that missed the tolerance; error: what 99 % of the surface keep, with 99 % confidence; "
+      .. "rms: root mean square error over the mean, without noise; met; warning: what is not kept, or nil; spent: corners were "
+      .. "not enough; paths: what paths found, undecided, field_met and field_error of the light that was fitted, seconds; "
+      .. "bytes, seconds" },
     { "scene", "scene", "of what" },
     { "quantity", "string", "'direct', 'indirect' or 'all'" },
     { "tolerance", "number", "that was asked for" },
@@ -67,6 +68,10 @@ local all_options = options.list(fields, options.common)
 local function cause_of(m)
   local s, paths = m.stats, m.stats.paths
   local looser = "set tolerance = " .. (s.error < math.huge and unmet.rounded_up(s.error) or "larger")
+  if core.grid_allowed(s.verified) < 0 then
+    return ("the %d places that were found open are too few to judge by: all other surface is in bodies, or covered by surfaces "
+      .. "nearby"):format(s.verified)
+  end
   if s.spent then return "its corners are spent; leave corners out, or " .. looser end
   if paths and paths.field_met then
     local undecided = unmet.undecided(s, paths)
@@ -115,22 +120,32 @@ local function remember(g, s, traced, o, links)
   return m
 end
 
+--- A surface grid of the light `lit`, of the lamps and materials of `lamps`, a traced scene; `like`: one whose rectangles it has.
+-- Or nil, message, code.
+local function fit(name, lit, lamps, o, like)
+  return check.result(name, lamps.lib.surface_bake(lit, { tolerance = o.tolerance, aim = o.judge == "paths" and AIM or 1,
+    quantity = o.quantity, lit = lamps.handle, corners = o.corners or 0, like = like,
+    indirect = not transfer.fields.is_direct(o), scene = o.quantity ~= "indirect" and lamps.handle or nil, links = o.rays,
+    light_samples = o.light_samples, seed = o.seed, threads = o.threads, progress = progress.resolve(o.progress) }))
+end
+
+--- The surface grid `g` of light `lit` with all that Lua keeps of it, and the verdict of its judge. Or nil, message, code.
+local function judged(g, s, traced, o, lit)
+  local m = remember(g, s, traced, o, lit.links)
+  if o.judge ~= "paths" then return g end
+  local done, message, code = judge(s, g, m, lit, o)
+  if not done then return nil, message, code end
+  return g
+end
+
 local function bake(s, traced, o)
   local lit, message, code = transfer.fields.radiosity("surface_grid", s, o, o.seed)
   if not lit then return nil, message, code end
-  local direct, by_paths, g = o.quantity ~= "indirect", o.judge == "paths"
-  g, message, code = check.result("surface_grid", traced.lib.surface_bake(lit, { tolerance = o.tolerance,
-    aim = by_paths and AIM or 1, quantity = o.quantity, lit = traced.handle, corners = o.corners or 0,
-    indirect = not transfer.fields.is_direct(o), scene = direct and traced.handle or nil, links = o.rays,
-    light_samples = o.light_samples, seed = o.seed, threads = o.threads, progress = progress.resolve(o.progress) }))
+  local g
+  g, message, code = fit("surface_grid", lit, traced, o)
+  if g then g, message, code = judged(g, s, traced, o, lit) end
   if not g then return nil, message, code end
-  local m = remember(g, s, traced, o, lit.links)
-  if by_paths then
-    local done
-    done, message, code = judge(s, g, m, lit, o)
-    if not done then return nil, message, code end
-  end
-  return say(g, m)
+  return say(g, objects.made(g))
 end
 
 local function from_file(s, traced, o, given)
@@ -206,6 +221,55 @@ function methods.irradiance(g, points, normals)
     return check.bad(2, "irradiance", "%d normals expected, one a point, got %d", #x, #n)
   end
   return check.result("irradiance", m.lib.surface_irradiance(g, x, n, m.options.threads or 0))
+end
+
+local update_options = { form.threads, form.progress }
+
+describe "surface_grid:update" {
+  about = "Brings other light to a surface grid: lamps that moved, changed, appeared or vanished. Its rectangles stay, in "
+    .. "another order; light is found anew at places spread over them and fitted, and fresh places judge. Links are those that "
+    .. "it was made with. Where the light bends elsewhere now, the tolerance may be missed: stats.met and a warning say so, and "
+    .. "scene:surface_grid makes other rectangles. Paths judge light of the scene's own lights; light of others is judged by "
+    .. "that of the elements.",
+  arguments = {
+    { "lights?", "light|list", "all lights as they are now; default: the scene's lights as they are now" },
+    { "options?", "table", "threads, progress" },
+  },
+  options = update_options,
+  returns = { { "report", "table", "light.stats of the new light" } },
+  errors = "raises on bad arguments and where the scene has other meshes now; nil, message, code: memory, cancelled; the grid is "
+    .. "then as it was",
+  example = room .. [[
+local light = scene:surface_grid { tolerance = 0.2, judge = "field" }
+local before = light:irradiance({ { 0, -1, 0 } }, { { 0, 1, 0 } }):get(1, 1)
+local report = light:update(ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.1, radiance = 20 })
+local after = light:irradiance({ { 0, -1, 0 } }, { { 0, 1, 0 } }):get(1, 1)
+assert(math.abs(after / before - 2) < 0.1 and report.rectangles > 0)]],
+}
+function methods.update(g, lights, given)
+  local m = opened("update", g)
+  local o = form.options(2, "update", update_options, given)
+  for key, value in pairs(m.options) do if o[key] == nil then o[key] = value end end
+  o.progress = progress.long(given and given.progress)
+  o.quantity, o.tolerance, o.links, o.judge = m.quantity, m.tolerance, m.links, lights and "field" or o.judge
+  local traced, message, code = tracing.trace("update", m.scene)
+  if not traced then return nil, message, code end
+  if not objects.alike(traced, m.traced) then
+    return check.fail("update: scene %q has other meshes now: make another surface grid (scene:surface_grid)",
+      m.scene.name or "?")
+  end
+  local lamps, lit, new = traced, nil, nil
+  if lights then lamps, message, code = tracing.relight("update", traced, lights) end
+  if lamps then lit, message, code = transfer.fields.radiosity("update", m.scene, o, o.seed, lights) end
+  if lit then new, message, code = fit("update", lit, lamps, o, g) end
+  if new then new, message, code = judged(new, m.scene, traced, o, lit) end
+  local taken
+  if new then taken, message, code = check.result("update", m.lib.surface_take(g, new)) end
+  if not taken then return nil, message, code end
+  core.own(g).made = objects.made(new)
+  m.lib.surface_close(new)
+  say(g, objects.made(g))
+  return g.stats
 end
 
 describe "surface_grid:rectangles" {

@@ -44,16 +44,16 @@ function fields.check(name, s, o)
   if o.quantity ~= "lights" then reflections(name, o) end
 end
 
---- The light of the scene `s` on elements, by options that fields.check has seen; `seed` of shadow rays, nil: the default.
--- Direct light alone needs few rays of them. Or nil, message, code.
-function fields.radiosity(name, s, o, seed)
+--- The light of the scene `s` on elements, by options that fields.check has seen; `seed` of shadow rays, nil: the default;
+-- `lights`: others than the scene's. Direct light alone needs few rays of them. Or nil, message, code.
+function fields.radiosity(name, s, o, seed, lights)
   local n, direct = reflections(name, o), fields.is_direct(o)
   local links, message, code = o.links
   if not links then
     links, message, code = s:links { rays = direct and 4 or nil, lmax = 0, threads = o.threads, progress = o.progress }
     if not links then return nil, message, code end
   end
-  return links:radiosity(s.lights, { bounces = n, light_samples = direct and 1 or nil, seed = seed, threads = o.threads,
+  return links:radiosity(lights or s.lights, { bounces = n, light_samples = direct and 1 or nil, seed = seed, threads = o.threads,
     progress = o.progress })
 end
 

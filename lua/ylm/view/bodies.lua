@@ -3,6 +3,7 @@
 local core = require "ylm.c.core"
 local drawing = require "ylm.view.drawing"
 local material = require "ylm.material"
+local surfaces = require "ylm.view.surfaces"
 
 local fill = {}
 
@@ -179,7 +180,10 @@ function fill.meshes(stage, v)
   for _, m in ipairs(v.meshes) do add_mesh(stage, m) end
 end
 
+fill.surfaces = surfaces.fill
+
 function fill.scene(stage, v)
+  if v.surfaces then return end -- the same surfaces
   for _, part in ipairs(v.scene.geometry) do
     add_mesh(stage, { mesh = part.mesh, material = part.material }, v.opacity)
   end

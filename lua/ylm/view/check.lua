@@ -203,6 +203,14 @@ local function check_lights(values, fail)
   values.lights = packed
 end
 
+local function check_surfaces(values, fail)
+  if values.surfaces == nil then return end
+  if core.type(values.surfaces) ~= "ylm.surface_grid" then
+    return fail(("surfaces must be a surface grid (scene:surface_grid), got %s"):format(check.describe(values.surfaces)))
+  end
+  if tostring(values.surfaces):find("(closed)", 1, true) then return fail "surfaces: the surface grid has been closed" end
+end
+
 --- Numbers and arrows that a view is given without a grid: values.lattice, .arrows, .flow.
 local function take_own_numbers(values, fail)
   local options = drawing.options
@@ -256,7 +264,7 @@ local function check_needs(values, fail)
   end
   if values.quantity and not values.subject then return fail "quantity is of a grid: ylm.view { grid, ... }" end
   if not (values.subject or values.lattice or values.sh or values.scene or values.meshes or values.arrows or values.flow
-      or values.points or values.lights) then
+      or values.points or values.lights or values.surfaces) then
     return fail "nothing to show: give a grid, a scene, sh, meshes, or another layer"
   end
 end
@@ -292,6 +300,7 @@ local function check_view(values, fail)
   check_isosurfaces(values, fail)
   check_meshes(values, fail)
   check_lights(values, fail)
+  check_surfaces(values, fail)
   take_own_numbers(values, fail)
   check_sh(values, fail)
   if values.points ~= nil then values.points = rows("points", values.points, 3, fail) end

@@ -313,6 +313,8 @@ local fields = {
     about = "geometry, or a list of geometry or { mesh, colour = , colours = [n][3], opacity = }" },
   { "scene", "object", of = "scene", optional = true, about = "draws its geometry, takes its camera" },
   { "opacity", "number", shelf = "experiments", min = 0, max = 1, default = 1, about = "of the scene's geometry" },
+  { "surfaces", "any", optional = true,
+    about = "a surface grid (scene:surface_grid): its scene's surfaces in the colours of its rectangles, by its camera" },
   { "points", "any", optional = true, about = "[n][3] points drawn as dots" },
   { "range", "any", optional = true, about = "{least, largest} of the colours; default: of the data" },
   { "log", "boolean", optional = true, about = "logarithmic colours; default by quantity" },
@@ -359,7 +361,8 @@ local function build_view(values, fail)
   check_range(values, fail)
   check_subject(values, fail)
   layers.check(values, fail)
-  if values.camera == nil and values.scene then values.camera = values.scene.camera end
+  local scene = values.scene or values.surfaces and values.surfaces.scene
+  if values.camera == nil and scene then values.camera = scene.camera end
   return setmetatable(values, form.defined.view.metatable)
 end
 

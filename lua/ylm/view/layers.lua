@@ -25,7 +25,7 @@ local function add_frame(stage, v)
   drawing.lines(stage, shape, 1)
 end
 
-local order = { "scene", "meshes", "boxes", "slices", "isosurfaces", "glyphs", "streamlines", "lobes", "sh", "volume",
+local order = { "scene", "surfaces", "meshes", "boxes", "slices", "isosurfaces", "glyphs", "streamlines", "lobes", "sh", "volume",
   "levels", "lights", "points" }
 
 --- Calls f; what a C call in it ran into comes back as nil, message, code.

@@ -473,7 +473,10 @@ calls["scene:bake with sides"] = on(scene, function(s)
 end)
 calls["surface: grid"] = on(scene, function(s)
   local light, message, code = s:surface_grid { tolerance = 1, judge = "field", rays = 4 }
-  return light and light.stats.corners, message, code
+  if not light then return nil, message, code end
+  local report
+  report, message, code = light:update()
+  return report and light.stats.corners, message, code
 end)
 calls["scene:bake"] = on(scene, function(s) return s:bake { occupied = "camera", samples = 1, size = size } end)
 for _, name in ipairs { "render", "reference", "raycast" } do
