@@ -125,6 +125,10 @@ options.light_samples = { "light_samples", "integer", min = 1, max = core.limits
     .. "to lamps from the points of a glossy mesh in a pixel, and as many by the material; default: " .. options.LIGHT_SAMPLES
     .. " to 16384, most where they vary most, as few as leave a noise of 1 % in each mesh's radiance (report.glossy)" }
 
+options.guides = { "guides", "boolean", default = true, shelf = "experiments",
+  about = "by rays: shadow rays of matte points learn from a pilot which lamps and which parts of the sky are seen from where: "
+    .. "no bias, less noise; false: they do not" }
+
 options.lights_field = { "lights", "any", optional = true,
   about = "lights in place of the scene's. By rays they may move; default with bounced = lit: those of lit. By sum and by "
     .. "vectors a light, a list of lights, or what has a light field, as shadowed light" }

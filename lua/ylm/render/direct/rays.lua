@@ -19,7 +19,7 @@ local rays = { name = "rays", called = 'by = "rays"' }
 
 local BATCHES = 16 -- pictures that variance is that of
 
-rays.options = options.list({ options.light_samples, options.visibility_of_rays }, options.bounce_fields)
+rays.options = options.list({ options.light_samples, options.visibility_of_rays, options.guides }, options.bounce_fields)
 rays.scene_options = options.list(options.view_fields, options.shading_fields, gloss.fields, knob.fields, {
   { "variance", "boolean", default = false, shelf = "experiments",
     about = "samples are cast as 16 pictures with random numbers of their own, one camera ray each at least: their mean, and "
@@ -74,17 +74,31 @@ local function live_rays(name, p, o)
   end)
 end
 
+--- The guide of a picture's rays, nil where none is wanted or there is nothing to guide; or false, message, code.
+local function guide_of(name, p, o, casting, report)
+  if not o.guides or not o.shadows then return nil end
+  local guide, stats, code = check.result(name, p.lib.shade_guide(p.view, casting))
+  if guide == nil then return false, stats, code end
+  if not guide then return nil end
+  report.guides, report.rays.guides = stats.clusters, stats.rays
+  return guide
+end
+
 function rays.radiance(name, p, o, report)
-  local start, lit, seed = core.seconds(), o.lit and o.lit.handle, o.seed or p.options.seed
+  local start = core.seconds()
   local so_far, bar = live_rays(name, p, o)
-  local radiance, count, code = check.result(name, p.lib.shade_raycast(p.view, { light_samples = o.light_samples,
-    shadows = o.shadows, seed = seed, threads = o.threads or 0, progress = bar, lit = lit, into = so_far }))
+  local casting = { light_samples = o.light_samples, shadows = o.shadows, seed = o.seed or p.options.seed,
+    threads = o.threads or 0, progress = bar, lit = o.lit and o.lit.handle, into = so_far }
+  local radiance, count, code
+  casting.guide, count, code = guide_of(name, p, o, casting, report)
+  if casting.guide == false then return nil, count, code end
+  radiance, count, code = check.result(name, p.lib.shade_raycast(p.view, casting))
   if not radiance then return nil, count, code end
   local seconds = core.seconds() - start
   report.rays.shadow = count
+  casting.progress = nil
   local noise, message
-  noise, message, code = check.result(name, p.lib.shade_raycast_noise(p.view, radiance, o.light_samples, o.shadows, seed,
-    o.threads or 0, lit))
+  noise, message, code = check.result(name, p.lib.shade_raycast_noise(p.view, radiance, casting))
   if not noise then return nil, message, code end
   report.direct_noise = noise
   if not o.tolerance then noises.say_direct(p, report, o.light_samples) end
