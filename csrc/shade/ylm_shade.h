@@ -369,6 +369,7 @@ typedef struct ylm_shade_casting {
   const ylm_scene_guide
       *guide;        /* learnt from these lamps: rays from matte points follow it; NULL: none do */
   int light_samples; /* shadow rays per shading point, 1 .. YLM_SCENE_SAMPLES */
+  const float *rays; /* [points] of each matte point, whole numbers; NULL: all have light_samples */
   bool shadows;      /* false: nothing is in the way */
   uint64_t seed;
   int threads;
@@ -418,6 +419,25 @@ YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, const ylm_shade
 */
 YLM_API ylm_status ylm_shade_raycast_noise(const ylm_shade_view *view, const ylm_shade_casting *o,
                                            const float *radiance, double *noise);
+
+/*
+** ylm_shade_noise_around - the noise of the mean of two estimates, relative to the light around each pixel.
+**
+** It is half of the root mean square difference in luminance over 9 x 9 pixels around, over the mean of `all` there, of pixels
+** that show surfaces and no lamp.
+**
+**   a, b, all  in   [height][width][3]
+**   out        out  [height][width]
+**
+** Returns  YLM_OK; YLM_EINVAL: a view of some pixels
+*/
+YLM_API ylm_status ylm_shade_noise_around(const ylm_shade_view *view, const float *a,
+                                          const float *b, const float *all, int threads,
+                                          float *out);
+/* A whole number for each point, `factor` times that of its pixel or the next above, from `least` to `most`: pixels
+   [height][width], points [points]. YLM_EINVAL: points are vertices, or pixels some of an image. */
+YLM_API ylm_status ylm_shade_spread(const ylm_shade_view *view, const float *pixels, float factor,
+                                    float least, float most, float *points);
 
 /* Turns irradiance [points][3] of all shading points into the radiance that matte surfaces of their albedo send. */
 YLM_API void ylm_shade_reflect(const ylm_shade_view *view, float *irradiance);

@@ -96,6 +96,7 @@ static void read_guide(lua_State *L, int i, void *field) {
 
 typedef struct raycast_form {
   ylm_shade_casting o;
+  ylmL_array *rays;
   int progress, into; /* on the stack */
 } raycast_form;
 
@@ -107,8 +108,16 @@ static const ylmL_entry raycast_entries[] = {
     YLML(raycast_form, progress, "progress", VALUE),
     YLML(raycast_form, o.lit, "lit", READ, .read = ylmL_read_scene, .optional = true),
     YLML(raycast_form, o.guide, "guide", READ, .read = read_guide, .optional = true),
+    YLML(raycast_form, rays, "rays", ARRAY, .optional = true),
     YLML(raycast_form, into, "into", VALUE),
     {.name = NULL}};
+
+/* The numbers of rays of points in o.rays; false: their shape is another. */
+static bool take_rays(raycast_form *f, const ylm_shade_view *v) {
+  if (!f->rays) return true;
+  f->o.rays = f->rays->data;
+  return f->rays->dtype == YLM_FLOAT && f->rays->count == ylmL_shade_points(v);
+}
 
 /* shade_guide(view, {as shade_raycast}) -> guide, {clusters, rays, seconds}; false: nothing is to be guided */
 static int shade_guide(lua_State *L) {
@@ -134,7 +143,7 @@ static int shade_guide(lua_State *L) {
 }
 
 /* shade_raycast(view, {light_samples, shadows, seed, threads, progress, lit: the traced scene of the lamps, or nil: the
-   view's, guide or nil, into: float array [n][3], filled while rays are traced, or nil}) -> radiance [n][3], rays */
+   view's, guide or nil, rays: float array [n] of points or nil, into: float array [n][3], filled while rays are traced, or nil}) -> radiance [n][3], rays */
 static int shade_raycast(lua_State *L) {
   raycast_form f = {.o = {.lit = NULL}};
   ylmL_read(L, 2, raycast_entries, &f);
@@ -145,6 +154,7 @@ static int shade_raycast(lua_State *L) {
   ylmL_array *out =
       ylmL_array_result(L, f.into, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3}, &s);
   if (!out) return ylmL_result(L, 0, s, NULL);
+  if (!take_rays(&f, v)) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   f.o.progress = ylmL_progress_begin(L, f.progress, &p);
   s = ylm_shade_raycast(v, &f.o, out->data, &rays);
   if (s == YLM_OK) ylmL_push_count(L, rays);

@@ -10,7 +10,8 @@ typedef struct job {
   const ylm_shade_view *view;
   const ylm_scene *lit;
   const ylm_scene_guide *guide;
-  int light_samples;
+  int light_samples, most; /* of a point */
+  const float *own;        /* [points] or NULL: all have light_samples */
   bool shadows;
   uint64_t seed;
   size_t step; /* of points, the first of so many */
@@ -45,11 +46,10 @@ static void finish(const job *j, waiting *w) {
 /* Aims rays from a point whose random numbers have the number `stream`. */
 static void aim(const job *j, waiting *w, size_t i, uint64_t stream) {
   ylm_rng rng;
-  if (w->points == SHADE_CAST_POINTS || w->lit.rays + (size_t)j->light_samples > w->lit.room)
-    finish(j, w);
+  int rays = j->own ? (int)j->own[i] : j->light_samples;
+  if (w->points == SHADE_CAST_POINTS || w->lit.rays + (size_t)rays > w->lit.room) finish(j, w);
   ylm_rng_seed(&rng, j->seed, stream);
-  ylm_scene_batch_aim(&w->lit, j->view->lit[i], j->view->normal[i], j->view->origin[i],
-                      j->light_samples, &rng);
+  ylm_scene_batch_aim(&w->lit, j->view->lit[i], j->view->normal[i], j->view->origin[i], rays, &rng);
   w->point[w->points] = i;
   w->end[w->points++] = w->lit.rays;
 }
@@ -63,7 +63,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   job *j = context;
   waiting w;
   w.points = 0;
-  ylm_status status = ylm_scene_batch_create(j->lit, (size_t)j->light_samples, &w.lit);
+  ylm_status status = ylm_scene_batch_create(j->lit, (size_t)j->most, &w.lit);
   if (status == YLM_OK && !ylm_scene_chooser_follow(w.lit.lamps, j->guide)) status = YLM_EINVAL;
   shade_stream at = ylm__shade_stream_at(j->view, begin);
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
@@ -113,7 +113,13 @@ static ylm_status begin(const ylm_shade_view *v, const ylm_shade_casting *o, job
              .light_samples = o->light_samples,
              .shadows = o->shadows,
              .seed = o->seed,
+             .own = o->rays,
+             .most = o->light_samples,
              .step = 1};
+  for (size_t i = 0; o->rays && i < v->points; i++) {
+    if (!(o->rays[i] >= 1 && o->rays[i] <= YLM_SCENE_SAMPLES)) return YLM_ERANGE;
+    if (o->rays[i] > (float)j->most) j->most = (int)o->rays[i];
+  }
   return YLM_OK;
 }
 

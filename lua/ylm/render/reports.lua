@@ -19,6 +19,8 @@ local all = {
 local by_rays = {
   { "light_samples", "1", "by rays: shadow rays of a shading point" },
   { "guides", "1", "by rays: clusters of shading points that shadow rays were guided by" },
+  { "noise", "1", "by rays, of a picture with a noise that is wanted: what is left, root mean square over pixels, each relative "
+    .. "to the light around it; ended is then noise, pilot, time_limit or most rays" },
   { "direct_noise", "1", "by rays: what shadow rays leave at a shading point, root mean square over the mean" },
 }
 

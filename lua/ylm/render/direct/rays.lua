@@ -12,6 +12,7 @@ local noises = require "ylm.render.noise"
 local options = require "ylm.render.options"
 local pictures = require "ylm.render.picture"
 local progress = require "ylm.progress"
+local rounds = require "ylm.render.rounds"
 local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
 
@@ -20,7 +21,7 @@ local rays = { name = "rays", called = 'by = "rays"' }
 local BATCHES = 16 -- pictures that variance is that of
 
 rays.options = options.list({ options.light_samples, options.visibility_of_rays, options.guides }, options.bounce_fields)
-rays.scene_options = options.list(options.view_fields, options.shading_fields, gloss.fields, knob.fields, {
+rays.scene_options = options.list(options.view_fields, options.shading_fields, gloss.fields, knob.fields, rounds.fields, {
   { "variance", "boolean", default = false, shelf = "experiments",
     about = "samples are cast as 16 pictures with random numbers of their own, one camera ray each at least: their mean, and "
       .. "the layer variance, that of it. Light on elements is the same in all" },
@@ -53,7 +54,8 @@ end
 
 function rays.prepare(_, p, o)
   if o.shadows == nil then o.shadows = o.visibility ~= "none" end
-  o.chosen_samples, o.light_samples = o.light_samples == nil, o.light_samples or options.LIGHT_SAMPLES
+  o.light_samples = o.light_samples
+    or math.min(core.limits.light_samples, math.floor(options.LIGHT_SAMPLES * options.multiple(p.options)))
   local report = pictures.new_report(p)
   report.visibility = o.shadows and "rays" or "none"
   report.light_samples = o.light_samples
@@ -92,6 +94,7 @@ function rays.radiance(name, p, o, report)
   local radiance, count, code
   casting.guide, count, code = guide_of(name, p, o, casting, report)
   if casting.guide == false then return nil, count, code end
+  if o.noise then return rounds.radiance(name, p, o, report, casting) end
   radiance, count, code = check.result(name, p.lib.shade_raycast(p.view, casting))
   if not radiance then return nil, count, code end
   local seconds = core.seconds() - start
@@ -106,8 +109,8 @@ function rays.radiance(name, p, o, report)
 end
 
 function rays.report(p, o, report, image)
+  if o.noise then rounds.report(p, o, report, image) end
   pictures.sign(image, p, "rays", report, { light_samples = o.light_samples, shadows = o.shadows })
-  if o.chosen_samples then noises.say_camera(p, report, o.light_samples) end
 end
 
 -- Pictures of more than one view -----------------------------------------------------------------
@@ -140,6 +143,7 @@ local function in_batches(o, how)
 end
 
 function rays.make(name, s, o, given, how)
+  rounds.check(name, o, given)
   if not o.tolerance then
     if o.variance then return in_batches(o, how) end
     return how()
