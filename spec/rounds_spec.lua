@@ -89,6 +89,15 @@ describe("a noise that is wanted", function()
     assert.is_true(report.noise > 0.002 and #report.warnings >= 1)
   end)
 
+  it("refuses surfaces that gloss", function()
+    local shiny = ylm.scene "a shiny wall" { camera = scene.camera, lights = scene.lights,
+      geometry = { ylm.quad { corner = { -1, 0, -2 }, u = { 2, 0, 0 }, v = { 0, 2, 0 },
+        material = ylm.ggx { alpha = 0.3, f0 = 0.9 } } } }
+    local ok, message = pcall(shiny.render, shiny, { size = SIZE, noise = 0.1 })
+    assert.is_false(ok)
+    assert.is_truthy(tostring(message):find("noise is of matte surfaces, and 1 meshes", 1, true), tostring(message))
+  end)
+
   it("refuses what does not go with it, and names it", function()
     for text, o in pairs {
       ["light_samples is given"] = { noise = 0.1, light_samples = 4 },

@@ -67,7 +67,8 @@ local merged = {
       .. "elements, rays, light_samples and samples where they are not given, judges itself by paths, and says whether it is met "
       .. "(report.met, .error). By paths: ends once the noise, report.noise, is at most this" },
   time_limit = { "time_limit", "number", above = 0, optional = true, unit = "s", shelf = "experiments",
-    about = "by paths, and by rays with noise: ends after about so long, which makes results depend on it" },
+    about = "by paths, and by rays with noise: ends after about so long, which makes results depend on it; by rays a pilot and "
+      .. "64 links a shading point are the least" },
   visibility = options.visibility,
   bounces = options.bounce_fields[1],
   seed = options.view_fields[3],

@@ -28,7 +28,8 @@ rounds.fields = {
       .. "pixels around it: a pilot chooses counts of shadow rays and links pixel by pixel, and light_samples and rays are left "
       .. "out. report.noise and the layer noise say what was reached. Of matte surfaces, and bounces by links" },
   { "time_limit", "number", above = 0, optional = true, unit = "s", shelf = "experiments",
-    about = "with noise, or by paths: ends after about so long, which makes results depend on it" },
+    about = "with noise, or by paths: ends after about so long, which makes results depend on it; with noise a pilot and 64 "
+      .. "links a shading point are the least" },
 }
 
 --- Raises where no noise can be chosen for such a picture.
@@ -51,6 +52,14 @@ function rounds.check(name, o, given)
       .. "t:radiosity returned", name)
   end
   o.rays = b and 4 or nil -- links that are kept: sets are found beside them
+end
+
+--- Raises where surfaces of the view p shine: sets of links go as the cosine.
+function rounds.check_view(name, p)
+  if p.traced.glossy > 0 and p.options.gloss ~= "matte" then
+    return check.fail("%s: noise is of matte surfaces, and %d meshes of scene %q are glossy: use tolerance, or by = 'paths'",
+      name, p.traced.glossy, p.scene.name or "?")
+  end
 end
 
 --- Arrays of zeros for points and pixels of a view.

@@ -52,7 +52,8 @@ function rays.check(name, p)
   end
 end
 
-function rays.prepare(_, p, o)
+function rays.prepare(name, p, o)
+  if o.noise then rounds.check_view(name, p) end
   if o.shadows == nil then o.shadows = o.visibility ~= "none" end
   o.light_samples = o.light_samples
     or math.min(core.limits.light_samples, math.floor(options.LIGHT_SAMPLES * options.multiple(p.options)))
