@@ -12,10 +12,10 @@
 #include "dome.h"
 #include "ylm_base.h"
 
-/* Tiles of each mapping, about 12 degrees wide or less: guides tell them apart. */
-static const size_t tiles[][2] = {[YLM_MAPPING_LATLONG] = {32, 16},
-                                  [YLM_MAPPING_ANGULAR] = {24, 24},
-                                  [YLM_MAPPING_CUBE] = {8, 48}};
+/* Tiles of each mapping, about 45 degrees wide or less. */
+static const size_t tiles[][2] = {[YLM_MAPPING_LATLONG] = {16, 8},
+                                  [YLM_MAPPING_ANGULAR] = {12, 12},
+                                  [YLM_MAPPING_CUBE] = {4, 24}};
 
 /* -- pixels ------------------------------------------------------------------------------------ */
 
