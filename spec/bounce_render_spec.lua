@@ -358,15 +358,4 @@ describe("direct light of a picture", function()
     assert.is_true(few.direct_noise > 0.05 and many.direct_noise < 0.022, many.direct_noise)
     assert.equal(0, #many.warnings)
   end)
-
-  it("says of camera rays that are shaded as one what shadow rays are called", function()
-    local function picture(samples, rays)
-      return select(2, plate(0.1):render { size = { 24, 16 }, samples = samples, light_samples = rays, layers = false,
-        bounces = 0 })
-    end
-    assert.matches("128 camera rays of a pixel are shaded as %d.%d: more of them smooth edges alone; shadow rays are "
-      .. "light_samples = 32 %(ylm render %-%-light%-samples%)", picture(128).warnings[1])
-    assert.equal(0, #picture(128, 32).warnings)
-    assert.equal(0, #picture(16).warnings)
-  end)
 end)

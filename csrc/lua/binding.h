@@ -77,6 +77,7 @@
   X(shade_judge)                                                                                   \
   X(shade_picture)                                                                                 \
   X(shade_relight)                                                                                 \
+  X(shade_rounds)                                                                                  \
   X(shade_view)                                                                                    \
   X(shade_virtual)                                                                                 \
   X(surface)                                                                                       \

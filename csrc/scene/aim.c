@@ -1,5 +1,7 @@
 /* aim.c - rays from a point to the lamps: lamps and places on them stratified, samples of the tree of
    lamps together. */
+#include <math.h>
+
 #include "scene.h"
 
 /* x >= 0 without its whole part. */
@@ -96,6 +98,106 @@ static void aim_into_tree(aiming *a, int k, size_t n, scene_drawn *d) {
   }
 }
 
+/* -- by guides ------------------------------------------------------------------------------------- */
+
+/* Weighs all lamps by the factors of a guide; returns the total. */
+static double weigh_by_guide(ylm_scene_chooser *c, const float *factor) {
+  double total = 0;
+  for (size_t i = 0; i < c->chunks * YLM_LAMP_CHUNK; i++) {
+    c->weight[i] *= factor[i];
+    total += (double)c->weight[i];
+  }
+  return total;
+}
+
+/* The sums of weights that are left; their total. */
+static double sum_up(ylm_scene_chooser *c) {
+  c->total = 0;
+  for (size_t b = 0; b < c->chunks; b++) {
+    double sum = 0;
+    for (size_t i = 0; i < YLM_LAMP_CHUNK; i++) sum += (double)c->weight[b * YLM_LAMP_CHUNK + i];
+    c->sum[b] = (float)sum;
+    c->total += (double)c->sum[b];
+  }
+  return c->total;
+}
+
+/* Whether the lamp at a place in the list may have whole rays: it is no tile of the sky, and worth one. */
+static bool is_whole(const ylm_scene_chooser *c, size_t place, double ray) {
+  size_t first = c->chunk[SCENE_SKY] * YLM_LAMP_CHUNK;
+  size_t tiles = c->scene->sky_lights - c->scene->cones;
+  return (double)c->weight[place] >= ray && (place < first || place >= first + tiles);
+}
+
+/* Lamps that are worth whole rays. */
+typedef struct whole {
+  double ray;    /* the weight that is worth one */
+  int lamps;     /* their number */
+  double spread; /* their weights times spreads */
+  double rest;   /* the weight of all others */
+} whole;
+
+static whole find_whole(const ylm_scene_chooser *c, const float *spread, double ray) {
+  whole x = {.ray = ray};
+  for (size_t i = 0; i < c->chunks * YLM_LAMP_CHUNK; i++) {
+    double weight = (double)c->weight[i];
+    if (is_whole(c, i, ray))
+      x.lamps++, x.spread += weight * (double)spread[i];
+    else
+      x.rest += weight;
+  }
+  return x;
+}
+
+/* Lamps that are worth a ray have one, and more as what they bring varies from ray to ray. They leave the list: their
+   light then does not vary with the number of their rays. Returns the rays that were dealt, not all of them where lamps
+   are left. */
+static int deal_whole(aiming *a, ylm_scene_chooser *c, const float *spread, double total) {
+  whole x = find_whole(c, spread, total / a->light_samples);
+  int most = a->light_samples - (x.rest > 0), dealt = 0, given = 0;
+  double more = most > x.lamps ? most - x.lamps : 0, worth = 0;
+  if (x.rest > 0) more = floor(more * x.spread / (x.spread + x.rest));
+  for (size_t i = 0; i < c->chunks * YLM_LAMP_CHUNK && dealt < most; i++) {
+    if (!is_whole(c, i, x.ray)) continue;
+    worth += more * (double)c->weight[i] * (double)spread[i] / x.spread;
+    int extra = (int)floor(worth + 0.5) - given,
+        rays = extra < most - dealt ? 1 + extra : most - dealt;
+    for (int k = 0; k < rays; k++)
+      aim_at(a, dealt + k, ylm__scene_lamp_at(c, i), (double)a->light_samples / rays);
+    given += extra;
+    dealt += rays;
+    c->weight[i] = 0;
+  }
+  return dealt;
+}
+
+/* The rays that are left, to what is left. */
+static void deal_rest(aiming *a, ylm_scene_chooser *c, int dealt, ylm_rng *rng) {
+  int left = a->light_samples - dealt;
+  double share = (double)a->light_samples / left;
+  scene_walk w = {0};
+  for (int k = 0; k < left; k++) {
+    ylm__scene_walk_to(&w, c, (k + ylm_rng_double(rng)) / left * c->total);
+    double weight = (double)c->weight[w.lamp];
+    if (weight > 0) aim_at(a, dealt + k, ylm__scene_lamp_at(c, w.lamp), share * c->total / weight);
+  }
+}
+
+static void aim_by_guide(aiming *a, ylm_scene_chooser *c, ylm_rng *rng) {
+  const float *factor = ylm__scene_guide_row(c->guide, c->x, c->normal);
+  double total = weigh_by_guide(c, factor);
+  int dealt = total > 0 ? deal_whole(a, c, factor + c->chunks * YLM_LAMP_CHUNK, total) : 0;
+  if (sum_up(c) > 0 && dealt < a->light_samples) deal_rest(a, c, dealt, rng);
+}
+
+/* -- all rays of a place --------------------------------------------------------------------------- */
+
+/* Lets rays start at the origin. */
+static size_t start_all(const aiming *a, const float *origin) {
+  for (size_t i = 0; origin && i < a->rays; i++) ylm_scene_start(&a->ray[i], origin);
+  return a->rays;
+}
+
 /* Places on lamps follow Roberts' sequence R2, shifted at random, so that successive rays, most of
    them to one lamp, spread over it. */
 size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], const float *origin,
@@ -110,6 +212,10 @@ size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], c
   aiming a = {.c = c, .light_samples = light_samples, .ray = ray, .value = value};
   a.s0 = ylm_rng_double(rng);
   a.s1 = ylm_rng_double(rng);
+  if (c->guide && !s->tree) {
+    aim_by_guide(&a, c, rng);
+    return start_all(&a, origin);
+  }
   for (int k = 0; k < light_samples; k++) {
     double target = (k + ylm_rng_double(rng)) / light_samples * c->total;
     bool in_tree = tree > 0 && (target < tree || c->chunks == 0);
@@ -123,6 +229,5 @@ size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], c
     if (c->weight[w.lamp] > 0) /* padding has none */
       aim_at(&a, k, ylm__scene_lamp_at(c, w.lamp), c->total / (double)c->weight[w.lamp]);
   }
-  for (size_t i = 0; origin && i < a.rays; i++) ylm_scene_start(&ray[i], origin);
-  return a.rays;
+  return start_all(&a, origin);
 }

@@ -49,6 +49,23 @@
 /* The most nodes that are open. */
 #define SCENE_OPEN 64
 
+/* -- guides: guide.c ----------------------------------------------------------------------------- */
+
+/* The most places of a cluster: GUIDE_ROOT times the root of all, GUIDE_PLACES at least; rays of the pilot from each. Moved
+   by: variance in a room with a window, of pictures of 1,000 and 100,000 points. */
+#define GUIDE_PLACES 32
+#define GUIDE_ROOT 3
+#define GUIDE_RAYS 16
+/* The pilot has one ray for so many others. */
+#define GUIDE_PART 4
+/* Normals of a cluster differ by less than this along each axis. */
+#define GUIDE_NORMALS 0.4f
+/* The part of a ray that is taken for seen, beside those of a tile and its neighbours. */
+#define GUIDE_DOUBT 0.15f
+/* Of lamps: a ray's worth of which half is seen; the least variance, relative to the mean square. */
+#define GUIDE_LAMP_DOUBT 0.5f
+#define GUIDE_LEAST 0.002f
+
 /* -- light that fills the sky: dome.c ------------------------------------------------------------ */
 
 /* The table of a dome that is no image: its size, samples of a cell a side, and the share of the mean that is added to each

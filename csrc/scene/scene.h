@@ -70,7 +70,7 @@ struct ylm_scene {
   scene_texture *texture; /* in the order of their triangles */
   size_t directions;
   ylm_light_directed *directed; /* [directions] disks with radiance by direction, in order */
-  ylm_light_set *sky; /* distant lights; NULL: none */
+  ylm_light_set *sky;           /* distant lights; NULL: none */
   bool sky_is_seen;
   size_t domes, cones, sky_lights; /* tiles of domes, or uniform domes, then cones */
   scene_dome *dome;                /* [domes] those that fill the sky */
@@ -184,8 +184,16 @@ struct ylm_scene_chooser {
       total; /* of the sums, and of the tree of lamps: lamps of a tree come before distant lights */
   ylm_scene_nodes_fn *nodes;
   ylm_scene_spheres_fn *aim_at_spheres;
-  scene_cut *cut; /* of the tree, as it is seen from x; NULL: there is none */
+  scene_cut *cut;               /* of the tree, as it is seen from x; NULL: there is none */
+  const ylm_scene_guide *guide; /* NULL: rays are aimed without */
 };
+
+/* -- guide.c -------------------------------------------------------------------- */
+
+/* The factors of all weights at a place, in the order of c->weight, and how far what a lamp brings spreads, relative to
+   its root mean square: [2][chunks*YLM_LAMP_CHUNK], all above 0. */
+const float *ylm__scene_guide_row(const ylm_scene_guide *g, const float x[3],
+                                  const float normal[3]);
 
 /* Turns a chooser to x; `normal` may be NULL. */
 void ylm__scene_turn_to(ylm_scene_chooser *c, const float x[3], const float *normal);

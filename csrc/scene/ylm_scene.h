@@ -68,10 +68,11 @@ typedef struct ylm_scene_lamps {
   const ylm_light_image *image; /* in the world, as emitters are */
   size_t directions;
   const ylm_light_directed *directed; /* disks whose radiance depends on the direction */
-  const ylm_light_set *sky; /* distant lights, which the scene shares with the set, and emitters without a size,
+  const ylm_light_set
+      *sky; /* distant lights, which the scene shares with the set, and emitters without a size,
                                which it copies; or NULL */
-  bool sky_is_seen;         /* by camera rays that hit nothing */
-  size_t one_by_one;        /* up to so many lamps choosers weigh one by one for each point, more of
+  bool sky_is_seen;  /* by camera rays that hit nothing */
+  size_t one_by_one; /* up to so many lamps choosers weigh one by one for each point, more of
                                them through a tree; 0: YLM_SCENE_ONE_BY_ONE */
 } ylm_scene_lamps;
 
@@ -226,6 +227,51 @@ static inline void ylm_scene_start(ylm_trace_ray *ray, const float origin[3]) {
     ray->org[a] = origin[a];
   }
 }
+
+/*
+** Guides: which lamps, and which tiles of the sky, are seen from where.
+**
+** Places that lie close together and face the same way are a cluster. Some rays of each, a pilot, say how
+** much of a lamp's or tile's unshadowed light arrives, and how much that varies. Weights by which lamps and
+** tiles are chosen are then multiplied by a factor of the cluster: the root of the mean square of what arrives.
+** Lamps that are worth a ray get one for certain, and more of them as what they bring varies. All factors are
+** above 0, so that every direction with light keeps its chance, and values are divided by the chance that they
+** had: estimates stay unbiased, as the pilot has random numbers of its own. Lamps of a tree (more than YLM_SCENE_ONE_BY_ONE) have
+** no factors: scenes with a tree are not guided.
+**
+**   Source  Mueller et al. 2017, "Practical Path Guiding for Efficient Light-Transport Simulation"
+**           (learning from pilots); Neyman 1934 (counts by standard deviations)
+*/
+typedef struct ylm_scene_guide ylm_scene_guide;
+
+/* Places that guides are learnt from. */
+typedef struct ylm_scene_places {
+  size_t n;
+  const float (*lit)[3], (*normal)[3], (*origin)[3]; /* [n] as ylm_scene_surface has them */
+} ylm_scene_places;
+
+/* What a guide took. */
+typedef struct ylm_scene_guide_stats {
+  size_t clusters;
+  uint64_t rays;
+  double seconds;
+} ylm_scene_guide_stats;
+
+/*
+** ylm_scene_guide_create - learns a guide for rays from places as these.
+**
+**   light_samples  in   rays of a place that are to be guided: the pilot has about a quarter of these
+**   out            out  NULL where nothing is to be guided: no place, one lamp, or a tree of lamps
+**
+** Returns  YLM_OK; YLM_ENOMEM, YLM_ECANCELLED (progress stage "guides"). The same for any number of threads.
+*/
+YLM_API ylm_status ylm_scene_guide_create(const ylm_scene *scene, const ylm_scene_places *places,
+                                          int light_samples, uint64_t seed, int threads,
+                                          const ylm_progress *progress, ylm_scene_guide **out);
+YLM_API void ylm_scene_guide_free(ylm_scene_guide *g);
+YLM_API void ylm_scene_guide_look(const ylm_scene_guide *g, ylm_scene_guide_stats *stats);
+/* Lets a chooser aim by a guide, which must outlive it; NULL: by none. False: it was learnt from other lamps. */
+YLM_API bool ylm_scene_chooser_follow(ylm_scene_chooser *c, const ylm_scene_guide *g);
 
 /* Rays of several places to the lamps, which are traced in one go. For one caller at a time. */
 typedef struct ylm_scene_batch {

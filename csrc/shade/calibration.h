@@ -66,6 +66,10 @@
 #define NOISE_DARK 0.1
 /* Points at which the noise of links is measured. */
 #define NOISE_OF_LINKS 4096
+/* Pixels on each side of one whose mean and variance count as its own: rounds.c. */
+#define NOISE_REACH 4
+/* Points whose sets of links are found at once: sets.c. */
+#define SETS_POINTS ((size_t)1 << 16)
 /* Samples of each item by which noise is measured. */
 #define CAST_TRIAL_SAMPLES 64
 /* Random numbers of trials. */

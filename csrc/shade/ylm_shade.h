@@ -362,44 +362,82 @@ YLM_API ylm_status ylm_shade_coefficients(const ylm_shade_view *view, size_t fir
                                           int channels, int lmax, ylm_dtype t, const void *L,
                                           int threads, float *out);
 
+/* How rays are cast to lamps. */
+typedef struct ylm_shade_casting {
+  const ylm_scene
+      *lit; /* whose lamps: the view's scene with others (ylm_scene_relight); NULL: its own */
+  const ylm_scene_guide
+      *guide;        /* learnt from these lamps: rays from matte points follow it; NULL: none do */
+  int light_samples; /* shadow rays per shading point, 1 .. YLM_SCENE_SAMPLES */
+  const float *rays; /* [points] of each matte point, whole numbers; NULL: all have light_samples */
+  bool shadows;      /* false: nothing is in the way */
+  uint64_t seed;
+  int threads;
+  const ylm_progress *progress; /* stage "raycast" */
+} ylm_shade_casting;
+
+/*
+** ylm_shade_guide - learns which lamps and tiles of the sky the matte points of a view see: ylm_scene_guide_create.
+**
+**   o    in   its guide is not read; progress has the stage "guides"
+**   out  out  NULL: nothing is to be guided
+*/
+YLM_API ylm_status ylm_shade_guide(const ylm_shade_view *view, const ylm_shade_casting *o,
+                                   ylm_scene_guide **out);
+
 /*
 ** ylm_shade_raycast - radiance of every shading point by sampling the lamps themselves.
 **
 ** Each of `light_samples` strata chooses a lamp in proportion to (a bound of) its unshadowed
-** luminous irradiance, then a direction. The direction is uniform in the solid angle that the lamp
-** fills; of disks, and triangles that fill little, it is that of a place uniform in area. A ray
+** luminous irradiance, times a factor of the guide, then a direction. The direction is uniform in the solid angle that the
+** lamp fills; of disks, and triangles that fill little, it is that of a place uniform in area. A ray
 ** that starts at the point and ends at the lamp decides. No SH, no grid, no occlusion_distance.
 ** Surfaces that are not matte are lit by as many rays again that their material chooses, weighed by
 ** the balance heuristic (ylm_path_places).
 **
-**   lit            in   whose lamps: the view's scene with others (ylm_scene_relight); NULL: its own
-**   light_samples  in   shadow rays per shading point, 1 .. YLM_SCENE_SAMPLES
-**   out            out  [points][3]
-**   rays           out  shadow rays that were traced, may be NULL
+**   out   out  [points][3]
+**   rays  out  shadow rays that were traced, may be NULL
 **
-** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "raycast"); YLM_EINVAL:
-**          `lit` has other meshes, or a view per vertex has surfaces that are not matte
+** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED; YLM_EINVAL: `lit` has other meshes, the guide
+**          is of other lamps, or a view per vertex has surfaces that are not matte
 ** Cost     points * (lamps + light_samples rays)
 ** Source   Shirley, Wang, Zimmerman 1996, "Monte Carlo Techniques for Direct Lighting
 **          Calculations"; Arvo 1995, "Stratified Sampling of Spherical Triangles";
 **          Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences" (R2)
 */
-YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, const ylm_scene *lit,
-                                     int light_samples, bool shadows, uint64_t seed, int threads,
-                                     const ylm_progress *progress, float *out, uint64_t *rays);
+YLM_API ylm_status ylm_shade_raycast(const ylm_shade_view *view, const ylm_shade_casting *o,
+                                     float *out, uint64_t *rays);
 
 /*
 ** ylm_shade_raycast_noise - the noise of ylm_shade_raycast at a shading point: the root mean square difference to another
 ** estimate, over the square root of 2 and over the mean, in luminance.
 **
-**   radiance  in   [points][3] what ylm_shade_raycast found by these arguments
+**   radiance  in   [points][3] what ylm_shade_raycast found by these options
 **   noise     out  measured at one of 32 points, at 256 to 4,096; 0 where there is no light
 **
 ** Returns  as ylm_shade_raycast
 */
-YLM_API ylm_status ylm_shade_raycast_noise(const ylm_shade_view *view, const ylm_scene *lit,
-                                           int light_samples, bool shadows, uint64_t seed,
-                                           int threads, const float *radiance, double *noise);
+YLM_API ylm_status ylm_shade_raycast_noise(const ylm_shade_view *view, const ylm_shade_casting *o,
+                                           const float *radiance, double *noise);
+
+/*
+** ylm_shade_noise_around - the noise of the mean of two estimates, relative to the light around each pixel.
+**
+** It is half of the root mean square difference in luminance over 9 x 9 pixels around, over the mean of `all` there, of pixels
+** that show surfaces and no lamp.
+**
+**   a, b, all  in   [height][width][3]
+**   out        out  [height][width]
+**
+** Returns  YLM_OK; YLM_EINVAL: a view of some pixels
+*/
+YLM_API ylm_status ylm_shade_noise_around(const ylm_shade_view *view, const float *a,
+                                          const float *b, const float *all, int threads,
+                                          float *out);
+/* A whole number for each point, `factor` times that of its pixel or the next above, from `least` to `most`: pixels
+   [height][width], points [points]. YLM_EINVAL: points are vertices, or pixels some of an image. */
+YLM_API ylm_status ylm_shade_spread(const ylm_shade_view *view, const float *pixels, float factor,
+                                    float least, float most, float *points);
 
 /* Turns irradiance [points][3] of all shading points into the radiance that matte surfaces of their albedo send. */
 YLM_API void ylm_shade_reflect(const ylm_shade_view *view, float *irradiance);

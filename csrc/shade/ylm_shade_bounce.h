@@ -89,6 +89,25 @@ YLM_API ylm_status ylm_shade_gather(const ylm_shade_links *links, const float *l
    over their mean albedo. 0 where there is none. */
 YLM_API double ylm_shade_gather_noise(const ylm_shade_links *links, const float *leaving);
 
+/* Links of a set. */
+enum { YLM_SHADE_SET = 32 };
+
+/*
+** ylm_shade_gather_sets - as ylm_shade_gather, along sets of links that are found one after the other and not kept.
+**
+** Matte points alone have a meaning here: links of all points go as the cosine.
+**
+**   sets  in   [points] how many sets each point has, whole numbers
+**   half  out  [2][points][3] the light by sets of even and of odd number; 0 where there is none of them
+**   rays  out  links of all sets
+**
+** Returns  YLM_OK; YLM_ENOMEM, YLM_ECANCELLED (progress stage "links"). Bits are the same for any number of threads
+*/
+YLM_API ylm_status ylm_shade_gather_sets(const ylm_shade_view *view, const ylm_transfer *transfer,
+                                         const float *leaving, const float *sets, uint64_t seed,
+                                         int threads, const ylm_progress *progress, float *half[2],
+                                         uint64_t *rays, ylm_error *e);
+
 /*
 ** ylm_shade_blend_links - radiance of points that gloss by the light of elements. The points are
 ** those for which the degree of a light that holds its shadows (COSINE) is too low. w is as

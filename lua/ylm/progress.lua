@@ -224,6 +224,7 @@ progress.stages = {
   { "products", "products of materials and light are kept" },
   { "project", "values are projected on spherical harmonics" },
   { "radius", "virtual lights get radii from their neighbours" },
+  { "guides", "a pilot of shadow rays learns which lamps and parts of the sky are seen from where" },
   { "raycast", "shadow rays go from pixels to lamps" },
   { "rays", "rays find what a body hides" },
   { "reconstruct", "coefficients are summed to values in directions" },

@@ -1,5 +1,6 @@
 /* shade.c - views as objects, shading of their points; lua/ylm/render/init.lua drives it. */
 #include "shade.h"
+#include "transfer.h"
 #include "ylm_shade_gloss.h"
 
 static int view_close(lua_State *L) {
@@ -85,28 +86,66 @@ static int shade_coefficients(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
+#define GUIDE "ylm.shade_guide"
+
+static void destroy_guide(void *guide) { ylm_scene_guide_free(guide); }
+
+static void read_guide(lua_State *L, int i, void *field) {
+  *(const ylm_scene_guide **)field = ylmL_held_check(L, i, GUIDE)->object;
+}
+
 typedef struct raycast_form {
-  int light_samples, threads;
-  bool shadows;
-  uint64_t seed;
-  const ylm_scene *lit;
+  ylm_shade_casting o;
+  ylmL_array *rays;
   int progress, into; /* on the stack */
 } raycast_form;
 
 static const ylmL_entry raycast_entries[] = {
-    YLML(raycast_form, light_samples, "light_samples", INT),
-    YLML(raycast_form, shadows, "shadows", BOOL),
-    YLML(raycast_form, seed, "seed", UINT64),
-    YLML(raycast_form, threads, "threads", INT),
+    YLML(raycast_form, o.light_samples, "light_samples", INT),
+    YLML(raycast_form, o.shadows, "shadows", BOOL),
+    YLML(raycast_form, o.seed, "seed", UINT64),
+    YLML(raycast_form, o.threads, "threads", INT),
     YLML(raycast_form, progress, "progress", VALUE),
-    YLML(raycast_form, lit, "lit", READ, .read = ylmL_read_scene, .optional = true),
+    YLML(raycast_form, o.lit, "lit", READ, .read = ylmL_read_scene, .optional = true),
+    YLML(raycast_form, o.guide, "guide", READ, .read = read_guide, .optional = true),
+    YLML(raycast_form, rays, "rays", ARRAY, .optional = true),
     YLML(raycast_form, into, "into", VALUE),
     {.name = NULL}};
 
+/* The numbers of rays of points in o.rays; false: their shape is another. */
+static bool take_rays(raycast_form *f, const ylm_shade_view *v) {
+  if (!f->rays) return true;
+  f->o.rays = f->rays->data;
+  return f->rays->dtype == YLM_FLOAT && f->rays->count == ylmL_shade_points(v);
+}
+
+/* shade_guide(view, {as shade_raycast}) -> guide, {clusters, rays, seconds}; false: nothing is to be guided */
+static int shade_guide(lua_State *L) {
+  raycast_form f = {.o = {.lit = NULL}};
+  ylmL_read(L, 2, raycast_entries, &f);
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylm_scene_guide *g = NULL;
+  ylm_scene_guide_stats stats;
+  ylmL_progress p;
+  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
+  ylmL_held *h = ylmL_hold(L, GUIDE, destroy_guide, NULL);
+  ylm_status s = ylm_shade_guide(v, &f.o, &g);
+  h->object = g;
+  if (s != YLM_OK) return ylmL_result_progress(L, 1, s, NULL, &p);
+  if (!g) lua_pushboolean(L, false);
+  if (!g) return ylmL_result_progress(L, 1, s, NULL, &p);
+  ylm_scene_guide_look(g, &stats);
+  lua_newtable(L);
+  ylmL_set_count(L, "clusters", stats.clusters);
+  ylmL_set_count(L, "rays", stats.rays);
+  ylmL_set_number(L, "seconds", stats.seconds);
+  return ylmL_result_progress(L, 2, s, NULL, &p);
+}
+
 /* shade_raycast(view, {light_samples, shadows, seed, threads, progress, lit: the traced scene of the lamps, or nil: the
-   view's, into: float array [n][3], filled while rays are traced, or nil}) -> radiance [n][3], rays */
+   view's, guide or nil, rays: float array [n] of points or nil, into: float array [n][3], filled while rays are traced, or nil}) -> radiance [n][3], rays */
 static int shade_raycast(lua_State *L) {
-  raycast_form f = {.lit = NULL};
+  raycast_form f = {.o = {.lit = NULL}};
   ylmL_read(L, 2, raycast_entries, &f);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   uint64_t rays = 0;
@@ -115,25 +154,23 @@ static int shade_raycast(lua_State *L) {
   ylmL_array *out =
       ylmL_array_result(L, f.into, YLM_FLOAT, 2, (size_t[]){ylmL_shade_points(v), 3}, &s);
   if (!out) return ylmL_result(L, 0, s, NULL);
-  const ylm_progress *progress = ylmL_progress_begin(L, f.progress, &p);
-  s = ylm_shade_raycast(v, f.lit, f.light_samples, f.shadows, f.seed, f.threads, progress,
-                        out->data, &rays);
+  if (!take_rays(&f, v)) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
+  s = ylm_shade_raycast(v, &f.o, out->data, &rays);
   if (s == YLM_OK) ylmL_push_count(L, rays);
   return ylmL_result_progress(L, 2, s, NULL, &p);
 }
 
-/* shade_raycast_noise(view, radiance [n][3], light_samples, shadows, seed, threads, lit or nil) -> noise */
+/* shade_raycast_noise(view, radiance [n][3], {as shade_raycast}) -> noise */
 static int shade_raycast_noise(lua_State *L) {
-  lua_settop(L, 7);
+  raycast_form f = {.o = {.lit = NULL}};
+  ylmL_read(L, 3, raycast_entries, &f);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylmL_array *radiance = ylmL_array_check(L, 2);
-  const ylm_scene *lit = lua_isnil(L, 7) ? NULL : ylmL_scene(L, 7);
   double noise = 0;
   if (radiance->dtype != YLM_FLOAT || radiance->count != 3 * ylmL_shade_points(v))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylm_status s = ylm_shade_raycast_noise(v, lit, (int)luaL_checknumber(L, 3), lua_toboolean(L, 4),
-                                         (uint64_t)luaL_checknumber(L, 5),
-                                         (int)luaL_checknumber(L, 6), radiance->data, &noise);
+  ylm_status s = ylm_shade_raycast_noise(v, &f.o, radiance->data, &noise);
   lua_pushnumber(L, (lua_Number)noise);
   return ylmL_result(L, 1, s, NULL);
 }
@@ -190,13 +227,16 @@ static int shade_blend(lua_State *L) {
 static const luaL_Reg functions[] = {{"shade_field", shade_field},
                                      {"shade_blend", shade_blend},
                                      {"shade_coefficients", shade_coefficients},
+                                     {"shade_guide", shade_guide},
                                      {"shade_raycast", shade_raycast},
                                      {"shade_raycast_noise", shade_raycast_noise},
                                      {"shade_close_view", view_close},
                                      {NULL, NULL}};
 
 void ylmL_open_shade(lua_State *L) {
+  static const luaL_Reg guide_methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
   ylmL_type(L, YLML_SHADE_VIEW, view_methods);
-  lua_pop(L, 1);
+  ylmL_type(L, GUIDE, guide_methods);
+  lua_pop(L, 2);
   luaL_setfuncs(L, functions, 0);
 }

@@ -1,6 +1,7 @@
 /* raycast.c - light from the lamps themselves, by sampling their solid angles. */
 #include <math.h>
 #include <stdatomic.h>
+#include <string.h>
 
 #include "../calibration.h"
 #include "../view.h"
@@ -8,7 +9,9 @@
 typedef struct job {
   const ylm_shade_view *view;
   const ylm_scene *lit;
-  int light_samples;
+  const ylm_scene_guide *guide;
+  int light_samples, most; /* of a point */
+  const float *own;        /* [points] or NULL: all have light_samples */
   bool shadows;
   uint64_t seed;
   size_t step; /* of points, the first of so many */
@@ -43,11 +46,10 @@ static void finish(const job *j, waiting *w) {
 /* Aims rays from a point whose random numbers have the number `stream`. */
 static void aim(const job *j, waiting *w, size_t i, uint64_t stream) {
   ylm_rng rng;
-  if (w->points == SHADE_CAST_POINTS || w->lit.rays + (size_t)j->light_samples > w->lit.room)
-    finish(j, w);
+  int rays = j->own ? (int)j->own[i] : j->light_samples;
+  if (w->points == SHADE_CAST_POINTS || w->lit.rays + (size_t)rays > w->lit.room) finish(j, w);
   ylm_rng_seed(&rng, j->seed, stream);
-  ylm_scene_batch_aim(&w->lit, j->view->lit[i], j->view->normal[i], j->view->origin[i],
-                      j->light_samples, &rng);
+  ylm_scene_batch_aim(&w->lit, j->view->lit[i], j->view->normal[i], j->view->origin[i], rays, &rng);
   w->point[w->points] = i;
   w->end[w->points++] = w->lit.rays;
 }
@@ -61,7 +63,8 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   job *j = context;
   waiting w;
   w.points = 0;
-  ylm_status status = ylm_scene_batch_create(j->lit, (size_t)j->light_samples, &w.lit);
+  ylm_status status = ylm_scene_batch_create(j->lit, (size_t)j->most, &w.lit);
+  if (status == YLM_OK && !ylm_scene_chooser_follow(w.lit.lamps, j->guide)) status = YLM_EINVAL;
   shade_stream at = ylm__shade_stream_at(j->view, begin);
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     uint64_t stream = ylm__shade_stream_next(j->view, &at);
@@ -100,22 +103,69 @@ static ylm_status cast_glossy(const job *j, int threads, const ylm_progress *pro
   return s;
 }
 
-ylm_status ylm_shade_raycast(const ylm_shade_view *v, const ylm_scene *lit, int light_samples,
-                             bool shadows, uint64_t seed, int threads, const ylm_progress *progress,
-                             float *out, uint64_t *rays) {
-  if (light_samples < 1 || light_samples > YLM_SCENE_SAMPLES) return YLM_ERANGE;
-  if (lit && ylm_scene_meshes(lit) != ylm_scene_meshes(v->scene)) return YLM_EINVAL;
-  job j = {.view = v,
-           .lit = lit ? lit : v->scene,
-           .light_samples = light_samples,
-           .shadows = shadows,
-           .seed = seed,
-           .step = 1,
-           .out = out};
-  ylm_status s = ylm_parallel(v->points, SHADE_CAST_GRAIN, threads, run, &j, progress, "raycast");
+/* What options mean for the points of a view; `out` and `step` are the caller's. */
+static ylm_status begin(const ylm_shade_view *v, const ylm_shade_casting *o, job *j) {
+  if (o->light_samples < 1 || o->light_samples > YLM_SCENE_SAMPLES) return YLM_ERANGE;
+  if (o->lit && ylm_scene_meshes(o->lit) != ylm_scene_meshes(v->scene)) return YLM_EINVAL;
+  *j = (job){.view = v,
+             .lit = o->lit ? o->lit : v->scene,
+             .guide = o->guide,
+             .light_samples = o->light_samples,
+             .shadows = o->shadows,
+             .seed = o->seed,
+             .own = o->rays,
+             .most = o->light_samples,
+             .step = 1};
+  for (size_t i = 0; o->rays && i < v->points; i++) {
+    if (!(o->rays[i] >= 1 && o->rays[i] <= YLM_SCENE_SAMPLES)) return YLM_ERANGE;
+    if (o->rays[i] > (float)j->most) j->most = (int)o->rays[i];
+  }
+  return YLM_OK;
+}
+
+ylm_status ylm_shade_raycast(const ylm_shade_view *v, const ylm_shade_casting *o, float *out,
+                             uint64_t *rays) {
+  job j;
+  ylm_status s = begin(v, o, &j);
+  if (s != YLM_OK) return s;
+  j.out = out;
+  s = ylm_parallel(v->points, SHADE_CAST_GRAIN, o->threads, run, &j, o->progress, "raycast");
   uint64_t all = j.rays;
-  if (s == YLM_OK) s = cast_glossy(&j, threads, progress, &all);
+  if (s == YLM_OK) s = cast_glossy(&j, o->threads, o->progress, &all);
   if (rays) *rays = all;
+  return s;
+}
+
+/* The places of matte points, to be freed: [3][n]. */
+static ylm_status list_places(const job *j, float (**room)[3], ylm_scene_places *out) {
+  const ylm_shade_view *v = j->view;
+  size_t n = 0, all = 0;
+  for (size_t i = 0; i < v->points; i++) all += is_matte(j, i);
+  float(*x)[3] = *room = ylm_alloc(3 * all, sizeof **room);
+  if (!x) return YLM_ENOMEM;
+  for (size_t i = 0; i < v->points; i++) {
+    if (!is_matte(j, i)) continue;
+    memcpy(x[n], v->lit[i], 12);
+    memcpy(x[all + n], v->normal[i], 12);
+    memcpy(x[2 * all + n++], v->origin[i], 12);
+  }
+  *out = (ylm_scene_places){all, (const float(*)[3])x, (const float(*)[3])(x + all),
+                            (const float(*)[3])(x + 2 * all)};
+  return YLM_OK;
+}
+
+ylm_status ylm_shade_guide(const ylm_shade_view *v, const ylm_shade_casting *o,
+                           ylm_scene_guide **out) {
+  job j;
+  ylm_scene_places places;
+  float(*room)[3] = NULL;
+  *out = NULL;
+  ylm_status s = begin(v, o, &j);
+  if (s == YLM_OK) s = list_places(&j, &room, &places);
+  if (s == YLM_OK)
+    s = ylm_scene_guide_create(j.lit, &places, o->light_samples, o->seed, o->threads, o->progress,
+                               out);
+  ylm_free(room);
   return s;
 }
 
@@ -132,25 +182,20 @@ static double luminance_at(const float *rgb, size_t i) {
       (double[]){(double)rgb[3 * i], (double)rgb[3 * i + 1], (double)rgb[3 * i + 2]});
 }
 
-ylm_status ylm_shade_raycast_noise(const ylm_shade_view *v, const ylm_scene *lit, int light_samples,
-                                   bool shadows, uint64_t seed, int threads, const float *radiance,
-                                   double *noise) {
+ylm_status ylm_shade_raycast_noise(const ylm_shade_view *v, const ylm_shade_casting *o,
+                                   const float *radiance, double *noise) {
   size_t points = v->points, n = 0;
   double square = 0, mean = 0;
   uint64_t rays = 0;
+  job j;
   *noise = 0;
-  if (light_samples < 1 || light_samples > YLM_SCENE_SAMPLES) return YLM_ERANGE;
-  if (lit && ylm_scene_meshes(lit) != ylm_scene_meshes(v->scene)) return YLM_EINVAL;
-  job j = {.view = v,
-           .lit = lit ? lit : v->scene,
-           .light_samples = light_samples,
-           .shadows = shadows,
-           .seed = ~seed,
-           .step = noise_step(points),
-           .out = ylm_alloc_zero(3 * points, sizeof(float))};
-  if (!j.out) return YLM_ENOMEM;
-  ylm_status s = ylm_parallel(points, SHADE_CAST_GRAIN, threads, run, &j, NULL, NULL);
-  if (s == YLM_OK) s = cast_glossy(&j, threads, NULL, &rays);
+  ylm_status s = begin(v, o, &j);
+  if (s != YLM_OK) return s;
+  j.seed = ~o->seed;
+  j.step = noise_step(points);
+  if (!(j.out = ylm_alloc_zero(3 * points, sizeof(float)))) return YLM_ENOMEM;
+  s = ylm_parallel(points, SHADE_CAST_GRAIN, o->threads, run, &j, NULL, NULL);
+  if (s == YLM_OK) s = cast_glossy(&j, o->threads, NULL, &rays);
   for (size_t i = 0; s == YLM_OK && i < points; i += j.step, n++) {
     double a = luminance_at(j.out, i), b = luminance_at(radiance, i);
     square += (a - b) * (a - b) / 2;

@@ -15,6 +15,7 @@ local choices = {
 --- Which ways an option is for, where it is not for all.
 local only = {
   grid = { grid = true }, interpolation = { grid = true }, dering = { grid = true }, tolerance = { rays = true },
+  noise = { rays = true }, ["time-limit"] = { rays = true },
   ["sums-tolerance"] = { grid = true, sum = true },
 }
 
@@ -129,6 +130,7 @@ local function options_of(given, by)
     light_samples = given["light-samples"], display = status.display("render", given.display), gloss = given.gloss,
     gloss_error = given["gloss-error"], sums_tolerance = given["sums-tolerance"], shading = given.shading,
     visibility = given.visibility, bounces = status.bounces("render", given.bounces), tolerance = given.tolerance,
+    noise = given.noise, time_limit = given["time-limit"],
     interpolation = given.interpolation, dering = status.dering("render", given.dering), bounced = given.bounced,
     virtual = given.shadows and { shadows = given.shadows } or nil }
 end
@@ -140,7 +142,7 @@ return {
   options = {
     { "output", "-o", "FILE", "the image: .exr, .png, .hdr or .pfm" },
     { "size", "-s", "WxH", "pixels, default that of the renderer" },
-    { "samples", "-n", "N", "camera rays per pixel" },
+    { "samples", "-n", "N", "camera rays per pixel, default 16; more of them multiply rays to lamps and links too" },
     { "by", nil, "NAME", "how direct light is found: rays (default: true shadows, no probes), grid (the papers': --grid, or the "
       .. "scene's probes are baked) or sum (the reference of grids); paths: ylm pathtrace" },
     { "bounces", "-b", "NAME", "reflections after direct light: 0, 1 .. or all (default by rays)" },
@@ -154,6 +156,9 @@ return {
     { "shadows", nil, "NAME", "virtual: none (default) or centre, a ray from each point to each light" },
     { "tolerance", nil, "N", "of the picture, 0.02 for 2 %: chooses samples, light-samples and all about bounces, judges itself "
       .. "by paths, and says whether it is met" },
+    { "noise", nil, "N", "of the picture, 0.03 for 3 % of the light around each pixel: chooses shadow rays and links pixel by "
+      .. "pixel, and says what was reached" },
+    { "time-limit", nil, "N", "seconds: with --noise, end after about so long" },
     { "light-samples", nil, "N", "by rays: shadow rays per shading point, default 32" },
     { "visibility", nil, "NAME", "rays, transfer (by grid and sum: occlusion by direction), none or self" },
     { "gloss", nil, "NAME", "glossy surfaces, by a grid: auto (default, rays where harmonics are too few), sh, rays, matte" },
@@ -200,6 +205,10 @@ return {
     local image, facts = scene:render(options)
     status.need(image, facts)
     status.need(image:save(given.output, given.exposure and { exposure = given.exposure } or nil))
+    if facts.ended then
+      report.say(given, "ylm: noise is %.1f %% of the light around a pixel (%.3g %% was asked for), %.0f s", 100 * facts.noise,
+        100 * given.noise, facts.seconds.total)
+    end
     report.print(given, facts, report.names(facts, { "reference", "visibility", "gloss", "bounces", "omits", "met", "error" }))
     return status.of_warnings(given, facts.warnings)
   end,

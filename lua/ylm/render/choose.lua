@@ -59,12 +59,16 @@ choose.over = room("over", "ambient", "bodies", "lamps")
 --- Options that ways define by ranges and defaults of their own, as scene:render has them.
 local merged = {
   samples = { "samples", "integer", min = 1, max = choose.direct.paths.MOST_SAMPLES, optional = true,
-    about = "camera rays per pixel, stratified, default 16; by paths in batches of 16, of which there are two at least, "
-      .. "default 256" },
+    about = "camera rays per pixel, stratified, default 16; above 16 shading points by rays have as many times more rays to "
+      .. "lamps and links, unless their numbers are given or share is 0; by paths in batches of 16, of which there are two at "
+      .. "least, default 256" },
   tolerance = { "tolerance", "number", above = 0, optional = true,
     about = "by rays: of the picture, from 0.001 to 1, the root mean square error relative to its mean, edges included: chooses "
       .. "elements, rays, light_samples and samples where they are not given, judges itself by paths, and says whether it is met "
       .. "(report.met, .error). By paths: ends once the noise, report.noise, is at most this" },
+  time_limit = { "time_limit", "number", above = 0, optional = true, unit = "s", shelf = "experiments",
+    about = "by paths, and by rays with noise: ends after about so long, which makes results depend on it; by rays a pilot and "
+      .. "64 links a shading point are the least" },
   visibility = options.visibility,
   bounces = options.bounce_fields[1],
   seed = options.view_fields[3],

@@ -7,9 +7,6 @@ local noise = {}
 
 noise.LOUD, noise.FAIR = 0.05, 0.02 -- of a pixel: of which a picture warns, and which is advised
 
--- Camera rays of a pixel of which nobody is told, and how many of more are shaded as one where somebody is.
-local MANY, SHARED = 64, 16
-
 --- Shading points of a pixel that sees surfaces.
 local function density(p)
   return math.max(1, p.stats.points * p.options.samples / math.max(1, p.stats.hits))
@@ -34,14 +31,6 @@ function noise.say_direct(p, report, count)
     or "more camera rays leave less"
   say(p, report, "light_samples", "scene %q: %d shadow rays of a shading point leave a noise of %.0f %% in direct light: %s",
     p.scene.name or "?", count, 100 * found, advice)
-end
-
---- Says that camera rays beyond what the camera needs are shaded as one: shadow rays are another option.
-function noise.say_camera(p, report, count)
-  local samples, shaded = p.options.samples, density(p)
-  if samples <= MANY or samples < SHARED * shaded then return end
-  say(p, report, "samples", "scene %q: %d camera rays of a pixel are shaded as %.1f: more of them smooth edges alone; shadow "
-    .. "rays are light_samples = %d (ylm render --light-samples)", p.scene.name or "?", samples, shaded, count)
 end
 
 return noise

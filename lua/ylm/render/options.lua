@@ -9,6 +9,14 @@ local options = {}
 
 --- Shadow rays per shading point, where nobody says how many: their noise is measured in docs/performance.md.
 options.LIGHT_SAMPLES = 32
+--- Camera rays of a pixel, likewise.
+options.SAMPLES = 16
+
+--- How many times as many rays as usual a shading point has, by options of its view: as camera rays are more than usual, where
+-- they share shading points.
+function options.multiple(view)
+  return view.share > 0 and math.max(1, view.samples / options.SAMPLES) or 1
+end
 
 options.common = {
   form.threads,
@@ -46,7 +54,9 @@ end
 
 options.view_fields = {
   { "size", "image_size", default = { 1280, 720 }, unit = "pixels", about = "{ width, height }" },
-  { "samples", "integer", min = 1, max = core.limits.camera_samples, default = 16, about = "camera rays per pixel, stratified" },
+  { "samples", "integer", min = 1, max = core.limits.camera_samples, default = options.SAMPLES,
+    about = "camera rays per pixel, stratified; above 16 shading points have as many times more rays to lamps and links, "
+      .. "unless their numbers are given or share is 0" },
   { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of all random numbers" },
   { "share", "number", min = 0, default = 1.5, unit = "pixel widths",
     about = "samples of a pixel that hit one mesh this near to each other, normals within 10 degrees, "
@@ -120,10 +130,15 @@ options.element_field = { "links", "object", of = "ylm.links", optional = true, 
 options.sums_field = light.tolerance_option "sums_tolerance"
 
 options.light_samples = { "light_samples", "integer", min = 1, max = core.limits.light_samples, optional = true,
-  about = "by rays: shadow rays per shading point, default " .. options.LIGHT_SAMPLES .. "; of glossy surfaces per mesh in a "
+  about = "by rays: shadow rays per shading point, default " .. options.LIGHT_SAMPLES .. ", of more than 16 samples twice as "
+    .. "many as these; of glossy surfaces per mesh in a "
     .. "pixel, and as many again by the material, in batches of 16, of which there are two at least. By grid and by sum: rays "
     .. "to lamps from the points of a glossy mesh in a pixel, and as many by the material; default: " .. options.LIGHT_SAMPLES
     .. " to 16384, most where they vary most, as few as leave a noise of 1 % in each mesh's radiance (report.glossy)" }
+
+options.guides = { "guides", "boolean", default = true, shelf = "experiments",
+  about = "by rays: shadow rays of matte points learn from a pilot which lamps and which parts of the sky are seen from where: "
+    .. "no bias, less noise; false: they do not" }
 
 options.lights_field = { "lights", "any", optional = true,
   about = "lights in place of the scene's. By rays they may move; default with bounced = lit: those of lit. By sum and by "

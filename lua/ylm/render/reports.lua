@@ -11,13 +11,16 @@ local all = {
   { "hits", "1", "camera rays that hit a surface" },
   { "pixels", "1", "of the picture" },
   { "bytes", "B", "memory of the view" },
-  { "rays", "1", "that were traced, by kind: primary, occlusion, shadow, links, gloss, gloss_links, virtual; by paths nearest, "
-    .. "lamps" },
+  { "rays", "1", "that were traced, by kind: primary, occlusion, shadow, guides, links, gloss, gloss_links, virtual; by paths "
+    .. "nearest, lamps" },
   { "visibility", "word", "rays, transfer, self or none; grid: shadows are those that the grid holds; vectors" },
 }
 
 local by_rays = {
   { "light_samples", "1", "by rays: shadow rays of a shading point" },
+  { "guides", "1", "by rays: clusters of shading points that shadow rays were guided by" },
+  { "noise", "1", "by rays, of a picture with a noise that is wanted: what is left, root mean square over pixels, each relative "
+    .. "to the light around it; ended is then noise, pilot, time_limit or most rays" },
   { "direct_noise", "1", "by rays: what shadow rays leave at a shading point, root mean square over the mean" },
 }
 

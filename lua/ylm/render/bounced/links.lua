@@ -1,5 +1,6 @@
 --- Light that bounces along links: rays from shading points to surfaces, traced once, whose light is gathered without rays.
 
+local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local noises = require "ylm.render.noise"
@@ -12,6 +13,7 @@ local warning = require "ylm.warning"
 local links = { name = "links", called = "bounced = 'links'" }
 
 local RAYS, MOST = 64, core.limits.transfer_bounces
+local SET, APART = 32, 7000003 -- links of a set; from the seed of links that are kept to that of sets
 
 links.options = {
   { "rays", "links", optional = true, shelf = "experiments",
@@ -132,11 +134,42 @@ function links.prepare(name, p, o)
   return true
 end
 
+--- Sets of links beside those that are kept, as camera rays are more than usual; they are found anew for each picture.
+local function more_sets(p, o)
+  if o.rays or p.traced.glossy > 0 or p.options.shading == "vertices" then return 0 end
+  local count = views.made[p.view].links.count
+  return math.max(0, math.floor((options.multiple(p.options) - 1) * count / SET))
+end
+
+--- Adds the light of `more` sets of links to that of those that are kept, `own`, each link alike. Or nil, message, code.
+local function add_sets(name, p, o, own, more)
+  local n, count = p.stats.points, views.made[p.view].links.count
+  local first, second = array.zeros({ n, 3 }, "float"), array.zeros({ n, 3 }, "float")
+  local seed = (o.seed or p.options.seed) + APART
+  local rays, message, code = check.result(name, p.lib.shade_gather_sets(p.view, { transfer = views.made[p.view].links.links,
+    lit = o.reflected.lit, sets = array.zeros({ n }, "float") + more, first = first, second = second, seed = seed,
+    threads = o.threads or 0, progress = progress.resolve(o.progress) }))
+  if not rays then return nil, message, code end
+  o.reflected.more = more
+  local half = math.ceil(more / 2)
+  return (own * count + first * (half * SET) + second * ((more - half) * SET)) / (count + more * SET)
+end
+
 function links.radiance(name, p, o, start)
   local b = o.reflected
+  if b.gathered then return start and p.lib.shade_add(b.gathered, start) or b.gathered end
+  local more = more_sets(p, o)
+  local kept = start
+  if more > 0 then start = nil end
   local all, message, code = check.result(name, p.lib.shade_gather(p.view, views.made[p.view].links.handle, b.lit, start,
     o.threads or 0, progress.resolve(o.progress)))
   if not all then return nil, message, code end
+  if more > 0 then
+    all, message, code = add_sets(name, p, o, all, more)
+    if not all then return nil, message, code end
+    start = kept
+    if start then all = p.lib.shade_add(all, start) end
+  end
   if b.unasked and start then b.share = 1 - start:sum() / math.max(all:sum(), 1e-300) end
   return all
 end
@@ -169,14 +202,20 @@ end
 
 function links.report(p, o, report)
   local m, b = views.made[p.view], o.reflected
-  report.links, report.rays.links = m.links.count, m.links.stats.rays
-  report.bounced_noise = p.lib.shade_gather_noise(m.links.handle, b.lit)
-  local noise = noises.of_pixel(p, report.bounced_noise)
-  local whole = noise * (b.share or 1) -- of bounces that nobody asked for, beside all light
-  if whole > noises.LOUD and not o.tolerance then say_noise(p, report, m.links.count, noise) end
-  report.rays.gloss_links = m.links.stats.glossy
   report.elements, report.balance = b.lit.links.stats.elements, b.lit.stats.balance
   report.elements_error = b.lit.stats.elements_error
+  if b.gathered then
+    report.rays.links = report.rays.sets + m.links.stats.rays
+    report.rays.sets = nil
+    return
+  end
+  local more = SET * (b.more or 0)
+  report.links, report.rays.links = m.links.count + more, m.links.stats.rays + more * p.stats.points
+  report.bounced_noise = p.lib.shade_gather_noise(m.links.handle, b.lit) * math.sqrt(m.links.count / report.links)
+  local noise = noises.of_pixel(p, report.bounced_noise)
+  local whole = noise * (b.share or 1) -- of bounces that nobody asked for, beside all light
+  if whole > noises.LOUD and not o.tolerance then say_noise(p, report, report.links, noise) end
+  report.rays.gloss_links = m.links.stats.glossy
   say_gloss(p, report)
 end
 

@@ -12,6 +12,7 @@ local noises = require "ylm.render.noise"
 local options = require "ylm.render.options"
 local pictures = require "ylm.render.picture"
 local progress = require "ylm.progress"
+local rounds = require "ylm.render.rounds"
 local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
 
@@ -19,8 +20,8 @@ local rays = { name = "rays", called = 'by = "rays"' }
 
 local BATCHES = 16 -- pictures that variance is that of
 
-rays.options = options.list({ options.light_samples, options.visibility_of_rays }, options.bounce_fields)
-rays.scene_options = options.list(options.view_fields, options.shading_fields, gloss.fields, knob.fields, {
+rays.options = options.list({ options.light_samples, options.visibility_of_rays, options.guides }, options.bounce_fields)
+rays.scene_options = options.list(options.view_fields, options.shading_fields, gloss.fields, knob.fields, rounds.fields, {
   { "variance", "boolean", default = false, shelf = "experiments",
     about = "samples are cast as 16 pictures with random numbers of their own, one camera ray each at least: their mean, and "
       .. "the layer variance, that of it. Light on elements is the same in all" },
@@ -51,9 +52,11 @@ function rays.check(name, p)
   end
 end
 
-function rays.prepare(_, p, o)
+function rays.prepare(name, p, o)
+  if o.noise then rounds.check_view(name, p) end
   if o.shadows == nil then o.shadows = o.visibility ~= "none" end
-  o.chosen_samples, o.light_samples = o.light_samples == nil, o.light_samples or options.LIGHT_SAMPLES
+  o.light_samples = o.light_samples
+    or math.min(core.limits.light_samples, math.floor(options.LIGHT_SAMPLES * options.multiple(p.options)))
   local report = pictures.new_report(p)
   report.visibility = o.shadows and "rays" or "none"
   report.light_samples = o.light_samples
@@ -74,17 +77,32 @@ local function live_rays(name, p, o)
   end)
 end
 
+--- The guide of a picture's rays, nil where none is wanted or there is nothing to guide; or false, message, code.
+local function guide_of(name, p, o, casting, report)
+  if not o.guides or not o.shadows then return nil end
+  local guide, stats, code = check.result(name, p.lib.shade_guide(p.view, casting))
+  if guide == nil then return false, stats, code end
+  if not guide then return nil end
+  report.guides, report.rays.guides = stats.clusters, stats.rays
+  return guide
+end
+
 function rays.radiance(name, p, o, report)
-  local start, lit, seed = core.seconds(), o.lit and o.lit.handle, o.seed or p.options.seed
+  local start = core.seconds()
   local so_far, bar = live_rays(name, p, o)
-  local radiance, count, code = check.result(name, p.lib.shade_raycast(p.view, { light_samples = o.light_samples,
-    shadows = o.shadows, seed = seed, threads = o.threads or 0, progress = bar, lit = lit, into = so_far }))
+  local casting = { light_samples = o.light_samples, shadows = o.shadows, seed = o.seed or p.options.seed,
+    threads = o.threads or 0, progress = bar, lit = o.lit and o.lit.handle, into = so_far }
+  local radiance, count, code
+  casting.guide, count, code = guide_of(name, p, o, casting, report)
+  if casting.guide == false then return nil, count, code end
+  if o.noise then return rounds.radiance(name, p, o, report, casting) end
+  radiance, count, code = check.result(name, p.lib.shade_raycast(p.view, casting))
   if not radiance then return nil, count, code end
   local seconds = core.seconds() - start
   report.rays.shadow = count
+  casting.progress = nil
   local noise, message
-  noise, message, code = check.result(name, p.lib.shade_raycast_noise(p.view, radiance, o.light_samples, o.shadows, seed,
-    o.threads or 0, lit))
+  noise, message, code = check.result(name, p.lib.shade_raycast_noise(p.view, radiance, casting))
   if not noise then return nil, message, code end
   report.direct_noise = noise
   if not o.tolerance then noises.say_direct(p, report, o.light_samples) end
@@ -92,8 +110,8 @@ function rays.radiance(name, p, o, report)
 end
 
 function rays.report(p, o, report, image)
+  if o.noise then rounds.report(p, o, report, image) end
   pictures.sign(image, p, "rays", report, { light_samples = o.light_samples, shadows = o.shadows })
-  if o.chosen_samples then noises.say_camera(p, report, o.light_samples) end
 end
 
 -- Pictures of more than one view -----------------------------------------------------------------
@@ -126,6 +144,7 @@ local function in_batches(o, how)
 end
 
 function rays.make(name, s, o, given, how)
+  rounds.check(name, o, given)
   if not o.tolerance then
     if o.variance then return in_batches(o, how) end
     return how()

@@ -1,0 +1,96 @@
+/* shade_rounds.c - pictures in rounds: sets of links, the noise that is left, and where it is. */
+#include "shade.h"
+#include "transfer.h"
+#include "ylm_shade_bounce.h"
+
+typedef struct sets_form {
+  const ylm_transfer *transfer;
+  const ylm_radiosity *lit;
+  ylmL_array *sets, *first, *second;
+  uint64_t seed;
+  int threads;
+  int progress; /* on the stack */
+} sets_form;
+
+static void read_transfer(lua_State *L, int i, void *field) {
+  *(const ylm_transfer **)field = ylmL_transfer(L, i);
+}
+
+static void read_radiosity(lua_State *L, int i, void *field) {
+  *(const ylm_radiosity **)field = ylmL_radiosity(L, i);
+}
+
+static const ylmL_entry sets_entries[] = {
+    YLML(sets_form, transfer, "transfer", READ, .read = read_transfer),
+    YLML(sets_form, lit, "lit", READ, .read = read_radiosity),
+    YLML(sets_form, sets, "sets", ARRAY),
+    YLML(sets_form, first, "first", ARRAY),
+    YLML(sets_form, second, "second", ARRAY),
+    YLML(sets_form, seed, "seed", UINT64),
+    YLML(sets_form, threads, "threads", INT),
+    YLML(sets_form, progress, "progress", VALUE),
+    {.name = NULL}};
+
+static bool has_floats(const ylmL_array *a, size_t count) {
+  return a->dtype == YLM_FLOAT && a->count == count;
+}
+
+/* shade_gather_sets(view, {transfer, lit, sets [n], first, second: out [n][3], seed, threads, progress}) -> rays */
+static int shade_gather_sets(lua_State *L) {
+  sets_form f;
+  ylmL_read(L, 2, sets_entries, &f);
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  size_t n = ylmL_shade_points(v);
+  uint64_t rays = 0;
+  ylm_error e = {0};
+  ylmL_progress p;
+  if (!has_floats(f.sets, n) || !has_floats(f.first, 3 * n) || !has_floats(f.second, 3 * n))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  const ylm_progress *progress = ylmL_progress_begin(L, f.progress, &p);
+  ylm_status s = ylm_shade_gather_sets(v, f.transfer, ylm_radiosity_leaving(f.lit), f.sets->data,
+                                       f.seed, f.threads, progress,
+                                       (float *[2]){f.first->data, f.second->data}, &rays, &e);
+  if (s == YLM_OK) ylmL_push_count(L, rays);
+  return ylmL_result_progress(L, 1, s, &e, &p);
+}
+
+/* shade_noise_around(view, a, b, all: each [h][w][3], threads, out [h][w][1]) -> out */
+static int shade_noise_around(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  const ylm_shade_options *o = ylm_shade_view_options(v);
+  size_t n = (size_t)o->width * (size_t)o->height;
+  const ylmL_array *x[3];
+  for (int k = 0; k < 3; k++) {
+    x[k] = ylmL_array_check(L, 2 + k);
+    if (!has_floats(x[k], 3 * n)) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  }
+  int threads = (int)luaL_checknumber(L, 5);
+  ylmL_array *out = ylmL_array_check(L, 6);
+  if (!has_floats(out, n)) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_status s = ylm_shade_noise_around(v, x[0]->data, x[1]->data, x[2]->data, threads, out->data);
+  lua_settop(L, 6);
+  return ylmL_result(L, 1, s, NULL);
+}
+
+/* shade_spread(view, pixels [h][w], factor, least, most, points: out [n]) -> points */
+static int shade_spread(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  const ylm_shade_options *o = ylm_shade_view_options(v);
+  const ylmL_array *pixels = ylmL_array_check(L, 2);
+  float factor = (float)luaL_checknumber(L, 3), least = (float)luaL_checknumber(L, 4);
+  float most = (float)luaL_checknumber(L, 5);
+  ylmL_array *points = ylmL_array_check(L, 6);
+  if (!has_floats(pixels, (size_t)o->width * (size_t)o->height) ||
+      !has_floats(points, ylmL_shade_points(v)))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_status s = ylm_shade_spread(v, pixels->data, factor, least, most, points->data);
+  lua_settop(L, 6);
+  return ylmL_result(L, 1, s, NULL);
+}
+
+static const luaL_Reg functions[] = {{"shade_gather_sets", shade_gather_sets},
+                                     {"shade_noise_around", shade_noise_around},
+                                     {"shade_spread", shade_spread},
+                                     {NULL, NULL}};
+
+void ylmL_open_shade_rounds(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -1,0 +1,371 @@
+/*
+** guide.c - which lamps and tiles of the sky are seen from where: clusters of places, each with a pilot of rays.
+**
+** Clusters are the leaves of a tree that halves places by their normals, then by their positions.
+*/
+#include <math.h>
+#include <string.h>
+
+#include "scene.h"
+
+enum { AXES = 6, STACK = 64 }; /* axes: of normals, then of positions */
+
+/* Places below `at` along an axis are in the first branch. */
+typedef struct guide_node {
+  int axis; /* -1: a leaf */
+  float at;
+  uint32_t branch[2]; /* of a leaf: its cluster */
+} guide_node;
+
+struct ylm_scene_guide {
+  size_t nodes, clusters, width;
+  guide_node *node; /* [nodes] the first is the root */
+  float *row;       /* [clusters][2][width] factors of weights, then spreads */
+  ylm_scene_guide_stats stats;
+};
+
+void ylm_scene_guide_free(ylm_scene_guide *g) {
+  if (!g) return;
+  ylm_free(g->node);
+  ylm_free(g->row);
+  ylm_free(g);
+}
+
+void ylm_scene_guide_look(const ylm_scene_guide *g, ylm_scene_guide_stats *stats) {
+  *stats = g->stats;
+}
+
+bool ylm_scene_chooser_follow(ylm_scene_chooser *c, const ylm_scene_guide *g) {
+  bool fits = !g || g->width == c->chunks * YLM_LAMP_CHUNK;
+  c->guide = fits ? g : NULL;
+  return fits;
+}
+
+static float along(int axis, const float x[3], const float normal[3]) {
+  return axis < 3 ? normal[axis] : x[axis - 3];
+}
+
+const float *ylm__scene_guide_row(const ylm_scene_guide *g, const float x[3],
+                                  const float normal[3]) {
+  const guide_node *n = g->node;
+  while (n->axis >= 0) n = g->node + n->branch[!(along(n->axis, x, normal) < n->at)];
+  return g->row + n->branch[0] * 2 * g->width;
+}
+
+/* -- clusters -------------------------------------------------------------------------------------- */
+
+typedef struct guide_cluster {
+  size_t first, n; /* of the list of places */
+} guide_cluster;
+
+/* A guide that is made. */
+typedef struct building {
+  const ylm_scene *scene;
+  const ylm_scene_places *places;
+  ylm_scene_guide *g;
+  uint32_t *list; /* places, cluster by cluster */
+  size_t most;    /* places of a cluster */
+  guide_cluster *cluster;
+  uint64_t seed;
+  atomic_uint_fast64_t rays;
+} building;
+
+static float coordinate(const building *b, int axis, size_t i) {
+  return along(axis, b->places->lit[b->list[i]], b->places->normal[b->list[i]]);
+}
+
+/* The axis along which places from `first` on are widest, of three, and their middle there. */
+static int widest(const building *b, size_t first, size_t n, int axis, float *extent,
+                  float *middle) {
+  int found = axis;
+  *extent = -1;
+  for (int k = axis; k < axis + 3; k++) {
+    float lo = INFINITY, hi = -INFINITY;
+    for (size_t i = first; i < first + n; i++) {
+      lo = fminf(lo, coordinate(b, k, i));
+      hi = fmaxf(hi, coordinate(b, k, i));
+    }
+    if (hi - lo > *extent) found = k, *extent = hi - lo, *middle = (lo + hi) / 2;
+  }
+  return found;
+}
+
+/* Puts places below `at` before the others; returns their number. */
+static size_t part(building *b, size_t first, size_t n, int axis, float at) {
+  size_t below = first;
+  for (size_t i = first; i < first + n; i++) {
+    if (!(coordinate(b, axis, i) < at)) continue;
+    uint32_t other = b->list[below];
+    b->list[below++] = b->list[i];
+    b->list[i] = other;
+  }
+  return below - first;
+}
+
+/* A split of places; false: they are a cluster. */
+static bool split(building *b, const guide_cluster *c, guide_node *node, size_t *below) {
+  float extent, middle;
+  if (c->n < 2) return false;
+  node->axis = widest(b, c->first, c->n, 0, &extent, &middle);
+  if (!(extent > GUIDE_NORMALS)) {
+    if (c->n <= b->most) return false;
+    node->axis = widest(b, c->first, c->n, 3, &extent, &middle);
+  }
+  node->at = middle;
+  *below = part(b, c->first, c->n, node->axis, middle);
+  return *below > 0 && *below < c->n;
+}
+
+/* Fills nodes and clusters; there is room for a node of each place, twice. */
+static void grow(building *b) {
+  ylm_scene_guide *g = b->g;
+  struct {
+    uint32_t node;
+    guide_cluster places;
+  } open[2 * STACK];
+  size_t n = 1;
+  g->nodes = 1;
+  open[0].node = 0;
+  open[0].places = (guide_cluster){0, b->places->n};
+  while (n > 0) {
+    guide_cluster c = open[--n].places;
+    guide_node *node = &g->node[open[n].node];
+    size_t below;
+    if (n + 2 > 2 * STACK || !split(b, &c, node, &below)) {
+      node->axis = -1;
+      node->branch[0] = (uint32_t)g->clusters;
+      b->cluster[g->clusters++] = c;
+      continue;
+    }
+    for (uint32_t k = 0; k < 2; k++, n++) {
+      open[n].node = node->branch[k] = (uint32_t)g->nodes++;
+      open[n].places =
+          k == 0 ? (guide_cluster){c.first, below} : (guide_cluster){c.first + below, c.n - below};
+    }
+  }
+}
+
+/* -- pilots ---------------------------------------------------------------------------------------- */
+
+/* Sums over the rays to each lamp: their number, what arrived of the lamp's weight, and its square. */
+typedef struct tally {
+  float *rays, *seen, *square; /* [width] */
+} tally;
+
+/* The pilot's rays that wait to be traced. */
+typedef struct pilot {
+  ylm_scene_batch batch;
+  uint32_t place[YLM_SCENE_BATCH];
+  float part[YLM_SCENE_BATCH];
+  tally tally;
+  float *weight; /* [width] of lamps at the place, as they were before they were evened out */
+} pilot;
+
+static void pilot_free(pilot *p) {
+  ylm_scene_batch_free(&p->batch);
+  ylm_free(p->tally.rays);
+  ylm_free(p->tally.seen);
+  ylm_free(p->tally.square);
+  ylm_free(p->weight);
+}
+
+static ylm_status pilot_create(const ylm_scene *s, size_t width, pilot *p) {
+  ylm_status status = ylm_scene_batch_create(s, YLM_SCENE_BATCH, &p->batch);
+  p->tally = (tally){.rays = ylm_alloc(width, sizeof(float)),
+                     .seen = ylm_alloc(width, sizeof(float)),
+                     .square = ylm_alloc(width, sizeof(float))};
+  p->weight = ylm_alloc(width, sizeof(float));
+  bool room = p->tally.rays && p->tally.seen && p->tally.square && p->weight;
+  return status == YLM_OK && !room ? YLM_ENOMEM : status;
+}
+
+static void trace(pilot *p) {
+  ylm_scene_batch *b = &p->batch;
+  ylm_scene_batch_trace(b);
+  for (size_t k = 0; k < b->rays; k++) {
+    size_t i = p->place[k];
+    if (b->ray[k].far < 0) continue;
+    p->tally.seen[i] += p->part[k];
+    p->tally.square[i] += p->part[k] * p->part[k];
+  }
+  b->rays = 0;
+}
+
+/* Half of the weight of each lamp as it is, half the same for all that may bring light. Their sum is 1. */
+static void even_out(ylm_scene_chooser *c) {
+  size_t active = 0;
+  for (size_t i = 0; i < c->chunks * YLM_LAMP_CHUNK; i++) active += c->weight[i] > 0;
+  float scale = (float)(0.5 / c->total), even = (float)(0.5 / (double)active);
+  c->total = 0;
+  for (size_t b = 0; b < c->chunks; b++) {
+    double sum = 0;
+    for (size_t i = b * YLM_LAMP_CHUNK; i < (b + 1) * YLM_LAMP_CHUNK; i++) {
+      if (c->weight[i] > 0) c->weight[i] = scale * c->weight[i] + even;
+      sum += (double)c->weight[i];
+    }
+    c->sum[b] = (float)sum;
+    c->total += (double)c->sum[b];
+  }
+}
+
+/* A ray from the chooser's point to the lamp at a place in the list. */
+static void send(pilot *p, size_t place, const float origin[3], ylm_rng *rng) {
+  const ylm_scene_chooser *c = p->batch.lamps;
+  size_t k = p->batch.rays, i = ylm__scene_lamp_at(c, place);
+  ylm_trace_ray *ray = &p->batch.ray[k];
+  int of = ylm__scene_storage_of(c->scene, &i);
+  scene_aim to = {.x = c->x, .normal = c->normal, .solid = ylm__scene_solid(c, of, i)};
+  float radiance[3];
+  to.u[0] = ylm_rng_double(rng);
+  to.u[1] = ylm_rng_double(rng);
+  double e = ylm__scene_storage[of]->sample(c->scene, i, &to, ray, radiance);
+  p->tally.rays[place]++;
+  if (!(e > 0)) return;
+  double rgb[3] = {(double)radiance[0], (double)radiance[1], (double)radiance[2]};
+  p->place[k] = (uint32_t)place;
+  p->part[k] = (float)fmin(4, e * ylm_luminance_size(rgb) / (YLM_PI * (double)p->weight[place]));
+  ylm_scene_start(ray, origin);
+  p->batch.rays++;
+}
+
+/* The pilot's rays of a place. */
+static void look_around(building *b, pilot *p, size_t at, ylm_rng *rng) {
+  const ylm_scene_places *from = b->places;
+  ylm_scene_chooser *c = p->batch.lamps;
+  scene_walk w = {0};
+  ylm__scene_turn_to(c, from->lit[at], from->normal[at]);
+  if (!(ylm__scene_weigh(c, false, 1) > 0)) return;
+  memcpy(p->weight, c->weight, b->g->width * sizeof *p->weight);
+  even_out(c);
+  if (p->batch.rays + GUIDE_RAYS > p->batch.room) trace(p);
+  for (int k = 0; k < GUIDE_RAYS; k++) {
+    ylm__scene_walk_to(&w, c, (k + ylm_rng_double(rng)) / GUIDE_RAYS * c->total);
+    if (p->weight[w.lamp] > 0) send(p, w.lamp, from->origin[at], rng);
+  }
+}
+
+/* -- factors --------------------------------------------------------------------------------------- */
+
+/* The mean of what a tile and its neighbours see, and a part of a ray that none of them has. */
+static float around(const tally *t, const scene_dome *d, size_t first, size_t i) {
+  float rays = 1, square = GUIDE_DOUBT;
+  int across = (int)d->across, down = (int)d->down, x = (int)i % across, y = (int)i / across;
+  for (int v = y > 0 ? y - 1 : 0; v <= y + 1 && v < down; v++)
+    for (int u = x - 1; u <= x + 1; u++) {
+      size_t k = first + (size_t)(v * across + (u + across) % across);
+      rays += t->rays[k];
+      square += t->square[k];
+    }
+  return square / rays;
+}
+
+/* Of tiles: the root of the mean square. */
+static void settle_tiles(const building *b, const ylm_scene_chooser *c, const tally *t,
+                         float *row) {
+  size_t first = c->chunk[SCENE_SKY] * YLM_LAMP_CHUNK;
+  for (size_t k = 0; k < b->scene->domes; first += b->scene->dome[k++].lights) {
+    const scene_dome *d = &b->scene->dome[k];
+    for (size_t i = 0; i < d->lights; i++) {
+      size_t at = first + i;
+      row[at] = sqrtf((t->square[at] + around(t, d, first, i)) / (t->rays[at] + 1));
+    }
+  }
+}
+
+/* Of lamps: the same, and the standard deviation over it, which is never 0 for certain. */
+static void settle_lamp(const tally *t, size_t width, size_t at, float *row) {
+  float n = t->rays[at] + 1, mean = (t->seen[at] + GUIDE_LAMP_DOUBT) / n;
+  float square = (t->square[at] + GUIDE_LAMP_DOUBT) / n;
+  row[at] = sqrtf(square);
+  row[width + at] = sqrtf(fmaxf(1 - mean * mean / square, GUIDE_LEAST));
+}
+
+static void settle(const building *b, const ylm_scene_chooser *c, const tally *t, float *row) {
+  for (size_t i = 0; i < b->g->width; i++) settle_lamp(t, b->g->width, i, row);
+  settle_tiles(b, c, t, row);
+}
+
+static ylm_status learn(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  building *b = context;
+  pilot p = {.batch = {0}};
+  size_t bytes = b->g->width * sizeof(float);
+  ylm_status s = pilot_create(b->scene, b->g->width, &p);
+  for (size_t i = begin; s == YLM_OK && i < end; i++) {
+    const guide_cluster *c = &b->cluster[i];
+    ylm_rng rng;
+    ylm_rng_seed(&rng, b->seed, i);
+    memset(p.tally.rays, 0, bytes);
+    memset(p.tally.seen, 0, bytes);
+    memset(p.tally.square, 0, bytes);
+    for (size_t k = 0; k < c->n; k++) look_around(b, &p, b->list[c->first + k], &rng);
+    trace(&p);
+    settle(b, p.batch.lamps, &p.tally, b->g->row + i * 2 * b->g->width);
+  }
+  atomic_fetch_add_explicit(&b->rays, p.batch.traced, memory_order_relaxed);
+  pilot_free(&p);
+  return s;
+}
+
+/* -- all of it ------------------------------------------------------------------------------------- */
+
+static ylm_status build(building *b, int threads, const ylm_progress *progress) {
+  size_t n = b->places->n;
+  ylm_scene_guide *g = b->g;
+  b->list = ylm_alloc(n, sizeof *b->list);
+  b->cluster = ylm_alloc(n, sizeof *b->cluster);
+  g->node = ylm_alloc_zero(2 * n, sizeof *g->node);
+  if (!b->list || !b->cluster || !g->node) return YLM_ENOMEM;
+  for (size_t i = 0; i < n; i++) b->list[i] = (uint32_t)i;
+  b->most = (size_t)fmax(GUIDE_PLACES, GUIDE_ROOT * sqrt((double)n));
+  grow(b);
+  g->row = ylm_alloc(g->clusters, 2 * g->width * sizeof *g->row);
+  if (!g->row) return YLM_ENOMEM;
+  return ylm_parallel(g->clusters, 1, threads, learn, b, progress, "guides");
+}
+
+/* Of all places as many as the pilot has rays for. */
+static ylm_status thin(const ylm_scene_places *all, int light_samples, ylm_scene_places *out,
+                       float (**room)[3]) {
+  size_t step = (size_t)(GUIDE_RAYS * GUIDE_PART / light_samples);
+  if (step < 1) step = 1;
+  size_t n = (all->n + step - 1) / step;
+  float(*x)[3] = *room = ylm_alloc(3 * n, sizeof **room);
+  if (!x) return YLM_ENOMEM;
+  for (size_t i = 0; i < n; i++) {
+    memcpy(x[i], all->lit[i * step], 12);
+    memcpy(x[n + i], all->normal[i * step], 12);
+    memcpy(x[2 * n + i], all->origin[i * step], 12);
+  }
+  *out = (ylm_scene_places){n, (const float(*)[3])x, (const float(*)[3])(x + n),
+                            (const float(*)[3])(x + 2 * n)};
+  return YLM_OK;
+}
+
+ylm_status ylm_scene_guide_create(const ylm_scene *s, const ylm_scene_places *all,
+                                  int light_samples, uint64_t seed, int threads,
+                                  const ylm_progress *progress, ylm_scene_guide **out) {
+  double start = ylm_seconds();
+  *out = NULL;
+  if (all->n == 0 || s->tree || ylm_scene_lamps_all(s) < 2) return YLM_OK;
+  ylm_scene_places places;
+  float(*room)[3] = NULL;
+  building b = {.scene = s, .places = &places, .seed = ylm_mix64(seed ^ 0x6775696465u)};
+  ylm_scene_chooser *c = ylm_scene_chooser_create(s);
+  b.g = ylm_alloc_zero(1, sizeof *b.g);
+  ylm_status status = c && b.g ? thin(all, light_samples, &places, &room) : YLM_ENOMEM;
+  if (status == YLM_OK) {
+    b.g->width = c->chunks * YLM_LAMP_CHUNK;
+    status = build(&b, threads, progress);
+    b.g->stats = (ylm_scene_guide_stats){b.g->clusters, b.rays, ylm_seconds() - start};
+  }
+  ylm_scene_chooser_free(c);
+  ylm_free(room);
+  ylm_free(b.list);
+  ylm_free(b.cluster);
+  if (status == YLM_OK)
+    *out = b.g;
+  else
+    ylm_scene_guide_free(b.g);
+  return status;
+}

@@ -1,0 +1,108 @@
+/* sets.c - light along links that are found set by set, more of them where they are wanted, and not kept. */
+#include <math.h>
+#include <string.h>
+
+#include "../calibration.h"
+#include "../view.h"
+#include "ylm_shade_bounce.h"
+
+/* Points that still want a set, and its links. */
+typedef struct round_of {
+  const ylm_shade_view *view;
+  const ylm_transfer *transfer;
+  const float *leaving, *sets;
+  uint64_t *stream;
+  uint32_t *point, *link;                  /* [points], [SETS_POINTS][YLM_SHADE_SET] */
+  float (*origin)[3], (*normal)[3], *mean; /* [SETS_POINTS], mean [..][4] */
+  uint64_t *own;
+} round_of;
+
+static void round_free(round_of *r) {
+  ylm_free(r->stream);
+  ylm_free(r->point);
+  ylm_free(r->link);
+  ylm_free(r->origin);
+  ylm_free(r->normal);
+  ylm_free(r->mean);
+  ylm_free(r->own);
+}
+
+static ylm_status round_create(round_of *r) {
+  size_t points = r->view->points;
+  r->stream = ylm__shade_streams(r->view);
+  r->point = ylm_alloc(points, sizeof *r->point);
+  r->link = ylm_alloc(SETS_POINTS, YLM_SHADE_SET * sizeof *r->link);
+  r->origin = ylm_alloc(SETS_POINTS, sizeof *r->origin);
+  r->normal = ylm_alloc(SETS_POINTS, sizeof *r->normal);
+  r->mean = ylm_alloc(SETS_POINTS, 4 * sizeof *r->mean);
+  r->own = ylm_alloc(SETS_POINTS, sizeof *r->own);
+  if (!r->stream || !r->point || !r->link || !r->origin || !r->normal || !r->mean || !r->own)
+    return YLM_ENOMEM;
+  for (size_t i = 0; i < points; i++) r->stream[i] = ylm_mix64(r->stream[i]);
+  return YLM_OK;
+}
+
+/* Adds the light of a set of some points to a half. */
+static ylm_status add_set(round_of *r, size_t n, const uint32_t *point, uint64_t seed, int threads,
+                          float *half, ylm_error *e) {
+  for (size_t i = 0; i < n; i++) {
+    memcpy(r->origin[i], r->view->origin[point[i]], 12);
+    memcpy(r->normal[i], r->view->normal[point[i]], 12);
+    r->own[i] = r->stream[point[i]];
+  }
+  ylm_status s =
+      ylm_transfer_find(r->transfer, n, (const float(*)[3])r->origin, (const float(*)[3])r->normal,
+                        r->own, YLM_SHADE_SET, seed, threads, NULL, r->link, 0, NULL, e);
+  if (s != YLM_OK) return s;
+  ylm_transfer_sum(n, YLM_SHADE_SET, r->link, 4, r->leaving, NULL, r->mean, threads);
+  for (size_t i = 0; i < n; i++)
+    for (size_t c = 0; c < 3; c++) half[3 * (size_t)point[i] + c] += r->mean[4 * i + c];
+  return YLM_OK;
+}
+
+/* How many sets of a point are in a half: of an odd number, the first has one more. */
+static float sets_of(float sets, int half) { return floorf((sets + (float)(1 - half)) / 2); }
+
+/* The sets of a half from their sums to the radiance that points reflect. */
+static void finish(const round_of *r, int h, float *half) {
+  for (size_t i = 0; i < r->view->points; i++) {
+    float n = sets_of(r->sets[i], h);
+    for (size_t c = 0; n > 0 && c < 3; c++) half[3 * i + c] *= (float)YLM_PI / n;
+  }
+  ylm__shade_reflect(r->view, 0, r->view->points, half);
+}
+
+/* All sets of number `k`; *rays counts links. */
+static ylm_status run_round(round_of *r, int k, uint64_t seed, int threads, float *half,
+                            uint64_t *rays, ylm_error *e) {
+  size_t n = 0;
+  ylm_status s = YLM_OK;
+  for (size_t i = 0; i < r->view->points; i++)
+    if ((float)k < r->sets[i]) r->point[n++] = (uint32_t)i;
+  for (size_t at = 0; s == YLM_OK && at < n; at += SETS_POINTS) {
+    size_t some = n - at < SETS_POINTS ? n - at : SETS_POINTS;
+    s = add_set(r, some, r->point + at, ylm_mix64(seed + (uint64_t)k), threads, half, e);
+  }
+  *rays += n * YLM_SHADE_SET;
+  return s;
+}
+
+ylm_status ylm_shade_gather_sets(const ylm_shade_view *v, const ylm_transfer *t,
+                                 const float *leaving, const float *sets, uint64_t seed,
+                                 int threads, const ylm_progress *progress, float *half[2],
+                                 uint64_t *rays, ylm_error *e) {
+  round_of r = {.view = v, .transfer = t, .leaving = leaving, .sets = sets};
+  float most = 0;
+  for (size_t i = 0; i < v->points; i++) most = fmaxf(most, sets[i]);
+  *rays = 0;
+  memset(half[0], 0, v->points * 12);
+  memset(half[1], 0, v->points * 12);
+  ylm_status s = round_create(&r);
+  for (int k = 0; s == YLM_OK && (float)k < most; k++) {
+    s = run_round(&r, k, seed, threads, half[k % 2], rays, e);
+    if (s == YLM_OK) s = ylm_report(progress, (uint64_t)k + 1, (uint64_t)most, "links");
+  }
+  for (int h = 0; s == YLM_OK && h < 2; h++) finish(&r, h, half[h]);
+  round_free(&r);
+  return s;
+}

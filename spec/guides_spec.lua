@@ -1,0 +1,140 @@
+--- Shadow rays that know what is seen: guides of pictures by rays.
+
+local window_room = dofile "spec/support/window_room.lua"
+local ylm = require "ylm"
+
+local SIZE, SEEDS = { 72, 40 }, 24
+
+--- A floor and a wall in a box with a window, under a sky of tiles, a sun and two lamps, one of them behind a screen.
+local function court()
+  local white = ylm.matte { albedo = 0.7 }
+  local function slab(lo, hi) return ylm.box { bounds = { lo, hi }, material = white } end
+  return ylm.scene "a court" {
+    camera = ylm.camera { from = { -1.6, 1.5, 1.6 }, at = { 0.4, 0.5, -0.4 }, fov = 70 },
+    geometry = { slab({ -2, -0.1, -2 }, { 2, 0, 2 }), slab({ -2, 0, -2.1 }, { 2, 2, -2 }), slab({ -2, 2, -2 }, { 2, 2.1, 2 }),
+      slab({ 2, 0, -2 }, { 2.1, 1, 2 }), slab({ 2, 1, 0 }, { 2.1, 2, 2 }), slab({ -2.1, 0, -2 }, { -2, 2, 2 }),
+      slab({ -0.5, 0, -0.2 }, { -0.45, 0.9, 0.6 }) },
+    lights = { ylm.sun_light { direction = { 2, 1.2, 0.2 }, irradiance = 20 },
+      ylm.environment_light { sky = { kind = "clear", zenith = { 0, 1, 0 }, sun = { 2, 1.2, 0.2 }, luminance = 2 } },
+      ylm.sphere_light { at = { -1, 0.5, 0.2 }, radius = 0.08, radiance = 12 },
+      ylm.sphere_light { at = { 0.8, 1.7, -1 }, radius = 0.05, radiance = 15 } },
+  }
+end
+
+local function luminance(c) return 0.2126 * c[1] + 0.7152 * c[2] + 0.0722 * c[3] end
+
+--- The sums of luminance over the cells of a 4 x 3 lattice of a picture.
+local function cells(image)
+  local sums = {}
+  for y, row in ipairs(image:layer("radiance"):totable()) do
+    for x, c in ipairs(row) do
+      local k = 4 * math.floor((y - 1) * 3 / SIZE[2]) + math.floor((x - 1) * 4 / SIZE[1]) + 1
+      sums[k] = (sums[k] or 0) + luminance(c)
+    end
+  end
+  return sums
+end
+
+--- Luminances of a picture, their mean, and their means over blocks of 8 x 8 pixels.
+local function blocks(image)
+  local rows, mean, n, block = image:layer("radiance"):totable(), 0, 0, {}
+  for y, row in ipairs(rows) do
+    for x, c in ipairs(row) do
+      local k = 1000 * math.floor(y / 8) + math.floor(x / 8)
+      row[x] = luminance(c)
+      block[k] = block[k] or { 0, 0 }
+      block[k][1], block[k][2] = block[k][1] + row[x], block[k][2] + 1
+      mean, n = mean + row[x], n + 1
+    end
+  end
+  return rows, mean / n, block
+end
+
+--- The sum of squared differences of a picture to the truth, each relative to the mean around it and a tenth of the whole.
+local function noise_of(image, truth, whole, block)
+  local sum = 0
+  for y, row in ipairs(image:layer("radiance"):totable()) do
+    for x, c in ipairs(row) do
+      local near = block[1000 * math.floor(y / 8) + math.floor(x / 8)]
+      sum = sum + ((luminance(c) - truth[y][x]) / (near[1] / near[2] + whole / 10)) ^ 2
+    end
+  end
+  return sum
+end
+
+describe("guides of shadow rays", function()
+  local view, truth, again
+
+  setup(function()
+    view = court():prepare { size = SIZE, samples = 1 }
+    truth = assert(view:render { bounces = 0, guides = false, light_samples = 1024, seed = 7 })
+    again = assert(view:render { bounces = 0, guides = false, light_samples = 1024, seed = 8 })
+  end)
+
+  local function guided(seed, more)
+    local o = { bounces = 0, light_samples = 16, seed = seed }
+    for key, x in pairs(more or {}) do o[key] = x end
+    return view:render(o)
+  end
+
+  it("keep every estimate unbiased: z^2 of cells over 24 seeds beside rays without guides", function()
+    local known, other, mean, square = cells(truth), cells(again), {}, {}
+    for seed = 1, SEEDS do
+      local image = guided(seed)
+      for k, x in ipairs((cells(image))) do
+        mean[k], square[k] = (mean[k] or 0) + x / SEEDS, (square[k] or 0) + x * x / SEEDS
+      end
+    end
+    local z2 = 0
+    for k = 1, #mean do
+      local variance = (square[k] - mean[k] ^ 2) / (SEEDS - 1) + (known[k] - other[k]) ^ 2 / 4
+      z2 = z2 + (mean[k] - (known[k] + other[k]) / 2) ^ 2 / variance / #mean
+    end
+    assert.is_true(z2 > 0.2 and z2 < 2.2, ("mean z^2 of 12 cells is %.2f"):format(z2))
+  end)
+
+  it("leave less noise for as many rays, the pilot's included", function()
+    local room = window_room(ylm):prepare { size = { 112, 63 }, samples = 1 }
+    local known, whole, block = blocks(room:render { bounces = 0, light_samples = 1024, seed = 7 })
+    local cost = { [true] = 0, [false] = 0 }
+    for guides in pairs(cost) do
+      local image, report = room:render { bounces = 0, guides = guides, light_samples = 32, seed = 2 }
+      cost[guides] = noise_of(image, known, whole, block) * (report.rays.shadow + (report.rays.guides or 0))
+    end
+    local gain = cost[false] / cost[true]
+    assert.is_true(gain > 2, ("1 / variance / rays grows by %.2f"):format(gain))
+  end)
+
+  it("are the same for any number of threads", function()
+    local one, three = guided(3, { threads = 1 }), guided(3, { threads = 3 })
+    assert.are.equal(0, one:compare(three).max)
+  end)
+
+  it("are told of in the report, and left out where one lamp shines or nothing shades", function()
+    local _, report = guided(1)
+    assert.is_true(report.guides >= 1 and report.rays.guides > 0)
+    _, report = guided(1, { visibility = "none" })
+    assert.is_nil(report.guides)
+    _, report = guided(1, { lights = ylm.sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 9 } })
+    assert.is_nil(report.guides)
+  end)
+
+  it("shine alike where lamps are worth whole rays: closed form of two lamps above a floor", function()
+    local h, r, radiance = 2, 0.1, 30
+    local scene = ylm.scene "two lamps" {
+      camera = ylm.camera { from = { 0, 1.5, 0.01 }, at = { 0, 0, 0 }, fov = 2 },
+      geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, material = ylm.matte { albedo = 0.5 } } },
+      lights = { ylm.sphere_light { at = { 0, h, 0 }, radius = r, radiance = radiance },
+        ylm.sphere_light { at = { 1, 1, 0 }, radius = r, radiance = radiance } },
+    }
+    local image, report = scene:render { size = { 4, 4 }, samples = 1, bounces = 0, light_samples = 64 }
+    local E = math.pi * radiance * r * r * (1 / h ^ 2 + math.sqrt(0.5) / 2)
+    assert.is_true(report.guides >= 1)
+    local c = image:layer("radiance"):totable()[2][2]
+    assert.is_true(math.abs(c[1] / (0.5 * E / math.pi) - 1) < 0.01)
+  end)
+
+  it("refuse what is neither true nor false", function()
+    assert.has_error(function() guided(1, { guides = "yes" }) end)
+  end)
+end)

@@ -1,0 +1,138 @@
+--- Pictures by rays with a noise that is wanted, and camera rays that multiply other rays.
+
+local ylm = require "ylm"
+
+--- A wall across from a window, lit by sky and sun through it; no edge is in sight.
+local function wall()
+  local white = ylm.matte { albedo = 0.6 }
+  local function slab(lo, hi) return ylm.box { bounds = { lo, hi }, material = white } end
+  return ylm.scene "a wall" {
+    camera = ylm.camera { from = { 0.5, 1.1, 1.2 }, at = { 0, 0.9, -2 }, fov = 34 },
+    geometry = { slab({ -2, -0.1, -2 }, { 2, 0, 2 }), slab({ -2, 0, -2.1 }, { 2, 2, -2 }), slab({ -2, 2, -2 }, { 2, 2.1, 2 }),
+      slab({ 2, 0, -2 }, { 2.1, 2, 2 }), slab({ -2.1, 0, -2 }, { -2, 2, 2 }), slab({ -2, 0, 2 }, { 2, 0.9, 2.1 }),
+      slab({ -2, 0.9, 2 }, { -0.6, 2, 2.1 }) },
+    lights = { ylm.sun_light { direction = { 0.6, 1.2, 2 }, irradiance = 20 },
+      ylm.environment_light { sky = { kind = "clear", zenith = { 0, 1, 0 }, sun = { 0.6, 1.2, 2 }, luminance = 2 } } },
+  }
+end
+
+local SIZE = { 48, 27 }
+
+describe("a noise that is wanted", function()
+  local scene, links
+  local before
+
+  setup(function()
+    before = ylm.on_warning(false)
+    scene = wall()
+    links = scene:links({ spacing = 0.5, rays = 64 }):radiosity() -- light on elements is the same in all pictures
+  end)
+
+  teardown(function() ylm.on_warning(before) end)
+
+  local function render(more)
+    local o = { size = SIZE, samples = 4, bounced = links }
+    for key, x in pairs(more) do o[key] = x end
+    return assert(scene:render(o))
+  end
+
+  --- The root mean square difference of two pictures over the square root of 2, relative to their mean.
+  local function difference(a, b)
+    local d, m = a:layer "radiance" - b:layer "radiance", a:layer("radiance"):mean()
+    return math.sqrt((d * d):mean() / 2) / m
+  end
+
+  it("is reached, and is what pictures with other seeds show", function()
+    for _, noise in ipairs { 0.08, 0.05 } do
+      local a, report = render { noise = noise }
+      local b = render { noise = noise, seed = 5 }
+      assert.is_true(report.noise < 1.15 * noise and report.noise > 0.6 * noise, ("%.3f is left"):format(report.noise))
+      assert.are.equal("noise", report.ended)
+      local found = difference(a, b)
+      assert.is_true(found < 1.5 * report.noise and found > 0.6 * report.noise, ("%.3f is seen"):format(found))
+      assert.is_true(math.abs(a:layer("noise"):mean() / report.noise - 1) < 0.3)
+    end
+  end)
+
+  it("leaves means unbiased: eight pictures beside one of many rays", function()
+    local mean, square, SEEDS = 0, 0, 8
+    for seed = 1, SEEDS do
+      local image = render { noise = 0.2, seed = 11 * seed }
+      local x = image:layer("radiance"):mean()
+      mean, square = mean + x / SEEDS, square + x * x / SEEDS
+    end
+    local truth = render({ light_samples = 1024, rays = 1024 }):layer("radiance"):mean()
+    local error = math.sqrt((square - mean * mean) / (SEEDS - 1))
+    assert.is_true(math.abs(mean - truth) < 3 * error + 2e-3 * truth,
+      ("%.5f, not %.5f, a standard error of %.5f"):format(mean, truth, error))
+  end)
+
+  it("takes rays where noise is: fewer in all than as many everywhere", function()
+    local image, report = render { noise = 0.08 }
+    local first, last = image:layer("noise"):min(), image:layer("noise"):max()
+    assert.is_true(report.rays.shadow > 0 and report.rays.links > 0 and last < 3 * first + 0.08)
+  end)
+
+  it("is the same for any number of threads", function()
+    local one, three = render { noise = 0.1, threads = 1 }, render { noise = 0.1, threads = 3 }
+    assert.are.equal(0, one:compare(three).max)
+  end)
+
+  it("is of direct light alone where nothing bounces", function()
+    local _, report = scene:render { size = SIZE, samples = 4, bounces = 0, noise = 0.1 }
+    assert.is_true(report.noise < 0.13 and report.rays.links == nil)
+  end)
+
+  it("says where time ended before it was reached", function()
+    local _, report = render { noise = 0.002, time_limit = 0.05 }
+    assert.are.equal("time_limit", report.ended)
+    assert.is_true(report.noise > 0.002 and #report.warnings >= 1)
+  end)
+
+  it("refuses surfaces that gloss", function()
+    local shiny = ylm.scene "a shiny wall" { camera = scene.camera, lights = scene.lights,
+      geometry = { ylm.quad { corner = { -1, 0, -2 }, u = { 2, 0, 0 }, v = { 0, 2, 0 },
+        material = ylm.ggx { alpha = 0.3, f0 = 0.9 } } } }
+    local ok, message = pcall(shiny.render, shiny, { size = SIZE, noise = 0.1 })
+    assert.is_false(ok)
+    assert.is_truthy(tostring(message):find("noise is of matte surfaces, and 1 meshes", 1, true), tostring(message))
+  end)
+
+  it("refuses what does not go with it, and names it", function()
+    for text, o in pairs {
+      ["light_samples is given"] = { noise = 0.1, light_samples = 4 },
+      ["rays is given"] = { noise = 0.1, rays = 64 },
+      ["tolerance is given"] = { noise = 0.1, tolerance = 0.1 },
+      ["variance is given"] = { noise = 0.1, variance = true },
+      ["give noise too"] = { time_limit = 1 },
+      ["noise must be"] = { noise = 0 },
+      ["shading = 'pixel'"] = { noise = 0.1, shading = "vertices" },
+      ["leave bounced out"] = { noise = 0.1, bounced = "virtual" },
+      ["noise is for"] = { noise = 0.1, by = "sum" },
+    } do
+      local ok, message = pcall(render, o)
+      assert.is_false(ok)
+      assert.is_truthy(tostring(message):find(text, 1, true), text .. ": " .. tostring(message))
+    end
+  end)
+end)
+
+describe("more camera rays", function()
+  it("multiply rays to lamps and links, unless their numbers are given or every sample is shaded", function()
+    local before, scene = ylm.on_warning(false), wall()
+    local links = scene:links { spacing = 0.5, rays = 64 }
+    local function report(o)
+      o.size, o.bounced = { 16, 9 }, links
+      local _, r = assert(scene:render(o))
+      return r
+    end
+    local usual, more = report {}, report { samples = 64 }
+    assert.are.same({ 32, 64, 128, 256 }, { usual.light_samples, usual.links, more.light_samples, more.links })
+    assert.is_true(more.rays.links > 3.5 * usual.rays.links and more.bounced_noise < 0.7 * usual.bounced_noise)
+    local given = report { samples = 64, light_samples = 8, rays = 16 }
+    assert.are.same({ 8, 16 }, { given.light_samples, given.links })
+    local all = report { samples = 64, share = 0 }
+    assert.are.same({ 32, 64 }, { all.light_samples, all.links })
+    ylm.on_warning(before)
+  end)
+end)
