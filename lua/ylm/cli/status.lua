@@ -40,7 +40,7 @@ function status.few_bytes(name, given)
   if given.tolerance and given.bytes then
     status.stop(status.usage, "%s: --tolerance or --bytes: each chooses the rounding", name)
   end
-  local size, wanted = nil, nil
+  local size, wanted
   if given.bytes then
     size, wanted = require "ylm.form".types.memory(tonumber(given.bytes) or given.bytes)
     if not size then status.stop(status.usage, "%s: --bytes is %s, got '%s'", name, wanted, given.bytes) end
