@@ -451,6 +451,20 @@ local function cases(scene)
   return list
 end
 
+--- Rows of a grid in few bytes, which are those of all channels: rounded to a step, and looked up as it is decoded.
+local function in_few_bytes(name, grid, scene, truth, say)
+  local path = os.tmpname() .. ".ylm"
+  for _, step in ipairs { 0.02, 0.05 } do
+    local _, report = assert(grid:save(path, { step = step }))
+    local read = assert(ylm.load(path))
+    local way = lookups(read, scene)[1]
+    say(("%-32s %12d bytes in all, rounding %.3f"):format(name .. ", few bytes, step " .. step, report.bytes, report.rounding),
+      way[2](truth.points, truth.normals))
+    read:close()
+  end
+  os.remove(path)
+end
+
 local function now() return os.time() end
 
 --- Rows of surface grids, judged by the elements' light or by paths. Places lie on their surfaces there.
@@ -529,6 +543,9 @@ local function run(entry)
           say(("%-22s %7d %9.0f %7.1f %9.0f %5s %6s %4d"):format(name .. (SIDED and ", " .. way[1] or ""), s.points,
             numbers(grid), f.stats.rays / 1e6, size or 0, s.met == nil and "" or tostring(s.met),
             s.error and ("%.3f"):format(s.error) or "", seconds), way[2](truth.points, truth.normals))
+        end
+        if pcall(require, "ylm.grid.small") then -- libraries of before have none
+          in_few_bytes(name, grid, scene, truth, say)
         end
         grid:close()
       else
