@@ -78,6 +78,13 @@ describe("grids in few bytes", function()
       assert.is_true(read.stats.met)
       assert.equal(report.error, read.stats.error)
       assert.equal(report.step, read.small.step)
+      local path = os.tmpname()
+      local file = assert(io.open(path, "wb"))
+      file:write(text)
+      file:close()
+      local look = assert(core.grid_file_look(path))
+      os.remove(path)
+      assert.equal(report.rounding, look.small.rounding)
       local failed = 0
       local value, exact = read:sample(occupied), ylm.light_field(2, lamps, occupied, { dtype = "float" })
       for i = 1, #occupied do

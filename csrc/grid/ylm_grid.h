@@ -865,6 +865,8 @@ typedef struct ylm_grid_file_info {
   uint64_t size; /* bytes of the file */
   ylm_grid_form form;
   ylm_grid_stats stats; /* as far as files have them */
+  bool is_small;        /* it is of few bytes, and says how few: */
+  ylm_grid_small_report small;
   size_t sections;
   ylm_grid_file_section *section;
 } ylm_grid_file_info;

@@ -21,6 +21,15 @@ static ylm_status list_sections(const file_table *t, ylm_grid_file_info *info) {
   return YLM_OK;
 }
 
+/* The report of a file of few bytes; any other has none. */
+static ylm_status take_report(const file_table *t, const file_source *source,
+                              ylm_grid_file_info *info, ylm_error *e) {
+  if (!ylm__file_table_find(t, GRID_FILE_small_report)) return YLM_OK;
+  info->is_small = true;
+  return ylm__file_table_take(t, source, GRID_FILE_small_report, sizeof info->small,
+                              sizeof info->small, &info->small, e);
+}
+
 /* Header, table, form and stats are read and checked. */
 static ylm_status info_of_sections(const file_source *source, ylm_grid_file_info *info,
                                    ylm_error *e) {
@@ -28,6 +37,7 @@ static ylm_status info_of_sections(const file_source *source, ylm_grid_file_info
   grid_file_form form;
   ylm_status s = ylm__file_table_read(&t, source, e);
   if (s == YLM_OK) s = ylm__file_table_form(&t, source, &form, &info->form, &info->stats, e);
+  if (s == YLM_OK) s = take_report(&t, source, info, e);
   if (s == YLM_OK && list_sections(&t, info) != YLM_OK) s = ylm_no_memory_for(e, source->name);
   ylm_free(t.entry);
   return s;

@@ -112,7 +112,7 @@ static void push_section(lua_State *L, const ylm_grid_file_section *s) {
   ylmL_set_boolean(L, "known", s->known);
 }
 
-/* grid_file_look(path) -> table: version, bytes, form, stats, sections */
+/* grid_file_look(path) -> table: version, bytes, form, stats, sections, small */
 static int grid_file_look(lua_State *L) {
   ylm_error e = {0};
   ylm_grid_file_info info;
@@ -131,6 +131,10 @@ static int grid_file_look(lua_State *L) {
     lua_rawseti(L, -2, (int)i + 1);
   }
   lua_setfield(L, -2, "sections");
+  if (info.is_small) {
+    push_small_report(L, &info.small);
+    lua_setfield(L, -2, "small");
+  }
   ylm_grid_file_forget(&info);
   return 1;
 }

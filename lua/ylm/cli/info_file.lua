@@ -42,6 +42,7 @@ function kinds.grid(path, given)
   add(results, order, look.form, form)
   add(results, order, look.stats, stats)
   add(results, order, look, { "version", "bytes" })
+  if look.small then add(results, order, look.small, { "before", "rounding", "largest", "judged", "step" }) end
   if given.json then
     results.sections = look.sections
     return results

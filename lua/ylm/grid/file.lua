@@ -96,8 +96,9 @@ function grid_file.load(path)
   return g
 end
 
---- The contents of a grid file without its rows: { version, bytes, form, stats, sections }, where form has the fields
--- of a grid and a section { name, offset, bytes, record, required, known }; nil, message, code.
+--- The contents of a grid file without its rows: { version, bytes, form, stats, sections, small }, where form has the fields
+-- of a grid, a section { name, offset, bytes, record, required, known }, and small is the report of a file of few bytes; nil,
+-- message, code.
 function grid_file.look(path)
   return check.result("info", core.grid_file_look(path))
 end
