@@ -55,6 +55,8 @@ describe("grids in few bytes", function()
     ["without continuity"] = function() return baked { lmax = 1, depth = 5, tolerance = 0.03, continuous = false } end,
     ["of the mean alone"] = function() return baked { lmax = 0, depth = 4, tolerance = 0.02, channels = "luminance" } end,
     ["of nine bands"] = function() return baked { lmax = 9, depth = 2, threshold = 0.5 } end,
+    ["of 43 bands"] = function() return baked { lmax = 42, cells = { 1, 2, 1 }, channels = "luminance" } end,
+    ["of 21 bands"] = function() return baked { lmax = 20, cells = { 9, 8, 9 } } end,
     ["of a lattice"] = function() return baked { lmax = 3, cells = { 5, 3, 7 } } end,
     ["with sides"] = function() return of_walls { lmax = 2, depth = 4, tolerance = 0.1 } end,
   } do

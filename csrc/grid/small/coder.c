@@ -8,7 +8,8 @@
 #define EVEN 0x8000u
 #define QUICK 4
 #define SLOW 7
-#define LEAST 48u      /* of 65,536: the chance of what never came */
+#define LEAST                                                                                      \
+  256u /* of 65,536: the chance of what never came; no bit costs less than a 180th of one */
 #define TOP (1u << 24) /* a range below it takes another byte */
 #define CARRY_BITS 32
 #define NUMBER_BITS 5

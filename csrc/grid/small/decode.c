@@ -6,9 +6,17 @@
 
 #include "ylm_math.h"
 
-#define CELLS_A_BYTE                                                                               \
-  512 /* of the octree's stream, at most: a bit costs a thousandth of one at least */
-#define POINTS_A_BYTE 256
+/* Adaptive bits of a byte, at most: none costs less than a 177th of one. A cell has three at least, a point two and those of its
+   classes. */
+#define BITS_A_BYTE 1500
+#define CELL_BITS 3
+#define CLASS_BITS 5
+
+/* Points that a byte of their stream can be. */
+static size_t points_a_byte(const ylm_grid *g) {
+  size_t kinds = (size_t)g->contents.form.channels * (g->rows > 1 ? 2 : 1);
+  return BITS_A_BYTE / (2 + CLASS_BITS * kinds);
+}
 
 float ylm__small_norm_of(const ylm_grid *g, const float *row) {
   const ylm_grid_form *f = &g->contents.form;
@@ -30,10 +38,12 @@ static bool in_range(float x, float least, float most) { return x >= least && x 
 
 bool ylm__small_head_holds(const small_head *h, const ylm_grid *g) {
   return h->version == SMALL_VERSION && h->turn <= SMALL_ALL &&
-         (h->turn != SMALL_ALL || g->contents.form.lmax <= 8) && in_range(h->step, 1e-9f, 10) &&
-         in_range(h->slopes, 1e-3f, 1e3f) && in_range(h->least, 1e-37f, 1e37f) &&
-         in_range(h->most, h->least, 1e37f) && in_range(h->degree, 1e-3f, 1) && !h->zero &&
-         h->flags <= 3 && (g->contents.form.sides || !(h->sides || h->parts || h->ghosts));
+         (h->turn != SMALL_ALL || g->contents.count <= SMALL_COLUMNS) &&
+         (h->turn != SMALL_BY_DEGREE || g->contents.form.lmax <= SMALL_TURN_LMAX) &&
+         in_range(h->step, 1e-9f, 10) && in_range(h->slopes, 1e-3f, 1e3f) &&
+         in_range(h->least, 1e-37f, 1e37f) && in_range(h->most, h->least, 1e37f) &&
+         in_range(h->degree, 1e-3f, 1) && !h->zero && h->flags <= 3 &&
+         (g->contents.form.sides || !(h->sides || h->parts || h->ghosts));
 }
 
 /* -- bases ------------------------------------------------------------------------------------------ */
@@ -156,7 +166,8 @@ ylm_status ylm__small_decode(ylm_grid *g, const small_packed *p, size_t cells, s
                              int threads, const char **bad) {
   bit_coder c;
   *bad = NULL;
-  if (cells / CELLS_A_BYTE > p->tree_size || evaluated / POINTS_A_BYTE > p->points_size) {
+  if (cells / (BITS_A_BYTE / CELL_BITS) > p->tree_size ||
+      evaluated / points_a_byte(g) > p->points_size) {
     *bad = "its counts";
     return YLM_EFORMAT;
   }

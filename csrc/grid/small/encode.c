@@ -13,8 +13,6 @@
 #define DEGREE_LEAST (1 / 24.0f) /* weight of degrees that irradiance does not see */
 #define SLOPES 5.0f
 #define ENOUGH 26 /* points for each coefficient that a turn of its own pays for */
-#define BY_DEGREE_FROM 9
-#define MOST_TOGETHER 81
 
 struct small_encoder {
   const ylm_grid *from;
@@ -60,8 +58,8 @@ static ylm_status measure_norms(const ylm_grid *g, double *median, double *mean)
 static small_turn turn_of(const ylm_grid *g, size_t points) {
   size_t count = (size_t)g->contents.count;
   if (points < ENOUGH * (size_t)g->contents.form.lmax) return SMALL_AS_THEY_ARE;
-  if (count <= MOST_TOGETHER && points >= ENOUGH * count) return SMALL_ALL;
-  return SMALL_BY_DEGREE;
+  if (count <= SMALL_COLUMNS && points >= ENOUGH * count) return SMALL_ALL;
+  return g->contents.form.lmax <= SMALL_TURN_LMAX ? SMALL_BY_DEGREE : SMALL_AS_THEY_ARE;
 }
 
 static ylm_status make_head(small_encoder *k, small_head *h) {

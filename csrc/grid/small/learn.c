@@ -6,7 +6,6 @@
 
 #define SWEEPS 12
 #define LEARNT_FROM 16384 /* points at most, of coefficients */
-#define BLOCK_MOST 81     /* columns of a matrix that is turned at once */
 
 /* Eigenvectors of a symmetric matrix [n][n], as rows of v, by falling eigenvalue; a is spent. Jacobi's turns. */
 static void eigenvectors(size_t n, double *a, double *v, double *value) {
@@ -166,7 +165,7 @@ static void sum_products(learning *j) {
 
 /* Columns of a matrix of products, as bytes: their largest entry is positive. */
 static void keep_columns(size_t n, double *sum, int8_t *entry) {
-  double v[BLOCK_MOST * BLOCK_MOST], value[BLOCK_MOST];
+  double v[SMALL_COLUMNS * SMALL_COLUMNS], value[SMALL_COLUMNS];
   eigenvectors(n, sum, v, value);
   for (size_t k = 0; k < n; k++) {
     size_t most = 0;

@@ -174,7 +174,7 @@ ylm_status ylm__small_bases(small_frame *f) {
 /* n columns of n entries become orthonormal, one after the other; one that vanishes becomes an axis. */
 static void make_orthonormal(const int8_t *entry, float *column, size_t n) {
   for (size_t k = 0; k < n; k++) {
-    double x[441];
+    double x[SMALL_COLUMNS];
     for (size_t i = 0; i < n; i++) x[i] = entry[k * n + i] / 127.0;
     for (size_t axis = 0;; axis++) {
       double sum = 0;

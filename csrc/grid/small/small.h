@@ -16,7 +16,9 @@
 #define SMALL_BLOCK 64u  /* points that share a basis of colour */
 #define SMALL_CLASSES 32 /* sizes of a point's numbers */
 #define SMALL_PARENTS 4
-#define SMALL_KINDS 6 /* of classes: values and slopes, of each channel */
+#define SMALL_COLUMNS 81   /* of a matrix that turns coefficients, at most */
+#define SMALL_TURN_LMAX 40 /* up to which a degree has no more of them */
+#define SMALL_KINDS 6      /* of classes: values and slopes, of each channel */
 
 /* How coefficients are turned. */
 typedef enum small_turn { SMALL_AS_THEY_ARE = 0, SMALL_BY_DEGREE = 1, SMALL_ALL = 2 } small_turn;

@@ -115,7 +115,8 @@ function small.bake_bytes(description, o, bake)
     if best and not is_best then break end
   end
   if not best then
-    return nil, ("bake: bytes = %.0f are too few for this grid at a tolerance of %g"):format(description.bytes, tolerance), "ELIMIT"
+    return nil, ("bake: bytes = %.0f are too few for this grid at a tolerance of %g"):format(description.bytes, tolerance),
+      "ELIMIT"
   end
   return best, best_bytes, best_report
 end
