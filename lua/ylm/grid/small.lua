@@ -48,6 +48,9 @@ function small.save(name, g, path, o)
   if not bytes then return nil, report, code end
   local ok, message, why = check.result(name, core.file_save(path, bytes))
   if not ok then return nil, message, why end
+  report.sections = {}
+  local look = core.grid_file_look(path) -- nil: somebody has taken the file away
+  for _, s in ipairs(look and look.sections or {}) do report.sections[s.name] = s.bytes end
   return true, report
 end
 
