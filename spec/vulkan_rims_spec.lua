@@ -52,7 +52,7 @@ describe("exact flat lights on a device", function()
   local points = numbers.points(37, 3, 6)
   local few = { points[1], points[2], points[3] }
 
-  for lmax = 0, 10 do
+  for _, lmax in ipairs(long({ 0, 1, 2, 4, 10 }, { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 })) do
     it(("agree to 1e-5 in float, with Hessians and the metric, at lmax %d"):format(lmax), function()
       local lights = { polygons(23, 0.6, 3), polygons(5, 1, 5), disks(9, 0.5) }
       agree(lmax, lights, points, { derivatives = 2, channels = "luminance", metric = "luminance" }, 1e-5)
@@ -146,7 +146,7 @@ describe("exact flat lights on a device", function()
 
   describe("cut by a horizon", function()
     local up = { 0.3, 1, -0.2 }
-    for _, lmax in ipairs { 0, 3, 9 } do
+    for _, lmax in ipairs(long({ 3 }, { 0, 3, 9 })) do
       it(("agree to 1e-5 in float and 1e-12 in double, Hessians too, at lmax %d"):format(lmax), function()
         local lights = { polygons(11, 1.5, 3, up), polygons(5, 1, 6, up), disks(9, 1, up) }
         agree(lmax, lights, points, { derivatives = 2, channels = "luminance" }, 1e-5)
