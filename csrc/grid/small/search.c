@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "../bake/panel.h"
-#include "../file/file.h"
 #include "small.h"
 
 #define PLACES 16384 /* that rounding is looked at, where no panel judges */
@@ -26,6 +25,7 @@ typedef struct search {
   small_encoder *k;
   const ylm_grid *from;
   const ylm_grid_small *how;
+  small_size_fn *size;
   ylm_error *e;
   size_t n; /* places */
   double (*place)[3];
@@ -172,8 +172,7 @@ static ylm_status judge(search *s) {
 /* The size that is searched for, over what is asked for: at most 1. An error that is not known is that of rounding alone. */
 static double ratio(const search *s) {
   const small_packed *p = ylm__small_packed_of(s->k);
-  if (s->how->bytes)
-    return (double)ylm__grid_file_small_size(ylm__small_grid_of(s->k), p) / (double)s->how->bytes;
+  if (s->how->bytes) return (double)s->size(ylm__small_grid_of(s->k), p) / (double)s->how->bytes;
   double error = isnan(p->report.error) ? p->report.largest : p->report.error;
   return error / s->how->tolerance;
 }
@@ -209,7 +208,7 @@ static ylm_status not_to_be_had(const search *s) {
     return ylm_fail(
         s->e, YLM_ELIMIT,
         "bytes: this grid takes %zu at the coarsest step of rounding, and %llu are asked for",
-        (size_t)ylm__grid_file_small_size(ylm__small_grid_of(s->k), ylm__small_packed_of(s->k)),
+        (size_t)s->size(ylm__small_grid_of(s->k), ylm__small_packed_of(s->k)),
         (unsigned long long)s->how->bytes);
   return ylm_fail(s->e, YLM_ELIMIT,
                   "tolerance: the grid errs by %.3g before any rounding, %g is asked for in all: "
@@ -248,8 +247,8 @@ static ylm_status look_for_step(search *s) {
 }
 
 ylm_status ylm__small_search(small_encoder *k, const ylm_grid *from, const ylm_grid_small *how,
-                             ylm_error *e) {
-  search s = {.k = k, .from = from, .how = how, .e = e, .steep = STEEP};
+                             small_size_fn *size, ylm_error *e) {
+  search s = {.k = k, .from = from, .how = how, .size = size, .e = e, .steep = STEEP};
   if (from->panel && from->panel->points.n) s.judge = &from->panel->points;
   ylm_status status = take_places(&s);
   s.before = ylm_alloc(s.n, from->width * sizeof *s.before);

@@ -227,8 +227,10 @@ bool ylm__small_head_holds(const small_head *h, const ylm_grid *g);
 
 /* -- search.c ------------------------------------------------------------------------------------------------ */
 
+/* Bytes of the file that a grid and its sections are. */
+typedef uint64_t small_size_fn(const ylm_grid *g, const small_packed *small);
 /* Searches the step that is asked for. */
 ylm_status ylm__small_search(small_encoder *k, const ylm_grid *from, const ylm_grid_small *how,
-                             ylm_error *e);
+                             small_size_fn *size, ylm_error *e);
 
 #endif

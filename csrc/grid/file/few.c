@@ -1,6 +1,6 @@
-/* file.c - grids as files of few bytes. */
-#include "../file/file.h"
+/* few.c - grids as files of few bytes. */
 #include "../bake/panel.h"
+#include "file.h"
 
 #include <math.h>
 
@@ -50,7 +50,7 @@ ylm_status ylm_grid_encode_small(const ylm_grid *g, const ylm_grid_small *how, u
   s = ylm__small_encoder(g, how->threads, &k);
   if (s == YLM_EDOMAIN) ylm_fail(e, s, "the grid has no points");
   if (s == YLM_ENOMEM) ylm_fail(e, s, "the grid does not fit into memory twice");
-  if (s == YLM_OK) s = ylm__small_search(k, g, how, e);
+  if (s == YLM_OK) s = ylm__small_search(k, g, how, ylm__grid_file_small_size, e);
   if (s == YLM_OK) {
     small_packed *p = ylm__small_packed_of(k);
     describe(ylm__small_grid_of(k), how, &p->report);
