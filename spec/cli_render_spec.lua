@@ -52,7 +52,8 @@ describe("the command-line tool's renderings", function()
     assert.is_true(shadow > 0 and shadow <= 5 * points, out)
     assert.truthy(out:find('"warnings":[]', 1, true), out)
     local usage = ylm "render --help"
-    assert.truthy(usage:find "%-n, %-%-samples N +camera rays per pixel\n", usage)
+    assert.truthy(usage:find("%-n, %-%-samples N +camera rays per pixel, default 16; more of them multiply rays to lamps and "
+      .. "links too\n"), usage)
     assert.truthy(usage:find "%-%-light%-samples N +by rays: shadow rays per shading point, default 32\n", usage)
   end)
 

@@ -792,7 +792,7 @@ typedef struct ylm_grid_small {
   const ylm_progress *progress; /* may be NULL; stage "rounding" */
 } ylm_grid_small;
 
-/* What a small file keeps. Errors are of the grid's measure. */
+/* The promise of a small file. Errors are of the grid's measure. */
 typedef struct ylm_grid_small_report {
   double error;      /* in all: 99 % of all places err by less; NaN: the grid's own error is not known */
   double confidence; /* of that */
@@ -809,7 +809,7 @@ typedef struct ylm_grid_small_report {
 ** ylm_grid_encode_small - a grid as a file of few bytes, within a tolerance or within a number of bytes.
 **
 ** Points are predicted from points before them, and what is left is turned, rounded and counted (docs/grids.md, "Few bytes").
-** What is decoded is measured before it is written: at the places that judged the bake where the grid is from one, else by
+** Decoded light is measured before the file is written: at the places that judged the bake where the grid is from one, else by
 ** the triangle inequality at 16,384 random ones.
 **
 **   data, size  out  the file (ylm_free); NULL on failure

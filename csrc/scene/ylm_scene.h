@@ -250,7 +250,7 @@ typedef struct ylm_scene_places {
   const float (*lit)[3], (*normal)[3], (*origin)[3]; /* [n] as ylm_scene_surface has them */
 } ylm_scene_places;
 
-/* What a guide took. */
+/* The cost of a guide. */
 typedef struct ylm_scene_guide_stats {
   size_t clusters;
   uint64_t rays;
@@ -263,7 +263,7 @@ typedef struct ylm_scene_guide_stats {
 **   light_samples  in   rays of a place that are to be guided: the pilot has about a quarter of these
 **   out            out  NULL where nothing is to be guided: no place, one lamp, or a tree of lamps
 **
-** Returns  YLM_OK; YLM_ENOMEM, YLM_ECANCELLED (progress stage "guides"). The same for any number of threads.
+** Returns  YLM_OK; YLM_ENOMEM, YLM_ECANCELLED (progress stage "guides"). Results do not depend on the number of threads.
 */
 YLM_API ylm_status ylm_scene_guide_create(const ylm_scene *scene, const ylm_scene_places *places,
                                           int light_samples, uint64_t seed, int threads,

@@ -224,6 +224,8 @@ progress.stages = {
   { "products", "products of materials and light are kept" },
   { "project", "values are projected on spherical harmonics" },
   { "radius", "virtual lights get radii from their neighbours" },
+  { "surfaces", "light on surfaces is fitted, and rectangles are halved" },
+  { "rounding", "numbers of a grid are rounded for a file of few bytes, with ever better steps" },
   { "guides", "a pilot of shadow rays learns which lamps and parts of the sky are seen from where" },
   { "raycast", "shadow rays go from pixels to lamps" },
   { "rays", "rays find what a body hides" },

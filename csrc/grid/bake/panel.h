@@ -21,7 +21,7 @@ typedef struct panel {
   bool known;            /* these are there */
 } panel;
 
-/* What a grid keeps of its bake: a panel, and the measure of its errors. */
+/* A panel that a grid keeps of its bake, and the measure of its errors. */
 typedef struct grid_panel {
   panel points;
   measure measure;

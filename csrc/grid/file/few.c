@@ -27,7 +27,7 @@ static ylm_status check(const ylm_grid *g, const ylm_grid_small *how, ylm_error 
   return YLM_OK;
 }
 
-/* What the file says of itself. */
+/* Gives the grid in the making the facts that its file says. */
 static void describe(ylm_grid *g, const ylm_grid_small *how, const ylm_grid_small_report *r) {
   ylm_grid_stats *s = &g->stats;
   double *promised = &g->contents.form.tolerance;

@@ -42,7 +42,7 @@ int ylm__coder_bit_of(bit_coder *c, bit_chance *p, bit_chance *q, int bit);
 uint32_t ylm__coder_raw(bit_coder *c, int n, uint32_t bits);
 /* A number below 2^n, highest bit first; estimates [2^n]. */
 uint32_t ylm__coder_symbol(bit_coder *c, bit_chance *p, int n, uint32_t symbol);
-/* The same by two sets of estimates. */
+/* ylm__coder_symbol by the mean of two sets of estimates. */
 uint32_t ylm__coder_symbol_of(bit_coder *c, bit_chance *p, bit_chance *q, int n, uint32_t symbol);
 /* Any number below 2^31: the number of its bits, then these; estimates [64]. */
 uint32_t ylm__coder_number(bit_coder *c, bit_chance *p, uint32_t number);

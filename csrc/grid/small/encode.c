@@ -110,7 +110,7 @@ static void copy_rows(small_encoder *k) {
            row * sizeof *k->from->data);
 }
 
-/* What points have beside their rows. */
+/* Flags, validity and norms of points: all but their rows. */
 static ylm_status copy_points(small_encoder *k) {
   ylm_grid *g = k->layout.g;
   const ylm_grid *from = k->from;

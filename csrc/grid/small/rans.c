@@ -50,7 +50,7 @@ void ylm__rans_count(const uint64_t count[RANS_SYMBOLS], uint16_t frequency[RANS
     if (count[i] > count[most]) most = i;
   }
   if (!sum) return;
-  /* What rounding has left is the most frequent one's; where it has too little, others give one each. */
+  /* The rest that rounding has left is the most frequent one's; where that has too little, others give one each. */
   int32_t rest = (int32_t)RANS_SUM - (int32_t)given;
   if ((int32_t)frequency[most] + rest >= 1) {
     frequency[most] = (uint16_t)((int32_t)frequency[most] + rest);

@@ -38,7 +38,7 @@ static inline uint32_t rans_symbol(int32_t q, int *more, uint32_t *bits) {
 
 /* -- encoding ------------------------------------------------------------------------------------ */
 
-/* What is coded, in its order; one for each number that is not of table 0. */
+/* A symbol with its table, in the order of coding; one for each number that is not of table 0. */
 typedef struct rans_item {
   uint8_t table, symbol;
 } rans_item;

@@ -266,7 +266,7 @@ static uint32_t place_in(const ylm_grid *g, const ylm_grid_cell *c, const uint32
   return place;
 }
 
-/* What predicts one row of a point: rows of corners and their weights. */
+/* A prediction of one row of a point: rows of corners and their weights. */
 typedef struct small_mix {
   int n;
   const float *row[SMALL_PARENTS * ROWS];
@@ -480,7 +480,7 @@ void ylm__small_add(const small_frame *f, size_t met, const float step[4], const
   }
 }
 
-/* What stands against turn_back: numbers of one channel and row. */
+/* The inverse of turn_back: numbers of one channel and row. */
 static void turn_to(const small_frame *f, size_t kind, const float *x, float *to) {
   const small_basis *b = &f->basis;
   size_t count = (size_t)b->count;

@@ -39,7 +39,7 @@ typedef struct small_head {
 
 /* -- layout.c: cells, points and what predicts them ----------------------------------------------- */
 
-/* What a point is predicted from, of points before it. */
+/* Points that a point is predicted from; all are before it. */
 typedef struct small_source {
   uint32_t parent
       [SMALL_PARENTS]; /* cells of the level above that have it at a half of their edges; YLM_GRID_NONE: no more */
@@ -143,7 +143,7 @@ float ylm__small_norm(int e);
 static inline float small_read_as(int32_t q) {
   return q > 0 ? (float)q + 0.08f : q < 0 ? (float)q - 0.08f : 0.0f;
 }
-/* What a point's numbers are counted as. */
+/* The class of a point's numbers, by the sum of their sizes. */
 static inline uint32_t small_class(uint64_t sum) {
   uint32_t c = 0;
   static const uint32_t from[SMALL_CLASSES] = {
@@ -170,7 +170,7 @@ void ylm__small_tables_free(small_tables *t);
 /* Codes tables; YLM_EFORMAT where these of a stream do not hold, YLM_ENOMEM. */
 ylm_status ylm__small_tables_code(small_tables *t, size_t components, bit_coder *c);
 
-/* What stands beside a point's numbers. */
+/* Facts that stand beside a point's numbers. */
 typedef struct small_point {
   int exponent, way;
   uint8_t invalid, validity;

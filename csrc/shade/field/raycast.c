@@ -103,7 +103,7 @@ static ylm_status cast_glossy(const job *j, int threads, const ylm_progress *pro
   return s;
 }
 
-/* What options mean for the points of a view; `out` and `step` are the caller's. */
+/* The meaning of options for the points of a view; `out` and `step` are the caller's. */
 static ylm_status begin(const ylm_shade_view *v, const ylm_shade_casting *o, job *j) {
   if (o->light_samples < 1 || o->light_samples > YLM_SCENE_SAMPLES) return YLM_ERANGE;
   if (o->lit && ylm_scene_meshes(o->lit) != ylm_scene_meshes(v->scene)) return YLM_EINVAL;

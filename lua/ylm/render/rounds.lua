@@ -142,7 +142,7 @@ local function spread(x, noise, cost, pilot, least, most, factor)
   return check.result(x.name, x.p.lib.shade_spread(x.p.view, noise, factor / math.sqrt(cost) * pilot, least, most, x.points()))
 end
 
---- What kept a picture from its noise, and the advice that a line gives.
+--- The cause that kept a picture from its noise, and the advice that a line gives.
 local function cause_of(x, reached, seconds)
   local o = x.o
   if x.timed then
