@@ -7,17 +7,21 @@
 static ylm_status check(const ylm_grid *g, const ylm_grid_small *how, ylm_error *e) {
   int asked = (how->tolerance != 0) + (how->bytes != 0) + (how->step != 0);
   if (g->contents.form.dynamic)
-    return ylm_fail(e, YLM_EINVAL, "a grid that follows lights is saved as it is: few bytes are for grids that do not");
+    return ylm_fail(
+        e, YLM_EINVAL,
+        "a grid that follows lights is saved as it is: few bytes are for grids that do not");
   if (asked != 1) return ylm_fail(e, YLM_EINVAL, "one of tolerance, bytes and step expected");
   if (how->tolerance != 0 && !(how->tolerance > 0 && how->tolerance <= 0.5))
-    return ylm_fail(e, YLM_EDOMAIN, "tolerance: above 0 and at most 0.5 expected, got %g", how->tolerance);
+    return ylm_fail(e, YLM_EDOMAIN, "tolerance: above 0 and at most 0.5 expected, got %g",
+                    how->tolerance);
   if (how->step != 0 && !(how->step >= 1e-7 && how->step <= 1))
     return ylm_fail(e, YLM_EDOMAIN, "step: 1e-7 to 1 expected, got %g", how->step);
   if (how->tolerance > 0 && g->stats.error >= how->tolerance)
-    return ylm_fail(e, YLM_ELIMIT,
-                    "tolerance: the grid errs by %.3g already, and %g is asked for in all: bake it to a "
-                    "smaller tolerance, or save it to a larger one",
-                    g->stats.error, how->tolerance);
+    return ylm_fail(
+        e, YLM_ELIMIT,
+        "tolerance: the grid errs by %.3g already, and %g is asked for in all: bake it to a "
+        "smaller tolerance, or save it to a larger one",
+        g->stats.error, how->tolerance);
   if (!ylm_all_finite(YLM_FLOAT, g->data, g->evaluated * ylm__grid_record(g), NULL))
     return ylm_fail(e, YLM_EDOMAIN, "the grid's light is not finite");
   return YLM_OK;
@@ -72,4 +76,29 @@ void ylm_grid_inherit(ylm_grid *to, ylm_grid *from) {
   from->judge = NULL;
   from->judges = 0;
   from->panel = NULL;
+}
+
+ylm_status ylm_grid_small_parts(const unsigned char *data, size_t size,
+                                ylm_grid_small_part part[YLM_GRID_SMALL_PARTS], ylm_error *e) {
+  static const struct {
+    const char *name;
+    int kind;
+  } wanted[YLM_GRID_SMALL_PARTS] = {
+      {"head", GRID_FILE_small},          {"tree", GRID_FILE_small_tree},
+      {"bases", GRID_FILE_small_bases},   {"tables", GRID_FILE_small_tables},
+      {"points", GRID_FILE_small_points}, {"numbers", GRID_FILE_small_numbers},
+      {"bits", GRID_FILE_small_bits},
+  };
+  file_source source;
+  file_table t = {0};
+  ylm_status s = ylm__file_source_memory(&source, "the grid", data, size, e);
+  if (s == YLM_OK) s = ylm__file_table_read(&t, &source, e);
+  for (int i = 0; s == YLM_OK && i < YLM_GRID_SMALL_PARTS; i++) {
+    const grid_file_entry *entry = ylm__file_table_find(&t, wanted[i].kind);
+    part[i] = (ylm_grid_small_part){.name = wanted[i].name};
+    if (entry) part[i].data = data + entry->offset, part[i].size = (size_t)entry->size;
+  }
+  if (s == YLM_OK && !part[0].data) s = ylm__grid_file_bad("the grid", "not of few bytes", e);
+  ylm_free(t.entry);
+  return s;
 }
