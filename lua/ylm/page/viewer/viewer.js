@@ -696,17 +696,22 @@
     if (!busy) requestAnimationFrame(() => { run(); });
   }
 
-  /* A whole target in bands of rows that take about SLICE ms each; false where something changed meanwhile. */
+  /* A whole target in bands of rows that take about SLICE ms each; false where something changed meanwhile. Each band draws all
+     vertices: where these are most of the work, a band of twice the height takes little longer, and bands grow. */
   async function drawInBands(t, mine) {
-    let rows_ = perPixel > 0 ? Math.max(8, Math.floor(2 * SLICE / perPixel / t.w)) : 16;
-    for (let from = 0; from < t.h; from += rows_) {
-      const began = performance.now(), to = Math.min(t.h, from + rows_);
+    let rows_ = perPixel > 0 ? Math.max(8, Math.floor(2 * SLICE / perPixel / t.w)) : 16, before = 0, grows = true;
+    for (let from = 0, to = 0, n = 0; from < t.h; from = to, n++) {
+      const began = performance.now();
+      to = Math.min(t.h, from + rows_);
       draw(t, from, to);
       gl.bindFramebuffer(gl.FRAMEBUFFER, t.f);
       finishBand();
       const took = performance.now() - began;
       if (to < t.h) await breath();
       if (asked !== mine) return false;
+      if (n > 1 && took > 1.75 * before) grows = false;
+      if (n > 0 && grows) rows_ *= 2;  /* the first band also waits for shaders */
+      before = took;
       const pixels = (to - from) * t.w;
       perPixel = perPixel > 0 ? 0.7 * perPixel + 0.3 * took / pixels : took / pixels;
     }
