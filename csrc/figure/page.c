@@ -61,6 +61,16 @@ void ylm_figure_page_errors(const ylm_grid *g, const ylm_grid *from, uint32_t *c
     take_errors(v, (uint32_t)i, w, (uint32_t)i, cell);
 }
 
+void ylm_figure_page_rest(const ylm_grid *g, uint32_t *cell) {
+  const ylm_grid_contents *v = ylm_grid_look(g);
+  for (size_t i = 0; i < v->octree_cells; i++, cell += YLM_FIGURE_PAGE_WORDS) {
+    if (!(v->cell[i].flags & YLM_GRID_LEAF)) cell[0] = 0;
+    cell[1] = cell[2] = 0;
+    cell[3] &= 0xffff0000u;
+    memset(cell + 4, 0, 8 * sizeof *cell);
+  }
+}
+
 void ylm_figure_page_sides(const ylm_grid *g, uint32_t *record) {
   const ylm_grid_contents *v = ylm_grid_look(g);
   for (size_t i = 0; i < v->sides; i++, record += YLM_FIGURE_PAGE_SIDE) {

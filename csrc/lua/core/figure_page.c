@@ -30,7 +30,8 @@ static int page_facts(lua_State *L) {
   return 13;
 }
 
-/* page_cells(grid, another of the same octree or nil) -> bytes of uint32 [cells + parts][12]; estimated errors are the other's */
+/* page_cells(grid, another of the same octree or nil) -> bytes of uint32 [cells + parts][12]; with the other, its
+   estimated errors, and 0 where the octree of a small file says it */
 static int page_cells(lua_State *L) {
   const ylm_grid *g = ylmL_grid_check(L, 1),
                  *from = lua_isnoneornil(L, 2) ? NULL : ylmL_grid_check(L, 2);
@@ -39,6 +40,7 @@ static int page_cells(lua_State *L) {
   uint32_t *cell = room(L, bytes);
   ylm_figure_page_cells(g, cell);
   if (from) ylm_figure_page_errors(g, from, cell);
+  if (from) ylm_figure_page_rest(g, cell);
   lua_pushlstring(L, (const char *)cell, bytes);
   return 1;
 }

@@ -567,6 +567,19 @@ function fewHead(bytes) {
   return head;
 }
 
+/* Cells as a shader walks them: what the layout says is put where the section has 0. */
+function fewCells(words, layout) {
+  const c = layout.cells;
+  for (let i = 0, w = 0; i < c.cells; i++, w += 12) {
+    const corners = c.corner.subarray(8 * i, 8 * i + 8), whole = corners.includes(FEW.NONE) ? 0 : 256;
+    if (!(c.flags[i] & FEW.LEAF)) words[w] = c.child[i];
+    words[w + 1] = c.level[i] | whole | c.flags[i] << 16;
+    words[w + 2] = c.origin[3 * i] | c.origin[3 * i + 1] << 16;
+    words[w + 3] |= c.origin[3 * i + 2];
+    words.set(corners, w + 4);
+  }
+}
+
 /* A grid from the sections of a page: { layout, data [points][4][width], flags [points] }. `rest` is awaited now and then. */
 async function decodeFew(facts, s, rest) {
   const head = fewHead(s.head), layout = layOutFew(facts, head, s.tree), n = layout.points.met;

@@ -1329,6 +1329,7 @@
       await breath();
       last = performance.now();
     });
+    fewCells(sections.cells, made.layout);
     sections.data = made.data;
     sections.flags = made.flags;
   }
