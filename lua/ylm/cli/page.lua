@@ -58,7 +58,7 @@ return {
     { "grid", "-g", "FILE", "a grid baked before; default: the scene's probes are baked on its surfaces" },
     { "tolerance", nil, "N", "of the bake, instead of the scene's probes'; default 0.05 where the scene has none" },
     { "depth", nil, "N", "of the bake: the finest level" },
-    { "precision", nil, "NAME", "few (default): rounded, a thirtieth of half; half, float, or byte: 0.63 of half" },
+    { "precision", nil, "NAME", "few (default): rounded, a fifteenth of half or less; half, float, or byte: 0.63 of half" },
     { "title", nil, "TEXT", "default: the scene's name" },
     { "exposure", nil, "N", "at first, in stops" },
     { "tone", nil, "NAME", "tone curve at first: srgb (default), linear, reinhard, hable, aces" },

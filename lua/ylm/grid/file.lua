@@ -17,7 +17,7 @@ grid_file.page_options = {
   { "title", "string", optional = true, about = ".html: default the scene's name" },
   { "precision", "choice", of = core.choices "precision", optional = true,
     about = ".html: of the numbers at probes; 'few' (default, but of grids with sides or that follow lights): rounded and "
-      .. "counted, as .ylm of few bytes, a thirtieth of the size; else 'half' (default), 'float', or 'byte': slopes in bytes, "
+      .. "counted, as .ylm of few bytes, a fifteenth of the size or less; else 'half' (default), 'float', or 'byte': slopes in bytes, "
       .. "0.63 of the size" },
   small.options[1],
   { "exposure", "number", min = -20, max = 20, default = 0, unit = "stops", about = ".html: at first" },
