@@ -1,6 +1,7 @@
 -- Pages: what is in the file, read by a second decoder, and what a browser shows of it.
 
 local browser = require "spec.support.browser"
+local core = require "ylm.c.core"
 local long = require "spec.support.long"
 local scratch = require "spec.support.scratch"
 local vector = require "ylm.vector"
@@ -55,7 +56,7 @@ describe("a page", function()
     folder, scene = scratch.new(), small()
     grid = assert(scene:bake())
     path = folder.path .. "/a.html"
-    assert(grid:save(path, { scene = scene, size = { 64, 36 } }))
+    assert(grid:save(path, { scene = scene, precision = "half", size = { 64, 36 } }))
   end)
   teardown(function()
     ylm.on_warning(said)
@@ -189,6 +190,34 @@ describe("a page", function()
     end
   end)
 
+  it("is in few bytes unless it has to be otherwise: a fifth of halves, within the tolerance that is asked for", function()
+    needs_parts()
+    local decoder, other = require "spec.support.page", folder.path .. "/few.html"
+    local ok, report = grid:save(other, { scene = scene, poster = false })
+    assert(ok, report)
+    local page, halves = decoder.read(other), decoder.read(path)
+    assert.equal("few", page.meta.precision)
+    assert.equal(0, page.left)
+    local light = 0
+    for _, name in ipairs { "bases", "tables", "points", "numbers", "bits" } do light = light + report.sections[name] end
+    local rows
+    for _, section in ipairs(halves.meta.sections) do rows = section.name == "rows" and section.bytes or rows end
+    assert(light < 0.2 * rows, light / rows)
+    assert(report.few.error > grid.stats.error and report.few.error < 1.6 * grid.stats.error, report.few.error)
+    local tolerance = 1.2 * grid.stats.error
+    ok, report = grid:save(other, { tolerance = tolerance })
+    assert(ok, report)
+    assert(report.few.error <= tolerance and report.few.error > 0.9 * tolerance, report.few.error)
+    local _, lit = walled(ylm.adaptive_grid { lmax = 1, depth = 3, threshold = 0.3 })
+    assert(lit:save(other, { poster = false }))
+    assert.equal("half", decoder.read(other).meta.precision)
+    for options, words in pairs { [{ precision = "few" }] = "a grid with sides is written as it is: 'half'",
+      [{ tolerance = 0.1 }] = "a grid with sides is written as it is: 'half'" } do
+      local raised, message = pcall(lit.save, lit, other, options)
+      assert(not raised and tostring(message):find(words, 1, true), tostring(message))
+    end
+  end)
+
   it("shows titles as text", function()
     needs_parts()
     local other, title = folder.path .. "/title.html", '</script><script>alert(1)</script> "&\226\128\168'
@@ -295,6 +324,94 @@ describe("a page", function()
       needs_browser()
       local decibels = psnr(seen(path, "nolamps&still"), rendered(scene, grid))
       assert(decibels >= 38, decibels)
+    end)
+
+    --- Decodes the page's grid by few.js alone; `words` is what becomes of the sections and `decode`.
+    local function by_few(words)
+      local functions, sources = require "ylm.page.gen.functions", require "ylm.page.viewer".sources()
+      return window:eval("(async () => { const INTERPOLATION = 0;\n" .. functions.interpolation_js .. "\n"
+        .. sources["few.js"] .. [[
+        const meta = JSON.parse(document.getElementById('meta').textContent), sections = {};
+        const raw = atob(document.getElementById('data').textContent.trim());
+        let at = 0;
+        for (const s of meta.sections) {
+          const part = Uint8Array.from(raw.slice(at, at + s.bytes), x => x.charCodeAt(0));
+          at += s.bytes;
+          if (s.type === 'u8') sections[s.name] = new Uint8Array(await new Response(new Blob([part]).stream().pipeThrough(
+            new DecompressionStream('deflate'))).arrayBuffer());
+        }
+        const decode = changed => decodeFew(meta, Object.assign({}, sections, changed), async () => {});
+        ]] .. words .. "})()")
+    end
+
+    it("decodes few bytes to the bits of the library's own decoder", function()
+      needs_browser()
+      local other = folder.path .. "/few.html"
+      for _, one in ipairs { { grid }, { ylm.adaptive_grid { lmax = 0, depth = 4, tolerance = 0.05, channels = "luminance" } },
+        { ylm.adaptive_grid { lmax = 2, depth = 3, tolerance = 0.1, continuous = false } },
+        { ylm.adaptive_grid { lmax = 4, depth = 4, tolerance = 0.1 } },
+        { ylm.adaptive_grid { lmax = 1, depth = 3, tolerance = 0.1, measure = "irradiance" } },
+        { ylm.uniform_grid { cells = { 5, 4, 3 }, lmax = 2 }, 0.02 } } do
+        local g = one[1] == grid and grid or assert(scene:bake { probes = one[1] })
+        local tolerance = one[2] or 1.3 * g.stats.error
+        assert(g:save(other, { tolerance = tolerance }))
+        local decoded = assert(core.grid_decode((assert(core.grid_encode_small(g, tolerance, 0, 0, 0)))))
+        window:visit(other, "samples=1")
+        shown_file = nil
+        window:wait "ready"
+        local rows = core.page_base64((core.page_rows(decoded, 0, "float")))
+        assert.equal("equal", by_few("const read = text => Uint8Array.from(atob(text), x => x.charCodeAt(0)), cells = "
+          .. "new Uint32Array(read('" .. core.page_base64(core.page_cells(decoded)) .. "').buffer), wanted = read('" .. rows
+          .. [[');
+          const rows = new Float32Array(wanted.length / 4);
+          const made = await decode({}), n = rows.length / made.layout.points.met / 4;
+          for (let i = 0; i < rows.length; i++) {
+            const p = Math.floor(i / 4 / n);
+            rows[i] = made.data[4 * n * p + i % 4 * n + Math.floor(i / 4) % n];
+          }
+          const walked = cells.slice();
+          for (let i = 0; i < meta.counts.octree; i++)
+            for (let k = walked[12 * i + 1] >>> 16 & 1; k < 12; k++) walked[12 * i + k] &= k === 3 ? 0xffff0000 : 0;
+          fewCells(walked, made.layout);
+          if (walked.some((x, i) => x !== cells[i])) return 'other cells';
+          const got = new Uint8Array(rows.buffer), first = got.findIndex((x, i) => x !== wanted[i]);
+          return first < 0 && made.data.length === rows.length ? 'equal' : first / 4 + ' of ' + rows.length;]]))
+      end
+      assert.same({}, window.said)
+    end)
+
+    it("says of damaged few bytes that they are damaged", function()
+      needs_browser()
+      local other = folder.path .. "/few.html"
+      assert(grid:save(other, { scene = scene, poster = false }))
+      window:visit(other, "samples=1")
+      shown_file = nil
+      window:wait "ready"
+      local words = by_few [[let refused = 0, all = 0, seed = 1;
+        const draw = n => { seed = (seed * 16807) % 2147483647; return seed % n; };
+        for (const name of ['head', 'tree', 'bases', 'tables', 'points', 'numbers', 'bits', 'frame'])
+          for (let i = 0; i < 12; i++) {
+            const bytes = sections[name].slice(0, i < 4 ? draw(sections[name].length) : undefined);
+            if (i >= 4) bytes[draw(bytes.length)] ^= 1 << draw(8);
+            all++;
+            try { await decode({ [name]: bytes }); } catch (e) {
+              if (!e.message.startsWith('the grid is damaged: ')) return name + ': ' + e.stack;
+              refused++;
+            }
+          }
+        return refused + ' of ' + all;]]
+      local refused, all = words:match "^(%d+) of (%d+)$"
+      assert(refused and tonumber(refused) > 0.5 * all, words)
+      if os.getenv "YLM_SAY" then print(words) end
+    end)
+
+    it("shows a grid in few bytes as view:render does, 38 dB", function()
+      needs_browser()
+      local other = folder.path .. "/few.html"
+      assert(grid:save(other, { scene = scene, poster = false }))
+      local decibels = psnr(seen(other, "nolamps&still"), rendered(scene, grid))
+      assert(decibels >= 38, decibels)
+      if os.getenv "YLM_SAY" then print("few", decibels) end
     end)
 
     it("has the tone curves and exposures of image:save", function()

@@ -43,6 +43,34 @@ void ylm_figure_page_cells(const ylm_grid *g, uint32_t *cell) {
   }
 }
 
+/* The error of cell `was` to cell i, and from its children to the other's. */
+static void take_errors(const ylm_grid_contents *v, uint32_t i, const ylm_grid_contents *from,
+                        uint32_t was, uint32_t *cell) {
+  uint32_t *word = &cell[(size_t)i * YLM_FIGURE_PAGE_WORDS + 3];
+  *word = (*word & 0xffff) | (uint32_t)half_of(from->cell[was].error) << 16;
+  if (v->cell[i].flags & YLM_GRID_LEAF || from->cell[was].flags & YLM_GRID_LEAF) return;
+  for (uint32_t k = 0; k < 8; k++)
+    take_errors(v, v->cell[i].child + k, from, from->cell[was].child + k, cell);
+}
+
+void ylm_figure_page_errors(const ylm_grid *g, const ylm_grid *from, uint32_t *cell) {
+  const ylm_grid_contents *v = ylm_grid_look(g), *w = ylm_grid_look(from);
+  bool lattice = v->form.kind == YLM_GRID_UNIFORM;
+  size_t tops = lattice ? v->octree_cells : 1;
+  for (size_t i = 0; i < tops && i < w->octree_cells; i++)
+    take_errors(v, (uint32_t)i, w, (uint32_t)i, cell);
+}
+
+void ylm_figure_page_rest(const ylm_grid *g, uint32_t *cell) {
+  const ylm_grid_contents *v = ylm_grid_look(g);
+  for (size_t i = 0; i < v->octree_cells; i++, cell += YLM_FIGURE_PAGE_WORDS) {
+    if (!(v->cell[i].flags & YLM_GRID_LEAF)) cell[0] = 0;
+    cell[1] = cell[2] = 0;
+    cell[3] &= 0xffff0000u;
+    memset(cell + 4, 0, 8 * sizeof *cell);
+  }
+}
+
 void ylm_figure_page_sides(const ylm_grid *g, uint32_t *record) {
   const ylm_grid_contents *v = ylm_grid_look(g);
   for (size_t i = 0; i < v->sides; i++, record += YLM_FIGURE_PAGE_SIDE) {

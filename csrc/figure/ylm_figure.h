@@ -311,6 +311,10 @@ YLM_API ylm_status ylm_figure_save_volume(const char *path, const ylm_figure_vol
 **                                   a half); corners
 */
 YLM_API void ylm_figure_page_cells(const ylm_grid *g, uint32_t *cell);
+/* Gives cells the estimated errors of another grid's, of the same octree or lattice. */
+YLM_API void ylm_figure_page_errors(const ylm_grid *g, const ylm_grid *from, uint32_t *cell);
+/* Zeroes all that the octree of a small file says of the grid's cells: errors stay, children that continuity needs, its cells. */
+YLM_API void ylm_figure_page_rest(const ylm_grid *g, uint32_t *cell);
 /* Records of leaves with sides, [sides][29]: the first part's row among cells, the number of parts, the parts of
    pieces, 8 a word, the lowest bits first. */
 YLM_API void ylm_figure_page_sides(const ylm_grid *g, uint32_t *record);

@@ -831,6 +831,18 @@ YLM_API void ylm_grid_inherit(ylm_grid *to, ylm_grid *from);
 /* The report that a small file has; false: the grid was not read from one. */
 YLM_API bool ylm_grid_small_of(const ylm_grid *g, ylm_grid_small_report *report);
 
+/* A part of a small file: where it stands in the file's bytes. */
+typedef struct ylm_grid_small_part {
+  const char *name;
+  const unsigned char *data; /* [size] */
+  size_t size;
+} ylm_grid_small_part;
+#define YLM_GRID_SMALL_PARTS 7
+/* The parts that points are decoded from: head, tree, bases, tables, points, numbers, bits (docs/grids.md, "Few bytes").
+   YLM_EFORMAT: it is no small file. */
+YLM_API ylm_status ylm_grid_small_parts(const unsigned char *data, size_t size,
+                                        ylm_grid_small_part part[YLM_GRID_SMALL_PARTS], ylm_error *e);
+
 /*
 ** ylm_grid_read, ylm_grid_decode - a grid from a file, or from its bytes.
 **

@@ -31,7 +31,7 @@
   X(near_far, "both", "near", "far")                                                               \
   X(outside, "clamp", "nan")                                                                       \
   X(path_strategy, "both", "lights", "material")                                                   \
-  X(precision, "half", "float", "byte")                                                            \
+  X(precision, "half", "float", "byte", "few")                                                     \
   X(shading, "pixel", "vertex")                                                                    \
   X(side, "front", "back")                                                                         \
   X(sides, "auto", "both", "front", "back")                                                        \

@@ -77,3 +77,28 @@ void ylm_grid_inherit(ylm_grid *to, ylm_grid *from) {
   from->judges = 0;
   from->panel = NULL;
 }
+
+ylm_status ylm_grid_small_parts(const unsigned char *data, size_t size,
+                                ylm_grid_small_part part[YLM_GRID_SMALL_PARTS], ylm_error *e) {
+  static const struct {
+    const char *name;
+    int kind;
+  } wanted[YLM_GRID_SMALL_PARTS] = {
+      {"head", GRID_FILE_small},          {"tree", GRID_FILE_small_tree},
+      {"bases", GRID_FILE_small_bases},   {"tables", GRID_FILE_small_tables},
+      {"points", GRID_FILE_small_points}, {"numbers", GRID_FILE_small_numbers},
+      {"bits", GRID_FILE_small_bits},
+  };
+  file_source source;
+  file_table t = {0};
+  ylm_status s = ylm__file_source_memory(&source, "the grid", data, size, e);
+  if (s == YLM_OK) s = ylm__file_table_read(&t, &source, e);
+  for (int i = 0; s == YLM_OK && i < YLM_GRID_SMALL_PARTS; i++) {
+    const grid_file_entry *entry = ylm__file_table_find(&t, wanted[i].kind);
+    part[i] = (ylm_grid_small_part){.name = wanted[i].name};
+    if (entry) part[i].data = data + entry->offset, part[i].size = (size_t)entry->size;
+  }
+  if (s == YLM_OK && !part[0].data) s = ylm__grid_file_bad("the grid", "not of few bytes", e);
+  ylm_free(t.entry);
+  return s;
+}

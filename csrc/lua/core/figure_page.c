@@ -1,12 +1,14 @@
 /* figure_page.c - the bytes of pages as strings: lua/ylm/page/. */
 #include "../binding_figure.h"
 #include "../binding_grid.h"
+#include "ylm_math.h"
+#include "ylm_sh.h"
 
 /* Room for `bytes` bytes, which goes with the stack. */
 static void *room(lua_State *L, size_t bytes) { return lua_newuserdata(L, bytes ? bytes : 1); }
 
-/* page_facts(grid) -> cells, octree cells, points, evaluated, channels, coefficients, leaves with sides, parts; exponent, or
-   nil, message, code */
+/* page_facts(grid) -> cells, octree cells, points, evaluated, channels, coefficients, leaves with sides, parts; exponent, the
+   root's origin [3] and level, or nil, message, code */
 static int page_facts(lua_State *L) {
   const ylm_grid *g = ylmL_grid_check(L, 1);
   const ylm_grid_contents *v = ylm_grid_look(g);
@@ -21,18 +23,36 @@ static int page_facts(lua_State *L) {
   ylmL_push_count(L, v->sides);
   ylmL_push_count(L, v->parts);
   ylm_status s = ylm_figure_page_exponent(g, &exponent, &e);
+  if (s != YLM_OK) return 8 + ylmL_result(L, 0, s, &e);
   lua_pushinteger(L, exponent);
-  return s == YLM_OK ? 9 : 8 + ylmL_result(L, 1, s, &e);
+  for (int a = 0; a < 3; a++) ylmL_push_count(L, v->root[a]);
+  ylmL_push_count(L, (size_t)v->root_level);
+  return 13;
 }
 
-/* page_cells(grid) -> bytes of uint32 [cells + parts][12] */
+/* page_cells(grid, another of the same octree or nil) -> bytes of uint32 [cells + parts][12]; with the other, its
+   estimated errors, and 0 where the octree of a small file says it */
 static int page_cells(lua_State *L) {
-  const ylm_grid *g = ylmL_grid_check(L, 1);
+  const ylm_grid *g = ylmL_grid_check(L, 1),
+                 *from = lua_isnoneornil(L, 2) ? NULL : ylmL_grid_check(L, 2);
   const ylm_grid_contents *v = ylm_grid_look(g);
   size_t bytes = (v->cells + v->parts) * YLM_FIGURE_PAGE_WORDS * sizeof(uint32_t);
   uint32_t *cell = room(L, bytes);
   ylm_figure_page_cells(g, cell);
+  if (from) ylm_figure_page_errors(g, from, cell);
+  if (from) ylm_figure_page_rest(g, cell);
   lua_pushlstring(L, (const char *)cell, bytes);
+  return 1;
+}
+
+/* page_frame(grid) -> bytes of doubles: the voxel's edges [3], the cosine's factors over pi [lmax + 1] */
+static int page_frame(lua_State *L) {
+  const ylm_grid_contents *v = ylm_grid_look(ylmL_grid_check(L, 1));
+  double frame[3 + YLM_LMAX + 1];
+  for (int a = 0; a < 3; a++)
+    frame[a] = (v->form.bounds[a + 3] - v->form.bounds[a]) / v->resolution[a];
+  for (int l = 0; l <= v->form.lmax; l++) frame[3 + l] = ylm_sh_cosine_factor(l) / YLM_PI;
+  lua_pushlstring(L, (const char *)frame, (3 + (size_t)v->form.lmax + 1) * sizeof *frame);
   return 1;
 }
 
@@ -164,12 +184,18 @@ static int page_base64(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {
-    {"page_facts", page_facts},         {"page_cells", page_cells},
-    {"page_sides", page_sides},         {"page_table", page_table},
-    {"page_flags", page_flags},         {"page_rows", page_rows},
-    {"page_positions", page_positions}, {"page_normals", page_normals},
-    {"page_triangles", page_triangles}, {"page_planes", page_planes},
-    {"page_base64", page_base64},       {NULL, NULL}};
+static const luaL_Reg functions[] = {{"page_facts", page_facts},
+                                     {"page_cells", page_cells},
+                                     {"page_frame", page_frame},
+                                     {"page_sides", page_sides},
+                                     {"page_table", page_table},
+                                     {"page_flags", page_flags},
+                                     {"page_rows", page_rows},
+                                     {"page_positions", page_positions},
+                                     {"page_normals", page_normals},
+                                     {"page_triangles", page_triangles},
+                                     {"page_planes", page_planes},
+                                     {"page_base64", page_base64},
+                                     {NULL, NULL}};
 
 void ylmL_open_figure_page(lua_State *L) { luaL_setfuncs(L, functions, 0); }

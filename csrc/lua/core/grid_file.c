@@ -100,6 +100,22 @@ static int grid_decode(lua_State *L) {
   return ylmL_result(L, 1, ylm_grid_decode((const unsigned char *)data, size, "grid", g, &e), &e);
 }
 
+/* grid_small_parts(bytes of a small file) -> table: bytes of its parts by name; or nil, message, code */
+static int grid_small_parts(lua_State *L) {
+  ylm_error e = {0};
+  ylm_grid_small_part part[YLM_GRID_SMALL_PARTS];
+  size_t size;
+  const char *data = luaL_checklstring(L, 1, &size);
+  ylm_status s = ylm_grid_small_parts((const unsigned char *)data, size, part, &e);
+  if (s != YLM_OK) return ylmL_result(L, 0, s, &e);
+  lua_newtable(L);
+  for (int i = 0; i < YLM_GRID_SMALL_PARTS; i++) {
+    lua_pushlstring(L, part[i].size ? (const char *)part[i].data : "", part[i].size);
+    lua_setfield(L, -2, part[i].name);
+  }
+  return 1;
+}
+
 /* One section of a file, as a table on the stack. */
 static void push_section(lua_State *L, const ylm_grid_file_section *s) {
   lua_newtable(L);
@@ -167,6 +183,7 @@ static const luaL_Reg functions[] = {{"grid_write", grid_write},
                                      {"grid_encode", grid_encode},
                                      {"grid_encode_small", grid_encode_small},
                                      {"grid_small", grid_small},
+                                     {"grid_small_parts", grid_small_parts},
                                      {"grid_restate", grid_restate},
                                      {"grid_inherit", grid_inherit},
                                      {"grid_decode", grid_decode},

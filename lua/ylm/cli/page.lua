@@ -4,7 +4,7 @@ local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
 local TOLERANCE = 0.05 -- of a bake that nobody asked for otherwise
-local PRECISIONS = { half = true, float = true, byte = true }
+local PRECISIONS = { half = true, float = true, byte = true, few = true }
 
 --- The probes to bake: those of the scene, with the tolerance and depth of the command line.
 local function probes_of(ylm, scene, given)
@@ -58,7 +58,7 @@ return {
     { "grid", "-g", "FILE", "a grid baked before; default: the scene's probes are baked on its surfaces" },
     { "tolerance", nil, "N", "of the bake, instead of the scene's probes'; default 0.05 where the scene has none" },
     { "depth", nil, "N", "of the bake: the finest level" },
-    { "precision", nil, "NAME", "half (default), float, or byte: 0.63 of the size" },
+    { "precision", nil, "NAME", "few (default): rounded, a fifteenth of half or less; half, float, or byte: 0.63 of half" },
     { "title", nil, "TEXT", "default: the scene's name" },
     { "exposure", nil, "N", "at first, in stops" },
     { "tone", nil, "NAME", "tone curve at first: srgb (default), linear, reinhard, hable, aces" },
@@ -74,7 +74,7 @@ return {
     if not given.output then status.stop(status.usage, "page: -o FILE says where the page goes") end
     status.need_output("page", given.output, "html")
     if given.precision and not PRECISIONS[given.precision] then
-      status.stop(status.usage, "page: --precision is half, float or byte, got '%s'", given.precision)
+      status.stop(status.usage, "page: --precision is few, half, float or byte, got '%s'", given.precision)
     end
     local grid, scene = things_of(ylm, given)
     local poster

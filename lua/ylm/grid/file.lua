@@ -15,8 +15,11 @@ local grid_file = {}
 grid_file.page_options = {
   { "scene", "any", optional = true, about = ".html: the scene whose geometry, lamps and camera the page shows" },
   { "title", "string", optional = true, about = ".html: default the scene's name" },
-  { "precision", "choice", of = core.choices "precision", default = "half",
-    about = ".html: of the numbers at probes; 'byte': slopes in bytes, 0.63 of the size" },
+  { "precision", "choice", of = core.choices "precision", optional = true,
+    about = ".html: of the numbers at probes; 'few' (default, but of grids with sides or that follow lights): rounded and "
+      .. "counted, as .ylm of few bytes, a fifteenth of the size or less; else 'half' (default), 'float', or 'byte': slopes "
+      .. "in bytes, 0.63 of the size" },
+  small.options[1],
   { "exposure", "number", min = -20, max = 20, default = 0, unit = "stops", about = ".html: at first" },
   { "tone", "choice", of = core.choices "tone", default = "srgb", about = ".html: tone curve at first" },
   { "lamps", "boolean", default = true, about = ".html: whether the page has the scene's sphere lights" },
@@ -36,7 +39,9 @@ for _, field in ipairs { form.threads, form.progress } do ylm_options[#ylm_optio
 
 local save_options = { vtu.options[1] }
 for _, field in ipairs(small.options) do save_options[#save_options + 1] = field end
-for _, field in ipairs(grid_file.page_options) do save_options[#save_options + 1] = field end
+for _, field in ipairs(grid_file.page_options) do
+  if field ~= small.options[1] then save_options[#save_options + 1] = field end
+end
 
 local methods, open = grid_object.methods, grid_object.open
 
@@ -56,7 +61,7 @@ describe "grid:save" {
     .. "with its confidence, before: the grid's own error, rounding (99 %), largest, median, places: looked at, judged: "
     .. "whether these are the bake's own held-out ones, else error is the sum of before and largest; step; "
     .. "sections: bytes by name. .html: bytes of the file, poster, sections: bytes by name, triangles, warnings: what the page "
-    .. "does not show, dering as of scene:render" } },
+    .. "does not show, dering as of scene:render; few: of precision 'few' the report of few bytes" } },
   errors = "raises on another ending and bad options; nil, message, code where the file cannot be written, and of .html 'ELIMIT' "
     .. "where it would be too large, 'EDOMAIN' where a number of the grid is not finite; of few bytes 'ELIMIT' where the "
     .. "grid itself errs by more than the tolerance, or bytes are too few; nothing is written then",

@@ -17,7 +17,8 @@ local LOOSEST, TIGHTEST = 0.5, 1e-4
 small.options = {
   { "tolerance", "number", above = 0, max = 0.5, optional = true,
     about = ".ylm: few bytes: points are rounded, and 99 % of the light that is decoded is within this of the exact light, as "
-      .. "the tolerance of a bake: interpolation and rounding in all" },
+      .. "the tolerance of a bake: interpolation and rounding in all. .html of precision 'few': likewise; default: rounding "
+      .. "adds about a quarter to the grid's own error" },
   { "bytes", "memory", optional = true, about = ".ylm: few bytes: at most so many, a number or '2 MB', with the least error" },
   { "step", "number", min = 1e-7, max = 1, optional = true, shelf = "experiments",
     about = ".ylm: few bytes: the step of rounding, relative to the light's norm at each point" },

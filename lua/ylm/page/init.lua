@@ -2,6 +2,7 @@
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local few = require "ylm.page.few"
 local form = require "ylm.form"
 local functions = require "ylm.page.gen.functions"
 local grid_file = require "ylm.grid.file"
@@ -108,6 +109,7 @@ local function facts_of(grid)
   local names = { "cells", "octree", "points", "evaluated", "channels", "count", "sides", "parts", "exponent" }
   local found, facts = { core.page_facts(grid) }, {}
   for i, name in ipairs(names) do facts[name] = found[i] end
+  facts.root = { found[10], found[11], found[12], found[13] }
   if not facts.exponent then return nil, "page: " .. found[10], found[11] end
   if facts.points * facts.channels * facts.count > MOST_TEXELS then
     return nil, ("page: %d points at lmax %d in %d channels are too many for a page: at most %d; bake with a coarser tolerance "
@@ -187,6 +189,7 @@ local function html(sources, meta, data, poster, lmax)
     POSTER = poster and ('<img id="poster" alt="" src="data:image/png;base64,%s">'):format(core.page_base64(poster)) or "",
     META = pack.json(meta), DATA = data, SHADERS = shaders(sources, lmax),
     SCRIPT = (sources["viewer.js"]:gsub("/%*@(%u+)@%*/", {
+      FEW = meta.precision == "few" and sources["few.js"] or "",
       INTERPOLATION = functions.interpolation_js,
       HARMONICS = joined(functions.harmonics_js, lmax),
     })),
@@ -239,11 +242,11 @@ local function meta_of(grid, facts, o, lamps, others)
     quantity = grid.quantity, sides = grid.sides,
     counts = { cells = facts.cells, parts = facts.parts, octree = facts.octree, points = facts.points,
       evaluated = facts.evaluated },
-    exponent = facts.exponent, precision = o.precision, cosine = cosine,
+    root = facts.root, exponent = facts.exponent, precision = o.precision, cosine = cosine,
     camera = scene and scene.camera and numbers_of(scene.camera) or camera_of(grid.bounds),
     background = scene and scene.background or { 0.02, 0.02, 0.02 }, lamps = o.lamps and lamps or {},
     no_exact = no_exact(grid, scene, o.lamps and lamps or {}, others), exposure = o.exposure, tone = o.tone,
-    palette = palette(), range = range_of(grid), stats = stats_of(grid) }
+    palette = palette(), range = range_of(o.errors or grid), stats = stats_of(grid) }
 end
 
 --- Raises where options do not fit; settles them.
@@ -260,8 +263,10 @@ local function settle(given)
 end
 
 local function refuse_size(bytes, o, blob)
-  local rows = (blob.by_name.rows or 0) + (blob.by_name.values or 0) + (blob.by_name.slopes or 0)
-  local hint = o.precision ~= "byte" and "; precision = 'byte' needs about 0.6 of the light's" or ""
+  local rows, hints = 0, { half = "; precision = 'byte' needs about 0.6 of the light's", few = "; a larger tolerance needs less" }
+  for _, name in ipairs { "rows", "values", "slopes", "points", "numbers", "bits" } do rows = rows + (blob.by_name[name] or 0) end
+  hints.float = hints.half
+  local hint = hints[o.precision] or ""
   return nil, ("page: %.1f MB, the limit is %.1f MB: %.1f MB of light, %.1f MB of meshes%s; bake with a coarser tolerance or a "
     .. "lower lmax, or raise limit"):format(bytes / 1e6, o.limit / 1e6, rows * 4 / 3e6, (blob.bytes - rows) * 4 / 3e6, hint),
     "ELIMIT"
@@ -275,8 +280,19 @@ local function damped(cosine, ringing)
   return out
 end
 
+--- The grid that the page shows, and how it is written, as of few.of; or nil, message, code.
+local function shown_of(grid, o)
+  local facts, message, code = facts_of(grid)
+  if not facts then return nil, message, code end
+  if o.precision ~= "few" then return grid end
+  o.errors = grid
+  return few.of(grid, o)
+end
+
 --- Packs and writes; true and a report, or nil, message, code.
-local function write(grid, path, o)
+local function write(baked, path, o)
+  local grid, made, why = shown_of(baked, o)
+  if not grid then return nil, made, why end
   local facts, message, code = facts_of(grid)
   if not facts then return nil, message, code end
   local sources
@@ -289,7 +305,7 @@ local function write(grid, path, o)
   end
   local meta, blob = meta_of(grid, facts, o, lamps, others), pack.blob()
   local counts
-  pack.grid(blob, grid, facts, o.precision)
+  pack.grid(blob, grid, facts, o.precision, made)
   if o.scene then
     meta.mesh, counts, code = pack.meshes(blob, o.scene)
     if not meta.mesh and counts then return nil, counts, code end
@@ -311,13 +327,14 @@ local function write(grid, path, o)
   for i, sentence in ipairs(warnings) do warning.say(o.scene or grid, "page " .. i, "%s", sentence) end
   warnings[#warnings + 1] = say_prints(grid, o.scene)
   return true, { bytes = #bytes, poster = poster and #poster or 0, sections = blob.by_name, warnings = warnings,
-    dering = report.dering,
+    dering = report.dering, few = made and made.report,
     triangles = counts and counts.triangles or 0 }
 end
 
 --- grid:save of a path that ends in .html.
 function page.save(grid, path, given)
   local o = settle(given)
+  few.settle(grid, o)
   local ok, message, code = core.file_probe(path)
   if not ok then return check.result("save", nil, message, code) end
   return write(grid, path, o)

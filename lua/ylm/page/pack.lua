@@ -55,14 +55,24 @@ function pack.blob()
   return blob
 end
 
---- Cells, sides and rows of a grid; facts: those of core.page_facts by name.
-function pack.grid(blob, grid, facts, precision)
-  blob.add("cells", "u32", { facts.cells + facts.parts, 12 }, core.page_cells(grid))
+local parts_of_few = { "head", "tree", "bases", "tables", "points", "numbers", "bits" }
+
+--- The streams of a grid in few bytes.
+local function add_few(blob, grid, parts)
+  for _, name in ipairs(parts_of_few) do blob.add(name, "u8", { #parts[name] }, parts[name]) end
+  local frame = core.page_frame(grid)
+  blob.add("frame", "u8", { #frame }, frame)
+end
+
+--- Cells, sides and rows of a grid; facts: those of core.page_facts by name; made: as of few.of, nil: of another precision.
+function pack.grid(blob, grid, facts, precision, made)
+  blob.add("cells", "u32", { facts.cells + facts.parts, 12 }, core.page_cells(grid, made and made.errors))
   if facts.sides > 0 then blob.add("sides", "u32", { facts.sides, 29 }, core.page_sides(grid)) end
   if grid.kind == "uniform" then
     local n = grid.resolution
     blob.add("table", "u32", { n[1] * n[2] * n[3] }, core.page_table(grid))
   end
+  if made then return add_few(blob, grid, made.parts) end
   blob.add("flags", "u8", { facts.evaluated }, core.page_flags(grid))
   local width = facts.channels * facts.count
   local rows, slopes, scales = core.page_rows(grid, facts.exponent, precision)

@@ -243,6 +243,8 @@ return {
     { call = function(ylm) return small(ylm):save("x.html", { scene = 1 }) end, says = "scene must be a scene, got 1" },
     { call = function(ylm) return small(ylm):save("x.html", { poster = "x" }) end, says = "poster must be an image, or false for none" },
     { call = function(ylm) return small(ylm):save("x.html", { precision = "double" }) end, says = "precision must be one of 'half'" },
+    { call = function(ylm) return small(ylm):save("x.html", { precision = "half", tolerance = 0.1 }) end,
+      says = "tolerance is of precision = 'few': leave one out" },
     { call = function(ylm) return small(ylm):save("x.html", { size = 3 }) end, says = "size must be { width, height }" },
     { call = function(ylm) return small(ylm):save("x.html", { limit = 1000 }) end, says = "page: .* MB, the limit is 0.0 MB" },
     { call = function(ylm) return small(ylm):save("/no/such/folder/x.html") end, says = "cannot be created" },

@@ -76,10 +76,18 @@
     return table;
   }
 
+  /* Rows [points][4][ROW] to [points][ROW][4], scaled. */
+  function interleave(data, to, scale) {
+    for (let p = 0, from = 0; from < data.length; p++)
+      for (let r = 0; r < 4; r++)
+        for (let i = 0, q = 4 * p * ROW + r; i < ROW; i++, q += 4) to[q] = scale * data[from++];
+  }
+
   /* Rows of evaluated points, [points][ROW][4], with room for those of continuity. */
   function rowsOf(s) {
     const n = meta.counts.evaluated * ROW, rows = new Float32Array(meta.counts.points * ROW * 4), half = halves();
-    if (meta.precision === 'half') for (let i = 0; i < 4 * n; i++) rows[i] = half[s.rows[i]];
+    if (meta.precision === 'few') interleave(s.data, rows, 2 ** meta.exponent);
+    else if (meta.precision === 'half') for (let i = 0; i < 4 * n; i++) rows[i] = half[s.rows[i]];
     else if (meta.precision === 'float') rows.set(s.rows);
     else {
       for (let i = 0; i < n; i++) {
@@ -95,6 +103,7 @@
 
   const INTERPOLATION = meta.sides ? 2 : 0;  /* values alone have no slopes */
 /*@INTERPOLATION@*/
+/*@FEW@*/
   /* What makes a point at place 0 .. 26 of a cell of that level: for its value and slopes, weights of the corners' numbers. */
   function recipe(place, edge) {
     const t = [place % 3 / 2, Math.floor(place / 3) % 3 / 2, Math.floor(place / 9) / 2], f = [], g = [], lists = [];
@@ -687,17 +696,22 @@
     if (!busy) requestAnimationFrame(() => { run(); });
   }
 
-  /* A whole target in bands of rows that take about SLICE ms each; false where something changed meanwhile. */
+  /* A whole target in bands of rows that take about SLICE ms each; false where something changed meanwhile. Each band draws all
+     vertices: where these are most of the work, a band of twice the height takes little longer, and bands grow. */
   async function drawInBands(t, mine) {
-    let rows_ = perPixel > 0 ? Math.max(8, Math.floor(2 * SLICE / perPixel / t.w)) : 16;
-    for (let from = 0; from < t.h; from += rows_) {
-      const began = performance.now(), to = Math.min(t.h, from + rows_);
+    let rows_ = perPixel > 0 ? Math.max(8, Math.floor(2 * SLICE / perPixel / t.w)) : 16, before = 0, grows = true;
+    for (let from = 0, to = 0, n = 0; from < t.h; from = to, n++) {
+      const began = performance.now();
+      to = Math.min(t.h, from + rows_);
       draw(t, from, to);
       gl.bindFramebuffer(gl.FRAMEBUFFER, t.f);
       finishBand();
       const took = performance.now() - began;
       if (to < t.h) await breath();
       if (asked !== mine) return false;
+      if (n > 1 && took > 1.75 * before) grows = false;
+      if (n > 0 && grows) rows_ *= 2;  /* the first band also waits for shaders */
+      before = took;
       const pixels = (to - from) * t.w;
       perPixel = perPixel > 0 ? 0.7 * perPixel + 0.3 * took / pixels : took / pixels;
     }
@@ -878,7 +892,7 @@
       if (a.button.disabled) a.button.title = a.about + ': ' + lacks(a.name);
     }
     const s = meta.stats, words = [meta.title, s.points + ' probes', s.cells + ' cells', 'degree ' + meta.lmax];
-    if (s.tolerance) words.push('tolerance ' + s.tolerance + (s.met ? ' met' : ' not met'));
+    if (s.tolerance) words.push('tolerance ' + +s.tolerance.toPrecision(3) + (s.met ? ' met' : ' not met'));
     if (state.exposure) words.push((state.exposure > 0 ? '+' : '') + state.exposure.toFixed(1) + ' stops');
     if (state.tone !== 'srgb') words.push(state.tone);
     if (movedLamps) words.push('lamps have moved: cells are those of the bake');
@@ -1306,12 +1320,27 @@
     if (gl.getParameter(gl.MAX_TEXTURE_SIZE) < least) return `This page needs textures of ${least} texels a side.`;
   }
 
+  /* Decodes a grid in few bytes. */
+  async function readFew() {
+    let last = performance.now();
+    const made = await decodeFew(meta, sections, async share => {
+      if (performance.now() - last < SLICE) return;
+      tell(`reading the grid, ${Math.round(100 * share)} %`);
+      await breath();
+      last = performance.now();
+    });
+    fewCells(sections.cells, made.layout);
+    sections.data = made.data;
+    sections.flags = made.flags;
+  }
+
   async function begin() {
     root.dataset.state = 'loading';
     const why = missing();
     if (why) return fail(why);
     tell('reading the grid');
     sections = await readSections();
+    if (meta.precision === 'few') await readFew();
     rows = rowsOf(sections);
     born = births(sections.cells);
     places = placesOf(sections.cells);
