@@ -42,8 +42,12 @@ void ylm__grid_forget_panel(ylm_grid *g) {
   g->panel = NULL;
 }
 
-/* The panel becomes the grid's, which has none. */
+/* Bytes of a panel that a grid keeps, at most. */
+#define KEPT_MOST ((size_t)1 << 24)
+
+/* The panel becomes the grid's, which has none; one that is too large does not. */
 static ylm_status keep_panel(const refiner *r, panel *p) {
+  if (ylm__panel_bytes(p, r->b->g->width) > KEPT_MOST) return YLM_OK;
   grid_panel *kept = ylm_alloc(1, sizeof *kept);
   if (!kept) return YLM_ENOMEM;
   *kept = (grid_panel){*p, r->b->measure};
