@@ -320,6 +320,7 @@ void ylm__sides_free(grid_sides *s);
 ylm_status ylm__sides_index(ylm_grid *g);
 /* The hash of evaluated points that are no ghosts; YLM_ENOMEM. */
 ylm_status ylm__sides_hash(ylm_grid *g);
+ylm_status ylm__sides_hash_to(const ylm_grid *g, lattice_hash *h);
 /* The side of an octree's leaf, or NULL: no surface crosses it. */
 static inline const ylm_grid_side *ylm__grid_side_of(const ylm_grid *g, uint32_t leaf) {
   return g->cell[leaf].flags & YLM_GRID_SIDED ? &g->sides.side[g->sides.of[leaf]] : NULL;

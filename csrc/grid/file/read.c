@@ -51,15 +51,19 @@ static bool sizes_hold(const reading *r, const grid_file_form *f) {
          (!validity || validity->size == f->evaluated * sizeof *g->validity);
 }
 
+/* Gives the grid the room that rows of another were in. */
+static void take_room(reading *r) {
+  if (!r->room || !r->room->data) return;
+  r->g->data = r->room->data;
+  r->g->data_bytes = r->room->bytes;
+  *r->room = (grid_file_room){0};
+}
+
 /* Room for all that there is. */
 static ylm_status reserve(reading *r, const grid_file_form *f) {
   ylm_grid *g = r->g;
   size_t born = f->points - f->evaluated;
-  if (r->room && r->room->data) {
-    g->data = r->room->data;
-    g->data_bytes = r->room->bytes;
-    *r->room = (grid_file_room){0};
-  }
+  take_room(r);
   ylm_status s = ylm__grid_reserve_cells(g, f->cells);
   if (s == YLM_OK) s = ylm__grid_reserve_points(g, f->points);
   if (s == YLM_OK && born) g->birth = ylm_alloc(born, sizeof *g->birth);
@@ -203,19 +207,10 @@ static ylm_status read_packed(reading *r, const grid_file_form *f, small_packed 
 static ylm_status read_small(reading *r, const grid_file_form *f) {
   ylm_grid *g = r->g;
   small_packed p = {0};
-  if (r->room && r->room->data) {
-    g->data = r->room->data;
-    g->data_bytes = r->room->bytes;
-    *r->room = (grid_file_room){0};
-  }
+  take_room(r);
   ylm_status s = take_root(r);
   if (s == YLM_OK) s = read_packed(r, f, &p);
-  ylm_free(p.tree);
-  ylm_free(p.bases);
-  ylm_free(p.tables);
-  ylm_free(p.points);
-  ylm_free(p.data);
-  ylm_free(p.raw);
+  ylm__small_packed_free(&p);
   if (s != YLM_OK) return s;
   if (ylm__file_table_find(&r->table, GRID_FILE_small_report)) {
     s = take(r, GRID_FILE_small_report, sizeof g->small, 1, &g->small);

@@ -202,10 +202,14 @@ static ylm_status put_sections(writing *w, sink *s) {
   return YLM_OK;
 }
 
+/* The sum of a header and its table. */
+static uint64_t head_sum(const grid_file_header *h, const grid_file_entry *entry, size_t n) {
+  return ylm_crc64(ylm_crc64(0, h, offsetof(grid_file_header, crc)), entry, n * sizeof *entry);
+}
+
 /* Header and table, at the beginning. */
 static void put_head(writing *w, sink *s) {
-  uint64_t crc = ylm_crc64(0, &w->header, offsetof(grid_file_header, crc));
-  w->header.crc = ylm_crc64(crc, w->entry, w->entries * sizeof *w->entry);
+  w->header.crc = head_sum(&w->header, w->entry, w->entries);
   s->at = 0;
   put(s, &w->header, sizeof w->header);
   put(s, w->entry, w->entries * sizeof *w->entry);
@@ -258,12 +262,13 @@ ylm_status ylm_grid_write(const ylm_grid *g, const char *path, ylm_error *e) {
   return ylm_file_commit(s.file, e);
 }
 
-/* The entry of a section in a table in memory; NULL: there is none of that size. */
-static grid_file_entry *entry_of(grid_file_entry *entry, size_t n, const char *name, size_t bytes) {
-  for (size_t i = 0; i < n; i++)
-    if (strncmp(entry[i].name, name, sizeof entry[i].name) == 0)
-      return entry[i].size == bytes ? &entry[i] : NULL;
-  return NULL;
+/* Replaces a section's bytes in a file in memory, and its sum in the table; false: it has another size. */
+static bool replace(unsigned char *data, const file_table *t, int kind, const void *bytes, size_t n) {
+  const grid_file_entry *found = ylm__file_table_find(t, kind);
+  if (!found || found->size != n) return false;
+  memcpy(data + found->offset, bytes, n);
+  t->entry[found - t->entry].crc = ylm_crc64(0, bytes, n);
+  return true;
 }
 
 ylm_status ylm_grid_restate(unsigned char *data, size_t size, const ylm_grid *g, ylm_error *e) {
@@ -274,20 +279,17 @@ ylm_status ylm_grid_restate(unsigned char *data, size_t size, const ylm_grid *g,
   if (s == YLM_OK) s = ylm__file_table_read(&t, &source, e);
   if (s != YLM_OK) return s;
   describe(&w);
-  grid_file_entry *form = entry_of(t.entry, t.sections, "form", sizeof w.form),
-                  *stats = entry_of(t.entry, t.sections, "stats", sizeof w.stats);
-  if (!form || !stats || memcmp(data + form->offset, &w.form, offsetof(grid_file_form, bounds)) != 0)
-    s = ylm__grid_file_bad("the grid", "it is another's", e);
-  if (s == YLM_OK) {
-    memcpy(data + form->offset, &w.form, sizeof w.form);
-    memcpy(data + stats->offset, &w.stats, sizeof w.stats);
-    form->crc = ylm_crc64(0, &w.form, sizeof w.form);
-    stats->crc = ylm_crc64(0, &w.stats, sizeof w.stats);
-    size_t bytes = t.sections * sizeof *t.entry;
-    memcpy(data + sizeof w.header, t.entry, bytes);
+  const grid_file_entry *form = ylm__file_table_find(&t, GRID_FILE_form);
+  bool holds = form && form->size == sizeof w.form &&
+               memcmp(data + form->offset, &w.form, offsetof(grid_file_form, bounds)) == 0 &&
+               replace(data, &t, GRID_FILE_form, &w.form, sizeof w.form) &&
+               replace(data, &t, GRID_FILE_stats, &w.stats, sizeof w.stats);
+  if (!holds) s = ylm__grid_file_bad("the grid", "it is another's", e);
+  if (holds) {
     memcpy(&w.header, data, sizeof w.header);
-    w.header.crc = ylm_crc64(ylm_crc64(0, &w.header, offsetof(grid_file_header, crc)), t.entry, bytes);
+    w.header.crc = head_sum(&w.header, t.entry, t.sections);
     memcpy(data, &w.header, sizeof w.header);
+    memcpy(data + sizeof w.header, t.entry, t.sections * sizeof *t.entry);
   }
   ylm_free(t.entry);
   return s;

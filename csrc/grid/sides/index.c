@@ -27,10 +27,12 @@ ylm_status ylm__sides_index(ylm_grid *g) {
   return YLM_OK;
 }
 
-ylm_status ylm__sides_hash(ylm_grid *g) {
-  ylm_status s = ylm__lattice_hash_reserve(&g->hash, g->evaluated);
+ylm_status ylm__sides_hash_to(const ylm_grid *g, lattice_hash *h) {
+  ylm_status s = ylm__lattice_hash_reserve(h, g->evaluated);
   for (size_t i = 0; s == YLM_OK && i < g->evaluated; i++)
     if (!(g->flags[i] & YLM_GRID_POINT_GHOST))
-      *ylm__lattice_hash_at(&g->hash, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
+      *ylm__lattice_hash_at(h, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
   return s;
 }
+
+ylm_status ylm__sides_hash(ylm_grid *g) { return ylm__sides_hash_to(g, &g->hash); }

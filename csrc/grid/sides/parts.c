@@ -9,14 +9,6 @@
 #include <math.h>
 #include <string.h>
 
-/* Middles of pieces are this much off, in pieces: walls of scenes like to be at round parts of a voxel. */
-static const double askew[3] = {0.0137, -0.0211, 0.0173};
-
-/* Where a piece's middle is, in edges of the leaf. */
-static double piece_middle(size_t piece, int a) {
-  return (piece_at(piece, a) + 0.5 + askew[a]) / SUB;
-}
-
 void ylm__side_place(const ylm_grid *g, const ylm_grid_cell *c, size_t piece,
                      const double origin[3], float out[3]) {
   const double *box = g->contents.form.bounds;

@@ -49,8 +49,7 @@ bool ylm__small_head_holds(const small_head *h, const ylm_grid *g) {
 /* -- bases ------------------------------------------------------------------------------------------ */
 
 static const char *take_bases(small_frame *f, const small_packed *p) {
-  size_t blocks = f->turns ? (f->k->met + SMALL_BLOCK - 1) / SMALL_BLOCK : 0,
-         entries = f->basis.kinds * f->basis.size;
+  size_t blocks = small_blocks(f), entries = f->basis.kinds * f->basis.size;
   if (p->bases_size != entries + blocks * sizeof *f->turns) return "its bases";
   memcpy(f->basis.entry, p->bases, entries);
   ylm__small_settle(&f->basis);

@@ -145,7 +145,8 @@ ylm_status ylm__small_encoder(const ylm_grid *from, int threads, small_encoder *
   return s == YLM_OK ? copy_points(k) : s;
 }
 
-static void free_packed(small_packed *p) {
+void ylm__small_packed_free(small_packed *p) {
+  ylm_free(p->tree);
   ylm_free(p->bases);
   ylm_free(p->tables);
   ylm_free(p->points);
@@ -156,7 +157,8 @@ static void free_packed(small_packed *p) {
 
 void ylm__small_encoder_free(small_encoder *k) {
   if (!k) return;
-  free_packed(&k->packed);
+  k->packed.tree = NULL; /* that of the coder */
+  ylm__small_packed_free(&k->packed);
   ylm_free(k->tree.out);
   ylm__small_frame_free(&k->frame);
   ylm_grid_free(k->layout.g);
@@ -176,9 +178,9 @@ typedef struct rounding {
   small_encoder *k;
   bit_coder code;
   small_points points;
-  float *number, *other, *room; /* [rows * width], a row, [channels * count] */
-  double *mean;                 /* [SMALL_CLASSES][rows * width] sums of sizes */
-  uint64_t *times;              /* of numbers in these */
+  float *number, *room; /* [rows * width], [width] */
+  double *mean;         /* [SMALL_CLASSES][rows * width] sums of sizes */
+  uint64_t *times;      /* of numbers in these */
   uint64_t (*count)[RANS_SYMBOLS];
 } rounding;
 
@@ -189,10 +191,9 @@ static int32_t rounded(float x) {
 }
 
 /* The prediction that the point is nearer to, of two. */
-static int choose_way(const rounding *r, size_t met, float *row) {
+static int choose_way(const rounding *r, size_t met, int ways, float *row) {
   const small_frame *f = &r->k->frame;
   const float *exact = ylm__grid_row(r->k->from, r->k->layout.old[met], 0);
-  int ways = ylm__small_ways(f, met);
   if (ways != 3) return ways;
   double best = INFINITY;
   int way = 1;
@@ -236,7 +237,7 @@ static void round_point(rounding *r, size_t met) {
   float step[4], *row = g->data + to * ylm__grid_record(g);
   uint8_t used[4];
   int ways = ylm__small_ways(f, met);
-  small_point p = {.way = choose_way(r, met, row), .exponent = k->exponent[met]};
+  small_point p = {.way = choose_way(r, met, ways, row), .exponent = k->exponent[met]};
   p.way = ylm__small_way_code(&r->points, ways, p.way);
   p.invalid = (g->flags[to] & YLM_GRID_POINT_INVALID) != 0;
   if (g->validity) p.validity = (uint8_t)(g->validity[to] * 255 + 0.5f);
@@ -339,8 +340,7 @@ static ylm_status code_tables(rounding *r, small_packed *p) {
 /* -- all ---------------------------------------------------------------------------------------------------- */
 
 static ylm_status keep_bases(const small_frame *f, small_packed *p) {
-  size_t blocks = f->turns ? (f->k->met + SMALL_BLOCK - 1) / SMALL_BLOCK : 0,
-         entries = f->basis.kinds * f->basis.size;
+  size_t blocks = small_blocks(f), entries = f->basis.kinds * f->basis.size;
   p->bases_size = entries + blocks * sizeof *f->turns;
   p->bases = ylm_alloc(p->bases_size + 1, 1);
   if (!p->bases) return YLM_ENOMEM;
@@ -387,7 +387,8 @@ ylm_status ylm__small_round(small_encoder *k, float step) {
     s = ylm__small_learn(&k->frame, k->exponent);
   }
   k->frame.head.step = step;
-  free_packed(&k->packed);
+  k->packed.tree = NULL; /* that of the coder, which stays */
+  ylm__small_packed_free(&k->packed);
   k->packed.tree = k->tree.out;
   k->packed.tree_size = k->tree.n;
   k->packed.head = k->frame.head;

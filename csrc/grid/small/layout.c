@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "../bake/baker.h"
+#include "../sides/sides.h"
 #include "ylm_list.h"
 
 #define LOOSE 0xff     /* level of points that no cell has brought */
@@ -25,8 +25,8 @@
 
 struct layout_chances {
   bit_chance split[YLM_GRID_MAX_DEPTH + 1][4], occupied[8], data[8], crossed[8], sided[4], brick[2],
-      centre[YLM_GRID_MAX_DEPTH + 1], leaf[4];
-  bit_chance gap[NUMBERS], loose[3][NUMBERS], parts[16], piece[3][17], label[16][16], ghost[16],
+      centre[YLM_GRID_MAX_DEPTH + 1];
+  bit_chance gap[NUMBERS], loose[3][NUMBERS], parts[16], piece[3][17], label[16], ghost[3],
       fresh[2], near[1 << NEAR_BITS], back[NUMBERS];
 };
 
@@ -108,12 +108,10 @@ static void set_kin(small_layout *k, uint32_t point, uint32_t row, int corner, b
 
 /* -- cells ---------------------------------------------------------------------------------------- */
 
-static bool is_sided_leaf(const ylm_grid_cell *c) { return c->flags & YLM_GRID_SIDED; }
-
 /* Has a cell of `from` all its corners among evaluated points that are no ghosts? */
 static bool has_data(const small_layout *k, const ylm_grid_cell *c) {
   uint32_t at[3];
-  if (is_sided_leaf(c)) return false;
+  if (c->flags & YLM_GRID_SIDED) return false;
   for (int i = 0; i < 8; i++) {
     ylm__grid_corner_at(k->from, c, i, at);
     if (old_at(k, at) == YLM_GRID_NONE) return false;
@@ -121,7 +119,7 @@ static bool has_data(const small_layout *k, const ylm_grid_cell *c) {
   return true;
 }
 
-/* The point in the middle of a leaf, YLM_GRID_NONE: none was evaluated. */
+/* The middle of a leaf, in lattice coordinates. */
 static void centre_of(const ylm_grid *g, const ylm_grid_cell *c, uint32_t at[3]) {
   for (int a = 0; a < 3; a++) at[a] = c->origin[a] + ylm__grid_edge(g, c) / 2;
 }
@@ -189,11 +187,6 @@ static ylm_status bring_corners(small_layout *k, uint32_t cell, uint32_t parent)
 
 /* -- sides ------------------------------------------------------------------------------------------ */
 
-static void set_piece(ylm_grid_side *s, size_t piece, uint8_t part) {
-  int shift = 4 * (int)(piece & 1);
-  s->part[piece / 2] = (uint8_t)((s->part[piece / 2] & ~(15 << shift)) | part << shift);
-}
-
 /* The parts of a leaf's pieces: those of the pieces before along the axes, or another. */
 static void code_pieces(small_layout *k, ylm_grid_side *s, const ylm_grid_side *was) {
   static const size_t step[3] = {1, YLM_GRID_PIECES_ALL, YLM_GRID_PIECES_ALL * YLM_GRID_PIECES_ALL};
@@ -213,30 +206,21 @@ static void code_pieces(small_layout *k, ylm_grid_side *s, const ylm_grid_side *
       found = ylm__coder_bit(k->c, &p->piece[m][4 * n + (int)(i % 2)], beside[m] == want);
       if (found) got = beside[m];
     }
-    if (!found) got = (uint8_t)ylm__coder_symbol(k->c, p->label[0], 4, want);
-    set_piece(s, i, got);
+    if (!found) got = (uint8_t)ylm__coder_symbol(k->c, p->label, 4, want);
+    side_set_part(s, i, got);
   }
 }
 
-/* A corner of a leaf and a place, relative to its origin in edges. */
-static double edges_of(const small_layout *k, const ylm_grid_cell *c, int a, double x) {
-  const ylm_grid *g = k->g;
-  double edge = ylm__grid_edge(g, c) / g->scale[a],
-         corner = g->contents.form.bounds[a] + c->origin[a] / g->scale[a] - g->origin[a];
-  return (x - corner) / edge;
-}
-
-static float place_of_edges(const small_layout *k, const ylm_grid_cell *c, int a, double t) {
-  const ylm_grid *g = k->g;
-  double edge = ylm__grid_edge(g, c) / g->scale[a],
-         corner = g->contents.form.bounds[a] + c->origin[a] / g->scale[a] - g->origin[a];
-  return (float)(corner + edge * t);
+/* An edge of a leaf and its lowest corner along an axis, relative to the grid's origin. */
+static void extent_of(const ylm_grid *g, const ylm_grid_cell *c, int a, double *edge,
+                      double *corner) {
+  *edge = ylm__grid_edge(g, c) / g->scale[a];
+  *corner = g->contents.form.bounds[a] + c->origin[a] / g->scale[a] - g->origin[a];
 }
 
 /* The middle of a piece, in edges of its leaf. */
-static void piece_middle(size_t piece, double t[3]) {
-  for (int a = 0; a < 3; a++, piece /= YLM_GRID_PIECES_ALL)
-    t[a] = ((double)(piece % YLM_GRID_PIECES_ALL) - 0.5) / YLM_GRID_PIECES_OWN;
+static void middle_of(size_t piece, double t[3]) {
+  for (int a = 0; a < 3; a++) t[a] = piece_middle(piece, a);
 }
 
 /* Pieces of a part by their distance from a corner of its leaf, the nearest NEAR first; how many. */
@@ -246,7 +230,7 @@ static int near_pieces(const ylm_grid_side *s, uint32_t part, int corner, size_t
   for (size_t i = 0; i < YLM_GRID_PIECES; i++) {
     double t[3], d = 0;
     if (ylm_grid_side_part(s, i) != part) continue;
-    piece_middle(i, t);
+    middle_of(i, t);
     for (int a = 0; a < 3; a++) d += (t[a] - (corner >> a & 1)) * (t[a] - (corner >> a & 1));
     int at = n < NEAR ? n++ : NEAR;
     for (; at > 0 && d < way[at - 1]; at--)
@@ -281,10 +265,12 @@ static void code_asked(small_layout *k, uint32_t point, const ylm_grid_side *sid
   size_t piece[NEAR];
   double place[3] = {0}, middle[3], way = 0, off, best = NEAR_ENOUGH;
   int n = near_pieces(side, part, corner, piece), which = 0;
+  double edge[3], low[3];
+  for (int a = 0; a < 3; a++) extent_of(k->g, c, a, &edge[a], &low[a]);
   for (int a = 0; k->from && a < 3; a++)
-    place[a] = edges_of(k, c, a, (double)k->from->sides.asked[k->old[point]][a]);
+    place[a] = ((double)k->from->sides.asked[k->old[point]][a] - low[a]) / edge[a];
   for (int i = 0; k->from && i < n; i++) {
-    piece_middle(piece[i], middle);
+    middle_of(piece[i], middle);
     double t = way_to(middle, corner, place, &off);
     if (off < best) best = off, way = t, which = i;
   }
@@ -292,7 +278,7 @@ static void code_asked(small_layout *k, uint32_t point, const ylm_grid_side *sid
     which = (int)ylm__coder_symbol(k->c, p->near, NEAR_BITS, (uint32_t)which);
     uint32_t bits = ylm__coder_raw(k->c, WAY_BITS, (uint32_t)(way * ((1 << WAY_BITS) - 1) + 1e-6));
     if (which >= n) which = 0; /* of a damaged stream */
-    piece_middle(piece[which], middle);
+    middle_of(piece[which], middle);
     way = (double)bits / ((1 << WAY_BITS) - 1);
     for (int a = 0; a < 3; a++) place[a] = middle[a] + way * ((corner >> a & 1) - middle[a]);
   } else
@@ -302,7 +288,7 @@ static void code_asked(small_layout *k, uint32_t point, const ylm_grid_side *sid
       uint32_t bits = ylm__coder_raw(k->c, ASKED_BITS, (uint32_t)(m > 0 ? m < last ? m : last : 0));
       place[a] = bits * unit - ASKED_WIDE / 2;
     }
-  for (int a = 0; a < 3; a++) k->g->sides.asked[point][a] = place_of_edges(k, c, a, place[a]);
+  for (int a = 0; a < 3; a++) k->g->sides.asked[point][a] = (float)(low[a] + edge[a] * place[a]);
 }
 
 /* The ghost at a corner of a part. */
@@ -456,21 +442,11 @@ static ylm_status lay_out_octree(small_layout *k) {
   return s;
 }
 
-/* Points of `from` that are no ghosts, by their places. */
-static ylm_status know(small_layout *k) {
-  const ylm_grid *from = k->from;
-  ylm_status s = ylm__lattice_hash_reserve(&k->known, from->evaluated);
-  for (size_t i = 0; s == YLM_OK && i < from->evaluated; i++)
-    if (!(from->flags[i] & YLM_GRID_POINT_GHOST))
-      *ylm__lattice_hash_at(&k->known, lattice_key(from->lattice + 3 * i)) = (uint32_t)i;
-  return s;
-}
-
 ylm_status ylm__small_lay_out(small_layout *k) {
   k->chance = ylm_alloc(1, sizeof *k->chance);
   if (!k->chance) return YLM_ENOMEM;
   ylm__coder_even((bit_chance *)k->chance, sizeof *k->chance / sizeof(bit_chance));
-  ylm_status s = k->from ? know(k) : YLM_OK;
+  ylm_status s = k->from ? ylm__sides_hash_to(k->from, &k->known) : YLM_OK;
   if (s != YLM_OK) return s;
   if (k->g->contents.form.kind == YLM_GRID_UNIFORM) return lay_out_voxels(k);
   return lay_out_octree(k);

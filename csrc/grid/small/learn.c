@@ -121,7 +121,7 @@ static void sum_colours(const learning *j, double a[9]) {
 
 static ylm_status learn_colours(learning *j, const int16_t *exponent) {
   small_frame *f = j->f;
-  size_t blocks = (f->k->met + SMALL_BLOCK - 1) / SMALL_BLOCK;
+  size_t blocks = small_blocks(f);
   double(*sum)[9] = ylm_alloc_zero(blocks, sizeof *sum), v[9], value[3];
   if (!sum) return YLM_ENOMEM;
   for (size_t i = 0; i < blocks; i++) /* differences are as they are */

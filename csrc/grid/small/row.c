@@ -59,6 +59,11 @@ static void weights_of_place(const small_frame *f, const float edge[3], uint32_t
   }
 }
 
+/* The level of cells of one edge of the lattice. */
+static int depth_of(const ylm_grid *g) {
+  return g->contents.form.kind == YLM_GRID_UNIFORM ? 0 : g->contents.form.depth;
+}
+
 static ylm_status make_weights(small_frame *f) {
   int levels = f->g->contents.form.kind == YLM_GRID_UNIFORM ? 0 : f->g->contents.form.depth + 1;
   f->weights = ylm_alloc((size_t)levels + 1, sizeof *f->weights);
@@ -90,7 +95,7 @@ static ylm_status find_edges(small_frame *f) {
       if (c->level < *edge) *edge = c->level;
     }
   }
-  int depth = g->contents.form.kind == YLM_GRID_UNIFORM ? 0 : g->contents.form.depth;
+  int depth = depth_of(g);
   for (size_t i = 0; i < k->met; i++) {
     if (f->edge[i] == 0xff) f->edge[i] = k->level[i];
     if (f->edge[i] > depth) f->edge[i] = (uint8_t)depth;
@@ -151,7 +156,7 @@ size_t ylm__small_basis_size(small_turn turn, int lmax) {
 
 ylm_status ylm__small_bases(small_frame *f) {
   small_basis *b = &f->basis;
-  size_t blocks = (f->k->met + SMALL_BLOCK - 1) / SMALL_BLOCK;
+  size_t blocks = small_blocks(f);
   b->turn = (small_turn)f->head.turn;
   b->lmax = f->g->contents.form.lmax;
   b->count = f->count;
@@ -160,7 +165,7 @@ ylm_status ylm__small_bases(small_frame *f) {
   b->entry = ylm_alloc(b->kinds * b->size + 1, 1);
   b->column = ylm_alloc(b->kinds * b->size + 1, sizeof *b->column);
   if (!b->entry || !b->column) return YLM_ENOMEM;
-  if (f->channels == 1) return YLM_OK;
+  if (!blocks) return YLM_OK;
   f->colour = ylm_alloc(blocks, 9 * sizeof *f->colour);
   f->turns = ylm_alloc(blocks, sizeof *f->turns);
   if (!f->colour || !f->turns) return YLM_ENOMEM;
@@ -431,7 +436,7 @@ float ylm__small_norm(int e) {
 
 void ylm__small_steps(const small_frame *f, size_t met, int e, float step[4]) {
   step[0] = f->head.step * ylm__small_norm(e);
-  int depth = f->g->contents.form.kind == YLM_GRID_UNIFORM ? 0 : f->g->contents.form.depth;
+  int depth = depth_of(f->g);
   for (int a = 0; a < 3; a++) {
     double edge = f->voxel[a] * (double)(1u << (depth - f->edge[met]));
     step[a + 1] = (float)((double)(f->head.slopes * step[0]) / edge);

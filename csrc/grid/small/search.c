@@ -29,7 +29,6 @@ typedef struct search {
   ylm_error *e;
   size_t n; /* places */
   double (*place)[3];
-  float *normal;      /* [n][3] of a panel of irradiance */
   float *before;      /* [n][width] light of the grid */
   const panel *judge; /* NULL: none */
   measure m;
@@ -177,10 +176,14 @@ static double ratio(const search *s) {
   return error / s->how->tolerance;
 }
 
+/* The grid's own error, or what stands for one that is not known. */
+static double own_error(const search *s, double unknown) {
+  return isnan(s->from->stats.error) ? unknown : s->from->stats.error;
+}
+
 /* The next step, from a step whose ratio is known. */
 static double guess(const search *s, double step, double found) {
-  double before =
-      s->judge || !isnan(s->from->stats.error) ? s->from->stats.error / s->how->tolerance : 0;
+  double before = own_error(s, 0) / s->how->tolerance;
   if (s->how->bytes) return step * pow(found / AIM, 1 / s->steep);
   if (!s->judge) return found > before ? step * (1 - before) / (found - before) * 0.995 : 2 * step;
   double squares = found * found - before * before;
@@ -188,8 +191,8 @@ static double guess(const search *s, double step, double found) {
 }
 
 static double first_step(const search *s) {
-  double before = isnan(s->from->stats.error) ? 0 : s->from->stats.error, t = s->how->tolerance;
-  if (s->how->bytes) return fmax(1e-4, 0.3 * (isnan(s->from->stats.error) ? 0.01 : before));
+  double before = own_error(s, 0), t = s->how->tolerance;
+  if (s->how->bytes) return fmax(1e-4, 0.3 * own_error(s, 0.01));
   double part = s->judge ? sqrt(fmax(t * t - before * before, 1e-4 * t * t))
                          : fmax(t - before, 0.01 * t) / 1.3;
   return part / (PER_STEP * sqrt((double)s->from->width));

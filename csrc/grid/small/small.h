@@ -123,6 +123,10 @@ size_t ylm__small_basis_size(small_turn turn, int lmax);
 /* The turn of a block's colours: columns. */
 void ylm__small_turn(uint32_t turn, float column[9]);
 
+/* Blocks of points that share a turn of colours; 0: there is one channel. */
+static inline size_t small_blocks(const small_frame *f) {
+  return f->channels == 1 ? 0 : (f->k->met + SMALL_BLOCK - 1) / SMALL_BLOCK;
+}
 /* Can a point be predicted by parents, by kin? Bits 1, 2. */
 int ylm__small_ways(const small_frame *f, size_t met);
 /* The prediction of a point: [rows][stride]. */
@@ -205,6 +209,8 @@ typedef struct small_packed {
   unsigned char *tree, *bases, *tables, *points, *data, *raw;
   size_t tree_size, bases_size, tables_size, points_size, data_size, raw_size;
 } small_packed;
+
+void ylm__small_packed_free(small_packed *p);
 
 /* An encoding under way: the grid in the making holds what readers will decode. */
 typedef struct small_encoder small_encoder;
