@@ -7,6 +7,8 @@
 
 local core = require "ylm.c.core"
 local ylm = require "ylm"
+local grids = require "spec.support.grids"
+local random = require "spec.support.random"
 
 local out = (arg and arg[1] or "out/bench") .. "/"
 os.execute(("mkdir -p '%s'"):format(out))
@@ -14,16 +16,9 @@ os.execute(("mkdir -p '%s'"):format(out))
 local floor_lights = assert(ylm.load "examples/scenes/floor_lights.lua")
 local two_lamps = assert(ylm.load "examples/scenes/two_lamps.lua")
 
-local function random(seed)
-  return function()
-    seed = seed * 48271 % 2147483647
-    return seed / 2147483647
-  end
-end
-
 --- Places on the floor of floor_lights.
 local function floor_places(n)
-  local r, t = random(77), {}
+  local r, t = random.from(77), {}
   for i = 1, n do t[i] = { 11 * r() - 5.5, 0, 11 * r() - 5.5 } end
   return ylm.array(t, "double")
 end
@@ -31,13 +26,8 @@ local fresh = floor_places(4096)
 
 --- Relative errors of rows, sorted; the 99 % quantile and the median.
 local function quantiles(value, exact)
-  local e = {}
-  for i = 1, #value do
-    local _, d, norm = core.array_distance(value[i], exact[i])
-    e[i] = d / norm
-  end
-  table.sort(e)
-  return e[math.ceil(0.99 * #e)], e[math.ceil(0.5 * #e)]
+  local e = grids.errors(value, exact)
+  return grids.quantile(e, 0.99), grids.quantile(e, 0.5)
 end
 
 local exact = {}

@@ -5,6 +5,10 @@ ylm_radiosity *ylmL_radiosity(lua_State *L, int i) {
   return ylmL_held_check(L, i, YLML_RADIOSITY)->object;
 }
 
+void ylmL_read_radiosity(lua_State *L, int i, void *field) {
+  *(const ylm_radiosity **)field = ylmL_radiosity(L, i);
+}
+
 static void destroy(void *r) { ylm_radiosity_free(r); }
 
 /* radiosity_create(transfer) -> radiosity, dark */

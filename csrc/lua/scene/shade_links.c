@@ -108,13 +108,9 @@ static void read_links(lua_State *L, int i, void *field) {
   *(const ylm_shade_links **)field = check_links(L, i);
 }
 
-static void read_radiosity(lua_State *L, int i, void *field) {
-  *(const ylm_radiosity **)field = ylmL_radiosity(L, i);
-}
-
 static const ylmL_entry blend_entries[] = {
     YLML(blend_form, links, "links", READ, .read = read_links),
-    YLML(blend_form, lit, "lit", READ, .read = read_radiosity),
+    YLML(blend_form, lit, "lit", READ, .read = ylmL_read_radiosity),
     YLML(blend_form, lmax, "lmax", INT),
     YLML(blend_form, threads, "threads", INT),
     YLML(blend_form, progress, "progress", VALUE),

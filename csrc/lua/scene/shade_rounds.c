@@ -16,13 +16,9 @@ static void read_transfer(lua_State *L, int i, void *field) {
   *(const ylm_transfer **)field = ylmL_transfer(L, i);
 }
 
-static void read_radiosity(lua_State *L, int i, void *field) {
-  *(const ylm_radiosity **)field = ylmL_radiosity(L, i);
-}
-
 static const ylmL_entry sets_entries[] = {
     YLML(sets_form, transfer, "transfer", READ, .read = read_transfer),
-    YLML(sets_form, lit, "lit", READ, .read = read_radiosity),
+    YLML(sets_form, lit, "lit", READ, .read = ylmL_read_radiosity),
     YLML(sets_form, sets, "sets", ARRAY),
     YLML(sets_form, first, "first", ARRAY),
     YLML(sets_form, second, "second", ARRAY),

@@ -29,6 +29,8 @@ int ylmL_let_go(lua_State *L);
 
 ylm_transfer *ylmL_transfer(lua_State *L, int i);
 ylm_radiosity *ylmL_radiosity(lua_State *L, int i);
+/* ylmL_radiosity, for a field of a form: const ylm_radiosity *. */
+void ylmL_read_radiosity(lua_State *L, int i, void *field);
 
 /* The light field that a radiosity has by itself. gather.c */
 ylmL_field_of ylmL_radiosity_default;
