@@ -93,8 +93,8 @@ static bool place(const double *x, ylm_light_place *out) {
   return true;
 }
 
-static void intensity(const double *x, double cosine, double rgb[3]) {
-  double part = part_of(x, cosine);
+static void intensity(const double *x, const double way[3], double rgb[3]) {
+  double part = part_of(x, way[0] * x[AXIS] + way[1] * x[AXIS + 1] + way[2] * x[AXIS + 2]);
   for (int c = 0; c < 3; c++) rgb[c] = x[c] * part;
 }
 

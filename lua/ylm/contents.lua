@@ -9,6 +9,7 @@ return {
   { "ylm.spheres", "sphere_set" },
   { "ylm.shadow", "occluder", "caster", "casters", "sphere_casters", "shadowed", "visibility" },
   { "ylm.material", "matte", "ggx", "phong", "abc", "merl", "rgl", "tabulated" },
+  { "ylm.photometry", "photometry" },
   { "ylm.camera", "camera" },
   { "ylm.gltf", "gltf" },
   { "ylm.transfer", "links" },
