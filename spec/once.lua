@@ -8,9 +8,9 @@ return {
     grid_sides
     grid_surface grid_update grid_update_flat grid_update_memory grid_update_octree grid_update_random
     grid_update_undo grid_update_view guide install knob ladder light light_blocks light_merged
-    light_polygon_kernel light_polygon_scene light_sampled light_sky light_textured light_tree lightmap live
+    light_photometric light_polygon_kernel light_polygon_scene light_sampled light_sky light_textured light_tree lightmap live
     live_display material material_file material_kinds material_table memory_picture neon no_lights occlusion page
-    papers path plot plot_lines prepared_look radiosity refresh relight render render_noise run sh_eval
+    papers path photometry photometry_file plot plot_lines prepared_look radiosity refresh relight render render_noise run sh_eval
     sh_exponential sh_product sh_project sh_rotate shade shadow_bodies shadow_fields shadow_rays shell site
     sphere_set spot style surface team_bake team_bricks team_faults texture transfer transfer_vectors
     two_rooms_light view view_bar view_grid virtual_gather virtual_gaussian virtual_gloss virtual_kernel

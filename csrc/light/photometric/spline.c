@@ -8,25 +8,18 @@
 #define CUT_FACTOR 4
 #define CUT_PART 0.1
 
-/* What a spline does at an end. */
-typedef struct end {
-  bool clamped;
-  double slope;
-} end;
-
-/* Slopes m [n] of the spline through f [n], `step` numbers apart; work [2 n]. */
-static void open_slopes(size_t n, const double *x, const double *f, size_t step, end from, end to,
-                        double *m, double *work) {
+/* Slopes m [n] of the spline through f [n]; those that are fixed stand in m and cut it into parts, other ends are natural;
+   work [2 n]. */
+static void open_slopes(size_t n, const double *x, const double *f, const bool *fixed, double *m,
+                        double *work) {
   double *upper = work, *right = work + n;
   for (size_t i = 0; i < n; i++) {
     double before = i > 0 ? x[i] - x[i - 1] : 0, behind = i + 1 < n ? x[i + 1] - x[i] : 0;
-    double d0 = i > 0 ? (f[i * step] - f[(i - 1) * step]) / before : 0;
-    double d1 = i + 1 < n ? (f[(i + 1) * step] - f[i * step]) / behind : 0;
+    double d0 = i > 0 ? (f[i] - f[i - 1]) / before : 0;
+    double d1 = i + 1 < n ? (f[i + 1] - f[i]) / behind : 0;
     double a, b, c, r;
-    if (i == 0 && from.clamped) {
-      a = 0, b = 1, c = 0, r = from.slope;
-    } else if (i + 1 == n && to.clamped) {
-      a = 0, b = 1, c = 0, r = to.slope;
+    if (fixed[i]) {
+      a = 0, b = 1, c = 0, r = m[i];
     } else if (i == 0) {
       a = 0, b = 2, c = 1, r = 3 * d1;
     } else if (i + 1 == n) {
@@ -80,39 +73,44 @@ static double monotone(size_t n, const double *x, const double *f, size_t i) {
   return (w0 + w1) / (w0 / d0 + w1 / d1);
 }
 
-/* Both nodes beside a cut-off of a plane take monotone slopes, but those that are clamped. */
-static void soften(const ylm_light_photometry *p, const double *f, double largest, end from, end to,
+static void fix(size_t i, double slope, bool *fixed, double *m) {
+  fixed[i] = true;
+  m[i] = slope;
+}
+
+/* Both nodes beside a cut-off of a plane take monotone slopes, but those that are fixed. */
+static void soften(const ylm_light_photometry *p, const double *f, double largest, bool *fixed,
                    double *m) {
   size_t n = p->angles;
   for (size_t i = 0; i + 1 < n; i++) {
     double hi = fmax(f[i], f[i + 1]), lo = fmin(f[i], f[i + 1]);
     if (!(hi > CUT_FACTOR * lo && hi - lo > CUT_PART * largest)) continue;
-    if (i > 0 || !from.clamped) m[i] = monotone(n, p->angle, f, i);
-    if (i + 2 < n || !to.clamped) m[i + 1] = monotone(n, p->angle, f, i + 1);
+    for (size_t k = i; k < i + 2; k++)
+      if (!fixed[k]) fix(k, monotone(n, p->angle, f, k), fixed, m);
   }
 }
 
-/* The end of plane k at a pole with these slopes along C0 and C90, by the angle to the pole. */
-static end at_pole(const ylm_light_photometry *p, const double slope[2], size_t k, int side) {
-  double s = slope[0] * cos(p->plane[k]) + slope[1] * sin(p->plane[k]);
-  return (end){true, side ? -s : s};
+/* The slope of plane k at a pole with these slopes along C0 and C90, by the angle to the pole. */
+static double at_pole(const ylm_light_photometry *p, const double slope[2], size_t k) {
+  return slope[0] * cos(p->plane[k]) + slope[1] * sin(p->plane[k]);
 }
 
-/* Slopes along gamma. */
-static void along(ylm_light_photometry *p, bool poles[2], double slope[2][2], double *m,
-                  double *work) {
+/* Slopes along gamma; m and work have 3 numbers for each angle. */
+static void along(ylm_light_photometry *p, const bool poles[2], double slope[2][2], bool *fixed,
+                  double *m, double *work) {
   double largest = 0;
-  for (size_t i = 0; i < p->planes * p->angles; i++) largest = fmax(largest, p->grid.candela[i]);
+  size_t n = p->angles;
+  for (size_t i = 0; i < p->planes * n; i++) largest = fmax(largest, p->grid.candela[i]);
   for (size_t k = 0; k < p->planes; k++) {
-    const double *f = p->grid.candela + k * p->angles;
-    end from = {false, 0}, to = {false, 0};
-    if (poles[0]) from = at_pole(p, slope[0], k, 0);
-    if (poles[1]) to = at_pole(p, slope[1], k, 1);
-    open_slopes(p->angles, p->angle, f, 1, from, to, m, work);
-    soften(p, f, largest, from, to, m);
-    for (size_t j = 0; j < p->angles; j++) {
-      p->node[k * p->angles + j].f = f[j];
-      p->node[k * p->angles + j].g = m[j];
+    const double *f = p->grid.candela + k * n;
+    memset(fixed, 0, n * sizeof *fixed);
+    if (poles[0]) fix(0, at_pole(p, slope[0], k), fixed, m);
+    if (poles[1]) fix(n - 1, -at_pole(p, slope[1], k), fixed, m);
+    soften(p, f, largest, fixed, m);
+    open_slopes(n, p->angle, f, fixed, m, work);
+    for (size_t j = 0; j < n; j++) {
+      p->node[k * n + j].f = f[j];
+      p->node[k * n + j].g = m[j];
     }
   }
 }
@@ -132,12 +130,16 @@ static void around(ylm_light_photometry *p, double *f, double *m, double *work) 
 ylm_status ylm__photometric_spline(ylm_light_photometry *p) {
   size_t n = p->angles > p->planes ? p->angles : p->planes;
   double *work = ylm_alloc(6 * n, sizeof *work), slope[2][2] = {{0, 0}, {0, 0}};
-  if (!work) return YLM_ENOMEM;
+  bool *fixed = ylm_alloc(n, sizeof *fixed);
   bool poles[2] = {p->grid.angle[0] == 0, p->grid.angle[p->angles - 1] == 180};
-  for (int k = 0; k < 2; k++)
+  ylm_status s = work && fixed ? YLM_OK : YLM_ENOMEM;
+  for (int k = 0; s == YLM_OK && k < 2; k++)
     if (poles[k] && p->planes > 1 && !p->grid.linear) ylm__photometric_fit_pole(p, k, slope[k]);
-  along(p, poles, slope, work, work + n);
-  around(p, work, work + n, work + 2 * n);
+  if (s == YLM_OK) {
+    along(p, poles, slope, fixed, work, work + n);
+    around(p, work, work + n, work + 2 * n);
+  }
   ylm_free(work);
-  return YLM_OK;
+  ylm_free(fixed);
+  return s;
 }

@@ -106,7 +106,10 @@ function lights.skies(list, o, note)
     end
     plain.scale = (tonumber(plain.scale) or 1) * o.light_scale
     local ok, made = memory.pcall(environment.environment_light, plain)
-    if ok and made then out[#out + 1] = made else wrong = wrong + 1 end
+    if ok and made then
+      made.of_file = true
+      out[#out + 1] = made
+    else wrong = wrong + 1 end
   end
   if wrong > 0 then note("skies of extras.ylm left out, because they are none: %d", wrong) end
   return out
@@ -119,6 +122,7 @@ function lights.convert(file, o, note)
     if largest(l.intensity) > 0 then
       local made, message, code = makers[l.kind](l, o)
       if not made then return nil, message, code end
+      made.of_file = true -- its numbers go with either unit
       out[#out + 1] = made
       count[l.kind] = count[l.kind] + 1
     end

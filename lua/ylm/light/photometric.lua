@@ -110,6 +110,7 @@ photometric.photometric_light = form.define("photometric_light", {
       pack.append(out, l.at, l.axis, l.across)
       out[#out + 1], out[#out + 2] = l.half[1], l.half[2]
     end,
+    photometric = true,
   },
   example = [[photometric_light { photometry = photometry { cosine = 1, lumens = 3600 }, at = { 0, 2.8, 0 }, temperature = 4000 }]],
 })
