@@ -187,7 +187,8 @@ describe("photometric_light", function()
     assert(wide:save(folder.path .. "/wide.ies"))
     local function load(file)
       return ylm.load(folder:write("scene.lua", ([[
-        return scene "a room" { lights = photometric_light { photometry = photometry { file = %q }, at = { 0, 2, 0 } } }]]):format(file)))
+        return scene "a room" { lights = photometric_light { photometry = photometry { file = %q }, at = { 0, 2,
+          0 } } }]]):format(file)))
     end
     assert.equal(1, #assert(load "wide.ies").lights)
     for _, name in ipairs { "/etc/passwd", "../wide.ies", "missing.ies" } do
@@ -198,7 +199,8 @@ describe("photometric_light", function()
   end)
 
   it("refuses what it cannot be", function()
-    local function made(o) return function() return assert(ylm.photometric_light(with({ photometry = wide, at = { 0, 0, 0 } }, o))) end end
+    local function made(o) return function() return assert(ylm.photometric_light(with({ photometry = wide, at = { 0, 0, 0 } },
+      o))) end end
     refused("at and to are the same", made { to = { 0, 0, 0 } })
     refused("opening must be 'auto', 'point' or", made { opening = "square" })
     refused("opening: a rectangle has size", made { opening = { shape = "rectangle", radius = 1 } })

@@ -94,8 +94,8 @@ describe("IES LM-63", function()
     it("reads planes of form " .. i .. ", " .. form[1] .. ", of every version", function()
       for k, version in ipairs(versions) do
         local full = form[1] == "full" and form[2][#form[2]] == 360
-        local h, text = form[2], nil
-        text = ies { version = version, v = v90, h = h }
+        local h = form[2]
+        local text = ies { version = version, v = v90, h = h }
         if full then -- the plane at 360 is that at 0
           local lines = {}
           for line in text:gmatch "[^\n]+" do lines[#lines + 1] = line end
@@ -190,11 +190,13 @@ describe("IES LM-63", function()
       { good:sub(1, -10), ":%d+: the file ends: 7 intensities wanted, %d there" },
       { good:gsub("1 1000 1 7", "1 1000 1 1000000000"), ":5: the number of vertical angles must be an integer from 2 to 3601" },
       { good:gsub("1 1000 1 7", "1 1000 1 -7"), "number of vertical angles must be an integer" },
-      { good:gsub("1 1000 1 7", "0 1000 1 7"), "number of lamps must be" }, { good:gsub("1 1000 1", "1 1000 0"), "multiplier must be" },
+      { good:gsub("1 1000 1 7", "0 1000 1 7"), "number of lamps must be" },
+      { good:gsub("1 1000 1", "1 1000 0"), "multiplier must be" },
       { good:gsub("1 1000", "1 lots"), 'lumens of a lamp: a number expected, got "lots"' },
       { good:gsub("1 1000 1", "1 1000 1e300"), "a number expected" }, { good:gsub("TILT=NONE", "TILT="), "TILT= NONE, INCLUDE" },
       { ies { v = v90, h = { 0, 45 } }, "horizontal angles go from 0 to 45" },
-      { ies { v = steps(-10, 90, 10), h = { 0 } }, "within 0 to 180" }, { good .. "\0", "zero byte" }, { "\255\254" .. good, "UTF%-16" },
+      { ies { v = steps(-10, 90, 10), h = { 0 } }, "within 0 to 180" }, { good .. "\0", "zero byte" },
+      { "\255\254" .. good, "UTF%-16" },
       { (good:gsub("(\n0\n)[^\n]*", "%1-1 -1 -1 -1 -1 -1 -1")), "no intensity is above 0" } } do
       local p, message, code = load(case[1])
       assert.is_nil(p, case[2])
@@ -205,7 +207,8 @@ describe("IES LM-63", function()
 
   it("notes what it changes", function()
     for _, case in ipairs {
-      { ies { v = v90, h = steps(0, 330, 30) }, "the circle is closed" }, { ies { v = v90, h = { 0 } } .. "12 13\n", "left out: 1" },
+      { ies { v = v90, h = steps(0, 330, 30) }, "the circle is closed" },
+      { ies { v = v90, h = { 0 } } .. "12 13\n", "left out: 1" },
       { ies { v = steps(0, 60, 15), h = { 0 } }, "dark beyond" },
       { (ies { v = v90, h = { 0 } }:gsub("(\n0\n)100", "%1-5")), "negative intensities" } } do
       local p = assert(load(case[1]))
@@ -219,7 +222,8 @@ end)
 --- A file of EULUMDAT as text.
 local function ldt(o)
   local planes, angles = o.planes or 12, o.g or steps(0, 90, 15)
-  local lines = { "Ylm", o.source or "2", o.symmetry, planes, 360 / planes, #angles, 15, "report", "Lamp", "L-1", "lamp.ldt", "today",
+  local lines = { "Ylm", o.source or "2", o.symmetry, planes, 360 / planes, #angles, 15, "report", "Lamp", "L-1", "lamp.ldt",
+    "today",
     1200, 300, 80, o.length or 1200, o.width or 300, 0, 0, 0, 0, 100, 80, o.factor or 1, 0, o.sets and #o.sets or 1 }
   for _, set in ipairs(o.sets or { { 1, "LED", o.flux or 2000, "4000K", "80", 30 } }) do
     for _, x in ipairs(set) do lines[#lines + 1] = x end
@@ -287,7 +291,8 @@ describe("EULUMDAT", function()
     for _, case in ipairs {
       { ldt { symmetry = 4, stored = { 0 }, planes = 10 }, ":4: symmetry 4 wants a multiple of 4 planes" },
       { ldt { symmetry = 5, stored = { 0 } }, "the symmetry %(line 3%) must be" }, { good:sub(1, -60), "intensities wanted" },
-      { good:gsub("\r\nreport", "\r\n15\r\nreport"), "a number expected" }, { good:gsub("\r\n100\r\n80", "\r\nmuch\r\n80"), "downward flux" },
+      { good:gsub("\r\nreport", "\r\n15\r\nreport"), "a number expected" },
+      { good:gsub("\r\n100\r\n80", "\r\nmuch\r\n80"), "downward flux" },
       { ldt { symmetry = 1, stored = { 0 }, g = { 0, 30, 20 } }, ":%d+: angles must increase" },
       { (good:gsub("\r\n12\r\n30", "\r\n1000000000\r\n30", 1)), "number of C planes" } } do
       local p, message, code = load(case[1], "lamp.ldt")

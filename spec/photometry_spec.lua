@@ -107,7 +107,8 @@ describe("photometry", function()
     assert.same({ 240, 240, 3 }, pixels.shape)
     for _, ending in ipairs { "png", "svg", "pdf" } do assert(plot:save(folder.path .. "/polar." .. ending)) end
     local text = folder:read "polar.svg"
-    for _, word in ipairs { "A lamp", "C0–C180", "C90–C270", "cd/klm", "90°" } do assert.truthy(text:find(word, 1, true), word) end
+    for _, word in ipairs { "A lamp", "C0–C180", "C90–C270", "cd/klm", "90°" } do assert.truthy(text:find(word, 1, true),
+      word) end
     folder:remove()
   end)
 
@@ -117,10 +118,12 @@ describe("photometry", function()
     refused("got cosine and candela", made { cosine = 1, candela = { { 1, 1 } } })
     refused("vertical is missing", made { candela = { { 1, 1 } }, horizontal = { 0 } })
     refused("candela must be %[1%]%[3%]", made { vertical = { 0, 45, 90 }, horizontal = { 0 }, candela = { { 1, 1 } } })
-    refused("angles must increase: 45 follows 90", made { vertical = { 0, 90, 45 }, horizontal = { 0 }, candela = { { 1, 1, 1 } } })
+    refused("angles must increase: 45 follows 90", made { vertical = { 0, 90, 45 }, horizontal = { 0 }, candela = { { 1, 1,
+      1 } } })
     refused("must be from 0 to 1e%+20 cd, got %-1", made { vertical = { 0, 90 }, horizontal = { 0 }, candela = { { 1, -1 } } })
     refused("must be from 0 to 180, got 190", made { vertical = { 0, 190 }, horizontal = { 0 }, candela = { { 1, 1 } } })
-    refused("lumens: all intensities are 0", made { vertical = { 0, 90 }, horizontal = { 0 }, candela = { { 0, 0 } }, lumens = 5 })
+    refused("lumens: all intensities are 0", made { vertical = { 0, 90 }, horizontal = { 0 }, candela = { { 0, 0 } },
+      lumens = 5 })
     refused("tilt is for a file", made { cosine = 1, tilt = 3 })
     refused("watts is for tables", made { file = "x.ies", watts = 3 })
     refused("intensity must return a number", made { intensity = function() return "bright" end })

@@ -34,7 +34,8 @@ end
 
 --- The kinds of files that options are for, as a refusal names them.
 local of_kind = { array = "arrays", image = "images", mesh = "meshes", gltf = "glTF files", grid = "grids",
-  grid_set = "grids in bricks", material = "materials", photometry = "photometric files", scene = "scene files", surface_grid = "light on surfaces" }
+  grid_set = "grids in bricks", material = "materials", photometry = "photometric files", scene = "scene files",
+  surface_grid = "light on surfaces" }
 
 --- Kind -> options, and read(path, options).
 local readers = {
@@ -91,14 +92,14 @@ end
 describe "load" {
   shelf = "everyday",
   about = "Reads a file by its content: a scene (.lua, .glb, .gltf), a grid, an array (.npy), an image (.exr, .png, .jpg, .hdr, "
-    .. ".pfm), a mesh (.obj, .ply), a measured material (.binary of MERL, .bsdf of RGL) or a lamp's photometry (.ies, .ldt); or a "
-    .. "grid in bricks, a folder name.ylmd. A scene file may come from a stranger: it sees numbers, tables, math and the constructors, and is bounded in "
-    .. "instructions, memory and described size; other files are looked for in its folder only.",
+    .. ".pfm), a mesh (.obj, .ply), a measured material (.binary of MERL, .bsdf of RGL) or a lamp's photometry (.ies, .ldt); "
+    .. "or a grid in bricks, a folder name.ylmd. A scene file may come from a stranger: it sees numbers, tables, math and the "
+    .. "constructors, and is bounded in instructions, memory and described size; other files are looked for in its folder only.",
   arguments = { { "path", "string", "a regular file, or a folder name.ylmd" },
     { "options?", "table", "limits of a scene file, and what else the kind of file has" } },
   options = load_options,
-  returns = { { "object", "scene|grid|grid_set|array|image|mesh|geometry|material|photometry", "what the file holds; the scene of a glTF "
-    .. "file has its cameras by number and name, and report: counts, and notes about what was left out" } },
+  returns = { { "object", "scene|grid|grid_set|array|image|mesh|geometry|material|photometry", "what the file holds; the scene "
+    .. "of a glTF file has its cameras by number and name, and report: counts, and notes about what was left out" } },
   errors = "nil, message, code where the file is missing, damaged or of another kind, 'ELIMIT' beyond a limit; raises on a wrong "
     .. "argument",
   example = [[

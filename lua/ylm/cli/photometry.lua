@@ -4,8 +4,8 @@ local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
 --- Texts, then the lamp, then the table; none stands in the order that a file lacks.
-local order = { "format", "luminaire", "company", "lamp", "opening", "lumens", "lumens_file", "ratio", "watts", "efficacy", "peak",
-  "beam", "field", "downward", "clipped", "planes", "angles", "notes", "warnings" }
+local order = { "format", "luminaire", "company", "lamp", "opening", "lumens", "lumens_file", "ratio", "watts", "efficacy",
+  "peak", "beam", "field", "downward", "clipped", "planes", "angles", "notes", "warnings" }
 
 local command = {
   summary = "what a lamp's photometric file says, and its polar curve",

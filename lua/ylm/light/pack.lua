@@ -78,7 +78,7 @@ end
 
 --- The field of lights whose numbers may be photometric.
 pack.photometric = { "photometric", "boolean", optional = true,
-  about = "true: its numbers are photometric (cd/m^2, cd, lx), as those of photometric lamps, which stand in no scene with others" }
+  about = "true: its numbers are cd/m^2, cd or lx, as those of photometric lamps, which stand in no scene with watts" }
 
 --- The unit of a light of a form: "lm" or "W"; nil: it goes with either.
 local function unit_of(value, light)

@@ -81,12 +81,13 @@ photometric.photometric_light = form.define("photometric_light", {
   shelf = "everyday",
   numbers = 256,
   about = "A lamp whose intensity by direction is a photometry's: a file of its maker. Its opening sends that intensity, spread "
-    .. "evenly over its area: far away it is the file, near by the opening. Its numbers are lm and cd: results are lx and cd/m^2, "
-    .. "and all lamps of a scene are to be photometric. It has lumens, and notes.",
+    .. "evenly over its area: far away it is the file, near by the opening. Its numbers are lm and cd: results are lx and "
+    .. "cd/m^2, and all lamps of a scene are to be photometric. It has lumens, and notes.",
   fields = {
     { "photometry", "object", of = "photometry" },
     { "at", "point", unit = "scene units", about = "the middle of the opening, m for sizes of files" },
-    { "to", "point", optional = true, unit = "scene units", about = "a place on its axis, gamma = 0; default: straight down, -y" },
+    { "to", "point", optional = true, unit = "scene units",
+      about = "a place on its axis, gamma = 0; default: straight down, -y" },
     { "turn", "number", min = -360, max = 360, default = 0, unit = "degrees",
       about = "about the axis, from C0 towards C90; at 0 C0 looks along +x, +z where the axis does" },
     { "dim", "number", min = 0, max = 10, default = 1, about = "multiplies" },
@@ -94,8 +95,8 @@ photometric.photometric_light = form.define("photometric_light", {
     { "temperature", "number", min = 1000, max = 25000, optional = true, unit = "K",
       about = "colour of a black body, from 4000 of daylight" },
     { "opening", "any", default = "auto",
-      about = "auto: the file's; { shape = 'sphere' | 'disk', radius = }, { shape = 'rectangle', size = { along C0, along C90 } }; "
-        .. "point: no size and no light field, rays find it" },
+      about = "auto: the file's; { shape = 'sphere' | 'disk', radius = }, { shape = 'rectangle', size = { along C0, along "
+        .. "C90 } }; point: no size and no light field, rays find it" },
     { "efficacy", "number", above = 0, max = 683, optional = true, unit = "lm/W",
       about = "takes the lamp into a scene of W: lumens are divided by it" },
     { "name", "string", optional = true },
@@ -112,7 +113,8 @@ photometric.photometric_light = form.define("photometric_light", {
     end,
     photometric = true,
   },
-  example = [[photometric_light { photometry = photometry { cosine = 1, lumens = 3600 }, at = { 0, 2.8, 0 }, temperature = 4000 }]],
+  example = [[
+photometric_light { photometry = photometry { cosine = 1, lumens = 3600 }, at = { 0, 2.8, 0 }, temperature = 4000 }]],
 })
 
 return photometric

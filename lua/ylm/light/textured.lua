@@ -78,7 +78,6 @@ local function frame_of(values, fail)
 end
 
 textured.textured_light = form.define("textured_light", {
-  shelf = "everyday",
   numbers = 256,
   about = "A parallelogram with an image, which it emits to both sides. Spherical harmonics sum its parts, groups of "
     .. "similar texels (a quadtree); pictures and rays see the image. It has count, the number of parts.",

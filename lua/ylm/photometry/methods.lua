@@ -23,12 +23,12 @@ methods.open = open
 
 --- The angle, degrees, between the outermost directions of a plane and the opposite one that have a part of their peak.
 local function width(made, plane, part)
-  local step, ways, cd = 0.25, {}, nil
+  local step, ways = 0.25, {}
   for i = -720, 720 do
     local g, c = math.rad(i * step), math.rad(plane)
     ways[#ways + 1] = { math.sin(g) * math.cos(c), math.sin(g) * math.sin(c), math.cos(g) }
   end
-  cd = core.array_totable((core.photometry_intensity(made, array.array(ways, "double"), 0)))
+  local cd = core.array_totable((core.photometry_intensity(made, array.array(ways, "double"), 0)))
   local peak, first, last = 0, nil, nil
   for _, x in ipairs(cd) do peak = math.max(peak, x) end
   if not (peak > 0) then return 0 end
@@ -108,7 +108,6 @@ local intensity_options = {
 }
 
 describe "photometry:intensity" {
-  shelf = "everyday",
   about = "Intensities in directions of the lamp's frame.",
   arguments = { { "directions", "array|table", "[n][3] or one, any length but 0" }, { "options?", "table", "" } },
   options = intensity_options,
@@ -152,7 +151,6 @@ function list.flux(p, given)
 end
 
 describe "photometry:check" {
-  shelf = "everyday",
   about = "What a table holds, and whether it agrees with what its file says.",
   arguments = {},
   returns = { { "facts", "table", "lumens (of the table), lumens_file (of the bare lamps, or nil), ratio (of the two, or nil), "
@@ -182,7 +180,6 @@ end
 -- Files ---------------------------------------------------------------------------------------------
 
 describe "photometry:save" {
-  shelf = "everyday",
   about = "Writes the table as a file: .ies is LM-63-2002 with absolute intensities, .ldt is EULUMDAT. Planes that are alike are "
     .. "written once. C0 and the opening stay where they are, whichever format the lamp came from.",
   arguments = { { "path", "string", "ends in .ies or .ldt" } },
@@ -222,7 +219,6 @@ describe "photometry:table" {
 list.table = function(p) return check.result("table", core.photometry_grid(open("table", p))) end
 
 describe "photometry:plot" {
-  shelf = "everyday",
   about = "The polar curve as catalogues print it: gamma = 0 points down, rings are intensities.",
   arguments = { { "options?", "table", "see ylm help polar_plot" } },
   returns = { { "plot", "polar_plot", "with save (.png, .svg, .pdf) and pixels" } },

@@ -65,78 +65,99 @@ local function curves_of(v)
   return list, most, upward
 end
 
---- Marks of lines.lua, and words, of the whole picture: strokes first.
-local function compose(v)
-  local width, height, theme = v.size[1], v.size[2], v.theme
-  local font = v.font or picture.font(width, height)
-  local curves, most, upward = curves_of(v)
-  local step = most > 0 and ring_step(most) or 1
-  local rings = math.max(1, math.ceil(most / step - 1e-6))
-  local pad, marks, words = math.floor(font * 1.2), {}, {}
-  local top = pad
-  local function text(string, x, y, style)
-    style.size, style.colour = style.size or font, style.colour or theme.text
-    words[#words + 1] = { string, x, y, style }
-  end
-  if v.title then
-    text(v.title, pad, top, { size = math.floor(font * 1.25), bold = true })
-    top = top + math.floor(font * 2.1)
-  end
-  local bottom = height - pad - math.floor(font * 1.6) -- the legend's line
-  local up = upward > 0.02 * most and 1 or 0.16        -- how much of the circle is above the lamp
-  local room = math.floor(font * 1.8)
-  local radius = math.min((width - 2 * pad - 4 * font) / 2, (bottom - top - 2 * room) / (1 + up))
-  local spare = bottom - top - 2 * room - radius * (1 + up)
-  local cx, cy = width / 2, top + room + radius * up + spare / 2
-  local dim = theme.dim
-  local function put(points, look) marks[#marks + 1] = { points = points, colour = look.colour, width = look.width, dash = look.dash } end
-  local function at(angle, r) return cx + r * math.sin(angle), cy + r * math.cos(angle) end
-  local reach = up == 1 and 180 or 105
-  for k = 1, rings do
+--- Where the parts of a picture are, and what it has: marks of lines.lua, and words.
+local function layout(v)
+  local width, height, font = v.size[1], v.size[2], v.font or picture.font(v.size[1], v.size[2])
+  local d = { v = v, font = font, pad = math.floor(font * 1.2), marks = {}, words = {} }
+  local most, upward
+  d.curves, most, upward = curves_of(v)
+  d.step = most > 0 and ring_step(most) or 1
+  d.rings = math.max(1, math.ceil(most / d.step - 1e-6))
+  local top = d.pad + (v.title and math.floor(font * 2.1) or 0)
+  d.bottom = height - d.pad - math.floor(font * 1.6) -- the legend's line
+  d.whole = upward > 0.02 * most                     -- a whole circle
+  local room, up = math.floor(font * 1.8), d.whole and 1 or 0.16
+  d.radius = math.min((width - 2 * d.pad - 4 * font) / 2, (d.bottom - top - 2 * room) / (1 + up))
+  local spare = d.bottom - top - 2 * room - d.radius * (1 + up)
+  d.x, d.y = width / 2, top + room + d.radius * up + spare / 2
+  return d
+end
+
+local function text(d, string, x, y, style)
+  style = style or {}
+  style.size, style.colour = style.size or d.font, style.colour or d.v.theme.text
+  d.words[#d.words + 1] = { string, math.floor(x), math.floor(y), style }
+end
+
+local function put(d, points, colour, width, dash)
+  d.marks[#d.marks + 1] = { points = points, colour = colour, width = width, dash = dash }
+end
+
+--- The place at an angle in degrees and a distance from the lamp, pixels.
+local function at(d, angle, r)
+  return d.x + r * math.sin(math.rad(angle)), d.y + r * math.cos(math.rad(angle))
+end
+
+--- Rings, and rays every 15 degrees, of which every other has its angle.
+local function put_net(d)
+  local dim, reach = d.v.theme.dim, d.whole and 180 or 105
+  for k = 1, d.rings do
     local points = {}
-    for g = -reach, reach, 1 do
-      local x, y = at(math.rad(g), radius * k / rings)
-      points[#points + 1], points[#points + 2] = x, y
-    end
-    put(points, { colour = dim, width = k == rings and 1.2 or 0.7 })
+    for g = -reach, reach do points[#points + 1], points[#points + 2] = at(d, g, d.radius * k / d.rings) end
+    put(d, points, dim, k == d.rings and 1.2 or 0.7)
   end
-  for g = -reach + (up == 1 and 30 or 0), reach, 15 do
+  for g = -reach + (d.whole and 30 or 0), reach, 15 do
     local main = g % 30 == 0
     if main or math.abs(g) <= 90 then
-      local x0, y0 = at(math.rad(g), main and 0 or radius / rings)
-      local x1, y1 = at(math.rad(g), radius)
-      put({ x0, y0, x1, y1 }, { colour = dim, width = main and 0.9 or 0.4 })
+      local x, y = at(d, g, main and 0 or d.radius / d.rings)
+      local points = { x, y }
+      points[3], points[4] = at(d, g, d.radius)
+      put(d, points, dim, main and 0.9 or 0.4)
     end
     if main then
-      local x, y = at(math.rad(g), radius + font * 1.15)
-      text(("%d°"):format(math.abs(g)), math.floor(x), math.floor(y - font * 0.62), { colour = dim, align = "middle" })
+      local x, y = at(d, g, d.radius + d.font * 1.15)
+      text(d, ("%d°"):format(math.abs(g)), x, y - d.font * 0.62, { colour = dim, align = "middle" })
     end
   end
-  local bright = theme.text == picture.themes.white.text
-  for _, c in ipairs(curves) do
+end
+
+local function put_curves(d)
+  local bright = d.v.theme.text == picture.themes.white.text
+  for _, c in ipairs(d.curves) do
     local points = {}
     for k, x in ipairs(c.cd) do
-      local px, py = at(math.rad(-180 + (k - 1) * STEP), radius * x / (rings * step))
-      points[#points + 1], points[#points + 2] = px, py
+      points[#points + 1], points[#points + 2] = at(d, -180 + (k - 1) * STEP, d.radius * x / (d.rings * d.step))
     end
     c.colour = bright and c.look.colour or c.look.dark
-    put(points, { colour = c.colour, width = 2.4, dash = c.look.dash })
+    put(d, points, c.colour, 2.4, c.look.dash)
   end
-  for k = 1, rings do
-    local x, y = at(0, radius * k / rings)
-    text(("%g"):format(k * step), math.floor(x + font * 0.3), math.floor(y - font * 1.35), { size = math.floor(font * 0.9) })
+end
+
+--- Numbers of the rings, their unit, and which curve is which.
+local function put_words(d)
+  local font, low = d.font, d.bottom + d.font * 0.4
+  if d.v.title then text(d, d.v.title, d.pad, d.pad, { size = math.floor(font * 1.25), bold = true }) end
+  for k = 1, d.rings do
+    text(d, ("%g"):format(k * d.step), d.x + font * 0.3, d.y + d.radius * k / d.rings - font * 1.35,
+      { size = math.floor(font * 0.9) })
   end
-  local x = pad
-  local w = picture.text(nil, v.unit, 0, 0, { size = font })
-  text(v.unit, width - pad - w, bottom + math.floor(font * 0.4), {})
-  for _, c in ipairs(curves) do
-    local y = bottom + font
-    put({ x, y, x + 2.6 * font, y }, { colour = c.colour, width = 2.4, dash = c.look.dash })
+  text(d, d.v.unit, d.v.size[1] - d.pad - picture.text(nil, d.v.unit, 0, 0, { size = font }), low)
+  local x = d.pad
+  for _, c in ipairs(d.curves) do
+    put(d, { x, d.bottom + font, x + 2.6 * font, d.bottom + font }, c.colour, 2.4, c.look.dash)
     local label = label_of(c.plane)
-    text(label, math.floor(x + 3.1 * font), bottom + math.floor(font * 0.4), {})
+    text(d, label, x + 3.1 * font, low)
     x = x + 4.6 * font + picture.text(nil, label, 0, 0, { size = font })
   end
-  return marks, words
+end
+
+--- Marks and words of the whole picture.
+local function compose(v)
+  local d = layout(v)
+  put_net(d)
+  put_curves(d)
+  put_words(d)
+  return d.marks, d.words
 end
 
 -- Drawing ---------------------------------------------------------------------------------------
@@ -177,7 +198,7 @@ local function trace(v, path)
   local marks, words = compose(v)
   local noted = {}
   for _, w in ipairs(words) do picture.text(noted, w[1], w[2], w[3], w[4]) end
-  local function measure(text, size, bold) return assert(vtk.text(nil, text, 0, 0, size, bold or false, { 0, 0, 0 })) end
+  local function measure(word, size, bold) return assert(vtk.text(nil, word, 0, 0, size, bold or false, { 0, 0, 0 })) end
   table.insert(marks, 1, lines.background(v.theme.background, v.size[1], v.size[2]))
   marks = lines.with_words(marks, noted, measure)
   if path:lower():find "%.svg$" then return core.file_save(path, lines.svg(marks, v.size[1], v.size[2])) end

@@ -285,7 +285,7 @@ local construct = form.define("scene", {
       values[field] = parts
     end
     add_files(values, files)
-    local message = pack.mixed(values.lights)
+    message = pack.mixed(values.lights)
     if message then return fail(message) end
     values.like, values.moved, values.removed, values.added = nil, nil, nil, nil
     values.sky_is_seen = values.background == nil
