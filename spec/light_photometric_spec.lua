@@ -198,6 +198,30 @@ describe("photometric_light", function()
     folder:remove()
   end)
 
+  it("is what a glTF file names by EXT_lights_ies, along -z of its node, C0 along x", function()
+    local folder = scratch.new()
+    assert(wide:save(folder.path .. "/wide.ies"))
+    local function load(light)
+      return ylm.load(folder:write("lamps.gltf", ([[{"asset": {"version": "2.0"}, "scene": 0,
+        "extensionsRequired": ["EXT_lights_ies"], "extensions": {"EXT_lights_ies": {"lights": [%s]}}, "scenes": [{"nodes": [0]}], "nodes": [{"translation": [1, 2, 3],
+        "rotation": [-0.70710678, 0, 0, 0.70710678], "extensions": {"EXT_lights_ies": {"light": 0, "multiplier": 2,
+        "color": [1, 0.5, 0.25]}}}]}]]):format(light)))
+    end
+    local scene = assert(load '{"uri": "wide.ies"}')
+    local l, same = scene.lights[1], ylm.photometric_light { photometry = wide, at = { 1, 2, 3 }, dim = 2,
+      opening = { shape = "sphere", radius = 0.05 } }
+    local x = { 1.7, 0.4, 2.2 }
+    local got, wanted = ylm.light_field(3, l, x), ylm.light_field(3, same, x)
+    for k = 1, 16 do -- red is the multiplier alone
+      assert.is_true(math.abs(got:get(1, k) - wanted:get(1, k)) < 1e-4 * math.abs(wanted:get(1, 1)), k)
+      assert.is_true(math.abs(got:get(3, k) - 0.25 * wanted:get(3, k)) < 1e-4 * math.abs(wanted:get(1, 1)), k)
+    end
+    folder:write("bad.ies", "no lamp")
+    assert.matches("photometric lamps left out", table.concat(assert(load '{"uri": "bad.ies"}').report.notes, "; "))
+    for _, uri in ipairs { '{"uri": "../wide.ies"}', "{}", '{"uri": "missing.ies"}' } do assert.is_nil((load(uri))) end
+    folder:remove()
+  end)
+
   it("refuses what it cannot be", function()
     local function made(o) return function() return assert(ylm.photometric_light(with({ photometry = wide, at = { 0, 0, 0 } },
       o))) end end

@@ -21,6 +21,7 @@ return {
   { "ylm.geometry", "quad", "sphere", "box", "torus", "knot", "mesh" },
   { "ylm.view", "view" },
   { "ylm.plot", "plot" },
+  { "ylm.plot.polar", "polar_plot" },
   { "ylm.figure", "figure" },
   { "ylm.warning", "on_warning" },
 }

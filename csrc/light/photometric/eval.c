@@ -18,6 +18,11 @@ static weights weights_at(double t, double h) {
   return w;
 }
 
+void ylm__photometric_weights(double t, double h, double w[4]) {
+  weights all = weights_at(t, h);
+  for (int i = 0; i < 4; i++) w[i] = all.v[i];
+}
+
 static double sum(const double w[4], const double x[4]) {
   return w[0] * x[0] + w[1] * x[1] + w[2] * x[2] + w[3] * x[3];
 }

@@ -27,29 +27,40 @@ static double slice(const ylm_light_photometry *p, double gamma, size_t k, doubl
   return sum * h;
 }
 
+/* As ring where no pole is near: values and slopes of row j of the table at a place in its interval. */
+static double plain_ring(const ylm_light_photometry *p, double gamma, double *below) {
+  size_t j = ylm__photometric_place(p->angles - 1, p->angle, gamma);
+  double h = p->angle[j + 1] - p->angle[j], w[4], sum = 0, f[2], c[2];
+  ylm__photometric_weights((gamma - p->angle[j]) / h, h, w);
+  for (size_t k = 0; k <= p->planes; k++) {
+    const ylm__photometric_node *n = p->node + (k < p->planes ? k : 0) * p->angles + j;
+    f[1] = w[0] * n[0].f + w[1] * n[1].f + w[2] * n[0].g + w[3] * n[1].g;
+    c[1] = w[0] * n[0].c + w[1] * n[1].c + w[2] * n[0].gc + w[3] * n[1].gc;
+    if (k > 0) {
+      double wide = p->plane[k] - p->plane[k - 1];
+      sum += stays_above(f[0], f[1], c[0], c[1], wide)
+                 ? wide * ((f[0] + f[1]) / 2 + wide * (c[0] - c[1]) / 12)
+                 : slice(p, gamma, k - 1, below);
+    }
+    f[0] = f[1], c[0] = c[1];
+  }
+  return sum;
+}
+
 /* The integral over C at an angle gamma; *below: how much of the turn is negative. */
 static double ring(const ylm_light_photometry *p, double gamma, double *below) {
   double sum = 0;
+  bool pole = false;
   *below = 0;
   if (p->planes == 1) {
     double f = ylm__photometric_at(p, gamma, 0).f;
     if (f < 0) *below = 2 * YLM_PI;
     return 2 * YLM_PI * fmax(0, f);
   }
-  bool pole = false;
   for (int k = 0; k < 2; k++)
     pole |= p->pole[k].on && (k ? YLM_PI - gamma : gamma) < p->pole[k].end;
-  ylm__photometric_value a = {0}, b;
-  for (size_t k = 0; k < p->planes; k++, a = b) {
-    double h = p->plane[k + 1] - p->plane[k];
-    if (k == 0) a = ylm__photometric_at(p, gamma, p->plane[0]);
-    b = ylm__photometric_at(p, gamma, p->plane[k + 1 < p->planes ? k + 1 : 0]);
-    bool cubic = !pole && stays_above(a.f, b.f, a.c, b.c, h);
-    if (cubic && !p->grid.linear)
-      sum += h * ((a.f + b.f) / 2 + h * (a.c - b.c) / 12);
-    else
-      sum += slice(p, gamma, k, below);
-  }
+  if (!pole && !p->grid.linear) return plain_ring(p, gamma, below);
+  for (size_t k = 0; k < p->planes; k++) sum += slice(p, gamma, k, below);
   return sum;
 }
 
@@ -87,6 +98,7 @@ static double flux(const ylm_light_photometry *p, double from, double to, double
 
 double ylm_light_photometry_flux(const ylm_light_photometry *p, double from, double to) {
   double below = 0;
+  if (from <= 0 && to >= 180) return p->flux;
   return flux(p, from * (YLM_PI / 180), to * (YLM_PI / 180), &below);
 }
 

@@ -6,21 +6,24 @@
 /* Every cell that light may come from has this part of the mean chance at least. */
 #define LEAST 1e-2
 
-/* The mean of a cell's intensity at nine of its directions, and the largest of them. */
-static double look(const ylm_light_photometry *p, size_t j, size_t k, double *most) {
+/* A table of more numbers is looked at in the middles of its cells alone. */
+#define MANY 100000
+
+/* The mean of a cell's intensity at n^2 of its directions, and the largest of them and of its corners. */
+static double look(const ylm_light_photometry *p, size_t j, size_t k, int n, double *most) {
   double from = p->plane[k], wide = p->plane[k + 1] - from, sum = 0;
   double top = cos(p->angle[j]), bottom = cos(p->angle[j + 1]);
-  for (int i = 0; i < 9; i++) {
-    double z = top + (i / 3 + 0.5) / 3 * (bottom - top), c = from + (i % 3 + 0.5) / 3 * wide;
+  for (int i = 0; i < n * n; i++) {
+    double z = top + (i / n + 0.5) / n * (bottom - top), c = from + (i % n + 0.5) / n * wide;
     double f = fmax(0, ylm__photometric_at(p, acos(z), c).f);
-    sum += f / 9;
+    sum += f;
     *most = fmax(*most, f);
   }
   for (int i = 0; i < 4; i++) {
     size_t l = i & 1 ? (k + 1 < p->planes ? k + 1 : 0) : k;
     *most = fmax(*most, p->grid.candela[l * p->angles + j + (size_t)(i >> 1)]);
   }
-  return sum;
+  return sum / (n * n);
 }
 
 static double solid(const ylm_light_photometry *p, size_t j, size_t k) {
@@ -29,13 +32,14 @@ static double solid(const ylm_light_photometry *p, size_t j, size_t k) {
 
 ylm_status ylm__photometric_weigh(ylm_light_photometry *p) {
   double least = LEAST * p->flux / (4 * YLM_PI), rows = 0;
+  int n = p->angles * p->planes > MANY ? 1 : 3;
   p->row = ylm_alloc(p->angles, sizeof *p->row);
   p->cell = ylm_alloc(p->angles * p->planes, sizeof *p->cell);
   if (!p->row || !p->cell) return YLM_ENOMEM;
   for (size_t j = 0; j + 1 < p->angles; j++) {
     double sum = 0;
     for (size_t k = 0; k < p->planes; k++) {
-      double most = 0, mean = look(p, j, k, &most);
+      double most = 0, mean = look(p, j, k, n, &most);
       if (most > 0) sum += fmax(mean, fmax(least, LEAST * most)) * solid(p, j, k);
       p->cell[j * p->planes + k] = sum;
     }

@@ -144,19 +144,20 @@ static ylm_status copy(ylm_light_photometry *p, const ylm_light_photometry_grid 
   return YLM_OK;
 }
 
-/* The largest intensity, between nodes too. */
+/* Bezier's control points of a cubic between two nodes of a plane: none of it is above the largest. */
+static double bound_of(const ylm__photometric_node *n, double h) {
+  return fmax(fmax(n[0].f, n[1].f), fmax(n[0].f + h * n[0].g / 3, n[1].f - h * n[1].g / 3));
+}
+
+/* The largest intensity of planes, between nodes too. */
 static void find_peak(ylm_light_photometry *p) {
-  double largest = 0;
-  for (size_t i = 0; i < p->planes * p->angles; i++) largest = fmax(largest, p->grid.candela[i]);
-  p->peak = largest;
-  for (size_t k = 0; k < p->planes; k++)
+  for (size_t i = 0; i < p->planes * p->angles; i++) p->peak = fmax(p->peak, p->grid.candela[i]);
+  for (size_t k = 0; k < p->planes && !p->grid.linear; k++)
     for (size_t j = 0; j + 1 < p->angles; j++) {
-      const double *f = p->grid.candela + k * p->angles + j;
-      if (fmax(f[0], f[1]) < 0.8 * largest) continue;
-      for (int i = 1; i < 8; i++) {
-        double t = p->angle[j] + i / 8.0 * (p->angle[j + 1] - p->angle[j]);
-        p->peak = fmax(p->peak, ylm__photometric_at(p, t, p->plane[k]).f);
-      }
+      double h = p->angle[j + 1] - p->angle[j];
+      if (!(bound_of(p->node + k * p->angles + j, h) > p->peak * (1 + 1e-9))) continue;
+      for (int i = 1; i < 8; i++)
+        p->peak = fmax(p->peak, ylm__photometric_at(p, p->angle[j] + i * h / 8, p->plane[k]).f);
     }
 }
 

@@ -45,6 +45,9 @@ ylm__photometric_value ylm__photometric_at(const ylm_light_photometry *p, double
 /* The intensity in a unit direction of the lamp's frame. eval.c */
 double ylm__photometric_intensity(const ylm_light_photometry *p, const double way[3]);
 
+/* Weights of both values, then of both slopes, of a cubic at a part t of an interval h (Hermite). eval.c */
+void ylm__photometric_weights(double t, double h, double w[4]);
+
 /* Fills node and pole from the grid; YLM_ENOMEM. spline.c */
 ylm_status ylm__photometric_spline(ylm_light_photometry *p);
 /* The polynomial of pole k, 0 or 1; slopes [2] along C0 and C90 there. pole.c */

@@ -66,7 +66,7 @@ static int made(lua_State *L, const photometry *p, ylm_status s, const ylm_error
 
 /* Arguments of photometry_read. */
 typedef struct read_form {
-  const char *path, *factors;
+  const char *path, *factors, *bytes;
   int lamps;
   double tilt, lumens;
   bool linear;
@@ -75,13 +75,15 @@ typedef struct read_form {
 static const ylmL_entry read_entries[] = {
     YLML(read_form, path, "path", STRING),
     YLML(read_form, factors, "factors", STRING, .optional = true),
+    YLML(read_form, bytes, "bytes", STRING, .optional = true),
     YLML(read_form, lamps, "lamps", INT),
     YLML(read_form, tilt, "tilt", DOUBLE, .optional = true),
     YLML(read_form, lumens, "lumens", DOUBLE, .optional = true),
     YLML(read_form, linear, "linear", BOOL),
     {.name = NULL}};
 
-/* photometry_read { path, factors = path of a file that TILT= names | nil, lamps, tilt, lumens, linear } -> table */
+/* photometry_read { path, bytes = those of the file, a text | nil, factors = path of a file that TILT= names | nil, lamps,
+                     tilt, lumens, linear } -> table */
 static int photometry_read(lua_State *L) {
   ylm_error e = {0};
   read_form f = {.tilt = NAN};
@@ -89,7 +91,12 @@ static int photometry_read(lua_State *L) {
   photometry *p = new_photometry(L);
   unsigned char *bytes = NULL, *factors = NULL;
   size_t size, factors_size = 0;
-  ylm_status s = ylm_file_read(f.path, LARGEST_FILE, &bytes, &size, &e);
+  ylm_status s = YLM_OK;
+  if (f.bytes)
+    bytes = ylm_alloc_copy(f.bytes, size = strlen(f.bytes), 1);
+  else
+    s = ylm_file_read(f.path, LARGEST_FILE, &bytes, &size, &e);
+  if (s == YLM_OK && !bytes) s = YLM_ENOMEM;
   if (s == YLM_OK && f.factors)
     s = ylm_file_read(f.factors, LARGEST_FILE, &factors, &factors_size, &e);
   if (s == YLM_OK) {

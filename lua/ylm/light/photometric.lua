@@ -46,6 +46,14 @@ local function across_of(axis, turn)
   return { c * a[1] + s * side[1], c * a[2] + s * side[2], c * a[3] + s * side[3] }
 end
 
+--- The turn, degrees, of a lamp with this axis whose C0 looks across it, both of length 1.
+function photometric.turn_of(axis, across)
+  local a = across_of(axis, 0)
+  local side = vector.cross(a, axis)
+  local function along(b) return across[1] * b[1] + across[2] * b[2] + across[3] * b[3] end
+  return math.deg((math.atan2 or math.atan)(along(side), along(a))) -- luacheck: ignore 143
+end
+
 --- The colour of luminance 1.
 local function colour_of(values, notes, fail)
   if values.colour and values.temperature then return fail "give colour or temperature, not both" end
@@ -90,7 +98,7 @@ photometric.photometric_light = form.define("photometric_light", {
       about = "a place on its axis, gamma = 0; default: straight down, -y" },
     { "turn", "number", min = -360, max = 360, default = 0, unit = "degrees",
       about = "about the axis, from C0 towards C90; at 0 C0 looks along +x, +z where the axis does" },
-    { "dim", "number", min = 0, max = 10, default = 1, about = "multiplies" },
+    { "dim", "number", min = 0, max = 1e6, default = 1, about = "multiplies" },
     { "colour", "colour", min = 0, optional = true, about = "linear Rec. 709, scaled to luminance 1; default white" },
     { "temperature", "number", min = 1000, max = 25000, optional = true, unit = "K",
       about = "colour of a black body, from 4000 of daylight" },

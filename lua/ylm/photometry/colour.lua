@@ -1,6 +1,6 @@
 --- Colours of white light by its temperature, as linear Rec. 709 of luminance 1.
 
-local core = require "ylm.c.core"
+local vector = require "ylm.vector"
 
 local colour = {}
 
@@ -46,8 +46,7 @@ local to_rgb = { { 3.2404542, -1.5371385, -0.4985314 }, { -0.9692660, 1.8760108,
 
 --- A colour scaled to luminance 1; nil where it has none.
 function colour.of_luminance_one(rgb)
-  local y = 0
-  for c = 1, 3 do y = y + core.luminance[c] * rgb[c] end
+  local y = vector.luminance(rgb)
   if not (y > 0) then return nil end
   return { rgb[1] / y, rgb[2] / y, rgb[3] / y }
 end

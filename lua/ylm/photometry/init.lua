@@ -159,6 +159,15 @@ local metatable = {
   end,
 }
 
+--- A photometry of checked fields and C's table.
+local function wrap(values, made)
+  local p = setmetatable({}, metatable)
+  local own = core.own(p)
+  own.values, own.made, own.facts = values, made, core.photometry_facts(made)
+  for name, text in pairs(values.text or {}) do own.facts.text[name] = text end
+  return p
+end
+
 local function build(values, fail)
   local source = source_of(values, fail)
   if source ~= "file" then values.lamps, values.tilt = nil, nil end
@@ -170,11 +179,15 @@ local function build(values, fail)
     if core.status(code) == "caller" then return fail(message) end
     return nil, message, code
   end
-  local p = setmetatable({}, metatable)
-  local own = core.own(p)
-  own.values, own.made, own.facts = values, made, core.photometry_facts(made)
-  for name, text in pairs(values.text or {}) do own.facts.text[name] = text end
-  return p
+  return wrap(values, made)
+end
+
+--- The photometry of the bytes of a file; nil, message, code. `name`: for messages.
+function photometry.of_bytes(name, bytes)
+  if bytes:find "%z" then return nil, name .. ": a zero byte: not a photometric file", "EFORMAT" end
+  local made, message, code = core.photometry_read { path = name, bytes = bytes, lamps = 1, linear = false }
+  if not made then return nil, message, code end
+  return wrap({ lamps = 1, interpolation = "spline" }, made)
 end
 
 photometry.photometry = form.define("photometry", {
