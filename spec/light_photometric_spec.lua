@@ -203,7 +203,8 @@ describe("photometric_light", function()
     assert(wide:save(folder.path .. "/wide.ies"))
     local function load(light)
       return ylm.load(folder:write("lamps.gltf", ([[{"asset": {"version": "2.0"}, "scene": 0,
-        "extensionsRequired": ["EXT_lights_ies"], "extensions": {"EXT_lights_ies": {"lights": [%s]}}, "scenes": [{"nodes": [0]}], "nodes": [{"translation": [1, 2, 3],
+        "extensionsRequired": ["EXT_lights_ies"], "extensions": {"EXT_lights_ies": {"lights": [%s]}},
+        "scenes": [{"nodes": [0]}], "nodes": [{"translation": [1, 2, 3],
         "rotation": [-0.70710678, 0, 0, 0.70710678], "extensions": {"EXT_lights_ies": {"light": 0, "multiplier": 2,
         "color": [1, 0.5, 0.25]}}}]}]]):format(light)))
     end

@@ -99,6 +99,14 @@ describe("photometry", function()
     assert.is_true(math.abs(all_around.lumens - 4 * math.pi) < 1e-9)
   end)
 
+  it("is an image of the sphere, whose sum over solid angles is the flux", function()
+    local p = sampled(5, 15)
+    local image = p:image { size = { 128, 64 } }
+    local _, solid = image:directions()
+    local flux = (image:layer():reshape { 64 * 128 } * solid):sum()
+    assert.is_true(math.abs(flux / p.lumens - 1) < 1e-3, flux)
+  end)
+
   it("draws polar curves, as pixels and as lines", function()
     local p = ylm.photometry { cosine = 2, lumens = 1000 }
     local plot, folder = p:plot { title = "A lamp", size = { 240, 240 } }, scratch.new()

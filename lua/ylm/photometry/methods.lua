@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local images = require "ylm.image"
 local library = require "ylm.library"
 local memory = require "ylm.memory"
 
@@ -217,6 +218,36 @@ describe "photometry:table" {
   example = "local v, h, cd = ylm.photometry { cosine = 2 }:table()\nassert(#v == 91 and #h == 1 and cd.shape[2] == 91)",
 }
 list.table = function(p) return check.result("table", core.photometry_grid(open("table", p))) end
+
+local image_options = {
+  { "size", "list", of = "integer", min = 1, max = 8192, default = { 256, 128 }, unit = "pixels", about = "{ width, height }" },
+}
+
+describe "photometry:image" {
+  about = "The intensities of all directions as an image of the whole sphere, mapping 'latlong': the lamp looks down, at the "
+    .. "lowest row; C0 is its middle.",
+  arguments = { { "options?", "table", "" } },
+  options = image_options,
+  returns = { { "image", "image", "one layer, intensity, cd" } },
+  errors = "raises on a bad option; nil, message, code: memory",
+  example = [[
+local image = ylm.photometry { cosine = 1 }:image { size = { 8, 4 } }
+assert(image:layer():get(4, 1, 1) > 0.9 and image:layer():get(1, 1, 1) == 0)]],
+}
+function list.image(p, given)
+  local made = open("image", p)
+  local o = form.options(1, "image", image_options, given)
+  if #o.size ~= 2 then return check.bad(1, "image", "size must be { width, height } in pixels") end
+  local image, message, code = images.image { size = o.size, layers = { { "intensity", 1 } } }
+  if not image then return nil, message, code end
+  local ways = image:directions() * { 1, 1, -1 }
+  local cd
+  cd, message, code = check.result("image", core.photometry_intensity(made, ways, 0))
+  if not cd then return nil, message, code end
+  local layer = image:layer()
+  layer[{ {}, {}, {} }] = core.array_reshape(cd, { o.size[2], o.size[1], 1 })
+  return image
+end
 
 describe "photometry:plot" {
   about = "The polar curve as catalogues print it: gamma = 0 points down, rings are intensities.",

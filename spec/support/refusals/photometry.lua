@@ -30,6 +30,7 @@ return {
   ["photometry:flux"] = { { call = function(ylm) cosine(ylm):flux { to = 200 } end, says = "to must be a number" } },
   ["photometry:check"] = { { call = function(ylm) cosine(ylm).check {} end, says = "a photometry expected before the colon" } },
   ["photometry:save"] = { { call = function(ylm) cosine(ylm):save "lamp.txt" end, says = "ends in .ies or .ldt" } },
+  ["photometry:image"] = { { call = function(ylm) cosine(ylm):image { size = { 5 } } end, says = "size must be { width, height }" } },
   ["photometry:table"] = { { call = function(ylm) cosine(ylm).table {} end, says = "a photometry expected before the colon" } },
   ["photometry:plot"] = { { call = function(ylm) cosine(ylm):plot(3) end, says = "a table of options expected" } },
   ["polar_plot:save"] = { { call = function(ylm) cosine(ylm):plot():save "polar.txt" end, says = "the name of a .png" } },
