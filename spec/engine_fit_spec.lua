@@ -4,6 +4,7 @@ local core = require "ylm.c.core"
 local random = require "spec.support.random"
 local reader = require "spec.support.engine_reader"
 local scratch = require "spec.support.scratch"
+local three_page = require "spec.support.three_page"
 local ylm = require "ylm"
 
 local function within(n, lo, hi, seed) return random.points_in(n, lo, hi, seed):totable() end
@@ -114,9 +115,9 @@ describe("fits of probes", function()
     end)
     teardown(function() folder:remove() end)
 
-    --- What an engine reads from the file beside the grid: { rms, error, leak } over the mean.
+    --- Judges what an engine reads from the file beside the grid: { rms, error, leak } over the mean.
     local function judged(path)
-      local E, square, errors, leak, dark = reader(path).read(points, normals), 0, {}, 0, 0
+      local E, square, errors, leak, dark = reader.of(path).read(points, normals), 0, {}, 0, 0
       for i, e in ipairs(E) do
         local off = luminance(e) - luminance(truth[i])
         square = square + (off / mean) ^ 2 / #E
@@ -144,7 +145,26 @@ describe("fits of probes", function()
       assert.equal(report.error, s.error)
       assert(math.abs(parted.rms / s.rms - 1) < 0.4 and s.places > 3000, s.rms .. " " .. parted.rms)
       assert(s.worst.error >= s.error and #s.worst.at == 3)
-      assert(report.bytes == reader(path).bytes)
+      assert(report.bytes == reader.of(path).bytes)
+    end)
+
+    it("are read by three.js as here", function()
+      if not three_page.there() then pending "YLM_NODE_MODULES with three, and chromium, are wanted" end
+      assert(grid:export(folder.path .. "/three.three.json", { cells = { 8, 4, 4 }, scene = scene }))
+      local at, facing, centres = {}, {}, {}
+      for i = 1, 12 do
+        local p = points[37 * i]
+        local c = { p[1] * 0.9, 0.1 + 0.9 * p[2], p[3] * 0.9 }
+        centres[i] = c
+        for _, n in ipairs(three_page.normals) do
+          at[#at + 1] = { c[1] + three_page.radius * n[1], c[2] + three_page.radius * n[2], c[3] + three_page.radius * n[3] }
+          facing[#facing + 1] = n
+        end
+      end
+      local E = reader.of(folder.path .. "/three.three.json").read(at, facing)
+      for i, row in ipairs(three_page.irradiance(folder, folder:read "three.three.json", centres)) do
+        for c = 1, 3 do assert.near(E[i][c] / math.pi, row[c], 0.02 * E[i][c] + 2e-3 * mean) end
+      end
     end)
 
     it("take as many bytes as there are, or as the tolerance asks for", function()

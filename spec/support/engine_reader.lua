@@ -1,7 +1,9 @@
---- Files of probes as engines read them: reader(path) -> { read(points, normals) -> irradiance [n][3], bytes }. Nothing of ylm's
---- exporter is used.
+--- Files of probes as engines read them: reader.of(path) -> { read(points, normals) -> irradiance [n][3], bytes }. Nothing of
+--- ylm's exporter is used.
 
 local ylm = require "ylm"
+
+local reader = {}
 
 local A = { math.pi, 2 * math.pi / 3, 2 * math.pi / 3, 2 * math.pi / 3 }
 for k = 5, 9 do A[k] = math.pi / 4 end
@@ -43,7 +45,7 @@ end
 --- three.js' LightProbeGrid (0.187): half a cell off the surface; the last grid that holds that place, to 1 % of a cell, answers;
 -- nine coefficients, at least 0. Grids are { lo, hi, cells, probe(x, y, z) -> [27] numbers, a coefficient's channels beside each
 -- other }.
-local function three(grids)
+function reader.three(grids)
   local function holds(g, p, n)
     for a = 1, 3 do
       local h = (g.hi[a] - g.lo[a]) / g.cells[a]
@@ -111,12 +113,14 @@ end
 local function three_json(text)
   local grids = {}
   for one in text:gmatch '{"type":"LightProbeGrid",.-"validity":"[^"]*"}' do grids[#grids + 1] = grid_of(one) end
-  return three(grids)
+  return reader.three(grids)
 end
 
-return function(path)
+function reader.of(path)
   local file = assert(io.open(path, "rb"))
   local text = file:read "*a"
   file:close()
   return { read = three_json(text), bytes = #text }
 end
+
+return reader

@@ -55,7 +55,7 @@ static around find(const uint32_t cells[3], const double at[3]) {
   return p;
 }
 
-/* What is read at a place of numbers x [probes][numbers]. */
+/* The irradiance that is read at a place of numbers x [probes][numbers]. */
 static double look(const fit *t, size_t i, const double *x) {
   size_t n = (size_t)t->f->numbers;
   const float *basis = t->f->basis + i * n;

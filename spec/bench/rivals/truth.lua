@@ -9,7 +9,7 @@ local PLACES, PILOT, SEED = 500, 256, 1
 
 local function slug(name) return (name:gsub("[^%w]+", "_")) end
 
---- What the truth is of: other triangles or materials are another scene.
+--- Names a truth: other triangles or materials are another scene.
 local function head_of(entry, scene)
   local area, count, albedo = 0, 0, 0
   for _, g in ipairs(scene.geometry) do
