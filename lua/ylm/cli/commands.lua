@@ -2,7 +2,7 @@
 
 local status = require "ylm.cli.status"
 
-local commands = { "render", "pathtrace", "bake", "pack", "page", "emit", "view", "live", "compare", "sh", "material",
+local commands = { "render", "pathtrace", "bake", "pack", "export", "page", "emit", "view", "live", "compare", "sh", "material",
   "photometry", "run", "codegen", "bench", "info", "help" }
 
 --- Is there such a command?
