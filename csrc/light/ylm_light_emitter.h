@@ -94,7 +94,7 @@ YLM_API void ylm_light_emitter_intensity(const ylm_light_emitter *e, const doubl
                                          double out[3]);
 /* Of a lamp that is `directed`: the part of the radiance of its row that it sends about to a place; it may be above 1. */
 YLM_API double ylm_light_emitter_part(const ylm_light_emitter *e, const double from[3]);
-/* What it refers to lives until it is let go. */
+/* The table that it refers to lives until it is let go. */
 YLM_API void ylm_light_emitter_keep(const ylm_light_emitter *e);
 YLM_API void ylm_light_emitter_drop(const ylm_light_emitter *e);
 /* Of a lamp that is `directed`: the radiance [3] that it sends along `way`, of any length but 0. */

@@ -99,7 +99,7 @@ typedef struct ylm_light_photometry_text {
   char *name, *text;
 } ylm_light_photometry_text;
 
-/* What a file says. Intensities are those of the whole lamp at full power; symmetries are undone. */
+/* The contents of a file. Intensities are those of the whole lamp at full power; symmetries are undone. */
 typedef struct ylm_light_photometry_file {
   const char *format; /* "IES LM-63-2002", "EULUMDAT" .. */
   size_t angles, planes;

@@ -7,7 +7,7 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
-/* What must hold of a table. */
+/* Claims about every table. */
 static void look(const ylm_light_photometry_file *f, bool linear) {
   ylm_light_photometry_grid g = {f->angles, f->planes, f->angle, f->plane, f->candela, linear};
   ylm_light_photometry *p;
@@ -26,7 +26,7 @@ static void look(const ylm_light_photometry_file *f, bool linear) {
   ylm_light_photometry_free(p);
 }
 
-/* What is written can be read. */
+/* A file that is written can be read. */
 static void write_and_read(const ylm_light_photometry_file *f, bool ldt) {
   char *bytes;
   size_t size;

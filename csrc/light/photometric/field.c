@@ -86,7 +86,7 @@ static gain radiance_along(const ylm_light_photometry *p, const double *x, const
   return out;
 }
 
-/* What the opening's own field says at a point. */
+/* The opening as its own field has it at a point. */
 typedef struct seen {
   const double *value, *gradient, *hessian; /* [count], [count][3], [count][6]; NULL: not wanted */
 } seen;

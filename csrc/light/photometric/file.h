@@ -12,7 +12,7 @@ typedef struct ylm__photometric_text {
   ylm_error *e;
 } ylm__photometric_text;
 
-/* What stands between blanks at the ends of a line. */
+/* A line without the blanks at its ends. */
 typedef struct ylm__photometric_line {
   const unsigned char *p;
   size_t n, line;

@@ -100,7 +100,7 @@ static ylm_status add_word(ylm_light_photometry_file *f, const line *l) {
   return ylm__photometric_add(f, name, from, (size_t)(end - from));
 }
 
-/* What stands behind TILT=, without blanks around it. */
+/* The text behind TILT=, without blanks around it. */
 static line tilt_of(const line *l) {
   const unsigned char *p = l->p + 4, *end = l->p + l->n;
   while (p < end && (*p == ' ' || *p == '\t' || *p == '=')) p++;
@@ -316,7 +316,7 @@ static ylm_status set_intensities(text *t, const lamp *l, double factor, const d
   return ylm__photometric_resample(f, l->type == 3, l->planes, plane, l->angles, angle, candela, t);
 }
 
-/* What stands behind the intensities. */
+/* Lines behind the intensities are noted. */
 static ylm_status look_behind(text *t, ylm_light_photometry_file *f) {
   size_t blocks = 0, more = 0;
   line l;

@@ -1,4 +1,4 @@
---- What a photometry is asked: fields, intensities, flux, files.
+--- Methods and fields of photometries: intensities, flux, files.
 
 local array = require "ylm.array"
 local check = require "ylm.check"
@@ -152,7 +152,7 @@ function list.flux(p, given)
 end
 
 describe "photometry:check" {
-  about = "What a table holds, and whether it agrees with what its file says.",
+  about = "The facts about a table, and whether it agrees with its file.",
   arguments = {},
   returns = { { "facts", "table", "lumens (of the table), lumens_file (of the bare lamps, or nil), ratio (of the two, or nil), "
     .. "watts, efficacy, peak (cd), beam and field ({C0-C180, C90-C270}: degrees within half, and a tenth, of the plane's peak), "

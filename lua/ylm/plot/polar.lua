@@ -22,7 +22,7 @@ local STEP = 1      -- degrees between points of a curve
 local RINGS = 5     -- about so many
 local DASH = { 9, 6 } -- pixels that are drawn, and not
 
--- What is drawn -------------------------------------------------------------------------------
+-- Curves --------------------------------------------------------------------------------------
 
 --- Intensities of a plane and the one opposite, at gamma -180 .. 180.
 local function curve(p, plane)
@@ -233,7 +233,7 @@ polar.polar_plot = form.define("polar_plot", {
   example = "polar_plot { photometry = ylm.photometry { cosine = 1 }, planes = { 0 } }",
 })
 
---- What photometry:plot calls.
+--- Called by photometry:plot.
 function polar.polar(p, given)
   if given ~= nil and (type(given) ~= "table" or form.kind(given)) then
     return check.bad(1, "plot", "a table of options expected, got %s", check.describe(given))
