@@ -2,11 +2,9 @@
    of lamp.h, whose opening and half sizes are not looked at. */
 #include <string.h>
 
+#include "../point.h"
 #include "lamp.h"
 #include "ylm_vector.h"
-
-#define SOLID 1e-12 /* sr: as of spots, so that no ray but those that are aimed finds it */
-#define MOST 1e36
 
 /* Lamps of one table. */
 typedef struct points {
@@ -67,31 +65,12 @@ static void intensity(const double *x, const double way[3], double rgb[3]) {
   for (int c = 0; c < 3; c++) rgb[c] = x[c] * cd;
 }
 
-/* The way to the lamp, of length 1, its length, and the intensity along it over its square. */
-static double look(const double *x, const double from[3], double v[3], double *distance) {
-  double d2 = 0, away[3];
-  for (int a = 0; a < 3; a++) {
-    v[a] = x[YLM__LAMP_AT + a] - from[a];
-    d2 += v[a] * v[a];
-  }
-  *distance = sqrt(d2);
-  if (!(d2 > 0)) return 0;
-  for (int a = 0; a < 3; a++) v[a] /= *distance, away[a] = -v[a];
-  return intensity_along(x, away) / d2;
-}
-
 static double weight(const double *x, const double from[3], const float *n) {
-  double v[3], d, light = look(x, from, v, &d);
-  double facing = n ? fmax(0, v[0] * (double)n[0] + v[1] * (double)n[1] + v[2] * (double)n[2]) : 1;
-  return fmin(light * facing * ylm_luminance_size(x), MOST);
+  return ylm__point_weight(x, x + YLM__LAMP_AT, intensity_along, from, n);
 }
 
 static bool toward(const double *x, const double from[3], ylm_light_way *out) {
-  double light = look(x, from, out->to, &out->distance);
-  out->solid = SOLID;
-  memcpy(out->at, x + YLM__LAMP_AT, sizeof out->at);
-  for (int c = 0; c < 3; c++) out->radiance[c] = fmin(fmax(x[c] * light / SOLID, -MOST), MOST);
-  return light > 0;
+  return ylm__point_toward(x, x + YLM__LAMP_AT, intensity_along, from, out);
 }
 
 static bool leave(const double *x, const double u[4], ylm_light_leaving *out) {
