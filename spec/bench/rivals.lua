@@ -59,7 +59,7 @@ end
 
 local function atlas_bytes(cells) return 56 * cells[1] * cells[2] * (cells[3] + 2) end
 
---- What three.js' own bake answers at the truth's places, and its seconds: from the folder, or baked. Or nil, why not.
+--- Answers of three.js' own bake at the truth's places, and its seconds: from the folder, or baked. Or nil, why not.
 local function by_three(entry, scene, truth, box, cells)
   local path = ("%s/three-%s-%s.npy"):format(folder, entry.name, table.concat(cells, "x"))
   local file = io.open(path)
