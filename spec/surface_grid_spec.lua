@@ -135,7 +135,9 @@ describe("a surface grid", function()
     local part = ylm.quad { corner = { 0.0312, -1, -1 }, u = { 0, 0, 2 }, v = { 0, 1.3, 0 },
       material = ylm.matte { albedo = 0.5 } }
     local s = room { part }
-    local g = listen(function() return assert(s:surface_grid { tolerance = 0.4, judge = "field", links = s:links { rays = 64, spacing = 0.2 } }) end)
+    local g = listen(function()
+      return assert(s:surface_grid { tolerance = 0.4, judge = "field", links = s:links { rays = 64, spacing = 0.2 } })
+    end)
     local E = g:irradiance({ { 0.0312, -0.6, 0 }, { 0.0312, -0.6, 0 } }, { { 1, 0, 0 }, { -1, 0, 0 } })
     assert.is_true(E:get(1, 1) > 0 and E:get(2, 1) > 0)
     assert.is_true(math.abs(E:get(1, 1) / E:get(2, 1) - 1) > 0.1, E:get(1, 1) .. " " .. E:get(2, 1))
