@@ -194,17 +194,17 @@ describe("fits of probes", function()
     it("are judged by scene:judge as by a reader of its own", function()
       local path, o = folder.path .. "/f.three.json", { cells = { 8, 4, 4 }, scene = scene }
       assert(grid:export(path, o))
-      local report = assert(scene:judge(path, { places = 400, samples = 256, progress = false }))
+      local report = assert(scene:judge(path, { places = 200, samples = 128, progress = false }))
       local parted = judged(path)
       assert(report.rms > 0.5 * parted.rms and report.rms < 3 * parted.rms + 2 * report.noise, report.rms .. " " .. parted.rms)
       assert(report.bytes == #folder:read "f.three.json" and #report.worst.at == 3 and report.noise > 0)
       assert(grid:export(folder.path .. "/f.npy", { cells = { 8, 4, 4 }, scene = scene, dtype = "float16" }))
-      local box = { bounds = grid.bounds, places = 400, samples = 256, progress = false }
+      local box = { bounds = grid.bounds, places = 200, samples = 128, progress = false }
       local plain = assert(scene:judge(folder.path .. "/f.npy", box))
       assert(grid:export(folder.path .. "/f.ktx2", { cells = { 8, 4, 4 }, scene = scene }))
       local cubes = assert(scene:judge(folder.path .. "/f.ktx2", box))
       for _, r in ipairs { plain, cubes } do assert(r.rms > 0.01 and r.rms < 0.6, r.rms) end
-      local own = assert(scene:judge(grid, { places = 400, samples = 256, progress = false }))
+      local own = assert(scene:judge(grid, { places = 200, samples = 128, progress = false }))
       assert(own.rms < report.rms)
       -- files of strangers
       local good = folder:read "f.three.json"
@@ -216,7 +216,7 @@ describe("fits of probes", function()
         assert(none == nil and code == "EFORMAT" and message:find "bad.three.json", k .. tostring(message))
       end
       local ktx2 = folder:read "f.ktx2"
-      for n = 0, #ktx2 - 1, 37 do
+      for n = 0, #ktx2 - 1, 1009 do
         folder:write("bad.ktx2", ktx2:sub(1, n))
         local none, _, code = scene:judge(folder.path .. "/bad.ktx2", { places = 100, samples = 64 })
         assert(none == nil and code == "EFORMAT")

@@ -303,6 +303,9 @@ local function options_of(kind, given)
   if o.offset and (kind ~= "npy" or o.scene == nil) then
     return check.fail "export: offset is of .npy with a scene: other files have their engine's"
   end
+  if o.scene ~= nil and form.kind(o.scene) ~= "scene" then
+    return check.bad(2, "export", "scene: a scene expected, got %s", check.describe(o.scene))
+  end
   if o.scene ~= nil and (o.points or o.dering) then
     return check.fail("export: with a scene, places are those of its surfaces, and probes are fitted as they are read: leave "
       .. (o.points and "points" or "dering") .. " out")
