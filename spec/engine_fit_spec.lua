@@ -191,6 +191,38 @@ describe("fits of probes", function()
       assert(off.surfaces.rms < on.surfaces.rms)
     end)
 
+    it("are judged by scene:judge as by a reader of its own", function()
+      local path, o = folder.path .. "/f.three.json", { cells = { 8, 4, 4 }, scene = scene }
+      assert(grid:export(path, o))
+      local report = assert(scene:judge(path, { places = 200, samples = 128, progress = false }))
+      local parted = judged(path)
+      assert(report.rms > 0.5 * parted.rms and report.rms < 3 * parted.rms + 2 * report.noise, report.rms .. " " .. parted.rms)
+      assert(report.bytes == #folder:read "f.three.json" and #report.worst.at == 3 and report.noise > 0)
+      assert(grid:export(folder.path .. "/f.npy", { cells = { 8, 4, 4 }, scene = scene, dtype = "float16" }))
+      local box = { bounds = grid.bounds, places = 200, samples = 128, progress = false }
+      local plain = assert(scene:judge(folder.path .. "/f.npy", box))
+      assert(grid:export(folder.path .. "/f.ktx2", { cells = { 8, 4, 4 }, scene = scene }))
+      local cubes = assert(scene:judge(folder.path .. "/f.ktx2", box))
+      for _, r in ipairs { plain, cubes } do assert(r.rms > 0.01 and r.rms < 0.6, r.rms) end
+      local own = assert(scene:judge(grid, { places = 200, samples = 128, progress = false }))
+      assert(own.rms < report.rms)
+      -- files of strangers
+      local good = folder:read "f.three.json"
+      for k, text in ipairs { "", good:sub(1, 2000), good:gsub('"resolution":%[%d+', '"resolution":[4096', 1),
+        good:gsub('"min":%[[^,]+', '"min":[nan', 1), good:gsub('"data":"....', '"data":"!!!!', 1),
+        (good:gsub('"data":"' .. ("."):rep(3200), '"data":"' .. ("//////9/"):rep(400), 1)) } do
+        folder:write("bad.three.json", text)
+        local none, message, code = scene:judge(folder.path .. "/bad.three.json", { places = 100, samples = 64 })
+        assert(none == nil and code == "EFORMAT" and message:find "bad.three.json", k .. tostring(message))
+      end
+      local ktx2 = folder:read "f.ktx2"
+      for n = 0, #ktx2 - 1, 1009 do
+        folder:write("bad.ktx2", ktx2:sub(1, n))
+        local none, _, code = scene:judge(folder.path .. "/bad.ktx2", { places = 100, samples = 64 })
+        assert(none == nil and code == "EFORMAT")
+      end
+    end)
+
     it("refuse what they cannot use", function()
       local path = folder.path .. "/e.npy"
       for _, bad in ipairs { { scene = 1 }, { scene = scene, dering = true }, { scene = scene, points = points }, { offset = 1 },

@@ -62,14 +62,14 @@ local function held(lattice, at)
   return (at + MARGIN):min(2):greater_equal(0) * above:min(2):greater_equal(0)
 end
 
---- Masks of the places that each lattice answers for; the first also for those that none holds.
-function engine.shared_out(lattices, reader, p)
+--- Masks of the places that each lattice answers for; the first also for those that none holds, but where these are dark.
+function engine.shared_out(lattices, reader, p, dark)
   local masks, left = {}, array.zeros({ p.n }, "float") + 1
   for k = #lattices, 2, -1 do
     masks[k] = held(lattices[k], looked_at(lattices[k], reader, p)) * left
     left = left - masks[k]
   end
-  masks[1] = left
+  masks[1] = dark and held(lattices[1], looked_at(lattices[1], reader, p)) * left or left
   return masks
 end
 

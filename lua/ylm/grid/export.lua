@@ -303,6 +303,9 @@ local function options_of(kind, given)
   if o.offset and (kind ~= "npy" or o.scene == nil) then
     return check.fail "export: offset is of .npy with a scene: other files have their engine's"
   end
+  if o.scene ~= nil and form.kind(o.scene) ~= "scene" then
+    return check.bad(2, "export", "scene: a scene expected, got %s", check.describe(o.scene))
+  end
   if o.scene ~= nil and (o.points or o.dering) then
     return check.fail("export: with a scene, places are those of its surfaces, and probes are fitted as they are read: leave "
       .. (o.points and "points" or "dering") .. " out")
@@ -343,6 +346,21 @@ local function sampler(g, kind, lmax, o)
   return error, made
 end
 
+--- A grid as the light of ylm.grid.places.
+local function light_of(g, scene)
+  return { bounds = g.bounds,
+    open = function(points)
+      local _, _, report, flags = g:sample(points, { flags = true })
+      if not flags then return nil, report, flags end
+      return flags:less(BURIED)
+    end,
+    irradiance = function(points, normals)
+      local E, message, code = g:irradiance(points, normals, { scene = g.sides and scene or nil })
+      if not E then return nil, message, code end
+      return E
+    end }
+end
+
 --- error and made, of numbers that are fitted to the surfaces of a scene; made(cells).judged.
 local function fitter(g, kind, lmax, o)
   local made = fitted.maker { lo = g.bounds[1], hi = g.bounds[2], threads = o.threads or 0,
@@ -350,7 +368,7 @@ local function fitter(g, kind, lmax, o)
     reader = kind == "cube" and engine.cube or engine.coefficients(lmax, kind == "three" and 0.5 or o.offset or 0),
     rounded = (kind ~= "npy" or o.dtype == "float16") and fitted.halved or function(probes) return probes end,
     sample = function(at) return sampled(g, kind, lmax, at) end,
-    places = function(n, seed) return places.draw(g, o.scene, n, seed) end }
+    places = function(n, seed) return places.draw("export", light_of(g, o.scene), o.scene, n, seed) end }
   return function(cells)
     local m, message, code = made(cells)
     if not m then return nil, message, code end

@@ -1,4 +1,5 @@
---- Places of a scene's surfaces, with the irradiance that a grid has there.
+--- Places of a scene's surfaces, with the irradiance that a light has there: { bounds; open(points) -> 1 where a point is in no
+-- body; irradiance(points, normals) -> [n][channels] }, each or nil, message, code.
 
 local array = require "ylm.array"
 local core = require "ylm.c.core"
@@ -6,7 +7,6 @@ local field = require "ylm.field"
 
 local places = {}
 
-local BURIED = 4  -- flag of samples in bodies
 local NEAR = 1e-3 -- of the grid: a surface that another is nearer to is not looked at
 local AWAY = { 1, 4, 16 } -- times that
 local TRIES, MOST = 6, 32 -- draws, and places that are drawn for each that is wanted
@@ -62,21 +62,22 @@ local function draw(scene, bounds, n, seed)
   return points, normals
 end
 
---- 1 of places that have nothing before them for `far`, and lie in no body there. A voxel tells bodies by pieces of a quarter of
--- its edge, so that what is near a wall may seem to be in it. Or nil, message, code.
-local function open_at(g, points, normals, walls, far)
+--- 1 of places that have nothing before them for `far`, and lie in no body there. Or nil, message, code.
+local function open_at(light, points, normals, walls, far)
   local clear, message, code = core.grid_clear(walls, points, normals, far)
   if not clear then return nil, message, code end
-  local _, _, report, flags = g:sample(points + normals * far, { flags = true })
-  if not flags then return nil, report, flags end
-  return clear * flags:less(BURIED)
+  local open
+  open, message, code = light.open(points + normals * far)
+  if not open then return nil, message, code end
+  return clear * open
 end
 
---- 1 of places that are seen: no other surface is near, and they are not in a body. Or nil, message, code.
-local function seen(g, points, normals, walls, near)
+--- 1 of places that are seen: no other surface is near, and they are not in a body. A grid tells bodies by pieces of a quarter of
+-- a voxel, so that what is near a wall may seem to be in it: some distances are tried. Or nil, message, code.
+local function seen(light, points, normals, walls, near)
   local sum
   for _, times in ipairs(AWAY) do
-    local open, message, code = open_at(g, points, normals, walls, near * times)
+    local open, message, code = open_at(light, points, normals, walls, near * times)
     if not open then return nil, message, code end
     sum = sum and sum + open or open
   end
@@ -89,34 +90,34 @@ function places.luminance(E)
   return (E * array.array({ 0.2126, 0.7152, 0.0722 }, "float")):sum(2)
 end
 
---- At most n places of the scene's surfaces by area within the grid, and what it has there: { n; points, normals [n][3]; wanted
--- [n][channels]; light [n], its luminance; mean }. Or nil, message, code.
-function places.draw(g, scene, n, seed)
-  local walls, message, code = field.walls_of_scene(2, "export", scene)
+--- At most n places of the scene's surfaces by area within a light's bounds, and what it has there: { n; points, normals
+-- [n][3]; wanted [n][channels]; light [n], its luminance; mean }. Or nil, message, code; `name` stands in messages.
+function places.draw(name, light, scene, n, seed)
+  local walls, message, code = field.walls_of_scene(2, name, scene)
   if not walls then return nil, message, code end
-  local lo, hi = g.bounds[1], g.bounds[2]
+  local lo, hi = light.bounds[1], light.bounds[2]
   local near = NEAR * math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3])
   local wanted = n
   for _ = 1, TRIES do
-    local points, normals, why = draw(scene, g.bounds, wanted, seed)
+    local points, normals, why = draw(scene, light.bounds, wanted, seed)
     if not points then return nil, normals, why end
     if #points == 0 then break end
     local open
-    open, message, code = seen(g, points, normals, walls, near)
+    open, message, code = seen(light, points, normals, walls, near)
     if not open then return nil, message, code end
     local kept = open:sum()
     if kept >= n / 2 or wanted >= MOST * n then
       if kept == 0 then break end
       local p = { n = kept, points = points:select(open), normals = normals:select(open) }
-      p.wanted, message, code = g:irradiance(p.points, p.normals, { scene = g.sides and scene or nil })
-      if not p.wanted then return nil, message, code end
+      p.wanted, p.variance, code = light.irradiance(p.points, p.normals)
+      if not p.wanted then return nil, p.variance, code end
       p.light = places.luminance(p.wanted)
       p.mean = p.light:mean()
       return p
     end
     wanted = 2 * wanted
   end
-  return nil, "export: no surface of the scene lies within the grid's bounds", "EDOMAIN"
+  return nil, name .. ": no surface of the scene lies within the bounds", "EDOMAIN"
 end
 
 --- The places where a mask is 1; nil where it is nowhere.

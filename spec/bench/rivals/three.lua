@@ -112,7 +112,8 @@ for ( const l of lamps ) {
 	light.castShadow = true;
 	light.shadow.mapSize.set( 1024, 1024 );
 	light.shadow.camera.near = 0.02;
-	light.shadow.bias = - 0.002;
+	light.shadow.camera.far = 20;
+	light.shadow.bias = - 0.0005; // of far: 1 cm
 	scene.add( light );
 }
 for ( const p of panels ) {
