@@ -13,7 +13,7 @@ return {
     papers path plot plot_lines prepared_look radiosity refresh relight render render_noise run sh_eval
     sh_exponential sh_product sh_project sh_rotate shade shadow_bodies shadow_fields shadow_rays shell site
     sphere_set spot style surface team_bake team_bricks team_faults texture transfer transfer_vectors
-    two_rooms_light view view_bar view_grid virtual_gather virtual_gaussian virtual_gloss virtual_kernel
+    two_rooms_light unwrap view view_bar view_grid virtual_gather virtual_gaussian virtual_gloss virtual_kernel
     virtual_levels virtual_lights virtual_near virtual_random virtual_subset virtual_tree virtual_truth
     virtual_visible virtual_walls vulkan_bake vulkan_fault vulkan_image vulkan_keep vulkan_light vulkan_octree
     vulkan_points vulkan_render vulkan_rims vulkan_sample vulkan_sh vulkan_surface vulkan_tolerance vulkan_uniform]],

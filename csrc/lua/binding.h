@@ -61,6 +61,7 @@
   X(material_file)                                                                                 \
   X(material_table)                                                                                \
   X(mesh)                                                                                          \
+  X(unwrap)                                                                                        \
   X(texture)
 
 #define YLML_SCENE_BINDINGS(X)                                                                     \

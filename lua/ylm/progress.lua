@@ -241,6 +241,7 @@ progress.stages = {
   { "table", "a material is tabulated" },
   { "top", "the coarse levels above bricks are baked" },
   { "transfer", "occlusion rays make transfer vectors" },
+  { "unwrap", "charts of a mesh are flattened" },
   { "updating", "a grid follows lamps that have moved" },
   { "verifying", "other points than those of the bake say whether a tolerance is met" },
   { "virtual lights", "pixels take the light of virtual lights" },
