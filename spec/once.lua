@@ -8,7 +8,7 @@ return {
     grid_sides
     grid_surface grid_update grid_update_flat grid_update_memory grid_update_octree grid_update_random
     grid_update_undo grid_update_view guide install knob ladder light light_blocks light_merged
-    light_polygon_kernel light_polygon_scene light_sampled light_sky light_textured light_tree lightmap live
+    light_polygon_kernel light_polygon_scene light_sampled light_sky light_textured light_tree lightmap lightmaps live
     live_display material material_file material_kinds material_table memory_picture neon no_lights occlusion page
     papers path plot plot_lines prepared_look radiosity refresh relight render render_noise run sh_eval
     sh_exponential sh_product sh_project sh_rotate shade shadow_bodies shadow_fields shadow_rays shell site

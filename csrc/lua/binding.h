@@ -82,6 +82,7 @@
   X(shade_view)                                                                                    \
   X(shade_virtual)                                                                                 \
   X(surface)                                                                                       \
+  X(surface_map)                                                                                   \
   X(traced)                                                                                        \
   X(transfer)                                                                                      \
   X(vectors)                                                                                       \

@@ -239,6 +239,7 @@ progress.stages = {
   { "spheres", "spheres fill a closed mesh" },
   { "spherical harmonics", "basis functions are evaluated" },
   { "table", "a material is tabulated" },
+  { "texels", "texels of a lightmap are fitted, each time with another weight of smoothness" },
   { "top", "the coarse levels above bricks are baked" },
   { "transfer", "occlusion rays make transfer vectors" },
   { "unwrap", "charts of a mesh are flattened" },

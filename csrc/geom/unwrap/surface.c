@@ -109,8 +109,8 @@ ylm_status ylm__unwrap_surface(size_t meshes, const ylm_unwrap_mesh *mesh, ylm_u
   s->point = ylm_alloc(n, sizeof *s->point);
   s->normal = ylm_alloc_zero(n, sizeof *s->normal);
   s->area = ylm_alloc_zero(n, sizeof *s->area);
-  s->across = ylm_alloc(3 * n, sizeof *s->across);
-  if (!s->point || !s->normal || !s->area || !s->across) return ylm_no_memory(e);
+  s->across = u->across;
+  if (!s->point || !s->normal || !s->area) return ylm_no_memory(e);
   memset(s->across, 0xff, 3 * n * sizeof *s->across);
   ylm_status status = YLM_OK;
   for (size_t m = 0; status == YLM_OK && m < meshes; m++)
@@ -124,5 +124,4 @@ void ylm__unwrap_surface_free(unwrap_surface *s) {
   ylm_free(s->point);
   ylm_free(s->normal);
   ylm_free(s->area);
-  ylm_free(s->across);
 }

@@ -15,6 +15,7 @@ void ylm_unwrap_free(ylm_unwrap *u) {
   ylm_free(u->corner);
   ylm_free(u->of);
   ylm_free(u->list);
+  ylm_free(u->across);
   ylm_free(u->chart);
   ylm_free(u);
 }
@@ -48,7 +49,8 @@ static ylm_status begin(size_t meshes, const ylm_unwrap_mesh *mesh, ylm_unwrap *
   u->corner = ylm_alloc(3 * n, sizeof *u->corner);
   u->of = ylm_alloc(n, sizeof *u->of);
   u->list = ylm_alloc(n, sizeof *u->list);
-  if (!u->index || !u->corner || !u->of || !u->list) return YLM_ENOMEM;
+  u->across = ylm_alloc(3 * n, sizeof *u->across);
+  if (!u->index || !u->corner || !u->of || !u->list || !u->across) return YLM_ENOMEM;
   for (size_t m = 0; m < meshes; m++)
     if (mesh[m].triangles)
       memcpy(u->index + 3 * u->first[m], mesh[m].index,
@@ -159,6 +161,16 @@ void ylm_unwrap_look(const ylm_unwrap *u, ylm_unwrap_stats *stats) { *stats = u-
 
 uint32_t ylm_unwrap_chart(const ylm_unwrap *u, size_t mesh, size_t triangle) {
   return u->of[u->first[mesh] + triangle];
+}
+
+bool ylm_unwrap_across(const ylm_unwrap *u, size_t mesh, size_t triangle, int edge,
+                       size_t *triangle_across, int *edge_across) {
+  size_t first = u->first[mesh];
+  uint32_t other = u->across[3 * (first + triangle) + (size_t)edge];
+  if (other == UNWRAP_NONE) return false;
+  *triangle_across = other / 3 - first;
+  *edge_across = (int)(other % 3);
+  return true;
 }
 
 double ylm_unwrap_area(const ylm_unwrap *u, size_t chart) { return u->chart[chart].area; }

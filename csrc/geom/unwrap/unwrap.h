@@ -48,6 +48,7 @@ struct ylm_unwrap {
   uint32_t *corner; /* [3 triangles] vertices of the chart */
   uint32_t *of;     /* [triangles] the chart or UNWRAP_NONE */
   uint32_t *list;   /* [triangles] by chart */
+  uint32_t *across; /* [3 triangles] the surface's */
   unwrap_chart *chart;
   size_t charts, room;
   size_t width, height, used; /* texels; those that are looked up */
@@ -61,8 +62,9 @@ typedef struct unwrap_surface {
   double (*normal)[3];   /* [triangles] unit; 0 of a triangle without area */
   double *area;          /* [triangles] */
   double whole;          /* their sum */
-  uint32_t *across;      /* [3 triangles] the same edge of the triangle beside, or UNWRAP_NONE */
-  uint32_t *of;          /* the unwrap's */
+  uint32_t *
+      across; /* [3 triangles] the same edge of the triangle beside, or UNWRAP_NONE; the unwrap's */
+  uint32_t *of; /* the unwrap's */
 } unwrap_surface;
 
 static inline size_t unwrap_next(size_t corner) {

@@ -54,25 +54,6 @@ static ylm_status make(const ylm_mesh *m, const unwrap_form *f, ylm_unwrap **u, 
   return s;
 }
 
-/* A mesh whose vertices are those of another that a list names. */
-static ylm_status copy(const ylm_mesh *m, size_t n, const uint32_t *from, const uint32_t *index,
-                       ylm_mesh **out, ylm_error *e) {
-  ylm_status s = ylm_mesh_create(n, m->triangles, m->normal != NULL, m->uv != NULL, out, e);
-  if (s != YLM_OK) return s;
-  if (m->colour && !((*out)->colour = ylm_alloc(n, 3 * sizeof(float)))) return ylm_no_memory(e);
-  for (size_t i = 0; i < n; i++) {
-    memcpy((*out)->position + 3 * i, m->position + 3 * (size_t)from[i], 3 * sizeof(float));
-    if (m->normal)
-      memcpy((*out)->normal + 3 * i, m->normal + 3 * (size_t)from[i], 3 * sizeof(float));
-    if (m->uv) memcpy((*out)->uv + 2 * i, m->uv + 2 * (size_t)from[i], 2 * sizeof(float));
-    if (m->colour)
-      memcpy((*out)->colour + 3 * i, m->colour + 3 * (size_t)from[i], 3 * sizeof(float));
-  }
-  memcpy((*out)->index, index, 3 * m->triangles * sizeof *index);
-  memcpy((*out)->origin, m->origin, sizeof m->origin);
-  return YLM_OK;
-}
-
 /* Pushes the mesh, its coordinates, which vertices they were, from 1, and the charts of triangles, from 1; 0: none. */
 static ylm_status push_split(lua_State *L, const ylm_mesh *m, const ylm_unwrap *u, ylm_error *e) {
   size_t n = 0;
@@ -81,7 +62,7 @@ static ylm_status push_split(lua_State *L, const ylm_mesh *m, const ylm_unwrap *
   ylm_mesh **out = ylmL_mesh_new(L);
   ylm_status s = ylm_unwrap_split(u, 0, &n, &from, &uv, &index, e);
   if (s != YLM_OK) return s;
-  s = copy(m, n, from, index, out, e);
+  s = ylm_mesh_pick(m, n, from, index, false, out, e);
   ylmL_array *uvs = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 2});
   ylmL_array *old = uvs ? ylmL_array_new(L, YLM_INT32, 1, &n) : NULL;
   ylmL_array *charts = old ? ylmL_array_new(L, YLM_INT32, 1, &m->triangles) : NULL;

@@ -182,6 +182,19 @@ static int surface_irradiance(lua_State *L) {
   return 2;
 }
 
+bool ylmL_scene_push_surfaces(lua_State *L, const ylm_scene *scene, size_t n,
+                              const ylm_scene_place *place) {
+  ylm_scene_surface *at = lua_newuserdata(L, (n + 1) * sizeof *at);
+  float(*x)[3] = lua_newuserdata(L, (n + 1) * sizeof *x);
+  ylm_scene_surfaces(scene, n, place, at);
+  for (size_t i = 0; i < n; i++) memcpy(x[i], at[i].position, sizeof x[i]);
+  if (!ylmL_scene_push_places(L, ylm_scene_origin(scene), n, x[0])) return false;
+  ylmL_array *normals = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
+  for (size_t i = 0; normals && i < n; i++)
+    memcpy((float *)normals->data + 3 * i, at[i].normal, 12);
+  return normals != NULL;
+}
+
 /* surface_judges(surface grid, radiosity, n, seed, threads) -> points [n][3], normals float [n][3], irradiance float [n][3] */
 static int surface_judges(lua_State *L) {
   const ylm_surface_grid *g = check_surface(L, 1);
@@ -192,16 +205,9 @@ static int surface_judges(lua_State *L) {
   ylm_scene_place *place = lua_newuserdata(L, (n + 1) * sizeof *place);
   ylm_status s = ylm_surface_draw(g, r, n, seed, place, &drawn);
   if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
-  ylm_scene_surface *at = lua_newuserdata(L, (drawn + 1) * sizeof *at);
-  float(*x)[3] = lua_newuserdata(L, (drawn + 1) * sizeof *x);
-  ylm_scene_surfaces(ylm_surface_scene(g), drawn, place, at);
-  for (size_t i = 0; i < drawn; i++) memcpy(x[i], at[i].position, sizeof x[i]);
-  if (!ylmL_scene_push_places(L, ylm_scene_origin(ylm_surface_scene(g)), drawn, x[0]))
-    return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylmL_array *normals = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){drawn, 3});
-  ylmL_array *E = normals ? ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){drawn, 3}) : NULL;
+  bool ok = ylmL_scene_push_surfaces(L, ylm_surface_scene(g), drawn, place);
+  ylmL_array *E = ok ? ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){drawn, 3}) : NULL;
   if (!E) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  for (size_t i = 0; i < drawn; i++) memcpy((float *)normals->data + 3 * i, at[i].normal, 12);
   ylm_surface_irradiance(g, drawn, place, E->data, NULL, threads);
   return 3;
 }

@@ -2,8 +2,8 @@
 
 local status = require "ylm.cli.status"
 
-local commands = { "render", "pathtrace", "bake", "pack", "page", "emit", "view", "live", "compare", "sh", "material", "run",
-  "codegen", "bench", "info", "help" }
+local commands = { "render", "pathtrace", "bake", "lightmap", "pack", "page", "emit", "view", "live", "compare", "sh",
+  "material", "run", "codegen", "bench", "info", "help" }
 
 --- Is there such a command?
 function commands.known(name)

@@ -8,6 +8,7 @@ local describe = require "ylm.describe".describe
 local display = require "ylm.display"
 local form = require "ylm.form"
 local gloss = require "ylm.render.gloss"
+local lightmaps = require "ylm.render.lightmap"
 local links = require "ylm.render.bounced.links"
 local make = require "ylm.render.make"
 local options = require "ylm.render.options"
@@ -21,7 +22,8 @@ local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
 local visibility = require "ylm.render.visibility"
 
-local render = { bake = baking.bake, surface_grid = surfaces.surface_grid, true_error = pictures.true_error,
+local render = { bake = baking.bake, surface_grid = surfaces.surface_grid, lightmap = lightmaps.lightmap,
+  true_error = pictures.true_error,
   probe = probes.probe }
 
 local prepare_options = options.list(options.view_fields, {

@@ -90,19 +90,13 @@ local function say(g, m)
   return g
 end
 
---- The rows of an array as lists.
-local function lists(a)
-  local rows = {}
-  for i = 1, #a do rows[i] = { a:get(i, 1), a:get(i, 2), a:get(i, 3) } end
-  return rows
-end
-
 --- Has paths judge a surface grid of light `lit`. True, or nil, message, code.
 local function judge(s, g, m, lit, o)
   local points, normals, E = m.lib.surface_judges(g, lit, JUDGES, o.seed, o.threads or 0)
   if not points then return check.result("surface_grid", points, normals, E) end
   if #points == 0 then return true end
-  local said, message, code = promise.compare(s, lists(points), lists(normals), lists(E), o.tolerance, o.quantity, o)
+  local said, message, code = promise.compare(s, promise.lists(points), promise.lists(normals), promise.lists(E),
+    o.tolerance, o.quantity, o)
   if not said then return nil, message, code end
   local paths = { field_met = m.stats.met, field_error = m.stats.error, undecided = said.undecided, seconds = said.seconds }
   m.lib.surface_verdict(g, #points, said.failed + said.undecided, said.error, said.rms)
