@@ -118,20 +118,21 @@ static ylm_status learn(map_bake *b, size_t texels) {
   return s;
 }
 
-/* Densities for a number of texels, learnt from a picture with a part of them. */
+/* Densities for a number of texels, learnt from a picture with a part of them, or where charts do not fit, with all. */
 static ylm_status pilot(map_bake *b, size_t texels) {
   size_t few = (size_t)(MAP_PILOT * (double)texels);
   ylm_error none = {YLM_OK, ""}, *e = b->e;
   b->e = &none;
   ylm_status s = make(b, few, false);
+  if (s == YLM_ELIMIT) s = make(b, few = texels, false);
   if (s == YLM_OK) s = learn(b, few);
   b->e = e;
-  if (s == YLM_ELIMIT) return YLM_OK; /* so few texels leave no choice */
-  if (s == YLM_OK)
-    ylm__map_spread(b);
-  else if (e)
-    *e = none;
-  return s;
+  if (s != YLM_OK && s != YLM_ELIMIT) {
+    if (e) *e = none;
+    return s;
+  }
+  if (b->sites) ylm__map_spread(b);
+  return YLM_OK; /* what does not fit the next picture says */
 }
 
 /* -- the judge ---------------------------------------------------------------------------------------- */
