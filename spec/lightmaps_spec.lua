@@ -62,6 +62,8 @@ describe("scene:lightmap", function()
     assert.same({ 1, 1, true }, { #pieces, pieces[1].number, pieces[1].back })
     visit(pieces[1], image, 1000, function(x, n, E)
       if math.abs(E / truth(x, n) - 1) > 0.02 then misses = misses + 1 end
+      local here, chart = light:irradiance({ x }, { n })
+      assert.is_true(math.abs(here:get(1, 1) - E) < 1e-3 * E and chart:get(1) >= 1 and chart:get(1) <= 6)
     end)
     assert.is_true(misses <= 10, misses)
     assert.is_true(light.stats.error < 0.02 and light.stats.met == nil, light.stats.error)

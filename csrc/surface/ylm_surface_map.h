@@ -43,8 +43,8 @@ typedef struct ylm_surface_map_stats {
   size_t verified, failed;
   double
       error; /* that 99 % of the surface keep, with 99 % confidence; infinite: too few were verified */
-  double rms;      /* over the mean, without the places' noise */
-  bool met, spent; /* spent: it is not, and no more texels were allowed */
+  double rms;       /* over the mean, without the places' noise */
+  bool met, spent;  /* spent: it is not, and no more texels were allowed */
   double tolerance; /* that is promised, 0: none */
   ylm_quantity quantity;
   double chart_seconds, pack_seconds, light_seconds, fit_seconds, judge_seconds;
@@ -73,9 +73,11 @@ YLM_API const ylm_unwrap *ylm_surface_map_charts(const ylm_surface_map *m);
    exchanged. */
 YLM_API size_t ylm_surface_map_sheet(const ylm_surface_map *m, size_t sheet, bool *back);
 
-/* Irradiance at n places of the scene, as a bilinear look-up has it: out [n][3]; 0 on sides without light. */
+/* Irradiance at n places of the scene, as a bilinear look-up has it: out [n][3]; 0 on sides without light. `chart` [n]:
+   the one that a place lies on, or YLM_UNWRAP_NONE; NULL: not wanted. */
 YLM_API void ylm_surface_map_irradiance(const ylm_surface_map *m, size_t n,
-                                        const ylm_scene_place *place, float (*out)[3]);
+                                        const ylm_scene_place *place, float (*out)[3],
+                                        uint32_t *chart);
 /* At most n places by area, as ylm_surface_draw has them; how many are drawn. YLM_ENOMEM. */
 YLM_API ylm_status ylm_surface_map_draw(const ylm_surface_map *m, const ylm_radiosity *r, size_t n,
                                         uint64_t seed, ylm_scene_place *place, size_t *drawn);

@@ -136,20 +136,25 @@ static int surface_take(lua_State *L) {
   return 1;
 }
 
-/* The places of n points with normals, in memory of the state; NULL: *lost is the row of one that lies on no surface. */
-static ylm_scene_place *places_of(lua_State *L, const ylm_surface_grid *g, size_t n,
-                                  const float (*point)[3], const float (*normal)[3], size_t *lost) {
-  ylm_scene_place *place = lua_newuserdata(L, (n + 1) * sizeof *place);
-  for (size_t i = 0; i < n; i++)
-    if (!ylm_surface_place(g, point[i], normal[i], &place[i])) {
-      *lost = i;
-      return NULL;
-    }
-  return place;
+ylm_scene_place *ylmL_scene_read_surfaces(lua_State *L, int i, const ylm_scene *scene, size_t *n) {
+  const ylmL_array *normals = ylmL_array_check(L, i + 1);
+  ylm_error e = {0};
+  const float(*point)[3] = ylmL_scene_places(L, i, ylm_scene_origin(scene), n);
+  ylm_status s = !point                        ? YLM_ENOMEM
+                 : normals->dtype != YLM_FLOAT ? YLM_ETYPE
+                 : normals->count != 3 * *n    ? YLM_ESHAPE
+                                               : YLM_OK;
+  const float(*normal)[3] = normals->data;
+  ylm_scene_place *place = s == YLM_OK ? lua_newuserdata(L, (*n + 1) * sizeof *place) : NULL;
+  for (size_t k = 0; s == YLM_OK && k < *n; k++)
+    if (!ylm_surface_place(scene, point[k], normal[k], &place[k]))
+      s = ylm_fail(&e, YLM_EINVAL, "point %zu lies on no surface of the scene", k + 1);
+  if (s == YLM_OK) return place;
+  ylmL_result(L, 0, s, &e);
+  return NULL;
 }
 
-/* Numbers of rectangles in an array of floats, from 0 as integers, become floats from 1; 0: none. */
-static void from_one(ylmL_array *a) {
+void ylmL_from_one(ylmL_array *a) {
   uint32_t *number = a->data;
   for (size_t i = 0; i < a->count; i++) {
     float x = number[i] == UINT32_MAX ? 0 : (float)number[i] + 1;
@@ -161,24 +166,15 @@ static void from_one(ylmL_array *a) {
    from 1 of their rectangles float [n], 0: none */
 static int surface_irradiance(lua_State *L) {
   const ylm_surface_grid *g = check_surface(L, 1);
-  const ylmL_array *normals = ylmL_array_check(L, 3);
   int threads = (int)luaL_optnumber(L, 4, 0);
-  ylm_error e = {0};
-  size_t n, lost = 0;
-  const float(*point)[3] = ylmL_scene_places(L, 2, ylm_scene_origin(ylm_surface_scene(g)), &n);
-  if (!point) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  if (normals->dtype != YLM_FLOAT) return ylmL_result(L, 0, YLM_ETYPE, NULL);
-  if (normals->count != 3 * n) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  const ylm_scene_place *place = places_of(L, g, n, point, (const float(*)[3])normals->data, &lost);
-  if (!place) {
-    ylm_fail(&e, YLM_EINVAL, "point %zu lies on no surface of the scene", lost + 1);
-    return ylmL_result(L, 0, YLM_EINVAL, &e);
-  }
+  size_t n;
+  const ylm_scene_place *place = ylmL_scene_read_surfaces(L, 2, ylm_surface_scene(g), &n);
+  if (!place) return 3;
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
   ylmL_array *numbers = out ? ylmL_array_new(L, YLM_FLOAT, 1, &n) : NULL;
   if (!numbers) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_surface_irradiance(g, n, place, out->data, numbers->data, threads);
-  from_one(numbers);
+  ylmL_from_one(numbers);
   return 2;
 }
 
@@ -265,7 +261,7 @@ static int shade_surfaces(lua_State *L) {
   ylmL_array *numbers = E ? ylmL_array_new(L, YLM_FLOAT, 1, &n) : NULL;
   if (!numbers) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_status s = ylm_shade_surfaces(v, g, (int)luaL_optnumber(L, 3, 0), E->data, numbers->data, &e);
-  if (s == YLM_OK) from_one(numbers);
+  if (s == YLM_OK) ylmL_from_one(numbers);
   return ylmL_result(L, 2, s, &e);
 }
 

@@ -111,8 +111,23 @@ static int map_judges(lua_State *L) {
   bool ok = ylmL_scene_push_surfaces(L, ylm_surface_map_scene(m), drawn, place);
   ylmL_array *E = ok ? ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){drawn, 3}) : NULL;
   if (!E) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_surface_map_irradiance(m, drawn, place, E->data);
+  ylm_surface_map_irradiance(m, drawn, place, E->data, NULL);
   return 3;
+}
+
+/* map_irradiance(lightmap, points [n][3], normals float [n][3]) -> irradiance float [n][3], the numbers from 1 of their charts
+   float [n], 0: none */
+static int map_irradiance(lua_State *L) {
+  const ylm_surface_map *m = check_map(L, 1);
+  size_t n;
+  const ylm_scene_place *place = ylmL_scene_read_surfaces(L, 2, ylm_surface_map_scene(m), &n);
+  if (!place) return 3;
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
+  ylmL_array *charts = out ? ylmL_array_new(L, YLM_FLOAT, 1, &n) : NULL;
+  if (!charts) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_surface_map_irradiance(m, n, place, out->data, charts->data);
+  ylmL_from_one(charts);
+  return 2;
 }
 
 /* map_picture(lightmap, irradiance float [h][w][3], charts float [h][w] or nil): from 1, 0 beyond all */
@@ -127,12 +142,8 @@ static int map_picture(lua_State *L) {
   if (out->count != 3 * n || (charts && charts->count != n))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   memcpy(out->data, ylm_surface_map_picture(m), 3 * n * sizeof(float));
-  uint32_t *number = charts ? charts->data : NULL;
-  ylm_status status = number ? ylm_unwrap_texels(ylm_surface_map_charts(m), number) : YLM_OK;
-  for (size_t i = 0; number && status == YLM_OK && i < n; i++) {
-    float x = number[i] == YLM_UNWRAP_NONE ? 0 : (float)number[i] + 1;
-    memcpy(&number[i], &x, sizeof x);
-  }
+  ylm_status status = charts ? ylm_unwrap_texels(ylm_surface_map_charts(m), charts->data) : YLM_OK;
+  if (charts && status == YLM_OK) ylmL_from_one(charts);
   lua_pushboolean(L, 1);
   return ylmL_result(L, 1, status, NULL);
 }
@@ -169,9 +180,11 @@ static int map_split(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {
-    {"map_bake", map_bake},       {"map_stats", map_stats},   {"map_verdict", map_verdict},
-    {"map_judges", map_judges},   {"map_sheet", map_sheet},   {"map_split", map_split},
-    {"map_picture", map_picture}, {"map_close", ylmL_let_go}, {NULL, NULL}};
+    {"map_bake", map_bake},       {"map_stats", map_stats},
+    {"map_verdict", map_verdict}, {"map_judges", map_judges},
+    {"map_sheet", map_sheet},     {"map_split", map_split},
+    {"map_picture", map_picture}, {"map_irradiance", map_irradiance},
+    {"map_close", ylmL_let_go},   {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
 

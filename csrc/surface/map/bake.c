@@ -184,7 +184,7 @@ static ylm_status judge(map_bake *b, uint64_t round) {
                              place, &n);
   if (s == YLM_OK) s = ylm__map_ask(b, n, place, MAP_JUDGE_RAYS, light, open);
   if (s == YLM_OK) {
-    ylm_surface_map_irradiance(b->m, n, place, told);
+    ylm_surface_map_irradiance(b->m, n, place, told, NULL);
     compare(b, n, light, open, (const float(*)[3])told, error);
   }
   ylm_free(error), ylm_free(place), ylm_free(light), ylm_free(open), ylm_free(told);
@@ -306,10 +306,14 @@ size_t ylm_surface_map_sheet(const ylm_surface_map *m, size_t sheet, bool *back)
 }
 
 void ylm_surface_map_irradiance(const ylm_surface_map *m, size_t n, const ylm_scene_place *place,
-                                float (*out)[3]) {
+                                float (*out)[3], uint32_t *chart) {
   for (size_t i = 0; i < n; i++) {
     map_tap tap;
+    uint32_t sheet = m->of[2 * place[i].mesh + place[i].back];
     for (size_t c = 0; c < 3; c++) out[i][c] = 0;
+    if (chart)
+      chart[i] = sheet == MAP_NONE ? YLM_UNWRAP_NONE
+                                   : ylm_unwrap_chart(m->charts, sheet, place[i].element);
     if (!ylm__map_tap(m, &place[i], &tap)) continue;
     for (size_t k = 0; k < 4; k++)
       for (size_t c = 0; c < 3; c++)

@@ -182,6 +182,23 @@ end
 
 local function opened(name, map) return objects.opened(name, map, "ylm.lightmap", "a lightmap") end
 
+describe "lightmap:irradiance" {
+  about = "The irradiance at places of the scene's surfaces, as a bilinear look-up in the picture has it.",
+  arguments = { { "points", "array|number[][]", "[n][3], on surfaces" },
+    { "normals", "array|number[][]", "[n][3], of the surface's sides" } },
+  returns = { { "E", "array", "float [n][3], W m^-2, at least 0" },
+    { "charts", "array", "float [n], the charts that they lie on, from 1; 0: none" } },
+  errors = "raises on other shapes, and where a point lies on no surface; nil, message, code where memory runs out",
+  example = room .. [[
+local light = scene:lightmap { texels = 1024, rays = 16 }
+assert(light:irradiance({ { 0, 1, 0 } }, { { 0, -1, 0 } }):get(1, 1) > 0)]],
+}
+function methods.irradiance(map, points, normals)
+  local m = opened("irradiance", map)
+  local x, n = options.places_with_normals("irradiance", points, normals)
+  return check.result("irradiance", m.lib.map_irradiance(map, x, n))
+end
+
 --- An image of the picture with these layers, of irradiance and charts. Or nil, message, code.
 local function picture_of(m, map, layers)
   local out, message, code = image.image { size = { m.stats.width, m.stats.height }, layers = layers }

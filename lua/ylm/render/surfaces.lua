@@ -1,6 +1,5 @@
 --- scene:surface_grid: irradiance on the surfaces of a scene, to a tolerance, and the methods of what it returns.
 
-local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -209,11 +208,7 @@ assert(light:irradiance({ { 0, 1, 0 } }, { { 0, -1, 0 } }):get(1, 1) > 0)]],
 }
 function methods.irradiance(g, points, normals)
   local m = opened("irradiance", g)
-  local x = array.places(1, "irradiance", points)
-  local n = array.points(2, "irradiance", normals, "float", "normals")
-  if #x ~= #n then
-    return check.bad(2, "irradiance", "%d normals expected, one a point, got %d", #x, #n)
-  end
+  local x, n = options.places_with_normals("irradiance", points, normals)
   return check.result("irradiance", m.lib.surface_irradiance(g, x, n, m.options.threads or 0))
 end
 

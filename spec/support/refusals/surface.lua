@@ -79,6 +79,11 @@ return {
     { call = function(ylm) return scene(ylm).lightmap({}) end, says = "lightmap: a scene expected before the colon" },
     { call = function(ylm) return ylm.scene "empty" {}:lightmap() end, says = "has no geometry, so no surfaces" },
   },
+  ["lightmap:irradiance"] = of_map("irradiance", {
+    { call = function(ylm) map(ylm):irradiance() end, says = "points" },
+    { call = function(ylm) map(ylm):irradiance({ { 0, -1, 0 } }, { { 0, 1, 0 }, { 0, 1, 0 } }) end, says = "1 normals expected" },
+    { call = function(ylm) return map(ylm):irradiance({ { 0, 0, 0 } }, { { 0, 1, 0 } }) end, says = "lies on no surface" },
+  }),
   ["lightmap:image"] = of_map "image",
   ["lightmap:pieces"] = of_map "pieces",
   ["lightmap:save"] = of_map("save", {
