@@ -37,6 +37,7 @@
   X(array_slice)                                                                                   \
   X(grid)                                                                                          \
   X(grid_bake)                                                                                     \
+  X(grid_engine)                                                                                   \
   X(grid_file)                                                                                     \
   X(grid_set)                                                                                      \
   X(grid_look)                                                                                     \
