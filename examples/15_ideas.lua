@@ -480,7 +480,7 @@ idea("parts", function()
   } } }
 end, "sides.png")
 
---- What the pixels of a picture see: { points, normals, pixel = { { x, y }, .. } }.
+--- The surfaces that pixels of a picture see: { points, normals, pixel = { { x, y }, .. } }.
 local function surfaces_of(seen)
   local position, normal, depth = seen:layer "position", seen:layer "normal", seen:layer "depth"
   local points, normals, pixel = {}, {}, {}

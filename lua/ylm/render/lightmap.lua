@@ -150,7 +150,6 @@ local scene = ylm.scene "a room" {
 ]]
 
 describe "scene:lightmap" {
-  shelf = "everyday",
   about = "Finds the irradiance on the scene's surfaces as one picture, and texture coordinates for all of them, whether or not "
     .. "their meshes have any (mesh:unwrap). Each side of a mesh that has light gets charts of its own. Texels are fitted to "
     .. "places spread over the charts as bilinear look-ups read them, so that seams agree; they are dense where light bends, and "
@@ -250,7 +249,7 @@ function methods.pieces(map)
   return list
 end
 
---- What is saved as glTF: a scene of the pieces; lamps stay where an engine is to draw them.
+--- Saves glTF: a scene of the pieces; lamps stay where an engine is to draw them.
 local function save_gltf(m, pieces, path, picture)
   local second = {}
   for _, piece in ipairs(pieces) do
