@@ -47,6 +47,7 @@
   X(light_texture)                                                                                 \
   X(light_tree)                                                                                    \
   X(light_virtual)                                                                                 \
+  X(light_photometry)                                                                              \
   X(limits)                                                                                        \
   X(own)                                                                                           \
   X(process)                                                                                       \
