@@ -4,7 +4,7 @@ return {
   -- One Lua runs these,
   one = [[
     abi ambient bounce_render bricks c check choose cli_sh codec codegen denoise dering display emit emit_gloss emit_merge
-    engines far_from_origin far_scene first_call flip gather gloss_bounced gloss_field glossy grid_bake grid_sample
+    engines exposure far_from_origin far_scene first_call flip gather gloss_bounced gloss_field glossy grid_bake grid_sample
     grid_sides
     grid_surface grid_update grid_update_flat grid_update_memory grid_update_octree grid_update_random
     grid_update_undo grid_update_view guide install knob ladder light light_blocks light_merged

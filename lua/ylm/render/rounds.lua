@@ -32,7 +32,8 @@ rounds.fields = {
   { "noise", "number", min = 0.001, max = 1, optional = true,
     about = "by rays: the noise that the picture may have, root mean square over its pixels, each relative to the mean of 9 x 9 "
       .. "pixels around it: a pilot chooses counts of shadow rays and links pixel by pixel, and light_samples and rays are left "
-      .. "out. report.noise and the layer noise say what was reached. Of bounces by links" },
+      .. "out. report.noise and the layer noise say what was reached. A picture that is cancelled behind its pilot is what "
+      .. "the pilot made, and report.ended is cancelled. Of bounces by links" },
   { "denoise", "choice", of = { "auto", "none" }, optional = true,
     about = "by rays: 'auto', where noise is above `noise`, or 0.03, light of matte surfaces is fitted to that of points around, "
       .. "as far as two halves of the rays find it alike; direct light and light that bounces apart, without albedo. Where no "
@@ -200,8 +201,8 @@ end
 --- One line about what was reached.
 local function say(x, reached, seconds)
   local report = x.report
-  report.noise, report.ended = reached, x.o.by_hand and "samples" or "noise"
-  if x.o.by_hand or reached <= SLACK * x.wanted then return end
+  report.noise, report.ended = reached, x.cancelled and "cancelled" or x.o.by_hand and "samples" or "noise"
+  if x.cancelled or x.o.by_hand or reached <= SLACK * x.wanted then return end
   local ended, advice = cause_of(x, reached, seconds)
   report.ended = ended
   report.warnings[#report.warnings + 1] = warning.say(x.p.scene, "noise", "scene %q: noise is %.1f %% of the light around a "
@@ -236,8 +237,17 @@ local function budget_of(x, seconds, start)
   return left and pilot * left / math.max(seconds, 1e-3) or x.capped and CAP * pilot or math.huge
 end
 
+--- Says which counts were chosen, and how long they take.
+local function announce(x, factor, reached, seconds)
+  local _, cost = weigh(x, factor)
+  local part = cost / (x.cost[1] + (x.links and x.cost[2] or 0))
+  progress.say(x.casting.progress, part * seconds, "noise is %.1f %%, %.1f %% wanted: %.0f shadow rays%s a point take about %s",
+    100 * reached, 100 * x.wanted, 2 * x.rays:mean(), x.links and (" and %.0f links"):format(x.pilot.links * x.own:mean()) or "",
+    progress.clock(part * seconds))
+end
+
 --- Rays where noise is: another round of them in place of the pilot's. True, or nil, message, code.
-local function another(x, seconds, start)
+local function another(x, reached, seconds, start)
   local factor = choose(x, budget_of(x, seconds, start))
   local short = weigh(x, factor) > x.wanted
   x.timed, x.capped = x.timed and short, x.capped and short
@@ -245,7 +255,27 @@ local function another(x, seconds, start)
   local pilot = x.pilot
   x.rays = spread(x, x.noise[1], x.cost[1], pilot.rays, LEAST.rays, MOST.rays, factor)
   x.own = spread(x, x.noise[2], x.cost[2], pilot.sets, LEAST.sets, MOST.sets, factor)
+  announce(x, factor, reached, seconds)
   return estimate(x, x.rays, x.own, 1)
+end
+
+--- The picture as it is, to be taken again.
+local function keep(x)
+  local kept = {}
+  for _, key in ipairs { "direct", "links", "raw", "before", "left", "rays", "own" } do kept[key] = x[key] or false end
+  return kept
+end
+
+--- Another round, or where it is interrupted the picture `kept`: the noise that is left; or nil, message, code.
+local function refine(x, reached, seconds, start)
+  local kept = keep(x)
+  local better
+  local ok, message, code = another(x, reached, seconds, start)
+  if ok then better, message, code = settle(x) end
+  if better or code ~= "ECANCELLED" then return better, message, code end
+  for key, value in pairs(kept) do x[key] = value or nil end
+  x.cancelled, x.casting.progress = true, nil -- an interrupt stays one
+  return reached
 end
 
 --- Is the pilot the picture? Its counts are even, and of light without a filter they are chosen by noise.
@@ -267,9 +297,8 @@ function rounds.radiance(name, p, o, report, casting)
   local seconds = core.seconds() - start
   x.cost = { 2 * x.pilot.rays, x.pilot.links * x.pilot.sets }
   if not is_enough(x, reached) then
-    ok, message, code = another(x, seconds, start)
-    if ok then reached, message, code = settle(x) end
-    if not ok or not reached then return nil, message, code end
+    reached, message, code = refine(x, reached, seconds, start)
+    if not reached then return nil, message, code end
   end
   say(x, reached, core.seconds() - start)
   report.light_samples = 2 * x.rays:mean()
