@@ -95,10 +95,12 @@
    variance is known, and of its first guide. */
 #define DENOISE_REACH 9
 #define DENOISE_GUIDED 5.0f
-#define DENOISE_VARIED 4.0f
+#define DENOISE_VARIED 8.0f
 #define DENOISE_FIRST 1.9f
 /* Reach from which on a cell is 2 x 2 pixels. */
 #define DENOISE_COARSE 4
+/* Taps of even weight that are enough: of fewer, all within DENOISE_GUIDED pixels count. */
+#define DENOISE_FEW 6
 /* Squared cells that are added to the variance of places: slopes that few taps tell are drawn to 0. */
 #define DENOISE_RIDGE 0.5
 /* Points count whose normals are within 37 degrees and which are this near to each other's planes, in pixel widths. */

@@ -7,7 +7,7 @@
 
 #include "denoise.h"
 
-/* What is known of all points. */
+/* One picture that is filtered, all its points. */
 typedef struct denoise_job {
   const ylm_shade_view *v;
   denoise_kernels kernel;
@@ -42,7 +42,8 @@ static void demodulate(denoise_job *j, size_t i) {
     class |= lit << c;
     for (int h = 0; h < 2; h++) j->value[i][h][c] = lit ? j->half[h][3 * i + c] / albedo[c] : 0;
   }
-  j->class[i] = class == 0 || ylm_material_glosses(ylm__shade_material(j->v, i)) ? -1 : (float)class;
+  j->class[i] =
+      class == 0 || ylm_material_glosses(ylm__shade_material(j->v, i)) ? -1 : (float)class;
 }
 
 /* Irradiance of all light at point i. */
@@ -67,6 +68,7 @@ static void place(denoise_job *j, size_t i, size_t k) {
   to[TAP_CLASS][k] = j->class[i];
   to[TAP_GUIDE][k] = (float)luminance(j->value[i][0]);
   to[TAP_GUIDE + 1][k] = (float)luminance(j->value[i][1]);
+  to[TAP_APART][k] = powf(to[TAP_GUIDE][k] - to[TAP_GUIDE + 1][k], 2);
   to[TAP_ALL][k] = all_at(j, i);
 }
 
@@ -182,7 +184,8 @@ static ylm_status coarsen(void *context, size_t begin, size_t end, int worker) {
 /* How far taps of a point reach, in pixels: as far as leaves the noise that is wanted. The weights 1 - d^2/r^2 of a disk
    count as 3/4 pi r^2 taps. */
 static float reach_of(const denoise_job *j, float variance, float all) {
-  double wanted = j->noise * (double)all, taps = (double)variance / 2 / fmax(wanted * wanted, 1e-300);
+  double wanted = j->noise * (double)all,
+         taps = (double)variance / 2 / fmax(wanted * wanted, 1e-300);
   return (float)fmin(sqrt(taps / (0.75 * YLM_PI)), 2 * DENOISE_REACH);
 }
 
@@ -204,8 +207,8 @@ static void look(denoise_job *j, size_t x, size_t y, size_t i) {
   denoise_sums s;
   for (int h = 0; h < 2; h++) j->guide[i][h] = (float)luminance(j->value[i][h]);
   j->spread[i] = INFINITY;
-  denoise_centre c = centre_of(j, &j->fine, x, y, i, DENOISE_VARIED);
-  j->kernel.vary(&j->fine, &c, sums);
+  denoise_centre c = centre_of(j, &j->coarse, x, y, i, DENOISE_VARIED);
+  j->kernel.vary(&j->coarse, &c, sums);
   if (!(sums[0] > 0)) return;
   j->variance[i] = sums[1] / (2 * sums[0]);
   j->reach[i] = reach_of(j, j->variance[i], sums[2] / sums[0]);
@@ -214,12 +217,33 @@ static void look(denoise_job *j, size_t x, size_t y, size_t i) {
   guide_of(j, i, &s);
 }
 
+/* Whether a half has few taps that are like it. */
+static bool is_few(const denoise_sums *s, int h) {
+  return !(s->weight[h] * s->weight[h] > DENOISE_FEW * s->square[h]);
+}
+
+/* Whether few taps are like a point by chance: of a small part of the picture, a slit of sun, both halves say so and agree;
+   else one of them has met a ray in thousands. */
+static bool is_chance(const denoise_job *j, size_t i, const denoise_sums *s) {
+  bool few[2] = {is_few(s, 0), is_few(s, 1)};
+  float apart = j->guide[i][0] - j->guide[i][1];
+  return few[0] != few[1] || (few[0] && apart * apart > 2 * DENOISE_RANGE * j->spread[i]);
+}
+
+/* Sums over all taps of the second guide, like or not. */
+static void gather_all(const denoise_job *j, size_t x, size_t y, size_t i, denoise_sums *out) {
+  denoise_centre c = centre_of(j, &j->fine, x, y, i, fminf(j->reach[i], DENOISE_GUIDED));
+  c.spread = INFINITY;
+  j->kernel.gather(&j->fine, &c, out);
+}
+
 /* The second guide of a point. */
 static void guide(denoise_job *j, size_t x, size_t y, size_t i) {
   denoise_sums s;
   if (!(j->reach[i] >= 1)) return;
   denoise_centre c = centre_of(j, &j->fine, x, y, i, fminf(j->reach[i], DENOISE_GUIDED));
   j->kernel.gather(&j->fine, &c, &s);
+  if (is_chance(j, i, &s)) gather_all(j, x, y, i, &s);
   guide_of(j, i, &s);
 }
 
@@ -240,7 +264,7 @@ static void fitted(const denoise_sums *s, int h, float out[3]) {
 
 /* The light of a point by that of points around. */
 static void filter(denoise_job *j, size_t x, size_t y, size_t i) {
-  denoise_sums s;
+  denoise_sums s, all;
   float albedo[3], light[3];
   if (!(j->reach[i] >= 1)) return;
   const denoise_grid *g = j->reach[i] < DENOISE_COARSE ? &j->fine : &j->coarse;
@@ -248,8 +272,11 @@ static void filter(denoise_job *j, size_t x, size_t y, size_t i) {
   j->kernel.fit(g, &c, &s);
   ylm__shade_albedo(j->v, i, albedo);
   for (int h = 0; h < 2; h++) {
-    if (!(s.weight[h] > 0)) continue;
-    fitted(&s, h, light);
+    const denoise_sums *of = is_few(&s, h) && is_chance(j, i, &s) ? &all : &s;
+    if (of == &all) gather_all(j, x, y, i, &all);
+    if (!(of->weight[h] > 0)) continue;
+    if (!is_few(&s, h)) fitted(&s, h, light);
+    for (int k = 0; is_few(&s, h) && k < 3; k++) light[k] = of->value[h][k] / of->weight[h];
     for (int k = 0; k < 3; k++) j->half[h][3 * i + (size_t)k] = light[k] * albedo[k];
   }
 }
@@ -287,9 +314,8 @@ static void job_free(denoise_job *j) {
 }
 
 static bool grid_create(denoise_grid *g, size_t cell, size_t width, size_t height) {
-  *g = (denoise_grid){.cell = cell,
-                      .width = (width + cell - 1) / cell,
-                      .height = (height + cell - 1) / cell};
+  *g = (denoise_grid){
+      .cell = cell, .width = (width + cell - 1) / cell, .height = (height + cell - 1) / cell};
   g->stride = g->width + 2 * DENOISE_REACH + DENOISE_LANES;
   size_t room = g->stride * (g->height + 2 * DENOISE_REACH + 1);
   float *numbers = ylm_alloc_zero(room, TAP_NUMBERS * sizeof *numbers);
@@ -299,8 +325,7 @@ static bool grid_create(denoise_grid *g, size_t cell, size_t width, size_t heigh
 
 static ylm_status job_create(denoise_job *j, size_t width, size_t height) {
   size_t points = j->v->points;
-  bool grids =
-      grid_create(&j->fine, 1, width, height) && grid_create(&j->coarse, 2, width, height);
+  bool grids = grid_create(&j->fine, 1, width, height) && grid_create(&j->coarse, 2, width, height);
   j->largest = ylm_alloc(width * height, sizeof *j->largest);
   j->value = ylm_alloc(points, sizeof *j->value);
   j->class = ylm_alloc(points, sizeof *j->class);
@@ -324,10 +349,10 @@ ylm_status ylm_shade_denoise(const ylm_shade_view *v, float *half[2], const floa
     ylm_range_fn *run;
     size_t rows;
     bool shown;
-  } step[] = {{fill, j.fine.height, false},     {run_look, j.fine.height, true},
-              {take, j.fine.height, false},     {run_guide, j.fine.height, true},
-              {take, j.fine.height, false},     {coarsen, j.coarse.height, false},
-              {run_filter, j.fine.height, true}};
+  } step[] = {{fill, j.fine.height, false},      {coarsen, j.coarse.height, false},
+              {run_look, j.fine.height, true},   {take, j.fine.height, false},
+              {run_guide, j.fine.height, true},  {take, j.fine.height, false},
+              {coarsen, j.coarse.height, false}, {run_filter, j.fine.height, true}};
   for (size_t k = 0; s == YLM_OK && k < sizeof step / sizeof *step; k++)
     s = ylm_parallel(step[k].rows, 1, threads, step[k].run, &j, step[k].shown ? progress : NULL,
                      "denoising");

@@ -11,10 +11,11 @@ enum {
   TAP_NORMAL = 3,
   TAP_SHARE = 6,
   TAP_CLASS,
-  TAP_GUIDE,              /* luminance of two halves */
-  TAP_SPREAD = 10,        /* variance of these */
-  TAP_ALL,                /* luminance of all irradiance */
-  TAP_VALUE,              /* irradiance of two halves, [2][3] */
+  TAP_GUIDE,       /* luminance of two halves */
+  TAP_SPREAD = 10, /* variance of these */
+  TAP_APART,       /* squared difference of the halves' luminance, before any pass */
+  TAP_ALL,         /* luminance of all irradiance */
+  TAP_VALUE,       /* irradiance of two halves, [2][3] */
   TAP_NUMBERS = TAP_VALUE + 6
 };
 
@@ -46,7 +47,7 @@ typedef struct denoise_sums {
 
 /* Sums for a centre: a half's weights are by the guide of the other. */
 typedef void denoise_gather_fn(const denoise_grid *g, const denoise_centre *c, denoise_sums *out);
-/* Sums of weights without guides, and by them of the squared difference of the halves' guides and of all irradiance. */
+/* Sums of weights without guides, and by them of TAP_APART and TAP_ALL. */
 typedef void denoise_vary_fn(const denoise_grid *g, const denoise_centre *c, float out[3]);
 
 typedef struct denoise_kernels {

@@ -67,8 +67,8 @@ typedef struct half_sums {
 } half_sums;
 
 /* Adds taps from number i on, u and v of the centre, to a half. */
-YLM_INLINE void add(const denoise_grid *g, const bool linear, size_t i, int half, ylm_vf w, ylm_vf u,
-                    float v, half_sums *s) {
+YLM_INLINE void add(const denoise_grid *g, const bool linear, size_t i, int half, ylm_vf w,
+                    ylm_vf u, float v, half_sums *s) {
   s->weight += w;
   s->square += w * w;
   if (linear) {
@@ -135,9 +135,8 @@ void YLM_KERNEL(ylm_k_denoise_vary)(const denoise_grid *g, const denoise_centre 
       ylm_vf x = steps() + ((float)u - c->off[0]);
       size_t i = tap_at(g, c, u, v);
       ylm_vf w = near(g, c, i, x * x + y * y);
-      ylm_vf d = ylm_vf_load(g->number[TAP_GUIDE] + i) - ylm_vf_load(g->number[TAP_GUIDE + 1] + i);
       weight += w;
-      square += w * d * d;
+      square += w * ylm_vf_load(g->number[TAP_APART] + i);
       mean += w * ylm_vf_load(g->number[TAP_ALL] + i);
     }
   }

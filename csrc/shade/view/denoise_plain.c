@@ -71,9 +71,8 @@ static void vary(const denoise_grid *g, const denoise_centre *c, float out[3]) {
       size_t i = tap_at(g, c, u, v);
       double x = u - (double)c->off[0], y = v - (double)c->off[1];
       double w = near(g, c, i, x * x + y * y);
-      double d = number(g, TAP_GUIDE, i) - number(g, TAP_GUIDE + 1, i);
       weight += w;
-      square += w * d * d;
+      square += w * number(g, TAP_APART, i);
       mean += w * number(g, TAP_ALL, i);
     }
   out[0] = (float)weight;
