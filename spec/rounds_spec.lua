@@ -94,6 +94,17 @@ describe("a noise that is wanted", function()
     assert.is_true(report.noise < 0.13 and report.rays.links == nil)
   end)
 
+  it("is that of the pilot where the next round is cancelled", function()
+    local rounds, last = 0, nil
+    local image, report = render { noise = 0.004, progress = { function(_, _, stage)
+      if stage == "raycast" and last ~= "raycast" then rounds = rounds + 1 end
+      last = stage
+      return rounds < 2 -- the halves of a round follow each other
+    end, every = 1e-6 } }
+    assert.are.equal("cancelled", report.ended)
+    assert.is_true(report.noise > 0.004 and image:layer("radiance"):mean() > 0)
+  end)
+
   it("says where time ended before it was reached", function()
     local _, report = raw { noise = 0.002, time_limit = 0.05 }
     assert.are.equal("time_limit", report.ended)

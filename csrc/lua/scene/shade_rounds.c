@@ -44,7 +44,8 @@ static int shade_gather_sets(lua_State *L) {
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   f.o.leaving = ylm_radiosity_leaving(f.lit), f.o.sets = f.sets->data;
   f.o.progress = ylmL_progress_begin(L, f.progress, &p);
-  ylm_status s = ylm_shade_gather_sets(v, &f.o, (float *[2]){f.first->data, f.second->data}, &rays, &e);
+  ylm_status s =
+      ylm_shade_gather_sets(v, &f.o, (float *[2]){f.first->data, f.second->data}, &rays, &e);
   if (s == YLM_OK) ylmL_push_count(L, rays);
   return ylmL_result_progress(L, 1, s, &e, &p);
 }

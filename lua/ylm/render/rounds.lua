@@ -266,12 +266,23 @@ local function keep(x)
   return kept
 end
 
---- Another round, or where it is interrupted the picture `kept`: the noise that is left; or nil, message, code.
+--- The noise that another round leaves; or nil, message, code. An interrupt of the command-line tool, which is raised, cancels.
+local function try(x, reached, seconds, start)
+  local function round()
+    local ok, message, code = another(x, reached, seconds, start)
+    if not ok then return nil, message, code end
+    return settle(x)
+  end
+  local fine, better, message, code = pcall(round)
+  if fine then return better, message, code end
+  if not core.process_interrupted() or not tostring(better):find("interrupted!", 1, true) then error(better, 0) end
+  return nil, "interrupted", "ECANCELLED"
+end
+
+--- As `try`, or where it is cancelled the picture is the one before.
 local function refine(x, reached, seconds, start)
   local kept = keep(x)
-  local better
-  local ok, message, code = another(x, reached, seconds, start)
-  if ok then better, message, code = settle(x) end
+  local better, message, code = try(x, reached, seconds, start)
   if better or code ~= "ECANCELLED" then return better, message, code end
   for key, value in pairs(kept) do x[key] = value or nil end
   x.cancelled, x.casting.progress = true, nil -- an interrupt stays one
