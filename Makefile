@@ -223,8 +223,8 @@ $(BUILD)/ylm: lua/ylm/cli/ylm.in Makefile
 # -- what a newcomer says -----------------------------------------------------------
 
 # Packages may have brought the compiler and the Luas that this reading of the file did not find:
-# work goes on in a second one.
-again = @$(MAKE) --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc)) $(1)
+# work goes on in a second one, with this one's processors (+).
+again = +@$(MAKE) --no-print-directory $(if $(filter -j%,$(MAKEFLAGS)),,-j$(shell nproc)) $(1)
 
 deps:   ## install what is missing (Debian packages; says what first; DEPS=no skips)
 	@.ci/deps build demo test

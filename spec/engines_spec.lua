@@ -2,6 +2,7 @@
 --
 -- YLM_NODE_MODULES=DIR names a folder with npm's `three` (0.187 or later) and `ktx-parse`; rendering needs Chromium too.
 
+local browser_page = require "spec.support.three_page"
 local scratch = require "spec.support.scratch"
 local blocks = require "spec.support.blocks"
 local pictures = require "spec.support.pictures"
@@ -250,7 +251,8 @@ describe("grid:export", function()
       lights = ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.1, radiance = 20 },
     }
     local before = ylm.on_warning(false)
-    local lit = assert(room:bake { quantity = "all", probes = ylm.adaptive_grid { lmax = 2, depth = 4, tolerance = 0.1 } })
+    local lit = assert(room:bake { quantity = "all", judge = "field",
+      probes = ylm.adaptive_grid { lmax = 2, depth = 4, tolerance = 0.1 } })
     ylm.on_warning(before)
     local path = folder.path .. "/room.ktx2"
     local report = assert(lit:export(path, { tolerance = 0.15 }))
@@ -326,55 +328,10 @@ console.log( vkFormat, pixelWidth, pixelHeight, pixelDepth, levels.length, level
   end)
 
   it("lights a white sphere in three.js as ylm says, within 2 %", function()
-    local browser = has "chromium" and "chromium" or has "chromium-browser" and "chromium-browser"
-    if not modules or not browser then pending "YLM_NODE_MODULES with three, and chromium, are wanted" end
+    if not browser_page.there() then pending "YLM_NODE_MODULES with three, and chromium, are wanted" end
     local report = assert(grid:export(folder.path .. "/p.three.json", { cells = { 16, 8, 24 } }))
-    local page = scratch.text "docs/engines.md"
-    local loader = page:match "```js\n(.-)```":gsub("'three'", "'./three.module.js'")
-    for _, name in ipairs { "three.module.js", "three.core.js" } do
-      assert(scratch.shell(("cp %s/three/build/%s %s/"):format(scratch.quote(modules), name, scratch.quote(folder.path))))
-    end
-    folder:write("loader.js", loader)
     local places = { { 0, 0, 0 }, { -0.6, 0.2, -1 }, { 0.6, -0.2, 0.9 }, { 0.3, 0.3, -0.4 }, { -0.5, -0.3, 1.1 } }
-    local list = {}
-    for i, p in ipairs(places) do list[i] = "[" .. table.concat(p, ",") .. "]" end
-    folder:write("page.html", ([[<!doctype html><body><script type="module">
-import * as THREE from './three.module.js';
-import { LoadedProbes } from './loader.js';
-const file = %s;
-const renderer = new THREE.WebGLRenderer();
-const target = new THREE.WebGLRenderTarget( 9, 9, { type: THREE.FloatType } );
-const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera( 1, 1, 0.1, 10 );
-scene.add( new LoadedProbes( file ) );
-const ball = new THREE.Mesh( new THREE.SphereGeometry( 0.02, 256, 128 ), new THREE.MeshLambertMaterial( { color: 0xffffff } ) );
-scene.add( ball );
-const out = [];
-for ( const p of [%s] ) for ( const n of [ [ 0, 0, 1 ], [ 1, 0, 0 ], [ 0, 1, 0.0001 ] ] ) {
-  ball.position.set( ...p );
-  camera.position.set( p[ 0 ] + n[ 0 ], p[ 1 ] + n[ 1 ], p[ 2 ] + n[ 2 ] );
-  camera.lookAt( ...p );
-  renderer.setRenderTarget( target );
-  renderer.render( scene, camera );
-  const pixel = new Float32Array( 4 );
-  renderer.readRenderTargetPixels( target, 4, 4, 1, 1, pixel );
-  out.push( Array.from( pixel.slice( 0, 3 ) ).join( ' ' ) );
-}
-document.title = 'done';
-const pre = document.createElement( 'pre' );
-pre.textContent = 'BEGIN ' + out.join( ',' ) + ' END';
-document.body.append( pre );
-</script></body>]]):format((folder:read "p.three.json":gsub("%%", "%%%%")), table.concat(list, ",")))
-    local dom = scratch.capture(("timeout 120 %s --headless --no-sandbox --disable-gpu-sandbox --use-angle=swiftshader "
-      .. "--enable-unsafe-swiftshader --allow-file-access-from-files --virtual-time-budget=20000 --user-data-dir=%s/profile "
-      .. "--dump-dom file://%s/page.html 2>/dev/null"):format(browser, scratch.quote(folder.path), folder.path))
-    local pixels, row = dom:match "<pre>BEGIN (.-) END</pre>", 0
-    assert(pixels, dom)
-    local rows = {}
-    for text in pixels:gmatch "[^,]+" do
-      local rgb = {}
-      for x in text:gmatch "%S+" do rgb[#rgb + 1] = tonumber(x) end
-      rows[#rows + 1] = rgb
-    end
+    local rows, row = browser_page.irradiance(folder, folder:read "p.three.json", places), 0
     assert.equal(15, #rows)
     for _, p in ipairs(places) do
       for _, n in ipairs { { 0, 0, 1 }, { 1, 0, 0 }, { 0, 1, 0 } } do
@@ -396,8 +353,8 @@ document.body.append( pre );
 end)
 
 describe("docs/engines.md", function()
-  it("has a loader of thirty lines at most", function()
-    local page = scratch.text "docs/engines.md"
-    assert(select(2, page:match "```js\n(.-)```":gsub("\n", "")) <= 30 and #blocks.of(page) == 1)
+  it("has one program in Lua, and a loader of thirty lines at most beside it", function()
+    assert(#blocks.of(scratch.text "docs/engines.md") == 1)
+    assert(select(2, scratch.text "package/three/index.js":gsub("\n", "")) <= 30)
   end)
 end)

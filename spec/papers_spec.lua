@@ -102,6 +102,20 @@ describe("examples/papers", function()
     folder:remove()
   end)
 
+  local office = long(false, true) and it or function() end -- its rooms have light that bounces
+  office("runs 18_office.lua, a small one", function()
+    local folder = scratch.new()
+    local out, status = scratch.capture(("%s examples/18_office.lua --out %s --width 128 --samples 1 --paths 32"):format(
+      os.getenv "YLM_LUA" or "lua5.4", scratch.quote(folder.path)))
+    assert.equal(0, status, out)
+    for _, name in ipairs { "Panel 600", "Linear 1200", "Downlight 60" } do
+      local lamps, lumens = out:match(name .. " +(%d+) +(%d+)")
+      assert.is_true(tonumber(lamps) > 3 and tonumber(lumens) > 10000, out)
+    end
+    for _, name in ipairs { "panel.ies", "linear.ldt", "downlight.ies" } do assert.truthy(folder:read(name), name) end
+    folder:remove()
+  end)
+
   it("runs 05_lobes.lua, which prints Green's Fig. 9", function()
     local folder = scratch.new()
     local out, status = scratch.capture(("%s examples/05_lobes.lua --out %s"):format(os.getenv "YLM_LUA" or "lua5.4",

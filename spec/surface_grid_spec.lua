@@ -77,7 +77,7 @@ describe("a surface grid", function()
   it("does not depend on threads", function()
     local one, two = os.tmpname(), os.tmpname()
     for threads, name in pairs { one, two } do
-      local g = scene:surface_grid { tolerance = 0.2, links = links, judge = "field", threads = threads }
+      local g = scene:surface_grid { tolerance = long(0.3, 0.2), links = links, judge = "field", threads = threads }
       assert.is_true(g:save(name))
     end
     local function body(name)
@@ -107,7 +107,7 @@ describe("a surface grid", function()
   end)
 
   it("brings no light into a sealed room, wherever its wall stands", function()
-    for turn = 1, 20, 6 do
+    for turn = 1, 20, long(9, 6) do
       local at, slope, thick = -0.3 + 0.037 * turn, 0.6 * math.sin(1.7 * turn) * (turn % 4 > 0 and 1 or 0),
         ({ 0.05, 0.01, 0.001 })[turn % 3 + 1]
       local s = parted(ylm, at, thick, 0.5 * slope)
@@ -134,7 +134,10 @@ describe("a surface grid", function()
   it("has both sides of one quad apart", function()
     local part = ylm.quad { corner = { 0.0312, -1, -1 }, u = { 0, 0, 2 }, v = { 0, 1.3, 0 },
       material = ylm.matte { albedo = 0.5 } }
-    local g = listen(function() return assert(room({ part }):surface_grid { tolerance = 0.4, judge = "field" }) end)
+    local s = room { part }
+    local g = listen(function()
+      return assert(s:surface_grid { tolerance = 0.4, judge = "field", links = s:links { rays = 64, spacing = 0.2 } })
+    end)
     local E = g:irradiance({ { 0.0312, -0.6, 0 }, { 0.0312, -0.6, 0 } }, { { 1, 0, 0 }, { -1, 0, 0 } })
     assert.is_true(E:get(1, 1) > 0 and E:get(2, 1) > 0)
     assert.is_true(math.abs(E:get(1, 1) / E:get(2, 1) - 1) > 0.1, E:get(1, 1) .. " " .. E:get(2, 1))
@@ -327,7 +330,8 @@ describe("a surface grid", function()
   it("lies on round bodies, and on many small planes", function()
     local bodies = room { ylm.sphere { at = { -0.4, -0.5, 0 }, radius = 0.35, divide = { 32, 16 } },
       ylm.torus { at = { 0.4, -0.7, 0.3 }, radius = 0.2, tube = 0.08, divide = { 24, 12 } } }
-    local g = listen(function() return assert(bodies:surface_grid { tolerance = 0.2, judge = "field" }) end)
+    local g = listen(function() return assert(bodies:surface_grid { tolerance = 0.2, judge = "field",
+      links = bodies:links { rays = 64, spacing = 0.2 } }) end)
     assert.is_true(g.stats.met)
     local view = bodies:prepare { size = { 64, 48 }, samples = 1 }
     assert.is_not_nil(view:render { by = "none", bounced = g })

@@ -5,6 +5,7 @@ local binding = require "ylm.c.vulkan"
 local ylm = require "ylm"
 local bakes = require "spec.support.bakes"
 local device = require "spec.support.gpu"
+local long = require "spec.support.long"
 local numbers = require "spec.support.random"
 
 local box = { { -1, -1, -1 }, { 1, 1, 1 } }
@@ -62,7 +63,7 @@ describe("shading points in a device's memory", function()
       end)
 
       it("make grids by a tolerance: all are held out, or some", function()
-        for n, depth in pairs { [300] = 4, [3000] = 9 } do
+        for n, depth in pairs { [300] = 4, [3000] = long(7, 9) } do
           local grid, less, bytes = same({ depth = depth, tolerance = 0.05, lmax = 1 }, points_of(n, dtype))
           assert(grid.stats.verified > 0.9 * math.min(n, 2048) and grid.stats.stages.occupancy.dispatches > depth)
           -- of the points none; of those held out, which they are
@@ -87,10 +88,10 @@ describe("shading points in a device's memory", function()
   end
 
   it("are taken in parts, where kernels see fewer of them", function()
-    local points, r = ylm.zeros({ 3000000, 3 }, "float"), numbers.minimal(5)
+    local points, r = ylm.zeros({ long(1500000, 3000000), 3 }, "float"), numbers.minimal(5)
     for i = 1, #points, 997 do for a = 1, 3 do points:set(i, a, 2 * r() - 1) end end
     local own = device.open { validate = true }
-    binding.gpu_shrink(own, 0, 30 * 2 ^ 20, 0)
+    binding.gpu_shrink(own, 0, long(17, 30) * 2 ^ 20, 0)
     same({ tolerance = 0.1, lmax = 0 }, points, own)
     same({ threshold = 1, lmax = 0 }, points, own)
     device.close_silent(own)

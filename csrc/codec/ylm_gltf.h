@@ -4,7 +4,7 @@
 ** All is in world coordinates: a mesh for each node and primitive. Triangles are counter-clockwise seen
 ** from outside; texture coordinates have v upwards (in the file it points down). Directional and
 ** punctual intensities are the file's candela and lux. Source: Khronos, glTF 2.0 specification
-** (2021); KHR_lights_punctual, KHR_mesh_quantization, KHR_texture_transform, KHR_materials_*.
+** (2021); KHR_lights_punctual, EXT_lights_ies, KHR_mesh_quantization, KHR_texture_transform, KHR_materials_*.
 */
 #ifndef YLM_GLTF_H
 #define YLM_GLTF_H
@@ -66,18 +66,27 @@ typedef struct ylm_gltf_piece {
 typedef enum ylm_gltf_lamp_kind {
   YLM_GLTF_POINT,
   YLM_GLTF_SPOT,
-  YLM_GLTF_DIRECTIONAL
+  YLM_GLTF_DIRECTIONAL,
+  YLM_GLTF_PROFILE
 } ylm_gltf_lamp_kind;
 
 typedef struct ylm_gltf_lamp {
   char name[YLM_GLTF_NAME];
   ylm_gltf_lamp_kind kind;
   double at[3], direction[3]; /* unit: where it shines                       */
-  double intensity[3];        /* candela (directional: lux) times the colour */
+  double across[3];           /* unit: where C0 of a profile looks           */
+  double intensity[3];        /* candela (directional: lux; a profile: 1) times the colour */
   double inner, outer;        /* of a spot: radians from the axis            */
   bool range;                 /* it has a range, which is ignored                    */
+  size_t profile;             /* of a profile: which one                             */
   char *extras;               /* extras.ylm as JSON, or NULL                         */
 } ylm_gltf_lamp;
+
+/* A photometric file (EXT_lights_ies). */
+typedef struct ylm_gltf_profile {
+  unsigned char *data;
+  size_t size;
+} ylm_gltf_profile;
 
 typedef struct ylm_gltf_camera {
   char name[YLM_GLTF_NAME];
@@ -87,11 +96,12 @@ typedef struct ylm_gltf_camera {
 } ylm_gltf_camera;
 
 typedef struct ylm_gltf {
-  size_t pieces, materials, lamps, cameras, images, notes;
+  size_t pieces, materials, lamps, cameras, images, notes, profiles;
   ylm_gltf_piece *piece;
   ylm_gltf_material *material;
   ylm_gltf_lamp *lamp;
   ylm_gltf_camera *camera;
+  ylm_gltf_profile *profile; /* [profiles]; those that no node has are empty */
   ylm_image **image; /* linear, alpha last; NULL where it cannot be read (a note says why) */
   char **note;       /* what was left out, a sentence each                */
   char *extras;      /* extras.ylm of the scene as JSON, or NULL */

@@ -112,10 +112,12 @@ bool ylm__emit_texel(const emit_lamps *l, size_t i, ylm_trace_ray *ray, double p
   for (int k = 0; k < 3; k++) axis[k] = (float)place.axis[k];
   ylm_scene_basis(axis, a, b);
   *solid = step * step * z * z * z;
-  ylm_light_emitter_intensity(lamp, z, power);
+  double way[3];
+  for (int k = 0; k < 3; k++) way[k] = z * (x * (double)a[k] + y * (double)b[k] + place.axis[k]);
+  ylm_light_emitter_intensity(lamp, way, power);
   for (int k = 0; k < 3; k++) {
     ray->org[k] = (float)place.at[k];
-    ray->dir[k] = (float)(z * (x * (double)a[k] + y * (double)b[k] + place.axis[k]));
+    ray->dir[k] = (float)way[k];
     lit += fabs(power[k]);
     power[k] *= *solid;
   }

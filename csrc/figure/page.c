@@ -196,3 +196,21 @@ void ylm_figure_base64(size_t n, const unsigned char *in, char *out) {
     *out++ = i + 2 < n ? digits[x & 63] : '=';
   }
 }
+
+bool ylm_figure_unbase64(size_t n, const char *in, unsigned char *out, size_t *size) {
+  static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  uint32_t x = 0;
+  size_t pad = n > 0 && in[n - 1] == '=' ? n > 1 && in[n - 2] == '=' ? 2 : 1 : 0;
+  *size = 0;
+  if (n % 4 != 0) return false;
+  for (size_t i = 0; i < n; i++) {
+    const char *d = in[i] ? strchr(digits, in[i]) : NULL;
+    if (!d && i < n - pad) return false;
+    x = x << 6 | (uint32_t)(d ? d - digits : 0);
+    if (i % 4 != 3) continue;
+    for (int k = 2; k >= 0; k--) out[(*size)++] = (unsigned char)(x >> 8 * k);
+    x = 0;
+  }
+  *size -= pad;
+  return true;
+}

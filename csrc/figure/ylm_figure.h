@@ -349,6 +349,8 @@ YLM_API void ylm_figure_planes(size_t n, size_t bytes, size_t columns, const voi
                                unsigned char *out);
 /* Bytes as base64, [(n + 2) / 3 * 4] characters without a final 0. */
 YLM_API void ylm_figure_base64(size_t n, const unsigned char *in, char *out);
+/* Base64 as bytes: out has room for n / 4 * 3, *size of which are written. False: it is none. */
+YLM_API bool ylm_figure_unbase64(size_t n, const char *in, unsigned char *out, size_t *size);
 
 #ifdef __cplusplus
 }

@@ -22,7 +22,7 @@ static ylm_status read_numbers(parser *s, const char *what, int n, double larges
   for (; read < n; read++) {
     double x;
     ylm__skip_blanks(&s->at);
-    if (!ylm__read_number(&s->at.p, s->at.end, &x)) break;
+    if (!ylm_decimal_read(&s->at.p, s->at.end, &x)) break;
     out[read] = (float)x;
     if (!(x >= 0 && x <= largest))
       return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: number %d of %s must be from 0 to %g, got %g",
@@ -107,7 +107,7 @@ static bool skip_option(parser *s) {
     double x;
     ylm_lines number = s->at;
     ylm__skip_blanks(&s->at);
-    if (ylm__read_number(&s->at.p, s->at.end, &x) && !ylm__at_line_end(&s->at) &&
+    if (ylm_decimal_read(&s->at.p, s->at.end, &x) && !ylm__at_line_end(&s->at) &&
         (*s->at.p == ' ' || *s->at.p == '\t'))
       continue;
     s->at = number;

@@ -34,7 +34,7 @@ static ylm_status read_numbers(parser *s, ylm_growing *to, const char *what, int
   for (int i = 0; i < n; i++) {
     double x = 0;
     ylm__skip_blanks(&s->at);
-    if (!ylm__read_number(&s->at.p, s->at.end, &x) && i < least)
+    if (!ylm_decimal_read(&s->at.p, s->at.end, &x) && i < least)
       return ylm_fail(s->e, YLM_EFORMAT, "%s:%zu: '%s' wants %d numbers, number %d is none",
                       s->name, s->at.line, what, n, i + 1);
     ylm_put(t, out, (size_t)i, x);

@@ -221,7 +221,7 @@ static bool read_value(parser *s, type t, double *x) {
       s->line += *s->p == '\n';
       s->p++;
     }
-    return ylm__read_number(&s->p, s->end, x) && (s->p == s->end || *s->p <= ' ');
+    return ylm_decimal_read(&s->p, s->end, x) && (s->p == s->end || *s->p <= ' ');
   }
   size_t n = type_size[t];
   if ((size_t)(s->end - s->p) < n) return false;

@@ -2,6 +2,7 @@
 #ifndef YLM_GEOM_READER_H
 #define YLM_GEOM_READER_H
 
+#include "ylm_decimal.h"
 #include "ylm_geom.h"
 
 /* A list whose items the reader knows: ylm_list.h. */
@@ -22,12 +23,6 @@ typedef struct ylm_corner {
 
 /* Adds the fan of a polygon's corners to `triangles` (items are ylm_corner). False: no memory. */
 bool ylm__add_polygon(ylm_growing *triangles, const ylm_corner *corner, size_t n);
-
-/*
-** A decimal number at *p, ended by `end`: sign, digits, point, exponent; correctly rounded.
-** On success *p is behind it. False if there is none. "nan" and "inf" are none.
-*/
-bool ylm__read_number(const unsigned char **p, const unsigned char *end, double *x);
 
 /* -- lines of OBJ and MTL files ------------------------------------------------- */
 

@@ -781,6 +781,39 @@ YLM_API ylm_status ylm_grid_write(const ylm_grid *g, const char *path, ylm_error
 YLM_API ylm_status ylm_grid_encode(const ylm_grid *g, unsigned char **data, size_t *size,
                                    ylm_error *e);
 
+/* -- numbers for engines: engine/ ------------------------------------------------ */
+
+/*
+** A lattice of equal cells, at whose middles an engine has numbers, and places of surfaces where it looks light up. It interpolates
+** the numbers along the axes, beyond the outermost middles they stay; irradiance is the sum of `basis` and the numbers there.
+*/
+typedef struct ylm_grid_fit {
+  uint32_t cells[3];
+  int numbers, channels; /* of a probe; of the light */
+  size_t places;
+  const double (*at)[3]; /* [places] where the engine looks, in cells: middles are at 0.5, 1.5 .. */
+  const float *basis;    /* [places][numbers] */
+  const float *wanted;   /* [places][channels] irradiance; of ylm_grid_fit_look NULL */
+  const float *weight;   /* [places] of squared errors; of ylm_grid_fit_look NULL */
+  /* [probes], [numbers]: the product is the weight of the squared distance of a number from what it was; of ylm_grid_fit_look NULL */
+  const float *hold, *norm;
+  float *probe; /* [probes][channels][numbers], x fastest */
+  bool quick;   /* few steps: to compare lattices */
+  int threads;  /* 0: the default */
+} ylm_grid_fit;
+
+/*
+** ylm_grid_fit_probes - the numbers with the least squared error at the places, in the place of those that there were.
+**
+** A place whose `wanted` is 0 has no error where less than 0 is read: engines show nothing below 0.
+**
+** Returns  YLM_OK, YLM_ENOMEM
+** Results  the same whatever the number of threads
+*/
+YLM_API ylm_status ylm_grid_fit_probes(const ylm_grid_fit *f);
+/* The irradiance that an engine reads at the places: out [places][channels], at least 0. YLM_ENOMEM. */
+YLM_API ylm_status ylm_grid_fit_look(const ylm_grid_fit *f, float *out);
+
 /* -- few bytes: small/ --------------------------------------------------------- */
 
 /* How few, or how exact: one of tolerance, bytes and step. */

@@ -38,8 +38,20 @@ double ylm_light_emitter_weight(const ylm_light_emitter *e, const double from[3]
   return e->kind->emits->weight(e->x, from, normal);
 }
 
-void ylm_light_emitter_intensity(const ylm_light_emitter *e, double cosine, double out[3]) {
-  e->kind->emits->intensity(e->x, cosine, out);
+void ylm_light_emitter_intensity(const ylm_light_emitter *e, const double way[3], double out[3]) {
+  e->kind->emits->intensity(e->x, way, out);
+}
+
+double ylm_light_emitter_part(const ylm_light_emitter *e, const double from[3]) {
+  return e->kind->emits->part ? e->kind->emits->part(e->x, from) : 1;
+}
+
+void ylm_light_emitter_keep(const ylm_light_emitter *e) {
+  if (e->kind->emits->hold) e->kind->emits->hold(e->x, true);
+}
+
+void ylm_light_emitter_drop(const ylm_light_emitter *e) {
+  if (e->kind->emits->hold) e->kind->emits->hold(e->x, false);
 }
 
 void ylm_light_emitter_radiance(const ylm_light_emitter *e, const double way[3], double out[3]) {

@@ -59,8 +59,11 @@ typedef struct ylm__light_emits {
   bool (*place)(const double *x, ylm_light_place *out);
   bool (*toward)(const double *x, const double from[3], ylm_light_way *out);
   double (*weight)(const double *x, const double from[3], const float *normal);
-  void (*intensity)(const double *x, double cosine, double rgb[3]);
+  void (*intensity)(const double *x, const double way[3], double rgb[3]);
   void (*radiance)(const double *x, const double way[3], double rgb[3]);
+  double (*part)(const double *x, const double from[3]);
+  /* Keeps, or lets go of, what stands behind the numbers. NULL: nothing does. */
+  void (*hold)(const double *x, bool on);
   bool (*leave)(const double *x, const double u[4], ylm_light_leaving *out);
   /* Why the kind has no light field, a sentence; NULL: it has one, and x is its record. */
   const char *fieldless;
@@ -99,6 +102,8 @@ struct ylm__light_kind {
      then complete. 0 numbers: one shape serves all lights of the kind, `out` is written. NULL:
      these lights cannot be told apart, so nothing follows them. */
   size_t (*get)(const void *of, size_t i, ylm_light *out, ylm_light_shape *shape);
+  /* Keeps, or lets go of, what a shape refers to; NULL: nothing. */
+  void (*hold)(const ylm_light_shape *shape, bool on);
   /* Adds what rays see of light i; NULL: nothing. `images`: that is an image on triangles, which a
      pack adds as a whole: i is 0. */
   ylm_status (*surfaces)(const void *of, size_t i, ylm_light_surfaces *out);
@@ -133,7 +138,9 @@ struct ylm__light_kind {
   X(sphere)                                                                                        \
   X(polygon)                                                                                       \
   X(polygon_as_sphere)                                                                             \
-  X(textured) X(environment) X(panorama) X(sun) X(sampled) X(spot) X(lobe) X(virtual) X(foreign)
+  X(textured)                                                                                      \
+  X(environment) X(panorama) X(sun) X(sampled) X(spot) X(lobe) X(virtual) X(photometric)           \
+      X(photometric_point) X(foreign)
 #define X(name) extern const ylm__light_kind ylm__##name##_kind;
 YLM__LIGHT_KINDS(X)
 #undef X
@@ -152,9 +159,9 @@ ylm_status ylm__surfaces_disk(ylm_light_surfaces *s, const double at[3], double 
 /* Adds an image, whose triangles have been added; there is one for each textured light. */
 ylm_status ylm__surfaces_image(ylm_light_surfaces *s, const ylm_light_image *image);
 
-/* The last disk sends radiance as an emitter of this kind says. */
-ylm_status ylm__surfaces_direct(ylm_light_surfaces *s, const ylm__light_kind *kind, size_t numbers,
-                                const double *x);
+/* The last lamp of a shape sends radiance as an emitter says. */
+ylm_status ylm__surfaces_direct(ylm_light_surfaces *s, ylm_light_directed_shape shape,
+                                const ylm_light_emitter *emitter);
 
 /* `evaluate` of fields of kinds that have none, which are packs of distant.h. emitter.c */
 ylm_status ylm__fieldless(const ylm_field *f, const ylm_field_query *q, size_t n,

@@ -80,6 +80,7 @@ ylm_status ylm_light_keep(ylm_light_shapes *list, ylm_light *l) {
   ylm_light_shape *own = ylm_alloc_copy(l->shape, 1, bytes_of(l->shape->numbers));
   if (!own) return YLM_ENOMEM;
   own->marked = false;
+  if (own->kind->hold) own->kind->hold(own, true);
   list->shape[list->n++] = own;
   list->bytes += bytes_of(own->numbers);
   l->shape = own;
@@ -100,6 +101,7 @@ void ylm_light_sweep(ylm_light_shapes *list) {
       continue;
     }
     list->bytes -= bytes_of(s->numbers);
+    if (s->kind->hold) s->kind->hold(s, false);
     ylm_free(s);
   }
   list->n = left;

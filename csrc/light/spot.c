@@ -12,12 +12,11 @@
 #include <string.h>
 
 #include "distant/distant.h"
+#include "point.h"
 #include "set.h"
 #include "ylm_vector.h"
 
 #define BRIGHTEST 1e20 /* W sr^-1: light of it is a float at distances above 1e-3 */
-#define SOLID 1e-12    /* sr */
-#define MOST 1e36      /* of a radiance, whose sums are floats */
 
 enum { AT = 3, AXIS = 6, ANGLE = 9, BLEND, NUMBERS };
 
@@ -56,9 +55,8 @@ static ylm_status create(size_t n, const double *const *record, ylm__light_pack 
 
 /* -- rays -------------------------------------------------------------------------------------
 
-   A spot is sampled as if it filled a solid angle so small that no other ray finds it: estimates by several
-   kinds of rays leave its light to the rays that are aimed. Its numbers: intensity [3], place [3], axis [3], and the
-   cosines to the axis below which it is dark, and above which it has all its intensity. */
+   Numbers of an emitter: intensity [3], place [3], axis [3], and the cosines to the axis below which it is dark, and
+   above which it has all its intensity. */
 
 enum { OUTER = 10, INNER = 9, SEEN };
 
@@ -93,39 +91,21 @@ static bool place(const double *x, ylm_light_place *out) {
   return true;
 }
 
-static void intensity(const double *x, double cosine, double rgb[3]) {
-  double part = part_of(x, cosine);
+static double along(const double *x, const double way[3]) {
+  return part_of(x, way[0] * x[AXIS] + way[1] * x[AXIS + 1] + way[2] * x[AXIS + 2]);
+}
+
+static void intensity(const double *x, const double way[3], double rgb[3]) {
+  double part = along(x, way);
   for (int c = 0; c < 3; c++) rgb[c] = x[c] * part;
 }
 
-/* The way to a spot, of length 1, its length, and the part of the intensity that comes along it, over its square. */
-static double look(const double *x, const double from[3], double v[3], double *distance) {
-  double d2 = 0, along = 0;
-  for (int a = 0; a < 3; a++) {
-    v[a] = x[AT + a] - from[a];
-    d2 += v[a] * v[a];
-  }
-  *distance = sqrt(d2);
-  if (!(d2 > 0)) return 0;
-  for (int a = 0; a < 3; a++) {
-    v[a] /= *distance;
-    along -= v[a] * x[AXIS + a];
-  }
-  return part_of(x, along) / d2;
-}
-
 static double weight(const double *x, const double from[3], const float *n) {
-  double v[3], d, part = look(x, from, v, &d);
-  double facing = n ? fmax(0, v[0] * (double)n[0] + v[1] * (double)n[1] + v[2] * (double)n[2]) : 1;
-  return fmin(part * facing * ylm_luminance_size(x), MOST);
+  return ylm__point_weight(x, x + AT, along, from, n);
 }
 
 static bool toward(const double *x, const double from[3], ylm_light_way *out) {
-  double part = look(x, from, out->to, &out->distance);
-  out->solid = SOLID;
-  memcpy(out->at, x + AT, sizeof out->at);
-  for (int c = 0; c < 3; c++) out->radiance[c] = fmin(fmax(x[c] * part / SOLID, -MOST), MOST);
-  return part > 0;
+  return ylm__point_toward(x, x + AT, along, from, out);
 }
 
 /* Directions are uniform in the cone. */

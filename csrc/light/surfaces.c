@@ -64,14 +64,15 @@ ylm_status ylm__surfaces_image(ylm_light_surfaces *s, const ylm_light_image *ima
   return YLM_OK;
 }
 
-ylm_status ylm__surfaces_direct(ylm_light_surfaces *s, const ylm__light_kind *kind, size_t numbers,
-                                const double *x) {
+ylm_status ylm__surfaces_direct(ylm_light_surfaces *s, ylm_light_directed_shape shape,
+                                const ylm_light_emitter *emitter) {
+  const size_t count[] = {[YLM_LIGHT_DIRECTED_SPHERE] = s->spheres,
+                          [YLM_LIGHT_DIRECTED_TRIANGLE] = s->triangles,
+                          [YLM_LIGHT_DIRECTED_DISK] = s->disks};
   ylm_light_directed *more = make_room(s->directed, s->directions, sizeof *more);
   if (!more) return YLM_ENOMEM;
   s->directed = more;
-  more += s->directions++;
-  *more = (ylm_light_directed){s->disks - 1, {.kind = kind, .numbers = numbers}};
-  memcpy(more->emitter.x, x, numbers * sizeof *x);
+  more[s->directions++] = (ylm_light_directed){shape, count[shape] - 1, *emitter};
   return YLM_OK;
 }
 

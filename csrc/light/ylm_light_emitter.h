@@ -2,12 +2,13 @@
 ** ylm_light_emitter.h - lights as rays and particles meet them, for scenes.
 **
 ** An emitter is one light as a plain value: its kind, and numbers that the kind alone knows. It may be copied,
-** and moved; it refers to no set. Lamps of a scene are emitters, whatever arrays they stand in.
+** and moved; it refers to no set. Behind its numbers may be the address of a table, which lives as long as the
+** set, or as ylm_light_emitter_keep says. Lamps of a scene are emitters, whatever arrays they stand in.
 **
 **   where from                                           asked for
 **   ylm_light_set_emitter    a set's lights of no size   power, place, light at a point, particles, intensity
 **   ylm_light_emitter_sphere, _triangle, _disk, _cone    power, place, particles; records for light fields
-**   ylm_light_surfaces       disks that send different radiance in different directions
+**   ylm_light_surfaces       lamps that send different radiance in different directions
 **
 ** Light from infinity is a cone, or a dome: light that fills the sky, as one thing to be sampled. A set has
 ** a dome for each panorama, and one for all environments that were packed together.
@@ -39,8 +40,8 @@ typedef struct ylm_light_emitter {
 /* Where an emitter is. `bright` is its luminous intensity where that is largest, W/sr; of distant ones luminous
    irradiance, W m^-2. Light of emitters without a size goes where the cosine to the axis is above `outer`. */
 typedef struct ylm_light_place {
-  double at[3];     /* its middle, scene units */
-  double reach;     /* no part of it is farther from there; 0: it has no size, and no ray meets it */
+  double at[3]; /* its middle, scene units */
+  double reach; /* no part of it is farther from there; 0: it has no size, and no ray meets it */
   double normal[3]; /* of flat ones, of length 1; else 0 */
   double axis[3], outer;
   double bright;
@@ -88,9 +89,15 @@ YLM_API bool ylm_light_emitter_toward(const ylm_light_emitter *e, const double f
    in space. */
 YLM_API double ylm_light_emitter_weight(const ylm_light_emitter *e, const double from[3],
                                         const float *normal);
-/* Of an emitter without a size: the intensity [3], W/sr, at a cosine to its axis. */
-YLM_API void ylm_light_emitter_intensity(const ylm_light_emitter *e, double cosine, double out[3]);
-/* Of a disk that came with surfaces: the radiance [3] that it sends along `way`, of any length but 0. */
+/* Of an emitter without a size: the intensity [3], W/sr, along `way`, of length 1. */
+YLM_API void ylm_light_emitter_intensity(const ylm_light_emitter *e, const double way[3],
+                                         double out[3]);
+/* Of a lamp that is `directed`: the part of the radiance of its row that it sends about to a place; it may be above 1. */
+YLM_API double ylm_light_emitter_part(const ylm_light_emitter *e, const double from[3]);
+/* The table that it refers to lives until it is let go. */
+YLM_API void ylm_light_emitter_keep(const ylm_light_emitter *e);
+YLM_API void ylm_light_emitter_drop(const ylm_light_emitter *e);
+/* Of a lamp that is `directed`: the radiance [3] that it sends along `way`, of any length but 0. */
 YLM_API void ylm_light_emitter_radiance(const ylm_light_emitter *e, const double way[3],
                                         double out[3]);
 /* A particle for numbers u [4] from 0 below 1; false: it carries nothing. */
@@ -116,9 +123,18 @@ typedef struct ylm_light_image {
   size_t triangles;   /* how many cover it */
 } ylm_light_image;
 
-/* A disk whose radiance depends on the direction, as `emitter` says: its row has the largest. */
+/* The arrays of lamps that a directed one may stand in, in their order. */
+typedef enum ylm_light_directed_shape {
+  YLM_LIGHT_DIRECTED_SPHERE,
+  YLM_LIGHT_DIRECTED_TRIANGLE,
+  YLM_LIGHT_DIRECTED_DISK
+} ylm_light_directed_shape;
+
+/* Lamp i of a shape, whose radiance depends on the direction, as `emitter` says: its row has the one that it is
+   weighed by. */
 typedef struct ylm_light_directed {
-  size_t disk;
+  ylm_light_directed_shape shape;
+  size_t i;
   ylm_light_emitter emitter;
 } ylm_light_directed;
 
@@ -132,7 +148,7 @@ typedef struct ylm_light_surfaces {
   double *disk_emission;     /* [disks][6] */
   ylm_light_image *image;    /* [images], in the order of their triangles */
   size_t directions;
-  ylm_light_directed *directed; /* [directions], in the order of disks */
+  ylm_light_directed *directed; /* [directions], each shape in order */
   size_t tiles;                 /* an image is covered by, a side */
 } ylm_light_surfaces;
 

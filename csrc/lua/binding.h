@@ -37,6 +37,7 @@
   X(array_slice)                                                                                   \
   X(grid)                                                                                          \
   X(grid_bake)                                                                                     \
+  X(grid_engine)                                                                                   \
   X(grid_file)                                                                                     \
   X(grid_set)                                                                                      \
   X(grid_look)                                                                                     \
@@ -46,6 +47,7 @@
   X(light_texture)                                                                                 \
   X(light_tree)                                                                                    \
   X(light_virtual)                                                                                 \
+  X(light_photometry)                                                                              \
   X(limits)                                                                                        \
   X(own)                                                                                           \
   X(process)                                                                                       \

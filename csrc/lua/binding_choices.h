@@ -29,6 +29,7 @@
   X(metric, "absolute", "relative")                                                                \
   X(metric_channels, "luminance", "rgb", "none")                                                   \
   X(near_far, "both", "near", "far")                                                               \
+  X(opening, "point", "sphere", "disk", "rectangle")                                               \
   X(outside, "clamp", "nan")                                                                       \
   X(path_strategy, "both", "lights", "material")                                                   \
   X(precision, "half", "float", "byte", "few")                                                     \

@@ -1,6 +1,7 @@
 /* aim.c - rays from a point to the lamps: lamps and places on them stratified, samples of the tree of
    lamps together. */
 #include <math.h>
+#include <string.h>
 
 #include "scene.h"
 
@@ -69,11 +70,14 @@ static void add_lane(aiming *a, const scene_spheres *from, size_t lane, uint32_t
   ylm_trace_ray *ray = &a->ray[a->rays];
   float e = from->value[lane] * (float)(rarity / a->light_samples);
   if (!(e > 0)) return;
+  float radiance[3];
+  memcpy(radiance, a->c->scene->lamp_radiance + 3 * (size_t)lamp, sizeof radiance);
   for (int c = 0; c < 3; c++) {
     ray->org[c] = a->c->x[c];
     ray->dir[c] = from->dir[c][lane];
-    a->value[a->rays][c] = e * a->c->scene->lamp_radiance[3 * (size_t)lamp + (size_t)c];
   }
+  ylm__scene_directed_radiance(a->c->scene, lamp, ray->dir, radiance);
+  for (int c = 0; c < 3; c++) a->value[a->rays][c] = e * radiance[c];
   ray->near = 0;
   ray->far = from->far[lane];
   a->rays++;

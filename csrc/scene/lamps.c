@@ -7,6 +7,7 @@ void ylm_scene_lamp_radiance(const ylm_scene *s, const ylm_trace_ray *ray, const
                              float radiance[3]) {
   double p[3];
   if (h->element < s->lamps) {
+    if (ylm__scene_directed_radiance(s, h->element, ray->dir, radiance)) return;
     memcpy(radiance, s->lamp_radiance + 3 * h->element, 12);
     return;
   }

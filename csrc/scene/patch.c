@@ -310,6 +310,7 @@ static size_t count(const ylm_scene *s) { return s->triangles + s->disks; }
 static void weigh(const ylm_scene_chooser *c, bool one, float *weight, float *sum) {
   const float *n = c->in_space ? NULL : c->normal;
   (one ? weigh_one : weigh_all)(c->scene, c->x, n, weight, sum, c->solid);
+  ylm__scene_weigh_directed(c->scene, c->scene->lamps, count(c->scene), c->x, weight, sum);
 }
 
 static void widen(const float *from, int n, double *to) {
@@ -334,7 +335,7 @@ static void axes_of(const float *disk, double rows[9]) {
 static bool emitter(const ylm_scene *s, size_t i, ylm_light_emitter *out) {
   const float *radiance = s->lamp_radiance + 3 * (s->lamps + i);
   const float *horizon = s->horizon ? s->horizon + 3 * i : NULL;
-  const ylm_light_emitter *directed = ylm__scene_patch_directed(s, i);
+  const ylm_light_emitter *directed = ylm__scene_directed(s, s->lamps + i);
   double rows[9];
   if (directed) {
     *out = *directed;

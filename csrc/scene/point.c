@@ -16,9 +16,15 @@ ylm_status ylm__scene_copy_points(ylm_scene *s, const ylm_scene_lamps *l) {
   if (!s->point) return YLM_ENOMEM;
   for (; s->points < n; s->points++) {
     ylm_light_set_emitter(l->sky, s->points, &s->point[s->points]);
+    ylm_light_emitter_keep(&s->point[s->points]);
     ylm_light_emitter_move(&s->point[s->points], way);
   }
   return YLM_OK;
+}
+
+void ylm__scene_free_points(ylm_scene *s) {
+  for (size_t i = 0; i < s->points; i++) ylm_light_emitter_drop(&s->point[i]);
+  ylm_free(s->point);
 }
 
 size_t ylm_scene_points(const ylm_scene *s, const ylm_light_emitter **point) {

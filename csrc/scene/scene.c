@@ -298,8 +298,9 @@ void ylm_scene_free(ylm_scene *s) {
   ylm_free(s->far);
   ylm__scene_free_tree(s);
   ylm__scene_free_textures(s);
+  ylm__scene_free_directed(s);
   ylm__scene_free_sky(s);
-  ylm_free(s->point);
+  ylm__scene_free_points(s);
   ylm_free(s);
 }
 

@@ -45,6 +45,12 @@ typedef struct scene_texture {
   size_t first, behind; /* its triangles: first .. behind-1 */
 } scene_texture;
 
+/* A lamp near by whose radiance depends on the direction. */
+typedef struct scene_directed {
+  size_t lamp;
+  ylm_light_emitter emitter;
+} scene_directed;
+
 /* A triangle as it is seen from afar. */
 typedef struct scene_far {
   double centre[3], across[3]; /* the normal, as long as the area */
@@ -69,8 +75,8 @@ struct ylm_scene {
   size_t textures;
   scene_texture *texture; /* in the order of their triangles */
   size_t directions;
-  ylm_light_directed *directed; /* [directions] disks with radiance by direction, in order */
-  ylm_light_set *sky;           /* distant lights; NULL: none */
+  scene_directed *directed; /* [directions] in order */
+  ylm_light_set *sky;       /* distant lights; NULL: none */
   bool sky_is_seen;
   size_t domes, cones, sky_lights; /* tiles of domes, or uniform domes, then cones */
   scene_dome *dome;                /* [domes] those that fill the sky */
@@ -125,6 +131,7 @@ void ylm__scene_free_sky(ylm_scene *s);
 
 /* Copies the lamps without a size; to be freed in any case. */
 ylm_status ylm__scene_copy_points(ylm_scene *s, const ylm_scene_lamps *l);
+void ylm__scene_free_points(ylm_scene *s);
 
 /* -- storage.c ------------------------------------------------------------------ */
 
@@ -228,10 +235,23 @@ void ylm__scene_turn(const float axis[3], double z, double u, float out[3]);
 /* Copies textures; their triangles are the last of s->triangles. */
 ylm_status ylm__scene_copy_textures(ylm_scene *s, const ylm_scene_lamps *l, ylm_error *e);
 void ylm__scene_free_textures(ylm_scene *s);
-/* Copies disks whose radiance depends on the direction; freed with textures. */
+
+/* -- directed.c --------------------------------------------------------------- */
+
+/* Copies lamps whose radiance depends on the direction; to be freed in any case. */
 ylm_status ylm__scene_copy_directed(ylm_scene *s, const ylm_scene_lamps *l);
-/* The emitter that such a patch is; NULL: its radiance is the same in all directions. */
-const ylm_light_emitter *ylm__scene_patch_directed(const ylm_scene *s, size_t i);
+void ylm__scene_free_directed(ylm_scene *s);
+/* The emitter that such a lamp near by is; NULL: its radiance is the same in all directions. */
+const ylm_light_emitter *ylm__scene_directed(const ylm_scene *s, size_t lamp);
+/* Puts the radiance of such a lamp along a ray of direction d, of any length; false: it is none. */
+bool ylm__scene_directed_radiance(const ylm_scene *s, size_t lamp, const float d[3],
+                                  float radiance[3]);
+/* Weights of lamps first .. first + n - 1 at x, multiplied by the parts of such lamps; sums of chunks follow. */
+void ylm__scene_weigh_directed(const ylm_scene *s, size_t first, size_t n, const float x[3],
+                               float *weight, float *sum);
+
+/* -- patch.c ------------------------------------------------------------------ */
+
 /* The radiance of patch i at the place p on it, along a ray of direction d, of any length, that meets it there. */
 void ylm__scene_patch_radiance(const ylm_scene *s, size_t i, const double p[3], const float d[3],
                                float radiance[3]);

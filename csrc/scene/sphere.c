@@ -27,6 +27,7 @@ static void weigh(const ylm_scene_chooser *c, bool one, float *weight, float *su
     c->weights(chunks, s->lamp, s->lamp_luminance, c->x, n, weight, sum);
   else
     weigh_few(c, n, weight, sum);
+  ylm__scene_weigh_directed(s, 0, s->lamps, c->x, weight, sum);
 }
 
 /* From x to the centre of sphere i, and the square of that distance. */
@@ -45,8 +46,8 @@ static double cap_of(double r, double d2) {
   return s2 / (1 + sqrt(1 - s2));
 }
 
-static double sample(const ylm_scene *s, size_t i, const scene_aim *aim, ylm_trace_ray *ray,
-                     float radiance[3]) {
+static double sample_all(const ylm_scene *s, size_t i, const scene_aim *aim, ylm_trace_ray *ray,
+                         float radiance[3]) {
   static const float pole[3] = {0, 0, 1};
   const float *x = aim->x, *n = aim->normal;
   double u0 = aim->u[0], u1 = aim->u[1];
@@ -70,6 +71,13 @@ static double sample(const ylm_scene *s, size_t i, const scene_aim *aim, ylm_tra
   return (n ? fmax(0, (double)ylm_dot3(ray->dir, n)) : 1) * 2 * YLM_PI * cap;
 }
 
+static double sample(const ylm_scene *s, size_t i, const scene_aim *aim, ylm_trace_ray *ray,
+                     float radiance[3]) {
+  double e = sample_all(s, i, aim, ray, radiance);
+  if (e > 0) ylm__scene_directed_radiance(s, i, ray->dir, radiance);
+  return e;
+}
+
 static double density(const ylm_scene_chooser *c, size_t i, const float d[3]) {
   const ylm_scene *s = c->scene;
   const float *x = c->x, *n = c->in_space ? NULL : c->normal;
@@ -80,7 +88,11 @@ static double density(const ylm_scene_chooser *c, size_t i, const float d[3]) {
 
 static bool emitter(const ylm_scene *s, size_t i, ylm_light_emitter *out) {
   const double at[3] = {(double)s->lamp[0][i], (double)s->lamp[1][i], (double)s->lamp[2][i]};
-  ylm_light_emitter_sphere(s->lamp_radiance + 3 * i, at, (double)s->lamp[3][i], out);
+  const ylm_light_emitter *directed = ylm__scene_directed(s, i);
+  if (directed)
+    *out = *directed;
+  else
+    ylm_light_emitter_sphere(s->lamp_radiance + 3 * i, at, (double)s->lamp[3][i], out);
   return true;
 }
 

@@ -50,17 +50,7 @@ ylm_status ylm__scene_copy_textures(ylm_scene *s, const ylm_scene_lamps *l, ylm_
   return YLM_OK;
 }
 
-ylm_status ylm__scene_copy_directed(ylm_scene *s, const ylm_scene_lamps *l) {
-  const double way[3] = {-s->origin[0], -s->origin[1], -s->origin[2]};
-  s->directed = ylm_alloc_copy(l->directed, l->directions, sizeof *s->directed);
-  if (!s->directed) return YLM_ENOMEM;
-  s->directions = l->directions;
-  for (size_t i = 0; i < s->directions; i++) ylm_light_emitter_move(&s->directed[i].emitter, way);
-  return YLM_OK;
-}
-
 void ylm__scene_free_textures(ylm_scene *s) {
-  ylm_free(s->directed);
   for (size_t i = 0; i < s->textures; i++) ylm_free(s->texture[i].texel);
   ylm_free(s->texture);
 }
@@ -80,24 +70,6 @@ static const float *texel_at(const scene_texture *t, const double p[3]) {
   return t->texel + 3 * (index_of(1 - r, t->height) * t->width + index_of(s, t->width));
 }
 
-/* The emitter that a disk is, if its radiance depends on the direction; else NULL. */
-static const ylm_light_emitter *directed(const ylm_scene *s, size_t disk) {
-  size_t lo = 0, hi = s->directions;
-  while (lo < hi) {
-    size_t mid = (lo + hi) / 2;
-    if (s->directed[mid].disk == disk) return &s->directed[mid].emitter;
-    if (s->directed[mid].disk < disk)
-      lo = mid + 1;
-    else
-      hi = mid;
-  }
-  return NULL;
-}
-
-const ylm_light_emitter *ylm__scene_patch_directed(const ylm_scene *s, size_t i) {
-  return i >= s->triangles && s->directions > 0 ? directed(s, i - s->triangles) : NULL;
-}
-
 static const float *radiance_of(const ylm_scene *s, size_t i, const double p[3]) {
   if (s->textures > 0 && i >= s->texture[0].first && i < s->triangles) {
     size_t lo = 0, hi = s->textures; /* the last texture whose triangles begin at i or before */
@@ -115,13 +87,6 @@ static const float *radiance_of(const ylm_scene *s, size_t i, const double p[3])
 
 void ylm__scene_patch_radiance(const ylm_scene *s, size_t i, const double p[3], const float d[3],
                                float radiance[3]) {
-  const ylm_light_emitter *e = ylm__scene_patch_directed(s, i);
-  if (!e) {
-    memcpy(radiance, radiance_of(s, i, p), 12);
-    return;
-  }
-  double rgb[3], way[3];
-  for (int a = 0; a < 3; a++) way[a] = -(double)d[a];
-  ylm_light_emitter_radiance(e, way, rgb);
-  for (int c = 0; c < 3; c++) radiance[c] = (float)rgb[c];
+  if (ylm__scene_directed_radiance(s, s->lamps + i, d, radiance)) return;
+  memcpy(radiance, radiance_of(s, i, p), 12);
 }

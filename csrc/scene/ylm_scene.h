@@ -67,7 +67,7 @@ typedef struct ylm_scene_lamps {
   size_t images;
   const ylm_light_image *image; /* in the world, as emitters are */
   size_t directions;
-  const ylm_light_directed *directed; /* disks whose radiance depends on the direction */
+  const ylm_light_directed *directed; /* lamps whose radiance depends on the direction */
   const ylm_light_set
       *sky; /* distant lights, which the scene shares with the set, and emitters without a size,
                                which it copies; or NULL */

@@ -9,6 +9,7 @@ return {
   { "ylm.spheres", "sphere_set" },
   { "ylm.shadow", "occluder", "caster", "casters", "sphere_casters", "shadowed", "visibility" },
   { "ylm.material", "matte", "ggx", "phong", "abc", "merl", "rgl", "tabulated" },
+  { "ylm.photometry", "photometry" },
   { "ylm.camera", "camera" },
   { "ylm.gltf", "gltf" },
   { "ylm.transfer", "links" },
@@ -20,6 +21,7 @@ return {
   { "ylm.geometry", "quad", "sphere", "box", "torus", "knot", "mesh" },
   { "ylm.view", "view" },
   { "ylm.plot", "plot" },
+  { "ylm.plot.polar", "polar_plot" },
   { "ylm.figure", "figure" },
   { "ylm.warning", "on_warning" },
 }

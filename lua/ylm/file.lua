@@ -1,4 +1,4 @@
---- ylm.load: scenes, grids, arrays, images, meshes and measured materials, by content.
+--- ylm.load: scenes, grids, arrays, images, meshes, measured materials and photometry, by content.
 
 local check = require "ylm.check"
 local core = require "ylm.c.core"
@@ -25,15 +25,17 @@ function file.kind_of(path)
   if head:sub(1, 8) == require("ylm.grid").magic then return "grid" end
   if require("ylm.material.file").kind_of(path, head) then return "material" end
   if path:lower():find("%.lua$") then return "scene" end
+  if core.photometry_kind(path) then return "photometry" end
   if head:sub(1, 8) == "\137YLMsurf" then return "surface_grid" end
   return nil, path
     .. ": not a file that ylm knows (scene .lua, .glb, .gltf, grid, .npy, .exr, .png, .jpg, .hdr, .pfm, .obj, .ply, .binary, "
-    .. ".bsdf)", "EFORMAT"
+    .. ".bsdf, .ies, .ldt)", "EFORMAT"
 end
 
 --- The kinds of files that options are for, as a refusal names them.
 local of_kind = { array = "arrays", image = "images", mesh = "meshes", gltf = "glTF files", grid = "grids",
-  grid_set = "grids in bricks", material = "materials", scene = "scene files", surface_grid = "light on surfaces" }
+  grid_set = "grids in bricks", material = "materials", photometry = "photometric files", scene = "scene files",
+  surface_grid = "light on surfaces" }
 
 --- Kind -> options, and read(path, options).
 local readers = {
@@ -69,6 +71,7 @@ local readers = {
     require "ylm.material" -- the forms
     return require("ylm.material.file").load(path)
   end },
+  photometry = { options = {}, read = function(path) return require("ylm.photometry").photometry { file = path } end },
   gltf = { options = gltf.load_options, read = function(path, o) return require("ylm.scene").of_gltf(path, o) end },
   scene = { options = sandbox.limits, read = function(path, o) return require("ylm.scene").of_file(path, o) end },
 }
@@ -89,14 +92,14 @@ end
 describe "load" {
   shelf = "everyday",
   about = "Reads a file by its content: a scene (.lua, .glb, .gltf), a grid, an array (.npy), an image (.exr, .png, .jpg, .hdr, "
-    .. ".pfm), a mesh (.obj, .ply) or a measured material (.binary of MERL, .bsdf of RGL); or a grid in bricks, a folder "
-    .. "name.ylmd. A scene file may come from a stranger: it sees numbers, tables, math and the constructors, and is bounded in "
-    .. "instructions, memory and described size; other files are looked for in its folder only.",
+    .. ".pfm), a mesh (.obj, .ply), a measured material (.binary of MERL, .bsdf of RGL) or a lamp's photometry (.ies, .ldt); "
+    .. "or a grid in bricks, a folder name.ylmd. A scene file may come from a stranger: it sees numbers, tables, math and the "
+    .. "constructors, and is bounded in instructions, memory and described size; other files are looked for in its folder only.",
   arguments = { { "path", "string", "a regular file, or a folder name.ylmd" },
     { "options?", "table", "limits of a scene file, and what else the kind of file has" } },
   options = load_options,
-  returns = { { "object", "scene|grid|grid_set|array|image|mesh|geometry|material", "what the file holds; the scene of a glTF "
-    .. "file has its cameras by number and name, and report: counts, and notes about what was left out" } },
+  returns = { { "object", "scene|grid|grid_set|array|image|mesh|geometry|material|photometry", "what the file holds; the scene "
+    .. "of a glTF file has its cameras by number and name, and report: counts, and notes about what was left out" } },
   errors = "nil, message, code where the file is missing, damaged or of another kind, 'ELIMIT' beyond a limit; raises on a wrong "
     .. "argument",
   example = [[

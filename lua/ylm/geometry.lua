@@ -253,7 +253,6 @@ shape("box", {
 })
 
 shape("torus", {
-  shelf = "everyday",
   about = "A ring about the z axis.",
   fields = {
     { "radius", "number", above = 0, default = 1, unit = "scene units",

@@ -24,7 +24,7 @@ local tables = {
 }
 
 --- Functions that modules further down the ladder call, and the modules that define them.
-for module, name in pairs { ["ylm.page"] = "save", ["ylm.live"] = "live" } do
+for module, name in pairs { ["ylm.page"] = "save", ["ylm.live"] = "live", ["ylm.plot.polar"] = "polar" } do
   library.later[module] = function(...) return require(module)[name](...) end
 end
 

@@ -299,7 +299,7 @@ local function names_of(t)
 end
 
 --- The modules of ylm whose forms describe scenes.
-local describing = { "ylm.camera", "ylm.material", "ylm.geometry", "ylm.gltf", "ylm.grid", "ylm.transfer.form" }
+local describing = { "ylm.camera", "ylm.material", "ylm.photometry", "ylm.geometry", "ylm.gltf", "ylm.grid", "ylm.transfer.form" }
 for _, kind in ipairs(require "ylm.light.kinds") do describing[#describing + 1] = kind[1] end
 
 --- The constructors, as files see them; `scene` is ylm.scene.

@@ -12,9 +12,10 @@
 -- another seed: a truth without noise, for quantiles below the paths' noise, but with the elements' error. How far it is from the
 -- paths is printed.
 
+local places = require "spec.support.surface_places"
 local ylm = require "ylm"
 
-local PLACES, OFF, AIR, LIFT = 2000, 1e-3, 0.02, 0.015
+local PLACES, OFF = 2000, places.OFF
 local RAYS, LMAX, PILOT, WANTED = 1728, 2, 1024, 0.003
 local MOST = 30000                                     -- points of adaptive grids whose look-up knows no walls
 local LUMINANCE = { 0.2126, 0.7152, 0.0722 }
@@ -35,15 +36,6 @@ local entries = {}
 for _, entry in ipairs(require "spec.support.walled_scenes") do entries[#entries + 1] = entry end
 for _, entry in ipairs(require "spec.support.bounce_scenes") do
   entries[#entries + 1] = { name = entry.name, make = entry.make, quantity = "indirect" }
-end
-
---- Numbers from 0 to 1, the same everywhere.
-local function random(from)
-  local state = from
-  return function()
-    state = (state * 16807) % 2147483647
-    return state / 2147483647
-  end
 end
 
 local function lum(c) return LUMINANCE[1] * c[1] + LUMINANCE[2] * c[2] + LUMINANCE[3] * c[3] end
@@ -107,114 +99,6 @@ local function lookups(grid, scene)
   end
   if not grid.sides then return { { "no sides", by(nil) } } end
   return { { "by ray", by { scene = scene } }, { "by bits", by {} } }
-end
-
--- Places -------------------------------------------------------------------------------------
-
---- All triangles of a scene: { a, b, c, u, v, n (of length 1), lo, hi }, sums of their areas.
-local function triangles_of(scene)
-  local list, sums, sum = {}, {}, 0
-  for _, g in ipairs(scene.geometry) do
-    local v, t = g.mesh:vertices(), g.mesh:triangles()
-    for i = 1, #t do
-      local p = {}
-      for k = 1, 3 do
-        local row = t:get(i, k)
-        p[k] = { v:get(row, 1), v:get(row, 2), v:get(row, 3) }
-      end
-      local T = { a = p[1], u = {}, v = {}, n = {}, lo = {}, hi = {} }
-      for x = 1, 3 do
-        T.u[x], T.v[x] = p[2][x] - p[1][x], p[3][x] - p[1][x]
-        T.lo[x], T.hi[x] = math.min(p[1][x], p[2][x], p[3][x]), math.max(p[1][x], p[2][x], p[3][x])
-      end
-      for x = 1, 3 do
-        local y, z = x % 3 + 1, (x + 1) % 3 + 1
-        T.n[x] = T.u[y] * T.v[z] - T.u[z] * T.v[y]
-      end
-      local length = math.sqrt(T.n[1] ^ 2 + T.n[2] ^ 2 + T.n[3] ^ 2)
-      if length > 0 then
-        for x = 1, 3 do T.n[x] = T.n[x] / length end
-        sum = sum + length / 2
-        list[#list + 1], sums[#sums + 1] = T, sum
-      end
-    end
-  end
-  return list, sums
-end
-
-local function dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
-local function cross(a, b) return { a[2] * b[3] - a[3] * b[2], a[3] * b[1] - a[1] * b[3], a[1] * b[2] - a[2] * b[1] } end
-
---- Is there a triangle within `far` of p along d? By the method of Moeller and Trumbore.
-local function blocked(triangles, p, d, far)
-  local lo, hi = {}, {}
-  for x = 1, 3 do lo[x], hi[x] = math.min(p[x], p[x] + far * d[x]), math.max(p[x], p[x] + far * d[x]) end
-  for i = 1, #triangles do
-    local T = triangles[i]
-    local l, h = T.lo, T.hi
-    if l[1] <= hi[1] and h[1] >= lo[1] and l[2] <= hi[2] and h[2] >= lo[2] and l[3] <= hi[3] and h[3] >= lo[3] then
-      local q = cross(d, T.v)
-      local det = dot(T.u, q)
-      if math.abs(det) > 1e-12 then
-        local w = { p[1] - T.a[1], p[2] - T.a[2], p[3] - T.a[3] }
-        local r = cross(w, T.u)
-        local s, t, far_off = dot(w, q) / det, dot(d, r) / det, dot(T.v, r) / det
-        if s >= 0 and t >= 0 and s + t <= 1 and far_off > 0 and far_off < far then return true end
-      end
-    end
-  end
-  return false
-end
-
-local function within(box, p)
-  for a = 1, 3 do if p[a] < box[1][a] or p[a] > box[2][a] then return false end end
-  return true
-end
-
---- The box around a scene's geometry.
-local function box_of(scene)
-  local box = { { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge } }
-  for _, g in ipairs(scene.geometry) do
-    for a = 1, 3 do
-      box[1][a], box[2][a] = math.min(box[1][a], g.mesh.bounds[1][a]), math.max(box[2][a], g.mesh.bounds[2][a])
-    end
-  end
-  return box
-end
-
---- Places by area: points, a little off their surface, and normals. Left out are sides in bodies and outside of rooms, and places
--- with less than AIR above them, and places outside of the geometry's box (tops of walls), where grids end.
-local function places(scene, field)
-  local triangles, sums = triangles_of(scene)
-  local box = box_of(scene)
-  local draw, points, normals = random(7919 * seed + 12345), {}, {}
-  for _ = 1, 100 do draw() end
-  while #points < PLACES do
-    local p, n = {}, {}
-    for i = 1, PLACES do
-      local wanted, low, high = draw() * sums[#sums], 1, #sums
-      while low < high do
-        local middle = math.floor((low + high) / 2)
-        if sums[middle] < wanted then low = middle + 1 else high = middle end
-      end
-      local T, s, t, side = triangles[low], draw(), draw(), draw() < 0.5 and 1 or -1
-      if s + t > 1 then s, t = 1 - s, 1 - t end
-      p[i], n[i] = {}, {}
-      for x = 1, 3 do
-        n[i][x] = side * T.n[x]
-        p[i][x] = T.a[x] + s * T.u[x] + t * T.v[x] + OFF * n[i][x]
-      end
-    end
-    local above = {} -- validity of a place as near as OFF is that of its triangle's other side
-    for i = 1, PLACES do above[i] = { p[i][1] + LIFT * n[i][1], p[i][2] + LIFT * n[i][2], p[i][3] + LIFT * n[i][3] } end
-    local validity = field:validity(above)
-    for i = 1, PLACES do
-      if #points < PLACES and within(box, p[i]) and validity[i] > 0.9 and not blocked(triangles, p[i], n[i], AIR) then
-        points[#points + 1], normals[#normals + 1] = p[i], n[i]
-      end
-    end
-  end
-  return points, normals
 end
 
 -- Truth --------------------------------------------------------------------------------------
@@ -326,7 +210,7 @@ local function truth_of(entry, scene, field)
   local began = os.time()
   if not truth then
     truth = { E = {}, V = {}, N = {}, rounds = 0 }
-    truth.points, truth.normals = places(scene, field())
+    truth.points, truth.normals = places.draw(scene, field(), PLACES, seed)
     for i = 1, #truth.points do truth.N[i] = 0 end
   end
   local total = add_paths(entry, scene, truth)
@@ -375,7 +259,7 @@ local function measure(truth, entry)
       truth.channel[c] = truth.channel[c] + truth.E[i][c] / n
       truth.error[i] = (truth.error[i] or 0) + LUMINANCE[c] * math.sqrt(truth.V[i][c])
     end
-    if entry.sealed and within(entry.sealed, truth.points[i]) then truth.sealed[#truth.sealed + 1] = i end
+    if entry.sealed and places.within(entry.sealed, truth.points[i]) then truth.sealed[#truth.sealed + 1] = i end
   end
   for i = 1, n do
     local se = truth.error[i] / truth.mean
@@ -431,7 +315,7 @@ end
 
 --- All that is baked: { name, description, options of the bake }.
 local function cases(scene)
-  local box, list = box_of(scene), {}
+  local box, list = places.box_of(scene), {}
   for _, h in ipairs { 0.35, 0.25, 0.18 } do
     local cells = {}
     for a = 1, 3 do cells[a] = math.max(1, math.floor((box[2][a] - box[1][a]) / h + 0.5)) end

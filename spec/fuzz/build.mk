@@ -27,6 +27,9 @@ FUZZ_ABOUT_pfm := csrc/codec/pfm.c
 FUZZ_ABOUT_jpeg := csrc/codec/jpeg.c
 FUZZ_ABOUT_gltf := $(wildcard csrc/codec/gltf/*.c)
 FUZZ_ABOUT_merl := csrc/material/merl_file.c csrc/material/merl_table.c
+FUZZ_ABOUT_photometry := $(foreach f,file ies ldt write type_b,csrc/light/photometric/$(f).c)
+FUZZ_ALSO_photometry := $(patsubst %,$(FUZZ_DIR)/obj/light/photometric/%.o,file ies ldt write type_b table spline pole eval flux sample)
+$(FUZZ_DIR)/bin/photometry: $(FUZZ_ALSO_photometry)
 FUZZ_ABOUT_tensor := csrc/material/tensor.c csrc/material/rgl_file.c csrc/material/warp.c csrc/material/rgl.c
 # Spherical harmonics of irradiance, and errors of lights, are those of the library as it is built.
 FUZZ_LIBS_grid := -L$(BUILD)/lib -lylm -Wl,-rpath,$(abspath $(BUILD)/lib)

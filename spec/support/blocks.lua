@@ -1,6 +1,7 @@
 -- Programs that stand in pages of documentation.
 
 local lacking = require "spec.support.run.lacking"
+local long = require "spec.support.long"
 local scratch = require "spec.support.scratch"
 
 local blocks = {}
@@ -18,10 +19,18 @@ function blocks.of(text)
   return list
 end
 
+--- A program whose pictures of scenes are a quarter as wide and high: its calls are those of the page.
+local function small(code)
+  return (code:gsub("(:%l+ { size = {) (%d%d%d+), (%d%d%d+) }", function(head, w, h)
+    return ("%s %d, %d }"):format(head, math.floor(w / 4), math.floor(h / 4))
+  end))
+end
+
 --- Runs the n-th program of a page in a scratch folder, by the tool: a scene file is baked. Returns what it printed.
+-- Its pictures are small; those of `make check-long` have the page's size.
 function blocks.run(folder, code, page, n)
   local name = ("%s_%d.lua"):format(page:gsub("[^%w]", "_"), n)
-  folder:write(name, code)
+  folder:write(name, long(small(code), code))
   local command = code:find "return scene" and not code:find "^local ylm" and "bake %s -o " .. name .. ".ylm" or "run %s"
   local out, status = scratch.capture(("cd %s && YLM_LUA=%s LUA_PATH= LUA_CPATH= %s "):format(
     scratch.quote(folder.path), lua, scratch.quote(build .. "/ylm")) .. command:format(name))

@@ -4,10 +4,10 @@
 #include <stdlib.h>
 
 /* Extensions that a file may require. */
-static const char *const known[] = {"KHR_lights_punctual",  "KHR_materials_emissive_strength",
-                                    "KHR_materials_ior",    "KHR_materials_specular",
-                                    "KHR_materials_unlit",  "KHR_mesh_quantization",
-                                    "KHR_texture_transform"};
+static const char *const known[] = {
+    "EXT_lights_ies",        "KHR_lights_punctual",    "KHR_materials_emissive_strength",
+    "KHR_materials_ior",     "KHR_materials_specular", "KHR_materials_unlit",
+    "KHR_mesh_quantization", "KHR_texture_transform"};
 
 static void check_version(gltf *g) {
   place p = {NULL, "asset", 0};
@@ -92,6 +92,8 @@ void ylm_gltf_free(ylm_gltf *g) {
   ylm_free(g->piece);
   ylm_free(g->material);
   ylm_free(g->lamp);
+  for (size_t i = 0; i < g->profiles; i++) ylm_free(g->profile[i].data);
+  ylm_free(g->profile);
   ylm_free(g->camera);
   ylm_free(g->image);
   ylm_free(g->note);

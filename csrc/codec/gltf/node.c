@@ -14,7 +14,7 @@ typedef struct frame {
 
 /* The lists that nodes refer to, and what was found. */
 typedef struct walk {
-  json_t *nodes, *meshes, *cameras, *lights;
+  json_t *nodes, *meshes, *cameras, *lights, *profiles;
   size_t count, mesh_count, camera_count, light_count;
   uint32_t *parent; /* 1 + the node's parent, 0: none */
   uint32_t *root;
@@ -117,6 +117,51 @@ static void add_lamp(gltf *g, const place *at, const json_t *o, const double m[1
   g->out->lamps++;
 }
 
+/* The bytes of a profile, once a node has it. */
+static void take_profile(gltf *g, const place *at, const json_t *o, ylm_gltf_profile *to) {
+  if (to->data || g->status != YLM_OK) return;
+  const char *uri = ylm__gltf_string(g, at, o, "uri");
+  int64_t view = ylm__gltf_reference(g, at, o, "bufferView", "buffer view", g->views);
+  gltf_bytes b = {0};
+  if (uri) {
+    ylm__gltf_fetch(g, at, uri, &b);
+  } else if (view >= 0) {
+    b.data = g->view[view].data;
+    b.size = g->view[view].size;
+  } else {
+    ylm__gltf_fail(g, YLM_EFORMAT, at, "uri or bufferView expected");
+  }
+  if (g->status == YLM_OK) {
+    to->data = ylm_alloc_copy(b.data, b.size, 1);
+    to->size = b.size;
+    if (!to->data) ylm__gltf_fail(g, YLM_ENOMEM, NULL, "memory ran out");
+  }
+  ylm_free(b.own);
+}
+
+/* A photometric file that shines along a node's -z, its C0 along x. */
+static void add_profile(gltf *g, const place *at, const json_t *o, size_t profile,
+                        const double m[12], const char *node) {
+  double colour[3] = {1, 1, 1};
+  g->out->lamp = grow(g, g->out->lamp, g->out->lamps, sizeof *g->out->lamp);
+  if (g->status != YLM_OK) return;
+  ylm_gltf_lamp *l = &g->out->lamp[g->out->lamps];
+  memcpy(l->name, node, sizeof l->name);
+  l->kind = YLM_GLTF_PROFILE;
+  l->profile = profile;
+  double multiplier = ylm__gltf_number(g, at, o, "multiplier", 1, 0, 1e30);
+  ylm__gltf_numbers(g, at, o, "color", 3, colour);
+  for (int i = 0; i < 3; i++) {
+    if (!(colour[i] >= 0 && colour[i] <= 1))
+      ylm__gltf_fail(g, YLM_EFORMAT, at, "color must be three numbers from 0 to 1");
+    l->at[i] = m[4 * i + 3];
+    l->intensity[i] = multiplier * colour[i];
+  }
+  if (!axis(m, 2, -1, l->direction)) l->direction[0] = l->direction[1] = 0, l->direction[2] = -1;
+  if (!axis(m, 0, 1, l->across)) l->across[0] = 1, l->across[1] = l->across[2] = 0;
+  g->out->lamps++;
+}
+
 static void add_camera(gltf *g, const place *at, const json_t *o, const double m[12],
                        const char *node) {
   g->out->camera = grow(g, g->out->camera, g->out->cameras, sizeof *g->out->camera);
@@ -148,6 +193,18 @@ static void add_instance(gltf *g, walk *w, const json_t *node, const double m[12
   w->skins += json_object_get(node, "skin") != NULL;
 }
 
+static void hang_profile(gltf *g, walk *w, const place *at, const json_t *o, const double m[12],
+                         const char *name) {
+  place pe = {at, "extensions", 0}, pl = {&pe, "EXT_lights_ies", 0};
+  const json_t *extension = ylm__gltf_extension(g, at, o, "EXT_lights_ies");
+  int64_t light = ylm__gltf_reference(g, &pl, extension, "light", "light", g->out->profiles);
+  if (light < 0) return;
+  place re = {NULL, "extensions", 0}, rl = {&re, "EXT_lights_ies", 0}, rc = {&rl, "lights", 0};
+  place p = {&rc, NULL, (size_t)light};
+  take_profile(g, &p, ylm__gltf_entry(g, &rc, w->profiles, p.index), &g->out->profile[light]);
+  add_profile(g, &pl, extension, (size_t)light, m, name);
+}
+
 static void hang(gltf *g, walk *w, const place *at, const json_t *o, const double m[12]) {
   char name[YLM_GLTF_NAME];
   ylm__gltf_name(g, at, o, name);
@@ -165,6 +222,7 @@ static void hang(gltf *g, walk *w, const place *at, const json_t *o, const doubl
     place pc = {&pl, "lights", 0}, p = {&pc, NULL, (size_t)light};
     add_lamp(g, &p, ylm__gltf_entry(g, &pc, w->lights, p.index), m, name);
   }
+  hang_profile(g, w, at, o, m, name);
 }
 
 /* -- the walk ---------------------------------------------------------------------------------- */
@@ -334,6 +392,12 @@ static void read_nodes(gltf *g, walk *w) {
   w->cameras = ylm__gltf_list(g, NULL, g->root, "cameras", &w->camera_count);
   const json_t *punctual = ylm__gltf_extension(g, NULL, g->root, "KHR_lights_punctual");
   w->lights = ylm__gltf_list(g, &pl, punctual, "lights", &w->light_count);
+  place px = {&pe, "EXT_lights_ies", 0};
+  const json_t *ies = ylm__gltf_extension(g, NULL, g->root, "EXT_lights_ies");
+  size_t profiles = 0;
+  w->profiles = ylm__gltf_list(g, &px, ies, "lights", &profiles);
+  g->out->profile = ylm__gltf_alloc(g, profiles, sizeof *g->out->profile);
+  if (g->out->profile) g->out->profiles = profiles;
   w->parent = ylm__gltf_alloc(g, w->count, sizeof *w->parent);
   w->root = ylm__gltf_alloc(g, w->count, sizeof *w->root);
   if (g->status == YLM_OK) find_parents(g, w);

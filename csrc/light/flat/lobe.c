@@ -71,7 +71,9 @@ static ylm_status surfaces(const void *of, size_t i, ylm_light_surfaces *out) {
   normal_of(x, normal);
   ylm_unit3(normal);
   ylm_status s = ylm__surfaces_disk(out, x + MIDDLE, radius_of(x), normal, x, x + HORIZON);
-  return s == YLM_OK ? ylm__surfaces_direct(out, &ylm__lobe_kind, NUMBERS, x) : s;
+  ylm_light_emitter e = {.kind = &ylm__lobe_kind, .numbers = NUMBERS};
+  memcpy(e.x, x, NUMBERS * sizeof *x);
+  return s == YLM_OK ? ylm__surfaces_direct(out, YLM_LIGHT_DIRECTED_DISK, &e) : s;
 }
 
 static void move(double *x, const double way[3]) { ylm__flat_emits.move(x, way); }

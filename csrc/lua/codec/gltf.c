@@ -72,13 +72,17 @@ static void push_material(lua_State *L, const ylm_gltf_material *m) {
 }
 
 static void push_lamp(lua_State *L, const ylm_gltf_lamp *l) {
-  static const char *const kind[] = {"point", "spot", "directional"};
+  static const char *const kind[] = {"point", "spot", "directional", "profile"};
   lua_createtable(L, 0, 9);
   set_string(L, "name", l->name);
   set_string(L, "kind", kind[l->kind]);
   set_doubles(L, "at", l->at, 3);
   set_doubles(L, "direction", l->direction, 3);
   set_doubles(L, "intensity", l->intensity, 3);
+  if (l->kind == YLM_GLTF_PROFILE) {
+    set_doubles(L, "across", l->across, 3);
+    ylmL_set_count(L, "profile", l->profile + 1);
+  }
   ylmL_set_number(L, "inner", l->inner);
   ylmL_set_number(L, "outer", l->outer);
   set_string(L, "extras", l->extras);
@@ -135,6 +139,8 @@ static void push_file(lua_State *L, ylm_gltf *g) {
   LIST("lamps", g->lamps, push_lamp(L, &g->lamp[i]))
   LIST("cameras", g->cameras, push_camera(L, &g->camera[i]))
   LIST("images", g->images, push_image(L, &g->image[i]))
+  LIST("profiles", g->profiles,
+       lua_pushlstring(L, g->profile[i].data ? (char *)g->profile[i].data : "", g->profile[i].size))
   LIST("notes", g->notes, lua_pushstring(L, g->note[i]))
   set_string(L, "extras", g->extras);
   ylmL_set_count(L, "nodes", g->nodes);

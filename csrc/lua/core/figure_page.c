@@ -184,6 +184,16 @@ static int page_base64(lua_State *L) {
   return 1;
 }
 
+/* page_unbase64(text) -> bytes, or nil */
+static int page_unbase64(lua_State *L) {
+  size_t length, size;
+  const char *in = luaL_checklstring(L, 1, &length);
+  char *out = room(L, length / 4 * 3 + 1);
+  if (!ylm_figure_unbase64(length, in, (unsigned char *)out, &size)) return 0;
+  lua_pushlstring(L, out, size);
+  return 1;
+}
+
 static const luaL_Reg functions[] = {{"page_facts", page_facts},
                                      {"page_cells", page_cells},
                                      {"page_frame", page_frame},
@@ -196,6 +206,7 @@ static const luaL_Reg functions[] = {{"page_facts", page_facts},
                                      {"page_triangles", page_triangles},
                                      {"page_planes", page_planes},
                                      {"page_base64", page_base64},
+                                     {"page_unbase64", page_unbase64},
                                      {NULL, NULL}};
 
 void ylmL_open_figure_page(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -2,8 +2,8 @@
 
 local status = require "ylm.cli.status"
 
-local commands = { "render", "pathtrace", "bake", "pack", "page", "emit", "view", "live", "compare", "sh", "material", "run",
-  "codegen", "bench", "info", "help" }
+local commands = { "render", "pathtrace", "bake", "pack", "export", "page", "emit", "view", "live", "compare", "judge", "sh",
+  "material", "photometry", "run", "codegen", "bench", "info", "help" }
 
 --- Is there such a command?
 function commands.known(name)
@@ -19,7 +19,7 @@ function commands.overview(stream)
   stream:write("ylm - spherical-harmonic lighting\n\n",
     "usage: ylm COMMAND ...    (ylm COMMAND --help for its options)\n\n")
   for _, name in ipairs(commands) do
-    stream:write(("  %-9s  %s\n"):format(name, commands.of(name).summary))
+    stream:write(("  %-10s  %s\n"):format(name, commands.of(name).summary))
   end
   stream:write("\nexit status: ", status.text, "\n")
 end

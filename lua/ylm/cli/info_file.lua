@@ -116,6 +116,7 @@ function kinds.gltf(path)
 end
 
 function kinds.material(path) return require "ylm.cli.material".look(path) end
+function kinds.photometry(path) return require "ylm.cli.photometry".look(status.need(require "ylm".load(path))) end
 
 --- Fields of an object that a form has built which are numbers, words or lists of numbers, with its kind; nil of nil.
 local function described(x)

@@ -4,6 +4,8 @@ local environment = require "ylm.light.environment"
 local form = require "ylm.form"
 local json = require "ylm.gltf.json"
 local memory = require "ylm.memory"
+local photometric = require "ylm.light.photometric"
+local photometry = require "ylm.photometry"
 require "ylm.light.polygon" -- the forms
 local spot = require "ylm.light.spot"
 local sphere = require "ylm.light.sphere"
@@ -72,6 +74,22 @@ function makers.directional(l, o)
   return sun.sun_light(values)
 end
 
+--- A photometric file of EXT_lights_ies, a point there: a sphere of the radius that points have.
+function makers.profile(l, o, file)
+  file.photometry = file.photometry or {}
+  local p, message, code = file.photometry[l.profile]
+  if not p then
+    p, message, code = photometry.of_bytes(("profile %d"):format(l.profile), file.profiles[l.profile])
+    if not p then return nil, message, code end
+    file.photometry[l.profile] = p
+  end
+  local d, at = l.direction, l.at
+  return photometric.photometric_light { photometry = p, at = at, to = { at[1] + d[1], at[2] + d[2], at[3] + d[3] },
+    turn = photometric.turn_of(d, l.across), colour = l.intensity,
+    dim = math.min(1e6, o.light_scale * vector.luminance(l.intensity)),
+    opening = { shape = "sphere", radius = math.min(o.lamp_radius, 50) } }
+end
+
 --- The flat light that ylm has written as this surface, while it is where it was, and emits as it did; else nil.
 function lights.of_piece(piece, extras, emission, o)
   local definition = form.defined[extras.light]
@@ -106,7 +124,10 @@ function lights.skies(list, o, note)
     end
     plain.scale = (tonumber(plain.scale) or 1) * o.light_scale
     local ok, made = memory.pcall(environment.environment_light, plain)
-    if ok and made then out[#out + 1] = made else wrong = wrong + 1 end
+    if ok and made then
+      made.of_file = true
+      out[#out + 1] = made
+    else wrong = wrong + 1 end
   end
   if wrong > 0 then note("skies of extras.ylm left out, because they are none: %d", wrong) end
   return out
@@ -114,13 +135,19 @@ end
 
 --- The lamps of a file as lights; note(sentence, ...) takes what is lost. Or nil, message, code.
 function lights.convert(file, o, note)
-  local out, count, range = {}, { spot = 0, point = 0, directional = 0 }, 0
+  local out, count, range = {}, { spot = 0, point = 0, directional = 0, profile = 0 }, 0
   for _, l in ipairs(file.lamps) do
     if largest(l.intensity) > 0 then
-      local made, message, code = makers[l.kind](l, o)
-      if not made then return nil, message, code end
-      out[#out + 1] = made
-      count[l.kind] = count[l.kind] + 1
+      local made, message, code = makers[l.kind](l, o, file)
+      if made then
+        made.of_file = true -- its numbers go with either unit
+        out[#out + 1] = made
+        count[l.kind] = count[l.kind] + 1
+      elseif l.kind == "profile" and code == "EFORMAT" then
+        note("photometric lamps left out: %s", message)
+      else
+        return nil, message, code
+      end
     end
     if l.range then range = range + 1 end
   end

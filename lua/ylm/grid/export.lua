@@ -1,14 +1,16 @@
---- Grids for engines: the light at the middles of equal cells, as textures that others read.
---
--- ambient cubes in KTX2 (Bevy), three.js's atlas of probes in JSON, numbers in .npy for others.
+--- grid:export: the light at the middles of equal cells, for engines; sampled, or fitted to what they read at surfaces.
 
 local array = require "ylm.array"
 local bake = require "ylm.grid.bake"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
+local engine = require "ylm.grid.engine"
+local files = require "ylm.grid.engine_file"
+local fitted = require "ylm.grid.fitted"
 local form = require "ylm.form"
 local object = require "ylm.grid.object"
+local places = require "ylm.grid.places"
 local sh = require "ylm.sh"
 local warning = require "ylm.warning"
 
@@ -22,6 +24,8 @@ local HELD_OUT = 4096          -- points that the error is measured at
 local QUANTILE = 0.99
 local LMAX = 2                 -- of probes in engines
 local TOLERANCE = 0.05
+local MOST_GRIDS = 6           -- of three.js' probes, which walls part
+local WORDS = 300              -- bytes of a grid of three.js beside its numbers
 
 local FACES = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 }, { -1, 0, 0 }, { 0, -1, 0 }, { 0, 0, -1 } }
 
@@ -41,20 +45,8 @@ local function cells_of(g, n)
   return cells
 end
 
---- The middles of cells, x fastest, as an array [nz ny nx][3].
-local function middles(g, cells)
-  local lo, extent = extents(g)
-  local list = {}
-  for z = 1, cells[3] do
-    for y = 1, cells[2] do
-      for x = 1, cells[1] do
-        list[#list + 1] = { lo[1] + extent[1] * (x - 0.5) / cells[1], lo[2] + extent[2] * (y - 0.5) / cells[2],
-          lo[3] + extent[3] * (z - 0.5) / cells[3] }
-      end
-    end
-  end
-  return array.array(list, "float")
-end
+--- Cells of the grid's bounds, as a lattice of ylm.grid.engine.
+local function lattice(g, cells) return { lo = g.bounds[1], hi = g.bounds[2], cells = cells } end
 
 --- The validity of the probes around p, by their weights there; nil where p is in no voxel.
 local function validity_at(g, known, p)
@@ -170,129 +162,54 @@ end
 
 local function too_many(cells) return cells[1] * cells[2] * cells[3] > MOST_PROBES end
 
---- Bytes of the numbers of a file of that kind.
+--- Bytes of the numbers of a lattice in a file of that kind.
 local function bytes_of(kind, cells, g, o)
   local n = cells[1] * cells[2] * cells[3]
   if kind == "cube" then return 48 * n end
-  if kind == "three" then return math.ceil((56 * cells[1] * cells[2] * (cells[3] + 2) + n) * 4 / 3) end
+  if kind == "three" then return math.ceil((56 * cells[1] * cells[2] * (cells[3] + 2) + n) * 4 / 3) + WORDS end
   return n * (g.channels == 3 and 3 or 1) * ((o.lmax or LMAX) + 1) ^ 2 * (o.dtype == "float16" and 2 or 4)
 end
 
---- The coarsest numbers of cells whose error is at most `tolerance`, and that error; the finest tried where none is, of
+--- The coarsest numbers of cells whose error(cells) is at most `tolerance`, and that error; the finest tried where none is, of
 -- those that are not too_large(cells). Or nil, message, code.
-local function choose(g, judge, tolerance, too_large)
+local function choose(g, error, tolerance, too_large)
   local n, below, cells = 2, 1, cells_of(g, 2)
-  local found, message, code = error_of(g, judge, cells)
+  local found, message, code = error(cells)
   while found and found > tolerance and n < MOST_CELLS do
     local more = math.min(MOST_CELLS, math.ceil(1.5 * n))
     local finer = cells_of(g, more)
     if too_many(finer) or too_large(finer) then break end
     below, n, cells = n, more, finer
-    found, message, code = error_of(g, judge, cells)
+    found, message, code = error(cells)
   end
   if not found then return nil, message, code end
   local met = found <= tolerance
   while met and n - below > 1 do
     local middle = math.floor((n + below) / 2)
     local coarser = cells_of(g, middle)
-    local less, failed, why = error_of(g, judge, coarser)
+    local less, failed, why = error(coarser)
     if not less then return nil, failed, why end
     if less <= tolerance then n, found, cells = middle, less, coarser else below = middle end
   end
   return cells, found
 end
 
--- Files ----------------------------------------------------------------------------------------
-
---- Bytes of an unsigned integer, the least first.
-local function little(x, bytes)
-  local list = {}
-  for i = 1, bytes do
-    list[i] = string.char(x % 256)
-    x = math.floor(x / 256)
+--- The finest cells whose file takes at most `bytes`: size(cells) is what it takes, foreseen(cells) what one lattice would. Or
+-- nil, message, code.
+local function finest(g, size, foreseen, bytes)
+  local n, cells = 2, cells_of(g, 2)
+  local more, message, code = size(cells)
+  if not more then return nil, message, code end
+  more = more / foreseen(cells)
+  while n < MOST_CELLS and more * foreseen(cells_of(g, n + 1)) <= bytes and not too_many(cells_of(g, n + 1)) do n = n + 1 end
+  while n > 2 do                                                  -- walls that part a lattice cost some
+    local taken
+    taken, message, code = size(cells_of(g, n))
+    if not taken then return nil, message, code end
+    if taken <= bytes then break end
+    n = n - 1
   end
-  return table.concat(list)
-end
-
-local function halves(list) return array.array(list, "float16"):bytes() end
-
---- One level of a texture of halves, red green blue alpha, as KTX 2.0. `data` is its texels; `pairs` are sorted by key.
-local function ktx2(width, height, depth, data, pairs_of_words)
-  local samples = {}
-  for i, channel in ipairs { 0, 1, 2, 15 } do                     -- signed floats from -1 to 1 and beyond
-    samples[i] = little(16 * (i - 1), 2) .. string.char(15, channel + 0xC0) .. little(0, 4) .. little(0xBF800000, 4)
-      .. little(0x3F800000, 4)
-  end
-  local block = little(0, 4) .. little(2, 2) .. little(24 + 16 * 4, 2)  -- Khronos' basic descriptor
-    .. string.char(1, 1, 1, 0)                                    -- RGBA, BT.709, linear, straight alpha
-    .. little(0, 4) .. string.char(8, 0, 0, 0, 0, 0, 0, 0) .. table.concat(samples)
-  local descriptor = little(4 + #block, 4) .. block
-  local words = {}
-  for i, pair in ipairs(pairs_of_words) do
-    local text = pair[1] .. "\0" .. pair[2] .. "\0"
-    words[i] = little(#text, 4) .. text .. ("\0"):rep(-#text % 4)
-  end
-  words = table.concat(words)
-  local first = 80 + 24                                           -- header and index, one level
-  local gap = -(first + #descriptor + #words) % 8
-  local at = first + #descriptor + #words + gap
-  return "\171KTX 20\187\r\n\26\n" .. little(97, 4) .. little(2, 4)   -- R16G16B16A16_SFLOAT, two bytes a number
-    .. little(width, 4) .. little(height, 4) .. little(depth, 4) .. little(0, 4) .. little(1, 4) .. little(1, 4) .. little(0, 4)
-    .. little(first, 4) .. little(#descriptor, 4) .. little(first + #descriptor, 4) .. little(#words, 4) .. little(0, 8)
-    .. little(0, 8) .. little(at, 8) .. little(#data, 8) .. little(#data, 8) .. descriptor .. words .. ("\0"):rep(gap) .. data
-end
-
-local function numbers(list)
-  local words = {}
-  for i, x in ipairs(list) do words[i] = ("%.9g"):format(x) end
-  return table.concat(words, ",")
-end
-
---- Ambient cubes as Bevy reads them: (nx, 2 ny, 3 nz) texels; alpha is validity.
-local function cubes(g, cells, c, validity)
-  local rows, list = exported("cube", c):totable(), {}
-  for axis = 1, 3 do
-    for z = 1, cells[3] do
-      for side = 0, 1 do                                          -- faces that look along the axis first
-        for y = 1, cells[2] do
-          for x = 1, cells[1] do
-            local i = ((z - 1) * cells[2] + y - 1) * cells[1] + x
-            for channel = 1, 3 do list[#list + 1] = (rows[i][channel] or rows[i][1])[axis + 3 * side] end
-            list[#list + 1] = validity[i]
-          end
-        end
-      end
-    end
-  end
-  return ktx2(cells[1], 2 * cells[2], 3 * cells[3], halves(list), {
-    { "KTXwriter", "ylm " .. (core.info()) },
-    { "ylm.bounds", numbers(g.bounds[1]) .. "," .. numbers(g.bounds[2]) } })
-end
-
---- The atlas of three.js' LightProbeGrid: seven volumes of four numbers above each other, each with a copy of its first and
--- last slice.
-local function atlas(g, cells, c, validity)
-  if c.shape[2] == 1 then c = array.stack({ c, c, c }, 2):reshape { #c, 3, c.shape[3] } end
-  local rows, list = sh.convert(c, "three.js"):totable(), {}
-  for volume = 0, 6 do
-    for slice = 0, cells[3] + 1 do
-      local z = math.max(1, math.min(cells[3], slice))
-      for y = 1, cells[2] do
-        for x = 1, cells[1] do
-          local row = rows[((z - 1) * cells[2] + y - 1) * cells[1] + x]
-          for k = 4 * volume, 4 * volume + 3 do
-            list[#list + 1] = k < 27 and row[math.floor(k / 3) + 1][k % 3 + 1] or 0
-          end
-        end
-      end
-    end
-  end
-  local bytes = {}
-  for i = 1, #validity do bytes[i] = string.char(math.floor(255 * math.max(0, math.min(1, validity[i])) + 0.5)) end
-  return ('{"type":"LightProbeGrid","generator":"ylm %s","convention":"three.js","min":[%s],"max":[%s],'
-    .. '"resolution":[%s],"atlas":{"width":%d,"height":%d,"depth":%d,"format":"RGBA","numbers":"half","data":"%s"},'
-    .. '"validity":"%s"}\n'):format((core.info()), numbers(g.bounds[1]), numbers(g.bounds[2]), numbers(cells), cells[1],
-    cells[2], 7 * (cells[3] + 2), core.page_base64(halves(list)), core.page_base64(table.concat(bytes)))
+  return cells_of(g, n)
 end
 
 -- The method -------------------------------------------------------------------------------------
@@ -306,18 +223,25 @@ end
 
 local options = {
   { "tolerance", "number", above = 0, optional = true,
-    about = "the coarsest cells are taken whose error is at most this at 99 % of held-out points; default " .. TOLERANCE },
+    about = "the coarsest cells are taken whose error is at most this at 99 % of held-out places; default " .. TOLERANCE },
   { "cells", "export_cells", optional = true, about = "instead: { nx, ny, nz }" },
-  { "bytes", "number", above = 0, optional = true, about = "that the numbers of the file take at most: bounds the cells that are "
-    .. "chosen, and refuses those that are given; default: 2^20 probes" },
+  { "bytes", "number", above = 0, optional = true, about = "that the numbers of the file take at most: without tolerance the "
+    .. "finest cells that fit are taken; with it, or with cells, it bounds them. Default: 2^20 probes" },
+  { "scene", "any", optional = true, about = "whose surfaces the light falls on: the numbers are then fitted, by least squares, "
+    .. "to the irradiance that the engine's own look-up has there, and error is that of irradiance at 4,096 other places" },
   { "anyway", "boolean", default = false, about = "true: writes the file also where the tolerance is not met" },
   { "lmax", "integer", min = 0, max = 20, optional = true, about = "of .npy, default 2; probes of three.js have 2" },
+  { "offset", "number", min = 0, max = 2, optional = true, unit = "cells", about = "of .npy, with scene: how far off the "
+    .. "surface, along the normal, the engine looks up; default 0" },
+  { "grids", "integer", min = 1, max = 16, optional = true, about = "of .three.json, with scene: at most so many grids beside "
+    .. "each other, cut where walls are; three.js takes one for each pixel. Default " .. MOST_GRIDS },
   { "dering", "boolean", default = false,
     about = "damps all probes by the one window that leaves no direction of any below 0; its cost is in the report" },
   { "dtype", "choice", of = { "float16", "float" }, default = "float", about = "of .npy" },
   { "points", "any", optional = true, unit = "scene units",
-    about = "array [n][3]: where the error is measured; default: 4,096 places in voxels that hold surfaces or points, "
-    .. "without those in bodies and behind walls" },
+    about = "array [n][3], without scene: where the error is measured; default: 4,096 places in voxels that hold surfaces or "
+    .. "points, without those in bodies and behind walls" },
+  form.threads,
 }
 
 local kinds = { ["%.ktx2$"] = "cube", ["%.three%.json$"] = "three", ["%.npy$"] = "npy" }
@@ -338,14 +262,19 @@ describe "grid:export" {
   about = "Writes the grid's light at the middles of equal cells of its bounds, for engines that interpolate along the axes: "
     .. "'.ktx2' ambient cubes (irradiance over pi at six faces, alpha: validity) as Bevy reads them, '.three.json' the atlas of "
     .. "three.js' LightProbeGrid (degree 2, radiance, halves, base64), '.npy' coefficients [nz][ny][nx][channels][(lmax+1)^2]. "
-    .. "Axes stay as they are.",
+    .. "Axes stay as they are. With scene, the numbers are those with which the engine errs least at the scene's surfaces.",
   arguments = { { "path", "string", "ends in .ktx2, .three.json or .npy" }, { "options?", "table", "" } },
   options = options,
-  returns = { { "report", "table", "cells; probes; error: 99 % of the held-out points keep it (relative L2 distance of what is "
-    .. "exported from the grid's own); met, with a tolerance; validity, array [nz ny nx]: 1 less the part that is in bodies; "
+  returns = { { "report", "table", "cells: of the bounds; grids: { bounds, cells } of each that was written; probes; error: "
+    .. "99 % of the held-out points keep it: with scene, of irradiance at surfaces, relative to the larger of the place's and "
+    .. "the mean; else the relative L2 distance of what is exported from the grid's own; met, with a tolerance; validity, array "
+    .. "[nz ny nx] of the first grid: 1 less the part that is in bodies; "
+    .. "with scene surfaces: { rms over the mean, error, leak: the mean of places with less than 1 % of the mean over it, or "
+    .. "nil, worst: { at, normal, error, wanted, read: luminance }, places }; "
     .. "dering: the window's report; bytes; warning, where the tolerance is not met" } },
   errors = "raises on another ending and bad options; nil, message, code where the file cannot be written or memory runs out; "
-    .. "nil, message, 'ELIMIT' where the tolerance is not met (nothing is written then), or bytes is too few",
+    .. "nil, message, 'ELIMIT' where the tolerance is not met (nothing is written then), or bytes is too few; 'EDOMAIN' where no "
+    .. "surface of the scene is within the grid",
   example = [[
 local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = 10 }
 local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, lmax = 2 }, lamp)
@@ -355,68 +284,177 @@ assert(report.probes == 27 and report.error < 0.5)
 os.remove(name)]],
   source = "Mitchell, McTaggart, Green 2006 (ambient cubes)",
 }
-function methods.export(g, path, given)
-  open(g, "export")
-  local kind
+
+--- The kind of file that a path ends in; raises on others.
+local function kind_of(path)
   for pattern, name in pairs(kinds) do
-    if type(path) == "string" and path:lower():find(pattern) and not path:find "%z" then kind = name end
+    if type(path) == "string" and path:lower():find(pattern) and not path:find "%z" then return name end
   end
-  if not kind then
-    return check.bad(1, "export", "a path ending in .ktx2, .three.json or .npy expected, got %s", check.describe(path))
-  end
+  return check.bad(1, "export", "a path ending in .ktx2, .three.json or .npy expected, got %s", check.describe(path))
+end
+
+local function options_of(kind, given)
   local o = form.options(2, "export", options, given)
   if o.tolerance and o.cells then return check.fail "export: either tolerance or cells, not both" end
   if o.lmax and kind ~= "npy" then return check.fail "export: lmax is of .npy: probes of engines have degree 2" end
+  if o.grids and (kind ~= "three" or o.scene == nil) then
+    return check.fail "export: grids is of .three.json with a scene: other engines take one"
+  end
+  if o.offset and (kind ~= "npy" or o.scene == nil) then
+    return check.fail "export: offset is of .npy with a scene: other files have their engine's"
+  end
+  if o.scene ~= nil and form.kind(o.scene) ~= "scene" then
+    return check.bad(2, "export", "scene: a scene expected, got %s", check.describe(o.scene))
+  end
+  if o.scene ~= nil and (o.points or o.dering) then
+    return check.fail("export: with a scene, places are those of its surfaces, and probes are fitted as they are read: leave "
+      .. (o.points and "points" or "dering") .. " out")
+  end
+  return o
+end
+
+--- Numbers of a lattice that are sampled at its middles, [n][channels][numbers], and validity. Or nil, message, code.
+local function sampled(g, kind, lmax, at)
+  local positions = engine.middles(at)
+  local c, message, code = g:sample(positions)
+  if not c then return nil, message, code end
+  return array.array(exported(kind, sh.resize(c, lmax)), "float"), validity_of(g, positions)
+end
+
+--- Sampled numbers: error(cells), made(cells) -> { grids: { lattice, probes, validity }, dering, error }.
+local function sampler(g, kind, lmax, o)
+  local points = o.points and array.points(2, "export", o.points, "float") or held_out(g)
+  if #points == 0 then return check.bad(2, "export", "points: at least one expected") end
+  local judge = judge_of(g, kind, lmax, points)
+  local function error(cells) return error_of(g, judge, cells) end
+  local function made(cells)
+    local at, m = lattice(g, cells), {}
+    local positions = engine.middles(at)
+    local c, message, code = g:sample(positions)
+    if not c then return nil, message, code end
+    c = sh.resize(c, lmax)
+    if o.dering then
+      c, m.dering = sh.dering(c)
+      if m.dering.width then
+        m.error, message, code = error_of(g, judge, cells, m.dering.width)
+        if not m.error then return nil, message, code end
+      end
+    end
+    m.grids = { { lattice = at, probes = exported(kind, c), validity = validity_of(g, positions) } }
+    return m
+  end
+  return error, made
+end
+
+--- A grid as the light of ylm.grid.places.
+local function light_of(g, scene)
+  return { bounds = g.bounds,
+    open = function(points)
+      local _, _, report, flags = g:sample(points, { flags = true })
+      if not flags then return nil, report, flags end
+      return flags:less(BURIED)
+    end,
+    irradiance = function(points, normals)
+      local E, message, code = g:irradiance(points, normals, { scene = g.sides and scene or nil })
+      if not E then return nil, message, code end
+      return E
+    end }
+end
+
+--- error and made, of numbers that are fitted to the surfaces of a scene; made(cells).judged.
+local function fitter(g, kind, lmax, o)
+  local made = fitted.maker { lo = g.bounds[1], hi = g.bounds[2], threads = o.threads or 0,
+    most = o.grids or kind == "three" and MOST_GRIDS or 1,
+    reader = kind == "cube" and engine.cube or engine.coefficients(lmax, kind == "three" and 0.5 or o.offset or 0),
+    rounded = (kind ~= "npy" or o.dtype == "float16") and fitted.halved or function(probes) return probes end,
+    sample = function(at) return sampled(g, kind, lmax, at) end,
+    places = function(n, seed) return places.draw("export", light_of(g, o.scene), o.scene, n, seed) end }
+  return function(cells)
+    local m, message, code = made(cells)
+    if not m then return nil, message, code end
+    return m.judged.error
+  end, made
+end
+
+--- Writes numbers of probes; the bytes, or nil, message, code.
+local function write(path, kind, m, dtype)
+  if kind == "npy" then
+    local c, cells = m.grids[1].probes, m.grids[1].lattice.cells
+    local shape = { cells[3], cells[2], cells[1], c.shape[2], c.shape[3] }
+    local ok, message, code = array.array(c, dtype):reshape(shape):save(path)
+    if not ok then return nil, message, code end
+    return c.shape[1] * c.shape[2] * c.shape[3] * (dtype == "float16" and 2 or 4)
+  end
+  local bytes = kind == "cube" and files.cubes(m.grids[1]) or files.three(m.grids)
+  local ok, message, code = core.file_save(path, bytes)
+  if not ok then return nil, message, code end
+  return #bytes
+end
+
+--- The report's lattices: { bounds, cells } of each, and the sum of their probes.
+local function lattices_of(m)
+  local grids, probes = {}, 0
+  for k, grid in ipairs(m.grids) do
+    local l = grid.lattice
+    grids[k] = { bounds = { l.lo, l.hi }, cells = l.cells }
+    probes = probes + l.cells[1] * l.cells[2] * l.cells[3]
+  end
+  return grids, probes
+end
+
+function methods.export(g, path, given)
+  open(g, "export")
+  local kind = kind_of(path)
+  local o = options_of(kind, given)
   local lmax = kind == "cube" and g.lmax or o.lmax or LMAX
   local good, message, code = core.file_probe(path)
   if not good then return nil, message, code end
-  local points = o.points and array.points(2, "export", o.points, "float") or held_out(g)
-  if #points == 0 then return check.bad(2, "export", "points: at least one expected") end
-  local judge, tolerance = judge_of(g, kind, lmax, points), o.tolerance or TOLERANCE
-  local cells, found = o.cells
-  local function too_large(picked) return o.bytes and bytes_of(kind, picked, g, o) > o.bytes end
+  local error, make = (o.scene ~= nil and fitter or sampler)(g, kind, lmax, o)
+  local cells, tolerance = o.cells, o.tolerance or TOLERANCE
+  local function foreseen(picked) return bytes_of(kind, picked, g, o) end
+  --- The bytes of the lattices that cells become.
+  local function size(picked)
+    if o.scene == nil then return foreseen(picked) end
+    local m, why, failed = make(picked)
+    if not m then return nil, why, failed end
+    local sum = 0
+    for _, grid in ipairs(m.grids) do sum = sum + foreseen(grid.lattice.cells) end
+    return sum
+  end
+  local function too_large(picked) return o.bytes and (size(picked) or 0) > o.bytes end
   local least = cells or cells_of(g, 2)
   if too_large(least) then
     return nil, ("export: %d x %d x %d cells take %.0f bytes, and bytes = %.0f: give more"):format(least[1], least[2], least[3],
-      bytes_of(kind, least, g, o), o.bytes), "ELIMIT"
+      size(least), o.bytes), "ELIMIT"
   end
+  if cells and too_many(cells) then
+    return check.bad(2, "export", "cells: at most %d probes, got %d x %d x %d", MOST_PROBES, cells[1], cells[2], cells[3])
+  end
+  if not cells and o.bytes and not o.tolerance then
+    cells, message, code = finest(g, size, foreseen, o.bytes)
+    if not cells then return nil, message, code end
+  end
+  local found
   if cells then
-    if too_many(cells) then
-      return check.bad(2, "export", "cells: at most %d probes, got %d x %d x %d", MOST_PROBES, cells[1], cells[2], cells[3])
-    end
-    found, message, code = error_of(g, judge, cells)
+    found, message, code = error(cells)
     if not found then return nil, message, code end
   else
-    cells, found, code = choose(g, judge, tolerance, too_large)
+    cells, found, code = choose(g, error, tolerance, too_large)
     if not cells then return nil, found, code end
   end
-  local positions = middles(g, cells)
-  local c, validity = sh.resize(g:sample(positions), lmax), validity_of(g, positions)
-  local report = { cells = cells, probes = #positions, error = found, validity = validity }
-  if o.dering then
-    c, report.dering = sh.dering(c)
-    if report.dering.width then
-      found, message, code = error_of(g, judge, cells, report.dering.width)
-      if not found then return nil, message, code end
-      report.error = found
-    end
-  end
-  if not o.cells then
-    report.met = found <= tolerance
+  local m
+  m, message, code = make(cells)
+  if not m then return nil, message, code end
+  local report = { cells = cells, error = m.error or found, validity = m.grids[1].validity, dering = m.dering,
+    surfaces = m.judged }
+  report.grids, report.probes = lattices_of(m)
+  if not o.cells and (o.tolerance or not o.bytes) then
+    report.met = report.error <= tolerance
     local sentence = not report.met and unmet_by(report, tolerance, o)
     if sentence and not o.anyway then return nil, sentence .. ", or anyway = true to write it; nothing was written", "ELIMIT" end
     report.warning = sentence and warning.say(g, "export", "%s", sentence) or nil
   end
-  local ok
-  if kind == "npy" then
-    local shape = { cells[3], cells[2], cells[1], c.shape[2], c.shape[3] }
-    ok, message, code = array.array(c, o.dtype):reshape(shape):save(path)
-    report.bytes = report.probes * c.shape[2] * c.shape[3] * (o.dtype == "float16" and 2 or 4)
-  else
-    local bytes = (kind == "cube" and cubes or atlas)(g, cells, c, validity)
-    report.bytes = #bytes
-    ok, message, code = core.file_save(path, bytes)
-  end
-  if not ok then return nil, message, code end
+  report.bytes, message, code = write(path, kind, m, o.dtype)
+  if not report.bytes then return nil, message, code end
   return report
 end

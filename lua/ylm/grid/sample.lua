@@ -5,6 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local devices = require "ylm.device"
+local engine = require "ylm.grid.engine"
 local field = require "ylm.field"
 local form = require "ylm.form"
 local grid_object = require "ylm.grid.object"
@@ -92,6 +93,43 @@ function methods.sample(g, points, given)
   if not ok then return nil, message, code end
   local shape = { p.shape[1], g.channels, (g.lmax + 1) ^ 2 }
   return device:sample(g, p, o, { shape, o.derivatives > 0 and { shape[1], shape[2], shape[3], 3 } or nil }, single)
+end
+
+local irradiance_options = {
+  { "scene", "any", optional = true, about = "of a grid with sides, as of grid:sample: a ray from each point finds its side" },
+  form.threads, form.progress,
+}
+
+describe "grid:irradiance" {
+  shelf = "everyday",
+  about = "The irradiance of surfaces by the grid's light, as pictures take it from there. Below 0 it is 0.",
+  arguments = {
+    { "points", "array|table", "[n][3], on surfaces, scene units" },
+    { "normals", "array|table", "[n][3], of any length but 0, to the side that is seen" },
+    { "options?", "table", "see the options" },
+  },
+  options = irradiance_options,
+  returns = { { "E", "array", "float [n][channels], W m^-2" }, { "report", "table", "as of grid:sample" } },
+  errors = "raises on bad arguments; nil, 'cancelled', 'ECANCELLED' where progress returns false",
+  example = [[
+local lamp = ylm.sphere_light { at = { 0, 2, 0 }, radius = 0.1, radiance = 10 }
+local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, lmax = 4 }, lamp)
+local E = grid:irradiance({ { 0, 0, 0 } }, { { 0, 1, 0 } })
+assert(math.abs(E:get(1, 1) / (10 * math.pi * 0.1 ^ 2 / 2 ^ 2) - 1) < 0.05)]],
+  source = "Ramamoorthi & Hanrahan 2001, Eqs. 11-13",
+}
+function methods.irradiance(g, points, normals, given)
+  open(g, "irradiance")
+  local o = form.options(3, "irradiance", irradiance_options, given)
+  local p = array.rows(1, "irradiance", "points", points, 3)
+  local n = array.rows(2, "irradiance", "normals", normals, 3)
+  if #p ~= #n then return check.bad(2, "irradiance", "normals: one for each of %d points expected, got %d", #p, #n) end
+  local c, report, code
+  c, report, code = g:sample(p, { normals = g.sides and n or nil, scene = g.sides and o.scene or nil, threads = o.threads,
+    progress = o.progress })
+  if not c then return nil, report, code end
+  local basis = engine.coefficients(g.lmax, 0).basis(n)
+  return (c * basis:reshape { #p, 1, basis.shape[2] }):sum(3):clamp(0), code
 end
 
 describe "grid:to" {

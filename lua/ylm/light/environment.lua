@@ -193,9 +193,11 @@ environment.environment_light = form.define("environment_light", {
     { "lmax", "integer", min = 0, max = LMAX, optional = true,
       about = "of the coefficients of an image or a sky, default 20; fields of higher degree are refused" },
     { "scale", "number", default = 1, about = "multiplies everything" },
+    pack.photometric,
   },
   build = build,
   light = {
+    photometric = true,
     kind = function(l) return not l.seen and "environment" or nil end,
     record = function(l, out)
       for _, r in ipairs(l.records) do append(out, r) end

@@ -19,6 +19,7 @@ return {
   { "ylm.light.environment", "environment_light" },
   { "ylm.light.sun", "sun_light" },
   { "ylm.light.spot", "spot_light" },
+  { "ylm.light.photometric", "photometric_light" },
   { "ylm.light.sampled", "sampled_light" },
   { "ylm.light.virtual", "virtual_lights" },
 }

@@ -74,6 +74,40 @@ function pack.moved(value, changes, without, name)
   return definition.construct(given)
 end
 
+-- Units ---------------------------------------------------------------------------------------
+
+--- The field of lights whose numbers may be photometric.
+pack.photometric = { "photometric", "boolean", optional = true,
+  about = "true: its numbers are cd/m^2, cd or lx, as those of photometric lamps, which stand in no scene with watts" }
+
+--- The unit of a light of a form: "lm" or "W"; nil: it goes with either.
+local function unit_of(value, light)
+  local photometric = light.photometric
+  if photometric == nil or value.of_file then return nil end
+  if type(photometric) == "function" then return photometric(value) and "lm" or "W" end
+  return value.photometric and "lm" or "W"
+end
+
+--- Notes the unit of light `number` of a list in `first`, a table by unit; a sentence where two meet.
+local function mixed(first, number, value, light)
+  local unit = unit_of(value, light)
+  if not unit then return nil end
+  first[unit] = first[unit] or number
+  if not (first.lm and first.W) then return nil end
+  return ("light %d is photometric (lm, cd), light %d is in watts: a scene has one of the two. Give the other photometric = true "
+    .. "where its numbers are cd/m^2, cd or lx, or lamps efficacy = lm/W"):format(first.lm, first.W)
+end
+
+--- The sentence about a flat list in which both units meet; nil where one is.
+function pack.mixed(list)
+  local first = {}
+  for i, value in ipairs(list) do
+    local light = pack.form_of(value)
+    local message = light and mixed(first, i, value, light)
+    if message then return message end
+  end
+end
+
 --- Ends a run of records, which becomes a source of lights_create.
 local function flush(sources, run)
   if #run == 0 then return end
@@ -106,6 +140,11 @@ local function gather(n, name, value, sources, run, depth)
   local kind = form.kind(value)
   local light = type(value) == "table" and kind and form.defined[kind].light
   local records = light and light.record and kind_of(light, value)
+  if light then
+    run.lights = run.lights + 1
+    local message = mixed(run.units, run.lights, value, light)
+    if message then return check.bad(n, name, "%s", message) end
+  end
   if records then
     if run.kind ~= records then flush(sources, run) end
     run.kind = records
@@ -151,7 +190,7 @@ end
 --- Argument `n` of `name` as one object with a light field, "ylm.lights": a light, a list of them (nested fine), or a packed
 -- object. An empty list is darkness. A single object with a light field of its own comes back as it is.
 function pack.pack(n, name, lights)
-  local sources, run = {}, {}
+  local sources, run = {}, { lights = 0, units = {} }
   gather(n, name, lights, sources, run, 0)
   flush(sources, run)
   if #sources == 1 and type(sources[1]) == "userdata" then return sources[1] end

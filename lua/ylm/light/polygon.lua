@@ -44,6 +44,7 @@ end
 
 --- How polygons and disks become records of csrc/light/flat/kind.c, disks with spread of lobe.c.
 local as_light = {
+  photometric = true,
   kind = function(l)
     if (l.spread or 0) > 0 then return "lobe" end
     return l.method == "exact" and "polygon" or "polygon_as_sphere"
@@ -75,6 +76,7 @@ polygon.polygon_light = form.define("polygon_light", {
     { "horizon", "vector", optional = true,
       about = "cut off what lies below the plane across it through each shading point, in light fields and for rays "
         .. "(pictures show the whole)" },
+    pack.photometric,
   },
   build = function(values, fail)
     local vertices = points_of(values.vertices)
@@ -114,6 +116,7 @@ polygon.disk_light = form.define("disk_light", {
     { "method", "choice", of = { "exact", "sphere" }, default = "exact",
       about = "exact: integrals along the rim, to 1e-12 (no closed form off the axis); sphere: as of polygon_light" },
     { "horizon", "vector", optional = true, about = "as of polygon_light" },
+    pack.photometric,
   },
   build = function(values, fail)
     if values.spread > 0 and values.method ~= "exact" then

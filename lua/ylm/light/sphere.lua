@@ -4,6 +4,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local numbers = require "ylm.light.numbers"
+local pack = require "ylm.light.pack"
 
 local sphere = {}
 
@@ -18,6 +19,7 @@ sphere.sphere_light = form.define("sphere_light", {
       about = "a radius of 0 emits nothing" },
     { "radiance", "colour", default = 1, unit = "W sr^-1 m^-2",
       about = "number or {r, g, b}, linear Rec. 709; may be negative" },
+    pack.photometric,
   },
   build = function(values, fail)
     for i = 1, 3 do
@@ -29,6 +31,7 @@ sphere.sphere_light = form.define("sphere_light", {
   end,
   light = {
     kind = "sphere",
+    photometric = true,
     record = function(l, out)
       local n, c, at = #out, l.radiance, l.at
       out[n + 1], out[n + 2], out[n + 3], out[n + 4], out[n + 5], out[n + 6], out[n + 7] =
@@ -59,7 +62,7 @@ local function build_lights(values, fail)
     if core.status(code) == "caller" then return fail(message) end
     return nil, message, code
   end
-  return setmetatable({ lights = packed, count = n }, form.defined.sphere_lights.metatable)
+  return setmetatable({ lights = packed, count = n, photometric = values.photometric }, form.defined.sphere_lights.metatable)
 end
 
 --- The lights of arrays as rows.
@@ -80,9 +83,11 @@ sphere.sphere_lights = form.define("sphere_lights", {
     { "radius", "any", default = 0.1, unit = "scene units", about = "[n] numbers, or one for all; 0 emits nothing" },
     { "radiance", "any", default = 1, unit = "W sr^-1 m^-2",
       about = "[n][3] linear Rec. 709 or [n], or a number or {r, g, b} for all; may be negative" },
+    pack.photometric,
   },
   build = build_lights,
   light = {
+    photometric = true,
     rows = function(l) return l.count end,
     row = "sphere_light",
     join = function(rows)

@@ -17,10 +17,12 @@ spot.spot_light = form.define("spot_light", {
       about = "the part of the angle, from its rim, over which light fades, as a smooth step of the cosine" },
     { "intensity", "colour", default = 1, unit = "W sr^-1",
       about = "within the cone: number or {r, g, b}, linear Rec. 709" },
+    pack.photometric,
   },
   build = pack.build "spot_light",
   light = {
     kind = "spot",
+    photometric = true,
     record = function(l, out)
       pack.append(out, l.intensity, l.at)
       for i = 1, 3 do out[#out + 1] = l.to[i] - l.at[i] end

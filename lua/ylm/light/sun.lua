@@ -13,10 +13,12 @@ sun.sun_light = form.define("sun_light", {
     { "angle", "number", min = 0.001, max = 180, default = 0.53, unit = "degrees", about = "across the disc" },
     { "irradiance", "colour", default = 1, unit = "W m^-2",
       about = "on a surface that faces it: number or {r, g, b}, linear Rec. 709; may be negative" },
+    pack.photometric,
   },
   build = pack.build "sun_light",
   light = {
     kind = "sun",
+    photometric = true,
     record = function(l, out)
       pack.append(out, l.irradiance, l.direction)
       out[#out + 1] = l.angle

@@ -4,6 +4,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local memory = require "ylm.memory"
+local pack = require "ylm.light.pack"
 
 local textured = {}
 
@@ -77,7 +78,6 @@ local function frame_of(values, fail)
 end
 
 textured.textured_light = form.define("textured_light", {
-  shelf = "everyday",
   numbers = 256,
   about = "A parallelogram with an image, which it emits to both sides. Spherical harmonics sum its parts, groups of "
     .. "similar texels (a quadtree); pictures and rays see the image. It has count, the number of parts.",
@@ -99,6 +99,7 @@ textured.textured_light = form.define("textured_light", {
       about = "exact: each part's integrals along its edges; spheres: for each part a sphere of its area times "
       .. "|cos gamma|, 4 to 14 times faster, off by 20 % one width of a part away, by 1 % four widths away" },
     { "horizon", "vector", optional = true, about = "as of polygon_light" },
+    pack.photometric,
   },
   build = function(values, fail)
     local frame = frame_of(values, fail)
@@ -110,7 +111,8 @@ textured.textured_light = form.define("textured_light", {
     end
     if not core.array_finite(layer) then return fail "image must be finite" end
     local t = { corner = values.corner, u = values.u, v = values.v, scale = values.scale, tolerance = values.tolerance,
-      largest = values.largest, method = values.method, horizon = values.horizon, frame = frame }
+      largest = values.largest, method = values.method, horizon = values.horizon, frame = frame,
+      photometric = values.photometric }
     t.texels, message, code = core.texture_texels(layer)
     if not t.texels then return nil, message, code end
     t.lights, message, code = core.lights_textured(t.texels, frame, t.scale, t.tolerance, t.largest, t.method == "exact",
@@ -122,7 +124,7 @@ textured.textured_light = form.define("textured_light", {
     t.count = message
     return setmetatable(t, form.defined.textured_light.metatable)
   end,
-  light = { moved = false },
+  light = { moved = false, photometric = true },
   metatable = { __tostring = function(t)
     return ("textured_light of %dx%d texels in %d parts"):format(t.texels.shape[2], t.texels.shape[1], t.count)
   end },

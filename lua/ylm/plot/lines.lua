@@ -79,6 +79,21 @@ end
 
 local function dash_of(s) return s.dash ~= "solid" and s.dash or nil end
 
+--- Marks of words by their upper left corners { text, x, y, size, bold, colour }, behind others in the list.
+function lines.with_words(list, words, measure)
+  for _, word in ipairs(words) do
+    local _, h = measure(word.text, word.size, word.bold)
+    list[#list + 1] = { text = word.text, x = word.x, y = word.y + ASCENT * h, size = word.size, bold = word.bold,
+      colour = word.colour }
+  end
+  return list
+end
+
+--- The area of a picture of `width` x `height` pixels.
+function lines.background(colour, width, height)
+  return { points = { 0, 0, width, 0, width, height, 0, height }, fill = true, colour = colour }
+end
+
 -- The plot -------------------------------------------------------------------------------
 
 --- The legend of the series `named` in the corner of a box that the chart names.
@@ -121,7 +136,7 @@ function lines.of(chart, words, width, height, measure)
     local w, h = measure(text, font)
     put { text = text, x = x - align * w, y = y - rise * h + ASCENT * h, size = font, colour = fg }
   end
-  put { points = { 0, 0, width, 0, width, height, 0, height }, fill = true, colour = bg }
+  put(lines.background(bg, width, height))
   for i, value in ipairs(chart.x.ticks) do
     local x = at(chart.x, value)
     put { points = { x, top, x, bottom }, colour = faint, width = 1 }
@@ -153,11 +168,7 @@ function lines.of(chart, words, width, height, measure)
     if s.label and s.label ~= "" then named[#named + 1] = s end
   end
   if chart.legend ~= "none" and #named > 0 then put_legend(put, label, measure, chart, named, box) end
-  for _, word in ipairs(words) do
-    local _, h = measure(word.text, word.size, word.bold)
-    put { text = word.text, x = word.x, y = word.y + ASCENT * h, size = word.size, bold = word.bold, colour = word.colour }
-  end
-  return list
+  return lines.with_words(list, words, measure)
 end
 
 -- SVG --------------------------------------------------------------------------------------

@@ -167,6 +167,11 @@ local scene = ylm.scene "a room" {
 }
 ]]
 
+--- A coarse one, in a third of the time.
+local coarse = room .. [[
+local light = scene:surface_grid { tolerance = 0.5, judge = "field", rays = 16, links = scene:links { spacing = 0.5, rays = 64 } }
+]]
+
 describe "scene:surface_grid" {
   shelf = "everyday",
   about = "Finds the irradiance on the scene's surfaces to a tolerance, and keeps it in few numbers: rectangles that are halved "
@@ -209,8 +214,7 @@ describe "surface_grid:irradiance" {
   returns = { { "E", "array", "float [n][3], W m^-2, at least 0" }, { "numbers", "array", "float [n], the rectangles that they "
     .. "lie on, from 1; 0: none" } },
   errors = "raises on other shapes, and where a point lies on no surface; nil, message, code where memory runs out",
-  example = room .. [[
-local light = scene:surface_grid { tolerance = 0.2 }
+  example = coarse .. [[
 assert(light:irradiance({ { 0, 1, 0 } }, { { 0, -1, 0 } }):get(1, 1) > 0)]],
 }
 function methods.irradiance(g, points, normals)
@@ -239,8 +243,7 @@ describe "surface_grid:update" {
   returns = { { "report", "table", "light.stats of the new light" } },
   errors = "raises on bad arguments and where the scene has other meshes now; nil, message, code: memory, cancelled; the grid is "
     .. "then as it was",
-  example = room .. [[
-local light = scene:surface_grid { tolerance = 0.2, judge = "field" }
+  example = coarse .. [[
 local before = light:irradiance({ { 0, -1, 0 } }, { { 0, 1, 0 } }):get(1, 1)
 local report = light:update(ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.1, radiance = 20 })
 local after = light:irradiance({ { 0, -1, 0 } }, { { 0, 1, 0 } }):get(1, 1)
@@ -278,8 +281,7 @@ describe "surface_grid:rectangles" {
   returns = { { "corners", "array", "float [n][4][3], relative to the scene's origin: (0, 0), (1, 0), (0, 1), (1, 1)" },
     { "irradiance", "array", "float [n][4][3], W m^-2, at these; between them it is bilinear" } },
   errors = "raises on what is no surface grid; nil, message, code where memory runs out",
-  example = room .. [[
-local light = scene:surface_grid { tolerance = 0.2 }
+  example = coarse .. [[
 assert(light:rectangles().shape[1] == light.stats.rectangles)]],
 }
 function methods.rectangles(g)
@@ -292,8 +294,8 @@ describe "surface_grid:save" {
   arguments = { { "path", "string", "the file, by custom NAME.surfaces" } },
   returns = { { "ok", "boolean", "true, or nil, message, 'EIO'" } },
   errors = "raises on what is no file name; nil, message, code: files, memory",
-  example = room .. [[
-local light, name = scene:surface_grid { tolerance = 0.2 }, os.tmpname()
+  example = coarse .. [[
+local name = os.tmpname()
 assert(light:save(name))
 assert(scene:surface_grid({ file = name }).stats.corners == light.stats.corners)
 os.remove(name)]],
@@ -311,7 +313,7 @@ describe "surface_grid:close" {
   arguments = {},
   returns = {},
   errors = "raises on what is no surface grid",
-  example = room .. "scene:surface_grid({ tolerance = 0.5 }):close()",
+  example = coarse .. "light:close()",
 }
 function methods.close(g)
   if core.type(g) ~= "ylm.surface_grid" then

@@ -12,6 +12,7 @@ local gltf_write = require "ylm.gltf.write"
 local library = require "ylm.library"
 local like = require "ylm.scene.like"
 local memory = require "ylm.memory"
+local pack = require "ylm.light.pack"
 local polygon = require "ylm.light.polygon"
 local sandbox = require "ylm.sandbox"
 local text = require "ylm.text"
@@ -111,6 +112,7 @@ local function add_emitter(list, part)
     for i = 1, 3 do size = math.max(size, math.abs(u[i]), math.abs(v[i])) end
     if vector.length(vector.cross(u, v)) > 2e-12 * size * size then -- polygons of less are refused
       list[#list + 1] = polygon.polygon_light { vertices = { a, b, c }, radiance = part.emission }
+      list[#list].of_file = true
     end
   end
 end
@@ -203,7 +205,7 @@ end
 
 --- The methods are those of lua/ylm/render/init.lua, loaded when one is first called.
 local methods = {}
-for _, name in ipairs { "bake", "surface_grid", "prepare", "render", "pathtrace", "probe" } do
+for _, name in ipairs { "bake", "surface_grid", "prepare", "render", "pathtrace", "probe", "judge" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
 function methods.live(...) return library.later["ylm.live"](...) end
@@ -283,6 +285,8 @@ local construct = form.define("scene", {
       values[field] = parts
     end
     add_files(values, files)
+    message = pack.mixed(values.lights)
+    if message then return fail(message) end
     values.like, values.moved, values.removed, values.added = nil, nil, nil, nil
     values.sky_is_seen = values.background == nil
     values.link_options, values.links = values.links, nil -- the method has that name

@@ -169,6 +169,12 @@ return {
       return g:update(small(ylm))
     end, says = "a dynamic grid follows sphere lights and flat lights" },
   },
+  ["grid:irradiance"] = {
+    { call = function(ylm) return small(ylm):irradiance({ { 0, 0 } }, { { 0, 1, 0 } }) end, says = "rows of 3 numbers expected" },
+    { call = function(ylm) return small(ylm):irradiance({ { 0, 0, 0 } }, {}) end, says = "one for each of 1 points expected" },
+    { call = function(ylm) return small(ylm):irradiance({ { 0, 0, 0 } }, { { 0, 1, 0 } }, { thread = 1 }) end,
+      says = "did you mean 'threads'" },
+  },
   ["grid:sample"] = {
     { call = sample(), says = "points: a table of numbers or an array expected, got nil" },
     { call = sample { { 1, 2 } }, says = "rows of 3 numbers expected" },

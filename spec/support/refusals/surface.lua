@@ -7,7 +7,7 @@ local function scene(ylm)
     lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1 } }
 end
 
-local made -- one serves all cases that leave it open
+local made, shut -- one serves all cases that leave it open, one those of a closed one
 
 local function fresh(ylm)
   local s = scene(ylm)
@@ -25,9 +25,11 @@ end
 
 local function closed(name)
   return { call = function(ylm)
-    local g = fresh(ylm)
-    g:close()
-    return g[name](g)
+    if not shut then
+      shut = fresh(ylm)
+      shut:close()
+    end
+    return shut[name](shut)
   end, says = name .. ": the surface grid has been closed" }
 end
 

@@ -23,9 +23,10 @@ end
 
 --- The Luas that run a spec.
 local function luas_of(name)
-  if which == "luas" then return once.one[name] and not of_luas[name] and {} or luas end
+  if which == "luas" then return (once.one[name] or once.last[name]) and not of_luas[name] and {} or luas end
   if which == "long" then return luas end
   if once.one[name] then return { luas[1] } end
+  if once.last[name] then return { luas[#luas] } end
   if once.two[name] then return { luas[1], luas[2] and luas[#luas] } end
   return luas
 end

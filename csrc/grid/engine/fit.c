@@ -1,0 +1,243 @@
+/*
+** fit.c - numbers at the middles of equal cells, by least squares to what an engine reads at places of surfaces.
+**
+** Each channel is solved alone, by conjugate gradients with a diagonal preconditioner. A place that is wanted dark and is read below
+** 0 has no error, since engines show nothing below 0; which places these are is found anew in each round.
+*/
+#include <math.h>
+#include <string.h>
+
+#include "../grid.h"
+
+#define ROUNDS 4
+#define STEPS 80
+#define QUICK_STEPS 25 /* in one round */
+#define SMALL 1e-7     /* of what the preconditioned gradient was */
+#define DARK 1e-6      /* of the mean: wanted below it is dark */
+
+/* The eight middles around a place. */
+typedef struct around {
+  uint32_t probe[8];
+  float weight[8];
+} around;
+
+typedef struct fit {
+  const ylm_grid_fit *f;
+  size_t probes, unknowns;
+  around *place;
+  double mean[3];
+} fit;
+
+/* -- how an engine reads ------------------------------------------------------------------------- */
+
+static around find(const uint32_t cells[3], const double at[3]) {
+  uint32_t low[3];
+  double part[3];
+  around p;
+  for (int a = 0; a < 3; a++) {
+    double most = (double)(cells[a] - 1), x = fmin(fmax(at[a] - 0.5, 0), most);
+    double floor_x = fmin(floor(x), most > 1 ? most - 1 : 0);
+    low[a] = (uint32_t)floor_x;
+    part[a] = x - floor_x;
+  }
+  for (uint32_t k = 0; k < 8; k++) {
+    size_t probe = 0, stride = 1;
+    double w = 1;
+    for (int a = 0; a < 3; a++) {
+      uint32_t up = k >> a & 1, i = low[a] + up;
+      w *= up ? part[a] : 1 - part[a];
+      probe += stride * (i < cells[a] ? i : cells[a] - 1);
+      stride *= cells[a];
+    }
+    p.probe[k] = (uint32_t)probe;
+    p.weight[k] = (float)w;
+  }
+  return p;
+}
+
+/* The irradiance that is read at a place of numbers x [probes][numbers]. */
+static double look(const fit *t, size_t i, const double *x) {
+  size_t n = (size_t)t->f->numbers;
+  const float *basis = t->f->basis + i * n;
+  const around *p = &t->place[i];
+  double sum = 0;
+  for (int k = 0; k < 8; k++) {
+    const double *v = x + n * p->probe[k];
+    double s = 0;
+    for (size_t j = 0; j < n; j++) s += (double)basis[j] * v[j];
+    sum += (double)p->weight[k] * s;
+  }
+  return sum;
+}
+
+/* Adds y times the row of a place. */
+static void put(const fit *t, size_t i, double y, double *x) {
+  size_t n = (size_t)t->f->numbers;
+  const float *basis = t->f->basis + i * n;
+  const around *p = &t->place[i];
+  for (int k = 0; k < 8; k++) {
+    double w = y * (double)p->weight[k], *v = x + n * p->probe[k];
+    if (w == 0) continue;
+    for (size_t j = 0; j < n; j++) v[j] += w * (double)basis[j];
+  }
+}
+
+/* -- a channel ----------------------------------------------------------------------------------- */
+
+typedef struct channel {
+  const fit *t;
+  int c;
+  double *x, *begin, *weight; /* [unknowns], [unknowns], [places] */
+  double *g, *z, *d, *q, *p;
+} channel;
+
+static double held(const fit *t, size_t i) {
+  size_t n = (size_t)t->f->numbers;
+  return (double)t->f->hold[i / n] * (double)t->f->norm[i % n];
+}
+
+/* Weights of places: 0 where one is wanted dark and read so. True: some are other than before. */
+static bool weigh(channel *h) {
+  const fit *t = h->t;
+  int channels = t->f->channels;
+  bool changed = false;
+  for (size_t i = 0; i < t->f->places; i++) {
+    double wanted = (double)t->f->wanted[i * (size_t)channels + (size_t)h->c];
+    bool dark = wanted <= DARK * t->mean[h->c] && look(t, i, h->x) <= wanted;
+    double weight = dark ? 0 : (double)t->f->weight[i];
+    changed |= weight != h->weight[i];
+    h->weight[i] = weight;
+  }
+  return changed;
+}
+
+/* out = the rows' transpose times weights times rows of d, and what holds probes. */
+static void apply(const channel *h, const double *d, double *out) {
+  const fit *t = h->t;
+  for (size_t i = 0; i < t->unknowns; i++) out[i] = held(t, i) * d[i];
+  for (size_t i = 0; i < t->f->places; i++)
+    if (h->weight[i] > 0) put(t, i, h->weight[i] * look(t, i, d), out);
+}
+
+/* The gradient's opposite at x. */
+static void descend(const channel *h) {
+  const fit *t = h->t;
+  size_t channels = (size_t)t->f->channels;
+  for (size_t i = 0; i < t->unknowns; i++) h->g[i] = held(t, i) * (h->begin[i] - h->x[i]);
+  for (size_t i = 0; i < t->f->places; i++)
+    if (h->weight[i] > 0)
+      put(t, i,
+          h->weight[i] * ((double)t->f->wanted[i * channels + (size_t)h->c] - look(t, i, h->x)),
+          h->g);
+}
+
+static void precondition(const channel *h) {
+  const fit *t = h->t;
+  size_t n = (size_t)t->f->numbers;
+  for (size_t i = 0; i < t->unknowns; i++) h->p[i] = held(t, i);
+  for (size_t i = 0; i < t->f->places; i++) {
+    const float *basis = t->f->basis + i * n;
+    const around *p = &t->place[i];
+    for (int k = 0; h->weight[i] > 0 && k < 8; k++)
+      for (size_t j = 0; j < n; j++) {
+        double w = (double)p->weight[k] * (double)basis[j];
+        h->p[n * p->probe[k] + j] += h->weight[i] * w * w;
+      }
+  }
+  for (size_t i = 0; i < t->unknowns; i++) h->p[i] = h->p[i] > 0 ? 1 / h->p[i] : 0;
+}
+
+static double dot(size_t n, const double *a, const double *b) {
+  double s = 0;
+  for (size_t i = 0; i < n; i++) s += a[i] * b[i];
+  return s;
+}
+
+static void descend_to_rest(channel *h) {
+  size_t n = h->t->unknowns;
+  precondition(h);
+  descend(h);
+  for (size_t i = 0; i < n; i++) h->d[i] = h->z[i] = h->p[i] * h->g[i];
+  double rz = dot(n, h->g, h->z), enough = SMALL * rz;
+  for (int step = 0; step < (h->t->f->quick ? QUICK_STEPS : STEPS) && rz > enough; step++) {
+    apply(h, h->d, h->q);
+    double dq = dot(n, h->d, h->q), before = rz;
+    if (!(dq > 0)) return;
+    double a = rz / dq;
+    for (size_t i = 0; i < n; i++) {
+      h->x[i] += a * h->d[i];
+      h->g[i] -= a * h->q[i];
+      h->z[i] = h->p[i] * h->g[i];
+    }
+    rz = dot(n, h->g, h->z);
+    for (size_t i = 0; i < n; i++) h->d[i] = h->z[i] + rz / before * h->d[i];
+  }
+}
+
+/* One channel of the probes, in place. */
+static ylm_status solve(void *context, size_t begin, size_t end, int worker) {
+  (void)end;
+  (void)worker;
+  const fit *t = context;
+  size_t n = t->unknowns, numbers = (size_t)t->f->numbers, channels = (size_t)t->f->channels;
+  double *room = ylm_alloc_zero(7 * n + t->f->places, sizeof *room);
+  if (!room) return YLM_ENOMEM;
+  channel h = {.t = t,
+               .c = (int)begin,
+               .x = room,
+               .begin = room + n,
+               .g = room + 2 * n,
+               .z = room + 3 * n,
+               .d = room + 4 * n,
+               .q = room + 5 * n,
+               .p = room + 6 * n,
+               .weight = room + 7 * n};
+  for (size_t i = 0; i < n; i++)
+    h.x[i] = h.begin[i] =
+        (double)t->f->probe[(i / numbers * channels + begin) * numbers + i % numbers];
+  for (int round = 0; round < (t->f->quick ? 1 : ROUNDS) && weigh(&h); round++) descend_to_rest(&h);
+  for (size_t i = 0; i < n; i++)
+    t->f->probe[(i / numbers * channels + begin) * numbers + i % numbers] = (float)h.x[i];
+  ylm_free(room);
+  return YLM_OK;
+}
+
+/* -- all of it ----------------------------------------------------------------------------------- */
+
+static ylm_status prepare(fit *t) {
+  const ylm_grid_fit *f = t->f;
+  t->probes = (size_t)f->cells[0] * f->cells[1] * f->cells[2];
+  t->unknowns = t->probes * (size_t)f->numbers;
+  t->place = ylm_alloc(f->places, sizeof *t->place);
+  if (!t->place) return YLM_ENOMEM;
+  for (size_t i = 0; i < f->places; i++) {
+    t->place[i] = find(f->cells, f->at[i]);
+    for (int c = 0; f->wanted && c < f->channels; c++)
+      t->mean[c] += (double)f->wanted[i * (size_t)f->channels + (size_t)c] / (double)f->places;
+  }
+  return YLM_OK;
+}
+
+ylm_status ylm_grid_fit_probes(const ylm_grid_fit *f) {
+  fit t = {.f = f};
+  ylm_status s = prepare(&t);
+  if (s == YLM_OK) s = ylm_parallel((size_t)f->channels, 1, f->threads, solve, &t, NULL, NULL);
+  ylm_free(t.place);
+  return s;
+}
+
+ylm_status ylm_grid_fit_look(const ylm_grid_fit *f, float *out) {
+  fit t = {.f = f};
+  size_t n = (size_t)f->numbers, channels = (size_t)f->channels;
+  ylm_status s = prepare(&t);
+  double *x = s == YLM_OK ? ylm_alloc(t.unknowns, sizeof *x) : NULL;
+  if (!x) s = YLM_ENOMEM;
+  for (size_t c = 0; s == YLM_OK && c < channels; c++) {
+    for (size_t i = 0; i < t.unknowns; i++)
+      x[i] = (double)f->probe[(i / n * channels + c) * n + i % n];
+    for (size_t i = 0; i < f->places; i++) out[i * channels + c] = (float)fmax(0, look(&t, i, x));
+  }
+  ylm_free(x);
+  ylm_free(t.place);
+  return s;
+}

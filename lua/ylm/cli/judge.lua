@@ -1,0 +1,44 @@
+--- ylm judge scene.lua room.three.json ...
+
+local report = require "ylm.cli.report"
+local status = require "ylm.cli.status"
+
+--- { { x, y, z }, { x, y, z } } of "x,y,z,x,y,z"; nil: none were given.
+local function bounds_of(text)
+  if text == nil then return nil end
+  local x = {}
+  for word in text:gmatch "[^,]+" do x[#x + 1] = tonumber(word) end
+  if #x ~= 6 then status.stop(status.usage, "judge: --bounds is six numbers, x,y,z,x,y,z, got '%s'", text) end
+  return { { x[1], x[2], x[3] }, { x[4], x[5], x[6] } }
+end
+
+return {
+  summary = "files of probes beside paths: the error at the surfaces of their scene",
+  usage = "SCENE.lua PROBES...   (.three.json, .ktx2, .npy, .ylm)",
+  least = 2,
+  options = {
+    { "quantity", nil, "NAME", "the light that they hold: indirect (default) or all" },
+    { "places", nil, "N", "of surfaces, default 1000" },
+    { "samples", "-n", "N", "paths from each, default 2048" },
+    { "bounds", nil, "BOX", "of .npy: x,y,z,x,y,z" },
+    { "offset", nil, "N", "of .npy: cells off the surface that its engine looks up" },
+    { "seed", nil, "N", "of places and paths" },
+    { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
+  },
+  run = function(given)
+    local ylm = require "ylm"
+    local scene = status.load_scene(given[1])
+    for k = 2, #given do
+      local path = given[k]
+      local what = path
+      if path:lower():find "%.ylm$" then what = status.need_kind("ylm.grid", "a grid", path, ylm.load(path)) end
+      local r = status.need(scene:judge(what, { quantity = given.quantity, places = given.places, samples = given.samples,
+        bounds = bounds_of(given.bounds), offset = given.offset, seed = given.seed, threads = given.threads,
+        progress = report.progress(given) }))
+      local at = r.worst.at
+      local results = { file = path, rms = r.rms, error = r.error, leak = r.leak, noise = r.noise, bytes = r.bytes,
+        worst = ("%.3g at %.3g, %.3g, %.3g"):format(r.worst.error, at[1], at[2], at[3]) }
+      report.print(given, results, report.names(results, { "file", "bytes", "rms", "error" }))
+    end
+  end,
+}

@@ -1,0 +1,71 @@
+--- Probes in three.js, in a browser: the irradiance that it reads, by the pixels of a white sphere.
+--
+-- YLM_NODE_MODULES=DIR names a folder with npm's `three` (0.187 or later); Chromium is needed too.
+
+local scratch = require "spec.support.scratch"
+
+local page = {}
+
+local modules = os.getenv "YLM_NODE_MODULES"
+
+page.radius = 0.02                                 -- of the sphere
+page.normals = { { 0, 0, 1 }, { 1, 0, 0 }, { 0, 1, 0 } }
+
+local function browser()
+  for _, name in ipairs { "chromium", "chromium-browser" } do
+    if scratch.shell("command -v " .. name .. " >/dev/null 2>&1") then return name end
+  end
+end
+
+function page.there() return modules ~= nil and browser() ~= nil end
+
+local PAGE = [[<!doctype html><body><script type="importmap">{"imports":{"three":"./three.module.js"}}</script>
+<script type="module">
+import * as THREE from 'three';
+import { LoadedProbes } from './loader.js';
+const file = %s;
+const renderer = new THREE.WebGLRenderer();
+const target = new THREE.WebGLRenderTarget( 9, 9, { type: THREE.FloatType } );
+const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera( 1, 1, 0.1, 10 );
+scene.add( ...( file.grids ?? [ file ] ).map( grid => new LoadedProbes( grid ) ) );
+const ball = new THREE.Mesh( new THREE.SphereGeometry( %g, 256, 128 ), new THREE.MeshLambertMaterial( { color: 0xffffff } ) );
+scene.add( ball );
+const out = [];
+for ( const p of [%s] ) for ( const n of [ [ 0, 0, 1 ], [ 1, 0, 0 ], [ 0, 1, 0.0001 ] ] ) {
+  ball.position.set( ...p );
+  camera.position.set( p[ 0 ] + n[ 0 ], p[ 1 ] + n[ 1 ], p[ 2 ] + n[ 2 ] );
+  camera.lookAt( ...p );
+  renderer.setRenderTarget( target );
+  renderer.render( scene, camera );
+  const pixel = new Float32Array( 4 );
+  renderer.readRenderTargetPixels( target, 4, 4, 1, 1, pixel );
+  out.push( Array.from( pixel.slice( 0, 3 ) ).join( ' ' ) );
+}
+const pre = document.createElement( 'pre' );
+pre.textContent = 'BEGIN ' + out.join( ',' ) + ' END';
+document.body.append( pre );
+</script></body>]]
+
+--- Irradiance over pi, three numbers for each place and each of page.normals, at the sphere's surface; `text` is the file.
+function page.irradiance(folder, text, places)
+  for _, name in ipairs { "three.module.js", "three.core.js" } do
+    assert(scratch.shell(("cp %s/three/build/%s %s/"):format(scratch.quote(modules), name, scratch.quote(folder.path))))
+  end
+  folder:write("loader.js", scratch.text "package/three/index.js")
+  local list = {}
+  for i, p in ipairs(places) do list[i] = ("[%.9g,%.9g,%.9g]"):format(p[1], p[2], p[3]) end
+  local name = folder:write("page.html", PAGE:format(text, page.radius, table.concat(list, ",")))
+  local dom = scratch.capture(("timeout 120 %s --headless --no-sandbox --disable-gpu-sandbox --use-angle=swiftshader "
+    .. "--enable-unsafe-swiftshader --allow-file-access-from-files --virtual-time-budget=20000 --user-data-dir=%s/profile "
+    .. "--dump-dom file://%s 2>/dev/null"):format(browser(), scratch.quote(folder.path), name))
+  local pixels, rows = dom:match "<pre>BEGIN (.-) END</pre>", {}
+  assert(pixels, dom)
+  for words in pixels:gmatch "[^,]+" do
+    local rgb = {}
+    for x in words:gmatch "%S+" do rgb[#rgb + 1] = tonumber(x) end
+    rows[#rows + 1] = rgb
+  end
+  return rows
+end
+
+return page
