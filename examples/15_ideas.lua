@@ -3,7 +3,7 @@
 --     ylm run examples/15_ideas.lua [--out DIR] [--only NAME] [--quick]
 --
 -- Leaves idea_NAME.png in out/, of parts sides.png, and prints the numbers that the pages quote. NAME is tree, metrics, normals,
--- rims, texture, choice, measure, sides, parts, rectangles, inside, continuity or moving. --quick draws small ones.
+-- rims, texture, choice, measure, sides, parts, rectangles, charts, inside, continuity or moving. --quick draws small ones.
 
 local ylm = require "ylm"
 local core = require "ylm.c.core"
@@ -480,6 +480,22 @@ idea("parts", function()
   } } }
 end, "sides.png")
 
+--- The surfaces that pixels of a picture see: { points, normals, pixel = { { x, y }, .. } }.
+local function surfaces_of(seen)
+  local position, normal, depth = seen:layer "position", seen:layer "normal", seen:layer "depth"
+  local points, normals, pixel = {}, {}, {}
+  for y = 1, seen.size[2] do
+    for x = 1, seen.size[1] do
+      if depth:get(y, x, 1) < math.huge then
+        local k = #points + 1
+        points[k], normals[k], pixel[k] = {}, {}, { x, y }
+        for c = 1, 3 do points[k][c], normals[k][c] = position:get(y, x, c), normal:get(y, x, c) end
+      end
+    end
+  end
+  return { points = points, normals = normals, pixel = pixel }
+end
+
 --- Light on surfaces: the rectangles of a room, and the picture that they light.
 idea("rectangles", function()
   local function matte(r, g, b) return ylm.matte { albedo = { r, g, b } } end
@@ -495,22 +511,11 @@ idea("rectangles", function()
     light.stats.error, light.stats.bytes / 1000))
   local size = number({ 96, 72 }, half)
   local picture = assert(scene:render { size = size, samples = number(4, 64), bounced = light })
-  local seen = assert(scene:render { size = size, samples = 1, bounces = 0 })
-  local position, normal, depth = seen:layer "position", seen:layer "normal", seen:layer "depth"
-  local points, normals, pixel = {}, {}, {}
-  for y = 1, size[2] do
-    for x = 1, size[1] do
-      if depth:get(y, x, 1) < math.huge then
-        local k = #points + 1
-        points[k], normals[k], pixel[k] = {}, {}, { x, y }
-        for c = 1, 3 do points[k][c], normals[k][c] = position:get(y, x, c), normal:get(y, x, c) end
-      end
-    end
-  end
-  local _, of = light:irradiance(points, normals)
+  local surfaces = surfaces_of(assert(scene:render { size = size, samples = 1, bounces = 0 }))
+  local _, of = light:irradiance(surfaces.points, surfaces.normals)
   local image = ylm.image { size = size }
   local layer = image:layer()
-  for k, p in ipairs(pixel) do
+  for k, p in ipairs(surfaces.pixel) do
     local hue = of:get(k) * 0.618033988749895 % 1
     for c = 1, 3 do
       local wave = 0.5 + 0.5 * math.cos(2 * math.pi * (hue + c / 3))
@@ -520,6 +525,38 @@ idea("rectangles", function()
   return ylm.figure { rows = { {
     { image = image, caption = "rectangles of a surface grid, tolerance 0.1" },
     { image = picture, caption = "light that bounces from it, lamps by rays" },
+  } } }
+end)
+
+--- Lightmaps: the charts of a room, and the room by the picture that they read alone.
+idea("charts", function()
+  local function matte(r, g, b) return ylm.matte { albedo = { r, g, b } } end
+  local geometry = { ylm.box { bounds = { { -2, 0, -1.5 }, { 2, 2.4, 1.5 } }, material = matte(0.72, 0.7, 0.66) },
+    ylm.box { bounds = { { 0.9, 0.001, -1 }, { 1.5, 0.6, -0.4 } }, material = matte(0.3, 0.4, 0.6) },
+    ylm.knot { p = 2, q = 3, radius = 0.5, minor = 0.22, tube = 0.11, divide = { 192, 16 }, at = { -0.5, 0.62, -0.1 },
+      rotate = { axis = { 1, 0, 0 }, angle = 60 }, material = matte(0.75, 0.55, 0.25) } }
+  local scene = ylm.scene "a knot in a room" { geometry = geometry,
+    camera = ylm.camera { from = { 1.9, 1.9, 1.4 }, at = { -0.1, 0.6, -0.3 }, fov = 70 },
+    lights = ylm.sphere_light { at = { 0.3, 2.1, 0.5 }, radius = 0.15, radiance = { 60, 54, 45 } } }
+  local light = assert(scene:lightmap { texels = number(16384, 65536), rays = 16, light_samples = 8 })
+  print(("charts: %d, %d x %d texels, share %.2f; 99 %% of the surface keep %.3f"):format(light.stats.charts,
+    light.stats.width, light.stats.height, light.stats.share, light.stats.error))
+  local size = number({ 96, 72 }, half)
+  local seen = assert(scene:render { size = size, samples = 1, bounces = 0 })
+  local surfaces = surfaces_of(seen)
+  local E, of = light:irradiance(surfaces.points, surfaces.normals)
+  local albedo = seen:layer "albedo"
+  local coloured, lit = ylm.image { size = seen.size }, ylm.image { size = seen.size }
+  for k, p in ipairs(surfaces.pixel) do
+    local hue = of:get(k) * 0.618033988749895 % 1
+    for c = 1, 3 do
+      coloured:layer():set(p[2], p[1], c, 0.1 + 0.7 * (0.5 + 0.5 * math.cos(2 * math.pi * (hue + c / 3))))
+      lit:layer():set(p[2], p[1], c, E:get(k, c) * albedo:get(p[2], p[1], c) / math.pi)
+    end
+  end
+  return ylm.figure { rows = { {
+    { image = coloured, caption = "charts of a lightmap" },
+    { image = lit, caption = "light by look-ups in its picture alone" },
   } } }
 end)
 

@@ -184,3 +184,27 @@ ylm_status ylm_mesh_transform(ylm_mesh *mesh, const double m[12], ylm_error *e) 
   }
   return YLM_OK;
 }
+
+ylm_status ylm_mesh_pick(const ylm_mesh *mesh, size_t n, const uint32_t *from,
+                         const uint32_t *index, bool turned, ylm_mesh **out, ylm_error *e) {
+  ylm_status s =
+      ylm_mesh_create(n, mesh->triangles, mesh->normal != NULL, mesh->uv != NULL, out, e);
+  ylm_mesh *to = *out;
+  if (s != YLM_OK) return s;
+  if (mesh->colour && !(to->colour = ylm_alloc(3 * n, sizeof(float)))) {
+    ylm_mesh_free(to);
+    *out = NULL;
+    return ylm_no_memory(e);
+  }
+  for (size_t i = 0; i < n; i++) {
+    size_t of = from[i];
+    memcpy(to->position + 3 * i, mesh->position + 3 * of, 3 * sizeof(float));
+    for (size_t a = 0; mesh->normal && a < 3; a++)
+      to->normal[3 * i + a] = turned ? -mesh->normal[3 * of + a] : mesh->normal[3 * of + a];
+    if (mesh->uv) memcpy(to->uv + 2 * i, mesh->uv + 2 * of, 2 * sizeof(float));
+    if (mesh->colour) memcpy(to->colour + 3 * i, mesh->colour + 3 * of, 3 * sizeof(float));
+  }
+  memcpy(to->index, index, 3 * mesh->triangles * sizeof *index);
+  memcpy(to->origin, mesh->origin, sizeof mesh->origin);
+  return YLM_OK;
+}

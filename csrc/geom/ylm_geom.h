@@ -48,6 +48,18 @@ YLM_API ylm_status ylm_mesh_make_normals(ylm_mesh *mesh);
 /* Twice the area of a triangle times its unit normal. */
 YLM_API void ylm_mesh_area_vector(const ylm_mesh *mesh, size_t triangle, double out[3]);
 
+/*
+** ylm_mesh_pick - a mesh whose vertices are vertices of another, with all that these have.
+**
+**   from    in  [n] vertices of the other
+**   index   in  [triangles of the other][3] vertices of the new mesh, below n
+**   turned  in  normals point to the other side; the index says how triangles run
+**
+** Returns  YLM_OK; YLM_EOVERFLOW, YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_mesh_pick(const ylm_mesh *mesh, size_t n, const uint32_t *from,
+                                 const uint32_t *index, bool turned, ylm_mesh **out, ylm_error *e);
+
 #define YLM_MESH_CREASE 40.0         /* degrees: the crease angle where nobody names one */
 #define YLM_MESH_FLAT 0u             /* smoothing groups that are none: a flat triangle,  */
 #define YLM_MESH_BY_ANGLE UINT32_MAX /* and one whose edges are creases by their angle    */

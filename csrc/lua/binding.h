@@ -63,6 +63,7 @@
   X(material_file)                                                                                 \
   X(material_table)                                                                                \
   X(mesh)                                                                                          \
+  X(unwrap)                                                                                        \
   X(texture)
 
 #define YLML_SCENE_BINDINGS(X)                                                                     \
@@ -83,6 +84,7 @@
   X(shade_view)                                                                                    \
   X(shade_virtual)                                                                                 \
   X(surface)                                                                                       \
+  X(surface_map)                                                                                   \
   X(traced)                                                                                        \
   X(transfer)                                                                                      \
   X(vectors)                                                                                       \

@@ -97,10 +97,10 @@ void ylm_surface_irradiance(const ylm_surface_grid *g, size_t n, const ylm_scene
   ylm_parallel(n, SURFACE_GRAIN, threads, run, &j, NULL, NULL);
 }
 
-bool ylm_surface_place(const ylm_surface_grid *g, const float point[3], const float normal[3],
+bool ylm_surface_place(const ylm_scene *scene, const float point[3], const float normal[3],
                        ylm_scene_place *place) {
   ylm_trace_hit hit;
-  if (!ylm_trace_touch(ylm_scene_trace(g->charts.scene), point, normal, &hit)) return false;
+  if (!ylm_trace_touch(ylm_scene_trace(scene), point, normal, &hit)) return false;
   *place = (ylm_scene_place){(uint32_t)hit.mesh, hit.element, hit.u, hit.v,
                              ylm_dot3(hit.normal, normal) < 0};
   return true;

@@ -102,19 +102,23 @@ static ylm_status keep_open(const ylm_radiosity *r, size_t n, ylm_scene_place *p
   return s;
 }
 
-ylm_status ylm_surface_draw(const ylm_surface_grid *g, const ylm_radiosity *r, size_t n,
-                            uint64_t seed, ylm_scene_place *place, size_t *drawn) {
-  double *sum = ylm__surface_areas(&g->charts);
+ylm_status ylm__surface_draw(const surface_charts *c, const ylm_radiosity *r, size_t n,
+                             uint64_t seed, ylm_scene_place *place, size_t *drawn) {
+  double *sum = ylm__surface_areas(c);
   ylm_status s = sum ? YLM_OK : YLM_ENOMEM;
   ylm_rng rng;
   ylm_rng_seed(&rng, seed, 0x10d6e);
   *drawn = 0;
   for (int tries = 0; s == YLM_OK && tries < 8 && *drawn < n; tries++) {
-    size_t kept =
-        draw(&g->charts, ylm_radiosity_transfer(r), sum, n - *drawn, &rng, place + *drawn);
+    size_t kept = draw(c, ylm_radiosity_transfer(r), sum, n - *drawn, &rng, place + *drawn);
     s = keep_open(r, kept, place + *drawn, &kept);
     *drawn += kept;
   }
   ylm_free(sum);
   return s;
+}
+
+ylm_status ylm_surface_draw(const ylm_surface_grid *g, const ylm_radiosity *r, size_t n,
+                            uint64_t seed, ylm_scene_place *place, size_t *drawn) {
+  return ylm__surface_draw(&g->charts, r, n, seed, place, drawn);
 }

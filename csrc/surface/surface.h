@@ -180,6 +180,10 @@ bool ylm__surface_is_covered(const surface_charts *c, const ylm_scene_surface *a
 /* A random place on either side of all triangles. */
 ylm_scene_place ylm__surface_random(const surface_charts *c, const double *sum, ylm_rng *rng);
 
+/* Random places that a promise is about: ylm_surface_draw. */
+ylm_status ylm__surface_draw(const surface_charts *c, const ylm_radiosity *r, size_t n,
+                             uint64_t seed, ylm_scene_place *place, size_t *drawn);
+
 /* sites.c: random sites by area, and entries of all charts; leaves of charts. */
 ylm_status ylm__surface_sites(surface_bake *b);
 /* sites.c: asks for the light of sites until leaves have enough. */

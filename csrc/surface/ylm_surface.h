@@ -73,10 +73,10 @@ YLM_API const ylm_scene *ylm_surface_scene(const ylm_surface_grid *g);
 YLM_API void ylm_surface_irradiance(const ylm_surface_grid *g, size_t n,
                                     const ylm_scene_place *place, float (*out)[3],
                                     uint32_t *rectangle, int threads);
-/* The place of the scene that a point lies on, as the scene has points (ylm_scene_enter), with a normal of its side.
+/* The place of a scene that a point lies on, as the scene has points (ylm_scene_enter), with a normal of its side.
    False: it lies on none. */
-YLM_API bool ylm_surface_place(const ylm_surface_grid *g, const float point[3],
-                               const float normal[3], ylm_scene_place *place);
+YLM_API bool ylm_surface_place(const ylm_scene *scene, const float point[3], const float normal[3],
+                               ylm_scene_place *place);
 
 /* At most n places by area, which a promise is about: on sides of which the radiosity has light, not in bodies, not
    covered by other surfaces; how many are drawn. YLM_ENOMEM. */

@@ -17,7 +17,7 @@ local pattern, folder = arg[1] or "", arg[2] or "out/rivals"
 local seconds_most = tonumber(os.getenv "YLM_BENCH_SECONDS") or 60
 local TOLERANCE, BOUNCES, CUBE = 0.1, 4, 16
 local PARTS = { 6, 12 } -- of the mean extent of a box: cells of the lattices
-local BOTH = { rooms = true, court = true } -- the second one also
+local BOTH = {} -- the second one also
 
 ylm.on_warning(false)
 os.execute("mkdir -p '" .. folder:gsub("'", "'\\''") .. "'")

@@ -136,20 +136,25 @@ static int surface_take(lua_State *L) {
   return 1;
 }
 
-/* The places of n points with normals, in memory of the state; NULL: *lost is the row of one that lies on no surface. */
-static ylm_scene_place *places_of(lua_State *L, const ylm_surface_grid *g, size_t n,
-                                  const float (*point)[3], const float (*normal)[3], size_t *lost) {
-  ylm_scene_place *place = lua_newuserdata(L, (n + 1) * sizeof *place);
-  for (size_t i = 0; i < n; i++)
-    if (!ylm_surface_place(g, point[i], normal[i], &place[i])) {
-      *lost = i;
-      return NULL;
-    }
-  return place;
+ylm_scene_place *ylmL_scene_read_surfaces(lua_State *L, int i, const ylm_scene *scene, size_t *n) {
+  const ylmL_array *normals = ylmL_array_check(L, i + 1);
+  ylm_error e = {0};
+  const float(*point)[3] = ylmL_scene_places(L, i, ylm_scene_origin(scene), n);
+  ylm_status s = !point                        ? YLM_ENOMEM
+                 : normals->dtype != YLM_FLOAT ? YLM_ETYPE
+                 : normals->count != 3 * *n    ? YLM_ESHAPE
+                                               : YLM_OK;
+  const float(*normal)[3] = normals->data;
+  ylm_scene_place *place = s == YLM_OK ? lua_newuserdata(L, (*n + 1) * sizeof *place) : NULL;
+  for (size_t k = 0; s == YLM_OK && k < *n; k++)
+    if (!ylm_surface_place(scene, point[k], normal[k], &place[k]))
+      s = ylm_fail(&e, YLM_EINVAL, "point %zu lies on no surface of the scene", k + 1);
+  if (s == YLM_OK) return place;
+  ylmL_result(L, 0, s, &e);
+  return NULL;
 }
 
-/* Numbers of rectangles in an array of floats, from 0 as integers, become floats from 1; 0: none. */
-static void from_one(ylmL_array *a) {
+void ylmL_from_one(ylmL_array *a) {
   uint32_t *number = a->data;
   for (size_t i = 0; i < a->count; i++) {
     float x = number[i] == UINT32_MAX ? 0 : (float)number[i] + 1;
@@ -161,25 +166,29 @@ static void from_one(ylmL_array *a) {
    from 1 of their rectangles float [n], 0: none */
 static int surface_irradiance(lua_State *L) {
   const ylm_surface_grid *g = check_surface(L, 1);
-  const ylmL_array *normals = ylmL_array_check(L, 3);
   int threads = (int)luaL_optnumber(L, 4, 0);
-  ylm_error e = {0};
-  size_t n, lost = 0;
-  const float(*point)[3] = ylmL_scene_places(L, 2, ylm_scene_origin(ylm_surface_scene(g)), &n);
-  if (!point) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  if (normals->dtype != YLM_FLOAT) return ylmL_result(L, 0, YLM_ETYPE, NULL);
-  if (normals->count != 3 * n) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  const ylm_scene_place *place = places_of(L, g, n, point, (const float(*)[3])normals->data, &lost);
-  if (!place) {
-    ylm_fail(&e, YLM_EINVAL, "point %zu lies on no surface of the scene", lost + 1);
-    return ylmL_result(L, 0, YLM_EINVAL, &e);
-  }
+  size_t n;
+  const ylm_scene_place *place = ylmL_scene_read_surfaces(L, 2, ylm_surface_scene(g), &n);
+  if (!place) return 3;
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
   ylmL_array *numbers = out ? ylmL_array_new(L, YLM_FLOAT, 1, &n) : NULL;
   if (!numbers) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_surface_irradiance(g, n, place, out->data, numbers->data, threads);
-  from_one(numbers);
+  ylmL_from_one(numbers);
   return 2;
+}
+
+bool ylmL_scene_push_surfaces(lua_State *L, const ylm_scene *scene, size_t n,
+                              const ylm_scene_place *place) {
+  ylm_scene_surface *at = lua_newuserdata(L, (n + 1) * sizeof *at);
+  float(*x)[3] = lua_newuserdata(L, (n + 1) * sizeof *x);
+  ylm_scene_surfaces(scene, n, place, at);
+  for (size_t i = 0; i < n; i++) memcpy(x[i], at[i].position, sizeof x[i]);
+  if (!ylmL_scene_push_places(L, ylm_scene_origin(scene), n, x[0])) return false;
+  ylmL_array *normals = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
+  for (size_t i = 0; normals && i < n; i++)
+    memcpy((float *)normals->data + 3 * i, at[i].normal, 12);
+  return normals != NULL;
 }
 
 /* surface_judges(surface grid, radiosity, n, seed, threads) -> points [n][3], normals float [n][3], irradiance float [n][3] */
@@ -192,16 +201,9 @@ static int surface_judges(lua_State *L) {
   ylm_scene_place *place = lua_newuserdata(L, (n + 1) * sizeof *place);
   ylm_status s = ylm_surface_draw(g, r, n, seed, place, &drawn);
   if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
-  ylm_scene_surface *at = lua_newuserdata(L, (drawn + 1) * sizeof *at);
-  float(*x)[3] = lua_newuserdata(L, (drawn + 1) * sizeof *x);
-  ylm_scene_surfaces(ylm_surface_scene(g), drawn, place, at);
-  for (size_t i = 0; i < drawn; i++) memcpy(x[i], at[i].position, sizeof x[i]);
-  if (!ylmL_scene_push_places(L, ylm_scene_origin(ylm_surface_scene(g)), drawn, x[0]))
-    return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylmL_array *normals = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){drawn, 3});
-  ylmL_array *E = normals ? ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){drawn, 3}) : NULL;
+  bool ok = ylmL_scene_push_surfaces(L, ylm_surface_scene(g), drawn, place);
+  ylmL_array *E = ok ? ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){drawn, 3}) : NULL;
   if (!E) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  for (size_t i = 0; i < drawn; i++) memcpy((float *)normals->data + 3 * i, at[i].normal, 12);
   ylm_surface_irradiance(g, drawn, place, E->data, NULL, threads);
   return 3;
 }
@@ -259,7 +261,7 @@ static int shade_surfaces(lua_State *L) {
   ylmL_array *numbers = E ? ylmL_array_new(L, YLM_FLOAT, 1, &n) : NULL;
   if (!numbers) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_status s = ylm_shade_surfaces(v, g, (int)luaL_optnumber(L, 3, 0), E->data, numbers->data, &e);
-  if (s == YLM_OK) from_one(numbers);
+  if (s == YLM_OK) ylmL_from_one(numbers);
   return ylmL_result(L, 2, s, &e);
 }
 

@@ -23,6 +23,15 @@ const float (*ylmL_scene_places(lua_State *L, int i, const double *origin, size_
 /* Pushes n places relative to an origin as those of the world: float, or double where the origin is not NULL. False
    without memory. */
 bool ylmL_scene_push_places(lua_State *L, const double *origin, size_t n, const float *x);
+/* The places of the points [n][3] at `i` with the normals behind, in memory of the state; NULL: nil, message, code are
+   pushed. surface.c */
+ylm_scene_place *ylmL_scene_read_surfaces(lua_State *L, int i, const ylm_scene *scene, size_t *n);
+/* Numbers in an array of floats, from 0 as integers, become floats from 1; UINT32_MAX: 0. surface.c */
+void ylmL_from_one(ylmL_array *a);
+/* Pushes the points [n][3] of places in the world and their normals, float [n][3], above room of its own; false: no memory.
+   surface.c */
+bool ylmL_scene_push_surfaces(lua_State *L, const ylm_scene *scene, size_t n,
+                              const ylm_scene_place *place);
 
 /* Pushes a fingerprint: 16 digits. */
 void ylmL_scene_push_print(lua_State *L, uint64_t print);

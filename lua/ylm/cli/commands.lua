@@ -2,8 +2,8 @@
 
 local status = require "ylm.cli.status"
 
-local commands = { "render", "pathtrace", "bake", "pack", "export", "page", "emit", "view", "live", "compare", "judge", "sh",
-  "material", "photometry", "run", "codegen", "bench", "info", "help" }
+local commands = { "render", "pathtrace", "bake", "lightmap", "pack", "export", "page", "emit", "view", "live", "compare",
+  "judge", "sh", "material", "photometry", "run", "codegen", "bench", "info", "help" }
 
 --- Is there such a command?
 function commands.known(name)

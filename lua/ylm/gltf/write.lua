@@ -21,7 +21,7 @@ local LAMPS = 20000
 
 local function new()
   return { data = {}, size = 0, views = {}, accessors = {}, meshes = {}, nodes = {}, materials = {}, lights = {}, cameras = {},
-    made = {}, used = {}, left_out = {}, skies = {} }
+    made = {}, used = {}, left_out = {}, skies = {}, second = {} }
 end
 
 local function add(list, x)
@@ -143,24 +143,28 @@ end
 
 -- Surfaces --------------------------------------------------------------------------------------
 
---- The number of a mesh of arrays.
-local function add_mesh(w, positions, normals, uvs, colours, triangles, bounds, number)
+--- The number of a mesh of arrays; `second`: texture coordinates beside the first.
+local function add_mesh(w, positions, normals, uvs, colours, triangles, bounds, number, second)
   local attributes = json.object("POSITION", accessor(w, positions, "VEC3", 5126, 34962, bounds[1], bounds[2]),
     "NORMAL", normals and accessor(w, normals, "VEC3", 5126, 34962),
     "TEXCOORD_0", uvs and accessor(w, uvs, "VEC2", 5126, 34962),
+    "TEXCOORD_1", second and accessor(w, second, "VEC2", 5126, 34962),
     "COLOR_0", colours and accessor(w, colours, "VEC3", 5126, 34962))
   local indices = accessor(w, triangles, "SCALAR", 5125, 34963)
   return add(w.meshes, json.object("primitives", { json.object("attributes", attributes, "indices", indices, "material",
     number) }))
 end
 
+--- Texture coordinates as glTF has them: v downwards.
+local function downwards(uvs) return uvs and core.array_convert(uvs * { 1, -1 } + { 0, 1 }, "float") end
+
 local function add_piece(w, piece)
   local mesh = piece.mesh
   if #mesh == 0 then return true end
   local number, message, code = material_of(w, piece.material, piece.sides == "both")
   if piece.material and not number then return nil, message, code end
-  local uvs = mesh:uvs()
-  if uvs then uvs = core.array_convert(uvs * { 1, -1 } + { 0, 1 }, "float") end
+  local uvs, second = downwards(mesh:uvs()), downwards(w.second[piece])
+  if second and not uvs then uvs = second end -- glTF numbers them without gaps
   local positions, bounds, origin = mesh:vertices(), mesh.bounds, nil
   if positions.dtype == "double" then -- far from 0: relative to the lower corner, which the node has
     origin = bounds[1]
@@ -168,7 +172,7 @@ local function add_piece(w, piece)
     bounds = { { 0, 0, 0 }, positions:max(1):totable() }
   end
   local made = add_mesh(w, positions, mesh:normals(), uvs, mesh:colours(),
-    core.array_convert(mesh:triangles() - 1, "int32"), bounds, number)
+    core.array_convert(mesh:triangles() - 1, "int32"), bounds, number, second)
   local occludes
   if piece.occludes == false then occludes = false end
   add(w.nodes, json.object("name", piece.name, "translation", origin, "mesh", made, "extras",
@@ -289,7 +293,7 @@ local function text_of(w, scene, uri)
   return json.write(json.object("asset", json.object("version", "2.0", "generator", "ylm"), "extensionsUsed", list_of(used),
     "extensions", list_of(w.lights) and json.object("KHR_lights_punctual", json.object("lights", w.lights)),
     "scene", 0, "scenes", { json.object("name", scene.name ~= "" and scene.name or nil, "nodes", list_of(roots), "extras",
-      extras("background", background, "skies", list_of(w.skies))) },
+      extras("background", background, "skies", list_of(w.skies), "lightmap", w.lightmap)) },
     "nodes", list_of(w.nodes), "cameras", list_of(w.cameras), "materials", list_of(w.materials), "meshes", list_of(w.meshes),
     "accessors", list_of(w.accessors), "bufferViews", list_of(w.views),
     "buffers", w.size > 0 and { json.object("uri", uri, "byteLength", w.size) } or nil))
@@ -354,8 +358,9 @@ local function tell(scene, path, notes)
     text.shown(path), scene.name or "?", line)
 end
 
---- Saves a scene; true and what glTF lacks, a sentence each; or nil, message, code.
-function write.save(scene, path, given)
+--- Saves a scene; true and what glTF lacks, a sentence each; or nil, message, code. `lightmap`: { second = texture coordinates
+-- by piece, about = a JSON object about the picture } or nil.
+function write.save(scene, path, given, lightmap)
   local ending = type(path) == "string" and not path:find "%z" and path:lower():match "%.(%w+)$"
   if ending ~= "glb" and ending ~= "gltf" then
     return check.bad(1, "save", "a file name that ends in .glb or .gltf expected, got %s", check.describe(path))
@@ -363,6 +368,7 @@ function write.save(scene, path, given)
   local o = form.options(2, "save", options, given)
   if o.separate and ending == "glb" then return check.bad(2, "save", "separate is for .gltf: a .glb file is one file") end
   local w = setmetatable(new(), lamps)
+  if lightmap then w.second, w.lightmap = lightmap.second, lightmap.about end
   local ok, message, code = fill(w, scene)
   if not ok then return nil, message, code end
   local notes = notes_of(w)

@@ -9,6 +9,7 @@ local display = require "ylm.display"
 local form = require "ylm.form"
 local gloss = require "ylm.render.gloss"
 local judge = require "ylm.render.judge"
+local lightmaps = require "ylm.render.lightmap"
 local links = require "ylm.render.bounced.links"
 local make = require "ylm.render.make"
 local options = require "ylm.render.options"
@@ -22,8 +23,8 @@ local tracing = require "ylm.trace"
 local views = require "ylm.render.view"
 local visibility = require "ylm.render.visibility"
 
-local render = { bake = baking.bake, surface_grid = surfaces.surface_grid, true_error = pictures.true_error,
-  probe = probes.probe, judge = judge.judge }
+local render = { bake = baking.bake, surface_grid = surfaces.surface_grid, lightmap = lightmaps.lightmap,
+  true_error = pictures.true_error, probe = probes.probe, judge = judge.judge }
 
 local prepare_options = options.list(options.view_fields, {
   { "camera", "object", of = "camera", optional = true,

@@ -103,8 +103,8 @@ describe "scene:judge" {
   errors = "raises on what are no probes, and on bad options; nil, message, code: 'EIO', 'EFORMAT' (the file), 'EDOMAIN' (no "
     .. "surface lies within the bounds), memory, cancelled",
   example = options.one_lamp .. [[
-local grid = scene:bake { quantity = "indirect", probes = ylm.uniform_grid { cells = 4, lmax = 2 } }
-local report = scene:judge(grid, { places = 100, samples = 64 })
+local grid = scene:bake { quantity = "all", probes = ylm.uniform_grid { cells = 4, lmax = 2 } }
+local report = scene:judge(grid, { quantity = "all", places = 100, samples = 64 })
 assert(report.rms > 0 and report.places <= 100)]],
 }
 function judge.judge(s, x, given)

@@ -1,5 +1,6 @@
 --- Options that the ways to render a scene have in common.
 
+local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
@@ -24,6 +25,14 @@ options.common = {
     about = "called as f(done, total, stage), returning false cancels; { f, every = seconds }: so often, default 0.1; true draws "
       .. "a bar, as work of more than two seconds does on a terminal; false draws none" },
 }
+
+--- Arguments 1 and 2 of a method `name`: places on surfaces, and a normal of each.
+function options.places_with_normals(name, points, normals)
+  local x = array.places(1, name, points)
+  local n = array.points(2, name, normals, "float", "normals")
+  if #x ~= #n then return check.bad(2, name, "%d normals expected, one a point, got %d", #x, #n) end
+  return x, n
+end
 
 function options.list(...)
   local all = {}

@@ -37,6 +37,13 @@ local function irradiance(L, normals, lmax)
   return out
 end
 
+--- The rows of an array [n][3] as lists.
+function promise.lists(a)
+  local rows = {}
+  for i = 1, #a do rows[i] = { a:get(i, 1), a:get(i, 2), a:get(i, 3) } end
+  return rows
+end
+
 --- The rows of an array that a list names, three numbers from the column `first` on.
 local function rows_of(a, list, first)
   local rows = {}

@@ -1,6 +1,5 @@
 --- scene:surface_grid: irradiance on the surfaces of a scene, to a tolerance, and the methods of what it returns.
 
-local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -90,19 +89,13 @@ local function say(g, m)
   return g
 end
 
---- The rows of an array as lists.
-local function lists(a)
-  local rows = {}
-  for i = 1, #a do rows[i] = { a:get(i, 1), a:get(i, 2), a:get(i, 3) } end
-  return rows
-end
-
 --- Has paths judge a surface grid of light `lit`. True, or nil, message, code.
 local function judge(s, g, m, lit, o)
   local points, normals, E = m.lib.surface_judges(g, lit, JUDGES, o.seed, o.threads or 0)
   if not points then return check.result("surface_grid", points, normals, E) end
   if #points == 0 then return true end
-  local said, message, code = promise.compare(s, lists(points), lists(normals), lists(E), o.tolerance, o.quantity, o)
+  local said, message, code = promise.compare(s, promise.lists(points), promise.lists(normals), promise.lists(E),
+    o.tolerance, o.quantity, o)
   if not said then return nil, message, code end
   local paths = { field_met = m.stats.met, field_error = m.stats.error, undecided = said.undecided, seconds = said.seconds }
   m.lib.surface_verdict(g, #points, said.failed + said.undecided, said.error, said.rms)
@@ -219,11 +212,7 @@ assert(light:irradiance({ { 0, 1, 0 } }, { { 0, -1, 0 } }):get(1, 1) > 0)]],
 }
 function methods.irradiance(g, points, normals)
   local m = opened("irradiance", g)
-  local x = array.places(1, "irradiance", points)
-  local n = array.points(2, "irradiance", normals, "float", "normals")
-  if #x ~= #n then
-    return check.bad(2, "irradiance", "%d normals expected, one a point, got %d", #x, #n)
-  end
+  local x, n = options.places_with_normals("irradiance", points, normals)
   return check.result("irradiance", m.lib.surface_irradiance(g, x, n, m.options.threads or 0))
 end
 

@@ -205,7 +205,7 @@ end
 
 --- The methods are those of lua/ylm/render/init.lua, loaded when one is first called.
 local methods = {}
-for _, name in ipairs { "bake", "surface_grid", "prepare", "render", "pathtrace", "probe", "judge" } do
+for _, name in ipairs { "bake", "surface_grid", "lightmap", "prepare", "render", "pathtrace", "probe", "judge" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
 function methods.live(...) return library.later["ylm.live"](...) end

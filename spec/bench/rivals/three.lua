@@ -12,6 +12,7 @@ local three = {}
 
 local MOST_LAMPS = 8 -- shadow maps, of 16 textures that a fragment shader has at least
 local SKY = { 64, 32 }
+local GLOSSY = { 0.9, 0.9, 0.9 } -- of materials without albedo, which are matte there
 
 local modules = os.getenv "YLM_NODE_MODULES"
 
@@ -41,8 +42,9 @@ local function meshes_of(scene)
     for _, t in ipairs(triangles) do
       for k = 1, 3 do for a = 1, 3 do positions[#positions + 1] = vertices[t[k]][a] end end
     end
-    local albedo = g.material and g.material.albedo or { 0.8, 0.8, 0.8 }
+    local albedo = g.material and g.material.albedo
     if type(albedo) == "number" then albedo = { albedo, albedo, albedo } end
+    if type(albedo) ~= "table" then albedo = GLOSSY end
     list[#list + 1] = ('{"positions":%s,"colour":%s,"side":"%s"}'):format(numbers(positions), numbers(albedo), g.sides or "both")
   end
   return "[" .. table.concat(list, ",") .. "]"

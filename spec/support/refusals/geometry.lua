@@ -121,4 +121,18 @@ return {
     case(function(ylm) ylm.box {}.mesh:save "x.obj" end, "a file name that ends in .ply expected"),
     case(function(ylm) return ylm.box {}.mesh:save "/nonexistent/x.ply" end, "No such file"),
   }),
+  ["mesh:unwrap"] = method("unwrap", {
+    case(function(ylm) ylm.box {}.mesh:unwrap(7) end, "a table of options expected, got 7"),
+    case(function(ylm) ylm.box {}.mesh:unwrap { texels = 15 } end, "texels must be"),
+    case(function(ylm) ylm.box {}.mesh:unwrap { texel = 100 } end, "did you mean 'texels'"),
+    case(function(ylm) ylm.box {}.mesh:unwrap { density = 0 } end, "density must be"),
+    case(function(ylm) ylm.box {}.mesh:unwrap { gutter = 65 } end, "gutter must be"),
+    case(function(ylm) ylm.box {}.mesh:unwrap { angle = 90 } end, "angle must be"),
+    case(function(ylm) ylm.box {}.mesh:unwrap { stretch = 1 } end, "stretch must be"),
+    case(function(ylm) return ylm.box {}.mesh:unwrap { texels = 16 } end, "6 charts with gutters of 1 do not fit into 16 texels"),
+    case(function(ylm) return ylm.box {}.mesh:unwrap { density = 1e6 } end, "more than 16384 texels along a side"),
+    case(function(ylm) ylm.mesh { vertices = {}, triangles = {} }.mesh:unwrap() end, "there is no triangle"),
+    case(function(ylm) ylm.mesh { vertices = { { 1, 1, 1 } }, triangles = { { 1, 1, 1 } } }.mesh:unwrap() end,
+      "none of the 1 triangles has an area"),
+  }),
 }

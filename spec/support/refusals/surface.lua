@@ -37,7 +37,63 @@ local function stray(name)
   return { call = function(ylm) return light(ylm)[name]({}) end, says = name .. ": a surface grid expected before the colon" }
 end
 
+-- Lightmaps --------------------------------------------------------------------------------------
+
+local picture
+
+local function fresh_map(ylm)
+  local s = scene(ylm)
+  return s:lightmap { texels = 256, links = s:links { spacing = 1, rays = 16 }, rays = 4 }
+end
+
+local function map(ylm)
+  picture = picture or fresh_map(ylm)
+  return picture
+end
+
+local function map_given(o, says)
+  return { call = function(ylm) return scene(ylm):lightmap(o) end, says = says }
+end
+
+--- Cases of a method of lightmaps, before those of `list`.
+local function of_map(name, list)
+  local out = { { call = function(ylm) return map(ylm)[name]({}) end, says = name .. ": a lightmap expected before the colon" } }
+  if name ~= "close" then
+    out[2] = { call = function(ylm)
+      local m = fresh_map(ylm)
+      m:close()
+      return m[name](m)
+    end, says = name .. ": the lightmap has been closed" }
+  end
+  for _, case in ipairs(list or {}) do out[#out + 1] = case end
+  return out
+end
+
 return {
+  ["scene:lightmap"] = {
+    map_given(7, "a table of options expected, got 7"), map_given({ tolerance = 0 }, "tolerance must be"),
+    map_given({ texels = 15 }, "texels must be"), map_given({ bytes = 20 }, "bytes must be at least 96"),
+    map_given({ bytes = "1MB", texels = 100 }, "texels or bytes, not both"), map_given({ quantity = "lights" }, "quantity must be"),
+    map_given({ rays = 6 }, "rays must be"), map_given({ light_samples = 0 }, "light_samples must be"),
+    map_given({ texel = 100 }, "did you mean 'texels'"), map_given({ seed = nan }, "seed must be"),
+    map_given({ gutter = -1 }, "gutter must be"), map_given({ quantity = "indirect", bounces = 0 }, "would be dark"),
+    map_given({ texels = 16, rays = 4 }, "6 charts with gutters of 1 do not fit into 16 texels"),
+    { call = function(ylm) return scene(ylm).lightmap({}) end, says = "lightmap: a scene expected before the colon" },
+    { call = function(ylm) return ylm.scene "empty" {}:lightmap() end, says = "has no geometry, so no surfaces" },
+  },
+  ["lightmap:irradiance"] = of_map("irradiance", {
+    { call = function(ylm) map(ylm):irradiance() end, says = "points" },
+    { call = function(ylm) map(ylm):irradiance({ { 0, -1, 0 } }, { { 0, 1, 0 }, { 0, 1, 0 } }) end, says = "1 normals expected" },
+    { call = function(ylm) return map(ylm):irradiance({ { 0, 0, 0 } }, { { 0, 1, 0 } }) end, says = "lies on no surface" },
+  }),
+  ["lightmap:image"] = of_map "image",
+  ["lightmap:pieces"] = of_map "pieces",
+  ["lightmap:save"] = of_map("save", {
+    { call = function(ylm) return map(ylm):save "x.png" end, says = "ends in .glb, .gltf, .obj or .exr expected" },
+    { call = function(ylm) return map(ylm):save() end, says = "expected, got nil" },
+    { call = function(ylm) return map(ylm):save "/nonexistent/x.glb" end, says = "No such file" },
+  }),
+  ["lightmap:close"] = of_map "close",
   ["scene:surface_grid"] = {
     given(7, "a table of options expected, got 7"), given({ tolerance = 0 }, "tolerance must be"),
     given({ tolerance = nan }, "tolerance must be"), given({ quantity = "lights" }, "quantity must be"),

@@ -13,6 +13,7 @@ local memory = require "ylm.memory"
 local mtl = require "ylm.material.mtl"
 local show = require "ylm.show"
 local text = require "ylm.text"
+local unwrap = require "ylm.geometry.unwrap"
 local warning = require "ylm.warning"
 
 local geometry = {}
@@ -471,6 +472,11 @@ function methods.save(x, path)
     return check.bad(1, "save", "a file name that ends in .ply expected, got %s", check.describe(path))
   end
   return check.result("save", core.mesh_write(x, path))
+end
+
+function methods.unwrap(x, given)
+  open(x, "unwrap")
+  return unwrap.unwrap(x, given)
 end
 
 memory.publish(methods)

@@ -1,0 +1,327 @@
+/* bake.c - pictures, denser from round to round, until fresh places keep the tolerance; and what is asked of a map. */
+#include <stdlib.h>
+
+#include "map.h"
+#include "ylm_grid.h"
+
+void ylm_surface_map_free(ylm_surface_map *m) {
+  if (!m) return;
+  ylm__surface_charts_free(&m->plane);
+  ylm_unwrap_free(m->charts);
+  ylm_free(m->sheet);
+  ylm_free(m->of);
+  ylm_free(m->picture);
+  ylm_free(m);
+}
+
+static ylm_status check(const ylm_surface_map_form *f, ylm_error *e) {
+  if (!(f->tolerance >= 0) || !isfinite(f->tolerance))
+    return ylm_fail(e, YLM_ERANGE, "tolerance must be at least 0, got %g", f->tolerance);
+  if (!(f->aim >= 0 && f->aim <= 1))
+    return ylm_fail(e, YLM_ERANGE, "aim must be from 0 to 1, got %g", f->aim);
+  if (f->texels < 16) return ylm_fail(e, YLM_ERANGE, "texels must be at least 16");
+  return YLM_OK;
+}
+
+/* -- pictures ----------------------------------------------------------------------------------------- */
+
+/* The nearest number that half floats have. */
+static float as_half(double x) {
+  int exponent;
+  if (!(x > 0)) return 0;
+  if (x >= 65504) return 65504;
+  frexp(x, &exponent);
+  double step = ldexp(1, (exponent < -13 ? -13 : exponent) - 11);
+  return (float)(round(x / step) * step);
+}
+
+/* Texels that no chart has become means of those beside them, ring by ring. */
+static ylm_status fill(const map_bake *b, float *picture) {
+  size_t n = b->texels, left = 0, next = 0;
+  uint32_t *ring = ylm_alloc(n, sizeof *ring), *age = ylm_alloc_zero(n, sizeof *age);
+  ylm_status s = ring && age ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < n; i++)
+    if (b->chart[i] != YLM_UNWRAP_NONE)
+      age[i] = 1;
+    else
+      ring[left++] = (uint32_t)i;
+  for (uint32_t now = 2; s == YLM_OK && left; now++, left = next) {
+    next = 0;
+    for (size_t i = 0; i < left; i++) {
+      long x = (long)(ring[i] % b->width), y = (long)(ring[i] / b->width);
+      double sum[3] = {0, 0, 0}, count = 0;
+      for (int k = 0; k < 9; k++) {
+        long u = x + k % 3 - 1, v = y + k / 3 - 1;
+        if (u < 0 || v < 0 || u >= (long)b->width || v >= (long)b->height) continue;
+        size_t of = (size_t)v * b->width + (size_t)u;
+        if (!age[of] || age[of] == now) continue;
+        count++;
+        for (size_t c = 0; c < 3; c++) sum[c] += (double)picture[3 * of + c];
+      }
+      if (count > 0) {
+        age[ring[i]] = now;
+        for (size_t c = 0; c < 3; c++) picture[3 * (size_t)ring[i] + c] = as_half(sum[c] / count);
+      } else
+        ring[next++] = ring[i];
+    }
+  }
+  ylm_free(ring);
+  ylm_free(age);
+  return s;
+}
+
+static ylm_status draw_picture(map_bake *b) {
+  size_t n = b->texels;
+  float *picture = ylm_alloc_zero(3 * n, sizeof *picture);
+  if (!picture) return YLM_ENOMEM;
+  for (size_t i = 0; i < 3 * n; i++)
+    if (b->chart[i / 3] != YLM_UNWRAP_NONE)
+      picture[i] = as_half(
+          0.5 * ((double)b->value[i % 3 * n + i / 3] + (double)b->value[(3 + i % 3) * n + i / 3]));
+  ylm_free(b->m->picture);
+  b->m->picture = picture;
+  ylm_status s = fill(b, picture);
+  if (s == YLM_OK) b->m->stats.jump = ylm__map_jump(b);
+  return s;
+}
+
+/* -- rounds ------------------------------------------------------------------------------------------- */
+
+/* One picture of at most so many texels, at the densities as they are. */
+static ylm_status make(map_bake *b, size_t texels, bool last) {
+  ylm_status s = ylm__map_pack(b, texels);
+  if (s == YLM_OK) s = ylm__map_sample(b);
+  double start = ylm_seconds();
+  if (s == YLM_OK) s = ylm__map_matrix(b);
+  if (s == YLM_OK && last && b->form->smooth) s = ylm__map_smooth(b);
+  if (s == YLM_OK) s = ylm__map_fit(b, b->value);
+  if (s == YLM_OK && last) s = ylm__map_lift(b, b->value);
+  b->m->stats.fit_seconds += ylm_seconds() - start;
+  if (s == YLM_OK) ylm__map_square(b, b->square);
+  b->m->stats.rounds++;
+  return s;
+}
+
+/* How the square errors fall with the density: the same places on a picture with a quarter of the texels. */
+static ylm_status learn(map_bake *b, size_t texels) {
+  double *coarse = ylm_alloc(b->charts, sizeof *coarse);
+  if (!coarse) return YLM_ENOMEM;
+  ylm_status s = ylm__map_pack(b, texels / 4);
+  if (s == YLM_OK) s = ylm__map_matrix(b);
+  if (s == YLM_OK) s = ylm__map_fit(b, b->value);
+  if (s == YLM_OK) ylm__map_square(b, coarse);
+  for (size_t i = 0; s == YLM_OK && i < b->charts; i++) {
+    double p = b->square[i] > 0 && coarse[i] > 0 ? log2(coarse[i] / b->square[i]) : 2;
+    b->slope[i] = fmin(fmax(p, MAP_SLOPE_LEAST), MAP_SLOPE_MOST);
+  }
+  ylm_free(coarse);
+  return s;
+}
+
+/* Densities for a number of texels, learnt from a picture with a part of them, or where charts do not fit, with all. */
+static ylm_status pilot(map_bake *b, size_t texels) {
+  size_t few = (size_t)(MAP_PILOT * (double)texels);
+  ylm_error none = {YLM_OK, ""}, *e = b->e;
+  b->e = &none;
+  ylm_status s = make(b, few, false);
+  if (s == YLM_ELIMIT) s = make(b, few = texels, false);
+  if (s == YLM_OK) s = learn(b, few);
+  b->e = e;
+  if (s != YLM_OK && s != YLM_ELIMIT) {
+    if (e) *e = none;
+    return s;
+  }
+  if (b->sites) ylm__map_spread(b);
+  return YLM_OK; /* what does not fit the next picture says */
+}
+
+/* -- the judge ---------------------------------------------------------------------------------------- */
+
+static int upwards(const void *a, const void *b) {
+  double x = *(const double *)a, y = *(const double *)b;
+  return x < y ? -1 : x > y;
+}
+
+/* Compares n places whose light is known; error [n]. */
+static void compare(map_bake *b, size_t n, const surface_light *light, const bool *open,
+                    const float (*told)[3], double *error) {
+  double square = 0, mean = 0;
+  size_t kept = 0;
+  ylm_surface_map_stats *s = &b->m->stats;
+  s->failed = 0;
+  for (size_t i = 0; i < n; i++) {
+    double E[3], worst = 0;
+    if (!open[i]) continue;
+    ylm__surface_mid(&light[i], E);
+    for (int c = 0; c < 3; c++) {
+      double m = fmax(E[c], b->mean[c]);
+      if (m > 0) worst = fmax(worst, fabs((double)told[i][c] - E[c]) / m);
+    }
+    error[kept++] = worst;
+    s->failed += worst > b->aim;
+    square +=
+        ((double)told[i][1] - (double)light[i].a[1]) * ((double)told[i][1] - (double)light[i].b[1]);
+    mean += E[1];
+  }
+  qsort(error, kept, sizeof *error, upwards);
+  int most = ylm_grid_allowed(kept);
+  s->verified = kept;
+  s->error = most < 0 ? INFINITY : error[kept - 1 - (size_t)most];
+  s->rms = mean > 0 ? sqrt(fmax(0, square / (double)kept)) / (mean / (double)kept) : 0;
+  s->met = s->error <= b->aim;
+}
+
+static ylm_status judge(map_bake *b, uint64_t round) {
+  double start = ylm_seconds(), *error = ylm_alloc(MAP_JUDGES, sizeof *error);
+  ylm_scene_place *place = ylm_alloc(MAP_JUDGES, sizeof *place);
+  surface_light *light = ylm_alloc(MAP_JUDGES, sizeof *light);
+  bool *open = ylm_alloc(MAP_JUDGES, sizeof *open);
+  float(*told)[3] = ylm_alloc(MAP_JUDGES, sizeof *told);
+  size_t n = 0;
+  ylm_status s = error && place && light && open && told ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK)
+    s = ylm_surface_map_draw(b->m, b->r, MAP_JUDGES, b->form->light.seed + 7919 * (round + 1),
+                             place, &n);
+  if (s == YLM_OK) s = ylm__map_ask(b, n, place, MAP_JUDGE_RAYS, light, open);
+  if (s == YLM_OK) {
+    ylm_surface_map_irradiance(b->m, n, place, told, NULL);
+    compare(b, n, light, open, (const float(*)[3])told, error);
+  }
+  ylm_free(error), ylm_free(place), ylm_free(light), ylm_free(open), ylm_free(told);
+  b->m->stats.judge_seconds += ylm_seconds() - start;
+  return s;
+}
+
+/* Whether so few of the places fail that no further picture is made. */
+static bool is_enough(const map_bake *b) {
+  const ylm_surface_map_stats *s = &b->m->stats;
+  double failed = (double)s->failed, n = (double)s->verified;
+  if (b->aim < b->form->tolerance) return failed <= MAP_ENOUGH * n;
+  return n == 0 || (s->met && failed <= MAP_ENOUGH_SURE * n);
+}
+
+/* Pictures for a tolerance. */
+static ylm_status refine(map_bake *b) {
+  const ylm_surface_map_form *f = b->form;
+  size_t texels = f->texels < MAP_FIRST ? f->texels : MAP_FIRST;
+  ylm_status s = f->even ? YLM_OK : pilot(b, texels);
+  for (uint64_t round = 0; s == YLM_OK && round < MAP_ROUNDS; round++) {
+    ylm_error none = {YLM_OK, ""}, *e = b->e;
+    b->e = texels < f->texels ? &none : e;
+    s = make(b, texels, true);
+    b->e = e;
+    if (s == YLM_OK) s = draw_picture(b);
+    if (s == YLM_OK) s = judge(b, round);
+    if (s == YLM_OK && is_enough(b)) break;
+    if (s == YLM_ELIMIT && texels < f->texels)
+      s = YLM_OK, b->m->stats.error = MAP_GROW_MOST * b->aim; /* too few for all charts */
+    else if (texels >= f->texels) {
+      b->m->stats.spent = true;
+      break;
+    }
+    if (s != YLM_OK && e) *e = none;
+    double more = fmin(fmax(b->m->stats.error / b->aim, MAP_GROW_LEAST), MAP_GROW_MOST);
+    texels = (size_t)fmin((double)f->texels, more * (double)texels);
+    if (s == YLM_OK && !f->even && b->width) ylm__map_spread(b);
+  }
+  return s;
+}
+
+static ylm_status make_one(map_bake *b) {
+  ylm_status s = b->form->even ? YLM_OK : pilot(b, b->form->texels);
+  if (s == YLM_OK) s = make(b, b->form->texels, true);
+  if (s == YLM_OK) s = draw_picture(b);
+  return s == YLM_OK ? judge(b, 0) : s;
+}
+
+static ylm_status begin(map_bake *b) {
+  ylm_unwrap_stats charts;
+  ylm_unwrap_look(b->m->charts, &charts);
+  b->charts = charts.charts;
+  b->density = ylm_alloc(b->charts, sizeof *b->density);
+  b->square = ylm_alloc_zero(b->charts, sizeof *b->square);
+  b->slope = ylm_alloc(b->charts, sizeof *b->slope);
+  if (!b->density || !b->square || !b->slope) return YLM_ENOMEM;
+  for (size_t i = 0; i < b->charts; i++) b->density[i] = 1, b->slope[i] = 2;
+  return YLM_OK;
+}
+
+static void free_bake(map_bake *b) {
+  ylm_free(b->density), ylm_free(b->square), ylm_free(b->slope);
+  ylm_free(b->site);
+  ylm_free(b->chart);
+  ylm__map_matrix_free(&b->matrix);
+  ylm_free(b->seam);
+  ylm_free(b->bend), ylm_free(b->value);
+}
+
+ylm_status ylm_surface_map_bake(const ylm_radiosity *r, const ylm_surface_map_form *form,
+                                ylm_surface_map **out, ylm_error *e) {
+  *out = NULL;
+  ylm_status s = check(form, e);
+  if (s != YLM_OK) return s;
+  map_bake b = {.r = r, .form = form, .e = e};
+  double start = ylm_seconds();
+  b.aim = form->tolerance * (form->aim > 0 ? form->aim : 1);
+  b.m = ylm_alloc_zero(1, sizeof *b.m);
+  if (!b.m) return YLM_ENOMEM;
+  b.m->stats.tolerance = form->tolerance;
+  b.m->stats.quantity = form->quantity;
+  b.m->scene = ylm_transfer_scene(ylm_radiosity_transfer(r));
+  s = ylm__surface_charts(b.m->scene, &b.m->plane, e);
+  if (s == YLM_OK) s = ylm__map_sheets(b.m, r, form, e);
+  if (s == YLM_OK) s = begin(&b);
+  b.m->stats.sheets = b.m->sheets;
+  b.m->stats.chart_seconds = ylm_seconds() - start;
+  if (s == YLM_OK) s = form->tolerance > 0 ? refine(&b) : make_one(&b);
+  free_bake(&b);
+  if (s == YLM_OK)
+    *out = b.m;
+  else
+    ylm_surface_map_free(b.m);
+  return s;
+}
+
+/* -- what is asked ------------------------------------------------------------------------------------- */
+
+void ylm_surface_map_look(const ylm_surface_map *m, ylm_surface_map_stats *stats) {
+  *stats = m->stats;
+}
+const ylm_scene *ylm_surface_map_scene(const ylm_surface_map *m) { return m->scene; }
+const float *ylm_surface_map_picture(const ylm_surface_map *m) { return m->picture; }
+const ylm_unwrap *ylm_surface_map_charts(const ylm_surface_map *m) { return m->charts; }
+
+void ylm_surface_map_verdict(ylm_surface_map *m, size_t verified, size_t failed, double error,
+                             double rms) {
+  m->stats.verified = verified;
+  m->stats.failed = failed;
+  m->stats.error = error;
+  m->stats.rms = rms;
+  m->stats.met = error <= m->stats.tolerance;
+}
+
+size_t ylm_surface_map_sheet(const ylm_surface_map *m, size_t sheet, bool *back) {
+  *back = m->sheet[sheet].back;
+  return m->sheet[sheet].mesh;
+}
+
+void ylm_surface_map_irradiance(const ylm_surface_map *m, size_t n, const ylm_scene_place *place,
+                                float (*out)[3], uint32_t *chart) {
+  for (size_t i = 0; i < n; i++) {
+    map_tap tap;
+    uint32_t sheet = m->of[2 * place[i].mesh + place[i].back];
+    for (size_t c = 0; c < 3; c++) out[i][c] = 0;
+    if (chart)
+      chart[i] = sheet == MAP_NONE ? YLM_UNWRAP_NONE
+                                   : ylm_unwrap_chart(m->charts, sheet, place[i].element);
+    if (!ylm__map_tap(m, &place[i], &tap)) continue;
+    for (size_t k = 0; k < 4; k++)
+      for (size_t c = 0; c < 3; c++)
+        out[i][c] += tap.weight[k] * m->picture[3 * (size_t)tap.texel[k] + c];
+  }
+}
+
+ylm_status ylm_surface_map_draw(const ylm_surface_map *m, const ylm_radiosity *r, size_t n,
+                                uint64_t seed, ylm_scene_place *place, size_t *drawn) {
+  return ylm__surface_draw(&m->plane, r, n, seed, place, drawn);
+}

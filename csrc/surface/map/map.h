@@ -1,0 +1,184 @@
+/* map.h - what the files of csrc/surface/map share. Private. */
+#ifndef YLM_SURFACE_MAP_PRIVATE_H
+#define YLM_SURFACE_MAP_PRIVATE_H
+
+#include "../surface.h"
+#include "ylm_surface_map.h"
+
+#define MAP_NONE UINT32_MAX
+
+/* -- calibration -------------------------------------------------------------------------------- */
+
+/* Places of a texel along an axis. */
+#define MAP_ALONG 2
+/* The part of the texels that a pilot has, of which densities are learnt; and their limits, over the mean. */
+#define MAP_PILOT 0.25
+#define MAP_SPARSEST 0.1
+#define MAP_DENSEST 16
+/* The slope of the square error over the density, at least and at most. */
+#define MAP_SLOPE_LEAST 0.7
+#define MAP_SLOPE_MOST 4
+/* Texels of the first picture that is made for a tolerance, and by how much a next one has more. */
+#define MAP_FIRST 16384
+#define MAP_GROW_LEAST 1.5
+#define MAP_GROW_MOST 4
+#define MAP_ROUNDS 8
+/* Weights of bends that are tried, over that of a place; half of the best is right for both halves. */
+#define MAP_WEIGHTS 5
+static const double map_weight[MAP_WEIGHTS] = {0.01, 0.3, 10, 300, 10000};
+/* The one where none is chosen, and that of differences, which holds texels that nothing else does. */
+#define MAP_WEIGHT 0.1
+#define MAP_LEVEL 1e-4
+/* Errors of a weight are summed over so many texels around one. */
+#define MAP_AROUND 3
+/* Weight of a seam's place, over that of a place of light; how many of a texel's length. */
+#define MAP_SEAM 64
+#define MAP_SEAM_ALONG 2
+/* Sides of an edge whose normals have at least this cosine are one smooth surface. */
+#define MAP_SMOOTH 0.999
+#define MAP_STEPS 250
+#define MAP_SMALL 1e-10
+/* Fits after which texels below 0 become dark. */
+#define MAP_LIFTS 3
+/* Places that judge, and their rays over those of other places. */
+#define MAP_JUDGES 2048
+#define MAP_JUDGE_RAYS 16
+/* The part of them that may fail where another judge follows, and else. */
+#define MAP_ENOUGH 0.006
+#define MAP_ENOUGH_SURE 0.003
+
+/* -- the map ------------------------------------------------------------------------------------ */
+
+/* A side of a mesh that has light. */
+typedef struct map_sheet {
+  uint32_t mesh;
+  bool back;
+} map_sheet;
+
+struct ylm_surface_map {
+  const ylm_scene *scene;
+  surface_charts plane; /* of judges */
+  map_sheet *sheet;
+  size_t sheets;
+  uint32_t *of; /* [meshes][2] the sheet of a front and a back, or MAP_NONE */
+  ylm_unwrap *charts;
+  float *picture; /* [height][width][3] */
+  ylm_surface_map_stats stats;
+};
+
+/* Where four texels are read: numbers of the picture, and weights. */
+typedef struct map_tap {
+  uint32_t texel[4];
+  float weight[4];
+} map_tap;
+
+/* sheets.c: the sheets of a scene, and their charts. */
+ylm_status ylm__map_sheets(ylm_surface_map *m, const ylm_radiosity *r,
+                           const ylm_surface_map_form *form, ylm_error *e);
+/* sheets.c: a corner of a scene's triangle as its sheet has it, and back. */
+static inline int map_corner(bool back, int corner) { return back && corner ? 3 - corner : corner; }
+/* sheets.c: where a place of a sheet is read. False: it has no chart. */
+bool ylm__map_tap(const ylm_surface_map *m, const ylm_scene_place *p, map_tap *tap);
+/* sheets.c: the same of coordinates in texels. */
+void ylm__map_tap_at(const ylm_surface_map *m, const double at[2], map_tap *tap);
+
+/* -- the bake ------------------------------------------------------------------------------------ */
+
+typedef struct map_site {
+  ylm_scene_place place;
+  uint32_t chart;
+  map_tap tap;
+  surface_light light;
+  bool open; /* in no body */
+  bool read; /* from texels */
+} map_site;
+
+static inline bool map_counts(const map_site *s) { return s->open && s->read; }
+
+/* A place of a seam: eight texels, those of its second side with negative weights. */
+typedef struct map_seam {
+  uint32_t texel[8];
+  float weight[8];
+} map_seam;
+
+/*
+** The sum of squares of rows as a matrix of a picture: `pair` joins a texel to itself, the next, and the three below. `line` are
+** the weights of bends along a row and a column at 1, 0 where a chart ends there.
+*/
+typedef struct map_matrix {
+  float *pair;  /* [5][texels] */
+  float *line;  /* [2][texels] */
+  float *scale; /* [texels] mean weights of rows that read a texel */
+} map_matrix;
+
+typedef struct map_bake {
+  ylm_surface_map *m;
+  const ylm_radiosity *r;
+  const ylm_surface_map_form *form;
+  ylm_error *e;
+  double aim;
+  size_t charts;
+  double *density, *square, *slope; /* [charts]; square errors, how they fall with the density */
+  map_site *site;
+  size_t sites, site_room;
+  uint64_t asked; /* random numbers used */
+  double mean[3];
+  /* The picture. */
+  size_t width, height, texels;
+  uint32_t *chart; /* [texels] or YLM_UNWRAP_NONE */
+  map_seam *seam;
+  size_t seams, seam_room;
+  map_matrix matrix;
+  float *bend;  /* [texels] weights of bends */
+  float *value; /* [2][3][texels] of the halves of all places' rays */
+} map_bake;
+
+/* packing.c: lays charts out for at most so many texels, and finds the taps of sites. */
+ylm_status ylm__map_pack(map_bake *b, size_t texels);
+/* packing.c: finds where a site is read; one that rounding has brought to a texel beside its chart is read from within. */
+void ylm__map_find_tap(const map_bake *b, map_site *s);
+/* packing.c: taps of a chart alone; false: there are none. */
+bool ylm__map_keep_in(const map_bake *b, uint32_t chart, map_tap *tap);
+/* sites.c: places spread over the texels as they are packed, and their light. */
+ylm_status ylm__map_sample(map_bake *b);
+/* sites.c: the light of places, in two halves, and whether they are open. */
+ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int more,
+                        surface_light *light, bool *open);
+/* seams.c: places of edges between charts. */
+ylm_status ylm__map_seams(map_bake *b);
+/* seams.c: the largest jump of the picture across them. */
+double ylm__map_jump(const map_bake *b);
+
+/* matrix.c: the matrix of all sites and seams; matrix.c: frees it. */
+ylm_status ylm__map_matrix(map_bake *b);
+void ylm__map_matrix_free(map_matrix *a);
+/* fit.c: texels of both halves, from those in `value` on. */
+ylm_status ylm__map_fit(const map_bake *b, float *value);
+/* fit.c: fits again where the mean of the halves was below 0: such texels are dark. */
+ylm_status ylm__map_lift(const map_bake *b, float *value);
+/* smooth.c: weights of bends, texel by texel, by halves that judge each other. */
+ylm_status ylm__map_smooth(map_bake *b);
+
+/* density.c: square errors of charts, without noise, as they are packed; density.c: densities for a picture. */
+void ylm__map_square(const map_bake *b, double *square);
+void ylm__map_spread(map_bake *b);
+
+/* The light of a half of a fit at a site. */
+static inline double map_value(const map_bake *b, const float *value, int half, const map_site *s,
+                               int c) {
+  const float *of = value + (size_t)(3 * half + c) * b->texels;
+  double sum = 0;
+  for (int k = 0; k < 4; k++) sum += (double)(s->tap.weight[k] * of[s->tap.texel[k]]);
+  return sum;
+}
+/* One over the square of what errors at a site are told over, the mean of the channels. */
+static inline double map_row_weight(const map_bake *b, const map_site *s) {
+  double sum = 0;
+  for (int c = 0; c < 3; c++) {
+    double m = fmax(0.5 * ((double)s->light.a[c] + (double)s->light.b[c]), b->mean[c]);
+    sum += m > 0 ? 1 / (3 * m * m) : 0;
+  }
+  return sum;
+}
+
+#endif

@@ -1,0 +1,157 @@
+/* sites.c - places spread over the texels of charts, and their light in two halves. */
+#include "map.h"
+
+ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int more,
+                        surface_light *light, bool *open) {
+  uint64_t *stream = ylm_alloc(n, sizeof *stream);
+  float(*E)[3] = ylm_alloc(n, sizeof *E), *share = ylm_alloc(n, sizeof *share);
+  ylm_radiosity_map form = b->form->light;
+  ylm_status s = stream && E && share ? YLM_OK : YLM_ENOMEM;
+  form.links *= more;
+  form.light_samples *= more;
+  for (int half = 0; s == YLM_OK && half < 2; half++) {
+    for (size_t i = 0; i < n; i++) stream[i] = b->asked + i;
+    b->asked += n;
+    s = ylm_radiosity_places(b->r, &form, n, place, stream, E, share, b->e);
+    for (size_t i = 0; s == YLM_OK && i < n; i++) {
+      memcpy(half ? light[i].b : light[i].a, E[i], sizeof E[i]);
+      open[i] = (half == 0 || open[i]) && share[i] >= 0.5f;
+    }
+  }
+  b->m->stats.places += n;
+  b->m->stats.rays += 2 * n * (uint64_t)(form.links + (form.scene ? form.light_samples : 0));
+  ylm_free(stream);
+  ylm_free(E);
+  ylm_free(share);
+  return s;
+}
+
+static ylm_status add(map_bake *b, const map_sheet *sheet, size_t triangle, uint32_t chart,
+                      double u, double v) {
+  if (!ylm_list_reserve(&b->site, b->sites, b->sites + 1, &b->site_room, sizeof *b->site))
+    return YLM_ENOMEM;
+  b->site[b->sites++] =
+      (map_site){.place = {sheet->mesh, (uint32_t)triangle, (float)(sheet->back ? v : u),
+                           (float)(sheet->back ? u : v), sheet->back},
+                 .chart = chart};
+  return YLM_OK;
+}
+
+/* Sites of a triangle: one in each cell of a lattice, at a random place of it, where that is on the triangle. */
+static ylm_status scatter(map_bake *b, const map_sheet *sheet, size_t triangle, uint32_t chart,
+                          const double p[3][2], uint8_t *has) {
+  double twice =
+      (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (p[1][1] - p[0][1]);
+  double low[2], high[2];
+  ylm_status s = YLM_OK;
+  for (int a = 0; a < 2; a++) {
+    low[a] = floor(MAP_ALONG * fmin(p[0][a], fmin(p[1][a], p[2][a])));
+    high[a] = floor(MAP_ALONG * fmax(p[0][a], fmax(p[1][a], p[2][a])));
+  }
+  for (double y = low[1]; twice != 0 && y <= high[1]; y++)
+    for (double x = low[0]; s == YLM_OK && x <= high[0]; x++) {
+      ylm_rng rng;
+      ylm_rng_seed(&rng, b->form->light.seed + b->asked,
+                   (uint64_t)y * (MAP_ALONG * YLM_UNWRAP_SIDE) + (uint64_t)x);
+      double at[2] = {(x + ylm_rng_double(&rng)) / MAP_ALONG,
+                      (y + ylm_rng_double(&rng)) / MAP_ALONG};
+      double u =
+          ((at[0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[2][0] - p[0][0]) * (at[1] - p[0][1])) /
+          twice;
+      double v =
+          ((p[1][0] - p[0][0]) * (at[1] - p[0][1]) - (at[0] - p[0][0]) * (p[1][1] - p[0][1])) /
+          twice;
+      if (u < 0 || v < 0 || u + v > 1) continue;
+      has[chart] = 1;
+      s = add(b, sheet, triangle, chart, u, v);
+    }
+  return s;
+}
+
+/* Sites of all sheets; a chart between all of them has one in the middle of its first triangle. */
+static ylm_status scatter_all(map_bake *b, uint8_t *has) {
+  const ylm_surface_map *m = b->m;
+  ylm_status s = YLM_OK;
+  for (int pass = 0; pass < 2; pass++)
+    for (size_t i = 0; i < m->sheets; i++)
+      for (size_t t = 0; s == YLM_OK && t < ylm_scene_triangles(m->scene, m->sheet[i].mesh); t++) {
+        uint32_t chart = ylm_unwrap_chart(m->charts, i, t);
+        double p[3][2];
+        if (chart == YLM_UNWRAP_NONE || (pass && has[chart])) continue;
+        ylm_unwrap_corners(m->charts, i, t, p);
+        if (!pass)
+          s = scatter(b, &m->sheet[i], t, chart, (const double(*)[2])p, has);
+        else {
+          has[chart] = 1;
+          s = add(b, &m->sheet[i], t, chart, 1 / 3.0, 1 / 3.0);
+        }
+      }
+  return s;
+}
+
+/* The mean of the light by area. */
+static void find_mean(map_bake *b) {
+  double sum[3] = {0, 0, 0}, area = 0, *n = ylm_alloc_zero(b->charts, sizeof *n);
+  for (size_t i = 0; n && i < b->sites; i++) n[b->site[i].chart] += b->site[i].open;
+  for (size_t i = 0; n && i < b->sites; i++) {
+    const map_site *s = &b->site[i];
+    if (!s->open) continue;
+    double E[3], part = ylm_unwrap_area(b->m->charts, s->chart) / n[s->chart];
+    ylm__surface_mid(&s->light, E);
+    area += part;
+    for (int c = 0; c < 3; c++) sum[c] += part * E[c];
+  }
+  for (int c = 0; c < 3; c++) b->mean[c] = area > 0 ? sum[c] / area : 0;
+  ylm_free(n);
+}
+
+/* The noise of the mean of both halves, root mean square over what errors are told over. */
+static double noise_of(const map_bake *b) {
+  double sum = 0, n = 0;
+  for (size_t i = 0; i < b->sites; i++) {
+    const map_site *s = &b->site[i];
+    double square = 0;
+    for (int c = 0; c < 3; c++) {
+      double d = 0.5 * ((double)s->light.a[c] - (double)s->light.b[c]);
+      square += d * d / 3;
+    }
+    sum += s->open ? square * map_row_weight(b, s) : 0;
+    n += s->open;
+  }
+  return n > 0 ? sqrt(sum / n) : 0;
+}
+
+/* Keeps the light of all sites. */
+static ylm_status light_all(map_bake *b) {
+  size_t n = b->sites;
+  ylm_scene_place *place = ylm_alloc(n, sizeof *place);
+  surface_light *light = ylm_alloc(n, sizeof *light);
+  bool *open = ylm_alloc(n, sizeof *open);
+  ylm_status s = place && light && open ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < n; i++) place[i] = b->site[i].place;
+  if (s == YLM_OK) s = ylm__map_ask(b, n, place, 1, light, open);
+  for (size_t i = 0; s == YLM_OK && i < n; i++) {
+    b->site[i].light = light[i];
+    b->site[i].open = open[i];
+  }
+  ylm_free(place);
+  ylm_free(light);
+  ylm_free(open);
+  return s;
+}
+
+ylm_status ylm__map_sample(map_bake *b) {
+  double start = ylm_seconds();
+  uint8_t *has = ylm_alloc_zero(b->charts, 1);
+  b->sites = 0;
+  ylm_status s = has ? scatter_all(b, has) : YLM_ENOMEM;
+  ylm_free(has);
+  for (size_t i = 0; s == YLM_OK && i < b->sites; i++) ylm__map_find_tap(b, &b->site[i]);
+  if (s == YLM_OK) s = light_all(b);
+  if (s == YLM_OK) {
+    find_mean(b);
+    b->m->stats.noise = noise_of(b);
+  }
+  b->m->stats.light_seconds += ylm_seconds() - start;
+  return s;
+}

@@ -1,0 +1,58 @@
+--- ylm lightmap scene.lua -o room.glb
+
+local report = require "ylm.cli.report"
+local status = require "ylm.cli.status"
+
+local quantities = { direct = true, indirect = true, all = true }
+
+--- The bytes that an option gives; nil: it was not given.
+local function bytes_of(text)
+  if text == nil then return nil end
+  local size, wanted = require "ylm.form".types.memory(tonumber(text) or text)
+  if not size then status.stop(status.usage, "lightmap: --bytes is %s, got '%s'", wanted, text) end
+  return size
+end
+
+--- The scene of a file: one of ylm.load, or a file of triangles, which an overcast sky lights where none of them emits.
+local function scene_of(path)
+  if not (path:lower():find "%.obj$" or path:lower():find "%.ply$") then return status.load_scene(path) end
+  local ylm = require "ylm"
+  local geometry, message, code = ylm.mesh { file = path }
+  status.need(geometry, message, code)
+  return status.need(ylm.scene(path:match "[^/]*$") { geometry = geometry, lights = not geometry.emitters
+    and ylm.environment_light { sky = { kind = "overcast", zenith = { 0, 1, 0 }, luminance = 1 } } or nil })
+end
+
+return {
+  summary = "bakes the light on a scene's surfaces into a picture with texture coordinates",
+  usage = "SCENE.lua -o ROOM.glb",
+  least = 1,
+  options = {
+    { "output", "-o", "FILE", "the surfaces (.glb, .gltf, .obj) with their picture beside them (.exr), or the picture alone" },
+    { "tolerance", "-t", "N", "of irradiance at 99 % of the surface; default 0.03, without --texels and --bytes" },
+    { "texels", nil, "N", "of the picture, at most" },
+    { "bytes", nil, "SIZE", "of the picture, at most (2MB, 500kB): six a texel" },
+    { "quantity", nil, "NAME", "all (default), indirect (what surfaces send back, where an engine draws the lamps) or direct" },
+    { "bounces", "-b", "NAME", "of --quantity indirect and all: reflections after direct light, 1, 2 .. or all (default)" },
+    { "rays", nil, "N", "of a place whose light is fitted, a multiple of 4; default 64" },
+    { "seed", nil, "N", "of all random numbers; default 1" },
+    { "strict", nil, nil, "exit status 6 where the tolerance is not met; the files are written" },
+    { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
+  },
+  run = function(given)
+    if not given.output then status.stop(status.usage, "lightmap: -o FILE says where the picture goes") end
+    status.need_output("lightmap", given.output, "glb", "gltf", "obj", "exr")
+    if given.quantity and not quantities[given.quantity] then
+      status.stop(status.usage, "lightmap: --quantity is all, indirect or direct, got '%s'", given.quantity)
+    end
+    local scene = scene_of(given[1])
+    if #scene.geometry == 0 then status.stop(status.script, "%s: the scene has no surfaces", given[1]) end
+    local light = status.need(scene:lightmap { tolerance = given.tolerance, texels = given.texels,
+      bytes = bytes_of(given.bytes), quantity = given.quantity, bounces = status.bounces("lightmap", given.bounces),
+      rays = given.rays, seed = given.seed, threads = given.threads, progress = report.progress(given) })
+    status.need(light:save(given.output))
+    local stats = light.stats
+    report.print(given, stats, report.names(stats, { "met", "error", "width", "height", "charts" }))
+    return status.of_warnings(given, { stats.warning })
+  end,
+}

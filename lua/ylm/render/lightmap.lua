@@ -1,0 +1,314 @@
+--- scene:lightmap: irradiance on the surfaces of a scene as a picture, with texture coordinates, and the methods of what it
+-- returns.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local form = require "ylm.form"
+local gltf_write = require "ylm.gltf.write"
+local image = require "ylm.image"
+local json = require "ylm.gltf.json"
+local memory = require "ylm.memory"
+local objects = require "ylm.transfer.object"
+local options = require "ylm.render.options"
+local progress = require "ylm.progress"
+local promise = require "ylm.render.promise"
+local tracing = require "ylm.trace"
+local transfer = require "ylm.transfer"
+local unmet = require "ylm.grid.unmet"
+local unwrap = require "ylm.geometry.unwrap"
+local warning = require "ylm.warning"
+local wavefront = require "ylm.render.wavefront"
+
+local lightmaps = {}
+
+local JUDGES = 2048    -- places by which paths judge
+local AIM = 0.6        -- of its tolerance, for which texels are made that paths will judge: they see the elements' error too
+local MOST = 2 ^ 22    -- texels, where nobody says how many
+local TOLERANCE = 0.03 -- where nobody says anything
+local BYTES = 6        -- of a texel, three half floats
+
+local methods = objects.kind("lightmap", { "stats", "scene", "quantity", "tolerance" }, function(m)
+  return ("%s light, %d charts, %d x %d texels"):format(m.quantity, m.stats.charts, m.stats.width, m.stats.height)
+end)
+
+require "ylm.describe".object "lightmap" {
+  about = "Irradiance on the surfaces of a scene as one picture, and the texture coordinates by which they read it "
+    .. "(scene:lightmap).",
+  fields = {
+    { "stats", "table", "width, height; bytes: of the picture as half floats; charts, curved, degenerate, stretch, worst, share, "
+      .. "density: as of mesh:unwrap; sheets: sides of meshes that have light; places whose light was asked for, rays; rounds: "
+      .. "pictures that were made; noise: of the light of a place, relative; seams: edges where charts meet on smooth surfaces; "
+      .. "jump: the largest difference of their sides, relative; verified, failed: places that judged, and those that missed "
+      .. "the tolerance; error: what 99 % of the surface keep, with 99 % confidence; rms: root mean square error over the mean, "
+      .. "without the judges' noise; met; warning: what is not kept, or nil; spent: texels were not enough; paths: what paths "
+      .. "found, undecided, field_met and field_error by the light of the elements, seconds; chart_seconds, pack_seconds, "
+      .. "light_seconds, fit_seconds, judge_seconds, seconds" },
+    { "scene", "scene", "of what" },
+    { "quantity", "string", "'direct', 'indirect' or 'all'" },
+    { "tolerance", "number", "that was asked for, or nil" },
+  },
+}
+
+local fields = {
+  { "tolerance", "number", min = 1e-3, max = 10, optional = true,
+    about = "of irradiance at 99 % of the surface by area, relative to the larger of the place's and the mean; default 0.03, "
+      .. "where neither texels nor bytes are given" },
+  { "texels", "integer", min = 16, max = 2 ^ 28, optional = true,
+    about = "of the picture at most, gutters included: all of them without a tolerance; default with one 4194304" },
+  { "bytes", "memory", optional = true, about = "of the picture at most, instead of texels: six a texel" },
+  { "quantity", "choice", of = { "direct", "indirect", "all" }, default = "all",
+    about = "'all', the light of lamps and sky and what surfaces send back; 'indirect', the latter alone, for engines that draw "
+      .. "lamps themselves; 'direct', the former, with shadows" },
+  { "spread", "choice", of = { "light", "even" }, default = "light", shelf = "experiments",
+    about = "'light': texels are dense in charts where light bends; 'even': one density, for comparison" },
+  transfer.fields.bounces, transfer.fields.links,
+  { "rays", "links", default = 64, shelf = "experiments",
+    about = "of a place whose light is fitted, twice; four places a texel" },
+  { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = options.LIGHT_SAMPLES,
+    shelf = "experiments", about = "of 'direct' and 'all': shadow rays of a place, twice" },
+  { "smooth", "boolean", default = true, shelf = "experiments",
+    about = "whether texels are averaged along the surface, as far as halves of their rays say that light is smooth" },
+  { "judge", "choice", of = { "paths", "field" }, default = "paths", shelf = "experiments",
+    about = "what a tolerance is judged by: paths, up to 16384 from each of 2048 places; or the light of the elements that was "
+      .. "fitted, whose own error is not seen, with its noise" },
+  { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of all random numbers" },
+}
+local all_options = options.list(fields, unwrap.fields, options.common)
+
+-- Making ---------------------------------------------------------------------------------------
+
+--- Why a tolerance is not met, and what to change.
+local function cause_of(m)
+  local s, paths = m.stats, m.stats.paths
+  local looser = "set tolerance = " .. (s.error < math.huge and unmet.rounded_up(s.error) or "larger")
+  if core.grid_allowed(s.verified) < 0 then
+    return ("the %d places that were found open are too few to judge by"):format(s.verified)
+  end
+  if paths and paths.field_met then
+    return (unmet.undecided(s, paths) or "the light of elements is that far from the paths: give links with less spacing")
+      .. "; " .. looser
+  end
+  if s.spent then return ("its %d texels are spent: allow more (texels), or %s"):format(s.width * s.height, looser) end
+  return ("%d pictures end above it; %s"):format(s.rounds, looser)
+end
+
+--- Has paths judge a lightmap of light `lit`. True, or nil, message, code.
+local function judge(s, map, m, lit, o)
+  local points, normals, E = m.lib.map_judges(map, lit, JUDGES, o.seed)
+  if not points then return check.result("lightmap", points, normals, E) end
+  if #points == 0 then return true end
+  local said, message, code = promise.compare(s, promise.lists(points), promise.lists(normals), promise.lists(E), o.tolerance,
+    o.quantity, o)
+  if not said then return nil, message, code end
+  local before = m.stats
+  m.lib.map_verdict(map, #points, said.failed + said.undecided, said.error, said.rms)
+  m.stats = m.lib.map_stats(map)
+  m.stats.paths = { field_met = before.met, field_error = before.error, undecided = said.undecided, seconds = said.seconds }
+  return true
+end
+
+--- The texels that options allow.
+local function texels_of(o)
+  if o.bytes and o.texels then return check.fail "lightmap: texels or bytes, not both: each says how large the picture may be" end
+  if not o.bytes then return o.texels or MOST end
+  if o.bytes < 16 * BYTES then return check.fail("lightmap: bytes must be at least %d, six a texel", 16 * BYTES) end
+  return math.floor(o.bytes / BYTES)
+end
+
+local function bake(s, traced, o, texels)
+  local start = core.seconds()
+  local lit, message, code = transfer.fields.radiosity("lightmap", s, o, o.seed)
+  if not lit then return nil, message, code end
+  local paths, map = o.tolerance and o.judge == "paths"
+  map, message, code = check.result("lightmap", traced.lib.map_bake(lit, { tolerance = o.tolerance or 0, aim = paths and AIM or 1,
+    texels = texels, even = o.spread == "even", smooth = o.smooth, gutter = o.gutter, angle = o.angle, stretch = o.stretch,
+    quantity = o.quantity, indirect = not transfer.fields.is_direct(o),
+    scene = o.quantity ~= "indirect" and traced.handle or nil, links = o.rays, light_samples = o.light_samples, seed = o.seed,
+    threads = o.threads, progress = progress.resolve(o.progress) }))
+  if not map then return nil, message, code end
+  local m = { scene = s, traced = traced, lib = traced.lib, quantity = o.quantity, tolerance = o.tolerance, links = lit.links,
+    stats = traced.lib.map_stats(map) }
+  core.own(map).made = m
+  local judged = true
+  if paths then judged, message, code = judge(s, map, m, lit, o) end
+  if not judged then return nil, message, code end
+  m.stats.bytes, m.stats.seconds = BYTES * m.stats.width * m.stats.height, core.seconds() - start
+  if not o.tolerance then m.stats.met, m.stats.failed = nil, nil
+  elseif not m.stats.met then
+    m.stats.warning = warning.say(map, "lightmap", "lightmap: tolerance %.3g is not met, 99 %% of the places keep %s: %s",
+      o.tolerance, m.stats.error < math.huge and ("%.3g"):format(m.stats.error) or "no bound", cause_of(m))
+  end
+  return map
+end
+
+local room = [[
+local scene = ylm.scene "a room" {
+  geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
+  lights = ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.1, radiance = 10 },
+}
+]]
+
+describe "scene:lightmap" {
+  about = "Finds the irradiance on the scene's surfaces as one picture, and texture coordinates for all of them, whether or not "
+    .. "their meshes have any (mesh:unwrap). Each side of a mesh that has light gets charts of its own. Texels are fitted to "
+    .. "places spread over the charts as bilinear look-ups read them, so that seams agree; they are dense where light bends, and "
+    .. "averaged where it is smooth.",
+  arguments = { { "options?", "table", "" } },
+  options = all_options,
+  returns = { { "light", "lightmap", "light:save 'room.glb', light:image(), light:pieces(); light.stats" } },
+  errors = "raises on a bad option and where there is no geometry; nil, message, code: memory, cancelled, 'ELIMIT' where the "
+    .. "charts do not fit into the texels",
+  example = room .. [[
+local light = scene:lightmap { texels = 1024, rays = 16 }
+assert(light.stats.charts == 6 and light.stats.width * light.stats.height <= 1024)]],
+}
+function lightmaps.lightmap(s, given)
+  tracing.check_scene("lightmap", s)
+  local o = form.options(1, "lightmap", all_options, given)
+  o.progress = progress.long(o.progress)
+  local texels = texels_of(o)
+  if not (o.tolerance or o.texels or o.bytes) then o.tolerance = TOLERANCE end
+  if #s.geometry == 0 then return check.fail("lightmap: scene %q has no geometry, so no surfaces", s.name or "?") end
+  transfer.fields.check("lightmap", s, o)
+  local traced, message, code = tracing.trace("lightmap", s)
+  if not traced then return nil, message, code end
+  tracing.check_bodies("lightmap", traced)
+  return bake(s, traced, o, texels)
+end
+
+-- Methods --------------------------------------------------------------------------------------
+
+local function opened(name, map) return objects.opened(name, map, "ylm.lightmap", "a lightmap") end
+
+describe "lightmap:irradiance" {
+  about = "The irradiance at places of the scene's surfaces, as a bilinear look-up in the picture has it.",
+  arguments = { { "points", "array|number[][]", "[n][3], on surfaces" },
+    { "normals", "array|number[][]", "[n][3], of the surface's sides" } },
+  returns = { { "E", "array", "float [n][3], W m^-2, at least 0" },
+    { "charts", "array", "float [n], the charts that they lie on, from 1; 0: none" } },
+  errors = "raises on other shapes, and where a point lies on no surface; nil, message, code where memory runs out",
+  example = room .. [[
+local light = scene:lightmap { texels = 1024, rays = 16 }
+assert(light:irradiance({ { 0, 1, 0 } }, { { 0, -1, 0 } }):get(1, 1) > 0)]],
+}
+function methods.irradiance(map, points, normals)
+  local m = opened("irradiance", map)
+  local x, n = options.places_with_normals("irradiance", points, normals)
+  return check.result("irradiance", m.lib.map_irradiance(map, x, n))
+end
+
+--- An image of the picture with these layers, of irradiance and charts. Or nil, message, code.
+local function picture_of(m, map, layers)
+  local out, message, code = image.image { size = { m.stats.width, m.stats.height }, layers = layers }
+  if not out then return nil, message, code end
+  local done
+  done, message, code = check.result("image", m.lib.map_picture(map, out:layer "irradiance",
+    layers[2] and out:layer "charts" or nil))
+  if not done then return nil, message, code end
+  return out
+end
+
+describe "lightmap:image" {
+  about = "The picture: irradiance, and which chart each texel is read for.",
+  arguments = {},
+  returns = { { "image", "image", "layers irradiance, W m^-2, row 1 on top, beyond charts that of the nearest; charts, numbers "
+    .. "from 1, 0 beyond them" } },
+  errors = "raises on what is no lightmap; nil, message, code where memory runs out",
+  example = room .. [[
+local image = scene:lightmap({ texels = 1024, rays = 16 }):image()
+assert(image:layer "irradiance":get(4, 4, 1) > 0)]],
+}
+function methods.image(map)
+  local m = opened("image", map)
+  return picture_of(m, map, { { "irradiance", 3 }, { "charts", 1 } })
+end
+
+describe "lightmap:pieces" {
+  about = "The surfaces with their texture coordinates: a piece for each side of a mesh that has light. Vertices are split where "
+    .. "charts end.",
+  arguments = {},
+  returns = { { "pieces", "table", "a list of { mesh, uvs: float [n][2], number: place in scene.geometry, back: whether it is "
+    .. "the back of it, whose triangles and normals are turned, material, name }" } },
+  errors = "raises on what is no lightmap; nil, message, code where memory runs out",
+  example = room .. [[
+local pieces = scene:lightmap({ texels = 1024, rays = 16 }):pieces()
+assert(#pieces == 1 and pieces[1].back and #pieces[1].mesh == 12)]],
+}
+function methods.pieces(map)
+  local m = opened("pieces", map)
+  local list = {}
+  for i = 1, m.stats.sheets do
+    local number, back = m.lib.map_sheet(map, i)
+    local of = m.scene.geometry[number]
+    local mesh, uvs, code = check.result("pieces", m.lib.map_split(map, i, of.mesh))
+    if not mesh then return nil, uvs, code end
+    list[i] = { mesh = mesh, uvs = uvs, number = number, back = back, material = of.material, name = of.name,
+      occludes = of.occludes }
+  end
+  return list
+end
+
+--- Saves glTF: a scene of the pieces; lamps stay where an engine is to draw them.
+local function save_gltf(m, pieces, path, picture)
+  local second = {}
+  for _, piece in ipairs(pieces) do
+    piece.sides, second[piece] = "front", piece.uvs
+  end
+  local scene = { name = m.scene.name, camera = m.scene.camera, cameras = m.scene.cameras, background = m.scene.background,
+    sky_is_seen = m.scene.sky_is_seen, geometry = pieces, lights = m.quantity == "indirect" and m.scene.lights or {} }
+  return gltf_write.save(scene, path, nil, { second = second, about = json.object("file", picture, "quantity", m.quantity,
+    "unit", "W m^-2", "coordinates", 1) })
+end
+
+describe "lightmap:save" {
+  about = "Writes the picture, and the surfaces beside it. NAME.glb and NAME.gltf: glTF whose TEXCOORD_1 reads NAME.exr, with "
+    .. "the lamps where quantity is 'indirect'; NAME.obj: triangles whose vt reads NAME.exr; NAME.exr: the picture alone. "
+    .. "Pictures are half floats, W m^-2; docs/engines.md says how engines read them.",
+  arguments = { { "path", "string", "ends in .glb, .gltf, .obj or .exr" } },
+  returns = { { "ok", "boolean", "true" } },
+  errors = "raises on another ending; nil, message, code: files, memory",
+  example = room .. [[
+local light, name = scene:lightmap { texels = 1024, rays = 16 }, os.tmpname()
+assert(light:save(name .. ".glb"))
+for _, ending in ipairs { ".glb", ".exr" } do assert(os.remove(name .. ending)) end
+os.remove(name)]],
+}
+function methods.save(map, path)
+  local m = opened("save", map)
+  local ending = type(path) == "string" and not path:find "%z" and path:lower():match "%.(%w+)$"
+  if ending ~= "glb" and ending ~= "gltf" and ending ~= "obj" and ending ~= "exr" then
+    return check.bad(1, "save", "a file name that ends in .glb, .gltf, .obj or .exr expected, got %s", check.describe(path))
+  end
+  local stem = path:gsub("%.%w+$", "")
+  local picture, message, code = picture_of(m, map, { { "irradiance", 3 } })
+  if not picture then return nil, message, code end
+  local done
+  done, message, code = picture:save(stem .. ".exr", { bits = 16 })
+  if not done or ending == "exr" then return done, message, code end
+  local pieces
+  pieces, message, code = map:pieces()
+  if not pieces then return nil, message, code end
+  if ending == "obj" then return wavefront.save(pieces, path) end
+  done, message, code = save_gltf(m, pieces, path, stem:match "[^/]*$" .. ".exr")
+  if not done then return nil, message, code end
+  return true
+end
+
+describe "lightmap:close" {
+  about = "Frees the memory of a lightmap now rather than at the next collection.",
+  arguments = {},
+  returns = {},
+  errors = "raises on what is no lightmap",
+  example = room .. "scene:lightmap({ texels = 1024, rays = 16 }):close()",
+}
+function methods.close(map)
+  if core.type(map) ~= "ylm.lightmap" then
+    return check.fail("close: a lightmap expected before the colon, got %s", check.describe(map))
+  end
+  objects.close(map, objects.made(map).lib.map_close)
+end
+
+memory.publish(methods)
+
+return lightmaps

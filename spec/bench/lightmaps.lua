@@ -1,0 +1,101 @@
+-- Lightmaps: charts of meshes; errors beside even texels at equal bytes, seams, seconds by stage; a promise at 10,000 places.
+--
+--     make bench BENCH=lightmaps
+--     build/ylm run spec/bench/lightmaps.lua [charts | texels | promise]
+--
+-- "rms" and "99 %" are of irradiance relative to the mean, and to the larger of the place's and the mean, at 2,048 fresh places
+-- by 16 times as many rays as a place of the fit has, to elements and lamps. "dB" is what texels spread by light gain over even
+-- ones in rms. The promise is judged again by up to 4,096 paths of 10,000 places of another seed.
+
+local ylm = require "ylm"
+local core = require "ylm.c.core"
+local promise = require "spec.support.surface_promise"
+
+local what = arg and arg[1]
+ylm.on_warning(false)
+
+local function charts()
+  print "charts: mesh, triangles, charts, stretch, of the worst, share of the picture, seconds"
+  for _, case in ipairs {
+    { "box", ylm.box {} }, { "sphere", ylm.sphere {} }, { "torus", ylm.torus {} }, { "knot", ylm.knot {} },
+    { "knot, many", ylm.knot { divide = { 4000, 125 } } },
+  } do
+    local _, r = assert(case[2].mesh:unwrap { texels = 65536 })
+    print(("  %-12s %8d %5d  %.4f %.4f  %.3f  %6.2f"):format(case[1], r.triangles, r.charts, r.stretch, r.worst, r.share,
+      r.seconds))
+  end
+end
+
+--- A knot on a floor under a lamp.
+local function curved()
+  local white = ylm.matte { albedo = 0.7 }
+  return ylm.scene "a knot on a floor" {
+    geometry = { ylm.knot { radius = 0.6, minor = 0.25, tube = 0.1, divide = { 192, 16 }, at = { 0, 0.5, 0 }, material = white },
+      ylm.quad { corner = { -3, 0, 3 }, u = { 6, 0, 0 }, v = { 0, 0, -6 }, material = white, sides = "front" } },
+    lights = ylm.sphere_light { at = { 0.8, 2.2, 0.6 }, radius = 0.15, radiance = 100 },
+  }
+end
+
+local scenes = {
+  { "room", function() return ylm.load "examples/scenes/room.lua" end, {} },
+  { "window", function() return require "spec.support.window_room"(ylm) end, { spacing = 0.15 } },
+  { "knot", curved, {} },
+}
+
+local function row(name, texels, spread, s, gain)
+  print(("  %-7s %6d %-5s  %.4f %s  %.4f  %.3f  %5d %.4f %.2f  %5.1f %5.1f %5.1f %5.1f"):format(name, texels, spread, s.rms,
+    gain and ("%5.1f"):format(gain) or "     ", s.error, s.jump, s.charts, s.stretch, s.share, s.chart_seconds, s.pack_seconds,
+    s.light_seconds, s.fit_seconds))
+  io.stdout:flush()
+end
+
+local function texels()
+  print "texels: scene, texels, spread, rms, dB, 99 %, jump, charts, stretch, share; seconds of charts, packing, light, fits"
+  for _, case in ipairs(scenes) do
+    local scene = case[2]()
+    local links = assert(scene:links { lmax = 0, spacing = case[3].spacing })
+    for _, n in ipairs { 16384, 65536 } do
+      local even
+      for _, spread in ipairs { "even", "light" } do
+        local s = assert(scene:lightmap { texels = n, spread = spread, links = links, rays = 32, light_samples = 16,
+          progress = false }).stats
+        row(case[1], n, spread, s, even and 20 * math.log(even / s.rms) / math.log(10))
+        even = even or s.rms
+      end
+    end
+  end
+end
+
+local function lists(a)
+  local rows = {}
+  for i = 1, #a do rows[i] = { a:get(i, 1), a:get(i, 2), a:get(i, 3) } end
+  return rows
+end
+
+--- A box room with a block in it.
+local function blocked()
+  return ylm.scene "a block in a room" {
+    geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } },
+      ylm.box { bounds = { { -0.6, -1, -0.2 }, { -0.1, -0.4, 0.5 } }, material = ylm.matte { albedo = { 0.7, 0.4, 0.2 } } } },
+    lights = ylm.sphere_light { at = { 0.3, 0.6, 0.2 }, radius = 0.25, radiance = 10 },
+  }
+end
+
+local function kept()
+  print "promise: quantity, tolerance, texels, met, error; places that fail for sure, that noise hides"
+  for _, case in ipairs { { "all", 0.05 }, { "all", 0.03 } } do
+    local scene = blocked()
+    local links = assert(scene:links { rays = 256, lmax = 0, spacing = 0.06 })
+    local map = assert(scene:lightmap { tolerance = case[2], quantity = case[1], links = links, progress = false })
+    local points, normals, told = core.owned(map, "made").lib.map_judges(map, links:radiosity(), 10000, 4242)
+    local places = { points = lists(points), normals = lists(normals), told = lists(told) }
+    local failed, open = promise.hold(scene, places, case[1], case[2], 256, 4096)
+    print(("  %-8s %.2f %7d %s %.4f  %d and %d of %d"):format(case[1], case[2], map.stats.width * map.stats.height,
+      tostring(map.stats.met), map.stats.error, failed, #open, #places.points))
+    io.stdout:flush()
+  end
+end
+
+if not what or what == "charts" then charts() end
+if not what or what == "texels" then texels() end
+if not what or what == "promise" then kept() end

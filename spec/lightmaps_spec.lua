@@ -1,0 +1,194 @@
+-- scene:lightmap: pictures of irradiance with coordinates of their own, as somebody reads them who has only the files.
+
+local ylm = require "ylm"
+local core = require "ylm.c.core"
+local random = require "spec.support.random"
+local scratch = require "spec.support.scratch"
+
+local white = ylm.matte { albedo = 0.5 }
+local links = ylm.links { spacing = 0.5, rays = 16 }
+local lamp = ylm.sphere_light { at = { 0.2, 0.3, 0 }, radius = 0.05, radiance = 100 }
+--- The light of the lamp on a wall of the box from -1 to 1, at x with the normal n.
+local function truth(x, n)
+  local d, square, cosine = {}, 0, 0
+  for a = 1, 3 do
+    d[a] = lamp.at[a] - x[a]
+    square, cosine = square + d[a] * d[a], cosine + d[a] * n[a]
+  end
+  return math.pi * 0.05 ^ 2 * 100 * cosine / square ^ 1.5
+end
+
+local function box(fields)
+  return ylm.scene "a box" { geometry = { ylm.box { scale = 2, material = white } }, lights = fields and fields.lights or lamp,
+    links = links }
+end
+
+--- A bilinear look-up at u, v of the texture coordinates, v upwards.
+local function look_up(layer, size, u, v)
+  local x, y = u * size[1] - 0.5, (1 - v) * size[2] - 0.5
+  local i, j, sum = math.floor(x), math.floor(y), 0
+  for k = 0, 3 do
+    local a, b = i + k % 2, j + math.floor(k / 2)
+    local w = (1 - math.abs(x - a)) * (1 - math.abs(y - b))
+    a, b = math.max(0, math.min(size[1] - 1, a)), math.max(0, math.min(size[2] - 1, b))
+    if w > 0 then sum = sum + w * layer:get(b + 1, a + 1, 1) end
+  end
+  return sum
+end
+
+--- f(x, n, E) at `count` random places of a piece's triangles, E as the picture has it.
+local function visit(piece, image, count, f)
+  local r, layer = random.minimal(4711), image:layer "irradiance"
+  local triangles, vertices, normals = piece.mesh:triangles(), piece.mesh:vertices(), piece.mesh:normals()
+  for _ = 1, count do
+    local t, u, v = 1 + math.floor(#triangles * r()), r(), r()
+    if u + v > 1 then u, v = 1 - u, 1 - v end
+    local w, x, n, at = { 1 - u - v, u, v }, { 0, 0, 0 }, { 0, 0, 0 }, { 0, 0 }
+    for k = 1, 3 do
+      local of = triangles:get(t, k)
+      for a = 1, 3 do
+        x[a], n[a] = x[a] + w[k] * vertices:get(of, a), n[a] + w[k] * normals:get(of, a)
+      end
+      for a = 1, 2 do at[a] = at[a] + w[k] * piece.uvs:get(of, a) end
+    end
+    f(x, n, look_up(layer, image.size, at[1], at[2]))
+  end
+end
+
+describe("scene:lightmap", function()
+  it("has the light of a lamp on the walls of a box, to 2 % at 99 of 100 places", function()
+    local light = box():lightmap { texels = 4096, quantity = "direct", rays = 4, light_samples = 8 }
+    local pieces, image, misses = light:pieces(), light:image(), 0
+    assert.same({ 1, 1, true }, { #pieces, pieces[1].number, pieces[1].back })
+    visit(pieces[1], image, 1000, function(x, n, E)
+      if math.abs(E / truth(x, n) - 1) > 0.02 then misses = misses + 1 end
+      local here, chart = light:irradiance({ x }, { n })
+      assert.is_true(math.abs(here:get(1, 1) - E) < 1e-3 * E and chart:get(1) >= 1 and chart:get(1) <= 6)
+    end)
+    assert.is_true(misses <= 10, misses)
+    assert.is_true(light.stats.error < 0.02 and light.stats.met == nil, light.stats.error)
+    assert.is_true(light.stats.width * light.stats.height <= 4096 and light.stats.bytes <= 6 * 4096)
+  end)
+
+  it("keeps a tolerance, and says so, or warns", function()
+    local light = box():lightmap { tolerance = 0.1, rays = 16, light_samples = 8, judge = "field" }
+    assert.is_true(light.stats.met and light.stats.error <= 0.1 and light.stats.verified > 2000)
+    local warned
+    ylm.on_warning(function(sentence) warned = sentence end)
+    local poor = box({ lights = ylm.sphere_light { at = { 0.5, -0.9, 0 }, radius = 0.01, radiance = 1e4 } }):lightmap {
+      tolerance = 0.01, texels = 256, rays = 4, light_samples = 2, judge = "field", quantity = "direct" }
+    ylm.on_warning(nil)
+    assert.is_false(poor.stats.met)
+    assert.is_true(poor.stats.spent)
+    assert.truthy(warned:find "tolerance 0.01 is not met" and warned:find "texels are spent")
+  end)
+
+  it("gives charts where light bends more texels, and misses less than even ones", function()
+    local walls = { ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, material = white } }
+    for i = 0, 4 do
+      walls[#walls + 1] = ylm.quad { corner = { -2, i + 3, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, material = white,
+        sides = "back" }
+    end
+    local scene = ylm.scene "one floor near a lamp" { geometry = walls,
+      lights = ylm.sphere_light { at = { 0, 0.15, 0 }, radius = 0.02, radiance = 1000 } }
+    local rms = {}
+    for _, spread in ipairs { "even", "light" } do
+      rms[spread] = scene:lightmap({ texels = 3000, spread = spread, quantity = "direct", rays = 4,
+        light_samples = 4 }).stats.rms
+    end
+    assert.is_true(rms.light < 0.7 * rms.even, ("%.4g, even %.4g"):format(rms.light, rms.even))
+  end)
+
+  it("agrees across seams of a sphere to 2 %", function()
+    local light = ylm.scene "a ball" { geometry = { ylm.sphere { divide = { 24, 12 }, material = white } },
+      links = links, lights = ylm.sphere_light { at = { 3, 2, 1 }, radius = 0.2, radiance = 100 } }
+      :lightmap { texels = 4096, rays = 8 }
+    assert.is_true(light.stats.seams > 20)
+    assert.is_true(light.stats.jump < 0.02, light.stats.jump)
+  end)
+
+  it("averages where light is smooth: less noise than each texel by itself", function()
+    local rms = {}
+    for _, smooth in ipairs { false, true } do
+      rms[smooth] = box():lightmap({ texels = 2048, rays = 8, light_samples = 2, quantity = "indirect",
+        smooth = smooth }).stats.rms
+    end
+    assert.is_true(rms[true] < 0.8 * rms[false], ("%.4g, alone %.4g"):format(rms[true], rms[false]))
+  end)
+
+  it("has the sides of meshes that have light, and no light in bodies", function()
+    local light = ylm.scene "a plate and a block in it" { geometry = {
+      ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, material = white },
+      ylm.box { bounds = { { -0.5, -0.5, -0.5 }, { 0.5, 0.5, 0.5 } }, material = white } },
+      links = links, lights = ylm.sphere_light { at = { 0, 3, 0 }, radius = 0.2, radiance = 100 } }
+      :lightmap { texels = 512, rays = 16 }
+    local sides = {}
+    for i, piece in ipairs(light:pieces()) do sides[i] = piece.number .. (piece.back and " back" or " front") end
+    assert.same({ "1 front", "1 back", "2 front" }, sides)
+  end)
+
+  it("gives the same bits for any number of threads", function()
+    local one
+    for _, threads in ipairs { 1, 3 } do
+      local bytes = box():lightmap({ texels = 1024, rays = 8, threads = threads }):image():layer "irradiance":bytes()
+      one = one or bytes
+      assert.equal(one, bytes)
+    end
+  end)
+
+  it("stops where its progress function returns false", function()
+    for _, stage in ipairs { "unwrap", "lightmap", "texels" } do
+      local seen
+      local light, _, code = box():lightmap { texels = 512, rays = 8, progress = { function(_, _, at)
+        seen = seen or at == stage
+        return not seen
+      end, every = 1e-6 } }
+      assert.same({ nil, "ECANCELLED", true }, { light, code, seen })
+    end
+  end)
+end)
+
+describe("lightmap:save", function()
+  it("writes glTF whose second coordinates read the picture beside it", function()
+    local folder = scratch.new()
+    local light = box():lightmap { texels = 1024, rays = 8, quantity = "indirect" }
+    assert.is_true(light:save(folder.path .. "/room.glb"))
+    local bytes = folder:read "room.glb"
+    assert.truthy(bytes:find '"TEXCOORD_1"' and bytes:find '"file":"room.exr"' and bytes:find '"quantity":"indirect"')
+    local again = ylm.load(folder.path .. "/room.glb")
+    assert.same({ 1, 12, 1 }, { #again.geometry, #again.geometry[1].mesh, #again.lights })
+    local picture = ylm.load(folder.path .. "/room.exr")
+    assert.is_true(picture:layer("irradiance"):same(light:image():layer "irradiance", 0))
+    assert(light:save(folder.path .. "/room.obj"))
+    local mesh = ylm.mesh({ file = folder.path .. "/room.obj" }).mesh
+    local piece = light:pieces()[1]
+    assert.equal(#piece.mesh, #mesh)
+    local here, there = mesh:triangles(), piece.mesh:triangles()
+    for t = 1, #mesh do
+      for k = 1, 3 do
+        for a = 1, 2 do
+          local off = mesh:uvs():get(here:get(t, k), a) - piece.uvs:get(there:get(t, k), a)
+          assert.is_true(math.abs(off) < 1e-7, off)
+        end
+      end
+    end
+    folder:remove()
+  end)
+
+  it("leaves lamps out that the picture has already", function()
+    local folder = scratch.new()
+    assert(box():lightmap({ texels = 1024, rays = 8 }):save(folder.path .. "/room.gltf"))
+    assert.equal(0, #ylm.load(folder.path .. "/room.gltf").lights)
+    folder:remove()
+  end)
+end)
+
+describe("a lightmap", function()
+  it("says what it is, and that it is closed", function()
+    local light = box():lightmap { texels = 1024, rays = 4 }
+    assert.equal("ylm.lightmap", core.type(light))
+    assert.truthy(tostring(light):find 'of "a box": all light, 6 charts')
+    light:close()
+    assert.equal("ylm.lightmap (closed)", tostring(light))
+  end)
+end)
