@@ -11,5 +11,13 @@
 #define IMAGE_ROWS 16
 /* The largest half width of FLIP's filters, in pixels. */
 #define FLIP_RADIUS 512
+/* Luminance that the middle of a picture is shown as, that of a grey card; luminance up to which a pixel is shown as black, a
+   code of 6 in 255; how many times brighter than the middle a pixel is left out, and how many times darker it counts; rounds in
+   which the middle is found. */
+#define EXPOSURE_KEY 0.18
+#define EXPOSURE_BLACK 0.002
+#define EXPOSURE_BRIGHT 16
+#define EXPOSURE_DARK 1000
+#define EXPOSURE_ROUNDS 4
 
 #endif

@@ -132,6 +132,27 @@ YLM_API void ylm_tone_map(ylm_tone curve, double stops, size_t n, const float *x
 /* From sRGB-encoded 0 .. 1 back to linear. */
 YLM_API float ylm_tone_decode_srgb(float x);
 
+/* How a picture is exposed: parts of its pixels that are shown as black and as white under `stops`. */
+typedef struct ylm_exposure {
+  double stops, black, white;
+} ylm_exposure;
+
+/*
+** ylm_image_expose - the exposure under which a picture is seen well.
+**
+** The mean logarithm of luminance becomes that of 0.18. Black pixels are left out, those of lamps (layer "emitter"), and
+** those 16 times as bright as the others are: windows, patches of sun. Pixels darker than a thousandth of that mean count as
+** one. A layer of one channel or two is taken by its first.
+**
+**   layer  in  NULL: the first
+**   stops  in  NULL, or the exposure that is asked about instead
+**
+** Returns  YLM_OK; YLM_EINVAL: no such layer. A picture without light has 0 stops
+** Source   Reinhard et al. 2002, Eqs. 1-2
+*/
+YLM_API ylm_status ylm_image_expose(const ylm_image *image, const char *layer, const double *stops,
+                                    ylm_exposure *out, ylm_error *e);
+
 /* -- colour maps -------------------------------------------------------------- */
 
 /*

@@ -89,6 +89,36 @@
 #define CAST_FRESH_ROOM 65536
 #define CAST_FRESH_GRAIN 64
 
+/* -- light without most of its noise: denoise.c --------------------------------------------------- */
+
+/* Cells of the disk around a point whose light may count, on a side; pixels of that of its second guide, of that by which its
+   variance is known, and of its first guide. */
+#define DENOISE_REACH 9
+#define DENOISE_GUIDED 5.0f
+#define DENOISE_VARIED 8.0f
+#define DENOISE_FIRST 1.9f
+/* Reach from which on a cell is 2 x 2 pixels. */
+#define DENOISE_COARSE 4
+/* Taps of even weight that are enough: of fewer, all within DENOISE_GUIDED pixels count. */
+#define DENOISE_FEW 6
+/* Squared cells that are added to the variance of places: slopes that few taps tell are drawn to 0. */
+#define DENOISE_RIDGE 0.5
+/* Points count whose normals are within 37 degrees and which are this near to each other's planes, in pixel widths. */
+#define DENOISE_COSINE 0.8f
+#define DENOISE_PLANE 2
+/* Pixel widths in space within which points count, over those in the picture: light changes with places, not with how surfaces
+   are turned to the camera. */
+#define DENOISE_AROUND 1.5
+/* The squared difference of guides that counts for nothing, over the sum of their variances. Moved by: widths of shadows'
+   edges, and noise that is left (`make bench BENCH=interiors`). */
+#define DENOISE_RANGE 9.0f
+/* Variance below which guides count as known. */
+#define DENOISE_LEAST 1e-24
+/* Albedo of a channel below which its light is not told apart from none. */
+#define DENOISE_ALBEDO 1e-4f
+/* Numbers that kernels may read behind a row. */
+#define DENOISE_LANES 16
+
 /* -- pixels that are judged: draw.c -------------------------------------------------------------- */
 
 /* The part of the mixture that is by light, and the part of that by the difference of two pictures. Moved by: pictures

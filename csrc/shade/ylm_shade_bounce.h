@@ -89,24 +89,33 @@ YLM_API ylm_status ylm_shade_gather(const ylm_shade_links *links, const float *l
    over their mean albedo. 0 where there is none. */
 YLM_API double ylm_shade_gather_noise(const ylm_shade_links *links, const float *leaving);
 
-/* Links of a set. */
+/* The most links of a set. */
 enum { YLM_SHADE_SET = 32 };
+
+/* Sets of links that are found one after the other. */
+typedef struct ylm_shade_sets {
+  const ylm_transfer *transfer;
+  const float *leaving; /* ylm_radiosity_leaving */
+  int links;            /* of a set, a multiple of 4 up to YLM_SHADE_SET */
+  const float *sets;    /* [points] how many sets each point has, whole numbers */
+  bool all;             /* points that gloss have links too, as matte ones */
+  uint64_t seed;
+  int threads;
+  const ylm_progress *progress; /* stage "links" */
+} ylm_shade_sets;
 
 /*
 ** ylm_shade_gather_sets - as ylm_shade_gather, along sets of links that are found one after the other and not kept.
 **
-** Matte points alone have a meaning here: links of all points go as the cosine.
+** Links of all points go as the cosine.
 **
-**   sets  in   [points] how many sets each point has, whole numbers
 **   half  out  [2][points][3] the light by sets of even and of odd number; 0 where there is none of them
 **   rays  out  links of all sets
 **
-** Returns  YLM_OK; YLM_ENOMEM, YLM_ECANCELLED (progress stage "links"). Bits are the same for any number of threads
+** Returns  YLM_OK; YLM_ERANGE (links), YLM_ENOMEM, YLM_ECANCELLED. Bits are the same for any number of threads
 */
-YLM_API ylm_status ylm_shade_gather_sets(const ylm_shade_view *view, const ylm_transfer *transfer,
-                                         const float *leaving, const float *sets, uint64_t seed,
-                                         int threads, const ylm_progress *progress, float *half[2],
-                                         uint64_t *rays, ylm_error *e);
+YLM_API ylm_status ylm_shade_gather_sets(const ylm_shade_view *view, const ylm_shade_sets *o,
+                                         float *half[2], uint64_t *rays, ylm_error *e);
 
 /*
 ** ylm_shade_blend_links - radiance of points that gloss by the light of elements. The points are

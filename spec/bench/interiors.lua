@@ -1,16 +1,19 @@
--- Noise of the direct light of a room that is lit through a window, with guides and without.
+-- Noise of interiors: of the direct light of a room that is lit through a window, with guides and without; of pictures of four
+-- rooms by default counts, before and after a filter, beside paths that take as long.
 --
 --     make bench BENCH=interiors         build/ylm run spec/bench/interiors.lua [width height]
 --
 -- Noise is the root mean square difference of a pixel's luminance to that of 2,048 shadow rays of the same shading points,
 -- relative to the mean of all light, bounces included, over 9 x 9 pixels around it. Efficiency is 1 / noise^2 / rays, the pilot's
--- rays included, relative to that without guides.
+-- rays included, relative to that without guides. Pictures of four rooms are compared with two of RAYS shadow rays and links at
+-- the same shading points and elements: their noise, after the filter that of all seeds; the bias of their mean over SEEDS seeds,
+-- and the root mean square of that of blocks of 32 x 32 pixels, beside what the noise of the raw pictures makes of it; and FLIP.
 
 local ylm = require "ylm"
 local room = dofile "spec/support/window_room.lua"(ylm)
 
 local size = { tonumber(arg[1] or 192), tonumber(arg[2] or 108) }
-local SEEDS, REACH = 3, 4
+local SEEDS, REACH, RAYS, BLOCK = 3, 4, 256, 32
 
 local function luminance(c) return 0.2126 * c[1] + 0.7152 * c[2] + 0.0722 * c[3] end
 
@@ -72,3 +75,107 @@ for _, light_samples in ipairs { 16, 32, 64 } do
       cost / (noise ^ 2 * rays)))
   end
 end
+
+--- Sums over blocks of an image's luminance.
+local function blocks(rows)
+  local out = {}
+  for y, row in ipairs(rows) do
+    for x, l in ipairs(row) do
+      local k = math.floor((y - 1) / BLOCK) * 1000 + math.floor((x - 1) / BLOCK)
+      out[k] = (out[k] or 0) + l
+    end
+  end
+  return out
+end
+
+--- Root mean square over blocks of the difference of sums from the exact ones, relative to these.
+local function block_bias(sums, exact)
+  local square, n = 0, 0
+  for k, x in pairs(exact) do
+    if x > 0 then square, n = square + (sums[k] / x - 1) ^ 2, n + 1 end
+  end
+  return math.sqrt(square / n)
+end
+
+--- Luminance of surfaces: pixels that show a lamp or the sky are 0.
+local function seen(image, layer, hidden)
+  local rows = image:layer(layer):totable()
+  for y, row in ipairs(rows) do
+    for x, c in ipairs(row) do row[x] = hidden[y][x] and 0 or luminance(c) end
+  end
+  return rows
+end
+
+--- The noise of rows, relative to the light of surfaces around, by two exact pictures whose own noise cancels in the mean.
+local function noise_of(rows, x)
+  local square, n = 0, 0
+  for y, row in ipairs(rows) do
+    for k, l in ipairs(row) do
+      local middle = x.middle[y][k] / x.part[y][k]
+      if not x.hidden[y][k] and middle > 0 then
+        square, n = square + (l - x.halves[1][y][k]) * (l - x.halves[2][y][k]) / middle ^ 2, n + 1
+      end
+    end
+  end
+  return math.sqrt(math.max(0, square / n))
+end
+
+--- Pixels of an image that do not show surfaces alone.
+local function hidden_in(image)
+  local cover, lamps, out = image:layer("coverage"):totable(), image:layer("emitter"):totable(), {}
+  for y, row in ipairs(cover) do
+    out[y] = {}
+    for x, c in ipairs(row) do out[y][x] = c[1] < 0.99 or lamps[y][x][1] > 0 end
+  end
+  return out
+end
+
+local function line_of(name, scene)
+  local half = ylm.zeros({ size[2], size[1] }, "float") + 0.5
+  local lit = scene:links({ lmax = 0 }):radiosity()
+  local function exactly(seed)
+    return assert(scene:render { size = size, bounced = lit, light_samples = RAYS, rays = RAYS, seed = seed })
+  end
+  local best, again = exactly(98), exactly(99)
+  local hidden = hidden_in(best)
+  local x = { hidden = hidden, halves = { seen(best, "radiance", hidden), seen(again, "radiance", hidden) }, part = {} }
+  best:paste(again, 1, 1, { mask = half })
+  local exact, sums = seen(best, "radiance", hidden), { raw = {}, radiance = {} }
+  for y, row in ipairs(hidden) do
+    x.part[y] = {}
+    for k, out in ipairs(row) do x.part[y][k] = out and 0 or 1 end
+  end
+  x.middle, x.part = around(exact), around(x.part)
+  local noise, flip, says, seconds, z2, whole = { raw = 0, radiance = 0 }, { raw = 0, radiance = 0 }, 0, 0, 0, 0
+  local exact_sums = blocks(exact)
+  for _, sum in pairs(exact_sums) do whole = whole + sum end
+  for seed = 1, SEEDS do
+    local image, report = assert(scene:render { size = size, bounced = lit, denoise = "auto", seed = seed })
+    says, seconds = says + report.noise / SEEDS, seconds + report.seconds.light / SEEDS
+    z2 = z2 + (report.denoise and report.denoise.z2 or 0) / SEEDS
+    for layer in pairs(noise) do
+      local rows = seen(image, report.denoise and layer or "radiance", hidden)
+      noise[layer] = noise[layer] + noise_of(rows, x) ^ 2 / SEEDS
+      for k, sum in pairs(blocks(rows)) do sums[layer][k] = (sums[layer][k] or 0) + sum / SEEDS end
+      local shown = ylm.image { size = size }
+      shown:paste(image, 1, 1, { from = report.denoise and layer or "radiance" })
+      flip[layer] = flip[layer] + shown:compare(best, { flip = "hdr" }).flip / SEEDS
+    end
+  end
+  local total = 0
+  for _, sum in pairs(sums.radiance) do total = total + sum end
+  local paths = assert(scene:pathtrace { size = size, time_limit = seconds, samples = 65536 })
+  local of_paths = noise_of(seen(paths, "radiance", hidden), x)
+  print(("%-9s %7.1f %7.2f %7.2f %5.2f %8.2f %8.2f %8.2f %8.3f %7.3f %9.1f %7.3f"):format(name, 100 * math.sqrt(noise.raw),
+    100 * math.sqrt(noise.radiance), 100 * says, z2, 100 * (total / whole - 1), 100 * block_bias(sums.radiance, exact_sums),
+    100 * block_bias(sums.raw, exact_sums), flip.raw, flip.radiance,
+    100 * of_paths, paths:compare(best, { layer = "radiance", flip = "hdr" }).flip))
+end
+
+print(("\npictures by default counts: %d x %d, 16 samples, %d seeds, beside twice %d rays and links a point; paths of equal "
+  .. "seconds"):format(size[1], size[2], SEEDS, RAYS))
+print(("%-9s %7s %7s %7s %5s %8s %8s %8s %8s %7s %9s %7s"):format("scene", "noise", "noise", "says", "z2", "bias", "blocks",
+  "blocks", "FLIP", "FLIP", "noise", "FLIP"))
+print(("%-9s %7s %7s %7s %5s %8s %8s %8s %8s %7s %9s %7s"):format("", "raw %", "%", "%", "", "%", "%", "raw %", "raw", "",
+  "paths %", "paths"))
+for _, x in ipairs(dofile "spec/support/interiors.lua"(ylm)) do line_of(x[1], x[2]) end

@@ -273,6 +273,19 @@ static int mapping_positions(lua_State *L) {
   return 1;
 }
 
+/* image_expose(image, layer or nil, stops or nil) -> stops, black, white */
+static int image_expose(lua_State *L) {
+  ylm_error e = {0};
+  ylm_exposure x = {0};
+  double stops = (double)luaL_optnumber(L, 3, 0);
+  ylm_status s = ylm_image_expose(ylmL_image_check(L, 1), luaL_optstring(L, 2, NULL),
+                                  lua_isnoneornil(L, 3) ? NULL : &stops, &x, &e);
+  lua_pushnumber(L, (lua_Number)x.stops);
+  lua_pushnumber(L, (lua_Number)x.black);
+  lua_pushnumber(L, (lua_Number)x.white);
+  return ylmL_result(L, 3, s, &e);
+}
+
 static const luaL_Reg functions[] = {{"image_compare", image_compare},
                                      {"image_difference", image_difference},
                                      {"image_agree", image_agree},
@@ -284,6 +297,7 @@ static const luaL_Reg functions[] = {{"image_compare", image_compare},
                                      {"image_text", image_text},
                                      {"image_colours", image_colours},
                                      {"colourmap_at", colourmap_at},
+                                     {"image_expose", image_expose},
                                      {"tone_map", tone_map},
                                      {"mapping_pixels", mapping_pixels},
                                      {"mapping_positions", mapping_positions},

@@ -4,11 +4,9 @@
 #include "ylm_shade_bounce.h"
 
 typedef struct sets_form {
-  const ylm_transfer *transfer;
+  ylm_shade_sets o;
   const ylm_radiosity *lit;
   ylmL_array *sets, *first, *second;
-  uint64_t seed;
-  int threads;
   int progress; /* on the stack */
 } sets_form;
 
@@ -17,13 +15,15 @@ static void read_transfer(lua_State *L, int i, void *field) {
 }
 
 static const ylmL_entry sets_entries[] = {
-    YLML(sets_form, transfer, "transfer", READ, .read = read_transfer),
+    YLML(sets_form, o.transfer, "transfer", READ, .read = read_transfer),
     YLML(sets_form, lit, "lit", READ, .read = ylmL_read_radiosity),
+    YLML(sets_form, o.links, "links", INT),
     YLML(sets_form, sets, "sets", ARRAY),
+    YLML(sets_form, o.all, "all", BOOL),
     YLML(sets_form, first, "first", ARRAY),
     YLML(sets_form, second, "second", ARRAY),
-    YLML(sets_form, seed, "seed", UINT64),
-    YLML(sets_form, threads, "threads", INT),
+    YLML(sets_form, o.seed, "seed", UINT64),
+    YLML(sets_form, o.threads, "threads", INT),
     YLML(sets_form, progress, "progress", VALUE),
     {.name = NULL}};
 
@@ -31,7 +31,7 @@ static bool has_floats(const ylmL_array *a, size_t count) {
   return a->dtype == YLM_FLOAT && a->count == count;
 }
 
-/* shade_gather_sets(view, {transfer, lit, sets [n], first, second: out [n][3], seed, threads, progress}) -> rays */
+/* shade_gather_sets(view, {transfer, lit, links, sets [n], all, first, second: out [n][3], seed, threads, progress}) -> rays */
 static int shade_gather_sets(lua_State *L) {
   sets_form f;
   ylmL_read(L, 2, sets_entries, &f);
@@ -42,10 +42,10 @@ static int shade_gather_sets(lua_State *L) {
   ylmL_progress p;
   if (!has_floats(f.sets, n) || !has_floats(f.first, 3 * n) || !has_floats(f.second, 3 * n))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  const ylm_progress *progress = ylmL_progress_begin(L, f.progress, &p);
-  ylm_status s = ylm_shade_gather_sets(v, f.transfer, ylm_radiosity_leaving(f.lit), f.sets->data,
-                                       f.seed, f.threads, progress,
-                                       (float *[2]){f.first->data, f.second->data}, &rays, &e);
+  f.o.leaving = ylm_radiosity_leaving(f.lit), f.o.sets = f.sets->data;
+  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
+  ylm_status s =
+      ylm_shade_gather_sets(v, &f.o, (float *[2]){f.first->data, f.second->data}, &rays, &e);
   if (s == YLM_OK) ylmL_push_count(L, rays);
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
@@ -84,7 +84,27 @@ static int shade_spread(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
-static const luaL_Reg functions[] = {{"shade_gather_sets", shade_gather_sets},
+/* shade_denoise(view, first, second: in/out [n][3], all [n][3], noise, threads, progress) -> first */
+static int shade_denoise(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylmL_array *x[3];
+  ylmL_progress p;
+  for (int k = 0; k < 3; k++) {
+    x[k] = ylmL_array_check(L, 2 + k);
+    if (!has_floats(x[k], 3 * ylmL_shade_points(v))) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  }
+  double noise = luaL_checknumber(L, 5);
+  int threads = (int)luaL_checknumber(L, 6);
+  const ylm_progress *progress = ylmL_progress_begin(L, 7, &p);
+  ylm_status s = ylm_shade_denoise(v, (float *[2]){x[0]->data, x[1]->data}, x[2]->data, noise,
+                                   threads, progress);
+  lua_settop(L, 7);
+  lua_pushvalue(L, 2);
+  return ylmL_result_progress(L, 1, s, NULL, &p);
+}
+
+static const luaL_Reg functions[] = {{"shade_denoise", shade_denoise},
+                                     {"shade_gather_sets", shade_gather_sets},
                                      {"shade_noise_around", shade_noise_around},
                                      {"shade_spread", shade_spread},
                                      {NULL, NULL}};

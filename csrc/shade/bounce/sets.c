@@ -3,14 +3,13 @@
 #include <string.h>
 
 #include "../calibration.h"
-#include "../view.h"
+#include "../gloss/lobes.h"
 #include "ylm_shade_bounce.h"
 
 /* Points that still want a set, and its links. */
 typedef struct round_of {
   const ylm_shade_view *view;
-  const ylm_transfer *transfer;
-  const float *leaving, *sets;
+  const ylm_shade_sets *o;
   uint64_t *stream;
   uint32_t *point, *link;                  /* [points], [SETS_POINTS][YLM_SHADE_SET] */
   float (*origin)[3], (*normal)[3], *mean; /* [SETS_POINTS], mean [..][4] */
@@ -43,18 +42,19 @@ static ylm_status round_create(round_of *r) {
 }
 
 /* Adds the light of a set of some points to a half. */
-static ylm_status add_set(round_of *r, size_t n, const uint32_t *point, uint64_t seed, int threads,
-                          float *half, ylm_error *e) {
+static ylm_status add_set(round_of *r, size_t n, const uint32_t *point, uint64_t seed, float *half,
+                          ylm_error *e) {
+  const ylm_shade_sets *o = r->o;
   for (size_t i = 0; i < n; i++) {
     memcpy(r->origin[i], r->view->origin[point[i]], 12);
     memcpy(r->normal[i], r->view->normal[point[i]], 12);
     r->own[i] = r->stream[point[i]];
   }
   ylm_status s =
-      ylm_transfer_find(r->transfer, n, (const float(*)[3])r->origin, (const float(*)[3])r->normal,
-                        r->own, YLM_SHADE_SET, seed, threads, NULL, r->link, 0, NULL, e);
+      ylm_transfer_find(o->transfer, n, (const float(*)[3])r->origin, (const float(*)[3])r->normal,
+                        r->own, o->links, seed, o->threads, NULL, r->link, 0, NULL, e);
   if (s != YLM_OK) return s;
-  ylm_transfer_sum(n, YLM_SHADE_SET, r->link, 4, r->leaving, NULL, r->mean, threads);
+  ylm_transfer_sum(n, o->links, r->link, 4, o->leaving, NULL, r->mean, o->threads);
   for (size_t i = 0; i < n; i++)
     for (size_t c = 0; c < 3; c++) half[3 * (size_t)point[i] + c] += r->mean[4 * i + c];
   return YLM_OK;
@@ -66,41 +66,40 @@ static float sets_of(float sets, int half) { return floorf((sets + (float)(1 - h
 /* The sets of a half from their sums to the radiance that points reflect. */
 static void finish(const round_of *r, int h, float *half) {
   for (size_t i = 0; i < r->view->points; i++) {
-    float n = sets_of(r->sets[i], h);
+    float n = sets_of(r->o->sets[i], h);
     for (size_t c = 0; n > 0 && c < 3; c++) half[3 * i + c] *= (float)YLM_PI / n;
   }
   ylm__shade_reflect(r->view, 0, r->view->points, half);
 }
 
 /* All sets of number `k`; *rays counts links. */
-static ylm_status run_round(round_of *r, int k, uint64_t seed, int threads, float *half,
-                            uint64_t *rays, ylm_error *e) {
+static ylm_status run_round(round_of *r, int k, float *half, uint64_t *rays, ylm_error *e) {
   size_t n = 0;
   ylm_status s = YLM_OK;
   for (size_t i = 0; i < r->view->points; i++)
-    if ((float)k < r->sets[i]) r->point[n++] = (uint32_t)i;
+    if ((float)k < r->o->sets[i] && (r->o->all || !ylm__shade_glosses(r->view, i)))
+      r->point[n++] = (uint32_t)i;
   for (size_t at = 0; s == YLM_OK && at < n; at += SETS_POINTS) {
     size_t some = n - at < SETS_POINTS ? n - at : SETS_POINTS;
-    s = add_set(r, some, r->point + at, ylm_mix64(seed + (uint64_t)k), threads, half, e);
+    s = add_set(r, some, r->point + at, ylm_mix64(r->o->seed + (uint64_t)k), half, e);
   }
-  *rays += n * YLM_SHADE_SET;
+  *rays += n * (size_t)r->o->links;
   return s;
 }
 
-ylm_status ylm_shade_gather_sets(const ylm_shade_view *v, const ylm_transfer *t,
-                                 const float *leaving, const float *sets, uint64_t seed,
-                                 int threads, const ylm_progress *progress, float *half[2],
+ylm_status ylm_shade_gather_sets(const ylm_shade_view *v, const ylm_shade_sets *o, float *half[2],
                                  uint64_t *rays, ylm_error *e) {
-  round_of r = {.view = v, .transfer = t, .leaving = leaving, .sets = sets};
+  round_of r = {.view = v, .o = o};
   float most = 0;
-  for (size_t i = 0; i < v->points; i++) most = fmaxf(most, sets[i]);
+  if (o->links < 4 || o->links > YLM_SHADE_SET || o->links % 4) return YLM_ERANGE;
+  for (size_t i = 0; i < v->points; i++) most = fmaxf(most, o->sets[i]);
   *rays = 0;
   memset(half[0], 0, v->points * 12);
   memset(half[1], 0, v->points * 12);
   ylm_status s = round_create(&r);
   for (int k = 0; s == YLM_OK && (float)k < most; k++) {
-    s = run_round(&r, k, seed, threads, half[k % 2], rays, e);
-    if (s == YLM_OK) s = ylm_report(progress, (uint64_t)k + 1, (uint64_t)most, "links");
+    s = run_round(&r, k, half[k % 2], rays, e);
+    if (s == YLM_OK) s = ylm_report(o->progress, (uint64_t)k + 1, (uint64_t)most, "links");
   }
   for (int h = 0; s == YLM_OK && h < 2; h++) finish(&r, h, half[h]);
   round_free(&r);

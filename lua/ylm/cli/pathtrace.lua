@@ -1,5 +1,6 @@
 --- ylm pathtrace scene.lua -o out.exr
 
+local exposures = require "ylm.cli.exposures"
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
@@ -16,6 +17,7 @@ return {
     { "tolerance", nil, "N", "end once the noise is at most this" },
     { "time-limit", nil, "N", "seconds: end after so long" },
     { "seed", nil, "N", "of all random numbers" },
+    exposures.option,
     { "display", nil, "ADDRESS", "HOST:PORT of an image viewer (tev) that shows the picture while it is made" },
     { "resume", nil, "FILE", "go on from this .exr of an earlier run" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
@@ -24,6 +26,7 @@ return {
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "pathtrace: -o FILE says where the image goes") end
     status.need_output("pathtrace", given.output, "exr", "png", "hdr", "pfm")
+    local exposure = exposures.of("pathtrace", given)
     local bounces = status.bounces("pathtrace", given.bounces)
     local scene = status.load_scene(given[1])
     local resume
@@ -34,7 +37,7 @@ return {
       threads = given.threads, display = status.display("pathtrace", given.display),
       progress = report.progress(given) }
     status.need(image, facts)
-    status.need(image:save(given.output))
+    exposures.save(given, image, exposure)
     report.print(given, facts)
     return status.good
   end,

@@ -5,17 +5,18 @@ local core = require "ylm.c.core"
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
-local MOST_STOPS = 60 -- of image:save
+local exposures = require "ylm.cli.exposures"
 
 local choices = {
   by = { "rays", "grid", "sum" }, visibility = { "rays", "transfer", "none", "self" },
   gloss = core.choices "gloss", bounced = { "links", "virtual" }, shading = { "pixel", "vertices" },
+  denoise = { "auto", "none" },
 }
 
 --- Which ways an option is for, where it is not for all.
 local only = {
   grid = { grid = true }, interpolation = { grid = true }, dering = { grid = true }, tolerance = { rays = true },
-  noise = { rays = true }, ["time-limit"] = { rays = true },
+  noise = { rays = true }, denoise = { rays = true }, ["time-limit"] = { rays = true },
   ["sums-tolerance"] = { grid = true, sum = true },
 }
 
@@ -24,7 +25,7 @@ local of_lights, of_virtual = { "count", "particles", "merge", "cell", "degree" 
 
 --- Ends the command where an option is none of its choices.
 local function check_choices(given)
-  for _, name in ipairs { "by", "visibility", "gloss", "bounced", "shading" } do
+  for _, name in ipairs { "by", "visibility", "gloss", "bounced", "shading", "denoise" } do
     local x, list, known = given[name], choices[name], given[name] == nil
     for _, choice in ipairs(list) do known = known or x == choice end
     if not known then
@@ -90,16 +91,20 @@ local function refuse_idle(given, by)
   end
 end
 
---- Ends the command where --exposure is out of range or the image has none.
-local function check_exposure(given)
-  local stops = given.exposure
-  if not stops then return end
-  if math.abs(stops) > MOST_STOPS then
-    status.stop(status.usage, "render: --exposure is from -%d to %d stops, got %g", MOST_STOPS, MOST_STOPS, stops)
-  end
-  if not given.output:lower():find "%.png$" then
-    status.stop(status.usage, "render: --exposure is of a .png: %s holds radiance as it is", given.output)
-  end
+--- Is noise filtered? Of pictures by rays and links, unless options count shadow rays, or ask for what a filter does not go with.
+local function filter_of(given, by)
+  if given.denoise then return given.denoise end
+  local plain = by == "rays" and not given.tolerance and not given["light-samples"] and given.shading ~= "vertices"
+    and given.bounced ~= "virtual" and not given.grid
+  return plain and "auto" or nil
+end
+
+--- Says which noise a picture has, and how long it took.
+local function say_noise(given, facts)
+  local before = facts.noise_before
+  report.say(given, "ylm: noise is %.1f %% of the light around a pixel%s, %.0f s%s", 100 * facts.noise,
+    before and (", %.0f %% before it was filtered"):format(100 * before) or "", facts.seconds.total,
+    facts.ended == "cancelled" and "; interrupted: this is the picture so far" or "")
 end
 
 --- Ends the command where options of virtual lights are given and these are not asked for.
@@ -130,7 +135,7 @@ local function options_of(given, by)
     light_samples = given["light-samples"], display = status.display("render", given.display), gloss = given.gloss,
     gloss_error = given["gloss-error"], sums_tolerance = given["sums-tolerance"], shading = given.shading,
     visibility = given.visibility, bounces = status.bounces("render", given.bounces), tolerance = given.tolerance,
-    noise = given.noise, time_limit = given["time-limit"],
+    noise = given.noise, denoise = filter_of(given, by), time_limit = given["time-limit"],
     interpolation = given.interpolation, dering = status.dering("render", given.dering), bounced = given.bounced,
     virtual = given.shadows and { shadows = given.shadows } or nil }
 end
@@ -156,8 +161,9 @@ return {
     { "shadows", nil, "NAME", "virtual: none (default) or centre, a ray from each point to each light" },
     { "tolerance", nil, "N", "of the picture, 0.02 for 2 %: chooses samples, light-samples and all about bounces, judges itself "
       .. "by paths, and says whether it is met" },
-    { "noise", nil, "N", "of the picture, 0.03 for 3 % of the light around each pixel: chooses shadow rays and links pixel by "
-      .. "pixel, and says what was reached" },
+    { "noise", nil, "N", "of the picture, default 0.03 for 3 % of the light around each pixel: chooses shadow rays and links "
+      .. "pixel by pixel, and says what was reached" },
+    { "denoise", nil, "NAME", "by rays: auto (a filter where there is more noise; default without --light-samples) or none" },
     { "time-limit", nil, "N", "seconds: with --noise, end after about so long" },
     { "light-samples", nil, "N", "by rays: shadow rays per shading point, default 32" },
     { "visibility", nil, "NAME", "rays, transfer (by grid and sum: occlusion by direction), none or self" },
@@ -170,7 +176,7 @@ return {
     { "dering", nil, "N", "of a grid: width of the window against light below zero, in degrees, 0: none; default: chosen where "
       .. "needed" },
     { "interpolation", nil, "NAME", "of a grid: hermite, taylor or linear" },
-    { "exposure", nil, "N", "of a .png, in stops" },
+    exposures.option,
     { "display", nil, "ADDRESS", "HOST:PORT of an image viewer (tev) that shows the picture while it is made" },
     { "sums-tolerance", nil, "N", "sum many lights by a tree, to this part of the light; default: exactly" },
     { "strict", nil, nil, "exit status 6 where a warning is given; the image is written" },
@@ -184,7 +190,7 @@ return {
     local by = way_of(given)
     refuse_idle(given, by)
     check_gloss(given, by)
-    check_exposure(given)
+    local exposure = exposures.of("render", given)
     check_virtual(given)
     local options = options_of(given, by)
     local scene = status.load_scene(given[1])
@@ -204,12 +210,10 @@ return {
     end
     local image, facts = scene:render(options)
     status.need(image, facts)
-    status.need(image:save(given.output, given.exposure and { exposure = given.exposure } or nil))
-    if facts.ended then
-      report.say(given, "ylm: noise is %.1f %% of the light around a pixel (%.3g %% was asked for), %.0f s", 100 * facts.noise,
-        100 * given.noise, facts.seconds.total)
-    end
+    exposures.save(given, image, exposure)
+    if facts.ended then say_noise(given, facts) end
     report.print(given, facts, report.names(facts, { "reference", "visibility", "gloss", "bounces", "omits", "met", "error" }))
+    if facts.ended == "cancelled" then return status.cancelled end
     return status.of_warnings(given, facts.warnings)
   end,
 }

@@ -172,15 +172,50 @@ function methods.add(x, name, channels)
   return check.result("add", core.image_add(x, name, channels))
 end
 
+--- Stops of an exposure, or "auto".
+function form.types.exposure(x)
+  if x == "auto" or type(x) == "number" and x >= -60 and x <= 60 then return x end
+  return nil, "a number from -60 to 60, or 'auto'"
+end
+
 local save_options = {
   { "layer", "string", optional = true, about = "which layer (.png, .hdr, .pfm); default the first" },
   { "bits", "choice", of = { 8, 16, 32 }, optional = true,
       about = ".png 8 (default) or 16; .exr 16 (half) or 32 (default)" },
-  { "exposure", "number", min = -60, max = 60, default = 0, unit = "stops",
-      about = ".png: pixels are multiplied by 2^exposure" },
+  { "exposure", "exposure", default = 0, unit = "stops",
+      about = ".png: pixels are multiplied by 2^exposure; 'auto': as image:exposure has it" },
   { "tone", "choice", of = core.choices "tone", default = "srgb",
       about = ".png: tone curve; hable and aces are filmic" },
 }
+
+local exposure_options = {
+  { "layer", "string", optional = true, about = "which layer; default the first" },
+  { "stops", "number", min = -60, max = 60, optional = true, about = "asks about this exposure instead" },
+}
+
+describe "image:exposure" {
+  about = "The exposure under which a picture is seen well: the mean logarithm of its luminance becomes that of a grey card. "
+    .. "Black pixels, lamps (layer emitter) and what is 16 times as bright as the rest are left out.",
+  arguments = { { "options?", "table", "" } },
+  options = exposure_options,
+  returns = { { "stops", "number", "pixels are multiplied by 2^stops" },
+    { "shown", "table", "{ black, white }: parts of pixels that are shown as black, and as white" } },
+  errors = "raises on a bad option, and where there is no such layer",
+  example = [[
+local picture = ylm.image { size = { 4, 2 } }
+picture:fill(1, 1, 4, 2, 0.18 / 8)
+local stops, shown = picture:exposure()
+assert(math.abs(stops - 3) < 1e-5 and shown.black == 0)]],
+  source = "Reinhard et al. 2002",
+}
+function methods.exposure(x, options)
+  images.open(x, "exposure")
+  options = form.options(1, "exposure", exposure_options, options)
+  local layer = images.layer("exposure", x, options.layer)
+  local stops, black, white = check.result("exposure", core.image_expose(x, layer, options.stops))
+  if not stops then return nil, black, white end
+  return stops, { black = black, white = white }
+end
 
 describe "image:save" {
   shelf = "everyday",
@@ -205,8 +240,9 @@ function methods.save(x, path, options)
   if options.layer then images.layer("save", x, options.layer) end
   local lib, message, code = codec()
   if not lib then return nil, message, code end
-  return check.result("save", lib.image_write(x, path,
-    options.layer, options.bits or 0, options.tone, options.exposure))
+  local stops = options.exposure
+  if stops == "auto" then stops = methods.exposure(x, { layer = options.layer }) end
+  return check.result("save", lib.image_write(x, path, options.layer, options.bits or 0, options.tone, stops))
 end
 
 describe "image:close" {

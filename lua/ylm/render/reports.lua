@@ -6,7 +6,8 @@ local all = {
   { "note", "string", "where nothing is to be shaded, or nothing shines" },
   { "notes", "string[]", "about files of the scene, where there are any" },
   { "warnings", "string[]", "what the picture does not keep" },
-  { "seconds", "s", "by stage: scene, primary, transfer, occlusion, bounces, light, bounced, image, judge; total" },
+  { "seconds", "s", "by stage: scene, primary, transfer, occlusion, bounces, light, denoise (a part of light), bounced, image, "
+    .. "judge; total" },
   { "points", "1", "shading points" },
   { "hits", "1", "camera rays that hit a surface" },
   { "pixels", "1", "of the picture" },
@@ -20,7 +21,11 @@ local by_rays = {
   { "light_samples", "1", "by rays: shadow rays of a shading point" },
   { "guides", "1", "by rays: clusters of shading points that shadow rays were guided by" },
   { "noise", "1", "by rays, of a picture with a noise that is wanted: what is left, root mean square over pixels, each relative "
-    .. "to the light around it; ended is then noise, pilot, time_limit or most rays" },
+    .. "to the light around it; ended is then noise, samples, pilot, time_limit, most rays or cancelled" },
+  { "noise_before", "1", "where it was filtered: what was left before" },
+  { "denoise", "table", "where noise was filtered: what rays of their own at `pixels` random pixels find. z2: the squared "
+    .. "distance of the picture from them over what the noise of both makes of it, 1 where nothing else is between them; bias: "
+    .. "of the mean of the pixels, relative, with its standard error, uncertainty; seconds" },
   { "direct_noise", "1", "by rays: what shadow rays leave at a shading point, root mean square over the mean" },
 }
 

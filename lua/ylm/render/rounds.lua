@@ -8,58 +8,75 @@
 local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
+local denoise = require "ylm.render.denoise"
+local options = require "ylm.render.options"
 local progress = require "ylm.progress"
-local views = require "ylm.render.view"
 local warning = require "ylm.warning"
 
 local rounds = {}
 
 local SET = 32                              -- links of a set
-local PILOT = { rays = 8, sets = 2 }        -- of a half; of both
+local PILOT = { rays = 8, sets = 2, links = SET } -- of a half; of both; of a set
+local FILTERED = { rays = 6, sets = 2, links = 12 } -- where noise is filtered
 local MOST = { rays = 8192, sets = 512 }    -- of a half; of both
 local LEAST = { rays = 2, sets = 2 }
 local STEP = 1000003                        -- from one seed to the next
 local AIM, SLACK = 0.95, 1.1 -- times the noise that is wanted: at which counts aim, and up to which it counts as reached
 local WIDE = 60                             -- factors of counts are looked for from 2^-WIDE to 2^WIDE
+local CAP = 4                               -- times the pilot's rays, at most, where nobody says which noise is wanted
+
+rounds.NOISE = 0.03 -- that is wanted where nobody says one
+rounds.GUIDED = 16 -- shadow rays of a point by which the guides' pilot is sized
 
 rounds.fields = {
   { "noise", "number", min = 0.001, max = 1, optional = true,
     about = "by rays: the noise that the picture may have, root mean square over its pixels, each relative to the mean of 9 x 9 "
       .. "pixels around it: a pilot chooses counts of shadow rays and links pixel by pixel, and light_samples and rays are left "
-      .. "out. report.noise and the layer noise say what was reached. Of matte surfaces, and bounces by links" },
+      .. "out. report.noise and the layer noise say what was reached. A picture that is cancelled behind its pilot is what "
+      .. "the pilot made, and report.ended is cancelled. Of bounces by links" },
+  { "denoise", "choice", of = { "auto", "none" }, optional = true,
+    about = "by rays: 'auto', where noise is above `noise`, or 0.03, light of matte surfaces is fitted to that of points around, "
+      .. "as far as two halves of the rays find it alike; direct light and light that bounces apart, without albedo. Where no "
+      .. "counts are given, more rays follow where noise is left. The layer raw is without a filter; report.denoise says what "
+      .. "rays at random pixels find changed. Default: 'auto' with noise, else 'none'" },
   { "time_limit", "number", above = 0, optional = true, unit = "s", shelf = "experiments",
     about = "with noise, or by paths: ends after about so long, which makes results depend on it; with noise a pilot and 64 "
       .. "links a shading point are the least" },
 }
 
---- Raises where no noise can be chosen for such a picture.
-function rounds.check(name, o, given)
+--- Is a picture by these options made of two halves of rays?
+function rounds.wants(o) return o.noise ~= nil or o.denoise == "auto" end
+
+--- Raises where options do not go with a noise that is wanted.
+local function check_noise(name, o, given)
   if o.time_limit and not o.noise then
     return check.fail("%s: by rays, time_limit is of pictures with a noise that is wanted: give noise too", name)
   end
-  if not o.noise then return end
-  for _, other in ipairs { "tolerance", "light_samples", "rays", "variance" } do
-    if given[other] ~= nil and given[other] ~= false then
-      return check.fail("%s: noise chooses counts of rays, and %s is given: leave one out", name, other)
+  for _, other in ipairs { "tolerance", "variance", "light_samples", "rays" } do
+    if given[other] ~= nil and given[other] ~= false and (o.noise or other == "tolerance" or other == "variance") then
+      return check.fail(o.noise and "%s: noise chooses counts of rays, and %s is given: leave one out"
+        or "%s: denoise is of pictures whose noise is not asked for, and %s is given: leave one out", name, other)
     end
   end
+end
+
+--- Raises where no noise can be chosen or filtered for such a picture; settles how rays are counted.
+function rounds.check(name, o, given)
+  if o.noise and not o.denoise then o.denoise = "auto" end
+  if o.time_limit and not o.noise then return check_noise(name, o, given) end
+  if not rounds.wants(o) then return end
+  check_noise(name, o, given)
+  local word = o.noise and "noise" or "denoise"
   if o.shading == "vertices" then
-    return check.fail("%s: noise is of what camera rays hit: shading = 'pixel'", name)
+    return check.fail("%s: %s is of what camera rays hit: shading = 'pixel'", name, word)
   end
   local b = o.reflected
   if b and b.record.name ~= "links" then
-    return check.fail("%s: noise is of light that bounces along links: leave bounced out, or give what scene:links or "
-      .. "t:radiosity returned", name)
+    return check.fail("%s: %s is of light that bounces along links: leave bounced out, or give what scene:links or "
+      .. "t:radiosity returned", name, word)
   end
-  o.rays = b and 4 or nil -- links that are kept: sets are found beside them
-end
-
---- Raises where surfaces of the view p shine: sets of links go as the cosine.
-function rounds.check_view(name, p)
-  if p.traced.glossy > 0 and p.options.gloss ~= "matte" then
-    return check.fail("%s: noise is of matte surfaces, and %d meshes of scene %q are glossy: use tolerance, or by = 'paths'",
-      name, p.traced.glossy, p.scene.name or "?")
-  end
+  o.by_hand = not o.noise and (given.light_samples or given.rays or given.samples) ~= nil
+  o.halves = true -- sets of links are found for each half; none is kept
 end
 
 --- Arrays of zeros for points and pixels of a view.
@@ -70,13 +87,31 @@ local function room(p, o)
   return points, pixels
 end
 
+--- Adds to the halves of x.links the light that points that gloss meet, along links that their materials choose. True, or nil,
+-- message, code.
+local function add_glossy(x, round)
+  if x.p.traced.glossy == 0 or x.p.options.gloss == "matte" then return true end
+  local b, c = x.o.reflected, x.casting
+  for half = 1, 2 do
+    local own, found, message, code
+    own, message, code = check.result(x.name, x.p.lib.shade_links(x.p.view, b.lit.links, SET, c.seed + STEP * (2 * round + half),
+      c.threads, c.progress, "gloss"))
+    if not own then return nil, message, code end
+    found, message, code = check.result(x.name, x.p.lib.shade_gather(x.p.view, own, b.lit, x.links[half], c.threads, c.progress))
+    if not found then return nil, message, code end
+    x.links[half] = found
+    x.sets = x.sets + x.p.lib.shade_links_stats(own).rays
+  end
+  return true
+end
+
 --- Two estimates of direct light and two along links, in `x.direct`, `x.links`; rays of a half and sets are numbers of points.
 -- True, or nil, message, code.
 local function estimate(x, rays, sets, round)
   local c = x.casting
   x.direct, x.links = {}, nil
   for half = 1, 2 do
-    local found, count, code = check.result(x.name, x.p.lib.shade_raycast(x.p.view, { light_samples = PILOT.rays, rays = rays,
+    local found, count, code = check.result(x.name, x.p.lib.shade_raycast(x.p.view, { light_samples = x.pilot.rays, rays = rays,
       shadows = c.shadows, seed = c.seed + STEP * (2 * round + half), threads = c.threads, progress = c.progress, lit = c.lit,
       guide = c.guide }))
     if not found then return nil, count, code end
@@ -86,11 +121,11 @@ local function estimate(x, rays, sets, round)
   if not b then return true end
   x.links = { x.points(3), x.points(3) }
   local count, message, code = check.result(x.name, x.p.lib.shade_gather_sets(x.p.view, {
-    transfer = views.made[x.p.view].links.links, lit = b.lit, sets = sets, first = x.links[1], second = x.links[2],
-    seed = c.seed + STEP * (round + 7), threads = c.threads, progress = c.progress }))
+    transfer = b.lit.links, lit = b.lit, links = x.pilot.links, sets = sets, all = x.p.options.gloss == "matte",
+    first = x.links[1], second = x.links[2], seed = c.seed + STEP * (round + 7), threads = c.threads, progress = c.progress }))
   if not count then return nil, message, code end
   x.sets = (x.sets or 0) + count
-  return true
+  return add_glossy(x, round)
 end
 
 --- The picture of the values of points.
@@ -106,11 +141,19 @@ local function noise_of(x)
     l = { resolved(x, x.links[1]), resolved(x, x.links[2]) }
     all = all + (l[1] + l[2]) / 2
   end
-  all = all
   local function around(pair)
     return check.result(x.name, x.p.lib.shade_noise_around(x.p.view, pair[1], pair[2], all, x.casting.threads, x.pixels(1)))
   end
   return around(d), l and around(l) or x.pixels(1)
+end
+
+--- Noise that is left, of all light: [h][w][1] in x.left, and its root mean square.
+local function look_at(x)
+  x.noise = { noise_of(x) }
+  local d, l = x.noise[1], x.noise[2]
+  x.left = ((d * d + l * l) ^ 0.5)
+  x.lit = x.left:not_equal(0):sum()
+  return x.lit > 0 and math.sqrt((x.left * x.left):sum() / x.lit) or 0
 end
 
 --- The mean over pixels that have noise.
@@ -120,8 +163,8 @@ local function mean_of(squares, lit) return lit > 0 and squares:sum() / lit or 0
 local function weigh(x, factor)
   local function counts(noise, cost, least, most) return (noise * (factor / math.sqrt(cost))):clamp(least, most) end
   local d, l = x.noise[1], x.noise[2]
-  local kd = counts(d, x.cost[1], LEAST.rays / PILOT.rays, MOST.rays / PILOT.rays)
-  local kl = counts(l, x.cost[2], LEAST.sets / PILOT.sets, MOST.sets / PILOT.sets)
+  local kd = counts(d, x.cost[1], LEAST.rays / x.pilot.rays, MOST.rays / x.pilot.rays)
+  local kl = counts(l, x.cost[2], LEAST.sets / x.pilot.sets, MOST.sets / x.pilot.sets)
   local square = mean_of(d * d / kd + l * l / kl, x.lit)
   return math.sqrt(square), kd:mean() * x.cost[1] + (x.links and kl:mean() * x.cost[2] or 0)
 end
@@ -132,7 +175,7 @@ local function choose(x, budget)
   for _ = 1, 50 do
     local middle = (low + high) / 2
     local noise, cost = weigh(x, 2 ^ middle)
-    if noise > AIM * x.o.noise and cost < budget then low = middle else high = middle end
+    if noise > AIM * x.wanted and cost < budget then low = middle else high = middle end
   end
   return 2 ^ high
 end
@@ -144,66 +187,156 @@ end
 
 --- The cause that kept a picture from its noise, and the advice that a line gives.
 local function cause_of(x, reached, seconds)
-  local o = x.o
+  if x.capped then
+    return "most rays", ("noise = %g asks for as many rays as it takes, about %.0f s"):format(x.wanted,
+      math.ceil(seconds * (reached / x.wanted) ^ 2))
+  end
   if x.timed then
-    return "time_limit", ("time_limit = %.0f would reach it"):format(math.ceil(seconds * (reached / o.noise) ^ 2))
+    return "time_limit", ("time_limit = %.0f would reach it"):format(math.ceil(seconds * (reached / x.wanted) ^ 2))
   end
   if x.most then return "most rays", "counts of rays are at their most; more camera rays leave less" end
-  return "pilot", ("the pilot met less noise than there is: noise = %.3g asks for more rays"):format(o.noise ^ 2 / reached)
+  return "pilot", ("the pilot met less noise than there is: noise = %.3g asks for more rays"):format(x.wanted ^ 2 / reached)
 end
 
 --- One line about what was reached.
 local function say(x, reached, seconds)
-  local o, report = x.o, x.report
-  report.noise, report.ended = reached, "noise"
-  if reached <= SLACK * o.noise then return end
+  local report = x.report
+  report.noise, report.ended = reached, x.cancelled and "cancelled" or x.o.by_hand and "samples" or "noise"
+  if x.cancelled or x.o.by_hand or reached <= SLACK * x.wanted then return end
   local ended, advice = cause_of(x, reached, seconds)
   report.ended = ended
   report.warnings[#report.warnings + 1] = warning.say(x.p.scene, "noise", "scene %q: noise is %.1f %% of the light around a "
-    .. "pixel, %.1f %% was wanted: %s", x.p.scene.name or "?", 100 * reached, 100 * o.noise, advice)
+    .. "pixel, %.1f %% was wanted: %s", x.p.scene.name or "?", 100 * reached, 100 * x.wanted, advice)
+end
+
+--- Noise that is left, after a filter where it is above the one that is wanted; or nil, message, code.
+local function settle(x)
+  local reached = look_at(x)
+  local message, code
+  x.before, x.raw = reached, nil
+  if x.o.denoise ~= "auto" or reached <= x.wanted then return reached end
+  x.raw, message, code = denoise.filter(x)
+  if not x.raw then return nil, message, code end
+  return look_at(x)
+end
+
+--- Shadow rays of a half, links of a set, and sets, before any noise is known.
+local function pilot_of(p, o)
+  if not o.by_hand then return o.denoise == "auto" and FILTERED or PILOT end
+  local links = o.rays or 64 * options.multiple(p.options)
+  local set = math.min(SET, math.max(4, 4 * math.floor(links / 8)))
+  return { rays = math.max(1, math.floor(o.light_samples / 2 + 0.5)), links = set,
+    sets = math.max(2, math.floor(links / set + 0.5)) }
+end
+
+--- The cost of another round, at most: what time or a cap leaves of it. Sets x.timed, x.capped.
+local function budget_of(x, seconds, start)
+  local left = x.o.time_limit and math.max(0, x.o.time_limit - (core.seconds() - start) - x.report.seconds.primary)
+  local pilot = x.cost[1] + (x.links and x.cost[2] or 0)
+  x.timed, x.capped = left ~= nil, x.o.noise == nil
+  return left and pilot * left / math.max(seconds, 1e-3) or x.capped and CAP * pilot or math.huge
+end
+
+--- Says which counts were chosen, and how long they take.
+local function announce(x, factor, reached, seconds)
+  local _, cost = weigh(x, factor)
+  local part = cost / (x.cost[1] + (x.links and x.cost[2] or 0))
+  progress.say(x.casting.progress, part * seconds, "noise is %.1f %%, %.1f %% wanted: %.0f shadow rays%s a point take about %s",
+    100 * reached, 100 * x.wanted, 2 * x.rays:mean(), x.links and (" and %.0f links"):format(x.pilot.links * x.own:mean()) or "",
+    progress.clock(part * seconds))
+end
+
+--- Rays where noise is: another round of them in place of the pilot's. True, or nil, message, code.
+local function another(x, reached, seconds, start)
+  local factor = choose(x, budget_of(x, seconds, start))
+  local short = weigh(x, factor) > x.wanted
+  x.timed, x.capped = x.timed and short, x.capped and short
+  x.most = weigh(x, 2 ^ WIDE) > x.wanted
+  local pilot = x.pilot
+  x.rays = spread(x, x.noise[1], x.cost[1], pilot.rays, LEAST.rays, MOST.rays, factor)
+  x.own = spread(x, x.noise[2], x.cost[2], pilot.sets, LEAST.sets, MOST.sets, factor)
+  announce(x, factor, reached, seconds)
+  return estimate(x, x.rays, x.own, 1)
+end
+
+--- The picture as it is, to be taken again.
+local function keep(x)
+  local kept = {}
+  for _, key in ipairs { "direct", "links", "raw", "before", "left", "rays", "own" } do kept[key] = x[key] or false end
+  return kept
+end
+
+--- The noise that another round leaves; or nil, message, code. An interrupt of the command-line tool, which is raised, cancels.
+local function try(x, reached, seconds, start)
+  local function round()
+    local ok, message, code = another(x, reached, seconds, start)
+    if not ok then return nil, message, code end
+    return settle(x)
+  end
+  local fine, better, message, code = pcall(round)
+  if fine then return better, message, code end
+  if not core.process_interrupted() or not tostring(better):find("interrupted!", 1, true) then error(better, 0) end
+  return nil, "interrupted", "ECANCELLED"
+end
+
+--- As `try`, or where it is cancelled the picture is the one before.
+local function refine(x, reached, seconds, start)
+  local kept = keep(x)
+  local better, message, code = try(x, reached, seconds, start)
+  if better or code ~= "ECANCELLED" then return better, message, code end
+  for key, value in pairs(kept) do x[key] = value or nil end
+  x.cancelled, x.casting.progress = true, nil -- an interrupt stays one
+  return reached
+end
+
+--- Is the pilot the picture? Its counts are even, and of light without a filter they are chosen by noise.
+local function is_enough(x, reached)
+  return x.o.by_hand or x.o.denoise == "auto" and reached <= SLACK * x.wanted
 end
 
 --- Direct light of the points of p; that of links is left in o.reflected.gathered. Or nil, message, code.
 function rounds.radiance(name, p, o, report, casting)
   local start = core.seconds()
-  local x = { name = name, p = p, o = o, report = report, casting = casting }
-  x.casting.progress = progress.resolve(o.progress)
+  local x = { name = name, p = p, o = o, report = report, casting = casting, wanted = o.noise or rounds.NOISE }
+  x.casting.progress, x.pilot = progress.resolve(o.progress), pilot_of(p, o)
   x.points, x.pixels = room(p, o)
-  local rays, sets = x.points(), x.points()
-  rays, sets = (rays + PILOT.rays), (sets + PILOT.sets)
-  local ok, message, code = estimate(x, rays, sets, 0)
-  if not ok then return nil, message, code end
+  x.rays, x.own = x.points() + x.pilot.rays, x.points() + x.pilot.sets
+  local reached
+  local ok, message, code = estimate(x, x.rays, x.own, 0)
+  if ok then reached, message, code = settle(x) end
+  if not reached then return nil, message, code end
   local seconds = core.seconds() - start
-  x.noise = { noise_of(x) }
-  x.cost = { 2 * PILOT.rays, SET * PILOT.sets }
-  x.lit = (x.noise[1] + x.noise[2]):not_equal(0):sum()
-  local pilot = x.cost[1] + (x.links and x.cost[2] or 0)
-  local left = o.time_limit and math.max(0, o.time_limit - (core.seconds() - start) - report.seconds.primary)
-  local budget = left and pilot * left / math.max(seconds, 1e-3) or math.huge
-  local factor = choose(x, budget)
-  x.timed = left and weigh(x, factor) > o.noise
-  x.most = weigh(x, 2 ^ WIDE) > o.noise
-  rays = spread(x, x.noise[1], x.cost[1], PILOT.rays, LEAST.rays, MOST.rays, factor)
-  sets = spread(x, x.noise[2], x.cost[2], PILOT.sets, LEAST.sets, MOST.sets, factor)
-  ok, message, code = estimate(x, rays, sets, 1)
-  if not ok then return nil, message, code end
-  local d, l = noise_of(x)
-  x.left = ((d * d + l * l) ^ 0.5)
-  say(x, math.sqrt(mean_of(x.left * x.left, x.left:not_equal(0):sum())), core.seconds() - start)
-  report.light_samples = 2 * rays:mean()
+  x.cost = { 2 * x.pilot.rays, x.pilot.links * x.pilot.sets }
+  if not is_enough(x, reached) then
+    reached, message, code = refine(x, reached, seconds, start)
+    if not reached then return nil, message, code end
+  end
+  say(x, reached, core.seconds() - start)
+  report.light_samples = 2 * x.rays:mean()
+  report.noise_before = x.raw and x.before
   if x.links then
     o.reflected.gathered = ((x.links[1] + x.links[2]) / 2)
     report.rays.sets = x.sets
   end
-  o.noise_left = x.left
-  return ((x.direct[1] + x.direct[2]) / 2), core.seconds() - start
+  o.noise_left, o.raw = x.left, x.raw
+  local direct = ((x.direct[1] + x.direct[2]) / 2)
+  if x.raw then
+    ok, message, code = denoise.judge(x, x.links and direct + o.reflected.gathered or direct, reached)
+    if not ok then return nil, message, code end
+  end
+  return direct, core.seconds() - start
 end
 
---- Adds the layer noise.
+--- Adds the layers noise and raw.
 function rounds.report(p, o, report, image)
   image:add("noise", 1)
   p.lib.path_copy(o.noise_left, image:layer "noise")
   image.metadata.noise = ("%.4g"):format(report.noise)
+  if not o.raw then return end
+  image.metadata.denoise, image.metadata.noise_before = "auto", ("%.4g"):format(report.noise_before)
+  image:add("raw", 3)
+  assert(check.result("render", p.lib.shade_compose(p.view, o.raw, p.scene.background or { 0, 0, 0 }, o.threads or 0,
+    image:layer "raw")))
 end
 
 return rounds

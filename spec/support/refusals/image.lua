@@ -91,6 +91,11 @@ return {
     case(function(ylm) new(ylm):layer "radianse" end, "no layer 'radianse' %(did you mean 'radiance'%?%)"),
     case(function(ylm) new(ylm):layer(1) end, "no layer 1"),
   }),
+  ["image:exposure"] = method("exposure", {
+    case(function(ylm) new(ylm):exposure { layer = "glow" } end, "no layer 'glow'"),
+    case(function(ylm) new(ylm):exposure { stops = 61 } end, "stops must be a number .*<= 60"),
+    case(function(ylm) new(ylm):exposure { stop = 1 } end, "unknown .*stop"),
+  }),
   ["image:add"] = method("add", {
     case(function(ylm) new(ylm):add() end, "a name expected, got nil"),
     case(function(ylm) new(ylm):add("radiance", 1) end, "is there already"),
@@ -107,7 +112,7 @@ return {
       case(save, "No such file"),
       case(function(ylm) save(ylm, { tone = "filmic" }) end, "tone must be one of 'srgb'"),
       case(function(ylm) save(ylm, { exposure = nan }) end, "exposure must be a number"),
-      case(function(ylm) save(ylm, { exposure = 1e6 }) end, "exposure must be a number .*<= 60"),
+      case(function(ylm) save(ylm, { exposure = 1e6 }) end, "exposure must be a number from %-60 to 60, or 'auto'"),
       case(function(ylm) save(ylm, { tones = "aces" }) end, "did you mean 'tone'"),
       case(function(ylm) save(ylm, { layer = "depth" }) end, "no layer 'depth'"),
       case(function(ylm) save(ylm, { bits = 32 }) end, "PNG has 8 or 16 bits"),

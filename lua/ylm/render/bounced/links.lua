@@ -128,8 +128,10 @@ function links.prepare(name, p, o)
   elseif o.links and o.links ~= b.lit.links then
     return check.fail("%s: bounced is of other links than the option links: leave links out", name)
   end
-  local ok, message, code = links.link(name, p, b.lit.links, o)
-  if not ok then return nil, message, code end
+  if not o.halves then
+    local ok, message, code = links.link(name, p, b.lit.links, o)
+    if not ok then return nil, message, code end
+  end
   b.prepared = core.seconds() - start
   return true
 end
@@ -147,7 +149,7 @@ local function add_sets(name, p, o, own, more)
   local first, second = array.zeros({ n, 3 }, "float"), array.zeros({ n, 3 }, "float")
   local seed = (o.seed or p.options.seed) + APART
   local rays, message, code = check.result(name, p.lib.shade_gather_sets(p.view, { transfer = views.made[p.view].links.links,
-    lit = o.reflected.lit, sets = array.zeros({ n }, "float") + more, first = first, second = second, seed = seed,
+    lit = o.reflected.lit, links = SET, sets = array.zeros({ n }, "float") + more, first = first, second = second, seed = seed,
     threads = o.threads or 0, progress = progress.resolve(o.progress) }))
   if not rays then return nil, message, code end
   o.reflected.more = more
@@ -205,8 +207,8 @@ function links.report(p, o, report)
   report.elements, report.balance = b.lit.links.stats.elements, b.lit.stats.balance
   report.elements_error = b.lit.stats.elements_error
   if b.gathered then
-    report.rays.links = report.rays.sets + m.links.stats.rays
-    report.rays.sets = nil
+    report.rays.links, report.rays.sets = report.rays.sets, nil
+    say_gloss(p, report)
     return
   end
   local more = SET * (b.more or 0)

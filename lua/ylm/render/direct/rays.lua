@@ -52,8 +52,7 @@ function rays.check(name, p)
   end
 end
 
-function rays.prepare(name, p, o)
-  if o.noise then rounds.check_view(name, p) end
+function rays.prepare(_, p, o)
   if o.shadows == nil then o.shadows = o.visibility ~= "none" end
   o.light_samples = o.light_samples
     or math.min(core.limits.light_samples, math.floor(options.LIGHT_SAMPLES * options.multiple(p.options)))
@@ -80,6 +79,7 @@ end
 --- The guide of a picture's rays, nil where none is wanted or there is nothing to guide; or false, message, code.
 local function guide_of(name, p, o, casting, report)
   if not o.guides or not o.shadows then return nil end
+  if o.halves and not o.by_hand then casting.light_samples = rounds.GUIDED end
   local guide, stats, code = check.result(name, p.lib.shade_guide(p.view, casting))
   if guide == nil then return false, stats, code end
   if not guide then return nil end
@@ -95,7 +95,7 @@ function rays.radiance(name, p, o, report)
   local radiance, count, code
   casting.guide, count, code = guide_of(name, p, o, casting, report)
   if casting.guide == false then return nil, count, code end
-  if o.noise then return rounds.radiance(name, p, o, report, casting) end
+  if o.halves then return rounds.radiance(name, p, o, report, casting) end
   radiance, count, code = check.result(name, p.lib.shade_raycast(p.view, casting))
   if not radiance then return nil, count, code end
   local seconds = core.seconds() - start
@@ -110,7 +110,7 @@ function rays.radiance(name, p, o, report)
 end
 
 function rays.report(p, o, report, image)
-  if o.noise then rounds.report(p, o, report, image) end
+  if o.halves then rounds.report(p, o, report, image) end
   pictures.sign(image, p, "rays", report, { light_samples = o.light_samples, shadows = o.shadows })
 end
 

@@ -1,0 +1,61 @@
+/* denoise.h - what the files that take noise from light share. Private to csrc/shade. */
+#ifndef YLM_SHADE_DENOISE_H
+#define YLM_SHADE_DENOISE_H
+
+#include "../calibration.h"
+#include "../view.h"
+
+/* Numbers of a tap of the grid: place, normal, share, class, then what a pass works on. */
+enum {
+  TAP_X,
+  TAP_NORMAL = 3,
+  TAP_SHARE = 6,
+  TAP_CLASS,
+  TAP_GUIDE,       /* luminance of two halves */
+  TAP_SPREAD = 10, /* variance of these */
+  TAP_APART,       /* squared difference of the halves' luminance, before any pass */
+  TAP_ALL,         /* luminance of all irradiance */
+  TAP_VALUE,       /* irradiance of two halves, [2][3] */
+  TAP_NUMBERS = TAP_VALUE + 6
+};
+
+/* The largest point of each pixel, or the mean of those of 2 x 2 pixels: rows of each number, with room around that counts
+   for nothing. */
+typedef struct denoise_grid {
+  size_t cell; /* pixels on a side of what a number is of: 1 or 2 */
+  size_t width, height, stride;
+  float *number[TAP_NUMBERS]; /* [height + 2 DENOISE_REACH][stride] */
+} denoise_grid;
+
+/* The point whose light is asked for; lengths in the picture are in cells. */
+typedef struct denoise_centre {
+  size_t at;     /* its cell in the grid */
+  float off[2];  /* from the middle of that */
+  int rows;      /* above and below it */
+  float falloff; /* one over the squared distance in the picture that counts for nothing */
+  float around;  /* one over the squared distance in space that counts for nothing */
+  float plane;   /* one over the distance from its plane that counts for nothing */
+  float x[3], normal[3], class;
+  float guide[2], spread;
+} denoise_centre;
+
+/* Sums over taps, of two halves; with u and v, which a tap is right of and below the centre. */
+typedef struct denoise_sums {
+  float weight[2], square[2], value[2][3];
+  float u[2], v[2], uu[2], uv[2], vv[2], value_u[2][3], value_v[2][3]; /* `fit` alone */
+} denoise_sums;
+
+/* Sums for a centre: a half's weights are by the guide of the other. */
+typedef void denoise_gather_fn(const denoise_grid *g, const denoise_centre *c, denoise_sums *out);
+/* Sums of weights without guides, and by them of TAP_APART and TAP_ALL. */
+typedef void denoise_vary_fn(const denoise_grid *g, const denoise_centre *c, float out[3]);
+
+typedef struct denoise_kernels {
+  denoise_gather_fn *gather, *fit; /* gather: without u and v */
+  denoise_vary_fn *vary;
+} denoise_kernels;
+
+/* The kernels of the instruction set in use. denoise_plain.c */
+denoise_kernels ylm__denoise_kernels(void);
+
+#endif

@@ -1,0 +1,106 @@
+--- Light of pictures by rays without most of its noise, and what that changed, as rays of their own find.
+
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local array = require "ylm.array"
+local views = require "ylm.render.view"
+
+local denoise = {}
+
+local JUDGED = { pixels = 1024, rays = 64, sets = 4, links = 32 } -- rays are those of a half, sets of both
+local FINER = 4 -- times less noise than is wanted is filtered for: blotches of it would be seen
+local APART = 90001 -- from the seed of a picture to that of its judge
+
+--- Filters the halves of direct light and of links of x; the raw light of points. Or nil, message, code.
+function denoise.filter(x)
+  local start, kinds = core.seconds(), { x.direct, x.links }
+  local all = (x.direct[1] + x.direct[2]) / 2
+  if x.links then all = all + (x.links[1] + x.links[2]) / 2 end
+  for _, halves in ipairs(kinds) do
+    local ok, message, code = check.result(x.name, x.p.lib.shade_denoise(x.p.view, halves[1], halves[2], all, x.wanted / FINER,
+      x.casting.threads, x.casting.progress))
+    if not ok then return nil, message, code end
+  end
+  x.report.seconds.denoise = (x.report.seconds.denoise or 0) + core.seconds() - start
+  return all
+end
+
+--- Numbers of pixels spread over a picture, in rising order, from 0.
+local function draw(size, seed)
+  local n, seen, list = size[1] * size[2], {}, {}
+  for k = 1, math.min(JUDGED.pixels, n) do
+    local i = math.floor((k * 0.6180339887498949 + seed * 0.7548776662466927) % 1 * n)
+    if not seen[i] then list[#list + 1], seen[i] = i, true end
+  end
+  table.sort(list)
+  return list
+end
+
+--- Two estimates of all light at points of a view p of some pixels, as resolved pixels; or nil, message, code.
+local function ask(x, p)
+  local c, halves, b = x.casting, {}, x.o.reflected
+  local n = p.stats.points
+  local function points(...) return assert(array.zeros({ n, ... }, "float")) end
+  local links = { points(3), points(3) }
+  if b then
+    local count, message, code = check.result(x.name, p.lib.shade_gather_sets(p.view, { transfer = b.lit.links, lit = b.lit,
+      links = JUDGED.links, sets = points() + JUDGED.sets, all = x.p.options.gloss == "matte", first = links[1],
+      second = links[2], seed = c.seed + 3 * APART, threads = c.threads }))
+    if not count then return nil, message, code end
+  end
+  for half = 1, 2 do
+    local found, message, code = check.result(x.name, p.lib.shade_raycast(p.view, { light_samples = JUDGED.rays,
+      shadows = c.shadows, seed = c.seed + half * APART, threads = c.threads, lit = c.lit, guide = c.guide }))
+    if not found then return nil, message, code end
+    halves[half], message, code = check.result(x.name, p.lib.shade_resolve(p.view, found + links[half], nil, false, c.threads))
+    if not halves[half] then return nil, message, code end
+  end
+  return halves
+end
+
+--- Luminance of pixel i of an array [h][w][3], i from 0.
+local function luminance(a, width, i)
+  local y, x = math.floor(i / width) + 1, i % width + 1
+  return 0.2126 * a:get(y, x, 1) + 0.7152 * a:get(y, x, 2) + 0.0722 * a:get(y, x, 3)
+end
+
+--- The verdict on pixels of a picture, `filtered`, whose noise relative to its light is `noise`, by two estimates of these.
+local function verdict(x, list, filtered, halves, noise)
+  local width, n = x.p.options.size[1], #list
+  local sum, square, mean, own, theirs = 0, 0, 0, 0, 0
+  for k, i in ipairs(list) do
+    local a, b = luminance(halves[1], 1, k - 1), luminance(halves[2], 1, k - 1)
+    local f = luminance(filtered, width, i)
+    local apart = f - (a + b) / 2
+    sum, square, mean, theirs = sum + apart, square + apart * apart, mean + (a + b) / 2, theirs + (a - b) ^ 2 / 4
+    own = own + (noise:get(math.floor(i / width) + 1, i % width + 1, 1) * f) ^ 2
+  end
+  local out = { pixels = n, z2 = own + theirs > 0 and square / (own + theirs) or 0, bias = mean > 0 and sum / mean or 0,
+    uncertainty = mean > 0 and math.sqrt(math.max(0, square - sum * sum / n)) / mean or 0 }
+  return out
+end
+
+--- Has rays of their own judge the light `found` of the points of x, which was filtered: report.denoise. True, or nil, message,
+-- code.
+function denoise.judge(x, found)
+  local start, p, o = core.seconds(), x.p, { }
+  for key, value in pairs(p.options) do o[key] = value end
+  local list = draw(p.options.size, x.casting.seed)
+  o.pixels, o.threads, o.gloss, o.progress = list, x.casting.threads, x.o.gloss, false
+  local view, message, code = views.prepare(x.name, p.scene, o)
+  if not view then return nil, message, code end
+  local some = views.open(x.name, view)
+  local halves, filtered
+  halves, message, code = ask(x, some)
+  if halves then
+    filtered, message, code = check.result(x.name, p.lib.shade_resolve(p.view, found, nil, false, x.casting.threads))
+  end
+  view:close()
+  if not filtered then return nil, message, code end
+  local report = verdict(x, list, filtered, halves, x.left)
+  report.seconds = core.seconds() - start
+  x.report.denoise = report
+  return true
+end
+
+return denoise

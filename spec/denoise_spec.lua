@@ -1,0 +1,147 @@
+--- Pictures by rays without most of their noise: the filter, and what rays of their own say of it.
+
+local ylm = require "ylm"
+
+local SIZE = { 160, 90 }
+
+--- A room with a lamp behind a post: soft and hard shadows, a textured floor, a ball.
+local function room(ball)
+  local white, red = ylm.matte { albedo = 0.7 }, ylm.matte { albedo = { 0.6, 0.1, 0 } }
+  return ylm.scene "a post" {
+    camera = ylm.camera { from = { 0, 1.2, 1.9 }, at = { 0, 0.7, -1 }, fov = 60 },
+    geometry = { ylm.box { bounds = { { -2, 0, -2 }, { 2, 2.5, 2 } }, material = white },
+      ylm.box { bounds = { { -0.1, 0, -0.6 }, { 0.1, 1.4, -0.4 } }, material = red },
+      ylm.sphere { radius = 0.3, at = { 0.8, 0.31, -0.5 }, divide = { 32, 16 }, material = ball or white } },
+    lights = { ylm.sphere_light { at = { -0.9, 1.8, 0.2 }, radius = 0.15, radiance = 20 },
+      ylm.disk_light { at = { 1.4, 2.4, -1.2 }, normal = { 0, -1, 0 }, radius = 0.3, radiance = 4 } },
+  }
+end
+
+describe("a filter of noise", function()
+  local before, scene, links, exact
+  setup(function()
+    before, scene = ylm.on_warning(false), room()
+    links = scene:links({ spacing = 0.25, rays = 64 }):radiosity()
+    exact = assert(scene:render { size = SIZE, samples = 4, bounced = links, light_samples = 256, rays = 512 })
+  end)
+  teardown(function() ylm.on_warning(before) end)
+
+  --- A picture of few rays; false in `more` leaves an option out.
+  local function render(more)
+    local o = { size = SIZE, samples = 4, bounced = links, light_samples = 4, rays = 16 }
+    for key, x in pairs(more or {}) do o[key] = x or nil end
+    return assert(scene:render(o))
+  end
+
+  --- The root mean square distance of layers from the exact picture, and of their mean, over the mean.
+  local function distance(image, layer)
+    local d, mean = image:layer(layer) - exact:layer "radiance", exact:layer("radiance"):mean()
+    return math.sqrt((d * d):mean()) / mean, d:mean() / mean
+  end
+
+    it("leaves a small part of it, and the mean of the picture", function()
+    local image, report = render { denoise = "auto" }
+    local raw, filtered = distance(image, "raw"), distance(image, "radiance")
+    assert.is_true(filtered < 0.45 * raw, ("%.4f of %.4f"):format(filtered, raw))
+    local sum = 0
+    for seed = 1, 4 do
+      local _, bias = distance(render { denoise = "auto", seed = seed }, "radiance")
+      sum = sum + bias / 4
+    end
+    assert.is_true(math.abs(sum) < 0.005, ("a bias of %.4f"):format(sum))
+    assert.is_true(report.noise < 0.5 * report.noise_before)
+    assert.are.equal("samples", report.ended)
+  end)
+
+  it("is judged by rays of their own", function()
+    local _, report = render { denoise = "auto" }
+    local d = report.denoise
+    assert.is_true(d.pixels > 1000 and d.z2 > 0.5 and d.z2 < 2.5, ("z2 is %.2f"):format(d.z2))
+    assert.is_true(math.abs(d.bias) < 4 * d.uncertainty + 0.003, ("a bias of %.4f +- %.4f"):format(d.bias, d.uncertainty))
+  end)
+
+  it("keeps the picture as it is where noise is small", function()
+    local same, report = render { denoise = "auto", light_samples = 512, rays = 512, size = { 48, 27 } }
+    assert.is_true(report.noise <= 0.03 and report.denoise == nil, ("%.3f"):format(report.noise))
+    local _, layers = same:layers()
+    assert.is_nil(layers.raw)
+  end)
+
+  it("chooses counts where none are given, and reaches 3 %", function()
+    local image, report = render { denoise = "auto", light_samples = false, rays = false, samples = false }
+    local _, bias = distance(image, "radiance")
+    assert.is_true(report.noise < 0.033 and math.abs(bias) < 0.02, ("%.3f, %.4f"):format(report.noise, bias))
+    assert.are.equal("noise", report.ended)
+  end)
+
+  it("is the same for any number of threads", function()
+    local one, three = render { denoise = "auto", threads = 1 }, render { denoise = "auto", threads = 3 }
+    assert.are.equal(0, one:compare(three).max)
+  end)
+
+  it("leaves surfaces that gloss as they are", function()
+    local shiny = room(ylm.ggx { alpha = 0.3, f0 = 0.9 })
+    local own = shiny:links({ spacing = 0.5, rays = 32 }):radiosity()
+    local image = assert(shiny:render { size = { 64, 36 }, samples = 1, bounced = own, light_samples = 8, rays = 16,
+      denoise = "auto" })
+    local d = image:layer "radiance" - image:layer "raw"
+    local ball = image:layer("position")
+    local on, off = 0, 0
+    for y = 1, 36 do
+      for x = 1, 64 do
+        local r = math.sqrt((ball:get(y, x, 1) - 0.8) ^ 2 + (ball:get(y, x, 2) - 0.31) ^ 2 + (ball:get(y, x, 3) + 0.5) ^ 2)
+        local change = math.abs(d:get(y, x, 1))
+        if math.abs(r - 0.3) < 0.02 and image:layer("coverage"):get(y, x, 1) == 1 then on = math.max(on, change)
+        else off = math.max(off, change) end
+      end
+    end
+    assert.is_true(on == 0 and off > 0, ("%g, %g"):format(on, off))
+  end)
+
+  it("is alike by every instruction set", function()
+    local script = os.tmpname()
+    local f = assert(io.open(script, "w"))
+    f:write [[
+      local array, views, ylm = require "ylm.array", require "ylm.render.view", require "ylm"
+      local random = require "spec.support.random".from(11)
+      local scene = ylm.scene "balls" { camera = ylm.camera { from = { 0, 2, 3 } },
+        geometry = { ylm.box { bounds = { { -2, -0.1, -2 }, { 2, 0, 2 } } },
+          ylm.sphere { radius = 0.7, at = { 0, 0.7, 0 }, divide = { 32, 16 },
+            material = ylm.matte { albedo = { 0.5, 0.2, 0 } } } } }
+      local view = scene:prepare { size = { 61, 35 }, samples = 4 }
+      local p = views.open("spec", view)
+      local half, x = {}, p.stats.points
+      for h = 1, 2 do
+        half[h] = array.zeros({ x, 3 }, "float")
+        for i = 1, x do for c = 1, 3 do half[h]:set(i, c, (i % 7 == 0 and 3 or 1) + random()) end end
+      end
+      assert(p.lib.shade_denoise(view, half[1], half[2], (half[1] + half[2]) / 2, 0.01, 1, nil))
+      for i = 1, x do for h = 1, 2 do print(half[h]:get(i, 1)) end end
+    ]]
+    f:close()
+    local want
+    for _, isa in ipairs(ylm.info().kernels) do
+      local pipe, got = assert(io.popen(("YLM_ISA=%s %s %s"):format(isa, os.getenv("YLM_LUA") or "lua", script))), {}
+      for line in pipe:lines() do got[#got + 1] = tonumber(line) end
+      pipe:close()
+      assert.is_true(#got > 1000, isa)
+      want = want or got
+      for i = 1, #want do assert.near(want[i], got[i], 1e-3 * want[i], isa .. " " .. i) end
+    end
+    os.remove(script)
+  end)
+
+  it("is refused where it does not fit, and says why", function()
+    for text, o in pairs {
+      ["tolerance is given"] = { denoise = "auto", tolerance = 0.1, light_samples = false, rays = false },
+      ["variance is given"] = { denoise = "auto", variance = true },
+      ["shading = 'pixel'"] = { denoise = "auto", shading = "vertices" },
+      ["denoise is of light that bounces along links"] = { denoise = "auto", bounced = "virtual", rays = false },
+      ["denoise must be"] = { denoise = "all" },
+    } do
+      local ok, message = pcall(render, o)
+      assert.is_false(ok, text)
+      assert.is_truthy(tostring(message):find(text, 1, true), text .. ": " .. tostring(message))
+    end
+  end)
+end)
