@@ -94,7 +94,7 @@ return {
   ["image:exposure"] = method("exposure", {
     case(function(ylm) new(ylm):exposure { layer = "glow" } end, "no layer 'glow'"),
     case(function(ylm) new(ylm):exposure { stops = 61 } end, "stops must be a number .*<= 60"),
-    case(function(ylm) new(ylm):exposure { stop = 1 } end, "unknown .*stop"),
+    case(function(ylm) new(ylm):exposure { stop = 1 } end, "no field .stop. .*did you mean .stops."),
   }),
   ["image:add"] = method("add", {
     case(function(ylm) new(ylm):add() end, "a name expected, got nil"),
