@@ -455,7 +455,7 @@ YLM_API ylm_status ylm_shade_spread(const ylm_shade_view *view, const float *pix
 **
 ** Returns  YLM_OK; YLM_EINVAL: a view per vertex, or of some pixels; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage
 **          "denoising"). Bits are the same for any number of threads
-** Cost     some 0.5 s of a core for 1280 x 720 pixels; 180 bytes a point
+** Cost     some 3 s of a core for 1280 x 720 pixels and a kind of light; 180 bytes a point
 ** Source   Rousselle, Knaus & Zwicker 2012 (halves that filter each other); Moon, Carr & Yoon 2014 (fits of planes)
 */
 YLM_API ylm_status ylm_shade_denoise(const ylm_shade_view *view, float *half[2], const float *all,
