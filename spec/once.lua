@@ -9,7 +9,7 @@ return {
     grid_update_octree grid_update_random grid_update_undo grid_update_view guide guides hostile_meshes install
     knob ladder light light_blocks light_disk light_environment light_lobe light_merged light_photometric
     light_polygon light_polygon_kernel light_polygon_scene light_sampled light_sky light_sun light_textured light_tree lightmap
-    lightmaps live live_display material material_file material_kinds material_table neon no_lights occlusion papers
+    lightmaps live live_display material material_kinds material_table neon no_lights occlusion papers
     path photometry photometry_file plot plot_lines prepared_look radiosity readme refresh relight render render_noise rounds run
     sh_eval sh_exponential sh_product sh_project sh_rotate shade shadow_bodies shadow_fields shadow_rays shell site
     small_grid sphere_set spot surface surface_grid surface_promise team_bake team_bricks team_faults texture
@@ -21,7 +21,7 @@ return {
 
   -- The last Lua runs these, Lua 5.4 in `make test`: their subject needs it, or counts requests of memory, which its own are.
   last = [[
-    abi documentation memory memory_picture options page style]],
+    abi documentation material_file memory memory_picture options page style]],
 
   -- The first Lua and the last these, without integers and with.
   two = [[

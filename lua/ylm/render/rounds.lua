@@ -23,7 +23,7 @@ local LEAST = { rays = 2, sets = 2 }
 local STEP = 1000003                        -- from one seed to the next
 local AIM, SLACK = 0.95, 1.1 -- times the noise that is wanted: at which counts aim, and up to which it counts as reached
 local WIDE = 60                             -- factors of counts are looked for from 2^-WIDE to 2^WIDE
-local CAP = 4                               -- times the pilot's rays, at most, where nobody says which noise is wanted
+local CAP, FEW = 4, 2e7 -- times the pilot's rays, and rays, of which the larger is the most where nobody says a noise
 
 rounds.NOISE = 0.03 -- that is wanted where nobody says one
 rounds.GUIDED = 16 -- shadow rays of a point by which the guides' pilot is sized
@@ -209,15 +209,22 @@ local function say(x, reached, seconds)
     .. "pixel, %.1f %% was wanted: %s", x.p.scene.name or "?", 100 * reached, 100 * x.wanted, advice)
 end
 
---- Noise that is left, after a filter where it is above the one that is wanted; or nil, message, code.
+local function copies(pair) return { pair[1]:clone(), pair[2]:clone() } end
+
+--- Noise that is left, after a filter where it is above the one that is wanted and the filter leaves less; or nil, message, code.
 local function settle(x)
   local reached = look_at(x)
   local message, code
   x.before, x.raw = reached, nil
   if x.o.denoise ~= "auto" or reached <= x.wanted then return reached end
+  local kept = { copies(x.direct), x.links and copies(x.links), { x.noise[1], x.noise[2] }, x.left, x.lit }
   x.raw, message, code = denoise.filter(x)
   if not x.raw then return nil, message, code end
-  return look_at(x)
+  local after = look_at(x)
+  if after < reached then return after end
+  x.direct, x.links, x.noise, x.left, x.lit = kept[1], kept[2] or nil, kept[3], kept[4], kept[5]
+  x.raw = nil
+  return reached
 end
 
 --- Shadow rays of a half, links of a set, and sets, before any noise is known.
@@ -234,7 +241,8 @@ local function budget_of(x, seconds, start)
   local left = x.o.time_limit and math.max(0, x.o.time_limit - (core.seconds() - start) - x.report.seconds.primary)
   local pilot = x.cost[1] + (x.links and x.cost[2] or 0)
   x.timed, x.capped = left ~= nil, x.o.noise == nil
-  return left and pilot * left / math.max(seconds, 1e-3) or x.capped and CAP * pilot or math.huge
+  if left then return pilot * left / math.max(seconds, 1e-3) end
+  return x.capped and math.max(CAP * pilot, FEW / math.max(x.p.stats.points, 1)) or math.huge
 end
 
 --- Says which counts were chosen, and how long they take.
