@@ -3,6 +3,7 @@
 -- YLM_NODE_MODULES=DIR names a folder with npm's `three` (0.187 or later) and `ktx-parse`; rendering needs Chromium too.
 
 local browser_page = require "spec.support.three_page"
+local reader = require "spec.support.engine_reader"
 local scratch = require "spec.support.scratch"
 local blocks = require "spec.support.blocks"
 local pictures = require "spec.support.pictures"
@@ -16,28 +17,6 @@ local function integer(text, at, bytes)
   local x = 0
   for i = bytes, 1, -1 do x = x * 256 + text:byte(at + i - 1) end
   return x
-end
-
-local function half(text, at)
-  local bits = integer(text, at, 2)
-  local sign, exponent, mantissa = bits >= 32768 and -1 or 1, math.floor(bits / 1024) % 32, bits % 1024
-  if exponent == 0 then return sign * mantissa * 2 ^ -24 end
-  return sign * (1 + mantissa / 1024) * 2 ^ (exponent - 15)
-end
-
---- The bytes that base64 stands for.
-local function decoded(text)
-  local digits, out = {}, {}
-  for i, c in ipairs { ("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"):byte(1, -1) } do digits[c] = i - 1 end
-  for i = 1, #text, 4 do
-    local x, pad = 0, 0
-    for k = i, i + 3 do
-      local d = digits[text:byte(k)]
-      x, pad = 64 * x + (d or 0), pad + (d and 0 or 1)
-    end
-    out[#out + 1] = string.char(math.floor(x / 65536), math.floor(x / 256) % 256, x % 256):sub(1, 3 - pad)
-  end
-  return table.concat(out)
 end
 
 describe("grid:export", function()
@@ -134,14 +113,14 @@ describe("grid:export", function()
             sum = sum + radiance[channel][i] * math.max(0, (1 - 2 * side) * d[axis])
           end
           local x, y, z = 2, 1 + 3 * side, 3 + 5 * (axis - 1)
-          local value = half(text, at + 1 + 8 * ((z * 6 + y) * 4 + x) + 2 * (channel - 1))
+          local value = reader.half(text, at + 1 + 8 * ((z * 6 + y) * 4 + x) + 2 * (channel - 1))
           local wanted = sum * 4 / n                             -- 4 pi / n over pi
           assert(math.abs(value - wanted) < 0.01 * math.abs(wanted) + 1e-3,
             ("axis %d, side %d: %g, %g expected"):format(axis, side, value, wanted))
         end
       end
     end
-    assert.equal(1, half(text, at + 1 + 6))                      -- valid
+    assert.equal(1, reader.half(text, at + 1 + 6))                      -- valid
   end)
 
   it("writes three.js' atlas, padded by its ends", function()
@@ -152,7 +131,7 @@ describe("grid:export", function()
     assert(text:find('"width":4,"height":3,"depth":49', 1, true))
     assert.equal(4 * math.ceil(4 * 3 * 49 * 8 / 3), #text:match '"data":"([^"]*)"')
     assert.equal(4 * 3 * 5 / 3 * 4, #text:match '"validity":"([^"]*)"')
-    local data = decoded(text:match '"data":"([^"]*)"')
+    local data = reader.decoded(text:match '"data":"([^"]*)"')
     for _, cell in ipairs { { 0, 0, 0 }, { 2, 1, 3 }, { 3, 2, 4 } } do
       local p = {}
       for a = 1, 3 do
@@ -167,7 +146,7 @@ describe("grid:export", function()
             local volume, slice = math.floor(number / 4), cell[3] + 1
             local texel = ((volume * 7 + slice) * 3 + cell[2]) * 4 + cell[1]
             local wanted = (m % 2 == 0 and 1 or -1) * c:get(channel, ylm.sh.index(l, m))
-            assert.is_near(wanted, half(data, 8 * texel + 2 * (number % 4) + 1), 6e-4 * math.abs(wanted) + 1e-4)
+            assert.is_near(wanted, reader.half(data, 8 * texel + 2 * (number % 4) + 1), 6e-4 * math.abs(wanted) + 1e-4)
           end
         end
       end
@@ -209,7 +188,7 @@ describe("grid:export", function()
     local cells, count = { cells = { 4, 4, 4 } }, 0
     local report = assert(around:export(folder.path .. "/v.ktx2", cells))
     assert(around:export(folder.path .. "/v.three.json", cells))
-    local texels, bytes = folder:read "v.ktx2", decoded(folder:read "v.three.json":match '"validity":"([^"]*)"')
+    local texels, bytes = folder:read "v.ktx2", reader.decoded(folder:read "v.three.json":match '"validity":"([^"]*)"')
     local at = integer(texels, 81, 8)
     for z = 0, 3 do
       for y = 0, 3 do
@@ -218,7 +197,7 @@ describe("grid:export", function()
           local wanted = inner(x) and inner(y) and inner(z) and 0.875 or 1    -- one corner of eight
           local i = (z * 4 + y) * 4 + x
           assert.equal(wanted, report.validity[i + 1])
-          assert.equal(wanted, half(texels, at + 1 + 8 * ((z * 8 + y) * 4 + x) + 6))
+          assert.equal(wanted, reader.half(texels, at + 1 + 8 * ((z * 8 + y) * 4 + x) + 6))
           assert.equal(math.floor(255 * wanted + 0.5), bytes:byte(i + 1))
           count = count + 1 - wanted
         end

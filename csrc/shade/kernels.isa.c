@@ -2,6 +2,7 @@
  * form. */
 #include "ylm_simd.h"
 
+#include "fold.h"
 #include "view.h"
 
 ylm_shade_dot_fn YLM_KERNEL(ylm_k_shade_dot);
@@ -13,21 +14,6 @@ YLM_INLINE ylm_vi tail_mask(size_t rest) {
   ylm_vi m;
   for (int i = 0; i < YLM_VF; i++) m[i] = i >= YLM_VF - (int)rest ? -1 : 0;
   return m;
-}
-
-typedef float v4 __attribute__((vector_size(16)));
-
-/* Four lanes whose sum is that of all lanes. */
-YLM_INLINE v4 fold(ylm_vf v) {
-  v4 part[YLM_VF / 4], s;
-  memcpy(part, &v, sizeof v);
-  s = part[0];
-#if YLM_VECTOR_BYTES == 32
-  s += part[1];
-#elif YLM_VECTOR_BYTES == 64
-  s = (s + part[2]) + (part[1] + part[3]);
-#endif
-  return s;
 }
 
 /* The sums of the lanes of three vectors. */

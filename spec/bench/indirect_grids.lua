@@ -3,6 +3,7 @@
 --
 --     build/ylm run spec/bench/indirect_grids.lua [tolerance]
 
+local places = require "spec.support.surface_places"
 local ylm = require "ylm"
 local scenes = require "spec.support.bounce_scenes"
 
@@ -39,12 +40,7 @@ for _, entry in ipairs(scenes) do
     local grid = assert(ylm.bake(probes, field, { occupied = view, bounds = t.bounds }))
     return grid, field.stats.rays
   end
-  local box = { { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge } }
-  for _, g in ipairs(scene.geometry) do
-    for a = 1, 3 do
-      box[1][a], box[2][a] = math.min(box[1][a], g.mesh.bounds[1][a]), math.max(box[2][a], g.mesh.bounds[2][a])
-    end
-  end
+  local box = places.box_of(scene)
   local ok, adaptive, rays = pcall(bake, ylm.adaptive_grid { bounds = box, lmax = 2, tolerance = TOLERANCE, depth = 7 })
   if not ok then print(entry.name .. ": " .. tostring(adaptive))
   else

@@ -8,7 +8,9 @@ local reader = {}
 local A = { math.pi, 2 * math.pi / 3, 2 * math.pi / 3, 2 * math.pi / 3 }
 for k = 5, 9 do A[k] = math.pi / 4 end
 
-local function half(low, high)
+--- The half in a text whose low byte is at `at`.
+function reader.half(text, at)
+  local low, high = text:byte(at, at + 1)
   local bits = low + 256 * high
   local sign, exponent, mantissa = bits >= 32768 and -1 or 1, math.floor(bits / 1024) % 32, bits % 1024
   if exponent == 0 then return sign * mantissa * 2 ^ -24 end
@@ -16,7 +18,7 @@ local function half(low, high)
 end
 
 --- The bytes that base64 stands for.
-local function decoded(text)
+function reader.decoded(text)
   local digits, out = {}, {}
   for i, c in ipairs { ("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/"):byte(1, -1) } do digits[c] = i - 1 end
   for i = 1, #text, 4 do
@@ -93,7 +95,7 @@ local function grid_of(text)
     local x, y, z = text:match('"' .. name .. '":%[([^,]+),([^,]+),([^%]]+)%]')
     return { tonumber(x), tonumber(y), tonumber(z) }
   end
-  local data, cells, known = decoded(text:match '"data":"([^"]*)"'), triple "resolution", {}
+  local data, cells, known = reader.decoded(text:match '"data":"([^"]*)"'), triple "resolution", {}
   local function probe(x, y, z)
     local key = (z * cells[2] + y) * cells[1] + x
     if known[key] then return known[key] end
@@ -101,7 +103,7 @@ local function grid_of(text)
     for k = 0, 26 do
       local slice = math.floor(k / 4) * (cells[3] + 2) + z + 1
       local at = 2 * (4 * ((slice * cells[2] + y) * cells[1] + x) + k % 4)
-      v[k + 1] = half(data:byte(at + 1, at + 2))
+      v[k + 1] = reader.half(data, at + 1)
     end
     known[key] = v
     return v

@@ -7,17 +7,27 @@ local scratch = require "spec.support.scratch"
 local page = {}
 
 local modules = os.getenv "YLM_NODE_MODULES"
+page.modules = modules
 
 page.radius = 0.02                                 -- of the sphere
 page.normals = { { 0, 0, 1 }, { 1, 0, 0 }, { 0, 1, 0 } }
 
-local function browser()
-  for _, name in ipairs { "chromium", "chromium-browser" } do
+--- The browser's command, or nil.
+function page.browser()
+  for _, name in ipairs { "chromium", "chromium-browser", "google-chrome" } do
     if scratch.shell("command -v " .. name .. " >/dev/null 2>&1") then return name end
   end
 end
 
-function page.there() return modules ~= nil and browser() ~= nil end
+function page.there() return modules ~= nil and page.browser() ~= nil end
+
+--- Text between BEGIN and END in the `pre` that a page in a folder leaves, or nil; and all of its document.
+function page.result(folder, name, seconds)
+  local dom = scratch.capture(("timeout %d %s --headless --no-sandbox --disable-gpu-sandbox --use-angle=swiftshader "
+    .. "--enable-unsafe-swiftshader --allow-file-access-from-files --virtual-time-budget=20000 --user-data-dir=%s/profile "
+    .. "--dump-dom file://%s 2>/dev/null"):format(seconds, page.browser(), scratch.quote(folder.path), name))
+  return dom:match "<pre>BEGIN (.-) END</pre>", dom
+end
 
 local PAGE = [[<!doctype html><body><script type="importmap">{"imports":{"three":"./three.module.js"}}</script>
 <script type="module">
@@ -55,10 +65,7 @@ function page.irradiance(folder, text, places)
   local list = {}
   for i, p in ipairs(places) do list[i] = ("[%.9g,%.9g,%.9g]"):format(p[1], p[2], p[3]) end
   local name = folder:write("page.html", PAGE:format(text, page.radius, table.concat(list, ",")))
-  local dom = scratch.capture(("timeout 120 %s --headless --no-sandbox --disable-gpu-sandbox --use-angle=swiftshader "
-    .. "--enable-unsafe-swiftshader --allow-file-access-from-files --virtual-time-budget=20000 --user-data-dir=%s/profile "
-    .. "--dump-dom file://%s 2>/dev/null"):format(browser(), scratch.quote(folder.path), name))
-  local pixels, rows = dom:match "<pre>BEGIN (.-) END</pre>", {}
+  local rows, pixels, dom = {}, page.result(folder, name, 120)
   assert(pixels, dom)
   for words in pixels:gmatch "[^,]+" do
     local rgb = {}

@@ -362,15 +362,21 @@ static double leave_at(const double *x, const double way[3], const double u[2], 
   return ylm__lamp_part(x) * ylm__lamp_area(x) * fabs(ylm_dot3d(way, x + YLM__LAMP_AXIS));
 }
 
-static bool leave(const double *x, const double u[4], ylm_light_leaving *out) {
-  double local[3], side[3];
-  double density = ylm_light_photometry_sample(ylm__lamp_table(x), u, local);
-  if (!(density > 0)) return false;
+double ylm__lamp_leave(const double *x, const double u[4], double local[3],
+                       ylm_light_leaving *out) {
+  double side[3], density = ylm_light_photometry_sample(ylm__lamp_table(x), u, local);
+  if (!(density > 0)) return 0;
   ylm__lamp_side(x, side);
   for (int k = 0; k < 3; k++)
     out->axis[k] = (double)(float)(local[0] * x[YLM__LAMP_ACROSS + k] + local[1] * side[k] +
                                    local[2] * x[YLM__LAMP_AXIS + k]);
   out->cosine = 1;
+  return density;
+}
+
+static bool leave(const double *x, const double u[4], ylm_light_leaving *out) {
+  double local[3], density = ylm__lamp_leave(x, u, local, out);
+  if (!(density > 0)) return false;
   out->extent = leave_at(x, out->axis, u + 2, out->at) / density;
   double part = radiance_in(x, local);
   for (int c = 0; c < 3; c++) out->light[c] = x[c] * part;

@@ -87,6 +87,10 @@ ylm_status ylm__photometric_evaluate(const ylm_field *f, const ylm_field_query *
 ylm_status ylm__photometric_crosses(const ylm_field *f, size_t n, const double *boxes,
                                     uint8_t *out);
 
+/* A particle's way out of a lamp by its table: out->axis and cosine; local: that way in the lamp's frame. Its density, 0: none leaves.
+   kind.c */
+double ylm__lamp_leave(const double *x, const double u[4], double local[3], ylm_light_leaving *out);
+
 /* Checks a record, and makes its frame one of unit vectors. kind.c */
 ylm_status ylm__photometric_settle(double *x, size_t i, ylm_error *e);
 size_t ylm__photometric_length(const double *x, size_t left);

@@ -74,14 +74,8 @@ static bool toward(const double *x, const double from[3], ylm_light_way *out) {
 }
 
 static bool leave(const double *x, const double u[4], ylm_light_leaving *out) {
-  double local[3], side[3];
-  double density = ylm_light_photometry_sample(ylm__lamp_table(x), u, local);
+  double local[3], density = ylm__lamp_leave(x, u, local, out);
   if (!(density > 0)) return false;
-  ylm__lamp_side(x, side);
-  for (int k = 0; k < 3; k++)
-    out->axis[k] = (double)(float)(local[0] * x[YLM__LAMP_ACROSS + k] + local[1] * side[k] +
-                                   local[2] * x[YLM__LAMP_AXIS + k]);
-  out->cosine = 1;
   out->extent = ylm__photometric_intensity(ylm__lamp_table(x), local) / density;
   out->flat = true;
   memcpy(out->light, x, sizeof out->light);

@@ -2,6 +2,7 @@
    plain form and the formulas. */
 #include "ylm_simd.h"
 
+#include "../fold.h"
 #include "denoise.h"
 
 denoise_gather_fn YLM_KERNEL(ylm_k_denoise_gather);
@@ -10,17 +11,8 @@ denoise_vary_fn YLM_KERNEL(ylm_k_denoise_vary);
 
 YLM_INLINE ylm_vf positive(ylm_vf x) { return (ylm_vf)((ylm_vi)x & (ylm_vi)(x > 0)); }
 
-typedef float v4 __attribute__((vector_size(16)));
-
 YLM_INLINE float sum_of(ylm_vf v) {
-  v4 part[YLM_VF / 4], s;
-  memcpy(part, &v, sizeof v);
-  s = part[0];
-#if YLM_VECTOR_BYTES == 32
-  s += part[1];
-#elif YLM_VECTOR_BYTES == 64
-  s = (s + part[2]) + (part[1] + part[3]);
-#endif
+  v4 s = fold(v);
   return (s[0] + s[2]) + (s[1] + s[3]);
 }
 

@@ -13,14 +13,6 @@ local function cells_of(text)
   return { tonumber(x), tonumber(y), tonumber(z) }
 end
 
---- Bytes of "32kB"; nil: none were given.
-local function bytes_of(text)
-  if text == nil then return nil end
-  local size, wanted = require "ylm.form".types.memory(tonumber(text) or text)
-  if not size then status.stop(status.usage, "export: --bytes is %s, got '%s'", wanted, text) end
-  return size
-end
-
 --- The grid that is exported: from its file, or baked.
 local function grid_of(ylm, given, scene)
   if given.grid then
@@ -58,8 +50,8 @@ return {
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "export: -o FILE says where the probes go") end
     status.need_output("export", given.output, "three.json", "ktx2", "npy")
-    local o = { cells = cells_of(given.cells), bytes = bytes_of(given.bytes), tolerance = given.tolerance, grids = given.grids,
-      anyway = given.anyway, threads = given.threads }
+    local o = { cells = cells_of(given.cells), bytes = status.bytes("export", given.bytes), tolerance = given.tolerance,
+      grids = given.grids, anyway = given.anyway, threads = given.threads }
     local scene = status.load_scene(given[1])
     if #scene.geometry == 0 then status.stop(status.script, "%s: the scene has no surfaces", given[1]) end
     o.scene = scene

@@ -5,14 +5,6 @@ local status = require "ylm.cli.status"
 
 local quantities = { direct = true, indirect = true, all = true }
 
---- The bytes that an option gives; nil: it was not given.
-local function bytes_of(text)
-  if text == nil then return nil end
-  local size, wanted = require "ylm.form".types.memory(tonumber(text) or text)
-  if not size then status.stop(status.usage, "lightmap: --bytes is %s, got '%s'", wanted, text) end
-  return size
-end
-
 --- The scene of a file: one of ylm.load, or a file of triangles, which an overcast sky lights where none of them emits.
 local function scene_of(path)
   if not (path:lower():find "%.obj$" or path:lower():find "%.ply$") then return status.load_scene(path) end
@@ -48,7 +40,8 @@ return {
     local scene = scene_of(given[1])
     if #scene.geometry == 0 then status.stop(status.script, "%s: the scene has no surfaces", given[1]) end
     local light = status.need(scene:lightmap { tolerance = given.tolerance, texels = given.texels,
-      bytes = bytes_of(given.bytes), quantity = given.quantity, bounces = status.bounces("lightmap", given.bounces),
+      bytes = status.bytes("lightmap", given.bytes), quantity = given.quantity,
+      bounces = status.bounces("lightmap", given.bounces),
       rays = given.rays, seed = given.seed, threads = given.threads, progress = report.progress(given) })
     status.need(light:save(given.output))
     local stats = light.stats

@@ -34,18 +34,21 @@ end
 --- Is it the name of a file of light on surfaces?
 function status.is_surfaces(path) return path ~= nil and path:lower():find "%.surfaces$" ~= nil end
 
+--- The number of bytes that the option of a command says, such as 32kB; nil: it was not given.
+function status.bytes(name, text)
+  if text == nil then return nil end
+  local size, wanted = require "ylm.form".types.memory(tonumber(text) or text)
+  if not size then status.stop(status.usage, "%s: --bytes is %s, got '%s'", name, wanted, text) end
+  return size
+end
+
 --- { tolerance, bytes } that options of a command ask few bytes by; nil: they do not.
 function status.few_bytes(name, given)
   if not given.tolerance and not given.bytes then return nil end
   if given.tolerance and given.bytes then
     status.stop(status.usage, "%s: --tolerance or --bytes: each chooses the rounding", name)
   end
-  local size, wanted
-  if given.bytes then
-    size, wanted = require "ylm.form".types.memory(tonumber(given.bytes) or given.bytes)
-    if not size then status.stop(status.usage, "%s: --bytes is %s, got '%s'", name, wanted, given.bytes) end
-  end
-  return { tolerance = given.tolerance, bytes = size }
+  return { tolerance = given.tolerance, bytes = status.bytes(name, given.bytes) }
 end
 
 --- The number of bounces, or "all", that the option of a command says; nil: it was not given.

@@ -66,13 +66,12 @@ local function validity_at(g, known, p)
   return weight > 0 and sum / weight or nil
 end
 
+--- 1 of points that lie in no body, by the pieces of a grid's voxels; array [n].
+local function unburied(g, points) return core.grid_flags(g, points, "float", 0):less(BURIED) end
+
 --- The validity at points, array [n]: 1 less the part of each that lies in bodies.
 local function validity_of(g, positions)
-  if g.sides then
-    local flags = select(4, g:sample(positions, { flags = true }))
-    for i = 1, #flags do flags:set(i, flags:get(i) >= BURIED and 0 or 1) end
-    return flags
-  end
+  if g.sides then return unburied(g, positions) end
   local known, all = g:points().validity, true
   for i = 1, #known do all = all and known[i] == 1 end
   local list = {}
@@ -313,12 +312,19 @@ local function options_of(kind, given)
   return o
 end
 
---- Numbers of a lattice that are sampled at its middles, [n][channels][numbers], and validity. Or nil, message, code.
-local function sampled(g, kind, lmax, at)
+--- Coefficients of a grid's light at the middles of a lattice, and validity. Or nil, message, code.
+local function light_at(g, lmax, at)
   local positions = engine.middles(at)
   local c, message, code = g:sample(positions)
   if not c then return nil, message, code end
-  return array.array(exported(kind, sh.resize(c, lmax)), "float"), validity_of(g, positions)
+  return sh.resize(c, lmax), validity_of(g, positions)
+end
+
+--- Numbers that are sampled at the middles of a lattice, [n][channels][numbers], and validity. Or nil, message, code.
+local function sampled(g, kind, lmax, at)
+  local c, validity, code = light_at(g, lmax, at)
+  if not c then return nil, validity, code end
+  return array.array(exported(kind, c), "float"), validity
 end
 
 --- Sampled numbers: error(cells), made(cells) -> { grids: { lattice, probes, validity }, dering, error }.
@@ -329,18 +335,17 @@ local function sampler(g, kind, lmax, o)
   local function error(cells) return error_of(g, judge, cells) end
   local function made(cells)
     local at, m = lattice(g, cells), {}
-    local positions = engine.middles(at)
-    local c, message, code = g:sample(positions)
-    if not c then return nil, message, code end
-    c = sh.resize(c, lmax)
+    local c, validity, code = light_at(g, lmax, at)
+    if not c then return nil, validity, code end
     if o.dering then
+      local message
       c, m.dering = sh.dering(c)
       if m.dering.width then
         m.error, message, code = error_of(g, judge, cells, m.dering.width)
         if not m.error then return nil, message, code end
       end
     end
-    m.grids = { { lattice = at, probes = exported(kind, c), validity = validity_of(g, positions) } }
+    m.grids = { { lattice = at, probes = exported(kind, c), validity = validity } }
     return m
   end
   return error, made
@@ -349,11 +354,7 @@ end
 --- A grid as the light of ylm.grid.places.
 local function light_of(g, scene)
   return { bounds = g.bounds,
-    open = function(points)
-      local _, _, report, flags = g:sample(points, { flags = true })
-      if not flags then return nil, report, flags end
-      return flags:less(BURIED)
-    end,
+    open = function(points) return unburied(g, points) end,
     irradiance = function(points, normals)
       local E, message, code = g:irradiance(points, normals, { scene = g.sides and scene or nil })
       if not E then return nil, message, code end

@@ -104,7 +104,7 @@ local function surfaces(o)
 end
 
 --- The box of meshes, a little larger; nil where they have no extent.
-local function bounds_of_meshes(meshes)
+function where.bounds_of_meshes(meshes)
   local lo, hi = { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge }
   for _, mesh in ipairs(meshes) do
     local vertices, _, low, high = core.mesh_info(mesh)
@@ -120,7 +120,7 @@ end
 local function bounds(description, given, points)
   local there = core.type(points) == "ylm.gpu_array"
   local box = description.bounds or given
-  if not box and type(points) == "table" then box = bounds_of_meshes(points) end
+  if not box and type(points) == "table" then box = where.bounds_of_meshes(points) end
   if not box and points and not there and type(points) ~= "table" then box = bounds_of(points) end
   if box then return box end
   if there then return check.bad(1, "bake", "no bounds: give them in the grid, points in a device's memory are not looked at") end

@@ -1,7 +1,6 @@
 --- scene:judge: files of probes beside paths, at surfaces of their scene.
 
 local array = require "ylm.array"
-local boxes = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -15,6 +14,7 @@ local read = require "ylm.grid.engine_read"
 local show = require "ylm.show"
 local tracing = require "ylm.trace"
 local transfer = require "ylm.transfer"
+local where = require "ylm.grid.where"
 
 local judge = {}
 
@@ -33,12 +33,9 @@ local judge_options = options.list({
 
 --- The box around a scene's geometry.
 local function box_of(s)
-  local lo, hi = { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge }
-  for _, g in ipairs(s.geometry) do
-    local b = g.mesh.bounds
-    for a = 1, 3 do lo[a], hi[a] = math.min(lo[a], b[1][a]), math.max(hi[a], b[2][a]) end
-  end
-  return boxes.padded(lo, hi)
+  local meshes = {}
+  for i, g in ipairs(s.geometry) do meshes[i] = g.mesh end
+  return where.bounds_of_meshes(meshes)
 end
 
 --- The light of paths, as ylm.grid.places takes it; or nil, message, code.

@@ -209,6 +209,17 @@ local function say(x, reached, seconds)
     .. "pixel, %.1f %% was wanted: %s", x.p.scene.name or "?", 100 * reached, 100 * x.wanted, advice)
 end
 
+--- The picture as it is, to be taken again.
+local function keep(x)
+  local kept = {}
+  for _, key in ipairs { "direct", "links", "noise", "raw", "before", "left", "lit", "rays", "own" } do
+    kept[key] = x[key] or false
+  end
+  return kept
+end
+
+local function restore(x, kept) for key, value in pairs(kept) do x[key] = value or nil end end
+
 local function copies(pair) return { pair[1]:clone(), pair[2]:clone() } end
 
 --- Noise that is left, after a filter where it is above the one that is wanted and the filter leaves less; or nil, message, code.
@@ -217,13 +228,13 @@ local function settle(x)
   local message, code
   x.before, x.raw = reached, nil
   if x.o.denoise ~= "auto" or reached <= x.wanted then return reached end
-  local kept = { copies(x.direct), x.links and copies(x.links), { x.noise[1], x.noise[2] }, x.left, x.lit }
+  local kept = keep(x)
+  x.direct, x.links = copies(x.direct), x.links and copies(x.links)
   x.raw, message, code = denoise.filter(x)
   if not x.raw then return nil, message, code end
   local after = look_at(x)
   if after < reached then return after end
-  x.direct, x.links, x.noise, x.left, x.lit = kept[1], kept[2] or nil, kept[3], kept[4], kept[5]
-  x.raw = nil
+  restore(x, kept)
   return reached
 end
 
@@ -267,13 +278,6 @@ local function another(x, reached, seconds, start)
   return estimate(x, x.rays, x.own, 1)
 end
 
---- The picture as it is, to be taken again.
-local function keep(x)
-  local kept = {}
-  for _, key in ipairs { "direct", "links", "raw", "before", "left", "rays", "own" } do kept[key] = x[key] or false end
-  return kept
-end
-
 --- The noise that another round leaves; or nil, message, code. An interrupt of the command-line tool, which is raised, cancels.
 local function try(x, reached, seconds, start)
   local function round()
@@ -292,7 +296,7 @@ local function refine(x, reached, seconds, start)
   local kept = keep(x)
   local better, message, code = try(x, reached, seconds, start)
   if better or code ~= "ECANCELLED" then return better, message, code end
-  for key, value in pairs(kept) do x[key] = value or nil end
+  restore(x, kept)
   x.cancelled, x.casting.progress = true, nil -- an interrupt stays one
   return reached
 end

@@ -3,6 +3,7 @@
 -- YLM_NODE_MODULES=DIR names a folder with npm's three (0.187 or later). Lamps are point lights with shadow maps, a sky is the
 -- background, panels shine by themselves.
 
+local browser_page = require "spec.support.three_page"
 local form = require "ylm.form"
 local reader = require "spec.support.engine_reader"
 local scratch = require "spec.support.scratch"
@@ -14,18 +15,10 @@ local MOST_LAMPS = 8 -- shadow maps, of 16 textures that a fragment shader has a
 local SKY = { 64, 32 }
 local GLOSSY = { 0.9, 0.9, 0.9 } -- of materials without albedo, which are matte there
 
-local modules = os.getenv "YLM_NODE_MODULES"
-
-local function browser()
-  for _, name in ipairs { "chromium", "chromium-browser", "google-chrome" } do
-    if scratch.shell("command -v " .. name .. " >/dev/null 2>&1") then return name end
-  end
-end
-
 --- Why it cannot run here, or nil.
 function three.lacks()
-  if not modules then return "not here: npm install three, and YLM_NODE_MODULES=DIR/node_modules" end
-  if not browser() then return "not here: apt-get install chromium" end
+  if not browser_page.modules then return "not here: npm install three, and YLM_NODE_MODULES=DIR/node_modules" end
+  if not browser_page.browser() then return "not here: apt-get install chromium" end
 end
 
 local function numbers(list)
@@ -162,13 +155,11 @@ function three.bake(scene, lattice, bounces, cube)
   local parts = { MESHES = meshes_of(scene), LAMPS = lamps, PANELS = panels, SKY = sky_of(scene) or "null",
     LO = numbers(lattice.lo), HI = numbers(lattice.hi), CELLS = numbers(lattice.cells), CUBE = cube, BOUNCES = bounces }
   local page = folder:write("page.html", (PAGE:gsub("@(%u+)@", parts)))
-  scratch.shell(("cp -r %s/three/build %s/three/examples %s/"):format(scratch.quote(modules), scratch.quote(modules),
-    scratch.quote(folder.path)))
+  local from = scratch.quote(browser_page.modules)
+  scratch.shell(("cp -r %s/three/build %s/three/examples %s/"):format(from, from, scratch.quote(folder.path)))
   local began = os.time()
-  local dom = scratch.capture(("timeout 900 %s --headless --no-sandbox --disable-gpu-sandbox --use-angle=swiftshader "
-    .. "--enable-unsafe-swiftshader --allow-file-access-from-files --virtual-time-budget=20000 --user-data-dir=%s/profile "
-    .. "--dump-dom file://%s 2>/dev/null"):format(browser(), scratch.quote(folder.path), page))
-  local seconds, text = os.time() - began, dom:match "<pre>BEGIN (.-) END</pre>"
+  local text = browser_page.result(folder, page, 900)
+  local seconds = os.time() - began
   folder:remove()
   if not text then return nil, "the browser gave nothing" end
   local list, cells = {}, lattice.cells
