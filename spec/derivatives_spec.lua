@@ -157,7 +157,7 @@ describe("derivatives by the lamp", function()
         local p = { one[1].at[1], one[1].at[2], one[1].at[3] }
         p[a] = p[a] + h
         return mean({ ylm.photometric_light { photometry = one[1].photometry, at = p, opening = one[1].opening } },
-          { samples = long and 400 or 256, rim = 0 }).value
+          { samples = long(256, 400), rim = 0 }).value
       end
       local wanted = (at(0.04) - at(-0.04)) / 0.08
       square, off = square + wanted ^ 2, off + (wanted - d.position:get(1, a)) ^ 2

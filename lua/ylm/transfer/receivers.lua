@@ -226,6 +226,20 @@ end
 
 -- Their light ---------------------------------------------------------------------------------------------------
 
+--- Points and normals [places x fold][3] that receivers stand for, and how many of these belong to one place.
+function objects.places_of(r)
+  local m = objects.made(r)
+  local points, normals = m.points:totable(), m.normals:totable()
+  if m.fold > 1 then points, normals = around(points, normals) end
+  return array.array(points, "double"), array.array(normals, "float"), m.fold
+end
+
+--- The luminance [places] of irradiance, or of its variance, at such points.
+function objects.luminance_of(E, count, fold)
+  local Y1 = (E * Y):sum(2)
+  return fold > 1 and Y1:reshape({ count, fold }):mean(2) or Y1
+end
+
 function objects.open_receivers(name, r) return objects.opened(name, r, "ylm.receivers", "receivers") end
 
 --- Direct light lamp by lamp at receivers for a radiosity with derivatives: made once for its lamps; or nil, message, code.
