@@ -2,6 +2,7 @@
 
 local office = require "spec.support.office"
 local scratch = require "spec.support.scratch"
+local tool = require "spec.support.tool"
 local ylm = require "ylm"
 
 local function near(wanted, got, within, what)
@@ -183,6 +184,29 @@ describe("inverse lighting", function()
     local _, r = scene:inverse_lighting { vary = { { dim = { 0, 2 } } }, judge = 0, spacing = 1, price = "none",
       targets = { { plane = DESK, image = { { 1, 0 } } } } }
     assert.is_true(r.targets[1].rms < r.targets[1].before.rms, tostring(r))
+  end)
+
+  it("is a command, which plans what a scene file asks for, and refuses one that names a picture's file", function()
+    local folder = scratch.new()
+    local run = tool.runner(folder)
+    local function file(name, target)
+      return scratch.quote(folder:write(name, ([[
+        return scene "asked" { geometry = box { scale = 4 },
+          lights = sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 100, photometric = true },
+          inverse_lighting = { vary = { { dim = { 0, 9 } } },
+            targets = { { plane = { at = { 0, -1, 0 }, size = { 2, 2 } }, %s } } } }
+      ]]):format(target)))
+    end
+    local out, status, err = run("inverse_lighting " .. file("a.lua", "mean = 2") .. " --judge 64 --json -o "
+      .. scratch.quote(folder.path .. "/planned.lua"))
+    assert.equal(0, status, err)
+    assert.matches('"met": ?true', out)
+    assert.are.equal(1, #assert(ylm.load(folder.path .. "/planned.lua")).lights)
+    out, status, err = run("inverse_lighting " .. file("b.lua", "image = '/etc/passwd'"))
+    assert.is_true(status ~= 0 and err:find("in a scene file an image is numbers", 1, true) ~= nil, out .. err)
+    out, status, err = run("inverse_lighting " .. scratch.quote(folder.path .. "/planned.lua"))
+    assert.is_true(status ~= 0 and err:find("the scene has no table inverse_lighting", 1, true) ~= nil, out .. err)
+    folder:remove()
   end)
 
   if require "spec.support.long"(false, true) then

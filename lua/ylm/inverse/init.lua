@@ -5,7 +5,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local lamps = require "ylm.transfer.lamps"
-local minimise = require "ylm.inverse.minimise".minimise
+local minimise = require "ylm.inverse.minimise"
 local objects = require "ylm.transfer.object"
 local plans = require "ylm.inverse.plan"
 local progress = require "ylm.progress"
@@ -16,7 +16,7 @@ local tracing = require "ylm.trace"
 local vary = require "ylm.inverse.vary"
 local vector = require "ylm.vector"
 
-local inverse = { minimise = minimise }
+local inverse = { minimise = minimise.minimise }
 
 local PRICE = 1e-2                                -- of all lamps at full power, beside requirements
 local MARGIN = { mean = 0.004, uniformity = 0.01 } -- that is asked for more
@@ -226,7 +226,7 @@ local function search(work, x, evaluations, quick)
   local levels = work.matrix ~= nil
   work.best = nil -- margins and weights may have changed
   local function f(y) return (levels and by_matrix or by_light)(work, y) end
-  local found, report, code = minimise(f, x, { lower = lower, upper = upper, evaluations = levels and 2000 or evaluations,
+  local found, report, code = minimise.of(f, x, { lower = lower, upper = upper, evaluations = levels and 2000 or evaluations,
     tolerance = levels and 1e-9 or FLAT, step = 0.5, progress = levels and false or work.options.progress,
     enough = not levels and quick and function() return is_enough(work, work.F) end or nil })
   if not found then return nil, report, code end

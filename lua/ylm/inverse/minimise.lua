@@ -6,6 +6,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
+local memory = require "ylm.memory"
 local progress = require "ylm.progress"
 local show = require "ylm.show"
 
@@ -203,6 +204,11 @@ assert(x[1] == 2 and math.abs(x[2] + 1) < 1e-6 and report.ended == "flat")]],
 }
 function minimise.minimise(f, x, given)
   if type(f) ~= "function" then return check.bad(1, "minimise", "a function expected, got %s", check.describe(f)) end
+  return minimise.of(memory.users(f), x, given)
+end
+
+--- ylm.minimise for functions of ylm itself.
+function minimise.of(f, x, given)
   if core.type(x) == "ylm.array" then x = core.array_totable(x) end
   if type(x) ~= "table" or #x == 0 then
     return check.bad(2, "minimise", "a list of numbers expected, got %s", check.describe(x))
@@ -211,6 +217,7 @@ function minimise.minimise(f, x, given)
     if not check.is_number(x[i]) then return check.fail("minimise: number %d of x is %s", i, check.describe(x[i])) end
   end
   local o = form.options(3, "minimise", options, given)
+  if o.enough then o.enough = memory.users(o.enough) end
   o.lower, o.upper = bounds("lower", o.lower, #x, -math.huge), bounds("upper", o.upper, #x, math.huge)
   for i = 1, #x do
     if o.lower[i] > o.upper[i] then
