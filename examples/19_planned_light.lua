@@ -3,9 +3,10 @@
 --     ylm run examples/19_planned_light.lua [--out DIR] [--only office|wall|lamps] [--evaluations N] [--paths N] [--width N]
 --
 -- The office wants 500 lx and a uniformity of 0.6 of twenty lamps that crowd on one side. The wall wants a letter of spots that
--- may lean, move along their rails and dim. The gallery is lit by sixty lamps; six are moved until its floor and walls have
--- nearly the same light. Each part prints the figures that paths find, and leaves maps with isolux lines: planned_office.png,
--- planned_wall.png, planned_lamps.png. The office is also written as planned_office.lua. Metres, lm, cd and lx; y is up.
+-- may lean, move along their rails and dim. The gallery is lit by sixty lamps; six are moved until the lightmap of its floor,
+-- and its walls, have nearly the same light. Each part prints the figures that paths find, and leaves maps with isolux lines:
+-- planned_office.png, planned_wall.png, planned_lamps.png. The office is also written as planned_office.lua. Metres, lm, cd, lx;
+-- y is up.
 
 local ylm = require "ylm"
 
@@ -105,6 +106,8 @@ end
 
 local function lamps()
   local geometry = { ylm.box { bounds = { { -5, 0, -2.5 }, { 5, 3.2, 2.5 } }, material = matte(0.6) },
+    ylm.quad { corner = { -4.9, 0.01, 2.4 }, u = { 9.8, 0, 0 }, v = { 0, 0, -4.8 }, divide = 8, material = matte(0.4),
+      sides = "front" },
     box({ -0.15, 0.15, 0, 2.2, -0.6, 2.5 }, matte(0.5)), box({ 2.6, 3.4, 0, 1, -0.4, 0.4 }, matte(0.5)) }
   local small, large = ylm.photometry { cosine = 1, lumens = 300 }, ylm.photometry { cosine = 1, lumens = 3000 }
   local function lit_by(photometry, nx, nz, radius)
@@ -120,7 +123,7 @@ local function lamps()
   local before = ylm.scene "Six lamps in place of sixty" { geometry = geometry, lights = lit_by(large, 3, 2, 0.3) }
   local links = assert(before:links { spacing = 0.7, rays = 64, lmax = 0 })
   local sixty = links:radiosity(lit_by(small, 12, 5, 0.05), { derivatives = true })
-  local floor = links:receivers { plane = { at = { 0, 0.002, 0 }, size = { 9.9, 4.9 }, spacing = 0.35 } }
+  local floor = links:receivers { mesh = 2, size = { 39, 19 } }
   local walls = links:receivers { mesh = 1 }
   local plan, report = assert(before:inverse_lighting { links = links, evaluations = option.evaluations,
     judge = math.floor(option.paths / 16), price = "none",

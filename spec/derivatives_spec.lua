@@ -217,6 +217,23 @@ describe("receivers", function()
     near(a:sum(), r:irradiance(plain):sum(), 0.01 * a:sum(), "by lamps drawn at random")
   end)
 
+  it("are the texels of a lightmap: the light is that of radiosity:lightmap", function()
+    local wall = ylm.quad { corner = { -1, -1, -1.5 }, u = { 2, 0, 0 }, v = { 0, 2, 0 }, divide = 2,
+      material = ylm.matte { albedo = 0.6 } }
+    local scene = ylm.scene "a wall" { lights = ylm.sphere_light { at = { 0.4, 0.5, 0 }, radius = 0.2, radiance = 10 },
+      geometry = { ylm.box { scale = 4, material = ylm.matte { albedo = 0.5 } }, wall } }
+    local t = scene:links { spacing = 1, rays = 64, lmax = 0 }
+    local r = t:receivers { mesh = 2, size = { 7, 5 }, rays = 512, light_samples = 64 }
+    assert.are.same({ r.count, r.size[1], r.size[2] }, { 35, 7, 5 })
+    local lit = t:radiosity(scene.lights, { derivatives = true, light_samples = 64 })
+    local map, image = r:map(lit), lit:lightmap { mesh = 2, size = { 7, 5 }, rays = 512, light_samples = 256, gutter = 0 }
+    local E = (image:layer "irradiance" * { 0.2126, 0.7152, 0.0722 }):sum(3)
+    for row = 1, 5 do
+      for column = 1, 7 do near(E:get(row, column), map:get(row, column), 0.04 * E:max(), row .. ", " .. column) end
+    end
+    assert.is_true(map:get(1, 5) > 1.3 * map:get(5, 1)) -- the top row first, to the right where the lamp is
+  end)
+
   it("leave out places in bodies, and weigh the rest to 1", function()
     local t = room(true):links { spacing = 1, rays = 32, lmax = 0 }
     local r = t:receivers { plane = { at = { 0, -1, 0 }, size = { 3.9, 3.9 }, spacing = 0.08 }, rays = 16 }

@@ -58,11 +58,11 @@ end
 
 -- Pictures --------------------------------------------------------------------------------------------------------
 
---- Where a plane's map is, in pixels: { u, v, at, size } of the plane, and pixels of a scene unit.
+--- How large a map is, in pixels; pixels of a scene unit, or of a texel of a lightmap.
 local function window(t, width)
-  local p = t.plane
-  local pixels = width / p.size[1]
-  return { pixels = pixels, width = width, height = math.max(2, math.floor(p.size[2] * pixels + 0.5)) }
+  local size = t.plane and t.plane.size or t.receivers.size
+  local pixels = width / size[1]
+  return { pixels = pixels, width = width, height = math.max(2, math.floor(size[2] * pixels + 0.5)) }
 end
 
 --- Values of a map, rows of numbers, at a pixel, between its places linear.
@@ -116,8 +116,8 @@ local function drawn(t, map, lights, width, step, least)
       out[y][x] = line and least or pixels[y][x]
     end
   end
-  local normal = t.plane.normal or { 0, 1, 0 }
-  for _, l in ipairs(math.abs(normal[2]) > 0.9 and lights or {}) do -- seen from above
+  local normal = t.plane and (t.plane.normal or { 0, 1, 0 }) or { 0, 0, 0 }
+  for _, l in ipairs(normal[2] > 0.9 and lights or {}) do -- seen from above
     local cx = (l.at[1] - t.plane.at[1]) * w.pixels + w.width / 2
     local cy = (l.at[3] - t.plane.at[3]) * w.pixels + w.height / 2
     for y = math.max(1, math.floor(cy - 4)), math.min(w.height, math.ceil(cy + 4)) do
@@ -142,10 +142,10 @@ local function words(f)
   return ("mean %.0f lx, least %.0f, U0 %.2f"):format(f.mean, f.least, f.uniformity)
 end
 
---- Maps of one target before and after; nil: it is no plane.
+--- Maps of one target before and after; nil: it is no plane, and no lightmap.
 local function maps(m, i, o)
   local t = m.targets[i]
-  if not t.plane then return nil end
+  if not t.receivers.size then return nil end
   local most = 0
   for _, F in ipairs { m.first[i], m.last[i] } do for _, v in ipairs(F) do most = math.max(most, v) end end
   local step = step_of(most)
@@ -205,12 +205,12 @@ local plan = room:inverse_lighting { vary = { { dim = { 0, 2 } } },
 ]]
 
 describe "plan:figure" {
-  about = "Maps of each plane before and after, as the links see them, with isolux lines and lamps as dots, and curves of the "
-    .. "search.",
+  about = "Maps of each plane and lightmap before and after, as the links see them, with isolux lines and lamps as dots, and "
+    .. "curves of the search.",
   arguments = { { "options?", "table", "" } },
   options = figure_options,
   returns = { { "figure", "figure", "figure:save 'plan.png'" } },
-  errors = "raises where no target is a plane",
+  errors = "raises where no target is a plane or a lightmap",
   example = planned .. "assert(tostring(plan:figure { width = 64 }):find 'figure')",
 }
 function methods.figure(p, given)
@@ -223,7 +223,7 @@ function methods.figure(p, given)
       rows[#rows + 1], bar, steps = row, bar or range, steps or step
     end
   end
-  if #rows == 0 then return check.fail "figure: no target is a plane" end
+  if #rows == 0 then return check.fail "figure: no target is a plane or a lightmap" end
   rows[#rows + 1] = curves(m, o)
   local r = m.report
   local verdict = not targets.have_limits(m.targets) and "" or r.met and "; what is asked for is met"

@@ -17,6 +17,7 @@ local fields = {
   { "points", "any", optional = true },
   { "normals", "any", optional = true },
   { "mesh", "integer", min = 1, optional = true },
+  { "size", "texels", optional = true, about = "of a mesh: { width, height } of its lightmap" },
   { "quantity", "choice", of = { "illuminance", "cylindrical" }, default = "illuminance" },
   { "receivers", "object", of = "ylm.receivers", optional = true, about = "instead: of the links that are given" },
   { "mean", "any", optional = true, about = "{ least =, most = }, lx" },
@@ -49,7 +50,7 @@ end
 
 --- The image's values at places of a plane, between its pixels linear.
 local function at_places(rows, m, fail)
-  if not m.size then return fail "image is for a plane" end
+  if not m.size then return fail "image is for a plane, or a mesh with size" end
   local out, h, w = {}, #rows, #rows[1]
   local function pixel(r, c) return rows[math.max(1, math.min(h, r))][math.max(1, math.min(w, c))] end
   for i, place in ipairs(m.keep) do
@@ -84,7 +85,7 @@ local function open(given, i, links, o)
   end
   local r, message, code = t.receivers
   if not r then
-    r, message, code = links:receivers { plane = t.plane, points = t.points, normals = t.normals, mesh = t.mesh,
+    r, message, code = links:receivers { plane = t.plane, points = t.points, normals = t.normals, mesh = t.mesh, size = t.size,
       quantity = t.quantity, rays = o.receiver_rays, light_samples = o.receiver_samples, seed = o.seed, threads = o.threads }
     if not r then return nil, message, code end
   end

@@ -9,6 +9,7 @@ local lamps = require "ylm.transfer.lamps"
 local memory = require "ylm.memory"
 local objects = require "ylm.transfer.object"
 local progress = require "ylm.progress"
+local texels = require "ylm.transfer.texels"
 local vector = require "ylm.vector"
 
 local methods = objects.kind("receivers", { "count", "left_out", "size", "points", "normals", "weights", "links" }, function(m)
@@ -27,7 +28,7 @@ require "ylm.describe".object "receivers" {
     { "points", "array", "[n][3], scene units" },
     { "normals", "array", "[n][3]; of cylindrical ones the upright" },
     { "weights", "array", "double [n], the part of the area that each stands for: 1 together" },
-    { "size", "table", "{ columns, rows } of a plane, else nil" },
+    { "size", "table", "{ columns, rows } of a plane or a lightmap, else nil" },
     { "links", "links", "of which elements" },
   },
 }
@@ -93,6 +94,12 @@ local function of_mesh(t, m, number)
   return points, normals, weights
 end
 
+--- Points, normals and areas of a mesh's texels, { columns, rows } and their numbers.
+local function of_texels(m, o)
+  local points, normals, areas, numbers = texels.of(m.scene, o.mesh, o.size[1], o.size[2], o.side == "back")
+  return points, normals, areas, { o.size[1], o.size[2] }, numbers
+end
+
 --- Points with normals as they are given.
 local function of_points(o)
   local points = array.points(1, "receivers", o.points, "double", "points"):totable()
@@ -116,7 +123,9 @@ local function places_of(t, m, o)
   local given = {}
   for name in pairs(sources) do if o[name] ~= nil then given[#given + 1] = name end end
   if #given ~= 1 then return check.fail "receivers: give one of points (with normals), plane and mesh" end
+  if o.size and not o.mesh then return check.fail "receivers: size is of a mesh: { width, height } of its lightmap" end
   if o.plane then return of_plane(o.plane) end
+  if o.size then return of_texels(m, o) end
   if o.mesh then return of_mesh(t, m, o.mesh) end
   return of_points(o)
 end
@@ -165,6 +174,9 @@ local options = {
   { "normals", "any", optional = true, about = "of points [n][3]; default: up, +y" },
   { "plane", "table", optional = true, about = "{ at =, size =, normal = { 0, 1, 0 }, spacing = }: a grid of places" },
   { "mesh", "integer", min = 1, optional = true, about = "a place in scene.geometry: the middles of its elements" },
+  { "size", "texels", optional = true, unit = "texels",
+    about = "of a mesh with texture coordinates: { width, height } of a lightmap, whose texels' middles are then the places" },
+  { "side", "choice", of = core.choices "side", default = "front", about = "of the mesh, with size" },
   { "quantity", "choice", of = { "illuminance", "cylindrical" }, default = "illuminance",
     about = "on the surface; or the mean of 8 level directions, for faces" },
   { "rays", "links", default = 256, about = "of each place, by which elements light it" },
@@ -187,7 +199,7 @@ local lit = t:radiosity(scene.lights, { derivatives = true })
 
 describe "links:receivers" {
   about = "Places that are no elements, and the elements that each of them sees: a plane of desks, points, the middles of a "
-    .. "mesh's elements. Places inside of bodies are left out.",
+    .. "mesh's elements, or of its lightmap's texels. Places inside of bodies are left out.",
   arguments = { { "options", "table", "one of points, plane and mesh is needed" } },
   options = options,
   returns = { { "r", "receivers", "r:illuminance(lit), r:figures(lit), r:map(lit); lit:importance { { r, weights = } }" } },
@@ -200,7 +212,7 @@ function objects.links.receivers(t, given)
   local m = objects.open_links("receivers", t)
   local o = form.options(1, "receivers", options, given)
   o.progress = progress.long(o.progress)
-  local points, normals, weights, size = places_of(t, m, o)
+  local points, normals, weights, size, numbers = places_of(t, m, o)
   local n, fold = #points, o.quantity == "cylindrical" and AROUND or 1
   local function made(p, u)
     if fold > 1 then p, u = around(p, u) end
@@ -212,6 +224,7 @@ function objects.links.receivers(t, given)
   if #keep == 0 then return check.fail("receivers: all %d places are inside of bodies", n) end
   if #keep < n then
     points, normals, weights = chosen(points, keep), chosen(normals, keep), chosen(weights, keep)
+    numbers = numbers and chosen(numbers, keep)
     handle, message, code = made(points, normals)
     if not handle then return nil, message, code end
   end
@@ -219,7 +232,7 @@ function objects.links.receivers(t, given)
   for _, w in ipairs(weights) do sum = sum + w end
   for i, w in ipairs(weights) do weights[i] = w / sum end
   core.own(handle).made = { of = m, links = t, scene = m.scene, lib = m.lib, count = #keep, left_out = n - #keep, size = size,
-    keep = keep, points = array.array(points, "double"), normals = array.array(normals, "double"),
+    keep = numbers or keep, points = array.array(points, "double"), normals = array.array(normals, "double"),
     weights = array.array(weights, "double"), fold = fold, options = o }
   return handle
 end
@@ -339,15 +352,15 @@ function objects.as_map(r, E)
 end
 
 describe "receivers:map" {
-  about = "The illuminance of a plane as rows and columns: for ylm.figure, with isolux lines.",
+  about = "The illuminance of a plane, or of a lightmap, as rows and columns: for ylm.figure.",
   arguments = { { "lit", "radiosity", "of the same links" } },
-  returns = { { "map", "array", "float [rows][columns], lx; 0 inside of bodies" } },
+  returns = { { "map", "array", "float [rows][columns], lx; 0 inside of bodies and beside the mesh" } },
   errors = "raises of receivers that are no plane; else as receivers:irradiance",
   example = office .. "assert(desk:map(lit).shape[1] == desk.size[2])",
 }
 function methods.map(r, lit)
   local m = objects.open_receivers("map", r)
-  if not m.size then return check.fail "map: these receivers are no plane" end
+  if not m.size then return check.fail "map: these receivers are no plane, and no lightmap" end
   local E, message, code = illuminance("map", r, lit)
   if not E then return nil, message, code end
   return objects.as_map(r, E)

@@ -85,7 +85,7 @@ return {
   },
   ["plan:figure"] = {
     { call = function(ylm) return plan(ylm).figure({}) end, says = "figure: a plan expected before the colon" },
-    { call = function(ylm) return plan(ylm):figure() end, says = "figure: no target is a plane" },
+    { call = function(ylm) return plan(ylm):figure() end, says = "figure: no target is a plane or a lightmap" },
     { call = function(ylm) return plan(ylm):figure { width = 1 } end, says = "width must be" },
   },
   ["plan:save"] = {

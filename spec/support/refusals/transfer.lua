@@ -175,6 +175,8 @@ return {
     receivers_by({ mesh = 2 }, "mesh = 2 has no element; scene \"refusing\" has 1 pieces of geometry"),
     receivers_by({ points = { { 0, 0, 0 } }, normals = { { 0, 0, 0 } } }, "normal 1 is 0"),
     receivers_by({ points = { { 0, 0, 0 } }, normals = { { 0, 1, 0 }, { 0, 1, 0 } } }, "1 points and 2 normals"),
+    receivers_by({ points = { { 0, 0, 0 } }, size = { 4, 4 } }, "size is of a mesh"),
+    receivers_by({ mesh = 3, size = { 4, 4 } }, "mesh = 3 with size wants texture coordinates"),
     receivers_by({ points = { { 0, 0, nan } } }, "receivers"),
     receivers_by({ points = { { 0, -1.01, 0 } } }, "all 1 places are inside of bodies"),
     receivers_by({ points = { { 0, 0, 0 } }, rays = 5 }, "rays must be a multiple of 4"),
