@@ -98,8 +98,7 @@ typedef struct ylm_lamplight ylm_lamplight;
 /*
 ** ylm_lamplight_create - direct light of each lamp at each element, or at each receiver.
 **
-** Rays of an element start all over it. With one seed they go to
-** the same places of a lamp wherever that is.
+** Rays of an element start all over it. With one seed they go to the same places of a lamp, wherever it stands.
 **
 **   receivers  in  NULL: the elements of t
 **

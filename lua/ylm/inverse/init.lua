@@ -33,7 +33,7 @@ local prices = {
 
 -- One search ------------------------------------------------------------------------------------------------------
 
---- What a search needs: links, targets, numbers, prices; nil, message, code.
+--- Links, targets, numbers and prices of a search; nil, message, code.
 local function open(s, o)
   local work = { scene = s, options = o, margin = { mean = MARGIN.mean, uniformity = MARGIN.uniformity }, evaluations = 0,
     rays = 0, trace = {} }
@@ -112,7 +112,7 @@ local function add_price(work, x, value, gradient)
   return value
 end
 
---- What a search has learnt at x.
+--- Keeps the figures at x, and the best value so far.
 local function note(work, x, F, value)
   work.evaluations = work.evaluations + 1
   local entry = { value = value, targets = {} }

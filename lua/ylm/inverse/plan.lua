@@ -1,4 +1,4 @@
---- What scene:inverse_lighting returns: lamps, their scene, pictures and files of them.
+--- Plans, as scene:inverse_lighting returns them: lamps, their scene, pictures and files of them.
 
 local array = require "ylm.array"
 local check = require "ylm.check"

@@ -202,7 +202,7 @@ local function take_after(values, fail)
   return true
 end
 
--- What is asked for -----------------------------------------------------------------
+-- Light that is asked for -----------------------------------------------------------------
 
 local ASKED = { vary = true, targets = true, price = true, evaluations = true, starts = true, spacing = true, rays = true,
   judge = true, seed = true, light_samples = true, rim = true }
