@@ -11,12 +11,12 @@ local fitted = require "ylm.grid.fitted"
 local form = require "ylm.form"
 local object = require "ylm.grid.object"
 local places = require "ylm.grid.places"
+local probes = require "ylm.grid.probes"
 local sh = require "ylm.sh"
 local warning = require "ylm.warning"
 
 local methods, open = object.methods, object.open
 
-local BURIED = 4               -- flag of samples in bodies
 local HALVED = 0.5             -- points of less validity lie in bodies, or behind walls
 local MOST_CELLS = 256         -- along the longest axis, where a tolerance chooses
 local MOST_PROBES = 2 ^ 20
@@ -66,12 +66,9 @@ local function validity_at(g, known, p)
   return weight > 0 and sum / weight or nil
 end
 
---- 1 of points that lie in no body, by the pieces of a grid's voxels; array [n].
-local function unburied(g, points) return core.grid_flags(g, points, "float", 0):less(BURIED) end
-
 --- The validity at points, array [n]: 1 less the part of each that lies in bodies.
 local function validity_of(g, positions)
-  if g.sides then return unburied(g, positions) end
+  if g.sides then return places.unburied(g, positions) end
   local known, all = g:points().validity, true
   for i = 1, #known do all = all and known[i] == 1 end
   local list = {}
@@ -229,7 +226,9 @@ local options = {
   { "scene", "any", optional = true, about = "whose surfaces the light falls on: the numbers are then fitted, by least squares, "
     .. "to the irradiance that the engine's own look-up has there, and error is that of irradiance at 4,096 other places" },
   { "anyway", "boolean", default = false, about = "true: writes the file also where the tolerance is not met" },
-  { "lmax", "integer", min = 0, max = 20, optional = true, about = "of .npy, default 2; probes of three.js have 2" },
+  { "lmax", "integer", min = 0, max = 20, optional = true, about = "of .npy, default 2; of .ylmp 1 or 2, default 1 where a scene "
+    .. "and bytes or a tolerance are given, else 2; probes of three.js have 2" },
+  { "bits", "integer", min = 6, max = 16, optional = true, about = "of .ylmp: of a number of a point, default 10" },
   { "offset", "number", min = 0, max = 2, optional = true, unit = "cells", about = "of .npy, with scene: how far off the "
     .. "surface, along the normal, the engine looks up; default 0" },
   { "grids", "integer", min = 1, max = 16, optional = true, about = "of .three.json, with scene: at most so many grids beside "
@@ -243,7 +242,7 @@ local options = {
   form.threads,
 }
 
-local kinds = { ["%.ktx2$"] = "cube", ["%.three%.json$"] = "three", ["%.npy$"] = "npy" }
+local kinds = { ["%.ktx2$"] = "cube", ["%.three%.json$"] = "three", ["%.npy$"] = "npy", ["%.ylmp$"] = "ylmp" }
 
 --- Why the tolerance of an export is not met, and what to change.
 local function unmet_by(report, tolerance, o)
@@ -289,21 +288,23 @@ local function kind_of(path)
   for pattern, name in pairs(kinds) do
     if type(path) == "string" and path:lower():find(pattern) and not path:find "%z" then return name end
   end
-  return check.bad(1, "export", "a path ending in .ktx2, .three.json or .npy expected, got %s", check.describe(path))
+  return check.bad(1, "export", "a path ending in .ylmp, .three.json, .ktx2 or .npy expected, got %s", check.describe(path))
 end
 
 local function options_of(kind, given)
   local o = form.options(2, "export", options, given)
+  if o.scene ~= nil and form.kind(o.scene) ~= "scene" then
+    return check.bad(2, "export", "scene: a scene expected, got %s", check.describe(o.scene))
+  end
   if o.tolerance and o.cells then return check.fail "export: either tolerance or cells, not both" end
-  if o.lmax and kind ~= "npy" then return check.fail "export: lmax is of .npy: probes of engines have degree 2" end
+  if kind == "ylmp" then return probes.check(o) end
+  if o.bits then return check.fail "export: bits are of .ylmp: leave them out" end
+  if o.lmax and kind ~= "npy" then return check.fail "export: lmax is of .npy and .ylmp: probes of engines have degree 2" end
   if o.grids and (kind ~= "three" or o.scene == nil) then
     return check.fail "export: grids is of .three.json with a scene: other engines take one"
   end
   if o.offset and (kind ~= "npy" or o.scene == nil) then
     return check.fail "export: offset is of .npy with a scene: other files have their engine's"
-  end
-  if o.scene ~= nil and form.kind(o.scene) ~= "scene" then
-    return check.bad(2, "export", "scene: a scene expected, got %s", check.describe(o.scene))
   end
   if o.scene ~= nil and (o.points or o.dering) then
     return check.fail("export: with a scene, places are those of its surfaces, and probes are fitted as they are read: leave "
@@ -351,17 +352,6 @@ local function sampler(g, kind, lmax, o)
   return error, made
 end
 
---- A grid as the light of ylm.grid.places.
-local function light_of(g, scene)
-  return { bounds = g.bounds,
-    open = function(points) return unburied(g, points) end,
-    irradiance = function(points, normals)
-      local E, message, code = g:irradiance(points, normals, { scene = g.sides and scene or nil })
-      if not E then return nil, message, code end
-      return E
-    end }
-end
-
 --- error and made, of numbers that are fitted to the surfaces of a scene; made(cells).judged.
 local function fitter(g, kind, lmax, o)
   local made = fitted.maker { lo = g.bounds[1], hi = g.bounds[2], threads = o.threads or 0,
@@ -369,7 +359,7 @@ local function fitter(g, kind, lmax, o)
     reader = kind == "cube" and engine.cube or engine.coefficients(lmax, kind == "three" and 0.5 or o.offset or 0),
     rounded = (kind ~= "npy" or o.dtype == "float16") and fitted.halved or function(probes) return probes end,
     sample = function(at) return sampled(g, kind, lmax, at) end,
-    places = function(n, seed) return places.draw("export", light_of(g, o.scene), o.scene, n, seed) end }
+    places = function(n, seed) return places.draw("export", places.of_grid(g, o.scene), o.scene, n, seed) end }
   return function(cells)
     local m, message, code = made(cells)
     if not m then return nil, message, code end
@@ -410,6 +400,11 @@ function methods.export(g, path, given)
   local lmax = kind == "cube" and g.lmax or o.lmax or LMAX
   local good, message, code = core.file_probe(path)
   if not good then return nil, message, code end
+  if kind == "ylmp" then
+    return probes.export(g, path, o, function()
+      return o.points and array.points(2, "export", o.points, "float") or held_out(g)
+    end, TOLERANCE)
+  end
   local error, make = (o.scene ~= nil and fitter or sampler)(g, kind, lmax, o)
   local cells, tolerance = o.cells, o.tolerance or TOLERANCE
   local function foreseen(picked) return bytes_of(kind, picked, g, o) end

@@ -1,0 +1,221 @@
+--- Probes of engines at run time, '.ylmp': files, look-ups of shaders, readers of others.
+
+local array = require "ylm.array"
+local core = require "ylm.c.core"
+local grid_bytes = require "spec.support.grid_bytes"
+local probe_reader = require "spec.support.probe_reader"
+local random = require "spec.support.random"
+local scratch = require "spec.support.scratch"
+local three_page = require "spec.support.three_page"
+local ylm = require "ylm"
+
+local function within(n, lo, hi, seed) return random.points_in(n, lo, hi, seed):totable() end
+
+local function luminance(c) return 0.2126 * c[1] + 0.7152 * c[2] + 0.0722 * c[3] end
+
+--- Two rooms with a closed wall of 4 cm between them, off the voxels' middle; a lamp is in the left one.
+local function rooms()
+  local grey = ylm.matte { albedo = 0.6 }
+  return ylm.scene "rooms" {
+    geometry = { ylm.box { bounds = { { -2, 0, -1 }, { 2, 2, 1 } }, sides = "back", material = grey },
+      ylm.box { bounds = { { 0.17, 0.001, -0.999 }, { 0.21, 1.999, 0.999 } }, sides = "front", material = grey },
+      ylm.box { bounds = { { -1.4, 0.001, -0.5 }, { -0.9, 0.6, 0 } }, sides = "front", material = grey } },
+    lights = { ylm.sphere_light { at = { -0.8, 1.5, 0.2 }, radius = 0.1, radiance = { 30, 28, 25 } } },
+    camera = ylm.camera { from = { -1.8, 1, 0.8 }, at = { 0, 1, 0 } } }
+end
+
+--- Places on the walls of both rooms: points, normals.
+local function on_walls(n)
+  local points, normals = {}, {}
+  for i, p in ipairs(within(n, { -1.95, 0.05, -0.95 }, { 1.95, 1.95, 0.95 }, 5)) do
+    local axis, up = i % 3 + 1, i % 2
+    if not (p[1] > 0.16 and p[1] < 0.22) and not (p[1] < -0.8 and p[1] > -1.5) then
+      local lo, hi = { p[1] < 0.17 and -2 or 0.21, 0, -1 }, { p[1] < 0.17 and 0.17 or 2, 2, 1 }
+      p[axis] = up == 1 and hi[axis] or lo[axis]
+      local normal = { 0, 0, 0 }
+      normal[axis] = up == 1 and -1 or 1
+      points[#points + 1], normals[#normals + 1] = p, normal
+    end
+  end
+  return points, normals
+end
+
+local function read(file, points, normals)
+  return core.probes_irradiance(file, array.array(points, "double"), array.array(normals, "float")):totable()
+end
+
+describe("probes of engines", function()
+  local folder, scene, grid, points, normals, truth, mean
+  setup(function()
+    folder, scene = scratch.new(), rooms()
+    grid = assert(scene:bake { quantity = "indirect", progress = false, links = scene:links { spacing = 0.25, rays = 128 },
+      probes = ylm.adaptive_grid { lmax = 2, tolerance = 0.1, depth = 4 } })
+    points, normals = on_walls(1500)
+    truth, mean = grid:irradiance(points, normals, { scene = scene }):totable(), 0
+    for _, E in ipairs(truth) do mean = mean + luminance(E) / #truth end
+  end)
+  teardown(function() folder:remove() end)
+
+  --- rms over the mean, and what is other behind the wall, beside the grid, of the file that a path names.
+  local function judged(path)
+    local E, square, leak, dark = read(assert(core.probes_decode(folder:read(path), path)), points, normals), 0, 0, 0
+    for i, e in ipairs(E) do
+      square = square + ((luminance(e) - luminance(truth[i])) / mean) ^ 2 / #E
+      if points[i][1] > 0.19 then leak, dark = leak + math.abs(luminance(e) - luminance(truth[i])) / mean, dark + 1 end
+    end
+    return math.sqrt(square), leak / dark
+  end
+
+  it("are what the grid has at surfaces", function()
+    local report = assert(grid:export(folder.path .. "/whole.ylmp", { scene = scene, bits = 12 }))
+    local rms, leak = judged "whole.ylmp"
+    assert(rms < 0.01 and leak < 1e-3, rms .. " " .. leak)
+    assert(report.bytes == #folder:read "whole.ylmp" and report.surfaces.rms < 0.02 and report.error < 0.05)
+    -- a grid in which no place is near a wall: the sum of its coefficients, to 1e-3
+    local lamp = ylm.sphere_light { at = { 0, 3, 0 }, radius = 0.1, radiance = { 10, 20, 30 } }
+    local open = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 6, lmax = 2 }, lamp)
+    report = assert(open:export(folder.path .. "/open.ylmp", { tolerance = 1e-3, bits = 16 }))
+    assert(report.met and report.error < 1e-3)
+    local at, to = within(200, { -0.9, -0.9, -0.9 }, { 0.9, 0.9, 0.9 }, 1), {}
+    for i, d in ipairs(within(200, { -1, -1, -1 }, { 1, 1, 1 }, 2)) do
+      local l = math.sqrt(d[1] ^ 2 + d[2] ^ 2 + d[3] ^ 2)
+      to[i] = { d[1] / l, d[2] / l, d[3] / l }
+    end
+    local wanted, most = open:irradiance(at, to):totable(), 0
+    for i, E in ipairs(read(assert(core.probes_decode(folder:read "open.ylmp", "open")), at, to)) do
+      for c = 1, 3 do most = math.max(most, math.abs(E[c] - wanted[i][c]) / (wanted[i][c] + 0.1)) end
+    end
+    assert(most < 3e-3, most)
+  end)
+
+  it("take few bytes, and walls stay dark behind them", function()
+    local last = math.huge
+    for _, bytes in ipairs { 3000, 12000 } do
+      local report = assert(grid:export(folder.path .. "/few.ylmp", { scene = scene, bytes = bytes }))
+      local rms, leak = judged "few.ylmp"
+      assert(report.bytes <= bytes and rms < 0.1 and leak < 5e-3, bytes .. ": " .. rms .. " " .. leak)
+      assert(report.surfaces.rms < last and report.lmax == 1)
+      last = report.surfaces.rms
+    end
+    assert(last < 0.04, last)
+    local report = assert(grid:export(folder.path .. "/few.ylmp", { scene = scene, tolerance = 0.2 }))
+    assert(report.met and report.error <= 0.2 and report.bytes < 12000, report.bytes)
+    local none, message, code = grid:export(folder.path .. "/none.ylmp", { scene = scene, bytes = 200 })
+    assert(none == nil and code == "ELIMIT" and message:find "too few", message)
+    none, message, code = grid:export(folder.path .. "/none.ylmp", { scene = scene, tolerance = 1e-5 })
+    assert(none == nil and code == "ELIMIT" and message:find "not met", message)
+    assert.is_nil(io.open(folder.path .. "/none.ylmp"))
+  end)
+
+  it("are read by a reader of their description", function()
+    assert(grid:export(folder.path .. "/r.ylmp", { scene = scene, bytes = 12000 }))
+    local text = folder:read "r.ylmp"
+    local look, E = probe_reader.of(text), read(assert(core.probes_decode(text, "r")), points, normals)
+    for i = 1, #points, 5 do
+      local got = look(points[i], normals[i])
+      for c = 1, 3 do assert.near(E[i][c], got[c], 1e-4 * mean) end
+    end
+  end)
+
+  it("are those of the golden file, as it was written", function()
+    local golden = scratch.text "spec/data/probes.ylmp"
+    local file = assert(core.probes_decode(golden, "golden"))
+    local wanted = ylm.load("spec/data/probes.npy"):totable() -- points, normals, irradiance
+    for _, row in ipairs(wanted) do
+      local E = read(file, { { row[1], row[2], row[3] } }, { { row[4], row[5], row[6] } })[1]
+      local own = probe_reader.of(golden)({ row[1], row[2], row[3] }, { row[4], row[5], row[6] })
+      for c = 1, 3 do
+        assert.near(row[6 + c], E[c], 1e-5)
+        assert.near(row[6 + c], own[c], 1e-5)
+      end
+    end
+  end)
+
+  it("are read by three.js as here", function()
+    if not three_page.there() then pending "YLM_NODE_MODULES with three, and chromium, are wanted" end
+    for _, o in ipairs { { scene = scene, bytes = 12000 } } do
+      assert(grid:export(folder.path .. "/three.ylmp", o))
+      local at, facing, centres = {}, {}, {}
+      for i = 1, 12 do
+        local p = points[37 * i]
+        local c = { p[1] * 0.9, 0.1 + 0.9 * p[2], p[3] * 0.9 }
+        centres[i] = c
+        for _, n in ipairs(three_page.normals) do
+          at[#at + 1] = { c[1] + three_page.radius * n[1], c[2] + three_page.radius * n[2], c[3] + three_page.radius * n[3] }
+          facing[#facing + 1] = n
+        end
+      end
+      local text = folder:read "three.ylmp"
+      local E = read(assert(core.probes_decode(text, "three")), at, facing)
+      for i, row in ipairs(three_page.irradiance(folder, text, centres, true)) do
+        for c = 1, 3 do assert.near(E[i][c] / math.pi, row[c], 0.01 * E[i][c] + 1e-3 * mean) end
+      end
+    end
+  end)
+
+  it("are refused where they are damaged", function()
+    assert(grid:export(folder.path .. "/d.ylmp", { scene = scene, bytes = 4000 }))
+    local good = folder:read "d.ylmp"
+    for n = 0, #good - 1, 41 do
+      local none, _, code = core.probes_decode(good:sub(1, n), "cut")
+      assert(none == nil and code == "EFORMAT", n)
+    end
+    for i = 25, #good, 97 do
+      local none, _, code = core.probes_decode(good:sub(1, i - 1) .. string.char((good:byte(i) + 77) % 256) .. good:sub(i + 1), "bad")
+      assert(none == nil and (code == "ECHECKSUM" or code == "EFORMAT"), i)
+    end
+    -- with a checksum that is right: refused, or finite
+    for i = 32, #good - 1, 37 do
+      local bad = good:sub(1, i) .. string.char((good:byte(i + 1) + 1 + i * 31) % 256) .. good:sub(i + 2)
+      local file, _, code = core.probes_decode(bad:sub(1, 16) .. grid_bytes.crc(bad:sub(25)) .. bad:sub(25), "bad")
+      assert(file or code == "EFORMAT", code)
+      if file then
+        local sum = 0
+        for k = 1, 5 do
+          for c = 1, 3 do sum = sum + read(file, { points[k] }, { normals[k] })[1][c] end
+        end
+        assert(sum == sum and sum < math.huge)
+      end
+    end
+  end)
+
+  it("refuse what they cannot use", function()
+    local path = folder.path .. "/e.ylmp"
+    for _, bad in ipairs { { cells = { 4, 4, 4 } }, { grids = 2, scene = scene }, { lmax = 3 }, { bits = 5 }, { offset = 1 },
+      { scene = scene, points = points }, { dtype = "float16" } } do
+      assert.has_error(function() grid:export(path, bad) end)
+    end
+    assert.has_error(function() grid:export(folder.path .. "/e.npy", { bits = 8 }) end)
+    assert.is_nil(io.open(path))
+  end)
+
+  it("are judged by scene:judge", function()
+    assert(grid:export(folder.path .. "/j.ylmp", { scene = scene, bytes = 12000 }))
+    local o = { places = 150, samples = 64, progress = false }
+    local report, own = assert(scene:judge(folder.path .. "/j.ylmp", o)), assert(scene:judge(grid, o))
+    assert(report.rms < own.rms + 0.05 and report.bytes == #folder:read "j.ylmp", report.rms .. " " .. own.rms)
+    folder:write("bad.ylmp", folder:read("j.ylmp"):sub(1, 500))
+    local none, message, code = scene:judge(folder.path .. "/bad.ylmp", o)
+    assert(none == nil and code == "EFORMAT" and message:find "bad.ylmp", message)
+  end)
+end)
+
+describe("the look-up of probes", function()
+  it("has at most 80 lines in each language, and compiles", function()
+    for _, language in ipairs { "glsl", "hlsl", "wgsl" } do
+      assert(select(2, scratch.text("shaders/gen/probes." .. language):gsub("\n", "")) <= 80)
+    end
+    if not scratch.shell "command -v glslc >/dev/null 2>&1" then pending "glslc is wanted" end
+    local folder = scratch.new()
+    folder:write("a.frag", "#version 310 es\nprecision highp float;\nprecision highp int;\n" .. scratch.text "shaders/gen/probes.glsl"
+      .. "in vec3 x; in vec3 n; out vec4 o;\nvoid main() { o = vec4(ylm_irradiance(x, n), 1.0); }\n")
+    folder:write("a.hlsl", scratch.text "shaders/gen/probes.hlsl"
+      .. "float4 main(float3 x : TEXCOORD0, float3 n : TEXCOORD1) : SV_Target { return float4(ylm_irradiance(x, n), 1.0); }\n")
+    local quiet = " -fauto-bind-uniforms -fauto-map-locations -o /dev/null 2>&1"
+    for _, command in ipairs { "glslc --target-env=opengl %s/a.frag", "glslc -x hlsl -fshader-stage=fragment %s/a.hlsl" } do
+      local out = scratch.capture(command:format(scratch.quote(folder.path)) .. quiet)
+      assert(out == "", out)
+    end
+    folder:remove()
+  end)
+end)
