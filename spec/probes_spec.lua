@@ -1,6 +1,7 @@
 --- Probes of engines at run time, '.ylmp': files, look-ups of shaders, readers of others.
 
 local array = require "ylm.array"
+local browser = require "spec.support.browser"
 local core = require "ylm.c.core"
 local grid_bytes = require "spec.support.grid_bytes"
 local probe_reader = require "spec.support.probe_reader"
@@ -71,11 +72,11 @@ describe("probes of engines", function()
     local rms, leak = judged "whole.ylmp"
     assert(rms < 0.01 and leak < 1e-3, rms .. " " .. leak)
     assert(report.bytes == #folder:read "whole.ylmp" and report.surfaces.rms < 0.02 and report.error < 0.05)
-    -- a grid in which no place is near a wall: the sum of its coefficients, to 1e-3
+    -- points with slopes: leaves are halved until the tolerance is kept
     local lamp = ylm.sphere_light { at = { 0, 3, 0 }, radius = 0.1, radiance = { 10, 20, 30 } }
-    local open = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 6, lmax = 2 }, lamp)
-    report = assert(open:export(folder.path .. "/open.ylmp", { tolerance = 1e-3, bits = 16 }))
-    assert(report.met and report.error < 1e-3)
+    local open = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, lmax = 2 }, lamp)
+    report = assert(open:export(folder.path .. "/open.ylmp", { tolerance = 0.02, bits = 16 }))
+    assert(report.met and report.error < 0.02)
     local at, to = within(200, { -0.9, -0.9, -0.9 }, { 0.9, 0.9, 0.9 }, 1), {}
     for i, d in ipairs(within(200, { -1, -1, -1 }, { 1, 1, 1 }, 2)) do
       local l = math.sqrt(d[1] ^ 2 + d[2] ^ 2 + d[3] ^ 2)
@@ -85,7 +86,7 @@ describe("probes of engines", function()
     for i, E in ipairs(read(assert(core.probes_decode(folder:read "open.ylmp", "open")), at, to)) do
       for c = 1, 3 do most = math.max(most, math.abs(E[c] - wanted[i][c]) / (wanted[i][c] + 0.1)) end
     end
-    assert(most < 3e-3, most)
+    assert(most < 0.02, most)
   end)
 
   it("take few bytes, and walls stay dark behind them", function()
@@ -94,13 +95,13 @@ describe("probes of engines", function()
       local report = assert(grid:export(folder.path .. "/few.ylmp", { scene = scene, bytes = bytes }))
       local rms, leak = judged "few.ylmp"
       assert(report.bytes <= bytes and rms < 0.1 and leak < 5e-3, bytes .. ": " .. rms .. " " .. leak)
-      assert(report.surfaces.rms < last and report.lmax == 1)
+      assert(report.surfaces.rms < last and report.lmax == 1, report.surfaces.rms .. " " .. last)
       last = report.surfaces.rms
     end
     assert(last < 0.04, last)
     local report = assert(grid:export(folder.path .. "/few.ylmp", { scene = scene, tolerance = 0.2 }))
     assert(report.met and report.error <= 0.2 and report.bytes < 12000, report.bytes)
-    local none, message, code = grid:export(folder.path .. "/none.ylmp", { scene = scene, bytes = 200 })
+    local none, message, code = grid:export(folder.path .. "/none.ylmp", { scene = scene, bytes = 120 })
     assert(none == nil and code == "ELIMIT" and message:find "too few", message)
     none, message, code = grid:export(folder.path .. "/none.ylmp", { scene = scene, tolerance = 1e-5 })
     assert(none == nil and code == "ELIMIT" and message:find "not met", message)
@@ -151,6 +152,26 @@ describe("probes of engines", function()
         for c = 1, 3 do assert.near(E[i][c] / math.pi, row[c], 0.01 * E[i][c] + 1e-3 * mean) end
       end
     end
+  end)
+
+  it("light pages of their scene", function()
+    local name = folder.path .. "/page.html"
+    local lamps = assert(scene:bake { quantity = "lights", progress = false, probes = ylm.uniform_grid { lmax = 1, cells = 3 } })
+    local _, report = assert(lamps:save(name, { scene = scene, light = grid, poster = false }))
+    assert(report.sections.probes > 1000 and report.sections.probes < 2 ^ 16)
+    assert(folder:read("page.html"):find('"light":true', 1, true))
+    assert.has_error(function() lamps:save(name, { light = grid }) end)
+    assert.has_error(function() lamps:save(name, { light = 1, scene = scene }) end)
+    if browser.missing() then pending(browser.missing()) end
+    local window = browser.open { size = { 64, 36 }, limit = 60 }
+    window:visit(name, "bare&still&nolamps")
+    window:wait "ready"
+    local seen = assert(ylm.load(window:screenshot(folder.path .. "/page.png")))
+    local said = window.said[1]
+    window:close()
+    local bright = 0
+    for x = 1, 64 do bright = math.max(bright, seen:layer("rgb"):get(18, x, 1)) end
+    assert(said == nil and bright > 0.02, said or bright)
   end)
 
   it("are refused where they are damaged", function()
@@ -217,5 +238,69 @@ describe("the look-up of probes", function()
       assert(out == "", out)
     end
     folder:remove()
+  end)
+end)
+
+describe("readers of docs/engines.md", function()
+  local folder, wanted
+  setup(function()
+    folder, wanted = scratch.new(), ylm.load("spec/data/probes.npy"):totable()
+    folder:write("probes.ylmp", scratch.text "spec/data/probes.ylmp")
+    local lines = {}
+    for i, row in ipairs(wanted) do lines[i] = table.concat({ row[1], row[2], row[3], row[4], row[5], row[6] }, " ") end
+    folder:write("places.txt", table.concat(lines, "\n") .. "\n")
+  end)
+  teardown(function() folder:remove() end)
+
+  --- The program of docs/engines.md in a language.
+  local function program(language)
+    return assert(scratch.text "docs/engines.md":match("\n```" .. language .. "\n(.-)\n```\n")) .. "\n"
+  end
+
+  --- Compares lines "E red green blue" of a program's output.
+  local function compare(out)
+    local row = 0
+    for r, g, b in out:gmatch "E (%-?%d[%d.]*) (%-?%d[%d.]*) (%-?%d[%d.]*)" do
+      row = row + 1
+      for c, x in ipairs { r, g, b } do assert.near(wanted[row][6 + c], tonumber(x), 1e-5) end
+    end
+    assert(row == #wanted, out)
+  end
+
+  it("give in Godot what the golden file has", function()
+    if not scratch.shell "command -v godot3-server >/dev/null 2>&1" then pending "godot3-server is wanted" end
+    folder:write("ylm_probes.gd", program "gdscript")
+    folder:write("project.godot", "")
+    folder:write("run.gd", [[extends SceneTree
+func _init():
+	var probes = load("res://ylm_probes.gd").new()
+	probes.open("res://probes.ylmp")
+	var f = File.new()
+	f.open("res://places.txt", File.READ)
+	while not f.eof_reached():
+		var w = f.get_line().split_floats(" ")
+		if w.size() < 6: continue
+		var E = probes.irradiance(Vector3(w[0], w[1], w[2]), Vector3(w[3], w[4], w[5]))
+		print("E %.7f %.7f %.7f" % [E.x, E.y, E.z])
+	quit()
+]])
+    compare((scratch.capture(("HOME=%s timeout 60 godot3-server --path %s -s run.gd"):format(scratch.quote(folder.path),
+      scratch.quote(folder.path)))))
+  end)
+
+  it("give in Rust what the golden file has", function()
+    if not scratch.shell "command -v rustc >/dev/null 2>&1" then pending "rustc is wanted" end
+    folder:write("ylm_probes.rs", program "rust")
+    folder:write("main.rs", [[mod ylm_probes;
+fn main() {
+    let probes = ylm_probes::Probes::read(&std::fs::read("probes.ylmp").unwrap()).unwrap();
+    for line in std::fs::read_to_string("places.txt").unwrap().lines() {
+        let v: Vec<f64> = line.split(' ').map(|x| x.parse().unwrap()).collect();
+        let e = probes.irradiance([v[0], v[1], v[2]], [v[3], v[4], v[5]]);
+        println!("E {:.7} {:.7} {:.7}", e[0], e[1], e[2]);
+    }
+}
+]])
+    compare((scratch.capture(("cd %s && rustc --edition 2021 main.rs -o main && ./main"):format(scratch.quote(folder.path)))))
   end)
 end)

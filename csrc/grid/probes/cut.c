@@ -12,6 +12,8 @@
 
 #define SLIGHT 0.05   /* the weight of a piece, beside 1 of a place */
 #define GAIN 0.002    /* of the weight of all samples: a plane that gains less is not taken */
+#define NEAR 0.3       /* of a place close to its surface */
+#define CLOSE 0.02     /* so close, in parts of how far look-ups go in front */
 #define PLANES_TRIED 96
 #define BORDERS 9
 
@@ -171,15 +173,18 @@ static void sample_pieces(const ylm_grid_probes *p, uint32_t row, cut_sample *ou
   }
 }
 
-/* The sample of a place; false: its leaf has one brick, or rays find none. */
+/* The sample of a place, in front of its surface by the part `way` of what look-ups take; false: its leaf has one brick, or rays find
+   none. */
 static bool sample_place(const ylm_grid *g, const ylm_grid_probes *p, const ylm_grid_walls *walls,
-                         const double x[3], const float normal[3], cut_sample *s) {
-  probes_front f = ylm__probes_front(p, x, normal);
+                         const double x[3], const float normal[3], double way, cut_sample *s) {
+  float shorter[3];
+  for (int a = 0; a < 3; a++) shorter[a] = normal[a] * (float)sqrt(way);
+  probes_front f = ylm__probes_front(p, x, shorter);
   uint32_t row = p->row[f.cell];
   if (row == YLM_GRID_NONE) return false;
   const ylm_grid_side *side = ylm__grid_side_of(g, p->source[f.cell]);
   uint8_t brick = p->brick_of[row][ylm__side_look(g, side, x, normal, walls) - side->first];
-  *s = (cut_sample){.row = row, .brick = brick, .surface = true, .weight = 1};
+  *s = (cut_sample){.row = row, .brick = brick, .surface = true, .weight = way < 1 ? NEAR : 1};
   double length = 0;
   for (int a = 0; a < 3; a++) {
     double extent = p->bounds[a + 3] - p->bounds[a];
@@ -193,15 +198,17 @@ static bool sample_place(const ylm_grid *g, const ylm_grid_probes *p, const ylm_
 
 ylm_status ylm__probes_cut(const ylm_grid *g, const ylm_grid_walls *walls,
                            const ylm_grid_probes_places *at, ylm_grid_probes *p) {
-  size_t places = walls && at ? at->n : 0, most = places + PROBES_PIECES * p->several, n = 0;
+  size_t places = walls && at ? at->n : 0, most = 2 * places + PROBES_PIECES * p->several, n = 0;
   cut_sample *all = ylm_alloc(most + 1, sizeof *all), *sorted = ylm_alloc(most + 1, sizeof *all);
   size_t *begin = ylm_alloc_zero(p->several + 2, sizeof *begin);
   uint8_t *side = ylm_alloc_zero(most + 1, 1);
   ylm_status s = all && sorted && begin && side ? YLM_OK : YLM_ENOMEM;
   for (uint32_t row = 0; s == YLM_OK && row < p->several; row++, n += PROBES_PIECES)
     sample_pieces(p, row, all + n);
-  for (size_t i = 0; s == YLM_OK && i < places; i++)
-    n += sample_place(g, p, walls, at->point[i], at->normal[i], &all[n]);
+  for (size_t i = 0; s == YLM_OK && i < 2 * places; i++) {
+    size_t k = i / 2;
+    n += sample_place(g, p, walls, at->point[k], at->normal[k], i % 2 ? CLOSE : 1, &all[n]);
+  }
   for (size_t i = 0; s == YLM_OK && i < n; i++) begin[all[i].row + 2]++;
   for (size_t row = 0; s == YLM_OK && row < p->several; row++) begin[row + 2] += begin[row + 1];
   for (size_t i = 0; s == YLM_OK && i < n; i++) sorted[begin[all[i].row + 1]++] = all[i];

@@ -192,8 +192,8 @@ static ylm_status get_header(const probes_reader *r, int *bits) {
   p->lmax = d[108];
   p->quantity = d[111];
   *bits = d[109];
-  if (p->lmax < 1 || p->lmax > 2 || *bits < 6 || *bits > 16)
-    return refuse(r, "degree 1 or 2 and 6 to 16 bits are expected");
+  if (p->lmax < 1 || p->lmax > 2 || *bits < 6 || *bits > 16 || p->quantity >= YLM_QUANTITY_COUNT)
+    return refuse(r, "degree 1 or 2, 6 to 16 bits and a light that is known are expected");
   p->count = (p->lmax + 1) * (p->lmax + 1);
   return YLM_OK;
 }

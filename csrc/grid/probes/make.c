@@ -226,25 +226,23 @@ static ylm_status add_several(making *m, size_t cell, const uint8_t piece[PROBES
   return YLM_OK;
 }
 
-/* The parts of a leaf's own pieces, numbered anew: a piece without one has that of the nearest. */
+/* A brick for each part of a leaf. A piece without a part has that of the nearest. */
 static ylm_status make_sided(making *m, size_t cell, const ylm_grid_side *side) {
-  uint8_t number[YLM_GRID_PARTS + 1], piece[PROBES_PIECES];
-  uint8_t parts = 0;
-  if (!side->parts) return YLM_OK;
+  uint8_t number[YLM_GRID_PARTS], piece[PROBES_PIECES];
   memset(number, 255, sizeof number);
-  for (size_t i = 0; i < PROBES_PIECES; i++) {
-    size_t x = i % 4 + 1, y = i / 4 % 4 + 1, z = i / 16 + 1;
-    uint8_t part = ylm__side_part_near(m->g, side, (z * YLM_GRID_PIECES_ALL + y) * YLM_GRID_PIECES_ALL + x);
-    if (part == YLM_GRID_PARTS) part = 0;
-    if (number[part] == 255) {
-      number[part] = parts++;
-      ylm_status s = make_from(m, m->g->sides.node[side->first + part]);
-      if (s != YLM_OK) return s;
-    }
-    piece[i] = number[part];
+  for (uint32_t part = 0; part < side->parts; part++) {
+    ylm_status s = make_from(m, m->g->sides.node[side->first + part]);
+    if (s != YLM_OK) return s;
+    number[part] = (uint8_t)part;
   }
-  m->p->parts[cell] = parts;
-  return parts > 1 ? add_several(m, cell, piece, number) : YLM_OK;
+  for (size_t i = 0; side->parts && i < PROBES_PIECES; i++) {
+    size_t x = i % 4 + 1, y = i / 4 % 4 + 1, z = i / 16 + 1;
+    size_t all = (z * YLM_GRID_PIECES_ALL + y) * YLM_GRID_PIECES_ALL + x;
+    uint8_t part = ylm__side_part_near(m->g, side, all);
+    piece[i] = part == YLM_GRID_PARTS ? 0 : part;
+  }
+  m->p->parts[cell] = (uint8_t)side->parts;
+  return side->parts > 1 ? add_several(m, cell, piece, number) : YLM_OK;
 }
 
 static ylm_status make_leaf(making *m, size_t cell) {

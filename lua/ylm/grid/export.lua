@@ -1,4 +1,5 @@
---- grid:export: the light at the middles of equal cells, for engines; sampled, or fitted to what they read at surfaces.
+--- grid:export: the light at the middles of equal cells, or in the grid's own leaves, for engines; sampled, or fitted to what they
+-- read at surfaces.
 
 local array = require "ylm.array"
 local bake = require "ylm.grid.bake"
@@ -258,10 +259,11 @@ end
 describe "grid:export" {
   shelf = "everyday",
   about = "Writes the grid's light at the middles of equal cells of its bounds, for engines that interpolate along the axes: "
+    .. "'.ylmp' the grid's own leaves in few bytes, which walls part (ylm's look-up for shaders), "
     .. "'.ktx2' ambient cubes (irradiance over pi at six faces, alpha: validity) as Bevy reads them, '.three.json' the atlas of "
     .. "three.js' LightProbeGrid (degree 2, radiance, halves, base64), '.npy' coefficients [nz][ny][nx][channels][(lmax+1)^2]. "
     .. "Axes stay as they are. With scene, the numbers are those with which the engine errs least at the scene's surfaces.",
-  arguments = { { "path", "string", "ends in .ktx2, .three.json or .npy" }, { "options?", "table", "" } },
+  arguments = { { "path", "string", "ends in .ylmp, .ktx2, .three.json or .npy" }, { "options?", "table", "" } },
   options = options,
   returns = { { "report", "table", "cells: of the bounds; grids: { bounds, cells } of each that was written; probes; error: "
     .. "99 % of the held-out points keep it: with scene, of irradiance at surfaces, relative to the larger of the place's and "
@@ -269,7 +271,8 @@ describe "grid:export" {
     .. "[nz ny nx] of the first grid: 1 less the part that is in bodies; "
     .. "with scene surfaces: { rms over the mean, error, leak: the mean of places with less than 1 % of the mean over it, or "
     .. "nil, worst: { at, normal, error, wanted, read: luminance }, places }; "
-    .. "dering: the window's report; bytes; warning, where the tolerance is not met" } },
+    .. "dering: the window's report; bytes; of .ylmp bricks, lmax, bits, and no cells and validity; warning, where the tolerance "
+    .. "is not met" } },
   errors = "raises on another ending and bad options; nil, message, code where the file cannot be written or memory runs out; "
     .. "nil, message, 'ELIMIT' where the tolerance is not met (nothing is written then), or bytes is too few; 'EDOMAIN' where no "
     .. "surface of the scene is within the grid",

@@ -17,17 +17,17 @@ local warning = require "ylm.warning"
 local probes = {}
 
 local LMAX, BITS = 2, 10
-local LEAST_PLACES, MOST_PLACES, PLACES_A_POINT = 8192, 2 ^ 17, 8 -- that numbers are fitted to
+local LEAST_PLACES, MOST_PLACES, PLACES_A_POINT = 16384, 2 ^ 17, 8 -- that numbers are fitted to
 local HELD_OUT = 4096               -- places that the error is measured at
 local HOLD, GHOSTS_HOLD = 0.03, 3e-4 -- of a point, and of one that no surface sees, beside the error at surfaces
 local UNIFORM = { 2, 3, 4, 6, 8, 12, 16 } -- cells along the longest axis of coarser topologies
-local BUDGETS = { 1000, 4000, 12000, 30000 } -- points of adaptive ones
+local BUDGETS = { 1000, 2000, 4000, 7000, 12000, 30000 } -- points of adaptive ones
 local ADAPTIVE, DEPTH = 0.05, 6           -- their tolerance and depth
-local FEWEST = 0.15                 -- points of each brick: with fewer, a coarser topology is better
+local FEWEST = 0.12                 -- points of each brick: with fewer, a coarser topology is better
 local TRIED = 3                     -- the finest topologies that fit
 local HALVED = 0.5                  -- of the points are left between two fits
 local MOST_CUTS, MOST_POINTS = 3, 2 ^ 20
-local STEPS = 5                     -- of the search for the fewest bytes of a tolerance
+local STEPS, FIRST_BYTES, NEAR = 7, 8192, 1.2 -- of the search for the fewest bytes of a tolerance
 
 -- Places ---------------------------------------------------------------------------------------------
 
@@ -59,7 +59,7 @@ Maker.__index = Maker
 --- Places to which so many points are fitted; or nil, message, code.
 function Maker:places_for(points)
   local n = LEAST_PLACES
-  while n < PLACES_A_POINT * points and n < MOST_PLACES do n = 2 * n end
+  while not self.few and n < PLACES_A_POINT * points and n < MOST_PLACES do n = 2 * n end
   if not self.drawn[n] then
     local p, message, code = places.draw("export", self.light, self.scene, n, 1)
     if not p then return nil, message, code end
@@ -68,15 +68,19 @@ function Maker:places_for(points)
   return self.drawn[n]
 end
 
---- The probes of a topology as the grid has them; or nil, message, code.
+--- The probes of a topology as the grid has them, a copy for the caller; or nil, message, code.
 function Maker:raw(topology)
+  if topology.made then return core.probes_copy(topology.made) end
   local rows
   if self.scene then
     local p, message, code = self:places_for(core.grid_stats(topology.grid).points)
     if not p then return nil, message, code end
     rows = rows_of(p, 1, self.threads)
   end
-  return check.result("export", core.probes_make(topology.grid, self.lmax, topology.cuts, self.walls, rows))
+  local made, message, code = check.result("export", core.probes_make(topology.grid, self.lmax, topology.cuts, self.walls, rows))
+  if not made then return nil, message, code end
+  topology.made = made
+  return core.probes_copy(made)
 end
 
 --- Fits the numbers of probes to surfaces, with at most `most` points. True, or nil, message, code.
@@ -202,21 +206,25 @@ function Maker:own(tolerance, bytes)
   return best
 end
 
---- The probes of the fewest bytes that keep a tolerance, of at most `bytes`: { made, judged }; or nil, message, code.
+--- The probes of few bytes that keep a tolerance, of at most `bytes`; where none keep it, the grid's own: { made, judged }. Or nil,
+-- message, code.
 function Maker:keeping(tolerance, bytes)
-  local whole, message, code = self:own(tolerance)
-  if not whole then return nil, message, code end
-  local best, low, high = whole, 0, math.min(whole.bytes, bytes or math.huge)
-  if whole.judged.error > tolerance then return whole end
+  local own, message, code = self:raw { grid = self.grid, cuts = 0 }
+  if not own then return nil, message, code end
+  local most = math.min(core.probes_size(own, self.bits).bytes, bytes or math.huge)
+  local best, low, high = nil, 0, FIRST_BYTES
   for _ = 1, STEPS do
-    local middle = low == 0 and high / 4 or math.sqrt(low * high)
-    if low > 0 and high < 1.15 * low then break end
+    if low >= most or best and high < NEAR * low then break end
+    local bytes_now = best and math.sqrt(math.max(low, high / 16) * high) or math.min(high, most)
     local found
-    found, message, code = self:within(middle)
+    found, message, code = self:within(bytes_now)
     if message then return nil, message, code end
-    if found and found.judged.error <= tolerance then best, high = found, middle else low = middle end
+    local kept = found and found.judged.error <= tolerance
+    if kept then best, high = found, bytes_now else low = bytes_now end
+    if not best then high = 4 * low end
   end
-  return best
+  if best then return best end
+  return self:own(tolerance, bytes)
 end
 
 --- { made, judged } of the options; or nil, message, code.
@@ -231,11 +239,7 @@ function Maker:wanted(o)
   end
   if o.tolerance then return self:keeping(o.tolerance, o.bytes) end
   if not o.bytes then return self:own(self.tolerance) end
-  local own, message, code = self:raw { grid = self.grid, cuts = 0 }
-  if not own then return nil, message, code end
-  local found
-  if core.probes_size(own, self.bits).bytes <= o.bytes then found, message, code = self:own(nil, o.bytes)
-  else found, message, code = self:within(o.bytes) end
+  local found, message, code = self:within(o.bytes)
   if message then return nil, message, code end
   if found then return found end
   return nil, ("export: bytes = %.0f are too few for the probes of this scene: give more"):format(o.bytes), "ELIMIT"
@@ -272,12 +276,12 @@ function probes.check(o)
   return o
 end
 
---- Writes a grid's probes; o: options of grid:export, `points()` where the error is measured without a scene. The report, or nil,
--- message, code.
-function probes.export(g, path, o, points, default)
+--- The bytes of a file of a grid's probes, and the report of grid:export; o: its options, `points()` where the error is measured
+-- without a scene, `default`: the tolerance of points with slopes. Or nil, message, code.
+function probes.encode(g, o, points, default)
   local few = o.scene ~= nil and (o.bytes or o.tolerance)
   local make = setmetatable({ grid = g, scene = o.scene, bits = o.bits or BITS, lmax = o.lmax or few and 1 or LMAX,
-    threads = o.threads, drawn = {}, topologies = {}, tolerance = default }, Maker)
+    threads = o.threads, drawn = {}, topologies = {}, few = few, tolerance = default }, Maker)
   local message, code
   if o.scene ~= nil then
     make.light, make.meshes = places.of_grid(g, o.scene), {}
@@ -302,11 +306,18 @@ function probes.export(g, path, o, points, default)
     if sentence and not o.anyway then return nil, sentence .. ", or anyway = true to write it; nothing was written", "ELIMIT" end
     report.warning = sentence and warning.say(g, "export", "%s", sentence) or nil
   end
-  local ok
   local bytes = core.probes_encode(found.made, make.bits)
+  report.bytes = #bytes
+  return bytes, report
+end
+
+--- Writes a grid's probes, as of probes.encode: the report, or nil, message, code.
+function probes.export(g, path, o, points, default)
+  local bytes, report, code = probes.encode(g, o, points, default)
+  if not bytes then return nil, report, code end
+  local ok, message
   ok, message, code = core.file_save(path, bytes)
   if not ok then return nil, message, code end
-  report.bytes = #bytes
   return report
 end
 
