@@ -46,7 +46,7 @@ local function read(file, points, normals)
 end
 
 describe("probes of engines", function()
-  local folder, scene, grid, points, normals, truth, mean
+  local folder, scene, grid, points, normals, truth, mean, report, few
   setup(function()
     folder, scene = scratch.new(), rooms()
     grid = assert(scene:bake { quantity = "indirect", progress = false, links = scene:links { spacing = 0.25, rays = 128 },
@@ -54,6 +54,8 @@ describe("probes of engines", function()
     points, normals = on_walls(1500)
     truth, mean = grid:irradiance(points, normals, { scene = scene }):totable(), 0
     for _, E in ipairs(truth) do mean = mean + luminance(E) / #truth end
+    report = assert(grid:export(folder.path .. "/few.ylmp", { scene = scene, bytes = 12000 }))
+    few = folder:read "few.ylmp"
   end)
   teardown(function() folder:remove() end)
 
@@ -68,15 +70,15 @@ describe("probes of engines", function()
   end
 
   it("are what the grid has at surfaces", function()
-    local report = assert(grid:export(folder.path .. "/whole.ylmp", { scene = scene, bits = 12 }))
+    local whole = assert(grid:export(folder.path .. "/whole.ylmp", { scene = scene, bits = 12 }))
     local rms, leak = judged "whole.ylmp"
-    assert(rms < 0.01 and leak < 1e-3, rms .. " " .. leak)
-    assert(report.bytes == #folder:read "whole.ylmp" and report.surfaces.rms < 0.02 and report.error < 0.05)
+    assert(rms < 1e-3 and leak < 1e-3, rms .. " " .. leak)
+    assert(whole.bytes == #folder:read "whole.ylmp" and whole.surfaces.rms < 0.02 and whole.error < 0.05)
     -- points with slopes: leaves are halved until the tolerance is kept
     local lamp = ylm.sphere_light { at = { 0, 3, 0 }, radius = 0.1, radiance = { 10, 20, 30 } }
     local open = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 4, lmax = 2 }, lamp)
-    report = assert(open:export(folder.path .. "/open.ylmp", { tolerance = 0.02, bits = 16 }))
-    assert(report.met and report.error < 0.02)
+    local halved = assert(open:export(folder.path .. "/open.ylmp", { tolerance = 0.02, bits = 16 }))
+    assert(halved.met and halved.error < 0.02)
     local at, to = within(200, { -0.9, -0.9, -0.9 }, { 0.9, 0.9, 0.9 }, 1), {}
     for i, d in ipairs(within(200, { -1, -1, -1 }, { 1, 1, 1 }, 2)) do
       local l = math.sqrt(d[1] ^ 2 + d[2] ^ 2 + d[3] ^ 2)
@@ -90,28 +92,22 @@ describe("probes of engines", function()
   end)
 
   it("take few bytes, and walls stay dark behind them", function()
-    local last = math.huge
-    for _, bytes in ipairs { 3000, 12000 } do
-      local report = assert(grid:export(folder.path .. "/few.ylmp", { scene = scene, bytes = bytes }))
-      local rms, leak = judged "few.ylmp"
-      assert(report.bytes <= bytes and rms < 0.1 and leak < 5e-3, bytes .. ": " .. rms .. " " .. leak)
-      assert(report.surfaces.rms < last and report.lmax == 1, report.surfaces.rms .. " " .. last)
-      last = report.surfaces.rms
-    end
-    assert(last < 0.04, last)
-    local report = assert(grid:export(folder.path .. "/few.ylmp", { scene = scene, tolerance = 0.2 }))
-    assert(report.met and report.error <= 0.2 and report.bytes < 12000, report.bytes)
+    local rms, leak = judged "few.ylmp"
+    assert(report.bytes == #few and #few <= 12000 and report.lmax == 1)
+    assert(rms < 0.04 and leak < 2e-3, rms .. " " .. leak)
+    local coarse = assert(grid:export(folder.path .. "/fewer.ylmp", { scene = scene, tolerance = 0.3 }))
+    assert(coarse.met and coarse.error <= 0.3 and coarse.bytes < 12000, coarse.bytes)
+    rms, leak = judged "fewer.ylmp"
+    assert(rms < 0.2 and leak < 2e-2 and coarse.surfaces.rms > report.surfaces.rms, rms .. " " .. leak)
     local none, message, code = grid:export(folder.path .. "/none.ylmp", { scene = scene, bytes = 120 })
     assert(none == nil and code == "ELIMIT" and message:find "too few", message)
-    none, message, code = grid:export(folder.path .. "/none.ylmp", { scene = scene, tolerance = 1e-5 })
+    none, message, code = grid:export(folder.path .. "/none.ylmp", { tolerance = 1e-9 })
     assert(none == nil and code == "ELIMIT" and message:find "not met", message)
     assert.is_nil(io.open(folder.path .. "/none.ylmp"))
   end)
 
   it("are read by a reader of their description", function()
-    assert(grid:export(folder.path .. "/r.ylmp", { scene = scene, bytes = 12000 }))
-    local text = folder:read "r.ylmp"
-    local look, E = probe_reader.of(text), read(assert(core.probes_decode(text, "r")), points, normals)
+    local look, E = probe_reader.of(few), read(assert(core.probes_decode(few, "few")), points, normals)
     for i = 1, #points, 5 do
       local got = look(points[i], normals[i])
       for c = 1, 3 do assert.near(E[i][c], got[c], 1e-4 * mean) end
@@ -134,21 +130,19 @@ describe("probes of engines", function()
 
   it("are read by three.js as here", function()
     if not three_page.there() then pending "YLM_NODE_MODULES with three, and chromium, are wanted" end
-    for _, o in ipairs { { scene = scene, bytes = 12000 } } do
-      assert(grid:export(folder.path .. "/three.ylmp", o))
-      local at, facing, centres = {}, {}, {}
-      for i = 1, 12 do
-        local p = points[37 * i]
-        local c = { p[1] * 0.9, 0.1 + 0.9 * p[2], p[3] * 0.9 }
-        centres[i] = c
-        for _, n in ipairs(three_page.normals) do
-          at[#at + 1] = { c[1] + three_page.radius * n[1], c[2] + three_page.radius * n[2], c[3] + three_page.radius * n[3] }
-          facing[#facing + 1] = n
-        end
+    local at, facing, centres = {}, {}, {}
+    for i = 1, 12 do
+      local p = points[37 * i]
+      local c = { p[1] * 0.9, 0.1 + 0.9 * p[2], p[3] * 0.9 }
+      centres[i] = c
+      for _, n in ipairs(three_page.normals) do
+        at[#at + 1] = { c[1] + three_page.radius * n[1], c[2] + three_page.radius * n[2], c[3] + three_page.radius * n[3] }
+        facing[#facing + 1] = n
       end
-      local text = folder:read "three.ylmp"
-      local E = read(assert(core.probes_decode(text, "three")), at, facing)
-      for i, row in ipairs(three_page.irradiance(folder, text, centres, true)) do
+    end
+    for _, name in ipairs { "few.ylmp", "whole.ylmp" } do         -- degree 1 and 2
+      local E = read(assert(core.probes_decode(folder:read(name), name)), at, facing)
+      for i, row in ipairs(three_page.irradiance(folder, folder:read(name), centres, true)) do
         for c = 1, 3 do assert.near(E[i][c] / math.pi, row[c], 0.01 * E[i][c] + 1e-3 * mean) end
       end
     end
@@ -157,8 +151,8 @@ describe("probes of engines", function()
   it("light pages of their scene", function()
     local name = folder.path .. "/page.html"
     local lamps = assert(scene:bake { quantity = "lights", progress = false, probes = ylm.uniform_grid { lmax = 1, cells = 3 } })
-    local _, report = assert(lamps:save(name, { scene = scene, light = grid, poster = false }))
-    assert(report.sections.probes > 1000 and report.sections.probes < 2 ^ 16)
+    local _, made = assert(lamps:save(name, { scene = scene, light = grid, poster = false }))
+    assert(made.sections.probes > 1000 and made.sections.probes < 2 ^ 16)
     assert(folder:read("page.html"):find('"light":true', 1, true))
     assert.has_error(function() lamps:save(name, { light = grid }) end)
     assert.has_error(function() lamps:save(name, { light = 1, scene = scene }) end)
@@ -169,24 +163,23 @@ describe("probes of engines", function()
     local seen = assert(ylm.load(window:screenshot(folder.path .. "/page.png")))
     local said = window.said[1]
     window:close()
-    local bright = 0
-    for x = 1, 64 do bright = math.max(bright, seen:layer("rgb"):get(18, x, 1)) end
+    local bright = seen:layer("radiance"):max()
     assert(said == nil and bright > 0.02, said or bright)
   end)
 
   it("are refused where they are damaged", function()
-    assert(grid:export(folder.path .. "/d.ylmp", { scene = scene, bytes = 4000 }))
-    local good = folder:read "d.ylmp"
+    local good = few
     for n = 0, #good - 1, 41 do
       local none, _, code = core.probes_decode(good:sub(1, n), "cut")
       assert(none == nil and code == "EFORMAT", n)
     end
     for i = 25, #good, 97 do
-      local none, _, code = core.probes_decode(good:sub(1, i - 1) .. string.char((good:byte(i) + 77) % 256) .. good:sub(i + 1), "bad")
+      local bad = good:sub(1, i - 1) .. string.char((good:byte(i) + 77) % 256) .. good:sub(i + 1)
+      local none, _, code = core.probes_decode(bad, "bad")
       assert(none == nil and (code == "ECHECKSUM" or code == "EFORMAT"), i)
     end
     -- with a checksum that is right: refused, or finite
-    for i = 32, #good - 1, 37 do
+    for i = 32, #good - 1, 131 do
       local bad = good:sub(1, i) .. string.char((good:byte(i + 1) + 1 + i * 31) % 256) .. good:sub(i + 2)
       local file, _, code = core.probes_decode(bad:sub(1, 16) .. grid_bytes.crc(bad:sub(25)) .. bad:sub(25), "bad")
       assert(file or code == "EFORMAT", code)
@@ -211,11 +204,10 @@ describe("probes of engines", function()
   end)
 
   it("are judged by scene:judge", function()
-    assert(grid:export(folder.path .. "/j.ylmp", { scene = scene, bytes = 12000 }))
     local o = { places = 150, samples = 64, progress = false }
-    local report, own = assert(scene:judge(folder.path .. "/j.ylmp", o)), assert(scene:judge(grid, o))
-    assert(report.rms < own.rms + 0.05 and report.bytes == #folder:read "j.ylmp", report.rms .. " " .. own.rms)
-    folder:write("bad.ylmp", folder:read("j.ylmp"):sub(1, 500))
+    local found, own = assert(scene:judge(folder.path .. "/few.ylmp", o)), assert(scene:judge(grid, o))
+    assert(found.rms < own.rms + 0.05 and found.bytes == #few, found.rms .. " " .. own.rms)
+    folder:write("bad.ylmp", few:sub(1, 500))
     local none, message, code = scene:judge(folder.path .. "/bad.ylmp", o)
     assert(none == nil and code == "EFORMAT" and message:find "bad.ylmp", message)
   end)
@@ -228,7 +220,8 @@ describe("the look-up of probes", function()
     end
     if not scratch.shell "command -v glslc >/dev/null 2>&1" then pending "glslc is wanted" end
     local folder = scratch.new()
-    folder:write("a.frag", "#version 310 es\nprecision highp float;\nprecision highp int;\n" .. scratch.text "shaders/gen/probes.glsl"
+    folder:write("a.frag", "#version 310 es\nprecision highp float;\nprecision highp int;\n"
+      .. scratch.text "shaders/gen/probes.glsl"
       .. "in vec3 x; in vec3 n; out vec4 o;\nvoid main() { o = vec4(ylm_irradiance(x, n), 1.0); }\n")
     folder:write("a.hlsl", scratch.text "shaders/gen/probes.hlsl"
       .. "float4 main(float3 x : TEXCOORD0, float3 n : TEXCOORD1) : SV_Target { return float4(ylm_irradiance(x, n), 1.0); }\n")
@@ -291,7 +284,7 @@ func _init():
   it("give in Rust what the golden file has", function()
     if not scratch.shell "command -v rustc >/dev/null 2>&1" then pending "rustc is wanted" end
     folder:write("ylm_probes.rs", program "rust")
-    folder:write("main.rs", [[mod ylm_probes;
+    folder:write("main.rs", [==[mod ylm_probes;
 fn main() {
     let probes = ylm_probes::Probes::read(&std::fs::read("probes.ylmp").unwrap()).unwrap();
     for line in std::fs::read_to_string("places.txt").unwrap().lines() {
@@ -300,7 +293,7 @@ fn main() {
         println!("E {:.7} {:.7} {:.7}", e[0], e[1], e[2]);
     }
 }
-]])
+]==])
     compare((scratch.capture(("cd %s && rustc --edition 2021 main.rs -o main && ./main"):format(scratch.quote(folder.path)))))
   end)
 end)

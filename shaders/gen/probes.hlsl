@@ -56,7 +56,8 @@ float3 ylm_irradiance(float3 x, float3 m) {
   }
   float3 t = clamp(p * n - low, float3(0.0, 0.0, 0.0), float3(1.0, 1.0, 1.0));
   uint3 size = uint3(ylm_bricks);
-  float3 at = float3(float(brick % size.x), float((brick / size.x) % size.y), float(brick / (size.x * size.y))) + float3(0.25, 0.25, 0.25) + 0.5 * t;
+  float3 corner = float3(float(brick % size.x), float((brick / size.x) % size.y), float(brick / (size.x * size.y)));
+  float3 at = corner + float3(0.25, 0.25, 0.25) + 0.5 * t;
   float4 a = ylm_atlas(at, 0.0);
   float4 b = ylm_atlas(at, 1.0);
   float4 c = ylm_atlas(at, 2.0);
@@ -66,8 +67,8 @@ float3 ylm_irradiance(float3 x, float3 m) {
     float4 f = ylm_atlas(at, 4.0);
     float4 g = ylm_atlas(at, 5.0);
     float4 h = ylm_atlas(at, 6.0);
-    sum = sum + d.xyz * (m.x * m.y) + float3(d.w, f.xy) * (m.y * m.z) + float3(f.zw, g.x) * (3.0 * m.z * m.z - 1.0);
-    sum = sum + g.yzw * (m.x * m.z) + h.xyz * (m.x * m.x - m.y * m.y);
+    sum = sum + d.xyz * (m.x * m.y) + float3(d.w, f.xy) * (m.y * m.z);
+    sum = sum + float3(f.zw, g.x) * (3.0 * m.z * m.z - 1.0) + g.yzw * (m.x * m.z) + h.xyz * (m.x * m.x - m.y * m.y);
   }
   return max(sum, float3(0.0, 0.0, 0.0));
 }

@@ -54,7 +54,8 @@ fn ylm_irradiance(x: vec3f, m: vec3f) -> vec3f {
   }
   let t: vec3f = clamp(p * n - low, vec3f(0.0), vec3f(1.0));
   let size: vec3u = vec3u(ylm.bricks);
-  let at: vec3f = vec3f(f32(brick % size.x), f32((brick / size.x) % size.y), f32(brick / (size.x * size.y))) + vec3f(0.25) + 0.5 * t;
+  let corner: vec3f = vec3f(f32(brick % size.x), f32((brick / size.x) % size.y), f32(brick / (size.x * size.y)));
+  let at: vec3f = corner + vec3f(0.25) + 0.5 * t;
   let a: vec4f = ylm_atlas(at, 0.0);
   let b: vec4f = ylm_atlas(at, 1.0);
   let c: vec4f = ylm_atlas(at, 2.0);
@@ -64,8 +65,8 @@ fn ylm_irradiance(x: vec3f, m: vec3f) -> vec3f {
     let f: vec4f = ylm_atlas(at, 4.0);
     let g: vec4f = ylm_atlas(at, 5.0);
     let h: vec4f = ylm_atlas(at, 6.0);
-    sum = sum + d.xyz * (m.x * m.y) + vec3f(d.w, f.xy) * (m.y * m.z) + vec3f(f.zw, g.x) * (3.0 * m.z * m.z - 1.0);
-    sum = sum + g.yzw * (m.x * m.z) + h.xyz * (m.x * m.x - m.y * m.y);
+    sum = sum + d.xyz * (m.x * m.y) + vec3f(d.w, f.xy) * (m.y * m.z);
+    sum = sum + vec3f(f.zw, g.x) * (3.0 * m.z * m.z - 1.0) + g.yzw * (m.x * m.z) + h.xyz * (m.x * m.x - m.y * m.y);
   }
   return max(sum, vec3f(0.0));
 }

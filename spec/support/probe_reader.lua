@@ -1,5 +1,5 @@
---- '.ylmp' as docs/engines.md describes it, in plain Lua: reader.of(text) -> look(point, normal) -> irradiance { red, green, blue }.
---- Nothing of ylm is used.
+--- '.ylmp' as docs/engines.md describes it, in plain Lua: reader.of(text) -> look(point, normal) -> irradiance { red, green,
+--- blue }. Nothing of ylm is used.
 
 local reader = {}
 

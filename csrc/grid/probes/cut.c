@@ -10,10 +10,10 @@
 
 #include <string.h>
 
-#define SLIGHT 0.05   /* the weight of a piece, beside 1 of a place */
-#define GAIN 0.002    /* of the weight of all samples: a plane that gains less is not taken */
-#define NEAR 0.3       /* of a place close to its surface */
-#define CLOSE 0.02     /* so close, in parts of how far look-ups go in front */
+#define SLIGHT 0.05 /* the weight of a piece, beside 1 of a place */
+#define GAIN 0.002  /* of the weight of all samples: a plane that gains less is not taken */
+#define NEAR 0.3    /* of a place close to its surface */
+#define CLOSE 0.02  /* so close, in parts of how far look-ups go in front */
 #define PLANES_TRIED 96
 #define BORDERS 9
 
@@ -21,7 +21,8 @@ typedef struct cut_sample {
   uint32_t row;
   uint8_t brick;
   bool surface;
-  float at[3], normal[3]; /* in edges of the leaf; of a surface: where it is, and its normal there */
+  float at[3],
+      normal[3]; /* in edges of the leaf; of a surface: where it is, and its normal there */
   float on[3];
   float weight;
 } cut_sample;

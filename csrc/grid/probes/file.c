@@ -13,7 +13,7 @@
 /* Where parts of the file begin. */
 typedef struct probes_layout {
   size_t tree, cuts, bricks, points, point, size; /* point: bytes of one */
-  int index;                                        /* bytes of a point's number */
+  int index;                                      /* bytes of a point's number */
 } probes_layout;
 
 static size_t padded(size_t n) { return (n + 3) & ~(size_t)3; }
@@ -169,8 +169,7 @@ static ylm_status refuse(const probes_reader *r, const char *why) {
 static ylm_status get_header(const probes_reader *r, int *bits) {
   const unsigned char *d = r->data;
   ylm_grid_probes *p = r->p;
-  if (r->size < HEADER || memcmp(d, MAGIC, 8) != 0)
-    return refuse(r, "no probes of ylm are in it");
+  if (r->size < HEADER || memcmp(d, MAGIC, 8) != 0) return refuse(r, "no probes of ylm are in it");
   if (get(d + 8, 4) != VERSION)
     return ylm_fail(r->e, YLM_EVERSION, "%s: version %u of probes, this library reads %d", r->name,
                     (unsigned)get(d + 8, 4), VERSION);
@@ -204,7 +203,8 @@ static ylm_status get_tree(const probes_reader *r) {
   uint64_t next = 1, bricks = 0, several = 0, level_end = 0;
   int depth = 0;
   for (int a = 0; a < 3; a++) {
-    if (!p->roots[a] || p->roots[a] > p->cells) return refuse(r, "its roots are more than its cells");
+    if (!p->roots[a] || p->roots[a] > p->cells)
+      return refuse(r, "its roots are more than its cells");
     next *= p->roots[a];
     if (next > p->cells) return refuse(r, "its roots are more than its cells");
   }
@@ -254,8 +254,8 @@ static ylm_status get_cuts(const probes_reader *r, size_t *bytes) {
   size_t at = HEADER + padded(p->cells), begin = at;
   for (size_t i = 0; i < p->cells; i++) {
     if (p->row[i] == YLM_GRID_NONE) continue;
-    size_t taken = get_cut(r->data + at, at < r->size ? r->size - at : 0, p->parts[i],
-                           &p->cut[p->row[i]]);
+    size_t taken =
+        get_cut(r->data + at, at < r->size ? r->size - at : 0, p->parts[i], &p->cut[p->row[i]]);
     if (!taken) return refuse(r, "a plane of a leaf cannot be");
     at += taken;
   }

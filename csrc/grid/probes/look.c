@@ -48,8 +48,7 @@ probes_front ylm__probes_front(const ylm_grid_probes *p, const double x[3], cons
   probes_leaf l = leaf_at(p, u);
   for (int a = 0; normal && a < 3; a++)
     thick += PROBES_FRONT * l.edge * fabs((double)normal[a]) / scale[a];
-  for (int a = 0; a < 3; a++)
-    front[a] = u[a] + (normal ? thick * (double)normal[a] * scale[a] : 0);
+  for (int a = 0; a < 3; a++) front[a] = u[a] + (normal ? thick * (double)normal[a] * scale[a] : 0);
   l = leaf_at(p, front);
   probes_front f = {.cell = l.cell};
   for (int a = 0; a < 3; a++) {
@@ -64,7 +63,8 @@ probes_place ylm__probes_find(const ylm_grid_probes *p, const double x[3], const
   probes_place at = {YLM_GRID_NONE, {0, 0, 0}};
   if (!p->parts[f.cell]) return at;
   uint32_t row = p->row[f.cell];
-  at.brick = p->first[f.cell] + (row == YLM_GRID_NONE ? 0 : ylm__probes_side(&p->cut[row], f.front));
+  at.brick =
+      p->first[f.cell] + (row == YLM_GRID_NONE ? 0 : ylm__probes_side(&p->cut[row], f.front));
   for (int a = 0; a < 3; a++) at.t[a] = (float)fmin(fmax(f.at[a], 0), 1);
   return at;
 }
@@ -76,7 +76,7 @@ void ylm__probes_shares(const probes_place *at, float share[8]) {
   }
 }
 
-const float ylm__probes_norm[9] = {1,           1.f / 3, 1.f / 3,  1.f / 3, 1.f / 15,
+const float ylm__probes_norm[9] = {1,        1.f / 3, 1.f / 3,  1.f / 3, 1.f / 15,
                                    1.f / 15, 4.f / 5, 1.f / 15, 4.f / 15};
 
 void ylm__probes_basis(const float n[3], float basis[9]) {

@@ -126,8 +126,8 @@ static ylm_status add_brick(making *m, const uint32_t corner[8]) {
 /* Coefficients of radiance [count] as polynomials of irradiance. */
 static void put_value(const making *m, uint32_t point, const float *c) {
   /* cosine factors times the constants of the basis */
-  static const double factor[9] = {0.886226925452758,  -1.02332670794649, 1.02332670794649,
-                                   -1.02332670794649,  0.858085530809941, -0.858085530809941,
+  static const double factor[9] = {0.886226925452758, -1.02332670794649,  1.02332670794649,
+                                   -1.02332670794649, 0.858085530809941,  -0.858085530809941,
                                    0.247707956100334, -0.858085530809941, 0.429042765404971};
   const ylm_grid *g = m->g;
   ylm_grid_probes *p = m->p;
@@ -313,9 +313,9 @@ static ylm_status make_cells(making *m, ylm_error *e) {
   return s == YLM_OK ? sample_points(m, e) : s;
 }
 
-ylm_status ylm_grid_probes_make(const ylm_grid *g, int lmax, int cuts,
-                                const ylm_grid_walls *walls, const ylm_grid_probes_places *at,
-                                ylm_grid_probes **out, ylm_error *e) {
+ylm_status ylm_grid_probes_make(const ylm_grid *g, int lmax, int cuts, const ylm_grid_walls *walls,
+                                const ylm_grid_probes_places *at, ylm_grid_probes **out,
+                                ylm_error *e) {
   *out = NULL;
   making m = {.g = g, .fine = 1u << (g->rows == 1 ? 0 : cuts)};
   m.p = ylm_alloc_zero(1, sizeof *m.p);

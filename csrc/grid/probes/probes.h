@@ -13,11 +13,12 @@
 #define PROBES_SPLIT 255 /* in the place of a leaf's bricks: the cell has eight children */
 #define PROBES_SUB 4
 #define PROBES_PIECES 64
-#define PROBES_PARTS 15    /* bricks of a leaf, at most */
-#define PROBES_PLANES 4    /* that cut a leaf, at most */
-#define PROBES_FRONT 0.1875 /* of a leaf's edge: how far in front of a surface its brick is looked for */
-#define PROBES_DEPTH 20    /* splits below a root, at most */
-#define PROBES_NORMAL 127.0 /* a plane's normal of length 1, in edges of the leaf */
+#define PROBES_PARTS 15 /* bricks of a leaf, at most */
+#define PROBES_PLANES 4 /* that cut a leaf, at most */
+#define PROBES_FRONT                                                                               \
+  0.1875 /* of a leaf's edge: how far in front of a surface its brick is looked for */
+#define PROBES_DEPTH 20      /* splits below a root, at most */
+#define PROBES_NORMAL 127.0  /* a plane's normal of length 1, in edges of the leaf */
 #define PROBES_OFFSET 8192.0 /* its distance of one edge from the leaf's origin */
 
 /* What tells the bricks of a leaf: bit k of an index into `part` is whether normal[k] . place >= offset[k], in edges. */
@@ -33,17 +34,17 @@ struct ylm_grid_probes {
   int lmax, count; /* 1 or 2; (lmax+1)^2 numbers of a channel */
   int quantity;    /* ylm_quantity: the light that it is of */
   size_t cells, several, bricks, points;
-  uint8_t *parts;       /* [cells] bricks of a leaf, 0: nothing of it is free; PROBES_SPLIT */
-  uint32_t *first;      /* [cells] the first child; of a leaf its first brick */
-  uint32_t *row;        /* [cells] of `cut`; YLM_GRID_NONE: one brick, or none */
-  probes_cut *cut;      /* [several] */
-  uint32_t (*corner)[8];           /* [bricks] points, x fastest */
-  float *value;         /* [points][3][count] */
+  uint8_t *parts;        /* [cells] bricks of a leaf, 0: nothing of it is free; PROBES_SPLIT */
+  uint32_t *first;       /* [cells] the first child; of a leaf its first brick */
+  uint32_t *row;         /* [cells] of `cut`; YLM_GRID_NONE: one brick, or none */
+  probes_cut *cut;       /* [several] */
+  uint32_t (*corner)[8]; /* [bricks] points, x fastest */
+  float *value;          /* [points][3][count] */
   /* Of probes that were not read from a file: */
-  uint8_t *ghost;       /* [points] 1: it stands for a corner that the brick does not see */
-  uint32_t *source;     /* [cells] the leaf of the grid; YLM_GRID_NONE: none */
-  uint8_t (*piece)[PROBES_PIECES];      /* [several] the brick of each of 4 x 4 x 4 pieces, x fastest */
-  uint8_t (*brick_of)[YLM_GRID_PARTS];  /* [several] of the grid's parts; 255: none */
+  uint8_t *ghost;   /* [points] 1: it stands for a corner that the brick does not see */
+  uint32_t *source; /* [cells] the leaf of the grid; YLM_GRID_NONE: none */
+  uint8_t (*piece)[PROBES_PIECES]; /* [several] the brick of each of 4 x 4 x 4 pieces, x fastest */
+  uint8_t (*brick_of)[YLM_GRID_PARTS]; /* [several] of the grid's parts; 255: none */
 };
 
 /* Where irradiance is read: a brick, and the place in it; YLM_GRID_NONE: it is dark. */

@@ -132,8 +132,7 @@ static ylm_status find_pairs(thinning *t) {
   t->pairs = 0;
   for (size_t i = 0; i < n; i++)
     if (!i || by_names(&t->pair[i - 1], &t->pair[i]) != 0) t->pair[t->pairs++] = t->pair[i];
-  for (size_t i = 0; i < t->pairs; i++)
-    t->pair[i].cost = join(t, t->pair[i].a, t->pair[i].b, NULL);
+  for (size_t i = 0; i < t->pairs; i++) t->pair[i].cost = join(t, t->pair[i].a, t->pair[i].b, NULL);
   qsort(t->pair, t->pairs, sizeof *t->pair, by_cost);
   return YLM_OK;
 }
@@ -141,8 +140,7 @@ static ylm_status find_pairs(thinning *t) {
 /* Joins up to `most` pairs that have no point in common, the cheapest first. Returns their number. */
 static size_t join_pairs(thinning *t, size_t most) {
   ylm_grid_probes *p = t->p;
-  size_t joins = 0, width = 3 * (size_t)p->count,
-         last = (size_t)ceil(CHEAPEST * (double)t->pairs);
+  size_t joins = 0, width = 3 * (size_t)p->count, last = (size_t)ceil(CHEAPEST * (double)t->pairs);
   for (size_t i = 0; i < p->points; i++) t->to[i] = (uint32_t)i;
   for (size_t i = 0; i < last && joins < most; i++) {
     uint32_t a = t->pair[i].a, b = t->pair[i].b;

@@ -134,8 +134,8 @@ static int probes_encode(lua_State *L) {
   ylm_error e = {0};
   unsigned char *data = NULL;
   size_t size = 0;
-  ylm_status s = ylm_grid_probes_encode(probes_check(L, 1), (int)luaL_checknumber(L, 2), &data,
-                                        &size, &e);
+  ylm_status s =
+      ylm_grid_probes_encode(probes_check(L, 1), (int)luaL_checknumber(L, 2), &data, &size, &e);
   if (s == YLM_OK) lua_pushlstring(L, (const char *)data, size);
   ylm_free(data);
   return ylmL_result(L, 1, s, &e);

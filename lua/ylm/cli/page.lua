@@ -68,8 +68,7 @@ return {
     { "grid", "-g", "FILE", "a grid baked before; default: the scene's probes are baked on its surfaces" },
     { "tolerance", nil, "N", "of the bake, instead of the scene's probes'; default 0.05 where the scene has none" },
     { "depth", nil, "N", "of the bake: the finest level" },
-    { "quantity", nil, "NAME", "of the bake: lights (default), which nothing occludes; all: walls, shadows and bounces too; direct; "
-      .. "indirect" },
+    { "quantity", nil, "NAME", "of the bake: lights (default), which nothing occludes, direct, indirect or all" },
     { "light", nil, nil, "also bake the scene's light, which the page shows first: walls, shadows, bounces" },
     { "precision", nil, "NAME", "few (default): rounded, a fifteenth of half or less; half, float, or byte: 0.63 of half" },
     { "title", nil, "TEXT", "default: the scene's name" },
@@ -92,7 +91,8 @@ return {
     local grid, scene = things_of(ylm, given)
     local poster
     if given["no-poster"] then poster = false end
-    local _, made = status.need(grid:save(given.output, { scene = scene, light = light_of(ylm, scene, given), title = given.title, precision = given.precision,
+    local _, made = status.need(grid:save(given.output, { scene = scene, light = light_of(ylm, scene, given), title = given.title,
+      precision = given.precision,
       exposure = given.exposure, tone = given.tone, size = given.size, poster = poster, limit = given.limit,
       dering = status.dering("page", given.dering), threads = given.threads }))
     local stats = grid.stats

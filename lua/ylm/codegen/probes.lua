@@ -1,8 +1,8 @@
 --- shaders/gen/probes.*: the look-up of '.ylmp' for fragment shaders, in GLSL (ES 3.00), HLSL and WGSL.
 --
--- One text is written in lines of a small language, which are: `fn TYPE NAME(TYPE A, ..) {`, `let TYPE NAME = X`, `var TYPE NAME =
--- X`, `NAME = X`, `if X {`, `while X {`, `return X`, `}`. Types are float, uint, vec3, uvec2, uvec3; all3(x) is a vec3 of equal
--- parts. Each language has its own words for these, and its own functions word, atlas, byte and signed.
+-- One text is written in lines of a small language, which are: `fn TYPE NAME(TYPE A, ..) {`, `let TYPE NAME = X`,
+-- `var TYPE NAME = X`, `NAME = X`, `if X {`, `while X {`, `return X`, `}`. Types are float, uint, vec3, uvec2, uvec3; all3(x) is
+-- a vec3 of equal parts. Each language has its own words for these, and its own functions word, atlas, byte and signed.
 
 local lookup = [[
 // The leaf at p, in roots: { split or level and first brick, planes }.
@@ -48,7 +48,8 @@ fn vec3 ylm_irradiance(vec3 x, vec3 m) {
   }
   let vec3 t = clamp(p * n - low, all3(0.0), all3(1.0))
   let uvec3 size = uvec3(U.bricks)
-  let vec3 at = vec3(float(brick % size.x), float((brick / size.x) % size.y), float(brick / (size.x * size.y))) + all3(0.25) + 0.5 * t
+  let vec3 corner = vec3(float(brick % size.x), float((brick / size.x) % size.y), float(brick / (size.x * size.y)))
+  let vec3 at = corner + all3(0.25) + 0.5 * t
   let vec4 a = ylm_atlas(at, 0.0)
   let vec4 b = ylm_atlas(at, 1.0)
   let vec4 c = ylm_atlas(at, 2.0)
@@ -58,8 +59,8 @@ fn vec3 ylm_irradiance(vec3 x, vec3 m) {
     let vec4 f = ylm_atlas(at, 4.0)
     let vec4 g = ylm_atlas(at, 5.0)
     let vec4 h = ylm_atlas(at, 6.0)
-    sum = sum + d.xyz * (m.x * m.y) + vec3(d.w, f.xy) * (m.y * m.z) + vec3(f.zw, g.x) * (3.0 * m.z * m.z - 1.0)
-    sum = sum + g.yzw * (m.x * m.z) + h.xyz * (m.x * m.x - m.y * m.y)
+    sum = sum + d.xyz * (m.x * m.y) + vec3(d.w, f.xy) * (m.y * m.z)
+    sum = sum + vec3(f.zw, g.x) * (3.0 * m.z * m.z - 1.0) + g.yzw * (m.x * m.z) + h.xyz * (m.x * m.x - m.y * m.y)
   }
   return max(sum, all3(0.0))
 }
@@ -76,7 +77,8 @@ uniform float ylm_top, ylm_lmax;
 uvec2 ylm_word(uint i) { return texelFetch(ylm_tree, ivec2(i & 1023u, i >> 10u), 0).rg; }
 vec4 ylm_atlas(vec3 at, float k) {
   float volumes = ylm_lmax > 1.0 ? 7.0 : 3.0;
-  return textureLod(ylm_bricks_atlas, (at + vec3(0.0, 0.0, k * ylm_bricks.z)) / (ylm_bricks * vec3(1.0, 1.0, volumes)), 0.0);
+  vec3 size = ylm_bricks * vec3(1.0, 1.0, volumes);
+  return textureLod(ylm_bricks_atlas, (at + vec3(0.0, 0.0, k * ylm_bricks.z)) / size, 0.0);
 }
 float ylm_byte(uint x) { return float(int(x) >> 24); }
 float ylm_signed(uint x) { return float(int(x)); }
@@ -166,13 +168,17 @@ local function statement(language, line)
   local kind, name, list = text:match "^fn (%S+) (%S-)%((.-)%) {$"
   if kind then
     local arguments = {}
-    for of, word in list:gmatch "(%w+) (%w+)" do arguments[#arguments + 1] = fill(language.argument, typed(language, of), word) end
+    for of, word in list:gmatch "(%w+) (%w+)" do
+      arguments[#arguments + 1] = fill(language.argument, typed(language, of), word)
+    end
     return fill(language.fn, typed(language, kind), name, table.concat(arguments, ", "))
   end
   local word, condition = text:match "^(%l+) (.*) {$"
   if word then return ("%s%s (%s) {"):format(indent, word, expression(language, condition)) end
   local how, of, variable, x = text:match "^(%l%l%l) (%w+) (%w+) = (.*)$"
-  if how and language.declare then return indent .. fill(language.declare, typed(language, of), variable, expression(language, x)) end
+  if how and language.declare then
+    return indent .. fill(language.declare, typed(language, of), variable, expression(language, x))
+  end
   if how then return ("%s%s %s: %s = %s;"):format(indent, how, variable, typed(language, of), expression(language, x)) end
   return indent .. expression(language, text) .. ";"
 end

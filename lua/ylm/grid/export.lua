@@ -1,8 +1,9 @@
---- grid:export: the light at the middles of equal cells, or in the grid's own leaves, for engines; sampled, or fitted to what they
--- read at surfaces.
+--- grid:export: the light at the middles of equal cells, or in the grid's own leaves, for engines; sampled, or fitted to what
+-- they read at surfaces.
 
 local array = require "ylm.array"
 local bake = require "ylm.grid.bake"
+local bricks = require "ylm.grid.probes"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -12,7 +13,6 @@ local fitted = require "ylm.grid.fitted"
 local form = require "ylm.form"
 local object = require "ylm.grid.object"
 local places = require "ylm.grid.places"
-local probes = require "ylm.grid.probes"
 local sh = require "ylm.sh"
 local warning = require "ylm.warning"
 
@@ -300,7 +300,7 @@ local function options_of(kind, given)
     return check.bad(2, "export", "scene: a scene expected, got %s", check.describe(o.scene))
   end
   if o.tolerance and o.cells then return check.fail "export: either tolerance or cells, not both" end
-  if kind == "ylmp" then return probes.check(o) end
+  if kind == "ylmp" then return bricks.check(o) end
   if o.bits then return check.fail "export: bits are of .ylmp: leave them out" end
   if o.lmax and kind ~= "npy" then return check.fail "export: lmax is of .npy and .ylmp: probes of engines have degree 2" end
   if o.grids and (kind ~= "three" or o.scene == nil) then
@@ -404,7 +404,7 @@ function methods.export(g, path, given)
   local good, message, code = core.file_probe(path)
   if not good then return nil, message, code end
   if kind == "ylmp" then
-    return probes.export(g, path, o, function()
+    return bricks.export(g, path, o, function()
       return o.points and array.points(2, "export", o.points, "float") or held_out(g)
     end, TOLERANCE)
   end

@@ -88,18 +88,13 @@ function Maker:fit(made, most)
   local n = core.probes_size(made, self.bits).points
   local p, message, code = self:places_for(n)
   if not p then return nil, message, code end
-  local function fit(quick)
-    local rows = rows_of(p, n, self.threads)
-    rows.quick = false
-    return core.probes_fit(made, rows)
-  end
-  fit(n > most)
+  local function fit() core.probes_fit(made, rows_of(p, n, self.threads)) end
+  fit()
   while n > most do
     n = math.max(most, math.floor(HALVED * n))
     core.probes_thin(made, rows_of(p, n, self.threads), n)
-    local left = core.probes_size(made, self.bits).points
-    fit(left > most)
-    if left > n then break end                                    -- nothing is left to be joined
+    fit()
+    if core.probes_size(made, self.bits).points > n then break end -- nothing is left to be joined
   end
   return true
 end
@@ -121,21 +116,22 @@ end
 function Maker:topology(k)
   if self.topologies[k] then return self.topologies[k] end
   local g = self.grid
-  local description, channels = nil, g.channels == 3 and "rgb" or "luminance"
+  local channels = g.channels == 3 and "rgb" or "luminance"
+  local description
   if k <= #UNIFORM then
     local lo, hi = g.bounds[1], g.bounds[2]
     local longest, cells = math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3]), {}
     for a = 1, 3 do cells[a] = math.max(1, math.floor(UNIFORM[k] * (hi[a] - lo[a]) / longest + 0.5)) end
     description = form.defined.uniform_grid.construct({ lmax = g.lmax, channels = channels, bounds = g.bounds, cells = cells })
   elseif k <= #UNIFORM + #BUDGETS then
-    description = form.defined.adaptive_grid.construct({ lmax = g.lmax, channels = channels, bounds = g.bounds, tolerance = ADAPTIVE, depth = DEPTH,
-      points = BUDGETS[k - #UNIFORM] })
+    description = form.defined.adaptive_grid.construct({ lmax = g.lmax, channels = channels, bounds = g.bounds,
+      tolerance = ADAPTIVE, depth = DEPTH, points = BUDGETS[k - #UNIFORM] })
   elseif k == #UNIFORM + #BUDGETS + 1 then
     self.topologies[k] = { grid = g, cuts = 0 }
     return self.topologies[k]
   else return nil end
-  local coarse, message, code = bake.of_scene(description, g, { scene = self.scene, progress = false, threads = self.threads,
-    geometry = k > #UNIFORM and self.meshes or nil }, nil, nil, true)
+  local o = { scene = self.scene, progress = false, threads = self.threads, geometry = k > #UNIFORM and self.meshes or nil }
+  local coarse, message, code = bake.of_scene(description, g, o, nil, nil, true)
   if not coarse then return nil, message, code end
   self.topologies[k] = { grid = coarse, cuts = 0 }
   return self.topologies[k]
@@ -206,8 +202,8 @@ function Maker:own(tolerance, bytes)
   return best
 end
 
---- The probes of few bytes that keep a tolerance, of at most `bytes`; where none keep it, the grid's own: { made, judged }. Or nil,
--- message, code.
+--- The probes of few bytes that keep a tolerance, of at most `bytes`; where none keep it, the grid's own: { made, judged }. Or
+-- nil, message, code.
 function Maker:keeping(tolerance, bytes)
   local own, message, code = self:raw { grid = self.grid, cuts = 0 }
   if not own then return nil, message, code end
@@ -301,8 +297,8 @@ function probes.encode(g, o, points, default)
   local tolerance = o.tolerance or o.scene == nil and not o.bytes and not g.sides and default or nil
   if tolerance then
     report.met = report.error <= tolerance
-    local sentence = not report.met and ("export: tolerance %g is not met by the grid's %d bricks, 99 %% of the places keep %.3g: "
-      .. "bake a finer grid, or set tolerance = %.2g"):format(tolerance, size.bricks, report.error, 1.05 * report.error)
+    local sentence = not report.met and ("export: tolerance %g is not met by the grid's %d bricks, 99 %% of the places keep "
+      .. "%.3g: bake a finer grid, or set tolerance = %.2g"):format(tolerance, size.bricks, report.error, 1.05 * report.error)
     if sentence and not o.anyway then return nil, sentence .. ", or anyway = true to write it; nothing was written", "ELIMIT" end
     report.warning = sentence and warning.say(g, "export", "%s", sentence) or nil
   end

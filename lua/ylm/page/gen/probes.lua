@@ -7,7 +7,8 @@ uniform float ylm_top, ylm_lmax;
 uvec2 ylm_word(uint i) { return texelFetch(ylm_tree, ivec2(i & 1023u, i >> 10u), 0).rg; }
 vec4 ylm_atlas(vec3 at, float k) {
   float volumes = ylm_lmax > 1.0 ? 7.0 : 3.0;
-  return textureLod(ylm_bricks_atlas, (at + vec3(0.0, 0.0, k * ylm_bricks.z)) / (ylm_bricks * vec3(1.0, 1.0, volumes)), 0.0);
+  vec3 size = ylm_bricks * vec3(1.0, 1.0, volumes);
+  return textureLod(ylm_bricks_atlas, (at + vec3(0.0, 0.0, k * ylm_bricks.z)) / size, 0.0);
 }
 float ylm_byte(uint x) { return float(int(x) >> 24); }
 float ylm_signed(uint x) { return float(int(x)); }
@@ -54,7 +55,8 @@ vec3 ylm_irradiance(vec3 x, vec3 m) {
   }
   vec3 t = clamp(p * n - low, vec3(0.0), vec3(1.0));
   uvec3 size = uvec3(ylm_bricks);
-  vec3 at = vec3(float(brick % size.x), float((brick / size.x) % size.y), float(brick / (size.x * size.y))) + vec3(0.25) + 0.5 * t;
+  vec3 corner = vec3(float(brick % size.x), float((brick / size.x) % size.y), float(brick / (size.x * size.y)));
+  vec3 at = corner + vec3(0.25) + 0.5 * t;
   vec4 a = ylm_atlas(at, 0.0);
   vec4 b = ylm_atlas(at, 1.0);
   vec4 c = ylm_atlas(at, 2.0);
@@ -64,8 +66,8 @@ vec3 ylm_irradiance(vec3 x, vec3 m) {
     vec4 f = ylm_atlas(at, 4.0);
     vec4 g = ylm_atlas(at, 5.0);
     vec4 h = ylm_atlas(at, 6.0);
-    sum = sum + d.xyz * (m.x * m.y) + vec3(d.w, f.xy) * (m.y * m.z) + vec3(f.zw, g.x) * (3.0 * m.z * m.z - 1.0);
-    sum = sum + g.yzw * (m.x * m.z) + h.xyz * (m.x * m.x - m.y * m.y);
+    sum = sum + d.xyz * (m.x * m.y) + vec3(d.w, f.xy) * (m.y * m.z);
+    sum = sum + vec3(f.zw, g.x) * (3.0 * m.z * m.z - 1.0) + g.yzw * (m.x * m.z) + h.xyz * (m.x * m.x - m.y * m.y);
   }
   return max(sum, vec3(0.0));
 }
