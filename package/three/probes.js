@@ -130,7 +130,7 @@ function atlas( view, bytes, h, from ) {
 	return { data, bricks: [ bx, by, bz ], size: [ 2 * bx, 2 * by, 2 * bz * volumes ] };
 }
 
-// What the shader needs of a file: { low, scale, roots, top, lmax, tree: { data, width, height } of two 32-bit words a texel,
+// Textures and numbers of a file for the shader: { low, scale, roots, top, lmax, tree: { data, width, height } of two 32-bit words a texel,
 // atlas: { data, size, bricks } of four halves a texel, bounds }.
 export function readProbes( buffer ) {
 	const view = new DataView( buffer ), bytes = new Uint8Array( buffer ), h = header( view );

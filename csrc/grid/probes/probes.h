@@ -21,7 +21,7 @@
 #define PROBES_NORMAL 127.0  /* a plane's normal of length 1, in edges of the leaf */
 #define PROBES_OFFSET 8192.0 /* its distance of one edge from the leaf's origin */
 
-/* What tells the bricks of a leaf: bit k of an index into `part` is whether normal[k] . place >= offset[k], in edges. */
+/* Planes tell the bricks of a leaf: bit k of an index into `part` is whether normal[k] . place >= offset[k], in edges. */
 typedef struct probes_cut {
   uint8_t planes, part[1 << PROBES_PLANES];
   int8_t normal[PROBES_PLANES][3];

@@ -81,7 +81,7 @@ static void solve(size_t n, double m[MOST * MOST], double y[MOST]) {
   }
 }
 
-/* What becoming one costs, and, where `joined` is not NULL, what the one is. */
+/* The cost of two points that become one, and, where `joined` is not NULL, that one. */
 static double join(const thinning *t, uint32_t a, uint32_t b, float *joined) {
   size_t n = (size_t)t->p->count;
   const double *h = t->matrix + a * n * n, *g = t->matrix + b * n * n;

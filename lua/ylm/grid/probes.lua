@@ -45,7 +45,7 @@ local function rows_of(p, points, threads)
     hold = HOLD / square, hold_ghosts = GHOSTS_HOLD / square, threads = threads }
 end
 
---- What readers of a file have: luminances [n] at places.
+--- The light that readers of a file have: luminances [n] at places.
 local function read_at(file, p)
   return places.luminance(core.probes_irradiance(file, array.array(p.points, "double"), array.array(p.normals, "float")))
 end
@@ -175,9 +175,9 @@ function Maker:judge(made)
   return judged
 end
 
--- What is wanted -----------------------------------------------------------------------------------------
+-- Searches ----------------------------------------------------------------------------------------------
 
---- What is made, or, where there is a scene and its surfaces have less error so, fitted to it; or nil, message, code.
+--- Probes as they are, or, where there is a scene and its surfaces have less error so, fitted to it; or nil, message, code.
 function Maker:fitted(own)
   if not self.scene then return own end
   local file = core.probes_copy(own.made)
