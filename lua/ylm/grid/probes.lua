@@ -27,7 +27,7 @@ local FEWEST = 0.12                 -- points of each brick: with fewer, a coars
 local TRIED = 3                     -- the finest topologies that fit
 local HALVED = 0.5                  -- of the points are left between two fits
 local MOST_CUTS, MOST_POINTS = 3, 2 ^ 20
-local STEPS, FIRST_BYTES, NEAR = 7, 8192, 1.2 -- of the search for the fewest bytes of a tolerance
+local STEPS, FIRST_BYTES, NEAR = 5, 8192, 1.2 -- of the search for the fewest bytes of a tolerance
 
 -- Places ---------------------------------------------------------------------------------------------
 
