@@ -332,6 +332,9 @@ bool ylm__side_is_free(const ylm_grid *g, const ylm_grid_side *s, const double x
 uint32_t ylm__side_look(const ylm_grid *g, const ylm_grid_side *s, const double x[3],
                         const float normal[3], const ylm_grid_walls *walls);
 
+/* The part of a piece, or, where it has none, of the nearest piece that has one. */
+uint8_t ylm__side_part_near(const ylm_grid *g, const ylm_grid_side *s, size_t piece);
+
 /* -- sample/virtual.c --------------------------------------------------------------- */
 
 /* A cell that exists only while a leaf without data is sampled. */

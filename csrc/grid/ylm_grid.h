@@ -798,6 +798,10 @@ typedef struct ylm_grid_fit {
   /* [probes], [numbers]: the product is the weight of the squared distance of a number from what it was; of ylm_grid_fit_look NULL */
   const float *hold, *norm;
   float *probe; /* [probes][channels][numbers], x fastest */
+  /* In the place of `cells` and `at`: the eight probes around each place, and their shares. NULL: a lattice's. */
+  size_t probes;
+  const uint32_t (*around)[8]; /* [places] */
+  const float (*share)[8];     /* [places] */
   bool quick;   /* few steps: to compare lattices */
   int threads;  /* 0: the default */
 } ylm_grid_fit;
@@ -813,6 +817,81 @@ typedef struct ylm_grid_fit {
 YLM_API ylm_status ylm_grid_fit_probes(const ylm_grid_fit *f);
 /* The irradiance that an engine reads at the places: out [places][channels], at least 0. YLM_ENOMEM. */
 YLM_API ylm_status ylm_grid_fit_look(const ylm_grid_fit *f, float *out);
+
+/* -- probes for engines: probes/ ------------------------------------------------ */
+
+/*
+** A grid's light as engines take it at run time: irradiance as polynomials of the normal, at the corners of bricks, between which
+** it is interpolated along the axes. The bounds are cut into roots, each an octree. A leaf has a brick for each part of its free
+** space. docs/engines.md describes the file.
+*/
+typedef struct ylm_grid_probes ylm_grid_probes;
+
+/* The size of probes. */
+typedef struct ylm_grid_probes_size {
+  double bounds[6];
+  uint32_t roots[3];
+  int lmax;
+  ylm_quantity quantity;
+  size_t cells, leaves_of_several, bricks, points;
+} ylm_grid_probes_size;
+
+/* Places of surfaces to which probes are fitted. */
+typedef struct ylm_grid_probes_places {
+  size_t n;
+  const double (*point)[3];  /* [n] scene units */
+  const float (*normal)[3];  /* [n] unit */
+  const float (*wanted)[3];  /* [n] irradiance */
+  const float *weight;       /* [n] of squared errors */
+  double hold, hold_ghosts;  /* weights of the squared distance from what a point was; of points that no brick's part sees */
+  bool quick;                /* few steps */
+  int threads;               /* 0: the default */
+} ylm_grid_probes_places;
+
+/*
+** ylm_grid_probes_make - the bricks and points of a grid.
+**
+**   lmax  in   1 or 2: degree of the polynomials
+**   cuts  in   0 .. 3: how often leaves are halved whose points have slopes, which probes have not
+**   walls, at  in  by which planes between the bricks of a leaf are found; NULL: by the pieces of the grid's leaves
+**   p     out  ylm_grid_probes_free; NULL on failure
+**
+** Returns  YLM_OK, YLM_ENOMEM, YLM_ELIMIT (2^32 cells or points)
+*/
+YLM_API ylm_status ylm_grid_probes_make(const ylm_grid *g, int lmax, int cuts,
+                                        const ylm_grid_walls *walls,
+                                        const ylm_grid_probes_places *at, ylm_grid_probes **p,
+                                        ylm_error *e);
+YLM_API void ylm_grid_probes_free(ylm_grid_probes *p);
+/* Another of the same; YLM_ENOMEM. */
+YLM_API ylm_status ylm_grid_probes_copy(const ylm_grid_probes *p, ylm_grid_probes **copy);
+YLM_API ylm_grid_probes_size ylm_grid_probes_look(const ylm_grid_probes *p);
+/* Irradiance at places of surfaces, at least 0: out [n][3]. */
+YLM_API void ylm_grid_probes_irradiance(const ylm_grid_probes *p, size_t n,
+                                        const double (*points)[3], const float (*normals)[3],
+                                        float (*out)[3]);
+
+/* The numbers with the least squared error at the places. YLM_ENOMEM. Results: the same for any number of threads. */
+YLM_API ylm_status ylm_grid_probes_fit(ylm_grid_probes *p, const ylm_grid_probes_places *at);
+/* Joins points of a brick, those first that cost the least squared error at the places, until at most so many are left; bricks of a
+   leaf that are then the same are one. YLM_ENOMEM. */
+YLM_API ylm_status ylm_grid_probes_thin(ylm_grid_probes *p, const ylm_grid_probes_places *at,
+                                        size_t points);
+
+/*
+** ylm_grid_probes_encode, ylm_grid_probes_decode - the file.
+**
+**   bits  in   6 .. 16 of a number
+**
+** Returns  YLM_OK, YLM_ENOMEM; of decode also YLM_EFORMAT (no such file, or one that cannot be), YLM_ECHECKSUM (damaged),
+**          YLM_EVERSION
+*/
+YLM_API ylm_status ylm_grid_probes_encode(const ylm_grid_probes *p, int bits,
+                                          unsigned char **data, size_t *size, ylm_error *e);
+YLM_API ylm_status ylm_grid_probes_decode(const unsigned char *data, size_t size, const char *name,
+                                          ylm_grid_probes **p, ylm_error *e);
+/* The bytes of the file. */
+YLM_API size_t ylm_grid_probes_bytes(const ylm_grid_probes *p, int bits);
 
 /* -- few bytes: small/ --------------------------------------------------------- */
 

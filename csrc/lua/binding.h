@@ -40,6 +40,7 @@
   X(grid_engine)                                                                                   \
   X(grid_file)                                                                                     \
   X(grid_set)                                                                                      \
+  X(grid_probes)                                                                                   \
   X(grid_look)                                                                                     \
   X(light)                                                                                         \
   X(light_shadow)                                                                                  \

@@ -22,3 +22,5 @@ export async function loadProbes( url ) {
 	const file = await ( await fetch( url ) ).json();
 	return ( file.grids ?? [ file ] ).map( grid => new LoadedProbes( grid ) );
 }
+
+export { BrickProbes, loadBrickProbes } from './bricks.js'; // of '.ylmp'

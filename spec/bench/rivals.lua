@@ -8,6 +8,7 @@
 -- that an engine holds, 3 x 9 numbers a probe and what pads three.js' atlas, without base64.
 
 local places = require "spec.support.surface_places"
+local probe_reader = require "spec.support.probe_reader"
 local reader = require "spec.support.engine_reader"
 local three = require "spec.bench.rivals.three"
 local truths = require "spec.bench.rivals.truth"
@@ -109,6 +110,26 @@ local function by_ylm(entry, scene, truth, grid, cells)
   os.remove(name)
 end
 
+--- ylm's bricks, in the bytes of a lattice and in a quarter of them.
+local function by_bricks(entry, scene, truth, grid, bytes)
+  local name = os.tmpname()
+  local path = name .. ".ylmp"
+  for _, most in ipairs { bytes, bytes / 4 } do
+    local began = os.clock()
+    local report, why = grid:export(path, { scene = scene, bytes = most })
+    if report then
+      local file = assert(io.open(path, "rb"))
+      local look, E = probe_reader.of(file:read "*a"), {}
+      file:close()
+      for i, p in ipairs(truth.points) do E[i] = look(p, truth.normals[i]) end
+      say(("ylm, bricks, %d and %d points"):format(report.bricks, report.probes), judged(entry, truth, E), report.bytes,
+        os.clock() - began)
+    else print("| ylm, bricks | " .. why .. " | | | | | |") end
+  end
+  os.remove(path)
+  os.remove(name)
+end
+
 --- The grid itself, in few bytes, and seconds of its bake.
 local function grid_of(entry, scene, truth)
   local path, began = folder .. "/" .. entry.name .. ".ylm", os.time()
@@ -148,6 +169,7 @@ local function run(entry)
     if E then say(name, judged(entry, truth, E), atlas_bytes(cells), seconds)
     else print(("| %s | %s | | | | | |"):format(name, seconds)) end
     by_ylm(entry, scene, truth, grid, cells)
+    by_bricks(entry, scene, truth, grid, atlas_bytes(cells))
   end
 end
 

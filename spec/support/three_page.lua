@@ -2,6 +2,7 @@
 --
 -- YLM_NODE_MODULES=DIR names a folder with npm's `three` (0.187 or later); Chromium is needed too.
 
+local core = require "ylm.c.core"
 local scratch = require "spec.support.scratch"
 
 local page = {}
@@ -32,14 +33,13 @@ end
 local PAGE = [[<!doctype html><body><script type="importmap">{"imports":{"three":"./three.module.js"}}</script>
 <script type="module">
 import * as THREE from 'three';
-import { LoadedProbes } from './loader.js';
-const file = %s;
+%s
 const renderer = new THREE.WebGLRenderer();
 const target = new THREE.WebGLRenderTarget( 9, 9, { type: THREE.FloatType } );
 const scene = new THREE.Scene(), camera = new THREE.PerspectiveCamera( 1, 1, 0.1, 10 );
-scene.add( ...( file.grids ?? [ file ] ).map( grid => new LoadedProbes( grid ) ) );
 const ball = new THREE.Mesh( new THREE.SphereGeometry( %g, 256, 128 ), new THREE.MeshLambertMaterial( { color: 0xffffff } ) );
 scene.add( ball );
+add( scene );
 const out = [];
 for ( const p of [%s] ) for ( const n of [ [ 0, 0, 1 ], [ 1, 0, 0 ], [ 0, 1, 0.0001 ] ] ) {
   ball.position.set( ...p );
@@ -56,15 +56,22 @@ pre.textContent = 'BEGIN ' + out.join( ',' ) + ' END';
 document.body.append( pre );
 </script></body>]]
 
---- Irradiance over pi, three numbers for each place and each of page.normals, at the sphere's surface; `text` is the file.
-function page.irradiance(folder, text, places)
+local GRIDS = [[import { LoadedProbes } from './index.js';
+const file = %s, add = scene => scene.add( ...( file.grids ?? [ file ] ).map( grid => new LoadedProbes( grid ) ) );]]
+local BRICKS = [[import { BrickProbes } from './bricks.js';
+const add = scene => new BrickProbes( Uint8Array.from( atob( '%s' ), c => c.charCodeAt( 0 ) ).buffer ).light( scene );]]
+
+--- Irradiance over pi, three numbers for each place and each of page.normals, at the sphere's surface; `text` is the file, of
+--- LightProbeGrids or, with `is_bricks`, of ylm's own probes.
+function page.irradiance(folder, text, places, is_bricks)
   for _, name in ipairs { "three.module.js", "three.core.js" } do
     assert(scratch.shell(("cp %s/three/build/%s %s/"):format(scratch.quote(modules), name, scratch.quote(folder.path))))
   end
-  folder:write("loader.js", scratch.text "package/three/index.js")
+  assert(scratch.shell(("cp package/three/*.js %s/"):format(scratch.quote(folder.path))))
   local list = {}
   for i, p in ipairs(places) do list[i] = ("[%.9g,%.9g,%.9g]"):format(p[1], p[2], p[3]) end
-  local name = folder:write("page.html", PAGE:format(text, page.radius, table.concat(list, ",")))
+  local setup = is_bricks and BRICKS:format(core.page_base64(text)) or GRIDS:format(text)
+  local name = folder:write("page.html", PAGE:format(setup, page.radius, table.concat(list, ",")))
   local rows, pixels, dom = {}, page.result(folder, name, 120)
   assert(pixels, dom)
   for words in pixels:gmatch "[^,]+" do

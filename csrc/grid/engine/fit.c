@@ -206,12 +206,16 @@ static ylm_status solve(void *context, size_t begin, size_t end, int worker) {
 
 static ylm_status prepare(fit *t) {
   const ylm_grid_fit *f = t->f;
-  t->probes = (size_t)f->cells[0] * f->cells[1] * f->cells[2];
+  t->probes = f->around ? f->probes : (size_t)f->cells[0] * f->cells[1] * f->cells[2];
   t->unknowns = t->probes * (size_t)f->numbers;
   t->place = ylm_alloc(f->places, sizeof *t->place);
   if (!t->place) return YLM_ENOMEM;
   for (size_t i = 0; i < f->places; i++) {
-    t->place[i] = find(f->cells, f->at[i]);
+    if (f->around) {
+      memcpy(t->place[i].probe, f->around[i], sizeof f->around[i]);
+      memcpy(t->place[i].weight, f->share[i], sizeof f->share[i]);
+    } else
+      t->place[i] = find(f->cells, f->at[i]);
     for (int c = 0; f->wanted && c < f->channels; c++)
       t->mean[c] += (double)f->wanted[i * (size_t)f->channels + (size_t)c] / (double)f->places;
   }

@@ -102,3 +102,14 @@ bool ylm__side_is_free(const ylm_grid *g, const ylm_grid_side *s, const double x
   looking l = look_into(g, s, x);
   return ylm_grid_side_part_at(s, l.place) != YLM_GRID_PARTS;
 }
+
+uint8_t ylm__side_part_near(const ylm_grid *g, const ylm_grid_side *s, size_t piece) {
+  uint8_t part = ylm_grid_side_part(s, piece);
+  if (part != YLM_GRID_PARTS) return part;
+  const double *box = g->contents.form.bounds;
+  looking l = look_into(g, s, box);
+  double middle[3], d2[YLM_GRID_PIECES];
+  for (int a = 0; a < 3; a++) middle[a] = (piece_at(piece, a) + 0.5) / SUB;
+  measure_pieces(&l, middle, d2);
+  return ylm_grid_side_part(s, nearest(d2));
+}

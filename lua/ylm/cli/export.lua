@@ -32,10 +32,10 @@ end
 
 return {
   summary = "a scene's probes as files of engines, fitted to what these read at its surfaces",
-  usage = "SCENE.lua -o PROBES.three.json|PROBES.ktx2|PROBES.npy",
+  usage = "SCENE.lua -o PROBES.ylmp|PROBES.three.json|PROBES.ktx2|PROBES.npy",
   least = 1, most = 1,
   options = {
-    { "output", "-o", "FILE", "the file: .three.json (three.js), .ktx2 (Bevy), .npy (others)" },
+    { "output", "-o", "FILE", "the file: .ylmp (ylm's look-up in shaders), .three.json (three.js), .ktx2 (Bevy), .npy (others)" },
     { "grid", "-g", "FILE", "a grid baked before (.ylm); default: the scene's probes are baked" },
     { "quantity", nil, "NAME", "of the bake: indirect (default), direct, all or lights" },
     { "cells", nil, "XxYxZ", "numbers of probes along the axes" },
@@ -49,7 +49,7 @@ return {
   run = function(given)
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "export: -o FILE says where the probes go") end
-    status.need_output("export", given.output, "three.json", "ktx2", "npy")
+    status.need_output("export", given.output, "ylmp", "three.json", "ktx2", "npy")
     local o = { cells = cells_of(given.cells), bytes = status.bytes("export", given.bytes), tolerance = given.tolerance,
       grids = given.grids, anyway = given.anyway, threads = given.threads }
     local scene = status.load_scene(given[1])

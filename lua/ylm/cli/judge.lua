@@ -14,7 +14,7 @@ end
 
 return {
   summary = "files of probes beside paths: the error at the surfaces of their scene",
-  usage = "SCENE.lua PROBES...   (.three.json, .ktx2, .npy, .ylm)",
+  usage = "SCENE.lua PROBES...   (.ylmp, .three.json, .ktx2, .npy, .ylm)",
   least = 2,
   options = {
     { "quantity", nil, "NAME", "the light that they hold: indirect (default) or all" },

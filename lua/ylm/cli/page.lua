@@ -4,6 +4,7 @@ local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
 local TOLERANCE = 0.05 -- of a bake that nobody asked for otherwise
+local LIGHT_TOLERANCE = 0.1
 local PRECISIONS = { half = true, float = true, byte = true, few = true }
 
 --- The probes to bake: those of the scene, with the tolerance and depth of the command line.
@@ -26,6 +27,14 @@ local function check_whole(path)
   status.stop(status.usage, "page: %s is a grid in bricks, and a page holds a whole one: ylm pack makes a file of it", path)
 end
 
+--- The scene's light, where it is asked for.
+local function light_of(ylm, scene, given)
+  if not given.light then return nil end
+  if not scene or #scene.geometry == 0 then status.stop(status.usage, "page: --light is of a scene with surfaces: name one") end
+  return (status.need(scene:bake { quantity = "all", threads = given.threads, progress = report.progress(given),
+    probes = ylm.adaptive_grid { lmax = 2, tolerance = LIGHT_TOLERANCE } }))
+end
+
 local function load_grid(ylm, path) return status.need_kind("ylm.grid", "a grid", path, ylm.load(path)) end
 
 --- The grid of a page and its scene, which a grid alone has not.
@@ -35,17 +44,18 @@ local function things_of(ylm, given)
   check_whole(given.grid or "")
   if path:lower():find "%.ylm$" then
     if given.grid then status.stop(status.usage, "page: %s is a grid already: leave --grid out, or name a scene", path) end
-    for _, name in ipairs { "tolerance", "depth" } do
+    for _, name in ipairs { "tolerance", "depth", "quantity" } do
       if given[name] then status.stop(status.usage, "page: --%s is of a bake, %s is baked: leave it out", name, path) end
     end
     return load_grid(ylm, path)
   end
-  if given.grid and (given.tolerance or given.depth) then
-    status.stop(status.usage, "page: --%s is of a bake, --grid is baked: leave one out", given.depth and "depth" or "tolerance")
+  if given.grid and (given.tolerance or given.depth or given.quantity) then
+    status.stop(status.usage, "page: --%s is of a bake, --grid is baked: leave one out",
+      given.depth and "depth" or given.tolerance and "tolerance" or "quantity")
   end
   local scene = status.load_scene(path)
   if given.grid then return load_grid(ylm, given.grid), scene end
-  return status.need(scene:bake { probes = probes_of(ylm, scene, given), threads = given.threads,
+  return status.need(scene:bake { probes = probes_of(ylm, scene, given), threads = given.threads, quantity = given.quantity,
     occupied = #scene.geometry > 0 and "surfaces" or "everywhere", progress = report.progress(given) }), scene
 end
 
@@ -58,6 +68,8 @@ return {
     { "grid", "-g", "FILE", "a grid baked before; default: the scene's probes are baked on its surfaces" },
     { "tolerance", nil, "N", "of the bake, instead of the scene's probes'; default 0.05 where the scene has none" },
     { "depth", nil, "N", "of the bake: the finest level" },
+    { "quantity", nil, "NAME", "of the bake: lights (default), which nothing occludes, direct, indirect or all" },
+    { "light", nil, nil, "also bake the scene's light, which the page shows first: walls, shadows, bounces" },
     { "precision", nil, "NAME", "few (default): rounded, a fifteenth of half or less; half, float, or byte: 0.63 of half" },
     { "title", nil, "TEXT", "default: the scene's name" },
     { "exposure", nil, "N", "at first, in stops" },
@@ -79,7 +91,8 @@ return {
     local grid, scene = things_of(ylm, given)
     local poster
     if given["no-poster"] then poster = false end
-    local _, made = status.need(grid:save(given.output, { scene = scene, title = given.title, precision = given.precision,
+    local _, made = status.need(grid:save(given.output, { scene = scene, light = light_of(ylm, scene, given), title = given.title,
+      precision = given.precision,
       exposure = given.exposure, tone = given.tone, size = given.size, poster = poster, limit = given.limit,
       dering = status.dering("page", given.dering), threads = given.threads }))
     local stats = grid.stats

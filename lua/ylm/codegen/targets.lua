@@ -57,6 +57,12 @@ targets[#targets + 1] = { "shaders/gen/interpolation.glsl", "ylm.codegen.interpo
 targets[#targets + 1] = { "csrc/grid/gen/interpolation.h", "ylm.codegen.interpolation", "element" }
 targets[#targets + 1] = { "shaders/gen/moments.glsl", "ylm.codegen.moments_glsl", 10 }
 targets[#targets + 1] = { "shaders/gen/product.glsl", "ylm.codegen.product_glsl", 8 }
+for _, language in ipairs { "glsl", "hlsl", "wgsl" } do
+  targets[#targets + 1] = { "shaders/gen/probes." .. language, "ylm.codegen.probes", language }
+end
+targets[#targets + 1] = { "package/three/shader.js", "ylm.codegen.probes", "js" }
+targets[#targets + 1] = { "package/three/probes.js", "ylm.codegen.probes", "reader" }
+targets[#targets + 1] = { "lua/ylm/page/gen/probes.lua", "ylm.codegen.probes", "lua" }
 targets[#targets + 1] = { "lua/ylm/page/gen/functions.lua", "ylm.codegen.page", 8 }
 
 return targets

@@ -93,7 +93,7 @@ local function look_of(lattice, reader, p, threads)
 end
 
 --- Weights of places [n]: their squared errors are relative to the larger of their light and the mean.
-local function weights(p)
+function engine.weights(p)
   local light = p.light:clamp(math.max(p.mean, LEAST))
   return (p.light:less(DARK * p.mean) * (DARKER - 1) + 1) / (light * light)
 end
@@ -104,7 +104,7 @@ function engine.fit(lattice, reader, probes, validity, p, threads, quick)
   local fit, n = look_of(lattice, reader, p, threads), #validity
   local hold = (validity:greater_equal(0.5) * (HOLD - BURIED_HOLD) + BURIED_HOLD) / math.max(p.mean, LEAST) ^ 2
   fit.wanted, fit.probes, fit.quick = array.array(p.wanted, "float"), probes, quick
-  fit.weight, fit.hold = array.array(weights(p) * (n / p.n), "float"), array.array(hold, "float")
+  fit.weight, fit.hold = array.array(engine.weights(p) * (n / p.n), "float"), array.array(hold, "float")
   fit.norm = array.array(reader.norm, "float")
   return core.grid_fit(fit)
 end
@@ -121,7 +121,7 @@ end
 --- The sum over places of squared errors, as fits weigh them, of what is read.
 function engine.square(p, read)
   local off = read - p.light
-  return (off * off * weights(p)):sum()
+  return (off * off * engine.weights(p)):sum()
 end
 
 --- Judges what an engine reads, luminances [n], beside what is wanted: { rms over the mean; error: 99 % of places keep it,

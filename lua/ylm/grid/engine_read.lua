@@ -130,7 +130,14 @@ local function coefficients(path, _, o)
     grids = { { lattice = lattice, probes = array.array(a, "float"):reshape { #a * shape[2] * shape[3], shape[4], shape[5] } } } }
 end
 
-local kinds = { { "%.three%.json$", three }, { "%.ktx2$", cubes }, { "%.npy$", coefficients } }
+--- Probes of ylm: { bricks }.
+local function bricks(path, text)
+  local file, message, code = check.result("judge", core.probes_decode(text, path))
+  if not file then return nil, message, code end
+  return { bricks = file, grids = {} }
+end
+
+local kinds = { { "%.ylmp$", bricks }, { "%.three%.json$", three }, { "%.ktx2$", cubes }, { "%.npy$", coefficients } }
 
 --- Is it the name of such a file?
 function read.is_name(path)

@@ -1,7 +1,9 @@
---- grid:export: the light at the middles of equal cells, for engines; sampled, or fitted to what they read at surfaces.
+--- grid:export: the light at the middles of equal cells, or in the grid's own leaves, for engines; sampled, or fitted to what
+-- they read at surfaces.
 
 local array = require "ylm.array"
 local bake = require "ylm.grid.bake"
+local bricks = require "ylm.grid.probes"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -16,7 +18,6 @@ local warning = require "ylm.warning"
 
 local methods, open = object.methods, object.open
 
-local BURIED = 4               -- flag of samples in bodies
 local HALVED = 0.5             -- points of less validity lie in bodies, or behind walls
 local MOST_CELLS = 256         -- along the longest axis, where a tolerance chooses
 local MOST_PROBES = 2 ^ 20
@@ -66,12 +67,9 @@ local function validity_at(g, known, p)
   return weight > 0 and sum / weight or nil
 end
 
---- 1 of points that lie in no body, by the pieces of a grid's voxels; array [n].
-local function unburied(g, points) return core.grid_flags(g, points, "float", 0):less(BURIED) end
-
 --- The validity at points, array [n]: 1 less the part of each that lies in bodies.
 local function validity_of(g, positions)
-  if g.sides then return unburied(g, positions) end
+  if g.sides then return places.unburied(g, positions) end
   local known, all = g:points().validity, true
   for i = 1, #known do all = all and known[i] == 1 end
   local list = {}
@@ -229,7 +227,9 @@ local options = {
   { "scene", "any", optional = true, about = "whose surfaces the light falls on: the numbers are then fitted, by least squares, "
     .. "to the irradiance that the engine's own look-up has there, and error is that of irradiance at 4,096 other places" },
   { "anyway", "boolean", default = false, about = "true: writes the file also where the tolerance is not met" },
-  { "lmax", "integer", min = 0, max = 20, optional = true, about = "of .npy, default 2; probes of three.js have 2" },
+  { "lmax", "integer", min = 0, max = 20, optional = true, about = "of .npy, default 2; of .ylmp 1 or 2, default 1 where a scene "
+    .. "and bytes or a tolerance are given, else 2; probes of three.js have 2" },
+  { "bits", "integer", min = 6, max = 16, optional = true, about = "of .ylmp: of a number of a point, default 10" },
   { "offset", "number", min = 0, max = 2, optional = true, unit = "cells", about = "of .npy, with scene: how far off the "
     .. "surface, along the normal, the engine looks up; default 0" },
   { "grids", "integer", min = 1, max = 16, optional = true, about = "of .three.json, with scene: at most so many grids beside "
@@ -243,7 +243,7 @@ local options = {
   form.threads,
 }
 
-local kinds = { ["%.ktx2$"] = "cube", ["%.three%.json$"] = "three", ["%.npy$"] = "npy" }
+local kinds = { ["%.ktx2$"] = "cube", ["%.three%.json$"] = "three", ["%.npy$"] = "npy", ["%.ylmp$"] = "ylmp" }
 
 --- Why the tolerance of an export is not met, and what to change.
 local function unmet_by(report, tolerance, o)
@@ -259,10 +259,11 @@ end
 describe "grid:export" {
   shelf = "everyday",
   about = "Writes the grid's light at the middles of equal cells of its bounds, for engines that interpolate along the axes: "
+    .. "'.ylmp' the grid's own leaves in few bytes, which walls part (ylm's look-up for shaders), "
     .. "'.ktx2' ambient cubes (irradiance over pi at six faces, alpha: validity) as Bevy reads them, '.three.json' the atlas of "
     .. "three.js' LightProbeGrid (degree 2, radiance, halves, base64), '.npy' coefficients [nz][ny][nx][channels][(lmax+1)^2]. "
     .. "Axes stay as they are. With scene, the numbers are those with which the engine errs least at the scene's surfaces.",
-  arguments = { { "path", "string", "ends in .ktx2, .three.json or .npy" }, { "options?", "table", "" } },
+  arguments = { { "path", "string", "ends in .ylmp, .ktx2, .three.json or .npy" }, { "options?", "table", "" } },
   options = options,
   returns = { { "report", "table", "cells: of the bounds; grids: { bounds, cells } of each that was written; probes; error: "
     .. "99 % of the held-out points keep it: with scene, of irradiance at surfaces, relative to the larger of the place's and "
@@ -270,7 +271,8 @@ describe "grid:export" {
     .. "[nz ny nx] of the first grid: 1 less the part that is in bodies; "
     .. "with scene surfaces: { rms over the mean, error, leak: the mean of places with less than 1 % of the mean over it, or "
     .. "nil, worst: { at, normal, error, wanted, read: luminance }, places }; "
-    .. "dering: the window's report; bytes; warning, where the tolerance is not met" } },
+    .. "dering: the window's report; bytes; of .ylmp bricks, lmax, bits, and no cells and validity; warning, where the tolerance "
+    .. "is not met" } },
   errors = "raises on another ending and bad options; nil, message, code where the file cannot be written or memory runs out; "
     .. "nil, message, 'ELIMIT' where the tolerance is not met (nothing is written then), or bytes is too few; 'EDOMAIN' where no "
     .. "surface of the scene is within the grid",
@@ -289,21 +291,23 @@ local function kind_of(path)
   for pattern, name in pairs(kinds) do
     if type(path) == "string" and path:lower():find(pattern) and not path:find "%z" then return name end
   end
-  return check.bad(1, "export", "a path ending in .ktx2, .three.json or .npy expected, got %s", check.describe(path))
+  return check.bad(1, "export", "a path ending in .ylmp, .three.json, .ktx2 or .npy expected, got %s", check.describe(path))
 end
 
 local function options_of(kind, given)
   local o = form.options(2, "export", options, given)
+  if o.scene ~= nil and form.kind(o.scene) ~= "scene" then
+    return check.bad(2, "export", "scene: a scene expected, got %s", check.describe(o.scene))
+  end
   if o.tolerance and o.cells then return check.fail "export: either tolerance or cells, not both" end
-  if o.lmax and kind ~= "npy" then return check.fail "export: lmax is of .npy: probes of engines have degree 2" end
+  if kind == "ylmp" then return bricks.check(o) end
+  if o.bits then return check.fail "export: bits are of .ylmp: leave them out" end
+  if o.lmax and kind ~= "npy" then return check.fail "export: lmax is of .npy and .ylmp: probes of engines have degree 2" end
   if o.grids and (kind ~= "three" or o.scene == nil) then
     return check.fail "export: grids is of .three.json with a scene: other engines take one"
   end
   if o.offset and (kind ~= "npy" or o.scene == nil) then
     return check.fail "export: offset is of .npy with a scene: other files have their engine's"
-  end
-  if o.scene ~= nil and form.kind(o.scene) ~= "scene" then
-    return check.bad(2, "export", "scene: a scene expected, got %s", check.describe(o.scene))
   end
   if o.scene ~= nil and (o.points or o.dering) then
     return check.fail("export: with a scene, places are those of its surfaces, and probes are fitted as they are read: leave "
@@ -351,17 +355,6 @@ local function sampler(g, kind, lmax, o)
   return error, made
 end
 
---- A grid as the light of ylm.grid.places.
-local function light_of(g, scene)
-  return { bounds = g.bounds,
-    open = function(points) return unburied(g, points) end,
-    irradiance = function(points, normals)
-      local E, message, code = g:irradiance(points, normals, { scene = g.sides and scene or nil })
-      if not E then return nil, message, code end
-      return E
-    end }
-end
-
 --- error and made, of numbers that are fitted to the surfaces of a scene; made(cells).judged.
 local function fitter(g, kind, lmax, o)
   local made = fitted.maker { lo = g.bounds[1], hi = g.bounds[2], threads = o.threads or 0,
@@ -369,7 +362,7 @@ local function fitter(g, kind, lmax, o)
     reader = kind == "cube" and engine.cube or engine.coefficients(lmax, kind == "three" and 0.5 or o.offset or 0),
     rounded = (kind ~= "npy" or o.dtype == "float16") and fitted.halved or function(probes) return probes end,
     sample = function(at) return sampled(g, kind, lmax, at) end,
-    places = function(n, seed) return places.draw("export", light_of(g, o.scene), o.scene, n, seed) end }
+    places = function(n, seed) return places.draw("export", places.of_grid(g, o.scene), o.scene, n, seed) end }
   return function(cells)
     local m, message, code = made(cells)
     if not m then return nil, message, code end
@@ -410,6 +403,11 @@ function methods.export(g, path, given)
   local lmax = kind == "cube" and g.lmax or o.lmax or LMAX
   local good, message, code = core.file_probe(path)
   if not good then return nil, message, code end
+  if kind == "ylmp" then
+    return bricks.export(g, path, o, function()
+      return o.points and array.points(2, "export", o.points, "float") or held_out(g)
+    end, TOLERANCE)
+  end
   local error, make = (o.scene ~= nil and fitter or sampler)(g, kind, lmax, o)
   local cells, tolerance = o.cells, o.tolerance or TOLERANCE
   local function foreseen(picked) return bytes_of(kind, picked, g, o) end

@@ -14,6 +14,8 @@ local grid_file = {}
 --- Options of pages, lua/ylm/page.
 grid_file.page_options = {
   { "scene", "any", optional = true, about = ".html: the scene whose geometry, lamps and camera the page shows" },
+  { "light", "any", optional = true, about = ".html, with scene: a grid of the scene's light (scene:bake, "
+    .. "quantity = 'all'), which the page shows at first, in at most 64 KiB as .ylmp has it" },
   { "title", "string", optional = true, about = ".html: default the scene's name" },
   { "precision", "choice", of = core.choices "precision", optional = true,
     about = ".html: of the numbers at probes; 'few' (default, but of grids with sides or that follow lights): rounded and "

@@ -10,6 +10,7 @@ local places = {}
 local NEAR = 1e-3 -- of the grid: a surface that another is nearer to is not looked at
 local AWAY = { 1, 4, 16 } -- times that
 local TRIES, MOST = 6, 32 -- draws, and places that are drawn for each that is wanted
+local BURIED = 4           -- flag of samples in bodies
 local BOTH = "both"
 
 --- Meshes of a scene by the sides of theirs that reflect: { sides, meshes }, sorted.
@@ -118,6 +119,20 @@ function places.draw(name, light, scene, n, seed)
     wanted = 2 * wanted
   end
   return nil, name .. ": no surface of the scene lies within the bounds", "EDOMAIN"
+end
+
+--- 1 of points that lie in no body, by the pieces of a grid's voxels; array [n].
+function places.unburied(g, points) return core.grid_flags(g, points, "float", 0):less(BURIED) end
+
+--- A grid as such a light.
+function places.of_grid(g, scene)
+  return { bounds = g.bounds,
+    open = function(points) return places.unburied(g, points) end,
+    irradiance = function(points, normals)
+      local E, message, code = g:irradiance(points, normals, { scene = g.sides and scene or nil })
+      if not E then return nil, message, code end
+      return E
+    end }
 end
 
 --- The places where a mask is 1; nil where it is nowhere.

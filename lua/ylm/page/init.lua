@@ -5,6 +5,7 @@ local core = require "ylm.c.core"
 local few = require "ylm.page.few"
 local form = require "ylm.form"
 local functions = require "ylm.page.gen.functions"
+local lookup = require "ylm.page.gen.probes"
 local grid_file = require "ylm.grid.file"
 local image = require "ylm.image"
 local light = require "ylm.light"
@@ -12,6 +13,7 @@ local pack = require "ylm.page.pack"
 require "ylm.render.dering" -- the type dering
 require "ylm.render.options" -- the type image_size
 local prints = require "ylm.render.prints"
+local probes = require "ylm.grid.probes"
 local text = require "ylm.text"
 local tracing = require "ylm.trace"
 local vector = require "ylm.vector"
@@ -25,6 +27,7 @@ local MOST_LMAX = 8
 local MOST_TEXELS = 2 ^ 24       -- of rows: 4096 x 4096
 local MOST_LAMPS = 4096          -- of the exact picture
 local MOST_VOXELS = 2 ^ 24
+local LIGHT_BYTES = 2 ^ 16      -- of the scene's light
 local PALETTE = 16
 local LOOK = { 160, 90 }         -- pixels of a picture that only tells whether light is below zero
 
@@ -127,6 +130,7 @@ end
 -- message, code.
 local function picture_of(grid, o, size, samples)
   if not (o.scene and o.scene.camera and #o.scene.geometry > 0) then return nil end
+  grid = o.light or grid
   return warning.silently(o.scene.render, o.scene, { grid = grid, size = size, samples = samples, gloss = "matte",
     visibility = grid.quantity == "lights" and "none" or nil, dering = o.dering, threads = o.threads })
 end
@@ -174,7 +178,8 @@ local function shaders(sources, lmax)
     { "edge-vertex", sources["edge.vert.glsl"] }, { "flat-fragment", sources["flat.frag.glsl"] },
     { "lobe-vertex", sources["lobe.vert.glsl"] }, { "lamp-vertex", sources["lamp.vert.glsl"] },
     { "lamp-fragment", sources["lamp.frag.glsl"] }, { "resolve-vertex", sources["resolve.vert.glsl"] },
-    { "resolve-fragment", sources["resolve.frag.glsl"] },
+    { "resolve-fragment", sources["resolve.frag.glsl"] }, { "probes-glsl", lookup },
+    { "scene-fragment", sources["scene.frag.glsl"] },
   }
   for i, one in ipairs(list) do
     list[i] = ('<script id="%s" type="text/plain">\n%s</script>'):format(one[1], one[2])
@@ -189,7 +194,7 @@ local function html(sources, meta, data, poster, lmax)
     POSTER = poster and ('<img id="poster" alt="" src="data:image/png;base64,%s">'):format(core.page_base64(poster)) or "",
     META = pack.json(meta), DATA = data, SHADERS = shaders(sources, lmax),
     SCRIPT = (sources["viewer.js"]:gsub("/%*@(%u+)@%*/", {
-      FEW = meta.precision == "few" and sources["few.js"] or "",
+      FEW = meta.precision == "few" and sources["few.js"] or "", PROBES = meta.light and sources["probes.js"] or "",
       INTERPOLATION = functions.interpolation_js,
       HARMONICS = joined(functions.harmonics_js, lmax),
     })),
@@ -258,6 +263,9 @@ local function settle(given)
   if o.poster ~= nil and o.poster ~= false and core.type(o.poster) ~= "ylm.image" then
     return check.bad(2, "save", "poster must be an image, or false for none, got %s", check.describe(o.poster))
   end
+  if o.light ~= nil and (core.type(o.light) ~= "ylm.grid" or o.scene == nil) then
+    return check.bad(2, "save", "light must be a grid, beside a scene, got %s", check.describe(o.light))
+  end
   if o.title then o.title = text.shown(o.title) end
   return o
 end
@@ -309,6 +317,12 @@ local function write(baked, path, o)
   if o.scene then
     meta.mesh, counts, code = pack.meshes(blob, o.scene)
     if not meta.mesh and counts then return nil, counts, code end
+  end
+  if o.light then
+    local file, report, failed = probes.encode(o.light, { scene = o.scene, bytes = LIGHT_BYTES, threads = o.threads })
+    if not file then return nil, report, failed end
+    meta.light = true
+    blob.add("probes", "u8", { #file }, file)
   end
   if blob.bytes * 4 / 3 > o.limit then return refuse_size(blob.bytes * 4 / 3, o, blob) end
   meta.sections = blob.sections

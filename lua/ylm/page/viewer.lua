@@ -8,9 +8,9 @@ local viewer = {}
 local weights = {}
 for i, name in ipairs { "R", "G", "B" } do weights["LUMINANCE_" .. name] = ("%.4f"):format(core.luminance[i]) end
 
-local names = { "page.html", "style.css", "viewer.js", "few.js", "walk.glsl", "surface.vert.glsl", "surface.frag.glsl",
-  "edge.vert.glsl", "flat.frag.glsl", "lobe.vert.glsl", "lamp.vert.glsl", "lamp.frag.glsl", "resolve.vert.glsl",
-  "resolve.frag.glsl" }
+local names = { "page.html", "style.css", "viewer.js", "few.js", "probes.js", "walk.glsl", "surface.vert.glsl",
+  "surface.frag.glsl", "scene.frag.glsl", "edge.vert.glsl", "flat.frag.glsl", "lobe.vert.glsl", "lamp.vert.glsl",
+  "lamp.frag.glsl", "resolve.vert.glsl", "resolve.frag.glsl" }
 
 --- The path of a module's file, as require finds it; Lua 5.1 lacks package.searchpath.
 local function path_of(module)

@@ -1,6 +1,7 @@
 --- scene:judge: files of probes beside paths, at surfaces of their scene.
 
 local array = require "ylm.array"
+local bricks = require "ylm.grid.probes"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -67,6 +68,7 @@ local function read_at(s, x, p, o)
     if not E then return nil, message, code end
     return places.luminance(E)
   end
+  if x.bricks then return bricks.read_at(x.bricks, p) end
   local lattices, light = {}, array.zeros({ p.n }, "float")
   for k, g in ipairs(x.grids) do lattices[k] = g.lattice end
   for k, mask in ipairs(engine.shared_out(lattices, x.reader, p, x.boxed)) do
@@ -84,14 +86,15 @@ local function probes_of(x, o)
     return { grid = x }
   end
   if type(x) ~= "string" or not read.is_name(x) then
-    return check.bad(1, "judge", "a grid, or a path ending in .three.json, .ktx2 or .npy expected, got %s", check.describe(x))
+    return check.bad(1, "judge", "a grid, or a path ending in .ylmp, .three.json, .ktx2 or .npy expected, got %s",
+      check.describe(x))
   end
   return read.file(x, o)
 end
 
 describe "scene:judge" {
   about = "Judges probes beside paths: the irradiance that an engine reads from them at the scene's surfaces. Files are ylm's or "
-    .. "others': '.three.json', '.ktx2', '.npy'.",
+    .. "others': '.ylmp', '.three.json', '.ktx2', '.npy'.",
   arguments = { { "probes", "string|grid", "a file of probes, or a grid" }, { "options?", "table", "" } },
   options = judge_options,
   returns = { { "report", "table", "rms: over the mean; error: 99 % of places keep it, relative to the larger of theirs and the "

@@ -104,6 +104,7 @@
   const INTERPOLATION = meta.sides ? 2 : 0;  /* values alone have no slopes */
 /*@INTERPOLATION@*/
 /*@FEW@*/
+/*@PROBES@*/
   /* What makes a point at place 0 .. 26 of a cell of that level: for its value and slopes, weights of the corners' numbers. */
   function recipe(place, edge) {
     const t = [place % 3 / 2, Math.floor(place / 3) % 3 / 2, Math.floor(place / 9) / 2], f = [], g = [], lists = [];
@@ -236,9 +237,10 @@
   let places;              /* of points, [points][3]; NaN: the corner of no cell */
   let lamps = meta.lamps.map(l => l.slice());
   const programs = {};
-  const state = { mode: 'grid', lines: false, lamps: true, lobes: false, exposure: meta.exposure, tone: meta.tone, from: null,
+  const FIRST = meta.light ? 'scene' : 'grid';  /* the mode at first */
+  const state = { mode: FIRST, lines: false, lamps: true, lobes: false, exposure: meta.exposure, tone: meta.tone, from: null,
     at: null, up: null, fov: 45, samples: 4 };
-  const MODES = { grid: 0, exact: 1, error: 2, estimated: 3, levels: 4, depth: 5 };
+  const MODES = { grid: 0, exact: 1, error: 2, estimated: 3, levels: 4, depth: 5, scene: 6 };
 
   function shader(kind, text) {
     const s = gl.createShader(kind);
@@ -271,6 +273,7 @@
   function surfaceProgram(mode) {
     const name = 'surface ' + mode;
     if (programs[name]) return programs[name];
+    if (mode === 'scene') return program(name, text('surface-vertex'), text('probes-glsl') + text('scene-fragment'));
     const used = [], cosine = [], A = [], legendre = [];
     for (let l = 0; l <= meta.lmax; l++) {
       A[l] = meta.cosine[l];
@@ -310,7 +313,7 @@
     return [out, height];
   }
 
-  const UNIT = { cells: 0, table: 1, rows: 2, lamps: 3, picture: 4, sides: 5 };
+  const UNIT = { cells: 0, table: 1, rows: 2, lamps: 3, picture: 4, sides: 5, tree: 6, bricks: 7 };
   let internalRows;
 
   function makeTextures() {
@@ -324,6 +327,20 @@
     internalRows = few || meta.precision === 'float' ? gl.RGBA32F : gl.RGBA16F;
     makeRows();
     makeLamps();
+    if (meta.light) makeProbes(readProbes(sections.probes.slice().buffer));
+  }
+
+  let probeUniforms;
+  /* The scene's light, in the form of engines: docs/engines.md. */
+  function makeProbes(p) {
+    texture(UNIT.tree, gl.RG32UI, p.tree.width, p.tree.height, gl.RG_INTEGER, gl.UNSIGNED_INT, p.tree.data);
+    gl.activeTexture(gl.TEXTURE0 + UNIT.bricks);
+    gl.bindTexture(gl.TEXTURE_3D, gl.createTexture());
+    gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGBA16F, ...p.atlas.size, 0, gl.RGBA, gl.HALF_FLOAT, p.atlas.data);
+    for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_3D, name, gl.LINEAR);
+    probeUniforms = { ylm_tree: ['1i', UNIT.tree], ylm_bricks_atlas: ['1i', UNIT.bricks], ylm_top: ['1f', p.top],
+      ylm_lmax: ['1f', p.lmax], ylm_low: ['3f', ...p.low], ylm_scale: ['3f', ...p.scale], ylm_roots: ['3f', ...p.roots],
+      ylm_bricks: ['3f', ...p.atlas.bricks] };
   }
 
   let rowsTexture;
@@ -612,7 +629,7 @@
         resolution: ['3f', ...meta.resolution], depth: ['1i', meta.depth], scale: ['1f', 2 ** -meta.exponent],
         sides: ['1i', UNIT.sides], lamp_count: ['1i', lamps.length], palette: ['3fv', [].concat(...meta.palette)],
         range: ['2f', ...meta.range],
-      }));
+      }, probeUniforms));
       gl.drawElements(gl.TRIANGLES, mesh.n, gl.UNSIGNED_INT, 0);
       gl.depthMask(true);
     }
@@ -780,13 +797,14 @@
   /* Why a mode cannot be shown; nothing where it can. */
   function lacks(mode) {
     if ((mode === 'exact' || mode === 'error') && meta.no_exact) return meta.no_exact;
+    if (mode === 'scene' && !meta.light) return "the page has the grid's light alone";
     if (mode !== 'levels' && !mesh) return 'the page has no geometry';
   }
 
   function setMode(mode) {
     const why = lacks(mode);
     if (why) return say(mode + ': ' + why);
-    state.mode = state.mode === mode ? 'grid' : mode;
+    state.mode = state.mode !== mode ? mode : mode === 'scene' ? 'grid' : FIRST;
     look();
     change(false);
   }
@@ -812,6 +830,8 @@
       run: () => { state.lamps = !state.lamps; look(); change(false); } },
     { key: 'b', name: 'lobes', about: 'light at the 256 probes nearest to what the camera looks at', on: () => state.lobes,
       run: () => { state.lobes = !state.lobes; look(); change(false); } },
+    ...(meta.light ? [{ key: 's', name: 'scene', about: "the scene's light with walls, shadows and bounces, or the grid's",
+      on: () => state.mode === 'scene', run: () => setMode('scene') }] : []),
     { key: '+', name: '+', about: 'exposure up by a third of a stop', run: () => { state.exposure += 1 / 3; shownAgain(); } },
     { key: '-', name: '-', about: 'exposure down', run: () => { state.exposure -= 1 / 3; shownAgain(); } },
     { key: 'o', name: 'tone', about: 'next tone curve',
@@ -1289,7 +1309,7 @@
     };
     const mode = words.get('mode');
     home();
-    state.mode = mode in MODES && mode !== 'depth' && !lacks(mode) ? mode : mesh ? 'grid' : 'levels';
+    state.mode = mode in MODES && mode !== 'depth' && !lacks(mode) ? mode : mesh ? FIRST : 'levels';
     state.lines = words.has('lines') || !mesh;
     state.lamps = !words.has('nolamps');
     state.lobes = words.has('lobes');

@@ -1,0 +1,320 @@
+--- Probes for engines at run time, '.ylmp': bricks of a grid's leaves, fitted to surfaces, in as few points as bytes allow.
+--
+-- A topology is { grid, cuts }: whose leaves become bricks, and how often those are halved whose points have slopes. Points of a
+-- brick that may be one are joined, those first that cost least; a finer topology with fewer points is better than a coarse one
+-- with all of its points.
+
+local array = require "ylm.array"
+local bake = require "ylm.grid.bake"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local engine = require "ylm.grid.engine"
+local field = require "ylm.field"
+local form = require "ylm.form"
+local places = require "ylm.grid.places"
+local warning = require "ylm.warning"
+
+local probes = {}
+
+local LMAX, BITS = 2, 10
+local LEAST_PLACES, MOST_PLACES, PLACES_A_POINT = 16384, 2 ^ 17, 8 -- that numbers are fitted to
+local HELD_OUT = 4096               -- places that the error is measured at
+local HOLD, GHOSTS_HOLD = 0.03, 3e-4 -- of a point, and of one that no surface sees, beside the error at surfaces
+local UNIFORM = { 2, 3, 4, 6, 8, 12, 16 } -- cells along the longest axis of coarser topologies
+local BUDGETS = { 1000, 2000, 4000, 7000, 12000, 30000 } -- points of adaptive ones
+local ADAPTIVE, DEPTH = 0.05, 6           -- their tolerance and depth
+local FEWEST = 0.12                 -- points of each brick: with fewer, a coarser topology is better
+local TRIED = 3                     -- the finest topologies that fit
+local HALVED = 0.5                  -- of the points are left between two fits
+local MOST_CUTS, MOST_POINTS = 3, 2 ^ 20
+local STEPS, FIRST_BYTES, NEAR = 5, 8192, 1.2 -- of the search for the fewest bytes of a tolerance
+
+-- Places ---------------------------------------------------------------------------------------------
+
+--- Irradiance of three channels.
+local function coloured(E)
+  if E.shape[2] == 3 then return E end
+  return array.stack({ E, E, E }, 2):reshape { #E, 3 }
+end
+
+--- Places as core takes them; `points` are those of the probes.
+local function rows_of(p, points, threads)
+  local square = math.max(p.mean, 1e-12) ^ 2
+  return { points = array.array(p.points, "double"), normals = array.array(p.normals, "float"),
+    wanted = array.array(coloured(p.wanted), "float"), weight = array.array(engine.weights(p) * (points / p.n), "float"),
+    hold = HOLD / square, hold_ghosts = GHOSTS_HOLD / square, threads = threads }
+end
+
+--- The light that readers of a file have: luminances [n] at places.
+local function read_at(file, p)
+  return places.luminance(core.probes_irradiance(file, array.array(p.points, "double"), array.array(p.normals, "float")))
+end
+probes.read_at = read_at
+
+-- Topologies -------------------------------------------------------------------------------------------
+
+local Maker = {}
+Maker.__index = Maker
+
+--- Places to which so many points are fitted; or nil, message, code.
+function Maker:places_for(points)
+  local n = LEAST_PLACES
+  while not self.few and n < PLACES_A_POINT * points and n < MOST_PLACES do n = 2 * n end
+  if not self.drawn[n] then
+    local p, message, code = places.draw("export", self.light, self.scene, n, 1)
+    if not p then return nil, message, code end
+    self.drawn[n] = p
+  end
+  return self.drawn[n]
+end
+
+--- The probes of a topology as the grid has them, a copy for the caller; or nil, message, code.
+function Maker:raw(topology)
+  if topology.made then return core.probes_copy(topology.made) end
+  local rows
+  if self.scene then
+    local p, message, code = self:places_for(core.grid_stats(topology.grid).points)
+    if not p then return nil, message, code end
+    rows = rows_of(p, 1, self.threads)
+  end
+  local made, message, code = check.result("export", core.probes_make(topology.grid, self.lmax, topology.cuts, self.walls, rows))
+  if not made then return nil, message, code end
+  topology.made = made
+  return core.probes_copy(made)
+end
+
+--- Fits the numbers of probes to surfaces, with at most `most` points. True, or nil, message, code.
+function Maker:fit(made, most)
+  local n = core.probes_size(made, self.bits).points
+  local p, message, code = self:places_for(n)
+  if not p then return nil, message, code end
+  local function fit() core.probes_fit(made, rows_of(p, n, self.threads)) end
+  fit()
+  while n > most do
+    n = math.max(most, math.floor(HALVED * n))
+    core.probes_thin(made, rows_of(p, n, self.threads), n)
+    fit()
+    if core.probes_size(made, self.bits).points > n then break end -- nothing is left to be joined
+  end
+  return true
+end
+
+--- The points with which probes take at most so many bytes.
+function Maker:points_within(size, bytes)
+  local function index(n) return n <= 256 and 1 or n <= 65536 and 2 or 4 end
+  local point = math.ceil((16 + 3 * (size.lmax + 1) ^ 2 * self.bits) / 8)
+  local rest = size.bytes - size.points * point - 8 * size.bricks * index(size.points)
+  local most = 0
+  for _, limit in ipairs { 256, 65536, 2 ^ 32 - 2 } do
+    local n = math.floor((bytes - rest - 4 - 8 * size.bricks * index(limit)) / point)
+    most = math.max(most, math.min(limit, n))
+  end
+  return most
+end
+
+--- Coarser topologies than the grid's own, finer and finer; one by one: { grid, cuts }, or nil at the end; or nil, message, code.
+function Maker:topology(k)
+  if self.topologies[k] then return self.topologies[k] end
+  local g = self.grid
+  local channels = g.channels == 3 and "rgb" or "luminance"
+  local description
+  if k <= #UNIFORM then
+    local lo, hi = g.bounds[1], g.bounds[2]
+    local longest, cells = math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3]), {}
+    for a = 1, 3 do cells[a] = math.max(1, math.floor(UNIFORM[k] * (hi[a] - lo[a]) / longest + 0.5)) end
+    description = form.defined.uniform_grid.construct({ lmax = g.lmax, channels = channels, bounds = g.bounds, cells = cells })
+  elseif k <= #UNIFORM + #BUDGETS then
+    description = form.defined.adaptive_grid.construct({ lmax = g.lmax, channels = channels, bounds = g.bounds,
+      tolerance = ADAPTIVE, depth = DEPTH, points = BUDGETS[k - #UNIFORM] })
+  elseif k == #UNIFORM + #BUDGETS + 1 then
+    self.topologies[k] = { grid = g, cuts = 0 }
+    return self.topologies[k]
+  else return nil end
+  local o = { scene = self.scene, progress = false, threads = self.threads, geometry = k > #UNIFORM and self.meshes or nil }
+  local coarse, message, code = bake.of_scene(description, g, o, nil, nil, true)
+  if not coarse then return nil, message, code end
+  self.topologies[k] = { grid = coarse, cuts = 0 }
+  return self.topologies[k]
+end
+
+--- The best probes of at most so many bytes: { made, judged }; nil: there are none; or nil, message, code.
+function Maker:within(bytes)
+  local fits, k = {}, 1
+  while true do
+    local topology, message, code = self:topology(k)
+    if message then return nil, message, code end
+    if not topology then break end
+    local made, why, failed = self:raw(topology)
+    if not made then return nil, why, failed end
+    local size = core.probes_size(made, self.bits)
+    local most = self:points_within(size, bytes)
+    if most < math.max(1, math.min(size.points, FEWEST * size.bricks)) then
+      if k > #UNIFORM or #fits == 0 then break end
+      k = #UNIFORM
+    else table.insert(fits, { made = made, most = most }) end
+    k = k + 1
+  end
+  local best
+  for i = math.max(1, #fits - TRIED + 1), #fits do
+    local ok, message, code = self:fit(fits[i].made, fits[i].most)
+    if not ok then return nil, message, code end
+    local judged = self:judge(fits[i].made)
+    if core.probes_size(fits[i].made, self.bits).bytes <= bytes and (not best or judged.square < best.judged.square) then
+      best = { made = fits[i].made, judged = judged }
+    end
+  end
+  return best
+end
+
+--- Judges probes as their readers have them.
+function Maker:judge(made)
+  local file = core.probes_decode(core.probes_encode(made, self.bits), "probes")
+  local read = read_at(file, self.held)
+  local judged = engine.judge(self.held, read)
+  judged.square = engine.square(self.held, read)
+  return judged
+end
+
+-- Searches ----------------------------------------------------------------------------------------------
+
+--- Probes as they are, or, where there is a scene and its surfaces have less error so, fitted to it; or nil, message, code.
+function Maker:fitted(own)
+  if not self.scene then return own end
+  local file = core.probes_copy(own.made)
+  local ok, message, code = self:fit(file, math.huge)
+  if not ok then return nil, message, code end
+  local judged = self:judge(file)
+  return judged.square < own.judged.square and { made = file, judged = judged, bytes = own.bytes } or own
+end
+
+--- The grid's own leaves, halved until a tolerance is kept or bytes are spent: { made, judged }; or nil, message, code.
+function Maker:own(tolerance, bytes)
+  local best
+  for cuts = 0, self.grid.sides and 0 or MOST_CUTS do
+    local made, message, code = self:raw { grid = self.grid, cuts = cuts }
+    if not made then return nil, message, code end
+    local size = core.probes_size(made, self.bits)
+    if best and (size.points > MOST_POINTS or bytes and size.bytes > bytes) then break end
+    best, message, code = self:fitted { made = made, judged = self:judge(made), bytes = size.bytes }
+    if not best then return nil, message, code end
+    if tolerance and best.judged.error <= tolerance then break end
+  end
+  return best
+end
+
+--- The probes of few bytes that keep a tolerance, of at most `bytes`; where none keep it, the grid's own: { made, judged }. Or
+-- nil, message, code.
+function Maker:keeping(tolerance, bytes)
+  local own, message, code = self:raw { grid = self.grid, cuts = 0 }
+  if not own then return nil, message, code end
+  local most = math.min(core.probes_size(own, self.bits).bytes, bytes or math.huge)
+  local best, low, high = nil, 0, FIRST_BYTES
+  for _ = 1, STEPS do
+    if low >= most or best and high < NEAR * low then break end
+    local bytes_now = best and math.sqrt(math.max(low, high / 16) * high) or math.min(high, most)
+    local found
+    found, message, code = self:within(bytes_now)
+    if message then return nil, message, code end
+    local kept = found and found.judged.error <= tolerance
+    if kept then best, high = found, bytes_now else low = bytes_now end
+    if not best then high = 4 * low end
+  end
+  if best then return best end
+  return self:own(tolerance, bytes)
+end
+
+--- { made, judged } of the options; or nil, message, code.
+function Maker:wanted(o)
+  if not self.scene then
+    local own, message, code = self:own(not o.bytes and (o.tolerance or self.tolerance) or o.tolerance, o.bytes)
+    if own and o.bytes and own.bytes > o.bytes then
+      return nil, ("export: the grid's bricks take %.0f bytes, and bytes = %.0f: give more, or a scene, to whose surfaces fewer "
+        .. "points are fitted"):format(own.bytes, o.bytes), "ELIMIT"
+    end
+    return own, message, code
+  end
+  if o.tolerance then return self:keeping(o.tolerance, o.bytes) end
+  if not o.bytes then return self:own(self.tolerance) end
+  local found, message, code = self:within(o.bytes)
+  if message then return nil, message, code end
+  if found then return found end
+  return nil, ("export: bytes = %.0f are too few for the probes of this scene: give more"):format(o.bytes), "ELIMIT"
+end
+
+--- Places without surfaces: points, and directions that are spread evenly.
+local function in_space(g, points)
+  local n, normals = #points, {}
+  for i = 1, n do
+    local z, phi = 1 - (2 * i - 1) / n, i * math.pi * (3 - math.sqrt(5))
+    local r = math.sqrt(1 - z * z)
+    normals[i] = { r * math.cos(phi), r * math.sin(phi), z }
+  end
+  local p = { n = n, points = points, normals = array.array(normals, "float") }
+  local message, code
+  p.wanted, message, code = g:irradiance(points, p.normals)
+  if not p.wanted then return nil, message, code end
+  p.light = places.luminance(p.wanted)
+  p.mean = p.light:mean()
+  return p
+end
+
+--- Refuses options that are of other files; the options.
+function probes.check(o)
+  for _, name in ipairs { "cells", "grids", "offset", "dering", "dtype" } do
+    if o[name] and not (name == "dtype" and o.dtype == "float") then
+      return check.fail("export: %s is of other files than .ylmp: leave it out", name)
+    end
+  end
+  if o.lmax and (o.lmax < 1 or o.lmax > 2) then return check.fail "export: lmax of .ylmp is 1 or 2" end
+  if o.scene ~= nil and o.points then
+    return check.fail "export: with a scene, places are those of its surfaces: leave points out"
+  end
+  return o
+end
+
+--- The bytes of a file of a grid's probes, and the report of grid:export; o: its options, `points()` where the error is measured
+-- without a scene, `default`: the tolerance of points with slopes. Or nil, message, code.
+function probes.encode(g, o, points, default)
+  local few = o.scene ~= nil and (o.bytes or o.tolerance)
+  local make = setmetatable({ grid = g, scene = o.scene, bits = o.bits or BITS, lmax = o.lmax or few and 1 or LMAX,
+    threads = o.threads, drawn = {}, topologies = {}, few = few, tolerance = default }, Maker)
+  local message, code
+  if o.scene ~= nil then
+    make.light, make.meshes = places.of_grid(g, o.scene), {}
+    for i, shape in ipairs(o.scene.geometry) do make.meshes[i] = shape.mesh end
+    make.walls, message, code = field.walls_of_scene(2, "export", o.scene)
+    if not make.walls then return nil, message, code end
+    make.held, message, code = places.draw("export", make.light, o.scene, HELD_OUT, 1000)
+  else make.held, message, code = in_space(g, points()) end
+  if not make.held then return nil, message, code end
+  local found
+  found, message, code = make:wanted(o)
+  if not found then return nil, message, code end
+  local size = core.probes_size(found.made, make.bits)
+  local report = { error = found.judged.error, surfaces = o.scene ~= nil and found.judged or nil, probes = size.points,
+    bricks = size.bricks, lmax = make.lmax, bits = make.bits, grids = { { bounds = size.bounds, cells = size.roots } } }
+  found.judged.square = nil
+  local tolerance = o.tolerance or o.scene == nil and not o.bytes and not g.sides and default or nil
+  if tolerance then
+    report.met = report.error <= tolerance
+    local sentence = not report.met and ("export: tolerance %g is not met by the grid's %d bricks, 99 %% of the places keep "
+      .. "%.3g: bake a finer grid, or set tolerance = %.2g"):format(tolerance, size.bricks, report.error, 1.05 * report.error)
+    if sentence and not o.anyway then return nil, sentence .. ", or anyway = true to write it; nothing was written", "ELIMIT" end
+    report.warning = sentence and warning.say(g, "export", "%s", sentence) or nil
+  end
+  local bytes = core.probes_encode(found.made, make.bits)
+  report.bytes = #bytes
+  return bytes, report
+end
+
+--- Writes a grid's probes, as of probes.encode: the report, or nil, message, code.
+function probes.export(g, path, o, points, default)
+  local bytes, report, code = probes.encode(g, o, points, default)
+  if not bytes then return nil, report, code end
+  local ok, message
+  ok, message, code = core.file_save(path, bytes)
+  if not ok then return nil, message, code end
+  return report
+end
+
+return probes

@@ -1,0 +1,139 @@
+// Reads '.ylmp', probes of ylm: docs/engines.md has the format. Nothing of three.js is used.
+
+const MAGIC = [ 0x89, 89, 76, 77, 80, 13, 10, 26 ], SPLIT = 255, DEPTH = 20, WIDTH = 1024, TOP = 1 << 18;
+
+const single = new Float32Array( 1 ), word = new Uint32Array( single.buffer );
+
+function half( x ) {
+	single[ 0 ] = x;
+	const sign = word[ 0 ] >>> 16 & 0x8000, exponent = ( word[ 0 ] >>> 23 & 255 ) - 112, mantissa = word[ 0 ] & 0x7fffff;
+	if ( exponent >= 31 ) return sign | 0x7bff;
+	if ( exponent > 0 ) return Math.min( ( exponent << 10 ) + ( mantissa + 0x1000 >> 13 ), 0x7bff ) | sign;
+	return exponent < - 10 ? sign : sign | ( mantissa | 0x800000 ) + ( 1 << 13 - exponent ) >> 14 - exponent;
+}
+
+// Number of `bits` bits, the lowest first, from bit `at` of the bytes.
+function unpack( bytes, at, bits ) {
+	const k = at >> 3;
+	return ( bytes[ k ] | bytes[ k + 1 ] << 8 | bytes[ k + 2 ] << 16 ) >>> ( at & 7 ) & ( 1 << bits ) - 1;
+}
+
+function demand( truth, what ) { if ( ! truth ) throw new Error( 'probes of ylm: ' + what ); }
+
+function header( view ) {
+	demand( view.byteLength >= 112 && MAGIC.every( ( x, i ) => view.getUint8( i ) === x ), 'another file' );
+	demand( view.getUint32( 8, true ) === 1, 'another version' );
+	demand( view.getUint32( 24, true ) === view.byteLength, 'the file is cut off' );
+	const [ rx, ry, rz, cells, several, bricks, points ] = [ 0, 1, 2, 3, 4, 5, 6 ].map( i => view.getUint32( 80 + 4 * i, true ) );
+	const bounds = [ 0, 1, 2, 3, 4, 5 ].map( i => view.getFloat64( 32 + 8 * i, true ) );
+	const [ lmax, bits, index ] = [ 108, 109, 110 ].map( i => view.getUint8( i ) );
+	demand( ( lmax === 1 || lmax === 2 ) && bits >= 6 && bits <= 16 && [ 1, 2, 4 ].includes( index ), 'other numbers' );
+	demand( rx * ry * rz <= cells && cells + 8 * index * bricks < view.byteLength, 'its counts cannot be' );
+	return { roots: [ rx, ry, rz ], cells, several, bricks, points, bounds, lmax, bits, index };
+}
+
+// Cells in the order of the file: level, first child or brick, bricks (SPLIT: children).
+function tree( bytes, h ) {
+	const level = new Uint8Array( h.cells ), first = new Uint32Array( h.cells );
+	let next = h.roots[ 0 ] * h.roots[ 1 ] * h.roots[ 2 ], bricks = 0;
+	for ( let i = 0; i < h.cells; i ++ ) {
+		const parts = bytes[ 112 + i ];
+		first[ i ] = parts === SPLIT ? next : bricks;
+		if ( parts === SPLIT ) {
+			demand( next + 8 <= h.cells && level[ i ] < DEPTH, 'its tree cannot be' );
+			level.fill( level[ i ] + 1, next, next + 8 );
+			next += 8;
+		} else bricks += parts;
+	}
+	demand( next === h.cells && bricks === h.bricks, 'its tree cannot be' );
+	return { level, first, parts: bytes.subarray( 112, 112 + h.cells ) };
+}
+
+// Words of leaves' planes, two a texel: the parts of sides, then a plane each; `at` [cells] texel and planes. Returns the bytes' end.
+function planes( view, h, t, words, at ) {
+	let k = 112 + ( h.cells + 3 & ~ 3 );
+	for ( let i = 0; i < h.cells; i ++ ) {
+		if ( t.parts[ i ] < 2 || t.parts[ i ] === SPLIT ) continue;
+		const n = view.getUint8( k ++ ), texel = words.length / 2, sides = [ 0, 0 ];
+		demand( n > 0 && n < 5, 'its planes cannot be' );
+		words.push( 0, 0 );
+		for ( let j = 0; j < n; j ++, k += 5 )
+			words.push( view.getUint8( k ) | view.getUint8( k + 1 ) << 8 | view.getUint8( k + 2 ) << 16, view.getInt16( k + 3, true ) );
+		for ( let j = 0; j < 1 << n; j ++ ) {
+			const part = view.getUint8( k + ( j >> 1 ) ) >> 4 * ( j & 1 ) & 15;
+			demand( part < t.parts[ i ], 'its planes cannot be' );
+			sides[ j >> 3 ] |= part << 4 * ( j & 7 );
+		}
+		k += ( 1 << n ) / 2;
+		words[ 2 * texel ] = sides[ 0 ];
+		words[ 2 * texel + 1 ] = sides[ 1 ];
+		at[ i ] = texel * 8 + n;
+	}
+	return k + 3 & ~ 3;
+}
+
+// The texture of the tree: a table of equal cells, below it eight children each, then planes. Two words a texel.
+function texels( view, h, t ) {
+	let top = 0, deepest = 0, groups = 0;
+	const [ rx, ry, rz ] = h.roots, base = new Uint32Array( h.cells ), at = new Uint32Array( h.cells );
+	for ( const l of t.level ) deepest = Math.max( deepest, l );
+	while ( top < deepest && rx * ry * rz * 8 ** ( top + 1 ) <= TOP ) top ++;
+	const table = rx * ry * rz * 8 ** top;
+	for ( let i = 0; i < h.cells; i ++ ) if ( t.parts[ i ] === SPLIT && t.level[ i ] >= top ) base[ i ] = table + 8 * groups ++;
+	const words = new Array( 2 * ( table + 8 * groups ) ).fill( 0 ), end = planes( view, h, t, words, at );
+	function put( texel, i ) {
+		const split = t.parts[ i ] === SPLIT;
+		words[ 2 * texel ] = split ? ( 0x80000000 | base[ i ] ) >>> 0 : t.level[ i ] << 26 | t.first[ i ];
+		words[ 2 * texel + 1 ] = split ? 0 : t.parts[ i ] ? at[ i ] : 0xffffffff;
+	}
+	function fill( i, x, y, z ) {
+		const n = 1 << top - t.level[ i ];
+		if ( t.parts[ i ] === SPLIT && t.level[ i ] < top ) {
+			for ( let k = 0; k < 8; k ++ ) fill( t.first[ i ] + k, 2 * x + ( k & 1 ), 2 * y + ( k >> 1 & 1 ), 2 * z + ( k >> 2 ) );
+			return;
+		}
+		for ( let c = 0; c < n; c ++ ) for ( let b = 0; b < n; b ++ ) for ( let a = 0; a < n; a ++ )
+			put( x * n + a + ( rx << top ) * ( y * n + b + ( ry << top ) * ( z * n + c ) ), i );
+	}
+	for ( let z = 0, i = 0; z < rz; z ++ ) for ( let y = 0; y < ry; y ++ ) for ( let x = 0; x < rx; x ++ ) fill( i ++, x, y, z );
+	for ( let i = 0; i < h.cells; i ++ ) if ( base[ i ] ) for ( let k = 0; k < 8; k ++ ) put( base[ i ] + k, t.first[ i ] + k );
+	const height = Math.ceil( words.length / 2 / WIDTH ), data = new Uint32Array( 2 * WIDTH * height );
+	data.set( words );
+	return { top, end, height, data };
+}
+
+// The texture of bricks: 2 x 2 x 2 texels each, volumes of four numbers above each other.
+function atlas( view, bytes, h, from ) {
+	const n = 3 * ( h.lmax + 1 ) ** 2, volumes = h.lmax > 1 ? 7 : 3, size = Math.ceil( ( 16 + n * h.bits ) / 8 );
+	const begin = from + ( 8 * h.index * h.bricks + 3 & ~ 3 ), points = new Uint16Array( 4 * volumes * h.points );
+	demand( begin + ( size * h.points + 3 & ~ 3 ) === bytes.length, 'its length is another' );
+	for ( let i = 0; i < h.points; i ++ ) {
+		const k = begin + i * size, step = 2 ** ( ( view.getUint16( k, true ) - 32768 ) / 512 );
+		for ( let j = 0; j < n; j ++ ) {
+			const q = unpack( bytes, 8 * k + 16 + j * h.bits, h.bits );
+			points[ 4 * volumes * i + j ] = half( step * ( q >> h.bits - 1 ? q - ( 1 << h.bits ) : q ) );
+		}
+	}
+	const bx = Math.max( 1, Math.min( 128, h.bricks ) ), by = Math.max( 1, Math.min( 128, Math.ceil( h.bricks / bx ) ) );
+	const bz = Math.max( 1, Math.ceil( h.bricks / ( bx * by ) ) ), data = new Uint16Array( 32 * bx * by * bz * volumes );
+	for ( let i = 0; i < 8 * h.bricks; i ++ ) {
+		const k = from + i * h.index, b = i >> 3, c = i & 7;
+		const p = h.index === 1 ? bytes[ k ] : h.index === 2 ? view.getUint16( k, true ) : view.getUint32( k, true );
+		demand( p < h.points, 'a brick has no such point' );
+		const x = 2 * ( b % bx ) + ( c & 1 ), y = 2 * ( Math.floor( b / bx ) % by ) + ( c >> 1 & 1 );
+		for ( let v = 0; v < volumes; v ++ ) {
+			const z = 2 * ( v * bz + Math.floor( b / ( bx * by ) ) ) + ( c >> 2 );
+			data.set( points.subarray( 4 * ( volumes * p + v ), 4 * ( volumes * p + v ) + 4 ), 4 * ( x + 2 * bx * ( y + 2 * by * z ) ) );
+		}
+	}
+	return { data, bricks: [ bx, by, bz ], size: [ 2 * bx, 2 * by, 2 * bz * volumes ] };
+}
+
+// Textures and numbers of a file for the shader: { low, scale, roots, top, lmax, tree: { data, width, height } of two 32-bit words a texel,
+// atlas: { data, size, bricks } of four halves a texel, bounds }.
+function readProbes( buffer ) {
+	const view = new DataView( buffer ), bytes = new Uint8Array( buffer ), h = header( view );
+	const t = texels( view, h, tree( bytes, h ) ), low = h.bounds.slice( 0, 3 );
+	return { bounds: h.bounds, low, scale: h.roots.map( ( n, a ) => n / ( h.bounds[ a + 3 ] - low[ a ] ) ), roots: h.roots,
+		top: 2 ** t.top, lmax: h.lmax, tree: { data: t.data, width: WIDTH, height: t.height }, atlas: atlas( view, bytes, h, t.end ) };
+}
