@@ -68,6 +68,7 @@ typedef struct taking {
   small_tables *tables;
   rans_reader rans;
   float *number, *room;
+  float read_as[2 * RANS_MOST + 1]; /* of symbols */
 } taking;
 
 /* The numbers of a point; false: the stream ends early. */
@@ -85,8 +86,11 @@ static bool take_numbers(taking *t, const small_point *p, uint8_t used[4]) {
     size_t n = t->tables->codes[class * lists + i];
     float *to = t->number + i * count;
     used[i / channels] = 1;
-    for (size_t k = 0; k < n; k++)
-      to[coded[k]] = small_read_as(rans_take(&rans, rans.slot[table[coded[k]]]));
+    for (size_t k = 0; k < n; k++) {
+      uint32_t symbol = rans_take(&rans, rans.slot[table[coded[k]]]);
+      to[coded[k]] = symbol <= 2 * RANS_MOST ? t->read_as[symbol]
+                                             : small_read_as(rans_long(&rans, symbol));
+    }
     if (rans_is_short(&rans)) return false;
   }
   t->rans = rans;
@@ -137,6 +141,7 @@ static ylm_status take_points(taking *t, const small_packed *p, const char **bad
     *bad = "its tables";
     return YLM_EFORMAT;
   }
+  for (int i = 0; i <= 2 * RANS_MOST; i++) t->read_as[i] = small_read_as(i - RANS_MOST);
   ylm__rans_begin(&t->rans, p->data, p->data_size, p->raw, p->raw_size);
   for (size_t met = 0; !*bad && met < t->f->k->met; met++) *bad = take_point(t, met);
   if (!*bad && !ylm__rans_is_done(&t->rans)) *bad = "the end of its numbers";

@@ -113,7 +113,6 @@ void ylm__rans_begin(rans_reader *r, const unsigned char *in, size_t size, const
   r->raw = raw;
   r->raw_size = raw_size;
   r->raw_at = 0;
-  r->turn = 0;
   r->bad = size < 4 * RANS_STATES;
   for (size_t i = 0; !r->bad && i < RANS_STATES; i++) {
     r->state[i] = 0;

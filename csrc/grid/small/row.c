@@ -9,6 +9,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "ylm_sets.h"
 #include "ylm_sh.h"
 
 #define F float
@@ -16,8 +17,9 @@
 
 #define PLACES 27     /* of a cell's half-edge lattice */
 #define OUT 4         /* a value and three slopes */
-#define LANES 8       /* numbers that are summed side by side: strides are multiples of it */
 #define TURN_MOST 511 /* of 10 bits with a sign */
+
+_Static_assert(SMALL_TERMS == SMALL_PARENTS * ROWS, "rows of all parents");
 
 /* The terms of one output of a prediction: rows of corners, as ROWS counts them, and their weights. */
 typedef struct small_terms {
@@ -114,7 +116,8 @@ static void weigh_degrees(small_frame *f) {
 
 ylm_status ylm__small_frame(small_frame *f, const small_layout *k, const small_head *head) {
   const ylm_grid *g = k->g;
-  *f = (small_frame){.g = g,
+  *f = (small_frame){.sums = ylm__small_kernels(),
+                     .g = g,
                      .k = k,
                      .head = *head,
                      .rows = g->rows,
@@ -260,6 +263,34 @@ static void add_row(float *restrict to, const float *restrict row, float weight,
   for (size_t i = 0; i < n; i++) to[i] += weight * row[i];
 }
 
+static void mix(const small_mix *m, float scale, float *restrict to, size_t n) {
+  for (size_t i = 0; i < n; i++) {
+    float sum = 0;
+    for (int t = 0; t < m->n; t++) sum += m->weight[t] * m->row[t][i];
+    to[i] = sum * scale;
+  }
+}
+
+static void turn(const float *column, const float *number, float *to, size_t n) {
+  memset(to, 0, n * sizeof *to);
+  for (size_t k = 0; k < n; k++)
+    if (number[k] != 0) add_row(to, column + k * n, number[k], n);
+}
+
+static void colour(const float v[9], const float *x, float step, const float *by, float *to,
+                   size_t n) {
+  for (size_t c = 0; c < 3; c++)
+    for (size_t k = 0; k < n; k++) {
+      float sum = v[c] * x[k] + v[3 + c] * x[n + k];
+      sum += v[6 + c] * x[2 * n + k];
+      to[c * n + k] += sum * step * by[k];
+    }
+}
+
+/* The plain form, which judges the others. */
+const small_kernels ylm__small_plain = {mix, turn, colour};
+YLM_KERNEL_CHOICE(const small_kernels, ylm__small_kernels, ylm_k_small, &ylm__small_plain);
+
 static void scale_rows(float *to, size_t n, float by) {
   for (size_t i = 0; i < n; i++) to[i] *= by;
 }
@@ -269,23 +300,6 @@ static uint32_t place_in(const ylm_grid *g, const ylm_grid_cell *c, const uint32
   uint32_t half = ylm__grid_edge(g, c) / 2, place = 0;
   for (int a = 2; a >= 0; a--) place = 3 * place + (at[a] - c->origin[a]) / half;
   return place;
-}
-
-/* A prediction of one row of a point: rows of corners and their weights. */
-typedef struct small_mix {
-  int n;
-  const float *row[SMALL_PARENTS * ROWS];
-  float weight[SMALL_PARENTS * ROWS];
-} small_mix;
-
-/* Sums in the order of their terms, LANES numbers at a time. n: a multiple of LANES. */
-static void mix_rows(const small_mix *m, float scale, float *restrict to, size_t n) {
-  for (size_t i = 0; i < n; i += LANES) {
-    float sum[LANES] = {0};
-    for (int t = 0; t < m->n; t++)
-      for (size_t k = 0; k < LANES; k++) sum[k] += m->weight[t] * m->row[t][i + k];
-    for (size_t k = 0; k < LANES; k++) to[i + k] = sum[k] * scale;
-  }
 }
 
 /* Points before and behind a point along an axis, at a half of its parent's edges. */
@@ -333,7 +347,7 @@ static void mix_pairs(const small_frame *f, const small_pair pair[3], const floa
     add_term(f, &m, pair[a].low, a + 1, 0.125f * h[a]);
     add_term(f, &m, pair[a].high, a + 1, -(0.125f * h[a]));
   }
-  mix_rows(&m, 1 / (float)pairs, to, f->g->stride);
+  f->sums->mix(&m, 1 / (float)pairs, to, f->g->stride);
 }
 
 /* By middles of edges and faces of its parent that are there; false: there are none on both sides of any axis. */
@@ -376,7 +390,7 @@ static void predict_by_parents(const small_frame *f, size_t met, float *row) {
         m.row[m.n] = ylm__grid_row(g, parent[p]->corner[which & 7], which >> 3);
         m.weight[m.n++] = terms[p][r].weight[i];
       }
-    mix_rows(&m, 1 / (float)parents, row + r * g->stride, g->stride);
+    f->sums->mix(&m, 1 / (float)parents, row + r * g->stride, g->stride);
   }
 }
 
@@ -407,7 +421,7 @@ static void predict_by_kin(const small_frame *f, size_t met, float *row) {
 }
 
 void ylm__small_predict(const small_frame *f, size_t met, int way, float *row) {
-  memset(row, 0, f->rows * f->g->stride * sizeof *row);
+  if (way != 1) memset(row, 0, f->rows * f->g->stride * sizeof *row);
   if (way == 1) predict_by_parents(f, met, row);
   if (way == 2) predict_by_kin(f, met, row);
 }
@@ -448,20 +462,12 @@ static void turn_back(const small_frame *f, size_t kind, const float *number, fl
   const small_basis *b = &f->basis;
   size_t count = (size_t)b->count;
   const float *column = b->column + kind * b->size;
-  if (b->turn == SMALL_AS_THEY_ARE) {
-    memcpy(to, number, count * sizeof *to);
-    return;
+  if (b->turn == SMALL_AS_THEY_ARE) memcpy(to, number, count * sizeof *to);
+  if (b->turn == SMALL_ALL) f->sums->turn(column, number, to, count);
+  for (size_t l = 0, n = 1; b->turn == SMALL_BY_DEGREE && l <= (size_t)b->lmax; l++, n += 2) {
+    f->sums->turn(column, number + l * l, to + l * l, n);
+    column += n * n;
   }
-  memset(to, 0, count * sizeof *to);
-  if (b->turn == SMALL_ALL) {
-    for (size_t k = 0; k < count; k++)
-      if (number[k] != 0) add_row(to, column + k * count, number[k], count);
-    return;
-  }
-  for (size_t l = 0, at = 0; l <= (size_t)b->lmax; at += (2 * l + 1) * (2 * l + 1), l++)
-    for (size_t k = 0; k <= 2 * l; k++)
-      if (number[l * l + k] != 0)
-        add_row(to + l * l, column + at + k * (2 * l + 1), number[l * l + k], 2 * l + 1);
 }
 
 void ylm__small_add(const small_frame *f, size_t met, const float step[4], const float *number,
@@ -473,15 +479,8 @@ void ylm__small_add(const small_frame *f, size_t met, const float step[4], const
     if (!used[r]) continue;
     for (size_t c = 0; c < (size_t)f->channels; c++)
       turn_back(f, r, number + r * f->width + c * count, room + c * count);
-    for (size_t c = 0; c < (size_t)f->channels; c++)
-      for (size_t k = 0; k < count; k++) {
-        float x = room[c * count + k];
-        if (v) {
-          x = v[c] * room[k] + v[3 + c] * room[count + k];
-          x += v[6 + c] * room[2 * count + k];
-        }
-        to[c * count + k] += x * step[r] * f->unweight[k];
-      }
+    if (v) f->sums->colour(v, room, step[r], f->unweight, to, count);
+    for (size_t k = 0; !v && k < count; k++) to[k] += room[k] * step[r] * f->unweight[k];
   }
 }
 

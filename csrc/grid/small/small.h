@@ -97,6 +97,7 @@ typedef struct small_basis {
 
 /* Steps and predictions of a grid's rows. */
 typedef struct small_frame {
+  const struct small_kernels *sums;
   const ylm_grid *g;
   const small_layout *k;
   small_head head;
@@ -156,6 +157,30 @@ static inline uint32_t small_class(uint64_t sum) {
   while (c + 1 < SMALL_CLASSES && sum >= from[c + 1]) c++;
   return c;
 }
+
+/* -- mix.isa.c: sums that take most of the time; equal bits in all sets --------------------------------- */
+
+#define SMALL_LANES 8 /* numbers that are summed side by side: strides are multiples of it */
+#define SMALL_TERMS (SMALL_PARENTS * 32)
+
+/* A prediction of one row of a point: rows of corners and their weights. */
+typedef struct small_mix {
+  int n;
+  const float *row[SMALL_TERMS];
+  float weight[SMALL_TERMS];
+} small_mix;
+
+typedef struct small_kernels {
+  /* Sums in the order of their terms, scaled. n: a multiple of SMALL_LANES. */
+  void (*mix)(const small_mix *m, float scale, float *to, size_t n);
+  /* to[n] = the sum of number[k] times column k of [n][n]. */
+  void (*turn)(const float *column, const float *number, float *to, size_t n);
+  /* to[3][n] += the turned colours of x[3][n], times step and by[n]. */
+  void (*colour)(const float v[9], const float *x, float step, const float *by, float *to,
+                 size_t n);
+} small_kernels;
+const small_kernels *ylm__small_kernels(void);
+extern const small_kernels ylm__small_plain;
 
 /* -- stream.c: points as streams ---------------------------------------------------------------------- */
 
