@@ -88,8 +88,8 @@ static bool take_numbers(taking *t, const small_point *p, uint8_t used[4]) {
     used[i / channels] = 1;
     for (size_t k = 0; k < n; k++) {
       uint32_t symbol = rans_take(&rans, rans.slot[table[coded[k]]]);
-      to[coded[k]] = symbol <= 2 * RANS_MOST ? t->read_as[symbol]
-                                             : small_read_as(rans_long(&rans, symbol));
+      to[coded[k]] =
+          symbol <= 2 * RANS_MOST ? t->read_as[symbol] : small_read_as(rans_long(&rans, symbol));
     }
     if (rans_is_short(&rans)) return false;
   }
@@ -166,6 +166,13 @@ static ylm_status decode_points(ylm_grid *g, small_layout *k, const small_packed
   return s;
 }
 
+/* Are the places of ghosts, which stand last, finite? */
+static bool ghosts_hold(const ylm_grid *g) {
+  size_t n = 0;
+  while (n < g->evaluated && g->flags[g->evaluated - 1 - n] & YLM_GRID_POINT_GHOST) n++;
+  return !n || ylm_all_finite(YLM_FLOAT, g->sides.asked + g->evaluated - n, 3 * n, NULL);
+}
+
 ylm_status ylm__small_decode(ylm_grid *g, const small_packed *p, size_t cells, size_t evaluated,
                              int threads, const char **bad) {
   bit_coder c;
@@ -184,6 +191,7 @@ ylm_status ylm__small_decode(ylm_grid *g, const small_packed *p, size_t cells, s
                       g->sides.parts != p->head.parts))
     k.bad = "its counts", s = YLM_EFORMAT;
   if (s == YLM_OK) s = ylm__small_finish(&k);
+  if (s == YLM_OK && !ghosts_hold(g)) k.bad = "its ghosts", s = YLM_EFORMAT;
   *bad = k.bad;
   if (s == YLM_OK && p->head.flags & SMALL_HAS_VALIDITY) {
     g->validity = ylm_alloc_zero(g->point_room, sizeof *g->validity);

@@ -67,7 +67,7 @@ typedef struct rans_reader {
   const unsigned char *in, *raw;
   size_t size, at, raw_size;
   uint64_t raw_at; /* in bits */
-  bool bad; /* the stream ended early */
+  bool bad;        /* the stream ended early */
 } rans_reader;
 /* Bytes behind a stream that must be there, where so many numbers are taken between two looks at rans_is_short. */
 #define RANS_BEHIND(numbers) (2 * (size_t)(numbers) + 2)
