@@ -57,7 +57,7 @@ $(FUZZ_DIR)/obj/%.o: csrc/%.c
 # A target in one process, of the library as it is built: random mutations, many a second, no sanitizers.
 #
 #   make fuzz-storm FUZZ_RUNS=1e7     the reader of grids, by seeds of at most STORM_LARGEST bytes
-STORM_LARGEST ?= 2700
+STORM_LARGEST ?= 2000
 STORM_SEED    ?= 1
 $(FUZZ_DIR)/bin/storm: spec/fuzz/support/storm.c spec/fuzz/grid.c $(OBJ_core)
 	@mkdir -p $(@D)

@@ -101,7 +101,6 @@ bool ylm__rans_tables(rans_reader *r, uint16_t (*frequency)[RANS_SYMBOLS]) {
       sum += frequency[t][i];
     }
     if (sum != RANS_SUM && sum) return false;
-    for (; sum < RANS_SUM; sum++) r->slot[t][sum] = RANS_MOST | RANS_SUM << 5 | sum << 17;
   }
   return true;
 }

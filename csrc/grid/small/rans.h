@@ -71,7 +71,7 @@ typedef struct rans_reader {
 } rans_reader;
 /* Bytes behind a stream that must be there, where so many numbers are taken between two looks at rans_is_short. */
 #define RANS_BEHIND(numbers) (2 * (size_t)(numbers) + 2)
-/* Tables [RANS_TABLES]; false: a sum is not RANS_SUM (but for 0, of a table that is not used). */
+/* Tables [RANS_TABLES]; false: a sum is not RANS_SUM (but for 0, of a table that nothing may be taken by). */
 bool ylm__rans_tables(rans_reader *r, uint16_t (*frequency)[RANS_SYMBOLS]);
 void ylm__rans_begin(rans_reader *r, const unsigned char *in, size_t size, const unsigned char *raw,
                      size_t raw_size);

@@ -31,6 +31,24 @@ struct small_weights {
   small_terms at[PLACES][OUT];
 };
 
+/* Red, green and blue of shared points: the mean, red against blue, green against both. */
+static const float opponent[9] = {0.57735027f,  0.57735027f,  0.57735027f, 0.70710678f, 0,
+                                  -0.70710678f, -0.40824829f, 0.81649658f, -0.40824829f};
+
+static const uint32_t *place_of(const small_frame *f, size_t met) {
+  return f->g->lattice + 3 * (size_t)f->k->place[met];
+}
+
+static bool is_shared(const small_frame *f, size_t met) {
+  return small_is_shared(f->g, f->head.finest, place_of(f, met));
+}
+
+/* The turn of a point's colours; NULL: there is one channel. */
+static const float *colours_of(const small_frame *f, size_t met) {
+  if (!f->colour) return NULL;
+  return is_shared(f, met) ? opponent : f->colour + f->k->before[met] / SMALL_BLOCK * 9;
+}
+
 /* -- weights ------------------------------------------------------------------------------------ */
 
 static void keep_terms(small_terms *t, const float *w, int rows) {
@@ -101,6 +119,8 @@ static ylm_status find_edges(small_frame *f) {
   for (size_t i = 0; i < k->met; i++) {
     if (f->edge[i] == 0xff) f->edge[i] = k->level[i];
     if (f->edge[i] > depth) f->edge[i] = (uint8_t)depth;
+    const uint32_t *at = g->lattice + 3 * (size_t)k->place[i];
+    if (small_is_shared(g, f->head.finest, at)) f->edge[i] = (uint8_t)small_lattice_level(g, at);
   }
   return YLM_OK;
 }
@@ -249,7 +269,71 @@ static bool is_before(const small_frame *f, uint32_t point, size_t met) {
   return point < f->g->evaluated && f->k->rank[point] < met;
 }
 
+/* Points before and behind a point along an axis, at a half of its parent's edges. */
+typedef struct small_pair {
+  uint32_t low, high;
+  bool known;
+} small_pair;
+
+static void find_pair(const small_frame *f, size_t met, const uint32_t at[3], int axis,
+                      uint32_t half, small_pair *pair) {
+  uint32_t place[3];
+  memcpy(place, at, sizeof place);
+  place[axis] -= half;
+  pair->low = ylm__lattice_hash_find(&f->g->hash, lattice_key(place));
+  place[axis] += 2 * half;
+  pair->high = ylm__lattice_hash_find(&f->g->hash, lattice_key(place));
+  pair->known = is_before(f, pair->low, met) && is_before(f, pair->high, met);
+}
+
+/* Points that predict a shared point: those on both sides along the axes by which it is in the middle of the lattice's cells,
+   else, in the middle of a face, its corners. All parts that have the point have these. */
+typedef struct small_lattice {
+  int pairs, axis[2]; /* axes of the face */
+  small_pair pair[3];
+  uint32_t corner[4]; /* bit 0: behind along axis[0] */
+  bool known;         /* corners */
+  float h[3];         /* edges */
+} small_lattice;
+
+/* The corners of the face that a point is in the middle of. */
+static void find_corners(const small_frame *f, size_t met, const uint32_t at[3], uint32_t half,
+                         small_lattice *l) {
+  l->known = true;
+  for (int i = 0; i < 4; i++) {
+    uint32_t place[3];
+    memcpy(place, at, sizeof place);
+    for (int k = 0; k < 2; k++) {
+      int a = l->axis[k];
+      place[a] = i >> k & 1 ? place[a] + half : place[a] - half;
+    }
+    l->corner[i] = ylm__lattice_hash_find(&f->g->hash, lattice_key(place));
+    l->known &= is_before(f, l->corner[i], met);
+  }
+}
+
+/* False: nothing predicts the point, as where cells are larger than those of the top. */
+static bool find_lattice(const small_frame *f, size_t met, small_lattice *l) {
+  const uint32_t *at = place_of(f, met);
+  uint32_t all = at[0] | at[1] | at[2], half = all & -all;
+  int middles = 0;
+  *l = (small_lattice){.pairs = 0};
+  if (small_lattice_level(f->g, at) <= (int)f->head.finest) return false;
+  for (int a = 0; a < 3; a++) {
+    l->h[a] = (float)(f->voxel[a] * (2 * half));
+    if (!(at[a] & half)) continue;
+    if (middles < 2) l->axis[middles] = a;
+    middles++;
+    find_pair(f, met, at, a, half, &l->pair[a]);
+    l->pairs += l->pair[a].known;
+  }
+  if (!l->pairs && middles == 2) find_corners(f, met, at, half, l);
+  return l->pairs || l->known;
+}
+
 int ylm__small_ways(const small_frame *f, size_t met) {
+  small_lattice l;
+  if (is_shared(f, met)) return find_lattice(f, met, &l);
   const small_source *s = &f->k->source[met];
   int ways = s->parent[0] != YLM_GRID_NONE;
   if ((ways && f->rows > 1) || s->kin == YLM_GRID_NONE) return ways;
@@ -302,23 +386,6 @@ static uint32_t place_in(const ylm_grid *g, const ylm_grid_cell *c, const uint32
   return place;
 }
 
-/* Points before and behind a point along an axis, at a half of its parent's edges. */
-typedef struct small_pair {
-  uint32_t low, high;
-  bool known;
-} small_pair;
-
-static void find_pair(const small_frame *f, size_t met, const uint32_t at[3], int axis,
-                      uint32_t half, small_pair *pair) {
-  uint32_t place[3];
-  memcpy(place, at, sizeof place);
-  place[axis] -= half;
-  pair->low = ylm__lattice_hash_find(&f->g->hash, lattice_key(place));
-  place[axis] += 2 * half;
-  pair->high = ylm__lattice_hash_find(&f->g->hash, lattice_key(place));
-  pair->known = is_before(f, pair->low, met) && is_before(f, pair->high, met);
-}
-
 static void add_term(const small_frame *f, small_mix *m, uint32_t point, int row, float weight) {
   m->row[m->n] = ylm__grid_row(f->g, point, row);
   m->weight[m->n++] = weight;
@@ -354,7 +421,7 @@ static void mix_pairs(const small_frame *f, const small_pair pair[3], const floa
 static bool predict_by_middles(const small_frame *f, size_t met, float *row) {
   const ylm_grid *g = f->g;
   const ylm_grid_cell *c = &g->cell[f->k->source[met].parent[0]];
-  const uint32_t *at = g->lattice + 3 * (size_t)f->k->place[met];
+  const uint32_t *at = place_of(f, met);
   uint32_t half = ylm__grid_edge(g, c) / 2;
   small_pair pair[3] = {{.known = false}};
   float h[3];
@@ -370,11 +437,46 @@ static bool predict_by_middles(const small_frame *f, size_t met, float *row) {
   return pairs > 0;
 }
 
+/* One row from the corners of a face, as if the middles of its edges were predicted by these first. */
+static void mix_corners(const small_frame *f, const small_lattice *l, size_t row, float *to) {
+  small_mix m = {.n = 0};
+  for (int i = 0; i < 4; i++) {
+    uint32_t p = l->corner[i];
+    bool own = false;
+    for (int k = 0; k < 2; k++) {
+      int a = l->axis[k];
+      bool behind = i >> k & 1;
+      if ((int)row == a + 1) {
+        float slope = 0.75f / l->h[a];
+        own = true;
+        add_term(f, &m, p, 0, behind ? slope : -slope);
+        add_term(f, &m, p, a + 1, -0.125f);
+      }
+      if (!row && f->rows > 1)
+        add_term(f, &m, p, a + 1, behind ? -(0.0625f * l->h[a]) : 0.0625f * l->h[a]);
+    }
+    if (!own) add_term(f, &m, p, (int)row, 0.25f);
+  }
+  f->sums->mix(&m, 1, to, f->g->stride);
+}
+
+static void predict_by_lattice(const small_frame *f, size_t met, float *row) {
+  small_lattice l;
+  find_lattice(f, met, &l);
+  for (size_t r = 0; r < f->rows; r++) {
+    float *to = row + r * f->g->stride;
+    if (l.pairs)
+      mix_pairs(f, l.pair, l.h, r, to);
+    else
+      mix_corners(f, &l, r, to);
+  }
+}
+
 static void predict_by_parents(const small_frame *f, size_t met, float *row) {
   if (predict_by_middles(f, met, row)) return;
   const ylm_grid *g = f->g;
   const small_source *s = &f->k->source[met];
-  const uint32_t *at = g->lattice + 3 * (size_t)f->k->place[met];
+  const uint32_t *at = place_of(f, met);
   const small_terms *terms[SMALL_PARENTS];
   const ylm_grid_cell *parent[SMALL_PARENTS];
   int parents = 0;
@@ -422,7 +524,7 @@ static void predict_by_kin(const small_frame *f, size_t met, float *row) {
 
 void ylm__small_predict(const small_frame *f, size_t met, int way, float *row) {
   if (way != 1) memset(row, 0, f->rows * f->g->stride * sizeof *row);
-  if (way == 1) predict_by_parents(f, met, row);
+  if (way == 1) (is_shared(f, met) ? predict_by_lattice : predict_by_parents)(f, met, row);
   if (way == 2) predict_by_kin(f, met, row);
 }
 
@@ -473,7 +575,7 @@ static void turn_back(const small_frame *f, size_t kind, const float *number, fl
 void ylm__small_add(const small_frame *f, size_t met, const float step[4], const float *number,
                     const uint8_t *used, float *row, float *room) {
   size_t count = (size_t)f->count;
-  const float *v = f->colour ? f->colour + f->k->before[met] / SMALL_BLOCK * 9 : NULL;
+  const float *v = colours_of(f, met);
   for (size_t r = 0; r < f->rows; r++) {
     float *to = row + r * f->g->stride;
     if (!used[r]) continue;
@@ -508,7 +610,7 @@ static void turn_to(const small_frame *f, size_t kind, const float *x, float *to
 void ylm__small_difference(const small_frame *f, size_t met, const float step[4], const float *row,
                            const float *predicted, float *number, float *room) {
   size_t count = (size_t)f->count;
-  const float *v = f->colour ? f->colour + f->k->before[met] / SMALL_BLOCK * 9 : NULL;
+  const float *v = colours_of(f, met);
   for (size_t r = 0; r < f->rows; r++) {
     float *to = number + r * f->width;
     const float *a = row + r * f->g->stride, *b = predicted + r * f->g->stride;

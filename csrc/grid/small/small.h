@@ -34,8 +34,27 @@ typedef struct small_head {
   float degree;      /* the least weight of a degree of irradiance; 1: all are alike */
   uint32_t loose;    /* points that are corners of no cell */
   uint64_t sides, parts, ghosts;
-  uint32_t flags, zero; /* SMALL_HAS_* */
+  uint32_t flags; /* SMALL_HAS_* */
+  uint32_t
+      finest; /* the finest level of cells of the top of the set that the grid is a part of; 0: it is a grid of its own */
 } small_head;
+
+/*
+** Parts of a set are read alone, and their neighbours' points on shared borders have to be the same bits. Points of the top,
+** and those on the border of a brick, are therefore coded first, by what all parts that have them know: their place in the
+** lattice, and each other.
+*/
+static inline bool small_is_shared(const ylm_grid *g, uint32_t finest, const uint32_t at[3]) {
+  bool shared = !g->contents.root_level;
+  for (int a = 0; a < 3; a++) shared |= at[a] == g->contents.root[a] || at[a] > g->last[a];
+  return finest && shared;
+}
+/* The level of cells of the lattice that a place is first a corner of. */
+static inline int small_lattice_level(const ylm_grid *g, const uint32_t at[3]) {
+  uint32_t all = at[0] | at[1] | at[2];
+  int depth = g->contents.form.depth, zeros = all ? __builtin_ctz(all) : depth;
+  return zeros < depth ? depth - zeros : 0;
+}
 
 /* -- layout.c: cells, points and what predicts them ----------------------------------------------- */
 
@@ -69,6 +88,7 @@ typedef struct small_layout {
   size_t before_room;
   lattice_hash ghost; /* the last ghost at a corner */
   size_t loose;
+  uint32_t finest; /* as of small_head */
   struct layout_chances *chance;
   const char *bad; /* the error of a damaged stream */
   size_t most_cells, most_points;
@@ -222,8 +242,8 @@ void ylm__small_point_code(small_points *s, const small_frame *f, int ways, int 
 /* -- learn.c: bases ------------------------------------------------------------------------------------- */
 
 /* Bases of the differences between a grid's own rows and predictions by the rows that the grid in the making has; exponents
-   [met] of the light's norms. */
-ylm_status ylm__small_learn(small_frame *f, const int16_t *exponent);
+   [met] of the light's norms. entry: the turn of coefficients that is known; NULL: it is learnt. */
+ylm_status ylm__small_learn(small_frame *f, const int16_t *exponent, const int8_t *entry);
 
 /* -- encode.c --------------------------------------------------------------------------------------------- */
 
@@ -237,12 +257,33 @@ typedef struct small_packed {
 
 void ylm__small_packed_free(small_packed *p);
 
+/* Sizes of points' light. */
+#define SMALL_NORM_BINS 1024 /* half octaves */
+typedef struct small_norms {
+  uint64_t points, bin[SMALL_NORM_BINS];
+  double means; /* the sum of the sizes of their means */
+} small_norms;
+void ylm__small_count_norms(const ylm_grid *g, small_norms *n);
+/* Facts that all parts of a set share. */
+typedef struct small_common {
+  float least, most; /* as of small_head */
+  uint32_t finest;
+  size_t points; /* of a part, in the mean: they choose the turn of coefficients; 0: not known */
+  small_turn turn;
+  int8_t *entry; /* of that turn (ylm_free); NULL: it is learnt */
+} small_common;
+
 /* An encoding under way: the grid in the making holds what readers will decode. */
 typedef struct small_encoder small_encoder;
-ylm_status ylm__small_encoder(const ylm_grid *from, int threads, small_encoder **out);
+/* common: NULL for a grid of its own. */
+ylm_status ylm__small_encoder(const ylm_grid *from, const small_common *common, int threads,
+                              small_encoder **out);
+small_common ylm__small_common_of(const small_norms *n, const ylm_grid_form *form);
 void ylm__small_encoder_free(small_encoder *k);
 /* Rounds and codes all points with a step relative to the light's norm. */
 ylm_status ylm__small_round(small_encoder *k, float step);
+/* The turn of coefficients that a grid learns at a step, for all parts of its set: c->turn and c->entry. */
+ylm_status ylm__small_learn_common(const ylm_grid *from, float step, small_common *c);
 small_packed *ylm__small_packed_of(small_encoder *k);
 ylm_grid *ylm__small_grid_of(small_encoder *k);
 
@@ -256,6 +297,24 @@ float ylm__small_norm_of(const ylm_grid *g, const float *row);
 /* Whether a header is of a kind that this reader knows. */
 bool ylm__small_head_holds(const small_head *h, const ylm_grid *g);
 
+/* -- hunt.c: the step of rounding that is asked for ------------------------------------------------------------ */
+
+typedef struct small_hunt {
+  const ylm_grid_small *how;
+  double before; /* the error of the grid; NAN: not known */
+  bool judged;   /* errors add as squares: those of the exact light are known */
+  size_t width;  /* of rows */
+  /* Rounds by a step: what this errs by in all, or the bytes that it takes. */
+  ylm_status (*round)(void *self, double step, double *found);
+  void *self;
+  int tries; /* 0: the usual number */
+  double steep;
+} small_hunt;
+/* The step that asks for no more than what is asked for; the last that was rounded by. YLM_ELIMIT: there is none. */
+ylm_status ylm__small_hunt(small_hunt *h, double *step);
+/* The step that may do, after one by which `found` was found. */
+double ylm__small_next_step(const small_hunt *h, double step, double found);
+
 /* -- search.c ------------------------------------------------------------------------------------------------ */
 
 /* Bytes of the file that a grid and its sections are. */
@@ -263,5 +322,10 @@ typedef uint64_t small_size_fn(const ylm_grid *g, const small_packed *small);
 /* Searches the step that is asked for. */
 ylm_status ylm__small_search(small_encoder *k, const ylm_grid *from, const ylm_grid_small *how,
                              small_size_fn *size, ylm_error *e);
+/* Errors of rounding at n random places of a grid that is rounded, sorted: error [n]. */
+ylm_status ylm__small_roundings(small_encoder *k, const ylm_grid *from, int threads, size_t n,
+                                double *error, ylm_error *e);
+void ylm__small_sort(double *error, size_t n);
+double ylm__small_quantile(const double *error, size_t n, double q);
 
 #endif

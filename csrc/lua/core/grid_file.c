@@ -29,7 +29,7 @@ static int grid_encode(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-static void push_small_report(lua_State *L, const ylm_grid_small_report *r) {
+void ylmL_grid_push_small(lua_State *L, const ylm_grid_small_report *r) {
   lua_newtable(L);
   ylmL_set_number(L, "error", r->error);
   ylmL_set_number(L, "confidence", r->confidence);
@@ -59,7 +59,7 @@ static int grid_encode_small(lua_State *L) {
   ylm_status s = ylm_grid_encode_small(g, &how, &data, &size, &report, &e);
   if (s == YLM_OK) {
     lua_pushlstring(L, (const char *)data, size);
-    push_small_report(L, &report);
+    ylmL_grid_push_small(L, &report);
   }
   ylm_free(data);
   return ylmL_result_progress(L, 2, s, &e, &progress);
@@ -69,7 +69,7 @@ static int grid_encode_small(lua_State *L) {
 static int grid_small(lua_State *L) {
   ylm_grid_small_report report;
   if (!ylm_grid_small_of(ylmL_grid_check(L, 1), &report)) return 0;
-  push_small_report(L, &report);
+  ylmL_grid_push_small(L, &report);
   return 1;
 }
 
@@ -148,7 +148,7 @@ static int grid_file_look(lua_State *L) {
   }
   lua_setfield(L, -2, "sections");
   if (info.is_small) {
-    push_small_report(L, &info.small);
+    ylmL_grid_push_small(L, &info.small);
     lua_setfield(L, -2, "small");
   }
   ylm_grid_file_forget(&info);

@@ -4,7 +4,8 @@
 **
 **   storm RUNS SEED LARGEST files...
 **
-** Files larger than LARGEST bytes are left out. An input that ends in a trap is written to storm-input first.
+** Files larger than LARGEST bytes are left out. An input that ends in a trap is written to storm-input first. RUNS 0 tries
+** the files as they are.
 */
 #include <signal.h>
 #include <stdint.h>
@@ -69,6 +70,7 @@ int main(int n, char **arg) {
   for (int i = 4; i < n; i++)
     if (ylm_file_read(arg[i], largest, &s[seeds].data, &s[seeds].size, NULL) == YLM_OK) seeds++;
   if (!seeds) return 1;
+  for (size_t i = 0; !runs && i < seeds; i++) LLVMFuzzerTestOneInput(s[i].data, s[i].size);
   ylm_rng_seed(&rng, strtoull(arg[2], NULL, 10), 0);
   signal(SIGILL, keep_input), signal(SIGSEGV, keep_input), signal(SIGBUS, keep_input);
   signal(SIGFPE, keep_input), signal(SIGABRT, keep_input), signal(SIGALRM, keep_input);
