@@ -862,6 +862,12 @@ YLM_API ylm_status ylm_grid_restate(unsigned char *data, size_t size, const ylm_
 /* The places that judged a bake, with their light, become those of a grid that was decoded from it. */
 YLM_API void ylm_grid_inherit(ylm_grid *to, ylm_grid *from);
 /* The report that a small file has; false: the grid was not read from one. */
+/* Constants of the format, for decoders in other languages (the viewer of pages). */
+typedef struct ylm_grid_small_constant {
+  const char *name;
+  double value;
+} ylm_grid_small_constant;
+YLM_API const ylm_grid_small_constant *ylm_grid_small_constants(size_t *n);
 YLM_API bool ylm_grid_small_of(const ylm_grid *g, ylm_grid_small_report *report);
 /*
 ** ylm_grid_set_write_small - a grid in bricks as another folder, in few bytes (ylm_grid_encode_small), each brick read alone.

@@ -63,6 +63,14 @@ ylm_status ylm_grid_encode_small(const ylm_grid *g, const ylm_grid_small *how, u
   return s;
 }
 
+const ylm_grid_small_constant *ylm_grid_small_constants(size_t *n) {
+#define X(name, value) {#name, (double)(value)},
+  static const ylm_grid_small_constant list[] = {SMALL_CONSTANTS(X)};
+#undef X
+  *n = sizeof list / sizeof *list;
+  return list;
+}
+
 bool ylm_grid_small_of(const ylm_grid *g, ylm_grid_small_report *report) {
   if (g->is_small) *report = g->small;
   return g->is_small;

@@ -13,7 +13,6 @@
 #include "../sides/sides.h"
 #include "ylm_list.h"
 
-#define LOOSE 0xff     /* level of points that no cell has brought */
 #define ASKED_BITS 16  /* of a ghost's place, along an axis */
 #define ASKED_WIDE 4.0 /* edges of a leaf that these cover */
 #define NEAR_BITS 3    /* of the pieces from which a ghost's place may be seen */
@@ -483,7 +482,7 @@ ylm_status ylm__small_loose(small_layout *k) {
       if (at[a] > g->last[a] + 1) return damaged(k, "its loose points");
     }
     if (k->c->short_by) return damaged(k, "its loose points");
-    ylm_status s = point_at(k, at, LOOSE, &point);
+    ylm_status s = point_at(k, at, SMALL_LOOSE, &point);
     if (s != YLM_OK) return s;
   }
   return YLM_OK;

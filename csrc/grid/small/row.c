@@ -15,9 +15,8 @@
 #define F float
 #include "../gen/interpolation.h"
 
-#define PLACES 27     /* of a cell's half-edge lattice */
-#define OUT 4         /* a value and three slopes */
-#define TURN_MOST 511 /* of 10 bits with a sign */
+#define PLACES 27 /* of a cell's half-edge lattice */
+#define OUT 4     /* a value and three slopes */
 
 _Static_assert(SMALL_TERMS == SMALL_PARENTS * ROWS, "rows of all parents");
 
@@ -244,8 +243,8 @@ void ylm__small_turn(uint32_t turn, float column[9]) {
   uint32_t largest = turn >> 30;
   for (uint32_t i = 0, bits = turn; i < 4; i++) {
     if (i == largest) continue;
-    double n = (double)(bits & 1023) - TURN_MOST;
-    q[i] = n / TURN_MOST * 0.70710678118654752;
+    double n = (double)(bits & 1023) - SMALL_TURN_MOST;
+    q[i] = n / SMALL_TURN_MOST * 0.70710678118654752;
     sum += q[i] * q[i];
     bits >>= 10;
   }

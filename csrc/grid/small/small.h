@@ -20,6 +20,37 @@
 #define SMALL_TURN_LMAX 40 /* up to which a degree has no more of them */
 #define SMALL_KINDS 6      /* of classes: values and slopes, of each channel */
 
+#define SMALL_LOOSE 0xff    /* level of points that no cell has brought */
+#define SMALL_TURN_MOST 511 /* of 10 bits with a sign */
+#define SMALL_RISE 0.08f    /* numbers are read as larger by it */
+
+/* Constants that other decoders need, by their names there. */
+#define SMALL_CONSTANTS(X)                                                                         \
+  X(NONE, YLM_GRID_NONE)                                                                           \
+  X(LEAF, YLM_GRID_LEAF)                                                                           \
+  X(OCCUPIED, YLM_GRID_OCCUPIED)                                                                   \
+  X(BAKED, YLM_GRID_BAKED)                                                                         \
+  X(CROSSED, YLM_GRID_CROSSED)                                                                     \
+  X(BRICK, YLM_GRID_BRICK)                                                                         \
+  X(LOOSE, SMALL_LOOSE)                                                                            \
+  X(BLOCK, SMALL_BLOCK)                                                                            \
+  X(PARENTS, SMALL_PARENTS)                                                                        \
+  X(CLASSES, SMALL_CLASSES)                                                                        \
+  X(TURN_MOST, SMALL_TURN_MOST)                                                                    \
+  X(RISE, SMALL_RISE)                                                                              \
+  X(EVEN, CODER_EVEN)                                                                              \
+  X(QUICK, CODER_QUICK)                                                                            \
+  X(SLOW, CODER_SLOW)                                                                              \
+  X(LEAST, CODER_LEAST)                                                                            \
+  X(TOP, CODER_TOP)                                                                                \
+  X(TABLES, RANS_TABLES)                                                                           \
+  X(SYMBOLS, RANS_SYMBOLS)                                                                         \
+  X(MOST, RANS_MOST)                                                                               \
+  X(LONG, RANS_LONG)                                                                               \
+  X(LONG_BITS, RANS_LONG_BITS)                                                                     \
+  X(BITS, RANS_BITS)                                                                               \
+  X(STATES, RANS_STATES)
+
 /* How coefficients are turned. */
 typedef enum small_turn { SMALL_AS_THEY_ARE = 0, SMALL_BY_DEGREE = 1, SMALL_ALL = 2 } small_turn;
 
@@ -166,7 +197,7 @@ int ylm__small_exponent(const small_frame *f, const float *row);
 float ylm__small_norm(int e);
 /* A number as it is read. */
 static inline float small_read_as(int32_t q) {
-  return q > 0 ? (float)q + 0.08f : q < 0 ? (float)q - 0.08f : 0.0f;
+  return q > 0 ? (float)q + SMALL_RISE : q < 0 ? (float)q - SMALL_RISE : 0.0f;
 }
 /* The class of a point's numbers, by the sum of their sizes. */
 static inline uint32_t small_class(uint64_t sum) {

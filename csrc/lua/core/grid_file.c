@@ -116,6 +116,15 @@ static int grid_small_parts(lua_State *L) {
   return 1;
 }
 
+/* grid_small_constants() -> table: constants of the format by their names */
+static int grid_small_constants(lua_State *L) {
+  size_t n;
+  const ylm_grid_small_constant *list = ylm_grid_small_constants(&n);
+  lua_newtable(L);
+  for (size_t i = 0; i < n; i++) ylmL_set_number(L, list[i].name, list[i].value);
+  return 1;
+}
+
 /* One section of a file, as a table on the stack. */
 static void push_section(lua_State *L, const ylm_grid_file_section *s) {
   lua_newtable(L);
@@ -184,6 +193,7 @@ static const luaL_Reg functions[] = {{"grid_write", grid_write},
                                      {"grid_encode_small", grid_encode_small},
                                      {"grid_small", grid_small},
                                      {"grid_small_parts", grid_small_parts},
+                                     {"grid_small_constants", grid_small_constants},
                                      {"grid_restate", grid_restate},
                                      {"grid_inherit", grid_inherit},
                                      {"grid_decode", grid_decode},
