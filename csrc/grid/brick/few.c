@@ -148,7 +148,7 @@ static ylm_status round_part(few *w, size_t part, double step) {
   if (s == YLM_OK) s = get(w, part, &g);
   if (s != YLM_OK) return s;
   s = ylm__small_encoder(g, &w->common, w->how->threads, &k);
-  if (s == YLM_OK) s = ylm__small_round(k, (float)step);
+  if (s == YLM_OK) s = ylm__small_round(k, (float)step, NULL, NULL);
   if (s == YLM_OK) s = look_at(w, k, g);
   if (s == YLM_OK) {
     w->bytes += ylm__grid_file_small_size(ylm__small_grid_of(k), ylm__small_packed_of(k));

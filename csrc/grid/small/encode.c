@@ -11,6 +11,7 @@
   2.0 /* of the mean: the largest: beside a lamp that grazes a floor irradiance is far below the norm */
 #define DEGREE_LEAST (1 / 24.0f) /* weight of degrees that irradiance does not see */
 #define SLOPES 5.0f
+#define LOOK 2048 /* points between two looks at who waits */
 #define ENOUGH 26 /* points for each coefficient that a turn of its own pays for */
 
 struct small_encoder {
@@ -229,6 +230,8 @@ typedef struct rounding {
   double *mean;         /* [SMALL_CLASSES][rows * width] sums of sizes */
   uint64_t *times;      /* of numbers in these */
   uint64_t (*count)[RANS_SYMBOLS];
+  small_look *look;
+  void *self;
 } rounding;
 
 static int32_t rounded(float x) {
@@ -408,7 +411,10 @@ static ylm_status round_all(rounding *r, small_packed *p) {
   r->times = ylm_alloc_zero(SMALL_CLASSES * all, sizeof *r->times);
   r->count = ylm_alloc_zero(RANS_TABLES, sizeof *r->count);
   if (s == YLM_OK && !(r->number && r->room && r->mean && r->times && r->count)) s = YLM_ENOMEM;
-  for (size_t met = 0; s == YLM_OK && met < k->layout.met; met++) round_point(r, met);
+  for (size_t met = 0; s == YLM_OK && met < k->layout.met; met++) {
+    if (r->look && met % LOOK == 0) s = r->look(r->self, (double)met / (double)k->layout.met);
+    if (s == YLM_OK) round_point(r, met);
+  }
   if (s == YLM_OK) s = ylm__coder_end(&r->code);
   p->points = r->code.out;
   p->points_size = r->code.n;
@@ -424,8 +430,8 @@ static ylm_status follow(small_encoder *k) {
   return ylm__small_continue(&k->layout, k->threads);
 }
 
-ylm_status ylm__small_round(small_encoder *k, float step) {
-  rounding r = {.k = k};
+ylm_status ylm__small_round(small_encoder *k, float step, small_look *look, void *self) {
+  rounding r = {.k = k, .look = look, .self = self};
   ylm_status s = YLM_OK;
   float octave = exp2f(floorf(log2f(step) + 0.5f));
   if (k->learnt != octave) { /* of the octave alone: what was tried before makes no difference */

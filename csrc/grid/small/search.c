@@ -165,11 +165,19 @@ static ylm_status judge(search *s) {
 
 /* -- searching ------------------------------------------------------------------------------------------------ */
 
+#define PARTS 1000 /* of a try, in progress */
+
+static ylm_status say(void *self, double done) {
+  const search *s = self;
+  return ylm_report(s->how->progress, s->tried * PARTS + (uint64_t)(done * PARTS),
+                    (TRIES + 1) * PARTS, "rounding");
+}
+
 /* Encodes by a step: the error in all, of rounding alone where the grid's own is not known, or the bytes. */
 static ylm_status try_step(void *self, double step, double *found) {
   search *s = self;
-  ylm_status status = ylm_report(s->how->progress, s->tried++, TRIES + 1, "rounding");
-  if (status == YLM_OK) status = ylm__small_round(s->k, (float)step);
+  ylm_status status = ylm__small_round(s->k, (float)step, say, s);
+  s->tried++;
   if (status == YLM_OK) status = judge(s);
   if (status != YLM_OK) return status;
   const small_packed *p = ylm__small_packed_of(s->k);

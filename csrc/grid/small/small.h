@@ -311,8 +311,10 @@ ylm_status ylm__small_encoder(const ylm_grid *from, const small_common *common, 
                               small_encoder **out);
 small_common ylm__small_common_of(const small_norms *n, const ylm_grid_form *form);
 void ylm__small_encoder_free(small_encoder *k);
-/* Rounds and codes all points with a step relative to the light's norm. */
-ylm_status ylm__small_round(small_encoder *k, float step);
+/* Rounds and codes all points with a step relative to the light's norm; look, which may be NULL, is called now and then with the
+   part that is done, and ends it by another status than YLM_OK. */
+typedef ylm_status small_look(void *self, double done);
+ylm_status ylm__small_round(small_encoder *k, float step, small_look *look, void *self);
 /* The turn of coefficients that a grid learns at a step, for all parts of its set: c->turn and c->entry. */
 ylm_status ylm__small_learn_common(const ylm_grid *from, float step, small_common *c);
 small_packed *ylm__small_packed_of(small_encoder *k);
