@@ -6,6 +6,7 @@
 */
 #include <math.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "../small/small.h"
 #include "set.h"
@@ -239,6 +240,12 @@ static ylm_status write_index(few *w, const char *folder) {
   return ylm__index_write(folder, &w->head, w->entry, w->e);
 }
 
+static bool is_same(const char *a, const char *b) {
+  struct stat here, there;
+  return stat(a, &here) == 0 && stat(b, &there) == 0 && here.st_dev == there.st_dev &&
+         here.st_ino == there.st_ino;
+}
+
 ylm_status ylm_grid_set_write_small(ylm_grid_set *set, const char *folder,
                                     const ylm_grid_small *how, uint64_t *bytes,
                                     ylm_grid_small_report *report, ylm_error *e) {
@@ -246,7 +253,10 @@ ylm_status ylm_grid_set_write_small(ylm_grid_set *set, const char *folder,
   ylm_status s = ylm__grid_file_machine(set->folder, e);
   if (s == YLM_OK) s = ylm__index_read(set->folder, &w.head, &w.entry, e);
   if (s != YLM_OK) return s;
-  if (w.head.bricks != set->bricks)
+  if (is_same(set->folder, folder))
+    s = ylm_fail(e, YLM_EINVAL,
+                 "%s: its bricks are read while others are written: choose another folder", folder);
+  else if (w.head.bricks != set->bricks)
     s = ylm_fail(e, YLM_EFORMAT, "%s: another bake has changed it", set->folder);
   w.apart = set->bricks > SEARCH_ALL ? (set->bricks + SEARCHED - 1) / SEARCHED : 1;
   w.total = 2 * w.parts + SEARCH_TRIES * (set->bricks / w.apart + 1);

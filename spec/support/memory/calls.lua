@@ -304,7 +304,7 @@ calls["save bricks in few bytes"] = on(function(keep) return few(), keep "f.ylmd
   if set then ok, message, code = set:save(path .. "/few.ylmd", { step = 0.1 }) end
   if ok then c, message, code = ylm.load(path .. "/few.ylmd") end
   if c then c, message, code = c:sample(points(9)) end
-  os.execute("rm -r " .. path)
+  os.execute("rm -rf " .. path)
   return c, message, code
 end)
 calls["load a grid"] = on(function(keep) return grid():save(keep "g.ylm") and keep "g.ylm" end,
