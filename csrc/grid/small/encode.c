@@ -11,7 +11,7 @@
   2.0 /* of the mean: the largest: beside a lamp that grazes a floor irradiance is far below the norm */
 #define DEGREE_LEAST (1 / 24.0f) /* weight of degrees that irradiance does not see */
 #define SLOPES 5.0f
-#define LOOK 2048 /* points between two looks at who waits */
+#define LOOK_EVERY 2048 /* points between two looks at who waits */
 #define ENOUGH 26 /* points for each coefficient that a turn of its own pays for */
 
 struct small_encoder {
@@ -412,7 +412,7 @@ static ylm_status round_all(rounding *r, small_packed *p) {
   r->count = ylm_alloc_zero(RANS_TABLES, sizeof *r->count);
   if (s == YLM_OK && !(r->number && r->room && r->mean && r->times && r->count)) s = YLM_ENOMEM;
   for (size_t met = 0; s == YLM_OK && met < k->layout.met; met++) {
-    if (r->look && met % LOOK == 0) s = r->look(r->self, (double)met / (double)k->layout.met);
+    if (r->look && met % LOOK_EVERY == 0) s = r->look(r->self, (double)met / (double)k->layout.met);
     if (s == YLM_OK) round_point(r, met);
   }
   if (s == YLM_OK) s = ylm__coder_end(&r->code);

@@ -62,7 +62,7 @@ ylm_status ylm__small_hunt(small_hunt *h, double *found) {
     *found = step;
     if (r <= 1 && r > CLOSE) return YLM_OK;
     if (step >= (is_fine ? MOST_STEP : INFINITY) || step <= (is_fine ? 0 : LEAST_STEP)) break;
-    double next = ylm__small_next_step(h, step, r);
+    double next = ylm__small_next_step(h, step, r * wanted(h));
     if (!(next > fine * 1.0005 && next < coarse * 0.9995))
       next = fine > 0 && coarse < INFINITY ? sqrt(fine * coarse) : fine > 0 ? 2 * step : step / 4;
     step = next;
