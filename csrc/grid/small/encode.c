@@ -11,8 +11,8 @@
   2.0 /* of the mean: the largest: beside a lamp that grazes a floor irradiance is far below the norm */
 #define DEGREE_LEAST (1 / 24.0f) /* weight of degrees that irradiance does not see */
 #define SLOPES 5.0f
-#define LOOK_EVERY 2048 /* points between two looks at who waits */
-#define ENOUGH 26 /* points for each coefficient that a turn of its own pays for */
+#define LOOK_EVERY 4000 /* points between two looks at who waits */
+#define ENOUGH 26       /* points for each coefficient that a turn of its own pays for */
 
 struct small_encoder {
   const ylm_grid *from;
