@@ -160,6 +160,14 @@ describe("grids in few bytes", function()
     assert.is_nil(ok)
     assert.equal("ELIMIT", code)
     assert.matches("takes %d+ at the coarsest", message)
+    local said = 0
+    ok, message, code = plain:save(path, { tolerance = 0.06, progress = function(done, total)
+      said = math.max(said, done / total)
+      return said == 0
+    end })
+    assert.is_nil(ok)
+    assert.equal("cancelled ECANCELLED", message .. " " .. code)
+    assert(said < 0.2, said) -- within the first step that is tried
     local moving = baked { lmax = 1, depth = 3, tolerance = 0.1, dynamic = true }
     assert.has_error(function() moving:save(path, { step = 0.01 }) end)
     assert.is_nil(io.open(path))

@@ -8,6 +8,7 @@
 
 #define MAX_TABLE_LEVEL 6
 #define LEAST_EXTENT 1e-30 /* of bounds: squares of a voxel's edges stay normal numbers */
+#define MOST_EXTENT 1e18   /* as float they are finite */
 
 /* -- making --------------------------------------------------------------------- */
 
@@ -22,6 +23,10 @@ static ylm_status check_bounds(const double *b, ylm_error *e) {
       return ylm_fail(e, YLM_EDOMAIN,
                       "bounds: axis %d is only %g long; the least is %g (choose another unit)",
                       a + 1, hi - lo, LEAST_EXTENT);
+    if (hi - lo > MOST_EXTENT)
+      return ylm_fail(e, YLM_EDOMAIN,
+                      "bounds: axis %d is %g long; the most is %g (choose another unit)", a + 1,
+                      hi - lo, MOST_EXTENT);
   }
   return YLM_OK;
 }

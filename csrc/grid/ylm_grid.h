@@ -941,7 +941,29 @@ YLM_API ylm_status ylm_grid_restate(unsigned char *data, size_t size, const ylm_
 /* The places that judged a bake, with their light, become those of a grid that was decoded from it. */
 YLM_API void ylm_grid_inherit(ylm_grid *to, ylm_grid *from);
 /* The report that a small file has; false: the grid was not read from one. */
+/* Constants of the format, for decoders in other languages (the viewer of pages). */
+typedef struct ylm_grid_small_constant {
+  const char *name;
+  double value;
+} ylm_grid_small_constant;
+YLM_API const ylm_grid_small_constant *ylm_grid_small_constants(size_t *n);
 YLM_API bool ylm_grid_small_of(const ylm_grid *g, ylm_grid_small_report *report);
+/*
+** ylm_grid_set_write_small - a grid in bricks as another folder, in few bytes (ylm_grid_encode_small), each brick read alone.
+**
+**   folder   in   new, or one that this function made, whose files are removed first
+**   bytes    out  of its bricks, its top and its index
+**   report   out  NULL: not asked for. The error is the sum of the grid's own and the largest rounding; nothing judges it
+**
+** Bricks are rounded by one step, one brick in memory at a time. Points on their borders are the same bits in each.
+** Returns  YLM_OK; YLM_EINVAL, YLM_EDOMAIN (what is asked for; a folder of a bake), YLM_ELIMIT (cannot be had), YLM_EIO,
+**          YLM_ENOMEM, YLM_ECANCELLED (stage "rounding"), what reading a brick does; the folder is removed then
+*/
+YLM_API ylm_status ylm_grid_set_write_small(ylm_grid_set *s, const char *folder,
+                                            const ylm_grid_small *how, uint64_t *bytes,
+                                            ylm_grid_small_report *report, ylm_error *e);
+/* The report of a folder of few bytes; false: it is none. */
+YLM_API bool ylm_grid_set_small_of(const ylm_grid_set *s, ylm_grid_small_report *report);
 
 /* A part of a small file: where it stands in the file's bytes. */
 typedef struct ylm_grid_small_part {

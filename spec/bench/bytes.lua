@@ -98,20 +98,47 @@ do
   read:close()
 end
 
+local low, high = { -5.50158, -0.0265304, -5.50158 }, { 5.50158, 2.52653, 5.50158 }
+
+--- Voxels of a lattice that surfaces of floor_lights meet.
+local function met_by_surfaces(cells)
+  local grid = assert(floor_lights:bake { probes = ylm.uniform_grid { bounds = { low, high }, cells = cells, lmax = 0,
+    channels = "luminance", metric_channels = "none" }, occupied = "surfaces", progress = false })
+  local n = grid.stats.leaves
+  grid:close()
+  return n
+end
+
+-- Folders of bricks, each of which is read alone, beside one file at the same step.
+do
+  local folder = os.tmpname()
+  os.remove(folder)
+  for level = 2, 3 do
+    local name = ("%s-%d.ylmd"):format(folder, level)
+    local set = assert(floor_lights:bake { probes = ylm.adaptive_grid { lmax = 4, depth = 9, tolerance = 0.01, bricks = level },
+      occupied = "surfaces", folder = name, progress = false })
+    local _, many = assert(set:save(name .. "-few.ylmd", { step = 0.0022 }))
+    local _, one = assert(set:save(name .. "-few.ylm", { step = 0.0022 }))
+    print(("bricks of floor_lights: %d of %.0f points: %d bytes, %.2f times those of one file, %d; rounding %.4f and %.4f")
+      :format(set.stats.bricks, set.stats.points / set.stats.bricks, many.bytes, many.bytes / one.bytes, one.bytes,
+        many.rounding, one.rounding))
+    os.execute(("rm -r %s %s-few.ylmd %s-few.ylm"):format(name, name, name))
+  end
+end
+
 -- Other forms of the same light, at the same fresh places, in L2.
-print "regular lattices of L2 in halves; those of bricks count only bricks of 4 x 4 x 4 that the surface meets"
+print "regular lattices of L2 in halves; those of bricks have only bricks of 4 x 4 x 4 that surfaces meet"
 local places = fresh
 local l2 = assert(ylm.light_field(2, floor_lights.lights, places, { dtype = "float" }))
-local low, high = { -5.50158, -0.0265304, -5.50158 }, { 5.50158, 2.52653, 5.50158 }
-for _, n in ipairs { 64, 128 } do
+for _, n in ipairs { 64, 128, 256, 512 } do
   local cells = { n, math.ceil(n * 15 / 64), n }
   local grid = assert(ylm.bake(ylm.uniform_grid { bounds = { low, high }, cells = cells, lmax = 2, metric_channels = "none" },
     floor_lights.lights, { occupied = places }))
   local q99, median = quantiles(grid:sample(places, { interpolation = "linear" }), l2)
   local points = (cells[1] + 1) * (cells[2] + 1) * (cells[3] + 1)
-  local bricks = 2 * math.ceil(n / 4) ^ 2 -- the floor, and at least as many of the knot's: counted low
-  print(("  %3d x %3d x %3d: %11d bytes, in bricks at least %9d: 99 %% %.3f, median %.4f; 28 bytes a voxel (R11G11B10F and 24 "
-    .. "bytes) at least %9d; ZH3 (15 halves) %10d"):format(cells[1], cells[2], cells[3], points * 54, bricks * 64 * 54, q99,
+  local bricks = met_by_surfaces { math.ceil(cells[1] / 4), math.ceil(cells[2] / 4), math.ceil(cells[3] / 4) }
+  print(("  %3d x %3d x %3d: %11d bytes, in bricks %9d: 99 %% %.3f, median %.4f; 28 bytes a voxel (R11G11B10F and 24 "
+    .. "bytes) %9d; ZH3 (15 halves) %10d"):format(cells[1], cells[2], cells[3], points * 54, bricks * 64 * 54, q99,
     median, bricks * 64 * 28, points * 30))
   grid:close()
 end

@@ -54,6 +54,19 @@ $(FUZZ_DIR)/obj/%.o: csrc/%.c
 	$(call say,CC,$@)
 	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -c $< -o $@
 
+# A target in one process, of the library as it is built: random mutations, many a second, no sanitizers.
+#
+#   make fuzz-storm FUZZ_RUNS=1e7     the reader of grids, by seeds of at most STORM_LARGEST bytes
+STORM_LARGEST ?= 2000
+STORM_SEED    ?= 1
+$(FUZZ_DIR)/bin/storm: spec/fuzz/support/storm.c spec/fuzz/grid.c $(OBJ_core)
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(CC) $(CFLAGS) -DFUZZ_LIBRARY spec/fuzz/support/storm.c spec/fuzz/grid.c $(OBJ_core) -lm -o $@
+
+fuzz-storm: $(FUZZ_DIR)/bin/storm $(FUZZ_DIR)/corpus/grid.unpacked   ## damaged grids without sanitizers (FUZZ_RUNS=1000000)
+	OMP_NUM_THREADS=1 nice $(FUZZ_DIR)/bin/storm $$(printf %.0f $(FUZZ_RUNS)) $(STORM_SEED) $(STORM_LARGEST) $(FUZZ_DIR)/corpus/grid/*
+
 # An archive, so that each target takes no more than it needs. Rooms have files of the same name: q keeps each.
 $(FUZZ_DIR)/libylm.a: $(FUZZ_OBJ)
 	$(call say,AR,$@)
@@ -103,7 +116,7 @@ fuzz-minimise: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f)) $(FUZZ_SEEDS)
 fuzz-check: $(patsubst %.c,$(BUILD)/check/%.o,$(filter-out $(if $(WITH_CODEC),,%/exr.c %/hdr.c %/pfm.c %/png.c %/jpeg.c %/gltf.c) \
   $(if $(call pkg,--cflags,lua5.4),,%/scene.c),$(wildcard spec/fuzz/*.c)))
 
-.PHONY: fuzz-add fuzz-coverage fuzz-minimise fuzz-check
+.PHONY: fuzz-storm fuzz-add fuzz-coverage fuzz-minimise fuzz-check
 
 # The scene sandbox: the bindings and the readers of images instrumented, kernels and all else from libylm as it is built.
 FUZZ_ABOUT_scene := csrc/lua/core/sandbox.c csrc/lua/codec/codec.c

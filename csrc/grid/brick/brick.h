@@ -157,6 +157,10 @@ ylm_status ylm__folder_open(plan *p, ylm_error *e);
 void ylm__folder_close(plan *p);
 /* Makes renames in the folder of `path` durable, as far as the system can. */
 void ylm__folder_sync(const char *path);
+/* Makes a folder for a set in few bytes, which no bake goes on with; one that is such a folder already is emptied. */
+ylm_status ylm__folder_pack(const char *folder, ylm_error *e);
+/* Removes the files of a set; the folder too, where nothing else is in it. */
+void ylm__folder_remove(const char *folder);
 /* Files that only a bake under way needs. */
 void ylm__folder_clean(const plan *p);
 
@@ -238,6 +242,9 @@ typedef struct index_head {
   grid_file_stats stats; /* of all */
   uint64_t crc;          /* of all before and of the entries */
 } index_head;
+/* Puts the checksum into h. */
+ylm_status ylm__index_write(const char *folder, index_head *h, const index_entry *entries,
+                            ylm_error *e);
 ylm_status ylm__index_read(const char *folder, index_head *h, index_entry **entries, ylm_error *e);
 
 #endif

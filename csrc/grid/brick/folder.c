@@ -290,19 +290,25 @@ static ylm_status compare_form(const plan *p, const char *path, const char *text
       p->how.folder, name);
 }
 
+static ylm_status make_rooms(const char *folder, ylm_error *e) {
+  char room[FOLDER_PATH];
+  ylm_status s = YLM_OK;
+  for (int i = 0; i < ROOMS && s == YLM_OK; i++) {
+    snprintf(room, sizeof room, "%.*s/%d%d", FOLDER_PATH - 64, folder, i / 8, i % 8);
+    s = make_folder(room, e);
+  }
+  return s;
+}
+
 /* By the process that looks after the folder. */
 static ylm_status prepare(plan *p, const char *path, const char *text, ylm_error *e) {
   const char *folder = p->how.folder;
-  char room[FOLDER_PATH];
   ylm_status s = make_folder(folder, e);
   if (s == YLM_OK) s = check_foreign(folder, path, e);
   if (s == YLM_OK) s = lock(p, e);
   if (s == YLM_OK && p->how.fresh) remove_all(folder);
   if (s == YLM_OK && !ylm__folder_has(path)) s = ylm_file_save(path, text, strlen(text), e);
-  for (int i = 0; i < ROOMS && s == YLM_OK; i++) {
-    snprintf(room, sizeof room, "%.*s/%d%d", FOLDER_PATH - 64, folder, i / 8, i % 8);
-    s = make_folder(room, e);
-  }
+  if (s == YLM_OK) s = make_rooms(folder, e);
   if (s == YLM_OK) ylm__folder_sync(path);
   return s;
 }
@@ -314,4 +320,41 @@ ylm_status ylm__folder_open(plan *p, ylm_error *e) {
   ylm__folder_file(p->how.folder, "form", path);
   if (s == YLM_OK && p->owner) s = prepare(p, path, text, e);
   return s == YLM_OK ? compare_form(p, path, text, e) : s;
+}
+
+/* -- sets in few bytes --------------------------------------------------------------------------- */
+
+#define PACKED_FORM FORM_BEGIN "1\npacked\n" /* differs from the form of any bake */
+
+ylm_status ylm__folder_pack(const char *folder, ylm_error *e) {
+  char form[FOLDER_PATH];
+  unsigned char *text = NULL;
+  size_t size = 0;
+  if (strlen(folder) > FOLDER_PATH - 64)
+    return ylm_fail(e, YLM_EINVAL, "the folder's name is too long");
+  ylm__folder_file(folder, "form", form);
+  ylm_status s = make_folder(folder, e);
+  if (s == YLM_OK) s = check_foreign(folder, form, e);
+  if (s == YLM_OK && ylm__folder_has(form)) {
+    s = ylm_file_read(form, 65536, &text, &size, e);
+    if (s == YLM_OK && strcmp((const char *)text, PACKED_FORM) != 0)
+      s = ylm_fail(e, YLM_EINVAL, "%s: it holds a bake: choose another folder", folder);
+    ylm_free(text);
+  }
+  if (s != YLM_OK) return s;
+  remove_all(folder);
+  s = ylm_file_save(form, PACKED_FORM, strlen(PACKED_FORM), e);
+  if (s == YLM_OK) s = make_rooms(folder, e);
+  if (s == YLM_OK) ylm__folder_sync(form);
+  return s;
+}
+
+void ylm__folder_remove(const char *folder) {
+  char room[FOLDER_PATH];
+  remove_all(folder);
+  for (int i = 0; i < ROOMS; i++) {
+    snprintf(room, sizeof room, "%.*s/%d%d", FOLDER_PATH - 64, folder, i / 8, i % 8);
+    rmdir(room);
+  }
+  rmdir(folder);
 }

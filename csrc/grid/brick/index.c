@@ -109,28 +109,33 @@ static ylm_status judge(const plan *p, index_head *h, const index_entry *entries
   return s;
 }
 
-ylm_status ylm__brick_finish(const plan *p, ylm_error *e) {
+ylm_status ylm__index_write(const char *folder, index_head *h, const index_entry *entries,
+                            ylm_error *e) {
   char path[FOLDER_PATH];
+  ylm_file *f = NULL;
+  h->crc = sum_of(h, entries);
+  ylm__folder_file(folder, "index", path);
+  ylm_status s = ylm_file_create(path, &f, e);
+  if (s != YLM_OK) return s;
+  ylm_file_write(f, h, sizeof *h);
+  ylm_file_write(f, entries, h->bricks * sizeof *entries);
+  s = ylm_file_commit(f, e);
+  if (s == YLM_OK) ylm__folder_sync(path);
+  return s;
+}
+
+ylm_status ylm__brick_finish(const plan *p, ylm_error *e) {
   index_head h = {.magic = INDEX_MAGIC,
                   .version = INDEX_VERSION,
                   .level = (uint32_t)p->how.level,
                   .bricks = p->bricks,
                   .stats = {.error = NAN, .largest_error = NAN}};
   index_entry *entries = ylm_alloc_zero(p->bricks, sizeof *entries);
-  ylm_file *f = NULL;
-  ylm__folder_file(p->how.folder, "index", path);
-  ylm_status s = entries ? look_at_top(p, &h, e) : ylm_no_memory_for(e, path);
+  ylm_status s = entries ? look_at_top(p, &h, e) : ylm_no_memory_for(e, p->how.folder);
   for (size_t i = 0; i < p->bricks && s == YLM_OK; i++)
     s = look(p, &p->brick[i], &h, &entries[i], e);
   if (s == YLM_OK && p->form.tolerance > 0) s = judge(p, &h, entries, e);
-  h.crc = s == YLM_OK ? sum_of(&h, entries) : 0;
-  if (s == YLM_OK) s = ylm_file_create(path, &f, e);
-  if (s == YLM_OK) {
-    ylm_file_write(f, &h, sizeof h);
-    ylm_file_write(f, entries, p->bricks * sizeof *entries);
-    s = ylm_file_commit(f, e);
-  }
-  if (s == YLM_OK) ylm__folder_sync(path);
+  if (s == YLM_OK) s = ylm__index_write(p->how.folder, &h, entries, e);
   ylm_free(entries);
   return s;
 }

@@ -4,7 +4,8 @@
 
 #include <math.h>
 
-static ylm_status check(const ylm_grid *g, const ylm_grid_small *how, ylm_error *e) {
+ylm_status ylm__grid_file_check_small(const ylm_grid *g, double error, const ylm_grid_small *how,
+                                      ylm_error *e) {
   int asked = (how->tolerance != 0) + (how->bytes != 0) + (how->step != 0);
   if (g->contents.form.dynamic)
     return ylm_fail(
@@ -16,19 +17,19 @@ static ylm_status check(const ylm_grid *g, const ylm_grid_small *how, ylm_error 
                     how->tolerance);
   if (how->step != 0 && !(how->step >= 1e-7 && how->step <= 1))
     return ylm_fail(e, YLM_EDOMAIN, "step: 1e-7 to 1 expected, got %g", how->step);
-  if (how->tolerance > 0 && g->stats.error >= how->tolerance)
+  if (how->tolerance > 0 && error >= how->tolerance)
     return ylm_fail(
         e, YLM_ELIMIT,
         "tolerance: the grid errs by %.3g already, and %g is asked for in all: bake it to a "
         "smaller tolerance, or save it to a larger one",
-        g->stats.error, how->tolerance);
+        error, how->tolerance);
   if (!ylm_all_finite(YLM_FLOAT, g->data, g->evaluated * ylm__grid_record(g), NULL))
     return ylm_fail(e, YLM_EDOMAIN, "the grid's light is not finite");
   return YLM_OK;
 }
 
-/* Gives the grid in the making the facts that its file says. */
-static void describe(ylm_grid *g, const ylm_grid_small *how, const ylm_grid_small_report *r) {
+void ylm__grid_file_describe_small(ylm_grid *g, const ylm_grid_small *how,
+                                   const ylm_grid_small_report *r) {
   ylm_grid_stats *s = &g->stats;
   double *promised = &g->contents.form.tolerance;
   bool promises = *promised > 0;
@@ -45,21 +46,29 @@ ylm_status ylm_grid_encode_small(const ylm_grid *g, const ylm_grid_small *how, u
   *data = NULL;
   *size = 0;
   ylm_status s = ylm__grid_file_machine("the grid", e);
-  if (s == YLM_OK) s = check(g, how, e);
+  if (s == YLM_OK) s = ylm__grid_file_check_small(g, g->stats.error, how, e);
   if (s != YLM_OK) return s;
-  s = ylm__small_encoder(g, how->threads, &k);
+  s = ylm__small_encoder(g, NULL, how->threads, &k);
   if (s == YLM_EDOMAIN) ylm_fail(e, s, "the grid has no points");
   if (s == YLM_ENOMEM) ylm_fail(e, s, "the grid does not fit into memory twice");
   if (s == YLM_OK) s = ylm__small_search(k, g, how, ylm__grid_file_small_size, e);
   if (s == YLM_OK) {
     small_packed *p = ylm__small_packed_of(k);
-    describe(ylm__small_grid_of(k), how, &p->report);
+    ylm__grid_file_describe_small(ylm__small_grid_of(k), how, &p->report);
     if (report) *report = p->report;
     s = ylm__grid_file_encode(ylm__small_grid_of(k), p, data, size, e);
   } else if (s == YLM_ENOMEM)
     ylm_fail(e, s, "the grid does not fit into memory twice");
   ylm__small_encoder_free(k);
   return s;
+}
+
+const ylm_grid_small_constant *ylm_grid_small_constants(size_t *n) {
+#define X(name, value) {#name, (double)(value)},
+  static const ylm_grid_small_constant list[] = {SMALL_CONSTANTS(X)};
+#undef X
+  *n = sizeof list / sizeof *list;
+  return list;
 }
 
 bool ylm_grid_small_of(const ylm_grid *g, ylm_grid_small_report *report) {

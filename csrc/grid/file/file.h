@@ -187,6 +187,12 @@ ylm_status ylm__file_table_form(const file_table *t, const file_source *s, grid_
 ylm_status ylm__grid_file_encode(const ylm_grid *g, const small_packed *small, unsigned char **data,
                                  size_t *size, ylm_error *e);
 /* Bytes of a file of few bytes. */
+/* Whether few bytes can be asked of a grid whose own error is known, or NAN. */
+ylm_status ylm__grid_file_check_small(const ylm_grid *g, double error, const ylm_grid_small *how,
+                                      ylm_error *e);
+/* Gives a grid in the making the facts that its file says. */
+void ylm__grid_file_describe_small(ylm_grid *g, const ylm_grid_small *how,
+                                   const ylm_grid_small_report *r);
 uint64_t ylm__grid_file_small_size(const ylm_grid *g, const small_packed *small);
 
 /* -- readers ------------------------------------------------------------------------- */

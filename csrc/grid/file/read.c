@@ -231,10 +231,10 @@ static ylm_status read_grid(reading *r) {
   r->g = ylm__grid_new(&form);
   if (!r->g) return ylm_no_memory_for(r->e, name);
   r->g->stats = stats;
-  if (ylm__file_table_find(&r->table, GRID_FILE_small)) return read_small(r, &f);
-  if (!sizes_hold(r, &f)) return ylm__grid_file_bad(name, "the size of a section", r->e);
   if (!ylm__grid_file_table_holds(r->g, f.cells))
     return ylm__grid_file_bad(name, "too sparse a lattice", r->e);
+  if (ylm__file_table_find(&r->table, GRID_FILE_small)) return read_small(r, &f);
+  if (!sizes_hold(r, &f)) return ylm__grid_file_bad(name, "the size of a section", r->e);
   s = take_root(r);
   if (s == YLM_OK) s = reserve(r, &f);
   if (s == YLM_OK) s = read_structure(r);

@@ -5,12 +5,6 @@
 
 #include "ylm_list.h"
 
-#define EVEN 0x8000u
-#define QUICK 4
-#define SLOW 7
-#define LEAST                                                                                      \
-  256u /* of 65,536: the chance of what never came; no bit costs less than a 180th of one */
-#define TOP (1u << 24) /* a range below it takes another byte */
 #define CARRY_BITS 32
 #define NUMBER_BITS 5
 
@@ -45,7 +39,7 @@ static void shift_low(bit_coder *c) {
     c->last = byte;
   }
   c->held++;
-  c->low = (c->low & (TOP - 1)) << 8;
+  c->low = (c->low & (CODER_TOP - 1)) << 8;
 }
 
 ylm_status ylm__coder_end(bit_coder *c) {
@@ -54,23 +48,23 @@ ylm_status ylm__coder_end(bit_coder *c) {
 }
 
 void ylm__coder_even(bit_chance *p, size_t n) {
-  for (size_t i = 0; i < n; i++) p[i] = (bit_chance){EVEN, EVEN};
+  for (size_t i = 0; i < n; i++) p[i] = (bit_chance){CODER_EVEN, CODER_EVEN};
 }
 
 static void learn(bit_chance *p, int bit) {
   if (bit) {
-    p->quick = (uint16_t)(p->quick - (p->quick >> QUICK));
-    p->slow = (uint16_t)(p->slow - (p->slow >> SLOW));
+    p->quick = (uint16_t)(p->quick - (p->quick >> CODER_QUICK));
+    p->slow = (uint16_t)(p->slow - (p->slow >> CODER_SLOW));
   } else {
-    p->quick = (uint16_t)(p->quick + ((65535u - p->quick) >> QUICK));
-    p->slow = (uint16_t)(p->slow + ((65535u - p->slow) >> SLOW));
+    p->quick = (uint16_t)(p->quick + ((65535u - p->quick) >> CODER_QUICK));
+    p->slow = (uint16_t)(p->slow + ((65535u - p->slow) >> CODER_SLOW));
   }
 }
 
 /* A bit whose chance of being 0 is `zero` of 65,536. */
 static int code_bit(bit_coder *c, uint32_t zero, int bit) {
-  if (zero < LEAST) zero = LEAST;
-  if (zero > 65536u - LEAST) zero = 65536u - LEAST;
+  if (zero < CODER_LEAST) zero = CODER_LEAST;
+  if (zero > 65536u - CODER_LEAST) zero = 65536u - CODER_LEAST;
   uint32_t bound = (c->range >> 16) * zero;
   if (c->decoding) bit = c->code >= bound;
   if (bit) {
@@ -81,7 +75,7 @@ static int code_bit(bit_coder *c, uint32_t zero, int bit) {
       c->low += bound;
   } else
     c->range = bound;
-  while (c->range < TOP) {
+  while (c->range < CODER_TOP) {
     c->range <<= 8;
     if (c->decoding)
       c->code = c->code << 8 | next_byte(c);
@@ -106,7 +100,8 @@ int ylm__coder_bit_of(bit_coder *c, bit_chance *p, bit_chance *q, int bit) {
 
 uint32_t ylm__coder_raw(bit_coder *c, int n, uint32_t bits) {
   uint32_t out = 0;
-  for (int i = n - 1; i >= 0; i--) out = out << 1 | (uint32_t)code_bit(c, EVEN, bits >> i & 1);
+  for (int i = n - 1; i >= 0; i--)
+    out = out << 1 | (uint32_t)code_bit(c, CODER_EVEN, bits >> i & 1);
   return out;
 }
 

@@ -11,6 +11,12 @@
 
 #include "ylm_base.h"
 
+#define CODER_EVEN 0x8000u
+#define CODER_QUICK 4
+#define CODER_SLOW 7
+#define CODER_LEAST 256u     /* of 65,536: what never came; no bit costs less than a 180th of one */
+#define CODER_TOP (1u << 24) /* a range below it takes another byte */
+
 /* The chance of a 0, twice, of 65,536. Zeroed memory is no estimate: coder_chances. */
 typedef struct bit_chance {
   uint16_t quick, slow;

@@ -36,13 +36,18 @@ float ylm__small_norm_of(const ylm_grid *g, const float *row) {
 
 static bool in_range(float x, float least, float most) { return x >= least && x <= most; }
 
+static bool finest_holds(const small_head *h, const ylm_grid *g) {
+  return !h->finest || (g->contents.form.kind == YLM_GRID_ADAPTIVE && !g->contents.form.sides &&
+                        h->finest <= (uint32_t)g->contents.form.depth);
+}
+
 bool ylm__small_head_holds(const small_head *h, const ylm_grid *g) {
   return h->version == SMALL_VERSION && h->turn <= SMALL_ALL &&
          (h->turn != SMALL_ALL || g->contents.count <= SMALL_COLUMNS) &&
          (h->turn != SMALL_BY_DEGREE || g->contents.form.lmax <= SMALL_TURN_LMAX) &&
          in_range(h->step, 1e-9f, 10) && in_range(h->slopes, 1e-3f, 1e3f) &&
          in_range(h->least, 1e-37f, 1e37f) && in_range(h->most, h->least, 1e37f) &&
-         in_range(h->degree, 1e-3f, 1) && !h->zero && h->flags <= 3 &&
+         in_range(h->degree, 1e-3f, 1) && h->flags <= 3 && finest_holds(h, g) &&
          (g->contents.form.sides || !(h->sides || h->parts || h->ghosts));
 }
 
@@ -68,7 +73,18 @@ typedef struct taking {
   small_tables *tables;
   rans_reader rans;
   float *number, *room;
+  float read_as[2 * RANS_MOST + 1]; /* of symbols */
 } taking;
+
+/* Have all tables that numbers are taken by frequencies? */
+static bool tables_hold(const small_tables *t, size_t components) {
+  bool has[RANS_TABLES] = {true};
+  for (size_t k = 1; k < RANS_TABLES; k++)
+    for (size_t i = 0; i < RANS_SYMBOLS; i++) has[k] |= t->frequency[k][i] != 0;
+  for (size_t i = 0; i < SMALL_CLASSES * components; i++)
+    if (!has[t->table[i]]) return false;
+  return true;
+}
 
 /* The numbers of a point; false: the stream ends early. */
 static bool take_numbers(taking *t, const small_point *p, uint8_t used[4]) {
@@ -85,8 +101,11 @@ static bool take_numbers(taking *t, const small_point *p, uint8_t used[4]) {
     size_t n = t->tables->codes[class * lists + i];
     float *to = t->number + i * count;
     used[i / channels] = 1;
-    for (size_t k = 0; k < n; k++)
-      to[coded[k]] = small_read_as(rans_take(&rans, rans.slot[table[coded[k]]]));
+    for (size_t k = 0; k < n; k++) {
+      uint32_t symbol = rans_take(&rans, rans.slot[table[coded[k]]]);
+      to[coded[k]] =
+          symbol <= 2 * RANS_MOST ? t->read_as[symbol] : small_read_as(rans_long(&rans, symbol));
+    }
     if (rans_is_short(&rans)) return false;
   }
   t->rans = rans;
@@ -133,10 +152,11 @@ static ylm_status take_points(taking *t, const small_packed *p, const char **bad
   if (s == YLM_OK)
     s = ylm__small_tables_list(t->tables, t->f->rows * (size_t)t->f->channels, (size_t)t->f->count);
   if (s != YLM_OK && holds) return s;
-  if (!holds || !ylm__rans_tables(&t->rans, t->tables->frequency)) {
+  if (!holds || !tables_hold(t->tables, all) || !ylm__rans_tables(&t->rans, t->tables->frequency)) {
     *bad = "its tables";
     return YLM_EFORMAT;
   }
+  for (int i = 0; i <= 2 * RANS_MOST; i++) t->read_as[i] = small_read_as(i - RANS_MOST);
   ylm__rans_begin(&t->rans, p->data, p->data_size, p->raw, p->raw_size);
   for (size_t met = 0; !*bad && met < t->f->k->met; met++) *bad = take_point(t, met);
   if (!*bad && !ylm__rans_is_done(&t->rans)) *bad = "the end of its numbers";
@@ -161,6 +181,24 @@ static ylm_status decode_points(ylm_grid *g, small_layout *k, const small_packed
   return s;
 }
 
+/* Are the places of ghosts, which stand last, finite? */
+static bool ghosts_hold(const ylm_grid *g) {
+  size_t n = 0;
+  while (n < g->evaluated && g->flags[g->evaluated - 1 - n] & YLM_GRID_POINT_GHOST) n++;
+  return !n || ylm_all_finite(YLM_FLOAT, g->sides.asked + g->evaluated - n, 3 * n, NULL);
+}
+
+/* Has each cell corners that sampling relies on: the root, and of a lattice or a grid with sides every leaf without parts? */
+static bool corners_hold(const ylm_grid *g) {
+  bool every = g->contents.form.sides || g->contents.form.kind == YLM_GRID_UNIFORM;
+  for (size_t i = 0; i < (every ? g->cells : 1); i++) {
+    const ylm_grid_cell *c = &g->cell[i];
+    bool asked = !every || (c->flags & YLM_GRID_LEAF && !(c->flags & YLM_GRID_SIDED));
+    if (asked && !ylm__grid_is_complete(c)) return false;
+  }
+  return true;
+}
+
 ylm_status ylm__small_decode(ylm_grid *g, const small_packed *p, size_t cells, size_t evaluated,
                              int threads, const char **bad) {
   bit_coder c;
@@ -171,14 +209,20 @@ ylm_status ylm__small_decode(ylm_grid *g, const small_packed *p, size_t cells, s
     return YLM_EFORMAT;
   }
   ylm__coder_decode(&c, p->tree, p->tree_size);
-  small_layout k = {
-      .g = g, .c = &c, .most_cells = cells, .most_points = evaluated, .loose = p->head.loose};
+  small_layout k = {.g = g,
+                    .c = &c,
+                    .most_cells = cells,
+                    .most_points = evaluated,
+                    .loose = p->head.loose,
+                    .finest = p->head.finest};
   ylm_status s = ylm__small_lay_out(&k);
   if (s == YLM_OK) s = ylm__small_loose(&k);
   if (s == YLM_OK && (g->cells != cells || k.met != evaluated || g->sides.n != p->head.sides ||
                       g->sides.parts != p->head.parts))
     k.bad = "its counts", s = YLM_EFORMAT;
   if (s == YLM_OK) s = ylm__small_finish(&k);
+  if (s == YLM_OK && !corners_hold(g)) k.bad = "a cell's corners", s = YLM_EFORMAT;
+  if (s == YLM_OK && !ghosts_hold(g)) k.bad = "its ghosts", s = YLM_EFORMAT;
   *bad = k.bad;
   if (s == YLM_OK && p->head.flags & SMALL_HAS_VALIDITY) {
     g->validity = ylm_alloc_zero(g->point_room, sizeof *g->validity);

@@ -1,6 +1,5 @@
 /* encode.c - points of a grid, rounded and coded by one step. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "small.h"
@@ -12,10 +11,12 @@
   2.0 /* of the mean: the largest: beside a lamp that grazes a floor irradiance is far below the norm */
 #define DEGREE_LEAST (1 / 24.0f) /* weight of degrees that irradiance does not see */
 #define SLOPES 5.0f
-#define ENOUGH 26 /* points for each coefficient that a turn of its own pays for */
+#define LOOK_EVERY 4000 /* points between two looks at who waits */
+#define ENOUGH 26       /* points for each coefficient that a turn of its own pays for */
 
 struct small_encoder {
   const ylm_grid *from;
+  small_common common;
   int threads;
   small_layout layout;
   bit_coder tree;
@@ -30,29 +31,46 @@ struct small_encoder {
 
 /* -- making ----------------------------------------------------------------------------------------- */
 
-static int by_size(const void *a, const void *b) {
-  float x = *(const float *)a, y = *(const float *)b;
-  return x < y ? -1 : x > y;
+/* Half an octave of a size. */
+static size_t bin_of(double size) {
+  int e;
+  double m = frexp(size, &e);
+  int bin = SMALL_NORM_BINS / 2 + 2 * e + (m >= 0.70710678118654752);
+  if (!(size > 0) || bin < 0) return 0;
+  return bin < SMALL_NORM_BINS ? (size_t)bin : SMALL_NORM_BINS - 1;
 }
 
-/* The median of what points are as large as, and the mean of the size of their light's mean. */
-static ylm_status measure_norms(const ylm_grid *g, double *median, double *mean) {
-  float *size = ylm_alloc(g->evaluated, sizeof *size);
-  if (!size) return YLM_ENOMEM;
+void ylm__small_count_norms(const ylm_grid *g, small_norms *n) {
   size_t count = (size_t)g->contents.count;
-  *mean = 0;
   for (size_t p = 0; p < g->evaluated; p++) {
     const float *row = ylm__grid_row(g, (uint32_t)p, 0);
     double sum = 0, flat = 0;
     for (size_t i = 0; i < g->width; i++) sum += (double)row[i] * (double)row[i];
     for (size_t c = 0; c < g->width; c += count) flat += (double)row[c] * (double)row[c];
-    size[p] = (float)sqrt(sum);
-    *mean += sqrt(flat) / (double)g->evaluated;
+    n->bin[bin_of(sqrt(sum))]++;
+    n->means += sqrt(flat);
   }
-  qsort(size, g->evaluated, sizeof *size, by_size);
-  *median = (double)size[g->evaluated / 2];
-  ylm_free(size);
-  return YLM_OK;
+  n->points += g->evaluated;
+}
+
+/* The median of what points are as large as. */
+static double median_of(const small_norms *n) {
+  uint64_t before = n->bin[0];
+  size_t bin = 0;
+  while (before <= n->points / 2 && bin + 1 < SMALL_NORM_BINS) before += n->bin[++bin];
+  return bin ? ldexp(bin & 1 ? 0.84 : 0.6, ((int)bin - SMALL_NORM_BINS / 2 - (int)(bin & 1)) / 2)
+             : 0;
+}
+
+small_common ylm__small_common_of(const small_norms *n, const ylm_grid_form *form) {
+  double mean = n->points ? n->means / (double)n->points : 0;
+  bool irradiance = form->measure == YLM_GRID_IRRADIANCE;
+  double least = fmax(median_of(n), 1e-3 * mean) * LEAST_OF_MEDIAN;
+  if (irradiance) least = mean * (double)IRRADIANCE_LEAST;
+  return (small_common){
+      .least = (float)fmax(least, 1e-30),
+      .most = irradiance ? (float)fmax(IRRADIANCE_MOST * mean, 1e-30) : 1e30f,
+  };
 }
 
 static small_turn turn_of(const ylm_grid *g, size_t points) {
@@ -62,19 +80,15 @@ static small_turn turn_of(const ylm_grid *g, size_t points) {
   return g->contents.form.lmax <= SMALL_TURN_LMAX ? SMALL_BY_DEGREE : SMALL_AS_THEY_ARE;
 }
 
-static ylm_status make_head(small_encoder *k, small_head *h) {
-  double median, mean;
-  ylm_status s = measure_norms(k->from, &median, &mean);
-  if (s != YLM_OK) return s;
+static void make_head(small_encoder *k, small_head *h) {
   bool irradiance = k->from->contents.form.measure == YLM_GRID_IRRADIANCE;
-  double least = fmax(median, 1e-3 * mean) * LEAST_OF_MEDIAN;
-  if (irradiance) least = mean * (double)IRRADIANCE_LEAST;
-  if (!(least > 1e-30)) least = 1e-30;
+  size_t points = k->common.points ? k->common.points : k->layout.met;
   *h = (small_head){.version = SMALL_VERSION,
-                    .turn = (uint32_t)turn_of(k->from, k->layout.met),
+                    .turn = (uint32_t)(k->common.entry ? k->common.turn : turn_of(k->from, points)),
                     .slopes = SLOPES,
-                    .least = (float)least,
-                    .most = irradiance ? (float)fmax(IRRADIANCE_MOST * mean, 1e-30) : 1e30f,
+                    .least = k->common.least,
+                    .most = k->common.most,
+                    .finest = k->common.finest,
                     .degree = irradiance ? DEGREE_LEAST : 1,
                     .loose = (uint32_t)k->layout.loose,
                     .sides = k->layout.g->sides.n,
@@ -83,13 +97,15 @@ static ylm_status make_head(small_encoder *k, small_head *h) {
                              (k->from->validity ? SMALL_HAS_VALIDITY : 0)};
   for (size_t i = 0; i < k->layout.g->evaluated; i++)
     h->ghosts += (k->layout.g->flags[i] & YLM_GRID_POINT_GHOST) != 0;
-  return YLM_OK;
 }
 
 static ylm_status lay_out(small_encoder *k) {
   small_layout *l = &k->layout;
   ylm__coder_encode(&k->tree);
-  *l = (small_layout){.from = k->from, .c = &k->tree, .g = ylm__grid_new(&k->from->contents.form)};
+  *l = (small_layout){.from = k->from,
+                      .c = &k->tree,
+                      .g = ylm__grid_new(&k->from->contents.form),
+                      .finest = k->common.finest};
   l->most_cells = k->from->contents.octree_cells;
   if (!l->g) return YLM_ENOMEM;
   l->g->stats = k->from->stats;
@@ -127,15 +143,31 @@ static ylm_status copy_points(small_encoder *k) {
   return YLM_OK;
 }
 
-ylm_status ylm__small_encoder(const ylm_grid *from, int threads, small_encoder **out) {
+/* Facts that parts of a set share, of a grid of its own. */
+static ylm_status common_of(const ylm_grid *g, small_common *c) {
+  small_norms *n = ylm_alloc_zero(1, sizeof *n);
+  if (!n) return YLM_ENOMEM;
+  ylm__small_count_norms(g, n);
+  *c = ylm__small_common_of(n, &g->contents.form);
+  ylm_free(n);
+  return YLM_OK;
+}
+
+ylm_status ylm__small_encoder(const ylm_grid *from, const small_common *common, int threads,
+                              small_encoder **out) {
   small_encoder *k = *out = ylm_alloc_zero(1, sizeof *k);
   small_head head;
+  ylm_status s = YLM_OK;
   if (!k) return YLM_ENOMEM;
   k->from = from;
   k->threads = threads;
-  ylm_status s = lay_out(k);
-  if (s == YLM_OK) s = make_head(k, &head);
+  if (common)
+    k->common = *common;
+  else
+    s = common_of(from, &k->common);
+  if (s == YLM_OK) s = lay_out(k);
   if (s != YLM_OK) return s;
+  make_head(k, &head);
   size_t n = k->layout.met, all = from->rows * from->width;
   s = ylm__small_frame(&k->frame, &k->layout, &head);
   k->exponent = ylm_alloc(n, sizeof *k->exponent);
@@ -172,6 +204,22 @@ void ylm__small_encoder_free(small_encoder *k) {
 small_packed *ylm__small_packed_of(small_encoder *k) { return &k->packed; }
 ylm_grid *ylm__small_grid_of(small_encoder *k) { return k->layout.g; }
 
+ylm_status ylm__small_learn_common(const ylm_grid *from, float step, small_common *c) {
+  small_encoder *k = NULL;
+  ylm_status s = ylm__small_encoder(from, c, 1, &k);
+  if (s == YLM_OK) {
+    small_frame *f = &k->frame;
+    copy_rows(k);
+    f->head.step = step;
+    s = ylm__small_learn(f, k->exponent, NULL);
+    c->turn = f->basis.turn;
+    c->entry = ylm_alloc_copy(f->basis.entry, f->basis.kinds * f->basis.size + 1, 1);
+    if (s == YLM_OK && !c->entry) s = YLM_ENOMEM;
+  }
+  ylm__small_encoder_free(k);
+  return s;
+}
+
 /* -- rounding ----------------------------------------------------------------------------------------- */
 
 typedef struct rounding {
@@ -182,6 +230,8 @@ typedef struct rounding {
   double *mean;         /* [SMALL_CLASSES][rows * width] sums of sizes */
   uint64_t *times;      /* of numbers in these */
   uint64_t (*count)[RANS_SYMBOLS];
+  small_look *look;
+  void *self;
 } rounding;
 
 static int32_t rounded(float x) {
@@ -361,7 +411,10 @@ static ylm_status round_all(rounding *r, small_packed *p) {
   r->times = ylm_alloc_zero(SMALL_CLASSES * all, sizeof *r->times);
   r->count = ylm_alloc_zero(RANS_TABLES, sizeof *r->count);
   if (s == YLM_OK && !(r->number && r->room && r->mean && r->times && r->count)) s = YLM_ENOMEM;
-  for (size_t met = 0; s == YLM_OK && met < k->layout.met; met++) round_point(r, met);
+  for (size_t met = 0; s == YLM_OK && met < k->layout.met; met++) {
+    if (r->look && met % LOOK_EVERY == 0) s = r->look(r->self, (double)met / (double)k->layout.met);
+    if (s == YLM_OK) round_point(r, met);
+  }
   if (s == YLM_OK) s = ylm__coder_end(&r->code);
   p->points = r->code.out;
   p->points_size = r->code.n;
@@ -377,14 +430,14 @@ static ylm_status follow(small_encoder *k) {
   return ylm__small_continue(&k->layout, k->threads);
 }
 
-ylm_status ylm__small_round(small_encoder *k, float step) {
-  rounding r = {.k = k};
+ylm_status ylm__small_round(small_encoder *k, float step, small_look *look, void *self) {
+  rounding r = {.k = k, .look = look, .self = self};
   ylm_status s = YLM_OK;
   float octave = exp2f(floorf(log2f(step) + 0.5f));
   if (k->learnt != octave) { /* of the octave alone: what was tried before makes no difference */
     copy_rows(k);
     k->frame.head.step = k->learnt = octave;
-    s = ylm__small_learn(&k->frame, k->exponent);
+    s = ylm__small_learn(&k->frame, k->exponent, k->common.entry);
   }
   k->frame.head.step = step;
   k->packed.tree = NULL; /* that of the coder, which stays */

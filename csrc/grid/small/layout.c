@@ -13,7 +13,6 @@
 #include "../sides/sides.h"
 #include "ylm_list.h"
 
-#define LOOSE 0xff     /* level of points that no cell has brought */
 #define ASKED_BITS 16  /* of a ghost's place, along an axis */
 #define ASKED_WIDE 4.0 /* edges of a leaf that these cover */
 #define NEAR_BITS 3    /* of the pieces from which a ghost's place may be seen */
@@ -22,6 +21,8 @@
   0.01 /* edges of the leaf, from such a way: a small part of what lies between the place and the wall */
 #define WAY_BITS 8 /* of the way from there; rounded back, away from the wall */
 #define NUMBERS 64 /* estimates of a number */
+#define ORDERS_SHARED (YLM_GRID_MAX_DEPTH + 1) /* levels of shared points */
+#define ORDERS (4 * (ORDERS_SHARED + 256))
 
 struct layout_chances {
   bit_chance split[YLM_GRID_MAX_DEPTH + 1][4], occupied[8], data[8], crossed[8], sided[4], brick[2],
@@ -454,11 +455,11 @@ ylm_status ylm__small_lay_out(small_layout *k) {
 
 /* -- points of no cell -------------------------------------------------------------------------------- */
 
-/* Evaluated points in faces and edges of a brick are its neighbours'; others that no cell has say nothing. */
-static bool is_border(const ylm_grid *g, const uint32_t at[3]) {
-  for (int a = 0; a < 3; a++)
-    if (at[a] == g->contents.root[a] || at[a] > g->last[a]) return true;
-  return false;
+/* Evaluated points in faces and edges of a brick, and of a top, are its neighbours' too; others that no cell has say nothing. */
+static bool is_border(const small_layout *k, const uint32_t at[3]) {
+  bool border = small_is_shared(k->g, k->finest, at);
+  for (int a = 0; a < 3; a++) border |= at[a] == k->g->contents.root[a] || at[a] > k->g->last[a];
+  return border;
 }
 
 ylm_status ylm__small_loose(small_layout *k) {
@@ -470,7 +471,7 @@ ylm_status ylm__small_loose(small_layout *k) {
     uint32_t at[3] = {0}, point;
     if (!decoding(k)) {
       memcpy(at, k->from->lattice + 3 * i, sizeof at);
-      if (k->from->flags[i] & YLM_GRID_POINT_GHOST || !is_border(g, at) ||
+      if (k->from->flags[i] & YLM_GRID_POINT_GHOST || !is_border(k, at) ||
           ylm__lattice_hash_find(&g->hash, lattice_key(at)) != YLM_GRID_NONE)
         continue;
       k->loose++;
@@ -481,7 +482,7 @@ ylm_status ylm__small_loose(small_layout *k) {
       if (at[a] > g->last[a] + 1) return damaged(k, "its loose points");
     }
     if (k->c->short_by) return damaged(k, "its loose points");
-    ylm_status s = point_at(k, at, LOOSE, &point);
+    ylm_status s = point_at(k, at, SMALL_LOOSE, &point);
     if (s != YLM_OK) return s;
   }
   return YLM_OK;
@@ -500,18 +501,30 @@ static int middles_of(const small_layout *k, size_t point) {
   return n;
 }
 
-/* Points are coded by levels; of a level in the middle of edges first, then of faces, then of cells: each is predicted from
-   those before. */
+/* Of how many axes a place is in the middle of the edges of the lattice's cells one level above its own. */
+static int lattice_middles(const uint32_t at[3]) {
+  uint32_t all = at[0] | at[1] | at[2], half = all & -all;
+  return ((at[0] & half) != 0) + ((at[1] & half) != 0) + ((at[2] & half) != 0);
+}
+
+/* Shared points are coded first. Points are coded by levels; of a level in the middle of edges first, then of faces, then of
+   cells: each is predicted from those before. */
+static size_t order_of(const small_layout *k, size_t point) {
+  const uint32_t *at = k->g->lattice + 3 * point;
+  if (small_is_shared(k->g, k->finest, at))
+    return 4 * (size_t)small_lattice_level(k->g, at) + (size_t)lattice_middles(at);
+  return 4 * (ORDERS_SHARED + (size_t)k->level[point]) + (size_t)middles_of(k, point);
+}
+
 static ylm_status sort_points(small_layout *k) {
-  size_t n = k->met, *first = ylm_alloc_zero(4 * 256 + 1, sizeof *first);
+  size_t n = k->met, *first = ylm_alloc_zero(ORDERS + 1, sizeof *first);
   uint32_t *order = ylm_alloc(n, sizeof *order), *old = ylm_alloc_copy(k->old, n, sizeof *old);
   uint8_t *level = ylm_alloc_copy(k->level, n, 1);
   small_source *source = ylm_alloc_copy(k->source, n, sizeof *source);
   bool ok = first && order && old && level && source;
-  for (size_t i = 0; ok && i < n; i++) first[4 * level[i] + middles_of(k, i) + 1]++;
-  for (size_t i = 0; ok && i < 4 * 256; i++) first[i + 1] += first[i];
-  for (size_t i = 0; ok && i < n; i++)
-    order[first[4 * level[i] + middles_of(k, i)]++] = (uint32_t)i;
+  for (size_t i = 0; ok && i < n; i++) first[order_of(k, i) + 1]++;
+  for (size_t i = 0; ok && i < ORDERS; i++) first[i + 1] += first[i];
+  for (size_t i = 0; ok && i < n; i++) order[first[order_of(k, i)]++] = (uint32_t)i;
   for (size_t i = 0; ok && i < n; i++) {
     k->old[i] = old[order[i]];
     k->level[i] = level[order[i]];

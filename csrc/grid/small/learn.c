@@ -98,6 +98,11 @@ static void difference(const learning *j, size_t met, const int16_t *exponent) {
   ylm__small_difference(f, met, step, row, j->predicted, j->number, j->room);
 }
 
+/* Shared points are not turned by what one part of a set learns. */
+static bool is_shared(const small_frame *f, size_t met) {
+  return small_is_shared(f->g, f->head.finest, f->g->lattice + 3 * (size_t)f->k->place[met]);
+}
+
 /* How much a point counts: those that rounding leaves nothing of count most, in proportion. */
 static double weight_of(const learning *j) {
   size_t n = j->f->rows * j->f->width;
@@ -127,6 +132,7 @@ static ylm_status learn_colours(learning *j, const int16_t *exponent) {
   for (size_t i = 0; i < blocks; i++) /* differences are as they are */
     ylm__small_turn(SMALL_NO_TURN, f->colour + 9 * i);
   for (size_t met = 0; met < f->k->met; met++) {
+    if (is_shared(f, met)) continue;
     difference(j, met, exponent);
     sum_colours(j, sum[f->k->before[met] / SMALL_BLOCK]);
   }
@@ -203,7 +209,7 @@ static void learn_coefficients(learning *j, const int16_t *exponent) {
   ylm__small_settle(b);
 }
 
-ylm_status ylm__small_learn(small_frame *f, const int16_t *exponent) {
+ylm_status ylm__small_learn(small_frame *f, const int16_t *exponent, const int8_t *entry) {
   size_t n = f->rows * f->g->stride;
   learning j = {.f = f,
                 .number = ylm_alloc(n, sizeof *j.number),
@@ -215,7 +221,11 @@ ylm_status ylm__small_learn(small_frame *f, const int16_t *exponent) {
   f->basis.turn = SMALL_AS_THEY_ARE;
   ylm_status s = ok && f->colour ? learn_colours(&j, exponent) : YLM_OK;
   f->basis.turn = turn;
-  if (ok && s == YLM_OK && turn != SMALL_AS_THEY_ARE) learn_coefficients(&j, exponent);
+  if (ok && s == YLM_OK && turn != SMALL_AS_THEY_ARE && entry) {
+    memcpy(f->basis.entry, entry, f->basis.kinds * f->basis.size);
+    ylm__small_settle(&f->basis);
+  } else if (ok && s == YLM_OK && turn != SMALL_AS_THEY_ARE)
+    learn_coefficients(&j, exponent);
   ylm_free(j.number);
   ylm_free(j.predicted);
   ylm_free(j.room);

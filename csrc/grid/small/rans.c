@@ -101,7 +101,6 @@ bool ylm__rans_tables(rans_reader *r, uint16_t (*frequency)[RANS_SYMBOLS]) {
       sum += frequency[t][i];
     }
     if (sum != RANS_SUM && sum) return false;
-    for (; sum < RANS_SUM; sum++) r->slot[t][sum] = RANS_MOST | RANS_SUM << 5 | sum << 17;
   }
   return true;
 }
@@ -113,7 +112,6 @@ void ylm__rans_begin(rans_reader *r, const unsigned char *in, size_t size, const
   r->raw = raw;
   r->raw_size = raw_size;
   r->raw_at = 0;
-  r->turn = 0;
   r->bad = size < 4 * RANS_STATES;
   for (size_t i = 0; !r->bad && i < RANS_STATES; i++) {
     r->state[i] = 0;

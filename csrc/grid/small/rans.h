@@ -67,12 +67,11 @@ typedef struct rans_reader {
   const unsigned char *in, *raw;
   size_t size, at, raw_size;
   uint64_t raw_at; /* in bits */
-  size_t turn;
-  bool bad; /* the stream ended early */
+  bool bad;        /* the stream ended early */
 } rans_reader;
 /* Bytes behind a stream that must be there, where so many numbers are taken between two looks at rans_is_short. */
 #define RANS_BEHIND(numbers) (2 * (size_t)(numbers) + 2)
-/* Tables [RANS_TABLES]; false: a sum is not RANS_SUM (but for 0, of a table that is not used). */
+/* Tables [RANS_TABLES]; false: a sum is not RANS_SUM (but for 0, of a table that nothing may be taken by). */
 bool ylm__rans_tables(rans_reader *r, uint16_t (*frequency)[RANS_SYMBOLS]);
 void ylm__rans_begin(rans_reader *r, const unsigned char *in, size_t size, const unsigned char *raw,
                      size_t raw_size);
@@ -93,23 +92,28 @@ static inline uint32_t rans_raw(rans_reader *r, int n) {
   return out;
 }
 
-/* One number. The stream may be read up to two bytes for each number beyond its end: rans_is_short says so afterwards. */
-static inline int32_t rans_take(rans_reader *r, const uint32_t *slots) {
-  uint32_t *state = &r->state[r->turn++ % RANS_STATES], x = *state,
-           slot = slots[x & (RANS_SUM - 1)];
-  uint32_t symbol = slot & 31, frequency = slot >> 5 & 0xfff;
+/* The number of a symbol beyond RANS_MOST. */
+static inline int32_t rans_long(rans_reader *r, uint32_t symbol) {
+  int k = (int)symbol - 2 * RANS_MOST - 1;
+  uint32_t bits = rans_raw(r, k < RANS_LONG ? k + 1 : RANS_LONG_BITS);
+  int32_t size = (int32_t)((1u << k) + (bits >> 1) + RANS_MOST);
+  return bits & 1 ? -size : size;
+}
+
+/* One symbol. The states take turns: the next is the first. The stream may be read up to two bytes for each number beyond its
+   end: rans_is_short says so afterwards. */
+static inline uint32_t rans_take(rans_reader *r, const uint32_t *slots) {
+  uint32_t x = r->state[0], slot = slots[x & (RANS_SUM - 1)], symbol = slot & 31,
+           frequency = slot >> 5 & 0xfff;
   uint16_t word;
   memcpy(&word, r->in + r->at, sizeof word); /* files are little-endian, as the machine is */
   x = frequency * (x >> RANS_BITS) + (slot >> 17);
   size_t more = x < 1u << 16;
   x = more ? x << 16 | word : x;
   r->at += 2 * more;
-  *state = x;
-  if (symbol <= 2 * RANS_MOST) return (int32_t)symbol - RANS_MOST;
-  int k = (int)symbol - 2 * RANS_MOST - 1;
-  uint32_t bits = rans_raw(r, k < RANS_LONG ? k + 1 : RANS_LONG_BITS);
-  int32_t size = (int32_t)((1u << k) + (bits >> 1) + RANS_MOST);
-  return bits & 1 ? -size : size;
+  for (int i = 1; i < RANS_STATES; i++) r->state[i - 1] = r->state[i];
+  r->state[RANS_STATES - 1] = x;
+  return symbol;
 }
 
 #endif

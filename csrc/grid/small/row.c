@@ -9,15 +9,16 @@
 #include <math.h>
 #include <string.h>
 
+#include "ylm_sets.h"
 #include "ylm_sh.h"
 
 #define F float
 #include "../gen/interpolation.h"
 
-#define PLACES 27     /* of a cell's half-edge lattice */
-#define OUT 4         /* a value and three slopes */
-#define LANES 8       /* numbers that are summed side by side: strides are multiples of it */
-#define TURN_MOST 511 /* of 10 bits with a sign */
+#define PLACES 27 /* of a cell's half-edge lattice */
+#define OUT 4     /* a value and three slopes */
+
+_Static_assert(SMALL_TERMS == SMALL_PARENTS * ROWS, "rows of all parents");
 
 /* The terms of one output of a prediction: rows of corners, as ROWS counts them, and their weights. */
 typedef struct small_terms {
@@ -28,6 +29,24 @@ typedef struct small_terms {
 struct small_weights {
   small_terms at[PLACES][OUT];
 };
+
+/* Red, green and blue of shared points: the mean, red against blue, green against both. */
+static const float opponent[9] = {0.57735027f,  0.57735027f,  0.57735027f, 0.70710678f, 0,
+                                  -0.70710678f, -0.40824829f, 0.81649658f, -0.40824829f};
+
+static const uint32_t *place_of(const small_frame *f, size_t met) {
+  return f->g->lattice + 3 * (size_t)f->k->place[met];
+}
+
+static bool is_shared(const small_frame *f, size_t met) {
+  return small_is_shared(f->g, f->head.finest, place_of(f, met));
+}
+
+/* The turn of a point's colours; NULL: there is one channel. */
+static const float *colours_of(const small_frame *f, size_t met) {
+  if (!f->colour) return NULL;
+  return is_shared(f, met) ? opponent : f->colour + f->k->before[met] / SMALL_BLOCK * 9;
+}
 
 /* -- weights ------------------------------------------------------------------------------------ */
 
@@ -99,6 +118,8 @@ static ylm_status find_edges(small_frame *f) {
   for (size_t i = 0; i < k->met; i++) {
     if (f->edge[i] == 0xff) f->edge[i] = k->level[i];
     if (f->edge[i] > depth) f->edge[i] = (uint8_t)depth;
+    const uint32_t *at = g->lattice + 3 * (size_t)k->place[i];
+    if (small_is_shared(g, f->head.finest, at)) f->edge[i] = (uint8_t)small_lattice_level(g, at);
   }
   return YLM_OK;
 }
@@ -114,7 +135,8 @@ static void weigh_degrees(small_frame *f) {
 
 ylm_status ylm__small_frame(small_frame *f, const small_layout *k, const small_head *head) {
   const ylm_grid *g = k->g;
-  *f = (small_frame){.g = g,
+  *f = (small_frame){.sums = ylm__small_kernels(),
+                     .g = g,
                      .k = k,
                      .head = *head,
                      .rows = g->rows,
@@ -221,8 +243,8 @@ void ylm__small_turn(uint32_t turn, float column[9]) {
   uint32_t largest = turn >> 30;
   for (uint32_t i = 0, bits = turn; i < 4; i++) {
     if (i == largest) continue;
-    double n = (double)(bits & 1023) - TURN_MOST;
-    q[i] = n / TURN_MOST * 0.70710678118654752;
+    double n = (double)(bits & 1023) - SMALL_TURN_MOST;
+    q[i] = n / SMALL_TURN_MOST * 0.70710678118654752;
     sum += q[i] * q[i];
     bits >>= 10;
   }
@@ -246,48 +268,6 @@ static bool is_before(const small_frame *f, uint32_t point, size_t met) {
   return point < f->g->evaluated && f->k->rank[point] < met;
 }
 
-int ylm__small_ways(const small_frame *f, size_t met) {
-  const small_source *s = &f->k->source[met];
-  int ways = s->parent[0] != YLM_GRID_NONE;
-  if ((ways && f->rows > 1) || s->kin == YLM_GRID_NONE) return ways;
-  const uint32_t *corner = kin_of(f, s);
-  for (int i = 0; i < 8; i++)
-    if (is_before(f, corner[i], met)) return ways | 2;
-  return ways;
-}
-
-static void add_row(float *restrict to, const float *restrict row, float weight, size_t n) {
-  for (size_t i = 0; i < n; i++) to[i] += weight * row[i];
-}
-
-static void scale_rows(float *to, size_t n, float by) {
-  for (size_t i = 0; i < n; i++) to[i] *= by;
-}
-
-/* The place of a point in a cell's half-edge lattice. */
-static uint32_t place_in(const ylm_grid *g, const ylm_grid_cell *c, const uint32_t at[3]) {
-  uint32_t half = ylm__grid_edge(g, c) / 2, place = 0;
-  for (int a = 2; a >= 0; a--) place = 3 * place + (at[a] - c->origin[a]) / half;
-  return place;
-}
-
-/* A prediction of one row of a point: rows of corners and their weights. */
-typedef struct small_mix {
-  int n;
-  const float *row[SMALL_PARENTS * ROWS];
-  float weight[SMALL_PARENTS * ROWS];
-} small_mix;
-
-/* Sums in the order of their terms, LANES numbers at a time. n: a multiple of LANES. */
-static void mix_rows(const small_mix *m, float scale, float *restrict to, size_t n) {
-  for (size_t i = 0; i < n; i += LANES) {
-    float sum[LANES] = {0};
-    for (int t = 0; t < m->n; t++)
-      for (size_t k = 0; k < LANES; k++) sum[k] += m->weight[t] * m->row[t][i + k];
-    for (size_t k = 0; k < LANES; k++) to[i + k] = sum[k] * scale;
-  }
-}
-
 /* Points before and behind a point along an axis, at a half of its parent's edges. */
 typedef struct small_pair {
   uint32_t low, high;
@@ -303,6 +283,106 @@ static void find_pair(const small_frame *f, size_t met, const uint32_t at[3], in
   place[axis] += 2 * half;
   pair->high = ylm__lattice_hash_find(&f->g->hash, lattice_key(place));
   pair->known = is_before(f, pair->low, met) && is_before(f, pair->high, met);
+}
+
+/* Points that predict a shared point: those on both sides along the axes by which it is in the middle of the lattice's cells,
+   else, in the middle of a face, its corners. All parts that have the point have these. */
+typedef struct small_lattice {
+  int pairs, axis[2]; /* axes of the face */
+  small_pair pair[3];
+  uint32_t corner[4]; /* bit 0: behind along axis[0] */
+  bool known;         /* corners */
+  float h[3];         /* edges */
+} small_lattice;
+
+/* The corners of the face that a point is in the middle of. */
+static void find_corners(const small_frame *f, size_t met, const uint32_t at[3], uint32_t half,
+                         small_lattice *l) {
+  l->known = true;
+  for (int i = 0; i < 4; i++) {
+    uint32_t place[3];
+    memcpy(place, at, sizeof place);
+    for (int k = 0; k < 2; k++) {
+      int a = l->axis[k];
+      place[a] = i >> k & 1 ? place[a] + half : place[a] - half;
+    }
+    l->corner[i] = ylm__lattice_hash_find(&f->g->hash, lattice_key(place));
+    l->known &= is_before(f, l->corner[i], met);
+  }
+}
+
+/* False: nothing predicts the point, as where cells are larger than those of the top. */
+static bool find_lattice(const small_frame *f, size_t met, small_lattice *l) {
+  const uint32_t *at = place_of(f, met);
+  uint32_t all = at[0] | at[1] | at[2], half = all & -all;
+  int middles = 0;
+  *l = (small_lattice){.pairs = 0};
+  if (small_lattice_level(f->g, at) <= (int)f->head.finest) return false;
+  for (int a = 0; a < 3; a++) {
+    l->h[a] = (float)(f->voxel[a] * (2 * half));
+    if (!(at[a] & half)) continue;
+    if (middles < 2) l->axis[middles] = a;
+    middles++;
+    find_pair(f, met, at, a, half, &l->pair[a]);
+    l->pairs += l->pair[a].known;
+  }
+  if (!l->pairs && middles == 2) find_corners(f, met, at, half, l);
+  return l->pairs || l->known;
+}
+
+int ylm__small_ways(const small_frame *f, size_t met) {
+  small_lattice l;
+  if (is_shared(f, met)) return find_lattice(f, met, &l);
+  const small_source *s = &f->k->source[met];
+  int ways = s->parent[0] != YLM_GRID_NONE;
+  if ((ways && f->rows > 1) || s->kin == YLM_GRID_NONE) return ways;
+  const uint32_t *corner = kin_of(f, s);
+  for (int i = 0; i < 8; i++)
+    if (is_before(f, corner[i], met)) return ways | 2;
+  return ways;
+}
+
+static void add_row(float *restrict to, const float *restrict row, float weight, size_t n) {
+  for (size_t i = 0; i < n; i++) to[i] += weight * row[i];
+}
+
+static void mix(const small_mix *m, float scale, float *restrict to, size_t n) {
+  for (size_t i = 0; i < n; i++) {
+    float sum = 0;
+    for (int t = 0; t < m->n; t++) sum += m->weight[t] * m->row[t][i];
+    to[i] = sum * scale;
+  }
+}
+
+static void turn(const float *column, const float *number, float *to, size_t n) {
+  memset(to, 0, n * sizeof *to);
+  for (size_t k = 0; k < n; k++)
+    if (number[k] != 0) add_row(to, column + k * n, number[k], n);
+}
+
+static void colour(const float v[9], const float *x, float step, const float *by, float *to,
+                   size_t n) {
+  for (size_t c = 0; c < 3; c++)
+    for (size_t k = 0; k < n; k++) {
+      float sum = v[c] * x[k] + v[3 + c] * x[n + k];
+      sum += v[6 + c] * x[2 * n + k];
+      to[c * n + k] += sum * step * by[k];
+    }
+}
+
+/* The plain form, which judges the others. */
+const small_kernels ylm__small_plain = {mix, turn, colour};
+YLM_KERNEL_CHOICE(const small_kernels, ylm__small_kernels, ylm_k_small, &ylm__small_plain);
+
+static void scale_rows(float *to, size_t n, float by) {
+  for (size_t i = 0; i < n; i++) to[i] *= by;
+}
+
+/* The place of a point in a cell's half-edge lattice. */
+static uint32_t place_in(const ylm_grid *g, const ylm_grid_cell *c, const uint32_t at[3]) {
+  uint32_t half = ylm__grid_edge(g, c) / 2, place = 0;
+  for (int a = 2; a >= 0; a--) place = 3 * place + (at[a] - c->origin[a]) / half;
+  return place;
 }
 
 static void add_term(const small_frame *f, small_mix *m, uint32_t point, int row, float weight) {
@@ -333,14 +413,14 @@ static void mix_pairs(const small_frame *f, const small_pair pair[3], const floa
     add_term(f, &m, pair[a].low, a + 1, 0.125f * h[a]);
     add_term(f, &m, pair[a].high, a + 1, -(0.125f * h[a]));
   }
-  mix_rows(&m, 1 / (float)pairs, to, f->g->stride);
+  f->sums->mix(&m, 1 / (float)pairs, to, f->g->stride);
 }
 
 /* By middles of edges and faces of its parent that are there; false: there are none on both sides of any axis. */
 static bool predict_by_middles(const small_frame *f, size_t met, float *row) {
   const ylm_grid *g = f->g;
   const ylm_grid_cell *c = &g->cell[f->k->source[met].parent[0]];
-  const uint32_t *at = g->lattice + 3 * (size_t)f->k->place[met];
+  const uint32_t *at = place_of(f, met);
   uint32_t half = ylm__grid_edge(g, c) / 2;
   small_pair pair[3] = {{.known = false}};
   float h[3];
@@ -356,11 +436,46 @@ static bool predict_by_middles(const small_frame *f, size_t met, float *row) {
   return pairs > 0;
 }
 
+/* One row from the corners of a face, as if the middles of its edges were predicted by these first. */
+static void mix_corners(const small_frame *f, const small_lattice *l, size_t row, float *to) {
+  small_mix m = {.n = 0};
+  for (int i = 0; i < 4; i++) {
+    uint32_t p = l->corner[i];
+    bool own = false;
+    for (int k = 0; k < 2; k++) {
+      int a = l->axis[k];
+      bool behind = i >> k & 1;
+      if ((int)row == a + 1) {
+        float slope = 0.75f / l->h[a];
+        own = true;
+        add_term(f, &m, p, 0, behind ? slope : -slope);
+        add_term(f, &m, p, a + 1, -0.125f);
+      }
+      if (!row && f->rows > 1)
+        add_term(f, &m, p, a + 1, behind ? -(0.0625f * l->h[a]) : 0.0625f * l->h[a]);
+    }
+    if (!own) add_term(f, &m, p, (int)row, 0.25f);
+  }
+  f->sums->mix(&m, 1, to, f->g->stride);
+}
+
+static void predict_by_lattice(const small_frame *f, size_t met, float *row) {
+  small_lattice l;
+  find_lattice(f, met, &l);
+  for (size_t r = 0; r < f->rows; r++) {
+    float *to = row + r * f->g->stride;
+    if (l.pairs)
+      mix_pairs(f, l.pair, l.h, r, to);
+    else
+      mix_corners(f, &l, r, to);
+  }
+}
+
 static void predict_by_parents(const small_frame *f, size_t met, float *row) {
   if (predict_by_middles(f, met, row)) return;
   const ylm_grid *g = f->g;
   const small_source *s = &f->k->source[met];
-  const uint32_t *at = g->lattice + 3 * (size_t)f->k->place[met];
+  const uint32_t *at = place_of(f, met);
   const small_terms *terms[SMALL_PARENTS];
   const ylm_grid_cell *parent[SMALL_PARENTS];
   int parents = 0;
@@ -376,7 +491,7 @@ static void predict_by_parents(const small_frame *f, size_t met, float *row) {
         m.row[m.n] = ylm__grid_row(g, parent[p]->corner[which & 7], which >> 3);
         m.weight[m.n++] = terms[p][r].weight[i];
       }
-    mix_rows(&m, 1 / (float)parents, row + r * g->stride, g->stride);
+    f->sums->mix(&m, 1 / (float)parents, row + r * g->stride, g->stride);
   }
 }
 
@@ -407,8 +522,8 @@ static void predict_by_kin(const small_frame *f, size_t met, float *row) {
 }
 
 void ylm__small_predict(const small_frame *f, size_t met, int way, float *row) {
-  memset(row, 0, f->rows * f->g->stride * sizeof *row);
-  if (way == 1) predict_by_parents(f, met, row);
+  if (way != 1) memset(row, 0, f->rows * f->g->stride * sizeof *row);
+  if (way == 1) (is_shared(f, met) ? predict_by_lattice : predict_by_parents)(f, met, row);
   if (way == 2) predict_by_kin(f, met, row);
 }
 
@@ -448,40 +563,25 @@ static void turn_back(const small_frame *f, size_t kind, const float *number, fl
   const small_basis *b = &f->basis;
   size_t count = (size_t)b->count;
   const float *column = b->column + kind * b->size;
-  if (b->turn == SMALL_AS_THEY_ARE) {
-    memcpy(to, number, count * sizeof *to);
-    return;
+  if (b->turn == SMALL_AS_THEY_ARE) memcpy(to, number, count * sizeof *to);
+  if (b->turn == SMALL_ALL) f->sums->turn(column, number, to, count);
+  for (size_t l = 0, n = 1; b->turn == SMALL_BY_DEGREE && l <= (size_t)b->lmax; l++, n += 2) {
+    f->sums->turn(column, number + l * l, to + l * l, n);
+    column += n * n;
   }
-  memset(to, 0, count * sizeof *to);
-  if (b->turn == SMALL_ALL) {
-    for (size_t k = 0; k < count; k++)
-      if (number[k] != 0) add_row(to, column + k * count, number[k], count);
-    return;
-  }
-  for (size_t l = 0, at = 0; l <= (size_t)b->lmax; at += (2 * l + 1) * (2 * l + 1), l++)
-    for (size_t k = 0; k <= 2 * l; k++)
-      if (number[l * l + k] != 0)
-        add_row(to + l * l, column + at + k * (2 * l + 1), number[l * l + k], 2 * l + 1);
 }
 
 void ylm__small_add(const small_frame *f, size_t met, const float step[4], const float *number,
                     const uint8_t *used, float *row, float *room) {
   size_t count = (size_t)f->count;
-  const float *v = f->colour ? f->colour + f->k->before[met] / SMALL_BLOCK * 9 : NULL;
+  const float *v = colours_of(f, met);
   for (size_t r = 0; r < f->rows; r++) {
     float *to = row + r * f->g->stride;
     if (!used[r]) continue;
     for (size_t c = 0; c < (size_t)f->channels; c++)
       turn_back(f, r, number + r * f->width + c * count, room + c * count);
-    for (size_t c = 0; c < (size_t)f->channels; c++)
-      for (size_t k = 0; k < count; k++) {
-        float x = room[c * count + k];
-        if (v) {
-          x = v[c] * room[k] + v[3 + c] * room[count + k];
-          x += v[6 + c] * room[2 * count + k];
-        }
-        to[c * count + k] += x * step[r] * f->unweight[k];
-      }
+    if (v) f->sums->colour(v, room, step[r], f->unweight, to, count);
+    for (size_t k = 0; !v && k < count; k++) to[k] += room[k] * step[r] * f->unweight[k];
   }
 }
 
@@ -509,7 +609,7 @@ static void turn_to(const small_frame *f, size_t kind, const float *x, float *to
 void ylm__small_difference(const small_frame *f, size_t met, const float step[4], const float *row,
                            const float *predicted, float *number, float *room) {
   size_t count = (size_t)f->count;
-  const float *v = f->colour ? f->colour + f->k->before[met] / SMALL_BLOCK * 9 : NULL;
+  const float *v = colours_of(f, met);
   for (size_t r = 0; r < f->rows; r++) {
     float *to = number + r * f->width;
     const float *a = row + r * f->g->stride, *b = predicted + r * f->g->stride;

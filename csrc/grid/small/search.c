@@ -1,8 +1,4 @@
-/*
-** search.c - the step of rounding that a tolerance or a number of bytes asks for.
-**
-** Each step that is tried is encoded in full, and what it decodes to is measured.
-*/
+/* search.c - a grid rounded as is asked for: each step that is tried is encoded in full, and what it decodes to is measured. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,13 +7,7 @@
 #include "small.h"
 
 #define PLACES 16384 /* that rounding is looked at, where no panel judges */
-#define TRIES 8
-#define LEAST_STEP 1e-7
-#define MOST_STEP 1.0
-#define CLOSE 0.985    /* of a tolerance or a number of bytes: no more is searched for */
-#define PER_STEP 0.416 /* of rounding's 99 %: times the root of the row's width */
-#define STEEP 0.6      /* bytes fall as step^-STEEP, until two sizes say how they do */
-#define AIM 0.993      /* of the bytes that are asked for */
+#define TRIES 8      /* as hunt.c has */
 #define SEED 0x736d616c6cu
 #define NORMALS 6
 
@@ -33,7 +23,6 @@ typedef struct search {
   const panel *judge; /* NULL: none */
   measure m;
   double *error, *total;
-  double steep;
   uint64_t tried;
 } search;
 
@@ -52,7 +41,6 @@ static ylm_status draw_places(search *s) {
       leaf[leaves++] = (uint32_t)i;
   for (size_t i = 0; !leaves && i < g->contents.octree_cells; i++)
     if (g->cell[i].flags & YLM_GRID_LEAF) leaf[leaves++] = (uint32_t)i;
-  s->n = PLACES;
   s->place = ylm_alloc(s->n, sizeof *s->place);
   ylm_rng_seed(&rng, SEED, 0);
   for (size_t i = 0; s->place && i < s->n; i++) {
@@ -114,21 +102,30 @@ static double error_at(const search *s, size_t i, const float *row, const float 
   return worst;
 }
 
+static void forget(search *s) {
+  ylm_free(s->place);
+  ylm_free(s->before);
+  ylm_free(s->error);
+  ylm_free(s->total);
+}
+
 static int by_size(const void *a, const void *b) {
   double x = *(const double *)a, y = *(const double *)b;
   return x < y ? -1 : x > y;
 }
+
+void ylm__small_sort(double *error, size_t n) { qsort(error, n, sizeof *error, by_size); }
 
 /* Errors, sorted, of those that are not left out; how many there are. */
 static size_t sort_errors(double *error, size_t n) {
   size_t kept = 0;
   for (size_t i = 0; i < n; i++)
     if (error[i] >= 0) error[kept++] = error[i];
-  qsort(error, kept, sizeof *error, by_size);
+  ylm__small_sort(error, kept);
   return kept;
 }
 
-static double quantile(const double *error, size_t n, double q) {
+double ylm__small_quantile(const double *error, size_t n, double q) {
   return n ? error[(size_t)(q * (double)(n - 1))] : 0;
 }
 
@@ -153,10 +150,10 @@ static ylm_status judge(search *s) {
   size_t n = sort_errors(s->error, s->n), totals = sort_errors(s->total, s->n);
   const ylm_grid_stats *stats = &s->from->stats;
   *r = (ylm_grid_small_report){.before = stats->error,
-                               .rounding = quantile(s->error, n, 0.99),
-                               .largest = quantile(s->error, n, 1),
-                               .middle = s->judge ? quantile(s->total, totals, 0.5)
-                                                  : quantile(s->error, n, 0.5),
+                               .rounding = ylm__small_quantile(s->error, n, 0.99),
+                               .largest = ylm__small_quantile(s->error, n, 1),
+                               .middle = s->judge ? ylm__small_quantile(s->total, totals, 0.5)
+                                                  : ylm__small_quantile(s->error, n, 0.5),
                                .places = n,
                                .judged = s->judge != NULL,
                                .confidence = 1 - DOUBT,
@@ -168,41 +165,26 @@ static ylm_status judge(search *s) {
 
 /* -- searching ------------------------------------------------------------------------------------------------ */
 
-/* The size that is searched for, over what is asked for: at most 1. An error that is not known is that of rounding alone. */
-static double ratio(const search *s) {
+#define PARTS 1000 /* of a try, in progress */
+
+static ylm_status say(void *self, double done) {
+  const search *s = self;
+  return ylm_report(s->how->progress, s->tried * PARTS + (uint64_t)(done * PARTS),
+                    (TRIES + 1) * PARTS, "rounding");
+}
+
+/* Encodes by a step: the error in all, of rounding alone where the grid's own is not known, or the bytes. */
+static ylm_status try_step(void *self, double step, double *found) {
+  search *s = self;
+  ylm_status status = ylm__small_round(s->k, (float)step, say, s);
+  s->tried++;
+  if (status == YLM_OK) status = judge(s);
+  if (status != YLM_OK) return status;
   const small_packed *p = ylm__small_packed_of(s->k);
-  if (s->how->bytes) return (double)s->size(ylm__small_grid_of(s->k), p) / (double)s->how->bytes;
-  double error = isnan(p->report.error) ? p->report.largest : p->report.error;
-  return error / s->how->tolerance;
-}
-
-/* The grid's own error, or what stands for one that is not known. */
-static double own_error(const search *s, double unknown) {
-  return isnan(s->from->stats.error) ? unknown : s->from->stats.error;
-}
-
-/* The next step, from a step whose ratio is known. */
-static double guess(const search *s, double step, double found) {
-  double before = own_error(s, 0) / s->how->tolerance;
-  if (s->how->bytes) return step * pow(found / AIM, 1 / s->steep);
-  if (!s->judge) return found > before ? step * (1 - before) / (found - before) * 0.995 : 2 * step;
-  double squares = found * found - before * before;
-  return squares > 0 ? step * sqrt((1 - before * before) / squares) * 0.995 : 2 * step;
-}
-
-static double first_step(const search *s) {
-  double before = own_error(s, 0), t = s->how->tolerance;
-  if (s->how->bytes) return fmax(1e-4, 0.3 * own_error(s, 0.01));
-  double part = s->judge ? sqrt(fmax(t * t - before * before, 1e-4 * t * t))
-                         : fmax(t - before, 0.01 * t) / 1.3;
-  return part / (PER_STEP * sqrt((double)s->from->width));
-}
-
-static ylm_status try_step(search *s, double *step) {
-  *step = fmin(fmax(*step, LEAST_STEP), MOST_STEP);
-  ylm_status status = ylm_report(s->how->progress, s->tried++, TRIES + 1, "rounding");
-  if (status == YLM_OK) status = ylm__small_round(s->k, (float)*step);
-  return status == YLM_OK ? judge(s) : status;
+  *found = s->how->bytes            ? (double)s->size(ylm__small_grid_of(s->k), p)
+           : isnan(p->report.error) ? p->report.largest
+                                    : p->report.error;
+  return YLM_OK;
 }
 
 static ylm_status not_to_be_had(const search *s) {
@@ -220,38 +202,22 @@ static ylm_status not_to_be_had(const search *s) {
                   r->before, s->how->tolerance);
 }
 
-/* Brackets the step between one that is too fine, or fine enough, and one that is coarser; then narrows this. */
 static ylm_status look_for_step(search *s) {
-  double fine = 0, coarse = INFINITY, step = first_step(s), last_step = 0, last_ratio = 1;
-  for (int i = 0; i < TRIES; i++) {
-    ylm_status status = try_step(s, &step);
-    if (status != YLM_OK) return status;
-    double r = ratio(s);
-    if (last_step > 0) s->steep = fmin(fmax(log(r / last_ratio) / log(last_step / step), 0.15), 2);
-    last_step = step;
-    last_ratio = r;
-    bool is_fine = s->how->bytes ? r > 1 : r <= 1;
-    if (is_fine)
-      fine = fmax(fine, step);
-    else
-      coarse = fmin(coarse, step);
-    if (r <= 1 && r > CLOSE) return YLM_OK;
-    if (step >= (is_fine ? MOST_STEP : INFINITY) || step <= (is_fine ? 0 : LEAST_STEP)) break;
-    double next = guess(s, step, r);
-    if (!(next > fine * 1.0005 && next < coarse * 0.9995))
-      next = fine > 0 && coarse < INFINITY ? sqrt(fine * coarse) : fine > 0 ? 2 * step : step / 4;
-    step = next;
-  }
-  double best = s->how->bytes ? coarse : fine;
-  if (!(best > 0 && best < INFINITY)) return not_to_be_had(s);
-  if (last_step == best) return YLM_OK;
-  ylm_status status = try_step(s, &best);
-  return status == YLM_OK && ratio(s) > 1 ? not_to_be_had(s) : status;
+  double step = s->how->step, found;
+  if (step > 0) return try_step(s, step, &found);
+  small_hunt h = {.how = s->how,
+                  .before = s->from->stats.error,
+                  .judged = s->judge != NULL,
+                  .width = s->from->width,
+                  .round = try_step,
+                  .self = s};
+  ylm_status status = ylm__small_hunt(&h, &step);
+  return status == YLM_ELIMIT ? not_to_be_had(s) : status;
 }
 
 ylm_status ylm__small_search(small_encoder *k, const ylm_grid *from, const ylm_grid_small *how,
                              small_size_fn *size, ylm_error *e) {
-  search s = {.k = k, .from = from, .how = how, .size = size, .e = e, .steep = STEEP};
+  search s = {.k = k, .from = from, .how = how, .size = size, .e = e, .n = PLACES};
   if (from->panel && from->panel->points.n) s.judge = &from->panel->points;
   ylm_status status = take_places(&s);
   s.before = ylm_alloc(s.n, from->width * sizeof *s.before);
@@ -264,12 +230,28 @@ ylm_status ylm__small_search(small_encoder *k, const ylm_grid *from, const ylm_g
       s.m = from->panel->measure;
     else
       find_means(&s);
-    double step = how->step;
-    status = step > 0 ? try_step(&s, &step) : look_for_step(&s);
+    status = look_for_step(&s);
   }
-  ylm_free(s.place);
-  ylm_free(s.before);
-  ylm_free(s.error);
-  ylm_free(s.total);
+  forget(&s);
+  return status;
+}
+
+ylm_status ylm__small_roundings(small_encoder *k, const ylm_grid *from, int threads, size_t n,
+                                double *error, ylm_error *e) {
+  search s = {.k = k, .from = from, .how = &(ylm_grid_small){.threads = threads}, .e = e, .n = n};
+  ylm_status status = draw_places(&s);
+  s.before = ylm_alloc(n, from->width * sizeof *s.before);
+  float *value = ylm_alloc(n, from->width * sizeof *value);
+  if (status == YLM_OK && !(s.before && value)) status = YLM_ENOMEM;
+  if (status == YLM_OK) status = sample(&s, from, s.before);
+  if (status == YLM_OK) status = sample(&s, ylm__small_grid_of(k), value);
+  if (status == YLM_OK) find_means(&s);
+  for (size_t i = 0; status == YLM_OK && i < n; i++) {
+    double x = error_at(&s, i, value + i * from->width, s.before + i * from->width);
+    error[i] = isnan(x) ? INFINITY : x;
+  }
+  ylm_free(value);
+  forget(&s);
+  if (status == YLM_OK) ylm__small_sort(error, n);
   return status;
 }

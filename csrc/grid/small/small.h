@@ -20,6 +20,37 @@
 #define SMALL_TURN_LMAX 40 /* up to which a degree has no more of them */
 #define SMALL_KINDS 6      /* of classes: values and slopes, of each channel */
 
+#define SMALL_LOOSE 0xff    /* level of points that no cell has brought */
+#define SMALL_TURN_MOST 511 /* of 10 bits with a sign */
+#define SMALL_RISE 0.08f    /* numbers are read as larger by it */
+
+/* Constants that other decoders need, by their names there. */
+#define SMALL_CONSTANTS(X)                                                                         \
+  X(NONE, YLM_GRID_NONE)                                                                           \
+  X(LEAF, YLM_GRID_LEAF)                                                                           \
+  X(OCCUPIED, YLM_GRID_OCCUPIED)                                                                   \
+  X(BAKED, YLM_GRID_BAKED)                                                                         \
+  X(CROSSED, YLM_GRID_CROSSED)                                                                     \
+  X(BRICK, YLM_GRID_BRICK)                                                                         \
+  X(LOOSE, SMALL_LOOSE)                                                                            \
+  X(BLOCK, SMALL_BLOCK)                                                                            \
+  X(PARENTS, SMALL_PARENTS)                                                                        \
+  X(CLASSES, SMALL_CLASSES)                                                                        \
+  X(TURN_MOST, SMALL_TURN_MOST)                                                                    \
+  X(RISE, SMALL_RISE)                                                                              \
+  X(EVEN, CODER_EVEN)                                                                              \
+  X(QUICK, CODER_QUICK)                                                                            \
+  X(SLOW, CODER_SLOW)                                                                              \
+  X(LEAST, CODER_LEAST)                                                                            \
+  X(TOP, CODER_TOP)                                                                                \
+  X(TABLES, RANS_TABLES)                                                                           \
+  X(SYMBOLS, RANS_SYMBOLS)                                                                         \
+  X(MOST, RANS_MOST)                                                                               \
+  X(LONG, RANS_LONG)                                                                               \
+  X(LONG_BITS, RANS_LONG_BITS)                                                                     \
+  X(BITS, RANS_BITS)                                                                               \
+  X(STATES, RANS_STATES)
+
 /* How coefficients are turned. */
 typedef enum small_turn { SMALL_AS_THEY_ARE = 0, SMALL_BY_DEGREE = 1, SMALL_ALL = 2 } small_turn;
 
@@ -34,8 +65,27 @@ typedef struct small_head {
   float degree;      /* the least weight of a degree of irradiance; 1: all are alike */
   uint32_t loose;    /* points that are corners of no cell */
   uint64_t sides, parts, ghosts;
-  uint32_t flags, zero; /* SMALL_HAS_* */
+  uint32_t flags; /* SMALL_HAS_* */
+  uint32_t
+      finest; /* the finest level of cells of the top of the set that the grid is a part of; 0: it is a grid of its own */
 } small_head;
+
+/*
+** Parts of a set are read alone, and their neighbours' points on shared borders have to be the same bits. Points of the top,
+** and those on the border of a brick, are therefore coded first, by what all parts that have them know: their place in the
+** lattice, and each other.
+*/
+static inline bool small_is_shared(const ylm_grid *g, uint32_t finest, const uint32_t at[3]) {
+  bool shared = !g->contents.root_level;
+  for (int a = 0; a < 3; a++) shared |= at[a] == g->contents.root[a] || at[a] > g->last[a];
+  return finest && shared;
+}
+/* The level of cells of the lattice that a place is first a corner of. */
+static inline int small_lattice_level(const ylm_grid *g, const uint32_t at[3]) {
+  uint32_t all = at[0] | at[1] | at[2];
+  int depth = g->contents.form.depth, zeros = all ? __builtin_ctz(all) : depth;
+  return zeros < depth ? depth - zeros : 0;
+}
 
 /* -- layout.c: cells, points and what predicts them ----------------------------------------------- */
 
@@ -69,6 +119,7 @@ typedef struct small_layout {
   size_t before_room;
   lattice_hash ghost; /* the last ghost at a corner */
   size_t loose;
+  uint32_t finest; /* as of small_head */
   struct layout_chances *chance;
   const char *bad; /* the error of a damaged stream */
   size_t most_cells, most_points;
@@ -97,6 +148,7 @@ typedef struct small_basis {
 
 /* Steps and predictions of a grid's rows. */
 typedef struct small_frame {
+  const struct small_kernels *sums;
   const ylm_grid *g;
   const small_layout *k;
   small_head head;
@@ -145,7 +197,7 @@ int ylm__small_exponent(const small_frame *f, const float *row);
 float ylm__small_norm(int e);
 /* A number as it is read. */
 static inline float small_read_as(int32_t q) {
-  return q > 0 ? (float)q + 0.08f : q < 0 ? (float)q - 0.08f : 0.0f;
+  return q > 0 ? (float)q + SMALL_RISE : q < 0 ? (float)q - SMALL_RISE : 0.0f;
 }
 /* The class of a point's numbers, by the sum of their sizes. */
 static inline uint32_t small_class(uint64_t sum) {
@@ -156,6 +208,30 @@ static inline uint32_t small_class(uint64_t sum) {
   while (c + 1 < SMALL_CLASSES && sum >= from[c + 1]) c++;
   return c;
 }
+
+/* -- mix.isa.c: sums that take most of the time; equal bits in all sets --------------------------------- */
+
+#define SMALL_LANES 8 /* numbers that are summed side by side: strides are multiples of it */
+#define SMALL_TERMS (SMALL_PARENTS * 32)
+
+/* A prediction of one row of a point: rows of corners and their weights. */
+typedef struct small_mix {
+  int n;
+  const float *row[SMALL_TERMS];
+  float weight[SMALL_TERMS];
+} small_mix;
+
+typedef struct small_kernels {
+  /* Sums in the order of their terms, scaled. n: a multiple of SMALL_LANES. */
+  void (*mix)(const small_mix *m, float scale, float *to, size_t n);
+  /* to[n] = the sum of number[k] times column k of [n][n]. */
+  void (*turn)(const float *column, const float *number, float *to, size_t n);
+  /* to[3][n] += the turned colours of x[3][n], times step and by[n]. */
+  void (*colour)(const float v[9], const float *x, float step, const float *by, float *to,
+                 size_t n);
+} small_kernels;
+const small_kernels *ylm__small_kernels(void);
+extern const small_kernels ylm__small_plain;
 
 /* -- stream.c: points as streams ---------------------------------------------------------------------- */
 
@@ -197,8 +273,8 @@ void ylm__small_point_code(small_points *s, const small_frame *f, int ways, int 
 /* -- learn.c: bases ------------------------------------------------------------------------------------- */
 
 /* Bases of the differences between a grid's own rows and predictions by the rows that the grid in the making has; exponents
-   [met] of the light's norms. */
-ylm_status ylm__small_learn(small_frame *f, const int16_t *exponent);
+   [met] of the light's norms. entry: the turn of coefficients that is known; NULL: it is learnt. */
+ylm_status ylm__small_learn(small_frame *f, const int16_t *exponent, const int8_t *entry);
 
 /* -- encode.c --------------------------------------------------------------------------------------------- */
 
@@ -212,12 +288,35 @@ typedef struct small_packed {
 
 void ylm__small_packed_free(small_packed *p);
 
+/* Sizes of points' light. */
+#define SMALL_NORM_BINS 1024 /* half octaves */
+typedef struct small_norms {
+  uint64_t points, bin[SMALL_NORM_BINS];
+  double means; /* the sum of the sizes of their means */
+} small_norms;
+void ylm__small_count_norms(const ylm_grid *g, small_norms *n);
+/* Facts that all parts of a set share. */
+typedef struct small_common {
+  float least, most; /* as of small_head */
+  uint32_t finest;
+  size_t points; /* of a part, in the mean: they choose the turn of coefficients; 0: not known */
+  small_turn turn;
+  int8_t *entry; /* of that turn (ylm_free); NULL: it is learnt */
+} small_common;
+
 /* An encoding under way: the grid in the making holds what readers will decode. */
 typedef struct small_encoder small_encoder;
-ylm_status ylm__small_encoder(const ylm_grid *from, int threads, small_encoder **out);
+/* common: NULL for a grid of its own. */
+ylm_status ylm__small_encoder(const ylm_grid *from, const small_common *common, int threads,
+                              small_encoder **out);
+small_common ylm__small_common_of(const small_norms *n, const ylm_grid_form *form);
 void ylm__small_encoder_free(small_encoder *k);
-/* Rounds and codes all points with a step relative to the light's norm. */
-ylm_status ylm__small_round(small_encoder *k, float step);
+/* Rounds and codes all points with a step relative to the light's norm; look, which may be NULL, is called now and then with the
+   part that is done, and ends it by another status than YLM_OK. */
+typedef ylm_status small_look(void *self, double done);
+ylm_status ylm__small_round(small_encoder *k, float step, small_look *look, void *self);
+/* The turn of coefficients that a grid learns at a step, for all parts of its set: c->turn and c->entry. */
+ylm_status ylm__small_learn_common(const ylm_grid *from, float step, small_common *c);
 small_packed *ylm__small_packed_of(small_encoder *k);
 ylm_grid *ylm__small_grid_of(small_encoder *k);
 
@@ -231,6 +330,24 @@ float ylm__small_norm_of(const ylm_grid *g, const float *row);
 /* Whether a header is of a kind that this reader knows. */
 bool ylm__small_head_holds(const small_head *h, const ylm_grid *g);
 
+/* -- hunt.c: the step of rounding that is asked for ------------------------------------------------------------ */
+
+typedef struct small_hunt {
+  const ylm_grid_small *how;
+  double before; /* the error of the grid; NAN: not known */
+  bool judged;   /* errors add as squares: those of the exact light are known */
+  size_t width;  /* of rows */
+  /* Rounds by a step: what this errs by in all, or the bytes that it takes. */
+  ylm_status (*round)(void *self, double step, double *found);
+  void *self;
+  int tries; /* 0: the usual number */
+  double steep;
+} small_hunt;
+/* The step that asks for no more than what is asked for; the last that was rounded by. YLM_ELIMIT: there is none. */
+ylm_status ylm__small_hunt(small_hunt *h, double *step);
+/* The step that may do, after one by which `found` was found. */
+double ylm__small_next_step(const small_hunt *h, double step, double found);
+
 /* -- search.c ------------------------------------------------------------------------------------------------ */
 
 /* Bytes of the file that a grid and its sections are. */
@@ -238,5 +355,10 @@ typedef uint64_t small_size_fn(const ylm_grid *g, const small_packed *small);
 /* Searches the step that is asked for. */
 ylm_status ylm__small_search(small_encoder *k, const ylm_grid *from, const ylm_grid_small *how,
                              small_size_fn *size, ylm_error *e);
+/* Errors of rounding at n random places of a grid that is rounded, sorted: error [n]. */
+ylm_status ylm__small_roundings(small_encoder *k, const ylm_grid *from, int threads, size_t n,
+                                double *error, ylm_error *e);
+void ylm__small_sort(double *error, size_t n);
+double ylm__small_quantile(const double *error, size_t n, double q);
 
 #endif

@@ -29,7 +29,7 @@ static int grid_encode(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-static void push_small_report(lua_State *L, const ylm_grid_small_report *r) {
+void ylmL_grid_push_small(lua_State *L, const ylm_grid_small_report *r) {
   lua_newtable(L);
   ylmL_set_number(L, "error", r->error);
   ylmL_set_number(L, "confidence", r->confidence);
@@ -59,7 +59,7 @@ static int grid_encode_small(lua_State *L) {
   ylm_status s = ylm_grid_encode_small(g, &how, &data, &size, &report, &e);
   if (s == YLM_OK) {
     lua_pushlstring(L, (const char *)data, size);
-    push_small_report(L, &report);
+    ylmL_grid_push_small(L, &report);
   }
   ylm_free(data);
   return ylmL_result_progress(L, 2, s, &e, &progress);
@@ -69,7 +69,7 @@ static int grid_encode_small(lua_State *L) {
 static int grid_small(lua_State *L) {
   ylm_grid_small_report report;
   if (!ylm_grid_small_of(ylmL_grid_check(L, 1), &report)) return 0;
-  push_small_report(L, &report);
+  ylmL_grid_push_small(L, &report);
   return 1;
 }
 
@@ -116,6 +116,15 @@ static int grid_small_parts(lua_State *L) {
   return 1;
 }
 
+/* grid_small_constants() -> table: constants of the format by their names */
+static int grid_small_constants(lua_State *L) {
+  size_t n;
+  const ylm_grid_small_constant *list = ylm_grid_small_constants(&n);
+  lua_newtable(L);
+  for (size_t i = 0; i < n; i++) ylmL_set_number(L, list[i].name, list[i].value);
+  return 1;
+}
+
 /* One section of a file, as a table on the stack. */
 static void push_section(lua_State *L, const ylm_grid_file_section *s) {
   lua_newtable(L);
@@ -148,7 +157,7 @@ static int grid_file_look(lua_State *L) {
   }
   lua_setfield(L, -2, "sections");
   if (info.is_small) {
-    push_small_report(L, &info.small);
+    ylmL_grid_push_small(L, &info.small);
     lua_setfield(L, -2, "small");
   }
   ylm_grid_file_forget(&info);
@@ -184,6 +193,7 @@ static const luaL_Reg functions[] = {{"grid_write", grid_write},
                                      {"grid_encode_small", grid_encode_small},
                                      {"grid_small", grid_small},
                                      {"grid_small_parts", grid_small_parts},
+                                     {"grid_small_constants", grid_small_constants},
                                      {"grid_restate", grid_restate},
                                      {"grid_inherit", grid_inherit},
                                      {"grid_decode", grid_decode},

@@ -69,6 +69,36 @@ static int grid_set_pack(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
+/* grid_set_write_small(set, folder, tolerance or 0, bytes or 0, step or 0, threads, progress) -> bytes, report */
+static int grid_set_write_small(lua_State *L) {
+  lua_settop(L, 7);
+  ylm_grid_set *set = set_check(L, 1);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  ylmL_progress progress;
+  ylm_error e = {0};
+  ylm_grid_small how = {.tolerance = luaL_checknumber(L, 3),
+                        .bytes = (uint64_t)luaL_checknumber(L, 4),
+                        .step = luaL_checknumber(L, 5),
+                        .threads = (int)luaL_checknumber(L, 6),
+                        .progress = ylmL_progress_begin(L, 7, &progress)};
+  ylm_grid_small_report report;
+  uint64_t bytes = 0;
+  ylm_status s = ylm_grid_set_write_small(set, luaL_checkstring(L, 2), &how, &bytes, &report, &e);
+  if (s == YLM_OK) {
+    lua_pushnumber(L, (lua_Number)bytes);
+    ylmL_grid_push_small(L, &report);
+  }
+  return ylmL_result_progress(L, 2, s, &e, &progress);
+}
+
+/* grid_set_small(set) -> the report of a folder of few bytes; nil: it is none */
+static int grid_set_small(lua_State *L) {
+  ylm_grid_small_report report;
+  if (!ylm_grid_set_small_of(set_check(L, 1), &report)) return 0;
+  ylmL_grid_push_small(L, &report);
+  return 1;
+}
+
 /* grid_set_is_open(value) -> true for a set that has not been closed, false for a closed one, else nil */
 static int grid_set_is_open(lua_State *L) {
   ylm_grid_set **s = ylmL_test(L, 1, SET_TYPE);
@@ -92,6 +122,8 @@ static const luaL_Reg functions[] = {{"grid_set_open", grid_set_open},
                                      {"grid_set_is_open", grid_set_is_open},
                                      {"grid_set_close", grid_set_close},
                                      {"grid_set_pack", grid_set_pack},
+                                     {"grid_set_write_small", grid_set_write_small},
+                                     {"grid_set_small", grid_set_small},
                                      {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", grid_set_close}, {NULL, NULL}};

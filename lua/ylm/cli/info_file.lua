@@ -8,6 +8,7 @@ local form = { "quantity", "lmax", "channels", "bounds", "resolution", "depth", 
 local stats = { "points", "interpolated", "invalid", "tested", "cells", "leaves", "occupied", "levels", "continuity", "pairs",
   "outside", "error", "largest_error", "met", "limited", "verified" }
 
+local of_small = { "before", "rounding", "largest", "judged", "step" }
 local of_surfaces = { "error", "met", "rms", "corners", "rectangles", "rows", "charts", "places", "rounds", "rays", "verified",
   "failed", "seconds", "bytes" }
 
@@ -42,7 +43,7 @@ function kinds.grid(path, given)
   add(results, order, look.form, form)
   add(results, order, look.stats, stats)
   add(results, order, look, { "version", "bytes" })
-  if look.small then add(results, order, look.small, { "before", "rounding", "largest", "judged", "step" }) end
+  if look.small then add(results, order, look.small, of_small) end
   if given.json then
     results.sections = look.sections
     return results
@@ -61,6 +62,7 @@ function kinds.grid_set(path)
   for _, name in ipairs(form) do results[name], order[#order + 1] = set[name], name end
   add(results, order, of, stats)
   add(results, order, of, { "bricks", "brick_level", "file_bytes" })
+  if set.small then add(results, order, set.small, of_small) end
   return results, order
 end
 

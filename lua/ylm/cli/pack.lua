@@ -1,14 +1,15 @@
---- ylm pack big.ylmd -o big.ylm; ylm pack grid.ylm -o small.ylm --tolerance 0.01
+--- ylm pack big.ylmd -o big.ylm; ylm pack grid.ylm -o small.ylm --tolerance 0.01; ylm pack big.ylmd -o small.ylmd --bytes 2GB
 
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
 return {
-  summary = "a grid, or a folder of bricks, as one file, of few bytes where they are asked for",
-  usage = "GRID.ylmd|GRID.ylm -o GRID.ylm",
+  summary = "a grid, or a folder of bricks, as one file, of few bytes where they are asked for, or a folder of few bytes",
+  usage = "GRID.ylmd|GRID.ylm -o GRID.ylm|GRID.ylmd",
   least = 1, most = 1,
   options = {
-    { "output", "-o", "FILE", "the file (.ylm), or - for stdout; the grid has to fit into memory" },
+    { "output", "-o", "FILE", "the file (.ylm), or - for stdout; the grid has to fit into memory. Or a folder of few bytes "
+      .. "(.ylmd), brick by brick" },
     { "tolerance", nil, "N", "few bytes: interpolation and rounding err by this at most, in all, at 99 % of the places" },
     { "bytes", nil, "SIZE", "few bytes: at most so many (2MB, 500kB), with the least error" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
@@ -17,12 +18,16 @@ return {
     local ylm = require "ylm"
     if not given.output then status.stop(status.usage, "pack: -o FILE says where the file goes") end
     local to_stdout = given.output == "-"
-    if not to_stdout then status.need_output("pack", given.output, "ylm") end
+    local to_folder = given.output:lower():find "%.ylmd/*$"
+    if not to_stdout and not to_folder then status.need_output("pack", given.output, "ylm", "ylmd") end
     local few = status.few_bytes("pack", given)
     local grid = status.need(ylm.load(given[1]))
     local is_set = require "ylm.form".kind(grid) == "ylm.grid_set"
     local words = "a grid (name.ylm) or one in bricks (a folder name.ylmd)"
     if not is_set then grid = status.need_kind("ylm.grid", words, given[1], grid) end
+    if to_folder and not (is_set and few) then
+      status.stop(status.usage, "pack: a folder (.ylmd) is written of one, with --tolerance or --bytes: give a name of one file")
+    end
     if not is_set and not few then
       status.stop(status.usage, "pack: %s is one file already: --tolerance or --bytes make it a small one", given[1])
     end

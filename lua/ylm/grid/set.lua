@@ -31,6 +31,7 @@ require "ylm.describe".object "grid_set" {
     { "channels", "integer", "1 luminance, 3 rgb" },
     { "depth", "integer", "finest level; metric, continuous, tolerance or threshold likewise" },
     { "prints", "table", "as of a grid" },
+    { "small", "table", "of a folder of few bytes: its report" },
     { "stats", "table", "sums over all bricks: points (evaluated; one on a face of bricks counts for each that has baked it), "
       .. "interpolated, cells, leaves, levels, pairs, ...; bricks, brick_level: how many, and the level that was asked for; "
       .. "file_bytes: of all files of bricks; held: bytes of bricks in memory, reads: files read so far" },
@@ -144,14 +145,18 @@ local save_options = { small.options[1], small.options[2], small.options[3],
 }
 
 describe "grid_set:save" {
-  about = "Writes all bricks as one file, .ylm: the grid has to fit into memory, as it has to when that file is loaded. Or "
+  about = "Writes all bricks as one file, .ylm: the grid has to fit into memory, as it has to when that file is loaded. With "
+    .. "tolerance, bytes or step it writes another folder of few bytes, .ylmd, whose bricks are read one by one; one brick is in "
+    .. "memory then. Or "
     .. "writes the voxels for ParaView: NAME.pvtu, and NAME-K-of-N.vtu beside it: a file for each process, with a piece for "
     .. "each brick of its range; more where a file would have more than 64 bricks. One brick is in memory then; points on "
     .. "faces between bricks are in both.",
-  arguments = { { "path", "string", "ends in .ylm or .pvtu" }, { "options?", "table", "see the options" } },
+  arguments = { { "path", "string", "ends in .ylm, .ylmd or .pvtu" }, { "options?", "table", "see the options" } },
   options = save_options,
-  returns = { { "ok", "boolean", "true; or nil, message, 'EIO', 'ENOMEM' or what reading a brick says" } },
-  errors = "raises on a path that ends in something else; nil, 'cancelled', 'ECANCELLED' where progress returns false",
+  returns = { { "ok", "boolean", "true; or nil, message, 'EIO', 'ENOMEM' or what reading a brick says" },
+    { "report", "table", "of few bytes, as of grid:save; of a folder without sections" } },
+  errors = "raises on a path that ends in something else, and on a folder of a bake; nil, 'cancelled', 'ECANCELLED' where "
+    .. "progress returns false",
   example = [[
 local folder = os.tmpname() .. ".ylmd"
 local grid = assert(ylm.bake(ylm.adaptive_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, lmax = 1, depth = 3, threshold = 0.5 },
@@ -163,11 +168,17 @@ os.execute("rm -r " .. folder)]],
 }
 function methods.save(s, path, given)
   open(s, "save")
-  local ending = type(path) == "string" and not path:find "%z" and path:lower():match "%.(%w+)$"
-  if ending ~= "ylm" and ending ~= "pvtu" then
-    return check.bad(1, "save", "a path ending in .ylm or .pvtu expected, got %s", check.describe(path))
+  local ending = type(path) == "string" and not path:find "%z" and path:lower():match "%.(%w+)/*$"
+  if ending ~= "ylm" and ending ~= "ylmd" and ending ~= "pvtu" then
+    return check.bad(1, "save", "a path ending in .ylm, .ylmd or .pvtu expected, got %s", check.describe(path))
   end
   local o = form.options(2, "save", save_options, given)
+  if ending == "ylmd" then
+    if not small.is_asked(2, "save", o) then
+      return check.bad(2, "save", "a folder is written in few bytes: tolerance, bytes or step expected")
+    end
+    return small.save_set("save", s, path, o)
+  end
   if ending == "pvtu" then return require "ylm.grid.pvtu".save(s, path, o.team and o.team.handle or core.team_alone(), o) end
   local g, message, code = check.result("save", core.grid_set_pack(s, o.threads or 0, progress.of(o.progress)))
   if not g then return nil, message, code end
@@ -204,6 +215,7 @@ methods.__index = function(s, key)
   open(s, key)
   local f, stats = core.grid_set_look(s)
   if key == "stats" then return show.report(stats) end
+  if key == "small" then return core.grid_set_small(s) end
   return f[key]
 end
 

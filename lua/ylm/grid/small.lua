@@ -32,15 +32,27 @@ function small.is_asked(argument, name, o)
   return asked == 1
 end
 
+local function count(report, bytes, points)
+  report.bytes, report.points, report.bytes_per_point = bytes, points, bytes / points
+  return report
+end
+
 --- The bytes of a file and its report, or nil, message, code.
 function small.encode(name, g, o)
   local bytes, report, code = core.grid_encode_small(g, o.tolerance or 0, o.bytes or 0, o.step or 0, o.threads or 0,
     progress.of(o.progress))
   bytes, report, code = check.result(name, bytes, report, code)
   if not bytes then return nil, report, code end
-  report.bytes, report.points = #bytes, core.grid_stats(g).points
-  report.bytes_per_point = report.bytes / report.points
-  return bytes, report
+  return bytes, count(report, #bytes, core.grid_stats(g).points)
+end
+
+--- Writes a grid in bricks as a folder of few bytes: true and a report, or nil, message, code.
+function small.save_set(name, set, path, o)
+  local bytes, report, code = core.grid_set_write_small(set, (path:gsub("/+$", "")), o.tolerance or 0, o.bytes or 0, o.step or 0,
+    o.threads or 0, progress.of(o.progress))
+  bytes, report, code = check.result(name, bytes, report, code)
+  if not bytes then return nil, report, code end
+  return true, count(report, bytes, set.stats.points)
 end
 
 --- Writes a grid in few bytes: true and a report, or nil, message, code.

@@ -191,7 +191,8 @@ end
 local function html(sources, meta, data, poster, lmax)
   return filled(sources["page.html"], {
     VERSION = meta.version, TITLE = (meta.title:gsub('[<>&"]', entities)), STYLE = sources["style.css"],
-    POSTER = poster and ('<img id="poster" alt="" src="data:image/png;base64,%s">'):format(core.page_base64(poster)) or "",
+    POSTER = poster and ('<img id="poster" elementtiming="poster" alt="" src="data:image/png;base64,%s">'):format(
+      core.page_base64(poster)) or "",
     META = pack.json(meta), DATA = data, SHADERS = shaders(sources, lmax),
     SCRIPT = (sources["viewer.js"]:gsub("/%*@(%u+)@%*/", {
       FEW = meta.precision == "few" and sources["few.js"] or "", PROBES = meta.light and sources["probes.js"] or "",

@@ -12,6 +12,14 @@ local names = { "page.html", "style.css", "viewer.js", "few.js", "probes.js", "w
   "surface.frag.glsl", "scene.frag.glsl", "edge.vert.glsl", "flat.frag.glsl", "lobe.vert.glsl", "lamp.vert.glsl",
   "lamp.frag.glsl", "resolve.vert.glsl", "resolve.frag.glsl" }
 
+--- Constants of grids in few bytes, as an object of JavaScript.
+local function constants()
+  local list = {}
+  for name, value in pairs(core.grid_small_constants()) do list[#list + 1] = ("%s: %.17g"):format(name, value) end
+  table.sort(list)
+  return "{ " .. table.concat(list, ", ") .. " }"
+end
+
 --- The path of a module's file, as require finds it; Lua 5.1 lacks package.searchpath.
 local function path_of(module)
   if package.searchpath then return package.searchpath(module, package.path) end
@@ -37,6 +45,7 @@ function viewer.sources()
     out[name] = file:read "*a":gsub("LUMINANCE_%u", weights)
     file:close()
   end
+  out["few.js"] = out["few.js"]:gsub("/%*@CONSTANTS@%*/{}", (constants()))
   return out
 end
 

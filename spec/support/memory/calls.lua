@@ -297,6 +297,16 @@ end)
 calls["load a grid in few bytes"] = on(function(keep)
   return assert(grid():save(keep "s.ylm", { step = 0.1 })) and keep "s.ylm"
 end, function(path) return ylm.load(path) end)
+calls["save bricks in few bytes"] = on(function(keep) return few(), keep "f.ylmd" end, function(light, path)
+  local description = adaptive { threshold = 1, depth = 3, bricks = 1, lmax = 1 }
+  local set, message, code = ylm.bake(description, light, { folder = path, threads = 1, occupied = points(1) })
+  local ok, c
+  if set then ok, message, code = set:save(path .. "/few.ylmd", { step = 0.1 }) end
+  if ok then c, message, code = ylm.load(path .. "/few.ylmd") end
+  if c then c, message, code = c:sample(points(9)) end
+  os.execute("rm -rf " .. path)
+  return c, message, code
+end)
 calls["load a grid"] = on(function(keep) return grid():save(keep "g.ylm") and keep "g.ylm" end,
   function(path) return ylm.load(path) end)
 

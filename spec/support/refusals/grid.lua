@@ -266,7 +266,8 @@ return {
     { call = in_bricks(function(g) g:close() return g:sample { { 0, 0, 0 } } end), says = "sample: the grid has been closed" },
   },
   ["grid_set:save"] = {
-    { call = in_bricks(function(g) return g:save "grid.vtu" end), says = "a path ending in .ylm or .pvtu expected" },
+    { call = in_bricks(function(g) return g:save "grid.vtu" end), says = "a path ending in .ylm, .ylmd or .pvtu expected" },
+    { call = in_bricks(function(g) return g:save "few.ylmd" end), says = "a folder is written in few bytes" },
     { call = in_bricks(function(g) return g:save("grid.ylm", { cache = 1 }) end), says = "no field 'cache'" },
     { call = in_bricks(function(g) g:close() return g:save "grid.ylm" end), says = "save: the grid has been closed" },
   },

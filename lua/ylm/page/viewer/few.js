@@ -2,14 +2,14 @@
    layout.c, row.c, stream.c and rans.h, decode.c. Numbers that are floats there are rounded to floats here, one operation
    after another, so that decoded rows are the same bits. A stream that is damaged throws. */
 
-const FEW = { NONE: 0xffffffff, LEAF: 1, OCCUPIED: 2, BAKED: 4, CROSSED: 8, BRICK: 32, LOOSE: 255, BLOCK: 64, PARENTS: 4,
-  CLASSES: 32, LEAST: 256, TABLES: 64, SYMBOLS: 32, MOST: 10, LONG: 10, LONG_BITS: 25, SUM: 2048 };
+const FEW = /*@CONSTANTS@*/{};  /* those of csrc/grid/small/, by the library */
+FEW.SUM = 1 << FEW.BITS;
 const float = Math.fround;
 
 function damagedFew(what) { throw new Error('the grid is damaged: ' + what); }
 
 /* n estimates of a bit: the quick one and the slow one, in turn. */
-const chances = n => new Uint16Array(2 * n).fill(0x8000);
+const chances = n => new Uint16Array(2 * n).fill(FEW.EVEN);
 
 /* Bits with adaptive chances. An estimate is named by its list and its place there. */
 function fewCoder(bytes) {
@@ -20,7 +20,7 @@ function fewCoder(bytes) {
   function bitBy(zero) {
     const bound = (range >>> 16) * Math.min(Math.max(zero, FEW.LEAST), 65536 - FEW.LEAST), bit = code >= bound ? 1 : 0;
     if (bit) { range -= bound; code -= bound; } else range = bound;
-    while (range < 0x1000000) {
+    while (range < FEW.TOP) {
       range = range * 256;
       code = (code << 8 | next()) >>> 0;
     }
@@ -28,11 +28,11 @@ function fewCoder(bytes) {
   }
   function learn(p, i, bit) {
     if (bit) {
-      p[i] -= p[i] >> 4;
-      p[i + 1] -= p[i + 1] >> 7;
+      p[i] -= p[i] >> FEW.QUICK;
+      p[i + 1] -= p[i + 1] >> FEW.SLOW;
     } else {
-      p[i] += 65535 - p[i] >> 4;
-      p[i + 1] += 65535 - p[i + 1] >> 7;
+      p[i] += 65535 - p[i] >> FEW.QUICK;
+      p[i + 1] += 65535 - p[i + 1] >> FEW.SLOW;
     }
   }
   function bit(p, i) {
@@ -60,7 +60,7 @@ function fewCoder(bytes) {
     const bits = Math.min(symbol(p, from, 5), 30);
     let out = 1;
     if (bits) out = 2 + bit(p, from + 32 + bits);
-    for (let i = 1; i < bits; i++) out = 2 * out + bitBy(0x8000);
+    for (let i = 1; i < bits; i++) out = 2 * out + bitBy(FEW.EVEN);
     return out - 1;
   }
   function signed(p, from) {
@@ -246,7 +246,7 @@ function colourTurn(turn, column) {
   let sum = 0, bits = turn;
   for (let i = 0; i < 4; i++) {
     if (i === largest) continue;
-    q[i] = ((bits & 1023) - 511) / 511 * 0.70710678118654752;
+    q[i] = ((bits & 1023) - FEW.TURN_MOST) / FEW.TURN_MOST * 0.70710678118654752;
     sum += q[i] * q[i];
     bits >>>= 10;
   }
@@ -519,7 +519,7 @@ function fewNumbers(bytes, raw, slot) {
   function take(table) {
     let x = state[turn];
     const s = slot[table * FEW.SUM + (x & FEW.SUM - 1)], symbol = s & 31;
-    x = Math.imul(s >>> 5 & 0xfff, x >>> 11) + (s >>> 17) >>> 0;
+    x = Math.imul(s >>> 5 & 0xfff, x >>> FEW.BITS) + (s >>> 17) >>> 0;
     if (x < 65536) {
       if (at + 2 > bytes.length) damagedFew('its numbers');
       x = (x << 16 | bytes[at] | bytes[at + 1] << 8) >>> 0;
@@ -587,7 +587,7 @@ async function decodeFew(facts, s, rest) {
   const f = fewFrame(facts, head, layout, s.bases, s.frame), lists = 4 * f.channels, components = lists * f.count;
   const { table, slot } = fewTables(components, s.tables), coded = codedOf(table, f.count), numbers = fewNumbers(s.numbers, s.bits, slot);
   const next = fewPoints(s.points, f.channels, head.flags & 2), number = new Float32Array(f.record), flags = new Uint8Array(n);
-  const used = new Uint8Array(4), rise = float(0.08);
+  const used = new Uint8Array(4), rise = float(FEW.RISE);
   for (let met = 0; met < n; met++) {
     const ways = f.ways(met);
     f.predict(met, ways);
