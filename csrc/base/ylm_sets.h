@@ -10,8 +10,8 @@
 #include "ylm_base.h"
 
 /* F(isa, ...) for each set, worst first: the Makefile says which it builds. */
-#if __has_include("ylm_built_sets.h")
-#include "ylm_built_sets.h"
+#if __has_include(<ylm_built_sets.h>)
+#include <ylm_built_sets.h> /* of the build folder: the Makefile writes it */
 #elif defined(__x86_64__)
 #define YLM_SETS_WITH(F, ...) F(sse2, __VA_ARGS__) F(avx2, __VA_ARGS__) F(avx512, __VA_ARGS__)
 #elif defined(__aarch64__)
