@@ -95,7 +95,7 @@ end
 local function filter_of(given, by)
   if given.denoise then return given.denoise end
   local plain = by == "rays" and not given.tolerance and not given["light-samples"] and given.shading ~= "vertices"
-    and given.bounced ~= "virtual" and not given.grid
+    and given.bounced ~= "virtual"
   return plain and "auto" or nil
 end
 
@@ -203,6 +203,7 @@ return {
     end
     if options.grid and options.grid.quantity == "indirect" and not given.by then
       options.by, options.bounced, options.grid, options.bounces = "rays", options.grid, nil, nil
+      options.denoise = filter_of(given, "rays")
     end
     if given.bounced == "virtual" then
       local lights = lights_of(scene, given, options.bounces)

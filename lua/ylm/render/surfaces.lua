@@ -19,6 +19,7 @@ local surfaces = {}
 
 local JUDGES = 2048 -- places by which paths judge
 local AIM = 0.6     -- of its tolerance, for which light is fitted that paths will judge: they see the elements' error too
+local NOISY = 2     -- times what paths do not refute, from which the error that they promise is noise
 local LEAST_SPACING = 0.35 -- of the links' spacing, the least that a warning names
 
 local methods = objects.kind("surface_grid", { "stats", "scene", "quantity", "tolerance" }, function(m)
@@ -32,8 +33,8 @@ require "ylm.describe".object "surface_grid" {
       .. "rows: corners with those that hang on longer edges; places whose light was asked for, rays, rounds; verified, failed: "
       .. "places that judged, and those that missed the tolerance; error: what 99 % of the surface keep, with 99 % confidence; "
       .. "rms: root mean square error over the mean, without noise; met; warning: what is not kept, or nil; spent: corners were "
-      .. "not enough; paths: what paths found, undecided, field_met and field_error of the light that was fitted, seconds; "
-      .. "bytes, seconds" },
+      .. "not enough; paths: what paths found, undecided, least: the smallest tolerance that they do not refute, field_met and "
+      .. "field_error of the light that was fitted, seconds; bytes, seconds" },
     { "scene", "scene", "of what" },
     { "quantity", "string", "'direct', 'indirect' or 'all'" },
     { "tolerance", "number", "that was asked for" },
@@ -63,10 +64,23 @@ local all_options = options.list(fields, options.common)
 
 -- Making ---------------------------------------------------------------------------------------
 
+--- Is the paths' noise most of the error that they promise?
+local function is_noisy(s) return s.paths ~= nil and s.error > NOISY * s.paths.least end
+
+--- The words for what 99 % of the places keep.
+local function kept(s)
+  if is_noisy(s) then
+    return ("%.2g at best; paths are too noisy to say more than %s"):format(math.max(s.paths.least, 0),
+      s.error < math.huge and unmet.rounded_up(s.error) or "that")
+  end
+  return s.error < math.huge and ("%.3g"):format(s.error) or "no bound"
+end
+
 --- Why a tolerance is not met, and what to change.
 local function cause_of(m)
   local s, paths = m.stats, m.stats.paths
   local looser = "set tolerance = " .. (s.error < math.huge and unmet.rounded_up(s.error) or "larger")
+  if is_noisy(s) then looser = "set a larger tolerance" end
   if core.grid_allowed(s.verified) < 0 then
     return ("the %d places that were found open are too few to judge by: all other surface is in bodies, or covered by surfaces "
       .. "nearby"):format(s.verified)
@@ -85,7 +99,7 @@ end
 local function say(g, m)
   if m.stats.met then return g end
   m.stats.warning = warning.say(g, "surface grid", "surface_grid: tolerance %.3g is not met, 99 %% of the places keep %s: %s",
-    m.tolerance, m.stats.error < math.huge and ("%.3g"):format(m.stats.error) or "no bound", cause_of(m))
+    m.tolerance, kept(m.stats), cause_of(m))
   return g
 end
 
@@ -97,7 +111,8 @@ local function judge(s, g, m, lit, o)
   local said, message, code = promise.compare(s, promise.lists(points), promise.lists(normals), promise.lists(E),
     o.tolerance, o.quantity, o)
   if not said then return nil, message, code end
-  local paths = { field_met = m.stats.met, field_error = m.stats.error, undecided = said.undecided, seconds = said.seconds }
+  local paths = { field_met = m.stats.met, field_error = m.stats.error, undecided = said.undecided, least = said.least,
+    seconds = said.seconds }
   m.lib.surface_verdict(g, #points, said.failed + said.undecided, said.error, said.rms)
   m.stats = m.lib.surface_stats(g)
   m.stats.paths = paths
