@@ -156,7 +156,7 @@ local function next_of(said, n, samples)
 end
 
 --- Compares irradiance `told` at places, lists of { x, y, z } and { r, g, b }, with that of paths in scene `s`, of `quantity`.
--- The verdict: failed, undecided, error, least, largest, rms, seconds; or nil, message, code.
+-- The verdict: failed, undecided, error, least, largest, rms, paths, seconds; or nil, message, code.
 function promise.compare(s, points, normals, told, tolerance, quantity, o)
   local start, last, all = core.seconds(), o.bounces or "all", {}
   local e = { points = points, normals = normals, told = told, mean = {}, variance = {}, paths = {},
@@ -171,7 +171,8 @@ function promise.compare(s, points, normals, told, tolerance, quantity, o)
     samples = seed > 2 and samples * 2 or samples
     list = next_of(said, #points, samples)
   end
-  said.undecided, said.seconds = #said.open, core.seconds() - start
+  said.undecided, said.paths, said.seconds = #said.open, 0, core.seconds() - start
+  for _, paths in ipairs(e.paths) do said.paths = said.paths + paths end
   return said
 end
 
@@ -191,7 +192,7 @@ function promise.judge(s, g, o)
   if not said then return nil, message, code end
   core.grid_verdict(g, #places, said.failed + said.undecided, said.error, said.largest)
   core.own(g).paths = { field_met = before.met, field_error = before.error, undecided = said.undecided, rms = said.rms,
-    seconds = said.seconds }
+    least = said.least, paths = said.paths, seconds = said.seconds }
   return true
 end
 

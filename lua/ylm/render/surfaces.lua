@@ -34,7 +34,7 @@ require "ylm.describe".object "surface_grid" {
       .. "places that judged, and those that missed the tolerance; error: what 99 % of the surface keep, with 99 % confidence; "
       .. "rms: root mean square error over the mean, without noise; met; warning: what is not kept, or nil; spent: corners were "
       .. "not enough; paths: what paths found, undecided, least: the smallest tolerance that they do not refute, field_met and "
-      .. "field_error of the light that was fitted, seconds; bytes, seconds" },
+      .. "field_error of the light that was fitted, paths: how many there were, seconds; bytes, seconds" },
     { "scene", "scene", "of what" },
     { "quantity", "string", "'direct', 'indirect' or 'all'" },
     { "tolerance", "number", "that was asked for" },
@@ -42,7 +42,7 @@ require "ylm.describe".object "surface_grid" {
 }
 
 local fields = {
-  { "tolerance", "number", min = 1e-3, max = 10, default = 0.05,
+  { "tolerance", "number", min = 1e-3, max = 10, default = 0.1,
     about = "of irradiance at 99 % of the surface by area, relative to the larger of the place's and the mean" },
   { "quantity", "choice", of = { "direct", "indirect", "all" }, default = "indirect",
     about = "'indirect', what surfaces send back; 'direct', light of lamps and sky with shadows; 'all', both. Edges of shadows "
@@ -112,7 +112,7 @@ local function judge(s, g, m, lit, o)
     o.tolerance, o.quantity, o)
   if not said then return nil, message, code end
   local paths = { field_met = m.stats.met, field_error = m.stats.error, undecided = said.undecided, least = said.least,
-    seconds = said.seconds }
+    paths = said.paths, seconds = said.seconds }
   m.lib.surface_verdict(g, #points, said.failed + said.undecided, said.error, said.rms)
   m.stats = m.lib.surface_stats(g)
   m.stats.paths = paths
@@ -293,6 +293,8 @@ function methods.rectangles(g)
   return m.lib.surface_rectangles(g)
 end
 
+local of_grids = { html = true, ylm = true, vtu = true, ylmd = true } -- endings of files
+
 describe "surface_grid:save" {
   about = "Writes a file that scene:surface_grid { file = } reads, of a scene with the same meshes.",
   arguments = { { "path", "string", "the file, by custom NAME.surfaces" } },
@@ -309,8 +311,20 @@ function methods.save(g, path)
   if type(path) ~= "string" or path == "" or path:find("%z") then
     return check.bad(1, "save", "the name of a file expected, got %s", check.describe(path))
   end
+  local ending = path:lower():match "%.(%w+)$"
+  if of_grids[ending] then
+    return check.bad(1, "save", "%s: .%s is of grids (scene:bake { probes = adaptive_grid { ... } }); light on surfaces is "
+      .. "NAME.surfaces", path, ending)
+  end
   return check.result("save", m.lib.surface_write(g, path))
 end
+
+--- Methods of grids that light on surfaces has in another way.
+local otherwise = {
+  export = "engines read grids (scene:bake { probes = adaptive_grid { ... } }) and pictures of the same light (scene:lightmap)",
+  sample = "it has irradiance alone, light:irradiance(points, normals): points in space take grids (scene:bake { probes = "
+    .. "adaptive_grid { ... } })",
+}
 
 describe "surface_grid:close" {
   about = "Frees the memory of a surface grid now rather than at the next collection.",
@@ -327,5 +341,11 @@ function methods.close(g)
 end
 
 memory.publish(methods)
+
+local index = methods.__index
+methods.__index = function(g, key)
+  if not otherwise[key] then return index(g, key) end
+  return check.fail("%s: not of light on surfaces: %s", key, otherwise[key])
+end
 
 return surfaces
