@@ -360,6 +360,41 @@ describe("a surface grid", function()
     folder:remove()
   end)
 
+  it("is what the command bakes where there are no probes, and other commands refuse it", function()
+    local folder = scratch.new()
+    local ylm = tool.runner(folder)
+    folder:write("room.lua", [[
+      return scene "a room" { geometry = box { scale = 2, material = matte { albedo = 0.5 } },
+        camera = camera { from = { 0.8, 0.6, 0.9 }, at = { -0.3, -0.4, -0.3 }, fov = 80 },
+        links = links { rays = 16, spacing = 0.5 },
+        lights = sphere_light { at = { 0.5, 0.4, 0 }, radius = 0.15, radiance = 20 } }]])
+    local path = scratch.quote(folder.path .. "/room.lua")
+    local surfaces = scratch.quote(folder.path .. "/room.surfaces")
+    local _, status, err = ylm("bake " .. path .. " --tolerance 0.5")
+    assert.equal(0, status, err)
+    assert.truthy(err:find("bakes into " .. folder.path .. "/room.surfaces", 1, true), err)
+    local out = scratch.quote(folder.path .. "/room.png")
+    _, status, err = ylm("render " .. path .. " --grid " .. surfaces .. " -s 32x24 -n 4 -o " .. out)
+    assert.equal(0, status, err)
+    assert.truthy(err:find "noise is", err) -- filtered where there is some
+    local wanted = {
+      ["bake " .. path .. " --small"] = "--small is of grids",
+      ["page " .. path .. " --grid " .. surfaces .. " -o a.html"] = "light on surfaces, and not a grid",
+      ["export " .. path .. " --grid " .. surfaces .. " -o a.npy"] = "light on surfaces, and not a grid",
+      ["render " .. path .. " --grid " .. surfaces .. " --by grid -o a.png"] = "--by grid is of grids",
+      ["render " .. path .. " --grid " .. surfaces .. " --bounces 1 -o a.png"] = "--bounces does not go with",
+    }
+    for words, says in pairs(wanted) do
+      _, status, err = ylm(words)
+      assert.is_true(status ~= 0, words)
+      assert.truthy(err:find(says, 1, true), words .. ": " .. err)
+    end
+    _, status, err = tool.runner(folder, "OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=0")("bake " .. path .. " -o " .. surfaces)
+    assert.equal(2, status)
+    assert.truthy(err:find("one process's work", 1, true), err)
+    folder:remove()
+  end)
+
   it("is seen in the colours of its rectangles", function()
     local made, why = pcall(ylm.view, { surfaces = 7 })
     assert.is_false(made)
