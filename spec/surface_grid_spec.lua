@@ -362,7 +362,7 @@ describe("a surface grid", function()
 
   it("is what the command bakes where there are no probes, and other commands refuse it", function()
     local folder = scratch.new()
-    local ylm = tool.runner(folder)
+    local run = tool.runner(folder)
     folder:write("room.lua", [[
       return scene "a room" { geometry = box { scale = 2, material = matte { albedo = 0.5 } },
         camera = camera { from = { 0.8, 0.6, 0.9 }, at = { -0.3, -0.4, -0.3 }, fov = 80 },
@@ -370,11 +370,11 @@ describe("a surface grid", function()
         lights = sphere_light { at = { 0.5, 0.4, 0 }, radius = 0.15, radiance = 20 } }]])
     local path = scratch.quote(folder.path .. "/room.lua")
     local surfaces = scratch.quote(folder.path .. "/room.surfaces")
-    local _, status, err = ylm("bake " .. path .. " --tolerance 0.5")
+    local _, status, err = run("bake " .. path .. " --tolerance 0.5")
     assert.equal(0, status, err)
     assert.truthy(err:find("bakes into " .. folder.path .. "/room.surfaces", 1, true), err)
     local out = scratch.quote(folder.path .. "/room.png")
-    _, status, err = ylm("render " .. path .. " --grid " .. surfaces .. " -s 32x24 -n 4 -o " .. out)
+    _, status, err = run("render " .. path .. " --grid " .. surfaces .. " -s 32x24 -n 4 -o " .. out)
     assert.equal(0, status, err)
     assert.truthy(err:find "noise is", err) -- filtered where there is some
     local wanted = {
@@ -385,7 +385,7 @@ describe("a surface grid", function()
       ["render " .. path .. " --grid " .. surfaces .. " --bounces 1 -o a.png"] = "--bounces does not go with",
     }
     for words, says in pairs(wanted) do
-      _, status, err = ylm(words)
+      _, status, err = run(words)
       assert.is_true(status ~= 0, words)
       assert.truthy(err:find(says, 1, true), words .. ": " .. err)
     end

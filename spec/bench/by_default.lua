@@ -15,7 +15,7 @@ local folder, paths = arg[1] or "out/by_default", tonumber(arg[2] or 2048)
 local WIDTH, HEIGHT, FINER, EXPOSURE = 320, 180, 4, -0.4
 local MIBI = 2 ^ 20
 
-ylm.on_warning(function(line) print("warning: " .. line) end)
+ylm.on_warning(false) -- they are printed below
 os.execute("mkdir -p " .. folder)
 
 --- The results of f(), which raises what it returns as an error, with its times printed.
