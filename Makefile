@@ -37,7 +37,10 @@ SCENE   := $(subst ., ,$(word 3,$(LADDER)))
 TOPS    := $(strip $(wordlist 4,$(words $(LADDER)),$(LADDER)))
 
 ARCH    := $(shell $(CC) -dumpmachine 2>/dev/null | cut -d- -f1)
-ISAS    := $(if $(filter x86_64,$(ARCH)),sse2 avx2 avx512,$(if $(filter aarch64,$(ARCH)),neon))
+ALL_ISAS := $(if $(filter x86_64,$(ARCH)),sse2 avx2 avx512,$(if $(filter aarch64,$(ARCH)),neon))
+# Those that are compiled: all, or KERNELS="sse2 avx2".
+KERNELS ?= $(ALL_ISAS)
+ISAS    := $(or $(filter $(KERNELS),$(ALL_ISAS)),$(ALL_ISAS))
 FLAGS_sse2   := -msse2 -DYLM_VECTOR_BYTES=16
 FLAGS_neon   := -DYLM_VECTOR_BYTES=16
 FLAGS_avx2   := -mavx2 -mfma -DYLM_VECTOR_BYTES=32
@@ -51,11 +54,18 @@ KERNEL_OPT = $(if $(filter -g,$(OPT)),-g1) $(if $(findstring /gen/,$(1)),$(STRAI
 
 # Links to the public headers, which alone are on the include path; made anew where their list or its place has changed.
 INCLUDE := $(BUILD)/include
+BUILT_SETS := $(INCLUDE)/ylm_built_sets.h
 PUBLIC  := $(wildcard csrc/*/ylm_*.h)
 link_headers = rm -rf $(INCLUDE) && mkdir -p $(INCLUDE) && ln -s $(realpath $(PUBLIC)) $(INCLUDE)
 ifneq ($(if $(MAKECMDGOALS),$(filter-out clean help,$(MAKECMDGOALS)),all),)
-ifneq ($(sort $(realpath $(wildcard $(INCLUDE)/*))),$(sort $(realpath $(PUBLIC))))
+ifneq ($(sort $(realpath $(filter-out $(BUILT_SETS),$(wildcard $(INCLUDE)/*)))),$(sort $(realpath $(PUBLIC))))
 $(shell $(link_headers))
+endif
+endif
+# Says which kernels this build has; goals that only call make again leave it.
+ifneq ($(if $(MAKECMDGOALS),$(filter-out clean help deps demo test,$(MAKECMDGOALS)),all),)
+ifneq ($(shell sed -n '1s|^/\* \(.*\) \*/$$|\1|p' $(BUILT_SETS) 2>/dev/null),$(ISAS))
+$(shell printf '/* %s */\n#define YLM_SETS_WITH(F, ...) %s\n' '$(ISAS)' '$(foreach i,$(ISAS),F($(i), __VA_ARGS__))' >$(BUILT_SETS))
 endif
 endif
 
@@ -234,9 +244,20 @@ demo:   ## install, build, render the picture of the README into out/
 	$(call again,all)
 	@$(BUILD)/ylm run examples/01_floor_lights.lua $(ARGS)
 
+# A processor tests the kernels that it runs; a build that has them all keeps them.
+CPU_FLAGS   := $(shell sed -n '/^flags/{s/.*: //p;q}' /proc/cpuinfo 2>/dev/null)
+CPU_sse2    := sse2
+CPU_avx2    := avx2 fma
+CPU_avx512  := avx512f avx512dq avx512vl avx512bw
+RUN_HERE    := $(foreach i,$(ALL_ISAS),$(if $(and $(CPU_FLAGS),$(filter-out $(CPU_FLAGS),$(CPU_$(i)))),,$(i)))
+TESTED      := $(if $(filter-out $(shell head -n 1 $(BUILT_SETS) 2>/dev/null),$(ALL_ISAS)),$(RUN_HERE),$(ALL_ISAS))
+NOT_TESTED  := $(filter-out $(RUN_HERE),$(ALL_ISAS))
+WHY_NOT     := no spec runs kernels for $(NOT_TESTED), which this processor has not$(if $(filter-out $(TESTED),$(NOT_TESTED)),; make builds them)
+
 test:   ## install, build, run every check; the last line counts them
 	@.ci/deps build demo test
-	$(call again,all)
+	$(if $(NOT_TESTED),@echo '$(WHY_NOT)')
+	$(call again,all KERNELS='$(strip $(TESTED))')
 	@BUILD=$(abspath $(BUILD)) spec/run $(SPEC)
 
 # -- checks ------------------------------------------------------------------------

@@ -2,21 +2,24 @@
 
 local form = require "ylm.form"
 local help = require "ylm.help"
+local long = require "spec.support.long"
 local reference = require "ylm.describe"
 local scratch = require "spec.support.scratch"
 
 help.load()
 
---- Name -> text of a program that runs the example with `ylm` and the constructors at hand.
+--- Name -> text of a program that runs the example with `ylm` and the constructors at hand; of every third name, or of all.
 local function programs()
-  local list = {}
+  local list, names, every = {}, {}, long(3, 1)
   local function add(name, text)
     if not (loadstring or load)(text) then text = "return " .. text end
     list[name] = 'local ylm = require "ylm"\nsetmetatable(_G, { __index = function(_, name) return ylm[name] end })\n'
       .. text .. "\n"
   end
-  for name, entry in pairs(reference.entries) do add(name, entry.example) end
-  for name, definition in pairs(form.defined) do add(name, definition.example) end
+  for name in pairs(reference.entries) do names[#names + 1] = name end
+  for name in pairs(form.defined) do names[#names + 1] = name end
+  table.sort(names)
+  for i = 1, #names, every do add(names[i], (reference.entries[names[i]] or form.defined[names[i]]).example) end
   return list
 end
 

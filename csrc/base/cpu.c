@@ -1,5 +1,6 @@
 /* cpu.c - which kernels this processor runs, and which are asked for. */
 #include "environment.h"
+#include "ylm_sets.h"
 
 #include <stdatomic.h>
 
@@ -12,7 +13,19 @@ const char *ylm_isa_name(ylm_isa isa) {
   return (int)isa >= 0 && isa < YLM_ISA_COUNT ? names[isa] : "?";
 }
 
-bool ylm_isa_available(ylm_isa isa) {
+/* Whether this build has kernels of a set. */
+static bool built(ylm_isa isa) {
+  switch (isa) {
+#define X(set) case YLM_ISA_##set:
+    YLM_SETS(X)
+#undef X
+  case YLM_ISA_reference: return true;
+  default: return false;
+  }
+}
+
+/* Whether this processor runs them. */
+static bool runs(ylm_isa isa) {
   switch (isa) {
   case YLM_ISA_reference: return true;
 #if defined(__x86_64__)
@@ -27,6 +40,8 @@ bool ylm_isa_available(ylm_isa isa) {
   default: return false;
   }
 }
+
+bool ylm_isa_available(ylm_isa isa) { return built(isa) && runs(isa); }
 
 static ylm_isa choose(void) {
   int wish = ylm__environment_isa(NULL);

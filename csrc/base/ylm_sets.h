@@ -9,8 +9,10 @@
 
 #include "ylm_base.h"
 
-/* F(isa, ...) for each set, worst first. */
-#if defined(__x86_64__)
+/* F(isa, ...) for each set, worst first: the Makefile says which it builds. */
+#if __has_include("ylm_built_sets.h")
+#include "ylm_built_sets.h"
+#elif defined(__x86_64__)
 #define YLM_SETS_WITH(F, ...) F(sse2, __VA_ARGS__) F(avx2, __VA_ARGS__) F(avx512, __VA_ARGS__)
 #elif defined(__aarch64__)
 #define YLM_SETS_WITH(F, ...) F(neon, __VA_ARGS__)

@@ -55,6 +55,8 @@ YLM_API ylm_light_photometry *ylm_light_photometry_keep(const ylm_light_photomet
 YLM_API void ylm_light_photometry_free(ylm_light_photometry *p);
 /* A number that records of lights name it by: the same wherever a table is the same. */
 YLM_API double ylm_light_photometry_name(const ylm_light_photometry *p);
+/* The table of a name, kept; NULL: there is none. */
+YLM_API ylm_light_photometry *ylm_light_photometry_named(double name);
 YLM_API size_t ylm_light_photometry_bytes(const ylm_light_photometry *p);
 /* Its numbers as they were given, as long as it lives. */
 YLM_API ylm_light_photometry_grid ylm_light_photometry_grid_of(const ylm_light_photometry *p);

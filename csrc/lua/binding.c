@@ -83,6 +83,7 @@ int ylmL_result(lua_State *L, int n, ylm_status s, const ylm_error *e) {
   X("ylm.links", "ylm.transfer")                                                                   \
   X("ylm.radiosity", "ylm.transfer")                                                               \
   X("ylm.gather", "ylm.transfer")                                                                  \
+  X("ylm.receivers", "ylm.transfer")                                                               \
   X("ylm.occluder", "ylm.shadow")                                                                  \
   X("ylm.shadowed", "ylm.shadow")                                                                  \
   X("ylm.visible", "ylm.emit")                                                                     \

@@ -67,6 +67,7 @@
   X(texture)
 
 #define YLML_SCENE_BINDINGS(X)                                                                     \
+  X(adjoint)                                                                                       \
   X(chooser)                                                                                       \
   X(emit)                                                                                          \
   X(gather)                                                                                        \

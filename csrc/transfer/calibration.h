@@ -67,6 +67,12 @@
    exceed the caches. */
 #define SUM_AHEAD 8
 
+/* -- adjoint/lamplight.c --------------------------------------------------------------------------- */
+
+/* Rays that are traced in one go, unless one lamp has more, and places that a thread takes at a time. */
+#define LAMPLIGHT_RAYS 1024
+#define LAMPLIGHT_GRAIN 32
+
 /* -- boxes.c -------------------------------------------------------------------------------------- */
 
 /* Triangles of a leaf at most. */

@@ -27,10 +27,7 @@ static ylm_scene_place place_of(ylm_scene_place place, float corner[3][2], doubl
                                 int k) {
   x += k * 0.7548776662466927, y += k * 0.5698402909980532;
   x -= floor(x), y -= floor(y);
-  if (x + y > 1) x = 1 - x, y = 1 - y;
-  float u = (float)x, v = (float)y;
-  place.u = corner[0][0] + u * (corner[1][0] - corner[0][0]) + v * (corner[2][0] - corner[0][0]);
-  place.v = corner[0][1] + u * (corner[1][1] - corner[0][1]) + v * (corner[2][1] - corner[0][1]);
+  ylm__transfer_inside(corner, x, y, &place);
   return place;
 }
 

@@ -147,9 +147,7 @@ static void tint_of(const ylm_transfer *t, ylm_scene_place place, float corner[3
     ylm_scene_surface at;
     x += 0.7548776662466927, y += 0.5698402909980532;
     x -= floor(x), y -= floor(y);
-    float u = (float)(x + y > 1 ? 1 - x : x), v = (float)(x + y > 1 ? 1 - y : y);
-    place.u = corner[0][0] + u * (corner[1][0] - corner[0][0]) + v * (corner[2][0] - corner[0][0]);
-    place.v = corner[0][1] + u * (corner[1][1] - corner[0][1]) + v * (corner[2][1] - corner[0][1]);
+    ylm__transfer_inside(corner, x, y, &place);
     ylm_scene_surfaces(t->scene, 1, &place, &at);
     for (int c = 0; c < 3; c++) sum[c] += (double)at.tint[c];
   }

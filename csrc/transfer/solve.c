@@ -198,6 +198,7 @@ static void deliver(job *j, ylm_radiosity *r, const ylm_radiosity_stats *stats) 
   memcpy(r->direct, j->E0, (j->t->elements + 1) * 16);
   swap(&r->E, &j->E);
   leave(j->t, r->E, r->leaving);
+  memcpy(r->q, j->q, sizeof r->q);
   r->stats = *stats;
 }
 

@@ -57,6 +57,13 @@ ylm_status ylm__transfer_cut_again(ylm_transfer *t, size_t elements);
 /* Where element i lies: its triangle's place, and the weights (u, v) of its three corners. */
 void ylm__transfer_corners(const ylm_transfer *t, size_t i, ylm_scene_place *place,
                            float corner[3][2]);
+/* Gives `place` the point of these corners that (x, y) of the unit square is folded to. */
+static inline void ylm__transfer_inside(float corner[3][2], double x, double y,
+                                        ylm_scene_place *place) {
+  float u = (float)(x + y > 1 ? 1 - x : x), v = (float)(x + y > 1 ? 1 - y : y);
+  place->u = corner[0][0] + u * (corner[1][0] - corner[0][0]) + v * (corner[2][0] - corner[0][0]);
+  place->v = corner[0][1] + u * (corner[1][1] - corner[0][1]) + v * (corner[2][1] - corner[0][1]);
+}
 static inline bool ylm__transfer_is_back(const ylm_transfer *t, size_t i) {
   const uint32_t *start = t->start[t->first[t->mesh[i]] + t->triangle[i]];
   return start[1] != TRANSFER_NONE && i >= start[1];
@@ -147,6 +154,7 @@ struct ylm_radiosity {
   float *direct, *E, *leaving;
   uint64_t rays; /* of E0 */
   double close, seconds;
+  double q[3]; /* of the last solution, by channel: stats.shrink is the largest */
   ylm_radiosity_stats stats;
 };
 

@@ -23,5 +23,6 @@ return {
   { "ylm.plot", "plot" },
   { "ylm.plot.polar", "polar_plot" },
   { "ylm.figure", "figure" },
+  { "ylm.inverse", "minimise" },
   { "ylm.warning", "on_warning" },
 }

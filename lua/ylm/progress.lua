@@ -212,6 +212,7 @@ progress.stages = {
   { "matrices", "transfer matrices are made" },
   { "merge", "particles that landed close to each other become one virtual light" },
   { "near lights", "virtual lights near points are summed one by one" },
+  { "plan", "lamps are moved towards the light that is asked for" },
   { "occupancy", "cells that surfaces meet are found" },
   { "particles", "particles fly from lamps, or what they left is measured" },
   { "paths", "paths of light are traced, for a picture or for judging one" },

@@ -140,7 +140,7 @@ static void release(void *of) {
 
 /* The table of records, which all name the same. */
 static ylm_status take_table(ylm__photometric_lamps *l, ylm_error *e) {
-  l->table = ylm__photometric_named(l->base.record[0][YLM__LAMP_TABLE]);
+  l->table = ylm_light_photometry_named(l->base.record[0][YLM__LAMP_TABLE]);
   if (l->table) return YLM_OK;
   return ylm_fail(e, YLM_EINVAL, "the photometry of lamp 1 has been closed");
 }
@@ -207,7 +207,7 @@ static double distance(const ylm_light *a, const ylm_light *b, const double p[3]
 
 /* The shape's table stays as long as the shape. */
 static void hold(const ylm_light_shape *shape, bool on) {
-  ylm_light_photometry *p = ylm__photometric_named(shape->x[0]); /* which keeps it */
+  ylm_light_photometry *p = ylm_light_photometry_named(shape->x[0]); /* which keeps it */
   if (on) return;
   ylm_light_photometry_free(p);
   ylm_light_photometry_free(p);

@@ -25,7 +25,7 @@ static ylm_status create(size_t n, const double *const *record, ylm__light_pack 
   ylm_status s = ylm__distant_copy(&p->base, &ylm__photometric_point_kind, n, record,
                                    ylm__photometric_settle, e);
   p->base.field.evaluate = ylm__fieldless;
-  if (s == YLM_OK && !(p->table = ylm__photometric_named(record[0][YLM__LAMP_TABLE])))
+  if (s == YLM_OK && !(p->table = ylm_light_photometry_named(record[0][YLM__LAMP_TABLE])))
     s = ylm_fail(e, YLM_EINVAL, "the photometry of lamp 1 has been closed");
   if (s == YLM_OK)
     *made = (ylm__light_pack){&ylm__photometric_point_kind, p, &p->base.field, n, 0};

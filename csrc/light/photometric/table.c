@@ -36,7 +36,7 @@ static ylm_light_photometry *find(double name) {
   return NULL;
 }
 
-ylm_light_photometry *ylm__photometric_named(double name) {
+ylm_light_photometry *ylm_light_photometry_named(double name) {
   pthread_mutex_lock(&lock);
   ylm_light_photometry *p = find(name);
   pthread_mutex_unlock(&lock);

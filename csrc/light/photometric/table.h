@@ -63,9 +63,6 @@ void ylm__photometric_measure(ylm_light_photometry *p);
 /* Fills row and cell; YLM_ENOMEM. sample.c */
 ylm_status ylm__photometric_weigh(ylm_light_photometry *p);
 
-/* The table of a name, kept; NULL: there is none. table.c */
-ylm_light_photometry *ylm__photometric_named(double name);
-
 /* The last of n increasing numbers that is not above x; the first, where all are. */
 static inline size_t ylm__photometric_place(size_t n, const double *x, double at) {
   size_t lo = 0, hi = n;

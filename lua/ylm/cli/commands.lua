@@ -3,7 +3,7 @@
 local status = require "ylm.cli.status"
 
 local commands = { "render", "pathtrace", "bake", "lightmap", "pack", "export", "page", "emit", "view", "live", "compare",
-  "judge", "sh", "material", "photometry", "run", "codegen", "bench", "info", "help" }
+  "judge", "sh", "material", "photometry", "inverse_lighting", "run", "codegen", "bench", "info", "help" }
 
 --- Is there such a command?
 function commands.known(name)

@@ -79,6 +79,7 @@ local function build(values, fail)
   local rgb, scale = colour_of(values, notes, fail), values.dim / (values.efficacy or 1)
   values.shape, values.half, values.axis, values.across = shape, half, axis, across_of(axis, values.turn)
   values.scale = { scale * rgb[1], scale * rgb[2], scale * rgb[3] }
+  values.rgb = rgb
   values.lumens = values.dim * values.photometry.lumens
   values.photometric = not values.efficacy
   values.notes = #notes > 0 and notes or nil

@@ -145,6 +145,7 @@ require "ylm.describe".object "scene" {
     { "probes", "table", "the grid's description, or nil" },
     { "background", "number[]", "{r, g, b}" },
     { "link_options", "table", "the form links, or nil" },
+    { "inverse_options", "table", "options of scene:inverse_lighting that a scene file asks for, or nil" },
     { "notes", "string[]", "about files: materials that are not there, lights that Ke made; or nil" },
   },
 }
@@ -201,6 +202,24 @@ local function take_after(values, fail)
   return true
 end
 
+-- Light that is asked for -----------------------------------------------------------------
+
+local ASKED = { vary = true, targets = true, price = true, evaluations = true, starts = true, spacing = true, rays = true,
+  judge = true, seed = true, light_samples = true, rim = true }
+
+--- Raises where inverse_lighting has fields that a scene does not keep, or a scene file names a picture by a file.
+local function check_asked(asked, fail)
+  for key in pairs(asked or {}) do
+    if not ASKED[key] then return fail(("inverse_lighting: no field %s here"):format(check.describe(key))) end
+  end
+  if not asked or not form.locate or type(asked.targets) ~= "table" then return end
+  for i, t in ipairs(asked.targets) do
+    if type(t) == "table" and type(t.image) == "string" then
+      return fail(("inverse_lighting: targets[%d]: in a scene file an image is numbers [rows][columns]"):format(i))
+    end
+  end
+end
+
 -- The form ---------------------------------------------------------------------
 
 --- The methods are those of lua/ylm/render/init.lua, loaded when one is first called.
@@ -208,6 +227,7 @@ local methods = {}
 for _, name in ipairs { "bake", "surface_grid", "lightmap", "prepare", "render", "pathtrace", "probe", "judge" } do
   methods[name] = function(...) return require("ylm.render")[name](...) end
 end
+function methods.inverse_lighting(...) return library.later["ylm.inverse"](...) end
 function methods.live(...) return library.later["ylm.live"](...) end
 function methods.links(...) return require("ylm.transfer").of_scene(...) end
 function methods.field(...) return require("ylm.transfer").field_of(...) end
@@ -269,6 +289,8 @@ local construct = form.define("scene", {
       about = "the grid that bake fills" },
     { "links", "object", of = "links", optional = true,
       about = "how surfaces are cut where light bounces; in the scene it is link_options" },
+    { "inverse_lighting", "table", optional = true,
+      about = "{ vary =, targets = }: what `ylm inverse_lighting` plans; in the scene it is inverse_options" },
     { "background", "colour", min = 0, optional = true, unit = "W sr^-1 m^-2",
       about = "radiance where nothing is hit; default: what distant lights send from there, else 0" },
   },
@@ -289,7 +311,9 @@ local construct = form.define("scene", {
     if message then return fail(message) end
     values.like, values.moved, values.removed, values.added = nil, nil, nil, nil
     values.sky_is_seen = values.background == nil
-    values.link_options, values.links = values.links, nil -- the method has that name
+    values.link_options, values.links = values.links, nil -- the methods have these names
+    check_asked(values.inverse_lighting, fail)
+    values.inverse_options, values.inverse_lighting = values.inverse_lighting, nil
     values.background = values.background or { 0, 0, 0 }
     return setmetatable(values, metatable)
   end,

@@ -199,6 +199,8 @@ function methods.close(t)
 end
 
 require "ylm.transfer.radiosity"
+require "ylm.transfer.receivers"
+require "ylm.transfer.importance"
 require "ylm.transfer.field"
 require "ylm.transfer.vectors"
 local fields = require "ylm.transfer.scene"

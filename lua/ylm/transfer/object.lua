@@ -52,6 +52,9 @@ objects.gather = objects.kind("gather", { "stats", "scene", "radiosity", "rays" 
   return ("%s light, %s rays"):format(m.quantity, m.rays == "auto" and m.rays or ("%.0f"):format(m.rays))
 end)
 
+--- Names that stand for more than one.
+local PLURAL = { links = true, receivers = true }
+
 --- All about the object before the colon.
 function objects.opened(name, object, type_name, article)
   if core.type(object) ~= type_name then
@@ -59,8 +62,7 @@ function objects.opened(name, object, type_name, article)
   end
   local m = objects.made(object)
   if not m or m.closed then
-    return check.fail(article == "links" and "%s: the links have been closed" or "%s: the %s has been closed", name,
-      (article:gsub("^an? ", "")))
+    return check.fail("%s: the %s %s been closed", name, article:gsub("^an? ", ""), PLURAL[article] and "have" or "has")
   end
   return m
 end

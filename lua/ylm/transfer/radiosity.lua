@@ -5,6 +5,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local image = require "ylm.image"
+local lamps = require "ylm.transfer.lamps"
 local light = require "ylm.light"
 local memory = require "ylm.memory"
 local objects = require "ylm.transfer.object"
@@ -25,7 +26,8 @@ require "ylm.describe".object "radiosity" {
       .. "{r, g, b}, direct light on elements, what they keep, what leaves the scene; balance: what is missing between these, "
       .. "relative; elements_error: half of what elements of twice the spacing would change of the light that bounces, root mean "
       .. "square over its mean, an estimate of the error that these leave, as it was when the radiosity was made; "
-      .. "rays: shadow rays; direct_seconds, solve_seconds, seconds" },
+      .. "rays: shadow rays; with derivatives rim_rays: those of them to rims, and partly: the part of pairs of element and lamp "
+      .. "that are partly in shadow; direct_seconds, solve_seconds, seconds" },
     { "links", "links", "of which elements" },
     { "scene", "scene", "of what" },
     { "notes", "string[]", "what is known to be missed, or nil" },
@@ -44,6 +46,11 @@ local options = {
       .. "centres, "
       .. "times their transfer vectors (default for other light fields: no rays, but no shadow of what is nearer than a lamp)" },
   { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = 16, about = "shadow rays of an element" },
+  { "derivatives", "boolean", default = false,
+    about = "each lamp is looked at by itself: light_samples rays of an element to each, and what radiosity:importance needs "
+      .. "is kept, 64 bytes an element and lamp; for lists of sphere_light and photometric_light" },
+  { "rim", "integer", min = 0, max = core.limits.transfer_links, default = 8,
+    about = "of derivatives: rays of an element to the rim of a lamp that it sees in part, even; 0: shadows are held" },
   { "bounces", "bounces_summed", default = "all", about = "reflections after direct light: 0 is direct light alone" },
   { "residual", "number", above = 0, max = 1, default = 1e-3, about = "the relative change at which 'all' bounces end" },
   { "closure", "boolean", default = true, about = "'all' bounces: the rest is added as the geometric series of the last change" },
@@ -109,6 +116,23 @@ local function illuminate(name, lit, m, lights, o, show)
   return from
 end
 
+--- Direct light of each lamp by itself: the lamps and what they light; or nil, message, code.
+local function lamplight(name, lit, m, lights, o, show)
+  local traced, message, code = objects.traced_again(name, m.of)
+  if not traced then return nil, message, code end
+  local list = lamps.list(name, lights == nil and m.scene.lights or lights)
+  if lights ~= nil and lights ~= m.scene.lights then
+    traced, message, code = tracing.relight(name, traced, lights)
+    if not traced then return nil, message, code end
+  end
+  local made
+  made, message, code = check.result(name, m.lib.lamplight_create(m.links, nil, lamps.rows(list),
+    { light_samples = o.light_samples, rim = o.rim, seed = o.seed, threads = o.threads, progress = show }))
+  if not made then return nil, message, code end
+  m.lib.radiosity_set(lit, m.lib.lamplight_direct(made))
+  return { traced = traced, lamps = list, lamplight = made }
+end
+
 --- Bounces as C takes them.
 local function count_of(bounces) return bounces == "all" and -1 or bounces end
 
@@ -127,13 +151,18 @@ end
 --- Direct light and its bounces: lit, or nil, message, code.
 local function light_up(name, lit, m, lights, o)
   local start, show = core.seconds(), progress.resolve(o.progress)
-  local from, message, code = illuminate(name, lit, m, lights, o, show)
+  local from, message, code = (o.derivatives and lamplight or illuminate)(name, lit, m, lights, o, show)
   if not from then return nil, message, code end
   local stats
   stats, message, code = check.result(name, m.lib.radiosity_solve(lit, count_of(o.bounces), o.residual, o.closure,
     o.threads, show))
   if not stats then return nil, message, code end
   stats.seconds = core.seconds() - start
+  if from.lamplight then
+    local of = m.lib.lamplight_stats(from.lamplight)
+    stats.rays, stats.rim_rays, stats.direct_seconds = of.rays + of.rim_rays, of.rim_rays, of.seconds
+    stats.partly = of.pairs > 0 and of.partly / of.pairs or 0
+  end
   stats.elements_error = m.stats and m.stats.elements_error
   m.stats, m.from, m.lit_by = stats, from, from.traced
   add_notes(m)
@@ -167,6 +196,11 @@ function objects.links.radiosity(t, lights, given)
   local of = objects.open_links("radiosity", t)
   local o = form.options(2, "radiosity", options, given)
   o.progress = progress.long(o.progress)
+  if o.derivatives and (o.light_samples % 2 == 1 or o.light_samples < 4 or o.rim % 2 == 1) then
+    return check.fail("radiosity: derivatives = true wants even light_samples from 4 on, and an even rim, got %d and %d",
+      o.light_samples, o.rim)
+  end
+  if o.derivatives and o.direct then return check.fail "radiosity: derivatives = true has its own rays: leave direct out" end
   local lit, message, code = check.result("radiosity", of.lib.radiosity_create(t))
   if not lit then return nil, message, code end
   local m = { of = of, links = t, scene = of.scene, lib = of.lib, elements = of.stats.elements, options = o }

@@ -15,18 +15,56 @@ local function radiosity(ylm) return links(ylm):radiosity() end
 
 --- Cases of method `name` of what `make` makes, called `what` in messages, before those of `list`.
 local function methods(name, make, what, list)
+  local plural = what == "links" or what == "receivers"
   local out = {
-    { call = function(ylm) return make(ylm)[name]({}) end, says = name .. ": " .. (what == "links" and what or "a " .. what) .. " expected before the colon" },
+    { call = function(ylm) return make(ylm)[name]({}) end, says = name .. ": " .. (plural and what or "a " .. what) .. " expected before the colon" },
   }
   if name ~= "close" then
     out[2] = { call = function(ylm)
       local object = make(ylm)
       object:close()
       return object[name](object)
-    end, says = name .. ": the " .. what .. (what == "links" and " have" or " has") .. " been closed" }
+    end, says = name .. ": the " .. what .. (plural and " have" or " has") .. " been closed" }
   end
   for _, case in ipairs(list or {}) do out[#out + 1] = case end
   return out
+end
+
+local function receivers(ylm) return links(ylm):receivers { points = { { 0, 0.5, 0 } }, rays = 4 } end
+
+--- A radiosity with derivatives, and receivers of its links.
+local function differentiated(ylm, o)
+  o = o or {}
+  o.derivatives = true
+  local t = links(ylm)
+  return t:radiosity(nil, o), t:receivers { points = { { 0, 0.5, 0 } }, rays = 4 }
+end
+
+local function importance(ylm)
+  local lit, r = differentiated(ylm)
+  return lit:importance { { r, weights = { 1 } } }
+end
+
+local function receivers_by(o, says)
+  return { call = function(ylm) return links(ylm):receivers(o) end, says = says }
+end
+
+local function at_receivers(name)
+  return methods(name, receivers, "receivers", {
+    { call = function(ylm) return receivers(ylm)[name](receivers(ylm), 5) end,
+      says = name == "map" and "these receivers are no plane" or name .. ": a radiosity expected before the colon" },
+    { call = function(ylm)
+      local r = receivers(ylm)
+      return r[name](r, radiosity(ylm))
+    end, says = name == "map" and "these receivers are no plane" or "of different links" },
+  })
+end
+
+local function weighed(terms, says)
+  return { call = function(ylm)
+    local lit, r = differentiated(ylm)
+    return lit:importance(terms(r, ylm))
+  end, says = says }
 end
 
 local function field(ylm) return radiosity(ylm):field { rays = 192 } end
@@ -103,6 +141,15 @@ return {
     lit_by({ residual = 0 }, "residual must be"), lit_by({ residual = nan }, "residual must be"), lit_by({ closure = 1 },
       "closure must be"),
     lit_by({ progress = function() return false end }, "cancelled"),
+    { call = function(ylm) return differentiated(ylm, { light_samples = 5 }) end, says = "even light_samples from 4 on.*got 5 and 8" },
+    { call = function(ylm) return differentiated(ylm, { rim = 3 }) end, says = "an even rim" },
+    { call = function(ylm) return differentiated(ylm, { direct = "rays" }) end, says = "leave direct out" },
+    { call = function(ylm)
+      return links(ylm):radiosity({ ylm.sun_light { direction = { 0, 1, 0 } } }, { derivatives = true })
+    end, says = "lists of sphere_light and photometric_light; light 1 is a sun_light" },
+    { call = function(ylm)
+      return links(ylm):radiosity({ ylm.sphere_light { at = { 0, 0, 0 }, radius = 0 } }, { derivatives = true })
+    end, says = "light 1 has the radius 0" },
     { call = function(ylm) return links(ylm):radiosity(5) end, says = "a light or a list of lights expected, got 5" },
     { call = function(ylm)
       local t = links(ylm)
@@ -122,6 +169,57 @@ return {
       return t:radiosity()
     end, says = "radiosity: the geometry of scene \"refusing\" has changed since its links were made" },
   }),
+  ["links:receivers"] = methods("receivers", links, "links", {
+    receivers_by({}, "give one of points %(with normals%), plane and mesh"),
+    receivers_by({ mesh = 1, points = { { 0, 0, 0 } } }, "give one of points"),
+    receivers_by({ mesh = 2 }, "mesh = 2 has no element; scene \"refusing\" has 1 pieces of geometry"),
+    receivers_by({ points = { { 0, 0, 0 } }, normals = { { 0, 0, 0 } } }, "normal 1 is 0"),
+    receivers_by({ points = { { 0, 0, 0 } }, normals = { { 0, 1, 0 }, { 0, 1, 0 } } }, "1 points and 2 normals"),
+    receivers_by({ points = { { 0, 0, 0 } }, size = { 4, 4 } }, "size is of a mesh"),
+    receivers_by({ mesh = 3, size = { 4, 4 } }, "mesh = 3 with size wants texture coordinates"),
+    receivers_by({ points = { { 0, 0, nan } } }, "receivers"),
+    receivers_by({ points = { { 0, -1.01, 0 } } }, "all 1 places are inside of bodies"),
+    receivers_by({ points = { { 0, 0, 0 } }, rays = 5 }, "rays must be a multiple of 4"),
+    receivers_by({ points = { { 0, 0, 0 } }, light_samples = 2 }, "light_samples must be an integer >= 4"),
+    receivers_by({ points = { { 0, 0, 0 } }, quantity = "luminance" }, "quantity must be"),
+    receivers_by({ plane = { at = { 0, 0, 0 } } }, "receivers: plane: .*size"),
+    receivers_by({ plane = { at = { 0, 0, 0 }, size = { 1, 0 } } }, "receivers: plane: size must be two numbers above 0"),
+    receivers_by({ plane = { at = { 0, 0, 0 }, size = { 1, 1 }, spacing = 1e-4 } }, "are more than 2^20"),
+    receivers_by({ plane = { at = { 0, 0, 0 }, size = { 1, 1 }, normal = { 0, 0, 0 } } }, "normal must not be 0"),
+  }),
+  ["receivers:irradiance"] = at_receivers "irradiance",
+  ["receivers:illuminance"] = at_receivers "illuminance",
+  ["receivers:figures"] = at_receivers "figures",
+  ["receivers:map"] = at_receivers "map",
+  ["receivers:close"] = methods("close", receivers, "receivers"),
+  ["radiosity:importance"] = methods("importance", radiosity, "radiosity", {
+    { call = function(ylm) return radiosity(ylm):importance(5) end, says = "a list of terms expected, got 5" },
+    weighed(function() return {} end, "nothing is weighed"),
+    weighed(function() return { desk = {} } end, "no such term: 'desk'"),
+    weighed(function() return { 5 } end, "term 1 must be { receivers, weights = %[n%] }, got 5"),
+    weighed(function(r) return { { r } } end, "weights of term 1 must be %[1%] numbers, or %[1%]%[3%], got nil"),
+    weighed(function(r) return { { r, weights = { 1, 2 } } } end, "weights of term 1 must be %[1%]"),
+    weighed(function() return { elements = { 1 } } end, "elements must be %["),
+    weighed(function(_, ylm) return { { receivers(ylm), weights = { 1 } } } end, "receivers 1 are of other links"),
+  }),
+  ["importance:elements"] = {
+    { call = function(ylm) return importance(ylm).elements({}) end, says = "elements: an importance expected before the colon" },
+  },
+  ["importance:derivatives"] = {
+    { call = function(ylm) return importance(ylm).derivatives({}) end, says = "derivatives: an importance expected before the colon" },
+    { call = function(ylm) return importance(ylm):derivatives { shadows = "held" } end, says = "no field 'shadows'" },
+    { call = function(ylm)
+      local t = links(ylm)
+      local r = t:receivers { points = { { 0, 0.5, 0 } }, rays = 4 }
+      return t:radiosity():importance({ { r, weights = { 1 } } }):derivatives()
+    end, says = "links:radiosity%(lights, { derivatives = true }%)" },
+    { call = function(ylm)
+      local lit, r = differentiated(ylm)
+      local i = lit:importance { { r, weights = { 1 } } }
+      lit:update()
+      return i:derivatives()
+    end, says = "has been lit anew: take its importance again" },
+  },
   ["radiosity:update"] = methods("update", radiosity, "radiosity", {
     { call = function(ylm) return radiosity(ylm):update "dark" end, says = "a light or a list of lights expected" },
   }),

@@ -1,0 +1,279 @@
+--- Derivatives by the lamp: radiosity:importance, and the methods of what it returns.
+
+local array = require "ylm.array"
+local check = require "ylm.check"
+local core = require "ylm.c.core"
+local describe = require "ylm.describe".describe
+local form = require "ylm.form"
+local lamps = require "ylm.transfer.lamps"
+local memory = require "ylm.memory"
+local objects = require "ylm.transfer.object"
+local show = require "ylm.show"
+
+local methods = {}
+
+local Y = { 0.2126, 0.7152, 0.0722 }
+
+require "ylm.describe".object "importance" {
+  about = "How much light on each element is worth to a weighted sum of illuminances (radiosity:importance).",
+  fields = {
+    { "value", "number", "the weighted sum itself" },
+    { "radiosity", "radiosity", "of which light" },
+    { "link_reads", "integer", "links that were read for it" },
+  },
+  methods = methods,
+}
+
+local metatable = {
+  __index = function(i, key)
+    local m = core.owned(i, "made")
+    if key == "value" or key == "radiosity" or key == "link_reads" then return m[key] end
+    return methods[key]
+  end,
+  __newindex = function(_, key)
+    return check.fail("importance: cannot set %s: an importance does not change", check.describe(key))
+  end,
+  __tostring = function(i)
+    return ("ylm.importance of %q: worth %.6g"):format(core.owned(i, "made").of.scene.name or "?", core.owned(i, "made").value)
+  end,
+}
+
+--- Weights as double [n][3], by irradiance of each channel.
+local function weights_of(what, given, n)
+  local w = core.type(given) == "ylm.array" and given or type(given) == "table" and array.array(given, "double")
+  local shape = w and core.array_info(w)
+  if not shape or shape[1] ~= n or #shape > 2 or #shape == 2 and shape[2] ~= 3 then
+    return check.fail("importance: %s must be [%d] numbers, or [%d][3], got %s", what, n, n, check.describe(given))
+  end
+  if #shape == 1 then w = w:reshape { n, 1 } * array.array({ Y }, "double") end
+  return array.array(w, "double")
+end
+
+--- Weights of the places behind receivers: each of a cylinder's has its part.
+local function unfolded(w, m)
+  if m.fold == 1 then return w end
+  local rows = {}
+  for i, row in ipairs(w:totable()) do
+    for k = 1, m.fold do rows[(i - 1) * m.fold + k] = { row[1] / m.fold, row[2] / m.fold, row[3] / m.fold } end
+  end
+  return array.array(rows, "double")
+end
+
+--- The links backwards, made once.
+local function transposed(of)
+  if not of.transpose then
+    local made, message, code = check.result("importance", of.lib.transpose_create(of.handle))
+    if not made then return nil, message, code end
+    of.transpose = made
+  end
+  return of.transpose
+end
+
+--- Receivers with their weights as C takes them, and the weighted sum of their irradiance; nil, message, code.
+local function read_terms(lit, of, terms)
+  local list, value = {}, 0
+  for i, term in ipairs(terms) do
+    local r = type(term) == "table" and term[1] or nil
+    if core.type(r) ~= "ylm.receivers" then
+      return check.fail("importance: term %d must be { receivers, weights = [n] }, got %s", i, check.describe(term))
+    end
+    local m = objects.open_receivers("importance", r)
+    if m.links ~= of.links then return check.fail("importance: receivers %d are of other links than the radiosity", i) end
+    local w = weights_of(("weights of term %d"):format(i), term.weights, m.count)
+    local E, message, code = objects.receivers.irradiance(r, lit)
+    if not E then return nil, message, code end
+    value = value + (E * w):sum()
+    list[i] = { receivers = r, made = m, weights = unfolded(w, m) }
+  end
+  return list, value
+end
+
+local room = [[
+local scene = ylm.scene "a room and a lamp" {
+  geometry = { ylm.box { scale = 4, material = ylm.matte { albedo = 0.5 } } },
+  lights = ylm.photometric_light { photometry = ylm.photometry { cosine = 1, lumens = 3000 }, at = { 0.4, 1.5, 0 } },
+}
+local t = scene:links { spacing = 1, rays = 64 }
+local desk = t:receivers { plane = { at = { 0, -1, 0 }, size = { 3, 3 } } }
+local lit = t:radiosity(scene.lights, { derivatives = true })
+local mean = lit:importance { { desk, weights = desk.weights } }
+]]
+
+describe "radiosity:importance" {
+  about = "The worth of light on each element to a weighted sum J of illuminances: one solution over the links read backwards, "
+    .. "for all lamps. J may be any function: weights are then its derivatives by the illuminances.",
+  arguments = {
+    { "terms", "table", "a list of { receivers, weights = w }: w is [n], by illuminance, or [n][3], by the channels of "
+      .. "irradiance; `elements` = weights of the elements' irradiance, optional" },
+  },
+  returns = { { "importance", "importance", "importance:derivatives(), importance:elements()" } },
+  errors = "raises on weights of another number, and receivers of other links; nil, message, code: memory",
+  example = room .. "assert(mean:elements().shape[1] == t.stats.elements)",
+  source = "Smits, Arvo & Salesin 1992",
+}
+function objects.radiosity.importance(lit, terms)
+  local of = objects.open_radiosity("importance", lit)
+  if type(terms) ~= "table" then return check.bad(1, "importance", "a list of terms expected, got %s", check.describe(terms)) end
+  for key in pairs(terms) do
+    if type(key) ~= "number" and key ~= "elements" then
+      return check.fail("importance: no such term: %s", check.describe(key))
+    end
+  end
+  if #terms == 0 and terms.elements == nil then
+    return check.fail "importance: nothing is weighed: give { receivers, weights = } or elements ="
+  end
+  local list, value, code = read_terms(lit, of, terms)
+  if not list then return nil, value, code end
+  local n, leaving, falling = of.elements, array.zeros({ of.elements, 3 }, "double"), nil
+  if terms.elements ~= nil then
+    falling = weights_of("elements", terms.elements, n)
+    value = value + (of.lib.radiosity_values(lit, "irradiance") * falling):sum()
+  end
+  for _, term in ipairs(list) do leaving = leaving + of.lib.receivers_scatter(term.receivers, term.weights) end
+  local back, message
+  back, message, code = transposed { lib = of.lib, handle = of.links, transpose = of.of.transpose }
+  if not back then return nil, message, code end
+  of.of.transpose = back
+  local found
+  found, message, code = check.result("importance", of.lib.transpose_importance(back, lit, leaving, falling, of.options.threads))
+  if not found then return nil, message, code end
+  local reads = of.stats.bounces * of.of.stats.elements * of.of.stats.links
+  for _, term in ipairs(list) do reads = reads + term.made.count * term.made.fold * term.made.options.rays end
+  local out = setmetatable({}, metatable)
+  core.own(out).made = { radiosity = lit, of = of, from = of.from, terms = list, leaving = leaving, lambda = found, value = value,
+    transpose = back, link_reads = reads }
+  return out
+end
+
+local function made_of(name, i)
+  local m = type(i) == "table" and core.owned(i, "made")
+  return m and m.lambda and m or check.fail("%s: an importance expected before the colon, got %s", name, check.describe(i))
+end
+
+describe "importance:elements" {
+  about = "The worth of a unit of direct irradiance on each element, all its bounces included.",
+  arguments = {},
+  returns = { { "worth", "array", "double [n][3], by channel: J per W m^-2, or per lx in channels" } },
+  errors = "raises on what is no importance",
+  example = room .. "assert(mean:elements():min() >= 0)",
+}
+function methods.elements(i) return made_of("elements", i).lambda * 1 end
+
+-- Derivatives ---------------------------------------------------------------------------------------------------
+
+local NUMBERS = { scale = 0, place = 3, turn = 6, size = 9, noise = 11 }
+
+--- The sums of lamplight over elements and receivers, [lamps][18] as a list, squares of noise added.
+local function weigh(m, threads)
+  local total = core.array_totable((m.of.lib.lamplight_weigh(m.from.lamplight, m.lambda, threads)))
+  for k = 1, #total do for q = NUMBERS.noise + 1, #total[k] do total[k][q] = total[k][q] ^ 2 end end
+  for _, term in ipairs(m.terms) do
+    local at, message, code = objects.lamplight_at("derivatives", term.receivers, m.radiosity)
+    if not at then return nil, message, code end
+    local more = core.array_totable((m.of.lib.lamplight_weigh(at, term.weights, threads)))
+    for k = 1, #total do
+      for q = 1, #total[k] do
+        total[k][q] = total[k][q] + (q > NUMBERS.noise and more[k][q] ^ 2 or more[k][q])
+      end
+    end
+  end
+  return total
+end
+
+local function three(row, at) return { row[at + 1], row[at + 2], row[at + 3] } end
+
+--- One lamp's derivatives from its row of sums.
+local function of_lamp(l, row)
+  local power, turn = three(row, NUMBERS.scale), three(row, NUMBERS.turn)
+  local d = { position = three(row, NUMBERS.place) }
+  d.direction, d.turn = lamps.by_direction(l, turn)
+  local full = 0
+  for c = 1, 3 do full = full + power[c] * l.full[c] end
+  d.dim, d.lumens = full, l.flux ~= 0 and full / l.flux or 0
+  d.colour = { power[1] * l.by_colour, power[2] * l.by_colour, power[3] * l.by_colour }
+  local round = l.opening == "disk" or l.opening == "sphere"
+  d.radius = round and row[NUMBERS.size + 1] or 0
+  d.size = round and { 0, 0 } or { row[NUMBERS.size + 1] / 2, row[NUMBERS.size + 2] / 2 }
+  local at = NUMBERS.noise
+  d.noise_lumens = l.flux * l.dim ~= 0 and math.sqrt(row[at + 1]) / math.abs(l.flux * l.dim) or 0
+  d.noise_position = { math.sqrt(row[at + 2]), math.sqrt(row[at + 3]), math.sqrt(row[at + 4]) }
+  d.noise_turn = { math.sqrt(row[at + 5]), math.sqrt(row[at + 6]), math.sqrt(row[at + 7]) }
+  return d
+end
+
+--- A list of derivatives of lamps as arrays, by name.
+local function columns(list, names)
+  local out = {}
+  for _, name in ipairs(names) do
+    local rows = {}
+    for k, d in ipairs(list) do rows[k] = d[name] end
+    out[name] = array.array(rows, "double")
+  end
+  return out
+end
+
+local function by_mesh(of, albedo)
+  local mesh = core.array_totable((select(5, of.lib.transfer_elements(of.links))))
+  local rows, out = albedo:totable(), {}
+  for k = 1, #of.scene.geometry do out[k] = { 0, 0, 0 } end
+  for i, row in ipairs(rows) do for c = 1, 3 do out[mesh[i]][c] = out[mesh[i]][c] + row[c] end end
+  return array.array(out, "double")
+end
+
+local options = {
+  { "albedo", "boolean", default = false,
+    about = "derivatives by the albedo of elements and of meshes too: one more read of the links" },
+  form.threads,
+}
+
+describe "importance:derivatives" {
+  about = "Derivatives of the weighted sum by every lamp, with shadows and all bounces: no ray is traced. Shadows count as the "
+    .. "rim of each lamp sees them (rim of links:radiosity); rim = 0 holds them.",
+  arguments = { { "options?", "table", "" } },
+  options = options,
+  returns = { { "d", "table", "arrays in the order of the lights: position [lamps][3], per scene unit; direction [lamps][3], by "
+    .. "the direction of length 1 that a lamp looks in; turn [lamps], per degree; lumens [lamps], per lm, or W of light; dim "
+    .. "[lamps]; colour [lamps][3], by channels of a colour of luminance 1, or of radiance; radius [lamps]; size [lamps][2], by "
+    .. "the sides of rectangles, lumens held; noise: { position, turn (about x, y, z, per radian), lumens }, standard errors by "
+    .. "halves of the rays; with albedo = true albedo [elements][3] and mesh_albedo [meshes][3]; notes" } },
+  errors = "raises where the radiosity is without derivatives = true, or was lit anew since; nil, message, code: memory",
+  example = room .. [[
+local d = mean:derivatives { albedo = true }
+assert(math.abs(d.lumens:get(1) * 3000 / mean.value - 1) < 1e-3) -- light is proportional to its lumens
+assert(d.position:get(1, 1) < 0) -- nearer to the middle of the room is brighter]],
+  source = "docs/math.md \"Derivatives by the lamp\"",
+}
+function methods.derivatives(i, given)
+  local m = made_of("derivatives", i)
+  local o = form.options(1, "derivatives", options, given)
+  if not m.from.lamps then
+    return check.fail "derivatives: the radiosity keeps no light lamp by lamp: links:radiosity(lights, { derivatives = true })"
+  end
+  if m.of.from ~= m.from or m.of.closed then
+    return check.fail "derivatives: the radiosity has been lit anew: take its importance again"
+  end
+  local total, message, code = weigh(m, o.threads)
+  if not total then return nil, message, code end
+  local list, points = {}, 0
+  for k, l in ipairs(m.from.lamps) do
+    list[k] = of_lamp(l, total[k])
+    if not lamps.has_rim(l) then points = points + 1 end
+  end
+  local d = columns(list, { "position", "direction", "turn", "lumens", "dim", "colour", "radius", "size" })
+  local noise = columns(list, { "noise_position", "noise_turn", "noise_lumens" })
+  d.noise = { position = noise.noise_position, turn = noise.noise_turn, lumens = noise.noise_lumens }
+  if points > 0 then
+    d.notes = { ("%d lamps are points: derivatives by their place hold their shadows"):format(points) }
+  end
+  if o.albedo then
+    d.albedo, message, code = check.result("derivatives", m.of.lib.transpose_albedo(m.transpose, m.radiosity, m.leaving, m.lambda,
+      o.threads))
+    if not d.albedo then return nil, message, code end
+    d.mesh_albedo = by_mesh(m.of, d.albedo)
+  end
+  return show.report(d)
+end
+
+memory.publish(methods)
+
+return methods

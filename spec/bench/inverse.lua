@@ -1,0 +1,78 @@
+-- Derivatives by lamps and inverse lighting: errors, rays, links that are read; evaluations and seconds until an office is met.
+--
+--     make bench BENCH=inverse
+--     build/ylm run spec/bench/inverse.lua [derivatives | office | levels]
+--
+-- The office is spec/support/office.lua: 12 x 8 m, desks, cupboards, partitions, twenty lamps. "off" is the error of the
+-- derivative of the mean illuminance by one lamp's place over its norm, against central differences of 4 cm at 400 rays. "read"
+-- is the links that value and derivatives read over those of the value. "cpu" is processor time of all threads; seconds are of
+-- the clock.
+
+local ylm = require "ylm"
+local office = require "spec.support.office"
+
+local what = arg and arg[1]
+local lights = office.lamps(ylm)
+
+local function derivatives()
+  local t = office.scene(ylm, lights):links { spacing = 1, rays = 64, lmax = 0 }
+  local desk = t:receivers { plane = office.desk }
+  local function mean(list, samples, rim)
+    local lit = t:radiosity(list, { derivatives = true, light_samples = samples, rim = rim })
+    return lit, lit:importance { { desk, weights = desk.weights } }
+  end
+  local truth = {}
+  for _, k in ipairs { 6, 10, 15 } do
+    truth[k] = {}
+    for a = 1, 3 do
+      local function at(h)
+        local p = { lights[k].at[1], lights[k].at[2], lights[k].at[3] }
+        p[a] = p[a] + h
+        local l = ylm.photometric_light { photometry = lights[k].photometry, at = p, opening = lights[k].opening }
+        return select(2, mean({ l }, 400, 0)).value
+      end
+      truth[k][a] = (at(0.04) - at(-0.04)) / 0.08
+    end
+  end
+  print "derivatives: rays, rim, off of lamps 6, 10, 15 (%), rays over those of the value, read"
+  for _, n in ipairs { { 16, 8 }, { 16, 16 }, { 64, 64 } } do
+    local lit, importance = mean(lights, n[1], n[2])
+    local d, off = importance:derivatives(), {}
+    for _, k in ipairs { 6, 10, 15 } do
+      local square, error = 0, 0
+      for a = 1, 3 do
+        square, error = square + truth[k][a] ^ 2, error + (truth[k][a] - d.position:get(k, a)) ^ 2
+      end
+      off[#off + 1] = ("%5.1f"):format(100 * (error / square) ^ 0.5)
+    end
+    local s = lit.stats
+    local forward = s.bounces * t.stats.elements * t.stats.links + desk.count * 256
+    print(("  %3d %3d  %s  %.3f  %.2f"):format(n[1], n[2], table.concat(off, " "), s.rays / (s.rays - s.rim_rays),
+      (forward + importance.link_reads) / forward))
+  end
+end
+
+local function plan(name, scene, vary)
+  local cpu = os.clock()
+  local _, r = assert(scene:inverse_lighting { vary = vary,
+    targets = { { plane = office.desk, mean = { least = 500 }, uniformity = 0.6 } } })
+  local t = r.targets[1]
+  print(("  %-7s %5s %4d %7.1f %7.1f  %6.1f %.3f  %6.1f %.3f  %.3f  %5.1f %5.1f"):format(name, tostring(r.met), r.evaluations,
+    r.seconds, os.clock() - cpu, t.before.mean, t.before.uniformity, t.mean, t.uniformity, t.noise,
+    r.lumens_before / 1000, r.lumens / 1000))
+  io.stdout:flush()
+end
+
+if not what or what == "derivatives" then derivatives() end
+if what ~= "derivatives" then
+  print "plans: met, evaluations, seconds, cpu; lx and U0 before by links, after by paths; noise of a place; klm before, after"
+end
+if not what or what == "levels" then
+  plan("levels", office.scene(ylm, office.lamps(ylm, { dim = 0.8 })), { { dim = { 0, 1.5 } } })
+end
+if not what or what == "office" then
+  local crowded = office.lamps(ylm, { box = { -5.5, 0.5, -3.5, 3.5 }, opening = { shape = "sphere", radius = 0.1 }, height = 2.8,
+    dim = 0.8 })
+  plan("office", office.scene(ylm, crowded), { { lights = "panel", position = { "x", "z" }, dim = { 0, 1.5 },
+    within = { { -5.7, 0, -3.7 }, { 5.7, 3, 3.7 } } } })
+end

@@ -1,0 +1,222 @@
+-- scene:inverse_lighting and ylm.minimise: lamps that are found for light that is asked for.
+
+local office = require "spec.support.office"
+local scratch = require "spec.support.scratch"
+local tool = require "spec.support.tool"
+local ylm = require "ylm"
+
+local function near(wanted, got, within, what)
+  assert.is_true(math.abs(wanted - got) <= within, ("%s: %.9g wanted, %.9g"):format(what, wanted, got))
+end
+
+--- Rosenbrock's function of n numbers.
+local function valley(x)
+  local f, g = 0, {}
+  for i = 1, #x do g[i] = 0 end
+  for i = 1, #x - 1 do
+    local a, b = x[i + 1] - x[i] ^ 2, 1 - x[i]
+    f, g[i], g[i + 1] = f + 100 * a * a + b * b, g[i] - 400 * a * x[i] - 2 * b, g[i + 1] + 200 * a
+  end
+  return f, g
+end
+
+local function start(n)
+  local x = {}
+  for i = 1, n do x[i] = i % 2 == 1 and -1.2 or 1 end
+  return x
+end
+
+describe("minimise", function()
+  it("finds the end of Rosenbrock's valley, and of one that bounds cut off", function()
+    local x, r = ylm.minimise(valley, start(20), { evaluations = 2000, tolerance = 1e-16 })
+    near(0, r.value, 1e-15, "without bounds")
+    near(1, x[20], 1e-7, "its place")
+    assert.are.equal(r.evaluations, #r.trace)
+    x, r = ylm.minimise(valley, start(60), { evaluations = 2000, tolerance = 1e-16, upper = 0.5 })
+    near(57.08965665, r.value, 1e-7, "with bounds")
+    for i = 1, 60 do assert.is_true(x[i] <= 0.5) end
+  end)
+
+  it("keeps numbers at bounds where the value falls beyond, and others where their slope is 0, to 1e-8", function()
+    local function bowl(x)
+      local f, g = 0, {}
+      for i = 1, #x do
+        local d = x[i] - (i - 3)
+        f, g[i] = f + i * d * d / 2, i * d
+      end
+      for i = 2, #x do f, g[i], g[i - 1] = f + 0.2 * x[i] * x[i - 1], g[i] + 0.2 * x[i - 1], g[i - 1] + 0.2 * x[i] end
+      return f, g
+    end
+    local x, r = ylm.minimise(bowl, { 0, 0, 0, 0, 0 }, { lower = { -1, -1, -1, -1, -1 }, upper = { 1, 1, 1, 1, 1 } })
+    local _, g = bowl(x)
+    for i = 1, 5 do
+      local held = x[i] == 1 and g[i] < 0 or x[i] == -1 and g[i] > 0
+      assert.is_true(held or math.abs(g[i]) < 1e-8, ("%d: %g, %g"):format(i, x[i], g[i]))
+    end
+    assert.are.equal(r.ended, "flat")
+  end)
+
+  it("ends when it is told to, and hands on what the function says", function()
+    local calls = 0
+    local x, r = ylm.minimise(valley, start(4), { progress = function() calls = calls + 1 return calls < 3 end })
+    assert.are.equal(r.ended, "cancelled")
+    assert.is_true(#x == 4 and r.evaluations == 4)
+    local ok, message, code = ylm.minimise(function() return nil, "the lamp is out", "EIO" end, { 1 })
+    assert.are.same({ ok == nil, message, code }, { true, "the lamp is out", "EIO" })
+    r = select(2, ylm.minimise(valley, start(4), { evaluations = 5 }))
+    assert.is_true(r.ended == "evaluations" and r.evaluations == 5)
+  end)
+end)
+
+--- A room with a slab in it, and lamps at these places.
+local function room(places, o)
+  local lights, lamp = {}, ylm.photometry { cosine = 2, lumens = 2000, watts = 20 }
+  for i, at in ipairs(places) do
+    lights[i] = ylm.photometric_light { photometry = lamp, at = at, name = "lamp " .. i, dim = o and o.dim,
+      opening = { shape = "disk", radius = 0.1 }, to = o and o.to }
+  end
+  return ylm.scene "a room" { lights = lights, geometry = {
+    ylm.box { bounds = { { -3, 0, -2 }, { 3, 2.8, 2 } }, material = ylm.matte { albedo = 0.5 } },
+    ylm.box { bounds = { { -0.05, 0, -1 }, { 0.05, 1.4, 1 } }, material = ylm.matte { albedo = 0.4 } } } }
+end
+
+local DESK = { at = { 0, 0.75, 0 }, size = { 5, 3 } }
+local BOX = { { -2.8, 0, -1.8 }, { 2.8, 2.8, 1.8 } }
+
+describe("inverse lighting", function()
+  it("meets a mean and a uniformity by paths, from lamps that crowd, and says so", function()
+    local scene = room { { -2, 2.6, -1 }, { -1.8, 2.6, 1 }, { -1.4, 2.6, -0.4 }, { -1, 2.6, 0.8 } }
+    local plan, r = scene:inverse_lighting {
+      vary = { { lights = "lamp", position = { "x", "z" }, within = BOX, dim = { 0, 3 } } },
+      targets = { { plane = DESK, mean = { least = 300 }, uniformity = 0.6 } }, judge = 2048, spacing = 0.8 }
+    local t = r.targets[1]
+    assert.is_true(r.met and t.met and t.judged == "paths", tostring(r))
+    assert.is_true(t.mean >= 300 and t.uniformity >= 0.6 and t.before.uniformity < 0.3)
+    assert.is_true(r.evaluations <= 40 and #plan.trace == r.evaluations)
+    for i, l in ipairs(plan.lights) do
+      assert.is_true(l.at[1] >= -2.8 and l.at[1] <= 2.8 and l.at[3] >= -1.8 and l.at[3] <= 1.8 and l.at[2] == 2.6)
+      assert.is_true(l.dim >= 0 and l.dim <= 3 and l.name == "lamp " .. i)
+    end
+    local E = plan.scene:probe { points = { { 1, 0.75, 0.3 } }, normals = { { 0, 1, 0 } }, samples = 256 }
+    assert.is_true(E:get(1, 2) > 150)
+  end)
+
+  it("finds levels alone by one solution of each lamp, with the least light", function()
+    local scene = room { { -1.5, 2.6, -1 }, { -1.5, 2.6, 1 }, { 1.5, 2.6, -1 }, { 1.5, 2.6, 1 } }
+    local plan, r = scene:inverse_lighting { vary = { { dim = { 0, 2 } } }, price = "watts",
+      targets = { { plane = DESK, mean = 250, name = "desks" } }, judge = 1024, spacing = 0.8 }
+    assert.is_true(r.met and r.evaluations == 1, tostring(r))
+    near(250, r.targets[1].mean, 8, "no more than is asked for")
+    assert.are.equal(r.targets[1].name, "desks")
+    near(r.watts / r.lumens, 20 / 2000, 1e-9, "watts")
+    local half = plan.scene:inverse_lighting { vary = { { dim = { 0, 2 }, together = true } }, spacing = 0.8, judge = 0,
+      targets = { { plane = DESK, mean = { most = 125 } } } }
+    for i = 2, 4 do assert.are.equal(half.lights[i].dim, half.lights[1].dim) end
+  end)
+
+  it("finds lamps again by the light that they made, by place and by direction", function()
+    local scene = room { { -1, 2.5, 0.3 }, { 1.2, 2.5, -0.5 } }
+    local links = scene:links { spacing = 0.8, rays = 32, lmax = 0 }
+    local desk = links:receivers { plane = DESK, rays = 64 }
+    local wanted = desk:illuminance(links:radiosity(scene.lights, { derivatives = true }))
+    local moved = ylm.scene "moved" { like = scene,
+      moved = { [1] = { at = { -1.4, 2.5, 0 } }, [2] = { at = { 0.8, 2.5, -0.2 } } } }
+    local links2 = moved:links { spacing = 0.8, rays = 32, lmax = 0 }
+    local plan, r = moved:inverse_lighting { links = links2, price = "none", judge = 0, evaluations = 30,
+      vary = { { position = { "x", "z" }, within = BOX } },
+      targets = { { receivers = links2:receivers { plane = DESK, rays = 64 }, wanted = wanted } } }
+    assert.is_true(r.targets[1].rms < 0.02 and r.targets[1].before.rms > 0.15, tostring(r))
+    for i, l in ipairs(plan.lights) do
+      for a = 1, 3 do near(scene.lights[i].at[a], l.at[a], 0.05, "lamp " .. i) end
+    end
+    local leaning = room({ { -1, 2.5, 0.3 }, { 1.2, 2.5, -0.5 } }, { to = { 0, 0, 0 } })
+    plan, r = leaning:inverse_lighting { price = "none", judge = 0, evaluations = 30, spacing = 0.8, rays = 32, seed = 1,
+      receiver_rays = 64, vary = { { direction = 60 } }, targets = { { plane = DESK, wanted = wanted } } }
+    assert.is_true(r.targets[1].rms < 0.06 and r.targets[1].before.rms > 0.15, tostring(r))
+    near(-1, plan.lights[1].axis[2], 0.05, "straight down again")
+  end)
+
+  it("says what it cannot reach, and the bounds that hold it", function()
+    local scene = room { { 0, 2.6, 0 } }
+    local _, r = scene:inverse_lighting { vary = { { dim = { 0, 1 } } }, targets = { { plane = DESK, mean = { least = 5000 } } },
+      judge = 64, spacing = 1 }
+    assert.is_false(r.met)
+    assert.matches("light 1 %(lamp 1%): dim at 1", r.active[1])
+    assert.is_true(#r.targets[1].hardest == 3 and r.targets[1].hardest[1].illuminance <= r.targets[1].hardest[3].illuminance)
+  end)
+
+  it("is the same for any number of threads", function()
+    local function of(threads)
+      local plan = room({ { -1, 2.6, 0 }, { 1, 2.6, 0 } }):inverse_lighting { threads = threads, evaluations = 4, judge = 0,
+        spacing = 1, receiver_rays = 64, vary = { { position = { "x" }, within = BOX } },
+        targets = { { plane = DESK, uniformity = 0.9 } } }
+      return plan.lights[1].at[1]
+    end
+    assert.are.equal(of(1), of(3))
+  end)
+
+  it("saves a scene file that loads, with its lamps", function()
+    local folder = scratch.new()
+    local plan = room({ { -1, 2.6, 0 }, { 1, 2.6, 0 } }):inverse_lighting { vary = { { dim = { 0, 2 } } }, judge = 0, spacing = 1,
+      targets = { { plane = DESK, mean = { least = 200 } } } }
+    local ok, files = plan:save(folder.path .. "/planned.lua")
+    assert.is_true(ok and #files == 3)
+    local back = assert(ylm.load(folder.path .. "/planned.lua"))
+    assert.are.equal(#back.lights, 2)
+    for i, l in ipairs(back.lights) do
+      assert.are.same(l.at, plan.lights[i].at)
+      assert.are.equal(l.dim, plan.lights[i].dim)
+      near(2000, l.photometry.lumens, 0.2, "its photometry")
+    end
+    local points = { points = { { 1, 0.75, 0.3 } }, normals = { { 0, 1, 0 } }, samples = 512 }
+    near(plan.scene:probe(points):get(1, 2), back:probe(points):get(1, 2), 3, "light")
+  end)
+
+  it("draws maps before and after", function()
+    local plan = room({ { -1, 2.6, 0 } }):inverse_lighting { vary = { { dim = { 0, 9 } } }, judge = 0, spacing = 1,
+      targets = { { plane = DESK, mean = { least = 200 } } } }
+    assert.matches("figure", tostring(plan:figure { width = 80 }))
+    assert.matches("ylm.plan of \"a room\": 1 lights, met", tostring(plan))
+  end)
+
+  it("takes an image as what a plane shall look like, brightness aside", function()
+    local scene = room { { -1, 2.6, 0 }, { 1, 2.6, 0 } }
+    local _, r = scene:inverse_lighting { vary = { { dim = { 0, 2 } } }, judge = 0, spacing = 1, price = "none",
+      targets = { { plane = DESK, image = { { 1, 0 } } } } }
+    assert.is_true(r.targets[1].rms < r.targets[1].before.rms, tostring(r))
+  end)
+
+  it("is a command, which plans what a scene file asks for, and refuses one that names a picture's file", function()
+    local folder = scratch.new()
+    local run = tool.runner(folder)
+    local function file(name, target)
+      return scratch.quote(folder:write(name, ([[
+        return scene "asked" { geometry = box { scale = 4 },
+          lights = sphere_light { at = { 0, 1, 0 }, radius = 0.1, radiance = 100, photometric = true },
+          inverse_lighting = { vary = { { dim = { 0, 9 } } },
+            targets = { { plane = { at = { 0, -1, 0 }, size = { 2, 2 } }, %s } } } }
+      ]]):format(target)))
+    end
+    local out, status, err = run("inverse_lighting " .. file("a.lua", "mean = 2") .. " --judge 64 --json -o "
+      .. scratch.quote(folder.path .. "/planned.lua"))
+    assert.equal(0, status, err)
+    assert.matches('"met": ?true', out)
+    assert.are.equal(1, #assert(ylm.load(folder.path .. "/planned.lua")).lights)
+    out, status, err = run("inverse_lighting " .. file("b.lua", "image = '/etc/passwd'"))
+    assert.is_true(status ~= 0 and err:find("in a scene file an image is numbers", 1, true) ~= nil, out .. err)
+    out, status, err = run("inverse_lighting " .. scratch.quote(folder.path .. "/planned.lua"))
+    assert.is_true(status ~= 0 and err:find("the scene has no table inverse_lighting", 1, true) ~= nil, out .. err)
+    folder:remove()
+  end)
+
+  if require "spec.support.long"(false, true) then
+    it("meets 500 lx and 0.6 by paths in the office with desks and partitions, within 40 evaluations", function()
+      local lights = office.lamps(ylm, { box = { -5.5, 0.5, -3.5, 3.5 }, opening = { shape = "sphere", radius = 0.1 }, dim = 0.8,
+        height = 2.8 })
+      local _, r = office.scene(ylm, lights):inverse_lighting {
+        vary = { { position = { "x", "z" }, within = { { -5.7, 0, -3.7 }, { 5.7, 3, 3.7 } }, dim = { 0, 1.5 } } },
+        targets = { { plane = office.desk, mean = { least = 500 }, uniformity = 0.6 } } }
+      assert.is_true(r.met and r.evaluations <= 40, tostring(r))
+    end)
+  end
+end)
