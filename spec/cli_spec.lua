@@ -35,7 +35,7 @@ describe("the command-line tool", function()
     assert.equal(2, code)
     assert.truthy(err:find("no option --jsn (did you mean --json?)", 1, true), err)
     for _, words in ipairs { "info x y", "render", "render a.lua --size 3", "render a.lua --samples x", "render a.lua -o",
-      "render a.lua", "bake a.lua", "compare a.exr", "run", "info --json=1", "render a.lua -o b.exr --by x" } do
+      "render a.lua", "bake a.lua -o b.exr", "compare a.exr", "run", "info --json=1", "render a.lua -o b.exr --by x" } do
       local _, status, text = ylm(words)
       assert.equal(2, status, words .. ": " .. text)
       assert.truthy(#text > 0)

@@ -202,6 +202,46 @@ describe("a surface grid", function()
     assert.equal(0, #report.warnings)
   end)
 
+  it("has no noise in pictures whose other noise is filtered", function()
+    local size = { 64, 48 }
+    local image, report = scene:render { size = size, samples = 4, bounced = light, light_samples = 4, denoise = "auto" }
+    assert.same({ "surfaces", "samples" }, { report.bounced, report.ended })
+    assert.is_true(report.noise < report.noise_before)
+    local d = report.denoise
+    assert.is_true(d.z2 < 4, d.z2)
+    assert.is_true(math.abs(d.bias) < 4 * d.uncertainty + 0.003, d.bias)
+    local bounced = scene:prepare({ size = size, samples = 4 }):render { by = "none", bounced = light }
+    local direct = image:layer "raw" - bounced:layer "radiance"
+    assert.is_true(direct:min() > -1e-5, direct:min()) -- whole in the layer raw
+    local ok, why = pcall(function() return scene:render { size = size, bounced = "virtual", denoise = "auto" } end)
+    assert.is_false(ok)
+    assert.truthy(why:find("along links or from a grid", 1, true), why)
+  end)
+
+  it("is not dimmer where its places have more noise", function()
+    local points, normals = floor_places(9)
+    local function mean(rays)
+      local g = listen(function()
+        return scene:surface_grid { tolerance = 0.5, rays = rays, links = links, judge = "field", corners = 200 }
+      end)
+      return g:irradiance(points, normals):mean()
+    end
+    local few, many = mean(4), mean(256)
+    assert.is_true(math.abs(few / many - 1) < 0.01, few / many - 1)
+  end)
+
+  it("is what scene:bake makes where there are no probes", function()
+    local baked = listen(function() return scene:bake { links = links, judge = "field" } end)
+    assert.equal("ylm.surface_grid", core.type(baked))
+    local points, normals = floor_places(5)
+    assert.same(baked:irradiance(points, normals):totable(), light:irradiance(points, normals):totable())
+    for name, value in pairs { occupied = "everywhere", sums_tolerance = 0.1, quantity = "lights", size = { 8, 8 } } do
+      local ok, why = pcall(function() return scene:bake { [name] = value } end)
+      assert.is_false(ok)
+      assert.truthy(why:find(name, 1, true) and why:find("is of probes", 1, true), why)
+    end
+  end)
+
   it("says where a picture's scene is another", function()
     local moved = ylm.scene "moved" { like = scene,
       lights = ylm.sphere_light { at = { -0.5, 0.4, 0 }, radius = 0.15, radiance = 20 } }
@@ -230,6 +270,16 @@ describe("a surface grid", function()
     assert.is_true(paths.field_met)
     assert.is_true(g.stats.error >= paths.field_error)
     assert.equal(g.stats.error <= 0.3, g.stats.met)
+    assert.is_true(paths.least <= g.stats.error)
+  end)
+
+  it("asks no more paths where these cannot show its tolerance", function()
+    local g, said = listen(function() return assert(scene:surface_grid { tolerance = 0.02, corners = 300, links = links }) end)
+    local paths = g.stats.paths
+    assert.is_false(g.stats.met)
+    assert.is_true(paths.undecided > 0.5 * g.stats.verified, paths.undecided)
+    assert.equal(2 * 256 * g.stats.verified, paths.paths)
+    assert.truthy(said[1]:find "paths are too noisy to say more", said[1])
   end)
 
   it("takes other light on the rectangles that it has", function()
@@ -310,6 +360,41 @@ describe("a surface grid", function()
     folder:remove()
   end)
 
+  it("is what the command bakes where there are no probes, and other commands refuse it", function()
+    local folder = scratch.new()
+    local run = tool.runner(folder)
+    folder:write("room.lua", [[
+      return scene "a room" { geometry = box { scale = 2, material = matte { albedo = 0.5 } },
+        camera = camera { from = { 0.8, 0.6, 0.9 }, at = { -0.3, -0.4, -0.3 }, fov = 80 },
+        links = links { rays = 16, spacing = 0.5 },
+        lights = sphere_light { at = { 0.5, 0.4, 0 }, radius = 0.15, radiance = 20 } }]])
+    local path = scratch.quote(folder.path .. "/room.lua")
+    local surfaces = scratch.quote(folder.path .. "/room.surfaces")
+    local _, status, err = run("bake " .. path .. " --tolerance 0.5")
+    assert.equal(0, status, err)
+    assert.truthy(err:find("bakes into " .. folder.path .. "/room.surfaces", 1, true), err)
+    local out = scratch.quote(folder.path .. "/room.png")
+    _, status, err = run("render " .. path .. " --grid " .. surfaces .. " -s 32x24 -n 4 -o " .. out)
+    assert.equal(0, status, err)
+    assert.truthy(err:find "noise is", err) -- filtered where there is some
+    local wanted = {
+      ["bake " .. path .. " --small"] = "--small is of grids",
+      ["page " .. path .. " --grid " .. surfaces .. " -o a.html"] = "light on surfaces, and not a grid",
+      ["export " .. path .. " --grid " .. surfaces .. " -o a.npy"] = "light on surfaces, and not a grid",
+      ["render " .. path .. " --grid " .. surfaces .. " --by grid -o a.png"] = "--by grid is of grids",
+      ["render " .. path .. " --grid " .. surfaces .. " --bounces 1 -o a.png"] = "--bounces does not go with",
+    }
+    for words, says in pairs(wanted) do
+      _, status, err = run(words)
+      assert.is_true(status ~= 0, words)
+      assert.truthy(err:find(says, 1, true), words .. ": " .. err)
+    end
+    _, status, err = tool.runner(folder, "OMPI_COMM_WORLD_SIZE=2 OMPI_COMM_WORLD_RANK=0")("bake " .. path .. " -o " .. surfaces)
+    assert.equal(2, status)
+    assert.truthy(err:find("one process's work", 1, true), err)
+    folder:remove()
+  end)
+
   it("is seen in the colours of its rectangles", function()
     local made, why = pcall(ylm.view, { surfaces = 7 })
     assert.is_false(made)
@@ -373,6 +458,9 @@ describe("a surface grid", function()
     refused("point 2 lies on no surface", function()
       return light:irradiance({ { 0.5, -1, 0 }, { 0.3, 0.3, 0.3 } }, { { 0, 1, 0 }, { 0, 1, 0 } })
     end)
+    refused("engines read grids", function() return light:export("x.npy", { scene = scene }) end)
+    refused("points in space take grids", function() return light:sample({ { 0, 0, 0 } }) end)
+    refused("html is of grids", function() return light:save "x.html" end)
     local closed = scene:surface_grid { tolerance = 0.5, links = links, judge = "field" }
     closed:close()
     refused("has been closed", function() return closed:irradiance({ { 0, -1, 0 } }, { { 0, 1, 0 } }) end)

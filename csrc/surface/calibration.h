@@ -94,10 +94,12 @@
    there are JUDGED_MOST looks: a surface of which 1 % fails passes one of them with a chance of 2e-4. */
 #define ENOUGH 0.006
 #define ENOUGH_SURE 0.003
-/* They are asked where about so few places are expected to fail, or where corners have grown by so much. */
+/* They are asked where about so few places are expected to fail, or where corners have grown by so much. Refinement also ends
+   where so many looks in a row find no fewer failures than one before. */
 #define HOPE 0.02
 #define GROWN 1.5
 #define JUDGED_MOST 12
+#define JUDGED_IDLE 3
 /* Fits of other light on the same rectangles: places that judged one become places of the next. */
 #define REFITS 6
 /* Covered: another surface is nearer than this. */

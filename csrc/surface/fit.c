@@ -116,7 +116,21 @@ static ylm_status end_row(rows *r, const double target[3], const double weight[3
   return YLM_OK;
 }
 
-static ylm_status add_site(fit *f, const surface_site *p) {
+/* Weights of the places of a leaf, by the mean of their light: if each had that of its own, those whose noise makes them
+   bright would count less, and light would be too dim. */
+static void weigh(const surface_bake *b, const surface_leaf *l, double weight[3]) {
+  double sum[3] = {0, 0, 0}, E[3];
+  for (size_t k = l->first; k < l->first + l->sampled; k++) {
+    ylm__surface_mid(&b->light[b->site[b->entry[k].site].light], E);
+    for (int c = 0; c < 3; c++) sum[c] += E[c] / (double)l->sampled;
+  }
+  for (int c = 0; c < 3; c++) {
+    double m = ylm__surface_scale(b, sum[c], c);
+    weight[c] = m > 0 ? 1 / (m * m) : 0;
+  }
+}
+
+static ylm_status add_site(fit *f, const surface_site *p, const double weight[3]) {
   const surface_bake *b = f->b;
   surface_spot spot[3];
   uint32_t leaf[3];
@@ -135,12 +149,8 @@ static ylm_status add_site(fit *f, const surface_site *p) {
     ylm__surface_weights(r->lo, r->hi, spot[i].at, w);
     for (int c = 0; s == YLM_OK && c < 4; c++) s = put(f, l, c, spot[i].weight / have * w[c]);
   }
-  double E[3], weight[3];
+  double E[3];
   ylm__surface_mid(&b->light[p->light], E);
-  for (int c = 0; c < 3; c++) {
-    double m = ylm__surface_scale(b, E[c], c);
-    weight[c] = m > 0 ? 1 / (m * m) : 0;
-  }
   return s == YLM_OK ? end_row(&f->row, E, weight) : s;
 }
 
@@ -171,8 +181,10 @@ static ylm_status make_rows(fit *f) {
   ylm_status s = YLM_OK;
   for (size_t i = 0; s == YLM_OK && i < b->leaves; i++) {
     const surface_leaf *l = &b->leaf[i];
+    double weight[3];
+    if (l->sampled) weigh(b, l, weight);
     for (size_t k = l->first; s == YLM_OK && k < l->first + l->sampled; k++)
-      s = add_site(f, &b->site[b->entry[k].site]);
+      s = add_site(f, &b->site[b->entry[k].site], weight);
     if (s == YLM_OK && l->sampled) s = add_leaf(f, l);
   }
   return s;

@@ -265,7 +265,7 @@ static ylm_status fit(surface_bake *b, bool part) {
 }
 
 static ylm_status refine(surface_bake *b, panel *p) {
-  size_t judged = 0, judges = 0;
+  size_t judged = 0, judges = 0, fewest = SIZE_MAX, idle = 0;
   ylm_status s = begin(b);
   for (uint64_t round = 1; s == YLM_OK && round <= ROUNDS; round++) {
     char stage[32];
@@ -280,6 +280,9 @@ static ylm_status refine(surface_bake *b, panel *p) {
       judged = b->unknowns;
       if (s == YLM_OK) compare(b, p);
       if (s != YLM_OK || is_enough(b)) break;
+      idle = b->stats.failed < fewest ? 0 : idle + 1;
+      if (b->stats.failed < fewest) fewest = b->stats.failed;
+      if (idle == JUDGED_IDLE) break;
       s = join(b, p);
       if (s == YLM_OK)
         s = ylm_parallel(b->leaves, 16, b->form->light.threads, measure, b, NULL, NULL);

@@ -1,4 +1,4 @@
---- ylm bake scene.lua -o grid.ylm | room.surfaces
+--- ylm bake scene.lua [-o grid.ylm | room.surfaces]
 
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
@@ -19,9 +19,13 @@ local function check_quantity(given)
   end
 end
 
+--- The file that a scene is baked into where none is named: the scene's, with another ending.
+local function default_output(path, scene)
+  return path:gsub("%.%w+$", "") .. (scene.probes and ".ylm" or ".surfaces")
+end
+
 --- Ends the command unless the output can be written; a folder of bricks is made, and goes on where it was.
 local function check_output(given)
-  if not given.output then status.stop(status.usage, "bake: -o FILE says where the grid goes") end
   if given.coefficients and not given.output:lower():find "%.vtu$" then
     status.stop(status.usage, "bake: --coefficients is of .vtu files: give -o NAME.vtu, or leave it out")
   end
@@ -36,10 +40,27 @@ local function check_output(given)
   return false
 end
 
+--- Ends the command where --occupied is none, or options of the camera are given without it.
+local function check_occupied(given)
+  local where = given.occupied or "surfaces"
+  if where ~= "surfaces" and where ~= "camera" and where ~= "vertices" and where ~= "everywhere" then
+    status.stop(status.usage, "bake: --occupied is surfaces, camera, vertices or everywhere, got '%s'", where)
+  end
+  if where ~= "camera" and (given.size or given.samples) then
+    status.stop(status.usage, "bake: --size and --samples are of the camera's view, --occupied is %s: leave them out, "
+      .. "or give --occupied camera", where)
+  end
+end
+
 --- Finds the light on the surfaces of a scene.
 local function bake_surfaces(given, scene, bounces)
-  for _, name in ipairs { "occupied", "size", "samples", "sums-tolerance" } do
-    if given[name] then status.stop(status.usage, "bake: --%s is of grids, this is NAME.surfaces: leave it out", name) end
+  for _, name in ipairs { "occupied", "size", "samples", "sums-tolerance", "small", "bytes" } do
+    if given[name] then status.stop(status.usage, "bake: --%s is of grids (-o NAME.ylm), this is %s: leave it out", name,
+      given.output) end
+  end
+  if require "ylm.team.launch".started() then
+    status.stop(status.usage, "bake: %s is one process's work: leave mpirun or srun out, or bake a grid (-o NAME.ylm)",
+      given.output)
   end
   if given.quantity == "lights" then
     status.stop(status.usage, "bake: --quantity of NAME.surfaces is direct, indirect (default) or all")
@@ -97,16 +118,20 @@ local function few_bytes(given, scene)
   return small.with_tolerance(probes, PART * probes.tolerance), { tolerance = probes.tolerance }
 end
 
+--- The probes of a grid of a scene that has none.
+local function room_probes() return require "ylm".adaptive_grid { lmax = 2, depth = 7, tolerance = 0.1 } end
+
 return {
-  summary = "bakes the probes of a scene file into a grid, or finds the light on its surfaces",
-  usage = "SCENE.lua -o GRID.ylm",
+  summary = "bakes the probes of a scene file into a grid; of one without probes the light on its surfaces",
+  usage = "SCENE.lua [-o GRID.ylm | LIGHT.surfaces]",
   notes = "mpirun or srun with this command share the work among their processes (docs/cluster.md).",
   least = 1,
   shared = true,
   options = {
-    { "output", "-o", "FILE", "the grid (.ylm), or .vtu for ParaView; .ylmd: a folder of bricks, for grids larger than "
-      .. "memory, which a second call goes on with; .surfaces: light on the scene's surfaces instead of probes" },
-    { "tolerance", nil, "N", "with -o NAME.surfaces: of irradiance at 99 % of the surface; default 0.05" },
+    { "output", "-o", "FILE", "light on the scene's surfaces (.surfaces), a grid (.ylm), or .vtu for ParaView; .ylmd: a folder "
+      .. "of bricks, for grids larger than memory, which a second call goes on with; default: the scene's name with .ylm, or "
+      .. ".surfaces where it has no probes" },
+    { "tolerance", nil, "N", "with NAME.surfaces: of irradiance at 99 % of the surface; default 0.1" },
     { "small", nil, nil, "with -o NAME.ylm: few bytes: the tolerance of the scene's probes holds for what is decoded" },
     { "bytes", nil, "SIZE", "with -o NAME.ylm: few bytes: the least error in at most so many (2MB, 500kB)" },
     { "coefficients", nil, nil, "with -o NAME.vtu: also all coefficients of points" },
@@ -114,7 +139,7 @@ return {
     { "time", nil, "TIME", "with -o NAME.ylmd: begin no brick that would take longer (90s, 55m, 12h); exit status 75 where "
       .. "bricks are left" },
     { "quantity", nil, "NAME", "what the grid holds: lights (nothing occludes them; default of a scene with probes), direct "
-      .. "(with shadows), indirect (what surfaces send back; default of a scene without) or all" },
+      .. "(with shadows), indirect (what surfaces send back; default of a scene without probes) or all" },
     { "bounces", "-b", "NAME", "of --quantity indirect and all: reflections after direct light, 1, 2 .. or all (default)" },
     { "occupied", nil, "NAME", "where light is needed: surfaces (default), camera, vertices or everywhere" },
     { "size", "-s", "WxH", "with --occupied camera: of its image, default that of render" },
@@ -125,24 +150,26 @@ return {
   },
   run = function(given)
     local ylm = require "ylm"
+    local scene
+    if not given.output then
+      scene = status.load_scene(given[1])
+      given.output = default_output(given[1], scene)
+      report.say(given, "ylm: bakes into %s", given.output)
+    end
     local in_bricks = check_output(given)
     local time_limit = seconds_of(given.time)
-    local where = given.occupied or "surfaces"
-    if where ~= "surfaces" and where ~= "camera" and where ~= "vertices" and where ~= "everywhere" then
-      status.stop(status.usage, "bake: --occupied is surfaces, camera, vertices or everywhere, got '%s'", where)
-    end
-    if where ~= "camera" and (given.size or given.samples) then
-      status.stop(status.usage, "bake: --size and --samples are of the camera's view, --occupied is %s: leave them out, "
-        .. "or give --occupied camera", where)
-    end
+    check_occupied(given)
     check_quantity(given)
     local bounces = status.bounces("bake", given.bounces)
-    local scene = status.load_scene(given[1])
+    scene = scene or status.load_scene(given[1])
     if status.is_surfaces(given.output) then return bake_surfaces(given, scene, bounces) end
     if not scene.probes and #scene.geometry == 0 then
       status.stop(status.script, "%s: the scene has no probes to bake (probes = adaptive_grid { ... })", given[1])
     end
     local probes, few = few_bytes(given, scene)
+    if not probes and not scene.probes then
+      probes, given.quantity = room_probes(), given.quantity or "indirect"
+    end
     local team = status.need(ylm.team())
     local grid = need_grid(scene:bake { folder = in_bricks and given.output or nil, fresh = given.fresh, time_limit = time_limit,
       team = team.size > 1 and team or nil, quantity = given.quantity, bounces = bounces, occupied = given.occupied,

@@ -14,7 +14,7 @@ end
 
 return {
   summary = "files of probes beside paths: the error at the surfaces of their scene",
-  usage = "SCENE.lua PROBES...   (.ylmp, .three.json, .ktx2, .npy, .ylm)",
+  usage = "SCENE.lua PROBES...   (.ylmp, .three.json, .ktx2, .npy, .ylm, .surfaces)",
   least = 2,
   options = {
     { "quantity", nil, "NAME", "the light that they hold: indirect (default) or all" },
@@ -31,7 +31,8 @@ return {
     for k = 2, #given do
       local path = given[k]
       local what = path
-      if path:lower():find "%.ylm$" then what = status.need_kind("ylm.grid", "a grid", path, ylm.load(path)) end
+      if status.is_surfaces(path) then what = status.need(scene:surface_grid { file = path })
+      elseif path:lower():find "%.ylm$" then what = status.need_kind("ylm.grid", "a grid", path, ylm.load(path)) end
       local r = status.need(scene:judge(what, { quantity = given.quantity, places = given.places, samples = given.samples,
         bounds = bounds_of(given.bounds), offset = given.offset, seed = given.seed, threads = given.threads,
         progress = report.progress(given) }))

@@ -91,11 +91,25 @@ local function refuse_idle(given, by)
   end
 end
 
+--- Ends the command where options are given that light on surfaces has no use for.
+local function check_surfaces(given, by)
+  if not status.is_surfaces(given.grid) then return end
+  if by == "grid" then
+    status.stop(status.usage, "render: --by grid is of grids, %s is light on surfaces: leave --by out", given.grid)
+  end
+  for _, name in ipairs { "bounces", "bounced", "visibility" } do
+    if given[name] and (name ~= "visibility" or given[name] == "transfer") then
+      status.stop(status.usage, "render: --%s does not go with %s, which holds the light that bounces: leave one out", name,
+        given.grid)
+    end
+  end
+end
+
 --- Is noise filtered? Of pictures by rays and links, unless options count shadow rays, or ask for what a filter does not go with.
 local function filter_of(given, by)
   if given.denoise then return given.denoise end
   local plain = by == "rays" and not given.tolerance and not given["light-samples"] and given.shading ~= "vertices"
-    and given.bounced ~= "virtual" and not given.grid
+    and given.bounced ~= "virtual"
   return plain and "auto" or nil
 end
 
@@ -188,6 +202,7 @@ return {
     status.need_output("render", given.output, "exr", "png", "hdr", "pfm")
     check_choices(given)
     local by = way_of(given)
+    check_surfaces(given, by)
     refuse_idle(given, by)
     check_gloss(given, by)
     local exposure = exposures.of("render", given)
@@ -203,6 +218,7 @@ return {
     end
     if options.grid and options.grid.quantity == "indirect" and not given.by then
       options.by, options.bounced, options.grid, options.bounces = "rays", options.grid, nil, nil
+      options.denoise = filter_of(given, "rays")
     end
     if given.bounced == "virtual" then
       local lights = lights_of(scene, given, options.bounces)

@@ -113,6 +113,10 @@ end
 
 --- status.need for the object in a file, which must be of a kind ("ylm.grid") that `words` name ("a grid").
 function status.need_kind(kind, words, path, first, message, code)
+  if first == nil and code == "EFORMAT" and require "ylm.file".kind_of(path) == "surface_grid" then
+    status.stop(status.failed, "%s: light on surfaces, and not %s%s", path, words,
+      kind == "ylm.grid" and ", which ylm bake SCENE.lua -o NAME.ylm makes" or "")
+  end
   status.need(first, message, code)
   if require "ylm.form".kind(first) ~= kind then status.stop(status.failed, "%s: not %s", path, words) end
   return first

@@ -11,6 +11,7 @@ local options = require "ylm.render.options"
 local prints = require "ylm.render.prints"
 local promise = require "ylm.render.promise"
 local progress = require "ylm.progress"
+local surfaces = require "ylm.render.surfaces"
 local tracing = require "ylm.trace"
 local transfer = require "ylm.transfer"
 local unmet = require "ylm.grid.unmet"
@@ -95,19 +96,30 @@ local function check_quantity(s, o, probes)
   end
 end
 
---- Probes of a scene that has none: of the light that its surfaces send back, to a tolerance on irradiance.
-local function room_probes(s, o, given)
-  if #s.geometry == 0 or o.lights ~= nil then
-    return check.fail("bake: scene %q has no probes (probes = adaptive_grid { ... })", s.name or "?")
+--- Options of scene:bake that hold where there are no probes: those of the light on surfaces.
+local OF_SURFACES = { "quantity", "bounces", "links", "judge", "seed", "threads", "progress" }
+
+--- The light on the surfaces of a scene that has no probes.
+local function on_surfaces(s, given)
+  if #s.geometry == 0 then
+    return check.fail("bake: scene %q has neither probes (probes = adaptive_grid { ... }) nor surfaces", s.name or "?")
   end
-  if type(given) ~= "table" or given.quantity == nil then o.quantity = "indirect" end
-  return grids.adaptive_grid { lmax = 2, depth = 7, tolerance = 0.1 }
+  local o, known = {}, {}
+  for _, name in ipairs(OF_SURFACES) do known[name] = true end
+  for name, value in pairs(given or {}) do
+    if not known[name] or value == "lights" and name == "quantity" then
+      return check.fail("bake: %s is of probes, and scene %q has none, so that its surfaces are baked: give probes = "
+        .. "adaptive_grid { ... }, or leave it out", name == "quantity" and "quantity = 'lights'" or name, s.name or "?")
+    end
+    o[name] = value
+  end
+  return surfaces.surface_grid(s, o)
 end
 
 local bake_options = options.list(options.view_fields, {
   { "probes", "object", of = core.choices "grid_form", optional = true,
-    about = "instead of the scene's. A scene without probes has adaptive_grid { lmax = 2, depth = 7, tolerance = 0.1 }, and "
-      .. "quantity = 'indirect' by default" },
+    about = "instead of the scene's. Without any the light on the scene's surfaces is baked, as scene:surface_grid finds it: "
+      .. "quantity ('indirect' by default), bounces, links, judge, seed, threads and progress are then the options" },
   transfer.fields.quantity,
   { "lights", "any", optional = true, about = "instead of the scene's, of quantity = 'lights': lights or what has a light "
     .. "field, as in ylm.bake; of virtual lights the far parts (lights:split)" },
@@ -133,10 +145,12 @@ local bake_options = options.list(options.view_fields, {
 
 describe "scene:bake" {
   shelf = "everyday",
-  about = "Bakes a scene's probes: a grid of its light for the surfaces of its geometry, or for what its camera sees.",
+  about = "Bakes a scene's probes: a grid of its light for the surfaces of its geometry, or for what its camera sees. Of a scene "
+    .. "without probes the light on its surfaces is baked: scene:surface_grid.",
   arguments = { { "options?", "table", "the camera's default to those of scene:render" } },
   options = bake_options,
-  returns = { { "grid", "grid", "bounds default to the box around the geometry" } },
+  returns = { { "grid", "grid|surface_grid", "bounds default to the box around the geometry; surface_grid: of a scene without "
+    .. "probes" } },
   errors = "raises where there are neither probes nor geometry, or on a bad option; nil, message, code: memory, cancelled",
   example = options.one_lamp .. [[
 local probes = ylm.uniform_grid { cells = { 4, 4, 4 }, lmax = 2 }
@@ -148,7 +162,8 @@ function bake.bake(s, given)
   tracing.check_scene("bake", s)
   local o = form.options(1, "bake", bake_options, given)
   o.progress = progress.long(o.progress)
-  local probes = o.probes or s.probes or room_probes(s, o, given)
+  local probes = o.probes or s.probes
+  if not probes then return on_surfaces(s, given) end
   check_camera_options(given, o)
   check_quantity(s, o, probes)
   local t, message, code = tracing.trace("bake", s)

@@ -3,6 +3,7 @@
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local array = require "ylm.array"
+local steady = require "ylm.render.steady"
 local views = require "ylm.render.view"
 
 local denoise = {}
@@ -16,6 +17,7 @@ function denoise.filter(x)
   local start, kinds = core.seconds(), { x.direct, x.links }
   local all = (x.direct[1] + x.direct[2]) / 2
   if x.links then all = all + (x.links[1] + x.links[2]) / 2 end
+  if x.steady then all = all + x.steady end
   for _, halves in ipairs(kinds) do
     local ok, message, code = check.result(x.name, x.p.lib.shade_denoise(x.p.view, halves[1], halves[2], all, x.wanted / FINER,
       x.casting.threads, x.casting.progress))
@@ -38,7 +40,7 @@ end
 
 --- Two estimates of all light at points of a view p of some pixels, as resolved pixels; or nil, message, code.
 local function ask(x, p)
-  local c, halves, b = x.casting, {}, x.o.reflected
+  local c, halves, b = x.casting, {}, steady.links(x.o)
   local n = p.stats.points
   local function points(...) return assert(array.zeros({ n, ... }, "float")) end
   local links = { points(3), points(3) }
@@ -48,11 +50,15 @@ local function ask(x, p)
       second = links[2], seed = c.seed + 3 * APART, threads = c.threads }))
     if not count then return nil, message, code end
   end
+  local still, why, kind = steady.elsewhere(x.name, p, x.o)
+  if still == nil then return nil, why, kind end
   for half = 1, 2 do
     local found, message, code = check.result(x.name, p.lib.shade_raycast(p.view, { light_samples = JUDGED.rays,
       shadows = c.shadows, seed = c.seed + half * APART, threads = c.threads, lit = c.lit, guide = c.guide }))
     if not found then return nil, message, code end
-    halves[half], message, code = check.result(x.name, p.lib.shade_resolve(p.view, found + links[half], nil, false, c.threads))
+    local all = found + links[half]
+    if still then all = all + still end
+    halves[half], message, code = check.result(x.name, p.lib.shade_resolve(p.view, all, nil, false, c.threads))
     if not halves[half] then return nil, message, code end
   end
   return halves

@@ -64,7 +64,7 @@ end
 --- The luminance [n] that is read at places; or nil, message, code.
 local function read_at(s, x, p, o)
   if x.grid then
-    local E, message, code = x.grid:irradiance(p.points, p.normals, { scene = x.grid.sides and s or nil })
+    local E, message, code = x.grid:irradiance(p.points, p.normals, x.grid.sides and { scene = s } or nil)
     if not E then return nil, message, code end
     return places.luminance(E)
   end
@@ -81,12 +81,13 @@ end
 
 --- The probes that are judged: { grid } or those of a file. Or nil, message, code.
 local function probes_of(x, o)
+  if core.type(x) == "ylm.surface_grid" then return { grid = x } end
   if type(x) == "table" or core.type(x) == "ylm.grid" then
     if form.kind(x) ~= "ylm.grid" then return check.bad(1, "judge", "a file or a grid expected, got %s", check.describe(x)) end
     return { grid = x }
   end
   if type(x) ~= "string" or not read.is_name(x) then
-    return check.bad(1, "judge", "a grid, or a path ending in .ylmp, .three.json, .ktx2 or .npy expected, got %s",
+    return check.bad(1, "judge", "a grid, or a path ending in .ylmp, .three.json, .ktx2 or .npy, or light on surfaces expected, got %s",
       check.describe(x))
   end
   return read.file(x, o)
@@ -94,8 +95,8 @@ end
 
 describe "scene:judge" {
   about = "Judges probes beside paths: the irradiance that an engine reads from them at the scene's surfaces. Files are ylm's or "
-    .. "others': '.ylmp', '.three.json', '.ktx2', '.npy'.",
-  arguments = { { "probes", "string|grid", "a file of probes, or a grid" }, { "options?", "table", "" } },
+    .. "others': '.ylmp', '.three.json', '.ktx2', '.npy'. Grids and light on surfaces are judged too.",
+  arguments = { { "probes", "string|grid|surface_grid", "a file of probes, or a grid" }, { "options?", "table", "" } },
   options = judge_options,
   returns = { { "report", "table", "rms: over the mean; error: 99 % of places keep it, relative to the larger of theirs and the "
     .. "mean; leak: the mean of places that have less than 1 % of the mean, over it, or nil; worst: { at, normal, error, wanted, "

@@ -23,7 +23,9 @@ local function completed(name, p, radiance, o)
   local b = o.reflected
   if not b then return radiance end
   local start = core.seconds()
-  local all, message, code = b.record.radiance(name, p, o, radiance or nil)
+  local all, message, code
+  if b.gathered then all = radiance and p.lib.shade_add(b.gathered, radiance) or b.gathered
+  else all, message, code = b.record.radiance(name, p, o, radiance or nil) end
   if not all then return nil, message, code end
   b.seconds = core.seconds() - start
   return all

@@ -1,8 +1,12 @@
 --- The promise of a room's light in grids and on surfaces: irradiance at 99 % of the surface by area, judged by paths.
 --
 -- A place whose error is d with a standard error s is decided where |d - X m| > 2.6 s, m the larger of its own irradiance and
--- the mean. Its paths are doubled until then. Undecided places count as failed: noise can only make the verdict worse. Few paths
--- may all miss what is bright, and then claim little noise: s is at least that of the median place with as many paths.
+-- the mean. Its paths are doubled until then, and those of places that miss X where these are few. Undecided places count as
+-- failed: noise can only make the verdict worse. Few paths may all miss what is bright, and then claim little noise: s is at
+-- least that of the median place with as many paths.
+--
+-- A place is lost if it misses X, or would be undecided by all its paths without any error. Once more places are lost than the
+-- promise allows, no more paths change the verdict: rounds follow that cost no more than the first, for the error alone.
 
 local array = require "ylm.array"
 local core = require "ylm.c.core"
@@ -12,8 +16,8 @@ local sh = require "ylm.sh"
 local promise = {}
 
 local FIRST, MOST = 256, 16384 -- paths of a place
-local MANY, CROWD = 4096, 0.6  -- where more than this part of the places is undecided by MANY paths, it stays so
 local SURE = 2.6               -- standard errors
+local CHANCE = 0.01            -- of a place to be lost without being so: what is beyond SURE
 
 --- Irradiance of coefficients [n][3][count] on surfaces with normals, a list of lists.
 local function irradiance(L, normals, lmax)
@@ -96,53 +100,79 @@ local function spreads(e, mean)
   return out
 end
 
---- The errors of place i that are sure at least, and at most; over m, in the worst channel.
+--- The errors of place i that are sure at least, and at most, and the noise that all its paths would leave; over m, in the worst
+-- channel.
 local function bounds_of(e, i, mean, spread)
-  local least, most = 0, 0
+  local least, most, rest, left = 0, 0, 0, math.sqrt(e.paths[i] / MOST)
   for c = 1, 3 do
     local m = math.max(math.abs(e.mean[i][c]), mean[c])
     local variance = math.max(e.variance[i][c], spread[c] * m * m / e.paths[i])
     local d, noise = math.abs(e.told[i][c] - e.mean[i][c]), SURE * math.sqrt(variance)
-    if m > 0 then least, most = math.max(least, (d - noise) / m), math.max(most, (d + noise) / m) end
+    if m > 0 then
+      least, most, rest = math.max(least, (d - noise) / m), math.max(most, (d + noise) / m), math.max(rest, left * noise / m)
+    end
   end
-  return least, most
+  return least, most, rest
 end
 
---- The verdict of the estimates: places by verdict, the error that 99 % of the surface keeps, the root mean square.
+--- The value that all but the allowed number of places keep, and `more` of them; infinite where they are too few to say.
+local function quantile(list, more)
+  table.sort(list, function(a, b) return a > b end)
+  local allowed = core.grid_allowed(#list)
+  return allowed >= 0 and list[allowed + 1 + more] or math.huge
+end
+
+--- The verdict of the estimates: places by verdict; the error that 99 % of the surface keeps, and the least that paths do not
+-- refute; the root mean square.
 local function rule(e, tolerance)
-  local mean, failed, open, errors, square = means(e), 0, {}, {}, 0
-  local spread = spreads(e, mean)
-  for i = 1, #e.mean do
-    local least, most = bounds_of(e, i, mean, spread)
-    if least > tolerance then failed = failed + 1
-    elseif most > tolerance then open[#open + 1] = i end
-    errors[i] = most
+  local mean, square, n = means(e), 0, #e.mean
+  local spread, least, most = spreads(e, mean), {}, {}
+  local said = { missed = {}, open = {}, lost = 0, largest = 0 }
+  for i = 1, n do
+    local rest
+    least[i], most[i], rest = bounds_of(e, i, mean, spread)
+    local misses = least[i] > tolerance
+    if misses then table.insert(said.missed, i)
+    elseif most[i] > tolerance then table.insert(said.open, i) end
+    if misses or rest > tolerance then said.lost = said.lost + 1 end
     local d = e.told[i][2] - e.mean[i][2]
-    square = square + d * d - e.variance[i][2]
+    said.largest, square = math.max(said.largest, most[i]), square + d * d - e.variance[i][2]
   end
-  table.sort(errors, function(a, b) return a > b end)
-  local most = core.grid_allowed(#errors)
-  return { failed = failed, open = open, error = most >= 0 and errors[most + 1] or math.huge, largest = errors[1] or 0,
-    rms = mean[2] > 0 and math.sqrt(math.max(0, square / #errors)) / mean[2] or 0 }
+  said.failed, said.error, said.least = #said.missed, quantile(most, 0), quantile(least, math.floor(CHANCE * n))
+  said.rms = mean[2] > 0 and math.sqrt(math.max(0, square / n)) / mean[2] or 0
+  return said
+end
+
+--- The places that take `samples` more paths each: those that are undecided, and where they are few those that miss.
+local function next_of(said, n, samples)
+  local allowed, list = core.grid_allowed(n), {}
+  if samples >= MOST or not said.open[1] and said.failed <= allowed then return {} end
+  for _, place in ipairs(said.open) do list[#list + 1] = place end
+  for _, place in ipairs(said.failed <= math.max(0, allowed) + CHANCE * n and said.missed or {}) do list[#list + 1] = place end
+  table.sort(list)
+  said.settled = said.lost > allowed + CHANCE * n
+  if said.settled and samples * #list > FIRST * n then return {} end
+  return list
 end
 
 --- Compares irradiance `told` at places, lists of { x, y, z } and { r, g, b }, with that of paths in scene `s`, of `quantity`.
--- The verdict: failed, undecided, error, largest, rms, seconds; or nil, message, code.
+-- The verdict: failed, undecided, error, least, largest, rms, paths, seconds; or nil, message, code.
 function promise.compare(s, points, normals, told, tolerance, quantity, o)
   local start, last, all = core.seconds(), o.bounces or "all", {}
   local e = { points = points, normals = normals, told = told, mean = {}, variance = {}, paths = {},
     reflections = quantity == "indirect" and { 1, last } or quantity == "direct" and { 0, 0 } or { 0, last } }
   for i = 1, #points do all[i], e.mean[i], e.variance[i], e.paths[i] = i, { 0, 0, 0 }, { 0, 0, 0 }, 0 end
-  local samples, seed, open, said = FIRST, 1, all, { failed = 0, open = {}, error = 0, largest = 0, rms = 0 }
-  while open[1] do
-    local ok, message, code = add_paths(s, e, open, samples, 1000003 * seed + o.seed, o)
+  local samples, seed, list = FIRST, 1, all
+  local said = { failed = 0, open = {}, error = 0, least = 0, largest = 0, rms = 0 }
+  while list[1] do
+    local ok, message, code = add_paths(s, e, list, samples, 1000003 * seed + o.seed, o)
     if not ok then return nil, message, code end
     said, seed = rule(e, tolerance), seed + 1
-    local crowded = e.paths[said.open[1] or 1] >= MANY and #said.open > CROWD * #points
-    open = samples * 2 < MOST and not crowded and said.open or {}
     samples = seed > 2 and samples * 2 or samples
+    list = next_of(said, #points, samples)
   end
-  said.undecided, said.seconds = #said.open, core.seconds() - start
+  said.undecided, said.paths, said.seconds = #said.open, 0, core.seconds() - start
+  for _, paths in ipairs(e.paths) do said.paths = said.paths + paths end
   return said
 end
 
@@ -162,7 +192,7 @@ function promise.judge(s, g, o)
   if not said then return nil, message, code end
   core.grid_verdict(g, #places, said.failed + said.undecided, said.error, said.largest)
   core.own(g).paths = { field_met = before.met, field_error = before.error, undecided = said.undecided, rms = said.rms,
-    seconds = said.seconds }
+    least = said.least, paths = said.paths, seconds = said.seconds }
   return true
 end
 

@@ -11,6 +11,7 @@ local core = require "ylm.c.core"
 local denoise = require "ylm.render.denoise"
 local options = require "ylm.render.options"
 local progress = require "ylm.progress"
+local steady = require "ylm.render.steady"
 local warning = require "ylm.warning"
 
 local rounds = {}
@@ -70,10 +71,9 @@ function rounds.check(name, o, given)
   if o.shading == "vertices" then
     return check.fail("%s: %s is of what camera rays hit: shading = 'pixel'", name, word)
   end
-  local b = o.reflected
-  if b and b.record.name ~= "links" then
-    return check.fail("%s: %s is of light that bounces along links: leave bounced out, or give what scene:links or "
-      .. "t:radiosity returned", name, word)
+  if o.reflected and o.reflected.record.name == "virtual" then
+    return check.fail("%s: %s is of light that bounces along links or from a grid: leave bounced out, or give what scene:links, "
+      .. "t:radiosity, scene:surface_grid or scene:bake returned", name, word)
   end
   o.by_hand = not o.noise and (given.light_samples or given.rays or given.samples) ~= nil
   o.halves = true -- sets of links are found for each half; none is kept
@@ -117,7 +117,7 @@ local function estimate(x, rays, sets, round)
     if not found then return nil, count, code end
     x.direct[half], x.report.rays.shadow = found, (x.report.rays.shadow or 0) + count
   end
-  local b = x.o.reflected
+  local b = steady.links(x.o)
   if not b then return true end
   x.links = { x.points(3), x.points(3) }
   local count, message, code = check.result(x.name, x.p.lib.shade_gather_sets(x.p.view, {
@@ -141,6 +141,7 @@ local function noise_of(x)
     l = { resolved(x, x.links[1]), resolved(x, x.links[2]) }
     all = all + (l[1] + l[2]) / 2
   end
+  if x.steady then all = all + resolved(x, x.steady) end
   local function around(pair)
     return check.result(x.name, x.p.lib.shade_noise_around(x.p.view, pair[1], pair[2], all, x.casting.threads, x.pixels(1)))
   end
@@ -306,15 +307,17 @@ local function is_enough(x, reached)
   return x.o.by_hand or x.o.denoise == "auto" and reached <= SLACK * x.wanted
 end
 
---- Direct light of the points of p; that of links is left in o.reflected.gathered. Or nil, message, code.
+--- Direct light of the points of p; light that bounces is left in o.reflected.gathered. Or nil, message, code.
 function rounds.radiance(name, p, o, report, casting)
   local start = core.seconds()
   local x = { name = name, p = p, o = o, report = report, casting = casting, wanted = o.noise or rounds.NOISE }
   x.casting.progress, x.pilot = progress.resolve(o.progress), pilot_of(p, o)
   x.points, x.pixels = room(p, o)
   x.rays, x.own = x.points() + x.pilot.rays, x.points() + x.pilot.sets
-  local reached
-  local ok, message, code = estimate(x, x.rays, x.own, 0)
+  local reached, ok, message, code
+  x.steady, message, code = steady.light(name, p, o)
+  if x.steady == nil then return nil, message, code end
+  ok, message, code = estimate(x, x.rays, x.own, 0)
   if ok then reached, message, code = settle(x) end
   if not reached then return nil, message, code end
   local seconds = core.seconds() - start
@@ -329,11 +332,11 @@ function rounds.radiance(name, p, o, report, casting)
   if x.links then
     o.reflected.gathered = ((x.links[1] + x.links[2]) / 2)
     report.rays.sets = x.sets
-  end
+  elseif x.steady then o.reflected.gathered = x.steady end
   o.noise_left, o.raw = x.left, x.raw
   local direct = ((x.direct[1] + x.direct[2]) / 2)
   if x.raw then
-    ok, message, code = denoise.judge(x, x.links and direct + o.reflected.gathered or direct, reached)
+    ok, message, code = denoise.judge(x, o.reflected and direct + o.reflected.gathered or direct, reached)
     if not ok then return nil, message, code end
   end
   return direct, core.seconds() - start

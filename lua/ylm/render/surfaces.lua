@@ -19,6 +19,7 @@ local surfaces = {}
 
 local JUDGES = 2048 -- places by which paths judge
 local AIM = 0.6     -- of its tolerance, for which light is fitted that paths will judge: they see the elements' error too
+local NOISY = 2     -- times what paths do not refute, from which the error that they promise is noise
 local LEAST_SPACING = 0.35 -- of the links' spacing, the least that a warning names
 
 local methods = objects.kind("surface_grid", { "stats", "scene", "quantity", "tolerance" }, function(m)
@@ -32,8 +33,8 @@ require "ylm.describe".object "surface_grid" {
       .. "rows: corners with those that hang on longer edges; places whose light was asked for, rays, rounds; verified, failed: "
       .. "places that judged, and those that missed the tolerance; error: what 99 % of the surface keep, with 99 % confidence; "
       .. "rms: root mean square error over the mean, without noise; met; warning: what is not kept, or nil; spent: corners were "
-      .. "not enough; paths: what paths found, undecided, field_met and field_error of the light that was fitted, seconds; "
-      .. "bytes, seconds" },
+      .. "not enough; paths: what paths found, undecided, least: the smallest tolerance that they do not refute, field_met and "
+      .. "field_error of the light that was fitted, paths: how many there were, seconds; bytes, seconds" },
     { "scene", "scene", "of what" },
     { "quantity", "string", "'direct', 'indirect' or 'all'" },
     { "tolerance", "number", "that was asked for" },
@@ -41,7 +42,7 @@ require "ylm.describe".object "surface_grid" {
 }
 
 local fields = {
-  { "tolerance", "number", min = 1e-3, max = 10, default = 0.05,
+  { "tolerance", "number", min = 1e-3, max = 10, default = 0.1,
     about = "of irradiance at 99 % of the surface by area, relative to the larger of the place's and the mean" },
   { "quantity", "choice", of = { "direct", "indirect", "all" }, default = "indirect",
     about = "'indirect', what surfaces send back; 'direct', light of lamps and sky with shadows; 'all', both. Edges of shadows "
@@ -63,10 +64,23 @@ local all_options = options.list(fields, options.common)
 
 -- Making ---------------------------------------------------------------------------------------
 
+--- Is the paths' noise most of the error that they promise?
+local function is_noisy(s) return s.paths ~= nil and s.error > NOISY * s.paths.least end
+
+--- The words for what 99 % of the places keep.
+local function kept(s)
+  if is_noisy(s) then
+    return ("%.2g at best; paths are too noisy to say more than %s"):format(math.max(s.paths.least, 0),
+      s.error < math.huge and unmet.rounded_up(s.error) or "that")
+  end
+  return s.error < math.huge and ("%.3g"):format(s.error) or "no bound"
+end
+
 --- Why a tolerance is not met, and what to change.
 local function cause_of(m)
   local s, paths = m.stats, m.stats.paths
   local looser = "set tolerance = " .. (s.error < math.huge and unmet.rounded_up(s.error) or "larger")
+  if is_noisy(s) then looser = "set a larger tolerance" end
   if core.grid_allowed(s.verified) < 0 then
     return ("the %d places that were found open are too few to judge by: all other surface is in bodies, or covered by surfaces "
       .. "nearby"):format(s.verified)
@@ -85,7 +99,7 @@ end
 local function say(g, m)
   if m.stats.met then return g end
   m.stats.warning = warning.say(g, "surface grid", "surface_grid: tolerance %.3g is not met, 99 %% of the places keep %s: %s",
-    m.tolerance, m.stats.error < math.huge and ("%.3g"):format(m.stats.error) or "no bound", cause_of(m))
+    m.tolerance, kept(m.stats), cause_of(m))
   return g
 end
 
@@ -97,7 +111,8 @@ local function judge(s, g, m, lit, o)
   local said, message, code = promise.compare(s, promise.lists(points), promise.lists(normals), promise.lists(E),
     o.tolerance, o.quantity, o)
   if not said then return nil, message, code end
-  local paths = { field_met = m.stats.met, field_error = m.stats.error, undecided = said.undecided, seconds = said.seconds }
+  local paths = { field_met = m.stats.met, field_error = m.stats.error, undecided = said.undecided, least = said.least,
+    paths = said.paths, seconds = said.seconds }
   m.lib.surface_verdict(g, #points, said.failed + said.undecided, said.error, said.rms)
   m.stats = m.lib.surface_stats(g)
   m.stats.paths = paths
@@ -278,6 +293,8 @@ function methods.rectangles(g)
   return m.lib.surface_rectangles(g)
 end
 
+local of_grids = { html = true, ylm = true, vtu = true, ylmd = true } -- endings of files
+
 describe "surface_grid:save" {
   about = "Writes a file that scene:surface_grid { file = } reads, of a scene with the same meshes.",
   arguments = { { "path", "string", "the file, by custom NAME.surfaces" } },
@@ -294,8 +311,20 @@ function methods.save(g, path)
   if type(path) ~= "string" or path == "" or path:find("%z") then
     return check.bad(1, "save", "the name of a file expected, got %s", check.describe(path))
   end
+  local ending = path:lower():match "%.(%w+)$"
+  if of_grids[ending] then
+    return check.bad(1, "save", "%s: .%s is of grids (scene:bake { probes = adaptive_grid { ... } }); light on surfaces is "
+      .. "NAME.surfaces", path, ending)
+  end
   return check.result("save", m.lib.surface_write(g, path))
 end
+
+--- Methods of grids that light on surfaces has in another way.
+local otherwise = {
+  export = "engines read grids (scene:bake { probes = adaptive_grid { ... } }) and pictures of the same light (scene:lightmap)",
+  sample = "it has irradiance alone, light:irradiance(points, normals): points in space take grids (scene:bake { probes = "
+    .. "adaptive_grid { ... } })",
+}
 
 describe "surface_grid:close" {
   about = "Frees the memory of a surface grid now rather than at the next collection.",
@@ -312,5 +341,11 @@ function methods.close(g)
 end
 
 memory.publish(methods)
+
+local index = methods.__index
+methods.__index = function(g, key)
+  if not otherwise[key] then return index(g, key) end
+  return check.fail("%s: not of light on surfaces: %s", key, otherwise[key])
+end
 
 return surfaces

@@ -159,7 +159,6 @@ end
 
 function links.radiance(name, p, o, start)
   local b = o.reflected
-  if b.gathered then return start and p.lib.shade_add(b.gathered, start) or b.gathered end
   local more = more_sets(p, o)
   local kept = start
   if more > 0 then start = nil end
