@@ -87,8 +87,8 @@ local function probes_of(x, o)
     return { grid = x }
   end
   if type(x) ~= "string" or not read.is_name(x) then
-    return check.bad(1, "judge", "a grid, or a path ending in .ylmp, .three.json, .ktx2 or .npy, or light on surfaces expected, got %s",
-      check.describe(x))
+    return check.bad(1, "judge",
+      "a grid, light on surfaces, or a path ending in .ylmp, .three.json, .ktx2 or .npy expected, got %s", check.describe(x))
   end
   return read.file(x, o)
 end
