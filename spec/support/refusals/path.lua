@@ -76,7 +76,7 @@ return {
     { { normals = { { 0, 0, 0 } } }, "normal 1 is zero" }, { { normals = { { 0, nan, 0 } } }, "normal 1 is not finite" },
   }),
   ["scene:judge"] = {
-    { call = function(ylm) return scene(ylm):judge("a.png") end, says = "a grid, or a path ending in .ylmp" },
+    { call = function(ylm) return scene(ylm):judge("a.png") end, says = "a grid, light on surfaces, or a path ending in .ylmp" },
     { call = function(ylm) return scene(ylm):judge("a.npy", { quantity = "direct" }) end, says = "quantity must be one of" },
     { call = function(ylm) return scene(ylm):judge("a.npy", { places = 3 }) end, says = "places must be an integer" },
     { call = function(ylm) return scene(ylm):judge("a.npy", { sample = 3 }) end, says = "did you mean 'samples'" },
