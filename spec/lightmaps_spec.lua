@@ -2,6 +2,7 @@
 
 local ylm = require "ylm"
 local core = require "ylm.c.core"
+local long = require "spec.support.long"
 local random = require "spec.support.random"
 local scratch = require "spec.support.scratch"
 
@@ -114,6 +115,27 @@ describe("scene:lightmap", function()
         smooth = smooth }).stats.rms
     end
     assert.is_true(rms[true] < 0.8 * rms[false], ("%.4g, alone %.4g"):format(rms[true], rms[false]))
+  end)
+
+  it("is not dimmer where its places have more noise", function()
+    if not long(false, true) then return pending "make check-long" end
+    local scene = ylm.scene "a lamp on a shelf" { geometry = { ylm.box { scale = 2, material = white },
+      ylm.box { bounds = { { -0.5, 0.5, -0.5 }, { 0.5, 0.55, 0.5 } }, material = white } },
+      lights = ylm.sphere_light { at = { 0, 0.8, 0 }, radius = 0.1, radiance = 100 } }
+    local points, normals = {}, {}
+    for i = 1, 400 do
+      points[i], normals[i] = { i % 20 * 0.09 - 0.85, -1, math.floor((i - 1) / 20) * 0.09 - 0.85 }, { 0, 1, 0 }
+    end
+    local function mean(rays, seeds)
+      local sum = 0
+      for seed = 1, seeds do
+        local E = scene:lightmap({ texels = 1024, rays = rays, seed = seed }):irradiance(points, normals)
+        for i = 1, #points do sum = sum + E:get(i, 2) / #points / seeds end
+      end
+      return sum
+    end
+    local off = mean(16, 4) / mean(256, 1) - 1
+    assert(math.abs(off) < 0.02, off)
   end)
 
   it("has the sides of meshes that have light, and no light in bodies", function()

@@ -8,7 +8,7 @@
 
 /* The product of what the two halves miss of a site, each of its own light: its noise cancels, as the halves share none. */
 static double product(const map_bake *b, const map_site *s) {
-  double sum = 0, w = map_row_weight(b, s);
+  double sum = 0, w = (double)s->weight;
   for (int c = 0; c < 3; c++)
     sum += (map_value(b, b->value, 0, s, c) - (double)s->light.a[c]) *
            (map_value(b, b->value, 1, s, c) - (double)s->light.b[c]) * w / 3;

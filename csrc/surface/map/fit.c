@@ -65,7 +65,7 @@ static void project(const map_bake *b, size_t which, float *out) {
   for (size_t i = 0; i < b->sites; i++) {
     const map_site *s = &b->site[i];
     if (!map_counts(s)) continue;
-    float w = (float)map_row_weight(b, s) * (which < 3 ? s->light.a : s->light.b)[which % 3];
+    float w = s->weight * (which < 3 ? s->light.a : s->light.b)[which % 3];
     for (int k = 0; k < 4; k++) out[s->tap.texel[k]] += w * s->tap.weight[k];
   }
 }

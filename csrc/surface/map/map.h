@@ -91,6 +91,8 @@ typedef struct map_site {
   surface_light light;
   bool open; /* in no body */
   bool read; /* from texels */
+  /* One over the square of the light around, the mean of the channels. */
+  float weight;
 } map_site;
 
 static inline bool map_counts(const map_site *s) { return s->open && s->read; }
@@ -158,6 +160,8 @@ ylm_status ylm__map_fit(const map_bake *b, float *value);
 ylm_status ylm__map_lift(const map_bake *b, float *value);
 /* smooth.c: weights of bends, texel by texel, by halves that judge each other. */
 ylm_status ylm__map_smooth(map_bake *b);
+/* smooth.c: x [texels] becomes its sums over the texels of its chart around each; room [texels]. */
+void ylm__map_sum_around(const map_bake *b, float *x, float *room);
 
 /* density.c: square errors of charts, without noise, as they are packed; density.c: densities for a picture. */
 void ylm__map_square(const map_bake *b, double *square);
@@ -171,14 +175,4 @@ static inline double map_value(const map_bake *b, const float *value, int half, 
   for (int k = 0; k < 4; k++) sum += (double)(s->tap.weight[k] * of[s->tap.texel[k]]);
   return sum;
 }
-/* One over the square of what errors at a site are told over, the mean of the channels. */
-static inline double map_row_weight(const map_bake *b, const map_site *s) {
-  double sum = 0;
-  for (int c = 0; c < 3; c++) {
-    double m = fmax(0.5 * ((double)s->light.a[c] + (double)s->light.b[c]), b->mean[c]);
-    sum += m > 0 ? 1 / (3 * m * m) : 0;
-  }
-  return sum;
-}
-
 #endif

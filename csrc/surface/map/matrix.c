@@ -27,7 +27,7 @@ static ylm_status find_scales(map_bake *b) {
   for (size_t i = 0; ok && i < b->sites; i++) {
     const map_site *s = &b->site[i];
     if (!map_counts(s)) continue;
-    double w = map_row_weight(b, s);
+    double w = (double)s->weight;
     for (int k = 0; k < 4; k++) {
       scale[s->tap.texel[k]] += (float)w * s->tap.weight[k];
       sum[s->tap.texel[k]] += (double)s->tap.weight[k];
@@ -77,7 +77,7 @@ ylm_status ylm__map_matrix(map_bake *b) {
   for (size_t i = 0; s == YLM_OK && i < b->sites; i++) {
     const map_site *x = &b->site[i];
     if (!map_counts(x)) continue;
-    double w = map_row_weight(b, x);
+    double w = (double)x->weight;
     for (int p = 0; p < 4; p++)
       for (int q = p; q < 4; q++) {
         double both = w * (double)x->tap.weight[p] * (double)x->tap.weight[q];

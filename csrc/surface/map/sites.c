@@ -105,6 +105,41 @@ static void find_mean(map_bake *b) {
   ylm_free(n);
 }
 
+/* Weights of sites, by the mean of the light around: if each had that of its own, those whose noise makes them bright would
+   count less, and the picture would be too dim. */
+static ylm_status weigh(map_bake *b) {
+  float *room = ylm_alloc(3 * b->texels, sizeof *room);
+  float *light = room, *count = room + b->texels, *around = room + 2 * b->texels;
+  if (!room) return YLM_ENOMEM;
+  for (size_t i = 0; i < b->sites; i++) b->site[i].weight = 0;
+  for (int c = 0; c < 3; c++) {
+    memset(light, 0, 2 * b->texels * sizeof *light);
+    for (size_t i = 0; i < b->sites; i++) {
+      const map_site *s = &b->site[i];
+      if (!map_counts(s)) continue;
+      for (int k = 0; k < 4; k++) {
+        light[s->tap.texel[k]] += s->tap.weight[k] * 0.5f * (s->light.a[c] + s->light.b[c]);
+        count[s->tap.texel[k]] += s->tap.weight[k];
+      }
+    }
+    ylm__map_sum_around(b, light, around);
+    ylm__map_sum_around(b, count, around);
+    for (size_t i = 0; i < b->sites; i++) {
+      map_site *s = &b->site[i];
+      if (!map_counts(s)) continue;
+      double sum = 0, n = 0;
+      for (int k = 0; k < 4; k++) {
+        sum += (double)(s->tap.weight[k] * light[s->tap.texel[k]]);
+        n += (double)(s->tap.weight[k] * count[s->tap.texel[k]]);
+      }
+      double m = fmax(n > 0 ? sum / n : 0, b->mean[c]);
+      s->weight += m > 0 ? (float)(1 / (3 * m * m)) : 0;
+    }
+  }
+  ylm_free(room);
+  return YLM_OK;
+}
+
 /* The noise of the mean of both halves, root mean square over what errors are told over. */
 static double noise_of(const map_bake *b) {
   double sum = 0, n = 0;
@@ -115,8 +150,8 @@ static double noise_of(const map_bake *b) {
       double d = 0.5 * ((double)s->light.a[c] - (double)s->light.b[c]);
       square += d * d / 3;
     }
-    sum += s->open ? square * map_row_weight(b, s) : 0;
-    n += s->open;
+    sum += map_counts(s) ? square * (double)s->weight : 0;
+    n += map_counts(s);
   }
   return n > 0 ? sqrt(sum / n) : 0;
 }
@@ -150,6 +185,7 @@ ylm_status ylm__map_sample(map_bake *b) {
   if (s == YLM_OK) s = light_all(b);
   if (s == YLM_OK) {
     find_mean(b);
+    s = weigh(b);
     b->m->stats.noise = noise_of(b);
   }
   b->m->stats.light_seconds += ylm_seconds() - start;

@@ -10,7 +10,7 @@
 static void add_misses(const map_bake *b, const float *value, float *miss) {
   for (size_t i = 0; i < b->sites; i++) {
     const map_site *s = &b->site[i];
-    double sum = 0, w = map_row_weight(b, s);
+    double sum = 0, w = (double)s->weight;
     if (!map_counts(s)) continue;
     for (int c = 0; c < 3; c++)
       for (int half = 0; half < 2; half++) {
@@ -36,6 +36,11 @@ static void sum_around(const map_bake *b, bool down, const float *from, float *t
   }
 }
 
+void ylm__map_sum_around(const map_bake *b, float *x, float *room) {
+  sum_around(b, false, x, room);
+  sum_around(b, true, room, x);
+}
+
 ylm_status ylm__map_smooth(map_bake *b) {
   size_t n = b->texels;
   float *room = ylm_alloc(4 * n, sizeof *room);
@@ -47,8 +52,7 @@ ylm_status ylm__map_smooth(map_bake *b) {
     if (s == YLM_OK) s = ylm__map_fit(b, b->value);
     if (s != YLM_OK) break;
     add_misses(b, b->value, miss);
-    sum_around(b, false, miss, sum);
-    sum_around(b, true, sum, miss);
+    ylm__map_sum_around(b, miss, sum);
     for (size_t i = 0; i < n; i++)
       if (k == 0 || miss[i] < least[i]) least[i] = miss[i], best[i] = (float)(map_weight[k] / 2);
   }
