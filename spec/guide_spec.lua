@@ -26,9 +26,9 @@ describe("the guide", function()
     end)
   end
 
-  it("has eleven steps", function()
-    assert.equal(11, #blocks.of(tutorial))
-    assert.equal(11, count(tutorial, "\n## %d+%. "))
+  it("has twelve steps", function()
+    assert.equal(12, #blocks.of(tutorial))
+    assert.equal(12, count(tutorial, "\n## %d+%. "))
   end)
 
   it("keeps tolerances in the tutorial's sixth step", function()

@@ -44,7 +44,7 @@ describe("make", function()
       options)):gsub("%s", ""))
   end
 
-  --- What a variable of the Makefile is in an empty build folder.
+  --- The value of a variable of the Makefile in an empty build folder.
   local function value(name, settings)
     local file = folder:write("value.mk", "include Makefile\nclean help: ; @echo '$(" .. name .. ")'\n")
     local build = scratch.quote(folder.path .. "/build")

@@ -48,7 +48,7 @@ local first_pages = { "README.md", "model.md", "tutorial.md", "how-do-i.md", "ga
 
 --- One page: links lead to topics, headings have the anchors of forges, pictures lie in images/.
 local function page(path, text, pages)
-  local folder, fenced, out = path:match "^(.*/)" or "", false, {}
+  local folder, fenced, out, prose = path:match "^(.*/)" or "", false, {}, {}
   local function link(label, target)
     if target:find "^%a+:" or target:find "^#" then return ("[%s](%s)"):format(label, target) end
     local file, anchor = target:match "^([^#]*)(#?.*)$"
@@ -57,15 +57,26 @@ local function page(path, text, pages)
     if file:find "%.png$" then return ("[%s](images/%s)"):format(label, file:match "[^/]+$") end
     return label                                         -- sources are not part of the site
   end
+  local function end_prose() -- labels of links go on in the next line
+    if #prose > 0 then out[#out + 1] = table.concat(prose, "\n"):gsub("%[([^%[%]]*)%]%(([^%s%)]+)%)", link) end
+    prose = {}
+  end
   for line in (text .. "\n"):gmatch "(.-)\n" do
     if line:find "^```" then fenced = not fenced end
     local heading = not fenced and line:match "^##+%s+(.*)$"
     if heading then
+      end_prose()
       out[#out + 1] = ('<a id="%s"></a>'):format(slug(heading))
       out[#out + 1] = ""
     end
-    out[#out + 1] = fenced and line or line:gsub("%[([^%[%]]*)%]%(([^%s%)]+)%)", link)
+    if fenced then
+      end_prose()
+      out[#out + 1] = line
+    else
+      prose[#prose + 1] = line
+    end
   end
+  end_prose()
   return table.concat(out, "\n")
 end
 

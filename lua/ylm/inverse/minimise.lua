@@ -3,7 +3,6 @@
 -- Quasi-Newton steps of limited memory on the numbers that no bound holds, along their path projected into the bounds.
 
 local check = require "ylm.check"
-local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local memory = require "ylm.memory"
@@ -78,7 +77,7 @@ local function evaluate(f, x, state)
   if not check.is_number(value) then
     return check.fail("minimise: the value is %s, a finite number is wanted", check.describe(value))
   end
-  if core.type(gradient) == "ylm.array" then gradient = core.array_totable(gradient) end
+  gradient = check.plain(gradient)
   if type(gradient) ~= "table" or #gradient ~= #x then
     return check.fail("minimise: the gradient must be %d numbers, got %s", #x, check.describe(gradient))
   end
@@ -169,7 +168,7 @@ local options = {
 --- A bound for each of n numbers.
 local function bounds(name, given, n, default)
   local list = {}
-  if core.type(given) == "ylm.array" then given = core.array_totable(given) end
+  given = check.plain(given)
   for i = 1, n do
     local b = default
     if type(given) == "table" then b = given[i] elseif given ~= nil then b = given end
@@ -209,7 +208,7 @@ end
 
 --- ylm.minimise for functions of ylm itself.
 function minimise.of(f, x, given)
-  if core.type(x) == "ylm.array" then x = core.array_totable(x) end
+  x = check.plain(x)
   if type(x) ~= "table" or #x == 0 then
     return check.bad(2, "minimise", "a list of numbers expected, got %s", check.describe(x))
   end

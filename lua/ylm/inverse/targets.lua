@@ -66,8 +66,9 @@ end
 local function check_mean(t, fail)
   if t.mean == nil then return end
   if check.is_number(t.mean) then t.mean = { least = t.mean } end
-  local least, most = t.mean.least, t.mean.most
-  if type(t.mean) ~= "table" or not (least or most) or least and not (check.is_number(least) and least > 0)
+  local least, most
+  if type(t.mean) == "table" then least, most = t.mean.least, t.mean.most end
+  if not (least or most) or least and not (check.is_number(least) and least > 0)
     or most and not (check.is_number(most) and most > 0) then
     return fail "mean must be { least =, most = }, lx above 0"
   end
@@ -77,6 +78,7 @@ end
 --- One target with its receivers; nil, message, code.
 local function open(given, i, links, o)
   local function fail(message) return check.fail("inverse_lighting: targets[%d]: %s", i, message) end
+  if type(given) ~= "table" then return fail(("a table expected, got %s"):format(check.describe(given))) end
   local t = form.check(fields, given, fail)
   check_mean(t, fail)
   if t.least and t.most and t.least > t.most then return fail(("least %g is above most %g"):format(t.least, t.most)) end

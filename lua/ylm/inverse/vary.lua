@@ -151,6 +151,7 @@ function vary.plan(list, lights)
   for i, given in ipairs(list) do
     local place = ("vary[%d]"):format(i)
     local function fail(message) return check.fail("inverse_lighting: %s: %s", place, message) end
+    if type(given) ~= "table" then return fail(("a table expected, got %s"):format(check.describe(given))) end
     local entry = form.check(fields, given, fail)
     local lamps, groups = chosen(entry.lights, lights, place), {}
     if entry.together then groups[1] = lamps else for g, k in ipairs(lamps) do groups[g] = { k } end end
