@@ -65,7 +65,7 @@ $(FUZZ_DIR)/bin/storm: spec/fuzz/support/storm.c spec/fuzz/grid.c $(OBJ_core)
 	$(Q)$(CC) $(CFLAGS) -DFUZZ_LIBRARY spec/fuzz/support/storm.c spec/fuzz/grid.c $(OBJ_core) -lm -o $@
 
 fuzz-storm: $(FUZZ_DIR)/bin/storm $(FUZZ_DIR)/corpus/grid.unpacked   ## damaged grids without sanitizers (FUZZ_RUNS=1000000)
-	OMP_NUM_THREADS=1 nice $(FUZZ_DIR)/bin/storm $$(printf %.0f $(FUZZ_RUNS)) $(STORM_SEED) $(STORM_LARGEST) $(FUZZ_DIR)/corpus/grid/*
+	cd $(FUZZ_DIR) && OMP_NUM_THREADS=1 nice bin/storm $$(printf %.0f $(FUZZ_RUNS)) $(STORM_SEED) $(STORM_LARGEST) corpus/grid/*
 
 # An archive, so that each target takes no more than it needs. Rooms have files of the same name: q keeps each.
 $(FUZZ_DIR)/libylm.a: $(FUZZ_OBJ)

@@ -4,8 +4,8 @@
 **
 **   storm RUNS SEED LARGEST files...
 **
-** Files larger than LARGEST bytes are left out. An input that ends in a trap is written to storm-input first. RUNS 0 tries
-** the files as they are.
+** Files larger than LARGEST bytes are left out. An input that ends in a trap is written to storm-input first, in the folder where
+** it runs (BUILD/fuzz). RUNS 0 tries the files as they are.
 */
 #include <signal.h>
 #include <stdint.h>
