@@ -57,14 +57,14 @@ INCLUDE := $(BUILD)/include
 BUILT_SETS := $(INCLUDE)/ylm_built_sets.h
 PUBLIC  := $(wildcard csrc/*/ylm_*.h)
 link_headers = rm -rf $(INCLUDE) && mkdir -p $(INCLUDE) && ln -s $(realpath $(PUBLIC)) $(INCLUDE)
-ifneq ($(if $(MAKECMDGOALS),$(filter-out clean help,$(MAKECMDGOALS)),all),)
+# One header says which kernels this build has. Goals that only call make again leave all as it is.
+BUILT := $(shell sed -n '1s|^/\* \(.*\) \*/$$|\1|p' $(BUILT_SETS) 2>/dev/null)
+ifneq ($(if $(MAKECMDGOALS),$(filter-out clean help deps demo test,$(MAKECMDGOALS)),all),)
 ifneq ($(sort $(realpath $(filter-out $(BUILT_SETS),$(wildcard $(INCLUDE)/*)))),$(sort $(realpath $(PUBLIC))))
 $(shell $(link_headers))
+BUILT :=
 endif
-endif
-# Says which kernels this build has; goals that only call make again leave it.
-ifneq ($(if $(MAKECMDGOALS),$(filter-out clean help deps demo test,$(MAKECMDGOALS)),all),)
-ifneq ($(shell sed -n '1s|^/\* \(.*\) \*/$$|\1|p' $(BUILT_SETS) 2>/dev/null),$(ISAS))
+ifneq ($(BUILT),$(ISAS))
 $(shell printf '/* %s */\n#define YLM_SETS_WITH(F, ...) %s\n' '$(ISAS)' '$(foreach i,$(ISAS),F($(i), __VA_ARGS__))' >$(BUILT_SETS))
 endif
 endif
@@ -245,14 +245,14 @@ demo:   ## install, build, render the picture of the README into out/
 	@$(BUILD)/ylm run examples/01_floor_lights.lua $(ARGS)
 
 # A processor tests the kernels that it runs; a build that has them all keeps them.
-CPU_FLAGS   := $(shell sed -n '/^flags/{s/.*: //p;q}' /proc/cpuinfo 2>/dev/null)
+CPU_FLAGS    = $(shell sed -n '/^flags/{s/.*: //p;q}' /proc/cpuinfo 2>/dev/null)
 CPU_sse2    := sse2
 CPU_avx2    := avx2 fma
 CPU_avx512  := avx512f avx512dq avx512vl avx512bw
-RUN_HERE    := $(foreach i,$(ALL_ISAS),$(if $(and $(CPU_FLAGS),$(filter-out $(CPU_FLAGS),$(CPU_$(i)))),,$(i)))
-TESTED      := $(if $(filter-out $(shell head -n 1 $(BUILT_SETS) 2>/dev/null),$(ALL_ISAS)),$(RUN_HERE),$(ALL_ISAS))
-NOT_TESTED  := $(filter-out $(RUN_HERE),$(ALL_ISAS))
-WHY_NOT     := no spec runs kernels for $(NOT_TESTED), which this processor has not$(if $(filter-out $(TESTED),$(NOT_TESTED)),; make builds them)
+RUN_HERE     = $(foreach i,$(ALL_ISAS),$(if $(and $(CPU_FLAGS),$(filter-out $(CPU_FLAGS),$(CPU_$(i)))),,$(i)))
+TESTED       = $(if $(filter-out $(BUILT),$(ALL_ISAS)),$(RUN_HERE),$(ALL_ISAS))
+NOT_TESTED   = $(filter-out $(RUN_HERE),$(ALL_ISAS))
+WHY_NOT      = no spec runs kernels for $(NOT_TESTED), which this processor has not$(if $(filter-out $(TESTED),$(NOT_TESTED)),; make builds them)
 
 test:   ## install, build, run every check; the last line counts them
 	@.ci/deps build demo test

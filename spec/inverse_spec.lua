@@ -177,6 +177,13 @@ describe("inverse lighting", function()
       targets = { { plane = DESK, mean = { least = 200 } } } }
     assert.matches("figure", tostring(plan:figure { width = 80 }))
     assert.matches("ylm.plan of \"a room\": 1 lights, met", tostring(plan))
+    local moved = room({ { -1, 2.6, 0 } }):inverse_lighting { judge = 0, spacing = 1, evaluations = 3,
+      vary = { { position = { "x" }, within = { { -2, 0, 0 }, { 2, 3, 0 } } } },
+      targets = { { plane = DESK, mean = { least = 200 } } } }
+    assert.is_true(#moved.trace > 1) -- curves have room for their words on the narrowest maps
+    local folder = scratch.new()
+    assert(moved:figure { width = 64 }:save(folder.path .. "/plan.png"))
+    folder:remove()
   end)
 
   it("takes an image as what a plane shall look like, brightness aside", function()

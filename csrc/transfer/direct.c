@@ -105,17 +105,23 @@ static ylm_status take(ylm_radiosity *r, ylm_status s, float *E0, uint64_t rays,
   return s;
 }
 
-ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int light_samples,
-                              uint64_t seed, int threads, const ylm_progress *progress,
-                              ylm_error *e) {
-  double begun = ylm_seconds();
+ylm_status ylm__transfer_check_rays(const ylm_transfer *t, const ylm_scene *scene,
+                                    int light_samples, ylm_error *e) {
   bool same;
   if (light_samples < 1 || light_samples > YLM_TRANSFER_LINKS)
     return ylm_fail(e, YLM_ERANGE, "light_samples must be from 1 to %d, got %d", YLM_TRANSFER_LINKS,
                     light_samples);
-  ylm_status s = ylm__transfer_same(r->t->scene, scene, &same);
+  ylm_status s = ylm__transfer_same(t->scene, scene, &same);
   if (s == YLM_OK && !same)
     s = ylm_fail(e, YLM_EINVAL, "the scene has other meshes than those of the links");
+  return s;
+}
+
+ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int light_samples,
+                              uint64_t seed, int threads, const ylm_progress *progress,
+                              ylm_error *e) {
+  double begun = ylm_seconds();
+  ylm_status s = ylm__transfer_check_rays(r->t, scene, light_samples, e);
   if (s != YLM_OK) return s;
   int places = light_samples / DIRECT_EACH < 1               ? 1
                : light_samples / DIRECT_EACH < DIRECT_PLACES ? light_samples / DIRECT_EACH

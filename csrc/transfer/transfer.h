@@ -94,6 +94,9 @@ size_t ylm__transfer_bytes(const ylm_transfer *t);
 ylm_status ylm__transfer_fingerprint(const ylm_scene *scene, uint64_t *print);
 /* Whether two scenes have the same meshes. */
 ylm_status ylm__transfer_same(const ylm_scene *a, const ylm_scene *b, bool *same);
+/* Whether light_samples rays may go to the lamps of a scene: YLM_OK; YLM_ERANGE, YLM_EINVAL (other meshes), YLM_ENOMEM. direct.c */
+ylm_status ylm__transfer_check_rays(const ylm_transfer *t, const ylm_scene *scene,
+                                    int light_samples, ylm_error *e);
 
 /* -- sum.c ---------------------------------------------------------------------- */
 

@@ -32,6 +32,23 @@ end
 --- The length of a vector whose square is representable.
 function vector.length(v) return math.sqrt(v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2) end
 
+--- A unit vector across a unit axis, C0 of lamps: +x, or +z of an axis along x, less its part along the axis; and that part
+-- over the rest's length.
+function vector.across(axis)
+  local base, rest = math.abs(axis[1]) > 0.999 and { 0, 0, 1 } or { 1, 0, 0 }, {}
+  local along = base[1] * axis[1] + base[2] * axis[2] + base[3] * axis[3]
+  for i = 1, 3 do rest[i] = base[i] - along * axis[i] end
+  return vector.unit(rest), along / vector.length(rest)
+end
+
+--- Two unit vectors that make a frame with a unit axis.
+function vector.frame(axis)
+  local least = 1
+  for a = 2, 3 do if math.abs(axis[a]) < math.abs(axis[least]) then least = a end end
+  local u = vector.unit(vector.cross(axis, { least == 1 and 1 or 0, least == 2 and 1 or 0, least == 3 and 1 or 0 }))
+  return u, vector.cross(axis, u)
+end
+
 --- The luminance of a colour {r, g, b}, linear Rec. 709.
 function vector.luminance(c)
   local weight = core.luminance

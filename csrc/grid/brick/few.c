@@ -90,6 +90,19 @@ static ylm_status learn(few *w, double step) {
   return s == YLM_ENOMEM ? ylm_no_memory_for(w->e, w->set->folder) : s;
 }
 
+/* The report of n errors of rounding, which are sorted. */
+static ylm_grid_small_report report_of(const few *w, const double *error, size_t n, double step) {
+  double before = w->head.stats.error;
+  return (ylm_grid_small_report){.before = before,
+                                 .rounding = ylm__small_quantile(error, n, 0.99),
+                                 .largest = error[n - 1],
+                                 .middle = ylm__small_quantile(error, n, 0.5),
+                                 .places = n,
+                                 .confidence = before >= 0 ? 0.99 : 0,
+                                 .step = step,
+                                 .error = before + error[n - 1]};
+}
+
 /* Errors of a part that is rounded: its report. */
 static ylm_status look_at(few *w, small_encoder *k, const ylm_grid *from) {
   size_t n = (size_t)(PLACES * ((double)from->evaluated / (double)w->points));
@@ -99,15 +112,8 @@ static ylm_status look_at(few *w, small_encoder *k, const ylm_grid *from) {
   double *error = w->error + w->errors;
   ylm_status s = ylm__small_roundings(k, from, w->how->threads, n, error, w->e);
   if (s != YLM_OK) return s;
-  ylm_grid_small_report *r = &ylm__small_packed_of(k)->report;
-  *r = (ylm_grid_small_report){.before = w->head.stats.error,
-                               .rounding = ylm__small_quantile(error, n, 0.99),
-                               .largest = error[n - 1],
-                               .middle = ylm__small_quantile(error, n, 0.5),
-                               .places = n,
-                               .confidence = w->head.stats.error >= 0 ? 0.99 : 0,
-                               .step = (double)ylm__small_packed_of(k)->head.step};
-  r->error = r->before + r->largest;
+  small_packed *p = ylm__small_packed_of(k);
+  p->report = report_of(w, error, n, (double)p->head.step);
   w->errors += n;
   return YLM_OK;
 }
@@ -132,14 +138,7 @@ static ylm_status write_part(few *w, small_encoder *k, size_t part) {
 /* All parts' errors become the report of the whole. */
 static void sum_up(few *w, double step) {
   ylm__small_sort(w->error, w->errors);
-  w->report = (ylm_grid_small_report){.before = w->head.stats.error,
-                                      .rounding = ylm__small_quantile(w->error, w->errors, 0.99),
-                                      .largest = w->error[w->errors - 1],
-                                      .middle = ylm__small_quantile(w->error, w->errors, 0.5),
-                                      .places = w->errors,
-                                      .confidence = w->head.stats.error >= 0 ? 0.99 : 0,
-                                      .step = step};
-  w->report.error = w->report.before + w->report.largest;
+  w->report = report_of(w, w->error, w->errors, step);
 }
 
 static ylm_status round_part(few *w, size_t part, double step) {

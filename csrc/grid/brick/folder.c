@@ -133,12 +133,16 @@ static void clean_folder(const char *path, const char *const *endings, size_t n)
   closedir(d);
 }
 
+static void room_of(const char *folder, int room, char path[FOLDER_PATH]) {
+  snprintf(path, FOLDER_PATH, "%.*s/%d%d", FOLDER_PATH - 64, folder, room / 8, room % 8);
+}
+
 /* Removes the files of bricks with one of these endings; nobody else is at work. */
 static void remove_bricks(const char *folder, const char *const *endings, size_t n) {
   clean_folder(folder, endings, n);
   for (int room = 0; room < ROOMS; room++) {
     char path[FOLDER_PATH];
-    snprintf(path, sizeof path, "%.*s/%d%d", FOLDER_PATH - 64, folder, room / 8, room % 8);
+    room_of(folder, room, path);
     clean_folder(path, endings, n);
   }
 }
@@ -294,7 +298,7 @@ static ylm_status make_rooms(const char *folder, ylm_error *e) {
   char room[FOLDER_PATH];
   ylm_status s = YLM_OK;
   for (int i = 0; i < ROOMS && s == YLM_OK; i++) {
-    snprintf(room, sizeof room, "%.*s/%d%d", FOLDER_PATH - 64, folder, i / 8, i % 8);
+    room_of(folder, i, room);
     s = make_folder(room, e);
   }
   return s;
@@ -353,7 +357,7 @@ void ylm__folder_remove(const char *folder) {
   char room[FOLDER_PATH];
   remove_all(folder);
   for (int i = 0; i < ROOMS; i++) {
-    snprintf(room, sizeof room, "%.*s/%d%d", FOLDER_PATH - 64, folder, i / 8, i % 8);
+    room_of(folder, i, room);
     rmdir(room);
   }
   rmdir(folder);

@@ -16,6 +16,8 @@
 #define CLOSE 0.02  /* so close, in parts of how far look-ups go in front */
 #define PLANES_TRIED 96
 #define BORDERS 9
+/* Planes that may cut a leaf: of surfaces, of the borders of pieces, between two bricks. */
+#define PLANES_ALL (PLANES_TRIED + BORDERS + PROBES_PARTS * (PROBES_PARTS - 1) / 2)
 
 typedef struct cut_sample {
   uint32_t row;
@@ -98,7 +100,7 @@ static double margin(const cut_leaf *l, const cut_plane *p) {
 }
 
 /* Planes that may cut a leaf; their number. */
-static size_t find_planes(const cut_leaf *l, cut_plane plane[PLANES_TRIED + BORDERS + 105]) {
+static size_t find_planes(const cut_leaf *l, cut_plane plane[PLANES_ALL]) {
   size_t n = 0, surfaces = 0;
   for (size_t i = 0; i < l->n; i++) surfaces += l->sample[i].surface;
   size_t step = surfaces / PLANES_TRIED + 1, seen = 0;
@@ -136,7 +138,7 @@ static size_t find_planes(const cut_leaf *l, cut_plane plane[PLANES_TRIED + BORD
 }
 
 static void cut_leaf_apart(cut_leaf *l, probes_cut *c) {
-  cut_plane plane[PLANES_TRIED + BORDERS + 105];
+  cut_plane plane[PLANES_ALL];
   size_t n = find_planes(l, plane);
   double total = 0, now = wrong(l, 0, NULL, c->part);
   for (size_t i = 0; i < l->n; i++) total += (double)l->sample[i].weight;

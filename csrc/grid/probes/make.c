@@ -41,9 +41,8 @@ void ylm_grid_probes_free(ylm_grid_probes *p) {
 }
 
 static void *copy_of(const void *from, size_t n, size_t size, bool *ok) {
-  void *to = from ? ylm_alloc(n ? n : 1, size) : NULL;
+  void *to = from ? ylm_alloc_copy(from, n, size) : NULL;
   *ok &= to || !from;
-  if (to && n) memcpy(to, from, n * size);
   return to;
 }
 

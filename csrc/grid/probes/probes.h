@@ -15,8 +15,8 @@
 #define PROBES_PIECES 64
 #define PROBES_PARTS 15 /* bricks of a leaf, at most */
 #define PROBES_PLANES 4 /* that cut a leaf, at most */
-#define PROBES_FRONT                                                                               \
-  0.1875 /* of a leaf's edge: how far in front of a surface its brick is looked for */
+/* Of a leaf's edge: how far in front of a surface its brick is looked for. */
+#define PROBES_FRONT 0.1875
 #define PROBES_DEPTH 20      /* splits below a root, at most */
 #define PROBES_NORMAL 127.0  /* a plane's normal of length 1, in edges of the leaf */
 #define PROBES_OFFSET 8192.0 /* its distance of one edge from the leaf's origin */

@@ -119,7 +119,7 @@ static int by_cost(const void *x, const void *y) {
   return by_names(x, y);
 }
 
-static ylm_status find_pairs(thinning *t) {
+static void find_pairs(thinning *t) {
   ylm_grid_probes *p = t->p;
   size_t n = 0;
   for (size_t i = 0; i < p->bricks; i++)
@@ -134,7 +134,6 @@ static ylm_status find_pairs(thinning *t) {
     if (!i || by_names(&t->pair[i - 1], &t->pair[i]) != 0) t->pair[t->pairs++] = t->pair[i];
   for (size_t i = 0; i < t->pairs; i++) t->pair[i].cost = join(t, t->pair[i].a, t->pair[i].b, NULL);
   qsort(t->pair, t->pairs, sizeof *t->pair, by_cost);
-  return YLM_OK;
 }
 
 /* Joins up to `most` pairs that have no point in common, the cheapest first. Returns their number. */
@@ -186,9 +185,10 @@ ylm_status ylm_grid_probes_thin(ylm_grid_probes *p, const ylm_grid_probes_places
   while (s == YLM_OK && p->points > points) {
     size_t most = (size_t)ceil(ROUND * (double)p->points), more = p->points - points;
     s = make_matrices(&t);
-    if (s == YLM_OK) s = find_pairs(&t);
-    if (s == YLM_OK && !join_pairs(&t, more < most ? more : most)) break;
-    if (s == YLM_OK) renumber(&t);
+    if (s != YLM_OK) break;
+    find_pairs(&t);
+    if (!join_pairs(&t, more < most ? more : most)) break;
+    renumber(&t);
   }
   ylm_free(t.matrix);
   ylm_free(t.pair);

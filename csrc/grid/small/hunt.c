@@ -3,7 +3,6 @@
 
 #include <math.h>
 
-#define TRIES 8
 #define LEAST_STEP 1e-7
 #define MOST_STEP 1.0
 #define CLOSE 0.985    /* of a tolerance or a number of bytes: no more is searched for */
@@ -46,7 +45,7 @@ static ylm_status try_step(small_hunt *h, double *step, double *ratio) {
 /* Brackets the step between one that is too fine, or fine enough, and one that is coarser; then narrows this. */
 ylm_status ylm__small_hunt(small_hunt *h, double *found) {
   double fine = 0, coarse = INFINITY, step = first_step(h), last_step = 0, last_ratio = 1;
-  int tries = h->tries ? h->tries : TRIES;
+  int tries = h->tries ? h->tries : SMALL_TRIES;
   for (int i = 0; i < tries; i++) {
     double r;
     ylm_status s = try_step(h, &step, &r);

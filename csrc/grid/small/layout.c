@@ -457,9 +457,7 @@ ylm_status ylm__small_lay_out(small_layout *k) {
 
 /* Evaluated points in faces and edges of a brick, and of a top, are its neighbours' too; others that no cell has say nothing. */
 static bool is_border(const small_layout *k, const uint32_t at[3]) {
-  bool border = small_is_shared(k->g, k->finest, at);
-  for (int a = 0; a < 3; a++) border |= at[a] == k->g->contents.root[a] || at[a] > k->g->last[a];
-  return border;
+  return small_on_border(k->g, at) || small_is_shared(k->g, k->finest, at);
 }
 
 ylm_status ylm__small_loose(small_layout *k) {

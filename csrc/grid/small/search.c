@@ -7,7 +7,6 @@
 #include "small.h"
 
 #define PLACES 16384 /* that rounding is looked at, where no panel judges */
-#define TRIES 8      /* as hunt.c has */
 #define SEED 0x736d616c6cu
 #define NORMALS 6
 
@@ -170,7 +169,7 @@ static ylm_status judge(search *s) {
 static ylm_status say(void *self, double done) {
   const search *s = self;
   return ylm_report(s->how->progress, s->tried * PARTS + (uint64_t)(done * PARTS),
-                    (TRIES + 1) * PARTS, "rounding");
+                    (SMALL_TRIES + 1) * PARTS, "rounding");
 }
 
 /* Encodes by a step: the error in all, of rounding alone where the grid's own is not known, or the bytes. */

@@ -66,8 +66,8 @@ typedef struct small_head {
   uint32_t loose;    /* points that are corners of no cell */
   uint64_t sides, parts, ghosts;
   uint32_t flags; /* SMALL_HAS_* */
-  uint32_t
-      finest; /* the finest level of cells of the top of the set that the grid is a part of; 0: it is a grid of its own */
+  /* The finest level of cells of the top of the set that the grid is a part of; 0: it is a grid of its own. */
+  uint32_t finest;
 } small_head;
 
 /*
@@ -75,10 +75,13 @@ typedef struct small_head {
 ** and those on the border of a brick, are therefore coded first, by what all parts that have them know: their place in the
 ** lattice, and each other.
 */
+static inline bool small_on_border(const ylm_grid *g, const uint32_t at[3]) {
+  bool border = false;
+  for (int a = 0; a < 3; a++) border |= at[a] == g->contents.root[a] || at[a] > g->last[a];
+  return border;
+}
 static inline bool small_is_shared(const ylm_grid *g, uint32_t finest, const uint32_t at[3]) {
-  bool shared = !g->contents.root_level;
-  for (int a = 0; a < 3; a++) shared |= at[a] == g->contents.root[a] || at[a] > g->last[a];
-  return finest && shared;
+  return finest && (!g->contents.root_level || small_on_border(g, at));
 }
 /* The level of cells of the lattice that a place is first a corner of. */
 static inline int small_lattice_level(const ylm_grid *g, const uint32_t at[3]) {
@@ -332,6 +335,7 @@ bool ylm__small_head_holds(const small_head *h, const ylm_grid *g);
 
 /* -- hunt.c: the step of rounding that is asked for ------------------------------------------------------------ */
 
+#define SMALL_TRIES 8
 typedef struct small_hunt {
   const ylm_grid_small *how;
   double before; /* the error of the grid; NAN: not known */
@@ -340,7 +344,7 @@ typedef struct small_hunt {
   /* Rounds by a step: what this errs by in all, or the bytes that it takes. */
   ylm_status (*round)(void *self, double step, double *found);
   void *self;
-  int tries; /* 0: the usual number */
+  int tries; /* 0: SMALL_TRIES */
   double steep;
 } small_hunt;
 /* The step that asks for no more than what is asked for; the last that was rounded by. YLM_ELIMIT: there is none. */

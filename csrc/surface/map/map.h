@@ -175,4 +175,5 @@ static inline double map_value(const map_bake *b, const float *value, int half, 
   for (int k = 0; k < 4; k++) sum += (double)(s->tap.weight[k] * of[s->tap.texel[k]]);
   return sum;
 }
+
 #endif

@@ -100,13 +100,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 ylm_status ylm_receivers_rays(const ylm_receivers *r, const ylm_scene *scene, int light_samples,
                               uint64_t seed, int threads, const ylm_progress *progress,
                               float (*out)[3], ylm_error *e) {
-  bool same;
-  if (light_samples < 1 || light_samples > YLM_TRANSFER_LINKS)
-    return ylm_fail(e, YLM_ERANGE, "light_samples must be from 1 to %d, got %d", YLM_TRANSFER_LINKS,
-                    light_samples);
-  ylm_status s = ylm__transfer_same(r->t->scene, scene, &same);
-  if (s == YLM_OK && !same)
-    s = ylm_fail(e, YLM_EINVAL, "the scene has other meshes than those of the links");
+  ylm_status s = ylm__transfer_check_rays(r->t, scene, light_samples, e);
   job j = {r, scene, light_samples, seed, out};
   return s == YLM_OK ? ylm_parallel(r->n, DIRECT_GRAIN, threads, run, &j, progress, "direct") : s;
 }

@@ -88,7 +88,7 @@ end
 --- The luminance [n] of irradiance [n][channels].
 function places.luminance(E)
   if E.shape[2] == 1 then return E:reshape { #E } end
-  return (E * array.array({ 0.2126, 0.7152, 0.0722 }, "float")):sum(2)
+  return (E * array.array(core.luminance, "float")):sum(2)
 end
 
 --- At most n places of the scene's surfaces by area within a light's bounds, and what it has there: { n; points, normals

@@ -7,6 +7,7 @@ local describe = require "ylm.describe".describe
 local figures = require "ylm.figure"
 local form = require "ylm.form"
 local memory = require "ylm.memory"
+local objects = require "ylm.transfer.object"
 local plot = require "ylm.plot"
 local scenes = require "ylm.scene"
 local targets = require "ylm.inverse.targets"
@@ -14,6 +15,8 @@ local vary = require "ylm.inverse.vary"
 local written = require "ylm.inverse.written"
 
 local plans, methods = {}, {}
+
+local LEAST_CURVE = 240 -- pixels: narrower ones have no room for their words
 
 require "ylm.describe".object "plan" {
   about = "Lamps that were found for light that is asked for (scene:inverse_lighting).",
@@ -65,18 +68,6 @@ local function window(t, width)
   return { pixels = pixels, width = width, height = math.max(2, math.floor(size[2] * pixels + 0.5)) }
 end
 
---- Values of a map, rows of numbers, at a pixel, between its places linear.
-local function sampler(rows, w)
-  local h, n = #rows, #rows[1]
-  local function at(r, c) return rows[math.max(1, math.min(h, r))][math.max(1, math.min(n, c))] end
-  return function(x, y)
-    local c, r = (x - 0.5) / w.width * n + 0.5, (y - 0.5) / w.height * h + 0.5
-    local i, k = math.floor(c), math.floor(r)
-    local s, t = c - i, r - k
-    return (1 - t) * ((1 - s) * at(k, i) + s * at(k, i + 1)) + t * ((1 - s) * at(k + 1, i) + s * at(k + 1, i + 1))
-  end
-end
-
 --- A map whose places in bodies, 0, have the mean of their neighbours.
 local function filled(map)
   local rows = map:totable()
@@ -101,10 +92,12 @@ end
 --- A map as pixels with isolux lines, dark where the light passes a multiple of `step`, and lamps as dots.
 local function drawn(t, map, lights, width, step, least)
   local w = window(t, width)
-  local value, pixels = sampler(filled(map), w), {}
+  local rows, pixels = filled(map), {}
   for y = 1, w.height do
     pixels[y] = {}
-    for x = 1, w.width do pixels[y][x] = value(x, y) end
+    for x = 1, w.width do
+      pixels[y][x] = targets.between(rows, (x - 0.5) / w.width * #rows[1] + 0.5, (y - 0.5) / w.height * #rows + 0.5)
+    end
   end
   local out = {}
   for y = 1, w.height do
@@ -150,9 +143,8 @@ local function maps(m, i, o)
   for _, F in ipairs { m.first[i], m.last[i] } do for _, v in ipairs(F) do most = math.max(most, v) end end
   local step = step_of(most)
   local range = { 0, math.ceil(most / step) * step }
-  local as_map = require "ylm.transfer.object".as_map
   local function item(F, lights, caption)
-    local rows = drawn(t, as_map(t.receivers, array.array(F, "double")), lights, o.width, step, 0)
+    local rows = drawn(t, objects.as_map(t.receivers, array.array(F, "double")), lights, o.width, step, 0)
     for _, row in ipairs(rows) do for x, v in ipairs(row) do row[x] = math.min(v, range[2]) end end
     return { values = array.array(rows, "float"), range = range, map = "viridis", caption = caption }
   end
@@ -182,8 +174,9 @@ local function curves(m, o)
     mean[k], last[k] = entry.targets[1].mean, rms and entry.targets[1].rms or entry.targets[1].uniformity
   end
   if #x < 2 then return nil end
+  local width = math.max(o.width, LEAST_CURVE)
   local function curve(y, label, log)
-    return { caption = label, image = plot.plot { x = x, y = y, size = { o.width, math.floor(o.width * 0.55) }, y_log = log,
+    return { caption = label, image = plot.plot { x = x, y = y, size = { width, math.floor(width * 0.55) }, y_log = log,
       x_label = "evaluation", y_label = label, background = "dark" } }
   end
   return { curve(value, "what is left to be asked for", true), curve(mean, "mean, lx"),

@@ -39,7 +39,7 @@ local function rows_of(given, fail)
   end
   if core.type(given) == "ylm.image" then
     local layer = given:layer(given.layers[1].name or given.layers[1][1])
-    if layer.shape[3] == 3 then layer = (layer * { 0.2126, 0.7152, 0.0722 }):sum(3)
+    if layer.shape[3] == 3 then layer = (layer * core.luminance):sum(3)
     else layer = layer:reshape { layer.shape[1], layer.shape[2] } end
     return layer:totable()
   end
@@ -48,17 +48,22 @@ local function rows_of(given, fail)
   return a:totable()
 end
 
---- The image's values at places of a plane, between its pixels linear.
+--- Rows of numbers at column x and row y, whose middles are whole numbers, between these linear.
+function targets.between(rows, x, y)
+  local h, w = #rows, #rows[1]
+  local c, r = math.floor(x), math.floor(y)
+  local s, t = x - c, y - r
+  local function pixel(i, k) return rows[math.max(1, math.min(h, i))][math.max(1, math.min(w, k))] end
+  return (1 - t) * ((1 - s) * pixel(r, c) + s * pixel(r, c + 1)) + t * ((1 - s) * pixel(r + 1, c) + s * pixel(r + 1, c + 1))
+end
+
+--- The image's values at places of a plane.
 local function at_places(rows, m, fail)
   if not m.size then return fail "image is for a plane, or a mesh with size" end
   local out, h, w = {}, #rows, #rows[1]
-  local function pixel(r, c) return rows[math.max(1, math.min(h, r))][math.max(1, math.min(w, c))] end
   for i, place in ipairs(m.keep) do
     local column, row = (place - 1) % m.size[1], math.floor((place - 1) / m.size[1])
-    local x, y = (column + 0.5) / m.size[1] * w + 0.5, (row + 0.5) / m.size[2] * h + 0.5
-    local c, r = math.floor(x), math.floor(y)
-    local s, t = x - c, y - r
-    out[i] = (1 - t) * ((1 - s) * pixel(r, c) + s * pixel(r, c + 1)) + t * ((1 - s) * pixel(r + 1, c) + s * pixel(r + 1, c + 1))
+    out[i] = targets.between(rows, (column + 0.5) / m.size[1] * w + 0.5, (row + 0.5) / m.size[2] * h + 0.5)
   end
   return out
 end

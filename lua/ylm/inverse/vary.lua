@@ -104,14 +104,6 @@ function kinds.dim(plan, entry, groups, lights, fail)
   end
 end
 
---- Two vectors that make a frame with a unit vector.
-local function frame(axis)
-  local least = 1
-  for a = 2, 3 do if math.abs(axis[a]) < math.abs(axis[least]) then least = a end end
-  local u = vector.unit(vector.cross(axis, { least == 1 and 1 or 0, least == 2 and 1 or 0, least == 3 and 1 or 0 }))
-  return u, vector.cross(axis, u)
-end
-
 function kinds.direction(plan, entry, groups, lights, fail)
   local most = entry.direction
   if not (check.is_number(most) and most > 0 and most <= 80) then return fail "direction must be degrees above 0, 80 at most" end
@@ -122,7 +114,7 @@ function kinds.direction(plan, entry, groups, lights, fail)
     local lean = math.tan(math.rad(most))
     for i = 1, 2 do
       local ways = {}
-      for _, k in ipairs(lamps) do ways[k] = select(i, frame(lights[k].axis)) end
+      for _, k in ipairs(lamps) do ways[k] = select(i, vector.frame(lights[k].axis)) end
       add(plan, lamps, { name = "direction", start = 0, lower = -lean, upper = lean, spread = 0,
         set = function(c, k, x) for a = 1, 3 do c.lean[a] = c.lean[a] + x * ways[k][a] end end,
         slope = function(d, k, l)

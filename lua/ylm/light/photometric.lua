@@ -38,17 +38,14 @@ end
 
 --- The direction of C0: +x, or +z of a lamp that looks along x, across the axis, turned towards C90.
 local function across_of(axis, turn)
-  local base = math.abs(axis[1]) > 0.999 and { 0, 0, 1 } or { 1, 0, 0 }
-  local along, a = base[1] * axis[1] + base[2] * axis[2] + base[3] * axis[3], {}
-  for i = 1, 3 do a[i] = base[i] - along * axis[i] end
-  a = vector.unit(a)
+  local a = vector.across(axis)
   local side, c, s = vector.cross(a, axis), math.cos(math.rad(turn)), math.sin(math.rad(turn))
   return { c * a[1] + s * side[1], c * a[2] + s * side[2], c * a[3] + s * side[3] }
 end
 
 --- The turn, degrees, of a lamp with this axis whose C0 looks across it, both of length 1.
 function photometric.turn_of(axis, across)
-  local a = across_of(axis, 0)
+  local a = vector.across(axis)
   local side = vector.cross(a, axis)
   local function along(b) return across[1] * b[1] + across[2] * b[2] + across[3] * b[3] end
   return math.deg((math.atan2 or math.atan)(along(side), along(a))) -- luacheck: ignore 143

@@ -4,6 +4,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local array = require "ylm.array"
 local steady = require "ylm.render.steady"
+local vector = require "ylm.vector"
 local views = require "ylm.render.view"
 
 local denoise = {}
@@ -67,7 +68,7 @@ end
 --- Luminance of pixel i of an array [h][w][3], i from 0.
 local function luminance(a, width, i)
   local y, x = math.floor(i / width) + 1, i % width + 1
-  return 0.2126 * a:get(y, x, 1) + 0.7152 * a:get(y, x, 2) + 0.0722 * a:get(y, x, 3)
+  return vector.luminance { a:get(y, x, 1), a:get(y, x, 2), a:get(y, x, 3) }
 end
 
 --- The verdict on pixels of a picture, `filtered`, whose noise relative to its light is `noise`, by two estimates of these.

@@ -12,8 +12,6 @@ local show = require "ylm.show"
 
 local methods = {}
 
-local Y = { 0.2126, 0.7152, 0.0722 }
-
 require "ylm.describe".object "importance" {
   about = "How much light on each element is worth to a weighted sum of illuminances (radiosity:importance).",
   fields = {
@@ -45,7 +43,7 @@ local function weights_of(what, given, n)
   if not shape or shape[1] ~= n or #shape > 2 or #shape == 2 and shape[2] ~= 3 then
     return check.fail("importance: %s must be [%d] numbers, or [%d][3], got %s", what, n, n, check.describe(given))
   end
-  if #shape == 1 then w = w:reshape { n, 1 } * array.array({ Y }, "double") end
+  if #shape == 1 then w = w:reshape { n, 1 } * array.array({ core.luminance }, "double") end
   return array.array(w, "double")
 end
 
@@ -59,14 +57,15 @@ local function unfolded(w, m)
   return array.array(rows, "double")
 end
 
---- The links backwards, made once.
+--- The links of a radiosity backwards, made once; or nil, message, code.
 local function transposed(of)
-  if not of.transpose then
-    local made, message, code = check.result("importance", of.lib.transpose_create(of.handle))
+  local links = of.of
+  if not links.transpose then
+    local made, message, code = check.result("importance", of.lib.transpose_create(of.links))
     if not made then return nil, message, code end
-    of.transpose = made
+    links.transpose = made
   end
-  return of.transpose
+  return links.transpose
 end
 
 --- Receivers with their weights as C takes them, and the weighted sum of their irradiance; nil, message, code.
@@ -131,9 +130,8 @@ function objects.radiosity.importance(lit, terms)
   end
   for _, term in ipairs(list) do leaving = leaving + of.lib.receivers_scatter(term.receivers, term.weights) end
   local back, message
-  back, message, code = transposed { lib = of.lib, handle = of.links, transpose = of.of.transpose }
+  back, message, code = transposed(of)
   if not back then return nil, message, code end
-  of.of.transpose = back
   local found
   found, message, code = check.result("importance", of.lib.transpose_importance(back, lit, leaving, falling, of.options.threads))
   if not found then return nil, message, code end
@@ -163,14 +161,24 @@ function methods.elements(i) return made_of("elements", i).lambda * 1 end
 
 local NUMBERS = { scale = 0, place = 3, turn = 6, size = 9, noise = 11 }
 
---- The sums of lamplight over elements and receivers, [lamps][18] as a list, squares of noise added.
+--- The sums of lamplight by weights of its places, [lamps][18] as a list; or nil, message, code.
+local function sums_of(m, lamplight, weights, threads)
+  local sums, message, code = check.result("derivatives", m.of.lib.lamplight_weigh(lamplight, weights, threads))
+  if not sums then return nil, message, code end
+  return core.array_totable(sums)
+end
+
+--- Sums over elements and receivers, squares of noise added; or nil, message, code.
 local function weigh(m, threads)
-  local total = core.array_totable((m.of.lib.lamplight_weigh(m.from.lamplight, m.lambda, threads)))
+  local total, why, failed = sums_of(m, m.from.lamplight, m.lambda, threads)
+  if not total then return nil, why, failed end
   for k = 1, #total do for q = NUMBERS.noise + 1, #total[k] do total[k][q] = total[k][q] ^ 2 end end
   for _, term in ipairs(m.terms) do
     local at, message, code = objects.lamplight_at("derivatives", term.receivers, m.radiosity)
     if not at then return nil, message, code end
-    local more = core.array_totable((m.of.lib.lamplight_weigh(at, term.weights, threads)))
+    local more
+    more, message, code = sums_of(m, at, term.weights, threads)
+    if not more then return nil, message, code end
     for k = 1, #total do
       for q = 1, #total[k] do
         total[k][q] = total[k][q] + (q > NUMBERS.noise and more[k][q] ^ 2 or more[k][q])

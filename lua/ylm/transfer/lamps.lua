@@ -12,8 +12,6 @@ local lamps = {}
 local codes = {}
 for i, name in ipairs(core.choices "opening") do codes[name] = i - 1 end
 
-local Y = { 0.2126, 0.7152, 0.0722 }
-
 local kinds = {}
 
 --- Numbers of a lamp: opening, place, axis, C0, half sizes, scale, the name of its table; and the scale at full power.
@@ -27,7 +25,7 @@ end
 function kinds.sphere_light(l)
   local area, c = math.pi * l.radius ^ 2, l.radiance
   local scale = { area * c[1], area * c[2], area * c[3] }
-  local flux = 4 * math.pi * (Y[1] * scale[1] + Y[2] * scale[2] + Y[3] * scale[3])
+  local flux = 4 * math.pi * vector.luminance(scale)
   return { opening = "sphere", at = l.at, axis = { 0, -1, 0 }, across = { 1, 0, 0 }, half = { l.radius, l.radius }, scale = scale,
     table = 0, full = scale, flux = flux, by_colour = area, dim = 1 }
 end
@@ -72,16 +70,12 @@ end
 -- C0 stays where ylm.photometric_light has it: across +x, or +z of lamps that look along x.
 function lamps.by_direction(l, turn)
   local a = l.axis
-  local function dot(u, v) return u[1] * v[1] + u[2] * v[2] + u[3] * v[3] end
-  local by_turn = -dot(turn, a)
+  local by_turn = -(turn[1] * a[1] + turn[2] * a[2] + turn[3] * a[3])
   local out = vector.cross(turn, a)
   if l.turn then
-    local base = math.abs(a[1]) > 0.999 and { 0, 0, 1 } or { 1, 0, 0 }
-    local along = dot(base, a)
-    local plain = { base[1] - along * a[1], base[2] - along * a[2], base[3] - along * a[3] }
-    local length = vector.length(plain)
-    local side = vector.cross(vector.unit(plain), a)
-    for i = 1, 3 do out[i] = out[i] - by_turn * along / length * side[i] end
+    local across, tilt = vector.across(a)
+    local side = vector.cross(across, a)
+    for i = 1, 3 do out[i] = out[i] - by_turn * tilt * side[i] end
   end
   return out, by_turn * math.pi / 180
 end

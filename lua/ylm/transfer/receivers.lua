@@ -17,7 +17,6 @@ local methods = objects.kind("receivers", { "count", "left_out", "size", "points
 end)
 objects.receivers = methods
 
-local Y = { 0.2126, 0.7152, 0.0722 }
 local AROUND = 8 -- vertical normals of a cylindrical illuminance
 
 require "ylm.describe".object "receivers" {
@@ -56,9 +55,7 @@ local function of_plane(given)
   local normal = vector.unit(p.normal)
   if #p.size ~= 2 or not (p.size[1] > 0 and p.size[2] > 0) then return fail "size must be two numbers above 0" end
   if not normal or vector.length(p.normal) == 0 then return fail "normal must not be 0" end
-  local base = math.abs(normal[1]) > 0.999 and { 0, 0, 1 } or { 1, 0, 0 }
-  local along = base[1] * normal[1] + base[2] * normal[2] + base[3] * normal[3]
-  local u = vector.unit { base[1] - along * normal[1], base[2] - along * normal[2], base[3] - along * normal[3] }
+  local u = vector.across(normal)
   local v = vector.cross(u, normal)
   local longest = math.max(p.size[1], p.size[2])
   local spacing = p.spacing or math.min(10, 0.2 * 5 ^ (math.log(longest) / math.log(10)))
@@ -134,10 +131,7 @@ end
 local function around(points, normals)
   local p, n = {}, {}
   for i, up in ipairs(normals) do
-    local least = 1
-    for a = 2, 3 do if math.abs(up[a]) < math.abs(up[least]) then least = a end end
-    local u = vector.unit(vector.cross(up, { least == 1 and 1 or 0, least == 2 and 1 or 0, least == 3 and 1 or 0 }))
-    local v = vector.cross(up, u)
+    local u, v = vector.frame(up)
     for k = 0, AROUND - 1 do
       local c, s = math.cos(2 * math.pi * k / AROUND), math.sin(2 * math.pi * k / AROUND)
       p[#p + 1] = points[i]
@@ -249,8 +243,8 @@ end
 
 --- The luminance [places] of irradiance, or of its variance, at such points.
 function objects.luminance_of(E, count, fold)
-  local Y1 = (E * Y):sum(2)
-  return fold > 1 and Y1:reshape({ count, fold }):mean(2) or Y1
+  local Y = (E * core.luminance):sum(2)
+  return fold > 1 and Y:reshape({ count, fold }):mean(2) or Y
 end
 
 function objects.open_receivers(name, r) return objects.opened(name, r, "ylm.receivers", "receivers") end
@@ -300,7 +294,7 @@ end
 local function illuminance(name, r, lit)
   local E, message, code = irradiance(name, r, lit)
   if not E then return nil, message, code end
-  return (E * Y):sum(2)
+  return (E * core.luminance):sum(2)
 end
 
 describe "receivers:irradiance" {
