@@ -106,6 +106,34 @@ describe("probes of engines", function()
     assert.is_nil(io.open(folder.path .. "/none.ylmp"))
   end)
 
+  it("are dark on the outer sides of a room's walls, which are the ends of their bounds", function()
+    local open = ylm.scene "open" { geometry = {}, lights = scene.lights }
+    local grey = ylm.matte { albedo = 0.6 }
+    for axis = 1, 3 do
+      local u, v = { 0, 0, 0 }, { 0, 0, 0 }
+      u[axis % 3 + 1], v[(axis + 1) % 3 + 1] = 2, 2
+      for end_ = 0, 1 do
+        local corner = { -1.6, 0, -1 }
+        corner[axis] = corner[axis] + 2 * end_
+        table.insert(open.geometry, ylm.quad { corner = corner, u = u, v = v, material = grey })
+      end
+    end
+    local light = assert(open:bake { quantity = "indirect", progress = false, links = open:links { spacing = 0.5, rays = 32 },
+      probes = ylm.adaptive_grid { lmax = 1, threshold = 0.5, depth = 2 } })
+    local at, inner, outer = {}, {}, {}
+    for i, p in ipairs(within(600, { -1.57, 0.03, -0.97 }, { 0.37, 1.97, 0.97 }, 9)) do
+      local axis, way, normal, back = i % 3 + 1, i % 2 == 1 and 1 or -1, { 0, 0, 0 }, { 0, 0, 0 }
+      p[axis] = ({ -0.6, 1, 0 })[axis] + way
+      normal[axis], back[axis] = way, -way
+      at[i], outer[i], inner[i] = p, normal, back
+    end
+    -- before numbers are fitted: planes between sides come of the grid's pieces alone
+    local file, lit, dark = assert(core.probes_make(light, 1, 0)), 0, 0
+    for _, E in ipairs(read(file, at, inner)) do lit = lit + luminance(E) end
+    for _, E in ipairs(read(file, at, outer)) do dark = dark + luminance(E) end
+    assert(lit > 100 and dark < 1e-3 * lit, dark .. " " .. lit)
+  end)
+
   it("are read by a reader of their description", function()
     local look, E = probe_reader.of(few), read(assert(core.probes_decode(few, "few")), points, normals)
     for i = 1, #points, 5 do

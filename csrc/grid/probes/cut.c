@@ -1,8 +1,8 @@
 /*
 ** cut.c - planes between the bricks of a leaf.
 **
-** Samples are places in front of surfaces, whose bricks rays tell, and the middles of pieces, which count little. Planes are those of
-** the surfaces, of the pieces' borders, and those that halve the way between two bricks. The plane is taken that leaves the least
+** Samples are places in front of surfaces, whose bricks rays tell, and the middles of pieces, which count little; beside the grid's
+** bounds those of pieces outside too, where places in front of a wall on the bounds are. Planes are those of the surfaces, of the pieces' borders, and those that halve the way between two bricks. The plane is taken that leaves the least
 ** weight of samples in the wrong brick, then the next, until none gains.
 */
 #include "probes.h"
@@ -15,7 +15,7 @@
 #define NEAR 0.3    /* of a place close to its surface */
 #define CLOSE 0.02  /* so close, in parts of how far look-ups go in front */
 #define PLANES_TRIED 96
-#define BORDERS 9
+#define BORDERS (3 * (PROBES_SUB + 1))
 /* Planes that may cut a leaf: of surfaces, of the borders of pieces, between two bricks. */
 #define PLANES_ALL (PLANES_TRIED + BORDERS + PROBES_PARTS * (PROBES_PARTS - 1) / 2)
 
@@ -112,7 +112,7 @@ static size_t find_planes(const cut_leaf *l, cut_plane plane[PLANES_ALL]) {
     n += round_plane(normal, on, &plane[n]);
   }
   for (int a = 0; a < 3; a++)
-    for (int k = 1; k < PROBES_SUB; k++) {
+    for (int k = 0; k <= PROBES_SUB; k++) {
       double normal[3] = {a == 0, a == 1, a == 2}, on[3] = {0, 0, 0};
       on[a] = (double)k / PROBES_SUB;
       n += round_plane(normal, on, &plane[n]);
@@ -166,14 +166,39 @@ static void cut_leaf_apart(cut_leaf *l, probes_cut *c) {
 
 /* -- samples --------------------------------------------------------------------------------------- */
 
-/* The middles of a leaf's pieces. */
-static void sample_pieces(const ylm_grid_probes *p, uint32_t row, cut_sample *out) {
-  for (size_t i = 0; i < PROBES_PIECES; i++) {
-    cut_sample s = {.row = row, .brick = p->piece[row][i], .weight = SLIGHT};
-    const size_t at[3] = {i % 4, i / 4 % 4, i / 16};
-    for (int a = 0; a < 3; a++) s.at[a] = ((float)at[a] + 0.5f) / PROBES_SUB;
-    out[i] = s;
+/* Whether a look-up ends in a leaf at a piece of it, or of the layer around it, which is outside then. */
+static bool piece_is_read(const ylm_grid *g, const ylm_grid_cell *leaf, const int at[3]) {
+  uint32_t edge = ylm__grid_edge(g, leaf);
+  for (int a = 0; a < 3; a++) {
+    if (at[a] < 0 && leaf->origin[a] > 0) return false;
+    if (at[a] >= PROBES_SUB && leaf->origin[a] + edge < g->contents.resolution[a]) return false;
   }
+  return true;
+}
+
+/* The middles of a leaf's pieces; their number. */
+static size_t sample_pieces(const ylm_grid *g, const ylm_grid_probes *p, size_t cell,
+                            cut_sample *out) {
+  const ylm_grid_side *side = ylm__grid_side_of(g, p->source[cell]);
+  uint32_t row = p->row[cell];
+  size_t n = 0;
+  for (size_t i = 0; i < YLM_GRID_PIECES; i++) {
+    const size_t wide = YLM_GRID_PIECES_ALL;
+    const int at[3] = {(int)(i % wide) - 1, (int)(i / wide % wide) - 1, (int)(i / wide / wide) - 1};
+    if (!piece_is_read(g, &g->cell[p->source[cell]], at)) continue;
+    bool own = true;
+    for (int a = 0; a < 3; a++) own = own && at[a] >= 0 && at[a] < PROBES_SUB;
+    uint8_t part = ylm_grid_side_part(side, i), brick = 255;
+    if (own)
+      brick = p->piece[row][(at[2] * PROBES_SUB + at[1]) * PROBES_SUB + at[0]];
+    else if (part != YLM_GRID_PARTS)
+      brick = p->brick_of[row][part];
+    if (brick == 255) continue;
+    cut_sample s = {.row = row, .brick = brick, .weight = SLIGHT};
+    for (int a = 0; a < 3; a++) s.at[a] = ((float)at[a] + 0.5f) / PROBES_SUB;
+    out[n++] = s;
+  }
+  return n;
 }
 
 /* The sample of a place, in front of its surface by the part `way` of what look-ups take; false: its leaf has one brick, or rays find
@@ -201,13 +226,13 @@ static bool sample_place(const ylm_grid *g, const ylm_grid_probes *p, const ylm_
 
 ylm_status ylm__probes_cut(const ylm_grid *g, const ylm_grid_walls *walls,
                            const ylm_grid_probes_places *at, ylm_grid_probes *p) {
-  size_t places = walls && at ? at->n : 0, most = 2 * places + PROBES_PIECES * p->several, n = 0;
+  size_t places = walls && at ? at->n : 0, most = 2 * places + YLM_GRID_PIECES * p->several, n = 0;
   cut_sample *all = ylm_alloc(most + 1, sizeof *all), *sorted = ylm_alloc(most + 1, sizeof *all);
   size_t *begin = ylm_alloc_zero(p->several + 2, sizeof *begin);
   uint8_t *side = ylm_alloc_zero(most + 1, 1);
   ylm_status s = all && sorted && begin && side ? YLM_OK : YLM_ENOMEM;
-  for (uint32_t row = 0; s == YLM_OK && row < p->several; row++, n += PROBES_PIECES)
-    sample_pieces(p, row, all + n);
+  for (size_t cell = 0; s == YLM_OK && cell < p->cells; cell++)
+    if (p->row[cell] != YLM_GRID_NONE) n += sample_pieces(g, p, cell, all + n);
   for (size_t i = 0; s == YLM_OK && i < 2 * places; i++) {
     size_t k = i / 2;
     n += sample_place(g, p, walls, at->point[k], at->normal[k], i % 2 ? CLOSE : 1, &all[n]);
