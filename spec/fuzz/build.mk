@@ -152,3 +152,12 @@ $(FUZZ_DIR)/bin/surface: spec/fuzz/surface.c $(FUZZ_ALSO_surface) $(LIBS)
 	@mkdir -p $(@D)
 	$(call say,LINK,$@)
 	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer spec/fuzz/surface.c $(FUZZ_ALSO_surface) $(FUZZ_LIBS_surface) -lm -o $@
+
+# Probes of engines: their reader and look-up instrumented.
+FUZZ_ABOUT_probes := csrc/grid/probes/file.c csrc/grid/probes/look.c
+FUZZ_ALSO_probes := $(patsubst %,$(FUZZ_DIR)/obj/grid/probes/%.o,file look)
+FUZZ_LIBS_probes := -L$(BUILD)/lib -Wl,-rpath,$(abspath $(BUILD))/lib -lylm
+$(FUZZ_DIR)/bin/probes: spec/fuzz/probes.c $(FUZZ_ALSO_probes) $(BUILD)/lib/libylm.so
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer spec/fuzz/probes.c $(FUZZ_ALSO_probes) $(FUZZ_LIBS_probes) -lm -o $@

@@ -7,6 +7,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local engine = require "ylm.grid.engine"
 local form = require "ylm.form"
+local judge_picture = require "ylm.render.judge_picture"
 local options = require "ylm.render.options"
 local places = require "ylm.grid.places"
 local probe = require "ylm.render.probe"
@@ -20,6 +21,7 @@ local where = require "ylm.grid.where"
 local judge = {}
 
 local HALF = 0.5 -- of validity: less lies in a body
+local MOST_PLACES = 2 ^ 20 -- of a picture
 
 local judge_options = options.list({
   { "quantity", "choice", of = { "indirect", "all" }, default = "indirect",
@@ -30,6 +32,8 @@ local judge_options = options.list({
   { "offset", "number", min = 0, max = 2, optional = true, unit = "cells", about = "of .npy, how far off the surface, along the "
     .. "normal, its engine looks up; default 0" },
   { "seed", "integer", min = 0, max = 2 ^ 53, default = 1, about = "of places and paths" },
+  { "picture", "list", of = "integer", optional = true, unit = "places", about = "{ width, height }: also makes a picture of "
+    .. "what the scene's camera sees, by paths, by the probes, and of the error between them" },
 }, options.common)
 
 --- The box around a scene's geometry.
@@ -93,6 +97,14 @@ local function probes_of(x, o)
   return read.file(x, o)
 end
 
+--- Refuses pictures that cannot be made.
+local function check_picture(s, size)
+  if not s.camera then return check.fail("judge: picture: scene %q has no camera", s.name or "?") end
+  if #size ~= 2 or size[1] < 1 or size[2] < 1 or size[1] * size[2] > MOST_PLACES then
+    return check.fail("judge: picture must be { width, height } with at most %d places", MOST_PLACES)
+  end
+end
+
 describe "scene:judge" {
   about = "Judges probes beside paths: the irradiance that an engine reads from them at the scene's surfaces. Files are ylm's or "
     .. "others': '.ylmp', '.three.json', '.ktx2', '.npy'. Grids and light on surfaces are judged too.",
@@ -100,9 +112,10 @@ describe "scene:judge" {
   options = judge_options,
   returns = { { "report", "table", "rms: over the mean; error: 99 % of places keep it, relative to the larger of theirs and the "
     .. "mean; leak: the mean of places that have less than 1 % of the mean, over it, or nil; worst: { at, normal, error, wanted, "
-    .. "read: luminance }; places; mean; noise: the standard error of paths, rms over the mean; bytes of the file" } },
-  errors = "raises on what are no probes, and on bad options; nil, message, code: 'EIO', 'EFORMAT' (the file), 'EDOMAIN' (no "
-    .. "surface lies within the bounds), memory, cancelled",
+    .. "read: luminance }; places; mean; negative: the share of places with less than 0, which readers of .ylmp never have; noise: "
+    .. "the standard error of paths, rms over the mean; bytes of the file; picture: an image, where asked for" } },
+  errors = "raises on what are no probes, on bad options, and on a picture of a scene without camera; nil, message, code: 'EIO', "
+    .. "'EFORMAT' (the file), 'EDOMAIN' (no surface lies within the bounds, or is seen in the picture), memory, cancelled",
   example = options.one_lamp .. [[
 local grid = scene:bake { quantity = "all", probes = ylm.uniform_grid { cells = 4, lmax = 2 } }
 local report = scene:judge(grid, { quantity = "all", places = 100, samples = 64 })
@@ -113,6 +126,7 @@ function judge.judge(s, x, given)
   local o = form.options(2, "judge", judge_options, given)
   o.progress = progress.long(o.progress)
   if #s.geometry == 0 then return check.fail("judge: scene %q has no geometry, so no surfaces", s.name or "?") end
+  if o.picture then check_picture(s, o.picture) end
   local probes, light, p, message, code
   probes, message, code = probes_of(x, o)
   if not probes then return nil, message, code end
@@ -126,7 +140,11 @@ function judge.judge(s, x, given)
   local report = engine.judge(p, got)
   local errors = places.luminance(p.variance:sqrt()) -- channels share their paths: standard errors are added
   report.noise = math.sqrt((errors * errors):mean()) / math.max(p.mean, 1e-300)
-  report.mean, report.bytes = p.mean, probes.bytes
+  report.mean, report.bytes, report.negative = p.mean, probes.bytes, got:less(0):sum() / p.n
+  if o.picture then
+    report.picture, message, code = judge_picture.of(s, o, light, function(q) return read_at(s, probes, q, o) end, p.mean)
+    if not report.picture then return nil, message, code end
+  end
   return show.report(report)
 end
 
