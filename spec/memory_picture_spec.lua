@@ -19,7 +19,7 @@ describe("memory that runs out", function()
 
   it("is said while light is found on surfaces", function()
     if missing then return pending(missing) end
-    local out, status = preload.sweep(program, folder, "^surface: ", 15000, 150)
+    local out, status = preload.sweep(program, folder, "^surface: ", 40000, 150)
     assert(status == 0 and out:find "\n1 calls, %d+ requests, %d+ failures, 0 defects", out)
   end)
 

@@ -23,7 +23,7 @@ describe("memory that runs out", function()
 
   it("is said in calls of every kind, which can be made again", function()
     if missing then return pending(missing) end
-    local out, status = preload.sweep(program, folder, "^[^:]*$", 12)
+    local out, status = preload.sweep(program, folder, "^[^:]*$", 24)
     assert(status == 0 and out:find "\n%d+ calls, %d+ requests, %d+ failures, 0 defects", out)
   end)
 

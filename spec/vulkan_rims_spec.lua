@@ -52,7 +52,7 @@ describe("exact flat lights on a device", function()
   local points = numbers.points(37, 3, 6)
   local few = { points[1], points[2], points[3] }
 
-  for _, lmax in ipairs(long({ 0, 1, 2, 4, 10 }, { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 })) do
+  for _, lmax in ipairs(long({ 0, 4, 10 }, { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 })) do
     it(("agree to 1e-5 in float, with Hessians and the metric, at lmax %d"):format(lmax), function()
       local lights = { polygons(23, 0.6, 3), polygons(5, 1, 5), disks(9, 0.5) }
       agree(lmax, lights, points, { derivatives = 2, channels = "luminance", metric = "luminance" }, 1e-5)
@@ -61,7 +61,7 @@ describe("exact flat lights on a device", function()
 
   it("agree to 1e-12 in double", function()
     local lights = { polygons(23, 0.6, 3), disks(9, 0.5) }
-    agree(0, lights, points, { derivatives = 2, dtype = "double" }, 1e-12)
+    if long(false, true) then agree(0, lights, points, { derivatives = 2, dtype = "double" }, 1e-12) end
     agree(5, lights, points, { derivatives = 2, metric = "rgb", dtype = "double" }, 1e-12)
   end)
 
@@ -98,8 +98,8 @@ describe("exact flat lights on a device", function()
       image = { { 1, 2, 3 }, { 4, 0, 6 } } }
     local exact = { polygons(7, 0.6, 3), disks(3, 0.5), texture, polygons(3, 1, 4, { 0, 1, 0 }) }
     agree(4, { exact, spheres }, points, { derivatives = 2, metric = "luminance" }, 1e-5)
-    agree(2, { exact, near, spheres }, points, { derivatives = 2, dtype = "double" }, 1e-12)
     if long(true, false) then return end
+    agree(2, { exact, near, spheres }, points, { derivatives = 2, dtype = "double" }, 1e-12)
     agree(4, { exact, near }, points, { derivatives = 2, channels = "luminance" }, 1e-5)
     agree(12, { exact, spheres }, few, { derivatives = 1, channels = "luminance" }, 1e-5)
     agree(4, texture, points, { derivatives = 1 }, 1e-5)
@@ -177,7 +177,7 @@ describe("exact flat lights on a device", function()
       polygons(2, 0.9, 4, long(nil, { 0.1, 1, 0.2 })) }
 
     it("the processor's uniform grids", function()
-      local form = ylm.uniform_grid { bounds = box, cells = { 3, 4, 2 }, lmax = 3 }
+      local form = ylm.uniform_grid { bounds = box, cells = { 3, 4, 2 }, lmax = 2 }
       local there, here = assert(ylm.bake(form, lights, { device = gpu })), ylm.bake(form, lights)
       assert.equal(here.stats.pairs, there.stats.pairs)
       assert(bakes.same_points(here, there, 1e-5) == 60)

@@ -112,8 +112,8 @@ describe "scene:judge" {
   options = judge_options,
   returns = { { "report", "table", "rms: over the mean; error: 99 % of places keep it, relative to the larger of theirs and the "
     .. "mean; leak: the mean of places that have less than 1 % of the mean, over it, or nil; worst: { at, normal, error, wanted, "
-    .. "read: luminance }; places; mean; negative: the share of places with less than 0, which readers of .ylmp never have; noise: "
-    .. "the standard error of paths, rms over the mean; bytes of the file; picture: an image, where asked for" } },
+    .. "read: luminance }; places; mean; negative: the share of places with less than 0, which readers of .ylmp never have; "
+    .. "noise: the standard error of paths, rms over the mean; bytes of the file; picture: an image, where asked for" } },
   errors = "raises on what are no probes, on bad options, and on a picture of a scene without camera; nil, message, code: 'EIO', "
     .. "'EFORMAT' (the file), 'EDOMAIN' (no surface lies within the bounds, or is seen in the picture), memory, cancelled",
   example = options.one_lamp .. [[
