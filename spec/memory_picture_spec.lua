@@ -17,6 +17,12 @@ describe("memory that runs out", function()
     assert(status == 0 and out:find "\n%d+ calls, %d+ requests, %d+ failures, 0 defects", out)
   end)
 
+  it("is said while probes are written for engines, and read", function()
+    if missing then return pending(missing) end
+    local out, status = preload.sweep(program, folder, "^probes: ", 400, 20)
+    assert(status == 0 and out:find "\n1 calls, %d+ requests, %d+ failures, 0 defects", out)
+  end)
+
   it("is said while light is found on surfaces", function()
     if missing then return pending(missing) end
     local out, status = preload.sweep(program, folder, "^surface: ", 40000, 150)

@@ -1,6 +1,7 @@
 -- The public interface in small calls, for memory that runs out in each of them: name -> function(keep) that makes
 -- what the call needs and returns the call. keep(name) names a file that is removed afterwards.
 
+local core = require "ylm.c.core"
 local ylm = require "ylm"
 
 local calls = {}
@@ -481,6 +482,20 @@ end)
 calls["scene:bake with sides"] = on(scene, function(s)
   return s:bake { quantity = "indirect", probes = ylm.adaptive_grid { lmax = 0, depth = 1, tolerance = 0.9 } }
 end)
+calls["probes: file, and read"] = function(keep)
+  local s, path = scene(), keep "p.ylmp"
+  local grid = assert(s:bake { quantity = "indirect", probes = ylm.adaptive_grid { lmax = 1, depth = 1, threshold = 0.9 } })
+  return function()
+    local report, message, code = grid:export(path, { scene = s, anyway = true })
+    if not report then return nil, message, code end
+    local file = assert(io.open(path, "rb"))
+    local bytes = file:read "*a"
+    file:close()
+    local probes
+    probes, message, code = core.probes_decode(bytes, path)
+    return probes and #bytes, message, code
+  end
+end
 calls["surface: grid"] = on(scene, function(s)
   local light, message, code = s:surface_grid { tolerance = 1, judge = "field", rays = 4 }
   if not light then return nil, message, code end
