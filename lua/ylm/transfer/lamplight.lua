@@ -72,7 +72,8 @@ local function weighed(of, weights)
   return row
 end
 
---- Sums of direct light and its derivatives by weights double [places][3]: a row of 18 numbers for each light; nil, message, code.
+--- Sums of direct light and its derivatives by weights double [places][3]: a row of 18 numbers for each light; nil, message,
+-- code.
 function lamplight:weigh(name, weights, threads)
   local sums, message, code = check.result(name, self.lib.lamplight_weigh(self.handle, weights, threads))
   if not sums then return nil, message, code end
