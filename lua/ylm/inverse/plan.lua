@@ -178,7 +178,7 @@ local function curves(m, o)
   if #x < 2 then return nil end
   local width = math.max(o.width, LEAST_CURVE)
   local function curve(y, label, log)
-    return { caption = label, image = plot.plot { x = x, y = y, size = { width, math.floor(width * 0.55) }, y_log = log,
+    return { image = plot.plot { x = x, y = y, size = { width, math.floor(width * 0.55) }, y_log = log,
       x_label = "evaluation", y_label = label, background = "dark" } }
   end
   return { curve(value, "what is left to be asked for", true), curve(mean, "mean, lx"),
