@@ -3,10 +3,10 @@
 --     ylm run examples/19_planned_light.lua [--out DIR] [--only office|wall|lamps] [--evaluations N] [--paths N] [--width N]
 --
 -- The office wants 500 lx and a uniformity of 0.6 of twenty lamps that crowd on one side. The wall wants a letter of spots that
--- may lean, move along their rails and dim. The gallery is lit by sixty lamps; six are moved until the lightmap of its floor,
--- and its walls, have nearly the same light. Each part prints the figures that paths find, and leaves maps with isolux lines:
--- planned_office.png, planned_wall.png, planned_lamps.png. The office is also written as planned_office.lua. Metres, lm, cd, lx;
--- y is up.
+-- may lean, move along their rails and dim. The gallery is lit by sixty lamps; six are moved, and grow, until the lightmap of its
+-- floor, and its walls, have nearly the same light. Each part prints the figures that paths find, and leaves maps with isolux
+-- lines: planned_office.png, planned_wall.png, planned_lamps.png. The office is also written as planned_office.lua. Metres, lm,
+-- cd, lx; y is up.
 
 local ylm = require "ylm"
 
@@ -127,7 +127,8 @@ local function lamps()
   local walls = links:receivers { mesh = 1 }
   local plan, report = assert(before:inverse_lighting { links = links, evaluations = option.evaluations,
     judge = math.floor(option.paths / 16), price = "none",
-    vary = { { position = { "x", "y", "z" }, within = { { -4.9, 2, -2.4 }, { 4.9, 3.1, 2.4 } }, dim = { 0, 3 } } },
+    vary = { { position = { "x", "y", "z" }, within = { { -4.9, 2, -2.4 }, { 4.9, 3.1, 2.4 } }, dim = { 0, 3 },
+      size = { 0.5, 6 } } },
     targets = { { receivers = floor, wanted = floor:illuminance(sixty) },
       { receivers = walls, wanted = walls:illuminance(sixty) } } })
   say("lamps", plan, report)
