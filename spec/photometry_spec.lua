@@ -35,7 +35,8 @@ end
 
 describe("photometry", function()
   it("has the flux of a power of the cosine, which is 2 pi/(n+1) of its peak", function()
-    for _, case in ipairs { { 1, 5, 1e-6 }, { 2, 5, 1e-6 }, { 4, 5, 4e-6 }, { 32, 5, 2e-4 }, { 8, 2.5, 1e-6 }, { 64, 1, 1e-6 } } do
+    for _, case in ipairs { { 1, 5, 1e-6 }, { 2, 5, 1e-6 }, { 4, 5, 4e-6 }, { 32, 5, 2e-4 }, { 8, 2.5, 1e-6 },
+      { 64, 1, 1e-6 } } do
       local n, step, v, row = case[1], case[2], {}, {}
       for i = 0, 90 / step do v[i + 1], row[i + 1] = step * i, math.cos(math.rad(step * i)) ^ n end
       row[#row] = 0
