@@ -71,7 +71,7 @@ end
 
 function kinds.environment_light(l, c) return { scale = l.scale * math.max(c.dim or 1, DARK) } end
 
---- What may vary of each kind; of photometric lights all.
+--- Fields that may vary, by kind; of photometric lights all.
 local may = {
   sphere_light = { position = true, dim = true, colour = true, size = true },
   disk_light = { position = true, direction = true, dim = true, colour = true, size = true },

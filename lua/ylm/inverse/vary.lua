@@ -97,7 +97,7 @@ function kinds.position(plan, entry, groups, fail)
   end
 end
 
---- What a light of radiance divides its field by: lumens are held where the size changes.
+--- The factor of a light's radiance by its size: lumens are held.
 local function held(light, c) return light.radiance and (c.factor or 1) ^ -2 or 1 end
 
 function kinds.dim(plan, entry, groups, fail)
@@ -287,7 +287,7 @@ function vary.starts(plan, moved)
   return x, lower, upper
 end
 
---- What numbers x change: changes by lamp, of those that they change.
+--- Changes that numbers x make, by lamp; nil of those that stay.
 local function changes_of(plan, x)
   local changes = {}
   for i, n in ipairs(plan.numbers) do

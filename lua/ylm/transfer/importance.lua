@@ -225,7 +225,7 @@ local function by_mesh(of, albedo)
   return array.array(out, "double")
 end
 
---- What is left out, as sentences; nil: nothing is.
+--- Sentences about derivatives that are left out; nil: none are.
 local function notes_of(from)
   local notes, points = {}, 0
   for k, l in ipairs(from.lamps) do
