@@ -123,7 +123,7 @@ local function lamps()
   local before = ylm.scene "Six lamps in place of sixty" { geometry = geometry, lights = lit_by(large, 3, 2, 0.3) }
   local links = assert(before:links { spacing = 0.7, rays = 64, lmax = 0 })
   local sixty = links:radiosity(lit_by(small, 12, 5, 0.05), { derivatives = true })
-  local floor = links:receivers { mesh = 2, size = { 39, 19 } }
+  local floor = links:receivers { mesh = 2, size = { 39, 19 }, rays = 512, light_samples = 64 }
   local walls = links:receivers { mesh = 1 }
   local plan, report = assert(before:inverse_lighting { links = links, evaluations = option.evaluations,
     judge = math.floor(option.paths / 16), price = "none",

@@ -106,13 +106,16 @@ local function shape(name, scene, o)
   local cpu = os.clock()
   o.price, o.evaluations = "none", 35
   local found, r = assert(scene:inverse_lighting(o))
-  local row = { ("  %-8s"):format(name) }
-  for _, k in ipairs { 1, 10, 20, 32, 35 } do row[#row + 1] = ("%.4f"):format(found.trace[k].targets[1].rms) end
+  local row, least = { ("  %-8s"):format(name) }, math.huge
+  for k, entry in ipairs(found.trace) do
+    least = math.min(least, entry.targets[1].rms)
+    if k == 1 or k == 10 or k == 20 or k == 32 or k == 35 then row[#row + 1] = ("%.4f"):format(least) end
+  end
   print(("%s  %.4f  %5.1f"):format(table.concat(row, " "), r.targets[1].rms, os.clock() - cpu))
 end
 
 if not what or what == "letter" or what == "lightmap" then
-  print "shapes: rms of what is wanted at evaluations 1, 10, 20, 32, 35 by links, of the best by paths; cpu"
+  print "shapes: the least rms of what is wanted until evaluation 1, 10, 20, 32, 35 by links, that of the end by paths; cpu"
 end
 if not what or what == "letter" then
   local narrow = office.lamps(ylm, { photometry = ylm.photometry { cosine = 2, lumens = 3600 }, height = 2.8, dim = 0.8,

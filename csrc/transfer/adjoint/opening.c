@@ -194,6 +194,7 @@ static bool polygon_rim(const ylm_lamp *l, const float x[3], const float normal[
   while (i + 1 < l->corners && c[i + 1].rim <= wanted) i++;
   const double *a = c[i].place, *b = c[(i + 1) % l->corners].place;
   double length = i + 1 < l->corners ? c[i + 1].rim - c[i].rim : closing;
+  if (!(length > 0)) return false;
   double part = (wanted - c[i].rim) / length;
   double e[2] = {(b[0] - a[0]) / length, (b[1] - a[1]) / length};
   double s = a[0] + part * (b[0] - a[0]), t = a[1] + part * (b[1] - a[1]);

@@ -146,6 +146,7 @@ end
 local function open(given, i, links, o)
   local function fail(message) return check.fail("inverse_lighting: targets[%d]: %s", i, message) end
   if type(given) ~= "table" then return fail(("a table expected, got %s"):format(check.describe(given))) end
+  if given.glare ~= nil then return fail "glare is no target: its derivatives by lamps are not known" end
   local t = form.check(fields, given, fail)
   check_mean(t, fail)
   if t.least and t.most and t.least > t.most then return fail(("least %g is above most %g"):format(t.least, t.most)) end

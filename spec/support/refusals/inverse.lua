@@ -69,6 +69,7 @@ return {
     given({ targets = target { mean = { least = 2, most = 1 } } }, "least 2 is above most 1"),
     given({ targets = target { mean = {} } }, "mean must be { least =, most = }"),
     given({ targets = target { mean = "bright" } }, "mean must be { least =, most = }"),
+    given({ targets = target { glare = 19 } }, "targets%[1%]: glare is no target"),
     given({ targets = target { uniformity = 1 } }, "uniformity must be"),
     given({ targets = target { least = 3, most = 2 } }, "least 3 is above most 2"),
     given({ targets = target { wanted = { 1, 2 } } }, "wanted must be %d+ numbers"),
