@@ -53,7 +53,7 @@ local function office()
   end
   local scene = ylm.scene "An office: 500 lx and U0 0.6" { geometry = room, lights = lights,
     camera = ylm.camera { from = { -5.5, 2.2, 3.6 }, at = { 2, 0.6, -1 }, fov = 70 } }
-  local plan, report = assert(scene:inverse_lighting { evaluations = option.evaluations, judge = option.paths,
+  local plan, report = assert(scene:inverse_lighting { evaluations = option.evaluations, judge = option.paths, apart = 1,
     vary = { { lights = "panel", position = { "x", "z" }, within = { { -5.7, 0, -3.7 }, { 5.7, 3, 3.7 } }, dim = { 0, 1.5 } } },
     targets = { { plane = { at = { 0, 0.75, 0 }, size = { 11, 7 } }, mean = { least = 500 }, uniformity = 0.6 } } })
   say("office", plan, report)
