@@ -103,12 +103,12 @@ local function held(light, c) return light.radiance and (c.factor or 1) ^ -2 or 
 function kinds.dim(plan, entry, groups, fail)
   local least, most = range_of(entry, "dim", 0, math.huge, fail)
   for _, group in ipairs(groups) do
-    local shares = {}
+    local shares, lower = {}, least
     for _, k in ipairs(group) do
       shares[k] = 1
-      least = math.max(least, math.min(most, changed.least_level(plan.lamps[k])))
+      lower = math.max(lower, math.min(most, changed.least_level(plan.lamps[k])))
     end
-    add(plan, group, { name = "dim", start = changed.level(plan.lights[group[1]]), lower = least, upper = most, shares = shares,
+    add(plan, group, { name = "dim", start = changed.level(plan.lights[group[1]]), lower = lower, upper = most, shares = shares,
       set = function(c, _, x) c.dim = x end,
       slope = function(d, k, x, c)
         local channels, sum = changed.channels(plan.lights[k]), 0
