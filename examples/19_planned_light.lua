@@ -3,10 +3,10 @@
 --     ylm run examples/19_planned_light.lua [--out DIR] [--only office|wall|lamps] [--evaluations N] [--paths N] [--width N]
 --
 -- The office wants 500 lx and a uniformity of 0.6 of twenty lamps that crowd on one side. The wall wants a letter of spots that
--- may lean, move along their rails and dim. The gallery is lit by sixty lamps; six are moved until the lightmap of its floor,
--- and its walls, have nearly the same light. Each part prints the figures that paths find, and leaves maps with isolux lines:
--- planned_office.png, planned_wall.png, planned_lamps.png. The office is also written as planned_office.lua. Metres, lm, cd, lx;
--- y is up.
+-- may lean, move along their rails and dim. The gallery is lit by sixty lamps; six are moved, and grow, until the lightmap of its
+-- floor, and its walls, have nearly the same light. Each part prints the figures that paths find, and leaves maps with isolux
+-- lines: planned_office.png, planned_wall.png, planned_lamps.png. The office is also written as planned_office.lua. Metres, lm,
+-- cd, lx; y is up.
 
 local ylm = require "ylm"
 
@@ -53,7 +53,7 @@ local function office()
   end
   local scene = ylm.scene "An office: 500 lx and U0 0.6" { geometry = room, lights = lights,
     camera = ylm.camera { from = { -5.5, 2.2, 3.6 }, at = { 2, 0.6, -1 }, fov = 70 } }
-  local plan, report = assert(scene:inverse_lighting { evaluations = option.evaluations, judge = option.paths,
+  local plan, report = assert(scene:inverse_lighting { evaluations = option.evaluations, judge = option.paths, apart = 1,
     vary = { { lights = "panel", position = { "x", "z" }, within = { { -5.7, 0, -3.7 }, { 5.7, 3, 3.7 } }, dim = { 0, 1.5 } } },
     targets = { { plane = { at = { 0, 0.75, 0 }, size = { 11, 7 } }, mean = { least = 500 }, uniformity = 0.6 } } })
   say("office", plan, report)
@@ -123,11 +123,12 @@ local function lamps()
   local before = ylm.scene "Six lamps in place of sixty" { geometry = geometry, lights = lit_by(large, 3, 2, 0.3) }
   local links = assert(before:links { spacing = 0.7, rays = 64, lmax = 0 })
   local sixty = links:radiosity(lit_by(small, 12, 5, 0.05), { derivatives = true })
-  local floor = links:receivers { mesh = 2, size = { 39, 19 } }
+  local floor = links:receivers { mesh = 2, size = { 39, 19 }, rays = 512, light_samples = 64 }
   local walls = links:receivers { mesh = 1 }
   local plan, report = assert(before:inverse_lighting { links = links, evaluations = option.evaluations,
     judge = math.floor(option.paths / 16), price = "none",
-    vary = { { position = { "x", "y", "z" }, within = { { -4.9, 2, -2.4 }, { 4.9, 3.1, 2.4 } }, dim = { 0, 3 } } },
+    vary = { { position = { "x", "y", "z" }, within = { { -4.9, 2, -2.4 }, { 4.9, 3.1, 2.4 } }, dim = { 0, 3 },
+      size = { 0.5, 6 } } },
     targets = { { receivers = floor, wanted = floor:illuminance(sixty) },
       { receivers = walls, wanted = walls:illuminance(sixty) } } })
   say("lamps", plan, report)

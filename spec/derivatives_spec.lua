@@ -204,6 +204,124 @@ describe("derivatives by the lamp", function()
   end)
 end)
 
+--- Lights of radiance, irradiance and intensity, moved by `more`; `factor`: of their size, lumens held.
+local radiant = {}
+
+local function coloured(more)
+  local by = (1 + (more.dim or 0)) / (1 + (more.factor or 0)) ^ 2
+  return { 10 * by, 6 * by, 3 * by }
+end
+
+local function placed(more)
+  local p, d = more.position or { 0, 0, 0 }, more.direction or { 0, 0, 0 }
+  return { AT[1] + p[1], AT[2] + p[2], AT[3] + p[3] }, { d[1], d[2] - 1, d[3] }, 1 + (more.factor or 0)
+end
+
+function radiant.disk_light(more)
+  local at, axis, f = placed(more)
+  return ylm.disk_light { at = at, normal = axis, radius = 0.2 * f, radiance = coloured(more), spread = 2 }
+end
+
+function radiant.polygon_light(more)
+  local at, axis, f = placed(more)
+  local vertices = {}
+  for i, p in ipairs { { -0.2, -0.1 }, { 0.2, -0.1 }, { 0, 0.2 } } do -- level, then leaning with the normal
+    local x, z = f * p[1], f * p[2]
+    vertices[i] = { at[1] + x, at[2] + x * axis[1] + z * axis[3], at[3] + z }
+  end
+  return ylm.polygon_light { vertices = vertices, radiance = coloured(more) }
+end
+
+function radiant.spot_light(more)
+  local at, axis = placed(more)
+  return ylm.spot_light { at = at, to = { at[1] + axis[1], at[2] + axis[2], at[3] + axis[3] }, angle = 120, blend = 0.7,
+    intensity = coloured { dim = more.dim } }
+end
+
+describe("derivatives by lights of other kinds", function()
+  it("agree with differences where nothing hides them, by place, direction, size and level", function()
+    local _, _, mean = stage(room(false), { samples = 16 })
+    for kind, make in pairs(radiant) do
+      local d = mean({ make {} }):derivatives()
+      local function value(more) return mean({ make(more) }).value end
+      for a = 1, 3 do
+        local function along(name)
+          return function(h) return value { [name] = { a == 1 and h or 0, a == 2 and h or 0, a == 3 and h or 0 } } end
+        end
+        near(difference(along "position", 0.03), d.position:get(1, a), 1e-3, kind .. " position " .. a)
+        if a ~= 2 then near(difference(along "direction", 0.02), d.direction:get(1, a), 2e-3, kind .. " direction " .. a) end
+      end
+      if kind ~= "spot_light" then
+        near(difference(function(h) return value { factor = h } end, 0.1), d.factor:get(1), 2e-4, kind .. " factor")
+      end
+      near(value {}, d.dim:get(1), 1e-6 * value {}, kind .. " dim")
+      local channels = d.channels:totable()[1]
+      near(value {}, 10 * channels[1] + 6 * channels[2] + 3 * channels[3], 1e-6 * value {}, kind .. " channels")
+    end
+    local notes = mean({ radiant.spot_light {} }):derivatives().notes
+    assert.are.same({ "1 lamps are points: derivatives by their place hold their shadows" }, notes)
+  end)
+
+  it("by an edge's shadow are closed forms for suns and squares", function()
+    local plate = ylm.quad { corner = { -20, 1, -20 }, u = { 20, 0, 0 }, v = { 0, 0, 40 }, material = ylm.matte { albedo = 0 } }
+    local scene = ylm.scene "an edge" { geometry = { plate }, lights = ylm.sphere_light { at = { 0, 9, 0 } } }
+    local t = scene:links { spacing = 20, rays = 4, lmax = 0 }
+    local r = t:receivers { points = { { 0, 0, 0 } }, rays = 4, light_samples = 1024 }
+    local function of(light)
+      local lit = t:radiosity({ light }, { derivatives = true, light_samples = 16, rim = 16, bounces = 0 })
+      local i = lit:importance { { r, weights = { 1 } } }
+      return i.value, i:derivatives()
+    end
+    local E, d = of(ylm.sun_light { direction = { 0, 1, 0 }, angle = 4, irradiance = 3 })
+    near(1.5, E, 0.01, "half a sun")
+    local chord = 2 / (math.pi * math.sin(math.rad(2))) -- of a disk of its size, over its area
+    near(3 * chord, d.direction:get(1, 1), 0.02 * 3 * chord, "its derivative")
+    near(0, d.position:get(1, 1), 0, "it has no place")
+    local square = ylm.polygon_light { radiance = 5,
+      vertices = { { -0.2, 8, -0.2 }, { 0.2, 8, -0.2 }, { 0.2, 8, 0.2 }, { -0.2, 8, 0.2 } } }
+    E, d = of(square)
+    near(5 * 0.08 / 64, E, 0.01 * E, "half a square")
+    near(5 * 0.4 / 64, d.position:get(1, 1), 0.02 * 5 * 0.4 / 64, "its width over the square of the distance")
+  end)
+
+  it("are of level and colour for skies and images, exactly, and their names are told", function()
+    local plate = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 }, material = ylm.matte { albedo = 0 } }
+    local sky = ylm.environment_light { radiance = { 3, 2, 1 } }
+    local panel = ylm.textured_light { corner = { -1, 2, -1 }, u = { 2, 0, 0 }, v = { 0, 0, 2 }, image = { { 1, 2 }, { 4, 8 } } }
+    local scene = ylm.scene "a plate" { geometry = { plate }, lights = { sky, radiant.spot_light {}, panel } }
+    local t = scene:links { spacing = 1, rays = 16, lmax = 0 }
+    local r = t:receivers { points = { { 0, 0.5, 0 } }, rays = 16, light_samples = 256 }
+    local lit = t:radiosity(scene.lights, { derivatives = true, bounces = 0 })
+    local i = lit:importance { { r, weights = { { 1, 0, 0 } } } }
+    local d = i:derivatives()
+    near(3 * math.pi, d.dim:get(1), 0.01 * 3 * math.pi, "by the sky's level")
+    near(d.dim:get(1), d.colour:get(1, 1), 1e-12, "by its red channel")
+    near(0, d.colour:get(1, 2), 0, "by its green")
+    near(i.value, d.dim:get(1) + d.dim:get(2) + d.dim:get(3), 1e-5 * i.value, "the sum of all lights")
+    assert.is_true(d.noise.dim:get(1) < 0.02 * d.dim:get(1) and d.noise.dim:get(3) > 0)
+    assert.are.same({ "light 1, environment_light, has derivatives by level and colour alone",
+      "light 3, textured_light, has derivatives by level and colour alone",
+      "1 lamps are points: derivatives by their place hold their shadows" }, d.notes)
+  end)
+
+  it("trace rays again where their records are more than bytes, to the same bits", function()
+    local scene = room(true)
+    local lights = { radiant.disk_light {}, radiant.polygon_light {} }
+    local t = scene:links { spacing = 1, rays = 32, lmax = 0 }
+    local r = t:receivers { plane = { at = { 0, -1, 0 }, size = { 3, 3 }, spacing = 0.7 }, rays = 32 }
+    local function of(bytes)
+      local lit = t:radiosity(lights, { derivatives = true, bounces = 3, bytes = bytes })
+      return lit:importance({ { r, weights = r.weights } }):derivatives()
+    end
+    local all, few = of "1 MB", of(2000)
+    for _, name in ipairs { "position", "direction", "lumens", "factor" } do
+      assert.are.same(all[name]:totable(), few[name]:totable())
+    end
+    assert.is_nil(all.notes)
+    assert.are.same({ "records of lamps are more than bytes: their rays were traced twice" }, few.notes)
+  end)
+end)
+
 describe("receivers", function()
   it("see what elements see: at their middles light is that of the elements", function()
     local scene = room(false)

@@ -1,6 +1,7 @@
 -- scene:inverse_lighting and ylm.minimise: lamps that are found for light that is asked for.
 
 local office = require "spec.support.office"
+local vary = require "ylm.inverse.vary"
 local scratch = require "spec.support.scratch"
 local tool = require "spec.support.tool"
 local ylm = require "ylm"
@@ -83,7 +84,139 @@ end
 local DESK = { at = { 0, 0.75, 0 }, size = { 5, 3 } }
 local BOX = { { -2.8, 0, -1.8 }, { 2.8, 2.8, 1.8 } }
 
+--- A lamp twice as bright along C0 as across.
+local function oval()
+  return ylm.photometry { lumens = 2000, opening = { shape = "disk", radius = 0.1 }, intensity = function(gamma, c)
+    return math.max(0, math.cos(gamma)) ^ 3 * (3 + math.cos(2 * c))
+  end }
+end
+
+describe("numbers that vary", function()
+  local AT, TO = { 0.4, 2.2, 0.2 }, { 0.2, 0.3, 0.1 }
+
+  it("have the slopes of differences, for every kind of light", function()
+    local lights = {
+      ylm.photometric_light { photometry = oval(), at = AT, to = TO, turn = 20, temperature = 4500 },
+      ylm.photometric_light { photometry = oval(), at = { -1, 2.2, 0.5 } },
+      ylm.sphere_light { at = { 1, 2, 0 }, radius = 0.1, radiance = { 3e4, 2e4, 1e4 }, photometric = true },
+      ylm.disk_light { at = AT, normal = { 0, -1, 0 }, radius = 0.1, radiance = { 1e4, 2e4, 1e4 }, photometric = true },
+      ylm.polygon_light { vertices = { { 0, 2, 0 }, { 0.2, 2, 0 }, { 0.2, 2.1, 0.2 } }, radiance = 1e4, photometric = true },
+      ylm.spot_light { at = AT, to = TO, angle = 120, blend = 0.8, intensity = 400, photometric = true },
+      ylm.sun_light { direction = { 0.3, 1, 0.2 }, angle = 10, irradiance = { 300, 200, 100 }, photometric = true },
+      ylm.environment_light { radiance = { 10, 20, 30 }, photometric = true },
+    }
+    local box = { { -2, 0, -2 }, { 2, 3, 2 } }
+    local plan = vary.plan({
+      { lights = 1, position = { "x" }, within = box, dim = { 0, 2 }, turn = { -90, 90 }, temperature = { 2700, 6500 },
+        size = { 0.5, 2 } },
+      { lights = { 2, 3 }, colour = { 0, 1e5 } }, { lights = 3, position = { "y" }, within = box, size = { 0.5, 2 } },
+      { lights = 4, dim = { 0, 3 }, size = { 0.5, 2 } }, { lights = 5, direction = 60, size = { 0.5, 2 } },
+      { lights = 6, direction = 60, dim = { 0, 3 } }, { lights = 7, direction = 30, dim = { 0, 2 } },
+      { lights = 8, dim = { 0, 2 } } }, lights)
+    local floor = ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, material = ylm.matte { albedo = 0.5 } }
+    local t = ylm.scene "a floor" { geometry = floor, lights = lights }:links { spacing = 1, rays = 16, lmax = 0 }
+    local r = t:receivers { points = { { 0, 0.3, 0 }, { 0.7, 0.3, 0.4 } }, rays = 16 }
+    local x, weights = vary.starts(plan), { { 0.3, 0.5, 0.9 }, { 0.6, 0.2, 0.1 } }
+    for i, n in ipairs(plan.numbers) do
+      if n.name == "direction" or n.name == "size" then x[i] = x[i] + 0.1 end
+    end
+    local function at(y)
+      local lit = t:radiosity(vary.lights(plan, y), { derivatives = true, bounces = 1 })
+      return lit:importance { { r, weights = weights } }
+    end
+    local d, lists = at(x):derivatives(), {}
+    for _, name in ipairs { "position", "direction", "turn", "dim", "colour", "channels", "factor" } do
+      lists[name] = d[name]:totable()
+    end
+    local g = vary.gradient(plan, lists, x)
+    assert.are.equal(25, #g)
+    for i, n in ipairs(plan.numbers) do
+      local h = 0.01 * math.max(1, x[i])
+      local y = vary.starts(plan)
+      for k = 1, #x do y[k] = x[k] end
+      y[i] = x[i] + h
+      local more = at(y).value
+      y[i] = x[i] - h
+      local wanted = (more - at(y).value) / (2 * h)
+      near(wanted, g[i], 0.003 * math.abs(wanted) + 1e-3 / h, ("light %d, %s"):format(n.lamps[1], n.name))
+    end
+  end)
+
+  it("are refused by the name of the light that does not have them", function()
+    local lights = { ylm.spot_light { at = AT, to = TO, photometric = true },
+      ylm.environment_light { radiance = 1, photometric = true },
+      ylm.sphere_light { at = AT, photometric = true }, ylm.photometric_light { photometry = oval(), at = AT, opening = "point" },
+      ylm.textured_light { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 }, image = { { 1 } }, photometric = true } }
+    local box = { { -2, 0, -2 }, { 2, 3, 2 } }
+    for _, case in ipairs {
+      { { lights = 1, position = { "x" }, within = box }, "light 1 is a point: the shadow of a point has no derivative" },
+      { { lights = 2, direction = 20 }, "light 2 is a environment_light, whose direction does not vary" },
+      { { lights = 3, direction = 20 }, "light 3 is a sphere_light, whose direction does not vary" },
+      { { lights = 3, turn = { 0, 9 } }, "light 3 has no turn: only photometric lights have one" },
+      { { lights = 3, temperature = { 3000, 4000 } }, "light 3 is no photometric light, and has no temperature" },
+      { { lights = 4, size = { 1, 2 } }, "light 4 is a point: give it an opening" },
+      { { lights = 5, dim = { 0, 1 } }, "light 5 is a textured_light, whose dim does not vary" },
+      { { lights = 4, dim = { 0, 1 }, colour = { 0, 1 } }, "colour holds the level too" },
+      { { lights = 3, colour = { 0, -1 } }, "colour must be { least, most }, from 0 on" },
+      { { lights = 4, temperature = { 500, 4000 } }, "temperature must be { least, most }, from 1001 to 24999" },
+    } do
+      local ok, message = pcall(vary.plan, { case[1] }, lights)
+      assert.is_true(not ok and message:find(case[2], 1, true) ~= nil, message)
+    end
+    local ok, message = pcall(vary.plan, { { lights = 3, dim = { 0, 1 } }, { lights = 3, colour = { 0, 1 } } }, lights)
+    assert.is_true(not ok and message:find("light 3 varies by dim and by colour: give one", 1, true) ~= nil, message)
+    ok, message = pcall(vary.plan, { { lights = 3, dim = { 0, 1 } }, { dim = { 0, 1 }, lights = { 3, 4 } } }, lights)
+    assert.is_true(not ok and message:find("dim of light 3 varies twice", 1, true) ~= nil, message)
+  end)
+end)
+
 describe("inverse lighting", function()
+  it("finds colours by a picture in colour, and the turn of an oval lamp", function()
+    local scene = room { { -1, 2.5, 0 }, { 1, 2.5, 0 } }
+    local rows = {} -- red on the left, blue on the right
+    for r = 1, 4 do
+      rows[r] = {}
+      for c = 1, 8 do rows[r][c] = { 1 - (c - 0.5) / 8, 0.3, (c - 0.5) / 8 } end
+    end
+    local plan, r = scene:inverse_lighting { vary = { { colour = { 0, 4 } } }, judge = 0, spacing = 1, price = "none",
+      targets = { { plane = DESK, image = rows, colour = true, mean = { least = 100, most = 120 } } } }
+    assert.is_true(r.evaluations == 1 and r.met and r.targets[1].rms < 0.8 * r.targets[1].before.rms, tostring(r))
+    local left, right = plan.lights[1].rgb, plan.lights[2].rgb
+    assert.is_true(left[1] > 2 * left[3] and right[3] > 2 * right[1])
+    local function turned(turn)
+      return ylm.scene "turned" { geometry = scene.geometry,
+        lights = ylm.photometric_light { photometry = oval(), at = { 0.5, 2.5, 0 }, turn = turn, temperature = 4000 } }
+    end
+    local links = turned(50):links { spacing = 1, rays = 32, lmax = 0 }
+    local wanted = links:receivers({ plane = DESK, rays = 64 }):irradiance(links:radiosity(turned(50).lights,
+      { derivatives = true }))
+    plan, r = turned(10):inverse_lighting { price = "none", judge = 0, spacing = 1, rays = 32, receiver_rays = 64,
+      vary = { { turn = { -20, 90 }, temperature = { 2700, 6500 } } },
+      targets = { { plane = DESK, wanted = wanted, colour = true } } }
+    assert.is_true(r.targets[1].rms < 0.02 and r.targets[1].before.rms > 0.05, tostring(r))
+    near(50, plan.lights[1].turn, 2, "its turn")
+    near(4000, plan.lights[1].temperature, 150, "its temperature")
+  end)
+
+  it("keeps lamps apart, and plans suns and skies by their level", function()
+    local plan = room({ { -0.1, 2.5, 0 }, { 0.1, 2.5, 0 } }):inverse_lighting { judge = 0, spacing = 1, apart = 1.5,
+      vary = { { position = { "x" }, within = BOX } }, targets = { { plane = DESK, mean = { least = 1 } } } }
+    near(1.5, math.abs(plan.lights[2].at[1] - plan.lights[1].at[1]), 0.02, "their distance")
+    local open = ylm.scene "outside" { geometry = ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } },
+      lights = { ylm.sun_light { direction = { 0, 1, 0 }, photometric = true },
+        ylm.environment_light { radiance = 1, photometric = true } } }
+    local r
+    plan, r = open:inverse_lighting { vary = { { lights = 1, dim = { 0, 1e5 } }, { lights = 2, dim = { 0, 1e5 } } },
+      targets = { { points = { { 0, 0, 0 } }, mean = { least = 1000, most = 1010 } } }, judge = 256, spacing = 1 }
+    assert.is_true(r.met and r.evaluations == 1, tostring(r))
+    local folder = scratch.new()
+    assert(plan:save(folder.path .. "/outside.lua"))
+    local back = assert(ylm.load(folder.path .. "/outside.lua"))
+    near(plan.lights[1].irradiance[1], back.lights[1].irradiance[1], 0, "the sun")
+    near(plan.lights[2].scale, back.lights[2].scale, 0, "the sky")
+    folder:remove()
+  end)
+
   it("meets a mean and a uniformity by paths, from lamps that crowd, and says so", function()
     local scene = room { { -2, 2.6, -1 }, { -1.8, 2.6, 1 }, { -1.4, 2.6, -0.4 }, { -1, 2.6, 0.8 } }
     local plan, r = scene:inverse_lighting {

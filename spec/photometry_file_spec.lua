@@ -328,3 +328,35 @@ describe("photometry:save", function()
     end
   end)
 end)
+
+describe("photometric files that end early, or count too much", function()
+  it("are refused with a sentence that names a line, wherever they end", function()
+    local texts = { ies { v = v90, h = { 0, 90 } }, ldt { symmetry = 4, stored = steps(0, 3, 1) } }
+    for i, text in ipairs(texts) do
+      local last = #text:gsub("%s+$", "") - 1 -- one digit less may be a number too
+      for n = 45, last - 3, 7 do
+        local p, message = load(text:sub(1, n), i == 1 and "lamp.ies" or "lamp.ldt")
+        assert.is_nil(p, text:sub(1, n))
+        assert.matches(":%d+: ", message)
+      end
+    end
+  end)
+
+  it("name the line of 10^9 angles or planes, and of negative ones", function()
+    local plain = ldt { symmetry = 4, stored = steps(0, 3, 1) }
+    for _, n in ipairs { "1000000000", "-3" } do
+      local _, message = load((ies { v = v90, h = { 0 } }:gsub("(TILT=NONE%s+1 %S+ %S+) %d+", "%1 " .. n)))
+      assert.matches("the number of vertical angles must be an integer from 2 to 3601", message)
+      assert.matches("%.ies:%d+: ", message)
+      for line, what in pairs { [4] = "C planes", [6] = "angles" } do
+        local k = 0
+        local text = plain:gsub("[^\r\n]+", function(x)
+          k = k + 1
+          return k == line and n or x
+        end)
+        _, message = load(text, "lamp.ldt")
+        assert.matches(("%%.ldt:%d: the number of %s"):format(line, what), message)
+      end
+    end
+  end)
+end)

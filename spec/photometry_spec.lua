@@ -35,18 +35,44 @@ end
 
 describe("photometry", function()
   it("has the flux of a power of the cosine, which is 2 pi/(n+1) of its peak", function()
-    for n, most in pairs { [1] = 1e-6, [4] = 3e-6, [32] = 2e-4 } do
-      local v, row = {}, {}
-      for i = 0, 18 do v[i + 1], row[i + 1] = 5 * i, math.cos(math.rad(5 * i)) ^ n end
-      row[19] = 0
+    for _, case in ipairs { { 1, 5, 1e-6 }, { 2, 5, 1e-6 }, { 4, 5, 4e-6 }, { 32, 5, 2e-4 }, { 8, 2.5, 1e-6 },
+      { 64, 1, 1e-6 } } do
+      local n, step, v, row = case[1], case[2], {}, {}
+      for i = 0, 90 / step do v[i + 1], row[i + 1] = step * i, math.cos(math.rad(step * i)) ^ n end
+      row[#row] = 0
       local p = ylm.photometry { vertical = v, horizontal = { 0 }, candela = { row } }
-      assert.is_true(math.abs(p.lumens * (n + 1) / (2 * math.pi) - 1) < most, ("%d: %g"):format(n, p.lumens))
+      assert.is_true(math.abs(p.lumens * (n + 1) / (2 * math.pi) - 1) < case[3], ("%d: %g"):format(n, p.lumens))
     end
     local p = ylm.photometry { cosine = 4, lumens = 3600 }
     assert.is_true(math.abs(p.lumens - 3600) < 1e-6)
     assert.is_true(math.abs(p.peak - 3600 * 5 / (2 * math.pi)) < 0.01)
     local half = p:flux { from = 30, to = 60 } + p:flux { to = 30 } + p:flux { from = 60 }
     assert.is_true(math.abs(half - 3600) < 1e-6)
+  end)
+
+  it("has the flux that its intensities have all around, to 1e-6, cut-offs included", function()
+    local function cut(gamma, c) return gamma < 1 and 100 * (1.2 + math.cos(c)) * math.exp(-((gamma - 0.6) / 0.2) ^ 2) or 0 end
+    local v, h, cd, ways, weights = {}, {}, {}, {}, {}
+    for i = 0, 18 do v[i + 1] = 5 * i end
+    for k = 0, 11 do
+      h[k + 1], cd[k + 1] = 30 * k, {}
+      for i = 0, 18 do cd[k + 1][i + 1] = cut(math.rad(5 * i), math.rad(30 * k)) end
+    end
+    local nodes = { { -0.906179845938664, 0.236926885056189 }, { -0.538469310105683, 0.478628670499366 },
+      { 0, 0.568888888888889 }, { 0.538469310105683, 0.478628670499366 }, { 0.906179845938664, 0.236926885056189 } }
+    for i = 0, 71 do -- four parts of each interval
+      for _, node in ipairs(nodes) do
+        local gamma = math.rad(1.25 * (i + 0.5 + node[1] / 2))
+        for k = 1, 120 do
+          local c = math.rad(3 * k - 1.5)
+          ways[#ways + 1] = { math.sin(gamma) * math.cos(c), math.sin(gamma) * math.sin(c), math.cos(gamma) }
+          weights[#ways] = math.rad(1.25) * node[2] / 2 * math.rad(3) * math.sin(gamma)
+        end
+      end
+    end
+    local p = ylm.photometry { vertical = v, horizontal = h, candela = cd }
+    local sum = (p:intensity(ways) * ylm.array(weights, "double")):sum()
+    assert.is_true(math.abs(sum / p.lumens - 1) < 1e-6, ("%.9g, %.9g"):format(sum, p.lumens))
   end)
 
   it("comes nearer to a smooth lamp than lines do, poles included", function()

@@ -43,6 +43,24 @@ describe("ylm.plot", function()
     end
   end)
 
+  it("draws lines whose numbers hardly differ, and flat ones where they differ by rounding alone", function()
+    for _, log in ipairs { false, true } do
+      local p = ylm.plot { size = { 300, 200 }, y_log = log,
+        series = { { x = { 1, 2, 3 }, y = { 500, 500.001, 500.0002 }, colour = { 1, 0, 0 }, marker = "none", width = 4 } } }
+      local pixels = assert(p:pixels())
+      for _, q in ipairs { { 1.5, 500.0005 }, { 2.5, 500.0006 } } do
+        assert(difference(pixel(pixels, p:where(q[1], q[2])), { 1, 0, 0 }) < 0.2, q[1])
+      end
+      p = ylm.plot { size = { 300, 200 }, y_log = log,
+        series = { { x = { 1, 2, 3 }, y = { 500, 500 * (1 + 1e-12), 500 }, colour = { 1, 0, 0 }, marker = "none", width = 4 } } }
+      pixels = assert(p:pixels())
+      for _, x in ipairs { 1.2, 2, 2.8 } do
+        local c = pixel(pixels, p:where(x, 500))
+        assert(difference(c, { 1, 0, 0 }) < 0.3, ("%g is (%.2f %.2f %.2f)"):format(x, c[1], c[2], c[3]))
+      end
+    end
+  end)
+
   it("leaves out what a logarithmic axis cannot show, and NaN", function()
     local p = ylm.plot { size = { 200, 150 }, log = true, x = { -1, 0, 1, 10, 0 / 0 }, y = { 1, 1, 1, 10, 1 } }
     assert(p:pixels())

@@ -22,6 +22,7 @@
   X(grid_form, "adaptive_grid", "uniform_grid")                                                    \
   X(horizon, "none", "paper", "gate")                                                              \
   X(interpolation, "hermite", "taylor", "linear")                                                  \
+  X(lamp_shape, "point", "sphere", "disk", "rectangle", "polygon", "sun")                          \
   X(legend, "none", "top right", "top left", "bottom right", "bottom left")                        \
   X(mapping, "latlong", "angular", "cube")                                                         \
   X(marker, "none", "cross", "plus", "square", "circle", "diamond")                                \

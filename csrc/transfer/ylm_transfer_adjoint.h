@@ -66,19 +66,44 @@ YLM_API void ylm_receivers_scatter(const ylm_receivers *r, const double (*weight
 
 /* -- lamps one by one: csrc/transfer/adjoint/lamplight.c ------------------------------------------- */
 
+typedef enum ylm_lamp_shape {
+  YLM_LAMP_point,
+  YLM_LAMP_sphere,
+  YLM_LAMP_disk,
+  YLM_LAMP_rectangle,
+  YLM_LAMP_polygon,
+  YLM_LAMP_sun /* a disc infinitely far away */
+} ylm_lamp_shape;
+
+/* A corner of a polygon, from its middle along `across` and at right angles to that; area and rim are filled in by
+   ylm_lamplight_create: those up to it. */
+typedef struct ylm_lamp_corner {
+  double place[2];
+  double area, rim;
+} ylm_lamp_corner;
+
 /* A lamp that derivatives are known of. */
 typedef struct ylm_lamp {
-  ylm_light_opening opening;
-  double at[3], axis[3], across[3];  /* across: C0; unit, perpendicular */
-  double half[2];                    /* of the opening along C0 and C90; a radius twice */
-  double scale[3];                   /* multiplies intensities, by channel */
-  const ylm_light_photometry *table; /* NULL: 1 cd in all directions */
+  ylm_lamp_shape shape;
+  double at[3];              /* its middle */
+  double axis[3], across[3]; /* across: C0; unit, perpendicular; axis of a sun: towards it */
+  double half
+      [2]; /* of the opening along C0 and C90; a radius twice; of polygons 1; of suns the sine of
+                                        half the angle, below 1 */
+  double
+      scale[3]; /* multiplies intensities, by channel; of suns the irradiance of what faces them */
+  const ylm_light_photometry *table; /* NULL: these intensities, in all directions or .. */
+  double power;                      /* .. times |cos|^power of the angle to the axis, or .. */
+  double cone[2];                    /* .. a smooth step between two cosines of it; equal: none */
+  size_t corners;
+  const ylm_lamp_corner *corner; /* of a convex polygon, in order */
 } ylm_lamp;
 
 typedef struct ylm_lamplight_form {
   int light_samples; /* rays of a place to each lamp, 4 .. YLM_TRANSFER_LINKS, even */
   int rim;           /* rays to its rim where these disagree, even; 0: shadows are held */
   uint64_t seed;
+  size_t bytes; /* of records at most; 0: YLM_LAMPLIGHT_BYTES */
   int threads;
   const ylm_progress *progress; /* stage "direct" */
 } ylm_lamplight_form;
@@ -87,12 +112,13 @@ typedef struct ylm_lamplight_stats {
   uint64_t rays, rim_rays;
   uint64_t pairs, partly; /* pairs of place and lamp with light; of these those partly in shadow */
   size_t bytes;
+  bool again; /* records of all places were too many: derivatives trace their rays again */
   double seconds;
 } ylm_lamplight_stats;
 
 typedef struct ylm_lamplight ylm_lamplight;
 
-/* The most bytes of records. */
+/* The most bytes of records that are kept: of more, derivatives trace the same rays again. */
 #define YLM_LAMPLIGHT_BYTES ((size_t)1 << 30)
 
 /*
@@ -100,10 +126,10 @@ typedef struct ylm_lamplight ylm_lamplight;
 **
 ** Rays of an element start all over it. With one seed they go to the same places of a lamp, wherever it stands.
 **
-**   receivers  in  NULL: the elements of t
+**   receivers  in  NULL: the elements of t. Both are to live as long as what is made
 **
-** Returns  YLM_OK; YLM_ERANGE, YLM_ELIMIT (more than YLM_LAMPLIGHT_BYTES), YLM_ENOMEM, YLM_ECANCELLED
-** Cost     places * lamps * light_samples rays at most; 64 bytes a place and lamp
+** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED
+** Cost     places * lamps * light_samples rays at most; 64 bytes a place and lamp, as many as are kept
 */
 YLM_API ylm_status ylm_lamplight_create(const ylm_transfer *t, const ylm_receivers *receivers,
                                         size_t lamps, const ylm_lamp *lamp,
@@ -127,9 +153,10 @@ enum {
   YLM_LAMPLIGHT_NUMBERS = 18
 };
 
-/* Derivatives out [lamps][YLM_LAMPLIGHT_NUMBERS] of the sum of weight [places][3] times direct light. */
-YLM_API ylm_status ylm_lamplight_weigh(const ylm_lamplight *l, const double (*weight)[3],
-                                       int threads, double *out);
+/* Derivatives out [lamps][YLM_LAMPLIGHT_NUMBERS] of the sum of weight [places][3] times direct light. With one block of records
+   or with many the bits are the same. */
+YLM_API ylm_status ylm_lamplight_weigh(ylm_lamplight *l, const double (*weight)[3], int threads,
+                                       double *out);
 
 /* -- importance: csrc/transfer/adjoint/importance.c ------------------------------------------------ */
 

@@ -33,6 +33,13 @@ static void set_text(vtkTextProperty *p, double size, bool bold, const double rg
   p->SetColor(rgb[0], rgb[1], rgb[2]);
 }
 
+// Where a number stands on an axis: VTK draws floats, which tell numbers near to one another apart only from 0 to 1.
+static double place(const ylm_vtk_axis *a, double x) {
+  const double least = a->logarithmic ? std::log(a->least) : a->least;
+  const double largest = a->logarithmic ? std::log(a->largest) : a->largest;
+  return ((a->logarithmic ? std::log(x) : x) - least) / (largest - least);
+}
+
 static void set_axis(vtkAxis *axis, const ylm_vtk_axis *a, const ylm_vtk_chart *c, double k) {
   const double *fg = c->foreground, *bg = c->background;
   double grid[3];
@@ -41,8 +48,7 @@ static void set_axis(vtkAxis *axis, const ylm_vtk_axis *a, const ylm_vtk_chart *
   set_text(axis->GetLabelProperties(), c->font * k, false, fg);
   axis->SetTitleVisible(false);
   axis->SetBehavior(vtkAxis::FIXED);
-  axis->SetLogScale(a->logarithmic);
-  axis->SetUnscaledRange(a->least, a->largest);
+  axis->SetUnscaledRange(0, 1);
   axis->GetPen()->SetColorF(fg[0], fg[1], fg[2]);
   axis->GetPen()->SetWidth(float(1.2 * k));
   axis->SetTickLength(float(4 * k));
@@ -52,21 +58,21 @@ static void set_axis(vtkAxis *axis, const ylm_vtk_axis *a, const ylm_vtk_chart *
   auto ticks = Ptr<vtkDoubleArray>::New();
   auto labels = Ptr<vtkStringArray>::New();
   for (size_t i = 0; i < a->ticks; i++) {
-    ticks->InsertNextValue(a->logarithmic ? std::log10(a->tick[i]) : a->tick[i]);
+    ticks->InsertNextValue(place(a, a->tick[i]));
     labels->InsertNextValue(a->label[i]);
   }
   axis->SetCustomTickPositions(ticks, labels);
 }
 
 // A line of its points; the chart keeps the table. VTK refuses to draw lines of one point.
-static void add_line(vtkChartXY *chart, const ylm_vtk_series *s, double k) {
+static void add_line(vtkChartXY *chart, const ylm_vtk_chart *c, const ylm_vtk_series *s, double k) {
   const bool points = s->width <= 0 || s->n < 2;
   auto x = Ptr<vtkDoubleArray>::New(), y = Ptr<vtkDoubleArray>::New();
   x->SetName("x");
   y->SetName(s->label && *s->label ? s->label : "y");
   for (size_t i = 0; i < s->n; i++) {
-    x->InsertNextValue(s->x[i]);
-    y->InsertNextValue(s->y[i]);
+    x->InsertNextValue(place(&c->x, s->x[i]));
+    y->InsertNextValue(place(&c->y, s->y[i]));
   }
   auto table = Ptr<vtkTable>::New();
   table->AddColumn(x);
@@ -117,7 +123,7 @@ extern "C" ylm_status ylm_vtk_plot(const ylm_vtk_chart *c, uint8_t *rgb, ylm_err
     chart->SetRenderEmpty(true);
     set_axis(chart->GetAxis(vtkAxis::BOTTOM), &c->x, c, k);
     set_axis(chart->GetAxis(vtkAxis::LEFT), &c->y, c, k);
-    for (size_t i = 0; i < c->n; i++) add_line(chart, &c->series[i], k);
+    for (size_t i = 0; i < c->n; i++) add_line(chart, c, &c->series[i], k);
     set_legend(chart, c, k);
     auto actor = Ptr<vtkContextActor>::New();
     actor->GetScene()->AddItem(chart);

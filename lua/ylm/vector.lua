@@ -29,6 +29,8 @@ function vector.cross(a, b)
   return { a[2] * b[3] - a[3] * b[2], a[3] * b[1] - a[1] * b[3], a[1] * b[2] - a[2] * b[1] }
 end
 
+function vector.dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
+
 --- The length of a vector whose square is representable.
 function vector.length(v) return math.sqrt(v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2) end
 

@@ -7,11 +7,13 @@
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
+/* Tables of more numbers are slow, and no different. */
+#define MANY 400
+
 /* Claims about every table. */
 static void look(const ylm_light_photometry_file *f, bool linear) {
   ylm_light_photometry_grid g = {f->angles, f->planes, f->angle, f->plane, f->candela, linear};
   ylm_light_photometry *p;
-  if (f->angles * f->planes > 20000) return; /* slow, and no different */
   if (ylm_light_photometry_create(&g, &p, NULL) != YLM_OK) return;
   double flux = ylm_light_photometry_flux(p, 0, 180);
   if (!(flux >= 0) || !isfinite(flux)) abort();
@@ -50,8 +52,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (!e.text[0]) abort(); /* a sentence */
     return 0;
   }
-  look(&f, size % 2);
-  write_and_read(&f, size % 3 == 0);
+  if (f.angles * f.planes <= MANY) {
+    look(&f, size % 2);
+    write_and_read(&f, size % 3 == 0);
+  }
   ylm_light_photometry_file_free(&f);
   return 0;
 }

@@ -7,9 +7,27 @@
 /* Neighbours that differ by more than this factor, and this part of the peak, are a cut-off. */
 #define CUT_FACTOR 4
 #define CUT_PART 0.1
+/* Nodes that tell how a plane bends at its end. */
+#define END_NODES 5
 
-/* Slopes m [n] of the spline through f [n]; those that are fixed stand in m and cut it into parts, other ends are natural;
-   work [2 n]. */
+/* The second derivative at node i, an end, of the polynomial through it and the four nodes behind it in the order `step`: by
+   divided differences. 0 where there are fewer, or a cut-off is among them: the end is natural. */
+static double end_bend(size_t n, const double *x, const double *f, const bool *fixed, size_t i,
+                       int step) {
+  double c[END_NODES], t[END_NODES];
+  if (n < END_NODES) return 0;
+  for (int k = 0; k < END_NODES; k++) {
+    size_t at = step > 0 ? i + (size_t)k : i - (size_t)k;
+    if (fixed[at]) return 0;
+    c[k] = f[at], t[k] = x[i] - x[at];
+  }
+  for (int j = 1; j < END_NODES; j++)
+    for (int k = END_NODES - 1; k >= j; k--) c[k] = (c[k] - c[k - 1]) / (t[k - j] - t[k]);
+  return 2 * (c[2] + c[3] * (t[1] + t[2]) + c[4] * (t[1] * t[2] + t[1] * t[3] + t[2] * t[3]));
+}
+
+/* Slopes m [n] of the spline through f [n]; those that are fixed stand in m and cut it into parts, other ends bend as the nodes
+   near to them do; work [2 n]. */
 static void open_slopes(size_t n, const double *x, const double *f, const bool *fixed, double *m,
                         double *work) {
   double *upper = work, *right = work + n;
@@ -21,9 +39,9 @@ static void open_slopes(size_t n, const double *x, const double *f, const bool *
     if (fixed[i]) {
       a = 0, b = 1, c = 0, r = m[i];
     } else if (i == 0) {
-      a = 0, b = 2, c = 1, r = 3 * d1;
+      a = 0, b = 2, c = 1, r = 3 * d1 - behind / 2 * end_bend(n, x, f, fixed, i, 1);
     } else if (i + 1 == n) {
-      a = 1, b = 2, c = 0, r = 3 * d0;
+      a = 1, b = 2, c = 0, r = 3 * d0 + before / 2 * end_bend(n, x, f, fixed, i, -1);
     } else {
       a = 1 / before, c = 1 / behind, b = 2 * (a + c), r = 3 * (d0 * a + d1 * c);
     }

@@ -95,17 +95,32 @@ static int receivers_scatter(lua_State *L) {
   return 1;
 }
 
-/* Numbers of a lamp: opening, place, axis, C0, half sizes, scale, name of its table or 0. */
-enum { LAMP_NUMBERS = 16 };
+/* Numbers of a lamp: shape, place, axis, C0, half sizes, scale, the name of its table or 0, power, cone, how many corners. */
+enum { LAMP_NUMBERS = 20 };
 
-static ylm_lamp lamp_of(const double *x, const double *origin) {
-  ylm_lamp l = {.opening = (ylm_light_opening)x[0], .half = {x[10], x[11]}};
+static ylm_lamp lamp_of(const double *x, const double *origin, const ylm_lamp_corner *corner) {
+  ylm_lamp l = {.shape = (ylm_lamp_shape)x[0],
+                .half = {x[10], x[11]},
+                .power = x[16],
+                .cone = {x[17], x[18]},
+                .corners = (size_t)x[19],
+                .corner = corner};
   for (int a = 0; a < 3; a++) {
     l.at[a] = x[1 + a] - (origin ? origin[a] : 0);
     l.axis[a] = x[4 + a], l.across[a] = x[7 + a], l.scale[a] = x[12 + a];
   }
   l.table = x[15] > 0 ? ylm_light_photometry_named(x[15]) : NULL;
   return l;
+}
+
+/* Corners of all polygons out of a double array [n][2], on the stack. */
+static ylm_lamp_corner *read_corners(lua_State *L, const ylmL_array *a, size_t *n) {
+  *n = a->count / 2;
+  ylm_lamp_corner *c = lua_newuserdata(L, (*n + 1) * sizeof *c);
+  for (size_t i = 0; i < *n; i++)
+    c[i] = (ylm_lamp_corner){
+        .place = {((const double *)a->data)[2 * i], ((const double *)a->data)[2 * i + 1]}};
+  return c;
 }
 
 typedef struct lamplight_form {
@@ -117,32 +132,38 @@ static const ylmL_entry lamplight_entries[] = {
     YLML(lamplight_form, f.light_samples, "light_samples", INT),
     YLML(lamplight_form, f.rim, "rim", INT),
     YLML(lamplight_form, f.seed, "seed", UINT64),
+    YLML(lamplight_form, f.bytes, "bytes", COUNT, .optional = true),
     YLML(lamplight_form, f.threads, "threads", INT, .optional = true),
     YLML(lamplight_form, progress, "progress", VALUE),
     {.name = NULL}};
 
-/* lamplight_create(links, receivers or nil, lamps double [n][16], {light_samples, rim, seed, threads, progress}) -> lamplight */
+/* lamplight_create(links, receivers or nil, lamps double [n][20], corners double [m][2],
+   {light_samples, rim, seed, bytes, threads, progress}) -> lamplight */
 static int lamplight_create(lua_State *L) {
-  ylmL_held *of = ylmL_held_check(L, 1, YLML_TRANSFER);
-  const ylm_transfer *t = of->object;
+  ylmL_held *of = ylmL_held_check(L, lua_isnoneornil(L, 2) ? 1 : 2,
+                                  lua_isnoneornil(L, 2) ? YLML_TRANSFER : YLML_RECEIVERS);
+  const ylm_transfer *t = ylmL_held_check(L, 1, YLML_TRANSFER)->object;
   const ylm_receivers *r = lua_isnoneornil(L, 2) ? NULL : check_receivers(L, 2);
-  const ylmL_array *rows = ylmL_array_check(L, 3);
+  const ylmL_array *rows = ylmL_array_check(L, 3), *corners = ylmL_array_check(L, 4);
   lamplight_form form = {.progress = 0};
   ylm_error e = {0};
   ylmL_progress p;
-  ylmL_read(L, 4, lamplight_entries, &form);
-  if (rows->dtype != YLM_DOUBLE || rows->count % LAMP_NUMBERS ||
+  ylmL_read(L, 5, lamplight_entries, &form);
+  if (rows->dtype != YLM_DOUBLE || rows->count % LAMP_NUMBERS || corners->dtype != YLM_DOUBLE ||
       (r && ylm_receivers_transfer(r) != t))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  size_t n = rows->count / LAMP_NUMBERS;
+  size_t n = rows->count / LAMP_NUMBERS, all, used = 0;
+  const ylm_lamp_corner *corner = read_corners(L, corners, &all);
   ylm_lamp *lamp = lua_newuserdata(L, (n + 1) * sizeof *lamp);
   form.f.progress = ylmL_progress_begin(L, form.progress, &p);
   ylmL_held *h = ylmL_hold(L, YLML_LAMPLIGHT, destroy_lamplight, of);
   const double *origin = ylm_scene_origin(ylm_transfer_scene(t));
+  for (size_t k = 0; k < n; k++) {
+    lamp[k] = lamp_of((const double *)rows->data + LAMP_NUMBERS * k, origin, corner + used);
+    used += lamp[k].corners;
+  }
   ylm_lamplight *l = NULL;
-  for (size_t k = 0; k < n; k++)
-    lamp[k] = lamp_of((const double *)rows->data + LAMP_NUMBERS * k, origin);
-  ylm_status s = ylm_lamplight_create(t, r, n, lamp, &form.f, &l, &e);
+  ylm_status s = used == all ? ylm_lamplight_create(t, r, n, lamp, &form.f, &l, &e) : YLM_ESHAPE;
   for (size_t k = 0; k < n; k++)
     ylm_light_photometry_free((ylm_light_photometry *)(uintptr_t)lamp[k].table);
   h->object = l;
@@ -176,13 +197,14 @@ static int lamplight_stats(lua_State *L) {
   ylmL_set_count(L, "pairs", s.pairs);
   ylmL_set_count(L, "partly", s.partly);
   ylmL_set_count(L, "bytes", s.bytes);
+  ylmL_set_boolean(L, "again", s.again);
   ylmL_set_number(L, "seconds", s.seconds);
   return 1;
 }
 
 /* lamplight_weigh(lamplight, weights double [places][3], threads) -> double [lamps][18] */
 static int lamplight_weigh(lua_State *L) {
-  const ylm_lamplight *l = check_lamplight(L, 1);
+  ylm_lamplight *l = check_lamplight(L, 1);
   const double(*weight)[3] = rows_at(L, 2, ylm_lamplight_places(l));
   ylmL_array *a =
       ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){ylm_lamplight_lamps(l), YLM_LAMPLIGHT_NUMBERS});

@@ -30,6 +30,8 @@ typedef struct adjoint_rim {
   double to[3];
 } adjoint_rim;
 
+/* Fills in areas and rims of the corners of a polygon, which are its own. */
+void ylm__lamp_measure(ylm_lamp *l);
 /* The place u [2] of a lamp, from 0 below 1, as x with this normal sees it. False: it sends nothing there. */
 bool ylm__lamp_sample(const ylm_lamp *l, const float x[3], const float normal[3], const double u[2],
                       adjoint_sample *out);

@@ -18,18 +18,25 @@ enum {
 };
 
 struct ylm_lamplight {
+  const ylm_transfer *t;
+  const ylm_receivers *r; /* NULL: elements */
+  ylm_lamplight_form form;
   size_t places, lamps;
   ylm_lamp *lamp;
-  float (*record)[RECORD]; /* [places][lamps] */
+  float *short_of;         /* [lamps] how far from a lamp its rays end */
+  size_t block;            /* places whose records are held at once */
+  float (*record)[RECORD]; /* [block][lamps] */
+  float (*direct)[3];      /* [places] */
   ylm_lamplight_stats stats;
 };
 
+/* Records of places from `first` on. */
 typedef struct job {
   const ylm_transfer *t;
-  const ylm_receivers *r; /* NULL: elements */
+  const ylm_receivers *r;
   const ylm_lamplight_form *form;
   ylm_lamplight *l;
-  float *short_of; /* [lamps] how far from a lamp its rays end */
+  size_t first;
   atomic_uint_fast64_t rays, rim_rays, pairs, partly;
 } job;
 
@@ -127,7 +134,7 @@ static ylm_trace_ray ray_to(const job *j, const spot *from, const double to[3], 
   }
   double far = sqrt(far2), over = far > 0 ? 1 / far : 0;
   for (int a = 0; a < 3; a++) ray.dir[a] = (float)(d[a] * over);
-  ray.far = fmaxf(0, (float)(far * (1 - 1e-5)) - j->short_of[k]);
+  ray.far = fmaxf(0, (float)(far * (1 - 1e-5)) - j->l->short_of[k]);
   return ray;
 }
 
@@ -262,7 +269,7 @@ static void look(job *j, size_t i, size_t first, size_t n, double share, scratch
       if (x->pair[k].partly) sum_rim(j, x, k, &x->pair[k]);
   }
   for (size_t k = 0; k < n; k++)
-    write(j, &x->pair[k], share, j->l->record[i * j->l->lamps + first + k]);
+    write(j, &x->pair[k], share, j->l->record[(i - j->first) * j->l->lamps + first + k]);
   atomic_fetch_add(&j->pairs, pairs);
   atomic_fetch_add(&j->partly, partly);
 }
@@ -272,8 +279,10 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   job *j = context;
   scratch x = {0};
   ylm_status s = scratch_create(j, &x) ? YLM_OK : YLM_ENOMEM;
-  for (size_t i = begin; i < end && s == YLM_OK; i++) {
+  for (size_t i = j->first + begin; i < j->first + end && s == YLM_OK; i++) {
     double share = j->r ? 1 : (double)j->t->share[i];
+    size_t row = (i - j->first) * j->l->lamps;
+    if (!(share > 0)) memset(j->l->record[row], 0, j->l->lamps * sizeof *j->l->record);
     if (!(share > 0)) continue;
     find_spots(j, i, x.spot);
     for (size_t first = 0; first < j->l->lamps; first += x.at_once) {
@@ -285,52 +294,86 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return s;
 }
 
-static ylm_status check(const ylm_lamplight_form *f, size_t places, size_t lamps, ylm_error *e) {
+static ylm_status check(const ylm_lamplight_form *f, ylm_error *e) {
   if (f->light_samples < 4 || f->light_samples > YLM_TRANSFER_LINKS || f->light_samples % 2)
     return ylm_fail(e, YLM_ERANGE, "light_samples must be even, from 4 to %d, got %d",
                     YLM_TRANSFER_LINKS, f->light_samples);
   if (f->rim < 0 || f->rim > YLM_TRANSFER_LINKS || f->rim % 2)
     return ylm_fail(e, YLM_ERANGE, "rim must be even, from 0 to %d, got %d", YLM_TRANSFER_LINKS,
                     f->rim);
-  double bytes = (double)places * (double)lamps * RECORD * sizeof(float);
-  if (bytes > (double)YLM_LAMPLIGHT_BYTES)
-    return ylm_fail(
-        e, YLM_ELIMIT,
-        "%zu lamps at %zu places take %.1f GiB for derivatives, 1 at most: fewer lamps, or a "
-        "wider spacing",
-        lamps, places, bytes / 1073741824.0);
   return YLM_OK;
+}
+
+/* Places from `first` on whose records are held together. */
+static size_t block_of(const ylm_lamplight *l, size_t first) {
+  return l->places - first < l->block ? l->places - first : l->block;
+}
+
+/* Traces the records of a block. */
+static ylm_status fill(ylm_lamplight *l, size_t first, const ylm_progress *progress) {
+  job j = {.t = l->t, .r = l->r, .form = &l->form, .l = l, .first = first};
+  ylm_status s = ylm_parallel(block_of(l, first), LAMPLIGHT_GRAIN, l->form.threads, run, &j,
+                              progress, "direct");
+  l->stats.rays += j.rays, l->stats.rim_rays += j.rim_rays;
+  l->stats.pairs += j.pairs, l->stats.partly += j.partly;
+  return s;
+}
+
+/* The light of all lamps at the places of a block. */
+static void sum_block(ylm_lamplight *l, size_t first) {
+  for (size_t i = 0; i < block_of(l, first); i++) {
+    double E[3] = {0, 0, 0};
+    for (size_t k = 0; k < l->lamps; k++)
+      add(E, l->lamp[k].scale, 3, (double)l->record[i * l->lamps + k][LIGHT]);
+    for (int c = 0; c < 3; c++) l->direct[first + i][c] = (float)E[c];
+  }
+}
+
+/* Its own copies of lamps, with tables and corners. */
+static bool keep_lamps(ylm_lamplight *l, const ylm_lamp *lamp) {
+  l->lamp = ylm_alloc_copy(lamp, l->lamps, sizeof *lamp);
+  l->short_of = ylm_alloc(l->lamps, sizeof *l->short_of);
+  if (!l->lamp || !l->short_of) return false;
+  bool all = true;
+  for (size_t k = 0; k < l->lamps; k++) {
+    float at[3] = {(float)lamp[k].at[0], (float)lamp[k].at[1], (float)lamp[k].at[2]};
+    ylm_light_photometry_keep(lamp[k].table);
+    l->short_of[k] =
+        lamp[k].shape == YLM_LAMP_sun ? 0 : ylm_trace_offset(ylm_scene_trace(l->t->scene), at);
+    l->lamp[k].corner = NULL;
+    if (lamp[k].shape != YLM_LAMP_polygon) continue;
+    l->lamp[k].corner = ylm_alloc_copy(lamp[k].corner, lamp[k].corners, sizeof *lamp[k].corner);
+    if (l->lamp[k].corner) ylm__lamp_measure(&l->lamp[k]);
+    all = all && l->lamp[k].corner;
+  }
+  return all;
 }
 
 ylm_status ylm_lamplight_create(const ylm_transfer *t, const ylm_receivers *receivers, size_t lamps,
                                 const ylm_lamp *lamp, const ylm_lamplight_form *form,
                                 ylm_lamplight **out, ylm_error *e) {
   double begun = ylm_seconds();
-  size_t places = receivers ? receivers->n : t->elements;
   *out = NULL;
-  ylm_status s = check(form, places, lamps, e);
+  ylm_status s = check(form, e);
   ylm_lamplight *l = s == YLM_OK ? ylm_alloc_zero(1, sizeof *l) : NULL;
   if (!l) return s == YLM_OK ? YLM_ENOMEM : s;
-  l->places = places, l->lamps = lamps;
-  l->lamp = ylm_alloc_copy(lamp, lamps, sizeof *lamp);
-  for (size_t k = 0; l->lamp && k < lamps; k++) ylm_light_photometry_keep(lamp[k].table);
-  l->record = ylm_alloc_zero(places * lamps, sizeof *l->record);
-  job j = {.t = t, .r = receivers, .form = form, .l = l};
-  j.short_of = ylm_alloc(lamps, sizeof *j.short_of);
-  s = l->lamp && l->record && j.short_of ? YLM_OK : YLM_ENOMEM;
-  for (size_t k = 0; s == YLM_OK && k < lamps; k++) {
-    float at[3] = {(float)lamp[k].at[0], (float)lamp[k].at[1], (float)lamp[k].at[2]};
-    j.short_of[k] = ylm_trace_offset(ylm_scene_trace(t->scene), at);
+  *l = (ylm_lamplight){.t = t, .r = receivers, .form = *form, .lamps = lamps};
+  l->form.progress = NULL;
+  l->places = receivers ? receivers->n : t->elements;
+  size_t most = form->bytes > 0 ? form->bytes : YLM_LAMPLIGHT_BYTES;
+  l->block = lamps > 0 ? most / sizeof *l->record / lamps : l->places;
+  if (l->block < 1) l->block = 1;
+  if (l->block > l->places) l->block = l->places;
+  l->record = ylm_alloc(l->block * lamps, sizeof *l->record);
+  l->direct = ylm_alloc_zero(l->places, sizeof *l->direct);
+  s = keep_lamps(l, lamp) && l->record && l->direct ? YLM_OK : YLM_ENOMEM;
+  for (size_t first = 0; first < l->places && lamps > 0 && s == YLM_OK; first += l->block) {
+    s = fill(l, first, form->progress);
+    if (s == YLM_OK) sum_block(l, first);
   }
-  if (s == YLM_OK && lamps > 0)
-    s = ylm_parallel(places, LAMPLIGHT_GRAIN, form->threads, run, &j, form->progress, "direct");
-  l->stats = (ylm_lamplight_stats){.rays = j.rays,
-                                   .rim_rays = j.rim_rays,
-                                   .pairs = j.pairs,
-                                   .partly = j.partly,
-                                   .bytes = places * lamps * sizeof *l->record,
-                                   .seconds = ylm_seconds() - begun};
-  ylm_free(j.short_of);
+  l->stats.bytes = l->block * lamps * sizeof *l->record + l->places * sizeof *l->direct;
+  l->stats.again = l->block < l->places;
+  l->stats.seconds = ylm_seconds() - begun;
   if (s == YLM_OK)
     *out = l;
   else
@@ -340,10 +383,14 @@ ylm_status ylm_lamplight_create(const ylm_transfer *t, const ylm_receivers *rece
 
 void ylm_lamplight_free(ylm_lamplight *l) {
   if (!l) return;
-  for (size_t k = 0; l->lamp && k < l->lamps; k++)
+  for (size_t k = 0; l->lamp && l->short_of && k < l->lamps; k++) {
     ylm_light_photometry_free((ylm_light_photometry *)(uintptr_t)l->lamp[k].table);
+    ylm_free((ylm_lamp_corner *)(uintptr_t)l->lamp[k].corner);
+  }
   ylm_free(l->lamp);
+  ylm_free(l->short_of);
   ylm_free(l->record);
+  ylm_free(l->direct);
   ylm_free(l);
 }
 
@@ -352,52 +399,63 @@ size_t ylm_lamplight_lamps(const ylm_lamplight *l) { return l->lamps; }
 void ylm_lamplight_look(const ylm_lamplight *l, ylm_lamplight_stats *stats) { *stats = l->stats; }
 
 void ylm_lamplight_direct(const ylm_lamplight *l, float (*out)[3]) {
-  for (size_t i = 0; i < l->places; i++) {
-    double E[3] = {0, 0, 0};
-    for (size_t k = 0; k < l->lamps; k++)
-      add(E, l->lamp[k].scale, 3, (double)l->record[i * l->lamps + k][LIGHT]);
-    for (int c = 0; c < 3; c++) out[i][c] = (float)E[c];
-  }
+  memcpy(out, l->direct, l->places * sizeof *out);
 }
+
+/* Sums over the records of a lamp: by scale [3], and of each number. */
+typedef struct total {
+  double power[3], sum[RECORD];
+} total;
 
 typedef struct weighing {
   const ylm_lamplight *l;
   const double (*weight)[3];
-  double *out;
+  total *total; /* [lamps] */
+  size_t first;
 } weighing;
 
-static void weigh_lamp(const weighing *w, size_t k, double *out) {
+static void weigh_lamp(const weighing *w, size_t k, total *to) {
   const ylm_lamplight *l = w->l;
-  const double *scale = l->lamp[k].scale;
-  double sum[RECORD] = {0}, power[3] = {0, 0, 0};
-  for (size_t i = 0; i < l->places; i++) {
+  for (size_t i = 0; i < block_of(l, w->first); i++) {
     const float *r = l->record[i * l->lamps + k];
-    double worth = ylm_dot3d(w->weight[i], scale);
-    add(power, w->weight[i], 3, (double)r[LIGHT]);
-    for (int q = PLACE; q < LIGHT_NOISE; q++) sum[q] += worth * (double)r[q];
+    const double *weight = w->weight[w->first + i];
+    double worth = ylm_dot3d(weight, l->lamp[k].scale);
+    add(to->power, weight, 3, (double)r[LIGHT]);
+    for (int q = PLACE; q < LIGHT_NOISE; q++) to->sum[q] += worth * (double)r[q];
     for (int q = LIGHT_NOISE; q < RECORD; q++)
-      sum[q] += worth * worth * (double)r[q] * (double)r[q];
+      to->sum[q] += worth * worth * (double)r[q] * (double)r[q];
   }
-  for (int a = 0; a < 3; a++) {
-    out[YLM_LAMPLIGHT_SCALE + a] = power[a];
-    out[YLM_LAMPLIGHT_PLACE + a] = sum[PLACE + a];
-    out[YLM_LAMPLIGHT_TURN + a] = sum[TURN + a];
-    out[YLM_LAMPLIGHT_NOISE + 1 + a] = sqrt(sum[PLACE_NOISE + a]);
-    out[YLM_LAMPLIGHT_NOISE + 4 + a] = sqrt(sum[TURN_NOISE + a]);
-  }
-  for (int a = 0; a < 2; a++) out[YLM_LAMPLIGHT_SIZE + a] = sum[SIZE + a];
-  out[YLM_LAMPLIGHT_NOISE] = sqrt(sum[LIGHT_NOISE]);
 }
 
 static ylm_status weigh(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const weighing *w = context;
-  for (size_t k = begin; k < end; k++) weigh_lamp(w, k, w->out + k * YLM_LAMPLIGHT_NUMBERS);
+  for (size_t k = begin; k < end; k++) weigh_lamp(w, k, &w->total[k]);
   return YLM_OK;
 }
 
-ylm_status ylm_lamplight_weigh(const ylm_lamplight *l, const double (*weight)[3], int threads,
+static void write_total(const total *t, double *out) {
+  for (int a = 0; a < 3; a++) {
+    out[YLM_LAMPLIGHT_SCALE + a] = t->power[a];
+    out[YLM_LAMPLIGHT_PLACE + a] = t->sum[PLACE + a];
+    out[YLM_LAMPLIGHT_TURN + a] = t->sum[TURN + a];
+    out[YLM_LAMPLIGHT_NOISE + 1 + a] = sqrt(t->sum[PLACE_NOISE + a]);
+    out[YLM_LAMPLIGHT_NOISE + 4 + a] = sqrt(t->sum[TURN_NOISE + a]);
+  }
+  for (int a = 0; a < 2; a++) out[YLM_LAMPLIGHT_SIZE + a] = t->sum[SIZE + a];
+  out[YLM_LAMPLIGHT_NOISE] = sqrt(t->sum[LIGHT_NOISE]);
+}
+
+ylm_status ylm_lamplight_weigh(ylm_lamplight *l, const double (*weight)[3], int threads,
                                double *out) {
-  weighing w = {l, weight, out};
-  return ylm_parallel(l->lamps, 1, threads, weigh, &w, NULL, NULL);
+  weighing w = {.l = l, .weight = weight, .total = ylm_alloc_zero(l->lamps, sizeof *w.total)};
+  ylm_status s = w.total ? YLM_OK : YLM_ENOMEM;
+  for (; w.first < l->places && s == YLM_OK; w.first += l->block) {
+    if (l->stats.again) s = fill(l, w.first, NULL);
+    if (s == YLM_OK) s = ylm_parallel(l->lamps, 1, threads, weigh, &w, NULL, NULL);
+  }
+  for (size_t k = 0; k < l->lamps && s == YLM_OK; k++)
+    write_total(&w.total[k], out + k * YLM_LAMPLIGHT_NUMBERS);
+  ylm_free(w.total);
+  return s;
 }

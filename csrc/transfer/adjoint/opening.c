@@ -2,7 +2,8 @@
 ** opening.c - places of lamps and of their rims, as receivers see them.
 **
 ** Flat openings send I/A from each place: light is the mean of I cos/d^2 over places, which move with the lamp. Spheres are
-** seen as the cap that they fill: light is I of the direction of the centre times the cap's part of the hemisphere.
+** seen as the cap that they fill: light is I of the direction of the centre times the cap's part of the hemisphere. Suns are
+** spheres at the distance 1 from wherever they are seen.
 **
 ** Source  docs/math.md "Derivatives by the lamp"
 */
@@ -13,6 +14,8 @@
 
 /* Directions within this cosine of the plane of an opening are taken at it. */
 #define GRAZING 1e-3
+/* Scene units: where rays to suns end. */
+#define FAR_AWAY 1e18
 
 /* The way from a receiver to a place, as light comes. */
 typedef struct way {
@@ -32,11 +35,31 @@ static bool find_way(const float x[3], const float normal[3], const double y[3],
   return true;
 }
 
+/* Intensities that a cosine to the axis tells, and their slope by it. */
+static double by_cosine(const ylm_lamp *l, double c, double *slope) {
+  *slope = 0;
+  if (l->cone[0] < l->cone[1]) {
+    double wide = l->cone[1] - l->cone[0], t = (c - l->cone[0]) / wide;
+    if (t <= 0 || t >= 1) return t >= 1;
+    *slope = 6 * t * (1 - t) / wide;
+    return t * t * (3 - 2 * t);
+  }
+  if (!(l->power > 0)) return 1;
+  double size = fmax(fabs(c), 1e-9), cd = pow(size, l->power);
+  *slope = copysign(l->power * cd / size, c);
+  return cd;
+}
+
 /* The intensity against a direction towards the lamp, and its gradient by the direction that light takes. */
 static double intensity(const ylm_lamp *l, const double to[3], double gradient[3]) {
   double side[3], local[3] = {0, 0, 0}, g[3], cd;
   for (int a = 0; a < 3; a++) gradient[a] = 0;
-  if (!l->table) return 1;
+  if (!l->table) {
+    double c = -ylm_dot3d(to, l->axis), slope;
+    cd = by_cosine(l, c, &slope);
+    for (int a = 0; a < 3; a++) gradient[a] = slope * (l->axis[a] + c * to[a]);
+    return cd;
+  }
   ylm_cross3d(l->across, l->axis, side);
   const double *axes[3] = {l->across, side, l->axis};
   for (int i = 0; i < 3; i++) local[i] = -ylm_dot3d(to, axes[i]);
@@ -58,14 +81,14 @@ static void flat_place(const ylm_lamp *l, double s, double t, double at[3], doub
   }
 }
 
-/* Derivatives by the half sizes, of a disk by its radius, from those by the place s, t. */
+/* Derivatives by the half sizes, of a disk by its radius, of a polygon by a factor, from those by the place s, t. */
 static void by_size(const ylm_lamp *l, double s, double t, const double place[3], double size[2]) {
   double side[3];
   ylm_cross3d(l->across, l->axis, side);
   double along = s * ylm_dot3d(place, l->across), beside = t * ylm_dot3d(place, side);
-  bool round = l->opening == YLM_LIGHT_OPENING_disk;
-  size[0] = round ? along + beside : along;
-  size[1] = round ? 0 : beside;
+  bool alone = l->shape == YLM_LAMP_rectangle;
+  size[0] = alone ? along : along + beside;
+  size[1] = alone ? beside : 0;
 }
 
 static double clear_of(double cosine) {
@@ -133,6 +156,54 @@ static bool rectangle_rim(const ylm_lamp *l, const float x[3], const float norma
   return flat_rim(l, x, normal, s, t, outward, around / (l->half[0] * l->half[1] * count), out);
 }
 
+/* -- polygons ---------------------------------------------------------------------------------------- */
+
+static double doubled_area(const double a[2], const double b[2], const double c[2]) {
+  return fabs((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+}
+
+void ylm__lamp_measure(ylm_lamp *l) {
+  ylm_lamp_corner *c = (ylm_lamp_corner *)(uintptr_t)l->corner;
+  double area = 0, rim = 0;
+  for (size_t i = 0; i < l->corners; i++) {
+    const double *last = c[i > 0 ? i - 1 : 0].place;
+    if (i > 1) area += doubled_area(c[0].place, last, c[i].place) / 2;
+    rim += hypot(c[i].place[0] - last[0], c[i].place[1] - last[1]);
+    c[i].area = area, c[i].rim = rim;
+  }
+}
+
+/* The place u [2] of a polygon, evenly over its area: of a triangle of the fan about the first corner. */
+static void polygon_place(const ylm_lamp *l, const double u[2], double *s, double *t) {
+  const ylm_lamp_corner *c = l->corner;
+  double wanted = u[0] * c[l->corners - 1].area;
+  size_t i = 2;
+  while (i + 1 < l->corners && c[i].area <= wanted) i++;
+  double part = (wanted - c[i - 1].area) / (c[i].area - c[i - 1].area);
+  double r = sqrt(fmax(0, fmin(1, part))), b = r * (1 - u[1]), d = r * u[1];
+  *s = (1 - r) * c[0].place[0] + b * c[i - 1].place[0] + d * c[i].place[0];
+  *t = (1 - r) * c[0].place[1] + b * c[i - 1].place[1] + d * c[i].place[1];
+}
+
+static bool polygon_rim(const ylm_lamp *l, const float x[3], const float normal[3], double u,
+                        int count, adjoint_rim *out) {
+  const ylm_lamp_corner *c = l->corner, *last = &c[l->corners - 1];
+  double closing = hypot(last->place[0] - c[0].place[0], last->place[1] - c[0].place[1]);
+  double around = last->rim + closing, wanted = u * around, side[3], outward[3];
+  size_t i = 0;
+  while (i + 1 < l->corners && c[i + 1].rim <= wanted) i++;
+  const double *a = c[i].place, *b = c[(i + 1) % l->corners].place;
+  double length = i + 1 < l->corners ? c[i + 1].rim - c[i].rim : closing;
+  if (!(length > 0)) return false;
+  double part = (wanted - c[i].rim) / length;
+  double e[2] = {(b[0] - a[0]) / length, (b[1] - a[1]) / length};
+  double s = a[0] + part * (b[0] - a[0]), t = a[1] + part * (b[1] - a[1]);
+  double sign = s * e[1] - t * e[0] < 0 ? -1 : 1; /* the middle lies within */
+  ylm_cross3d(l->across, l->axis, side);
+  for (int k = 0; k < 3; k++) outward[k] = sign * (e[1] * l->across[k] - e[0] * side[k]);
+  return flat_rim(l, x, normal, s, t, outward, around / (last->area * count), out);
+}
+
 /* -- spheres ----------------------------------------------------------------------------------------- */
 
 /* The irradiance of a cap of radiance 1, whose centre has the cosine c to the normal and whose half angle has the sine squared q,
@@ -153,12 +224,26 @@ static double cap_light(double c, double q, double by[2]) {
   return q * (c * turn - x * root) + atan(root / x);
 }
 
+/* The way to the middle of a sphere, or to a sun. */
+static bool find_middle(const ylm_lamp *l, const float x[3], const float normal[3], way *w) {
+  if (l->shape != YLM_LAMP_sun) return find_way(x, normal, l->at, w) && w->far > l->half[0];
+  w->far = 1, w->cosine = 0;
+  for (int a = 0; a < 3; a++) w->to[a] = l->axis[a], w->cosine += w->to[a] * (double)normal[a];
+  return true;
+}
+
+/* A sun has no place: light that a move of it by the way d would change is that by a turn, at the distance 1. */
+static void only_turns(const ylm_lamp *l, double place[3], double turn[3]) {
+  ylm_cross3d(l->axis, place, turn);
+  for (int a = 0; a < 3; a++) place[a] = 0;
+}
+
 static bool sphere_sample(const ylm_lamp *l, const float x[3], const float normal[3],
                           const double u[2], adjoint_sample *out) {
   double g[3], against[3], about[3], by[2], d[3], r = l->half[0];
   float to[3], a[3], b[3];
   way w;
-  if (!find_way(x, normal, l->at, &w) || !(w.far > r)) return false;
+  if (!find_middle(l, x, normal, &w)) return false;
   double q = r * r / (w.far * w.far), edge = sqrt(1 - q);
   double cd = intensity(l, w.to, g) / (YLM_PI * r * r), cap = cap_light(w.cosine, q, by);
   out->light = cd * cap;
@@ -170,6 +255,7 @@ static bool sphere_sample(const ylm_lamp *l, const float x[3], const float norma
   }
   ylm_cross3d(against, g, about);
   for (int k = 0; k < 3; k++) out->turn[k] = out->still[k] = -cap * about[k] / (YLM_PI * r * r);
+  if (l->shape == YLM_LAMP_sun) only_turns(l, out->place, out->turn);
   out->size[0] = 2 * cd * (by[1] * q - cap) / r, out->size[1] = 0;
   ylm_scene_basis(to, a, b);
   double z = 1 - u[0] * q / (1 + edge), side = sqrt(1 - z * z), cosine, sine, up = 0;
@@ -183,6 +269,7 @@ static bool sphere_sample(const ylm_lamp *l, const float x[3], const float norma
     }
   }
   double reach = w.far * z - sqrt(fmax(0, r * r - w.far * w.far * side * side));
+  if (l->shape == YLM_LAMP_sun) reach = FAR_AWAY;
   for (int k = 0; k < 3; k++) out->to[k] = (double)x[k] + reach * d[k];
   return true;
 }
@@ -192,7 +279,7 @@ static bool sphere_rim(const ylm_lamp *l, const float x[3], const float normal[3
   double g[3], d[3], e[3], cosine, sine, r = l->half[0], up = 0;
   float to[3], a[3], b[3];
   way w;
-  if (!find_way(x, normal, l->at, &w) || !(w.far > r)) return false;
+  if (!find_middle(l, x, normal, &w)) return false;
   double q = r / w.far, edge = sqrt(1 - q * q);
   for (int k = 0; k < 3; k++) to[k] = (float)w.to[k];
   ylm_scene_basis(to, a, b);
@@ -201,7 +288,7 @@ static bool sphere_rim(const ylm_lamp *l, const float x[3], const float normal[3
     e[k] = cosine * (double)a[k] + sine * (double)b[k];
     d[k] = edge * w.to[k] + q * e[k];
     up += d[k] * (double)normal[k];
-    out->to[k] = (double)x[k] + w.far * edge * d[k];
+    out->to[k] = (double)x[k] + (l->shape == YLM_LAMP_sun ? FAR_AWAY : w.far * edge) * d[k];
   }
   if (!(up > 0)) return false;
   double light = 2 * intensity(l, d, g) * up / (count * r * w.far * w.far);
@@ -209,29 +296,56 @@ static bool sphere_rim(const ylm_lamp *l, const float x[3], const float normal[3
     out->place[k] = light * (e[k] - q / edge * w.to[k]);
     out->turn[k] = 0;
   }
+  if (l->shape == YLM_LAMP_sun) only_turns(l, out->place, out->turn);
   out->size[0] = light / edge, out->size[1] = 0;
   return light > 0;
 }
 
 /* -- all --------------------------------------------------------------------------------------------- */
 
+static bool point_sample(const ylm_lamp *l, const float x[3], const float normal[3],
+                         adjoint_sample *out) {
+  bool there = flat_sample(l, x, normal, 0, 0, out);
+  for (int a = 0; a < 3; a++) out->still[a] = out->turn[a]; /* it has no plane */
+  return there;
+}
+
+static bool disk_sample(const ylm_lamp *l, const float x[3], const float normal[3],
+                        const double u[2], adjoint_sample *out) {
+  double c, s, r = sqrt(u[0]);
+  ylm_turn(u[1], &c, &s);
+  return flat_sample(l, x, normal, r * c, r * s, out);
+}
+
+static bool polygon_sample(const ylm_lamp *l, const float x[3], const float normal[3],
+                           const double u[2], adjoint_sample *out) {
+  double s, t;
+  polygon_place(l, u, &s, &t);
+  return flat_sample(l, x, normal, s, t, out);
+}
+
 bool ylm__lamp_sample(const ylm_lamp *l, const float x[3], const float normal[3], const double u[2],
                       adjoint_sample *out) {
-  if (l->opening == YLM_LIGHT_OPENING_sphere) return sphere_sample(l, x, normal, u, out);
-  if (l->opening == YLM_LIGHT_OPENING_rectangle)
-    return flat_sample(l, x, normal, 2 * u[0] - 1, 2 * u[1] - 1, out);
-  double c = 0, s = 0, r = l->opening == YLM_LIGHT_OPENING_disk ? sqrt(u[0]) : 0;
-  ylm_turn(u[1], &c, &s);
-  bool there = flat_sample(l, x, normal, r * c, r * s, out);
-  if (l->opening == YLM_LIGHT_OPENING_point)
-    for (int a = 0; a < 3; a++) out->still[a] = out->turn[a]; /* it has no plane */
-  return there;
+  switch (l->shape) {
+  case YLM_LAMP_point: return point_sample(l, x, normal, out);
+  case YLM_LAMP_disk: return disk_sample(l, x, normal, u, out);
+  case YLM_LAMP_rectangle: return flat_sample(l, x, normal, 2 * u[0] - 1, 2 * u[1] - 1, out);
+  case YLM_LAMP_polygon: return polygon_sample(l, x, normal, u, out);
+  case YLM_LAMP_sphere:
+  case YLM_LAMP_sun: return sphere_sample(l, x, normal, u, out);
+  }
+  return false;
 }
 
 bool ylm__lamp_rim(const ylm_lamp *l, const float x[3], const float normal[3], double u, int count,
                    adjoint_rim *out) {
-  if (l->opening == YLM_LIGHT_OPENING_sphere) return sphere_rim(l, x, normal, u, count, out);
-  if (l->opening == YLM_LIGHT_OPENING_disk) return disk_rim(l, x, normal, u, count, out);
-  if (l->opening == YLM_LIGHT_OPENING_rectangle) return rectangle_rim(l, x, normal, u, count, out);
+  switch (l->shape) {
+  case YLM_LAMP_point: return false;
+  case YLM_LAMP_disk: return disk_rim(l, x, normal, u, count, out);
+  case YLM_LAMP_rectangle: return rectangle_rim(l, x, normal, u, count, out);
+  case YLM_LAMP_polygon: return polygon_rim(l, x, normal, u, count, out);
+  case YLM_LAMP_sphere:
+  case YLM_LAMP_sun: return sphere_rim(l, x, normal, u, count, out);
+  }
   return false;
 }

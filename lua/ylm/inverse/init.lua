@@ -37,7 +37,6 @@ local prices = {
 local function open(s, o)
   local work = { scene = s, options = o, margin = { mean = MARGIN.mean, uniformity = MARGIN.uniformity }, evaluations = 0,
     rays = 0, trace = {} }
-  local list = lamps.list("inverse_lighting", s.lights)
   local message, code
   work.plan = vary.plan(o.vary, s.lights)
   work.links = o.links
@@ -54,7 +53,7 @@ local function open(s, o)
   if not work.targets then return nil, message, code end
   work.price, work.full = {}, 0
   if o.price then
-    for k, l in ipairs(list) do
+    for k, l in ipairs(work.plan.lamps) do
       work.price[k] = prices[o.price](l)
       if not work.price[k] then
         return check.fail("inverse_lighting: price = '%s': the photometry of light %d has no %s", o.price, k, o.price)
@@ -82,9 +81,9 @@ end
 local function illuminances(work)
   local out = {}
   for i, t in ipairs(work.targets) do
-    local E, message, code = t.receivers:illuminance(work.lit)
+    local E, message, code = t.receivers[t.coloured and "irradiance" or "illuminance"](t.receivers, work.lit)
     if not E then return nil, message, code end
-    out[i] = E:totable()
+    out[i] = targets.list(t, E)
   end
   return out
 end
@@ -100,16 +99,16 @@ local function value_of(work, F)
   return value, weights
 end
 
---- Adds the price of the numbers x to a value and its gradient.
+--- Adds the price of the numbers x, and what lamps are too near to one another, to a value and its gradient.
 local function add_price(work, x, value, gradient)
-  if work.full == 0 then return value end
   for i, n in ipairs(work.plan.numbers) do
-    for _, k in ipairs(n.is_dim and n.lamps or {}) do
-      value = value + PRICE * x[i] * work.price[k] / work.full
-      gradient[i] = gradient[i] + PRICE * work.price[k] / work.full
+    for _, k in ipairs(work.full > 0 and n.shares and n.lamps or {}) do
+      local slope = PRICE * n.shares[k] * work.price[k] / work.full
+      value, gradient[i] = value + slope * x[i], gradient[i] + slope
     end
   end
-  return value
+  local apart = work.options.apart
+  return apart and value + vary.crowd(work.plan, x, apart, gradient) or value
 end
 
 --- Keeps the figures at x, and the best value so far.
@@ -145,7 +144,7 @@ local function by_light(work, x)
   if not F then return nil, message, code end
   local value, weights = value_of(work, F)
   local terms = {}
-  for i, t in ipairs(work.targets) do terms[i] = { t.receivers, weights = weights[i] } end
+  for i, t in ipairs(work.targets) do terms[i] = { t.receivers, weights = targets.weights(t, weights[i]) } end
   local importance
   importance, message, code = lit:importance(terms)
   if not importance then return nil, message, code end
@@ -153,8 +152,10 @@ local function by_light(work, x)
   d, message, code = importance:derivatives { threads = work.options.threads }
   if not d then return nil, message, code end
   local lists = {}
-  for _, name in ipairs { "position", "direction", "dim", "colour" } do lists[name] = d[name]:totable() end
-  local gradient = vary.gradient(work.plan, lists, lights)
+  for _, name in ipairs { "position", "direction", "turn", "dim", "colour", "channels", "factor" } do
+    lists[name] = d[name]:totable()
+  end
+  local gradient = vary.gradient(work.plan, lists, x)
   value = add_price(work, x, value, gradient)
   note(work, x, F, value)
   work.F = F
@@ -163,7 +164,7 @@ end
 
 -- Levels alone: light is linear -----------------------------------------------------------------------------------
 
---- The illuminances that each number of dims brings at 1, and those of all that does not change; nil, message, code.
+--- The illuminances that each level brings at 1, and those of all that does not change; nil, message, code.
 local function matrix(work)
   local numbers, varied, columns = work.plan.numbers, {}, {}
   for _, n in ipairs(numbers) do for _, k in ipairs(n.lamps) do varied[k] = true end end
@@ -175,14 +176,17 @@ local function matrix(work)
     if not lit then return nil, message, code end
     return illuminances(work)
   end
-  local ones = {}
-  for i = 1, #numbers do ones[i] = 1 end
-  local rest, message, code = column(ones, function(k) return not varied[k] end)
+  local function unit(i)
+    local x = {}
+    for k = 1, #numbers do x[k] = k == i and 1 or 0 end
+    return x
+  end
+  local rest, message, code = column(unit(1), function(k) return not varied[k] end)
   if rest == nil then return nil, message, code end
   for i, n in ipairs(numbers) do
     local own = {}
     for _, k in ipairs(n.lamps) do own[k] = true end
-    columns[i], message, code = column(ones, function(k) return own[k] end)
+    columns[i], message, code = column(unit(i), function(k) return own[k] end)
     if not columns[i] then return nil, message, code end
   end
   return { rest = rest, columns = columns }
@@ -191,9 +195,9 @@ end
 --- The value and gradient at levels x, by their matrix.
 local function by_matrix(work, x)
   local m, F, gradient = work.matrix, {}, {}
-  for i, t in ipairs(work.targets) do
+  for i = 1, #work.targets do
     F[i] = {}
-    for r = 1, t.count do
+    for r = 1, #m.columns[1][i] do
       local sum = m.rest and m.rest[i][r] or 0
       for k = 1, #x do sum = sum + x[k] * m.columns[k][i][r] end
       F[i][r] = sum
@@ -202,8 +206,8 @@ local function by_matrix(work, x)
   local value, weights = value_of(work, F)
   for k = 1, #x do
     gradient[k] = 0
-    for i, t in ipairs(work.targets) do
-      for r = 1, t.count do gradient[k] = gradient[k] + weights[i][r] * m.columns[k][i][r] end
+    for i = 1, #work.targets do
+      for r = 1, #F[i] do gradient[k] = gradient[k] + weights[i][r] * m.columns[k][i][r] end
     end
   end
   value = add_price(work, x, value, gradient)
@@ -214,7 +218,7 @@ local function by_matrix(work, x)
 end
 
 local function are_levels(work)
-  for _, n in ipairs(work.plan.numbers) do if not n.is_dim then return false end end
+  for _, n in ipairs(work.plan.numbers) do if not n.shares then return false end end
   return true
 end
 
@@ -244,7 +248,7 @@ local function judged(work, x, samples)
     local E, variance, report = scene:probe { points = points, normals = normals, samples = samples,
       seed = work.options.seed + 77, threads = work.options.threads, progress = work.options.progress }
     if not E then return nil, variance, report end
-    local F = objects.luminance_of(E, t.count, fold):totable()
+    local F = targets.folded(t, E, fold)
     out[i] = targets.figures(t, F)
     out[i].F = F
     out[i].noise = math.sqrt(objects.luminance_of(variance, t.count, fold):mean()) / math.max(1e-300, out[i].mean)
@@ -272,7 +276,7 @@ local function corrected(work, x, by_links, by_paths)
     if t.least and b.least < t.least or t.most and b.most > t.most then work.margin.uniformity = work.margin.uniformity + 0.01 end
     if not b.met then t.weight = t.weight * 3 end
   end
-  for i, n in ipairs(work.plan.numbers) do out[i] = n.is_dim and math.min(n.upper, x[i] * factor) or x[i] end
+  for i, n in ipairs(work.plan.numbers) do out[i] = n.shares and math.min(n.upper, x[i] * factor) or x[i] end
   return out, factor
 end
 
@@ -366,7 +370,7 @@ local function active(work, x)
     if at and n.upper > n.lower then
       local k = n.lamps[1]
       local name = work.plan.lights[k].name
-      list[#list + 1] = ("light %d%s: %s at %g"):format(k, name and " (" .. name .. ")" or "", n.name, at)
+      list[#list + 1] = ("light %d%s: %s at %g"):format(k, name and " (" .. name .. ")" or "", n.name, at * (n.scale or 1))
     end
   end
   return list
@@ -375,6 +379,7 @@ end
 --- The three darkest places of a target, relative to its mean.
 local function hardest(t, F)
   local order, out, points = {}, {}, t.receivers.points:totable()
+  F = targets.luminances(t, F)
   for r = 1, t.count do order[r] = r end
   table.sort(order, function(a, b) return F[a] < F[b] or F[a] == F[b] and a < b end)
   for i = 1, math.min(3, t.count) do out[i] = { at = points[order[i]], illuminance = F[order[i]] } end
@@ -391,8 +396,7 @@ local function sum_of(list, what)
 end
 
 local function report_of(work, best, started, values)
-  local before, after = lamps.list("inverse_lighting", work.scene.lights), lamps.list("inverse_lighting",
-    vary.lights(work.plan, best.x))
+  local before, after = work.plan.lamps, lamps.list("inverse_lighting", vary.lights(work.plan, best.x))
   local by_links, first, report = figures_of(work, best.F), figures_of(work, work.first), {}
   report.targets = {}
   for i, t in ipairs(work.targets) do
@@ -413,10 +417,14 @@ end
 
 local options = {
   { "vary", "table", about = "a list of { lights = name, beginning of names, number or list; position = { 'x', 'z' }, within = "
-    .. "{ corner, corner }; dim = { least, most }; direction = degrees; together = true: one number for all of these }" },
+    .. "{ corner, corner }; dim = { least, most }; direction = degrees; turn, colour, temperature, size = { least, most }; "
+    .. "together = true: one number for all of these }" },
   { "targets", "table", about = "a list of { plane | points | mesh | receivers; mean = { least =, most = }, uniformity, least, "
-    .. "most; image: what a plane shall look like, brightness aside; wanted: [n] illuminances; weight, name }" },
+    .. "most; image: what a plane shall look like, brightness aside; wanted: [n] illuminances; colour = true: both in colour; "
+    .. "weight, name }" },
   { "price", "choice", of = { "lumens", "watts", "none" }, default = "lumens", about = "what is kept small beside" },
+  { "apart", "number", above = 0, optional = true, unit = "scene units",
+    about = "how far lamps whose place varies are to be from one another" },
   { "evaluations", "integer", min = 1, max = 10000, default = 40, about = "of light and its derivatives, at most" },
   { "starts", "integer", min = 1, max = 100, default = 1,
     about = "how many times: further ones with places moved at random; the best is kept" },
@@ -436,7 +444,8 @@ local options = {
 }
 
 describe "scene:inverse_lighting" {
-  about = "Looks for lamps that bring the light that is asked for: their places, directions and levels, within bounds. "
+  about = "Looks for lamps that bring the light that is asked for: their places, directions, turns, levels, colours and sizes, "
+    .. "within bounds. "
     .. "Derivatives by the lamps drive the search, and paths judge its result. Levels alone are found by a matrix "
     .. "of the light of each lamp.",
   arguments = { { "options", "table", "vary and targets are needed" } },

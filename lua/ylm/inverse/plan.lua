@@ -1,6 +1,7 @@
 --- Plans, as scene:inverse_lighting returns them: lamps, their scene, pictures and files of them.
 
 local array = require "ylm.array"
+local changed = require "ylm.inverse.changed"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -110,9 +111,9 @@ local function drawn(t, map, lights, width, step, least)
     end
   end
   local normal = t.plane and (t.plane.normal or { 0, 1, 0 }) or { 0, 0, 0 }
-  for _, l in ipairs(normal[2] > 0.9 and lights or {}) do -- seen from above
-    local cx = (l.at[1] - t.plane.at[1]) * w.pixels + w.width / 2
-    local cy = (l.at[3] - t.plane.at[3]) * w.pixels + w.height / 2
+  for _, at in ipairs(normal[2] > 0.9 and changed.places(lights) or {}) do -- seen from above
+    local cx = (at[1] - t.plane.at[1]) * w.pixels + w.width / 2
+    local cy = (at[3] - t.plane.at[3]) * w.pixels + w.height / 2
     for y = math.max(1, math.floor(cy - 4)), math.min(w.height, math.ceil(cy + 4)) do
       for x = math.max(1, math.floor(cx - 4)), math.min(w.width, math.ceil(cx + 4)) do
         local far = math.sqrt((x - cx) ^ 2 + (y - cy) ^ 2)
@@ -140,7 +141,8 @@ local function maps(m, i, o)
   local t = m.targets[i]
   if not t.receivers.size then return nil end
   local most = 0
-  for _, F in ipairs { m.first[i], m.last[i] } do for _, v in ipairs(F) do most = math.max(most, v) end end
+  local first, last = targets.luminances(t, m.first[i]), targets.luminances(t, m.last[i])
+  for _, F in ipairs { first, last } do for _, v in ipairs(F) do most = math.max(most, v) end end
   local step = step_of(most)
   local range = { 0, math.ceil(most / step) * step }
   local function item(F, lights, caption)
@@ -149,19 +151,19 @@ local function maps(m, i, o)
     return { values = array.array(rows, "float"), range = range, map = "viridis", caption = caption }
   end
   local report = m.report.targets[i]
-  local row = { item(m.first[i], m.before.lights, "before: " .. words(report.before)) }
+  local row = { item(first, m.before.lights, "before: " .. words(report.before)) }
   if t.wanted or t.shape then
-    local F, scale = t.wanted or t.shape, 1
+    local F, scale = targets.luminances(t, t.wanted or t.shape), 1
     if t.shape then
       local sum, mean = 0, 0
-      for r = 1, t.count do sum, mean = sum + t.areas[r] * t.shape[r], mean + t.areas[r] * m.last[i][r] end
+      for r = 1, t.count do sum, mean = sum + t.areas[r] * F[r], mean + t.areas[r] * last[r] end
       scale = mean / sum
     end
     local scaled = {}
     for r = 1, t.count do scaled[r] = F[r] * scale end
     row[#row + 1] = item(scaled, {}, "wanted")
   end
-  row[#row + 1] = item(m.last[i], m.lights, ("after: %s%s, by %s"):format(words(report), report.rms and (", rms %.2f"):format(
+  row[#row + 1] = item(last, m.lights, ("after: %s%s, by %s"):format(words(report), report.rms and (", rms %.2f"):format(
     report.rms) or "", report.judged))
   return row, range, step
 end
@@ -176,7 +178,7 @@ local function curves(m, o)
   if #x < 2 then return nil end
   local width = math.max(o.width, LEAST_CURVE)
   local function curve(y, label, log)
-    return { caption = label, image = plot.plot { x = x, y = y, size = { width, math.floor(width * 0.55) }, y_log = log,
+    return { image = plot.plot { x = x, y = y, size = { width, math.floor(width * 0.55) }, y_log = log,
       x_label = "evaluation", y_label = label, background = "dark" } }
   end
   return { curve(value, "what is left to be asked for", true), curve(mean, "mean, lx"),

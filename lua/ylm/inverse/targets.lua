@@ -6,6 +6,7 @@ local core = require "ylm.c.core"
 local form = require "ylm.form"
 local image = require "ylm.image"
 local objects = require "ylm.transfer.object"
+local vector = require "ylm.vector"
 
 local targets = {}
 
@@ -27,25 +28,45 @@ local fields = {
   { "image", "any", optional = true,
     about = "what a plane shall look like, brightness aside: an image, its file, or [rows][columns] numbers, the top row first" },
   { "wanted", "any", optional = true, about = "[n] illuminances, one of each place" },
+  { "colour", "boolean", default = false,
+    about = "image and wanted count by channel: wanted is [n][3] irradiances, numbers of image are [rows][columns][3]" },
   { "weight", "number", above = 0, default = 1 },
 }
 
---- An image's luminance, [rows][columns], as a list of rows.
-local function rows_of(given, fail)
+--- A list of rows of an image's layer [h][w] or [h][w][3]: of its luminance, or of its channels, which are three such lists.
+local function channels_of(layer, in_colour)
+  local h, w = layer.shape[1], layer.shape[2]
+  if layer.shape[3] ~= 3 then
+    local rows = layer:reshape({ h, w }):totable()
+    return in_colour and { rows, rows, rows } or { rows }
+  end
+  if not in_colour then return { (layer * core.luminance):sum(3):totable() } end
+  local out = {}
+  for c = 1, 3 do
+    local one = { 0, 0, 0 }
+    one[c] = 1
+    out[c] = (layer * one):sum(3):totable()
+  end
+  return out
+end
+
+--- The rows of an image, a list of them for each channel that counts.
+local function rows_of(given, in_colour, fail)
   if type(given) == "string" then
     local loaded, message = image.image { file = given }
     if not loaded then return fail(message) end
     given = loaded
   end
   if core.type(given) == "ylm.image" then
-    local layer = given:layer(given.layers[1].name or given.layers[1][1])
-    if layer.shape[3] == 3 then layer = (layer * core.luminance):sum(3)
-    else layer = layer:reshape { layer.shape[1], layer.shape[2] } end
-    return layer:totable()
+    return channels_of(given:layer(given.layers[1].name or given.layers[1][1]), in_colour)
   end
   local ok, a = pcall(array.array, given, "double")
-  if not ok or #a.shape ~= 2 then return fail "image must be an image, a file of one, or numbers [rows][columns]" end
-  return a:totable()
+  local depth = ok and (#a.shape == 2 and 1 or #a.shape == 3 and a.shape[3])
+  if depth ~= 1 and not (in_colour and depth == 3) then
+    return fail(in_colour and "image must be an image, a file of one, or numbers [rows][columns][3]"
+      or "image must be an image, a file of one, or numbers [rows][columns]")
+  end
+  return channels_of(a, in_colour)
 end
 
 --- Rows of numbers at column x and row y, whose middles are whole numbers, between these linear.
@@ -60,12 +81,45 @@ end
 --- The image's values at places of a plane.
 local function at_places(rows, m, fail)
   if not m.size then return fail "image is for a plane, or a mesh with size" end
-  local out, h, w = {}, #rows, #rows[1]
-  for i, place in ipairs(m.keep) do
+  local out, h, w = {}, #rows[1], #rows[1][1]
+  for _, place in ipairs(m.keep) do
     local column, row = (place - 1) % m.size[1], math.floor((place - 1) / m.size[1])
-    out[i] = targets.between(rows, (column + 0.5) / m.size[1] * w + 0.5, (row + 0.5) / m.size[2] * h + 0.5)
+    for c = 1, #rows do
+      out[#out + 1] = targets.between(rows[c], (column + 0.5) / m.size[1] * w + 0.5, (row + 0.5) / m.size[2] * h + 0.5)
+    end
   end
   return out
+end
+
+--- The light [n][3] or [n] of a target as the list that it is judged by: of colours three numbers for each place.
+function targets.list(t, E)
+  local rows = E:totable()
+  if not t.coloured then return rows end
+  local out = {}
+  for _, row in ipairs(rows) do for c = 1, 3 do out[#out + 1] = row[c] end end
+  return out
+end
+
+--- Such a list out of irradiances [places][3] of which `fold` belong to one place.
+function targets.folded(t, E, fold)
+  if not t.coloured then return objects.luminance_of(E, t.count, fold):totable() end
+  return targets.list(t, fold > 1 and E:reshape({ t.count, fold, 3 }):mean(2) or E)
+end
+
+--- The illuminances of such a list.
+function targets.luminances(t, F)
+  if not t.coloured then return F end
+  local out = {}
+  for r = 1, t.count do out[r] = vector.luminance { F[3 * r - 2], F[3 * r - 1], F[3 * r] } end
+  return out
+end
+
+--- Derivatives by such a list as weights of importances: [n], or [n][3].
+function targets.weights(t, w)
+  if not t.coloured then return w end
+  local rows = {}
+  for r = 1, t.count do rows[r] = { w[3 * r - 2], w[3 * r - 1], w[3 * r] } end
+  return rows
 end
 
 local function check_mean(t, fail)
@@ -80,10 +134,19 @@ local function check_mean(t, fail)
   if least and most and least > most then return fail(("mean: least %g is above most %g"):format(least, most)) end
 end
 
+--- The part of the area of each number of a target's list.
+local function parts_of(t)
+  if not t.coloured then return t.areas end
+  local out = {}
+  for r = 1, t.count do for c = 1, 3 do out[3 * r - 3 + c] = t.areas[r] / 3 end end
+  return out
+end
+
 --- One target with its receivers; nil, message, code.
 local function open(given, i, links, o)
   local function fail(message) return check.fail("inverse_lighting: targets[%d]: %s", i, message) end
   if type(given) ~= "table" then return fail(("a table expected, got %s"):format(check.describe(given))) end
+  if given.glare ~= nil then return fail "glare is no target: its derivatives by lamps are not known" end
   local t = form.check(fields, given, fail)
   check_mean(t, fail)
   if t.least and t.most and t.least > t.most then return fail(("least %g is above most %g"):format(t.least, t.most)) end
@@ -99,16 +162,22 @@ local function open(given, i, links, o)
   local m = objects.open_receivers("inverse_lighting", r)
   if m.links ~= links then return fail "receivers are of other links" end
   t.receivers, t.count, t.areas, t.plane = r, m.count, m.weights:totable(), m.options.plane
+  t.coloured = t.colour
+  if t.colour and not (t.image or t.wanted) then return fail "colour is of image and of wanted: give one" end
+  t.parts = parts_of(t)
   if t.image then
-    t.shape = at_places(rows_of(t.image, fail), m, fail)
+    t.shape = at_places(rows_of(t.image, t.colour, fail), m, fail)
     local sum = 0
-    for k, v in ipairs(t.shape) do sum = sum + t.areas[k] * v end
+    for k, v in ipairs(t.shape) do sum = sum + t.parts[k] * v end
     if not (sum > 0) then return fail "image is dark where the receivers are" end
   end
   if t.wanted ~= nil then
     local ok, a = pcall(array.array, t.wanted, "double")
-    if not ok or #a.shape ~= 1 or a.shape[1] ~= m.count then return fail(("wanted must be %d numbers"):format(m.count)) end
-    t.wanted = a:totable()
+    local deep = ok and (#a.shape == 1 and not t.colour or #a.shape == 2 and t.colour and a.shape[2] == 3)
+    if not deep or a.shape[1] ~= m.count then
+      return fail(("wanted must be %d numbers%s"):format(m.count, t.colour and " for each of three channels, [n][3]" or ""))
+    end
+    t.wanted = targets.list(t, a)
   end
   return t
 end
@@ -148,29 +217,28 @@ end
 
 --- The sum of squares of F - T over that of T.
 local function distance(t, F, T, w)
-  local off, all = 0, 0
-  for r = 1, t.count do off, all = off + t.areas[r] * (F[r] - T[r]) ^ 2, all + t.areas[r] * T[r] ^ 2 end
-  for r = 1, w and t.count or 0 do w[r] = w[r] + 2 * t.weight * t.areas[r] * (F[r] - T[r]) / all end
+  local off, all, n = 0, 0, #F
+  for r = 1, n do off, all = off + t.parts[r] * (F[r] - T[r]) ^ 2, all + t.parts[r] * T[r] ^ 2 end
+  for r = 1, w and n or 0 do w[r] = w[r] + 2 * t.weight * t.parts[r] * (F[r] - T[r]) / all end
   return t.weight * off / all
 end
 
 --- 1 less the square of the cosine between F and the image: 0 where F is the image times a number.
 local function unlike(t, F, w)
-  local ff, ft, tt = 0, 0, 0
-  for r = 1, t.count do
-    local a, T = t.areas[r], t.shape[r]
+  local ff, ft, tt, n = 0, 0, 0, #F
+  for r = 1, n do
+    local a, T = t.parts[r], t.shape[r]
     ff, ft, tt = ff + a * F[r] ^ 2, ft + a * F[r] * T, tt + a * T * T
   end
   if not (ff > 0) then return t.weight end
-  for r = 1, w and t.count or 0 do
-    w[r] = w[r] + t.weight * t.areas[r] * (2 * ft * ft * F[r] / (ff * ff * tt) - 2 * ft * t.shape[r] / (ff * tt))
+  for r = 1, w and n or 0 do
+    w[r] = w[r] + t.weight * t.parts[r] * (2 * ft * ft * F[r] / (ff * ff * tt) - 2 * ft * t.shape[r] / (ff * tt))
   end
   return t.weight * (1 - ft * ft / (ff * tt))
 end
 
---- The value of a target for illuminances F, a list, and its derivatives by them; `margin`: how much more is asked of the mean
--- and of places.
-function targets.value(t, F, margin)
+--- The value of a target's limits for illuminances F, and its derivatives by them.
+local function limits(t, F, margin)
   local w, mean, by_mean, value = {}, 0, 0, 0
   for r = 1, t.count do w[r], mean = 0, mean + t.areas[r] * F[r] end
   local function hinge(h, slope)
@@ -200,6 +268,18 @@ function targets.value(t, F, margin)
     value = value + each_place(t, F, w, function(x) return x / most - 1, 1 / most end)
   end
   for r = 1, t.count do w[r] = w[r] + t.areas[r] * by_mean end
+  return value, w
+end
+
+--- The value of a target for its light F, a list (targets.list), and its derivatives by it; `margin`: how much more is asked of
+-- the mean and of places.
+function targets.value(t, F, margin)
+  local value, w = limits(t, targets.luminances(t, F), margin)
+  if t.coloured then
+    local by_channel = {}
+    for r = 1, t.count do for c = 1, 3 do by_channel[3 * r - 3 + c] = w[r] * core.luminance[c] end end
+    w = by_channel
+  end
   if t.shape then value = value + unlike(t, F, w) end
   if t.wanted then value = value + distance(t, F, t.wanted, w) end
   return value, w
@@ -207,7 +287,7 @@ end
 
 --- Figures of a target: mean, least, most, uniformity; rms of an image or of illuminances that are wanted, relative; met.
 function targets.figures(t, F)
-  local f = objects.figures(array.array(F, "double"), array.array(t.areas, "double"))
+  local f = objects.figures(array.array(targets.luminances(t, F), "double"), array.array(t.areas, "double"))
   f.met = not (t.mean and (t.mean.least and f.mean < t.mean.least or t.mean.most and f.mean > t.mean.most)
     or t.uniformity and f.uniformity < t.uniformity or t.least and f.least < t.least or t.most and f.most > t.most)
   if t.shape then f.rms = math.sqrt(math.max(0, (unlike(t, F)))) / math.sqrt(t.weight) end

@@ -39,9 +39,41 @@ function writers.photometric_light(l, names)
   return "photometric_light { " .. table.concat(parts, ", ") .. " }"
 end
 
-function writers.sphere_light(l)
-  return ("sphere_light { at = %s, radius = %s, radiance = %s%s }"):format(list(l.at), number(l.radius), list(l.radiance),
-    l.photometric and ", photometric = true" or "")
+--- A field's value as text: numbers, words, lists of these; nil: it is none of them.
+local function value(x)
+  local kind = type(x)
+  if kind == "number" then return number(x) end
+  if kind == "boolean" then return tostring(x) end
+  if kind == "string" then return quoted(x) end
+  if kind ~= "table" or form.kind(x) then return nil end
+  local parts = {}
+  for i, v in ipairs(x) do
+    parts[i] = value(v)
+    if not parts[i] then return nil end
+  end
+  for key, v in pairs(x) do
+    if type(key) == "string" then
+      local text = value(v)
+      if not text then return nil end
+      parts[#parts + 1] = key .. " = " .. text
+    end
+  end
+  return "{ " .. table.concat(parts, ", ") .. " }"
+end
+
+--- A light as its form's fields; nil, message, code where one is no text.
+local function of_form(l)
+  local name, parts = form.kind(l), {}
+  for _, field in ipairs(form.defined[name] and form.defined[name].fields or {}) do
+    local key = field[1]
+    if l[key] ~= nil then
+      local text = value(l[key])
+      if not text then return nil, ("save: %s of a %s is no text: a scene file cannot hold it"):format(key, name), "EINVAL" end
+      parts[#parts + 1] = key .. " = " .. text
+    end
+  end
+  if #parts == 0 then return nil, "save: a set of lights is no text: a scene file cannot hold it", "EINVAL" end
+  return name .. " { " .. table.concat(parts, ", ") .. " }"
 end
 
 --- Writes the photometries of lights beside a file; the names that they have in it, and lines that read them; nil, message, code.
@@ -73,7 +105,12 @@ function written.save(s, path)
   local text = { "-- A scene that scene:inverse_lighting has planned.", "" }
   for _, line in ipairs(lines) do text[#text + 1] = line end
   text[#text + 1] = ("\nreturn scene %s {\n  like = %s,\n  lights = {"):format(quoted(s.name), quoted(files[1]:match "[^/]*$"))
-  for _, l in ipairs(s.lights) do text[#text + 1] = "    " .. writers[form.kind(l)](l, names) .. "," end
+  for _, l in ipairs(s.lights) do
+    local line
+    line, message, code = (writers[form.kind(l)] or of_form)(l, names)
+    if not line then return nil, message, code end
+    text[#text + 1] = "    " .. line .. ","
+  end
   text[#text + 1] = "  },\n}\n"
   ok, message, code = core.file_save(path, table.concat(text, "\n"))
   if not ok then return nil, message, code end

@@ -71,6 +71,8 @@ local function shown(x, log)
   return check.is_number(x) and (not log or x > 0)
 end
 
+local ALIKE = 1e-9 -- numbers that differ by this part of themselves are a flat line
+
 --- Range of an axis: the one given, or the data's, widened a little (to whole decades' tenths where logarithmic).
 local function axis_range(series, key, other, axis, other_axis)
   if axis.range then return axis.range[1], axis.range[2] end
@@ -84,11 +86,14 @@ local function axis_range(series, key, other, axis, other_axis)
   end
   if lo > hi then lo, hi = 1, 10 end
   if axis.log then
-    if lo == hi then lo, hi = lo / 3, hi * 3 end
+    if hi - lo <= ALIKE * hi then lo, hi = lo / 3, hi * 3 end
     local margin = (hi / lo) ^ 0.04
     return lo / margin, hi * margin
   end
-  if lo == hi then lo, hi = lo - 0.5, hi + 0.5 end
+  if hi - lo <= ALIKE * math.max(math.abs(lo), math.abs(hi)) then
+    local wide = math.max(0.5, ALIKE * math.abs(hi))
+    lo, hi = lo - wide, hi + wide
+  end
   local margin = (hi - lo) * 0.04
   return lo - margin, hi + margin
 end

@@ -161,23 +161,16 @@ function methods.elements(i) return made_of("elements", i).lambda * 1 end
 
 local NUMBERS = { scale = 0, place = 3, turn = 6, size = 9, noise = 11 }
 
---- The sums of lamplight by weights of its places, [lamps][18] as a list; or nil, message, code.
-local function sums_of(m, lamplight, weights, threads)
-  local sums, message, code = check.result("derivatives", m.of.lib.lamplight_weigh(lamplight, weights, threads))
-  if not sums then return nil, message, code end
-  return core.array_totable(sums)
-end
-
 --- Sums over elements and receivers, squares of noise added; or nil, message, code.
 local function weigh(m, threads)
-  local total, why, failed = sums_of(m, m.from.lamplight, m.lambda, threads)
+  local total, why, failed = m.from.lamplight:weigh("derivatives", m.lambda, threads)
   if not total then return nil, why, failed end
   for k = 1, #total do for q = NUMBERS.noise + 1, #total[k] do total[k][q] = total[k][q] ^ 2 end end
   for _, term in ipairs(m.terms) do
     local at, message, code = objects.lamplight_at("derivatives", term.receivers, m.radiosity)
     if not at then return nil, message, code end
     local more
-    more, message, code = sums_of(m, at, term.weights, threads)
+    more, message, code = at:weigh("derivatives", term.weights, threads)
     if not more then return nil, message, code end
     for k = 1, #total do
       for q = 1, #total[k] do
@@ -198,12 +191,16 @@ local function of_lamp(l, row)
   local full = 0
   for c = 1, 3 do full = full + power[c] * l.full[c] end
   d.dim, d.lumens = full, l.flux ~= 0 and full / l.flux or 0
-  d.colour = { power[1] * l.by_colour, power[2] * l.by_colour, power[3] * l.by_colour }
-  local round = l.opening == "disk" or l.opening == "sphere"
-  d.radius = round and row[NUMBERS.size + 1] or 0
-  d.size = round and { 0, 0 } or { row[NUMBERS.size + 1] / 2, row[NUMBERS.size + 2] / 2 }
+  local by_channels = l.by_channels or l.by_colour
+  for c = 1, 3 do power[c + 3], power[c] = power[c] * by_channels, power[c] * l.by_colour end
+  d.colour, d.channels = three(power, 0), three(power, 3)
+  local size = { row[NUMBERS.size + 1], row[NUMBERS.size + 2] }
+  d.radius = (l.shape == "disk" or l.shape == "sphere") and size[1] or 0
+  d.size = l.shape == "rectangle" and { size[1] / 2, size[2] / 2 } or { 0, 0 }
+  d.factor = l.by_factor and l.by_factor * size[1] or l.half[1] * size[1] + l.half[2] * size[2]
   local at = NUMBERS.noise
-  d.noise_lumens = l.flux * l.dim ~= 0 and math.sqrt(row[at + 1]) / math.abs(l.flux * l.dim) or 0
+  d.noise_dim = l.dim ~= 0 and math.sqrt(row[at + 1]) / math.abs(l.dim) or 0
+  d.noise_lumens = l.flux ~= 0 and d.noise_dim / math.abs(l.flux) or 0
   d.noise_position = { math.sqrt(row[at + 2]), math.sqrt(row[at + 3]), math.sqrt(row[at + 4]) }
   d.noise_turn = { math.sqrt(row[at + 5]), math.sqrt(row[at + 6]), math.sqrt(row[at + 7]) }
   return d
@@ -228,6 +225,24 @@ local function by_mesh(of, albedo)
   return array.array(out, "double")
 end
 
+--- Sentences about derivatives that are left out; nil: none are.
+local function notes_of(from)
+  local notes, points = {}, 0
+  for k, l in ipairs(from.lamps) do
+    if not lamps.has_rim(l) then points = points + 1 end
+    if l.other then
+      notes[#notes + 1] = ("light %d, %s, has derivatives by level and colour alone"):format(k, l.kind)
+    end
+  end
+  if points > 0 then
+    notes[#notes + 1] = ("%d lamps are points: derivatives by their place hold their shadows"):format(points)
+  end
+  if from.lamplight:stats().again then
+    notes[#notes + 1] = "records of lamps are more than bytes: their rays were traced twice"
+  end
+  return #notes > 0 and notes or nil
+end
+
 local options = {
   { "albedo", "boolean", default = false,
     about = "derivatives by the albedo of elements and of meshes too: one more read of the links" },
@@ -235,15 +250,18 @@ local options = {
 }
 
 describe "importance:derivatives" {
-  about = "Derivatives of the weighted sum by every lamp, with shadows and all bounces: no ray is traced. Shadows count as the "
-    .. "rim of each lamp sees them (rim of links:radiosity); rim = 0 holds them.",
+  about = "Derivatives of the weighted sum by every light, with shadows and all bounces: no ray is traced. Shadows count as the "
+    .. "rim of each lamp sees them (rim of links:radiosity); rim = 0 holds them. Skies, images and sets of lights have "
+    .. "derivatives by level and colour alone; points hold their shadows.",
   arguments = { { "options?", "table", "" } },
   options = options,
   returns = { { "d", "table", "arrays in the order of the lights: position [lamps][3], per scene unit; direction [lamps][3], by "
-    .. "the direction of length 1 that a lamp looks in; turn [lamps], per degree; lumens [lamps], per lm, or W of light; dim "
-    .. "[lamps]; colour [lamps][3], by channels of a colour of luminance 1, or of radiance; radius [lamps]; size [lamps][2], by "
-    .. "the sides of rectangles, lumens held; noise: { position, turn (about x, y, z, per radian), lumens }, standard errors by "
-    .. "halves of the rays; with albedo = true albedo [elements][3] and mesh_albedo [meshes][3]; notes" } },
+    .. "the direction of length 1 that a lamp looks in, of suns that towards them; turn [lamps], per degree; lumens [lamps], per "
+    .. "lm, or W of light, 0 of suns and skies; dim [lamps]; colour [lamps][3], by channels of a colour of luminance 1, or of "
+    .. "radiance, irradiance, intensity; channels [lamps][3], as colour, of photometric lamps by channels of dim times colour; "
+    .. "radius [lamps]; size [lamps][2], by the sides of rectangles; factor [lamps], by a factor of the size of the opening: "
+    .. "lumens held; noise: { position, turn (about x, y, z, per radian), lumens, dim }, standard errors by halves of the rays; "
+    .. "with albedo = true albedo [elements][3] and mesh_albedo [meshes][3]; notes" } },
   errors = "raises where the radiosity is without derivatives = true, or was lit anew since; nil, message, code: memory",
   example = room .. [[
 local d = mean:derivatives { albedo = true }
@@ -262,17 +280,12 @@ function methods.derivatives(i, given)
   end
   local total, message, code = weigh(m, o.threads)
   if not total then return nil, message, code end
-  local list, points = {}, 0
-  for k, l in ipairs(m.from.lamps) do
-    list[k] = of_lamp(l, total[k])
-    if not lamps.has_rim(l) then points = points + 1 end
-  end
-  local d = columns(list, { "position", "direction", "turn", "lumens", "dim", "colour", "radius", "size" })
-  local noise = columns(list, { "noise_position", "noise_turn", "noise_lumens" })
-  d.noise = { position = noise.noise_position, turn = noise.noise_turn, lumens = noise.noise_lumens }
-  if points > 0 then
-    d.notes = { ("%d lamps are points: derivatives by their place hold their shadows"):format(points) }
-  end
+  local list = {}
+  for k, l in ipairs(m.from.lamps) do list[k] = of_lamp(l, total[k]) end
+  local d = columns(list, { "position", "direction", "turn", "lumens", "dim", "colour", "channels", "radius", "size", "factor" })
+  local noise = columns(list, { "noise_position", "noise_turn", "noise_lumens", "noise_dim" })
+  d.noise = { position = noise.noise_position, turn = noise.noise_turn, lumens = noise.noise_lumens, dim = noise.noise_dim }
+  d.notes = notes_of(m.from)
   if o.albedo then
     d.albedo, message, code = check.result("derivatives", m.of.lib.transpose_albedo(m.transpose, m.radiosity, m.leaving, m.lambda,
       o.threads))

@@ -5,6 +5,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local image = require "ylm.image"
+local lamplight = require "ylm.transfer.lamplight"
 local lamps = require "ylm.transfer.lamps"
 local light = require "ylm.light"
 local memory = require "ylm.memory"
@@ -47,8 +48,11 @@ local options = {
       .. "times their transfer vectors (default for other light fields: no rays, but no shadow of what is nearer than a lamp)" },
   { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = 16, about = "shadow rays of an element" },
   { "derivatives", "boolean", default = false,
-    about = "each lamp is looked at by itself: light_samples rays of an element to each, and what radiosity:importance needs "
-      .. "is kept, 64 bytes an element and lamp; for lists of sphere_light and photometric_light" },
+    about = "each light is looked at by itself: light_samples rays of an element to each, and what radiosity:importance needs "
+      .. "is kept, 64 bytes an element and lamp" },
+  { "bytes", "memory", default = 2 ^ 30,
+    about = "of derivatives: what is kept at most, for elements as for each of the receivers; of more, importance:derivatives "
+      .. "traces the same rays again" },
   { "rim", "integer", min = 0, max = core.limits.transfer_links, default = 8,
     about = "of derivatives: rays of an element to the rim of a lamp that it sees in part, even; 0: shadows are held" },
   { "bounces", "bounces_summed", default = "all", about = "reflections after direct light: 0 is direct light alone" },
@@ -117,7 +121,7 @@ local function illuminate(name, lit, m, lights, o, show)
 end
 
 --- Direct light of each lamp by itself: the lamps and what they light; or nil, message, code.
-local function lamplight(name, lit, m, lights, o, show)
+local function lamp_by_lamp(name, lit, m, lights, o, show)
   local traced, message, code = objects.traced_again(name, m.of)
   if not traced then return nil, message, code end
   local list = lamps.list(name, lights == nil and m.scene.lights or lights)
@@ -126,10 +130,10 @@ local function lamplight(name, lit, m, lights, o, show)
     if not traced then return nil, message, code end
   end
   local made
-  made, message, code = check.result(name, m.lib.lamplight_create(m.links, nil, lamps.rows(list),
-    { light_samples = o.light_samples, rim = o.rim, seed = o.seed, threads = o.threads, progress = show }))
+  made, message, code = lamplight.create(name, m, nil, traced, list, { light_samples = o.light_samples, rim = o.rim,
+    seed = o.seed, bytes = o.bytes, threads = o.threads, progress = show })
   if not made then return nil, message, code end
-  m.lib.radiosity_set(lit, m.lib.lamplight_direct(made))
+  m.lib.radiosity_set(lit, made:direct())
   return { traced = traced, lamps = list, lamplight = made }
 end
 
@@ -151,7 +155,7 @@ end
 --- Direct light and its bounces: lit, or nil, message, code.
 local function light_up(name, lit, m, lights, o)
   local start, show = core.seconds(), progress.resolve(o.progress)
-  local from, message, code = (o.derivatives and lamplight or illuminate)(name, lit, m, lights, o, show)
+  local from, message, code = (o.derivatives and lamp_by_lamp or illuminate)(name, lit, m, lights, o, show)
   if not from then return nil, message, code end
   local stats
   stats, message, code = check.result(name, m.lib.radiosity_solve(lit, count_of(o.bounces), o.residual, o.closure,
@@ -159,7 +163,7 @@ local function light_up(name, lit, m, lights, o)
   if not stats then return nil, message, code end
   stats.seconds = core.seconds() - start
   if from.lamplight then
-    local of = m.lib.lamplight_stats(from.lamplight)
+    local of = from.lamplight:stats()
     stats.rays, stats.rim_rays, stats.direct_seconds = of.rays + of.rim_rays, of.rim_rays, of.seconds
     stats.partly = of.pairs > 0 and of.partly / of.pairs or 0
   end

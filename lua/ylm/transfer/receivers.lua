@@ -5,7 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
-local lamps = require "ylm.transfer.lamps"
+local lamplight = require "ylm.transfer.lamplight"
 local memory = require "ylm.memory"
 local objects = require "ylm.transfer.object"
 local progress = require "ylm.progress"
@@ -257,8 +257,8 @@ function objects.lamplight_at(name, r, lit)
   local samples = m.options.light_samples or o.light_samples
   samples = samples + samples % 2
   local rim = math.floor(o.rim * samples / o.light_samples / 2 + 0.5) * 2
-  local made, message, code = check.result(name, m.lib.lamplight_create(m.links, r, lamps.rows(of.from.lamps),
-    { light_samples = samples, rim = rim, seed = m.options.seed + o.seed, threads = o.threads }))
+  local made, message, code = lamplight.create(name, m, r, of.from.traced, of.from.lamps,
+    { light_samples = samples, rim = rim, seed = m.options.seed + o.seed, bytes = o.bytes, threads = o.threads })
   if not made then return nil, message, code end
   m.last = { from = of.from, lamplight = made }
   return made
@@ -266,9 +266,9 @@ end
 
 local function direct_at(name, r, m, lit, of)
   if of.from.lamps then
-    local lamplight, message, code = objects.lamplight_at(name, r, lit)
-    if not lamplight then return nil, message, code end
-    return m.lib.lamplight_direct(lamplight)
+    local made, message, code = objects.lamplight_at(name, r, lit)
+    if not made then return nil, message, code end
+    return made:direct()
   end
   if not of.from.traced then
     return check.fail("%s: the radiosity's direct light is of a field without lamps, of which rays see nothing", name)

@@ -47,7 +47,7 @@ return {
     { call = function(ylm) return scene(ylm).inverse_lighting({}) end, says = "inverse_lighting: a scene expected before the colon" },
     { call = function(ylm) return scene(ylm):inverse_lighting {} end, says = "field 'vary' is missing" },
     given({ vary = {} }, "vary is empty: what may change%?"),
-    given({ vary = { {} } }, "vary%[1%]: give one of position, dim and direction"),
+    given({ vary = { {} } }, "vary%[1%]: give one of position, dim, direction, turn, colour, temperature, size"),
     given({ vary = { { dim = 1 } } }, "vary%[1%]: dim must be { least, most }, from 0 on"),
     given({ vary = { { dim = { 2, 1 } } } }, "dim must be"),
     given({ vary = { { lights = "two", dim = { 0, 1 } } } }, "no light has the name or number 'two'; there are 1, the first name is 'one'"),
@@ -56,12 +56,20 @@ return {
     given({ vary = { { position = { "w" }, within = within } } }, "'x', 'y' or 'z' expected, got 'w'"),
     given({ vary = { { position = { "x" }, within = { { 1, 0, 0 }, { 0, 0, 0 } } } } }, "within holds no place along x"),
     given({ vary = { { direction = 90 } } }, "direction must be degrees above 0, 80 at most"),
-    given({ vary = { { colour = { 0, 1 } } } }, "vary%[1%]: no field 'colour'"),
+    given({ vary = { { hue = { 0, 1 } } } }, "vary%[1%]: no field 'hue'"),
+    given({ vary = { { colour = { 0, 1 }, dim = { 0, 1 } } } }, "colour holds the level too"),
+    given({ vary = { { size = { 2, 1 } } } }, "size must be { least, most }, from 0.001 to 1000"),
+    given({ vary = { { turn = { 0, 400 } } } }, "turn must be { least, most }, from %-360 to 360"),
+    given({ vary = { { temperature = { 500, 4000 } } } }, "temperature must be { least, most }, from 1001 to 24999"),
+    given({ apart = 0 }, "apart must be"),
+    given({ targets = target { colour = true } }, "colour is of image and of wanted: give one"),
+    given({ targets = target { colour = true, wanted = { 1, 2 } } }, "wanted must be %d+ numbers for each of three channels"),
     given({ targets = {} }, "targets is empty: what is wanted%?"),
     given({ targets = target { none = true } }, "targets%[1%]: nothing is wanted"),
     given({ targets = target { mean = { least = 2, most = 1 } } }, "least 2 is above most 1"),
     given({ targets = target { mean = {} } }, "mean must be { least =, most = }"),
     given({ targets = target { mean = "bright" } }, "mean must be { least =, most = }"),
+    given({ targets = target { glare = 19 } }, "targets%[1%]: glare is no target"),
     given({ targets = target { uniformity = 1 } }, "uniformity must be"),
     given({ targets = target { least = 3, most = 2 } }, "least 3 is above most 2"),
     given({ targets = target { wanted = { 1, 2 } } }, "wanted must be %d+ numbers"),
@@ -69,13 +77,16 @@ return {
     given({ targets = target { image = { { 0, 0 } } } }, "image is dark where the receivers are"),
     given({ price = "watts" }, "price = 'watts': the photometry of light 1 has no watts"),
     given({ light_samples = 5 }, "light_samples and rim must be even"),
-    given({}, "lists of sphere_light and photometric_light; light 1 is a spot_light", function(ylm)
+    given({}, "light 1 is a textured_light, whose dim does not vary", function(ylm)
+      return ylm.textured_light { corner = { 0, 0, 0 }, u = { 1, 0, 0 }, v = { 0, 1, 0 }, image = { { 1 } } }
+    end),
+    given({ vary = { { position = { "x" }, within = within } } }, "light 1 is a point: the shadow of a point", function(ylm)
       return ylm.spot_light { at = { 0, 0, 0 }, to = { 0, -1, 0 }, angle = 30 }
     end),
     given({ vary = { { position = { "x" }, within = within } } }, "light 1 is a point: give it an opening", function(ylm)
       return ylm.photometric_light { photometry = ylm.photometry { cosine = 1 }, at = { 0, 0, 0 }, opening = "point" }
     end),
-    given({ vary = { { direction = 20 } } }, "light 1 shines the same in all directions", function(ylm)
+    given({ vary = { { direction = 20 } } }, "light 1 is a sphere_light, whose direction does not vary", function(ylm)
       return ylm.sphere_light { at = { 0, 0, 0 } }
     end),
     { call = function(ylm)
