@@ -79,10 +79,10 @@
     return table;
   }
 
-  /* Rows [points][4][ROW] to [points][ROW][4], scaled. */
+  /* Rows [points][4 or 1][ROW] to [points][ROW][4], scaled. */
   function interleave(data, to, scale) {
     for (let p = 0, from = 0; from < data.length; p++)
-      for (let r = 0; r < 4; r++)
+      for (let r = 0; r < (meta.sides ? 1 : 4); r++)
         for (let i = 0, q = 4 * p * ROW + r; i < ROW; i++, q += 4) to[q] = scale * data[from++];
   }
 
@@ -293,7 +293,7 @@
     }
     const list = numbers => numbers.map(x => x.toExponential(9)).join(', ');
     const defines = `#define LMAX ${meta.lmax}\n#define CHANNELS ${meta.channels}\n#define MODE ${MODES[mode]}\n` +
-      `#define UNIFORM ${meta.kind === 'uniform' ? 1 : 0}\n#define SIDES ${meta.sections.some(s => s.name === 'sides') ? 1 : 0}\n` +
+      `#define UNIFORM ${meta.kind === 'uniform' ? 1 : 0}\n#define SIDES ${meta.sides ? 1 : 0}\n` +
       `#define INTERPOLATION ${INTERPOLATION}\n#define USED_COUNT ${used.length}\n` +
       `const int USED[${used.length}] = int[](${used.join(', ')});\n` +
       `const float COSINE[${used.length}] = float[](${list(cosine)});\n` +
@@ -1428,7 +1428,8 @@
       await breath();
       last = performance.now();
     });
-    fewCells(sections.cells, made.layout);
+    fewCells(sections.cells, made.layout, made.place);
+    if (meta.sides) sections.sides = fewSides(made.layout, meta.counts.cells);
     sections.data = made.data;
     sections.flags = made.flags;
   }
