@@ -172,7 +172,7 @@ describe("grids in few bytes", function()
       end
       assert(report.error <= tolerance and read.stats.met)
       holds(failed, n, tolerance)
-      assert(dark < 0.01, dark) -- behind the wall
+      assert(dark < 1e-4, dark) -- behind the wall
     end
   end)
 
