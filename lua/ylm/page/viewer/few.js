@@ -386,6 +386,30 @@ function fewFrame(facts, head, layout, bases, frame) {
   function addRow(to, point, r, w) {
     for (let i = 0, j = point * record + r * width; i < width; i++) data[to + i] += float(w * data[j + i]);
   }
+  /* Four of these at once: where rows begin, and their weights. */
+  const begins = new Int32Array(128), by = new Float32Array(128);
+  function addFour(to, k) {
+    const a = begins[k], b = begins[k + 1], c = begins[k + 2], d = begins[k + 3];
+    const wa = by[k], wb = by[k + 1], wc = by[k + 2], wd = by[k + 3];
+    for (let i = 0; i < width; i++) {
+      let x = data[to + i];
+      x = float(x + float(wa * data[a + i]));
+      x = float(x + float(wb * data[b + i]));
+      x = float(x + float(wc * data[c + i]));
+      data[to + i] = float(x + float(wd * data[d + i]));
+    }
+  }
+  let terms = 0;
+  function addTerm(point, r, weight) {
+    begins[terms] = point * record + r * width;
+    by[terms++] = weight;
+  }
+  function addTerms(to) {
+    let k = 0;
+    for (; k + 4 <= terms; k += 4) addFour(to, k);
+    for (; k < terms; k++) for (let i = 0, x = by[k], from = begins[k]; i < width; i++) data[to + i] += float(x * data[from + i]);
+    terms = 0;
+  }
   function scaleRows(to, n, scale) {
     for (let i = to; scale !== 1 && i < to + n; i++) data[i] *= scale;
   }
@@ -437,20 +461,21 @@ function fewFrame(facts, head, layout, bases, frame) {
   function mixPairs(pairs, r, to) {
     if (r && low[r - 1] !== FEW.NONE) {
       const w = float(1.5 / apart[r - 1]);
-      addRow(to, high[r - 1], 0, w);
-      addRow(to, low[r - 1], 0, -w);
-      addRow(to, high[r - 1], r, -0.25);
-      addRow(to, low[r - 1], r, -0.25);
-      return;
+      addTerm(high[r - 1], 0, w);
+      addTerm(low[r - 1], 0, -w);
+      addTerm(high[r - 1], r, -0.25);
+      addTerm(low[r - 1], r, -0.25);
+      return addTerms(to);
     }
     for (let a = 0; a < 3; a++) {
       if (low[a] === FEW.NONE) continue;
-      addRow(to, low[a], r, 0.5);
-      addRow(to, high[a], r, 0.5);
+      addTerm(low[a], r, 0.5);
+      addTerm(high[a], r, 0.5);
       if (r || rows === 1) continue;
-      addRow(to, low[a], a + 1, 0.125 * apart[a]);
-      addRow(to, high[a], a + 1, -0.125 * apart[a]);
+      addTerm(low[a], a + 1, 0.125 * apart[a]);
+      addTerm(high[a], a + 1, -0.125 * apart[a]);
     }
+    addTerms(to);
     scaleRows(to, width, float(1 / pairs));
   }
   function placeIn(cell, met) {
@@ -464,12 +489,13 @@ function fewFrame(facts, head, layout, bases, frame) {
     for (let r = 0; pairs && r < rows; r++) mixPairs(pairs, r, to + r * width);
     if (pairs) return;
     let parents = 0;
-    for (; parents < FEW.PARENTS && points.parent[FEW.PARENTS * met + parents] !== FEW.NONE; parents++) {
-      const cell = points.parent[FEW.PARENTS * met + parents], lists = recipeOf(cells.level[cell], placeIn(cell, met));
-      for (let r = 0; r < rows; r++) {
-        const list = lists[r];
-        for (let k = 0; k < list.length; k += 3) addRow(to + r * width, cells.corner[8 * cell + list[k]], list[k + 1], list[k + 2]);
+    while (parents < FEW.PARENTS && points.parent[FEW.PARENTS * met + parents] !== FEW.NONE) parents++;
+    for (let r = 0; r < rows; r++) {
+      for (let p = 0; p < parents; p++) {
+        const cell = points.parent[FEW.PARENTS * met + p], list = recipeOf(cells.level[cell], placeIn(cell, met))[r];
+        for (let k = 0; k < list.length; k += 3) addTerm(cells.corner[8 * cell + list[k]], list[k + 1], list[k + 2]);
       }
+      addTerms(to + r * width);
     }
     scaleRows(to, record, float(1 / parents));
   }
@@ -696,7 +722,8 @@ async function decodeFew(facts, s, rest) {
   const f = fewFrame(facts, head, layout, s.bases, s.frame), lists = f.rows * f.channels, place = fewPlaces(layout.points);
   const components = lists * f.count;
   const { table, slot } = fewTables(components, s.tables), coded = codedOf(table, f.count), numbers = fewNumbers(s.numbers, s.bits, slot);
-  const { wayOf, next } = fewPoints(s.points, f.channels, f.rows > 1 ? 2 * f.channels : f.channels, head.flags & 2), number = new Float32Array(f.record), flags = new Uint8Array(n);
+  const { wayOf, next } = fewPoints(s.points, f.channels, f.rows > 1 ? 2 * f.channels : f.channels, head.flags & 2);
+  const number = new Float32Array(f.record), flags = new Uint8Array(n);
   const used = new Uint8Array(4), rise = float(FEW.RISE);
   for (let met = 0; met < n; met++) {
     const ways = f.ways(met);

@@ -326,7 +326,8 @@
     return [out, height];
   }
 
-  const rowsFormat = () => meta.lamps.length <= 64 && meta.counts.evaluated <= 20000 || meta.precision === 'float' ? gl.RGBA32F : gl.RGBA16F;
+  const isFew = meta.lamps.length <= 64 && meta.counts.evaluated <= 20000;
+  const rowsFormat = () => isFew || meta.precision === 'float' ? gl.RGBA32F : gl.RGBA16F;
   const UNIT = { cells: 0, table: 1, rows: 2, lamps: 3, picture: 4, sides: 5, tree: 6, bricks: 7 };
 
   function makeTextures() {
