@@ -294,6 +294,12 @@ assert(grid:points().value:save(folder .. "/value.npy"))]])
       refused(forge():put("cells", cell(30, flags), "\1"), "children")
     end)
 
+    it("are refused where a leaf has a side and the grid has none", function()
+      local last = cell(48, flags)
+      local was = forge().section.cells.data:byte(last + 1)
+      refused(forge():put("cells", last, string.char(was + 64)), "the number of its sides")
+    end)
+
     it("are refused where points are not numbers or nowhere", function()
       refused(forge():put("lattice", 0, u32(9)), "place")
       refused(forge():put("lattice", 0, u32(NONE)), "place")

@@ -131,6 +131,10 @@ describe("a grid in bricks, in few bytes", function()
       scratch.quote(to "tolerance.ylmd"), ylm_, scratch.quote(to "packed.ylmd")))
     assert.equal(0, code, out)
     assert.matches("rounding", out)
+    out, code = scratch.capture(("%s pack %s -o %s --tolerance 0.06 && %s pack %s -o - --tolerance 0.06 | cmp - %s"):format(ylm_,
+      scratch.quote(to "grid.ylmd"), scratch.quote(to "packed.ylm"), ylm_, scratch.quote(to "grid.ylmd"),
+      scratch.quote(to "packed.ylm")))
+    assert.equal(0, code, out)
     folder:remove()
   end)
 end)

@@ -63,8 +63,11 @@ void ylm_figure_page_errors(const ylm_grid *g, const ylm_grid *from, uint32_t *c
 
 void ylm_figure_page_rest(const ylm_grid *g, uint32_t *cell) {
   const ylm_grid_contents *v = ylm_grid_look(g);
-  for (size_t i = 0; i < v->octree_cells; i++, cell += YLM_FIGURE_PAGE_WORDS) {
-    if (!(v->cell[i].flags & YLM_GRID_LEAF)) cell[0] = 0;
+  for (size_t i = 0; i < v->cells + v->parts; i++, cell += YLM_FIGURE_PAGE_WORDS) {
+    if (i >= v->octree_cells && i < v->cells) continue; /* a cell that continuity adds */
+    if (i < v->octree_cells &&
+        (!(v->cell[i].flags & YLM_GRID_LEAF) || v->cell[i].flags & YLM_GRID_SIDED))
+      cell[0] = 0;
     cell[1] = cell[2] = 0;
     cell[3] &= 0xffff0000u;
     memset(cell + 4, 0, 8 * sizeof *cell);

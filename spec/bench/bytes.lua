@@ -3,7 +3,7 @@
 --     make bench BENCH=bytes        prints the tables and writes out/bench/bytes.png
 --
 -- Errors of the first table are those at the bakes' held-out places, which neither bake nor rounding has seen; "fresh" are
--- 4096 other places of the floor. Regular lattices are L2, and their errors are within L2.
+-- 4096 other places of the floor. Regular lattices are L2, and their errors are within L2. Two rooms are judged by paths.
 
 local core = require "ylm.c.core"
 local ylm = require "ylm"
@@ -174,3 +174,5 @@ if ylm.plot then
     x_label = "MB", y_label = "error at 99 % of the surface", x_log = true, y_log = true, legend = "top right" }
   assert(drawn:save(out .. "bytes.png"))
 end
+
+require "spec.support.bytes_in_rooms" ()

@@ -136,7 +136,7 @@ static ylm_status read_structure(reading *r) {
   if (!what) ylm__grid_file_place_births(g);
   if (what) return ylm__grid_file_bad(r->source->name, what, r->e);
   s = ylm__grid_file_check_cells(g, r->source->name, r->e);
-  what = s == YLM_OK && g->contents.form.sides ? ylm__grid_file_check_sides(g) : NULL;
+  what = s == YLM_OK ? ylm__grid_file_check_sides(g) : NULL;
   return what ? ylm__grid_file_bad(r->source->name, what, r->e) : s;
 }
 

@@ -13,14 +13,11 @@
 #include "../sides/sides.h"
 #include "ylm_list.h"
 
-#define ASKED_BITS 16  /* of a ghost's place, along an axis */
 #define ASKED_WIDE 4.0 /* edges of a leaf that these cover */
-#define NEAR_BITS 3    /* of the pieces from which a ghost's place may be seen */
-#define NEAR (1 << NEAR_BITS)
+#define NEAR (1 << SMALL_NEAR_BITS)
 #define NEAR_ENOUGH                                                                                \
   0.01 /* edges of the leaf, from such a way: a small part of what lies between the place and the wall */
-#define WAY_BITS 8 /* of the way from there; rounded back, away from the wall */
-#define NUMBERS 64 /* estimates of a number */
+#define NUMBERS 64                             /* estimates of a number */
 #define ORDERS_SHARED (YLM_GRID_MAX_DEPTH + 1) /* levels of shared points */
 #define ORDERS (4 * (ORDERS_SHARED + 256))
 
@@ -28,7 +25,7 @@ struct layout_chances {
   bit_chance split[YLM_GRID_MAX_DEPTH + 1][4], occupied[8], data[8], crossed[8], sided[4], brick[2],
       centre[YLM_GRID_MAX_DEPTH + 1];
   bit_chance gap[NUMBERS], loose[3][NUMBERS], parts[16], piece[3][17], label[16], ghost[3],
-      fresh[2], near[1 << NEAR_BITS], back[NUMBERS];
+      fresh[2], near[1 << SMALL_NEAR_BITS], back[NUMBERS];
 };
 
 static bool decoding(const small_layout *k) { return k->c->decoding; }
@@ -276,17 +273,19 @@ static void code_asked(small_layout *k, uint32_t point, const ylm_grid_side *sid
     if (off < best) best = off, way = t, which = i;
   }
   if (n && ylm__coder_bit(k->c, &p->fresh[1], best < NEAR_ENOUGH)) {
-    which = (int)ylm__coder_symbol(k->c, p->near, NEAR_BITS, (uint32_t)which);
-    uint32_t bits = ylm__coder_raw(k->c, WAY_BITS, (uint32_t)(way * ((1 << WAY_BITS) - 1) + 1e-6));
+    which = (int)ylm__coder_symbol(k->c, p->near, SMALL_NEAR_BITS, (uint32_t)which);
+    uint32_t bits =
+        ylm__coder_raw(k->c, SMALL_WAY_BITS, (uint32_t)(way * ((1 << SMALL_WAY_BITS) - 1) + 1e-6));
     if (which >= n) which = 0; /* of a damaged stream */
     middle_of(piece[which], middle);
-    way = (double)bits / ((1 << WAY_BITS) - 1);
+    way = (double)bits / ((1 << SMALL_WAY_BITS) - 1);
     for (int a = 0; a < 3; a++) place[a] = middle[a] + way * ((corner >> a & 1) - middle[a]);
   } else
     for (int a = 0; a < 3; a++) {
-      double unit = ASKED_WIDE / (1 << ASKED_BITS), last = (1 << ASKED_BITS) - 1,
+      double unit = ASKED_WIDE / (1 << SMALL_ASKED_BITS), last = (1 << SMALL_ASKED_BITS) - 1,
              m = floor((place[a] + ASKED_WIDE / 2) / unit + 0.5);
-      uint32_t bits = ylm__coder_raw(k->c, ASKED_BITS, (uint32_t)(m > 0 ? m < last ? m : last : 0));
+      uint32_t bits =
+          ylm__coder_raw(k->c, SMALL_ASKED_BITS, (uint32_t)(m > 0 ? m < last ? m : last : 0));
       place[a] = bits * unit - ASKED_WIDE / 2;
     }
   for (int a = 0; a < 3; a++) k->g->sides.asked[point][a] = (float)(low[a] + edge[a] * place[a]);

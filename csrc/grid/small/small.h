@@ -24,6 +24,10 @@
 #define SMALL_TURN_MOST 511 /* of 10 bits with a sign */
 #define SMALL_RISE 0.08f    /* numbers are read as larger by it */
 
+#define SMALL_ASKED_BITS 16 /* of a ghost's place, along an axis */
+#define SMALL_NEAR_BITS 3   /* of the pieces from which a ghost's place may be seen */
+#define SMALL_WAY_BITS 8    /* of the way from there */
+
 /* Constants that other decoders need, by their names there. */
 #define SMALL_CONSTANTS(X)                                                                         \
   X(NONE, YLM_GRID_NONE)                                                                           \
@@ -32,6 +36,13 @@
   X(BAKED, YLM_GRID_BAKED)                                                                         \
   X(CROSSED, YLM_GRID_CROSSED)                                                                     \
   X(BRICK, YLM_GRID_BRICK)                                                                         \
+  X(SIDED, YLM_GRID_SIDED)                                                                         \
+  X(GHOST, YLM_GRID_POINT_GHOST)                                                                   \
+  X(PIECES, YLM_GRID_PIECES)                                                                       \
+  X(ACROSS, YLM_GRID_PIECES_ALL)                                                                   \
+  X(ASKED_BITS, SMALL_ASKED_BITS)                                                                  \
+  X(NEAR_BITS, SMALL_NEAR_BITS)                                                                    \
+  X(WAY_BITS, SMALL_WAY_BITS)                                                                      \
   X(LOOSE, SMALL_LOOSE)                                                                            \
   X(BLOCK, SMALL_BLOCK)                                                                            \
   X(PARENTS, SMALL_PARENTS)                                                                        \

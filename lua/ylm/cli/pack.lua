@@ -3,6 +3,25 @@
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
+local PART = 2 ^ 20 -- bytes
+
+--- Writes one file to stdout; of a grid in bricks by way of a file that is removed.
+local function write_out(grid, is_set, o)
+  if not is_set then
+    io.stdout:write((status.need(require "ylm.grid.small".encode("pack", grid, o))))
+    return
+  end
+  local name = os.tmpname()
+  local path = name .. ".ylm"
+  local ok, message, code = grid:save(path, o)
+  local file = ok and io.open(path, "rb")
+  for part in function() return file and file:read(PART) end do io.stdout:write(part) end
+  if file then file:close() end
+  os.remove(path)
+  os.remove(name)
+  status.need(ok, message, code)
+end
+
 return {
   summary = "a grid, or a folder of bricks, as one file, of few bytes where they are asked for, or a folder of few bytes",
   usage = "GRID.ylmd|GRID.ylm -o GRID.ylm|GRID.ylmd",
@@ -34,11 +53,8 @@ return {
     local o = { tolerance = few and few.tolerance, bytes = few and few.bytes, threads = given.threads,
       progress = report.progress(given) }
     if to_stdout then
-      if is_set or given.json then
-        status.stop(status.usage, "pack: -o - is for a grid in one file, without --json: give a name")
-      end
-      io.stdout:write((status.need(require "ylm.grid.small".encode("pack", grid, o))))
-      return
+      if given.json then status.stop(status.usage, "pack: stdout has the file: give it a name, or leave --json out") end
+      return write_out(grid, is_set, o)
     end
     local _, small = status.need(grid:save(given.output, o))
     local stats = grid.stats

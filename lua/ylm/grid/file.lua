@@ -18,7 +18,7 @@ grid_file.page_options = {
     .. "quantity = 'all'), which the page shows at first, in at most 64 KiB as .ylmp has it" },
   { "title", "string", optional = true, about = ".html: default the scene's name" },
   { "precision", "choice", of = core.choices "precision", optional = true,
-    about = ".html: of the numbers at probes; 'few' (default, but of grids with sides or that follow lights): rounded and "
+    about = ".html: of the numbers at probes; 'few' (default, but of grids that follow lights): rounded and "
       .. "counted, as .ylm of few bytes, a fifteenth of the size or less; else 'half' (default), 'float', or 'byte': slopes "
       .. "in bytes, 0.63 of the size" },
   small.options[1],

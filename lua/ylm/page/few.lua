@@ -14,7 +14,6 @@ local FINEST, COARSEST = 1e-6, 0.05
 --- Why a grid cannot be decoded by the viewer; nil: it can.
 local function lacks(grid)
   if grid.dynamic then return "a grid that follows lights is written as it is" end
-  if grid.sides then return "a grid with sides is written as it is" end
 end
 
 local function step_of(grid)

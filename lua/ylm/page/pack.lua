@@ -67,7 +67,7 @@ end
 --- Cells, sides and rows of a grid; facts: those of core.page_facts by name; made: as of few.of, nil: of another precision.
 function pack.grid(blob, grid, facts, precision, made)
   blob.add("cells", "u32", { facts.cells + facts.parts, 12 }, core.page_cells(grid, made and made.errors))
-  if facts.sides > 0 then blob.add("sides", "u32", { facts.sides, 29 }, core.page_sides(grid)) end
+  if facts.sides > 0 and not made then blob.add("sides", "u32", { facts.sides, 29 }, core.page_sides(grid)) end
   if grid.kind == "uniform" then
     local n = grid.resolution
     blob.add("table", "u32", { n[1] * n[2] * n[3] }, core.page_table(grid))

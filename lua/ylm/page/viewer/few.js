@@ -1,9 +1,10 @@
-/* Grids in few bytes, as csrc/grid/small/ writes them: without sides. Functions stand in the order of its files: coder.c,
+/* Grids in few bytes, as csrc/grid/small/ writes them. Functions stand in the order of its files: coder.c,
    layout.c, row.c, stream.c and rans.h, decode.c. Numbers that are floats there are rounded to floats here, one operation
    after another, so that decoded rows are the same bits. A stream that is damaged throws. */
 
 const FEW = /*@CONSTANTS@*/{};  /* those of csrc/grid/small/, by the library */
 FEW.SUM = 1 << FEW.BITS;
+FEW.SIDE = 2 + FEW.PIECES / 8;  /* words of a leaf with sides */
 const float = Math.fround;
 
 function damagedFew(what) { throw new Error('the grid is damaged: ' + what); }
@@ -67,7 +68,12 @@ function fewCoder(bytes) {
     const folded = number(p, from), half = Math.floor(folded / 2);
     return folded % 2 ? -half - 1 : half;
   }
-  return { bit, symbol, symbolOf, number, signed, isShort: () => short > 0 };
+  function raw(n) {
+    let out = 0;
+    for (let i = 0; i < n; i++) out = 2 * out + bitBy(FEW.EVEN);
+    return out;
+  }
+  return { bit, symbol, symbolOf, number, signed, raw, isShort: () => short > 0 };
 }
 
 /* ---- cells and points ------------------------------------------------------ */
@@ -78,23 +84,29 @@ const placeKey = (x, y, z) => (z * 65537 + y) * 65537 + x;
 function layOutFew(facts, head, bytes) {
   const cells = facts.counts.octree, points = facts.counts.evaluated, lattice = facts.kind === 'uniform', deepest = facts.depth;
   const coder = fewCoder(bytes), known = new Map(), chance = { split: chances(4 * 17), occupied: chances(8), data: chances(8),
-    crossed: chances(8), brick: chances(2), centre: chances(17), gap: chances(64), loose: chances(3 * 64) };
+    crossed: chances(8), sided: chances(4), brick: chances(2), centre: chances(17), gap: chances(64), loose: chances(3 * 64),
+    parts: chances(16), piece: chances(3 * 17), label: chances(16), ghost: chances(3), fresh: chances(2), back: chances(64),
+    near: chances(1 << FEW.NEAR_BITS) };
   const c = { cells: 0, level: new Uint8Array(cells), flags: new Uint8Array(cells), child: new Uint32Array(cells),
     parent: new Uint32Array(cells).fill(FEW.NONE), origin: new Uint32Array(3 * cells),
     corner: new Uint32Array(8 * cells).fill(FEW.NONE) };
   let p = { met: 0, at: new Uint32Array(3 * points), level: new Uint8Array(points),
     parent: new Uint32Array(FEW.PARENTS * points).fill(FEW.NONE), kin: new Uint32Array(points).fill(FEW.NONE),
-    corner: new Uint8Array(points) };
+    corner: new Uint8Array(points), ghost: new Uint8Array(points) };
+  const sides = { cell: [], first: [], pieces: [], node: [], leaf: [] };  /* node: of eight corners a part; leaf: of parts */
+  const ghosts = new Map(), ghostBefore = new Map();  /* the last ghost at a corner, and that before each */
   const edgeOf = i => lattice ? 1 : 2 ** (deepest - c.level[i]);
   const isComplete = i => !c.corner.subarray(8 * i, 8 * i + 8).includes(FEW.NONE);
 
   function pointAt(x, y, z, level) {
-    const key = placeKey(x, y, z);
-    let i = known.get(key);
+    const key = placeKey(x, y, z), i = known.get(key);
     if (i !== undefined) return i;
-    i = p.met++;
+    known.set(key, p.met);
+    return meet(x, y, z, level);
+  }
+  function meet(x, y, z, level) {
+    const i = p.met++;
     if (i >= points) damagedFew('its number of points');
-    known.set(key, i);
     p.at.set([x, y, z], 3 * i);
     p.level[i] = level;
     return i;
@@ -124,6 +136,58 @@ function layOutFew(facts, head, bytes) {
     const half = edgeOf(i) / 2, o = c.origin.subarray(3 * i, 3 * i + 3);
     addParent(pointAt(o[0] + half, o[1] + half, o[2] + half, c.level[i] + 1), i);
   }
+  function piecesOf() {
+    const part = new Uint8Array(FEW.PIECES), step = [1, FEW.ACROSS, FEW.ACROSS * FEW.ACROSS];
+    for (let i = 0; i < FEW.PIECES; i++) {
+      const beside = [...new Set(step.filter(d => Math.floor(i / d) % FEW.ACROSS).map(d => part[i - d]))], n = beside.length;
+      const found = beside.findIndex((_, m) => coder.bit(chance.piece, 17 * m + 4 * n + i % 2));
+      part[i] = found >= 0 ? beside[found] : coder.symbol(chance.label, 0, 4);
+    }
+    return part;
+  }
+  /* Reads over the place where the field was asked for a ghost. */
+  function skipAsked(hasPieces) {
+    if (hasPieces && coder.bit(chance.fresh, 1)) {
+      coder.symbol(chance.near, 0, FEW.NEAR_BITS);
+      coder.raw(FEW.WAY_BITS);
+    } else coder.raw(3 * FEW.ASKED_BITS);
+  }
+  function ghostAt(x, y, z, level, hasPieces) {
+    const key = placeKey(x, y, z), last = ghosts.get(key);
+    if (last !== undefined && !coder.bit(chance.fresh, 0)) {
+      let found = last;
+      for (let back = coder.number(chance.back, 0); back && found !== undefined; back--) found = ghostBefore.get(found);
+      if (found === undefined) damagedFew('its ghosts');
+      return found;
+    }
+    const i = meet(x, y, z, level);
+    p.ghost[i] = 1;
+    ghostBefore.set(i, last);
+    ghosts.set(key, i);
+    skipAsked(hasPieces);
+    return i;
+  }
+  /* A leaf that surfaces cross: the parts of its pieces, and their corners. */
+  function bringSide(i) {
+    const parts = coder.symbol(chance.parts, 0, 4), pieces = piecesOf(), first = sides.leaf.length, edge = edgeOf(i);
+    sides.cell.push(i);
+    sides.first.push(first);
+    sides.pieces.push(pieces);
+    for (let part = 0; part < parts; part++) {
+      const hasPieces = pieces.includes(part), corner = [];
+      for (let k = 0; k < 8; k++) {
+        const at = [0, 1, 2].map(a => c.origin[3 * i + a] + (k >> a & 1) * edge);
+        const isGhost = coder.bit(chance.ghost, k ? 1 + p.ghost[corner[k - 1]] : 0);
+        const point = corner[k] = isGhost ? ghostAt(...at, c.level[i], hasPieces) : pointAt(...at, c.level[i]);
+        if (p.kin[point] !== FEW.NONE) continue;
+        p.kin[point] = cells + first + part;
+        p.corner[point] = k;
+      }
+      sides.node.push(...corner);
+      sides.leaf.push(i);
+    }
+    if (parts) c.corner.set(sides.node.slice(8 * first, 8 * first + 8), 8 * i);
+  }
   function split(i) {
     const half = edgeOf(i) / 2, first = c.cells;
     c.child[i] = first;
@@ -143,11 +207,14 @@ function layOutFew(facts, head, bytes) {
     if (coder.bit(chance.occupied, 4 * isSplit + 2 * busy + (above & FEW.OCCUPIED ? 1 : 0))) flags |= FEW.OCCUPIED;
     const crossed = 2 * (beside & FEW.CROSSED ? 1 : 0) + (above & FEW.CROSSED ? 1 : 0);
     if (coder.bit(chance.crossed, 4 * isSplit + crossed)) flags |= FEW.CROSSED;
+    if (!isSplit && facts.sides && coder.bit(chance.sided, 2 * (flags & FEW.OCCUPIED ? 1 : 0) + (beside & FEW.SIDED ? 1 : 0)))
+      flags |= FEW.SIDED;
     if (!isSplit && !lattice && coder.bit(chance.brick, 0)) flags |= FEW.BRICK;
     c.flags[i] = flags;
-    const data = coder.bit(chance.data, 4 * isSplit + 2 * (flags & FEW.OCCUPIED ? 1 : 0) + busy);
-    const centre = data && !isSplit && deeper && coder.bit(chance.centre, c.level[i]);
+    const data = !(flags & FEW.SIDED) && coder.bit(chance.data, 4 * isSplit + 2 * (flags & FEW.OCCUPIED ? 1 : 0) + busy);
+    const centre = data && !isSplit && deeper && !facts.sides && coder.bit(chance.centre, c.level[i]);
     if (data) bringCorners(i);
+    if (flags & FEW.SIDED) bringSide(i);
     if (centre) bringCentre(i);
     if (isSplit) split(i);
     if (coder.isShort()) damagedFew('its octree ends early');
@@ -190,9 +257,10 @@ function layOutFew(facts, head, bytes) {
     const rank = Array.from({ length: points }, (_, i) => 4 * p.level[i] + middlesOf(i));
     const order = Uint32Array.from(rank.keys()).sort((a, b) => rank[a] - rank[b] || a - b);
     const q = { met: points, at: new Uint32Array(3 * points), level: p.level.slice(), parent: p.parent.slice(), kin: p.kin.slice(),
-      corner: p.corner.slice(), before: order };
+      corner: p.corner.slice(), ghost: p.ghost.slice(), before: order };
     order.forEach((was, to) => {
-      known.set(placeKey(p.at[3 * was], p.at[3 * was + 1], p.at[3 * was + 2]), to);
+      if (!p.ghost[was]) known.set(placeKey(p.at[3 * was], p.at[3 * was + 1], p.at[3 * was + 2]), to);
+      q.ghost[to] = p.ghost[was];
       q.at.set(p.at.subarray(3 * was, 3 * was + 3), 3 * to);
       q.parent.set(p.parent.subarray(FEW.PARENTS * was, FEW.PARENTS * (was + 1)), FEW.PARENTS * to);
       q.level[to] = p.level[was];
@@ -203,13 +271,24 @@ function layOutFew(facts, head, bytes) {
   }
   const find = (x, y, z) => { const i = known.get(placeKey(x, y, z)); return i === undefined ? FEW.NONE : i; };
   p = sorted();
+  const rank = new Uint32Array(points), node = Uint32Array.from(sides.node);
+  const endOf = n => n + 1 < sides.first.length ? sides.first[n + 1] : sides.leaf.length;  /* behind the parts of a side */
+  p.before.forEach((was, to) => { rank[was] = to; });
+  for (let i = 0; i < node.length; i++) node[i] = rank[node[i]];
+  sides.cell.forEach((i, n) => {
+    const first = 8 * sides.first[n];
+    if (first < 8 * endOf(n)) c.corner.set(node.subarray(first, first + 8), 8 * i);
+  });
   for (let i = 0; i < cells; i++) {
-    const edge = edgeOf(i), o = c.origin.subarray(3 * i, 3 * i + 3);
-    for (let k = 0; k < 8; k++)
+    const edge = edgeOf(i), o = c.origin.subarray(3 * i, 3 * i + 3), isSided = c.flags[i] & FEW.SIDED;
+    for (let k = 0; k < 8 && !isSided; k++)
       c.corner[8 * i + k] = find(o[0] + (k & 1) * edge, o[1] + (k >> 1 & 1) * edge, o[2] + (k >> 2) * edge);
     if (isComplete(i)) c.flags[i] |= FEW.BAKED;
+    else if (facts.sides && !isSided) c.corner.fill(FEW.NONE, 8 * i, 8 * i + 8);
   }
-  return { cells: c, points: p, edgeOf, find };
+  /* The corners of a cell, or, from `cells` on, of a part. */
+  const cornersOf = i => i < cells ? c.corner.subarray(8 * i, 8 * i + 8) : node.subarray(8 * (i - cells), 8 * (i - cells) + 8);
+  return { cells: c, points: p, sides, endOf, cornersOf, edgeOf, find };
 }
 
 /* ---- predictions, steps, turns --------------------------------------------- */
@@ -267,10 +346,11 @@ function exponentOf(x) {
   return scratch64[0] < 0.70710678118654752 ? e - 1 : e;
 }
 
-/* Decodes rows of points: data [points][4][width]. */
+/* Decodes rows of points: data [points][rows][width]. */
 function fewFrame(facts, head, layout, bases, frame) {
-  const { cells, points, edgeOf, find } = layout, n = points.met, lattice = facts.kind === 'uniform';
-  const count = (facts.lmax + 1) * (facts.lmax + 1), channels = facts.channels, width = channels * count, record = 4 * width;
+  const { cells, points, cornersOf, edgeOf, find } = layout, n = points.met, lattice = facts.kind === 'uniform';
+  const rows = facts.sides ? 1 : 4;  /* values, and slopes where there are no sides */
+  const count = (facts.lmax + 1) * (facts.lmax + 1), channels = facts.channels, width = channels * count, record = rows * width;
   const data = new Float32Array(n * record), numbers = new DataView(frame.buffer, frame.byteOffset);
   if (frame.length !== 8 * (4 + facts.lmax)) damagedFew('its frame');
   const voxel = [0, 1, 2].map(a => numbers.getFloat64(8 * a, true)), depth = lattice ? 0 : facts.depth;
@@ -292,19 +372,43 @@ function fewFrame(facts, head, layout, bases, frame) {
   /* Turns of coefficients and of colours. */
   const degrees = head.turn === 2 ? [[0, count]] : head.turn === 1 ? Array.from({ length: facts.lmax + 1 }, (_, l) => [l * l, 2 * l + 1]) : [];
   const size = degrees.reduce((sum, d) => sum + d[1] * d[1], 0), blocks = channels === 3 ? Math.ceil(n / FEW.BLOCK) : 0;
-  if (bases.length !== 4 * size + 4 * blocks) damagedFew('its bases');
-  const entries = new Int8Array(bases.buffer, bases.byteOffset, 4 * size), columns = new Float32Array(4 * size);
-  for (let r = 0, at = 0; r < 4; r++)
+  if (bases.length !== rows * size + 4 * blocks) damagedFew('its bases');
+  const entries = new Int8Array(bases.buffer, bases.byteOffset, rows * size), columns = new Float32Array(rows * size);
+  for (let r = 0, at = 0; r < rows; r++)
     for (const [, m] of degrees) {
       orthonormal(entries.subarray(at, at + m * m), columns.subarray(at, at + m * m), m);
       at += m * m;
     }
-  const turns = new DataView(bases.buffer, bases.byteOffset + 4 * size), colour = new Float32Array(9 * blocks);
+  const turns = new DataView(bases.buffer, bases.byteOffset + rows * size), colour = new Float32Array(9 * blocks);
   for (let i = 0; i < blocks; i++) colourTurn(turns.getUint32(4 * i, true), colour.subarray(9 * i, 9 * i + 9));
 
   /* Adds weight * row r of a point, one float after another: where data are stored, they are rounded. */
   function addRow(to, point, r, w) {
     for (let i = 0, j = point * record + r * width; i < width; i++) data[to + i] += float(w * data[j + i]);
+  }
+  /* Four of these at once: where rows begin, and their weights. */
+  const begins = new Int32Array(128), by = new Float32Array(128);
+  function addFour(to, k) {
+    const a = begins[k], b = begins[k + 1], c = begins[k + 2], d = begins[k + 3];
+    const wa = by[k], wb = by[k + 1], wc = by[k + 2], wd = by[k + 3];
+    for (let i = 0; i < width; i++) {
+      let x = data[to + i];
+      x = float(x + float(wa * data[a + i]));
+      x = float(x + float(wb * data[b + i]));
+      x = float(x + float(wc * data[c + i]));
+      data[to + i] = float(x + float(wd * data[d + i]));
+    }
+  }
+  let terms = 0;
+  function addTerm(point, r, weight) {
+    begins[terms] = point * record + r * width;
+    by[terms++] = weight;
+  }
+  function addTerms(to) {
+    let k = 0;
+    for (; k + 4 <= terms; k += 4) addFour(to, k);
+    for (; k < terms; k++) for (let i = 0, x = by[k], from = begins[k]; i < width; i++) data[to + i] += float(x * data[from + i]);
+    terms = 0;
   }
   function scaleRows(to, n, scale) {
     for (let i = to; scale !== 1 && i < to + n; i++) data[i] *= scale;
@@ -322,7 +426,7 @@ function fewFrame(facts, head, layout, bases, frame) {
       value.push(rounded(values(rest % 3 / 2, long)));
       slope.push(rounded(slopes(rest % 3 / 2, long)));
     }
-    for (let r = 0; r < 4; r++) {
+    for (let r = 0; r < rows; r++) {
       const list = [];
       corner_weights(w, ...value.map((f, a) => a === r - 1 ? slope[a] : f));
       w.forEach((x, k) => { if (float(x) !== 0) list.push(k & 7, k >> 3, float(x)); });
@@ -357,20 +461,21 @@ function fewFrame(facts, head, layout, bases, frame) {
   function mixPairs(pairs, r, to) {
     if (r && low[r - 1] !== FEW.NONE) {
       const w = float(1.5 / apart[r - 1]);
-      addRow(to, high[r - 1], 0, w);
-      addRow(to, low[r - 1], 0, -w);
-      addRow(to, high[r - 1], r, -0.25);
-      addRow(to, low[r - 1], r, -0.25);
-      return;
+      addTerm(high[r - 1], 0, w);
+      addTerm(low[r - 1], 0, -w);
+      addTerm(high[r - 1], r, -0.25);
+      addTerm(low[r - 1], r, -0.25);
+      return addTerms(to);
     }
     for (let a = 0; a < 3; a++) {
       if (low[a] === FEW.NONE) continue;
-      addRow(to, low[a], r, 0.5);
-      addRow(to, high[a], r, 0.5);
-      if (r) continue;
-      addRow(to, low[a], a + 1, 0.125 * apart[a]);
-      addRow(to, high[a], a + 1, -0.125 * apart[a]);
+      addTerm(low[a], r, 0.5);
+      addTerm(high[a], r, 0.5);
+      if (r || rows === 1) continue;
+      addTerm(low[a], a + 1, 0.125 * apart[a]);
+      addTerm(high[a], a + 1, -0.125 * apart[a]);
     }
+    addTerms(to);
     scaleRows(to, width, float(1 / pairs));
   }
   function placeIn(cell, met) {
@@ -381,32 +486,34 @@ function fewFrame(facts, head, layout, bases, frame) {
   }
   function byParents(met, to) {
     const pairs = findPairs(met);
-    for (let r = 0; pairs && r < 4; r++) mixPairs(pairs, r, to + r * width);
+    for (let r = 0; pairs && r < rows; r++) mixPairs(pairs, r, to + r * width);
     if (pairs) return;
     let parents = 0;
-    for (; parents < FEW.PARENTS && points.parent[FEW.PARENTS * met + parents] !== FEW.NONE; parents++) {
-      const cell = points.parent[FEW.PARENTS * met + parents], lists = recipeOf(cells.level[cell], placeIn(cell, met));
-      for (let r = 0; r < 4; r++) {
-        const list = lists[r];
-        for (let k = 0; k < list.length; k += 3) addRow(to + r * width, cells.corner[8 * cell + list[k]], list[k + 1], list[k + 2]);
+    while (parents < FEW.PARENTS && points.parent[FEW.PARENTS * met + parents] !== FEW.NONE) parents++;
+    for (let r = 0; r < rows; r++) {
+      for (let p = 0; p < parents; p++) {
+        const cell = points.parent[FEW.PARENTS * met + p], list = recipeOf(cells.level[cell], placeIn(cell, met))[r];
+        for (let k = 0; k < list.length; k += 3) addTerm(cells.corner[8 * cell + list[k]], list[k + 1], list[k + 2]);
       }
+      addTerms(to + r * width);
     }
     scaleRows(to, record, float(1 / parents));
   }
   function byKin(met, to) {
-    const cell = points.kin[met], own = points.corner[met], corner = cells.corner.subarray(8 * cell, 8 * cell + 8);
+    const cell = points.kin[met], own = points.corner[met], corner = cornersOf(cell);
     let known = 0;
     for (let a = 0; a < 3; a++) {
       const p = corner[own ^ 1 << a];
       if (p >= met) continue;
-      for (let r = 0; r < 4; r++) addRow(to + r * width, p, r, 1);
+      known++;
+      for (let r = 0; r < rows; r++) addRow(to + r * width, p, r, 1);
+      if (rows === 1) continue;
       const way = float(voxel[a] * edgeOf(cell));
       addRow(to, p, a + 1, own >> a & 1 ? way : -way);
-      known++;
     }
     for (let k = 0; !known && k < 8; k++) {
       if (corner[k] >= met) continue;
-      for (let r = 0; r < 4; r++) addRow(to + r * width, corner[k], r, 1);
+      for (let r = 0; r < rows; r++) addRow(to + r * width, corner[k], r, 1);
       return;
     }
     scaleRows(to, record, float(1 / known));
@@ -414,9 +521,9 @@ function fewFrame(facts, head, layout, bases, frame) {
 
   /* Bits 1: a point can be predicted by parents, 2: by kin. */
   function ways(met) {
-    if (points.parent[FEW.PARENTS * met] !== FEW.NONE) return 1;
-    const cell = points.kin[met];
-    return cell !== FEW.NONE && cells.corner.subarray(8 * cell, 8 * cell + 8).some(p => p < met) ? 2 : 0;
+    const cell = points.kin[met], hasParent = points.parent[FEW.PARENTS * met] !== FEW.NONE ? 1 : 0;
+    if (hasParent && rows > 1 || cell === FEW.NONE) return hasParent;
+    return hasParent | (cornersOf(cell).some(p => p < met) ? 2 : 0);
   }
   function predict(met, way) {
     if (way === 1) byParents(met, met * record);
@@ -437,7 +544,7 @@ function fewFrame(facts, head, layout, bases, frame) {
     return step;
   }
 
-  /* Numbers [4][width] are turned back and added. */
+  /* Numbers [rows][width] are turned back and added. */
   const room = new Float32Array(width);
   function turnBack(number, r, c) {
     const to = c * count, first = r * width + to;
@@ -452,7 +559,7 @@ function fewFrame(facts, head, layout, bases, frame) {
   }
   function add(met, step, number, used) {
     const v = blocks ? 9 * Math.floor(points.before[met] / FEW.BLOCK) : 0;
-    for (let r = 0; r < 4; r++) {
+    for (let r = 0; r < rows; r++) {
       if (!used[r]) continue;
       for (let c = 0; c < channels; c++) turnBack(number, r, c);
       for (let c = 0, to = met * record + r * width; c < channels; c++)
@@ -466,7 +573,7 @@ function fewFrame(facts, head, layout, bases, frame) {
         }
     }
   }
-  return { data, record, width, count, channels, ways, predict, exponent, steps, add };
+  return { data, rows, record, width, count, channels, ways, predict, exponent, steps, add };
 }
 
 /* ---- streams of points ------------------------------------------------------- */
@@ -537,11 +644,12 @@ function fewNumbers(bytes, raw, slot) {
 }
 
 /* What stands beside a point's numbers, of one after another. */
-function fewPoints(bytes, channels, hasValidity) {
-  const coder = fewCoder(bytes), kinds = 2 * channels, invalid = chances(2), validity = chances(8 * 256), exponents = chances(3 * 64);
-  const above = chances(kinds * 1024), left = chances(kinds * 1024), before = { exponent: 0, invalid: 0, validity: 0,
+function fewPoints(bytes, channels, kinds, hasValidity) {
+  const coder = fewCoder(bytes), way = chances(3), invalid = chances(2), validity = chances(8 * 256), exponents = chances(3 * 64);
+  const above = chances(kinds * 1024), left = chances(kinds * 1024), before = { exponent: 0, invalid: 0, validity: 0, way: 0,
     classes: new Uint8Array(kinds) };
-  return function (ways, expected) {
+  const wayOf = ways => { before.way = ways === 3 ? 1 + coder.bit(way, before.way) : ways; return before.way; };
+  const next = (ways, expected) => {
     const p = before, c = p.classes;
     p.invalid = coder.bit(invalid, p.invalid);
     if (hasValidity) p.validity = coder.symbol(validity, 256 * (p.validity >> 5), 8);
@@ -553,6 +661,7 @@ function fewPoints(bytes, channels, hasValidity) {
     if (!(Math.abs(p.exponent) <= 256) || coder.isShort()) damagedFew('its points');
     return p;
   };
+  return { wayOf, next };
 }
 
 /* ---- all --------------------------------------------------------------------- */
@@ -562,35 +671,63 @@ function fewHead(bytes) {
   const v = new DataView(bytes.buffer, bytes.byteOffset, bytes.length), u = i => v.getUint32(4 * i, true), f = i => v.getFloat32(4 * i, true);
   const head = { version: u(0), turn: u(1), step: f(2), slopes: f(3), least: f(4), most: f(5), degree: f(6), loose: u(7), flags: u(14) };
   const within = (x, low, high) => x >= low && x <= high;
-  if (head.version !== 1 || head.turn > 2 || head.flags & 1 || !within(head.step, 1e-10, 10) || !within(head.slopes, 1e-4, 1e3) ||
+  if (head.version !== 1 || head.turn > 2 || !within(head.step, 1e-10, 10) || !within(head.slopes, 1e-4, 1e3) ||
     !within(head.least, 1e-38, 1e38) || !within(head.most, head.least, 1e38) || !within(head.degree, 1e-4, 1)) damagedFew('its head');
   return head;
 }
 
-/* Cells as a shader walks them: what the layout says is put where the section has 0. */
-function fewCells(words, layout) {
-  const c = layout.cells;
-  for (let i = 0, w = 0; i < c.cells; i++, w += 12) {
-    const corners = c.corner.subarray(8 * i, 8 * i + 8), whole = corners.includes(FEW.NONE) ? 0 : 256;
-    if (!(c.flags[i] & FEW.LEAF)) words[w] = c.child[i];
+/* Cells as a shader walks them: what the layout says is put where the section has 0. Parts stand behind all cells. */
+function fewCells(words, layout, place) {
+  const c = layout.cells, s = layout.sides, parts = words.length / 12 - s.leaf.length;
+  function put(w, i, corners) {
+    const whole = corners.includes(FEW.NONE) ? 0 : 256;
     words[w + 1] = c.level[i] | whole | c.flags[i] << 16;
     words[w + 2] = c.origin[3 * i] | c.origin[3 * i + 1] << 16;
     words[w + 3] |= c.origin[3 * i + 2];
-    words.set(corners, w + 4);
+    for (let k = 0; k < 8; k++) words[w + 4 + k] = corners[k] === FEW.NONE ? FEW.NONE : place[corners[k]];
   }
+  for (let i = 0; i < c.cells; i++) {
+    put(12 * i, i, layout.cornersOf(i));
+    if (!(c.flags[i] & FEW.LEAF)) words[12 * i] = c.child[i];
+  }
+  s.cell.forEach((i, n) => { words[12 * i] = n * FEW.SIDE; });
+  s.leaf.forEach((i, n) => put(12 * (parts + n), i, layout.cornersOf(c.cells + n)));
 }
 
-/* A grid from the sections of a page: { layout, data [points][4][width], flags [points] }. `rest` is awaited now and then. */
+/* Leaves with sides as a shader reads them; `first`: the cell that the first part is. */
+function fewSides(layout, first) {
+  const s = layout.sides, words = new Uint32Array(FEW.SIDE * s.cell.length);
+  s.pieces.forEach((pieces, n) => {
+    const w = FEW.SIDE * n;
+    words.set([first + s.first[n], layout.endOf(n) - s.first[n]], w);
+    pieces.forEach((part, i) => { words[w + 2 + (i >> 3)] |= part << 4 * (i & 7); });
+  });
+  return words;
+}
+
+/* Where points stand in the end: ghosts last. */
+function fewPlaces(points) {
+  const place = new Uint32Array(points.met);
+  let next = 0;
+  for (let ghosts = 0; ghosts < 2; ghosts++)
+    for (let i = 0; i < points.met; i++) if (points.ghost[i] === ghosts) place[i] = next++;
+  return place;
+}
+
+/* A grid from the sections of a page: { layout, place [points], data [points][rows][width], flags [points] by places }. `rest` is
+   awaited now and then. */
 async function decodeFew(facts, s, rest) {
   const head = fewHead(s.head), layout = layOutFew(facts, head, s.tree), n = layout.points.met;
   await rest(0);
-  const f = fewFrame(facts, head, layout, s.bases, s.frame), lists = 4 * f.channels, components = lists * f.count;
+  const f = fewFrame(facts, head, layout, s.bases, s.frame), lists = f.rows * f.channels, place = fewPlaces(layout.points);
+  const components = lists * f.count;
   const { table, slot } = fewTables(components, s.tables), coded = codedOf(table, f.count), numbers = fewNumbers(s.numbers, s.bits, slot);
-  const next = fewPoints(s.points, f.channels, head.flags & 2), number = new Float32Array(f.record), flags = new Uint8Array(n);
+  const { wayOf, next } = fewPoints(s.points, f.channels, f.rows > 1 ? 2 * f.channels : f.channels, head.flags & 2);
+  const number = new Float32Array(f.record), flags = new Uint8Array(n);
   const used = new Uint8Array(4), rise = float(FEW.RISE);
   for (let met = 0; met < n; met++) {
     const ways = f.ways(met);
-    f.predict(met, ways);
+    f.predict(met, wayOf(ways));
     const p = next(ways, f.exponent(met));
     number.fill(0);
     used.fill(0);
@@ -605,12 +742,14 @@ async function decodeFew(facts, s, rest) {
       }
     }
     f.add(met, f.steps(met, p.exponent), number, used);
-    flags[met] = p.invalid;
+    flags[place[met]] = p.invalid | (layout.points.ghost[met] ? FEW.GHOST : 0);
     if ((met & 255) === 0) await rest(met / n);
   }
   if (!numbers.isDone()) damagedFew('the end of its numbers');
   let zero = 0;
   for (let i = 0; i < f.data.length; i++) zero += 0 * f.data[i];
   if (zero !== 0) damagedFew('its coefficients');
-  return { layout, data: f.data, flags };
+  const data = layout.points.ghost.includes(1) ? new Float32Array(f.data.length) : f.data;
+  for (let i = 0; data !== f.data && i < n; i++) data.set(f.data.subarray(i * f.record, (i + 1) * f.record), place[i] * f.record);
+  return { layout, place, data, flags };
 }

@@ -22,7 +22,10 @@
   const say = text => { $('note').textContent = text; };
   /* What is under way before the first picture. */
   const tell = text => say('loading: ' + text + ' ...');
-  const breath = () => new Promise(done => setTimeout(done, 0));
+  /* Lets the window do its part; timers would wait 4 ms. */
+  const channel = new MessageChannel(), waiting = [];
+  channel.port1.onmessage = () => waiting.shift()();
+  const breath = () => new Promise(done => { waiting.push(done); channel.port2.postMessage(0); });
 
   /* ---- data -------------------------------------------------------------- */
 
@@ -51,17 +54,17 @@
   async function readSections() {
     const blob = bytesOfBase64($('data').textContent.trim()), sections = {};
     let at = 0;
-    for (const s of meta.sections) {
-      let part = blob.subarray(at, at + s.bytes);
-      at += s.bytes;
-      if (s.coding.includes('zlib')) part = await inflated(part);
-      const numbers = together(part, TYPES[s.type]);
+    const parts = meta.sections.map(s => {
+      const part = blob.subarray(at, at += s.bytes);
+      return s.coding.includes('zlib') ? inflated(part) : part;
+    });
+    for (const [i, s] of meta.sections.entries()) {
+      const numbers = together(await parts[i], TYPES[s.type]);
       if (s.coding.includes('delta')) {
         const columns = s.shape[1] || 1;
         for (let i = columns; i < numbers.length; i++) numbers[i] += numbers[i - columns];
       }
       sections[s.name] = numbers;
-      await breath();
     }
     return sections;
   }
@@ -76,16 +79,16 @@
     return table;
   }
 
-  /* Rows [points][4][ROW] to [points][ROW][4], scaled. */
+  /* Rows [points][4 or 1][ROW] to [points][ROW][4], scaled. */
   function interleave(data, to, scale) {
     for (let p = 0, from = 0; from < data.length; p++)
-      for (let r = 0; r < 4; r++)
+      for (let r = 0; r < (meta.sides ? 1 : 4); r++)
         for (let i = 0, q = 4 * p * ROW + r; i < ROW; i++, q += 4) to[q] = scale * data[from++];
   }
 
   /* Rows of evaluated points, [points][ROW][4], with room for those of continuity. */
   function rowsOf(s) {
-    const n = meta.counts.evaluated * ROW, rows = new Float32Array(meta.counts.points * ROW * 4), half = halves();
+    const n = meta.counts.evaluated * ROW, rows = new Float32Array(meta.counts.points * ROW * 4), half = halfTable;
     if (meta.precision === 'few') interleave(s.data, rows, 2 ** meta.exponent);
     else if (meta.precision === 'half') for (let i = 0; i < 4 * n; i++) rows[i] = half[s.rows[i]];
     else if (meta.precision === 'float') rows.set(s.rows);
@@ -153,9 +156,10 @@
       for (let r = 0; r < lists.length; r++) {
         const w = lists[r];
         for (let i = 0; i < ROW; i++) rows[to + 4 * i + r] = 0;
-        for (let k = 0; k < w.length; k += 3) {
-          const from = cells[c + 4 + w[k]] * ROW * 4 + w[k + 1], x = w[k + 2];
-          for (let i = 0, j = from, q = to + r; i < ROW; i++, j += 4, q += 4) rows[q] += x * rows[j];
+        for (let k = 0; k < w.length; k += 6) {
+          const pair = k + 3 < w.length, from = cells[c + 4 + w[k]] * ROW * 4 + w[k + 1], x = w[k + 2];
+          const other = pair ? cells[c + 4 + w[k + 3]] * ROW * 4 + w[k + 4] : from, y = pair ? w[k + 5] : 0;
+          for (let i = 0, q = to + r; i < 4 * ROW; i += 4) rows[q + i] += x * rows[from + i] + y * rows[other + i];
         }
       }
       if ((b & 255) === 0 && performance.now() - last > SLICE) {
@@ -246,26 +250,32 @@
     const s = gl.createShader(kind);
     gl.shaderSource(s, text);
     gl.compileShader(s);
-    if (!gl.getShaderParameter(s, gl.COMPILE_STATUS))
-      throw new Error('shader: ' + gl.getShaderInfoLog(s));
     return s;
   }
 
-  function program(name, vertex, fragment, defines) {
+  /* Begins to make a program; the driver makes it meanwhile. */
+  function beginProgram(name, vertex, fragment, defines) {
     if (programs[name]) return programs[name];
     const head = '#version 300 es\nprecision highp float;\nprecision highp int;\nprecision highp sampler2D;\n' +
       'precision highp usampler2D;\n' + (defines || '');
-    const p = gl.createProgram();
-    gl.attachShader(p, shader(gl.VERTEX_SHADER, head + vertex));
-    gl.attachShader(p, shader(gl.FRAGMENT_SHADER, head + fragment));
+    const p = gl.createProgram(), shaders = [shader(gl.VERTEX_SHADER, head + vertex), shader(gl.FRAGMENT_SHADER, head + fragment)];
+    for (const s of shaders) gl.attachShader(p, s);
     gl.linkProgram(p);
-    if (!gl.getProgramParameter(p, gl.LINK_STATUS)) throw new Error('shader: ' + gl.getProgramInfoLog(p));
-    const places = {}, n = gl.getProgramParameter(p, gl.ACTIVE_UNIFORMS);
-    for (let i = 0; i < n; i++) {
+    return programs[name] = { p, shaders, places: null };
+  }
+
+  /* A program that is made, and where its uniforms are. */
+  function ready(program) {
+    const p = program.p;
+    if (program.places) return program;
+    if (!gl.getProgramParameter(p, gl.LINK_STATUS))
+      throw new Error('shader: ' + [gl.getProgramInfoLog(p), ...program.shaders.map(s => gl.getShaderInfoLog(s))].join(' '));
+    program.places = {};
+    for (let i = gl.getProgramParameter(p, gl.ACTIVE_UNIFORMS) - 1; i >= 0; i--) {
       const u = gl.getActiveUniform(p, i).name.replace('[0]', '');
-      places[u] = gl.getUniformLocation(p, u);
+      program.places[u] = gl.getUniformLocation(p, u);
     }
-    return programs[name] = { p, places };
+    return program;
   }
 
   const text = id => $(id).textContent;
@@ -273,7 +283,7 @@
   function surfaceProgram(mode) {
     const name = 'surface ' + mode;
     if (programs[name]) return programs[name];
-    if (mode === 'scene') return program(name, text('surface-vertex'), text('probes-glsl') + text('scene-fragment'));
+    if (mode === 'scene') return beginProgram(name, text('surface-vertex'), text('probes-glsl') + text('scene-fragment'));
     const used = [], cosine = [], A = [], legendre = [];
     for (let l = 0; l <= meta.lmax; l++) {
       A[l] = meta.cosine[l];
@@ -283,15 +293,18 @@
     }
     const list = numbers => numbers.map(x => x.toExponential(9)).join(', ');
     const defines = `#define LMAX ${meta.lmax}\n#define CHANNELS ${meta.channels}\n#define MODE ${MODES[mode]}\n` +
-      `#define UNIFORM ${meta.kind === 'uniform' ? 1 : 0}\n#define SIDES ${sections.sides ? 1 : 0}\n` +
+      `#define UNIFORM ${meta.kind === 'uniform' ? 1 : 0}\n#define SIDES ${meta.sides ? 1 : 0}\n` +
       `#define INTERPOLATION ${INTERPOLATION}\n#define USED_COUNT ${used.length}\n` +
       `const int USED[${used.length}] = int[](${used.join(', ')});\n` +
       `const float COSINE[${used.length}] = float[](${list(cosine)});\n` +
       `const float LEGENDRE[${meta.lmax + 1}] = float[](${list(legendre)});\n`;
     const walk = text('cells-glsl') + text('walk-glsl').replace('float weight[32];', 'float weight[32];\n' +
       text('interpolation-glsl') + text('harmonics-glsl'));
-    return program(name, text('surface-vertex'), walk + text('surface-fragment'), defines);
+    return beginProgram(name, text('surface-vertex'), walk + text('surface-fragment'), defines);
   }
+
+  const lampProgram = () => beginProgram('lamps', text('lamp-vertex'), text('lamp-fragment'));
+  const resolveProgram = () => beginProgram('resolve', text('resolve-vertex'), text('resolve-fragment'));
 
   function texture(unit, internal, width, height, format, type, data) {
     const t = gl.createTexture();
@@ -313,8 +326,9 @@
     return [out, height];
   }
 
+  const isFew = meta.lamps.length <= 64 && meta.counts.evaluated <= 20000;
+  const rowsFormat = () => isFew || meta.precision === 'float' ? gl.RGBA32F : gl.RGBA16F;
   const UNIT = { cells: 0, table: 1, rows: 2, lamps: 3, picture: 4, sides: 5, tree: 6, bricks: 7 };
-  let internalRows;
 
   function makeTextures() {
     let [data, height] = padded(sections.cells, 4, Uint32Array);
@@ -323,11 +337,27 @@
     texture(UNIT.table, gl.R32UI, WIDE, height, gl.RED_INTEGER, gl.UNSIGNED_INT, data);
     [data, height] = padded(sections.sides || new Uint32Array(1), 1, Uint32Array);
     texture(UNIT.sides, gl.R32UI, WIDE, height, gl.RED_INTEGER, gl.UNSIGNED_INT, data);
-    const few = meta.lamps.length <= 64 && meta.counts.evaluated <= 20000;
-    internalRows = few || meta.precision === 'float' ? gl.RGBA32F : gl.RGBA16F;
     makeRows();
     makeLamps();
     if (meta.light) makeProbes(readProbes(sections.probes.slice().buffer));
+  }
+
+  /* The driver makes programs when they draw for the first time: it draws the first rows of a grid of one cell without light, while
+     the grid is decoded. */
+  function warm() {
+    const none = new Uint32Array(12);
+    none[1] = 256;
+    texture(UNIT.cells, gl.RGBA32UI, 3, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, none);
+    for (const name of ['table', 'sides'])
+      texture(UNIT[name], gl.R32UI, 1, 1, gl.RED_INTEGER, gl.UNSIGNED_INT, none.subarray(0, 1));
+    texture(UNIT.rows, rowsFormat(), ROW, 1, gl.RGBA, gl.FLOAT, new Float32Array(4 * ROW));
+    makeLamps();
+    resize();
+    const wanted = Object.assign({}, state);
+    state.lines = state.lobes = false;
+    draw(targetOf(1, 1), 0, 16);
+    Object.assign(state, wanted);
+    gl.flush();
   }
 
   let probeUniforms;
@@ -347,7 +377,7 @@
   /* The numbers of points to the graphics driver. */
   function makeRows() {
     const height = Math.max(1, Math.ceil(rows.length / 4 / WIDE));
-    if (!rowsTexture) rowsTexture = texture(UNIT.rows, internalRows, WIDE, height, gl.RGBA, gl.FLOAT, null);
+    if (!rowsTexture) rowsTexture = texture(UNIT.rows, rowsFormat(), WIDE, height, gl.RGBA, gl.FLOAT, null);
     gl.activeTexture(gl.TEXTURE0 + UNIT.rows);
     const full = Math.floor(rows.length / 4 / WIDE);
     if (full) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, WIDE, full, gl.RGBA, gl.FLOAT, rows.subarray(0, full * WIDE * 4));
@@ -382,7 +412,55 @@
       });
     buffer(sections.triangles, gl.ELEMENT_ARRAY_BUFFER);
     gl.bindVertexArray(null);
-    return { vao, n: sections.triangles.length };
+    return { vao, n: sections.triangles.length, boxes: boxesOf(sections.triangles, sections.positions) };
+  }
+
+  const PIECE = 3 * 512;  /* corners of triangles that are drawn or left out together */
+
+  /* Of each piece of a mesh the lowest and the highest of its positions. */
+  function boxesOf(triangles, positions) {
+    const boxes = new Uint16Array(6 * Math.ceil(triangles.length / PIECE));
+    for (let from = 0, b = 0; from < triangles.length; from += PIECE, b += 6) {
+      boxes.fill(65535, b, b + 3);
+      for (let i = from; i < Math.min(from + PIECE, triangles.length); i++)
+        for (let a = 0, x = 3 * triangles[i]; a < 3; a++, x++) {
+          if (positions[x] < boxes[b + a]) boxes[b + a] = positions[x];
+          if (positions[x] > boxes[b + 3 + a]) boxes[b + 3 + a] = positions[x];
+        }
+    }
+    return boxes;
+  }
+
+  /* Can a box's picture by a matrix meet the rows low .. high, -1 .. 1 of the height? It can where a corner is behind the camera. */
+  function meets(box, m, low, high) {
+    let left = 1, right = 1, below = 1, above = 1;
+    for (let k = 0; k < 8; k++) {
+      const p = [0, 1, 2].map(a => meta.mesh.lowest[a] + meta.mesh.step[a] * box[k >> a & 1 ? 3 + a : a]);
+      const [x, y, , w] = [0, 1, 2, 3].map(r => m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r]);
+      if (w <= 0) return true;
+      left &= x < -w;
+      right &= x > w;
+      below &= y < low * w;
+      above &= y > high * w;
+    }
+    return !(left | right | below | above);
+  }
+
+  /* Where pieces of the mesh that those rows can show begin and end, in turn. */
+  function piecesWithin(m, low, high) {
+    const ends = [];
+    for (let b = 0, from = 0; from < mesh.n; b += 6, from += PIECE) {
+      if (!meets(mesh.boxes.subarray(b, b + 6), m, low, high)) continue;
+      if (ends[ends.length - 1] === from) ends.pop();
+      else ends.push(from);
+      ends.push(Math.min(from + PIECE, mesh.n));
+    }
+    return ends;
+  }
+
+  function drawPieces(ends) {
+    for (let i = 0; i < ends.length; i += 2)
+      gl.drawElements(gl.TRIANGLES, ends[i + 1] - ends[i], gl.UNSIGNED_INT, 4 * ends[i]);
   }
 
   const mixed = (a, b, t) => a.map((x, i) => x + t * (b[i] - x));
@@ -595,7 +673,8 @@
     return target;
   }
 
-  function uniforms(pr, values) {
+  function uniforms(begun, values) {
+    const pr = ready(begun);
     gl.useProgram(pr.p);
     for (const [name, [kind, ...x]] of Object.entries(values)) {
       const at = pr.places[name];
@@ -616,11 +695,12 @@
     gl.clearColor(...meta.background, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     if (mesh) {
+      const pieces = piecesWithin(m, 2 * (from - 1) / t.h - 1, 2 * (to + 1) / t.h - 1);
       const common = { camera: matrix, mesh_lowest: ['3f', ...meta.mesh.lowest], mesh_step: ['3f', ...meta.mesh.step] };
       gl.bindVertexArray(mesh.vao);
       gl.colorMask(false, false, false, false);
       uniforms(surfaceProgram('depth'), common);
-      gl.drawElements(gl.TRIANGLES, mesh.n, gl.UNSIGNED_INT, 0);
+      drawPieces(pieces);
       gl.colorMask(true, true, true, true);
       gl.depthMask(false);
       uniforms(surfaceProgram(state.mode), Object.assign(common, {
@@ -630,18 +710,18 @@
         sides: ['1i', UNIT.sides], lamp_count: ['1i', lamps.length], palette: ['3fv', [].concat(...meta.palette)],
         range: ['2f', ...meta.range],
       }, probeUniforms));
-      gl.drawElements(gl.TRIANGLES, mesh.n, gl.UNSIGNED_INT, 0);
+      drawPieces(pieces);
       gl.depthMask(true);
     }
     if (state.lines) {
       edges = edges || makeEdges();
-      uniforms(program('edges', text('edge-vertex'), text('flat-fragment')), { camera: matrix, near: ['1f', near],
+      uniforms(beginProgram('edges', text('edge-vertex'), text('flat-fragment')), { camera: matrix, near: ['1f', near],
         pixels: ['2f', t.w, t.h], width: ['1f', Math.max(1, 1.2 * t.samples * t.share * (window.devicePixelRatio || 1))] });
       gl.bindVertexArray(edges.vao);
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, edges.n);
     }
     if (chosen) {
-      uniforms(program('edges', text('edge-vertex'), text('flat-fragment')), { camera: matrix, near: ['1f', near],
+      uniforms(beginProgram('edges', text('edge-vertex'), text('flat-fragment')), { camera: matrix, near: ['1f', near],
         pixels: ['2f', t.w, t.h], width: ['1f', 2 * t.samples * t.share * (window.devicePixelRatio || 1)] });
       gl.bindVertexArray(chosen.box.vao);
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, chosen.box.n);
@@ -649,7 +729,7 @@
     if (state.lobes || chosen) {
       const head = `#define LMAX ${meta.lmax}\n#define CHANNELS ${meta.channels}\n`;
       const vertex = text('lobe-vertex').replace('float Y[COUNT];', 'float Y[COUNT];\n' + text('harmonics-glsl'));
-      uniforms(program('lobes', vertex, text('flat-fragment'), head), { camera: matrix, eye: ['3f', ...state.from],
+      uniforms(beginProgram('lobes', vertex, text('flat-fragment'), head), { camera: matrix, eye: ['3f', ...state.from],
         rows: ['1i', UNIT.rows] });
       if (state.lobes) lobes = lobes || nearLobes();
       if (chosen) chosen.lobes = chosen.lobes || makeLobes(chosen.corners, () => chosen.size);
@@ -660,7 +740,7 @@
       }
     }
     if (state.lamps && lamps.length) {
-      uniforms(program('lamps', text('lamp-vertex'), text('lamp-fragment')), { camera: matrix, eye: ['3f', ...state.from],
+      uniforms(lampProgram(), { camera: matrix, eye: ['3f', ...state.from],
         right: ['3f', ...f.right], up: ['3f', ...f.up], lamps: ['1i', UNIT.lamps] });
       gl.bindVertexArray(null);
       gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, lamps.length);
@@ -674,7 +754,7 @@
     gl.viewport(0, 0, size[0], size[1]);
     gl.disable(gl.DEPTH_TEST);
     gl.bindVertexArray(null);
-    uniforms(program('resolve', text('resolve-vertex'), text('resolve-fragment')), { picture: ['1i', UNIT.picture],
+    uniforms(resolveProgram(), { picture: ['1i', UNIT.picture],
       samples: ['1i', t.samples], shrink: ['2f', t.w / t.samples / size[0], t.h / t.samples / size[1]],
       gain: ['1f', 2 ** state.exposure], tone: ['1i', TONES.indexOf(state.tone)] });
     gl.drawArrays(gl.TRIANGLES, 0, 3);
@@ -798,7 +878,7 @@
   function lacks(mode) {
     if ((mode === 'exact' || mode === 'error') && meta.no_exact) return meta.no_exact;
     if (mode === 'scene' && !meta.light) return "the page has the grid's light alone";
-    if (mode !== 'levels' && !mesh) return 'the page has no geometry';
+    if (mode !== 'levels' && !meta.mesh) return 'the page has no geometry';
   }
 
   function setMode(mode) {
@@ -1309,8 +1389,8 @@
     };
     const mode = words.get('mode');
     home();
-    state.mode = mode in MODES && mode !== 'depth' && !lacks(mode) ? mode : mesh ? FIRST : 'levels';
-    state.lines = words.has('lines') || !mesh;
+    state.mode = mode in MODES && mode !== 'depth' && !lacks(mode) ? mode : meta.mesh ? FIRST : 'levels';
+    state.lines = words.has('lines') || !meta.mesh;
     state.lamps = !words.has('nolamps');
     state.lobes = words.has('lobes');
     dropLobes();
@@ -1349,7 +1429,8 @@
       await breath();
       last = performance.now();
     });
-    fewCells(sections.cells, made.layout);
+    fewCells(sections.cells, made.layout, made.place);
+    if (meta.sides) sections.sides = fewSides(made.layout, meta.counts.cells);
     sections.data = made.data;
     sections.flags = made.flags;
   }
@@ -1359,17 +1440,25 @@
     const why = missing();
     if (why) return fail(why);
     tell('reading the grid');
+    obey();
+    if (meta.mesh) {
+      surfaceProgram('depth');
+      surfaceProgram(state.mode);
+    }
+    if (state.lamps && lamps.length) lampProgram();
+    resolveProgram();
+    gl.flush();
     sections = await readSections();
+    mesh = makeMesh();
+    if (mesh && state.mode !== 'scene') warm();
     if (meta.precision === 'few') await readFew();
     rows = rowsOf(sections);
     born = births(sections.cells);
     places = placesOf(sections.cells);
     await continueRows(rows, sections.cells, born, share => { tell(`points of continuity, ${Math.round(100 * share)} %`); });
     makeTextures();
-    mesh = makeMesh();
     makeBar();
     listen();
-    obey();
     look();
     tell('the first picture');
     await breath();
