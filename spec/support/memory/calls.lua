@@ -484,9 +484,9 @@ calls["scene:bake with sides"] = on(scene, function(s)
 end)
 calls["probes: file, and read"] = function(keep)
   local s, path = scene(), keep "p.ylmp"
-  local grid = assert(s:bake { quantity = "indirect", probes = ylm.adaptive_grid { lmax = 1, depth = 1, threshold = 0.9 } })
+  local baked = assert(s:bake { quantity = "indirect", probes = ylm.adaptive_grid { lmax = 1, depth = 1, threshold = 0.9 } })
   return function()
-    local report, message, code = grid:export(path, { scene = s, anyway = true })
+    local report, message, code = baked:export(path, { scene = s, anyway = true })
     if not report then return nil, message, code end
     local file = assert(io.open(path, "rb"))
     local bytes = file:read "*a"
