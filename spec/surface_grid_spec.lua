@@ -274,11 +274,12 @@ describe("a surface grid", function()
   end)
 
   it("asks no more paths where these cannot show its tolerance", function()
-    local g, said = listen(function() return assert(scene:surface_grid { tolerance = 0.02, corners = 300, links = links }) end)
+    local g, said = listen(function() return assert(scene:surface_grid { tolerance = 0.004, corners = 300, links = links }) end)
     local paths = g.stats.paths
     assert.is_false(g.stats.met)
     assert.is_true(paths.undecided > 0.5 * g.stats.verified, paths.undecided)
-    assert.equal(2 * 256 * g.stats.verified, paths.paths)
+    local rounds = paths.paths / (256 * g.stats.verified)
+    assert.is_true(rounds > 1.8 and rounds <= 2, rounds) -- but for places that are black
     assert.truthy(said[1]:find "paths are too noisy to say more", said[1])
   end)
 

@@ -47,6 +47,9 @@
 /* Weights of a rectangle's twist and of the differences along its edges, beside those of places. */
 #define TWIST 0.1
 #define SLOPE 0.003
+/* Where the noise of places exceeds this part of the aim, their rays are as many more, and at most so many times as many. */
+#define FIT_NOISE 0.6
+#define FIT_MOST 8
 #define FIT_STEPS 150
 #define FIT_SMALL 1e-12
 
