@@ -63,7 +63,7 @@
 #define JOIN_SLOPE 0.4
 #define JOIN_BIT 2e-4
 /* Sight between two places of one plane passes this far above it; over others it goes up by a part of the distance. */
-#define SIGHT_OFF 1e-4
+#define SIGHT_OFF 1e-5
 #define SIGHT_UP 0.25
 
 /* -- cuts: cut.c --------------------------------------------------------------------------------- */
@@ -85,6 +85,8 @@
 #define CUT_TURNS 3
 #define CUT_BAND 4
 #define CUT_FINER 8
+/* A wall that leans hides places this many heights of sight away from where it meets the surface. */
+#define CUT_SLANT 4
 
 /* -- the end of refinement: refine.c ------------------------------------------------------------- */
 
