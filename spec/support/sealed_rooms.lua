@@ -1,5 +1,5 @@
---- A room of edge 2 that one quad parts, turned anyhow and 0.03 off the middle, a lamp on one side of it; triangles of the room run
--- under the quad: sealed(ylm, turn) -> scene, dark, lit. Either is { points, normals }, places in the room on that side.
+--- A room of edge 2 that one quad parts, turned anyhow and 0.03 off the middle, a lamp on one side of it; triangles of the room
+-- run under the quad: sealed(ylm, turn) -> scene, dark, lit. Either is { points, normals }, places in the room on that side.
 
 local PLACES, OFF, BEYOND = 400, 0.03, 3
 

@@ -111,8 +111,8 @@ local function judge(s, g, m, lit, o)
   local said, message, code = promise.compare(s, promise.lists(points), promise.lists(normals), promise.lists(E),
     o.tolerance, o.quantity, o)
   if not said then return nil, message, code end
-  local paths = { field_met = m.stats.error <= o.tolerance, field_error = m.stats.error, undecided = said.undecided, least = said.least,
-    paths = said.paths, seconds = said.seconds }
+  local paths = { field_met = m.stats.error <= o.tolerance, field_error = m.stats.error, undecided = said.undecided,
+    least = said.least, paths = said.paths, seconds = said.seconds }
   m.lib.surface_verdict(g, #points, said.failed + said.undecided, said.error, said.rms)
   m.stats = m.lib.surface_stats(g)
   m.stats.paths = paths
