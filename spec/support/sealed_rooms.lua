@@ -2,6 +2,7 @@
 -- run under the quad: sealed(ylm, turn) -> scene, dark, lit. Either is { points, normals }, places in the room on that side.
 
 local PLACES, OFF, BEYOND = 400, 0.03, 3
+local BIT = 0.002 -- places that are nearer to the quad are left out: a bit above a surface is beyond it where it leans
 
 --- Turn i of 20: a unit normal, and two axes across it.
 local function turned(i)
@@ -47,7 +48,7 @@ return function(ylm, turn)
   while #dark.points < PLACES do
     k = k + 1
     local p, normal, off = place(k, n, u, v)
-    if math.max(math.abs(p[1]), math.abs(p[2]), math.abs(p[3])) <= 1 then
+    if math.max(math.abs(p[1]), math.abs(p[2]), math.abs(p[3])) <= 1 and math.abs(off) > BIT then
       local list = off > 0 and lit or dark
       list.points[#list.points + 1], list.normals[#list.normals + 1] = p, normal
     end
