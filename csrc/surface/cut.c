@@ -288,8 +288,7 @@ static void snap(const surface_bake *b, const parted *p, line *x) {
   parted near = {.n = 0};
   for (size_t i = 0; i < p->n; i++)
     if (p->seen[i]) near.site[near.n++] = p->site[i];
-  const double at[3] = {
-      (double)to->position[0], (double)to->position[1], (double)to->position[2]};
+  const double at[3] = {(double)to->position[0], (double)to->position[1], (double)to->position[2]};
   size_t seen = nearest_to(b, &near, at, true);
   if (seen == SIZE_MAX) return;
   const float *n = to->normal, *from = b->site[near.site[seen]].position;
