@@ -77,7 +77,10 @@ describe("a surface grid", function()
   it("does not depend on threads", function()
     local one, two = os.tmpname(), os.tmpname()
     for threads, name in pairs { one, two } do
-      local g = scene:surface_grid { tolerance = long(0.3, 0.2), links = links, judge = "field", threads = threads }
+      local g = listen(function()
+        return scene:surface_grid { tolerance = 0.06, corners = 300, links = links, judge = "field", threads = threads,
+          rays = 4 } -- so noisy that all places are asked again
+      end)
       assert.is_true(g:save(name))
     end
     local function body(name)
@@ -274,11 +277,12 @@ describe("a surface grid", function()
   end)
 
   it("asks no more paths where these cannot show its tolerance", function()
-    local g, said = listen(function() return assert(scene:surface_grid { tolerance = 0.02, corners = 300, links = links }) end)
+    local g, said = listen(function() return assert(scene:surface_grid { tolerance = 0.004, corners = 300, links = links }) end)
     local paths = g.stats.paths
     assert.is_false(g.stats.met)
     assert.is_true(paths.undecided > 0.5 * g.stats.verified, paths.undecided)
-    assert.equal(2 * 256 * g.stats.verified, paths.paths)
+    local rounds = paths.paths / (256 * g.stats.verified)
+    assert.is_true(rounds > 1.8 and rounds <= 2, rounds) -- but for places that are black
     assert.truthy(said[1]:find "paths are too noisy to say more", said[1])
   end)
 

@@ -192,7 +192,7 @@ end)
 describe("a .links file", function()
   local folder = scratch.new()
   local path = folder.path .. "/room.links"
-  local room = elements.room({ 0.5, 0.6, 0.7 }, ylm.box { scale = 0.5, at = { 0, 0.25, 0 } })
+  local room = elements.room({ 0.5, 0.6, 0.7 }, ylm.box { scale = 0.5, at = { 0, 0.26, 0 } })
   local t = room:links { spacing = 0.5, rays = 16, lmax = 2 }
   assert(t:save(path))
   local whole = folder:read "room.links"
@@ -221,7 +221,7 @@ describe("a .links file", function()
   end)
 
   it("knows another albedo, which is not in it", function()
-    local white = elements.room(0.9, ylm.box { scale = 0.5, at = { 0, 0.25, 0 } })
+    local white = elements.room(0.9, ylm.box { scale = 0.5, at = { 0, 0.26, 0 } })
     assert.is_true(math.abs(read(white, whole):elements().albedo:get(1, 1) - 0.9) < 1e-6)
   end)
 

@@ -47,6 +47,9 @@
 /* Weights of a rectangle's twist and of the differences along its edges, beside those of places. */
 #define TWIST 0.1
 #define SLOPE 0.003
+/* Where the noise of places exceeds this part of the aim, their rays are as many more, and at most so many times as many. */
+#define FIT_NOISE 0.6
+#define FIT_MOST 8
 #define FIT_STEPS 150
 #define FIT_SMALL 1e-12
 
@@ -60,7 +63,7 @@
 #define JOIN_SLOPE 0.4
 #define JOIN_BIT 2e-4
 /* Sight between two places of one plane passes this far above it; over others it goes up by a part of the distance. */
-#define SIGHT_OFF 1e-4
+#define SIGHT_OFF 1e-5
 #define SIGHT_UP 0.25
 
 /* -- cuts: cut.c --------------------------------------------------------------------------------- */
@@ -82,6 +85,8 @@
 #define CUT_TURNS 3
 #define CUT_BAND 4
 #define CUT_FINER 8
+/* A wall that leans hides places this many heights of sight away from where it meets the surface. */
+#define CUT_SLANT 4
 
 /* -- the end of refinement: refine.c ------------------------------------------------------------- */
 

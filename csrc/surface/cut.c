@@ -255,12 +255,65 @@ static ylm_status sharpen(surface_bake *b, const surface_leaf *l, uint32_t pole,
   return s;
 }
 
-/* How many places of a list lie on the wrong side of a plane. */
-static size_t count_wrong(const surface_bake *b, const parted *p, const float plane[4]) {
-  size_t apart = 0;
+/* How many places of a list lie on the wrong side of a plane, farther from it than `bit`. */
+static size_t count_wrong(const surface_bake *b, const parted *p, const float plane[4], float bit) {
+  size_t apart = 0, n = 0;
+  for (size_t i = 0; i < p->n; i++) {
+    const float *x = b->site[p->site[i]].position;
+    if (fabsf(ylm_dot3(plane, x) - plane[3]) < bit) continue;
+    apart += p->seen[i] != ylm__surface_is_beyond(plane, x);
+    n++;
+  }
+  return apart < n - apart ? apart : n - apart;
+}
+
+/* The place of the list nearest to a plane, of those that are seen or not. */
+static size_t nearest_to_plane(const surface_bake *b, const parted *p, const float plane[4],
+                               bool seen) {
+  size_t best = SIZE_MAX;
+  float least = INFINITY;
+  for (size_t i = 0; i < p->n; i++) {
+    float off = fabsf(ylm_dot3(plane, b->site[p->site[i]].position) - plane[3]);
+    if (p->seen[i] == seen && off < least) least = off, best = i;
+  }
+  return best;
+}
+
+/* Puts a line where the wall that hides places from others stands, if no more places are on the wrong side then: but for
+   those that a slanting wall hides above the surface alone. */
+static void snap(const surface_bake *b, const parted *p, line *x) {
+  size_t hidden = nearest_to_plane(b, p, x->plane, false);
+  if (hidden == SIZE_MAX) return;
+  const surface_site *to = &b->site[p->site[hidden]];
+  parted near = {.n = 0};
   for (size_t i = 0; i < p->n; i++)
-    apart += p->seen[i] != ylm__surface_is_beyond(plane, b->site[p->site[i]].position);
-  return apart < p->n - apart ? apart : p->n - apart;
+    if (p->seen[i]) near.site[near.n++] = p->site[i];
+  const double at[3] = {(double)to->position[0], (double)to->position[1], (double)to->position[2]};
+  size_t seen = nearest_to(b, &near, at, true);
+  if (seen == SIZE_MAX) return;
+  const float *n = to->normal, *from = b->site[near.site[seen]].position;
+  float off = (float)(SIGHT_OFF * b->charts.unit), plane[4];
+  ylm_trace_ray ray = {.far = 1};
+  ylm_trace_hit hit;
+  for (int a = 0; a < 3; a++) {
+    ray.org[a] = from[a] + off * n[a];
+    ray.dir[a] = to->position[a] - from[a];
+  }
+  ylm_trace_nearest(ylm_scene_trace(b->scene), 1, &ray, false, &hit);
+  if (hit.mesh < 0) return;
+  float up = ylm_dot3(hit.normal, n);
+  for (int a = 0; a < 3; a++) plane[a] = hit.normal[a] - up * n[a];
+  float length = sqrtf(ylm_dot3(plane, plane));
+  if (!(length > 0)) return;
+  /* Of the wall's plane what meets the surface's. */
+  plane[3] = 0;
+  for (int a = 0; a < 3; a++) {
+    float met = ray.org[a] + hit.t * ray.dir[a];
+    plane[3] += hit.normal[a] * met - up * n[a] * to->position[a];
+  }
+  for (int a = 0; a < 4; a++) plane[a] /= length;
+  if (count_wrong(b, p, plane, CUT_SLANT * off) <= count_wrong(b, p, x->plane, 0))
+    memcpy(x->plane, plane, sizeof plane);
 }
 
 /* Looks from a place of the list for a line that parts it. */
@@ -277,8 +330,10 @@ static ylm_status try_pole(surface_bake *b, const surface_leaf *l, parted *p, si
   int lines = p->n > 2 * CUT_PLACES ? CUT_DENSE * CUT_LINES : CUT_LINES;
   s = find_line(b, p, lines, YLM_PI / lines, x);
   if (s == YLM_OK && 2 * x->wrong <= least) s = sharpen(b, l, site, YLM_PI / lines, x);
+  if (s == YLM_OK && x->wrong < SIZE_MAX) snap(b, p, x);
   double most = least > 1 ? CUT_WRONG * (double)least + 1 : 0;
-  size_t wrong = s == YLM_OK ? count_wrong(b, p, x->plane) : SIZE_MAX;
+  float bit = (float)(CUT_SLANT * SIGHT_OFF * b->charts.unit);
+  size_t wrong = s == YLM_OK ? count_wrong(b, p, x->plane, bit) : SIZE_MAX;
   *found = (double)wrong <= most && wrong < least;
   return s;
 }
@@ -346,7 +401,7 @@ static ylm_status light_both(surface_bake *b, surface_leaf *l, const float plane
     entry[n] = i;
     site[n++] = b->entry[i].site;
   }
-  ylm_status s = ylm__surface_ask(b, n, site, b->form->light.links, light, share);
+  ylm_status s = ylm__surface_ask(b, n, site, b->links, light, share);
   if (s == YLM_OK) s = ylm__surface_know(b, n, site, share);
   if (s == YLM_OK) s = ylm__surface_keep(b, n, site, light);
   /* Entries ascend: those behind stay where they are. */

@@ -151,7 +151,7 @@ static double noise_of(const surface_bake *b) {
 /* Rays of each half of a place that judges. */
 static int judge_rays(const surface_bake *b) {
   double more = noise_of(b) / (JUDGE_NOISE * b->aim);
-  double rays = (double)b->form->light.links * more * more;
+  double rays = (double)b->links * more * more;
   return 4 * (int)ceil(fmin(JUDGE_MOST, fmax(JUDGE_LEAST, rays)) / 4);
 }
 
@@ -264,6 +264,16 @@ static ylm_status fit(surface_bake *b, bool part) {
   return s;
 }
 
+/* Takes more rays a place where the noise of those that there are would keep the fit from its aim. */
+static ylm_status quieten(surface_bake *b) {
+  double more = noise_of(b) / (FIT_NOISE * b->aim);
+  if (!(more > 1)) return YLM_OK;
+  b->links = 4 * (int)ceil(fmin(FIT_MOST, more * more) * (double)b->links / 4);
+  if (b->links > YLM_TRANSFER_LINKS) b->links = YLM_TRANSFER_LINKS;
+  ylm_status s = ylm__surface_renew(b);
+  return s == YLM_OK ? fit(b, false) : s;
+}
+
 static ylm_status refine(surface_bake *b, panel *p) {
   size_t judged = 0, judges = 0, fewest = SIZE_MAX, idle = 0;
   ylm_status s = begin(b);
@@ -273,6 +283,7 @@ static ylm_status refine(surface_bake *b, panel *p) {
     snprintf(stage, sizeof stage, "surfaces, round %d", (int)round);
     s = ylm_report(b->form->light.progress, round - 1, ROUNDS, stage);
     if (s == YLM_OK) s = fit(b, true);
+    if (s == YLM_OK && round == 1) s = quieten(b);
     if (s != YLM_OK) break;
     double hope = expected(b);
     if (judges < JUDGED_MOST && (hope < HOPE || (double)b->unknowns > GROWN * (double)judged)) {
@@ -308,6 +319,7 @@ static ylm_status refit(surface_bake *b, panel *p) {
     if (round > 0) s = join(b, p);
     if (s == YLM_OK) s = ylm_report(b->form->light.progress, round, REFITS, "surfaces");
     if (s == YLM_OK) s = fit(b, false);
+    if (s == YLM_OK && round == 0) s = quieten(b);
     if (s == YLM_OK) s = draw(b, round, p);
     if (s == YLM_OK) compare(b, p);
     if (s == YLM_OK && is_enough(b)) break;
@@ -351,6 +363,7 @@ ylm_status ylm_surface_bake(const ylm_radiosity *r, const ylm_surface_form *form
   *out = NULL;
   ylm_status s = check(form, e);
   if (s != YLM_OK) return s;
+  b.links = form->light.links;
   b.scene = ylm_transfer_scene(ylm_radiosity_transfer(r));
   describe(&b);
   panel *p = ylm_alloc(1, sizeof *p);

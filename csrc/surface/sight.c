@@ -30,7 +30,13 @@ static int aim(const surface_bake *b, const surface_site *p, const surface_site 
   if (fabs(way[0]) > most || fabs(way[1]) > most || along < 0.1f) return -1;
   if (length < 1e-3 * bit) return 0;
   bool plane = along > 0.9999f && fabs(way[0]) < bit;
-  float at[4][3], up = (float)(plane ? off : SIGHT_UP * length), low = (float)off;
+  float at[4][3], up = (float)(SIGHT_UP * length), low = (float)off;
+  if (plane) { /* no higher than rays start: a wall that leans hides more above the surface than on it */
+    ylm_scene_ray_origin(b->scene, p->position, p->normal, at[1]);
+    ylm_scene_ray_origin(b->scene, q->position, q->normal, at[2]);
+    ray[0] = between(at[1], at[2]);
+    return 1;
+  }
   for (int a = 0; a < 3; a++) {
     at[0][a] = p->position[a] + low * p->normal[a];
     at[1][a] = p->position[a] + up * p->normal[a];
@@ -38,7 +44,6 @@ static int aim(const surface_bake *b, const surface_site *p, const surface_site 
     at[3][a] = q->position[a] + low * q->normal[a];
   }
   ray[0] = between(at[1], at[2]);
-  if (plane) return 1;
   ray[1] = between(at[0], at[1]);
   ray[2] = between(at[3], at[2]);
   return 3;

@@ -255,7 +255,7 @@ static ylm_status ask_all(surface_bake *b, const asked *q) {
                      ? YLM_OK
                      : YLM_ENOMEM;
   if (s == YLM_OK)
-    s = ylm__surface_ask(b, q->n, q->site, b->form->light.links, b->light + b->lights, share);
+    s = ylm__surface_ask(b, q->n, q->site, b->links, b->light + b->lights, share);
   if (s == YLM_OK) s = ylm__surface_know(b, q->n, q->site, share);
   if (s == YLM_OK) b->lights += q->n;
   ylm_free(share);
@@ -272,5 +272,17 @@ ylm_status ylm__surface_sample(surface_bake *b) {
     for (size_t k = 0; s == YLM_OK && k < b->leaves; k++) bury(b, &b->leaf[k]);
   }
   ylm_free(q.site);
+  return s;
+}
+
+ylm_status ylm__surface_renew(surface_bake *b) {
+  uint32_t *site = ylm_alloc(b->lights, sizeof *site);
+  float *share = ylm_alloc(b->lights, sizeof *share);
+  ylm_status s = site && share ? YLM_OK : YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < b->sites; i++)
+    if (b->site[i].light != SURFACE_NONE) site[b->site[i].light] = (uint32_t)i;
+  if (s == YLM_OK) s = ylm__surface_ask(b, b->lights, site, b->links, b->light, share);
+  ylm_free(site);
+  ylm_free(share);
   return s;
 }

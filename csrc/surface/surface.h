@@ -162,6 +162,7 @@ typedef struct surface_bake {
   size_t classes, class_room, unknowns;
   double mean[3];
   double aim; /* the tolerance that is refined for */
+  int links;  /* rays of each half of a place's light: the form's, more where these are noisy */
   ylm_surface_stats stats;
 } surface_bake;
 
@@ -188,6 +189,8 @@ ylm_status ylm__surface_draw(const surface_charts *c, const ylm_radiosity *r, si
 ylm_status ylm__surface_sites(surface_bake *b);
 /* sites.c: asks for the light of sites until leaves have enough. */
 ylm_status ylm__surface_sample(surface_bake *b);
+/* sites.c: asks for all light that there is anew, with b->links. */
+ylm_status ylm__surface_renew(surface_bake *b);
 /* sites.c: finds out what a list of sites is; of `share` that ylm__surface_ask found, or of rays of its own. */
 ylm_status ylm__surface_know(surface_bake *b, size_t n, const uint32_t *site, const float *share);
 /* sites.c: keeps the light of a list of sites, of those that have none yet and are not buried. */

@@ -22,6 +22,18 @@
 #define SIDES_SETS 64
 #define SIDES_NESTED 16
 
+/* -- elements that walls cross: crossed.c ---------------------------------------------------------- */
+
+/* Corners are looked at this far from the middle. */
+#define CROSSED_WITHIN 0.999f
+/* Places of an element on its other side come nearer to its middle by halves, so many times. */
+#define CROSSED_HALVES 4
+/* A neighbour is looked for within the spacing in so many steps, by rays down from this part of it, of surfaces that face as
+   this cosine. */
+#define CROSSED_STEPS 3
+#define CROSSED_LIFT 0.05f
+#define CROSSED_FACING 0.9f
+
 /* -- files: file.c ------------------------------------------------------------------------------- */
 
 /* Transfer vectors of files are taken with a noise of at most so many standard deviations, and this rounding; shares of

@@ -43,6 +43,7 @@ static void aim(const job *j, size_t i, waiting *w) {
   for (int k = 0; k < j->places; k++) {
     ylm_scene_surface at;
     ylm_scene_place here = place_of(place, corner, x, y, k);
+    ylm__transfer_hold(j->t, i, &here);
     ylm_scene_surfaces(j->scene, 1, &here, &at);
     ylm_scene_batch_aim(&w->lit, at.lit, at.normal, at.origin, j->each, &rng);
   }

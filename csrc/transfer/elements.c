@@ -206,7 +206,8 @@ static ylm_status make(ylm_transfer *t, const float *positions) {
           t->mesh[of + e] = (uint32_t)m, t->triangle[of + e] = (uint32_t)(i - t->first[m]);
       }
   job j = {t, positions, ylm_scene_is_tinted(t->scene)};
-  return ylm_parallel(n, TRANSFER_GRAIN, t->form.threads, describe, &j, NULL, NULL);
+  ylm_status s = ylm_parallel(n, TRANSFER_GRAIN, t->form.threads, describe, &j, NULL, NULL);
+  return s == YLM_OK ? ylm__transfer_cross(t) : s;
 }
 
 static ylm_status list_triangles(ylm_transfer *t) {
@@ -299,12 +300,12 @@ void ylm_transfer_hits(const ylm_transfer *t, size_t n, const ylm_trace_ray *ray
     out[i] = (uint32_t)t->elements;
     if (h->mesh < 0) continue;
     bool back = ylm_dot3(h->normal, ray[i].dir) > 0;
-    out[i] = ylm_transfer_element(
-        t,
-        &(ylm_scene_place){
-            .mesh = (uint32_t)h->mesh, .element = h->element, .u = h->u, .v = h->v, .back = back});
+    ylm_scene_place place = {
+        .mesh = (uint32_t)h->mesh, .element = h->element, .u = h->u, .v = h->v, .back = back};
+    out[i] = ylm_transfer_element(t, &place);
     uint8_t side = back ? TRANSFER_BACK : TRANSFER_FRONT;
     if (!(t->side[h->mesh] & side)) out[i] = YLM_TRANSFER_BURIED(t);
+    if (out[i] < t->elements && t->crossed[out[i]]) out[i] = ylm__transfer_own(t, out[i], &place);
   }
 }
 

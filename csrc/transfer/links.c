@@ -67,8 +67,8 @@ static void place_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *belo
 /* Rays of element i, whose origins are stratified over it. */
 static void element_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *below) {
   const ylm_transfer *t = j->t;
-  ylm_scene_place place[3];
-  ylm_scene_surface at[3];
+  ylm_scene_place place[3], here;
+  ylm_scene_surface at[3], own;
   float corner[3][2], across[3];
   double d[2][3];
   ylm_rng rng;
@@ -84,6 +84,7 @@ static void element_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *be
   for (int a = 0; a < 6; a++)
     d[a / 3][a % 3] = (double)at[1 + a / 3].origin[a % 3] - (double)at[0].origin[a % 3];
   memcpy(across, at[0].flat, 12);
+  here = place[0];
   for (int k = 0; k < j->links; k++) {
     float x = j->inside[k][0] + x0, y = j->inside[k][1] + y0;
     if (x >= 1) x -= 1;
@@ -92,6 +93,12 @@ static void element_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *be
     for (int a = 0; a < 3; a++)
       ray[k].org[a] =
           ylm_away((double)at[0].origin[a] + (double)x * d[0][a] + (double)y * d[1][a], across[a]);
+    if (t->crossed[i]) {
+      ylm__transfer_inside(corner, x, y, &here);
+      ylm__transfer_hold(t, i, &here);
+      ylm_scene_surfaces(t->scene, 1, &here, &own);
+      memcpy(ray[k].org, own.origin, 12);
+    }
     below[k] = !(ylm_dot3(ray[k].dir, across) > 0);
     if (below[k]) ray[k].far = -1;
   }

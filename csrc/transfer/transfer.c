@@ -23,7 +23,7 @@ static ylm_status check(const ylm_transfer_form *f, size_t meshes, ylm_error *e)
 
 size_t ylm__transfer_bytes(const ylm_transfer *t) {
   size_t row = t->escape ? ylm_sh_count(t->form.lmax) : 0;
-  return t->elements * (3 * 12 + 4 * 4 + 4 * ((size_t)t->form.links + row)) +
+  return t->elements * (3 * 12 + 4 * 4 + 1 + 4 * ((size_t)t->form.links + row)) +
          t->triangles * (sizeof *t->cut + sizeof *t->start);
 }
 
@@ -65,6 +65,7 @@ void ylm_transfer_free(ylm_transfer *t) {
   ylm_free(t->mesh);
   ylm_free(t->triangle);
   ylm_free(t->share);
+  ylm_free(t->crossed);
   ylm_free(t->link);
   ylm_free(t->escape);
   ylm_free(t);

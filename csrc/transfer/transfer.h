@@ -28,6 +28,7 @@ struct ylm_transfer {
   float (*centre)[3], (*normal)[3], *area, (*albedo)[3]; /* [elements] */
   uint32_t *mesh, *triangle;                             /* [elements] the latter in its mesh */
   float *share;   /* [elements] the part of it that is not inside of a body; 0: dead */
+  uint8_t *crossed; /* [elements] a wall parts it: its light is that of its middle's side */
   uint32_t *link; /* [elements][links] */
   float *escape;  /* [elements][(lmax+1)^2] or NULL */
 };
@@ -68,6 +69,15 @@ static inline bool ylm__transfer_is_back(const ylm_transfer *t, size_t i) {
   const uint32_t *start = t->start[t->first[t->mesh[i]] + t->triangle[i]];
   return start[1] != TRANSFER_NONE && i >= start[1];
 }
+
+/* -- crossed.c ------------------------------------------------------------------ */
+
+/* Fills t->crossed, of elements that are known. */
+ylm_status ylm__transfer_cross(ylm_transfer *t);
+/* Brings a place of element e to the side of its middle. */
+void ylm__transfer_hold(const ylm_transfer *t, size_t e, ylm_scene_place *place);
+/* The element whose light a place of the crossed element e has; t->elements: none. */
+uint32_t ylm__transfer_own(const ylm_transfer *t, uint32_t e, const ylm_scene_place *place);
 
 /* -- links.c -------------------------------------------------------------------- */
 

@@ -2,8 +2,8 @@
 --
 --     build/ylm run spec/bench/rooms.lua [scene: a pattern] [seed] [folder of truths] [all | truth | fine | again] [rows]
 --
--- `make bench BENCH=rooms` runs it without arguments: all scenes, seeds 1 to 3, the rows of tolerance 0.1, in hours. Rows are a
--- pattern too, such as "^surfaces 0.1"; if a scene is named, the default is all of them.
+-- `make bench BENCH=rooms` runs it without arguments: all scenes, seeds 1 to 3, the rows of tolerance 0.1, in hours. Rows are
+-- patterns too, such as "^surfaces 0.1" or "^uniform 0.25$|^adaptive 0.1$"; if a scene is named, the default is all of them.
 --
 -- Each seed has 2,000 places of surfaces and their irradiance by paths, which are kept in the folder, so that several libraries
 -- are judged by the same truth. "truth" makes these alone; called again it adds paths. YLM_BENCH_SECONDS bounds the paths of a
@@ -25,7 +25,7 @@ local COSINE = { [0] = math.pi, 2 * math.pi / 3, math.pi / 4, 0, -math.pi / 24, 
 local SEEDS = 3
 local pattern, seed, folder = arg[1] or "", tonumber(arg[2]), arg[3] or "out/rooms"
 local truth_alone, judged_again, fine_alone = arg[4] == "truth", arg[4] == "again", arg[4] == "fine"
-local rows_wanted = arg[5] or (arg[1] and "" or "[es] 0%.1") -- "adaptive 0.1" and "surfaces 0.1"
+local rows_wanted = arg[5] or (arg[1] and "." or "[es] 0%.1") -- "adaptive 0.1" and "surfaces 0.1"
 local first_seed, last_seed = seed or 1, seed or SEEDS
 local label = os.getenv "YLM_BENCH_LABEL"
 local seconds_most = tonumber(os.getenv "YLM_BENCH_SECONDS") or 100
@@ -36,6 +36,14 @@ local entries = {}
 for _, entry in ipairs(require "spec.support.walled_scenes") do entries[#entries + 1] = entry end
 for _, entry in ipairs(require "spec.support.bounce_scenes") do
   entries[#entries + 1] = { name = entry.name, make = entry.make, quantity = "indirect" }
+end
+
+--- Is a row asked for?
+local function is_wanted(name)
+  for row in rows_wanted:gmatch "[^|]+" do
+    if name:find(row) then return true end
+  end
+  return false
 end
 
 local function lum(c) return LUMINANCE[1] * c[1] + LUMINANCE[2] * c[2] + LUMINANCE[3] * c[3] end
@@ -361,7 +369,7 @@ local function by_surfaces(scene, entry, truth, links, say)
   for _, tolerance in ipairs { 0.2, 0.1, 0.05 } do
     for _, by in ipairs { "field", "paths" } do
       local name, began = ("surfaces %g, %s"):format(tolerance, by), now()
-      if name:find(rows_wanted) then
+      if is_wanted(name) then
         local light = assert(scene:surface_grid { tolerance = tolerance, quantity = entry.quantity, links = links, judge = by,
           seed = seed, progress = false })
         local s, E = light.stats, {}
@@ -413,7 +421,7 @@ local function run(entry)
   local failed, limited = {}, math.huge
   for _, case in ipairs(cases(scene)) do
     local name, description, options = case[1], case[2], case[3] or {}
-    local wanted = name:find(rows_wanted) and (not case.instead or failed[case.instead])
+    local wanted = is_wanted(name) and (not case.instead or failed[case.instead])
     if wanted and case.depth and case.depth >= limited then -- a larger tolerance was refused there
       failed[name] = true
     elseif wanted then
@@ -428,7 +436,7 @@ local function run(entry)
             numbers(grid), f.stats.rays / 1e6, size or 0, s.met == nil and "" or tostring(s.met),
             s.error and ("%.3f"):format(s.error) or "", seconds), way[2](truth.points, truth.normals))
         end
-        if pcall(require, "ylm.grid.small") then -- libraries of before have none
+        if is_wanted(name .. ", few bytes") and pcall(require, "ylm.grid.small") then -- libraries of before have none
           in_few_bytes(name, grid, scene, truth, say)
         end
         grid:close()

@@ -116,6 +116,7 @@ static void find_spots(const job *j, size_t i, spot *out) {
     double x = part_of_one(x0 + (double)k * 0.8566748838545029);
     double y = part_of_one(y0 + (double)k * 0.7338918566271260);
     ylm__transfer_inside(corner, x, y, &place);
+    ylm__transfer_hold(j->t, i, &place);
     ylm_scene_surfaces(j->t->scene, 1, &place, &at);
     memcpy(out[k].lit, at.lit, 12);
     memcpy(out[k].normal, at.normal, 12);

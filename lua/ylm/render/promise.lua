@@ -3,10 +3,11 @@
 -- A place whose error is d with a standard error s is decided where |d - X m| > 2.6 s, m the larger of its own irradiance and
 -- the mean. Its paths are doubled until then, and those of places that miss X where these are few. Undecided places count as
 -- failed: noise can only make the verdict worse. Few paths may all miss what is bright, and then claim little noise: s is at
--- least that of the median place with as many paths.
+-- least that of the median place with as many paths, of those that are lit. A place that both call black is so.
 --
--- A place is lost if it misses X, or would be undecided by all its paths without any error. Once more places are lost than the
--- promise allows, no more paths change the verdict: rounds follow that cost no more than the first, for the error alone.
+-- A place is lost if it misses X, or would be undecided by all its paths without any error; few paths cannot say so of one
+-- place, but of a tenth of all. Once more places are lost than the promise allows, no more paths change the verdict: rounds
+-- follow that cost no more than the first, for the error alone.
 
 local array = require "ylm.array"
 local core = require "ylm.c.core"
@@ -18,6 +19,7 @@ local promise = {}
 local FIRST, MOST = 256, 16384 -- paths of a place
 local SURE = 2.6               -- standard errors
 local CHANCE = 0.01            -- of a place to be lost without being so: what is beyond SURE
+local BELIEVED = 1024          -- paths of a place from which its noise is: that of fewer has long tails
 
 --- Irradiance of coefficients [n][3][count] on surfaces with normals, a list of lists.
 local function irradiance(L, normals, lmax)
@@ -85,25 +87,37 @@ local function means(e)
   return mean
 end
 
---- The variance of one path over m^2, in the median place, by channel.
-local function spreads(e, mean)
-  local out = {}
+--- The variance of one path over m^2, in the median of the places that paths bring light to, by channel; and the noisiest
+-- tenth of them, a number, where all their paths would leave it undecided.
+local function spreads(e, mean, tolerance)
+  local out, hopeless = {}, 0
   for c = 1, 3 do
     local all = {}
     for i = 1, #e.mean do
       local m = math.max(math.abs(e.mean[i][c]), mean[c])
-      all[i] = m > 0 and e.variance[i][c] * e.paths[i] / (m * m) or 0
+      if e.variance[i][c] > 0 then all[#all + 1] = e.variance[i][c] * e.paths[i] / (m * m) end
     end
     table.sort(all)
+    local tenth = math.floor(#all / 10)
     out[c] = all[math.ceil(#all / 2)] or 0
+    if SURE * math.sqrt((all[#all - tenth] or 0) / MOST) > tolerance then hopeless = math.max(hopeless, tenth) end
   end
-  return out
+  return out, hopeless
+end
+
+--- Do grid and paths say that no light comes to place i?
+local function is_black(e, i)
+  for c = 1, 3 do
+    if e.told[i][c] ~= 0 or e.mean[i][c] ~= 0 then return false end
+  end
+  return true
 end
 
 --- The errors of place i that are sure at least, and at most, and the noise that all its paths would leave; over m, in the worst
 -- channel.
 local function bounds_of(e, i, mean, spread)
   local least, most, rest, left = 0, 0, 0, math.sqrt(e.paths[i] / MOST)
+  if is_black(e, i) then return least, most, rest end
   for c = 1, 3 do
     local m = math.max(math.abs(e.mean[i][c]), mean[c])
     local variance = math.max(e.variance[i][c], spread[c] * m * m / e.paths[i])
@@ -126,18 +140,19 @@ end
 -- refute; the root mean square.
 local function rule(e, tolerance)
   local mean, square, n = means(e), 0, #e.mean
-  local spread, least, most = spreads(e, mean), {}, {}
-  local said = { missed = {}, open = {}, lost = 0, largest = 0 }
+  local spread, hopeless = spreads(e, mean, tolerance)
+  local least, most, said = {}, {}, { missed = {}, open = {}, lost = 0, largest = 0 }
   for i = 1, n do
     local rest
     least[i], most[i], rest = bounds_of(e, i, mean, spread)
     local misses = least[i] > tolerance
     if misses then table.insert(said.missed, i)
     elseif most[i] > tolerance then table.insert(said.open, i) end
-    if misses or rest > tolerance then said.lost = said.lost + 1 end
+    if e.paths[i] >= BELIEVED and (misses or rest > tolerance) then said.lost = said.lost + 1 end
     local d = e.told[i][2] - e.mean[i][2]
     said.largest, square = math.max(said.largest, most[i]), square + d * d - e.variance[i][2]
   end
+  said.lost = math.max(said.lost, hopeless)
   said.failed, said.error, said.least = #said.missed, quantile(most, 0), quantile(least, math.floor(CHANCE * n))
   said.rms = mean[2] > 0 and math.sqrt(math.max(0, square / n)) / mean[2] or 0
   return said

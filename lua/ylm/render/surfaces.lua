@@ -70,7 +70,7 @@ local function is_noisy(s) return s.paths ~= nil and s.error > NOISY * s.paths.l
 --- The words for what 99 % of the places keep.
 local function kept(s)
   if is_noisy(s) then
-    return ("%.2g at best; paths are too noisy to say more than %s"):format(math.max(s.paths.least, 0),
+    return ("%.2g by the elements' light; paths are too noisy to say more than %s"):format(s.paths.field_error,
       s.error < math.huge and unmet.rounded_up(s.error) or "that")
   end
   return s.error < math.huge and ("%.3g"):format(s.error) or "no bound"
@@ -111,8 +111,8 @@ local function judge(s, g, m, lit, o)
   local said, message, code = promise.compare(s, promise.lists(points), promise.lists(normals), promise.lists(E),
     o.tolerance, o.quantity, o)
   if not said then return nil, message, code end
-  local paths = { field_met = m.stats.met, field_error = m.stats.error, undecided = said.undecided, least = said.least,
-    paths = said.paths, seconds = said.seconds }
+  local paths = { field_met = m.stats.error <= o.tolerance, field_error = m.stats.error, undecided = said.undecided,
+    least = said.least, paths = said.paths, seconds = said.seconds }
   m.lib.surface_verdict(g, #points, said.failed + said.undecided, said.error, said.rms)
   m.stats = m.lib.surface_stats(g)
   m.stats.paths = paths
