@@ -232,13 +232,11 @@ describe("probes of engines", function()
   end)
 
   it("are judged by scene:judge", function()
-    local o = { places = 150, samples = 64, progress = false }
+    local o = { places = 150, samples = 64, progress = false, picture = { 24, 16 } }
     local found = assert(scene:judge(folder.path .. "/few.ylmp", o))
     assert(found.rms < 0.15 + 2 * found.noise and found.bytes == #few, found.rms .. " " .. found.noise)
-    o.picture = { 24, 16 }
-    local drawn = assert(scene:judge(folder.path .. "/few.ylmp", o)).picture
-    assert(drawn.size[1] == 3 * 3 * 24 and found.negative == 0)
-    local pixels = drawn:layer "radiance" -- lit in the panels of paths and of probes
+    assert(found.picture.size[1] == 3 * 3 * 24 and found.negative == 0)
+    local pixels = found.picture:layer "radiance" -- lit in the panels of paths and of probes
     for _, x in ipairs { 36, 108 } do assert(pixels:get(60, x, 1) > 0.02, pixels:get(60, x, 1)) end
     local blind = ylm.scene "blind" { geometry = scene.geometry, lights = scene.lights }
     assert.has_error(function() blind:judge(folder.path .. "/few.ylmp", o) end)
