@@ -104,23 +104,44 @@ static void aim_into_tree(aiming *a, int k, size_t n, scene_drawn *d) {
 
 /* -- by guides ------------------------------------------------------------------------------------- */
 
-/* Weighs all lamps by the factors of a guide; returns the total. */
-static double weigh_by_guide(ylm_scene_chooser *c, const float *factor) {
-  double total = 0;
-  for (size_t i = 0; i < c->chunks * YLM_LAMP_CHUNK; i++) {
-    c->weight[i] *= factor[i];
-    total += (double)c->weight[i];
-  }
-  return total;
+/* Weights of a chunk, times these factors; their sum. */
+static double weigh_chunk(float *weight, const float *factor) {
+  enum { LANES = 8 };
+  double lane[LANES] = {0}, sum = 0;
+  for (size_t i = 0; i < YLM_LAMP_CHUNK; i += LANES)
+    for (size_t k = 0; k < LANES; k++) {
+      weight[i + k] *= factor[i + k];
+      lane[k] += (double)weight[i + k];
+    }
+  for (size_t k = 0; k < LANES; k++) sum += lane[k];
+  return sum;
 }
 
-/* The sums of weights that are left; their total. */
+/* Weighs all lamps by the factors of a guide; returns the total. */
+static double weigh_by_guide(ylm_scene_chooser *c, const float *factor) {
+  c->total = 0;
+  for (size_t b = 0; b < c->chunks; b++) {
+    size_t first = b * YLM_LAMP_CHUNK;
+    c->sum[b] = (float)weigh_chunk(c->weight + first, factor + first);
+    c->total += (double)c->sum[b];
+  }
+  return c->total;
+}
+
+/* Whether all lamps of a chunk are tiles of the sky, which have no whole rays. */
+static bool is_of_tiles(const ylm_scene_chooser *c, size_t chunk) {
+  size_t first = c->chunk[SCENE_SKY], tiles = c->scene->sky_lights - c->scene->cones;
+  return chunk >= first && (chunk + 1 - first) * YLM_LAMP_CHUNK <= tiles;
+}
+
+/* The sums of weights that are left, after lamps of other chunks may have left; their total. */
 static double sum_up(ylm_scene_chooser *c) {
   c->total = 0;
   for (size_t b = 0; b < c->chunks; b++) {
     double sum = 0;
-    for (size_t i = 0; i < YLM_LAMP_CHUNK; i++) sum += (double)c->weight[b * YLM_LAMP_CHUNK + i];
-    c->sum[b] = (float)sum;
+    const float *weight = c->weight + b * YLM_LAMP_CHUNK;
+    for (size_t i = 0; i < YLM_LAMP_CHUNK && !is_of_tiles(c, b); i++) sum += (double)weight[i];
+    if (!is_of_tiles(c, b)) c->sum[b] = (float)sum;
     c->total += (double)c->sum[b];
   }
   return c->total;
@@ -133,6 +154,14 @@ static bool is_whole(const ylm_scene_chooser *c, size_t place, double ray) {
   return (double)c->weight[place] >= ray && (place < first || place >= first + tiles);
 }
 
+/* The first place from `i` on that is not in a chunk of tiles. */
+static size_t skip_tiles(const ylm_scene_chooser *c, size_t i) {
+  while (i % YLM_LAMP_CHUNK == 0 && i / YLM_LAMP_CHUNK < c->chunks &&
+         is_of_tiles(c, i / YLM_LAMP_CHUNK))
+    i += YLM_LAMP_CHUNK;
+  return i;
+}
+
 /* Lamps that are worth whole rays. */
 typedef struct whole {
   double ray;    /* the weight that is worth one */
@@ -143,7 +172,10 @@ typedef struct whole {
 
 static whole find_whole(const ylm_scene_chooser *c, const float *spread, double ray) {
   whole x = {.ray = ray};
-  for (size_t i = 0; i < c->chunks * YLM_LAMP_CHUNK; i++) {
+  size_t all = c->chunks * YLM_LAMP_CHUNK;
+  for (size_t b = 0; b < c->chunks; b++)
+    if (is_of_tiles(c, b)) x.rest += (double)c->sum[b];
+  for (size_t i = skip_tiles(c, 0); i < all; i = skip_tiles(c, i + 1)) {
     double weight = (double)c->weight[i];
     if (is_whole(c, i, ray))
       x.lamps++, x.spread += weight * (double)spread[i];
@@ -161,7 +193,8 @@ static int deal_whole(aiming *a, ylm_scene_chooser *c, const float *spread, doub
   int most = a->light_samples - (x.rest > 0), dealt = 0, given = 0;
   double more = most > x.lamps ? most - x.lamps : 0, worth = 0;
   if (x.rest > 0) more = floor(more * x.spread / (x.spread + x.rest));
-  for (size_t i = 0; i < c->chunks * YLM_LAMP_CHUNK && dealt < most; i++) {
+  size_t all = c->chunks * YLM_LAMP_CHUNK;
+  for (size_t i = skip_tiles(c, 0); i < all && dealt < most; i = skip_tiles(c, i + 1)) {
     if (!is_whole(c, i, x.ray)) continue;
     worth += more * (double)c->weight[i] * (double)spread[i] / x.spread;
     int extra = (int)floor(worth + 0.5) - given,

@@ -429,7 +429,7 @@ YLM_API ylm_status ylm_shade_raycast_noise(const ylm_shade_view *view, const ylm
 **   a, b, all  in   [height][width][3]
 **   out        out  [height][width]
 **
-** Returns  YLM_OK; YLM_EINVAL: a view of some pixels
+** Returns  YLM_OK; YLM_EINVAL: a view of some pixels; YLM_ENOMEM
 */
 YLM_API ylm_status ylm_shade_noise_around(const ylm_shade_view *view, const float *a,
                                           const float *b, const float *all, int threads,
