@@ -104,30 +104,6 @@ static void aim_into_tree(aiming *a, int k, size_t n, scene_drawn *d) {
 
 /* -- by guides ------------------------------------------------------------------------------------- */
 
-/* Weights of a chunk, times these factors; their sum. */
-static double weigh_chunk(float *weight, const float *factor) {
-  enum { LANES = 8 };
-  double lane[LANES] = {0}, sum = 0;
-  for (size_t i = 0; i < YLM_LAMP_CHUNK; i += LANES)
-    for (size_t k = 0; k < LANES; k++) {
-      weight[i + k] *= factor[i + k];
-      lane[k] += (double)weight[i + k];
-    }
-  for (size_t k = 0; k < LANES; k++) sum += lane[k];
-  return sum;
-}
-
-/* Weighs all lamps by the factors of a guide; returns the total. */
-static double weigh_by_guide(ylm_scene_chooser *c, const float *factor) {
-  c->total = 0;
-  for (size_t b = 0; b < c->chunks; b++) {
-    size_t first = b * YLM_LAMP_CHUNK;
-    c->sum[b] = (float)weigh_chunk(c->weight + first, factor + first);
-    c->total += (double)c->sum[b];
-  }
-  return c->total;
-}
-
 /* Whether all lamps of a chunk are tiles of the sky, which have no whole rays. */
 static bool is_of_tiles(const ylm_scene_chooser *c, size_t chunk) {
   size_t first = c->chunk[SCENE_SKY], tiles = c->scene->sky_lights - c->scene->cones;
@@ -221,9 +197,8 @@ static void deal_rest(aiming *a, ylm_scene_chooser *c, int dealt, ylm_rng *rng) 
 }
 
 static void aim_by_guide(aiming *a, ylm_scene_chooser *c, ylm_rng *rng) {
-  const float *factor = ylm__scene_guide_row(c->guide, c->x, c->normal);
-  double total = weigh_by_guide(c, factor);
-  int dealt = total > 0 ? deal_whole(a, c, factor + c->chunks * YLM_LAMP_CHUNK, total) : 0;
+  const float *spread = ylm__scene_guide_weights(c) + c->chunks * YLM_LAMP_CHUNK;
+  int dealt = c->total > 0 ? deal_whole(a, c, spread, c->total) : 0;
   if (sum_up(c) > 0 && dealt < a->light_samples) deal_rest(a, c, dealt, rng);
 }
 

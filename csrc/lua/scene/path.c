@@ -10,6 +10,7 @@
       YLML(form, o.strategy, "strategy", CHOICE, .choices = ylmL_path_strategy_choices),           \
       YLML(form, o.error, "error", DOUBLE, .optional = true),                                      \
       YLML(form, o.seconds, "seconds", DOUBLE, .optional = true),                                  \
+      YLML(form, o.guides, "guides", BOOL, .optional = true),                                      \
       YLML(form, o.seed, "seed", UINT64), YLML(form, o.threads, "threads", INT, .optional = true), \
       YLML(form, progress, "progress", VALUE)
 
@@ -21,6 +22,8 @@ static void push_stats(lua_State *L, const ylm_path_sum *sum, const ylm_path_sta
   ylmL_set_count(L, "nearest", s->nearest_rays);
   ylmL_set_count(L, "lamps", s->lamp_rays);
   ylmL_set_count(L, "shadow", s->shadow_rays);
+  ylmL_set_count(L, "guides", s->guide_rays);
+  ylmL_set_count(L, "clusters", s->clusters);
   ylmL_set_count(L, "absorbed", s->absorbed);
   ylmL_set_count(L, "lost", s->lost);
   if (s->noise >= 0) ylmL_set_number(L, "noise", s->noise);

@@ -26,6 +26,7 @@ paths.scene_options = options.list({
   { "reflections", "reflections", optional = true, shelf = "experiments",
     about = "by paths, instead of bounces, { first, last }: 0 lamps that are seen, 1 direct light, 2 the first bounce; last also "
       .. "'all'" },
+  options.guides,
 }, estimates.options, {
   { "resume", "object", of = "ylm.image", optional = true, shelf = "experiments",
     about = "by paths: an image of an earlier call, or loaded from its .exr, of the same scene with the same options but for "
@@ -43,6 +44,7 @@ local function identity(s, p, o, first, last)
   end
   return { method = "paths", scene = s.name or "", seed = ("%.17g"):format(o.seed), strategy = o.strategy,
     reflections = ("%d %s"):format(first, last < 0 and "all" or ("%d"):format(last)), camera = table.concat(numbers, " "),
+    guides = o.guides and "pilot" or "none",
     ["print.geometry"] = geometry, ["print.materials"] = materials, ["print.lights"] = lights,
     background = ("%.9g %.9g %.9g"):format(b[1], b[2], b[3]) }
 end
@@ -81,10 +83,10 @@ local function check_resumed(name, s, from, o, known)
       from.size[2])
   end
   local texts = from.metadata()
-  for _, key in ipairs { "method", "scene", "camera", "seed", "strategy", "reflections" } do
-    if texts[key] ~= known[key] then
-      return check.fail("%s: resume: the image's %s is '%s', this is '%s'", name, key, check.short(texts[key] or ""),
-        check.short(known[key]))
+  for _, key in ipairs { "method", "scene", "camera", "seed", "strategy", "reflections", "guides" } do
+    local had = texts[key] or key == "guides" and "none" or ""
+    if had ~= known[key] then
+      return check.fail("%s: resume: the image's %s is '%s', this is '%s'", name, key, check.short(had), check.short(known[key]))
     end
   end
   check_prints(name, s, texts, known)
@@ -137,7 +139,7 @@ function paths.radiance(name, p, o, report)
     camera = views.camera_numbers(s), width = o.size[1], height = o.size[2], background = s.background or { 0, 0, 0 },
     mean = out:layer "radiance", rest = out:layer "radiance_rest", variance = out:layer "variance", done = x.done,
     samples = x.samples, first = x.first, last = x.last, strategy = o.strategy, error = o.tolerance, seconds = o.time_limit,
-    seed = o.seed, threads = o.threads, progress = bar }))
+    guides = o.guides, seed = o.seed, threads = o.threads, progress = bar }))
   if not stats then return nil, message, code end
   x.stats = stats
   estimates.add_stats(report, stats)
