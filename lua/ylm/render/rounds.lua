@@ -105,6 +105,15 @@ local function add_glossy(x, round)
   return true
 end
 
+--- What a viewer shows: the light so far, of both halves.
+local function show(x)
+  if not x.casting.into then return end
+  local all = (x.direct[1] + (x.direct[2] or x.direct[1])) / 2
+  if x.links then all = all + (x.links[1] + x.links[2]) / 2 end
+  if x.steady then all = all + x.steady end
+  x.casting.into[{ { 1, x.p.stats.points } }] = all
+end
+
 --- Two estimates of direct light and two along links, in `x.direct`, `x.links`; rays of a half and sets are numbers of points.
 -- True, or nil, message, code.
 local function estimate(x, rays, sets, round)
@@ -113,9 +122,11 @@ local function estimate(x, rays, sets, round)
   for half = 1, 2 do
     local found, count, code = check.result(x.name, x.p.lib.shade_raycast(x.p.view, { light_samples = x.pilot.rays, rays = rays,
       shadows = c.shadows, seed = c.seed + STEP * (2 * round + half), threads = c.threads, progress = c.progress, lit = c.lit,
-      guide = c.guide }))
+      guide = c.guide, into = round == 0 and half == 1 and c.into or nil }))
     if not found then return nil, count, code end
-    x.direct[half], x.report.rays.shadow = found, (x.report.rays.shadow or 0) + count
+    x.direct[half] = rawequal(found, c.into) and found:clone() or found
+    x.report.rays.shadow = (x.report.rays.shadow or 0) + count
+    if round == 0 then show(x) end
   end
   local b = steady.links(x.o)
   if not b then return true end
@@ -125,7 +136,10 @@ local function estimate(x, rays, sets, round)
     first = x.links[1], second = x.links[2], seed = c.seed + STEP * (round + 7), threads = c.threads, progress = c.progress }))
   if not count then return nil, message, code end
   x.sets = (x.sets or 0) + count
-  return add_glossy(x, round)
+  local ok
+  ok, message, code = add_glossy(x, round)
+  show(x)
+  return ok, message, code
 end
 
 --- The picture of the values of points.
@@ -234,9 +248,9 @@ local function settle(x)
   x.raw, message, code = denoise.filter(x)
   if not x.raw then return nil, message, code end
   local after = look_at(x)
-  if after < reached then return after end
-  restore(x, kept)
-  return reached
+  if after >= reached then restore(x, kept) end
+  show(x)
+  return math.min(after, reached)
 end
 
 --- Shadow rays of a half, links of a set, and sets, before any noise is known.
@@ -299,6 +313,7 @@ local function refine(x, reached, seconds, start)
   if better or code ~= "ECANCELLED" then return better, message, code end
   restore(x, kept)
   x.cancelled, x.casting.progress = true, nil -- an interrupt stays one
+  show(x)
   return reached
 end
 
@@ -311,7 +326,7 @@ end
 function rounds.radiance(name, p, o, report, casting)
   local start = core.seconds()
   local x = { name = name, p = p, o = o, report = report, casting = casting, wanted = o.noise or rounds.NOISE }
-  x.casting.progress, x.pilot = progress.resolve(o.progress), pilot_of(p, o)
+  x.pilot = pilot_of(p, o)
   x.points, x.pixels = room(p, o)
   x.rays, x.own = x.points() + x.pilot.rays, x.points() + x.pilot.sets
   local reached, ok, message, code

@@ -129,21 +129,45 @@ function paths.prepare(name, p, o)
   return p, report
 end
 
+--- The mean over lit pixels of the root of summed variances over the norm, as C has it.
+local function noise_of(out)
+  local mean, variance = out:layer "radiance", out:layer "variance"
+  local norm, sum = (mean * mean):sum(3), variance:sum(3)
+  local lit = norm:not_equal(0)
+  local n = lit:sum()
+  return n > 0 and ((sum / (norm + (1 - lit))) ^ 0.5 * lit):sum() / n or 0
+end
+
+--- Paths until there are enough: their stats; or nil, message, code. An interrupt of the command-line tool, which is raised,
+-- leaves what there is, of two batches at least.
+local function trace(name, p, o, bar)
+  local out, x, s, start = o.out, o.taken, p.scene, core.seconds()
+  local fine, stats, message, code = pcall(function()
+    return check.result(name, p.lib.path_image(p.traced.handle, {
+      camera = views.camera_numbers(s), width = o.size[1], height = o.size[2], background = s.background or { 0, 0, 0 },
+      mean = out:layer "radiance", rest = out:layer "radiance_rest", variance = out:layer "variance",
+      counts = out:layer "samples", done = x.done, samples = x.samples, first = x.first, last = x.last, strategy = o.strategy,
+      error = o.tolerance, seconds = o.time_limit, guides = o.guides, seed = o.seed, threads = o.threads, progress = bar }))
+  end)
+  if fine then return stats, message, code end
+  local samples = out:layer("samples"):get(1, 1, 1)
+  if not core.process_interrupted() or not tostring(stats):find("interrupted!", 1, true) or samples < 2 * BATCH then
+    error(stats, 0)
+  end
+  return { samples = samples, noise = noise_of(out), ended = "cancelled", seconds = core.seconds() - start,
+    paths = samples * o.size[1] * o.size[2], absorbed = 0, lost = 0, clusters = 0 }
+end
+
 --- Writes the layers of o.out by paths.
 function paths.radiance(name, p, o, report)
-  local out, x, bar, s = o.out, o.taken, progress.resolve(o.progress), p.scene
+  local out, bar = o.out, progress.resolve(o.progress)
   if o.live then
     bar = o.live.progress(bar, function() return { display.layer_of(out, "radiance", 3, true) } end)
   end
-  local stats, message, code = check.result(name, p.lib.path_image(p.traced.handle, {
-    camera = views.camera_numbers(s), width = o.size[1], height = o.size[2], background = s.background or { 0, 0, 0 },
-    mean = out:layer "radiance", rest = out:layer "radiance_rest", variance = out:layer "variance", done = x.done,
-    samples = x.samples, first = x.first, last = x.last, strategy = o.strategy, error = o.tolerance, seconds = o.time_limit,
-    guides = o.guides, seed = o.seed, threads = o.threads, progress = bar }))
+  local stats, message, code = trace(name, p, o, bar)
   if not stats then return nil, message, code end
-  x.stats = stats
+  o.taken.stats = stats
   estimates.add_stats(report, stats)
-  out:fill(1, 1, o.size[1], o.size[2], stats.samples, { layer = "samples" })
   return function() return true end, stats.seconds
 end
 
