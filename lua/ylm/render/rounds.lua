@@ -12,6 +12,7 @@ local denoise = require "ylm.render.denoise"
 local options = require "ylm.render.options"
 local progress = require "ylm.progress"
 local steady = require "ylm.render.steady"
+local tracing = require "ylm.trace"
 local warning = require "ylm.warning"
 
 local rounds = {}
@@ -35,18 +36,19 @@ rounds.fields = {
       .. "pixels around it: a pilot chooses counts of shadow rays and links pixel by pixel, and light_samples and rays are left "
       .. "out. report.noise and the layer noise say what was reached. A picture that is cancelled behind its pilot is what "
       .. "the pilot made, and report.ended is cancelled. Of bounces by links" },
-  { "denoise", "choice", of = { "auto", "none" }, optional = true,
+  { "denoise", "choice", of = { "auto", "none", "oidn" }, optional = true,
     about = "by rays: 'auto', where noise is above `noise`, or 0.03, light of matte surfaces is fitted to that of points around, "
       .. "as far as two halves of the rays find it alike; direct light and light that bounces apart, without albedo. Where no "
       .. "counts are given, more rays follow where noise is left. The layer raw is without a filter; report.denoise says what "
-      .. "rays at random pixels find changed. Default: 'auto' with noise, else 'none'" },
+      .. "rays at random pixels find changed. 'oidn': the finished picture is filtered by Intel's Open Image Denoise, which has "
+      .. "to be installed; report.noise is that of the layer raw. Default: 'auto' with noise, else 'none'" },
   { "time_limit", "number", above = 0, optional = true, unit = "s", shelf = "experiments",
     about = "with noise, or by paths: ends after about so long, which makes results depend on it; with noise a pilot and 64 "
       .. "links a shading point are the least" },
 }
 
 --- Is a picture by these options made of two halves of rays?
-function rounds.wants(o) return o.noise ~= nil or o.denoise == "auto" end
+function rounds.wants(o) return o.noise ~= nil or o.denoise == "auto" or o.denoise == "oidn" end
 
 --- Raises where options do not go with a noise that is wanted.
 local function check_noise(name, o, given)
@@ -79,6 +81,14 @@ function rounds.check(name, o, given)
   o.halves = true -- sets of links are found for each half; none is kept
 end
 
+--- Whether a filter that is not ylm's own is there, before any ray is traced: true; or nil, message, code.
+function rounds.ready(name, o)
+  if o.denoise ~= "oidn" then return true end
+  local lib, message, code = tracing.library()
+  if not lib then return nil, message, code end
+  return check.result(name, lib.shade_oidn())
+end
+
 --- Arrays of zeros for points and pixels of a view.
 local function room(p, o)
   local n, size = p.stats.points, o.size
@@ -105,7 +115,7 @@ local function add_glossy(x, round)
   return true
 end
 
---- What a viewer shows: the light so far, of both halves.
+--- Fills the picture of a viewer with the light so far, of both halves.
 local function show(x)
   if not x.casting.into then return end
   local all = (x.direct[1] + (x.direct[2] or x.direct[1])) / 2
@@ -217,7 +227,8 @@ end
 local function say(x, reached, seconds)
   local report = x.report
   report.noise, report.ended = reached, x.cancelled and "cancelled" or x.o.by_hand and "samples" or "noise"
-  if x.cancelled or x.o.by_hand or reached <= SLACK * x.wanted then return end
+  local left_to_oidn = x.o.denoise == "oidn" and not x.o.noise
+  if x.cancelled or x.o.by_hand or left_to_oidn or reached <= SLACK * x.wanted then return end
   local ended, advice = cause_of(x, reached, seconds)
   report.ended = ended
   report.warnings[#report.warnings + 1] = warning.say(x.p.scene, "noise", "scene %q: noise is %.1f %% of the light around a "
@@ -255,7 +266,7 @@ end
 
 --- Shadow rays of a half, links of a set, and sets, before any noise is known.
 local function pilot_of(p, o)
-  if not o.by_hand then return o.denoise == "auto" and FILTERED or PILOT end
+  if not o.by_hand then return o.denoise == "none" and PILOT or FILTERED end
   local links = o.rays or 64 * options.multiple(p.options)
   local set = math.min(SET, math.max(4, 4 * math.floor(links / 8)))
   return { rays = math.max(1, math.floor(o.light_samples / 2 + 0.5)), links = set,
@@ -319,7 +330,8 @@ end
 
 --- Is the pilot the picture? Its counts are even, and of light without a filter they are chosen by noise.
 local function is_enough(x, reached)
-  return x.o.by_hand or x.o.denoise == "auto" and reached <= SLACK * x.wanted
+  if x.o.by_hand or x.o.denoise == "oidn" and not x.o.noise then return true end
+  return x.o.denoise == "auto" and reached <= SLACK * x.wanted
 end
 
 --- Direct light of the points of p; light that bounces is left in o.reflected.gathered. Or nil, message, code.
