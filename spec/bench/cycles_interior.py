@@ -53,6 +53,7 @@ both.operation = "MULTIPLY"
 links.new(above.outputs[0], both.inputs[0])
 links.new(level.outputs[0], both.inputs[1])
 links.new(both.outputs[0], shine.inputs["Strength"])
+shine.inputs["Color"].default_value = (1, 1, 1, 1)
 links.new(shine.outputs[0], nodes.new("ShaderNodeOutputWorld").inputs["Surface"])
 
 if portal == "1":

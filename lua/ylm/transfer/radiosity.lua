@@ -52,7 +52,7 @@ local options = {
   { "rim", "integer", min = 0, max = core.limits.transfer_links, default = 8,
     about = "of derivatives: rays of an element to the rim of a lamp that it sees in part, even; 0: shadows are held" },
   { "bounces", "bounces_summed", default = "all", about = "reflections after direct light: 0 is direct light alone" },
-  { "residual", "number", above = 0, max = 1, default = 1e-3, about = "the relative change at which 'all' bounces end" },
+  { "residual", "number", above = 0, max = 1, default = 1e-3, about = "the change at which 'all' bounces end, by the light that has bounced" },
   { "closure", "boolean", default = true, about = "'all' bounces: the rest is added as the geometric series of the last change" },
   { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of shadow rays" },
   form.threads,
