@@ -17,7 +17,7 @@ describe('denoise = "oidn"', function()
     return path
   end
 
-  --- What a script about `scene` prints, with this library.
+  --- The text that a script about `scene` prints, with this library.
   local function run(path, text, more)
     local script = folder:write("run.lua", [[
       local ylm = require "ylm"
