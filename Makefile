@@ -83,7 +83,7 @@ CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng $(if $(WITH_JANSSON),jansson) 
 # OpenEXRCore has its version behind its name: -lOpenEXRCore-3_1, and OpenEXR 2 has none.
 OPENEXR     := $(filter -L% -lOpenEXRCore%,$(call pkg,--libs,OpenEXR))
 LIBS_codec   = $(OPENEXR) $(call pkg,--libs,libpng $(if $(WITH_JANSSON),jansson) $(if $(WITH_JPEG),libjpeg)) $(ZLIB)
-LIBS_scene   = $(EMBREE_DIR:%=-L%/lib) $(EMBREE_DIR:%=-Wl,-rpath,%/lib) -lembree$(EMBREE)
+LIBS_scene   = $(EMBREE_DIR:%=-L%/lib) $(EMBREE_DIR:%=-Wl,-rpath,%/lib) -lembree$(EMBREE) -ldl
 CFLAGS_scene = -DYLM_EMBREE=$(EMBREE) $(EMBREE_DIR:%=-isystem %/include)
 
 # -- objects: *.c of a folder and its rooms once, *.isa.c once per instruction set, *.real.c and *.real.isa.c for float and

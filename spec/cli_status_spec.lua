@@ -92,4 +92,15 @@ describe("the command-line tool's exit status", function()
       assert.truthy(tonumber(ms) < 5000, words .. ": " .. ms .. " ms") -- the work takes longer, also on a busy machine
     end
   end)
+
+  it("keeps the paths so far at an interrupt, for --resume, and says their noise", function()
+    local scene = scratch.quote(folder:write("paths.lua", [[return scene "long" { camera = camera { from = { 2, 2, 3 } },
+      geometry = box {}, lights = sphere_light { at = { 0, 2, 0 } } }]]))
+    local out = scratch.quote(folder.path .. "/p.exr")
+    local text = scratch.capture(("%s pathtrace %s -n 100000000 -s 16x9 -o %s 2>&1 & p=$!; sleep 2; kill -INT $p; wait $p; "
+      .. "echo status $?"):format(tool.command, scene, out))
+    assert.truthy(text:find "noise is [%d.]+ %% after %d+ paths a pixel; interrupted" and text:find "status 130", text)
+    local kept = assert(require "ylm".load(folder.path .. "/p.exr"))
+    assert.is_true(kept:layer("samples"):get(1, 1, 1) >= 32 and kept:layer("radiance"):max() > 0)
+  end)
 end)

@@ -135,10 +135,11 @@ describe("ylm.display", function()
   end)
 
   it("shows the first part of a picture before the last is made", function()
-    for _, how in ipairs { "paths", "rays" } do
+    for _, how in ipairs { "paths", "rays", "filtered" } do
       local address, read = viewer "all"
       local first, most
-      assert(room():render { by = how, bounces = 0, size = { 64, 48 }, samples = 16, display = address, threads = 1,
+      assert(room():render { by = how == "paths" and how or "rays", denoise = how == "filtered" and "auto" or nil, bounces = 0,
+        size = { 64, 48 }, samples = 16, display = address, threads = 1,
         progress = function(done, total) first, most = first or done, total end }) -- a part is sent before progress is told
       assert(first < most, how)
       local parts, whole = 0, nil

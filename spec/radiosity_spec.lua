@@ -115,6 +115,20 @@ describe("links:radiosity", function()
     assert.equal(3, select(2, total { bounces = 3 }).bounces)
   end)
 
+  it("adds the rest by the light that bounces: a sky on outer walls does not end it for the room within", function()
+    local t = dofile "spec/support/interiors.lua"(ylm)[2][2]:links { spacing = 0.25, rays = 32, lmax = 0 }
+    local e = t:elements()
+    local function inside(o)
+      local E, sum = t:radiosity(nil, o):irradiance(), 0
+      for i = 1, e.area.shape[1] do
+        local x, y, z = e.centre:get(i, 1), e.centre:get(i, 2), e.centre:get(i, 3)
+        if math.abs(x) < 1.99 and y > 0.01 and y < 2.49 and math.abs(z) < 1.49 then sum = sum + e.area:get(i) * E:get(i, 2) end
+      end
+      return sum
+    end
+    near(inside {}, inside { bounces = 60 }, 5e-3, "light within")
+  end)
+
   it("agrees with the path tracer on the walls of a room with a box in it", function()
     local box = ylm.box { bounds = { { -0.6, 0, -0.6 }, { -0.1, 0.8, -0.1 } }, material = ylm.matte { albedo = { 0.7, 0.2,
       0.1 } } }

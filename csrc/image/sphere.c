@@ -112,14 +112,30 @@ bool ylm_mapping_pixel(ylm_mapping m, ylm_up up, int width, int height, const do
   return true;
 }
 
+/* Even in solid angle: 1 - cos theta = 2 sin^2(theta/2) grows evenly, and differs by 2 sin(middle) sin(half a row) from one
+   edge of a row to the other. */
+static double within_latlong(ylm_up up, int width, int height, double x, size_t row, double v,
+                             double d[3]) {
+  double edge = sin(YLM_PI * (double)row / (2 * height)), half = sin(YLM_PI / (2.0 * height));
+  double wide = sin(YLM_PI * ((double)row + 0.5) / height) * half;
+  double s = fmin(1, edge * edge + v * wide), sine = 2 * sqrt(s * (1 - s));
+  double phi = YLM_PI * (1 - 2 * x / width);
+  to_scene(up, sine * cos(phi), sine * sin(phi), 1 - 2 * s, d);
+  return 4 * YLM_PI / width * wide;
+}
+
 bool ylm_mapping_within(ylm_mapping m, ylm_up up, int width, int height, size_t pixel, double u,
-                        double v, double d[3]) {
-  double x = (double)(pixel % (size_t)width) + u, row = (double)(pixel / (size_t)width);
-  if (m != YLM_MAPPING_LATLONG) return ylm_mapping_direction(m, up, width, height, x, row + v, d);
-  /* 1 - cos theta = 2 sin^2(theta/2) grows evenly */
-  double a = sin(YLM_PI * row / (2 * height)), b = sin(YLM_PI * (row + 1) / (2 * height));
-  double s = sqrt(a * a + v * (b * b - a * a));
-  return ylm_mapping_direction(m, up, width, height, x, 2 * height / YLM_PI * asin(fmin(1, s)), d);
+                        double v, double d[3], double *spread) {
+  double x = (double)(pixel % (size_t)width) + u, area;
+  size_t row = pixel / (size_t)width;
+  if (m == YLM_MAPPING_LATLONG) {
+    area = within_latlong(up, width, height, x, row, v, d);
+  } else {
+    if (!ylm_mapping_direction(m, up, width, height, x, (double)row + v, d)) return false;
+    area = spread ? ylm_mapping_spread(m, up, width, height, pixel, d) : 0;
+  }
+  if (spread) *spread = area;
+  return true;
 }
 
 double ylm_mapping_spread(ylm_mapping m, ylm_up up, int width, int height, size_t pixel,

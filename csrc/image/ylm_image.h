@@ -323,12 +323,12 @@ YLM_API bool ylm_mapping_pixel(ylm_mapping m, ylm_up up, int width, int height, 
 **
 ** Directions are uniform in solid angle (latlong), or positions uniform in the pixel (angular,
 ** cube). Their density at d is 1/ylm_mapping_spread(.., d) sr^-1, an area that a pixel would fill
-** if all of it were stretched as it is there.
+** if all of it were stretched as it is there. `spread` NULL: it is not asked for.
 **
 ** Returns  false and zeros outside of the disc
 */
 YLM_API bool ylm_mapping_within(ylm_mapping m, ylm_up up, int width, int height, size_t pixel,
-                                double u, double v, double d[3]);
+                                double u, double v, double d[3], double *spread);
 YLM_API double ylm_mapping_spread(ylm_mapping m, ylm_up up, int width, int height, size_t pixel,
                                   const double d[3]);
 /*

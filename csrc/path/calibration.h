@@ -21,4 +21,17 @@
 /* Lamps along a ray that are asked for at once. */
 #define LAMPS_AT_ONCE 16
 
+
+/* -- guides: guide.c ------------------------------------------------------------------------------ */
+
+/* One of so many items has paths of the pilot, at most PILOT_PAIRS; an item lets the pilot have so many shadow rays, all of
+   them at most PILOT_RAYS. Their numbers do not depend on samples, so that pictures go on bit for bit. Moved by: 1 /
+   variance / rays of pictures of the window room (`make bench BENCH=interiors`). */
+#define PILOT_ITEMS 4
+#define PILOT_PAIRS 4096
+#define PILOT_EACH 64
+#define PILOT_RAYS (1 << 21)
+/* Places of a path that are noted, on average, at most. */
+#define PILOT_PLACES 6
+
 #endif

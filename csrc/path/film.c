@@ -175,9 +175,10 @@ ylm_status ylm__path_run(path_job *j, ylm_path_sum *sum, ylm_path_stats *stats, 
   if (j->items > 0) {
     make_room(&r, r.total);
     s = list_materials(j);
+    if (s == YLM_OK && j->o->guides) s = ylm__path_learn(j, stats);
     r.tile = ylm_alloc_zero((size_t)threads, sizeof *r.tile);
     r.values = ylm_alloc(r.batches * j->items * j->values, sizeof *r.values);
-    if (!r.tile || !r.values) s = YLM_ENOMEM;
+    if (s == YLM_OK && (!r.tile || !r.values)) s = YLM_ENOMEM;
     if (s == YLM_OK) s = run_rounds(&r, sum, stats);
     for (int i = 0; r.tile && i < threads; i++) {
       if (r.tile[i]) add_counts(stats, &r.tile[i]->counts);
@@ -187,6 +188,7 @@ ylm_status ylm__path_run(path_job *j, ylm_path_sum *sum, ylm_path_stats *stats, 
     ylm_free(r.values);
     ylm_free((void *)j->material);
     ylm_free(j->material_of);
+    ylm_scene_guide_free(j->guide);
   }
   stats->noise = noise_of(j, sum);
   stats->seconds = ylm_seconds() - start;

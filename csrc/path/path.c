@@ -87,6 +87,16 @@ void ylm__path_mean(path_tile *t, size_t k, double *values) {
   }
 }
 
+/* Notes where paths are, as far as there is room. */
+static void note(path_tile *t) {
+  path_places *p = t->noted;
+  for (size_t v = 0; v < t->n && p->n < p->room; v++, p->n++) {
+    memcpy(p->x[p->n], t->vertex[v].at.lit, 12);
+    memcpy(p->normal[p->n], t->vertex[v].at.normal, 12);
+    memcpy(p->origin[p->n], t->vertex[v].at.origin, 12);
+  }
+}
+
 void ylm__path_walk(path_tile *t, double *values) {
   const ylm_path_options *o = t->job->o;
   bool camera = !t->job->points;
@@ -101,8 +111,12 @@ void ylm__path_walk(path_tile *t, double *values) {
       choose(t, first);
       follow(t);
     }
-    if (order >= o->first) ylm__path_direct(t, first);
+    if (t->noted)
+      note(t);
+    else if (order >= o->first)
+      ylm__path_direct(t, first);
     go_on(t, order);
   }
-  for (size_t k = 0; k < t->pairs; k++) t->job->kind->finish(t, k, values + k * t->job->values);
+  for (size_t k = 0; k < t->pairs && !t->noted; k++)
+    t->job->kind->finish(t, k, values + k * t->job->values);
 }

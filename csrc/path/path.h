@@ -45,12 +45,19 @@ typedef struct path_lights {
   uint32_t *of;                   /* [PATH_TILE] its vertex */
 } path_lights;
 
+/* Places at which paths are reflected, that a guide is learnt from. */
+typedef struct path_places {
+  size_t n, room;
+  float (*x)[3], (*normal)[3], (*origin)[3]; /* [room] */
+} path_places;
+
 typedef struct path_job path_job;
 
 /* The memory of one thread. */
 typedef struct path_tile {
   const path_job *job;
   ylm_scene_chooser *lamps;
+  path_places *noted; /* NULL, or of a pilot: its places are noted, and nothing is lit */
   ylm_path_stats counts;
   size_t pairs;           /* in use */
   uint64_t *item, *batch; /* [PATH_PAIRS] */
@@ -83,6 +90,7 @@ struct path_job {
   const ylm_scene *scene;
   const ylm_trace *trace;
   const ylm_path_options *o;
+  ylm_scene_guide *guide; /* NULL: rays to lamps have none */
   size_t items, values;
   size_t batches_per_tile;
   const ylm_material **material; /* [materials] distinct */
@@ -146,6 +154,11 @@ void ylm__path_walk(path_tile *t, double *values);
 
 /* path_kind's finish of radiance itself. */
 void ylm__path_mean(path_tile *t, size_t k, double *values);
+
+/* -- guide.c -------------------------------------------------------------------- */
+
+/* Learns j->guide, which may stay NULL, from paths with random numbers of their own; counts its rays. */
+ylm_status ylm__path_learn(path_job *j, ylm_path_stats *stats);
 
 /* -- film.c ---------------------------------------------------------------------- */
 

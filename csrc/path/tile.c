@@ -32,7 +32,7 @@ path_tile *ylm__path_tile_create(const path_job *j) {
   if (!t) return NULL;
   t->job = j;
   t->lamps = ylm_scene_chooser_create(j->scene);
-  if (t->lamps && room(t)) return t;
+  if (t->lamps && ylm_scene_chooser_follow(t->lamps, j->guide) && room(t)) return t;
   ylm__path_tile_free(t);
   return NULL;
 }

@@ -48,6 +48,7 @@ typedef struct ylm_path_options {
   ylm_path_strategy strategy;
   double error;   /* > 0: ends early, once the noise (see ylm_path_stats) is at most this */
   double seconds; /* > 0: ends early, after so long */
+  bool guides;    /* rays to lamps learn what is seen from a pilot: ylm_scene_guide */
   uint64_t seed;
   int threads;
   const ylm_progress *progress;
@@ -63,6 +64,8 @@ typedef struct ylm_path_sum {
 
 typedef struct ylm_path_stats {
   uint64_t paths, nearest_rays, lamp_rays, shadow_rays;
+  uint64_t guide_rays; /* of the pilot, all of them */
+  size_t clusters;     /* of the guide; 0: there is none */
   uint64_t absorbed; /* paths that a normal of vertices sent below the surface */
   uint64_t lost;     /* contributions that were no finite numbers */
   double noise; /* mean over items of the root of summed variances over the norm; -1: not known */

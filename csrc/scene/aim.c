@@ -104,23 +104,20 @@ static void aim_into_tree(aiming *a, int k, size_t n, scene_drawn *d) {
 
 /* -- by guides ------------------------------------------------------------------------------------- */
 
-/* Weighs all lamps by the factors of a guide; returns the total. */
-static double weigh_by_guide(ylm_scene_chooser *c, const float *factor) {
-  double total = 0;
-  for (size_t i = 0; i < c->chunks * YLM_LAMP_CHUNK; i++) {
-    c->weight[i] *= factor[i];
-    total += (double)c->weight[i];
-  }
-  return total;
+/* Whether all lamps of a chunk are tiles of the sky, which have no whole rays. */
+static bool is_of_tiles(const ylm_scene_chooser *c, size_t chunk) {
+  size_t first = c->chunk[SCENE_SKY], tiles = c->scene->sky_lights - c->scene->cones;
+  return chunk >= first && (chunk + 1 - first) * YLM_LAMP_CHUNK <= tiles;
 }
 
-/* The sums of weights that are left; their total. */
+/* The sums of weights that are left, after lamps of other chunks may have left; their total. */
 static double sum_up(ylm_scene_chooser *c) {
   c->total = 0;
   for (size_t b = 0; b < c->chunks; b++) {
     double sum = 0;
-    for (size_t i = 0; i < YLM_LAMP_CHUNK; i++) sum += (double)c->weight[b * YLM_LAMP_CHUNK + i];
-    c->sum[b] = (float)sum;
+    const float *weight = c->weight + b * YLM_LAMP_CHUNK;
+    for (size_t i = 0; i < YLM_LAMP_CHUNK && !is_of_tiles(c, b); i++) sum += (double)weight[i];
+    if (!is_of_tiles(c, b)) c->sum[b] = (float)sum;
     c->total += (double)c->sum[b];
   }
   return c->total;
@@ -133,6 +130,14 @@ static bool is_whole(const ylm_scene_chooser *c, size_t place, double ray) {
   return (double)c->weight[place] >= ray && (place < first || place >= first + tiles);
 }
 
+/* The first place from `i` on that is not in a chunk of tiles. */
+static size_t skip_tiles(const ylm_scene_chooser *c, size_t i) {
+  while (i % YLM_LAMP_CHUNK == 0 && i / YLM_LAMP_CHUNK < c->chunks &&
+         is_of_tiles(c, i / YLM_LAMP_CHUNK))
+    i += YLM_LAMP_CHUNK;
+  return i;
+}
+
 /* Lamps that are worth whole rays. */
 typedef struct whole {
   double ray;    /* the weight that is worth one */
@@ -143,7 +148,10 @@ typedef struct whole {
 
 static whole find_whole(const ylm_scene_chooser *c, const float *spread, double ray) {
   whole x = {.ray = ray};
-  for (size_t i = 0; i < c->chunks * YLM_LAMP_CHUNK; i++) {
+  size_t all = c->chunks * YLM_LAMP_CHUNK;
+  for (size_t b = 0; b < c->chunks; b++)
+    if (is_of_tiles(c, b)) x.rest += (double)c->sum[b];
+  for (size_t i = skip_tiles(c, 0); i < all; i = skip_tiles(c, i + 1)) {
     double weight = (double)c->weight[i];
     if (is_whole(c, i, ray))
       x.lamps++, x.spread += weight * (double)spread[i];
@@ -161,7 +169,8 @@ static int deal_whole(aiming *a, ylm_scene_chooser *c, const float *spread, doub
   int most = a->light_samples - (x.rest > 0), dealt = 0, given = 0;
   double more = most > x.lamps ? most - x.lamps : 0, worth = 0;
   if (x.rest > 0) more = floor(more * x.spread / (x.spread + x.rest));
-  for (size_t i = 0; i < c->chunks * YLM_LAMP_CHUNK && dealt < most; i++) {
+  size_t all = c->chunks * YLM_LAMP_CHUNK;
+  for (size_t i = skip_tiles(c, 0); i < all && dealt < most; i = skip_tiles(c, i + 1)) {
     if (!is_whole(c, i, x.ray)) continue;
     worth += more * (double)c->weight[i] * (double)spread[i] / x.spread;
     int extra = (int)floor(worth + 0.5) - given,
@@ -188,9 +197,8 @@ static void deal_rest(aiming *a, ylm_scene_chooser *c, int dealt, ylm_rng *rng) 
 }
 
 static void aim_by_guide(aiming *a, ylm_scene_chooser *c, ylm_rng *rng) {
-  const float *factor = ylm__scene_guide_row(c->guide, c->x, c->normal);
-  double total = weigh_by_guide(c, factor);
-  int dealt = total > 0 ? deal_whole(a, c, factor + c->chunks * YLM_LAMP_CHUNK, total) : 0;
+  const float *spread = ylm__scene_guide_weights(c) + c->chunks * YLM_LAMP_CHUNK;
+  int dealt = c->total > 0 ? deal_whole(a, c, spread, c->total) : 0;
   if (sum_up(c) > 0 && dealt < a->light_samples) deal_rest(a, c, dealt, rng);
 }
 

@@ -29,7 +29,9 @@ static double tree_part(const ylm_scene_chooser *c) {
 
 bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const float *normal) {
   ylm__scene_turn_to(c, x, normal);
-  return ylm__scene_weigh(c, true, 1) > 0;
+  if (!(ylm__scene_weigh(c, true, 1) > 0)) return false;
+  if (c->guide && normal) ylm__scene_guide_weights(c);
+  return c->total > 0;
 }
 
 double ylm_scene_share(const ylm_scene_chooser *c, uint32_t lamp) {

@@ -49,7 +49,7 @@ size_t ylm__scene_dome_tile(const scene_dome *d, size_t pixel) {
 
 /* A direction in a pixel; false outside of the disc of an angular map, and zeros. */
 static bool within(const scene_dome *d, size_t pixel, double u, double v, double direction[3]) {
-  return ylm_mapping_within(d->mapping, d->up, d->width, d->height, pixel, u, v, direction);
+  return ylm_mapping_within(d->mapping, d->up, d->width, d->height, pixel, u, v, direction, NULL);
 }
 
 static double spread(const scene_dome *d, size_t pixel, const double direction[3]) {

@@ -45,11 +45,34 @@ static float along(int axis, const float x[3], const float normal[3]) {
   return axis < 3 ? normal[axis] : x[axis - 3];
 }
 
-const float *ylm__scene_guide_row(const ylm_scene_guide *g, const float x[3],
-                                  const float normal[3]) {
+static const float *row_at(const ylm_scene_guide *g, const float x[3], const float normal[3]) {
   const guide_node *n = g->node;
   while (n->axis >= 0) n = g->node + n->branch[!(along(n->axis, x, normal) < n->at)];
   return g->row + n->branch[0] * 2 * g->width;
+}
+
+/* Weights of a chunk, times these factors; their sum. */
+static double weigh_chunk(float *weight, const float *factor) {
+  enum { LANES = 8 };
+  double lane[LANES] = {0}, sum = 0;
+  for (size_t i = 0; i < YLM_LAMP_CHUNK; i += LANES)
+    for (size_t k = 0; k < LANES; k++) {
+      weight[i + k] *= factor[i + k];
+      lane[k] += (double)weight[i + k];
+    }
+  for (size_t k = 0; k < LANES; k++) sum += lane[k];
+  return sum;
+}
+
+const float *ylm__scene_guide_weights(ylm_scene_chooser *c) {
+  const float *factor = row_at(c->guide, c->x, c->normal);
+  c->total = 0;
+  for (size_t b = 0; b < c->chunks; b++) {
+    size_t first = b * YLM_LAMP_CHUNK;
+    c->sum[b] = (float)weigh_chunk(c->weight + first, factor + first);
+    c->total += (double)c->sum[b];
+  }
+  return factor;
 }
 
 /* -- clusters -------------------------------------------------------------------------------------- */
@@ -342,12 +365,14 @@ static ylm_status thin(const ylm_scene_places *all, int light_samples, ylm_scene
   return YLM_OK;
 }
 
+bool ylm_scene_guides(const ylm_scene *s) { return !s->tree && ylm_scene_lamps_all(s) >= 2; }
+
 ylm_status ylm_scene_guide_create(const ylm_scene *s, const ylm_scene_places *all,
                                   int light_samples, uint64_t seed, int threads,
                                   const ylm_progress *progress, ylm_scene_guide **out) {
   double start = ylm_seconds();
   *out = NULL;
-  if (all->n == 0 || s->tree || ylm_scene_lamps_all(s) < 2) return YLM_OK;
+  if (all->n == 0 || !ylm_scene_guides(s)) return YLM_OK;
   ylm_scene_places places;
   float(*room)[3] = NULL;
   building b = {.scene = s, .places = &places, .seed = ylm_mix64(seed ^ 0x6775696465u)};

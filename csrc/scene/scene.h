@@ -197,10 +197,9 @@ struct ylm_scene_chooser {
 
 /* -- guide.c -------------------------------------------------------------------- */
 
-/* The factors of all weights at a place, in the order of c->weight, and how far what a lamp brings spreads, relative to
-   its root mean square: [2][chunks*YLM_LAMP_CHUNK], all above 0. */
-const float *ylm__scene_guide_row(const ylm_scene_guide *g, const float x[3],
-                                  const float normal[3]);
+/* Weighs the lamps of a chooser by its guide. Returns the factors, in the order of c->weight, and how far what a lamp
+   brings spreads, relative to its root mean square: [2][chunks*YLM_LAMP_CHUNK], all above 0. */
+const float *ylm__scene_guide_weights(ylm_scene_chooser *c);
 
 /* Turns a chooser to x; `normal` may be NULL. */
 void ylm__scene_turn_to(ylm_scene_chooser *c, const float x[3], const float *normal);

@@ -172,15 +172,16 @@ static double aim_at_uniform(const scene_dome *d, const float *n, double u0, dou
 
 static double aim_at_tile(const scene_dome *d, size_t tile, double u0, double u1,
                           float direction[3], float radiance[3]) {
-  double wide[3], rgb[3];
+  double wide[3], rgb[3], spread;
   size_t pixel = ylm__scene_dome_pixel(d, tile, u0, &u0);
   double share = (double)d->share[pixel];
   if (!(share > 0)) return 0;
-  if (!ylm_mapping_within(d->mapping, d->up, d->width, d->height, pixel, u0, u1, wide)) return 0;
+  if (!ylm_mapping_within(d->mapping, d->up, d->width, d->height, pixel, u0, u1, wide, &spread))
+    return 0;
   ylm__scene_dome_radiance(d, pixel, wide, rgb);
   narrow(wide, direction);
   narrow(rgb, radiance);
-  return ylm_mapping_spread(d->mapping, d->up, d->width, d->height, pixel, wide) / share;
+  return spread / share;
 }
 
 /* A direction to distant light i and its radiance there; 1 over the density, sr; 0: there is none. */

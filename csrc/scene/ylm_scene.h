@@ -268,6 +268,8 @@ typedef struct ylm_scene_guide_stats {
 YLM_API ylm_status ylm_scene_guide_create(const ylm_scene *scene, const ylm_scene_places *places,
                                           int light_samples, uint64_t seed, int threads,
                                           const ylm_progress *progress, ylm_scene_guide **out);
+/* Whether there is something to guide: two lamps, and no tree of them. */
+YLM_API bool ylm_scene_guides(const ylm_scene *scene);
 YLM_API void ylm_scene_guide_free(ylm_scene_guide *g);
 YLM_API void ylm_scene_guide_look(const ylm_scene_guide *g, ylm_scene_guide_stats *stats);
 /* Lets a chooser aim by a guide, which must outlive it; NULL: by none. False: it was learnt from other lamps. */

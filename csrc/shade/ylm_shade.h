@@ -429,7 +429,7 @@ YLM_API ylm_status ylm_shade_raycast_noise(const ylm_shade_view *view, const ylm
 **   a, b, all  in   [height][width][3]
 **   out        out  [height][width]
 **
-** Returns  YLM_OK; YLM_EINVAL: a view of some pixels
+** Returns  YLM_OK; YLM_EINVAL: a view of some pixels; YLM_ENOMEM
 */
 YLM_API ylm_status ylm_shade_noise_around(const ylm_shade_view *view, const float *a,
                                           const float *b, const float *all, int threads,
@@ -438,6 +438,25 @@ YLM_API ylm_status ylm_shade_noise_around(const ylm_shade_view *view, const floa
    [height][width], points [points]. YLM_EINVAL: points are vertices, or pixels some of an image. */
 YLM_API ylm_status ylm_shade_spread(const ylm_shade_view *view, const float *pixels, float factor,
                                     float least, float most, float *points);
+
+/* A picture, and layers that tell a filter where light may change: albedo and normal, NULL: not known. */
+typedef struct ylm_shade_picture {
+  int width, height;
+  const float *radiance, *albedo, *normal; /* [height][width][3] */
+} ylm_shade_picture;
+
+/*
+** ylm_shade_oidn - a picture without its noise, by Intel's Open Image Denoise.
+**
+** The library is opened at run time, as libOpenImageDenoise.so.2, .so.1 or .so, or as the environment's YLM_OIDN_LIBRARY.
+**
+**   picture  in   of high dynamic range; NULL: whether the library is there
+**   out      out  [height][width][3]; not the picture's own
+**
+** Returns  YLM_OK; YLM_EMISSING: no such library; YLM_EDEVICE: what it says
+** Source   its documentation, https://www.openimagedenoise.org
+*/
+YLM_API ylm_status ylm_shade_oidn(const ylm_shade_picture *picture, float *out, ylm_error *e);
 
 /*
 ** ylm_shade_denoise - light of shading points without most of its noise: that of points around, in the picture.

@@ -16,6 +16,8 @@
 /* Elements that a thread describes at a time, and elements whose links it finds. */
 #define TRANSFER_GRAIN 256
 #define LINKS_GRAIN 64
+/* Links of a place that are sorted one by one. */
+#define LINKS_FEW 32
 /* The most lamps that are looked at; of more, evenly many. */
 #define SIDES_LAMPS 65536
 /* Distinct sets of bodies around lamps that are remembered, and the most bodies in one. */

@@ -104,19 +104,31 @@ static void element_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *be
   }
 }
 
+/* Puts a few numbers in order. */
+static void sort_few(uint32_t *a, size_t n) {
+  for (size_t i = 1; i < n; i++) {
+    uint32_t x = a[i];
+    size_t k = i;
+    for (; k > 0 && a[k - 1] > x; k--) a[k] = a[k - 1];
+    a[k] = x;
+  }
+}
+
 /* Puts numbers, all below or equal to `most`, in order. */
 static void sort(uint32_t *a, uint32_t *b, size_t n, uint32_t most) {
-  for (unsigned shift = 0; shift < 32 && most >> shift; shift += 8) {
-    uint32_t place[256] = {0}, sum = 0;
-    for (size_t i = 0; i < n; i++) place[a[i] >> shift & 255]++;
-    for (int k = 0; k < 256; k++) {
+  enum { DIGIT = 7, DIGITS = 1 << DIGIT };
+  for (unsigned shift = 0; n > LINKS_FEW && shift < 32 && most >> shift; shift += DIGIT) {
+    uint32_t place[DIGITS] = {0}, sum = 0;
+    for (size_t i = 0; i < n; i++) place[a[i] >> shift & (DIGITS - 1)]++;
+    for (int k = 0; k < DIGITS; k++) {
       uint32_t count = place[k];
       place[k] = sum;
       sum += count;
     }
-    for (size_t i = 0; i < n; i++) b[place[a[i] >> shift & 255]++] = a[i];
+    for (size_t i = 0; i < n; i++) b[place[a[i] >> shift & (DIGITS - 1)]++] = a[i];
     memcpy(a, b, n * sizeof *a);
   }
+  if (n <= LINKS_FEW) sort_few(a, n);
 }
 
 /* The unoccluded transfer: the cosine's, or that of 1. */

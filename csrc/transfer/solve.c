@@ -4,9 +4,10 @@
 #include "calibration.h"
 #include "transfer.h"
 
-/* Norms by area, of the three channels. */
+/* Norms by area, of the three channels: of dE; of dE - q times the one before; of the light that has bounced, beside which
+   both are small or not: direct light may fall on surfaces that send none of it on, as outer walls under a sky. */
 typedef struct norms {
-  double change[3], strayed[3], E[3]; /* of dE; of dE - q times the one before; of E */
+  double change[3], strayed[3], bounced[3];
 } norms;
 
 typedef struct job {
@@ -39,7 +40,7 @@ static ylm_status bounce(void *context, size_t begin, size_t end, int worker) {
       j->next_B[4 * i + c] = j->t->albedo[i][c] * E;
       x.change[c] += area * fabs((double)d);
       x.strayed[c] += area * fabs((double)d - j->q[c] * (double)j->change[4 * i + c]);
-      x.E[c] += area * fabs((double)E);
+      x.bounced[c] += area * fabs((double)E - (double)j->E0[4 * i + c]);
     }
   }
   j->part[begin / BOUNCE_GRAIN] = x;
@@ -64,7 +65,7 @@ static norms sum_parts(const job *j) {
     for (int c = 0; c < 3; c++) {
       all.change[c] += j->part[b].change[c];
       all.strayed[c] += j->part[b].strayed[c];
-      all.E[c] += j->part[b].E[c];
+      all.bounced[c] += j->part[b].bounced[c];
     }
   return all;
 }
@@ -109,10 +110,10 @@ static ylm_status walk(job *j, int bounces, double residual, bool closure, int t
     for (int c = 0; c < 3; c++) {
       j->q[c] = ratio(x.change[c], before[c]);
       before[c] = x.change[c];
-      left = fmax(left, ratio(x.change[c], x.E[c]));
+      left = fmax(left, ratio(x.change[c], x.bounced[c]));
       shrink = fmax(shrink, j->q[c]);
-      strayed =
-          fmax(strayed, j->q[c] < 1 ? ratio(x.strayed[c] * j->q[c] / (1 - j->q[c]), x.E[c]) : 1);
+      double off = j->q[c] < 1 ? x.strayed[c] * j->q[c] / (1 - j->q[c]) : x.bounced[c];
+      strayed = fmax(strayed, ratio(off, x.bounced[c]));
     }
     stats->bounces = k + 1;
     stats->residual = left;

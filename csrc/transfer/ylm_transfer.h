@@ -161,8 +161,8 @@ typedef struct ylm_radiosity_stats {
   int bounces; /* that were summed */
   bool closed; /* the rest was added as a geometric series */
   double
-      residual; /* change by the last bounce, relative to E, by area and L1; with closure, about that
-                      which one more would bring */
+      residual; /* change by the last bounce, relative to the light that bounced, by area and L1; with closure, about
+                      that which one more would bring */
   double shrink; /* q, that change over the one before */
   double emitted[3], absorbed[3],
       escaped[3]; /* W: direct light that lands on elements; what they keep; what
@@ -205,7 +205,7 @@ YLM_API void ylm_radiosity_set(ylm_radiosity *r, const float *E0);
 **
 **   bounces   in  reflections after direct light; negative: until the residual is reached,
 **                 which is not looked for below 1e-6
-**   residual  in  the relative change at which the series ends, > 0
+**   residual  in  the change at which the series ends, relative to the light that bounced, > 0
 **   closure   in  of negative bounces: the rest, the geometric series of the last change, is added
 **
 ** Returns  YLM_OK; YLM_EDOMAIN (all bounces do not converge: the albedo is 1 and nothing escapes), YLM_ENOMEM,

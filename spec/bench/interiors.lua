@@ -1,19 +1,20 @@
--- Noise of interiors: of the direct light of a room that is lit through a window, with guides and without; of pictures of four
--- rooms by default counts, before and after a filter, beside paths that take as long.
+-- Noise of interiors: of the direct light of a room that is lit through a window, with guides and without, and of paths; of
+-- pictures of four rooms by default counts, before and after a filter, beside paths that take as long.
 --
 --     make bench BENCH=interiors         build/ylm run spec/bench/interiors.lua [width height]
 --
 -- Noise is the root mean square difference of a pixel's luminance to that of 2,048 shadow rays of the same shading points,
 -- relative to the mean of all light, bounces included, over 9 x 9 pixels around it. Efficiency is 1 / noise^2 / rays, the pilot's
--- rays included, relative to that without guides. Pictures of four rooms are compared with two of RAYS shadow rays and links at
--- the same shading points and elements: their noise, after the filter that of all seeds; the bias of their mean over SEEDS seeds,
--- and the root mean square of that of blocks of 32 x 32 pixels, beside what the noise of the raw pictures makes of it; and FLIP.
+-- rays included, relative to that without guides; of paths by their variance, that of green. Pictures of four rooms are
+-- compared with two of RAYS shadow rays and links at the same shading points and elements: their noise, after the filter that
+-- of all seeds; the bias of their mean over SEEDS seeds, and the root mean square of that of blocks of 32 x 32 pixels, beside
+-- what the noise of the raw pictures makes of it; and FLIP.
 
 local ylm = require "ylm"
 local room = dofile "spec/support/window_room.lua"(ylm)
 
 local size = { tonumber(arg[1] or 192), tonumber(arg[2] or 108) }
-local SEEDS, REACH, RAYS, BLOCK = 3, 4, 256, 32
+local SEEDS, REACH, RAYS, BLOCK, PATHS = 3, 4, 256, 32, 128
 
 local function luminance(c) return 0.2126 * c[1] + 0.7152 * c[2] + 0.0722 * c[3] end
 
@@ -74,6 +75,27 @@ for _, light_samples in ipairs { 16, 32, 64 } do
     print(("%7s %8d %9.0f %9.2f %11.2f"):format(guides and "yes" or "no", light_samples, rays, 100 * noise,
       cost / (noise ^ 2 * rays)))
   end
+end
+
+--- The mean variance of a picture by paths, relative to the light around each pixel, and its rays.
+local function vary(scene, guides, middle)
+  local image, report = assert(scene:pathtrace { size = size, samples = PATHS, guides = guides })
+  local sum, n, rays, variance = 0, 0, report.rays, image:layer("variance"):totable()
+  for y, row in ipairs(middle) do
+    for x, l in ipairs(row) do
+      if l > 0 then sum, n = sum + variance[y][x][2] / l ^ 2, n + 1 end
+    end
+  end
+  return sum / n, rays.nearest + rays.lamps + rays.shadow + (rays.guides or 0), report.seconds.light
+end
+
+--- A line about paths with guides and without.
+local function line_of_paths(name, scene)
+  local middle = around(luminances(scene:pathtrace { size = size, samples = PATHS, seed = 7 }))
+  local before, cost, seconds = vary(scene, false, middle)
+  local after, more, longer = vary(scene, true, middle)
+  print(("%-9s %8.2f %8.2f %11.2f %11.2f"):format(name, 100 * math.sqrt(before), 100 * math.sqrt(after),
+    before * cost / (after * more), before * seconds / (after * longer)))
 end
 
 --- Sums over blocks of an image's luminance.
@@ -172,10 +194,15 @@ local function line_of(name, scene)
     100 * of_paths, paths:compare(best, { layer = "radiance", flip = "hdr" }).flip))
 end
 
+local rooms = dofile "spec/support/interiors.lua"(ylm)
+print(("\npaths, %d of a pixel: noise without guides and with, efficiency by rays and by time"):format(PATHS))
+print(("%-9s %8s %8s %11s %11s"):format("scene", "no %", "yes %", "by rays", "by time"))
+for _, x in ipairs(rooms) do line_of_paths(x[1], x[2]) end
+
 print(("\npictures by default counts: %d x %d, 16 samples, %d seeds, beside twice %d rays and links a point; paths of equal "
   .. "seconds"):format(size[1], size[2], SEEDS, RAYS))
 print(("%-9s %7s %7s %7s %5s %8s %8s %8s %8s %7s %9s %7s"):format("scene", "noise", "noise", "says", "z2", "bias", "blocks",
   "blocks", "FLIP", "FLIP", "noise", "FLIP"))
 print(("%-9s %7s %7s %7s %5s %8s %8s %8s %8s %7s %9s %7s"):format("", "raw %", "%", "%", "", "%", "%", "raw %", "raw", "",
   "paths %", "paths"))
-for _, x in ipairs(dofile "spec/support/interiors.lua"(ylm)) do line_of(x[1], x[2]) end
+for _, x in ipairs(rooms) do line_of(x[1], x[2]) end

@@ -1,7 +1,7 @@
 /* cie.c - skies of the CIE. */
 #include <math.h>
 
-#include "ylm_light_emitter.h"
+#include "cie.h"
 #include "ylm_vector.h"
 
 static const struct {
@@ -12,22 +12,25 @@ static const struct {
 #undef X
 };
 
-/* The angle between two directions. */
-static double angle(const double a[3], const double b[3]) {
-  return acos(fmax(-1, fmin(1, ylm_dot3d(a, b))));
-}
-
-/* How bright the sky is at an angle to the sun. */
-static double glow(const ylm_light_cie *s, double g) {
-  double cosine = cos(g);
-  return skies[s->kind].a + skies[s->kind].b * exp(skies[s->kind].k * g) +
+/* How bright the sky is in a direction, by its angle to the sun. */
+static double glow(const ylm_light_cie *s, const double d[3]) {
+  double cosine = fmax(-1, fmin(1, ylm_dot3d(s->sun, d)));
+  return skies[s->kind].a + skies[s->kind].b * exp(skies[s->kind].k * acos(cosine)) +
          skies[s->kind].c * (cosine * cosine);
 }
 
-double ylm_light_cie_luminance(const ylm_light_cie *s, const double d[3]) {
-  double up = ylm_dot3d(s->zenith, d), e = skies[s->kind].e;
+double ylm__light_cie_scale(const ylm_light_cie *s) {
+  if (s->kind == YLM_LIGHT_CIE_overcast) return s->luminance / 3;
+  return s->luminance / (glow(s, s->zenith) * (1 - exp(skies[s->kind].e)));
+}
+
+double ylm__light_cie_scaled(const ylm_light_cie *s, double scale, const double d[3]) {
+  double up = ylm_dot3d(s->zenith, d);
   if (!(up > 0)) return 0;
-  if (s->kind == YLM_LIGHT_CIE_overcast) return s->luminance * (1 + 2 * up) / 3;
-  double scale = s->luminance / (glow(s, angle(s->zenith, s->sun)) * (1 - exp(e)));
-  return scale * glow(s, angle(s->sun, d)) * (1 - exp(e / up));
+  if (s->kind == YLM_LIGHT_CIE_overcast) return scale * (1 + 2 * up);
+  return scale * glow(s, d) * (1 - exp(skies[s->kind].e / up));
+}
+
+double ylm_light_cie_luminance(const ylm_light_cie *s, const double d[3]) {
+  return ylm__light_cie_scaled(s, ylm__light_cie_scale(s), d);
 }

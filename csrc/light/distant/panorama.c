@@ -8,11 +8,13 @@
 ** Source  docs/math.md "Distant light"
 */
 #include "../set.h"
+#include "cie.h"
 #include "environment.h"
 
 typedef struct panorama {
   ylm__distant lights;
   ylm_light_panorama seen; /* whose texels are its own */
+  double cie_scale;        /* of a sky without texels */
   float *texel;
 } panorama;
 
@@ -32,7 +34,8 @@ static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t 
 static void radiance(const void *of, const double d[3], double rgb[3]) {
   const ylm_light_panorama *p = &((const panorama *)of)->seen;
   if (!p->texel) {
-    double luminance = p->scale * ylm_light_cie_luminance(&p->cie, d);
+    double scale = ((const panorama *)of)->cie_scale;
+    double luminance = p->scale * ylm__light_cie_scaled(&p->cie, scale, d);
     for (int c = 0; c < 3; c++) rgb[c] += luminance;
     return;
   }
@@ -70,6 +73,7 @@ ylm_status ylm_light_panorama_check(const ylm_light_panorama *p, ylm_error *e) {
 static ylm_status fill(panorama *to, const ylm_light_panorama *p, size_t n,
                        const double *const *record, ylm_error *e) {
   to->seen = *p;
+  to->cie_scale = p->texel ? 0 : ylm__light_cie_scale(&p->cie);
   if (p->texel) {
     to->seen.texel = to->texel =
         ylm_alloc_copy(p->texel, 3 * (size_t)p->width * (size_t)p->height, sizeof *to->texel);

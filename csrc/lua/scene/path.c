@@ -10,6 +10,7 @@
       YLML(form, o.strategy, "strategy", CHOICE, .choices = ylmL_path_strategy_choices),           \
       YLML(form, o.error, "error", DOUBLE, .optional = true),                                      \
       YLML(form, o.seconds, "seconds", DOUBLE, .optional = true),                                  \
+      YLML(form, o.guides, "guides", BOOL, .optional = true),                                      \
       YLML(form, o.seed, "seed", UINT64), YLML(form, o.threads, "threads", INT, .optional = true), \
       YLML(form, progress, "progress", VALUE)
 
@@ -21,6 +22,8 @@ static void push_stats(lua_State *L, const ylm_path_sum *sum, const ylm_path_sta
   ylmL_set_count(L, "nearest", s->nearest_rays);
   ylmL_set_count(L, "lamps", s->lamp_rays);
   ylmL_set_count(L, "shadow", s->shadow_rays);
+  ylmL_set_count(L, "guides", s->guide_rays);
+  ylmL_set_count(L, "clusters", s->clusters);
   ylmL_set_count(L, "absorbed", s->absorbed);
   ylmL_set_count(L, "lost", s->lost);
   if (s->noise >= 0) ylmL_set_number(L, "noise", s->noise);
@@ -39,7 +42,7 @@ static float *floats(lua_State *L, int i, size_t n) {
 typedef struct image_form {
   ylm_path_options o;
   ylm_camera camera;
-  int width, height, mean, rest, variance, progress; /* from mean on: on the stack */
+  int width, height, mean, rest, variance, counts, progress; /* from mean on: on the stack */
   double background[3];
   uint64_t done;
 } image_form;
@@ -52,12 +55,14 @@ static const ylmL_entry image_entries[] = {
     YLML(image_form, mean, "mean", VALUE),
     YLML(image_form, rest, "rest", VALUE),
     YLML(image_form, variance, "variance", VALUE),
+    YLML(image_form, counts, "counts", VALUE),
     YLML(image_form, done, "done", UINT64),
     COMMON(image_form),
     {.name = NULL}};
 
 /* path_image(scene, {camera: from, at, up, fov, 10 numbers; width, height, background {r, g, b}, mean,
-   rest, variance: float [h][w][3], done: samples that they hold; COMMON}) -> stats */
+   rest, variance: float [h][w][3], counts: out [h][w][1] samples, of what is cancelled too, done: samples that they hold;
+   COMMON}) -> stats */
 static int path_image(lua_State *L) {
   image_form f = {.progress = 0};
   const ylm_scene *scene = ylmL_scene(L, 1);
@@ -69,7 +74,9 @@ static int path_image(lua_State *L) {
   ylm_path_sum sum = {f.done, floats(L, f.mean, n), floats(L, f.rest, n), floats(L, f.variance, n)};
   f.o.progress = ylmL_progress_begin(L, f.progress, &p);
   ylm_path_stats stats;
+  float *count = floats(L, f.counts, n / 3);
   ylm_status s = ylm_path_image(scene, &f.camera, f.width, f.height, b, &f.o, &sum, &stats, &e);
+  for (size_t i = 0; i < n / 3; i++) count[i] = (float)sum.samples;
   if (s == YLM_OK) push_stats(L, &sum, &stats);
   return ylmL_result_progress(L, 1, s, &e, &p);
 }

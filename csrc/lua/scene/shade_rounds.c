@@ -103,7 +103,32 @@ static int shade_denoise(lua_State *L) {
   return ylmL_result_progress(L, 1, s, NULL, &p);
 }
 
+/* shade_oidn() -> true: Open Image Denoise is there; shade_oidn(radiance, albedo or nil, normal or nil: float [h][w][3],
+   out) -> true */
+static int shade_oidn(lua_State *L) {
+  ylm_error e = {0};
+  ylmL_array *x[4] = {NULL};
+  bool asked = lua_isnoneornil(L, 1);
+  for (int k = 0; k < 4 && !asked; k++)
+    if (!lua_isnoneornil(L, k + 1)) x[k] = ylmL_array_check(L, k + 1);
+  for (int k = 0; k < 4 && !asked; k++)
+    if (k % 3 == 0 || x[k])
+      if (!x[k] || x[k]->axes != 3 || x[k]->shape[2] != 3 || !has_floats(x[k], x[0]->count))
+        return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  ylm_shade_picture p = {0};
+  if (!asked)
+    p = (ylm_shade_picture){.width = (int)x[0]->shape[1],
+                            .height = (int)x[0]->shape[0],
+                            .radiance = x[0]->data,
+                            .albedo = x[1] ? x[1]->data : NULL,
+                            .normal = x[2] ? x[2]->data : NULL};
+  ylm_status s = ylm_shade_oidn(asked ? NULL : &p, asked ? NULL : x[3]->data, &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result(L, 1, s, &e);
+}
+
 static const luaL_Reg functions[] = {{"shade_denoise", shade_denoise},
+                                     {"shade_oidn", shade_oidn},
                                      {"shade_gather_sets", shade_gather_sets},
                                      {"shade_noise_around", shade_noise_around},
                                      {"shade_spread", shade_spread},

@@ -38,7 +38,11 @@ return {
       progress = report.progress(given) }
     status.need(image, facts)
     exposures.save(given, image, exposure)
+    if facts.ended == "cancelled" then
+      report.say(given, "ylm: noise is %.1f %% after %d paths a pixel; interrupted: this is the picture so far, which --resume "
+        .. "of an .exr goes on from", 100 * facts.noise, facts.samples)
+    end
     report.print(given, facts)
-    return status.good
+    return facts.ended == "cancelled" and status.cancelled or status.good
   end,
 }

@@ -10,7 +10,7 @@ local exposures = require "ylm.cli.exposures"
 local choices = {
   by = { "rays", "grid", "sum" }, visibility = { "rays", "transfer", "none", "self" },
   gloss = core.choices "gloss", bounced = { "links", "virtual" }, shading = { "pixel", "vertices" },
-  denoise = { "auto", "none" },
+  denoise = { "auto", "none", "oidn" },
 }
 
 --- Which ways an option is for, where it is not for all.
@@ -116,8 +116,9 @@ end
 --- Says which noise a picture has, and how long it took.
 local function say_noise(given, facts)
   local before = facts.noise_before
-  report.say(given, "ylm: noise is %.1f %% of the light around a pixel%s, %.0f s%s", 100 * facts.noise,
-    before and (", %.0f %% before it was filtered"):format(100 * before) or "", facts.seconds.total,
+  local note = before and (", %.0f %% before it was filtered"):format(100 * before)
+    or given.denoise == "oidn" and " before Open Image Denoise" or ""
+  report.say(given, "ylm: noise is %.1f %% of the light around a pixel%s, %.0f s%s", 100 * facts.noise, note, facts.seconds.total,
     facts.ended == "cancelled" and "; interrupted: this is the picture so far" or "")
 end
 
@@ -177,7 +178,8 @@ return {
       .. "by paths, and says whether it is met" },
     { "noise", nil, "N", "of the picture, default 0.03 for 3 % of the light around each pixel: chooses shadow rays and links "
       .. "pixel by pixel, and says what was reached" },
-    { "denoise", nil, "NAME", "by rays: auto (a filter where there is more noise; default without --light-samples) or none" },
+    { "denoise", nil, "NAME", "by rays: auto (a filter where there is more noise; default without --light-samples), none, or "
+      .. "oidn (Open Image Denoise, where it is installed)" },
     { "time-limit", nil, "N", "seconds: with --noise, end after about so long" },
     { "light-samples", nil, "N", "by rays: shadow rays per shading point, default 32" },
     { "visibility", nil, "NAME", "rays, transfer (by grid and sum: occlusion by direction), none or self" },

@@ -52,7 +52,7 @@ end
 --- Ways of a kind, in the order in which they are asked; by name too.
 choose.direct = room("direct", "vectors", "none", "sum", "paths", "grid", "rays")
 choose.bounced = room("bounced", "virtual", "surfaces", "grid", "links")
-choose.over = room("over", "ambient", "bodies", "lamps")
+choose.over = room("over", "ambient", "bodies", "lamps", "oidn")
 
 -- Options ------------------------------------------------------------------------------------
 

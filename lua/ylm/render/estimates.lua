@@ -55,7 +55,8 @@ function estimates.add_stats(report, stats)
   report.samples, report.noise, report.ended = stats.samples, stats.noise, ended[stats.ended] or stats.ended
   report.absorbed, report.lost, report.paths = stats.absorbed, stats.lost, stats.paths
   report.rays = { primary = report.rays and report.rays.primary, nearest = stats.nearest, lamps = stats.lamps,
-    shadow = stats.shadow }
+    shadow = stats.shadow, guides = stats.clusters > 0 and stats.guides or nil }
+  report.guides = stats.clusters > 0 and stats.clusters or nil
 end
 
 --- Where nothing can shine, the sentence that says so.

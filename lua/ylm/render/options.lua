@@ -146,8 +146,8 @@ options.light_samples = { "light_samples", "integer", min = 1, max = core.limits
     .. " to 16384, most where they vary most, as few as leave a noise of 1 % in each mesh's radiance (report.glossy)" }
 
 options.guides = { "guides", "boolean", default = true, shelf = "experiments",
-  about = "by rays: shadow rays of matte points learn from a pilot which lamps and which parts of the sky are seen from where: "
-    .. "no bias, less noise; false: they do not" }
+  about = "by rays, shadow rays of matte points, and of pictures by paths those of all points, learn from a pilot which lamps "
+    .. "and which parts of the sky are seen from where: no bias, less noise; false: they do not" }
 
 options.lights_field = { "lights", "any", optional = true,
   about = "lights in place of the scene's. By rays they may move; default with bounced = lit: those of lit. By sum and by "

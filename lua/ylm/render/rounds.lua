@@ -12,6 +12,7 @@ local denoise = require "ylm.render.denoise"
 local options = require "ylm.render.options"
 local progress = require "ylm.progress"
 local steady = require "ylm.render.steady"
+local tracing = require "ylm.trace"
 local warning = require "ylm.warning"
 
 local rounds = {}
@@ -35,18 +36,19 @@ rounds.fields = {
       .. "pixels around it: a pilot chooses counts of shadow rays and links pixel by pixel, and light_samples and rays are left "
       .. "out. report.noise and the layer noise say what was reached. A picture that is cancelled behind its pilot is what "
       .. "the pilot made, and report.ended is cancelled. Of bounces by links" },
-  { "denoise", "choice", of = { "auto", "none" }, optional = true,
+  { "denoise", "choice", of = { "auto", "none", "oidn" }, optional = true,
     about = "by rays: 'auto', where noise is above `noise`, or 0.03, light of matte surfaces is fitted to that of points around, "
       .. "as far as two halves of the rays find it alike; direct light and light that bounces apart, without albedo. Where no "
       .. "counts are given, more rays follow where noise is left. The layer raw is without a filter; report.denoise says what "
-      .. "rays at random pixels find changed. Default: 'auto' with noise, else 'none'" },
+      .. "rays at random pixels find changed. 'oidn': the finished picture is filtered by Intel's Open Image Denoise, which has "
+      .. "to be installed; report.noise is that of the layer raw. Default: 'auto' with noise, else 'none'" },
   { "time_limit", "number", above = 0, optional = true, unit = "s", shelf = "experiments",
     about = "with noise, or by paths: ends after about so long, which makes results depend on it; with noise a pilot and 64 "
       .. "links a shading point are the least" },
 }
 
 --- Is a picture by these options made of two halves of rays?
-function rounds.wants(o) return o.noise ~= nil or o.denoise == "auto" end
+function rounds.wants(o) return o.noise ~= nil or o.denoise == "auto" or o.denoise == "oidn" end
 
 --- Raises where options do not go with a noise that is wanted.
 local function check_noise(name, o, given)
@@ -79,6 +81,14 @@ function rounds.check(name, o, given)
   o.halves = true -- sets of links are found for each half; none is kept
 end
 
+--- Whether a filter that is not ylm's own is there, before any ray is traced: true; or nil, message, code.
+function rounds.ready(name, o)
+  if o.denoise ~= "oidn" then return true end
+  local lib, message, code = tracing.library()
+  if not lib then return nil, message, code end
+  return check.result(name, lib.shade_oidn())
+end
+
 --- Arrays of zeros for points and pixels of a view.
 local function room(p, o)
   local n, size = p.stats.points, o.size
@@ -105,6 +115,15 @@ local function add_glossy(x, round)
   return true
 end
 
+--- Fills the picture of a viewer with the light so far, of both halves.
+local function show(x)
+  if not x.casting.into then return end
+  local all = (x.direct[1] + (x.direct[2] or x.direct[1])) / 2
+  if x.links then all = all + (x.links[1] + x.links[2]) / 2 end
+  if x.steady then all = all + x.steady end
+  x.casting.into[{ { 1, x.p.stats.points } }] = all
+end
+
 --- Two estimates of direct light and two along links, in `x.direct`, `x.links`; rays of a half and sets are numbers of points.
 -- True, or nil, message, code.
 local function estimate(x, rays, sets, round)
@@ -113,9 +132,11 @@ local function estimate(x, rays, sets, round)
   for half = 1, 2 do
     local found, count, code = check.result(x.name, x.p.lib.shade_raycast(x.p.view, { light_samples = x.pilot.rays, rays = rays,
       shadows = c.shadows, seed = c.seed + STEP * (2 * round + half), threads = c.threads, progress = c.progress, lit = c.lit,
-      guide = c.guide }))
+      guide = c.guide, into = round == 0 and half == 1 and c.into or nil }))
     if not found then return nil, count, code end
-    x.direct[half], x.report.rays.shadow = found, (x.report.rays.shadow or 0) + count
+    x.direct[half] = rawequal(found, c.into) and found:clone() or found
+    x.report.rays.shadow = (x.report.rays.shadow or 0) + count
+    if round == 0 then show(x) end
   end
   local b = steady.links(x.o)
   if not b then return true end
@@ -125,7 +146,10 @@ local function estimate(x, rays, sets, round)
     first = x.links[1], second = x.links[2], seed = c.seed + STEP * (round + 7), threads = c.threads, progress = c.progress }))
   if not count then return nil, message, code end
   x.sets = (x.sets or 0) + count
-  return add_glossy(x, round)
+  local ok
+  ok, message, code = add_glossy(x, round)
+  show(x)
+  return ok, message, code
 end
 
 --- The picture of the values of points.
@@ -203,7 +227,8 @@ end
 local function say(x, reached, seconds)
   local report = x.report
   report.noise, report.ended = reached, x.cancelled and "cancelled" or x.o.by_hand and "samples" or "noise"
-  if x.cancelled or x.o.by_hand or reached <= SLACK * x.wanted then return end
+  local left_to_oidn = x.o.denoise == "oidn" and not x.o.noise
+  if x.cancelled or x.o.by_hand or left_to_oidn or reached <= SLACK * x.wanted then return end
   local ended, advice = cause_of(x, reached, seconds)
   report.ended = ended
   report.warnings[#report.warnings + 1] = warning.say(x.p.scene, "noise", "scene %q: noise is %.1f %% of the light around a "
@@ -234,14 +259,14 @@ local function settle(x)
   x.raw, message, code = denoise.filter(x)
   if not x.raw then return nil, message, code end
   local after = look_at(x)
-  if after < reached then return after end
-  restore(x, kept)
-  return reached
+  if after >= reached then restore(x, kept) end
+  show(x)
+  return math.min(after, reached)
 end
 
 --- Shadow rays of a half, links of a set, and sets, before any noise is known.
 local function pilot_of(p, o)
-  if not o.by_hand then return o.denoise == "auto" and FILTERED or PILOT end
+  if not o.by_hand then return o.denoise == "none" and PILOT or FILTERED end
   local links = o.rays or 64 * options.multiple(p.options)
   local set = math.min(SET, math.max(4, 4 * math.floor(links / 8)))
   return { rays = math.max(1, math.floor(o.light_samples / 2 + 0.5)), links = set,
@@ -299,19 +324,21 @@ local function refine(x, reached, seconds, start)
   if better or code ~= "ECANCELLED" then return better, message, code end
   restore(x, kept)
   x.cancelled, x.casting.progress = true, nil -- an interrupt stays one
+  show(x)
   return reached
 end
 
 --- Is the pilot the picture? Its counts are even, and of light without a filter they are chosen by noise.
 local function is_enough(x, reached)
-  return x.o.by_hand or x.o.denoise == "auto" and reached <= SLACK * x.wanted
+  if x.o.by_hand or x.o.denoise == "oidn" and not x.o.noise then return true end
+  return x.o.denoise == "auto" and reached <= SLACK * x.wanted
 end
 
 --- Direct light of the points of p; light that bounces is left in o.reflected.gathered. Or nil, message, code.
 function rounds.radiance(name, p, o, report, casting)
   local start = core.seconds()
   local x = { name = name, p = p, o = o, report = report, casting = casting, wanted = o.noise or rounds.NOISE }
-  x.casting.progress, x.pilot = progress.resolve(o.progress), pilot_of(p, o)
+  x.pilot = pilot_of(p, o)
   x.points, x.pixels = room(p, o)
   x.rays, x.own = x.points() + x.pilot.rays, x.points() + x.pilot.sets
   local reached, ok, message, code

@@ -26,6 +26,7 @@ paths.scene_options = options.list({
   { "reflections", "reflections", optional = true, shelf = "experiments",
     about = "by paths, instead of bounces, { first, last }: 0 lamps that are seen, 1 direct light, 2 the first bounce; last also "
       .. "'all'" },
+  options.guides,
 }, estimates.options, {
   { "resume", "object", of = "ylm.image", optional = true, shelf = "experiments",
     about = "by paths: an image of an earlier call, or loaded from its .exr, of the same scene with the same options but for "
@@ -43,6 +44,7 @@ local function identity(s, p, o, first, last)
   end
   return { method = "paths", scene = s.name or "", seed = ("%.17g"):format(o.seed), strategy = o.strategy,
     reflections = ("%d %s"):format(first, last < 0 and "all" or ("%d"):format(last)), camera = table.concat(numbers, " "),
+    guides = o.guides and "pilot" or "none",
     ["print.geometry"] = geometry, ["print.materials"] = materials, ["print.lights"] = lights,
     background = ("%.9g %.9g %.9g"):format(b[1], b[2], b[3]) }
 end
@@ -81,10 +83,10 @@ local function check_resumed(name, s, from, o, known)
       from.size[2])
   end
   local texts = from.metadata()
-  for _, key in ipairs { "method", "scene", "camera", "seed", "strategy", "reflections" } do
-    if texts[key] ~= known[key] then
-      return check.fail("%s: resume: the image's %s is '%s', this is '%s'", name, key, check.short(texts[key] or ""),
-        check.short(known[key]))
+  for _, key in ipairs { "method", "scene", "camera", "seed", "strategy", "reflections", "guides" } do
+    local had = texts[key] or key == "guides" and "none" or ""
+    if had ~= known[key] then
+      return check.fail("%s: resume: the image's %s is '%s', this is '%s'", name, key, check.short(had), check.short(known[key]))
     end
   end
   check_prints(name, s, texts, known)
@@ -127,21 +129,45 @@ function paths.prepare(name, p, o)
   return p, report
 end
 
+--- The mean over lit pixels of the root of summed variances over the norm, as C has it.
+local function noise_of(out)
+  local mean, variance = out:layer "radiance", out:layer "variance"
+  local norm, sum = (mean * mean):sum(3), variance:sum(3)
+  local lit = norm:not_equal(0)
+  local n = lit:sum()
+  return n > 0 and ((sum / (norm + (1 - lit))) ^ 0.5 * lit):sum() / n or 0
+end
+
+--- Paths until there are enough: their stats; or nil, message, code. An interrupt of the command-line tool, which is raised,
+-- leaves what there is, of two batches at least.
+local function trace(name, p, o, bar)
+  local out, x, s, start = o.out, o.taken, p.scene, core.seconds()
+  local fine, stats, message, code = pcall(function()
+    return check.result(name, p.lib.path_image(p.traced.handle, {
+      camera = views.camera_numbers(s), width = o.size[1], height = o.size[2], background = s.background or { 0, 0, 0 },
+      mean = out:layer "radiance", rest = out:layer "radiance_rest", variance = out:layer "variance",
+      counts = out:layer "samples", done = x.done, samples = x.samples, first = x.first, last = x.last, strategy = o.strategy,
+      error = o.tolerance, seconds = o.time_limit, guides = o.guides, seed = o.seed, threads = o.threads, progress = bar }))
+  end)
+  if fine then return stats, message, code end
+  local samples = out:layer("samples"):get(1, 1, 1)
+  if not core.process_interrupted() or not tostring(stats):find("interrupted!", 1, true) or samples < 2 * BATCH then
+    error(stats, 0)
+  end
+  return { samples = samples, noise = noise_of(out), ended = "cancelled", seconds = core.seconds() - start,
+    paths = samples * o.size[1] * o.size[2], absorbed = 0, lost = 0, clusters = 0 }
+end
+
 --- Writes the layers of o.out by paths.
 function paths.radiance(name, p, o, report)
-  local out, x, bar, s = o.out, o.taken, progress.resolve(o.progress), p.scene
+  local out, bar = o.out, progress.resolve(o.progress)
   if o.live then
     bar = o.live.progress(bar, function() return { display.layer_of(out, "radiance", 3, true) } end)
   end
-  local stats, message, code = check.result(name, p.lib.path_image(p.traced.handle, {
-    camera = views.camera_numbers(s), width = o.size[1], height = o.size[2], background = s.background or { 0, 0, 0 },
-    mean = out:layer "radiance", rest = out:layer "radiance_rest", variance = out:layer "variance", done = x.done,
-    samples = x.samples, first = x.first, last = x.last, strategy = o.strategy, error = o.tolerance, seconds = o.time_limit,
-    seed = o.seed, threads = o.threads, progress = bar }))
+  local stats, message, code = trace(name, p, o, bar)
   if not stats then return nil, message, code end
-  x.stats = stats
+  o.taken.stats = stats
   estimates.add_stats(report, stats)
-  out:fill(1, 1, o.size[1], o.size[2], stats.samples, { layer = "samples" })
   return function() return true end, stats.seconds
 end
 

@@ -145,6 +145,8 @@ end
 
 function rays.make(name, s, o, given, how)
   rounds.check(name, o, given)
+  local ok, message, code = rounds.ready(name, o)
+  if not ok then return nil, message, code end
   if not o.tolerance then
     if o.variance then return in_batches(o, how) end
     return how()
