@@ -94,9 +94,10 @@ describe("guides of shadow rays", function()
   end)
 
   it("keep pictures by paths unbiased: as above", function()
+    local scene = court()
     local function render(guides)
       return function(seed)
-        return (court():pathtrace { size = { 30, 20 }, samples = 32, guides = guides, seed = seed, layers = false })
+        return (scene:pathtrace { size = { 30, 20 }, samples = 32, guides = guides, seed = seed, layers = false })
       end
     end
     local a, a_variance = many(1, render(true))
