@@ -290,6 +290,11 @@ assert(grid:points().value:save(folder .. "/value.npy"))]])
     assert(refused > 100, refused)
     assert(accepted + refused > 400)
   end)
+
+  it("of grids with sides are refused where a piece is of a part that its leaf has not", function()
+    local grid, message, code = ylm.load "spec/data/forged_pieces.ylm" -- found by make fuzz-storm
+    assert(grid == nil and code == "EFORMAT" and message:find "the part of a piece", message)
+  end)
 end)
 
 describe("bakes for a number of bytes or points", function()

@@ -181,6 +181,16 @@ static ylm_status decode_points(ylm_grid *g, small_layout *k, const small_packed
   return s;
 }
 
+/* Has each piece of a side a part of it, or none? */
+static bool pieces_hold(const ylm_grid *g) {
+  for (size_t i = 0; i < g->sides.n; i++)
+    for (size_t k = 0; k < YLM_GRID_PIECES; k++) {
+      uint32_t part = ylm_grid_side_part(&g->sides.side[i], k);
+      if (part != YLM_GRID_PARTS && part >= g->sides.side[i].parts) return false;
+    }
+  return true;
+}
+
 /* Are the places of ghosts, which stand last, finite? */
 static bool ghosts_hold(const ylm_grid *g) {
   size_t n = 0;
@@ -222,6 +232,7 @@ ylm_status ylm__small_decode(ylm_grid *g, const small_packed *p, size_t cells, s
     k.bad = "its counts", s = YLM_EFORMAT;
   if (s == YLM_OK) s = ylm__small_finish(&k);
   if (s == YLM_OK && !corners_hold(g)) k.bad = "a cell's corners", s = YLM_EFORMAT;
+  if (s == YLM_OK && !pieces_hold(g)) k.bad = "the part of a piece", s = YLM_EFORMAT;
   if (s == YLM_OK && !ghosts_hold(g)) k.bad = "its ghosts", s = YLM_EFORMAT;
   *bad = k.bad;
   if (s == YLM_OK && p->head.flags & SMALL_HAS_VALIDITY) {
