@@ -3,6 +3,7 @@
 local core = require "ylm.c.core"
 local ylm = require "ylm"
 local irradiance = require "spec.support.irradiance"
+local turned = require "spec.support.turned"
 local walls = require "spec.support.walls"
 
 local box = walls.box
@@ -84,18 +85,6 @@ local function two_sided(normal, height)
   end, value
 end
 
---- Turn i of a wall: its unit normal, two axes in it, and its distance from the middle.
-local function turned(i)
-  local z, phi = 1 - (2 * i - 1) / 20, i * 2.399963
-  local r = math.sqrt(1 - z * z)
-  local n = { r * math.cos(phi), r * math.sin(phi), z }
-  local least = math.abs(n[1]) < 0.6 and { 1, 0, 0 } or { 0, 1, 0 }
-  local u = { n[2] * least[3] - n[3] * least[2], n[3] * least[1] - n[1] * least[3], n[1] * least[2] - n[2] * least[1] }
-  local length = math.sqrt(u[1] ^ 2 + u[2] ^ 2 + u[3] ^ 2)
-  for a = 1, 3 do u[a] = u[a] / length end
-  return n, u, { n[2] * u[3] - n[3] * u[2], n[3] * u[1] - n[1] * u[3], n[1] * u[2] - n[2] * u[1] }, 0.03
-end
-
 --- n places of a wall within the box, on both of its sides in turn: points, normals.
 local function places_of(normal, u, v, height, n)
   local points, normals, k = {}, {}, 0
@@ -126,7 +115,7 @@ local uniform = ylm.uniform_grid { bounds = walls.box, cells = { 5, 4, 6 }, lmax
 describe("sides", function()
   it("keep light that is linear on each side of a wall, at 20 turns: no part of one side's reaches the other", function()
     for i = 1, 20 do
-      local normal, u, v, height = turned(i)
+      local height, normal, u, v = 0.03, turned(i)
       local field, value = two_sided(normal, height)
       local scene = ylm.scene "a wall" { geometry = { quad_of(normal, u, v, height) }, lights = walls.lamp }
       local grid = ylm.bake(uniform, field, { quantity = "indirect", scene = scene })

@@ -1,6 +1,7 @@
 -- Meshes that are no solid bodies: scene:surface_grid and grids with sides end, with light that is finite, or refuse by name.
 
 local ylm = require "ylm"
+local quietly = require "spec.support.quietly"
 local hostile = require "spec.support.hostile_meshes"
 local long = require "spec.support.long"
 
@@ -9,14 +10,6 @@ local grey = ylm.matte { albedo = 0.5 }
 local alone = {}
 for name in pairs(hostile.meshes) do alone[#alone + 1] = name end
 table.sort(alone)
-
---- The results of f(), without its warnings.
-local function quietly(f)
-  local before = ylm.on_warning(false)
-  local results = { f() }
-  ylm.on_warning(before)
-  return results[1], results[2], results[3]
-end
 
 --- A mesh of a scene; `more`: fields beside vertices and triangles.
 local function mesh(shape, more)

@@ -1,19 +1,12 @@
 -- A room that one quad seals gets no light, in any turn of the quad: by elements, in grids with sides, on surfaces.
 
 local ylm = require "ylm"
+local quietly = require "spec.support.quietly"
 local irradiance = require "spec.support.irradiance"
 local long = require "spec.support.long"
 local sealed = require "spec.support.sealed_rooms"
 
 local LEAK = 1e-4 -- of the mean of the lit side
-
---- The result of f(), without its warnings.
-local function quietly(f)
-  local before = ylm.on_warning(false)
-  local result = f()
-  ylm.on_warning(before)
-  return result
-end
 
 --- Places a bit above the surfaces.
 local function lifted(places)

@@ -2,19 +2,12 @@
 -- LONG=long` takes 10,000 places of four scenes, and 200 seeds.
 
 local ylm = require "ylm"
+local quietly = require "spec.support.quietly"
 local long = require "spec.support.long"
 local promise = require "spec.support.surface_promise"
 local scenes = require "spec.support.walled_scenes"
 
 local PROMISED = 0.01
-
---- The results of f(), without its warnings.
-local function quietly(f)
-  local before = ylm.on_warning(false)
-  local result = f()
-  ylm.on_warning(before)
-  return result
-end
 
 local function room()
   return ylm.scene "a parted room" { lights = ylm.sphere_light { at = { 0.5, 0.4, 0 }, radius = 0.15, radiance = 20 },

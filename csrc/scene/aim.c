@@ -114,10 +114,12 @@ static bool is_of_tiles(const ylm_scene_chooser *c, size_t chunk) {
 static double sum_up(ylm_scene_chooser *c) {
   c->total = 0;
   for (size_t b = 0; b < c->chunks; b++) {
-    double sum = 0;
-    const float *weight = c->weight + b * YLM_LAMP_CHUNK;
-    for (size_t i = 0; i < YLM_LAMP_CHUNK && !is_of_tiles(c, b); i++) sum += (double)weight[i];
-    if (!is_of_tiles(c, b)) c->sum[b] = (float)sum;
+    if (!is_of_tiles(c, b)) {
+      double sum = 0;
+      const float *weight = c->weight + b * YLM_LAMP_CHUNK;
+      for (size_t i = 0; i < YLM_LAMP_CHUNK; i++) sum += (double)weight[i];
+      c->sum[b] = (float)sum;
+    }
     c->total += (double)c->sum[b];
   }
   return c->total;

@@ -29,6 +29,10 @@ function vector.cross(a, b)
   return { a[2] * b[3] - a[3] * b[2], a[3] * b[1] - a[1] * b[3], a[1] * b[2] - a[2] * b[1] }
 end
 
+function vector.minus(a, b) return { a[1] - b[1], a[2] - b[2], a[3] - b[3] } end
+
+function vector.times(v, k) return { k * v[1], k * v[2], k * v[3] } end
+
 function vector.dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
 
 --- The length of a vector whose square is representable.
@@ -38,7 +42,7 @@ function vector.length(v) return math.sqrt(v[1] ^ 2 + v[2] ^ 2 + v[3] ^ 2) end
 -- over the rest's length.
 function vector.across(axis)
   local base, rest = math.abs(axis[1]) > 0.999 and { 0, 0, 1 } or { 1, 0, 0 }, {}
-  local along = base[1] * axis[1] + base[2] * axis[2] + base[3] * axis[3]
+  local along = vector.dot(base, axis)
   for i = 1, 3 do rest[i] = base[i] - along * axis[i] end
   return vector.unit(rest), along / vector.length(rest)
 end

@@ -1,20 +1,10 @@
 --- A room of edge 2 that one quad parts, turned anyhow and 0.03 off the middle, a lamp on one side of it; triangles of the room
 -- run under the quad: sealed(ylm, turn) -> scene, dark, lit. Either is { points, normals }, places in the room on that side.
 
+local turned = require "spec.support.turned"
+
 local PLACES, OFF, BEYOND = 400, 0.03, 3
 local BIT = 0.002 -- places that are nearer to the quad are left out: a bit above a surface is beyond it where it leans
-
---- Turn i of 20: a unit normal, and two axes across it.
-local function turned(i)
-  local z, phi = 1 - (2 * i - 1) / 20, i * 2.399963
-  local r = math.sqrt(1 - z * z)
-  local n = { r * math.cos(phi), r * math.sin(phi), z }
-  local least = math.abs(n[1]) < 0.6 and { 1, 0, 0 } or { 0, 1, 0 }
-  local u = { n[2] * least[3] - n[3] * least[2], n[3] * least[1] - n[1] * least[3], n[1] * least[2] - n[2] * least[1] }
-  local length = math.sqrt(u[1] ^ 2 + u[2] ^ 2 + u[3] ^ 2)
-  for a = 1, 3 do u[a] = u[a] / length end
-  return n, u, { n[2] * u[3] - n[3] * u[2], n[3] * u[1] - n[1] * u[3], n[1] * u[2] - n[2] * u[1] }
-end
 
 local function dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
 

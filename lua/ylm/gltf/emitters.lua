@@ -79,8 +79,7 @@ local function welder()
   end, points
 end
 
-local function minus(a, b) return { a[1] - b[1], a[2] - b[2], a[3] - b[3] } end
-local function dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
+local minus, dot = vector.minus, vector.dot
 
 --- The ring of corners without those on straight edges; nil where it is not convex about `normal`.
 local function convex(ring, points, normal)

@@ -16,7 +16,7 @@ local lights = {}
 
 local function largest(c) return math.max(c[1], c[2], c[3]) end
 
-local function times(c, k) return { c[1] * k, c[2] * k, c[3] * k } end
+local times = vector.times
 
 local function near(a, b) return math.abs(a - b) <= 1e-6 * math.abs(b) end
 

@@ -12,7 +12,7 @@ local changed = {}
 
 local DARK = 1e-6 -- the least level of lights of which level and colour alone are known: their light tells their derivative
 
-local function times(v, k) return { k * v[1], k * v[2], k * v[3] } end
+local times = vector.times
 
 local function ahead(c) return { c.at[1] + c.axis[1], c.at[2] + c.axis[2], c.at[3] + c.axis[3] } end
 
@@ -56,7 +56,7 @@ end
 function kinds.polygon_light(l, c, from)
   local vertices = {}
   for i, v in ipairs(l.vertices) do
-    local arm = turned(times({ v[1] - from.at[1], v[2] - from.at[2], v[3] - from.at[3] }, c.factor or 1), from.axis, c.axis)
+    local arm = turned(times(vector.minus(v, from.at), c.factor or 1), from.axis, c.axis)
     vertices[i] = { c.at[1] + arm[1], c.at[2] + arm[2], c.at[3] + arm[3] }
   end
   return { vertices = vertices, radiance = coloured(l.radiance, c) }

@@ -8,8 +8,7 @@ local vector = require "ylm.vector"
 local space = {}
 
 local function plus(a, b, t) return { a[1] + t * b[1], a[2] + t * b[2], a[3] + t * b[3] } end
-local function minus(a, b) return { a[1] - b[1], a[2] - b[2], a[3] - b[3] } end
-local function dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
+local minus, dot = vector.minus, vector.dot
 space.plus, space.minus, space.dot = plus, minus, dot
 
 --- The axes of a camera and half the height and width that it sees at distance 1.

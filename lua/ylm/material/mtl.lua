@@ -14,6 +14,7 @@ local matte = require "ylm.material.matte"
 local phong = require "ylm.material.phong"
 local text = require "ylm.text"
 local texture = require "ylm.material.texture"
+local vector = require "ylm.vector"
 
 local mtl = {}
 
@@ -143,8 +144,6 @@ local function fitting(kd, ks)
   return most > 1 and 1 / most or 1
 end
 
-local function times(c, k) return { c[1] * k, c[2] * k, c[3] * k } end
-
 --- A material of ylm: matte, or phong where it has highlights.
 local function convert(set, m, kd)
   local ks = m.Ks
@@ -155,7 +154,7 @@ local function convert(set, m, kd)
       check.short(m.name), k)
     k = k * (1 - 1e-6) -- the sum of two roundings is not above 1 either
   end
-  return phong { base = times(kd, k), specular = times(ks, k), exponent = m.Ns or 0 }
+  return phong { base = vector.times(kd, k), specular = vector.times(ks, k), exponent = m.Ns or 0 }
 end
 
 --- Makes { material =, emission = } of one entry; nil, message, code.

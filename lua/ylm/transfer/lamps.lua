@@ -16,7 +16,7 @@ local STEP = 1e-9     -- of the cosine, over which light of a spot without blend
 local codes = {}
 for i, name in ipairs(core.choices "lamp_shape") do codes[name] = i - 1 end
 
-local function times(c, k) return { k * c[1], k * c[2], k * c[3] } end
+local dot, minus, times = vector.dot, vector.minus, vector.times
 
 --- Numbers of a lamp whose light is a field of it times `unit`: shape, place, axis, C0, half sizes, scale, and its flux where
 -- that of scale 1 is `flux`.
@@ -56,8 +56,8 @@ function kinds.polygon_light(l)
   local flat = lamps.outline(l.vertices)
   local corners = {}
   for i, v in ipairs(l.vertices) do
-    local x = { v[1] - flat.at[1], v[2] - flat.at[2], v[3] - flat.at[3] }
-    corners[i] = { vector.dot(x, flat.across), vector.dot(x, vector.cross(flat.across, flat.axis)) }
+    local x = minus(v, flat.at)
+    corners[i] = { dot(x, flat.across), dot(x, vector.cross(flat.across, flat.axis)) }
   end
   return of_colour(l.radiance, flat.area, 2 * math.pi,
     { shape = "polygon", at = flat.at, axis = flat.axis, across = flat.across, half = { 1, 1 }, power = 1, corners = corners })
@@ -66,7 +66,7 @@ end
 function kinds.spot_light(l)
   local outer, inner = math.cos(math.rad(l.angle / 2)), math.cos(math.rad(l.angle / 2 * (1 - l.blend)))
   return of_colour(l.intensity, 1, 2 * math.pi * (1 - (inner + outer) / 2),
-    { shape = "point", at = l.at, axis = vector.unit { l.to[1] - l.at[1], l.to[2] - l.at[2], l.to[3] - l.at[3] },
+    { shape = "point", at = l.at, axis = vector.unit(minus(l.to, l.at)),
       cone = { outer, math.max(inner, outer + STEP) } })
 end
 
@@ -82,7 +82,7 @@ function lamps.outline(vertices)
   local a, normal, area, at = vertices[1], { 0, 0, 0 }, 0, { 0, 0, 0 }
   for i = 2, #vertices - 1 do
     local b, c = vertices[i], vertices[i + 1]
-    local n = vector.cross({ b[1] - a[1], b[2] - a[2], b[3] - a[3] }, { c[1] - a[1], c[2] - a[2], c[3] - a[3] })
+    local n = vector.cross(minus(b, a), minus(c, a))
     local part = vector.length(n) / 2
     area = area + part
     for k = 1, 3 do normal[k], at[k] = normal[k] + n[k], at[k] + part * (a[k] + b[k] + c[k]) / 3 end
@@ -146,7 +146,7 @@ end
 -- C0 stays where ylm.photometric_light has it: across +x, or +z of lamps that look along x.
 function lamps.by_direction(l, turn)
   local a = l.axis
-  local by_turn = -(turn[1] * a[1] + turn[2] * a[2] + turn[3] * a[3])
+  local by_turn = -dot(turn, a)
   local out = vector.cross(turn, a)
   if l.turn then
     local across, tilt = vector.across(a)

@@ -6,7 +6,7 @@ local vector = require "ylm.vector"
 
 local texels = {}
 
-local function minus(a, b) return { a[1] - b[1], a[2] - b[2], a[3] - b[3] } end
+local minus = vector.minus
 
 --- Calls visit(column, row, u, v) for texels whose middles are in a triangle of corners x, y in texels; u, v: weights of its
 -- second and third corner.

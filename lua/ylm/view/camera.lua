@@ -1,11 +1,9 @@
 --- The default camera of a picture.
 
 local vector = require "ylm.vector"
-local cross, unit = vector.cross, vector.unit
+local cross, dot, unit = vector.cross, vector.dot, vector.unit
 
 local view_camera = {}
-
-local function dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
 
 --- The axes of a view: to the right, up, towards the camera.
 local function axes(towards, up)
