@@ -2,6 +2,7 @@
 
 local ylm = require "ylm"
 local core = require "ylm.c.core"
+local images = require "ylm.image"
 local long = require "spec.support.long"
 local random = require "spec.support.random"
 local scratch = require "spec.support.scratch"
@@ -37,7 +38,7 @@ local function look_up(layer, size, u, v)
   return sum
 end
 
---- f(x, n, E) at `count` random places of a piece's triangles, E as the picture has it.
+--- f(x, n, E, at) at `count` random places of a piece's triangles, E as the picture has it at these coordinates.
 local function visit(piece, image, count, f)
   local r, layer = random.minimal(4711), image:layer "irradiance"
   local triangles, vertices, normals = piece.mesh:triangles(), piece.mesh:vertices(), piece.mesh:normals()
@@ -52,7 +53,7 @@ local function visit(piece, image, count, f)
       end
       for a = 1, 2 do at[a] = at[a] + w[k] * piece.uvs:get(of, a) end
     end
-    f(x, n, look_up(layer, image.size, at[1], at[2]))
+    f(x, n, look_up(layer, image.size, at[1], at[2]), at)
   end
 end
 
@@ -106,6 +107,30 @@ describe("scene:lightmap", function()
       :lightmap { texels = 4096, rays = 8 }
     assert.is_true(light.stats.seams > 20)
     assert.is_true(light.stats.jump < 0.02, light.stats.jump)
+  end)
+
+  it("has the flow of light, by which tilted normals read a lamp's light to 4 %", function()
+    local light = box():lightmap { texels = 4096, quantity = "direct", rays = 4, light_samples = 8, directional = true }
+    local image, misses, n = light:image(), 0, 0
+    local flow = { image:layer "flow_x", image:layer "flow_y", image:layer "flow_z" }
+    visit(light:pieces()[1], image, 300, function(x, normal, E, at)
+      local tilted, length = { normal[1] + 0.3, normal[2] - 0.2, normal[3] + 0.25 }, 0
+      for a = 1, 3 do length = length + tilted[a] ^ 2 end
+      for a = 1, 3 do
+        tilted[a] = tilted[a] / math.sqrt(length)
+        E = E + (tilted[a] - normal[a]) * look_up(flow[a], image.size, at[1], at[2])
+      end
+      local wanted = truth(x, tilted)
+      n = n + 1
+      if math.abs(E - wanted) > 0.04 * math.max(wanted, 0.3) then misses = misses + 1 end
+    end)
+    assert.is_true(misses <= 0.02 * n, misses)
+    assert.equal(24 * light.stats.width * light.stats.height, light.stats.bytes)
+    local folder = scratch.new()
+    local _, facts = assert(light:save(folder.path .. "/room.exr"))
+    assert.same({ "room.exr", "room_x.exr", "room_y.exr", "room_z.exr" }, facts.files)
+    assert.is_true(ylm.load(folder.path .. "/room_y.exr"):layer "irradiance":same(flow[2], 0))
+    folder:remove()
   end)
 
   it("averages where light is smooth: less noise than each texel by itself", function()
@@ -194,6 +219,35 @@ describe("lightmap:save", function()
         end
       end
     end
+    folder:remove()
+  end)
+
+  it("writes .png of a range, which the file has beside or inside, and light that any viewer shows", function()
+    local folder = scratch.new()
+    local light = box():lightmap { texels = 512, rays = 4 }
+    local _, facts = assert(light:save(folder.path .. "/room.glb", { picture = "png" }))
+    assert.same({ "room.glb", "room.png" }, facts.files)
+    local picture = assert(images.read(folder.path .. "/room.png", true))
+    local rgbm, E, size = picture:layer "radiance", light:image():layer "irradiance", picture.size
+    assert.same(light:image().size, size)
+    for row = 1, size[2] do
+      for column = 1, size[1] do
+        local most = math.max(E:get(row, column, 1), E:get(row, column, 2), E:get(row, column, 3))
+        for c = 1, 3 do
+          local x = rgbm:get(row, column, 4) * rgbm:get(row, column, c)
+          assert.is_true(math.abs(facts.range * x * x - E:get(row, column, c)) <= most / 100 + 1e-5 * facts.range)
+        end
+      end
+    end
+    local function json_of(name) return folder:read(name):match "JSON(.*)BIN" end
+    assert.truthy(json_of "room.glb":find('"range":' .. ("%.17g"):format(facts.range), 1, true))
+    assert.falsy(json_of "room.glb":find '"images"')
+    _, facts = assert(light:save(folder.path .. "/one.glb", { embed = true, lit = true, exposure = 1.5 }))
+    assert.same({ { "one.glb" }, 1.5, 0 }, { facts.files, facts.exposure, facts.lamps })
+    local text = json_of "one.glb"
+    assert.truthy(text:find '"baseColorTexture":{"index":1,"texCoord":1}' and text:find '"KHR_materials_unlit":{}'
+      and text:find '"extensionsUsed":%["KHR_materials_unlit"%]' and text:find '"texture":0' and text:find '"shown":1')
+    assert.equal(2, select(2, folder:read "one.glb":gsub("\137PNG\r\n", "")))
     folder:remove()
   end)
 

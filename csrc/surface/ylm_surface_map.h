@@ -20,10 +20,11 @@ typedef struct ylm_surface_map ylm_surface_map;
 typedef struct ylm_surface_map_form {
   /* Of irradiance at 99 % of the surface, over the larger of the place's and the mean; 0: as `texels` allow. */
   double tolerance;
-  double aim;    /* the part of it that is refined for, where another judge follows; 0: all */
-  size_t texels; /* of the picture, at most */
-  bool even;     /* all charts have one density, for comparison */
-  bool smooth;   /* texels are averaged along the surface where light is smooth */
+  double aim;       /* the part of it that is refined for, where another judge follows; 0: all */
+  size_t texels;    /* of the picture, at most */
+  bool even;        /* all charts have one density, for comparison */
+  bool smooth;      /* texels are averaged along the surface where light is smooth */
+  bool directional; /* with the flow of light */
   int gutter;
   double angle, stretch; /* of charts, as ylm_unwrap_form has them */
   ylm_quantity quantity; /* what the light is, for who reads it */
@@ -67,6 +68,12 @@ YLM_API const ylm_scene *ylm_surface_map_scene(const ylm_surface_map *m);
 
 /* [height][width][3] W m^-2, row 0 is the top, numbers that half floats have; beyond charts those of the nearest. */
 YLM_API const float *ylm_surface_map_picture(const ylm_surface_map *m);
+/* [3 axes][height][width][3] the flow of light (ylm_radiosity_map), or NULL: at a normal n + d the irradiance is about the
+   picture's plus the product of d and the flow. */
+YLM_API const float *ylm_surface_map_flow(const ylm_surface_map *m);
+/* The picture as numbers k/255: irradiance is range times the square of alpha times colour. Returns the range, the largest
+   irradiance, or 1 where all is dark; out [height][width][4]. */
+YLM_API double ylm_surface_map_rgbm(const ylm_surface_map *m, float *out);
 /* The texture coordinates: mesh `sheet` of ylm_unwrap_split is a sheet. */
 YLM_API const ylm_unwrap *ylm_surface_map_charts(const ylm_surface_map *m);
 /* The mesh of the scene that a sheet is of, and its side. Triangles of a back have their second and third corners

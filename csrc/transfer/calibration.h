@@ -56,6 +56,8 @@
 #define DIRECT_GRAIN 128
 /* Texels that are worked on in one go. */
 #define LIGHTMAP_TEXELS 256
+/* Cosines below it count as this one where light is told along axes: the noise of rays near the horizon ends. */
+#define FLOW_LEVEL 0.05
 
 /* -- bounces: solve.c, vectors.c, matrices.c ----------------------------------------------------- */
 

@@ -52,8 +52,9 @@ static scratch *scratch_create(const job *j) {
   return NULL;
 }
 
-/* Adds direct light by rays from place i of the batch, whose random numbers are those of `stream`. */
-static void add_rays(const job *j, scratch *x, size_t i, uint64_t stream, float E[3]) {
+/* Adds direct light by rays from place i of the batch, whose random numbers are those of `stream`; flow [3][3] or NULL. */
+static void add_rays(const job *j, scratch *x, size_t i, uint64_t stream, float E[3],
+                     float (*flow)[3]) {
   ylm_rng rng;
   ylm_rng_seed(&rng, ~j->m->seed, stream);
   ylm_scene_batch_aim(&x->lit, x->at[i].lit, x->normal[i], x->at[i].origin, j->m->light_samples,
@@ -62,6 +63,12 @@ static void add_rays(const job *j, scratch *x, size_t i, uint64_t stream, float 
   for (size_t k = 0; k < x->lit.rays; k++)
     for (size_t c = 0; c < 3; c++)
       if (!(x->lit.ray[k].far < 0)) E[c] += x->lit.value[k][c];
+  for (size_t k = 0; flow && k < x->lit.rays; k++) {
+    const float *w = x->lit.ray[k].dir;
+    if (x->lit.ray[k].far < 0) continue;
+    float level = fmaxf(ylm_dot3(w, x->normal[i]), (float)FLOW_LEVEL * sqrtf(ylm_dot3(w, w)));
+    for (int a = 0; a < 9; a++) flow[a / 3][a % 3] += x->lit.value[k][a % 3] * w[a / 3] / level;
+  }
   x->lit.rays = 0;
 }
 
@@ -118,22 +125,25 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   const ylm_transfer *t = j->r->t;
   size_t n = end - begin;
   scratch *x = scratch_create(j);
+  transfer_flow flow = {j->r->leaving, j->m->flow ? j->m->flow + begin : NULL};
   if (!x) return YLM_ENOMEM;
   ylm_scene_surfaces(t->scene, n, j->place + begin, x->at);
   for (size_t i = 0; i < n; i++) {
     memcpy(x->origin[i], x->at[i].origin, 12);
     memcpy(x->normal[i], x->at[i].normal, 12);
   }
-  ylm_status s =
-      ylm__transfer_find_shares(t, n, (const float(*)[3])x->origin, (const float(*)[3])x->normal,
-                                j->stream + begin, j->m->links, j->m->seed, 1, NULL, x->link,
-                                j->m->lmax, is_shadowed(j) ? NULL : x->escape, j->share + begin);
+  ylm_status s = ylm__transfer_find_shares(
+      t, n, (const float(*)[3])x->origin, (const float(*)[3])x->normal, j->stream + begin,
+      j->m->links, j->m->seed, 1, NULL, x->link, j->m->lmax, is_shadowed(j) ? NULL : x->escape,
+      j->share + begin, flow.out ? &flow : NULL);
   if (s == YLM_OK) ylm__transfer_sum()(n, j->m->links, x->link, 4, j->r->leaving, NULL, x->sum);
   for (size_t i = 0; s == YLM_OK && i < 4 * n; i++)
     x->sum[i] = j->m->indirect ? (float)YLM_PI * x->sum[i] : 0;
+  if (s == YLM_OK && flow.out && !j->m->indirect) memset(flow.out, 0, n * sizeof *flow.out);
   if (s == YLM_OK && j->m->field) s = add_field(j, x, n, x->sum);
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
-    if (j->m->scene) add_rays(j, x, i, j->stream[begin + i], x->sum + 4 * i);
+    if (j->m->scene)
+      add_rays(j, x, i, j->stream[begin + i], x->sum + 4 * i, flow.out ? flow.out[i] : NULL);
     memcpy(j->out[begin + i], x->sum + 4 * i, 12);
   }
   scratch_free(x);

@@ -16,6 +16,7 @@ typedef struct job {
   uint32_t *out;
   float *escape;
   float *share;
+  const transfer_flow *flow; /* or NULL */
   float (*disk)[2], *height; /* [links] cos and sin of the unshifted azimuth; k / links */
   float (*inside)[2];        /* [links] unshifted places of a square */
   double *zonal;             /* [lmax + 1] of the cosine */
@@ -190,6 +191,18 @@ static uint32_t settle(const job *j, scratch *x, const uint32_t *target, uint32_
   return n;
 }
 
+/* The light that links bring along the axes, of rays that are still in the order of `out`. */
+static void flow_of(const job *j, const scratch *x, const float *n, const ylm_trace_ray *ray,
+                    const uint32_t *out, float flow[3][3]) {
+  double sum[9] = {0};
+  for (int k = 0; k < j->links; k++) {
+    const float *w = ray[x->pick[k]].dir, *L = j->flow->leaving + 4 * (size_t)out[k];
+    double level = fmax((double)ylm_dot3(w, n), FLOW_LEVEL);
+    for (int i = 0; i < 9; i++) sum[i] += (double)L[i % 3] * (double)w[i / 3] / level;
+  }
+  for (int i = 0; i < 9; i++) flow[i / 3][i % 3] = (float)(YLM_PI * sum[i] / j->links);
+}
+
 /* Links of a place whose rays have been traced. */
 static ylm_status finish(const job *j, scratch *x, size_t i, size_t first) {
   size_t links = (size_t)j->links, at = (i - first) * links, under = 0;
@@ -213,6 +226,7 @@ static ylm_status finish(const job *j, scratch *x, size_t i, size_t first) {
     const float *n = j->origin ? (j->normal ? j->normal[i] : NULL) : j->t->normal[i];
     s = escape(j, x, n, x->ray + at, open, j->escape + i * ylm_sh_count(j->lmax));
   }
+  if (j->flow) flow_of(j, x, j->normal[i], x->ray + at, out, j->flow->out[i]);
   sort(out, x->sorted, links, none);
   return s;
 }
@@ -334,7 +348,8 @@ ylm_status ylm__transfer_check_links(int links, ylm_error *e) {
 ylm_status ylm__transfer_find_shares(const ylm_transfer *t, size_t n, const float (*origin)[3],
                                      const float (*normal)[3], const uint64_t *stream, int links,
                                      uint64_t seed, int threads, const ylm_progress *progress,
-                                     uint32_t *out, int lmax, float *escapes, float *share) {
+                                     uint32_t *out, int lmax, float *escapes, float *share,
+                                     const transfer_flow *flow) {
   job j = {.t = t,
            .links = links,
            .lmax = escapes ? lmax : -1,
@@ -344,7 +359,8 @@ ylm_status ylm__transfer_find_shares(const ylm_transfer *t, size_t n, const floa
            .stream = stream,
            .out = out,
            .escape = escapes,
-           .share = share};
+           .share = share,
+           .flow = flow};
   return go(&j, n, threads, progress);
 }
 
@@ -357,5 +373,5 @@ ylm_status ylm_transfer_find(const ylm_transfer *t, size_t n, const float (*orig
   if (escapes && (lmax < 0 || lmax > YLM_TRANSFER_LMAX))
     return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_TRANSFER_LMAX, lmax);
   return ylm__transfer_find_shares(t, n, origin, normal, stream, links, seed, threads, progress,
-                                   out, lmax, escapes, NULL);
+                                   out, lmax, escapes, NULL, NULL);
 }

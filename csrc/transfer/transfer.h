@@ -27,10 +27,10 @@ struct ylm_transfer {
   size_t elements;
   float (*centre)[3], (*normal)[3], *area, (*albedo)[3]; /* [elements] */
   uint32_t *mesh, *triangle;                             /* [elements] the latter in its mesh */
-  float *share;   /* [elements] the part of it that is not inside of a body; 0: dead */
+  float *share;     /* [elements] the part of it that is not inside of a body; 0: dead */
   uint8_t *crossed; /* [elements] a wall parts it: its light is that of its middle's side */
-  uint32_t *link; /* [elements][links] */
-  float *escape;  /* [elements][(lmax+1)^2] or NULL */
+  uint32_t *link;   /* [elements][links] */
+  float *escape;    /* [elements][(lmax+1)^2] or NULL */
 };
 
 /* -- closed.c ------------------------------------------------------------------- */
@@ -84,12 +84,19 @@ uint32_t ylm__transfer_own(const ylm_transfer *t, uint32_t e, const ylm_scene_pl
 /* Fills t->link, t->escape, t->share, and what the statistics say of rays. */
 ylm_status ylm__transfer_link(ylm_transfer *t, const ylm_progress *progress, ylm_error *e);
 
+/* The light of links along the axes, as ylm_radiosity_map has it. */
+typedef struct transfer_flow {
+  const float *leaving; /* [elements + 1][4] radiance */
+  float (*out)[3][3];   /* [n] */
+} transfer_flow;
+
 /* As ylm_transfer_find, of arguments that are good; share [n]: the part of each place's rays that does not begin
-   inside of a body. */
+   inside of a body; flow: of places with normals, or NULL. */
 ylm_status ylm__transfer_find_shares(const ylm_transfer *t, size_t n, const float (*origin)[3],
                                      const float (*normal)[3], const uint64_t *stream, int links,
                                      uint64_t seed, int threads, const ylm_progress *progress,
-                                     uint32_t *out, int lmax, float *escape, float *share);
+                                     uint32_t *out, int lmax, float *escape, float *share,
+                                     const transfer_flow *flow);
 /* YLM_ERANGE unless there can be so many links. */
 ylm_status ylm__transfer_check_links(int links, ylm_error *e);
 

@@ -252,7 +252,10 @@ typedef struct ylm_radiosity_map {
   const ylm_field *field;   /* direct light by coefficients of degree <= lmax, or NULL */
   int lmax;                 /* of it, as ylm_radiosity_field takes both */
   int links, light_samples; /* of a texel */
-  int gutter;               /* how many texels beside the mesh take the mean of their neighbours */
+  /* Of ylm_radiosity_places, out [n][3 axes][3 channels]: radiance times direction, over directions above the surface, so
+     that its product with the normal is the irradiance; W m^-2. Not of `field`. NULL: not wanted. */
+  float (*flow)[3][3];
+  int gutter; /* how many texels beside the mesh take the mean of their neighbours */
   uint64_t seed;
   int threads;
   const ylm_progress *progress; /* stage "lightmap" */

@@ -22,6 +22,7 @@ static const ylmL_entry entries[] = {
     YLML(bake_form, f.texels, "texels", COUNT),
     YLML(bake_form, f.even, "even", BOOL),
     YLML(bake_form, f.smooth, "smooth", BOOL),
+    YLML(bake_form, f.directional, "directional", BOOL),
     YLML(bake_form, f.gutter, "gutter", INT),
     YLML(bake_form, f.angle, "angle", DOUBLE),
     YLML(bake_form, f.stretch, "stretch", DOUBLE),
@@ -35,7 +36,7 @@ static const ylmL_entry entries[] = {
     YLML(bake_form, progress, "progress", VALUE),
     {.name = NULL}};
 
-/* map_bake(radiosity, {tolerance, aim, texels, even, smooth, gutter, angle, stretch, quantity, indirect, scene whose lamps
+/* map_bake(radiosity, {tolerance, aim, texels, even, smooth, directional, gutter, angle, stretch, quantity, indirect, scene whose lamps
    light directly or nil, links, light_samples, seed, threads, progress}) -> lightmap */
 static int map_bake(lua_State *L) {
   bake_form f = {.progress = 0};
@@ -148,6 +149,34 @@ static int map_picture(lua_State *L) {
   return ylmL_result(L, 1, status, NULL);
 }
 
+/* map_flow(lightmap, axis from 1, float [h][w][3]) */
+static int map_flow(lua_State *L) {
+  const ylm_surface_map *m = check_map(L, 1);
+  size_t axis = (size_t)luaL_checknumber(L, 2) - 1;
+  ylmL_array *out = ylmL_array_check(L, 3);
+  ylm_surface_map_stats s;
+  ylm_surface_map_look(m, &s);
+  size_t n = 3 * s.charts.width * s.charts.height;
+  if (!ylm_surface_map_flow(m) || axis > 2) return ylmL_result(L, 0, YLM_EINVAL, NULL);
+  if (out->dtype != YLM_FLOAT) return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  if (out->count != n) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  memcpy(out->data, ylm_surface_map_flow(m) + axis * n, n * sizeof(float));
+  return 0;
+}
+
+/* map_rgbm(lightmap, float [h][w][4]) -> the range: irradiance is range (a rgb)^2 */
+static int map_rgbm(lua_State *L) {
+  const ylm_surface_map *m = check_map(L, 1);
+  ylmL_array *out = ylmL_array_check(L, 2);
+  ylm_surface_map_stats s;
+  ylm_surface_map_look(m, &s);
+  if (out->dtype != YLM_FLOAT) return ylmL_result(L, 0, YLM_ETYPE, NULL);
+  if (out->count != 4 * s.charts.width * s.charts.height)
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  lua_pushnumber(L, (lua_Number)ylm_surface_map_rgbm(m, out->data));
+  return 1;
+}
+
 /* map_sheet(lightmap, sheet from 1) -> number of the mesh from 1, whether it is its back */
 static int map_sheet(lua_State *L) {
   bool back;
@@ -180,11 +209,10 @@ static int map_split(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {
-    {"map_bake", map_bake},       {"map_stats", map_stats},
-    {"map_verdict", map_verdict}, {"map_judges", map_judges},
-    {"map_sheet", map_sheet},     {"map_split", map_split},
-    {"map_picture", map_picture}, {"map_irradiance", map_irradiance},
-    {"map_close", ylmL_let_go},   {NULL, NULL}};
+    {"map_bake", map_bake},       {"map_stats", map_stats},           {"map_verdict", map_verdict},
+    {"map_judges", map_judges},   {"map_sheet", map_sheet},           {"map_split", map_split},
+    {"map_picture", map_picture}, {"map_irradiance", map_irradiance}, {"map_flow", map_flow},
+    {"map_rgbm", map_rgbm},       {"map_close", ylmL_let_go},         {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
 

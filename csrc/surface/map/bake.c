@@ -10,7 +10,7 @@ void ylm_surface_map_free(ylm_surface_map *m) {
   ylm_unwrap_free(m->charts);
   ylm_free(m->sheet);
   ylm_free(m->of);
-  ylm_free(m->picture);
+  ylm_free(m->picture), ylm_free(m->flow);
   ylm_free(m);
 }
 
@@ -23,73 +23,12 @@ static ylm_status check(const ylm_surface_map_form *f, ylm_error *e) {
   return YLM_OK;
 }
 
-/* -- pictures ----------------------------------------------------------------------------------------- */
-
-/* The nearest number that half floats have. */
-static float as_half(double x) {
-  int exponent;
-  if (!(x > 0)) return 0;
-  if (x >= 65504) return 65504;
-  frexp(x, &exponent);
-  double step = ldexp(1, (exponent < -13 ? -13 : exponent) - 11);
-  return (float)(round(x / step) * step);
-}
-
-/* Texels that no chart has become means of those beside them, ring by ring. */
-static ylm_status fill(const map_bake *b, float *picture) {
-  size_t n = b->texels, left = 0, next = 0;
-  uint32_t *ring = ylm_alloc(n, sizeof *ring), *age = ylm_alloc_zero(n, sizeof *age);
-  ylm_status s = ring && age ? YLM_OK : YLM_ENOMEM;
-  for (size_t i = 0; s == YLM_OK && i < n; i++)
-    if (b->chart[i] != YLM_UNWRAP_NONE)
-      age[i] = 1;
-    else
-      ring[left++] = (uint32_t)i;
-  for (uint32_t now = 2; s == YLM_OK && left; now++, left = next) {
-    next = 0;
-    for (size_t i = 0; i < left; i++) {
-      long x = (long)(ring[i] % b->width), y = (long)(ring[i] / b->width);
-      double sum[3] = {0, 0, 0}, count = 0;
-      for (int k = 0; k < 9; k++) {
-        long u = x + k % 3 - 1, v = y + k / 3 - 1;
-        if (u < 0 || v < 0 || u >= (long)b->width || v >= (long)b->height) continue;
-        size_t of = (size_t)v * b->width + (size_t)u;
-        if (!age[of] || age[of] == now) continue;
-        count++;
-        for (size_t c = 0; c < 3; c++) sum[c] += (double)picture[3 * of + c];
-      }
-      if (count > 0) {
-        age[ring[i]] = now;
-        for (size_t c = 0; c < 3; c++) picture[3 * (size_t)ring[i] + c] = as_half(sum[c] / count);
-      } else
-        ring[next++] = ring[i];
-    }
-  }
-  ylm_free(ring);
-  ylm_free(age);
-  return s;
-}
-
-static ylm_status draw_picture(map_bake *b) {
-  size_t n = b->texels;
-  float *picture = ylm_alloc_zero(3 * n, sizeof *picture);
-  if (!picture) return YLM_ENOMEM;
-  for (size_t i = 0; i < 3 * n; i++)
-    if (b->chart[i / 3] != YLM_UNWRAP_NONE)
-      picture[i] = as_half(
-          0.5 * ((double)b->value[i % 3 * n + i / 3] + (double)b->value[(3 + i % 3) * n + i / 3]));
-  ylm_free(b->m->picture);
-  b->m->picture = picture;
-  ylm_status s = fill(b, picture);
-  if (s == YLM_OK) b->m->stats.jump = ylm__map_jump(b);
-  return s;
-}
-
 /* -- rounds ------------------------------------------------------------------------------------------- */
 
 /* One picture of at most so many texels, at the densities as they are. */
 static ylm_status make(map_bake *b, size_t texels, bool last) {
   ylm_status s = ylm__map_pack(b, texels);
+  b->last = last;
   if (s == YLM_OK) s = ylm__map_sample(b);
   double start = ylm_seconds();
   if (s == YLM_OK) s = ylm__map_matrix(b);
@@ -182,7 +121,7 @@ static ylm_status judge(map_bake *b, uint64_t round) {
   if (s == YLM_OK)
     s = ylm_surface_map_draw(b->m, b->r, MAP_JUDGES, b->form->light.seed + 7919 * (round + 1),
                              place, &n);
-  if (s == YLM_OK) s = ylm__map_ask(b, n, place, MAP_JUDGE_RAYS, light, open);
+  if (s == YLM_OK) s = ylm__map_ask(b, n, place, MAP_JUDGE_RAYS, light, open, NULL);
   if (s == YLM_OK) {
     ylm_surface_map_irradiance(b->m, n, place, told, NULL);
     compare(b, n, light, open, (const float(*)[3])told, error);
@@ -210,7 +149,7 @@ static ylm_status refine(map_bake *b) {
     b->e = texels < f->texels ? &none : e;
     s = make(b, texels, true);
     b->e = e;
-    if (s == YLM_OK) s = draw_picture(b);
+    if (s == YLM_OK) s = ylm__map_draw(b);
     if (s == YLM_OK) s = judge(b, round);
     if (s == YLM_OK && is_enough(b)) break;
     if (s == YLM_ELIMIT && texels < f->texels)
@@ -230,7 +169,7 @@ static ylm_status refine(map_bake *b) {
 static ylm_status make_one(map_bake *b) {
   ylm_status s = b->form->even ? YLM_OK : pilot(b, b->form->texels);
   if (s == YLM_OK) s = make(b, b->form->texels, true);
-  if (s == YLM_OK) s = draw_picture(b);
+  if (s == YLM_OK) s = ylm__map_draw(b);
   return s == YLM_OK ? judge(b, 0) : s;
 }
 
@@ -248,7 +187,7 @@ static ylm_status begin(map_bake *b) {
 
 static void free_bake(map_bake *b) {
   ylm_free(b->density), ylm_free(b->square), ylm_free(b->slope);
-  ylm_free(b->site);
+  ylm_free(b->site), ylm_free(b->flow);
   ylm_free(b->chart);
   ylm__map_matrix_free(&b->matrix);
   ylm_free(b->seam);
@@ -289,6 +228,7 @@ void ylm_surface_map_look(const ylm_surface_map *m, ylm_surface_map_stats *stats
 }
 const ylm_scene *ylm_surface_map_scene(const ylm_surface_map *m) { return m->scene; }
 const float *ylm_surface_map_picture(const ylm_surface_map *m) { return m->picture; }
+const float *ylm_surface_map_flow(const ylm_surface_map *m) { return m->flow; }
 const ylm_unwrap *ylm_surface_map_charts(const ylm_surface_map *m) { return m->charts; }
 
 void ylm_surface_map_verdict(ylm_surface_map *m, size_t verified, size_t failed, double error,

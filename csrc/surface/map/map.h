@@ -63,6 +63,7 @@ struct ylm_surface_map {
   uint32_t *of; /* [meshes][2] the sheet of a front and a back, or MAP_NONE */
   ylm_unwrap *charts;
   float *picture; /* [height][width][3] */
+  float *flow;    /* [3 axes][height][width][3] or NULL */
   ylm_surface_map_stats stats;
 };
 
@@ -123,7 +124,9 @@ typedef struct map_bake {
   double *density, *square, *slope; /* [charts]; square errors, how they fall with the density */
   map_site *site;
   size_t sites, site_room;
-  uint64_t asked; /* random numbers used */
+  bool last;           /* the picture is one that is kept */
+  float (*flow)[3][3]; /* [sites] or NULL */
+  uint64_t asked;      /* random numbers used */
   double mean[3];
   /* The picture. */
   size_t width, height, texels;
@@ -143,9 +146,9 @@ void ylm__map_find_tap(const map_bake *b, map_site *s);
 bool ylm__map_keep_in(const map_bake *b, uint32_t chart, map_tap *tap);
 /* sites.c: places spread over the texels as they are packed, and their light. */
 ylm_status ylm__map_sample(map_bake *b);
-/* sites.c: the light of places, in two halves, and whether they are open. */
+/* sites.c: the light of places, in two halves, and whether they are open; flow [n] of all rays, or NULL. */
 ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int more,
-                        surface_light *light, bool *open);
+                        surface_light *light, bool *open, float (*flow)[3][3]);
 /* seams.c: places of edges between charts. */
 ylm_status ylm__map_seams(map_bake *b);
 /* seams.c: the largest jump of the picture across them. */
@@ -158,6 +161,8 @@ void ylm__map_matrix_free(map_matrix *a);
 ylm_status ylm__map_fit(const map_bake *b, float *value);
 /* fit.c: fits again where the mean of the halves was below 0: such texels are dark. */
 ylm_status ylm__map_lift(const map_bake *b, float *value);
+/* picture.c: the fitted texels as halves, and those beside charts. */
+ylm_status ylm__map_draw(map_bake *b);
 /* smooth.c: weights of bends, texel by texel, by halves that judge each other. */
 ylm_status ylm__map_smooth(map_bake *b);
 /* smooth.c: x [texels] becomes its sums over the texels of its chart around each; room [texels]. */

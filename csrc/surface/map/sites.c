@@ -2,11 +2,13 @@
 #include "map.h"
 
 ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int more,
-                        surface_light *light, bool *open) {
+                        surface_light *light, bool *open, float (*flow)[3][3]) {
   uint64_t *stream = ylm_alloc(n, sizeof *stream);
   float(*E)[3] = ylm_alloc(n, sizeof *E), *share = ylm_alloc(n, sizeof *share);
+  float(*half_flow)[3][3] = flow ? ylm_alloc(n, sizeof *half_flow) : NULL;
   ylm_radiosity_map form = b->form->light;
-  ylm_status s = stream && E && share ? YLM_OK : YLM_ENOMEM;
+  ylm_status s = stream && E && share && (half_flow || !flow) ? YLM_OK : YLM_ENOMEM;
+  form.flow = half_flow;
   form.links *= more;
   form.light_samples *= more;
   for (int half = 0; s == YLM_OK && half < 2; half++) {
@@ -16,6 +18,9 @@ ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int
     for (size_t i = 0; s == YLM_OK && i < n; i++) {
       memcpy(half ? light[i].b : light[i].a, E[i], sizeof E[i]);
       open[i] = (half == 0 || open[i]) && share[i] >= 0.5f;
+      for (int k = 0; flow && k < 9; k++)
+        flow[i][k / 3][k % 3] =
+            (half ? flow[i][k / 3][k % 3] : 0) + 0.5f * half_flow[i][k / 3][k % 3];
     }
   }
   b->m->stats.places += n;
@@ -23,6 +28,7 @@ ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int
   ylm_free(stream);
   ylm_free(E);
   ylm_free(share);
+  ylm_free(half_flow);
   return s;
 }
 
@@ -163,8 +169,11 @@ static ylm_status light_all(map_bake *b) {
   surface_light *light = ylm_alloc(n, sizeof *light);
   bool *open = ylm_alloc(n, sizeof *open);
   ylm_status s = place && light && open ? YLM_OK : YLM_ENOMEM;
+  ylm_free(b->flow);
+  b->flow = b->last && b->form->directional ? ylm_alloc(n, sizeof *b->flow) : NULL;
+  if (b->last && b->form->directional && !b->flow) s = YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < n; i++) place[i] = b->site[i].place;
-  if (s == YLM_OK) s = ylm__map_ask(b, n, place, 1, light, open);
+  if (s == YLM_OK) s = ylm__map_ask(b, n, place, 1, light, open, b->flow);
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
     b->site[i].light = light[i];
     b->site[i].open = open[i];

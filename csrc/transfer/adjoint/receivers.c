@@ -21,8 +21,8 @@ ylm_status ylm_receivers_create(const ylm_transfer *t, size_t n, const float (*p
     ylm_scene_ray_origin(t->scene, point[i], normal[i], r->point[i]);
   if (s == YLM_OK)
     s = ylm__transfer_find_shares(t, n, (const float(*)[3])r->point, (const float(*)[3])r->normal,
-                                  NULL, links, seed, threads, progress, r->link, -1, NULL,
-                                  r->share);
+                                  NULL, links, seed, threads, progress, r->link, -1, NULL, r->share,
+                                  NULL);
   if (s == YLM_OK)
     *out = r;
   else

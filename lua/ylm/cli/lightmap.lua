@@ -15,17 +15,36 @@ local function scene_of(path)
     and ylm.environment_light { sky = { kind = "overcast", zenith = { 0, 1, 0 }, luminance = 1 } } or nil })
 end
 
+--- Stops where options do not go together, before anything is baked.
+local function check_files(given)
+  local ending = given.output:lower():match "%.(%w+)$"
+  local png = given.picture == "png" or given.embed or ending == "png"
+  if given.picture and given.picture ~= "exr" and given.picture ~= "png" then
+    status.stop(status.usage, "lightmap: --picture is exr or png, got '%s'", given.picture)
+  elseif given.embed and given.picture == "exr" then
+    status.stop(status.usage, "lightmap: --embed is of --picture png: glTF holds no pictures of floats")
+  elseif (given.embed or given.lit) and ending ~= "glb" and ending ~= "gltf" then
+    status.stop(status.usage, "lightmap: --%s is of .glb and .gltf files", given.embed and "embed" or "lit")
+  elseif given.directional and png then
+    status.stop(status.usage, "lightmap: --directional is of --picture exr: the flow of light has signs, and .png none")
+  end
+end
+
 return {
   summary = "bakes the light on a scene's surfaces into a picture with texture coordinates",
   usage = "SCENE.lua -o ROOM.glb",
   least = 1,
   options = {
-    { "output", "-o", "FILE", "the surfaces (.glb, .gltf, .obj) with their picture beside them (.exr), or the picture alone" },
+    { "output", "-o", "FILE", "the surfaces (.glb, .gltf, .obj) with their picture, or the picture alone (.exr, .png)" },
     { "tolerance", "-t", "N", "of irradiance at 99 % of the surface; default 0.03, without --texels and --bytes" },
     { "texels", nil, "N", "of the picture, at most" },
     { "bytes", nil, "SIZE", "of the picture, at most (2MB, 500kB): six a texel" },
     { "quantity", nil, "NAME", "all (default), indirect (what surfaces send back, where an engine draws the lamps) or direct" },
     { "bounces", "-b", "NAME", "of --quantity indirect and all: reflections after direct light, 1, 2 .. or all (default)" },
+    { "directional", nil, nil, "with the flow of light, by which normals that bumps tilt read their light: three more pictures" },
+    { "picture", nil, "NAME", "exr (default; half floats) or png (8 bits, with a range)" },
+    { "embed", nil, nil, "the picture is in the .glb file, as .png" },
+    { "lit", nil, nil, "the .glb file shows its light in any viewer" },
     { "rays", nil, "N", "of a place whose light is fitted, a multiple of 4; default 64" },
     { "seed", nil, "N", "of all random numbers; default 1" },
     { "strict", nil, nil, "exit status 6 where the tolerance is not met; the files are written" },
@@ -33,19 +52,21 @@ return {
   },
   run = function(given)
     if not given.output then status.stop(status.usage, "lightmap: -o FILE says where the picture goes") end
-    status.need_output("lightmap", given.output, "glb", "gltf", "obj", "exr")
+    status.need_output("lightmap", given.output, "glb", "gltf", "obj", "exr", "png")
     if given.quantity and not quantities[given.quantity] then
       status.stop(status.usage, "lightmap: --quantity is all, indirect or direct, got '%s'", given.quantity)
     end
+    check_files(given)
     local scene = scene_of(given[1])
     if #scene.geometry == 0 then status.stop(status.script, "%s: the scene has no surfaces", given[1]) end
     local light = status.need(scene:lightmap { tolerance = given.tolerance, texels = given.texels,
       bytes = status.bytes("lightmap", given.bytes), quantity = given.quantity,
-      bounces = status.bounces("lightmap", given.bounces),
+      bounces = status.bounces("lightmap", given.bounces), directional = given.directional,
       rays = given.rays, seed = given.seed, threads = given.threads, progress = report.progress(given) })
-    status.need(light:save(given.output))
+    local _, facts = status.need(light:save(given.output, { picture = given.picture, embed = given.embed, lit = given.lit }))
     local stats = light.stats
-    report.print(given, stats, report.names(stats, { "met", "error", "width", "height", "charts" }))
+    stats.range, stats.exposure = facts.range, facts.exposure
+    report.print(given, stats, report.names(stats, { "met", "error", "width", "height", "charts", "range" }))
     return status.of_warnings(given, { stats.warning })
   end,
 }

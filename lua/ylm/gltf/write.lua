@@ -16,12 +16,13 @@ local warning = require "ylm.warning"
 local write = {}
 
 local LAMPS = 20000
+local SAMPLER = json.object("magFilter", 9729, "minFilter", 9729, "wrapS", 33071, "wrapT", 33071) -- linear, to the edge
 
 -- The file while it is written -------------------------------------------------------------
 
 local function new()
   return { data = {}, size = 0, views = {}, accessors = {}, meshes = {}, nodes = {}, materials = {}, lights = {}, cameras = {},
-    made = {}, used = {}, left_out = {}, skies = {}, second = {} }
+    made = {}, used = {}, left_out = {}, skies = {}, second = {}, images = {}, textures = {} }
 end
 
 local function add(list, x)
@@ -119,12 +120,29 @@ local function describe_material(w, m)
   return { pbr(mean, 0, 1), not form.defined[kind].trusted and fields_of(m, kind, mean) or nil }
 end
 
+--- A material that shows its albedo times the light of a picture, which its second coordinates read.
+local function lit_material(w, m, both)
+  local mean, message, code = { 0.5, 0.5, 0.5 }, nil, nil
+  if m then mean, message, code = material.albedo("save", m) end
+  if not mean then return nil, message, code end
+  w.used.KHR_materials_unlit = true
+  return json.object("pbrMetallicRoughness", json.object("baseColorFactor", { mean[1], mean[2], mean[3], 1 },
+    "baseColorTexture", json.object("index", w.shown, "texCoord", 1), "metallicFactor", 0, "roughnessFactor", 1),
+    "doubleSided", both or nil, "extensions", json.object("KHR_materials_unlit", json.object()))
+end
+
 --- The number of the material of a piece; nil for none; or nil, message, code.
 local function material_of(w, m, both)
-  if not m then return nil end
-  local made = w.made[m] or {}
-  w.made[m] = made
+  if not m and not w.shown then return nil end
+  local made = w.made[m or w] or {}
+  w.made[m or w] = made
   if made[both] then return made[both] end
+  if w.shown then
+    local lit, message, code = lit_material(w, m, both)
+    if not lit then return nil, message, code end
+    made[both] = add(w.materials, lit)
+    return made[both]
+  end
   local one, message, code = describe_material(w, m)
   if not one then return nil, message, code end
   made[both] = add(w.materials, json.object("pbrMetallicRoughness", one[1], "doubleSided", both or nil, "extras", one[2]))
@@ -162,7 +180,7 @@ local function add_piece(w, piece)
   local mesh = piece.mesh
   if #mesh == 0 then return true end
   local number, message, code = material_of(w, piece.material, piece.sides == "both")
-  if piece.material and not number then return nil, message, code end
+  if message then return nil, message, code end
   local uvs, second = downwards(mesh:uvs()), downwards(w.second[piece])
   if second and not uvs then uvs = second end -- glTF numbers them without gaps
   local positions, bounds, origin = mesh:vertices(), mesh.bounds, nil
@@ -271,6 +289,24 @@ end
 --- Light from all around, in extras.ylm of the scene: names and values.
 function lamps.sky(w, ...) w.skies[#w.skies + 1] = json.object(...) end
 
+--- The number of a texture of these bytes of a .png.
+local function texture(w, bytes, name)
+  local source = add(w.images, json.object("name", name, "mimeType", "image/png", "bufferView", view(w, bytes)))
+  return add(w.textures, json.object("sampler", 0, "source", source))
+end
+
+--- Takes what a lightmap adds to the file.
+local function take_lightmap(w, lightmap)
+  local about, inside = lightmap.about, lightmap.inside
+  w.second = lightmap.second
+  if inside.map then about[#about + 1], about[#about + 2] = "texture", texture(w, inside.map, "lightmap") end
+  if inside.shown then
+    w.shown = texture(w, inside.shown, "light as it is shown")
+    about[#about + 1], about[#about + 2] = "shown", w.shown
+  end
+  w.lightmap = json.object((table.unpack or unpack)(about)) -- luacheck: ignore 113
+end
+
 -- The whole -------------------------------------------------------------------------------------
 
 local function add_camera(w, c, name)
@@ -285,7 +321,7 @@ local function list_of(x) return #x > 0 and x or nil end
 --- The JSON; `uri` of the buffer, or nil.
 local function text_of(w, scene, uri)
   local used, roots = {}, {}
-  for _, name in ipairs { "KHR_lights_punctual", "KHR_materials_emissive_strength" } do
+  for _, name in ipairs { "KHR_lights_punctual", "KHR_materials_emissive_strength", "KHR_materials_unlit" } do
     if w.used[name] then used[#used + 1] = name end
   end
   for i = 1, #w.nodes do roots[i] = i - 1 end
@@ -294,7 +330,9 @@ local function text_of(w, scene, uri)
     "extensions", list_of(w.lights) and json.object("KHR_lights_punctual", json.object("lights", w.lights)),
     "scene", 0, "scenes", { json.object("name", scene.name ~= "" and scene.name or nil, "nodes", list_of(roots), "extras",
       extras("background", background, "skies", list_of(w.skies), "lightmap", w.lightmap)) },
-    "nodes", list_of(w.nodes), "cameras", list_of(w.cameras), "materials", list_of(w.materials), "meshes", list_of(w.meshes),
+    "nodes", list_of(w.nodes), "cameras", list_of(w.cameras), "materials", list_of(w.materials), "textures",
+    list_of(w.textures), "images", list_of(w.images), "samplers", #w.textures > 0 and { SAMPLER } or nil,
+    "meshes", list_of(w.meshes),
     "accessors", list_of(w.accessors), "bufferViews", list_of(w.views),
     "buffers", w.size > 0 and { json.object("uri", uri, "byteLength", w.size) } or nil))
 end
@@ -359,7 +397,7 @@ local function tell(scene, path, notes)
 end
 
 --- Saves a scene; true and what glTF lacks, a sentence each; or nil, message, code. `lightmap`: { second = texture coordinates
--- by piece, about = a JSON object about the picture } or nil.
+-- by piece, about = keys and values about the picture, inside = { map =, shown = bytes of pictures, or nil } } or nil.
 function write.save(scene, path, given, lightmap)
   local ending = type(path) == "string" and not path:find "%z" and path:lower():match "%.(%w+)$"
   if ending ~= "glb" and ending ~= "gltf" then
@@ -368,7 +406,7 @@ function write.save(scene, path, given, lightmap)
   local o = form.options(2, "save", options, given)
   if o.separate and ending == "glb" then return check.bad(2, "save", "separate is for .gltf: a .glb file is one file") end
   local w = setmetatable(new(), lamps)
-  if lightmap then w.second, w.lightmap = lightmap.second, lightmap.about end
+  if lightmap then take_lightmap(w, lightmap) end
   local ok, message, code = fill(w, scene)
   if not ok then return nil, message, code end
   local notes = notes_of(w)

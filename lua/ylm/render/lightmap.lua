@@ -5,9 +5,7 @@ local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
-local gltf_write = require "ylm.gltf.write"
-local image = require "ylm.image"
-local json = require "ylm.gltf.json"
+local files = require "ylm.render.lightmap_file"
 local memory = require "ylm.memory"
 local objects = require "ylm.transfer.object"
 local options = require "ylm.render.options"
@@ -18,7 +16,6 @@ local transfer = require "ylm.transfer"
 local unmet = require "ylm.grid.unmet"
 local unwrap = require "ylm.geometry.unwrap"
 local warning = require "ylm.warning"
-local wavefront = require "ylm.render.wavefront"
 
 local lightmaps = {}
 
@@ -56,10 +53,12 @@ local fields = {
       .. "where neither texels nor bytes are given" },
   { "texels", "integer", min = 16, max = 2 ^ 28, optional = true,
     about = "of the picture at most, gutters included: all of them without a tolerance; default with one 4194304" },
-  { "bytes", "memory", optional = true, about = "of the picture at most, instead of texels: six a texel" },
+  { "bytes", "memory", optional = true, about = "of the picture at most, instead of texels: 6 a texel, 24 if directional" },
   { "quantity", "choice", of = { "direct", "indirect", "all" }, default = "all",
     about = "'all', the light of lamps and sky and what surfaces send back; 'indirect', the latter alone, for engines that draw "
       .. "lamps themselves; 'direct', the former, with shadows" },
+  { "directional", "boolean", default = false,
+    about = "with three more pictures, the flow of light along x, y and z, by which normals that bumps tilt read their light" },
   { "spread", "choice", of = { "light", "even" }, default = "light", shelf = "experiments",
     about = "'light': texels are dense in charts where light bends; 'even': one density, for comparison" },
   transfer.fields.bounces, transfer.fields.links,
@@ -108,12 +107,16 @@ local function judge(s, map, m, lit, o)
   return true
 end
 
+--- The bytes of a texel.
+local function bytes_of(o) return BYTES * (o.directional and 4 or 1) end
+
 --- The texels that options allow.
 local function texels_of(o)
   if o.bytes and o.texels then return check.fail "lightmap: texels or bytes, not both: each says how large the picture may be" end
   if not o.bytes then return o.texels or MOST end
-  if o.bytes < 16 * BYTES then return check.fail("lightmap: bytes must be at least %d, six a texel", 16 * BYTES) end
-  return math.floor(o.bytes / BYTES)
+  local each = bytes_of(o)
+  if o.bytes < 16 * each then return check.fail("lightmap: bytes must be at least %d, %d a texel", 16 * each, each) end
+  return math.floor(o.bytes / each)
 end
 
 local function bake(s, traced, o, texels)
@@ -122,18 +125,20 @@ local function bake(s, traced, o, texels)
   if not lit then return nil, message, code end
   local paths, map = o.tolerance and o.judge == "paths"
   map, message, code = check.result("lightmap", traced.lib.map_bake(lit, { tolerance = o.tolerance or 0, aim = paths and AIM or 1,
-    texels = texels, even = o.spread == "even", smooth = o.smooth, gutter = o.gutter, angle = o.angle, stretch = o.stretch,
-    quantity = o.quantity, indirect = not transfer.fields.is_direct(o),
+    texels = texels,
+    even = o.spread == "even", smooth = o.smooth, directional = o.directional, gutter = o.gutter, angle = o.angle,
+    stretch = o.stretch, quantity = o.quantity, indirect = not transfer.fields.is_direct(o),
     scene = o.quantity ~= "indirect" and traced.handle or nil, links = o.rays, light_samples = o.light_samples, seed = o.seed,
     threads = o.threads, progress = progress.resolve(o.progress) }))
   if not map then return nil, message, code end
-  local m = { scene = s, traced = traced, lib = traced.lib, quantity = o.quantity, tolerance = o.tolerance, links = lit.links,
+  local m = { scene = s, traced = traced, lib = traced.lib, quantity = o.quantity, tolerance = o.tolerance,
+    directional = o.directional, links = lit.links,
     stats = traced.lib.map_stats(map) }
   core.own(map).made = m
   local judged = true
   if paths then judged, message, code = judge(s, map, m, lit, o) end
   if not judged then return nil, message, code end
-  m.stats.bytes, m.stats.seconds = BYTES * m.stats.width * m.stats.height, core.seconds() - start
+  m.stats.bytes, m.stats.seconds = bytes_of(o) * m.stats.width * m.stats.height, core.seconds() - start
   if not o.tolerance then m.stats.met, m.stats.failed = nil, nil
   elseif not m.stats.met then
     m.stats.warning = warning.say(map, "lightmap", "lightmap: tolerance %.3g is not met, 99 %% of the places keep %s: %s",
@@ -198,22 +203,13 @@ function methods.irradiance(map, points, normals)
   return check.result("irradiance", m.lib.map_irradiance(map, x, n))
 end
 
---- An image of the picture with these layers, of irradiance and charts. Or nil, message, code.
-local function picture_of(m, map, layers)
-  local out, message, code = image.image { size = { m.stats.width, m.stats.height }, layers = layers }
-  if not out then return nil, message, code end
-  local done
-  done, message, code = check.result("image", m.lib.map_picture(map, out:layer "irradiance",
-    layers[2] and out:layer "charts" or nil))
-  if not done then return nil, message, code end
-  return out
-end
-
 describe "lightmap:image" {
   about = "The picture: irradiance, and which chart each texel is read for.",
   arguments = {},
-  returns = { { "image", "image", "layers irradiance, W m^-2, row 1 on top, beyond charts that of the nearest; charts, numbers "
-    .. "from 1, 0 beyond them" } },
+  returns = { { "image", "image", "layers irradiance, W m^-2, row 1 on top, beyond charts that of the nearest; charts, "
+    .. "numbers from 1, 0 beyond them; if directional flow_x, flow_y, flow_z, W m^-2: radiance times that part of its direction, "
+    .. "summed over directions above the surface. At a normal n + d the irradiance is that of the picture plus the product of "
+    .. "d and the flow" } },
   errors = "raises on what is no lightmap; nil, message, code where memory runs out",
   example = room .. [[
 local image = scene:lightmap({ texels = 1024, rays = 16 }):image()
@@ -221,7 +217,9 @@ assert(image:layer "irradiance":get(4, 4, 1) > 0)]],
 }
 function methods.image(map)
   local m = opened("image", map)
-  return picture_of(m, map, { { "irradiance", 3 }, { "charts", 1 } })
+  local layers = { { "irradiance", 3 }, { "charts", 1 } }
+  for _, name in ipairs(m.directional and files.flow or {}) do layers[#layers + 1] = { name, 3 } end
+  return files.picture(m, map, layers)
 end
 
 describe "lightmap:pieces" {
@@ -249,50 +247,25 @@ function methods.pieces(map)
   return list
 end
 
---- Saves glTF: a scene of the pieces; lamps stay where an engine is to draw them.
-local function save_gltf(m, pieces, path, picture)
-  local second = {}
-  for _, piece in ipairs(pieces) do
-    piece.sides, second[piece] = "front", piece.uvs
-  end
-  local scene = { name = m.scene.name, camera = m.scene.camera, cameras = m.scene.cameras, background = m.scene.background,
-    sky_is_seen = m.scene.sky_is_seen, geometry = pieces, lights = m.quantity == "indirect" and m.scene.lights or {} }
-  return gltf_write.save(scene, path, nil, { second = second, about = json.object("file", picture, "quantity", m.quantity,
-    "unit", "W m^-2", "coordinates", 1) })
-end
-
 describe "lightmap:save" {
   about = "Writes the picture, and the surfaces beside it. NAME.glb and NAME.gltf: glTF whose TEXCOORD_1 reads NAME.exr, with "
-    .. "the lamps where quantity is 'indirect'; NAME.obj: triangles whose vt reads NAME.exr; NAME.exr: the picture alone. "
-    .. "Pictures are half floats, W m^-2; docs/engines.md says how engines read them.",
-  arguments = { { "path", "string", "ends in .glb, .gltf, .obj or .exr" } },
-  returns = { { "ok", "boolean", "true" } },
-  errors = "raises on another ending; nil, message, code: files, memory",
+    .. "the lamps where quantity is 'indirect'; NAME.obj: triangles whose vt reads NAME.exr; NAME.exr, NAME.png: the picture "
+    .. "alone. .exr: half floats, W m^-2; with a directional lightmap NAME_x.exr, NAME_y.exr and NAME_z.exr beside it. .png: "
+    .. "irradiance is range (a rgb)^2, with a and rgb from 0 to 1. docs/engines.md says how engines read them.",
+  arguments = { { "path", "string", "ends in .glb, .gltf, .obj, .exr or .png" }, { "options?", "table", "" } },
+  options = files.options,
+  returns = { { "ok", "boolean", "true" }, { "facts", "table", "files: names of all that was written; range: of a .png, W m^-2; "
+    .. "exposure: stops of lit; lamps: that are left to draw" } },
+  errors = "raises on another ending or a bad option; nil, message, code: files, memory",
   example = room .. [[
 local light, name = scene:lightmap { texels = 1024, rays = 16 }, os.tmpname()
-assert(light:save(name .. ".glb"))
-for _, ending in ipairs { ".glb", ".exr" } do assert(os.remove(name .. ending)) end
+local _, facts = assert(light:save(name .. ".glb", { embed = true }))
+assert(#facts.files == 1 and facts.range > 0)
+os.remove(name .. ".glb")
 os.remove(name)]],
 }
-function methods.save(map, path)
-  local m = opened("save", map)
-  local ending = type(path) == "string" and not path:find "%z" and path:lower():match "%.(%w+)$"
-  if ending ~= "glb" and ending ~= "gltf" and ending ~= "obj" and ending ~= "exr" then
-    return check.bad(1, "save", "a file name that ends in .glb, .gltf, .obj or .exr expected, got %s", check.describe(path))
-  end
-  local stem = path:gsub("%.%w+$", "")
-  local picture, message, code = picture_of(m, map, { { "irradiance", 3 } })
-  if not picture then return nil, message, code end
-  local done
-  done, message, code = picture:save(stem .. ".exr", { bits = 16 })
-  if not done or ending == "exr" then return done, message, code end
-  local pieces
-  pieces, message, code = map:pieces()
-  if not pieces then return nil, message, code end
-  if ending == "obj" then return wavefront.save(pieces, path) end
-  done, message, code = save_gltf(m, pieces, path, stem:match "[^/]*$" .. ".exr")
-  if not done then return nil, message, code end
-  return true
+function methods.save(map, path, given)
+  return files.save(opened("save", map), map, path, given)
 end
 
 describe "lightmap:close" {

@@ -89,8 +89,16 @@ return {
   ["lightmap:image"] = of_map "image",
   ["lightmap:pieces"] = of_map "pieces",
   ["lightmap:save"] = of_map("save", {
-    { call = function(ylm) return map(ylm):save "x.png" end, says = "ends in .glb, .gltf, .obj or .exr expected" },
+    { call = function(ylm) return map(ylm):save "x.bmp" end, says = "ends in .glb, .gltf, .obj, .exr" },
     { call = function(ylm) return map(ylm):save() end, says = "expected, got nil" },
+    { call = function(ylm) return map(ylm):save("x.png", { lit = true }) end, says = "lit is of .glb and .gltf files, not of .png" },
+    { call = function(ylm) return map(ylm):save("x.glb", { embed = true, picture = "exr" }) end,
+      says = "embed wants picture = 'png'" },
+    { call = function(ylm)
+      local s = scene(ylm)
+      return s:lightmap({ texels = 256, links = s:links { spacing = 1, rays = 16 }, rays = 4, directional = true }):save "x.png"
+    end, says = "a directional lightmap wants picture = 'exr'" },
+    { call = function(ylm) return map(ylm):save("x.glb", { picture = "hdr" }) end, says = "picture must be" },
     { call = function(ylm) return map(ylm):save "/nonexistent/x.glb" end, says = "No such file" },
   }),
   ["lightmap:close"] = of_map "close",
