@@ -118,6 +118,12 @@
 #define DENOISE_ALBEDO 1e-4f
 /* Numbers that kernels may read behind a row. */
 #define DENOISE_LANES 16
+/* Pixels between the middles of cells that keep their light: from the largest, halved down to the smallest, so many times. Noise
+   of a cell's light at which half of the difference goes back. Moved by: bias of blocks, and noise. */
+#define BALANCE_LARGEST 64
+#define BALANCE_SMALLEST 8
+#define BALANCE_PASSES 2
+#define BALANCE_NOISE 0.06
 
 /* -- pixels that are judged: draw.c -------------------------------------------------------------- */
 

@@ -465,6 +465,8 @@ YLM_API ylm_status ylm_shade_oidn(const ylm_shade_picture *picture, float *out, 
 ** the angle of normals, and how far its light is from the other's beside their variances. In each half that is told by
 ** the other half, so that weights know nothing of the noise they take away. Planes are fitted to light in a disk, which reaches
 ** as far as leaves `noise`, and at most 18 pixels; points whose light has less noise stay as they are, as do surfaces that gloss.
+** Sums of light over cells of pixels, 8 to 64 on a side, of surfaces that face alike, become those before the filter, as far as
+** these are known: the filter moves light within cells.
 **
 **   half   in/out  [2][points][3] radiance by two halves of the rays, independent of each other
 **   all    in      [points][3] all radiance there, of which `noise` is a part

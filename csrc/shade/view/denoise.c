@@ -262,6 +262,14 @@ static void fitted(const denoise_sums *s, int h, float out[3]) {
   }
 }
 
+/* Irradiance of point i before the filter becomes radiance, and its variance with it. */
+static void modulate(denoise_job *j, size_t i, const float albedo[3]) {
+  double y = luminance(albedo);
+  j->variance[i] *= (float)(y * y);
+  for (int h = 0; h < 2; h++)
+    for (int k = 0; k < 3; k++) j->value[i][h][k] *= albedo[k];
+}
+
 /* The light of a point by that of points around. */
 static void filter(denoise_job *j, size_t x, size_t y, size_t i) {
   denoise_sums s, all;
@@ -279,6 +287,7 @@ static void filter(denoise_job *j, size_t x, size_t y, size_t i) {
     for (int k = 0; is_few(&s, h) && k < 3; k++) light[k] = of->value[h][k] / of->weight[h];
     for (int k = 0; k < 3; k++) j->half[h][3 * i + (size_t)k] = light[k] * albedo[k];
   }
+  modulate(j, i, albedo);
 }
 
 static ylm_status run_look(void *context, size_t begin, size_t end, int worker) {
@@ -356,6 +365,8 @@ ylm_status ylm_shade_denoise(const ylm_shade_view *v, float *half[2], const floa
   for (size_t k = 0; s == YLM_OK && k < sizeof step / sizeof *step; k++)
     s = ylm_parallel(step[k].rows, 1, threads, step[k].run, &j, step[k].shown ? progress : NULL,
                      "denoising");
+  denoise_balance kept = {v, (const float(*)[2][3])j.value, j.variance, j.reach, half};
+  if (s == YLM_OK) s = ylm__denoise_balance(&kept, threads);
   job_free(&j);
   return s;
 }

@@ -58,4 +58,15 @@ typedef struct denoise_kernels {
 /* The kernels of the instruction set in use. denoise_plain.c */
 denoise_kernels ylm__denoise_kernels(void);
 
+/* Light of points before a filter and after it. Points whose reach is below 1 are not filtered. */
+typedef struct denoise_balance {
+  const ylm_shade_view *view;
+  const float (*before)[2][3];   /* [points] radiance by two halves */
+  const float *variance, *reach; /* [points] of the luminance of a half */
+  float **half;                  /* [2][points][3] after it */
+} denoise_balance;
+
+/* Gives cells of pixels the light that they had before, as far as that is known. balance.c */
+ylm_status ylm__denoise_balance(const denoise_balance *b, int threads);
+
 #endif
