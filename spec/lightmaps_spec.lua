@@ -260,6 +260,26 @@ describe("lightmap:save", function()
 end)
 
 describe("a lightmap", function()
+  it("is seen by ylm.view in the colours of its charts, or of what they miss", function()
+    local parts = " " .. table.concat(ylm.info().parts, " ") .. " "
+    if not parts:find " vtk " then return pending "libylm_vtk is not built" end
+    local light, colours = box():lightmap { texels = 256, rays = 4 }, {}
+    for _, shown in ipairs { "number", "error" } do
+      local view = ylm.view { surfaces = light, charts = shown, size = { 160, 120 }, supersample = 1,
+        camera = ylm.camera { from = { 0.3, 0.2, 0.9 }, at = { 0, 0, -1 }, fov = 90 } }
+      local rgb, seen, count = view:pixels(), {}, 0
+      for y = 1, 120, 4 do
+        for x = 1, 120, 4 do
+          local key = ("%.2f %.2f %.2f"):format(rgb:get(y, x, 1), rgb:get(y, x, 2), rgb:get(y, x, 3))
+          if not seen[key] then seen[key], count = true, count + 1 end
+        end
+      end
+      colours[shown] = count
+      assert.equal(shown == "error" and 1 or 0, #view:bars())
+    end
+    assert.is_true(colours.number >= 4 and colours.error >= 3, colours.number .. " " .. colours.error)
+  end)
+
   it("says what it is, and that it is closed", function()
     local light = box():lightmap { texels = 1024, rays = 4 }
     assert.equal("ylm.lightmap", core.type(light))

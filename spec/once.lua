@@ -9,9 +9,9 @@ return {
     grid_update_octree grid_update_random grid_update_undo grid_update_view guide guides hostile_meshes install inverse
     knob ladder light light_blocks light_disk light_environment light_lobe light_merged light_photometric
     light_polygon light_polygon_kernel light_polygon_scene light_sampled light_sky light_sun light_textured light_tree lightmap
-    lightmaps live live_display material material_kinds material_table neon no_lights occlusion oidn papers
-    path photometry photometry_file plot plot_lines prepared_look probes radiosity readme refresh relight render render_noise
-    rounds run sealed_rooms
+    lightmap_browser lightmaps live live_display material material_kinds material_table neon no_lights occlusion oidn
+    papers path photometry photometry_file plot plot_lines prepared_look probes radiosity readme refresh relight render
+    render_noise rounds run sealed_rooms
     sh_eval sh_exponential sh_product sh_project sh_rotate shade shadow_bodies shadow_fields shadow_rays shell site
     small_grid sphere_set spot surface surface_grid surface_promise team_bake team_bricks team_faults texture
     transfer transfer_vectors two_rooms_light unwrap view view_bar view_display view_grid virtual_gather virtual_gaussian

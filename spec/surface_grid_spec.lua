@@ -402,7 +402,7 @@ describe("a surface grid", function()
   it("is seen in the colours of its rectangles", function()
     local made, why = pcall(ylm.view, { surfaces = 7 })
     assert.is_false(made)
-    assert.truthy(why:find("surfaces must be a surface grid (scene:surface_grid), got 7", 1, true), why)
+    assert.truthy(why:find("or a lightmap (scene:lightmap), got 7", 1, true), why)
     if not picture.vtk() then return pending "VTK is not built in" end
     local pixels, colours, n = assert(ylm.view { surfaces = light, size = { 64, 48 }, supersample = 1 }:pixels()), {}, 0
     for y = 1, 48 do

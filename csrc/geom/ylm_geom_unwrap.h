@@ -64,6 +64,8 @@ YLM_API void ylm_unwrap_look(const ylm_unwrap *u, ylm_unwrap_stats *stats);
 /* The chart of a triangle, or YLM_UNWRAP_NONE; the area of a chart on its surface. */
 YLM_API uint32_t ylm_unwrap_chart(const ylm_unwrap *u, size_t mesh, size_t triangle);
 YLM_API double ylm_unwrap_area(const ylm_unwrap *u, size_t chart);
+/* Texels a scene unit of a packed chart, the geometric mean of both axes. */
+YLM_API double ylm_unwrap_density(const ylm_unwrap *u, size_t chart);
 /* The triangle of the mesh beyond edge 0 .. 2 of another, which begins at the corner of its number, and that edge there;
    false: none joins. */
 YLM_API bool ylm_unwrap_across(const ylm_unwrap *u, size_t mesh, size_t triangle, int edge,

@@ -74,6 +74,9 @@ YLM_API const float *ylm_surface_map_flow(const ylm_surface_map *m);
 /* The picture as numbers k/255: irradiance is range times the square of alpha times colour. Returns the range, the largest
    irradiance, or 1 where all is dark; out [height][width][4]. */
 YLM_API double ylm_surface_map_rgbm(const ylm_surface_map *m, float *out);
+/* [charts] what a chart misses, root mean square over the larger of the light around and the mean, as the last fit found it
+   at its own places. */
+YLM_API const double *ylm_surface_map_errors(const ylm_surface_map *m);
 /* The texture coordinates: mesh `sheet` of ylm_unwrap_split is a sheet. */
 YLM_API const ylm_unwrap *ylm_surface_map_charts(const ylm_surface_map *m);
 /* The mesh of the scene that a sheet is of, and its side. Triangles of a back have their second and third corners

@@ -188,6 +188,10 @@ void ylm_unwrap_corners(const ylm_unwrap *u, size_t mesh, size_t triangle, doubl
   }
 }
 
+double ylm_unwrap_density(const ylm_unwrap *u, size_t chart) {
+  return sqrt(u->chart[chart].scale[0] * u->chart[chart].scale[1]);
+}
+
 ylm_status ylm_unwrap_texels(const ylm_unwrap *u, uint32_t *chart) {
   for (size_t i = 0; i < u->width * u->height; i++) chart[i] = UNWRAP_NONE;
   for (size_t i = 0; i < u->charts; i++) {

@@ -164,6 +164,21 @@ static int map_flow(lua_State *L) {
   return 0;
 }
 
+/* map_charts(lightmap) -> errors float [charts], texels a scene unit float [charts] */
+static int map_charts(lua_State *L) {
+  const ylm_surface_map *m = check_map(L, 1);
+  ylm_surface_map_stats s;
+  ylm_surface_map_look(m, &s);
+  ylmL_array *errors = ylmL_array_new(L, YLM_FLOAT, 1, &s.charts.charts);
+  ylmL_array *density = errors ? ylmL_array_new(L, YLM_FLOAT, 1, &s.charts.charts) : NULL;
+  if (!density) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  for (size_t i = 0; i < s.charts.charts; i++) {
+    ((float *)errors->data)[i] = (float)ylm_surface_map_errors(m)[i];
+    ((float *)density->data)[i] = (float)ylm_unwrap_density(ylm_surface_map_charts(m), i);
+  }
+  return 2;
+}
+
 /* map_rgbm(lightmap, float [h][w][4]) -> the range: irradiance is range (a rgb)^2 */
 static int map_rgbm(lua_State *L) {
   const ylm_surface_map *m = check_map(L, 1);
@@ -208,11 +223,19 @@ static int map_split(lua_State *L) {
   return ylmL_result(L, 2, s == YLM_OK && !uvs ? YLM_ENOMEM : s, &e);
 }
 
-static const luaL_Reg functions[] = {
-    {"map_bake", map_bake},       {"map_stats", map_stats},           {"map_verdict", map_verdict},
-    {"map_judges", map_judges},   {"map_sheet", map_sheet},           {"map_split", map_split},
-    {"map_picture", map_picture}, {"map_irradiance", map_irradiance}, {"map_flow", map_flow},
-    {"map_rgbm", map_rgbm},       {"map_close", ylmL_let_go},         {NULL, NULL}};
+static const luaL_Reg functions[] = {{"map_bake", map_bake},
+                                     {"map_stats", map_stats},
+                                     {"map_verdict", map_verdict},
+                                     {"map_judges", map_judges},
+                                     {"map_sheet", map_sheet},
+                                     {"map_split", map_split},
+                                     {"map_picture", map_picture},
+                                     {"map_irradiance", map_irradiance},
+                                     {"map_flow", map_flow},
+                                     {"map_rgbm", map_rgbm},
+                                     {"map_charts", map_charts},
+                                     {"map_close", ylmL_let_go},
+                                     {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
 

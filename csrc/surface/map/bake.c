@@ -9,6 +9,7 @@ void ylm_surface_map_free(ylm_surface_map *m) {
   ylm__surface_charts_free(&m->plane);
   ylm_unwrap_free(m->charts);
   ylm_free(m->sheet);
+  ylm_free(m->error);
   ylm_free(m->of);
   ylm_free(m->picture), ylm_free(m->flow);
   ylm_free(m);
@@ -213,6 +214,8 @@ ylm_status ylm_surface_map_bake(const ylm_radiosity *r, const ylm_surface_map_fo
   b.m->stats.sheets = b.m->sheets;
   b.m->stats.chart_seconds = ylm_seconds() - start;
   if (s == YLM_OK) s = form->tolerance > 0 ? refine(&b) : make_one(&b);
+  for (size_t i = 0; s == YLM_OK && i < b.charts; i++) b.square[i] = sqrt(b.square[i]);
+  if (s == YLM_OK) b.m->error = b.square, b.square = NULL;
   free_bake(&b);
   if (s == YLM_OK)
     *out = b.m;
@@ -229,6 +232,7 @@ void ylm_surface_map_look(const ylm_surface_map *m, ylm_surface_map_stats *stats
 const ylm_scene *ylm_surface_map_scene(const ylm_surface_map *m) { return m->scene; }
 const float *ylm_surface_map_picture(const ylm_surface_map *m) { return m->picture; }
 const float *ylm_surface_map_flow(const ylm_surface_map *m) { return m->flow; }
+const double *ylm_surface_map_errors(const ylm_surface_map *m) { return m->error; }
 const ylm_unwrap *ylm_surface_map_charts(const ylm_surface_map *m) { return m->charts; }
 
 void ylm_surface_map_verdict(ylm_surface_map *m, size_t verified, size_t failed, double error,

@@ -62,6 +62,7 @@ struct ylm_surface_map {
   size_t sheets;
   uint32_t *of; /* [meshes][2] the sheet of a front and a back, or MAP_NONE */
   ylm_unwrap *charts;
+  double *error; /* [charts] */
   float *picture; /* [height][width][3] */
   float *flow;    /* [3 axes][height][width][3] or NULL */
   ylm_surface_map_stats stats;

@@ -1,24 +1,15 @@
 --- ylm lightmap scene.lua -o room.glb
 
+local lit_scene = require "ylm.cli.lit_scene"
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
 local quantities = { direct = true, indirect = true, all = true }
 
---- The scene of a file: one of ylm.load, or a file of triangles, which an overcast sky lights where none of them emits.
-local function scene_of(path)
-  if not (path:lower():find "%.obj$" or path:lower():find "%.ply$") then return status.load_scene(path) end
-  local ylm = require "ylm"
-  local geometry, message, code = ylm.mesh { file = path }
-  status.need(geometry, message, code)
-  return status.need(ylm.scene(path:match "[^/]*$") { geometry = geometry, lights = not geometry.emitters
-    and ylm.environment_light { sky = { kind = "overcast", zenith = { 0, 1, 0 }, luminance = 1 } } or nil })
-end
-
 --- Stops where options do not go together, before anything is baked.
 local function check_files(given)
   local ending = given.output:lower():match "%.(%w+)$"
-  local png = given.picture == "png" or given.embed or ending == "png"
+  local png = given.picture == "png" or given.embed or ending == "png" or ending == "html"
   if given.picture and given.picture ~= "exr" and given.picture ~= "png" then
     status.stop(status.usage, "lightmap: --picture is exr or png, got '%s'", given.picture)
   elseif given.embed and given.picture == "exr" then
@@ -26,7 +17,7 @@ local function check_files(given)
   elseif (given.embed or given.lit) and ending ~= "glb" and ending ~= "gltf" then
     status.stop(status.usage, "lightmap: --%s is of .glb and .gltf files", given.embed and "embed" or "lit")
   elseif given.directional and png then
-    status.stop(status.usage, "lightmap: --directional is of --picture exr: the flow of light has signs, and .png none")
+    status.stop(status.usage, "lightmap: --directional is of pictures as .exr: the flow of light has signs, and .png none")
   end
 end
 
@@ -35,7 +26,7 @@ return {
   usage = "SCENE.lua -o ROOM.glb",
   least = 1,
   options = {
-    { "output", "-o", "FILE", "the surfaces (.glb, .gltf, .obj) with their picture, or the picture alone (.exr, .png)" },
+    { "output", "-o", "FILE", "surfaces (.glb, .gltf, .obj) and picture, the picture alone (.exr, .png), or a page (.html)" },
     { "tolerance", "-t", "N", "of irradiance at 99 % of the surface; default 0.03, without --texels and --bytes" },
     { "texels", nil, "N", "of the picture, at most" },
     { "bytes", nil, "SIZE", "of the picture, at most (2MB, 500kB): six a texel" },
@@ -52,13 +43,12 @@ return {
   },
   run = function(given)
     if not given.output then status.stop(status.usage, "lightmap: -o FILE says where the picture goes") end
-    status.need_output("lightmap", given.output, "glb", "gltf", "obj", "exr", "png")
+    status.need_output("lightmap", given.output, "glb", "gltf", "obj", "exr", "png", "html")
     if given.quantity and not quantities[given.quantity] then
       status.stop(status.usage, "lightmap: --quantity is all, indirect or direct, got '%s'", given.quantity)
     end
     check_files(given)
-    local scene = scene_of(given[1])
-    if #scene.geometry == 0 then status.stop(status.script, "%s: the scene has no surfaces", given[1]) end
+    local scene = lit_scene.with_surfaces(given[1])
     local light = status.need(scene:lightmap { tolerance = given.tolerance, texels = given.texels,
       bytes = status.bytes("lightmap", given.bytes), quantity = given.quantity,
       bounces = status.bounces("lightmap", given.bounces), directional = given.directional,

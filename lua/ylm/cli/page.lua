@@ -1,5 +1,6 @@
 --- ylm page scene.lua -o room.html
 
+local lit_scene = require "ylm.cli.lit_scene"
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
@@ -59,13 +60,38 @@ local function things_of(ylm, given)
     occupied = #scene.geometry > 0 and "surfaces" or "everywhere", progress = report.progress(given) }), scene
 end
 
+local of_grids = { "grid", "depth", "light", "precision", "tone", "size", "no-poster", "dering" }
+
+--- Bakes a lightmap and writes its page.
+local function write_lightmap(given)
+  for _, name in ipairs(of_grids) do
+    if given[name] ~= nil then
+      status.stop(status.usage, "page: --%s is of a grid: leave it out beside --lightmap", name)
+    end
+  end
+  if given.quantity == "lights" then
+    status.stop(status.usage, "page: --quantity of a lightmap is all (default), indirect or direct, got 'lights'")
+  end
+  local light = status.need(lit_scene.with_surfaces(given[1]):lightmap { tolerance = given.tolerance, texels = given.texels,
+    quantity = given.quantity, threads = given.threads, progress = report.progress(given) })
+  local _, facts = status.need(light:save(given.output, { title = given.title, exposure = given.exposure,
+    limit = given.limit }))
+  local stats = light.stats
+  local results = { bytes = facts.bytes, width = stats.width, height = stats.height, charts = stats.charts, error = stats.error,
+    met = stats.met }
+  report.print(given, results, report.names(results, { "bytes", "width", "height", "charts", "error" }))
+  return status.of_warnings(given, { stats.warning })
+end
+
 return {
   summary = "a grid and its scene as one HTML file that browsers show without a network",
-  usage = "SCENE.lua | GRID.ylm -o PAGE.html",
+  usage = "SCENE.lua | GRID.ylm -o PAGE.html\n       ylm page SCENE.lua | MESH.obj --lightmap -o PAGE.html",
   least = 1,
   options = {
     { "output", "-o", "FILE", "the page (.html)" },
     { "grid", "-g", "FILE", "a grid baked before; default: the scene's probes are baked on its surfaces" },
+    { "lightmap", nil, nil, "the surfaces, lit by a lightmap, instead of a grid; of a file of triangles too" },
+    { "texels", nil, "N", "of --lightmap, at most" },
     { "tolerance", nil, "N", "of the bake, instead of the scene's probes'; default 0.05 where the scene has none" },
     { "depth", nil, "N", "of the bake: the finest level" },
     { "quantity", nil, "NAME", "of the bake: lights (default), which nothing occludes, direct, indirect or all" },
@@ -88,6 +114,8 @@ return {
     if given.precision and not PRECISIONS[given.precision] then
       status.stop(status.usage, "page: --precision is few, half, float or byte, got '%s'", given.precision)
     end
+    if given.lightmap then return write_lightmap(given) end
+    if given.texels then status.stop(status.usage, "page: --texels is of --lightmap") end
     local grid, scene = things_of(ylm, given)
     local poster
     if given["no-poster"] then poster = false end

@@ -5,6 +5,8 @@ local status = require "ylm.cli.status"
 local view_sh = require "ylm.cli.view_sh"
 local view_things = require "ylm.cli.view_things"
 
+local TEXELS = 65536 -- of the lightmap whose charts are seen
+
 local of_grids = { "quantity", "range", "log", "linear", "map", "volume", "slices", "slice", "levels", "boxes", "isosurfaces",
   "iso-values", "glyphs", "streamlines", "lobes", "count", "label", "unit", "no-bar", "no-frame", "resolution" }
 local of_scenes = { "lights", "opacity" }
@@ -26,6 +28,18 @@ local function load_surfaces(found, path)
     status.stop(status.usage, "view: %s: light on surfaces is seen on its scene: name the scene's file too", path)
   end
   found.surfaces = status.need(found.scene:surface_grid { file = path })
+end
+
+--- Bakes a lightmap of the scene, whose charts are seen: found.surfaces, found.charts.
+local function bake_charts(given, found)
+  if not found.scene or found.grid or found.surfaces then
+    status.stop(status.usage, "view: --charts bakes a lightmap of a scene: name the file of one alone")
+  end
+  if given.charts ~= "number" and given.charts ~= "density" and given.charts ~= "error" then
+    status.stop(status.usage, "view: --charts is number, density or error, got '%s'", given.charts)
+  end
+  found.surfaces = status.need(found.scene:lightmap { texels = given.texels or TEXELS, progress = report.progress(given) })
+  found.charts = given.charts
 end
 
 --- Contents of the files, sorted: { arrays = {}, grid = , scene = , meshes = {}, surfaces = }.
@@ -53,6 +67,8 @@ local function load(given)
     end
   end
   if last then load_surfaces(found, last) end
+  if given.charts then bake_charts(given, found)
+  elseif given.texels then status.stop(status.usage, "view: --texels is of --charts") end
   return found
 end
 
@@ -75,7 +91,7 @@ local function view_of(ylm, given, found)
   if not found.grid then refuse(given, of_grids, "grids") end
   if not found.scene then refuse(given, of_scenes, "scenes: name the file of one too") end
   local fields = view_things.fields(ylm, given, found.grid, found.scene, found.meshes)
-  fields.surfaces = found.surfaces
+  fields.surfaces, fields.charts = found.surfaces, found.charts
   return try(ylm.view, fields)
 end
 
@@ -106,6 +122,8 @@ return {
     { "count", nil, "N", "about how many arrows, lines or lobes" },
     { "lights", nil, nil, "the lights of the scene" },
     { "opacity", nil, "N", "of the scene's geometry, 0 to 1" },
+    { "charts", nil, "NAME", "bakes a lightmap of the scene: the colours of its charts by number, density (texels), or error" },
+    { "texels", nil, "N", "of --charts, default 65536" },
     { "product", nil, nil, "SH vectors: show their product beside them" },
     { "rotate", nil, "X,Y,Z", "SH vectors: show them turned about this axis beside them" },
     { "angle", nil, "N", "of --rotate, degrees, default 90" },

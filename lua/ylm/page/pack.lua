@@ -91,8 +91,8 @@ local function floats(n, values)
   return a
 end
 
---- The albedo of a mesh's vertices, float [n][3]; or nil, message, code.
-local function albedo_of(entry, mesh, n)
+--- The albedo of the n vertices of a mesh, float [n][3], of the material of an entry; or nil, message, code.
+function pack.albedo(entry, mesh, n)
   local m = entry.material or material.default
   local varied, message, code = material.at_vertices("save", m, mesh)
   if varied or message then return varied, message, code end
@@ -125,7 +125,7 @@ function pack.meshes(blob, scene)
     local points, from = mesh:vertices(), lo
     local n = #points
     if points.dtype == "double" then points, from = core.array_convert(points - lo, "float"), zero end -- far from 0
-    local albedo, message, code = albedo_of(scene.geometry[i], mesh, n)
+    local albedo, message, code = pack.albedo(scene.geometry[i], mesh, n)
     if not albedo then return nil, message, code end
     positions[i], normals[i] = core.page_positions(points, from, step), core.page_normals(mesh:normals())
     albedos[i] = core.page_positions(albedo, zero, unit)

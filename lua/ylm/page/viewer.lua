@@ -34,17 +34,18 @@ local function path_of(module)
   end
 end
 
---- The bytes of the sources by their names; nil, message, code.
-function viewer.sources()
+--- The bytes of sources by their names, those of a grid's page unless `list` names others; nil, message, code.
+function viewer.sources(list)
   local here, out = path_of "ylm.page.viewer", {}
   local folder = here and here:gsub("%.lua$", "/")
   if not folder then return nil, "page: package.path has no ylm/page/viewer.lua, beside which the viewer stands", "EIO" end
-  for _, name in ipairs(names) do
+  for _, name in ipairs(list or names) do
     local file, message = io.open(folder .. name, "rb")
     if not file then return nil, ("page: the viewer is incomplete: %s; install ylm anew"):format(message), "EIO" end
     out[name] = file:read "*a":gsub("LUMINANCE_%u", weights)
     file:close()
   end
+  if list then return out end
   out["few.js"] = out["few.js"]:gsub("/%*@CONSTANTS@%*/{}", (constants()))
   return out
 end

@@ -5,13 +5,14 @@ local core = require "ylm.c.core"
 local form = require "ylm.form"
 local gltf_write = require "ylm.gltf.write"
 local image = require "ylm.image"
+local page = require "ylm.page.lightmap"
 local wavefront = require "ylm.render.wavefront"
 
 local files = {}
 
 local CLIPPED = 0.02 -- of the picture's texels, at most, are brighter than lit shows
 local PI_STOPS = math.log(math.pi) / math.log(2) -- from irradiance to the radiance of white
-local ENDINGS = { glb = true, gltf = true, obj = true, exr = true, png = true }
+local ENDINGS = { glb = true, gltf = true, obj = true, exr = true, png = true, html = true }
 
 --- Layers of the flow of light along x, y and z.
 files.flow = { "flow_x", "flow_y", "flow_z" }
@@ -23,8 +24,10 @@ files.options = {
   { "lit", "boolean", default = false,
     about = ".glb, .gltf: any viewer shows the light: materials are albedo times a further picture of 8 bits in the file "
       .. "(KHR_materials_unlit)" },
-  { "exposure", "exposure", default = "auto", unit = "stops", about = "of lit; 'auto': as image:exposure has it, or less, until "
-    .. "at most 2 % of the picture are white" },
+  { "exposure", "exposure", default = "auto", unit = "stops", about = "of lit and .html; 'auto': as image:exposure has it, or "
+    .. "less, until at most 2 % of the picture are white" },
+  { "title", "string", optional = true, about = ".html; default the scene's name" },
+  { "limit", "number", min = 1, default = 32e6, unit = "bytes", about = ".html: a larger file is refused" },
 }
 
 -- Pictures ---------------------------------------------------------------------------------------
@@ -135,13 +138,34 @@ local function save_gltf(m, map, pieces, path, o, facts)
   return true
 end
 
+-- Pages ------------------------------------------------------------------------------------------
+
+--- Saves a page; true, or nil, message, code.
+local function save_page(m, map, path, o, facts)
+  local picture, message, code = files.picture(m, map, { { "irradiance", 3 }, { "charts", 1 } })
+  if not picture then return nil, message, code end
+  local light = { charts = picture:layer "charts" }
+  light.picture, light.range, code = rgbm_of(m, map)
+  if not light.picture then return nil, light.range, code end
+  light.errors, light.densities, code = check.result("save", m.lib.map_charts(map))
+  if not light.errors then return nil, light.densities, code end
+  light.pieces, message, code = map:pieces()
+  if not light.pieces then return nil, message, code end
+  facts.range, facts.exposure = light.range, stops_of(picture, o.exposure) + PI_STOPS
+  facts.bytes, message, code = page.save(m, path, light, { title = o.title, exposure = facts.exposure, limit = o.limit })
+  if not facts.bytes then return nil, message, code end
+  facts.files[1] = path:match "[^/]*$"
+  return true
+end
+
 -- The whole --------------------------------------------------------------------------------------
 
 --- Raises where a path and options do not go together; the ending and the kind of the picture.
 local function settle(m, path, o)
   local ending = type(path) == "string" and not path:find "%z" and path:lower():match "%.(%w+)$"
   if not ENDINGS[ending] then
-    return check.bad(1, "save", "a file name that ends in .glb, .gltf, .obj, .exr or .png expected, got %s", check.describe(path))
+    return check.bad(1, "save", "a file name that ends in .glb, .gltf, .obj, .exr, .png or .html expected, got %s",
+      check.describe(path))
   end
   if (o.embed or o.lit) and ending ~= "glb" and ending ~= "gltf" then
     return check.bad(2, "save", "%s is of .glb and .gltf files, not of .%s", o.embed and "embed" or "lit", ending)
@@ -162,6 +186,11 @@ function files.save(m, map, path, given)
   local ending, kind = settle(m, path, o)
   local stem, facts = path:gsub("%.%w+$", ""), { files = {} }
   local done, message, code
+  if ending == "html" then
+    done, message, code = save_page(m, map, path, o, facts)
+    if not done then return nil, message, code end
+    return true, facts
+  end
   if not o.embed then
     done, message, code = save_picture(m, map, stem, kind, facts)
     if not done then return nil, message, code end

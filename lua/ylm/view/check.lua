@@ -204,11 +204,14 @@ local function check_lights(values, fail)
 end
 
 local function check_surfaces(values, fail)
+  local kind = values.surfaces ~= nil and core.type(values.surfaces)
+  if values.charts and kind ~= "ylm.lightmap" then return fail "charts is of surfaces that are a lightmap" end
   if values.surfaces == nil then return end
-  if core.type(values.surfaces) ~= "ylm.surface_grid" then
-    return fail(("surfaces must be a surface grid (scene:surface_grid), got %s"):format(check.describe(values.surfaces)))
+  if kind ~= "ylm.surface_grid" and kind ~= "ylm.lightmap" then
+    return fail(("surfaces must be a surface grid (scene:surface_grid) or a lightmap (scene:lightmap), got %s"):format(
+      check.describe(values.surfaces)))
   end
-  if tostring(values.surfaces):find("(closed)", 1, true) then return fail "surfaces: the surface grid has been closed" end
+  if tostring(values.surfaces):find("(closed)", 1, true) then return fail "surfaces: the light has been closed" end
 end
 
 --- Numbers and arrows that a view is given without a grid: values.lattice, .arrows, .flow.

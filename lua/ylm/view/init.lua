@@ -314,7 +314,11 @@ local fields = {
   { "scene", "object", of = "scene", optional = true, about = "draws its geometry, takes its camera" },
   { "opacity", "number", shelf = "experiments", min = 0, max = 1, default = 1, about = "of the scene's geometry" },
   { "surfaces", "any", optional = true,
-    about = "a surface grid (scene:surface_grid): its scene's surfaces in the colours of its rectangles, by its camera" },
+    about = "a surface grid (scene:surface_grid) or a lightmap: its scene's surfaces in the colours of its rectangles or charts, "
+      .. "by its camera" },
+  { "charts", "choice", of = { "number", "density", "error" }, optional = true,
+    about = "of a lightmap: which colours its charts have: by number (default), by their texels a scene unit, or by their error, "
+      .. "root mean square" },
   { "points", "any", optional = true, about = "[n][3] points drawn as dots" },
   { "range", "any", optional = true, about = "{least, largest} of the colours; default: of the data" },
   { "log", "boolean", optional = true, about = "logarithmic colours; default by quantity" },

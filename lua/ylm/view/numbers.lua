@@ -1,5 +1,6 @@
 --- The numbers of a view: what is coloured, its scales, and lattices that carry it.
 
+local charts = require "ylm.view.charts"
 local core = require "ylm.c.core"
 local drawing = require "ylm.view.drawing"
 local quantities = require "ylm.grid.quantities"
@@ -81,6 +82,11 @@ function numbers.prepare(v)
     v.scale = make_scale(v, v.quantity, { map = q.map, log = q.log, whole = q.whole, label = label,
       unit = unit }, least, largest,
       positive, true)
+  end
+  if v.charts and v.charts ~= "number" then
+    local values, least, most, words = charts.numbers(v)
+    v.charts_values = values
+    v.charts_scale = make_scale(v, v.charts, words, least, most, least, not v.scale)
   end
   if v.glyphs or v.streamlines then
     local lengths

@@ -6,6 +6,7 @@
 local array = require "ylm.array"
 local core = require "ylm.c.core"
 local drawing = require "ylm.view.drawing"
+local numbers = require "ylm.view.numbers"
 
 local surfaces = {}
 
@@ -20,6 +21,12 @@ local function colour_of(number)
   local c, hue = {}, number * GOLDEN % 1
   for a = 1, 3 do c[a] = 0.15 + 0.65 * (0.5 + 0.5 * math.cos(2 * math.pi * (hue + a / 3))) end
   return c
+end
+
+--- The colours of charts by their numbers.
+local function colours_of(v)
+  local map, least, most, log = numbers.scale_of(v.charts_scale)
+  return core.array_totable(core.figure_colours(v.charts_values, v.theme.background, map, least, most, log))
 end
 
 --- All triangles of a scene: { corner, two edges, normal of length 1, longest edge }.
@@ -90,15 +97,15 @@ end
 
 --- The rectangles of places, a list of numbers: of the normals' side, else of the other.
 local function rectangles_of(light, middles, normals)
-  local points, turned, numbers = array.array(middles), {}, {}
+  local points, turned, found = array.array(middles), {}, {}
   for i, n in ipairs(normals) do turned[i] = { -n[1], -n[2], -n[3] } end
   for _, side in ipairs { normals, turned } do
     local E, of, code = light:irradiance(points, array.array(side, "float"))
     if not E then drawing.run(nil, of, code) end
     local list = core.array_totable(of)
-    for i = 1, #middles do if (numbers[i] or 0) == 0 then numbers[i] = list[i] end end
+    for i = 1, #middles do if (found[i] or 0) == 0 then found[i] = list[i] end end
   end
-  return numbers
+  return found
 end
 
 --- Rows of three numbers as an array of doubles.
@@ -115,9 +122,9 @@ function surfaces.fill(stage, v)
   if #list == 0 then return end
   local wanted = math.min(MOST, math.max(LEAST, v.size[1] * v.size[2] / PIXELS))
   local corners, middles, normals = cut(list, edge_of(list, area, wanted))
-  local colours, index = {}, {}
+  local colours, index, of_chart = {}, {}, v.charts and v.charts ~= "number" and colours_of(v)
   for i, number in ipairs(rectangles_of(light, middles, normals)) do
-    local c = colour_of(number)
+    local c = of_chart and (of_chart[number] or NONE) or colour_of(number)
     for k = 1, 3 do colours[3 * i - 3 + k] = c end
     index[i] = { 3 * i - 2, 3 * i - 1, 3 * i }
   end

@@ -97,6 +97,7 @@ local cases = {
     view({ volume = lattice, slices = { { axis = "y", where = 2 } } }, "no field 'where'"),
     { call = function(ylm) return small(ylm, { volume = lattice, slices = { { axis = "y", at = 9 } } }):pixels() end,
       says = "outside of the bounds" },
+    view({ volume = lattice, charts = "error" }, "charts is of surfaces that are a lightmap"),
     view({ volume = lattice, isosurfaces = 0 }, "isosurfaces must be true"),
     view({ volume = lattice, isosurfaces = {} }, "isosurfaces: a list of values"),
     view({ volume = lattice, isosurfaces = { nan } }, "value 1 must be a finite number"),
