@@ -23,11 +23,12 @@ end
 
 local function luminance(c) return 0.2126 * c[1] + 0.7152 * c[2] + 0.0722 * c[3] end
 
---- Means over SEEDS pictures render(seed), from seed `first` on, and the variances of these means: green, pixel by pixel.
+--- Means over SEEDS arrays render(seed), [..][3], from seed `first` on, and the variances of these means: rows of rows.
 local function many(first, render)
   local mean, square
   for seed = first, first + SEEDS - 1 do
-    local x = render(seed):layer "radiance"
+    local x = render(seed)
+    if #x.shape == 2 then x = x:reshape { 1, x.shape[1], 3 } end
     mean, square = mean and mean + x or x + 0, square and square + x * x or x * x
   end
   mean = mean / SEEDS
@@ -87,8 +88,11 @@ describe("guides of shadow rays", function()
   end
 
   it("keep every pixel unbiased: z^2 within 1 +- 0.15 over 40 seeds, beside 40 others without guides", function()
-    local a, a_variance = many(1, function(seed) return guided(seed, { light_samples = 4 }) end)
-    local b, b_variance = many(1 + SEEDS, function(seed) return guided(seed, { light_samples = 4, guides = false }) end)
+    local function render(guides)
+      return function(seed) return guided(seed, { light_samples = 4, guides = guides }):layer "radiance" end
+    end
+    local a, a_variance = many(1, render(true))
+    local b, b_variance = many(1 + SEEDS, render(false))
     local z2, n = z2_of(a, a_variance, b, b_variance)
     assert.is_true(math.abs(z2 - 1) <= 0.15 and n > 2500, ("z^2 is %.3f over %d pixels"):format(z2, n))
   end)
@@ -97,13 +101,53 @@ describe("guides of shadow rays", function()
     local scene = court()
     local function render(guides)
       return function(seed)
-        return (scene:pathtrace { size = { 30, 20 }, samples = 32, guides = guides, seed = seed, layers = false })
+        return scene:pathtrace({ size = { 30, 20 }, samples = 32, guides = guides, seed = seed, layers = false }):layer "radiance"
       end
     end
     local a, a_variance = many(1, render(true))
     local b, b_variance = many(1 + SEEDS, render(false))
     local z2, n = z2_of(a, a_variance, b, b_variance)
     assert.is_true(math.abs(z2 - 1) <= 0.15 and n > 500, ("z^2 is %.3f over %d pixels"):format(z2, n))
+  end)
+
+  it("keep light on elements, and on texels by their guide, unbiased: as above", function()
+    local links = court():links { spacing = 0.4, rays = 4, lmax = 0 }
+    local function elements(guides)
+      return function(seed)
+        local lit = links:radiosity(nil, { bounces = 0, light_samples = 8, guides = guides, seed = seed })
+        assert.are.equal(guides, lit.stats.guides ~= nil and lit.stats.guide_rays > 0)
+        local map = lit:lightmap { mesh = 1, size = { 24, 24 }, part = "direct", rays = 4, light_samples = 4, seed = seed,
+          gutter = 0 }
+        local texels = map:layer("irradiance"):reshape { 24 * 24, 3 }
+        local all = lit:irradiance "direct"
+        lit:close()
+        return ylm.stack { all[{ { 1, 576 } }], texels }
+      end
+    end
+    local a, a_variance = many(1, elements(true))
+    local b, b_variance = many(1 + SEEDS, elements(false))
+    local z2, n = z2_of(a, a_variance, b, b_variance)
+    assert.is_true(math.abs(z2 - 1) <= 0.15 and n > 800, ("z^2 is %.3f over %d places"):format(z2, n))
+  end)
+
+  it("keep irradiance at points unbiased: as above", function()
+    local scene, points, normals = court(), {}, {}
+    for k = 1, 256 do
+      points[k] = { -1.9 + 3.8 * (k * 0.618 % 1), 1e-3, -1.9 + 3.8 * k / 256 }
+      normals[k] = { 0, 1, 0 }
+    end
+    local function probe(guides)
+      return function(seed)
+        local E, _, report = scene:probe { points = points, normals = normals, samples = 32, bounces = 1, guides = guides,
+          seed = seed }
+        assert.are.equal(guides, report.guides ~= nil)
+        return E
+      end
+    end
+    local a, a_variance = many(1, probe(true))
+    local b, b_variance = many(1 + SEEDS, probe(false))
+    local z2, n = z2_of(a, a_variance, b, b_variance)
+    assert.is_true(math.abs(z2 - 1) <= 0.15 and n > 200, ("z^2 is %.3f over %d points"):format(z2, n))
   end)
 
   it("leave less noise in pictures by paths for as many rays, the pilot's included, where a window is small", function()
@@ -166,5 +210,8 @@ describe("guides of shadow rays", function()
 
   it("refuse what is neither true nor false", function()
     assert.has_error(function() guided(1, { guides = "yes" }) end)
+    local scene = court()
+    assert.has_error(function() scene:links({ spacing = 2, rays = 4, lmax = 0 }):radiosity(nil, { guides = 1 }) end)
+    assert.has_error(function() scene:probe { points = { { 0, 1, 0 } }, guides = "yes" } end)
   end)
 end)

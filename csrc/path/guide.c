@@ -36,6 +36,19 @@ static ylm_status walk(const path_job *j, size_t pairs, path_places *noted, ylm_
   return YLM_OK;
 }
 
+/* Notes places of surfaces that irradiance is asked for at, evenly many of the items. */
+static void note_starts(const path_job *j, size_t pairs, path_places *p) {
+  for (size_t k = 0; j->normals && k < pairs && p->n < p->room; k++, p->n++) {
+    size_t item = (size_t)((double)k / (double)pairs * (double)j->items);
+    double n[3];
+    for (int a = 0; a < 3; a++) n[a] = (double)j->normals[item][a];
+    ylm_unit3(n);
+    for (int a = 0; a < 3; a++) p->normal[p->n][a] = (float)n[a];
+    memcpy(p->x[p->n], j->points[item], sizeof p->x[p->n]);
+    memcpy(p->origin[p->n], (j->origin ? j->origin : j->points)[item], sizeof p->origin[p->n]);
+  }
+}
+
 /* Learns from these places by a part of as many rays as an item lets the pilot have. */
 static ylm_status learn(path_job *j, const path_places *p, ylm_path_stats *stats) {
   ylm_scene_places places = {p->n, (const float(*)[3])p->x, (const float(*)[3])p->normal,
@@ -62,7 +75,9 @@ ylm_status ylm__path_learn(path_job *j, ylm_path_stats *stats) {
   o.seed = ylm_mix64(o.seed ^ PILOT_SEED);
   o.first = 1; /* no light at the start */
   pilot.o = &o;
-  ylm_status s = places_create(&places, pairs) ? walk(&pilot, pairs, &places, stats) : YLM_ENOMEM;
+  bool room = places_create(&places, pairs);
+  if (room) note_starts(j, pairs, &places);
+  ylm_status s = room ? walk(&pilot, pairs, &places, stats) : YLM_ENOMEM;
   if (s == YLM_OK) s = learn(j, &places, stats);
   places_free(&places);
   return s;

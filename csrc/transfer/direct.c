@@ -8,7 +8,8 @@
 typedef struct job {
   const ylm_transfer *t;
   const ylm_scene *scene;
-  int places, each; /* rays of a place */
+  ylm_scene_guide *guide; /* NULL: rays have none */
+  int places, each;       /* rays of a place */
   uint64_t seed;
   float *E0;
   double (*part)[2]; /* [blocks] W: of rays to lamps that are near, of all */
@@ -80,6 +81,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   double *part = j->part[begin / DIRECT_GRAIN];
   waiting w = {.first = begin};
   ylm_status status = ylm_scene_batch_create(j->scene, most, &w.lit);
+  if (status == YLM_OK) ylm_scene_chooser_follow(w.lit.lamps, j->guide);
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     if (w.lit.rays + most > w.lit.room) finish(j, &w, part);
     aim(j, i, &w);
@@ -91,15 +93,17 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return status;
 }
 
-/* Takes new direct light over, or frees it. */
-static ylm_status take(ylm_radiosity *r, ylm_status s, float *E0, uint64_t rays, double close,
-                       double begun) {
+/* Takes new direct light and its guide over, or frees them. */
+static ylm_status take(ylm_radiosity *r, ylm_status s, float *E0, ylm_scene_guide *guide,
+                       uint64_t rays, double close, double begun) {
+  ylm_scene_guide_free(s == YLM_OK ? r->guide : guide);
   if (s != YLM_OK) {
     ylm_free(E0);
     return s;
   }
   ylm_free(r->E0);
   r->E0 = E0;
+  r->guide = guide;
   r->rays = rays;
   r->close = close;
   r->seconds = ylm_seconds() - begun;
@@ -119,7 +123,7 @@ ylm_status ylm__transfer_check_rays(const ylm_transfer *t, const ylm_scene *scen
 }
 
 ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int light_samples,
-                              uint64_t seed, int threads, const ylm_progress *progress,
+                              bool guides, uint64_t seed, int threads, const ylm_progress *progress,
                               ylm_error *e) {
   double begun = ylm_seconds();
   ylm_status s = ylm__transfer_check_rays(r->t, scene, light_samples, e);
@@ -134,14 +138,16 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
            .seed = seed,
            .E0 = ylm_alloc_zero(r->t->elements + 1, 16),
            .part = ylm_alloc_zero(r->t->elements / DIRECT_GRAIN + 1, sizeof *j.part)};
-  s = j.E0 && j.part
-          ? ylm_parallel(r->t->elements, DIRECT_GRAIN, threads, run, &j, progress, "direct")
-          : YLM_ENOMEM;
+  s = j.E0 && j.part ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK && guides)
+    s = ylm__transfer_learn(r->t, scene, light_samples, seed, threads, progress, &j.guide);
+  if (s == YLM_OK)
+    s = ylm_parallel(r->t->elements, DIRECT_GRAIN, threads, run, &j, progress, "direct");
   double near = 0, all = 0;
   for (size_t b = 0; s == YLM_OK && b * DIRECT_GRAIN < r->t->elements; b++)
     near += j.part[b][0], all += j.part[b][1];
   ylm_free(j.part);
-  return take(r, s, j.E0, j.rays, all > 0 ? near / all : 0, begun);
+  return take(r, s, j.E0, j.guide, j.rays, all > 0 ? near / all : 0, begun);
 }
 
 /* Light by coefficients. */
@@ -235,7 +241,7 @@ ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int lma
   ylm_free(x.light);
   ylm_free(x.normals);
   ylm_free(x.zonal);
-  return take(r, s, E0, 0, 0, begun);
+  return take(r, s, E0, NULL, 0, 0, begun);
 }
 
 void ylm_radiosity_set(ylm_radiosity *r, const float *E0) {

@@ -42,6 +42,7 @@ static scratch *scratch_create(const job *j) {
   bool ok = x->link && x->sum;
   if (m->scene) {
     ok = ylm_scene_batch_create(m->scene, (size_t)m->light_samples, &x->lit) == YLM_OK && ok;
+    if (ok) ylm_scene_chooser_follow(x->lit.lamps, j->r->guide); /* of other lamps: by none */
   } else if (m->field) {
     x->escape = ylm_alloc(LIGHTMAP_TEXELS * count, sizeof *x->escape);
     x->light = ylm_alloc(LIGHTMAP_TEXELS * 3 * count, sizeof *x->light);

@@ -208,6 +208,10 @@ ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, b
                                ylm_radiosity_stats *stats, ylm_error *e) {
   double begun = ylm_seconds();
   ylm_radiosity_stats found = {.rays = r->rays, .close = r->close, .direct_seconds = r->seconds};
+  ylm_scene_guide_stats guide = {0};
+  if (r->guide) ylm_scene_guide_look(r->guide, &guide);
+  found.guides = guide.clusters;
+  found.guide_rays = guide.rays;
   job j = {0};
   if (bounces > YLM_TRANSFER_BOUNCES)
     return ylm_fail(e, YLM_ERANGE, "bounces must be at most %d, got %d", YLM_TRANSFER_BOUNCES,
@@ -286,6 +290,7 @@ void ylm_radiosity_free(ylm_radiosity *r) {
   ylm_free(r->direct);
   ylm_free(r->E);
   ylm_free(r->leaving);
+  ylm_scene_guide_free(r->guide);
   ylm_free(r);
 }
 

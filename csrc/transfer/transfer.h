@@ -33,6 +33,14 @@ struct ylm_transfer {
   float *escape;    /* [elements][(lmax+1)^2] or NULL */
 };
 
+/* -- guide.c -------------------------------------------------------------------- */
+
+/* Learns a guide for light_samples rays of each element to the lamps of a scene of the same meshes; NULL where nothing is to be
+   guided. */
+ylm_status ylm__transfer_learn(const ylm_transfer *t, const ylm_scene *scene, int light_samples,
+                               uint64_t seed, int threads, const ylm_progress *progress,
+                               ylm_scene_guide **out);
+
 /* -- closed.c ------------------------------------------------------------------- */
 
 /*
@@ -174,7 +182,8 @@ struct ylm_radiosity {
   float *direct, *E, *leaving;
   uint64_t rays; /* of E0 */
   double close, seconds;
-  double q[3]; /* of the last solution, by channel: stats.shrink is the largest */
+  ylm_scene_guide *guide; /* of the rays of E0; NULL: they had none */
+  double q[3];            /* of the last solution, by channel: stats.shrink is the largest */
   ylm_radiosity_stats stats;
 };
 

@@ -165,11 +165,13 @@ typedef struct ylm_radiosity_stats {
                       that which one more would bring */
   double shrink; /* q, that change over the one before */
   double emitted[3], absorbed[3],
-      escaped[3]; /* W: direct light that lands on elements; what they keep; what
+      escaped[3];      /* W: direct light that lands on elements; what they keep; what
                                                  leaves the scene. emitted = absorbed + escaped but for
                                                  the noise of links and the residual */
-  double balance; /* |emitted - absorbed - escaped| / emitted, the largest of the channels */
-  uint64_t rays;  /* of direct light */
+  double balance;      /* |emitted - absorbed - escaped| / emitted, the largest of the channels */
+  uint64_t rays;       /* of direct light */
+  size_t guides;       /* clusters of elements by which these were guided; 0: by none */
+  uint64_t guide_rays; /* of the guides' pilot, beside `rays` */
   double
       close; /* the part of direct light that rays to lamps bring from nearer than twice the spacing */
   double direct_seconds, solve_seconds;
@@ -181,7 +183,9 @@ YLM_API const ylm_transfer *ylm_radiosity_transfer(const ylm_radiosity *r);
 
 /*
 ** ylm_radiosity_rays - direct light on the elements of a scene by rays to its lamps and sky, light_samples from
-** each element. `scene` is the transfer's, or another of the same meshes with other lamps.
+** each element. `scene` is the transfer's, or another of the same meshes with other lamps. `guides`: a pilot learns which lamps
+** and tiles of the sky elements see (ylm_scene_guide); rays of ylm_radiosity_lightmap and ylm_radiosity_places follow it too,
+** where their lamps are as many.
 **
 ** ylm_radiosity_field - direct light from coefficients of degree <= lmax. Of a field of lights E0 = T0 . L with L at the
 ** elements' centres and T0 of ylm_transfer_escape, lmax at most that of T0: it knows no shadow of what is nearer than a
@@ -194,8 +198,8 @@ YLM_API const ylm_transfer *ylm_radiosity_transfer(const ylm_radiosity *r);
 **          "direct"), what the field returns. The radiosity then is as it was
 */
 YLM_API ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int light_samples,
-                                      uint64_t seed, int threads, const ylm_progress *progress,
-                                      ylm_error *e);
+                                      bool guides, uint64_t seed, int threads,
+                                      const ylm_progress *progress, ylm_error *e);
 YLM_API ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int lmax,
                                        int threads, const ylm_progress *progress, ylm_error *e);
 YLM_API void ylm_radiosity_set(ylm_radiosity *r, const float *E0);

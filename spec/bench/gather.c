@@ -90,7 +90,7 @@ int main(void) {
   ylm_transfer_form form = {.spacing = 0.08, .links = 128, .lmax = -1, .seed = 1};
   if (ylm_transfer_create(x.scene, &form, &t, NULL) != YLM_OK ||
       ylm_radiosity_create(t, &lit) != YLM_OK ||
-      ylm_radiosity_rays(lit, x.scene, 16, 1, 0, NULL, NULL) != YLM_OK ||
+      ylm_radiosity_rays(lit, x.scene, 16, true, 1, 0, NULL, NULL) != YLM_OK ||
       ylm_radiosity_solve(lit, -1, 1e-3, true, 0, NULL, NULL, NULL) != YLM_OK)
     return 1;
   x.lit = lit;

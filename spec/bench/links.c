@@ -125,7 +125,7 @@ static double seconds_of(bench_fn *fn, void *context, int threads) {
 
 static void direct(void *context) {
   task *x = context;
-  if (ylm_radiosity_rays(x->lit, x->scene, x->samples, 1, x->threads, NULL, NULL) != YLM_OK)
+  if (ylm_radiosity_rays(x->lit, x->scene, x->samples, true, 1, x->threads, NULL, NULL) != YLM_OK)
     exit(1);
 }
 

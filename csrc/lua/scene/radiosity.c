@@ -22,17 +22,17 @@ static int radiosity_create(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
-/* radiosity_rays(radiosity, scene, light_samples, seed, threads, progress) -> radiosity */
+/* radiosity_rays(radiosity, scene, light_samples, guides, seed, threads, progress) -> radiosity */
 static int radiosity_rays(lua_State *L) {
   ylm_radiosity *r = ylmL_radiosity(L, 1);
   const ylm_scene *scene = ylmL_scene(L, 2);
   ylm_error e = {0};
   ylmL_progress p;
-  lua_settop(L, 6);
+  lua_settop(L, 7);
   if (ylmL_radiosity_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
-  ylm_status s =
-      ylm_radiosity_rays(r, scene, (int)luaL_checknumber(L, 3), (uint64_t)luaL_checknumber(L, 4),
-                         (int)luaL_optnumber(L, 5, 0), ylmL_progress_begin(L, 6, &p), &e);
+  ylm_status s = ylm_radiosity_rays(r, scene, (int)luaL_checknumber(L, 3), lua_toboolean(L, 4),
+                                    (uint64_t)luaL_checknumber(L, 5), (int)luaL_optnumber(L, 6, 0),
+                                    ylmL_progress_begin(L, 7, &p), &e);
   lua_pushvalue(L, 1);
   return ylmL_result_progress(L, 1, s, &e, &p);
 }
@@ -86,6 +86,8 @@ static void push_stats(lua_State *L, const ylm_radiosity_stats *s) {
   ylmL_set_number(L, "balance", s->balance);
   ylmL_set_number(L, "close", s->close);
   ylmL_set_count(L, "rays", s->rays);
+  if (s->guides > 0) ylmL_set_count(L, "guides", s->guides);
+  if (s->guides > 0) ylmL_set_count(L, "guide_rays", s->guide_rays);
   ylmL_set_number(L, "direct_seconds", s->direct_seconds);
   ylmL_set_number(L, "solve_seconds", s->solve_seconds);
 }

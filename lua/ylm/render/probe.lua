@@ -23,6 +23,9 @@ local probe_options = options.list({
     about = "paths from each point, in batches of 16, of which there are two at least" },
   { "reflections", "reflections", optional = true,
     about = "instead of bounces, { first, last }: 0 straight from lamps, 1 the first bounce; last also 'all'" },
+  { "guides", "boolean", default = true, shelf = "experiments",
+    about = "of irradiance, with normals: rays to lamps learn from a pilot which lamps and parts of the sky are seen from where: "
+      .. "no bias, less noise; false: they do not" },
 }, estimates.options, options.common)
 
 describe "scene:probe" {
@@ -61,8 +64,8 @@ function probe.probe(s, given)
   tracing.check_bodies("probe", t)
   local c, variance, stats = check.result("probe", t.lib.path_probe(t.handle, {
     points = points, normals = normals, lmax = o.lmax, samples = o.samples, first = first, last = last,
-    strategy = o.strategy, error = o.tolerance, seconds = o.time_limit, seed = o.seed, threads = o.threads,
-    progress = progress.resolve(o.progress) }))
+    guides = o.guides and normals ~= nil, strategy = o.strategy, error = o.tolerance, seconds = o.time_limit, seed = o.seed,
+    threads = o.threads, progress = progress.resolve(o.progress) }))
   if not c then return nil, variance, stats end
   local report = show.report { note = estimates.darkness(s), seconds = stats.seconds }
   estimates.add_stats(report, stats)

@@ -20,7 +20,8 @@ local function by_rays(name, m, place, traced, samples, seed, o)
   local dark, message, code = check.result(name, m.lib.radiosity_create(m.links))
   if not dark then return nil, message, code end
   local lit
-  lit, message, code = check.result(name, m.lib.radiosity_rays(dark, traced.handle, samples, seed, o.threads, o.progress))
+  lit, message, code = check.result(name, m.lib.radiosity_rays(dark, traced.handle, samples, false, seed, o.threads,
+    o.progress))
   if not lit then return nil, message, code end
   return m.lib.radiosity_values(dark, "direct") * 1
 end

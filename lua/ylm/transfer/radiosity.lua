@@ -27,8 +27,9 @@ require "ylm.describe".object "radiosity" {
       .. "{r, g, b}, direct light on elements, what they keep, what leaves the scene; balance: what is missing between these, "
       .. "relative; elements_error: half of what elements of twice the spacing would change of the light that bounces, root mean "
       .. "square over its mean, an estimate of the error that these leave, as it was when the radiosity was made; "
-      .. "rays: shadow rays; with derivatives rim_rays: those of them to rims, and partly: the part of pairs of element and lamp "
-      .. "that are partly in shadow; direct_seconds, solve_seconds, seconds" },
+      .. "rays: shadow rays; guides, guide_rays: clusters of elements by which they were guided, and rays of the pilot; "
+      .. "with derivatives rim_rays: those of them to rims, and partly: the part of pairs of element and lamp that are partly in "
+      .. "shadow; direct_seconds, solve_seconds, seconds" },
     { "links", "links", "of which elements" },
     { "scene", "scene", "of what" },
     { "notes", "string[]", "what is known to be missed, or nil" },
@@ -47,6 +48,9 @@ local options = {
       .. "centres, "
       .. "times their transfer vectors (default for other light fields: no rays, but no shadow of what is nearer than a lamp)" },
   { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = 16, about = "shadow rays of an element" },
+  { "guides", "boolean", default = true, shelf = "experiments",
+    about = "shadow rays learn from a pilot which lamps and parts of the sky elements see, as those of places, texels and "
+      .. "surface grids that these elements light: no bias, less noise; false: they do not" },
   { "derivatives", "boolean", default = false,
     about = "each light is looked at by itself: light_samples rays of an element to each, and what radiosity:importance needs "
       .. "is kept, 64 bytes an element and lamp" },
@@ -114,8 +118,8 @@ local function illuminate(name, lit, m, lights, o, show)
   if from.field then done, message, code = check.result(name, m.lib.radiosity_field(lit, from.field, lmax_of(m, from.field),
     o.threads, show))
   else
-    done, message, code = check.result(name, m.lib.radiosity_rays(lit, from.traced.handle, o.light_samples, o.seed,
-      o.threads, show))
+    done, message, code = check.result(name, m.lib.radiosity_rays(lit, from.traced.handle, o.light_samples, o.guides,
+      o.seed, o.threads, show))
   end
   if not done then return nil, message, code end
   return from
