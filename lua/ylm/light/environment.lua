@@ -88,7 +88,7 @@ end
 local function from_sky(values, fail)
   local function wrong(message) return fail("sky: " .. message) end
   if form.kind(values.sky) then return fail("sky must be a table, got a " .. form.kind(values.sky)) end
-  local sky = skies.settle(form.check(skies.fields, values.sky, wrong), wrong)
+  local sky = skies.settle(form.check(skies.scene_fields, values.sky, wrong), wrong)
   local lmax = values.lmax or 20
   local c, message, code = skies.coefficients(lmax, sky, math.max(96, 2 * lmax))
   if not c then return nil, message, code end
@@ -187,7 +187,8 @@ environment.environment_light = form.define("environment_light", {
       about = "a ylm.image of the whole sphere, whose first layer is radiance, not negative" },
     { "file", "string", optional = true, about = "an image file (.exr, .hdr, .png, .pfm) instead of image" },
     { "sky", "table", optional = true, unit = "W sr^-1 m^-2",
-      about = "a sky of the CIE: { kind =, zenith =, sun =, luminance = } as ylm.sh.sky takes them" },
+      about = "a sky of the CIE: { kind =, zenith =, sun =, luminance = } as ylm.sh.sky takes them, but for the zenith, by "
+        .. "default { 0, 1, 0 }: scenes' up is y" },
     { "mapping", "choice", of = core.choices "mapping", default = "latlong", about = "of the image" },
     { "up", "choice", of = core.choices "up", default = "z", about = "of the image: where its pole is" },
     { "lmax", "integer", min = 0, max = LMAX, optional = true,

@@ -17,12 +17,14 @@ local pi = math.pi
 --- The fields that describe a sky.
 local fields = {
   { "kind", "choice", of = core.choices "cie_sky", default = "overcast", about = "CIE standard sky" },
-  { "zenith", "vector", default = { 0, 0, 1 }, about = "up" },
+  { "zenith", "vector", default = { 0, 0, 1 }, about = "up: the pole of spherical harmonics, where environment_light's is y" },
   { "sun", "vector", optional = true,
     about = "towards the sun; 'clear' and 'partly cloudy' need it, above the horizon" },
   { "luminance", "number", min = 0, default = 1, about = "at the zenith" },
 }
-sky.fields = fields
+
+--- The fields of a sky over scenes, whose up is y.
+sky.scene_fields = { fields[1], { "zenith", "vector", default = { 0, 1, 0 }, about = "up" }, fields[3], fields[4] }
 
 local sky_options = { fields[1], fields[2], fields[3], fields[4],
   { "nodes", "integer", min = 4, max = 2000, default = 96,
