@@ -258,9 +258,17 @@ describe("a page", function()
       return scene "s" { camera = camera { from = { 0, 1, 3 } }, geometry = sphere { radius = 0.5, divide = 8 },
         lights = sphere_light { at = { 0, 1.5, 0 } } }]])
     local ylm_tool = (os.getenv "YLM_BUILD" or "build") .. "/ylm"
-    local out, status = scratch.capture(("%s page %s --depth 2 --no-poster -o %s -q"):format(ylm_tool, file,
+    local read = require "spec.support.json".read
+    local out, status = scratch.capture(("%s page %s --depth 2 --no-poster -o %s -q --json"):format(ylm_tool, file,
       folder.path .. "/s.html"))
     assert.equal(0, status, out)
+    local light = read(out).light
+    assert(light.bytes > 100 and light.bytes <= 65536 and light.error > 0 and light.seconds > 0, out) -- walls, shadows, bounces
+    assert(read(out).sections.probes <= light.bytes)
+    out, status = scratch.capture(("%s page %s --depth 2 --no-poster --lamps -o %s -q --json"):format(ylm_tool, file,
+      folder.path .. "/s.html"))
+    assert.equal(0, status, out)
+    assert(not read(out).light and not read(out).sections.probes, out)
     out, status = scratch.capture(("%s page %s -o b.html"):format(ylm_tool, folder:write("b.lua", [[
       return scene "b" { lights = sphere_light { at = { 0, 1.5, 0 } }, probes = adaptive_grid { depth = 3, bricks = 1 } }]])))
     assert.equal(2, status, out)
@@ -269,7 +277,8 @@ describe("a page", function()
     out, status = scratch.capture(("%s page %s -o %s -q --json"):format(ylm_tool, folder.path .. "/g.ylm",
       folder.path .. "/g.html"))
     assert.equal(0, status, out)
-    assert.equal(0, require "spec.support.json".read(out).triangles)
+    assert.equal(0, read(out).triangles)
+    assert.is_nil(read(out).light)
     out, status = scratch.capture(("%s page %s -o %s --tolerance 1 -q"):format(ylm_tool, folder.path .. "/g.ylm",
       folder.path .. "/g.html"))
     assert.equal(2, status)

@@ -1,5 +1,6 @@
 --- ylm page scene.lua -o room.html
 
+local core = require "ylm.c.core"
 local lit_scene = require "ylm.cli.lit_scene"
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
@@ -28,10 +29,10 @@ local function check_whole(path)
   status.stop(status.usage, "page: %s is a grid in bricks, and a page holds a whole one: ylm pack makes a file of it", path)
 end
 
---- The scene's light, where it is asked for.
-local function light_of(ylm, scene, given)
-  if not given.light then return nil end
-  if not scene or #scene.geometry == 0 then status.stop(status.usage, "page: --light is of a scene with surfaces: name one") end
+--- The scene's light with walls, shadows and bounces; nil where the grid has them, where no surface throws shadows, or where
+-- --lamps asks for none.
+local function light_of(ylm, scene, grid, given)
+  if given.lamps or not scene or #scene.geometry == 0 or grid.quantity ~= "lights" then return nil end
   return (status.need(scene:bake { quantity = "all", threads = given.threads, progress = report.progress(given),
     probes = ylm.adaptive_grid { lmax = 2, tolerance = LIGHT_TOLERANCE } }))
 end
@@ -60,7 +61,7 @@ local function things_of(ylm, given)
     occupied = #scene.geometry > 0 and "surfaces" or "everywhere", progress = report.progress(given) }), scene
 end
 
-local of_grids = { "grid", "depth", "light", "precision", "tone", "size", "no-poster", "dering" }
+local of_grids = { "grid", "depth", "lamps", "precision", "tone", "size", "no-poster", "dering" }
 
 --- Bakes a lightmap and writes its page.
 local function write_lightmap(given)
@@ -95,7 +96,7 @@ return {
     { "tolerance", nil, "N", "of the bake, instead of the scene's probes'; default 0.05 where the scene has none" },
     { "depth", nil, "N", "of the bake: the finest level" },
     { "quantity", nil, "NAME", "of the bake: lights (default), which nothing occludes, direct, indirect or all" },
-    { "light", nil, nil, "also bake the scene's light, which the page shows first: walls, shadows, bounces" },
+    { "lamps", nil, nil, "show the lamps' light alone: no bake of the scene's, with walls, shadows and bounces" },
     { "precision", nil, "NAME", "few (default): rounded, a fifteenth of half or less; half, float, or byte: 0.63 of half" },
     { "title", nil, "TEXT", "default: the scene's name" },
     { "exposure", nil, "N", "at first, in stops" },
@@ -119,15 +120,19 @@ return {
     local grid, scene = things_of(ylm, given)
     local poster
     if given["no-poster"] then poster = false end
-    local _, made = status.need(grid:save(given.output, { scene = scene, light = light_of(ylm, scene, given), title = given.title,
-      precision = given.precision,
-      exposure = given.exposure, tone = given.tone, size = given.size, poster = poster, limit = given.limit,
-      dering = status.dering("page", given.dering), threads = given.threads }))
+    local began = core.seconds()
+    local light = light_of(ylm, scene, grid, given)
+    local took = core.seconds() - began
+    local _, made = status.need(grid:save(given.output, { scene = scene, light = light, title = given.title,
+      precision = given.precision, exposure = given.exposure, tone = given.tone, size = given.size, poster = poster,
+      limit = given.limit, dering = status.dering("page", given.dering), threads = given.threads }))
     local stats = grid.stats
     local results = { bytes = made.bytes, poster = made.poster, points = stats.points, cells = stats.cells,
-      triangles = made.triangles, sections = made.sections, warnings = made.warnings, met = stats.met }
-    report.print(given, results, report.names(results, { "bytes", "points", "cells", "triangles" }))
-    local all = { stats.warning }
+      triangles = made.triangles, sections = made.sections, warnings = made.warnings, met = stats.met,
+      light = made.light }
+    if light then results.light.seconds = took end
+    report.print(given, results, report.names(results, { "bytes", "points", "cells", "triangles", "light" }))
+    local all = { stats.warning, light and light.stats.warning }
     for _, sentence in ipairs(made.warnings) do all[#all + 1] = sentence end
     return status.of_warnings(given, all)
   end,

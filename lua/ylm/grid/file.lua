@@ -63,7 +63,8 @@ describe "grid:save" {
     .. "with its confidence, before: the grid's own error, rounding (99 %), largest, median, places: looked at, judged: "
     .. "whether these are the bake's own held-out ones, else error is the sum of before and largest; step; "
     .. "sections: bytes by name. .html: bytes of the file, poster, sections: bytes by name, triangles, warnings: what the page "
-    .. "does not show, dering as of scene:render; few: of precision 'few' the report of few bytes" } },
+    .. "does not show, dering as of scene:render; few: of precision 'few' the report of few bytes; light: of light bytes, error "
+    .. "and rms at surfaces, as grid:export of .ylmp" } },
   errors = "raises on another ending and bad options; nil, message, code where the file cannot be written, and of .html 'ELIMIT' "
     .. "where it would be too large, 'EDOMAIN' where a number of the grid is not finite; of few bytes 'ELIMIT' where the "
     .. "grid itself errs by more than the tolerance, or bytes are too few; nothing is written then",

@@ -174,6 +174,7 @@ local function shaders(sources, lmax)
   local list = {
     { "cells-glsl", functions.cells_essl }, { "interpolation-glsl", functions.interpolation_essl },
     { "harmonics-glsl", harmonics }, { "walk-glsl", sources["walk.glsl"] },
+    { "seen-glsl", sources["seen.glsl"] }, { "buffer-fragment", sources["buffer.frag.glsl"] },
     { "surface-vertex", sources["surface.vert.glsl"] }, { "surface-fragment", sources["surface.frag.glsl"] },
     { "edge-vertex", sources["edge.vert.glsl"] }, { "flat-fragment", sources["flat.frag.glsl"] },
     { "lobe-vertex", sources["lobe.vert.glsl"] }, { "lamp-vertex", sources["lamp.vert.glsl"] },
@@ -319,10 +320,12 @@ local function write(baked, path, o)
     meta.mesh, counts, code = pack.meshes(blob, o.scene)
     if not meta.mesh and counts then return nil, counts, code end
   end
+  local made_light
   if o.light then
     local file, report, failed = probes.encode(o.light, { scene = o.scene, bytes = LIGHT_BYTES, threads = o.threads })
     if not file then return nil, report, failed end
     meta.light = true
+    made_light = { bytes = #file, error = report.error, rms = report.surfaces.rms }
     blob.add("probes", "u8", { #file }, file)
   end
   if blob.bytes * 4 / 3 > o.limit then return refuse_size(blob.bytes * 4 / 3, o, blob) end
@@ -342,7 +345,7 @@ local function write(baked, path, o)
   for i, sentence in ipairs(warnings) do warning.say(o.scene or grid, "page " .. i, "%s", sentence) end
   warnings[#warnings + 1] = say_prints(grid, o.scene)
   return true, { bytes = #bytes, poster = poster and #poster or 0, sections = blob.by_name, warnings = warnings,
-    dering = report.dering, few = made and made.report,
+    dering = report.dering, few = made and made.report, light = made_light,
     triangles = counts and counts.triangles or 0 }
 end
 

@@ -9,8 +9,8 @@ local weights = {}
 for i, name in ipairs { "R", "G", "B" } do weights["LUMINANCE_" .. name] = ("%.4f"):format(core.luminance[i]) end
 
 local names = { "page.html", "style.css", "viewer.js", "few.js", "probes.js", "walk.glsl", "surface.vert.glsl",
-  "surface.frag.glsl", "scene.frag.glsl", "edge.vert.glsl", "flat.frag.glsl", "lobe.vert.glsl", "lamp.vert.glsl",
-  "lamp.frag.glsl", "resolve.vert.glsl", "resolve.frag.glsl" }
+  "buffer.frag.glsl", "seen.glsl", "surface.frag.glsl", "scene.frag.glsl", "edge.vert.glsl", "flat.frag.glsl",
+  "lobe.vert.glsl", "lamp.vert.glsl", "lamp.frag.glsl", "resolve.vert.glsl", "resolve.frag.glsl" }
 
 --- Constants of grids in few bytes, as an object of JavaScript.
 local function constants()

@@ -1,10 +1,9 @@
-/* MODE: 0 grid, 1 exact, 2 error, 3 estimated error, 4 levels, 5 depth alone. Alpha 1: radiance; 0: a colour to be shown. */
+/* MODE: 0 grid, 1 exact, 2 error, 3 estimated error, 4 levels. Alpha 1: radiance; 0: a colour to be shown. */
 uniform vec3 eye;
 uniform sampler2D lamps; /* two texels a lamp: place, radius; radiance */
 uniform int lamp_count;
 uniform vec3 palette[16];
 uniform vec2 range;      /* logarithms of errors that are the palette's ends */
-in vec3 place, normal, tint;
 out vec4 colour;
 
 const float PI = 3.14159265358979;
@@ -47,20 +46,13 @@ vec3 painted(float t) {
   return mix(palette[i], palette[i + 1], t - float(i));
 }
 
-void main() {
-#if MODE == 5
-  colour = vec4(0.0);
-#else
-  vec3 n = normalize(normal);
-  if (dot(n, eye - place) < 0.0) n = -n;
-  vec3 face = normalize(cross(dFdx(place), dFdy(place)));
-  if (dot(face, n) < 0.0) face = -face;
+vec4 lit() {
 #if MODE == 0
-  colour = vec4(min(tint / PI * irradiance(place, n, face), 60000.0), 1.0);
+  return vec4(min(tint / PI * irradiance(place, n, face), 60000.0), 1.0);
 #elif MODE == 1
-  colour = vec4(min(tint / PI * exact(n), 60000.0), 1.0);
+  return vec4(min(tint / PI * exact(n), 60000.0), 1.0);
 #elif MODE == 2
-  colour = vec4(min(100.0 * tint / PI * abs(irradiance(place, n, face) - exact(n)), 60000.0), 1.0);
+  return vec4(min(100.0 * tint / PI * abs(irradiance(place, n, face) - exact(n)), 60000.0), 1.0);
 #else
   uint leaf, whole;
   find(lattice(place), leaf, whole);
@@ -70,7 +62,13 @@ void main() {
     if (MODE == 4) paint = painted(float(words(own, 0u).y & 255u) / max(float(depth), 1.0));
     else if (estimate >= 0.0) paint = painted((log(max(estimate, 1e-30)) - range.x) / (range.y - range.x));
   }
-  colour = vec4(light * paint, 0.0);
+  return vec4(light * paint, 0.0);
 #endif
-#endif
+}
+
+void main() {
+  bool seen = see();
+  colour = vec4(0.0);
+  SKIPPED(!seen) colour = lit();
+  if (!seen) discard;
 }

@@ -4,7 +4,6 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 octahedron;
 layout(location = 2) in vec3 albedo;
 out vec3 place, normal, tint;
-invariant gl_Position;
 
 void main() {
   place = mesh_lowest + mesh_step * position;

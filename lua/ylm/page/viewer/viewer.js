@@ -244,7 +244,7 @@
   const FIRST = meta.light ? 'scene' : 'grid';  /* the mode at first */
   const state = { mode: FIRST, lines: false, lamps: true, lobes: false, exposure: meta.exposure, tone: meta.tone, from: null,
     at: null, up: null, fov: 45, samples: 4 };
-  const MODES = { grid: 0, exact: 1, error: 2, estimated: 3, levels: 4, depth: 5, scene: 6 };
+  const MODES = { grid: 0, exact: 1, error: 2, estimated: 3, levels: 4, scene: 5 };
 
   function shader(kind, text) {
     const s = gl.createShader(kind);
@@ -283,7 +283,8 @@
   function surfaceProgram(mode) {
     const name = 'surface ' + mode;
     if (programs[name]) return programs[name];
-    if (mode === 'scene') return beginProgram(name, text('surface-vertex'), text('probes-glsl') + text('scene-fragment'));
+    const vertex = text('resolve-vertex');
+    if (mode === 'scene') return beginProgram(name, vertex, text('seen-glsl') + text('probes-glsl') + text('scene-fragment'));
     const used = [], cosine = [], A = [], legendre = [];
     for (let l = 0; l <= meta.lmax; l++) {
       A[l] = meta.cosine[l];
@@ -294,14 +295,16 @@
     const list = numbers => numbers.map(x => x.toExponential(9)).join(', ');
     const defines = `#define LMAX ${meta.lmax}\n#define CHANNELS ${meta.channels}\n#define MODE ${MODES[mode]}\n` +
       `#define UNIFORM ${meta.kind === 'uniform' ? 1 : 0}\n#define SIDES ${meta.sides ? 1 : 0}\n` +
-      `#define INTERPOLATION ${INTERPOLATION}\n#define USED_COUNT ${used.length}\n` +
+      `#define INTERPOLATION ${INTERPOLATION}\n#define USED_COUNT ${used.length}\n#define MOST_FLATS ${MOST_FLATS}\n` +
       `const int USED[${used.length}] = int[](${used.join(', ')});\n` +
       `const float COSINE[${used.length}] = float[](${list(cosine)});\n` +
       `const float LEGENDRE[${meta.lmax + 1}] = float[](${list(legendre)});\n`;
     const walk = text('cells-glsl') + text('walk-glsl').replace('float weight[32];', 'float weight[32];\n' +
       text('interpolation-glsl') + text('harmonics-glsl'));
-    return beginProgram(name, text('surface-vertex'), walk + text('surface-fragment'), defines);
+    return beginProgram(name, vertex, text('seen-glsl') + walk + text('surface-fragment'), defines);
   }
+
+  const bufferProgram = () => beginProgram('buffer', text('surface-vertex'), text('buffer-fragment'));
 
   const lampProgram = () => beginProgram('lamps', text('lamp-vertex'), text('lamp-fragment'));
   const resolveProgram = () => beginProgram('resolve', text('resolve-vertex'), text('resolve-fragment'));
@@ -328,7 +331,8 @@
 
   const isFew = meta.lamps.length <= 64 && meta.counts.evaluated <= 20000;
   const rowsFormat = () => isFew || meta.precision === 'float' ? gl.RGBA32F : gl.RGBA16F;
-  const UNIT = { cells: 0, table: 1, rows: 2, lamps: 3, picture: 4, sides: 5, tree: 6, bricks: 7 };
+  const UNIT = { cells: 0, table: 1, rows: 2, lamps: 3, picture: 4, sides: 5, tree: 6, bricks: 7, places: 8, surfaces: 9,
+    flats: 10 };
 
   function makeTextures() {
     let [data, height] = padded(sections.cells, 4, Uint32Array);
@@ -338,25 +342,33 @@
     [data, height] = padded(sections.sides || new Uint32Array(1), 1, Uint32Array);
     texture(UNIT.sides, gl.R32UI, WIDE, height, gl.RED_INTEGER, gl.UNSIGNED_INT, data);
     makeRows();
+    makeFlats();
     makeLamps();
-    if (meta.light) makeProbes(readProbes(sections.probes.slice().buffer));
   }
 
-  /* The driver makes programs when they draw for the first time: it draws the first rows of a grid of one cell without light, while
-     the grid is decoded. */
+  let making = null;  /* signalled where the driver has made the programs that were begun */
+  /* The driver ends to make programs when they draw for the first time: while the grid is decoded it draws what surfaces show of
+     themselves, and lights the first rows by a grid of one cell without light. */
   function warm() {
-    const none = new Uint32Array(12);
-    none[1] = 256;
-    texture(UNIT.cells, gl.RGBA32UI, 3, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, none);
-    for (const name of ['table', 'sides'])
-      texture(UNIT[name], gl.R32UI, 1, 1, gl.RED_INTEGER, gl.UNSIGNED_INT, none.subarray(0, 1));
-    texture(UNIT.rows, rowsFormat(), ROW, 1, gl.RGBA, gl.FLOAT, new Float32Array(4 * ROW));
+    if (!making || !mesh || gl.getSyncParameter(making, gl.SYNC_STATUS) !== gl.SIGNALED) return;
+    making = null;
+    Object.values(programs).forEach(ready);
+    const t = targetOf(1, 1);
+    clear(t);
+    fillSeen(t.w, t.h, 0, Math.min(t.h, Math.floor(MOST_SEEN / t.w)));
+    if (state.mode !== 'scene') {
+      const none = new Uint32Array(12);
+      none[1] = 256;
+      texture(UNIT.cells, gl.RGBA32UI, 3, 1, gl.RGBA_INTEGER, gl.UNSIGNED_INT, none);
+      for (const name of ['table', 'sides'])
+        texture(UNIT[name], gl.R32UI, 1, 1, gl.RED_INTEGER, gl.UNSIGNED_INT, none.subarray(0, 1));
+      texture(UNIT.rows, rowsFormat(), ROW, 1, gl.RGBA, gl.FLOAT, new Float32Array(4 * ROW));
+      texture(UNIT.flats, gl.RGBA32F, 1, 1, gl.RGBA, gl.FLOAT, new Float32Array(4));
+      light(t, 0, 8, 1);
+    }
     makeLamps();
-    resize();
-    const wanted = Object.assign({}, state);
-    state.lines = state.lobes = false;
-    draw(targetOf(1, 1), 0, 16);
-    Object.assign(state, wanted);
+    if (state.lamps) drawLamps(t);
+    resolve(t);
     gl.flush();
   }
 
@@ -377,12 +389,69 @@
   /* The numbers of points to the graphics driver. */
   function makeRows() {
     const height = Math.max(1, Math.ceil(rows.length / 4 / WIDE));
+    flats = 0;
     if (!rowsTexture) rowsTexture = texture(UNIT.rows, rowsFormat(), WIDE, height, gl.RGBA, gl.FLOAT, null);
     gl.activeTexture(gl.TEXTURE0 + UNIT.rows);
     const full = Math.floor(rows.length / 4 / WIDE);
     if (full) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, WIDE, full, gl.RGBA, gl.FLOAT, rows.subarray(0, full * WIDE * 4));
     const rest = rows.length / 4 - full * WIDE;
     if (rest) gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, full, rest, 1, gl.RGBA, gl.FLOAT, rows.subarray(full * WIDE * 4));
+  }
+
+  const MOST_FLATS = 8, MOST_FLAT_TEXELS = 1 << 20;
+  let flatNormals = null, flats = 0;  /* of the surfaces that have a texture of their own; how many it holds now */
+
+  /* The normals that most of a mesh has, both sides of each: those of triangles without curvature, a fiftieth of its area or more. */
+  function findFlats() {
+    const t = sections.triangles, o = sections.normals, q = sections.positions, s = meta.mesh.step, areas = new Map();
+    let all = 0;
+    for (let i = 0; i < t.length; i += 3) {
+      const a = t[i], b = t[i + 1], c = t[i + 2], A = 3 * a, B = 3 * b, C = 3 * c;
+      const ux = s[0] * (q[B] - q[A]), uy = s[1] * (q[B + 1] - q[A + 1]), uz = s[2] * (q[B + 2] - q[A + 2]);
+      const vx = s[0] * (q[C] - q[A]), vy = s[1] * (q[C + 1] - q[A + 1]), vz = s[2] * (q[C + 2] - q[A + 2]);
+      const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx, area = Math.sqrt(x * x + y * y + z * z);
+      all += area;
+      if (o[2 * a] !== o[2 * b] || o[2 * a] !== o[2 * c] || o[2 * a + 1] !== o[2 * b + 1] || o[2 * a + 1] !== o[2 * c + 1]) continue;
+      const key = 65536 * (o[2 * a] + 32768) + o[2 * a + 1] + 32768;
+      areas.set(key, (areas.get(key) || 0) + area);
+    }
+    const most = Math.min(MOST_FLATS, Math.floor(MOST_FLAT_TEXELS / meta.counts.points / meta.channels)), list = [];
+    for (const [key] of [...areas].filter(x => x[1] > all / 50).sort((a, b) => b[1] - a[1] || a[0] - b[0])) {
+      const x = (Math.floor(key / 65536) - 32768) / 32767, y = (key % 65536 - 32768) / 32767, z = 1 - Math.abs(x) - Math.abs(y);
+      const n = unitOf(z < 0 ? [(1 - Math.abs(y)) * (x < 0 ? -1 : 1), (1 - Math.abs(x)) * (y < 0 ? -1 : 1), z] : [x, y, z]);
+      for (const m of [n, n.map(c => -c)])
+        if (list.length < most && !list.some(k => Math.hypot(...sub(k, m)) < 1e-4)) list.push(m);
+    }
+    return list;
+  }
+
+  /* Irradiance of flat surfaces at all points, from rows as they are: a pixel of these needs no coefficients. */
+  function makeFlats() {
+    flatNormals = flatNormals || (mesh ? findFlats() : []);
+    const n = meta.counts.points, data = new Float32Array(4 * Math.max(1, flatNormals.length * n * meta.channels));
+    let to = 0;
+    for (const normal of flatNormals) {
+      harmonics(...normal, 1, basis, slopesOf);
+      const factors = basis.map((y, k) => y * meta.cosine[Math.floor(Math.sqrt(k))]);
+      for (let at = 0; at < 4 * n * ROW; to += 4) {
+        let x = 0, dx = 0, dy = 0, dz = 0;
+        for (let k = 0; k < COUNT; k++, at += 4) {
+          const f = factors[k];
+          if (f === 0) continue;
+          x += f * rows[at];
+          dx += f * rows[at + 1];
+          dy += f * rows[at + 2];
+          dz += f * rows[at + 3];
+        }
+        data[to] = x;
+        data[to + 1] = dx;
+        data[to + 2] = dy;
+        data[to + 3] = dz;
+      }
+    }
+    const [texels, height] = padded(data, 4, Float32Array);
+    texture(UNIT.flats, gl.RGBA32F, WIDE, height, gl.RGBA, gl.FLOAT, texels);
+    flats = flatNormals.length;
   }
 
   function makeLamps() {
@@ -682,37 +751,81 @@
     }
   }
 
-  /* Draws rows from .. to of a target. */
-  function draw(t, from, to) {
-    const { m, near } = cameraMatrix(size[0] / size[1]), f = frame(), matrix = ['Matrix4fv', false, m];
+  let seen = null;             /* what surfaces show of themselves at the samples of some rows */
+  const MOST_SEEN = 1 << 22;   /* samples */
+
+  /* Fills it for rows from .. to of a picture of w x h samples, unless it has them. */
+  function fillSeen(w, h, from, to) {
+    const { m } = cameraMatrix(size[0] / size[1]), key = [w, h, from, to, ...m].join();
+    if (seen && seen.key === key) return;
+    if (!seen || seen.w !== w || seen.rows !== to - from) {
+      if (seen) {
+        gl.deleteFramebuffer(seen.f);
+        for (const t of seen.textures) gl.deleteTexture(t);
+        gl.deleteRenderbuffer(seen.d);
+      }
+      const f = gl.createFramebuffer(), d = gl.createRenderbuffer(), textures = [UNIT.places, UNIT.surfaces].map(unit =>
+        texture(unit, gl.RGBA32UI, w, to - from, gl.RGBA_INTEGER, gl.UNSIGNED_INT, null));
+      gl.bindRenderbuffer(gl.RENDERBUFFER, d);
+      gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, w, to - from);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, f);
+      textures.forEach((t, i) => gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0 + i, gl.TEXTURE_2D, t, 0));
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, d);
+      gl.drawBuffers([gl.COLOR_ATTACHMENT0, gl.COLOR_ATTACHMENT1]);
+      seen = { f, d, textures, w, rows: to - from };
+    }
+    Object.assign(seen, { key, below: from });
+    gl.bindFramebuffer(gl.FRAMEBUFFER, seen.f);
+    gl.viewport(0, -from, w, h);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LESS);
+    for (const i of [0, 1]) gl.clearBufferuiv(gl.COLOR, i, [0, 0, 0, 0]);
+    gl.clearBufferfv(gl.DEPTH, 0, [1]);
+    gl.bindVertexArray(mesh.vao);
+    uniforms(bufferProgram(), { camera: ['Matrix4fv', false, m], eye: ['3f', ...state.from],
+      mesh_lowest: ['3f', ...meta.mesh.lowest], mesh_step: ['3f', ...meta.mesh.step] });
+    drawPieces(piecesWithin(m, 2 * from / h - 1, 2 * to / h - 1));
+  }
+
+  /* Makes a target ready to be drawn into. */
+  function clear(t) {
     gl.bindFramebuffer(gl.FRAMEBUFFER, t.f);
     gl.viewport(0, 0, t.w, t.h);
-    gl.enable(gl.SCISSOR_TEST);
-    gl.scissor(0, from, t.w, to - from);
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
-    gl.depthMask(true);
     gl.clearColor(...meta.background, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    if (mesh) {
-      const pieces = piecesWithin(m, 2 * (from - 1) / t.h - 1, 2 * (to + 1) / t.h - 1);
-      const common = { camera: matrix, mesh_lowest: ['3f', ...meta.mesh.lowest], mesh_step: ['3f', ...meta.mesh.step] };
-      gl.bindVertexArray(mesh.vao);
-      gl.colorMask(false, false, false, false);
-      uniforms(surfaceProgram('depth'), common);
-      drawPieces(pieces);
-      gl.colorMask(true, true, true, true);
-      gl.depthMask(false);
-      uniforms(surfaceProgram(state.mode), Object.assign(common, {
-        eye: ['3f', ...state.from], cells: ['1i', UNIT.cells], table: ['1i', UNIT.table], rows: ['1i', UNIT.rows],
-        lamps: ['1i', UNIT.lamps], lowest: ['3f', ...meta.bounds.slice(0, 3)], unit: ['3f', ...meta.unit],
-        resolution: ['3f', ...meta.resolution], depth: ['1i', meta.depth], scale: ['1f', 2 ** -meta.exponent],
-        sides: ['1i', UNIT.sides], lamp_count: ['1i', lamps.length], palette: ['3fv', [].concat(...meta.palette)],
-        range: ['2f', ...meta.range],
-      }, probeUniforms));
-      drawPieces(pieces);
-      gl.depthMask(true);
-    }
+  }
+
+  /* Rows from .. to of a target, whose surfaces are seen: a sample of `stride` squared of them. */
+  function light(t, from, to, stride) {
+    gl.bindFramebuffer(gl.FRAMEBUFFER, t.f);
+    gl.viewport(0, 0, t.w, t.h);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.ALWAYS);
+    gl.enable(gl.SCISSOR_TEST);
+    gl.scissor(0, from, t.w, to - from);
+    gl.bindVertexArray(null);
+    uniforms(surfaceProgram(state.mode), Object.assign({
+      eye: ['3f', ...state.from], cells: ['1i', UNIT.cells], table: ['1i', UNIT.table], rows: ['1i', UNIT.rows],
+      lamps: ['1i', UNIT.lamps], lowest: ['3f', ...meta.bounds.slice(0, 3)], unit: ['3f', ...meta.unit],
+      resolution: ['3f', ...meta.resolution], depth: ['1i', meta.depth], scale: ['1f', 2 ** -meta.exponent],
+      sides: ['1i', UNIT.sides], lamp_count: ['1i', lamps.length], palette: ['3fv', [].concat(...meta.palette)],
+      range: ['2f', ...meta.range], places: ['1i', UNIT.places], surfaces: ['1i', UNIT.surfaces], stride: ['1i', stride],
+      below: ['1i', seen.below], flats: ['1i', UNIT.flats], flat_count: ['1i', flats], points: ['1i', meta.counts.points],
+      flat_normals: ['3fv', flats ? [].concat(...flatNormals) : [0, 0, 0]],
+    }, probeUniforms));
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+    gl.disable(gl.SCISSOR_TEST);
+  }
+
+  /* Lines, lobes and lamps over the surfaces of a target. */
+  function drawThings(t) {
+    const { m, near } = cameraMatrix(size[0] / size[1]), matrix = ['Matrix4fv', false, m];
+    gl.bindFramebuffer(gl.FRAMEBUFFER, t.f);
+    gl.viewport(0, 0, t.w, t.h);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
     if (state.lines) {
       edges = edges || makeEdges();
       uniforms(beginProgram('edges', text('edge-vertex'), text('flat-fragment')), { camera: matrix, near: ['1f', near],
@@ -739,17 +852,25 @@
         gl.drawArraysInstanced(gl.TRIANGLES, 0, ball.n, one.n);
       }
     }
-    if (state.lamps && lamps.length) {
-      uniforms(lampProgram(), { camera: matrix, eye: ['3f', ...state.from],
-        right: ['3f', ...f.right], up: ['3f', ...f.up], lamps: ['1i', UNIT.lamps] });
-      gl.bindVertexArray(null);
-      gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, lamps.length);
-    }
-    gl.disable(gl.SCISSOR_TEST);
+    if (state.lamps) drawLamps(t);
   }
 
-  /* A target to the window, through exposure and tone curve. */
-  function show(t) {
+  /* The lamps, before what is behind them. */
+  function drawLamps(t) {
+    if (!lamps.length) return;
+    const f = frame();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, t.f);
+    gl.viewport(0, 0, t.w, t.h);
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
+    uniforms(lampProgram(), { camera: ['Matrix4fv', false, cameraMatrix(size[0] / size[1]).m], eye: ['3f', ...state.from],
+      right: ['3f', ...f.right], up: ['3f', ...f.up], lamps: ['1i', UNIT.lamps] });
+    gl.bindVertexArray(null);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, lamps.length);
+  }
+
+  /* A target to the canvas, through exposure and tone curve. */
+  function resolve(t) {
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     gl.viewport(0, 0, size[0], size[1]);
     gl.disable(gl.DEPTH_TEST);
@@ -758,12 +879,19 @@
       samples: ['1i', t.samples], shrink: ['2f', t.w / t.samples / size[0], t.h / t.samples / size[1]],
       gain: ['1f', 2 ** state.exposure], tone: ['1i', TONES.indexOf(state.tone)] });
     gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+
+  /* A target to the window. */
+  function show(t) {
+    resolve(t);
     shownTarget = t;
     if (canvas.style.visibility !== 'visible') {
       canvas.style.visibility = 'visible';
       if ($('poster')) $('poster').style.display = 'none';
       $('note').className = '';
-      look();
+      if (rows) look();
+      finish();
+      performance.mark('first picture');
     }
   }
 
@@ -793,26 +921,36 @@
     if (!busy) requestAnimationFrame(() => { run(); });
   }
 
-  /* A whole target in bands of rows that take about SLICE ms each; false where something changed meanwhile. Each band draws all
-     vertices: where these are most of the work, a band of twice the height takes little longer, and bands grow. */
-  async function drawInBands(t, mine) {
-    let rows_ = perPixel > 0 ? Math.max(8, Math.floor(2 * SLICE / perPixel / t.w)) : 16, before = 0, grows = true;
-    for (let from = 0, to = 0, n = 0; from < t.h; from = to, n++) {
-      const began = performance.now();
-      to = Math.min(t.h, from + rows_);
-      draw(t, from, to);
-      gl.bindFramebuffer(gl.FRAMEBUFFER, t.f);
-      finishBand();
-      const took = performance.now() - began;
-      if (to < t.h) await breath();
-      if (asked !== mine) return false;
-      if (n > 1 && took > 1.75 * before) grows = false;
-      if (n > 0 && grows) rows_ *= 2;  /* the first band also waits for shaders */
-      before = took;
-      const pixels = (to - from) * t.w;
-      perPixel = perPixel > 0 ? 0.7 * perPixel + 0.3 * took / pixels : took / pixels;
+  /* A whole target, in strips of rows whose surfaces are seen together and bands of these that take about SLICE ms each; one sample
+     of `stride` squared is lit. False where something changed meanwhile. */
+  async function drawInBands(t, stride, mine) {
+    let band = perPixel > 0 ? SLICE / perPixel / t.w : 16;
+    const strip = Math.max(8, Math.floor(MOST_SEEN / (t.w * stride * stride)));
+    clear(t);
+    for (let low = 0; mesh && low < t.h; low += strip) {
+      const high = Math.min(t.h, low + strip);
+      fillSeen(stride * t.w, stride * t.h, stride * low, stride * high);
+      for (let from = low, to = 0; from < high; from = to) {
+        const began = performance.now();
+        to = Math.min(high, from + Math.max(8, Math.floor(band)));
+        light(t, from, to, stride);
+        finishBand();
+        const took = Math.max(1, performance.now() - began);
+        perPixel = took / (to - from) / t.w;
+        band = Math.min(2 * (to - from), SLICE / perPixel / t.w);
+        await breath();
+        if (asked !== mine) return false;
+      }
     }
+    drawThings(t);
     return true;
+  }
+
+  /* The scene's light, before the grid is decoded, which it does not need. */
+  async function showScene() {
+    makeLamps();
+    const t = targetOf(1, 1);
+    if (await drawInBands(t, 1, asked)) show(t);
   }
 
   async function run() {
@@ -830,17 +968,22 @@
         if (moving) {
           const full = perPixel * size[0] * size[1], share = full <= BUDGET ? 1 : full <= 4 * BUDGET ? 0.5 : 0.25;
           const t = targetOf(1, share), began = performance.now();
-          draw(t, 0, t.h);
+          clear(t);
+          if (mesh) {
+            fillSeen(t.w, t.h, 0, t.h);
+            light(t, 0, t.h, 1);
+          }
+          drawThings(t);
           show(t);
           finish();
           perPixel = 0.5 * perPixel + 0.5 * (performance.now() - began) / (t.w * t.h);
           await new Promise(requestAnimationFrame);
           continue;
         }
-        const stages = state.samples === 1 ? [1] : state.still ? [2] : [1, 2];
-        for (const samples of stages) {
-          const t = targetOf(samples, 1);
-          if (!await drawInBands(t, mine)) break;
+        const whole = state.samples === 1 ? [1] : state.still ? [2] : [1, 2];
+        for (const samples of shownTarget || state.still ? whole : [0.5, ...whole]) {
+          const t = samples < 1 ? targetOf(1, 0.5) : targetOf(samples, 1);
+          if (!await drawInBands(t, samples < 1 ? 2 : 1, mine)) break;
           show(t);
         }
         if (asked === mine) {
@@ -1104,6 +1247,7 @@
       if (whole) relightTime = performance.now() - began;
     }
     makeRows();
+    if (whole && !hurried) makeFlats();
     makeLamps();
     dropLobes();
     return whole;
@@ -1426,6 +1570,7 @@
     const made = await decodeFew(meta, sections, async share => {
       if (performance.now() - last < SLICE) return;
       tell(`reading the grid, ${Math.round(100 * share)} %`);
+      warm();
       await breath();
       last = performance.now();
     });
@@ -1442,20 +1587,27 @@
     tell('reading the grid');
     obey();
     if (meta.mesh) {
-      surfaceProgram('depth');
+      bufferProgram();
       surfaceProgram(state.mode);
     }
     if (state.lamps && lamps.length) lampProgram();
     resolveProgram();
+    resize();
+    making = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
     sections = await readSections();
     mesh = makeMesh();
-    if (mesh && state.mode !== 'scene') warm();
+    if (meta.light) makeProbes(readProbes(sections.probes.slice().buffer));
+    warm();
+    if (mesh && state.mode === 'scene' && !state.lines && !state.lobes) await showScene();
     if (meta.precision === 'few') await readFew();
     rows = rowsOf(sections);
     born = births(sections.cells);
     places = placesOf(sections.cells);
-    await continueRows(rows, sections.cells, born, share => { tell(`points of continuity, ${Math.round(100 * share)} %`); });
+    await continueRows(rows, sections.cells, born, share => {
+      tell(`points of continuity, ${Math.round(100 * share)} %`);
+      warm();
+    });
     makeTextures();
     makeBar();
     listen();

@@ -7,6 +7,9 @@ uniform vec3 lowest, unit;  /* of the bounds; a lattice cell in scene units */
 uniform vec3 resolution;    /* lattice cells */
 uniform int depth;
 uniform float scale;        /* of the numbers in `rows` */
+uniform sampler2D flats;    /* irradiance of flat surfaces at points, a texel a channel: value, slopes */
+uniform vec3 flat_normals[MOST_FLATS];
+uniform int flat_count, points;
 
 const int COUNT = (LMAX + 1) * (LMAX + 1), ROW = CHANNELS * COUNT;
 const uint NONE = 0xffffffffu, SIDED = 0x400000u;
@@ -78,7 +81,28 @@ vec3 corner(uint point, vec4 w, float cosine[USED_COUNT]) {
   return CHANNELS == 3 ? sum : sum.xxx;
 }
 
+/* Irradiance that a corner adds to a flat surface, whose coefficients are summed already. */
+vec3 flat_corner(uint point, vec4 w, int which) {
+  vec3 sum;
+  for (int c = 0; c < 3; c++) {
+    int i = (which * points + int(point)) * CHANNELS + min(c, CHANNELS - 1);
+    sum[c] = dot(w, texelFetch(flats, ivec2(i & 4095, i >> 12), 0));
+  }
+  return sum;
+}
+
 vec4 of_corner(int c) { return vec4(weight[c], weight[8 + c], weight[16 + c], weight[24 + c]); }
+
+/* The sum of all corners' coefficients. */
+vec3 by_coefficients(vec3 n, uvec4 lower, uvec4 upper) {
+  harmonics(n.x, n.y, n.z, n.z < 0.0 ? -1.0 : 1.0, 1.0 - abs(n.z));
+  float cosine[USED_COUNT];
+  for (int j = 0; j < USED_COUNT; j++) cosine[j] = COSINE[j] * Y[USED[j]];
+  return corner(lower.x, of_corner(0), cosine) + corner(lower.y, of_corner(1), cosine)
+      + corner(lower.z, of_corner(2), cosine) + corner(lower.w, of_corner(3), cosine)
+      + corner(upper.x, of_corner(4), cosine) + corner(upper.y, of_corner(5), cosine)
+      + corner(upper.z, of_corner(6), cosine) + corner(upper.w, of_corner(7), cosine);
+}
 
 vec3 origin_of(uvec4 w) { return vec3(float(w.z & 65535u), float(w.z >> 16), float(w.w & 65535u)); }
 
@@ -132,11 +156,13 @@ vec3 irradiance(vec3 place, vec3 n, vec3 face) {
   vec3 t = clamp(vec3(edge_fraction(at.x, origin.x, inverse), edge_fraction(at.y, origin.y, inverse),
       edge_fraction(at.z, origin.z, inverse)), 0.0, 1.0);
   corner_weights(0u, values(t.x, size.x), values(t.y, size.y), values(t.z, size.z));
-  harmonics(n.x, n.y, n.z, n.z < 0.0 ? -1.0 : 1.0, 1.0 - abs(n.z));
-  float cosine[USED_COUNT];
-  for (int j = 0; j < USED_COUNT; j++) cosine[j] = COSINE[j] * Y[USED[j]];
-  return scale * (corner(lower.x, of_corner(0), cosine) + corner(lower.y, of_corner(1), cosine)
-      + corner(lower.z, of_corner(2), cosine) + corner(lower.w, of_corner(3), cosine)
-      + corner(upper.x, of_corner(4), cosine) + corner(upper.y, of_corner(5), cosine)
-      + corner(upper.z, of_corner(6), cosine) + corner(upper.w, of_corner(7), cosine));
+  int plane = -1;
+  for (int i = 0; i < flat_count; i++) {
+    vec3 off = n - flat_normals[i];
+    if (dot(off, off) < 1e-8) plane = i;
+  }
+  vec3 sum = vec3(0.0);
+  for (int k = plane < 0 ? 8 : 0; k < 8; k++) sum += flat_corner(k < 4 ? lower[k] : upper[k - 4], of_corner(k), plane);
+  SKIPPED(plane >= 0) sum = by_coefficients(n, lower, upper);
+  return scale * sum;
 }
