@@ -935,6 +935,30 @@ typedef struct ylm_grid_small_report {
 YLM_API ylm_status ylm_grid_encode_small(const ylm_grid *g, const ylm_grid_small *how,
                                          unsigned char **data, size_t *size,
                                          ylm_grid_small_report *report, ylm_error *e);
+/*
+** ylm_grid_pack - the rows of a grid's points in words of one size, for devices and engines.
+**
+** A coefficient is a word: its value in the lowest YLM_PACKED_VALUE bits, its slopes by x, y, z in YLM_PACKED_SLOPE bits each
+** above them, whole numbers with a sign. They count units of the point: one of values, one of slopes, as floats in two words
+** behind the coefficients.
+**
+**   word     out  [points][width + 2], where width = channels * count
+**   report   out  what rounding alone errs by, in the grid's measure
+**
+** Returns  YLM_OK; YLM_EINVAL (a grid with sides), YLM_EDOMAIN (light that is not finite), YLM_ENOMEM
+** Cost     O(points width), and 16,384 samples of two grids
+*/
+#define YLM_PACKED_VALUE 11
+#define YLM_PACKED_SLOPE 7
+typedef struct ylm_grid_packing {
+  double error;    /* the sum of the grid's own and of rounding; NaN: the grid's is not known */
+  double rounding; /* 99 % of random places err by less */
+  double largest;  /* of these */
+  uint64_t places; /* looked at */
+} ylm_grid_packing;
+YLM_API ylm_status ylm_grid_pack(const ylm_grid *g, int threads, uint32_t *word,
+                                 ylm_grid_packing *report, ylm_error *e);
+
 /* Gives a file of a grid in memory, which holds it to the bit, the stats and the tolerance that the grid has by now: another
    judge may have spoken. YLM_EFORMAT: it is no file of such a grid. */
 YLM_API ylm_status ylm_grid_restate(unsigned char *data, size_t size, const ylm_grid *g, ylm_error *e);

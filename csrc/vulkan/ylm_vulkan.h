@@ -341,9 +341,12 @@ YLM_API ylm_status ylm_gpu_sh_eval(ylm_gpu *g, int lmax, int derivatives, bool s
 
 /* -- grids: grid/sample.c ------------------------------------------------------ */
 
-/* YLM_ELIMIT where the grid has more data than a kernel sees; YLM_ENOMEM, YLM_EDEVICE. */
-YLM_API ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **k,
-                                       ylm_error *e);
+/* packed: rows as ylm_grid_pack makes them, a word a coefficient. YLM_ELIMIT where the grid has more data than a kernel sees;
+   YLM_EDOMAIN (packed: light that is not finite), YLM_ENOMEM, YLM_EDEVICE. */
+YLM_API ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, bool packed,
+                                       ylm_gpu_grid **k, ylm_error *e);
+/* Whether a copy is packed, and what rounding errs by; report may be NULL. */
+YLM_API bool ylm_gpu_grid_packed(const ylm_gpu_grid *k, ylm_grid_packing *report);
 YLM_API void ylm_gpu_grid_free(ylm_gpu_grid *k);
 YLM_API ylm_gpu *ylm_gpu_grid_device(const ylm_gpu_grid *k);
 YLM_API uint64_t ylm_gpu_grid_bytes(const ylm_gpu_grid *k);

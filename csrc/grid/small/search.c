@@ -237,13 +237,18 @@ ylm_status ylm__small_search(small_encoder *k, const ylm_grid *from, const ylm_g
 
 ylm_status ylm__small_roundings(small_encoder *k, const ylm_grid *from, int threads, size_t n,
                                 double *error, ylm_error *e) {
-  search s = {.k = k, .from = from, .how = &(ylm_grid_small){.threads = threads}, .e = e, .n = n};
+  return ylm__small_errors(from, ylm__small_grid_of(k), threads, n, error, e);
+}
+
+ylm_status ylm__small_errors(const ylm_grid *from, const ylm_grid *to, int threads, size_t n,
+                             double *error, ylm_error *e) {
+  search s = {.from = from, .how = &(ylm_grid_small){.threads = threads}, .e = e, .n = n};
   ylm_status status = draw_places(&s);
   s.before = ylm_alloc(n, from->width * sizeof *s.before);
   float *value = ylm_alloc(n, from->width * sizeof *value);
   if (status == YLM_OK && !(s.before && value)) status = YLM_ENOMEM;
   if (status == YLM_OK) status = sample(&s, from, s.before);
-  if (status == YLM_OK) status = sample(&s, ylm__small_grid_of(k), value);
+  if (status == YLM_OK) status = sample(&s, to, value);
   if (status == YLM_OK) find_means(&s);
   for (size_t i = 0; status == YLM_OK && i < n; i++) {
     double x = error_at(&s, i, value + i * from->width, s.before + i * from->width);

@@ -373,6 +373,9 @@ ylm_status ylm__small_search(small_encoder *k, const ylm_grid *from, const ylm_g
 /* Errors of rounding at n random places of a grid that is rounded, sorted: error [n]. */
 ylm_status ylm__small_roundings(small_encoder *k, const ylm_grid *from, int threads, size_t n,
                                 double *error, ylm_error *e);
+/* As much of another grid with equal cells and points. */
+ylm_status ylm__small_errors(const ylm_grid *from, const ylm_grid *to, int threads, size_t n,
+                             double *error, ylm_error *e);
 void ylm__small_sort(double *error, size_t n);
 double ylm__small_quantile(const double *error, size_t n, double q);
 

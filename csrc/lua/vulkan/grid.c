@@ -4,6 +4,7 @@
 #include "../binding_grid.h"
 #include "vulkan.h"
 
+#include <math.h>
 #include <string.h>
 
 #define GPU_GRID "ylm.gpu_grid"
@@ -22,14 +23,14 @@ ylm_gpu_grid **ylmL_gpu_grid_new(lua_State *L) {
   return k;
 }
 
-/* gpu_grid_create(gpu, grid) -> copy, seconds */
+/* gpu_grid_create(gpu, grid, packed) -> copy, seconds */
 static int create(lua_State *L) {
   ylm_error e = {YLM_OK, ""};
   double start = ylm_seconds();
   ylm_gpu *g = ylmL_gpu_check(L, 1);
   const ylm_grid *grid = ylmL_grid_check(L, 2);
   ylm_gpu_grid **k = ylmL_gpu_grid_new(L);
-  ylm_status s = ylm_gpu_grid_create(g, grid, k, &e);
+  ylm_status s = ylm_gpu_grid_create(g, grid, lua_toboolean(L, 3), k, &e);
   lua_pushnumber(L, (lua_Number)(ylm_seconds() - start));
   return ylmL_result(L, 2, s, &e);
 }
@@ -40,6 +41,20 @@ static int info(lua_State *L) {
   if (!*k) return 0;
   ylmL_push_count(L, ylm_gpu_grid_bytes(*k));
   return 1;
+}
+
+/* gpu_grid_packed(copy) -> error or nil where it is not known, rounding, largest; nothing: it is not packed, or closed */
+static int packed(lua_State *L) {
+  ylm_gpu_grid **k = ylmL_check(L, 1, GPU_GRID);
+  ylm_grid_packing r;
+  if (!*k || !ylm_gpu_grid_packed(*k, &r)) return 0;
+  if (isnan(r.error))
+    lua_pushnil(L);
+  else
+    lua_pushnumber(L, r.error);
+  lua_pushnumber(L, r.rounding);
+  lua_pushnumber(L, r.largest);
+  return 3;
 }
 
 /* gpu_grid_current(copy, grid) -> whether it is open, and has the grid's present state */
@@ -164,13 +179,10 @@ static int shade(lua_State *L) {
   return ylmL_result_progress(L, 5, s, &e, &progress);
 }
 
-static const luaL_Reg functions[] = {{"gpu_grid_create", create},
-                                     {"gpu_grid_info", info},
-                                     {"gpu_grid_close", close_copy},
-                                     {"gpu_grid_sample", sample},
-                                     {"gpu_grid_shade", shade},
-                                     {"gpu_grid_current", current},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {{"gpu_grid_create", create},   {"gpu_grid_info", info},
+                                     {"gpu_grid_packed", packed},   {"gpu_grid_close", close_copy},
+                                     {"gpu_grid_sample", sample},   {"gpu_grid_shade", shade},
+                                     {"gpu_grid_current", current}, {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", gc}, {NULL, NULL}};
 

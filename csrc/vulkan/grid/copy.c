@@ -59,26 +59,43 @@ static ylm_status copy_bounds(ylm_gpu_grid *k, const ylm_grid_contents *v, ylm_e
                  : ylm_gpu_buffer_from(k->g, sizeof f, f, &k->bounds, e);
 }
 
+/* Numbers of a point's row. */
+static size_t row_of(const ylm_gpu_grid *k) { return k->packed ? k->stride : 4 * k->stride; }
+
 /* As few parts as there can be. */
-static ylm_status copy_data(ylm_gpu_grid *k, const ylm_grid_contents *v, ylm_error *e) {
-  size_t row = 4 * v->stride, n = v->points;
+static ylm_status copy_rows(ylm_gpu_grid *k, size_t n, const void *data, ylm_error *e) {
+  size_t row = row_of(k);
   ylm_status s = YLM_OK;
   for (size_t at = 0; s == YLM_OK && (at < n || !k->parts); at += k->part_rows) {
     size_t rows = n - at < k->part_rows ? n - at : k->part_rows;
-    s = ylm_gpu_buffer_from(k->g, rows * row * sizeof(float), v->data + at * row,
+    s = ylm_gpu_buffer_from(k->g, rows * row * sizeof(float), (const float *)data + at * row,
                             &k->data[k->parts++], e);
   }
   return s;
 }
 
-ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **out, ylm_error *e) {
+static ylm_status copy_data(ylm_gpu_grid *k, const ylm_grid *grid, ylm_error *e) {
+  const ylm_grid_contents *v = ylm_grid_look(grid);
+  if (!k->packed) return copy_rows(k, v->points, v->data, e);
+  uint32_t *word = ylm_alloc(v->points * k->stride + 1, sizeof *word);
+  if (!word) return ylm_no_memory(e);
+  ylm_status s = ylm_grid_pack(grid, 0, word, &k->packing, e);
+  if (s == YLM_OK) s = copy_rows(k, v->points, word, e);
+  ylm_free(word);
+  return s;
+}
+
+ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, bool packed, ylm_gpu_grid **out,
+                               ylm_error *e) {
   const ylm_grid_contents *v = ylm_grid_look(grid);
   *out = NULL;
   if (v->form.sides)
     return ylm_fail(e, YLM_EINVAL, "device: it knows no sides of walls, which this grid has");
   ylm_status s = ylm_gpu_state(g, e);
   if (s != YLM_OK) return s;
-  uint64_t most = ylm_gpu_about(g)->bind_bytes, row = 4 * v->stride * sizeof(float);
+  size_t width = (size_t)v->form.channels * (size_t)v->count;
+  uint64_t most = ylm_gpu_about(g)->bind_bytes;
+  uint64_t row = (packed ? width + 2 : 4 * v->stride) * sizeof(float);
   uint64_t rows = most / row, bytes = (uint64_t)v->points * row;
   if (v->cells >= YLM_GPU_NONE || v->cells > most / sizeof(gpu_cell) ||
       (v->points && (v->points - 1) / GRID_PARTS >= rows))
@@ -94,8 +111,9 @@ ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **
   k->form = v->form;
   k->updates = v->stats->update.updates;
   memcpy(k->resolution, v->resolution, sizeof k->resolution);
-  k->width = (size_t)v->form.channels * (size_t)v->count;
-  k->stride = v->stride;
+  k->width = width;
+  k->stride = packed ? width + 2 : v->stride;
+  k->packed = packed;
   k->cell_count = v->cells;
   k->part_rows = (size_t)rows;
   k->wide = ylm_gpu_about(g)->float64;
@@ -110,10 +128,11 @@ ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **
   return s;
 }
 
-ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **out, ylm_error *e) {
-  ylm_status s = ylm__gpu_grid_begin(g, grid, out, e);
+ylm_status ylm_gpu_grid_create(ylm_gpu *g, const ylm_grid *grid, bool packed, ylm_gpu_grid **out,
+                               ylm_error *e) {
+  ylm_status s = ylm__gpu_grid_begin(g, grid, packed, out, e);
   if (s != YLM_OK) return s;
-  s = copy_data(*out, ylm_grid_look(grid), e);
+  s = copy_data(*out, grid, e);
   if (s == YLM_OK) return s;
   ylm_gpu_grid_free(*out);
   *out = NULL;
@@ -141,4 +160,9 @@ uint64_t ylm_gpu_grid_bytes(const ylm_gpu_grid *k) {
   uint64_t bytes = ylm_gpu_buffer_bytes(k->cells) + ylm_gpu_buffer_bytes(k->table);
   for (int i = 0; i < k->parts; i++) bytes += ylm_gpu_buffer_bytes(k->data[i]);
   return bytes;
+}
+
+bool ylm_gpu_grid_packed(const ylm_gpu_grid *k, ylm_grid_packing *report) {
+  if (report) *report = k->packing;
+  return k->packed;
 }

@@ -14,7 +14,9 @@ struct ylm_gpu_grid {
   uint64_t updates; /* of the grid, when it was copied */
   uint32_t resolution[3];
   size_t cell_count, width, stride;
-  bool wide; /* points are located in double */
+  bool wide;   /* points are located in double */
+  bool packed; /* rows are words of ylm_grid_pack, `stride` of them */
+  ylm_grid_packing packing;
   bool busy; /* a call has not returned: its progress function runs */
   ylm_gpu_buffer *cells, *table, *bounds, *counts;
   /* Rows of coefficients and gradients, `part_rows` of the grid's points in each buffer. */
@@ -27,6 +29,7 @@ struct ylm_gpu_grid {
 };
 
 /* copy.c: a grid's copy but for the rows of points, k->part_rows of which go into a buffer. */
-ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, ylm_gpu_grid **k, ylm_error *e);
+ylm_status ylm__gpu_grid_begin(ylm_gpu *g, const ylm_grid *grid, bool packed, ylm_gpu_grid **k,
+                               ylm_error *e);
 
 #endif

@@ -103,7 +103,7 @@ ylm_status ylm__points_copy(gpu_points *p, ylm_gpu_grid **copy) {
   *copy = NULL;
   if (p->first || p->points != v->evaluated || bytes > ylm__points_most_bytes(p)) return YLM_OK;
   double start = ylm_seconds();
-  ylm_status s = ylm__gpu_grid_begin(p->g, p->grid, &k, p->e);
+  ylm_status s = ylm__gpu_grid_begin(p->g, p->grid, false, &k, p->e);
   points_copied(p, "upload", start);
   if (s == YLM_OK) s = make_copy(p, v, k);
   if (s == YLM_OK) {

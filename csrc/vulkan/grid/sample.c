@@ -172,8 +172,8 @@ static void unit_of(const sampling *m, float unit[3]) {
 static void sample(const sampling *m, size_t at, size_t n, bool sorted, ylm_error *e) {
   ylm_gpu_grid *k = m->k;
   bool gradient = m->gradient.host || m->gradient.there;
-  uint32_t constant[] = {CHUNK, (uint32_t)m->q->interpolation, gradient, sorted,
-                         (uint32_t)k->parts};
+  uint32_t constant[] = {
+      CHUNK, (uint32_t)m->q->interpolation, gradient, sorted, (uint32_t)k->parts, 0, k->packed};
   struct {
     uint32_t n, spread, stride, part_rows, width, nan_outside;
     float unit[3];
@@ -181,7 +181,7 @@ static void sample(const sampling *m, size_t at, size_t n, bool sorted, ylm_erro
             m->q->nan_outside, {0}};
   size_t value = k->width * sizeof(float);
   unit_of(m, push.unit);
-  ylm_gpu_work w = work_of(m, "grid_sample", 5, constant, n, &k->queue.status, e);
+  ylm_gpu_work w = work_of(m, "grid_sample", 7, constant, n, &k->queue.status, e);
   push.spread = spread(&w, sorted);
   w.push = &push;
   w.push_bytes = sizeof push;
@@ -198,7 +198,8 @@ static void shade(const sampling *m, size_t at, size_t n, bool sorted, ylm_error
   bool material = m->material.host || m->material.there;
   uint32_t channels = (uint32_t)k->form.channels;
   uint32_t constant[] = {
-      CHUNK, (uint32_t)m->q->interpolation, channels, sorted, (uint32_t)k->parts, material};
+      CHUNK,    (uint32_t)m->q->interpolation, channels, sorted, (uint32_t)k->parts, material,
+      k->packed};
   struct {
     uint32_t n, spread, stride, part_rows, given, row, count;
     float unit[3];
@@ -211,7 +212,7 @@ static void shade(const sampling *m, size_t at, size_t n, bool sorted, ylm_error
             (uint32_t)common(m),
             {0}};
   unit_of(m, push.unit);
-  ylm_gpu_work w = work_of(m, "grid_shade", 6, constant, n, &k->queue.status, e);
+  ylm_gpu_work w = work_of(m, "grid_shade", 7, constant, n, &k->queue.status, e);
   push.spread = spread(&w, sorted);
   w.push = &push;
   w.push_bytes = sizeof push;

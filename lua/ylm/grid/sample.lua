@@ -132,12 +132,20 @@ function methods.irradiance(g, points, normals, given)
   return (c * basis:reshape { #p, 1, basis.shape[2] }):sum(3):clamp(0), code
 end
 
+local to_options = {
+  { "packed", "boolean", optional = true, about = "whether a coefficient with its slopes is a word: 11 bits of the point's "
+    .. "largest value, 7 bits of its largest slope each; a quarter of the memory. Default: the copy that there is, else not. "
+    .. "copy.packed says what it errs by" },
+}
+
 describe "grid:to" {
   about = "Copies the grid's coefficients, gradients and cells to a device's memory, where grid:sample uses them by "
     .. "device = gpu. Where there is a copy, as after a bake with device = gpu, that is returned; after an update a new one.",
-  arguments = { { "gpu", "gpu", "of ylm.vulkan.open" } },
-  returns = { { "copy", "gpu_grid", "or nil, message, code: 'ELIMIT' (more data than a kernel sees), 'ENOMEM', 'EDEVICE'" } },
-  errors = "raises where the grid or the device has been closed",
+  arguments = { { "gpu", "gpu", "of ylm.vulkan.open" }, { "options", "table optional", "see below" } },
+  options = to_options,
+  returns = { { "copy", "gpu_grid", "or nil, message, code: 'ELIMIT' (more data than a kernel sees), 'EDOMAIN' (packed: light "
+    .. "that is not finite), 'ENOMEM', 'EDEVICE'" } },
+  errors = "raises where the grid or the device has been closed, and on bad options",
   example = [[
 local gpu = ylm.vulkan.open()
 local grid = ylm.bake(ylm.uniform_grid { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, cells = 2, lmax = 1 },
@@ -148,7 +156,8 @@ if gpu then
   assert(c.shape[3] == 4 and report.stages.sample.seconds >= 0)
 end]],
 }
-function methods.to(g, gpu)
+function methods.to(g, gpu, options)
   open(g, "to")
-  return check.device(1, "to", gpu):grid(g)
+  local device = check.device(1, "to", gpu)
+  return device:grid(g, form.options(2, "to", to_options, options))
 end

@@ -26,7 +26,7 @@ function methods.name(on) return on.gpu.name end
 function methods.array(on, a) return arrays.upload(on.gpu, 1, "to", a) end
 
 --- grid:to(gpu).
-function methods.grid(on, g) return grids.to(g, on.gpu) end
+function methods.grid(on, g, o) return grids.to(g, on.gpu, o) end
 
 function methods.harmonics(on, lmax, points, out, o)
   if o.method ~= "solid" or o.kernel then

@@ -19,35 +19,43 @@ reference.object "gpu_grid" {
   fields = {
     { "bytes", "integer", "of the device's memory" },
     { "seconds", "number", "that copying took" },
+    { "packed", "table", "of a packed copy: error, that of the light in all (the sum of the grid's own and rounding; nil: the "
+      .. "grid's is not known), rounding: 99 % of 16,384 random places err by less, largest: of these" },
   },
 }
 
 local bound = binding.bound
 
 
---- The copy of a grid on a device, made where there is none that is open; or nil, message, code.
-function vulkan_grid.copy_of(name, grid, gpu)
+--- The copy of a grid on a device, made where there is none that is open, packed or not; or nil, message, code.
+function vulkan_grid.copy_of(name, grid, gpu, packed)
   local c, message, code = binding.use(name, gpu)
   if not c then return nil, message, code end
   local both = core.between(grid, gpu)
   local copy = both.copy
   if copy and c.gpu_grid_info(copy) then return copy end
   local seconds
-  copy, seconds, code = check.result(name, c.gpu_grid_create(gpu, grid))
+  copy, seconds, code = check.result(name, c.gpu_grid_create(gpu, grid, packed))
   if not copy then return nil, seconds, code end
   both.copy, core.own(copy).seconds = copy, seconds
   return copy
 end
 
---- grid:to(gpu).
-function vulkan_grid.to(grid, gpu)
+--- Whether a copy may stay where one is asked for that is packed, or is not; nil: either will do.
+local function may_stay(copy, grid, packed)
+  if not bound().gpu_grid_current(copy, grid) then return false end
+  return packed == nil or packed == (copy.packed ~= nil)
+end
+
+--- grid:to(gpu, { packed }).
+function vulkan_grid.to(grid, gpu, o)
   local both = core.between(grid, gpu)
   local old = both.copy
-  if old and not bound().gpu_grid_current(old, grid) then
+  if old and not may_stay(old, grid, o.packed) then
     both.copy = nil
-    bound().gpu_grid_close(old)
+    check.result("to", bound().gpu_grid_close(old))
   end
-  return vulkan_grid.copy_of("to", grid, gpu)
+  return vulkan_grid.copy_of("to", grid, gpu, o.packed)
 end
 
 --- Keeps the copy that a bake on the device has left there.
@@ -133,10 +141,17 @@ function methods.close(copy)
   check.result("close", bound().gpu_grid_close(copy))
 end
 
+--- The errors of a packed copy; nil: it is not packed.
+local function packing_of(copy)
+  local error, rounding, largest = bound().gpu_grid_packed(copy)
+  return rounding and { error = error, rounding = rounding, largest = largest } or nil
+end
+
 function methods.__index(copy, key)
   local method = methods[key]
   if method then return method end
   if key == "bytes" then return bound().gpu_grid_info(copy) end
+  if key == "packed" then return packing_of(copy) end
   if key == "seconds" then return core.owned(copy, "seconds") end
 end
 
