@@ -1,13 +1,48 @@
--- The NEON kernels: the core library cross-compiled for aarch64, run under qemu-user, against the reference kernels.
+-- The NEON kernels: what they need of the core library cross-compiled for aarch64, run under qemu-user, against the
+-- reference kernels.
 
 local scratch = require "spec.support.scratch"
 local quote = scratch.quote
 
 local function has(program) return scratch.shell("command -v " .. program .. " >/dev/null 2>&1") end
 
+--- Objects of this machine's build, as the Makefile names them for NEON, that the programs need, found by their symbols.
+local function objects_of(programs)
+  local build = os.getenv "YLM_BUILD" or "build"
+  local ladder, folders = scratch.text "csrc/README.md":match "\n    (base <.-) < codec", { quote(build) .. "/obj/rival" }
+  for room in ladder:gmatch "%a+" do folders[#folders + 1] = quote(build) .. "/obj/" .. room end -- the core library's
+  local files = scratch.capture(("nm -A -g $(find %s -name '*.o')"):format(table.concat(folders, " ")))
+  local defined, wanted = {}, {}
+  for file, kind, symbol in files:gmatch "([^\n]-%.o):[%x ]+ (%u) ([^\n]+)" do
+    if kind ~= "U" then defined[symbol] = file
+    else
+      wanted[file] = wanted[file] or {}
+      table.insert(wanted[file], symbol)
+    end
+  end
+  local taken, list = {}, {}
+  local function take(symbols)
+    for _, symbol in ipairs(symbols) do
+      local file = defined[symbol]
+      if file and not taken[file] then
+        local name = file:sub(#build + 2):gsub("%.sse2%.o$", ".neon.o"):gsub("%.avx%w+%.o$", ".neon.o")
+        if not taken[name] then list[#list + 1] = name end -- each set of this machine has one
+        taken[file], taken[name] = true, true
+        take(wanted[file] or {})
+      end
+    end
+  end
+  for _, name in ipairs(programs) do
+    local words = {}
+    for word in scratch.text("spec/support/" .. name .. ".c"):gmatch "ylm_[%w_]+" do words[#words + 1] = word end
+    take(words)
+  end
+  return list
+end
+
 describe("NEON kernels", function()
   local cc = "aarch64-linux-gnu-gcc"
-  local folder, missing
+  local folder, missing, objects
   setup(function()
     for _, program in ipairs { cc, "qemu-aarch64", "make" } do
       if not has(program) then missing = program .. " is not installed" end
@@ -16,9 +51,11 @@ describe("NEON kernels", function()
     -- Kept in the build folder, so that the next Lua and the next run find it made.
     folder = { path = (os.getenv "YLM_BUILD" or "build") .. "/neon" }
     -- By the Makefile itself; without optimisation, because that is compiled in seconds.
+    objects = objects_of { "neon", "kernels" }
+    for i, name in ipairs(objects) do objects[i] = quote(folder.path .. "/" .. name) end
+    objects = table.concat(objects, " ")
     local out, status = scratch.capture(table.concat({ "env -u MAKEFLAGS -u MAKELEVEL -u LD_PRELOAD make -j2",
-      "BUILD=" .. quote(folder.path), "CC=" .. cc, "OPT=-O0 SANITIZE= LUAS= WITH_SCENE=",
-      quote(folder.path .. "/lib/libylm_rival.so") }, " "))
+      "BUILD=" .. quote(folder.path), "CC=" .. cc, "OPT=-O0 SANITIZE= LUAS= WITH_SCENE=", objects }, " "))
     assert(status == 0 and not out:find "warning", out)
   end)
 
@@ -27,7 +64,7 @@ describe("NEON kernels", function()
     local program = quote(folder.path .. "/" .. name)
     local out, status = scratch.capture(table.concat({ "env -u LD_PRELOAD", cc,
       "-std=gnu11 -O0 -Wall -Wextra -Werror -fopenmp -static -I" .. quote(folder.path .. "/include"),
-      "spec/support/" .. name .. ".c", "$(find " .. quote(folder.path) .. "/obj -name '*.o')", "-lm -o", program }, " "))
+      "spec/support/" .. name .. ".c", objects, "-lm -o", program }, " "))
     assert(status == 0, out)
     local words = { ... }
     -- qemu-user dies of a signal now and then on a busy machine, whatever it runs; a program's own fault comes again.

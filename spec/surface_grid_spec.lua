@@ -11,7 +11,7 @@ local tool = require "spec.support.tool"
 
 --- A box of half edge 1 from within, a lamp, and a wall that parts it but for a gap.
 local function room(more)
-  local geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } }
+  local geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.3 } } }
   for _, g in ipairs(more or {}) do geometry[#geometry + 1] = g end
   return ylm.scene "a room" { geometry = geometry,
     camera = ylm.camera { from = { 0.8, 0.6, 0.9 }, at = { -0.3, -0.4, -0.3 }, fov = 80 },
@@ -19,7 +19,7 @@ local function room(more)
 end
 
 local function wall(lo, hi)
-  return ylm.box { bounds = { lo or { -0.04, -0.99, -0.99 }, hi or { 0.04, 0.3, 0.6 } }, material = ylm.matte { albedo = 0.6 } }
+  return ylm.box { bounds = { lo or { -0.04, -0.99, -0.99 }, hi or { 0.04, 0.3, 0.6 } }, material = ylm.matte { albedo = 0.3 } }
 end
 
 --- Places on the floor of a room, and the normals there.

@@ -19,15 +19,18 @@ function blocks.of(text)
   return list
 end
 
---- A program whose pictures of scenes are a quarter as wide and high: its calls are those of the page.
+--- A program whose pictures of scenes are a quarter as wide and high, and whose tolerances of rooms' light, which paths
+-- judge, are four times as wide: its calls are those of the page.
 local function small(code)
-  return (code:gsub("(:%l+ { size = {) (%d%d%d+), (%d%d%d+) }", function(head, w, h)
+  code = code:gsub("(:%l+ { size = {) (%d%d%d+), (%d%d%d+) }", function(head, w, h)
     return ("%s %d, %d }"):format(head, math.floor(w / 4), math.floor(h / 4))
-  end))
+  end)
+  local of = code:find('quantity = "indirect"', 1, true) and "" or ":surface_grid { "
+  return (code:gsub("(" .. of .. "tolerance = )(0%.%d+)", function(head, x) return head .. math.min(4 * x, 0.5) end))
 end
 
 --- Runs the n-th program of a page in a scratch folder, by the tool: a scene file is baked. Returns what it printed.
--- Its pictures are small; those of `make check-long` have the page's size.
+-- Its pictures and their light are coarse; those of `make check-long` are the page's.
 function blocks.run(folder, code, page, n)
   local name = ("%s_%d.lua"):format(page:gsub("[^%w]", "_"), n)
   folder:write(name, long(small(code), code))

@@ -17,7 +17,7 @@
 #include "ylm_rival.h"
 #include "ylm_sh.h"
 
-enum { POINTS = 11, LIGHTS = 21 }; /* neither is a multiple of what a kernel works on at once */
+enum { POINTS = 11, LIGHTS = 9 }; /* neither is a multiple of what a kernel works on at once */
 
 static void stop(const char *where, ylm_status s) {
   if (s == YLM_OK) return;

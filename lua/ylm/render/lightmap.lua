@@ -151,6 +151,7 @@ local room = [[
 local scene = ylm.scene "a room" {
   geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
   lights = ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.1, radiance = 10 },
+  links = ylm.links { spacing = 0.4, rays = 64 },
 }
 ]]
 

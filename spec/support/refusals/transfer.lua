@@ -1,5 +1,6 @@
 -- Refusals of elements, links and radiosity: see spec/refusals_spec.lua.
 
+local long = require "spec.support.long"
 local nan, inf = 0 / 0, 1 / 0
 
 local function scene(ylm, fields)
@@ -233,7 +234,8 @@ return {
       "rays must be 'auto' or an integer from 192 to 49152"),
     field_of({ rays = "many" }, "rays must be 'auto'"), field_of({ rays = nan }, "rays must be"), field_of({ tolerance = 0 },
       "tolerance must be"),
-    field_of({ tolerance = 1e-6 }, "field: tolerance 1e%-06: the gathered light is known to"),
+    long(nil, field_of({ tolerance = 1e-6 }, "field: tolerance 1e%-06: the gathered light is known to")) or -- traces the most
+      field_of({ tolerance = nan }, "tolerance must be"),
     field_of({ contrast = -1 }, "contrast must be"), field_of({ contrast = nan }, "contrast must be"),
     field_of({ derivatives = "cell" }, "did you mean 'cells'"), field_of({ remember = 1 }, "remember must be"),
     field_of({ seed = -1 }, "seed must be"), field_of({ ray = 192 }, "did you mean 'rays'"),
