@@ -230,7 +230,7 @@ describe("grid:export", function()
       lights = ylm.sphere_light { at = { 0, 0.5, 0 }, radius = 0.1, radiance = 20 },
     }
     local before = ylm.on_warning(false)
-    local lit = assert(room:bake { quantity = "all", judge = "field",
+    local lit = assert(room:bake { quantity = "all", judge = "field", links = room:links { spacing = 0.4, rays = 64 },
       probes = ylm.adaptive_grid { lmax = 2, depth = 4, tolerance = 0.1 } })
     ylm.on_warning(before)
     local path = folder.path .. "/room.ktx2"

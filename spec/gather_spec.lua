@@ -403,10 +403,11 @@ describe("radiosity:field", function()
 
     it("is in one call what links, radiosity and field are", function()
       local scene = ylm.scene "a room" { geometry = ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } },
-        lights = ylm.sphere_light { at = { 0, 0.3, 0 }, radius = 0.1, radiance = 10 } }
+        lights = ylm.sphere_light { at = { 0, 0.3, 0 }, radius = 0.1, radiance = 10 },
+        links = ylm.links { spacing = 0.3, rays = 64 } }
       local places = { { 0.3, 0.2, 0 }, { -0.4, -0.5, 0.6 } }
       local function at(field) return ylm.light_field(2, field, places):totable() end
-      local links = scene:links { lmax = 0 }
+      local links = scene:links { spacing = 0.3, rays = 64, lmax = 0 }
       local lit = links:radiosity(scene.lights, { bounces = 1 })
       local short = scene:field { quantity = "all", bounces = 2, rays = 768 }
       assert.same(at(lit:field { quantity = "all", rays = 768 }), at(short))

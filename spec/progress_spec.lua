@@ -282,7 +282,7 @@ describe("names of stages", function()
   it("are never empty, in bakes of light that takes long either", function()
     local scene = ylm.scene "a box" { geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } } },
       lights = ylm.sphere_light { at = { 0, 0, 0 }, radius = 0.1, radiance = 10 },
-      probes = ylm.adaptive_grid { lmax = 1, depth = 1, tolerance = 0.5 } }
+      links = ylm.links { spacing = 0.4, rays = 32 }, probes = ylm.adaptive_grid { lmax = 1, depth = 1, tolerance = 0.5 } }
     local count, nameless = 0, 0
     assert(scene:bake { quantity = "all", bounces = 1, progress = function(_, _, stage)
       count, nameless = count + 1, nameless + ((stage or "") == "" and 1 or 0)

@@ -69,7 +69,7 @@ describe("links:radiosity", function()
     local room = elements.room(0.5, box)
     local t = room:links { spacing = 0.25, rays = 64, sides = "front", lmax = 4 }
     local e, rays = t:elements(), t:radiosity()
-    local grid = room:bake { probes = ylm.uniform_grid { cells = { 20, 20, 20 }, lmax = 3, bounds = { { -1, 0, -1 }, { 1, 2,
+    local grid = room:bake { probes = ylm.uniform_grid { cells = { 12, 12, 12 }, lmax = 3, bounds = { { -1, 0, -1 }, { 1, 2,
       1 } } },
       quantity = "direct" }
     local lit = t:radiosity(grid)
