@@ -14,7 +14,7 @@ function lit_scene.of(path)
     and ylm.environment_light { sky = { kind = "overcast", zenith = { 0, 1, 0 }, luminance = 1 } } or nil })
 end
 
---- The same, where surfaces are needed.
+--- That scene, where surfaces are needed.
 function lit_scene.with_surfaces(path)
   local scene = lit_scene.of(path)
   if #scene.geometry == 0 then status.stop(status.script, "%s: the scene has no surfaces", path) end
