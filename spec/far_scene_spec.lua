@@ -136,8 +136,8 @@ describe("far from the origin", function()
 
   it("probes, gathered light and its noise are the same", function()
     assert_same(function(s, o) return (assert(s:probe { points = points(o), samples = 32, lmax = 2 })) end)
-    local function field(s)
-      return assert(assert(s:links { spacing = 0.25 }):radiosity(nil, { bounces = "all" }):field {})
+    local function field(s) -- without guides: rounding moves places from one cluster of theirs to the next
+      return assert(assert(s:links { spacing = 0.25 }):radiosity(nil, { bounces = "all", guides = false }):field {})
     end
     assert_same(function(s, o) return (ylm.light_field(2, field(s), points(o))) end)
     assert_same(function(s, o) return field(s):validity(points(o)) end)
