@@ -20,6 +20,7 @@ local rounds = {}
 local SET = 32                              -- links of a set
 local PILOT = { rays = 8, sets = 2, links = SET } -- of a half; of both; of a set
 local FILTERED = { rays = 6, sets = 2, links = 12 } -- where noise is filtered
+local LARGE, MANY = { rays = 4, sets = 2, links = 12 }, 2 ^ 19 -- of pictures of so many pixels, of which a filter takes more
 local MOST = { rays = 8192, sets = 512 }    -- of a half; of both
 local LEAST = { rays = 2, sets = 2 }
 local STEP = 1000003                        -- from one seed to the next
@@ -28,7 +29,7 @@ local WIDE = 60                             -- factors of counts are looked for 
 local CAP, FEW = 4, 2e7 -- times the pilot's rays, and rays, of which the larger is the most where nobody says a noise
 
 rounds.NOISE = 0.03 -- that is wanted where nobody says one
-rounds.GUIDED = 16 -- shadow rays of a point by which the guides' pilot is sized
+local GUIDED = 16 -- shadow rays of a point by which the guides' pilot is sized; of a large picture half of them
 
 rounds.fields = {
   { "noise", "number", min = 0.001, max = 1, optional = true,
@@ -264,9 +265,14 @@ local function settle(x)
   return math.min(after, reached)
 end
 
+local function is_large(p) return p.options.size[1] * p.options.size[2] >= MANY end
+
+--- Shadow rays of a point by which the pilot of a picture's guide is sized.
+function rounds.guided(p) return is_large(p) and GUIDED / 2 or GUIDED end
+
 --- Shadow rays of a half, links of a set, and sets, before any noise is known.
 local function pilot_of(p, o)
-  if not o.by_hand then return o.denoise == "none" and PILOT or FILTERED end
+  if not o.by_hand then return o.denoise == "none" and PILOT or is_large(p) and LARGE or FILTERED end
   local links = o.rays or 64 * options.multiple(p.options)
   local set = math.min(SET, math.max(4, 4 * math.floor(links / 8)))
   return { rays = math.max(1, math.floor(o.light_samples / 2 + 0.5)), links = set,

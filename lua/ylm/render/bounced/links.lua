@@ -13,6 +13,7 @@ local warning = require "ylm.warning"
 local links = { name = "links", called = "bounced = 'links'" }
 
 local RAYS, MOST = 64, core.limits.transfer_bounces
+local OWN = 32 -- links of an element, where a picture cuts surfaces itself: its points gather the light of many elements
 local SET, APART = 32, 7000003 -- links of a set; from the seed of links that are kept to that of sets
 
 links.options = {
@@ -24,7 +25,8 @@ links.options = {
 --- Options of prepared views.
 links.prepare_fields = options.list(links.options, {
   { "links", "object", of = "ylm.links", optional = true,
-    about = "what scene:links returned, to whose elements rays go; default: one with its defaults, where bounces are wanted" },
+    about = "what scene:links returned, to whose elements rays go; default: one with its defaults, but for 32 rays of "
+      .. "an element, where bounces are wanted" },
 })
 
 -- Links ------------------------------------------------------------------------------------
@@ -34,7 +36,9 @@ local function links_of(p, o)
   local known = views.made[p.view].links
   local t = o.links or known and known.links
   if t then return t end
-  return p.scene:links { lmax = 0, seed = p.options.seed, threads = o.threads, progress = o.progress }
+  local form = p.scene.link_options
+  return p.scene:links { lmax = 0, rays = form and form.rays or OWN, seed = p.options.seed, threads = o.threads,
+    progress = o.progress }
 end
 
 --- Finds the links of a prepared view to the elements of t (nil: as above), or keeps those that it has: true, or nil,

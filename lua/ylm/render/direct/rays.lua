@@ -79,7 +79,7 @@ end
 --- The guide of a picture's rays, nil where none is wanted or there is nothing to guide; or false, message, code.
 local function guide_of(name, p, o, casting, report)
   if not o.guides or not o.shadows then return nil end
-  if o.halves and not o.by_hand then casting.light_samples = rounds.GUIDED end
+  if o.halves and not o.by_hand then casting.light_samples = rounds.guided(p) end
   local guide, stats, code = check.result(name, p.lib.shade_guide(p.view, casting))
   if guide == nil then return false, stats, code end
   if not guide then return nil end
