@@ -208,3 +208,41 @@ ylm_status ylm_mesh_pick(const ylm_mesh *mesh, size_t n, const uint32_t *from,
   memcpy(to->origin, mesh->origin, sizeof mesh->origin);
   return YLM_OK;
 }
+
+/* Numbers [width] of a vertex between others. */
+static void mix(const ylm_mesh_mix *m, size_t width, const float *of, float *out) {
+  double sum = (double)m->part[0] + (double)m->part[1] + (double)m->part[2];
+  for (size_t a = 0; a < width; a++) {
+    double x = 0;
+    for (int k = 0; k < 3; k++)
+      if (m->part[k]) x += (double)m->part[k] * (double)of[width * m->of[k] + a];
+    out[a] = (float)(x / sum);
+  }
+}
+
+ylm_status ylm_mesh_blend(const ylm_mesh *mesh, size_t n, const ylm_mesh_mix *from,
+                          size_t triangles, const uint32_t *index, bool turned, ylm_mesh **out,
+                          ylm_error *e) {
+  ylm_status s = ylm_mesh_create(n, triangles, mesh->normal != NULL, mesh->uv != NULL, out, e);
+  ylm_mesh *to = *out;
+  if (s != YLM_OK) return s;
+  if (mesh->colour && !(to->colour = ylm_alloc(3 * n, sizeof(float)))) {
+    ylm_mesh_free(to);
+    *out = NULL;
+    return ylm_no_memory(e);
+  }
+  for (size_t i = 0; i < n; i++) {
+    bool old = !from[i].part[1] && !from[i].part[2];
+    mix(&from[i], 3, mesh->position, to->position + 3 * i);
+    if (mesh->uv) mix(&from[i], 2, mesh->uv, to->uv + 2 * i);
+    if (mesh->colour) mix(&from[i], 3, mesh->colour, to->colour + 3 * i);
+    if (!mesh->normal) continue;
+    float *normal = to->normal + 3 * i;
+    mix(&from[i], 3, mesh->normal, normal);
+    float length = sqrtf(ylm_dot3(normal, normal)), scale = old || !(length > 0) ? 1 : 1 / length;
+    for (size_t a = 0; a < 3; a++) normal[a] *= turned ? -scale : scale;
+  }
+  memcpy(to->index, index, 3 * triangles * sizeof *index);
+  memcpy(to->origin, mesh->origin, sizeof mesh->origin);
+  return YLM_OK;
+}

@@ -60,6 +60,17 @@ YLM_API void ylm_mesh_area_vector(const ylm_mesh *mesh, size_t triangle, double 
 YLM_API ylm_status ylm_mesh_pick(const ylm_mesh *mesh, size_t n, const uint32_t *from,
                                  const uint32_t *index, bool turned, ylm_mesh **out, ylm_error *e);
 
+/* A vertex between three others: the sum of part times vertex, over the sum of the parts. */
+typedef struct ylm_mesh_mix {
+  uint32_t of[3], part[3];
+} ylm_mesh_mix;
+
+/* ylm_mesh_pick of vertices between others: `triangles` of them. Positions are rounded alike wherever the same two vertices are
+   mixed, so edges stay closed. */
+YLM_API ylm_status ylm_mesh_blend(const ylm_mesh *mesh, size_t n, const ylm_mesh_mix *from,
+                                  size_t triangles, const uint32_t *index, bool turned,
+                                  ylm_mesh **out, ylm_error *e);
+
 #define YLM_MESH_CREASE 40.0         /* degrees: the crease angle where nobody names one */
 #define YLM_MESH_FLAT 0u             /* smoothing groups that are none: a flat triangle,  */
 #define YLM_MESH_BY_ANGLE UINT32_MAX /* and one whose edges are creases by their angle    */

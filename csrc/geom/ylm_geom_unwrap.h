@@ -34,6 +34,8 @@ typedef struct ylm_unwrap_form {
   double
       angle; /* degrees, 1 .. 80: how far a triangle's normal is from the mean of its chart's, at most */
   double stretch; /* 1.001 .. 10: the most stretch of a chart, root mean square */
+  const uint32_t *
+      label; /* [triangles of all meshes]: triangles of two labels share no chart; NULL: all have one */
   int threads;
   const ylm_progress *progress; /* stage "unwrap" */
 } ylm_unwrap_form;

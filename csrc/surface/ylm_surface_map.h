@@ -20,10 +20,11 @@ typedef struct ylm_surface_map ylm_surface_map;
 typedef struct ylm_surface_map_form {
   /* Of irradiance at 99 % of the surface, over the larger of the place's and the mean; 0: as `texels` allow. */
   double tolerance;
-  double aim;       /* the part of it that is refined for, where another judge follows; 0: all */
-  size_t texels;    /* of the picture, at most */
-  bool even;        /* all charts have one density, for comparison */
-  bool smooth;      /* texels are averaged along the surface where light is smooth */
+  double aim;    /* the part of it that is refined for, where another judge follows; 0: all */
+  size_t texels; /* of the picture, at most */
+  bool even;     /* all charts have one density, for comparison */
+  bool parts;    /* large charts are divided where parts of them want texels of their own density */
+  bool smooth;   /* texels are averaged along the surface where light is smooth */
   bool directional; /* with the flow of light */
   int gutter;
   double angle, stretch; /* of charts, as ylm_unwrap_form has them */
@@ -82,6 +83,12 @@ YLM_API const ylm_unwrap *ylm_surface_map_charts(const ylm_surface_map *m);
 /* The mesh of the scene that a sheet is of, and its side. Triangles of a back have their second and third corners
    exchanged. */
 YLM_API size_t ylm_surface_map_sheet(const ylm_surface_map *m, size_t sheet, bool *back);
+
+/* A sheet of its mesh as the charts have it, with its texture coordinates [vertices][2], the caller's to free. Triangles of large
+   charts may be cut. YLM_OK, YLM_ENOMEM. */
+YLM_API ylm_status ylm_surface_map_split(const ylm_surface_map *m, size_t sheet,
+                                         const ylm_mesh *mesh, ylm_mesh **out, float **uv,
+                                         ylm_error *e);
 
 /* Irradiance at n places of the scene, as a bilinear look-up has it: out [n][3]; 0 on sides without light. `chart` [n]:
    the one that a place lies on, or YLM_UNWRAP_NONE; NULL: not wanted. */

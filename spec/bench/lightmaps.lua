@@ -5,7 +5,7 @@
 --
 -- "rms" and "99 %" are of irradiance relative to the mean, and to the larger of the place's and the mean, at 2,048 fresh places
 -- by 16 times as many rays as a place of the fit has, to elements and lamps. "dB" is what texels spread by light gain over even
--- ones in rms. The promise is judged again by up to 4,096 paths of 10,000 places of another seed.
+-- ones in rms; "parts" divides large charts. The promise is judged again by up to 4,096 paths of 10,000 places of another seed.
 
 local ylm = require "ylm"
 local core = require "ylm.c.core"
@@ -56,9 +56,9 @@ local function texels()
     local links = assert(scene:links { lmax = 0, spacing = case[3].spacing })
     for _, n in ipairs { 16384, 65536 } do
       local even
-      for _, spread in ipairs { "even", "light" } do
-        local s = assert(scene:lightmap { texels = n, spread = spread, links = links, rays = 32, light_samples = 16,
-          progress = false }).stats
+      for _, spread in ipairs { "even", "light", "parts" } do
+        local s = assert(scene:lightmap { texels = n, spread = spread == "even" and "even" or "light", parts = spread == "parts",
+          links = links, rays = 32, light_samples = 16, progress = false }).stats
         row(case[1], n, spread, s, even and 20 * math.log(even / s.rms) / math.log(10))
         even = even or s.rms
       end

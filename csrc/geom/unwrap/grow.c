@@ -84,6 +84,7 @@ static ylm_status take(growth *g, size_t t, uint32_t *list, size_t *n) {
     uint32_t beside = s->across[k] / 3;
     double cosine = facing(g, beside);
     if (s->of[beside] != UNWRAP_NONE || !(cosine >= g->cosine)) continue;
+    if (s->label && s->label[beside] != s->label[t]) continue;
     if (!push(&g->heap, (offer){1 - cosine, beside})) return YLM_ENOMEM;
   }
   return YLM_OK;

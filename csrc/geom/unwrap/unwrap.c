@@ -139,7 +139,7 @@ ylm_status ylm_unwrap_create(size_t meshes, const ylm_unwrap_mesh *mesh,
   *out = NULL;
   ylm_status status = check(meshes, mesh, form, e);
   if (status != YLM_OK) return status;
-  unwrap_surface s = {.triangles = 0};
+  unwrap_surface s = {.label = form->label};
   ylm_unwrap *u = ylm_alloc_zero(1, sizeof *u);
   status = u ? begin(meshes, mesh, u) : YLM_ENOMEM;
   if (status == YLM_OK) status = ylm__unwrap_surface(meshes, mesh, u, &s, e);

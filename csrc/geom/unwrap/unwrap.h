@@ -64,7 +64,8 @@ typedef struct unwrap_surface {
   double whole;          /* their sum */
   uint32_t *
       across; /* [3 triangles] the same edge of the triangle beside, or UNWRAP_NONE; the unwrap's */
-  uint32_t *of; /* the unwrap's */
+  uint32_t *of;          /* the unwrap's */
+  const uint32_t *label; /* [triangles] or NULL */
 } unwrap_surface;
 
 static inline size_t unwrap_next(size_t corner) {

@@ -21,6 +21,7 @@ static const ylmL_entry entries[] = {
     YLML(bake_form, f.aim, "aim", DOUBLE),
     YLML(bake_form, f.texels, "texels", COUNT),
     YLML(bake_form, f.even, "even", BOOL),
+    YLML(bake_form, f.parts, "parts", BOOL),
     YLML(bake_form, f.smooth, "smooth", BOOL),
     YLML(bake_form, f.directional, "directional", BOOL),
     YLML(bake_form, f.gutter, "gutter", INT),
@@ -36,7 +37,7 @@ static const ylmL_entry entries[] = {
     YLML(bake_form, progress, "progress", VALUE),
     {.name = NULL}};
 
-/* map_bake(radiosity, {tolerance, aim, texels, even, smooth, directional, gutter, angle, stretch, quantity, indirect, scene whose lamps
+/* map_bake(radiosity, {tolerance, aim, texels, even, parts, smooth, directional, gutter, angle, stretch, quantity, indirect, scene whose lamps
    light directly or nil, links, light_samples, seed, threads, progress}) -> lightmap */
 static int map_bake(lua_State *L) {
   bake_form f = {.progress = 0};
@@ -204,23 +205,18 @@ static int map_sheet(lua_State *L) {
 /* map_split(lightmap, sheet from 1, its mesh) -> mesh, whose triangles face the light, uvs float [n][2] */
 static int map_split(lua_State *L) {
   const ylm_surface_map *map = check_map(L, 1);
-  size_t sheet = (size_t)luaL_checknumber(L, 2) - 1, n = 0;
+  size_t sheet = (size_t)luaL_checknumber(L, 2) - 1;
   const ylm_mesh *mesh = ylmL_mesh_check(L, 3);
-  uint32_t *from = NULL, *index = NULL;
   float *uv = NULL;
-  bool back;
   ylm_error e = {0};
-  ylm_surface_map_sheet(map, sheet, &back);
   ylm_mesh **out = ylmL_mesh_new(L);
-  ylm_status s = ylm_unwrap_split(ylm_surface_map_charts(map), sheet, &n, &from, &uv, &index, &e);
+  ylm_status s = ylm_surface_map_split(map, sheet, mesh, out, &uv, &e);
   if (s != YLM_OK) return ylmL_result(L, 0, s, &e);
-  s = ylm_mesh_pick(mesh, n, from, index, back, out, &e);
+  size_t n = (*out)->vertices;
   ylmL_array *uvs = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 2});
   if (uvs) memcpy(uvs->data, uv, 2 * n * sizeof *uv);
-  ylm_free(from);
   ylm_free(uv);
-  ylm_free(index);
-  return ylmL_result(L, 2, s == YLM_OK && !uvs ? YLM_ENOMEM : s, &e);
+  return ylmL_result(L, 2, uvs ? YLM_OK : YLM_ENOMEM, &e);
 }
 
 static const luaL_Reg functions[] = {{"map_bake", map_bake},

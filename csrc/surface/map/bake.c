@@ -8,6 +8,8 @@ void ylm_surface_map_free(ylm_surface_map *m) {
   if (!m) return;
   ylm__surface_charts_free(&m->plane);
   ylm_unwrap_free(m->charts);
+  for (size_t i = 0; m->sheet && i < m->sheets; i++)
+    ylm_free(m->sheet[i].parts), ylm_free(m->sheet[i].first), ylm_free(m->sheet[i].of);
   ylm_free(m->sheet);
   ylm_free(m->error);
   ylm_free(m->of);
@@ -26,6 +28,19 @@ static ylm_status check(const ylm_surface_map_form *f, ylm_error *e) {
 
 /* -- rounds ------------------------------------------------------------------------------------------- */
 
+/* The square errors of charts as they are packed; *products [sites], to be freed, NULL: not wanted. */
+static ylm_status find_square(map_bake *b, double *square, double **products) {
+  double *own = ylm_alloc(b->sites, sizeof *own);
+  if (!own) return YLM_ENOMEM;
+  ylm__map_products(b, own);
+  ylm_status s = ylm__map_square(b, own, square);
+  if (products)
+    *products = own;
+  else
+    ylm_free(own);
+  return s;
+}
+
 /* One picture of at most so many texels, at the densities as they are. */
 static ylm_status make(map_bake *b, size_t texels, bool last) {
   ylm_status s = ylm__map_pack(b, texels);
@@ -37,24 +52,32 @@ static ylm_status make(map_bake *b, size_t texels, bool last) {
   if (s == YLM_OK) s = ylm__map_fit(b, b->value);
   if (s == YLM_OK && last) s = ylm__map_lift(b, b->value);
   b->m->stats.fit_seconds += ylm_seconds() - start;
-  if (s == YLM_OK) ylm__map_square(b, b->square);
+  if (s == YLM_OK && last) s = find_square(b, b->square, NULL);
   b->m->stats.rounds++;
   return s;
 }
 
-/* How the square errors fall with the density: the same places on a picture with a quarter of the texels. */
-static ylm_status learn(map_bake *b, size_t texels) {
+/* How square errors fall with the density: the same places on a picture with a quarter of the texels; *products [sites] of these.
+   YLM_ELIMIT: the charts do not fit. */
+static ylm_status learn_slopes(map_bake *b, size_t few, double **products) {
   double *coarse = ylm_alloc(b->charts, sizeof *coarse);
-  if (!coarse) return YLM_ENOMEM;
-  ylm_status s = ylm__map_pack(b, texels / 4);
+  ylm_status s = coarse ? ylm__map_pack(b, few) : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm__map_matrix(b);
   if (s == YLM_OK) s = ylm__map_fit(b, b->value);
-  if (s == YLM_OK) ylm__map_square(b, coarse);
-  for (size_t i = 0; s == YLM_OK && i < b->charts; i++) {
-    double p = b->square[i] > 0 && coarse[i] > 0 ? log2(coarse[i] / b->square[i]) : 2;
-    b->slope[i] = fmin(fmax(p, MAP_SLOPE_LEAST), MAP_SLOPE_MOST);
-  }
+  if (s == YLM_OK) s = find_square(b, coarse, products);
+  if (s == YLM_OK) ylm__map_slopes(b, coarse);
   ylm_free(coarse);
+  return s;
+}
+
+/* Square errors and their slopes. Charts are then divided for a picture of `texels`. */
+static ylm_status learn(map_bake *b, size_t few, size_t texels) {
+  double *products = NULL, *coarse = NULL;
+  ylm_status s = find_square(b, b->square, &products);
+  if (s == YLM_OK) s = learn_slopes(b, few / 4, &coarse);
+  if ((s == YLM_OK || s == YLM_ELIMIT) && b->form->parts)
+    s = ylm__map_divide(b, texels, products, coarse);
+  ylm_free(products), ylm_free(coarse);
   return s;
 }
 
@@ -65,7 +88,7 @@ static ylm_status pilot(map_bake *b, size_t texels) {
   b->e = &none;
   ylm_status s = make(b, few, false);
   if (s == YLM_ELIMIT) s = make(b, few = texels, false);
-  if (s == YLM_OK) s = learn(b, few);
+  if (s == YLM_OK) s = learn(b, few, texels);
   b->e = e;
   if (s != YLM_OK && s != YLM_ELIMIT) {
     if (e) *e = none;
@@ -174,10 +197,11 @@ static ylm_status make_one(map_bake *b) {
   return s == YLM_OK ? judge(b, 0) : s;
 }
 
-static ylm_status begin(map_bake *b) {
+ylm_status ylm__map_begin(map_bake *b) {
   ylm_unwrap_stats charts;
   ylm_unwrap_look(b->m->charts, &charts);
   b->charts = charts.charts;
+  ylm_free(b->density), ylm_free(b->square), ylm_free(b->slope);
   b->density = ylm_alloc(b->charts, sizeof *b->density);
   b->square = ylm_alloc_zero(b->charts, sizeof *b->square);
   b->slope = ylm_alloc(b->charts, sizeof *b->slope);
@@ -210,7 +234,8 @@ ylm_status ylm_surface_map_bake(const ylm_radiosity *r, const ylm_surface_map_fo
   b.m->scene = ylm_transfer_scene(ylm_radiosity_transfer(r));
   s = ylm__surface_charts(b.m->scene, &b.m->plane, e);
   if (s == YLM_OK) s = ylm__map_sheets(b.m, r, form, e);
-  if (s == YLM_OK) s = begin(&b);
+  if (s == YLM_OK && form->parts && !form->even) s = ylm__map_refine(b.m, form, e);
+  if (s == YLM_OK) s = ylm__map_begin(&b);
   b.m->stats.sheets = b.m->sheets;
   b.m->stats.chart_seconds = ylm_seconds() - start;
   if (s == YLM_OK) s = form->tolerance > 0 ? refine(&b) : make_one(&b);
@@ -253,11 +278,8 @@ void ylm_surface_map_irradiance(const ylm_surface_map *m, size_t n, const ylm_sc
                                 float (*out)[3], uint32_t *chart) {
   for (size_t i = 0; i < n; i++) {
     map_tap tap;
-    uint32_t sheet = m->of[2 * place[i].mesh + place[i].back];
     for (size_t c = 0; c < 3; c++) out[i][c] = 0;
-    if (chart)
-      chart[i] = sheet == MAP_NONE ? YLM_UNWRAP_NONE
-                                   : ylm_unwrap_chart(m->charts, sheet, place[i].element);
+    if (chart) chart[i] = ylm__map_chart(m, &place[i]);
     if (!ylm__map_tap(m, &place[i], &tap)) continue;
     for (size_t k = 0; k < 4; k++)
       for (size_t c = 0; c < 3; c++)

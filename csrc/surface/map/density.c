@@ -15,21 +15,34 @@ static double product(const map_bake *b, const map_site *s) {
   return sum;
 }
 
-void ylm__map_square(const map_bake *b, double *square) {
+void ylm__map_products(const map_bake *b, double *out) {
+  for (size_t i = 0; i < b->sites; i++)
+    out[i] = map_counts(&b->site[i]) ? product(b, &b->site[i]) : 0;
+}
+
+ylm_status ylm__map_square(const map_bake *b, const double *products, double *square) {
   double(*sum)[3] = ylm_alloc_zero(b->charts, sizeof *sum);
-  for (size_t i = 0; sum && i < b->sites; i++) {
+  if (!sum) return YLM_ENOMEM;
+  for (size_t i = 0; i < b->sites; i++) {
     const map_site *s = &b->site[i];
     if (!map_counts(s)) continue;
-    double x = product(b, s);
     sum[s->chart][0]++;
-    sum[s->chart][1] += x;
-    sum[s->chart][2] += x * x;
+    sum[s->chart][1] += products[i];
+    sum[s->chart][2] += products[i] * products[i];
   }
   for (size_t i = 0; i < b->charts; i++) { /* at least what the mean may be off by */
-    double n = sum ? sum[i][0] : 0;
+    double n = sum[i][0];
     square[i] = n > 0 ? fmax(sum[i][1] / n, sqrt(sum[i][2]) / n) : 0;
   }
   ylm_free(sum);
+  return YLM_OK;
+}
+
+void ylm__map_slopes(map_bake *b, const double *coarse) {
+  for (size_t i = 0; i < b->charts; i++) {
+    double p = b->square[i] > 0 && coarse[i] > 0 ? log2(coarse[i] / b->square[i]) : 2;
+    b->slope[i] = fmin(fmax(p, MAP_SLOPE_LEAST), MAP_SLOPE_MOST);
+  }
 }
 
 void ylm__map_spread(map_bake *b) {

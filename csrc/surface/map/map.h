@@ -18,6 +18,15 @@
 /* The slope of the square error over the density, at least and at most. */
 #define MAP_SLOPE_LEAST 0.7
 #define MAP_SLOPE_MOST 4
+/* Fine triangles: about so many squares of two cover all surfaces, at most so many lie along an edge. */
+#define MAP_FINE 8192
+#define MAP_FINE_MOST 48
+/* Charts are divided where that saves so many times the texels of the new borders; with this slope, so often at most, by so
+   many lines an axis. */
+#define MAP_DIVIDE_GAIN 1
+#define MAP_DIVIDE_SLOPE 2.5
+#define MAP_DIVIDE_DEPTH 10
+#define MAP_DIVIDE_LINES 48
 /* Texels of the first picture that is made for a tolerance, and by how much a next one has more. */
 #define MAP_FIRST 16384
 #define MAP_GROW_LEAST 1.5
@@ -49,10 +58,14 @@ static const double map_weight[MAP_WEIGHTS] = {0.01, 0.3, 10, 300, 10000};
 
 /* -- the map ------------------------------------------------------------------------------------ */
 
-/* A side of a mesh that has light. */
+/* A side of a mesh that has light. Its triangles are cut into fine ones, alike along each edge. */
 typedef struct map_sheet {
   uint32_t mesh;
   bool back;
+  size_t triangles, fine;
+  uint8_t *parts;  /* [triangles] of an edge: n cuts a triangle into n^2 */
+  uint32_t *first; /* [triangles + 1] fine triangles before those of one */
+  uint32_t *of;    /* [fine] the triangle that one is of */
 } map_sheet;
 
 struct ylm_surface_map {
@@ -62,7 +75,7 @@ struct ylm_surface_map {
   size_t sheets;
   uint32_t *of; /* [meshes][2] the sheet of a front and a back, or MAP_NONE */
   ylm_unwrap *charts;
-  double *error; /* [charts] */
+  double *error;  /* [charts] */
   float *picture; /* [height][width][3] */
   float *flow;    /* [3 axes][height][width][3] or NULL */
   ylm_surface_map_stats stats;
@@ -74,13 +87,30 @@ typedef struct map_tap {
   float weight[4];
 } map_tap;
 
-/* sheets.c: the sheets of a scene, and their charts. */
+/* sheets.c: the sheets of a scene, and their charts, of triangles that are not cut. */
 ylm_status ylm__map_sheets(ylm_surface_map *m, const ylm_radiosity *r,
                            const ylm_surface_map_form *form, ylm_error *e);
+/* sheets.c: new charts of the fine triangles; label: as ylm_unwrap_form has it. */
+ylm_status ylm__map_unwrap(ylm_surface_map *m, const ylm_surface_map_form *form,
+                           const uint32_t *label, ylm_error *e);
+/* fine.c: counts the fine triangles of a sheet, by parts. YLM_ENOMEM. */
+ylm_status ylm__map_count(map_sheet *s);
+/* fine.c: the fine triangle of a place of a sheet's triangle, its u and v as the sheet has them; then those on the fine one. */
+size_t ylm__map_fine(const map_sheet *s, size_t triangle, double *u, double *v);
+/* fine.c: the triangle of a place of a fine one, and the place. */
+size_t ylm__map_whole(const map_sheet *s, size_t fine, double *u, double *v);
+/* fine.c: the vertices of the fine triangles beyond the mesh's: their number; triangle, and steps along both edges of each, or
+   NULL; index [fine][3], or NULL. */
+size_t ylm__map_lattice(const ylm_surface_map *m, const map_sheet *s, size_t vertices,
+                        uint32_t (*at)[3], uint32_t *index);
+/* divide.c: cuts triangles of large charts into fine ones, so that charts can be divided. */
+ylm_status ylm__map_refine(ylm_surface_map *m, const ylm_surface_map_form *form, ylm_error *e);
 /* sheets.c: a corner of a scene's triangle as its sheet has it, and back. */
 static inline int map_corner(bool back, int corner) { return back && corner ? 3 - corner : corner; }
 /* sheets.c: where a place of a sheet is read. False: it has no chart. */
 bool ylm__map_tap(const ylm_surface_map *m, const ylm_scene_place *p, map_tap *tap);
+/* sheets.c: the chart of a place, or YLM_UNWRAP_NONE. */
+uint32_t ylm__map_chart(const ylm_surface_map *m, const ylm_scene_place *p);
 /* sheets.c: the same of coordinates in texels. */
 void ylm__map_tap_at(const ylm_surface_map *m, const double at[2], map_tap *tap);
 
@@ -169,9 +199,19 @@ ylm_status ylm__map_smooth(map_bake *b);
 /* smooth.c: x [texels] becomes its sums over the texels of its chart around each; room [texels]. */
 void ylm__map_sum_around(const map_bake *b, float *x, float *room);
 
-/* density.c: square errors of charts, without noise, as they are packed; density.c: densities for a picture. */
-void ylm__map_square(const map_bake *b, double *square);
+/* density.c: the products of what the halves miss at each site [sites]; square errors of charts from these, without noise;
+   densities for a picture. */
+void ylm__map_products(const map_bake *b, double *product);
+ylm_status ylm__map_square(const map_bake *b, const double *product, double *square);
 void ylm__map_spread(map_bake *b);
+/* density.c: how square errors fall with the density, from those at half of it. */
+void ylm__map_slopes(map_bake *b, const double *coarse);
+
+/* divide.c: divides charts where parts of them miss more than others, by products of sites as they were packed last but one, and
+   last (coarse, or NULL), for a picture of so many texels; what charts have is found anew. */
+ylm_status ylm__map_divide(map_bake *b, size_t texels, const double *product, const double *coarse);
+/* bake.c: room for what charts have. */
+ylm_status ylm__map_begin(map_bake *b);
 
 /* The light of a half of a fit at a site. */
 static inline double map_value(const map_bake *b, const float *value, int half, const map_site *s,

@@ -1,12 +1,13 @@
 /* seams.c - edges where two charts meet on a smooth surface: both sides are to read as one. */
 #include "map.h"
 
-/* The normal of the scene in the middle of an edge of a sheet's triangle. */
-static void normal_of(const ylm_surface_map *m, const map_sheet *sheet, size_t triangle, int edge,
+/* The normal of the scene in the middle of an edge of a sheet's fine triangle. */
+static void normal_of(const ylm_surface_map *m, const map_sheet *sheet, size_t fine, int edge,
                       float normal[3]) {
-  float weight[3] = {0, 0, 0};
-  weight[map_corner(sheet->back, edge)] = weight[map_corner(sheet->back, (edge + 1) % 3)] = 0.5f;
-  ylm_scene_place p = {sheet->mesh, (uint32_t)triangle, weight[1], weight[2], sheet->back};
+  double u = edge == 2 ? 0 : 0.5, v = edge == 0 ? 0 : 0.5;
+  size_t triangle = ylm__map_whole(sheet, fine, &u, &v);
+  ylm_scene_place p = {sheet->mesh, (uint32_t)triangle, (float)(sheet->back ? v : u),
+                       (float)(sheet->back ? u : v), sheet->back};
   ylm_scene_surface at;
   ylm_scene_surfaces(m->scene, 1, &p, &at);
   memcpy(normal, at.normal, sizeof at.normal);
@@ -69,7 +70,7 @@ ylm_status ylm__map_seams(map_bake *b) {
   ylm_status s = YLM_OK;
   b->seams = b->m->stats.seams = 0;
   for (size_t i = 0; i < b->m->sheets; i++)
-    for (size_t t = 0; t < ylm_scene_triangles(b->m->scene, b->m->sheet[i].mesh); t++)
+    for (size_t t = 0; t < b->m->sheet[i].fine; t++)
       for (int k = 0; s == YLM_OK && k < 3; k++) s = add_seam(b, i, t, k);
   return s;
 }

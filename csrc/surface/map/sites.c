@@ -32,8 +32,9 @@ ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int
   return s;
 }
 
-static ylm_status add(map_bake *b, const map_sheet *sheet, size_t triangle, uint32_t chart,
-                      double u, double v) {
+static ylm_status add(map_bake *b, const map_sheet *sheet, size_t fine, uint32_t chart, double u,
+                      double v) {
+  size_t triangle = ylm__map_whole(sheet, fine, &u, &v);
   if (!ylm_list_reserve(&b->site, b->sites, b->sites + 1, &b->site_room, sizeof *b->site))
     return YLM_ENOMEM;
   b->site[b->sites++] =
@@ -80,7 +81,7 @@ static ylm_status scatter_all(map_bake *b, uint8_t *has) {
   ylm_status s = YLM_OK;
   for (int pass = 0; pass < 2; pass++)
     for (size_t i = 0; i < m->sheets; i++)
-      for (size_t t = 0; s == YLM_OK && t < ylm_scene_triangles(m->scene, m->sheet[i].mesh); t++) {
+      for (size_t t = 0; s == YLM_OK && t < m->sheet[i].fine; t++) {
         uint32_t chart = ylm_unwrap_chart(m->charts, i, t);
         double p[3][2];
         if (chart == YLM_UNWRAP_NONE || (pass && has[chart])) continue;

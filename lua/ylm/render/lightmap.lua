@@ -66,6 +66,8 @@ local fields = {
     about = "of a place whose light is fitted, twice; four places a texel" },
   { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = options.LIGHT_SAMPLES,
     shelf = "experiments", about = "of 'direct' and 'all': shadow rays of a place, twice" },
+  { "parts", "boolean", default = true, shelf = "experiments",
+    about = "whether large charts are divided, so that their parts have densities of their own; of spread = 'light'" },
   { "smooth", "boolean", default = true, shelf = "experiments",
     about = "whether texels are averaged along the surface, as far as halves of their rays say that light is smooth" },
   { "judge", "choice", of = { "paths", "field" }, default = "paths", shelf = "experiments",
@@ -126,8 +128,8 @@ local function bake(s, traced, o, texels)
   local paths, map = o.tolerance and o.judge == "paths"
   map, message, code = check.result("lightmap", traced.lib.map_bake(lit, { tolerance = o.tolerance or 0, aim = paths and AIM or 1,
     texels = texels,
-    even = o.spread == "even", smooth = o.smooth, directional = o.directional, gutter = o.gutter, angle = o.angle,
-    stretch = o.stretch, quantity = o.quantity, indirect = not transfer.fields.is_direct(o),
+    even = o.spread == "even", parts = o.parts, smooth = o.smooth, directional = o.directional, gutter = o.gutter,
+    angle = o.angle, stretch = o.stretch, quantity = o.quantity, indirect = not transfer.fields.is_direct(o),
     scene = o.quantity ~= "indirect" and traced.handle or nil, links = o.rays, light_samples = o.light_samples, seed = o.seed,
     threads = o.threads, progress = progress.resolve(o.progress) }))
   if not map then return nil, message, code end
