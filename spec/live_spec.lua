@@ -498,6 +498,10 @@ return scene "room" {
         if state.method then seen_methods[state.method] = state end
       end }))
     for _, name in ipairs { "grid", "reference", "rays", "path" } do assert(seen_methods[name], name) end
+    for _, name in ipairs { "rays", "path" } do -- say the noise that is left
+      local noise = seen_methods[name].noise
+      assert(noise and noise > 0 and noise < 0.5, ("%s: %s"):format(name, noise))
+    end
   end)
 
   it("are refined to the same picture, wherever events break a step off", function()

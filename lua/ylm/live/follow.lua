@@ -183,6 +183,12 @@ function methods.pairs(f, v, rows) return (#rows + #f.others) * v.view.stats.poi
 --- Forgets pictures by rays and paths: lamps or the camera moved.
 function methods.drop_rays(f) f.ray_view, f.rays, f.paths = nil, nil, nil end
 
+--- The mean standard error of a picture that is the mean of passes, relative to its mean; nil: it is dark.
+local function noise_of(mean, variance)
+  local sum = mean:sum()
+  return sum > 0 and (variance ^ 0.5):sum() / sum or nil
+end
+
 --- One more pass of rays to the lamps, averaged with those before; or nil, message, code.
 function methods.cast(f, v, rows, light_samples, progress)
   f.lit.lights = f:lights(rows)
@@ -204,6 +210,7 @@ function methods.cast(f, v, rows, light_samples, progress)
     r.done = lib.path_add(values, values, r.rest, r.variance, 0)
   else r.done = lib.path_add(values, r.image:layer "radiance", r.rest, r.variance, r.done) end
   r.passes, r.samples = r.passes + 1, r.samples + light_samples
+  r.noise = r.passes > 1 and noise_of(r.image:layer "radiance", r.variance) or nil
   return true
 end
 

@@ -66,7 +66,7 @@ local live_options = {
   { "quiet", "boolean", default = false, about = "true: what is picked is not printed" },
   { "on_frame", "function", optional = true,
     about = "called as f(state) for each picture: frame, lamps, camera, settings, grid, image, "
-      .. "seconds; false closes the window" },
+      .. "noise (of passes of rays or paths), seconds; false closes the window" },
   form.threads,
 }
 
@@ -75,7 +75,7 @@ local function told(me)
   local s, f, shown = me.state, me.follow, me.shown or {}
   return { frame = me.frames, lamps = s.lamps, camera = s.camera, settings = s.settings, chosen = s.chosen,
     grid = f.fine or f.grid, image = shown.image, method = shown.method, scale = me.scale, seconds = f.seconds,
-    relative = shown.relative, psnr = shown.psnr, depth = shown.depth, note = me.note, saved = me.saved }
+    noise = shown.noise, relative = shown.relative, psnr = shown.psnr, depth = shown.depth, note = me.note, saved = me.saved }
 end
 
 --- Calls on_frame after a picture; false where it closes the window.

@@ -111,6 +111,7 @@ local function lines_of(me)
   if shown then
     local text = shown_words[shown.method]
     if shown.samples then text = ("%s: %d"):format(text, shown.samples) end
+    if shown.noise and shown.noise >= 0 then text = ("%s, noise %.1f %%"):format(text, 100 * shown.noise) end
     add("light: " .. text, "bold")
     local grid = shown.grid
     if grid then
