@@ -387,7 +387,7 @@ describe("radiosity:field", function()
           links = ylm.links { spacing = 0.4, rays = 32 },
         }
         local lit = scene:links({ spacing = 0.4, rays = 32 }):radiosity()
-        local grid = scene:bake { quantity = "indirect" }
+        local grid = scene:bake { quantity = "indirect", judge = "field" }
         assert.is_true(grid.kind == "uniform" or grid.stats.verified > 0)
         local function mean(indirect)
           local image = scene:render { size = { 16, 12 }, samples = 1, light_samples = 1, bounced = indirect,

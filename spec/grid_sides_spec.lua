@@ -280,10 +280,10 @@ describe("sides", function()
 
   it("of a room promise irradiance, and paths judge it", function()
     local room = ylm.scene "a room" { lights = ylm.sphere_light { at = { 0, 0.4, 0 }, radius = 0.15, radiance = 20 },
-      geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.5 } },
-        ylm.box { bounds = { { -0.06, -0.99, -0.5 }, { 0.06, 0.2, 0.99 } }, material = ylm.matte { albedo = 0.6 } } } }
+      geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.3 } },
+        ylm.box { bounds = { { -0.06, -0.99, -0.5 }, { 0.06, 0.2, 0.99 } }, material = ylm.matte { albedo = 0.3 } } } }
     local links = room:links { spacing = 0.2, rays = 64 }
-    local probes = ylm.adaptive_grid { lmax = 2, depth = 3, tolerance = 0.3 }
+    local probes = ylm.adaptive_grid { lmax = 2, depth = 2, tolerance = 0.3 }
     local before = ylm.on_warning(false)
     local grid = assert(room:bake { quantity = "indirect", links = links, probes = probes })
     local by_field = assert(room:bake { quantity = "indirect", links = links, probes = probes, judge = "field" })
@@ -297,18 +297,18 @@ describe("sides", function()
     assert.is_true(stats.verified > 1500 and stats.failed >= stats.paths.undecided)
     -- other paths, at places that judged: as many exceed the error as it says
     local rows, points, normals = core.grid_judges(grid), {}, {}
-    for i = 1, 300 do
+    for i = 1, 150 do
       points[i] = { rows:get(i, 1), rows:get(i, 2), rows:get(i, 3) }
       normals[i] = { rows:get(i, 4), rows:get(i, 5), rows:get(i, 6) }
     end
-    local E = room:probe { points = points, normals = normals, samples = 1024, reflections = { 1, "all" }, seed = 77 }
+    local E = room:probe { points = points, normals = normals, samples = 512, reflections = { 1, "all" }, seed = 77 }
     local L, mean, above = grid:sample(points, { normals = normals, scene = room }), 0, 0
-    for i = 1, 300 do mean = mean + E:get(i, 2) / 300 end
-    for i = 1, 300 do
+    for i = 1, 150 do mean = mean + E:get(i, 2) / 150 end
+    for i = 1, 150 do
       local e = irradiance.at(L, i, normals[i])[2]
       if math.abs(e - E:get(i, 2)) > (stats.error + 0.1) * math.max(mean, E:get(i, 2)) then above = above + 1 end
     end
-    assert.is_true(above <= 6, above)
+    assert.is_true(above <= 4, above)
   end)
 
   it("are given up where progress says so", function()

@@ -258,7 +258,7 @@ describe("a surface grid", function()
 
   it("takes a budget, and says that it is spent", function()
     local g, said = listen(function()
-      return assert(scene:surface_grid { tolerance = 0.01, corners = 300, links = links, judge = "field" })
+      return assert(scene:surface_grid { tolerance = 0.01, corners = 300, rays = 64, links = links, judge = "field" })
     end)
     assert.is_true(g.stats.spent)
     assert.is_false(g.stats.met)

@@ -52,7 +52,7 @@ describe("exact flat lights on a device", function()
   local points = numbers.points(37, 3, 6)
   local few = { points[1], points[2], points[3] }
 
-  for _, lmax in ipairs(long({ 0, 4, 10 }, { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 })) do
+  for _, lmax in ipairs(long({ 4, 10 }, { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 })) do
     it(("agree to 1e-5 in float, with Hessians and the metric, at lmax %d"):format(lmax), function()
       local lights = { polygons(23, 0.6, 3), polygons(5, 1, 5), disks(9, 0.5) }
       agree(lmax, lights, points, { derivatives = 2, channels = "luminance", metric = "luminance" }, 1e-5)
@@ -67,7 +67,7 @@ describe("exact flat lights on a device", function()
 
   it("agree where values alone, gradients, or only the metric are asked for, of rgb and of luminance", function()
     local lights = { polygons(7, 1, 4), disks(3, 0.5) }
-    for _, channels in ipairs { "rgb", "luminance" } do
+    for _, channels in ipairs(long({ "rgb" }, { "rgb", "luminance" })) do
       if long(channels == "rgb", true) then agree(4, lights, points, { channels = channels }, 1e-5) end
       if long(channels ~= "rgb", true) then agree(4, lights, points, { channels = channels, derivatives = 1 }, 1e-5) end
     end
