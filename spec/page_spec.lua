@@ -616,7 +616,7 @@ describe("a page", function()
         shown(scene:bake { probes = ylm.adaptive_grid { lmax = 1, depth = 3, channels = "luminance", tolerance = 0.1 } }, {})
         shown(grid, { precision = "byte" })
         shown(grid, { precision = "float" })
-        shown(scene:bake { probes = ylm.adaptive_grid { lmax = 8, depth = 3, tolerance = 0.1 } }, {})
+        shown(scene:bake { probes = ylm.adaptive_grid { lmax = 8, depth = 3, tolerance = 0.1 } }, { dering = false })
         shown(scene:bake { quantity = "direct", probes = ylm.adaptive_grid { lmax = 3, depth = 4, tolerance = 0.1 } }, {})
       end
       -- a title that would be a script is text
