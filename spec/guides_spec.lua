@@ -182,6 +182,10 @@ describe("guides of shadow rays", function()
       return (court():pathtrace { size = { 30, 20 }, samples = 32, threads = threads, layers = false })
     end
     assert.are.equal(0, paths(1):compare(paths(3)).max)
+    local links = court():links { spacing = 0.5, rays = 4, lmax = 0 }
+    local function elements(n) return links:radiosity(nil, { bounces = 0, threads = n }):irradiance() end
+    local d = elements(1) - elements(3)
+    assert.are.equal(0, (d * d):sum())
   end)
 
   it("are told of in the report, and left out where one lamp shines or nothing shades", function()
