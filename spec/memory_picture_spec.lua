@@ -29,6 +29,12 @@ describe("memory that runs out", function()
     assert(status == 0 and out:find "\n1 calls, %d+ requests, %d+ failures, 0 defects", out)
   end)
 
+  it("is said while a lightmap is made and saved", function()
+    if missing then return pending(missing) end
+    local out, status = preload.sweep(program, folder, "^lightmap: ", 40000, 150)
+    assert(status == 0 and out:find "\n1 calls, %d+ requests, %d+ failures, 0 defects", out)
+  end)
+
   it("is said by a live window, which is closed, so that another one can be opened", function()
     if missing then return pending(missing) end
     local out, status = preload.sweep(program, folder, "^picture live: ", 3000, 40)

@@ -153,6 +153,15 @@ $(FUZZ_DIR)/bin/surface: spec/fuzz/surface.c $(FUZZ_ALSO_surface) $(LIBS)
 	$(call say,LINK,$@)
 	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer spec/fuzz/surface.c $(FUZZ_ALSO_surface) $(FUZZ_LIBS_surface) -lm -o $@
 
+# Charts of meshes: instrumented, all else from libylm as it is built.
+FUZZ_ABOUT_unwrap := $(wildcard csrc/geom/unwrap/*.c)
+FUZZ_ALSO_unwrap := $(patsubst csrc/%.c,$(FUZZ_DIR)/obj/%.o,$(FUZZ_ABOUT_unwrap))
+FUZZ_LIBS_unwrap := -L$(BUILD)/lib -Wl,-rpath,$(abspath $(BUILD))/lib -lylm
+$(FUZZ_DIR)/bin/unwrap: spec/fuzz/unwrap.c $(FUZZ_ALSO_unwrap) $(BUILD)/lib/libylm.so
+	@mkdir -p $(@D)
+	$(call say,LINK,$@)
+	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer spec/fuzz/unwrap.c $(FUZZ_ALSO_unwrap) $(FUZZ_LIBS_unwrap) -lm -o $@
+
 # Probes of engines: their reader and look-up instrumented.
 FUZZ_ABOUT_probes := csrc/grid/probes/file.c csrc/grid/probes/look.c
 FUZZ_ALSO_probes := $(patsubst %,$(FUZZ_DIR)/obj/grid/probes/%.o,file look)

@@ -503,6 +503,20 @@ calls["surface: grid"] = on(scene, function(s)
   report, message, code = light:update()
   return report and light.stats.corners, message, code
 end)
+calls["lightmap: made, divided and saved"] = on(scene, function(s)
+  local links, message, code = s:links { spacing = 2, rays = 4 }
+  if not links then return nil, message, code end
+  local light
+  light, message, code = s:lightmap { texels = 300, rays = 4, light_samples = 1, directional = true, links = links }
+  if not light then return nil, message, code end
+  for _, ending in ipairs { ".glb", ".html" } do
+    local name = os.tmpname()
+    local ok, why, what = light:save(name .. ending, { lit = ending == ".glb" or nil })
+    for _, left in ipairs { "", ending, ".exr", "_x.exr", "_y.exr", "_z.exr" } do os.remove(name .. left) end
+    if not ok then return nil, why, what end
+  end
+  return light.stats.charts
+end)
 calls["scene:bake"] = on(scene, function(s) return s:bake { occupied = "camera", samples = 1, size = size } end)
 for _, name in ipairs { "render", "reference", "raycast" } do
   calls["scene:" .. name] = on(scene, function(s)

@@ -59,11 +59,11 @@
   const VERTEX = `#version 300 es
     in vec3 position; in vec2 uv; in vec3 albedo; in vec2 chart; in float number;
     uniform mat4 matrix;
-    out vec2 at; out vec3 rho; flat out vec3 facts;
+    centroid out vec2 at; out vec3 rho; flat out vec3 facts; /* no look-up leaves its chart */
     void main() { at = vec2(uv.x, 1.0 - uv.y); rho = albedo; facts = vec3(chart, number); gl_Position = matrix * vec4(position, 1); }`;
   const FRAGMENT = `#version 300 es
     precision highp float; precision highp sampler2D;
-    in vec2 at; in vec3 rho; flat in vec3 facts;
+    centroid in vec2 at; in vec3 rho; flat in vec3 facts;
     uniform sampler2D light; uniform int mode; uniform float scale; uniform vec2 range;
     out vec4 colour;
     vec3 curve(vec3 x) {
