@@ -44,6 +44,7 @@ describe("ticks", function()
     assert.same({ "0", "5000", "10000", "15000" }, labels(0, 15000, false, 4))
     assert.same({ "0", "1·10⁵", "2·10⁵", "3·10⁵", "4·10⁵" }, labels(0, 4e5, false, 6))
     assert.same({ "0", "0.5·10⁻⁵", "1.0·10⁻⁵" }, labels(0, 1e-5, false, 3))
+    assert.same({ "0.60006", "0.60008", "0.60010" }, labels(0.60006, 0.6001, false, 3)) -- near together, not small
     assert.same({ "2", "3", "4" }, labels(2, 4, false, 9, true))
   end)
 end)

@@ -21,7 +21,7 @@ end
 local function linear_labels(first, last, step)
   local largest = math.max(math.abs(first), math.abs(last)) * step
   local digits, exponent = math.floor(log10(step) + 1e-9), 0
-  if largest >= 1e5 or digits < -4 then exponent = math.floor(log10(largest) + 1e-9) end
+  if largest >= 1e5 or digits < (largest < 0.01 and -4 or -7) then exponent = math.floor(log10(largest) + 1e-9) end
   local labels = {}
   for i = first, last do
     local text = fixed(i * step / 10 ^ exponent, math.max(0, exponent - digits))
