@@ -34,6 +34,8 @@ FUZZ_ABOUT_tensor := csrc/material/tensor.c csrc/material/rgl_file.c csrc/materi
 # Spherical harmonics of irradiance, and errors of lights, are those of the library as it is built.
 FUZZ_LIBS_grid := -L$(BUILD)/lib -lylm -Wl,-rpath,$(abspath $(BUILD)/lib)
 FUZZ_ABOUT_grid := $(wildcard csrc/grid/file/*.c csrc/grid/small/*.c)
+FUZZ_ALSO_grid := $(foreach i,$(ISAS),$(BUILD)/obj/grid/small/mix.$(i).o)
+$(FUZZ_DIR)/bin/grid: $(FUZZ_ALSO_grid)
 
 FUZZ_SANITIZE := -fsanitize=address,undefined,fuzzer-no-link -fno-sanitize-recover=undefined
 FUZZ_CFLAGS := -std=gnu11 -DFUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION -O1 -g -fno-omit-frame-pointer $(FUZZ_SANITIZE) -fprofile-instr-generate -fcoverage-mapping \
