@@ -270,7 +270,7 @@ spec: all   ## run the specs, without installing what they need (SPEC=files for 
 quick: all   ## the specs that a change of one file needs: 90 seconds on two cores
 	@YLM_SPEC=quick BUILD=$(abspath $(BUILD)) SPEC_LUAS='$(or $(SPEC_LUAS),lua5.4)' spec/run $(SPEC)
 
-check-long: all   ## run by hand before a release, hours (LONG=parts): sanitizers, kills, clang, Lua 5.5, Embree 4, minimal Debians
+check-long: all   ## run by hand before a release, hours (LONG=parts): sanitizers, fuzzers, kills, clang, Lua 5.5, Embree 4, minimal Debians
 	@BUILD=$(abspath $(BUILD)) spec/long $(LONG)
 
 portable: ## build and test in minimal roots of Debian 12 and 13, by debootstrap as root (SUITES=trixie, PORTABLE_MORE=packages)

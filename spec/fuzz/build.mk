@@ -124,8 +124,8 @@ fuzz-check: $(patsubst %.c,$(BUILD)/check/%.o,$(filter-out $(if $(WITH_CODEC),,%
 FUZZ_ABOUT_scene := csrc/lua/core/sandbox.c csrc/lua/codec/codec.c
 # The Lua state outlives each input: leaks are looked for at no single one.
 FUZZ_ARGS_scene := -detect_leaks=0
-FUZZ_ALSO_scene := $(patsubst csrc/lua/%.c,$(FUZZ_DIR)/lua/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/core/*.c) csrc/lua/codec/codec.c) \
-  $(patsubst csrc/%.c,$(FUZZ_DIR)/obj/%.o,$(wildcard csrc/codec/*.c))
+FUZZ_ALSO_scene := $(patsubst csrc/lua/%.c,$(FUZZ_DIR)/lua/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/core/*.c csrc/lua/codec/*.c)) \
+  $(patsubst csrc/%.c,$(FUZZ_DIR)/obj/%.o,$(filter-out $(NO_GLTF),$(wildcard csrc/codec/*.c csrc/codec/gltf/*.c)))
 FUZZ_LIBS_scene := $(call pkg,--cflags --libs,lua5.4) $(LIBS_codec) -L$(BUILD)/lib -Wl,-rpath,$(abspath $(BUILD))/lib -lylm
 $(FUZZ_DIR)/lua/%.o: csrc/lua/%.c
 	@mkdir -p $(@D)
