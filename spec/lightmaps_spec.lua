@@ -119,6 +119,15 @@ describe("scene:lightmap", function()
     assert.is_true(rms[true] < 0.4 * rms[false], ("%.4g, whole %.4g"):format(rms[true], rms[false]))
   end)
 
+  it("cuts no triangles that lie over each other, whose parts would be charts each", function()
+    local light = assert(ylm.scene "three floors in one place" { geometry = ylm.mesh { material = white,
+      vertices = { { 0, 0, 0 }, { 0, 0, 3 }, { 3, 0, 3 }, { 3, 0, 0 } },
+      triangles = { { 1, 2, 3 }, { 1, 3, 4 }, { 1, 2, 3 }, { 1, 3, 4 }, { 1, 2, 3 }, { 1, 3, 4 } } },
+      lights = ylm.sphere_light { at = { 1, 0.3, 1 }, radius = 0.05, radiance = 100 }, links = links }
+      :lightmap { texels = 2048, quantity = "direct", rays = 4, light_samples = 1 })
+    assert.is_true(light.stats.charts >= 6 and light.stats.charts <= 12, light.stats.charts)
+  end)
+
   it("agrees across seams of a sphere to 2 %", function()
     local light = ylm.scene "a ball" { geometry = { ylm.sphere { divide = { 24, 12 }, material = white } },
       links = links, lights = ylm.sphere_light { at = { 3, 2, 1 }, radius = 0.2, radiance = 100 } }

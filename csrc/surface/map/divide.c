@@ -88,22 +88,83 @@ static size_t choose_parts(const ylm_surface_map *m, size_t charts, double side,
   return cut;
 }
 
+/* The charts of all triangles of all sheets, to be freed; NULL without memory. */
+static uint32_t *charts_of(const ylm_surface_map *m) {
+  size_t n = 0, at = 0;
+  for (size_t i = 0; i < m->sheets; i++) n += m->sheet[i].triangles;
+  uint32_t *of = ylm_alloc(n, sizeof *of);
+  for (size_t i = 0; of && i < m->sheets; i++)
+    for (size_t t = 0; t < m->sheet[i].triangles; t++) of[at++] = ylm_unwrap_chart(m->charts, i, t);
+  return of;
+}
+
+/* Counts the new charts that begin on each old one: fine triangles that lie over each other join none, and are charts each. */
+static ylm_status count_charts(const ylm_surface_map *m, const uint32_t *old, size_t charts,
+                               uint32_t *count) {
+  ylm_unwrap_stats stats;
+  ylm_unwrap_look(m->charts, &stats);
+  uint8_t *seen = ylm_alloc_zero(stats.charts, 1);
+  if (!seen) return YLM_ENOMEM;
+  memset(count, 0, charts * sizeof *count);
+  for (size_t i = 0; i < m->sheets; old += m->sheet[i++].triangles)
+    for (size_t f = 0; f < m->sheet[i].fine; f++) {
+      uint32_t chart = ylm_unwrap_chart(m->charts, i, f), from = old[m->sheet[i].of[f]];
+      if (chart == YLM_UNWRAP_NONE || from == YLM_UNWRAP_NONE || seen[chart]) continue;
+      seen[chart] = 1;
+      count[from]++;
+    }
+  ylm_free(seen);
+  return YLM_OK;
+}
+
+/* Makes triangles of charts that fell apart whole again, with all that are joined to them; *changed: there are some. */
+static ylm_status mend(ylm_surface_map *m, const uint32_t *old, size_t charts, uint8_t *parts,
+                       uint32_t *root, bool *changed) {
+  uint32_t *count = ylm_alloc(charts, sizeof *count);
+  uint8_t *broken = ylm_alloc_zero(charts, 1);
+  ylm_status s = count && broken ? count_charts(m, old, charts, count) : YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < charts; i++)
+    if (count[i] > MAP_FINE_CHARTS) broken[root_of(root, (uint32_t)i)] = *changed = true;
+  for (size_t i = 0; s == YLM_OK && i < charts; i++)
+    if (broken[root_of(root, (uint32_t)i)]) parts[i] = 1;
+  for (size_t i = 0; s == YLM_OK && i < m->sheets; old += m->sheet[i++].triangles) {
+    map_sheet *sheet = &m->sheet[i];
+    for (size_t t = 0; t < sheet->triangles; t++)
+      sheet->parts[t] = old[t] == YLM_UNWRAP_NONE ? 1 : parts[old[t]];
+    s = ylm__map_count(sheet);
+  }
+  ylm_free(count), ylm_free(broken);
+  return s;
+}
+
+/* Cuts the triangles of charts, and makes charts of them. */
+static ylm_status cut_all(ylm_surface_map *m, const ylm_surface_map_form *form, size_t charts,
+                          uint8_t *parts, ylm_error *e) {
+  uint32_t *root = ylm_alloc(charts, sizeof *root), *old = charts_of(m);
+  bool changed = false;
+  ylm_status s = root && old ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) {
+    join(m, charts, parts, root);
+    s = set_parts(m, parts);
+  }
+  if (s == YLM_OK) s = ylm__map_unwrap(m, form, NULL, e);
+  if (s == YLM_OK) s = mend(m, old, charts, parts, root, &changed);
+  if (s == YLM_OK && changed) s = ylm__map_unwrap(m, form, NULL, e);
+  ylm_free(root), ylm_free(old);
+  return s;
+}
+
 ylm_status ylm__map_refine(ylm_surface_map *m, const ylm_surface_map_form *form, ylm_error *e) {
   ylm_unwrap_stats stats;
   ylm_unwrap_look(m->charts, &stats);
   size_t n = stats.charts;
   double *edge = ylm_alloc_zero(2 * n, sizeof *edge), whole = 0;
   uint8_t *parts = ylm_alloc(n, 1);
-  uint32_t *root = ylm_alloc(n, sizeof *root);
-  ylm_status s = edge && parts && root ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK) s = find_edges(m, edge, edge + n);
+  ylm_status s = edge && parts ? find_edges(m, edge, edge + n) : YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < n; i++) whole += ylm_unwrap_area(m->charts, i);
-  if (s == YLM_OK && choose_parts(m, n, sqrt(whole / MAP_FINE), edge, edge + n, parts)) {
-    join(m, n, parts, root);
-    s = set_parts(m, parts);
-    if (s == YLM_OK) s = ylm__map_unwrap(m, form, NULL, e);
-  }
-  ylm_free(edge), ylm_free(parts), ylm_free(root);
+  if (s == YLM_OK && choose_parts(m, n, sqrt(whole / MAP_FINE), edge, edge + n, parts))
+    s = cut_all(m, form, n, parts, e);
+  ylm_free(edge), ylm_free(parts);
   return s;
 }
 

@@ -21,6 +21,8 @@
 /* Fine triangles: about so many squares of two cover all surfaces, at most so many lie along an edge. */
 #define MAP_FINE 8192
 #define MAP_FINE_MOST 48
+/* A chart whose fine triangles make more charts than these is not cut: its triangles overlap. */
+#define MAP_FINE_CHARTS 4
 /* Charts are divided where that saves so many times the texels of the new borders; with this slope, so often at most, by so
    many lines an axis. */
 #define MAP_DIVIDE_GAIN 1
