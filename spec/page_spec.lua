@@ -255,7 +255,8 @@ describe("a page", function()
   it("is what ylm page writes, of a scene and of a grid alone", function()
     needs_parts()
     local file = folder:write("s.lua", [[
-      return scene "s" { camera = camera { from = { 0, 1, 3 } }, geometry = sphere { radius = 0.5, divide = 8 },
+      return scene "s" { camera = camera { from = { 0, 1, 3 } },
+        geometry = quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } },
         lights = sphere_light { at = { 0, 1.5, 0 } } }]])
     local ylm_tool = (os.getenv "YLM_BUILD" or "build") .. "/ylm"
     local read = require "spec.support.json".read

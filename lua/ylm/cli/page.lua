@@ -34,7 +34,7 @@ end
 local function light_of(ylm, scene, grid, given)
   if given.lamps or not scene or #scene.geometry == 0 or grid.quantity ~= "lights" then return nil end
   return (status.need(scene:bake { quantity = "all", threads = given.threads, progress = report.progress(given),
-    probes = ylm.adaptive_grid { lmax = 2, tolerance = LIGHT_TOLERANCE } }))
+    probes = ylm.adaptive_grid { lmax = 2, tolerance = LIGHT_TOLERANCE, depth = given.depth } }))
 end
 
 local function load_grid(ylm, path) return status.need_kind("ylm.grid", "a grid", path, ylm.load(path)) end
@@ -94,7 +94,7 @@ return {
     { "lightmap", nil, nil, "the surfaces, lit by a lightmap, instead of a grid; of a file of triangles too" },
     { "texels", nil, "N", "of --lightmap, at most" },
     { "tolerance", nil, "N", "of the bake, instead of the scene's probes'; default 0.05 where the scene has none" },
-    { "depth", nil, "N", "of the bake: the finest level" },
+    { "depth", nil, "N", "of the bake, and of that of the scene's light: the finest level" },
     { "quantity", nil, "NAME", "of the bake: lights (default), which nothing occludes, direct, indirect or all" },
     { "lamps", nil, nil, "show the lamps' light alone: no bake of the scene's, with walls, shadows and bounces" },
     { "precision", nil, "NAME", "few (default): rounded, a fifteenth of half or less; half, float, or byte: 0.63 of half" },
