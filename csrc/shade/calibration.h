@@ -123,7 +123,7 @@
 #define BALANCE_LARGEST 64
 #define BALANCE_SMALLEST 8
 #define BALANCE_PASSES 2
-#define BALANCE_NOISE 0.06
+#define BALANCE_NOISE 0.025
 
 /* -- pixels that are judged: draw.c -------------------------------------------------------------- */
 
