@@ -255,9 +255,9 @@ describe("a page", function()
   it("is what ylm page writes, of a scene and of a grid alone", function()
     needs_parts()
     local file = folder:write("s.lua", [[
-      return scene "s" { camera = camera { from = { 0, 1, 3 } },
-        geometry = quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } },
-        lights = sphere_light { at = { 0, 1.5, 0 } } }]])
+      return scene "s" { camera = camera { from = { 0.8, 0.5, 0.9 } }, links = links { spacing = 0.5, rays = 16 },
+        geometry = box { scale = 2, material = matte { albedo = 0.1 } },
+        lights = sphere_light { at = { 0, 0.5, 0 }, radius = 0.1 } }]])
     local ylm_tool = (os.getenv "YLM_BUILD" or "build") .. "/ylm"
     local read = require "spec.support.json".read
     local out, status = scratch.capture(("%s page %s --depth 2 --no-poster -o %s -q --json"):format(ylm_tool, file,
@@ -270,6 +270,17 @@ describe("a page", function()
       folder.path .. "/s.html"))
     assert.equal(0, status, out)
     assert(not read(out).light and not read(out).sections.probes, out)
+    local open = folder:write("open.lua", [[
+      return scene "open" { camera = camera { from = { 0, 1, 3 } },
+        geometry = quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } },
+        lights = sphere_light { at = { 0, 1.5, 0 } } }]])
+    out, status = scratch.capture(("%s page %s --depth 2 --no-poster -o %s -q --json"):format(ylm_tool, open,
+      folder.path .. "/open.html"))
+    assert.equal(0, status, out)
+    assert(not read(out).light, out) -- no walls stand around it
+    out, status = scratch.capture(("%s page %s --light --lamps -o %s"):format(ylm_tool, open, folder.path .. "/open.html"))
+    assert.equal(2, status, out)
+    assert.matches("leave one out", out)
     out, status = scratch.capture(("%s page %s -o b.html"):format(ylm_tool, folder:write("b.lua", [[
       return scene "b" { lights = sphere_light { at = { 0, 1.5, 0 } }, probes = adaptive_grid { depth = 3, bricks = 1 } }]])))
     assert.equal(2, status, out)

@@ -29,10 +29,26 @@ local function check_whole(path)
   status.stop(status.usage, "page: %s is a grid in bricks, and a page holds a whole one: ylm pack makes a file of it", path)
 end
 
---- The scene's light with walls, shadows and bounces; nil where the grid has them, where no surface throws shadows, or where
--- --lamps asks for none.
+--- Do walls stand around the surfaces of a scene: does a tenth of their area see less than half of the sky?
+local function has_walls(ylm, scene, given)
+  local triangles = 0
+  for _, g in ipairs(scene.geometry) do triangles = triangles + #g.mesh:triangles() end
+  local links = status.need(scene:links { max_elements = math.max(8192, 2 * triangles), rays = 4, threads = given.threads })
+  local sky = status.need(links:radiosity(ylm.environment_light { radiance = 1 },
+    { bounces = 0, light_samples = 8, guides = false, threads = given.threads }))
+  local area, E, all, within = links:elements().area, sky:irradiance(), 0, 0
+  for i = 1, #area do
+    all = all + area:get(i)
+    within = within + (E:get(i, 1) < math.pi / 2 and area:get(i) or 0)
+  end
+  return within > 0.1 * all
+end
+
+--- The scene's light with walls, shadows and bounces; nil where the grid has them, where no surface throws shadows, where no
+-- walls stand around them and --light does not ask, or where --lamps asks for none.
 local function light_of(ylm, scene, grid, given)
   if given.lamps or not scene or #scene.geometry == 0 or grid.quantity ~= "lights" then return nil end
+  if not given.light and not has_walls(ylm, scene, given) then return nil end
   return (status.need(scene:bake { quantity = "all", threads = given.threads, progress = report.progress(given),
     probes = ylm.adaptive_grid { lmax = 2, tolerance = LIGHT_TOLERANCE, depth = given.depth } }))
 end
@@ -61,7 +77,7 @@ local function things_of(ylm, given)
     occupied = #scene.geometry > 0 and "surfaces" or "everywhere", progress = report.progress(given) }), scene
 end
 
-local of_grids = { "grid", "depth", "lamps", "precision", "tone", "size", "no-poster", "dering" }
+local of_grids = { "grid", "depth", "lamps", "light", "precision", "tone", "size", "no-poster", "dering" }
 
 --- Bakes a lightmap and writes its page.
 local function write_lightmap(given)
@@ -96,7 +112,8 @@ return {
     { "tolerance", nil, "N", "of the bake, instead of the scene's probes'; default 0.05 where the scene has none" },
     { "depth", nil, "N", "of the bake, and of that of the scene's light: the finest level" },
     { "quantity", nil, "NAME", "of the bake: lights (default), which nothing occludes, direct, indirect or all" },
-    { "lamps", nil, nil, "show the lamps' light alone: no bake of the scene's, with walls, shadows and bounces" },
+    { "light", nil, nil, "show the scene's light, with walls, shadows and bounces; default where walls stand around surfaces" },
+    { "lamps", nil, nil, "show the lamps' light alone: no bake of the scene's" },
     { "precision", nil, "NAME", "few (default): rounded, a fifteenth of half or less; half, float, or byte: 0.63 of half" },
     { "title", nil, "TEXT", "default: the scene's name" },
     { "exposure", nil, "N", "at first, in stops" },
@@ -117,6 +134,7 @@ return {
     end
     if given.lightmap then return write_lightmap(given) end
     if given.texels then status.stop(status.usage, "page: --texels is of --lightmap") end
+    if given.light and given.lamps then status.stop(status.usage, "page: --light and --lamps: leave one out") end
     local grid, scene = things_of(ylm, given)
     local poster
     if given["no-poster"] then poster = false end
