@@ -39,10 +39,10 @@
 ** `static` may stand before either.
 */
 #define YLM_KERNEL_CHOICE(type, function, name, plain)                                             \
-  type *function(void) { YLM__KERNEL_OF(type, ylm_isa_current(), name, plain) }                     \
+  type *function(void) { YLM__KERNEL_OF(type, ylm_isa_current(), name, plain) }                    \
   _Static_assert(1, "a semicolon follows")
 #define YLM_KERNEL_CHOICE_OF(type, function, name, plain)                                          \
-  type *function(ylm_isa isa) { YLM__KERNEL_OF(type, isa, name, plain) }                            \
+  type *function(ylm_isa isa) { YLM__KERNEL_OF(type, isa, name, plain) }                           \
   _Static_assert(1, "a semicolon follows")
 
 #define YLM__SET_CASE(isa, name)                                                                   \

@@ -68,7 +68,8 @@ struct ylm_grid {
   float (*judge)
       [6]; /* [judges] places and normals of the first points that judged the bake, relative to `origin` */
   size_t judges;
-  struct grid_panel *panel; /* what judged the bake, with exact light (bake/panel.h); NULL: nobody knows */
+  /* Judged the bake, with exact light (bake/panel.h); NULL: nobody knows. */
+  struct grid_panel *panel;
   ylm_grid_small_report small; /* of a grid that was read from a file of few bytes */
   bool is_small;
   struct frames *frames; /* for bakes like this one (promise/go_on.c); NULL: it knows none */

@@ -1,6 +1,6 @@
 /* store.c - cells and points of a grid, and the way from a position to its cell. */
-#include "grid.h"
 #include "bake/panel.h"
+#include "grid.h"
 #include "ylm_list.h"
 
 #include <math.h>

@@ -802,8 +802,8 @@ typedef struct ylm_grid_fit {
   size_t probes;
   const uint32_t (*around)[8]; /* [places] */
   const float (*share)[8];     /* [places] */
-  bool quick;   /* few steps: to compare lattices */
-  int threads;  /* 0: the default */
+  bool quick;                  /* few steps: to compare lattices */
+  int threads;                 /* 0: the default */
 } ylm_grid_fit;
 
 /*
@@ -839,13 +839,14 @@ typedef struct ylm_grid_probes_size {
 /* Places of surfaces to which probes are fitted. */
 typedef struct ylm_grid_probes_places {
   size_t n;
-  const double (*point)[3];  /* [n] scene units */
-  const float (*normal)[3];  /* [n] unit */
-  const float (*wanted)[3];  /* [n] irradiance */
-  const float *weight;       /* [n] of squared errors */
-  double hold, hold_ghosts;  /* weights of the squared distance from what a point was; of points that no brick's part sees */
-  bool quick;                /* few steps */
-  int threads;               /* 0: the default */
+  const double (*point)[3]; /* [n] scene units */
+  const float (*normal)[3]; /* [n] unit */
+  const float (*wanted)[3]; /* [n] irradiance */
+  const float *weight;      /* [n] of squared errors */
+  /* Weights of the squared distance from what a point was; of points that no brick's part sees. */
+  double hold, hold_ghosts;
+  bool quick;  /* few steps */
+  int threads; /* 0: the default */
 } ylm_grid_probes_places;
 
 /*
@@ -886,8 +887,8 @@ YLM_API ylm_status ylm_grid_probes_thin(ylm_grid_probes *p, const ylm_grid_probe
 ** Returns  YLM_OK, YLM_ENOMEM; of decode also YLM_EFORMAT (no such file, or one that cannot be), YLM_ECHECKSUM (damaged),
 **          YLM_EVERSION
 */
-YLM_API ylm_status ylm_grid_probes_encode(const ylm_grid_probes *p, int bits,
-                                          unsigned char **data, size_t *size, ylm_error *e);
+YLM_API ylm_status ylm_grid_probes_encode(const ylm_grid_probes *p, int bits, unsigned char **data,
+                                          size_t *size, ylm_error *e);
 YLM_API ylm_status ylm_grid_probes_decode(const unsigned char *data, size_t size, const char *name,
                                           ylm_grid_probes **p, ylm_error *e);
 /* The bytes of the file. */
@@ -906,15 +907,16 @@ typedef struct ylm_grid_small {
 
 /* The promise of a small file. Errors are of the grid's measure. */
 typedef struct ylm_grid_small_report {
-  double error;      /* in all: 99 % of all places err by less; NaN: the grid's own error is not known */
+  double error; /* in all: 99 % of all places err by less; NaN: the grid's own error is not known */
   double confidence; /* of that */
   double before;     /* what interpolation alone errs by: the grid's own error; NaN: not known */
   double rounding;   /* of decoded light against the grid's: 99 % of the places looked at */
   double largest;    /* of these */
   double middle;     /* the median of the total where a panel judged it, else of rounding */
   uint64_t places;   /* places looked at */
-  uint64_t judged;   /* 1: the bake's own held-out places, with exact light; 0: error is the sum of before and largest */
-  double step;       /* relative to the light's norm */
+  /* 1: the bake's own held-out places, with exact light; 0: error is the sum of before and largest. */
+  uint64_t judged;
+  double step; /* relative to the light's norm */
 } ylm_grid_small_report;
 
 /*
@@ -961,7 +963,8 @@ YLM_API ylm_status ylm_grid_pack(const ylm_grid *g, int threads, uint32_t *word,
 
 /* Gives a file of a grid in memory, which holds it to the bit, the stats and the tolerance that the grid has by now: another
    judge may have spoken. YLM_EFORMAT: it is no file of such a grid. */
-YLM_API ylm_status ylm_grid_restate(unsigned char *data, size_t size, const ylm_grid *g, ylm_error *e);
+YLM_API ylm_status ylm_grid_restate(unsigned char *data, size_t size, const ylm_grid *g,
+                                    ylm_error *e);
 /* The places that judged a bake, with their light, become those of a grid that was decoded from it. */
 YLM_API void ylm_grid_inherit(ylm_grid *to, ylm_grid *from);
 /* The report that a small file has; false: the grid was not read from one. */
@@ -999,7 +1002,8 @@ typedef struct ylm_grid_small_part {
 /* The parts that points are decoded from: head, tree, bases, tables, points, numbers, bits (docs/grids.md, "Few bytes").
    YLM_EFORMAT: it is no small file. */
 YLM_API ylm_status ylm_grid_small_parts(const unsigned char *data, size_t size,
-                                        ylm_grid_small_part part[YLM_GRID_SMALL_PARTS], ylm_error *e);
+                                        ylm_grid_small_part part[YLM_GRID_SMALL_PARTS],
+                                        ylm_error *e);
 
 /*
 ** ylm_grid_read, ylm_grid_decode - a grid from a file, or from its bytes.

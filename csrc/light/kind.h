@@ -139,8 +139,9 @@ struct ylm__light_kind {
   X(polygon)                                                                                       \
   X(polygon_as_sphere)                                                                             \
   X(textured)                                                                                      \
-  X(environment) X(panorama) X(sun) X(sampled) X(spot) X(lobe) X(virtual) X(photometric)           \
-      X(photometric_point) X(foreign)
+  X(environment)                                                                                   \
+  X(panorama)                                                                                      \
+  X(sun) X(sampled) X(spot) X(lobe) X(virtual) X(photometric) X(photometric_point) X(foreign)
 #define X(name) extern const ylm__light_kind ylm__##name##_kind;
 YLM__LIGHT_KINDS(X)
 #undef X

@@ -143,19 +143,19 @@ void ylmL_set_boolean(lua_State *L, const char *name, bool x);
 /* The kinds of values, and the C types that they become. */
 typedef enum ylmL_kind {
   YLML_INT,
-  YLML_COUNT,   /* size_t */
+  YLML_COUNT, /* size_t */
   YLML_UINT64,
   YLML_DOUBLE,
-  YLML_BOOL,    /* nil leaves the field as it is */
-  YLML_CHOICE,  /* an enum: the place of the word in `choices` */
-  YLML_EITHER,  /* bool: is it the second of two `choices`? */
-  YLML_STRING,  /* const char *, of the table's */
-  YLML_NUMBERS, /* double[n], from a list of as many */
-  YLML_OBJECTS, /* these and what follows stay on the stack, behind the table: */
+  YLML_BOOL,                 /* nil leaves the field as it is */
+  YLML_CHOICE,               /* an enum: the place of the word in `choices` */
+  YLML_EITHER,               /* bool: is it the second of two `choices`? */
+  YLML_STRING,               /* const char *, of the table's */
+  YLML_NUMBERS,              /* double[n], from a list of as many */
+  YLML_OBJECTS,              /* these and what follows stay on the stack, behind the table: */
   YLML_ARRAY = YLML_OBJECTS, /* ylmL_array *, open, of float or double */
-  YLML_FIELD,   /* const ylm_field * */
-  YLML_READ,    /* what `read` makes of it */
-  YLML_VALUE,   /* int: its index on the stack; any value, also nil, for the caller to look at */
+  YLML_FIELD,                /* const ylm_field * */
+  YLML_READ,                 /* what `read` makes of it */
+  YLML_VALUE, /* int: its index on the stack; any value, also nil, for the caller to look at */
   YLML_KINDS
 } ylmL_kind;
 
@@ -163,20 +163,21 @@ typedef enum ylmL_kind {
 typedef struct ylmL_entry {
   const char *name; /* NULL ends a list of entries */
   ylmL_kind kind;
-  size_t at, size;            /* of the field */
-  bool optional;              /* nil leaves the field as it is; of others nil raises */
-  double least, most;         /* of numbers; where least < most does not hold, all that the field can hold */
+  size_t at, size; /* of the field */
+  bool optional;   /* nil leaves the field as it is; of others nil raises */
+  double least,
+      most; /* of numbers; where least < most does not hold, all that the field can hold */
   const char *const *choices; /* NULL ends them */
-  void (*read)(lua_State *L, int i, void *field); /* the value is at i, maybe nil; raises where it is another */
+  void (*read)(lua_State *L, int i,
+               void *field); /* the value is at i, maybe nil; raises where it is another */
 } ylmL_entry;
 
 /* The entry `text` for a field of a struct `type`; what else it has follows, as .optional = true. */
 #define YLML(type, field, text, what, ...)                                                         \
-  {.name = text,                                                                                   \
-   .kind = YLML_##what,                                                                            \
-   .at = offsetof(type, field),                                                                    \
-   .size = sizeof(((type *)NULL)->field),                                                          \
-   __VA_ARGS__}
+  {                                                                                                \
+    .name = text, .kind = YLML_##what, .at = offsetof(type, field),                                \
+    .size = sizeof(((type *)NULL)->field), __VA_ARGS__                                             \
+  }
 
 /* Named arguments: reads the table at absolute index `i` into the struct at `out`. Values that stood above are dropped; those
    of YLML_OBJECTS stay there. Raises where an entry has no such name, is missing, of another type, out of its range or none of

@@ -21,7 +21,6 @@
 /* Lamps along a ray that are asked for at once. */
 #define LAMPS_AT_ONCE 16
 
-
 /* -- guides: guide.c ------------------------------------------------------------------------------ */
 
 /* One of so many items has paths of the pilot, at most PILOT_PAIRS; an item lets the pilot have so many shadow rays, all of

@@ -66,8 +66,8 @@ typedef struct ylm_path_stats {
   uint64_t paths, nearest_rays, lamp_rays, shadow_rays;
   uint64_t guide_rays; /* of the pilot, all of them */
   size_t clusters;     /* of the guide; 0: there is none */
-  uint64_t absorbed; /* paths that a normal of vertices sent below the surface */
-  uint64_t lost;     /* contributions that were no finite numbers */
+  uint64_t absorbed;   /* paths that a normal of vertices sent below the surface */
+  uint64_t lost;       /* contributions that were no finite numbers */
   double noise; /* mean over items of the root of summed variances over the norm; -1: not known */
   double seconds;
   enum {

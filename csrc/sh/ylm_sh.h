@@ -490,12 +490,12 @@ YLM_API ylm_status ylm_sh_exp(int lmax, ylm_dtype t, size_t rows, int terms, con
 ** Returns  YLM_OK, YLM_ERANGE, YLM_ENOMEM.  Cost  O(lmax^5)
 */
 YLM_API ylm_status ylm_sh_product_matrix(int clmax, const double *c, int lmax, double *matrix,
-                                   ylm_error *e);
+                                         ylm_error *e);
 
 /* out[r] = M in[r]: `n` numbers a row, M [n][n], symmetric; out is not in. YLM_OK, YLM_ENOMEM. */
 YLM_API ylm_status ylm_sh_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
-                                         const void *in, void *out, int threads,
-                                         const ylm_progress *progress);
+                                const void *in, void *out, int threads,
+                                const ylm_progress *progress);
 
 /*
 ** ylm_sh_matrices_apply - n matrices of their own, each applied to `rows` rows: out[i][r] = M[i] in[i mod period][r].

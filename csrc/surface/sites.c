@@ -254,8 +254,7 @@ static ylm_status ask_all(surface_bake *b, const asked *q) {
                                            sizeof *b->light)
                      ? YLM_OK
                      : YLM_ENOMEM;
-  if (s == YLM_OK)
-    s = ylm__surface_ask(b, q->n, q->site, b->links, b->light + b->lights, share);
+  if (s == YLM_OK) s = ylm__surface_ask(b, q->n, q->site, b->links, b->light + b->lights, share);
   if (s == YLM_OK) s = ylm__surface_know(b, q->n, q->site, share);
   if (s == YLM_OK) b->lights += q->n;
   ylm_free(share);

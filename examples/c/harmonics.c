@@ -26,7 +26,6 @@ int main(int argc, char **argv) {
       printf("%d %2d  %12.9f  %12.9f %12.9f %12.9f\n", l, m, y[k], dy[k][0], dy[k][1], dy[k][2]);
       sum += y[k] * y[k];
     }
-  printf("sum of squares, times 4 pi / (lmax + 1)^2: %.12f\n",
-         sum * 4 * YLM_PI / COUNT);
+  printf("sum of squares, times 4 pi / (lmax + 1)^2: %.12f\n", sum * 4 * YLM_PI / COUNT);
   return 0;
 }

@@ -24,8 +24,8 @@ local tables = {
 }
 
 --- Functions that modules further down the ladder call, and the modules that define them.
-for module, name in pairs { ["ylm.page"] = "save", ["ylm.live"] = "live", ["ylm.inverse"] = "inverse_lighting",
-  ["ylm.plot.polar"] = "polar" } do
+for module, name in pairs { ["ylm.page"] = "save", ["ylm.page.lightmap"] = "save", ["ylm.live"] = "live",
+  ["ylm.inverse"] = "inverse_lighting", ["ylm.plot.polar"] = "polar" } do
   library.later[module] = function(...) return require(module)[name](...) end
 end
 

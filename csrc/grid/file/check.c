@@ -140,7 +140,8 @@ bool ylm__grid_file_table_holds(const ylm_grid *g, uint64_t cells) {
 
 const char *ylm__grid_file_check_points(const ylm_grid *g) {
   bool metric = g->contents.form.metric_channels != 0;
-  bool known = g->evaluated && !isnan(g->lambda[0]); /* of a grid that was read from few bytes no lambda is */
+  /* No lambda of a grid that was read from few bytes is known. */
+  bool known = g->evaluated && !isnan(g->lambda[0]);
   for (size_t i = 0; i < g->evaluated; i++) {
     if (metric && (isnan(g->norm[i]) || isnan(g->lambda[i]) == known)) return "a point's metric";
     if (g->flags[i] & YLM_GRID_POINT_INTERPOLATED) return "a point's flags";

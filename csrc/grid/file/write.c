@@ -109,9 +109,10 @@ static void sizes(const writing *w, uint64_t size[GRID_FILE_COUNT],
   SECTION(ghosts, ghosts ? s->asked[n - ghosts] : NULL, ghosts * sizeof *s->asked);
   for (int i = GRID_FILE_small; i < GRID_FILE_COUNT; i++) size[i] = 0;
   if (!w->small) return;
-  static const int instead[] = {GRID_FILE_cells, GRID_FILE_lattice,  GRID_FILE_lambda, GRID_FILE_norm,
-                                GRID_FILE_flags, GRID_FILE_births,   GRID_FILE_rows,   GRID_FILE_validity,
-                                GRID_FILE_sides, GRID_FILE_nodes,    GRID_FILE_ghosts};
+  static const int instead[] = {GRID_FILE_cells, GRID_FILE_lattice,  GRID_FILE_lambda,
+                                GRID_FILE_norm,  GRID_FILE_flags,    GRID_FILE_births,
+                                GRID_FILE_rows,  GRID_FILE_validity, GRID_FILE_sides,
+                                GRID_FILE_nodes, GRID_FILE_ghosts};
   for (size_t i = 0; i < sizeof instead / sizeof *instead; i++) size[instead[i]] = 0;
   const small_packed *p = w->small;
   SECTION(small, &p->head, sizeof p->head);
@@ -142,7 +143,8 @@ static void lay_out(writing *w, const ylm_grid *g, const small_packed *small) {
 #undef X
   };
   for (int i = 0; i < GRID_FILE_COUNT; i++) {
-    bool always = !small && (i <= GRID_FILE_rows || (i == GRID_FILE_sides && g->contents.form.sides));
+    bool always =
+        !small && (i <= GRID_FILE_rows || (i == GRID_FILE_sides && g->contents.form.sides));
     if (!always && !size[i]) continue;
     w->kind[w->entries] = i;
     w->entry[w->entries++] = all[i];
@@ -263,7 +265,8 @@ ylm_status ylm_grid_write(const ylm_grid *g, const char *path, ylm_error *e) {
 }
 
 /* Replaces a section's bytes in a file in memory, and its sum in the table; false: it has another size. */
-static bool replace(unsigned char *data, const file_table *t, int kind, const void *bytes, size_t n) {
+static bool replace(unsigned char *data, const file_table *t, int kind, const void *bytes,
+                    size_t n) {
   const grid_file_entry *found = ylm__file_table_find(t, kind);
   if (!found || found->size != n) return false;
   memcpy(data + found->offset, bytes, n);

@@ -1,6 +1,6 @@
 /* refresh.c - a grid's points in another light: evaluated anew, all or none. */
-#include "../bake/panel.h"
 #include "../bake/baker.h"
+#include "../bake/panel.h"
 
 #include <math.h>
 #include <string.h>

@@ -194,19 +194,13 @@ static int page_unbase64(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"page_facts", page_facts},
-                                     {"page_cells", page_cells},
-                                     {"page_frame", page_frame},
-                                     {"page_sides", page_sides},
-                                     {"page_table", page_table},
-                                     {"page_flags", page_flags},
-                                     {"page_rows", page_rows},
-                                     {"page_positions", page_positions},
-                                     {"page_normals", page_normals},
-                                     {"page_triangles", page_triangles},
-                                     {"page_planes", page_planes},
-                                     {"page_base64", page_base64},
-                                     {"page_unbase64", page_unbase64},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"page_facts", page_facts},       {"page_cells", page_cells},
+    {"page_frame", page_frame},       {"page_sides", page_sides},
+    {"page_table", page_table},       {"page_flags", page_flags},
+    {"page_rows", page_rows},         {"page_positions", page_positions},
+    {"page_normals", page_normals},   {"page_triangles", page_triangles},
+    {"page_planes", page_planes},     {"page_base64", page_base64},
+    {"page_unbase64", page_unbase64}, {NULL, NULL}};
 
 void ylmL_open_figure_page(lua_State *L) { luaL_setfuncs(L, functions, 0); }

@@ -113,7 +113,7 @@ static int sh_apply(lua_State *L) {
   if (s == YLM_OK && in->data == out->data) s = YLM_EINVAL;
   if (s == YLM_OK)
     s = ylm_sh_apply(n, in->dtype, m->data, in->count / n, in->data, out->data,
-                              (int)luaL_optnumber(L, 4, 0), report);
+                     (int)luaL_optnumber(L, 4, 0), report);
   lua_pushboolean(L, 1);
   return ylmL_result_progress(L, 1, s, NULL, &progress);
 }

@@ -10,8 +10,8 @@
       YLML(form, o.strategy, "strategy", CHOICE, .choices = ylmL_path_strategy_choices),           \
       YLML(form, o.error, "error", DOUBLE, .optional = true),                                      \
       YLML(form, o.seconds, "seconds", DOUBLE, .optional = true),                                  \
-      YLML(form, o.guides, "guides", BOOL, .optional = true),                                      \
-      YLML(form, o.seed, "seed", UINT64), YLML(form, o.threads, "threads", INT, .optional = true), \
+      YLML(form, o.guides, "guides", BOOL, .optional = true), YLML(form, o.seed, "seed", UINT64),  \
+      YLML(form, o.threads, "threads", INT, .optional = true),                                     \
       YLML(form, progress, "progress", VALUE)
 
 static void push_stats(lua_State *L, const ylm_path_sum *sum, const ylm_path_stats *s) {

@@ -127,11 +127,9 @@ static int shade_oidn(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-static const luaL_Reg functions[] = {{"shade_denoise", shade_denoise},
-                                     {"shade_oidn", shade_oidn},
-                                     {"shade_gather_sets", shade_gather_sets},
-                                     {"shade_noise_around", shade_noise_around},
-                                     {"shade_spread", shade_spread},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"shade_denoise", shade_denoise},         {"shade_oidn", shade_oidn},
+    {"shade_gather_sets", shade_gather_sets}, {"shade_noise_around", shade_noise_around},
+    {"shade_spread", shade_spread},           {NULL, NULL}};
 
 void ylmL_open_shade_rounds(lua_State *L) { luaL_setfuncs(L, functions, 0); }

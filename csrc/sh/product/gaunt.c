@@ -161,7 +161,8 @@ APPLY(ylm__gaunt_d, double, value_d)
  * ------------------------------------------------------------------------------- */
 
 /* Columns j of M: the function times Y_j, by the quadrature rule exact for degree 4 lmax. */
-ylm_status ylm_sh_product_matrix(int clmax, const double *c, int lmax, double *matrix, ylm_error *e) {
+ylm_status ylm_sh_product_matrix(int clmax, const double *c, int lmax, double *matrix,
+                                 ylm_error *e) {
   if (lmax < 0 || lmax > YLM_SH_PRODUCT_LMAX / 2)
     return ylm_fail(e, YLM_ERANGE, "lmax of a matrix of products must be from 0 to %d, got %d",
                     YLM_SH_PRODUCT_LMAX / 2, lmax);
@@ -247,9 +248,8 @@ static ylm_status transfer_rows(void *context, size_t begin, size_t end, int wor
   return YLM_OK;
 }
 
-ylm_status ylm_sh_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows,
-                                 const void *in, void *out, int threads,
-                                 const ylm_progress *progress) {
+ylm_status ylm_sh_apply(size_t n, ylm_dtype t, const void *matrix, size_t rows, const void *in,
+                        void *out, int threads, const ylm_progress *progress) {
   size_t size = ylm_dtype_size(t), lanes = 128 / size, padded = (n + lanes - 1) / lanes * lanes;
   char *copy = ylm_alloc_zero(n * padded, size);
   if (!copy) return YLM_ENOMEM;

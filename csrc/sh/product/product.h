@@ -89,22 +89,22 @@ static inline size_t product_nodes_scratch(const ylm_sh_product *p, size_t lanes
 }
 
 /* Kernels for rows of T; `lanes` of them at once. */
-#define YLM__PRODUCT_KERNELS(T)                                                                    \
-  {                                                                                                \
-    void (*dense)(const ylm_sh_product *p, const T *const *c, T *out, T *scratch);                 \
-    /* stage: seconds of transform, multiplication, transform back are added; or NULL */           \
-    void (*separable)(const ylm_sh_product *p, const T *const *c, T *out, T *scratch,              \
-                      double *stage);                                                              \
-    /* by quadrature or by gaunt of low degree; rows: [factors][lanes]; out: [lanes] rows */       \
-    void (*batch)(const ylm_sh_product *p, const T *const *rows, T *const *out, T *scratch);       \
-    void (*gaunt)(int lmax, const T *a, const T *b, T *out); /* lmax <= PRODUCT_GAUNT_LOW */       \
-    /* halves of batch: [lanes] rows to values at all nodes, set or multiplied, and back */        \
-    void (*synthesise)(const ylm_sh_product *p, const T *const *rows, bool multiply, T *value,     \
-                       T *scratch);                                                                \
-    void (*analyse)(const ylm_sh_product *p, T *value, T *const *out, T *scratch);                 \
+#define YLM__PRODUCT_KERNELS(T)                                                                       \
+  {                                                                                                   \
+    void (*dense)(const ylm_sh_product *p, const T *const *c, T *out, T *scratch);                    \
+    /* stage: seconds of transform, multiplication, transform back are added; or NULL */              \
+    void (*separable)(const ylm_sh_product *p, const T *const *c, T *out, T *scratch,                 \
+                      double *stage);                                                                 \
+    /* by quadrature or by gaunt of low degree; rows: [factors][lanes]; out: [lanes] rows */          \
+    void (*batch)(const ylm_sh_product *p, const T *const *rows, T *const *out, T *scratch);          \
+    void (*gaunt)(int lmax, const T *a, const T *b, T *out); /* lmax <= PRODUCT_GAUNT_LOW */          \
+    /* halves of batch: [lanes] rows to values at all nodes, set or multiplied, and back */           \
+    void (*synthesise)(const ylm_sh_product *p, const T *const *rows, bool multiply, T *value,        \
+                       T *scratch);                                                                   \
+    void (*analyse)(const ylm_sh_product *p, T *value, T *const *out, T *scratch);                    \
     /* matrices of products: m [n][padded], symmetric, 64 bytes aligned, padded to 128 bytes a row */ \
-    void (*transfer)(size_t n, size_t padded, const T *m, size_t rows, const T *in, T *out);       \
-    int lanes;                                                                                     \
+    void (*transfer)(size_t n, size_t padded, const T *m, size_t rows, const T *in, T *out);          \
+    int lanes;                                                                                        \
   }
 typedef struct ylm__product_kernels_float YLM__PRODUCT_KERNELS(float) ylm__product_kernels_float;
 typedef struct ylm__product_kernels_double YLM__PRODUCT_KERNELS(double) ylm__product_kernels_double;

@@ -5,7 +5,7 @@ local core = require "ylm.c.core"
 local form = require "ylm.form"
 local gltf_write = require "ylm.gltf.write"
 local image = require "ylm.image"
-local page = require "ylm.page.lightmap"
+local library = require "ylm.library"
 local wavefront = require "ylm.render.wavefront"
 
 local files = {}
@@ -152,7 +152,8 @@ local function save_page(m, map, path, o, facts)
   light.pieces, message, code = map:pieces()
   if not light.pieces then return nil, message, code end
   facts.range, facts.exposure = light.range, stops_of(picture, o.exposure) + PI_STOPS
-  facts.bytes, message, code = page.save(m, path, light, { title = o.title, exposure = facts.exposure, limit = o.limit })
+  facts.bytes, message, code = library.later["ylm.page.lightmap"](m, path, light,
+    { title = o.title, exposure = facts.exposure, limit = o.limit })
   if not facts.bytes then return nil, message, code end
   facts.files[1] = path:match "[^/]*$"
   return true
