@@ -2,6 +2,7 @@
 
 local core = require "ylm.c.core"
 local ylm = require "ylm"
+local long = require "spec.support.long"
 local irradiance = require "spec.support.irradiance"
 local turned = require "spec.support.turned"
 local walls = require "spec.support.walls"
@@ -280,19 +281,21 @@ describe("sides", function()
 
   it("of a room promise irradiance, and paths judge it", function()
     local room = ylm.scene "a room" { lights = ylm.sphere_light { at = { 0, 0.4, 0 }, radius = 0.15, radiance = 20 },
-      geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.3 } },
-        ylm.box { bounds = { { -0.06, -0.99, -0.5 }, { 0.06, 0.2, 0.99 } }, material = ylm.matte { albedo = 0.3 } } } }
+      geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.15 } },
+        ylm.box { bounds = { { -0.06, -0.99, -0.5 }, { 0.06, 0.2, 0.99 } }, material = ylm.matte { albedo = 0.15 } } } }
     local links = room:links { spacing = 0.2, rays = 64 }
     local probes = ylm.adaptive_grid { lmax = 2, depth = 2, tolerance = 0.3 }
     local before = ylm.on_warning(false)
     local grid = assert(room:bake { quantity = "indirect", links = links, probes = probes })
-    local by_field = assert(room:bake { quantity = "indirect", links = links, probes = probes, judge = "field" })
-    ylm.on_warning(before)
-    assert.equal(core.grid_encode(by_field):len(), core.grid_encode(grid):len())
     local stats = grid.stats
-    assert.is_nil(by_field.stats.paths)
-    assert.equal(by_field.stats.error, stats.paths.field_error)
-    assert.equal(by_field.stats.met, stats.paths.field_met)
+    if long(false, true) then
+      local by_field = assert(room:bake { quantity = "indirect", links = links, probes = probes, judge = "field" })
+      assert.equal(core.grid_encode(by_field):len(), core.grid_encode(grid):len())
+      assert.is_nil(by_field.stats.paths)
+      assert.equal(by_field.stats.error, stats.paths.field_error)
+      assert.equal(by_field.stats.met, stats.paths.field_met)
+    end
+    ylm.on_warning(before)
     assert.equal(stats.error <= 0.3, stats.met)
     assert.is_true(stats.verified > 1500 and stats.failed >= stats.paths.undecided)
     -- other paths, at places that judged: as many exceed the error as it says

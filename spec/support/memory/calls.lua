@@ -497,9 +497,11 @@ calls["probes: file, and read"] = function(keep)
   end
 end
 calls["surface: grid"] = on(scene, function(s)
-  local light, message, code = s:surface_grid { tolerance = 1, judge = "field", rays = 4 }
+  local links, message, code = s:links { spacing = 2, rays = 4 }
+  if not links then return nil, message, code end
+  local light, report
+  light, message, code = s:surface_grid { tolerance = 1, judge = "field", rays = 4, links = links }
   if not light then return nil, message, code end
-  local report
   report, message, code = light:update()
   return report and light.stats.corners, message, code
 end)
