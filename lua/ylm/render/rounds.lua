@@ -20,7 +20,7 @@ local rounds = {}
 local SET = 32                              -- links of a set
 local PILOT = { rays = 8, sets = 2, links = SET } -- of a half; of both; of a set
 local FILTERED = { rays = 6, sets = 2, links = 12 } -- where noise is filtered
-local LARGE, MANY = { rays = 4, sets = 2, links = 12 }, 2 ^ 19 -- of pictures of so many pixels, of which a filter takes more
+local LARGE, MANY = { rays = 4, sets = 2, links = 20 }, 2 ^ 19 -- of pictures of so many pixels, of which a filter takes more
 local MOST = { rays = 8192, sets = 512 }    -- of a half; of both
 local LEAST = { rays = 2, sets = 2 }
 local STEP = 1000003                        -- from one seed to the next
