@@ -6,8 +6,9 @@
 -- least that of the median place with as many paths, of those that are lit. A place that both call black is so.
 --
 -- A place is lost if it misses X, or would be undecided by all its paths without any error; few paths cannot say so of one
--- place, but of a tenth of all. Once more places are lost than the promise allows, no more paths change the verdict: rounds
--- follow that cost no more than the first, for the error alone.
+-- place, but of a tenth of all. Places whose error is not known yet have the spread of all places' errors, without noise: so many
+-- of them are lost as would be undecided by all their paths. Once more places are lost than the promise allows, no more paths
+-- change the verdict: rounds follow that cost no more than the first, for the error alone.
 
 local array = require "ylm.array"
 local core = require "ylm.c.core"
@@ -105,6 +106,32 @@ local function spreads(e, mean, tolerance)
   return out, hopeless
 end
 
+--- The median of a list of numbers.
+local function median(list)
+  table.sort(list)
+  return list[math.ceil(#list / 2)] or 0
+end
+
+--- The standard deviation of errors over m without noise, green, where paths bring light: by medians, which few large errors do
+-- not move.
+local function spread_of_errors(e, mean)
+  local squares, variances = {}, {}
+  for i = 1, #e.mean do
+    local m = math.max(math.abs(e.mean[i][2]), mean[2])
+    if m > 0 and e.variance[i][2] > 0 then
+      squares[#squares + 1], variances[#variances + 1] = ((e.told[i][2] - e.mean[i][2]) / m) ^ 2, e.variance[i][2] / (m * m)
+    end
+  end
+  return math.sqrt(math.max(0, median(squares) / 0.4549 - median(variances))) -- the median of a normal error's square
+end
+
+--- The chance that a normal error of this standard deviation is beyond x (Abramowitz & Stegun 7.1.27, to 5e-4).
+local function chance_beyond(x, deviation)
+  if x <= 0 then return 1 end
+  local t = x / (math.sqrt(2) * math.max(deviation, 1e-30))
+  return (1 + 0.278393 * t + 0.230389 * t ^ 2 + 0.000972 * t ^ 3 + 0.078108 * t ^ 4) ^ -4
+end
+
 --- Do grid and paths say that no light comes to place i?
 local function is_black(e, i)
   for c = 1, 3 do
@@ -142,13 +169,16 @@ local function rule(e, tolerance)
   local mean, square, n = means(e), 0, #e.mean
   local spread, hopeless = spreads(e, mean, tolerance)
   local least, most, said = {}, {}, { missed = {}, open = {}, lost = 0, largest = 0 }
+  local deviation = spread_of_errors(e, mean)
   for i = 1, n do
     local rest
     least[i], most[i], rest = bounds_of(e, i, mean, spread)
     local misses = least[i] > tolerance
     if misses then table.insert(said.missed, i)
     elseif most[i] > tolerance then table.insert(said.open, i) end
-    if e.paths[i] >= BELIEVED and (misses or rest > tolerance) then said.lost = said.lost + 1 end
+    if e.paths[i] >= BELIEVED and (misses or most[i] > tolerance) then
+      said.lost = said.lost + (misses and 1 or chance_beyond(tolerance - rest, deviation))
+    end
     local d = e.told[i][2] - e.mean[i][2]
     said.largest, square = math.max(said.largest, most[i]), square + d * d - e.variance[i][2]
   end
