@@ -251,7 +251,7 @@ CPU_sse2    := sse2
 CPU_avx2    := avx2 fma
 CPU_avx512  := avx512f avx512dq avx512vl avx512bw
 RUN_HERE     = $(foreach i,$(ALL_ISAS),$(if $(and $(CPU_FLAGS),$(filter-out $(CPU_FLAGS),$(CPU_$(i)))),,$(i)))
-TESTED       = $(if $(filter-out $(BUILT),$(ALL_ISAS)),$(if $(CPU_FLAGS),$(lastword $(RUN_HERE)),$(ALL_ISAS)),$(ALL_ISAS))
+TESTED       = $(if $(and $(filter-out $(BUILT),$(ALL_ISAS)),$(CPU_FLAGS)),$(lastword $(RUN_HERE)),$(ALL_ISAS))
 NOT_TESTED   = $(filter-out $(filter $(TESTED),$(RUN_HERE)),$(ALL_ISAS))
 WHY_NOT      = no spec runs kernels for $(NOT_TESTED): $(if $(filter-out $(TESTED),$(NOT_TESTED)),specs run the widest that this processor has; make builds all,this processor has none)
 

@@ -185,10 +185,10 @@ ylm_status ylm_mesh_transform(ylm_mesh *mesh, const double m[12], ylm_error *e) 
   return YLM_OK;
 }
 
-ylm_status ylm_mesh_pick(const ylm_mesh *mesh, size_t n, const uint32_t *from,
-                         const uint32_t *index, bool turned, ylm_mesh **out, ylm_error *e) {
-  ylm_status s =
-      ylm_mesh_create(n, mesh->triangles, mesh->normal != NULL, mesh->uv != NULL, out, e);
+/* A mesh of n vertices that have what those of another have, around its origin, with these triangles. */
+static ylm_status begin_like(const ylm_mesh *mesh, size_t n, size_t triangles,
+                             const uint32_t *index, ylm_mesh **out, ylm_error *e) {
+  ylm_status s = ylm_mesh_create(n, triangles, mesh->normal != NULL, mesh->uv != NULL, out, e);
   ylm_mesh *to = *out;
   if (s != YLM_OK) return s;
   if (mesh->colour && !(to->colour = ylm_alloc(3 * n, sizeof(float)))) {
@@ -196,6 +196,16 @@ ylm_status ylm_mesh_pick(const ylm_mesh *mesh, size_t n, const uint32_t *from,
     *out = NULL;
     return ylm_no_memory(e);
   }
+  memcpy(to->index, index, 3 * triangles * sizeof *index);
+  memcpy(to->origin, mesh->origin, sizeof mesh->origin);
+  return YLM_OK;
+}
+
+ylm_status ylm_mesh_pick(const ylm_mesh *mesh, size_t n, const uint32_t *from,
+                         const uint32_t *index, bool turned, ylm_mesh **out, ylm_error *e) {
+  ylm_status s = begin_like(mesh, n, mesh->triangles, index, out, e);
+  ylm_mesh *to = *out;
+  if (s != YLM_OK) return s;
   for (size_t i = 0; i < n; i++) {
     size_t of = from[i];
     memcpy(to->position + 3 * i, mesh->position + 3 * of, 3 * sizeof(float));
@@ -204,8 +214,6 @@ ylm_status ylm_mesh_pick(const ylm_mesh *mesh, size_t n, const uint32_t *from,
     if (mesh->uv) memcpy(to->uv + 2 * i, mesh->uv + 2 * of, 2 * sizeof(float));
     if (mesh->colour) memcpy(to->colour + 3 * i, mesh->colour + 3 * of, 3 * sizeof(float));
   }
-  memcpy(to->index, index, 3 * mesh->triangles * sizeof *index);
-  memcpy(to->origin, mesh->origin, sizeof mesh->origin);
   return YLM_OK;
 }
 
@@ -223,14 +231,9 @@ static void mix(const ylm_mesh_mix *m, size_t width, const float *of, float *out
 ylm_status ylm_mesh_blend(const ylm_mesh *mesh, size_t n, const ylm_mesh_mix *from,
                           size_t triangles, const uint32_t *index, bool turned, ylm_mesh **out,
                           ylm_error *e) {
-  ylm_status s = ylm_mesh_create(n, triangles, mesh->normal != NULL, mesh->uv != NULL, out, e);
+  ylm_status s = begin_like(mesh, n, triangles, index, out, e);
   ylm_mesh *to = *out;
   if (s != YLM_OK) return s;
-  if (mesh->colour && !(to->colour = ylm_alloc(3 * n, sizeof(float)))) {
-    ylm_mesh_free(to);
-    *out = NULL;
-    return ylm_no_memory(e);
-  }
   for (size_t i = 0; i < n; i++) {
     bool old = !from[i].part[1] && !from[i].part[2];
     mix(&from[i], 3, mesh->position, to->position + 3 * i);
@@ -242,7 +245,5 @@ ylm_status ylm_mesh_blend(const ylm_mesh *mesh, size_t n, const ylm_mesh_mix *fr
     float length = sqrtf(ylm_dot3(normal, normal)), scale = old || !(length > 0) ? 1 : 1 / length;
     for (size_t a = 0; a < 3; a++) normal[a] *= turned ? -scale : scale;
   }
-  memcpy(to->index, index, 3 * triangles * sizeof *index);
-  memcpy(to->origin, mesh->origin, sizeof mesh->origin);
   return YLM_OK;
 }

@@ -163,13 +163,12 @@ typedef enum ylmL_kind {
 typedef struct ylmL_entry {
   const char *name; /* NULL ends a list of entries */
   ylmL_kind kind;
-  size_t at, size; /* of the field */
-  bool optional;   /* nil leaves the field as it is; of others nil raises */
-  double least,
-      most; /* of numbers; where least < most does not hold, all that the field can hold */
+  size_t at, size;            /* of the field */
+  bool optional;              /* nil leaves the field as it is; of others nil raises */
+  double least, most;         /* of numbers; unless least < most, all that the field can hold */
   const char *const *choices; /* NULL ends them */
-  void (*read)(lua_State *L, int i,
-               void *field); /* the value is at i, maybe nil; raises where it is another */
+  /* The value is at i, maybe nil; raises where it is another. */
+  void (*read)(lua_State *L, int i, void *field);
 } ylmL_entry;
 
 /* The entry `text` for a field of a struct `type`; what else it has follows, as .optional = true. */

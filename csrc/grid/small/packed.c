@@ -52,10 +52,13 @@ static ylm_status measure_packing(const ylm_grid *g, float *rounded, int threads
   double *error = ylm_alloc(PLACES, sizeof *error);
   if (!error) return ylm_no_memory(e);
   ylm_status s = ylm__small_errors(g, &other, threads, PLACES, error, e);
-  *report = (ylm_grid_packing){.rounding = ylm__small_quantile(error, PLACES, 0.99),
-                               .largest = ylm__small_quantile(error, PLACES, 1),
-                               .places = PLACES};
-  report->error = g->stats.error + report->rounding;
+  if (s == YLM_OK) {
+    double rounding = ylm__small_quantile(error, PLACES, 0.99);
+    *report = (ylm_grid_packing){.error = g->stats.error + rounding,
+                                 .rounding = rounding,
+                                 .largest = ylm__small_quantile(error, PLACES, 1),
+                                 .places = PLACES};
+  }
   ylm_free(error);
   return s;
 }

@@ -88,6 +88,12 @@ local function means(e)
   return mean
 end
 
+--- The median of a list of numbers, which is sorted then; 0 where it is empty.
+local function median(list)
+  table.sort(list)
+  return list[math.ceil(#list / 2)] or 0
+end
+
 --- The variance of one path over m^2, in the median of the places that paths bring light to, by channel; and the noisiest
 -- tenth of them, a number, where all their paths would leave it undecided.
 local function spreads(e, mean, tolerance)
@@ -98,18 +104,11 @@ local function spreads(e, mean, tolerance)
       local m = math.max(math.abs(e.mean[i][c]), mean[c])
       if e.variance[i][c] > 0 then all[#all + 1] = e.variance[i][c] * e.paths[i] / (m * m) end
     end
-    table.sort(all)
+    out[c] = median(all)
     local tenth = math.floor(#all / 10)
-    out[c] = all[math.ceil(#all / 2)] or 0
     if SURE * math.sqrt((all[#all - tenth] or 0) / MOST) > tolerance then hopeless = math.max(hopeless, tenth) end
   end
   return out, hopeless
-end
-
---- The median of a list of numbers.
-local function median(list)
-  table.sort(list)
-  return list[math.ceil(#list / 2)] or 0
 end
 
 --- The standard deviation of errors over m without noise, green, where paths bring light: by medians, which few large errors do
