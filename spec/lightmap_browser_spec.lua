@@ -59,7 +59,7 @@ describe("a lightmap in a browser", function()
     window:close()
   end)
 
-  it("lights three.js within 2 of 255 at 200 places, by .exr and by .png inside of the file", function()
+  it("lights three.js within 2 of 255 at 200 places, by .exr, .ktx2, and .png inside of the file", function()
     if not three.there() then return pending "YLM_NODE_MODULES with three, and chromium, are wanted" end
     local places, points, normals = {}, {}, {}
     for i = 1, 200 do
@@ -71,9 +71,9 @@ describe("a lightmap in a browser", function()
       places[i], points[i], normals[i] = { p, n }, p, n
     end
     local E = light:irradiance(points, normals)
-    for _, options in ipairs { { picture = "exr" }, { embed = true } } do
+    for _, options in ipairs { { picture = "exr" }, { picture = "ktx2" }, { embed = true } } do
       assert(light:save(folder.path .. "/room.glb", options))
-      local found, worst = three_lightmap.radiance(folder, "room.glb", options.picture and "room.exr", places), 0
+      local found, worst = three_lightmap.radiance(folder, "room.glb", options.picture and "room." .. options.picture, places), 0
       assert.equal(200, #found)
       for i, rgb in ipairs(found) do
         for c = 1, 3 do

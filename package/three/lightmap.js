@@ -19,6 +19,14 @@ export function mapOfEXR( { data, width, height } ) {
 	return textureOf( out, width, height );
 }
 
+// Of the bytes of a .ktx2 of ylm: halves of red, green, blue and alpha, one level.
+export function mapOfKTX2( bytes ) {
+	const words = new DataView( bytes ), width = words.getUint32( 20, true ), height = words.getUint32( 24, true );
+	const at = Number( words.getBigUint64( 80, true ) );
+	if ( words.getUint32( 12, true ) !== 97 ) throw new Error( 'a .ktx2 of half floats is wanted' );
+	return textureOf( new Uint16Array( bytes.slice( at, at + 8 * width * height ) ), width, height );
+}
+
 // Of the bytes of a .png: irradiance is range ( a rgb )^2. WebGL reads them as they stand; a 2D canvas would multiply by alpha.
 export async function mapOfPNG( bytes, range ) {
 	const image = await createImageBitmap( new Blob( [ bytes ], { type: 'image/png' } ),
@@ -57,7 +65,8 @@ export async function mapOf( gltf, bytes, EXRLoader ) {
 		const image = json.images[ json.textures[ about.texture ].source ];
 		return mapOfPNG( await gltf.parser.getDependency( 'bufferView', image.bufferView ), about.range );
 	}
-	return about.range ? mapOfPNG( bytes, about.range ) : mapOfEXR( new EXRLoader().parse( bytes ) );
+	if ( about.range ) return mapOfPNG( bytes, about.range );
+	return about.file.endsWith( '.ktx2' ) ? mapOfKTX2( bytes ) : mapOfEXR( new EXRLoader().parse( bytes ) );
 }
 
 // scene.add( ( await loadLightmapped( 'room.glb', new GLTFLoader(), EXRLoader ) ).scene );

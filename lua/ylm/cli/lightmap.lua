@@ -3,37 +3,25 @@
 local lit_scene = require "ylm.cli.lit_scene"
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
+local files = require "ylm.render.lightmap_file"
 
 local quantities = { direct = true, indirect = true, all = true }
 
---- Stops where options do not go together, before anything is baked.
-local function check_files(given)
-  local ending = given.output:lower():match "%.(%w+)$"
-  local png = given.picture == "png" or given.embed or ending == "png" or ending == "html"
-  if given.picture and given.picture ~= "exr" and given.picture ~= "png" then
-    status.stop(status.usage, "lightmap: --picture is exr or png, got '%s'", given.picture)
-  elseif given.embed and given.picture == "exr" then
-    status.stop(status.usage, "lightmap: --embed is of --picture png: glTF holds no pictures of floats")
-  elseif (given.embed or given.lit) and ending ~= "glb" and ending ~= "gltf" then
-    status.stop(status.usage, "lightmap: --%s is of .glb and .gltf files", given.embed and "embed" or "lit")
-  elseif given.directional and png then
-    status.stop(status.usage, "lightmap: --directional is of pictures as .exr: the flow of light has signs, and .png none")
-  end
-end
+local function as_option(name, value) return value and ("--%s %s"):format(name, value) or "--" .. name end
 
 return {
   summary = "bakes the light on a scene's surfaces into a picture with texture coordinates",
   usage = "SCENE.lua -o ROOM.glb",
   least = 1,
   options = {
-    { "output", "-o", "FILE", "surfaces (.glb, .gltf, .obj) and picture, the picture alone (.exr, .png), or a page (.html)" },
+    { "output", "-o", "FILE", "surfaces (.glb, .gltf, .obj) and picture, picture alone (.exr, .ktx2, .png), or page (.html)" },
     { "tolerance", "-t", "N", "of irradiance at 99 % of the surface; default 0.03, without --texels and --bytes" },
     { "texels", nil, "N", "of the picture, at most" },
     { "bytes", nil, "SIZE", "of the picture, at most (2MB, 500kB): six a texel" },
     { "quantity", nil, "NAME", "all (default), indirect (what surfaces send back, where an engine draws the lamps) or direct" },
     { "bounces", "-b", "NAME", "of --quantity indirect and all: reflections after direct light, 1, 2 .. or all (default)" },
     { "directional", nil, nil, "with the flow of light, by which normals that bumps tilt read their light: three more pictures" },
-    { "picture", nil, "NAME", "exr (default; half floats) or png (8 bits, with a range)" },
+    { "picture", nil, "NAME", "exr (default) or ktx2 (half floats), or png (8 bits, with a range)" },
     { "embed", nil, nil, "the picture is in the .glb file, as .png" },
     { "lit", nil, nil, "the .glb file shows its light in any viewer" },
     { "rays", nil, "N", "of a place whose light is fitted, a multiple of 4; default 64" },
@@ -43,11 +31,12 @@ return {
   },
   run = function(given)
     if not given.output then status.stop(status.usage, "lightmap: -o FILE says where the picture goes") end
-    status.need_output("lightmap", given.output, "glb", "gltf", "obj", "exr", "png", "html")
+    status.need_output("lightmap", given.output, (table.unpack or unpack)(files.endings)) -- luacheck: ignore
     if given.quantity and not quantities[given.quantity] then
       status.stop(status.usage, "lightmap: --quantity is all, indirect or direct, got '%s'", given.quantity)
     end
-    check_files(given)
+    local kind, why = files.kind(given.output:lower():match "%.(%w+)$", given, given.directional, as_option)
+    if not kind then status.stop(status.usage, "lightmap: %s", why) end
     local scene = lit_scene.with_surfaces(given[1])
     local light = status.need(scene:lightmap { tolerance = given.tolerance, texels = given.texels,
       bytes = status.bytes("lightmap", given.bytes), quantity = given.quantity,

@@ -4,47 +4,12 @@
 
 local array = require "ylm.array"
 local core = require "ylm.c.core"
+local ktx2 = require "ylm.image.ktx2"
 local sh = require "ylm.sh"
 
 local files = {}
 
---- Bytes of an unsigned integer, the least first.
-local function little(x, bytes)
-  local list = {}
-  for i = 1, bytes do
-    list[i] = string.char(x % 256)
-    x = math.floor(x / 256)
-  end
-  return table.concat(list)
-end
-
 local function halves(list) return array.array(list, "float16"):bytes() end
-
---- One level of a texture of halves, red green blue alpha, as KTX 2.0. `data` is its texels; `pairs` are sorted by key.
-local function ktx2(width, height, depth, data, pairs_of_words)
-  local samples = {}
-  for i, channel in ipairs { 0, 1, 2, 15 } do                     -- signed floats from -1 to 1 and beyond
-    samples[i] = little(16 * (i - 1), 2) .. string.char(15, channel + 0xC0) .. little(0, 4) .. little(0xBF800000, 4)
-      .. little(0x3F800000, 4)
-  end
-  local block = little(0, 4) .. little(2, 2) .. little(24 + 16 * 4, 2)  -- Khronos' basic descriptor
-    .. string.char(1, 1, 1, 0)                                    -- RGBA, BT.709, linear, straight alpha
-    .. little(0, 4) .. string.char(8, 0, 0, 0, 0, 0, 0, 0) .. table.concat(samples)
-  local descriptor = little(4 + #block, 4) .. block
-  local words = {}
-  for i, pair in ipairs(pairs_of_words) do
-    local text = pair[1] .. "\0" .. pair[2] .. "\0"
-    words[i] = little(#text, 4) .. text .. ("\0"):rep(-#text % 4)
-  end
-  words = table.concat(words)
-  local first = 80 + 24                                           -- header and index, one level
-  local gap = -(first + #descriptor + #words) % 8
-  local at = first + #descriptor + #words + gap
-  return "\171KTX 20\187\r\n\26\n" .. little(97, 4) .. little(2, 4)   -- R16G16B16A16_SFLOAT, two bytes a number
-    .. little(width, 4) .. little(height, 4) .. little(depth, 4) .. little(0, 4) .. little(1, 4) .. little(1, 4) .. little(0, 4)
-    .. little(first, 4) .. little(#descriptor, 4) .. little(first + #descriptor, 4) .. little(#words, 4) .. little(0, 8)
-    .. little(0, 8) .. little(at, 8) .. little(#data, 8) .. little(#data, 8) .. descriptor .. words .. ("\0"):rep(gap) .. data
-end
 
 local function numbers(list)
   local words = {}
@@ -68,7 +33,7 @@ function files.cubes(grid)
       end
     end
   end
-  return ktx2(cells[1], 2 * cells[2], 3 * cells[3], halves(list), {
+  return ktx2.file(cells[1], 2 * cells[2], 3 * cells[3], halves(list), {
     { "KTXwriter", "ylm " .. (core.info()) },
     { "ylm.bounds", numbers(grid.lattice.lo) .. "," .. numbers(grid.lattice.hi) } })
 end

@@ -252,11 +252,11 @@ end
 
 describe "lightmap:save" {
   about = "Writes the picture, and the surfaces beside it. NAME.glb and NAME.gltf: glTF whose TEXCOORD_1 reads NAME.exr, with "
-    .. "the lamps where quantity is 'indirect'; NAME.obj: triangles whose vt reads NAME.exr; NAME.exr, NAME.png: the picture "
-    .. "alone; NAME.html: a page with a viewer, which needs no network. .exr: half floats, W m^-2; with a directional lightmap "
-    .. "NAME_x.exr, NAME_y.exr and NAME_z.exr beside it. .png: irradiance is range (a rgb)^2, with a and rgb from 0 to 1. "
-    .. "docs/engines.md says how engines read them.",
-  arguments = { { "path", "string", "ends in .glb, .gltf, .obj, .exr, .png or .html" }, { "options?", "table", "" } },
+    .. "the lamps where quantity is 'indirect'; NAME.obj: triangles whose vt reads NAME.exr; NAME.exr, NAME.ktx2, NAME.png: the "
+    .. "picture alone; NAME.html: a page with a viewer, which needs no network. .exr and .ktx2: half floats, W m^-2; with a "
+    .. "directional lightmap NAME_x.exr, NAME_y.exr and NAME_z.exr beside it. .png: irradiance is range (a rgb)^2, with a and "
+    .. "rgb from 0 to 1. docs/engines.md says how engines read them.",
+  arguments = { { "path", "string", "ends in .glb, .gltf, .obj, .exr, .ktx2, .png or .html" }, { "options?", "table", "" } },
   options = files.options,
   returns = { { "ok", "boolean", "true" }, { "facts", "table", "files: names of all that was written; range: of a .png, W m^-2; "
     .. "bytes: of a page; exposure: stops of lit and of a page; lamps: that are left to draw" } },

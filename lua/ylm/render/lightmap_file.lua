@@ -1,10 +1,12 @@
---- Files of lightmaps: the picture as .exr or .png, and the surfaces that read it as glTF or OBJ. For lightmap:save.
+--- Files of lightmaps: the picture as .exr, .ktx2 or .png, and the surfaces that read it as glTF or OBJ. For lightmap:save.
 
+local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
 local gltf_write = require "ylm.gltf.write"
 local image = require "ylm.image"
+local ktx2 = require "ylm.image.ktx2"
 local library = require "ylm.library"
 local wavefront = require "ylm.render.wavefront"
 
@@ -12,14 +14,17 @@ local files = {}
 
 local CLIPPED = 0.02 -- of the picture's texels, at most, are brighter than lit shows
 local PI_STOPS = math.log(math.pi) / math.log(2) -- from irradiance to the radiance of white
-local ENDINGS = { glb = true, gltf = true, obj = true, exr = true, png = true, html = true }
+local KINDS = { exr = true, ktx2 = true, png = true } -- of pictures
+
+--- Endings of files, as messages list them.
+files.endings = { "glb", "gltf", "obj", "exr", "ktx2", "png", "html" }
 
 --- Layers of the flow of light along x, y and z.
 files.flow = { "flow_x", "flow_y", "flow_z" }
 
 files.options = {
-  { "picture", "choice", of = { "exr", "png" }, optional = true,
-    about = "beside .glb, .gltf and .obj; default 'exr', with embed 'png'" },
+  { "picture", "choice", of = { "exr", "ktx2", "png" }, optional = true,
+    about = "beside .glb, .gltf and .obj: half floats ('exr', 'ktx2') or 8 bits and a range; default 'exr', with embed 'png'" },
   { "embed", "boolean", default = false, about = ".glb, .gltf: the picture is in the file, as an image of glTF" },
   { "lit", "boolean", default = false,
     about = ".glb, .gltf: any viewer shows the light: materials are albedo times a further picture of 8 bits in the file "
@@ -82,8 +87,18 @@ local function shown_of(m, map, o)
   return bytes, stops + PI_STOPS
 end
 
---- Writes the picture as STEM.exr, with the flow beside it, or STEM.png, and adds their names to facts. True; or nil, message,
--- code.
+--- Saves a picture of irradiance as KTX 2.0; true, or nil, message, code.
+local function save_ktx2(picture, path)
+  local E, size, channels = picture:layer "irradiance", picture.size, {}
+  for c = 1, 3 do channels[c] = E[{ {}, {}, c }] end
+  channels[4] = array.zeros({ size[2], size[1] }, "float") + 1
+  local data = core.array_convert(array.stack(channels, 3), "float16"):bytes()
+  local bytes = ktx2.file(size[1], size[2], 0, data, { { "KTXwriter", "ylm " .. (core.info()) } })
+  return check.result("save", core.file_save(path, bytes))
+end
+
+--- Writes the picture as STEM.exr or STEM.ktx2, with the flow beside it, or STEM.png, and adds their names to facts. True; or
+-- nil, message, code.
 local function save_picture(m, map, stem, kind, facts)
   local function add(name) facts.files[#facts.files + 1] = name:match "[^/]*$" end
   if kind == "png" then
@@ -96,8 +111,9 @@ local function save_picture(m, map, stem, kind, facts)
   for i, suffix in ipairs(m.directional and { "", "_x", "_y", "_z" } or { "" }) do
     local picture, message, code = files.picture(m, map, { { "irradiance", 3 } })
     if picture and i > 1 then m.lib.map_flow(map, i - 1, picture:layer "irradiance") end
-    local path, done = stem .. suffix .. ".exr", picture
-    if picture then done, message, code = picture:save(path, { bits = 16 }) end
+    local path, done = stem .. suffix .. "." .. kind, picture
+    if picture and kind == "ktx2" then done, message, code = save_ktx2(picture, path)
+    elseif picture then done, message, code = picture:save(path, { bits = 16 }) end
     if not done then return nil, message, code end
     add(path)
   end
@@ -161,23 +177,42 @@ end
 
 -- The whole --------------------------------------------------------------------------------------
 
---- Raises where a path and options do not go together; the ending and the kind of the picture.
-local function settle(m, path, o)
+--- The ending of a path, in small letters, if there are files with it.
+local function ending_of(path)
   local ending = type(path) == "string" and not path:find "%z" and path:lower():match "%.(%w+)$"
-  if not ENDINGS[ending] then
-    return check.bad(1, "save", "a file name that ends in .glb, .gltf, .obj, .exr, .png or .html expected, got %s",
-      check.describe(path))
+  for _, known in ipairs(files.endings) do if ending == known then return ending end end
+end
+
+--- The kind of the picture of a file with this ending and options; or nil and why they do not go together. spelt(name, value): an
+-- option as its user writes it.
+function files.kind(ending, o, directional, spelt)
+  if o.picture and not KINDS[o.picture] then
+    return nil, ("%s is exr, ktx2 or png, got '%s'"):format(spelt "picture", o.picture)
   end
   if (o.embed or o.lit) and ending ~= "glb" and ending ~= "gltf" then
-    return check.bad(2, "save", "%s is of .glb and .gltf files, not of .%s", o.embed and "embed" or "lit", ending)
+    return nil, ("%s is of .glb and .gltf files, not of .%s"):format(spelt(o.embed and "embed" or "lit"), ending)
   end
-  if o.embed and o.picture == "exr" then
-    return check.bad(2, "save", "embed wants picture = 'png': glTF holds no pictures of floats")
+  if o.embed and o.picture and o.picture ~= "png" then
+    return nil, ("%s wants %s: glTF holds no pictures of floats"):format(spelt "embed", spelt("picture", "png"))
   end
-  local kind = (ending == "exr" or ending == "png") and ending or o.picture or o.embed and "png" or "exr"
-  if m.directional and kind == "png" then
-    return check.bad(2, "save", "a directional lightmap wants picture = 'exr': the flow of light has signs, and .png none")
+  local kind = KINDS[ending] and ending or o.picture or o.embed and "png" or "exr"
+  if directional and kind == "png" then
+    return nil, ("%s wants %s: the flow of light has signs, and .png none"):format(spelt "directional", spelt("picture", "exr"))
   end
+  return kind
+end
+
+local function as_field(name, value) return value and ("%s = '%s'"):format(name, value) or name end
+
+--- Raises where a path and options do not go together; the ending and the kind of the picture.
+local function settle(m, path, o)
+  local ending = ending_of(path)
+  if not ending then
+    return check.bad(1, "save", "a file name that ends in .glb, .gltf, .obj, .exr, .ktx2, .png or .html expected, got %s",
+      check.describe(path))
+  end
+  local kind, why = files.kind(ending, o, m.directional, as_field)
+  if not kind then return check.bad(2, "save", "%s", why) end
   return ending, kind
 end
 

@@ -97,7 +97,7 @@ return {
     { call = function(ylm)
       local s = scene(ylm)
       return s:lightmap({ texels = 256, links = s:links { spacing = 1, rays = 16 }, rays = 4, directional = true }):save "x.png"
-    end, says = "a directional lightmap wants picture = 'exr'" },
+    end, says = "directional wants picture = 'exr'" },
     { call = function(ylm) return map(ylm):save("x.html", { limit = 1000 }) end, says = "the limit is 0.0 MB" },
     { call = function(ylm) return map(ylm):save("x.glb", { picture = "hdr" }) end, says = "picture must be" },
     { call = function(ylm) return map(ylm):save "/nonexistent/x.glb" end, says = "No such file" },
