@@ -22,7 +22,7 @@ return {
 
   -- The last Lua runs these, Lua 5.4 in `make test`: their subject needs it, or counts requests of memory, which its own are.
   last = [[
-    abi documentation material_file memory memory_picture options page style]],
+    abi documentation material_file memory memory_picture options page states style]],
 
   -- The first Lua and the last these, without integers and with.
   two = [[

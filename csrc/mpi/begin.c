@@ -12,15 +12,22 @@
 /* One for each program: MPI itself can begin but once. */
 static process own;
 static bool begun;
+static pthread_mutex_t beginning = PTHREAD_MUTEX_INITIALIZER;
 static pid_t begun_by;
 
-const char *ylm_mpi_version(void) {
-  static char text[MPI_MAX_LIBRARY_VERSION_STRING];
+static char version[MPI_MAX_LIBRARY_VERSION_STRING];
+
+static void find_version(void) {
   int n = 0;
-  if (!*text) MPI_Get_library_version(text, &n);
-  for (n = 0; text[n] && text[n] != ',' && text[n] != '\n'; n++) continue;
-  text[n] = 0;
-  return text;
+  MPI_Get_library_version(version, &n);
+  for (n = 0; version[n] && version[n] != ',' && version[n] != '\n'; n++) continue;
+  version[n] = 0;
+}
+
+const char *ylm_mpi_version(void) {
+  static pthread_once_t once = PTHREAD_ONCE_INIT;
+  pthread_once(&once, find_version);
+  return version;
 }
 
 bool ylm_mpi_is_alone(void) { return own.alone; }
@@ -146,11 +153,11 @@ static ylm_status begin(process *p, ylm_error *e) {
 
 ylm_status ylm_mpi_begin(ylm_team **team, int *threads, ylm_error *e) {
   *team = NULL;
-  if (!begun) {
-    ylm_status s = begin(&own, e);
-    if (s != YLM_OK) return s;
-    begun = true;
-  }
+  pthread_mutex_lock(&beginning);
+  ylm_status s = begun ? YLM_OK : begin(&own, e);
+  if (s == YLM_OK) begun = true;
+  pthread_mutex_unlock(&beginning);
+  if (s != YLM_OK) return s;
   *team = &own.team;
   *threads = own.threads;
   return YLM_OK;

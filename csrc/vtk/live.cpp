@@ -15,6 +15,7 @@
 #undef Success
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <deque>
@@ -43,7 +44,7 @@ struct ylm_vtk_live {
   bool stale = false; // the window shows less than it should
 };
 
-static ylm_vtk_live *the_window;
+static std::atomic<bool> is_open; // a window of this process
 
 // -- events ---------------------------------------------------------------------------------------
 
@@ -257,10 +258,10 @@ extern "C" void ylm_vtk_live_close(ylm_vtk_live *l) {
   guarded(&e, [&] {
     ylm::ContextGuard guard;
     close_window(l);
+    delete l;
     return YLM_OK;
   });
-  the_window = nullptr;
-  delete l;
+  is_open = false;
 }
 
 static bool is_side(int n) { return n >= 1 && n <= 8192; }
@@ -268,22 +269,25 @@ static bool is_side(int n) { return n >= 1 && n <= 8192; }
 extern "C" ylm_status ylm_vtk_live_open(int width, int height, const char *title, bool hidden,
                                         ylm_vtk_live **live, ylm_error *e) {
   *live = nullptr;
-  if (the_window) return ylm_fail(e, YLM_EBUSY, "one live window at a time: another one is open");
   if (!is_side(width) || !is_side(height))
     return ylm_fail(e, YLM_ERANGE, "a window of %d x %d pixels: sides are 1 .. 8192", width,
                     height);
+  if (is_open.exchange(true))
+    return ylm_fail(e, YLM_EBUSY, "one live window at a time: another one is open");
   ylm_vtk_live *l = nullptr;
   ylm_status s = guarded(e, [&] {
     ylm::ContextGuard guard;
-    the_window = l = new ylm_vtk_live;
+    l = new ylm_vtk_live;
     l->size[0] = width, l->size[1] = height;
     return open_window(l, title, hidden, e);
   });
   if (s == YLM_OK && l->gone) s = lost(e);
   if (s == YLM_OK)
     *live = l;
-  else
+  else if (l)
     ylm_vtk_live_close(l);
+  else
+    is_open = false;
   return s;
 }
 

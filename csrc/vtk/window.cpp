@@ -53,8 +53,11 @@ public:
 };
 vtkStandardNewMacro(MessageWindow);
 
+static std::recursive_mutex the_only;
+
 Messages::Messages()
-    : window(vtkSmartPointer<MessageWindow>::New()), before(vtkOutputWindow::GetInstance()) {
+    : only(the_only), window(vtkSmartPointer<MessageWindow>::New()),
+      before(vtkOutputWindow::GetInstance()) {
   vtkOutputWindow::SetInstance(window);
   vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
 }

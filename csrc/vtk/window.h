@@ -8,6 +8,7 @@
 
 #include <exception>
 #include <memory>
+#include <mutex>
 #include <new>
 #include <string>
 
@@ -17,7 +18,8 @@ namespace ylm {
 
 class MessageWindow;
 
-// VTK's warnings and errors go to a string for as long as this lives.
+// VTK's warnings and errors go to a string for as long as this lives. VTK has one window of messages, and other
+// state of the process: one thread at a time has a Messages.
 class Messages {
 public:
   Messages();
@@ -27,6 +29,7 @@ public:
   const std::string &errors() const;
 
 private:
+  std::unique_lock<std::recursive_mutex> only;
   vtkSmartPointer<MessageWindow> window;
   vtkSmartPointer<vtkOutputWindow> before;
 };

@@ -9,7 +9,7 @@
 ** an Xvfb that it starts and ends itself; then YLM_EMISSING says what to install.
 ** YLM_VTK_WINDOW = egl | x | xvfb | none forces one.
 **
-** Threads   one call at a time in a process: VTK has global state.
+** Threads   any number; calls wait for one another, as VTK has global state.
 */
 #ifndef YLM_VTK_H
 #define YLM_VTK_H

@@ -1,6 +1,7 @@
 /* process.c - what the command-line tool asks of its process: interrupts, standard output. */
 #include <errno.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
@@ -10,6 +11,7 @@
 
 /* A signal's handler knows nothing but the process. */
 static volatile sig_atomic_t interrupted;
+static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static struct sigaction before; /* the interpreter's handler, which raises "interrupted!" */
 
 static void on_interrupt(int signal_number) {
@@ -29,12 +31,18 @@ static int process_watch(lua_State *L) {
   for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++)
     if (fcntl(fd, F_GETFD) < 0 && errno == EBADF)
       (void)!open("/dev/null", fd == STDIN_FILENO ? O_WRONLY : O_RDONLY);
-  struct sigaction own = {.sa_handler = on_interrupt};
+  struct sigaction own = {.sa_handler = on_interrupt}, now;
   sigemptyset(&own.sa_mask);
   own.sa_flags = SA_RESTART;
-  if (sigaction(SIGINT, NULL, &before) != 0 || before.sa_handler == on_interrupt) return 0;
-  if (before.sa_flags & SA_SIGINFO) return 0; /* of another kind than signal() sets */
-  sigaction(SIGINT, &own, NULL);
+  pthread_mutex_lock(&lock);
+  bool watches = sigaction(SIGINT, NULL, &now) == 0 && now.sa_handler != on_interrupt &&
+                 !(now.sa_flags & SA_SIGINFO); /* that is of another kind than signal() sets */
+  if (watches) {
+    before = now;
+    sigaction(SIGINT, &own, NULL);
+  }
+  pthread_mutex_unlock(&lock);
+  if (!watches) return 0;
   lua_pushboolean(L, 1);
   return 1;
 }

@@ -28,9 +28,10 @@ typedef struct guard {
   const char *last;             /* why the last one that failed did */
 } guard;
 
+/* Of this thread: other states may work in other threads. */
 static double processor_seconds(void) {
   struct timespec t;
-  if (clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t) != 0) return 0;
+  if (clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t) != 0) return 0;
   return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
