@@ -127,6 +127,35 @@ describe("the C library", function()
     end)
   end
 
+  it("refuses numbers that it once took, in sentences: counts, words, NaN", function()
+    needs "pkg-config"
+    local program = folder.path .. "/numbers"
+    runs("%s sh -c %s", env(), scratch.quote(("%s%s -D_GNU_SOURCE spec/support/numbers.c -x none $(pkg-config --cflags --libs "
+      .. "ylm) -lm -o %s"):format(languages[1], strict, scratch.quote(program))))
+    local said = {}
+    local out = runs("%s timeout 20 %s", env(), scratch.quote(program))
+    for name, result, sentence in out:gmatch "([^\t\n]+)\t([^\t]*)\t([^\n]*)\n" do
+      said[name] = result .. (sentence ~= "" and ": " .. sentence or "")
+    end
+    assert.same({
+      ["texture of zeros"] = "ERANGE: an image of 0 x 0 texels: sides are 1 to 65536, texels 4194304 at most",
+      ["texture of many texels"] = "ERANGE: an image of 9223372036854775808 x 2 texels: sides are 1 to 65536, texels 4194304 "
+        .. "at most",
+      ["texture of no number"] = "EDOMAIN: texel 2 of row 1 is not finite",
+      ["texture of parts"] = "EDOMAIN: a texture's tolerance must be >= 0, its largest part above 0, at most 1, its scale "
+        .. "finite; got 0, nan and 1",
+      ["origin of no number"] = "EDOMAIN: the origin of points is not finite",
+      ["origin far away"] = "ERANGE: the origin of points is beyond 1e+15",
+      ["sphere without a direction"] = "0",
+      ["probes of lmax 65537"] = "ERANGE: probes have lmax 1 or 2, and leaves 0 to 3 cuts; got 65537 and 0",
+      ["probes of cuts -1"] = "ERANGE: probes have lmax 1 or 2, and leaves 0 to 3 cuts; got 1 and -1",
+      ["probes of 255 bits"] = "ERANGE: bits of a number are 6 to 16, got 255",
+      ["derivatives -2"] = "ERANGE: derivatives must be 0 or 3, got -2",
+      ["array of type 9"] = "ETYPE: none.npy: no element type has the number 9",
+      ["kind 99"] = "EINVAL", ["name of kind -1"] = "?", ["failures of many"] = "1",
+      ["creases"] = "OK", ["normals"] = "1", ["canvas"] = "1" }, said)
+  end)
+
   for _, language in ipairs(languages) do
     it("evaluates harmonics, linked by pkg-config: " .. language, function()
       needs(language:match "%S+")

@@ -170,6 +170,8 @@ ylm_status ylm_array_file_write(const char *path, ylm_dtype t, int axes, const s
   size_t count;
   if (axes < 1 || axes > YLM_MAX_AXES || !ylm_shape_count(axes, shape, &count))
     return ylm_fail(e, YLM_ESHAPE, "%s: not a shape", path);
+  if ((unsigned)t >= YLM_NUMBERS_TYPES)
+    return ylm_fail(e, YLM_ETYPE, "%s: no element type has the number %d", path, (int)t);
   const uint16_t one = 1;
   char head[512], text[300];
   size_t n = 0;

@@ -3,6 +3,9 @@
 
 #include "ylm_base.h"
 
+/* Squares of coordinates stay numbers of float. */
+#define FARTHEST 1e15
+
 ylm_status ylm_field_check(const ylm_field_query *q, size_t n, const void *points,
                            const ylm_field_result *r, int most, const char *what, ylm_error *e) {
   size_t where;
@@ -18,6 +21,11 @@ ylm_status ylm_field_check(const ylm_field_query *q, size_t n, const void *point
     return ylm_fail(e, YLM_EINVAL, "a result is wanted but has no place to go");
   if (points && !ylm_all_finite(q->dtype, points, 3 * n, &where))
     return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", where / 3 + 1);
+  if (q->origin && !ylm_all_finite(YLM_DOUBLE, q->origin, 3, &where))
+    return ylm_fail(e, YLM_EDOMAIN, "the origin of points is not finite");
+  for (int a = 0; q->origin && a < 3; a++)
+    if (fabs(q->origin[a]) > FARTHEST)
+      return ylm_fail(e, YLM_ERANGE, "the origin of points is beyond %g", FARTHEST);
   return YLM_OK;
 }
 

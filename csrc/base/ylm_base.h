@@ -384,8 +384,8 @@ struct ylm_field {
 **   most    in   the field's highest lmax
 **   what    in   the light that is asked for, in the message on lmax: "these lights"
 **
-** Returns  YLM_OK; YLM_ERANGE (lmax), YLM_EINVAL (channels, a result without a place), YLM_EDOMAIN (a point that is not
-** finite). field.c
+** Returns  YLM_OK; YLM_ERANGE (lmax), YLM_EINVAL (channels, a result without a place), YLM_EDOMAIN (a point or an origin that
+** is not finite), YLM_ERANGE too of an origin beyond 1e15. field.c
 */
 YLM_API ylm_status ylm_field_check(const ylm_field_query *q, size_t n, const void *points,
                                    const ylm_field_result *r, int most, const char *what,

@@ -32,7 +32,7 @@ static void mix(ylm_figure_canvas *c, int x, int y, const double rgb[3], double 
 }
 
 /* Limits to what an int loop over the canvas may run through. */
-static int clamp(double x, int limit) { return x < 0 ? 0 : x > limit ? limit : (int)x; }
+static int clamp(double x, int limit) { return x > limit ? limit : x > 0 ? (int)x : 0; }
 
 /* Length of the overlap of [a, a+1] and [lo, hi]. */
 static double overlap(double a, double lo, double hi) {
@@ -68,6 +68,7 @@ void ylm_figure_canvas_line(ylm_figure_canvas *c, double x0, double y0, double x
 
 void ylm_figure_canvas_blend(ylm_figure_canvas *c, int x, int y, int w, int h,
                              const uint8_t *rgba) {
+  if (x >= c->width || y >= c->height) return;
   for (int j = 0; j < h; j++)
     for (int i = 0; i < w; i++) {
       const uint8_t *p = rgba + 4 * ((size_t)j * (size_t)w + (size_t)i);
@@ -108,10 +109,10 @@ void ylm_figure_canvas_copy(ylm_figure_canvas *c, int x, int y, int w, int h,
                             double sh, bool sharp) {
   if (w < 1 || h < 1) return;
   double kx = sw / w, ky = sh / h;
-  for (int j = 0; j < h; j++)
-    for (int i = 0; i < w; i++) {
-      if (x + i < 0 || y + j < 0 || x + i >= c->width || y + j >= c->height) continue;
-      double rgb[3], px = sx + i * kx, py = sy + j * ky;
+  long right = (long)c->width - x, bottom = (long)c->height - y; /* of the target, from x and y */
+  for (long j = y < 0 ? -(long)y : 0; j < h && j < bottom; j++)
+    for (long i = x < 0 ? -(long)x : 0; i < w && i < right; i++) {
+      double rgb[3], px = sx + (double)i * kx, py = sy + (double)j * ky;
       if (kx >= 1 || ky >= 1)
         average(from, px, py, px + fmax(kx, 1e-6), py + fmax(ky, 1e-6), rgb);
       else if (sharp)

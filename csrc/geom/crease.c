@@ -153,7 +153,7 @@ static ylm_status split(creases *c, ylm_mesh *m) {
     size_t count = number(c, from, index);
     made = count == m->vertices ||
            (copy_rows(&m->position, 3, count, from) && copy_rows(&m->uv, 2, count, from) &&
-            copy_rows(&m->colour, 3, count, from));
+            copy_rows(&m->colour, 3, count, from) && copy_rows(&m->normal, 3, count, from));
     if (made) {
       memcpy(m->index, index, n * sizeof *index);
       m->vertices = count;

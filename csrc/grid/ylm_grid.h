@@ -857,7 +857,7 @@ typedef struct ylm_grid_probes_places {
 **   walls, at  in  by which planes between the bricks of a leaf are found; NULL: by the pieces of the grid's leaves
 **   p     out  ylm_grid_probes_free; NULL on failure
 **
-** Returns  YLM_OK, YLM_ENOMEM, YLM_ELIMIT (2^32 cells or points)
+** Returns  YLM_OK, YLM_ERANGE (lmax, cuts), YLM_ENOMEM, YLM_ELIMIT (2^32 cells or points)
 */
 YLM_API ylm_status ylm_grid_probes_make(const ylm_grid *g, int lmax, int cuts,
                                         const ylm_grid_walls *walls,
@@ -884,7 +884,7 @@ YLM_API ylm_status ylm_grid_probes_thin(ylm_grid_probes *p, const ylm_grid_probe
 **
 **   bits  in   6 .. 16 of a number
 **
-** Returns  YLM_OK, YLM_ENOMEM; of decode also YLM_EFORMAT (no such file, or one that cannot be), YLM_ECHECKSUM (damaged),
+** Returns  YLM_OK, YLM_ERANGE (bits), YLM_ENOMEM; of decode also YLM_EFORMAT (no such file, or one that cannot be), YLM_ECHECKSUM (damaged),
 **          YLM_EVERSION
 */
 YLM_API ylm_status ylm_grid_probes_encode(const ylm_grid_probes *p, int bits, unsigned char **data,

@@ -28,18 +28,20 @@ bool ylm_light_emitter_place(const ylm_light_emitter *e, ylm_light_place *out) {
   return e->kind->emits->place(e->x, out);
 }
 
+/* Kinds without a function send no light of its sort. */
 bool ylm_light_emitter_toward(const ylm_light_emitter *e, const double from[3],
                               ylm_light_way *out) {
-  return e->kind->emits->toward(e->x, from, out);
+  return e->kind->emits->toward && e->kind->emits->toward(e->x, from, out);
 }
 
 double ylm_light_emitter_weight(const ylm_light_emitter *e, const double from[3],
                                 const float *normal) {
-  return e->kind->emits->weight(e->x, from, normal);
+  return e->kind->emits->weight ? e->kind->emits->weight(e->x, from, normal) : 0;
 }
 
 void ylm_light_emitter_intensity(const ylm_light_emitter *e, const double way[3], double out[3]) {
-  e->kind->emits->intensity(e->x, way, out);
+  out[0] = out[1] = out[2] = 0;
+  if (e->kind->emits->intensity) e->kind->emits->intensity(e->x, way, out);
 }
 
 double ylm_light_emitter_part(const ylm_light_emitter *e, const double from[3]) {
@@ -55,7 +57,8 @@ void ylm_light_emitter_drop(const ylm_light_emitter *e) {
 }
 
 void ylm_light_emitter_radiance(const ylm_light_emitter *e, const double way[3], double out[3]) {
-  e->kind->emits->radiance(e->x, way, out);
+  out[0] = out[1] = out[2] = 0;
+  if (e->kind->emits->radiance) e->kind->emits->radiance(e->x, way, out);
 }
 
 bool ylm_light_emitter_leave(const ylm_light_emitter *e, const double u[4],

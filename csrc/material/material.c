@@ -12,7 +12,9 @@ static const material_kind *const kinds[] = {
 
 int ylm_material_kinds(void) { return (int)(sizeof kinds / sizeof *kinds); }
 
-const char *ylm_material_kind_name(int kind) { return kinds[kind]->name; }
+static bool is_kind(int kind) { return kind >= 0 && kind < ylm_material_kinds(); }
+
+const char *ylm_material_kind_name(int kind) { return is_kind(kind) ? kinds[kind]->name : "?"; }
 
 int ylm_material_kind_find(const char *name) {
   for (int i = 0; i < ylm_material_kinds(); i++)
@@ -30,6 +32,7 @@ static const material_kind *shaded(const ylm_material *m, const float **x) {
 
 ylm_status ylm_material_transfer(int kind, int lmax, double *a) {
   if (lmax < 0 || lmax > YLM_MATERIAL_LMAX) return YLM_ERANGE;
+  if (!is_kind(kind)) return YLM_EINVAL;
   const material_kind *k = kinds[kind];
   return (k->transfer ? k : &ylm__material_matte)->transfer(lmax, a);
 }

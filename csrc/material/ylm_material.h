@@ -36,7 +36,7 @@ extern "C" {
 
 /* -- kinds ------------------------------------------------------------------- */
 
-/* How many kinds there are, counted from 0; their names; the kind of a name, -1: none. */
+/* How many kinds there are, counted from 0; their names, "?" of none; the kind of a name, -1: none. */
 YLM_API int ylm_material_kinds(void);
 YLM_API const char *ylm_material_kind_name(int kind);
 YLM_API int ylm_material_kind_find(const char *name);
@@ -54,7 +54,7 @@ YLM_API int ylm_material_kind_find(const char *name);
 **   lmax  in   0 .. YLM_MATERIAL_LMAX
 **   a     out  [lmax+1]   sr
 **
-** Returns  YLM_OK; YLM_ERANGE (lmax)
+** Returns  YLM_OK; YLM_ERANGE (lmax), YLM_EINVAL (no such kind)
 ** Accuracy 4e-16 relative (matte, lmax 20)
 ** Cost     O(lmax), no allocation, thread-safe
 ** Source   Ramamoorthi & Hanrahan 2001, "An Efficient Representation for Irradiance Environment

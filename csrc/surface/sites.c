@@ -126,32 +126,36 @@ ylm_status ylm__surface_ask(surface_bake *b, size_t n, const uint32_t *site, int
   return s;
 }
 
-/* Sites of a list, and the shares of their rays. */
+/* Sites of a list, in which a site may be twice, the shares of their rays, and what they are found to be. */
 typedef struct knowing {
   surface_bake *b;
   const uint32_t *site;
   const float *share;
+  unsigned char *known;
 } knowing;
 
 static ylm_status know(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const knowing *j = context;
   for (size_t i = begin; i < end; i++) {
-    surface_site *s = &j->b->site[j->site[i]];
     ylm_scene_surface at;
-    s->known = SITE_BURIED;
+    j->known[i] = SITE_BURIED;
     if (j->share[i] < 0.5f) continue;
-    ylm_scene_surfaces(j->b->scene, 1, &s->at, &at);
-    s->known = ylm__surface_is_covered(&j->b->charts, &at) ? SITE_COVERED : SITE_OPEN;
+    ylm_scene_surfaces(j->b->scene, 1, &j->b->site[j->site[i]].at, &at);
+    j->known[i] = ylm__surface_is_covered(&j->b->charts, &at) ? SITE_COVERED : SITE_OPEN;
   }
   return YLM_OK;
 }
 
 ylm_status ylm__surface_know(surface_bake *b, size_t n, const uint32_t *site, const float *share) {
   float *own = share ? NULL : ylm_alloc(n, sizeof *own);
-  ylm_status s = share ? YLM_OK : own ? ylm__surface_ask(b, n, site, 4, NULL, own) : YLM_ENOMEM;
-  knowing j = {b, site, share ? share : own};
+  unsigned char *known = ylm_alloc(n, sizeof *known);
+  ylm_status s = known && (share || own) ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK && !share) s = ylm__surface_ask(b, n, site, 4, NULL, own);
+  knowing j = {b, site, share ? share : own, known};
   if (s == YLM_OK) s = ylm_parallel(n, SURFACE_GRAIN, b->form->light.threads, know, &j, NULL, NULL);
+  for (size_t i = 0; s == YLM_OK && i < n; i++) b->site[site[i]].known = known[i];
+  ylm_free(known);
   ylm_free(own);
   return s;
 }

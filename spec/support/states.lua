@@ -1,4 +1,4 @@
---- What a state does while others do it too (states.c): bakes, bounces, pictures, files, errors, warnings, calls that are
+--- Work of a state, for spec/support/states.c: bakes, bounces, pictures, files, errors, warnings, calls that are
 -- cancelled. Returns checksums and messages, which are those of a state that is alone.
 local folder, name, round = ...
 local ylm = require "ylm"

@@ -137,6 +137,9 @@ static void put_cuts(const ylm_grid_probes *p, unsigned char *to) {
 
 ylm_status ylm_grid_probes_encode(const ylm_grid_probes *p, int bits, unsigned char **data,
                                   size_t *size, ylm_error *e) {
+  *data = NULL;
+  if (bits < 6 || bits > 16)
+    return ylm_fail(e, YLM_ERANGE, "bits of a number are 6 to 16, got %d", bits);
   probes_layout l = lay_out(p->cells, bytes_of_cuts(p), p->bricks, p->points, p->count, bits);
   unsigned char *d = ylm_alloc_zero(l.size, 1);
   *data = d;

@@ -316,6 +316,9 @@ ylm_status ylm_grid_probes_make(const ylm_grid *g, int lmax, int cuts, const ylm
                                 const ylm_grid_probes_places *at, ylm_grid_probes **out,
                                 ylm_error *e) {
   *out = NULL;
+  if (lmax < 1 || lmax > 2 || cuts < 0 || cuts > 3)
+    return ylm_fail(e, YLM_ERANGE, "probes have lmax 1 or 2, and leaves 0 to 3 cuts; got %d and %d",
+                    lmax, cuts);
   making m = {.g = g, .fine = 1u << (g->rows == 1 ? 0 : cuts)};
   m.p = ylm_alloc_zero(1, sizeof *m.p);
   m.number = ylm_alloc(g->points ? g->points : 1, sizeof *m.number);

@@ -259,7 +259,10 @@ void ylm_grid_verdict(ylm_grid *g, uint64_t verified, uint64_t failed, double er
   s->spent &= !s->met;
 }
 
-int ylm_grid_allowed(size_t n) { return ylm__confidence_allowed(n, PROMISED, DOUBT); }
+int ylm_grid_allowed(size_t n) {
+  const size_t most = 1 << 20; /* of more places, those of so many: they are found one by one */
+  return ylm__confidence_allowed(n < most ? n : most, PROMISED, DOUBT);
+}
 
 ylm_status ylm__panel_judge(refiner *r, bool limited) {
   ylm_grid *g = r->b->g;

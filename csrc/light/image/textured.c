@@ -91,15 +91,37 @@ static ylm_status make_parts(textured *t, bool exact, const double *horizon, siz
   return s;
 }
 
+/* Whether an image can be cut into parts. */
+static ylm_status check(const ylm_light_texture *t, ylm_error *e) {
+  size_t most = (size_t)1 << 16, where;
+  if (t->width < 1 || t->width > most || t->height < 1 || t->height > most ||
+      t->width * t->height > YLM_LIGHT_TEXELS)
+    return ylm_fail(e, YLM_ERANGE,
+                    "an image of %zu x %zu texels: sides are 1 to 65536, texels %d at most",
+                    t->width, t->height, YLM_LIGHT_TEXELS);
+  if (!(t->tolerance >= 0) || !(t->largest > 0 && t->largest <= 1) || !isfinite(t->scale))
+    return ylm_fail(e, YLM_EDOMAIN,
+                    "a texture's tolerance must be >= 0, its largest part above 0, at most 1, its "
+                    "scale finite; got %g, "
+                    "%g and %g",
+                    t->tolerance, t->largest, t->scale);
+  if (!ylm_all_finite(YLM_FLOAT, t->texel, 3 * t->width * t->height, &where))
+    return ylm_fail(e, YLM_EDOMAIN, "texel %zu of row %zu is not finite", where / 3 % t->width + 1,
+                    where / 3 / t->width + 1);
+  return YLM_OK;
+}
+
 ylm_status ylm_light_set_textured(const ylm_light_texture *image, bool exact, const double *horizon,
                                   ylm_light_set **set, size_t *parts, ylm_error *e) {
   *set = NULL;
+  ylm_status s = check(image, e);
+  if (s != YLM_OK) return s;
   textured *t = ylm_alloc_zero(1, sizeof *t);
   if (!t) return ylm_no_memory(e);
   t->image = *image;
   t->image.texel = t->texel =
       ylm_alloc_copy(image->texel, 3 * image->width * image->height, sizeof *t->texel);
-  ylm_status s = t->texel ? make_parts(t, exact, horizon, parts, e) : YLM_ENOMEM;
+  s = t->texel ? make_parts(t, exact, horizon, parts, e) : YLM_ENOMEM;
   if (s == YLM_OK) {
     ylm__light_pack made = {&ylm__textured_kind, t, &t->parts->field, t->parts->n, 0};
     return ylm__light_set_of_pack(&made, set, e);

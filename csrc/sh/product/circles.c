@@ -260,6 +260,8 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 ylm_status ylm_sh_exponential_apply(const ylm_sh_exponential *p, ylm_dtype t, size_t n,
                                     int derivatives, const void *in, void *out, int threads,
                                     const ylm_progress *progress, ylm_error *e) {
+  if (derivatives != 0 && derivatives != 3)
+    return ylm_fail(e, YLM_ERANGE, "derivatives must be 0 or 3, got %d", derivatives);
   job j = {.p = p, .t = t, .rows = 1 + (size_t)derivatives, .in = in, .out = out};
   ylm_status s = YLM_ERANGE;
   if (n > EXPONENTIAL_ROWS || progress) {

@@ -1,0 +1,135 @@
+/*
+** numbers.c - numbers that functions of libylm once took, for specs: each has to be refused, and a mesh to stay whole.
+**
+** Prints a line for each call: its name, its status and its sentence.
+*/
+#include <math.h>
+#include <stdio.h>
+
+#include <ylm/ylm_figure.h>
+#include <ylm/ylm_geom.h>
+#include <ylm/ylm_grid.h>
+#include <ylm/ylm_light.h>
+#include <ylm/ylm_light_emitter.h>
+#include <ylm/ylm_material.h>
+#include <ylm/ylm_sh_exponential.h>
+
+static ylm_error e;
+
+static void say(const char *what, ylm_status s) {
+  printf("%s\t%s\t%s\n", what, ylm_status_name(s), e.text);
+  e = (ylm_error){YLM_OK, ""};
+}
+
+static void images(void) {
+  float texel[12] = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+  ylm_light_texture zeros = {.width = 0}, t = {.u = {1, 0, 0},
+                                               .v = {0, 1, 0},
+                                               .width = 2,
+                                               .height = 2,
+                                               .texel = texel,
+                                               .scale = 1,
+                                               .largest = 1};
+  ylm_light_set *set = NULL;
+  size_t parts;
+  say("texture of zeros", ylm_light_set_textured(&zeros, true, NULL, &set, &parts, &e));
+  t.width = (size_t)-1 / 2 + 1;
+  say("texture of many texels", ylm_light_set_textured(&t, true, NULL, &set, &parts, &e));
+  t.width = 2, texel[4] = NAN;
+  say("texture of no number", ylm_light_set_textured(&t, true, NULL, &set, &parts, &e));
+  texel[4] = 1, t.largest = NAN;
+  say("texture of parts", ylm_light_set_textured(&t, true, NULL, &set, &parts, &e));
+}
+
+static void lights(void) {
+  double at[3] = {0, 2, 0}, radius = 0.1, radiance[3] = {1, 1, 1}, origin[3] = {NAN, 0, 0},
+         value[12], to[3] = {0, 0, 1};
+  float point[3] = {0, 0, 0};
+  ylm_light_set *lamps = NULL;
+  ylm_light_set_spheres(1, at, &radius, radiance, &lamps, &e);
+  ylm_field_query q = {
+      .lmax = 1, .channels = 3, .want = YLM_WANT_VALUE, .dtype = YLM_FLOAT, .origin = origin};
+  ylm_field_result r = {.value = value};
+  say("origin of no number", ylm_field_evaluate(ylm_light_set_field(lamps), &q, 1, point, &r, &e));
+  origin[0] = 1e20;
+  say("origin far away", ylm_field_evaluate(ylm_light_set_field(lamps), &q, 1, point, &r, &e));
+  ylm_light_emitter emitter;
+  ylm_light_way way;
+  ylm_light_emitter_sphere((float[]){1, 1, 1}, at, radius, &emitter);
+  printf("sphere without a direction\t%d\t\n", ylm_light_emitter_toward(&emitter, to, &way));
+
+  ylm_grid_form form = {.kind = YLM_GRID_UNIFORM,
+                        .bounds = {-1, -1, -1, 1, 1, 1},
+                        .lmax = 1,
+                        .channels = 3,
+                        .cells = {2, 2, 2}};
+  ylm_grid_source source = {.field = ylm_light_set_field(lamps), .threads = 1};
+  ylm_grid_probes_places places = {.n = 0};
+  ylm_grid_probes *probes = NULL;
+  ylm_grid *grid = NULL;
+  ylm_grid_bake(&form, &source, &grid, &e);
+  say("probes of lmax 65537", ylm_grid_probes_make(grid, 65537, 0, NULL, &places, &probes, &e));
+  say("probes of cuts -1", ylm_grid_probes_make(grid, 1, -1, NULL, &places, &probes, &e));
+  if (ylm_grid_probes_make(grid, 1, 0, NULL, &places, &probes, &e) == YLM_OK) {
+    unsigned char *bytes = NULL;
+    size_t size;
+    say("probes of 255 bits", ylm_grid_probes_encode(probes, 255, &bytes, &size, &e));
+  }
+  ylm_grid_probes_free(probes);
+  ylm_grid_free(grid);
+  ylm_light_set_free(lamps);
+}
+
+static void others(void) {
+  double in[4] = {0}, out[4], a[2];
+  ylm_sh_exponential *x = NULL;
+  ylm_sh_exponential_create(1, YLM_SH_EXP_PS, 4, &x, &e);
+  say("derivatives -2", ylm_sh_exponential_apply(x, YLM_DOUBLE, 1, -2, in, out, 1, NULL, &e));
+  ylm_sh_exponential_free(x);
+  say("array of type 9",
+      ylm_array_file_write("none.npy", (ylm_dtype)9, 1, (size_t[]){1}, 0, in, &e));
+  say("kind 99", ylm_material_transfer(99, 1, a));
+  printf("name of kind -1\t%s\t\n", ylm_material_kind_name(-1));
+  printf("failures of many\t%d\t\n", ylm_grid_allowed((size_t)-1) > 1000);
+}
+
+/* A mesh that has normals gets more vertices. */
+static void creases(void) {
+  ylm_mesh *m = NULL;
+  ylm_mesh_sphere(1, 8, 4, &m, &e);
+  size_t before = m->vertices;
+  double length = 0;
+  say("creases", ylm_mesh_make_creased_normals(m, 10, NULL));
+  for (size_t i = 0; i < m->vertices; i++)
+    length += fabs(sqrt((double)m->normal[3 * i] * m->normal[3 * i] +
+                        (double)m->normal[3 * i + 1] * m->normal[3 * i + 1] +
+                        (double)m->normal[3 * i + 2] * m->normal[3 * i + 2]) -
+                   1);
+  printf("normals\t%d\t\n", m->vertices > before && length < 1e-4);
+  ylm_mesh_free(m);
+}
+
+/* Pictures that are larger than an int of pixels, or lie nowhere, change the pixels that they meet alone. */
+static void canvases(void) {
+  const double rgb[3] = {1, 1, 1}, black[4] = {0, 0, 0, 1};
+  ylm_figure_canvas c, from;
+  ylm_figure_canvas_init(&c, 3, 3, rgb);
+  ylm_figure_canvas_init(&from, 2, 2, rgb);
+  double begun = ylm_seconds();
+  ylm_figure_canvas_copy(&c, 1, 2147483647, 2147483647, 2147483647, &from, 0, 0, 2, 2, true);
+  ylm_figure_canvas_copy(&c, -2147483647, 1, 2147483647, 2147483647, &from, NAN, 0, 2, 2, false);
+  ylm_figure_canvas_line(&c, NAN, 0, 1, 1, 1, black);
+  ylm_figure_canvas_rectangle(&c, NAN, NAN, NAN, NAN, black);
+  printf("canvas\t%d\t\n", c.pixel[0] == 255 && c.pixel[26] == 255 && ylm_seconds() - begun < 1);
+  ylm_figure_canvas_clear(&c);
+  ylm_figure_canvas_clear(&from);
+}
+
+int main(void) {
+  images();
+  lights();
+  others();
+  creases();
+  canvases();
+  return 0;
+}
