@@ -144,6 +144,35 @@ describe("a noise that is wanted", function()
   end)
 end)
 
+describe("rays of a pixel", function()
+  it("start from all over it where their noise is told: edges of shadows are those of paths", function()
+    local before, white = ylm.on_warning(false), ylm.matte { albedo = 0.6 }
+    local scene = ylm.scene "an edge" {
+      camera = ylm.camera { from = { 0, 3, 0.01 }, at = { 0, 0, 0 }, fov = 12 },
+      geometry = { ylm.box { bounds = { { -2, -0.1, -2 }, { 3, 0, 2 } }, material = white },
+        ylm.box { bounds = { { -3, 0.5, -3 }, { -0.55, 0.52, 3 } }, material = white,
+          rotate = { axis = { 0, 1, 0 }, angle = 10 } } },
+      lights = { ylm.sun_light { direction = { -1, 1, 0 }, irradiance = 20 } },
+    }
+    local o = { size = { 16, 12 }, samples = 64, bounces = 0 }
+    local paths = assert(scene:pathtrace(o)):layer "radiance":totable()
+    local function apart(more) -- from paths, where they see an edge
+      o.light_samples, o.denoise = 64, more
+      local rows, sum, n = assert(scene:render(o)):layer "radiance":totable(), 0, 0
+      for y, row in ipairs(paths) do
+        for x, c in ipairs(row) do
+          if c[1] > 0.3 and c[1] < 2.4 then sum, n = sum + ((rows[y][x][1] - c[1]) / 2.7) ^ 2, n + 1 end
+        end
+      end
+      return math.sqrt(sum / n), n
+    end
+    local found, n = apart "auto"
+    assert.is_true(n >= 6 and found < 0.1, ("%.3f over %d pixels"):format(found, n))
+    assert.is_true(apart() > 0.2)
+    ylm.on_warning(before)
+  end)
+end)
+
 describe("more camera rays", function()
   it("multiply rays to lamps and links, unless their numbers are given or every sample is shaded", function()
     local before, scene = ylm.on_warning(false), wall()

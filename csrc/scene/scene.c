@@ -466,6 +466,28 @@ void ylm_scene_surfaces(const ylm_scene *s, size_t n, const ylm_scene_place *p,
   for (size_t i = 0; i < n; i++) surface(s, &p[i], &out[i]);
 }
 
+/* By Cramer's rule. */
+bool ylm_scene_cross(const ylm_scene *s, const ylm_scene_place *p, const ylm_trace_ray *ray,
+                     ylm_scene_place *out) {
+  corners c;
+  double d[3], a[3], b[3], from[3], over[3], across[3];
+  look_at(&s->mesh[p->mesh], p, &c);
+  for (int k = 0; k < 3; k++) {
+    d[k] = (double)ray->dir[k];
+    a[k] = (double)c.p[1][k] - (double)c.p[0][k];
+    b[k] = (double)c.p[2][k] - (double)c.p[0][k];
+    from[k] = (double)ray->org[k] - (double)c.p[0][k];
+  }
+  ylm_cross3d(d, b, over);
+  ylm_cross3d(from, a, across);
+  double scale = ylm_dot3d(a, over);
+  if (scale == 0) return false;
+  double u = ylm_dot3d(from, over) / scale, v = ylm_dot3d(d, across) / scale;
+  *out = *p;
+  out->u = (float)u, out->v = (float)v;
+  return u >= 0 && v >= 0 && u + v <= 1;
+}
+
 /* Where rays start at a vertex: above all its triangles, to which the normal may be aslant. */
 static void leave_vertex(const scene_mesh *m, size_t vertex, const float normal[3],
                          float origin[3]) {

@@ -169,6 +169,9 @@ typedef struct ylm_scene_surface {
 */
 YLM_API void ylm_scene_surfaces(const ylm_scene *scene, size_t n, const ylm_scene_place *p,
                                 ylm_scene_surface *out);
+/* The place of p's triangle, on the side that p is seen from, that a ray passes through; false: it passes by. */
+YLM_API bool ylm_scene_cross(const ylm_scene *scene, const ylm_scene_place *p,
+                             const ylm_trace_ray *ray, ylm_scene_place *out);
 /* The surface at a vertex of mesh m, seen from its front or back. */
 YLM_API void ylm_scene_vertex(const ylm_scene *scene, size_t m, size_t vertex, bool back,
                               ylm_scene_surface *out);

@@ -16,12 +16,17 @@
 #define SHADE_SAME_NORMAL 0.98480775f
 /* The part of a lobe's width within which normals may differ, where surfaces gloss. */
 #define SHADE_FINE 0.05
+/* Samples of a pixel by which a point has other places, 1 .. 32. */
+#define SHADE_PLACES 32
 /* Pixels of a square, whose points are sampled together: each voxel that is seen in it is read
    once. */
 #define SHADE_TILE 64
 
 /* -- rays to lamps: raycast.c, transfer.c, occlusion.c ------------------------------------------- */
 
+/* Rays of a point that start from one place, and places of a point, at most. Moved by: edges of shadows, and time. */
+#define SHADE_PLACE_RAYS 2
+#define SHADE_PLACES_MOST 16
 /* Points that a thread takes at a time, and points whose rays are traced in one go, at most. */
 #define SHADE_CAST_GRAIN 256
 #define SHADE_CAST_POINTS 512
@@ -70,6 +75,8 @@
 #define NOISE_REACH 4
 /* Points whose sets of links are found at once: sets.c. */
 #define SETS_POINTS ((size_t)1 << 16)
+/* Random numbers of the places that sets start from. */
+#define SETS_PLACES 0x706c61636573u
 /* Samples of each item by which noise is measured. */
 #define CAST_TRIAL_SAMPLES 64
 /* Random numbers of trials. */

@@ -12,6 +12,7 @@ typedef struct ylm_shade_links ylm_shade_links;     /* ylm_shade_bounce.h */
 typedef struct shade_entry {
   ylm_scene_place at;
   float weight, depth;
+  uint32_t samples; /* a bit for each of SHADE_PLACES samples of the pixel: it hit this triangle */
 } shade_entry;
 
 /* The part of a pixel beside surfaces. */
@@ -101,6 +102,16 @@ void ylm__shade_corner_weights(const shade_entry *e, float w[3]);
 
 /* primary.c: fills entry, pixel, entries and the statistics of primary rays. */
 ylm_status ylm__shade_primary(ylm_shade_view *v, const ylm_camera_frame *f);
+
+/* places.c: origins of rays from n places of point i of pixel p, which samples of the pixel hit, spread over these. The
+   number of origins: 0 where only the point is known. */
+size_t ylm__shade_places(const ylm_shade_view *v, size_t p, size_t i, size_t n, ylm_rng *rng,
+                         float (*origin)[3]);
+
+/* primary.c: ray i of the samples of pixel p of the view, whose set is shifted by `shift`. */
+void ylm__shade_pixel_shift(const ylm_shade_view *v, size_t p, int at[2], double shift[2]);
+void ylm__shade_pixel_ray(const ylm_shade_view *v, const int at[2], const double shift[2], int i,
+                          ylm_trace_ray *ray);
 
 /* Distinct vertices (per side) of the triangles that entries lie on, or all (all_vertices). vertices.c */
 typedef struct shade_vertices {

@@ -371,6 +371,7 @@ typedef struct ylm_shade_casting {
   int light_samples; /* shadow rays per shading point, 1 .. YLM_SCENE_SAMPLES */
   const float *rays; /* [points] of each matte point, whole numbers; NULL: all have light_samples */
   bool shadows;      /* false: nothing is in the way */
+  bool spread;       /* rays of a matte point start from all over its part of the pixel */
   uint64_t seed;
   int threads;
   const ylm_progress *progress; /* stage "raycast" */

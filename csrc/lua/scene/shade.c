@@ -103,6 +103,7 @@ typedef struct raycast_form {
 static const ylmL_entry raycast_entries[] = {
     YLML(raycast_form, o.light_samples, "light_samples", INT),
     YLML(raycast_form, o.shadows, "shadows", BOOL),
+    YLML(raycast_form, o.spread, "spread", BOOL, .optional = true),
     YLML(raycast_form, o.seed, "seed", UINT64),
     YLML(raycast_form, o.threads, "threads", INT),
     YLML(raycast_form, progress, "progress", VALUE),

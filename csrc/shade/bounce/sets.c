@@ -11,6 +11,7 @@ typedef struct round_of {
   const ylm_shade_view *view;
   const ylm_shade_sets *o;
   uint64_t *stream;
+  size_t *pixel;                           /* [points] */
   uint32_t *point, *link;                  /* [points], [SETS_POINTS][YLM_SHADE_SET] */
   float (*origin)[3], (*normal)[3], *mean; /* [SETS_POINTS], mean [..][4] */
   uint64_t *own;
@@ -18,6 +19,7 @@ typedef struct round_of {
 
 static void round_free(round_of *r) {
   ylm_free(r->stream);
+  ylm_free(r->pixel);
   ylm_free(r->point);
   ylm_free(r->link);
   ylm_free(r->origin);
@@ -29,15 +31,19 @@ static void round_free(round_of *r) {
 static ylm_status round_create(round_of *r) {
   size_t points = r->view->points;
   r->stream = ylm__shade_streams(r->view);
+  r->pixel = ylm_alloc(points, sizeof *r->pixel);
   r->point = ylm_alloc(points, sizeof *r->point);
   r->link = ylm_alloc(SETS_POINTS, YLM_SHADE_SET * sizeof *r->link);
   r->origin = ylm_alloc(SETS_POINTS, sizeof *r->origin);
   r->normal = ylm_alloc(SETS_POINTS, sizeof *r->normal);
   r->mean = ylm_alloc(SETS_POINTS, 4 * sizeof *r->mean);
   r->own = ylm_alloc(SETS_POINTS, sizeof *r->own);
-  if (!r->stream || !r->point || !r->link || !r->origin || !r->normal || !r->mean || !r->own)
+  if (!r->stream || !r->pixel || !r->point || !r->link || !r->origin || !r->normal || !r->mean ||
+      !r->own)
     return YLM_ENOMEM;
   for (size_t i = 0; i < points; i++) r->stream[i] = ylm_mix64(r->stream[i]);
+  for (size_t p = 0; !r->view->corner && p < r->view->stats.pixels; p++)
+    for (size_t i = r->view->pixel[p].first; i < r->view->pixel[p + 1].first; i++) r->pixel[i] = p;
   return YLM_OK;
 }
 
@@ -46,7 +52,10 @@ static ylm_status add_set(round_of *r, size_t n, const uint32_t *point, uint64_t
                           ylm_error *e) {
   const ylm_shade_sets *o = r->o;
   for (size_t i = 0; i < n; i++) {
-    memcpy(r->origin[i], r->view->origin[point[i]], 12);
+    ylm_rng rng;
+    ylm_rng_seed(&rng, ylm_mix64(seed ^ SETS_PLACES), r->stream[point[i]]);
+    if (!ylm__shade_places(r->view, r->pixel[point[i]], point[i], 1, &rng, r->origin + i))
+      memcpy(r->origin[i], r->view->origin[point[i]], 12);
     memcpy(r->normal[i], r->view->normal[point[i]], 12);
     r->own[i] = r->stream[point[i]];
   }
@@ -81,7 +90,7 @@ static ylm_status run_round(round_of *r, int k, float *half, uint64_t *rays, ylm
       r->point[n++] = (uint32_t)i;
   for (size_t at = 0; s == YLM_OK && at < n; at += SETS_POINTS) {
     size_t some = n - at < SETS_POINTS ? n - at : SETS_POINTS;
-    s = add_set(r, some, r->point + at, ylm_mix64(r->o->seed + (uint64_t)k), half, e);
+    s = add_set(r, some, r->point + at, ylm_mix64(ylm_mix64(r->o->seed) + (uint64_t)k), half, e);
   }
   *rays += n * (size_t)r->o->links;
   return s;

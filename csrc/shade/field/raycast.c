@@ -12,7 +12,7 @@ typedef struct job {
   const ylm_scene_guide *guide;
   int light_samples, most; /* of a point */
   const float *own;        /* [points] or NULL: all have light_samples */
-  bool shadows;
+  bool shadows, spread;
   uint64_t seed;
   size_t step; /* of points, the first of so many */
   float *out;
@@ -43,13 +43,33 @@ static void finish(const job *j, waiting *w) {
   w->points = b->rays = 0;
 }
 
-/* Aims rays from a point whose random numbers have the number `stream`. */
-static void aim(const job *j, waiting *w, size_t i, uint64_t stream) {
+/* Has rays from `first` on start from places all over point i's part of pixel p, and end where they ended. */
+static void spread(const job *j, ylm_scene_batch *b, size_t first, size_t p, size_t i,
+                   ylm_rng *rng) {
+  float origin[SHADE_PLACES_MOST][3];
+  size_t n = (b->rays - first + SHADE_PLACE_RAYS - 1) / SHADE_PLACE_RAYS;
+  n = ylm__shade_places(j->view, p, i, n < SHADE_PLACES_MOST ? n : SHADE_PLACES_MOST, rng, origin);
+  size_t turn = n ? (size_t)(ylm_rng_double(rng) * (double)n) : 0;
+  for (size_t k = first; n > 0 && k < b->rays; k++) {
+    ylm_trace_ray *ray = b->ray + k;
+    const float *from = origin[(k - first + turn) % n];
+    if (!(ray->far > 0)) continue;
+    for (int a = 0; a < 3; a++) {
+      ray->dir[a] += (ray->org[a] - from[a]) / ray->far; /* 0 of lamps that are infinitely far */
+      ray->org[a] = from[a];
+    }
+  }
+}
+
+/* Aims rays from point i of pixel p whose random numbers have the number `stream`. */
+static void aim(const job *j, waiting *w, size_t p, size_t i, uint64_t stream) {
   ylm_rng rng;
   int rays = j->own ? (int)j->own[i] : j->light_samples;
   if (w->points == SHADE_CAST_POINTS || w->lit.rays + (size_t)rays > w->lit.room) finish(j, w);
   ylm_rng_seed(&rng, j->seed, stream);
+  size_t first = w->lit.rays;
   ylm_scene_batch_aim(&w->lit, j->view->lit[i], j->view->normal[i], j->view->origin[i], rays, &rng);
+  if (j->spread) spread(j, &w->lit, first, p, i, &rng);
   w->point[w->points] = i;
   w->end[w->points++] = w->lit.rays;
 }
@@ -68,7 +88,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   shade_stream at = ylm__shade_stream_at(j->view, begin);
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     uint64_t stream = ylm__shade_stream_next(j->view, &at);
-    if (i % j->step == 0 && is_matte(j, i)) aim(j, &w, i, stream);
+    if (i % j->step == 0 && is_matte(j, i)) aim(j, &w, at.pixel, i, stream);
   }
   if (status == YLM_OK) finish(j, &w);
   ylm_scene_batch_free(&w.lit);
@@ -112,6 +132,7 @@ static ylm_status begin(const ylm_shade_view *v, const ylm_shade_casting *o, job
              .guide = o->guide,
              .light_samples = o->light_samples,
              .shadows = o->shadows,
+             .spread = o->spread && !v->corner,
              .seed = o->seed,
              .own = o->rays,
              .most = o->light_samples,

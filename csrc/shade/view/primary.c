@@ -46,7 +46,7 @@ typedef struct scratch {
   shade_entry *entry;         /* [samples], of one pixel */
   ylm_scene_surface *surface; /* [samples] */
   group *groups;              /* [samples] */
-  int *group_of;              /* [samples] */
+  int *group_of, *sample;     /* [samples]: of what surfaces are at */
 } scratch;
 
 static float wrap(double x) { return (float)(x - floor(x)); }
@@ -95,6 +95,17 @@ void ylm__shade_pixel_rays(const ylm_shade_view *v, size_t p, int n, uint64_t se
     pixel_ray(&v->frame, v->image, x, y, i, n, ylm_scene_radical((uint32_t)i), shift, ray + i);
 }
 
+void ylm__shade_pixel_shift(const ylm_shade_view *v, size_t p, int at[2], double shift[2]) {
+  at[0] = (int)(p % (size_t)v->o.width), at[1] = (int)(p / (size_t)v->o.width);
+  pixel_shift(v, v->o.seed, &at[0], &at[1], shift);
+}
+
+void ylm__shade_pixel_ray(const ylm_shade_view *v, const int at[2], const double shift[2], int i,
+                          ylm_trace_ray *ray) {
+  pixel_ray(&v->frame, v->image, at[0], at[1], i, v->o.samples, ylm_scene_radical((uint32_t)i),
+            shift, ray);
+}
+
 /* The group that a surface belongs to, a new one if none fits. */
 static int find_group(const nearness *near, group *groups, int *count, const shade_entry *e,
                       const ylm_scene_surface *s, double pixel) {
@@ -135,6 +146,20 @@ static bool append(row *r, const shade_entry *e, bool tinted, const group *g) {
   return true;
 }
 
+/* The samples of the pixel that hit the triangle of `best`, among those that have a bit. */
+static uint32_t samples_of(const scratch *s, int best, int count, int samples) {
+  uint32_t bits = 0;
+  int known = samples < SHADE_PLACES ? samples : SHADE_PLACES;
+  for (int b = 0, i = 0; b < known; b++) {
+    int sample = b * samples / known;
+    while (i < count && s->sample[i] < sample) i++;
+    if (i < count && s->sample[i] == sample && s->group_of[i] == s->group_of[best] &&
+        s->entry[i].at.element == s->entry[best].at.element)
+      bits |= (uint32_t)1 << b;
+  }
+  return bits;
+}
+
 /* Adds for each group the sample nearest to its mean. */
 static bool append_groups(row *r, bool tinted, const scratch *s, int groups, int count,
                           int samples) {
@@ -153,6 +178,7 @@ static bool append_groups(row *r, bool tinted, const scratch *s, int groups, int
     }
     shade_entry e = s->entry[best];
     e.weight = (float)q->count / (float)samples;
+    e.samples = samples_of(s, best, count, samples);
     if (!append(r, &e, tinted, q)) return false;
   }
   return true;
@@ -179,12 +205,13 @@ static bool finish_pixel(job *j, row *r, shade_pixel *p, const scratch *s, const
     if (h->mesh < 0) continue;
     shade_entry *e = &s->entry[count];
     bool back = ylm_dot3(h->normal, ray[i].dir) > 0;
-    *e = (shade_entry){{(uint32_t)h->mesh, h->element, h->u, h->v, back}, 0, h->t};
+    *e = (shade_entry){{(uint32_t)h->mesh, h->element, h->u, h->v, back}, 0, h->t, 0};
     ylm_scene_surfaces(v->scene, 1, &e->at, &s->surface[count]);
     int g = find_group(j->near, s->groups, &groups, e, &s->surface[count], j->frame->pixel);
     s->groups[g].count++;
     for (int a = 0; a < 3; a++) s->groups[g].sum[a] += s->surface[count].position[a];
     for (int c = 0; c < 3; c++) s->groups[g].tint[c] += s->surface[count].tint[c];
+    s->sample[count] = i;
     s->group_of[count++] = g;
   }
   p->first = r->count;
@@ -202,6 +229,7 @@ static void scratch_free(scratch *s) {
   ylm_free(s->surface);
   ylm_free(s->groups);
   ylm_free(s->group_of);
+  ylm_free(s->sample);
 }
 
 static bool scratch_create(scratch *s, size_t samples, size_t rays) {
@@ -211,7 +239,8 @@ static bool scratch_create(scratch *s, size_t samples, size_t rays) {
   s->surface = ylm_alloc(samples, sizeof *s->surface);
   s->groups = ylm_alloc(samples, sizeof *s->groups);
   s->group_of = ylm_alloc(samples, sizeof *s->group_of);
-  return s->ray && s->hit && s->entry && s->surface && s->groups && s->group_of;
+  s->sample = ylm_alloc(samples, sizeof *s->sample);
+  return s->ray && s->hit && s->entry && s->surface && s->groups && s->group_of && s->sample;
 }
 
 static bool trace_row(job *j, int y, scratch *s, int batch) {

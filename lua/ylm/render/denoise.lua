@@ -55,7 +55,7 @@ local function ask(x, p)
   if still == nil then return nil, why, kind end
   for half = 1, 2 do
     local found, message, code = check.result(x.name, p.lib.shade_raycast(p.view, { light_samples = JUDGED.rays,
-      shadows = c.shadows, seed = c.seed + half * APART, threads = c.threads, lit = c.lit, guide = c.guide }))
+      shadows = c.shadows, spread = true, seed = c.seed + half * APART, threads = c.threads, lit = c.lit, guide = c.guide }))
     if not found then return nil, message, code end
     local all = found + links[half]
     if still then all = all + still end

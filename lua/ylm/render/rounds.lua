@@ -132,7 +132,8 @@ local function estimate(x, rays, sets, round)
   x.direct, x.links = {}, nil
   for half = 1, 2 do
     local found, count, code = check.result(x.name, x.p.lib.shade_raycast(x.p.view, { light_samples = x.pilot.rays, rays = rays,
-      shadows = c.shadows, seed = c.seed + STEP * (2 * round + half), threads = c.threads, progress = c.progress, lit = c.lit,
+      shadows = c.shadows, spread = true, seed = c.seed + STEP * (2 * round + half), threads = c.threads, progress = c.progress,
+      lit = c.lit,
       guide = c.guide, into = round == 0 and half == 1 and c.into or nil }))
     if not found then return nil, count, code end
     x.direct[half] = rawequal(found, c.into) and found:clone() or found
