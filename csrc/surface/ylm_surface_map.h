@@ -17,6 +17,9 @@ extern "C" {
 
 typedef struct ylm_surface_map ylm_surface_map;
 
+/* Levels of mip maps at which seams are measured. */
+#define YLM_SURFACE_MAP_LEVELS 3
+
 typedef struct ylm_surface_map_form {
   /* Of irradiance at 99 % of the surface, over the larger of the place's and the mean; 0: as `texels` allow. */
   double tolerance;
@@ -29,6 +32,9 @@ typedef struct ylm_surface_map_form {
   int gutter;
   double angle, stretch; /* of charts, as ylm_unwrap_form has them */
   ylm_quantity quantity; /* what the light is, for who reads it */
+  /* A file that gets light and texels as they are found, from which a bake that was interrupted goes on; NULL: none. It is of
+     a bake that `words` describe, a line a fact, of at most 4,000 bytes. */
+  const char *journal, *words;
   ylm_radiosity_map
       light; /* as ylm_surface_form has it: links and light_samples of a place, twice; stage "lightmap" */
 } ylm_surface_map_form;
@@ -39,8 +45,9 @@ typedef struct ylm_surface_map_stats {
   size_t places, rounds; /* whose light was asked for; pictures that were made */
   uint64_t rays;         /* of light */
   size_t seams;          /* edges between charts where the surface is smooth, which agree */
-  double
-      jump; /* the largest of their two sides' differences, over the larger of the light there and the mean */
+  /* The largest of their two sides' differences, over the larger of the light there and the mean: at the picture as it is, and
+     at the next levels of its mip maps, which are means of two by two texels. */
+  double jump[YLM_SURFACE_MAP_LEVELS];
   double noise; /* of the light of places, root mean square, as errors are told */
   size_t verified, failed;
   double
@@ -56,7 +63,8 @@ typedef struct ylm_surface_map_stats {
 ** ylm_surface_map_bake - the irradiance of a radiosity as a picture.
 **
 ** Returns  YLM_OK; YLM_ERANGE, YLM_EINVAL, YLM_EDOMAIN (no triangle has an area), YLM_ELIMIT (the charts do not fit into the
-**          texels), YLM_ENOMEM, YLM_ECANCELLED
+**          texels), YLM_ENOMEM, YLM_ECANCELLED; of a journal
+**          YLM_EIO, YLM_EBUSY (another bake writes it), YLM_EFORMAT (no journal), YLM_EINVAL (of another bake)
 ** Cost     four places a texel, of 2 links rays and 2 light_samples
 */
 YLM_API ylm_status ylm_surface_map_bake(const ylm_radiosity *r, const ylm_surface_map_form *form,

@@ -28,6 +28,8 @@ static const ylmL_entry entries[] = {
     YLML(bake_form, f.angle, "angle", DOUBLE),
     YLML(bake_form, f.stretch, "stretch", DOUBLE),
     YLML(bake_form, f.quantity, "quantity", CHOICE, .choices = ylmL_quantity_choices),
+    YLML(bake_form, f.journal, "journal", STRING, .optional = true),
+    YLML(bake_form, f.words, "words", STRING, .optional = true),
     YLML(bake_form, f.light.indirect, "indirect", BOOL),
     YLML(bake_form, f.light.scene, "scene", READ, .read = ylmL_read_scene, .optional = true),
     YLML(bake_form, f.light.links, "links", INT),
@@ -37,8 +39,8 @@ static const ylmL_entry entries[] = {
     YLML(bake_form, progress, "progress", VALUE),
     {.name = NULL}};
 
-/* map_bake(radiosity, {tolerance, aim, texels, even, parts, smooth, directional, gutter, angle, stretch, quantity, indirect, scene whose lamps
-   light directly or nil, links, light_samples, seed, threads, progress}) -> lightmap */
+/* map_bake(radiosity, {tolerance, aim, texels, even, parts, smooth, directional, gutter, angle, stretch, quantity, journal or nil,
+   words or nil, indirect, scene whose lamps light directly or nil, links, light_samples, seed, threads, progress}) -> lightmap */
 static int map_bake(lua_State *L) {
   bake_form f = {.progress = 0};
   const ylm_radiosity *r = ylmL_radiosity(L, 1);
@@ -77,7 +79,9 @@ static int map_stats(lua_State *L) {
   ylmL_set_count(L, "rounds", s.rounds);
   ylmL_set_count(L, "rays", s.rays);
   ylmL_set_count(L, "seams", s.seams);
-  ylmL_set_number(L, "jump", s.jump);
+  ylmL_set_number(L, "jump", s.jump[0]);
+  ylmL_set_number(L, "jump_1", s.jump[1]);
+  ylmL_set_number(L, "jump_2", s.jump[2]);
   ylmL_set_number(L, "noise", s.noise);
   ylmL_set_count(L, "verified", s.verified);
   ylmL_set_count(L, "failed", s.failed);

@@ -41,16 +41,27 @@ static ylm_status find_square(map_bake *b, double *square, double **products) {
   return s;
 }
 
+/* Texels as an earlier bake has fitted them, or fitted now. */
+static ylm_status fit(map_bake *b, bool last) {
+  ylm_status s = ylm__map_matrix(b);
+  map_part part[2] = {{b->bend, b->texels * sizeof *b->bend},
+                      {b->value, 6 * b->texels * sizeof *b->value}};
+  bool had = false;
+  if (s == YLM_OK) s = ylm__map_recall(b, 2, part, &had);
+  if (s != YLM_OK || had) return s;
+  if (last && b->form->smooth) s = ylm__map_smooth(b);
+  if (s == YLM_OK) s = ylm__map_fit(b, b->value);
+  if (s == YLM_OK && last) s = ylm__map_lift(b, b->value);
+  return s == YLM_OK ? ylm__map_remember(b, 2, part) : s;
+}
+
 /* One picture of at most so many texels, at the densities as they are. */
 static ylm_status make(map_bake *b, size_t texels, bool last) {
   ylm_status s = ylm__map_pack(b, texels);
   b->last = last;
   if (s == YLM_OK) s = ylm__map_sample(b);
   double start = ylm_seconds();
-  if (s == YLM_OK) s = ylm__map_matrix(b);
-  if (s == YLM_OK && last && b->form->smooth) s = ylm__map_smooth(b);
-  if (s == YLM_OK) s = ylm__map_fit(b, b->value);
-  if (s == YLM_OK && last) s = ylm__map_lift(b, b->value);
+  if (s == YLM_OK) s = fit(b, last);
   b->m->stats.fit_seconds += ylm_seconds() - start;
   if (s == YLM_OK && last) s = find_square(b, b->square, NULL);
   b->m->stats.rounds++;
@@ -211,6 +222,7 @@ ylm_status ylm__map_begin(map_bake *b) {
 }
 
 static void free_bake(map_bake *b) {
+  ylm__map_journal_close(b);
   ylm_free(b->density), ylm_free(b->square), ylm_free(b->slope);
   ylm_free(b->site), ylm_free(b->flow);
   ylm_free(b->chart);
@@ -233,6 +245,7 @@ ylm_status ylm_surface_map_bake(const ylm_radiosity *r, const ylm_surface_map_fo
   b.m->stats.quantity = form->quantity;
   b.m->scene = ylm_transfer_scene(ylm_radiosity_transfer(r));
   s = ylm__surface_charts(b.m->scene, &b.m->plane, e);
+  if (s == YLM_OK) s = ylm__map_journal_open(&b);
   if (s == YLM_OK) s = ylm__map_sheets(b.m, r, form, e);
   if (s == YLM_OK && form->parts && !form->even) s = ylm__map_refine(b.m, form, e);
   if (s == YLM_OK) s = ylm__map_begin(&b);

@@ -51,6 +51,8 @@ static const double map_weight[MAP_WEIGHTS] = {0.01, 0.3, 10, 300, 10000};
 #define MAP_SMALL 1e-10
 /* Fits after which texels below 0 become dark. */
 #define MAP_LIFTS 3
+/* Places whose light a file gets at once. */
+#define MAP_KEEP 65536
 /* Places that judge, and their rays over those of other places. */
 #define MAP_JUDGES 2048
 #define MAP_JUDGE_RAYS 16
@@ -113,8 +115,10 @@ static inline int map_corner(bool back, int corner) { return back && corner ? 3 
 bool ylm__map_tap(const ylm_surface_map *m, const ylm_scene_place *p, map_tap *tap);
 /* sheets.c: the chart of a place, or YLM_UNWRAP_NONE. */
 uint32_t ylm__map_chart(const ylm_surface_map *m, const ylm_scene_place *p);
-/* sheets.c: the same of coordinates in texels. */
+/* sheets.c: where coordinates in texels are read. */
 void ylm__map_tap_at(const ylm_surface_map *m, const double at[2], map_tap *tap);
+/* sheets.c: that of a picture of this size. */
+void ylm__map_tap_of(size_t width, size_t height, const double at[2], map_tap *tap);
 
 /* -- the bake ------------------------------------------------------------------------------------ */
 
@@ -135,6 +139,8 @@ static inline bool map_counts(const map_site *s) { return s->open && s->read; }
 typedef struct map_seam {
   uint32_t texel[8];
   float weight[8];
+  float at[2][2]; /* of both sides in texels */
+  float finer[2]; /* how many levels of mip maps a side is finer than the denser one, at most 0 */
 } map_seam;
 
 /*
@@ -146,6 +152,19 @@ typedef struct map_matrix {
   float *line;  /* [2][texels] */
   float *scale; /* [texels] mean weights of rows that read a texel */
 } map_matrix;
+
+/* A file that a bake goes on from. */
+typedef struct map_journal {
+  int file;
+  bool open, reads; /* it may have more parts */
+  uint64_t sum;     /* of all bytes before */
+} map_journal;
+
+/* Bytes that a bake has found. */
+typedef struct map_part {
+  void *data;
+  size_t size;
+} map_part;
 
 typedef struct map_bake {
   ylm_surface_map *m;
@@ -160,6 +179,7 @@ typedef struct map_bake {
   bool last;           /* the picture is one that is kept */
   float (*flow)[3][3]; /* [sites] or NULL */
   uint64_t asked;      /* random numbers used */
+  map_journal journal;
   double mean[3];
   /* The picture. */
   size_t width, height, texels;
@@ -184,8 +204,8 @@ ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int
                         surface_light *light, bool *open, float (*flow)[3][3]);
 /* seams.c: places of edges between charts. */
 ylm_status ylm__map_seams(map_bake *b);
-/* seams.c: the largest jump of the picture across them. */
-double ylm__map_jump(const map_bake *b);
+/* seams.c: the largest jumps of the picture across them, at the first levels of mip maps. */
+ylm_status ylm__map_jumps(const map_bake *b, double jump[YLM_SURFACE_MAP_LEVELS]);
 
 /* matrix.c: the matrix of all sites and seams; matrix.c: frees it. */
 ylm_status ylm__map_matrix(map_bake *b);
@@ -212,6 +232,13 @@ void ylm__map_slopes(map_bake *b, const double *coarse);
 /* divide.c: divides charts where parts of them miss more than others, by products of sites as they were packed last but one, and
    last (coarse, or NULL), for a picture of so many texels; what charts have is found anew. */
 ylm_status ylm__map_divide(map_bake *b, size_t texels, const double *product, const double *coarse);
+/* journal.c: opens the file that the form names, if it names one. YLM_EIO, YLM_EBUSY, YLM_EFORMAT, YLM_EINVAL (of another bake). */
+ylm_status ylm__map_journal_open(map_bake *b);
+void ylm__map_journal_close(map_bake *b);
+/* journal.c: the next parts, as an earlier bake has found them; *had: it has. */
+ylm_status ylm__map_recall(map_bake *b, size_t n, const map_part *part, bool *had);
+/* journal.c: keeps parts that were found. */
+ylm_status ylm__map_remember(map_bake *b, size_t n, const map_part *part);
 /* bake.c: room for what charts have. */
 ylm_status ylm__map_begin(map_bake *b);
 

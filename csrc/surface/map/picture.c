@@ -92,7 +92,7 @@ ylm_status ylm__map_draw(map_bake *b) {
   ylm_free(b->m->picture);
   b->m->picture = picture;
   ylm_status s = fill(b, picture);
-  if (s == YLM_OK) b->m->stats.jump = ylm__map_jump(b);
+  if (s == YLM_OK) s = ylm__map_jumps(b, b->m->stats.jump);
   return s == YLM_OK && b->flow ? draw_flow(b) : s;
 }
 

@@ -20,7 +20,8 @@ static void mix(const double a[2], const double b[2], double t, double out[2]) {
 /* Places of one edge: from p to q in the first chart, from r to s in the second. */
 static ylm_status add_edge(map_bake *b, const uint32_t chart[2], double p[2], double q[2],
                            double r[2], double s[2]) {
-  double length = hypot(q[0] - p[0], q[1] - p[1]);
+  double side[2] = {hypot(q[0] - p[0], q[1] - p[1]), hypot(s[0] - r[0], s[1] - r[1])};
+  double length = fmax(side[0], side[1]);
   size_t n = 1 + (size_t)(MAP_SEAM_ALONG * length);
   for (size_t i = 0; i <= n; i++) {
     map_tap tap[2];
@@ -32,6 +33,8 @@ static ylm_status add_edge(map_bake *b, const uint32_t chart[2], double p[2], do
     for (int k = 0; k < 2; k++) {
       ylm__map_tap_at(b->m, at[k], &tap[k]);
       read = read && ylm__map_keep_in(b, chart[k], &tap[k]);
+      for (int a = 0; a < 2; a++) seam.at[k][a] = (float)at[k][a];
+      seam.finer[k] = length > 0 ? (float)log2(fmax(side[k] / length, 1e-6)) : 0;
     }
     if (!read) continue;
     for (int k = 0; k < 8; k++) {
@@ -75,17 +78,57 @@ ylm_status ylm__map_seams(map_bake *b) {
   return s;
 }
 
-double ylm__map_jump(const map_bake *b) {
-  const float *picture = b->m->picture;
+/* A picture of the means of two by two texels of one. */
+static void halve(size_t width, size_t height, const float *from, float *to) {
+  for (size_t y = 0; y < height; y++)
+    for (size_t x = 0; x < width; x++)
+      for (size_t c = 0; c < 3; c++) {
+        const float *a = from + 12 * y * width + 6 * x + c, *b = a + 6 * width;
+        to[3 * (y * width + x) + c] = 0.25f * (a[0] + a[3] + b[0] + b[3]);
+      }
+}
+
+/* Adds a part of the light at coordinates of a whole level. */
+static void add_level(const map_bake *b, const float *picture, int level, const float from[2],
+                      double part, double out[3]) {
+  map_tap tap;
+  double at[2] = {ldexp((double)from[0], -level), ldexp((double)from[1], -level)};
+  ylm__map_tap_of(b->width >> level, b->height >> level, at, &tap);
+  for (int j = 0; j < 4; j++)
+    for (size_t c = 0; c < 3; c++)
+      out[c] += part * (double)tap.weight[j] * (double)picture[3 * (size_t)tap.texel[j] + c];
+}
+
+/* The largest jump where the denser sides are looked up at a level, and the others at that where their texels are as large. */
+static double find_jump(const map_bake *b, int level, float *const picture[]) {
   double most = 0;
-  for (size_t i = 0; i < b->seams; i++)
-    for (size_t c = 0; c < 3; c++) {
-      double side[2] = {0, 0};
-      for (int k = 0; k < 8; k++)
-        side[k / 4] += fabs((double)b->seam[i].weight[k]) *
-                       (double)picture[3 * (size_t)b->seam[i].texel[k] + c];
-      double m = fmax(0.5 * (side[0] + side[1]), b->mean[c]);
-      if (m > 0) most = fmax(most, fabs(side[0] - side[1]) / m);
+  for (size_t i = 0; i < b->seams; i++) {
+    double side[2][3] = {{0, 0, 0}, {0, 0, 0}};
+    const map_seam *s = &b->seam[i];
+    for (int k = 0; k < 2; k++) {
+      double own = fmax(0, level + (double)s->finer[k]), part = own - floor(own);
+      int first = (int)own;
+      add_level(b, picture[first], first, s->at[k], 1 - part, side[k]);
+      if (part > 0) add_level(b, picture[first + 1], first + 1, s->at[k], part, side[k]);
     }
+    for (size_t c = 0; c < 3; c++) {
+      double m = fmax(0.5 * (side[0][c] + side[1][c]), b->mean[c]);
+      if (m > 0) most = fmax(most, fabs(side[0][c] - side[1][c]) / m);
+    }
+  }
   return most;
+}
+
+ylm_status ylm__map_jumps(const map_bake *b, double jump[YLM_SURFACE_MAP_LEVELS]) {
+  float *picture[YLM_SURFACE_MAP_LEVELS] = {b->m->picture};
+  ylm_status s = YLM_OK;
+  for (int level = 0; s == YLM_OK && level < YLM_SURFACE_MAP_LEVELS; level++) {
+    size_t width = b->width >> level, height = b->height >> level;
+    if (level) picture[level] = ylm_alloc(width * height, 3 * sizeof **picture);
+    if (!picture[level]) s = YLM_ENOMEM;
+    if (level && s == YLM_OK) halve(width, height, picture[level - 1], picture[level]);
+    if (s == YLM_OK) jump[level] = find_jump(b, level, picture);
+  }
+  for (int level = 1; level < YLM_SURFACE_MAP_LEVELS; level++) ylm_free(picture[level]);
+  return s;
 }

@@ -100,9 +100,12 @@ ylm_status ylm__map_sheets(ylm_surface_map *m, const ylm_radiosity *r,
 /* -- look-ups ------------------------------------------------------------------------------------------ */
 
 void ylm__map_tap_at(const ylm_surface_map *m, const double at[2], map_tap *tap) {
-  const ylm_unwrap_stats *s = &m->stats.charts;
-  double x = fmin(fmax(at[0] - 0.5, 0), (double)s->width - 1),
-         y = fmin(fmax(at[1] - 0.5, 0), (double)s->height - 1);
+  ylm__map_tap_of(m->stats.charts.width, m->stats.charts.height, at, tap);
+}
+
+void ylm__map_tap_of(size_t width, size_t height, const double at[2], map_tap *tap) {
+  double x = fmin(fmax(at[0] - 0.5, 0), (double)width - 1),
+         y = fmin(fmax(at[1] - 0.5, 0), (double)height - 1);
   size_t i = (size_t)x, j = (size_t)y;
   double u = x - (double)i, v = y - (double)j;
   for (size_t k = 0; k < 4; k++) {
@@ -110,7 +113,7 @@ void ylm__map_tap_at(const ylm_surface_map *m, const double at[2], map_tap *tap)
     tap->weight[k] = (float)((k % 2 ? u : 1 - u) * (k / 2 ? v : 1 - v));
     if (tap->weight[k] < 2e-5f)
       tap->weight[k] = 0, a = i, b = j; /* no texel of this chart, maybe */
-    tap->texel[k] = (uint32_t)(b * s->width + a);
+    tap->texel[k] = (uint32_t)(b * width + a);
   }
   if (tap->weight[0] == 0) /* nor is the first */
     for (int k = 1; k < 4; k++)

@@ -1,6 +1,33 @@
 /* sites.c - places spread over the texels of charts, and their light in two halves. */
 #include "map.h"
 
+/* The light of places, as an earlier bake has found it, or found now. */
+static ylm_status find_light(map_bake *b, const ylm_radiosity_map *form, size_t n,
+                             const ylm_scene_place *place, const uint64_t *stream, float (*E)[3],
+                             float *share) {
+  map_part part[3] = {{E, n * sizeof *E}, {share, n * sizeof *share}, {form->flow, 36 * n}};
+  size_t parts = form->flow ? 3 : 2;
+  bool had;
+  ylm_status s = ylm__map_recall(b, parts, part, &had);
+  if (s != YLM_OK || had) return s;
+  s = ylm_radiosity_places(b->r, form, n, place, stream, E, share, b->e);
+  return s == YLM_OK ? ylm__map_remember(b, parts, part) : s;
+}
+
+/* The light of all places; by pieces where a file gets it. */
+static ylm_status find_all(map_bake *b, const ylm_radiosity_map *form, size_t n,
+                           const ylm_scene_place *place, const uint64_t *stream, float (*E)[3],
+                           float *share) {
+  size_t step = b->journal.open ? MAP_KEEP : n;
+  ylm_status s = YLM_OK;
+  for (size_t i = 0; s == YLM_OK && i < n; i += step) {
+    ylm_radiosity_map piece = *form;
+    if (form->flow) piece.flow = form->flow + i;
+    s = find_light(b, &piece, step < n - i ? step : n - i, place + i, stream + i, E + i, share + i);
+  }
+  return s;
+}
+
 ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int more,
                         surface_light *light, bool *open, float (*flow)[3][3]) {
   uint64_t *stream = ylm_alloc(n, sizeof *stream);
@@ -14,7 +41,7 @@ ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int
   for (int half = 0; s == YLM_OK && half < 2; half++) {
     for (size_t i = 0; i < n; i++) stream[i] = b->asked + i;
     b->asked += n;
-    s = ylm_radiosity_places(b->r, &form, n, place, stream, E, share, b->e);
+    s = find_all(b, &form, n, place, stream, E, share);
     for (size_t i = 0; s == YLM_OK && i < n; i++) {
       memcpy(half ? light[i].b : light[i].a, E[i], sizeof E[i]);
       open[i] = (half == 0 || open[i]) && share[i] >= 0.5f;

@@ -26,6 +26,7 @@ return {
     { "lit", nil, nil, "the .glb file shows its light in any viewer" },
     { "rays", nil, "N", "of a place whose light is fitted, a multiple of 4; default 64" },
     { "seed", nil, "N", "of all random numbers; default 1" },
+    { "resume", nil, "FILE", "keeps light as it is found: the command goes on from it after an interruption" },
     { "strict", nil, nil, "exit status 6 where the tolerance is not met; the files are written" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },
   },
@@ -41,7 +42,7 @@ return {
     local light = status.need(scene:lightmap { tolerance = given.tolerance, texels = given.texels,
       bytes = status.bytes("lightmap", given.bytes), quantity = given.quantity,
       bounces = status.bounces("lightmap", given.bounces), directional = given.directional,
-      rays = given.rays, seed = given.seed, threads = given.threads, progress = report.progress(given) })
+      rays = given.rays, seed = given.seed, resume = given.resume, threads = given.threads, progress = report.progress(given) })
     local _, facts = status.need(light:save(given.output, { picture = given.picture, embed = given.embed, lit = given.lit }))
     local stats = light.stats
     stats.range, stats.exposure = facts.range, facts.exposure

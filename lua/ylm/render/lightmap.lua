@@ -10,6 +10,7 @@ local memory = require "ylm.memory"
 local objects = require "ylm.transfer.object"
 local options = require "ylm.render.options"
 local progress = require "ylm.progress"
+local prints = require "ylm.render.prints"
 local promise = require "ylm.render.promise"
 local tracing = require "ylm.trace"
 local transfer = require "ylm.transfer"
@@ -36,9 +37,10 @@ require "ylm.describe".object "lightmap" {
     { "stats", "table", "width, height; bytes: of the picture as half floats; charts, curved, degenerate, stretch, worst, share, "
       .. "density: as of mesh:unwrap; sheets: sides of meshes that have light; places whose light was asked for, rays; rounds: "
       .. "pictures that were made; noise: of the light of a place, relative; seams: edges where charts meet on smooth surfaces; "
-      .. "jump: the largest difference of their sides, relative; verified, failed: places that judged, and those that missed "
-      .. "the tolerance; error: what 99 % of the surface keep, with 99 % confidence; rms: root mean square error over the mean, "
-      .. "without the judges' noise; met; warning: what is not kept, or nil; spent: texels were not enough; paths: what paths "
+      .. "jump: the largest difference of their sides, relative; jump_1, jump_2: at the next levels of mip maps; verified, "
+      .. "failed: places that judged, and those that missed the tolerance; error: what 99 % of the surface keep, with 99 % "
+      .. "confidence; rms: root mean square error over the mean, without the judges' noise; met; "
+      .. "warning: what is not kept, or nil; spent: texels were not enough; paths: what paths "
       .. "found, undecided, field_met and field_error by the light of the elements, seconds; chart_seconds, pack_seconds, "
       .. "light_seconds, fit_seconds, judge_seconds, seconds" },
     { "scene", "scene", "of what" },
@@ -74,6 +76,9 @@ local fields = {
     about = "what a tolerance is judged by: paths, up to 16384 from each of 2048 places; or the light of the elements that was "
       .. "fitted, whose own error is not seen, with its noise" },
   { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of all random numbers" },
+  { "resume", "path", optional = true,
+    about = "a file that gets light and texels as they are found, some 100 bytes a texel: a bake that was interrupted goes on "
+      .. "where it was. The file is removed at the end" },
 }
 local all_options = options.list(fields, unwrap.fields, options.common)
 
@@ -121,6 +126,22 @@ local function texels_of(o)
   return math.floor(o.bytes / each)
 end
 
+--- The options that a bake that goes on must have in common, and the fingerprints of its scene, a line a fact.
+local function words_of(traced, o, texels)
+  local list = { "version and kernels " .. table.concat({ core.info() }, " ", 1, 2) }
+  for _, name in ipairs { "tolerance", "quantity", "directional", "spread", "parts", "smooth", "judge", "gutter", "angle",
+    "stretch", "rays", "light_samples", "seed" } do
+    local x = o[name]
+    list[#list + 1] = name .. " " .. (type(x) == "number" and ("%.17g"):format(x) or tostring(x))
+  end
+  list[#list + 1] = ("texels %d"):format(texels)
+  local known = prints.of(traced, o.quantity)
+  for _, part in ipairs { "geometry", "materials", "lights" } do
+    if known[part] then list[#list + 1] = part .. " " .. known[part] end
+  end
+  return table.concat(list, "\n") .. "\n"
+end
+
 local function bake(s, traced, o, texels)
   local start = core.seconds()
   local lit, message, code = transfer.fields.radiosity("lightmap", s, o, o.seed)
@@ -130,6 +151,7 @@ local function bake(s, traced, o, texels)
     texels = texels,
     even = o.spread == "even", parts = o.parts, smooth = o.smooth, directional = o.directional, gutter = o.gutter,
     angle = o.angle, stretch = o.stretch, quantity = o.quantity, indirect = not transfer.fields.is_direct(o),
+    journal = o.resume, words = o.resume and words_of(traced, o, texels),
     scene = o.quantity ~= "indirect" and traced.handle or nil, links = o.rays, light_samples = o.light_samples, seed = o.seed,
     threads = o.threads, progress = progress.resolve(o.progress) }))
   if not map then return nil, message, code end
@@ -140,6 +162,7 @@ local function bake(s, traced, o, texels)
   local judged = true
   if paths then judged, message, code = judge(s, map, m, lit, o) end
   if not judged then return nil, message, code end
+  if o.resume then os.remove(o.resume) end
   m.stats.bytes, m.stats.seconds = bytes_of(o) * m.stats.width * m.stats.height, core.seconds() - start
   if not o.tolerance then m.stats.met, m.stats.failed = nil, nil
   elseif not m.stats.met then
@@ -165,8 +188,9 @@ describe "scene:lightmap" {
   arguments = { { "options?", "table", "" } },
   options = all_options,
   returns = { { "light", "lightmap", "light:save 'room.glb', light:image(), light:pieces(); light.stats" } },
-  errors = "raises on a bad option and where there is no geometry; nil, message, code: memory, cancelled, 'ELIMIT' where the "
-    .. "charts do not fit into the texels",
+  errors = "raises on a bad option, where there is no geometry, and of resume on a file that is another bake's, or that one is "
+    .. "writing; nil, message, code: memory, cancelled, 'ELIMIT' where the charts do not fit into the texels, 'EFORMAT' where "
+    .. "resume is no such file",
   example = room .. [[
 local light = scene:lightmap { texels = 1024, rays = 4 }
 assert(light.stats.charts >= 6 and light.stats.width * light.stats.height <= 1024)]],
