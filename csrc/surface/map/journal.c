@@ -2,8 +2,8 @@
 ** journal.c - light and texels that a bake has found, appended to a file, so that one that was interrupted goes on.
 **
 ** A bake asks for the same parts in the same order again. A part is its size, its bytes, and the sum of all bytes of the file
-** before it and of its own. What a killed process left unfinished, or what is damaged, has another sum: it is cut off and found
-** anew, with all that follows.
+** before it and of its own. An end that a killed process left unfinished, or that is damaged, has another sum: it is cut off and
+** found anew.
 */
 #include <errno.h>
 #include <fcntl.h>

@@ -12,7 +12,20 @@ static float as_half(double x) {
   return (float)(round(x / step) * step);
 }
 
-/* Texels that no chart has become means of those beside them, ring by ring. */
+/* The texel at x, y by the line of the two beside it along dx, dy, from half to twice the next one; where there is one, or that is
+   not above 0, it is that one. */
+static double continued(const map_bake *b, const float *picture, const uint32_t *age, uint32_t now,
+                        long x, long y, long dx, long dy, size_t c) {
+  double a = (double)picture[3 * ((size_t)(y + dy) * b->width + (size_t)(x + dx)) + c];
+  long u = x + 2 * dx, v = y + 2 * dy;
+  if (u < 0 || v < 0 || u >= (long)b->width || v >= (long)b->height) return a;
+  size_t of = (size_t)v * b->width + (size_t)u;
+  if (!age[of] || age[of] == now) return a;
+  double next = 2 * a - (double)picture[3 * of + c];
+  return a > 0 ? fmin(fmax(next, a / 2), 2 * a) : a;
+}
+
+/* Texels that no chart has continue the lines of those beside them, ring by ring: their means. */
 static ylm_status fill(const map_bake *b, float *picture) {
   size_t n = b->texels, left = 0, next = 0;
   uint32_t *ring = ylm_alloc(n, sizeof *ring), *age = ylm_alloc_zero(n, sizeof *age);
@@ -33,7 +46,8 @@ static ylm_status fill(const map_bake *b, float *picture) {
         size_t of = (size_t)v * b->width + (size_t)u;
         if (!age[of] || age[of] == now) continue;
         count++;
-        for (size_t c = 0; c < 3; c++) sum[c] += (double)picture[3 * of + c];
+        for (size_t c = 0; c < 3; c++)
+          sum[c] += continued(b, picture, age, now, x, y, k % 3 - 1, k / 3 - 1, c);
       }
       if (count > 0) {
         age[ring[i]] = now;
