@@ -56,6 +56,8 @@ ylm_status ylm_path_image(const ylm_scene *scene, const ylm_camera *camera, int 
                 .background = background};
   if (width < 1 || height < 1 || width > YLM_IMAGE_MAX_SIDE || height > YLM_IMAGE_MAX_SIDE)
     return ylm_fail(e, YLM_ERANGE, "an image has 1 to %d pixels each way", YLM_IMAGE_MAX_SIDE);
+  if (!ylm_all_finite(YLM_FLOAT, background, 3, NULL))
+    return ylm_fail(e, YLM_ERANGE, "the background must be finite");
   j.items = (size_t)width * (size_t)height;
   ylm_status s = ylm_scene_frame(scene, camera, width, height, &j.frame, e);
   return s == YLM_OK ? ylm__path_run(&j, sum, stats, e) : s;

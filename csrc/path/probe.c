@@ -137,9 +137,8 @@ static void finish_probe(path_tile *t, size_t k, double *values) {
 static ylm_status check_points(size_t n, const float (*points)[3], const float (*normals)[3],
                                ylm_error *e) {
   size_t where;
-  if (!ylm_all_finite(YLM_FLOAT, points, 3 * n, &where))
-    return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", where / 3 + 1);
-  if (!normals) return YLM_OK;
+  ylm_status s = ylm_trace_check(YLM_FLOAT, n, points, "point", e);
+  if (s != YLM_OK || !normals) return s;
   if (!ylm_all_finite(YLM_FLOAT, normals, 3 * n, &where))
     return ylm_fail(e, YLM_EDOMAIN, "normal %zu is not finite", where / 3 + 1);
   for (size_t i = 0; i < n; i++)

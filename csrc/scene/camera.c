@@ -8,7 +8,12 @@ ylm_status ylm_scene_frame(const ylm_scene *s, const ylm_camera *c, int width, i
   double up[3];
   if (!(c->fov > 0 && c->fov < 180))
     return ylm_fail(e, YLM_EINVAL, "the camera's fov must be between 0 and 180, got %g", c->fov);
+  if (width < 1 || height < 1)
+    return ylm_fail(e, YLM_EINVAL, "a picture has at least one pixel, got %d x %d", width, height);
   for (int a = 0; a < 3; a++) {
+    if (!(fabs(c->from[a] - s->origin[a]) <= YLM_TRACE_EXTENT))
+      return ylm_fail(e, YLM_EINVAL, "the camera's from must be within %g of the scene, got %g",
+                      YLM_TRACE_EXTENT, c->from[a]);
     f->from[a] = c->from[a] - s->origin[a];
     f->forward[a] = c->at[a] - c->from[a];
     up[a] = c->up[a];

@@ -314,14 +314,13 @@ static ylm_status ask(const ylm_trace_occlusion *o, int rays, const ylm_field_qu
 static ylm_status evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                            const void *points, ylm_field_result *r, ylm_error *e) {
   const ylm_trace_occlusion *o = f->self;
-  size_t where;
   if (q->lmax < 0 || q->lmax > YLM_LIGHT_LMAX)
     return ylm_fail(e, YLM_ERANGE, "lmax: 0 to %d, got %d", YLM_LIGHT_LMAX, q->lmax);
   if (q->want & YLM_WANT_HESSIAN)
     return ylm_fail(e, YLM_EINVAL,
                     "a body by rays has no Hessians: derivatives = 1 at most, or a convex body");
-  if (!ylm_all_finite(q->dtype, points, 3 * n, &where))
-    return ylm_fail(e, YLM_EDOMAIN, "point %zu is not finite", where / 3 + 1);
+  ylm_status s = ylm_trace_check(q->dtype, n, points, "point", e);
+  if (s != YLM_OK) return s;
   return ask(o, o->rays, q, n, points, r, e);
 }
 

@@ -38,6 +38,16 @@ static ylm_status device_status(RTCDevice d, ylm_error *e) {
   }
 }
 
+ylm_status ylm_trace_check(ylm_dtype t, size_t n, const void *x, const char *what, ylm_error *e) {
+  size_t where;
+  if (!ylm_all_finite(t, x, 3 * n, &where))
+    return ylm_fail(e, YLM_EDOMAIN, "%s %zu is not finite", what, where / 3 + 1);
+  for (size_t i = 0; i < 3 * n; i++)
+    if (fabs(ylm_get(t, x, i)) > YLM_TRACE_EXTENT)
+      return ylm_fail(e, YLM_ERANGE, "%s %zu is beyond %g", what, i / 3 + 1, YLM_TRACE_EXTENT);
+  return YLM_OK;
+}
+
 static ylm_status check_mesh(size_t i, const ylm_trace_mesh *m, ylm_error *e) {
   size_t where;
   if (m->vertices > UINT32_MAX || m->count > UINT32_MAX)

@@ -81,6 +81,13 @@ YLM_API void ylm_trace_free(ylm_trace *t);
 YLM_API ylm_status ylm_trace_relight(const ylm_trace *t, const ylm_trace_lamps *lamps,
                                      ylm_trace **out, ylm_error *e);
 
+/* The farthest that a ray may start from 0, along an axis: Embree's numbers end at 1.8e18. */
+#define YLM_TRACE_EXTENT 1e15
+/* Refuses places [n][3] of type t that rays cannot start from: YLM_EDOMAIN (not finite), YLM_ERANGE (beyond
+   YLM_TRACE_EXTENT): `e` names the row, counted from 1, as a `what`. */
+YLM_API ylm_status ylm_trace_check(ylm_dtype t, size_t n, const void *x, const char *what,
+                                   ylm_error *e);
+
 /* Box around the meshes, lamps left out; all zero where there are none. */
 YLM_API void ylm_trace_bounds(const ylm_trace *t, float lo[3], float hi[3]);
 

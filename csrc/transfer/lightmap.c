@@ -238,6 +238,8 @@ static ylm_status check_texels(const ylm_radiosity *r, const ylm_radiosity_map *
   if (m->mesh >= r->t->meshes) return ylm_fail(e, YLM_ERANGE, "there is no mesh %zu", m->mesh + 1);
   if (m->width < 1 || m->height < 1 || m->width > 16384 || m->height > 16384)
     return ylm_fail(e, YLM_ERANGE, "a lightmap has 1 to 16384 texels a side");
+  if (m->gutter < 0 || m->gutter > 64)
+    return ylm_fail(e, YLM_ERANGE, "gutter: 0 to 64 texels, got %d", m->gutter);
   return YLM_OK;
 }
 

@@ -203,6 +203,14 @@ static void deliver(job *j, ylm_radiosity *r, const ylm_radiosity_stats *stats) 
   r->stats = *stats;
 }
 
+static ylm_status check_series(int bounces, double residual, ylm_error *e) {
+  if (bounces > YLM_TRANSFER_BOUNCES)
+    return ylm_fail(e, YLM_ERANGE, "bounces must be at most %d, got %d", YLM_TRANSFER_BOUNCES,
+                    bounces);
+  if (!(residual > 0)) return ylm_fail(e, YLM_ERANGE, "residual must be above 0, got %g", residual);
+  return YLM_OK;
+}
+
 ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, bool closure,
                                int threads, const ylm_progress *progress,
                                ylm_radiosity_stats *stats, ylm_error *e) {
@@ -213,11 +221,9 @@ ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, b
   found.guides = guide.clusters;
   found.guide_rays = guide.rays;
   job j = {0};
-  if (bounces > YLM_TRANSFER_BOUNCES)
-    return ylm_fail(e, YLM_ERANGE, "bounces must be at most %d, got %d", YLM_TRANSFER_BOUNCES,
-                    bounces);
-  if (!(residual > 0)) return ylm_fail(e, YLM_ERANGE, "residual must be above 0, got %g", residual);
-  ylm_status s = job_create(&j, r->t, r->E0, NULL) ? YLM_OK : YLM_ENOMEM;
+  ylm_status s = check_series(bounces, residual, e);
+  if (s != YLM_OK) return s;
+  s = job_create(&j, r->t, r->E0, NULL) ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = walk(&j, bounces, residual, closure, threads, progress, &found, e);
   if (s == YLM_OK && bounces < 0)
     s = ylm_report(progress, 1, 1, "bounces"); /* sooner than it could know */
@@ -255,7 +261,9 @@ ylm_status ylm_radiosity_coarse(const ylm_radiosity *r, int bounces, double resi
   *change = 0;
   if (into && into->t != r->t)
     return ylm_fail(e, YLM_EINVAL, "the two radiosities are of the same links");
-  ylm_status s = ylm__transfer_group(r->t, &groups);
+  ylm_status s = check_series(bounces, residual, e);
+  if (s != YLM_OK) return s;
+  s = ylm__transfer_group(r->t, &groups);
   if (s == YLM_OK && !job_create(&j, r->t, r->direct, &groups)) s = YLM_ENOMEM;
   if (s == YLM_OK) s = walk(&j, bounces, residual, closure, threads, NULL, &found, e);
   if (s == YLM_OK) {

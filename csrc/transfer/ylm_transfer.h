@@ -125,7 +125,7 @@ YLM_API const float *ylm_transfer_escape(const ylm_transfer *t);
 **   escape   out  [n][(lmax+1)^2] or NULL: SH of cosine times escape (of the sphere: of escape), by the
 **                 same rays
 **
-** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (stage "links")
+** Returns  YLM_OK; YLM_ERANGE, YLM_EDOMAIN (an origin or a normal), YLM_ENOMEM, YLM_ECANCELLED (stage "links")
 */
 YLM_API ylm_status ylm_transfer_find(const ylm_transfer *t, size_t n, const float (*origin)[3],
                                      const float (*normal)[3], const uint64_t *stream, int links,
@@ -228,7 +228,7 @@ YLM_API ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double res
 **   into    out  the coarse solution, a radiosity of the same transfer, or NULL
 **   change  out  root mean square over elements, in luminance, over the mean of the light that bounces
 **
-** Returns  YLM_OK; YLM_EINVAL (`into` of another transfer), YLM_EDOMAIN, YLM_ENOMEM
+** Returns  YLM_OK; YLM_EINVAL (`into` of another transfer), YLM_ERANGE, YLM_EDOMAIN, YLM_ENOMEM
 ** Cost     that of the solution
 */
 YLM_API ylm_status ylm_radiosity_coarse(const ylm_radiosity *r, int bounces, double residual,
@@ -259,7 +259,7 @@ typedef struct ylm_radiosity_map {
   /* Of ylm_radiosity_places, out [n][3 axes][3 channels]: radiance times direction, over directions above the surface, so
      that its product with the normal is the irradiance; W m^-2. Not of `field`. NULL: not wanted. */
   float (*flow)[3][3];
-  int gutter; /* how many texels beside the mesh take the mean of their neighbours */
+  int gutter; /* 0 .. 64: how many texels beside the mesh take the mean of their neighbours */
   uint64_t seed;
   int threads;
   const ylm_progress *progress; /* stage "lightmap" */

@@ -13,6 +13,10 @@
 #include <ylm/ylm_light_emitter.h>
 #include <ylm/ylm_material.h>
 #include <ylm/ylm_sh_exponential.h>
+#ifdef SCENE
+#include <ylm/ylm_path.h>
+#include <ylm/ylm_transfer.h>
+#endif
 
 static ylm_error e;
 
@@ -125,7 +129,71 @@ static void canvases(void) {
   ylm_figure_canvas_clear(&from);
 }
 
+#ifdef SCENE
+/* Embree ends the process where a ray starts at no number, or beyond 1.8e18. */
+static void scenes(void) {
+  float place[12] = {-1, 0, -1, 1, 0, -1, 1, 0, 1, -1, 0, 1}, white[3] = {0.5f, 0.5f, 0.5f};
+  const uint32_t index[6] = {0, 2, 1, 0, 3, 2};
+  const float lamp[4] = {0, 1, 0, 0.1f}, radiance[3] = {1, 1, 1}, uv[8] = {0, 0, 1, 0, 1, 1, 0, 1};
+  ylm_material *matte = NULL;
+  ylm_material_create(ylm_material_kind_find("matte"), 3, white, &matte, &e);
+  ylm_scene_mesh mesh = {.positions = place,
+                         .vertices = 4,
+                         .triangles = index,
+                         .count = 2,
+                         .material = matte,
+                         .occludes = true};
+  ylm_scene_lamps lamps = {.shape = {.spheres = 1, .sphere = lamp}, .radiance = radiance};
+  ylm_scene *scene = NULL;
+  ylm_scene_create(1, &mesh, &lamps, &scene, &e);
+  ylm_camera camera = {{0, 1, 3}, {0, 0, 0}, {0, 1, 0}, 40};
+  ylm_camera_frame frame;
+  say("picture of no rows", ylm_scene_frame(scene, &camera, 4, 0, &frame, &e));
+  camera.from[0] = 1e300;
+  say("camera far away", ylm_scene_frame(scene, &camera, 4, 3, &frame, &e));
+  camera.from[0] = 0;
+  float number[48], more[48], variance[48], nothing[3] = {NAN, 0, 0}, far[1][3] = {{1e20f, 0, 0}},
+                                            up[1][3] = {{0, 1, 0}};
+  ylm_path_sum sum = {.mean = number, .rest = more, .variance = variance};
+  ylm_path_options paths = {.samples = 16, .last = 1, .threads = 1};
+  ylm_path_stats stats;
+  say("background of no number",
+      ylm_path_image(scene, &camera, 2, 2, nothing, &paths, &sum, &stats, &e));
+  say("probe far away",
+      ylm_path_probe(scene, 1, (const float(*)[3])far, 1, &paths, &sum, &stats, &e));
+  ylm_transfer_form form = {
+      .spacing = 1, .links = 8, .lmax = -1, .sides = YLM_TRANSFER_BOTH, .threads = 1};
+  ylm_transfer *transfer = NULL;
+  ylm_transfer_create(scene, &form, &transfer, &e);
+  uint32_t link[8];
+  far[0][0] = NAN;
+  say("links from nowhere",
+      ylm_transfer_find(transfer, 1, (const float(*)[3])far, (const float(*)[3])up, NULL, 8, 1, 1,
+                        NULL, link, 0, NULL, &e));
+  far[0][0] = 0, up[0][1] = 4e15f;
+  say("links of a long normal",
+      ylm_transfer_find(transfer, 1, (const float(*)[3])far, (const float(*)[3])up, NULL, 8, 1, 1,
+                        NULL, link, 0, NULL, &e));
+  ylm_radiosity *light = NULL;
+  double change;
+  size_t overlaps;
+  ylm_radiosity_create(transfer, &light);
+  say("bounces 2^31 - 1",
+      ylm_radiosity_coarse(light, 2147483647, 1e-3, false, 1, NULL, &change, &e));
+  ylm_radiosity_map map = {
+      .uvs = uv, .width = 4, .height = 4, .links = 8, .gutter = 2147483647, .threads = 1};
+  say("gutter 2^31 - 1", ylm_radiosity_lightmap(light, &map, number, more, &overlaps, &e));
+  ylm_radiosity_free(light);
+  ylm_transfer_free(transfer);
+  ylm_scene_free(scene);
+  ylm_material_free(matte);
+}
+#endif
+
 int main(void) {
+#ifdef SCENE
+  scenes();
+#endif
   images();
   lights();
   others();
