@@ -64,6 +64,8 @@ void ylm_light_emitter_radiance(const ylm_light_emitter *e, const double way[3],
 bool ylm_light_emitter_leave(const ylm_light_emitter *e, const double u[4],
                              ylm_light_leaving *out) {
   *out = (ylm_light_leaving){.extent = 0};
+  for (int i = 0; i < 4; i++)
+    if (!(u[i] >= 0 && u[i] < 1)) return false;
   return e->kind->emits->leave(e->x, u, out);
 }
 

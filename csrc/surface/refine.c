@@ -332,6 +332,9 @@ static ylm_status check(const ylm_surface_form *f, ylm_error *e) {
     return ylm_fail(e, YLM_ERANGE, "tolerance must be above 0, got %g", f->tolerance);
   if (!(f->aim >= 0 && f->aim <= 1))
     return ylm_fail(e, YLM_ERANGE, "aim must be from 0 to 1, got %g", f->aim);
+  if (f->light.links < 4 || f->light.links > YLM_TRANSFER_LINKS)
+    return ylm_fail(e, YLM_ERANGE, "links must be from 4 to %d, got %d", YLM_TRANSFER_LINKS,
+                    f->light.links);
   if (f->light.scene && (f->light.light_samples < 1 || f->light.light_samples > YLM_TRANSFER_LINKS))
     return ylm_fail(e, YLM_ERANGE, "light_samples must be from 1 to %d", YLM_TRANSFER_LINKS);
   return YLM_OK;

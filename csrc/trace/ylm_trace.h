@@ -35,7 +35,8 @@ typedef struct ylm_trace_lamps {
   const float *disk;     /* [disks][7]      centre, radius >= 0, normal */
 } ylm_trace_lamps;
 
-/* A ray from org + near*dir to org + far*dir. `reserved` need not be set. 16-byte aligned. */
+/* A ray from org + near*dir to org + far*dir. `reserved` need not be set. 16-byte aligned. Numbers are finite, but that far may be
+   infinite; org is within YLM_TRACE_EXTENT: this is not checked ray by ray (ylm_trace_check does). */
 typedef struct ylm_trace_ray {
   float org[3], near;
   float dir[3], reserved;
