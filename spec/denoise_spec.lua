@@ -71,8 +71,11 @@ describe("a filter of noise", function()
   end)
 
   it("is judged by rays of their own", function()
-    local _, report = render { denoise = "auto" }
-    local d = report.denoise
+    local image, report = render { denoise = "auto" }
+    local d, noise = report.denoise, image:layer "noise"
+    local all = math.sqrt((noise * noise):sum() / noise:not_equal(0):sum())
+    assert.near(report.noise, all, 1e-3 * all)
+    assert.is_true(d.unseen >= 0 and d.unseen < report.noise, ("%.4f of %.4f"):format(d.unseen, report.noise))
     assert.is_true(d.pixels > 1000 and d.z2 > 0.5 and d.z2 < 2.5, ("z2 is %.2f"):format(d.z2))
     assert.is_true(math.abs(d.bias) < 4 * d.uncertainty + 0.003, ("a bias of %.4f +- %.4f"):format(d.bias, d.uncertainty))
   end)

@@ -41,7 +41,7 @@ end
 
 --- Two estimates of all light at points of a view p of some pixels, as resolved pixels; or nil, message, code.
 local function ask(x, p)
-  local c, halves, b = x.casting, {}, steady.links(x.o)
+  local c, halves, direct, b = x.casting, {}, {}, steady.links(x.o)
   local n = p.stats.points
   local function points(...) return assert(array.zeros({ n, ... }, "float")) end
   local links = { points(3), points(3) }
@@ -61,14 +61,51 @@ local function ask(x, p)
     if still then all = all + still end
     halves[half], message, code = check.result(x.name, p.lib.shade_resolve(p.view, all, nil, false, c.threads))
     if not halves[half] then return nil, message, code end
+    direct[half] = assert(check.result(x.name, p.lib.shade_resolve(p.view, found, nil, false, c.threads)))
   end
-  return halves
+  return { all = halves, direct = direct }
 end
 
 --- Luminance of pixel i of an array [h][w][3], i from 0.
 local function luminance(a, width, i)
   local y, x = math.floor(i / width) + 1, i % width + 1
   return vector.luminance { a:get(y, x, 1), a:get(y, x, 2), a:get(y, x, 3) }
+end
+
+--- Pixel i of an array [h][w][1], i from 0.
+local function at(a, width, i) return a:get(math.floor(i / width) + 1, i % width + 1, 1) end
+
+--- The light around each pixel that noise is relative to, inverted: [h][w][1].
+local function scale_of(x, filtered)
+  local size = x.p.options.size
+  local one = array.zeros({ size[2], size[1], 3 }, "float") + 1
+  return check.result(x.name, x.p.lib.shade_noise_around(x.p.view, one, -one, filtered, x.casting.threads,
+    array.zeros({ size[2], size[1], 1 }, "float")))
+end
+
+--- The squared noise that halves do not see: means over pixels of `found` and `seen` by n pixels, and of the squared difference.
+-- The part that chance would show is left out (James and Stein's factor).
+local function unseen(found, seen, square, n)
+  local more = found - seen
+  if n < 2 or more <= 0 then return 0 end
+  return math.max(0, more - math.max(0, square - more ^ 2) / (n - 1) / more)
+end
+
+--- The noise of direct light that halves of a filter do not see, relative to the light around: the part of what two other
+-- estimates of pixels find beyond it.
+local function unseen_of(x, list, filtered, halves)
+  local width, noise, scale = x.p.options.size[1], x.noise[1], scale_of(x, filtered.all)
+  local found, seen, square, n = 0, 0, 0, 0
+  for k, i in ipairs(list) do
+    local f, part = luminance(filtered.direct, width, i), at(noise, width, i) ^ 2
+    if at(x.left, width, i) > 0 then
+      local a, b = luminance(halves[1], 1, k - 1), luminance(halves[2], 1, k - 1)
+      local product = (f - a) * (f - b) * at(scale, width, i) ^ 2
+      found, seen, square, n = found + product, seen + part, square + (product - part) ^ 2, n + 1
+    end
+  end
+  n = math.max(1, n)
+  return math.sqrt(unseen(found / n, seen / n, square / n, n))
 end
 
 --- The verdict on pixels of a picture, `filtered`, whose noise relative to its light is `noise`, by two estimates of these.
@@ -80,15 +117,15 @@ local function verdict(x, list, filtered, halves, noise)
     local f = luminance(filtered, width, i)
     local apart = f - (a + b) / 2
     sum, square, mean, theirs = sum + apart, square + apart * apart, mean + (a + b) / 2, theirs + (a - b) ^ 2 / 4
-    own = own + (noise:get(math.floor(i / width) + 1, i % width + 1, 1) * f) ^ 2
+    own = own + (at(noise, width, i) * f) ^ 2
   end
   local out = { pixels = n, z2 = own + theirs > 0 and square / (own + theirs) or 0, bias = mean > 0 and sum / mean or 0,
     uncertainty = mean > 0 and math.sqrt(math.max(0, square - sum * sum / n)) / mean or 0 }
   return out
 end
 
---- Has rays of their own judge the light `found` of the points of x, which was filtered: report.denoise. True, or nil, message,
--- code.
+--- Has rays of their own judge the light `found` of the points of x, which was filtered: report.denoise. The noise that
+-- its halves do not see; or nil, message, code.
 function denoise.judge(x, found)
   local start, p, o = core.seconds(), x.p, { }
   for key, value in pairs(p.options) do o[key] = value end
@@ -104,10 +141,13 @@ function denoise.judge(x, found)
   end
   view:close()
   if not filtered then return nil, message, code end
-  local report = verdict(x, list, filtered, halves, x.left)
+  local direct = assert(check.result(x.name, p.lib.shade_resolve(p.view, (x.direct[1] + x.direct[2]) / 2, nil, false,
+    x.casting.threads)))
+  local report = verdict(x, list, filtered, halves.all, x.left)
+  report.unseen = unseen_of(x, list, { all = filtered, direct = direct }, halves.direct)
   report.seconds = core.seconds() - start
   x.report.denoise = report
-  return true
+  return report.unseen
 end
 
 return denoise

@@ -21,11 +21,13 @@ local by_rays = {
   { "light_samples", "1", "by rays: shadow rays of a shading point" },
   { "guides", "1", "by rays and paths: clusters of points that rays to lamps were guided by" },
   { "noise", "1", "by rays, of a picture with a noise that is wanted: what is left, root mean square over pixels, each relative "
-    .. "to the light around it; ended is then noise, samples, pilot, time_limit, most rays or cancelled" },
+    .. "to the light around it; ended is then noise, samples, pilot, time_limit, most rays, filter "
+    .. "or cancelled" },
   { "noise_before", "1", "where it was filtered: what was left before" },
   { "denoise", "table", "where noise was filtered: what rays of their own at `pixels` random pixels find. z2: the squared "
     .. "distance of the picture from them over what the noise of both makes of it, 1 where nothing else is between them; bias: "
-    .. "of the mean of the pixels, relative, with its standard error, uncertainty; seconds" },
+    .. "of the mean of the pixels, relative, with its standard error, uncertainty; unseen: the noise of direct light that they "
+    .. "find beyond that of the halves, a part of report.noise; seconds" },
   { "direct_noise", "1", "by rays: what shadow rays leave at a shading point, root mean square over the mean" },
 }
 

@@ -214,6 +214,10 @@ end
 
 --- The cause that kept a picture from its noise, and the advice that a line gives.
 local function cause_of(x, reached, seconds)
+  if x.unseen then
+    return "filter", ("the filter errs by more than its halves show: noise = %.3g or more pixels leave less"):format(
+      x.wanted ^ 2 / reached)
+  end
   if x.capped then
     return "most rays", ("noise = %g asks for as many rays as it takes, about %.0f s"):format(x.wanted,
       math.ceil(seconds * (reached / x.wanted) ^ 2))
@@ -235,6 +239,14 @@ local function say(x, reached, seconds)
   report.ended = ended
   report.warnings[#report.warnings + 1] = warning.say(x.p.scene, "noise", "scene %q: noise is %.1f %% of the light around a "
     .. "pixel, %.1f %% was wanted: %s", x.p.scene.name or "?", 100 * reached, 100 * x.wanted, advice)
+end
+
+--- Noise with a part that halves do not see, in the map of it too.
+local function add(x, reached, unseen)
+  local all = math.sqrt(reached ^ 2 + unseen ^ 2)
+  if reached > 0 then x.left = x.left * (all / reached) end
+  x.unseen = unseen > 0 and reached <= SLACK * x.wanted
+  return all
 end
 
 --- The picture as it is, to be taken again.
@@ -360,7 +372,7 @@ function rounds.radiance(name, p, o, report, casting)
     reached, message, code = refine(x, reached, seconds, start)
     if not reached then return nil, message, code end
   end
-  say(x, reached, core.seconds() - start)
+  local took = core.seconds() - start
   report.light_samples = 2 * x.rays:mean()
   report.noise_before = x.raw and x.before
   if x.links then
@@ -370,9 +382,13 @@ function rounds.radiance(name, p, o, report, casting)
   o.noise_left, o.raw = x.left, x.raw
   local direct = ((x.direct[1] + x.direct[2]) / 2)
   if x.raw then
-    ok, message, code = denoise.judge(x, o.reflected and direct + o.reflected.gathered or direct, reached)
-    if not ok then return nil, message, code end
+    local unseen
+    unseen, message, code = denoise.judge(x, o.reflected and direct + o.reflected.gathered or direct)
+    if not unseen then return nil, message, code end
+    reached = add(x, reached, unseen)
+    o.noise_left = x.left
   end
+  say(x, reached, took)
   return direct, core.seconds() - start
 end
 
