@@ -21,13 +21,18 @@
 
 /* Edges of the first rectangles at most, and of the last at least. */
 #define WIDEST 0.125
-#define NARROWEST 0.002
+#define NARROWEST 0.001
 /* Rectangles with less than this part of all places are not too wide. */
 #define WIDE_PLACES 5e-4
+/* Sites that a rectangle gets more where it has too few, and the square of its error, over the aim's, from which it does. */
+#define DENSER 96
+#define DENSER_ERROR 0.1
 /* Random places from which all others are chosen, and those that a rectangle needs to be halved. */
 #define PLACES 1000000
 #define SITE_BLOCK 4000
 #define PLACES_LEAST 22
+/* One of so many is for judges alone. */
+#define JUDGES_SHARE 8
 /* Places of a rectangle whose light is asked for, and of the whole surface. */
 #define SAMPLES 16
 #define SAMPLES_ALL 12000
@@ -100,10 +105,10 @@
 #define ENOUGH 0.006
 #define ENOUGH_SURE 0.003
 /* They are asked where about so few places are expected to fail, or where corners have grown by so much. Refinement also ends
-   where so many looks in a row find no fewer failures than one before. */
+   after so many looks, and where so many in a row find no fewer failures than one before. */
 #define HOPE 0.02
 #define GROWN 1.5
-#define JUDGED_MOST 12
+#define JUDGED_MOST 7
 #define JUDGED_IDLE 3
 /* Fits of other light on the same rectangles: places that judged one become places of the next. */
 #define REFITS 6

@@ -292,12 +292,12 @@ void ylm__surface_mean(surface_bake *b) {
   for (size_t i = 0; i < b->leaves; i++) {
     const surface_leaf *l = &b->leaf[i];
     if (!l->sampled) continue;
-    double part = (double)l->n / (double)l->sampled, E[3];
+    double part = l->weight / (double)l->sampled, E[3];
     for (size_t k = l->first; k < l->first + l->sampled; k++) {
       ylm__surface_mid(&b->light[b->site[b->entry[k].site].light], E);
       for (int c = 0; c < 3; c++) sum[c] += part * E[c];
     }
-    all += (double)l->n;
+    all += l->weight;
   }
   for (int c = 0; c < 3; c++) b->mean[c] = all > 0 ? sum[c] / all : 0;
 }

@@ -50,8 +50,8 @@ static double expected(const surface_bake *b) {
   for (size_t i = 0; i < b->leaves; i++) {
     const surface_leaf *l = &b->leaf[i];
     if (!l->sampled) continue;
-    all += (double)l->n;
-    if (l->square > 0) failing += (double)l->n * erfc(b->aim / sqrt(2 * l->square));
+    all += l->weight;
+    if (l->square > 0) failing += l->weight * erfc(b->aim / sqrt(2 * l->square));
   }
   return all > 0 ? failing / all : 0;
 }
@@ -80,7 +80,7 @@ static ylm_status halve_worst(surface_bake *b, size_t *halved) {
     const surface_leaf *l = &b->leaf[i];
     filled += l->sampled > 0;
     if (l->stuck || !l->sampled || l->n < PLACES_LEAST || l->square < 0.02 * tau) continue;
-    list[n++] = (scored){(double)l->n * l->square / (l->square + tau), i};
+    list[n++] = (scored){l->weight * l->square / (l->square + tau), i};
   }
   qsort(list, n, sizeof *list, by_score);
   size_t most = 1 + (size_t)(ROUND_SPLIT * (double)filled);
@@ -109,7 +109,7 @@ static ylm_status begin(surface_bake *b) {
     for (int a = 1; a < 3; a++)
       if (ylm__surface_extent(b, n, a) > ylm__surface_extent(b, n, widest)) widest = a;
     bool wide = (double)ylm__surface_extent(b, n, widest) > WIDEST * 1.0001 * b->charts.unit;
-    if (!wide || (double)b->leaf[i].n < WIDE_PLACES * (double)b->sites) {
+    if (!wide || b->leaf[i].weight < WIDE_PLACES * (double)b->sites) {
       i++;
       continue;
     }
@@ -155,12 +155,12 @@ static int judge_rays(const surface_bake *b) {
   return 4 * (int)ceil(fmin(JUDGE_MOST, fmax(JUDGE_LEAST, rays)) / 4);
 }
 
-/* Draws n places that have no light yet; how many there are. */
+/* Draws n places that are kept for it; how many there are. */
 static size_t draw_sites(const surface_bake *b, size_t n, ylm_rng *rng, panel *p) {
   size_t drawn = 0;
-  for (size_t tries = 0; b->sites && tries < 8 * n && drawn < n; tries++) {
-    size_t i = (size_t)(ylm_rng_double(rng) * (double)b->sites);
-    if (b->site[i].light == SURFACE_NONE && b->site[i].known < SITE_COVERED)
+  for (size_t tries = 0; b->sites && tries < 8 * JUDGES_SHARE * n && drawn < n; tries++) {
+    size_t i = (size_t)(ylm_rng_double(rng) * (double)b->spread);
+    if (site_judges(b, i) && b->site[i].light == SURFACE_NONE && b->site[i].known < SITE_COVERED)
       p->drawn[drawn++] = (uint32_t)i;
   }
   return drawn;
@@ -286,18 +286,19 @@ static ylm_status refine(surface_bake *b, panel *p) {
     if (s == YLM_OK && round == 1) s = quieten(b);
     if (s != YLM_OK) break;
     double hope = expected(b);
-    if (judges < JUDGED_MOST && (hope < HOPE || (double)b->unknowns > GROWN * (double)judged)) {
+    if (hope < HOPE || (double)b->unknowns > GROWN * (double)judged) {
       s = draw(b, judges++, p);
       judged = b->unknowns;
       if (s == YLM_OK) compare(b, p);
       if (s != YLM_OK || is_enough(b)) break;
       idle = b->stats.failed < fewest ? 0 : idle + 1;
       if (b->stats.failed < fewest) fewest = b->stats.failed;
-      if (idle == JUDGED_IDLE) break;
+      if (idle == JUDGED_IDLE || judges == JUDGED_MOST) break;
       s = join(b, p);
       if (s == YLM_OK)
         s = ylm_parallel(b->leaves, 16, b->form->light.threads, measure, b, NULL, NULL);
     }
+    if (s == YLM_OK) s = ylm__surface_denser(b, round);
     if (s == YLM_OK) s = halve_worst(b, &halved);
     if (!halved) break;
   }

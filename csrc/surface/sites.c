@@ -45,6 +45,8 @@ static ylm_status draw_sites(surface_bake *b) {
       memmove(b->site + b->sites, b->site + k * SITE_BLOCK, j.n[k] * sizeof *b->site);
     b->sites += j.n[k];
   }
+  b->spread = b->sites;
+  b->site_room = blocks * SITE_BLOCK;
   ylm_free((void *)j.sum);
   ylm_free(j.n);
   return s;
@@ -194,14 +196,17 @@ static double distance(const surface_bake *b, const surface_leaf *l, const float
   return best;
 }
 
-/* Chooses the farthest of some entries of a leaf, from *next on; false: none is left. */
+/* Chooses the farthest of some entries of a leaf that are not kept for judges, from *next on; false: none is left. */
 static bool choose(surface_bake *b, surface_leaf *l, size_t *next) {
   const float *size = b->charts.chart[b->branch[l->branch].chart].size;
   size_t best = SIZE_MAX;
   double farthest = -1;
   if (*next < l->first + l->sampled) *next = l->first + l->sampled;
   for (int turn = 0; turn < SPREAD && *next < l->first + l->n; ++*next) {
-    if (b->site[b->entry[*next].site].known == SITE_BURIED) continue;
+    const surface_site *s = &b->site[b->entry[*next].site];
+    if (s->known == SITE_BURIED ||
+        (s->light == SURFACE_NONE && site_judges(b, (size_t)(s - b->site))))
+      continue;
     double d = distance(b, l, size, &b->entry[*next]);
     turn++;
     if (d > farthest) farthest = d, best = *next;
@@ -218,6 +223,7 @@ static void bury(const surface_bake *b, surface_leaf *l) {
       i++;
       continue;
     }
+    l->weight -= l->weight / (double)l->n;
     size_t last = l->first + --l->sampled, end = l->first + --l->n;
     surface_entry e = b->entry[i];
     b->entry[i] = b->entry[last];
@@ -233,11 +239,11 @@ typedef struct asked {
 
 /* Places that the leaves want, and have no light yet: on a later pass more, where those before were buried. */
 static ylm_status choose_all(surface_bake *b, int pass, asked *q) {
-  double dense = SAMPLES_ALL / ((double)b->sites + 1);
+  double dense = SAMPLES_ALL / ((double)b->spread + 1);
   q->n = 0;
   for (size_t k = 0; k < b->leaves; k++) {
     surface_leaf *l = &b->leaf[k];
-    size_t wanted = (size_t)fmax(SAMPLES, dense * (double)l->n), next = l->first;
+    size_t wanted = (size_t)fmax(SAMPLES, dense * l->weight), next = l->first;
     if (l->sampled >= wanted) continue;
     wanted = l->sampled + ((wanted - l->sampled) << pass);
     while (l->sampled < wanted && choose(b, l, &next)) {

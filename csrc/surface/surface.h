@@ -121,6 +121,7 @@ typedef struct surface_branch {
 typedef struct surface_leaf {
   uint32_t branch;
   size_t first, n, sampled; /* of entries; those whose light is known come first */
+  double weight;            /* its area: the sites that it has of those spread over all surfaces */
   double square;            /* of its error over the tolerance's scale, without noise */
   float value[4][3];        /* at its corners */
   uint32_t corner[4];       /* classes */
@@ -148,7 +149,7 @@ typedef struct surface_bake {
   surface_charts charts;
   ylm_error *e;
   surface_site *site;
-  size_t sites;
+  size_t sites, spread, site_room; /* those spread over all surfaces stand first */
   surface_light *light;
   size_t lights, light_room;
   surface_entry *entry;
@@ -165,6 +166,12 @@ typedef struct surface_bake {
   int links;  /* rays of each half of a place's light: the form's, more where these are noisy */
   ylm_surface_stats stats;
 } surface_bake;
+
+/* Is a site kept for judges? Leaves take most of the sites that a small one has: by those that they leave over, small leaves would
+   count for less than their area. */
+static inline bool site_judges(const surface_bake *b, size_t site) {
+  return site < b->spread && site % JUDGES_SHARE == 0;
+}
 
 /* The light at n places that the list names, its two halves of `links` rays each; `share` of ylm_radiosity_places. */
 ylm_status ylm__surface_ask(surface_bake *b, size_t n, const uint32_t *site, int links,
@@ -196,6 +203,8 @@ ylm_status ylm__surface_know(surface_bake *b, size_t n, const uint32_t *site, co
 /* sites.c: keeps the light of a list of sites, of those that have none yet and are not buried. */
 ylm_status ylm__surface_keep(surface_bake *b, size_t n, const uint32_t *site,
                              const surface_light *light);
+/* denser.c: more sites of leaves whose error is too large and that have too few to be halved. */
+ylm_status ylm__surface_denser(surface_bake *b, uint64_t round);
 /* Takes an entry of a leaf, whose light is known, to those that are sampled. */
 void ylm__surface_take(surface_leaf *l, surface_entry *entry, size_t at);
 

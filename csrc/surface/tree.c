@@ -19,7 +19,8 @@ static ylm_status add_leaf(surface_bake *b, uint32_t branch, size_t first, size_
   if (!ylm_list_reserve(&b->leaf, b->leaves, b->leaves + 1, &b->leaf_room, sizeof *b->leaf))
     return YLM_ENOMEM;
   b->branch[branch].leaf = (uint32_t)b->leaves;
-  b->leaf[b->leaves++] = (surface_leaf){.branch = branch, .first = first, .n = n};
+  b->leaf[b->leaves++] =
+      (surface_leaf){.branch = branch, .first = first, .n = n, .weight = (double)n};
   return YLM_OK;
 }
 
@@ -115,6 +116,8 @@ ylm_status ylm__surface_halve(surface_bake *b, uint32_t leaf, uint32_t kind, con
                       .first = whole.first + first,
                       .n = whole.n - first,
                       .sampled = whole.sampled - sampled};
+  if (whole.n) l->weight = whole.weight * (double)first / (double)whole.n;
+  m->weight = whole.weight - l->weight;
   inherit(n, whole.value, &child[0], l->value);
   inherit(n, whole.value, &child[1], m->value);
   b->branches += 2;
