@@ -6,6 +6,9 @@
 #include <omp.h>
 #include <stdatomic.h>
 #include <time.h>
+#ifdef __SANITIZE_THREAD__
+#include <pthread.h>
+#endif
 
 /* Between two reports, where nobody asked for another pace. */
 #define REPORT_SECONDS 0.1
@@ -87,6 +90,40 @@ static void run_block(job *j, size_t b, int worker) {
   if (j->progress && worker == 0 && atomic_load(&j->failed) == YLM_OK) tell(j);
 }
 
+#ifdef __SANITIZE_THREAD__
+/* ThreadSanitizer does not see how the threads of libgomp wait for one another, and would report
+   every hand-over as a race. It sees how these do. */
+typedef struct member {
+  job *j;
+  atomic_size_t *next;
+  pthread_t thread;
+  int worker;
+  bool runs;
+} member;
+
+static void *work(void *user) {
+  member *m = user;
+  for (size_t b; (b = atomic_fetch_add(m->next, 1)) < m->j->blocks;) run_block(m->j, b, m->worker);
+  return NULL;
+}
+
+static void run_team(job *j, int threads) {
+  atomic_size_t next = 0;
+  member team[YLM_THREADS_MOST];
+  for (int w = 0; w < threads; w++) team[w] = (member){.j = j, .next = &next, .worker = w};
+  for (int w = 1; w < threads; w++)
+    team[w].runs = pthread_create(&team[w].thread, NULL, work, &team[w]) == 0;
+  work(&team[0]);
+  for (int w = 1; w < threads; w++)
+    if (team[w].runs) pthread_join(team[w].thread, NULL);
+}
+#else
+static void run_team(job *j, int threads) {
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+  for (size_t b = 0; b < j->blocks; b++) run_block(j, b, omp_get_thread_num());
+}
+#endif
+
 ylm_status ylm_parallel(size_t n, size_t grain, int threads, ylm_range_fn *fn, void *context,
                         const ylm_progress *progress, const char *stage) {
   threads = ylm_threads(threads);
@@ -104,8 +141,7 @@ ylm_status ylm_parallel(size_t n, size_t grain, int threads, ylm_range_fn *fn, v
            .left = 1};
   j.told = -j.every;
   if (threads > 1 && blocks > 1) {
-#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-    for (size_t b = 0; b < blocks; b++) run_block(&j, b, omp_get_thread_num());
+    run_team(&j, threads);
   } else {
     for (size_t b = 0; b < blocks && j.failed == YLM_OK; b++) run_block(&j, b, 0);
   }
