@@ -129,8 +129,10 @@ typedef struct ylm_grid_source {
   const ylm_grid_walls *walls; /* of a grid with sides */
   size_t meshes;               /* surfaces instead of points: voxels that a triangle meets */
   const ylm_grid_mesh *mesh;   /* [meshes]; a dynamic grid keeps a copy */
-  uint64_t seed;               /* of the choice of held-out points */
-  size_t max_points;           /* YLM_ELIMIT beyond; 0: no limit but memory */
+  const double
+      *within;   /* [6] min, max: a tolerance is of the surfaces in this box; NULL: in the bounds */
+  uint64_t seed; /* of the choice of held-out points */
+  size_t max_points; /* YLM_ELIMIT beyond; 0: no limit but memory */
   /* Of a grid with sides and a tolerance: refinement is for this part of it (0: all), since another judge will also see the
      field's own error; and ends at so many points (0: none). */
   double aim;

@@ -87,6 +87,7 @@ static const ylmL_entry form_entries[] = {
     YLML(form_entry, other, "walls", VALUE),
     YLML(form_entry, other, "budget", VALUE),
     YLML(form_entry, other, "aim", VALUE),
+    YLML(form_entry, other, "within", VALUE),
     YLML(form_entry, other, "like", VALUE),
     YLML(form_entry, other, "bricks", VALUE),
     {.name = NULL}};
@@ -171,6 +172,19 @@ ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress) {
   lua_getfield(L, 1, "budget");
   s.budget = (size_t)lua_tonumber(L, -1);
   lua_pop(L, 1);
+  lua_getfield(L, 1, "within");
+  if (!lua_isnil(L, -1)) {
+    double *within = lua_newuserdata(L, 6 * sizeof *within);
+    for (int k = 0; k < 6; k++) {
+      lua_rawgeti(L, -2, k + 1);
+      within[k] = (double)lua_tonumber(L, -1);
+      lua_pop(L, 1);
+    }
+    s.within = within; /* stays on the stack, in place of its list */
+    lua_replace(L, -2);
+  } else {
+    lua_pop(L, 1);
+  }
   lua_getfield(L, 1, "walls");
   ylm_grid_walls *walls = lua_newuserdata(L, sizeof *walls); /* stays on the stack */
   s.walls = ylmL_grid_walls(L, -2, walls);

@@ -75,4 +75,13 @@
 #define TABLE_LOOKS 2
 #define TABLE_LEAST 0.01
 
+/* -- grounds: ground.c ----------------------------------------------------------------------------- */
+
+/* A box is flat whose least extent is this part of the largest at most. */
+#define GROUND_FLAT 0.1
+/* The diagonal of all is so many times that of what stands on grounds. */
+#define GROUND_WIDER 2.5
+/* Grounds at most. */
+#define GROUND_PARTS 64
+
 #endif

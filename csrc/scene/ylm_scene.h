@@ -102,6 +102,18 @@ YLM_API void ylm_scene_enter(const ylm_scene *scene, const double world[3], floa
 YLM_API void ylm_scene_leave(const ylm_scene *scene, const float x[3], double world[3]);
 /* Box around all meshes (not the lamps); zeros where there are none. */
 YLM_API void ylm_scene_bounds(const ylm_scene *scene, double lo[3], double hi[3]);
+/*
+** ylm_scene_core - the box of a scene without its grounds: connected triangles that lie flat and are much wider than what stands
+** on them.
+**
+**   place   in   [places][3]  from which the scene is seen, relative to its origin: half of them are in the box; none: anywhere
+**   lo, hi  out               relative to the origin; those of ylm_scene_bounds where there is no ground
+**   ground  out  [triangles of all meshes]  1: of a ground; NULL: not wanted
+**
+** Returns YLM_OK or YLM_ENOMEM.
+*/
+YLM_API ylm_status ylm_scene_core(const ylm_scene *scene, size_t places, const float (*place)[3],
+                                  double lo[3], double hi[3], uint8_t *ground);
 /* The structure that rays are traced through; lives as long as the scene. */
 YLM_API const ylm_trace *ylm_scene_trace(const ylm_scene *scene);
 

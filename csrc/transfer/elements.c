@@ -43,6 +43,28 @@ static void find_edges(const ylm_transfer *t, const float *positions, float *edg
     }
 }
 
+static double diagonal_of(double lo[3], double hi[3]) {
+  double square = 0;
+  for (int a = 0; a < 3; a++) square += (hi[a] - lo[a]) * (hi[a] - lo[a]);
+  return sqrt(square);
+}
+
+/* Edges of grounds become shorter, as if all were no wider than what stands on them, whose diagonal is *core. */
+static ylm_status shorten_grounds(const ylm_transfer *t, size_t places, const float (*place)[3],
+                                  float *edge, double *core) {
+  double lo[3], hi[3];
+  uint8_t *ground = ylm_alloc(t->triangles ? t->triangles : 1, 1);
+  if (!ground) return YLM_ENOMEM;
+  ylm_scene_bounds(t->scene, lo, hi);
+  double all = diagonal_of(lo, hi);
+  ylm_status s = ylm_scene_core(t->scene, places, place, lo, hi, ground);
+  *core = diagonal_of(lo, hi);
+  for (size_t i = 0; s == YLM_OK && i < t->triangles; i++)
+    if (ground[i] && edge[i] > 0) edge[i] *= (float)(*core / all);
+  ylm_free(ground);
+  return s;
+}
+
 static double pieces(float edge, double spacing) {
   return edge < 0 ? 0 : fmax(1, ceil((double)edge / spacing));
 }
@@ -83,12 +105,17 @@ static ylm_status too_many(const ylm_transfer *t, const float *edge, double spac
 }
 
 /* Settles t->form.spacing. */
-static ylm_status choose_spacing(ylm_transfer *t, const float *edge, ylm_error *e) {
-  double lo[3], hi[3], diagonal = 0, most = (double)t->form.max_elements;
+static ylm_status choose_spacing(ylm_transfer *t, const ylm_transfer_form *form, float *edge,
+                                 ylm_error *e) {
+  double most = (double)t->form.max_elements;
   if (t->form.spacing == 0) {
+    double lo[3], hi[3];
     ylm_scene_bounds(t->scene, lo, hi);
-    for (int a = 0; a < 3; a++) diagonal += (hi[a] - lo[a]) * (hi[a] - lo[a]);
-    t->form.spacing = diagonal > 0 ? sqrt(diagonal) / 100 : 1;
+    double wide = diagonal_of(lo, hi);
+    ylm_status s =
+        form->places ? shorten_grounds(t, form->places, form->inside, edge, &wide) : YLM_OK;
+    if (s != YLM_OK) return s;
+    t->form.spacing = wide > 0 ? wide / 100 : 1;
     if (count_at(t, edge, INFINITY) <= most)
       while (count_at(t, edge, t->form.spacing) > most) t->form.spacing *= 1.05;
   }
@@ -238,7 +265,7 @@ ylm_status ylm__transfer_cut(ylm_transfer *t, const ylm_transfer_form *form, ylm
   if (s == YLM_OK) s = ylm__transfer_sides(t, form, positions);
   if (s == YLM_OK) {
     find_edges(t, positions, edge);
-    s = choose_spacing(t, edge, e);
+    s = choose_spacing(t, form, edge, e);
   }
   if (s == YLM_OK) {
     cut(t, edge);
@@ -263,6 +290,13 @@ static bool cuts_can_be(const ylm_transfer *t, const float *edge, size_t element
   return n == (double)elements && degenerate == (double)t->stats.degenerate;
 }
 
+/* As the above where grounds have elements of their own size. */
+static ylm_status cuts_of_grounds(const ylm_transfer *t, float *edge, size_t elements) {
+  double core;
+  ylm_status s = shorten_grounds(t, 0, NULL, edge, &core);
+  return s == YLM_OK && !cuts_can_be(t, edge, elements) ? YLM_EFORMAT : s;
+}
+
 ylm_status ylm__transfer_cut_again(ylm_transfer *t, size_t elements) {
   ylm_status s = list_triangles(t);
   float *positions = s == YLM_OK ? positions_of(t->scene) : NULL;
@@ -271,6 +305,7 @@ ylm_status ylm__transfer_cut_again(ylm_transfer *t, size_t elements) {
   if (s == YLM_OK) {
     find_edges(t, positions, edge);
     s = cuts_can_be(t, edge, elements) ? YLM_OK : YLM_EFORMAT;
+    if (s != YLM_OK) s = cuts_of_grounds(t, edge, elements);
   }
   if (s == YLM_OK) {
     t->elements = number(t);

@@ -50,8 +50,9 @@ typedef enum ylm_transfer_sides {
 } ylm_transfer_sides;
 
 typedef struct ylm_transfer_form {
-  double spacing; /* the longest edge of an element, scene units; 0: a hundredth of the diagonal,
-                              raised until there are at most max_elements                       */
+  double spacing; /* the longest edge of an element, scene units; 0: a hundredth of the diagonal
+                     of what stands on grounds (ylm_scene_core, of `inside`), and on grounds of all's,
+                     raised until there are at most max_elements                                */
   size_t max_elements; /* YLM_ELIMIT beyond; 0: YLM_TRANSFER_ELEMENTS                       */
   int links;           /* of an element, 4 .. YLM_TRANSFER_LINKS, a multiple of 4           */
   int lmax; /* of the transfer vectors of direct light, 0 .. YLM_TRANSFER_LMAX; -1: none */

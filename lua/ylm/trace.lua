@@ -1,5 +1,6 @@
 --- Scenes as the library that traces rays wants them: traced once, as long as they are unchanged.
 
+local boxes = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
@@ -9,6 +10,8 @@ local material = require "ylm.material"
 local text = require "ylm.text"
 
 local tracing = {}
+
+local GROUND_MARGIN = 0.02 -- of the diagonal of what stands on grounds
 
 local MISSING = "rendering needs libylm_scene with Embree 3 or 4 (Debian 12 and 13: apt install libembree-dev, then make): %s"
 
@@ -110,6 +113,21 @@ function tracing.trace(name, s)
     glossy = alike and known.glossy or made.glossy, seconds = core.seconds() - start }
   core.own(s).traced = new
   return new
+end
+
+--- The box of what stands on a scene's grounds, a little larger, where its camera is in that; nil where there is no ground, or
+-- nil, message, code. And the box of all.
+function tracing.without_grounds(name, s)
+  local t, message, code = tracing.trace(name, s)
+  if not t then return nil, message, code end
+  local from = s.camera and s.camera.from
+  if not from then return nil end
+  local lo, hi, why = check.result(name, t.lib.scene_core(t.handle, from[1], from[2], from[3]))
+  if not lo then return nil, hi, why end
+  if boxes.diagonal(lo, hi) >= boxes.diagonal(t.lo, t.hi) then return nil end
+  local within, margin = { {}, {} }, GROUND_MARGIN * boxes.diagonal(lo, hi)
+  for k = 1, 3 do within[1][k], within[2][k] = lo[k] - margin, hi[k] + margin end
+  return within, { t.lo, t.hi }
 end
 
 --- The surfaces of a scene that hide light, as core's bakes and look-ups take them; nil, message, code.

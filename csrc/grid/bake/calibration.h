@@ -27,6 +27,8 @@
 
 /* -- verification: verify.c ---------------------------------------------------------------- */
 
+/* Points of the surface among which some are looked for in leaves that are wanted. */
+#define IN_LEAVES ((uint64_t)1 << 16)
 /* Held-out points of one round; rounds at most. */
 #define HELD_OUT 2048
 #define MAX_ROUNDS 16

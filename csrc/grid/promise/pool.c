@@ -16,17 +16,21 @@
 
 /* The record of a leaf. */
 typedef struct leaf_record {
-  float score;     /* of its places now */
-  float parent;    /* of its parent's when that was split; negative: it was not by its score */
+  float score,
+      miss; /* of its places now: clipped, and the sum of their errors over the tolerance */
+  float parent,
+      parent_miss; /* its parent's when that was split; negative: it was not by its score */
   uint8_t strikes; /* splits in a row that did not help */
+  uint8_t gross;   /* a place fails by far */
 } leaf_record;
 
 typedef struct pool {
   side_baker *k;
   refiner *r;
-  panel p;       /* the places */
-  double *error; /* [p.n] */
-  size_t error_room;
+  panel p;        /* the places */
+  double *error;  /* [p.n] */
+  uint8_t *extra; /* [p.n] 1: it was not drawn by area */
+  size_t error_room, extra_room;
   leaf_record *leaf; /* [cells] */
   size_t leaves, leaf_room;
   uint64_t round; /* of draws */
@@ -36,13 +40,17 @@ typedef struct pool {
 
 /* -- places ---------------------------------------------------------------------------------------- */
 
-/* The points that the refiner holds join the pool. */
-static ylm_status take(pool *q) {
+/* The points that the refiner holds join the pool; `extra`: they were not drawn by area. */
+static ylm_status take(pool *q, uint8_t extra) {
   refiner *r = q->r;
+  size_t before = q->p.n;
   ylm_status s = ylm__panel_take(r, &q->p);
   if (s != YLM_OK) return s;
-  return ylm_list_reserve(&q->error, 0, q->p.n, &q->error_room, sizeof *q->error) ? YLM_OK
-                                                                                  : YLM_ENOMEM;
+  if (!ylm_list_reserve(&q->error, 0, q->p.n, &q->error_room, sizeof *q->error) ||
+      !ylm_list_reserve(&q->extra, before, q->p.n, &q->extra_room, sizeof *q->extra))
+    return YLM_ENOMEM;
+  memset(q->extra + before, extra, q->p.n - before);
+  return YLM_OK;
 }
 
 /* The leaf of the octree that a place is looked up in. */
@@ -60,12 +68,17 @@ typedef struct failing {
 
 static bool may_split(const pool *q, uint32_t leaf) {
   const ylm_grid *g = q->r->b->g;
-  return g->cell[leaf].level < g->contents.form.depth && q->leaf[leaf].strikes < POOL_STRIKES;
+  const leaf_record *l = &q->leaf[leaf];
+  return g->cell[leaf].level < g->contents.form.depth &&
+         l->strikes < (l->gross ? POOL_STRIKES_GROSS : POOL_STRIKES);
 }
 
-static failing count_failing(const pool *q, const panel *p, const double *error) {
+/* Of places by area: `extra` (or NULL) marks others. */
+static failing count_failing(const pool *q, const panel *p, const double *error,
+                             const uint8_t *extra) {
   size_t failed = 0, open = 0, all = 0;
   for (size_t i = 0; i < p->n; i++) {
+    if (extra && extra[i]) continue;
     all += error[i] >= 0;
     if (!(error[i] > q->r->tolerance)) continue;
     uint32_t leaf = leaf_of(q, p->point + 3 * i);
@@ -98,24 +111,30 @@ static ylm_status extend_leaves(pool *q, leaf_record record) {
 static ylm_status find_scores(pool *q) {
   const ylm_grid *g = q->r->b->g;
   ylm_status s = extend_leaves(q, (leaf_record){.parent = -1});
-  for (size_t i = 0; s == YLM_OK && i < g->cells; i++) q->leaf[i].score = 0;
+  for (size_t i = 0; s == YLM_OK && i < g->cells; i++)
+    q->leaf[i].score = q->leaf[i].miss = q->leaf[i].gross = 0;
   if (s == YLM_OK) s = ylm__panel_errors(q->r, &q->p, q->r->b->source->walls, q->error);
   for (size_t i = 0; s == YLM_OK && i < q->p.n; i++) {
     uint32_t leaf = leaf_of(q, q->p.point + 3 * i);
-    if (leaf != YLM_GRID_NONE && q->error[i] >= 0) q->leaf[leaf].score += score_of(q, q->error[i]);
+    if (leaf == YLM_GRID_NONE || !(q->error[i] >= 0)) continue;
+    q->leaf[leaf].score += score_of(q, q->error[i]);
+    q->leaf[leaf].miss += (float)fmin(q->error[i] / q->r->tolerance, POOL_FAR);
+    q->leaf[leaf].gross |= q->error[i] > POOL_GROSS * q->r->tolerance;
   }
   return s;
 }
 
-/* Strikes of the children of leaves that were split: where their scores together are still most of what it was. */
+/* Strikes of the children of leaves that were split: where their scores together are still most of what it was, and their errors
+   too. */
 static void judge_splits(pool *q) {
   const ylm_grid *g = q->r->b->g;
   for (size_t i = 0; i < g->cells; i++) {
     uint32_t first = g->cell[i].child;
-    float sum = 0;
+    float sum = 0, miss = 0;
     if (!first || q->leaf[first].parent < 0) continue;
-    for (uint32_t c = first; c < first + 8; c++) sum += q->leaf[c].score;
-    bool helped = sum <= (float)POOL_HELPS * q->leaf[first].parent;
+    for (uint32_t c = first; c < first + 8; c++) sum += q->leaf[c].score, miss += q->leaf[c].miss;
+    bool helped = sum <= (float)POOL_HELPS * q->leaf[first].parent ||
+                  miss <= (float)POOL_HELPS * q->leaf[first].parent_miss;
     for (uint32_t c = first; c < first + 8; c++) {
       q->leaf[c].strikes = helped ? 0 : (uint8_t)(q->leaf[i].strikes + 1);
       q->leaf[c].parent = -1;
@@ -147,8 +166,8 @@ static ylm_status find_room(pool *q, size_t *most) {
   return s;
 }
 
-/* Splits the leaves of the largest scores; how many. */
-static ylm_status split_worst(pool *q, size_t *split) {
+/* Splits the leaves of the largest scores, `gross`: among those in which a place fails by far; how many. */
+static ylm_status split_worst(pool *q, bool gross, size_t *split) {
   const ylm_grid *g = q->r->b->g;
   candidate *c = ylm_alloc(g->cells, sizeof *c);
   size_t n = 0, leaves = 0;
@@ -157,7 +176,7 @@ static ylm_status split_worst(pool *q, size_t *split) {
   for (size_t i = 0; i < g->cells; i++) {
     if (!(g->cell[i].flags & YLM_GRID_LEAF)) continue;
     leaves++;
-    if (!(q->leaf[i].score > 0)) continue;
+    if (!(q->leaf[i].score > 0) || (gross && !q->leaf[i].gross)) continue;
     if (!may_split(q, (uint32_t)i))
       q->stuck = true;
     else
@@ -171,7 +190,9 @@ static ylm_status split_worst(pool *q, size_t *split) {
     uint8_t strikes = q->leaf[leaf].strikes;
     s = ylm__sides_split(q->k, leaf);
     if (s == YLM_OK)
-      s = extend_leaves(q, (leaf_record){.parent = c[*split].score, .strikes = strikes});
+      s = extend_leaves(q, (leaf_record){.parent = c[*split].score,
+                                         .parent_miss = q->leaf[leaf].miss,
+                                         .strikes = strikes});
   }
   q->k->b->next.n = 0; /* leaves are looked for among all */
   ylm_free(c);
@@ -220,18 +241,80 @@ static ylm_status confirm(pool *q, bool *enough) {
   double *error = ylm_alloc(fresh.n ? fresh.n : 1, sizeof *error);
   if (s == YLM_OK && !error) s = YLM_ENOMEM;
   if (s == YLM_OK) s = ylm__panel_errors(q->r, &fresh, q->r->b->source->walls, error);
-  *enough = s == YLM_OK && is_enough(count_failing(q, &fresh, error));
-  if (s == YLM_OK && !*enough) s = take(q);
+  *enough = s == YLM_OK && is_enough(count_failing(q, &fresh, error, NULL));
+  if (s == YLM_OK && !*enough) s = take(q, 0);
   ylm__panel_free(&fresh);
   ylm_free(error);
   return s;
+}
+
+/* -- suspects ---------------------------------------------------------------------------------------- */
+
+/* How much the light at the corners of a leaf's parts differs, of its norm or of that of all places. */
+static float spread_of(const pool *q, size_t cell) {
+  const ylm_grid *g = q->r->b->g;
+  const ylm_grid_side *side = ylm__grid_side_of(g, (uint32_t)cell);
+  double most = 0;
+  for (uint32_t part = 0; side && part < side->parts; part++) {
+    const uint32_t *node = g->sides.node[side->first + part];
+    double sum = 0, square = 0;
+    for (size_t j = 0; j < g->width; j++) {
+      double mean = 0;
+      for (size_t k = 0; k < 8; k++) mean += (double)ylm__grid_row(g, node[k], 0)[j] / 8;
+      for (size_t k = 0; k < 8; k++) {
+        double d = (double)ylm__grid_row(g, node[k], 0)[j] - mean;
+        square += d * d / 8;
+      }
+      sum += mean * mean;
+    }
+    most = fmax(most, sqrt(square) / fmax(sqrt(sum), q->r->b->measure.norm));
+  }
+  return (float)most;
+}
+
+/* Marks leaves [cells] that may be split, whose corners differ and in which there is no place. */
+static ylm_status find_suspects(const pool *q, uint8_t *wanted, size_t *n) {
+  const ylm_grid *g = q->r->b->g;
+  for (size_t i = 0; i < g->cells; i++) {
+    wanted[i] = g->cell[i].flags & YLM_GRID_LEAF && g->cell[i].flags & YLM_GRID_OCCUPIED &&
+                may_split(q, (uint32_t)i) && spread_of(q, i) > POOL_SUSPECT;
+  }
+  for (size_t i = 0; i < q->p.n; i++) {
+    uint32_t leaf = leaf_of(q, q->p.point + 3 * i);
+    if (leaf != YLM_GRID_NONE) wanted[leaf] = 0;
+  }
+  *n = 0;
+  for (size_t i = 0; i < g->cells; i++) *n += wanted[i];
+  return YLM_OK;
+}
+
+/* Places in suspects join the pool. */
+static ylm_status look_at_suspects(pool *q) {
+  uint8_t *wanted = ylm_alloc(q->r->b->g->cells, 1);
+  size_t n = 0;
+  double t = ylm_seconds();
+  ylm_status s = wanted ? find_suspects(q, wanted, &n) : YLM_ENOMEM;
+  if (s == YLM_OK && n) s = ylm__verify_draw_in(q->r, POOL_FROM + ++q->round, wanted);
+  ylm_free(wanted);
+  q->r->b->g->stats.verify_seconds += ylm_seconds() - t;
+  if (s != YLM_OK || !n || !q->r->held) return s;
+  s = take(q, 1);
+  return s == YLM_OK ? find_scores(q) : s;
+}
+
+/* Whether a place fails by far in a leaf that may be split. */
+static bool is_gross(const pool *q) {
+  for (size_t i = 0; i < q->leaves; i++)
+    if (q->leaf[i].gross && q->r->b->g->cell[i].flags & YLM_GRID_LEAF && may_split(q, (uint32_t)i))
+      return true;
+  return false;
 }
 
 static ylm_status refine(pool *q) {
   baker *b = q->r->b;
   ylm_status s = split_wide(q);
   if (s == YLM_OK) s = draw(q);
-  if (s == YLM_OK) s = take(q);
+  if (s == YLM_OK) s = take(q, 0);
   for (int round = 1; s == YLM_OK; round++) {
     size_t split = 0;
     snprintf(b->stage_text, sizeof b->stage_text, "round %d", round);
@@ -240,13 +323,14 @@ static ylm_status refine(pool *q) {
     if (s == YLM_OK) s = find_scores(q);
     if (s != YLM_OK || round >= POOL_ROUNDS) break;
     judge_splits(q);
-    bool enough = is_enough(count_failing(q, &q->p, q->error));
+    bool enough = is_enough(count_failing(q, &q->p, q->error, q->extra));
     if (enough && !q->r->all && q->p.n < POOL_MOST) {
       s = confirm(q, &enough);
       if (s == YLM_OK && !enough) s = find_scores(q);
     }
-    if (s != YLM_OK || enough) break;
-    s = split_worst(q, &split);
+    if (s == YLM_OK && enough && !q->r->all) s = look_at_suspects(q);
+    if (s != YLM_OK || (enough && !is_gross(q))) break;
+    s = split_worst(q, enough, &split);
     if (!split) break;
   }
   return s;
@@ -266,6 +350,7 @@ ylm_status ylm__pool_bake(side_baker *k) {
   ylm__tolerance_end(&r);
   ylm__panel_free(&q.p);
   ylm_free(q.error);
+  ylm_free(q.extra);
   ylm_free(q.leaf);
   return s;
 }

@@ -91,8 +91,15 @@ static ylm_status find_surface(refiner *r) {
   ylm_status status = YLM_OK;
   r->surface = r->b->surface;
   if (!s->meshes || r->surface) return YLM_OK;
-  status = ylm_grid_surface_create(s->meshes, s->mesh, g->contents.form.bounds, s->threads, &r->own,
-                                   r->b->e);
+  double box[6];
+  memcpy(box, g->contents.form.bounds, sizeof box);
+  for (int a = 0; s->within && a < 3; a++) {
+    box[a] = fmax(box[a], s->within[a]);
+    box[a + 3] = fmin(box[a + 3], s->within[a + 3]);
+    if (!(box[a] < box[a + 3]))
+      return ylm_fail(r->b->e, YLM_EDOMAIN, "within: the box lies outside of the grid's bounds");
+  }
+  status = ylm_grid_surface_create(s->meshes, s->mesh, box, s->threads, &r->own, r->b->e);
   r->b->told = status != YLM_OK;
   r->surface = r->own;
   return status;

@@ -78,6 +78,8 @@ ylm_status ylm__verify(refiner *r, uint64_t round);
 ylm_status ylm__verify_compare(refiner *r);
 /* Draws points of a round, and asks for their light. */
 ylm_status ylm__verify_draw(refiner *r, uint64_t round);
+/* As ylm__verify_draw, of a surface, in the leaves that `wanted` [cells] marks: at most two points in each, one a side. */
+ylm_status ylm__verify_draw_in(refiner *r, uint64_t round, const uint8_t *wanted);
 /*
 ** True if refinement may stop. Else `tight` has grown so that the estimates of the voxels in which points failed exceed the
 ** tolerance. A few are left out: they are split because of their points.

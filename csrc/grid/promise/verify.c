@@ -49,6 +49,10 @@ static bool sees_nothing(const ylm_grid_walls *w, const float x[3], const float 
   return true;
 }
 
+static double longest_edge(const double box[6]) {
+  return fmax(box[3] - box[0], fmax(box[4] - box[1], box[5] - box[2]));
+}
+
 /*
 ** Leaves out places that no promise is about: on sides of surfaces that are not used, and where other surfaces cover them,
 ** since nobody sees these; of indirect light also those that see no surface, where it is 0.
@@ -56,8 +60,8 @@ static bool sees_nothing(const ylm_grid_walls *w, const float x[3], const float 
 static void leave_out(const refiner *r) {
   const ylm_grid *g = r->b->g;
   const ylm_grid_walls *w = r->b->source->walls;
-  const double *box = g->contents.form.bounds;
-  double longest = fmax(box[3] - box[0], fmax(box[4] - box[1], box[5] - box[2]));
+  double all = longest_edge(g->contents.form.bounds), longest = all;
+  if (r->b->source->within) longest = fmin(all, longest_edge(r->b->source->within));
   bool indirect = g->contents.form.quantity == YLM_QUANTITY_indirect;
   for (size_t i = 0; i < r->held; i++) {
     float from[1][3], to[1][3], share;
@@ -69,8 +73,8 @@ static void leave_out(const refiner *r) {
       to[0][a] = (float)(x + COVERED * longest * (double)n[a]);
     }
     w->share(w->self, 1, (const float(*)[3])from, (const float(*)[3])to, &share);
-    r->inside[i] |= share < 1 || place_buried(g, w, to[0]) ||
-                    (indirect && sees_nothing(w, to[0], n, 4 * longest));
+    r->inside[i] |=
+        share < 1 || place_buried(g, w, to[0]) || (indirect && sees_nothing(w, to[0], n, 4 * all));
   }
 }
 
@@ -110,6 +114,37 @@ static ylm_status hold_open(refiner *r, uint64_t round) {
 ylm_status ylm__verify_draw(refiner *r, uint64_t round) {
   ylm_status s = r->side ? hold_open(r, round) : hold_out(r, round);
   return s == YLM_OK ? ylm__sides_ask(r) : s;
+}
+
+/* Holds a point if its leaf is wanted and has none of its side; *had [cells] says of which sides there are. */
+static void hold_wanted(refiner *r, uint64_t k, const uint8_t *wanted, uint8_t *had) {
+  float x[3];
+  ylm__held_surface_point(r, r->b->source->seed, k, IN_LEAVES, x);
+  uint32_t leaf = ylm__held_leaf(r->b->g, x);
+  uint8_t side = k & 1 ? 2 : 1;
+  if (leaf == YLM_GRID_NONE || !wanted[leaf] || had[leaf] & side) return;
+  had[leaf] |= side;
+  memcpy(r->points + 3 * r->held, x, sizeof x);
+  ylm__held_surface_side(r->surface, r->b->source->seed, k, IN_LEAVES, r->side + 3 * r->held++);
+}
+
+ylm_status ylm__verify_draw_in(refiner *r, uint64_t round, const uint8_t *wanted) {
+  uint8_t *had = ylm_alloc_zero(r->b->g->cells, 1);
+  if (!had) return YLM_ENOMEM;
+  r->held = 0;
+  for (uint64_t i = 0; i < IN_LEAVES && r->held < HELD_OUT; i++)
+    hold_wanted(r, round * IN_LEAVES + i, wanted, had);
+  ylm_free(had);
+  memset(r->inside, 0, r->held);
+  leave_out(r);
+  size_t n = 0;
+  for (size_t i = 0; i < r->held; i++) {
+    if (r->inside[i]) continue;
+    memmove(r->points + 3 * n, r->points + 3 * i, 3 * sizeof *r->points);
+    memmove(r->side + 3 * n++, r->side + 3 * i, 3 * sizeof *r->side);
+  }
+  r->held = n;
+  return n ? ylm__sides_ask(r) : YLM_OK;
 }
 
 ylm_status ylm__verify_compare(refiner *r) {

@@ -43,6 +43,12 @@
 #define POOL_CLIP 4
 /* Refinement also ends where at most this part of the places fails in leaves that may be split. */
 #define POOL_OPEN 0.002
+/* Of an error over the tolerance, in what tells whether a split has helped, at most. */
+#define POOL_FAR 1e4
+/* Errors of so many times the tolerance are gross: leaves are split for one of them alone. */
+#define POOL_GROSS 5
+/* Leaves whose corners' light differs by more than this part of its norm are suspect: a place in them is looked at. */
+#define POOL_SUSPECT 0.5f
 /* Places at most. */
 #define POOL_MOST ((size_t)1 << 14)
 /* The part of all leaves that a round splits at most. */
@@ -52,6 +58,8 @@
 /* A split that leaves more than this part of a leaf's score to its children has not helped; twice in a row is enough. */
 #define POOL_HELPS 0.6
 #define POOL_STRIKES 2
+/* Strikes where errors are gross. */
+#define POOL_STRIKES_GROSS 5
 /* Rounds of draws begin here: away from those of panels. */
 #define POOL_FROM 1024
 /* Rounds at most. */

@@ -179,6 +179,21 @@ static int scene_bounds(lua_State *L) {
   return 2;
 }
 
+/* scene_core(scene, x, y, z) -> min, max: without grounds, where the place is in what is left */
+static int scene_core(lua_State *L) {
+  double lo[3], hi[3];
+  const ylm_scene *s = ylmL_scene(L, 1);
+  const double *origin = ylm_scene_origin(s);
+  const double world[3] = {luaL_checknumber(L, 2), luaL_checknumber(L, 3), luaL_checknumber(L, 4)};
+  float place[1][3];
+  ylm_scene_enter(s, world, place[0]);
+  ylm_status status = ylm_scene_core(s, 1, (const float(*)[3])place, lo, hi, NULL);
+  for (int a = 0; origin && a < 3; a++) lo[a] += origin[a], hi[a] += origin[a];
+  push_three(L, lo);
+  push_three(L, hi);
+  return ylmL_result(L, 2, status, NULL);
+}
+
 void ylmL_scene_push_print(lua_State *L, uint64_t print) {
   char text[17];
   snprintf(text, sizeof text, "%016llx", (unsigned long long)print);
@@ -331,6 +346,7 @@ static int scene_lamps(lua_State *L) {
 static const luaL_Reg functions[] = {{"scene_create", scene_create},
                                      {"scene_relight", scene_relight},
                                      {"scene_bounds", scene_bounds},
+                                     {"scene_core", scene_core},
                                      {"scene_points", scene_points},
                                      {"scene_print", scene_print},
                                      {"scene_print_lights", scene_print_lights},

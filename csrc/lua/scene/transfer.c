@@ -87,7 +87,12 @@ static int transfer_create(lua_State *L) {
   ylmL_progress p;
   ylmL_read(L, 2, create_entries, &c);
   c.f.places = c.inside ? c.inside->count / 3 : 0;
-  c.f.inside = c.inside ? c.inside->data : NULL;
+  float(*inside)[3] = lua_newuserdata(L, (c.f.places + 1) * sizeof *inside);
+  for (size_t i = 0; i < c.f.places; i++) {
+    const float *x = (const float *)c.inside->data + 3 * i;
+    ylm_scene_enter(scene, (const double[3]){(double)x[0], (double)x[1], (double)x[2]}, inside[i]);
+  }
+  c.f.inside = (const float(*)[3])inside;
   c.f.mesh_sides = read_sides(L, c.sides, ylm_scene_meshes(scene));
   c.f.progress = ylmL_progress_begin(L, c.progress, &p);
   ylmL_held *h = ylmL_hold(L, YLML_TRANSFER, destroy, NULL);

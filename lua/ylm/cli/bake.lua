@@ -3,6 +3,8 @@
 local report = require "ylm.cli.report"
 local status = require "ylm.cli.status"
 
+local ROOM_DEPTH, MOST_DEEP = 7, 12 -- levels of voxels: where there is no ground, and on one that is wide
+
 local quantities = { lights = true, direct = true, indirect = true, all = true }
 
 --- Ends the command where --quantity is none, or does not fit beside other options.
@@ -118,8 +120,26 @@ local function few_bytes(given, scene)
   return small.with_tolerance(probes, PART * probes.tolerance), { tolerance = probes.tolerance }
 end
 
---- The probes of a grid of a scene that has none.
-local function room_probes() return require "ylm".adaptive_grid { lmax = 2, depth = 7, tolerance = 0.1 } end
+--- The probes of a grid of a scene that has none: voxels of a 128th of its extents. Where it stands on a ground, they are of what
+-- stands there, as high as that.
+local function room_probes(scene)
+  local core, all = require "ylm.trace".without_grounds("bake", scene)
+  local depth, bounds = ROOM_DEPTH, nil
+  if core then
+    local own, whole = {}, {}
+    for k = 1, 3 do
+      own[k], whole[k] = core[2][k] - core[1][k], all[2][k] - all[1][k]
+      while whole[k] > own[k] * 2 ^ (depth - ROOM_DEPTH) and depth < MOST_DEEP do depth = depth + 1 end
+    end
+    bounds = { {}, {} }
+    for k = 1, 3 do
+      local more = math.max(whole[k] * 1e-4, (own[k] * 2 ^ (depth - ROOM_DEPTH) - whole[k]) / 2)
+      bounds[1][k], bounds[2][k] = all[1][k] - more, all[2][k] + more
+    end
+  elseif all then status.need(nil, all)
+  end
+  return require "ylm".adaptive_grid { lmax = 2, depth = depth, tolerance = 0.1, bounds = bounds }
+end
 
 return {
   summary = "bakes the probes of a scene file into a grid; of one without probes the light on its surfaces",
@@ -168,7 +188,7 @@ return {
     end
     local probes, few = few_bytes(given, scene)
     if not probes and not scene.probes then
-      probes, given.quantity = room_probes(), given.quantity or "indirect"
+      probes, given.quantity = room_probes(scene), given.quantity or "indirect"
     end
     local team = status.need(ylm.team())
     local grid = need_grid(scene:bake { folder = in_bricks and given.output or nil, fresh = given.fresh, time_limit = time_limit,

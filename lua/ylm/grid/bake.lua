@@ -26,6 +26,8 @@ local bake_options = {
   { "geometry", "any", optional = true,
     about = "what occupied = 'surfaces' is about: a mesh, a shape (quad, sphere, mesh ...) or a list of them" },
   { "bounds", "bounds", optional = true, about = "where the description has none" },
+  { "within", "bounds", optional = true, about = "of occupied = 'surfaces': a tolerance is of the surfaces in this box. Default: "
+    .. "in the bounds" },
   { "quantity", "choice", of = core.choices "quantity", optional = true,
     about = "what a field that is a function holds; other fields know it. 'lights': light that nothing occludes (default); "
       .. "'direct': light of lamps and sky with shadows; 'indirect': what surfaces send back; 'all': both" },
@@ -165,6 +167,7 @@ local function form_of(description, o, what, place, prints, like, judged_later)
     team = o.team and o.team.handle,
     sides = place.walls ~= nil, walls = place.walls, budget = description.points,
     aim = judged_later and AIM or nil,
+    within = o.within and { o.within[1][1], o.within[1][2], o.within[1][3], o.within[2][1], o.within[2][2], o.within[2][3] },
     floor = floor_of(description, what.quantity, place.measure), body = what.body, like = like,
     prints = prints,
   }
@@ -192,7 +195,8 @@ end
 --- The options of a bake that hold for another one in other light.
 local function kept_options(given)
   local options = {}
-  for _, name in ipairs { "occupied", "geometry", "bounds", "scene", "seed", "max_points", "sums_tolerance", "device" } do
+  for _, name in ipairs { "occupied", "geometry", "bounds", "within", "scene", "seed", "max_points", "sums_tolerance",
+    "device" } do
     options[name] = given and given[name]
   end
   return options

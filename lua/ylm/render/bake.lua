@@ -131,6 +131,9 @@ local bake_options = options.list(options.view_fields, {
     about = "where light is needed: 'surfaces' (the whole geometry), 'camera' (what its rays hit: size, samples, share and "
       .. "shading are about them), 'vertices' (all of them), 'everywhere', a prepared view, or an array [n][3], with device "
       .. "also a gpu_array" },
+  { "within", "bounds", optional = true,
+    about = "with occupied = 'surfaces': a tolerance is of the surfaces in this box. Default: what stands on grounds, where the "
+      .. "camera is in that: connected triangles that lie flat and are far wider than all else" },
   { "shading", "choice", of = { "pixel", "vertices" }, default = "pixel",
     about = "with 'camera': what rays hit, or the vertices of the triangles they hit" },
   light.tolerance_option "sums_tolerance",
@@ -174,10 +177,15 @@ function bake.bake(s, given)
   local field, grid
   local by_paths = o.judge == "paths" and o.lights == nil and o.quantity ~= "lights"
   field, message, code = field_of(s, t, o)
+  local within = o.within
+  if field and not within and where == "surfaces" then
+    within, message, code = tracing.without_grounds("bake", s)
+    if code then field = nil end
+  end
   if field then
     grid, message, code = grids.bake_scene(probes, field, { occupied = where,
       geometry = where == "surfaces" and s.geometry or nil,
-      bounds = box.padded(t.lo, t.hi), seed = o.seed, threads = o.threads, progress = o.progress,
+      bounds = box.padded(t.lo, t.hi), within = within, seed = o.seed, threads = o.threads, progress = o.progress,
       sums_tolerance = o.sums_tolerance, device = o.device, team = o.team, folder = o.folder,
       fresh = o.fresh, time_limit = o.time_limit }, prints_of(t, o), nil, by_paths)
   end

@@ -16,9 +16,9 @@ end
 --- Options of scene:links that a scene may carry.
 cut.fields = {
   { "spacing", "number", above = 0, optional = true, unit = "scene units",
-    about = "the longest edge of an element; default: a hundredth of the diagonal of the scene's bounding box, raised until "
-      .. "there "
-      .. "are at most max_elements" },
+    about = "the longest edge of an element; default: a hundredth of the diagonal of the scene's bounding box, without grounds "
+      .. "where the camera is in the rest (and on grounds a hundredth of the diagonal of all), raised until there are at most "
+      .. "max_elements" },
   { "rays", "links", default = 128, about = "rays of an element: 4 bytes each" },
   { "lmax", "integer", min = 0, max = MOST_LMAX, default = 4,
     about = "highest degree of the elements' transfer vectors: what direct = 'field' and distant light are weighed with" },
