@@ -1,6 +1,7 @@
 -- Grounds: a room that stands on a wide plane has elements and a promise of its own size.
 
 local core = require "ylm.c.core"
+local promise = require "spec.support.surface_promise"
 local raises = require "spec.support.raises"
 local scratch = require "spec.support.scratch"
 local tracing = require "ylm.trace"
@@ -62,6 +63,20 @@ describe("grounds", function()
     local read = assert(s:links { file = path })
     assert.equal(t.stats.elements, read.stats.elements)
     folder:remove()
+  end)
+
+  it("count in the promise of light on surfaces as the largest face of what stands there", function()
+    local s = scene(INSIDE)
+    local links = s:links { spacing = 0.5, rays = 16 }
+    local lit = links:radiosity()
+    local light = assert(s:surface_grid { links = links, quantity = "direct", tolerance = 0.5, judge = "field", progress = false })
+    local points, on_ground = promise.draw(light, lit, 600, 1).points, 0
+    local n = #points
+    assert.is_true(n > 500)
+    for i = 1, n do on_ground = on_ground + (points[i][2] < -0.04 and 1 or 0) end
+    -- both sides of the ground, 4 x 3 each, and one of the room's 2 (4 x 3 + 3 x 3 + 4 x 3)
+    local share = 2 * 12 / (2 * 12 + 66)
+    assert.near(share, on_ground / n, 4 * math.sqrt(share * (1 - share) / n))
   end)
 
   it("do not count in a grid's promise", function()

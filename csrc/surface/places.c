@@ -8,7 +8,7 @@ bool ylm__surface_is_lit(const ylm_transfer *t, const ylm_scene_place *p) {
          ylm_transfer_element(t, p) < ylm_transfer_count(t);
 }
 
-double *ylm__surface_areas(const surface_charts *c) {
+double *ylm__surface_areas(const surface_charts *c, const ylm_transfer *transfer) {
   const ylm_scene *scene = c->scene;
   size_t meshes = ylm_scene_meshes(scene), n = c->first[meshes],
          vertices = ylm_scene_vertices(scene, NULL);
@@ -24,7 +24,8 @@ double *ylm__surface_areas(const surface_charts *c) {
       for (size_t i = 0; i < ylm_scene_triangles(scene, m); i++) {
         const uint32_t *t = ylm_scene_triangle(scene, m, i);
         sum[c->first[m] + i + 1] =
-            sum[c->first[m] + i] + ylm__surface_triangle(p, t, corner, normal);
+            sum[c->first[m] + i] +
+            ylm__surface_triangle(p, t, corner, normal) * ylm_transfer_ground_share(transfer, m, i);
       }
     }
   } else {
@@ -60,11 +61,11 @@ ylm_scene_place ylm__surface_random(const surface_charts *c, const double *sum, 
 
 /* -- places that a promise is about ----------------------------------------------------------- */
 
-bool ylm__surface_is_covered(const surface_charts *c, const ylm_scene_surface *at) {
+bool ylm__surface_is_covered(const surface_charts *c, double unit, const ylm_scene_surface *at) {
   ylm_trace_ray ray = {.far = 1};
   for (int a = 0; a < 3; a++) {
     ray.org[a] = at->origin[a];
-    ray.dir[a] = (float)(COVERED * c->unit) * at->flat[a];
+    ray.dir[a] = (float)(COVERED * unit) * at->flat[a];
   }
   ylm_trace_occluded(ylm_scene_trace(c->scene), 1, &ray);
   return ray.far < 0;
@@ -74,12 +75,13 @@ bool ylm__surface_is_covered(const surface_charts *c, const ylm_scene_surface *a
 static size_t draw(const surface_charts *c, const ylm_transfer *t, const double *sum, size_t n,
                    ylm_rng *rng, ylm_scene_place *place) {
   size_t drawn = 0;
+  double unit = sqrt(sum[c->first[ylm_scene_meshes(c->scene)]]);
   for (size_t tries = 0; c->area > 0 && drawn < n && tries < 64 * n; tries++) {
     ylm_scene_place p = ylm__surface_random(c, sum, rng);
     ylm_scene_surface at;
     if (!ylm__surface_is_lit(t, &p)) continue;
     ylm_scene_surfaces(c->scene, 1, &p, &at);
-    if (!ylm__surface_is_covered(c, &at)) place[drawn++] = p;
+    if (!ylm__surface_is_covered(c, unit, &at)) place[drawn++] = p;
   }
   return drawn;
 }
@@ -104,7 +106,7 @@ static ylm_status keep_open(const ylm_radiosity *r, size_t n, ylm_scene_place *p
 
 ylm_status ylm__surface_draw(const surface_charts *c, const ylm_radiosity *r, size_t n,
                              uint64_t seed, ylm_scene_place *place, size_t *drawn) {
-  double *sum = ylm__surface_areas(c);
+  double *sum = ylm__surface_areas(c, ylm_radiosity_transfer(r));
   ylm_status s = sum ? YLM_OK : YLM_ENOMEM;
   ylm_rng rng;
   ylm_rng_seed(&rng, seed, 0x10d6e);

@@ -35,7 +35,8 @@ static ylm_status draw_blocks(void *context, size_t begin, size_t end, int worke
 
 static ylm_status draw_sites(surface_bake *b) {
   size_t blocks = b->charts.area > 0 ? PLACES / SITE_BLOCK : 0;
-  drawing j = {b, ylm_radiosity_transfer(b->r), ylm__surface_areas(&b->charts),
+  drawing j = {b, ylm_radiosity_transfer(b->r),
+               ylm__surface_areas(&b->charts, ylm_radiosity_transfer(b->r)),
                ylm_alloc(blocks, sizeof *j.n)};
   b->site = ylm_alloc(blocks * SITE_BLOCK, sizeof *b->site);
   ylm_status s = j.sum && j.n && b->site ? YLM_OK : YLM_ENOMEM;
@@ -47,6 +48,7 @@ static ylm_status draw_sites(surface_bake *b) {
   }
   b->spread = b->sites;
   b->site_room = blocks * SITE_BLOCK;
+  if (s == YLM_OK) b->charts.unit = sqrt(j.sum[b->charts.first[ylm_scene_meshes(b->scene)]]);
   ylm_free((void *)j.sum);
   ylm_free(j.n);
   return s;
@@ -144,7 +146,8 @@ static ylm_status know(void *context, size_t begin, size_t end, int worker) {
     j->known[i] = SITE_BURIED;
     if (j->share[i] < 0.5f) continue;
     ylm_scene_surfaces(j->b->scene, 1, &j->b->site[j->site[i]].at, &at);
-    j->known[i] = ylm__surface_is_covered(&j->b->charts, &at) ? SITE_COVERED : SITE_OPEN;
+    j->known[i] =
+        ylm__surface_is_covered(&j->b->charts, j->b->charts.unit, &at) ? SITE_COVERED : SITE_OPEN;
   }
   return YLM_OK;
 }

@@ -182,9 +182,9 @@ ylm_status ylm__surface_ask(surface_bake *b, size_t n, const uint32_t *site, int
 /* Whether a side of a triangle has light: one of the sides that reflect, or of a mesh that does not occlude. */
 bool ylm__surface_is_lit(const ylm_transfer *t, const ylm_scene_place *p);
 /* Sums of the areas of triangles, [triangles + 1], to be freed; NULL without memory. */
-double *ylm__surface_areas(const surface_charts *c);
+double *ylm__surface_areas(const surface_charts *c, const ylm_transfer *transfer);
 /* Whether another surface covers a place. */
-bool ylm__surface_is_covered(const surface_charts *c, const ylm_scene_surface *at);
+bool ylm__surface_is_covered(const surface_charts *c, double unit, const ylm_scene_surface *at);
 /* A random place on either side of all triangles. */
 ylm_scene_place ylm__surface_random(const surface_charts *c, const double *sum, ylm_rng *rng);
 

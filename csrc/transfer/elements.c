@@ -49,20 +49,42 @@ static double diagonal_of(double lo[3], double hi[3]) {
   return sqrt(square);
 }
 
-/* Edges of grounds become shorter, as if all were no wider than what stands on them, whose diagonal is *core. */
-static ylm_status shorten_grounds(const ylm_transfer *t, size_t places, const float (*place)[3],
-                                  float *edge, double *core) {
-  double lo[3], hi[3];
+/* Finds the grounds, and the part of their area that counts: that of the largest face of the box of what stands on them, whose
+   diagonal over that of all is *core. */
+static ylm_status find_grounds(ylm_transfer *t, size_t places, const float (*place)[3],
+                               const float *positions, double *core) {
+  double lo[3], hi[3], least = INFINITY, face = 1, area = 0;
   uint8_t *ground = ylm_alloc(t->triangles ? t->triangles : 1, 1);
   if (!ground) return YLM_ENOMEM;
   ylm_scene_bounds(t->scene, lo, hi);
   double all = diagonal_of(lo, hi);
   ylm_status s = ylm_scene_core(t->scene, places, place, lo, hi, ground);
-  *core = diagonal_of(lo, hi);
-  for (size_t i = 0; s == YLM_OK && i < t->triangles; i++)
-    if (ground[i] && edge[i] > 0) edge[i] *= (float)(*core / all);
+  *core = all > 0 ? diagonal_of(lo, hi) / all : 1;
+  for (int a = 0; a < 3; a++) face *= hi[a] - lo[a], least = fmin(least, hi[a] - lo[a]);
+  for (size_t m = 0; s == YLM_OK && m < t->meshes; m++)
+    for (size_t i = t->first[m]; i < t->first[m + 1]; i++) {
+      double p[3][3];
+      if (!ground[i]) continue;
+      corners_of(t->scene, positions, m, i - t->first[m], p);
+      area += area_of(p);
+    }
+  if (s == YLM_OK && area > 0) {
+    t->ground = ground;
+    t->ground_share = fmin(1, face / least / area);
+    return s;
+  }
   ylm_free(ground);
   return s;
+}
+
+/* Edges of grounds become shorter, as if all were no wider than what stands on them. */
+static void shorten_grounds(const ylm_transfer *t, double core, float *edge) {
+  for (size_t i = 0; t->ground && i < t->triangles; i++)
+    if (t->ground[i] && edge[i] > 0) edge[i] *= (float)core;
+}
+
+double ylm_transfer_ground_share(const ylm_transfer *t, size_t mesh, size_t triangle) {
+  return t->ground && t->ground[t->first[mesh] + triangle] ? t->ground_share : 1;
 }
 
 static double pieces(float edge, double spacing) {
@@ -104,17 +126,14 @@ static ylm_status too_many(const ylm_transfer *t, const float *edge, double spac
                   spacing, n, wider, count_at(t, edge, wider), most);
 }
 
-/* Settles t->form.spacing. */
-static ylm_status choose_spacing(ylm_transfer *t, const ylm_transfer_form *form, float *edge,
-                                 ylm_error *e) {
+/* Settles t->form.spacing; `core`: of find_grounds. */
+static ylm_status choose_spacing(ylm_transfer *t, double core, float *edge, ylm_error *e) {
   double most = (double)t->form.max_elements;
   if (t->form.spacing == 0) {
     double lo[3], hi[3];
     ylm_scene_bounds(t->scene, lo, hi);
-    double wide = diagonal_of(lo, hi);
-    ylm_status s =
-        form->places ? shorten_grounds(t, form->places, form->inside, edge, &wide) : YLM_OK;
-    if (s != YLM_OK) return s;
+    double wide = core * diagonal_of(lo, hi);
+    shorten_grounds(t, core, edge);
     t->form.spacing = wide > 0 ? wide / 100 : 1;
     if (count_at(t, edge, INFINITY) <= most)
       while (count_at(t, edge, t->form.spacing) > most) t->form.spacing *= 1.05;
@@ -264,8 +283,10 @@ ylm_status ylm__transfer_cut(ylm_transfer *t, const ylm_transfer_form *form, ylm
   if (s == YLM_OK && (!positions || !edge || !t->side || !t->cut)) s = YLM_ENOMEM;
   if (s == YLM_OK) s = ylm__transfer_sides(t, form, positions);
   if (s == YLM_OK) {
+    double core = 1;
     find_edges(t, positions, edge);
-    s = choose_spacing(t, form, edge, e);
+    if (form->places) s = find_grounds(t, form->places, form->inside, positions, &core);
+    if (s == YLM_OK) s = choose_spacing(t, core, edge, e);
   }
   if (s == YLM_OK) {
     cut(t, edge);
@@ -291,9 +312,11 @@ static bool cuts_can_be(const ylm_transfer *t, const float *edge, size_t element
 }
 
 /* As the above where grounds have elements of their own size. */
-static ylm_status cuts_of_grounds(const ylm_transfer *t, float *edge, size_t elements) {
+static ylm_status cuts_of_grounds(ylm_transfer *t, const float *positions, float *edge,
+                                  size_t elements) {
   double core;
-  ylm_status s = shorten_grounds(t, 0, NULL, edge, &core);
+  ylm_status s = find_grounds(t, 0, NULL, positions, &core);
+  if (s == YLM_OK) shorten_grounds(t, core, edge);
   return s == YLM_OK && !cuts_can_be(t, edge, elements) ? YLM_EFORMAT : s;
 }
 
@@ -305,7 +328,7 @@ ylm_status ylm__transfer_cut_again(ylm_transfer *t, size_t elements) {
   if (s == YLM_OK) {
     find_edges(t, positions, edge);
     s = cuts_can_be(t, edge, elements) ? YLM_OK : YLM_EFORMAT;
-    if (s != YLM_OK) s = cuts_of_grounds(t, edge, elements);
+    if (s != YLM_OK) s = cuts_of_grounds(t, positions, edge, elements);
   }
   if (s == YLM_OK) {
     t->elements = number(t);

@@ -22,6 +22,8 @@ struct ylm_transfer {
   size_t meshes, triangles;
   size_t *first;        /* [meshes + 1] of its triangles */
   uint8_t *side;        /* [meshes] bits; 0: the mesh does not occlude */
+  uint8_t *ground;      /* [triangles] 1: of a ground; NULL: there is none */
+  double ground_share;  /* the part of its area that counts */
   uint16_t *cut;        /* [triangles] k: k^2 elements a side; 0: no area */
   uint32_t (*start)[2]; /* [triangles] the first element of front and back, or TRANSFER_NONE */
   size_t elements;

@@ -98,6 +98,9 @@ YLM_API const ylm_scene *ylm_transfer_scene(const ylm_transfer *t);
 
 /* The number of elements n. */
 YLM_API size_t ylm_transfer_count(const ylm_transfer *t);
+/* The part of a triangle's area that counts where places are drawn by area: less than 1 on grounds (ylm_scene_core), which count
+   together as the largest face of the box of what stands on them. */
+YLM_API double ylm_transfer_ground_share(const ylm_transfer *t, size_t mesh, size_t triangle);
 /* centre, normal [n][3], area [n] of the part that is not inside of a body, albedo [n][3] tinted, mesh [n]; any
    may be NULL. */
 YLM_API void ylm_transfer_elements(const ylm_transfer *t, float *centre, float *normal, float *area,

@@ -63,6 +63,6 @@
 /* Rounds of draws begin here: away from those of panels. */
 #define POOL_FROM 1024
 /* Rounds at most. */
-#define POOL_ROUNDS 32
+#define POOL_ROUNDS 48
 
 #endif
