@@ -69,7 +69,8 @@ describe("grounds", function()
     local s = scene(INSIDE)
     local links = s:links { spacing = 0.5, rays = 16 }
     local lit = links:radiosity()
-    local light = assert(s:surface_grid { links = links, quantity = "direct", tolerance = 0.5, judge = "field", progress = false })
+    local light = assert(s:surface_grid { links = links, quantity = "direct",
+      tolerance = 0.5, judge = "field", progress = false })
     local points, on_ground = promise.draw(light, lit, 600, 1).points, 0
     local n = #points
     assert.is_true(n > 500)
