@@ -304,6 +304,10 @@ return scene "a room" {
       assert.equal("", out)
       assert.truthy(err:find(says .. "\n$"), err)
     end
+    local mesh = folder:write("tent.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    _, code, err = ylm("render " .. quote(mesh) .. " -o x.png")
+    assert.equal(1, code)
+    assert.truthy(err:find('tent.obj: a mesh, not a scene; a scene file names it: return scene "room"', 1, true), err)
     _, code, err = ylm("compare " .. scene .. " " .. scene)
     assert.equal(1, code)
     assert.truthy(err:find("lamp.lua: not an image", 1, true), err)

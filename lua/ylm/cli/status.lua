@@ -118,7 +118,12 @@ function status.need_kind(kind, words, path, first, message, code)
       kind == "ylm.grid" and ", which ylm bake SCENE.lua -o NAME.ylm makes" or "")
   end
   status.need(first, message, code)
-  if require "ylm.form".kind(first) ~= kind then status.stop(status.failed, "%s: not %s", path, words) end
+  local found = require "ylm.form".kind(first)
+  if kind == "scene" and found == "ylm.mesh" then
+    status.stop(status.failed, "%s: a mesh, not a scene; a scene file names it: return scene \"room\" { camera = camera { from = "
+      .. "{ x, y, z }, at = { x, y, z } }, geometry = mesh { file = %q }, lights = environment_light { radiance = 1 } }", path, path)
+  end
+  if found ~= kind then status.stop(status.failed, "%s: not %s", path, words) end
   return first
 end
 
