@@ -20,26 +20,13 @@ typedef struct lattice_hash {
   size_t size, used; /* size is a power of two */
 } lattice_hash;
 
-/* Planes that tell the parts of a side apart, in edges of its leaf: bit k of an index into `part` is whether the place is beyond
-   plane k. */
-typedef struct grid_side_planes {
-  uint32_t side;       /* row of side[] */
-  int16_t plane[4][4]; /* a normal in parts of GRID_PLANE_NORMAL, an offset of GRID_PLANE_OFFSET */
-  uint8_t part[8];     /* of 16 sides, 4 bits each, the lower ones first */
-} grid_side_planes;
-#define GRID_PLANE_NORMAL 32767.0
-#define GRID_PLANE_OFFSET 8192.0
-
 /* The leaves that surfaces cross, of a grid with sides: sides/. */
 typedef struct grid_sides {
   ylm_grid_side *side; /* in the order of their leaves, once the grid is finished */
   size_t n, room;
   uint32_t (*node)[8]; /* [parts] */
   size_t parts, part_room;
-  grid_side_planes *planes; /* [cut] of sides that planes cut, in their order; NULL: none */
-  size_t cut;
-  uint32_t *planes_of; /* [n] the row of planes[], YLM_GRID_NONE: none */
-  uint32_t *leaf;      /* [parts] the cell that a part is of */
+  uint32_t *leaf; /* [parts] the cell that a part is of */
   uint32_t *
       of; /* [cells] the row of side[], YLM_GRID_NONE: uncrossed; NULL until the grid can be sampled */
   float (*asked)

@@ -322,7 +322,6 @@ void ylm__grid_count(ylm_grid *g) {
               g->point_room * (ylm__grid_record(g) * sizeof(float) + 3 * sizeof *g->lattice +
                                2 * sizeof(float) + 1);
   s->bytes += g->sides.n * sizeof *g->sides.side + g->sides.parts * sizeof *g->sides.node;
-  s->bytes += g->sides.cut * sizeof *g->sides.planes;
   if (g->contents.form.sides) s->bytes += g->point_room * sizeof *g->sides.asked;
   s->bytes += g->birth_room * sizeof *g->birth + (g->follower ? g->follower->bytes(g) : 0);
 }

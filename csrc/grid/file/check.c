@@ -112,17 +112,6 @@ static const char *check_side(const ylm_grid *g, const ylm_grid_side *s) {
   return NULL;
 }
 
-/* Planes are of sides, one after the other, and name their parts. */
-static bool planes_hold(const grid_sides *s) {
-  for (size_t i = 0; i < s->cut; i++) {
-    const grid_side_planes *p = &s->planes[i];
-    if (p->side >= s->n || (i && p->side <= p[-1].side)) return false;
-    for (size_t k = 0; k < 2 * sizeof p->part; k++)
-      if ((p->part[k / 2] >> 4 * (k & 1) & 15) >= s->side[p->side].parts) return false;
-  }
-  return true;
-}
-
 const char *ylm__grid_file_check_sides(const ylm_grid *g) {
   const grid_sides *s = &g->sides;
   size_t parts = 0, sided = 0;
@@ -138,7 +127,6 @@ const char *ylm__grid_file_check_sides(const ylm_grid *g) {
     if (what) return what;
     parts += side->parts;
   }
-  if (!planes_hold(s)) return "the planes between parts";
   return parts == s->parts ? NULL : "the number of its parts";
 }
 

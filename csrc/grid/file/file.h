@@ -114,7 +114,6 @@ _Static_assert(sizeof(small_head) == 64 && sizeof(ylm_grid_small_report) == 72 &
   X(sides, sizeof(ylm_grid_side), true)                                                            \
   X(nodes, 8 * sizeof(uint32_t), true)                                                             \
   X(ghosts, 3 * sizeof(float), true)                                                               \
-  X(planes, sizeof(grid_side_planes), false)                                                       \
   X(small, sizeof(small_head), true)                                                               \
   X(small_tree, 1, true)                                                                           \
   X(small_bases, 1, true)                                                                          \

@@ -86,18 +86,6 @@ static size_t records_in(const reading *r, int kind, size_t record) {
   return entry ? (size_t)(entry->size / record) : 0;
 }
 
-/* Planes between parts; a file may have none. */
-static ylm_status read_planes(reading *r) {
-  grid_sides *s = &r->g->sides;
-  size_t n = records_in(r, GRID_FILE_planes, sizeof *s->planes);
-  if (n > s->n) return ylm__grid_file_bad(r->source->name, "its planes", r->e);
-  if (n == 0) return YLM_OK;
-  s->planes = ylm_alloc(n, sizeof *s->planes);
-  if (!s->planes) return ylm_no_memory_for(r->e, r->source->name);
-  s->cut = n;
-  return take(r, GRID_FILE_planes, sizeof *s->planes, n, s->planes);
-}
-
 /* Sides, the corners of their parts, and ghosts. */
 static ylm_status read_sides(reading *r) {
   ylm_grid *g = r->g;
@@ -119,7 +107,6 @@ static ylm_status read_sides(reading *r) {
   bool finite = true;
   ylm_status status = take(r, GRID_FILE_sides, sizeof *s->side, n, s->side);
   if (status == YLM_OK && parts) status = take(r, GRID_FILE_nodes, sizeof *s->node, parts, s->node);
-  if (status == YLM_OK) status = read_planes(r);
   if (status == YLM_OK && ghosts)
     status = ylm__file_table_take_floats(&r->table, r->source, GRID_FILE_ghosts, sizeof *asked,
                                          ghosts * sizeof *asked, asked[0], &finite, r->e);

@@ -106,14 +106,13 @@ static void sizes(const writing *w, uint64_t size[GRID_FILE_COUNT],
   for (size_t i = 0; f->sides && i < n; i++) ghosts += (g->flags[i] & YLM_GRID_POINT_GHOST) != 0;
   SECTION(sides, s->side, s->n * sizeof *s->side);
   SECTION(nodes, s->node, s->parts * sizeof *s->node);
-  SECTION(planes, s->planes, s->cut * sizeof *s->planes);
   SECTION(ghosts, ghosts ? s->asked[n - ghosts] : NULL, ghosts * sizeof *s->asked);
   for (int i = GRID_FILE_small; i < GRID_FILE_COUNT; i++) size[i] = 0;
   if (!w->small) return;
   static const int instead[] = {GRID_FILE_cells, GRID_FILE_lattice,  GRID_FILE_lambda,
                                 GRID_FILE_norm,  GRID_FILE_flags,    GRID_FILE_births,
                                 GRID_FILE_rows,  GRID_FILE_validity, GRID_FILE_sides,
-                                GRID_FILE_nodes, GRID_FILE_ghosts,   GRID_FILE_planes};
+                                GRID_FILE_nodes, GRID_FILE_ghosts};
   for (size_t i = 0; i < sizeof instead / sizeof *instead; i++) size[instead[i]] = 0;
   const small_packed *p = w->small;
   SECTION(small, &p->head, sizeof p->head);

@@ -2,8 +2,8 @@
 ** cut.c - planes between the bricks of a leaf.
 **
 ** Samples are places in front of surfaces, whose bricks rays tell, and the middles of pieces, which count little; beside the grid's
-** bounds those of pieces outside too, where places in front of a wall on the bounds are. Planes are those of the surfaces, of the
-** pieces' borders, and those that halve the way between two bricks. sides/planes.c chooses among them.
+** bounds those of pieces outside too, where places in front of a wall on the bounds are. Planes are those of the surfaces, of the pieces' borders, and those that halve the way between two bricks. The plane is taken that leaves the least
+** weight of samples in the wrong brick, then the next, until none gains.
 */
 #include "probes.h"
 #include "ylm_list.h"
@@ -21,10 +21,12 @@
 
 typedef struct cut_sample {
   uint32_t row;
+  uint8_t brick;
   bool surface;
-  side_sample place; /* its part is a brick */
-  float on[3],
+  float at[3],
       normal[3]; /* in edges of the leaf; of a surface: where it is, and its normal there */
+  float on[3];
+  float weight;
 } cut_sample;
 
 typedef struct cut_plane {
@@ -48,21 +50,54 @@ static bool round_plane(const double normal[3], const double through[3], cut_pla
   return true;
 }
 
-/* The plane that a rounded one is. */
-static side_plane plane_of(const cut_plane *p) {
-  side_plane out = {.offset = p->offset / PROBES_OFFSET};
-  for (int a = 0; a < 3; a++) out.normal[a] = p->normal[a] / PROBES_NORMAL;
-  return out;
+static double height(const cut_plane *p, const float at[3]) {
+  double h = -p->offset / PROBES_OFFSET;
+  for (int a = 0; a < 3; a++) h += p->normal[a] / PROBES_NORMAL * (double)at[a];
+  return h;
 }
 
 /* The samples of a leaf. */
 typedef struct cut_leaf {
   const cut_sample *sample;
-  const side_sample *place;
   size_t n;
   uint8_t parts;
   uint8_t *side; /* [n] the sides of the planes so far */
 } cut_leaf;
+
+/* The weight of samples in the wrong brick where each side has that of the most, with one plane more (NULL: none). `part`, where
+   not NULL, becomes the bricks of sides. */
+static double wrong(const cut_leaf *l, int planes, const cut_plane *more, uint8_t *part) {
+  double weight[1 << PROBES_PLANES][PROBES_PARTS] = {{0}}, all[PROBES_PARTS] = {0}, sum = 0;
+  int sides = 1 << (planes + (more != NULL));
+  for (size_t i = 0; i < l->n; i++) {
+    const cut_sample *s = &l->sample[i];
+    size_t side = l->side[i];
+    if (more) side |= (size_t)(height(more, s->at) >= 0) << planes;
+    weight[side][s->brick] += (double)s->weight;
+    all[s->brick] += (double)s->weight;
+  }
+  uint8_t most = 0;
+  for (uint8_t k = 1; k < l->parts; k++)
+    if (all[k] > all[most]) most = k;
+  for (int side = 0; side < sides; side++) {
+    uint8_t best = most;
+    double total = 0;
+    for (uint8_t k = 0; k < l->parts; k++) {
+      total += weight[side][k];
+      if (weight[side][k] > weight[side][best]) best = k;
+    }
+    sum += total - weight[side][best];
+    if (part) part[side] = best;
+  }
+  return sum;
+}
+
+/* How far the nearest sample is from a plane. */
+static double margin(const cut_leaf *l, const cut_plane *p) {
+  double least = 1;
+  for (size_t i = 0; i < l->n; i++) least = fmin(least, fabs(height(p, l->sample[i].at)));
+  return least;
+}
 
 /* Planes that may cut a leaf; their number. */
 static size_t find_planes(const cut_leaf *l, cut_plane plane[PLANES_ALL]) {
@@ -84,9 +119,9 @@ static size_t find_planes(const cut_leaf *l, cut_plane plane[PLANES_ALL]) {
     }
   double middle[PROBES_PARTS][3] = {{0}}, weight[PROBES_PARTS] = {0};
   for (size_t i = 0; i < l->n; i++) {
-    const side_sample *s = &l->place[i];
-    weight[s->part] += (double)s->weight;
-    for (int a = 0; a < 3; a++) middle[s->part][a] += (double)s->weight * (double)s->at[a];
+    const cut_sample *s = &l->sample[i];
+    weight[s->brick] += (double)s->weight;
+    for (int a = 0; a < 3; a++) middle[s->brick][a] += (double)s->weight * (double)s->at[a];
   }
   for (uint8_t i = 0; i < l->parts; i++)
     for (uint8_t k = 0; k < i; k++) {
@@ -104,15 +139,28 @@ static size_t find_planes(const cut_leaf *l, cut_plane plane[PLANES_ALL]) {
 
 static void cut_leaf_apart(cut_leaf *l, probes_cut *c) {
   cut_plane plane[PLANES_ALL];
-  side_plane exact[PLANES_ALL];
-  size_t n = find_planes(l, plane), chosen[PLANES_MOST];
-  double left;
-  for (size_t i = 0; i < n; i++) exact[i] = plane_of(&plane[i]);
-  c->planes = (uint8_t)ylm__planes_choose(l->n, l->place, l->parts, n, exact, GAIN, l->side, chosen,
-                                          c->part, &left);
-  for (uint8_t i = 0; i < c->planes; i++) {
-    memcpy(c->normal[i], plane[chosen[i]].normal, sizeof c->normal[i]);
-    c->offset[i] = plane[chosen[i]].offset;
+  size_t n = find_planes(l, plane);
+  double total = 0, now = wrong(l, 0, NULL, c->part);
+  for (size_t i = 0; i < l->n; i++) total += (double)l->sample[i].weight;
+  c->planes = 0;
+  while (c->planes < PROBES_PLANES && now > 0) {
+    const cut_plane *best = NULL;
+    double least = now - GAIN * total, far = 0;
+    for (size_t i = 0; i < n; i++) {
+      double left = wrong(l, c->planes, &plane[i], NULL);
+      if (left > least + 1e-9) continue;
+      double m = margin(l, &plane[i]);
+      if (left > least - 1e-9 && m <= far) continue;
+      best = &plane[i];
+      least = left;
+      far = m;
+    }
+    if (!best) break;
+    now = wrong(l, c->planes, best, c->part);
+    for (size_t i = 0; i < l->n; i++)
+      l->side[i] |= (uint8_t)((height(best, l->sample[i].at) >= 0) << c->planes);
+    memcpy(c->normal[c->planes], best->normal, sizeof best->normal);
+    c->offset[c->planes++] = best->offset;
   }
 }
 
@@ -146,8 +194,8 @@ static size_t sample_pieces(const ylm_grid *g, const ylm_grid_probes *p, size_t 
     else if (part != YLM_GRID_PARTS)
       brick = p->brick_of[row][part];
     if (brick == 255) continue;
-    cut_sample s = {.row = row, .place = {.part = brick, .weight = SLIGHT}};
-    for (int a = 0; a < 3; a++) s.place.at[a] = ((float)at[a] + 0.5f) / PROBES_SUB;
+    cut_sample s = {.row = row, .brick = brick, .weight = SLIGHT};
+    for (int a = 0; a < 3; a++) s.at[a] = ((float)at[a] + 0.5f) / PROBES_SUB;
     out[n++] = s;
   }
   return n;
@@ -164,12 +212,11 @@ static bool sample_place(const ylm_grid *g, const ylm_grid_probes *p, const ylm_
   if (row == YLM_GRID_NONE) return false;
   const ylm_grid_side *side = ylm__grid_side_of(g, p->source[f.cell]);
   uint8_t brick = p->brick_of[row][ylm__side_look(g, side, x, normal, walls) - side->first];
-  *s = (cut_sample){
-      .row = row, .surface = true, .place = {.part = brick, .weight = way < 1 ? NEAR : 1}};
+  *s = (cut_sample){.row = row, .brick = brick, .surface = true, .weight = way < 1 ? NEAR : 1};
   double length = 0;
   for (int a = 0; a < 3; a++) {
     double extent = p->bounds[a + 3] - p->bounds[a];
-    s->place.at[a] = (float)f.front[a];
+    s->at[a] = (float)f.front[a];
     s->on[a] = (float)f.at[a];
     s->normal[a] = normal[a] * (float)extent / (float)p->roots[a]; /* in edges */
     length += (double)s->normal[a] * (double)s->normal[a];
@@ -183,8 +230,7 @@ ylm_status ylm__probes_cut(const ylm_grid *g, const ylm_grid_walls *walls,
   cut_sample *all = ylm_alloc(most + 1, sizeof *all), *sorted = ylm_alloc(most + 1, sizeof *all);
   size_t *begin = ylm_alloc_zero(p->several + 2, sizeof *begin);
   uint8_t *side = ylm_alloc_zero(most + 1, 1);
-  side_sample *place = ylm_alloc(most + 1, sizeof *place);
-  ylm_status s = all && sorted && begin && side && place ? YLM_OK : YLM_ENOMEM;
+  ylm_status s = all && sorted && begin && side ? YLM_OK : YLM_ENOMEM;
   for (size_t cell = 0; s == YLM_OK && cell < p->cells; cell++)
     if (p->row[cell] != YLM_GRID_NONE) n += sample_pieces(g, p, cell, all + n);
   for (size_t i = 0; s == YLM_OK && i < 2 * places; i++) {
@@ -194,12 +240,10 @@ ylm_status ylm__probes_cut(const ylm_grid *g, const ylm_grid_walls *walls,
   for (size_t i = 0; s == YLM_OK && i < n; i++) begin[all[i].row + 2]++;
   for (size_t row = 0; s == YLM_OK && row < p->several; row++) begin[row + 2] += begin[row + 1];
   for (size_t i = 0; s == YLM_OK && i < n; i++) sorted[begin[all[i].row + 1]++] = all[i];
-  for (size_t i = 0; s == YLM_OK && i < n; i++) place[i] = sorted[i].place;
   for (size_t cell = 0; s == YLM_OK && cell < p->cells; cell++) {
     uint32_t row = p->row[cell];
     if (row == YLM_GRID_NONE) continue;
     cut_leaf l = {.sample = sorted + begin[row],
-                  .place = place + begin[row],
                   .n = begin[row + 1] - begin[row],
                   .parts = p->parts[cell],
                   .side = side + begin[row]};
@@ -209,6 +253,5 @@ ylm_status ylm__probes_cut(const ylm_grid *g, const ylm_grid_walls *walls,
   ylm_free(sorted);
   ylm_free(begin);
   ylm_free(side);
-  ylm_free(place);
   return s;
 }

@@ -9,13 +9,12 @@
 #define YLM_GRID_PROBES_H
 
 #include "../grid.h"
-#include "../sides/planes.h"
 
 #define PROBES_SPLIT 255 /* in the place of a leaf's bricks: the cell has eight children */
 #define PROBES_SUB 4
 #define PROBES_PIECES 64
-#define PROBES_PARTS 15           /* bricks of a leaf, at most */
-#define PROBES_PLANES PLANES_MOST /* that cut a leaf, at most */
+#define PROBES_PARTS 15 /* bricks of a leaf, at most */
+#define PROBES_PLANES 4 /* that cut a leaf, at most */
 /* Of a leaf's edge: how far in front of a surface its brick is looked for. */
 #define PROBES_FRONT 0.1875
 #define PROBES_DEPTH 20      /* splits below a root, at most */

@@ -190,8 +190,7 @@ ylm_status ylm__sides_finish(side_baker *k) {
   ylm_status s = ylm__sides_compact(k);
   if (s != YLM_OK) return s;
   g->contents.octree_cells = g->cells;
-  s = ylm__sides_find_planes(g, b->source->walls, b->source->threads, b->making.progress);
-  if (s == YLM_OK) s = ylm__sides_index(g);
+  s = ylm__sides_index(g);
   if (s == YLM_OK) s = ylm__grid_fill_invalid(g);
   ylm__grid_find_baked(g);
   double t = ylm_seconds();

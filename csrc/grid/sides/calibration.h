@@ -21,16 +21,6 @@
 #define LOOK_FRONT 0.125
 /* Pieces that a look-up by rays asks, at most. */
 #define LOOK_PIECES 40
-/* Planes between parts. Candidates by hits, at most; in edges, how far before a hit its place is, how far aside ways are moved, and
-   by how much planes differ that are one; the weight of a piece beside 1 of a hit; the least part of all weight that a plane gains. */
-#define PLANES_TRIED 48
-#define PLANES_BEFORE 0.004
-#define PLANES_ASIDE 0.03
-#define PLANES_ALIKE 1e-3
-#define PLANES_SLIGHT 0.05f
-#define PLANES_GAIN 1e-4
-/* Planes with so few places in wrong parts are kept even if pieces have fewer, which do not see corners. */
-#define PLANES_WRONG 0.02
 /* Leaves that a thread cuts at a time. */
 #define SIDES_GRAIN 4
 

@@ -6,8 +6,6 @@ void ylm__sides_free(grid_sides *s) {
   ylm_free(s->node);
   ylm_free(s->of);
   ylm_free(s->leaf);
-  ylm_free(s->planes);
-  ylm_free(s->planes_of);
   ylm_free(s->dark);
 }
 
@@ -15,14 +13,10 @@ ylm_status ylm__sides_index(ylm_grid *g) {
   grid_sides *s = &g->sides;
   ylm_free(s->of);
   ylm_free(s->leaf);
-  ylm_free(s->planes_of);
   s->of = ylm_alloc(g->cells, sizeof *s->of);
-  s->planes_of = ylm_alloc(s->n ? s->n : 1, sizeof *s->planes_of);
   s->leaf = ylm_alloc(s->parts ? s->parts : 1, sizeof *s->leaf);
   if (!s->dark) s->dark = ylm_alloc_zero(g->stride + ROW_PADDING, sizeof *s->dark);
-  if (!s->of || !s->leaf || !s->planes_of || !s->dark) return YLM_ENOMEM;
-  for (size_t i = 0; i < s->n; i++) s->planes_of[i] = YLM_GRID_NONE;
-  for (size_t i = 0; i < s->cut; i++) s->planes_of[s->planes[i].side] = (uint32_t)i;
+  if (!s->of || !s->leaf || !s->dark) return YLM_ENOMEM;
   for (size_t i = 0; i < g->cells; i++) s->of[i] = YLM_GRID_NONE;
   for (size_t i = 0; i < s->n; i++) {
     const ylm_grid_side *side = &s->side[i];

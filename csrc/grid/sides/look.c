@@ -53,23 +53,6 @@ static void in_front(const looking *l, const float normal[3], double way, double
     out[a] = l->place[a] + (normal ? way * (double)normal[a] / l->edge[a] : 0);
 }
 
-/* The part that planes say of a place just in front of one; YLM_GRID_PARTS: the leaf has none. */
-static uint8_t by_planes(const looking *l, const float normal[3]) {
-  const grid_sides *s = &l->g->sides;
-  uint32_t row = s->planes_of[l->side - s->side];
-  if (row == YLM_GRID_NONE) return YLM_GRID_PARTS;
-  const grid_side_planes *p = &s->planes[row];
-  double place[3];
-  size_t side = 0;
-  in_front(l, normal, LOOK_OFF * l->mean, place);
-  for (int k = 0; k < 4; k++) {
-    double h = -p->plane[k][3] / GRID_PLANE_OFFSET;
-    for (int a = 0; a < 3; a++) h += p->plane[k][a] / GRID_PLANE_NORMAL * place[a];
-    side |= (size_t)(h >= 0) << k;
-  }
-  return p->part[side / 2] >> 4 * (side & 1) & 15;
-}
-
 /* The part of the piece in front of a place; else of the nearest that has one. */
 static uint8_t by_pieces(const looking *l, const float normal[3]) {
   static const double way[3] = {1, 1.7, 0.5};
@@ -83,18 +66,6 @@ static uint8_t by_pieces(const looking *l, const float normal[3]) {
   in_front(l, normal, thick, place);
   measure_pieces(l, place, d2);
   return ylm_grid_side_part(l->side, nearest(d2));
-}
-
-uint8_t ylm__side_piece_before(const ylm_grid *g, const ylm_grid_side *s, const double at[3],
-                               const float normal[3]) {
-  looking l = look_into(g, s, g->contents.form.bounds);
-  memcpy(l.place, at, sizeof l.place);
-  return by_pieces(&l, normal);
-}
-
-static uint8_t without_rays(const looking *l, const float normal[3]) {
-  uint8_t part = by_planes(l, normal);
-  return part != YLM_GRID_PARTS ? part : by_pieces(l, normal);
 }
 
 /* The part of the first piece, from the place in front of a point outwards, that the point sees. */
@@ -117,14 +88,14 @@ static uint8_t by_rays(const looking *l, const double x[3], const float normal[3
     if (share >= 1) return part;
     d2[i] = INFINITY;
   }
-  return without_rays(l, normal);
+  return by_pieces(l, normal);
 }
 
 uint32_t ylm__side_look(const ylm_grid *g, const ylm_grid_side *s, const double x[3],
                         const float normal[3], const ylm_grid_walls *walls) {
   if (s->parts == 1) return s->first;
   looking l = look_into(g, s, x);
-  return s->first + (walls ? by_rays(&l, x, normal, walls) : without_rays(&l, normal));
+  return s->first + (walls ? by_rays(&l, x, normal, walls) : by_pieces(&l, normal));
 }
 
 bool ylm__side_is_free(const ylm_grid *g, const ylm_grid_side *s, const double x[3]) {

@@ -85,15 +85,6 @@ ylm_status ylm__sides_finish(side_baker *k);
 /* Gives all leaves the points at their corners: new ones wait to be evaluated. */
 ylm_status ylm__sides_find_nodes(side_baker *k);
 
-/* -- planes.c ------------------------------------------------------------------------------------- */
-
-/* The part of the piece in front of a surface, where it is `at`, in edges of the leaf. look.c */
-uint8_t ylm__side_piece_before(const ylm_grid *g, const ylm_grid_side *s, const double at[3],
-                               const float normal[3]);
-/* Finds planes between the parts of sides that have several, where they tell more places apart than pieces do. */
-ylm_status ylm__sides_find_planes(ylm_grid *g, const ylm_grid_walls *walls, int threads,
-                                  const ylm_progress *progress);
-
 /* -- compact.c ------------------------------------------------------------------------------------ */
 
 /* Points that leaves have; YLM_ENOMEM. */
