@@ -121,7 +121,8 @@ function status.need_kind(kind, words, path, first, message, code)
   local found = require "ylm.form".kind(first)
   if kind == "scene" and found == "ylm.mesh" then
     status.stop(status.failed, "%s: a mesh, not a scene; a scene file names it: return scene \"room\" { camera = camera { from = "
-      .. "{ x, y, z }, at = { x, y, z } }, geometry = mesh { file = %q }, lights = environment_light { radiance = 1 } }", path, path)
+      .. "{ x, y, z }, at = { x, y, z } }, geometry = mesh { file = %q }, lights = environment_light { radiance = 1 } }",
+      path, path)
   end
   if found ~= kind then status.stop(status.failed, "%s: not %s", path, words) end
   return first
