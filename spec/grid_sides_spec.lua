@@ -52,6 +52,15 @@ describe("measure", function()
     assert.is_true(grid.stats.met)
   end)
 
+  it("is of what a camera sees, of more points than are held out", function()
+    local seen = ylm.scene "a wall that is seen" { geometry = { wall }, lights = walls.lamp,
+      camera = ylm.camera { from = { 0.3, 0.2, walls.height + 3 }, at = { 0, 0, walls.height }, up = { 0, 1, 0 }, fov = 40 } }
+    local grid = assert(seen:bake { occupied = "camera", size = { 64, 48 }, samples = 1, quantity = "direct", judge = "field",
+      probes = ylm.adaptive_grid { lmax = 1, depth = 4, tolerance = 0.02 } })
+    assert.is_true(grid.sides)
+    assert.is_true(grid.stats.verified >= 2048)
+  end)
+
   it("takes normals of surfaces, of both of their sides", function()
     local grid = ylm.bake(adaptive { tolerance = 0.1 }, walls.field, { geometry = wall, quantity = "direct", scene = walled })
     assert.equal("irradiance", grid.measure)

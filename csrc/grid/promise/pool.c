@@ -288,8 +288,9 @@ static ylm_status find_suspects(const pool *q, uint8_t *wanted, size_t *n) {
   return YLM_OK;
 }
 
-/* Places in suspects join the pool. */
+/* Places in suspects join the pool, where there is a surface to draw them on. */
 static ylm_status look_at_suspects(pool *q) {
+  if (!q->r->surface) return YLM_OK;
   uint8_t *wanted = ylm_alloc(q->r->b->g->cells, 1);
   size_t n = 0;
   double t = ylm_seconds();
