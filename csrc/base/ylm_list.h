@@ -1,5 +1,5 @@
 /*
-** ylm_list.h - arrays that grow.
+** ylm_list.h - arrays that grow, and arrays of members that are joined.
 **
 ** A list is a pointer that its owner declares with its type, NULL at first, and frees with ylm_free.
 ** `list` is the pointer's address; `size` are the bytes of an item. Items stay where memory runs out.
@@ -36,6 +36,12 @@ static inline bool ylm_list_reserve(void *list, size_t used, size_t wanted, size
   if (!ylm_list_resize(list, used, next, size)) return false;
   *room = next;
   return true;
+}
+
+/* The first of the members that are joined to i: to[i] is another one, of the first itself. Ways are halved. */
+static inline uint32_t ylm_list_root(uint32_t *to, uint32_t i) {
+  while (to[i] != i) i = to[i] = to[to[i]];
+  return i;
 }
 
 #endif

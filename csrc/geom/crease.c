@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "ylm_geom.h"
+#include "ylm_list.h"
 #include "ylm_vector.h"
 
 /* Normals with a cosine of this or more are those of one plane, rounded: 0.26 degrees. */
@@ -27,14 +28,9 @@ typedef struct creases {
   uint32_t *parent; /* [3 * triangles] corners that share a normal: union-find */
 } creases;
 
-static uint32_t find(creases *c, uint32_t i) {
-  while (c->parent[i] != i) i = c->parent[i] = c->parent[c->parent[i]];
-  return i;
-}
-
 /* Corners a and b share a normal from now on; the first of them all stands for them. */
 static void join(creases *c, uint32_t a, uint32_t b) {
-  a = find(c, a), b = find(c, b);
+  a = ylm_list_root(c->parent, a), b = ylm_list_root(c->parent, b);
   c->parent[a > b ? a : b] = a < b ? a : b;
 }
 
@@ -121,8 +117,8 @@ static size_t number(creases *c, uint32_t *from, uint32_t *index) {
   for (size_t v = 0; v < m->vertices; v++) from[v] = UINT32_MAX;
   for (uint32_t i = 0; i < n; i++) {
     uint32_t v = m->index[i];
-    if (find(c, i) != i)
-      index[i] = index[find(c, i)];
+    if (ylm_list_root(c->parent, i) != i)
+      index[i] = index[ylm_list_root(c->parent, i)];
     else if (from[v] == UINT32_MAX)
       index[i] = from[v] = v;
     else

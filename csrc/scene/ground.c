@@ -9,6 +9,7 @@
 
 #include "scene.h"
 #include "ylm_geom.h"
+#include "ylm_list.h"
 
 typedef struct ground_part {
   double lo[3], hi[3];
@@ -38,11 +39,6 @@ static void widen(ground_part *box, const double lo[3], const double hi[3]) {
 
 /* -- parts ----------------------------------------------------------------------------------------- */
 
-static uint32_t first_of(const grounds *g, uint32_t i) {
-  while (g->to[i] != i) i = g->to[i] = g->to[g->to[i]];
-  return i;
-}
-
 /* Connects the triangles of a mesh, before which there are `before`. */
 static ylm_status connect(grounds *g, const scene_mesh *m, size_t before) {
   size_t places = 0;
@@ -53,7 +49,7 @@ static ylm_status connect(grounds *g, const scene_mesh *m, size_t before) {
   for (size_t i = 0; s == YLM_OK && i < 3 * m->count; i++) {
     uint32_t *known = &at[name[m->triangle[i]]], here = (uint32_t)(before + i / 3);
     if (*known == UINT32_MAX) *known = here;
-    uint32_t a = first_of(g, *known), b = first_of(g, here);
+    uint32_t a = ylm_list_root(g->to, *known), b = ylm_list_root(g->to, here);
     g->to[a < b ? b : a] = a < b ? a : b;
   }
   ylm_free(name);
@@ -79,7 +75,7 @@ static ylm_status find_parts(grounds *g) {
   if (s == YLM_OK && !(g->part = ylm_alloc(g->parts, sizeof *g->part))) s = YLM_ENOMEM;
   for (size_t m = 0, i = 0; s == YLM_OK && m < scene->meshes; m++)
     for (size_t t = 0; t < scene->mesh[m].count; t++, i++) {
-      uint32_t first = first_of(g, (uint32_t)i);
+      uint32_t first = ylm_list_root(g->to, (uint32_t)i);
       ground_part *p = &g->part[of[first]];
       if (first == i) *p = EMPTY, p->first = first;
       for (size_t k = 0; k < 3; k++) {
@@ -159,7 +155,7 @@ ylm_status ylm_scene_core(const ylm_scene *scene, size_t places, const float (*p
   for (int a = 0; s == YLM_OK && found && a < 3; a++) lo[a] = core.lo[a], hi[a] = core.hi[a];
   for (size_t k = 0; s == YLM_OK && ground && k < found; k++)
     for (size_t i = g.part[k].first; i < g.triangles; i++)
-      ground[i] |= first_of(&g, (uint32_t)i) == g.part[k].first;
+      ground[i] |= ylm_list_root(g.to, (uint32_t)i) == g.part[k].first;
   ylm_free(g.to);
   ylm_free(g.part);
   return s;

@@ -155,11 +155,6 @@ static ylm_status find_all_nearest(joiner *j) {
 
 /* -- joining --------------------------------------------------------------------------------- */
 
-static uint32_t root_of(joiner *j, uint32_t i) {
-  while (j->root[i] != i) i = j->root[i] = j->root[j->root[i]];
-  return i;
-}
-
 static ylm_status add_pair(joiner *j, uint32_t a, uint32_t b) {
   if (j->near[a].site == SURFACE_NONE || j->near[b].site == SURFACE_NONE) return YLM_OK;
   if (!ylm_list_reserve(&j->pair, j->pairs, j->pairs + 1, &j->pair_room, sizeof *j->pair) ||
@@ -189,7 +184,7 @@ static ylm_status join(joiner *j) {
   if (s == YLM_OK) s = ask(j);
   for (size_t i = 0; s == YLM_OK && i < j->pairs; i++)
     if (j->joined[i]) {
-      uint32_t a = root_of(j, j->pair[i][0]), b = root_of(j, j->pair[i][1]);
+      uint32_t a = ylm_list_root(j->root, j->pair[i][0]), b = ylm_list_root(j->root, j->pair[i][1]);
       j->root[a > b ? a : b] = a < b ? a : b;
     }
   return s;
@@ -200,7 +195,7 @@ static ylm_status number(joiner *j) {
   surface_bake *b = j->b;
   b->classes = 0;
   for (uint32_t i = 0; i < 4 * b->leaves; i++) {
-    if (j->of[i] == SURFACE_NONE || root_of(j, i) != i) continue;
+    if (j->of[i] == SURFACE_NONE || ylm_list_root(j->root, i) != i) continue;
     if (!ylm_list_reserve(&b->class, b->classes, b->classes + 1, &b->class_room, sizeof *b->class))
       return YLM_ENOMEM;
     b->leaf[i / 4].corner[i % 4] = (uint32_t)b->classes;
@@ -209,7 +204,7 @@ static ylm_status number(joiner *j) {
   }
   for (uint32_t i = 0; i < 4 * b->leaves; i++) {
     if (j->of[i] == SURFACE_NONE) continue;
-    uint32_t root = root_of(j, i);
+    uint32_t root = ylm_list_root(j->root, i);
     b->leaf[i / 4].corner[i % 4] = b->leaf[root / 4].corner[root % 4];
   }
   return YLM_OK;

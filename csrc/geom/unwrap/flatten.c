@@ -2,17 +2,13 @@
 #include <math.h>
 
 #include "unwrap.h"
+#include "ylm_list.h"
 #include "ylm_vector.h"
 
 /* -- vertices: corners that the chart's own edges join ---------------------------------------------- */
 
-static uint32_t root_of(uint32_t *parent, uint32_t i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 static void unite(uint32_t *parent, uint32_t a, uint32_t b) {
-  a = root_of(parent, a), b = root_of(parent, b);
+  a = ylm_list_root(parent, a), b = ylm_list_root(parent, b);
   if (a < b)
     parent[b] = a;
   else
@@ -34,7 +30,7 @@ static void number(const ylm_unwrap *u, const unwrap_surface *s, unwrap_chart *c
       unite(parent, (uint32_t)unwrap_next(k), other);
     }
   for (size_t i = 0; i < 3 * c->triangles; i++)
-    root[i] = root_of(parent, 3 * u->list[c->first + i / 3] + (uint32_t)(i % 3));
+    root[i] = ylm_list_root(parent, 3 * u->list[c->first + i / 3] + (uint32_t)(i % 3));
   c->vertices = 0;
   for (size_t i = 0; i < 3 * c->triangles;
        i++) /* a root is the first corner of its set in the mesh */

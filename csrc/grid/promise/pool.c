@@ -16,12 +16,12 @@
 
 /* The record of a leaf. */
 typedef struct leaf_record {
-  float score,
-      miss; /* of its places now: clipped, and the sum of their errors over the tolerance */
-  float parent,
-      parent_miss; /* its parent's when that was split; negative: it was not by its score */
-  uint8_t strikes; /* splits in a row that did not help */
-  uint8_t gross;   /* a place fails by far */
+  float score;       /* of its places now, each clipped */
+  float miss;        /* the sum of their errors over the tolerance */
+  float parent;      /* its parent's score when that was split; negative: it was not by its score */
+  float parent_miss; /* and its miss */
+  uint8_t strikes;   /* splits in a row that did not help */
+  uint8_t gross;     /* a place fails by far */
 } leaf_record;
 
 typedef struct pool {
@@ -272,9 +272,10 @@ static float spread_of(const pool *q, size_t cell) {
   return (float)most;
 }
 
-/* Marks leaves [cells] that may be split, whose corners differ and in which there is no place. */
-static ylm_status find_suspects(const pool *q, uint8_t *wanted, size_t *n) {
+/* Marks leaves [cells] that may be split, whose corners differ and in which there is no place; how many. */
+static size_t find_suspects(const pool *q, uint8_t *wanted) {
   const ylm_grid *g = q->r->b->g;
+  size_t n = 0;
   for (size_t i = 0; i < g->cells; i++) {
     wanted[i] = g->cell[i].flags & YLM_GRID_LEAF && g->cell[i].flags & YLM_GRID_OCCUPIED &&
                 may_split(q, (uint32_t)i) && spread_of(q, i) > POOL_SUSPECT;
@@ -283,19 +284,19 @@ static ylm_status find_suspects(const pool *q, uint8_t *wanted, size_t *n) {
     uint32_t leaf = leaf_of(q, q->p.point + 3 * i);
     if (leaf != YLM_GRID_NONE) wanted[leaf] = 0;
   }
-  *n = 0;
-  for (size_t i = 0; i < g->cells; i++) *n += wanted[i];
-  return YLM_OK;
+  for (size_t i = 0; i < g->cells; i++) n += wanted[i];
+  return n;
 }
 
 /* Places in suspects join the pool, where there is a surface to draw them on. */
 static ylm_status look_at_suspects(pool *q) {
   if (!q->r->surface) return YLM_OK;
   uint8_t *wanted = ylm_alloc(q->r->b->g->cells, 1);
-  size_t n = 0;
+  if (!wanted) return YLM_ENOMEM;
   double t = ylm_seconds();
-  ylm_status s = wanted ? find_suspects(q, wanted, &n) : YLM_ENOMEM;
-  if (s == YLM_OK && n) s = ylm__verify_draw_in(q->r, POOL_FROM + ++q->round, wanted);
+  size_t n = find_suspects(q, wanted);
+  ylm_status s = YLM_OK;
+  if (n) s = ylm__verify_draw_in(q->r, POOL_FROM + ++q->round, wanted);
   ylm_free(wanted);
   q->r->b->g->stats.verify_seconds += ylm_seconds() - t;
   if (s != YLM_OK || !n || !q->r->held) return s;

@@ -10,12 +10,6 @@
 
 /* -- fine triangles ----------------------------------------------------------------------------------- */
 
-/* Charts of one group: union by the smaller number. */
-static uint32_t root_of(uint32_t *root, uint32_t i) {
-  while (root[i] != i) i = root[i] = root[root[i]];
-  return i;
-}
-
 /* Numbers of charts that are joined at edges become one: the largest. root [charts] is room; 1 joins nothing. */
 static void join(const ylm_surface_map *m, size_t charts, uint8_t *number, uint32_t *root) {
   for (size_t i = 0; i < charts; i++) root[i] = (uint32_t)i;
@@ -26,14 +20,14 @@ static void join(const ylm_surface_map *m, size_t charts, uint8_t *number, uint3
       if (!ylm_unwrap_across(m->charts, i, t / 3, (int)(t % 3), &other, &edge)) continue;
       uint32_t a = ylm_unwrap_chart(m->charts, i, t / 3), b = ylm_unwrap_chart(m->charts, i, other);
       if (number[a] == 1 || number[b] == 1) continue;
-      a = root_of(root, a), b = root_of(root, b);
+      a = ylm_list_root(root, a), b = ylm_list_root(root, b);
       root[a < b ? b : a] = a < b ? a : b;
     }
   for (size_t i = 0; i < charts; i++) {
-    uint32_t to = root_of(root, (uint32_t)i);
+    uint32_t to = ylm_list_root(root, (uint32_t)i);
     if (number[i] > number[to]) number[to] = number[i];
   }
-  for (size_t i = 0; i < charts; i++) number[i] = number[root_of(root, (uint32_t)i)];
+  for (size_t i = 0; i < charts; i++) number[i] = number[ylm_list_root(root, (uint32_t)i)];
 }
 
 /* The longest edges of charts, and their numbers of triangles. */
@@ -124,9 +118,9 @@ static ylm_status mend(ylm_surface_map *m, const uint32_t *old, size_t charts, u
   uint8_t *broken = ylm_alloc_zero(charts, 1);
   ylm_status s = count && broken ? count_charts(m, old, charts, count) : YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < charts; i++)
-    if (count[i] > MAP_FINE_CHARTS) broken[root_of(root, (uint32_t)i)] = *changed = true;
+    if (count[i] > MAP_FINE_CHARTS) broken[ylm_list_root(root, (uint32_t)i)] = *changed = true;
   for (size_t i = 0; s == YLM_OK && i < charts; i++)
-    if (broken[root_of(root, (uint32_t)i)]) parts[i] = 1;
+    if (broken[ylm_list_root(root, (uint32_t)i)]) parts[i] = 1;
   for (size_t i = 0; s == YLM_OK && i < m->sheets; old += m->sheet[i++].triangles) {
     map_sheet *sheet = &m->sheet[i];
     for (size_t t = 0; t < sheet->triangles; t++)
@@ -406,9 +400,9 @@ static ylm_status keep_groups(map_bake *b, const uint8_t *divided, uint8_t *part
   ylm_status s = root && kept ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) join(b->m, b->charts, parts, root);
   for (size_t i = 0; s == YLM_OK && i < b->charts; i++)
-    if (divided[i] > 1) kept[root_of(root, (uint32_t)i)] = 1;
+    if (divided[i] > 1) kept[ylm_list_root(root, (uint32_t)i)] = 1;
   for (size_t i = 0; s == YLM_OK && i < b->charts; i++)
-    if (!kept[root_of(root, (uint32_t)i)]) parts[i] = 1;
+    if (!kept[ylm_list_root(root, (uint32_t)i)]) parts[i] = 1;
   ylm_free(root), ylm_free(kept);
   return s;
 }
