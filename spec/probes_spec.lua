@@ -8,6 +8,7 @@ local probe_reader = require "spec.support.probe_reader"
 local random = require "spec.support.random"
 local scratch = require "spec.support.scratch"
 local three_page = require "spec.support.three_page"
+local wgsl_page = require "spec.support.wgsl_page"
 local ylm = require "ylm"
 
 local function within(n, lo, hi, seed) return random.points_in(n, lo, hi, seed):totable() end
@@ -265,6 +266,17 @@ describe("the look-up of probes", function()
       assert(out == "", out)
     end
     folder:remove()
+  end)
+
+  it("reads in WGSL what the golden file has", function()
+    if browser.missing() then pending(browser.missing()) end
+    local folder, rows = scratch.new(), ylm.load("spec/data/probes.npy"):totable()
+    local E, why = wgsl_page.irradiance(folder, scratch.text "spec/data/probes.ylmp", rows)
+    folder:remove()
+    if not E then pending(why) end
+    local most = 0
+    for _, row in ipairs(rows) do most = math.max(most, row[7], row[8], row[9]) end
+    for i, row in ipairs(rows) do for c = 1, 3 do assert.near(row[6 + c], E[i][c], 1e-3 * row[6 + c] + 1e-3 * most) end end
   end)
 end)
 

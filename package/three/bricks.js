@@ -1,6 +1,6 @@
 // Probes of '.ylmp' in three.js: light for the standard materials.
 
-import { Data3DTexture, DataTexture, FileLoader, HalfFloatType, LinearFilter, RGBAFormat, RGIntegerFormat, UnsignedIntType, Vector3 } from 'three';
+import { Data3DTexture, DataTexture, FileLoader, HalfFloatType, IntType, LinearFilter, RGBAFormat, RGIntegerFormat, Vector3 } from 'three';
 import { readProbes } from './probes.js';
 import shader from './shader.js';
 
@@ -17,17 +17,16 @@ export class BrickProbes {
 
 	constructor( buffer ) {
 
-		const p = readProbes( buffer ), tree = new DataTexture( p.tree.data, p.tree.width, p.tree.height, RGIntegerFormat, UnsignedIntType );
-		tree.internalFormat = 'RG32UI';
+		const p = readProbes( buffer ), tree = new DataTexture( p.tree.data, p.tree.width, p.tree.height, RGIntegerFormat, IntType );
+		tree.internalFormat = 'RG32I';
 		tree.needsUpdate = true;
 		const atlas = new Data3DTexture( p.atlas.data, ...p.atlas.size );
 		atlas.format = RGBAFormat;
 		atlas.type = HalfFloatType;
 		atlas.minFilter = atlas.magFilter = LinearFilter;
 		atlas.needsUpdate = true;
-		this.uniforms = { ylm_tree: { value: tree }, ylm_bricks_atlas: { value: atlas }, ylm_top: { value: p.top },
-			ylm_lmax: { value: p.lmax }, ylm_low: { value: new Vector3( ...p.low ) }, ylm_scale: { value: new Vector3( ...p.scale ) },
-			ylm_roots: { value: new Vector3( ...p.roots ) }, ylm_bricks: { value: new Vector3( ...p.atlas.bricks ) } };
+		this.uniforms = { ylm_tree: { value: tree }, ylm_bricks: { value: atlas } };
+		for ( const [ name, x ] of Object.entries( p.uniforms ) ) this.uniforms[ name ] = { value: x.length ? new Vector3( ...x ) : x };
 
 	}
 

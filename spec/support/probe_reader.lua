@@ -102,7 +102,7 @@ function reader.of(text)
   end
   return function(p, n)
     local u, q, thick = {}, {}, 0
-    for a = 1, 3 do u[a] = (p[a] - h.lo[a]) / (h.hi[a] - h.lo[a]) * h.roots[a] end
+    for a = 1, 3 do u[a] = math.max(0, math.min(1, (p[a] - h.lo[a]) / (h.hi[a] - h.lo[a]))) * h.roots[a] end
     local _, _, edge = leaf(h, cells, u)
     for a = 1, 3 do thick = thick + 3 / 16 * edge * math.abs(n[a]) * (h.hi[a] - h.lo[a]) / h.roots[a] end
     for a = 1, 3 do q[a] = u[a] + thick * n[a] / (h.hi[a] - h.lo[a]) * h.roots[a] end

@@ -43,7 +43,7 @@ probes_front ylm__probes_front(const ylm_grid_probes *p, const double x[3], cons
   double u[3], front[3], scale[3], thick = 0;
   for (int a = 0; a < 3; a++) {
     scale[a] = p->roots[a] / (p->bounds[a + 3] - p->bounds[a]);
-    u[a] = (x[a] - p->bounds[a]) * scale[a];
+    u[a] = fmin(fmax((x[a] - p->bounds[a]) * scale[a], 0), p->roots[a]);
   }
   probes_leaf l = leaf_at(p, u);
   for (int a = 0; normal && a < 3; a++)

@@ -1,66 +1,61 @@
 --- shaders/gen/probes.*: the look-up of '.ylmp' for fragment shaders, in GLSL (ES 3.00), HLSL and WGSL.
 --
 -- One text is written in lines of a small language, which are: `fn TYPE NAME(TYPE A, ..) {`, `let TYPE NAME = X`,
--- `var TYPE NAME = X`, `NAME = X`, `if X {`, `while X {`, `return X`, `}`. Types are float, uint, vec3, uvec2, uvec3; all3(x) is
--- a vec3 of equal parts. Each language has its own words for these, and its own functions word, atlas, byte and signed.
+-- `var TYPE NAME = X`, `NAME = X`, `if X {`, `while X {`, `return X`, `}`. Types are float, int, vec3, ivec2, ivec3; all3(x) is
+-- a vec3 of equal parts. Each language has its own words for these, and its own functions word, atlas, float and plane.
 
 local lookup = [[
-// The leaf at p, in roots: { split or level and first brick, planes }.
-fn uvec2 ylm_leaf(vec3 p) {
+// The leaf at p, in roots: { edges a root as the exponent of a float, and the brick; planes }; or, below 0, eight children.
+fn ivec2 ylm_leaf(vec3 p) {
   var float n = U.top
-  var vec3 c = clamp(floor(p * n), all3(0.0), U.roots * n - all3(1.0))
-  var uvec2 e = ylm_word(uint(c.x) + uint(U.roots.x * n) * (uint(c.y) + uint(U.roots.y * n) * uint(c.z)))
-  while e.x >= 0x80000000u {
-    n = n * 2.0
-    c = clamp(floor(p * n), all3(0.0), U.roots * n - all3(1.0))
-    e = ylm_word((e.x & 0x7fffffffu) + (uint(c.x) & 1u) + 2u * (uint(c.y) & 1u) + 4u * (uint(c.z) & 1u))
+  var ivec2 e = ylm_word(int(dot(floor(p * n), U.table)))
+  while e.x < 0 {
+    e = ylm_word((e.x & 0x7fffffff) + int(dot(step(all3(0.5), fract(p * n)), vec3(1.0, 2.0, 4.0))))
+    n = 2.0 * n
   }
   return e
 }
 // Irradiance at x of a surface with unit normal m.
 fn vec3 ylm_irradiance(vec3 x, vec3 m) {
-  let vec3 p = (x - U.low) * U.scale
-  var uvec2 e = ylm_leaf(p)
-  var float n = exp2(float((e.x >> 26u) & 31u))
-  let vec3 q = p + m * U.scale * (0.1875 / n * dot(abs(m), all3(1.0) / U.scale))
+  let vec3 p = clamp((x - U.low) * U.scale, all3(0.0), U.end)
+  var ivec2 e = ylm_leaf(p)
+  var float n = ylm_float(e.x & 0x7f800000)
+  let vec3 ahead = p + dot(abs(m), U.ahead) / n * (m * U.scale)
+  let vec3 q = clamp(ahead, all3(0.0), U.end)
   if any3(floor(q * n), floor(p * n)) {
     e = ylm_leaf(q)
-    n = exp2(float((e.x >> 26u) & 31u))
+    n = ylm_float(e.x & 0x7f800000)
   }
-  if e.y == 0xffffffffu {
-    return all3(0.0)
-  }
-  let vec3 low = clamp(floor(q * n), all3(0.0), U.roots * n - all3(1.0))
-  var uint brick = e.x & 0x3ffffffu
-  if (e.y & 7u) > 0u {
-    var uint side = 0u
-    var uint k = 0u
-    while k < (e.y & 7u) {
-      let uvec2 w = ylm_word((e.y >> 3u) + 1u + k)
-      let vec3 plane = vec3(ylm_byte(w.x << 24u), ylm_byte(w.x << 16u), ylm_byte(w.x << 8u))
-      if dot(plane, q * n - low) / 127.0 >= ylm_signed(w.y) / 8192.0 {
-        side = side | (1u << k)
-      }
-      k = k + 1u
+  let vec3 low = floor(q * n)
+  var int brick = e.x
+  if e.y > 0 {
+    let vec4 f = vec4(ahead * n - low, -1.0)
+    let int sides = e.y >> 3
+    var int k = e.y & 7
+    var float side = 0.0
+    while k > 0 {
+      side = 2.0 * side + step(0.0, dot(ylm_plane(ylm_word(sides - k)), f))
+      k = k - 1
     }
-    let uvec2 part = ylm_word(e.y >> 3u)
-    brick = brick + ((choose(side < 8u, part.x, part.y) >> (4u * (side & 7u))) & 15u)
+    brick = ylm_word(sides + int(side)).x
   }
-  let vec3 t = clamp(p * n - low, all3(0.0), all3(1.0))
-  let uvec3 size = uvec3(U.bricks)
-  let vec3 corner = vec3(float(brick % size.x), float((brick / size.x) % size.y), float(brick / (size.x * size.y)))
-  let vec3 at = corner + all3(0.25) + 0.5 * t
-  let vec4 a = ylm_atlas(at, 0.0)
-  let vec4 b = ylm_atlas(at, 1.0)
-  let vec4 c = ylm_atlas(at, 2.0)
-  var vec3 sum = a.xyz + vec3(a.w, b.xy) * m.y + vec3(b.zw, c.x) * m.z + c.yzw * m.x
+  let vec3 corner = vec3(ivec3(brick, brick >> 7, brick >> 14) & ivec3(127, 127, 511))
+  var vec3 at = (corner + all3(0.25) + 0.5 * clamp(p * n - low, all3(0.0), all3(1.0))) * U.texel
+  let vec4 a = vec4(1.0, m.yzx)
+  let float red = dot(a, ylm_atlas(at))
+  at = at + U.volume
+  let float green = dot(a, ylm_atlas(at))
+  at = at + U.volume
+  var vec3 sum = vec3(red, green, dot(a, ylm_atlas(at)))
   if U.lmax > 1.0 {
-    let vec4 d = ylm_atlas(at, 3.0)
-    let vec4 f = ylm_atlas(at, 4.0)
-    let vec4 g = ylm_atlas(at, 5.0)
-    let vec4 h = ylm_atlas(at, 6.0)
-    sum = sum + d.xyz * (m.x * m.y) + vec3(d.w, f.xy) * (m.y * m.z)
-    sum = sum + vec3(f.zw, g.x) * (3.0 * m.z * m.z - 1.0) + g.yzw * (m.x * m.z) + h.xyz * (m.x * m.x - m.y * m.y)
+    let vec4 b = m.xyxz * m.yzzz
+    at = at + U.volume
+    let float redder = dot(b, ylm_atlas(at))
+    at = at + U.volume
+    let float greener = dot(b, ylm_atlas(at))
+    at = at + U.volume
+    sum = sum + vec3(redder, greener, dot(b, ylm_atlas(at)))
+    sum = sum + (m.x + m.y) * (m.x - m.y) * ylm_atlas(at + U.volume).xyz
   }
   return max(sum, all3(0.0))
 }
@@ -70,58 +65,50 @@ local languages = {
   glsl = {
     types = {},
     prelude = [[
-uniform highp usampler2D ylm_tree;
-uniform highp sampler3D ylm_bricks_atlas;
-uniform vec3 ylm_low, ylm_scale, ylm_roots, ylm_bricks;
+uniform highp isampler2D ylm_tree;
+uniform highp sampler3D ylm_bricks;
+uniform vec3 ylm_low, ylm_scale, ylm_end, ylm_ahead, ylm_table, ylm_texel, ylm_volume;
 uniform float ylm_top, ylm_lmax;
-uvec2 ylm_word(uint i) { return texelFetch(ylm_tree, ivec2(i & 1023u, i >> 10u), 0).rg; }
-vec4 ylm_atlas(vec3 at, float k) {
-  float volumes = ylm_lmax > 1.0 ? 7.0 : 3.0;
-  vec3 size = ylm_bricks * vec3(1.0, 1.0, volumes);
-  return textureLod(ylm_bricks_atlas, (at + vec3(0.0, 0.0, k * ylm_bricks.z)) / size, 0.0);
-}
-float ylm_byte(uint x) { return float(int(x) >> 24); }
-float ylm_signed(uint x) { return float(int(x)); }
+ivec2 ylm_word(int i) { return texelFetch(ylm_tree, ivec2(i & 1023, i >> 10), 0).rg; }
+vec4 ylm_atlas(vec3 at) { return textureLod(ylm_bricks, at, 0.0); }
+vec4 ylm_plane(ivec2 w) { return vec4(unpackSnorm2x16(uint(w.x)), unpackSnorm2x16(uint(w.y))); }
+float ylm_float(int x) { return intBitsToFloat(x); }
 ]],
-    fields = "ylm_", all3 = "vec3(%1)", any3 = "any(notEqual(%1, %2))", choose = "(%1 ? %2 : %3)",
+    fields = "ylm_", all3 = "vec3(%1)", any3 = "any(notEqual(%1, %2))",
     declare = "%s %s = %s;", argument = "%s %s", fn = "%s %s(%s) {" },
   hlsl = {
-    types = { vec3 = "float3", vec4 = "float4", uvec2 = "uint2", uvec3 = "uint3" },
+    types = { vec3 = "float3", vec4 = "float4", ivec2 = "int2", ivec3 = "int3", fract = "frac" },
     prelude = [[
-Texture2D<uint2> ylm_tree;
-Texture3D<float4> ylm_bricks_atlas;
+Texture2D<int2> ylm_tree;
+Texture3D<float4> ylm_bricks;
 SamplerState ylm_linear;
 cbuffer ylm_probes {
-  float3 ylm_low; float ylm_top; float3 ylm_scale; float ylm_lmax; float3 ylm_roots; float3 ylm_bricks;
+  float3 ylm_low; float ylm_top; float3 ylm_scale; float ylm_lmax; float3 ylm_end; float3 ylm_ahead; float3 ylm_table;
+  float3 ylm_texel; float3 ylm_volume;
 };
-uint2 ylm_word(uint i) { return ylm_tree.Load(int3(int(i & 1023u), int(i >> 10u), 0)); }
-float4 ylm_atlas(float3 at, float k) {
-  float volumes = ylm_lmax > 1.0 ? 7.0 : 3.0;
-  float3 size = ylm_bricks * float3(1.0, 1.0, volumes);
-  return ylm_bricks_atlas.SampleLevel(ylm_linear, (at + float3(0.0, 0.0, k * ylm_bricks.z)) / size, 0.0);
-}
-float ylm_byte(uint x) { return float(asint(x) >> 24); }
-float ylm_signed(uint x) { return float(asint(x)); }
+int2 ylm_word(int i) { return ylm_tree.Load(int3(i & 1023, i >> 10, 0)); }
+float4 ylm_atlas(float3 at) { return ylm_bricks.SampleLevel(ylm_linear, at, 0.0); }
+float4 ylm_plane(int2 w) { return float4(int4(w.x << 16, w.x, w.y << 16, w.y) >> 16) / 32767.0; }
+float ylm_float(int x) { return asfloat(x); }
 ]],
-    fields = "ylm_", all3 = "float3(%1, %1, %1)", any3 = "any(%1 != %2)", choose = "(%1 ? %2 : %3)",
+    fields = "ylm_", all3 = "float3(%1, %1, %1)", any3 = "any(%1 != %2)",
     declare = "%s %s = %s;", argument = "%s %s", fn = "%s %s(%s) {" },
   wgsl = {
-    types = { float = "f32", uint = "u32", vec3 = "vec3f", vec4 = "vec4f", uvec2 = "vec2u", uvec3 = "vec3u" },
+    types = { float = "f32", int = "i32", vec3 = "vec3f", vec4 = "vec4f", ivec2 = "vec2i", ivec3 = "vec3i" },
     prelude = [[
-struct ylm_Probes { low: vec3f, top: f32, scale: vec3f, lmax: f32, roots: vec3f, bricks: vec3f };
+struct ylm_Probes {
+  low: vec3f, top: f32, scale: vec3f, lmax: f32, end: vec3f, ahead: vec3f, table: vec3f, texel: vec3f, volume: vec3f,
+};
 @group(0) @binding(0) var<uniform> ylm: ylm_Probes;
-@group(0) @binding(1) var ylm_tree: texture_2d<u32>;
-@group(0) @binding(2) var ylm_bricks_atlas: texture_3d<f32>;
+@group(0) @binding(1) var ylm_tree: texture_2d<i32>;
+@group(0) @binding(2) var ylm_bricks: texture_3d<f32>;
 @group(0) @binding(3) var ylm_linear: sampler;
-fn ylm_word(i: u32) -> vec2u { return textureLoad(ylm_tree, vec2u(i & 1023u, i >> 10u), 0).rg; }
-fn ylm_atlas(at: vec3f, k: f32) -> vec4f {
-  let size = ylm.bricks * vec3f(1.0, 1.0, select(3.0, 7.0, ylm.lmax > 1.0));
-  return textureSampleLevel(ylm_bricks_atlas, ylm_linear, (at + vec3f(0.0, 0.0, k * ylm.bricks.z)) / size, 0.0);
-}
-fn ylm_byte(x: u32) -> f32 { return f32(bitcast<i32>(x) >> 24u); }
-fn ylm_signed(x: u32) -> f32 { return f32(bitcast<i32>(x)); }
+fn ylm_word(i: i32) -> vec2i { return textureLoad(ylm_tree, vec2i(i & 1023, i >> 10u), 0).rg; }
+fn ylm_atlas(at: vec3f) -> vec4f { return textureSampleLevel(ylm_bricks, ylm_linear, at, 0.0); }
+fn ylm_plane(w: vec2i) -> vec4f { return vec4f(unpack2x16snorm(u32(w.x)), unpack2x16snorm(u32(w.y))); }
+fn ylm_float(x: i32) -> f32 { return bitcast<f32>(x); }
 ]],
-    fields = "ylm.", all3 = "vec3f(%1)", any3 = "any(%1 != %2)", choose = "select(%3, %2, %1)",
+    fields = "ylm.", unsigned = "u", all3 = "vec3f(%1)", any3 = "any(%1 != %2)",
     argument = "%2$s: %1$s", fn = "fn %2$s(%3$s) -> %1$s {" },
 }
 
@@ -140,13 +127,14 @@ end
 
 --- An expression in a language's words.
 local function expression(language, text)
-  for _, name in ipairs { "all3", "any3", "choose" } do
+  for _, name in ipairs { "all3", "any3" } do
     text = text:gsub(name .. "(%b())", function(call)
       local list = arguments_of(call:sub(2, -2))
       return (language[name]:gsub("%%(%d)", function(k) return list[tonumber(k)] end))
     end)
   end
   text = text:gsub("U%.", language.fields)
+  text = text:gsub("(>> %d+)", "%1" .. (language.unsigned or ""))
   return (text:gsub("%f[%w_]([%a][%w]*)%f[%W]", language.types))
 end
 

@@ -1,6 +1,6 @@
 // Reads '.ylmp', probes of ylm: docs/engines.md has the format. Nothing of three.js is used.
 
-const MAGIC = [ 0x89, 89, 76, 77, 80, 13, 10, 26 ], SPLIT = 255, DEPTH = 20, WIDTH = 1024, TOP = 1 << 18;
+const MAGIC = [ 0x89, 89, 76, 77, 80, 13, 10, 26 ], SPLIT = 255, DEPTH = 20, WIDTH = 1024, FRONT = 3 / 16, TOP = 1 << 18, MOST = 1 << 23;
 
 const single = new Float32Array( 1 ), word = new Uint32Array( single.buffer );
 
@@ -49,30 +49,32 @@ function tree( bytes, h ) {
 	return { level, first, parts: bytes.subarray( 112, 112 + h.cells ) };
 }
 
-// Words of leaves' planes, two a texel: the parts of sides, then a plane each; `at` [cells] texel and planes. Returns the bytes' end.
+// Words of leaves' planes, two a texel: the planes, the last one first, then the brick of each side, counted from the leaf's first;
+// `at` [cells] the texel of the sides and the planes' number. Returns the bytes' end.
 function planes( view, h, t, words, at ) {
 	let k = 112 + ( h.cells + 3 & ~ 3 );
 	for ( let i = 0; i < h.cells; i ++ ) {
 		if ( t.parts[ i ] < 2 || t.parts[ i ] === SPLIT ) continue;
-		const n = view.getUint8( k ++ ), texel = words.length / 2, sides = [ 0, 0 ];
+		const n = view.getUint8( k ++ ), snorm = x => Math.round( 32767 / 4 * x ) & 0xffff;
 		demand( n > 0 && n < 5, 'its planes cannot be' );
-		words.push( 0, 0 );
-		for ( let j = 0; j < n; j ++, k += 5 )
-			words.push( view.getUint8( k ) | view.getUint8( k + 1 ) << 8 | view.getUint8( k + 2 ) << 16, view.getInt16( k + 3, true ) );
+		for ( let j = n - 1; j >= 0; j -- ) {
+			const of = [ 0, 1, 2 ].map( a => snorm( view.getInt8( k + 5 * j + a ) / 127 ) );
+			words.push( ( of[ 0 ] | of[ 1 ] << 16 ) >>> 0, ( of[ 2 ] | snorm( view.getInt16( k + 5 * j + 3, true ) / 8192 ) << 16 ) >>> 0 );
+		}
+		k += 5 * n;
+		at[ i ] = words.length / 2 * 8 + n;
 		for ( let j = 0; j < 1 << n; j ++ ) {
 			const part = view.getUint8( k + ( j >> 1 ) ) >> 4 * ( j & 1 ) & 15;
 			demand( part < t.parts[ i ], 'its planes cannot be' );
-			sides[ j >> 3 ] |= part << 4 * ( j & 7 );
+			words.push( t.first[ i ] + part, 0 );
 		}
 		k += ( 1 << n ) / 2;
-		words[ 2 * texel ] = sides[ 0 ];
-		words[ 2 * texel + 1 ] = sides[ 1 ];
-		at[ i ] = texel * 8 + n;
 	}
 	return k + 3 & ~ 3;
 }
 
-// The texture of the tree: a table of equal cells, below it eight children each, then planes. Two words a texel.
+// The texture of the tree: a table of equal cells, below it eight children each, then planes. Two words a texel. A dark leaf has the
+// brick after the last.
 function texels( view, h, t ) {
 	let top = 0, deepest = 0, groups = 0;
 	const [ rx, ry, rz ] = h.roots, base = new Uint32Array( h.cells ), at = new Uint32Array( h.cells );
@@ -83,8 +85,8 @@ function texels( view, h, t ) {
 	const words = new Array( 2 * ( table + 8 * groups ) ).fill( 0 ), end = planes( view, h, t, words, at );
 	function put( texel, i ) {
 		const split = t.parts[ i ] === SPLIT;
-		words[ 2 * texel ] = split ? ( 0x80000000 | base[ i ] ) >>> 0 : t.level[ i ] << 26 | t.first[ i ];
-		words[ 2 * texel + 1 ] = split ? 0 : t.parts[ i ] ? at[ i ] : 0xffffffff;
+		words[ 2 * texel ] = split ? ( 0x80000000 | base[ i ] ) >>> 0 : 127 + t.level[ i ] << 23 | ( t.parts[ i ] ? t.first[ i ] : h.bricks );
+		words[ 2 * texel + 1 ] = at[ i ];
 	}
 	function fill( i, x, y, z ) {
 		const n = 1 << top - t.level[ i ];
@@ -97,25 +99,42 @@ function texels( view, h, t ) {
 	}
 	for ( let z = 0, i = 0; z < rz; z ++ ) for ( let y = 0; y < ry; y ++ ) for ( let x = 0; x < rx; x ++ ) fill( i ++, x, y, z );
 	for ( let i = 0; i < h.cells; i ++ ) if ( base[ i ] ) for ( let k = 0; k < 8; k ++ ) put( base[ i ] + k, t.first[ i ] + k );
-	const height = Math.ceil( words.length / 2 / WIDTH ), data = new Uint32Array( 2 * WIDTH * height );
+	const height = Math.ceil( words.length / 2 / WIDTH ), data = new Int32Array( 2 * WIDTH * height );
 	data.set( words );
 	return { top, end, height, data };
 }
 
-// The texture of bricks: 2 x 2 x 2 texels each, volumes of four numbers above each other.
+// Numbers of a point, channels beside each other, as its texels have them: 1, y, z, x of each channel, xy, yz, xz, z z of each, then
+// x x - y y of all three.
+function arranged( v, to ) {
+	for ( let c = 0; c < 3; c ++ ) {
+		for ( let k = 0; k < 4; k ++ ) to[ 4 * c + k ] = v[ 3 * k + c ];
+		if ( v.length === 12 ) continue;
+		[ 4, 5, 7 ].forEach( ( k, i ) => to[ 12 + 4 * c + i ] = v[ 3 * k + c ] );
+		to[ 4 * c ] -= v[ 18 + c ]; // of 3 z z - 1
+		to[ 15 + 4 * c ] = 3 * v[ 18 + c ];
+		to[ 24 + c ] = v[ 24 + c ];
+	}
+}
+
+// The texture of bricks: 2 x 2 x 2 texels each, volumes of four numbers above each other; behind them a dark one.
 function atlas( view, bytes, h, from ) {
 	const n = 3 * ( h.lmax + 1 ) ** 2, volumes = h.lmax > 1 ? 7 : 3, size = Math.ceil( ( 16 + n * h.bits ) / 8 );
 	const begin = from + ( 8 * h.index * h.bricks + 3 & ~ 3 ), points = new Uint16Array( 4 * volumes * h.points );
+	const v = new Float64Array( n ), to = new Float64Array( 4 * volumes );
 	demand( begin + ( size * h.points + 3 & ~ 3 ) === bytes.length, 'its length is another' );
 	for ( let i = 0; i < h.points; i ++ ) {
 		const k = begin + i * size, step = 2 ** ( ( view.getUint16( k, true ) - 32768 ) / 512 );
 		for ( let j = 0; j < n; j ++ ) {
 			const q = unpack( bytes, 8 * k + 16 + j * h.bits, h.bits );
-			points[ 4 * volumes * i + j ] = half( step * ( q >> h.bits - 1 ? q - ( 1 << h.bits ) : q ) );
+			v[ j ] = step * ( q >> h.bits - 1 ? q - ( 1 << h.bits ) : q );
 		}
+		arranged( v, to );
+		for ( let j = 0; j < 4 * volumes; j ++ ) points[ 4 * volumes * i + j ] = half( to[ j ] );
 	}
-	const bx = Math.max( 1, Math.min( 128, h.bricks ) ), by = Math.max( 1, Math.min( 128, Math.ceil( h.bricks / bx ) ) );
-	const bz = Math.max( 1, Math.ceil( h.bricks / ( bx * by ) ) ), data = new Uint16Array( 32 * bx * by * bz * volumes );
+	demand( h.bricks < MOST, 'it has too many bricks' );
+	const bx = Math.min( 128, h.bricks + 1 ), by = Math.min( 128, Math.ceil( ( h.bricks + 1 ) / bx ) );
+	const bz = Math.ceil( ( h.bricks + 1 ) / ( bx * by ) ), data = new Uint16Array( 32 * bx * by * bz * volumes );
 	for ( let i = 0; i < 8 * h.bricks; i ++ ) {
 		const k = from + i * h.index, b = i >> 3, c = i & 7;
 		const p = h.index === 1 ? bytes[ k ] : h.index === 2 ? view.getUint16( k, true ) : view.getUint32( k, true );
@@ -126,14 +145,24 @@ function atlas( view, bytes, h, from ) {
 			data.set( points.subarray( 4 * ( volumes * p + v ), 4 * ( volumes * p + v ) + 4 ), 4 * ( x + 2 * bx * ( y + 2 * by * z ) ) );
 		}
 	}
-	return { data, bricks: [ bx, by, bz ], size: [ 2 * bx, 2 * by, 2 * bz * volumes ] };
+	return { data, size: [ 2 * bx, 2 * by, 2 * bz * volumes ] };
 }
 
-// Textures and numbers of a file for the shader: { low, scale, roots, top, lmax, tree: { data, width, height } of two 32-bit words a texel,
-// atlas: { data, size, bricks } of four halves a texel, bounds }.
+// The largest float below a whole number.
+function below( n ) {
+	single[ 0 ] = n;
+	word[ 0 ] --;
+	return single[ 0 ];
+}
+
+// Textures and numbers of a file for the shader: { tree: { data, width, height } of two whole numbers of 32 bits a texel, atlas: { data, size } of
+// four halves a texel, bounds, uniforms: numbers and lists of three by the shader's names }.
 function readProbes( buffer ) {
 	const view = new DataView( buffer ), bytes = new Uint8Array( buffer ), h = header( view );
-	const t = texels( view, h, tree( bytes, h ) ), low = h.bounds.slice( 0, 3 );
-	return { bounds: h.bounds, low, scale: h.roots.map( ( n, a ) => n / ( h.bounds[ a + 3 ] - low[ a ] ) ), roots: h.roots,
-		top: 2 ** t.top, lmax: h.lmax, tree: { data: t.data, width: WIDTH, height: t.height }, atlas: atlas( view, bytes, h, t.end ) };
+	const t = texels( view, h, tree( bytes, h ) ), a = atlas( view, bytes, h, t.end ), top = 2 ** t.top, [ rx, ry ] = h.roots;
+	const scale = h.roots.map( ( n, i ) => n / ( h.bounds[ i + 3 ] - h.bounds[ i ] ) );
+	return { bounds: h.bounds, tree: { data: t.data, width: WIDTH, height: t.height }, atlas: a,
+		uniforms: { ylm_low: h.bounds.slice( 0, 3 ), ylm_scale: scale, ylm_end: h.roots.map( below ), ylm_ahead: scale.map( s => FRONT / s ),
+			ylm_table: [ 1, rx * top, rx * ry * top * top ], ylm_texel: a.size.map( n => 2 / n ), ylm_top: top, ylm_lmax: h.lmax,
+			ylm_volume: [ 0, 0, h.lmax > 1 ? 1 / 7 : 1 / 3 ] } };
 }

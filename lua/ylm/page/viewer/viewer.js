@@ -375,14 +375,13 @@
   let probeUniforms;
   /* The scene's light, in the form of engines: docs/engines.md. */
   function makeProbes(p) {
-    texture(UNIT.tree, gl.RG32UI, p.tree.width, p.tree.height, gl.RG_INTEGER, gl.UNSIGNED_INT, p.tree.data);
+    texture(UNIT.tree, gl.RG32I, p.tree.width, p.tree.height, gl.RG_INTEGER, gl.INT, p.tree.data);
     gl.activeTexture(gl.TEXTURE0 + UNIT.bricks);
     gl.bindTexture(gl.TEXTURE_3D, gl.createTexture());
     gl.texImage3D(gl.TEXTURE_3D, 0, gl.RGBA16F, ...p.atlas.size, 0, gl.RGBA, gl.HALF_FLOAT, p.atlas.data);
     for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_3D, name, gl.LINEAR);
-    probeUniforms = { ylm_tree: ['1i', UNIT.tree], ylm_bricks_atlas: ['1i', UNIT.bricks], ylm_top: ['1f', p.top],
-      ylm_lmax: ['1f', p.lmax], ylm_low: ['3f', ...p.low], ylm_scale: ['3f', ...p.scale], ylm_roots: ['3f', ...p.roots],
-      ylm_bricks: ['3f', ...p.atlas.bricks] };
+    probeUniforms = { ylm_tree: ['1i', UNIT.tree], ylm_bricks: ['1i', UNIT.bricks] };
+    for (const [name, x] of Object.entries(p.uniforms)) probeUniforms[name] = x.length ? ['3f', ...x] : ['1f', x];
   }
 
   let rowsTexture;
