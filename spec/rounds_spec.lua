@@ -173,6 +173,36 @@ describe("rays of a pixel", function()
   end)
 end)
 
+describe("rays to lamps", function()
+  it("light wide and narrow lobes as paths do", function()
+    local before = ylm.on_warning(false)
+    local materials = { ylm.ggx { alpha = 0.25, f0 = 0.04, base = 0.6 }, ylm.ggx { alpha = { 0.2, 0.5 }, f0 = 0.5 },
+      ylm.phong { exponent = 10, specular = 0.3, base = 0.4 }, ylm.ggx { alpha = 0.05, f0 = 0.6 } }
+    for k, m in ipairs(materials) do
+      local scene = ylm.scene "a plate" {
+        camera = ylm.camera { from = { 0, 1.2, 1.6 }, at = { 0, 0, 0 }, fov = 40 },
+        geometry = { ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 }, material = m },
+          ylm.box { bounds = { { -0.8, 0.3, -0.5 }, { -0.5, 0.35, 0.5 } } } },
+        lights = { ylm.sphere_light { at = { -1, 1.2, -0.4 }, radius = 0.1, radiance = 40 },
+          ylm.disk_light { at = { 0.8, 1.5, -1.2 }, normal = { 0, -1, 0.4 }, radius = 0.5, radiance = 3 } },
+      }
+      local o = { size = { 24, 16 }, samples = 16, bounces = 0 }
+      local function means(image) -- of the two halves
+        local all = image:layer "radiance"
+        return { all[{ { 1, 8 }, { 1, 24 } }]:mean(), all[{ { 9, 16 }, { 1, 24 } }]:mean() }
+      end
+      o.light_samples = 96
+      local found = means(assert(scene:render(o)))
+      o.light_samples, o.samples, o.bounces = nil, 512, 0
+      local truth = means(assert(scene:pathtrace(o)))
+      for h = 1, 2 do
+        assert.is_true(math.abs(found[h] / truth[h] - 1) < 0.02, ("material %d: %.4f, not %.4f"):format(k, found[h], truth[h]))
+      end
+    end
+    ylm.on_warning(before)
+  end)
+end)
+
 describe("more camera rays", function()
   it("multiply rays to lamps and links, unless their numbers are given or every sample is shaded", function()
     local before, scene = ylm.on_warning(false), wall()

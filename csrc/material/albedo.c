@@ -52,6 +52,36 @@ void ylm__material_mean(const ylm_material *m, float albedo[3]) {
   put(sum, n, albedo);
 }
 
+/* The square's mean is that of pi f times the weight of directions which the material chooses: narrow lobes are not missed. */
+static float excess_at(const ylm_material *m, float cosine) {
+  float wo[ALBEDO_BATCH][3], u[ALBEDO_BATCH][3], wi[ALBEDO_BATCH][3], weight[ALBEDO_BATCH][3];
+  float pdf[ALBEDO_BATCH], f[ALBEDO_BATCH][3], p[4], r = sqrtf(1 - cosine * cosine);
+  double square[3] = {0}, mean[3] = {0}, squares = 0, means = 0;
+  for (size_t i = 0; i < EXCESS_SAMPLES; i += ALBEDO_BATCH) {
+    for (size_t k = 0; k < ALBEDO_BATCH; k++) {
+      place(i + k, 4, p);
+      float angle = (float)(2 * YLM_PI) * p[3];
+      wo[k][0] = r * cosf(angle), wo[k][1] = r * sinf(angle), wo[k][2] = cosine;
+      for (int a = 0; a < 3; a++) u[k][a] = p[a];
+    }
+    ylm_material_sample(m, ALBEDO_BATCH, (const float(*)[3])wo, (const float(*)[3])u, wi, weight,
+                        pdf);
+    ylm_material_eval(m, ALBEDO_BATCH, (const float(*)[3])wi, (const float(*)[3])wo, f);
+    for (size_t k = 0; k < ALBEDO_BATCH; k++)
+      for (int c = 0; c < 3; c++) {
+        square[c] += YLM_PI * (double)f[k][c] * (double)weight[k][c] / EXCESS_SAMPLES;
+        mean[c] += (double)weight[k][c] / EXCESS_SAMPLES;
+      }
+  }
+  for (int c = 0; c < 3; c++) squares += square[c], means += mean[c] * mean[c];
+  return means > 0 ? (float)fmax(0, squares / means - 1) : 0;
+}
+
+void ylm__material_fill_excess(ylm_material *m) {
+  for (int k = 0; k < MATERIAL_EYES; k++)
+    m->excess[k] = excess_at(m, ((float)k + 0.5f) / MATERIAL_EYES);
+}
+
 void ylm__material_reflectance(const ylm_material *m, size_t n, const float (*wo)[3],
                                float (*albedo)[3]) {
   const size_t points = ALBEDO_SAMPLES;

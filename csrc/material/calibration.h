@@ -25,6 +25,10 @@
 #define ALBEDO_SAMPLES ((size_t)1 << 14)
 #define ALBEDO_BATCH 256
 
+/* Cosines of eyes at which a material knows its excess, and samples at each. */
+#define MATERIAL_EYES 16
+#define EXCESS_SAMPLES 1024
+
 /* -- degrees that a slice needs: degree.c ---------------------------------------------------------- */
 
 /* Rows of directions: doubled from the least to the most until a slice's square settles. */

@@ -4,6 +4,7 @@
 
 #include <stdatomic.h>
 
+#include "calibration.h"
 #include "kernels.h"
 #include "ylm_material.h"
 
@@ -12,8 +13,9 @@ struct ylm_material {
   int kind;
   float x[YLM_MATERIAL_NUMBERS];
   float albedo[3]; /* of light from everywhere alike                                         */
-  void *table;     /* what the kind makes of the numbers, or keeps of a file; NULL: nothing  */
-  size_t bytes;    /* its size, of which Lua's collector is told                             */
+  float excess[MATERIAL_EYES]; /* ylm_material_excess at cosines (k + 1/2) / MATERIAL_EYES  */
+  void *table;  /* what the kind makes of the numbers, or keeps of a file; NULL: nothing  */
+  size_t bytes; /* its size, of which Lua's collector is told                             */
   uint64_t print;
   _Atomic(struct material_kept *) kept; /* table_kept.c */
 };
@@ -77,6 +79,8 @@ bool ylm__material_mirrored(const ylm_material *m);
 
 /* The mean over directions; its error is about 5e-4. */
 void ylm__material_mean(const ylm_material *m, float albedo[3]);
+/* Fills m->excess, of a material that is complete otherwise. */
+void ylm__material_fill_excess(ylm_material *m);
 /* Towards n directions; the error is about 2e-4. */
 void ylm__material_reflectance(const ylm_material *m, size_t n, const float (*wo)[3],
                                float (*albedo)[3]);

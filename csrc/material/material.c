@@ -43,6 +43,11 @@ ylm_status ylm_material_cosine(int lmax, double *a) {
 
 bool ylm_material_glosses(const ylm_material *m) { return !kinds[m->kind]->radiance; }
 
+float ylm_material_excess(const ylm_material *m, float cosine) {
+  int k = (int)(cosine * MATERIAL_EYES);
+  return m->excess[k < 0 ? 0 : k < MATERIAL_EYES ? k : MATERIAL_EYES - 1];
+}
+
 /* -- making them ----------------------------------------------------------------- */
 
 ylm_status ylm_material_check(int kind, size_t n, const float *numbers, ylm_error *e) {
@@ -65,6 +70,7 @@ static ylm_status complete(ylm_material *m, const void *bytes, size_t size, cons
   else if (k->prepare)
     s = k->prepare(m, e);
   if (s == YLM_OK) (k->mean ? k->mean : ylm__material_mean)(m, m->albedo);
+  if (s == YLM_OK && !k->radiance) ylm__material_fill_excess(m);
   return s;
 }
 

@@ -88,6 +88,10 @@ YLM_API void ylm_material_free(const ylm_material *m);
 YLM_API int ylm_material_kind(const ylm_material *m);
 /* Whether its light differs from eye to eye: transfer vectors alone do not say what it reflects. */
 YLM_API bool ylm_material_glosses(const ylm_material *m);
+/* By how much more noise than of a matte surface rays that are dense as the cosine find what an eye sees of it under light from
+   everywhere: the variance of pi f over its squared mean, channels added. 0: matte; above 1, lobes are so narrow that they should
+   choose rays. cosine: of the eye's angle to the normal; the azimuth does not count. Within 10 % where it is below 10. */
+YLM_API float ylm_material_excess(const ylm_material *m, float cosine);
 /* A fingerprint of its kind, its numbers and the bytes of its file. */
 YLM_API uint64_t ylm_material_print(const ylm_material *m);
 /* The memory that it takes. */

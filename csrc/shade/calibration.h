@@ -27,6 +27,11 @@
 /* Rays of a point that start from one place, and places of a point, at most. Moved by: edges of shadows, and time. */
 #define SHADE_PLACE_RAYS 2
 #define SHADE_PLACES_MOST 16
+/* The excess (ylm_material_excess) of a lobe below which rays are aimed at lamps alone. A wider one takes rays that its material
+   chooses besides, 16 of each at least. Moved by: noise at equal rays of floors and metals under lamps and windows. */
+#define SHADE_SOFT 4.0f
+/* Rays whose f is found in one go. */
+#define SHADE_LOBE_RAYS 16
 /* Points that a thread takes at a time, and points whose rays are traced in one go, at most. */
 #define SHADE_CAST_GRAIN 256
 #define SHADE_CAST_POINTS 512
@@ -123,6 +128,11 @@
 #define DENOISE_LEAST 1e-24
 /* Albedo of a channel below which its light is not told apart from none. */
 #define DENOISE_ALBEDO 1e-4f
+/* Lobes whose excess (ylm_material_excess), seen from this cosine, is above this are mirrors, whose light is left as it is; materials
+   that gloss are told apart by so many numbers. Moved by: edges in reflections, and noise of floors. */
+#define DENOISE_EYE 0.7f
+#define DENOISE_NARROW 1.0f
+#define DENOISE_MATERIALS 65536
 /* Numbers that kernels may read behind a row. */
 #define DENOISE_LANES 16
 /* Pixels between the middles of cells that keep their light: from the largest, halved down to the smallest, so many times. Noise

@@ -153,6 +153,8 @@ typedef struct shade_cast {
       noise; /* that they may leave in each mesh, root mean square over that of its radiance; out:
                    what they leave in the mesh that has most of it */
   int most;  /* of a pixel and mesh */
+  const float *
+      own; /* [n] rays of each point, of its pixel and mesh together; noise 0. NULL: light_samples */
   const float *share; /* [n] how much of each point's radiance they are, noise > 0; NULL: all */
   bool shadows;
   uint64_t seed;

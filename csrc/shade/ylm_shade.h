@@ -369,7 +369,7 @@ typedef struct ylm_shade_casting {
   const ylm_scene_guide
       *guide;        /* learnt from these lamps: rays from matte points follow it; NULL: none do */
   int light_samples; /* shadow rays per shading point, 1 .. YLM_SCENE_SAMPLES */
-  const float *rays; /* [points] of each matte point, whole numbers; NULL: all have light_samples */
+  const float *rays; /* [points] of each point, whole numbers; NULL: all have light_samples */
   bool shadows;      /* false: nothing is in the way */
   bool spread;       /* rays of a matte point start from all over its part of the pixel */
   uint64_t seed;
@@ -393,8 +393,8 @@ YLM_API ylm_status ylm_shade_guide(const ylm_shade_view *view, const ylm_shade_c
 ** luminous irradiance, times a factor of the guide, then a direction. The direction is uniform in the solid angle that the
 ** lamp fills; of disks, and triangles that fill little, it is that of a place uniform in area. A ray
 ** that starts at the point and ends at the lamp decides. No SH, no grid, no occlusion_distance.
-** Surfaces that are not matte are lit by as many rays again that their material chooses, weighed by
-** the balance heuristic (ylm_path_places).
+** Surfaces with narrow lobes (ylm_material_excess) are lit by as many rays again that their material chooses,
+** weighed by the balance heuristic (ylm_path_places), in batches of 16.
 **
 **   out   out  [points][3]
 **   rays  out  shadow rays that were traced, may be NULL

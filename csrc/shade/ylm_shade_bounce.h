@@ -107,7 +107,7 @@ typedef struct ylm_shade_sets {
 /*
 ** ylm_shade_gather_sets - as ylm_shade_gather, along sets of links that are found one after the other and not kept.
 **
-** Links of all points go as the cosine.
+** Links of matte points go as the cosine, those of points that gloss as their materials choose.
 **
 **   half  out  [2][points][3] the light by sets of even and of odd number; 0 where there is none of them
 **   rays  out  links of all sets

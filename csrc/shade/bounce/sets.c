@@ -15,6 +15,9 @@ typedef struct round_of {
   uint32_t *point, *link;                  /* [points], [SETS_POINTS][YLM_SHADE_SET] */
   float (*origin)[3], (*normal)[3], *mean; /* [SETS_POINTS], mean [..][4] */
   uint64_t *own;
+  size_t *start;    /* [SETS_POINTS+1] */
+  uint16_t *weight; /* [SETS_POINTS][3][YLM_SHADE_SET], of lobes as shade_lobes has them */
+  float *most;      /* [SETS_POINTS]; the three NULL: no point is a lobe */
 } round_of;
 
 static void round_free(round_of *r) {
@@ -26,6 +29,24 @@ static void round_free(round_of *r) {
   ylm_free(r->normal);
   ylm_free(r->mean);
   ylm_free(r->own);
+  ylm_free(r->start);
+  ylm_free(r->weight);
+  ylm_free(r->most);
+}
+
+static bool is_lobe(const round_of *r, size_t i) {
+  return !r->o->all && ylm__shade_glosses(r->view, i);
+}
+
+/* The room of lobes, where a point is one. */
+static ylm_status make_room(round_of *r) {
+  size_t i = 0;
+  while (i < r->view->points && !is_lobe(r, i)) i++;
+  if (i == r->view->points) return YLM_OK;
+  r->start = ylm_alloc(SETS_POINTS + 1, sizeof *r->start);
+  r->weight = ylm_alloc(SETS_POINTS, 3 * YLM_SHADE_SET * sizeof *r->weight);
+  r->most = ylm_alloc(SETS_POINTS, sizeof *r->most);
+  return r->start && r->weight && r->most ? YLM_OK : YLM_ENOMEM;
 }
 
 static ylm_status round_create(round_of *r) {
@@ -44,7 +65,7 @@ static ylm_status round_create(round_of *r) {
   for (size_t i = 0; i < points; i++) r->stream[i] = ylm_mix64(r->stream[i]);
   for (size_t p = 0; !r->view->corner && p < r->view->stats.pixels; p++)
     for (size_t i = r->view->pixel[p].first; i < r->view->pixel[p + 1].first; i++) r->pixel[i] = p;
-  return YLM_OK;
+  return make_room(r);
 }
 
 /* Adds the light of a set of some points to a half. */
@@ -69,6 +90,23 @@ static ylm_status add_set(round_of *r, size_t n, const uint32_t *point, uint64_t
   return YLM_OK;
 }
 
+/* Adds the light of a set of some points that gloss to a half: radiance, along links that their materials choose. */
+static ylm_status add_lobes(round_of *r, size_t n, const uint32_t *point, uint64_t seed,
+                            float *half) {
+  const ylm_shade_sets *o = r->o;
+  size_t links = (size_t)o->links;
+  shade_lobes x = {.start = r->start, .link = r->link, .weight = r->weight, .most = r->most};
+  for (size_t i = 0; i <= n; i++) r->start[i] = i * links;
+  ylm_status s = ylm__shade_lobes(r->view, o->transfer, n, point, r->stream, links, seed,
+                                  o->threads, NULL, &x);
+  for (size_t i = 0; s == YLM_OK && i < n; i++) {
+    double light[3];
+    ylm__shade_lobe(&x, i, o->leaving, -1, light);
+    for (size_t c = 0; c < 3; c++) half[3 * (size_t)point[i] + c] += (float)light[c];
+  }
+  return s;
+}
+
 /* How many sets of a point are in a half: of an odd number, the first has one more. */
 static float sets_of(float sets, int half) { return floorf((sets + (float)(1 - half)) / 2); }
 
@@ -76,24 +114,35 @@ static float sets_of(float sets, int half) { return floorf((sets + (float)(1 - h
 static void finish(const round_of *r, int h, float *half) {
   for (size_t i = 0; i < r->view->points; i++) {
     float n = sets_of(r->o->sets[i], h);
-    for (size_t c = 0; n > 0 && c < 3; c++) half[3 * i + c] *= (float)YLM_PI / n;
+    bool lobe = is_lobe(r, i);
+    for (size_t c = 0; n > 0 && c < 3; c++) half[3 * i + c] *= (lobe ? 1 : (float)YLM_PI) / n;
+    if (lobe)
+      ylm__shade_tint(r->view, i, 1, half + 3 * i);
+    else
+      ylm__shade_reflect(r->view, i, 1, half + 3 * i);
   }
-  ylm__shade_reflect(r->view, 0, r->view->points, half);
 }
 
-/* All sets of number `k`; *rays counts links. */
-static ylm_status run_round(round_of *r, int k, float *half, uint64_t *rays, ylm_error *e) {
+/* All sets of number `k` of the points that are, or are not, lobes; *rays counts links. */
+static ylm_status run_kind(round_of *r, int k, bool lobes, float *half, uint64_t *rays,
+                           ylm_error *e) {
   size_t n = 0;
+  uint64_t seed = ylm_mix64(ylm_mix64(r->o->seed) + (uint64_t)k);
   ylm_status s = YLM_OK;
   for (size_t i = 0; i < r->view->points; i++)
-    if ((float)k < r->o->sets[i] && (r->o->all || !ylm__shade_glosses(r->view, i)))
-      r->point[n++] = (uint32_t)i;
+    if ((float)k < r->o->sets[i] && is_lobe(r, i) == lobes) r->point[n++] = (uint32_t)i;
   for (size_t at = 0; s == YLM_OK && at < n; at += SETS_POINTS) {
     size_t some = n - at < SETS_POINTS ? n - at : SETS_POINTS;
-    s = add_set(r, some, r->point + at, ylm_mix64(ylm_mix64(r->o->seed) + (uint64_t)k), half, e);
+    s = lobes ? add_lobes(r, some, r->point + at, seed, half)
+              : add_set(r, some, r->point + at, seed, half, e);
   }
   *rays += n * (size_t)r->o->links;
   return s;
+}
+
+static ylm_status run_round(round_of *r, int k, float *half, uint64_t *rays, ylm_error *e) {
+  ylm_status s = run_kind(r, k, false, half, rays, e);
+  return s == YLM_OK ? run_kind(r, k, true, half, rays, e) : s;
 }
 
 ylm_status ylm_shade_gather_sets(const ylm_shade_view *v, const ylm_shade_sets *o, float *half[2],

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "../calibration.h"
-#include "../view.h"
+#include "../gloss/lobes.h"
 
 typedef struct job {
   const ylm_shade_view *view;
@@ -27,17 +27,53 @@ typedef struct waiting {
   size_t points;
 } waiting;
 
+static bool arrives(const job *j, const ylm_scene_batch *b, size_t k) {
+  return !j->shadows || !(b->ray[k].far < 0);
+}
+
+/* Light that a matte point i reflects of rays first .. end-1. */
+static void reflect(const job *j, const ylm_scene_batch *b, size_t first, size_t end, size_t i) {
+  double E[3] = {0, 0, 0};
+  for (size_t k = first; k < end; k++)
+    if (arrives(j, b, k))
+      for (int c = 0; c < 3; c++) E[c] += b->value[k][c];
+  ylm_material_reflect(ylm__shade_material(j->view, i), E, j->out + 3 * i);
+}
+
+/* Light that point i, which glosses, reflects of rays first .. end-1: the irradiance of each by its f. */
+static void reflect_lobe(const job *j, const ylm_scene_batch *b, size_t first, size_t end,
+                         size_t i) {
+  const ylm_material *m = ylm__shade_material(j->view, i);
+  ylm_scene_surface s;
+  float y[3], eye[3], wi[SHADE_LOBE_RAYS][3], wo[SHADE_LOBE_RAYS][3], f[SHADE_LOBE_RAYS][3];
+  size_t of[SHADE_LOBE_RAYS], n = 0;
+  double sum[3] = {0, 0, 0};
+  ylm__shade_frame(j->view, NULL, i, &s, y, eye);
+  for (size_t k = first; k < end; k++) {
+    if (arrives(j, b, k)) {
+      const float *d = b->ray[k].dir;
+      float each = 1 / sqrtf(ylm_dot3(d, d));
+      wi[n][0] = each * ylm_dot3(d, s.tangent);
+      wi[n][1] = each * ylm_dot3(d, y);
+      wi[n][2] = each * ylm_dot3(d, s.normal);
+      memcpy(wo[n], eye, sizeof eye);
+      of[n++] = k;
+    }
+    if (n < SHADE_LOBE_RAYS && (k + 1 < end || n == 0)) continue;
+    ylm_material_eval(m, n, (const float(*)[3])wi, (const float(*)[3])wo, f);
+    for (; n > 0; n--)
+      for (int c = 0; c < 3; c++) sum[c] += b->value[of[n - 1]][c] * (double)f[n - 1][c];
+  }
+  for (int c = 0; c < 3; c++) j->out[3 * i + (size_t)c] = (float)sum[c];
+}
+
 /* Traces the rays of all points so far; writes the radiance of these. */
 static void finish(const job *j, waiting *w) {
   ylm_scene_batch *b = &w->lit;
   if (j->shadows) ylm_scene_batch_trace(b);
-  for (size_t p = 0, k = 0; p < w->points; p++) {
+  for (size_t p = 0, first = 0; p < w->points; first = w->end[p++]) {
     size_t i = w->point[p];
-    double E[3] = {0, 0, 0};
-    for (; k < w->end[p]; k++)
-      if (!j->shadows || !(b->ray[k].far < 0))
-        for (int c = 0; c < 3; c++) E[c] += b->value[k][c];
-    ylm_material_reflect(ylm__shade_material(j->view, i), E, j->out + 3 * i);
+    (ylm__shade_glosses(j->view, i) ? reflect_lobe : reflect)(j, b, first, w->end[p], i);
     ylm__shade_tint(j->view, i, 1, j->out + 3 * i);
   }
   w->points = b->rays = 0;
@@ -74,10 +110,6 @@ static void aim(const job *j, waiting *w, size_t p, size_t i, uint64_t stream) {
   w->end[w->points++] = w->lit.rays;
 }
 
-static bool is_matte(const job *j, size_t i) {
-  return !ylm_material_glosses(ylm__shade_material(j->view, i));
-}
-
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   job *j = context;
@@ -88,7 +120,7 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   shade_stream at = ylm__shade_stream_at(j->view, begin);
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     uint64_t stream = ylm__shade_stream_next(j->view, &at);
-    if (i % j->step == 0 && is_matte(j, i)) aim(j, &w, at.pixel, i, stream);
+    if (i % j->step == 0 && ylm__shade_is_soft(j->view, i)) aim(j, &w, at.pixel, i, stream);
   }
   if (status == YLM_OK) finish(j, &w);
   ylm_scene_batch_free(&w.lit);
@@ -96,29 +128,34 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return status;
 }
 
-/* The points that are of other materials; their number. */
-static size_t list_glossy(const job *j, size_t *point) {
+/* The points whose lobes are narrow; their number. */
+static size_t list_narrow(const job *j, size_t *point) {
   size_t n = 0;
   for (size_t i = 0; i < j->view->points; i += j->step)
-    if (!is_matte(j, i)) point[n++] = i;
+    if (!ylm__shade_is_soft(j->view, i)) point[n++] = i;
   return n;
 }
 
-/* Points of other materials. */
-static ylm_status cast_glossy(const job *j, int threads, const ylm_progress *progress,
+/* Points whose lobes are narrow. */
+static ylm_status cast_narrow(const job *j, int threads, const ylm_progress *progress,
                               uint64_t *rays) {
   const ylm_shade_view *v = j->view;
-  size_t *point = ylm_alloc(v->points, sizeof *point), n = point ? list_glossy(j, point) : 0;
+  size_t *point = ylm_alloc(v->points, sizeof *point), n = point ? list_narrow(j, point) : 0;
   float *radiance = ylm_alloc_zero(3 * n, sizeof *radiance);
+  float *own = j->own ? ylm_alloc(n, sizeof *own) : NULL;
   shade_cast c = {.lit = j->lit,
+                  .own = own,
                   .light_samples = j->light_samples,
                   .shadows = j->shadows,
                   .seed = j->seed,
                   .threads = threads,
                   .progress = progress};
-  ylm_status s = point && radiance ? ylm__shade_cast(v, &c, n, point, radiance, rays) : YLM_ENOMEM;
+  for (size_t i = 0; point && own && i < n; i++) own[i] = j->own[point[i]];
+  bool made = point && radiance && (own || !j->own);
+  ylm_status s = made ? ylm__shade_cast(v, &c, n, point, radiance, rays) : YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < 3 * n; i++) j->out[3 * point[i / 3] + i % 3] = radiance[i];
   ylm_free(point);
+  ylm_free(own);
   ylm_free(radiance);
   return s;
 }
@@ -152,20 +189,20 @@ ylm_status ylm_shade_raycast(const ylm_shade_view *v, const ylm_shade_casting *o
   j.out = out;
   s = ylm_parallel(v->points, SHADE_CAST_GRAIN, o->threads, run, &j, o->progress, "raycast");
   uint64_t all = j.rays;
-  if (s == YLM_OK) s = cast_glossy(&j, o->threads, o->progress, &all);
+  if (s == YLM_OK) s = cast_narrow(&j, o->threads, o->progress, &all);
   if (rays) *rays = all;
   return s;
 }
 
-/* The places of matte points, to be freed: [3][n]. */
+/* The places of points that rays to lamps light, to be freed: [3][n]. */
 static ylm_status list_places(const job *j, float (**room)[3], ylm_scene_places *out) {
   const ylm_shade_view *v = j->view;
   size_t n = 0, all = 0;
-  for (size_t i = 0; i < v->points; i++) all += is_matte(j, i);
+  for (size_t i = 0; i < v->points; i++) all += ylm__shade_is_soft(j->view, i);
   float(*x)[3] = *room = ylm_alloc(3 * all, sizeof **room);
   if (!x) return YLM_ENOMEM;
   for (size_t i = 0; i < v->points; i++) {
-    if (!is_matte(j, i)) continue;
+    if (!ylm__shade_is_soft(j->view, i)) continue;
     memcpy(x[n], v->lit[i], 12);
     memcpy(x[all + n], v->normal[i], 12);
     memcpy(x[2 * all + n++], v->origin[i], 12);
@@ -216,7 +253,7 @@ ylm_status ylm_shade_raycast_noise(const ylm_shade_view *v, const ylm_shade_cast
   j.step = noise_step(points);
   if (!(j.out = ylm_alloc_zero(3 * points, sizeof(float)))) return YLM_ENOMEM;
   s = ylm_parallel(points, SHADE_CAST_GRAIN, o->threads, run, &j, NULL, NULL);
-  if (s == YLM_OK) s = cast_glossy(&j, o->threads, NULL, &rays);
+  if (s == YLM_OK) s = cast_narrow(&j, o->threads, NULL, &rays);
   for (size_t i = 0; s == YLM_OK && i < points; i += j.step, n++) {
     double a = luminance_at(j.out, i), b = luminance_at(radiance, i);
     square += (a - b) * (a - b) / 2;

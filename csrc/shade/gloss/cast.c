@@ -330,6 +330,17 @@ static ylm_status try_items(const ylm_shade_view *v, shade_cast *c, const items 
   return s;
 }
 
+/* All items, each with the rays of its points. */
+static ylm_status cast_own(const ylm_shade_view *v, const shade_cast *c, const items *x,
+                           int *samples, float *room, uint64_t *rays) {
+  for (size_t i = 0; i < x->n; i++) {
+    double wanted = 0;
+    for (size_t k = x->first[i]; k < x->first[i + 1]; k++) wanted += (double)c->own[x->order[k]];
+    samples[i] = whole(wanted, YLM_PATH_BATCH, YLM_PATH_SAMPLES);
+  }
+  return cast_chosen(v, c, x, samples, 1, room, rays);
+}
+
 ylm_status ylm__shade_cast(const ylm_shade_view *v, shade_cast *c, size_t n, const size_t *point,
                            float *out, uint64_t *rays) {
   items x;
@@ -341,7 +352,9 @@ ylm_status ylm__shade_cast(const ylm_shade_view *v, shade_cast *c, size_t n, con
   if (s == YLM_OK && n > 0 && c->noise > 0) {
     s = try_items(v, c, &x, room, samples, rays);
     if (s == YLM_OK) s = cast_chosen(v, c, &x, samples, 1, room, rays);
-  } else if (s == YLM_OK && n > 0)
+  } else if (s == YLM_OK && n > 0 && c->own)
+    s = cast_own(v, c, &x, samples, room, rays);
+  else if (s == YLM_OK && n > 0)
     s = cast_items(v, c, c->light_samples, c->seed, &x, room, rays);
   for (size_t i = 0; s == YLM_OK && i < x.n; i++)
     for (size_t k = x.first[i]; k < x.first[i + 1]; k++)

@@ -66,6 +66,30 @@ static void toward_eye(const ylm_shade_view *v, const ylm_scene_surface *s, cons
   for (int a = 0; a < 3; a++) wo[a] *= each;
 }
 
+void ylm__shade_frame(const ylm_shade_view *v, const uint32_t *vertex, size_t i,
+                      ylm_scene_surface *s, float y[3], float wo[3]) {
+  ylm__shade_surface(v, vertex, i, s);
+  for (int a = 0; a < 3; a++) {
+    int b = (a + 1) % 3, c = (a + 2) % 3;
+    y[a] = s->normal[b] * s->tangent[c] - s->normal[c] * s->tangent[b];
+  }
+  toward_eye(v, s, y, wo);
+}
+
+bool ylm__shade_is_soft(const ylm_shade_view *v, size_t i) {
+  const ylm_material *m = ylm__shade_material(v, i);
+  double along = 0, square = 0;
+  if (!ylm_material_glosses(m)) return true;
+  if (v->corner) return false;
+  for (int a = 0; a < 3; a++) {
+    double d = v->frame.from[a] - (double)v->position[i][a];
+    along += d * (double)v->normal[i][a];
+    square += d * d;
+  }
+  float cosine = square > 0 ? (float)(along / sqrt(square)) : 1;
+  return ylm_material_excess(m, cosine) < SHADE_SOFT;
+}
+
 /* The digits of i to the base 3, reversed behind the point. */
 static double radical_of_three(uint32_t i) {
   double x = 0, digit = 1;
@@ -96,12 +120,7 @@ static void aim(const job *j, scratch *x, size_t point, size_t links) {
   ylm_scene_surface s;
   float y[3], (*weight)[3] = x->weight + x->rays;
   ylm_trace_ray *ray = x->ray + x->rays;
-  ylm__shade_surface(j->v, j->vertex, point, &s);
-  for (int a = 0; a < 3; a++) {
-    int b = (a + 1) % 3, c = (a + 2) % 3;
-    y[a] = s.normal[b] * s.tangent[c] - s.normal[c] * s.tangent[b];
-  }
-  toward_eye(j->v, &s, y, x->wo[0]);
+  ylm__shade_frame(j->v, j->vertex, point, &s, y, x->wo[0]);
   for (size_t k = 1; k < links; k++) memcpy(x->wo[k], x->wo[0], 12);
   draw(j, point, links, x->u);
   ylm_material_sample(ylm__shade_material(j->v, point), links, (const float(*)[3])x->wo,

@@ -10,6 +10,13 @@ static inline bool ylm__shade_glosses(const ylm_shade_view *v, size_t i) {
   return ylm_material_glosses(ylm__shade_material(v, i));
 }
 
+/* Whether rays to lamps find the light that point i reflects to the eye: matte, or a lobe that is not narrow; no vertex. */
+bool ylm__shade_is_soft(const ylm_shade_view *v, size_t i);
+/* The surface at point i, its second tangent y, and the direction wo to the eye in the frame of these; `vertex` as
+   ylm__shade_surface has it. */
+void ylm__shade_frame(const ylm_shade_view *v, const uint32_t *vertex, size_t i,
+                      ylm_scene_surface *s, float y[3], float wo[3]);
+
 /* Links with weights, f cos over the density of their rays, of n points: out[i] is the mean over links k from start[i]
    on, start[i+1] - start[i] of them, of weight times the radiance that leaves the element of k. */
 typedef struct shade_lobes {

@@ -42,8 +42,10 @@ static void demodulate(denoise_job *j, size_t i) {
     class |= lit << c;
     for (int h = 0; h < 2; h++) j->value[i][h][c] = lit ? j->half[h][3 * i + c] / albedo[c] : 0;
   }
-  j->class[i] =
-      class == 0 || ylm_material_glosses(ylm__shade_material(j->v, i)) ? -1 : (float)class;
+  const ylm_material *m = ylm__shade_material(j->v, i);
+  if (ylm_material_glosses(m)) class |= 8 + (int)(ylm_material_print(m) % DENOISE_MATERIALS) * 16;
+  bool narrow = ylm_material_excess(m, DENOISE_EYE) > DENOISE_NARROW;
+  j->class[i] = (class & 7) == 0 || narrow ? -1 : (float)class;
 }
 
 /* Irradiance of all light at point i. */

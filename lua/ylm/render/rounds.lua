@@ -38,11 +38,12 @@ rounds.fields = {
       .. "out. report.noise and the layer noise say what was reached. A picture that is cancelled behind its pilot is what "
       .. "the pilot made, and report.ended is cancelled. Of bounces by links" },
   { "denoise", "choice", of = { "auto", "none", "oidn" }, optional = true,
-    about = "by rays: 'auto', where noise is above `noise`, or 0.03, light of matte surfaces is fitted to that of points around, "
-      .. "as far as two halves of the rays find it alike; direct light and light that bounces apart, without albedo. Where no "
-      .. "counts are given, more rays follow where noise is left. The layer raw is without a filter; report.denoise says what "
-      .. "rays at random pixels find changed. 'oidn': the finished picture is filtered by Intel's Open Image Denoise, which has "
-      .. "to be installed; report.noise is that of the layer raw. Default: 'auto' with noise, else 'none'" },
+    about = "by rays: 'auto', where noise is above `noise`, or 0.03, light of matte surfaces and wide lobes is fitted to that of "
+      .. "points around, as far as two halves of the rays find it alike; direct light and light that bounces apart, without "
+      .. "albedo. Where no counts are given, more rays follow where noise is left. The layer raw is without a filter; "
+      .. "report.denoise says what rays at random pixels find changed. 'oidn': the finished picture is filtered by Intel's Open "
+      .. "Image Denoise, which has to be installed; report.noise is that of the layer raw. Default: 'auto' with noise, else "
+      .. "'none'" },
   { "time_limit", "number", above = 0, optional = true, unit = "s", shelf = "experiments",
     about = "with noise, or by paths: ends after about so long, which makes results depend on it; with noise a pilot and 64 "
       .. "links a shading point are the least" },
@@ -98,24 +99,6 @@ local function room(p, o)
   return points, pixels
 end
 
---- Adds to the halves of x.links the light that points that gloss meet, along links that their materials choose. True, or nil,
--- message, code.
-local function add_glossy(x, round)
-  if x.p.traced.glossy == 0 or x.p.options.gloss == "matte" then return true end
-  local b, c = x.o.reflected, x.casting
-  for half = 1, 2 do
-    local own, found, message, code
-    own, message, code = check.result(x.name, x.p.lib.shade_links(x.p.view, b.lit.links, SET, c.seed + STEP * (2 * round + half),
-      c.threads, c.progress, "gloss"))
-    if not own then return nil, message, code end
-    found, message, code = check.result(x.name, x.p.lib.shade_gather(x.p.view, own, b.lit, x.links[half], c.threads, c.progress))
-    if not found then return nil, message, code end
-    x.links[half] = found
-    x.sets = x.sets + x.p.lib.shade_links_stats(own).rays
-  end
-  return true
-end
-
 --- Fills the picture of a viewer with the light so far, of both halves.
 local function show(x)
   if not x.casting.into then return end
@@ -148,10 +131,8 @@ local function estimate(x, rays, sets, round)
     first = x.links[1], second = x.links[2], seed = c.seed + STEP * (round + 7), threads = c.threads, progress = c.progress }))
   if not count then return nil, message, code end
   x.sets = (x.sets or 0) + count
-  local ok
-  ok, message, code = add_glossy(x, round)
   show(x)
-  return ok, message, code
+  return true
 end
 
 --- The picture of the values of points.
