@@ -33,4 +33,25 @@
 /* Places of a path that are noted, on average, at most. */
 #define PILOT_PLACES 6
 
+/* -- what is known of reflected light: known.c ----------------------------------------------------
+
+   Moved by: 1 / variance / rays of pictures of four interiors (`make bench BENCH=interiors`). */
+
+/* Cells of directions along an axis: a power of two. */
+#define KNOWN_SIDE 16
+/* Reflections that are counted by themselves; the others follow from these. */
+#define KNOWN_ORDERS 16
+/* The most places of a cluster; places that its irradiance and its directions come from, at least. */
+#define KNOWN_PLACES 128
+#define KNOWN_LEAST 64
+#define KNOWN_PATHS 3072
+/* In a cell of directions: paths that brought as much as others do, beside those of the pilot. */
+#define KNOWN_DOUBT 0.3f
+/* The part of directions that guides choose. */
+#define GUIDED_PART 0.5f
+/* The chance to go on of a path that may bring as much as it could at its start; bounds of it. */
+#define KNOWN_CHANCE 1.2f
+#define KNOWN_LEAST_CHANCE 0.3f
+#define KNOWN_MOST_CHANCE 0.95f
+
 #endif

@@ -94,6 +94,7 @@ static void aim(path_tile *t, uint32_t v, const double u[3]) {
   double pdf = ylm_scene_sample(t->lamps, u, &l->ray[i], l->radiance[i], &lamp);
   if (!(pdf > 0)) return;
   ylm__path_inward(&t->vertex[v], l->ray[i].dir, l->wi[i]);
+  memcpy(l->toward[i], l->ray[i].dir, 12);
   ylm_scene_start(&l->ray[i], t->vertex[v].at.origin);
   if (!(l->wi[i][2] > 0)) return;
   memcpy(l->wo[i], t->wo[v], 12);
@@ -154,7 +155,10 @@ void ylm__path_direct(path_tile *t, bool first) {
   for (size_t i = 0; i < l->n; i++) {
     if (l->ray[i].far < 0) continue;
     path_state *p = &t->path[t->vertex[l->of[i]].path];
-    float w = (both ? ylm__path_balance(l->density[i], l->pdf[i]) : 1) * l->wi[i][2], x[3];
+    float w = l->wi[i][2], x[3];
+    if (both)
+      w *=
+          ylm__path_balance(l->density[i], ylm__path_density(t, l->of[i], l->pdf[i], l->toward[i]));
     for (int c = 0; c < 3; c++) x[c] = w * p->throughput[c] * l->f[i][c] * l->radiance[i][c];
     ylm__path_add(t, p->radiance, x);
   }

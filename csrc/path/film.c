@@ -137,13 +137,19 @@ static ylm_status list_materials(path_job *j) {
   size_t meshes = ylm_scene_meshes(j->scene);
   j->material = ylm_alloc(meshes, sizeof *j->material);
   j->material_of = ylm_alloc(meshes, sizeof *j->material_of);
-  if (!j->material || !j->material_of) return YLM_ENOMEM;
+  j->albedo = ylm_alloc(meshes, sizeof *j->albedo);
+  j->glosses = ylm_alloc(meshes, sizeof *j->glosses);
+  if (!j->material || !j->material_of || !j->albedo || !j->glosses) return YLM_ENOMEM;
   for (size_t i = 0; i < meshes; i++) {
     const ylm_material *m = ylm_scene_material(j->scene, i);
     size_t k = j->materials;
     while (k > 0 && j->material[k - 1] != m) k--;
     if (k == 0) j->material[k = j->materials++] = m, k++;
     j->material_of[i] = (uint32_t)(k - 1);
+  }
+  for (size_t k = 0; k < j->materials; k++) {
+    ylm_material_albedo(j->material[k], j->albedo[k]);
+    j->glosses[k] = ylm_material_glosses(j->material[k]);
   }
   return YLM_OK;
 }
@@ -188,7 +194,10 @@ ylm_status ylm__path_run(path_job *j, ylm_path_sum *sum, ylm_path_stats *stats, 
     ylm_free(r.values);
     ylm_free((void *)j->material);
     ylm_free(j->material_of);
+    ylm_free(j->albedo);
+    ylm_free(j->glosses);
     ylm_scene_guide_free(j->guide);
+    ylm__path_known_free(j->known);
   }
   stats->noise = noise_of(j, sum);
   stats->seconds = ylm_seconds() - start;

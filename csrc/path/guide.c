@@ -1,52 +1,96 @@
 /* guide.c - which lamps and tiles of the sky paths see from where: a pilot of paths without light, and the guide that is
    learnt from the places at which they are reflected. */
+#include <stdatomic.h>
+
 #include "path.h"
 
 /* Random numbers of the pilot. */
 #define PILOT_SEED 0x70696c6f74u
 
 static void places_free(path_places *p) {
-  ylm_free(p->x);
-  ylm_free(p->normal);
-  ylm_free(p->origin);
+  void *all[] = {p->x, p->normal, p->origin, p->albedo, p->direction, p->next, p->cosine};
+  for (size_t i = 0; i < sizeof all / sizeof *all; i++) ylm_free(all[i]);
 }
 
-static bool places_create(path_places *p, size_t pairs) {
-  p->room = pairs * YLM_PATH_BATCH * PILOT_PLACES;
-  p->x = ylm_alloc(p->room, sizeof *p->x);
-  p->normal = ylm_alloc(p->room, sizeof *p->normal);
-  p->origin = ylm_alloc(p->room, sizeof *p->origin);
-  return p->x && p->normal && p->origin;
+static bool places_create(path_places *p, size_t room) {
+  p->room = room;
+  p->x = ylm_alloc(room, sizeof *p->x);
+  p->normal = ylm_alloc(room, sizeof *p->normal);
+  p->origin = ylm_alloc(room, sizeof *p->origin);
+  p->albedo = ylm_alloc(room, sizeof *p->albedo);
+  p->direction = ylm_alloc(room, sizeof *p->direction);
+  p->next = ylm_alloc(room, sizeof *p->next);
+  p->cosine = ylm_alloc(room, sizeof *p->cosine);
+  return p->x && p->normal && p->origin && p->albedo && p->direction && p->next && p->cosine;
 }
 
-/* Lets the paths of one batch of `pairs` items, evenly many, note their places. */
-static ylm_status walk(const path_job *j, size_t pairs, path_places *noted, ylm_path_stats *stats) {
-  path_tile *t = ylm__path_tile_create(j);
+/* A pilot of paths from a part of the items. */
+typedef struct pilot {
+  const path_job *job;
+  size_t pairs, items; /* of the latter as many as the former, evenly */
+  path_places *noted;  /* [tiles] */
+  atomic_uint_fast64_t rays;
+} pilot;
+
+/* Lets the paths of tiles note their places. */
+static ylm_status walk(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  pilot *p = context;
+  path_tile *t = ylm__path_tile_create(p->job);
   if (!t) return YLM_ENOMEM;
-  t->noted = noted;
-  for (size_t first = 0; first < pairs; first += t->pairs) {
-    for (t->pairs = 0; t->pairs < PATH_PAIRS && first + t->pairs < pairs; t->pairs++) {
-      t->item[t->pairs] = (uint64_t)((double)(first + t->pairs) / (double)pairs * (double)j->items);
+  ylm_status s = YLM_OK;
+  for (size_t i = begin; s == YLM_OK && i < end; i++) {
+    t->noted = &p->noted[i];
+    for (t->pairs = 0; t->pairs < PATH_PAIRS && i * PATH_PAIRS + t->pairs < p->pairs; t->pairs++) {
+      double part = (double)(i * PATH_PAIRS + t->pairs) / (double)p->pairs;
+      t->item[t->pairs] = (uint64_t)(part * (double)p->items);
       t->batch[t->pairs] = 0;
     }
-    ylm__path_walk(t, NULL);
+    if (!places_create(t->noted, t->pairs * YLM_PATH_BATCH * PILOT_PLACES)) s = YLM_ENOMEM;
+    if (s == YLM_OK) ylm__path_walk(t, NULL);
   }
-  stats->guide_rays += t->counts.nearest_rays + t->counts.lamp_rays + t->counts.shadow_rays;
+  atomic_fetch_add_explicit(&p->rays,
+                            t->counts.nearest_rays + t->counts.lamp_rays + t->counts.shadow_rays,
+                            memory_order_relaxed);
   ylm__path_tile_free(t);
-  return YLM_OK;
+  return s;
 }
 
-/* Notes places of surfaces that irradiance is asked for at, evenly many of the items. */
-static void note_starts(const path_job *j, size_t pairs, path_places *p) {
-  for (size_t k = 0; j->normals && k < pairs && p->n < p->room; k++, p->n++) {
-    size_t item = (size_t)((double)k / (double)pairs * (double)j->items);
-    double n[3];
-    for (int a = 0; a < 3; a++) n[a] = (double)j->normals[item][a];
-    ylm_unit3(n);
-    for (int a = 0; a < 3; a++) p->normal[p->n][a] = (float)n[a];
-    memcpy(p->x[p->n], j->points[item], sizeof p->x[p->n]);
-    memcpy(p->origin[p->n], (j->origin ? j->origin : j->points)[item], sizeof p->origin[p->n]);
+/* The places of all tiles as one list. */
+static bool join(const pilot *p, size_t tiles, path_places *all) {
+  size_t n = 0;
+  for (size_t i = 0; i < tiles; i++) n += p->noted[i].n;
+  if (!places_create(all, n)) return false;
+  for (size_t i = 0; i < tiles; i++) {
+    const path_places *from = &p->noted[i];
+    memcpy(all->x + all->n, from->x, from->n * sizeof *all->x);
+    memcpy(all->normal + all->n, from->normal, from->n * sizeof *all->normal);
+    memcpy(all->origin + all->n, from->origin, from->n * sizeof *all->origin);
+    memcpy(all->albedo + all->n, from->albedo, from->n * sizeof *all->albedo);
+    memcpy(all->direction + all->n, from->direction, from->n * sizeof *all->direction);
+    memcpy(all->cosine + all->n, from->cosine, from->n * sizeof *all->cosine);
+    for (size_t k = 0; k < from->n; k++) {
+      bool place = from->next[k] < PATH_UNKNOWN;
+      all->next[all->n + k] = from->next[k] + (place ? (uint32_t)all->n : 0);
+    }
+    all->n += from->n;
   }
+  return true;
+}
+
+/* All places of a pilot. */
+static ylm_status explore(const path_job *j, size_t pairs, path_places *all,
+                          ylm_path_stats *stats) {
+  size_t tiles = (pairs + PATH_PAIRS - 1) / PATH_PAIRS;
+  pilot p = {.job = j, .pairs = pairs, .items = j->items};
+  p.noted = ylm_alloc_zero(tiles, sizeof *p.noted);
+  if (!p.noted) return YLM_ENOMEM;
+  ylm_status s = ylm_parallel(tiles, 1, j->o->threads, walk, &p, j->o->progress, "guides");
+  if (s == YLM_OK && !join(&p, tiles, all)) s = YLM_ENOMEM;
+  for (size_t i = 0; i < tiles; i++) places_free(&p.noted[i]);
+  ylm_free(p.noted);
+  stats->guide_rays += p.rays;
+  return s;
 }
 
 /* Learns from these places by a part of as many rays as an item lets the pilot have. */
@@ -68,17 +112,20 @@ static ylm_status learn(path_job *j, const path_places *p, ylm_path_stats *stats
 ylm_status ylm__path_learn(path_job *j, ylm_path_stats *stats) {
   size_t pairs = j->items / PILOT_ITEMS;
   ylm_path_options o = *j->o;
-  path_job pilot = *j;
+  path_job scout = *j;
   path_places places = {0};
-  if (pairs == 0 || o.strategy == YLM_PATH_MATERIAL || !ylm_scene_guides(j->scene)) return YLM_OK;
+  bool bounces = o.last < 0 || o.last > (j->normals ? 0 : 1);
+  if (pairs == 0 || o.strategy == YLM_PATH_MATERIAL || j->open) return YLM_OK;
+  if (!bounces && !ylm_scene_guides(j->scene)) return YLM_OK;
   if (pairs > PILOT_PAIRS) pairs = PILOT_PAIRS;
   o.seed = ylm_mix64(o.seed ^ PILOT_SEED);
   o.first = 1; /* no light at the start */
-  pilot.o = &o;
-  bool room = places_create(&places, pairs);
-  if (room) note_starts(j, pairs, &places);
-  ylm_status s = room ? walk(&pilot, pairs, &places, stats) : YLM_ENOMEM;
+  o.last = o.last < 0 || o.last > PILOT_PLACES - 1 ? PILOT_PLACES - 1 : o.last;
+  scout.o = &o;
+  ylm_status s = explore(&scout, pairs, &places, stats);
   if (s == YLM_OK) s = learn(j, &places, stats);
+  if (s == YLM_OK && bounces) s = ylm__path_know(j, &places, stats);
   places_free(&places);
+  if (stats->clusters == 0 && j->known) stats->clusters = ylm__path_clusters(j->known);
   return s;
 }

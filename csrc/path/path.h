@@ -16,11 +16,13 @@ typedef struct path_state {
   double pixel[2];  /* numbers that are stratified over the batch: a place in the pixel, */
   double light[3];  /* the first light sample, */
   double chosen[3]; /* the first direction */
+  float usual;      /* luminance of what the path may bring; 0: not known */
+  uint32_t noted;   /* of a pilot: the last place that was noted */
 } path_state;
 
 /* Where a path is reflected. */
 typedef struct path_vertex {
-  uint32_t path;
+  uint32_t path, material;
   ylm_scene_surface at;
   float other[3]; /* the frame's second axis, across tangent and normal */
 } path_vertex;
@@ -42,14 +44,25 @@ typedef struct path_lights {
   float (*radiance)[3], *density; /* [PATH_TILE] the former over the latter */
   float (*wi)[3], (*wo)[3];       /* [PATH_TILE] in the surface's frame */
   float (*f)[3], *pdf;            /* [PATH_TILE] what the material says of them */
+  float (*toward)[3];             /* [PATH_TILE] as they were aimed */
   uint32_t *of;                   /* [PATH_TILE] its vertex */
 } path_lights;
 
-/* Places at which paths are reflected, that a guide is learnt from. */
+/* Where a path goes from a place that was noted: to another one, or */
+enum { PATH_NOWHERE = UINT32_MAX, PATH_UNKNOWN = UINT32_MAX - 1 };
+
+/* Places at which paths are reflected, that guides are learnt from. */
 typedef struct path_places {
   size_t n, room;
   float (*x)[3], (*normal)[3], (*origin)[3]; /* [room] */
+  float (*albedo)[3];                        /* what is reflected there, roughly */
+  float (*direction)[3];                     /* where the path goes on */
+  uint32_t *next;                            /* and to which place */
+  bool *cosine;                              /* directions there are chosen as the cosine */
 } path_places;
+
+/* Knowledge of a pilot about light that was reflected: known.c. */
+typedef struct path_known path_known;
 
 typedef struct path_job path_job;
 
@@ -68,10 +81,16 @@ typedef struct path_tile {
   uint32_t *material, *behind; /* [PATH_TILE] of `unsorted`; [materials] where a material's end */
   float (*wo)[3], (*u)[3];     /* [PATH_TILE] */
   float (*wi)[3], (*weight)[3], *pdf;
+  float (*way)[3];            /* [PATH_TILE] wi in the scene */
+  float (*f)[3], *own;        /* [PATH_TILE] of guided ones: the material's f and density */
+  uint32_t *cluster;          /* [PATH_TILE] of `known`, or PATH_UNKNOWN */
+  float *chance;              /* [PATH_TILE] that the path goes on; */
+  bool *ends;                 /* [PATH_TILE] it does not */
+  uint32_t start[PATH_PAIRS]; /* clusters of the points where paths begin */
   path_rays rays;
   path_lights lights;
   /* of probes: the light samples of the start */
-  float (*toward)[3], (*start)[3],
+  float (*toward)[3], (*straight)[3],
       (*first)[3]; /* [PATH_TILE] direction, radiance; first direction */
   float *basis;    /* [2 YLM_PATH_BATCH][count] */
 } path_tile;
@@ -91,10 +110,13 @@ struct path_job {
   const ylm_trace *trace;
   const ylm_path_options *o;
   ylm_scene_guide *guide; /* NULL: rays to lamps have none */
+  path_known *known;      /* NULL: nothing is known about reflected light */
   size_t items, values;
   size_t batches_per_tile;
   const ylm_material **material; /* [materials] distinct */
   uint32_t *material_of;         /* [meshes] */
+  float (*albedo)[3];            /* [materials] */
+  bool *glosses;                 /* [materials] */
   size_t materials;
   double radical[YLM_PATH_BATCH];
   /* images */
@@ -157,8 +179,35 @@ void ylm__path_mean(path_tile *t, size_t k, double *values);
 
 /* -- guide.c -------------------------------------------------------------------- */
 
-/* Learns j->guide, which may stay NULL, from paths with random numbers of their own; counts its rays. */
+/* Learns j->guide and j->known, which may stay NULL, from paths with random numbers of their own; counts its rays. */
 ylm_status ylm__path_learn(path_job *j, ylm_path_stats *stats);
+
+/* -- known.c -------------------------------------------------------------------- */
+
+/* Learns j->known from these places, and from rays to lamps. */
+ylm_status ylm__path_know(path_job *j, const path_places *places, ylm_path_stats *stats);
+void ylm__path_known_free(path_known *k);
+size_t ylm__path_clusters(const path_known *k);
+/* The cluster of a place; PATH_UNKNOWN: there is none. */
+uint32_t ylm__path_cluster(const path_known *k, const float x[3], const float normal[3]);
+/* Irradiance [3] of light that counts where it is reflected as the path's reflection `order`, without light straight from
+   lamps. */
+void ylm__path_expected(const path_job *j, uint32_t cluster, int order, float irradiance[3]);
+/* A direction by a cluster's guide from u [2], 0 .. 1; false: it is below the surface. */
+bool ylm__path_guided(const path_known *k, uint32_t cluster, const float u[2], float direction[3]);
+/* The density of such directions, sr^-1. */
+float ylm__path_guided_density(const path_known *k, uint32_t cluster, const float direction[3]);
+/* The density of a direction as what a path goes along from vertex v, by its material, which has `own`, and by its guide. */
+static inline float ylm__path_density(const path_tile *t, size_t v, float own,
+                                      const float direction[3]) {
+  if (t->cluster[v] == PATH_UNKNOWN) return own;
+  float guided = ylm__path_guided_density(t->job->known, t->cluster[v], direction);
+  return t->chance[v] * ((1 - GUIDED_PART) * own + GUIDED_PART * guided);
+}
+static inline float ylm__path_luminance(const float *c) {
+  return (float)YLM_LUMINANCE_R * c[0] + (float)YLM_LUMINANCE_G * c[1] +
+         (float)YLM_LUMINANCE_B * c[2];
+}
 
 /* -- film.c ---------------------------------------------------------------------- */
 

@@ -27,10 +27,45 @@ static void direction_of(const path_state *p, const float *normal, float out[3])
   for (int k = 0; k < 3; k++) out[k] = d[0] * a[k] + d[1] * b[k] + d[2] * normal[k];
 }
 
-/* The density of that direction. */
-static float density_of(const float *normal, const float direction[3]) {
+/* The density of path i's first direction, and of another that it may have. */
+static float density_of(const path_tile *t, size_t i, const float *normal,
+                        const float direction[3]) {
   if (!normal) return (float)(1 / (4 * YLM_PI));
-  return fmaxf(0, ylm_dot3(normal, direction)) * (float)(1 / YLM_PI);
+  uint32_t cluster = t->start[i / YLM_PATH_BATCH];
+  float cosine = fmaxf(0, ylm_dot3(normal, direction)) * (float)(1 / YLM_PI);
+  if (cluster == PATH_UNKNOWN) return cosine;
+  float guided = ylm__path_guided_density(t->job->known, cluster, direction);
+  return (1 - GUIDED_PART) * cosine + GUIDED_PART * guided;
+}
+
+/* The first direction of path i, and its throughput. */
+static void set_out(path_tile *t, size_t i, const float *normal) {
+  path_state *p = &t->path[i];
+  float *d = t->rays.ray[i].dir, u[2] = {(float)p->chosen[0], (float)p->chosen[1]}, part = 1;
+  uint32_t cluster = t->start[i / YLM_PATH_BATCH];
+  bool guided = cluster != PATH_UNKNOWN && p->chosen[2] < (double)GUIDED_PART;
+  bool found = guided && ylm__path_guided(t->job->known, cluster, u, d);
+  if (!found) direction_of(p, normal, d);
+  if (cluster != PATH_UNKNOWN) {
+    float cosine = fmaxf(0, ylm_dot3(normal, d)) * (float)(1 / YLM_PI);
+    part = guided == found && cosine > 0 ? cosine / density_of(t, i, normal, d) : 0;
+  }
+  for (int c = 0; c < 3; c++) p->throughput[c] = part, p->radiance[c] = 0;
+}
+
+/* Finds the clusters of the points of all pairs, and how much light is usual there. */
+static void look_up(path_tile *t) {
+  const path_job *j = t->job;
+  for (size_t k = 0; k < t->pairs; k++) {
+    float normal[3], known[3], usual = 0;
+    const float *n = normal_of(j, t->item[k], normal);
+    t->start[k] = n ? ylm__path_cluster(j->known, j->points[t->item[k]], n) : PATH_UNKNOWN;
+    if (t->start[k] != PATH_UNKNOWN) {
+      ylm__path_expected(j, t->start[k], 0, known);
+      usual = ylm__path_luminance(known) * (float)(1 / YLM_PI);
+    }
+    for (size_t i = 0; i < YLM_PATH_BATCH; i++) t->path[k * YLM_PATH_BATCH + i].usual = usual;
+  }
 }
 
 /* Aims path i at a lamp; whether that may bring light. */
@@ -46,9 +81,9 @@ static bool aim(path_tile *t, uint32_t i, const float *normal) {
   if (normal) measure = ylm_dot3(normal, l->ray[l->n].dir);
   if (!(measure > 0)) return false;
   if (t->job->o->strategy == YLM_PATH_BOTH)
-    measure *= ylm__path_balance((float)pdf, density_of(normal, l->ray[l->n].dir));
+    measure *= ylm__path_balance((float)pdf, density_of(t, i, normal, l->ray[l->n].dir));
   for (int c = 0; c < 3; c++)
-    t->start[i][c] = (float)((double)(measure * l->radiance[l->n][c]) / pdf);
+    t->straight[i][c] = (float)((double)(measure * l->radiance[l->n][c]) / pdf);
   memcpy(t->toward[i], l->ray[l->n].dir, 12);
   ylm_scene_start(&l->ray[l->n], t->rays.ray[i].org);
   l->of[l->n++] = i;
@@ -64,15 +99,16 @@ static void light_start(path_tile *t) {
     float n[3], x[3];
     const float *normal = normal_of(t->job, t->item[i / YLM_PATH_BATCH], n);
     const ylm_trace_ray *ray = &t->rays.ray[i];
-    if (!aim(t, i, normal)) memset(t->start[i], 0, 12);
+    if (!aim(t, i, normal)) memset(t->straight[i], 0, 12);
     if (t->job->o->strategy == YLM_PATH_LIGHTS) continue;
-    ylm__path_meet(t, i, density_of(normal, ray->dir), x);
+    ylm__path_meet(t, i, density_of(t, i, normal, ray->dir), x);
+    for (int c = 0; c < 3; c++) x[c] *= t->path[i].throughput[c];
     ylm__path_add(t, t->path[i].radiance, x);
   }
   ylm_trace_occluded(t->job->trace, t->lights.n, t->lights.ray);
   t->counts.shadow_rays += t->lights.n;
   for (size_t k = 0; k < t->lights.n; k++) {
-    float *x = t->start[t->lights.of[k]], sum[3] = {0, 0, 0};
+    float *x = t->straight[t->lights.of[k]], sum[3] = {0, 0, 0};
     if (!(t->lights.ray[k].far < 0)) ylm__path_add(t, sum, x);
     memcpy(x, t->lights.ray[k].far < 0 ? none : sum, 12);
   }
@@ -81,22 +117,21 @@ static void light_start(path_tile *t) {
 static void begin(path_tile *t) {
   static const float up[3] = {0, 0, 1};
   size_t n = t->rays.n = t->pairs * YLM_PATH_BATCH;
+  look_up(t);
   for (size_t i = 0; i < n; i++) {
     uint64_t item = t->item[i / YLM_PATH_BATCH];
-    path_state *p = &t->path[i];
     ylm_trace_ray *ray = &t->rays.ray[i];
     float normal[3];
     const float *about = normal_of(t->job, item, normal);
     memcpy(t->rays.lit[i], t->job->points[item], 12);
     memcpy(ray->org, t->job->origin ? t->job->origin[item] : t->job->points[item], 12);
-    direction_of(p, about, ray->dir);
+    set_out(t, i, about);
     ray->near = 0;
     ray->far = INFINITY;
     t->rays.of[i] = (uint32_t)i;
     memcpy(t->first[i], ray->dir, 12);
     memcpy(t->toward[i], up, 12);
-    memset(t->start[i], 0, 12);
-    for (int c = 0; c < 3; c++) p->throughput[c] = 1, p->radiance[c] = 0;
+    memset(t->straight[i], 0, 12);
   }
   ylm_trace_nearest(t->job->trace, n, t->rays.ray, false, t->rays.hit);
   t->counts.nearest_rays += n;
@@ -108,7 +143,7 @@ static void finish_irradiance(path_tile *t, size_t k, double *values) {
   for (size_t i = k * YLM_PATH_BATCH; i < (k + 1) * YLM_PATH_BATCH; i++)
     for (int c = 0; c < 3; c++)
       values[c] +=
-          (YLM_PI * (double)t->path[i].radiance[c] + (double)t->start[i][c]) / YLM_PATH_BATCH;
+          (YLM_PI * (double)t->path[i].radiance[c] + (double)t->straight[i][c]) / YLM_PATH_BATCH;
 }
 
 /* Adds radiance from one direction, whose basis functions are y. */
@@ -130,7 +165,7 @@ static void finish_probe(path_tile *t, size_t k, double *values) {
   for (size_t i = 0; i < YLM_PATH_BATCH; i++) {
     project(count, chosen + i * count, t->path[first + i].radiance, 4 * YLM_PI / YLM_PATH_BATCH,
             values);
-    project(count, aimed + i * count, t->start[first + i], 1.0 / YLM_PATH_BATCH, values);
+    project(count, aimed + i * count, t->straight[first + i], 1.0 / YLM_PATH_BATCH, values);
   }
 }
 

@@ -23,7 +23,9 @@ static bool room(path_tile *t) {
          ROOM(r->ray, n) && ROOM(r->way, n) && ROOM(r->hit, n) && ROOM(r->of, n) &&
          ROOM(r->lit, n) && ROOM(l->ray, n) && ROOM(l->radiance, n) && ROOM(l->density, n) &&
          ROOM(l->wi, n) && ROOM(l->wo, n) && ROOM(l->f, n) && ROOM(l->pdf, n) && ROOM(l->of, n) &&
-         (!t->job->points || (ROOM(t->toward, n) && ROOM(t->start, n) && ROOM(t->first, n) &&
+         ROOM(l->toward, n) && ROOM(t->way, n) && ROOM(t->f, n) && ROOM(t->own, n) &&
+         ROOM(t->cluster, n) && ROOM(t->chance, n) && ROOM(t->ends, n) &&
+         (!t->job->points || (ROOM(t->toward, n) && ROOM(t->straight, n) && ROOM(t->first, n) &&
                               ROOM(t->basis, 2 * YLM_PATH_BATCH * count)));
 }
 
@@ -39,12 +41,40 @@ path_tile *ylm__path_tile_create(const path_job *j) {
 
 void ylm__path_tile_free(path_tile *t) {
   if (!t) return;
-  void *all[] = {
-      t->item,      t->batch,     t->path,     t->vertex,     t->behind,          t->wo,
-      t->u,         t->wi,        t->weight,   t->pdf,        t->rays.ray,        t->rays.way,
-      t->rays.hit,  t->rays.of,   t->rays.lit, t->lights.ray, t->lights.radiance, t->lights.density,
-      t->lights.wi, t->lights.wo, t->lights.f, t->lights.pdf, t->lights.of,       t->toward,
-      t->start,     t->first,     t->basis};
+  void *all[] = {t->item,
+                 t->batch,
+                 t->path,
+                 t->vertex,
+                 t->behind,
+                 t->wo,
+                 t->u,
+                 t->wi,
+                 t->weight,
+                 t->pdf,
+                 t->rays.ray,
+                 t->rays.way,
+                 t->rays.hit,
+                 t->rays.of,
+                 t->rays.lit,
+                 t->lights.ray,
+                 t->lights.radiance,
+                 t->lights.density,
+                 t->lights.wi,
+                 t->lights.wo,
+                 t->lights.f,
+                 t->lights.pdf,
+                 t->lights.of,
+                 t->toward,
+                 t->straight,
+                 t->first,
+                 t->basis,
+                 t->lights.toward,
+                 t->way,
+                 t->f,
+                 t->own,
+                 t->cluster,
+                 t->chance,
+                 t->ends};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++) ylm_free(all[i]);
   ylm_scene_chooser_free(t->lamps);
   ylm_free(t);
@@ -93,6 +123,8 @@ static void seed_batch(path_tile *t, size_t k) {
     two(t->job, order[2], i, shift[1], p->light + 1);
     two(t->job, order[3], i, shift[2], p->chosen);
     p->chosen[2] = one(order[4], i, &rng);
+    p->usual = 0;
+    p->noted = PATH_UNKNOWN;
     seed(&p->rng, t->job->o->seed, PATHS, number * YLM_PATH_BATCH + (uint64_t)i);
   }
 }
@@ -157,6 +189,7 @@ void ylm__path_tile_vertices(path_tile *t) {
     if (r->hit[i].mesh < 0) continue;
     uint32_t k = t->behind[j->material_of[r->hit[i].mesh]]++;
     vertex_of(t, i, &t->vertex[k]);
+    t->vertex[k].material = j->material_of[r->hit[i].mesh];
     toward_eye(&t->vertex[k], r->ray[i].dir, t->wo[k]);
   }
 }

@@ -6,7 +6,7 @@
 **   ylm_path_irradiance  the light that arrives at surfaces
 **
 ** Estimates are unbiased: nothing is clamped. Places of reflection are lit by rays to the lamps and by
-** rays that the material chooses, weighed by the balance heuristic; paths go on until Russian roulette
+** rays that the material or a guide chooses, weighed by the balance heuristic; paths go on until Russian roulette
 ** ends them.
 **
 ** Light      lamps never occlude, flat ones emit to both sides, horizons hold; a mesh that does not
@@ -48,7 +48,8 @@ typedef struct ylm_path_options {
   ylm_path_strategy strategy;
   double error;   /* > 0: ends early, once the noise (see ylm_path_stats) is at most this */
   double seconds; /* > 0: ends early, after so long */
-  bool guides;    /* rays to lamps learn what is seen from a pilot: ylm_scene_guide */
+  bool
+      guides; /* a pilot learns what is seen (ylm_scene_guide), and where reflected light comes from */
   uint64_t seed;
   int threads;
   const ylm_progress *progress;

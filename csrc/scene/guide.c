@@ -1,32 +1,21 @@
 /*
 ** guide.c - which lamps and tiles of the sky are seen from where: clusters of places, each with a pilot of rays.
-**
-** Clusters are the leaves of a tree that halves places by their normals, then by their positions.
 */
 #include <math.h>
 #include <string.h>
 
 #include "scene.h"
 
-enum { AXES = 6, STACK = 64 }; /* axes: of normals, then of positions */
-
-/* Places below `at` along an axis are in the first branch. */
-typedef struct guide_node {
-  int axis; /* -1: a leaf */
-  float at;
-  uint32_t branch[2]; /* of a leaf: its cluster */
-} guide_node;
-
 struct ylm_scene_guide {
-  size_t nodes, clusters, width;
-  guide_node *node; /* [nodes] the first is the root */
-  float *row;       /* [clusters][2][width] factors of weights, then spreads */
+  size_t width;
+  ylm_scene_clusters *of;
+  float *row; /* [clusters][2][width] factors of weights, then spreads */
   ylm_scene_guide_stats stats;
 };
 
 void ylm_scene_guide_free(ylm_scene_guide *g) {
   if (!g) return;
-  ylm_free(g->node);
+  ylm_scene_clusters_free(g->of);
   ylm_free(g->row);
   ylm_free(g);
 }
@@ -41,14 +30,8 @@ bool ylm_scene_chooser_follow(ylm_scene_chooser *c, const ylm_scene_guide *g) {
   return fits;
 }
 
-static float along(int axis, const float x[3], const float normal[3]) {
-  return axis < 3 ? normal[axis] : x[axis - 3];
-}
-
 static const float *row_at(const ylm_scene_guide *g, const float x[3], const float normal[3]) {
-  const guide_node *n = g->node;
-  while (n->axis >= 0) n = g->node + n->branch[!(along(n->axis, x, normal) < n->at)];
-  return g->row + n->branch[0] * 2 * g->width;
+  return g->row + ylm_scene_cluster_at(g->of, x, normal) * 2 * g->width;
 }
 
 /* Weights of a chunk, times these factors; their sum. */
@@ -75,98 +58,14 @@ const float *ylm__scene_guide_weights(ylm_scene_chooser *c) {
   return factor;
 }
 
-/* -- clusters -------------------------------------------------------------------------------------- */
-
-typedef struct guide_cluster {
-  size_t first, n; /* of the list of places */
-} guide_cluster;
-
 /* A guide that is made. */
 typedef struct building {
   const ylm_scene *scene;
   const ylm_scene_places *places;
   ylm_scene_guide *g;
-  uint32_t *list; /* places, cluster by cluster */
-  size_t most;    /* places of a cluster */
-  guide_cluster *cluster;
   uint64_t seed;
   atomic_uint_fast64_t rays;
 } building;
-
-static float coordinate(const building *b, int axis, size_t i) {
-  return along(axis, b->places->lit[b->list[i]], b->places->normal[b->list[i]]);
-}
-
-/* The axis along which places from `first` on are widest, of three, and their middle there. */
-static int widest(const building *b, size_t first, size_t n, int axis, float *extent,
-                  float *middle) {
-  int found = axis;
-  *extent = -1;
-  for (int k = axis; k < axis + 3; k++) {
-    float lo = INFINITY, hi = -INFINITY;
-    for (size_t i = first; i < first + n; i++) {
-      lo = fminf(lo, coordinate(b, k, i));
-      hi = fmaxf(hi, coordinate(b, k, i));
-    }
-    if (hi - lo > *extent) found = k, *extent = hi - lo, *middle = (lo + hi) / 2;
-  }
-  return found;
-}
-
-/* Puts places below `at` before the others; returns their number. */
-static size_t part(building *b, size_t first, size_t n, int axis, float at) {
-  size_t below = first;
-  for (size_t i = first; i < first + n; i++) {
-    if (!(coordinate(b, axis, i) < at)) continue;
-    uint32_t other = b->list[below];
-    b->list[below++] = b->list[i];
-    b->list[i] = other;
-  }
-  return below - first;
-}
-
-/* A split of places; false: they are a cluster. */
-static bool split(building *b, const guide_cluster *c, guide_node *node, size_t *below) {
-  float extent, middle;
-  if (c->n < 2) return false;
-  node->axis = widest(b, c->first, c->n, 0, &extent, &middle);
-  if (!(extent > GUIDE_NORMALS)) {
-    if (c->n <= b->most) return false;
-    node->axis = widest(b, c->first, c->n, 3, &extent, &middle);
-  }
-  node->at = middle;
-  *below = part(b, c->first, c->n, node->axis, middle);
-  return *below > 0 && *below < c->n;
-}
-
-/* Fills nodes and clusters; there is room for a node of each place, twice. */
-static void grow(building *b) {
-  ylm_scene_guide *g = b->g;
-  struct {
-    uint32_t node;
-    guide_cluster places;
-  } open[2 * STACK];
-  size_t n = 1;
-  g->nodes = 1;
-  open[0].node = 0;
-  open[0].places = (guide_cluster){0, b->places->n};
-  while (n > 0) {
-    guide_cluster c = open[--n].places;
-    guide_node *node = &g->node[open[n].node];
-    size_t below;
-    if (n + 2 > 2 * STACK || !split(b, &c, node, &below)) {
-      node->axis = -1;
-      node->branch[0] = (uint32_t)g->clusters;
-      b->cluster[g->clusters++] = c;
-      continue;
-    }
-    for (uint32_t k = 0; k < 2; k++, n++) {
-      open[n].node = node->branch[k] = (uint32_t)g->nodes++;
-      open[n].places =
-          k == 0 ? (guide_cluster){c.first, below} : (guide_cluster){c.first + below, c.n - below};
-    }
-  }
-}
 
 /* -- pilots ---------------------------------------------------------------------------------------- */
 
@@ -315,13 +214,14 @@ static ylm_status learn(void *context, size_t begin, size_t end, int worker) {
   size_t bytes = b->g->width * sizeof(float);
   ylm_status s = pilot_create(b->scene, b->g->width, &p);
   for (size_t i = begin; s == YLM_OK && i < end; i++) {
-    const guide_cluster *c = &b->cluster[i];
+    size_t n;
+    const uint32_t *place = ylm_scene_cluster_places(b->g->of, i, 0, &n);
     ylm_rng rng;
     ylm_rng_seed(&rng, b->seed, i);
     memset(p.tally.rays, 0, bytes);
     memset(p.tally.seen, 0, bytes);
     memset(p.tally.square, 0, bytes);
-    for (size_t k = 0; k < c->n; k++) look_around(b, &p, b->list[c->first + k], &rng);
+    for (size_t k = 0; k < n; k++) look_around(b, &p, place[k], &rng);
     trace(&p);
     settle(b, p.batch.lamps, &p.tally, b->g->row + i * 2 * b->g->width);
   }
@@ -333,18 +233,16 @@ static ylm_status learn(void *context, size_t begin, size_t end, int worker) {
 /* -- all of it ------------------------------------------------------------------------------------- */
 
 static ylm_status build(building *b, int threads, const ylm_progress *progress) {
-  size_t n = b->places->n;
   ylm_scene_guide *g = b->g;
-  b->list = ylm_alloc(n, sizeof *b->list);
-  b->cluster = ylm_alloc(n, sizeof *b->cluster);
-  g->node = ylm_alloc_zero(2 * n, sizeof *g->node);
-  if (!b->list || !b->cluster || !g->node) return YLM_ENOMEM;
-  for (size_t i = 0; i < n; i++) b->list[i] = (uint32_t)i;
-  b->most = (size_t)fmax(GUIDE_PLACES, GUIDE_ROOT * sqrt((double)n));
-  grow(b);
-  g->row = ylm_alloc(g->clusters, 2 * g->width * sizeof *g->row);
+  double most = fmax(GUIDE_PLACES, GUIDE_ROOT * sqrt((double)b->places->n));
+  ylm_status s = ylm_scene_clusters_create(b->places, (size_t)most, &g->of);
+  if (s != YLM_OK) return s;
+  size_t clusters = ylm_scene_clusters_count(g->of);
+  g->row = ylm_alloc(clusters, 2 * g->width * sizeof *g->row);
   if (!g->row) return YLM_ENOMEM;
-  return ylm_parallel(g->clusters, 1, threads, learn, b, progress, "guides");
+  s = ylm_parallel(clusters, 1, threads, learn, b, progress, "guides");
+  ylm_scene_clusters_forget(g->of);
+  return s;
 }
 
 /* Of all places as many as the pilot has rays for. */
@@ -382,12 +280,11 @@ ylm_status ylm_scene_guide_create(const ylm_scene *s, const ylm_scene_places *al
   if (status == YLM_OK) {
     b.g->width = c->chunks * YLM_LAMP_CHUNK;
     status = build(&b, threads, progress);
-    b.g->stats = (ylm_scene_guide_stats){b.g->clusters, b.rays, ylm_seconds() - start};
+    b.g->stats =
+        (ylm_scene_guide_stats){ylm_scene_clusters_count(b.g->of), b.rays, ylm_seconds() - start};
   }
   ylm_scene_chooser_free(c);
   ylm_free(room);
-  ylm_free(b.list);
-  ylm_free(b.cluster);
   if (status == YLM_OK)
     *out = b.g;
   else

@@ -265,6 +265,22 @@ typedef struct ylm_scene_places {
   const float (*lit)[3], (*normal)[3], (*origin)[3]; /* [n] as ylm_scene_surface has them */
 } ylm_scene_places;
 
+/* Clusters of places: those that lie close together and face the same way. Every other place is in one of them, too. */
+typedef struct ylm_scene_clusters ylm_scene_clusters;
+/* Of one place at least, so that no cluster has more than `most`, as far as they are apart. YLM_OK or YLM_ENOMEM. */
+YLM_API ylm_status ylm_scene_clusters_create(const ylm_scene_places *places, size_t most,
+                                             ylm_scene_clusters **out);
+YLM_API void ylm_scene_clusters_free(ylm_scene_clusters *c);
+YLM_API size_t ylm_scene_clusters_count(const ylm_scene_clusters *c);
+/* The cluster of a place. */
+YLM_API size_t ylm_scene_cluster_at(const ylm_scene_clusters *c, const float x[3],
+                                    const float normal[3]);
+/* The places of a cluster, as numbers [n]; where these are fewer than `least`, with those of clusters around it. Until they are
+   forgotten, which frees most of the memory. */
+YLM_API const uint32_t *ylm_scene_cluster_places(const ylm_scene_clusters *c, size_t cluster,
+                                                 size_t least, size_t *n);
+YLM_API void ylm_scene_clusters_forget(ylm_scene_clusters *c);
+
 /* The cost of a guide. */
 typedef struct ylm_scene_guide_stats {
   size_t clusters;

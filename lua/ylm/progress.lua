@@ -227,7 +227,7 @@ progress.stages = {
   { "radius", "virtual lights get radii from their neighbours" },
   { "surfaces", "light on surfaces is fitted, and rectangles are halved" },
   { "rounding", "numbers of a grid are rounded for a file of few bytes, with ever better steps" },
-  { "guides", "a pilot of shadow rays learns which lamps and parts of the sky are seen from where" },
+  { "guides", "a pilot learns which lamps and parts of the sky are seen from where, and where reflected light comes from" },
   { "denoising", "light of a picture is fitted to that of points around, where it has noise" },
   { "raycast", "shadow rays go from pixels to lamps" },
   { "rays", "rays find what a body hides" },

@@ -44,6 +44,18 @@ local function places(c)
   return points, normals, math.cos(theta)
 end
 
+--- A sphere with a lamp off its centre, n places of it with normals inwards, and the bounced light of all of them.
+function closed.globe(ylm, n)
+  local points, normals = {}, {}
+  for k = 1, n do
+    local theta = pi / 96 * (math.floor(math.acos(1 - 2 * (k - 0.5) / n) / (pi / 96)) + 0.5)
+    local u = 2 * pi * (math.floor(192 * (k * 0.618034 % 1)) + 0.5) / 192
+    local d = { math.sin(theta) * math.cos(u), math.sin(theta) * math.sin(u), math.cos(theta) }
+    points[k], normals[k] = { WITHIN * d[1], WITHIN * d[2], WITHIN * d[3] }, { -d[1], -d[2], -d[3] }
+  end
+  return globe(ylm, 0.5), points, normals, RHO / (1 - RHO) * pi * RADIANCE * RADIUS ^ 2
+end
+
 for order, samples in pairs { [0] = { 1024, 1024 }, { 1024, 1024 }, { 1024, 1024 }, [5] = { 4096, 400000 } } do
   add(("order %d of a sphere around a lamp: rho^%d"):format(order, order), samples[1], samples[2], function(ylm, n)
     local points, normals = places(0.3)

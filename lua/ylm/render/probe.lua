@@ -24,8 +24,8 @@ local probe_options = options.list({
   { "reflections", "reflections", optional = true,
     about = "instead of bounces, { first, last }: 0 straight from lamps, 1 the first bounce; last also 'all'" },
   { "guides", "boolean", default = true, shelf = "experiments",
-    about = "of irradiance, with normals: rays to lamps learn from a pilot which lamps and parts of the sky are seen from where: "
-      .. "no bias, less noise; false: they do not" },
+    about = "of irradiance, with normals: rays to lamps and directions learn from a pilot what is seen from where, and how much "
+      .. "light is reflected there: no bias, less noise; false: they do not" },
 }, estimates.options, options.common)
 
 describe "scene:probe" {

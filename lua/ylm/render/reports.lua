@@ -19,7 +19,7 @@ local all = {
 
 local by_rays = {
   { "light_samples", "1", "by rays: shadow rays of a shading point" },
-  { "guides", "1", "by rays and paths: clusters of points that rays to lamps were guided by" },
+  { "guides", "1", "by rays and paths: clusters of points that rays were guided by" },
   { "noise", "1", "by rays, of a picture with a noise that is wanted: what is left, root mean square over pixels, each relative "
     .. "to the light around it; ended is then noise, samples, pilot, time_limit, most rays, filter "
     .. "or cancelled" },
