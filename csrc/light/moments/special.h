@@ -40,9 +40,15 @@
 ** The parts of plans; all is written out, since the compiler takes far longer to unroll loops.
 ** A pass over a tile keeps `count` sums of each channel in a, from `first` on: channel by channel
 ** in memory, together in a. COLUMN begins the column (m, side), side 0 the real and 1 the imaginary
-** part, and RESUME goes on with what CUT left in `state`. ADD_s adds the products of degree k for
-** the kinds of s to the sums from i on; UP takes the polynomial q from degree k to k+1.
+** part, and RESUME goes on with what CUT left in `state`. SIDES runs the passes of one column for
+** either side, whose sums are `apart`. ADD_s adds the products of degree k for the kinds of s to
+** the sums from i on; UP takes the polynomial q from degree k to k+1.
 */
+#define SIDES(apart)                                                                               \
+  for (int side = 0; side < 2; side++, sums += (apart)) {
+#define END_SIDES                                                                                  \
+  }                                                                                                \
+  sums = all;
 #define PASS(first, count)                                                                         \
   {                                                                                                \
     vreal *total = sums + (first), a[CHANNELS * (count)], q, before;                               \
@@ -84,8 +90,9 @@
 #define ADD(i, weight) a[i] += q * weight;
 #define SUM(set)                                                                                   \
   static void sum_##set(int n, const vreal *geometry, const vreal *weights, vreal *state,          \
-                        vreal *sums) {                                                             \
+                        vreal *all) {                                                              \
     const vreal *emission = NULL;                                                                  \
+    vreal *sums = all;                                                                             \
     PLAN_##set                                                                                     \
   }
 YLM__KIND_SETS(SUM)
@@ -107,7 +114,8 @@ YLM__KIND_SETS(SUM)
   }
 #define SUM(set)                                                                                   \
   static void sum_rgb_##set(int n, const vreal *geometry, const vreal *weights,                    \
-                            const vreal *emission, vreal *state, vreal *sums, int stride) {        \
+                            const vreal *emission, vreal *state, vreal *all, int stride) {         \
+    vreal *sums = all;                                                                             \
     PLAN_RGB_##set                                                                                 \
   }
 YLM__KIND_SETS(SUM)
@@ -116,6 +124,8 @@ YLM__KIND_SETS(SUM)
 #undef GIVE
 #undef ADD
 #undef SUM
+#undef SIDES
+#undef END_SIDES
 #undef PASS
 #undef COLUMN
 #undef RESUME

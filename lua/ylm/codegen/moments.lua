@@ -2,8 +2,9 @@
 --
 -- The arithmetic is in csrc/light/moments/special.h. A column is all degrees k of one (m, side), whose polynomials are
 -- found by recurrence. The plan says which sums are kept in registers together during one pass over a tile of lights.
--- A column that does not fit is cut, and its recurrence carried over in memory. PLAN is for one channel, PLAN_RGB for
--- three that share the recurrences: its sums are threefold.
+-- A column that does not fit is cut, and its recurrence carried over in memory. Two columns of an order that do not fit
+-- together are one piece of code, which runs for either side. PLAN is for one channel, PLAN_RGB for three that share the
+-- recurrences: its sums are threefold.
 
 local template = require "ylm.codegen.template"
 local unpack = table.unpack or unpack
@@ -34,17 +35,22 @@ local function width(lmax, set, k)
   return n
 end
 
---- Passes { first =, count =, { m, side, k0, k1, offset }, ... } with at most `budget` sums each.
-local function plan(lmax, set, budget)
+--- Passes { first =, count =, { m, side, k0, k1, offset }, ... } with at most `budget` sums each. Where sides share code,
+-- the first pass of a column has `apart`, the sums of a side, and the last one is `last`.
+local function plan_with(lmax, set, budget, shared)
   local top, passes, pass, first = degree(lmax, set), {}, nil, 0
   local function close()
     if not pass then return end
     passes[#passes + 1] = pass
     first, pass = first + pass.count, nil
   end
-  local function place_column(m, side)
-    local total, k = 0, m
+  local function sums_of(m)
+    local total = 0
     for j = m, top do total = total + width(lmax, set, j) end
+    return total
+  end
+  local function place_column(m, side)
+    local total, k = sums_of(m), m
     if pass and pass.count + total > budget then close() end
     while k <= top do
       pass = pass or { first = first, count = 0 }
@@ -57,12 +63,40 @@ local function plan(lmax, set, budget)
       if k <= top then close() end
     end
   end
+  local function place_both(m)
+    close()
+    local began, apart = #passes + 1, sums_of(m)
+    place_column(m, "side")
+    close()
+    passes[began].apart, passes[#passes].last = apart, true
+    first = first + apart
+  end
   for m = 0, top do
-    place_column(m, 0)
-    if m > 0 then place_column(m, 1) end
+    if shared and m > 0 and 2 * sums_of(m) > budget then place_both(m)
+    else
+      place_column(m, 0)
+      if m > 0 then place_column(m, 1) end
+    end
   end
   close()
   return passes
+end
+
+--- The number of passes that run.
+local function count(passes)
+  local n, both = 0, false
+  for _, pass in ipairs(passes) do
+    both = both or pass.apart ~= nil
+    n = n + (both and 2 or 1)
+    if pass.last then both = false end
+  end
+  return n
+end
+
+--- Sides share code unless more than a twentieth more passes run so.
+local function plan(lmax, set, budget)
+  local shared, single = plan_with(lmax, set, budget, true), plan_with(lmax, set, budget, false)
+  return count(shared) <= 1.05 * count(single) and shared or single
 end
 
 --- Vector operations per light, multiply-adds counted once: sums, and recurrences in z.
@@ -81,7 +115,7 @@ end
 --- The words of a segment of a column, in the order of its degrees.
 local function segment_words(words, lmax, set, segment)
   local m, side, k0, k1, sum = unpack(segment)
-  words[#words + 1] = k0 > m and "RESUME" or ("COLUMN(%d, %d)"):format(m, side)
+  words[#words + 1] = k0 > m and "RESUME" or ("COLUMN(%d, %s)"):format(m, side)
   for k = k0, k1 - 1 do
     local kinds = 0
     for kind = 0, 2 do if has(lmax, set, kind, k) then kinds = kinds + 2 ^ kind end end
@@ -95,9 +129,11 @@ end
 local function plan_text(out, name, lmax, set, budget)
   local words = {}
   for _, pass in ipairs(plan(lmax, set, budget)) do
+    if pass.apart then words[#words + 1] = ("SIDES(%d)"):format(pass.apart) end
     words[#words + 1] = ("PASS(%d, %d)"):format(pass.first, pass.count)
     for _, segment in ipairs(pass) do segment_words(words, lmax, set, segment) end
     words[#words + 1] = ("END(%d)"):format(pass.count)
+    if pass.last then words[#words + 1] = "END_SIDES" end
   end
   template.macro(out, ("#define %s_%d"):format(name, set), words)
 end

@@ -46,11 +46,10 @@
     COLUMN(2, 0) ADD_4(3, 2) UP(2, 2) ADD_4(4, 3) COLUMN(2, 1) ADD_4(5, 2) UP(2, 2) ADD_4(6, 3) \
     COLUMN(3, 0) ADD_4(7, 3) END(8) PASS(16, 1) COLUMN(3, 1) ADD_4(0, 3) END(1)
 #define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_6(4, 2) \
-    UP(2, 0) ADD_4(6, 3) END(7) PASS(7, 5) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_6(2, 2) \
-    UP(2, 1) ADD_4(4, 3) END(5) PASS(12, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_6(2, 2) \
-    UP(2, 1) ADD_4(4, 3) COLUMN(2, 0) ADD_6(5, 2) UP(2, 2) ADD_4(7, 3) END(8) PASS(20, 5) \
-    COLUMN(2, 1) ADD_6(0, 2) UP(2, 2) ADD_4(2, 3) COLUMN(3, 0) ADD_4(3, 3) COLUMN(3, 1) \
-    ADD_4(4, 3) END(5)
+    UP(2, 0) ADD_4(6, 3) END(7) SIDES(5) PASS(7, 5) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) \
+    ADD_6(2, 2) UP(2, 1) ADD_4(4, 3) END(5) END_SIDES PASS(17, 8) COLUMN(2, 0) ADD_6(0, 2) \
+    UP(2, 2) ADD_4(2, 3) COLUMN(2, 1) ADD_6(3, 2) UP(2, 2) ADD_4(5, 3) COLUMN(3, 0) ADD_4(6, 3) \
+    COLUMN(3, 1) ADD_4(7, 3) END(8)
 #else
 #define PLAN_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) COLUMN(1, 0) ADD_1(2, 1) \
     COLUMN(1, 1) ADD_1(3, 1) END(4)
@@ -75,9 +74,8 @@
 #define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) COLUMN(1, 0) \
     ADD_1(2, 1) COLUMN(1, 1) ADD_1(3, 1) END(4)
 #define PLAN_RGB_3 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_2(3, 2) \
-    END(4) PASS(4, 3) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_2(2, 2) END(3) PASS(7, 4) \
-    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_2(2, 2) COLUMN(2, 0) ADD_2(3, 2) END(4) PASS(11, 1) \
-    COLUMN(2, 1) ADD_2(0, 2) END(1)
+    END(4) SIDES(3) PASS(4, 3) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_2(2, 2) END(3) END_SIDES \
+    PASS(10, 2) COLUMN(2, 0) ADD_2(0, 2) COLUMN(2, 1) ADD_2(1, 2) END(2)
 #define PLAN_RGB_4 PASS(0, 3) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) END(3) PASS(3, 4) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
     COLUMN(1, 1) UP(1, 1) ADD_4(2, 2) UP(2, 1) ADD_4(3, 3) END(4) PASS(7, 4) COLUMN(2, 0) \

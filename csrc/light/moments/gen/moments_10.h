@@ -132,93 +132,64 @@
 #define PLAN_5 PASS(0, 23) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) ADD_5(11, 6) \
     UP(6, 0) ADD_5(13, 7) UP(7, 0) ADD_5(15, 8) UP(8, 0) ADD_5(17, 9) UP(9, 0) ADD_5(19, 10) \
-    UP(10, 0) ADD_4(21, 11) UP(11, 0) ADD_4(22, 12) END(23) PASS(23, 21) COLUMN(1, 0) \
-    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) \
-    ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) ADD_5(11, 7) UP(7, 1) ADD_5(13, 8) UP(8, 1) \
-    ADD_5(15, 9) UP(9, 1) ADD_5(17, 10) UP(10, 1) ADD_4(19, 11) UP(11, 1) ADD_4(20, 12) END(21) \
-    PASS(44, 21) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) \
-    ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) ADD_5(11, 7) UP(7, 1) \
-    ADD_5(13, 8) UP(8, 1) ADD_5(15, 9) UP(9, 1) ADD_5(17, 10) UP(10, 1) ADD_4(19, 11) UP(11, 1) \
-    ADD_4(20, 12) END(21) PASS(65, 20) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) \
-    ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) \
-    ADD_5(12, 8) UP(8, 2) ADD_5(14, 9) UP(9, 2) ADD_5(16, 10) UP(10, 2) ADD_4(18, 11) UP(11, 2) \
-    ADD_4(19, 12) END(20) PASS(85, 20) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) \
-    ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) \
-    ADD_5(12, 8) UP(8, 2) ADD_5(14, 9) UP(9, 2) ADD_5(16, 10) UP(10, 2) ADD_4(18, 11) UP(11, 2) \
-    ADD_4(19, 12) END(20) PASS(105, 18) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) \
-    ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) UP(8, 3) \
-    ADD_5(12, 9) UP(9, 3) ADD_5(14, 10) UP(10, 3) ADD_4(16, 11) UP(11, 3) ADD_4(17, 12) END(18) \
-    PASS(123, 18) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
-    ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) UP(8, 3) ADD_5(12, 9) UP(9, 3) \
-    ADD_5(14, 10) UP(10, 3) ADD_4(16, 11) UP(11, 3) ADD_4(17, 12) END(18) PASS(141, 16) \
-    COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) \
+    UP(10, 0) ADD_4(21, 11) UP(11, 0) ADD_4(22, 12) END(23) SIDES(21) PASS(23, 21) \
+    COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
+    UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) ADD_5(11, 7) UP(7, 1) ADD_5(13, 8) \
+    UP(8, 1) ADD_5(15, 9) UP(9, 1) ADD_5(17, 10) UP(10, 1) ADD_4(19, 11) UP(11, 1) ADD_4(20, 12) \
+    END(21) END_SIDES SIDES(20) PASS(65, 20) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) \
+    UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) \
+    UP(7, 2) ADD_5(12, 8) UP(8, 2) ADD_5(14, 9) UP(9, 2) ADD_5(16, 10) UP(10, 2) ADD_4(18, 11) \
+    UP(11, 2) ADD_4(19, 12) END(20) END_SIDES SIDES(18) PASS(105, 18) COLUMN(3, side) \
+    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) \
+    ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) UP(8, 3) ADD_5(12, 9) UP(9, 3) ADD_5(14, 10) UP(10, 3) \
+    ADD_4(16, 11) UP(11, 3) ADD_4(17, 12) END(18) END_SIDES SIDES(16) PASS(141, 16) \
+    COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) \
     UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_5(10, 9) UP(9, 4) ADD_5(12, 10) UP(10, 4) ADD_4(14, 11) \
-    UP(11, 4) ADD_4(15, 12) END(16) PASS(157, 16) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) \
-    UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_5(10, 9) \
-    UP(9, 4) ADD_5(12, 10) UP(10, 4) ADD_4(14, 11) UP(11, 4) ADD_4(15, 12) END(16) PASS(173, 14) \
-    COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) \
-    UP(8, 5) ADD_5(8, 9) UP(9, 5) ADD_5(10, 10) UP(10, 5) ADD_4(12, 11) UP(11, 5) ADD_4(13, 12) \
-    END(14) PASS(187, 14) COLUMN(5, 1) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) \
-    UP(7, 5) ADD_5(6, 8) UP(8, 5) ADD_5(8, 9) UP(9, 5) ADD_5(10, 10) UP(10, 5) ADD_4(12, 11) \
-    UP(11, 5) ADD_4(13, 12) END(14) PASS(201, 24) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) \
-    UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_5(6, 9) UP(9, 6) ADD_5(8, 10) UP(10, 6) ADD_4(10, 11) \
-    UP(11, 6) ADD_4(11, 12) COLUMN(6, 1) ADD_5(12, 6) UP(6, 6) ADD_5(14, 7) UP(7, 6) \
-    ADD_5(16, 8) UP(8, 6) ADD_5(18, 9) UP(9, 6) ADD_5(20, 10) UP(10, 6) ADD_4(22, 11) UP(11, 6) \
-    ADD_4(23, 12) END(24) PASS(225, 20) COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) \
-    ADD_5(4, 9) UP(9, 7) ADD_5(6, 10) UP(10, 7) ADD_4(8, 11) UP(11, 7) ADD_4(9, 12) COLUMN(7, 1) \
-    ADD_5(10, 7) UP(7, 7) ADD_5(12, 8) UP(8, 7) ADD_5(14, 9) UP(9, 7) ADD_5(16, 10) UP(10, 7) \
-    ADD_4(18, 11) UP(11, 7) ADD_4(19, 12) END(20) PASS(245, 22) COLUMN(8, 0) ADD_5(0, 8) \
-    UP(8, 8) ADD_5(2, 9) UP(9, 8) ADD_5(4, 10) UP(10, 8) ADD_4(6, 11) UP(11, 8) ADD_4(7, 12) \
-    COLUMN(8, 1) ADD_5(8, 8) UP(8, 8) ADD_5(10, 9) UP(9, 8) ADD_5(12, 10) UP(10, 8) \
-    ADD_4(14, 11) UP(11, 8) ADD_4(15, 12) COLUMN(9, 0) ADD_5(16, 9) UP(9, 9) ADD_5(18, 10) \
-    UP(10, 9) ADD_4(20, 11) UP(11, 9) ADD_4(21, 12) END(22) PASS(267, 20) COLUMN(9, 1) \
-    ADD_5(0, 9) UP(9, 9) ADD_5(2, 10) UP(10, 9) ADD_4(4, 11) UP(11, 9) ADD_4(5, 12) \
-    COLUMN(10, 0) ADD_5(6, 10) UP(10, 10) ADD_4(8, 11) UP(11, 10) ADD_4(9, 12) COLUMN(10, 1) \
-    ADD_5(10, 10) UP(10, 10) ADD_4(12, 11) UP(11, 10) ADD_4(13, 12) COLUMN(11, 0) ADD_4(14, 11) \
-    UP(11, 11) ADD_4(15, 12) COLUMN(11, 1) ADD_4(16, 11) UP(11, 11) ADD_4(17, 12) COLUMN(12, 0) \
-    ADD_4(18, 12) COLUMN(12, 1) ADD_4(19, 12) END(20)
+    UP(11, 4) ADD_4(15, 12) END(16) END_SIDES SIDES(14) PASS(173, 14) COLUMN(5, side) \
+    ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) \
+    ADD_5(8, 9) UP(9, 5) ADD_5(10, 10) UP(10, 5) ADD_4(12, 11) UP(11, 5) ADD_4(13, 12) END(14) \
+    END_SIDES PASS(201, 24) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) \
+    UP(8, 6) ADD_5(6, 9) UP(9, 6) ADD_5(8, 10) UP(10, 6) ADD_4(10, 11) UP(11, 6) ADD_4(11, 12) \
+    COLUMN(6, 1) ADD_5(12, 6) UP(6, 6) ADD_5(14, 7) UP(7, 6) ADD_5(16, 8) UP(8, 6) ADD_5(18, 9) \
+    UP(9, 6) ADD_5(20, 10) UP(10, 6) ADD_4(22, 11) UP(11, 6) ADD_4(23, 12) END(24) PASS(225, 20) \
+    COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_5(4, 9) UP(9, 7) ADD_5(6, 10) \
+    UP(10, 7) ADD_4(8, 11) UP(11, 7) ADD_4(9, 12) COLUMN(7, 1) ADD_5(10, 7) UP(7, 7) \
+    ADD_5(12, 8) UP(8, 7) ADD_5(14, 9) UP(9, 7) ADD_5(16, 10) UP(10, 7) ADD_4(18, 11) UP(11, 7) \
+    ADD_4(19, 12) END(20) PASS(245, 22) COLUMN(8, 0) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) UP(9, 8) \
+    ADD_5(4, 10) UP(10, 8) ADD_4(6, 11) UP(11, 8) ADD_4(7, 12) COLUMN(8, 1) ADD_5(8, 8) UP(8, 8) \
+    ADD_5(10, 9) UP(9, 8) ADD_5(12, 10) UP(10, 8) ADD_4(14, 11) UP(11, 8) ADD_4(15, 12) \
+    COLUMN(9, 0) ADD_5(16, 9) UP(9, 9) ADD_5(18, 10) UP(10, 9) ADD_4(20, 11) UP(11, 9) \
+    ADD_4(21, 12) END(22) PASS(267, 20) COLUMN(9, 1) ADD_5(0, 9) UP(9, 9) ADD_5(2, 10) UP(10, 9) \
+    ADD_4(4, 11) UP(11, 9) ADD_4(5, 12) COLUMN(10, 0) ADD_5(6, 10) UP(10, 10) ADD_4(8, 11) \
+    UP(11, 10) ADD_4(9, 12) COLUMN(10, 1) ADD_5(10, 10) UP(10, 10) ADD_4(12, 11) UP(11, 10) \
+    ADD_4(13, 12) COLUMN(11, 0) ADD_4(14, 11) UP(11, 11) ADD_4(15, 12) COLUMN(11, 1) \
+    ADD_4(16, 11) UP(11, 11) ADD_4(17, 12) COLUMN(12, 0) ADD_4(18, 12) COLUMN(12, 1) \
+    ADD_4(19, 12) END(20)
 #define PLAN_7 PASS(0, 22) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_7(10, 4) UP(4, 0) ADD_7(13, 5) UP(5, 0) ADD_7(16, 6) \
     UP(6, 0) ADD_7(19, 7) UP(7, 0) CUT END(22) PASS(22, 12) RESUME ADD_7(0, 8) UP(8, 0) \
     ADD_7(3, 9) UP(9, 0) ADD_7(6, 10) UP(10, 0) ADD_6(9, 11) UP(11, 0) ADD_4(11, 12) END(12) \
-    PASS(34, 23) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) \
-    ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) UP(5, 1) ADD_7(14, 6) UP(6, 1) ADD_7(17, 7) UP(7, 1) \
-    ADD_7(20, 8) UP(8, 1) CUT END(23) PASS(57, 9) RESUME ADD_7(0, 9) UP(9, 1) ADD_7(3, 10) \
-    UP(10, 1) ADD_6(6, 11) UP(11, 1) ADD_4(8, 12) END(9) PASS(66, 23) COLUMN(1, 1) ADD_3(0, 1) \
-    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) \
-    UP(5, 1) ADD_7(14, 6) UP(6, 1) ADD_7(17, 7) UP(7, 1) ADD_7(20, 8) UP(8, 1) CUT END(23) \
-    PASS(89, 9) RESUME ADD_7(0, 9) UP(9, 1) ADD_7(3, 10) UP(10, 1) ADD_6(6, 11) UP(11, 1) \
-    ADD_4(8, 12) END(9) PASS(98, 24) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
-    ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_7(12, 6) UP(6, 2) ADD_7(15, 7) UP(7, 2) \
-    ADD_7(18, 8) UP(8, 2) ADD_7(21, 9) UP(9, 2) CUT END(24) PASS(122, 6) RESUME ADD_7(0, 10) \
-    UP(10, 2) ADD_6(3, 11) UP(11, 2) ADD_4(5, 12) END(6) PASS(128, 24) COLUMN(2, 1) ADD_7(0, 2) \
-    UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_7(12, 6) \
-    UP(6, 2) ADD_7(15, 7) UP(7, 2) ADD_7(18, 8) UP(8, 2) ADD_7(21, 9) UP(9, 2) CUT END(24) \
-    PASS(152, 6) RESUME ADD_7(0, 10) UP(10, 2) ADD_6(3, 11) UP(11, 2) ADD_4(5, 12) END(6) \
-    PASS(158, 24) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) \
-    ADD_7(9, 6) UP(6, 3) ADD_7(12, 7) UP(7, 3) ADD_7(15, 8) UP(8, 3) ADD_7(18, 9) UP(9, 3) \
-    ADD_7(21, 10) UP(10, 3) CUT END(24) PASS(182, 3) RESUME ADD_6(0, 11) UP(11, 3) ADD_4(2, 12) \
-    END(3) PASS(185, 24) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) \
-    UP(5, 3) ADD_7(9, 6) UP(6, 3) ADD_7(12, 7) UP(7, 3) ADD_7(15, 8) UP(8, 3) ADD_7(18, 9) \
-    UP(9, 3) ADD_7(21, 10) UP(10, 3) CUT END(24) PASS(209, 3) RESUME ADD_6(0, 11) UP(11, 3) \
-    ADD_4(2, 12) END(3) PASS(212, 24) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) \
-    ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) UP(7, 4) ADD_7(12, 8) UP(8, 4) ADD_7(15, 9) UP(9, 4) \
-    ADD_7(18, 10) UP(10, 4) ADD_6(21, 11) UP(11, 4) ADD_4(23, 12) END(24) PASS(236, 24) \
-    COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) \
-    UP(7, 4) ADD_7(12, 8) UP(8, 4) ADD_7(15, 9) UP(9, 4) ADD_7(18, 10) UP(10, 4) ADD_6(21, 11) \
-    UP(11, 4) ADD_4(23, 12) END(24) PASS(260, 21) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) \
-    UP(6, 5) ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) ADD_7(12, 9) UP(9, 5) ADD_7(15, 10) \
-    UP(10, 5) ADD_6(18, 11) UP(11, 5) ADD_4(20, 12) END(21) PASS(281, 21) COLUMN(5, 1) \
-    ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) \
-    ADD_7(12, 9) UP(9, 5) ADD_7(15, 10) UP(10, 5) ADD_6(18, 11) UP(11, 5) ADD_4(20, 12) END(21) \
-    PASS(302, 18) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) ADD_7(6, 8) UP(8, 6) \
-    ADD_7(9, 9) UP(9, 6) ADD_7(12, 10) UP(10, 6) ADD_6(15, 11) UP(11, 6) ADD_4(17, 12) END(18) \
-    PASS(320, 18) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) ADD_7(6, 8) UP(8, 6) \
-    ADD_7(9, 9) UP(9, 6) ADD_7(12, 10) UP(10, 6) ADD_6(15, 11) UP(11, 6) ADD_4(17, 12) END(18) \
-    PASS(338, 15) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_7(6, 9) UP(9, 7) \
-    ADD_7(9, 10) UP(10, 7) ADD_6(12, 11) UP(11, 7) ADD_4(14, 12) END(15) PASS(353, 15) \
-    COLUMN(7, 1) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_7(6, 9) UP(9, 7) ADD_7(9, 10) \
-    UP(10, 7) ADD_6(12, 11) UP(11, 7) ADD_4(14, 12) END(15) PASS(368, 24) COLUMN(8, 0) \
+    SIDES(32) PASS(34, 23) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) \
+    UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) UP(5, 1) ADD_7(14, 6) UP(6, 1) ADD_7(17, 7) \
+    UP(7, 1) ADD_7(20, 8) UP(8, 1) CUT END(23) PASS(57, 9) RESUME ADD_7(0, 9) UP(9, 1) \
+    ADD_7(3, 10) UP(10, 1) ADD_6(6, 11) UP(11, 1) ADD_4(8, 12) END(9) END_SIDES SIDES(30) \
+    PASS(98, 24) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) \
+    ADD_7(9, 5) UP(5, 2) ADD_7(12, 6) UP(6, 2) ADD_7(15, 7) UP(7, 2) ADD_7(18, 8) UP(8, 2) \
+    ADD_7(21, 9) UP(9, 2) CUT END(24) PASS(122, 6) RESUME ADD_7(0, 10) UP(10, 2) ADD_6(3, 11) \
+    UP(11, 2) ADD_4(5, 12) END(6) END_SIDES SIDES(27) PASS(158, 24) COLUMN(3, side) ADD_7(0, 3) \
+    UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) ADD_7(12, 7) \
+    UP(7, 3) ADD_7(15, 8) UP(8, 3) ADD_7(18, 9) UP(9, 3) ADD_7(21, 10) UP(10, 3) CUT END(24) \
+    PASS(182, 3) RESUME ADD_6(0, 11) UP(11, 3) ADD_4(2, 12) END(3) END_SIDES SIDES(24) \
+    PASS(212, 24) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) \
+    ADD_7(9, 7) UP(7, 4) ADD_7(12, 8) UP(8, 4) ADD_7(15, 9) UP(9, 4) ADD_7(18, 10) UP(10, 4) \
+    ADD_6(21, 11) UP(11, 4) ADD_4(23, 12) END(24) END_SIDES SIDES(21) PASS(260, 21) \
+    COLUMN(5, side) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) \
+    UP(8, 5) ADD_7(12, 9) UP(9, 5) ADD_7(15, 10) UP(10, 5) ADD_6(18, 11) UP(11, 5) ADD_4(20, 12) \
+    END(21) END_SIDES SIDES(18) PASS(302, 18) COLUMN(6, side) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) \
+    UP(7, 6) ADD_7(6, 8) UP(8, 6) ADD_7(9, 9) UP(9, 6) ADD_7(12, 10) UP(10, 6) ADD_6(15, 11) \
+    UP(11, 6) ADD_4(17, 12) END(18) END_SIDES SIDES(15) PASS(338, 15) COLUMN(7, side) \
+    ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_7(6, 9) UP(9, 7) ADD_7(9, 10) UP(10, 7) \
+    ADD_6(12, 11) UP(11, 7) ADD_4(14, 12) END(15) END_SIDES PASS(368, 24) COLUMN(8, 0) \
     ADD_7(0, 8) UP(8, 8) ADD_7(3, 9) UP(9, 8) ADD_7(6, 10) UP(10, 8) ADD_6(9, 11) UP(11, 8) \
     ADD_4(11, 12) COLUMN(8, 1) ADD_7(12, 8) UP(8, 8) ADD_7(15, 9) UP(9, 8) ADD_7(18, 10) \
     UP(10, 8) ADD_6(21, 11) UP(11, 8) ADD_4(23, 12) END(24) PASS(392, 24) COLUMN(9, 0) \
@@ -231,132 +202,83 @@
 #define PLAN_RGB_1 PASS(0, 8) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) UP(6, 0) \
     ADD_1(7, 7) UP(7, 0) CUT END(8) PASS(8, 3) RESUME ADD_1(0, 8) UP(8, 0) ADD_1(1, 9) UP(9, 0) \
-    ADD_1(2, 10) END(3) PASS(11, 8) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) \
-    ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) \
+    ADD_1(2, 10) END(3) SIDES(10) PASS(11, 8) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
+    UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) \
     ADD_1(6, 7) UP(7, 1) ADD_1(7, 8) UP(8, 1) CUT END(8) PASS(19, 2) RESUME ADD_1(0, 9) UP(9, 1) \
-    ADD_1(1, 10) END(2) PASS(21, 8) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) \
-    ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) \
-    ADD_1(6, 7) UP(7, 1) ADD_1(7, 8) UP(8, 1) CUT END(8) PASS(29, 2) RESUME ADD_1(0, 9) UP(9, 1) \
-    ADD_1(1, 10) END(2) PASS(31, 8) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
-    ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) UP(7, 2) \
-    ADD_1(6, 8) UP(8, 2) ADD_1(7, 9) UP(9, 2) CUT END(8) PASS(39, 1) RESUME ADD_1(0, 10) END(1) \
-    PASS(40, 8) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
-    ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) UP(8, 2) \
-    ADD_1(7, 9) UP(9, 2) CUT END(8) PASS(48, 1) RESUME ADD_1(0, 10) END(1) PASS(49, 8) \
-    COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) \
-    UP(6, 3) ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) UP(8, 3) ADD_1(6, 9) UP(9, 3) ADD_1(7, 10) END(8) \
-    PASS(57, 8) COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) \
-    ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) UP(8, 3) ADD_1(6, 9) UP(9, 3) \
-    ADD_1(7, 10) END(8) PASS(65, 7) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) \
-    ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) ADD_1(4, 8) UP(8, 4) ADD_1(5, 9) UP(9, 4) \
-    ADD_1(6, 10) END(7) PASS(72, 7) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) \
-    ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) ADD_1(4, 8) UP(8, 4) ADD_1(5, 9) UP(9, 4) \
-    ADD_1(6, 10) END(7) PASS(79, 6) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) \
-    ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) UP(8, 5) ADD_1(4, 9) UP(9, 5) ADD_1(5, 10) END(6) \
-    PASS(85, 6) COLUMN(5, 1) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) \
-    ADD_1(3, 8) UP(8, 5) ADD_1(4, 9) UP(9, 5) ADD_1(5, 10) END(6) PASS(91, 5) COLUMN(6, 0) \
-    ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) UP(9, 6) \
-    ADD_1(4, 10) END(5) PASS(96, 5) COLUMN(6, 1) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) \
-    ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) UP(9, 6) ADD_1(4, 10) END(5) PASS(101, 8) COLUMN(7, 0) \
-    ADD_1(0, 7) UP(7, 7) ADD_1(1, 8) UP(8, 7) ADD_1(2, 9) UP(9, 7) ADD_1(3, 10) COLUMN(7, 1) \
-    ADD_1(4, 7) UP(7, 7) ADD_1(5, 8) UP(8, 7) ADD_1(6, 9) UP(9, 7) ADD_1(7, 10) END(8) \
-    PASS(109, 8) COLUMN(8, 0) ADD_1(0, 8) UP(8, 8) ADD_1(1, 9) UP(9, 8) ADD_1(2, 10) \
-    COLUMN(8, 1) ADD_1(3, 8) UP(8, 8) ADD_1(4, 9) UP(9, 8) ADD_1(5, 10) COLUMN(9, 0) ADD_1(6, 9) \
-    UP(9, 9) ADD_1(7, 10) END(8) PASS(117, 4) COLUMN(9, 1) ADD_1(0, 9) UP(9, 9) ADD_1(1, 10) \
-    COLUMN(10, 0) ADD_1(2, 10) COLUMN(10, 1) ADD_1(3, 10) END(4)
+    ADD_1(1, 10) END(2) END_SIDES SIDES(9) PASS(31, 8) COLUMN(2, side) ADD_1(0, 2) UP(2, 2) \
+    ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) \
+    ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) UP(8, 2) ADD_1(7, 9) UP(9, 2) CUT END(8) PASS(39, 1) RESUME \
+    ADD_1(0, 10) END(1) END_SIDES SIDES(8) PASS(49, 8) COLUMN(3, side) ADD_1(0, 3) UP(3, 3) \
+    ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) UP(7, 3) \
+    ADD_1(5, 8) UP(8, 3) ADD_1(6, 9) UP(9, 3) ADD_1(7, 10) END(8) END_SIDES SIDES(7) PASS(65, 7) \
+    COLUMN(4, side) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) \
+    UP(7, 4) ADD_1(4, 8) UP(8, 4) ADD_1(5, 9) UP(9, 4) ADD_1(6, 10) END(7) END_SIDES SIDES(6) \
+    PASS(79, 6) COLUMN(5, side) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) \
+    ADD_1(3, 8) UP(8, 5) ADD_1(4, 9) UP(9, 5) ADD_1(5, 10) END(6) END_SIDES SIDES(5) PASS(91, 5) \
+    COLUMN(6, side) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) \
+    UP(9, 6) ADD_1(4, 10) END(5) END_SIDES PASS(101, 8) COLUMN(7, 0) ADD_1(0, 7) UP(7, 7) \
+    ADD_1(1, 8) UP(8, 7) ADD_1(2, 9) UP(9, 7) ADD_1(3, 10) COLUMN(7, 1) ADD_1(4, 7) UP(7, 7) \
+    ADD_1(5, 8) UP(8, 7) ADD_1(6, 9) UP(9, 7) ADD_1(7, 10) END(8) PASS(109, 8) COLUMN(8, 0) \
+    ADD_1(0, 8) UP(8, 8) ADD_1(1, 9) UP(9, 8) ADD_1(2, 10) COLUMN(8, 1) ADD_1(3, 8) UP(8, 8) \
+    ADD_1(4, 9) UP(9, 8) ADD_1(5, 10) COLUMN(9, 0) ADD_1(6, 9) UP(9, 9) ADD_1(7, 10) END(8) \
+    PASS(117, 4) COLUMN(9, 1) ADD_1(0, 9) UP(9, 9) ADD_1(1, 10) COLUMN(10, 0) ADD_1(2, 10) \
+    COLUMN(10, 1) ADD_1(3, 10) END(4)
 #define PLAN_RGB_3 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
     UP(2, 0) ADD_3(5, 3) UP(3, 0) CUT END(7) PASS(7, 8) RESUME ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) \
     UP(5, 0) ADD_3(4, 6) UP(6, 0) ADD_3(6, 7) UP(7, 0) CUT END(8) PASS(15, 7) RESUME ADD_3(0, 8) \
-    UP(8, 0) ADD_3(2, 9) UP(9, 0) ADD_3(4, 10) UP(10, 0) ADD_2(6, 11) END(7) PASS(22, 8) \
-    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) \
-    UP(4, 1) CUT END(8) PASS(30, 8) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) ADD_3(4, 7) \
-    UP(7, 1) ADD_3(6, 8) UP(8, 1) CUT END(8) PASS(38, 5) RESUME ADD_3(0, 9) UP(9, 1) \
-    ADD_3(2, 10) UP(10, 1) ADD_2(4, 11) END(5) PASS(43, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) \
-    ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT END(8) PASS(51, 8) RESUME \
-    ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) ADD_3(4, 7) UP(7, 1) ADD_3(6, 8) UP(8, 1) CUT \
-    END(8) PASS(59, 5) RESUME ADD_3(0, 9) UP(9, 1) ADD_3(2, 10) UP(10, 1) ADD_2(4, 11) END(5) \
-    PASS(64, 8) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) \
-    ADD_3(6, 5) UP(5, 2) CUT END(8) PASS(72, 8) RESUME ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) \
-    ADD_3(4, 8) UP(8, 2) ADD_3(6, 9) UP(9, 2) CUT END(8) PASS(80, 3) RESUME ADD_3(0, 10) \
-    UP(10, 2) ADD_2(2, 11) END(3) PASS(83, 8) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) \
-    UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) CUT END(8) PASS(91, 8) RESUME ADD_3(0, 6) \
-    UP(6, 2) ADD_3(2, 7) UP(7, 2) ADD_3(4, 8) UP(8, 2) ADD_3(6, 9) UP(9, 2) CUT END(8) \
-    PASS(99, 3) RESUME ADD_3(0, 10) UP(10, 2) ADD_2(2, 11) END(3) PASS(102, 8) COLUMN(3, 0) \
-    ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) CUT \
-    END(8) PASS(110, 8) RESUME ADD_3(0, 7) UP(7, 3) ADD_3(2, 8) UP(8, 3) ADD_3(4, 9) UP(9, 3) \
-    ADD_3(6, 10) UP(10, 3) CUT END(8) PASS(118, 1) RESUME ADD_2(0, 11) END(1) PASS(119, 8) \
-    COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) \
-    UP(6, 3) CUT END(8) PASS(127, 8) RESUME ADD_3(0, 7) UP(7, 3) ADD_3(2, 8) UP(8, 3) \
-    ADD_3(4, 9) UP(9, 3) ADD_3(6, 10) UP(10, 3) CUT END(8) PASS(135, 1) RESUME ADD_2(0, 11) \
-    END(1) PASS(136, 8) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) \
-    UP(6, 4) ADD_3(6, 7) UP(7, 4) CUT END(8) PASS(144, 7) RESUME ADD_3(0, 8) UP(8, 4) \
-    ADD_3(2, 9) UP(9, 4) ADD_3(4, 10) UP(10, 4) ADD_2(6, 11) END(7) PASS(151, 8) COLUMN(4, 1) \
-    ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) UP(7, 4) CUT \
-    END(8) PASS(159, 7) RESUME ADD_3(0, 8) UP(8, 4) ADD_3(2, 9) UP(9, 4) ADD_3(4, 10) UP(10, 4) \
-    ADD_2(6, 11) END(7) PASS(166, 8) COLUMN(5, 0) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) \
-    ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) UP(8, 5) CUT END(8) PASS(174, 5) RESUME ADD_3(0, 9) \
-    UP(9, 5) ADD_3(2, 10) UP(10, 5) ADD_2(4, 11) END(5) PASS(179, 8) COLUMN(5, 1) ADD_3(0, 5) \
-    UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) UP(8, 5) CUT END(8) \
-    PASS(187, 5) RESUME ADD_3(0, 9) UP(9, 5) ADD_3(2, 10) UP(10, 5) ADD_2(4, 11) END(5) \
-    PASS(192, 8) COLUMN(6, 0) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) ADD_3(4, 8) UP(8, 6) \
-    ADD_3(6, 9) UP(9, 6) CUT END(8) PASS(200, 3) RESUME ADD_3(0, 10) UP(10, 6) ADD_2(2, 11) \
-    END(3) PASS(203, 8) COLUMN(6, 1) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) ADD_3(4, 8) \
-    UP(8, 6) ADD_3(6, 9) UP(9, 6) CUT END(8) PASS(211, 3) RESUME ADD_3(0, 10) UP(10, 6) \
-    ADD_2(2, 11) END(3) PASS(214, 8) COLUMN(7, 0) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) \
-    ADD_3(4, 9) UP(9, 7) ADD_3(6, 10) UP(10, 7) CUT END(8) PASS(222, 1) RESUME ADD_2(0, 11) \
-    END(1) PASS(223, 8) COLUMN(7, 1) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) ADD_3(4, 9) \
-    UP(9, 7) ADD_3(6, 10) UP(10, 7) CUT END(8) PASS(231, 8) RESUME ADD_2(0, 11) COLUMN(8, 0) \
-    ADD_3(1, 8) UP(8, 8) ADD_3(3, 9) UP(9, 8) ADD_3(5, 10) UP(10, 8) ADD_2(7, 11) END(8) \
-    PASS(239, 7) COLUMN(8, 1) ADD_3(0, 8) UP(8, 8) ADD_3(2, 9) UP(9, 8) ADD_3(4, 10) UP(10, 8) \
-    ADD_2(6, 11) END(7) PASS(246, 5) COLUMN(9, 0) ADD_3(0, 9) UP(9, 9) ADD_3(2, 10) UP(10, 9) \
-    ADD_2(4, 11) END(5) PASS(251, 8) COLUMN(9, 1) ADD_3(0, 9) UP(9, 9) ADD_3(2, 10) UP(10, 9) \
-    ADD_2(4, 11) COLUMN(10, 0) ADD_3(5, 10) UP(10, 10) ADD_2(7, 11) END(8) PASS(259, 5) \
-    COLUMN(10, 1) ADD_3(0, 10) UP(10, 10) ADD_2(2, 11) COLUMN(11, 0) ADD_2(3, 11) COLUMN(11, 1) \
-    ADD_2(4, 11) END(5)
+    UP(8, 0) ADD_3(2, 9) UP(9, 0) ADD_3(4, 10) UP(10, 0) ADD_2(6, 11) END(7) SIDES(21) \
+    PASS(22, 8) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) \
+    ADD_3(6, 4) UP(4, 1) CUT END(8) PASS(30, 8) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) \
+    ADD_3(4, 7) UP(7, 1) ADD_3(6, 8) UP(8, 1) CUT END(8) PASS(38, 5) RESUME ADD_3(0, 9) UP(9, 1) \
+    ADD_3(2, 10) UP(10, 1) ADD_2(4, 11) END(5) END_SIDES SIDES(19) PASS(64, 8) COLUMN(2, side) \
+    ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) CUT \
+    END(8) PASS(72, 8) RESUME ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) ADD_3(4, 8) UP(8, 2) \
+    ADD_3(6, 9) UP(9, 2) CUT END(8) PASS(80, 3) RESUME ADD_3(0, 10) UP(10, 2) ADD_2(2, 11) \
+    END(3) END_SIDES SIDES(17) PASS(102, 8) COLUMN(3, side) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) \
+    UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) CUT END(8) PASS(110, 8) RESUME \
+    ADD_3(0, 7) UP(7, 3) ADD_3(2, 8) UP(8, 3) ADD_3(4, 9) UP(9, 3) ADD_3(6, 10) UP(10, 3) CUT \
+    END(8) PASS(118, 1) RESUME ADD_2(0, 11) END(1) END_SIDES SIDES(15) PASS(136, 8) \
+    COLUMN(4, side) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) \
+    UP(7, 4) CUT END(8) PASS(144, 7) RESUME ADD_3(0, 8) UP(8, 4) ADD_3(2, 9) UP(9, 4) \
+    ADD_3(4, 10) UP(10, 4) ADD_2(6, 11) END(7) END_SIDES SIDES(13) PASS(166, 8) COLUMN(5, side) \
+    ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) UP(8, 5) CUT \
+    END(8) PASS(174, 5) RESUME ADD_3(0, 9) UP(9, 5) ADD_3(2, 10) UP(10, 5) ADD_2(4, 11) END(5) \
+    END_SIDES SIDES(11) PASS(192, 8) COLUMN(6, side) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) \
+    ADD_3(4, 8) UP(8, 6) ADD_3(6, 9) UP(9, 6) CUT END(8) PASS(200, 3) RESUME ADD_3(0, 10) \
+    UP(10, 6) ADD_2(2, 11) END(3) END_SIDES SIDES(9) PASS(214, 8) COLUMN(7, side) ADD_3(0, 7) \
+    UP(7, 7) ADD_3(2, 8) UP(8, 7) ADD_3(4, 9) UP(9, 7) ADD_3(6, 10) UP(10, 7) CUT END(8) \
+    PASS(222, 1) RESUME ADD_2(0, 11) END(1) END_SIDES SIDES(7) PASS(232, 7) COLUMN(8, side) \
+    ADD_3(0, 8) UP(8, 8) ADD_3(2, 9) UP(9, 8) ADD_3(4, 10) UP(10, 8) ADD_2(6, 11) END(7) \
+    END_SIDES SIDES(5) PASS(246, 5) COLUMN(9, side) ADD_3(0, 9) UP(9, 9) ADD_3(2, 10) UP(10, 9) \
+    ADD_2(4, 11) END(5) END_SIDES PASS(256, 8) COLUMN(10, 0) ADD_3(0, 10) UP(10, 10) \
+    ADD_2(2, 11) COLUMN(10, 1) ADD_3(3, 10) UP(10, 10) ADD_2(5, 11) COLUMN(11, 0) ADD_2(6, 11) \
+    COLUMN(11, 1) ADD_2(7, 11) END(8)
 #define PLAN_RGB_4 PASS(0, 8) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
     ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) UP(8, 0) CUT END(8) PASS(8, 4) RESUME ADD_4(0, 9) UP(9, 0) \
-    ADD_4(1, 10) UP(10, 0) ADD_4(2, 11) UP(11, 0) ADD_4(3, 12) END(4) PASS(12, 8) COLUMN(1, 0) \
-    UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) \
-    ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) UP(9, 1) CUT \
-    END(8) PASS(20, 3) RESUME ADD_4(0, 10) UP(10, 1) ADD_4(1, 11) UP(11, 1) ADD_4(2, 12) END(3) \
-    PASS(23, 8) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
-    UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) \
-    ADD_4(7, 9) UP(9, 1) CUT END(8) PASS(31, 3) RESUME ADD_4(0, 10) UP(10, 1) ADD_4(1, 11) \
-    UP(11, 1) ADD_4(2, 12) END(3) PASS(34, 8) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) \
-    UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) \
-    ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) CUT END(8) PASS(42, 3) RESUME ADD_4(0, 10) \
-    UP(10, 2) ADD_4(1, 11) UP(11, 2) ADD_4(2, 12) END(3) PASS(45, 8) COLUMN(2, 1) ADD_4(0, 2) \
+    ADD_4(1, 10) UP(10, 0) ADD_4(2, 11) UP(11, 0) ADD_4(3, 12) END(4) SIDES(11) PASS(12, 8) \
+    COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) \
+    ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) \
+    ADD_4(7, 9) UP(9, 1) CUT END(8) PASS(20, 3) RESUME ADD_4(0, 10) UP(10, 1) ADD_4(1, 11) \
+    UP(11, 1) ADD_4(2, 12) END(3) END_SIDES SIDES(11) PASS(34, 8) COLUMN(2, side) ADD_4(0, 2) \
     UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) CUT END(8) PASS(53, 3) RESUME \
-    ADD_4(0, 10) UP(10, 2) ADD_4(1, 11) UP(11, 2) ADD_4(2, 12) END(3) PASS(56, 8) COLUMN(3, 0) \
-    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) \
-    ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) UP(10, 3) CUT \
-    END(8) PASS(64, 2) RESUME ADD_4(0, 11) UP(11, 3) ADD_4(1, 12) END(2) PASS(66, 8) \
-    COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) \
-    UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) \
-    UP(10, 3) CUT END(8) PASS(74, 2) RESUME ADD_4(0, 11) UP(11, 3) ADD_4(1, 12) END(2) \
-    PASS(76, 8) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) \
-    ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) UP(9, 4) ADD_4(6, 10) UP(10, 4) \
-    ADD_4(7, 11) UP(11, 4) CUT END(8) PASS(84, 1) RESUME ADD_4(0, 12) END(1) PASS(85, 8) \
-    COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) \
-    UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) UP(9, 4) ADD_4(6, 10) UP(10, 4) ADD_4(7, 11) \
-    UP(11, 4) CUT END(8) PASS(93, 1) RESUME ADD_4(0, 12) END(1) PASS(94, 8) COLUMN(5, 0) \
-    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) \
-    ADD_4(4, 9) UP(9, 5) ADD_4(5, 10) UP(10, 5) ADD_4(6, 11) UP(11, 5) ADD_4(7, 12) END(8) \
-    PASS(102, 8) COLUMN(5, 1) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) \
-    ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) UP(9, 5) ADD_4(5, 10) UP(10, 5) ADD_4(6, 11) UP(11, 5) \
-    ADD_4(7, 12) END(8) PASS(110, 7) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) \
-    ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) ADD_4(4, 10) UP(10, 6) ADD_4(5, 11) UP(11, 6) \
-    ADD_4(6, 12) END(7) PASS(117, 7) COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) \
-    ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) ADD_4(4, 10) UP(10, 6) ADD_4(5, 11) UP(11, 6) \
-    ADD_4(6, 12) END(7) PASS(124, 6) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) \
-    ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) UP(10, 7) ADD_4(4, 11) UP(11, 7) ADD_4(5, 12) END(6) \
-    PASS(130, 6) COLUMN(7, 1) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) \
-    ADD_4(3, 10) UP(10, 7) ADD_4(4, 11) UP(11, 7) ADD_4(5, 12) END(6) PASS(136, 5) COLUMN(8, 0) \
-    ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) UP(10, 8) ADD_4(3, 11) UP(11, 8) \
-    ADD_4(4, 12) END(5) PASS(141, 5) COLUMN(8, 1) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) UP(9, 8) \
-    ADD_4(2, 10) UP(10, 8) ADD_4(3, 11) UP(11, 8) ADD_4(4, 12) END(5) PASS(146, 8) COLUMN(9, 0) \
+    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) CUT END(8) PASS(42, 3) RESUME \
+    ADD_4(0, 10) UP(10, 2) ADD_4(1, 11) UP(11, 2) ADD_4(2, 12) END(3) END_SIDES SIDES(10) \
+    PASS(56, 8) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) \
+    ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) UP(9, 3) \
+    ADD_4(7, 10) UP(10, 3) CUT END(8) PASS(64, 2) RESUME ADD_4(0, 11) UP(11, 3) ADD_4(1, 12) \
+    END(2) END_SIDES SIDES(9) PASS(76, 8) COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) \
+    UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) UP(9, 4) \
+    ADD_4(6, 10) UP(10, 4) ADD_4(7, 11) UP(11, 4) CUT END(8) PASS(84, 1) RESUME ADD_4(0, 12) \
+    END(1) END_SIDES SIDES(8) PASS(94, 8) COLUMN(5, side) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) \
+    UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) UP(9, 5) ADD_4(5, 10) \
+    UP(10, 5) ADD_4(6, 11) UP(11, 5) ADD_4(7, 12) END(8) END_SIDES SIDES(7) PASS(110, 7) \
+    COLUMN(6, side) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) \
+    UP(9, 6) ADD_4(4, 10) UP(10, 6) ADD_4(5, 11) UP(11, 6) ADD_4(6, 12) END(7) END_SIDES \
+    SIDES(6) PASS(124, 6) COLUMN(7, side) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) \
+    UP(9, 7) ADD_4(3, 10) UP(10, 7) ADD_4(4, 11) UP(11, 7) ADD_4(5, 12) END(6) END_SIDES \
+    SIDES(5) PASS(136, 5) COLUMN(8, side) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) \
+    UP(10, 8) ADD_4(3, 11) UP(11, 8) ADD_4(4, 12) END(5) END_SIDES PASS(146, 8) COLUMN(9, 0) \
     ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) UP(10, 9) ADD_4(2, 11) UP(11, 9) ADD_4(3, 12) COLUMN(9, 1) \
     ADD_4(4, 9) UP(9, 9) ADD_4(5, 10) UP(10, 9) ADD_4(6, 11) UP(11, 9) ADD_4(7, 12) END(8) \
     PASS(154, 8) COLUMN(10, 0) ADD_4(0, 10) UP(10, 10) ADD_4(1, 11) UP(11, 10) ADD_4(2, 12) \
@@ -367,154 +289,96 @@
     UP(2, 0) ADD_5(5, 3) UP(3, 0) CUT END(7) PASS(7, 8) RESUME ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) \
     UP(5, 0) ADD_5(4, 6) UP(6, 0) ADD_5(6, 7) UP(7, 0) CUT END(8) PASS(15, 8) RESUME ADD_5(0, 8) \
     UP(8, 0) ADD_5(2, 9) UP(9, 0) ADD_5(4, 10) UP(10, 0) ADD_4(6, 11) UP(11, 0) ADD_4(7, 12) \
-    END(8) PASS(23, 7) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) \
-    UP(3, 1) ADD_5(5, 4) UP(4, 1) CUT END(7) PASS(30, 8) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) \
-    UP(6, 1) ADD_5(4, 7) UP(7, 1) ADD_5(6, 8) UP(8, 1) CUT END(8) PASS(38, 6) RESUME ADD_5(0, 9) \
-    UP(9, 1) ADD_5(2, 10) UP(10, 1) ADD_4(4, 11) UP(11, 1) ADD_4(5, 12) END(6) PASS(44, 7) \
-    COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
-    UP(4, 1) CUT END(7) PASS(51, 8) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) ADD_5(4, 7) \
-    UP(7, 1) ADD_5(6, 8) UP(8, 1) CUT END(8) PASS(59, 6) RESUME ADD_5(0, 9) UP(9, 1) \
-    ADD_5(2, 10) UP(10, 1) ADD_4(4, 11) UP(11, 1) ADD_4(5, 12) END(6) PASS(65, 8) COLUMN(2, 0) \
-    ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT \
-    END(8) PASS(73, 8) RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) ADD_5(4, 8) UP(8, 2) \
-    ADD_5(6, 9) UP(9, 2) CUT END(8) PASS(81, 4) RESUME ADD_5(0, 10) UP(10, 2) ADD_4(2, 11) \
-    UP(11, 2) ADD_4(3, 12) END(4) PASS(85, 8) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) \
-    UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(93, 8) RESUME ADD_5(0, 6) \
-    UP(6, 2) ADD_5(2, 7) UP(7, 2) ADD_5(4, 8) UP(8, 2) ADD_5(6, 9) UP(9, 2) CUT END(8) \
-    PASS(101, 4) RESUME ADD_5(0, 10) UP(10, 2) ADD_4(2, 11) UP(11, 2) ADD_4(3, 12) END(4) \
-    PASS(105, 8) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
+    END(8) SIDES(21) PASS(23, 7) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) \
+    ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) CUT END(7) PASS(30, 8) RESUME ADD_5(0, 5) UP(5, 1) \
+    ADD_5(2, 6) UP(6, 1) ADD_5(4, 7) UP(7, 1) ADD_5(6, 8) UP(8, 1) CUT END(8) PASS(38, 6) RESUME \
+    ADD_5(0, 9) UP(9, 1) ADD_5(2, 10) UP(10, 1) ADD_4(4, 11) UP(11, 1) ADD_4(5, 12) END(6) \
+    END_SIDES SIDES(20) PASS(65, 8) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) \
+    ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(73, 8) RESUME ADD_5(0, 6) UP(6, 2) \
+    ADD_5(2, 7) UP(7, 2) ADD_5(4, 8) UP(8, 2) ADD_5(6, 9) UP(9, 2) CUT END(8) PASS(81, 4) RESUME \
+    ADD_5(0, 10) UP(10, 2) ADD_4(2, 11) UP(11, 2) ADD_4(3, 12) END(4) END_SIDES SIDES(18) \
+    PASS(105, 8) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
     ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(113, 8) RESUME ADD_5(0, 7) UP(7, 3) ADD_5(2, 8) \
     UP(8, 3) ADD_5(4, 9) UP(9, 3) ADD_5(6, 10) UP(10, 3) CUT END(8) PASS(121, 2) RESUME \
-    ADD_4(0, 11) UP(11, 3) ADD_4(1, 12) END(2) PASS(123, 8) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) \
-    ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(131, 8) \
-    RESUME ADD_5(0, 7) UP(7, 3) ADD_5(2, 8) UP(8, 3) ADD_5(4, 9) UP(9, 3) ADD_5(6, 10) UP(10, 3) \
-    CUT END(8) PASS(139, 2) RESUME ADD_4(0, 11) UP(11, 3) ADD_4(1, 12) END(2) PASS(141, 8) \
-    COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) \
-    UP(7, 4) CUT END(8) PASS(149, 8) RESUME ADD_5(0, 8) UP(8, 4) ADD_5(2, 9) UP(9, 4) \
-    ADD_5(4, 10) UP(10, 4) ADD_4(6, 11) UP(11, 4) ADD_4(7, 12) END(8) PASS(157, 8) COLUMN(4, 1) \
+    ADD_4(0, 11) UP(11, 3) ADD_4(1, 12) END(2) END_SIDES SIDES(16) PASS(141, 8) COLUMN(4, side) \
     ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) CUT \
-    END(8) PASS(165, 8) RESUME ADD_5(0, 8) UP(8, 4) ADD_5(2, 9) UP(9, 4) ADD_5(4, 10) UP(10, 4) \
-    ADD_4(6, 11) UP(11, 4) ADD_4(7, 12) END(8) PASS(173, 8) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
-    ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) CUT END(8) PASS(181, 6) \
-    RESUME ADD_5(0, 9) UP(9, 5) ADD_5(2, 10) UP(10, 5) ADD_4(4, 11) UP(11, 5) ADD_4(5, 12) \
-    END(6) PASS(187, 8) COLUMN(5, 1) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) \
-    UP(7, 5) ADD_5(6, 8) UP(8, 5) CUT END(8) PASS(195, 6) RESUME ADD_5(0, 9) UP(9, 5) \
-    ADD_5(2, 10) UP(10, 5) ADD_4(4, 11) UP(11, 5) ADD_4(5, 12) END(6) PASS(201, 8) COLUMN(6, 0) \
-    ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_5(6, 9) UP(9, 6) CUT \
-    END(8) PASS(209, 4) RESUME ADD_5(0, 10) UP(10, 6) ADD_4(2, 11) UP(11, 6) ADD_4(3, 12) END(4) \
-    PASS(213, 8) COLUMN(6, 1) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) UP(8, 6) \
-    ADD_5(6, 9) UP(9, 6) CUT END(8) PASS(221, 4) RESUME ADD_5(0, 10) UP(10, 6) ADD_4(2, 11) \
-    UP(11, 6) ADD_4(3, 12) END(4) PASS(225, 8) COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) \
-    UP(8, 7) ADD_5(4, 9) UP(9, 7) ADD_5(6, 10) UP(10, 7) CUT END(8) PASS(233, 2) RESUME \
-    ADD_4(0, 11) UP(11, 7) ADD_4(1, 12) END(2) PASS(235, 8) COLUMN(7, 1) ADD_5(0, 7) UP(7, 7) \
-    ADD_5(2, 8) UP(8, 7) ADD_5(4, 9) UP(9, 7) ADD_5(6, 10) UP(10, 7) CUT END(8) PASS(243, 2) \
-    RESUME ADD_4(0, 11) UP(11, 7) ADD_4(1, 12) END(2) PASS(245, 8) COLUMN(8, 0) ADD_5(0, 8) \
+    END(8) PASS(149, 8) RESUME ADD_5(0, 8) UP(8, 4) ADD_5(2, 9) UP(9, 4) ADD_5(4, 10) UP(10, 4) \
+    ADD_4(6, 11) UP(11, 4) ADD_4(7, 12) END(8) END_SIDES SIDES(14) PASS(173, 8) COLUMN(5, side) \
+    ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) CUT \
+    END(8) PASS(181, 6) RESUME ADD_5(0, 9) UP(9, 5) ADD_5(2, 10) UP(10, 5) ADD_4(4, 11) \
+    UP(11, 5) ADD_4(5, 12) END(6) END_SIDES SIDES(12) PASS(201, 8) COLUMN(6, side) ADD_5(0, 6) \
+    UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_5(6, 9) UP(9, 6) CUT END(8) \
+    PASS(209, 4) RESUME ADD_5(0, 10) UP(10, 6) ADD_4(2, 11) UP(11, 6) ADD_4(3, 12) END(4) \
+    END_SIDES SIDES(10) PASS(225, 8) COLUMN(7, side) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) \
+    ADD_5(4, 9) UP(9, 7) ADD_5(6, 10) UP(10, 7) CUT END(8) PASS(233, 2) RESUME ADD_4(0, 11) \
+    UP(11, 7) ADD_4(1, 12) END(2) END_SIDES SIDES(8) PASS(245, 8) COLUMN(8, side) ADD_5(0, 8) \
     UP(8, 8) ADD_5(2, 9) UP(9, 8) ADD_5(4, 10) UP(10, 8) ADD_4(6, 11) UP(11, 8) ADD_4(7, 12) \
-    END(8) PASS(253, 8) COLUMN(8, 1) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) UP(9, 8) ADD_5(4, 10) \
-    UP(10, 8) ADD_4(6, 11) UP(11, 8) ADD_4(7, 12) END(8) PASS(261, 6) COLUMN(9, 0) ADD_5(0, 9) \
-    UP(9, 9) ADD_5(2, 10) UP(10, 9) ADD_4(4, 11) UP(11, 9) ADD_4(5, 12) END(6) PASS(267, 6) \
-    COLUMN(9, 1) ADD_5(0, 9) UP(9, 9) ADD_5(2, 10) UP(10, 9) ADD_4(4, 11) UP(11, 9) ADD_4(5, 12) \
-    END(6) PASS(273, 8) COLUMN(10, 0) ADD_5(0, 10) UP(10, 10) ADD_4(2, 11) UP(11, 10) \
-    ADD_4(3, 12) COLUMN(10, 1) ADD_5(4, 10) UP(10, 10) ADD_4(6, 11) UP(11, 10) ADD_4(7, 12) \
-    END(8) PASS(281, 6) COLUMN(11, 0) ADD_4(0, 11) UP(11, 11) ADD_4(1, 12) COLUMN(11, 1) \
-    ADD_4(2, 11) UP(11, 11) ADD_4(3, 12) COLUMN(12, 0) ADD_4(4, 12) COLUMN(12, 1) ADD_4(5, 12) \
-    END(6)
+    END(8) END_SIDES SIDES(6) PASS(261, 6) COLUMN(9, side) ADD_5(0, 9) UP(9, 9) ADD_5(2, 10) \
+    UP(10, 9) ADD_4(4, 11) UP(11, 9) ADD_4(5, 12) END(6) END_SIDES PASS(273, 8) COLUMN(10, 0) \
+    ADD_5(0, 10) UP(10, 10) ADD_4(2, 11) UP(11, 10) ADD_4(3, 12) COLUMN(10, 1) ADD_5(4, 10) \
+    UP(10, 10) ADD_4(6, 11) UP(11, 10) ADD_4(7, 12) END(8) PASS(281, 6) COLUMN(11, 0) \
+    ADD_4(0, 11) UP(11, 11) ADD_4(1, 12) COLUMN(11, 1) ADD_4(2, 11) UP(11, 11) ADD_4(3, 12) \
+    COLUMN(12, 0) ADD_4(4, 12) COLUMN(12, 1) ADD_4(5, 12) END(6)
 #define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) CUT END(7) PASS(7, 6) RESUME ADD_7(0, 3) UP(3, 0) ADD_7(3, 4) UP(4, 0) CUT END(6) \
     PASS(13, 6) RESUME ADD_7(0, 5) UP(5, 0) ADD_7(3, 6) UP(6, 0) CUT END(6) PASS(19, 6) RESUME \
     ADD_7(0, 7) UP(7, 0) ADD_7(3, 8) UP(8, 0) CUT END(6) PASS(25, 8) RESUME ADD_7(0, 9) UP(9, 0) \
     ADD_7(3, 10) UP(10, 0) ADD_6(6, 11) UP(11, 0) CUT END(8) PASS(33, 1) RESUME ADD_4(0, 12) \
-    END(1) PASS(34, 8) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) \
-    UP(3, 1) CUT END(8) PASS(42, 6) RESUME ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) CUT END(6) \
-    PASS(48, 6) RESUME ADD_7(0, 6) UP(6, 1) ADD_7(3, 7) UP(7, 1) CUT END(6) PASS(54, 6) RESUME \
-    ADD_7(0, 8) UP(8, 1) ADD_7(3, 9) UP(9, 1) CUT END(6) PASS(60, 6) RESUME ADD_7(0, 10) \
-    UP(10, 1) ADD_6(3, 11) UP(11, 1) ADD_4(5, 12) END(6) PASS(66, 8) COLUMN(1, 1) ADD_3(0, 1) \
-    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(74, 6) RESUME ADD_7(0, 4) \
-    UP(4, 1) ADD_7(3, 5) UP(5, 1) CUT END(6) PASS(80, 6) RESUME ADD_7(0, 6) UP(6, 1) ADD_7(3, 7) \
-    UP(7, 1) CUT END(6) PASS(86, 6) RESUME ADD_7(0, 8) UP(8, 1) ADD_7(3, 9) UP(9, 1) CUT END(6) \
-    PASS(92, 6) RESUME ADD_7(0, 10) UP(10, 1) ADD_6(3, 11) UP(11, 1) ADD_4(5, 12) END(6) \
-    PASS(98, 6) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(104, 6) \
-    RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) CUT END(6) PASS(110, 6) RESUME ADD_7(0, 6) \
-    UP(6, 2) ADD_7(3, 7) UP(7, 2) CUT END(6) PASS(116, 6) RESUME ADD_7(0, 8) UP(8, 2) \
-    ADD_7(3, 9) UP(9, 2) CUT END(6) PASS(122, 6) RESUME ADD_7(0, 10) UP(10, 2) ADD_6(3, 11) \
-    UP(11, 2) ADD_4(5, 12) END(6) PASS(128, 6) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) \
-    UP(3, 2) CUT END(6) PASS(134, 6) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) CUT END(6) \
-    PASS(140, 6) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) CUT END(6) PASS(146, 6) RESUME \
-    ADD_7(0, 8) UP(8, 2) ADD_7(3, 9) UP(9, 2) CUT END(6) PASS(152, 6) RESUME ADD_7(0, 10) \
-    UP(10, 2) ADD_6(3, 11) UP(11, 2) ADD_4(5, 12) END(6) PASS(158, 6) COLUMN(3, 0) ADD_7(0, 3) \
-    UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(164, 6) RESUME ADD_7(0, 5) UP(5, 3) \
-    ADD_7(3, 6) UP(6, 3) CUT END(6) PASS(170, 6) RESUME ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) \
-    UP(8, 3) CUT END(6) PASS(176, 8) RESUME ADD_7(0, 9) UP(9, 3) ADD_7(3, 10) UP(10, 3) \
-    ADD_6(6, 11) UP(11, 3) CUT END(8) PASS(184, 1) RESUME ADD_4(0, 12) END(1) PASS(185, 6) \
-    COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(191, 6) RESUME \
-    ADD_7(0, 5) UP(5, 3) ADD_7(3, 6) UP(6, 3) CUT END(6) PASS(197, 6) RESUME ADD_7(0, 7) \
-    UP(7, 3) ADD_7(3, 8) UP(8, 3) CUT END(6) PASS(203, 8) RESUME ADD_7(0, 9) UP(9, 3) \
-    ADD_7(3, 10) UP(10, 3) ADD_6(6, 11) UP(11, 3) CUT END(8) PASS(211, 1) RESUME ADD_4(0, 12) \
-    END(1) PASS(212, 6) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT END(6) \
-    PASS(218, 6) RESUME ADD_7(0, 6) UP(6, 4) ADD_7(3, 7) UP(7, 4) CUT END(6) PASS(224, 6) RESUME \
-    ADD_7(0, 8) UP(8, 4) ADD_7(3, 9) UP(9, 4) CUT END(6) PASS(230, 6) RESUME ADD_7(0, 10) \
-    UP(10, 4) ADD_6(3, 11) UP(11, 4) ADD_4(5, 12) END(6) PASS(236, 6) COLUMN(4, 1) ADD_7(0, 4) \
-    UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT END(6) PASS(242, 6) RESUME ADD_7(0, 6) UP(6, 4) \
-    ADD_7(3, 7) UP(7, 4) CUT END(6) PASS(248, 6) RESUME ADD_7(0, 8) UP(8, 4) ADD_7(3, 9) \
-    UP(9, 4) CUT END(6) PASS(254, 6) RESUME ADD_7(0, 10) UP(10, 4) ADD_6(3, 11) UP(11, 4) \
-    ADD_4(5, 12) END(6) PASS(260, 6) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) CUT \
-    END(6) PASS(266, 6) RESUME ADD_7(0, 7) UP(7, 5) ADD_7(3, 8) UP(8, 5) CUT END(6) PASS(272, 8) \
-    RESUME ADD_7(0, 9) UP(9, 5) ADD_7(3, 10) UP(10, 5) ADD_6(6, 11) UP(11, 5) CUT END(8) \
-    PASS(280, 1) RESUME ADD_4(0, 12) END(1) PASS(281, 6) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) \
-    ADD_7(3, 6) UP(6, 5) CUT END(6) PASS(287, 6) RESUME ADD_7(0, 7) UP(7, 5) ADD_7(3, 8) \
-    UP(8, 5) CUT END(6) PASS(293, 8) RESUME ADD_7(0, 9) UP(9, 5) ADD_7(3, 10) UP(10, 5) \
-    ADD_6(6, 11) UP(11, 5) CUT END(8) PASS(301, 1) RESUME ADD_4(0, 12) END(1) PASS(302, 6) \
-    COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) CUT END(6) PASS(308, 6) RESUME \
-    ADD_7(0, 8) UP(8, 6) ADD_7(3, 9) UP(9, 6) CUT END(6) PASS(314, 6) RESUME ADD_7(0, 10) \
-    UP(10, 6) ADD_6(3, 11) UP(11, 6) ADD_4(5, 12) END(6) PASS(320, 6) COLUMN(6, 1) ADD_7(0, 6) \
-    UP(6, 6) ADD_7(3, 7) UP(7, 6) CUT END(6) PASS(326, 6) RESUME ADD_7(0, 8) UP(8, 6) \
-    ADD_7(3, 9) UP(9, 6) CUT END(6) PASS(332, 6) RESUME ADD_7(0, 10) UP(10, 6) ADD_6(3, 11) \
-    UP(11, 6) ADD_4(5, 12) END(6) PASS(338, 6) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) \
-    UP(8, 7) CUT END(6) PASS(344, 8) RESUME ADD_7(0, 9) UP(9, 7) ADD_7(3, 10) UP(10, 7) \
-    ADD_6(6, 11) UP(11, 7) CUT END(8) PASS(352, 1) RESUME ADD_4(0, 12) END(1) PASS(353, 6) \
-    COLUMN(7, 1) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) CUT END(6) PASS(359, 8) RESUME \
-    ADD_7(0, 9) UP(9, 7) ADD_7(3, 10) UP(10, 7) ADD_6(6, 11) UP(11, 7) CUT END(8) PASS(367, 1) \
-    RESUME ADD_4(0, 12) END(1) PASS(368, 6) COLUMN(8, 0) ADD_7(0, 8) UP(8, 8) ADD_7(3, 9) \
+    END(1) SIDES(32) PASS(34, 8) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) \
+    ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(42, 6) RESUME ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) \
+    CUT END(6) PASS(48, 6) RESUME ADD_7(0, 6) UP(6, 1) ADD_7(3, 7) UP(7, 1) CUT END(6) \
+    PASS(54, 6) RESUME ADD_7(0, 8) UP(8, 1) ADD_7(3, 9) UP(9, 1) CUT END(6) PASS(60, 6) RESUME \
+    ADD_7(0, 10) UP(10, 1) ADD_6(3, 11) UP(11, 1) ADD_4(5, 12) END(6) END_SIDES SIDES(30) \
+    PASS(98, 6) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) \
+    PASS(104, 6) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) CUT END(6) PASS(110, 6) RESUME \
+    ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) CUT END(6) PASS(116, 6) RESUME ADD_7(0, 8) \
+    UP(8, 2) ADD_7(3, 9) UP(9, 2) CUT END(6) PASS(122, 6) RESUME ADD_7(0, 10) UP(10, 2) \
+    ADD_6(3, 11) UP(11, 2) ADD_4(5, 12) END(6) END_SIDES SIDES(27) PASS(158, 6) COLUMN(3, side) \
+    ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(164, 6) RESUME ADD_7(0, 5) \
+    UP(5, 3) ADD_7(3, 6) UP(6, 3) CUT END(6) PASS(170, 6) RESUME ADD_7(0, 7) UP(7, 3) \
+    ADD_7(3, 8) UP(8, 3) CUT END(6) PASS(176, 8) RESUME ADD_7(0, 9) UP(9, 3) ADD_7(3, 10) \
+    UP(10, 3) ADD_6(6, 11) UP(11, 3) CUT END(8) PASS(184, 1) RESUME ADD_4(0, 12) END(1) \
+    END_SIDES SIDES(24) PASS(212, 6) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) \
+    CUT END(6) PASS(218, 6) RESUME ADD_7(0, 6) UP(6, 4) ADD_7(3, 7) UP(7, 4) CUT END(6) \
+    PASS(224, 6) RESUME ADD_7(0, 8) UP(8, 4) ADD_7(3, 9) UP(9, 4) CUT END(6) PASS(230, 6) RESUME \
+    ADD_7(0, 10) UP(10, 4) ADD_6(3, 11) UP(11, 4) ADD_4(5, 12) END(6) END_SIDES SIDES(21) \
+    PASS(260, 6) COLUMN(5, side) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) CUT END(6) \
+    PASS(266, 6) RESUME ADD_7(0, 7) UP(7, 5) ADD_7(3, 8) UP(8, 5) CUT END(6) PASS(272, 8) RESUME \
+    ADD_7(0, 9) UP(9, 5) ADD_7(3, 10) UP(10, 5) ADD_6(6, 11) UP(11, 5) CUT END(8) PASS(280, 1) \
+    RESUME ADD_4(0, 12) END(1) END_SIDES SIDES(18) PASS(302, 6) COLUMN(6, side) ADD_7(0, 6) \
+    UP(6, 6) ADD_7(3, 7) UP(7, 6) CUT END(6) PASS(308, 6) RESUME ADD_7(0, 8) UP(8, 6) \
+    ADD_7(3, 9) UP(9, 6) CUT END(6) PASS(314, 6) RESUME ADD_7(0, 10) UP(10, 6) ADD_6(3, 11) \
+    UP(11, 6) ADD_4(5, 12) END(6) END_SIDES SIDES(15) PASS(338, 6) COLUMN(7, side) ADD_7(0, 7) \
+    UP(7, 7) ADD_7(3, 8) UP(8, 7) CUT END(6) PASS(344, 8) RESUME ADD_7(0, 9) UP(9, 7) \
+    ADD_7(3, 10) UP(10, 7) ADD_6(6, 11) UP(11, 7) CUT END(8) PASS(352, 1) RESUME ADD_4(0, 12) \
+    END(1) END_SIDES SIDES(12) PASS(368, 6) COLUMN(8, side) ADD_7(0, 8) UP(8, 8) ADD_7(3, 9) \
     UP(9, 8) CUT END(6) PASS(374, 6) RESUME ADD_7(0, 10) UP(10, 8) ADD_6(3, 11) UP(11, 8) \
-    ADD_4(5, 12) END(6) PASS(380, 6) COLUMN(8, 1) ADD_7(0, 8) UP(8, 8) ADD_7(3, 9) UP(9, 8) CUT \
-    END(6) PASS(386, 6) RESUME ADD_7(0, 10) UP(10, 8) ADD_6(3, 11) UP(11, 8) ADD_4(5, 12) END(6) \
-    PASS(392, 8) COLUMN(9, 0) ADD_7(0, 9) UP(9, 9) ADD_7(3, 10) UP(10, 9) ADD_6(6, 11) UP(11, 9) \
-    CUT END(8) PASS(400, 1) RESUME ADD_4(0, 12) END(1) PASS(401, 8) COLUMN(9, 1) ADD_7(0, 9) \
-    UP(9, 9) ADD_7(3, 10) UP(10, 9) ADD_6(6, 11) UP(11, 9) CUT END(8) PASS(409, 7) RESUME \
-    ADD_4(0, 12) COLUMN(10, 0) ADD_7(1, 10) UP(10, 10) ADD_6(4, 11) UP(11, 10) ADD_4(6, 12) \
-    END(7) PASS(416, 6) COLUMN(10, 1) ADD_7(0, 10) UP(10, 10) ADD_6(3, 11) UP(11, 10) \
-    ADD_4(5, 12) END(6) PASS(422, 8) COLUMN(11, 0) ADD_6(0, 11) UP(11, 11) ADD_4(2, 12) \
-    COLUMN(11, 1) ADD_6(3, 11) UP(11, 11) ADD_4(5, 12) COLUMN(12, 0) ADD_4(6, 12) COLUMN(12, 1) \
-    ADD_4(7, 12) END(8)
+    ADD_4(5, 12) END(6) END_SIDES SIDES(9) PASS(392, 8) COLUMN(9, side) ADD_7(0, 9) UP(9, 9) \
+    ADD_7(3, 10) UP(10, 9) ADD_6(6, 11) UP(11, 9) CUT END(8) PASS(400, 1) RESUME ADD_4(0, 12) \
+    END(1) END_SIDES SIDES(6) PASS(410, 6) COLUMN(10, side) ADD_7(0, 10) UP(10, 10) ADD_6(3, 11) \
+    UP(11, 10) ADD_4(5, 12) END(6) END_SIDES PASS(422, 8) COLUMN(11, 0) ADD_6(0, 11) UP(11, 11) \
+    ADD_4(2, 12) COLUMN(11, 1) ADD_6(3, 11) UP(11, 11) ADD_4(5, 12) COLUMN(12, 0) ADD_4(6, 12) \
+    COLUMN(12, 1) ADD_4(7, 12) END(8)
 #else
 #define PLAN_1 PASS(0, 11) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) UP(6, 0) \
     ADD_1(7, 7) UP(7, 0) ADD_1(8, 8) UP(8, 0) ADD_1(9, 9) UP(9, 0) ADD_1(10, 10) END(11) \
-    PASS(11, 10) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) \
-    ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) \
-    ADD_1(7, 8) UP(8, 1) ADD_1(8, 9) UP(9, 1) ADD_1(9, 10) END(10) PASS(21, 10) COLUMN(1, 1) \
-    ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) \
-    ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) ADD_1(7, 8) UP(8, 1) \
-    ADD_1(8, 9) UP(9, 1) ADD_1(9, 10) END(10) PASS(31, 9) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) \
-    ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) \
-    ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) UP(8, 2) ADD_1(7, 9) UP(9, 2) ADD_1(8, 10) END(9) \
-    PASS(40, 9) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
+    SIDES(10) PASS(11, 10) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) \
+    UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) \
+    ADD_1(7, 8) UP(8, 1) ADD_1(8, 9) UP(9, 1) ADD_1(9, 10) END(10) END_SIDES SIDES(9) \
+    PASS(31, 9) COLUMN(2, side) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
     ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) UP(8, 2) \
-    ADD_1(7, 9) UP(9, 2) ADD_1(8, 10) END(9) PASS(49, 8) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) \
-    ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) UP(7, 3) \
-    ADD_1(5, 8) UP(8, 3) ADD_1(6, 9) UP(9, 3) ADD_1(7, 10) END(8) PASS(57, 8) COLUMN(3, 1) \
+    ADD_1(7, 9) UP(9, 2) ADD_1(8, 10) END(9) END_SIDES SIDES(8) PASS(49, 8) COLUMN(3, side) \
     ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) \
-    ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) UP(8, 3) ADD_1(6, 9) UP(9, 3) ADD_1(7, 10) END(8) \
-    PASS(65, 7) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) \
-    ADD_1(3, 7) UP(7, 4) ADD_1(4, 8) UP(8, 4) ADD_1(5, 9) UP(9, 4) ADD_1(6, 10) END(7) \
-    PASS(72, 7) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) \
-    ADD_1(3, 7) UP(7, 4) ADD_1(4, 8) UP(8, 4) ADD_1(5, 9) UP(9, 4) ADD_1(6, 10) END(7) \
-    PASS(79, 12) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) \
-    ADD_1(3, 8) UP(8, 5) ADD_1(4, 9) UP(9, 5) ADD_1(5, 10) COLUMN(5, 1) ADD_1(6, 5) UP(5, 5) \
-    ADD_1(7, 6) UP(6, 5) ADD_1(8, 7) UP(7, 5) ADD_1(9, 8) UP(8, 5) ADD_1(10, 9) UP(9, 5) \
-    ADD_1(11, 10) END(12) PASS(91, 10) COLUMN(6, 0) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) \
-    ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) UP(9, 6) ADD_1(4, 10) COLUMN(6, 1) ADD_1(5, 6) UP(6, 6) \
-    ADD_1(6, 7) UP(7, 6) ADD_1(7, 8) UP(8, 6) ADD_1(8, 9) UP(9, 6) ADD_1(9, 10) END(10) \
+    ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) UP(8, 3) ADD_1(6, 9) UP(9, 3) ADD_1(7, 10) END(8) END_SIDES \
+    SIDES(7) PASS(65, 7) COLUMN(4, side) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) \
+    UP(6, 4) ADD_1(3, 7) UP(7, 4) ADD_1(4, 8) UP(8, 4) ADD_1(5, 9) UP(9, 4) ADD_1(6, 10) END(7) \
+    END_SIDES PASS(79, 12) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) \
+    UP(7, 5) ADD_1(3, 8) UP(8, 5) ADD_1(4, 9) UP(9, 5) ADD_1(5, 10) COLUMN(5, 1) ADD_1(6, 5) \
+    UP(5, 5) ADD_1(7, 6) UP(6, 5) ADD_1(8, 7) UP(7, 5) ADD_1(9, 8) UP(8, 5) ADD_1(10, 9) \
+    UP(9, 5) ADD_1(11, 10) END(12) PASS(91, 10) COLUMN(6, 0) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) \
+    UP(7, 6) ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) UP(9, 6) ADD_1(4, 10) COLUMN(6, 1) ADD_1(5, 6) \
+    UP(6, 6) ADD_1(6, 7) UP(7, 6) ADD_1(7, 8) UP(8, 6) ADD_1(8, 9) UP(9, 6) ADD_1(9, 10) END(10) \
     PASS(101, 11) COLUMN(7, 0) ADD_1(0, 7) UP(7, 7) ADD_1(1, 8) UP(8, 7) ADD_1(2, 9) UP(9, 7) \
     ADD_1(3, 10) COLUMN(7, 1) ADD_1(4, 7) UP(7, 7) ADD_1(5, 8) UP(8, 7) ADD_1(6, 9) UP(9, 7) \
     ADD_1(7, 10) COLUMN(8, 0) ADD_1(8, 8) UP(8, 8) ADD_1(9, 9) UP(9, 8) ADD_1(10, 10) END(11) \
@@ -524,86 +388,56 @@
 #define PLAN_3 PASS(0, 11) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
     UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_3(9, 5) UP(5, 0) CUT END(11) \
     PASS(11, 11) RESUME ADD_3(0, 6) UP(6, 0) ADD_3(2, 7) UP(7, 0) ADD_3(4, 8) UP(8, 0) \
-    ADD_3(6, 9) UP(9, 0) ADD_3(8, 10) UP(10, 0) ADD_2(10, 11) END(11) PASS(22, 12) COLUMN(1, 0) \
-    ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) \
-    ADD_3(8, 5) UP(5, 1) ADD_3(10, 6) UP(6, 1) CUT END(12) PASS(34, 9) RESUME ADD_3(0, 7) \
-    UP(7, 1) ADD_3(2, 8) UP(8, 1) ADD_3(4, 9) UP(9, 1) ADD_3(6, 10) UP(10, 1) ADD_2(8, 11) \
-    END(9) PASS(43, 12) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) \
-    UP(3, 1) ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) ADD_3(10, 6) UP(6, 1) CUT END(12) \
-    PASS(55, 9) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) UP(8, 1) ADD_3(4, 9) UP(9, 1) \
-    ADD_3(6, 10) UP(10, 1) ADD_2(8, 11) END(9) PASS(64, 12) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) \
+    ADD_3(6, 9) UP(9, 0) ADD_3(8, 10) UP(10, 0) ADD_2(10, 11) END(11) SIDES(21) PASS(22, 12) \
+    COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) \
+    UP(4, 1) ADD_3(8, 5) UP(5, 1) ADD_3(10, 6) UP(6, 1) CUT END(12) PASS(34, 9) RESUME \
+    ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) UP(8, 1) ADD_3(4, 9) UP(9, 1) ADD_3(6, 10) UP(10, 1) \
+    ADD_2(8, 11) END(9) END_SIDES SIDES(19) PASS(64, 12) COLUMN(2, side) ADD_3(0, 2) UP(2, 2) \
     ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) ADD_3(8, 6) UP(6, 2) \
     ADD_3(10, 7) UP(7, 2) CUT END(12) PASS(76, 7) RESUME ADD_3(0, 8) UP(8, 2) ADD_3(2, 9) \
-    UP(9, 2) ADD_3(4, 10) UP(10, 2) ADD_2(6, 11) END(7) PASS(83, 12) COLUMN(2, 1) ADD_3(0, 2) \
-    UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) ADD_3(8, 6) UP(6, 2) \
-    ADD_3(10, 7) UP(7, 2) CUT END(12) PASS(95, 7) RESUME ADD_3(0, 8) UP(8, 2) ADD_3(2, 9) \
-    UP(9, 2) ADD_3(4, 10) UP(10, 2) ADD_2(6, 11) END(7) PASS(102, 12) COLUMN(3, 0) ADD_3(0, 3) \
-    UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) ADD_3(8, 7) UP(7, 3) \
-    ADD_3(10, 8) UP(8, 3) CUT END(12) PASS(114, 5) RESUME ADD_3(0, 9) UP(9, 3) ADD_3(2, 10) \
-    UP(10, 3) ADD_2(4, 11) END(5) PASS(119, 12) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) \
-    UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) ADD_3(8, 7) UP(7, 3) ADD_3(10, 8) \
-    UP(8, 3) CUT END(12) PASS(131, 5) RESUME ADD_3(0, 9) UP(9, 3) ADD_3(2, 10) UP(10, 3) \
-    ADD_2(4, 11) END(5) PASS(136, 12) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) \
-    ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) UP(7, 4) ADD_3(8, 8) UP(8, 4) ADD_3(10, 9) UP(9, 4) CUT \
-    END(12) PASS(148, 3) RESUME ADD_3(0, 10) UP(10, 4) ADD_2(2, 11) END(3) PASS(151, 12) \
-    COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) \
-    UP(7, 4) ADD_3(8, 8) UP(8, 4) ADD_3(10, 9) UP(9, 4) CUT END(12) PASS(163, 3) RESUME \
-    ADD_3(0, 10) UP(10, 4) ADD_2(2, 11) END(3) PASS(166, 12) COLUMN(5, 0) ADD_3(0, 5) UP(5, 5) \
-    ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) UP(8, 5) ADD_3(8, 9) UP(9, 5) \
-    ADD_3(10, 10) UP(10, 5) CUT END(12) PASS(178, 1) RESUME ADD_2(0, 11) END(1) PASS(179, 12) \
-    COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) \
-    UP(8, 5) ADD_3(8, 9) UP(9, 5) ADD_3(10, 10) UP(10, 5) CUT END(12) PASS(191, 12) RESUME \
-    ADD_2(0, 11) COLUMN(6, 0) ADD_3(1, 6) UP(6, 6) ADD_3(3, 7) UP(7, 6) ADD_3(5, 8) UP(8, 6) \
-    ADD_3(7, 9) UP(9, 6) ADD_3(9, 10) UP(10, 6) ADD_2(11, 11) END(12) PASS(203, 11) COLUMN(6, 1) \
-    ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) ADD_3(4, 8) UP(8, 6) ADD_3(6, 9) UP(9, 6) \
-    ADD_3(8, 10) UP(10, 6) ADD_2(10, 11) END(11) PASS(214, 9) COLUMN(7, 0) ADD_3(0, 7) UP(7, 7) \
+    UP(9, 2) ADD_3(4, 10) UP(10, 2) ADD_2(6, 11) END(7) END_SIDES SIDES(17) PASS(102, 12) \
+    COLUMN(3, side) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) \
+    UP(6, 3) ADD_3(8, 7) UP(7, 3) ADD_3(10, 8) UP(8, 3) CUT END(12) PASS(114, 5) RESUME \
+    ADD_3(0, 9) UP(9, 3) ADD_3(2, 10) UP(10, 3) ADD_2(4, 11) END(5) END_SIDES SIDES(15) \
+    PASS(136, 12) COLUMN(4, side) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) \
+    ADD_3(6, 7) UP(7, 4) ADD_3(8, 8) UP(8, 4) ADD_3(10, 9) UP(9, 4) CUT END(12) PASS(148, 3) \
+    RESUME ADD_3(0, 10) UP(10, 4) ADD_2(2, 11) END(3) END_SIDES SIDES(13) PASS(166, 12) \
+    COLUMN(5, side) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) \
+    UP(8, 5) ADD_3(8, 9) UP(9, 5) ADD_3(10, 10) UP(10, 5) CUT END(12) PASS(178, 1) RESUME \
+    ADD_2(0, 11) END(1) END_SIDES SIDES(11) PASS(192, 11) COLUMN(6, side) ADD_3(0, 6) UP(6, 6) \
+    ADD_3(2, 7) UP(7, 6) ADD_3(4, 8) UP(8, 6) ADD_3(6, 9) UP(9, 6) ADD_3(8, 10) UP(10, 6) \
+    ADD_2(10, 11) END(11) END_SIDES SIDES(9) PASS(214, 9) COLUMN(7, side) ADD_3(0, 7) UP(7, 7) \
     ADD_3(2, 8) UP(8, 7) ADD_3(4, 9) UP(9, 7) ADD_3(6, 10) UP(10, 7) ADD_2(8, 11) END(9) \
-    PASS(223, 9) COLUMN(7, 1) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) ADD_3(4, 9) UP(9, 7) \
-    ADD_3(6, 10) UP(10, 7) ADD_2(8, 11) END(9) PASS(232, 7) COLUMN(8, 0) ADD_3(0, 8) UP(8, 8) \
-    ADD_3(2, 9) UP(9, 8) ADD_3(4, 10) UP(10, 8) ADD_2(6, 11) END(7) PASS(239, 12) COLUMN(8, 1) \
-    ADD_3(0, 8) UP(8, 8) ADD_3(2, 9) UP(9, 8) ADD_3(4, 10) UP(10, 8) ADD_2(6, 11) COLUMN(9, 0) \
-    ADD_3(7, 9) UP(9, 9) ADD_3(9, 10) UP(10, 9) ADD_2(11, 11) END(12) PASS(251, 12) COLUMN(9, 1) \
-    ADD_3(0, 9) UP(9, 9) ADD_3(2, 10) UP(10, 9) ADD_2(4, 11) COLUMN(10, 0) ADD_3(5, 10) \
-    UP(10, 10) ADD_2(7, 11) COLUMN(10, 1) ADD_3(8, 10) UP(10, 10) ADD_2(10, 11) COLUMN(11, 0) \
-    ADD_2(11, 11) END(12) PASS(263, 1) COLUMN(11, 1) ADD_2(0, 11) END(1)
+    END_SIDES SIDES(7) PASS(232, 7) COLUMN(8, side) ADD_3(0, 8) UP(8, 8) ADD_3(2, 9) UP(9, 8) \
+    ADD_3(4, 10) UP(10, 8) ADD_2(6, 11) END(7) END_SIDES PASS(246, 10) COLUMN(9, 0) ADD_3(0, 9) \
+    UP(9, 9) ADD_3(2, 10) UP(10, 9) ADD_2(4, 11) COLUMN(9, 1) ADD_3(5, 9) UP(9, 9) ADD_3(7, 10) \
+    UP(10, 9) ADD_2(9, 11) END(10) PASS(256, 8) COLUMN(10, 0) ADD_3(0, 10) UP(10, 10) \
+    ADD_2(2, 11) COLUMN(10, 1) ADD_3(3, 10) UP(10, 10) ADD_2(5, 11) COLUMN(11, 0) ADD_2(6, 11) \
+    COLUMN(11, 1) ADD_2(7, 11) END(8)
 #define PLAN_4 PASS(0, 12) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
     ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) UP(8, 0) ADD_4(8, 9) UP(9, 0) ADD_4(9, 10) UP(10, 0) \
-    ADD_4(10, 11) UP(11, 0) ADD_4(11, 12) END(12) PASS(12, 11) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
-    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) UP(9, 1) ADD_4(8, 10) UP(10, 1) \
-    ADD_4(9, 11) UP(11, 1) ADD_4(10, 12) END(11) PASS(23, 11) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
-    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) UP(9, 1) ADD_4(8, 10) UP(10, 1) \
-    ADD_4(9, 11) UP(11, 1) ADD_4(10, 12) END(11) PASS(34, 11) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) ADD_4(8, 10) UP(10, 2) \
-    ADD_4(9, 11) UP(11, 2) ADD_4(10, 12) END(11) PASS(45, 11) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) ADD_4(8, 10) UP(10, 2) \
-    ADD_4(9, 11) UP(11, 2) ADD_4(10, 12) END(11) PASS(56, 10) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) \
-    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) \
-    ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) UP(10, 3) ADD_4(8, 11) UP(11, 3) \
-    ADD_4(9, 12) END(10) PASS(66, 10) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
+    ADD_4(10, 11) UP(11, 0) ADD_4(11, 12) END(12) SIDES(11) PASS(12, 11) COLUMN(1, side) \
+    UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) \
+    ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) UP(9, 1) \
+    ADD_4(8, 10) UP(10, 1) ADD_4(9, 11) UP(11, 1) ADD_4(10, 12) END(11) END_SIDES SIDES(11) \
+    PASS(34, 11) COLUMN(2, side) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
+    ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) \
+    ADD_4(7, 9) UP(9, 2) ADD_4(8, 10) UP(10, 2) ADD_4(9, 11) UP(11, 2) ADD_4(10, 12) END(11) \
+    END_SIDES SIDES(10) PASS(56, 10) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
     ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) \
     ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) UP(10, 3) ADD_4(8, 11) UP(11, 3) ADD_4(9, 12) END(10) \
-    PASS(76, 9) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) \
-    ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) UP(9, 4) ADD_4(6, 10) UP(10, 4) \
-    ADD_4(7, 11) UP(11, 4) ADD_4(8, 12) END(9) PASS(85, 9) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) \
-    ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) \
-    ADD_4(5, 9) UP(9, 4) ADD_4(6, 10) UP(10, 4) ADD_4(7, 11) UP(11, 4) ADD_4(8, 12) END(9) \
-    PASS(94, 8) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) \
+    END_SIDES SIDES(9) PASS(76, 9) COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
+    ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) UP(9, 4) \
+    ADD_4(6, 10) UP(10, 4) ADD_4(7, 11) UP(11, 4) ADD_4(8, 12) END(9) END_SIDES SIDES(8) \
+    PASS(94, 8) COLUMN(5, side) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) \
     ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) UP(9, 5) ADD_4(5, 10) UP(10, 5) ADD_4(6, 11) UP(11, 5) \
-    ADD_4(7, 12) END(8) PASS(102, 8) COLUMN(5, 1) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) \
-    ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) UP(9, 5) ADD_4(5, 10) UP(10, 5) \
-    ADD_4(6, 11) UP(11, 5) ADD_4(7, 12) END(8) PASS(110, 7) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) \
+    ADD_4(7, 12) END(8) END_SIDES SIDES(7) PASS(110, 7) COLUMN(6, side) ADD_4(0, 6) UP(6, 6) \
     ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) ADD_4(4, 10) UP(10, 6) \
-    ADD_4(5, 11) UP(11, 6) ADD_4(6, 12) END(7) PASS(117, 7) COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) \
-    ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) ADD_4(4, 10) UP(10, 6) \
-    ADD_4(5, 11) UP(11, 6) ADD_4(6, 12) END(7) PASS(124, 12) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) \
-    ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) UP(10, 7) ADD_4(4, 11) UP(11, 7) \
-    ADD_4(5, 12) COLUMN(7, 1) ADD_4(6, 7) UP(7, 7) ADD_4(7, 8) UP(8, 7) ADD_4(8, 9) UP(9, 7) \
-    ADD_4(9, 10) UP(10, 7) ADD_4(10, 11) UP(11, 7) ADD_4(11, 12) END(12) PASS(136, 10) \
+    ADD_4(5, 11) UP(11, 6) ADD_4(6, 12) END(7) END_SIDES PASS(124, 12) COLUMN(7, 0) ADD_4(0, 7) \
+    UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) UP(10, 7) ADD_4(4, 11) \
+    UP(11, 7) ADD_4(5, 12) COLUMN(7, 1) ADD_4(6, 7) UP(7, 7) ADD_4(7, 8) UP(8, 7) ADD_4(8, 9) \
+    UP(9, 7) ADD_4(9, 10) UP(10, 7) ADD_4(10, 11) UP(11, 7) ADD_4(11, 12) END(12) PASS(136, 10) \
     COLUMN(8, 0) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) UP(10, 8) ADD_4(3, 11) \
     UP(11, 8) ADD_4(4, 12) COLUMN(8, 1) ADD_4(5, 8) UP(8, 8) ADD_4(6, 9) UP(9, 8) ADD_4(7, 10) \
     UP(10, 8) ADD_4(8, 11) UP(11, 8) ADD_4(9, 12) END(10) PASS(146, 11) COLUMN(9, 0) ADD_4(0, 9) \
@@ -617,429 +451,259 @@
     UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) CUT END(11) \
     PASS(11, 12) RESUME ADD_5(0, 6) UP(6, 0) ADD_5(2, 7) UP(7, 0) ADD_5(4, 8) UP(8, 0) \
     ADD_5(6, 9) UP(9, 0) ADD_5(8, 10) UP(10, 0) ADD_4(10, 11) UP(11, 0) ADD_4(11, 12) END(12) \
-    PASS(23, 11) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) \
-    ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) CUT END(11) PASS(34, 10) \
-    RESUME ADD_5(0, 7) UP(7, 1) ADD_5(2, 8) UP(8, 1) ADD_5(4, 9) UP(9, 1) ADD_5(6, 10) UP(10, 1) \
-    ADD_4(8, 11) UP(11, 1) ADD_4(9, 12) END(10) PASS(44, 11) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) \
-    ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) \
-    ADD_5(9, 6) UP(6, 1) CUT END(11) PASS(55, 10) RESUME ADD_5(0, 7) UP(7, 1) ADD_5(2, 8) \
-    UP(8, 1) ADD_5(4, 9) UP(9, 1) ADD_5(6, 10) UP(10, 1) ADD_4(8, 11) UP(11, 1) ADD_4(9, 12) \
-    END(10) PASS(65, 12) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) \
-    UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) CUT END(12) \
-    PASS(77, 8) RESUME ADD_5(0, 8) UP(8, 2) ADD_5(2, 9) UP(9, 2) ADD_5(4, 10) UP(10, 2) \
-    ADD_4(6, 11) UP(11, 2) ADD_4(7, 12) END(8) PASS(85, 12) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) \
-    ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) \
-    ADD_5(10, 7) UP(7, 2) CUT END(12) PASS(97, 8) RESUME ADD_5(0, 8) UP(8, 2) ADD_5(2, 9) \
-    UP(9, 2) ADD_5(4, 10) UP(10, 2) ADD_4(6, 11) UP(11, 2) ADD_4(7, 12) END(8) PASS(105, 12) \
-    COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) \
-    UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) UP(8, 3) CUT END(12) PASS(117, 6) RESUME \
-    ADD_5(0, 9) UP(9, 3) ADD_5(2, 10) UP(10, 3) ADD_4(4, 11) UP(11, 3) ADD_4(5, 12) END(6) \
-    PASS(123, 12) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
-    ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) UP(8, 3) CUT END(12) PASS(135, 6) \
-    RESUME ADD_5(0, 9) UP(9, 3) ADD_5(2, 10) UP(10, 3) ADD_4(4, 11) UP(11, 3) ADD_4(5, 12) \
-    END(6) PASS(141, 12) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) \
-    UP(6, 4) ADD_5(6, 7) UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_5(10, 9) UP(9, 4) CUT END(12) \
-    PASS(153, 4) RESUME ADD_5(0, 10) UP(10, 4) ADD_4(2, 11) UP(11, 4) ADD_4(3, 12) END(4) \
-    PASS(157, 12) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) \
-    ADD_5(6, 7) UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_5(10, 9) UP(9, 4) CUT END(12) PASS(169, 4) \
-    RESUME ADD_5(0, 10) UP(10, 4) ADD_4(2, 11) UP(11, 4) ADD_4(3, 12) END(4) PASS(173, 12) \
-    COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) \
-    UP(8, 5) ADD_5(8, 9) UP(9, 5) ADD_5(10, 10) UP(10, 5) CUT END(12) PASS(185, 2) RESUME \
-    ADD_4(0, 11) UP(11, 5) ADD_4(1, 12) END(2) PASS(187, 12) COLUMN(5, 1) ADD_5(0, 5) UP(5, 5) \
-    ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) ADD_5(8, 9) UP(9, 5) \
-    ADD_5(10, 10) UP(10, 5) CUT END(12) PASS(199, 2) RESUME ADD_4(0, 11) UP(11, 5) ADD_4(1, 12) \
-    END(2) PASS(201, 12) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) \
-    UP(8, 6) ADD_5(6, 9) UP(9, 6) ADD_5(8, 10) UP(10, 6) ADD_4(10, 11) UP(11, 6) ADD_4(11, 12) \
-    END(12) PASS(213, 12) COLUMN(6, 1) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) \
-    UP(8, 6) ADD_5(6, 9) UP(9, 6) ADD_5(8, 10) UP(10, 6) ADD_4(10, 11) UP(11, 6) ADD_4(11, 12) \
-    END(12) PASS(225, 10) COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_5(4, 9) \
-    UP(9, 7) ADD_5(6, 10) UP(10, 7) ADD_4(8, 11) UP(11, 7) ADD_4(9, 12) END(10) PASS(235, 10) \
-    COLUMN(7, 1) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_5(4, 9) UP(9, 7) ADD_5(6, 10) \
-    UP(10, 7) ADD_4(8, 11) UP(11, 7) ADD_4(9, 12) END(10) PASS(245, 8) COLUMN(8, 0) ADD_5(0, 8) \
-    UP(8, 8) ADD_5(2, 9) UP(9, 8) ADD_5(4, 10) UP(10, 8) ADD_4(6, 11) UP(11, 8) ADD_4(7, 12) \
-    END(8) PASS(253, 8) COLUMN(8, 1) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) UP(9, 8) ADD_5(4, 10) \
-    UP(10, 8) ADD_4(6, 11) UP(11, 8) ADD_4(7, 12) END(8) PASS(261, 12) COLUMN(9, 0) ADD_5(0, 9) \
-    UP(9, 9) ADD_5(2, 10) UP(10, 9) ADD_4(4, 11) UP(11, 9) ADD_4(5, 12) COLUMN(9, 1) ADD_5(6, 9) \
-    UP(9, 9) ADD_5(8, 10) UP(10, 9) ADD_4(10, 11) UP(11, 9) ADD_4(11, 12) END(12) PASS(273, 12) \
-    COLUMN(10, 0) ADD_5(0, 10) UP(10, 10) ADD_4(2, 11) UP(11, 10) ADD_4(3, 12) COLUMN(10, 1) \
-    ADD_5(4, 10) UP(10, 10) ADD_4(6, 11) UP(11, 10) ADD_4(7, 12) COLUMN(11, 0) ADD_4(8, 11) \
-    UP(11, 11) ADD_4(9, 12) COLUMN(11, 1) ADD_4(10, 11) UP(11, 11) ADD_4(11, 12) END(12) \
-    PASS(285, 2) COLUMN(12, 0) ADD_4(0, 12) COLUMN(12, 1) ADD_4(1, 12) END(2)
+    SIDES(21) PASS(23, 11) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) \
+    UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) CUT END(11) \
+    PASS(34, 10) RESUME ADD_5(0, 7) UP(7, 1) ADD_5(2, 8) UP(8, 1) ADD_5(4, 9) UP(9, 1) \
+    ADD_5(6, 10) UP(10, 1) ADD_4(8, 11) UP(11, 1) ADD_4(9, 12) END(10) END_SIDES SIDES(20) \
+    PASS(65, 12) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
+    ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) CUT END(12) PASS(77, 8) \
+    RESUME ADD_5(0, 8) UP(8, 2) ADD_5(2, 9) UP(9, 2) ADD_5(4, 10) UP(10, 2) ADD_4(6, 11) \
+    UP(11, 2) ADD_4(7, 12) END(8) END_SIDES SIDES(18) PASS(105, 12) COLUMN(3, side) ADD_5(0, 3) \
+    UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) \
+    ADD_5(10, 8) UP(8, 3) CUT END(12) PASS(117, 6) RESUME ADD_5(0, 9) UP(9, 3) ADD_5(2, 10) \
+    UP(10, 3) ADD_4(4, 11) UP(11, 3) ADD_4(5, 12) END(6) END_SIDES SIDES(16) PASS(141, 12) \
+    COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) \
+    UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_5(10, 9) UP(9, 4) CUT END(12) PASS(153, 4) RESUME \
+    ADD_5(0, 10) UP(10, 4) ADD_4(2, 11) UP(11, 4) ADD_4(3, 12) END(4) END_SIDES SIDES(14) \
+    PASS(173, 12) COLUMN(5, side) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) \
+    ADD_5(6, 8) UP(8, 5) ADD_5(8, 9) UP(9, 5) ADD_5(10, 10) UP(10, 5) CUT END(12) PASS(185, 2) \
+    RESUME ADD_4(0, 11) UP(11, 5) ADD_4(1, 12) END(2) END_SIDES SIDES(12) PASS(201, 12) \
+    COLUMN(6, side) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_5(6, 9) \
+    UP(9, 6) ADD_5(8, 10) UP(10, 6) ADD_4(10, 11) UP(11, 6) ADD_4(11, 12) END(12) END_SIDES \
+    SIDES(10) PASS(225, 10) COLUMN(7, side) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) \
+    ADD_5(4, 9) UP(9, 7) ADD_5(6, 10) UP(10, 7) ADD_4(8, 11) UP(11, 7) ADD_4(9, 12) END(10) \
+    END_SIDES SIDES(8) PASS(245, 8) COLUMN(8, side) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) UP(9, 8) \
+    ADD_5(4, 10) UP(10, 8) ADD_4(6, 11) UP(11, 8) ADD_4(7, 12) END(8) END_SIDES PASS(261, 12) \
+    COLUMN(9, 0) ADD_5(0, 9) UP(9, 9) ADD_5(2, 10) UP(10, 9) ADD_4(4, 11) UP(11, 9) ADD_4(5, 12) \
+    COLUMN(9, 1) ADD_5(6, 9) UP(9, 9) ADD_5(8, 10) UP(10, 9) ADD_4(10, 11) UP(11, 9) \
+    ADD_4(11, 12) END(12) PASS(273, 12) COLUMN(10, 0) ADD_5(0, 10) UP(10, 10) ADD_4(2, 11) \
+    UP(11, 10) ADD_4(3, 12) COLUMN(10, 1) ADD_5(4, 10) UP(10, 10) ADD_4(6, 11) UP(11, 10) \
+    ADD_4(7, 12) COLUMN(11, 0) ADD_4(8, 11) UP(11, 11) ADD_4(9, 12) COLUMN(11, 1) ADD_4(10, 11) \
+    UP(11, 11) ADD_4(11, 12) END(12) PASS(285, 2) COLUMN(12, 0) ADD_4(0, 12) COLUMN(12, 1) \
+    ADD_4(1, 12) END(2)
 #define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) CUT END(10) PASS(10, 12) RESUME ADD_7(0, 4) UP(4, 0) \
     ADD_7(3, 5) UP(5, 0) ADD_7(6, 6) UP(6, 0) ADD_7(9, 7) UP(7, 0) CUT END(12) PASS(22, 12) \
     RESUME ADD_7(0, 8) UP(8, 0) ADD_7(3, 9) UP(9, 0) ADD_7(6, 10) UP(10, 0) ADD_6(9, 11) \
-    UP(11, 0) ADD_4(11, 12) END(12) PASS(34, 11) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) \
-    UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(45, 12) RESUME \
-    ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) UP(6, 1) ADD_7(6, 7) UP(7, 1) ADD_7(9, 8) UP(8, 1) CUT \
-    END(12) PASS(57, 9) RESUME ADD_7(0, 9) UP(9, 1) ADD_7(3, 10) UP(10, 1) ADD_6(6, 11) \
-    UP(11, 1) ADD_4(8, 12) END(9) PASS(66, 11) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) \
-    UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(77, 12) RESUME \
-    ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) UP(6, 1) ADD_7(6, 7) UP(7, 1) ADD_7(9, 8) UP(8, 1) CUT \
-    END(12) PASS(89, 9) RESUME ADD_7(0, 9) UP(9, 1) ADD_7(3, 10) UP(10, 1) ADD_6(6, 11) \
-    UP(11, 1) ADD_4(8, 12) END(9) PASS(98, 12) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) \
-    UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(110, 12) RESUME \
-    ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) ADD_7(6, 8) UP(8, 2) ADD_7(9, 9) UP(9, 2) CUT \
-    END(12) PASS(122, 6) RESUME ADD_7(0, 10) UP(10, 2) ADD_6(3, 11) UP(11, 2) ADD_4(5, 12) \
-    END(6) PASS(128, 12) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) \
-    UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(140, 12) RESUME ADD_7(0, 6) UP(6, 2) \
-    ADD_7(3, 7) UP(7, 2) ADD_7(6, 8) UP(8, 2) ADD_7(9, 9) UP(9, 2) CUT END(12) PASS(152, 6) \
-    RESUME ADD_7(0, 10) UP(10, 2) ADD_6(3, 11) UP(11, 2) ADD_4(5, 12) END(6) PASS(158, 12) \
-    COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) \
-    UP(6, 3) CUT END(12) PASS(170, 12) RESUME ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) UP(8, 3) \
-    ADD_7(6, 9) UP(9, 3) ADD_7(9, 10) UP(10, 3) CUT END(12) PASS(182, 3) RESUME ADD_6(0, 11) \
-    UP(11, 3) ADD_4(2, 12) END(3) PASS(185, 12) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) \
-    UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) CUT END(12) PASS(197, 12) RESUME \
-    ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) UP(8, 3) ADD_7(6, 9) UP(9, 3) ADD_7(9, 10) UP(10, 3) CUT \
-    END(12) PASS(209, 3) RESUME ADD_6(0, 11) UP(11, 3) ADD_4(2, 12) END(3) PASS(212, 12) \
-    COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) \
-    UP(7, 4) CUT END(12) PASS(224, 12) RESUME ADD_7(0, 8) UP(8, 4) ADD_7(3, 9) UP(9, 4) \
-    ADD_7(6, 10) UP(10, 4) ADD_6(9, 11) UP(11, 4) ADD_4(11, 12) END(12) PASS(236, 12) \
-    COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) \
-    UP(7, 4) CUT END(12) PASS(248, 12) RESUME ADD_7(0, 8) UP(8, 4) ADD_7(3, 9) UP(9, 4) \
-    ADD_7(6, 10) UP(10, 4) ADD_6(9, 11) UP(11, 4) ADD_4(11, 12) END(12) PASS(260, 12) \
-    COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) \
-    UP(8, 5) CUT END(12) PASS(272, 9) RESUME ADD_7(0, 9) UP(9, 5) ADD_7(3, 10) UP(10, 5) \
-    ADD_6(6, 11) UP(11, 5) ADD_4(8, 12) END(9) PASS(281, 12) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) \
-    ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) CUT END(12) PASS(293, 9) \
+    UP(11, 0) ADD_4(11, 12) END(12) SIDES(32) PASS(34, 11) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) \
+    ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(45, 12) \
+    RESUME ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) UP(6, 1) ADD_7(6, 7) UP(7, 1) ADD_7(9, 8) UP(8, 1) \
+    CUT END(12) PASS(57, 9) RESUME ADD_7(0, 9) UP(9, 1) ADD_7(3, 10) UP(10, 1) ADD_6(6, 11) \
+    UP(11, 1) ADD_4(8, 12) END(9) END_SIDES SIDES(30) PASS(98, 12) COLUMN(2, side) ADD_7(0, 2) \
+    UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) \
+    PASS(110, 12) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) ADD_7(6, 8) UP(8, 2) \
+    ADD_7(9, 9) UP(9, 2) CUT END(12) PASS(122, 6) RESUME ADD_7(0, 10) UP(10, 2) ADD_6(3, 11) \
+    UP(11, 2) ADD_4(5, 12) END(6) END_SIDES SIDES(27) PASS(158, 12) COLUMN(3, side) ADD_7(0, 3) \
+    UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) CUT END(12) \
+    PASS(170, 12) RESUME ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) UP(8, 3) ADD_7(6, 9) UP(9, 3) \
+    ADD_7(9, 10) UP(10, 3) CUT END(12) PASS(182, 3) RESUME ADD_6(0, 11) UP(11, 3) ADD_4(2, 12) \
+    END(3) END_SIDES SIDES(24) PASS(212, 12) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) \
+    UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) UP(7, 4) CUT END(12) PASS(224, 12) RESUME \
+    ADD_7(0, 8) UP(8, 4) ADD_7(3, 9) UP(9, 4) ADD_7(6, 10) UP(10, 4) ADD_6(9, 11) UP(11, 4) \
+    ADD_4(11, 12) END(12) END_SIDES SIDES(21) PASS(260, 12) COLUMN(5, side) ADD_7(0, 5) UP(5, 5) \
+    ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) CUT END(12) PASS(272, 9) \
     RESUME ADD_7(0, 9) UP(9, 5) ADD_7(3, 10) UP(10, 5) ADD_6(6, 11) UP(11, 5) ADD_4(8, 12) \
-    END(9) PASS(302, 12) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) ADD_7(6, 8) \
-    UP(8, 6) ADD_7(9, 9) UP(9, 6) CUT END(12) PASS(314, 6) RESUME ADD_7(0, 10) UP(10, 6) \
-    ADD_6(3, 11) UP(11, 6) ADD_4(5, 12) END(6) PASS(320, 12) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) \
-    ADD_7(3, 7) UP(7, 6) ADD_7(6, 8) UP(8, 6) ADD_7(9, 9) UP(9, 6) CUT END(12) PASS(332, 6) \
-    RESUME ADD_7(0, 10) UP(10, 6) ADD_6(3, 11) UP(11, 6) ADD_4(5, 12) END(6) PASS(338, 12) \
-    COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_7(6, 9) UP(9, 7) ADD_7(9, 10) \
-    UP(10, 7) CUT END(12) PASS(350, 3) RESUME ADD_6(0, 11) UP(11, 7) ADD_4(2, 12) END(3) \
-    PASS(353, 12) COLUMN(7, 1) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_7(6, 9) UP(9, 7) \
-    ADD_7(9, 10) UP(10, 7) CUT END(12) PASS(365, 3) RESUME ADD_6(0, 11) UP(11, 7) ADD_4(2, 12) \
-    END(3) PASS(368, 12) COLUMN(8, 0) ADD_7(0, 8) UP(8, 8) ADD_7(3, 9) UP(9, 8) ADD_7(6, 10) \
-    UP(10, 8) ADD_6(9, 11) UP(11, 8) ADD_4(11, 12) END(12) PASS(380, 12) COLUMN(8, 1) \
-    ADD_7(0, 8) UP(8, 8) ADD_7(3, 9) UP(9, 8) ADD_7(6, 10) UP(10, 8) ADD_6(9, 11) UP(11, 8) \
-    ADD_4(11, 12) END(12) PASS(392, 9) COLUMN(9, 0) ADD_7(0, 9) UP(9, 9) ADD_7(3, 10) UP(10, 9) \
-    ADD_6(6, 11) UP(11, 9) ADD_4(8, 12) END(9) PASS(401, 9) COLUMN(9, 1) ADD_7(0, 9) UP(9, 9) \
-    ADD_7(3, 10) UP(10, 9) ADD_6(6, 11) UP(11, 9) ADD_4(8, 12) END(9) PASS(410, 12) \
-    COLUMN(10, 0) ADD_7(0, 10) UP(10, 10) ADD_6(3, 11) UP(11, 10) ADD_4(5, 12) COLUMN(10, 1) \
-    ADD_7(6, 10) UP(10, 10) ADD_6(9, 11) UP(11, 10) ADD_4(11, 12) END(12) PASS(422, 8) \
-    COLUMN(11, 0) ADD_6(0, 11) UP(11, 11) ADD_4(2, 12) COLUMN(11, 1) ADD_6(3, 11) UP(11, 11) \
-    ADD_4(5, 12) COLUMN(12, 0) ADD_4(6, 12) COLUMN(12, 1) ADD_4(7, 12) END(8)
+    END(9) END_SIDES SIDES(18) PASS(302, 12) COLUMN(6, side) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) \
+    UP(7, 6) ADD_7(6, 8) UP(8, 6) ADD_7(9, 9) UP(9, 6) CUT END(12) PASS(314, 6) RESUME \
+    ADD_7(0, 10) UP(10, 6) ADD_6(3, 11) UP(11, 6) ADD_4(5, 12) END(6) END_SIDES SIDES(15) \
+    PASS(338, 12) COLUMN(7, side) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_7(6, 9) UP(9, 7) \
+    ADD_7(9, 10) UP(10, 7) CUT END(12) PASS(350, 3) RESUME ADD_6(0, 11) UP(11, 7) ADD_4(2, 12) \
+    END(3) END_SIDES SIDES(12) PASS(368, 12) COLUMN(8, side) ADD_7(0, 8) UP(8, 8) ADD_7(3, 9) \
+    UP(9, 8) ADD_7(6, 10) UP(10, 8) ADD_6(9, 11) UP(11, 8) ADD_4(11, 12) END(12) END_SIDES \
+    SIDES(9) PASS(392, 9) COLUMN(9, side) ADD_7(0, 9) UP(9, 9) ADD_7(3, 10) UP(10, 9) \
+    ADD_6(6, 11) UP(11, 9) ADD_4(8, 12) END(9) END_SIDES PASS(410, 12) COLUMN(10, 0) \
+    ADD_7(0, 10) UP(10, 10) ADD_6(3, 11) UP(11, 10) ADD_4(5, 12) COLUMN(10, 1) ADD_7(6, 10) \
+    UP(10, 10) ADD_6(9, 11) UP(11, 10) ADD_4(11, 12) END(12) PASS(422, 8) COLUMN(11, 0) \
+    ADD_6(0, 11) UP(11, 11) ADD_4(2, 12) COLUMN(11, 1) ADD_6(3, 11) UP(11, 11) ADD_4(5, 12) \
+    COLUMN(12, 0) ADD_4(6, 12) COLUMN(12, 1) ADD_4(7, 12) END(8)
 #define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) CUT END(4) PASS(4, 4) RESUME ADD_1(0, 4) UP(4, 0) ADD_1(1, 5) \
     UP(5, 0) ADD_1(2, 6) UP(6, 0) ADD_1(3, 7) UP(7, 0) CUT END(4) PASS(8, 3) RESUME ADD_1(0, 8) \
-    UP(8, 0) ADD_1(1, 9) UP(9, 0) ADD_1(2, 10) END(3) PASS(11, 4) COLUMN(1, 0) ADD_1(0, 1) \
-    UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) \
-    PASS(15, 4) RESUME ADD_1(0, 5) UP(5, 1) ADD_1(1, 6) UP(6, 1) ADD_1(2, 7) UP(7, 1) \
+    UP(8, 0) ADD_1(1, 9) UP(9, 0) ADD_1(2, 10) END(3) SIDES(10) PASS(11, 4) COLUMN(1, side) \
+    ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT \
+    END(4) PASS(15, 4) RESUME ADD_1(0, 5) UP(5, 1) ADD_1(1, 6) UP(6, 1) ADD_1(2, 7) UP(7, 1) \
     ADD_1(3, 8) UP(8, 1) CUT END(4) PASS(19, 2) RESUME ADD_1(0, 9) UP(9, 1) ADD_1(1, 10) END(2) \
-    PASS(21, 4) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) \
-    ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(25, 4) RESUME ADD_1(0, 5) UP(5, 1) ADD_1(1, 6) UP(6, 1) \
-    ADD_1(2, 7) UP(7, 1) ADD_1(3, 8) UP(8, 1) CUT END(4) PASS(29, 2) RESUME ADD_1(0, 9) UP(9, 1) \
-    ADD_1(1, 10) END(2) PASS(31, 4) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
+    END_SIDES SIDES(9) PASS(31, 4) COLUMN(2, side) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
     ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(35, 4) RESUME ADD_1(0, 6) UP(6, 2) \
     ADD_1(1, 7) UP(7, 2) ADD_1(2, 8) UP(8, 2) ADD_1(3, 9) UP(9, 2) CUT END(4) PASS(39, 1) RESUME \
-    ADD_1(0, 10) END(1) PASS(40, 4) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
-    ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(44, 4) RESUME ADD_1(0, 6) UP(6, 2) \
-    ADD_1(1, 7) UP(7, 2) ADD_1(2, 8) UP(8, 2) ADD_1(3, 9) UP(9, 2) CUT END(4) PASS(48, 1) RESUME \
-    ADD_1(0, 10) END(1) PASS(49, 4) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) \
-    ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) CUT END(4) PASS(53, 4) RESUME ADD_1(0, 7) UP(7, 3) \
-    ADD_1(1, 8) UP(8, 3) ADD_1(2, 9) UP(9, 3) ADD_1(3, 10) END(4) PASS(57, 4) COLUMN(3, 1) \
-    ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) CUT \
-    END(4) PASS(61, 4) RESUME ADD_1(0, 7) UP(7, 3) ADD_1(1, 8) UP(8, 3) ADD_1(2, 9) UP(9, 3) \
-    ADD_1(3, 10) END(4) PASS(65, 4) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) \
-    ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) CUT END(4) PASS(69, 3) RESUME ADD_1(0, 8) UP(8, 4) \
-    ADD_1(1, 9) UP(9, 4) ADD_1(2, 10) END(3) PASS(72, 4) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) \
-    ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) CUT END(4) PASS(76, 3) RESUME \
-    ADD_1(0, 8) UP(8, 4) ADD_1(1, 9) UP(9, 4) ADD_1(2, 10) END(3) PASS(79, 4) COLUMN(5, 0) \
-    ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) UP(8, 5) CUT \
-    END(4) PASS(83, 2) RESUME ADD_1(0, 9) UP(9, 5) ADD_1(1, 10) END(2) PASS(85, 4) COLUMN(5, 1) \
-    ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) UP(8, 5) CUT \
-    END(4) PASS(89, 2) RESUME ADD_1(0, 9) UP(9, 5) ADD_1(1, 10) END(2) PASS(91, 4) COLUMN(6, 0) \
-    ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) UP(9, 6) CUT \
-    END(4) PASS(95, 1) RESUME ADD_1(0, 10) END(1) PASS(96, 4) COLUMN(6, 1) ADD_1(0, 6) UP(6, 6) \
-    ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) UP(9, 6) CUT END(4) PASS(100, 1) \
-    RESUME ADD_1(0, 10) END(1) PASS(101, 4) COLUMN(7, 0) ADD_1(0, 7) UP(7, 7) ADD_1(1, 8) \
-    UP(8, 7) ADD_1(2, 9) UP(9, 7) ADD_1(3, 10) END(4) PASS(105, 4) COLUMN(7, 1) ADD_1(0, 7) \
-    UP(7, 7) ADD_1(1, 8) UP(8, 7) ADD_1(2, 9) UP(9, 7) ADD_1(3, 10) END(4) PASS(109, 3) \
-    COLUMN(8, 0) ADD_1(0, 8) UP(8, 8) ADD_1(1, 9) UP(9, 8) ADD_1(2, 10) END(3) PASS(112, 3) \
-    COLUMN(8, 1) ADD_1(0, 8) UP(8, 8) ADD_1(1, 9) UP(9, 8) ADD_1(2, 10) END(3) PASS(115, 4) \
-    COLUMN(9, 0) ADD_1(0, 9) UP(9, 9) ADD_1(1, 10) COLUMN(9, 1) ADD_1(2, 9) UP(9, 9) \
-    ADD_1(3, 10) END(4) PASS(119, 2) COLUMN(10, 0) ADD_1(0, 10) COLUMN(10, 1) ADD_1(1, 10) \
-    END(2)
+    ADD_1(0, 10) END(1) END_SIDES SIDES(8) PASS(49, 4) COLUMN(3, side) ADD_1(0, 3) UP(3, 3) \
+    ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) CUT END(4) PASS(53, 4) RESUME \
+    ADD_1(0, 7) UP(7, 3) ADD_1(1, 8) UP(8, 3) ADD_1(2, 9) UP(9, 3) ADD_1(3, 10) END(4) END_SIDES \
+    SIDES(7) PASS(65, 4) COLUMN(4, side) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) \
+    UP(6, 4) ADD_1(3, 7) UP(7, 4) CUT END(4) PASS(69, 3) RESUME ADD_1(0, 8) UP(8, 4) ADD_1(1, 9) \
+    UP(9, 4) ADD_1(2, 10) END(3) END_SIDES SIDES(6) PASS(79, 4) COLUMN(5, side) ADD_1(0, 5) \
+    UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) UP(8, 5) CUT END(4) \
+    PASS(83, 2) RESUME ADD_1(0, 9) UP(9, 5) ADD_1(1, 10) END(2) END_SIDES SIDES(5) PASS(91, 4) \
+    COLUMN(6, side) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) \
+    UP(9, 6) CUT END(4) PASS(95, 1) RESUME ADD_1(0, 10) END(1) END_SIDES SIDES(4) PASS(101, 4) \
+    COLUMN(7, side) ADD_1(0, 7) UP(7, 7) ADD_1(1, 8) UP(8, 7) ADD_1(2, 9) UP(9, 7) ADD_1(3, 10) \
+    END(4) END_SIDES SIDES(3) PASS(109, 3) COLUMN(8, side) ADD_1(0, 8) UP(8, 8) ADD_1(1, 9) \
+    UP(9, 8) ADD_1(2, 10) END(3) END_SIDES PASS(115, 4) COLUMN(9, 0) ADD_1(0, 9) UP(9, 9) \
+    ADD_1(1, 10) COLUMN(9, 1) ADD_1(2, 9) UP(9, 9) ADD_1(3, 10) END(4) PASS(119, 2) \
+    COLUMN(10, 0) ADD_1(0, 10) COLUMN(10, 1) ADD_1(1, 10) END(2)
 #define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_3(0, 2) UP(2, 0) ADD_3(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
     ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) UP(5, 0) CUT END(4) PASS(11, 4) RESUME ADD_3(0, 6) UP(6, 0) \
     ADD_3(2, 7) UP(7, 0) CUT END(4) PASS(15, 4) RESUME ADD_3(0, 8) UP(8, 0) ADD_3(2, 9) UP(9, 0) \
-    CUT END(4) PASS(19, 3) RESUME ADD_3(0, 10) UP(10, 0) ADD_2(2, 11) END(3) PASS(22, 4) \
-    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(26, 4) RESUME \
-    ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(30, 4) RESUME ADD_3(0, 5) UP(5, 1) \
-    ADD_3(2, 6) UP(6, 1) CUT END(4) PASS(34, 4) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) UP(8, 1) \
-    CUT END(4) PASS(38, 4) RESUME ADD_3(0, 9) UP(9, 1) ADD_3(2, 10) UP(10, 1) CUT END(4) \
-    PASS(42, 1) RESUME ADD_2(0, 11) END(1) PASS(43, 4) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) \
-    ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(47, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) \
-    CUT END(4) PASS(51, 4) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) CUT END(4) \
-    PASS(55, 4) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) UP(8, 1) CUT END(4) PASS(59, 4) RESUME \
-    ADD_3(0, 9) UP(9, 1) ADD_3(2, 10) UP(10, 1) CUT END(4) PASS(63, 1) RESUME ADD_2(0, 11) \
-    END(1) PASS(64, 4) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) \
-    PASS(68, 4) RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(72, 4) RESUME \
-    ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) CUT END(4) PASS(76, 4) RESUME ADD_3(0, 8) UP(8, 2) \
-    ADD_3(2, 9) UP(9, 2) CUT END(4) PASS(80, 3) RESUME ADD_3(0, 10) UP(10, 2) ADD_2(2, 11) \
-    END(3) PASS(83, 4) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) \
-    PASS(87, 4) RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(91, 4) RESUME \
-    ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) CUT END(4) PASS(95, 4) RESUME ADD_3(0, 8) UP(8, 2) \
-    ADD_3(2, 9) UP(9, 2) CUT END(4) PASS(99, 3) RESUME ADD_3(0, 10) UP(10, 2) ADD_2(2, 11) \
-    END(3) PASS(102, 4) COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) \
+    CUT END(4) PASS(19, 3) RESUME ADD_3(0, 10) UP(10, 0) ADD_2(2, 11) END(3) SIDES(21) \
+    PASS(22, 4) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(26, 4) \
+    RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(30, 4) RESUME ADD_3(0, 5) \
+    UP(5, 1) ADD_3(2, 6) UP(6, 1) CUT END(4) PASS(34, 4) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) \
+    UP(8, 1) CUT END(4) PASS(38, 4) RESUME ADD_3(0, 9) UP(9, 1) ADD_3(2, 10) UP(10, 1) CUT \
+    END(4) PASS(42, 1) RESUME ADD_2(0, 11) END(1) END_SIDES SIDES(19) PASS(64, 4) \
+    COLUMN(2, side) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(68, 4) RESUME \
+    ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(72, 4) RESUME ADD_3(0, 6) UP(6, 2) \
+    ADD_3(2, 7) UP(7, 2) CUT END(4) PASS(76, 4) RESUME ADD_3(0, 8) UP(8, 2) ADD_3(2, 9) UP(9, 2) \
+    CUT END(4) PASS(80, 3) RESUME ADD_3(0, 10) UP(10, 2) ADD_2(2, 11) END(3) END_SIDES SIDES(17) \
+    PASS(102, 4) COLUMN(3, side) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) \
     PASS(106, 4) RESUME ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(110, 4) RESUME \
     ADD_3(0, 7) UP(7, 3) ADD_3(2, 8) UP(8, 3) CUT END(4) PASS(114, 4) RESUME ADD_3(0, 9) \
-    UP(9, 3) ADD_3(2, 10) UP(10, 3) CUT END(4) PASS(118, 1) RESUME ADD_2(0, 11) END(1) \
-    PASS(119, 4) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(123, 4) \
-    RESUME ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(127, 4) RESUME ADD_3(0, 7) \
-    UP(7, 3) ADD_3(2, 8) UP(8, 3) CUT END(4) PASS(131, 4) RESUME ADD_3(0, 9) UP(9, 3) \
-    ADD_3(2, 10) UP(10, 3) CUT END(4) PASS(135, 1) RESUME ADD_2(0, 11) END(1) PASS(136, 4) \
-    COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(140, 4) RESUME \
-    ADD_3(0, 6) UP(6, 4) ADD_3(2, 7) UP(7, 4) CUT END(4) PASS(144, 4) RESUME ADD_3(0, 8) \
-    UP(8, 4) ADD_3(2, 9) UP(9, 4) CUT END(4) PASS(148, 3) RESUME ADD_3(0, 10) UP(10, 4) \
-    ADD_2(2, 11) END(3) PASS(151, 4) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) CUT \
-    END(4) PASS(155, 4) RESUME ADD_3(0, 6) UP(6, 4) ADD_3(2, 7) UP(7, 4) CUT END(4) PASS(159, 4) \
-    RESUME ADD_3(0, 8) UP(8, 4) ADD_3(2, 9) UP(9, 4) CUT END(4) PASS(163, 3) RESUME ADD_3(0, 10) \
-    UP(10, 4) ADD_2(2, 11) END(3) PASS(166, 4) COLUMN(5, 0) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) \
-    UP(6, 5) CUT END(4) PASS(170, 4) RESUME ADD_3(0, 7) UP(7, 5) ADD_3(2, 8) UP(8, 5) CUT END(4) \
-    PASS(174, 4) RESUME ADD_3(0, 9) UP(9, 5) ADD_3(2, 10) UP(10, 5) CUT END(4) PASS(178, 1) \
-    RESUME ADD_2(0, 11) END(1) PASS(179, 4) COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) \
-    UP(6, 5) CUT END(4) PASS(183, 4) RESUME ADD_3(0, 7) UP(7, 5) ADD_3(2, 8) UP(8, 5) CUT END(4) \
-    PASS(187, 4) RESUME ADD_3(0, 9) UP(9, 5) ADD_3(2, 10) UP(10, 5) CUT END(4) PASS(191, 1) \
-    RESUME ADD_2(0, 11) END(1) PASS(192, 4) COLUMN(6, 0) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) \
-    UP(7, 6) CUT END(4) PASS(196, 4) RESUME ADD_3(0, 8) UP(8, 6) ADD_3(2, 9) UP(9, 6) CUT END(4) \
-    PASS(200, 3) RESUME ADD_3(0, 10) UP(10, 6) ADD_2(2, 11) END(3) PASS(203, 4) COLUMN(6, 1) \
-    ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) CUT END(4) PASS(207, 4) RESUME ADD_3(0, 8) \
-    UP(8, 6) ADD_3(2, 9) UP(9, 6) CUT END(4) PASS(211, 3) RESUME ADD_3(0, 10) UP(10, 6) \
-    ADD_2(2, 11) END(3) PASS(214, 4) COLUMN(7, 0) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) CUT \
-    END(4) PASS(218, 4) RESUME ADD_3(0, 9) UP(9, 7) ADD_3(2, 10) UP(10, 7) CUT END(4) \
-    PASS(222, 1) RESUME ADD_2(0, 11) END(1) PASS(223, 4) COLUMN(7, 1) ADD_3(0, 7) UP(7, 7) \
-    ADD_3(2, 8) UP(8, 7) CUT END(4) PASS(227, 4) RESUME ADD_3(0, 9) UP(9, 7) ADD_3(2, 10) \
-    UP(10, 7) CUT END(4) PASS(231, 1) RESUME ADD_2(0, 11) END(1) PASS(232, 4) COLUMN(8, 0) \
-    ADD_3(0, 8) UP(8, 8) ADD_3(2, 9) UP(9, 8) CUT END(4) PASS(236, 3) RESUME ADD_3(0, 10) \
-    UP(10, 8) ADD_2(2, 11) END(3) PASS(239, 4) COLUMN(8, 1) ADD_3(0, 8) UP(8, 8) ADD_3(2, 9) \
-    UP(9, 8) CUT END(4) PASS(243, 3) RESUME ADD_3(0, 10) UP(10, 8) ADD_2(2, 11) END(3) \
-    PASS(246, 4) COLUMN(9, 0) ADD_3(0, 9) UP(9, 9) ADD_3(2, 10) UP(10, 9) CUT END(4) \
-    PASS(250, 1) RESUME ADD_2(0, 11) END(1) PASS(251, 4) COLUMN(9, 1) ADD_3(0, 9) UP(9, 9) \
-    ADD_3(2, 10) UP(10, 9) CUT END(4) PASS(255, 4) RESUME ADD_2(0, 11) COLUMN(10, 0) \
-    ADD_3(1, 10) UP(10, 10) ADD_2(3, 11) END(4) PASS(259, 4) COLUMN(10, 1) ADD_3(0, 10) \
-    UP(10, 10) ADD_2(2, 11) COLUMN(11, 0) ADD_2(3, 11) END(4) PASS(263, 1) COLUMN(11, 1) \
-    ADD_2(0, 11) END(1)
+    UP(9, 3) ADD_3(2, 10) UP(10, 3) CUT END(4) PASS(118, 1) RESUME ADD_2(0, 11) END(1) END_SIDES \
+    SIDES(15) PASS(136, 4) COLUMN(4, side) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) CUT END(4) \
+    PASS(140, 4) RESUME ADD_3(0, 6) UP(6, 4) ADD_3(2, 7) UP(7, 4) CUT END(4) PASS(144, 4) RESUME \
+    ADD_3(0, 8) UP(8, 4) ADD_3(2, 9) UP(9, 4) CUT END(4) PASS(148, 3) RESUME ADD_3(0, 10) \
+    UP(10, 4) ADD_2(2, 11) END(3) END_SIDES SIDES(13) PASS(166, 4) COLUMN(5, side) ADD_3(0, 5) \
+    UP(5, 5) ADD_3(2, 6) UP(6, 5) CUT END(4) PASS(170, 4) RESUME ADD_3(0, 7) UP(7, 5) \
+    ADD_3(2, 8) UP(8, 5) CUT END(4) PASS(174, 4) RESUME ADD_3(0, 9) UP(9, 5) ADD_3(2, 10) \
+    UP(10, 5) CUT END(4) PASS(178, 1) RESUME ADD_2(0, 11) END(1) END_SIDES SIDES(11) \
+    PASS(192, 4) COLUMN(6, side) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) CUT END(4) \
+    PASS(196, 4) RESUME ADD_3(0, 8) UP(8, 6) ADD_3(2, 9) UP(9, 6) CUT END(4) PASS(200, 3) RESUME \
+    ADD_3(0, 10) UP(10, 6) ADD_2(2, 11) END(3) END_SIDES SIDES(9) PASS(214, 4) COLUMN(7, side) \
+    ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) CUT END(4) PASS(218, 4) RESUME ADD_3(0, 9) \
+    UP(9, 7) ADD_3(2, 10) UP(10, 7) CUT END(4) PASS(222, 1) RESUME ADD_2(0, 11) END(1) END_SIDES \
+    SIDES(7) PASS(232, 4) COLUMN(8, side) ADD_3(0, 8) UP(8, 8) ADD_3(2, 9) UP(9, 8) CUT END(4) \
+    PASS(236, 3) RESUME ADD_3(0, 10) UP(10, 8) ADD_2(2, 11) END(3) END_SIDES SIDES(5) \
+    PASS(246, 4) COLUMN(9, side) ADD_3(0, 9) UP(9, 9) ADD_3(2, 10) UP(10, 9) CUT END(4) \
+    PASS(250, 1) RESUME ADD_2(0, 11) END(1) END_SIDES SIDES(3) PASS(256, 3) COLUMN(10, side) \
+    ADD_3(0, 10) UP(10, 10) ADD_2(2, 11) END(3) END_SIDES PASS(262, 2) COLUMN(11, 0) \
+    ADD_2(0, 11) COLUMN(11, 1) ADD_2(1, 11) END(2)
 #define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) CUT END(4) PASS(4, 4) RESUME ADD_4(0, 5) UP(5, 0) \
     ADD_4(1, 6) UP(6, 0) ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) UP(8, 0) CUT END(4) PASS(8, 4) RESUME \
     ADD_4(0, 9) UP(9, 0) ADD_4(1, 10) UP(10, 0) ADD_4(2, 11) UP(11, 0) ADD_4(3, 12) END(4) \
-    PASS(12, 4) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
-    UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(16, 4) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) \
-    UP(7, 1) ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) UP(9, 1) CUT END(4) PASS(20, 3) RESUME \
-    ADD_4(0, 10) UP(10, 1) ADD_4(1, 11) UP(11, 1) ADD_4(2, 12) END(3) PASS(23, 4) COLUMN(1, 1) \
-    UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) \
-    CUT END(4) PASS(27, 4) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) UP(7, 1) ADD_4(2, 8) UP(8, 1) \
-    ADD_4(3, 9) UP(9, 1) CUT END(4) PASS(31, 3) RESUME ADD_4(0, 10) UP(10, 1) ADD_4(1, 11) \
-    UP(11, 1) ADD_4(2, 12) END(3) PASS(34, 4) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) \
-    UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(38, 4) RESUME ADD_4(0, 6) \
-    UP(6, 2) ADD_4(1, 7) UP(7, 2) ADD_4(2, 8) UP(8, 2) ADD_4(3, 9) UP(9, 2) CUT END(4) \
-    PASS(42, 3) RESUME ADD_4(0, 10) UP(10, 2) ADD_4(1, 11) UP(11, 2) ADD_4(2, 12) END(3) \
-    PASS(45, 4) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
-    ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(49, 4) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) UP(7, 2) \
-    ADD_4(2, 8) UP(8, 2) ADD_4(3, 9) UP(9, 2) CUT END(4) PASS(53, 3) RESUME ADD_4(0, 10) \
-    UP(10, 2) ADD_4(1, 11) UP(11, 2) ADD_4(2, 12) END(3) PASS(56, 4) COLUMN(3, 0) ADD_4(0, 3) \
-    UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT END(4) \
-    PASS(60, 4) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) UP(8, 3) ADD_4(2, 9) UP(9, 3) \
-    ADD_4(3, 10) UP(10, 3) CUT END(4) PASS(64, 2) RESUME ADD_4(0, 11) UP(11, 3) ADD_4(1, 12) \
-    END(2) PASS(66, 4) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) \
-    UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT END(4) PASS(70, 4) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) \
-    UP(8, 3) ADD_4(2, 9) UP(9, 3) ADD_4(3, 10) UP(10, 3) CUT END(4) PASS(74, 2) RESUME \
-    ADD_4(0, 11) UP(11, 3) ADD_4(1, 12) END(2) PASS(76, 4) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) \
+    SIDES(11) PASS(12, 4) COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) \
+    ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(16, 4) RESUME ADD_4(0, 6) UP(6, 1) \
+    ADD_4(1, 7) UP(7, 1) ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) UP(9, 1) CUT END(4) PASS(20, 3) RESUME \
+    ADD_4(0, 10) UP(10, 1) ADD_4(1, 11) UP(11, 1) ADD_4(2, 12) END(3) END_SIDES SIDES(11) \
+    PASS(34, 4) COLUMN(2, side) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
+    ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(38, 4) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) UP(7, 2) \
+    ADD_4(2, 8) UP(8, 2) ADD_4(3, 9) UP(9, 2) CUT END(4) PASS(42, 3) RESUME ADD_4(0, 10) \
+    UP(10, 2) ADD_4(1, 11) UP(11, 2) ADD_4(2, 12) END(3) END_SIDES SIDES(10) PASS(56, 4) \
+    COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) \
+    UP(6, 3) CUT END(4) PASS(60, 4) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) UP(8, 3) ADD_4(2, 9) \
+    UP(9, 3) ADD_4(3, 10) UP(10, 3) CUT END(4) PASS(64, 2) RESUME ADD_4(0, 11) UP(11, 3) \
+    ADD_4(1, 12) END(2) END_SIDES SIDES(9) PASS(76, 4) COLUMN(4, side) ADD_4(0, 4) UP(4, 4) \
     ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) CUT END(4) PASS(80, 4) RESUME \
     ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) UP(9, 4) ADD_4(2, 10) UP(10, 4) ADD_4(3, 11) UP(11, 4) CUT \
-    END(4) PASS(84, 1) RESUME ADD_4(0, 12) END(1) PASS(85, 4) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) \
-    ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) CUT END(4) PASS(89, 4) RESUME \
-    ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) UP(9, 4) ADD_4(2, 10) UP(10, 4) ADD_4(3, 11) UP(11, 4) CUT \
-    END(4) PASS(93, 1) RESUME ADD_4(0, 12) END(1) PASS(94, 4) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
-    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) CUT END(4) PASS(98, 4) RESUME \
-    ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) UP(10, 5) ADD_4(2, 11) UP(11, 5) ADD_4(3, 12) END(4) \
-    PASS(102, 4) COLUMN(5, 1) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) \
-    ADD_4(3, 8) UP(8, 5) CUT END(4) PASS(106, 4) RESUME ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) \
-    UP(10, 5) ADD_4(2, 11) UP(11, 5) ADD_4(3, 12) END(4) PASS(110, 4) COLUMN(6, 0) ADD_4(0, 6) \
-    UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) CUT END(4) \
-    PASS(114, 3) RESUME ADD_4(0, 10) UP(10, 6) ADD_4(1, 11) UP(11, 6) ADD_4(2, 12) END(3) \
-    PASS(117, 4) COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) \
-    ADD_4(3, 9) UP(9, 6) CUT END(4) PASS(121, 3) RESUME ADD_4(0, 10) UP(10, 6) ADD_4(1, 11) \
-    UP(11, 6) ADD_4(2, 12) END(3) PASS(124, 4) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) \
-    UP(8, 7) ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) UP(10, 7) CUT END(4) PASS(128, 2) RESUME \
-    ADD_4(0, 11) UP(11, 7) ADD_4(1, 12) END(2) PASS(130, 4) COLUMN(7, 1) ADD_4(0, 7) UP(7, 7) \
-    ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) UP(10, 7) CUT END(4) PASS(134, 2) \
-    RESUME ADD_4(0, 11) UP(11, 7) ADD_4(1, 12) END(2) PASS(136, 4) COLUMN(8, 0) ADD_4(0, 8) \
-    UP(8, 8) ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) UP(10, 8) ADD_4(3, 11) UP(11, 8) CUT END(4) \
-    PASS(140, 1) RESUME ADD_4(0, 12) END(1) PASS(141, 4) COLUMN(8, 1) ADD_4(0, 8) UP(8, 8) \
-    ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) UP(10, 8) ADD_4(3, 11) UP(11, 8) CUT END(4) PASS(145, 1) \
-    RESUME ADD_4(0, 12) END(1) PASS(146, 4) COLUMN(9, 0) ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) \
-    UP(10, 9) ADD_4(2, 11) UP(11, 9) ADD_4(3, 12) END(4) PASS(150, 4) COLUMN(9, 1) ADD_4(0, 9) \
-    UP(9, 9) ADD_4(1, 10) UP(10, 9) ADD_4(2, 11) UP(11, 9) ADD_4(3, 12) END(4) PASS(154, 3) \
-    COLUMN(10, 0) ADD_4(0, 10) UP(10, 10) ADD_4(1, 11) UP(11, 10) ADD_4(2, 12) END(3) \
-    PASS(157, 3) COLUMN(10, 1) ADD_4(0, 10) UP(10, 10) ADD_4(1, 11) UP(11, 10) ADD_4(2, 12) \
-    END(3) PASS(160, 4) COLUMN(11, 0) ADD_4(0, 11) UP(11, 11) ADD_4(1, 12) COLUMN(11, 1) \
-    ADD_4(2, 11) UP(11, 11) ADD_4(3, 12) END(4) PASS(164, 2) COLUMN(12, 0) ADD_4(0, 12) \
-    COLUMN(12, 1) ADD_4(1, 12) END(2)
+    END(4) PASS(84, 1) RESUME ADD_4(0, 12) END(1) END_SIDES SIDES(8) PASS(94, 4) COLUMN(5, side) \
+    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) CUT \
+    END(4) PASS(98, 4) RESUME ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) UP(10, 5) ADD_4(2, 11) UP(11, 5) \
+    ADD_4(3, 12) END(4) END_SIDES SIDES(7) PASS(110, 4) COLUMN(6, side) ADD_4(0, 6) UP(6, 6) \
+    ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) CUT END(4) PASS(114, 3) \
+    RESUME ADD_4(0, 10) UP(10, 6) ADD_4(1, 11) UP(11, 6) ADD_4(2, 12) END(3) END_SIDES SIDES(6) \
+    PASS(124, 4) COLUMN(7, side) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) \
+    ADD_4(3, 10) UP(10, 7) CUT END(4) PASS(128, 2) RESUME ADD_4(0, 11) UP(11, 7) ADD_4(1, 12) \
+    END(2) END_SIDES SIDES(5) PASS(136, 4) COLUMN(8, side) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) \
+    UP(9, 8) ADD_4(2, 10) UP(10, 8) ADD_4(3, 11) UP(11, 8) CUT END(4) PASS(140, 1) RESUME \
+    ADD_4(0, 12) END(1) END_SIDES SIDES(4) PASS(146, 4) COLUMN(9, side) ADD_4(0, 9) UP(9, 9) \
+    ADD_4(1, 10) UP(10, 9) ADD_4(2, 11) UP(11, 9) ADD_4(3, 12) END(4) END_SIDES SIDES(3) \
+    PASS(154, 3) COLUMN(10, side) ADD_4(0, 10) UP(10, 10) ADD_4(1, 11) UP(11, 10) ADD_4(2, 12) \
+    END(3) END_SIDES PASS(160, 4) COLUMN(11, 0) ADD_4(0, 11) UP(11, 11) ADD_4(1, 12) \
+    COLUMN(11, 1) ADD_4(2, 11) UP(11, 11) ADD_4(3, 12) END(4) PASS(164, 2) COLUMN(12, 0) \
+    ADD_4(0, 12) COLUMN(12, 1) ADD_4(1, 12) END(2)
 #define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_5(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
     ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) UP(5, 0) CUT END(4) PASS(11, 4) RESUME ADD_5(0, 6) UP(6, 0) \
     ADD_5(2, 7) UP(7, 0) CUT END(4) PASS(15, 4) RESUME ADD_5(0, 8) UP(8, 0) ADD_5(2, 9) UP(9, 0) \
     CUT END(4) PASS(19, 4) RESUME ADD_5(0, 10) UP(10, 0) ADD_4(2, 11) UP(11, 0) ADD_4(3, 12) \
-    END(4) PASS(23, 3) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) \
-    PASS(26, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(30, 4) RESUME \
-    ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) PASS(34, 4) RESUME ADD_5(0, 7) UP(7, 1) \
-    ADD_5(2, 8) UP(8, 1) CUT END(4) PASS(38, 4) RESUME ADD_5(0, 9) UP(9, 1) ADD_5(2, 10) \
-    UP(10, 1) CUT END(4) PASS(42, 2) RESUME ADD_4(0, 11) UP(11, 1) ADD_4(1, 12) END(2) \
-    PASS(44, 3) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(47, 4) \
-    RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(51, 4) RESUME ADD_5(0, 5) \
-    UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) PASS(55, 4) RESUME ADD_5(0, 7) UP(7, 1) ADD_5(2, 8) \
-    UP(8, 1) CUT END(4) PASS(59, 4) RESUME ADD_5(0, 9) UP(9, 1) ADD_5(2, 10) UP(10, 1) CUT \
-    END(4) PASS(63, 2) RESUME ADD_4(0, 11) UP(11, 1) ADD_4(1, 12) END(2) PASS(65, 4) \
-    COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(69, 4) RESUME \
-    ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) CUT END(4) PASS(73, 4) RESUME ADD_5(0, 6) UP(6, 2) \
-    ADD_5(2, 7) UP(7, 2) CUT END(4) PASS(77, 4) RESUME ADD_5(0, 8) UP(8, 2) ADD_5(2, 9) UP(9, 2) \
-    CUT END(4) PASS(81, 4) RESUME ADD_5(0, 10) UP(10, 2) ADD_4(2, 11) UP(11, 2) ADD_4(3, 12) \
-    END(4) PASS(85, 4) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) \
-    PASS(89, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) CUT END(4) PASS(93, 4) RESUME \
-    ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) CUT END(4) PASS(97, 4) RESUME ADD_5(0, 8) UP(8, 2) \
-    ADD_5(2, 9) UP(9, 2) CUT END(4) PASS(101, 4) RESUME ADD_5(0, 10) UP(10, 2) ADD_4(2, 11) \
-    UP(11, 2) ADD_4(3, 12) END(4) PASS(105, 4) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) \
-    UP(4, 3) CUT END(4) PASS(109, 4) RESUME ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) \
-    PASS(113, 4) RESUME ADD_5(0, 7) UP(7, 3) ADD_5(2, 8) UP(8, 3) CUT END(4) PASS(117, 4) RESUME \
-    ADD_5(0, 9) UP(9, 3) ADD_5(2, 10) UP(10, 3) CUT END(4) PASS(121, 2) RESUME ADD_4(0, 11) \
-    UP(11, 3) ADD_4(1, 12) END(2) PASS(123, 4) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) \
-    UP(4, 3) CUT END(4) PASS(127, 4) RESUME ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) \
-    PASS(131, 4) RESUME ADD_5(0, 7) UP(7, 3) ADD_5(2, 8) UP(8, 3) CUT END(4) PASS(135, 4) RESUME \
-    ADD_5(0, 9) UP(9, 3) ADD_5(2, 10) UP(10, 3) CUT END(4) PASS(139, 2) RESUME ADD_4(0, 11) \
-    UP(11, 3) ADD_4(1, 12) END(2) PASS(141, 4) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) \
+    END(4) SIDES(21) PASS(23, 3) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT \
+    END(3) PASS(26, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(30, 4) \
+    RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) PASS(34, 4) RESUME ADD_5(0, 7) \
+    UP(7, 1) ADD_5(2, 8) UP(8, 1) CUT END(4) PASS(38, 4) RESUME ADD_5(0, 9) UP(9, 1) \
+    ADD_5(2, 10) UP(10, 1) CUT END(4) PASS(42, 2) RESUME ADD_4(0, 11) UP(11, 1) ADD_4(1, 12) \
+    END(2) END_SIDES SIDES(20) PASS(65, 4) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) \
+    UP(3, 2) CUT END(4) PASS(69, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) CUT END(4) \
+    PASS(73, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) CUT END(4) PASS(77, 4) RESUME \
+    ADD_5(0, 8) UP(8, 2) ADD_5(2, 9) UP(9, 2) CUT END(4) PASS(81, 4) RESUME ADD_5(0, 10) \
+    UP(10, 2) ADD_4(2, 11) UP(11, 2) ADD_4(3, 12) END(4) END_SIDES SIDES(18) PASS(105, 4) \
+    COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(109, 4) RESUME \
+    ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) PASS(113, 4) RESUME ADD_5(0, 7) \
+    UP(7, 3) ADD_5(2, 8) UP(8, 3) CUT END(4) PASS(117, 4) RESUME ADD_5(0, 9) UP(9, 3) \
+    ADD_5(2, 10) UP(10, 3) CUT END(4) PASS(121, 2) RESUME ADD_4(0, 11) UP(11, 3) ADD_4(1, 12) \
+    END(2) END_SIDES SIDES(16) PASS(141, 4) COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) \
     UP(5, 4) CUT END(4) PASS(145, 4) RESUME ADD_5(0, 6) UP(6, 4) ADD_5(2, 7) UP(7, 4) CUT END(4) \
     PASS(149, 4) RESUME ADD_5(0, 8) UP(8, 4) ADD_5(2, 9) UP(9, 4) CUT END(4) PASS(153, 4) RESUME \
-    ADD_5(0, 10) UP(10, 4) ADD_4(2, 11) UP(11, 4) ADD_4(3, 12) END(4) PASS(157, 4) COLUMN(4, 1) \
-    ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(161, 4) RESUME ADD_5(0, 6) \
-    UP(6, 4) ADD_5(2, 7) UP(7, 4) CUT END(4) PASS(165, 4) RESUME ADD_5(0, 8) UP(8, 4) \
-    ADD_5(2, 9) UP(9, 4) CUT END(4) PASS(169, 4) RESUME ADD_5(0, 10) UP(10, 4) ADD_4(2, 11) \
-    UP(11, 4) ADD_4(3, 12) END(4) PASS(173, 4) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) \
-    UP(6, 5) CUT END(4) PASS(177, 4) RESUME ADD_5(0, 7) UP(7, 5) ADD_5(2, 8) UP(8, 5) CUT END(4) \
-    PASS(181, 4) RESUME ADD_5(0, 9) UP(9, 5) ADD_5(2, 10) UP(10, 5) CUT END(4) PASS(185, 2) \
-    RESUME ADD_4(0, 11) UP(11, 5) ADD_4(1, 12) END(2) PASS(187, 4) COLUMN(5, 1) ADD_5(0, 5) \
-    UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT END(4) PASS(191, 4) RESUME ADD_5(0, 7) UP(7, 5) \
-    ADD_5(2, 8) UP(8, 5) CUT END(4) PASS(195, 4) RESUME ADD_5(0, 9) UP(9, 5) ADD_5(2, 10) \
-    UP(10, 5) CUT END(4) PASS(199, 2) RESUME ADD_4(0, 11) UP(11, 5) ADD_4(1, 12) END(2) \
-    PASS(201, 4) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) CUT END(4) PASS(205, 4) \
-    RESUME ADD_5(0, 8) UP(8, 6) ADD_5(2, 9) UP(9, 6) CUT END(4) PASS(209, 4) RESUME ADD_5(0, 10) \
-    UP(10, 6) ADD_4(2, 11) UP(11, 6) ADD_4(3, 12) END(4) PASS(213, 4) COLUMN(6, 1) ADD_5(0, 6) \
-    UP(6, 6) ADD_5(2, 7) UP(7, 6) CUT END(4) PASS(217, 4) RESUME ADD_5(0, 8) UP(8, 6) \
-    ADD_5(2, 9) UP(9, 6) CUT END(4) PASS(221, 4) RESUME ADD_5(0, 10) UP(10, 6) ADD_4(2, 11) \
-    UP(11, 6) ADD_4(3, 12) END(4) PASS(225, 4) COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) \
-    UP(8, 7) CUT END(4) PASS(229, 4) RESUME ADD_5(0, 9) UP(9, 7) ADD_5(2, 10) UP(10, 7) CUT \
-    END(4) PASS(233, 2) RESUME ADD_4(0, 11) UP(11, 7) ADD_4(1, 12) END(2) PASS(235, 4) \
-    COLUMN(7, 1) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) CUT END(4) PASS(239, 4) RESUME \
-    ADD_5(0, 9) UP(9, 7) ADD_5(2, 10) UP(10, 7) CUT END(4) PASS(243, 2) RESUME ADD_4(0, 11) \
-    UP(11, 7) ADD_4(1, 12) END(2) PASS(245, 4) COLUMN(8, 0) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) \
+    ADD_5(0, 10) UP(10, 4) ADD_4(2, 11) UP(11, 4) ADD_4(3, 12) END(4) END_SIDES SIDES(14) \
+    PASS(173, 4) COLUMN(5, side) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT END(4) \
+    PASS(177, 4) RESUME ADD_5(0, 7) UP(7, 5) ADD_5(2, 8) UP(8, 5) CUT END(4) PASS(181, 4) RESUME \
+    ADD_5(0, 9) UP(9, 5) ADD_5(2, 10) UP(10, 5) CUT END(4) PASS(185, 2) RESUME ADD_4(0, 11) \
+    UP(11, 5) ADD_4(1, 12) END(2) END_SIDES SIDES(12) PASS(201, 4) COLUMN(6, side) ADD_5(0, 6) \
+    UP(6, 6) ADD_5(2, 7) UP(7, 6) CUT END(4) PASS(205, 4) RESUME ADD_5(0, 8) UP(8, 6) \
+    ADD_5(2, 9) UP(9, 6) CUT END(4) PASS(209, 4) RESUME ADD_5(0, 10) UP(10, 6) ADD_4(2, 11) \
+    UP(11, 6) ADD_4(3, 12) END(4) END_SIDES SIDES(10) PASS(225, 4) COLUMN(7, side) ADD_5(0, 7) \
+    UP(7, 7) ADD_5(2, 8) UP(8, 7) CUT END(4) PASS(229, 4) RESUME ADD_5(0, 9) UP(9, 7) \
+    ADD_5(2, 10) UP(10, 7) CUT END(4) PASS(233, 2) RESUME ADD_4(0, 11) UP(11, 7) ADD_4(1, 12) \
+    END(2) END_SIDES SIDES(8) PASS(245, 4) COLUMN(8, side) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) \
     UP(9, 8) CUT END(4) PASS(249, 4) RESUME ADD_5(0, 10) UP(10, 8) ADD_4(2, 11) UP(11, 8) \
-    ADD_4(3, 12) END(4) PASS(253, 4) COLUMN(8, 1) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) UP(9, 8) CUT \
-    END(4) PASS(257, 4) RESUME ADD_5(0, 10) UP(10, 8) ADD_4(2, 11) UP(11, 8) ADD_4(3, 12) END(4) \
-    PASS(261, 4) COLUMN(9, 0) ADD_5(0, 9) UP(9, 9) ADD_5(2, 10) UP(10, 9) CUT END(4) \
-    PASS(265, 2) RESUME ADD_4(0, 11) UP(11, 9) ADD_4(1, 12) END(2) PASS(267, 4) COLUMN(9, 1) \
-    ADD_5(0, 9) UP(9, 9) ADD_5(2, 10) UP(10, 9) CUT END(4) PASS(271, 2) RESUME ADD_4(0, 11) \
-    UP(11, 9) ADD_4(1, 12) END(2) PASS(273, 4) COLUMN(10, 0) ADD_5(0, 10) UP(10, 10) \
-    ADD_4(2, 11) UP(11, 10) ADD_4(3, 12) END(4) PASS(277, 4) COLUMN(10, 1) ADD_5(0, 10) \
-    UP(10, 10) ADD_4(2, 11) UP(11, 10) ADD_4(3, 12) END(4) PASS(281, 4) COLUMN(11, 0) \
-    ADD_4(0, 11) UP(11, 11) ADD_4(1, 12) COLUMN(11, 1) ADD_4(2, 11) UP(11, 11) ADD_4(3, 12) \
-    END(4) PASS(285, 2) COLUMN(12, 0) ADD_4(0, 12) COLUMN(12, 1) ADD_4(1, 12) END(2)
+    ADD_4(3, 12) END(4) END_SIDES SIDES(6) PASS(261, 4) COLUMN(9, side) ADD_5(0, 9) UP(9, 9) \
+    ADD_5(2, 10) UP(10, 9) CUT END(4) PASS(265, 2) RESUME ADD_4(0, 11) UP(11, 9) ADD_4(1, 12) \
+    END(2) END_SIDES SIDES(4) PASS(273, 4) COLUMN(10, side) ADD_5(0, 10) UP(10, 10) ADD_4(2, 11) \
+    UP(11, 10) ADD_4(3, 12) END(4) END_SIDES PASS(281, 4) COLUMN(11, 0) ADD_4(0, 11) UP(11, 11) \
+    ADD_4(1, 12) COLUMN(11, 1) ADD_4(2, 11) UP(11, 11) ADD_4(3, 12) END(4) PASS(285, 2) \
+    COLUMN(12, 0) ADD_4(0, 12) COLUMN(12, 1) ADD_4(1, 12) END(2)
 #define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
     PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_7(0, 3) UP(3, 0) CUT \
     END(3) PASS(10, 3) RESUME ADD_7(0, 4) UP(4, 0) CUT END(3) PASS(13, 3) RESUME ADD_7(0, 5) \
     UP(5, 0) CUT END(3) PASS(16, 3) RESUME ADD_7(0, 6) UP(6, 0) CUT END(3) PASS(19, 3) RESUME \
     ADD_7(0, 7) UP(7, 0) CUT END(3) PASS(22, 3) RESUME ADD_7(0, 8) UP(8, 0) CUT END(3) \
     PASS(25, 3) RESUME ADD_7(0, 9) UP(9, 0) CUT END(3) PASS(28, 3) RESUME ADD_7(0, 10) UP(10, 0) \
-    CUT END(3) PASS(31, 3) RESUME ADD_6(0, 11) UP(11, 0) ADD_4(2, 12) END(3) PASS(34, 2) \
-    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(36, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT \
-    END(3) PASS(39, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(42, 3) RESUME ADD_7(0, 4) \
-    UP(4, 1) CUT END(3) PASS(45, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(48, 3) RESUME \
-    ADD_7(0, 6) UP(6, 1) CUT END(3) PASS(51, 3) RESUME ADD_7(0, 7) UP(7, 1) CUT END(3) \
-    PASS(54, 3) RESUME ADD_7(0, 8) UP(8, 1) CUT END(3) PASS(57, 3) RESUME ADD_7(0, 9) UP(9, 1) \
-    CUT END(3) PASS(60, 3) RESUME ADD_7(0, 10) UP(10, 1) CUT END(3) PASS(63, 3) RESUME \
-    ADD_6(0, 11) UP(11, 1) ADD_4(2, 12) END(3) PASS(66, 2) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) CUT \
-    END(2) PASS(68, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(71, 3) RESUME ADD_7(0, 3) \
-    UP(3, 1) CUT END(3) PASS(74, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(77, 3) RESUME \
-    ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(80, 3) RESUME ADD_7(0, 6) UP(6, 1) CUT END(3) \
-    PASS(83, 3) RESUME ADD_7(0, 7) UP(7, 1) CUT END(3) PASS(86, 3) RESUME ADD_7(0, 8) UP(8, 1) \
-    CUT END(3) PASS(89, 3) RESUME ADD_7(0, 9) UP(9, 1) CUT END(3) PASS(92, 3) RESUME \
-    ADD_7(0, 10) UP(10, 1) CUT END(3) PASS(95, 3) RESUME ADD_6(0, 11) UP(11, 1) ADD_4(2, 12) \
-    END(3) PASS(98, 3) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(101, 3) RESUME \
-    ADD_7(0, 3) UP(3, 2) CUT END(3) PASS(104, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) \
-    PASS(107, 3) RESUME ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(110, 3) RESUME ADD_7(0, 6) UP(6, 2) \
-    CUT END(3) PASS(113, 3) RESUME ADD_7(0, 7) UP(7, 2) CUT END(3) PASS(116, 3) RESUME \
-    ADD_7(0, 8) UP(8, 2) CUT END(3) PASS(119, 3) RESUME ADD_7(0, 9) UP(9, 2) CUT END(3) \
-    PASS(122, 3) RESUME ADD_7(0, 10) UP(10, 2) CUT END(3) PASS(125, 3) RESUME ADD_6(0, 11) \
-    UP(11, 2) ADD_4(2, 12) END(3) PASS(128, 3) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) CUT END(3) \
-    PASS(131, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) PASS(134, 3) RESUME ADD_7(0, 4) UP(4, 2) \
-    CUT END(3) PASS(137, 3) RESUME ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(140, 3) RESUME \
-    ADD_7(0, 6) UP(6, 2) CUT END(3) PASS(143, 3) RESUME ADD_7(0, 7) UP(7, 2) CUT END(3) \
-    PASS(146, 3) RESUME ADD_7(0, 8) UP(8, 2) CUT END(3) PASS(149, 3) RESUME ADD_7(0, 9) UP(9, 2) \
-    CUT END(3) PASS(152, 3) RESUME ADD_7(0, 10) UP(10, 2) CUT END(3) PASS(155, 3) RESUME \
-    ADD_6(0, 11) UP(11, 2) ADD_4(2, 12) END(3) PASS(158, 3) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) \
-    CUT END(3) PASS(161, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(164, 3) RESUME \
-    ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(167, 3) RESUME ADD_7(0, 6) UP(6, 3) CUT END(3) \
-    PASS(170, 3) RESUME ADD_7(0, 7) UP(7, 3) CUT END(3) PASS(173, 3) RESUME ADD_7(0, 8) UP(8, 3) \
-    CUT END(3) PASS(176, 3) RESUME ADD_7(0, 9) UP(9, 3) CUT END(3) PASS(179, 3) RESUME \
-    ADD_7(0, 10) UP(10, 3) CUT END(3) PASS(182, 3) RESUME ADD_6(0, 11) UP(11, 3) ADD_4(2, 12) \
-    END(3) PASS(185, 3) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(188, 3) RESUME \
-    ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(191, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) \
-    PASS(194, 3) RESUME ADD_7(0, 6) UP(6, 3) CUT END(3) PASS(197, 3) RESUME ADD_7(0, 7) UP(7, 3) \
-    CUT END(3) PASS(200, 3) RESUME ADD_7(0, 8) UP(8, 3) CUT END(3) PASS(203, 3) RESUME \
-    ADD_7(0, 9) UP(9, 3) CUT END(3) PASS(206, 3) RESUME ADD_7(0, 10) UP(10, 3) CUT END(3) \
-    PASS(209, 3) RESUME ADD_6(0, 11) UP(11, 3) ADD_4(2, 12) END(3) PASS(212, 3) COLUMN(4, 0) \
-    ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(215, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT END(3) \
-    PASS(218, 3) RESUME ADD_7(0, 6) UP(6, 4) CUT END(3) PASS(221, 3) RESUME ADD_7(0, 7) UP(7, 4) \
-    CUT END(3) PASS(224, 3) RESUME ADD_7(0, 8) UP(8, 4) CUT END(3) PASS(227, 3) RESUME \
-    ADD_7(0, 9) UP(9, 4) CUT END(3) PASS(230, 3) RESUME ADD_7(0, 10) UP(10, 4) CUT END(3) \
-    PASS(233, 3) RESUME ADD_6(0, 11) UP(11, 4) ADD_4(2, 12) END(3) PASS(236, 3) COLUMN(4, 1) \
-    ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(239, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT END(3) \
-    PASS(242, 3) RESUME ADD_7(0, 6) UP(6, 4) CUT END(3) PASS(245, 3) RESUME ADD_7(0, 7) UP(7, 4) \
-    CUT END(3) PASS(248, 3) RESUME ADD_7(0, 8) UP(8, 4) CUT END(3) PASS(251, 3) RESUME \
-    ADD_7(0, 9) UP(9, 4) CUT END(3) PASS(254, 3) RESUME ADD_7(0, 10) UP(10, 4) CUT END(3) \
-    PASS(257, 3) RESUME ADD_6(0, 11) UP(11, 4) ADD_4(2, 12) END(3) PASS(260, 3) COLUMN(5, 0) \
-    ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(263, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT END(3) \
-    PASS(266, 3) RESUME ADD_7(0, 7) UP(7, 5) CUT END(3) PASS(269, 3) RESUME ADD_7(0, 8) UP(8, 5) \
-    CUT END(3) PASS(272, 3) RESUME ADD_7(0, 9) UP(9, 5) CUT END(3) PASS(275, 3) RESUME \
-    ADD_7(0, 10) UP(10, 5) CUT END(3) PASS(278, 3) RESUME ADD_6(0, 11) UP(11, 5) ADD_4(2, 12) \
-    END(3) PASS(281, 3) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(284, 3) RESUME \
-    ADD_7(0, 6) UP(6, 5) CUT END(3) PASS(287, 3) RESUME ADD_7(0, 7) UP(7, 5) CUT END(3) \
-    PASS(290, 3) RESUME ADD_7(0, 8) UP(8, 5) CUT END(3) PASS(293, 3) RESUME ADD_7(0, 9) UP(9, 5) \
-    CUT END(3) PASS(296, 3) RESUME ADD_7(0, 10) UP(10, 5) CUT END(3) PASS(299, 3) RESUME \
-    ADD_6(0, 11) UP(11, 5) ADD_4(2, 12) END(3) PASS(302, 3) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) \
-    CUT END(3) PASS(305, 3) RESUME ADD_7(0, 7) UP(7, 6) CUT END(3) PASS(308, 3) RESUME \
-    ADD_7(0, 8) UP(8, 6) CUT END(3) PASS(311, 3) RESUME ADD_7(0, 9) UP(9, 6) CUT END(3) \
-    PASS(314, 3) RESUME ADD_7(0, 10) UP(10, 6) CUT END(3) PASS(317, 3) RESUME ADD_6(0, 11) \
-    UP(11, 6) ADD_4(2, 12) END(3) PASS(320, 3) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) CUT END(3) \
-    PASS(323, 3) RESUME ADD_7(0, 7) UP(7, 6) CUT END(3) PASS(326, 3) RESUME ADD_7(0, 8) UP(8, 6) \
-    CUT END(3) PASS(329, 3) RESUME ADD_7(0, 9) UP(9, 6) CUT END(3) PASS(332, 3) RESUME \
-    ADD_7(0, 10) UP(10, 6) CUT END(3) PASS(335, 3) RESUME ADD_6(0, 11) UP(11, 6) ADD_4(2, 12) \
-    END(3) PASS(338, 3) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) CUT END(3) PASS(341, 3) RESUME \
-    ADD_7(0, 8) UP(8, 7) CUT END(3) PASS(344, 3) RESUME ADD_7(0, 9) UP(9, 7) CUT END(3) \
-    PASS(347, 3) RESUME ADD_7(0, 10) UP(10, 7) CUT END(3) PASS(350, 3) RESUME ADD_6(0, 11) \
-    UP(11, 7) ADD_4(2, 12) END(3) PASS(353, 3) COLUMN(7, 1) ADD_7(0, 7) UP(7, 7) CUT END(3) \
-    PASS(356, 3) RESUME ADD_7(0, 8) UP(8, 7) CUT END(3) PASS(359, 3) RESUME ADD_7(0, 9) UP(9, 7) \
-    CUT END(3) PASS(362, 3) RESUME ADD_7(0, 10) UP(10, 7) CUT END(3) PASS(365, 3) RESUME \
-    ADD_6(0, 11) UP(11, 7) ADD_4(2, 12) END(3) PASS(368, 3) COLUMN(8, 0) ADD_7(0, 8) UP(8, 8) \
-    CUT END(3) PASS(371, 3) RESUME ADD_7(0, 9) UP(9, 8) CUT END(3) PASS(374, 3) RESUME \
-    ADD_7(0, 10) UP(10, 8) CUT END(3) PASS(377, 3) RESUME ADD_6(0, 11) UP(11, 8) ADD_4(2, 12) \
-    END(3) PASS(380, 3) COLUMN(8, 1) ADD_7(0, 8) UP(8, 8) CUT END(3) PASS(383, 3) RESUME \
-    ADD_7(0, 9) UP(9, 8) CUT END(3) PASS(386, 3) RESUME ADD_7(0, 10) UP(10, 8) CUT END(3) \
-    PASS(389, 3) RESUME ADD_6(0, 11) UP(11, 8) ADD_4(2, 12) END(3) PASS(392, 3) COLUMN(9, 0) \
-    ADD_7(0, 9) UP(9, 9) CUT END(3) PASS(395, 3) RESUME ADD_7(0, 10) UP(10, 9) CUT END(3) \
-    PASS(398, 3) RESUME ADD_6(0, 11) UP(11, 9) ADD_4(2, 12) END(3) PASS(401, 3) COLUMN(9, 1) \
-    ADD_7(0, 9) UP(9, 9) CUT END(3) PASS(404, 3) RESUME ADD_7(0, 10) UP(10, 9) CUT END(3) \
-    PASS(407, 3) RESUME ADD_6(0, 11) UP(11, 9) ADD_4(2, 12) END(3) PASS(410, 3) COLUMN(10, 0) \
-    ADD_7(0, 10) UP(10, 10) CUT END(3) PASS(413, 3) RESUME ADD_6(0, 11) UP(11, 10) ADD_4(2, 12) \
-    END(3) PASS(416, 3) COLUMN(10, 1) ADD_7(0, 10) UP(10, 10) CUT END(3) PASS(419, 3) RESUME \
-    ADD_6(0, 11) UP(11, 10) ADD_4(2, 12) END(3) PASS(422, 3) COLUMN(11, 0) ADD_6(0, 11) \
-    UP(11, 11) ADD_4(2, 12) END(3) PASS(425, 4) COLUMN(11, 1) ADD_6(0, 11) UP(11, 11) \
-    ADD_4(2, 12) COLUMN(12, 0) ADD_4(3, 12) END(4) PASS(429, 1) COLUMN(12, 1) ADD_4(0, 12) \
-    END(1)
+    CUT END(3) PASS(31, 3) RESUME ADD_6(0, 11) UP(11, 0) ADD_4(2, 12) END(3) SIDES(32) \
+    PASS(34, 2) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(36, 3) RESUME ADD_7(0, 2) \
+    UP(2, 1) CUT END(3) PASS(39, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(42, 3) RESUME \
+    ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(45, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) \
+    PASS(48, 3) RESUME ADD_7(0, 6) UP(6, 1) CUT END(3) PASS(51, 3) RESUME ADD_7(0, 7) UP(7, 1) \
+    CUT END(3) PASS(54, 3) RESUME ADD_7(0, 8) UP(8, 1) CUT END(3) PASS(57, 3) RESUME ADD_7(0, 9) \
+    UP(9, 1) CUT END(3) PASS(60, 3) RESUME ADD_7(0, 10) UP(10, 1) CUT END(3) PASS(63, 3) RESUME \
+    ADD_6(0, 11) UP(11, 1) ADD_4(2, 12) END(3) END_SIDES SIDES(30) PASS(98, 3) COLUMN(2, side) \
+    ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(101, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) \
+    PASS(104, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(107, 3) RESUME ADD_7(0, 5) UP(5, 2) \
+    CUT END(3) PASS(110, 3) RESUME ADD_7(0, 6) UP(6, 2) CUT END(3) PASS(113, 3) RESUME \
+    ADD_7(0, 7) UP(7, 2) CUT END(3) PASS(116, 3) RESUME ADD_7(0, 8) UP(8, 2) CUT END(3) \
+    PASS(119, 3) RESUME ADD_7(0, 9) UP(9, 2) CUT END(3) PASS(122, 3) RESUME ADD_7(0, 10) \
+    UP(10, 2) CUT END(3) PASS(125, 3) RESUME ADD_6(0, 11) UP(11, 2) ADD_4(2, 12) END(3) \
+    END_SIDES SIDES(27) PASS(158, 3) COLUMN(3, side) ADD_7(0, 3) UP(3, 3) CUT END(3) \
+    PASS(161, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(164, 3) RESUME ADD_7(0, 5) UP(5, 3) \
+    CUT END(3) PASS(167, 3) RESUME ADD_7(0, 6) UP(6, 3) CUT END(3) PASS(170, 3) RESUME \
+    ADD_7(0, 7) UP(7, 3) CUT END(3) PASS(173, 3) RESUME ADD_7(0, 8) UP(8, 3) CUT END(3) \
+    PASS(176, 3) RESUME ADD_7(0, 9) UP(9, 3) CUT END(3) PASS(179, 3) RESUME ADD_7(0, 10) \
+    UP(10, 3) CUT END(3) PASS(182, 3) RESUME ADD_6(0, 11) UP(11, 3) ADD_4(2, 12) END(3) \
+    END_SIDES SIDES(24) PASS(212, 3) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) CUT END(3) \
+    PASS(215, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT END(3) PASS(218, 3) RESUME ADD_7(0, 6) UP(6, 4) \
+    CUT END(3) PASS(221, 3) RESUME ADD_7(0, 7) UP(7, 4) CUT END(3) PASS(224, 3) RESUME \
+    ADD_7(0, 8) UP(8, 4) CUT END(3) PASS(227, 3) RESUME ADD_7(0, 9) UP(9, 4) CUT END(3) \
+    PASS(230, 3) RESUME ADD_7(0, 10) UP(10, 4) CUT END(3) PASS(233, 3) RESUME ADD_6(0, 11) \
+    UP(11, 4) ADD_4(2, 12) END(3) END_SIDES SIDES(21) PASS(260, 3) COLUMN(5, side) ADD_7(0, 5) \
+    UP(5, 5) CUT END(3) PASS(263, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT END(3) PASS(266, 3) RESUME \
+    ADD_7(0, 7) UP(7, 5) CUT END(3) PASS(269, 3) RESUME ADD_7(0, 8) UP(8, 5) CUT END(3) \
+    PASS(272, 3) RESUME ADD_7(0, 9) UP(9, 5) CUT END(3) PASS(275, 3) RESUME ADD_7(0, 10) \
+    UP(10, 5) CUT END(3) PASS(278, 3) RESUME ADD_6(0, 11) UP(11, 5) ADD_4(2, 12) END(3) \
+    END_SIDES SIDES(18) PASS(302, 3) COLUMN(6, side) ADD_7(0, 6) UP(6, 6) CUT END(3) \
+    PASS(305, 3) RESUME ADD_7(0, 7) UP(7, 6) CUT END(3) PASS(308, 3) RESUME ADD_7(0, 8) UP(8, 6) \
+    CUT END(3) PASS(311, 3) RESUME ADD_7(0, 9) UP(9, 6) CUT END(3) PASS(314, 3) RESUME \
+    ADD_7(0, 10) UP(10, 6) CUT END(3) PASS(317, 3) RESUME ADD_6(0, 11) UP(11, 6) ADD_4(2, 12) \
+    END(3) END_SIDES SIDES(15) PASS(338, 3) COLUMN(7, side) ADD_7(0, 7) UP(7, 7) CUT END(3) \
+    PASS(341, 3) RESUME ADD_7(0, 8) UP(8, 7) CUT END(3) PASS(344, 3) RESUME ADD_7(0, 9) UP(9, 7) \
+    CUT END(3) PASS(347, 3) RESUME ADD_7(0, 10) UP(10, 7) CUT END(3) PASS(350, 3) RESUME \
+    ADD_6(0, 11) UP(11, 7) ADD_4(2, 12) END(3) END_SIDES SIDES(12) PASS(368, 3) COLUMN(8, side) \
+    ADD_7(0, 8) UP(8, 8) CUT END(3) PASS(371, 3) RESUME ADD_7(0, 9) UP(9, 8) CUT END(3) \
+    PASS(374, 3) RESUME ADD_7(0, 10) UP(10, 8) CUT END(3) PASS(377, 3) RESUME ADD_6(0, 11) \
+    UP(11, 8) ADD_4(2, 12) END(3) END_SIDES SIDES(9) PASS(392, 3) COLUMN(9, side) ADD_7(0, 9) \
+    UP(9, 9) CUT END(3) PASS(395, 3) RESUME ADD_7(0, 10) UP(10, 9) CUT END(3) PASS(398, 3) \
+    RESUME ADD_6(0, 11) UP(11, 9) ADD_4(2, 12) END(3) END_SIDES SIDES(6) PASS(410, 3) \
+    COLUMN(10, side) ADD_7(0, 10) UP(10, 10) CUT END(3) PASS(413, 3) RESUME ADD_6(0, 11) \
+    UP(11, 10) ADD_4(2, 12) END(3) END_SIDES SIDES(3) PASS(422, 3) COLUMN(11, side) ADD_6(0, 11) \
+    UP(11, 11) ADD_4(2, 12) END(3) END_SIDES PASS(428, 2) COLUMN(12, 0) ADD_4(0, 12) \
+    COLUMN(12, 1) ADD_4(1, 12) END(2)
 #endif
 #define KERNEL_NAME YLM_REAL_KERNEL(ylm__moments_10)
 #endif

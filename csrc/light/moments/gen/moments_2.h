@@ -44,11 +44,10 @@
     COLUMN(1, 0) ADD_1(3, 1) UP(1, 1) ADD_1(4, 2) COLUMN(1, 1) ADD_1(5, 1) UP(1, 1) ADD_1(6, 2) \
     COLUMN(2, 0) ADD_1(7, 2) END(8) PASS(8, 1) COLUMN(2, 1) ADD_1(0, 2) END(1)
 #define PLAN_RGB_3 PASS(0, 6) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
-    UP(2, 0) ADD_2(5, 3) END(6) PASS(6, 5) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
-    UP(2, 1) ADD_2(4, 3) END(5) PASS(11, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
-    UP(2, 1) ADD_2(4, 3) COLUMN(2, 0) ADD_3(5, 2) UP(2, 2) ADD_2(7, 3) END(8) PASS(19, 5) \
-    COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_2(2, 3) COLUMN(3, 0) ADD_2(3, 3) COLUMN(3, 1) \
-    ADD_2(4, 3) END(5)
+    UP(2, 0) ADD_2(5, 3) END(6) SIDES(5) PASS(6, 5) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) \
+    ADD_3(2, 2) UP(2, 1) ADD_2(4, 3) END(5) END_SIDES PASS(16, 8) COLUMN(2, 0) ADD_3(0, 2) \
+    UP(2, 2) ADD_2(2, 3) COLUMN(2, 1) ADD_3(3, 2) UP(2, 2) ADD_2(5, 3) COLUMN(3, 0) ADD_2(6, 3) \
+    COLUMN(3, 1) ADD_2(7, 3) END(8)
 #define PLAN_RGB_4 PASS(0, 7) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) COLUMN(1, 0) UP(1, 1) ADD_4(4, 2) UP(2, 1) ADD_4(5, 3) \
     UP(3, 1) ADD_4(6, 4) END(7) PASS(7, 6) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) \
@@ -57,22 +56,19 @@
     ADD_4(2, 4) COLUMN(3, 0) ADD_4(3, 3) UP(3, 3) ADD_4(4, 4) COLUMN(3, 1) ADD_4(5, 3) UP(3, 3) \
     ADD_4(6, 4) COLUMN(4, 0) ADD_4(7, 4) END(8) PASS(21, 1) COLUMN(4, 1) ADD_4(0, 4) END(1)
 #define PLAN_RGB_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
-    UP(2, 0) ADD_4(5, 3) UP(3, 0) ADD_4(6, 4) END(7) PASS(7, 5) COLUMN(1, 0) ADD_1(0, 1) \
-    UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_4(3, 3) UP(3, 1) ADD_4(4, 4) END(5) PASS(12, 5) \
-    COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_4(3, 3) UP(3, 1) ADD_4(4, 4) \
-    END(5) PASS(17, 8) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_4(2, 3) UP(3, 2) ADD_4(3, 4) \
-    COLUMN(2, 1) ADD_5(4, 2) UP(2, 2) ADD_4(6, 3) UP(3, 2) ADD_4(7, 4) END(8) PASS(25, 6) \
-    COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) COLUMN(3, 1) ADD_4(2, 3) UP(3, 3) ADD_4(3, 4) \
-    COLUMN(4, 0) ADD_4(4, 4) COLUMN(4, 1) ADD_4(5, 4) END(6)
+    UP(2, 0) ADD_4(5, 3) UP(3, 0) ADD_4(6, 4) END(7) SIDES(5) PASS(7, 5) COLUMN(1, side) \
+    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_4(3, 3) UP(3, 1) ADD_4(4, 4) END(5) END_SIDES \
+    PASS(17, 8) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_4(2, 3) UP(3, 2) ADD_4(3, 4) COLUMN(2, 1) \
+    ADD_5(4, 2) UP(2, 2) ADD_4(6, 3) UP(3, 2) ADD_4(7, 4) END(8) PASS(25, 6) COLUMN(3, 0) \
+    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) COLUMN(3, 1) ADD_4(2, 3) UP(3, 3) ADD_4(3, 4) COLUMN(4, 0) \
+    ADD_4(4, 4) COLUMN(4, 1) ADD_4(5, 4) END(6)
 #define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
-    UP(2, 0) CUT END(7) PASS(7, 3) RESUME ADD_6(0, 3) UP(3, 0) ADD_4(2, 4) END(3) PASS(10, 8) \
-    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_6(5, 3) UP(3, 1) ADD_4(7, 4) \
-    END(8) PASS(18, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_6(5, 3) \
-    UP(3, 1) ADD_4(7, 4) END(8) PASS(26, 6) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_6(3, 3) \
-    UP(3, 2) ADD_4(5, 4) END(6) PASS(32, 6) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_6(3, 3) \
-    UP(3, 2) ADD_4(5, 4) END(6) PASS(38, 8) COLUMN(3, 0) ADD_6(0, 3) UP(3, 3) ADD_4(2, 4) \
-    COLUMN(3, 1) ADD_6(3, 3) UP(3, 3) ADD_4(5, 4) COLUMN(4, 0) ADD_4(6, 4) COLUMN(4, 1) \
-    ADD_4(7, 4) END(8)
+    UP(2, 0) CUT END(7) PASS(7, 3) RESUME ADD_6(0, 3) UP(3, 0) ADD_4(2, 4) END(3) SIDES(8) \
+    PASS(10, 8) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_6(5, 3) UP(3, 1) \
+    ADD_4(7, 4) END(8) END_SIDES SIDES(6) PASS(26, 6) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) \
+    ADD_6(3, 3) UP(3, 2) ADD_4(5, 4) END(6) END_SIDES PASS(38, 8) COLUMN(3, 0) ADD_6(0, 3) \
+    UP(3, 3) ADD_4(2, 4) COLUMN(3, 1) ADD_6(3, 3) UP(3, 3) ADD_4(5, 4) COLUMN(4, 0) ADD_4(6, 4) \
+    COLUMN(4, 1) ADD_4(7, 4) END(8)
 #else
 #define PLAN_1 PASS(0, 9) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     COLUMN(1, 0) ADD_1(3, 1) UP(1, 1) ADD_1(4, 2) COLUMN(1, 1) ADD_1(5, 1) UP(1, 1) ADD_1(6, 2) \
@@ -98,13 +94,12 @@
     COLUMN(3, 1) ADD_4(6, 3) UP(3, 3) ADD_4(7, 4) COLUMN(4, 0) ADD_4(8, 4) COLUMN(4, 1) \
     ADD_4(9, 4) END(10)
 #define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
-    UP(2, 0) ADD_6(7, 3) UP(3, 0) ADD_4(9, 4) END(10) PASS(10, 8) COLUMN(1, 0) ADD_3(0, 1) \
-    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_6(5, 3) UP(3, 1) ADD_4(7, 4) END(8) PASS(18, 8) \
-    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_6(5, 3) UP(3, 1) ADD_4(7, 4) \
-    END(8) PASS(26, 12) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_6(3, 3) UP(3, 2) ADD_4(5, 4) \
-    COLUMN(2, 1) ADD_7(6, 2) UP(2, 2) ADD_6(9, 3) UP(3, 2) ADD_4(11, 4) END(12) PASS(38, 8) \
-    COLUMN(3, 0) ADD_6(0, 3) UP(3, 3) ADD_4(2, 4) COLUMN(3, 1) ADD_6(3, 3) UP(3, 3) ADD_4(5, 4) \
-    COLUMN(4, 0) ADD_4(6, 4) COLUMN(4, 1) ADD_4(7, 4) END(8)
+    UP(2, 0) ADD_6(7, 3) UP(3, 0) ADD_4(9, 4) END(10) SIDES(8) PASS(10, 8) COLUMN(1, side) \
+    ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_6(5, 3) UP(3, 1) ADD_4(7, 4) END(8) END_SIDES \
+    PASS(26, 12) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_6(3, 3) UP(3, 2) ADD_4(5, 4) COLUMN(2, 1) \
+    ADD_7(6, 2) UP(2, 2) ADD_6(9, 3) UP(3, 2) ADD_4(11, 4) END(12) PASS(38, 8) COLUMN(3, 0) \
+    ADD_6(0, 3) UP(3, 3) ADD_4(2, 4) COLUMN(3, 1) ADD_6(3, 3) UP(3, 3) ADD_4(5, 4) COLUMN(4, 0) \
+    ADD_4(6, 4) COLUMN(4, 1) ADD_4(7, 4) END(8)
 #define PLAN_RGB_1 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     END(3) PASS(3, 4) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) COLUMN(1, 1) ADD_1(2, 1) \
     UP(1, 1) ADD_1(3, 2) END(4) PASS(7, 2) COLUMN(2, 0) ADD_1(0, 2) COLUMN(2, 1) ADD_1(1, 2) \
@@ -117,33 +112,26 @@
     COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_2(2, 3) COLUMN(3, 0) ADD_2(3, 3) END(4) PASS(23, 1) \
     COLUMN(3, 1) ADD_2(0, 3) END(1)
 #define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
-    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) END(4) PASS(4, 3) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) END(3) PASS(7, 3) COLUMN(1, 1) UP(1, 1) \
-    ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) END(3) PASS(10, 3) COLUMN(2, 0) \
-    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) END(3) PASS(13, 3) COLUMN(2, 1) \
-    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) END(3) PASS(16, 4) COLUMN(3, 0) \
-    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) COLUMN(3, 1) ADD_4(2, 3) UP(3, 3) ADD_4(3, 4) END(4) \
-    PASS(20, 2) COLUMN(4, 0) ADD_4(0, 4) COLUMN(4, 1) ADD_4(1, 4) END(2)
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) END(4) SIDES(3) PASS(4, 3) COLUMN(1, side) UP(1, 1) \
+    ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) END(3) END_SIDES SIDES(3) PASS(10, 3) \
+    COLUMN(2, side) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) END(3) END_SIDES \
+    PASS(16, 4) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) COLUMN(3, 1) ADD_4(2, 3) UP(3, 3) \
+    ADD_4(3, 4) END(4) PASS(20, 2) COLUMN(4, 0) ADD_4(0, 4) COLUMN(4, 1) ADD_4(1, 4) END(2)
 #define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
-    PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) END(4) PASS(7, 4) \
-    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_4(3, 3) UP(3, 1) CUT END(4) \
-    PASS(11, 1) RESUME ADD_4(0, 4) END(1) PASS(12, 4) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) \
-    ADD_5(1, 2) UP(2, 1) ADD_4(3, 3) UP(3, 1) CUT END(4) PASS(16, 1) RESUME ADD_4(0, 4) END(1) \
-    PASS(17, 4) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_4(2, 3) UP(3, 2) ADD_4(3, 4) END(4) \
-    PASS(21, 4) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_4(2, 3) UP(3, 2) ADD_4(3, 4) END(4) \
+    PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) END(4) SIDES(5) \
+    PASS(7, 4) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_4(3, 3) UP(3, 1) \
+    CUT END(4) PASS(11, 1) RESUME ADD_4(0, 4) END(1) END_SIDES SIDES(4) PASS(17, 4) \
+    COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_4(2, 3) UP(3, 2) ADD_4(3, 4) END(4) END_SIDES \
     PASS(25, 4) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) COLUMN(3, 1) ADD_4(2, 3) UP(3, 3) \
     ADD_4(3, 4) END(4) PASS(29, 2) COLUMN(4, 0) ADD_4(0, 4) COLUMN(4, 1) ADD_4(1, 4) END(2)
 #define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
     PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_6(0, 3) UP(3, 0) \
-    ADD_4(2, 4) END(3) PASS(10, 2) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(12, 3) \
-    RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(15, 3) RESUME ADD_6(0, 3) UP(3, 1) ADD_4(2, 4) \
-    END(3) PASS(18, 2) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(20, 3) RESUME \
-    ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(23, 3) RESUME ADD_6(0, 3) UP(3, 1) ADD_4(2, 4) END(3) \
-    PASS(26, 3) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(29, 3) RESUME ADD_6(0, 3) \
-    UP(3, 2) ADD_4(2, 4) END(3) PASS(32, 3) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) CUT END(3) \
-    PASS(35, 3) RESUME ADD_6(0, 3) UP(3, 2) ADD_4(2, 4) END(3) PASS(38, 3) COLUMN(3, 0) \
-    ADD_6(0, 3) UP(3, 3) ADD_4(2, 4) END(3) PASS(41, 4) COLUMN(3, 1) ADD_6(0, 3) UP(3, 3) \
-    ADD_4(2, 4) COLUMN(4, 0) ADD_4(3, 4) END(4) PASS(45, 1) COLUMN(4, 1) ADD_4(0, 4) END(1)
+    ADD_4(2, 4) END(3) SIDES(8) PASS(10, 2) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) CUT END(2) \
+    PASS(12, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(15, 3) RESUME ADD_6(0, 3) UP(3, 1) \
+    ADD_4(2, 4) END(3) END_SIDES SIDES(6) PASS(26, 3) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) CUT \
+    END(3) PASS(29, 3) RESUME ADD_6(0, 3) UP(3, 2) ADD_4(2, 4) END(3) END_SIDES SIDES(3) \
+    PASS(38, 3) COLUMN(3, side) ADD_6(0, 3) UP(3, 3) ADD_4(2, 4) END(3) END_SIDES PASS(44, 2) \
+    COLUMN(4, 0) ADD_4(0, 4) COLUMN(4, 1) ADD_4(1, 4) END(2)
 #endif
 #define KERNEL_NAME YLM_REAL_KERNEL(ylm__moments_2)
 #endif

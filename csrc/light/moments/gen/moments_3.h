@@ -60,13 +60,11 @@
     COLUMN(2, 0) ADD_1(3, 2) UP(2, 2) ADD_1(4, 3) COLUMN(2, 1) ADD_1(5, 2) UP(2, 2) ADD_1(6, 3) \
     COLUMN(3, 0) ADD_1(7, 3) END(8) PASS(15, 1) COLUMN(3, 1) ADD_1(0, 3) END(1)
 #define PLAN_RGB_3 PASS(0, 8) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
-    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_2(7, 4) END(8) PASS(8, 7) COLUMN(1, 0) ADD_3(0, 1) \
-    UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_2(6, 4) END(7) PASS(15, 7) \
-    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_2(6, 4) \
-    END(7) PASS(22, 5) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_2(4, 4) END(5) \
-    PASS(27, 8) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_2(4, 4) COLUMN(3, 0) \
-    ADD_3(5, 3) UP(3, 3) ADD_2(7, 4) END(8) PASS(35, 5) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) \
-    ADD_2(2, 4) COLUMN(4, 0) ADD_2(3, 4) COLUMN(4, 1) ADD_2(4, 4) END(5)
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_2(7, 4) END(8) SIDES(7) PASS(8, 7) COLUMN(1, side) \
+    ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_2(6, 4) END(7) END_SIDES \
+    SIDES(5) PASS(22, 5) COLUMN(2, side) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_2(4, 4) \
+    END(5) END_SIDES PASS(32, 8) COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_2(2, 4) COLUMN(3, 1) \
+    ADD_3(3, 3) UP(3, 3) ADD_2(5, 4) COLUMN(4, 0) ADD_2(6, 4) COLUMN(4, 1) ADD_2(7, 4) END(8)
 #define PLAN_RGB_4 PASS(0, 5) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) END(5) PASS(5, 8) COLUMN(1, 0) \
     UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) \
@@ -108,13 +106,12 @@
     UP(2, 2) ADD_1(11, 3) END(12) PASS(12, 4) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) \
     COLUMN(3, 0) ADD_1(2, 3) COLUMN(3, 1) ADD_1(3, 3) END(4)
 #define PLAN_3 PASS(0, 8) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
-    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_2(7, 4) END(8) PASS(8, 7) COLUMN(1, 0) ADD_3(0, 1) \
-    UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_2(6, 4) END(7) PASS(15, 12) \
-    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_2(6, 4) \
-    COLUMN(2, 0) ADD_3(7, 2) UP(2, 2) ADD_3(9, 3) UP(3, 2) ADD_2(11, 4) END(12) PASS(27, 12) \
-    COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_2(4, 4) COLUMN(3, 0) ADD_3(5, 3) \
-    UP(3, 3) ADD_2(7, 4) COLUMN(3, 1) ADD_3(8, 3) UP(3, 3) ADD_2(10, 4) COLUMN(4, 0) \
-    ADD_2(11, 4) END(12) PASS(39, 1) COLUMN(4, 1) ADD_2(0, 4) END(1)
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_2(7, 4) END(8) SIDES(7) PASS(8, 7) COLUMN(1, side) \
+    ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_2(6, 4) END(7) END_SIDES \
+    PASS(22, 10) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_2(4, 4) COLUMN(2, 1) \
+    ADD_3(5, 2) UP(2, 2) ADD_3(7, 3) UP(3, 2) ADD_2(9, 4) END(10) PASS(32, 8) COLUMN(3, 0) \
+    ADD_3(0, 3) UP(3, 3) ADD_2(2, 4) COLUMN(3, 1) ADD_3(3, 3) UP(3, 3) ADD_2(5, 4) COLUMN(4, 0) \
+    ADD_2(6, 4) COLUMN(4, 1) ADD_2(7, 4) END(8)
 #define PLAN_4 PASS(0, 9) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) COLUMN(1, 0) UP(1, 1) ADD_4(5, 2) \
     UP(2, 1) ADD_4(6, 3) UP(3, 1) ADD_4(7, 4) UP(4, 1) ADD_4(8, 5) END(9) PASS(9, 12) \
@@ -126,16 +123,15 @@
     ADD_4(6, 4) UP(4, 4) ADD_4(7, 5) COLUMN(4, 1) ADD_4(8, 4) UP(4, 4) ADD_4(9, 5) COLUMN(5, 0) \
     ADD_4(10, 5) COLUMN(5, 1) ADD_4(11, 5) END(12)
 #define PLAN_5 PASS(0, 9) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
-    UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_4(7, 4) UP(4, 0) ADD_4(8, 5) END(9) PASS(9, 7) \
-    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_4(5, 4) \
-    UP(4, 1) ADD_4(6, 5) END(7) PASS(16, 7) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
-    UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_4(5, 4) UP(4, 1) ADD_4(6, 5) END(7) PASS(23, 12) \
-    COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_4(4, 4) UP(4, 2) ADD_4(5, 5) \
-    COLUMN(2, 1) ADD_5(6, 2) UP(2, 2) ADD_5(8, 3) UP(3, 2) ADD_4(10, 4) UP(4, 2) ADD_4(11, 5) \
-    END(12) PASS(35, 12) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_4(2, 4) UP(4, 3) ADD_4(3, 5) \
-    COLUMN(3, 1) ADD_5(4, 3) UP(3, 3) ADD_4(6, 4) UP(4, 3) ADD_4(7, 5) COLUMN(4, 0) ADD_4(8, 4) \
-    UP(4, 4) ADD_4(9, 5) COLUMN(4, 1) ADD_4(10, 4) UP(4, 4) ADD_4(11, 5) END(12) PASS(47, 2) \
-    COLUMN(5, 0) ADD_4(0, 5) COLUMN(5, 1) ADD_4(1, 5) END(2)
+    UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_4(7, 4) UP(4, 0) ADD_4(8, 5) END(9) SIDES(7) PASS(9, 7) \
+    COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_4(5, 4) \
+    UP(4, 1) ADD_4(6, 5) END(7) END_SIDES PASS(23, 12) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(2, 3) UP(3, 2) ADD_4(4, 4) UP(4, 2) ADD_4(5, 5) COLUMN(2, 1) ADD_5(6, 2) UP(2, 2) \
+    ADD_5(8, 3) UP(3, 2) ADD_4(10, 4) UP(4, 2) ADD_4(11, 5) END(12) PASS(35, 12) COLUMN(3, 0) \
+    ADD_5(0, 3) UP(3, 3) ADD_4(2, 4) UP(4, 3) ADD_4(3, 5) COLUMN(3, 1) ADD_5(4, 3) UP(3, 3) \
+    ADD_4(6, 4) UP(4, 3) ADD_4(7, 5) COLUMN(4, 0) ADD_4(8, 4) UP(4, 4) ADD_4(9, 5) COLUMN(4, 1) \
+    ADD_4(10, 4) UP(4, 4) ADD_4(11, 5) END(12) PASS(47, 2) COLUMN(5, 0) ADD_4(0, 5) COLUMN(5, 1) \
+    ADD_4(1, 5) END(2)
 #define PLAN_7 PASS(0, 12) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_6(10, 4) UP(4, 0) CUT END(12) PASS(12, 12) RESUME \
     ADD_4(0, 5) COLUMN(1, 0) ADD_3(1, 1) UP(1, 1) ADD_7(3, 2) UP(2, 1) ADD_7(6, 3) UP(3, 1) \
@@ -148,11 +144,10 @@
     ADD_4(11, 5) END(12) PASS(65, 8) COLUMN(4, 0) ADD_6(0, 4) UP(4, 4) ADD_4(2, 5) COLUMN(4, 1) \
     ADD_6(3, 4) UP(4, 4) ADD_4(5, 5) COLUMN(5, 0) ADD_4(6, 5) COLUMN(5, 1) ADD_4(7, 5) END(8)
 #define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
-    UP(2, 0) ADD_1(3, 3) END(4) PASS(4, 3) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
-    UP(2, 1) ADD_1(2, 3) END(3) PASS(7, 3) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
-    UP(2, 1) ADD_1(2, 3) END(3) PASS(10, 4) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) \
-    COLUMN(2, 1) ADD_1(2, 2) UP(2, 2) ADD_1(3, 3) END(4) PASS(14, 2) COLUMN(3, 0) ADD_1(0, 3) \
-    COLUMN(3, 1) ADD_1(1, 3) END(2)
+    UP(2, 0) ADD_1(3, 3) END(4) SIDES(3) PASS(4, 3) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) \
+    ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) END(3) END_SIDES PASS(10, 4) COLUMN(2, 0) ADD_1(0, 2) \
+    UP(2, 2) ADD_1(1, 3) COLUMN(2, 1) ADD_1(2, 2) UP(2, 2) ADD_1(3, 3) END(4) PASS(14, 2) \
+    COLUMN(3, 0) ADD_1(0, 3) COLUMN(3, 1) ADD_1(1, 3) END(2)
 #define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_3(0, 2) UP(2, 0) ADD_3(2, 3) UP(3, 0) CUT END(4) PASS(7, 1) RESUME \
     ADD_2(0, 4) END(1) PASS(8, 4) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT \
@@ -165,46 +160,34 @@
     COLUMN(4, 0) ADD_2(3, 4) END(4) PASS(39, 1) COLUMN(4, 1) ADD_2(0, 4) END(1)
 #define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) CUT END(4) PASS(4, 1) RESUME ADD_4(0, 5) END(1) \
-    PASS(5, 4) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
-    UP(4, 1) ADD_4(3, 5) END(4) PASS(9, 4) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) \
-    ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) END(4) PASS(13, 4) COLUMN(2, 0) \
-    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) END(4) \
-    PASS(17, 4) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
-    ADD_4(3, 5) END(4) PASS(21, 3) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
-    ADD_4(2, 5) END(3) PASS(24, 3) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
-    ADD_4(2, 5) END(3) PASS(27, 4) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) COLUMN(4, 1) \
+    SIDES(4) PASS(5, 4) COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) \
+    ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) END(4) END_SIDES SIDES(4) PASS(13, 4) COLUMN(2, side) \
+    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) END(4) END_SIDES \
+    SIDES(3) PASS(21, 3) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) \
+    END(3) END_SIDES PASS(27, 4) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) COLUMN(4, 1) \
     ADD_4(2, 4) UP(4, 4) ADD_4(3, 5) END(4) PASS(31, 2) COLUMN(5, 0) ADD_4(0, 5) COLUMN(5, 1) \
     ADD_4(1, 5) END(2)
 #define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_5(2, 3) UP(3, 0) CUT END(4) PASS(7, 2) RESUME \
-    ADD_4(0, 4) UP(4, 0) ADD_4(1, 5) END(2) PASS(9, 3) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) \
-    ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(12, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) \
-    ADD_4(3, 5) END(4) PASS(16, 3) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT \
-    END(3) PASS(19, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) END(4) \
-    PASS(23, 4) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(27, 2) \
-    RESUME ADD_4(0, 4) UP(4, 2) ADD_4(1, 5) END(2) PASS(29, 4) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) \
-    ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(33, 2) RESUME ADD_4(0, 4) UP(4, 2) ADD_4(1, 5) END(2) \
-    PASS(35, 4) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_4(2, 4) UP(4, 3) ADD_4(3, 5) END(4) \
-    PASS(39, 4) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_4(2, 4) UP(4, 3) ADD_4(3, 5) END(4) \
-    PASS(43, 4) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) COLUMN(4, 1) ADD_4(2, 4) UP(4, 4) \
-    ADD_4(3, 5) END(4) PASS(47, 2) COLUMN(5, 0) ADD_4(0, 5) COLUMN(5, 1) ADD_4(1, 5) END(2)
+    ADD_4(0, 4) UP(4, 0) ADD_4(1, 5) END(2) SIDES(7) PASS(9, 3) COLUMN(1, side) ADD_1(0, 1) \
+    UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(12, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_4(2, 4) \
+    UP(4, 1) ADD_4(3, 5) END(4) END_SIDES SIDES(6) PASS(23, 4) COLUMN(2, side) ADD_5(0, 2) \
+    UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(27, 2) RESUME ADD_4(0, 4) UP(4, 2) ADD_4(1, 5) \
+    END(2) END_SIDES SIDES(4) PASS(35, 4) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_4(2, 4) \
+    UP(4, 3) ADD_4(3, 5) END(4) END_SIDES PASS(43, 4) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) \
+    ADD_4(1, 5) COLUMN(4, 1) ADD_4(2, 4) UP(4, 4) ADD_4(3, 5) END(4) PASS(47, 2) COLUMN(5, 0) \
+    ADD_4(0, 5) COLUMN(5, 1) ADD_4(1, 5) END(2)
 #define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
     PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_7(0, 3) UP(3, 0) CUT \
-    END(3) PASS(10, 3) RESUME ADD_6(0, 4) UP(4, 0) ADD_4(2, 5) END(3) PASS(13, 2) COLUMN(1, 0) \
-    ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(15, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) \
-    PASS(18, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(21, 3) RESUME ADD_6(0, 4) UP(4, 1) \
-    ADD_4(2, 5) END(3) PASS(24, 2) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(26, 3) \
-    RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(29, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) \
-    PASS(32, 3) RESUME ADD_6(0, 4) UP(4, 1) ADD_4(2, 5) END(3) PASS(35, 3) COLUMN(2, 0) \
-    ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(38, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) \
-    PASS(41, 3) RESUME ADD_6(0, 4) UP(4, 2) ADD_4(2, 5) END(3) PASS(44, 3) COLUMN(2, 1) \
-    ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(47, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) \
-    PASS(50, 3) RESUME ADD_6(0, 4) UP(4, 2) ADD_4(2, 5) END(3) PASS(53, 3) COLUMN(3, 0) \
+    END(3) PASS(10, 3) RESUME ADD_6(0, 4) UP(4, 0) ADD_4(2, 5) END(3) SIDES(11) PASS(13, 2) \
+    COLUMN(1, side) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(15, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT \
+    END(3) PASS(18, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(21, 3) RESUME ADD_6(0, 4) \
+    UP(4, 1) ADD_4(2, 5) END(3) END_SIDES SIDES(9) PASS(35, 3) COLUMN(2, side) ADD_7(0, 2) \
+    UP(2, 2) CUT END(3) PASS(38, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) PASS(41, 3) RESUME \
+    ADD_6(0, 4) UP(4, 2) ADD_4(2, 5) END(3) END_SIDES SIDES(6) PASS(53, 3) COLUMN(3, side) \
     ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(56, 3) RESUME ADD_6(0, 4) UP(4, 3) ADD_4(2, 5) END(3) \
-    PASS(59, 3) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(62, 3) RESUME ADD_6(0, 4) \
-    UP(4, 3) ADD_4(2, 5) END(3) PASS(65, 3) COLUMN(4, 0) ADD_6(0, 4) UP(4, 4) ADD_4(2, 5) END(3) \
-    PASS(68, 4) COLUMN(4, 1) ADD_6(0, 4) UP(4, 4) ADD_4(2, 5) COLUMN(5, 0) ADD_4(3, 5) END(4) \
-    PASS(72, 1) COLUMN(5, 1) ADD_4(0, 5) END(1)
+    END_SIDES SIDES(3) PASS(65, 3) COLUMN(4, side) ADD_6(0, 4) UP(4, 4) ADD_4(2, 5) END(3) \
+    END_SIDES PASS(71, 2) COLUMN(5, 0) ADD_4(0, 5) COLUMN(5, 1) ADD_4(1, 5) END(2)
 #endif
 #define KERNEL_NAME YLM_REAL_KERNEL(ylm__moments_3)
 #endif

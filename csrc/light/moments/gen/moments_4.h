@@ -57,18 +57,17 @@
     COLUMN(6, 1) ADD_4(9, 6) END(10)
 #define PLAN_7 PASS(0, 16) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_7(10, 4) UP(4, 0) ADD_6(13, 5) UP(5, 0) ADD_4(15, 6) \
-    END(16) PASS(16, 14) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) \
-    UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_6(11, 5) UP(5, 1) ADD_4(13, 6) END(14) PASS(30, 14) \
-    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) \
-    UP(4, 1) ADD_6(11, 5) UP(5, 1) ADD_4(13, 6) END(14) PASS(44, 24) COLUMN(2, 0) ADD_7(0, 2) \
-    UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_6(9, 5) UP(5, 2) ADD_4(11, 6) \
-    COLUMN(2, 1) ADD_7(12, 2) UP(2, 2) ADD_7(15, 3) UP(3, 2) ADD_7(18, 4) UP(4, 2) ADD_6(21, 5) \
-    UP(5, 2) ADD_4(23, 6) END(24) PASS(68, 24) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) \
-    UP(4, 3) ADD_6(6, 5) UP(5, 3) ADD_4(8, 6) COLUMN(3, 1) ADD_7(9, 3) UP(3, 3) ADD_7(12, 4) \
-    UP(4, 3) ADD_6(15, 5) UP(5, 3) ADD_4(17, 6) COLUMN(4, 0) ADD_7(18, 4) UP(4, 4) ADD_6(21, 5) \
-    UP(5, 4) ADD_4(23, 6) END(24) PASS(92, 14) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_6(3, 5) \
-    UP(5, 4) ADD_4(5, 6) COLUMN(5, 0) ADD_6(6, 5) UP(5, 5) ADD_4(8, 6) COLUMN(5, 1) ADD_6(9, 5) \
-    UP(5, 5) ADD_4(11, 6) COLUMN(6, 0) ADD_4(12, 6) COLUMN(6, 1) ADD_4(13, 6) END(14)
+    END(16) SIDES(14) PASS(16, 14) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) \
+    ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_6(11, 5) UP(5, 1) ADD_4(13, 6) END(14) \
+    END_SIDES PASS(44, 24) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) \
+    UP(4, 2) ADD_6(9, 5) UP(5, 2) ADD_4(11, 6) COLUMN(2, 1) ADD_7(12, 2) UP(2, 2) ADD_7(15, 3) \
+    UP(3, 2) ADD_7(18, 4) UP(4, 2) ADD_6(21, 5) UP(5, 2) ADD_4(23, 6) END(24) PASS(68, 24) \
+    COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_6(6, 5) UP(5, 3) ADD_4(8, 6) \
+    COLUMN(3, 1) ADD_7(9, 3) UP(3, 3) ADD_7(12, 4) UP(4, 3) ADD_6(15, 5) UP(5, 3) ADD_4(17, 6) \
+    COLUMN(4, 0) ADD_7(18, 4) UP(4, 4) ADD_6(21, 5) UP(5, 4) ADD_4(23, 6) END(24) PASS(92, 14) \
+    COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_6(3, 5) UP(5, 4) ADD_4(5, 6) COLUMN(5, 0) ADD_6(6, 5) \
+    UP(5, 5) ADD_4(8, 6) COLUMN(5, 1) ADD_6(9, 5) UP(5, 5) ADD_4(11, 6) COLUMN(6, 0) \
+    ADD_4(12, 6) COLUMN(6, 1) ADD_4(13, 6) END(14)
 #define PLAN_RGB_1 PASS(0, 5) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) END(5) PASS(5, 8) COLUMN(1, 0) ADD_1(0, 1) \
     UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) COLUMN(1, 1) ADD_1(4, 1) \
@@ -90,35 +89,29 @@
     ADD_3(5, 4) UP(4, 4) ADD_2(7, 5) END(8) PASS(55, 5) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) \
     ADD_2(2, 5) COLUMN(5, 0) ADD_2(3, 5) COLUMN(5, 1) ADD_2(4, 5) END(5)
 #define PLAN_RGB_4 PASS(0, 6) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
-    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) END(6) PASS(6, 5) \
-    COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) \
-    ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) END(5) PASS(11, 5) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) END(5) \
-    PASS(16, 5) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
-    ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) END(5) PASS(21, 5) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) END(5) \
-    PASS(26, 8) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) \
-    ADD_4(3, 6) COLUMN(3, 1) ADD_4(4, 3) UP(3, 3) ADD_4(5, 4) UP(4, 3) ADD_4(6, 5) UP(5, 3) \
-    ADD_4(7, 6) END(8) PASS(34, 8) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
-    ADD_4(2, 6) COLUMN(4, 1) ADD_4(3, 4) UP(4, 4) ADD_4(4, 5) UP(5, 4) ADD_4(5, 6) COLUMN(5, 0) \
-    ADD_4(6, 5) UP(5, 5) ADD_4(7, 6) END(8) PASS(42, 4) COLUMN(5, 1) ADD_4(0, 5) UP(5, 5) \
-    ADD_4(1, 6) COLUMN(6, 0) ADD_4(2, 6) COLUMN(6, 1) ADD_4(3, 6) END(4)
+    ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) END(6) SIDES(5) \
+    PASS(6, 5) COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
+    UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) END(5) END_SIDES SIDES(5) PASS(16, 5) \
+    COLUMN(2, side) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) \
+    UP(5, 2) ADD_4(4, 6) END(5) END_SIDES PASS(26, 8) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) \
+    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) COLUMN(3, 1) ADD_4(4, 3) UP(3, 3) \
+    ADD_4(5, 4) UP(4, 3) ADD_4(6, 5) UP(5, 3) ADD_4(7, 6) END(8) PASS(34, 8) COLUMN(4, 0) \
+    ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) COLUMN(4, 1) ADD_4(3, 4) UP(4, 4) \
+    ADD_4(4, 5) UP(5, 4) ADD_4(5, 6) COLUMN(5, 0) ADD_4(6, 5) UP(5, 5) ADD_4(7, 6) END(8) \
+    PASS(42, 4) COLUMN(5, 1) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) COLUMN(6, 0) ADD_4(2, 6) \
+    COLUMN(6, 1) ADD_4(3, 6) END(4)
 #define PLAN_RGB_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) CUT END(7) PASS(7, 4) RESUME ADD_5(0, 4) UP(4, 0) ADD_4(2, 5) \
-    UP(5, 0) ADD_4(3, 6) END(4) PASS(11, 8) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
-    UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_4(7, 5) UP(5, 1) CUT END(8) \
-    PASS(19, 1) RESUME ADD_4(0, 6) END(1) PASS(20, 8) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) \
+    UP(5, 0) ADD_4(3, 6) END(4) SIDES(9) PASS(11, 8) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) \
     ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_4(7, 5) UP(5, 1) CUT \
-    END(8) PASS(28, 1) RESUME ADD_4(0, 6) END(1) PASS(29, 8) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) \
-    ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_4(6, 5) UP(5, 2) ADD_4(7, 6) END(8) \
-    PASS(37, 8) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
-    ADD_4(6, 5) UP(5, 2) ADD_4(7, 6) END(8) PASS(45, 6) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) \
-    ADD_5(2, 4) UP(4, 3) ADD_4(4, 5) UP(5, 3) ADD_4(5, 6) END(6) PASS(51, 6) COLUMN(3, 1) \
-    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_4(4, 5) UP(5, 3) ADD_4(5, 6) END(6) \
-    PASS(57, 8) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_4(2, 5) UP(5, 4) ADD_4(3, 6) COLUMN(4, 1) \
-    ADD_5(4, 4) UP(4, 4) ADD_4(6, 5) UP(5, 4) ADD_4(7, 6) END(8) PASS(65, 6) COLUMN(5, 0) \
-    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) COLUMN(5, 1) ADD_4(2, 5) UP(5, 5) ADD_4(3, 6) COLUMN(6, 0) \
-    ADD_4(4, 6) COLUMN(6, 1) ADD_4(5, 6) END(6)
+    END(8) PASS(19, 1) RESUME ADD_4(0, 6) END(1) END_SIDES SIDES(8) PASS(29, 8) COLUMN(2, side) \
+    ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_4(6, 5) UP(5, 2) \
+    ADD_4(7, 6) END(8) END_SIDES SIDES(6) PASS(45, 6) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) \
+    ADD_5(2, 4) UP(4, 3) ADD_4(4, 5) UP(5, 3) ADD_4(5, 6) END(6) END_SIDES PASS(57, 8) \
+    COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_4(2, 5) UP(5, 4) ADD_4(3, 6) COLUMN(4, 1) ADD_5(4, 4) \
+    UP(4, 4) ADD_4(6, 5) UP(5, 4) ADD_4(7, 6) END(8) PASS(65, 6) COLUMN(5, 0) ADD_4(0, 5) \
+    UP(5, 5) ADD_4(1, 6) COLUMN(5, 1) ADD_4(2, 5) UP(5, 5) ADD_4(3, 6) COLUMN(6, 0) ADD_4(4, 6) \
+    COLUMN(6, 1) ADD_4(5, 6) END(6)
 #define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) CUT END(7) PASS(7, 8) RESUME ADD_7(0, 3) UP(3, 0) ADD_7(3, 4) UP(4, 0) ADD_6(6, 5) \
     UP(5, 0) CUT END(8) PASS(15, 1) RESUME ADD_4(0, 6) END(1) PASS(16, 8) COLUMN(1, 0) \
@@ -146,16 +139,14 @@
     COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) COLUMN(4, 0) ADD_1(2, 4) COLUMN(4, 1) \
     ADD_1(3, 4) END(4)
 #define PLAN_3 PASS(0, 10) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
-    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_2(9, 5) END(10) PASS(10, 9) \
-    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) \
-    UP(4, 1) ADD_2(8, 5) END(9) PASS(19, 9) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
-    UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) ADD_2(8, 5) END(9) PASS(28, 7) \
-    COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_2(6, 5) \
-    END(7) PASS(35, 12) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) \
-    UP(4, 2) ADD_2(6, 5) COLUMN(3, 0) ADD_3(7, 3) UP(3, 3) ADD_3(9, 4) UP(4, 3) ADD_2(11, 5) \
-    END(12) PASS(47, 12) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_2(4, 5) \
-    COLUMN(4, 0) ADD_3(5, 4) UP(4, 4) ADD_2(7, 5) COLUMN(4, 1) ADD_3(8, 4) UP(4, 4) ADD_2(10, 5) \
-    COLUMN(5, 0) ADD_2(11, 5) END(12) PASS(59, 1) COLUMN(5, 1) ADD_2(0, 5) END(1)
+    UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_2(9, 5) END(10) SIDES(9) PASS(10, 9) \
+    COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) \
+    UP(4, 1) ADD_2(8, 5) END(9) END_SIDES SIDES(7) PASS(28, 7) COLUMN(2, side) ADD_3(0, 2) \
+    UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_2(6, 5) END(7) END_SIDES PASS(42, 10) \
+    COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_2(4, 5) COLUMN(3, 1) ADD_3(5, 3) \
+    UP(3, 3) ADD_3(7, 4) UP(4, 3) ADD_2(9, 5) END(10) PASS(52, 8) COLUMN(4, 0) ADD_3(0, 4) \
+    UP(4, 4) ADD_2(2, 5) COLUMN(4, 1) ADD_3(3, 4) UP(4, 4) ADD_2(5, 5) COLUMN(5, 0) ADD_2(6, 5) \
+    COLUMN(5, 1) ADD_2(7, 5) END(8)
 #define PLAN_4 PASS(0, 11) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) COLUMN(1, 0) \
     UP(1, 1) ADD_4(6, 2) UP(2, 1) ADD_4(7, 3) UP(3, 1) ADD_4(8, 4) UP(4, 1) ADD_4(9, 5) UP(5, 1) \
@@ -171,44 +162,35 @@
     ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) COLUMN(6, 0) ADD_4(2, 6) COLUMN(6, 1) ADD_4(3, 6) END(4)
 #define PLAN_5 PASS(0, 11) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_4(9, 5) UP(5, 0) ADD_4(10, 6) END(11) \
-    PASS(11, 9) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) \
-    ADD_5(5, 4) UP(4, 1) ADD_4(7, 5) UP(5, 1) ADD_4(8, 6) END(9) PASS(20, 9) COLUMN(1, 1) \
-    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) \
-    ADD_4(7, 5) UP(5, 1) ADD_4(8, 6) END(9) PASS(29, 8) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) \
-    ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_4(6, 5) UP(5, 2) ADD_4(7, 6) END(8) \
-    PASS(37, 8) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
-    ADD_4(6, 5) UP(5, 2) ADD_4(7, 6) END(8) PASS(45, 12) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) \
-    ADD_5(2, 4) UP(4, 3) ADD_4(4, 5) UP(5, 3) ADD_4(5, 6) COLUMN(3, 1) ADD_5(6, 3) UP(3, 3) \
-    ADD_5(8, 4) UP(4, 3) ADD_4(10, 5) UP(5, 3) ADD_4(11, 6) END(12) PASS(57, 12) COLUMN(4, 0) \
-    ADD_5(0, 4) UP(4, 4) ADD_4(2, 5) UP(5, 4) ADD_4(3, 6) COLUMN(4, 1) ADD_5(4, 4) UP(4, 4) \
-    ADD_4(6, 5) UP(5, 4) ADD_4(7, 6) COLUMN(5, 0) ADD_4(8, 5) UP(5, 5) ADD_4(9, 6) COLUMN(5, 1) \
-    ADD_4(10, 5) UP(5, 5) ADD_4(11, 6) END(12) PASS(69, 2) COLUMN(6, 0) ADD_4(0, 6) COLUMN(6, 1) \
-    ADD_4(1, 6) END(2)
+    SIDES(9) PASS(11, 9) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) \
+    UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_4(7, 5) UP(5, 1) ADD_4(8, 6) END(9) END_SIDES SIDES(8) \
+    PASS(29, 8) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
+    ADD_4(6, 5) UP(5, 2) ADD_4(7, 6) END(8) END_SIDES PASS(45, 12) COLUMN(3, 0) ADD_5(0, 3) \
+    UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_4(4, 5) UP(5, 3) ADD_4(5, 6) COLUMN(3, 1) ADD_5(6, 3) \
+    UP(3, 3) ADD_5(8, 4) UP(4, 3) ADD_4(10, 5) UP(5, 3) ADD_4(11, 6) END(12) PASS(57, 12) \
+    COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_4(2, 5) UP(5, 4) ADD_4(3, 6) COLUMN(4, 1) ADD_5(4, 4) \
+    UP(4, 4) ADD_4(6, 5) UP(5, 4) ADD_4(7, 6) COLUMN(5, 0) ADD_4(8, 5) UP(5, 5) ADD_4(9, 6) \
+    COLUMN(5, 1) ADD_4(10, 5) UP(5, 5) ADD_4(11, 6) END(12) PASS(69, 2) COLUMN(6, 0) ADD_4(0, 6) \
+    COLUMN(6, 1) ADD_4(1, 6) END(2)
 #define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) CUT END(10) PASS(10, 6) RESUME ADD_7(0, 4) UP(4, 0) \
-    ADD_6(3, 5) UP(5, 0) ADD_4(5, 6) END(6) PASS(16, 11) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) \
-    ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(27, 3) \
-    RESUME ADD_6(0, 5) UP(5, 1) ADD_4(2, 6) END(3) PASS(30, 11) COLUMN(1, 1) ADD_3(0, 1) \
+    ADD_6(3, 5) UP(5, 0) ADD_4(5, 6) END(6) SIDES(14) PASS(16, 11) COLUMN(1, side) ADD_3(0, 1) \
     UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) \
-    PASS(41, 3) RESUME ADD_6(0, 5) UP(5, 1) ADD_4(2, 6) END(3) PASS(44, 12) COLUMN(2, 0) \
-    ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_6(9, 5) UP(5, 2) \
-    ADD_4(11, 6) END(12) PASS(56, 12) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
-    ADD_7(6, 4) UP(4, 2) ADD_6(9, 5) UP(5, 2) ADD_4(11, 6) END(12) PASS(68, 9) COLUMN(3, 0) \
-    ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_6(6, 5) UP(5, 3) ADD_4(8, 6) END(9) \
-    PASS(77, 9) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_6(6, 5) UP(5, 3) \
-    ADD_4(8, 6) END(9) PASS(86, 12) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_6(3, 5) UP(5, 4) \
-    ADD_4(5, 6) COLUMN(4, 1) ADD_7(6, 4) UP(4, 4) ADD_6(9, 5) UP(5, 4) ADD_4(11, 6) END(12) \
-    PASS(98, 8) COLUMN(5, 0) ADD_6(0, 5) UP(5, 5) ADD_4(2, 6) COLUMN(5, 1) ADD_6(3, 5) UP(5, 5) \
-    ADD_4(5, 6) COLUMN(6, 0) ADD_4(6, 6) COLUMN(6, 1) ADD_4(7, 6) END(8)
+    PASS(27, 3) RESUME ADD_6(0, 5) UP(5, 1) ADD_4(2, 6) END(3) END_SIDES SIDES(12) PASS(44, 12) \
+    COLUMN(2, side) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_6(9, 5) \
+    UP(5, 2) ADD_4(11, 6) END(12) END_SIDES SIDES(9) PASS(68, 9) COLUMN(3, side) ADD_7(0, 3) \
+    UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_6(6, 5) UP(5, 3) ADD_4(8, 6) END(9) END_SIDES PASS(86, 12) \
+    COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_6(3, 5) UP(5, 4) ADD_4(5, 6) COLUMN(4, 1) ADD_7(6, 4) \
+    UP(4, 4) ADD_6(9, 5) UP(5, 4) ADD_4(11, 6) END(12) PASS(98, 8) COLUMN(5, 0) ADD_6(0, 5) \
+    UP(5, 5) ADD_4(2, 6) COLUMN(5, 1) ADD_6(3, 5) UP(5, 5) ADD_4(5, 6) COLUMN(6, 0) ADD_4(6, 6) \
+    COLUMN(6, 1) ADD_4(7, 6) END(8)
 #define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
-    UP(2, 0) ADD_1(3, 3) UP(3, 0) CUT END(4) PASS(4, 1) RESUME ADD_1(0, 4) END(1) PASS(5, 4) \
-    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) \
-    END(4) PASS(9, 4) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) \
-    UP(3, 1) ADD_1(3, 4) END(4) PASS(13, 3) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) \
-    UP(3, 2) ADD_1(2, 4) END(3) PASS(16, 3) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) \
-    UP(3, 2) ADD_1(2, 4) END(3) PASS(19, 4) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) \
-    COLUMN(3, 1) ADD_1(2, 3) UP(3, 3) ADD_1(3, 4) END(4) PASS(23, 2) COLUMN(4, 0) ADD_1(0, 4) \
-    COLUMN(4, 1) ADD_1(1, 4) END(2)
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) CUT END(4) PASS(4, 1) RESUME ADD_1(0, 4) END(1) SIDES(4) \
+    PASS(5, 4) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) \
+    ADD_1(3, 4) END(4) END_SIDES SIDES(3) PASS(13, 3) COLUMN(2, side) ADD_1(0, 2) UP(2, 2) \
+    ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) END(3) END_SIDES PASS(19, 4) COLUMN(3, 0) ADD_1(0, 3) \
+    UP(3, 3) ADD_1(1, 4) COLUMN(3, 1) ADD_1(2, 3) UP(3, 3) ADD_1(3, 4) END(4) PASS(23, 2) \
+    COLUMN(4, 0) ADD_1(0, 4) COLUMN(4, 1) ADD_1(1, 4) END(2)
 #define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_3(0, 2) UP(2, 0) ADD_3(2, 3) UP(3, 0) CUT END(4) PASS(7, 3) RESUME \
     ADD_3(0, 4) UP(4, 0) ADD_2(2, 5) END(3) PASS(10, 4) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) \
@@ -226,62 +208,43 @@
     COLUMN(5, 1) ADD_2(0, 5) END(1)
 #define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) CUT END(4) PASS(4, 2) RESUME ADD_4(0, 5) UP(5, 0) \
-    ADD_4(1, 6) END(2) PASS(6, 4) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
-    UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(10, 1) RESUME ADD_4(0, 6) \
-    END(1) PASS(11, 4) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) \
-    ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(15, 1) RESUME ADD_4(0, 6) END(1) \
-    PASS(16, 4) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
-    ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(20, 1) RESUME ADD_4(0, 6) END(1) PASS(21, 4) \
-    COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) \
-    UP(5, 2) CUT END(4) PASS(25, 1) RESUME ADD_4(0, 6) END(1) PASS(26, 4) COLUMN(3, 0) \
-    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) END(4) \
-    PASS(30, 4) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) \
-    ADD_4(3, 6) END(4) PASS(34, 3) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
-    ADD_4(2, 6) END(3) PASS(37, 3) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
-    ADD_4(2, 6) END(3) PASS(40, 4) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) COLUMN(5, 1) \
-    ADD_4(2, 5) UP(5, 5) ADD_4(3, 6) END(4) PASS(44, 2) COLUMN(6, 0) ADD_4(0, 6) COLUMN(6, 1) \
-    ADD_4(1, 6) END(2)
+    ADD_4(1, 6) END(2) SIDES(5) PASS(6, 4) COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) \
+    ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(10, 1) RESUME \
+    ADD_4(0, 6) END(1) END_SIDES SIDES(5) PASS(16, 4) COLUMN(2, side) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(20, 1) RESUME \
+    ADD_4(0, 6) END(1) END_SIDES SIDES(4) PASS(26, 4) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) \
+    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) END(4) END_SIDES SIDES(3) PASS(34, 3) \
+    COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) END(3) END_SIDES \
+    PASS(40, 4) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) COLUMN(5, 1) ADD_4(2, 5) UP(5, 5) \
+    ADD_4(3, 6) END(4) PASS(44, 2) COLUMN(6, 0) ADD_4(0, 6) COLUMN(6, 1) ADD_4(1, 6) END(2)
 #define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_5(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
-    ADD_5(0, 4) UP(4, 0) ADD_4(2, 5) UP(5, 0) ADD_4(3, 6) END(4) PASS(11, 3) COLUMN(1, 0) \
-    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(14, 4) RESUME ADD_5(0, 3) UP(3, 1) \
-    ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(18, 2) RESUME ADD_4(0, 5) UP(5, 1) ADD_4(1, 6) END(2) \
-    PASS(20, 3) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(23, 4) \
-    RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(27, 2) RESUME ADD_4(0, 5) \
-    UP(5, 1) ADD_4(1, 6) END(2) PASS(29, 4) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) \
-    UP(3, 2) CUT END(4) PASS(33, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_4(2, 5) UP(5, 2) ADD_4(3, 6) \
-    END(4) PASS(37, 4) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) \
-    PASS(41, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_4(2, 5) UP(5, 2) ADD_4(3, 6) END(4) PASS(45, 4) \
-    COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(49, 2) RESUME \
-    ADD_4(0, 5) UP(5, 3) ADD_4(1, 6) END(2) PASS(51, 4) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) \
-    ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(55, 2) RESUME ADD_4(0, 5) UP(5, 3) ADD_4(1, 6) END(2) \
-    PASS(57, 4) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_4(2, 5) UP(5, 4) ADD_4(3, 6) END(4) \
-    PASS(61, 4) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_4(2, 5) UP(5, 4) ADD_4(3, 6) END(4) \
-    PASS(65, 4) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) COLUMN(5, 1) ADD_4(2, 5) UP(5, 5) \
-    ADD_4(3, 6) END(4) PASS(69, 2) COLUMN(6, 0) ADD_4(0, 6) COLUMN(6, 1) ADD_4(1, 6) END(2)
+    ADD_5(0, 4) UP(4, 0) ADD_4(2, 5) UP(5, 0) ADD_4(3, 6) END(4) SIDES(9) PASS(11, 3) \
+    COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(14, 4) RESUME \
+    ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(18, 2) RESUME ADD_4(0, 5) UP(5, 1) \
+    ADD_4(1, 6) END(2) END_SIDES SIDES(8) PASS(29, 4) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(33, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_4(2, 5) UP(5, 2) \
+    ADD_4(3, 6) END(4) END_SIDES SIDES(6) PASS(45, 4) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) \
+    ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(49, 2) RESUME ADD_4(0, 5) UP(5, 3) ADD_4(1, 6) END(2) \
+    END_SIDES SIDES(4) PASS(57, 4) COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_4(2, 5) UP(5, 4) \
+    ADD_4(3, 6) END(4) END_SIDES PASS(65, 4) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) \
+    COLUMN(5, 1) ADD_4(2, 5) UP(5, 5) ADD_4(3, 6) END(4) PASS(69, 2) COLUMN(6, 0) ADD_4(0, 6) \
+    COLUMN(6, 1) ADD_4(1, 6) END(2)
 #define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
     PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_7(0, 3) UP(3, 0) CUT \
     END(3) PASS(10, 3) RESUME ADD_7(0, 4) UP(4, 0) CUT END(3) PASS(13, 3) RESUME ADD_6(0, 5) \
-    UP(5, 0) ADD_4(2, 6) END(3) PASS(16, 2) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) CUT END(2) \
-    PASS(18, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(21, 3) RESUME ADD_7(0, 3) UP(3, 1) \
-    CUT END(3) PASS(24, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(27, 3) RESUME ADD_6(0, 5) \
-    UP(5, 1) ADD_4(2, 6) END(3) PASS(30, 2) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) CUT END(2) \
-    PASS(32, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(35, 3) RESUME ADD_7(0, 3) UP(3, 1) \
-    CUT END(3) PASS(38, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(41, 3) RESUME ADD_6(0, 5) \
-    UP(5, 1) ADD_4(2, 6) END(3) PASS(44, 3) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) CUT END(3) \
-    PASS(47, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) PASS(50, 3) RESUME ADD_7(0, 4) UP(4, 2) \
-    CUT END(3) PASS(53, 3) RESUME ADD_6(0, 5) UP(5, 2) ADD_4(2, 6) END(3) PASS(56, 3) \
-    COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(59, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT \
-    END(3) PASS(62, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(65, 3) RESUME ADD_6(0, 5) \
-    UP(5, 2) ADD_4(2, 6) END(3) PASS(68, 3) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) CUT END(3) \
-    PASS(71, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(74, 3) RESUME ADD_6(0, 5) UP(5, 3) \
-    ADD_4(2, 6) END(3) PASS(77, 3) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(80, 3) \
-    RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(83, 3) RESUME ADD_6(0, 5) UP(5, 3) ADD_4(2, 6) \
-    END(3) PASS(86, 3) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(89, 3) RESUME \
-    ADD_6(0, 5) UP(5, 4) ADD_4(2, 6) END(3) PASS(92, 3) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) CUT \
-    END(3) PASS(95, 3) RESUME ADD_6(0, 5) UP(5, 4) ADD_4(2, 6) END(3) PASS(98, 3) COLUMN(5, 0) \
-    ADD_6(0, 5) UP(5, 5) ADD_4(2, 6) END(3) PASS(101, 4) COLUMN(5, 1) ADD_6(0, 5) UP(5, 5) \
-    ADD_4(2, 6) COLUMN(6, 0) ADD_4(3, 6) END(4) PASS(105, 1) COLUMN(6, 1) ADD_4(0, 6) END(1)
+    UP(5, 0) ADD_4(2, 6) END(3) SIDES(14) PASS(16, 2) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) CUT \
+    END(2) PASS(18, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(21, 3) RESUME ADD_7(0, 3) \
+    UP(3, 1) CUT END(3) PASS(24, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(27, 3) RESUME \
+    ADD_6(0, 5) UP(5, 1) ADD_4(2, 6) END(3) END_SIDES SIDES(12) PASS(44, 3) COLUMN(2, side) \
+    ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(47, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) \
+    PASS(50, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(53, 3) RESUME ADD_6(0, 5) UP(5, 2) \
+    ADD_4(2, 6) END(3) END_SIDES SIDES(9) PASS(68, 3) COLUMN(3, side) ADD_7(0, 3) UP(3, 3) CUT \
+    END(3) PASS(71, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(74, 3) RESUME ADD_6(0, 5) \
+    UP(5, 3) ADD_4(2, 6) END(3) END_SIDES SIDES(6) PASS(86, 3) COLUMN(4, side) ADD_7(0, 4) \
+    UP(4, 4) CUT END(3) PASS(89, 3) RESUME ADD_6(0, 5) UP(5, 4) ADD_4(2, 6) END(3) END_SIDES \
+    SIDES(3) PASS(98, 3) COLUMN(5, side) ADD_6(0, 5) UP(5, 5) ADD_4(2, 6) END(3) END_SIDES \
+    PASS(104, 2) COLUMN(6, 0) ADD_4(0, 6) COLUMN(6, 1) ADD_4(1, 6) END(2)
 #endif
 #define KERNEL_NAME YLM_REAL_KERNEL(ylm__moments_4)
 #endif

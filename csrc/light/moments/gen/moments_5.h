@@ -71,34 +71,29 @@
     COLUMN(7, 1) ADD_4(9, 7) END(10)
 #define PLAN_7 PASS(0, 19) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_7(10, 4) UP(4, 0) ADD_7(13, 5) UP(5, 0) ADD_6(16, 6) \
-    UP(6, 0) ADD_4(18, 7) END(19) PASS(19, 17) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) \
-    UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) UP(5, 1) ADD_6(14, 6) \
-    UP(6, 1) ADD_4(16, 7) END(17) PASS(36, 17) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) \
-    UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) UP(5, 1) ADD_6(14, 6) \
-    UP(6, 1) ADD_4(16, 7) END(17) PASS(53, 15) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) \
-    UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_6(12, 6) UP(6, 2) ADD_4(14, 7) \
-    END(15) PASS(68, 15) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) \
-    UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_6(12, 6) UP(6, 2) ADD_4(14, 7) END(15) PASS(83, 24) \
-    COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_6(9, 6) \
-    UP(6, 3) ADD_4(11, 7) COLUMN(3, 1) ADD_7(12, 3) UP(3, 3) ADD_7(15, 4) UP(4, 3) ADD_7(18, 5) \
-    UP(5, 3) ADD_6(21, 6) UP(6, 3) ADD_4(23, 7) END(24) PASS(107, 24) COLUMN(4, 0) ADD_7(0, 4) \
-    UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_6(6, 6) UP(6, 4) ADD_4(8, 7) COLUMN(4, 1) ADD_7(9, 4) \
-    UP(4, 4) ADD_7(12, 5) UP(5, 4) ADD_6(15, 6) UP(6, 4) ADD_4(17, 7) COLUMN(5, 0) ADD_7(18, 5) \
-    UP(5, 5) ADD_6(21, 6) UP(6, 5) ADD_4(23, 7) END(24) PASS(131, 14) COLUMN(5, 1) ADD_7(0, 5) \
-    UP(5, 5) ADD_6(3, 6) UP(6, 5) ADD_4(5, 7) COLUMN(6, 0) ADD_6(6, 6) UP(6, 6) ADD_4(8, 7) \
-    COLUMN(6, 1) ADD_6(9, 6) UP(6, 6) ADD_4(11, 7) COLUMN(7, 0) ADD_4(12, 7) COLUMN(7, 1) \
-    ADD_4(13, 7) END(14)
+    UP(6, 0) ADD_4(18, 7) END(19) SIDES(17) PASS(19, 17) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) \
+    ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) UP(5, 1) \
+    ADD_6(14, 6) UP(6, 1) ADD_4(16, 7) END(17) END_SIDES SIDES(15) PASS(53, 15) COLUMN(2, side) \
+    ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) \
+    ADD_6(12, 6) UP(6, 2) ADD_4(14, 7) END(15) END_SIDES PASS(83, 24) COLUMN(3, 0) ADD_7(0, 3) \
+    UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_6(9, 6) UP(6, 3) ADD_4(11, 7) \
+    COLUMN(3, 1) ADD_7(12, 3) UP(3, 3) ADD_7(15, 4) UP(4, 3) ADD_7(18, 5) UP(5, 3) ADD_6(21, 6) \
+    UP(6, 3) ADD_4(23, 7) END(24) PASS(107, 24) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) \
+    UP(5, 4) ADD_6(6, 6) UP(6, 4) ADD_4(8, 7) COLUMN(4, 1) ADD_7(9, 4) UP(4, 4) ADD_7(12, 5) \
+    UP(5, 4) ADD_6(15, 6) UP(6, 4) ADD_4(17, 7) COLUMN(5, 0) ADD_7(18, 5) UP(5, 5) ADD_6(21, 6) \
+    UP(6, 5) ADD_4(23, 7) END(24) PASS(131, 14) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) ADD_6(3, 6) \
+    UP(6, 5) ADD_4(5, 7) COLUMN(6, 0) ADD_6(6, 6) UP(6, 6) ADD_4(8, 7) COLUMN(6, 1) ADD_6(9, 6) \
+    UP(6, 6) ADD_4(11, 7) COLUMN(7, 0) ADD_4(12, 7) COLUMN(7, 1) ADD_4(13, 7) END(14)
 #define PLAN_RGB_1 PASS(0, 6) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
-    UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) END(6) PASS(6, 5) \
-    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) \
-    UP(4, 1) ADD_1(4, 5) END(5) PASS(11, 5) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
-    UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) END(5) PASS(16, 8) \
-    COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) \
-    COLUMN(2, 1) ADD_1(4, 2) UP(2, 2) ADD_1(5, 3) UP(3, 2) ADD_1(6, 4) UP(4, 2) ADD_1(7, 5) \
-    END(8) PASS(24, 8) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) \
-    COLUMN(3, 1) ADD_1(3, 3) UP(3, 3) ADD_1(4, 4) UP(4, 3) ADD_1(5, 5) COLUMN(4, 0) ADD_1(6, 4) \
-    UP(4, 4) ADD_1(7, 5) END(8) PASS(32, 4) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) \
-    COLUMN(5, 0) ADD_1(2, 5) COLUMN(5, 1) ADD_1(3, 5) END(4)
+    UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) END(6) SIDES(5) PASS(6, 5) \
+    COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) \
+    UP(4, 1) ADD_1(4, 5) END(5) END_SIDES PASS(16, 8) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) \
+    ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) COLUMN(2, 1) ADD_1(4, 2) UP(2, 2) \
+    ADD_1(5, 3) UP(3, 2) ADD_1(6, 4) UP(4, 2) ADD_1(7, 5) END(8) PASS(24, 8) COLUMN(3, 0) \
+    ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) COLUMN(3, 1) ADD_1(3, 3) UP(3, 3) \
+    ADD_1(4, 4) UP(4, 3) ADD_1(5, 5) COLUMN(4, 0) ADD_1(6, 4) UP(4, 4) ADD_1(7, 5) END(8) \
+    PASS(32, 4) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) COLUMN(5, 0) ADD_1(2, 5) \
+    COLUMN(5, 1) ADD_1(3, 5) END(4)
 #define PLAN_RGB_3 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
     UP(2, 0) ADD_3(5, 3) UP(3, 0) CUT END(7) PASS(7, 5) RESUME ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) \
     UP(5, 0) ADD_2(4, 6) END(5) PASS(12, 8) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
@@ -117,65 +112,48 @@
     ADD_3(0, 5) UP(5, 5) ADD_2(2, 6) COLUMN(6, 0) ADD_2(3, 6) COLUMN(6, 1) ADD_2(4, 6) END(5)
 #define PLAN_RGB_4 PASS(0, 7) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
-    ADD_4(6, 7) END(7) PASS(7, 6) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
-    UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) END(6) \
-    PASS(13, 6) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
-    UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) END(6) PASS(19, 6) \
-    COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) \
-    UP(5, 2) ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) END(6) PASS(25, 6) COLUMN(2, 1) ADD_4(0, 2) \
-    UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) END(6) PASS(31, 5) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
-    ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) END(5) PASS(36, 5) COLUMN(3, 1) \
-    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) \
-    ADD_4(4, 7) END(5) PASS(41, 8) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
-    ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) COLUMN(4, 1) ADD_4(4, 4) UP(4, 4) ADD_4(5, 5) UP(5, 4) \
-    ADD_4(6, 6) UP(6, 4) ADD_4(7, 7) END(8) PASS(49, 8) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
-    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) COLUMN(5, 1) ADD_4(3, 5) UP(5, 5) ADD_4(4, 6) UP(6, 5) \
-    ADD_4(5, 7) COLUMN(6, 0) ADD_4(6, 6) UP(6, 6) ADD_4(7, 7) END(8) PASS(57, 4) COLUMN(6, 1) \
-    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) COLUMN(7, 0) ADD_4(2, 7) COLUMN(7, 1) ADD_4(3, 7) END(4)
+    ADD_4(6, 7) END(7) SIDES(6) PASS(7, 6) COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) \
+    ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
+    ADD_4(5, 7) END(6) END_SIDES SIDES(6) PASS(19, 6) COLUMN(2, side) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
+    ADD_4(5, 7) END(6) END_SIDES SIDES(5) PASS(31, 5) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) \
+    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) END(5) END_SIDES \
+    PASS(41, 8) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) \
+    ADD_4(3, 7) COLUMN(4, 1) ADD_4(4, 4) UP(4, 4) ADD_4(5, 5) UP(5, 4) ADD_4(6, 6) UP(6, 4) \
+    ADD_4(7, 7) END(8) PASS(49, 8) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) \
+    ADD_4(2, 7) COLUMN(5, 1) ADD_4(3, 5) UP(5, 5) ADD_4(4, 6) UP(6, 5) ADD_4(5, 7) COLUMN(6, 0) \
+    ADD_4(6, 6) UP(6, 6) ADD_4(7, 7) END(8) PASS(57, 4) COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) \
+    ADD_4(1, 7) COLUMN(7, 0) ADD_4(2, 7) COLUMN(7, 1) ADD_4(3, 7) END(4)
 #define PLAN_RGB_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) CUT END(7) PASS(7, 6) RESUME ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) \
-    UP(5, 0) ADD_4(4, 6) UP(6, 0) ADD_4(5, 7) END(6) PASS(13, 7) COLUMN(1, 0) ADD_1(0, 1) \
-    UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) CUT END(7) \
-    PASS(20, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_4(2, 6) UP(6, 1) ADD_4(3, 7) END(4) PASS(24, 7) \
-    COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
-    UP(4, 1) CUT END(7) PASS(31, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_4(2, 6) UP(6, 1) ADD_4(3, 7) \
-    END(4) PASS(35, 8) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) \
-    UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(43, 2) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) \
-    END(2) PASS(45, 8) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) \
-    UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(53, 2) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) \
-    END(2) PASS(55, 8) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) \
-    UP(5, 3) ADD_4(6, 6) UP(6, 3) ADD_4(7, 7) END(8) PASS(63, 8) COLUMN(3, 1) ADD_5(0, 3) \
-    UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_4(6, 6) UP(6, 3) ADD_4(7, 7) END(8) \
-    PASS(71, 6) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_4(4, 6) UP(6, 4) \
-    ADD_4(5, 7) END(6) PASS(77, 6) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) \
-    ADD_4(4, 6) UP(6, 4) ADD_4(5, 7) END(6) PASS(83, 8) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
+    UP(5, 0) ADD_4(4, 6) UP(6, 0) ADD_4(5, 7) END(6) SIDES(11) PASS(13, 7) COLUMN(1, side) \
+    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) CUT \
+    END(7) PASS(20, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_4(2, 6) UP(6, 1) ADD_4(3, 7) END(4) \
+    END_SIDES SIDES(10) PASS(35, 8) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) \
+    ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(43, 2) RESUME ADD_4(0, 6) UP(6, 2) \
+    ADD_4(1, 7) END(2) END_SIDES SIDES(8) PASS(55, 8) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) \
+    ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_4(6, 6) UP(6, 3) ADD_4(7, 7) END(8) END_SIDES \
+    SIDES(6) PASS(71, 6) COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_4(4, 6) \
+    UP(6, 4) ADD_4(5, 7) END(6) END_SIDES PASS(83, 8) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
     ADD_4(2, 6) UP(6, 5) ADD_4(3, 7) COLUMN(5, 1) ADD_5(4, 5) UP(5, 5) ADD_4(6, 6) UP(6, 5) \
     ADD_4(7, 7) END(8) PASS(91, 6) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) COLUMN(6, 1) \
     ADD_4(2, 6) UP(6, 6) ADD_4(3, 7) COLUMN(7, 0) ADD_4(4, 7) COLUMN(7, 1) ADD_4(5, 7) END(6)
 #define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) CUT END(7) PASS(7, 6) RESUME ADD_7(0, 3) UP(3, 0) ADD_7(3, 4) UP(4, 0) CUT END(6) \
-    PASS(13, 6) RESUME ADD_7(0, 5) UP(5, 0) ADD_6(3, 6) UP(6, 0) ADD_4(5, 7) END(6) PASS(19, 8) \
-    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) \
-    PASS(27, 8) RESUME ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) ADD_6(6, 6) UP(6, 1) CUT END(8) \
-    PASS(35, 1) RESUME ADD_4(0, 7) END(1) PASS(36, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) \
-    ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(44, 8) RESUME ADD_7(0, 4) UP(4, 1) \
-    ADD_7(3, 5) UP(5, 1) ADD_6(6, 6) UP(6, 1) CUT END(8) PASS(52, 1) RESUME ADD_4(0, 7) END(1) \
-    PASS(53, 6) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(59, 8) \
-    RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) ADD_6(6, 6) UP(6, 2) CUT END(8) PASS(67, 1) \
-    RESUME ADD_4(0, 7) END(1) PASS(68, 6) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
-    CUT END(6) PASS(74, 8) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) ADD_6(6, 6) UP(6, 2) \
-    CUT END(8) PASS(82, 1) RESUME ADD_4(0, 7) END(1) PASS(83, 6) COLUMN(3, 0) ADD_7(0, 3) \
-    UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(89, 6) RESUME ADD_7(0, 5) UP(5, 3) ADD_6(3, 6) \
-    UP(6, 3) ADD_4(5, 7) END(6) PASS(95, 6) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) \
-    UP(4, 3) CUT END(6) PASS(101, 6) RESUME ADD_7(0, 5) UP(5, 3) ADD_6(3, 6) UP(6, 3) \
-    ADD_4(5, 7) END(6) PASS(107, 8) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) \
-    ADD_6(6, 6) UP(6, 4) CUT END(8) PASS(115, 1) RESUME ADD_4(0, 7) END(1) PASS(116, 8) \
-    COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_6(6, 6) UP(6, 4) CUT END(8) \
-    PASS(124, 7) RESUME ADD_4(0, 7) COLUMN(5, 0) ADD_7(1, 5) UP(5, 5) ADD_6(4, 6) UP(6, 5) \
-    ADD_4(6, 7) END(7) PASS(131, 6) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) ADD_6(3, 6) UP(6, 5) \
-    ADD_4(5, 7) END(6) PASS(137, 8) COLUMN(6, 0) ADD_6(0, 6) UP(6, 6) ADD_4(2, 7) COLUMN(6, 1) \
-    ADD_6(3, 6) UP(6, 6) ADD_4(5, 7) COLUMN(7, 0) ADD_4(6, 7) COLUMN(7, 1) ADD_4(7, 7) END(8)
+    PASS(13, 6) RESUME ADD_7(0, 5) UP(5, 0) ADD_6(3, 6) UP(6, 0) ADD_4(5, 7) END(6) SIDES(17) \
+    PASS(19, 8) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) \
+    CUT END(8) PASS(27, 8) RESUME ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) ADD_6(6, 6) UP(6, 1) \
+    CUT END(8) PASS(35, 1) RESUME ADD_4(0, 7) END(1) END_SIDES SIDES(15) PASS(53, 6) \
+    COLUMN(2, side) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(59, 8) RESUME \
+    ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) ADD_6(6, 6) UP(6, 2) CUT END(8) PASS(67, 1) RESUME \
+    ADD_4(0, 7) END(1) END_SIDES SIDES(12) PASS(83, 6) COLUMN(3, side) ADD_7(0, 3) UP(3, 3) \
+    ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(89, 6) RESUME ADD_7(0, 5) UP(5, 3) ADD_6(3, 6) UP(6, 3) \
+    ADD_4(5, 7) END(6) END_SIDES SIDES(9) PASS(107, 8) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) \
+    ADD_7(3, 5) UP(5, 4) ADD_6(6, 6) UP(6, 4) CUT END(8) PASS(115, 1) RESUME ADD_4(0, 7) END(1) \
+    END_SIDES SIDES(6) PASS(125, 6) COLUMN(5, side) ADD_7(0, 5) UP(5, 5) ADD_6(3, 6) UP(6, 5) \
+    ADD_4(5, 7) END(6) END_SIDES PASS(137, 8) COLUMN(6, 0) ADD_6(0, 6) UP(6, 6) ADD_4(2, 7) \
+    COLUMN(6, 1) ADD_6(3, 6) UP(6, 6) ADD_4(5, 7) COLUMN(7, 0) ADD_4(6, 7) COLUMN(7, 1) \
+    ADD_4(7, 7) END(8)
 #else
 #define PLAN_1 PASS(0, 11) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) COLUMN(1, 0) ADD_1(6, 1) \
@@ -189,19 +167,15 @@
     ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) COLUMN(5, 0) ADD_1(2, 5) COLUMN(5, 1) ADD_1(3, 5) END(4)
 #define PLAN_3 PASS(0, 12) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
     UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_3(9, 5) UP(5, 0) ADD_2(11, 6) END(12) \
-    PASS(12, 11) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) \
-    ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) ADD_2(10, 6) END(11) PASS(23, 11) COLUMN(1, 1) \
-    ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) \
-    ADD_3(8, 5) UP(5, 1) ADD_2(10, 6) END(11) PASS(34, 9) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) \
-    ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) ADD_2(8, 6) END(9) \
-    PASS(43, 9) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) \
-    ADD_3(6, 5) UP(5, 2) ADD_2(8, 6) END(9) PASS(52, 7) COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) \
-    ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_2(6, 6) END(7) PASS(59, 12) COLUMN(3, 1) \
-    ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_2(6, 6) COLUMN(4, 0) \
-    ADD_3(7, 4) UP(4, 4) ADD_3(9, 5) UP(5, 4) ADD_2(11, 6) END(12) PASS(71, 12) COLUMN(4, 1) \
-    ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_2(4, 6) COLUMN(5, 0) ADD_3(5, 5) UP(5, 5) \
-    ADD_2(7, 6) COLUMN(5, 1) ADD_3(8, 5) UP(5, 5) ADD_2(10, 6) COLUMN(6, 0) ADD_2(11, 6) END(12) \
-    PASS(83, 1) COLUMN(6, 1) ADD_2(0, 6) END(1)
+    SIDES(11) PASS(12, 11) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) \
+    UP(3, 1) ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) ADD_2(10, 6) END(11) END_SIDES SIDES(9) \
+    PASS(34, 9) COLUMN(2, side) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) \
+    ADD_3(6, 5) UP(5, 2) ADD_2(8, 6) END(9) END_SIDES SIDES(7) PASS(52, 7) COLUMN(3, side) \
+    ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_2(6, 6) END(7) END_SIDES \
+    PASS(66, 10) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_2(4, 6) COLUMN(4, 1) \
+    ADD_3(5, 4) UP(4, 4) ADD_3(7, 5) UP(5, 4) ADD_2(9, 6) END(10) PASS(76, 8) COLUMN(5, 0) \
+    ADD_3(0, 5) UP(5, 5) ADD_2(2, 6) COLUMN(5, 1) ADD_3(3, 5) UP(5, 5) ADD_2(5, 6) COLUMN(6, 0) \
+    ADD_2(6, 6) COLUMN(6, 1) ADD_2(7, 6) END(8)
 #define PLAN_4 PASS(0, 7) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
     ADD_4(6, 7) END(7) PASS(7, 12) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
@@ -241,134 +215,92 @@
     PASS(95, 2) COLUMN(7, 0) ADD_4(0, 7) COLUMN(7, 1) ADD_4(1, 7) END(2)
 #define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) CUT END(10) PASS(10, 9) RESUME ADD_7(0, 4) UP(4, 0) \
-    ADD_7(3, 5) UP(5, 0) ADD_6(6, 6) UP(6, 0) ADD_4(8, 7) END(9) PASS(19, 11) COLUMN(1, 0) \
-    ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT \
-    END(11) PASS(30, 6) RESUME ADD_7(0, 5) UP(5, 1) ADD_6(3, 6) UP(6, 1) ADD_4(5, 7) END(6) \
-    PASS(36, 11) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) \
-    ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(47, 6) RESUME ADD_7(0, 5) UP(5, 1) ADD_6(3, 6) \
-    UP(6, 1) ADD_4(5, 7) END(6) PASS(53, 12) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) \
-    UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(65, 3) RESUME \
-    ADD_6(0, 6) UP(6, 2) ADD_4(2, 7) END(3) PASS(68, 12) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) \
-    ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(80, 3) \
-    RESUME ADD_6(0, 6) UP(6, 2) ADD_4(2, 7) END(3) PASS(83, 12) COLUMN(3, 0) ADD_7(0, 3) \
-    UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_6(9, 6) UP(6, 3) ADD_4(11, 7) END(12) \
-    PASS(95, 12) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) \
-    ADD_6(9, 6) UP(6, 3) ADD_4(11, 7) END(12) PASS(107, 9) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) \
-    ADD_7(3, 5) UP(5, 4) ADD_6(6, 6) UP(6, 4) ADD_4(8, 7) END(9) PASS(116, 9) COLUMN(4, 1) \
-    ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_6(6, 6) UP(6, 4) ADD_4(8, 7) END(9) \
+    ADD_7(3, 5) UP(5, 0) ADD_6(6, 6) UP(6, 0) ADD_4(8, 7) END(9) SIDES(17) PASS(19, 11) \
+    COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) \
+    UP(4, 1) CUT END(11) PASS(30, 6) RESUME ADD_7(0, 5) UP(5, 1) ADD_6(3, 6) UP(6, 1) \
+    ADD_4(5, 7) END(6) END_SIDES SIDES(15) PASS(53, 12) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) \
+    ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(65, 3) \
+    RESUME ADD_6(0, 6) UP(6, 2) ADD_4(2, 7) END(3) END_SIDES SIDES(12) PASS(83, 12) \
+    COLUMN(3, side) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_6(9, 6) \
+    UP(6, 3) ADD_4(11, 7) END(12) END_SIDES SIDES(9) PASS(107, 9) COLUMN(4, side) ADD_7(0, 4) \
+    UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_6(6, 6) UP(6, 4) ADD_4(8, 7) END(9) END_SIDES \
     PASS(125, 12) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_6(3, 6) UP(6, 5) ADD_4(5, 7) \
     COLUMN(5, 1) ADD_7(6, 5) UP(5, 5) ADD_6(9, 6) UP(6, 5) ADD_4(11, 7) END(12) PASS(137, 8) \
     COLUMN(6, 0) ADD_6(0, 6) UP(6, 6) ADD_4(2, 7) COLUMN(6, 1) ADD_6(3, 6) UP(6, 6) ADD_4(5, 7) \
     COLUMN(7, 0) ADD_4(6, 7) COLUMN(7, 1) ADD_4(7, 7) END(8)
 #define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) CUT END(4) PASS(4, 2) RESUME ADD_1(0, 4) UP(4, 0) ADD_1(1, 5) \
-    END(2) PASS(6, 4) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) \
-    UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(10, 1) RESUME ADD_1(0, 5) END(1) PASS(11, 4) \
-    COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) \
-    UP(4, 1) CUT END(4) PASS(15, 1) RESUME ADD_1(0, 5) END(1) PASS(16, 4) COLUMN(2, 0) \
-    ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) END(4) \
-    PASS(20, 4) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
-    ADD_1(3, 5) END(4) PASS(24, 3) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) \
-    ADD_1(2, 5) END(3) PASS(27, 3) COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) \
-    ADD_1(2, 5) END(3) PASS(30, 4) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) COLUMN(4, 1) \
-    ADD_1(2, 4) UP(4, 4) ADD_1(3, 5) END(4) PASS(34, 2) COLUMN(5, 0) ADD_1(0, 5) COLUMN(5, 1) \
-    ADD_1(1, 5) END(2)
+    END(2) SIDES(5) PASS(6, 4) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) \
+    ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(10, 1) RESUME ADD_1(0, 5) END(1) \
+    END_SIDES SIDES(4) PASS(16, 4) COLUMN(2, side) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
+    ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) END(4) END_SIDES SIDES(3) PASS(24, 3) COLUMN(3, side) \
+    ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) END(3) END_SIDES PASS(30, 4) \
+    COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) COLUMN(4, 1) ADD_1(2, 4) UP(4, 4) ADD_1(3, 5) \
+    END(4) PASS(34, 2) COLUMN(5, 0) ADD_1(0, 5) COLUMN(5, 1) ADD_1(1, 5) END(2)
 #define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_3(0, 2) UP(2, 0) ADD_3(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
     ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) UP(5, 0) CUT END(4) PASS(11, 1) RESUME ADD_2(0, 6) END(1) \
-    PASS(12, 4) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(16, 4) \
-    RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(20, 3) RESUME ADD_3(0, 5) \
-    UP(5, 1) ADD_2(2, 6) END(3) PASS(23, 4) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
-    UP(2, 1) CUT END(4) PASS(27, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) \
-    PASS(31, 3) RESUME ADD_3(0, 5) UP(5, 1) ADD_2(2, 6) END(3) PASS(34, 4) COLUMN(2, 0) \
+    SIDES(11) PASS(12, 4) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) \
+    PASS(16, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(20, 3) RESUME \
+    ADD_3(0, 5) UP(5, 1) ADD_2(2, 6) END(3) END_SIDES SIDES(9) PASS(34, 4) COLUMN(2, side) \
     ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(38, 4) RESUME ADD_3(0, 4) UP(4, 2) \
-    ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(42, 1) RESUME ADD_2(0, 6) END(1) PASS(43, 4) \
-    COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(47, 4) RESUME \
-    ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(51, 1) RESUME ADD_2(0, 6) END(1) \
-    PASS(52, 4) COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(56, 3) \
-    RESUME ADD_3(0, 5) UP(5, 3) ADD_2(2, 6) END(3) PASS(59, 4) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) \
-    ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(63, 3) RESUME ADD_3(0, 5) UP(5, 3) ADD_2(2, 6) END(3) \
-    PASS(66, 4) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(70, 1) \
-    RESUME ADD_2(0, 6) END(1) PASS(71, 4) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) \
-    CUT END(4) PASS(75, 4) RESUME ADD_2(0, 6) COLUMN(5, 0) ADD_3(1, 5) UP(5, 5) ADD_2(3, 6) \
-    END(4) PASS(79, 4) COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) ADD_2(2, 6) COLUMN(6, 0) ADD_2(3, 6) \
-    END(4) PASS(83, 1) COLUMN(6, 1) ADD_2(0, 6) END(1)
+    ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(42, 1) RESUME ADD_2(0, 6) END(1) END_SIDES SIDES(7) \
+    PASS(52, 4) COLUMN(3, side) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(56, 3) \
+    RESUME ADD_3(0, 5) UP(5, 3) ADD_2(2, 6) END(3) END_SIDES SIDES(5) PASS(66, 4) \
+    COLUMN(4, side) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(70, 1) RESUME \
+    ADD_2(0, 6) END(1) END_SIDES SIDES(3) PASS(76, 3) COLUMN(5, side) ADD_3(0, 5) UP(5, 5) \
+    ADD_2(2, 6) END(3) END_SIDES PASS(82, 2) COLUMN(6, 0) ADD_2(0, 6) COLUMN(6, 1) ADD_2(1, 6) \
+    END(2)
 #define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) CUT END(4) PASS(4, 3) RESUME ADD_4(0, 5) UP(5, 0) \
-    ADD_4(1, 6) UP(6, 0) ADD_4(2, 7) END(3) PASS(7, 4) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) \
-    PASS(11, 2) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) END(2) PASS(13, 4) COLUMN(1, 1) UP(1, 1) \
+    ADD_4(1, 6) UP(6, 0) ADD_4(2, 7) END(3) SIDES(6) PASS(7, 4) COLUMN(1, side) UP(1, 1) \
     ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT \
-    END(4) PASS(17, 2) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) END(2) PASS(19, 4) COLUMN(2, 0) \
-    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT \
-    END(4) PASS(23, 2) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) END(2) PASS(25, 4) COLUMN(2, 1) \
-    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT \
-    END(4) PASS(29, 2) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) END(2) PASS(31, 4) COLUMN(3, 0) \
-    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT \
-    END(4) PASS(35, 1) RESUME ADD_4(0, 7) END(1) PASS(36, 4) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) \
-    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT END(4) PASS(40, 1) RESUME \
-    ADD_4(0, 7) END(1) PASS(41, 4) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
-    ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) END(4) PASS(45, 4) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) \
-    ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) END(4) PASS(49, 3) COLUMN(5, 0) \
-    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) END(3) PASS(52, 3) COLUMN(5, 1) \
-    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) END(3) PASS(55, 4) COLUMN(6, 0) \
-    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) COLUMN(6, 1) ADD_4(2, 6) UP(6, 6) ADD_4(3, 7) END(4) \
-    PASS(59, 2) COLUMN(7, 0) ADD_4(0, 7) COLUMN(7, 1) ADD_4(1, 7) END(2)
+    END(4) PASS(11, 2) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) END(2) END_SIDES SIDES(6) \
+    PASS(19, 4) COLUMN(2, side) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
+    ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(23, 2) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) END(2) \
+    END_SIDES SIDES(5) PASS(31, 4) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
+    ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT END(4) PASS(35, 1) RESUME ADD_4(0, 7) END(1) \
+    END_SIDES SIDES(4) PASS(41, 4) COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
+    ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) END(4) END_SIDES SIDES(3) PASS(49, 3) COLUMN(5, side) \
+    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) END(3) END_SIDES PASS(55, 4) \
+    COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) COLUMN(6, 1) ADD_4(2, 6) UP(6, 6) ADD_4(3, 7) \
+    END(4) PASS(59, 2) COLUMN(7, 0) ADD_4(0, 7) COLUMN(7, 1) ADD_4(1, 7) END(2)
 #define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_5(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
     ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) UP(5, 0) CUT END(4) PASS(11, 2) RESUME ADD_4(0, 6) UP(6, 0) \
-    ADD_4(1, 7) END(2) PASS(13, 3) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT \
-    END(3) PASS(16, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(20, 4) \
-    RESUME ADD_5(0, 5) UP(5, 1) ADD_4(2, 6) UP(6, 1) ADD_4(3, 7) END(4) PASS(24, 3) COLUMN(1, 1) \
-    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(27, 4) RESUME ADD_5(0, 3) UP(3, 1) \
-    ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(31, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_4(2, 6) UP(6, 1) \
-    ADD_4(3, 7) END(4) PASS(35, 4) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT \
-    END(4) PASS(39, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) CUT END(4) PASS(43, 2) \
-    RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) END(2) PASS(45, 4) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) \
-    ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(49, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) \
-    CUT END(4) PASS(53, 2) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) END(2) PASS(55, 4) \
-    COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(59, 4) RESUME \
-    ADD_5(0, 5) UP(5, 3) ADD_4(2, 6) UP(6, 3) ADD_4(3, 7) END(4) PASS(63, 4) COLUMN(3, 1) \
-    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(67, 4) RESUME ADD_5(0, 5) UP(5, 3) \
-    ADD_4(2, 6) UP(6, 3) ADD_4(3, 7) END(4) PASS(71, 4) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) \
-    ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(75, 2) RESUME ADD_4(0, 6) UP(6, 4) ADD_4(1, 7) END(2) \
-    PASS(77, 4) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(81, 2) \
-    RESUME ADD_4(0, 6) UP(6, 4) ADD_4(1, 7) END(2) PASS(83, 4) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
-    ADD_4(2, 6) UP(6, 5) ADD_4(3, 7) END(4) PASS(87, 4) COLUMN(5, 1) ADD_5(0, 5) UP(5, 5) \
-    ADD_4(2, 6) UP(6, 5) ADD_4(3, 7) END(4) PASS(91, 4) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) \
-    ADD_4(1, 7) COLUMN(6, 1) ADD_4(2, 6) UP(6, 6) ADD_4(3, 7) END(4) PASS(95, 2) COLUMN(7, 0) \
-    ADD_4(0, 7) COLUMN(7, 1) ADD_4(1, 7) END(2)
+    ADD_4(1, 7) END(2) SIDES(11) PASS(13, 3) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
+    UP(2, 1) CUT END(3) PASS(16, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) \
+    PASS(20, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_4(2, 6) UP(6, 1) ADD_4(3, 7) END(4) END_SIDES \
+    SIDES(10) PASS(35, 4) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) \
+    PASS(39, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) CUT END(4) PASS(43, 2) RESUME \
+    ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) END(2) END_SIDES SIDES(8) PASS(55, 4) COLUMN(3, side) \
+    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(59, 4) RESUME ADD_5(0, 5) UP(5, 3) \
+    ADD_4(2, 6) UP(6, 3) ADD_4(3, 7) END(4) END_SIDES SIDES(6) PASS(71, 4) COLUMN(4, side) \
+    ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(75, 2) RESUME ADD_4(0, 6) UP(6, 4) \
+    ADD_4(1, 7) END(2) END_SIDES SIDES(4) PASS(83, 4) COLUMN(5, side) ADD_5(0, 5) UP(5, 5) \
+    ADD_4(2, 6) UP(6, 5) ADD_4(3, 7) END(4) END_SIDES PASS(91, 4) COLUMN(6, 0) ADD_4(0, 6) \
+    UP(6, 6) ADD_4(1, 7) COLUMN(6, 1) ADD_4(2, 6) UP(6, 6) ADD_4(3, 7) END(4) PASS(95, 2) \
+    COLUMN(7, 0) ADD_4(0, 7) COLUMN(7, 1) ADD_4(1, 7) END(2)
 #define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
     PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_7(0, 3) UP(3, 0) CUT \
     END(3) PASS(10, 3) RESUME ADD_7(0, 4) UP(4, 0) CUT END(3) PASS(13, 3) RESUME ADD_7(0, 5) \
-    UP(5, 0) CUT END(3) PASS(16, 3) RESUME ADD_6(0, 6) UP(6, 0) ADD_4(2, 7) END(3) PASS(19, 2) \
-    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(21, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT \
-    END(3) PASS(24, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(27, 3) RESUME ADD_7(0, 4) \
-    UP(4, 1) CUT END(3) PASS(30, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(33, 3) RESUME \
-    ADD_6(0, 6) UP(6, 1) ADD_4(2, 7) END(3) PASS(36, 2) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) CUT \
-    END(2) PASS(38, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(41, 3) RESUME ADD_7(0, 3) \
-    UP(3, 1) CUT END(3) PASS(44, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(47, 3) RESUME \
-    ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(50, 3) RESUME ADD_6(0, 6) UP(6, 1) ADD_4(2, 7) END(3) \
-    PASS(53, 3) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(56, 3) RESUME ADD_7(0, 3) \
-    UP(3, 2) CUT END(3) PASS(59, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(62, 3) RESUME \
-    ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(65, 3) RESUME ADD_6(0, 6) UP(6, 2) ADD_4(2, 7) END(3) \
-    PASS(68, 3) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(71, 3) RESUME ADD_7(0, 3) \
-    UP(3, 2) CUT END(3) PASS(74, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(77, 3) RESUME \
-    ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(80, 3) RESUME ADD_6(0, 6) UP(6, 2) ADD_4(2, 7) END(3) \
-    PASS(83, 3) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(86, 3) RESUME ADD_7(0, 4) \
-    UP(4, 3) CUT END(3) PASS(89, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(92, 3) RESUME \
-    ADD_6(0, 6) UP(6, 3) ADD_4(2, 7) END(3) PASS(95, 3) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) CUT \
-    END(3) PASS(98, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(101, 3) RESUME ADD_7(0, 5) \
-    UP(5, 3) CUT END(3) PASS(104, 3) RESUME ADD_6(0, 6) UP(6, 3) ADD_4(2, 7) END(3) PASS(107, 3) \
-    COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(110, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT \
-    END(3) PASS(113, 3) RESUME ADD_6(0, 6) UP(6, 4) ADD_4(2, 7) END(3) PASS(116, 3) COLUMN(4, 1) \
-    ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(119, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT END(3) \
-    PASS(122, 3) RESUME ADD_6(0, 6) UP(6, 4) ADD_4(2, 7) END(3) PASS(125, 3) COLUMN(5, 0) \
-    ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(128, 3) RESUME ADD_6(0, 6) UP(6, 5) ADD_4(2, 7) END(3) \
-    PASS(131, 3) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(134, 3) RESUME ADD_6(0, 6) \
-    UP(6, 5) ADD_4(2, 7) END(3) PASS(137, 3) COLUMN(6, 0) ADD_6(0, 6) UP(6, 6) ADD_4(2, 7) \
-    END(3) PASS(140, 4) COLUMN(6, 1) ADD_6(0, 6) UP(6, 6) ADD_4(2, 7) COLUMN(7, 0) ADD_4(3, 7) \
-    END(4) PASS(144, 1) COLUMN(7, 1) ADD_4(0, 7) END(1)
+    UP(5, 0) CUT END(3) PASS(16, 3) RESUME ADD_6(0, 6) UP(6, 0) ADD_4(2, 7) END(3) SIDES(17) \
+    PASS(19, 2) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(21, 3) RESUME ADD_7(0, 2) \
+    UP(2, 1) CUT END(3) PASS(24, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(27, 3) RESUME \
+    ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(30, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) \
+    PASS(33, 3) RESUME ADD_6(0, 6) UP(6, 1) ADD_4(2, 7) END(3) END_SIDES SIDES(15) PASS(53, 3) \
+    COLUMN(2, side) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(56, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT \
+    END(3) PASS(59, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(62, 3) RESUME ADD_7(0, 5) \
+    UP(5, 2) CUT END(3) PASS(65, 3) RESUME ADD_6(0, 6) UP(6, 2) ADD_4(2, 7) END(3) END_SIDES \
+    SIDES(12) PASS(83, 3) COLUMN(3, side) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(86, 3) RESUME \
+    ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(89, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) \
+    PASS(92, 3) RESUME ADD_6(0, 6) UP(6, 3) ADD_4(2, 7) END(3) END_SIDES SIDES(9) PASS(107, 3) \
+    COLUMN(4, side) ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(110, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT \
+    END(3) PASS(113, 3) RESUME ADD_6(0, 6) UP(6, 4) ADD_4(2, 7) END(3) END_SIDES SIDES(6) \
+    PASS(125, 3) COLUMN(5, side) ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(128, 3) RESUME ADD_6(0, 6) \
+    UP(6, 5) ADD_4(2, 7) END(3) END_SIDES SIDES(3) PASS(137, 3) COLUMN(6, side) ADD_6(0, 6) \
+    UP(6, 6) ADD_4(2, 7) END(3) END_SIDES PASS(143, 2) COLUMN(7, 0) ADD_4(0, 7) COLUMN(7, 1) \
+    ADD_4(1, 7) END(2)
 #endif
 #define KERNEL_NAME YLM_REAL_KERNEL(ylm__moments_5)
 #endif

@@ -65,64 +65,54 @@
     ADD_4(8, 7) UP(7, 7) ADD_4(9, 8) COLUMN(8, 0) ADD_4(10, 8) COLUMN(8, 1) ADD_4(11, 8) END(12)
 #define PLAN_5 PASS(0, 15) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) ADD_5(11, 6) \
-    UP(6, 0) ADD_4(13, 7) UP(7, 0) ADD_4(14, 8) END(15) PASS(15, 13) COLUMN(1, 0) ADD_1(0, 1) \
-    UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) \
-    ADD_5(9, 6) UP(6, 1) ADD_4(11, 7) UP(7, 1) ADD_4(12, 8) END(13) PASS(28, 13) COLUMN(1, 1) \
+    UP(6, 0) ADD_4(13, 7) UP(7, 0) ADD_4(14, 8) END(15) SIDES(13) PASS(15, 13) COLUMN(1, side) \
     ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) \
     ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) ADD_4(11, 7) UP(7, 1) ADD_4(12, 8) END(13) \
-    PASS(41, 24) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
-    ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_4(10, 7) UP(7, 2) ADD_4(11, 8) COLUMN(2, 1) \
-    ADD_5(12, 2) UP(2, 2) ADD_5(14, 3) UP(3, 2) ADD_5(16, 4) UP(4, 2) ADD_5(18, 5) UP(5, 2) \
-    ADD_5(20, 6) UP(6, 2) ADD_4(22, 7) UP(7, 2) ADD_4(23, 8) END(24) PASS(65, 20) COLUMN(3, 0) \
-    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) \
-    ADD_4(8, 7) UP(7, 3) ADD_4(9, 8) COLUMN(3, 1) ADD_5(10, 3) UP(3, 3) ADD_5(12, 4) UP(4, 3) \
-    ADD_5(14, 5) UP(5, 3) ADD_5(16, 6) UP(6, 3) ADD_4(18, 7) UP(7, 3) ADD_4(19, 8) END(20) \
-    PASS(85, 22) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) \
-    ADD_4(6, 7) UP(7, 4) ADD_4(7, 8) COLUMN(4, 1) ADD_5(8, 4) UP(4, 4) ADD_5(10, 5) UP(5, 4) \
-    ADD_5(12, 6) UP(6, 4) ADD_4(14, 7) UP(7, 4) ADD_4(15, 8) COLUMN(5, 0) ADD_5(16, 5) UP(5, 5) \
-    ADD_5(18, 6) UP(6, 5) ADD_4(20, 7) UP(7, 5) ADD_4(21, 8) END(22) PASS(107, 20) COLUMN(5, 1) \
-    ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_4(4, 7) UP(7, 5) ADD_4(5, 8) COLUMN(6, 0) \
-    ADD_5(6, 6) UP(6, 6) ADD_4(8, 7) UP(7, 6) ADD_4(9, 8) COLUMN(6, 1) ADD_5(10, 6) UP(6, 6) \
-    ADD_4(12, 7) UP(7, 6) ADD_4(13, 8) COLUMN(7, 0) ADD_4(14, 7) UP(7, 7) ADD_4(15, 8) \
+    END_SIDES PASS(41, 24) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) \
+    UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_4(10, 7) UP(7, 2) ADD_4(11, 8) \
+    COLUMN(2, 1) ADD_5(12, 2) UP(2, 2) ADD_5(14, 3) UP(3, 2) ADD_5(16, 4) UP(4, 2) ADD_5(18, 5) \
+    UP(5, 2) ADD_5(20, 6) UP(6, 2) ADD_4(22, 7) UP(7, 2) ADD_4(23, 8) END(24) PASS(65, 20) \
+    COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) \
+    UP(6, 3) ADD_4(8, 7) UP(7, 3) ADD_4(9, 8) COLUMN(3, 1) ADD_5(10, 3) UP(3, 3) ADD_5(12, 4) \
+    UP(4, 3) ADD_5(14, 5) UP(5, 3) ADD_5(16, 6) UP(6, 3) ADD_4(18, 7) UP(7, 3) ADD_4(19, 8) \
+    END(20) PASS(85, 22) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) \
+    UP(6, 4) ADD_4(6, 7) UP(7, 4) ADD_4(7, 8) COLUMN(4, 1) ADD_5(8, 4) UP(4, 4) ADD_5(10, 5) \
+    UP(5, 4) ADD_5(12, 6) UP(6, 4) ADD_4(14, 7) UP(7, 4) ADD_4(15, 8) COLUMN(5, 0) ADD_5(16, 5) \
+    UP(5, 5) ADD_5(18, 6) UP(6, 5) ADD_4(20, 7) UP(7, 5) ADD_4(21, 8) END(22) PASS(107, 20) \
+    COLUMN(5, 1) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_4(4, 7) UP(7, 5) ADD_4(5, 8) \
+    COLUMN(6, 0) ADD_5(6, 6) UP(6, 6) ADD_4(8, 7) UP(7, 6) ADD_4(9, 8) COLUMN(6, 1) ADD_5(10, 6) \
+    UP(6, 6) ADD_4(12, 7) UP(7, 6) ADD_4(13, 8) COLUMN(7, 0) ADD_4(14, 7) UP(7, 7) ADD_4(15, 8) \
     COLUMN(7, 1) ADD_4(16, 7) UP(7, 7) ADD_4(17, 8) COLUMN(8, 0) ADD_4(18, 8) COLUMN(8, 1) \
     ADD_4(19, 8) END(20)
 #define PLAN_7 PASS(0, 22) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_7(10, 4) UP(4, 0) ADD_7(13, 5) UP(5, 0) ADD_7(16, 6) \
-    UP(6, 0) ADD_6(19, 7) UP(7, 0) ADD_4(21, 8) END(22) PASS(22, 20) COLUMN(1, 0) ADD_3(0, 1) \
-    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) \
-    UP(5, 1) ADD_7(14, 6) UP(6, 1) ADD_6(17, 7) UP(7, 1) ADD_4(19, 8) END(20) PASS(42, 20) \
-    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) \
-    UP(4, 1) ADD_7(11, 5) UP(5, 1) ADD_7(14, 6) UP(6, 1) ADD_6(17, 7) UP(7, 1) ADD_4(19, 8) \
-    END(20) PASS(62, 18) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) \
-    UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_7(12, 6) UP(6, 2) ADD_6(15, 7) UP(7, 2) ADD_4(17, 8) \
-    END(18) PASS(80, 18) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) \
-    UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_7(12, 6) UP(6, 2) ADD_6(15, 7) UP(7, 2) ADD_4(17, 8) \
-    END(18) PASS(98, 15) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) \
-    UP(5, 3) ADD_7(9, 6) UP(6, 3) ADD_6(12, 7) UP(7, 3) ADD_4(14, 8) END(15) PASS(113, 15) \
-    COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) \
-    UP(6, 3) ADD_6(12, 7) UP(7, 3) ADD_4(14, 8) END(15) PASS(128, 24) COLUMN(4, 0) ADD_7(0, 4) \
-    UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_6(9, 7) UP(7, 4) ADD_4(11, 8) \
-    COLUMN(4, 1) ADD_7(12, 4) UP(4, 4) ADD_7(15, 5) UP(5, 4) ADD_7(18, 6) UP(6, 4) ADD_6(21, 7) \
-    UP(7, 4) ADD_4(23, 8) END(24) PASS(152, 24) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) \
-    UP(6, 5) ADD_6(6, 7) UP(7, 5) ADD_4(8, 8) COLUMN(5, 1) ADD_7(9, 5) UP(5, 5) ADD_7(12, 6) \
-    UP(6, 5) ADD_6(15, 7) UP(7, 5) ADD_4(17, 8) COLUMN(6, 0) ADD_7(18, 6) UP(6, 6) ADD_6(21, 7) \
-    UP(7, 6) ADD_4(23, 8) END(24) PASS(176, 14) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) ADD_6(3, 7) \
-    UP(7, 6) ADD_4(5, 8) COLUMN(7, 0) ADD_6(6, 7) UP(7, 7) ADD_4(8, 8) COLUMN(7, 1) ADD_6(9, 7) \
-    UP(7, 7) ADD_4(11, 8) COLUMN(8, 0) ADD_4(12, 8) COLUMN(8, 1) ADD_4(13, 8) END(14)
+    UP(6, 0) ADD_6(19, 7) UP(7, 0) ADD_4(21, 8) END(22) SIDES(20) PASS(22, 20) COLUMN(1, side) \
+    ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) \
+    ADD_7(11, 5) UP(5, 1) ADD_7(14, 6) UP(6, 1) ADD_6(17, 7) UP(7, 1) ADD_4(19, 8) END(20) \
+    END_SIDES SIDES(18) PASS(62, 18) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
+    ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_7(12, 6) UP(6, 2) ADD_6(15, 7) UP(7, 2) \
+    ADD_4(17, 8) END(18) END_SIDES SIDES(15) PASS(98, 15) COLUMN(3, side) ADD_7(0, 3) UP(3, 3) \
+    ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) ADD_6(12, 7) UP(7, 3) \
+    ADD_4(14, 8) END(15) END_SIDES PASS(128, 24) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) \
+    UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_6(9, 7) UP(7, 4) ADD_4(11, 8) COLUMN(4, 1) ADD_7(12, 4) \
+    UP(4, 4) ADD_7(15, 5) UP(5, 4) ADD_7(18, 6) UP(6, 4) ADD_6(21, 7) UP(7, 4) ADD_4(23, 8) \
+    END(24) PASS(152, 24) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_6(6, 7) \
+    UP(7, 5) ADD_4(8, 8) COLUMN(5, 1) ADD_7(9, 5) UP(5, 5) ADD_7(12, 6) UP(6, 5) ADD_6(15, 7) \
+    UP(7, 5) ADD_4(17, 8) COLUMN(6, 0) ADD_7(18, 6) UP(6, 6) ADD_6(21, 7) UP(7, 6) ADD_4(23, 8) \
+    END(24) PASS(176, 14) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) ADD_6(3, 7) UP(7, 6) ADD_4(5, 8) \
+    COLUMN(7, 0) ADD_6(6, 7) UP(7, 7) ADD_4(8, 8) COLUMN(7, 1) ADD_6(9, 7) UP(7, 7) ADD_4(11, 8) \
+    COLUMN(8, 0) ADD_4(12, 8) COLUMN(8, 1) ADD_4(13, 8) END(14)
 #define PLAN_RGB_1 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) END(7) \
-    PASS(7, 6) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) \
-    ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) END(6) PASS(13, 6) COLUMN(1, 1) \
-    ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) \
-    ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) END(6) PASS(19, 5) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) \
-    ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) END(5) \
-    PASS(24, 5) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
-    ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) END(5) PASS(29, 8) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) \
-    ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) COLUMN(3, 1) ADD_1(4, 3) UP(3, 3) \
-    ADD_1(5, 4) UP(4, 3) ADD_1(6, 5) UP(5, 3) ADD_1(7, 6) END(8) PASS(37, 8) COLUMN(4, 0) \
-    ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) COLUMN(4, 1) ADD_1(3, 4) UP(4, 4) \
-    ADD_1(4, 5) UP(5, 4) ADD_1(5, 6) COLUMN(5, 0) ADD_1(6, 5) UP(5, 5) ADD_1(7, 6) END(8) \
-    PASS(45, 4) COLUMN(5, 1) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) COLUMN(6, 0) ADD_1(2, 6) \
+    SIDES(6) PASS(7, 6) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) \
+    UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) END(6) END_SIDES SIDES(5) \
+    PASS(19, 5) COLUMN(2, side) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
+    ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) END(5) END_SIDES PASS(29, 8) COLUMN(3, 0) ADD_1(0, 3) \
+    UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) COLUMN(3, 1) ADD_1(4, 3) \
+    UP(3, 3) ADD_1(5, 4) UP(4, 3) ADD_1(6, 5) UP(5, 3) ADD_1(7, 6) END(8) PASS(37, 8) \
+    COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) COLUMN(4, 1) ADD_1(3, 4) \
+    UP(4, 4) ADD_1(4, 5) UP(5, 4) ADD_1(5, 6) COLUMN(5, 0) ADD_1(6, 5) UP(5, 5) ADD_1(7, 6) \
+    END(8) PASS(45, 4) COLUMN(5, 1) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) COLUMN(6, 0) ADD_1(2, 6) \
     COLUMN(6, 1) ADD_1(3, 6) END(4)
 #define PLAN_RGB_3 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
     UP(2, 0) ADD_3(5, 3) UP(3, 0) CUT END(7) PASS(7, 7) RESUME ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) \
@@ -147,83 +137,57 @@
     ADD_2(2, 7) COLUMN(7, 0) ADD_2(3, 7) COLUMN(7, 1) ADD_2(4, 7) END(5)
 #define PLAN_RGB_4 PASS(0, 8) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
-    ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) END(8) PASS(8, 7) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
-    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) END(7) PASS(15, 7) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
-    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) END(7) PASS(22, 7) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) END(7) PASS(29, 7) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) END(7) PASS(36, 6) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) \
-    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) \
-    ADD_4(5, 8) END(6) PASS(42, 6) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
-    ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) END(6) \
-    PASS(48, 5) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) \
-    ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) END(5) PASS(53, 5) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) \
-    ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) END(5) \
-    PASS(58, 8) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) \
-    ADD_4(3, 8) COLUMN(5, 1) ADD_4(4, 5) UP(5, 5) ADD_4(5, 6) UP(6, 5) ADD_4(6, 7) UP(7, 5) \
-    ADD_4(7, 8) END(8) PASS(66, 8) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) \
-    ADD_4(2, 8) COLUMN(6, 1) ADD_4(3, 6) UP(6, 6) ADD_4(4, 7) UP(7, 6) ADD_4(5, 8) COLUMN(7, 0) \
-    ADD_4(6, 7) UP(7, 7) ADD_4(7, 8) END(8) PASS(74, 4) COLUMN(7, 1) ADD_4(0, 7) UP(7, 7) \
-    ADD_4(1, 8) COLUMN(8, 0) ADD_4(2, 8) COLUMN(8, 1) ADD_4(3, 8) END(4)
+    ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) END(8) SIDES(7) PASS(8, 7) COLUMN(1, side) UP(1, 1) \
+    ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) \
+    ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) END(7) END_SIDES SIDES(7) PASS(22, 7) \
+    COLUMN(2, side) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) \
+    UP(5, 2) ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) END(7) END_SIDES SIDES(6) \
+    PASS(36, 6) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) \
+    ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) END(6) END_SIDES SIDES(5) PASS(48, 5) \
+    COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) \
+    UP(7, 4) ADD_4(4, 8) END(5) END_SIDES PASS(58, 8) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
+    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) COLUMN(5, 1) ADD_4(4, 5) UP(5, 5) \
+    ADD_4(5, 6) UP(6, 5) ADD_4(6, 7) UP(7, 5) ADD_4(7, 8) END(8) PASS(66, 8) COLUMN(6, 0) \
+    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) COLUMN(6, 1) ADD_4(3, 6) UP(6, 6) \
+    ADD_4(4, 7) UP(7, 6) ADD_4(5, 8) COLUMN(7, 0) ADD_4(6, 7) UP(7, 7) ADD_4(7, 8) END(8) \
+    PASS(74, 4) COLUMN(7, 1) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) COLUMN(8, 0) ADD_4(2, 8) \
+    COLUMN(8, 1) ADD_4(3, 8) END(4)
 #define PLAN_RGB_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) CUT END(7) PASS(7, 8) RESUME ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) \
-    UP(5, 0) ADD_5(4, 6) UP(6, 0) ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) END(8) PASS(15, 7) \
-    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
+    UP(5, 0) ADD_5(4, 6) UP(6, 0) ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) END(8) SIDES(13) PASS(15, 7) \
+    COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
     UP(4, 1) CUT END(7) PASS(22, 6) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) ADD_4(4, 7) \
-    UP(7, 1) ADD_4(5, 8) END(6) PASS(28, 7) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
-    UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) CUT END(7) PASS(35, 6) RESUME ADD_5(0, 5) \
-    UP(5, 1) ADD_5(2, 6) UP(6, 1) ADD_4(4, 7) UP(7, 1) ADD_4(5, 8) END(6) PASS(41, 8) \
-    COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) \
-    UP(5, 2) CUT END(8) PASS(49, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_4(2, 7) UP(7, 2) ADD_4(3, 8) \
-    END(4) PASS(53, 8) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) \
-    UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(61, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_4(2, 7) \
-    UP(7, 2) ADD_4(3, 8) END(4) PASS(65, 8) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) \
-    UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(73, 2) RESUME ADD_4(0, 7) \
-    UP(7, 3) ADD_4(1, 8) END(2) PASS(75, 8) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) \
-    UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(83, 2) RESUME ADD_4(0, 7) \
-    UP(7, 3) ADD_4(1, 8) END(2) PASS(85, 8) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) \
-    UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_4(6, 7) UP(7, 4) ADD_4(7, 8) END(8) PASS(93, 8) \
-    COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_4(6, 7) \
-    UP(7, 4) ADD_4(7, 8) END(8) PASS(101, 6) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) \
-    UP(6, 5) ADD_4(4, 7) UP(7, 5) ADD_4(5, 8) END(6) PASS(107, 6) COLUMN(5, 1) ADD_5(0, 5) \
-    UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_4(4, 7) UP(7, 5) ADD_4(5, 8) END(6) PASS(113, 8) \
-    COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_4(2, 7) UP(7, 6) ADD_4(3, 8) COLUMN(6, 1) ADD_5(4, 6) \
-    UP(6, 6) ADD_4(6, 7) UP(7, 6) ADD_4(7, 8) END(8) PASS(121, 6) COLUMN(7, 0) ADD_4(0, 7) \
-    UP(7, 7) ADD_4(1, 8) COLUMN(7, 1) ADD_4(2, 7) UP(7, 7) ADD_4(3, 8) COLUMN(8, 0) ADD_4(4, 8) \
-    COLUMN(8, 1) ADD_4(5, 8) END(6)
+    UP(7, 1) ADD_4(5, 8) END(6) END_SIDES SIDES(12) PASS(41, 8) COLUMN(2, side) ADD_5(0, 2) \
+    UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) \
+    PASS(49, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_4(2, 7) UP(7, 2) ADD_4(3, 8) END(4) END_SIDES \
+    SIDES(10) PASS(65, 8) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) \
+    UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(73, 2) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) \
+    END(2) END_SIDES SIDES(8) PASS(85, 8) COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) \
+    UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_4(6, 7) UP(7, 4) ADD_4(7, 8) END(8) END_SIDES SIDES(6) \
+    PASS(101, 6) COLUMN(5, side) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_4(4, 7) UP(7, 5) \
+    ADD_4(5, 8) END(6) END_SIDES PASS(113, 8) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_4(2, 7) \
+    UP(7, 6) ADD_4(3, 8) COLUMN(6, 1) ADD_5(4, 6) UP(6, 6) ADD_4(6, 7) UP(7, 6) ADD_4(7, 8) \
+    END(8) PASS(121, 6) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) COLUMN(7, 1) ADD_4(2, 7) \
+    UP(7, 7) ADD_4(3, 8) COLUMN(8, 0) ADD_4(4, 8) COLUMN(8, 1) ADD_4(5, 8) END(6)
 #define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) CUT END(7) PASS(7, 6) RESUME ADD_7(0, 3) UP(3, 0) ADD_7(3, 4) UP(4, 0) CUT END(6) \
     PASS(13, 8) RESUME ADD_7(0, 5) UP(5, 0) ADD_7(3, 6) UP(6, 0) ADD_6(6, 7) UP(7, 0) CUT END(8) \
-    PASS(21, 1) RESUME ADD_4(0, 8) END(1) PASS(22, 8) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) \
-    ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(30, 6) RESUME ADD_7(0, 4) UP(4, 1) \
-    ADD_7(3, 5) UP(5, 1) CUT END(6) PASS(36, 6) RESUME ADD_7(0, 6) UP(6, 1) ADD_6(3, 7) UP(7, 1) \
-    ADD_4(5, 8) END(6) PASS(42, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) \
-    ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(50, 6) RESUME ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) \
-    CUT END(6) PASS(56, 6) RESUME ADD_7(0, 6) UP(6, 1) ADD_6(3, 7) UP(7, 1) ADD_4(5, 8) END(6) \
-    PASS(62, 6) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(68, 6) \
-    RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) CUT END(6) PASS(74, 6) RESUME ADD_7(0, 6) \
-    UP(6, 2) ADD_6(3, 7) UP(7, 2) ADD_4(5, 8) END(6) PASS(80, 6) COLUMN(2, 1) ADD_7(0, 2) \
-    UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(86, 6) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) \
-    UP(5, 2) CUT END(6) PASS(92, 6) RESUME ADD_7(0, 6) UP(6, 2) ADD_6(3, 7) UP(7, 2) ADD_4(5, 8) \
-    END(6) PASS(98, 6) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT END(6) \
-    PASS(104, 8) RESUME ADD_7(0, 5) UP(5, 3) ADD_7(3, 6) UP(6, 3) ADD_6(6, 7) UP(7, 3) CUT \
-    END(8) PASS(112, 1) RESUME ADD_4(0, 8) END(1) PASS(113, 6) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) \
-    ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(119, 8) RESUME ADD_7(0, 5) UP(5, 3) ADD_7(3, 6) \
-    UP(6, 3) ADD_6(6, 7) UP(7, 3) CUT END(8) PASS(127, 1) RESUME ADD_4(0, 8) END(1) PASS(128, 6) \
-    COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT END(6) PASS(134, 6) RESUME \
-    ADD_7(0, 6) UP(6, 4) ADD_6(3, 7) UP(7, 4) ADD_4(5, 8) END(6) PASS(140, 6) COLUMN(4, 1) \
-    ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT END(6) PASS(146, 6) RESUME ADD_7(0, 6) \
-    UP(6, 4) ADD_6(3, 7) UP(7, 4) ADD_4(5, 8) END(6) PASS(152, 8) COLUMN(5, 0) ADD_7(0, 5) \
-    UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_6(6, 7) UP(7, 5) CUT END(8) PASS(160, 1) RESUME \
-    ADD_4(0, 8) END(1) PASS(161, 8) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) \
-    ADD_6(6, 7) UP(7, 5) CUT END(8) PASS(169, 7) RESUME ADD_4(0, 8) COLUMN(6, 0) ADD_7(1, 6) \
-    UP(6, 6) ADD_6(4, 7) UP(7, 6) ADD_4(6, 8) END(7) PASS(176, 6) COLUMN(6, 1) ADD_7(0, 6) \
-    UP(6, 6) ADD_6(3, 7) UP(7, 6) ADD_4(5, 8) END(6) PASS(182, 8) COLUMN(7, 0) ADD_6(0, 7) \
-    UP(7, 7) ADD_4(2, 8) COLUMN(7, 1) ADD_6(3, 7) UP(7, 7) ADD_4(5, 8) COLUMN(8, 0) ADD_4(6, 8) \
-    COLUMN(8, 1) ADD_4(7, 8) END(8)
+    PASS(21, 1) RESUME ADD_4(0, 8) END(1) SIDES(20) PASS(22, 8) COLUMN(1, side) ADD_3(0, 1) \
+    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(30, 6) RESUME ADD_7(0, 4) \
+    UP(4, 1) ADD_7(3, 5) UP(5, 1) CUT END(6) PASS(36, 6) RESUME ADD_7(0, 6) UP(6, 1) ADD_6(3, 7) \
+    UP(7, 1) ADD_4(5, 8) END(6) END_SIDES SIDES(18) PASS(62, 6) COLUMN(2, side) ADD_7(0, 2) \
+    UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(68, 6) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) \
+    UP(5, 2) CUT END(6) PASS(74, 6) RESUME ADD_7(0, 6) UP(6, 2) ADD_6(3, 7) UP(7, 2) ADD_4(5, 8) \
+    END(6) END_SIDES SIDES(15) PASS(98, 6) COLUMN(3, side) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) \
+    UP(4, 3) CUT END(6) PASS(104, 8) RESUME ADD_7(0, 5) UP(5, 3) ADD_7(3, 6) UP(6, 3) \
+    ADD_6(6, 7) UP(7, 3) CUT END(8) PASS(112, 1) RESUME ADD_4(0, 8) END(1) END_SIDES SIDES(12) \
+    PASS(128, 6) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT END(6) \
+    PASS(134, 6) RESUME ADD_7(0, 6) UP(6, 4) ADD_6(3, 7) UP(7, 4) ADD_4(5, 8) END(6) END_SIDES \
+    SIDES(9) PASS(152, 8) COLUMN(5, side) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_6(6, 7) \
+    UP(7, 5) CUT END(8) PASS(160, 1) RESUME ADD_4(0, 8) END(1) END_SIDES SIDES(6) PASS(170, 6) \
+    COLUMN(6, side) ADD_7(0, 6) UP(6, 6) ADD_6(3, 7) UP(7, 6) ADD_4(5, 8) END(6) END_SIDES \
+    PASS(182, 8) COLUMN(7, 0) ADD_6(0, 7) UP(7, 7) ADD_4(2, 8) COLUMN(7, 1) ADD_6(3, 7) UP(7, 7) \
+    ADD_4(5, 8) COLUMN(8, 0) ADD_4(6, 8) COLUMN(8, 1) ADD_4(7, 8) END(8)
 #else
 #define PLAN_1 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) END(7) \
@@ -261,45 +225,35 @@
     PASS(111, 1) COLUMN(7, 1) ADD_2(0, 7) END(1)
 #define PLAN_4 PASS(0, 8) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
-    ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) END(8) PASS(8, 7) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
-    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) END(7) PASS(15, 7) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
-    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) END(7) PASS(22, 7) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) END(7) PASS(29, 7) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) END(7) PASS(36, 12) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) \
-    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) \
-    ADD_4(5, 8) COLUMN(3, 1) ADD_4(6, 3) UP(3, 3) ADD_4(7, 4) UP(4, 3) ADD_4(8, 5) UP(5, 3) \
-    ADD_4(9, 6) UP(6, 3) ADD_4(10, 7) UP(7, 3) ADD_4(11, 8) END(12) PASS(48, 10) COLUMN(4, 0) \
-    ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) \
-    ADD_4(4, 8) COLUMN(4, 1) ADD_4(5, 4) UP(4, 4) ADD_4(6, 5) UP(5, 4) ADD_4(7, 6) UP(6, 4) \
-    ADD_4(8, 7) UP(7, 4) ADD_4(9, 8) END(10) PASS(58, 11) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
-    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) COLUMN(5, 1) ADD_4(4, 5) UP(5, 5) \
-    ADD_4(5, 6) UP(6, 5) ADD_4(6, 7) UP(7, 5) ADD_4(7, 8) COLUMN(6, 0) ADD_4(8, 6) UP(6, 6) \
-    ADD_4(9, 7) UP(7, 6) ADD_4(10, 8) END(11) PASS(69, 9) COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) \
-    ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) COLUMN(7, 0) ADD_4(3, 7) UP(7, 7) ADD_4(4, 8) COLUMN(7, 1) \
-    ADD_4(5, 7) UP(7, 7) ADD_4(6, 8) COLUMN(8, 0) ADD_4(7, 8) COLUMN(8, 1) ADD_4(8, 8) END(9)
+    ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) END(8) SIDES(7) PASS(8, 7) COLUMN(1, side) UP(1, 1) \
+    ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) \
+    ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) END(7) END_SIDES SIDES(7) PASS(22, 7) \
+    COLUMN(2, side) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) \
+    UP(5, 2) ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) END(7) END_SIDES PASS(36, 12) \
+    COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) \
+    UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) COLUMN(3, 1) ADD_4(6, 3) UP(3, 3) ADD_4(7, 4) \
+    UP(4, 3) ADD_4(8, 5) UP(5, 3) ADD_4(9, 6) UP(6, 3) ADD_4(10, 7) UP(7, 3) ADD_4(11, 8) \
+    END(12) PASS(48, 10) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) \
+    UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) COLUMN(4, 1) ADD_4(5, 4) UP(4, 4) ADD_4(6, 5) \
+    UP(5, 4) ADD_4(7, 6) UP(6, 4) ADD_4(8, 7) UP(7, 4) ADD_4(9, 8) END(10) PASS(58, 11) \
+    COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) \
+    COLUMN(5, 1) ADD_4(4, 5) UP(5, 5) ADD_4(5, 6) UP(6, 5) ADD_4(6, 7) UP(7, 5) ADD_4(7, 8) \
+    COLUMN(6, 0) ADD_4(8, 6) UP(6, 6) ADD_4(9, 7) UP(7, 6) ADD_4(10, 8) END(11) PASS(69, 9) \
+    COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) COLUMN(7, 0) ADD_4(3, 7) \
+    UP(7, 7) ADD_4(4, 8) COLUMN(7, 1) ADD_4(5, 7) UP(7, 7) ADD_4(6, 8) COLUMN(8, 0) ADD_4(7, 8) \
+    COLUMN(8, 1) ADD_4(8, 8) END(9)
 #define PLAN_5 PASS(0, 11) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) CUT END(11) \
-    PASS(11, 4) RESUME ADD_5(0, 6) UP(6, 0) ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) END(4) PASS(15, 12) \
-    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
-    UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) ADD_4(11, 7) UP(7, 1) CUT END(12) \
-    PASS(27, 1) RESUME ADD_4(0, 8) END(1) PASS(28, 12) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) \
-    ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) \
-    ADD_5(9, 6) UP(6, 1) ADD_4(11, 7) UP(7, 1) CUT END(12) PASS(40, 1) RESUME ADD_4(0, 8) END(1) \
-    PASS(41, 12) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
-    ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_4(10, 7) UP(7, 2) ADD_4(11, 8) END(12) \
-    PASS(53, 12) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
-    ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_4(10, 7) UP(7, 2) ADD_4(11, 8) END(12) \
-    PASS(65, 10) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
-    ADD_5(6, 6) UP(6, 3) ADD_4(8, 7) UP(7, 3) ADD_4(9, 8) END(10) PASS(75, 10) COLUMN(3, 1) \
-    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) \
-    ADD_4(8, 7) UP(7, 3) ADD_4(9, 8) END(10) PASS(85, 8) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) \
-    ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_4(6, 7) UP(7, 4) ADD_4(7, 8) END(8) \
-    PASS(93, 8) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) \
-    ADD_4(6, 7) UP(7, 4) ADD_4(7, 8) END(8) PASS(101, 12) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
+    PASS(11, 4) RESUME ADD_5(0, 6) UP(6, 0) ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) END(4) SIDES(13) \
+    PASS(15, 12) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) \
+    ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) ADD_4(11, 7) UP(7, 1) CUT \
+    END(12) PASS(27, 1) RESUME ADD_4(0, 8) END(1) END_SIDES SIDES(12) PASS(41, 12) \
+    COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) \
+    UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_4(10, 7) UP(7, 2) ADD_4(11, 8) END(12) END_SIDES SIDES(10) \
+    PASS(65, 10) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
+    ADD_5(6, 6) UP(6, 3) ADD_4(8, 7) UP(7, 3) ADD_4(9, 8) END(10) END_SIDES SIDES(8) PASS(85, 8) \
+    COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_4(6, 7) \
+    UP(7, 4) ADD_4(7, 8) END(8) END_SIDES PASS(101, 12) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
     ADD_5(2, 6) UP(6, 5) ADD_4(4, 7) UP(7, 5) ADD_4(5, 8) COLUMN(5, 1) ADD_5(6, 5) UP(5, 5) \
     ADD_5(8, 6) UP(6, 5) ADD_4(10, 7) UP(7, 5) ADD_4(11, 8) END(12) PASS(113, 12) COLUMN(6, 0) \
     ADD_5(0, 6) UP(6, 6) ADD_4(2, 7) UP(7, 6) ADD_4(3, 8) COLUMN(6, 1) ADD_5(4, 6) UP(6, 6) \
@@ -309,169 +263,112 @@
 #define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) CUT END(10) PASS(10, 12) RESUME ADD_7(0, 4) UP(4, 0) \
     ADD_7(3, 5) UP(5, 0) ADD_7(6, 6) UP(6, 0) ADD_6(9, 7) UP(7, 0) ADD_4(11, 8) END(12) \
-    PASS(22, 11) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) \
-    ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(33, 9) RESUME ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) \
-    UP(6, 1) ADD_6(6, 7) UP(7, 1) ADD_4(8, 8) END(9) PASS(42, 11) COLUMN(1, 1) ADD_3(0, 1) \
-    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) \
-    PASS(53, 9) RESUME ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) UP(6, 1) ADD_6(6, 7) UP(7, 1) \
-    ADD_4(8, 8) END(9) PASS(62, 12) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
-    ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(74, 6) RESUME ADD_7(0, 6) \
-    UP(6, 2) ADD_6(3, 7) UP(7, 2) ADD_4(5, 8) END(6) PASS(80, 12) COLUMN(2, 1) ADD_7(0, 2) \
-    UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) \
-    PASS(92, 6) RESUME ADD_7(0, 6) UP(6, 2) ADD_6(3, 7) UP(7, 2) ADD_4(5, 8) END(6) PASS(98, 12) \
-    COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) \
-    UP(6, 3) CUT END(12) PASS(110, 3) RESUME ADD_6(0, 7) UP(7, 3) ADD_4(2, 8) END(3) \
-    PASS(113, 12) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) \
-    ADD_7(9, 6) UP(6, 3) CUT END(12) PASS(125, 3) RESUME ADD_6(0, 7) UP(7, 3) ADD_4(2, 8) END(3) \
-    PASS(128, 12) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) \
-    ADD_6(9, 7) UP(7, 4) ADD_4(11, 8) END(12) PASS(140, 12) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) \
-    ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_6(9, 7) UP(7, 4) ADD_4(11, 8) END(12) \
-    PASS(152, 9) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_6(6, 7) UP(7, 5) \
-    ADD_4(8, 8) END(9) PASS(161, 9) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) \
-    ADD_6(6, 7) UP(7, 5) ADD_4(8, 8) END(9) PASS(170, 12) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) \
-    ADD_6(3, 7) UP(7, 6) ADD_4(5, 8) COLUMN(6, 1) ADD_7(6, 6) UP(6, 6) ADD_6(9, 7) UP(7, 6) \
-    ADD_4(11, 8) END(12) PASS(182, 8) COLUMN(7, 0) ADD_6(0, 7) UP(7, 7) ADD_4(2, 8) COLUMN(7, 1) \
-    ADD_6(3, 7) UP(7, 7) ADD_4(5, 8) COLUMN(8, 0) ADD_4(6, 8) COLUMN(8, 1) ADD_4(7, 8) END(8)
+    SIDES(20) PASS(22, 11) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) \
+    UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(33, 9) RESUME ADD_7(0, 5) UP(5, 1) \
+    ADD_7(3, 6) UP(6, 1) ADD_6(6, 7) UP(7, 1) ADD_4(8, 8) END(9) END_SIDES SIDES(18) \
+    PASS(62, 12) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) \
+    ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(74, 6) RESUME ADD_7(0, 6) UP(6, 2) ADD_6(3, 7) \
+    UP(7, 2) ADD_4(5, 8) END(6) END_SIDES SIDES(15) PASS(98, 12) COLUMN(3, side) ADD_7(0, 3) \
+    UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) CUT END(12) \
+    PASS(110, 3) RESUME ADD_6(0, 7) UP(7, 3) ADD_4(2, 8) END(3) END_SIDES SIDES(12) \
+    PASS(128, 12) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) \
+    ADD_6(9, 7) UP(7, 4) ADD_4(11, 8) END(12) END_SIDES SIDES(9) PASS(152, 9) COLUMN(5, side) \
+    ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_6(6, 7) UP(7, 5) ADD_4(8, 8) END(9) END_SIDES \
+    PASS(170, 12) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) ADD_6(3, 7) UP(7, 6) ADD_4(5, 8) \
+    COLUMN(6, 1) ADD_7(6, 6) UP(6, 6) ADD_6(9, 7) UP(7, 6) ADD_4(11, 8) END(12) PASS(182, 8) \
+    COLUMN(7, 0) ADD_6(0, 7) UP(7, 7) ADD_4(2, 8) COLUMN(7, 1) ADD_6(3, 7) UP(7, 7) ADD_4(5, 8) \
+    COLUMN(8, 0) ADD_4(6, 8) COLUMN(8, 1) ADD_4(7, 8) END(8)
 #define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) CUT END(4) PASS(4, 3) RESUME ADD_1(0, 4) UP(4, 0) ADD_1(1, 5) \
-    UP(5, 0) ADD_1(2, 6) END(3) PASS(7, 4) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
-    UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(11, 2) RESUME ADD_1(0, 5) \
-    UP(5, 1) ADD_1(1, 6) END(2) PASS(13, 4) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
-    UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(17, 2) RESUME ADD_1(0, 5) \
-    UP(5, 1) ADD_1(1, 6) END(2) PASS(19, 4) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) \
-    UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(23, 1) RESUME ADD_1(0, 6) \
-    END(1) PASS(24, 4) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) \
-    UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(28, 1) RESUME ADD_1(0, 6) END(1) PASS(29, 4) \
-    COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) \
-    END(4) PASS(33, 4) COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) \
-    UP(5, 3) ADD_1(3, 6) END(4) PASS(37, 3) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) \
-    UP(5, 4) ADD_1(2, 6) END(3) PASS(40, 3) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) \
-    UP(5, 4) ADD_1(2, 6) END(3) PASS(43, 4) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) \
-    COLUMN(5, 1) ADD_1(2, 5) UP(5, 5) ADD_1(3, 6) END(4) PASS(47, 2) COLUMN(6, 0) ADD_1(0, 6) \
-    COLUMN(6, 1) ADD_1(1, 6) END(2)
+    UP(5, 0) ADD_1(2, 6) END(3) SIDES(6) PASS(7, 4) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) \
+    ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(11, 2) RESUME \
+    ADD_1(0, 5) UP(5, 1) ADD_1(1, 6) END(2) END_SIDES SIDES(5) PASS(19, 4) COLUMN(2, side) \
+    ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT \
+    END(4) PASS(23, 1) RESUME ADD_1(0, 6) END(1) END_SIDES SIDES(4) PASS(29, 4) COLUMN(3, side) \
+    ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) END(4) END_SIDES \
+    SIDES(3) PASS(37, 3) COLUMN(4, side) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) \
+    END(3) END_SIDES PASS(43, 4) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) COLUMN(5, 1) \
+    ADD_1(2, 5) UP(5, 5) ADD_1(3, 6) END(4) PASS(47, 2) COLUMN(6, 0) ADD_1(0, 6) COLUMN(6, 1) \
+    ADD_1(1, 6) END(2)
 #define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_3(0, 2) UP(2, 0) ADD_3(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
     ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) UP(5, 0) CUT END(4) PASS(11, 3) RESUME ADD_3(0, 6) UP(6, 0) \
-    ADD_2(2, 7) END(3) PASS(14, 4) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT \
-    END(4) PASS(18, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(22, 4) \
-    RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) CUT END(4) PASS(26, 1) RESUME ADD_2(0, 7) \
-    END(1) PASS(27, 4) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) \
-    PASS(31, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(35, 4) RESUME \
-    ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) CUT END(4) PASS(39, 1) RESUME ADD_2(0, 7) END(1) \
-    PASS(40, 4) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(44, 4) \
-    RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(48, 3) RESUME ADD_3(0, 6) \
-    UP(6, 2) ADD_2(2, 7) END(3) PASS(51, 4) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) \
-    UP(3, 2) CUT END(4) PASS(55, 4) RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) \
-    PASS(59, 3) RESUME ADD_3(0, 6) UP(6, 2) ADD_2(2, 7) END(3) PASS(62, 4) COLUMN(3, 0) \
-    ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(66, 4) RESUME ADD_3(0, 5) UP(5, 3) \
-    ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(70, 1) RESUME ADD_2(0, 7) END(1) PASS(71, 4) \
-    COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(75, 4) RESUME \
-    ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(79, 1) RESUME ADD_2(0, 7) END(1) \
-    PASS(80, 4) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(84, 3) \
-    RESUME ADD_3(0, 6) UP(6, 4) ADD_2(2, 7) END(3) PASS(87, 4) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) \
-    ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(91, 3) RESUME ADD_3(0, 6) UP(6, 4) ADD_2(2, 7) END(3) \
-    PASS(94, 4) COLUMN(5, 0) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) CUT END(4) PASS(98, 1) \
-    RESUME ADD_2(0, 7) END(1) PASS(99, 4) COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) \
-    CUT END(4) PASS(103, 4) RESUME ADD_2(0, 7) COLUMN(6, 0) ADD_3(1, 6) UP(6, 6) ADD_2(3, 7) \
-    END(4) PASS(107, 4) COLUMN(6, 1) ADD_3(0, 6) UP(6, 6) ADD_2(2, 7) COLUMN(7, 0) ADD_2(3, 7) \
-    END(4) PASS(111, 1) COLUMN(7, 1) ADD_2(0, 7) END(1)
+    ADD_2(2, 7) END(3) SIDES(13) PASS(14, 4) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
+    UP(2, 1) CUT END(4) PASS(18, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) \
+    PASS(22, 4) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) CUT END(4) PASS(26, 1) RESUME \
+    ADD_2(0, 7) END(1) END_SIDES SIDES(11) PASS(40, 4) COLUMN(2, side) ADD_3(0, 2) UP(2, 2) \
+    ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(44, 4) RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) \
+    CUT END(4) PASS(48, 3) RESUME ADD_3(0, 6) UP(6, 2) ADD_2(2, 7) END(3) END_SIDES SIDES(9) \
+    PASS(62, 4) COLUMN(3, side) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(66, 4) \
+    RESUME ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(70, 1) RESUME ADD_2(0, 7) \
+    END(1) END_SIDES SIDES(7) PASS(80, 4) COLUMN(4, side) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) \
+    UP(5, 4) CUT END(4) PASS(84, 3) RESUME ADD_3(0, 6) UP(6, 4) ADD_2(2, 7) END(3) END_SIDES \
+    SIDES(5) PASS(94, 4) COLUMN(5, side) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) CUT END(4) \
+    PASS(98, 1) RESUME ADD_2(0, 7) END(1) END_SIDES SIDES(3) PASS(104, 3) COLUMN(6, side) \
+    ADD_3(0, 6) UP(6, 6) ADD_2(2, 7) END(3) END_SIDES PASS(110, 2) COLUMN(7, 0) ADD_2(0, 7) \
+    COLUMN(7, 1) ADD_2(1, 7) END(2)
 #define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) CUT END(4) PASS(4, 4) RESUME ADD_4(0, 5) UP(5, 0) \
-    ADD_4(1, 6) UP(6, 0) ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) END(4) PASS(8, 4) COLUMN(1, 0) \
-    UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) \
-    CUT END(4) PASS(12, 3) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) UP(7, 1) ADD_4(2, 8) END(3) \
-    PASS(15, 4) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
-    UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(19, 3) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) \
-    UP(7, 1) ADD_4(2, 8) END(3) PASS(22, 4) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) \
-    UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(26, 3) RESUME ADD_4(0, 6) \
-    UP(6, 2) ADD_4(1, 7) UP(7, 2) ADD_4(2, 8) END(3) PASS(29, 4) COLUMN(2, 1) ADD_4(0, 2) \
-    UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT END(4) \
-    PASS(33, 3) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) UP(7, 2) ADD_4(2, 8) END(3) PASS(36, 4) \
-    COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) \
-    UP(6, 3) CUT END(4) PASS(40, 2) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) END(2) PASS(42, 4) \
-    COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) \
-    UP(6, 3) CUT END(4) PASS(46, 2) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) END(2) PASS(48, 4) \
-    COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) \
-    UP(7, 4) CUT END(4) PASS(52, 1) RESUME ADD_4(0, 8) END(1) PASS(53, 4) COLUMN(4, 1) \
-    ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) CUT \
-    END(4) PASS(57, 1) RESUME ADD_4(0, 8) END(1) PASS(58, 4) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
-    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) END(4) PASS(62, 4) COLUMN(5, 1) \
-    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) END(4) \
-    PASS(66, 3) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) END(3) \
-    PASS(69, 3) COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) END(3) \
-    PASS(72, 4) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) COLUMN(7, 1) ADD_4(2, 7) UP(7, 7) \
-    ADD_4(3, 8) END(4) PASS(76, 2) COLUMN(8, 0) ADD_4(0, 8) COLUMN(8, 1) ADD_4(1, 8) END(2)
+    ADD_4(1, 6) UP(6, 0) ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) END(4) SIDES(7) PASS(8, 4) \
+    COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) \
+    ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(12, 3) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) UP(7, 1) \
+    ADD_4(2, 8) END(3) END_SIDES SIDES(7) PASS(22, 4) COLUMN(2, side) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(26, 3) RESUME \
+    ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) UP(7, 2) ADD_4(2, 8) END(3) END_SIDES SIDES(6) PASS(36, 4) \
+    COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) \
+    UP(6, 3) CUT END(4) PASS(40, 2) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) END(2) END_SIDES \
+    SIDES(5) PASS(48, 4) COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) \
+    UP(6, 4) ADD_4(3, 7) UP(7, 4) CUT END(4) PASS(52, 1) RESUME ADD_4(0, 8) END(1) END_SIDES \
+    SIDES(4) PASS(58, 4) COLUMN(5, side) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) \
+    UP(7, 5) ADD_4(3, 8) END(4) END_SIDES SIDES(3) PASS(66, 3) COLUMN(6, side) ADD_4(0, 6) \
+    UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) END(3) END_SIDES PASS(72, 4) COLUMN(7, 0) \
+    ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) COLUMN(7, 1) ADD_4(2, 7) UP(7, 7) ADD_4(3, 8) END(4) \
+    PASS(76, 2) COLUMN(8, 0) ADD_4(0, 8) COLUMN(8, 1) ADD_4(1, 8) END(2)
 #define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_5(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
     ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) UP(5, 0) CUT END(4) PASS(11, 4) RESUME ADD_5(0, 6) UP(6, 0) \
-    ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) END(4) PASS(15, 3) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) \
-    ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(18, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) \
-    CUT END(4) PASS(22, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) \
-    PASS(26, 2) RESUME ADD_4(0, 7) UP(7, 1) ADD_4(1, 8) END(2) PASS(28, 3) COLUMN(1, 1) \
-    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(31, 4) RESUME ADD_5(0, 3) UP(3, 1) \
-    ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(35, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) \
-    CUT END(4) PASS(39, 2) RESUME ADD_4(0, 7) UP(7, 1) ADD_4(1, 8) END(2) PASS(41, 4) \
-    COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(45, 4) RESUME \
+    ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) END(4) SIDES(13) PASS(15, 3) COLUMN(1, side) ADD_1(0, 1) \
+    UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(18, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) \
+    UP(4, 1) CUT END(4) PASS(22, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) \
+    PASS(26, 2) RESUME ADD_4(0, 7) UP(7, 1) ADD_4(1, 8) END(2) END_SIDES SIDES(12) PASS(41, 4) \
+    COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(45, 4) RESUME \
     ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) CUT END(4) PASS(49, 4) RESUME ADD_5(0, 6) UP(6, 2) \
-    ADD_4(2, 7) UP(7, 2) ADD_4(3, 8) END(4) PASS(53, 4) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) \
-    ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(57, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) \
-    CUT END(4) PASS(61, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_4(2, 7) UP(7, 2) ADD_4(3, 8) END(4) \
-    PASS(65, 4) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(69, 4) \
-    RESUME ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) PASS(73, 2) RESUME ADD_4(0, 7) \
-    UP(7, 3) ADD_4(1, 8) END(2) PASS(75, 4) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) \
-    UP(4, 3) CUT END(4) PASS(79, 4) RESUME ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) \
-    PASS(83, 2) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) END(2) PASS(85, 4) COLUMN(4, 0) \
-    ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(89, 4) RESUME ADD_5(0, 6) UP(6, 4) \
-    ADD_4(2, 7) UP(7, 4) ADD_4(3, 8) END(4) PASS(93, 4) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) \
-    ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(97, 4) RESUME ADD_5(0, 6) UP(6, 4) ADD_4(2, 7) UP(7, 4) \
-    ADD_4(3, 8) END(4) PASS(101, 4) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT \
-    END(4) PASS(105, 2) RESUME ADD_4(0, 7) UP(7, 5) ADD_4(1, 8) END(2) PASS(107, 4) COLUMN(5, 1) \
-    ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT END(4) PASS(111, 2) RESUME ADD_4(0, 7) \
-    UP(7, 5) ADD_4(1, 8) END(2) PASS(113, 4) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_4(2, 7) \
-    UP(7, 6) ADD_4(3, 8) END(4) PASS(117, 4) COLUMN(6, 1) ADD_5(0, 6) UP(6, 6) ADD_4(2, 7) \
-    UP(7, 6) ADD_4(3, 8) END(4) PASS(121, 4) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) \
-    COLUMN(7, 1) ADD_4(2, 7) UP(7, 7) ADD_4(3, 8) END(4) PASS(125, 2) COLUMN(8, 0) ADD_4(0, 8) \
-    COLUMN(8, 1) ADD_4(1, 8) END(2)
+    ADD_4(2, 7) UP(7, 2) ADD_4(3, 8) END(4) END_SIDES SIDES(10) PASS(65, 4) COLUMN(3, side) \
+    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(69, 4) RESUME ADD_5(0, 5) UP(5, 3) \
+    ADD_5(2, 6) UP(6, 3) CUT END(4) PASS(73, 2) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) END(2) \
+    END_SIDES SIDES(8) PASS(85, 4) COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) CUT \
+    END(4) PASS(89, 4) RESUME ADD_5(0, 6) UP(6, 4) ADD_4(2, 7) UP(7, 4) ADD_4(3, 8) END(4) \
+    END_SIDES SIDES(6) PASS(101, 4) COLUMN(5, side) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) \
+    CUT END(4) PASS(105, 2) RESUME ADD_4(0, 7) UP(7, 5) ADD_4(1, 8) END(2) END_SIDES SIDES(4) \
+    PASS(113, 4) COLUMN(6, side) ADD_5(0, 6) UP(6, 6) ADD_4(2, 7) UP(7, 6) ADD_4(3, 8) END(4) \
+    END_SIDES PASS(121, 4) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) COLUMN(7, 1) \
+    ADD_4(2, 7) UP(7, 7) ADD_4(3, 8) END(4) PASS(125, 2) COLUMN(8, 0) ADD_4(0, 8) COLUMN(8, 1) \
+    ADD_4(1, 8) END(2)
 #define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
     PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_7(0, 3) UP(3, 0) CUT \
     END(3) PASS(10, 3) RESUME ADD_7(0, 4) UP(4, 0) CUT END(3) PASS(13, 3) RESUME ADD_7(0, 5) \
     UP(5, 0) CUT END(3) PASS(16, 3) RESUME ADD_7(0, 6) UP(6, 0) CUT END(3) PASS(19, 3) RESUME \
-    ADD_6(0, 7) UP(7, 0) ADD_4(2, 8) END(3) PASS(22, 2) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) CUT \
-    END(2) PASS(24, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(27, 3) RESUME ADD_7(0, 3) \
-    UP(3, 1) CUT END(3) PASS(30, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(33, 3) RESUME \
-    ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(36, 3) RESUME ADD_7(0, 6) UP(6, 1) CUT END(3) \
-    PASS(39, 3) RESUME ADD_6(0, 7) UP(7, 1) ADD_4(2, 8) END(3) PASS(42, 2) COLUMN(1, 1) \
-    ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(44, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) \
-    PASS(47, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(50, 3) RESUME ADD_7(0, 4) UP(4, 1) \
-    CUT END(3) PASS(53, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(56, 3) RESUME ADD_7(0, 6) \
-    UP(6, 1) CUT END(3) PASS(59, 3) RESUME ADD_6(0, 7) UP(7, 1) ADD_4(2, 8) END(3) PASS(62, 3) \
-    COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(65, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT \
-    END(3) PASS(68, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(71, 3) RESUME ADD_7(0, 5) \
-    UP(5, 2) CUT END(3) PASS(74, 3) RESUME ADD_7(0, 6) UP(6, 2) CUT END(3) PASS(77, 3) RESUME \
-    ADD_6(0, 7) UP(7, 2) ADD_4(2, 8) END(3) PASS(80, 3) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) CUT \
-    END(3) PASS(83, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) PASS(86, 3) RESUME ADD_7(0, 4) \
-    UP(4, 2) CUT END(3) PASS(89, 3) RESUME ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(92, 3) RESUME \
-    ADD_7(0, 6) UP(6, 2) CUT END(3) PASS(95, 3) RESUME ADD_6(0, 7) UP(7, 2) ADD_4(2, 8) END(3) \
-    PASS(98, 3) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(101, 3) RESUME ADD_7(0, 4) \
-    UP(4, 3) CUT END(3) PASS(104, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(107, 3) RESUME \
-    ADD_7(0, 6) UP(6, 3) CUT END(3) PASS(110, 3) RESUME ADD_6(0, 7) UP(7, 3) ADD_4(2, 8) END(3) \
-    PASS(113, 3) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(116, 3) RESUME ADD_7(0, 4) \
-    UP(4, 3) CUT END(3) PASS(119, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(122, 3) RESUME \
-    ADD_7(0, 6) UP(6, 3) CUT END(3) PASS(125, 3) RESUME ADD_6(0, 7) UP(7, 3) ADD_4(2, 8) END(3) \
-    PASS(128, 3) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(131, 3) RESUME ADD_7(0, 5) \
-    UP(5, 4) CUT END(3) PASS(134, 3) RESUME ADD_7(0, 6) UP(6, 4) CUT END(3) PASS(137, 3) RESUME \
-    ADD_6(0, 7) UP(7, 4) ADD_4(2, 8) END(3) PASS(140, 3) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) CUT \
-    END(3) PASS(143, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT END(3) PASS(146, 3) RESUME ADD_7(0, 6) \
-    UP(6, 4) CUT END(3) PASS(149, 3) RESUME ADD_6(0, 7) UP(7, 4) ADD_4(2, 8) END(3) PASS(152, 3) \
-    COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(155, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT \
-    END(3) PASS(158, 3) RESUME ADD_6(0, 7) UP(7, 5) ADD_4(2, 8) END(3) PASS(161, 3) COLUMN(5, 1) \
-    ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(164, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT END(3) \
-    PASS(167, 3) RESUME ADD_6(0, 7) UP(7, 5) ADD_4(2, 8) END(3) PASS(170, 3) COLUMN(6, 0) \
-    ADD_7(0, 6) UP(6, 6) CUT END(3) PASS(173, 3) RESUME ADD_6(0, 7) UP(7, 6) ADD_4(2, 8) END(3) \
-    PASS(176, 3) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) CUT END(3) PASS(179, 3) RESUME ADD_6(0, 7) \
-    UP(7, 6) ADD_4(2, 8) END(3) PASS(182, 3) COLUMN(7, 0) ADD_6(0, 7) UP(7, 7) ADD_4(2, 8) \
-    END(3) PASS(185, 4) COLUMN(7, 1) ADD_6(0, 7) UP(7, 7) ADD_4(2, 8) COLUMN(8, 0) ADD_4(3, 8) \
-    END(4) PASS(189, 1) COLUMN(8, 1) ADD_4(0, 8) END(1)
+    ADD_6(0, 7) UP(7, 0) ADD_4(2, 8) END(3) SIDES(20) PASS(22, 2) COLUMN(1, side) ADD_3(0, 1) \
+    UP(1, 1) CUT END(2) PASS(24, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(27, 3) RESUME \
+    ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(30, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) \
+    PASS(33, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(36, 3) RESUME ADD_7(0, 6) UP(6, 1) \
+    CUT END(3) PASS(39, 3) RESUME ADD_6(0, 7) UP(7, 1) ADD_4(2, 8) END(3) END_SIDES SIDES(18) \
+    PASS(62, 3) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(65, 3) RESUME ADD_7(0, 3) \
+    UP(3, 2) CUT END(3) PASS(68, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(71, 3) RESUME \
+    ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(74, 3) RESUME ADD_7(0, 6) UP(6, 2) CUT END(3) \
+    PASS(77, 3) RESUME ADD_6(0, 7) UP(7, 2) ADD_4(2, 8) END(3) END_SIDES SIDES(15) PASS(98, 3) \
+    COLUMN(3, side) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(101, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT \
+    END(3) PASS(104, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(107, 3) RESUME ADD_7(0, 6) \
+    UP(6, 3) CUT END(3) PASS(110, 3) RESUME ADD_6(0, 7) UP(7, 3) ADD_4(2, 8) END(3) END_SIDES \
+    SIDES(12) PASS(128, 3) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(131, 3) RESUME \
+    ADD_7(0, 5) UP(5, 4) CUT END(3) PASS(134, 3) RESUME ADD_7(0, 6) UP(6, 4) CUT END(3) \
+    PASS(137, 3) RESUME ADD_6(0, 7) UP(7, 4) ADD_4(2, 8) END(3) END_SIDES SIDES(9) PASS(152, 3) \
+    COLUMN(5, side) ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(155, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT \
+    END(3) PASS(158, 3) RESUME ADD_6(0, 7) UP(7, 5) ADD_4(2, 8) END(3) END_SIDES SIDES(6) \
+    PASS(170, 3) COLUMN(6, side) ADD_7(0, 6) UP(6, 6) CUT END(3) PASS(173, 3) RESUME ADD_6(0, 7) \
+    UP(7, 6) ADD_4(2, 8) END(3) END_SIDES SIDES(3) PASS(182, 3) COLUMN(7, side) ADD_6(0, 7) \
+    UP(7, 7) ADD_4(2, 8) END(3) END_SIDES PASS(188, 2) COLUMN(8, 0) ADD_4(0, 8) COLUMN(8, 1) \
+    ADD_4(1, 8) END(2)
 #endif
 #define KERNEL_NAME YLM_REAL_KERNEL(ylm__moments_6)
 #endif

@@ -78,32 +78,28 @@
     ADD_4(8, 8) UP(8, 8) ADD_4(9, 9) COLUMN(9, 0) ADD_4(10, 9) COLUMN(9, 1) ADD_4(11, 9) END(12)
 #define PLAN_5 PASS(0, 17) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) ADD_5(11, 6) \
-    UP(6, 0) ADD_5(13, 7) UP(7, 0) ADD_4(15, 8) UP(8, 0) ADD_4(16, 9) END(17) PASS(17, 15) \
-    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
-    UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) ADD_5(11, 7) UP(7, 1) ADD_4(13, 8) \
-    UP(8, 1) ADD_4(14, 9) END(15) PASS(32, 15) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
-    UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) \
-    ADD_5(11, 7) UP(7, 1) ADD_4(13, 8) UP(8, 1) ADD_4(14, 9) END(15) PASS(47, 14) COLUMN(2, 0) \
+    UP(6, 0) ADD_5(13, 7) UP(7, 0) ADD_4(15, 8) UP(8, 0) ADD_4(16, 9) END(17) SIDES(15) \
+    PASS(17, 15) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) \
+    ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) ADD_5(11, 7) UP(7, 1) \
+    ADD_4(13, 8) UP(8, 1) ADD_4(14, 9) END(15) END_SIDES SIDES(14) PASS(47, 14) COLUMN(2, side) \
     ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) \
     ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) ADD_4(12, 8) UP(8, 2) ADD_4(13, 9) END(14) \
-    PASS(61, 14) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
-    ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) ADD_4(12, 8) UP(8, 2) \
-    ADD_4(13, 9) END(14) PASS(75, 24) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) \
-    ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_4(10, 8) UP(8, 3) \
-    ADD_4(11, 9) COLUMN(3, 1) ADD_5(12, 3) UP(3, 3) ADD_5(14, 4) UP(4, 3) ADD_5(16, 5) UP(5, 3) \
-    ADD_5(18, 6) UP(6, 3) ADD_5(20, 7) UP(7, 3) ADD_4(22, 8) UP(8, 3) ADD_4(23, 9) END(24) \
-    PASS(99, 20) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) \
-    ADD_5(6, 7) UP(7, 4) ADD_4(8, 8) UP(8, 4) ADD_4(9, 9) COLUMN(4, 1) ADD_5(10, 4) UP(4, 4) \
-    ADD_5(12, 5) UP(5, 4) ADD_5(14, 6) UP(6, 4) ADD_5(16, 7) UP(7, 4) ADD_4(18, 8) UP(8, 4) \
-    ADD_4(19, 9) END(20) PASS(119, 22) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) \
-    ADD_5(4, 7) UP(7, 5) ADD_4(6, 8) UP(8, 5) ADD_4(7, 9) COLUMN(5, 1) ADD_5(8, 5) UP(5, 5) \
-    ADD_5(10, 6) UP(6, 5) ADD_5(12, 7) UP(7, 5) ADD_4(14, 8) UP(8, 5) ADD_4(15, 9) COLUMN(6, 0) \
-    ADD_5(16, 6) UP(6, 6) ADD_5(18, 7) UP(7, 6) ADD_4(20, 8) UP(8, 6) ADD_4(21, 9) END(22) \
-    PASS(141, 20) COLUMN(6, 1) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_4(4, 8) UP(8, 6) \
-    ADD_4(5, 9) COLUMN(7, 0) ADD_5(6, 7) UP(7, 7) ADD_4(8, 8) UP(8, 7) ADD_4(9, 9) COLUMN(7, 1) \
-    ADD_5(10, 7) UP(7, 7) ADD_4(12, 8) UP(8, 7) ADD_4(13, 9) COLUMN(8, 0) ADD_4(14, 8) UP(8, 8) \
-    ADD_4(15, 9) COLUMN(8, 1) ADD_4(16, 8) UP(8, 8) ADD_4(17, 9) COLUMN(9, 0) ADD_4(18, 9) \
-    COLUMN(9, 1) ADD_4(19, 9) END(20)
+    END_SIDES PASS(75, 24) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) \
+    UP(5, 3) ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_4(10, 8) UP(8, 3) ADD_4(11, 9) \
+    COLUMN(3, 1) ADD_5(12, 3) UP(3, 3) ADD_5(14, 4) UP(4, 3) ADD_5(16, 5) UP(5, 3) ADD_5(18, 6) \
+    UP(6, 3) ADD_5(20, 7) UP(7, 3) ADD_4(22, 8) UP(8, 3) ADD_4(23, 9) END(24) PASS(99, 20) \
+    COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) \
+    UP(7, 4) ADD_4(8, 8) UP(8, 4) ADD_4(9, 9) COLUMN(4, 1) ADD_5(10, 4) UP(4, 4) ADD_5(12, 5) \
+    UP(5, 4) ADD_5(14, 6) UP(6, 4) ADD_5(16, 7) UP(7, 4) ADD_4(18, 8) UP(8, 4) ADD_4(19, 9) \
+    END(20) PASS(119, 22) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) \
+    UP(7, 5) ADD_4(6, 8) UP(8, 5) ADD_4(7, 9) COLUMN(5, 1) ADD_5(8, 5) UP(5, 5) ADD_5(10, 6) \
+    UP(6, 5) ADD_5(12, 7) UP(7, 5) ADD_4(14, 8) UP(8, 5) ADD_4(15, 9) COLUMN(6, 0) ADD_5(16, 6) \
+    UP(6, 6) ADD_5(18, 7) UP(7, 6) ADD_4(20, 8) UP(8, 6) ADD_4(21, 9) END(22) PASS(141, 20) \
+    COLUMN(6, 1) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_4(4, 8) UP(8, 6) ADD_4(5, 9) \
+    COLUMN(7, 0) ADD_5(6, 7) UP(7, 7) ADD_4(8, 8) UP(8, 7) ADD_4(9, 9) COLUMN(7, 1) ADD_5(10, 7) \
+    UP(7, 7) ADD_4(12, 8) UP(8, 7) ADD_4(13, 9) COLUMN(8, 0) ADD_4(14, 8) UP(8, 8) ADD_4(15, 9) \
+    COLUMN(8, 1) ADD_4(16, 8) UP(8, 8) ADD_4(17, 9) COLUMN(9, 0) ADD_4(18, 9) COLUMN(9, 1) \
+    ADD_4(19, 9) END(20)
 #define PLAN_7 PASS(0, 24) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_7(10, 4) UP(4, 0) ADD_7(13, 5) UP(5, 0) ADD_7(16, 6) \
     UP(6, 0) ADD_7(19, 7) UP(7, 0) ADD_6(22, 8) UP(8, 0) CUT END(24) PASS(24, 24) RESUME \
@@ -135,168 +131,117 @@
     COLUMN(9, 1) ADD_4(13, 9) END(14)
 #define PLAN_RGB_1 PASS(0, 8) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) UP(6, 0) \
-    ADD_1(7, 7) END(8) PASS(8, 7) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) \
-    ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) \
-    ADD_1(6, 7) END(7) PASS(15, 7) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) \
-    ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) \
-    ADD_1(6, 7) END(7) PASS(22, 6) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
-    ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) END(6) \
-    PASS(28, 6) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
-    ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) END(6) PASS(34, 5) COLUMN(3, 0) \
-    ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) \
-    ADD_1(4, 7) END(5) PASS(39, 5) COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) \
-    ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) END(5) PASS(44, 8) COLUMN(4, 0) \
-    ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) COLUMN(4, 1) \
-    ADD_1(4, 4) UP(4, 4) ADD_1(5, 5) UP(5, 4) ADD_1(6, 6) UP(6, 4) ADD_1(7, 7) END(8) \
-    PASS(52, 8) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) COLUMN(5, 1) \
-    ADD_1(3, 5) UP(5, 5) ADD_1(4, 6) UP(6, 5) ADD_1(5, 7) COLUMN(6, 0) ADD_1(6, 6) UP(6, 6) \
-    ADD_1(7, 7) END(8) PASS(60, 4) COLUMN(6, 1) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) COLUMN(7, 0) \
-    ADD_1(2, 7) COLUMN(7, 1) ADD_1(3, 7) END(4)
+    ADD_1(7, 7) END(8) SIDES(7) PASS(8, 7) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
+    UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) \
+    ADD_1(6, 7) END(7) END_SIDES SIDES(6) PASS(22, 6) COLUMN(2, side) ADD_1(0, 2) UP(2, 2) \
+    ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) \
+    ADD_1(5, 7) END(6) END_SIDES SIDES(5) PASS(34, 5) COLUMN(3, side) ADD_1(0, 3) UP(3, 3) \
+    ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) END(5) END_SIDES \
+    PASS(44, 8) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) \
+    ADD_1(3, 7) COLUMN(4, 1) ADD_1(4, 4) UP(4, 4) ADD_1(5, 5) UP(5, 4) ADD_1(6, 6) UP(6, 4) \
+    ADD_1(7, 7) END(8) PASS(52, 8) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) \
+    ADD_1(2, 7) COLUMN(5, 1) ADD_1(3, 5) UP(5, 5) ADD_1(4, 6) UP(6, 5) ADD_1(5, 7) COLUMN(6, 0) \
+    ADD_1(6, 6) UP(6, 6) ADD_1(7, 7) END(8) PASS(60, 4) COLUMN(6, 1) ADD_1(0, 6) UP(6, 6) \
+    ADD_1(1, 7) COLUMN(7, 0) ADD_1(2, 7) COLUMN(7, 1) ADD_1(3, 7) END(4)
 #define PLAN_RGB_3 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
     UP(2, 0) ADD_3(5, 3) UP(3, 0) CUT END(7) PASS(7, 8) RESUME ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) \
     UP(5, 0) ADD_3(4, 6) UP(6, 0) ADD_3(6, 7) UP(7, 0) CUT END(8) PASS(15, 1) RESUME ADD_2(0, 8) \
-    END(1) PASS(16, 8) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) \
-    UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT END(8) PASS(24, 7) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) \
-    UP(6, 1) ADD_3(4, 7) UP(7, 1) ADD_2(6, 8) END(7) PASS(31, 8) COLUMN(1, 1) ADD_3(0, 1) \
-    UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT END(8) \
-    PASS(39, 7) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) ADD_3(4, 7) UP(7, 1) \
-    ADD_2(6, 8) END(7) PASS(46, 8) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) \
-    ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) CUT END(8) PASS(54, 5) RESUME ADD_3(0, 6) UP(6, 2) \
-    ADD_3(2, 7) UP(7, 2) ADD_2(4, 8) END(5) PASS(59, 8) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) \
-    ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) CUT END(8) PASS(67, 5) RESUME \
-    ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) ADD_2(4, 8) END(5) PASS(72, 8) COLUMN(3, 0) \
-    ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) CUT \
-    END(8) PASS(80, 3) RESUME ADD_3(0, 7) UP(7, 3) ADD_2(2, 8) END(3) PASS(83, 8) COLUMN(3, 1) \
-    ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) CUT \
-    END(8) PASS(91, 3) RESUME ADD_3(0, 7) UP(7, 3) ADD_2(2, 8) END(3) PASS(94, 8) COLUMN(4, 0) \
-    ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) UP(7, 4) CUT \
-    END(8) PASS(102, 1) RESUME ADD_2(0, 8) END(1) PASS(103, 8) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) \
-    ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) UP(7, 4) CUT END(8) PASS(111, 8) \
-    RESUME ADD_2(0, 8) COLUMN(5, 0) ADD_3(1, 5) UP(5, 5) ADD_3(3, 6) UP(6, 5) ADD_3(5, 7) \
-    UP(7, 5) ADD_2(7, 8) END(8) PASS(119, 7) COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) \
-    UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_2(6, 8) END(7) PASS(126, 5) COLUMN(6, 0) ADD_3(0, 6) \
-    UP(6, 6) ADD_3(2, 7) UP(7, 6) ADD_2(4, 8) END(5) PASS(131, 8) COLUMN(6, 1) ADD_3(0, 6) \
-    UP(6, 6) ADD_3(2, 7) UP(7, 6) ADD_2(4, 8) COLUMN(7, 0) ADD_3(5, 7) UP(7, 7) ADD_2(7, 8) \
-    END(8) PASS(139, 5) COLUMN(7, 1) ADD_3(0, 7) UP(7, 7) ADD_2(2, 8) COLUMN(8, 0) ADD_2(3, 8) \
-    COLUMN(8, 1) ADD_2(4, 8) END(5)
+    END(1) SIDES(15) PASS(16, 8) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) \
+    ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT END(8) PASS(24, 7) RESUME ADD_3(0, 5) UP(5, 1) \
+    ADD_3(2, 6) UP(6, 1) ADD_3(4, 7) UP(7, 1) ADD_2(6, 8) END(7) END_SIDES SIDES(13) PASS(46, 8) \
+    COLUMN(2, side) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) \
+    UP(5, 2) CUT END(8) PASS(54, 5) RESUME ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) ADD_2(4, 8) \
+    END(5) END_SIDES SIDES(11) PASS(72, 8) COLUMN(3, side) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) \
+    UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) CUT END(8) PASS(80, 3) RESUME ADD_3(0, 7) \
+    UP(7, 3) ADD_2(2, 8) END(3) END_SIDES SIDES(9) PASS(94, 8) COLUMN(4, side) ADD_3(0, 4) \
+    UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) UP(7, 4) CUT END(8) \
+    PASS(102, 1) RESUME ADD_2(0, 8) END(1) END_SIDES SIDES(7) PASS(112, 7) COLUMN(5, side) \
+    ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_2(6, 8) END(7) END_SIDES \
+    SIDES(5) PASS(126, 5) COLUMN(6, side) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) ADD_2(4, 8) \
+    END(5) END_SIDES PASS(136, 8) COLUMN(7, 0) ADD_3(0, 7) UP(7, 7) ADD_2(2, 8) COLUMN(7, 1) \
+    ADD_3(3, 7) UP(7, 7) ADD_2(5, 8) COLUMN(8, 0) ADD_2(6, 8) COLUMN(8, 1) ADD_2(7, 8) END(8)
 #define PLAN_RGB_4 PASS(0, 8) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
     ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) UP(8, 0) CUT END(8) PASS(8, 1) RESUME ADD_4(0, 9) END(1) \
-    PASS(9, 8) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
-    UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) \
-    ADD_4(7, 9) END(8) PASS(17, 8) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
-    UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) \
-    ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) END(8) PASS(25, 8) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) END(8) PASS(33, 8) COLUMN(2, 1) \
+    SIDES(8) PASS(9, 8) COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) \
+    ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) \
+    ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) END(8) END_SIDES SIDES(8) PASS(25, 8) COLUMN(2, side) \
     ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) \
-    ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) END(8) \
-    PASS(41, 7) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) \
-    ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) END(7) \
-    PASS(48, 7) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) \
-    ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) END(7) \
-    PASS(55, 6) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) \
-    ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) END(6) PASS(61, 6) COLUMN(4, 1) \
-    ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) \
-    ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) END(6) PASS(67, 5) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
-    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) END(5) \
-    PASS(72, 5) COLUMN(5, 1) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) \
-    ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) END(5) PASS(77, 8) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) \
-    ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) COLUMN(6, 1) ADD_4(4, 6) UP(6, 6) \
-    ADD_4(5, 7) UP(7, 6) ADD_4(6, 8) UP(8, 6) ADD_4(7, 9) END(8) PASS(85, 8) COLUMN(7, 0) \
-    ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) COLUMN(7, 1) ADD_4(3, 7) UP(7, 7) \
-    ADD_4(4, 8) UP(8, 7) ADD_4(5, 9) COLUMN(8, 0) ADD_4(6, 8) UP(8, 8) ADD_4(7, 9) END(8) \
-    PASS(93, 4) COLUMN(8, 1) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) COLUMN(9, 0) ADD_4(2, 9) \
-    COLUMN(9, 1) ADD_4(3, 9) END(4)
+    ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) END(8) END_SIDES \
+    SIDES(7) PASS(41, 7) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) \
+    UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) END(7) \
+    END_SIDES SIDES(6) PASS(55, 6) COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
+    ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) END(6) END_SIDES \
+    SIDES(5) PASS(67, 5) COLUMN(5, side) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) \
+    UP(7, 5) ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) END(5) END_SIDES PASS(77, 8) COLUMN(6, 0) \
+    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) COLUMN(6, 1) \
+    ADD_4(4, 6) UP(6, 6) ADD_4(5, 7) UP(7, 6) ADD_4(6, 8) UP(8, 6) ADD_4(7, 9) END(8) \
+    PASS(85, 8) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) COLUMN(7, 1) \
+    ADD_4(3, 7) UP(7, 7) ADD_4(4, 8) UP(8, 7) ADD_4(5, 9) COLUMN(8, 0) ADD_4(6, 8) UP(8, 8) \
+    ADD_4(7, 9) END(8) PASS(93, 4) COLUMN(8, 1) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) COLUMN(9, 0) \
+    ADD_4(2, 9) COLUMN(9, 1) ADD_4(3, 9) END(4)
 #define PLAN_RGB_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) CUT END(7) PASS(7, 8) RESUME ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) \
     UP(5, 0) ADD_5(4, 6) UP(6, 0) ADD_5(6, 7) UP(7, 0) CUT END(8) PASS(15, 2) RESUME ADD_4(0, 8) \
-    UP(8, 0) ADD_4(1, 9) END(2) PASS(17, 7) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
-    UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) CUT END(7) PASS(24, 8) RESUME ADD_5(0, 5) \
-    UP(5, 1) ADD_5(2, 6) UP(6, 1) ADD_5(4, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) END(8) \
-    PASS(32, 7) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) \
-    ADD_5(5, 4) UP(4, 1) CUT END(7) PASS(39, 8) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) \
-    ADD_5(4, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) END(8) PASS(47, 8) COLUMN(2, 0) \
-    ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT \
-    END(8) PASS(55, 6) RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) ADD_4(4, 8) UP(8, 2) \
-    ADD_4(5, 9) END(6) PASS(61, 8) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) \
-    ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(69, 6) RESUME ADD_5(0, 6) UP(6, 2) \
-    ADD_5(2, 7) UP(7, 2) ADD_4(4, 8) UP(8, 2) ADD_4(5, 9) END(6) PASS(75, 8) COLUMN(3, 0) \
-    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT \
-    END(8) PASS(83, 4) RESUME ADD_5(0, 7) UP(7, 3) ADD_4(2, 8) UP(8, 3) ADD_4(3, 9) END(4) \
-    PASS(87, 8) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
-    ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(95, 4) RESUME ADD_5(0, 7) UP(7, 3) ADD_4(2, 8) UP(8, 3) \
-    ADD_4(3, 9) END(4) PASS(99, 8) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) \
-    ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) CUT END(8) PASS(107, 2) RESUME ADD_4(0, 8) \
-    UP(8, 4) ADD_4(1, 9) END(2) PASS(109, 8) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) \
-    UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) CUT END(8) PASS(117, 2) RESUME \
-    ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) END(2) PASS(119, 8) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
-    ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_4(6, 8) UP(8, 5) ADD_4(7, 9) END(8) \
-    PASS(127, 8) COLUMN(5, 1) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) \
-    ADD_4(6, 8) UP(8, 5) ADD_4(7, 9) END(8) PASS(135, 6) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) \
-    ADD_5(2, 7) UP(7, 6) ADD_4(4, 8) UP(8, 6) ADD_4(5, 9) END(6) PASS(141, 6) COLUMN(6, 1) \
-    ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_4(4, 8) UP(8, 6) ADD_4(5, 9) END(6) \
-    PASS(147, 8) COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_4(2, 8) UP(8, 7) ADD_4(3, 9) COLUMN(7, 1) \
-    ADD_5(4, 7) UP(7, 7) ADD_4(6, 8) UP(8, 7) ADD_4(7, 9) END(8) PASS(155, 6) COLUMN(8, 0) \
-    ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) COLUMN(8, 1) ADD_4(2, 8) UP(8, 8) ADD_4(3, 9) COLUMN(9, 0) \
-    ADD_4(4, 9) COLUMN(9, 1) ADD_4(5, 9) END(6)
+    UP(8, 0) ADD_4(1, 9) END(2) SIDES(15) PASS(17, 7) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) \
+    ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) CUT END(7) PASS(24, 8) RESUME \
+    ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) ADD_5(4, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) \
+    ADD_4(7, 9) END(8) END_SIDES SIDES(14) PASS(47, 8) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(55, 6) RESUME \
+    ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) ADD_4(4, 8) UP(8, 2) ADD_4(5, 9) END(6) END_SIDES \
+    SIDES(12) PASS(75, 8) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) \
+    UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(83, 4) RESUME ADD_5(0, 7) UP(7, 3) ADD_4(2, 8) \
+    UP(8, 3) ADD_4(3, 9) END(4) END_SIDES SIDES(10) PASS(99, 8) COLUMN(4, side) ADD_5(0, 4) \
+    UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) CUT END(8) \
+    PASS(107, 2) RESUME ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) END(2) END_SIDES SIDES(8) PASS(119, 8) \
+    COLUMN(5, side) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_4(6, 8) \
+    UP(8, 5) ADD_4(7, 9) END(8) END_SIDES SIDES(6) PASS(135, 6) COLUMN(6, side) ADD_5(0, 6) \
+    UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_4(4, 8) UP(8, 6) ADD_4(5, 9) END(6) END_SIDES PASS(147, 8) \
+    COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_4(2, 8) UP(8, 7) ADD_4(3, 9) COLUMN(7, 1) ADD_5(4, 7) \
+    UP(7, 7) ADD_4(6, 8) UP(8, 7) ADD_4(7, 9) END(8) PASS(155, 6) COLUMN(8, 0) ADD_4(0, 8) \
+    UP(8, 8) ADD_4(1, 9) COLUMN(8, 1) ADD_4(2, 8) UP(8, 8) ADD_4(3, 9) COLUMN(9, 0) ADD_4(4, 9) \
+    COLUMN(9, 1) ADD_4(5, 9) END(6)
 #define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) CUT END(7) PASS(7, 6) RESUME ADD_7(0, 3) UP(3, 0) ADD_7(3, 4) UP(4, 0) CUT END(6) \
     PASS(13, 6) RESUME ADD_7(0, 5) UP(5, 0) ADD_7(3, 6) UP(6, 0) CUT END(6) PASS(19, 6) RESUME \
-    ADD_7(0, 7) UP(7, 0) ADD_6(3, 8) UP(8, 0) ADD_4(5, 9) END(6) PASS(25, 8) COLUMN(1, 0) \
-    ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(33, 6) RESUME \
-    ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) CUT END(6) PASS(39, 8) RESUME ADD_7(0, 6) UP(6, 1) \
-    ADD_7(3, 7) UP(7, 1) ADD_6(6, 8) UP(8, 1) CUT END(8) PASS(47, 1) RESUME ADD_4(0, 9) END(1) \
-    PASS(48, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT \
-    END(8) PASS(56, 6) RESUME ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) CUT END(6) PASS(62, 8) \
-    RESUME ADD_7(0, 6) UP(6, 1) ADD_7(3, 7) UP(7, 1) ADD_6(6, 8) UP(8, 1) CUT END(8) PASS(70, 1) \
-    RESUME ADD_4(0, 9) END(1) PASS(71, 6) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
-    CUT END(6) PASS(77, 6) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) CUT END(6) \
-    PASS(83, 8) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) ADD_6(6, 8) UP(8, 2) CUT END(8) \
-    PASS(91, 1) RESUME ADD_4(0, 9) END(1) PASS(92, 6) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) \
-    ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(98, 6) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) \
-    CUT END(6) PASS(104, 8) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) ADD_6(6, 8) \
-    UP(8, 2) CUT END(8) PASS(112, 1) RESUME ADD_4(0, 9) END(1) PASS(113, 6) COLUMN(3, 0) \
-    ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(119, 6) RESUME ADD_7(0, 5) \
-    UP(5, 3) ADD_7(3, 6) UP(6, 3) CUT END(6) PASS(125, 6) RESUME ADD_7(0, 7) UP(7, 3) \
-    ADD_6(3, 8) UP(8, 3) ADD_4(5, 9) END(6) PASS(131, 6) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) \
-    ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(137, 6) RESUME ADD_7(0, 5) UP(5, 3) ADD_7(3, 6) \
-    UP(6, 3) CUT END(6) PASS(143, 6) RESUME ADD_7(0, 7) UP(7, 3) ADD_6(3, 8) UP(8, 3) \
-    ADD_4(5, 9) END(6) PASS(149, 6) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT \
-    END(6) PASS(155, 8) RESUME ADD_7(0, 6) UP(6, 4) ADD_7(3, 7) UP(7, 4) ADD_6(6, 8) UP(8, 4) \
-    CUT END(8) PASS(163, 1) RESUME ADD_4(0, 9) END(1) PASS(164, 6) COLUMN(4, 1) ADD_7(0, 4) \
-    UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT END(6) PASS(170, 8) RESUME ADD_7(0, 6) UP(6, 4) \
-    ADD_7(3, 7) UP(7, 4) ADD_6(6, 8) UP(8, 4) CUT END(8) PASS(178, 1) RESUME ADD_4(0, 9) END(1) \
-    PASS(179, 6) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) CUT END(6) PASS(185, 6) \
-    RESUME ADD_7(0, 7) UP(7, 5) ADD_6(3, 8) UP(8, 5) ADD_4(5, 9) END(6) PASS(191, 6) \
-    COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) CUT END(6) PASS(197, 6) RESUME \
-    ADD_7(0, 7) UP(7, 5) ADD_6(3, 8) UP(8, 5) ADD_4(5, 9) END(6) PASS(203, 8) COLUMN(6, 0) \
+    ADD_7(0, 7) UP(7, 0) ADD_6(3, 8) UP(8, 0) ADD_4(5, 9) END(6) SIDES(23) PASS(25, 8) \
+    COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) \
+    PASS(33, 6) RESUME ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) CUT END(6) PASS(39, 8) RESUME \
+    ADD_7(0, 6) UP(6, 1) ADD_7(3, 7) UP(7, 1) ADD_6(6, 8) UP(8, 1) CUT END(8) PASS(47, 1) RESUME \
+    ADD_4(0, 9) END(1) END_SIDES SIDES(21) PASS(71, 6) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) \
+    ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(77, 6) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) \
+    CUT END(6) PASS(83, 8) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) ADD_6(6, 8) UP(8, 2) \
+    CUT END(8) PASS(91, 1) RESUME ADD_4(0, 9) END(1) END_SIDES SIDES(18) PASS(113, 6) \
+    COLUMN(3, side) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(119, 6) RESUME \
+    ADD_7(0, 5) UP(5, 3) ADD_7(3, 6) UP(6, 3) CUT END(6) PASS(125, 6) RESUME ADD_7(0, 7) \
+    UP(7, 3) ADD_6(3, 8) UP(8, 3) ADD_4(5, 9) END(6) END_SIDES SIDES(15) PASS(149, 6) \
+    COLUMN(4, side) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT END(6) PASS(155, 8) RESUME \
+    ADD_7(0, 6) UP(6, 4) ADD_7(3, 7) UP(7, 4) ADD_6(6, 8) UP(8, 4) CUT END(8) PASS(163, 1) \
+    RESUME ADD_4(0, 9) END(1) END_SIDES SIDES(12) PASS(179, 6) COLUMN(5, side) ADD_7(0, 5) \
+    UP(5, 5) ADD_7(3, 6) UP(6, 5) CUT END(6) PASS(185, 6) RESUME ADD_7(0, 7) UP(7, 5) \
+    ADD_6(3, 8) UP(8, 5) ADD_4(5, 9) END(6) END_SIDES SIDES(9) PASS(203, 8) COLUMN(6, side) \
     ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) ADD_6(6, 8) UP(8, 6) CUT END(8) PASS(211, 1) \
-    RESUME ADD_4(0, 9) END(1) PASS(212, 8) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) \
-    UP(7, 6) ADD_6(6, 8) UP(8, 6) CUT END(8) PASS(220, 7) RESUME ADD_4(0, 9) COLUMN(7, 0) \
-    ADD_7(1, 7) UP(7, 7) ADD_6(4, 8) UP(8, 7) ADD_4(6, 9) END(7) PASS(227, 6) COLUMN(7, 1) \
-    ADD_7(0, 7) UP(7, 7) ADD_6(3, 8) UP(8, 7) ADD_4(5, 9) END(6) PASS(233, 8) COLUMN(8, 0) \
+    RESUME ADD_4(0, 9) END(1) END_SIDES SIDES(6) PASS(221, 6) COLUMN(7, side) ADD_7(0, 7) \
+    UP(7, 7) ADD_6(3, 8) UP(8, 7) ADD_4(5, 9) END(6) END_SIDES PASS(233, 8) COLUMN(8, 0) \
     ADD_6(0, 8) UP(8, 8) ADD_4(2, 9) COLUMN(8, 1) ADD_6(3, 8) UP(8, 8) ADD_4(5, 9) COLUMN(9, 0) \
     ADD_4(6, 9) COLUMN(9, 1) ADD_4(7, 9) END(8)
 #else
 #define PLAN_1 PASS(0, 8) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) UP(6, 0) \
-    ADD_1(7, 7) END(8) PASS(8, 7) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) \
-    ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) \
-    ADD_1(6, 7) END(7) PASS(15, 7) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) \
-    ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) \
-    ADD_1(6, 7) END(7) PASS(22, 12) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
-    ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) COLUMN(2, 1) \
-    ADD_1(6, 2) UP(2, 2) ADD_1(7, 3) UP(3, 2) ADD_1(8, 4) UP(4, 2) ADD_1(9, 5) UP(5, 2) \
-    ADD_1(10, 6) UP(6, 2) ADD_1(11, 7) END(12) PASS(34, 10) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) \
-    ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) COLUMN(3, 1) \
-    ADD_1(5, 3) UP(3, 3) ADD_1(6, 4) UP(4, 3) ADD_1(7, 5) UP(5, 3) ADD_1(8, 6) UP(6, 3) \
-    ADD_1(9, 7) END(10) PASS(44, 11) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) \
-    ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) COLUMN(4, 1) ADD_1(4, 4) UP(4, 4) ADD_1(5, 5) UP(5, 4) \
-    ADD_1(6, 6) UP(6, 4) ADD_1(7, 7) COLUMN(5, 0) ADD_1(8, 5) UP(5, 5) ADD_1(9, 6) UP(6, 5) \
-    ADD_1(10, 7) END(11) PASS(55, 9) COLUMN(5, 1) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) \
-    ADD_1(2, 7) COLUMN(6, 0) ADD_1(3, 6) UP(6, 6) ADD_1(4, 7) COLUMN(6, 1) ADD_1(5, 6) UP(6, 6) \
-    ADD_1(6, 7) COLUMN(7, 0) ADD_1(7, 7) COLUMN(7, 1) ADD_1(8, 7) END(9)
+    ADD_1(7, 7) END(8) SIDES(7) PASS(8, 7) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
+    UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) \
+    ADD_1(6, 7) END(7) END_SIDES PASS(22, 12) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) \
+    UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) \
+    COLUMN(2, 1) ADD_1(6, 2) UP(2, 2) ADD_1(7, 3) UP(3, 2) ADD_1(8, 4) UP(4, 2) ADD_1(9, 5) \
+    UP(5, 2) ADD_1(10, 6) UP(6, 2) ADD_1(11, 7) END(12) PASS(34, 10) COLUMN(3, 0) ADD_1(0, 3) \
+    UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) \
+    COLUMN(3, 1) ADD_1(5, 3) UP(3, 3) ADD_1(6, 4) UP(4, 3) ADD_1(7, 5) UP(5, 3) ADD_1(8, 6) \
+    UP(6, 3) ADD_1(9, 7) END(10) PASS(44, 11) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) \
+    UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) COLUMN(4, 1) ADD_1(4, 4) UP(4, 4) ADD_1(5, 5) \
+    UP(5, 4) ADD_1(6, 6) UP(6, 4) ADD_1(7, 7) COLUMN(5, 0) ADD_1(8, 5) UP(5, 5) ADD_1(9, 6) \
+    UP(6, 5) ADD_1(10, 7) END(11) PASS(55, 9) COLUMN(5, 1) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) \
+    UP(6, 5) ADD_1(2, 7) COLUMN(6, 0) ADD_1(3, 6) UP(6, 6) ADD_1(4, 7) COLUMN(6, 1) ADD_1(5, 6) \
+    UP(6, 6) ADD_1(6, 7) COLUMN(7, 0) ADD_1(7, 7) COLUMN(7, 1) ADD_1(8, 7) END(9)
 #define PLAN_3 PASS(0, 11) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
     UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_3(9, 5) UP(5, 0) CUT END(11) \
     PASS(11, 5) RESUME ADD_3(0, 6) UP(6, 0) ADD_3(2, 7) UP(7, 0) ADD_2(4, 8) END(5) PASS(16, 12) \
@@ -324,220 +269,146 @@
     ADD_2(10, 8) COLUMN(8, 0) ADD_2(11, 8) END(12) PASS(143, 1) COLUMN(8, 1) ADD_2(0, 8) END(1)
 #define PLAN_4 PASS(0, 9) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
-    ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) UP(8, 0) ADD_4(8, 9) END(9) PASS(9, 8) COLUMN(1, 0) \
-    UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) \
-    ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) END(8) \
-    PASS(17, 8) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
-    UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) \
-    ADD_4(7, 9) END(8) PASS(25, 8) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) \
-    ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) \
-    ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) END(8) PASS(33, 8) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) UP(8, 0) ADD_4(8, 9) END(9) SIDES(8) PASS(9, 8) \
+    COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) \
+    ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) \
+    ADD_4(7, 9) END(8) END_SIDES SIDES(8) PASS(25, 8) COLUMN(2, side) ADD_4(0, 2) UP(2, 2) \
     ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) END(8) PASS(41, 7) COLUMN(3, 0) \
-    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) \
-    ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) END(7) PASS(48, 7) COLUMN(3, 1) \
-    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) \
-    ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) END(7) PASS(55, 12) COLUMN(4, 0) \
-    ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) \
-    ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) COLUMN(4, 1) ADD_4(6, 4) UP(4, 4) ADD_4(7, 5) UP(5, 4) \
-    ADD_4(8, 6) UP(6, 4) ADD_4(9, 7) UP(7, 4) ADD_4(10, 8) UP(8, 4) ADD_4(11, 9) END(12) \
-    PASS(67, 10) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) \
-    ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) COLUMN(5, 1) ADD_4(5, 5) UP(5, 5) ADD_4(6, 6) UP(6, 5) \
-    ADD_4(7, 7) UP(7, 5) ADD_4(8, 8) UP(8, 5) ADD_4(9, 9) END(10) PASS(77, 11) COLUMN(6, 0) \
-    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) COLUMN(6, 1) \
-    ADD_4(4, 6) UP(6, 6) ADD_4(5, 7) UP(7, 6) ADD_4(6, 8) UP(8, 6) ADD_4(7, 9) COLUMN(7, 0) \
-    ADD_4(8, 7) UP(7, 7) ADD_4(9, 8) UP(8, 7) ADD_4(10, 9) END(11) PASS(88, 9) COLUMN(7, 1) \
-    ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) COLUMN(8, 0) ADD_4(3, 8) UP(8, 8) \
-    ADD_4(4, 9) COLUMN(8, 1) ADD_4(5, 8) UP(8, 8) ADD_4(6, 9) COLUMN(9, 0) ADD_4(7, 9) \
+    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) END(8) END_SIDES SIDES(7) PASS(41, 7) \
+    COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) \
+    UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) END(7) END_SIDES PASS(55, 12) \
+    COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) \
+    UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) COLUMN(4, 1) ADD_4(6, 4) UP(4, 4) ADD_4(7, 5) \
+    UP(5, 4) ADD_4(8, 6) UP(6, 4) ADD_4(9, 7) UP(7, 4) ADD_4(10, 8) UP(8, 4) ADD_4(11, 9) \
+    END(12) PASS(67, 10) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) \
+    UP(7, 5) ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) COLUMN(5, 1) ADD_4(5, 5) UP(5, 5) ADD_4(6, 6) \
+    UP(6, 5) ADD_4(7, 7) UP(7, 5) ADD_4(8, 8) UP(8, 5) ADD_4(9, 9) END(10) PASS(77, 11) \
+    COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) \
+    COLUMN(6, 1) ADD_4(4, 6) UP(6, 6) ADD_4(5, 7) UP(7, 6) ADD_4(6, 8) UP(8, 6) ADD_4(7, 9) \
+    COLUMN(7, 0) ADD_4(8, 7) UP(7, 7) ADD_4(9, 8) UP(8, 7) ADD_4(10, 9) END(11) PASS(88, 9) \
+    COLUMN(7, 1) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) COLUMN(8, 0) ADD_4(3, 8) \
+    UP(8, 8) ADD_4(4, 9) COLUMN(8, 1) ADD_4(5, 8) UP(8, 8) ADD_4(6, 9) COLUMN(9, 0) ADD_4(7, 9) \
     COLUMN(9, 1) ADD_4(8, 9) END(9)
 #define PLAN_5 PASS(0, 11) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) CUT END(11) \
     PASS(11, 6) RESUME ADD_5(0, 6) UP(6, 0) ADD_5(2, 7) UP(7, 0) ADD_4(4, 8) UP(8, 0) \
-    ADD_4(5, 9) END(6) PASS(17, 11) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) \
-    ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) CUT \
-    END(11) PASS(28, 4) RESUME ADD_5(0, 7) UP(7, 1) ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) END(4) \
-    PASS(32, 11) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) \
-    ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) CUT END(11) PASS(43, 4) \
-    RESUME ADD_5(0, 7) UP(7, 1) ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) END(4) PASS(47, 12) \
-    COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) \
-    UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) CUT END(12) PASS(59, 2) RESUME \
-    ADD_4(0, 8) UP(8, 2) ADD_4(1, 9) END(2) PASS(61, 12) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) \
-    ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) \
-    ADD_5(10, 7) UP(7, 2) CUT END(12) PASS(73, 2) RESUME ADD_4(0, 8) UP(8, 2) ADD_4(1, 9) END(2) \
-    PASS(75, 12) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
+    ADD_4(5, 9) END(6) SIDES(15) PASS(17, 11) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
+    UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) \
+    CUT END(11) PASS(28, 4) RESUME ADD_5(0, 7) UP(7, 1) ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) END(4) \
+    END_SIDES SIDES(14) PASS(47, 12) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) \
+    ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) CUT \
+    END(12) PASS(59, 2) RESUME ADD_4(0, 8) UP(8, 2) ADD_4(1, 9) END(2) END_SIDES SIDES(12) \
+    PASS(75, 12) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
     ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_4(10, 8) UP(8, 3) ADD_4(11, 9) END(12) \
-    PASS(87, 12) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
-    ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_4(10, 8) UP(8, 3) ADD_4(11, 9) END(12) \
-    PASS(99, 10) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) \
-    ADD_5(6, 7) UP(7, 4) ADD_4(8, 8) UP(8, 4) ADD_4(9, 9) END(10) PASS(109, 10) COLUMN(4, 1) \
-    ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) \
-    ADD_4(8, 8) UP(8, 4) ADD_4(9, 9) END(10) PASS(119, 8) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
-    ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_4(6, 8) UP(8, 5) ADD_4(7, 9) END(8) \
-    PASS(127, 8) COLUMN(5, 1) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) \
-    ADD_4(6, 8) UP(8, 5) ADD_4(7, 9) END(8) PASS(135, 12) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) \
-    ADD_5(2, 7) UP(7, 6) ADD_4(4, 8) UP(8, 6) ADD_4(5, 9) COLUMN(6, 1) ADD_5(6, 6) UP(6, 6) \
-    ADD_5(8, 7) UP(7, 6) ADD_4(10, 8) UP(8, 6) ADD_4(11, 9) END(12) PASS(147, 12) COLUMN(7, 0) \
-    ADD_5(0, 7) UP(7, 7) ADD_4(2, 8) UP(8, 7) ADD_4(3, 9) COLUMN(7, 1) ADD_5(4, 7) UP(7, 7) \
-    ADD_4(6, 8) UP(8, 7) ADD_4(7, 9) COLUMN(8, 0) ADD_4(8, 8) UP(8, 8) ADD_4(9, 9) COLUMN(8, 1) \
-    ADD_4(10, 8) UP(8, 8) ADD_4(11, 9) END(12) PASS(159, 2) COLUMN(9, 0) ADD_4(0, 9) \
-    COLUMN(9, 1) ADD_4(1, 9) END(2)
+    END_SIDES SIDES(10) PASS(99, 10) COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) \
+    ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) ADD_4(8, 8) UP(8, 4) ADD_4(9, 9) END(10) END_SIDES \
+    SIDES(8) PASS(119, 8) COLUMN(5, side) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) \
+    UP(7, 5) ADD_4(6, 8) UP(8, 5) ADD_4(7, 9) END(8) END_SIDES PASS(135, 12) COLUMN(6, 0) \
+    ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_4(4, 8) UP(8, 6) ADD_4(5, 9) COLUMN(6, 1) \
+    ADD_5(6, 6) UP(6, 6) ADD_5(8, 7) UP(7, 6) ADD_4(10, 8) UP(8, 6) ADD_4(11, 9) END(12) \
+    PASS(147, 12) COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_4(2, 8) UP(8, 7) ADD_4(3, 9) \
+    COLUMN(7, 1) ADD_5(4, 7) UP(7, 7) ADD_4(6, 8) UP(8, 7) ADD_4(7, 9) COLUMN(8, 0) ADD_4(8, 8) \
+    UP(8, 8) ADD_4(9, 9) COLUMN(8, 1) ADD_4(10, 8) UP(8, 8) ADD_4(11, 9) END(12) PASS(159, 2) \
+    COLUMN(9, 0) ADD_4(0, 9) COLUMN(9, 1) ADD_4(1, 9) END(2)
 #define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) CUT END(10) PASS(10, 12) RESUME ADD_7(0, 4) UP(4, 0) \
     ADD_7(3, 5) UP(5, 0) ADD_7(6, 6) UP(6, 0) ADD_7(9, 7) UP(7, 0) CUT END(12) PASS(22, 3) \
-    RESUME ADD_6(0, 8) UP(8, 0) ADD_4(2, 9) END(3) PASS(25, 11) COLUMN(1, 0) ADD_3(0, 1) \
-    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) \
-    PASS(36, 12) RESUME ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) UP(6, 1) ADD_7(6, 7) UP(7, 1) \
-    ADD_6(9, 8) UP(8, 1) ADD_4(11, 9) END(12) PASS(48, 11) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) \
-    ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(59, 12) \
-    RESUME ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) UP(6, 1) ADD_7(6, 7) UP(7, 1) ADD_6(9, 8) UP(8, 1) \
-    ADD_4(11, 9) END(12) PASS(71, 12) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
-    ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(83, 9) RESUME ADD_7(0, 6) \
-    UP(6, 2) ADD_7(3, 7) UP(7, 2) ADD_6(6, 8) UP(8, 2) ADD_4(8, 9) END(9) PASS(92, 12) \
-    COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) \
-    UP(5, 2) CUT END(12) PASS(104, 9) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) \
-    ADD_6(6, 8) UP(8, 2) ADD_4(8, 9) END(9) PASS(113, 12) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) \
+    RESUME ADD_6(0, 8) UP(8, 0) ADD_4(2, 9) END(3) SIDES(23) PASS(25, 11) COLUMN(1, side) \
+    ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT \
+    END(11) PASS(36, 12) RESUME ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) UP(6, 1) ADD_7(6, 7) UP(7, 1) \
+    ADD_6(9, 8) UP(8, 1) ADD_4(11, 9) END(12) END_SIDES SIDES(21) PASS(71, 12) COLUMN(2, side) \
+    ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT \
+    END(12) PASS(83, 9) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) ADD_6(6, 8) UP(8, 2) \
+    ADD_4(8, 9) END(9) END_SIDES SIDES(18) PASS(113, 12) COLUMN(3, side) ADD_7(0, 3) UP(3, 3) \
     ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) CUT END(12) PASS(125, 6) \
-    RESUME ADD_7(0, 7) UP(7, 3) ADD_6(3, 8) UP(8, 3) ADD_4(5, 9) END(6) PASS(131, 12) \
-    COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) \
-    UP(6, 3) CUT END(12) PASS(143, 6) RESUME ADD_7(0, 7) UP(7, 3) ADD_6(3, 8) UP(8, 3) \
-    ADD_4(5, 9) END(6) PASS(149, 12) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) \
-    ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) UP(7, 4) CUT END(12) PASS(161, 3) RESUME ADD_6(0, 8) \
-    UP(8, 4) ADD_4(2, 9) END(3) PASS(164, 12) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) \
-    UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) UP(7, 4) CUT END(12) PASS(176, 3) RESUME \
-    ADD_6(0, 8) UP(8, 4) ADD_4(2, 9) END(3) PASS(179, 12) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) \
-    ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) ADD_6(9, 8) UP(8, 5) ADD_4(11, 9) END(12) \
-    PASS(191, 12) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) \
-    ADD_6(9, 8) UP(8, 5) ADD_4(11, 9) END(12) PASS(203, 9) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) \
-    ADD_7(3, 7) UP(7, 6) ADD_6(6, 8) UP(8, 6) ADD_4(8, 9) END(9) PASS(212, 9) COLUMN(6, 1) \
-    ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) ADD_6(6, 8) UP(8, 6) ADD_4(8, 9) END(9) \
-    PASS(221, 12) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) ADD_6(3, 8) UP(8, 7) ADD_4(5, 9) \
-    COLUMN(7, 1) ADD_7(6, 7) UP(7, 7) ADD_6(9, 8) UP(8, 7) ADD_4(11, 9) END(12) PASS(233, 8) \
-    COLUMN(8, 0) ADD_6(0, 8) UP(8, 8) ADD_4(2, 9) COLUMN(8, 1) ADD_6(3, 8) UP(8, 8) ADD_4(5, 9) \
-    COLUMN(9, 0) ADD_4(6, 9) COLUMN(9, 1) ADD_4(7, 9) END(8)
+    RESUME ADD_7(0, 7) UP(7, 3) ADD_6(3, 8) UP(8, 3) ADD_4(5, 9) END(6) END_SIDES SIDES(15) \
+    PASS(149, 12) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) \
+    ADD_7(9, 7) UP(7, 4) CUT END(12) PASS(161, 3) RESUME ADD_6(0, 8) UP(8, 4) ADD_4(2, 9) END(3) \
+    END_SIDES SIDES(12) PASS(179, 12) COLUMN(5, side) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) \
+    ADD_7(6, 7) UP(7, 5) ADD_6(9, 8) UP(8, 5) ADD_4(11, 9) END(12) END_SIDES SIDES(9) \
+    PASS(203, 9) COLUMN(6, side) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) ADD_6(6, 8) UP(8, 6) \
+    ADD_4(8, 9) END(9) END_SIDES PASS(221, 12) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) ADD_6(3, 8) \
+    UP(8, 7) ADD_4(5, 9) COLUMN(7, 1) ADD_7(6, 7) UP(7, 7) ADD_6(9, 8) UP(8, 7) ADD_4(11, 9) \
+    END(12) PASS(233, 8) COLUMN(8, 0) ADD_6(0, 8) UP(8, 8) ADD_4(2, 9) COLUMN(8, 1) ADD_6(3, 8) \
+    UP(8, 8) ADD_4(5, 9) COLUMN(9, 0) ADD_4(6, 9) COLUMN(9, 1) ADD_4(7, 9) END(8)
 #define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) CUT END(4) PASS(4, 4) RESUME ADD_1(0, 4) UP(4, 0) ADD_1(1, 5) \
-    UP(5, 0) ADD_1(2, 6) UP(6, 0) ADD_1(3, 7) END(4) PASS(8, 4) COLUMN(1, 0) ADD_1(0, 1) \
-    UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) \
-    PASS(12, 3) RESUME ADD_1(0, 5) UP(5, 1) ADD_1(1, 6) UP(6, 1) ADD_1(2, 7) END(3) PASS(15, 4) \
-    COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) \
-    UP(4, 1) CUT END(4) PASS(19, 3) RESUME ADD_1(0, 5) UP(5, 1) ADD_1(1, 6) UP(6, 1) ADD_1(2, 7) \
-    END(3) PASS(22, 4) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) \
-    UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(26, 2) RESUME ADD_1(0, 6) UP(6, 2) ADD_1(1, 7) \
-    END(2) PASS(28, 4) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) \
-    UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(32, 2) RESUME ADD_1(0, 6) UP(6, 2) ADD_1(1, 7) \
-    END(2) PASS(34, 4) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) \
-    UP(5, 3) ADD_1(3, 6) UP(6, 3) CUT END(4) PASS(38, 1) RESUME ADD_1(0, 7) END(1) PASS(39, 4) \
-    COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) \
-    UP(6, 3) CUT END(4) PASS(43, 1) RESUME ADD_1(0, 7) END(1) PASS(44, 4) COLUMN(4, 0) \
-    ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) END(4) \
-    PASS(48, 4) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) \
-    ADD_1(3, 7) END(4) PASS(52, 3) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) \
-    ADD_1(2, 7) END(3) PASS(55, 3) COLUMN(5, 1) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) \
-    ADD_1(2, 7) END(3) PASS(58, 4) COLUMN(6, 0) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) COLUMN(6, 1) \
-    ADD_1(2, 6) UP(6, 6) ADD_1(3, 7) END(4) PASS(62, 2) COLUMN(7, 0) ADD_1(0, 7) COLUMN(7, 1) \
-    ADD_1(1, 7) END(2)
+    UP(5, 0) ADD_1(2, 6) UP(6, 0) ADD_1(3, 7) END(4) SIDES(7) PASS(8, 4) COLUMN(1, side) \
+    ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT \
+    END(4) PASS(12, 3) RESUME ADD_1(0, 5) UP(5, 1) ADD_1(1, 6) UP(6, 1) ADD_1(2, 7) END(3) \
+    END_SIDES SIDES(6) PASS(22, 4) COLUMN(2, side) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
+    ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(26, 2) RESUME ADD_1(0, 6) UP(6, 2) \
+    ADD_1(1, 7) END(2) END_SIDES SIDES(5) PASS(34, 4) COLUMN(3, side) ADD_1(0, 3) UP(3, 3) \
+    ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) CUT END(4) PASS(38, 1) RESUME \
+    ADD_1(0, 7) END(1) END_SIDES SIDES(4) PASS(44, 4) COLUMN(4, side) ADD_1(0, 4) UP(4, 4) \
+    ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) END(4) END_SIDES SIDES(3) PASS(52, 3) \
+    COLUMN(5, side) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) END(3) END_SIDES \
+    PASS(58, 4) COLUMN(6, 0) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) COLUMN(6, 1) ADD_1(2, 6) UP(6, 6) \
+    ADD_1(3, 7) END(4) PASS(62, 2) COLUMN(7, 0) ADD_1(0, 7) COLUMN(7, 1) ADD_1(1, 7) END(2)
 #define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_3(0, 2) UP(2, 0) ADD_3(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
     ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) UP(5, 0) CUT END(4) PASS(11, 4) RESUME ADD_3(0, 6) UP(6, 0) \
-    ADD_3(2, 7) UP(7, 0) CUT END(4) PASS(15, 1) RESUME ADD_2(0, 8) END(1) PASS(16, 4) \
-    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(20, 4) RESUME \
+    ADD_3(2, 7) UP(7, 0) CUT END(4) PASS(15, 1) RESUME ADD_2(0, 8) END(1) SIDES(15) PASS(16, 4) \
+    COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(20, 4) RESUME \
     ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(24, 4) RESUME ADD_3(0, 5) UP(5, 1) \
     ADD_3(2, 6) UP(6, 1) CUT END(4) PASS(28, 3) RESUME ADD_3(0, 7) UP(7, 1) ADD_2(2, 8) END(3) \
-    PASS(31, 4) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(35, 4) \
-    RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(39, 4) RESUME ADD_3(0, 5) \
-    UP(5, 1) ADD_3(2, 6) UP(6, 1) CUT END(4) PASS(43, 3) RESUME ADD_3(0, 7) UP(7, 1) ADD_2(2, 8) \
-    END(3) PASS(46, 4) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) \
-    PASS(50, 4) RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(54, 4) RESUME \
-    ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) CUT END(4) PASS(58, 1) RESUME ADD_2(0, 8) END(1) \
-    PASS(59, 4) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(63, 4) \
-    RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(67, 4) RESUME ADD_3(0, 6) \
-    UP(6, 2) ADD_3(2, 7) UP(7, 2) CUT END(4) PASS(71, 1) RESUME ADD_2(0, 8) END(1) PASS(72, 4) \
-    COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(76, 4) RESUME \
-    ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(80, 3) RESUME ADD_3(0, 7) UP(7, 3) \
-    ADD_2(2, 8) END(3) PASS(83, 4) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT \
-    END(4) PASS(87, 4) RESUME ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(91, 3) \
-    RESUME ADD_3(0, 7) UP(7, 3) ADD_2(2, 8) END(3) PASS(94, 4) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) \
-    ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(98, 4) RESUME ADD_3(0, 6) UP(6, 4) ADD_3(2, 7) UP(7, 4) \
-    CUT END(4) PASS(102, 1) RESUME ADD_2(0, 8) END(1) PASS(103, 4) COLUMN(4, 1) ADD_3(0, 4) \
-    UP(4, 4) ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(107, 4) RESUME ADD_3(0, 6) UP(6, 4) \
-    ADD_3(2, 7) UP(7, 4) CUT END(4) PASS(111, 1) RESUME ADD_2(0, 8) END(1) PASS(112, 4) \
-    COLUMN(5, 0) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) CUT END(4) PASS(116, 3) RESUME \
-    ADD_3(0, 7) UP(7, 5) ADD_2(2, 8) END(3) PASS(119, 4) COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) \
-    ADD_3(2, 6) UP(6, 5) CUT END(4) PASS(123, 3) RESUME ADD_3(0, 7) UP(7, 5) ADD_2(2, 8) END(3) \
-    PASS(126, 4) COLUMN(6, 0) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) CUT END(4) PASS(130, 1) \
-    RESUME ADD_2(0, 8) END(1) PASS(131, 4) COLUMN(6, 1) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) \
-    UP(7, 6) CUT END(4) PASS(135, 4) RESUME ADD_2(0, 8) COLUMN(7, 0) ADD_3(1, 7) UP(7, 7) \
-    ADD_2(3, 8) END(4) PASS(139, 4) COLUMN(7, 1) ADD_3(0, 7) UP(7, 7) ADD_2(2, 8) COLUMN(8, 0) \
-    ADD_2(3, 8) END(4) PASS(143, 1) COLUMN(8, 1) ADD_2(0, 8) END(1)
+    END_SIDES SIDES(13) PASS(46, 4) COLUMN(2, side) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) \
+    CUT END(4) PASS(50, 4) RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) \
+    PASS(54, 4) RESUME ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) CUT END(4) PASS(58, 1) RESUME \
+    ADD_2(0, 8) END(1) END_SIDES SIDES(11) PASS(72, 4) COLUMN(3, side) ADD_3(0, 3) UP(3, 3) \
+    ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(76, 4) RESUME ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) \
+    CUT END(4) PASS(80, 3) RESUME ADD_3(0, 7) UP(7, 3) ADD_2(2, 8) END(3) END_SIDES SIDES(9) \
+    PASS(94, 4) COLUMN(4, side) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(98, 4) \
+    RESUME ADD_3(0, 6) UP(6, 4) ADD_3(2, 7) UP(7, 4) CUT END(4) PASS(102, 1) RESUME ADD_2(0, 8) \
+    END(1) END_SIDES SIDES(7) PASS(112, 4) COLUMN(5, side) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) \
+    UP(6, 5) CUT END(4) PASS(116, 3) RESUME ADD_3(0, 7) UP(7, 5) ADD_2(2, 8) END(3) END_SIDES \
+    SIDES(5) PASS(126, 4) COLUMN(6, side) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) CUT END(4) \
+    PASS(130, 1) RESUME ADD_2(0, 8) END(1) END_SIDES SIDES(3) PASS(136, 3) COLUMN(7, side) \
+    ADD_3(0, 7) UP(7, 7) ADD_2(2, 8) END(3) END_SIDES PASS(142, 2) COLUMN(8, 0) ADD_2(0, 8) \
+    COLUMN(8, 1) ADD_2(1, 8) END(2)
 #define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) CUT END(4) PASS(4, 4) RESUME ADD_4(0, 5) UP(5, 0) \
     ADD_4(1, 6) UP(6, 0) ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) UP(8, 0) CUT END(4) PASS(8, 1) RESUME \
-    ADD_4(0, 9) END(1) PASS(9, 4) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
-    UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(13, 4) RESUME ADD_4(0, 6) \
-    UP(6, 1) ADD_4(1, 7) UP(7, 1) ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) END(4) PASS(17, 4) \
-    COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) \
-    ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(21, 4) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) UP(7, 1) \
-    ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) END(4) PASS(25, 4) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(29, 4) RESUME \
-    ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) UP(7, 2) ADD_4(2, 8) UP(8, 2) ADD_4(3, 9) END(4) \
-    PASS(33, 4) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
-    ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(37, 4) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) UP(7, 2) \
-    ADD_4(2, 8) UP(8, 2) ADD_4(3, 9) END(4) PASS(41, 4) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) \
-    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT END(4) PASS(45, 3) RESUME \
-    ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) UP(8, 3) ADD_4(2, 9) END(3) PASS(48, 4) COLUMN(3, 1) \
-    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT \
-    END(4) PASS(52, 3) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) UP(8, 3) ADD_4(2, 9) END(3) \
-    PASS(55, 4) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) \
-    ADD_4(3, 7) UP(7, 4) CUT END(4) PASS(59, 2) RESUME ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) END(2) \
-    PASS(61, 4) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) \
-    ADD_4(3, 7) UP(7, 4) CUT END(4) PASS(65, 2) RESUME ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) END(2) \
-    PASS(67, 4) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) \
-    ADD_4(3, 8) UP(8, 5) CUT END(4) PASS(71, 1) RESUME ADD_4(0, 9) END(1) PASS(72, 4) \
-    COLUMN(5, 1) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) \
-    UP(8, 5) CUT END(4) PASS(76, 1) RESUME ADD_4(0, 9) END(1) PASS(77, 4) COLUMN(6, 0) \
-    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) END(4) \
-    PASS(81, 4) COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) \
-    ADD_4(3, 9) END(4) PASS(85, 3) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) \
-    ADD_4(2, 9) END(3) PASS(88, 3) COLUMN(7, 1) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) \
-    ADD_4(2, 9) END(3) PASS(91, 4) COLUMN(8, 0) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) COLUMN(8, 1) \
+    ADD_4(0, 9) END(1) SIDES(8) PASS(9, 4) COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) \
+    ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(13, 4) RESUME \
+    ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) UP(7, 1) ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) END(4) END_SIDES \
+    SIDES(8) PASS(25, 4) COLUMN(2, side) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) \
+    UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(29, 4) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) \
+    UP(7, 2) ADD_4(2, 8) UP(8, 2) ADD_4(3, 9) END(4) END_SIDES SIDES(7) PASS(41, 4) \
+    COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) \
+    UP(6, 3) CUT END(4) PASS(45, 3) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) UP(8, 3) ADD_4(2, 9) \
+    END(3) END_SIDES SIDES(6) PASS(55, 4) COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) \
+    UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) CUT END(4) PASS(59, 2) RESUME ADD_4(0, 8) \
+    UP(8, 4) ADD_4(1, 9) END(2) END_SIDES SIDES(5) PASS(67, 4) COLUMN(5, side) ADD_4(0, 5) \
+    UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) CUT END(4) \
+    PASS(71, 1) RESUME ADD_4(0, 9) END(1) END_SIDES SIDES(4) PASS(77, 4) COLUMN(6, side) \
+    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) END(4) END_SIDES \
+    SIDES(3) PASS(85, 3) COLUMN(7, side) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) \
+    END(3) END_SIDES PASS(91, 4) COLUMN(8, 0) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) COLUMN(8, 1) \
     ADD_4(2, 8) UP(8, 8) ADD_4(3, 9) END(4) PASS(95, 2) COLUMN(9, 0) ADD_4(0, 9) COLUMN(9, 1) \
     ADD_4(1, 9) END(2)
 #define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_5(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
     ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) UP(5, 0) CUT END(4) PASS(11, 4) RESUME ADD_5(0, 6) UP(6, 0) \
     ADD_5(2, 7) UP(7, 0) CUT END(4) PASS(15, 2) RESUME ADD_4(0, 8) UP(8, 0) ADD_4(1, 9) END(2) \
-    PASS(17, 3) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(20, 4) \
-    RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(24, 4) RESUME ADD_5(0, 5) \
-    UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) PASS(28, 4) RESUME ADD_5(0, 7) UP(7, 1) ADD_4(2, 8) \
-    UP(8, 1) ADD_4(3, 9) END(4) PASS(32, 3) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
-    UP(2, 1) CUT END(3) PASS(35, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) \
-    PASS(39, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) PASS(43, 4) RESUME \
-    ADD_5(0, 7) UP(7, 1) ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) END(4) PASS(47, 4) COLUMN(2, 0) \
+    SIDES(15) PASS(17, 3) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) \
+    PASS(20, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(24, 4) RESUME \
+    ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) PASS(28, 4) RESUME ADD_5(0, 7) UP(7, 1) \
+    ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) END(4) END_SIDES SIDES(14) PASS(47, 4) COLUMN(2, side) \
     ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(51, 4) RESUME ADD_5(0, 4) UP(4, 2) \
     ADD_5(2, 5) UP(5, 2) CUT END(4) PASS(55, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) \
-    CUT END(4) PASS(59, 2) RESUME ADD_4(0, 8) UP(8, 2) ADD_4(1, 9) END(2) PASS(61, 4) \
-    COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(65, 4) RESUME \
-    ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) CUT END(4) PASS(69, 4) RESUME ADD_5(0, 6) UP(6, 2) \
-    ADD_5(2, 7) UP(7, 2) CUT END(4) PASS(73, 2) RESUME ADD_4(0, 8) UP(8, 2) ADD_4(1, 9) END(2) \
-    PASS(75, 4) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(79, 4) \
+    CUT END(4) PASS(59, 2) RESUME ADD_4(0, 8) UP(8, 2) ADD_4(1, 9) END(2) END_SIDES SIDES(12) \
+    PASS(75, 4) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(79, 4) \
     RESUME ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) PASS(83, 4) RESUME ADD_5(0, 7) \
-    UP(7, 3) ADD_4(2, 8) UP(8, 3) ADD_4(3, 9) END(4) PASS(87, 4) COLUMN(3, 1) ADD_5(0, 3) \
-    UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(91, 4) RESUME ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) \
-    UP(6, 3) CUT END(4) PASS(95, 4) RESUME ADD_5(0, 7) UP(7, 3) ADD_4(2, 8) UP(8, 3) ADD_4(3, 9) \
-    END(4) PASS(99, 4) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) CUT END(4) \
-    PASS(103, 4) RESUME ADD_5(0, 6) UP(6, 4) ADD_5(2, 7) UP(7, 4) CUT END(4) PASS(107, 2) RESUME \
-    ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) END(2) PASS(109, 4) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) \
-    ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(113, 4) RESUME ADD_5(0, 6) UP(6, 4) ADD_5(2, 7) \
-    UP(7, 4) CUT END(4) PASS(117, 2) RESUME ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) END(2) PASS(119, 4) \
-    COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT END(4) PASS(123, 4) RESUME \
-    ADD_5(0, 7) UP(7, 5) ADD_4(2, 8) UP(8, 5) ADD_4(3, 9) END(4) PASS(127, 4) COLUMN(5, 1) \
-    ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT END(4) PASS(131, 4) RESUME ADD_5(0, 7) \
-    UP(7, 5) ADD_4(2, 8) UP(8, 5) ADD_4(3, 9) END(4) PASS(135, 4) COLUMN(6, 0) ADD_5(0, 6) \
-    UP(6, 6) ADD_5(2, 7) UP(7, 6) CUT END(4) PASS(139, 2) RESUME ADD_4(0, 8) UP(8, 6) \
-    ADD_4(1, 9) END(2) PASS(141, 4) COLUMN(6, 1) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) CUT \
-    END(4) PASS(145, 2) RESUME ADD_4(0, 8) UP(8, 6) ADD_4(1, 9) END(2) PASS(147, 4) COLUMN(7, 0) \
-    ADD_5(0, 7) UP(7, 7) ADD_4(2, 8) UP(8, 7) ADD_4(3, 9) END(4) PASS(151, 4) COLUMN(7, 1) \
-    ADD_5(0, 7) UP(7, 7) ADD_4(2, 8) UP(8, 7) ADD_4(3, 9) END(4) PASS(155, 4) COLUMN(8, 0) \
+    UP(7, 3) ADD_4(2, 8) UP(8, 3) ADD_4(3, 9) END(4) END_SIDES SIDES(10) PASS(99, 4) \
+    COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(103, 4) RESUME \
+    ADD_5(0, 6) UP(6, 4) ADD_5(2, 7) UP(7, 4) CUT END(4) PASS(107, 2) RESUME ADD_4(0, 8) \
+    UP(8, 4) ADD_4(1, 9) END(2) END_SIDES SIDES(8) PASS(119, 4) COLUMN(5, side) ADD_5(0, 5) \
+    UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT END(4) PASS(123, 4) RESUME ADD_5(0, 7) UP(7, 5) \
+    ADD_4(2, 8) UP(8, 5) ADD_4(3, 9) END(4) END_SIDES SIDES(6) PASS(135, 4) COLUMN(6, side) \
+    ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) CUT END(4) PASS(139, 2) RESUME ADD_4(0, 8) \
+    UP(8, 6) ADD_4(1, 9) END(2) END_SIDES SIDES(4) PASS(147, 4) COLUMN(7, side) ADD_5(0, 7) \
+    UP(7, 7) ADD_4(2, 8) UP(8, 7) ADD_4(3, 9) END(4) END_SIDES PASS(155, 4) COLUMN(8, 0) \
     ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) COLUMN(8, 1) ADD_4(2, 8) UP(8, 8) ADD_4(3, 9) END(4) \
     PASS(159, 2) COLUMN(9, 0) ADD_4(0, 9) COLUMN(9, 1) ADD_4(1, 9) END(2)
 #define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
@@ -545,51 +416,31 @@
     END(3) PASS(10, 3) RESUME ADD_7(0, 4) UP(4, 0) CUT END(3) PASS(13, 3) RESUME ADD_7(0, 5) \
     UP(5, 0) CUT END(3) PASS(16, 3) RESUME ADD_7(0, 6) UP(6, 0) CUT END(3) PASS(19, 3) RESUME \
     ADD_7(0, 7) UP(7, 0) CUT END(3) PASS(22, 3) RESUME ADD_6(0, 8) UP(8, 0) ADD_4(2, 9) END(3) \
-    PASS(25, 2) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(27, 3) RESUME ADD_7(0, 2) \
-    UP(2, 1) CUT END(3) PASS(30, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(33, 3) RESUME \
-    ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(36, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) \
-    PASS(39, 3) RESUME ADD_7(0, 6) UP(6, 1) CUT END(3) PASS(42, 3) RESUME ADD_7(0, 7) UP(7, 1) \
-    CUT END(3) PASS(45, 3) RESUME ADD_6(0, 8) UP(8, 1) ADD_4(2, 9) END(3) PASS(48, 2) \
-    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(50, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT \
-    END(3) PASS(53, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(56, 3) RESUME ADD_7(0, 4) \
-    UP(4, 1) CUT END(3) PASS(59, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(62, 3) RESUME \
-    ADD_7(0, 6) UP(6, 1) CUT END(3) PASS(65, 3) RESUME ADD_7(0, 7) UP(7, 1) CUT END(3) \
-    PASS(68, 3) RESUME ADD_6(0, 8) UP(8, 1) ADD_4(2, 9) END(3) PASS(71, 3) COLUMN(2, 0) \
-    ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(74, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) \
-    PASS(77, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(80, 3) RESUME ADD_7(0, 5) UP(5, 2) \
-    CUT END(3) PASS(83, 3) RESUME ADD_7(0, 6) UP(6, 2) CUT END(3) PASS(86, 3) RESUME ADD_7(0, 7) \
-    UP(7, 2) CUT END(3) PASS(89, 3) RESUME ADD_6(0, 8) UP(8, 2) ADD_4(2, 9) END(3) PASS(92, 3) \
-    COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(95, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT \
-    END(3) PASS(98, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(101, 3) RESUME ADD_7(0, 5) \
-    UP(5, 2) CUT END(3) PASS(104, 3) RESUME ADD_7(0, 6) UP(6, 2) CUT END(3) PASS(107, 3) RESUME \
-    ADD_7(0, 7) UP(7, 2) CUT END(3) PASS(110, 3) RESUME ADD_6(0, 8) UP(8, 2) ADD_4(2, 9) END(3) \
-    PASS(113, 3) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(116, 3) RESUME ADD_7(0, 4) \
-    UP(4, 3) CUT END(3) PASS(119, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(122, 3) RESUME \
-    ADD_7(0, 6) UP(6, 3) CUT END(3) PASS(125, 3) RESUME ADD_7(0, 7) UP(7, 3) CUT END(3) \
-    PASS(128, 3) RESUME ADD_6(0, 8) UP(8, 3) ADD_4(2, 9) END(3) PASS(131, 3) COLUMN(3, 1) \
-    ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(134, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) \
-    PASS(137, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(140, 3) RESUME ADD_7(0, 6) UP(6, 3) \
-    CUT END(3) PASS(143, 3) RESUME ADD_7(0, 7) UP(7, 3) CUT END(3) PASS(146, 3) RESUME \
-    ADD_6(0, 8) UP(8, 3) ADD_4(2, 9) END(3) PASS(149, 3) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) CUT \
+    SIDES(23) PASS(25, 2) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(27, 3) RESUME \
+    ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(30, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) \
+    PASS(33, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(36, 3) RESUME ADD_7(0, 5) UP(5, 1) \
+    CUT END(3) PASS(39, 3) RESUME ADD_7(0, 6) UP(6, 1) CUT END(3) PASS(42, 3) RESUME ADD_7(0, 7) \
+    UP(7, 1) CUT END(3) PASS(45, 3) RESUME ADD_6(0, 8) UP(8, 1) ADD_4(2, 9) END(3) END_SIDES \
+    SIDES(21) PASS(71, 3) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(74, 3) RESUME \
+    ADD_7(0, 3) UP(3, 2) CUT END(3) PASS(77, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) \
+    PASS(80, 3) RESUME ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(83, 3) RESUME ADD_7(0, 6) UP(6, 2) \
+    CUT END(3) PASS(86, 3) RESUME ADD_7(0, 7) UP(7, 2) CUT END(3) PASS(89, 3) RESUME ADD_6(0, 8) \
+    UP(8, 2) ADD_4(2, 9) END(3) END_SIDES SIDES(18) PASS(113, 3) COLUMN(3, side) ADD_7(0, 3) \
+    UP(3, 3) CUT END(3) PASS(116, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(119, 3) RESUME \
+    ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(122, 3) RESUME ADD_7(0, 6) UP(6, 3) CUT END(3) \
+    PASS(125, 3) RESUME ADD_7(0, 7) UP(7, 3) CUT END(3) PASS(128, 3) RESUME ADD_6(0, 8) UP(8, 3) \
+    ADD_4(2, 9) END(3) END_SIDES SIDES(15) PASS(149, 3) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) CUT \
     END(3) PASS(152, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT END(3) PASS(155, 3) RESUME ADD_7(0, 6) \
     UP(6, 4) CUT END(3) PASS(158, 3) RESUME ADD_7(0, 7) UP(7, 4) CUT END(3) PASS(161, 3) RESUME \
-    ADD_6(0, 8) UP(8, 4) ADD_4(2, 9) END(3) PASS(164, 3) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) CUT \
-    END(3) PASS(167, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT END(3) PASS(170, 3) RESUME ADD_7(0, 6) \
-    UP(6, 4) CUT END(3) PASS(173, 3) RESUME ADD_7(0, 7) UP(7, 4) CUT END(3) PASS(176, 3) RESUME \
-    ADD_6(0, 8) UP(8, 4) ADD_4(2, 9) END(3) PASS(179, 3) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) CUT \
-    END(3) PASS(182, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT END(3) PASS(185, 3) RESUME ADD_7(0, 7) \
-    UP(7, 5) CUT END(3) PASS(188, 3) RESUME ADD_6(0, 8) UP(8, 5) ADD_4(2, 9) END(3) PASS(191, 3) \
-    COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(194, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT \
-    END(3) PASS(197, 3) RESUME ADD_7(0, 7) UP(7, 5) CUT END(3) PASS(200, 3) RESUME ADD_6(0, 8) \
-    UP(8, 5) ADD_4(2, 9) END(3) PASS(203, 3) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) CUT END(3) \
-    PASS(206, 3) RESUME ADD_7(0, 7) UP(7, 6) CUT END(3) PASS(209, 3) RESUME ADD_6(0, 8) UP(8, 6) \
-    ADD_4(2, 9) END(3) PASS(212, 3) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) CUT END(3) PASS(215, 3) \
-    RESUME ADD_7(0, 7) UP(7, 6) CUT END(3) PASS(218, 3) RESUME ADD_6(0, 8) UP(8, 6) ADD_4(2, 9) \
-    END(3) PASS(221, 3) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) CUT END(3) PASS(224, 3) RESUME \
-    ADD_6(0, 8) UP(8, 7) ADD_4(2, 9) END(3) PASS(227, 3) COLUMN(7, 1) ADD_7(0, 7) UP(7, 7) CUT \
-    END(3) PASS(230, 3) RESUME ADD_6(0, 8) UP(8, 7) ADD_4(2, 9) END(3) PASS(233, 3) COLUMN(8, 0) \
-    ADD_6(0, 8) UP(8, 8) ADD_4(2, 9) END(3) PASS(236, 4) COLUMN(8, 1) ADD_6(0, 8) UP(8, 8) \
-    ADD_4(2, 9) COLUMN(9, 0) ADD_4(3, 9) END(4) PASS(240, 1) COLUMN(9, 1) ADD_4(0, 9) END(1)
+    ADD_6(0, 8) UP(8, 4) ADD_4(2, 9) END(3) END_SIDES SIDES(12) PASS(179, 3) COLUMN(5, side) \
+    ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(182, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT END(3) \
+    PASS(185, 3) RESUME ADD_7(0, 7) UP(7, 5) CUT END(3) PASS(188, 3) RESUME ADD_6(0, 8) UP(8, 5) \
+    ADD_4(2, 9) END(3) END_SIDES SIDES(9) PASS(203, 3) COLUMN(6, side) ADD_7(0, 6) UP(6, 6) CUT \
+    END(3) PASS(206, 3) RESUME ADD_7(0, 7) UP(7, 6) CUT END(3) PASS(209, 3) RESUME ADD_6(0, 8) \
+    UP(8, 6) ADD_4(2, 9) END(3) END_SIDES SIDES(6) PASS(221, 3) COLUMN(7, side) ADD_7(0, 7) \
+    UP(7, 7) CUT END(3) PASS(224, 3) RESUME ADD_6(0, 8) UP(8, 7) ADD_4(2, 9) END(3) END_SIDES \
+    SIDES(3) PASS(233, 3) COLUMN(8, side) ADD_6(0, 8) UP(8, 8) ADD_4(2, 9) END(3) END_SIDES \
+    PASS(239, 2) COLUMN(9, 0) ADD_4(0, 9) COLUMN(9, 1) ADD_4(1, 9) END(2)
 #endif
 #define KERNEL_NAME YLM_REAL_KERNEL(ylm__moments_7)
 #endif

@@ -95,636 +95,420 @@
 #define PLAN_5 PASS(0, 19) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) ADD_5(11, 6) \
     UP(6, 0) ADD_5(13, 7) UP(7, 0) ADD_5(15, 8) UP(8, 0) ADD_4(17, 9) UP(9, 0) ADD_4(18, 10) \
-    END(19) PASS(19, 17) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) \
-    UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) ADD_5(11, 7) \
-    UP(7, 1) ADD_5(13, 8) UP(8, 1) ADD_4(15, 9) UP(9, 1) ADD_4(16, 10) END(17) PASS(36, 17) \
-    COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
-    UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) ADD_5(11, 7) UP(7, 1) ADD_5(13, 8) \
-    UP(8, 1) ADD_4(15, 9) UP(9, 1) ADD_4(16, 10) END(17) PASS(53, 16) COLUMN(2, 0) ADD_5(0, 2) \
-    UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) \
-    ADD_5(10, 7) UP(7, 2) ADD_5(12, 8) UP(8, 2) ADD_4(14, 9) UP(9, 2) ADD_4(15, 10) END(16) \
-    PASS(69, 16) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
-    ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) ADD_5(12, 8) UP(8, 2) \
-    ADD_4(14, 9) UP(9, 2) ADD_4(15, 10) END(16) PASS(85, 14) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) \
-    ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) \
-    ADD_5(10, 8) UP(8, 3) ADD_4(12, 9) UP(9, 3) ADD_4(13, 10) END(14) PASS(99, 14) COLUMN(3, 1) \
-    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) \
-    ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) UP(8, 3) ADD_4(12, 9) UP(9, 3) ADD_4(13, 10) END(14) \
-    PASS(113, 24) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) \
-    ADD_5(6, 7) UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_4(10, 9) UP(9, 4) ADD_4(11, 10) COLUMN(4, 1) \
-    ADD_5(12, 4) UP(4, 4) ADD_5(14, 5) UP(5, 4) ADD_5(16, 6) UP(6, 4) ADD_5(18, 7) UP(7, 4) \
-    ADD_5(20, 8) UP(8, 4) ADD_4(22, 9) UP(9, 4) ADD_4(23, 10) END(24) PASS(137, 20) COLUMN(5, 0) \
-    ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) \
-    ADD_4(8, 9) UP(9, 5) ADD_4(9, 10) COLUMN(5, 1) ADD_5(10, 5) UP(5, 5) ADD_5(12, 6) UP(6, 5) \
-    ADD_5(14, 7) UP(7, 5) ADD_5(16, 8) UP(8, 5) ADD_4(18, 9) UP(9, 5) ADD_4(19, 10) END(20) \
-    PASS(157, 22) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) UP(8, 6) \
-    ADD_4(6, 9) UP(9, 6) ADD_4(7, 10) COLUMN(6, 1) ADD_5(8, 6) UP(6, 6) ADD_5(10, 7) UP(7, 6) \
-    ADD_5(12, 8) UP(8, 6) ADD_4(14, 9) UP(9, 6) ADD_4(15, 10) COLUMN(7, 0) ADD_5(16, 7) UP(7, 7) \
-    ADD_5(18, 8) UP(8, 7) ADD_4(20, 9) UP(9, 7) ADD_4(21, 10) END(22) PASS(179, 20) COLUMN(7, 1) \
-    ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_4(4, 9) UP(9, 7) ADD_4(5, 10) COLUMN(8, 0) \
-    ADD_5(6, 8) UP(8, 8) ADD_4(8, 9) UP(9, 8) ADD_4(9, 10) COLUMN(8, 1) ADD_5(10, 8) UP(8, 8) \
-    ADD_4(12, 9) UP(9, 8) ADD_4(13, 10) COLUMN(9, 0) ADD_4(14, 9) UP(9, 9) ADD_4(15, 10) \
-    COLUMN(9, 1) ADD_4(16, 9) UP(9, 9) ADD_4(17, 10) COLUMN(10, 0) ADD_4(18, 10) COLUMN(10, 1) \
-    ADD_4(19, 10) END(20)
+    END(19) SIDES(17) PASS(19, 17) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) \
+    ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) \
+    ADD_5(11, 7) UP(7, 1) ADD_5(13, 8) UP(8, 1) ADD_4(15, 9) UP(9, 1) ADD_4(16, 10) END(17) \
+    END_SIDES SIDES(16) PASS(53, 16) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) \
+    ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) \
+    ADD_5(12, 8) UP(8, 2) ADD_4(14, 9) UP(9, 2) ADD_4(15, 10) END(16) END_SIDES SIDES(14) \
+    PASS(85, 14) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
+    ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) UP(8, 3) ADD_4(12, 9) UP(9, 3) \
+    ADD_4(13, 10) END(14) END_SIDES PASS(113, 24) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) \
+    UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_4(10, 9) \
+    UP(9, 4) ADD_4(11, 10) COLUMN(4, 1) ADD_5(12, 4) UP(4, 4) ADD_5(14, 5) UP(5, 4) ADD_5(16, 6) \
+    UP(6, 4) ADD_5(18, 7) UP(7, 4) ADD_5(20, 8) UP(8, 4) ADD_4(22, 9) UP(9, 4) ADD_4(23, 10) \
+    END(24) PASS(137, 20) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) \
+    UP(7, 5) ADD_5(6, 8) UP(8, 5) ADD_4(8, 9) UP(9, 5) ADD_4(9, 10) COLUMN(5, 1) ADD_5(10, 5) \
+    UP(5, 5) ADD_5(12, 6) UP(6, 5) ADD_5(14, 7) UP(7, 5) ADD_5(16, 8) UP(8, 5) ADD_4(18, 9) \
+    UP(9, 5) ADD_4(19, 10) END(20) PASS(157, 22) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) \
+    UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_4(6, 9) UP(9, 6) ADD_4(7, 10) COLUMN(6, 1) ADD_5(8, 6) \
+    UP(6, 6) ADD_5(10, 7) UP(7, 6) ADD_5(12, 8) UP(8, 6) ADD_4(14, 9) UP(9, 6) ADD_4(15, 10) \
+    COLUMN(7, 0) ADD_5(16, 7) UP(7, 7) ADD_5(18, 8) UP(8, 7) ADD_4(20, 9) UP(9, 7) ADD_4(21, 10) \
+    END(22) PASS(179, 20) COLUMN(7, 1) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_4(4, 9) \
+    UP(9, 7) ADD_4(5, 10) COLUMN(8, 0) ADD_5(6, 8) UP(8, 8) ADD_4(8, 9) UP(9, 8) ADD_4(9, 10) \
+    COLUMN(8, 1) ADD_5(10, 8) UP(8, 8) ADD_4(12, 9) UP(9, 8) ADD_4(13, 10) COLUMN(9, 0) \
+    ADD_4(14, 9) UP(9, 9) ADD_4(15, 10) COLUMN(9, 1) ADD_4(16, 9) UP(9, 9) ADD_4(17, 10) \
+    COLUMN(10, 0) ADD_4(18, 10) COLUMN(10, 1) ADD_4(19, 10) END(20)
 #define PLAN_7 PASS(0, 22) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_7(10, 4) UP(4, 0) ADD_7(13, 5) UP(5, 0) ADD_7(16, 6) \
     UP(6, 0) ADD_7(19, 7) UP(7, 0) CUT END(22) PASS(22, 6) RESUME ADD_7(0, 8) UP(8, 0) \
-    ADD_6(3, 9) UP(9, 0) ADD_4(5, 10) END(6) PASS(28, 23) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) \
-    ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) UP(5, 1) \
-    ADD_7(14, 6) UP(6, 1) ADD_7(17, 7) UP(7, 1) ADD_7(20, 8) UP(8, 1) CUT END(23) PASS(51, 3) \
-    RESUME ADD_6(0, 9) UP(9, 1) ADD_4(2, 10) END(3) PASS(54, 23) COLUMN(1, 1) ADD_3(0, 1) \
+    ADD_6(3, 9) UP(9, 0) ADD_4(5, 10) END(6) SIDES(26) PASS(28, 23) COLUMN(1, side) ADD_3(0, 1) \
     UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) \
     UP(5, 1) ADD_7(14, 6) UP(6, 1) ADD_7(17, 7) UP(7, 1) ADD_7(20, 8) UP(8, 1) CUT END(23) \
-    PASS(77, 3) RESUME ADD_6(0, 9) UP(9, 1) ADD_4(2, 10) END(3) PASS(80, 24) COLUMN(2, 0) \
-    ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) \
-    ADD_7(12, 6) UP(6, 2) ADD_7(15, 7) UP(7, 2) ADD_7(18, 8) UP(8, 2) ADD_6(21, 9) UP(9, 2) \
-    ADD_4(23, 10) END(24) PASS(104, 24) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) \
-    ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_7(12, 6) UP(6, 2) ADD_7(15, 7) UP(7, 2) \
-    ADD_7(18, 8) UP(8, 2) ADD_6(21, 9) UP(9, 2) ADD_4(23, 10) END(24) PASS(128, 21) COLUMN(3, 0) \
-    ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) \
-    ADD_7(12, 7) UP(7, 3) ADD_7(15, 8) UP(8, 3) ADD_6(18, 9) UP(9, 3) ADD_4(20, 10) END(21) \
-    PASS(149, 21) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) \
-    ADD_7(9, 6) UP(6, 3) ADD_7(12, 7) UP(7, 3) ADD_7(15, 8) UP(8, 3) ADD_6(18, 9) UP(9, 3) \
-    ADD_4(20, 10) END(21) PASS(170, 18) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) \
+    PASS(51, 3) RESUME ADD_6(0, 9) UP(9, 1) ADD_4(2, 10) END(3) END_SIDES SIDES(24) PASS(80, 24) \
+    COLUMN(2, side) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) \
+    UP(5, 2) ADD_7(12, 6) UP(6, 2) ADD_7(15, 7) UP(7, 2) ADD_7(18, 8) UP(8, 2) ADD_6(21, 9) \
+    UP(9, 2) ADD_4(23, 10) END(24) END_SIDES SIDES(21) PASS(128, 21) COLUMN(3, side) ADD_7(0, 3) \
+    UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) ADD_7(12, 7) \
+    UP(7, 3) ADD_7(15, 8) UP(8, 3) ADD_6(18, 9) UP(9, 3) ADD_4(20, 10) END(21) END_SIDES \
+    SIDES(18) PASS(170, 18) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) \
     ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) UP(7, 4) ADD_7(12, 8) UP(8, 4) ADD_6(15, 9) UP(9, 4) \
-    ADD_4(17, 10) END(18) PASS(188, 18) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) \
-    ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) UP(7, 4) ADD_7(12, 8) UP(8, 4) ADD_6(15, 9) UP(9, 4) \
-    ADD_4(17, 10) END(18) PASS(206, 15) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) \
-    ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) ADD_6(12, 9) UP(9, 5) ADD_4(14, 10) END(15) \
-    PASS(221, 15) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) \
-    ADD_7(9, 8) UP(8, 5) ADD_6(12, 9) UP(9, 5) ADD_4(14, 10) END(15) PASS(236, 24) COLUMN(6, 0) \
-    ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) ADD_7(6, 8) UP(8, 6) ADD_6(9, 9) UP(9, 6) \
-    ADD_4(11, 10) COLUMN(6, 1) ADD_7(12, 6) UP(6, 6) ADD_7(15, 7) UP(7, 6) ADD_7(18, 8) UP(8, 6) \
-    ADD_6(21, 9) UP(9, 6) ADD_4(23, 10) END(24) PASS(260, 24) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) \
-    ADD_7(3, 8) UP(8, 7) ADD_6(6, 9) UP(9, 7) ADD_4(8, 10) COLUMN(7, 1) ADD_7(9, 7) UP(7, 7) \
-    ADD_7(12, 8) UP(8, 7) ADD_6(15, 9) UP(9, 7) ADD_4(17, 10) COLUMN(8, 0) ADD_7(18, 8) UP(8, 8) \
-    ADD_6(21, 9) UP(9, 8) ADD_4(23, 10) END(24) PASS(284, 14) COLUMN(8, 1) ADD_7(0, 8) UP(8, 8) \
-    ADD_6(3, 9) UP(9, 8) ADD_4(5, 10) COLUMN(9, 0) ADD_6(6, 9) UP(9, 9) ADD_4(8, 10) \
-    COLUMN(9, 1) ADD_6(9, 9) UP(9, 9) ADD_4(11, 10) COLUMN(10, 0) ADD_4(12, 10) COLUMN(10, 1) \
-    ADD_4(13, 10) END(14)
+    ADD_4(17, 10) END(18) END_SIDES SIDES(15) PASS(206, 15) COLUMN(5, side) ADD_7(0, 5) UP(5, 5) \
+    ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) ADD_6(12, 9) UP(9, 5) \
+    ADD_4(14, 10) END(15) END_SIDES PASS(236, 24) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) \
+    UP(7, 6) ADD_7(6, 8) UP(8, 6) ADD_6(9, 9) UP(9, 6) ADD_4(11, 10) COLUMN(6, 1) ADD_7(12, 6) \
+    UP(6, 6) ADD_7(15, 7) UP(7, 6) ADD_7(18, 8) UP(8, 6) ADD_6(21, 9) UP(9, 6) ADD_4(23, 10) \
+    END(24) PASS(260, 24) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_6(6, 9) \
+    UP(9, 7) ADD_4(8, 10) COLUMN(7, 1) ADD_7(9, 7) UP(7, 7) ADD_7(12, 8) UP(8, 7) ADD_6(15, 9) \
+    UP(9, 7) ADD_4(17, 10) COLUMN(8, 0) ADD_7(18, 8) UP(8, 8) ADD_6(21, 9) UP(9, 8) \
+    ADD_4(23, 10) END(24) PASS(284, 14) COLUMN(8, 1) ADD_7(0, 8) UP(8, 8) ADD_6(3, 9) UP(9, 8) \
+    ADD_4(5, 10) COLUMN(9, 0) ADD_6(6, 9) UP(9, 9) ADD_4(8, 10) COLUMN(9, 1) ADD_6(9, 9) \
+    UP(9, 9) ADD_4(11, 10) COLUMN(10, 0) ADD_4(12, 10) COLUMN(10, 1) ADD_4(13, 10) END(14)
 #define PLAN_RGB_1 PASS(0, 8) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) UP(6, 0) \
-    ADD_1(7, 7) UP(7, 0) CUT END(8) PASS(8, 1) RESUME ADD_1(0, 8) END(1) PASS(9, 8) COLUMN(1, 0) \
-    ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) \
-    ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) ADD_1(7, 8) END(8) \
-    PASS(17, 8) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) \
-    ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) \
-    ADD_1(7, 8) END(8) PASS(25, 7) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
+    ADD_1(7, 7) UP(7, 0) CUT END(8) PASS(8, 1) RESUME ADD_1(0, 8) END(1) SIDES(8) PASS(9, 8) \
+    COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) \
+    UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) ADD_1(7, 8) END(8) \
+    END_SIDES SIDES(7) PASS(25, 7) COLUMN(2, side) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
     ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) UP(7, 2) \
-    ADD_1(6, 8) END(7) PASS(32, 7) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
-    ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) UP(7, 2) \
-    ADD_1(6, 8) END(7) PASS(39, 6) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) \
-    ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) END(6) \
-    PASS(45, 6) COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) \
-    ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) END(6) PASS(51, 5) COLUMN(4, 0) \
-    ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) \
-    ADD_1(4, 8) END(5) PASS(56, 5) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) \
-    ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) ADD_1(4, 8) END(5) PASS(61, 8) COLUMN(5, 0) \
-    ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) COLUMN(5, 1) \
-    ADD_1(4, 5) UP(5, 5) ADD_1(5, 6) UP(6, 5) ADD_1(6, 7) UP(7, 5) ADD_1(7, 8) END(8) \
-    PASS(69, 8) COLUMN(6, 0) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) COLUMN(6, 1) \
-    ADD_1(3, 6) UP(6, 6) ADD_1(4, 7) UP(7, 6) ADD_1(5, 8) COLUMN(7, 0) ADD_1(6, 7) UP(7, 7) \
-    ADD_1(7, 8) END(8) PASS(77, 4) COLUMN(7, 1) ADD_1(0, 7) UP(7, 7) ADD_1(1, 8) COLUMN(8, 0) \
-    ADD_1(2, 8) COLUMN(8, 1) ADD_1(3, 8) END(4)
+    ADD_1(6, 8) END(7) END_SIDES SIDES(6) PASS(39, 6) COLUMN(3, side) ADD_1(0, 3) UP(3, 3) \
+    ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) UP(7, 3) \
+    ADD_1(5, 8) END(6) END_SIDES SIDES(5) PASS(51, 5) COLUMN(4, side) ADD_1(0, 4) UP(4, 4) \
+    ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) ADD_1(4, 8) END(5) END_SIDES \
+    PASS(61, 8) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) \
+    ADD_1(3, 8) COLUMN(5, 1) ADD_1(4, 5) UP(5, 5) ADD_1(5, 6) UP(6, 5) ADD_1(6, 7) UP(7, 5) \
+    ADD_1(7, 8) END(8) PASS(69, 8) COLUMN(6, 0) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) \
+    ADD_1(2, 8) COLUMN(6, 1) ADD_1(3, 6) UP(6, 6) ADD_1(4, 7) UP(7, 6) ADD_1(5, 8) COLUMN(7, 0) \
+    ADD_1(6, 7) UP(7, 7) ADD_1(7, 8) END(8) PASS(77, 4) COLUMN(7, 1) ADD_1(0, 7) UP(7, 7) \
+    ADD_1(1, 8) COLUMN(8, 0) ADD_1(2, 8) COLUMN(8, 1) ADD_1(3, 8) END(4)
 #define PLAN_RGB_3 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
     UP(2, 0) ADD_3(5, 3) UP(3, 0) CUT END(7) PASS(7, 8) RESUME ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) \
     UP(5, 0) ADD_3(4, 6) UP(6, 0) ADD_3(6, 7) UP(7, 0) CUT END(8) PASS(15, 3) RESUME ADD_3(0, 8) \
-    UP(8, 0) ADD_2(2, 9) END(3) PASS(18, 8) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
-    UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT END(8) PASS(26, 8) RESUME ADD_3(0, 5) \
-    UP(5, 1) ADD_3(2, 6) UP(6, 1) ADD_3(4, 7) UP(7, 1) ADD_3(6, 8) UP(8, 1) CUT END(8) \
-    PASS(34, 1) RESUME ADD_2(0, 9) END(1) PASS(35, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) \
-    ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT END(8) PASS(43, 8) RESUME \
+    UP(8, 0) ADD_2(2, 9) END(3) SIDES(17) PASS(18, 8) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) \
+    ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT END(8) PASS(26, 8) RESUME \
     ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) ADD_3(4, 7) UP(7, 1) ADD_3(6, 8) UP(8, 1) CUT \
-    END(8) PASS(51, 1) RESUME ADD_2(0, 9) END(1) PASS(52, 8) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) \
-    ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) CUT END(8) PASS(60, 7) RESUME \
-    ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) ADD_3(4, 8) UP(8, 2) ADD_2(6, 9) END(7) \
-    PASS(67, 8) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) \
-    ADD_3(6, 5) UP(5, 2) CUT END(8) PASS(75, 7) RESUME ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) \
-    ADD_3(4, 8) UP(8, 2) ADD_2(6, 9) END(7) PASS(82, 8) COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) \
+    END(8) PASS(34, 1) RESUME ADD_2(0, 9) END(1) END_SIDES SIDES(15) PASS(52, 8) COLUMN(2, side) \
+    ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) CUT \
+    END(8) PASS(60, 7) RESUME ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) ADD_3(4, 8) UP(8, 2) \
+    ADD_2(6, 9) END(7) END_SIDES SIDES(13) PASS(82, 8) COLUMN(3, side) ADD_3(0, 3) UP(3, 3) \
     ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) CUT END(8) PASS(90, 5) RESUME \
-    ADD_3(0, 7) UP(7, 3) ADD_3(2, 8) UP(8, 3) ADD_2(4, 9) END(5) PASS(95, 8) COLUMN(3, 1) \
-    ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) CUT \
-    END(8) PASS(103, 5) RESUME ADD_3(0, 7) UP(7, 3) ADD_3(2, 8) UP(8, 3) ADD_2(4, 9) END(5) \
-    PASS(108, 8) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) \
+    ADD_3(0, 7) UP(7, 3) ADD_3(2, 8) UP(8, 3) ADD_2(4, 9) END(5) END_SIDES SIDES(11) \
+    PASS(108, 8) COLUMN(4, side) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) \
     ADD_3(6, 7) UP(7, 4) CUT END(8) PASS(116, 3) RESUME ADD_3(0, 8) UP(8, 4) ADD_2(2, 9) END(3) \
-    PASS(119, 8) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) \
-    ADD_3(6, 7) UP(7, 4) CUT END(8) PASS(127, 3) RESUME ADD_3(0, 8) UP(8, 4) ADD_2(2, 9) END(3) \
-    PASS(130, 8) COLUMN(5, 0) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) \
-    ADD_3(6, 8) UP(8, 5) CUT END(8) PASS(138, 1) RESUME ADD_2(0, 9) END(1) PASS(139, 8) \
-    COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) \
-    UP(8, 5) CUT END(8) PASS(147, 8) RESUME ADD_2(0, 9) COLUMN(6, 0) ADD_3(1, 6) UP(6, 6) \
-    ADD_3(3, 7) UP(7, 6) ADD_3(5, 8) UP(8, 6) ADD_2(7, 9) END(8) PASS(155, 7) COLUMN(6, 1) \
-    ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) ADD_3(4, 8) UP(8, 6) ADD_2(6, 9) END(7) \
-    PASS(162, 5) COLUMN(7, 0) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) ADD_2(4, 9) END(5) \
-    PASS(167, 8) COLUMN(7, 1) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) ADD_2(4, 9) COLUMN(8, 0) \
-    ADD_3(5, 8) UP(8, 8) ADD_2(7, 9) END(8) PASS(175, 5) COLUMN(8, 1) ADD_3(0, 8) UP(8, 8) \
-    ADD_2(2, 9) COLUMN(9, 0) ADD_2(3, 9) COLUMN(9, 1) ADD_2(4, 9) END(5)
+    END_SIDES SIDES(9) PASS(130, 8) COLUMN(5, side) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) \
+    ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) UP(8, 5) CUT END(8) PASS(138, 1) RESUME ADD_2(0, 9) END(1) \
+    END_SIDES SIDES(7) PASS(148, 7) COLUMN(6, side) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) \
+    ADD_3(4, 8) UP(8, 6) ADD_2(6, 9) END(7) END_SIDES SIDES(5) PASS(162, 5) COLUMN(7, side) \
+    ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) ADD_2(4, 9) END(5) END_SIDES PASS(172, 8) \
+    COLUMN(8, 0) ADD_3(0, 8) UP(8, 8) ADD_2(2, 9) COLUMN(8, 1) ADD_3(3, 8) UP(8, 8) ADD_2(5, 9) \
+    COLUMN(9, 0) ADD_2(6, 9) COLUMN(9, 1) ADD_2(7, 9) END(8)
 #define PLAN_RGB_4 PASS(0, 8) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
     ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) UP(8, 0) CUT END(8) PASS(8, 2) RESUME ADD_4(0, 9) UP(9, 0) \
-    ADD_4(1, 10) END(2) PASS(10, 8) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
-    UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) \
-    ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) UP(9, 1) CUT END(8) PASS(18, 1) RESUME ADD_4(0, 10) END(1) \
-    PASS(19, 8) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
-    UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) \
-    ADD_4(7, 9) UP(9, 1) CUT END(8) PASS(27, 1) RESUME ADD_4(0, 10) END(1) PASS(28, 8) \
-    COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) \
-    UP(5, 2) ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) \
-    CUT END(8) PASS(36, 1) RESUME ADD_4(0, 10) END(1) PASS(37, 8) COLUMN(2, 1) ADD_4(0, 2) \
-    UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) CUT END(8) PASS(45, 1) RESUME \
-    ADD_4(0, 10) END(1) PASS(46, 8) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
-    ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) \
-    ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) END(8) PASS(54, 8) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) \
+    ADD_4(1, 10) END(2) SIDES(9) PASS(10, 8) COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) \
+    ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
+    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) UP(9, 1) CUT END(8) PASS(18, 1) RESUME \
+    ADD_4(0, 10) END(1) END_SIDES SIDES(9) PASS(28, 8) COLUMN(2, side) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
+    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) CUT END(8) PASS(36, 1) RESUME \
+    ADD_4(0, 10) END(1) END_SIDES SIDES(8) PASS(46, 8) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) \
     ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) \
-    ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) END(8) PASS(62, 7) COLUMN(4, 0) \
-    ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) \
-    ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) UP(9, 4) ADD_4(6, 10) END(7) PASS(69, 7) COLUMN(4, 1) \
-    ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) \
-    ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) UP(9, 4) ADD_4(6, 10) END(7) PASS(76, 6) COLUMN(5, 0) \
-    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) \
-    ADD_4(4, 9) UP(9, 5) ADD_4(5, 10) END(6) PASS(82, 6) COLUMN(5, 1) ADD_4(0, 5) UP(5, 5) \
-    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) UP(9, 5) \
-    ADD_4(5, 10) END(6) PASS(88, 5) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) \
-    ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) ADD_4(4, 10) END(5) PASS(93, 5) COLUMN(6, 1) \
-    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) \
-    ADD_4(4, 10) END(5) PASS(98, 8) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) \
-    ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) COLUMN(7, 1) ADD_4(4, 7) UP(7, 7) ADD_4(5, 8) UP(8, 7) \
-    ADD_4(6, 9) UP(9, 7) ADD_4(7, 10) END(8) PASS(106, 8) COLUMN(8, 0) ADD_4(0, 8) UP(8, 8) \
-    ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) COLUMN(8, 1) ADD_4(3, 8) UP(8, 8) ADD_4(4, 9) UP(9, 8) \
-    ADD_4(5, 10) COLUMN(9, 0) ADD_4(6, 9) UP(9, 9) ADD_4(7, 10) END(8) PASS(114, 4) COLUMN(9, 1) \
-    ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) COLUMN(10, 0) ADD_4(2, 10) COLUMN(10, 1) ADD_4(3, 10) \
-    END(4)
+    ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) END(8) END_SIDES SIDES(7) PASS(62, 7) \
+    COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) \
+    UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) UP(9, 4) ADD_4(6, 10) END(7) END_SIDES SIDES(6) \
+    PASS(76, 6) COLUMN(5, side) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) \
+    ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) UP(9, 5) ADD_4(5, 10) END(6) END_SIDES SIDES(5) PASS(88, 5) \
+    COLUMN(6, side) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) \
+    UP(9, 6) ADD_4(4, 10) END(5) END_SIDES PASS(98, 8) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) \
+    ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) COLUMN(7, 1) ADD_4(4, 7) UP(7, 7) \
+    ADD_4(5, 8) UP(8, 7) ADD_4(6, 9) UP(9, 7) ADD_4(7, 10) END(8) PASS(106, 8) COLUMN(8, 0) \
+    ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) COLUMN(8, 1) ADD_4(3, 8) UP(8, 8) \
+    ADD_4(4, 9) UP(9, 8) ADD_4(5, 10) COLUMN(9, 0) ADD_4(6, 9) UP(9, 9) ADD_4(7, 10) END(8) \
+    PASS(114, 4) COLUMN(9, 1) ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) COLUMN(10, 0) ADD_4(2, 10) \
+    COLUMN(10, 1) ADD_4(3, 10) END(4)
 #define PLAN_RGB_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) CUT END(7) PASS(7, 8) RESUME ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) \
     UP(5, 0) ADD_5(4, 6) UP(6, 0) ADD_5(6, 7) UP(7, 0) CUT END(8) PASS(15, 4) RESUME ADD_5(0, 8) \
-    UP(8, 0) ADD_4(2, 9) UP(9, 0) ADD_4(3, 10) END(4) PASS(19, 7) COLUMN(1, 0) ADD_1(0, 1) \
-    UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) CUT END(7) \
-    PASS(26, 8) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) ADD_5(4, 7) UP(7, 1) \
+    UP(8, 0) ADD_4(2, 9) UP(9, 0) ADD_4(3, 10) END(4) SIDES(17) PASS(19, 7) COLUMN(1, side) \
+    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) CUT \
+    END(7) PASS(26, 8) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) ADD_5(4, 7) UP(7, 1) \
     ADD_5(6, 8) UP(8, 1) CUT END(8) PASS(34, 2) RESUME ADD_4(0, 9) UP(9, 1) ADD_4(1, 10) END(2) \
-    PASS(36, 7) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) \
-    ADD_5(5, 4) UP(4, 1) CUT END(7) PASS(43, 8) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) \
-    ADD_5(4, 7) UP(7, 1) ADD_5(6, 8) UP(8, 1) CUT END(8) PASS(51, 2) RESUME ADD_4(0, 9) UP(9, 1) \
-    ADD_4(1, 10) END(2) PASS(53, 8) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) \
+    END_SIDES SIDES(16) PASS(53, 8) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) \
     ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(61, 8) RESUME ADD_5(0, 6) UP(6, 2) \
-    ADD_5(2, 7) UP(7, 2) ADD_5(4, 8) UP(8, 2) ADD_4(6, 9) UP(9, 2) ADD_4(7, 10) END(8) \
-    PASS(69, 8) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
-    ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(77, 8) RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) \
-    ADD_5(4, 8) UP(8, 2) ADD_4(6, 9) UP(9, 2) ADD_4(7, 10) END(8) PASS(85, 8) COLUMN(3, 0) \
-    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT \
-    END(8) PASS(93, 6) RESUME ADD_5(0, 7) UP(7, 3) ADD_5(2, 8) UP(8, 3) ADD_4(4, 9) UP(9, 3) \
-    ADD_4(5, 10) END(6) PASS(99, 8) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) \
-    ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(107, 6) RESUME ADD_5(0, 7) \
-    UP(7, 3) ADD_5(2, 8) UP(8, 3) ADD_4(4, 9) UP(9, 3) ADD_4(5, 10) END(6) PASS(113, 8) \
-    COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) \
+    ADD_5(2, 7) UP(7, 2) ADD_5(4, 8) UP(8, 2) ADD_4(6, 9) UP(9, 2) ADD_4(7, 10) END(8) END_SIDES \
+    SIDES(14) PASS(85, 8) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) \
+    UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(93, 6) RESUME ADD_5(0, 7) UP(7, 3) ADD_5(2, 8) \
+    UP(8, 3) ADD_4(4, 9) UP(9, 3) ADD_4(5, 10) END(6) END_SIDES SIDES(12) PASS(113, 8) \
+    COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) \
     UP(7, 4) CUT END(8) PASS(121, 4) RESUME ADD_5(0, 8) UP(8, 4) ADD_4(2, 9) UP(9, 4) \
-    ADD_4(3, 10) END(4) PASS(125, 8) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) \
-    ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) CUT END(8) PASS(133, 4) RESUME ADD_5(0, 8) \
-    UP(8, 4) ADD_4(2, 9) UP(9, 4) ADD_4(3, 10) END(4) PASS(137, 8) COLUMN(5, 0) ADD_5(0, 5) \
-    UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) CUT END(8) \
-    PASS(145, 2) RESUME ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) END(2) PASS(147, 8) COLUMN(5, 1) \
-    ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) CUT \
-    END(8) PASS(155, 2) RESUME ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) END(2) PASS(157, 8) \
-    COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_4(6, 9) \
-    UP(9, 6) ADD_4(7, 10) END(8) PASS(165, 8) COLUMN(6, 1) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) \
-    UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_4(6, 9) UP(9, 6) ADD_4(7, 10) END(8) PASS(173, 6) \
-    COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_4(4, 9) UP(9, 7) ADD_4(5, 10) \
-    END(6) PASS(179, 6) COLUMN(7, 1) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_4(4, 9) \
-    UP(9, 7) ADD_4(5, 10) END(6) PASS(185, 8) COLUMN(8, 0) ADD_5(0, 8) UP(8, 8) ADD_4(2, 9) \
-    UP(9, 8) ADD_4(3, 10) COLUMN(8, 1) ADD_5(4, 8) UP(8, 8) ADD_4(6, 9) UP(9, 8) ADD_4(7, 10) \
-    END(8) PASS(193, 6) COLUMN(9, 0) ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) COLUMN(9, 1) ADD_4(2, 9) \
-    UP(9, 9) ADD_4(3, 10) COLUMN(10, 0) ADD_4(4, 10) COLUMN(10, 1) ADD_4(5, 10) END(6)
+    ADD_4(3, 10) END(4) END_SIDES SIDES(10) PASS(137, 8) COLUMN(5, side) ADD_5(0, 5) UP(5, 5) \
+    ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) CUT END(8) PASS(145, 2) \
+    RESUME ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) END(2) END_SIDES SIDES(8) PASS(157, 8) \
+    COLUMN(6, side) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_4(6, 9) \
+    UP(9, 6) ADD_4(7, 10) END(8) END_SIDES SIDES(6) PASS(173, 6) COLUMN(7, side) ADD_5(0, 7) \
+    UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_4(4, 9) UP(9, 7) ADD_4(5, 10) END(6) END_SIDES \
+    PASS(185, 8) COLUMN(8, 0) ADD_5(0, 8) UP(8, 8) ADD_4(2, 9) UP(9, 8) ADD_4(3, 10) \
+    COLUMN(8, 1) ADD_5(4, 8) UP(8, 8) ADD_4(6, 9) UP(9, 8) ADD_4(7, 10) END(8) PASS(193, 6) \
+    COLUMN(9, 0) ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) COLUMN(9, 1) ADD_4(2, 9) UP(9, 9) \
+    ADD_4(3, 10) COLUMN(10, 0) ADD_4(4, 10) COLUMN(10, 1) ADD_4(5, 10) END(6)
 #define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) CUT END(7) PASS(7, 6) RESUME ADD_7(0, 3) UP(3, 0) ADD_7(3, 4) UP(4, 0) CUT END(6) \
     PASS(13, 6) RESUME ADD_7(0, 5) UP(5, 0) ADD_7(3, 6) UP(6, 0) CUT END(6) PASS(19, 8) RESUME \
     ADD_7(0, 7) UP(7, 0) ADD_7(3, 8) UP(8, 0) ADD_6(6, 9) UP(9, 0) CUT END(8) PASS(27, 1) RESUME \
-    ADD_4(0, 10) END(1) PASS(28, 8) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) \
-    ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(36, 6) RESUME ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) \
-    CUT END(6) PASS(42, 6) RESUME ADD_7(0, 6) UP(6, 1) ADD_7(3, 7) UP(7, 1) CUT END(6) \
-    PASS(48, 6) RESUME ADD_7(0, 8) UP(8, 1) ADD_6(3, 9) UP(9, 1) ADD_4(5, 10) END(6) PASS(54, 8) \
-    COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) \
-    PASS(62, 6) RESUME ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) CUT END(6) PASS(68, 6) RESUME \
-    ADD_7(0, 6) UP(6, 1) ADD_7(3, 7) UP(7, 1) CUT END(6) PASS(74, 6) RESUME ADD_7(0, 8) UP(8, 1) \
-    ADD_6(3, 9) UP(9, 1) ADD_4(5, 10) END(6) PASS(80, 6) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) \
-    ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(86, 6) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) \
-    CUT END(6) PASS(92, 6) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) CUT END(6) \
-    PASS(98, 6) RESUME ADD_7(0, 8) UP(8, 2) ADD_6(3, 9) UP(9, 2) ADD_4(5, 10) END(6) \
-    PASS(104, 6) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(110, 6) \
-    RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) CUT END(6) PASS(116, 6) RESUME ADD_7(0, 6) \
-    UP(6, 2) ADD_7(3, 7) UP(7, 2) CUT END(6) PASS(122, 6) RESUME ADD_7(0, 8) UP(8, 2) \
-    ADD_6(3, 9) UP(9, 2) ADD_4(5, 10) END(6) PASS(128, 6) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) \
-    ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(134, 6) RESUME ADD_7(0, 5) UP(5, 3) ADD_7(3, 6) \
-    UP(6, 3) CUT END(6) PASS(140, 8) RESUME ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) UP(8, 3) \
-    ADD_6(6, 9) UP(9, 3) CUT END(8) PASS(148, 1) RESUME ADD_4(0, 10) END(1) PASS(149, 6) \
-    COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(155, 6) RESUME \
-    ADD_7(0, 5) UP(5, 3) ADD_7(3, 6) UP(6, 3) CUT END(6) PASS(161, 8) RESUME ADD_7(0, 7) \
-    UP(7, 3) ADD_7(3, 8) UP(8, 3) ADD_6(6, 9) UP(9, 3) CUT END(8) PASS(169, 1) RESUME \
-    ADD_4(0, 10) END(1) PASS(170, 6) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT \
-    END(6) PASS(176, 6) RESUME ADD_7(0, 6) UP(6, 4) ADD_7(3, 7) UP(7, 4) CUT END(6) PASS(182, 6) \
-    RESUME ADD_7(0, 8) UP(8, 4) ADD_6(3, 9) UP(9, 4) ADD_4(5, 10) END(6) PASS(188, 6) \
-    COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT END(6) PASS(194, 6) RESUME \
-    ADD_7(0, 6) UP(6, 4) ADD_7(3, 7) UP(7, 4) CUT END(6) PASS(200, 6) RESUME ADD_7(0, 8) \
-    UP(8, 4) ADD_6(3, 9) UP(9, 4) ADD_4(5, 10) END(6) PASS(206, 6) COLUMN(5, 0) ADD_7(0, 5) \
-    UP(5, 5) ADD_7(3, 6) UP(6, 5) CUT END(6) PASS(212, 8) RESUME ADD_7(0, 7) UP(7, 5) \
-    ADD_7(3, 8) UP(8, 5) ADD_6(6, 9) UP(9, 5) CUT END(8) PASS(220, 1) RESUME ADD_4(0, 10) END(1) \
-    PASS(221, 6) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) CUT END(6) PASS(227, 8) \
-    RESUME ADD_7(0, 7) UP(7, 5) ADD_7(3, 8) UP(8, 5) ADD_6(6, 9) UP(9, 5) CUT END(8) \
-    PASS(235, 1) RESUME ADD_4(0, 10) END(1) PASS(236, 6) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) \
-    ADD_7(3, 7) UP(7, 6) CUT END(6) PASS(242, 6) RESUME ADD_7(0, 8) UP(8, 6) ADD_6(3, 9) \
-    UP(9, 6) ADD_4(5, 10) END(6) PASS(248, 6) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) \
-    UP(7, 6) CUT END(6) PASS(254, 6) RESUME ADD_7(0, 8) UP(8, 6) ADD_6(3, 9) UP(9, 6) \
-    ADD_4(5, 10) END(6) PASS(260, 8) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) \
-    ADD_6(6, 9) UP(9, 7) CUT END(8) PASS(268, 1) RESUME ADD_4(0, 10) END(1) PASS(269, 8) \
-    COLUMN(7, 1) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_6(6, 9) UP(9, 7) CUT END(8) \
-    PASS(277, 7) RESUME ADD_4(0, 10) COLUMN(8, 0) ADD_7(1, 8) UP(8, 8) ADD_6(4, 9) UP(9, 8) \
-    ADD_4(6, 10) END(7) PASS(284, 6) COLUMN(8, 1) ADD_7(0, 8) UP(8, 8) ADD_6(3, 9) UP(9, 8) \
-    ADD_4(5, 10) END(6) PASS(290, 8) COLUMN(9, 0) ADD_6(0, 9) UP(9, 9) ADD_4(2, 10) COLUMN(9, 1) \
-    ADD_6(3, 9) UP(9, 9) ADD_4(5, 10) COLUMN(10, 0) ADD_4(6, 10) COLUMN(10, 1) ADD_4(7, 10) \
-    END(8)
+    ADD_4(0, 10) END(1) SIDES(26) PASS(28, 8) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) \
+    UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(36, 6) RESUME ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) \
+    UP(5, 1) CUT END(6) PASS(42, 6) RESUME ADD_7(0, 6) UP(6, 1) ADD_7(3, 7) UP(7, 1) CUT END(6) \
+    PASS(48, 6) RESUME ADD_7(0, 8) UP(8, 1) ADD_6(3, 9) UP(9, 1) ADD_4(5, 10) END(6) END_SIDES \
+    SIDES(24) PASS(80, 6) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) \
+    PASS(86, 6) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) CUT END(6) PASS(92, 6) RESUME \
+    ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) CUT END(6) PASS(98, 6) RESUME ADD_7(0, 8) UP(8, 2) \
+    ADD_6(3, 9) UP(9, 2) ADD_4(5, 10) END(6) END_SIDES SIDES(21) PASS(128, 6) COLUMN(3, side) \
+    ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(134, 6) RESUME ADD_7(0, 5) \
+    UP(5, 3) ADD_7(3, 6) UP(6, 3) CUT END(6) PASS(140, 8) RESUME ADD_7(0, 7) UP(7, 3) \
+    ADD_7(3, 8) UP(8, 3) ADD_6(6, 9) UP(9, 3) CUT END(8) PASS(148, 1) RESUME ADD_4(0, 10) END(1) \
+    END_SIDES SIDES(18) PASS(170, 6) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) \
+    CUT END(6) PASS(176, 6) RESUME ADD_7(0, 6) UP(6, 4) ADD_7(3, 7) UP(7, 4) CUT END(6) \
+    PASS(182, 6) RESUME ADD_7(0, 8) UP(8, 4) ADD_6(3, 9) UP(9, 4) ADD_4(5, 10) END(6) END_SIDES \
+    SIDES(15) PASS(206, 6) COLUMN(5, side) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) CUT END(6) \
+    PASS(212, 8) RESUME ADD_7(0, 7) UP(7, 5) ADD_7(3, 8) UP(8, 5) ADD_6(6, 9) UP(9, 5) CUT \
+    END(8) PASS(220, 1) RESUME ADD_4(0, 10) END(1) END_SIDES SIDES(12) PASS(236, 6) \
+    COLUMN(6, side) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) CUT END(6) PASS(242, 6) RESUME \
+    ADD_7(0, 8) UP(8, 6) ADD_6(3, 9) UP(9, 6) ADD_4(5, 10) END(6) END_SIDES SIDES(9) \
+    PASS(260, 8) COLUMN(7, side) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_6(6, 9) UP(9, 7) \
+    CUT END(8) PASS(268, 1) RESUME ADD_4(0, 10) END(1) END_SIDES SIDES(6) PASS(278, 6) \
+    COLUMN(8, side) ADD_7(0, 8) UP(8, 8) ADD_6(3, 9) UP(9, 8) ADD_4(5, 10) END(6) END_SIDES \
+    PASS(290, 8) COLUMN(9, 0) ADD_6(0, 9) UP(9, 9) ADD_4(2, 10) COLUMN(9, 1) ADD_6(3, 9) \
+    UP(9, 9) ADD_4(5, 10) COLUMN(10, 0) ADD_4(6, 10) COLUMN(10, 1) ADD_4(7, 10) END(8)
 #else
 #define PLAN_1 PASS(0, 9) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) UP(6, 0) \
-    ADD_1(7, 7) UP(7, 0) ADD_1(8, 8) END(9) PASS(9, 8) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) \
-    ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) \
-    ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) ADD_1(7, 8) END(8) PASS(17, 8) COLUMN(1, 1) \
-    ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) \
-    ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) ADD_1(7, 8) END(8) \
-    PASS(25, 7) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
-    ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) END(7) \
-    PASS(32, 7) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
-    ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) END(7) \
-    PASS(39, 12) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) \
-    ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) COLUMN(3, 1) ADD_1(6, 3) UP(3, 3) \
-    ADD_1(7, 4) UP(4, 3) ADD_1(8, 5) UP(5, 3) ADD_1(9, 6) UP(6, 3) ADD_1(10, 7) UP(7, 3) \
-    ADD_1(11, 8) END(12) PASS(51, 10) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) \
-    ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) ADD_1(4, 8) COLUMN(4, 1) ADD_1(5, 4) UP(4, 4) \
-    ADD_1(6, 5) UP(5, 4) ADD_1(7, 6) UP(6, 4) ADD_1(8, 7) UP(7, 4) ADD_1(9, 8) END(10) \
-    PASS(61, 11) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) \
-    ADD_1(3, 8) COLUMN(5, 1) ADD_1(4, 5) UP(5, 5) ADD_1(5, 6) UP(6, 5) ADD_1(6, 7) UP(7, 5) \
-    ADD_1(7, 8) COLUMN(6, 0) ADD_1(8, 6) UP(6, 6) ADD_1(9, 7) UP(7, 6) ADD_1(10, 8) END(11) \
-    PASS(72, 9) COLUMN(6, 1) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) COLUMN(7, 0) \
-    ADD_1(3, 7) UP(7, 7) ADD_1(4, 8) COLUMN(7, 1) ADD_1(5, 7) UP(7, 7) ADD_1(6, 8) COLUMN(8, 0) \
-    ADD_1(7, 8) COLUMN(8, 1) ADD_1(8, 8) END(9)
+    ADD_1(7, 7) UP(7, 0) ADD_1(8, 8) END(9) SIDES(8) PASS(9, 8) COLUMN(1, side) ADD_1(0, 1) \
+    UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) \
+    ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) ADD_1(7, 8) END(8) END_SIDES SIDES(7) PASS(25, 7) \
+    COLUMN(2, side) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) \
+    UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) END(7) END_SIDES PASS(39, 12) \
+    COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) \
+    UP(6, 3) ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) COLUMN(3, 1) ADD_1(6, 3) UP(3, 3) ADD_1(7, 4) \
+    UP(4, 3) ADD_1(8, 5) UP(5, 3) ADD_1(9, 6) UP(6, 3) ADD_1(10, 7) UP(7, 3) ADD_1(11, 8) \
+    END(12) PASS(51, 10) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) \
+    UP(6, 4) ADD_1(3, 7) UP(7, 4) ADD_1(4, 8) COLUMN(4, 1) ADD_1(5, 4) UP(4, 4) ADD_1(6, 5) \
+    UP(5, 4) ADD_1(7, 6) UP(6, 4) ADD_1(8, 7) UP(7, 4) ADD_1(9, 8) END(10) PASS(61, 11) \
+    COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) \
+    COLUMN(5, 1) ADD_1(4, 5) UP(5, 5) ADD_1(5, 6) UP(6, 5) ADD_1(6, 7) UP(7, 5) ADD_1(7, 8) \
+    COLUMN(6, 0) ADD_1(8, 6) UP(6, 6) ADD_1(9, 7) UP(7, 6) ADD_1(10, 8) END(11) PASS(72, 9) \
+    COLUMN(6, 1) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) COLUMN(7, 0) ADD_1(3, 7) \
+    UP(7, 7) ADD_1(4, 8) COLUMN(7, 1) ADD_1(5, 7) UP(7, 7) ADD_1(6, 8) COLUMN(8, 0) ADD_1(7, 8) \
+    COLUMN(8, 1) ADD_1(8, 8) END(9)
 #define PLAN_3 PASS(0, 11) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
     UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_3(9, 5) UP(5, 0) CUT END(11) \
     PASS(11, 7) RESUME ADD_3(0, 6) UP(6, 0) ADD_3(2, 7) UP(7, 0) ADD_3(4, 8) UP(8, 0) \
-    ADD_2(6, 9) END(7) PASS(18, 12) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) \
-    ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) ADD_3(10, 6) UP(6, 1) CUT \
-    END(12) PASS(30, 5) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) UP(8, 1) ADD_2(4, 9) END(5) \
-    PASS(35, 12) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) \
-    ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) ADD_3(10, 6) UP(6, 1) CUT END(12) PASS(47, 5) \
-    RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) UP(8, 1) ADD_2(4, 9) END(5) PASS(52, 12) \
-    COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) \
-    UP(5, 2) ADD_3(8, 6) UP(6, 2) ADD_3(10, 7) UP(7, 2) CUT END(12) PASS(64, 3) RESUME \
-    ADD_3(0, 8) UP(8, 2) ADD_2(2, 9) END(3) PASS(67, 12) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) \
+    ADD_2(6, 9) END(7) SIDES(17) PASS(18, 12) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) \
+    UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) ADD_3(10, 6) \
+    UP(6, 1) CUT END(12) PASS(30, 5) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) UP(8, 1) \
+    ADD_2(4, 9) END(5) END_SIDES SIDES(15) PASS(52, 12) COLUMN(2, side) ADD_3(0, 2) UP(2, 2) \
     ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) ADD_3(8, 6) UP(6, 2) \
-    ADD_3(10, 7) UP(7, 2) CUT END(12) PASS(79, 3) RESUME ADD_3(0, 8) UP(8, 2) ADD_2(2, 9) END(3) \
-    PASS(82, 12) COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) \
-    ADD_3(6, 6) UP(6, 3) ADD_3(8, 7) UP(7, 3) ADD_3(10, 8) UP(8, 3) CUT END(12) PASS(94, 1) \
-    RESUME ADD_2(0, 9) END(1) PASS(95, 12) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) \
-    UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) ADD_3(8, 7) UP(7, 3) ADD_3(10, 8) \
-    UP(8, 3) CUT END(12) PASS(107, 12) RESUME ADD_2(0, 9) COLUMN(4, 0) ADD_3(1, 4) UP(4, 4) \
-    ADD_3(3, 5) UP(5, 4) ADD_3(5, 6) UP(6, 4) ADD_3(7, 7) UP(7, 4) ADD_3(9, 8) UP(8, 4) \
-    ADD_2(11, 9) END(12) PASS(119, 11) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) \
-    ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) UP(7, 4) ADD_3(8, 8) UP(8, 4) ADD_2(10, 9) END(11) \
-    PASS(130, 9) COLUMN(5, 0) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) \
-    ADD_3(6, 8) UP(8, 5) ADD_2(8, 9) END(9) PASS(139, 9) COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) \
-    ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) UP(8, 5) ADD_2(8, 9) END(9) \
-    PASS(148, 7) COLUMN(6, 0) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) ADD_3(4, 8) UP(8, 6) \
-    ADD_2(6, 9) END(7) PASS(155, 12) COLUMN(6, 1) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) \
-    ADD_3(4, 8) UP(8, 6) ADD_2(6, 9) COLUMN(7, 0) ADD_3(7, 7) UP(7, 7) ADD_3(9, 8) UP(8, 7) \
-    ADD_2(11, 9) END(12) PASS(167, 12) COLUMN(7, 1) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) \
-    ADD_2(4, 9) COLUMN(8, 0) ADD_3(5, 8) UP(8, 8) ADD_2(7, 9) COLUMN(8, 1) ADD_3(8, 8) UP(8, 8) \
-    ADD_2(10, 9) COLUMN(9, 0) ADD_2(11, 9) END(12) PASS(179, 1) COLUMN(9, 1) ADD_2(0, 9) END(1)
+    ADD_3(10, 7) UP(7, 2) CUT END(12) PASS(64, 3) RESUME ADD_3(0, 8) UP(8, 2) ADD_2(2, 9) END(3) \
+    END_SIDES SIDES(13) PASS(82, 12) COLUMN(3, side) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) \
+    ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) ADD_3(8, 7) UP(7, 3) ADD_3(10, 8) UP(8, 3) CUT \
+    END(12) PASS(94, 1) RESUME ADD_2(0, 9) END(1) END_SIDES SIDES(11) PASS(108, 11) \
+    COLUMN(4, side) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) \
+    UP(7, 4) ADD_3(8, 8) UP(8, 4) ADD_2(10, 9) END(11) END_SIDES SIDES(9) PASS(130, 9) \
+    COLUMN(5, side) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) \
+    UP(8, 5) ADD_2(8, 9) END(9) END_SIDES SIDES(7) PASS(148, 7) COLUMN(6, side) ADD_3(0, 6) \
+    UP(6, 6) ADD_3(2, 7) UP(7, 6) ADD_3(4, 8) UP(8, 6) ADD_2(6, 9) END(7) END_SIDES \
+    PASS(162, 10) COLUMN(7, 0) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) ADD_2(4, 9) \
+    COLUMN(7, 1) ADD_3(5, 7) UP(7, 7) ADD_3(7, 8) UP(8, 7) ADD_2(9, 9) END(10) PASS(172, 8) \
+    COLUMN(8, 0) ADD_3(0, 8) UP(8, 8) ADD_2(2, 9) COLUMN(8, 1) ADD_3(3, 8) UP(8, 8) ADD_2(5, 9) \
+    COLUMN(9, 0) ADD_2(6, 9) COLUMN(9, 1) ADD_2(7, 9) END(8)
 #define PLAN_4 PASS(0, 10) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
-    ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) UP(8, 0) ADD_4(8, 9) UP(9, 0) ADD_4(9, 10) END(10) \
-    PASS(10, 9) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
+    ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) UP(8, 0) ADD_4(8, 9) UP(9, 0) ADD_4(9, 10) END(10) SIDES(9) \
+    PASS(10, 9) COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
     UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) \
-    ADD_4(7, 9) UP(9, 1) ADD_4(8, 10) END(9) PASS(19, 9) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
-    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) UP(9, 1) ADD_4(8, 10) END(9) \
-    PASS(28, 9) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
-    ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) \
-    ADD_4(7, 9) UP(9, 2) ADD_4(8, 10) END(9) PASS(37, 9) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) ADD_4(8, 10) END(9) \
-    PASS(46, 8) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) \
-    ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) UP(9, 3) \
-    ADD_4(7, 10) END(8) PASS(54, 8) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
-    ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) \
-    ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) END(8) PASS(62, 7) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) \
-    ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) \
-    ADD_4(5, 9) UP(9, 4) ADD_4(6, 10) END(7) PASS(69, 7) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) \
-    ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) \
-    ADD_4(5, 9) UP(9, 4) ADD_4(6, 10) END(7) PASS(76, 12) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
-    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) UP(9, 5) \
-    ADD_4(5, 10) COLUMN(5, 1) ADD_4(6, 5) UP(5, 5) ADD_4(7, 6) UP(6, 5) ADD_4(8, 7) UP(7, 5) \
-    ADD_4(9, 8) UP(8, 5) ADD_4(10, 9) UP(9, 5) ADD_4(11, 10) END(12) PASS(88, 10) COLUMN(6, 0) \
-    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) \
-    ADD_4(4, 10) COLUMN(6, 1) ADD_4(5, 6) UP(6, 6) ADD_4(6, 7) UP(7, 6) ADD_4(7, 8) UP(8, 6) \
-    ADD_4(8, 9) UP(9, 6) ADD_4(9, 10) END(10) PASS(98, 11) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) \
-    ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) COLUMN(7, 1) ADD_4(4, 7) UP(7, 7) \
-    ADD_4(5, 8) UP(8, 7) ADD_4(6, 9) UP(9, 7) ADD_4(7, 10) COLUMN(8, 0) ADD_4(8, 8) UP(8, 8) \
-    ADD_4(9, 9) UP(9, 8) ADD_4(10, 10) END(11) PASS(109, 9) COLUMN(8, 1) ADD_4(0, 8) UP(8, 8) \
-    ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) COLUMN(9, 0) ADD_4(3, 9) UP(9, 9) ADD_4(4, 10) \
-    COLUMN(9, 1) ADD_4(5, 9) UP(9, 9) ADD_4(6, 10) COLUMN(10, 0) ADD_4(7, 10) COLUMN(10, 1) \
-    ADD_4(8, 10) END(9)
+    ADD_4(7, 9) UP(9, 1) ADD_4(8, 10) END(9) END_SIDES SIDES(9) PASS(28, 9) COLUMN(2, side) \
+    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) \
+    ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) \
+    ADD_4(8, 10) END(9) END_SIDES SIDES(8) PASS(46, 8) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) \
+    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) \
+    ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) END(8) END_SIDES SIDES(7) PASS(62, 7) \
+    COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) \
+    UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) UP(9, 4) ADD_4(6, 10) END(7) END_SIDES \
+    PASS(76, 12) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) \
+    ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) UP(9, 5) ADD_4(5, 10) COLUMN(5, 1) ADD_4(6, 5) UP(5, 5) \
+    ADD_4(7, 6) UP(6, 5) ADD_4(8, 7) UP(7, 5) ADD_4(9, 8) UP(8, 5) ADD_4(10, 9) UP(9, 5) \
+    ADD_4(11, 10) END(12) PASS(88, 10) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) \
+    ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) ADD_4(4, 10) COLUMN(6, 1) ADD_4(5, 6) UP(6, 6) \
+    ADD_4(6, 7) UP(7, 6) ADD_4(7, 8) UP(8, 6) ADD_4(8, 9) UP(9, 6) ADD_4(9, 10) END(10) \
+    PASS(98, 11) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) \
+    ADD_4(3, 10) COLUMN(7, 1) ADD_4(4, 7) UP(7, 7) ADD_4(5, 8) UP(8, 7) ADD_4(6, 9) UP(9, 7) \
+    ADD_4(7, 10) COLUMN(8, 0) ADD_4(8, 8) UP(8, 8) ADD_4(9, 9) UP(9, 8) ADD_4(10, 10) END(11) \
+    PASS(109, 9) COLUMN(8, 1) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) \
+    COLUMN(9, 0) ADD_4(3, 9) UP(9, 9) ADD_4(4, 10) COLUMN(9, 1) ADD_4(5, 9) UP(9, 9) \
+    ADD_4(6, 10) COLUMN(10, 0) ADD_4(7, 10) COLUMN(10, 1) ADD_4(8, 10) END(9)
 #define PLAN_5 PASS(0, 11) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) CUT END(11) \
     PASS(11, 8) RESUME ADD_5(0, 6) UP(6, 0) ADD_5(2, 7) UP(7, 0) ADD_5(4, 8) UP(8, 0) \
-    ADD_4(6, 9) UP(9, 0) ADD_4(7, 10) END(8) PASS(19, 11) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) \
-    ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) \
-    ADD_5(9, 6) UP(6, 1) CUT END(11) PASS(30, 6) RESUME ADD_5(0, 7) UP(7, 1) ADD_5(2, 8) \
-    UP(8, 1) ADD_4(4, 9) UP(9, 1) ADD_4(5, 10) END(6) PASS(36, 11) COLUMN(1, 1) ADD_1(0, 1) \
+    ADD_4(6, 9) UP(9, 0) ADD_4(7, 10) END(8) SIDES(17) PASS(19, 11) COLUMN(1, side) ADD_1(0, 1) \
     UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) \
-    ADD_5(9, 6) UP(6, 1) CUT END(11) PASS(47, 6) RESUME ADD_5(0, 7) UP(7, 1) ADD_5(2, 8) \
-    UP(8, 1) ADD_4(4, 9) UP(9, 1) ADD_4(5, 10) END(6) PASS(53, 12) COLUMN(2, 0) ADD_5(0, 2) \
-    UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) \
-    ADD_5(10, 7) UP(7, 2) CUT END(12) PASS(65, 4) RESUME ADD_5(0, 8) UP(8, 2) ADD_4(2, 9) \
-    UP(9, 2) ADD_4(3, 10) END(4) PASS(69, 12) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) \
-    UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) \
-    UP(7, 2) CUT END(12) PASS(81, 4) RESUME ADD_5(0, 8) UP(8, 2) ADD_4(2, 9) UP(9, 2) \
-    ADD_4(3, 10) END(4) PASS(85, 12) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) \
-    ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) UP(8, 3) CUT \
-    END(12) PASS(97, 2) RESUME ADD_4(0, 9) UP(9, 3) ADD_4(1, 10) END(2) PASS(99, 12) \
-    COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) \
-    UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) UP(8, 3) CUT END(12) PASS(111, 2) RESUME \
-    ADD_4(0, 9) UP(9, 3) ADD_4(1, 10) END(2) PASS(113, 12) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) \
-    ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) ADD_5(8, 8) UP(8, 4) \
-    ADD_4(10, 9) UP(9, 4) ADD_4(11, 10) END(12) PASS(125, 12) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) \
-    ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) ADD_5(8, 8) UP(8, 4) \
-    ADD_4(10, 9) UP(9, 4) ADD_4(11, 10) END(12) PASS(137, 10) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
-    ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) ADD_4(8, 9) UP(9, 5) \
-    ADD_4(9, 10) END(10) PASS(147, 10) COLUMN(5, 1) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) \
+    ADD_5(9, 6) UP(6, 1) CUT END(11) PASS(30, 6) RESUME ADD_5(0, 7) UP(7, 1) ADD_5(2, 8) \
+    UP(8, 1) ADD_4(4, 9) UP(9, 1) ADD_4(5, 10) END(6) END_SIDES SIDES(16) PASS(53, 12) \
+    COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) \
+    UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) CUT END(12) PASS(65, 4) RESUME \
+    ADD_5(0, 8) UP(8, 2) ADD_4(2, 9) UP(9, 2) ADD_4(3, 10) END(4) END_SIDES SIDES(14) \
+    PASS(85, 12) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) \
+    ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) UP(8, 3) CUT END(12) PASS(97, 2) \
+    RESUME ADD_4(0, 9) UP(9, 3) ADD_4(1, 10) END(2) END_SIDES SIDES(12) PASS(113, 12) \
+    COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) \
+    UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_4(10, 9) UP(9, 4) ADD_4(11, 10) END(12) END_SIDES \
+    SIDES(10) PASS(137, 10) COLUMN(5, side) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) \
     ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) ADD_4(8, 9) UP(9, 5) ADD_4(9, 10) END(10) \
-    PASS(157, 8) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) UP(8, 6) \
-    ADD_4(6, 9) UP(9, 6) ADD_4(7, 10) END(8) PASS(165, 8) COLUMN(6, 1) ADD_5(0, 6) UP(6, 6) \
-    ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_4(6, 9) UP(9, 6) ADD_4(7, 10) END(8) \
-    PASS(173, 12) COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_4(4, 9) UP(9, 7) \
-    ADD_4(5, 10) COLUMN(7, 1) ADD_5(6, 7) UP(7, 7) ADD_5(8, 8) UP(8, 7) ADD_4(10, 9) UP(9, 7) \
-    ADD_4(11, 10) END(12) PASS(185, 12) COLUMN(8, 0) ADD_5(0, 8) UP(8, 8) ADD_4(2, 9) UP(9, 8) \
-    ADD_4(3, 10) COLUMN(8, 1) ADD_5(4, 8) UP(8, 8) ADD_4(6, 9) UP(9, 8) ADD_4(7, 10) \
-    COLUMN(9, 0) ADD_4(8, 9) UP(9, 9) ADD_4(9, 10) COLUMN(9, 1) ADD_4(10, 9) UP(9, 9) \
-    ADD_4(11, 10) END(12) PASS(197, 2) COLUMN(10, 0) ADD_4(0, 10) COLUMN(10, 1) ADD_4(1, 10) \
-    END(2)
+    END_SIDES SIDES(8) PASS(157, 8) COLUMN(6, side) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) \
+    ADD_5(4, 8) UP(8, 6) ADD_4(6, 9) UP(9, 6) ADD_4(7, 10) END(8) END_SIDES PASS(173, 12) \
+    COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_4(4, 9) UP(9, 7) ADD_4(5, 10) \
+    COLUMN(7, 1) ADD_5(6, 7) UP(7, 7) ADD_5(8, 8) UP(8, 7) ADD_4(10, 9) UP(9, 7) ADD_4(11, 10) \
+    END(12) PASS(185, 12) COLUMN(8, 0) ADD_5(0, 8) UP(8, 8) ADD_4(2, 9) UP(9, 8) ADD_4(3, 10) \
+    COLUMN(8, 1) ADD_5(4, 8) UP(8, 8) ADD_4(6, 9) UP(9, 8) ADD_4(7, 10) COLUMN(9, 0) ADD_4(8, 9) \
+    UP(9, 9) ADD_4(9, 10) COLUMN(9, 1) ADD_4(10, 9) UP(9, 9) ADD_4(11, 10) END(12) PASS(197, 2) \
+    COLUMN(10, 0) ADD_4(0, 10) COLUMN(10, 1) ADD_4(1, 10) END(2)
 #define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) CUT END(10) PASS(10, 12) RESUME ADD_7(0, 4) UP(4, 0) \
     ADD_7(3, 5) UP(5, 0) ADD_7(6, 6) UP(6, 0) ADD_7(9, 7) UP(7, 0) CUT END(12) PASS(22, 6) \
-    RESUME ADD_7(0, 8) UP(8, 0) ADD_6(3, 9) UP(9, 0) ADD_4(5, 10) END(6) PASS(28, 11) \
-    COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) \
+    RESUME ADD_7(0, 8) UP(8, 0) ADD_6(3, 9) UP(9, 0) ADD_4(5, 10) END(6) SIDES(26) PASS(28, 11) \
+    COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) \
     UP(4, 1) CUT END(11) PASS(39, 12) RESUME ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) UP(6, 1) \
     ADD_7(6, 7) UP(7, 1) ADD_7(9, 8) UP(8, 1) CUT END(12) PASS(51, 3) RESUME ADD_6(0, 9) \
-    UP(9, 1) ADD_4(2, 10) END(3) PASS(54, 11) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) \
-    UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(65, 12) RESUME \
-    ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) UP(6, 1) ADD_7(6, 7) UP(7, 1) ADD_7(9, 8) UP(8, 1) CUT \
-    END(12) PASS(77, 3) RESUME ADD_6(0, 9) UP(9, 1) ADD_4(2, 10) END(3) PASS(80, 12) \
-    COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) \
-    UP(5, 2) CUT END(12) PASS(92, 12) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) \
-    ADD_7(6, 8) UP(8, 2) ADD_6(9, 9) UP(9, 2) ADD_4(11, 10) END(12) PASS(104, 12) COLUMN(2, 1) \
-    ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT \
-    END(12) PASS(116, 12) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) ADD_7(6, 8) UP(8, 2) \
-    ADD_6(9, 9) UP(9, 2) ADD_4(11, 10) END(12) PASS(128, 12) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) \
-    ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) CUT END(12) PASS(140, 9) \
-    RESUME ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) UP(8, 3) ADD_6(6, 9) UP(9, 3) ADD_4(8, 10) END(9) \
-    PASS(149, 12) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) \
-    ADD_7(9, 6) UP(6, 3) CUT END(12) PASS(161, 9) RESUME ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) \
-    UP(8, 3) ADD_6(6, 9) UP(9, 3) ADD_4(8, 10) END(9) PASS(170, 12) COLUMN(4, 0) ADD_7(0, 4) \
-    UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) UP(7, 4) CUT END(12) \
-    PASS(182, 6) RESUME ADD_7(0, 8) UP(8, 4) ADD_6(3, 9) UP(9, 4) ADD_4(5, 10) END(6) \
-    PASS(188, 12) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) \
-    ADD_7(9, 7) UP(7, 4) CUT END(12) PASS(200, 6) RESUME ADD_7(0, 8) UP(8, 4) ADD_6(3, 9) \
-    UP(9, 4) ADD_4(5, 10) END(6) PASS(206, 12) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) \
-    UP(6, 5) ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) CUT END(12) PASS(218, 3) RESUME \
-    ADD_6(0, 9) UP(9, 5) ADD_4(2, 10) END(3) PASS(221, 12) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) \
-    ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) CUT END(12) PASS(233, 3) \
-    RESUME ADD_6(0, 9) UP(9, 5) ADD_4(2, 10) END(3) PASS(236, 12) COLUMN(6, 0) ADD_7(0, 6) \
-    UP(6, 6) ADD_7(3, 7) UP(7, 6) ADD_7(6, 8) UP(8, 6) ADD_6(9, 9) UP(9, 6) ADD_4(11, 10) \
-    END(12) PASS(248, 12) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) ADD_7(6, 8) \
-    UP(8, 6) ADD_6(9, 9) UP(9, 6) ADD_4(11, 10) END(12) PASS(260, 9) COLUMN(7, 0) ADD_7(0, 7) \
-    UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_6(6, 9) UP(9, 7) ADD_4(8, 10) END(9) PASS(269, 9) \
-    COLUMN(7, 1) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_6(6, 9) UP(9, 7) ADD_4(8, 10) \
-    END(9) PASS(278, 12) COLUMN(8, 0) ADD_7(0, 8) UP(8, 8) ADD_6(3, 9) UP(9, 8) ADD_4(5, 10) \
-    COLUMN(8, 1) ADD_7(6, 8) UP(8, 8) ADD_6(9, 9) UP(9, 8) ADD_4(11, 10) END(12) PASS(290, 8) \
-    COLUMN(9, 0) ADD_6(0, 9) UP(9, 9) ADD_4(2, 10) COLUMN(9, 1) ADD_6(3, 9) UP(9, 9) \
-    ADD_4(5, 10) COLUMN(10, 0) ADD_4(6, 10) COLUMN(10, 1) ADD_4(7, 10) END(8)
+    UP(9, 1) ADD_4(2, 10) END(3) END_SIDES SIDES(24) PASS(80, 12) COLUMN(2, side) ADD_7(0, 2) \
+    UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) \
+    PASS(92, 12) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) ADD_7(6, 8) UP(8, 2) \
+    ADD_6(9, 9) UP(9, 2) ADD_4(11, 10) END(12) END_SIDES SIDES(21) PASS(128, 12) COLUMN(3, side) \
+    ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) CUT \
+    END(12) PASS(140, 9) RESUME ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) UP(8, 3) ADD_6(6, 9) UP(9, 3) \
+    ADD_4(8, 10) END(9) END_SIDES SIDES(18) PASS(170, 12) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) \
+    ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) UP(7, 4) CUT END(12) PASS(182, 6) \
+    RESUME ADD_7(0, 8) UP(8, 4) ADD_6(3, 9) UP(9, 4) ADD_4(5, 10) END(6) END_SIDES SIDES(15) \
+    PASS(206, 12) COLUMN(5, side) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) \
+    ADD_7(9, 8) UP(8, 5) CUT END(12) PASS(218, 3) RESUME ADD_6(0, 9) UP(9, 5) ADD_4(2, 10) \
+    END(3) END_SIDES SIDES(12) PASS(236, 12) COLUMN(6, side) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) \
+    UP(7, 6) ADD_7(6, 8) UP(8, 6) ADD_6(9, 9) UP(9, 6) ADD_4(11, 10) END(12) END_SIDES SIDES(9) \
+    PASS(260, 9) COLUMN(7, side) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_6(6, 9) UP(9, 7) \
+    ADD_4(8, 10) END(9) END_SIDES PASS(278, 12) COLUMN(8, 0) ADD_7(0, 8) UP(8, 8) ADD_6(3, 9) \
+    UP(9, 8) ADD_4(5, 10) COLUMN(8, 1) ADD_7(6, 8) UP(8, 8) ADD_6(9, 9) UP(9, 8) ADD_4(11, 10) \
+    END(12) PASS(290, 8) COLUMN(9, 0) ADD_6(0, 9) UP(9, 9) ADD_4(2, 10) COLUMN(9, 1) ADD_6(3, 9) \
+    UP(9, 9) ADD_4(5, 10) COLUMN(10, 0) ADD_4(6, 10) COLUMN(10, 1) ADD_4(7, 10) END(8)
 #define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) CUT END(4) PASS(4, 4) RESUME ADD_1(0, 4) UP(4, 0) ADD_1(1, 5) \
     UP(5, 0) ADD_1(2, 6) UP(6, 0) ADD_1(3, 7) UP(7, 0) CUT END(4) PASS(8, 1) RESUME ADD_1(0, 8) \
-    END(1) PASS(9, 4) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) \
-    UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(13, 4) RESUME ADD_1(0, 5) UP(5, 1) ADD_1(1, 6) \
-    UP(6, 1) ADD_1(2, 7) UP(7, 1) ADD_1(3, 8) END(4) PASS(17, 4) COLUMN(1, 1) ADD_1(0, 1) \
-    UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) \
-    PASS(21, 4) RESUME ADD_1(0, 5) UP(5, 1) ADD_1(1, 6) UP(6, 1) ADD_1(2, 7) UP(7, 1) \
-    ADD_1(3, 8) END(4) PASS(25, 4) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) \
-    ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(29, 3) RESUME ADD_1(0, 6) UP(6, 2) \
-    ADD_1(1, 7) UP(7, 2) ADD_1(2, 8) END(3) PASS(32, 4) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) \
-    ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(36, 3) RESUME \
-    ADD_1(0, 6) UP(6, 2) ADD_1(1, 7) UP(7, 2) ADD_1(2, 8) END(3) PASS(39, 4) COLUMN(3, 0) \
-    ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) CUT \
-    END(4) PASS(43, 2) RESUME ADD_1(0, 7) UP(7, 3) ADD_1(1, 8) END(2) PASS(45, 4) COLUMN(3, 1) \
-    ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) CUT \
-    END(4) PASS(49, 2) RESUME ADD_1(0, 7) UP(7, 3) ADD_1(1, 8) END(2) PASS(51, 4) COLUMN(4, 0) \
-    ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) CUT \
-    END(4) PASS(55, 1) RESUME ADD_1(0, 8) END(1) PASS(56, 4) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) \
-    ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) CUT END(4) PASS(60, 1) RESUME \
-    ADD_1(0, 8) END(1) PASS(61, 4) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) \
-    ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) END(4) PASS(65, 4) COLUMN(5, 1) ADD_1(0, 5) UP(5, 5) \
-    ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) END(4) PASS(69, 3) COLUMN(6, 0) \
-    ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) END(3) PASS(72, 3) COLUMN(6, 1) \
-    ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) END(3) PASS(75, 4) COLUMN(7, 0) \
-    ADD_1(0, 7) UP(7, 7) ADD_1(1, 8) COLUMN(7, 1) ADD_1(2, 7) UP(7, 7) ADD_1(3, 8) END(4) \
-    PASS(79, 2) COLUMN(8, 0) ADD_1(0, 8) COLUMN(8, 1) ADD_1(1, 8) END(2)
+    END(1) SIDES(8) PASS(9, 4) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) \
+    ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(13, 4) RESUME ADD_1(0, 5) UP(5, 1) \
+    ADD_1(1, 6) UP(6, 1) ADD_1(2, 7) UP(7, 1) ADD_1(3, 8) END(4) END_SIDES SIDES(7) PASS(25, 4) \
+    COLUMN(2, side) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) \
+    UP(5, 2) CUT END(4) PASS(29, 3) RESUME ADD_1(0, 6) UP(6, 2) ADD_1(1, 7) UP(7, 2) ADD_1(2, 8) \
+    END(3) END_SIDES SIDES(6) PASS(39, 4) COLUMN(3, side) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) \
+    UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) CUT END(4) PASS(43, 2) RESUME ADD_1(0, 7) \
+    UP(7, 3) ADD_1(1, 8) END(2) END_SIDES SIDES(5) PASS(51, 4) COLUMN(4, side) ADD_1(0, 4) \
+    UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) CUT END(4) \
+    PASS(55, 1) RESUME ADD_1(0, 8) END(1) END_SIDES SIDES(4) PASS(61, 4) COLUMN(5, side) \
+    ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) END(4) END_SIDES \
+    SIDES(3) PASS(69, 3) COLUMN(6, side) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) \
+    END(3) END_SIDES PASS(75, 4) COLUMN(7, 0) ADD_1(0, 7) UP(7, 7) ADD_1(1, 8) COLUMN(7, 1) \
+    ADD_1(2, 7) UP(7, 7) ADD_1(3, 8) END(4) PASS(79, 2) COLUMN(8, 0) ADD_1(0, 8) COLUMN(8, 1) \
+    ADD_1(1, 8) END(2)
 #define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_3(0, 2) UP(2, 0) ADD_3(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
     ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) UP(5, 0) CUT END(4) PASS(11, 4) RESUME ADD_3(0, 6) UP(6, 0) \
     ADD_3(2, 7) UP(7, 0) CUT END(4) PASS(15, 3) RESUME ADD_3(0, 8) UP(8, 0) ADD_2(2, 9) END(3) \
-    PASS(18, 4) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(22, 4) \
-    RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(26, 4) RESUME ADD_3(0, 5) \
-    UP(5, 1) ADD_3(2, 6) UP(6, 1) CUT END(4) PASS(30, 4) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) \
-    UP(8, 1) CUT END(4) PASS(34, 1) RESUME ADD_2(0, 9) END(1) PASS(35, 4) COLUMN(1, 1) \
-    ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(39, 4) RESUME ADD_3(0, 3) UP(3, 1) \
-    ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(43, 4) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) \
-    CUT END(4) PASS(47, 4) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) UP(8, 1) CUT END(4) \
-    PASS(51, 1) RESUME ADD_2(0, 9) END(1) PASS(52, 4) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) \
-    ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(56, 4) RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) \
-    CUT END(4) PASS(60, 4) RESUME ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) CUT END(4) \
-    PASS(64, 3) RESUME ADD_3(0, 8) UP(8, 2) ADD_2(2, 9) END(3) PASS(67, 4) COLUMN(2, 1) \
-    ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(71, 4) RESUME ADD_3(0, 4) UP(4, 2) \
-    ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(75, 4) RESUME ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) \
-    CUT END(4) PASS(79, 3) RESUME ADD_3(0, 8) UP(8, 2) ADD_2(2, 9) END(3) PASS(82, 4) \
-    COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(86, 4) RESUME \
-    ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(90, 4) RESUME ADD_3(0, 7) UP(7, 3) \
-    ADD_3(2, 8) UP(8, 3) CUT END(4) PASS(94, 1) RESUME ADD_2(0, 9) END(1) PASS(95, 4) \
-    COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(99, 4) RESUME \
-    ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(103, 4) RESUME ADD_3(0, 7) \
-    UP(7, 3) ADD_3(2, 8) UP(8, 3) CUT END(4) PASS(107, 1) RESUME ADD_2(0, 9) END(1) PASS(108, 4) \
-    COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(112, 4) RESUME \
-    ADD_3(0, 6) UP(6, 4) ADD_3(2, 7) UP(7, 4) CUT END(4) PASS(116, 3) RESUME ADD_3(0, 8) \
-    UP(8, 4) ADD_2(2, 9) END(3) PASS(119, 4) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) \
-    UP(5, 4) CUT END(4) PASS(123, 4) RESUME ADD_3(0, 6) UP(6, 4) ADD_3(2, 7) UP(7, 4) CUT END(4) \
-    PASS(127, 3) RESUME ADD_3(0, 8) UP(8, 4) ADD_2(2, 9) END(3) PASS(130, 4) COLUMN(5, 0) \
-    ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) CUT END(4) PASS(134, 4) RESUME ADD_3(0, 7) \
-    UP(7, 5) ADD_3(2, 8) UP(8, 5) CUT END(4) PASS(138, 1) RESUME ADD_2(0, 9) END(1) PASS(139, 4) \
-    COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) CUT END(4) PASS(143, 4) RESUME \
-    ADD_3(0, 7) UP(7, 5) ADD_3(2, 8) UP(8, 5) CUT END(4) PASS(147, 1) RESUME ADD_2(0, 9) END(1) \
-    PASS(148, 4) COLUMN(6, 0) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) CUT END(4) PASS(152, 3) \
-    RESUME ADD_3(0, 8) UP(8, 6) ADD_2(2, 9) END(3) PASS(155, 4) COLUMN(6, 1) ADD_3(0, 6) \
-    UP(6, 6) ADD_3(2, 7) UP(7, 6) CUT END(4) PASS(159, 3) RESUME ADD_3(0, 8) UP(8, 6) \
-    ADD_2(2, 9) END(3) PASS(162, 4) COLUMN(7, 0) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) CUT \
-    END(4) PASS(166, 1) RESUME ADD_2(0, 9) END(1) PASS(167, 4) COLUMN(7, 1) ADD_3(0, 7) UP(7, 7) \
-    ADD_3(2, 8) UP(8, 7) CUT END(4) PASS(171, 4) RESUME ADD_2(0, 9) COLUMN(8, 0) ADD_3(1, 8) \
-    UP(8, 8) ADD_2(3, 9) END(4) PASS(175, 4) COLUMN(8, 1) ADD_3(0, 8) UP(8, 8) ADD_2(2, 9) \
-    COLUMN(9, 0) ADD_2(3, 9) END(4) PASS(179, 1) COLUMN(9, 1) ADD_2(0, 9) END(1)
+    SIDES(17) PASS(18, 4) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) \
+    PASS(22, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(26, 4) RESUME \
+    ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) CUT END(4) PASS(30, 4) RESUME ADD_3(0, 7) UP(7, 1) \
+    ADD_3(2, 8) UP(8, 1) CUT END(4) PASS(34, 1) RESUME ADD_2(0, 9) END(1) END_SIDES SIDES(15) \
+    PASS(52, 4) COLUMN(2, side) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(56, 4) \
+    RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(60, 4) RESUME ADD_3(0, 6) \
+    UP(6, 2) ADD_3(2, 7) UP(7, 2) CUT END(4) PASS(64, 3) RESUME ADD_3(0, 8) UP(8, 2) ADD_2(2, 9) \
+    END(3) END_SIDES SIDES(13) PASS(82, 4) COLUMN(3, side) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) \
+    UP(4, 3) CUT END(4) PASS(86, 4) RESUME ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) CUT END(4) \
+    PASS(90, 4) RESUME ADD_3(0, 7) UP(7, 3) ADD_3(2, 8) UP(8, 3) CUT END(4) PASS(94, 1) RESUME \
+    ADD_2(0, 9) END(1) END_SIDES SIDES(11) PASS(108, 4) COLUMN(4, side) ADD_3(0, 4) UP(4, 4) \
+    ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(112, 4) RESUME ADD_3(0, 6) UP(6, 4) ADD_3(2, 7) \
+    UP(7, 4) CUT END(4) PASS(116, 3) RESUME ADD_3(0, 8) UP(8, 4) ADD_2(2, 9) END(3) END_SIDES \
+    SIDES(9) PASS(130, 4) COLUMN(5, side) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) CUT END(4) \
+    PASS(134, 4) RESUME ADD_3(0, 7) UP(7, 5) ADD_3(2, 8) UP(8, 5) CUT END(4) PASS(138, 1) RESUME \
+    ADD_2(0, 9) END(1) END_SIDES SIDES(7) PASS(148, 4) COLUMN(6, side) ADD_3(0, 6) UP(6, 6) \
+    ADD_3(2, 7) UP(7, 6) CUT END(4) PASS(152, 3) RESUME ADD_3(0, 8) UP(8, 6) ADD_2(2, 9) END(3) \
+    END_SIDES SIDES(5) PASS(162, 4) COLUMN(7, side) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) \
+    CUT END(4) PASS(166, 1) RESUME ADD_2(0, 9) END(1) END_SIDES SIDES(3) PASS(172, 3) \
+    COLUMN(8, side) ADD_3(0, 8) UP(8, 8) ADD_2(2, 9) END(3) END_SIDES PASS(178, 2) COLUMN(9, 0) \
+    ADD_2(0, 9) COLUMN(9, 1) ADD_2(1, 9) END(2)
 #define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) CUT END(4) PASS(4, 4) RESUME ADD_4(0, 5) UP(5, 0) \
     ADD_4(1, 6) UP(6, 0) ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) UP(8, 0) CUT END(4) PASS(8, 2) RESUME \
-    ADD_4(0, 9) UP(9, 0) ADD_4(1, 10) END(2) PASS(10, 4) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) \
-    PASS(14, 4) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) UP(7, 1) ADD_4(2, 8) UP(8, 1) \
-    ADD_4(3, 9) UP(9, 1) CUT END(4) PASS(18, 1) RESUME ADD_4(0, 10) END(1) PASS(19, 4) \
-    COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) \
-    ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(23, 4) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) UP(7, 1) \
-    ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) UP(9, 1) CUT END(4) PASS(27, 1) RESUME ADD_4(0, 10) END(1) \
-    PASS(28, 4) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
+    ADD_4(0, 9) UP(9, 0) ADD_4(1, 10) END(2) SIDES(9) PASS(10, 4) COLUMN(1, side) UP(1, 1) \
+    ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT \
+    END(4) PASS(14, 4) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) UP(7, 1) ADD_4(2, 8) UP(8, 1) \
+    ADD_4(3, 9) UP(9, 1) CUT END(4) PASS(18, 1) RESUME ADD_4(0, 10) END(1) END_SIDES SIDES(9) \
+    PASS(28, 4) COLUMN(2, side) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
     ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(32, 4) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) UP(7, 2) \
     ADD_4(2, 8) UP(8, 2) ADD_4(3, 9) UP(9, 2) CUT END(4) PASS(36, 1) RESUME ADD_4(0, 10) END(1) \
-    PASS(37, 4) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
-    ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(41, 4) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) UP(7, 2) \
-    ADD_4(2, 8) UP(8, 2) ADD_4(3, 9) UP(9, 2) CUT END(4) PASS(45, 1) RESUME ADD_4(0, 10) END(1) \
-    PASS(46, 4) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) \
-    ADD_4(3, 6) UP(6, 3) CUT END(4) PASS(50, 4) RESUME ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) UP(8, 3) \
-    ADD_4(2, 9) UP(9, 3) ADD_4(3, 10) END(4) PASS(54, 4) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) \
-    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT END(4) PASS(58, 4) RESUME \
-    ADD_4(0, 7) UP(7, 3) ADD_4(1, 8) UP(8, 3) ADD_4(2, 9) UP(9, 3) ADD_4(3, 10) END(4) \
-    PASS(62, 4) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) \
-    ADD_4(3, 7) UP(7, 4) CUT END(4) PASS(66, 3) RESUME ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) UP(9, 4) \
-    ADD_4(2, 10) END(3) PASS(69, 4) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
-    ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) CUT END(4) PASS(73, 3) RESUME ADD_4(0, 8) UP(8, 4) \
-    ADD_4(1, 9) UP(9, 4) ADD_4(2, 10) END(3) PASS(76, 4) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
+    END_SIDES SIDES(8) PASS(46, 4) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
+    ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT END(4) PASS(50, 4) RESUME ADD_4(0, 7) UP(7, 3) \
+    ADD_4(1, 8) UP(8, 3) ADD_4(2, 9) UP(9, 3) ADD_4(3, 10) END(4) END_SIDES SIDES(7) PASS(62, 4) \
+    COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) \
+    UP(7, 4) CUT END(4) PASS(66, 3) RESUME ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) UP(9, 4) \
+    ADD_4(2, 10) END(3) END_SIDES SIDES(6) PASS(76, 4) COLUMN(5, side) ADD_4(0, 5) UP(5, 5) \
     ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) CUT END(4) PASS(80, 2) RESUME \
-    ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) END(2) PASS(82, 4) COLUMN(5, 1) ADD_4(0, 5) UP(5, 5) \
-    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) CUT END(4) PASS(86, 2) RESUME \
-    ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) END(2) PASS(88, 4) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) \
-    ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) CUT END(4) PASS(92, 1) RESUME \
-    ADD_4(0, 10) END(1) PASS(93, 4) COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) \
-    ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) CUT END(4) PASS(97, 1) RESUME ADD_4(0, 10) END(1) \
-    PASS(98, 4) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) \
-    ADD_4(3, 10) END(4) PASS(102, 4) COLUMN(7, 1) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) \
-    ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) END(4) PASS(106, 3) COLUMN(8, 0) ADD_4(0, 8) UP(8, 8) \
-    ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) END(3) PASS(109, 3) COLUMN(8, 1) ADD_4(0, 8) UP(8, 8) \
-    ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) END(3) PASS(112, 4) COLUMN(9, 0) ADD_4(0, 9) UP(9, 9) \
-    ADD_4(1, 10) COLUMN(9, 1) ADD_4(2, 9) UP(9, 9) ADD_4(3, 10) END(4) PASS(116, 2) \
-    COLUMN(10, 0) ADD_4(0, 10) COLUMN(10, 1) ADD_4(1, 10) END(2)
+    ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) END(2) END_SIDES SIDES(5) PASS(88, 4) COLUMN(6, side) \
+    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) CUT \
+    END(4) PASS(92, 1) RESUME ADD_4(0, 10) END(1) END_SIDES SIDES(4) PASS(98, 4) COLUMN(7, side) \
+    ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) END(4) END_SIDES \
+    SIDES(3) PASS(106, 3) COLUMN(8, side) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) \
+    END(3) END_SIDES PASS(112, 4) COLUMN(9, 0) ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) COLUMN(9, 1) \
+    ADD_4(2, 9) UP(9, 9) ADD_4(3, 10) END(4) PASS(116, 2) COLUMN(10, 0) ADD_4(0, 10) \
+    COLUMN(10, 1) ADD_4(1, 10) END(2)
 #define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_5(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
     ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) UP(5, 0) CUT END(4) PASS(11, 4) RESUME ADD_5(0, 6) UP(6, 0) \
     ADD_5(2, 7) UP(7, 0) CUT END(4) PASS(15, 4) RESUME ADD_5(0, 8) UP(8, 0) ADD_4(2, 9) UP(9, 0) \
-    ADD_4(3, 10) END(4) PASS(19, 3) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT \
-    END(3) PASS(22, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(26, 4) \
-    RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) PASS(30, 4) RESUME ADD_5(0, 7) \
-    UP(7, 1) ADD_5(2, 8) UP(8, 1) CUT END(4) PASS(34, 2) RESUME ADD_4(0, 9) UP(9, 1) \
-    ADD_4(1, 10) END(2) PASS(36, 3) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT \
-    END(3) PASS(39, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(43, 4) \
-    RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) PASS(47, 4) RESUME ADD_5(0, 7) \
-    UP(7, 1) ADD_5(2, 8) UP(8, 1) CUT END(4) PASS(51, 2) RESUME ADD_4(0, 9) UP(9, 1) \
-    ADD_4(1, 10) END(2) PASS(53, 4) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT \
-    END(4) PASS(57, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) CUT END(4) PASS(61, 4) \
-    RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) CUT END(4) PASS(65, 4) RESUME ADD_5(0, 8) \
-    UP(8, 2) ADD_4(2, 9) UP(9, 2) ADD_4(3, 10) END(4) PASS(69, 4) COLUMN(2, 1) ADD_5(0, 2) \
-    UP(2, 2) ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(73, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) \
-    UP(5, 2) CUT END(4) PASS(77, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) CUT END(4) \
-    PASS(81, 4) RESUME ADD_5(0, 8) UP(8, 2) ADD_4(2, 9) UP(9, 2) ADD_4(3, 10) END(4) PASS(85, 4) \
-    COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(89, 4) RESUME \
-    ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) PASS(93, 4) RESUME ADD_5(0, 7) UP(7, 3) \
-    ADD_5(2, 8) UP(8, 3) CUT END(4) PASS(97, 2) RESUME ADD_4(0, 9) UP(9, 3) ADD_4(1, 10) END(2) \
-    PASS(99, 4) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(103, 4) \
-    RESUME ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) PASS(107, 4) RESUME ADD_5(0, 7) \
-    UP(7, 3) ADD_5(2, 8) UP(8, 3) CUT END(4) PASS(111, 2) RESUME ADD_4(0, 9) UP(9, 3) \
-    ADD_4(1, 10) END(2) PASS(113, 4) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) CUT \
-    END(4) PASS(117, 4) RESUME ADD_5(0, 6) UP(6, 4) ADD_5(2, 7) UP(7, 4) CUT END(4) PASS(121, 4) \
-    RESUME ADD_5(0, 8) UP(8, 4) ADD_4(2, 9) UP(9, 4) ADD_4(3, 10) END(4) PASS(125, 4) \
-    COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(129, 4) RESUME \
-    ADD_5(0, 6) UP(6, 4) ADD_5(2, 7) UP(7, 4) CUT END(4) PASS(133, 4) RESUME ADD_5(0, 8) \
-    UP(8, 4) ADD_4(2, 9) UP(9, 4) ADD_4(3, 10) END(4) PASS(137, 4) COLUMN(5, 0) ADD_5(0, 5) \
-    UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT END(4) PASS(141, 4) RESUME ADD_5(0, 7) UP(7, 5) \
-    ADD_5(2, 8) UP(8, 5) CUT END(4) PASS(145, 2) RESUME ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) END(2) \
-    PASS(147, 4) COLUMN(5, 1) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT END(4) PASS(151, 4) \
-    RESUME ADD_5(0, 7) UP(7, 5) ADD_5(2, 8) UP(8, 5) CUT END(4) PASS(155, 2) RESUME ADD_4(0, 9) \
-    UP(9, 5) ADD_4(1, 10) END(2) PASS(157, 4) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) \
-    UP(7, 6) CUT END(4) PASS(161, 4) RESUME ADD_5(0, 8) UP(8, 6) ADD_4(2, 9) UP(9, 6) \
-    ADD_4(3, 10) END(4) PASS(165, 4) COLUMN(6, 1) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) CUT \
-    END(4) PASS(169, 4) RESUME ADD_5(0, 8) UP(8, 6) ADD_4(2, 9) UP(9, 6) ADD_4(3, 10) END(4) \
-    PASS(173, 4) COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) CUT END(4) PASS(177, 2) \
-    RESUME ADD_4(0, 9) UP(9, 7) ADD_4(1, 10) END(2) PASS(179, 4) COLUMN(7, 1) ADD_5(0, 7) \
-    UP(7, 7) ADD_5(2, 8) UP(8, 7) CUT END(4) PASS(183, 2) RESUME ADD_4(0, 9) UP(9, 7) \
-    ADD_4(1, 10) END(2) PASS(185, 4) COLUMN(8, 0) ADD_5(0, 8) UP(8, 8) ADD_4(2, 9) UP(9, 8) \
-    ADD_4(3, 10) END(4) PASS(189, 4) COLUMN(8, 1) ADD_5(0, 8) UP(8, 8) ADD_4(2, 9) UP(9, 8) \
-    ADD_4(3, 10) END(4) PASS(193, 4) COLUMN(9, 0) ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) COLUMN(9, 1) \
-    ADD_4(2, 9) UP(9, 9) ADD_4(3, 10) END(4) PASS(197, 2) COLUMN(10, 0) ADD_4(0, 10) \
-    COLUMN(10, 1) ADD_4(1, 10) END(2)
+    ADD_4(3, 10) END(4) SIDES(17) PASS(19, 3) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
+    UP(2, 1) CUT END(3) PASS(22, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) \
+    PASS(26, 4) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) PASS(30, 4) RESUME \
+    ADD_5(0, 7) UP(7, 1) ADD_5(2, 8) UP(8, 1) CUT END(4) PASS(34, 2) RESUME ADD_4(0, 9) UP(9, 1) \
+    ADD_4(1, 10) END(2) END_SIDES SIDES(16) PASS(53, 4) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(57, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) \
+    CUT END(4) PASS(61, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) CUT END(4) \
+    PASS(65, 4) RESUME ADD_5(0, 8) UP(8, 2) ADD_4(2, 9) UP(9, 2) ADD_4(3, 10) END(4) END_SIDES \
+    SIDES(14) PASS(85, 4) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) \
+    PASS(89, 4) RESUME ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) PASS(93, 4) RESUME \
+    ADD_5(0, 7) UP(7, 3) ADD_5(2, 8) UP(8, 3) CUT END(4) PASS(97, 2) RESUME ADD_4(0, 9) UP(9, 3) \
+    ADD_4(1, 10) END(2) END_SIDES SIDES(12) PASS(113, 4) COLUMN(4, side) ADD_5(0, 4) UP(4, 4) \
+    ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(117, 4) RESUME ADD_5(0, 6) UP(6, 4) ADD_5(2, 7) \
+    UP(7, 4) CUT END(4) PASS(121, 4) RESUME ADD_5(0, 8) UP(8, 4) ADD_4(2, 9) UP(9, 4) \
+    ADD_4(3, 10) END(4) END_SIDES SIDES(10) PASS(137, 4) COLUMN(5, side) ADD_5(0, 5) UP(5, 5) \
+    ADD_5(2, 6) UP(6, 5) CUT END(4) PASS(141, 4) RESUME ADD_5(0, 7) UP(7, 5) ADD_5(2, 8) \
+    UP(8, 5) CUT END(4) PASS(145, 2) RESUME ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) END(2) END_SIDES \
+    SIDES(8) PASS(157, 4) COLUMN(6, side) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) CUT END(4) \
+    PASS(161, 4) RESUME ADD_5(0, 8) UP(8, 6) ADD_4(2, 9) UP(9, 6) ADD_4(3, 10) END(4) END_SIDES \
+    SIDES(6) PASS(173, 4) COLUMN(7, side) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) CUT END(4) \
+    PASS(177, 2) RESUME ADD_4(0, 9) UP(9, 7) ADD_4(1, 10) END(2) END_SIDES SIDES(4) PASS(185, 4) \
+    COLUMN(8, side) ADD_5(0, 8) UP(8, 8) ADD_4(2, 9) UP(9, 8) ADD_4(3, 10) END(4) END_SIDES \
+    PASS(193, 4) COLUMN(9, 0) ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) COLUMN(9, 1) ADD_4(2, 9) \
+    UP(9, 9) ADD_4(3, 10) END(4) PASS(197, 2) COLUMN(10, 0) ADD_4(0, 10) COLUMN(10, 1) \
+    ADD_4(1, 10) END(2)
 #define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
     PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_7(0, 3) UP(3, 0) CUT \
     END(3) PASS(10, 3) RESUME ADD_7(0, 4) UP(4, 0) CUT END(3) PASS(13, 3) RESUME ADD_7(0, 5) \
     UP(5, 0) CUT END(3) PASS(16, 3) RESUME ADD_7(0, 6) UP(6, 0) CUT END(3) PASS(19, 3) RESUME \
     ADD_7(0, 7) UP(7, 0) CUT END(3) PASS(22, 3) RESUME ADD_7(0, 8) UP(8, 0) CUT END(3) \
-    PASS(25, 3) RESUME ADD_6(0, 9) UP(9, 0) ADD_4(2, 10) END(3) PASS(28, 2) COLUMN(1, 0) \
-    ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(30, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) \
-    PASS(33, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(36, 3) RESUME ADD_7(0, 4) UP(4, 1) \
-    CUT END(3) PASS(39, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(42, 3) RESUME ADD_7(0, 6) \
-    UP(6, 1) CUT END(3) PASS(45, 3) RESUME ADD_7(0, 7) UP(7, 1) CUT END(3) PASS(48, 3) RESUME \
-    ADD_7(0, 8) UP(8, 1) CUT END(3) PASS(51, 3) RESUME ADD_6(0, 9) UP(9, 1) ADD_4(2, 10) END(3) \
-    PASS(54, 2) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(56, 3) RESUME ADD_7(0, 2) \
-    UP(2, 1) CUT END(3) PASS(59, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(62, 3) RESUME \
-    ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(65, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) \
-    PASS(68, 3) RESUME ADD_7(0, 6) UP(6, 1) CUT END(3) PASS(71, 3) RESUME ADD_7(0, 7) UP(7, 1) \
-    CUT END(3) PASS(74, 3) RESUME ADD_7(0, 8) UP(8, 1) CUT END(3) PASS(77, 3) RESUME ADD_6(0, 9) \
-    UP(9, 1) ADD_4(2, 10) END(3) PASS(80, 3) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) CUT END(3) \
-    PASS(83, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) PASS(86, 3) RESUME ADD_7(0, 4) UP(4, 2) \
-    CUT END(3) PASS(89, 3) RESUME ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(92, 3) RESUME ADD_7(0, 6) \
-    UP(6, 2) CUT END(3) PASS(95, 3) RESUME ADD_7(0, 7) UP(7, 2) CUT END(3) PASS(98, 3) RESUME \
-    ADD_7(0, 8) UP(8, 2) CUT END(3) PASS(101, 3) RESUME ADD_6(0, 9) UP(9, 2) ADD_4(2, 10) END(3) \
-    PASS(104, 3) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(107, 3) RESUME ADD_7(0, 3) \
-    UP(3, 2) CUT END(3) PASS(110, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(113, 3) RESUME \
-    ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(116, 3) RESUME ADD_7(0, 6) UP(6, 2) CUT END(3) \
-    PASS(119, 3) RESUME ADD_7(0, 7) UP(7, 2) CUT END(3) PASS(122, 3) RESUME ADD_7(0, 8) UP(8, 2) \
-    CUT END(3) PASS(125, 3) RESUME ADD_6(0, 9) UP(9, 2) ADD_4(2, 10) END(3) PASS(128, 3) \
-    COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(131, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT \
-    END(3) PASS(134, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(137, 3) RESUME ADD_7(0, 6) \
-    UP(6, 3) CUT END(3) PASS(140, 3) RESUME ADD_7(0, 7) UP(7, 3) CUT END(3) PASS(143, 3) RESUME \
-    ADD_7(0, 8) UP(8, 3) CUT END(3) PASS(146, 3) RESUME ADD_6(0, 9) UP(9, 3) ADD_4(2, 10) END(3) \
-    PASS(149, 3) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(152, 3) RESUME ADD_7(0, 4) \
-    UP(4, 3) CUT END(3) PASS(155, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(158, 3) RESUME \
-    ADD_7(0, 6) UP(6, 3) CUT END(3) PASS(161, 3) RESUME ADD_7(0, 7) UP(7, 3) CUT END(3) \
-    PASS(164, 3) RESUME ADD_7(0, 8) UP(8, 3) CUT END(3) PASS(167, 3) RESUME ADD_6(0, 9) UP(9, 3) \
-    ADD_4(2, 10) END(3) PASS(170, 3) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(173, 3) \
-    RESUME ADD_7(0, 5) UP(5, 4) CUT END(3) PASS(176, 3) RESUME ADD_7(0, 6) UP(6, 4) CUT END(3) \
-    PASS(179, 3) RESUME ADD_7(0, 7) UP(7, 4) CUT END(3) PASS(182, 3) RESUME ADD_7(0, 8) UP(8, 4) \
-    CUT END(3) PASS(185, 3) RESUME ADD_6(0, 9) UP(9, 4) ADD_4(2, 10) END(3) PASS(188, 3) \
-    COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(191, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT \
-    END(3) PASS(194, 3) RESUME ADD_7(0, 6) UP(6, 4) CUT END(3) PASS(197, 3) RESUME ADD_7(0, 7) \
-    UP(7, 4) CUT END(3) PASS(200, 3) RESUME ADD_7(0, 8) UP(8, 4) CUT END(3) PASS(203, 3) RESUME \
-    ADD_6(0, 9) UP(9, 4) ADD_4(2, 10) END(3) PASS(206, 3) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) CUT \
-    END(3) PASS(209, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT END(3) PASS(212, 3) RESUME ADD_7(0, 7) \
-    UP(7, 5) CUT END(3) PASS(215, 3) RESUME ADD_7(0, 8) UP(8, 5) CUT END(3) PASS(218, 3) RESUME \
-    ADD_6(0, 9) UP(9, 5) ADD_4(2, 10) END(3) PASS(221, 3) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) CUT \
-    END(3) PASS(224, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT END(3) PASS(227, 3) RESUME ADD_7(0, 7) \
-    UP(7, 5) CUT END(3) PASS(230, 3) RESUME ADD_7(0, 8) UP(8, 5) CUT END(3) PASS(233, 3) RESUME \
-    ADD_6(0, 9) UP(9, 5) ADD_4(2, 10) END(3) PASS(236, 3) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) CUT \
-    END(3) PASS(239, 3) RESUME ADD_7(0, 7) UP(7, 6) CUT END(3) PASS(242, 3) RESUME ADD_7(0, 8) \
-    UP(8, 6) CUT END(3) PASS(245, 3) RESUME ADD_6(0, 9) UP(9, 6) ADD_4(2, 10) END(3) \
-    PASS(248, 3) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) CUT END(3) PASS(251, 3) RESUME ADD_7(0, 7) \
-    UP(7, 6) CUT END(3) PASS(254, 3) RESUME ADD_7(0, 8) UP(8, 6) CUT END(3) PASS(257, 3) RESUME \
-    ADD_6(0, 9) UP(9, 6) ADD_4(2, 10) END(3) PASS(260, 3) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) CUT \
-    END(3) PASS(263, 3) RESUME ADD_7(0, 8) UP(8, 7) CUT END(3) PASS(266, 3) RESUME ADD_6(0, 9) \
-    UP(9, 7) ADD_4(2, 10) END(3) PASS(269, 3) COLUMN(7, 1) ADD_7(0, 7) UP(7, 7) CUT END(3) \
-    PASS(272, 3) RESUME ADD_7(0, 8) UP(8, 7) CUT END(3) PASS(275, 3) RESUME ADD_6(0, 9) UP(9, 7) \
-    ADD_4(2, 10) END(3) PASS(278, 3) COLUMN(8, 0) ADD_7(0, 8) UP(8, 8) CUT END(3) PASS(281, 3) \
-    RESUME ADD_6(0, 9) UP(9, 8) ADD_4(2, 10) END(3) PASS(284, 3) COLUMN(8, 1) ADD_7(0, 8) \
-    UP(8, 8) CUT END(3) PASS(287, 3) RESUME ADD_6(0, 9) UP(9, 8) ADD_4(2, 10) END(3) \
-    PASS(290, 3) COLUMN(9, 0) ADD_6(0, 9) UP(9, 9) ADD_4(2, 10) END(3) PASS(293, 4) COLUMN(9, 1) \
-    ADD_6(0, 9) UP(9, 9) ADD_4(2, 10) COLUMN(10, 0) ADD_4(3, 10) END(4) PASS(297, 1) \
-    COLUMN(10, 1) ADD_4(0, 10) END(1)
+    PASS(25, 3) RESUME ADD_6(0, 9) UP(9, 0) ADD_4(2, 10) END(3) SIDES(26) PASS(28, 2) \
+    COLUMN(1, side) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(30, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT \
+    END(3) PASS(33, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) PASS(36, 3) RESUME ADD_7(0, 4) \
+    UP(4, 1) CUT END(3) PASS(39, 3) RESUME ADD_7(0, 5) UP(5, 1) CUT END(3) PASS(42, 3) RESUME \
+    ADD_7(0, 6) UP(6, 1) CUT END(3) PASS(45, 3) RESUME ADD_7(0, 7) UP(7, 1) CUT END(3) \
+    PASS(48, 3) RESUME ADD_7(0, 8) UP(8, 1) CUT END(3) PASS(51, 3) RESUME ADD_6(0, 9) UP(9, 1) \
+    ADD_4(2, 10) END(3) END_SIDES SIDES(24) PASS(80, 3) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) CUT \
+    END(3) PASS(83, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) PASS(86, 3) RESUME ADD_7(0, 4) \
+    UP(4, 2) CUT END(3) PASS(89, 3) RESUME ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(92, 3) RESUME \
+    ADD_7(0, 6) UP(6, 2) CUT END(3) PASS(95, 3) RESUME ADD_7(0, 7) UP(7, 2) CUT END(3) \
+    PASS(98, 3) RESUME ADD_7(0, 8) UP(8, 2) CUT END(3) PASS(101, 3) RESUME ADD_6(0, 9) UP(9, 2) \
+    ADD_4(2, 10) END(3) END_SIDES SIDES(21) PASS(128, 3) COLUMN(3, side) ADD_7(0, 3) UP(3, 3) \
+    CUT END(3) PASS(131, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(134, 3) RESUME \
+    ADD_7(0, 5) UP(5, 3) CUT END(3) PASS(137, 3) RESUME ADD_7(0, 6) UP(6, 3) CUT END(3) \
+    PASS(140, 3) RESUME ADD_7(0, 7) UP(7, 3) CUT END(3) PASS(143, 3) RESUME ADD_7(0, 8) UP(8, 3) \
+    CUT END(3) PASS(146, 3) RESUME ADD_6(0, 9) UP(9, 3) ADD_4(2, 10) END(3) END_SIDES SIDES(18) \
+    PASS(170, 3) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(173, 3) RESUME ADD_7(0, 5) \
+    UP(5, 4) CUT END(3) PASS(176, 3) RESUME ADD_7(0, 6) UP(6, 4) CUT END(3) PASS(179, 3) RESUME \
+    ADD_7(0, 7) UP(7, 4) CUT END(3) PASS(182, 3) RESUME ADD_7(0, 8) UP(8, 4) CUT END(3) \
+    PASS(185, 3) RESUME ADD_6(0, 9) UP(9, 4) ADD_4(2, 10) END(3) END_SIDES SIDES(15) \
+    PASS(206, 3) COLUMN(5, side) ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(209, 3) RESUME ADD_7(0, 6) \
+    UP(6, 5) CUT END(3) PASS(212, 3) RESUME ADD_7(0, 7) UP(7, 5) CUT END(3) PASS(215, 3) RESUME \
+    ADD_7(0, 8) UP(8, 5) CUT END(3) PASS(218, 3) RESUME ADD_6(0, 9) UP(9, 5) ADD_4(2, 10) END(3) \
+    END_SIDES SIDES(12) PASS(236, 3) COLUMN(6, side) ADD_7(0, 6) UP(6, 6) CUT END(3) \
+    PASS(239, 3) RESUME ADD_7(0, 7) UP(7, 6) CUT END(3) PASS(242, 3) RESUME ADD_7(0, 8) UP(8, 6) \
+    CUT END(3) PASS(245, 3) RESUME ADD_6(0, 9) UP(9, 6) ADD_4(2, 10) END(3) END_SIDES SIDES(9) \
+    PASS(260, 3) COLUMN(7, side) ADD_7(0, 7) UP(7, 7) CUT END(3) PASS(263, 3) RESUME ADD_7(0, 8) \
+    UP(8, 7) CUT END(3) PASS(266, 3) RESUME ADD_6(0, 9) UP(9, 7) ADD_4(2, 10) END(3) END_SIDES \
+    SIDES(6) PASS(278, 3) COLUMN(8, side) ADD_7(0, 8) UP(8, 8) CUT END(3) PASS(281, 3) RESUME \
+    ADD_6(0, 9) UP(9, 8) ADD_4(2, 10) END(3) END_SIDES SIDES(3) PASS(290, 3) COLUMN(9, side) \
+    ADD_6(0, 9) UP(9, 9) ADD_4(2, 10) END(3) END_SIDES PASS(296, 2) COLUMN(10, 0) ADD_4(0, 10) \
+    COLUMN(10, 1) ADD_4(1, 10) END(2)
 #endif
 #define KERNEL_NAME YLM_REAL_KERNEL(ylm__moments_8)
 #endif

@@ -113,500 +113,333 @@
 #define PLAN_5 PASS(0, 21) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) ADD_5(11, 6) \
     UP(6, 0) ADD_5(13, 7) UP(7, 0) ADD_5(15, 8) UP(8, 0) ADD_5(17, 9) UP(9, 0) ADD_4(19, 10) \
-    UP(10, 0) ADD_4(20, 11) END(21) PASS(21, 19) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) \
-    UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) \
-    ADD_5(11, 7) UP(7, 1) ADD_5(13, 8) UP(8, 1) ADD_5(15, 9) UP(9, 1) ADD_4(17, 10) UP(10, 1) \
-    ADD_4(18, 11) END(19) PASS(40, 19) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) \
-    ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) \
-    ADD_5(11, 7) UP(7, 1) ADD_5(13, 8) UP(8, 1) ADD_5(15, 9) UP(9, 1) ADD_4(17, 10) UP(10, 1) \
-    ADD_4(18, 11) END(19) PASS(59, 18) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) \
-    ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) \
-    ADD_5(12, 8) UP(8, 2) ADD_5(14, 9) UP(9, 2) ADD_4(16, 10) UP(10, 2) ADD_4(17, 11) END(18) \
-    PASS(77, 18) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
-    ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) ADD_5(12, 8) UP(8, 2) \
-    ADD_5(14, 9) UP(9, 2) ADD_4(16, 10) UP(10, 2) ADD_4(17, 11) END(18) PASS(95, 16) \
-    COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) \
+    UP(10, 0) ADD_4(20, 11) END(21) SIDES(19) PASS(21, 19) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) \
+    ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) \
+    ADD_5(9, 6) UP(6, 1) ADD_5(11, 7) UP(7, 1) ADD_5(13, 8) UP(8, 1) ADD_5(15, 9) UP(9, 1) \
+    ADD_4(17, 10) UP(10, 1) ADD_4(18, 11) END(19) END_SIDES SIDES(18) PASS(59, 18) \
+    COLUMN(2, side) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) \
+    UP(5, 2) ADD_5(8, 6) UP(6, 2) ADD_5(10, 7) UP(7, 2) ADD_5(12, 8) UP(8, 2) ADD_5(14, 9) \
+    UP(9, 2) ADD_4(16, 10) UP(10, 2) ADD_4(17, 11) END(18) END_SIDES SIDES(16) PASS(95, 16) \
+    COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) \
     UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) UP(8, 3) ADD_5(12, 9) UP(9, 3) ADD_4(14, 10) \
-    UP(10, 3) ADD_4(15, 11) END(16) PASS(111, 16) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) \
-    UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) \
-    UP(8, 3) ADD_5(12, 9) UP(9, 3) ADD_4(14, 10) UP(10, 3) ADD_4(15, 11) END(16) PASS(127, 14) \
-    COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) \
-    UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_5(10, 9) UP(9, 4) ADD_4(12, 10) UP(10, 4) ADD_4(13, 11) \
-    END(14) PASS(141, 14) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) \
-    UP(6, 4) ADD_5(6, 7) UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_5(10, 9) UP(9, 4) ADD_4(12, 10) \
-    UP(10, 4) ADD_4(13, 11) END(14) PASS(155, 24) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) \
-    UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) ADD_5(8, 9) UP(9, 5) ADD_4(10, 10) \
-    UP(10, 5) ADD_4(11, 11) COLUMN(5, 1) ADD_5(12, 5) UP(5, 5) ADD_5(14, 6) UP(6, 5) \
-    ADD_5(16, 7) UP(7, 5) ADD_5(18, 8) UP(8, 5) ADD_5(20, 9) UP(9, 5) ADD_4(22, 10) UP(10, 5) \
-    ADD_4(23, 11) END(24) PASS(179, 20) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) \
-    ADD_5(4, 8) UP(8, 6) ADD_5(6, 9) UP(9, 6) ADD_4(8, 10) UP(10, 6) ADD_4(9, 11) COLUMN(6, 1) \
-    ADD_5(10, 6) UP(6, 6) ADD_5(12, 7) UP(7, 6) ADD_5(14, 8) UP(8, 6) ADD_5(16, 9) UP(9, 6) \
-    ADD_4(18, 10) UP(10, 6) ADD_4(19, 11) END(20) PASS(199, 22) COLUMN(7, 0) ADD_5(0, 7) \
-    UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_5(4, 9) UP(9, 7) ADD_4(6, 10) UP(10, 7) ADD_4(7, 11) \
-    COLUMN(7, 1) ADD_5(8, 7) UP(7, 7) ADD_5(10, 8) UP(8, 7) ADD_5(12, 9) UP(9, 7) ADD_4(14, 10) \
-    UP(10, 7) ADD_4(15, 11) COLUMN(8, 0) ADD_5(16, 8) UP(8, 8) ADD_5(18, 9) UP(9, 8) \
-    ADD_4(20, 10) UP(10, 8) ADD_4(21, 11) END(22) PASS(221, 20) COLUMN(8, 1) ADD_5(0, 8) \
-    UP(8, 8) ADD_5(2, 9) UP(9, 8) ADD_4(4, 10) UP(10, 8) ADD_4(5, 11) COLUMN(9, 0) ADD_5(6, 9) \
-    UP(9, 9) ADD_4(8, 10) UP(10, 9) ADD_4(9, 11) COLUMN(9, 1) ADD_5(10, 9) UP(9, 9) \
-    ADD_4(12, 10) UP(10, 9) ADD_4(13, 11) COLUMN(10, 0) ADD_4(14, 10) UP(10, 10) ADD_4(15, 11) \
-    COLUMN(10, 1) ADD_4(16, 10) UP(10, 10) ADD_4(17, 11) COLUMN(11, 0) ADD_4(18, 11) \
-    COLUMN(11, 1) ADD_4(19, 11) END(20)
+    UP(10, 3) ADD_4(15, 11) END(16) END_SIDES SIDES(14) PASS(127, 14) COLUMN(4, side) \
+    ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) \
+    ADD_5(8, 8) UP(8, 4) ADD_5(10, 9) UP(9, 4) ADD_4(12, 10) UP(10, 4) ADD_4(13, 11) END(14) \
+    END_SIDES PASS(155, 24) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) \
+    UP(7, 5) ADD_5(6, 8) UP(8, 5) ADD_5(8, 9) UP(9, 5) ADD_4(10, 10) UP(10, 5) ADD_4(11, 11) \
+    COLUMN(5, 1) ADD_5(12, 5) UP(5, 5) ADD_5(14, 6) UP(6, 5) ADD_5(16, 7) UP(7, 5) ADD_5(18, 8) \
+    UP(8, 5) ADD_5(20, 9) UP(9, 5) ADD_4(22, 10) UP(10, 5) ADD_4(23, 11) END(24) PASS(179, 20) \
+    COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_5(6, 9) \
+    UP(9, 6) ADD_4(8, 10) UP(10, 6) ADD_4(9, 11) COLUMN(6, 1) ADD_5(10, 6) UP(6, 6) ADD_5(12, 7) \
+    UP(7, 6) ADD_5(14, 8) UP(8, 6) ADD_5(16, 9) UP(9, 6) ADD_4(18, 10) UP(10, 6) ADD_4(19, 11) \
+    END(20) PASS(199, 22) COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_5(4, 9) \
+    UP(9, 7) ADD_4(6, 10) UP(10, 7) ADD_4(7, 11) COLUMN(7, 1) ADD_5(8, 7) UP(7, 7) ADD_5(10, 8) \
+    UP(8, 7) ADD_5(12, 9) UP(9, 7) ADD_4(14, 10) UP(10, 7) ADD_4(15, 11) COLUMN(8, 0) \
+    ADD_5(16, 8) UP(8, 8) ADD_5(18, 9) UP(9, 8) ADD_4(20, 10) UP(10, 8) ADD_4(21, 11) END(22) \
+    PASS(221, 20) COLUMN(8, 1) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) UP(9, 8) ADD_4(4, 10) UP(10, 8) \
+    ADD_4(5, 11) COLUMN(9, 0) ADD_5(6, 9) UP(9, 9) ADD_4(8, 10) UP(10, 9) ADD_4(9, 11) \
+    COLUMN(9, 1) ADD_5(10, 9) UP(9, 9) ADD_4(12, 10) UP(10, 9) ADD_4(13, 11) COLUMN(10, 0) \
+    ADD_4(14, 10) UP(10, 10) ADD_4(15, 11) COLUMN(10, 1) ADD_4(16, 10) UP(10, 10) ADD_4(17, 11) \
+    COLUMN(11, 0) ADD_4(18, 11) COLUMN(11, 1) ADD_4(19, 11) END(20)
 #define PLAN_7 PASS(0, 22) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) ADD_7(10, 4) UP(4, 0) ADD_7(13, 5) UP(5, 0) ADD_7(16, 6) \
     UP(6, 0) ADD_7(19, 7) UP(7, 0) CUT END(22) PASS(22, 9) RESUME ADD_7(0, 8) UP(8, 0) \
-    ADD_7(3, 9) UP(9, 0) ADD_6(6, 10) UP(10, 0) ADD_4(8, 11) END(9) PASS(31, 23) COLUMN(1, 0) \
-    ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) \
-    ADD_7(11, 5) UP(5, 1) ADD_7(14, 6) UP(6, 1) ADD_7(17, 7) UP(7, 1) ADD_7(20, 8) UP(8, 1) CUT \
-    END(23) PASS(54, 6) RESUME ADD_7(0, 9) UP(9, 1) ADD_6(3, 10) UP(10, 1) ADD_4(5, 11) END(6) \
-    PASS(60, 23) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) \
-    ADD_7(8, 4) UP(4, 1) ADD_7(11, 5) UP(5, 1) ADD_7(14, 6) UP(6, 1) ADD_7(17, 7) UP(7, 1) \
-    ADD_7(20, 8) UP(8, 1) CUT END(23) PASS(83, 6) RESUME ADD_7(0, 9) UP(9, 1) ADD_6(3, 10) \
-    UP(10, 1) ADD_4(5, 11) END(6) PASS(89, 24) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) \
-    UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_7(12, 6) UP(6, 2) ADD_7(15, 7) \
-    UP(7, 2) ADD_7(18, 8) UP(8, 2) ADD_7(21, 9) UP(9, 2) CUT END(24) PASS(113, 3) RESUME \
-    ADD_6(0, 10) UP(10, 2) ADD_4(2, 11) END(3) PASS(116, 24) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) \
+    ADD_7(3, 9) UP(9, 0) ADD_6(6, 10) UP(10, 0) ADD_4(8, 11) END(9) SIDES(29) PASS(31, 23) \
+    COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) \
+    UP(4, 1) ADD_7(11, 5) UP(5, 1) ADD_7(14, 6) UP(6, 1) ADD_7(17, 7) UP(7, 1) ADD_7(20, 8) \
+    UP(8, 1) CUT END(23) PASS(54, 6) RESUME ADD_7(0, 9) UP(9, 1) ADD_6(3, 10) UP(10, 1) \
+    ADD_4(5, 11) END(6) END_SIDES SIDES(27) PASS(89, 24) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) \
     ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) ADD_7(12, 6) UP(6, 2) \
-    ADD_7(15, 7) UP(7, 2) ADD_7(18, 8) UP(8, 2) ADD_7(21, 9) UP(9, 2) CUT END(24) PASS(140, 3) \
-    RESUME ADD_6(0, 10) UP(10, 2) ADD_4(2, 11) END(3) PASS(143, 24) COLUMN(3, 0) ADD_7(0, 3) \
-    UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) ADD_7(12, 7) \
-    UP(7, 3) ADD_7(15, 8) UP(8, 3) ADD_7(18, 9) UP(9, 3) ADD_6(21, 10) UP(10, 3) ADD_4(23, 11) \
-    END(24) PASS(167, 24) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) \
-    UP(5, 3) ADD_7(9, 6) UP(6, 3) ADD_7(12, 7) UP(7, 3) ADD_7(15, 8) UP(8, 3) ADD_7(18, 9) \
-    UP(9, 3) ADD_6(21, 10) UP(10, 3) ADD_4(23, 11) END(24) PASS(191, 21) COLUMN(4, 0) \
+    ADD_7(15, 7) UP(7, 2) ADD_7(18, 8) UP(8, 2) ADD_7(21, 9) UP(9, 2) CUT END(24) PASS(113, 3) \
+    RESUME ADD_6(0, 10) UP(10, 2) ADD_4(2, 11) END(3) END_SIDES SIDES(24) PASS(143, 24) \
+    COLUMN(3, side) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) \
+    UP(6, 3) ADD_7(12, 7) UP(7, 3) ADD_7(15, 8) UP(8, 3) ADD_7(18, 9) UP(9, 3) ADD_6(21, 10) \
+    UP(10, 3) ADD_4(23, 11) END(24) END_SIDES SIDES(21) PASS(191, 21) COLUMN(4, side) \
     ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) UP(7, 4) \
     ADD_7(12, 8) UP(8, 4) ADD_7(15, 9) UP(9, 4) ADD_6(18, 10) UP(10, 4) ADD_4(20, 11) END(21) \
-    PASS(212, 21) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) \
-    ADD_7(9, 7) UP(7, 4) ADD_7(12, 8) UP(8, 4) ADD_7(15, 9) UP(9, 4) ADD_6(18, 10) UP(10, 4) \
-    ADD_4(20, 11) END(21) PASS(233, 18) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) \
+    END_SIDES SIDES(18) PASS(233, 18) COLUMN(5, side) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) \
     ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) ADD_7(12, 9) UP(9, 5) ADD_6(15, 10) UP(10, 5) \
-    ADD_4(17, 11) END(18) PASS(251, 18) COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) \
-    ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) ADD_7(12, 9) UP(9, 5) ADD_6(15, 10) UP(10, 5) \
-    ADD_4(17, 11) END(18) PASS(269, 15) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) \
-    ADD_7(6, 8) UP(8, 6) ADD_7(9, 9) UP(9, 6) ADD_6(12, 10) UP(10, 6) ADD_4(14, 11) END(15) \
-    PASS(284, 15) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) ADD_7(6, 8) UP(8, 6) \
-    ADD_7(9, 9) UP(9, 6) ADD_6(12, 10) UP(10, 6) ADD_4(14, 11) END(15) PASS(299, 24) \
-    COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_7(6, 9) UP(9, 7) ADD_6(9, 10) \
-    UP(10, 7) ADD_4(11, 11) COLUMN(7, 1) ADD_7(12, 7) UP(7, 7) ADD_7(15, 8) UP(8, 7) \
-    ADD_7(18, 9) UP(9, 7) ADD_6(21, 10) UP(10, 7) ADD_4(23, 11) END(24) PASS(323, 24) \
-    COLUMN(8, 0) ADD_7(0, 8) UP(8, 8) ADD_7(3, 9) UP(9, 8) ADD_6(6, 10) UP(10, 8) ADD_4(8, 11) \
-    COLUMN(8, 1) ADD_7(9, 8) UP(8, 8) ADD_7(12, 9) UP(9, 8) ADD_6(15, 10) UP(10, 8) \
-    ADD_4(17, 11) COLUMN(9, 0) ADD_7(18, 9) UP(9, 9) ADD_6(21, 10) UP(10, 9) ADD_4(23, 11) \
-    END(24) PASS(347, 14) COLUMN(9, 1) ADD_7(0, 9) UP(9, 9) ADD_6(3, 10) UP(10, 9) ADD_4(5, 11) \
-    COLUMN(10, 0) ADD_6(6, 10) UP(10, 10) ADD_4(8, 11) COLUMN(10, 1) ADD_6(9, 10) UP(10, 10) \
-    ADD_4(11, 11) COLUMN(11, 0) ADD_4(12, 11) COLUMN(11, 1) ADD_4(13, 11) END(14)
+    ADD_4(17, 11) END(18) END_SIDES SIDES(15) PASS(269, 15) COLUMN(6, side) ADD_7(0, 6) UP(6, 6) \
+    ADD_7(3, 7) UP(7, 6) ADD_7(6, 8) UP(8, 6) ADD_7(9, 9) UP(9, 6) ADD_6(12, 10) UP(10, 6) \
+    ADD_4(14, 11) END(15) END_SIDES PASS(299, 24) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) \
+    UP(8, 7) ADD_7(6, 9) UP(9, 7) ADD_6(9, 10) UP(10, 7) ADD_4(11, 11) COLUMN(7, 1) ADD_7(12, 7) \
+    UP(7, 7) ADD_7(15, 8) UP(8, 7) ADD_7(18, 9) UP(9, 7) ADD_6(21, 10) UP(10, 7) ADD_4(23, 11) \
+    END(24) PASS(323, 24) COLUMN(8, 0) ADD_7(0, 8) UP(8, 8) ADD_7(3, 9) UP(9, 8) ADD_6(6, 10) \
+    UP(10, 8) ADD_4(8, 11) COLUMN(8, 1) ADD_7(9, 8) UP(8, 8) ADD_7(12, 9) UP(9, 8) ADD_6(15, 10) \
+    UP(10, 8) ADD_4(17, 11) COLUMN(9, 0) ADD_7(18, 9) UP(9, 9) ADD_6(21, 10) UP(10, 9) \
+    ADD_4(23, 11) END(24) PASS(347, 14) COLUMN(9, 1) ADD_7(0, 9) UP(9, 9) ADD_6(3, 10) UP(10, 9) \
+    ADD_4(5, 11) COLUMN(10, 0) ADD_6(6, 10) UP(10, 10) ADD_4(8, 11) COLUMN(10, 1) ADD_6(9, 10) \
+    UP(10, 10) ADD_4(11, 11) COLUMN(11, 0) ADD_4(12, 11) COLUMN(11, 1) ADD_4(13, 11) END(14)
 #define PLAN_RGB_1 PASS(0, 8) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) UP(6, 0) \
     ADD_1(7, 7) UP(7, 0) CUT END(8) PASS(8, 2) RESUME ADD_1(0, 8) UP(8, 0) ADD_1(1, 9) END(2) \
-    PASS(10, 8) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) \
-    ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) \
-    ADD_1(7, 8) UP(8, 1) CUT END(8) PASS(18, 1) RESUME ADD_1(0, 9) END(1) PASS(19, 8) \
-    COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) \
-    UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) ADD_1(7, 8) UP(8, 1) \
-    CUT END(8) PASS(27, 1) RESUME ADD_1(0, 9) END(1) PASS(28, 8) COLUMN(2, 0) ADD_1(0, 2) \
-    UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) \
-    ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) UP(8, 2) ADD_1(7, 9) END(8) PASS(36, 8) COLUMN(2, 1) \
-    ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) \
-    ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) UP(8, 2) ADD_1(7, 9) END(8) \
-    PASS(44, 7) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) \
-    ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) UP(8, 3) ADD_1(6, 9) END(7) \
-    PASS(51, 7) COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) \
-    ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) UP(8, 3) ADD_1(6, 9) END(7) \
-    PASS(58, 6) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) \
-    ADD_1(3, 7) UP(7, 4) ADD_1(4, 8) UP(8, 4) ADD_1(5, 9) END(6) PASS(64, 6) COLUMN(4, 1) \
+    SIDES(9) PASS(10, 8) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) \
+    UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) \
+    ADD_1(7, 8) UP(8, 1) CUT END(8) PASS(18, 1) RESUME ADD_1(0, 9) END(1) END_SIDES SIDES(8) \
+    PASS(28, 8) COLUMN(2, side) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
+    ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) UP(8, 2) \
+    ADD_1(7, 9) END(8) END_SIDES SIDES(7) PASS(44, 7) COLUMN(3, side) ADD_1(0, 3) UP(3, 3) \
+    ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) UP(7, 3) \
+    ADD_1(5, 8) UP(8, 3) ADD_1(6, 9) END(7) END_SIDES SIDES(6) PASS(58, 6) COLUMN(4, side) \
     ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) \
-    ADD_1(4, 8) UP(8, 4) ADD_1(5, 9) END(6) PASS(70, 5) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) \
-    ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) UP(8, 5) ADD_1(4, 9) END(5) \
-    PASS(75, 5) COLUMN(5, 1) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) \
-    ADD_1(3, 8) UP(8, 5) ADD_1(4, 9) END(5) PASS(80, 8) COLUMN(6, 0) ADD_1(0, 6) UP(6, 6) \
-    ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) COLUMN(6, 1) ADD_1(4, 6) UP(6, 6) \
-    ADD_1(5, 7) UP(7, 6) ADD_1(6, 8) UP(8, 6) ADD_1(7, 9) END(8) PASS(88, 8) COLUMN(7, 0) \
-    ADD_1(0, 7) UP(7, 7) ADD_1(1, 8) UP(8, 7) ADD_1(2, 9) COLUMN(7, 1) ADD_1(3, 7) UP(7, 7) \
-    ADD_1(4, 8) UP(8, 7) ADD_1(5, 9) COLUMN(8, 0) ADD_1(6, 8) UP(8, 8) ADD_1(7, 9) END(8) \
-    PASS(96, 4) COLUMN(8, 1) ADD_1(0, 8) UP(8, 8) ADD_1(1, 9) COLUMN(9, 0) ADD_1(2, 9) \
-    COLUMN(9, 1) ADD_1(3, 9) END(4)
+    ADD_1(4, 8) UP(8, 4) ADD_1(5, 9) END(6) END_SIDES SIDES(5) PASS(70, 5) COLUMN(5, side) \
+    ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) UP(8, 5) \
+    ADD_1(4, 9) END(5) END_SIDES PASS(80, 8) COLUMN(6, 0) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) \
+    UP(7, 6) ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) COLUMN(6, 1) ADD_1(4, 6) UP(6, 6) ADD_1(5, 7) \
+    UP(7, 6) ADD_1(6, 8) UP(8, 6) ADD_1(7, 9) END(8) PASS(88, 8) COLUMN(7, 0) ADD_1(0, 7) \
+    UP(7, 7) ADD_1(1, 8) UP(8, 7) ADD_1(2, 9) COLUMN(7, 1) ADD_1(3, 7) UP(7, 7) ADD_1(4, 8) \
+    UP(8, 7) ADD_1(5, 9) COLUMN(8, 0) ADD_1(6, 8) UP(8, 8) ADD_1(7, 9) END(8) PASS(96, 4) \
+    COLUMN(8, 1) ADD_1(0, 8) UP(8, 8) ADD_1(1, 9) COLUMN(9, 0) ADD_1(2, 9) COLUMN(9, 1) \
+    ADD_1(3, 9) END(4)
 #define PLAN_RGB_3 PASS(0, 7) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
     UP(2, 0) ADD_3(5, 3) UP(3, 0) CUT END(7) PASS(7, 8) RESUME ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) \
     UP(5, 0) ADD_3(4, 6) UP(6, 0) ADD_3(6, 7) UP(7, 0) CUT END(8) PASS(15, 5) RESUME ADD_3(0, 8) \
-    UP(8, 0) ADD_3(2, 9) UP(9, 0) ADD_2(4, 10) END(5) PASS(20, 8) COLUMN(1, 0) ADD_3(0, 1) \
-    UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT END(8) \
-    PASS(28, 8) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) ADD_3(4, 7) UP(7, 1) \
+    UP(8, 0) ADD_3(2, 9) UP(9, 0) ADD_2(4, 10) END(5) SIDES(19) PASS(20, 8) COLUMN(1, side) \
+    ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) CUT \
+    END(8) PASS(28, 8) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) ADD_3(4, 7) UP(7, 1) \
     ADD_3(6, 8) UP(8, 1) CUT END(8) PASS(36, 3) RESUME ADD_3(0, 9) UP(9, 1) ADD_2(2, 10) END(3) \
-    PASS(39, 8) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) \
-    ADD_3(6, 4) UP(4, 1) CUT END(8) PASS(47, 8) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) \
-    ADD_3(4, 7) UP(7, 1) ADD_3(6, 8) UP(8, 1) CUT END(8) PASS(55, 3) RESUME ADD_3(0, 9) UP(9, 1) \
-    ADD_2(2, 10) END(3) PASS(58, 8) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) \
+    END_SIDES SIDES(17) PASS(58, 8) COLUMN(2, side) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) \
     ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) CUT END(8) PASS(66, 8) RESUME ADD_3(0, 6) UP(6, 2) \
     ADD_3(2, 7) UP(7, 2) ADD_3(4, 8) UP(8, 2) ADD_3(6, 9) UP(9, 2) CUT END(8) PASS(74, 1) RESUME \
-    ADD_2(0, 10) END(1) PASS(75, 8) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) \
-    ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) CUT END(8) PASS(83, 8) RESUME ADD_3(0, 6) UP(6, 2) \
-    ADD_3(2, 7) UP(7, 2) ADD_3(4, 8) UP(8, 2) ADD_3(6, 9) UP(9, 2) CUT END(8) PASS(91, 1) RESUME \
-    ADD_2(0, 10) END(1) PASS(92, 8) COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) \
-    ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) CUT END(8) PASS(100, 7) RESUME ADD_3(0, 7) \
-    UP(7, 3) ADD_3(2, 8) UP(8, 3) ADD_3(4, 9) UP(9, 3) ADD_2(6, 10) END(7) PASS(107, 8) \
-    COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) \
-    UP(6, 3) CUT END(8) PASS(115, 7) RESUME ADD_3(0, 7) UP(7, 3) ADD_3(2, 8) UP(8, 3) \
-    ADD_3(4, 9) UP(9, 3) ADD_2(6, 10) END(7) PASS(122, 8) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) \
-    ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) UP(7, 4) CUT END(8) PASS(130, 5) \
-    RESUME ADD_3(0, 8) UP(8, 4) ADD_3(2, 9) UP(9, 4) ADD_2(4, 10) END(5) PASS(135, 8) \
-    COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) \
-    UP(7, 4) CUT END(8) PASS(143, 5) RESUME ADD_3(0, 8) UP(8, 4) ADD_3(2, 9) UP(9, 4) \
-    ADD_2(4, 10) END(5) PASS(148, 8) COLUMN(5, 0) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) \
-    ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) UP(8, 5) CUT END(8) PASS(156, 3) RESUME ADD_3(0, 9) \
-    UP(9, 5) ADD_2(2, 10) END(3) PASS(159, 8) COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) \
-    UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) UP(8, 5) CUT END(8) PASS(167, 3) RESUME \
-    ADD_3(0, 9) UP(9, 5) ADD_2(2, 10) END(3) PASS(170, 8) COLUMN(6, 0) ADD_3(0, 6) UP(6, 6) \
-    ADD_3(2, 7) UP(7, 6) ADD_3(4, 8) UP(8, 6) ADD_3(6, 9) UP(9, 6) CUT END(8) PASS(178, 1) \
-    RESUME ADD_2(0, 10) END(1) PASS(179, 8) COLUMN(6, 1) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) \
-    UP(7, 6) ADD_3(4, 8) UP(8, 6) ADD_3(6, 9) UP(9, 6) CUT END(8) PASS(187, 8) RESUME \
-    ADD_2(0, 10) COLUMN(7, 0) ADD_3(1, 7) UP(7, 7) ADD_3(3, 8) UP(8, 7) ADD_3(5, 9) UP(9, 7) \
-    ADD_2(7, 10) END(8) PASS(195, 7) COLUMN(7, 1) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) \
-    ADD_3(4, 9) UP(9, 7) ADD_2(6, 10) END(7) PASS(202, 5) COLUMN(8, 0) ADD_3(0, 8) UP(8, 8) \
-    ADD_3(2, 9) UP(9, 8) ADD_2(4, 10) END(5) PASS(207, 8) COLUMN(8, 1) ADD_3(0, 8) UP(8, 8) \
-    ADD_3(2, 9) UP(9, 8) ADD_2(4, 10) COLUMN(9, 0) ADD_3(5, 9) UP(9, 9) ADD_2(7, 10) END(8) \
-    PASS(215, 5) COLUMN(9, 1) ADD_3(0, 9) UP(9, 9) ADD_2(2, 10) COLUMN(10, 0) ADD_2(3, 10) \
-    COLUMN(10, 1) ADD_2(4, 10) END(5)
+    ADD_2(0, 10) END(1) END_SIDES SIDES(15) PASS(92, 8) COLUMN(3, side) ADD_3(0, 3) UP(3, 3) \
+    ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) CUT END(8) PASS(100, 7) \
+    RESUME ADD_3(0, 7) UP(7, 3) ADD_3(2, 8) UP(8, 3) ADD_3(4, 9) UP(9, 3) ADD_2(6, 10) END(7) \
+    END_SIDES SIDES(13) PASS(122, 8) COLUMN(4, side) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) \
+    ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) UP(7, 4) CUT END(8) PASS(130, 5) RESUME ADD_3(0, 8) \
+    UP(8, 4) ADD_3(2, 9) UP(9, 4) ADD_2(4, 10) END(5) END_SIDES SIDES(11) PASS(148, 8) \
+    COLUMN(5, side) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) \
+    UP(8, 5) CUT END(8) PASS(156, 3) RESUME ADD_3(0, 9) UP(9, 5) ADD_2(2, 10) END(3) END_SIDES \
+    SIDES(9) PASS(170, 8) COLUMN(6, side) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) ADD_3(4, 8) \
+    UP(8, 6) ADD_3(6, 9) UP(9, 6) CUT END(8) PASS(178, 1) RESUME ADD_2(0, 10) END(1) END_SIDES \
+    SIDES(7) PASS(188, 7) COLUMN(7, side) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) ADD_3(4, 9) \
+    UP(9, 7) ADD_2(6, 10) END(7) END_SIDES SIDES(5) PASS(202, 5) COLUMN(8, side) ADD_3(0, 8) \
+    UP(8, 8) ADD_3(2, 9) UP(9, 8) ADD_2(4, 10) END(5) END_SIDES PASS(212, 8) COLUMN(9, 0) \
+    ADD_3(0, 9) UP(9, 9) ADD_2(2, 10) COLUMN(9, 1) ADD_3(3, 9) UP(9, 9) ADD_2(5, 10) \
+    COLUMN(10, 0) ADD_2(6, 10) COLUMN(10, 1) ADD_2(7, 10) END(8)
 #define PLAN_RGB_4 PASS(0, 8) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
     ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) UP(8, 0) CUT END(8) PASS(8, 3) RESUME ADD_4(0, 9) UP(9, 0) \
-    ADD_4(1, 10) UP(10, 0) ADD_4(2, 11) END(3) PASS(11, 8) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
-    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) UP(9, 1) CUT END(8) PASS(19, 2) RESUME \
-    ADD_4(0, 10) UP(10, 1) ADD_4(1, 11) END(2) PASS(21, 8) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) \
-    UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
-    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) UP(9, 1) CUT END(8) PASS(29, 2) RESUME \
-    ADD_4(0, 10) UP(10, 1) ADD_4(1, 11) END(2) PASS(31, 8) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) CUT END(8) PASS(39, 2) RESUME \
-    ADD_4(0, 10) UP(10, 2) ADD_4(1, 11) END(2) PASS(41, 8) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
-    ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) CUT END(8) PASS(49, 2) RESUME \
-    ADD_4(0, 10) UP(10, 2) ADD_4(1, 11) END(2) PASS(51, 8) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) \
-    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) \
-    ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) UP(10, 3) CUT END(8) PASS(59, 1) \
-    RESUME ADD_4(0, 11) END(1) PASS(60, 8) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) \
+    ADD_4(1, 10) UP(10, 0) ADD_4(2, 11) END(3) SIDES(10) PASS(11, 8) COLUMN(1, side) UP(1, 1) \
+    ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) \
+    ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) UP(9, 1) CUT \
+    END(8) PASS(19, 2) RESUME ADD_4(0, 10) UP(10, 1) ADD_4(1, 11) END(2) END_SIDES SIDES(10) \
+    PASS(31, 8) COLUMN(2, side) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) \
+    ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) \
+    ADD_4(7, 9) UP(9, 2) CUT END(8) PASS(39, 2) RESUME ADD_4(0, 10) UP(10, 2) ADD_4(1, 11) \
+    END(2) END_SIDES SIDES(9) PASS(51, 8) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) \
     UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) \
-    ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) UP(10, 3) CUT END(8) PASS(68, 1) RESUME ADD_4(0, 11) \
-    END(1) PASS(69, 8) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) \
-    UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) UP(9, 4) ADD_4(6, 10) \
-    UP(10, 4) ADD_4(7, 11) END(8) PASS(77, 8) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) \
+    ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) UP(10, 3) CUT END(8) PASS(59, 1) RESUME ADD_4(0, 11) \
+    END(1) END_SIDES SIDES(8) PASS(69, 8) COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) \
     UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) UP(9, 4) \
-    ADD_4(6, 10) UP(10, 4) ADD_4(7, 11) END(8) PASS(85, 7) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
-    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) UP(9, 5) \
-    ADD_4(5, 10) UP(10, 5) ADD_4(6, 11) END(7) PASS(92, 7) COLUMN(5, 1) ADD_4(0, 5) UP(5, 5) \
-    ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) ADD_4(4, 9) UP(9, 5) \
-    ADD_4(5, 10) UP(10, 5) ADD_4(6, 11) END(7) PASS(99, 6) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) \
-    ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) ADD_4(4, 10) UP(10, 6) \
-    ADD_4(5, 11) END(6) PASS(105, 6) COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) \
-    ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) ADD_4(4, 10) UP(10, 6) ADD_4(5, 11) END(6) \
-    PASS(111, 5) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) \
-    ADD_4(3, 10) UP(10, 7) ADD_4(4, 11) END(5) PASS(116, 5) COLUMN(7, 1) ADD_4(0, 7) UP(7, 7) \
-    ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) UP(10, 7) ADD_4(4, 11) END(5) \
-    PASS(121, 8) COLUMN(8, 0) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) UP(10, 8) \
-    ADD_4(3, 11) COLUMN(8, 1) ADD_4(4, 8) UP(8, 8) ADD_4(5, 9) UP(9, 8) ADD_4(6, 10) UP(10, 8) \
-    ADD_4(7, 11) END(8) PASS(129, 8) COLUMN(9, 0) ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) UP(10, 9) \
-    ADD_4(2, 11) COLUMN(9, 1) ADD_4(3, 9) UP(9, 9) ADD_4(4, 10) UP(10, 9) ADD_4(5, 11) \
-    COLUMN(10, 0) ADD_4(6, 10) UP(10, 10) ADD_4(7, 11) END(8) PASS(137, 4) COLUMN(10, 1) \
-    ADD_4(0, 10) UP(10, 10) ADD_4(1, 11) COLUMN(11, 0) ADD_4(2, 11) COLUMN(11, 1) ADD_4(3, 11) \
-    END(4)
+    ADD_4(6, 10) UP(10, 4) ADD_4(7, 11) END(8) END_SIDES SIDES(7) PASS(85, 7) COLUMN(5, side) \
+    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) \
+    ADD_4(4, 9) UP(9, 5) ADD_4(5, 10) UP(10, 5) ADD_4(6, 11) END(7) END_SIDES SIDES(6) \
+    PASS(99, 6) COLUMN(6, side) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) \
+    ADD_4(3, 9) UP(9, 6) ADD_4(4, 10) UP(10, 6) ADD_4(5, 11) END(6) END_SIDES SIDES(5) \
+    PASS(111, 5) COLUMN(7, side) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) \
+    ADD_4(3, 10) UP(10, 7) ADD_4(4, 11) END(5) END_SIDES PASS(121, 8) COLUMN(8, 0) ADD_4(0, 8) \
+    UP(8, 8) ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) UP(10, 8) ADD_4(3, 11) COLUMN(8, 1) ADD_4(4, 8) \
+    UP(8, 8) ADD_4(5, 9) UP(9, 8) ADD_4(6, 10) UP(10, 8) ADD_4(7, 11) END(8) PASS(129, 8) \
+    COLUMN(9, 0) ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) UP(10, 9) ADD_4(2, 11) COLUMN(9, 1) \
+    ADD_4(3, 9) UP(9, 9) ADD_4(4, 10) UP(10, 9) ADD_4(5, 11) COLUMN(10, 0) ADD_4(6, 10) \
+    UP(10, 10) ADD_4(7, 11) END(8) PASS(137, 4) COLUMN(10, 1) ADD_4(0, 10) UP(10, 10) \
+    ADD_4(1, 11) COLUMN(11, 0) ADD_4(2, 11) COLUMN(11, 1) ADD_4(3, 11) END(4)
 #define PLAN_RGB_5 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) CUT END(7) PASS(7, 8) RESUME ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) \
     UP(5, 0) ADD_5(4, 6) UP(6, 0) ADD_5(6, 7) UP(7, 0) CUT END(8) PASS(15, 6) RESUME ADD_5(0, 8) \
-    UP(8, 0) ADD_5(2, 9) UP(9, 0) ADD_4(4, 10) UP(10, 0) ADD_4(5, 11) END(6) PASS(21, 7) \
-    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
-    UP(4, 1) CUT END(7) PASS(28, 8) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) ADD_5(4, 7) \
-    UP(7, 1) ADD_5(6, 8) UP(8, 1) CUT END(8) PASS(36, 4) RESUME ADD_5(0, 9) UP(9, 1) \
-    ADD_4(2, 10) UP(10, 1) ADD_4(3, 11) END(4) PASS(40, 7) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) \
-    ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) CUT END(7) PASS(47, 8) RESUME \
-    ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) ADD_5(4, 7) UP(7, 1) ADD_5(6, 8) UP(8, 1) CUT \
-    END(8) PASS(55, 4) RESUME ADD_5(0, 9) UP(9, 1) ADD_4(2, 10) UP(10, 1) ADD_4(3, 11) END(4) \
-    PASS(59, 8) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) \
-    ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(67, 8) RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) \
-    ADD_5(4, 8) UP(8, 2) ADD_5(6, 9) UP(9, 2) CUT END(8) PASS(75, 2) RESUME ADD_4(0, 10) \
-    UP(10, 2) ADD_4(1, 11) END(2) PASS(77, 8) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) \
-    UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT END(8) PASS(85, 8) RESUME ADD_5(0, 6) \
-    UP(6, 2) ADD_5(2, 7) UP(7, 2) ADD_5(4, 8) UP(8, 2) ADD_5(6, 9) UP(9, 2) CUT END(8) \
-    PASS(93, 2) RESUME ADD_4(0, 10) UP(10, 2) ADD_4(1, 11) END(2) PASS(95, 8) COLUMN(3, 0) \
-    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT \
-    END(8) PASS(103, 8) RESUME ADD_5(0, 7) UP(7, 3) ADD_5(2, 8) UP(8, 3) ADD_5(4, 9) UP(9, 3) \
-    ADD_4(6, 10) UP(10, 3) ADD_4(7, 11) END(8) PASS(111, 8) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) \
-    ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(119, 8) \
-    RESUME ADD_5(0, 7) UP(7, 3) ADD_5(2, 8) UP(8, 3) ADD_5(4, 9) UP(9, 3) ADD_4(6, 10) UP(10, 3) \
-    ADD_4(7, 11) END(8) PASS(127, 8) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) \
-    ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) CUT END(8) PASS(135, 6) RESUME ADD_5(0, 8) \
-    UP(8, 4) ADD_5(2, 9) UP(9, 4) ADD_4(4, 10) UP(10, 4) ADD_4(5, 11) END(6) PASS(141, 8) \
-    COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) \
-    UP(7, 4) CUT END(8) PASS(149, 6) RESUME ADD_5(0, 8) UP(8, 4) ADD_5(2, 9) UP(9, 4) \
-    ADD_4(4, 10) UP(10, 4) ADD_4(5, 11) END(6) PASS(155, 8) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
-    ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) CUT END(8) PASS(163, 4) \
-    RESUME ADD_5(0, 9) UP(9, 5) ADD_4(2, 10) UP(10, 5) ADD_4(3, 11) END(4) PASS(167, 8) \
-    COLUMN(5, 1) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) \
-    UP(8, 5) CUT END(8) PASS(175, 4) RESUME ADD_5(0, 9) UP(9, 5) ADD_4(2, 10) UP(10, 5) \
-    ADD_4(3, 11) END(4) PASS(179, 8) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) \
-    ADD_5(4, 8) UP(8, 6) ADD_5(6, 9) UP(9, 6) CUT END(8) PASS(187, 2) RESUME ADD_4(0, 10) \
-    UP(10, 6) ADD_4(1, 11) END(2) PASS(189, 8) COLUMN(6, 1) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) \
-    UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_5(6, 9) UP(9, 6) CUT END(8) PASS(197, 2) RESUME \
-    ADD_4(0, 10) UP(10, 6) ADD_4(1, 11) END(2) PASS(199, 8) COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) \
-    ADD_5(2, 8) UP(8, 7) ADD_5(4, 9) UP(9, 7) ADD_4(6, 10) UP(10, 7) ADD_4(7, 11) END(8) \
-    PASS(207, 8) COLUMN(7, 1) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_5(4, 9) UP(9, 7) \
-    ADD_4(6, 10) UP(10, 7) ADD_4(7, 11) END(8) PASS(215, 6) COLUMN(8, 0) ADD_5(0, 8) UP(8, 8) \
-    ADD_5(2, 9) UP(9, 8) ADD_4(4, 10) UP(10, 8) ADD_4(5, 11) END(6) PASS(221, 6) COLUMN(8, 1) \
-    ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) UP(9, 8) ADD_4(4, 10) UP(10, 8) ADD_4(5, 11) END(6) \
-    PASS(227, 8) COLUMN(9, 0) ADD_5(0, 9) UP(9, 9) ADD_4(2, 10) UP(10, 9) ADD_4(3, 11) \
-    COLUMN(9, 1) ADD_5(4, 9) UP(9, 9) ADD_4(6, 10) UP(10, 9) ADD_4(7, 11) END(8) PASS(235, 6) \
-    COLUMN(10, 0) ADD_4(0, 10) UP(10, 10) ADD_4(1, 11) COLUMN(10, 1) ADD_4(2, 10) UP(10, 10) \
-    ADD_4(3, 11) COLUMN(11, 0) ADD_4(4, 11) COLUMN(11, 1) ADD_4(5, 11) END(6)
+    UP(8, 0) ADD_5(2, 9) UP(9, 0) ADD_4(4, 10) UP(10, 0) ADD_4(5, 11) END(6) SIDES(19) \
+    PASS(21, 7) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) \
+    ADD_5(5, 4) UP(4, 1) CUT END(7) PASS(28, 8) RESUME ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) \
+    ADD_5(4, 7) UP(7, 1) ADD_5(6, 8) UP(8, 1) CUT END(8) PASS(36, 4) RESUME ADD_5(0, 9) UP(9, 1) \
+    ADD_4(2, 10) UP(10, 1) ADD_4(3, 11) END(4) END_SIDES SIDES(18) PASS(59, 8) COLUMN(2, side) \
+    ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) CUT \
+    END(8) PASS(67, 8) RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) ADD_5(4, 8) UP(8, 2) \
+    ADD_5(6, 9) UP(9, 2) CUT END(8) PASS(75, 2) RESUME ADD_4(0, 10) UP(10, 2) ADD_4(1, 11) \
+    END(2) END_SIDES SIDES(16) PASS(95, 8) COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) \
+    UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) CUT END(8) PASS(103, 8) RESUME \
+    ADD_5(0, 7) UP(7, 3) ADD_5(2, 8) UP(8, 3) ADD_5(4, 9) UP(9, 3) ADD_4(6, 10) UP(10, 3) \
+    ADD_4(7, 11) END(8) END_SIDES SIDES(14) PASS(127, 8) COLUMN(4, side) ADD_5(0, 4) UP(4, 4) \
+    ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) CUT END(8) PASS(135, 6) \
+    RESUME ADD_5(0, 8) UP(8, 4) ADD_5(2, 9) UP(9, 4) ADD_4(4, 10) UP(10, 4) ADD_4(5, 11) END(6) \
+    END_SIDES SIDES(12) PASS(155, 8) COLUMN(5, side) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) \
+    ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) CUT END(8) PASS(163, 4) RESUME ADD_5(0, 9) \
+    UP(9, 5) ADD_4(2, 10) UP(10, 5) ADD_4(3, 11) END(4) END_SIDES SIDES(10) PASS(179, 8) \
+    COLUMN(6, side) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_5(6, 9) \
+    UP(9, 6) CUT END(8) PASS(187, 2) RESUME ADD_4(0, 10) UP(10, 6) ADD_4(1, 11) END(2) END_SIDES \
+    SIDES(8) PASS(199, 8) COLUMN(7, side) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_5(4, 9) \
+    UP(9, 7) ADD_4(6, 10) UP(10, 7) ADD_4(7, 11) END(8) END_SIDES SIDES(6) PASS(215, 6) \
+    COLUMN(8, side) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) UP(9, 8) ADD_4(4, 10) UP(10, 8) \
+    ADD_4(5, 11) END(6) END_SIDES PASS(227, 8) COLUMN(9, 0) ADD_5(0, 9) UP(9, 9) ADD_4(2, 10) \
+    UP(10, 9) ADD_4(3, 11) COLUMN(9, 1) ADD_5(4, 9) UP(9, 9) ADD_4(6, 10) UP(10, 9) ADD_4(7, 11) \
+    END(8) PASS(235, 6) COLUMN(10, 0) ADD_4(0, 10) UP(10, 10) ADD_4(1, 11) COLUMN(10, 1) \
+    ADD_4(2, 10) UP(10, 10) ADD_4(3, 11) COLUMN(11, 0) ADD_4(4, 11) COLUMN(11, 1) ADD_4(5, 11) \
+    END(6)
 #define PLAN_RGB_7 PASS(0, 7) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) CUT END(7) PASS(7, 6) RESUME ADD_7(0, 3) UP(3, 0) ADD_7(3, 4) UP(4, 0) CUT END(6) \
     PASS(13, 6) RESUME ADD_7(0, 5) UP(5, 0) ADD_7(3, 6) UP(6, 0) CUT END(6) PASS(19, 6) RESUME \
     ADD_7(0, 7) UP(7, 0) ADD_7(3, 8) UP(8, 0) CUT END(6) PASS(25, 6) RESUME ADD_7(0, 9) UP(9, 0) \
-    ADD_6(3, 10) UP(10, 0) ADD_4(5, 11) END(6) PASS(31, 8) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) \
-    ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(39, 6) RESUME ADD_7(0, 4) UP(4, 1) \
-    ADD_7(3, 5) UP(5, 1) CUT END(6) PASS(45, 6) RESUME ADD_7(0, 6) UP(6, 1) ADD_7(3, 7) UP(7, 1) \
-    CUT END(6) PASS(51, 8) RESUME ADD_7(0, 8) UP(8, 1) ADD_7(3, 9) UP(9, 1) ADD_6(6, 10) \
-    UP(10, 1) CUT END(8) PASS(59, 1) RESUME ADD_4(0, 11) END(1) PASS(60, 8) COLUMN(1, 1) \
-    ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(68, 6) RESUME \
-    ADD_7(0, 4) UP(4, 1) ADD_7(3, 5) UP(5, 1) CUT END(6) PASS(74, 6) RESUME ADD_7(0, 6) UP(6, 1) \
-    ADD_7(3, 7) UP(7, 1) CUT END(6) PASS(80, 8) RESUME ADD_7(0, 8) UP(8, 1) ADD_7(3, 9) UP(9, 1) \
-    ADD_6(6, 10) UP(10, 1) CUT END(8) PASS(88, 1) RESUME ADD_4(0, 11) END(1) PASS(89, 6) \
-    COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(95, 6) RESUME \
-    ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) CUT END(6) PASS(101, 6) RESUME ADD_7(0, 6) \
+    ADD_6(3, 10) UP(10, 0) ADD_4(5, 11) END(6) SIDES(29) PASS(31, 8) COLUMN(1, side) ADD_3(0, 1) \
+    UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) CUT END(8) PASS(39, 6) RESUME ADD_7(0, 4) \
+    UP(4, 1) ADD_7(3, 5) UP(5, 1) CUT END(6) PASS(45, 6) RESUME ADD_7(0, 6) UP(6, 1) ADD_7(3, 7) \
+    UP(7, 1) CUT END(6) PASS(51, 8) RESUME ADD_7(0, 8) UP(8, 1) ADD_7(3, 9) UP(9, 1) \
+    ADD_6(6, 10) UP(10, 1) CUT END(8) PASS(59, 1) RESUME ADD_4(0, 11) END(1) END_SIDES SIDES(27) \
+    PASS(89, 6) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) PASS(95, 6) \
+    RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) CUT END(6) PASS(101, 6) RESUME ADD_7(0, 6) \
     UP(6, 2) ADD_7(3, 7) UP(7, 2) CUT END(6) PASS(107, 8) RESUME ADD_7(0, 8) UP(8, 2) \
     ADD_7(3, 9) UP(9, 2) ADD_6(6, 10) UP(10, 2) CUT END(8) PASS(115, 1) RESUME ADD_4(0, 11) \
-    END(1) PASS(116, 6) COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) CUT END(6) \
-    PASS(122, 6) RESUME ADD_7(0, 4) UP(4, 2) ADD_7(3, 5) UP(5, 2) CUT END(6) PASS(128, 6) RESUME \
-    ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) CUT END(6) PASS(134, 8) RESUME ADD_7(0, 8) \
-    UP(8, 2) ADD_7(3, 9) UP(9, 2) ADD_6(6, 10) UP(10, 2) CUT END(8) PASS(142, 1) RESUME \
-    ADD_4(0, 11) END(1) PASS(143, 6) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT \
-    END(6) PASS(149, 6) RESUME ADD_7(0, 5) UP(5, 3) ADD_7(3, 6) UP(6, 3) CUT END(6) PASS(155, 6) \
-    RESUME ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) UP(8, 3) CUT END(6) PASS(161, 6) RESUME ADD_7(0, 9) \
-    UP(9, 3) ADD_6(3, 10) UP(10, 3) ADD_4(5, 11) END(6) PASS(167, 6) COLUMN(3, 1) ADD_7(0, 3) \
-    UP(3, 3) ADD_7(3, 4) UP(4, 3) CUT END(6) PASS(173, 6) RESUME ADD_7(0, 5) UP(5, 3) \
-    ADD_7(3, 6) UP(6, 3) CUT END(6) PASS(179, 6) RESUME ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) \
-    UP(8, 3) CUT END(6) PASS(185, 6) RESUME ADD_7(0, 9) UP(9, 3) ADD_6(3, 10) UP(10, 3) \
-    ADD_4(5, 11) END(6) PASS(191, 6) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT \
-    END(6) PASS(197, 6) RESUME ADD_7(0, 6) UP(6, 4) ADD_7(3, 7) UP(7, 4) CUT END(6) PASS(203, 8) \
-    RESUME ADD_7(0, 8) UP(8, 4) ADD_7(3, 9) UP(9, 4) ADD_6(6, 10) UP(10, 4) CUT END(8) \
-    PASS(211, 1) RESUME ADD_4(0, 11) END(1) PASS(212, 6) COLUMN(4, 1) ADD_7(0, 4) UP(4, 4) \
-    ADD_7(3, 5) UP(5, 4) CUT END(6) PASS(218, 6) RESUME ADD_7(0, 6) UP(6, 4) ADD_7(3, 7) \
-    UP(7, 4) CUT END(6) PASS(224, 8) RESUME ADD_7(0, 8) UP(8, 4) ADD_7(3, 9) UP(9, 4) \
-    ADD_6(6, 10) UP(10, 4) CUT END(8) PASS(232, 1) RESUME ADD_4(0, 11) END(1) PASS(233, 6) \
-    COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) CUT END(6) PASS(239, 6) RESUME \
-    ADD_7(0, 7) UP(7, 5) ADD_7(3, 8) UP(8, 5) CUT END(6) PASS(245, 6) RESUME ADD_7(0, 9) \
-    UP(9, 5) ADD_6(3, 10) UP(10, 5) ADD_4(5, 11) END(6) PASS(251, 6) COLUMN(5, 1) ADD_7(0, 5) \
-    UP(5, 5) ADD_7(3, 6) UP(6, 5) CUT END(6) PASS(257, 6) RESUME ADD_7(0, 7) UP(7, 5) \
-    ADD_7(3, 8) UP(8, 5) CUT END(6) PASS(263, 6) RESUME ADD_7(0, 9) UP(9, 5) ADD_6(3, 10) \
-    UP(10, 5) ADD_4(5, 11) END(6) PASS(269, 6) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) \
-    UP(7, 6) CUT END(6) PASS(275, 8) RESUME ADD_7(0, 8) UP(8, 6) ADD_7(3, 9) UP(9, 6) \
-    ADD_6(6, 10) UP(10, 6) CUT END(8) PASS(283, 1) RESUME ADD_4(0, 11) END(1) PASS(284, 6) \
-    COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) CUT END(6) PASS(290, 8) RESUME \
-    ADD_7(0, 8) UP(8, 6) ADD_7(3, 9) UP(9, 6) ADD_6(6, 10) UP(10, 6) CUT END(8) PASS(298, 1) \
-    RESUME ADD_4(0, 11) END(1) PASS(299, 6) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) \
+    END(1) END_SIDES SIDES(24) PASS(143, 6) COLUMN(3, side) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) \
+    UP(4, 3) CUT END(6) PASS(149, 6) RESUME ADD_7(0, 5) UP(5, 3) ADD_7(3, 6) UP(6, 3) CUT END(6) \
+    PASS(155, 6) RESUME ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) UP(8, 3) CUT END(6) PASS(161, 6) RESUME \
+    ADD_7(0, 9) UP(9, 3) ADD_6(3, 10) UP(10, 3) ADD_4(5, 11) END(6) END_SIDES SIDES(21) \
+    PASS(191, 6) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) CUT END(6) \
+    PASS(197, 6) RESUME ADD_7(0, 6) UP(6, 4) ADD_7(3, 7) UP(7, 4) CUT END(6) PASS(203, 8) RESUME \
+    ADD_7(0, 8) UP(8, 4) ADD_7(3, 9) UP(9, 4) ADD_6(6, 10) UP(10, 4) CUT END(8) PASS(211, 1) \
+    RESUME ADD_4(0, 11) END(1) END_SIDES SIDES(18) PASS(233, 6) COLUMN(5, side) ADD_7(0, 5) \
+    UP(5, 5) ADD_7(3, 6) UP(6, 5) CUT END(6) PASS(239, 6) RESUME ADD_7(0, 7) UP(7, 5) \
+    ADD_7(3, 8) UP(8, 5) CUT END(6) PASS(245, 6) RESUME ADD_7(0, 9) UP(9, 5) ADD_6(3, 10) \
+    UP(10, 5) ADD_4(5, 11) END(6) END_SIDES SIDES(15) PASS(269, 6) COLUMN(6, side) ADD_7(0, 6) \
+    UP(6, 6) ADD_7(3, 7) UP(7, 6) CUT END(6) PASS(275, 8) RESUME ADD_7(0, 8) UP(8, 6) \
+    ADD_7(3, 9) UP(9, 6) ADD_6(6, 10) UP(10, 6) CUT END(8) PASS(283, 1) RESUME ADD_4(0, 11) \
+    END(1) END_SIDES SIDES(12) PASS(299, 6) COLUMN(7, side) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) \
     UP(8, 7) CUT END(6) PASS(305, 6) RESUME ADD_7(0, 9) UP(9, 7) ADD_6(3, 10) UP(10, 7) \
-    ADD_4(5, 11) END(6) PASS(311, 6) COLUMN(7, 1) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) CUT \
-    END(6) PASS(317, 6) RESUME ADD_7(0, 9) UP(9, 7) ADD_6(3, 10) UP(10, 7) ADD_4(5, 11) END(6) \
-    PASS(323, 8) COLUMN(8, 0) ADD_7(0, 8) UP(8, 8) ADD_7(3, 9) UP(9, 8) ADD_6(6, 10) UP(10, 8) \
-    CUT END(8) PASS(331, 1) RESUME ADD_4(0, 11) END(1) PASS(332, 8) COLUMN(8, 1) ADD_7(0, 8) \
-    UP(8, 8) ADD_7(3, 9) UP(9, 8) ADD_6(6, 10) UP(10, 8) CUT END(8) PASS(340, 7) RESUME \
-    ADD_4(0, 11) COLUMN(9, 0) ADD_7(1, 9) UP(9, 9) ADD_6(4, 10) UP(10, 9) ADD_4(6, 11) END(7) \
-    PASS(347, 6) COLUMN(9, 1) ADD_7(0, 9) UP(9, 9) ADD_6(3, 10) UP(10, 9) ADD_4(5, 11) END(6) \
-    PASS(353, 8) COLUMN(10, 0) ADD_6(0, 10) UP(10, 10) ADD_4(2, 11) COLUMN(10, 1) ADD_6(3, 10) \
-    UP(10, 10) ADD_4(5, 11) COLUMN(11, 0) ADD_4(6, 11) COLUMN(11, 1) ADD_4(7, 11) END(8)
+    ADD_4(5, 11) END(6) END_SIDES SIDES(9) PASS(323, 8) COLUMN(8, side) ADD_7(0, 8) UP(8, 8) \
+    ADD_7(3, 9) UP(9, 8) ADD_6(6, 10) UP(10, 8) CUT END(8) PASS(331, 1) RESUME ADD_4(0, 11) \
+    END(1) END_SIDES SIDES(6) PASS(341, 6) COLUMN(9, side) ADD_7(0, 9) UP(9, 9) ADD_6(3, 10) \
+    UP(10, 9) ADD_4(5, 11) END(6) END_SIDES PASS(353, 8) COLUMN(10, 0) ADD_6(0, 10) UP(10, 10) \
+    ADD_4(2, 11) COLUMN(10, 1) ADD_6(3, 10) UP(10, 10) ADD_4(5, 11) COLUMN(11, 0) ADD_4(6, 11) \
+    COLUMN(11, 1) ADD_4(7, 11) END(8)
 #else
 #define PLAN_1 PASS(0, 10) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) ADD_1(4, 4) UP(4, 0) ADD_1(5, 5) UP(5, 0) ADD_1(6, 6) UP(6, 0) \
-    ADD_1(7, 7) UP(7, 0) ADD_1(8, 8) UP(8, 0) ADD_1(9, 9) END(10) PASS(10, 9) COLUMN(1, 0) \
-    ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) \
-    ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) ADD_1(7, 8) UP(8, 1) \
-    ADD_1(8, 9) END(9) PASS(19, 9) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) \
-    ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) \
-    ADD_1(6, 7) UP(7, 1) ADD_1(7, 8) UP(8, 1) ADD_1(8, 9) END(9) PASS(28, 8) COLUMN(2, 0) \
-    ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) \
-    ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) UP(8, 2) ADD_1(7, 9) END(8) \
-    PASS(36, 8) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
-    ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) UP(8, 2) \
-    ADD_1(7, 9) END(8) PASS(44, 7) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) \
-    ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) UP(8, 3) \
-    ADD_1(6, 9) END(7) PASS(51, 7) COLUMN(3, 1) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) \
-    ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) UP(8, 3) \
-    ADD_1(6, 9) END(7) PASS(58, 12) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) \
-    ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) UP(7, 4) ADD_1(4, 8) UP(8, 4) ADD_1(5, 9) COLUMN(4, 1) \
-    ADD_1(6, 4) UP(4, 4) ADD_1(7, 5) UP(5, 4) ADD_1(8, 6) UP(6, 4) ADD_1(9, 7) UP(7, 4) \
-    ADD_1(10, 8) UP(8, 4) ADD_1(11, 9) END(12) PASS(70, 10) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) \
-    ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) UP(8, 5) ADD_1(4, 9) COLUMN(5, 1) \
-    ADD_1(5, 5) UP(5, 5) ADD_1(6, 6) UP(6, 5) ADD_1(7, 7) UP(7, 5) ADD_1(8, 8) UP(8, 5) \
-    ADD_1(9, 9) END(10) PASS(80, 11) COLUMN(6, 0) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) \
-    ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) COLUMN(6, 1) ADD_1(4, 6) UP(6, 6) ADD_1(5, 7) UP(7, 6) \
-    ADD_1(6, 8) UP(8, 6) ADD_1(7, 9) COLUMN(7, 0) ADD_1(8, 7) UP(7, 7) ADD_1(9, 8) UP(8, 7) \
-    ADD_1(10, 9) END(11) PASS(91, 9) COLUMN(7, 1) ADD_1(0, 7) UP(7, 7) ADD_1(1, 8) UP(8, 7) \
-    ADD_1(2, 9) COLUMN(8, 0) ADD_1(3, 8) UP(8, 8) ADD_1(4, 9) COLUMN(8, 1) ADD_1(5, 8) UP(8, 8) \
-    ADD_1(6, 9) COLUMN(9, 0) ADD_1(7, 9) COLUMN(9, 1) ADD_1(8, 9) END(9)
+    ADD_1(7, 7) UP(7, 0) ADD_1(8, 8) UP(8, 0) ADD_1(9, 9) END(10) SIDES(9) PASS(10, 9) \
+    COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) \
+    UP(4, 1) ADD_1(4, 5) UP(5, 1) ADD_1(5, 6) UP(6, 1) ADD_1(6, 7) UP(7, 1) ADD_1(7, 8) UP(8, 1) \
+    ADD_1(8, 9) END(9) END_SIDES SIDES(8) PASS(28, 8) COLUMN(2, side) ADD_1(0, 2) UP(2, 2) \
+    ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) ADD_1(4, 6) UP(6, 2) \
+    ADD_1(5, 7) UP(7, 2) ADD_1(6, 8) UP(8, 2) ADD_1(7, 9) END(8) END_SIDES SIDES(7) PASS(44, 7) \
+    COLUMN(3, side) ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) \
+    UP(6, 3) ADD_1(4, 7) UP(7, 3) ADD_1(5, 8) UP(8, 3) ADD_1(6, 9) END(7) END_SIDES PASS(58, 12) \
+    COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) \
+    UP(7, 4) ADD_1(4, 8) UP(8, 4) ADD_1(5, 9) COLUMN(4, 1) ADD_1(6, 4) UP(4, 4) ADD_1(7, 5) \
+    UP(5, 4) ADD_1(8, 6) UP(6, 4) ADD_1(9, 7) UP(7, 4) ADD_1(10, 8) UP(8, 4) ADD_1(11, 9) \
+    END(12) PASS(70, 10) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) \
+    UP(7, 5) ADD_1(3, 8) UP(8, 5) ADD_1(4, 9) COLUMN(5, 1) ADD_1(5, 5) UP(5, 5) ADD_1(6, 6) \
+    UP(6, 5) ADD_1(7, 7) UP(7, 5) ADD_1(8, 8) UP(8, 5) ADD_1(9, 9) END(10) PASS(80, 11) \
+    COLUMN(6, 0) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) \
+    COLUMN(6, 1) ADD_1(4, 6) UP(6, 6) ADD_1(5, 7) UP(7, 6) ADD_1(6, 8) UP(8, 6) ADD_1(7, 9) \
+    COLUMN(7, 0) ADD_1(8, 7) UP(7, 7) ADD_1(9, 8) UP(8, 7) ADD_1(10, 9) END(11) PASS(91, 9) \
+    COLUMN(7, 1) ADD_1(0, 7) UP(7, 7) ADD_1(1, 8) UP(8, 7) ADD_1(2, 9) COLUMN(8, 0) ADD_1(3, 8) \
+    UP(8, 8) ADD_1(4, 9) COLUMN(8, 1) ADD_1(5, 8) UP(8, 8) ADD_1(6, 9) COLUMN(9, 0) ADD_1(7, 9) \
+    COLUMN(9, 1) ADD_1(8, 9) END(9)
 #define PLAN_3 PASS(0, 11) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) ADD_3(3, 2) \
     UP(2, 0) ADD_3(5, 3) UP(3, 0) ADD_3(7, 4) UP(4, 0) ADD_3(9, 5) UP(5, 0) CUT END(11) \
     PASS(11, 9) RESUME ADD_3(0, 6) UP(6, 0) ADD_3(2, 7) UP(7, 0) ADD_3(4, 8) UP(8, 0) \
-    ADD_3(6, 9) UP(9, 0) ADD_2(8, 10) END(9) PASS(20, 12) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) \
-    ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) \
-    ADD_3(10, 6) UP(6, 1) CUT END(12) PASS(32, 7) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) \
-    UP(8, 1) ADD_3(4, 9) UP(9, 1) ADD_2(6, 10) END(7) PASS(39, 12) COLUMN(1, 1) ADD_3(0, 1) \
+    ADD_3(6, 9) UP(9, 0) ADD_2(8, 10) END(9) SIDES(19) PASS(20, 12) COLUMN(1, side) ADD_3(0, 1) \
     UP(1, 1) ADD_3(2, 2) UP(2, 1) ADD_3(4, 3) UP(3, 1) ADD_3(6, 4) UP(4, 1) ADD_3(8, 5) UP(5, 1) \
-    ADD_3(10, 6) UP(6, 1) CUT END(12) PASS(51, 7) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) \
-    UP(8, 1) ADD_3(4, 9) UP(9, 1) ADD_2(6, 10) END(7) PASS(58, 12) COLUMN(2, 0) ADD_3(0, 2) \
-    UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) ADD_3(8, 6) UP(6, 2) \
-    ADD_3(10, 7) UP(7, 2) CUT END(12) PASS(70, 5) RESUME ADD_3(0, 8) UP(8, 2) ADD_3(2, 9) \
-    UP(9, 2) ADD_2(4, 10) END(5) PASS(75, 12) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) \
-    UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) UP(5, 2) ADD_3(8, 6) UP(6, 2) ADD_3(10, 7) \
-    UP(7, 2) CUT END(12) PASS(87, 5) RESUME ADD_3(0, 8) UP(8, 2) ADD_3(2, 9) UP(9, 2) \
-    ADD_2(4, 10) END(5) PASS(92, 12) COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) \
-    ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) UP(6, 3) ADD_3(8, 7) UP(7, 3) ADD_3(10, 8) UP(8, 3) CUT \
-    END(12) PASS(104, 3) RESUME ADD_3(0, 9) UP(9, 3) ADD_2(2, 10) END(3) PASS(107, 12) \
-    COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) ADD_3(6, 6) \
-    UP(6, 3) ADD_3(8, 7) UP(7, 3) ADD_3(10, 8) UP(8, 3) CUT END(12) PASS(119, 3) RESUME \
-    ADD_3(0, 9) UP(9, 3) ADD_2(2, 10) END(3) PASS(122, 12) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) \
-    ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) UP(7, 4) ADD_3(8, 8) UP(8, 4) \
-    ADD_3(10, 9) UP(9, 4) CUT END(12) PASS(134, 1) RESUME ADD_2(0, 10) END(1) PASS(135, 12) \
-    COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) \
-    UP(7, 4) ADD_3(8, 8) UP(8, 4) ADD_3(10, 9) UP(9, 4) CUT END(12) PASS(147, 12) RESUME \
-    ADD_2(0, 10) COLUMN(5, 0) ADD_3(1, 5) UP(5, 5) ADD_3(3, 6) UP(6, 5) ADD_3(5, 7) UP(7, 5) \
-    ADD_3(7, 8) UP(8, 5) ADD_3(9, 9) UP(9, 5) ADD_2(11, 10) END(12) PASS(159, 11) COLUMN(5, 1) \
-    ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) UP(8, 5) \
-    ADD_3(8, 9) UP(9, 5) ADD_2(10, 10) END(11) PASS(170, 9) COLUMN(6, 0) ADD_3(0, 6) UP(6, 6) \
-    ADD_3(2, 7) UP(7, 6) ADD_3(4, 8) UP(8, 6) ADD_3(6, 9) UP(9, 6) ADD_2(8, 10) END(9) \
-    PASS(179, 9) COLUMN(6, 1) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) ADD_3(4, 8) UP(8, 6) \
-    ADD_3(6, 9) UP(9, 6) ADD_2(8, 10) END(9) PASS(188, 7) COLUMN(7, 0) ADD_3(0, 7) UP(7, 7) \
-    ADD_3(2, 8) UP(8, 7) ADD_3(4, 9) UP(9, 7) ADD_2(6, 10) END(7) PASS(195, 12) COLUMN(7, 1) \
-    ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) ADD_3(4, 9) UP(9, 7) ADD_2(6, 10) COLUMN(8, 0) \
-    ADD_3(7, 8) UP(8, 8) ADD_3(9, 9) UP(9, 8) ADD_2(11, 10) END(12) PASS(207, 12) COLUMN(8, 1) \
-    ADD_3(0, 8) UP(8, 8) ADD_3(2, 9) UP(9, 8) ADD_2(4, 10) COLUMN(9, 0) ADD_3(5, 9) UP(9, 9) \
-    ADD_2(7, 10) COLUMN(9, 1) ADD_3(8, 9) UP(9, 9) ADD_2(10, 10) COLUMN(10, 0) ADD_2(11, 10) \
-    END(12) PASS(219, 1) COLUMN(10, 1) ADD_2(0, 10) END(1)
+    ADD_3(10, 6) UP(6, 1) CUT END(12) PASS(32, 7) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) \
+    UP(8, 1) ADD_3(4, 9) UP(9, 1) ADD_2(6, 10) END(7) END_SIDES SIDES(17) PASS(58, 12) \
+    COLUMN(2, side) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) ADD_3(4, 4) UP(4, 2) ADD_3(6, 5) \
+    UP(5, 2) ADD_3(8, 6) UP(6, 2) ADD_3(10, 7) UP(7, 2) CUT END(12) PASS(70, 5) RESUME \
+    ADD_3(0, 8) UP(8, 2) ADD_3(2, 9) UP(9, 2) ADD_2(4, 10) END(5) END_SIDES SIDES(15) \
+    PASS(92, 12) COLUMN(3, side) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) ADD_3(4, 5) UP(5, 3) \
+    ADD_3(6, 6) UP(6, 3) ADD_3(8, 7) UP(7, 3) ADD_3(10, 8) UP(8, 3) CUT END(12) PASS(104, 3) \
+    RESUME ADD_3(0, 9) UP(9, 3) ADD_2(2, 10) END(3) END_SIDES SIDES(13) PASS(122, 12) \
+    COLUMN(4, side) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) ADD_3(4, 6) UP(6, 4) ADD_3(6, 7) \
+    UP(7, 4) ADD_3(8, 8) UP(8, 4) ADD_3(10, 9) UP(9, 4) CUT END(12) PASS(134, 1) RESUME \
+    ADD_2(0, 10) END(1) END_SIDES SIDES(11) PASS(148, 11) COLUMN(5, side) ADD_3(0, 5) UP(5, 5) \
+    ADD_3(2, 6) UP(6, 5) ADD_3(4, 7) UP(7, 5) ADD_3(6, 8) UP(8, 5) ADD_3(8, 9) UP(9, 5) \
+    ADD_2(10, 10) END(11) END_SIDES SIDES(9) PASS(170, 9) COLUMN(6, side) ADD_3(0, 6) UP(6, 6) \
+    ADD_3(2, 7) UP(7, 6) ADD_3(4, 8) UP(8, 6) ADD_3(6, 9) UP(9, 6) ADD_2(8, 10) END(9) END_SIDES \
+    SIDES(7) PASS(188, 7) COLUMN(7, side) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) ADD_3(4, 9) \
+    UP(9, 7) ADD_2(6, 10) END(7) END_SIDES PASS(202, 10) COLUMN(8, 0) ADD_3(0, 8) UP(8, 8) \
+    ADD_3(2, 9) UP(9, 8) ADD_2(4, 10) COLUMN(8, 1) ADD_3(5, 8) UP(8, 8) ADD_3(7, 9) UP(9, 8) \
+    ADD_2(9, 10) END(10) PASS(212, 8) COLUMN(9, 0) ADD_3(0, 9) UP(9, 9) ADD_2(2, 10) \
+    COLUMN(9, 1) ADD_3(3, 9) UP(9, 9) ADD_2(5, 10) COLUMN(10, 0) ADD_2(6, 10) COLUMN(10, 1) \
+    ADD_2(7, 10) END(8)
 #define PLAN_4 PASS(0, 11) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) ADD_4(4, 5) UP(5, 0) ADD_4(5, 6) UP(6, 0) \
     ADD_4(6, 7) UP(7, 0) ADD_4(7, 8) UP(8, 0) ADD_4(8, 9) UP(9, 0) ADD_4(9, 10) UP(10, 0) \
-    ADD_4(10, 11) END(11) PASS(11, 10) COLUMN(1, 0) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) \
-    UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) \
-    ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) UP(9, 1) ADD_4(8, 10) UP(10, 1) ADD_4(9, 11) END(10) \
-    PASS(21, 10) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) \
-    UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) \
-    ADD_4(7, 9) UP(9, 1) ADD_4(8, 10) UP(10, 1) ADD_4(9, 11) END(10) PASS(31, 10) COLUMN(2, 0) \
-    ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) \
-    ADD_4(4, 6) UP(6, 2) ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) \
-    ADD_4(8, 10) UP(10, 2) ADD_4(9, 11) END(10) PASS(41, 10) COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) \
+    ADD_4(10, 11) END(11) SIDES(10) PASS(11, 10) COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) \
+    ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) ADD_4(4, 6) UP(6, 1) \
+    ADD_4(5, 7) UP(7, 1) ADD_4(6, 8) UP(8, 1) ADD_4(7, 9) UP(9, 1) ADD_4(8, 10) UP(10, 1) \
+    ADD_4(9, 11) END(10) END_SIDES SIDES(10) PASS(31, 10) COLUMN(2, side) ADD_4(0, 2) UP(2, 2) \
     ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) ADD_4(4, 6) UP(6, 2) \
     ADD_4(5, 7) UP(7, 2) ADD_4(6, 8) UP(8, 2) ADD_4(7, 9) UP(9, 2) ADD_4(8, 10) UP(10, 2) \
-    ADD_4(9, 11) END(10) PASS(51, 9) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
-    ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) \
-    ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) UP(10, 3) ADD_4(8, 11) END(9) PASS(60, 9) COLUMN(3, 1) \
-    ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) \
-    ADD_4(4, 7) UP(7, 3) ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) UP(10, 3) \
-    ADD_4(8, 11) END(9) PASS(69, 8) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
+    ADD_4(9, 11) END(10) END_SIDES SIDES(9) PASS(51, 9) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) \
+    ADD_4(1, 4) UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) ADD_4(4, 7) UP(7, 3) \
+    ADD_4(5, 8) UP(8, 3) ADD_4(6, 9) UP(9, 3) ADD_4(7, 10) UP(10, 3) ADD_4(8, 11) END(9) \
+    END_SIDES SIDES(8) PASS(69, 8) COLUMN(4, side) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) \
     ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) ADD_4(5, 9) UP(9, 4) \
-    ADD_4(6, 10) UP(10, 4) ADD_4(7, 11) END(8) PASS(77, 8) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) \
-    ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) ADD_4(4, 8) UP(8, 4) \
-    ADD_4(5, 9) UP(9, 4) ADD_4(6, 10) UP(10, 4) ADD_4(7, 11) END(8) PASS(85, 7) COLUMN(5, 0) \
+    ADD_4(6, 10) UP(10, 4) ADD_4(7, 11) END(8) END_SIDES SIDES(7) PASS(85, 7) COLUMN(5, side) \
     ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) \
-    ADD_4(4, 9) UP(9, 5) ADD_4(5, 10) UP(10, 5) ADD_4(6, 11) END(7) PASS(92, 7) COLUMN(5, 1) \
-    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) \
-    ADD_4(4, 9) UP(9, 5) ADD_4(5, 10) UP(10, 5) ADD_4(6, 11) END(7) PASS(99, 12) COLUMN(6, 0) \
-    ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) UP(9, 6) \
-    ADD_4(4, 10) UP(10, 6) ADD_4(5, 11) COLUMN(6, 1) ADD_4(6, 6) UP(6, 6) ADD_4(7, 7) UP(7, 6) \
-    ADD_4(8, 8) UP(8, 6) ADD_4(9, 9) UP(9, 6) ADD_4(10, 10) UP(10, 6) ADD_4(11, 11) END(12) \
-    PASS(111, 10) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) UP(9, 7) \
-    ADD_4(3, 10) UP(10, 7) ADD_4(4, 11) COLUMN(7, 1) ADD_4(5, 7) UP(7, 7) ADD_4(6, 8) UP(8, 7) \
-    ADD_4(7, 9) UP(9, 7) ADD_4(8, 10) UP(10, 7) ADD_4(9, 11) END(10) PASS(121, 11) COLUMN(8, 0) \
-    ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) UP(10, 8) ADD_4(3, 11) COLUMN(8, 1) \
-    ADD_4(4, 8) UP(8, 8) ADD_4(5, 9) UP(9, 8) ADD_4(6, 10) UP(10, 8) ADD_4(7, 11) COLUMN(9, 0) \
-    ADD_4(8, 9) UP(9, 9) ADD_4(9, 10) UP(10, 9) ADD_4(10, 11) END(11) PASS(132, 9) COLUMN(9, 1) \
-    ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) UP(10, 9) ADD_4(2, 11) COLUMN(10, 0) ADD_4(3, 10) \
-    UP(10, 10) ADD_4(4, 11) COLUMN(10, 1) ADD_4(5, 10) UP(10, 10) ADD_4(6, 11) COLUMN(11, 0) \
-    ADD_4(7, 11) COLUMN(11, 1) ADD_4(8, 11) END(9)
+    ADD_4(4, 9) UP(9, 5) ADD_4(5, 10) UP(10, 5) ADD_4(6, 11) END(7) END_SIDES PASS(99, 12) \
+    COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) ADD_4(3, 9) \
+    UP(9, 6) ADD_4(4, 10) UP(10, 6) ADD_4(5, 11) COLUMN(6, 1) ADD_4(6, 6) UP(6, 6) ADD_4(7, 7) \
+    UP(7, 6) ADD_4(8, 8) UP(8, 6) ADD_4(9, 9) UP(9, 6) ADD_4(10, 10) UP(10, 6) ADD_4(11, 11) \
+    END(12) PASS(111, 10) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) \
+    UP(9, 7) ADD_4(3, 10) UP(10, 7) ADD_4(4, 11) COLUMN(7, 1) ADD_4(5, 7) UP(7, 7) ADD_4(6, 8) \
+    UP(8, 7) ADD_4(7, 9) UP(9, 7) ADD_4(8, 10) UP(10, 7) ADD_4(9, 11) END(10) PASS(121, 11) \
+    COLUMN(8, 0) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) UP(10, 8) ADD_4(3, 11) \
+    COLUMN(8, 1) ADD_4(4, 8) UP(8, 8) ADD_4(5, 9) UP(9, 8) ADD_4(6, 10) UP(10, 8) ADD_4(7, 11) \
+    COLUMN(9, 0) ADD_4(8, 9) UP(9, 9) ADD_4(9, 10) UP(10, 9) ADD_4(10, 11) END(11) PASS(132, 9) \
+    COLUMN(9, 1) ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) UP(10, 9) ADD_4(2, 11) COLUMN(10, 0) \
+    ADD_4(3, 10) UP(10, 10) ADD_4(4, 11) COLUMN(10, 1) ADD_4(5, 10) UP(10, 10) ADD_4(6, 11) \
+    COLUMN(11, 0) ADD_4(7, 11) COLUMN(11, 1) ADD_4(8, 11) END(9)
 #define PLAN_5 PASS(0, 11) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) ADD_5(3, 2) \
     UP(2, 0) ADD_5(5, 3) UP(3, 0) ADD_5(7, 4) UP(4, 0) ADD_5(9, 5) UP(5, 0) CUT END(11) \
     PASS(11, 10) RESUME ADD_5(0, 6) UP(6, 0) ADD_5(2, 7) UP(7, 0) ADD_5(4, 8) UP(8, 0) \
-    ADD_5(6, 9) UP(9, 0) ADD_4(8, 10) UP(10, 0) ADD_4(9, 11) END(10) PASS(21, 11) COLUMN(1, 0) \
-    ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) UP(4, 1) \
-    ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) CUT END(11) PASS(32, 8) RESUME ADD_5(0, 7) \
-    UP(7, 1) ADD_5(2, 8) UP(8, 1) ADD_5(4, 9) UP(9, 1) ADD_4(6, 10) UP(10, 1) ADD_4(7, 11) \
-    END(8) PASS(40, 11) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) \
-    UP(3, 1) ADD_5(5, 4) UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) CUT END(11) \
-    PASS(51, 8) RESUME ADD_5(0, 7) UP(7, 1) ADD_5(2, 8) UP(8, 1) ADD_5(4, 9) UP(9, 1) \
-    ADD_4(6, 10) UP(10, 1) ADD_4(7, 11) END(8) PASS(59, 12) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(6, 9) UP(9, 0) ADD_4(8, 10) UP(10, 0) ADD_4(9, 11) END(10) SIDES(19) PASS(21, 11) \
+    COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) ADD_5(3, 3) UP(3, 1) ADD_5(5, 4) \
+    UP(4, 1) ADD_5(7, 5) UP(5, 1) ADD_5(9, 6) UP(6, 1) CUT END(11) PASS(32, 8) RESUME \
+    ADD_5(0, 7) UP(7, 1) ADD_5(2, 8) UP(8, 1) ADD_5(4, 9) UP(9, 1) ADD_4(6, 10) UP(10, 1) \
+    ADD_4(7, 11) END(8) END_SIDES SIDES(18) PASS(59, 12) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) \
     ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) \
     ADD_5(10, 7) UP(7, 2) CUT END(12) PASS(71, 6) RESUME ADD_5(0, 8) UP(8, 2) ADD_5(2, 9) \
-    UP(9, 2) ADD_4(4, 10) UP(10, 2) ADD_4(5, 11) END(6) PASS(77, 12) COLUMN(2, 1) ADD_5(0, 2) \
-    UP(2, 2) ADD_5(2, 3) UP(3, 2) ADD_5(4, 4) UP(4, 2) ADD_5(6, 5) UP(5, 2) ADD_5(8, 6) UP(6, 2) \
-    ADD_5(10, 7) UP(7, 2) CUT END(12) PASS(89, 6) RESUME ADD_5(0, 8) UP(8, 2) ADD_5(2, 9) \
-    UP(9, 2) ADD_4(4, 10) UP(10, 2) ADD_4(5, 11) END(6) PASS(95, 12) COLUMN(3, 0) ADD_5(0, 3) \
-    UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) \
-    ADD_5(10, 8) UP(8, 3) CUT END(12) PASS(107, 4) RESUME ADD_5(0, 9) UP(9, 3) ADD_4(2, 10) \
-    UP(10, 3) ADD_4(3, 11) END(4) PASS(111, 12) COLUMN(3, 1) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) \
-    UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) \
-    UP(8, 3) CUT END(12) PASS(123, 4) RESUME ADD_5(0, 9) UP(9, 3) ADD_4(2, 10) UP(10, 3) \
-    ADD_4(3, 11) END(4) PASS(127, 12) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) \
-    ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_5(10, 9) UP(9, 4) CUT \
-    END(12) PASS(139, 2) RESUME ADD_4(0, 10) UP(10, 4) ADD_4(1, 11) END(2) PASS(141, 12) \
-    COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) ADD_5(6, 7) \
-    UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_5(10, 9) UP(9, 4) CUT END(12) PASS(153, 2) RESUME \
-    ADD_4(0, 10) UP(10, 4) ADD_4(1, 11) END(2) PASS(155, 12) COLUMN(5, 0) ADD_5(0, 5) UP(5, 5) \
-    ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) ADD_5(8, 9) UP(9, 5) \
-    ADD_4(10, 10) UP(10, 5) ADD_4(11, 11) END(12) PASS(167, 12) COLUMN(5, 1) ADD_5(0, 5) \
-    UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) UP(8, 5) ADD_5(8, 9) UP(9, 5) \
-    ADD_4(10, 10) UP(10, 5) ADD_4(11, 11) END(12) PASS(179, 10) COLUMN(6, 0) ADD_5(0, 6) \
-    UP(6, 6) ADD_5(2, 7) UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_5(6, 9) UP(9, 6) ADD_4(8, 10) \
-    UP(10, 6) ADD_4(9, 11) END(10) PASS(189, 10) COLUMN(6, 1) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) \
-    UP(7, 6) ADD_5(4, 8) UP(8, 6) ADD_5(6, 9) UP(9, 6) ADD_4(8, 10) UP(10, 6) ADD_4(9, 11) \
-    END(10) PASS(199, 8) COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_5(4, 9) \
-    UP(9, 7) ADD_4(6, 10) UP(10, 7) ADD_4(7, 11) END(8) PASS(207, 8) COLUMN(7, 1) ADD_5(0, 7) \
-    UP(7, 7) ADD_5(2, 8) UP(8, 7) ADD_5(4, 9) UP(9, 7) ADD_4(6, 10) UP(10, 7) ADD_4(7, 11) \
-    END(8) PASS(215, 12) COLUMN(8, 0) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) UP(9, 8) ADD_4(4, 10) \
-    UP(10, 8) ADD_4(5, 11) COLUMN(8, 1) ADD_5(6, 8) UP(8, 8) ADD_5(8, 9) UP(9, 8) ADD_4(10, 10) \
-    UP(10, 8) ADD_4(11, 11) END(12) PASS(227, 12) COLUMN(9, 0) ADD_5(0, 9) UP(9, 9) ADD_4(2, 10) \
-    UP(10, 9) ADD_4(3, 11) COLUMN(9, 1) ADD_5(4, 9) UP(9, 9) ADD_4(6, 10) UP(10, 9) ADD_4(7, 11) \
-    COLUMN(10, 0) ADD_4(8, 10) UP(10, 10) ADD_4(9, 11) COLUMN(10, 1) ADD_4(10, 10) UP(10, 10) \
-    ADD_4(11, 11) END(12) PASS(239, 2) COLUMN(11, 0) ADD_4(0, 11) COLUMN(11, 1) ADD_4(1, 11) \
-    END(2)
+    UP(9, 2) ADD_4(4, 10) UP(10, 2) ADD_4(5, 11) END(6) END_SIDES SIDES(16) PASS(95, 12) \
+    COLUMN(3, side) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) ADD_5(4, 5) UP(5, 3) ADD_5(6, 6) \
+    UP(6, 3) ADD_5(8, 7) UP(7, 3) ADD_5(10, 8) UP(8, 3) CUT END(12) PASS(107, 4) RESUME \
+    ADD_5(0, 9) UP(9, 3) ADD_4(2, 10) UP(10, 3) ADD_4(3, 11) END(4) END_SIDES SIDES(14) \
+    PASS(127, 12) COLUMN(4, side) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) UP(5, 4) ADD_5(4, 6) UP(6, 4) \
+    ADD_5(6, 7) UP(7, 4) ADD_5(8, 8) UP(8, 4) ADD_5(10, 9) UP(9, 4) CUT END(12) PASS(139, 2) \
+    RESUME ADD_4(0, 10) UP(10, 4) ADD_4(1, 11) END(2) END_SIDES SIDES(12) PASS(155, 12) \
+    COLUMN(5, side) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) ADD_5(4, 7) UP(7, 5) ADD_5(6, 8) \
+    UP(8, 5) ADD_5(8, 9) UP(9, 5) ADD_4(10, 10) UP(10, 5) ADD_4(11, 11) END(12) END_SIDES \
+    SIDES(10) PASS(179, 10) COLUMN(6, side) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) \
+    ADD_5(4, 8) UP(8, 6) ADD_5(6, 9) UP(9, 6) ADD_4(8, 10) UP(10, 6) ADD_4(9, 11) END(10) \
+    END_SIDES SIDES(8) PASS(199, 8) COLUMN(7, side) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) \
+    ADD_5(4, 9) UP(9, 7) ADD_4(6, 10) UP(10, 7) ADD_4(7, 11) END(8) END_SIDES PASS(215, 12) \
+    COLUMN(8, 0) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) UP(9, 8) ADD_4(4, 10) UP(10, 8) ADD_4(5, 11) \
+    COLUMN(8, 1) ADD_5(6, 8) UP(8, 8) ADD_5(8, 9) UP(9, 8) ADD_4(10, 10) UP(10, 8) ADD_4(11, 11) \
+    END(12) PASS(227, 12) COLUMN(9, 0) ADD_5(0, 9) UP(9, 9) ADD_4(2, 10) UP(10, 9) ADD_4(3, 11) \
+    COLUMN(9, 1) ADD_5(4, 9) UP(9, 9) ADD_4(6, 10) UP(10, 9) ADD_4(7, 11) COLUMN(10, 0) \
+    ADD_4(8, 10) UP(10, 10) ADD_4(9, 11) COLUMN(10, 1) ADD_4(10, 10) UP(10, 10) ADD_4(11, 11) \
+    END(12) PASS(239, 2) COLUMN(11, 0) ADD_4(0, 11) COLUMN(11, 1) ADD_4(1, 11) END(2)
 #define PLAN_7 PASS(0, 10) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) ADD_7(4, 2) \
     UP(2, 0) ADD_7(7, 3) UP(3, 0) CUT END(10) PASS(10, 12) RESUME ADD_7(0, 4) UP(4, 0) \
     ADD_7(3, 5) UP(5, 0) ADD_7(6, 6) UP(6, 0) ADD_7(9, 7) UP(7, 0) CUT END(12) PASS(22, 9) \
     RESUME ADD_7(0, 8) UP(8, 0) ADD_7(3, 9) UP(9, 0) ADD_6(6, 10) UP(10, 0) ADD_4(8, 11) END(9) \
-    PASS(31, 11) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) \
-    ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(42, 12) RESUME ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) \
-    UP(6, 1) ADD_7(6, 7) UP(7, 1) ADD_7(9, 8) UP(8, 1) CUT END(12) PASS(54, 6) RESUME \
-    ADD_7(0, 9) UP(9, 1) ADD_6(3, 10) UP(10, 1) ADD_4(5, 11) END(6) PASS(60, 11) COLUMN(1, 1) \
-    ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT \
-    END(11) PASS(71, 12) RESUME ADD_7(0, 5) UP(5, 1) ADD_7(3, 6) UP(6, 1) ADD_7(6, 7) UP(7, 1) \
-    ADD_7(9, 8) UP(8, 1) CUT END(12) PASS(83, 6) RESUME ADD_7(0, 9) UP(9, 1) ADD_6(3, 10) \
-    UP(10, 1) ADD_4(5, 11) END(6) PASS(89, 12) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) \
-    UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(101, 12) RESUME \
-    ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) ADD_7(6, 8) UP(8, 2) ADD_7(9, 9) UP(9, 2) CUT \
-    END(12) PASS(113, 3) RESUME ADD_6(0, 10) UP(10, 2) ADD_4(2, 11) END(3) PASS(116, 12) \
-    COLUMN(2, 1) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) ADD_7(9, 5) \
-    UP(5, 2) CUT END(12) PASS(128, 12) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) UP(7, 2) \
-    ADD_7(6, 8) UP(8, 2) ADD_7(9, 9) UP(9, 2) CUT END(12) PASS(140, 3) RESUME ADD_6(0, 10) \
-    UP(10, 2) ADD_4(2, 11) END(3) PASS(143, 12) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) \
-    UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) CUT END(12) PASS(155, 12) RESUME \
-    ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) UP(8, 3) ADD_7(6, 9) UP(9, 3) ADD_6(9, 10) UP(10, 3) \
-    ADD_4(11, 11) END(12) PASS(167, 12) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) \
-    ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) CUT END(12) PASS(179, 12) RESUME ADD_7(0, 7) \
-    UP(7, 3) ADD_7(3, 8) UP(8, 3) ADD_7(6, 9) UP(9, 3) ADD_6(9, 10) UP(10, 3) ADD_4(11, 11) \
-    END(12) PASS(191, 12) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) \
-    UP(6, 4) ADD_7(9, 7) UP(7, 4) CUT END(12) PASS(203, 9) RESUME ADD_7(0, 8) UP(8, 4) \
-    ADD_7(3, 9) UP(9, 4) ADD_6(6, 10) UP(10, 4) ADD_4(8, 11) END(9) PASS(212, 12) COLUMN(4, 1) \
-    ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) UP(7, 4) CUT \
-    END(12) PASS(224, 9) RESUME ADD_7(0, 8) UP(8, 4) ADD_7(3, 9) UP(9, 4) ADD_6(6, 10) UP(10, 4) \
-    ADD_4(8, 11) END(9) PASS(233, 12) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) \
-    ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) CUT END(12) PASS(245, 6) RESUME ADD_7(0, 9) \
-    UP(9, 5) ADD_6(3, 10) UP(10, 5) ADD_4(5, 11) END(6) PASS(251, 12) COLUMN(5, 1) ADD_7(0, 5) \
-    UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) CUT END(12) \
-    PASS(263, 6) RESUME ADD_7(0, 9) UP(9, 5) ADD_6(3, 10) UP(10, 5) ADD_4(5, 11) END(6) \
-    PASS(269, 12) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) ADD_7(6, 8) UP(8, 6) \
-    ADD_7(9, 9) UP(9, 6) CUT END(12) PASS(281, 3) RESUME ADD_6(0, 10) UP(10, 6) ADD_4(2, 11) \
-    END(3) PASS(284, 12) COLUMN(6, 1) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) ADD_7(6, 8) \
-    UP(8, 6) ADD_7(9, 9) UP(9, 6) CUT END(12) PASS(296, 3) RESUME ADD_6(0, 10) UP(10, 6) \
-    ADD_4(2, 11) END(3) PASS(299, 12) COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) \
-    ADD_7(6, 9) UP(9, 7) ADD_6(9, 10) UP(10, 7) ADD_4(11, 11) END(12) PASS(311, 12) COLUMN(7, 1) \
-    ADD_7(0, 7) UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_7(6, 9) UP(9, 7) ADD_6(9, 10) UP(10, 7) \
-    ADD_4(11, 11) END(12) PASS(323, 9) COLUMN(8, 0) ADD_7(0, 8) UP(8, 8) ADD_7(3, 9) UP(9, 8) \
-    ADD_6(6, 10) UP(10, 8) ADD_4(8, 11) END(9) PASS(332, 9) COLUMN(8, 1) ADD_7(0, 8) UP(8, 8) \
-    ADD_7(3, 9) UP(9, 8) ADD_6(6, 10) UP(10, 8) ADD_4(8, 11) END(9) PASS(341, 12) COLUMN(9, 0) \
+    SIDES(29) PASS(31, 11) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) ADD_7(2, 2) UP(2, 1) ADD_7(5, 3) \
+    UP(3, 1) ADD_7(8, 4) UP(4, 1) CUT END(11) PASS(42, 12) RESUME ADD_7(0, 5) UP(5, 1) \
+    ADD_7(3, 6) UP(6, 1) ADD_7(6, 7) UP(7, 1) ADD_7(9, 8) UP(8, 1) CUT END(12) PASS(54, 6) \
+    RESUME ADD_7(0, 9) UP(9, 1) ADD_6(3, 10) UP(10, 1) ADD_4(5, 11) END(6) END_SIDES SIDES(27) \
+    PASS(89, 12) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) ADD_7(3, 3) UP(3, 2) ADD_7(6, 4) UP(4, 2) \
+    ADD_7(9, 5) UP(5, 2) CUT END(12) PASS(101, 12) RESUME ADD_7(0, 6) UP(6, 2) ADD_7(3, 7) \
+    UP(7, 2) ADD_7(6, 8) UP(8, 2) ADD_7(9, 9) UP(9, 2) CUT END(12) PASS(113, 3) RESUME \
+    ADD_6(0, 10) UP(10, 2) ADD_4(2, 11) END(3) END_SIDES SIDES(24) PASS(143, 12) COLUMN(3, side) \
+    ADD_7(0, 3) UP(3, 3) ADD_7(3, 4) UP(4, 3) ADD_7(6, 5) UP(5, 3) ADD_7(9, 6) UP(6, 3) CUT \
+    END(12) PASS(155, 12) RESUME ADD_7(0, 7) UP(7, 3) ADD_7(3, 8) UP(8, 3) ADD_7(6, 9) UP(9, 3) \
+    ADD_6(9, 10) UP(10, 3) ADD_4(11, 11) END(12) END_SIDES SIDES(21) PASS(191, 12) \
+    COLUMN(4, side) ADD_7(0, 4) UP(4, 4) ADD_7(3, 5) UP(5, 4) ADD_7(6, 6) UP(6, 4) ADD_7(9, 7) \
+    UP(7, 4) CUT END(12) PASS(203, 9) RESUME ADD_7(0, 8) UP(8, 4) ADD_7(3, 9) UP(9, 4) \
+    ADD_6(6, 10) UP(10, 4) ADD_4(8, 11) END(9) END_SIDES SIDES(18) PASS(233, 12) COLUMN(5, side) \
+    ADD_7(0, 5) UP(5, 5) ADD_7(3, 6) UP(6, 5) ADD_7(6, 7) UP(7, 5) ADD_7(9, 8) UP(8, 5) CUT \
+    END(12) PASS(245, 6) RESUME ADD_7(0, 9) UP(9, 5) ADD_6(3, 10) UP(10, 5) ADD_4(5, 11) END(6) \
+    END_SIDES SIDES(15) PASS(269, 12) COLUMN(6, side) ADD_7(0, 6) UP(6, 6) ADD_7(3, 7) UP(7, 6) \
+    ADD_7(6, 8) UP(8, 6) ADD_7(9, 9) UP(9, 6) CUT END(12) PASS(281, 3) RESUME ADD_6(0, 10) \
+    UP(10, 6) ADD_4(2, 11) END(3) END_SIDES SIDES(12) PASS(299, 12) COLUMN(7, side) ADD_7(0, 7) \
+    UP(7, 7) ADD_7(3, 8) UP(8, 7) ADD_7(6, 9) UP(9, 7) ADD_6(9, 10) UP(10, 7) ADD_4(11, 11) \
+    END(12) END_SIDES SIDES(9) PASS(323, 9) COLUMN(8, side) ADD_7(0, 8) UP(8, 8) ADD_7(3, 9) \
+    UP(9, 8) ADD_6(6, 10) UP(10, 8) ADD_4(8, 11) END(9) END_SIDES PASS(341, 12) COLUMN(9, 0) \
     ADD_7(0, 9) UP(9, 9) ADD_6(3, 10) UP(10, 9) ADD_4(5, 11) COLUMN(9, 1) ADD_7(6, 9) UP(9, 9) \
     ADD_6(9, 10) UP(10, 9) ADD_4(11, 11) END(12) PASS(353, 8) COLUMN(10, 0) ADD_6(0, 10) \
     UP(10, 10) ADD_4(2, 11) COLUMN(10, 1) ADD_6(3, 10) UP(10, 10) ADD_4(5, 11) COLUMN(11, 0) \
@@ -614,269 +447,163 @@
 #define PLAN_RGB_1 PASS(0, 4) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_1(1, 1) UP(1, 0) ADD_1(2, 2) \
     UP(2, 0) ADD_1(3, 3) UP(3, 0) CUT END(4) PASS(4, 4) RESUME ADD_1(0, 4) UP(4, 0) ADD_1(1, 5) \
     UP(5, 0) ADD_1(2, 6) UP(6, 0) ADD_1(3, 7) UP(7, 0) CUT END(4) PASS(8, 2) RESUME ADD_1(0, 8) \
-    UP(8, 0) ADD_1(1, 9) END(2) PASS(10, 4) COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_1(1, 2) \
-    UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(14, 4) RESUME ADD_1(0, 5) \
-    UP(5, 1) ADD_1(1, 6) UP(6, 1) ADD_1(2, 7) UP(7, 1) ADD_1(3, 8) UP(8, 1) CUT END(4) \
-    PASS(18, 1) RESUME ADD_1(0, 9) END(1) PASS(19, 4) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) \
-    ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(23, 4) RESUME \
+    UP(8, 0) ADD_1(1, 9) END(2) SIDES(9) PASS(10, 4) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) \
+    ADD_1(1, 2) UP(2, 1) ADD_1(2, 3) UP(3, 1) ADD_1(3, 4) UP(4, 1) CUT END(4) PASS(14, 4) RESUME \
     ADD_1(0, 5) UP(5, 1) ADD_1(1, 6) UP(6, 1) ADD_1(2, 7) UP(7, 1) ADD_1(3, 8) UP(8, 1) CUT \
-    END(4) PASS(27, 1) RESUME ADD_1(0, 9) END(1) PASS(28, 4) COLUMN(2, 0) ADD_1(0, 2) UP(2, 2) \
-    ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(32, 4) RESUME \
-    ADD_1(0, 6) UP(6, 2) ADD_1(1, 7) UP(7, 2) ADD_1(2, 8) UP(8, 2) ADD_1(3, 9) END(4) \
-    PASS(36, 4) COLUMN(2, 1) ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) \
-    ADD_1(3, 5) UP(5, 2) CUT END(4) PASS(40, 4) RESUME ADD_1(0, 6) UP(6, 2) ADD_1(1, 7) UP(7, 2) \
-    ADD_1(2, 8) UP(8, 2) ADD_1(3, 9) END(4) PASS(44, 4) COLUMN(3, 0) ADD_1(0, 3) UP(3, 3) \
+    END(4) PASS(18, 1) RESUME ADD_1(0, 9) END(1) END_SIDES SIDES(8) PASS(28, 4) COLUMN(2, side) \
+    ADD_1(0, 2) UP(2, 2) ADD_1(1, 3) UP(3, 2) ADD_1(2, 4) UP(4, 2) ADD_1(3, 5) UP(5, 2) CUT \
+    END(4) PASS(32, 4) RESUME ADD_1(0, 6) UP(6, 2) ADD_1(1, 7) UP(7, 2) ADD_1(2, 8) UP(8, 2) \
+    ADD_1(3, 9) END(4) END_SIDES SIDES(7) PASS(44, 4) COLUMN(3, side) ADD_1(0, 3) UP(3, 3) \
     ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) CUT END(4) PASS(48, 3) RESUME \
-    ADD_1(0, 7) UP(7, 3) ADD_1(1, 8) UP(8, 3) ADD_1(2, 9) END(3) PASS(51, 4) COLUMN(3, 1) \
-    ADD_1(0, 3) UP(3, 3) ADD_1(1, 4) UP(4, 3) ADD_1(2, 5) UP(5, 3) ADD_1(3, 6) UP(6, 3) CUT \
-    END(4) PASS(55, 3) RESUME ADD_1(0, 7) UP(7, 3) ADD_1(1, 8) UP(8, 3) ADD_1(2, 9) END(3) \
-    PASS(58, 4) COLUMN(4, 0) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) \
-    ADD_1(3, 7) UP(7, 4) CUT END(4) PASS(62, 2) RESUME ADD_1(0, 8) UP(8, 4) ADD_1(1, 9) END(2) \
-    PASS(64, 4) COLUMN(4, 1) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) \
-    ADD_1(3, 7) UP(7, 4) CUT END(4) PASS(68, 2) RESUME ADD_1(0, 8) UP(8, 4) ADD_1(1, 9) END(2) \
-    PASS(70, 4) COLUMN(5, 0) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) \
-    ADD_1(3, 8) UP(8, 5) CUT END(4) PASS(74, 1) RESUME ADD_1(0, 9) END(1) PASS(75, 4) \
-    COLUMN(5, 1) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) UP(7, 5) ADD_1(3, 8) \
-    UP(8, 5) CUT END(4) PASS(79, 1) RESUME ADD_1(0, 9) END(1) PASS(80, 4) COLUMN(6, 0) \
-    ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) UP(8, 6) ADD_1(3, 9) END(4) \
-    PASS(84, 4) COLUMN(6, 1) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) UP(8, 6) \
-    ADD_1(3, 9) END(4) PASS(88, 3) COLUMN(7, 0) ADD_1(0, 7) UP(7, 7) ADD_1(1, 8) UP(8, 7) \
-    ADD_1(2, 9) END(3) PASS(91, 3) COLUMN(7, 1) ADD_1(0, 7) UP(7, 7) ADD_1(1, 8) UP(8, 7) \
-    ADD_1(2, 9) END(3) PASS(94, 4) COLUMN(8, 0) ADD_1(0, 8) UP(8, 8) ADD_1(1, 9) COLUMN(8, 1) \
-    ADD_1(2, 8) UP(8, 8) ADD_1(3, 9) END(4) PASS(98, 2) COLUMN(9, 0) ADD_1(0, 9) COLUMN(9, 1) \
-    ADD_1(1, 9) END(2)
+    ADD_1(0, 7) UP(7, 3) ADD_1(1, 8) UP(8, 3) ADD_1(2, 9) END(3) END_SIDES SIDES(6) PASS(58, 4) \
+    COLUMN(4, side) ADD_1(0, 4) UP(4, 4) ADD_1(1, 5) UP(5, 4) ADD_1(2, 6) UP(6, 4) ADD_1(3, 7) \
+    UP(7, 4) CUT END(4) PASS(62, 2) RESUME ADD_1(0, 8) UP(8, 4) ADD_1(1, 9) END(2) END_SIDES \
+    SIDES(5) PASS(70, 4) COLUMN(5, side) ADD_1(0, 5) UP(5, 5) ADD_1(1, 6) UP(6, 5) ADD_1(2, 7) \
+    UP(7, 5) ADD_1(3, 8) UP(8, 5) CUT END(4) PASS(74, 1) RESUME ADD_1(0, 9) END(1) END_SIDES \
+    SIDES(4) PASS(80, 4) COLUMN(6, side) ADD_1(0, 6) UP(6, 6) ADD_1(1, 7) UP(7, 6) ADD_1(2, 8) \
+    UP(8, 6) ADD_1(3, 9) END(4) END_SIDES SIDES(3) PASS(88, 3) COLUMN(7, side) ADD_1(0, 7) \
+    UP(7, 7) ADD_1(1, 8) UP(8, 7) ADD_1(2, 9) END(3) END_SIDES PASS(94, 4) COLUMN(8, 0) \
+    ADD_1(0, 8) UP(8, 8) ADD_1(1, 9) COLUMN(8, 1) ADD_1(2, 8) UP(8, 8) ADD_1(3, 9) END(4) \
+    PASS(98, 2) COLUMN(9, 0) ADD_1(0, 9) COLUMN(9, 1) ADD_1(1, 9) END(2)
 #define PLAN_RGB_3 PASS(0, 3) COLUMN(0, 0) ADD_1(0, 0) UP(0, 0) ADD_3(1, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_3(0, 2) UP(2, 0) ADD_3(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
     ADD_3(0, 4) UP(4, 0) ADD_3(2, 5) UP(5, 0) CUT END(4) PASS(11, 4) RESUME ADD_3(0, 6) UP(6, 0) \
     ADD_3(2, 7) UP(7, 0) CUT END(4) PASS(15, 4) RESUME ADD_3(0, 8) UP(8, 0) ADD_3(2, 9) UP(9, 0) \
-    CUT END(4) PASS(19, 1) RESUME ADD_2(0, 10) END(1) PASS(20, 4) COLUMN(1, 0) ADD_3(0, 1) \
-    UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(24, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) \
-    UP(4, 1) CUT END(4) PASS(28, 4) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) CUT END(4) \
-    PASS(32, 4) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) UP(8, 1) CUT END(4) PASS(36, 3) RESUME \
-    ADD_3(0, 9) UP(9, 1) ADD_2(2, 10) END(3) PASS(39, 4) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) \
-    ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(43, 4) RESUME ADD_3(0, 3) UP(3, 1) ADD_3(2, 4) UP(4, 1) \
-    CUT END(4) PASS(47, 4) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) CUT END(4) \
-    PASS(51, 4) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) UP(8, 1) CUT END(4) PASS(55, 3) RESUME \
-    ADD_3(0, 9) UP(9, 1) ADD_2(2, 10) END(3) PASS(58, 4) COLUMN(2, 0) ADD_3(0, 2) UP(2, 2) \
-    ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(62, 4) RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) \
-    CUT END(4) PASS(66, 4) RESUME ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) CUT END(4) \
-    PASS(70, 4) RESUME ADD_3(0, 8) UP(8, 2) ADD_3(2, 9) UP(9, 2) CUT END(4) PASS(74, 1) RESUME \
-    ADD_2(0, 10) END(1) PASS(75, 4) COLUMN(2, 1) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT \
-    END(4) PASS(79, 4) RESUME ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(83, 4) \
-    RESUME ADD_3(0, 6) UP(6, 2) ADD_3(2, 7) UP(7, 2) CUT END(4) PASS(87, 4) RESUME ADD_3(0, 8) \
-    UP(8, 2) ADD_3(2, 9) UP(9, 2) CUT END(4) PASS(91, 1) RESUME ADD_2(0, 10) END(1) PASS(92, 4) \
-    COLUMN(3, 0) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(96, 4) RESUME \
+    CUT END(4) PASS(19, 1) RESUME ADD_2(0, 10) END(1) SIDES(19) PASS(20, 4) COLUMN(1, side) \
+    ADD_3(0, 1) UP(1, 1) ADD_3(2, 2) UP(2, 1) CUT END(4) PASS(24, 4) RESUME ADD_3(0, 3) UP(3, 1) \
+    ADD_3(2, 4) UP(4, 1) CUT END(4) PASS(28, 4) RESUME ADD_3(0, 5) UP(5, 1) ADD_3(2, 6) UP(6, 1) \
+    CUT END(4) PASS(32, 4) RESUME ADD_3(0, 7) UP(7, 1) ADD_3(2, 8) UP(8, 1) CUT END(4) \
+    PASS(36, 3) RESUME ADD_3(0, 9) UP(9, 1) ADD_2(2, 10) END(3) END_SIDES SIDES(17) PASS(58, 4) \
+    COLUMN(2, side) ADD_3(0, 2) UP(2, 2) ADD_3(2, 3) UP(3, 2) CUT END(4) PASS(62, 4) RESUME \
+    ADD_3(0, 4) UP(4, 2) ADD_3(2, 5) UP(5, 2) CUT END(4) PASS(66, 4) RESUME ADD_3(0, 6) UP(6, 2) \
+    ADD_3(2, 7) UP(7, 2) CUT END(4) PASS(70, 4) RESUME ADD_3(0, 8) UP(8, 2) ADD_3(2, 9) UP(9, 2) \
+    CUT END(4) PASS(74, 1) RESUME ADD_2(0, 10) END(1) END_SIDES SIDES(15) PASS(92, 4) \
+    COLUMN(3, side) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT END(4) PASS(96, 4) RESUME \
     ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(100, 4) RESUME ADD_3(0, 7) \
     UP(7, 3) ADD_3(2, 8) UP(8, 3) CUT END(4) PASS(104, 3) RESUME ADD_3(0, 9) UP(9, 3) \
-    ADD_2(2, 10) END(3) PASS(107, 4) COLUMN(3, 1) ADD_3(0, 3) UP(3, 3) ADD_3(2, 4) UP(4, 3) CUT \
-    END(4) PASS(111, 4) RESUME ADD_3(0, 5) UP(5, 3) ADD_3(2, 6) UP(6, 3) CUT END(4) PASS(115, 4) \
-    RESUME ADD_3(0, 7) UP(7, 3) ADD_3(2, 8) UP(8, 3) CUT END(4) PASS(119, 3) RESUME ADD_3(0, 9) \
-    UP(9, 3) ADD_2(2, 10) END(3) PASS(122, 4) COLUMN(4, 0) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) \
-    UP(5, 4) CUT END(4) PASS(126, 4) RESUME ADD_3(0, 6) UP(6, 4) ADD_3(2, 7) UP(7, 4) CUT END(4) \
-    PASS(130, 4) RESUME ADD_3(0, 8) UP(8, 4) ADD_3(2, 9) UP(9, 4) CUT END(4) PASS(134, 1) RESUME \
-    ADD_2(0, 10) END(1) PASS(135, 4) COLUMN(4, 1) ADD_3(0, 4) UP(4, 4) ADD_3(2, 5) UP(5, 4) CUT \
-    END(4) PASS(139, 4) RESUME ADD_3(0, 6) UP(6, 4) ADD_3(2, 7) UP(7, 4) CUT END(4) PASS(143, 4) \
-    RESUME ADD_3(0, 8) UP(8, 4) ADD_3(2, 9) UP(9, 4) CUT END(4) PASS(147, 1) RESUME ADD_2(0, 10) \
-    END(1) PASS(148, 4) COLUMN(5, 0) ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) CUT END(4) \
-    PASS(152, 4) RESUME ADD_3(0, 7) UP(7, 5) ADD_3(2, 8) UP(8, 5) CUT END(4) PASS(156, 3) RESUME \
-    ADD_3(0, 9) UP(9, 5) ADD_2(2, 10) END(3) PASS(159, 4) COLUMN(5, 1) ADD_3(0, 5) UP(5, 5) \
-    ADD_3(2, 6) UP(6, 5) CUT END(4) PASS(163, 4) RESUME ADD_3(0, 7) UP(7, 5) ADD_3(2, 8) \
-    UP(8, 5) CUT END(4) PASS(167, 3) RESUME ADD_3(0, 9) UP(9, 5) ADD_2(2, 10) END(3) \
-    PASS(170, 4) COLUMN(6, 0) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) CUT END(4) PASS(174, 4) \
-    RESUME ADD_3(0, 8) UP(8, 6) ADD_3(2, 9) UP(9, 6) CUT END(4) PASS(178, 1) RESUME ADD_2(0, 10) \
-    END(1) PASS(179, 4) COLUMN(6, 1) ADD_3(0, 6) UP(6, 6) ADD_3(2, 7) UP(7, 6) CUT END(4) \
-    PASS(183, 4) RESUME ADD_3(0, 8) UP(8, 6) ADD_3(2, 9) UP(9, 6) CUT END(4) PASS(187, 1) RESUME \
-    ADD_2(0, 10) END(1) PASS(188, 4) COLUMN(7, 0) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) CUT \
-    END(4) PASS(192, 3) RESUME ADD_3(0, 9) UP(9, 7) ADD_2(2, 10) END(3) PASS(195, 4) \
-    COLUMN(7, 1) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) CUT END(4) PASS(199, 3) RESUME \
-    ADD_3(0, 9) UP(9, 7) ADD_2(2, 10) END(3) PASS(202, 4) COLUMN(8, 0) ADD_3(0, 8) UP(8, 8) \
-    ADD_3(2, 9) UP(9, 8) CUT END(4) PASS(206, 1) RESUME ADD_2(0, 10) END(1) PASS(207, 4) \
-    COLUMN(8, 1) ADD_3(0, 8) UP(8, 8) ADD_3(2, 9) UP(9, 8) CUT END(4) PASS(211, 4) RESUME \
-    ADD_2(0, 10) COLUMN(9, 0) ADD_3(1, 9) UP(9, 9) ADD_2(3, 10) END(4) PASS(215, 4) COLUMN(9, 1) \
-    ADD_3(0, 9) UP(9, 9) ADD_2(2, 10) COLUMN(10, 0) ADD_2(3, 10) END(4) PASS(219, 1) \
-    COLUMN(10, 1) ADD_2(0, 10) END(1)
+    ADD_2(2, 10) END(3) END_SIDES SIDES(13) PASS(122, 4) COLUMN(4, side) ADD_3(0, 4) UP(4, 4) \
+    ADD_3(2, 5) UP(5, 4) CUT END(4) PASS(126, 4) RESUME ADD_3(0, 6) UP(6, 4) ADD_3(2, 7) \
+    UP(7, 4) CUT END(4) PASS(130, 4) RESUME ADD_3(0, 8) UP(8, 4) ADD_3(2, 9) UP(9, 4) CUT END(4) \
+    PASS(134, 1) RESUME ADD_2(0, 10) END(1) END_SIDES SIDES(11) PASS(148, 4) COLUMN(5, side) \
+    ADD_3(0, 5) UP(5, 5) ADD_3(2, 6) UP(6, 5) CUT END(4) PASS(152, 4) RESUME ADD_3(0, 7) \
+    UP(7, 5) ADD_3(2, 8) UP(8, 5) CUT END(4) PASS(156, 3) RESUME ADD_3(0, 9) UP(9, 5) \
+    ADD_2(2, 10) END(3) END_SIDES SIDES(9) PASS(170, 4) COLUMN(6, side) ADD_3(0, 6) UP(6, 6) \
+    ADD_3(2, 7) UP(7, 6) CUT END(4) PASS(174, 4) RESUME ADD_3(0, 8) UP(8, 6) ADD_3(2, 9) \
+    UP(9, 6) CUT END(4) PASS(178, 1) RESUME ADD_2(0, 10) END(1) END_SIDES SIDES(7) PASS(188, 4) \
+    COLUMN(7, side) ADD_3(0, 7) UP(7, 7) ADD_3(2, 8) UP(8, 7) CUT END(4) PASS(192, 3) RESUME \
+    ADD_3(0, 9) UP(9, 7) ADD_2(2, 10) END(3) END_SIDES SIDES(5) PASS(202, 4) COLUMN(8, side) \
+    ADD_3(0, 8) UP(8, 8) ADD_3(2, 9) UP(9, 8) CUT END(4) PASS(206, 1) RESUME ADD_2(0, 10) END(1) \
+    END_SIDES SIDES(3) PASS(212, 3) COLUMN(9, side) ADD_3(0, 9) UP(9, 9) ADD_2(2, 10) END(3) \
+    END_SIDES PASS(218, 2) COLUMN(10, 0) ADD_2(0, 10) COLUMN(10, 1) ADD_2(1, 10) END(2)
 #define PLAN_RGB_4 PASS(0, 4) COLUMN(0, 0) ADD_4(0, 0) UP(0, 0) UP(1, 0) ADD_4(1, 2) UP(2, 0) \
     ADD_4(2, 3) UP(3, 0) ADD_4(3, 4) UP(4, 0) CUT END(4) PASS(4, 4) RESUME ADD_4(0, 5) UP(5, 0) \
     ADD_4(1, 6) UP(6, 0) ADD_4(2, 7) UP(7, 0) ADD_4(3, 8) UP(8, 0) CUT END(4) PASS(8, 3) RESUME \
-    ADD_4(0, 9) UP(9, 0) ADD_4(1, 10) UP(10, 0) ADD_4(2, 11) END(3) PASS(11, 4) COLUMN(1, 0) \
-    UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) \
-    CUT END(4) PASS(15, 4) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) UP(7, 1) ADD_4(2, 8) UP(8, 1) \
-    ADD_4(3, 9) UP(9, 1) CUT END(4) PASS(19, 2) RESUME ADD_4(0, 10) UP(10, 1) ADD_4(1, 11) \
-    END(2) PASS(21, 4) COLUMN(1, 1) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) \
-    ADD_4(2, 4) UP(4, 1) ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(25, 4) RESUME ADD_4(0, 6) UP(6, 1) \
-    ADD_4(1, 7) UP(7, 1) ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) UP(9, 1) CUT END(4) PASS(29, 2) RESUME \
-    ADD_4(0, 10) UP(10, 1) ADD_4(1, 11) END(2) PASS(31, 4) COLUMN(2, 0) ADD_4(0, 2) UP(2, 2) \
-    ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT END(4) PASS(35, 4) RESUME \
-    ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) UP(7, 2) ADD_4(2, 8) UP(8, 2) ADD_4(3, 9) UP(9, 2) CUT \
-    END(4) PASS(39, 2) RESUME ADD_4(0, 10) UP(10, 2) ADD_4(1, 11) END(2) PASS(41, 4) \
-    COLUMN(2, 1) ADD_4(0, 2) UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) \
-    UP(5, 2) CUT END(4) PASS(45, 4) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) UP(7, 2) ADD_4(2, 8) \
-    UP(8, 2) ADD_4(3, 9) UP(9, 2) CUT END(4) PASS(49, 2) RESUME ADD_4(0, 10) UP(10, 2) \
-    ADD_4(1, 11) END(2) PASS(51, 4) COLUMN(3, 0) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) UP(4, 3) \
-    ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT END(4) PASS(55, 4) RESUME ADD_4(0, 7) UP(7, 3) \
-    ADD_4(1, 8) UP(8, 3) ADD_4(2, 9) UP(9, 3) ADD_4(3, 10) UP(10, 3) CUT END(4) PASS(59, 1) \
-    RESUME ADD_4(0, 11) END(1) PASS(60, 4) COLUMN(3, 1) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) \
-    UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT END(4) PASS(64, 4) RESUME ADD_4(0, 7) \
+    ADD_4(0, 9) UP(9, 0) ADD_4(1, 10) UP(10, 0) ADD_4(2, 11) END(3) SIDES(10) PASS(11, 4) \
+    COLUMN(1, side) UP(1, 1) ADD_4(0, 2) UP(2, 1) ADD_4(1, 3) UP(3, 1) ADD_4(2, 4) UP(4, 1) \
+    ADD_4(3, 5) UP(5, 1) CUT END(4) PASS(15, 4) RESUME ADD_4(0, 6) UP(6, 1) ADD_4(1, 7) UP(7, 1) \
+    ADD_4(2, 8) UP(8, 1) ADD_4(3, 9) UP(9, 1) CUT END(4) PASS(19, 2) RESUME ADD_4(0, 10) \
+    UP(10, 1) ADD_4(1, 11) END(2) END_SIDES SIDES(10) PASS(31, 4) COLUMN(2, side) ADD_4(0, 2) \
+    UP(2, 2) ADD_4(1, 3) UP(3, 2) ADD_4(2, 4) UP(4, 2) ADD_4(3, 5) UP(5, 2) CUT END(4) \
+    PASS(35, 4) RESUME ADD_4(0, 6) UP(6, 2) ADD_4(1, 7) UP(7, 2) ADD_4(2, 8) UP(8, 2) \
+    ADD_4(3, 9) UP(9, 2) CUT END(4) PASS(39, 2) RESUME ADD_4(0, 10) UP(10, 2) ADD_4(1, 11) \
+    END(2) END_SIDES SIDES(9) PASS(51, 4) COLUMN(3, side) ADD_4(0, 3) UP(3, 3) ADD_4(1, 4) \
+    UP(4, 3) ADD_4(2, 5) UP(5, 3) ADD_4(3, 6) UP(6, 3) CUT END(4) PASS(55, 4) RESUME ADD_4(0, 7) \
     UP(7, 3) ADD_4(1, 8) UP(8, 3) ADD_4(2, 9) UP(9, 3) ADD_4(3, 10) UP(10, 3) CUT END(4) \
-    PASS(68, 1) RESUME ADD_4(0, 11) END(1) PASS(69, 4) COLUMN(4, 0) ADD_4(0, 4) UP(4, 4) \
-    ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) CUT END(4) PASS(73, 4) RESUME \
-    ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) UP(9, 4) ADD_4(2, 10) UP(10, 4) ADD_4(3, 11) END(4) \
-    PASS(77, 4) COLUMN(4, 1) ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) \
-    ADD_4(3, 7) UP(7, 4) CUT END(4) PASS(81, 4) RESUME ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) UP(9, 4) \
-    ADD_4(2, 10) UP(10, 4) ADD_4(3, 11) END(4) PASS(85, 4) COLUMN(5, 0) ADD_4(0, 5) UP(5, 5) \
+    PASS(59, 1) RESUME ADD_4(0, 11) END(1) END_SIDES SIDES(8) PASS(69, 4) COLUMN(4, side) \
+    ADD_4(0, 4) UP(4, 4) ADD_4(1, 5) UP(5, 4) ADD_4(2, 6) UP(6, 4) ADD_4(3, 7) UP(7, 4) CUT \
+    END(4) PASS(73, 4) RESUME ADD_4(0, 8) UP(8, 4) ADD_4(1, 9) UP(9, 4) ADD_4(2, 10) UP(10, 4) \
+    ADD_4(3, 11) END(4) END_SIDES SIDES(7) PASS(85, 4) COLUMN(5, side) ADD_4(0, 5) UP(5, 5) \
     ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) CUT END(4) PASS(89, 3) RESUME \
-    ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) UP(10, 5) ADD_4(2, 11) END(3) PASS(92, 4) COLUMN(5, 1) \
-    ADD_4(0, 5) UP(5, 5) ADD_4(1, 6) UP(6, 5) ADD_4(2, 7) UP(7, 5) ADD_4(3, 8) UP(8, 5) CUT \
-    END(4) PASS(96, 3) RESUME ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) UP(10, 5) ADD_4(2, 11) END(3) \
-    PASS(99, 4) COLUMN(6, 0) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) \
+    ADD_4(0, 9) UP(9, 5) ADD_4(1, 10) UP(10, 5) ADD_4(2, 11) END(3) END_SIDES SIDES(6) \
+    PASS(99, 4) COLUMN(6, side) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) UP(8, 6) \
     ADD_4(3, 9) UP(9, 6) CUT END(4) PASS(103, 2) RESUME ADD_4(0, 10) UP(10, 6) ADD_4(1, 11) \
-    END(2) PASS(105, 4) COLUMN(6, 1) ADD_4(0, 6) UP(6, 6) ADD_4(1, 7) UP(7, 6) ADD_4(2, 8) \
-    UP(8, 6) ADD_4(3, 9) UP(9, 6) CUT END(4) PASS(109, 2) RESUME ADD_4(0, 10) UP(10, 6) \
-    ADD_4(1, 11) END(2) PASS(111, 4) COLUMN(7, 0) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) \
-    ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) UP(10, 7) CUT END(4) PASS(115, 1) RESUME ADD_4(0, 11) \
-    END(1) PASS(116, 4) COLUMN(7, 1) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) UP(8, 7) ADD_4(2, 9) \
-    UP(9, 7) ADD_4(3, 10) UP(10, 7) CUT END(4) PASS(120, 1) RESUME ADD_4(0, 11) END(1) \
-    PASS(121, 4) COLUMN(8, 0) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) UP(10, 8) \
-    ADD_4(3, 11) END(4) PASS(125, 4) COLUMN(8, 1) ADD_4(0, 8) UP(8, 8) ADD_4(1, 9) UP(9, 8) \
-    ADD_4(2, 10) UP(10, 8) ADD_4(3, 11) END(4) PASS(129, 3) COLUMN(9, 0) ADD_4(0, 9) UP(9, 9) \
-    ADD_4(1, 10) UP(10, 9) ADD_4(2, 11) END(3) PASS(132, 3) COLUMN(9, 1) ADD_4(0, 9) UP(9, 9) \
-    ADD_4(1, 10) UP(10, 9) ADD_4(2, 11) END(3) PASS(135, 4) COLUMN(10, 0) ADD_4(0, 10) \
-    UP(10, 10) ADD_4(1, 11) COLUMN(10, 1) ADD_4(2, 10) UP(10, 10) ADD_4(3, 11) END(4) \
-    PASS(139, 2) COLUMN(11, 0) ADD_4(0, 11) COLUMN(11, 1) ADD_4(1, 11) END(2)
+    END(2) END_SIDES SIDES(5) PASS(111, 4) COLUMN(7, side) ADD_4(0, 7) UP(7, 7) ADD_4(1, 8) \
+    UP(8, 7) ADD_4(2, 9) UP(9, 7) ADD_4(3, 10) UP(10, 7) CUT END(4) PASS(115, 1) RESUME \
+    ADD_4(0, 11) END(1) END_SIDES SIDES(4) PASS(121, 4) COLUMN(8, side) ADD_4(0, 8) UP(8, 8) \
+    ADD_4(1, 9) UP(9, 8) ADD_4(2, 10) UP(10, 8) ADD_4(3, 11) END(4) END_SIDES SIDES(3) \
+    PASS(129, 3) COLUMN(9, side) ADD_4(0, 9) UP(9, 9) ADD_4(1, 10) UP(10, 9) ADD_4(2, 11) END(3) \
+    END_SIDES PASS(135, 4) COLUMN(10, 0) ADD_4(0, 10) UP(10, 10) ADD_4(1, 11) COLUMN(10, 1) \
+    ADD_4(2, 10) UP(10, 10) ADD_4(3, 11) END(4) PASS(139, 2) COLUMN(11, 0) ADD_4(0, 11) \
+    COLUMN(11, 1) ADD_4(1, 11) END(2)
 #define PLAN_RGB_5 PASS(0, 3) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_1(2, 1) UP(1, 0) CUT END(3) \
     PASS(3, 4) RESUME ADD_5(0, 2) UP(2, 0) ADD_5(2, 3) UP(3, 0) CUT END(4) PASS(7, 4) RESUME \
     ADD_5(0, 4) UP(4, 0) ADD_5(2, 5) UP(5, 0) CUT END(4) PASS(11, 4) RESUME ADD_5(0, 6) UP(6, 0) \
     ADD_5(2, 7) UP(7, 0) CUT END(4) PASS(15, 4) RESUME ADD_5(0, 8) UP(8, 0) ADD_5(2, 9) UP(9, 0) \
-    CUT END(4) PASS(19, 2) RESUME ADD_4(0, 10) UP(10, 0) ADD_4(1, 11) END(2) PASS(21, 3) \
-    COLUMN(1, 0) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(24, 4) RESUME \
-    ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(28, 4) RESUME ADD_5(0, 5) UP(5, 1) \
-    ADD_5(2, 6) UP(6, 1) CUT END(4) PASS(32, 4) RESUME ADD_5(0, 7) UP(7, 1) ADD_5(2, 8) UP(8, 1) \
-    CUT END(4) PASS(36, 4) RESUME ADD_5(0, 9) UP(9, 1) ADD_4(2, 10) UP(10, 1) ADD_4(3, 11) \
-    END(4) PASS(40, 3) COLUMN(1, 1) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) \
-    PASS(43, 4) RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(47, 4) RESUME \
-    ADD_5(0, 5) UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) PASS(51, 4) RESUME ADD_5(0, 7) UP(7, 1) \
-    ADD_5(2, 8) UP(8, 1) CUT END(4) PASS(55, 4) RESUME ADD_5(0, 9) UP(9, 1) ADD_4(2, 10) \
-    UP(10, 1) ADD_4(3, 11) END(4) PASS(59, 4) COLUMN(2, 0) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) \
-    UP(3, 2) CUT END(4) PASS(63, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) CUT END(4) \
-    PASS(67, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) CUT END(4) PASS(71, 4) RESUME \
-    ADD_5(0, 8) UP(8, 2) ADD_5(2, 9) UP(9, 2) CUT END(4) PASS(75, 2) RESUME ADD_4(0, 10) \
-    UP(10, 2) ADD_4(1, 11) END(2) PASS(77, 4) COLUMN(2, 1) ADD_5(0, 2) UP(2, 2) ADD_5(2, 3) \
-    UP(3, 2) CUT END(4) PASS(81, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) CUT END(4) \
-    PASS(85, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) CUT END(4) PASS(89, 4) RESUME \
-    ADD_5(0, 8) UP(8, 2) ADD_5(2, 9) UP(9, 2) CUT END(4) PASS(93, 2) RESUME ADD_4(0, 10) \
-    UP(10, 2) ADD_4(1, 11) END(2) PASS(95, 4) COLUMN(3, 0) ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) \
-    UP(4, 3) CUT END(4) PASS(99, 4) RESUME ADD_5(0, 5) UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) \
-    PASS(103, 4) RESUME ADD_5(0, 7) UP(7, 3) ADD_5(2, 8) UP(8, 3) CUT END(4) PASS(107, 4) RESUME \
-    ADD_5(0, 9) UP(9, 3) ADD_4(2, 10) UP(10, 3) ADD_4(3, 11) END(4) PASS(111, 4) COLUMN(3, 1) \
-    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(115, 4) RESUME ADD_5(0, 5) \
-    UP(5, 3) ADD_5(2, 6) UP(6, 3) CUT END(4) PASS(119, 4) RESUME ADD_5(0, 7) UP(7, 3) \
-    ADD_5(2, 8) UP(8, 3) CUT END(4) PASS(123, 4) RESUME ADD_5(0, 9) UP(9, 3) ADD_4(2, 10) \
-    UP(10, 3) ADD_4(3, 11) END(4) PASS(127, 4) COLUMN(4, 0) ADD_5(0, 4) UP(4, 4) ADD_5(2, 5) \
-    UP(5, 4) CUT END(4) PASS(131, 4) RESUME ADD_5(0, 6) UP(6, 4) ADD_5(2, 7) UP(7, 4) CUT END(4) \
-    PASS(135, 4) RESUME ADD_5(0, 8) UP(8, 4) ADD_5(2, 9) UP(9, 4) CUT END(4) PASS(139, 2) RESUME \
-    ADD_4(0, 10) UP(10, 4) ADD_4(1, 11) END(2) PASS(141, 4) COLUMN(4, 1) ADD_5(0, 4) UP(4, 4) \
-    ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(145, 4) RESUME ADD_5(0, 6) UP(6, 4) ADD_5(2, 7) \
-    UP(7, 4) CUT END(4) PASS(149, 4) RESUME ADD_5(0, 8) UP(8, 4) ADD_5(2, 9) UP(9, 4) CUT END(4) \
-    PASS(153, 2) RESUME ADD_4(0, 10) UP(10, 4) ADD_4(1, 11) END(2) PASS(155, 4) COLUMN(5, 0) \
-    ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT END(4) PASS(159, 4) RESUME ADD_5(0, 7) \
-    UP(7, 5) ADD_5(2, 8) UP(8, 5) CUT END(4) PASS(163, 4) RESUME ADD_5(0, 9) UP(9, 5) \
-    ADD_4(2, 10) UP(10, 5) ADD_4(3, 11) END(4) PASS(167, 4) COLUMN(5, 1) ADD_5(0, 5) UP(5, 5) \
-    ADD_5(2, 6) UP(6, 5) CUT END(4) PASS(171, 4) RESUME ADD_5(0, 7) UP(7, 5) ADD_5(2, 8) \
-    UP(8, 5) CUT END(4) PASS(175, 4) RESUME ADD_5(0, 9) UP(9, 5) ADD_4(2, 10) UP(10, 5) \
-    ADD_4(3, 11) END(4) PASS(179, 4) COLUMN(6, 0) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) CUT \
-    END(4) PASS(183, 4) RESUME ADD_5(0, 8) UP(8, 6) ADD_5(2, 9) UP(9, 6) CUT END(4) PASS(187, 2) \
-    RESUME ADD_4(0, 10) UP(10, 6) ADD_4(1, 11) END(2) PASS(189, 4) COLUMN(6, 1) ADD_5(0, 6) \
-    UP(6, 6) ADD_5(2, 7) UP(7, 6) CUT END(4) PASS(193, 4) RESUME ADD_5(0, 8) UP(8, 6) \
-    ADD_5(2, 9) UP(9, 6) CUT END(4) PASS(197, 2) RESUME ADD_4(0, 10) UP(10, 6) ADD_4(1, 11) \
-    END(2) PASS(199, 4) COLUMN(7, 0) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) CUT END(4) \
-    PASS(203, 4) RESUME ADD_5(0, 9) UP(9, 7) ADD_4(2, 10) UP(10, 7) ADD_4(3, 11) END(4) \
-    PASS(207, 4) COLUMN(7, 1) ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) CUT END(4) PASS(211, 4) \
-    RESUME ADD_5(0, 9) UP(9, 7) ADD_4(2, 10) UP(10, 7) ADD_4(3, 11) END(4) PASS(215, 4) \
-    COLUMN(8, 0) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) UP(9, 8) CUT END(4) PASS(219, 2) RESUME \
-    ADD_4(0, 10) UP(10, 8) ADD_4(1, 11) END(2) PASS(221, 4) COLUMN(8, 1) ADD_5(0, 8) UP(8, 8) \
-    ADD_5(2, 9) UP(9, 8) CUT END(4) PASS(225, 2) RESUME ADD_4(0, 10) UP(10, 8) ADD_4(1, 11) \
-    END(2) PASS(227, 4) COLUMN(9, 0) ADD_5(0, 9) UP(9, 9) ADD_4(2, 10) UP(10, 9) ADD_4(3, 11) \
-    END(4) PASS(231, 4) COLUMN(9, 1) ADD_5(0, 9) UP(9, 9) ADD_4(2, 10) UP(10, 9) ADD_4(3, 11) \
-    END(4) PASS(235, 4) COLUMN(10, 0) ADD_4(0, 10) UP(10, 10) ADD_4(1, 11) COLUMN(10, 1) \
-    ADD_4(2, 10) UP(10, 10) ADD_4(3, 11) END(4) PASS(239, 2) COLUMN(11, 0) ADD_4(0, 11) \
-    COLUMN(11, 1) ADD_4(1, 11) END(2)
+    CUT END(4) PASS(19, 2) RESUME ADD_4(0, 10) UP(10, 0) ADD_4(1, 11) END(2) SIDES(19) \
+    PASS(21, 3) COLUMN(1, side) ADD_1(0, 1) UP(1, 1) ADD_5(1, 2) UP(2, 1) CUT END(3) PASS(24, 4) \
+    RESUME ADD_5(0, 3) UP(3, 1) ADD_5(2, 4) UP(4, 1) CUT END(4) PASS(28, 4) RESUME ADD_5(0, 5) \
+    UP(5, 1) ADD_5(2, 6) UP(6, 1) CUT END(4) PASS(32, 4) RESUME ADD_5(0, 7) UP(7, 1) ADD_5(2, 8) \
+    UP(8, 1) CUT END(4) PASS(36, 4) RESUME ADD_5(0, 9) UP(9, 1) ADD_4(2, 10) UP(10, 1) \
+    ADD_4(3, 11) END(4) END_SIDES SIDES(18) PASS(59, 4) COLUMN(2, side) ADD_5(0, 2) UP(2, 2) \
+    ADD_5(2, 3) UP(3, 2) CUT END(4) PASS(63, 4) RESUME ADD_5(0, 4) UP(4, 2) ADD_5(2, 5) UP(5, 2) \
+    CUT END(4) PASS(67, 4) RESUME ADD_5(0, 6) UP(6, 2) ADD_5(2, 7) UP(7, 2) CUT END(4) \
+    PASS(71, 4) RESUME ADD_5(0, 8) UP(8, 2) ADD_5(2, 9) UP(9, 2) CUT END(4) PASS(75, 2) RESUME \
+    ADD_4(0, 10) UP(10, 2) ADD_4(1, 11) END(2) END_SIDES SIDES(16) PASS(95, 4) COLUMN(3, side) \
+    ADD_5(0, 3) UP(3, 3) ADD_5(2, 4) UP(4, 3) CUT END(4) PASS(99, 4) RESUME ADD_5(0, 5) UP(5, 3) \
+    ADD_5(2, 6) UP(6, 3) CUT END(4) PASS(103, 4) RESUME ADD_5(0, 7) UP(7, 3) ADD_5(2, 8) \
+    UP(8, 3) CUT END(4) PASS(107, 4) RESUME ADD_5(0, 9) UP(9, 3) ADD_4(2, 10) UP(10, 3) \
+    ADD_4(3, 11) END(4) END_SIDES SIDES(14) PASS(127, 4) COLUMN(4, side) ADD_5(0, 4) UP(4, 4) \
+    ADD_5(2, 5) UP(5, 4) CUT END(4) PASS(131, 4) RESUME ADD_5(0, 6) UP(6, 4) ADD_5(2, 7) \
+    UP(7, 4) CUT END(4) PASS(135, 4) RESUME ADD_5(0, 8) UP(8, 4) ADD_5(2, 9) UP(9, 4) CUT END(4) \
+    PASS(139, 2) RESUME ADD_4(0, 10) UP(10, 4) ADD_4(1, 11) END(2) END_SIDES SIDES(12) \
+    PASS(155, 4) COLUMN(5, side) ADD_5(0, 5) UP(5, 5) ADD_5(2, 6) UP(6, 5) CUT END(4) \
+    PASS(159, 4) RESUME ADD_5(0, 7) UP(7, 5) ADD_5(2, 8) UP(8, 5) CUT END(4) PASS(163, 4) RESUME \
+    ADD_5(0, 9) UP(9, 5) ADD_4(2, 10) UP(10, 5) ADD_4(3, 11) END(4) END_SIDES SIDES(10) \
+    PASS(179, 4) COLUMN(6, side) ADD_5(0, 6) UP(6, 6) ADD_5(2, 7) UP(7, 6) CUT END(4) \
+    PASS(183, 4) RESUME ADD_5(0, 8) UP(8, 6) ADD_5(2, 9) UP(9, 6) CUT END(4) PASS(187, 2) RESUME \
+    ADD_4(0, 10) UP(10, 6) ADD_4(1, 11) END(2) END_SIDES SIDES(8) PASS(199, 4) COLUMN(7, side) \
+    ADD_5(0, 7) UP(7, 7) ADD_5(2, 8) UP(8, 7) CUT END(4) PASS(203, 4) RESUME ADD_5(0, 9) \
+    UP(9, 7) ADD_4(2, 10) UP(10, 7) ADD_4(3, 11) END(4) END_SIDES SIDES(6) PASS(215, 4) \
+    COLUMN(8, side) ADD_5(0, 8) UP(8, 8) ADD_5(2, 9) UP(9, 8) CUT END(4) PASS(219, 2) RESUME \
+    ADD_4(0, 10) UP(10, 8) ADD_4(1, 11) END(2) END_SIDES SIDES(4) PASS(227, 4) COLUMN(9, side) \
+    ADD_5(0, 9) UP(9, 9) ADD_4(2, 10) UP(10, 9) ADD_4(3, 11) END(4) END_SIDES PASS(235, 4) \
+    COLUMN(10, 0) ADD_4(0, 10) UP(10, 10) ADD_4(1, 11) COLUMN(10, 1) ADD_4(2, 10) UP(10, 10) \
+    ADD_4(3, 11) END(4) PASS(239, 2) COLUMN(11, 0) ADD_4(0, 11) COLUMN(11, 1) ADD_4(1, 11) \
+    END(2)
 #define PLAN_RGB_7 PASS(0, 4) COLUMN(0, 0) ADD_5(0, 0) UP(0, 0) ADD_3(2, 1) UP(1, 0) CUT END(4) \
     PASS(4, 3) RESUME ADD_7(0, 2) UP(2, 0) CUT END(3) PASS(7, 3) RESUME ADD_7(0, 3) UP(3, 0) CUT \
     END(3) PASS(10, 3) RESUME ADD_7(0, 4) UP(4, 0) CUT END(3) PASS(13, 3) RESUME ADD_7(0, 5) \
     UP(5, 0) CUT END(3) PASS(16, 3) RESUME ADD_7(0, 6) UP(6, 0) CUT END(3) PASS(19, 3) RESUME \
     ADD_7(0, 7) UP(7, 0) CUT END(3) PASS(22, 3) RESUME ADD_7(0, 8) UP(8, 0) CUT END(3) \
     PASS(25, 3) RESUME ADD_7(0, 9) UP(9, 0) CUT END(3) PASS(28, 3) RESUME ADD_6(0, 10) UP(10, 0) \
-    ADD_4(2, 11) END(3) PASS(31, 2) COLUMN(1, 0) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(33, 3) \
-    RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(36, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) \
-    PASS(39, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(42, 3) RESUME ADD_7(0, 5) UP(5, 1) \
-    CUT END(3) PASS(45, 3) RESUME ADD_7(0, 6) UP(6, 1) CUT END(3) PASS(48, 3) RESUME ADD_7(0, 7) \
-    UP(7, 1) CUT END(3) PASS(51, 3) RESUME ADD_7(0, 8) UP(8, 1) CUT END(3) PASS(54, 3) RESUME \
-    ADD_7(0, 9) UP(9, 1) CUT END(3) PASS(57, 3) RESUME ADD_6(0, 10) UP(10, 1) ADD_4(2, 11) \
-    END(3) PASS(60, 2) COLUMN(1, 1) ADD_3(0, 1) UP(1, 1) CUT END(2) PASS(62, 3) RESUME \
-    ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(65, 3) RESUME ADD_7(0, 3) UP(3, 1) CUT END(3) \
-    PASS(68, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(71, 3) RESUME ADD_7(0, 5) UP(5, 1) \
-    CUT END(3) PASS(74, 3) RESUME ADD_7(0, 6) UP(6, 1) CUT END(3) PASS(77, 3) RESUME ADD_7(0, 7) \
-    UP(7, 1) CUT END(3) PASS(80, 3) RESUME ADD_7(0, 8) UP(8, 1) CUT END(3) PASS(83, 3) RESUME \
-    ADD_7(0, 9) UP(9, 1) CUT END(3) PASS(86, 3) RESUME ADD_6(0, 10) UP(10, 1) ADD_4(2, 11) \
-    END(3) PASS(89, 3) COLUMN(2, 0) ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(92, 3) RESUME \
-    ADD_7(0, 3) UP(3, 2) CUT END(3) PASS(95, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) \
-    PASS(98, 3) RESUME ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(101, 3) RESUME ADD_7(0, 6) UP(6, 2) \
-    CUT END(3) PASS(104, 3) RESUME ADD_7(0, 7) UP(7, 2) CUT END(3) PASS(107, 3) RESUME \
-    ADD_7(0, 8) UP(8, 2) CUT END(3) PASS(110, 3) RESUME ADD_7(0, 9) UP(9, 2) CUT END(3) \
-    PASS(113, 3) RESUME ADD_6(0, 10) UP(10, 2) ADD_4(2, 11) END(3) PASS(116, 3) COLUMN(2, 1) \
-    ADD_7(0, 2) UP(2, 2) CUT END(3) PASS(119, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) \
-    PASS(122, 3) RESUME ADD_7(0, 4) UP(4, 2) CUT END(3) PASS(125, 3) RESUME ADD_7(0, 5) UP(5, 2) \
-    CUT END(3) PASS(128, 3) RESUME ADD_7(0, 6) UP(6, 2) CUT END(3) PASS(131, 3) RESUME \
-    ADD_7(0, 7) UP(7, 2) CUT END(3) PASS(134, 3) RESUME ADD_7(0, 8) UP(8, 2) CUT END(3) \
-    PASS(137, 3) RESUME ADD_7(0, 9) UP(9, 2) CUT END(3) PASS(140, 3) RESUME ADD_6(0, 10) \
-    UP(10, 2) ADD_4(2, 11) END(3) PASS(143, 3) COLUMN(3, 0) ADD_7(0, 3) UP(3, 3) CUT END(3) \
-    PASS(146, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(149, 3) RESUME ADD_7(0, 5) UP(5, 3) \
-    CUT END(3) PASS(152, 3) RESUME ADD_7(0, 6) UP(6, 3) CUT END(3) PASS(155, 3) RESUME \
-    ADD_7(0, 7) UP(7, 3) CUT END(3) PASS(158, 3) RESUME ADD_7(0, 8) UP(8, 3) CUT END(3) \
-    PASS(161, 3) RESUME ADD_7(0, 9) UP(9, 3) CUT END(3) PASS(164, 3) RESUME ADD_6(0, 10) \
-    UP(10, 3) ADD_4(2, 11) END(3) PASS(167, 3) COLUMN(3, 1) ADD_7(0, 3) UP(3, 3) CUT END(3) \
-    PASS(170, 3) RESUME ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(173, 3) RESUME ADD_7(0, 5) UP(5, 3) \
-    CUT END(3) PASS(176, 3) RESUME ADD_7(0, 6) UP(6, 3) CUT END(3) PASS(179, 3) RESUME \
-    ADD_7(0, 7) UP(7, 3) CUT END(3) PASS(182, 3) RESUME ADD_7(0, 8) UP(8, 3) CUT END(3) \
-    PASS(185, 3) RESUME ADD_7(0, 9) UP(9, 3) CUT END(3) PASS(188, 3) RESUME ADD_6(0, 10) \
-    UP(10, 3) ADD_4(2, 11) END(3) PASS(191, 3) COLUMN(4, 0) ADD_7(0, 4) UP(4, 4) CUT END(3) \
+    ADD_4(2, 11) END(3) SIDES(29) PASS(31, 2) COLUMN(1, side) ADD_3(0, 1) UP(1, 1) CUT END(2) \
+    PASS(33, 3) RESUME ADD_7(0, 2) UP(2, 1) CUT END(3) PASS(36, 3) RESUME ADD_7(0, 3) UP(3, 1) \
+    CUT END(3) PASS(39, 3) RESUME ADD_7(0, 4) UP(4, 1) CUT END(3) PASS(42, 3) RESUME ADD_7(0, 5) \
+    UP(5, 1) CUT END(3) PASS(45, 3) RESUME ADD_7(0, 6) UP(6, 1) CUT END(3) PASS(48, 3) RESUME \
+    ADD_7(0, 7) UP(7, 1) CUT END(3) PASS(51, 3) RESUME ADD_7(0, 8) UP(8, 1) CUT END(3) \
+    PASS(54, 3) RESUME ADD_7(0, 9) UP(9, 1) CUT END(3) PASS(57, 3) RESUME ADD_6(0, 10) UP(10, 1) \
+    ADD_4(2, 11) END(3) END_SIDES SIDES(27) PASS(89, 3) COLUMN(2, side) ADD_7(0, 2) UP(2, 2) CUT \
+    END(3) PASS(92, 3) RESUME ADD_7(0, 3) UP(3, 2) CUT END(3) PASS(95, 3) RESUME ADD_7(0, 4) \
+    UP(4, 2) CUT END(3) PASS(98, 3) RESUME ADD_7(0, 5) UP(5, 2) CUT END(3) PASS(101, 3) RESUME \
+    ADD_7(0, 6) UP(6, 2) CUT END(3) PASS(104, 3) RESUME ADD_7(0, 7) UP(7, 2) CUT END(3) \
+    PASS(107, 3) RESUME ADD_7(0, 8) UP(8, 2) CUT END(3) PASS(110, 3) RESUME ADD_7(0, 9) UP(9, 2) \
+    CUT END(3) PASS(113, 3) RESUME ADD_6(0, 10) UP(10, 2) ADD_4(2, 11) END(3) END_SIDES \
+    SIDES(24) PASS(143, 3) COLUMN(3, side) ADD_7(0, 3) UP(3, 3) CUT END(3) PASS(146, 3) RESUME \
+    ADD_7(0, 4) UP(4, 3) CUT END(3) PASS(149, 3) RESUME ADD_7(0, 5) UP(5, 3) CUT END(3) \
+    PASS(152, 3) RESUME ADD_7(0, 6) UP(6, 3) CUT END(3) PASS(155, 3) RESUME ADD_7(0, 7) UP(7, 3) \
+    CUT END(3) PASS(158, 3) RESUME ADD_7(0, 8) UP(8, 3) CUT END(3) PASS(161, 3) RESUME \
+    ADD_7(0, 9) UP(9, 3) CUT END(3) PASS(164, 3) RESUME ADD_6(0, 10) UP(10, 3) ADD_4(2, 11) \
+    END(3) END_SIDES SIDES(21) PASS(191, 3) COLUMN(4, side) ADD_7(0, 4) UP(4, 4) CUT END(3) \
     PASS(194, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT END(3) PASS(197, 3) RESUME ADD_7(0, 6) UP(6, 4) \
     CUT END(3) PASS(200, 3) RESUME ADD_7(0, 7) UP(7, 4) CUT END(3) PASS(203, 3) RESUME \
     ADD_7(0, 8) UP(8, 4) CUT END(3) PASS(206, 3) RESUME ADD_7(0, 9) UP(9, 4) CUT END(3) \
-    PASS(209, 3) RESUME ADD_6(0, 10) UP(10, 4) ADD_4(2, 11) END(3) PASS(212, 3) COLUMN(4, 1) \
-    ADD_7(0, 4) UP(4, 4) CUT END(3) PASS(215, 3) RESUME ADD_7(0, 5) UP(5, 4) CUT END(3) \
-    PASS(218, 3) RESUME ADD_7(0, 6) UP(6, 4) CUT END(3) PASS(221, 3) RESUME ADD_7(0, 7) UP(7, 4) \
-    CUT END(3) PASS(224, 3) RESUME ADD_7(0, 8) UP(8, 4) CUT END(3) PASS(227, 3) RESUME \
-    ADD_7(0, 9) UP(9, 4) CUT END(3) PASS(230, 3) RESUME ADD_6(0, 10) UP(10, 4) ADD_4(2, 11) \
-    END(3) PASS(233, 3) COLUMN(5, 0) ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(236, 3) RESUME \
-    ADD_7(0, 6) UP(6, 5) CUT END(3) PASS(239, 3) RESUME ADD_7(0, 7) UP(7, 5) CUT END(3) \
-    PASS(242, 3) RESUME ADD_7(0, 8) UP(8, 5) CUT END(3) PASS(245, 3) RESUME ADD_7(0, 9) UP(9, 5) \
-    CUT END(3) PASS(248, 3) RESUME ADD_6(0, 10) UP(10, 5) ADD_4(2, 11) END(3) PASS(251, 3) \
-    COLUMN(5, 1) ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(254, 3) RESUME ADD_7(0, 6) UP(6, 5) CUT \
-    END(3) PASS(257, 3) RESUME ADD_7(0, 7) UP(7, 5) CUT END(3) PASS(260, 3) RESUME ADD_7(0, 8) \
-    UP(8, 5) CUT END(3) PASS(263, 3) RESUME ADD_7(0, 9) UP(9, 5) CUT END(3) PASS(266, 3) RESUME \
-    ADD_6(0, 10) UP(10, 5) ADD_4(2, 11) END(3) PASS(269, 3) COLUMN(6, 0) ADD_7(0, 6) UP(6, 6) \
-    CUT END(3) PASS(272, 3) RESUME ADD_7(0, 7) UP(7, 6) CUT END(3) PASS(275, 3) RESUME \
-    ADD_7(0, 8) UP(8, 6) CUT END(3) PASS(278, 3) RESUME ADD_7(0, 9) UP(9, 6) CUT END(3) \
-    PASS(281, 3) RESUME ADD_6(0, 10) UP(10, 6) ADD_4(2, 11) END(3) PASS(284, 3) COLUMN(6, 1) \
-    ADD_7(0, 6) UP(6, 6) CUT END(3) PASS(287, 3) RESUME ADD_7(0, 7) UP(7, 6) CUT END(3) \
-    PASS(290, 3) RESUME ADD_7(0, 8) UP(8, 6) CUT END(3) PASS(293, 3) RESUME ADD_7(0, 9) UP(9, 6) \
-    CUT END(3) PASS(296, 3) RESUME ADD_6(0, 10) UP(10, 6) ADD_4(2, 11) END(3) PASS(299, 3) \
-    COLUMN(7, 0) ADD_7(0, 7) UP(7, 7) CUT END(3) PASS(302, 3) RESUME ADD_7(0, 8) UP(8, 7) CUT \
-    END(3) PASS(305, 3) RESUME ADD_7(0, 9) UP(9, 7) CUT END(3) PASS(308, 3) RESUME ADD_6(0, 10) \
-    UP(10, 7) ADD_4(2, 11) END(3) PASS(311, 3) COLUMN(7, 1) ADD_7(0, 7) UP(7, 7) CUT END(3) \
-    PASS(314, 3) RESUME ADD_7(0, 8) UP(8, 7) CUT END(3) PASS(317, 3) RESUME ADD_7(0, 9) UP(9, 7) \
-    CUT END(3) PASS(320, 3) RESUME ADD_6(0, 10) UP(10, 7) ADD_4(2, 11) END(3) PASS(323, 3) \
-    COLUMN(8, 0) ADD_7(0, 8) UP(8, 8) CUT END(3) PASS(326, 3) RESUME ADD_7(0, 9) UP(9, 8) CUT \
-    END(3) PASS(329, 3) RESUME ADD_6(0, 10) UP(10, 8) ADD_4(2, 11) END(3) PASS(332, 3) \
-    COLUMN(8, 1) ADD_7(0, 8) UP(8, 8) CUT END(3) PASS(335, 3) RESUME ADD_7(0, 9) UP(9, 8) CUT \
-    END(3) PASS(338, 3) RESUME ADD_6(0, 10) UP(10, 8) ADD_4(2, 11) END(3) PASS(341, 3) \
-    COLUMN(9, 0) ADD_7(0, 9) UP(9, 9) CUT END(3) PASS(344, 3) RESUME ADD_6(0, 10) UP(10, 9) \
-    ADD_4(2, 11) END(3) PASS(347, 3) COLUMN(9, 1) ADD_7(0, 9) UP(9, 9) CUT END(3) PASS(350, 3) \
-    RESUME ADD_6(0, 10) UP(10, 9) ADD_4(2, 11) END(3) PASS(353, 3) COLUMN(10, 0) ADD_6(0, 10) \
-    UP(10, 10) ADD_4(2, 11) END(3) PASS(356, 4) COLUMN(10, 1) ADD_6(0, 10) UP(10, 10) \
-    ADD_4(2, 11) COLUMN(11, 0) ADD_4(3, 11) END(4) PASS(360, 1) COLUMN(11, 1) ADD_4(0, 11) \
-    END(1)
+    PASS(209, 3) RESUME ADD_6(0, 10) UP(10, 4) ADD_4(2, 11) END(3) END_SIDES SIDES(18) \
+    PASS(233, 3) COLUMN(5, side) ADD_7(0, 5) UP(5, 5) CUT END(3) PASS(236, 3) RESUME ADD_7(0, 6) \
+    UP(6, 5) CUT END(3) PASS(239, 3) RESUME ADD_7(0, 7) UP(7, 5) CUT END(3) PASS(242, 3) RESUME \
+    ADD_7(0, 8) UP(8, 5) CUT END(3) PASS(245, 3) RESUME ADD_7(0, 9) UP(9, 5) CUT END(3) \
+    PASS(248, 3) RESUME ADD_6(0, 10) UP(10, 5) ADD_4(2, 11) END(3) END_SIDES SIDES(15) \
+    PASS(269, 3) COLUMN(6, side) ADD_7(0, 6) UP(6, 6) CUT END(3) PASS(272, 3) RESUME ADD_7(0, 7) \
+    UP(7, 6) CUT END(3) PASS(275, 3) RESUME ADD_7(0, 8) UP(8, 6) CUT END(3) PASS(278, 3) RESUME \
+    ADD_7(0, 9) UP(9, 6) CUT END(3) PASS(281, 3) RESUME ADD_6(0, 10) UP(10, 6) ADD_4(2, 11) \
+    END(3) END_SIDES SIDES(12) PASS(299, 3) COLUMN(7, side) ADD_7(0, 7) UP(7, 7) CUT END(3) \
+    PASS(302, 3) RESUME ADD_7(0, 8) UP(8, 7) CUT END(3) PASS(305, 3) RESUME ADD_7(0, 9) UP(9, 7) \
+    CUT END(3) PASS(308, 3) RESUME ADD_6(0, 10) UP(10, 7) ADD_4(2, 11) END(3) END_SIDES SIDES(9) \
+    PASS(323, 3) COLUMN(8, side) ADD_7(0, 8) UP(8, 8) CUT END(3) PASS(326, 3) RESUME ADD_7(0, 9) \
+    UP(9, 8) CUT END(3) PASS(329, 3) RESUME ADD_6(0, 10) UP(10, 8) ADD_4(2, 11) END(3) END_SIDES \
+    SIDES(6) PASS(341, 3) COLUMN(9, side) ADD_7(0, 9) UP(9, 9) CUT END(3) PASS(344, 3) RESUME \
+    ADD_6(0, 10) UP(10, 9) ADD_4(2, 11) END(3) END_SIDES SIDES(3) PASS(353, 3) COLUMN(10, side) \
+    ADD_6(0, 10) UP(10, 10) ADD_4(2, 11) END(3) END_SIDES PASS(359, 2) COLUMN(11, 0) \
+    ADD_4(0, 11) COLUMN(11, 1) ADD_4(1, 11) END(2)
 #endif
 #define KERNEL_NAME YLM_REAL_KERNEL(ylm__moments_9)
 #endif
