@@ -7,7 +7,8 @@ PREFIX  ?= /usr/local
 CC      ?= cc
 CXX     ?= c++
 AR      ?= ar
-OPT     ?= -O3 -g
+# -g1: debuggers see lines and calls; OPT='-O0 -g' shows variables too
+OPT     ?= -O3 -g1
 WARN    := -Wall -Wextra -Wshadow -Wpointer-arith -Wvla
 CWARN   := $(WARN) -Wstrict-prototypes -Wmissing-prototypes
 SANITIZE ?=
@@ -46,11 +47,15 @@ FLAGS_neon   := -DYLM_VECTOR_BYTES=16
 FLAGS_avx2   := -mavx2 -mfma -DYLM_VECTOR_BYTES=32
 FLAGS_avx512 := -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx2 -mfma -mprefer-vector-width=512 -DYLM_VECTOR_BYTES=64
 
-# Debuggers see lines of kernels, not their thousands of values; passes that look for loops and repetitions are
-# left out where a generator has written the loops out (gcc; both halve compile times, not speed).
-STRAIGHT := -O2 -fno-tree-pre -fno-code-hoisting -fno-gcse -fno-tree-vrp
-STRAIGHT := $(if $(filter -O3,$(OPT)),$(shell $(CC) $(STRAIGHT) -Werror -E -x c /dev/null >/dev/null 2>&1 && echo $(STRAIGHT)))
-KERNEL_OPT = $(if $(filter -g,$(OPT)),-g1) $(if $(findstring /gen/,$(1)),$(STRAIGHT) $(SANITIZE_gen))
+# Debuggers see lines of kernels, not their thousands of values, whatever OPT says. Passes that look for repetitions are left out of LEAN files,
+# and of STRAIGHT ones, where loops are written out, those that look for loops too (gcc; either compiles faster, not slower code).
+LEAN     := -fno-tree-pre -fno-code-hoisting -fno-gcse -fno-tree-vrp
+LEAN     := $(if $(filter -O3,$(OPT)),$(shell $(CC) $(LEAN) -Werror -E -x c /dev/null >/dev/null 2>&1 && echo $(LEAN)))
+STRAIGHT := $(if $(LEAN),-O2 $(LEAN))
+LEAN_FILES     := $(wildcard csrc/sh/product/*.isa.c csrc/light/flat/kernel.isa.c)
+STRAIGHT_FILES := $(wildcard csrc/*/*/gen/*.isa.c csrc/sh/eval/low_*.isa.c)
+KERNEL_OPT = $(if $(filter -g,$(OPT)),-g1) $(if $(filter $(LEAN_FILES),$(1)),$(LEAN)) $(if $(filter $(STRAIGHT_FILES),$(1)),$(STRAIGHT)) \
+             $(if $(findstring /gen/,$(1)),$(SANITIZE_gen))
 
 # Links to the public headers, which alone are on the include path; made anew where their list or its place has changed.
 INCLUDE := $(BUILD)/include
@@ -118,6 +123,9 @@ HAVE := core $(PARTS)
 # Parts with rules of their own.
 -include csrc/vtk/build.mk csrc/vulkan/build.mk csrc/rival/build.mk csrc/mpi/build.mk lua/ylm/codegen/build.mk spec/bench/build.mk spec/fuzz/build.mk lua/ylm/doc/build.mk
 -include package/build.mk
+
+# Code that only hands on, bindings and calls of VTK, is as fast so and compiles in half the time.
+HAND_ON := $(if $(filter -O3,$(OPT)),-O1 -ftree-vectorize)
 
 BINDINGS := $(foreach a,$(ABIS),$(foreach m,$(HAVE),$(BUILD)/$(a)/ylm/c/$(m).so))
 
@@ -213,10 +221,11 @@ LIBS_OF_mpi    := -lylm_mpi -lylm
 
 # Strings of Lua 5.5 call csrc/lua/core/sandbox.c after Lua has closed its libraries: bindings stay loaded.
 define BINDING
+CFLAGS_$(1) := $(or $(strip $(LUA_CFLAGS)),$(call pkg,--cflags,$(1)))
 $(BUILD)/$(1)/obj/%.o: csrc/lua/%.c
 	@mkdir -p $$(@D)
 	$$(call say,CC,$$@)
-	$(Q)$$(CC) $$(CFLAGS) $$(or $$(strip $$(LUA_CFLAGS)),$$(call pkg,--cflags,$(1))) -c $$< -o $$@
+	$(Q)$$(CC) $$(CFLAGS) $$(HAND_ON) $$(CFLAGS_$(1)) -c $$< -o $$@
 $(foreach m,$(HAVE),
 $(BUILD)/$(1)/ylm/c/$(m).so: $(patsubst csrc/lua/%.c,$(BUILD)/$(1)/obj/%.o,$(wildcard csrc/lua/binding*.c csrc/lua/$(m)/*.c)) $(LIBS) Makefile
 	@mkdir -p $$(@D)

@@ -23,7 +23,7 @@ CXXFLAGS := -std=c++17 -fPIC -fvisibility=hidden -MMD -MP $(OPT) $(filter-out -W
 $(BUILD)/obj/vtk/%.o: csrc/vtk/%.cpp
 	@mkdir -p $(@D)
 	$(call say,CXX,$@)
-	$(Q)$(VTK_CXX) $(CXXFLAGS) -c $< -o $@
+	$(Q)$(VTK_CXX) $(CXXFLAGS) $(HAND_ON) -c $< -o $@
 
 # The compiler launcher of CC, if any, serves C++ too.
 VTK_CXX := $(if $(filter ccache,$(firstword $(CC))),ccache )$(CXX)
