@@ -38,6 +38,47 @@ describe("scene:links", function()
     assert.is_true(few.stats.elements <= 1000 and few.stats.elements > 600, few.stats.elements)
   end)
 
+  it("cuts long triangles into strips: few elements, whose areas are the triangle's", function()
+    local shapes = { needle = { { 0, 0, 0 }, { 4, 0, 0 }, { 0, 0.02, 0 } },
+      wedge = { { 0, 0, 0 }, { 4, 0, 0 }, { 0.05, 0.4, 0 } }, cap = { { 0, 0, 0 }, { 4, 0, 0 }, { 1.5, 0.3, 0 } } }
+    local most = { needle = 20 * 2, wedge = 2 * 68, cap = 2 * 68 }
+    for name, corners in pairs(shapes) do
+      for turn = 0, 2 do -- each corner may be the first
+        local mesh = ylm.mesh { vertices = corners, triangles = { { 1 + turn, 1 + (turn + 1) % 3, 1 + (turn + 2) % 3 } } }
+        local t = scene(mesh):links { spacing = 0.25, rays = 4, sides = "front" }
+        local e = t:elements()
+        assert.is_true(t.stats.elements <= most[name], name .. ": " .. t.stats.elements .. " of 256")
+        local area = 4 * corners[3][2] / 2
+        assert.near(area, e.area:sum(), 1e-5 * area)
+        for a = 1, 2 do -- their middles are about the triangle's
+          local x = (e.centre[{ {}, a }] * e.area):sum() / area
+          assert.near((corners[1][a] + corners[2][a] + corners[3][a]) / 3, x, 1e-5)
+        end
+        assert.is_true(e.area:max() <= 0.25 ^ 2 / 2)
+      end
+    end
+  end)
+
+  it("finds the element of a place in strips: links between two beams that face each other lead to what is near", function()
+    local function beam(y, order)
+      return ylm.mesh { vertices = { { 0, y, 0 }, { 6, y, 0 }, { 6, y, -0.1 }, { 0, y, -0.1 } }, triangles = order }
+    end
+    local t = scene({ beam(0, { { 1, 2, 3 }, { 1, 3, 4 } }), beam(0.02, { { 1, 3, 2 }, { 4, 3, 1 } }) })
+      :links { spacing = 0.2, rays = 16, sides = "front" }
+    local at, hits, sum, n = t:elements().centre, t:hits():totable(), 0, 0
+    assert.is_true(t.stats.elements <= 2 * 2 * 70, t.stats.elements)
+    for i, row in ipairs(hits) do
+      for _, k in ipairs(row) do
+        if k > 0 and k <= t.stats.elements then
+          local x = math.abs(at:get(i, 1) - at:get(k, 1))
+          sum, n = sum + x, n + 1
+          assert.is_true(x < 0.7, ("from %.2f to %.2f"):format(at:get(i, 1), at:get(k, 1)))
+        end
+      end
+    end
+    assert.is_true(n > 1000 and sum / n < 0.1, ("%d, %.3f"):format(n, sum / math.max(n, 1)))
+  end)
+
   it("counts elements of the albedo that their mesh has, tinted", function()
     local image = ylm.image { size = { 2, 1 }, layers = { { "radiance", 3 } } }
     image:layer "radiance":set(1, 1, 1, 1)
@@ -243,8 +284,8 @@ describe("a .links file", function()
     end
     local meshes, links, row = number(33, 4), number(29, 4), number(25, 4)
     local triangles, count = number(41, 8), number(49, 8)
-    for _, s in ipairs { { 4, 2 }, { 8, 1 }, { 4, 4 }, { 8, 5 }, { 8, 1 }, { 8, 8 }, { 1, meshes }, { 2, triangles }, { 4,
-      count },
+    for _, s in ipairs { { 4, 2 }, { 8, 1 }, { 4, 4 }, { 8, 5 }, { 8, 1 }, { 8, 8 }, { 1, meshes }, { 2, 4 * triangles },
+      { 4, count },
       { 4, count * links }, { 4, count * row * row } } do
       turn(s[1], s[2])
       if at > 153 then while (at - 1) % 8 ~= 0 do turn(1, 1) end end
@@ -264,7 +305,7 @@ describe("a .links file", function()
   it("is refused where its checksum fits, and its numbers cannot be", function()
     if number(9, 4) ~= 0x01020304 then return pending "this machine is big-endian" end
     local meshes, triangles, count, links, row = number(33, 4), number(41, 8), number(49, 8), 16, 3
-    local at, sizes = { 152 }, { meshes, 2 * triangles, 4 * count, 4 * count * links, 4 * count * row * row }
+    local at, sizes = { 152 }, { meshes, 8 * triangles, 4 * count, 4 * count * links, 4 * count * row * row }
     for i, size in ipairs(sizes) do at[i + 1] = at[i] + math.ceil(size / 8) * 8 end
     local huge, ten, nan = "\76\110\79\110", "\0\0\32\65", "\0\0\192\127"
     for what, case in pairs {
@@ -300,7 +341,7 @@ describe("a .links file", function()
     refused(whole:sub(1, -2), "EFORMAT", "cut short")
     refused(whole:sub(1, 20), "EFORMAT", "no links")
     refused("", "EFORMAT", "no links")
-    refused(whole:sub(1, 12) .. "\2\0\0\0" .. whole:sub(17), "EVERSION", "of version 2, this ylm reads up to 1")
+    refused(whole:sub(1, 12) .. "\3\0\0\0" .. whole:sub(17), "EVERSION", "of version 3, this ylm reads up to 2")
     local other = elements.room(0.5)
     assert.has_error(function() read(other, whole) end)
     local ok, message = pcall(read, other, whole)

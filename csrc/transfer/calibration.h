@@ -9,6 +9,10 @@
 
 /* -- elements and links: elements.c, links.c, sides.c -------------------------------------------- */
 
+/* A triangle is cut into strips where they have less than this part of k^2 elements. A foot nearer than this part of the height to
+   the end of the longest edge is there. Moved by: numbers of elements of meshes from modellers. */
+#define CUT_STRIPS 0.5
+#define CUT_FOOT 0.5
 /* Places of an element whose tints are averaged. */
 #define TRANSFER_TINTS 16
 /* Rays that are traced in one go, unless one place has more. */

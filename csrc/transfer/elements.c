@@ -20,27 +20,17 @@ static double area_of(double p[3][3]) {
   return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / 2;
 }
 
-static double longest_edge(double p[3][3]) {
-  double longest = 0;
-  for (int i = 0; i < 3; i++) {
-    double d = 0;
-    for (int k = 0; k < 3; k++) d += (p[i][k] - p[(i + 1) % 3][k]) * (p[i][k] - p[(i + 1) % 3][k]);
-    longest = fmax(longest, d);
-  }
-  return sqrt(longest);
-}
-
-/* Longest edges of all triangles, below 0 where there is no area: a triangle that floats cannot tell
-   from a line has none. */
-static void find_edges(const ylm_transfer *t, const float *positions, float *edge) {
+static void find_shapes(const ylm_transfer *t, const float *positions, transfer_shape *shape) {
   for (size_t m = 0; m < t->meshes; m++)
     for (size_t i = 0; i < t->first[m + 1] - t->first[m]; i++) {
-      double p[3][3], longest;
+      double p[3][3];
       corners_of(t->scene, positions, m, i, p);
-      longest = longest_edge(p);
-      bool flat = !(area_of(p) > 1e-12 * longest * longest);
-      edge[t->first[m] + i] = flat ? -1 : (float)longest;
+      shape[t->first[m] + i] = ylm__cut_shape(p);
     }
+}
+
+static void keep_feet(ylm_transfer *t, const transfer_shape *shape) {
+  for (size_t i = 0; i < t->triangles; i++) t->foot[i] = shape[i].foot;
 }
 
 static double diagonal_of(double lo[3], double hi[3]) {
@@ -77,18 +67,14 @@ static ylm_status find_grounds(ylm_transfer *t, size_t places, const float (*pla
   return s;
 }
 
-/* Edges of grounds become shorter, as if all were no wider than what stands on them. */
-static void shorten_grounds(const ylm_transfer *t, double core, float *edge) {
+/* Triangles of grounds become smaller, as if all were no wider than what stands on them. */
+static void shorten_grounds(const ylm_transfer *t, double core, transfer_shape *shape) {
   for (size_t i = 0; t->ground && i < t->triangles; i++)
-    if (t->ground[i] && edge[i] > 0) edge[i] *= (float)core;
+    if (t->ground[i] && shape[i].edge > 0) ylm__cut_scale(&shape[i], (float)core);
 }
 
 double ylm_transfer_ground_share(const ylm_transfer *t, size_t mesh, size_t triangle) {
   return t->ground && t->ground[t->first[mesh] + triangle] ? t->ground_share : 1;
-}
-
-static double pieces(float edge, double spacing) {
-  return edge < 0 ? 0 : fmax(1, ceil((double)edge / spacing));
 }
 
 static int sides_of(const ylm_transfer *t, size_t m) {
@@ -96,52 +82,52 @@ static int sides_of(const ylm_transfer *t, size_t m) {
 }
 
 /* How many elements a spacing makes. */
-static double count_at(const ylm_transfer *t, const float *edge, double spacing) {
+static double count_at(const ylm_transfer *t, const transfer_shape *shape, double spacing) {
   double n = 0;
   for (size_t m = 0; m < t->meshes; m++) {
     double one = 0;
-    for (size_t i = t->first[m]; i < t->first[m + 1]; i++) {
-      double k = pieces(edge[i], spacing);
-      one += k * k;
-    }
+    for (size_t i = t->first[m]; i < t->first[m + 1]; i++)
+      one += ylm__cut_number(&shape[i], spacing);
     n += one * sides_of(t, m);
   }
   return n;
 }
 
-static ylm_status too_many(const ylm_transfer *t, const float *edge, double spacing, double most,
-                           ylm_error *e) {
-  double n = count_at(t, edge, spacing), least = count_at(t, edge, INFINITY), wider = spacing;
+static ylm_status too_many(const ylm_transfer *t, const transfer_shape *shape, double spacing,
+                           double most, ylm_error *e) {
+  double n = count_at(t, shape, spacing), least = count_at(t, shape, INFINITY), wider = spacing;
   if (least > most)
     return ylm_fail(e, YLM_ELIMIT,
                     "max_elements = %.0f is less than the sides of the scene's triangles, %.0f",
                     most, least);
-  for (double step = 1; count_at(t, edge, wider) > most && step < 200; step++)
-    wider *= count_at(t, edge, wider) > 4 * most ? 2 : 1.1;
+  for (double step = 1; count_at(t, shape, wider) > most && step < 200; step++)
+    wider *= count_at(t, shape, wider) > 4 * most ? 2 : 1.1;
   double unit = pow(10, floor(log10(wider)) - 1);
   wider = ceil(wider / unit - 1e-9) * unit;
   return ylm_fail(e, YLM_ELIMIT,
                   "spacing = %g would make %.2g elements; spacing %g makes %.2g (at most "
                   "max_elements = %.0f)",
-                  spacing, n, wider, count_at(t, edge, wider), most);
+                  spacing, n, wider, count_at(t, shape, wider), most);
 }
 
 /* Settles t->form.spacing; `core`: of find_grounds. */
-static ylm_status choose_spacing(ylm_transfer *t, double core, float *edge, ylm_error *e) {
+static ylm_status choose_spacing(ylm_transfer *t, double core, transfer_shape *shape,
+                                 ylm_error *e) {
   double most = (double)t->form.max_elements;
   if (t->form.spacing == 0) {
     double lo[3], hi[3];
     ylm_scene_bounds(t->scene, lo, hi);
     double wide = core * diagonal_of(lo, hi);
-    shorten_grounds(t, core, edge);
+    shorten_grounds(t, core, shape);
     t->form.spacing = wide > 0 ? wide / 100 : 1;
-    if (count_at(t, edge, INFINITY) <= most)
-      while (count_at(t, edge, t->form.spacing) > most) t->form.spacing *= 1.05;
+    if (count_at(t, shape, INFINITY) <= most)
+      while (count_at(t, shape, t->form.spacing) > most) t->form.spacing *= 1.05;
   }
   double k = 0;
-  for (size_t i = 0; i < t->triangles; i++) k = fmax(k, pieces(edge[i], t->form.spacing));
-  if (count_at(t, edge, t->form.spacing) > most || k > TRANSFER_CUT)
-    return too_many(t, edge, t->form.spacing, most, e);
+  for (size_t i = 0; i < t->triangles; i++)
+    k = fmax(k, ylm__cut_pieces(&shape[i], t->form.spacing));
+  if (count_at(t, shape, t->form.spacing) > most || k > TRANSFER_CUT)
+    return too_many(t, shape, t->form.spacing, most, e);
   return YLM_OK;
 }
 
@@ -150,38 +136,30 @@ static size_t number(ylm_transfer *t) {
   size_t n = 0;
   for (size_t m = 0; m < t->meshes; m++)
     for (size_t i = t->first[m]; i < t->first[m + 1]; i++) {
-      size_t k = t->cut[i];
+      size_t size = ylm__cut_size(&t->cut[i]);
       for (int side = 0; side < 2; side++) {
-        bool used = k > 0 && (t->side[m] & (side ? TRANSFER_BACK : TRANSFER_FRONT));
+        bool used = size > 0 && (t->side[m] & (side ? TRANSFER_BACK : TRANSFER_FRONT));
         t->start[i][side] = used ? (uint32_t)n : TRANSFER_NONE;
-        if (used) n += k * k;
+        if (used) n += size;
       }
     }
   return n;
 }
 
-/* Cuts triangles of these longest edges. */
-static void cut(ylm_transfer *t, const float *edge) {
+/* Cuts triangles of these shapes. */
+static void cut(ylm_transfer *t, const transfer_shape *shape) {
   for (size_t m = 0; m < t->meshes; m++)
     for (size_t i = t->first[m]; i < t->first[m + 1]; i++) {
-      t->cut[i] = (uint16_t)pieces(edge[i], t->form.spacing);
-      if (t->side[m] && t->cut[i] == 0) t->stats.degenerate++;
+      t->cut[i] = ylm__cut_of(&shape[i], t->form.spacing);
+      if (t->side[m] && ylm__cut_size(&t->cut[i]) == 0) t->stats.degenerate++;
     }
 }
 
 void ylm__transfer_corners(const ylm_transfer *t, size_t e, ylm_scene_place *place,
                            float corner[3][2]) {
-  size_t of = t->first[t->mesh[e]] + t->triangle[e], k = t->cut[of];
+  size_t of = t->first[t->mesh[e]] + t->triangle[e];
   bool back = ylm__transfer_is_back(t, e);
-  size_t x = e - t->start[of][back];
-  size_t i = (size_t)((double)k - sqrt((double)(k * k - x)));
-  while (i > 0 && i * (2 * k - i) > x) i--;
-  while ((i + 1) * (2 * k - (i + 1)) <= x) i++;
-  size_t rest = x - i * (2 * k - i), j = rest / 2, upper = rest % 2;
-  const size_t at[3][2] = {
-      {i + upper, j + upper}, {i + 1 - upper, j + upper}, {i + upper, j + 1 - upper}};
-  for (int c = 0; c < 3; c++)
-    for (int a = 0; a < 2; a++) corner[c][a] = (float)((double)at[c][a] / (double)k);
+  ylm__cut_corners(&t->cut[of], t->foot[of], e - t->start[of][back], corner);
   *place = (ylm_scene_place){.mesh = t->mesh[e], .element = t->triangle[e], .back = back};
 }
 
@@ -223,8 +201,9 @@ static ylm_status describe(void *context, size_t begin, size_t end, int worker) 
     memcpy(t->centre[e], at.position, 12);
     memcpy(t->normal[e], at.normal, 12);
     corners_of(t->scene, j->positions, place.mesh, place.element, p);
-    double k = t->cut[t->first[place.mesh] + place.element];
-    t->area[e] = (float)(area_of(p) / (k * k));
+    const transfer_cut *cut = &t->cut[t->first[place.mesh] + place.element];
+    double part = cut->columns ? ylm__cut_share(corner) : 1.0 / ((double)cut->k * cut->k);
+    t->area[e] = (float)(area_of(p) * part);
     ylm_material_albedo(at.material, t->albedo[e]);
     if (j->tinted) tint_of(t, place, corner, tint);
     for (int c = 0; c < 3; c++) t->albedo[e][c] *= tint[c];
@@ -247,7 +226,7 @@ static ylm_status make(ylm_transfer *t, const float *positions) {
   for (size_t m = 0; m < t->meshes; m++)
     for (size_t i = t->first[m]; i < t->first[m + 1]; i++)
       for (int side = 0; side < 2; side++) {
-        size_t of = t->start[i][side], each = (size_t)t->cut[i] * t->cut[i];
+        size_t of = t->start[i][side], each = ylm__cut_size(&t->cut[i]);
         for (size_t e = 0; of != TRANSFER_NONE && e < each; e++)
           t->mesh[of + e] = (uint32_t)m, t->triangle[of + e] = (uint32_t)(i - t->first[m]);
       }
@@ -277,78 +256,78 @@ static float *positions_of(const ylm_scene *scene) {
 
 ylm_status ylm__transfer_cut(ylm_transfer *t, const ylm_transfer_form *form, ylm_error *e) {
   ylm_status s = list_triangles(t);
-  float *positions = positions_of(t->scene), *edge = ylm_alloc(t->triangles, sizeof *edge);
+  float *positions = positions_of(t->scene);
+  transfer_shape *shape = ylm_alloc(t->triangles, sizeof *shape);
   t->side = ylm_alloc_zero(t->meshes, 1);
   t->cut = ylm_alloc_zero(t->triangles, sizeof *t->cut);
-  if (s == YLM_OK && (!positions || !edge || !t->side || !t->cut)) s = YLM_ENOMEM;
+  t->foot = ylm_alloc(t->triangles, sizeof *t->foot);
+  if (s == YLM_OK && (!positions || !shape || !t->side || !t->cut || !t->foot)) s = YLM_ENOMEM;
   if (s == YLM_OK) s = ylm__transfer_sides(t, form, positions);
   if (s == YLM_OK) {
     double core = 1;
-    find_edges(t, positions, edge);
+    find_shapes(t, positions, shape);
+    keep_feet(t, shape);
     if (form->places) s = find_grounds(t, form->places, form->inside, positions, &core);
-    if (s == YLM_OK) s = choose_spacing(t, core, edge, e);
+    if (s == YLM_OK) s = choose_spacing(t, core, shape, e);
   }
   if (s == YLM_OK) {
-    cut(t, edge);
+    cut(t, shape);
     t->elements = number(t);
     s = make(t, positions);
   }
-  ylm_free(edge);
+  ylm_free(shape);
   ylm_free(positions);
   return s;
 }
 
-/* Whether the cuts are those of triangles of these longest edges: pieces may differ by rounding elsewhere. */
-static bool cuts_can_be(const ylm_transfer *t, const float *edge, size_t elements) {
+/* Whether the cuts are those of triangles of these shapes: pieces may differ by rounding elsewhere. */
+static bool cuts_can_be(const ylm_transfer *t, const transfer_shape *shape, size_t elements) {
   double n = 0, degenerate = 0;
   for (size_t m = 0; m < t->meshes; m++)
     for (size_t i = t->first[m]; i < t->first[m + 1]; i++) {
-      double k = t->cut[i], wanted = pieces(edge[i], t->form.spacing);
-      if ((k == 0) != (wanted == 0) || fabs(k - wanted) > 1) return false;
-      n += k * k * sides_of(t, m);
-      degenerate += t->side[m] && k == 0;
+      size_t size = ylm__cut_size(&t->cut[i]);
+      if (!ylm__cut_can_be(&shape[i], t->form.spacing, &t->cut[i])) return false;
+      n += (double)size * sides_of(t, m);
+      degenerate += t->side[m] && size == 0;
     }
   return n == (double)elements && degenerate == (double)t->stats.degenerate;
 }
 
 /* As the above where grounds have elements of their own size. */
-static ylm_status cuts_of_grounds(ylm_transfer *t, const float *positions, float *edge,
+static ylm_status cuts_of_grounds(ylm_transfer *t, const float *positions, transfer_shape *shape,
                                   size_t elements) {
   double core;
   ylm_status s = find_grounds(t, 0, NULL, positions, &core);
-  if (s == YLM_OK) shorten_grounds(t, core, edge);
-  return s == YLM_OK && !cuts_can_be(t, edge, elements) ? YLM_EFORMAT : s;
+  if (s == YLM_OK) shorten_grounds(t, core, shape);
+  return s == YLM_OK && !cuts_can_be(t, shape, elements) ? YLM_EFORMAT : s;
 }
 
 ylm_status ylm__transfer_cut_again(ylm_transfer *t, size_t elements) {
   ylm_status s = list_triangles(t);
   float *positions = s == YLM_OK ? positions_of(t->scene) : NULL;
-  float *edge = positions ? ylm_alloc(t->triangles, sizeof *edge) : NULL;
-  s = edge ? YLM_OK : YLM_ENOMEM;
+  transfer_shape *shape = positions ? ylm_alloc(t->triangles, sizeof *shape) : NULL;
+  t->foot = shape ? ylm_alloc(t->triangles, sizeof *t->foot) : NULL;
+  s = t->foot ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) {
-    find_edges(t, positions, edge);
-    s = cuts_can_be(t, edge, elements) ? YLM_OK : YLM_EFORMAT;
-    if (s != YLM_OK) s = cuts_of_grounds(t, positions, edge, elements);
+    find_shapes(t, positions, shape);
+    keep_feet(t, shape);
+    s = cuts_can_be(t, shape, elements) ? YLM_OK : YLM_EFORMAT;
+    if (s != YLM_OK) s = cuts_of_grounds(t, positions, shape, elements);
   }
   if (s == YLM_OK) {
     t->elements = number(t);
     s = make(t, positions);
   }
-  ylm_free(edge);
+  ylm_free(shape);
   ylm_free(positions);
   return s;
 }
 
 uint32_t ylm_transfer_element(const ylm_transfer *t, const ylm_scene_place *p) {
   size_t of = t->first[p->mesh] + p->element;
-  uint32_t start = t->start[of][p->back], k = t->cut[of];
+  uint32_t start = t->start[of][p->back];
   if (start == TRANSFER_NONE) return (uint32_t)t->elements;
-  float u = p->u * (float)k, v = p->v * (float)k;
-  uint32_t i = u > 0 ? (uint32_t)u : 0, j = v > 0 ? (uint32_t)v : 0;
-  if (i > k - 1) i = k - 1;
-  if (j > k - 1 - i) j = k - 1 - i;
-  uint32_t upper = i + j < k - 1 && (u - (float)i) + (v - (float)j) > 1;
-  return start + i * (2 * k - i) + 2 * j + upper;
+  return start + (uint32_t)ylm__cut_at(&t->cut[of], t->foot[of], p->u, p->v);
 }
 
 void ylm_transfer_hits(const ylm_transfer *t, size_t n, const ylm_trace_ray *ray,

@@ -12,7 +12,7 @@
 
 #define ORDER 0x01020304u
 #define SWAPPED 0x04030201u
-#define VERSION 1u
+#define VERSION 2u
 #define LITTLE (__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__)
 /* Bytes that are summed at a time. */
 #define CHUNK 65536
@@ -40,7 +40,7 @@ typedef struct section {
 static void sections_of(const header *h, section out[SECTIONS]) {
   size_t row = h->lmax;
   out[SIDES] = (section){1, h->meshes};
-  out[CUTS] = (section){2, h->triangles};
+  out[CUTS] = (section){2, 4 * h->triangles};
   out[SHARES] = (section){4, h->elements};
   out[LINKS] = (section){4, h->elements * h->links};
   out[ESCAPE] = (section){4, h->elements * row * row};

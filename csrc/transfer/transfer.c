@@ -24,7 +24,7 @@ static ylm_status check(const ylm_transfer_form *f, size_t meshes, ylm_error *e)
 size_t ylm__transfer_bytes(const ylm_transfer *t) {
   size_t row = t->escape ? ylm_sh_count(t->form.lmax) : 0;
   return t->elements * (3 * 12 + 4 * 4 + 1 + 4 * ((size_t)t->form.links + row)) +
-         t->triangles * (sizeof *t->cut + sizeof *t->start + (t->ground != NULL));
+         t->triangles * (sizeof *t->cut + sizeof *t->foot + sizeof *t->start + (t->ground != NULL));
 }
 
 ylm_status ylm_transfer_create(const ylm_scene *scene, const ylm_transfer_form *form,
@@ -58,6 +58,7 @@ void ylm_transfer_free(ylm_transfer *t) {
   ylm_free(t->side);
   ylm_free(t->ground);
   ylm_free(t->cut);
+  ylm_free(t->foot);
   ylm_free(t->start);
   ylm_free(t->centre);
   ylm_free(t->normal);

@@ -2,6 +2,7 @@
 #ifndef YLM_TRANSFER_PRIVATE_H
 #define YLM_TRANSFER_PRIVATE_H
 
+#include "cuts.h"
 #include "ylm_sh.h"
 #include "ylm_transfer.h"
 #include "ylm_vector.h"
@@ -24,7 +25,8 @@ struct ylm_transfer {
   uint8_t *side;        /* [meshes] bits; 0: the mesh does not occlude */
   uint8_t *ground;      /* [triangles] 1: of a ground; NULL: there is none */
   double ground_share;  /* the part of its area that counts */
-  uint16_t *cut;        /* [triangles] k: k^2 elements a side; 0: no area */
+  transfer_cut *cut;    /* [triangles] of a side */
+  float *foot;          /* [triangles] transfer_shape */
   uint32_t (*start)[2]; /* [triangles] the first element of front and back, or TRANSFER_NONE */
   size_t elements;
   float (*centre)[3], (*normal)[3], *area, (*albedo)[3]; /* [elements] */

@@ -80,7 +80,8 @@ typedef struct ylm_transfer_stats {
 /*
 ** ylm_transfer_create - cut the surfaces of a scene into elements, and find what each of them sees.
 **
-** A triangle whose longest edge is longer than `spacing` is cut into k^2 equal ones. Each element sends
+** A triangle whose longest edge is longer than `spacing` is cut into k^2 equal ones; a long one, where that takes half as many
+** elements at most, into strips across its longest edge, whose elements have no edge beyond 1.3 times the spacing. Each element sends
 ** `links` rays, their origins stratified over it, their directions distributed as the cosine about the
 ** normal. A ray whose first hit is a side that is not used begins inside of a body: it is replaced
 ** by one of the element's other rays. Meshes that do not occlude have no elements.

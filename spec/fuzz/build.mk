@@ -138,8 +138,8 @@ $(FUZZ_DIR)/bin/scene: $(FUZZ_ALSO_scene) $(BUILD)/lib/libylm.so
 $(FUZZ_DIR)/bin/scene: spec/fuzz/scene.c
 
 # Transfers: their reader and elements instrumented, scenes from libylm_scene as it is built.
-FUZZ_ABOUT_transfer := csrc/transfer/file.c csrc/transfer/elements.c
-FUZZ_ALSO_transfer := $(patsubst %,$(FUZZ_DIR)/obj/transfer/%.o,closed crossed elements file links sides sum transfer)
+FUZZ_ABOUT_transfer := csrc/transfer/file.c csrc/transfer/elements.c csrc/transfer/cuts.c
+FUZZ_ALSO_transfer := $(patsubst %,$(FUZZ_DIR)/obj/transfer/%.o,closed crossed cuts elements file links sides sum transfer)
 FUZZ_LIBS_transfer := -L$(BUILD)/lib -Wl,-rpath,$(abspath $(BUILD))/lib -lylm_scene -lylm
 $(FUZZ_DIR)/bin/transfer: spec/fuzz/transfer.c $(FUZZ_ALSO_transfer) $(LIBS)
 	@mkdir -p $(@D)
