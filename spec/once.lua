@@ -32,4 +32,9 @@ return {
   -- The longest: they begin where no run has measured specs (build/spec has the seconds), and `make quick` leaves them out.
   long = [[
     grid_update_flat neon papers vulkan_keep vulkan_light vulkan_octree vulkan_points vulkan_rims vulkan_tolerance]],
+
+  -- The next longest, of ten seconds and more: they begin after those, where no run has measured specs.
+  early = [[
+    bounce_render codegen documentation grid_sides guide guides install lightmaps live live_display memory memory_picture options
+    page probes readme style surface_grid team team_bricks]],
 }

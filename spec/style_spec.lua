@@ -9,8 +9,11 @@ describe("the tree", function()
   teardown(function() folder:remove() end)
 
   it("passes luacheck", function()
-    if not scratch.shell "command -v luacheck >/dev/null" then pending "luacheck is not installed" end
-    local out, code = scratch.capture "luacheck --no-color -q examples lua rockspec spec"
+    local path = scratch.capture "command -v luacheck":match "^%S+"
+    if not path then pending "luacheck is not installed" end
+    -- LuaJIT's interpreter takes less than half the time, where luacheck is a script of Lua.
+    local fast = scratch.text(path):find "^#![^\n]*lua" and scratch.shell "command -v luajit >/dev/null"
+    local out, code = scratch.capture((fast and "luajit -joff " or "") .. path .. " --no-color -q examples lua rockspec spec")
     assert(code == 0, out)
   end)
 

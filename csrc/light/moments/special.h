@@ -44,8 +44,7 @@
 ** either side, whose sums are `apart`. ADD_s adds the products of degree k for the kinds of s to
 ** the sums from i on; UP takes the polynomial q from degree k to k+1.
 */
-#define SIDES(apart)                                                                               \
-  for (int side = 0; side < 2; side++, sums += (apart)) {
+#define SIDES(apart) for (int side = 0; side < 2; side++, sums += (apart)) {
 #define END_SIDES                                                                                  \
   }                                                                                                \
   sums = all;

@@ -5,8 +5,8 @@
 -- YLM_SPEC=quick leaves out what is slow or needs more than a compiler; YLM_SPEC=long runs every spec under each Lua;
 -- YLM_SPEC=luas runs those that make test runs under each, and four whose subject is the interpreter too.
 
-local LONG = 40           -- seconds of a spec that once.lua calls long, before one was measured
-local BYTES = 3000        -- of a spec's file a second, for any other
+local LONG, EARLY = 40, 20 -- seconds of specs that once.lua calls so, before they were measured
+local BYTES = 3000         -- of a spec's file a second, for any other
 local which = os.getenv "YLM_SPEC"
 local build = os.getenv "BUILD" or "build"
 local of_luas = { abi = true, codegen = true, guide = true, style = true }
@@ -47,7 +47,8 @@ end
 --- About as many seconds as a spec takes under a Lua: measured under it, under the first Lua, or by the size of its file.
 local function seconds_of(lua, name, path)
   local seconds = measured(lua, name) or measured(luas[1], name)
-  if seconds or once.long[name] then return seconds or LONG end
+  seconds = seconds or once.long[name] and LONG or once.early[name] and EARLY
+  if seconds then return seconds end
   local file = io.open(path)
   local bytes = file and file:seek "end" or 0
   if file then file:close() end
