@@ -292,7 +292,7 @@ describe("sides", function()
     local room = ylm.scene "a room" { lights = ylm.sphere_light { at = { 0, 0.4, 0 }, radius = 0.15, radiance = 20 },
       geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = 0.15 } },
         ylm.box { bounds = { { -0.06, -0.99, -0.5 }, { 0.06, 0.2, 0.99 } }, material = ylm.matte { albedo = 0.15 } } } }
-    local links = room:links { spacing = 0.2, rays = 64 }
+    local links = room:links { spacing = 0.3, rays = 32 }
     local probes = ylm.adaptive_grid { lmax = 2, depth = 2, tolerance = 0.3 }
     local before = ylm.on_warning(false)
     local grid = assert(room:bake { quantity = "indirect", links = links, probes = probes })
@@ -313,7 +313,7 @@ describe("sides", function()
       points[i] = { rows:get(i, 1), rows:get(i, 2), rows:get(i, 3) }
       normals[i] = { rows:get(i, 4), rows:get(i, 5), rows:get(i, 6) }
     end
-    local E = room:probe { points = points, normals = normals, samples = 512, reflections = { 1, "all" }, seed = 77 }
+    local E = room:probe { points = points, normals = normals, samples = 256, reflections = { 1, "all" }, seed = 77 }
     local L, mean, above = grid:sample(points, { normals = normals, scene = room }), 0, 0
     for i = 1, 150 do mean = mean + E:get(i, 2) / 150 end
     for i = 1, 150 do

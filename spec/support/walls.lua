@@ -9,25 +9,13 @@ walls.height = 0.03
 walls.dark = 0.1 -- light below the wall, as a part of that without it
 walls.lamp = ylm.sphere_light { at = { 0.2, 0.1, 1.3 }, radius = 0.1, radiance = { 10, 8, 6 } }
 
---- Multiplies an array's numbers by x.
-local function scale(a, x)
-  for i = 1, #a do
-    if type(a[i]) == "number" then a[i] = x * a[i] else scale(a[i], x) end
-  end
-end
-
 --- The light of a lamp, above the wall; a part of it below.
 function walls.field(points, lmax, channels)
   local L, dL, _, report = ylm.light_field(lmax, walls.lamp, points, { derivatives = 1, metric = "luminance",
     channels = channels == 3 and "rgb" or "luminance" })
-  for i = 1, #points do
-    if points[i][3] < walls.height then
-      scale(L[i], walls.dark)
-      scale(dL[i], walls.dark)
-      report.lambda[i] = walls.dark * report.lambda[i]
-    end
-  end
-  return L, dL, report.lambda
+  local n = #points
+  local weight = points[{ {}, { 3, 3 } }]:less(walls.height) * (walls.dark - 1) + 1
+  return L * weight:reshape { n, 1, 1 }, dL * weight:reshape { n, 1, 1, 1 }, report.lambda * weight:reshape { n }
 end
 
 --- n x n points of the wall with normals, of its sides in turn.
