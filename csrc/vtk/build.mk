@@ -6,7 +6,7 @@ VTK_MODULES := ChartsCore CommonColor CommonCore CommonDataModel CommonExecution
                FiltersCore FiltersSources FiltersGeneral IOExport IOGeometry IOImage IOXML ImagingCore InteractionStyle \
                RenderingAnnotation RenderingContext2D RenderingContextOpenGL2 RenderingCore RenderingFreeType \
                RenderingOpenGL2 RenderingVolume RenderingVolumeOpenGL2
-OBJ_vtk     := $(patsubst csrc/%.cpp,$(BUILD)/obj/%.o,$(wildcard csrc/vtk/*.cpp))
+OBJ_vtk     := $(BUILD)/obj/vtk/all.o
 
 ifneq ($(and $(VTK_INCLUDE),$(wildcard csrc/lua/vtk/vtk.c)),)
 LIBS += $(BUILD)/lib/libylm_vtk.so
@@ -20,10 +20,14 @@ CXXFLAGS := -std=c++17 -fPIC -fvisibility=hidden -MMD -MP $(OPT) $(filter-out -W
             -I$(INCLUDE) -isystem $(VTK_INCLUDE) \
             $(if $(HPDF),-DYLM_WITH_HPDF)
 
-$(BUILD)/obj/vtk/%.o: csrc/vtk/%.cpp
+# All sources are one unit: VTK's headers take most of the time, and are read once.
+$(BUILD)/obj/vtk/all.cpp: csrc/vtk csrc/vtk/build.mk
 	@mkdir -p $(@D)
+	@printf '#include "%s"\n' $(wildcard csrc/vtk/*.cpp) > $@
+
+$(BUILD)/obj/vtk/all.o: $(BUILD)/obj/vtk/all.cpp
 	$(call say,CXX,$@)
-	$(Q)$(VTK_CXX) $(CXXFLAGS) $(HAND_ON) -c $< -o $@
+	$(Q)$(VTK_CXX) $(CXXFLAGS) $(HAND_ON) -iquote . -c $< -o $@
 
 # The compiler launcher of CC, if any, serves C++ too.
 VTK_CXX := $(if $(filter ccache,$(firstword $(CC))),ccache )$(CXX)
