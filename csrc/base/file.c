@@ -1,4 +1,4 @@
-/* file.c - whole files in; file_write.c writes them. */
+/* file.c - whole files in, and bytes of open ones; file_write.c writes whole files. */
 #include "ylm_base.h"
 
 #include <errno.h>
@@ -6,6 +6,27 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+bool ylm_descriptor_read(int file, void *data, size_t size, size_t *got) {
+  for (*got = 0; *got < size;) {
+    ssize_t n = read(file, (char *)data + *got, size - *got);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return false;
+    if (n == 0) break;
+    *got += (size_t)n;
+  }
+  return true;
+}
+
+bool ylm_descriptor_write(int file, const void *data, size_t size) {
+  for (size_t put = 0; put < size;) {
+    ssize_t n = write(file, (const char *)data + put, size - put);
+    if (n < 0 && errno == EINTR) continue;
+    if (n <= 0) return false;
+    put += (size_t)n;
+  }
+  return true;
+}
 
 /* Opens a regular file and tells its size; -1 after an error. */
 static int open_regular(const char *path, struct stat *st, ylm_error *e) {
@@ -28,17 +49,10 @@ ylm_status ylm_file_head(const char *path, unsigned char *bytes, size_t room, si
   *size = 0;
   int fd = open_regular(path, &st, e);
   if (fd < 0) return YLM_EIO;
-  ssize_t r = 1;
-  while (*size < room && r > 0) {
-    r = read(fd, bytes + *size, room - *size);
-    if (r < 0 && errno == EINTR)
-      r = 1;
-    else if (r > 0)
-      *size += (size_t)r;
-  }
-  if (r < 0) ylm_fail(e, YLM_EIO, "%s: %s", path, strerror(errno));
+  bool good = ylm_descriptor_read(fd, bytes, room, size);
+  if (!good) ylm_fail(e, YLM_EIO, "%s: %s", path, strerror(errno));
   close(fd);
-  return r < 0 ? YLM_EIO : YLM_OK;
+  return good ? YLM_OK : YLM_EIO;
 }
 
 ylm_status ylm_file_read(const char *path, size_t limit, unsigned char **data, size_t *size,
@@ -52,23 +66,17 @@ ylm_status ylm_file_read(const char *path, size_t limit, unsigned char **data, s
     return ylm_fail(e, YLM_ELIMIT, "%s: %lld bytes, more than the limit of %zu", path,
                     (long long)st.st_size, limit);
   }
-  size_t n = (size_t)st.st_size, got = 0;
+  size_t n = (size_t)st.st_size, got;
   unsigned char *p = ylm_alloc(n + 1, 1);
   if (!p) {
     close(fd);
     return ylm_fail(e, YLM_ENOMEM, "%s: no memory for %zu bytes", path, n);
   }
-  while (got < n) {
-    ssize_t r = read(fd, p + got, n - got);
-    if (r < 0 && errno == EINTR) continue;
-    if (r < 0) {
-      ylm_fail(e, YLM_EIO, "%s: %s", path, strerror(errno));
-      ylm_free(p);
-      close(fd);
-      return YLM_EIO;
-    }
-    if (r == 0) break;
-    got += (size_t)r;
+  if (!ylm_descriptor_read(fd, p, n, &got)) {
+    ylm_fail(e, YLM_EIO, "%s: %s", path, strerror(errno));
+    ylm_free(p);
+    close(fd);
+    return YLM_EIO;
   }
   close(fd);
   p[got] = 0;

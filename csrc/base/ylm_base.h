@@ -263,6 +263,11 @@ YLM_API uint64_t ylm_crc64(uint64_t crc, const void *data, size_t size);
 YLM_API ylm_status ylm_file_read(const char *path, size_t limit, unsigned char **data, size_t *size,
                                  ylm_error *e);
 
+/* Reads up to `size` bytes of an open file, fewer at its end; writes all of them. False after an error, which errno tells; an
+   interruption by a signal is none. */
+YLM_API bool ylm_descriptor_read(int file, void *data, size_t size, size_t *got);
+YLM_API bool ylm_descriptor_write(int file, const void *data, size_t size);
+
 /* The first `room` bytes of a regular file, or all of them where it has fewer. YLM_EIO. */
 YLM_API ylm_status ylm_file_head(const char *path, unsigned char *bytes, size_t room, size_t *size,
                                  ylm_error *e);

@@ -19,25 +19,8 @@
 #define WORDS 4096
 
 static bool get(int file, void *data, size_t size) {
-  for (uint8_t *to = data; size;) {
-    ssize_t n = read(file, to, size);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    to += n;
-    size -= (size_t)n;
-  }
-  return true;
-}
-
-static bool put(int file, const void *data, size_t size) {
-  for (const uint8_t *from = data; size;) {
-    ssize_t n = write(file, from, size);
-    if (n < 0 && errno == EINTR) continue;
-    if (n <= 0) return false;
-    from += n;
-    size -= (size_t)n;
-  }
-  return true;
+  size_t got;
+  return ylm_descriptor_read(file, data, size, &got) && got == size;
 }
 
 static ylm_status fail(const map_bake *b, const char *what) {
@@ -78,7 +61,8 @@ static ylm_status begin(map_bake *b) {
   j->sum = ylm_crc64(0, wanted, WORDS);
   if (fstat(j->file, &st) != 0) return fail(b, "cannot be read");
   if (st.st_size == 0) {
-    if (!put(j->file, MAGIC, sizeof magic) || !put(j->file, wanted, WORDS))
+    if (!ylm_descriptor_write(j->file, MAGIC, sizeof magic) ||
+        !ylm_descriptor_write(j->file, wanted, WORDS))
       return fail(b, "cannot be written");
     return YLM_OK;
   }
@@ -153,8 +137,9 @@ ylm_status ylm__map_remember(map_bake *b, size_t n, const map_part *part) {
   for (size_t i = 0; i < n; i++) {
     uint64_t size = part[i].size;
     j->sum = ylm_crc64(j->sum, part[i].data, part[i].size);
-    if (!put(j->file, &size, sizeof size) || !put(j->file, part[i].data, part[i].size) ||
-        !put(j->file, &j->sum, sizeof j->sum))
+    if (!ylm_descriptor_write(j->file, &size, sizeof size) ||
+        !ylm_descriptor_write(j->file, part[i].data, part[i].size) ||
+        !ylm_descriptor_write(j->file, &j->sum, sizeof j->sum))
       return fail(b, "cannot be written");
   }
   return fsync(j->file) == 0 || errno == EINVAL ? YLM_OK : fail(b, "cannot be written");
