@@ -5,6 +5,7 @@
 ** compact so, and lights of unlike size part. Lights of positive and of negative luminance are parted first: near
 ** cancellation would make poor proxies.
 */
+#include "proxy.h"
 #include "tree.h"
 #include "ylm_list.h"
 
@@ -123,24 +124,15 @@ static ylm_status build(builder *b, ylm__branch *s, int n, int depth, uint32_t *
 
 /* The tree's units: a box around all lights, and all their strength. */
 static void find_units(ylm_light_tree *t) {
-  double lo[3], hi[3], size = 0;
+  const ylm__lamp_d *l = t->lights->lamp_d;
+  const size_t n = t->lights->active, step = sizeof *l / sizeof(double);
   t->total = 0;
-  for (int a = 0; a < 3; a++) lo[a] = INFINITY, hi[a] = -INFINITY;
-  for (size_t i = 0; i < t->lights->active; i++) {
-    const ylm__lamp_d *l = &t->lights->lamp_d[i];
+  for (size_t i = 0; i < n; i++) {
     double e2 = 0;
-    for (int a = 0; a < 3; a++) {
-      lo[a] = fmin(lo[a], l->at[a] - l->radius);
-      hi[a] = fmax(hi[a], l->at[a] + l->radius);
-      e2 += l->rgb[a] * l->rgb[a];
-    }
-    t->total += sqrt(e2) * l->radius * l->radius;
+    for (int a = 0; a < 3; a++) e2 += l[i].rgb[a] * l[i].rgb[a];
+    t->total += sqrt(e2) * l[i].radius * l[i].radius;
   }
-  for (int a = 0; a < 3; a++) {
-    t->centre[a] = lo[a] + (hi[a] - lo[a]) / 2;
-    size = fmax(size, (hi[a] - lo[a]) / 2);
-  }
-  t->size = size > 0 ? size : 1;
+  t->size = ylm__tree_units(n, l->at, step, &l->radius, step, t->centre);
   if (!(t->total > 0) || !isfinite(t->total)) t->total = 1;
 }
 
@@ -184,16 +176,6 @@ static ylm_status allocate_blocks(ylm_light_tree *t) {
   return t->leaf_f && t->leaf_d && t->proxies_f && t->proxies_d ? YLM_OK : YLM_ENOMEM;
 }
 
-/* Lights of positive luminance first; how many there are. */
-static uint32_t part_signs(builder *b, uint32_t n) {
-  uint32_t positive = 0, next = 0;
-  for (uint32_t i = 0; i < n; i++) positive += b->t->lights->lamp_d[i].luminance >= 0;
-  next = positive;
-  for (uint32_t i = 0, k = 0; i < n; i++)
-    b->order[b->t->lights->lamp_d[i].luminance >= 0 ? k++ : next++] = i;
-  return positive;
-}
-
 ylm_status ylm__tree_create(const ylm_lights *lights, int threads, ylm_light_tree **tree) {
   *tree = NULL;
   size_t n = lights->active;
@@ -206,7 +188,7 @@ ylm_status ylm__tree_create(const ylm_lights *lights, int threads, ylm_light_tre
   uint32_t root;
   ylm_status s = b.order ? new_group(&b, &root) : YLM_ENOMEM; /* group 0 stays empty */
   if (s == YLM_OK) {
-    uint32_t positive = part_signs(&b, (uint32_t)n);
+    uint32_t positive = ylm__tree_part_signs(lights->lamp_d, (uint32_t)n, b.order);
     ylm__branch sets[YLM__GROUP] = {{0, positive}, {positive, (uint32_t)n}};
     bool both = positive > 0 && positive < n;
     if (!both) sets[0].end = (uint32_t)n;

@@ -71,3 +71,27 @@ void ylm__tree_cluster(cluster *q, const ylm__lamp_d *lamps, const uint32_t *ord
   find_centroid(q, lamps, order, n);
   find_moments(q, lamps, order, n);
 }
+
+uint32_t ylm__tree_part_signs(const ylm__lamp_d *lamps, uint32_t n, uint32_t *order) {
+  uint32_t positive = 0, next = 0;
+  for (uint32_t i = 0; i < n; i++) positive += lamps[i].luminance >= 0;
+  next = positive;
+  for (uint32_t i = 0, k = 0; i < n; i++) order[lamps[i].luminance >= 0 ? k++ : next++] = i;
+  return positive;
+}
+
+double ylm__tree_units(size_t n, const double *at, size_t step, const double *radius,
+                       size_t step_radius, double centre[3]) {
+  double lo[3], hi[3], size = 0;
+  for (int a = 0; a < 3; a++) lo[a] = INFINITY, hi[a] = -INFINITY;
+  for (size_t i = 0; i < n; i++)
+    for (int a = 0; a < 3; a++) {
+      lo[a] = fmin(lo[a], at[step * i + (size_t)a] - radius[step_radius * i]);
+      hi[a] = fmax(hi[a], at[step * i + (size_t)a] + radius[step_radius * i]);
+    }
+  for (int a = 0; a < 3; a++) {
+    centre[a] = lo[a] + (hi[a] - lo[a]) / 2;
+    size = fmax(size, (hi[a] - lo[a]) / 2);
+  }
+  return size > 0 ? size : 1;
+}

@@ -44,6 +44,14 @@ void ylm__tree_add_fourth(double m[15], double w, const double *x);
 /* Of n lights; zero before. */
 void ylm__tree_cluster(cluster *q, const ylm__lamp_d *lamps, const uint32_t *order, size_t n);
 
+/* Numbers lamps of positive luminance first, each part in its order; how many they are. */
+uint32_t ylm__tree_part_signs(const ylm__lamp_d *lamps, uint32_t n, uint32_t *order);
+
+/* The middle of the box around n spheres, and the largest half of its edges, 1 where all are a point. Numbers of a sphere
+   are `step` and `step_radius` after those of the one before. */
+double ylm__tree_units(size_t n, const double *at, size_t step, const double *radius,
+                       size_t step_radius, double centre[3]);
+
 /* -- place.c ----------------------------------------------------------------------------------- */
 
 /* The lower triangle A of a covariance xx xy xz yy yz zz, C = A A^T; columns without extent are

@@ -106,33 +106,7 @@ static ylm_status cut(builder *b, uint32_t at, uint32_t first) {
   return s == YLM_OK ? cut(b, child + 1, 0) : s;
 }
 
-/* Lights of positive luminance first; how many there are. */
-static uint32_t part_signs(ylm__virtual_tree *t, const ylm__lamp_d *lamp) {
-  uint32_t n = (uint32_t)t->lights->n, positive = 0, next = 0;
-  for (uint32_t i = 0; i < n; i++) positive += lamp[i].luminance >= 0;
-  next = positive;
-  for (uint32_t i = 0, k = 0; i < n; i++) t->order[lamp[i].luminance >= 0 ? k++ : next++] = i;
-  return positive;
-}
-
 /* -- lights as spheres ---------------------------------------------------------------------- */
-
-/* The tree's units: the box around all lights. */
-static void find_units(ylm__virtual_tree *t) {
-  const ylm_light_virtual *v = t->lights;
-  double lo[3], hi[3], size = 0;
-  for (int a = 0; a < 3; a++) lo[a] = INFINITY, hi[a] = -INFINITY;
-  for (size_t i = 0; i < v->n; i++)
-    for (size_t a = 0; a < 3; a++) {
-      lo[a] = fmin(lo[a], v->local[3 * i + a] - v->radius[i]);
-      hi[a] = fmax(hi[a], v->local[3 * i + a] + v->radius[i]);
-    }
-  for (int a = 0; a < 3; a++) {
-    t->centre[a] = lo[a] + (hi[a] - lo[a]) / 2;
-    size = fmax(size, (hi[a] - lo[a]) / 2);
-  }
-  t->size = size > 0 ? size : 1;
-}
 
 /* A light as a sphere whose e r^2 is the intensity, with the sign of its mean: root mean square over directions
    without the cosine, times 1 + shift. */
@@ -237,7 +211,7 @@ static void be_lights(ylm__virtual_tree *t) {
 static ylm_status make(builder *b, ylm__virtual_fit *fit, int threads) {
   ylm__virtual_tree *t = b->t;
   const size_t n = t->lights->n;
-  find_units(t);
+  t->size = ylm__tree_units(n, t->lights->local, 3, t->lights->radius, 1, t->centre);
   ylm__lamp_d *lamp = make_lamps(t);
   t->order = ylm_alloc(n, sizeof *t->order);
   b->key = ylm_alloc(n, sizeof *b->key);
@@ -250,7 +224,7 @@ static ylm_status make(builder *b, ylm__virtual_fit *fit, int threads) {
       }
       b->key[i][3] = (float)(t->lights->radius[i] / t->size);
     }
-    uint32_t positive = part_signs(t, lamp);
+    uint32_t positive = ylm__tree_part_signs(lamp, (uint32_t)n, t->order);
     s = cut(b, add_node(b, 0, (uint32_t)n, 1), positive < n ? positive : 0);
   }
   ylm_free(b->key);
