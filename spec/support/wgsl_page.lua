@@ -45,8 +45,8 @@ async function run() {
   const pipeline = await device.createComputePipelineAsync({ layout: 'auto', compute: { module, entryPoint: 'main' } });
   const entries = [{ buffer: buffer(numbers, usage.UNIFORM) },
     texture(p.tree.data, [p.tree.width, p.tree.height], '2d', 'rg32sint', 8),
-    texture(p.atlas.data, p.atlas.size, '3d', 'rgba16float', 8), device.createSampler({ minFilter: 'linear', magFilter: 'linear' }),
-
+    texture(p.atlas.data, p.atlas.size, '3d', 'rgba16float', 8),
+    device.createSampler({ minFilter: 'linear', magFilter: 'linear' }),
     { buffer: work }].map((resource, binding) => ({ binding, resource }));
   const encoder = device.createCommandEncoder(), pass = encoder.beginComputePass();
   pass.setPipeline(pipeline);
