@@ -32,9 +32,22 @@
 #include "../gen/sh_8.h"
 #include "../gen/sh_9.h"
 
+/* Columns from which on one function stores them: inlined into each kernel they are half of its code. */
+#define MANY 64
+
+static __attribute__((noinline)) void put_many(real *out, size_t rows, const vreal *v,
+                                               size_t count) {
+  sh_store_columns(v, count, out, count, rows);
+}
+
 /* Stores `count` columns of one array of results, if it is wanted. */
 YLM_INLINE void put(void *out, size_t at, size_t rows, const vreal *v, size_t count) {
-  if (out) sh_store_columns(v, count, (real *)out + at * count, count, rows);
+  if (!out) return;
+  real *to = (real *)out + at * count;
+  if (count >= MANY)
+    put_many(to, rows, v, count);
+  else
+    sh_store_columns(v, count, to, count, rows);
 }
 
 /* One kernel for each lmax and number of derivatives. */

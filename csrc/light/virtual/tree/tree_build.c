@@ -4,7 +4,7 @@
 ** A set is halved across the longest of its extents, at the middle of it: that of its places, of
 ** its radii, or of its normals. An extent of normals counts times that of the places. Nodes are
 ** compact, and their lights look alike. Lights of positive and of negative luminance are parted
-** first.
+** first. (csrc/light/tree/build.c halves by places and radii alone, in double, into groups of nodes.)
 */
 #include <float.h>
 #include <string.h>
