@@ -227,6 +227,17 @@ describe("guides of shadow rays", function()
     assert.is_true(math.abs(c[1] / (0.5 * E / math.pi) - 1) < 0.01)
   end)
 
+  it("let paths end where no light is: a closed room whose lamp is in a box", function()
+    local scene = ylm.scene "dark" {
+      camera = ylm.camera { from = { 0, 0, 0 }, at = { 0, 0, -1 } },
+      geometry = { ylm.box { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, material = ylm.matte { albedo = 1 } },
+        ylm.box { bounds = { { 0.5, 0.5, 0.5 }, { 0.7, 0.7, 0.7 } } } },
+      lights = { ylm.sphere_light { at = { 0.6, 0.6, 0.6 }, radius = 0.05, radiance = 9 } },
+    }
+    local image, report = scene:pathtrace { size = { 8, 6 }, samples = 32, layers = false }
+    assert.is_true(image:layer "radiance":sum() == 0 and report.guides > 0)
+  end)
+
   it("refuse what is neither true nor false", function()
     assert.has_error(function() guided(1, { guides = "yes" }) end)
     local scene = court()

@@ -23,10 +23,12 @@
 
 /* -- guides: guide.c ------------------------------------------------------------------------------ */
 
-/* One of so many items has paths of the pilot, at most PILOT_PAIRS; an item lets the pilot have so many shadow rays, all of
-   them at most PILOT_RAYS. Their numbers do not depend on samples, so that pictures go on bit for bit. Moved by: 1 /
-   variance / rays of pictures of the window room (`make bench BENCH=interiors`). */
+/* One of so many items has a batch of the pilot's paths, at most PILOT_PAIRS; of probes one of PILOT_PART batches, if these are
+   more. An item lets the pilot have so many shadow rays, all of them at most PILOT_RAYS. Numbers of pictures do not depend on
+   samples, so that pictures go on bit for bit. Moved by: 1 / variance / rays of pictures of the window room (`make bench
+   BENCH=interiors`). */
 #define PILOT_ITEMS 4
+#define PILOT_PART 32
 #define PILOT_PAIRS 4096
 #define PILOT_EACH 64
 #define PILOT_RAYS (1 << 21)

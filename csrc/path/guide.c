@@ -27,7 +27,7 @@ static bool places_create(path_places *p, size_t room) {
 /* A pilot of paths from a part of the items. */
 typedef struct pilot {
   const path_job *job;
-  size_t pairs, items; /* of the latter as many as the former, evenly */
+  size_t pairs, items; /* the former are spread evenly over the latter */
   path_places *noted;  /* [tiles] */
   atomic_uint_fast64_t rays;
 } pilot;
@@ -44,7 +44,7 @@ static ylm_status walk(void *context, size_t begin, size_t end, int worker) {
     for (t->pairs = 0; t->pairs < PATH_PAIRS && i * PATH_PAIRS + t->pairs < p->pairs; t->pairs++) {
       double part = (double)(i * PATH_PAIRS + t->pairs) / (double)p->pairs;
       t->item[t->pairs] = (uint64_t)(part * (double)p->items);
-      t->batch[t->pairs] = 0;
+      t->batch[t->pairs] = i * PATH_PAIRS + t->pairs;
     }
     if (!places_create(t->noted, t->pairs * YLM_PATH_BATCH * PILOT_PLACES)) s = YLM_ENOMEM;
     if (s == YLM_OK) ylm__path_walk(t, NULL);
@@ -94,10 +94,10 @@ static ylm_status explore(const path_job *j, size_t pairs, path_places *all,
 }
 
 /* Learns from these places by a part of as many rays as an item lets the pilot have. */
-static ylm_status learn(path_job *j, const path_places *p, ylm_path_stats *stats) {
+static ylm_status learn(path_job *j, size_t pairs, const path_places *p, ylm_path_stats *stats) {
   ylm_scene_places places = {p->n, (const float(*)[3])p->x, (const float(*)[3])p->normal,
                              (const float(*)[3])p->origin};
-  double rays = fmin(PILOT_RAYS, (double)PILOT_EACH * (double)j->items);
+  double rays = fmin(PILOT_RAYS, (double)PILOT_EACH * PILOT_ITEMS * (double)pairs);
   double each = 4 * rays / fmax(1, (double)p->n); /* a guide has one ray for four of the places' */
   ylm_status s = ylm_scene_guide_create(j->scene, &places, (int)fmax(1, fmin(64, each)), j->o->seed,
                                         j->o->threads, j->o->progress, &j->guide);
@@ -109,21 +109,30 @@ static ylm_status learn(path_job *j, const path_places *p, ylm_path_stats *stats
   return YLM_OK;
 }
 
-ylm_status ylm__path_learn(path_job *j, ylm_path_stats *stats) {
+/* How many batches of paths the pilot has. Pictures go on bit for bit: theirs do not depend on samples. */
+static size_t size_of(const path_job *j) {
   size_t pairs = j->items / PILOT_ITEMS;
+  if (j->points) {
+    double part = (double)j->items * j->o->samples / (YLM_PATH_BATCH * PILOT_PART);
+    if (part > (double)pairs) pairs = part < PILOT_PAIRS ? (size_t)part : PILOT_PAIRS;
+  }
+  return pairs < PILOT_PAIRS ? pairs : PILOT_PAIRS;
+}
+
+ylm_status ylm__path_learn(path_job *j, ylm_path_stats *stats) {
+  size_t pairs = size_of(j);
   ylm_path_options o = *j->o;
   path_job scout = *j;
   path_places places = {0};
   bool bounces = o.last < 0 || o.last > (j->normals ? 0 : 1);
   if (pairs == 0 || o.strategy == YLM_PATH_MATERIAL || j->open) return YLM_OK;
   if (!bounces && !ylm_scene_guides(j->scene)) return YLM_OK;
-  if (pairs > PILOT_PAIRS) pairs = PILOT_PAIRS;
   o.seed = ylm_mix64(o.seed ^ PILOT_SEED);
   o.first = 1; /* no light at the start */
   o.last = o.last < 0 || o.last > PILOT_PLACES - 1 ? PILOT_PLACES - 1 : o.last;
   scout.o = &o;
   ylm_status s = explore(&scout, pairs, &places, stats);
-  if (s == YLM_OK) s = learn(j, &places, stats);
+  if (s == YLM_OK) s = learn(j, pairs, &places, stats);
   if (s == YLM_OK && bounces) s = ylm__path_know(j, &places, stats);
   places_free(&places);
   if (stats->clusters == 0 && j->known) stats->clusters = ylm__path_clusters(j->known);

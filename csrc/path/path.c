@@ -138,7 +138,7 @@ static void go_on(path_tile *t, int order) {
     if (t->noted) t->noted->next[p->noted] = PATH_UNKNOWN;
     for (int c = 0; c < 3; c++) p->throughput[c] *= t->weight[v][c];
     if (!(p->throughput[0] > 0 || p->throughput[1] > 0 || p->throughput[2] > 0)) continue;
-    if (order >= ROULETTE && !t->noted && t->cluster[v] == PATH_UNKNOWN && !survives(p)) continue;
+    if (order >= ROULETTE && !t->noted && t->chance[v] == 1 && !survives(p)) continue;
     r->ray[n] = r->ray[i];
     r->hit[n] = r->hit[i];
     r->of[n++] = at->path;

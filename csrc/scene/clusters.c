@@ -10,11 +10,11 @@
 
 enum { STACK = 64 };
 
-/* Places below `at` along an axis, of normals or of positions, are in the first branch. */
+/* Places below `at` along an axis, of normals or of positions, are in the first branch, which the other one follows. */
+enum { LEAF = 7, AXIS_BITS = 3 };
 typedef struct cluster_node {
-  int axis; /* -1: a leaf */
   float at;
-  uint32_t branch[2]; /* of a leaf: its cluster */
+  uint32_t way; /* its first branch, of a leaf its cluster; in the low bits its axis, or LEAF */
 } cluster_node;
 
 /* A part of the list of places. */
@@ -70,9 +70,11 @@ static float along(int axis, const float x[3], const float normal[3]) {
 }
 
 size_t ylm_scene_cluster_at(const ylm_scene_clusters *c, const float x[3], const float normal[3]) {
+  const float v[6] = {normal[0], normal[1], normal[2], x[0], x[1], x[2]};
   const cluster_node *n = c->node;
-  while (n->axis >= 0) n = c->node + n->branch[!(along(n->axis, x, normal) < n->at)];
-  return n->branch[0];
+  for (uint32_t axis; (axis = n->way & LEAF) != LEAF;)
+    n = c->node + (n->way >> AXIS_BITS) + !(v[axis] < n->at);
+  return n->way >> AXIS_BITS;
 }
 
 static float coordinate(const growing *g, int axis, size_t i) {
@@ -109,16 +111,15 @@ static size_t part(growing *g, const cluster_part *p, int axis, float at) {
 }
 
 /* A split of places; false: they are a cluster. */
-static bool split(growing *g, const cluster_part *p, cluster_node *node, size_t *below) {
-  float extent, middle;
+static bool split(growing *g, const cluster_part *p, int *axis, float *at, size_t *below) {
+  float extent;
   if (p->n < 2) return false;
-  node->axis = widest(g, p, 0, &extent, &middle);
+  *axis = widest(g, p, 0, &extent, at);
   if (!(extent > GUIDE_NORMALS)) {
     if (p->n <= g->most) return false;
-    node->axis = widest(g, p, 3, &extent, &middle);
+    *axis = widest(g, p, 3, &extent, at);
   }
-  node->at = middle;
-  *below = part(g, p, node->axis, middle);
+  *below = part(g, p, *axis, *at);
   return *below > 0 && *below < p->n;
 }
 
@@ -126,7 +127,7 @@ static bool split(growing *g, const cluster_part *p, cluster_node *node, size_t 
 static void branch(ylm_scene_clusters *c, uint32_t node, size_t below) {
   cluster_part p = c->part[node];
   for (uint32_t k = 0; k < 2; k++) {
-    uint32_t at = c->node[node].branch[k] = (uint32_t)c->nodes++;
+    uint32_t at = (uint32_t)c->nodes++;
     c->up[at] = node;
     c->part[at] =
         k == 0 ? (cluster_part){p.first, below} : (cluster_part){p.first + below, p.n - below};
@@ -143,15 +144,16 @@ static void grow(growing *g) {
   c->up[0] = 0;
   while (n > 0) {
     uint32_t at = open[--n];
-    cluster_node *node = &c->node[at];
-    if (n + 2 > 2 * STACK || !split(g, &c->part[at], node, &below)) {
-      node->axis = -1;
-      node->branch[0] = (uint32_t)c->clusters;
+    int axis;
+    float middle;
+    if (n + 2 > 2 * STACK || !split(g, &c->part[at], &axis, &middle, &below)) {
+      c->node[at] = (cluster_node){0, (uint32_t)c->clusters << AXIS_BITS | LEAF};
       c->leaf[c->clusters++] = at;
       continue;
     }
+    c->node[at] = (cluster_node){middle, (uint32_t)c->nodes << AXIS_BITS | (uint32_t)axis};
+    for (uint32_t k = 0; k < 2; k++) open[n++] = (uint32_t)c->nodes + k;
     branch(c, at, below);
-    for (uint32_t k = 0; k < 2; k++) open[n++] = node->branch[k];
   }
   ylm_list_resize(&c->node, c->nodes, c->nodes,
                   sizeof *c->node); /* as large as before, if that fails */

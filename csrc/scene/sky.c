@@ -103,29 +103,40 @@ bool ylm_scene_sky_radiance(const ylm_scene *s, const ylm_trace_ray *ray, double
 
 /* -- weights ----------------------------------------------------------------------------------- */
 
+/* The sum of a chunk's weights, in lanes. */
+static double sum_of(const float *weight) {
+  enum { LANES = 8 };
+  double lane[LANES] = {0}, sum = 0;
+  for (size_t i = 0; i < YLM_LAMP_CHUNK; i += LANES)
+    for (size_t k = 0; k < LANES; k++) lane[k] += (double)weight[i + k];
+  for (size_t k = 0; k < LANES; k++) sum += lane[k];
+  return sum;
+}
+
 /* With the cosine to the mean x and the spread s, times power: x above s, 0 below -s, and a parabola
    between them that meets both. Padding keeps the weight 0 that it has. */
-static void weigh(const ylm_scene_chooser *c, bool one, float *weight, float *sum) {
+static void weigh(const ylm_scene_chooser *c, bool one, float *restrict weight, float *sum) {
   const ylm_scene *s = c->scene;
   const float *n = c->in_space ? NULL : c->normal;
   (void)one;
   float *const *b = s->sky_bound;
+  const float *restrict x0 = b[0], *restrict x1 = b[1], *restrict x2 = b[2];
+  const float *restrict spreads = b[SPREAD], *restrict quarter = b[QUARTER];
   for (size_t chunk = 0; chunk * YLM_LAMP_CHUNK < s->sky_lights; chunk++) {
     size_t first = chunk * YLM_LAMP_CHUNK, left = s->sky_lights - first;
     size_t end = left < YLM_LAMP_CHUNK ? s->sky_lights : first + YLM_LAMP_CHUNK;
-    double total = 0;
-    if (n)
+    if (n) {
+      const float n0 = n[0], n1 = n[1], n2 = n[2];
       for (size_t i = first; i < end; i++) {
-        float x = n[0] * b[0][i] + n[1] * b[1][i] + n[2] * b[2][i], spread = b[SPREAD][i];
+        float x = n0 * x0[i] + n1 * x1[i] + n2 * x2[i], spread = spreads[i];
         float over = x + spread, most = 2 * spread;
         over = over > 0 ? over : 0;
         float soft = over < most ? over : most;
-        weight[i] = soft * soft * b[QUARTER][i] + (over - soft);
+        weight[i] = soft * soft * quarter[i] + (over - soft);
       }
-    else
+    } else
       memcpy(weight + first, b[POWER] + first, (end - first) * sizeof *weight);
-    for (size_t i = first; i < end; i++) total += (double)weight[i];
-    sum[chunk] = (float)total;
+    sum[chunk] = (float)sum_of(weight + first);
   }
 }
 

@@ -4,11 +4,12 @@
 --     make bench BENCH=interiors         build/ylm run spec/bench/interiors.lua [width height]
 --
 -- Noise is the root mean square difference of a pixel's luminance to that of 2,048 shadow rays of the same shading points,
--- relative to the mean of all light, bounces included, over 9 x 9 pixels around it. Efficiency is 1 / noise^2 / rays, the pilot's
--- rays included, relative to that without guides; of paths by their variance, that of green. Pictures of four rooms are
--- compared with two of RAYS shadow rays and links at the same shading points and elements: their noise, after the filter that
--- of all seeds; the bias of their mean over SEEDS seeds; what the filter changed of blocks of 32 x 32 pixels, root mean square
--- and at worst, beside the sums of the raw pictures, which are unbiased; and FLIP.
+-- relative to the mean of all light, bounces included, over 9 x 9 pixels around it. Efficiency is 1 / noise^2 / rays, the
+-- pilot's rays included, relative to that without guides; of paths by their variance, that of green, and by processor
+-- seconds, too. Pictures of four rooms are compared with two of RAYS shadow rays and links at the same shading points and
+-- elements: their noise, after the filter that of all seeds; the bias of their mean over SEEDS seeds; what the filter
+-- changed of blocks of 32 x 32 pixels, root mean square and at worst, beside the sums of the raw pictures, which are
+-- unbiased; and FLIP.
 
 local ylm = require "ylm"
 local room = dofile "spec/support/window_room.lua"(ylm)
@@ -79,14 +80,16 @@ end
 
 --- The mean variance of a picture by paths, relative to the light around each pixel, and its rays.
 local function vary(scene, guides, middle)
+  local start = os.clock()
   local image, report = assert(scene:pathtrace { size = size, samples = PATHS, guides = guides })
+  local seconds = os.clock() - start
   local sum, n, rays, variance = 0, 0, report.rays, image:layer("variance"):totable()
   for y, row in ipairs(middle) do
     for x, l in ipairs(row) do
       if l > 0 then sum, n = sum + variance[y][x][2] / l ^ 2, n + 1 end
     end
   end
-  return sum / n, rays.nearest + rays.lamps + rays.shadow + (rays.guides or 0), report.seconds.light
+  return sum / n, rays.nearest + rays.lamps + rays.shadow + (rays.guides or 0), seconds
 end
 
 --- A line about paths with guides and without.
