@@ -31,6 +31,7 @@ typedef struct pool {
   double *error;  /* [p.n] */
   uint8_t *extra; /* [p.n] 1: it was not drawn by area */
   size_t error_room, extra_room;
+  size_t compared;   /* places whose errors are of the grid as it is */
   leaf_record *leaf; /* [cells] */
   size_t leaves, leaf_room;
   uint64_t round; /* of draws */
@@ -46,7 +47,7 @@ static ylm_status take(pool *q, uint8_t extra) {
   size_t before = q->p.n;
   ylm_status s = ylm__panel_take(r, &q->p);
   if (s != YLM_OK) return s;
-  if (!ylm_list_reserve(&q->error, 0, q->p.n, &q->error_room, sizeof *q->error) ||
+  if (!ylm_list_reserve(&q->error, q->compared, q->p.n, &q->error_room, sizeof *q->error) ||
       !ylm_list_reserve(&q->extra, before, q->p.n, &q->extra_room, sizeof *q->extra))
     return YLM_ENOMEM;
   memset(q->extra + before, extra, q->p.n - before);
@@ -108,12 +109,26 @@ static ylm_status extend_leaves(pool *q, leaf_record record) {
   return YLM_OK;
 }
 
+/* Compares the places that were not. */
+static ylm_status find_errors(pool *q) {
+  const size_t w = q->r->b->g->width, had = q->compared;
+  panel rest = {.n = q->p.n - had,
+                .point = q->p.point + 3 * had,
+                .exact = q->p.exact + w * had,
+                .drift = q->p.drift + had,
+                .inside = q->p.inside + had,
+                .side = q->p.side ? q->p.side + 3 * had : NULL};
+  if (!rest.n) return YLM_OK;
+  q->compared = q->p.n;
+  return ylm__panel_errors(q->r, &rest, q->r->b->source->walls, q->error + had);
+}
+
 static ylm_status find_scores(pool *q) {
   const ylm_grid *g = q->r->b->g;
   ylm_status s = extend_leaves(q, (leaf_record){.parent = -1});
   for (size_t i = 0; s == YLM_OK && i < g->cells; i++)
     q->leaf[i].score = q->leaf[i].miss = q->leaf[i].gross = 0;
-  if (s == YLM_OK) s = ylm__panel_errors(q->r, &q->p, q->r->b->source->walls, q->error);
+  if (s == YLM_OK) s = find_errors(q);
   for (size_t i = 0; s == YLM_OK && i < q->p.n; i++) {
     uint32_t leaf = leaf_of(q, q->p.point + 3 * i);
     if (leaf == YLM_GRID_NONE || !(q->error[i] >= 0)) continue;
@@ -218,6 +233,7 @@ static ylm_status split_wide(pool *q) {
 static ylm_status renew(pool *q) {
   ylm_grid *g = q->r->b->g;
   ylm_status s = ylm__sides_renew(q->k);
+  q->compared = 0;
   return s == YLM_OK ? ylm__grid_finish(g) : s;
 }
 
