@@ -157,6 +157,32 @@ describe("probes of engines", function()
     end
   end)
 
+  it("are continuous from leaf to leaf of another size", function()
+    -- the golden file: of leaves that no plane cuts, faces towards larger and smaller ones are read on both sides
+    local golden = scratch.text "spec/data/probes.ylmp"
+    local file, look, at, faces = assert(core.probes_decode(golden, "golden")), probe_reader.of(golden), {}, 0
+    for i, p in ipairs(within(1000, { -1.95, 0.05, -0.95 }, { 1.95, 1.95, 0.95 }, 3)) do
+      local a, n, way = i % 3 + 1, { 0, 0, 0 }, i % 2 == 0 and 1 or 0
+      n[a % 3 + 1] = 1
+      local _, here = look(p, n)
+      local unit = here.edge * (here.bounds[2][a] - here.bounds[1][a]) / here.roots[a]
+      p[a] = p[a] + ((here.low[a] - here.at[a]) / here.edge + way) * unit
+      local pair, found = {}, {}
+      for k = 1, 2 do
+        pair[k] = { p[1], p[2], p[3] }
+        pair[k][a] = p[a] + (k - 1.5) * 1e-6
+        found[k] = select(2, look(pair[k], n))
+      end
+      if found[1].edge ~= found[2].edge and not found[1].cell.planes and not found[2].cell.planes then
+        local E = read(file, pair, { n, n })
+        for c = 1, 3 do at[#at + 1] = math.abs(E[1][c] - E[2][c]) / (E[1][c] + E[2][c] + 0.01) end
+        faces = faces + 1
+      end
+    end
+    table.sort(at)
+    assert(faces > 20 and at[math.ceil(0.9 * #at)] < 1e-4, faces .. " " .. (at[math.ceil(0.9 * #at)] or ""))
+  end)
+
   it("are read by three.js as here", function()
     if not three_page.there() then pending "YLM_NODE_MODULES with three, and chromium, are wanted" end
     local at, facing, centres = {}, {}, {}

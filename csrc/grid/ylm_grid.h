@@ -800,12 +800,13 @@ typedef struct ylm_grid_fit {
   /* [probes], [numbers]: the product is the weight of the squared distance of a number from what it was; of ylm_grid_fit_look NULL */
   const float *hold, *norm;
   float *probe; /* [probes][channels][numbers], x fastest */
-  /* In the place of `cells` and `at`: the eight probes around each place, and their shares. NULL: a lattice's. */
+  /* In the place of `cells` and `at`: the probes around each place, and their shares. NULL: a lattice's. */
   size_t probes;
-  const uint32_t (*around)[8]; /* [places] */
-  const float (*share)[8];     /* [places] */
-  bool quick;                  /* few steps: to compare lattices */
-  int threads;                 /* 0: the default */
+  const size_t *first;    /* [places + 1] rows of the next two */
+  const uint32_t *around; /* [first[places]] */
+  const float *share;     /* [first[places]] */
+  bool quick;             /* few steps: to compare lattices */
+  int threads;            /* 0: the default */
 } ylm_grid_fit;
 
 /*
@@ -835,8 +836,17 @@ typedef struct ylm_grid_probes_size {
   uint32_t roots[3];
   int lmax;
   ylm_quantity quantity;
-  size_t cells, leaves_of_several, bricks, points;
+  size_t cells, leaves_of_several, bricks;
+  size_t points; /* less those between others */
 } ylm_grid_probes_size;
+
+/* Bytes of the file of probes. */
+typedef struct ylm_grid_probes_bytes {
+  size_t all;
+  size_t points, means; /* points in the file; those that are the mean of others */
+  size_t names;         /* numbers of points in it */
+  size_t rest;          /* bytes beside these */
+} ylm_grid_probes_bytes;
 
 /* Places of surfaces to which probes are fitted. */
 typedef struct ylm_grid_probes_places {
@@ -874,7 +884,11 @@ YLM_API void ylm_grid_probes_irradiance(const ylm_grid_probes *p, size_t n,
                                         const double (*points)[3], const float (*normals)[3],
                                         float (*out)[3]);
 
-/* The numbers with the least squared error at the places. YLM_ENOMEM. Results: the same for any number of threads. */
+/*
+** The numbers with the least squared error at the places. Points that hang on larger leaves are the mean of theirs then, so that
+** light is continuous there. YLM_ENOMEM, YLM_ELIMIT (leaves of less than 2^-20 of the longest edge). Results: the same for any
+** number of threads.
+*/
 YLM_API ylm_status ylm_grid_probes_fit(ylm_grid_probes *p, const ylm_grid_probes_places *at);
 /* Joins points of a brick, those first that cost the least squared error at the places, until at most so many are left; bricks of a
    leaf that are then the same are one. YLM_ENOMEM. */
@@ -893,8 +907,8 @@ YLM_API ylm_status ylm_grid_probes_encode(const ylm_grid_probes *p, int bits, un
                                           size_t *size, ylm_error *e);
 YLM_API ylm_status ylm_grid_probes_decode(const unsigned char *data, size_t size, const char *name,
                                           ylm_grid_probes **p, ylm_error *e);
-/* The bytes of the file. */
-YLM_API size_t ylm_grid_probes_bytes(const ylm_grid_probes *p, int bits);
+YLM_API ylm_status ylm_grid_probes_measure(const ylm_grid_probes *p, int bits,
+                                           ylm_grid_probes_bytes *b);
 
 /* -- few bytes: small/ --------------------------------------------------------- */
 

@@ -165,8 +165,8 @@ $(FUZZ_DIR)/bin/unwrap: spec/fuzz/unwrap.c $(FUZZ_ALSO_unwrap) $(BUILD)/lib/liby
 	$(Q)$(FUZZ_CC) $(FUZZ_CFLAGS) -fsanitize=fuzzer spec/fuzz/unwrap.c $(FUZZ_ALSO_unwrap) $(FUZZ_LIBS_unwrap) -lm -o $@
 
 # Probes of engines: their reader and look-up instrumented.
-FUZZ_ABOUT_probes := csrc/grid/probes/file.c csrc/grid/probes/look.c
-FUZZ_ALSO_probes := $(patsubst %,$(FUZZ_DIR)/obj/grid/probes/%.o,file look)
+FUZZ_ABOUT_probes := csrc/grid/probes/file.c csrc/grid/probes/look.c csrc/grid/probes/names.c
+FUZZ_ALSO_probes := $(patsubst %,$(FUZZ_DIR)/obj/grid/%.o,probes/file probes/look probes/names lattice)
 FUZZ_LIBS_probes := -L$(BUILD)/lib -Wl,-rpath,$(abspath $(BUILD))/lib -lylm
 $(FUZZ_DIR)/bin/probes: spec/fuzz/probes.c $(FUZZ_ALSO_probes) $(BUILD)/lib/libylm.so
 	@mkdir -p $(@D)

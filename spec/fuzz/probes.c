@@ -14,7 +14,7 @@ size_t LLVMFuzzerCustomMutator(uint8_t *data, size_t size, size_t room, unsigned
 size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t room);
 
 /* Offsets in the header (docs/engines.md), and its size. */
-enum { AT_SUM = 16, AT_SIZE = 24, AT_BITS = 109, HEADER = 112 };
+enum { AT_SUM = 16, AT_SIZE = 24, AT_BITS = 109, HEADER = 116 };
 
 static void seal(uint8_t *data, size_t size) {
   uint64_t x = size;
@@ -62,9 +62,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   }
   unsigned char *bytes;
   size_t count;
+  ylm_grid_probes_bytes b;
   look_up(p);
-  if (ylm_grid_probes_encode(p, data[AT_BITS], &bytes, &count, &e) != YLM_OK ||
-      count != ylm_grid_probes_bytes(p, data[AT_BITS]) || count != size ||
+  if (ylm_grid_probes_measure(p, data[AT_BITS], &b) != YLM_OK ||
+      ylm_grid_probes_encode(p, data[AT_BITS], &bytes, &count, &e) != YLM_OK || count != b.all ||
       ylm_grid_probes_decode(bytes, count, "again", &again, &e) != YLM_OK)
     __builtin_trap();
   look_up(again);

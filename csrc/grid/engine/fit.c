@@ -24,7 +24,10 @@ typedef struct around {
 typedef struct fit {
   const ylm_grid_fit *f;
   size_t probes, unknowns;
-  around *place;
+  const size_t *first; /* of the probes around each place */
+  const uint32_t *probe;
+  const float *share;
+  void *own[3]; /* theirs, of a lattice */
   double mean[3];
 } fit;
 
@@ -59,13 +62,12 @@ static around find(const uint32_t cells[3], const double at[3]) {
 static double look(const fit *t, size_t i, const double *x) {
   size_t n = (size_t)t->f->numbers;
   const float *basis = t->f->basis + i * n;
-  const around *p = &t->place[i];
   double sum = 0;
-  for (int k = 0; k < 8; k++) {
-    const double *v = x + n * p->probe[k];
+  for (size_t k = t->first[i]; k < t->first[i + 1]; k++) {
+    const double *v = x + n * t->probe[k];
     double s = 0;
     for (size_t j = 0; j < n; j++) s += (double)basis[j] * v[j];
-    sum += (double)p->weight[k] * s;
+    sum += (double)t->share[k] * s;
   }
   return sum;
 }
@@ -74,9 +76,8 @@ static double look(const fit *t, size_t i, const double *x) {
 static void put(const fit *t, size_t i, double y, double *x) {
   size_t n = (size_t)t->f->numbers;
   const float *basis = t->f->basis + i * n;
-  const around *p = &t->place[i];
-  for (int k = 0; k < 8; k++) {
-    double w = y * (double)p->weight[k], *v = x + n * p->probe[k];
+  for (size_t k = t->first[i]; k < t->first[i + 1]; k++) {
+    double w = y * (double)t->share[k], *v = x + n * t->probe[k];
     if (w == 0) continue;
     for (size_t j = 0; j < n; j++) v[j] += w * (double)basis[j];
   }
@@ -137,11 +138,10 @@ static void precondition(const channel *h) {
   for (size_t i = 0; i < t->unknowns; i++) h->p[i] = held(t, i);
   for (size_t i = 0; i < t->f->places; i++) {
     const float *basis = t->f->basis + i * n;
-    const around *p = &t->place[i];
-    for (int k = 0; h->weight[i] > 0 && k < 8; k++)
+    for (size_t k = t->first[i]; h->weight[i] > 0 && k < t->first[i + 1]; k++)
       for (size_t j = 0; j < n; j++) {
-        double w = (double)p->weight[k] * (double)basis[j];
-        h->p[n * p->probe[k] + j] += h->weight[i] * w * w;
+        double w = (double)t->share[k] * (double)basis[j];
+        h->p[n * t->probe[k] + j] += h->weight[i] * w * w;
       }
   }
   for (size_t i = 0; i < t->unknowns; i++) h->p[i] = h->p[i] > 0 ? 1 / h->p[i] : 0;
@@ -204,29 +204,48 @@ static ylm_status solve(void *context, size_t begin, size_t end, int worker) {
 
 /* -- all of it ----------------------------------------------------------------------------------- */
 
+static void leave(fit *t) {
+  for (int i = 0; i < 3; i++) ylm_free(t->own[i]);
+}
+
+/* The eight middles around each place of a lattice. */
+static ylm_status find_all(fit *t) {
+  const ylm_grid_fit *f = t->f;
+  size_t *first = t->own[0] = ylm_alloc(f->places + 1, sizeof *first);
+  uint32_t *probe = t->own[1] = ylm_alloc(f->places + 1, 8 * sizeof *probe);
+  float *share = t->own[2] = ylm_alloc(f->places + 1, 8 * sizeof *share);
+  if (!first || !probe || !share) return YLM_ENOMEM;
+  for (size_t i = 0; i < f->places; i++) {
+    around p = find(f->cells, f->at[i]);
+    first[i] = 8 * i;
+    memcpy(probe + 8 * i, p.probe, sizeof p.probe);
+    memcpy(share + 8 * i, p.weight, sizeof p.weight);
+  }
+  first[f->places] = 8 * f->places;
+  t->first = first;
+  t->probe = probe;
+  t->share = share;
+  return YLM_OK;
+}
+
 static ylm_status prepare(fit *t) {
   const ylm_grid_fit *f = t->f;
-  t->probes = f->around ? f->probes : (size_t)f->cells[0] * f->cells[1] * f->cells[2];
+  t->probes = f->first ? f->probes : (size_t)f->cells[0] * f->cells[1] * f->cells[2];
   t->unknowns = t->probes * (size_t)f->numbers;
-  t->place = ylm_alloc(f->places, sizeof *t->place);
-  if (!t->place) return YLM_ENOMEM;
-  for (size_t i = 0; i < f->places; i++) {
-    if (f->around) {
-      memcpy(t->place[i].probe, f->around[i], sizeof f->around[i]);
-      memcpy(t->place[i].weight, f->share[i], sizeof f->share[i]);
-    } else
-      t->place[i] = find(f->cells, f->at[i]);
+  t->first = f->first;
+  t->probe = f->around;
+  t->share = f->share;
+  for (size_t i = 0; i < f->places; i++)
     for (int c = 0; f->wanted && c < f->channels; c++)
       t->mean[c] += (double)f->wanted[i * (size_t)f->channels + (size_t)c] / (double)f->places;
-  }
-  return YLM_OK;
+  return f->first ? YLM_OK : find_all(t);
 }
 
 ylm_status ylm_grid_fit_probes(const ylm_grid_fit *f) {
   fit t = {.f = f};
   ylm_status s = prepare(&t);
   if (s == YLM_OK) s = ylm_parallel((size_t)f->channels, 1, f->threads, solve, &t, NULL, NULL);
-  ylm_free(t.place);
+  leave(&t);
   return s;
 }
 
@@ -242,6 +261,6 @@ ylm_status ylm_grid_fit_look(const ylm_grid_fit *f, float *out) {
     for (size_t i = 0; i < f->places; i++) out[i * channels + c] = (float)fmax(0, look(&t, i, x));
   }
   ylm_free(x);
-  ylm_free(t.place);
+  leave(&t);
   return s;
 }

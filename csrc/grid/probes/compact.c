@@ -48,6 +48,14 @@ static void join_bricks(ylm_grid_probes *p) {
   p->several = several;
 }
 
+/* Marks a point, and those that it is between. */
+static void mark_point(const ylm_grid_probes *p, uint32_t point, uint32_t *number) {
+  if (number[point] != YLM_GRID_NONE) return;
+  number[point] = 0;
+  for (int k = 0; p->tie && p->tie[point][0] != YLM_GRID_NONE && k < 4; k++)
+    mark_point(p, p->tie[point][k], number);
+}
+
 ylm_status ylm__probes_compact(ylm_grid_probes *p) {
   size_t width = 3 * (size_t)p->count, points = 0;
   uint32_t *number = ylm_alloc(p->points ? p->points : 1, sizeof *number);
@@ -55,15 +63,19 @@ ylm_status ylm__probes_compact(ylm_grid_probes *p) {
   join_bricks(p);
   for (size_t i = 0; i < p->points; i++) number[i] = YLM_GRID_NONE;
   for (size_t i = 0; i < p->bricks; i++)
-    for (int k = 0; k < 8; k++) number[p->corner[i][k]] = 0;
+    for (int k = 0; k < 8; k++) mark_point(p, p->corner[i][k], number);
   for (size_t i = 0; i < p->points; i++) {
     if (number[i] == YLM_GRID_NONE) continue;
     memmove(p->value + points * width, p->value + i * width, width * sizeof *p->value);
     p->ghost[points] = p->ghost[i];
+    if (p->tie) memmove(p->tie[points], p->tie[i], sizeof *p->tie);
     number[i] = (uint32_t)points++;
   }
   for (size_t i = 0; i < p->bricks; i++)
     for (int k = 0; k < 8; k++) p->corner[i][k] = number[p->corner[i][k]];
+  for (size_t i = 0; p->tie && i < points; i++)
+    for (int k = 0; k < 4 && p->tie[i][0] != YLM_GRID_NONE; k++)
+      p->tie[i][k] = number[p->tie[i][k]];
   p->points = points;
   ylm_free(number);
   return YLM_OK;

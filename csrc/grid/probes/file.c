@@ -4,16 +4,15 @@
 #include <string.h>
 
 #define MAGIC "\x89YLMP\r\n\x1a"
-#define VERSION 1
-#define HEADER 112
+#define VERSION 2
+#define HEADER 116
 #define CHECKED 24 /* the checksum is of the bytes from here on */
 #define MIDDLE 32768.0
 #define PER_OCTAVE 512.0
 
 /* Where parts of the file begin. */
 typedef struct probes_layout {
-  size_t tree, cuts, bricks, points, point, size; /* point: bytes of one */
-  int index;                                      /* bytes of a point's number */
+  size_t tree, cuts, masks, names, points, point, size; /* point: bytes of one */
 } probes_layout;
 
 static size_t padded(size_t n) { return (n + 3) & ~(size_t)3; }
@@ -21,13 +20,16 @@ static size_t padded(size_t n) { return (n + 3) & ~(size_t)3; }
 /* Bytes of a leaf's planes, and of what tells its brick. */
 static size_t cut_bytes(int planes) { return 1 + 5 * (size_t)planes + ((size_t)1 << planes) / 2; }
 
-/* `cuts`: bytes of all planes. */
-static probes_layout lay_out(size_t cells, size_t cuts, size_t bricks, size_t points, int count,
-                             int bits) {
-  probes_layout l = {.tree = HEADER, .index = points <= 256 ? 1 : points <= 65536 ? 2 : 4};
+static size_t name_bytes(size_t names, int bits) { return padded((names * (size_t)bits + 7) / 8); }
+
+/* `cuts`: bytes of all planes; names of `name` bits each. */
+static probes_layout lay_out(size_t cells, size_t cuts, size_t bricks, size_t names, int name,
+                             size_t points, int count, int bits) {
+  probes_layout l = {.tree = HEADER};
   l.cuts = l.tree + padded(cells);
-  l.bricks = l.cuts + padded(cuts);
-  l.points = l.bricks + padded(bricks * 8 * (size_t)l.index);
+  l.masks = l.cuts + padded(cuts);
+  l.names = l.masks + padded(bricks);
+  l.points = l.names + name_bytes(names, name);
   l.point = (16 + 3 * (size_t)count * (size_t)bits + 7) / 8;
   l.size = l.points + padded(points * l.point);
   return l;
@@ -39,8 +41,20 @@ static size_t bytes_of_cuts(const ylm_grid_probes *p) {
   return sum;
 }
 
-size_t ylm_grid_probes_bytes(const ylm_grid_probes *p, int bits) {
-  return lay_out(p->cells, bytes_of_cuts(p), p->bricks, p->points, p->count, bits).size;
+static probes_layout layout_of(const ylm_grid_probes *p, const probes_names *n, int bits) {
+  return lay_out(p->cells, bytes_of_cuts(p), p->bricks, n->names, n->bits, n->points, p->count,
+                 bits);
+}
+
+ylm_status ylm_grid_probes_measure(const ylm_grid_probes *p, int bits, ylm_grid_probes_bytes *b) {
+  probes_names n;
+  ylm_status s = ylm__probes_name(p, &n);
+  if (s != YLM_OK) return s;
+  probes_layout l = layout_of(p, &n, bits);
+  *b = (ylm_grid_probes_bytes){
+      .all = l.size, .points = n.points, .means = n.means, .names = n.names, .rest = l.names};
+  ylm__probes_names_free(&n);
+  return YLM_OK;
 }
 
 /* -- little-endian numbers, and numbers of some bits ------------------------------------------------- */
@@ -106,20 +120,21 @@ static void get_point(const ylm_grid_probes *p, size_t point, int bits, const un
 
 /* -- writing --------------------------------------------------------------------------------------- */
 
-static void put_header(const ylm_grid_probes *p, const probes_layout *l, int bits,
+static void put_header(const ylm_grid_probes *p, const probes_names *n, size_t size, int bits,
                        unsigned char *to) {
   memcpy(to, MAGIC, 8);
   put(to + 8, VERSION, 4);
   put(to + 12, HEADER, 4);
-  put(to + 24, l->size, 8);
+  put(to + 24, size, 8);
   for (size_t a = 0; a < 6; a++) put_double(to + 32 + 8 * a, p->bounds[a]);
   const size_t counts[7] = {p->roots[0], p->roots[1], p->roots[2], p->cells,
-                            p->several,  p->bricks,   p->points};
+                            p->several,  p->bricks,   n->points};
   for (size_t i = 0; i < 7; i++) put(to + 80 + 4 * i, counts[i], 4);
   to[108] = (unsigned char)p->lmax;
   to[109] = (unsigned char)bits;
-  to[110] = (unsigned char)l->index;
+  to[110] = (unsigned char)n->bits;
   to[111] = (unsigned char)p->quantity;
+  put(to + 112, n->names, 4);
 }
 
 static void put_cuts(const ylm_grid_probes *p, unsigned char *to) {
@@ -135,23 +150,36 @@ static void put_cuts(const ylm_grid_probes *p, unsigned char *to) {
   }
 }
 
+static void put_all(const ylm_grid_probes *p, const probes_names *n, const probes_layout *l,
+                    int bits, unsigned char *d) {
+  put_header(p, n, l->size, bits, d);
+  memcpy(d + l->tree, p->parts, p->cells);
+  put_cuts(p, d + l->cuts);
+  memcpy(d + l->masks, n->mask, p->bricks);
+  for (size_t i = 0; i < n->names; i++)
+    put_bits(d + l->names, i * (size_t)n->bits, n->bits, n->name[i]);
+  for (size_t i = 0; i < p->points; i++)
+    if (n->number[i] < PROBES_MEANS) put_point(p, i, bits, d + l->points + n->number[i] * l->point);
+  put(d + 16, ylm_crc64(0, d + CHECKED, l->size - CHECKED), 8);
+}
+
 ylm_status ylm_grid_probes_encode(const ylm_grid_probes *p, int bits, unsigned char **data,
                                   size_t *size, ylm_error *e) {
   *data = NULL;
   if (bits < 6 || bits > 16)
     return ylm_fail(e, YLM_ERANGE, "bits of a number are 6 to 16, got %d", bits);
-  probes_layout l = lay_out(p->cells, bytes_of_cuts(p), p->bricks, p->points, p->count, bits);
+  probes_names n;
+  ylm_status s = ylm__probes_name(p, &n);
+  if (s == YLM_ELIMIT)
+    return ylm_fail(e, s, "a leaf is smaller than 2^-20 of the longest edge of the bounds");
+  if (s != YLM_OK) return ylm_fail(e, s, "no memory for the points of bricks");
+  probes_layout l = layout_of(p, &n, bits);
   unsigned char *d = ylm_alloc_zero(l.size, 1);
+  if (d) put_all(p, &n, &l, bits, d);
+  ylm__probes_names_free(&n);
+  if (!d) return ylm_fail(e, YLM_ENOMEM, "no memory for a file of %zu bytes", l.size);
   *data = d;
   *size = l.size;
-  if (!d) return ylm_fail(e, YLM_ENOMEM, "no memory for a file of %zu bytes", l.size);
-  put_header(p, &l, bits, d);
-  memcpy(d + l.tree, p->parts, p->cells);
-  put_cuts(p, d + l.cuts);
-  for (size_t i = 0; i < 8 * p->bricks; i++)
-    put(d + l.bricks + i * (size_t)l.index, p->corner[i / 8][i % 8], l.index);
-  for (size_t i = 0; i < p->points; i++) put_point(p, i, bits, d + l.points + i * l.point);
-  put(d + 16, ylm_crc64(0, d + CHECKED, l.size - CHECKED), 8);
   return YLM_OK;
 }
 
@@ -169,7 +197,7 @@ static ylm_status refuse(const probes_reader *r, const char *why) {
   return ylm_fail(r->e, YLM_EFORMAT, "%s: %s", r->name, why);
 }
 
-static ylm_status get_header(const probes_reader *r, int *bits) {
+static ylm_status get_header(const probes_reader *r, int *bits, int *name) {
   const unsigned char *d = r->data;
   ylm_grid_probes *p = r->p;
   if (r->size < HEADER || memcmp(d, MAGIC, 8) != 0) return refuse(r, "no probes of ylm are in it");
@@ -194,6 +222,9 @@ static ylm_status get_header(const probes_reader *r, int *bits) {
   p->lmax = d[108];
   p->quantity = d[111];
   *bits = d[109];
+  *name = d[110];
+  if (*name < 1 || *name > 32 || p->points >> *name || p->points >= YLM_GRID_NONE)
+    return refuse(r, "names of its points are too short");
   if (p->lmax < 1 || p->lmax > 2 || *bits < 6 || *bits > 16 || p->quantity >= YLM_QUANTITY_COUNT)
     return refuse(r, "degree 1 or 2, 6 to 16 bits and a light that is known are expected");
   p->count = (p->lmax + 1) * (p->lmax + 1);
@@ -266,41 +297,60 @@ static ylm_status get_cuts(const probes_reader *r, size_t *bytes) {
   return YLM_OK;
 }
 
-static ylm_status get_bricks(const probes_reader *r, const probes_layout *l) {
-  for (size_t i = 0; i < 8 * r->p->bricks; i++) {
-    uint64_t point = get(r->data + l->bricks + i * (size_t)l->index, l->index);
-    if (point >= r->p->points) return refuse(r, "a brick names a point that there is not");
-    r->p->corner[i / 8][i % 8] = (uint32_t)point;
-  }
+uint32_t ylm__probes_packed(const probes_packed *p, size_t i) {
+  return get_bits(p->data, i * (size_t)p->bits, p->bits);
+}
+
+static ylm_status get_bricks(const probes_reader *r, const probes_layout *l, int bits) {
+  probes_packed packed = {r->data + l->names, (size_t)get(r->data + 112, 4), bits};
+  ylm_status s = ylm__probes_read_names(r->p, r->data + l->masks, &packed);
+  if (s == YLM_ENOMEM) return ylm_fail(r->e, s, "no memory for %s", r->name);
+  if (s == YLM_ELIMIT) return refuse(r, "its leaves are too small");
+  return s == YLM_OK ? s : refuse(r, "a corner of a brick has no point");
+}
+
+/* The points of the file, and those that are the mean of others. */
+static ylm_status get_points(const probes_reader *r, const probes_layout *l, size_t points,
+                             int bits) {
+  ylm_grid_probes *p = r->p;
+  size_t width = 3 * (size_t)p->count;
+  p->value = ylm_alloc(p->points + 1, width * sizeof *p->value);
+  if (!p->value) return ylm_fail(r->e, YLM_ENOMEM, "no memory for %s", r->name);
+  for (size_t i = 0; i < points; i++) get_point(p, i, bits, r->data + l->points + i * l->point);
+  for (size_t i = points; i < p->points; i++)
+    for (size_t j = 0; j < width; j++) {
+      float sum = 0;
+      for (int k = 0; k < 4; k++) sum += p->value[p->tie[i - points][k] * width + j];
+      p->value[i * width + j] = sum / 4;
+    }
+  ylm_free(p->tie); /* its rows are those of a file */
+  p->tie = NULL;
   return YLM_OK;
 }
 
 static ylm_status get_all(const probes_reader *r) {
   ylm_grid_probes *p = r->p;
   size_t cuts = 0;
-  int bits = 0;
-  ylm_status s = get_header(r, &bits);
+  int bits = 0, name = 0;
+  ylm_status s = get_header(r, &bits, &name);
   if (s != YLM_OK) return s;
-  size_t least = HEADER + p->cells + 7 * p->several + 8 * p->bricks + 2 * p->points;
+  size_t points = p->points, least = HEADER + p->cells + 7 * p->several + p->bricks + 2 * points;
   if (least > r->size) return refuse(r, "it is not as long as it says");
   p->parts = ylm_alloc(p->cells + 1, sizeof *p->parts);
   p->first = ylm_alloc(p->cells + 1, sizeof *p->first);
   p->row = ylm_alloc(p->cells + 1, sizeof *p->row);
   p->cut = ylm_alloc_zero(p->several + 1, sizeof *p->cut);
   p->corner = ylm_alloc(p->bricks + 1, sizeof *p->corner);
-  p->value = ylm_alloc(p->points + 1, 3 * (size_t)p->count * sizeof *p->value);
-  if (!p->parts || !p->first || !p->row || !p->cut || !p->corner || !p->value)
+  if (!p->parts || !p->first || !p->row || !p->cut || !p->corner)
     return ylm_fail(r->e, YLM_ENOMEM, "no memory for %s", r->name);
   s = get_tree(r);
   if (s == YLM_OK) s = get_cuts(r, &cuts);
   if (s != YLM_OK) return s;
-  probes_layout l = lay_out(p->cells, cuts, p->bricks, p->points, p->count, bits);
-  if (l.size != r->size || l.index != r->data[110])
-    return refuse(r, "it is not as long as it says");
-  s = get_bricks(r, &l);
-  for (size_t i = 0; s == YLM_OK && i < p->points; i++)
-    get_point(p, i, bits, r->data + l.points + i * l.point);
-  return s;
+  probes_layout l = lay_out(p->cells, cuts, p->bricks, (size_t)get(r->data + 112, 4), name, points,
+                            p->count, bits);
+  if (l.size != r->size) return refuse(r, "it is not as long as it says");
+  s = get_bricks(r, &l, name);
+  return s == YLM_OK ? get_points(r, &l, points, bits) : s;
 }
 
 ylm_status ylm_grid_probes_decode(const unsigned char *data, size_t size, const char *name,

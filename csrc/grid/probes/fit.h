@@ -5,10 +5,11 @@
 #include "probes.h"
 
 typedef struct probes_rows {
-  uint32_t (*around)[8]; /* [places] points */
-  float (*share)[8];     /* [places] 0 where it is dark */
-  float *basis;          /* [places][count] */
-  float *hold;           /* [points] */
+  size_t *first;   /* [places + 1] of the points of a place */
+  uint32_t *point; /* none of them tied */
+  float *share;
+  float *basis; /* [places][count] */
+  float *hold;  /* [points] */
 } probes_rows;
 
 /* The rows of places, which ylm__probes_leave frees; YLM_ENOMEM. */

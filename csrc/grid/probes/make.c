@@ -37,6 +37,7 @@ void ylm_grid_probes_free(ylm_grid_probes *p) {
   ylm_free(p->corner);
   ylm_free(p->value);
   ylm_free(p->ghost);
+  ylm_free(p->tie);
   ylm_free(p);
 }
 
@@ -60,6 +61,7 @@ ylm_status ylm_grid_probes_copy(const ylm_grid_probes *p, ylm_grid_probes **out)
   q->brick_of = copy_of(p->brick_of, p->several, sizeof *p->brick_of, &ok);
   q->corner = copy_of(p->corner, p->bricks, sizeof *p->corner, &ok);
   q->value = copy_of(p->value, p->points, 3 * (size_t)p->count * sizeof *p->value, &ok);
+  q->tie = copy_of(p->tie, p->points, sizeof *p->tie, &ok);
   q->ghost = copy_of(p->ghost, p->points, sizeof *p->ghost, &ok);
   if (ok) return YLM_OK;
   ylm_grid_probes_free(q);
@@ -71,7 +73,7 @@ ylm_grid_probes_size ylm_grid_probes_look(const ylm_grid_probes *p) {
   ylm_grid_probes_size s = {.cells = p->cells,
                             .leaves_of_several = p->several,
                             .bricks = p->bricks,
-                            .points = p->points,
+                            .points = ylm__probes_free_points(p),
                             .lmax = p->lmax,
                             .quantity = (ylm_quantity)p->quantity};
   memcpy(s.bounds, p->bounds, sizeof s.bounds);
@@ -332,6 +334,7 @@ ylm_status ylm_grid_probes_make(const ylm_grid *g, int lmax, int cuts, const ylm
     s = make_cells(&m, e);
   }
   if (s == YLM_OK) s = ylm__probes_cut(g, walls, at, m.p);
+  if (s == YLM_OK && at) s = ylm__probes_drop_unread(m.p, at);
   if (s == YLM_OK) s = ylm__probes_compact(m.p);
   ylm_free(m.queue);
   ylm_free(m.number);

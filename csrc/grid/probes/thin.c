@@ -24,26 +24,19 @@ typedef struct thinning {
   double *matrix; /* [points][count][count] */
   pair *pair;
   size_t pairs;
-  uint32_t *to; /* [points] what a point becomes */
+  uint32_t *to;     /* [points] what a point becomes */
+  uint32_t *number; /* [points] its number then */
 } thinning;
 
 /* -- matrices -------------------------------------------------------------------------------------- */
 
-/* A place's part of the matrices; points that stand at several corners count with the sum of their shares. */
+/* A place's part of the matrices. */
 static void add_place(thinning *t, const probes_rows *r, size_t i) {
   size_t n = (size_t)t->p->count;
   const float *basis = r->basis + i * n;
-  for (int k = 0; k < 8; k++) {
-    uint32_t point = r->around[i][k];
-    double share = 0;
-    bool again = false;
-    for (int j = 0; j < 8; j++)
-      if (r->around[i][j] == point) {
-        again |= j < k;
-        share += (double)r->share[i][j];
-      }
-    if (again || share == 0) continue;
-    double w = (double)t->at->weight[i] * share * share, *m = t->matrix + point * n * n;
+  for (size_t k = r->first[i]; k < r->first[i + 1]; k++) {
+    double share = (double)r->share[k], w = (double)t->at->weight[i] * share * share;
+    double *m = t->matrix + r->point[k] * n * n;
     for (size_t a = 0; a < n; a++)
       for (size_t b = 0; b < n; b++) m[a * n + b] += w * (double)basis[a] * (double)basis[b];
   }
@@ -119,6 +112,10 @@ static int by_cost(const void *x, const void *y) {
   return by_names(x, y);
 }
 
+static bool is_free(const ylm_grid_probes *p, uint32_t point) {
+  return !p->tie || p->tie[point][0] == YLM_GRID_NONE;
+}
+
 static void find_pairs(thinning *t) {
   ylm_grid_probes *p = t->p;
   size_t n = 0;
@@ -126,7 +123,8 @@ static void find_pairs(thinning *t) {
     for (int j = 0; j < 8; j++)
       for (int k = 0; k < j; k++) {
         uint32_t a = p->corner[i][j], b = p->corner[i][k];
-        if (a != b) t->pair[n++] = (pair){0, a < b ? a : b, a < b ? b : a};
+        if (a != b && is_free(p, a) && is_free(p, b))
+          t->pair[n++] = (pair){0, a < b ? a : b, a < b ? b : a};
       }
   qsort(t->pair, n, sizeof *t->pair, by_names);
   t->pairs = 0;
@@ -154,36 +152,66 @@ static size_t join_pairs(thinning *t, size_t most) {
   return joins;
 }
 
+/* What a point has become, over others. */
+static uint32_t last_of(const uint32_t *to, uint32_t point) {
+  while (to[point] != point) point = to[point];
+  return point;
+}
+
+/* A point between four that are one by now is that one. */
+static void join_ties(thinning *t) {
+  ylm_grid_probes *p = t->p;
+  bool again = p->tie != NULL;
+  while (again) {
+    again = false;
+    for (size_t i = 0; i < p->points; i++) {
+      uint32_t *tie = p->tie[i];
+      if (t->to[i] != i || tie[0] == YLM_GRID_NONE) continue;
+      for (int k = 0; k < 4; k++) tie[k] = last_of(t->to, tie[k]);
+      if (tie[0] != tie[1] || tie[0] != tie[2] || tie[0] != tie[3]) continue;
+      t->to[i] = tie[0];
+      again = true;
+    }
+  }
+}
+
 /* Points that are left, in their order. */
 static void renumber(thinning *t) {
   ylm_grid_probes *p = t->p;
   size_t width = 3 * (size_t)p->count, n = 0;
+  join_ties(t);
+  for (size_t i = 0; i < p->points; i++)
+    if (t->to[i] == i) t->number[i] = (uint32_t)n++;
   for (size_t i = 0; i < p->points; i++) {
-    if (t->to[i] != i) {
-      t->to[i] = t->to[t->to[i]];
-      continue;
+    if (t->to[i] != i) continue;
+    size_t to = t->number[i];
+    memmove(p->value + to * width, p->value + i * width, width * sizeof *p->value);
+    p->ghost[to] = p->ghost[i] & 1;
+    for (int k = 0; p->tie && k < 4; k++) {
+      uint32_t end = p->tie[i][k];
+      bool free = p->tie[i][0] == YLM_GRID_NONE;
+      p->tie[to][k] = free ? YLM_GRID_NONE : t->number[last_of(t->to, end)];
     }
-    memmove(p->value + n * width, p->value + i * width, width * sizeof *p->value);
-    p->ghost[n] = p->ghost[i] & 1;
-    t->to[i] = (uint32_t)n++;
   }
-  p->points = n;
   for (size_t i = 0; i < p->bricks; i++)
-    for (int k = 0; k < 8; k++) p->corner[i][k] = t->to[p->corner[i][k]];
+    for (int k = 0; k < 8; k++) p->corner[i][k] = t->number[last_of(t->to, p->corner[i][k])];
+  p->points = n;
 }
 
 ylm_status ylm_grid_probes_thin(ylm_grid_probes *p, const ylm_grid_probes_places *at,
                                 size_t points) {
   size_t n = (size_t)p->count;
-  if (p->points <= points || !at->n || !p->ghost) return YLM_OK;
+  if (ylm__probes_free_points(p) <= points || !at->n || !p->ghost) return YLM_OK;
   thinning t = {.p = p,
                 .at = at,
                 .matrix = ylm_alloc(p->points, n * n * sizeof *t.matrix),
                 .pair = ylm_alloc(p->bricks, 28 * sizeof *t.pair),
-                .to = ylm_alloc(p->points, sizeof *t.to)};
-  ylm_status s = t.matrix && t.pair && t.to ? YLM_OK : YLM_ENOMEM;
-  while (s == YLM_OK && p->points > points) {
-    size_t most = (size_t)ceil(ROUND * (double)p->points), more = p->points - points;
+                .to = ylm_alloc(p->points, sizeof *t.to),
+                .number = ylm_alloc(p->points, sizeof *t.number)};
+  ylm_status s = t.matrix && t.pair && t.to && t.number ? YLM_OK : YLM_ENOMEM;
+  size_t left;
+  while (s == YLM_OK && (left = ylm__probes_free_points(p)) > points) {
+    size_t most = (size_t)ceil(ROUND * (double)left), more = left - points;
     s = make_matrices(&t);
     if (s != YLM_OK) break;
     find_pairs(&t);
@@ -193,5 +221,8 @@ ylm_status ylm_grid_probes_thin(ylm_grid_probes *p, const ylm_grid_probes_places
   ylm_free(t.matrix);
   ylm_free(t.pair);
   ylm_free(t.to);
-  return s == YLM_OK ? ylm__probes_compact(p) : s;
+  ylm_free(t.number);
+  if (s == YLM_OK) s = ylm__probes_compact(p);
+  if (s == YLM_OK) ylm__probes_follow_ties(p);
+  return s;
 }

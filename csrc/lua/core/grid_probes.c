@@ -16,17 +16,24 @@ static ylm_grid_probes **probes_new(lua_State *L) {
   return p;
 }
 
-/* probes_size(probes, bits) -> { bounds, roots, cells, bricks, points, lmax, quantity, bytes of its file } */
+/* probes_size(probes, bits) -> { bounds, roots, cells, bricks, points, lmax, bytes of its file, of these rest beside points and names,
+   names } */
 static int probes_size(lua_State *L) {
   const ylm_grid_probes *p = probes_check(L, 1);
   ylm_grid_probes_size s = ylm_grid_probes_look(p);
+  ylm_grid_probes_bytes b;
+  ylm_status status = ylm_grid_probes_measure(p, (int)luaL_checknumber(L, 2), &b);
+  if (status != YLM_OK) return ylmL_result(L, 0, status, NULL);
   lua_newtable(L);
   ylmL_set_count(L, "cells", s.cells);
   ylmL_set_count(L, "leaves_of_several", s.leaves_of_several);
   ylmL_set_count(L, "bricks", s.bricks);
   ylmL_set_count(L, "points", s.points);
+  ylmL_set_count(L, "means", b.means);
+  ylmL_set_count(L, "names", b.names);
+  ylmL_set_count(L, "rest", b.rest);
   ylmL_set_count(L, "lmax", (uint64_t)s.lmax);
-  ylmL_set_count(L, "bytes", ylm_grid_probes_bytes(p, (int)luaL_checknumber(L, 2)));
+  ylmL_set_count(L, "bytes", b.all);
   lua_createtable(L, 2, 0);
   for (int side = 0; side < 2; side++) {
     lua_createtable(L, 3, 0);

@@ -118,10 +118,10 @@ function engine.look(lattice, reader, probes, p, threads)
   return places.luminance(read)
 end
 
---- The sum over places of squared errors, as fits weigh them, of what is read.
-function engine.square(p, read)
+--- The sum over places of squared errors, as fits weigh them (default engine.weights), of what is read.
+function engine.square(p, read, weights)
   local off = read - p.light
-  return (off * off * engine.weights(p)):sum()
+  return (off * off * (weights or engine.weights(p))):sum()
 end
 
 --- Judges what an engine reads, luminances [n], beside what is wanted: { rms over the mean; error: 99 % of places keep it,

@@ -21,11 +21,12 @@ local LEAST_PLACES, MOST_PLACES, PLACES_A_POINT = 16384, 2 ^ 17, 8 -- that numbe
 local HELD_OUT = 4096               -- places that the error is measured at
 local HOLD, GHOSTS_HOLD = 0.03, 3e-4 -- of a point, and of one that no surface sees, beside the error at surfaces
 local UNIFORM = { 2, 3, 4, 6, 8, 12, 16 } -- cells along the longest axis of coarser topologies
-local BUDGETS = { 1000, 2000, 4000, 7000, 12000, 30000 } -- points of adaptive ones
+local BUDGETS = { 1000, 2000, 3000, 4000, 5500, 7000, 12000, 30000 } -- points of adaptive ones
 local ADAPTIVE, DEPTH = 0.05, 6           -- their tolerance and depth
-local FEWEST = 0.12                 -- points of each brick: with fewer, a coarser topology is better
-local TRIED = 3                     -- the finest topologies that fit
+local FEWEST = 0.06                 -- points of each brick: with fewer, a coarser topology is better
+local WORSE = 3                     -- topologies after the best, from the finest that fits on
 local HALVED = 0.5                  -- of the points are left between two fits
+local LEAST = 1e-12                 -- of a mean that is divided by
 local MOST_CUTS, MOST_POINTS = 3, 2 ^ 20
 local STEPS, FIRST_BYTES, NEAR = 5, 8192, 1.2 -- of the search for the fewest bytes of a tolerance
 
@@ -37,11 +38,18 @@ local function coloured(E)
   return array.stack({ E, E, E }, 2):reshape { #E, 3 }
 end
 
+--- Weights of places [n]: those of other exports, times the larger of their light and the mean, so that what is far brighter than
+-- the mean counts.
+local function weights(p)
+  local mean = math.max(p.mean, LEAST)
+  return engine.weights(p) * p.light:clamp(mean) / mean
+end
+
 --- Places as core takes them; `points` are those of the probes.
 local function rows_of(p, points, threads)
   local square = math.max(p.mean, 1e-12) ^ 2
   return { points = array.array(p.points, "double"), normals = array.array(p.normals, "float"),
-    wanted = array.array(coloured(p.wanted), "float"), weight = array.array(engine.weights(p) * (points / p.n), "float"),
+    wanted = array.array(coloured(p.wanted), "float"), weight = array.array(weights(p) * (points / p.n), "float"),
     hold = HOLD / square, hold_ghosts = GHOSTS_HOLD / square, threads = threads }
 end
 
@@ -83,31 +91,37 @@ function Maker:raw(topology)
   return core.probes_copy(made)
 end
 
---- Fits the numbers of probes to surfaces, with at most `most` points. True, or nil, message, code.
+--- Fits the numbers of probes to surfaces, with at most `most(size)` points. True, or nil, message, code.
 function Maker:fit(made, most)
-  local n = core.probes_size(made, self.bits).points
+  local size = core.probes_size(made, self.bits)
+  local n = size.points
   local p, message, code = self:places_for(n)
   if not p then return nil, message, code end
-  local function fit() core.probes_fit(made, rows_of(p, n, self.threads)) end
-  fit()
-  while n > most do
-    n = math.max(most, math.floor(HALVED * n))
+  local function fit(quick)
+    local rows = rows_of(p, n, self.threads)
+    rows.quick = quick
+    core.probes_fit(made, rows)
+    size = core.probes_size(made, self.bits)
+  end
+  fit(n > most(size))
+  while size.points > most(size) do -- points that are joined need fewer names: more fit then
+    n = math.max(most(size), math.floor(HALVED * n))
     core.probes_thin(made, rows_of(p, n, self.threads), n)
-    fit()
-    if core.probes_size(made, self.bits).points > n then break end -- nothing is left to be joined
+    size = core.probes_size(made, self.bits)
+    local last = size.points <= most(size)
+    fit(not last)
+    if size.points > n then break end -- nothing is left to be joined
   end
   return true
 end
 
 --- The points with which probes take at most so many bytes.
 function Maker:points_within(size, bytes)
-  local function index(n) return n <= 256 and 1 or n <= 65536 and 2 or 4 end
   local point = math.ceil((16 + 3 * (size.lmax + 1) ^ 2 * self.bits) / 8)
-  local rest = size.bytes - size.points * point - 8 * size.bricks * index(size.points)
   local most = 0
-  for _, limit in ipairs { 256, 65536, 2 ^ 32 - 2 } do
-    local n = math.floor((bytes - rest - 4 - 8 * size.bricks * index(limit)) / point)
-    most = math.max(most, math.min(limit, n))
+  for name = 1, 24 do                                         -- bits of a name
+    local n = math.floor((bytes - size.rest - math.ceil(name * size.names / 8) - 7) / point)
+    most = math.max(most, math.min(2 ^ name - 2 - size.means, n))
   end
   return most
 end
@@ -151,16 +165,19 @@ function Maker:within(bytes)
     if most < math.max(1, math.min(size.points, FEWEST * size.bricks)) then
       if k > #UNIFORM or #fits == 0 then break end
       k = #UNIFORM
-    else table.insert(fits, { made = made, most = most }) end
+    else table.insert(fits, made) end
     k = k + 1
   end
   local best
-  for i = math.max(1, #fits - TRIED + 1), #fits do
-    local ok, message, code = self:fit(fits[i].made, fits[i].most)
+  local worse = 0
+  for i = #fits, 1, -1 do
+    local ok, message, code = self:fit(fits[i], function(size) return self:points_within(size, bytes) end)
     if not ok then return nil, message, code end
-    local judged = self:judge(fits[i].made)
-    if core.probes_size(fits[i].made, self.bits).bytes <= bytes and (not best or judged.square < best.judged.square) then
-      best = { made = fits[i].made, judged = judged }
+    local judged = self:judge(fits[i])
+    if core.probes_size(fits[i], self.bits).bytes <= bytes then
+      local better = not best or judged.square < best.judged.square
+      if better then best, worse = { made = fits[i], judged = judged }, 0 else worse = worse + 1 end
+      if worse == WORSE then break end
     end
   end
   return best
@@ -171,7 +188,7 @@ function Maker:judge(made)
   local file = core.probes_decode(core.probes_encode(made, self.bits), "probes")
   local read = read_at(file, self.held)
   local judged = engine.judge(self.held, read)
-  judged.square = engine.square(self.held, read)
+  judged.square = engine.square(self.held, read, weights(self.held))
   return judged
 end
 
@@ -181,7 +198,7 @@ end
 function Maker:fitted(own)
   if not self.scene then return own end
   local file = core.probes_copy(own.made)
-  local ok, message, code = self:fit(file, math.huge)
+  local ok, message, code = self:fit(file, function() return math.huge end)
   if not ok then return nil, message, code end
   local judged = self:judge(file)
   return judged.square < own.judged.square and { made = file, judged = judged, bytes = own.bytes } or own

@@ -1,6 +1,6 @@
 // Reads '.ylmp', probes of ylm: docs/engines.md has the format. Nothing of three.js is used.
 
-const MAGIC = [ 0x89, 89, 76, 77, 80, 13, 10, 26 ], SPLIT = 255, DEPTH = 20, WIDTH = 1024, FRONT = 3 / 16, TOP = 1 << 18, MOST = 1 << 23;
+const MAGIC = [ 0x89, 89, 76, 77, 80, 13, 10, 26 ], SPLIT = 255, DEPTH = 19, HEADER = 116, WIDTH = 1024, FRONT = 3 / 16, TOP = 1 << 18, MOST = 1 << 23;
 
 const single = new Float32Array( 1 ), word = new Uint32Array( single.buffer );
 
@@ -21,15 +21,15 @@ function unpack( bytes, at, bits ) {
 function demand( truth, what ) { if ( ! truth ) throw new Error( 'probes of ylm: ' + what ); }
 
 function header( view ) {
-	demand( view.byteLength >= 112 && MAGIC.every( ( x, i ) => view.getUint8( i ) === x ), 'another file' );
-	demand( view.getUint32( 8, true ) === 1, 'another version' );
+	demand( view.byteLength >= HEADER && MAGIC.every( ( x, i ) => view.getUint8( i ) === x ), 'another file' );
+	demand( view.getUint32( 8, true ) === 2, 'another version' );
 	demand( view.getUint32( 24, true ) === view.byteLength, 'the file is cut off' );
 	const [ rx, ry, rz, cells, several, bricks, points ] = [ 0, 1, 2, 3, 4, 5, 6 ].map( i => view.getUint32( 80 + 4 * i, true ) );
 	const bounds = [ 0, 1, 2, 3, 4, 5 ].map( i => view.getFloat64( 32 + 8 * i, true ) );
-	const [ lmax, bits, index ] = [ 108, 109, 110 ].map( i => view.getUint8( i ) );
-	demand( ( lmax === 1 || lmax === 2 ) && bits >= 6 && bits <= 16 && [ 1, 2, 4 ].includes( index ), 'other numbers' );
-	demand( rx * ry * rz <= cells && cells + 8 * index * bricks < view.byteLength, 'its counts cannot be' );
-	return { roots: [ rx, ry, rz ], cells, several, bricks, points, bounds, lmax, bits, index };
+	const [ lmax, bits, name ] = [ 108, 109, 110 ].map( i => view.getUint8( i ) ), names = view.getUint32( 112, true );
+	demand( ( lmax === 1 || lmax === 2 ) && bits >= 6 && bits <= 16 && name >= 1 && name <= 32, 'other numbers' );
+	demand( rx * ry * rz <= cells && cells + bricks + names * name / 8 < view.byteLength && bricks < MOST, 'its counts cannot be' );
+	return { roots: [ rx, ry, rz ], cells, several, bricks, points, bounds, lmax, bits, name, names };
 }
 
 // Cells in the order of the file: level, first child or brick, bricks (SPLIT: children).
@@ -37,7 +37,7 @@ function tree( bytes, h ) {
 	const level = new Uint8Array( h.cells ), first = new Uint32Array( h.cells );
 	let next = h.roots[ 0 ] * h.roots[ 1 ] * h.roots[ 2 ], bricks = 0;
 	for ( let i = 0; i < h.cells; i ++ ) {
-		const parts = bytes[ 112 + i ];
+		const parts = bytes[ HEADER + i ];
 		first[ i ] = parts === SPLIT ? next : bricks;
 		if ( parts === SPLIT ) {
 			demand( next + 8 <= h.cells && level[ i ] < DEPTH, 'its tree cannot be' );
@@ -46,13 +46,13 @@ function tree( bytes, h ) {
 		} else bricks += parts;
 	}
 	demand( next === h.cells && bricks === h.bricks, 'its tree cannot be' );
-	return { level, first, parts: bytes.subarray( 112, 112 + h.cells ) };
+	return { level, first, parts: bytes.subarray( HEADER, HEADER + h.cells ) };
 }
 
 // Words of leaves' planes, two a texel: the planes, the last one first, then the brick of each side, counted from the leaf's first;
 // `at` [cells] the texel of the sides and the planes' number. Returns the bytes' end.
 function planes( view, h, t, words, at ) {
-	let k = 112 + ( h.cells + 3 & ~ 3 );
+	let k = HEADER + ( h.cells + 3 & ~ 3 );
 	for ( let i = 0; i < h.cells; i ++ ) {
 		if ( t.parts[ i ] < 2 || t.parts[ i ] === SPLIT ) continue;
 		const n = view.getUint8( k ++ ), snorm = x => Math.round( 32767 / 4 * x ) & 0xffff;
@@ -117,31 +117,83 @@ function arranged( v, to ) {
 	}
 }
 
-// The texture of bricks: 2 x 2 x 2 texels each, volumes of four numbers above each other; behind them a dark one.
-function atlas( view, bytes, h, from ) {
-	const n = 3 * ( h.lmax + 1 ) ** 2, volumes = h.lmax > 1 ? 7 : 3, size = Math.ceil( ( 16 + n * h.bits ) / 8 );
-	const begin = from + ( 8 * h.index * h.bricks + 3 & ~ 3 ), points = new Uint16Array( 4 * volumes * h.points );
-	const v = new Float64Array( n ), to = new Float64Array( 4 * volumes );
+// Lower corners of cells, and their edges, in edges of the smallest: [ x, y, z, edge ].
+function lattice( h, t ) {
+	const deepest = t.level.reduce( ( a, b ) => Math.max( a, b ), 0 ), at = new Array( h.cells ), [ rx, ry, rz ] = h.roots, e = 2 ** deepest;
+	for ( let z = 0, i = 0; z < rz; z ++ ) for ( let y = 0; y < ry; y ++ ) for ( let x = 0; x < rx; x ++ ) at[ i ++ ] = [ x * e, y * e, z * e, e ];
+	for ( let i = 0; i < h.cells; i ++ ) {
+		const [ x, y, z, edge ] = at[ i ], d = edge / 2;
+		for ( let k = 0; t.parts[ i ] === SPLIT && k < 8; k ++ )
+			at[ t.first[ i ] + k ] = [ x + ( k & 1 ) * d, y + ( k >> 1 & 1 ) * d, z + ( k >> 2 ) * d, d ];
+	}
+	return at;
+}
+
+// Points of bricks' corners, those behind the file's points are means of others: { corner [ bricks ][ 8 ], means, end }.
+function corners( bytes, h, t, from ) {
+	const at = lattice( h, t ), last = new Map(), corner = new Uint32Array( 8 * h.bricks ), means = [];
+	const begin = from + ( h.bricks + 3 & ~ 3 );
+	let read = 0;
+	function name() {
+		const bit = 8 * begin + h.name * read ++;
+		demand( read <= h.names, 'a corner has no point' );
+		return unpack( bytes, bit, Math.min( 16, h.name ) ) + ( h.name > 16 ? 65536 * unpack( bytes, bit + 16, h.name - 16 ) : 0 );
+	}
+	function point( n ) {
+		demand( n < h.points || n >= h.points + 2 && n < h.points + 2 + means.length, 'a brick has no such point' );
+		return n < h.points ? n : n - 2;
+	}
+	function named() {
+		const n = name();
+		if ( n !== h.points && n !== h.points + 1 ) return point( n );
+		means.push( Array.from( { length: n === h.points ? 2 : 4 }, () => point( name() ) ) );
+		return h.points + means.length - 1;
+	}
+	for ( let i = 0; i < h.cells; i ++ ) for ( let b = 0; t.parts[ i ] !== SPLIT && b < t.parts[ i ]; b ++ ) {
+		const brick = t.first[ i ] + b, [ x, y, z, e ] = at[ i ], beside = [];
+		for ( let k = 0; k < 8; k ++ ) {
+			const place = `${ x + ( k & 1 ) * e } ${ y + ( k >> 1 & 1 ) * e } ${ z + ( k >> 2 ) * e }`, own = `${ place } ${ b }`;
+			const p = bytes[ from + brick ] >> k & 1 ? named() : last.get( own ) ?? last.get( place ) ?? beside[ k & k - 1 ];
+			demand( p !== undefined, 'a corner has no point' );
+			last.set( place, p ).set( own, p );
+			corner[ 8 * brick + k ] = beside[ k ] = p;
+		}
+	}
+	return { corner, means, end: begin + ( Math.ceil( h.names * h.name / 8 ) + 3 & ~ 3 ) };
+}
+
+// Numbers of the file's points and of means.
+function numbers( view, bytes, h, means, begin ) {
+	const n = 3 * ( h.lmax + 1 ) ** 2, size = Math.ceil( ( 16 + n * h.bits ) / 8 ), v = new Float64Array( n * ( h.points + means.length ) );
 	demand( begin + ( size * h.points + 3 & ~ 3 ) === bytes.length, 'its length is another' );
 	for ( let i = 0; i < h.points; i ++ ) {
 		const k = begin + i * size, step = 2 ** ( ( view.getUint16( k, true ) - 32768 ) / 512 );
 		for ( let j = 0; j < n; j ++ ) {
 			const q = unpack( bytes, 8 * k + 16 + j * h.bits, h.bits );
-			v[ j ] = step * ( q >> h.bits - 1 ? q - ( 1 << h.bits ) : q );
+			v[ n * i + j ] = step * ( q >> h.bits - 1 ? q - ( 1 << h.bits ) : q );
 		}
-		arranged( v, to );
+	}
+	means.forEach( ( ends, i ) => {
+		for ( let j = 0; j < n; j ++ ) for ( const p of ends ) v[ n * ( h.points + i ) + j ] += v[ n * p + j ] / ends.length;
+	} );
+	return v;
+}
+
+// The texture of bricks: 2 x 2 x 2 texels each, volumes of four numbers above each other; behind them a dark one.
+function atlas( view, bytes, h, c ) {
+	const n = 3 * ( h.lmax + 1 ) ** 2, volumes = h.lmax > 1 ? 7 : 3, all = h.points + c.means.length;
+	const v = numbers( view, bytes, h, c.means, c.end ), to = new Float64Array( 4 * volumes ), points = new Uint16Array( 4 * volumes * all );
+	for ( let i = 0; i < all; i ++ ) {
+		arranged( v.subarray( n * i, n * i + n ), to );
 		for ( let j = 0; j < 4 * volumes; j ++ ) points[ 4 * volumes * i + j ] = half( to[ j ] );
 	}
-	demand( h.bricks < MOST, 'it has too many bricks' );
 	const bx = Math.min( 128, h.bricks + 1 ), by = Math.min( 128, Math.ceil( ( h.bricks + 1 ) / bx ) );
 	const bz = Math.ceil( ( h.bricks + 1 ) / ( bx * by ) ), data = new Uint16Array( 32 * bx * by * bz * volumes );
 	for ( let i = 0; i < 8 * h.bricks; i ++ ) {
-		const k = from + i * h.index, b = i >> 3, c = i & 7;
-		const p = h.index === 1 ? bytes[ k ] : h.index === 2 ? view.getUint16( k, true ) : view.getUint32( k, true );
-		demand( p < h.points, 'a brick has no such point' );
-		const x = 2 * ( b % bx ) + ( c & 1 ), y = 2 * ( Math.floor( b / bx ) % by ) + ( c >> 1 & 1 );
+		const b = i >> 3, k = i & 7, p = c.corner[ i ];
+		const x = 2 * ( b % bx ) + ( k & 1 ), y = 2 * ( Math.floor( b / bx ) % by ) + ( k >> 1 & 1 );
 		for ( let v = 0; v < volumes; v ++ ) {
-			const z = 2 * ( v * bz + Math.floor( b / ( bx * by ) ) ) + ( c >> 2 );
+			const z = 2 * ( v * bz + Math.floor( b / ( bx * by ) ) ) + ( k >> 2 );
 			data.set( points.subarray( 4 * ( volumes * p + v ), 4 * ( volumes * p + v ) + 4 ), 4 * ( x + 2 * bx * ( y + 2 * by * z ) ) );
 		}
 	}
@@ -159,7 +211,8 @@ function below( n ) {
 // four halves a texel, bounds, uniforms: numbers and lists of three by the shader's names }.
 function readProbes( buffer ) {
 	const view = new DataView( buffer ), bytes = new Uint8Array( buffer ), h = header( view );
-	const t = texels( view, h, tree( bytes, h ) ), a = atlas( view, bytes, h, t.end ), top = 2 ** t.top, [ rx, ry ] = h.roots;
+	const cells = tree( bytes, h ), t = texels( view, h, cells ), a = atlas( view, bytes, h, corners( bytes, h, cells, t.end ) );
+	const top = 2 ** t.top, [ rx, ry ] = h.roots;
 	const scale = h.roots.map( ( n, i ) => n / ( h.bounds[ i + 3 ] - h.bounds[ i ] ) );
 	return { bounds: h.bounds, tree: { data: t.data, width: WIDTH, height: t.height }, atlas: a,
 		uniforms: { ylm_low: h.bounds.slice( 0, 3 ), ylm_scale: scale, ylm_end: h.roots.map( below ), ylm_ahead: scale.map( s => FRONT / s ),
