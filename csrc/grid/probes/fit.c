@@ -21,7 +21,7 @@ typedef struct row_list {
   size_t n;
 } row_list;
 
-/* Adds a share of a point, or of those that it is between. What finds no room any more is left out: no leaf is that deep. */
+/* Adds a share of a point, or of those that it is between. Points that find no room are left out: no leaf is that deep. */
 static void add_share(const ylm_grid_probes *p, uint32_t point, float share, row_list *list) {
   if (share == 0) return;
   if (p->tie && p->tie[point][0] != YLM_GRID_NONE) {

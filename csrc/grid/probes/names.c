@@ -65,7 +65,7 @@ typedef struct seen {
 /* The key of a place and a number, which are below PROBES_PARTS. */
 static uint64_t numbered(uint64_t key, size_t number) { return key | (uint64_t)(number + 1) << 60; }
 
-/* What corner k of a brick has that is not named; YLM_GRID_NONE: nothing. */
+/* The point of corner k of a brick, unless it is named; YLM_GRID_NONE: there is none. */
 static uint32_t seen_at(const seen *s, uint64_t key, size_t number, const uint32_t corner[8],
                         uint32_t k) {
   uint32_t point = ylm__lattice_hash_find(&s->hash, numbered(key, number));

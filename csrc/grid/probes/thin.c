@@ -152,7 +152,7 @@ static size_t join_pairs(thinning *t, size_t most) {
   return joins;
 }
 
-/* What a point has become, over others. */
+/* The point that a point has become, over others. */
 static uint32_t last_of(const uint32_t *to, uint32_t point) {
   while (to[point] != point) point = to[point];
   return point;

@@ -97,6 +97,9 @@ ylm_status ylm__probes_tie(ylm_grid_probes *p) {
   ylm__probes_lattice_free(&t.lattice);
   ylm__lattice_hash_free(&t.hash);
   ylm_free(t.middle);
+  if (s == YLM_OK) return s;
+  ylm_free(p->tie);
+  p->tie = NULL;
   return s;
 }
 

@@ -93,23 +93,24 @@ end
 
 --- Fits the numbers of probes to surfaces, with at most `most(size)` points. True, or nil, message, code.
 function Maker:fit(made, most)
-  local size = core.probes_size(made, self.bits)
-  local n = size.points
-  local p, message, code = self:places_for(n)
+  local size, message, code = check.result("export", core.probes_size(made, self.bits))
+  if not size then return nil, message, code end
+  local n, p = size.points
+  p, message, code = self:places_for(n)
   if not p then return nil, message, code end
-  local function fit(quick)
+  --- Fits, or joins points; the size is that afterwards.
+  local function change(how, quick)
     local rows = rows_of(p, n, self.threads)
     rows.quick = quick
-    core.probes_fit(made, rows)
-    size = core.probes_size(made, self.bits)
+    local ok
+    ok, message, code = check.result("export", how(made, rows, n))
+    if ok then size, message, code = check.result("export", core.probes_size(made, self.bits)) end
+    return ok and size
   end
-  fit(n > most(size))
+  if not change(core.probes_fit, n > most(size)) then return nil, message, code end
   while size.points > most(size) do -- points that are joined need fewer names: more fit then
     n = math.max(most(size), math.floor(HALVED * n))
-    core.probes_thin(made, rows_of(p, n, self.threads), n)
-    size = core.probes_size(made, self.bits)
-    local last = size.points <= most(size)
-    fit(not last)
+    if not change(core.probes_thin) or not change(core.probes_fit, size.points > most(size)) then return nil, message, code end
     if size.points > n then break end -- nothing is left to be joined
   end
   return true
@@ -160,7 +161,9 @@ function Maker:within(bytes)
     if not topology then break end
     local made, why, failed = self:raw(topology)
     if not made then return nil, why, failed end
-    local size = core.probes_size(made, self.bits)
+    local size
+    size, message, code = core.probes_size(made, self.bits)
+    if not size then return nil, message, code end
     local most = self:points_within(size, bytes)
     if most < math.max(1, math.min(size.points, FEWEST * size.bricks)) then
       if k > #UNIFORM or #fits == 0 then break end
@@ -173,8 +176,13 @@ function Maker:within(bytes)
   for i = #fits, 1, -1 do
     local ok, message, code = self:fit(fits[i], function(size) return self:points_within(size, bytes) end)
     if not ok then return nil, message, code end
-    local judged = self:judge(fits[i])
-    if core.probes_size(fits[i], self.bits).bytes <= bytes then
+    local judged
+    judged, message, code = self:judge(fits[i])
+    if not judged then return nil, message, code end
+    local size
+    size, message, code = core.probes_size(fits[i], self.bits)
+    if not size then return nil, message, code end
+    if size.bytes <= bytes then
       local better = not best or judged.square < best.judged.square
       if better then best, worse = { made = fits[i], judged = judged }, 0 else worse = worse + 1 end
       if worse == WORSE then break end
@@ -183,9 +191,13 @@ function Maker:within(bytes)
   return best
 end
 
---- Judges probes as their readers have them.
+--- Judges probes as their readers have them; or nil, message, code.
 function Maker:judge(made)
-  local file = core.probes_decode(core.probes_encode(made, self.bits), "probes")
+  local bytes, message, code = core.probes_encode(made, self.bits)
+  if not bytes then return nil, message, code end
+  local file
+  file, message, code = core.probes_decode(bytes, "probes")
+  if not file then return nil, message, code end
   local read = read_at(file, self.held)
   local judged = engine.judge(self.held, read)
   judged.square = engine.square(self.held, read, weights(self.held))
@@ -197,10 +209,14 @@ end
 --- Probes as they are, or, where there is a scene and its surfaces have less error so, fitted to it; or nil, message, code.
 function Maker:fitted(own)
   if not self.scene then return own end
-  local file = core.probes_copy(own.made)
-  local ok, message, code = self:fit(file, function() return math.huge end)
+  local file, message, code = core.probes_copy(own.made)
+  if not file then return nil, message, code end
+  local ok
+  ok, message, code = self:fit(file, function() return math.huge end)
   if not ok then return nil, message, code end
-  local judged = self:judge(file)
+  local judged
+  judged, message, code = self:judge(file)
+  if not judged then return nil, message, code end
   return judged.square < own.judged.square and { made = file, judged = judged, bytes = own.bytes } or own
 end
 
@@ -210,9 +226,13 @@ function Maker:own(tolerance, bytes)
   for cuts = 0, self.grid.sides and 0 or MOST_CUTS do
     local made, message, code = self:raw { grid = self.grid, cuts = cuts }
     if not made then return nil, message, code end
-    local size = core.probes_size(made, self.bits)
+    local size, judged
+    size, message, code = core.probes_size(made, self.bits)
+    if not size then return nil, message, code end
     if best and (size.points > MOST_POINTS or bytes and size.bytes > bytes) then break end
-    best, message, code = self:fitted { made = made, judged = self:judge(made), bytes = size.bytes }
+    judged, message, code = self:judge(made)
+    if not judged then return nil, message, code end
+    best, message, code = self:fitted { made = made, judged = judged, bytes = size.bytes }
     if not best then return nil, message, code end
     if tolerance and best.judged.error <= tolerance then break end
   end
@@ -224,7 +244,10 @@ end
 function Maker:keeping(tolerance, bytes)
   local own, message, code = self:raw { grid = self.grid, cuts = 0 }
   if not own then return nil, message, code end
-  local most = math.min(core.probes_size(own, self.bits).bytes, bytes or math.huge)
+  local size
+  size, message, code = core.probes_size(own, self.bits)
+  if not size then return nil, message, code end
+  local most = math.min(size.bytes, bytes or math.huge)
   local best, low, high = nil, 0, FIRST_BYTES
   for _ = 1, STEPS do
     if low >= most or best and high < NEAR * low then break end
@@ -307,7 +330,9 @@ function probes.encode(g, o, points, default)
   local found
   found, message, code = make:wanted(o)
   if not found then return nil, message, code end
-  local size = core.probes_size(found.made, make.bits)
+  local size
+  size, message, code = core.probes_size(found.made, make.bits)
+  if not size then return nil, message, code end
   local report = { error = found.judged.error, surfaces = o.scene ~= nil and found.judged or nil, probes = size.points,
     bricks = size.bricks, lmax = make.lmax, bits = make.bits, grids = { { bounds = size.bounds, cells = size.roots } } }
   found.judged.square = nil
@@ -319,7 +344,9 @@ function probes.encode(g, o, points, default)
     if sentence and not o.anyway then return nil, sentence .. ", or anyway = true to write it; nothing was written", "ELIMIT" end
     report.warning = sentence and warning.say(g, "export", "%s", sentence) or nil
   end
-  local bytes = core.probes_encode(found.made, make.bits)
+  local bytes
+  bytes, message, code = core.probes_encode(found.made, make.bits)
+  if not bytes then return nil, message, code end
   report.bytes = #bytes
   return bytes, report
 end
