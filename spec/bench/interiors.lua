@@ -1,12 +1,12 @@
 -- Noise of interiors: of the direct light of a room that is lit through a window, with guides and without, and of paths; of
--- pictures of four rooms by default counts, before and after a filter, beside paths that take as long.
+-- pictures of five rooms by default counts, before and after a filter, beside paths that take as long.
 --
 --     make bench BENCH=interiors         build/ylm run spec/bench/interiors.lua [width height]
 --
 -- Noise is the root mean square difference of a pixel's luminance to that of 2,048 shadow rays of the same shading points,
 -- relative to the mean of all light, bounces included, over 9 x 9 pixels around it. Efficiency is 1 / noise^2 / rays, the
 -- pilot's rays included, relative to that without guides; of paths by their variance, that of green, and by processor
--- seconds, too. Pictures of four rooms are compared with two of RAYS shadow rays and links at the same shading points and
+-- seconds, too. Pictures of five rooms are compared with two of RAYS shadow rays and links at the same shading points and
 -- elements: their noise, after the filter that of all seeds; the bias of their mean over SEEDS seeds; what the filter
 -- changed of blocks of 32 x 32 pixels, root mean square and at worst, beside the sums of the raw pictures, which are
 -- unbiased; and FLIP.

@@ -1,4 +1,4 @@
---- Four interiors that a first picture may be of: interiors(ylm) -> { { name, scene }, .. }. Metres; y is up.
+--- Five interiors that a first picture may be of: interiors(ylm) -> { { name, scene }, .. }. Metres; y is up.
 
 local function matte(ylm, r, g, b) return ylm.matte { albedo = { r, g or r, b or r } } end
 
@@ -76,7 +76,13 @@ local function corridor(ylm)
   }
 end
 
+--- The room with a window as Blender's materials are by default, of roughness 0.5.
+local function plastic(ylm)
+  local function of(o) return ylm.ggx { alpha = 0.25, f0 = 0.04, base = o.albedo } end
+  return dofile "spec/support/window_room.lua"(ylm, of)
+end
+
 return function(ylm)
   return { { "window", dofile "spec/support/window_room.lua"(ylm) }, { "overcast", overcast(ylm) }, { "shade", shade(ylm) },
-    { "corridor", corridor(ylm) } }
+    { "corridor", corridor(ylm) }, { "plastic", plastic(ylm) } }
 end

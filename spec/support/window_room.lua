@@ -1,6 +1,9 @@
---- A furnished room with a window, a clear sky and a sun, of some 12,000 triangles: window_room(ylm) -> scene.
+--- A furnished room with a window, a clear sky and a sun, of some 12,000 triangles: window_room(ylm) -> scene. With a second
+-- argument, a function of an albedo, its materials are what that makes.
 
-local function matte(ylm, r, g, b) return ylm.matte { albedo = { r, g, b } } end
+local material_of
+
+local function matte(ylm, r, g, b) return (material_of or ylm.matte) { albedo = { r, g, b } } end
 
 --- A body between two corners.
 local function body(ylm, lo, hi, material) return ylm.box { bounds = { lo, hi }, material = material } end
@@ -52,8 +55,9 @@ local function furniture(ylm, list)
     rotate = { axis = { 1, 0, 0 }, angle = 90 }, material = matte(ylm, 0.6, 0.55, 0.2) }
 end
 
-return function(ylm)
+return function(ylm, make)
   local list = {}
+  material_of = make
   shell(ylm, list)
   furniture(ylm, list)
   return ylm.scene "a room with a window" {
