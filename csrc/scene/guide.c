@@ -280,14 +280,15 @@ ylm_status ylm_scene_guide_create(const ylm_scene *s, const ylm_scene_places *al
   if (status == YLM_OK) {
     b.g->width = c->chunks * YLM_LAMP_CHUNK;
     status = build(&b, threads, progress);
-    b.g->stats =
-        (ylm_scene_guide_stats){ylm_scene_clusters_count(b.g->of), b.rays, ylm_seconds() - start};
   }
   ylm_scene_chooser_free(c);
   ylm_free(room);
-  if (status == YLM_OK)
-    *out = b.g;
-  else
+  if (status != YLM_OK) {
     ylm_scene_guide_free(b.g);
-  return status;
+    return status;
+  }
+  b.g->stats =
+      (ylm_scene_guide_stats){ylm_scene_clusters_count(b.g->of), b.rays, ylm_seconds() - start};
+  *out = b.g;
+  return YLM_OK;
 }
