@@ -108,7 +108,7 @@
    after so many looks, and where so many in a row find no fewer failures than one before. */
 #define HOPE 0.02
 #define GROWN 1.5
-#define JUDGED_MOST 5
+#define JUDGED_MOST 6
 #define JUDGED_IDLE 3
 /* Fits of other light on the same rectangles: places that judged one become places of the next. */
 #define REFITS 6
