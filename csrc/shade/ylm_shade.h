@@ -367,18 +367,18 @@ typedef struct ylm_shade_casting {
   const ylm_scene
       *lit; /* whose lamps: the view's scene with others (ylm_scene_relight); NULL: its own */
   const ylm_scene_guide
-      *guide;        /* learnt from these lamps: rays from matte points follow it; NULL: none do */
+      *guide;        /* learnt from these lamps: rays to lamps alone follow it; NULL: none do */
   int light_samples; /* shadow rays per shading point, 1 .. YLM_SCENE_SAMPLES */
   const float *rays; /* [points] of each point, whole numbers; NULL: all have light_samples */
   bool shadows;      /* false: nothing is in the way */
-  bool spread;       /* rays of a matte point start from all over its part of the pixel */
+  bool spread;       /* rays to lamps alone start from all over the point's part of the pixel */
   uint64_t seed;
   int threads;
   const ylm_progress *progress; /* stage "raycast" */
 } ylm_shade_casting;
 
 /*
-** ylm_shade_guide - learns which lamps and tiles of the sky the matte points of a view see: ylm_scene_guide_create.
+** ylm_shade_guide - learns which lamps and tiles of the sky the points of a view see that are matte or have wide lobes: ylm_scene_guide_create.
 **
 **   o    in   its guide is not read; progress has the stage "guides"
 **   out  out  NULL: nothing is to be guided

@@ -2,8 +2,9 @@
 ** cut.c - planes between the bricks of a leaf.
 **
 ** Samples are places in front of surfaces, whose bricks rays tell, and the middles of pieces, which count little; beside the grid's
-** bounds those of pieces outside too, where places in front of a wall on the bounds are. Planes are those of the surfaces, of the pieces' borders, and those that halve the way between two bricks. The plane is taken that leaves the least
-** weight of samples in the wrong brick, then the next, until none gains.
+** bounds those of pieces outside too, where places in front of a wall on the bounds are. Planes are those of the surfaces, of the
+** pieces' borders, and those that halve the way between two bricks. The plane is taken that leaves the least weight of samples in the
+** wrong brick, then the next, until none gains.
 */
 #include "probes.h"
 #include "ylm_list.h"

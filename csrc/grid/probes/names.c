@@ -1,6 +1,7 @@
 /*
 ** names.c - the points of bricks' corners, as files have them: a corner has the point that the last brick before of its number in a
-** leaf has at its place, or, where none has, the last brick before, or, where none has, that of the corner beside; or it is named. docs/engines.md, "The file".
+** leaf has at its place, or, where none has, the last brick before, or, where none has, that of the corner beside; or it is named.
+** docs/engines.md, "The file".
 */
 #include "probes.h"
 #include "ylm_list.h"

@@ -140,9 +140,9 @@ options.sums_field = light.tolerance_option "sums_tolerance"
 
 options.light_samples = { "light_samples", "integer", min = 1, max = core.limits.light_samples, optional = true,
   about = "by rays: shadow rays per shading point, default " .. options.LIGHT_SAMPLES .. ", of more than 16 samples twice as "
-    .. "many as these; of glossy surfaces per mesh in a "
-    .. "pixel, and as many again by the material, in batches of 16, of which there are two at least. By grid and by sum: rays "
-    .. "to lamps from the points of a glossy mesh in a pixel, and as many by the material; default: " .. options.LIGHT_SAMPLES
+    .. "many as these; of surfaces with narrow lobes per mesh in a pixel, and as many again by the material, in batches of 16, "
+    .. "of which there are two at least. By grid and by sum: rays to lamps from the points of a "
+    .. "glossy mesh in a pixel, and as many by the material; default: " .. options.LIGHT_SAMPLES
     .. " to 16384, most where they vary most, as few as leave a noise of 1 % in each mesh's radiance (report.glossy)" }
 
 options.guides = { "guides", "boolean", default = true, shelf = "experiments",
