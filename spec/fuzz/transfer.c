@@ -103,7 +103,8 @@ static void use(const ylm_transfer *t) {
     ylm__transfer_corners(t, i, &p, corner);
     p.u = (corner[0][0] + corner[1][0] + corner[2][0]) / 3;
     p.v = (corner[0][1] + corner[1][1] + corner[2][1]) / 3;
-    if (ylm__cut_size(&t->cut[t->first[p.mesh] + p.element]) < 65536 && ylm_transfer_element(t, &p) != i)
+    if (ylm__cut_size(&t->cut[t->first[p.mesh] + p.element]) < 65536 &&
+        ylm_transfer_element(t, &p) != i)
       __builtin_trap();
   }
 }
