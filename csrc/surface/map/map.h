@@ -45,12 +45,15 @@ static const double map_weight[MAP_WEIGHTS] = {0.01, 0.3, 10, 300, 10000};
 /* Weight of a seam's place, over that of a place of light; how many of a texel's length. */
 #define MAP_SEAM 64
 #define MAP_SEAM_ALONG 2
+/* Its weight in the last fits, and what its sides may differ by there, over the larger of the light and the mean. */
+#define MAP_PRESS 256
+#define MAP_SLACK 0.01
 /* Sides of an edge whose normals have at least this cosine are one smooth surface. */
 #define MAP_SMOOTH 0.999
 #define MAP_STEPS 250
 #define MAP_SMALL 1e-10
-/* Fits after which texels below 0 become dark. */
-#define MAP_LIFTS 3
+/* Last fits, before which texels below 0 become dark, and seams are asked for what they miss. */
+#define MAP_LIFTS 6
 /* Places whose light a file gets at once. */
 #define MAP_KEEP 65536
 /* Places that judge, and their rays over those of other places. */
@@ -212,7 +215,7 @@ ylm_status ylm__map_matrix(map_bake *b);
 void ylm__map_matrix_free(map_matrix *a);
 /* fit.c: texels of both halves, from those in `value` on. */
 ylm_status ylm__map_fit(const map_bake *b, float *value);
-/* fit.c: fits again where the mean of the halves was below 0: such texels are dark. */
+/* fit.c: fits again: texels are dark where the mean of the halves was below 0, and seams agree. */
 ylm_status ylm__map_lift(const map_bake *b, float *value);
 /* picture.c: the fitted texels as halves, and those beside charts. */
 ylm_status ylm__map_draw(map_bake *b);
