@@ -57,6 +57,30 @@ local function visit(piece, image, count, f)
   end
 end
 
+--- Corners of triangles that lie within an edge of another one, and the area of all.
+local function gaps(mesh)
+  local triangles, vertices, found, area = mesh:triangles(), mesh:vertices(), 0, 0
+  local function place(i) return { vertices:get(i, 1), vertices:get(i, 2), vertices:get(i, 3) } end
+  local function apart(a, b) return { b[1] - a[1], b[2] - a[2], b[3] - a[3] } end
+  local function dot(a, b) return a[1] * b[1] + a[2] * b[2] + a[3] * b[3] end
+  for t = 1, #triangles do
+    local p = { place(triangles:get(t, 1)), place(triangles:get(t, 2)), place(triangles:get(t, 3)) }
+    local a, b = apart(p[1], p[2]), apart(p[1], p[3])
+    area = area + 0.5 * math.sqrt(math.max(0, dot(a, a) * dot(b, b) - dot(a, b) ^ 2))
+    for k = 1, 3 do
+      local edge = apart(p[k], p[k % 3 + 1])
+      local length = math.sqrt(dot(edge, edge))
+      for i = 1, #vertices do
+        local to = apart(p[k], place(i))
+        local along = dot(to, edge) / length
+        local beside = math.sqrt(math.max(0, dot(to, to) - along ^ 2))
+        if along > 1e-3 and along < length - 1e-3 and beside < 1e-4 then found = found + 1 end
+      end
+    end
+  end
+  return found, area
+end
+
 describe("scene:lightmap", function()
   it("has the light of a lamp on the walls of a box, to 2 % at 99 of 100 places", function()
     local light = box():lightmap { texels = 4096, quantity = "direct", rays = 4, light_samples = 8 }
@@ -111,12 +135,24 @@ describe("scene:lightmap", function()
       local piece = light:pieces()[1]
       rms[parts] = light.stats.rms
       if parts then assert.is_true(light.stats.charts > 4 and #piece.mesh > 2) else assert.equal(2, #piece.mesh) end
+      local open, area = gaps(piece.mesh)
+      assert.is_true(open == 0 and math.abs(area - 36) < 1e-3 and #piece.mesh < 100, open)
       visit(piece, light:image(), 200, function(x, n, E)
         local here = light:irradiance({ x }, { n }):get(1, 1)
         assert.is_true(math.abs(x[2]) < 1e-6 and math.abs(here - E) < 2e-3 * E + 1e-4, ("%g %g"):format(here, E))
       end)
     end
     assert.is_true(rms[true] < 0.4 * rms[false], ("%.4g, whole %.4g"):format(rms[true], rms[false]))
+  end)
+
+  it("leaves no corner within an edge where a divided floor meets a strip that is whole", function()
+    local piece = assert(ylm.scene "a floor and a kerb" { geometry = ylm.mesh { material = white,
+      vertices = { { -3, 0, 3 }, { 3, 0, 3 }, { 3, 0, -3 }, { -3, 0, -3 }, { -3, 0.02, -3 }, { 3, 0.02, -3 } },
+      triangles = { { 1, 2, 3 }, { 1, 3, 4 }, { 4, 3, 6 }, { 4, 6, 5 } } },
+      lights = ylm.sphere_light { at = { 1.1, 0.2, -2.6 }, radius = 0.02, radiance = 1000 }, links = links }
+      :lightmap { texels = 2048, quantity = "direct", rays = 4, light_samples = 1 }):pieces()[1]
+    local open, area = gaps(piece.mesh)
+    assert.is_true(open == 0 and math.abs(area - 36.12) < 1e-3 and #piece.mesh > 10, open)
   end)
 
   it("cuts no triangles that lie over each other, whose parts would be charts each", function()

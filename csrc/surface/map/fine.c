@@ -78,33 +78,44 @@ size_t ylm__map_lattice(const ylm_surface_map *m, const map_sheet *s, size_t ver
   return more;
 }
 
+/* How the vertices of a sheet's fine triangles mix those of its mesh: from [n] vertices of the mesh, and of the lattices. */
+static ylm_status find_mix(const ylm_surface_map *m, const map_sheet *s, size_t old,
+                           const uint32_t *from, map_split *split) {
+  uint32_t(*at)[3] = ylm_alloc(ylm__map_lattice(m, s, old, NULL, NULL), sizeof *at);
+  split->mix = ylm_alloc(split->vertices, sizeof *split->mix);
+  ylm_status status = at && split->mix ? YLM_OK : YLM_ENOMEM;
+  if (status == YLM_OK) ylm__map_lattice(m, s, old, at, NULL);
+  for (size_t i = 0; status == YLM_OK && i < split->vertices; i++) {
+    ylm_mesh_mix *mix = &split->mix[i];
+    *mix = (ylm_mesh_mix){{from[i], 0, 0}, {1, 0, 0}};
+    if (from[i] < old) continue;
+    const uint32_t *a = at[from[i] - old], *t = ylm_scene_triangle(m->scene, s->mesh, a[0]);
+    for (int k = 0; k < 3; k++) mix->of[k] = t[map_corner(s->back, k)];
+    mix->part[0] = s->parts[a[0]] - a[1] - a[2];
+    mix->part[1] = a[1];
+    mix->part[2] = a[2];
+  }
+  ylm_free(at);
+  return status;
+}
+
 ylm_status ylm_surface_map_split(const ylm_surface_map *m, size_t sheet, const ylm_mesh *mesh,
                                  ylm_mesh **out, float **uv, ylm_error *e) {
   const map_sheet *s = &m->sheet[sheet];
-  size_t n = 0, old = mesh->vertices, more = ylm__map_lattice(m, s, old, NULL, NULL);
-  uint32_t *from = NULL, *index = NULL, (*at)[3] = ylm_alloc(more, sizeof *at);
+  map_split x = {.triangles = s->fine};
+  uint32_t *from = NULL;
   *uv = NULL;
-  ylm_status status = at ? YLM_OK : ylm_no_memory(e);
-  if (status == YLM_OK) {
-    ylm__map_lattice(m, s, old, at, NULL);
-    status = ylm_unwrap_split(m->charts, sheet, &n, &from, uv, &index, e);
-  }
-  ylm_mesh_mix *mix = status == YLM_OK ? ylm_alloc(n, sizeof *mix) : NULL;
-  if (status == YLM_OK && !mix) status = ylm_no_memory(e);
-  for (size_t i = 0; status == YLM_OK && i < n; i++) {
-    mix[i] = (ylm_mesh_mix){{from[i], 0, 0}, {1, 0, 0}};
-    if (from[i] < old) continue;
-    const uint32_t *a = at[from[i] - old], *t = ylm_scene_triangle(m->scene, s->mesh, a[0]);
-    for (int k = 0; k < 3; k++) mix[i].of[k] = t[map_corner(s->back, k)];
-    mix[i].part[0] = s->parts[a[0]] - a[1] - a[2];
-    mix[i].part[1] = a[1];
-    mix[i].part[2] = a[2];
-  }
-  if (status == YLM_OK) status = ylm_mesh_blend(mesh, n, mix, s->fine, index, s->back, out, e);
-  ylm_free(at), ylm_free(mix), ylm_free(from), ylm_free(index);
-  if (status != YLM_OK) {
-    ylm_free(*uv);
-    *uv = NULL;
-  }
+  ylm_status status = ylm_unwrap_split(m->charts, sheet, &x.vertices, &from, &x.uv, &x.index, e);
+  if (status != YLM_OK) return status;
+  status = find_mix(m, s, mesh->vertices, from, &x);
+  if (status == YLM_OK) status = ylm__map_merge(m, sheet, mesh, &x);
+  if (status == YLM_ENOMEM) ylm_no_memory(e);
+  if (status == YLM_OK)
+    status = ylm_mesh_blend(mesh, x.vertices, x.mix, x.triangles, x.index, s->back, out, e);
+  ylm_free(x.mix), ylm_free(from), ylm_free(x.index);
+  if (status == YLM_OK)
+    *uv = x.uv;
+  else
+    ylm_free(x.uv);
   return status;
 }

@@ -110,6 +110,17 @@ size_t ylm__map_whole(const map_sheet *s, size_t fine, double *u, double *v);
    NULL; index [fine][3], or NULL. */
 size_t ylm__map_lattice(const ylm_surface_map *m, const map_sheet *s, size_t vertices,
                         uint32_t (*at)[3], uint32_t *index);
+/* A sheet as triangles with texture coordinates. */
+typedef struct map_split {
+  size_t vertices, triangles;
+  uint32_t *index;   /* [triangles][3] */
+  float *uv;         /* [vertices][2] */
+  ylm_mesh_mix *mix; /* [vertices] of the mesh's */
+} map_split;
+
+/* merge.c: joins the fine triangles of a split that has all of them. YLM_ENOMEM. */
+ylm_status ylm__map_merge(const ylm_surface_map *m, size_t sheet, const ylm_mesh *mesh,
+                          map_split *split);
 /* divide.c: cuts triangles of large charts into fine ones, so that charts can be divided. */
 ylm_status ylm__map_refine(ylm_surface_map *m, const ylm_surface_map_form *form, ylm_error *e);
 /* sheets.c: a corner of a scene's triangle as its sheet has it, and back. */
