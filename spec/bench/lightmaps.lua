@@ -1,11 +1,13 @@
 -- Lightmaps: charts of meshes; errors beside even texels at equal bytes, seams, seconds by stage; a promise at 10,000 places.
 --
 --     make bench BENCH=lightmaps
---     build/ylm run spec/bench/lightmaps.lua [charts | texels [SCENE] | promise]
+--     build/ylm run spec/bench/lightmaps.lua [charts | texels [SCENE] | noise | misses | promise]
 --
 -- "rms" and "99 %" are of irradiance relative to the mean, and to the larger of the place's and the mean, at 2,048 fresh places
 -- by 16 times as many rays as a place of the fit has, to elements and lamps. "dB" is what texels spread by light gain over even
--- ones in rms; "parts" divides large charts. The promise is judged again by up to 4,096 paths of 10,000 places of another seed.
+-- ones in rms; "parts" divides large charts. "noise" parts the error of the tree's room in noise, by two seeds, and the rest.
+-- "misses" counts places of the room with a window that are off, by paths. The promise is judged again by up to 4,096 paths of
+-- 10,000 places of another seed.
 
 local ylm = require "ylm"
 local core = require "ylm.c.core"
@@ -113,6 +115,51 @@ local function blocked()
   }
 end
 
+--- How much of the error of the tree's room is noise of texels, which differs from seed to seed.
+local function noise()
+  print "noise: texels, links and shadow rays, spread, rms, its noise, the rest"
+  local scene = ylm.load "examples/scenes/room.lua"
+  local links = assert(scene:links { lmax = 0 })
+  for _, case in ipairs { { 16384, 32, 16 }, { 65536, 32, 16 }, { 65536, 256, 128 } } do
+    for _, spread in ipairs { "even", "light" } do
+      local told, rms, square, mean = {}, 0, 0, 0
+      for seed = 1, 2 do
+        local map = assert(scene:lightmap { texels = case[1], rays = case[2], light_samples = case[3], seed = seed,
+          spread = spread, links = links, progress = false })
+        local _, _, E = core.owned(map, "made").lib.map_judges(map, links:radiosity(), 8000, 4242)
+        told[seed], rms = E, rms + map.stats.rms ^ 2 / 2
+      end
+      for i = 1, #told[1] do
+        square = square + (told[1]:get(i, 2) - told[2]:get(i, 2)) ^ 2 / 2 / #told[1]
+        mean = mean + told[1]:get(i, 2) / #told[1]
+      end
+      local own = square / mean ^ 2
+      print(("  %6d %3d %3d  %-5s  %.4f %.4f %.4f"):format(case[1], case[2], case[3], spread, math.sqrt(rms), math.sqrt(own),
+        math.sqrt(math.max(0, rms - own))))
+      io.stdout:flush()
+    end
+  end
+end
+
+--- How many places of the room with a window are off by how much, told by paths.
+local function misses()
+  print "misses: texels, error of 99 %; shares of 6,000 places that are off by more than 0.02, 0.03, 0.05, 0.1; paths' noise"
+  local scene = require "spec.support.window_room"(ylm)
+  local links = assert(scene:links { lmax = 0, spacing = 0.15 })
+  for _, n in ipairs { 65536, 262144 } do
+    local map = assert(scene:lightmap { texels = n, links = links, progress = false })
+    local points, normals, told = core.owned(map, "made").lib.map_judges(map, links:radiosity(), 6000, 4242)
+    local places = { points = lists(points), normals = lists(normals), told = lists(told) }
+    promise.by_paths(scene, places, "all", 1024, 7)
+    local off, mean, square = {}, 0, 0
+    for _, E in ipairs(places.E) do mean = mean + E[2] / #places.E end
+    for _, V in ipairs(places.V) do square = square + V[2] / mean ^ 2 / #places.V end
+    for _, most in ipairs { 0.02, 0.03, 0.05, 0.1 } do off[#off + 1] = ("%.4f"):format(promise.share(places, most)) end
+    print(("  %6d %.4f  %s  %.4f"):format(n, map.stats.error, table.concat(off, " "), math.sqrt(square)))
+    io.stdout:flush()
+  end
+end
+
 local function kept()
   print "promise: quantity, tolerance, texels, met, error; places that fail for sure, that noise hides"
   for _, case in ipairs { { "all", 0.05 }, { "all", 0.03 } } do
@@ -130,4 +177,6 @@ end
 
 if not what or what == "charts" then charts() end
 if not what or what == "texels" then texels() end
+if not what or what == "noise" then noise() end
+if not what or what == "misses" then misses() end
 if not what or what == "promise" then kept() end
