@@ -153,6 +153,19 @@ describe("image files", function()
     end
   end)
 
+  it("refuse an .exr whose header claims more pixels than its compression packs into so few bytes", function()
+    assert.is_true(pictures.noise(ylm, 8, 8, 4, 1):save(path "small.exr"))
+    local text, box = folder:read "small.exr", ("\0"):rep(8) .. "\255\39\0\0\255\15\0\0" -- 10240 x 4096 pixels
+    for code, says in pairs { [3] = "truncated", [4] = "truncated", [8] = "DWA compression is read by" } do
+      local bad = text:gsub("(compression%zcompression%z....).", function(head) return head .. string.char(code) end)
+      bad = bad:gsub("(dataWindow%zbox2i%z....)................", function(head) return head .. box end)
+      local image, message = ylm.load(folder:write("bomb.exr", bad .. ("\0"):rep(65536)))
+      assert.is_nil(image)
+      -- OpenEXR 3.2 and later reads DWA, which packs as many
+      assert(message:find("OpenEXR: " .. says, 1, true) or code == 8 and not message:find "truncated", message)
+    end
+  end)
+
   it("leave an existing file as it was when the disk is full", function()
     for _, format in ipairs { "exr", "png", "hdr", "pfm" } do
       local name = "kept." .. format
