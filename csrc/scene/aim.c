@@ -8,6 +8,14 @@
 /* x >= 0 without its whole part. */
 static double wrap(double x) { return x - (double)(int64_t)x; }
 
+/* Samples whose lamps are chosen: those of spheres become rays together. */
+typedef struct chosen {
+  size_t n;
+  int k[SCENE_GROUP];
+  uint32_t lamp[SCENE_GROUP];
+  double rarity[SCENE_GROUP]; /* 1 over the chance of the lamp */
+} chosen;
+
 /* Rays on their way out of ylm_scene_aim. */
 typedef struct aiming {
   const ylm_scene_chooser *c;
@@ -16,6 +24,7 @@ typedef struct aiming {
   size_t rays;
   ylm_trace_ray *ray;
   float (*value)[3];
+  chosen waiting;
 } aiming;
 
 /* Where on its lamp ray k goes. */
@@ -24,34 +33,33 @@ static void place_of(const aiming *a, int k, double u[2]) {
   u[1] = wrap(a->s1 + k * 0.56984029099805327);
 }
 
-/* Ray k of all, to a lamp that was chosen with the chance 1/rarity. */
-static void aim_at(aiming *a, int k, uint32_t lamp, double rarity) {
+/* The ray of sample i alone. */
+static void add_one(aiming *a, size_t i) {
   const ylm_scene *s = a->c->scene;
-  size_t i = lamp;
-  int of = ylm__scene_storage_of(s, &i);
+  size_t lamp = a->waiting.lamp[i];
+  int of = ylm__scene_storage_of(s, &lamp);
   scene_aim to = {.x = a->c->x,
                   .normal = a->c->normal,
-                  .solid = ylm__scene_solid(a->c, of, i),
+                  .solid = ylm__scene_solid(a->c, of, lamp),
                   .one = s->tree != NULL};
   float radiance[3];
-  place_of(a, k, to.u);
-  double e = ylm__scene_storage[of]->sample(s, i, &to, &a->ray[a->rays], radiance);
+  place_of(a, a->waiting.k[i], to.u);
+  double e = ylm__scene_storage[of]->sample(s, lamp, &to, &a->ray[a->rays], radiance);
   if (!(e > 0)) return;
-  e *= rarity / a->light_samples;
+  e *= a->waiting.rarity[i] / a->light_samples;
   for (int c = 0; c < 3; c++) a->value[a->rays][c] = (float)e * radiance[c];
   a->rays++;
 }
 
 /* Lanes of the samples that go to spheres; returns how many there are. */
-static size_t list_spheres(const aiming *a, int k, size_t n, const scene_drawn *d,
-                           scene_spheres *to) {
+static size_t list_spheres(const aiming *a, scene_spheres *to) {
   const ylm_scene *s = a->c->scene;
   size_t lanes = 0;
-  for (size_t i = 0; i < n; i++) {
-    uint32_t lamp = d->lamp[i];
+  for (size_t i = 0; i < a->waiting.n; i++) {
+    uint32_t lamp = a->waiting.lamp[i];
     double u[2];
-    if (!(d->share[i] > 0) || lamp >= s->lamps) continue;
-    place_of(a, k + (int)i, u);
+    if (lamp >= s->lamps) continue;
+    place_of(a, a->waiting.k[i], u);
     for (int c = 0; c < 3; c++) to->v[c][lanes] = s->lamp[c][lamp] - a->c->x[c];
     to->radius[lanes] = s->lamp[3][lamp];
     to->u[0][lanes] = (float)u[0];
@@ -64,11 +72,11 @@ static size_t list_spheres(const aiming *a, int k, size_t n, const scene_drawn *
   return lanes;
 }
 
-/* The ray of a lane to a sphere that was chosen with the chance 1/rarity. */
-static void add_lane(aiming *a, const scene_spheres *from, size_t lane, uint32_t lamp,
-                     double rarity) {
+/* The ray of a lane, which is sample i. */
+static void add_lane(aiming *a, const scene_spheres *from, size_t lane, size_t i) {
   ylm_trace_ray *ray = &a->ray[a->rays];
-  float e = from->value[lane] * (float)(rarity / a->light_samples);
+  uint32_t lamp = a->waiting.lamp[i];
+  float e = from->value[lane] * (float)(a->waiting.rarity[i] / a->light_samples);
   if (!(e > 0)) return;
   float radiance[3];
   memcpy(radiance, a->c->scene->lamp_radiance + 3 * (size_t)lamp, sizeof radiance);
@@ -76,30 +84,44 @@ static void add_lane(aiming *a, const scene_spheres *from, size_t lane, uint32_t
     ray->org[c] = a->c->x[c];
     ray->dir[c] = from->dir[c][lane];
   }
-  ylm__scene_directed_radiance(a->c->scene, lamp, ray->dir, radiance);
+  if (a->c->scene->directions) ylm__scene_directed_radiance(a->c->scene, lamp, ray->dir, radiance);
   for (int c = 0; c < 3; c++) a->value[a->rays][c] = e * radiance[c];
   ray->near = 0;
   ray->far = from->far[lane];
   a->rays++;
 }
 
+/* Rays of all samples that wait. */
+static void add_all(aiming *a) {
+  scene_spheres spheres;
+  size_t lanes = list_spheres(a, &spheres), lane = 0;
+  if (lanes > 0) a->c->aim_at_spheres(lanes, a->c->normal, &spheres);
+  for (size_t i = 0; i < a->waiting.n; i++) {
+    bool sphere = a->waiting.lamp[i] < a->c->scene->lamps;
+    if (sphere && !(spheres.value[lane] < 0))
+      add_lane(a, &spheres, lane, i);
+    else
+      add_one(a, i);
+    lane += sphere;
+  }
+  a->waiting.n = 0;
+}
+
+/* Ray k of all goes to a lamp that was chosen with the chance 1/rarity. */
+static void aim_at(aiming *a, int k, uint32_t lamp, double rarity) {
+  chosen *to = &a->waiting;
+  if (to->n == SCENE_GROUP) add_all(a);
+  to->k[to->n] = k;
+  to->lamp[to->n] = lamp;
+  to->rarity[to->n++] = rarity;
+}
+
 /* Samples of the tree, from k on: where they are of all weights. */
 static void aim_into_tree(aiming *a, int k, size_t n, scene_drawn *d) {
-  scene_spheres spheres;
   double part = ylm__scene_tree_weight(a->c) / a->c->total;
   ylm__scene_draw(a->c, n, d);
-  size_t lanes = list_spheres(a, k, n, d, &spheres), lane = 0;
-  if (lanes > 0) a->c->aim_at_spheres(lanes, a->c->normal, &spheres);
-  for (size_t i = 0; i < n; i++) {
-    uint32_t lamp = d->lamp[i];
-    if (!(d->share[i] > 0)) continue;
-    double rarity = 1 / (part * d->share[i]);
-    if (lamp >= a->c->scene->lamps || spheres.value[lane] < 0)
-      aim_at(a, k + (int)i, lamp, rarity);
-    else
-      add_lane(a, &spheres, lane, lamp, rarity);
-    if (lamp < a->c->scene->lamps) lane++;
-  }
+  for (size_t i = 0; i < n; i++)
+    if (d->share[i] > 0) aim_at(a, k + (int)i, d->lamp[i], 1 / (part * d->share[i]));
 }
 
 /* -- by guides ------------------------------------------------------------------------------------- */
@@ -206,8 +228,9 @@ static void aim_by_guide(aiming *a, ylm_scene_chooser *c, ylm_rng *rng) {
 
 /* -- all rays of a place --------------------------------------------------------------------------- */
 
-/* Lets rays start at the origin. */
-static size_t start_all(const aiming *a, const float *origin) {
+/* Makes the rays that are left, and lets all start at the origin. */
+static size_t start_all(aiming *a, const float *origin) {
+  add_all(a);
   for (size_t i = 0; origin && i < a->rays; i++) ylm_scene_start(&a->ray[i], origin);
   return a->rays;
 }
@@ -223,7 +246,9 @@ size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], c
   scene_drawn d;
   size_t drawn = 0;
   double tree = s->tree ? ylm__scene_tree_weight(c) : 0;
-  aiming a = {.c = c, .light_samples = light_samples, .ray = ray, .value = value};
+  aiming a;
+  a.c = c, a.light_samples = light_samples, a.ray = ray, a.value = value;
+  a.rays = a.waiting.n = 0; /* the lists of those that wait are large */
   a.s0 = ylm_rng_double(rng);
   a.s1 = ylm_rng_double(rng);
   if (c->guide && !s->tree) {

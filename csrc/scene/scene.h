@@ -99,8 +99,8 @@ void ylm__scene_tint(const scene_mesh *m, const uint32_t corner[3], const float 
 /* -- weights.c ------------------------------------------------------------------ */
 
 /* w[j]: bound of the unshadowed luminous irradiance, over pi, at x with normal n from lamp j;
-   sum[b]: over chunk b of YLM_LAMP_CHUNK lamps. Arrays are padded with lamps of luminance 0. */
-typedef void ylm_scene_weights_fn(size_t chunks, float *const lamp[4], const float *luminance,
+   sum[b]: over chunk b of YLM_LAMP_CHUNK lamps. Arrays are padded with lamps of luminance 0, whose weight is 0. */
+typedef void ylm_scene_weights_fn(size_t lamps, float *const lamp[4], const float *luminance,
                                   const float x[3], const float n[3], float *w, float *sum);
 
 /* The kernel of the instruction set in use. */

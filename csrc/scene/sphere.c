@@ -22,9 +22,8 @@ static void weigh_few(const ylm_scene_chooser *c, const float *normal, float *we
 static void weigh(const ylm_scene_chooser *c, bool one, float *weight, float *sum) {
   const ylm_scene *s = c->scene;
   const float *n = c->in_space ? NULL : c->normal;
-  size_t chunks = (s->lamps + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
   if (n && (!one || s->lamps > CHOOSE_FEW))
-    c->weights(chunks, s->lamp, s->lamp_luminance, c->x, n, weight, sum);
+    c->weights(s->lamps, s->lamp, s->lamp_luminance, c->x, n, weight, sum);
   else
     weigh_few(c, n, weight, sum);
   ylm__scene_weigh_directed(s, 0, s->lamps, c->x, weight, sum);

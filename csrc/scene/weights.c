@@ -15,16 +15,13 @@ double ylm__scene_weight(const double v[3], double r, const float n[3]) {
   return s * fmax(0, cosine * sqrt(1 - s) + sqrt((1 - cosine * cosine) * s));
 }
 
-static void weights(size_t chunks, float *const lamp[4], const float *luminance, const float x[3],
+static void weights(size_t lamps, float *const lamp[4], const float *luminance, const float x[3],
                     const float n[3], float *w, float *sum) {
-  for (size_t b = 0; b < chunks; b++) {
-    sum[b] = 0;
-    for (size_t j = b * YLM_LAMP_CHUNK; j < (b + 1) * YLM_LAMP_CHUNK; j++) {
-      double v[3] = {(double)lamp[0][j] - x[0], (double)lamp[1][j] - x[1],
-                     (double)lamp[2][j] - x[2]};
-      w[j] = (float)ylm__scene_weight(v, lamp[3][j], n) * luminance[j];
-      sum[b] += w[j];
-    }
+  for (size_t j = 0; j < lamps; j++) {
+    double v[3] = {(double)lamp[0][j] - x[0], (double)lamp[1][j] - x[1], (double)lamp[2][j] - x[2]};
+    if (j % YLM_LAMP_CHUNK == 0) sum[j / YLM_LAMP_CHUNK] = 0;
+    w[j] = (float)ylm__scene_weight(v, lamp[3][j], n) * luminance[j];
+    sum[j / YLM_LAMP_CHUNK] += w[j];
   }
 }
 
