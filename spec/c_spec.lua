@@ -131,9 +131,13 @@ describe("the C library", function()
     needs "pkg-config"
     local program = folder.path .. "/numbers"
     local rays = has "scene"
+    local more, defined = { rays and "scene", has "vtk" and "vtk" }, ""
+    local packages = "ylm"
+    for _, part in pairs(more) do
+      if part then packages, defined = packages .. " ylm_" .. part, defined .. " -D" .. part:upper() end
+    end
     runs("%s sh -c %s", env(), scratch.quote(("%s%s -D_GNU_SOURCE %s spec/support/numbers.c -x none $(pkg-config --cflags --libs "
-      .. "%s) -lm -o %s"):format(languages[1], strict, rays and "-DSCENE" or "", rays and "ylm_scene" or "ylm",
-      scratch.quote(program))))
+      .. "%s) -lm -o %s"):format(languages[1], strict, defined, packages, scratch.quote(program))))
     local said = {}
     local out = runs("%s timeout 20 %s", env(), scratch.quote(program))
     for name, result, sentence in out:gmatch "([^\t\n]+)\t([^\t]*)\t([^\n]*)\n" do
@@ -148,6 +152,13 @@ describe("the C library", function()
       ["links of a long normal"] = "EDOMAIN: normal 1 is not finite, or longer than 1",
       ["bounces 2^31 - 1"] = "ERANGE: bounces must be at most 1000000, got 2147483647",
       ["gutter 2^31 - 1"] = "ERANGE: gutter: 0 to 64 texels, got 2147483647" } or {}
+    for name, text in pairs(has "vtk" and {
+      ["png of no columns"] = "ERANGE: a canvas of 0 x 4 pixels: sides are 1 .. 32768",
+      ["plot of many samples"] = "ERANGE: a plot: supersample is 1 .. 4, not 1048576",
+      ["picture of -1 columns"] = "ERANGE: a picture of -1 x 4 pixels: sides are 1 .. 32768",
+      ["view of -1 columns"] = "ERANGE: a picture of -1 x 4 pixels: sides are 1 .. 32768",
+      ["shape of a point beyond"] = "EINVAL: cell 1 of a shape names point 8 of 3",
+      ["shape of corners -3"] = "EINVAL: a shape of -3 corners a cell: 2 or 3 expected" } or {}) do wanted[name] = text end
     for name, text in pairs {
       ["texture of zeros"] = "ERANGE: an image of 0 x 0 texels: sides are 1 to 65536, texels 4194304 at most",
       ["texture of many texels"] = "ERANGE: an image of 9223372036854775808 x 2 texels: sides are 1 to 65536, texels 4194304 "

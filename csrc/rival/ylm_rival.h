@@ -51,7 +51,7 @@ typedef struct ylm_rival_lamps {
 **
 **   out  in/out  [n][3]
 **
-** Returns  YLM_OK; YLM_ERANGE (lmax, rows)
+** Returns  YLM_OK; YLM_ERANGE (lmax, rows, a lobe that is not there)
 ** Cost     n * lamps * lmax
 ** Source   Mezieres, Desrichard, Vanderhaeghe, Paulin 2022; gradient-spherical-lights-2022, Table 4
 */

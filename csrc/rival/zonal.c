@@ -75,6 +75,8 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 ylm_status ylm_rival_zonal(const ylm_rival_points *p, const ylm_rival_lamps *lamps, int threads,
                            float *out) {
   if (p->lmax < 0 || p->lmax > LMAX || p->rows < 2) return YLM_ERANGE;
+  for (size_t i = 0; i < p->n; i++)
+    if (!(p->lobe[i] < (float)p->lobes)) return YLM_ERANGE;
   job j = {p, lamps, out};
   return ylm_parallel(p->n, 64, threads, run, &j, NULL, NULL);
 }

@@ -111,6 +111,8 @@ static void set_legend(vtkChartXY *chart, const ylm_vtk_chart *c, double k) {
 }
 
 extern "C" ylm_status ylm_vtk_plot(const ylm_vtk_chart *c, uint8_t *rgb, ylm_error *e) {
+  ylm_status good = ylm::check_sides("a plot", c->width, c->height, c->supersample, e);
+  if (good != YLM_OK) return good;
   return guarded(e, [&] {
     ylm::ContextGuard guard;
     const double k = c->supersample;

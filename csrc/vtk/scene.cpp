@@ -118,9 +118,21 @@ static bool translucent(const ylm_figure_shape *shape) {
   return false;
 }
 
+static ylm_status check_shape(const ylm_figure_shape *s, ylm_error *e) {
+  if (s->corners != 2 && s->corners != 3)
+    return ylm_fail(e, YLM_EINVAL, "a shape of %d corners a cell: 2 or 3 expected", s->corners);
+  for (size_t i = 0; i < s->cells * size_t(s->corners); i++)
+    if (s->index[i] >= s->points)
+      return ylm_fail(e, YLM_EINVAL, "cell %zu of a shape names point %zu of %zu",
+                      i / size_t(s->corners) + 1, size_t(s->index[i]) + 1, s->points);
+  return YLM_OK;
+}
+
 extern "C" ylm_status ylm_vtk_add_shape(ylm_vtk_scene *s, const ylm_figure_shape *shape,
                                         const ylm_vtk_style *style, ylm_error *e) {
   if (shape->cells == 0) return YLM_OK;
+  ylm_status good = check_shape(shape, e);
+  if (good != YLM_OK) return good;
   return guarded(e, [&] {
     auto mapper = Ptr<vtkPolyDataMapper>::New();
     mapper->SetInputData(polydata(shape));
@@ -240,6 +252,8 @@ extern "C" ylm_status ylm_vtk_add_isosurfaces(ylm_vtk_scene *s, const ylm_figure
 extern "C" ylm_status ylm_vtk_add_picture(ylm_vtk_scene *s, const double corner[3],
                                           const double u[3], const double v[3], int w, int h,
                                           const uint8_t *rgba, int smooth, ylm_error *e) {
+  ylm_status good = ylm::check_sides("a picture", w, h, 1, e);
+  if (good != YLM_OK) return good;
   return guarded(e, [&] {
     auto points = Ptr<vtkPoints>::New();
     auto uv = Ptr<vtkFloatArray>::New();
@@ -306,6 +320,8 @@ void ylm_vtk_scene::prepare(const double background[3], int supersample) {
 
 extern "C" ylm_status ylm_vtk_render(ylm_vtk_scene *s, int width, int height, int supersample,
                                      const double background[3], uint8_t *rgb, ylm_error *e) {
+  ylm_status good = ylm::check_sides("a picture", width, height, supersample, e);
+  if (good != YLM_OK) return good;
   return guarded(e, [&] {
     ylm::ContextGuard guard;
     auto window = ylm::offscreen_window(width * supersample, height * supersample, e);

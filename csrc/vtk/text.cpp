@@ -55,6 +55,8 @@ extern "C" ylm_status ylm_vtk_text(const char *text, double size, int bold, cons
 }
 
 extern "C" ylm_status ylm_vtk_save_png(const char *path, const ylm_figure_canvas *c, ylm_error *e) {
+  ylm_status good = ylm::check_sides("a canvas", c->width, c->height, 1, e);
+  if (good != YLM_OK) return good;
   return guarded(e, [&] {
     auto data = Ptr<vtkImageData>::New();
     data->SetDimensions(c->width, c->height, 1);

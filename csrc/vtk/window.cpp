@@ -290,6 +290,15 @@ vtkSmartPointer<vtkRenderWindow> offscreen_window(int width, int height, ylm_err
 
 // -- pixels -----------------------------------------------------------------------
 
+ylm_status check_sides(const char *what, int width, int height, int supersample, ylm_error *e) {
+  if (width < 1 || width > 32768 || height < 1 || height > 32768)
+    return ylm_fail(e, YLM_ERANGE, "%s of %d x %d pixels: sides are 1 .. 32768", what, width,
+                    height);
+  if (supersample < 1 || supersample > 4)
+    return ylm_fail(e, YLM_ERANGE, "%s: supersample is 1 .. 4, not %d", what, supersample);
+  return YLM_OK;
+}
+
 ylm_status read_pixels(vtkRenderWindow *w, int width, int height, int supersample, uint8_t *rgb,
                        ylm_error *e) {
   auto pixels = vtkSmartPointer<vtkUnsignedCharArray>::New();

@@ -53,6 +53,9 @@ std::shared_ptr<void> hold_display();
 // The way offscreen_window would go: "egl", "x", "xvfb", or nullptr.
 const char *offscreen_way(ylm_error *e);
 
+// YLM_ERANGE unless sides are 1 .. 32768 pixels and `supersample` is 1 .. 4.
+ylm_status check_sides(const char *what, int width, int height, int supersample, ylm_error *e);
+
 // The window's picture, averaged over supersample^2 pixels, top row first.
 ylm_status read_pixels(vtkRenderWindow *w, int width, int height, int supersample, uint8_t *rgb,
                        ylm_error *e);

@@ -35,7 +35,8 @@ typedef struct ylm_vtk_style {
   int ghost;                         /* translucent, but only its nearest layer */
 } ylm_vtk_style;
 
-/* Copies the shape into the scene; an empty one adds nothing. */
+/* Copies the shape into the scene; an empty one adds nothing. YLM_EINVAL: a cell of other corners than 2 or 3, or of a point that
+   is not there. */
 YLM_API ylm_status ylm_vtk_add_shape(ylm_vtk_scene *s, const ylm_figure_shape *shape,
                                      const ylm_vtk_style *style, ylm_error *e);
 
@@ -53,7 +54,7 @@ YLM_API ylm_status ylm_vtk_add_isosurfaces(ylm_vtk_scene *s, const ylm_figure_vo
                                            const double *value, const double *colour, ylm_error *e);
 
 /* A picture on the parallelogram corner, corner+u, corner+v: rgba [h][w][4], first row at
-   `corner`. */
+   `corner`. YLM_ERANGE: sides are 1 .. 32768 pixels. */
 YLM_API ylm_status ylm_vtk_add_picture(ylm_vtk_scene *s, const double corner[3], const double u[3],
                                        const double v[3], int w, int h, const uint8_t *rgba,
                                        int smooth, ylm_error *e);
@@ -65,6 +66,7 @@ YLM_API void ylm_vtk_camera(ylm_vtk_scene *s, const double from[3], const double
 /*
 ** ylm_vtk_render - the scene in 8-bit RGB, [height][width][3], top row first.
 **   supersample   1 .. 4: renders that many times larger and averages
+** YLM_ERANGE: supersample; sides are 1 .. 32768 pixels
 */
 YLM_API ylm_status ylm_vtk_render(ylm_vtk_scene *s, int width, int height, int supersample,
                                   const double background[3], uint8_t *rgb, ylm_error *e);
@@ -182,7 +184,7 @@ typedef struct ylm_vtk_chart {
   double font; /* size of labels, pixels */
 } ylm_vtk_chart;
 
-/* A line plot in 8-bit RGB, [height][width][3]. */
+/* A line plot in 8-bit RGB, [height][width][3]; YLM_ERANGE as of ylm_vtk_render. */
 YLM_API ylm_status ylm_vtk_plot(const ylm_vtk_chart *c, uint8_t *rgb, ylm_error *e);
 
 /* -- texts, files ---------------------------------------------------------------- */
@@ -195,7 +197,7 @@ YLM_API ylm_status ylm_vtk_plot(const ylm_vtk_chart *c, uint8_t *rgb, ylm_error 
 YLM_API ylm_status ylm_vtk_text(const char *text, double size, int bold, const double rgb[3],
                                 int *width, int *height, uint8_t **rgba, ylm_error *e);
 
-/* The canvas as a .png file, written whole or not at all. */
+/* The canvas as a .png file, written whole or not at all. YLM_ERANGE: sides are 1 .. 32768 pixels. */
 YLM_API ylm_status ylm_vtk_save_png(const char *path, const ylm_figure_canvas *c, ylm_error *e);
 /* A page is drawn with such: a line, an area, or words. Places are pixels from the upper left corner. */
 typedef struct ylm_vtk_mark {

@@ -17,6 +17,9 @@
 #include <ylm/ylm_path.h>
 #include <ylm/ylm_transfer.h>
 #endif
+#ifdef VTK
+#include <ylm/ylm_vtk.h>
+#endif
 
 static ylm_error e;
 
@@ -190,7 +193,39 @@ static void scenes(void) {
 }
 #endif
 
+#ifdef VTK
+static void pictures(void) {
+  uint8_t pixel[48] = {0};
+  float position[9] = {0};
+  uint32_t index[3] = {0, 1, 7};
+  double zero[3] = {0};
+  ylm_figure_canvas none = {.width = 0, .height = 4, .pixel = pixel};
+  ylm_figure_shape shape = {.corners = 3,
+                            .points = 3,
+                            .cells = 1,
+                            .position = position,
+                            .normal = position,
+                            .colour = pixel,
+                            .index = index};
+  ylm_vtk_style style = {.opacity = 1};
+  ylm_vtk_chart chart = {.width = 4, .height = 4, .supersample = 1048576};
+  ylm_vtk_scene *scene;
+  say("png of no columns", ylm_vtk_save_png("none.png", &none, &e));
+  say("plot of many samples", ylm_vtk_plot(&chart, pixel, &e));
+  if (ylm_vtk_scene_create(&scene, &e)) return;
+  say("picture of -1 columns", ylm_vtk_add_picture(scene, zero, zero, zero, -1, 4, pixel, 0, &e));
+  say("view of -1 columns", ylm_vtk_render(scene, -1, 4, 1, zero, pixel, &e));
+  say("shape of a point beyond", ylm_vtk_add_shape(scene, &shape, &style, &e));
+  shape.corners = -3;
+  say("shape of corners -3", ylm_vtk_add_shape(scene, &shape, &style, &e));
+  ylm_vtk_scene_free(scene);
+}
+#endif
+
 int main(void) {
+#ifdef VTK
+  pictures();
+#endif
 #ifdef SCENE
   scenes();
 #endif

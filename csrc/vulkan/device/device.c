@@ -132,8 +132,8 @@ static ylm_status choose(ylm_gpu *g, const ylm_gpu_options *o, ylm_error *e) {
   char names[200] = "";
   ylm_status s = ylm__vk_devices(&g->vk, &list, &n, e);
   if (s != YLM_OK) return s;
-  if (o->index >= 0 && (uint32_t)o->index >= n)
-    s = ylm_fail(e, YLM_ERANGE, "there are %u devices, no number %d", n, o->index + 1);
+  if (o->index < -1 || (o->index >= 0 && (uint32_t)o->index >= n))
+    s = ylm_fail(e, YLM_ERANGE, "there are %u devices, no number %lld", n, o->index + 1ll);
   for (uint32_t i = 0; s == YLM_OK && i < n; i++) {
     if (o->index >= 0 && (uint32_t)o->index != i) continue;
     fill_info(&g->vk, list[i], &info);
