@@ -13,7 +13,7 @@ return {
     papers path photometry photometry_file plot plot_lines prepared_look probes radiosity readme refresh relight render
     render_noise rounds run sealed_rooms
     sh_eval sh_exponential sh_product sh_project sh_rotate shade shadow_bodies shadow_fields shadow_rays shell site
-    small_bricks small_grid sphere_set spot surface surface_grid surface_promise team_bake team_bricks team_faults texture
+    small_bricks small_grid sphere_set spot surface surface_grid surface_promise targets team_bake team_bricks team_faults texture
     transfer transfer_vectors two_rooms_light unwrap view view_bar view_display view_grid virtual_gather virtual_gaussian
     virtual_gloss virtual_kernel virtual_levels virtual_lights virtual_near virtual_random virtual_subset
     virtual_tree virtual_truth virtual_visible virtual_walls vulkan vulkan_array vulkan_bake vulkan_fault

@@ -80,6 +80,8 @@
 #define NOISE_REACH 4
 /* Points whose sets of links are found at once: sets.c. */
 #define SETS_POINTS ((size_t)1 << 16)
+/* Points by which it is learnt what sends light to them, at most. */
+#define TARGETS_MOST 65536
 /* Random numbers of the places that sets start from. */
 #define SETS_PLACES 0x706c61636573u
 /* Samples of each item by which noise is measured. */

@@ -11,6 +11,7 @@
 
 #include "ylm_shade_gloss.h"
 #include "ylm_surface.h"
+#include "ylm_transfer_targets.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -95,6 +96,8 @@ enum { YLM_SHADE_SET = 32 };
 /* Sets of links that are found one after the other. */
 typedef struct ylm_shade_sets {
   const ylm_transfer *transfer;
+  const ylm_transfer_targets
+      *targets; /* by which half of the links are aimed, where they are an even number; or NULL */
   const float *leaving; /* ylm_radiosity_leaving */
   int links;            /* of a set, a multiple of 4 up to YLM_SHADE_SET */
   const float *sets;    /* [points] how many sets each point has, whole numbers */
@@ -116,6 +119,11 @@ typedef struct ylm_shade_sets {
 */
 YLM_API ylm_status ylm_shade_gather_sets(const ylm_shade_view *view, const ylm_shade_sets *o,
                                          float *half[2], uint64_t *rays, ylm_error *e);
+
+/* ylm_transfer_targets_create for the points of a view whose light is not that of a narrow lobe. */
+YLM_API ylm_status ylm_shade_targets(const ylm_shade_view *v, const ylm_transfer *t,
+                                     const float *leaving, uint64_t seed, int threads,
+                                     const ylm_progress *progress, ylm_transfer_targets **out);
 
 /*
 ** ylm_shade_blend_links - radiance of points that gloss by the light of elements. The points are

@@ -87,6 +87,28 @@
    exceed the caches. */
 #define SUM_AHEAD 8
 
+/* -- targets: targets.c ----------------------------------------------------------------------------
+
+   Moved by: noise at equal links of pictures (`make bench BENCH=interiors`). */
+
+/* Clusters of places, about, and the fewest places of one; places of a cluster that have links, and these links. */
+#define TARGETS_CLUSTERS 512
+#define TARGETS_LEAST 64
+#define TARGETS_PLACES 16
+#define TARGETS_LINKS 32
+/* Hits that elements are grouped by, and the most of a group. */
+#define TARGETS_HITS 32768
+#define TARGETS_GROUP 64
+/* Rays of a cluster to each group, the part of the light of all of them of which less is not looked for, and the part of light
+   without shadows that is added, and of that as if all faced each other. */
+#define TARGETS_LOOKS 4
+#define TARGETS_SMALL 1e-5
+#define TARGETS_FLOOR 0.2
+#define TARGETS_WORTH 6
+#define TARGETS_FAR 0.02
+/* Places that a thread gathers at in one go. */
+#define TARGETS_GRAIN 64
+
 /* -- adjoint/lamplight.c --------------------------------------------------------------------------- */
 
 /* Rays that are traced in one go, unless one lamp has more, and places that a thread takes at a time. */

@@ -330,17 +330,28 @@ uint32_t ylm_transfer_element(const ylm_transfer *t, const ylm_scene_place *p) {
   return start + (uint32_t)ylm__cut_at(&t->cut[of], t->foot[of], p->u, p->v);
 }
 
+/* The place of a ray's hit on a mesh. */
+static ylm_scene_place place_of_hit(const ylm_trace_ray *ray, const ylm_trace_hit *hit) {
+  bool back = ylm_dot3(hit->normal, ray->dir) > 0;
+  return (ylm_scene_place){(uint32_t)hit->mesh, hit->element, hit->u, hit->v, back};
+}
+
+uint32_t ylm_transfer_hit(const ylm_transfer *t, const ylm_trace_ray *ray,
+                          const ylm_trace_hit *hit) {
+  if (hit->mesh < 0) return (uint32_t)t->elements;
+  ylm_scene_place place = place_of_hit(ray, hit);
+  return ylm_transfer_element(t, &place);
+}
+
 void ylm_transfer_hits(const ylm_transfer *t, size_t n, const ylm_trace_ray *ray,
                        const ylm_trace_hit *hit, uint32_t *out) {
   for (size_t i = 0; i < n; i++) {
     const ylm_trace_hit *h = &hit[i];
     out[i] = (uint32_t)t->elements;
     if (h->mesh < 0) continue;
-    bool back = ylm_dot3(h->normal, ray[i].dir) > 0;
-    ylm_scene_place place = {
-        .mesh = (uint32_t)h->mesh, .element = h->element, .u = h->u, .v = h->v, .back = back};
+    ylm_scene_place place = place_of_hit(&ray[i], h);
     out[i] = ylm_transfer_element(t, &place);
-    uint8_t side = back ? TRANSFER_BACK : TRANSFER_FRONT;
+    uint8_t side = place.back ? TRANSFER_BACK : TRANSFER_FRONT;
     if (!(t->side[h->mesh] & side)) out[i] = YLM_TRANSFER_BURIED(t);
     if (out[i] < t->elements && t->crossed[out[i]]) out[i] = ylm__transfer_own(t, out[i], &place);
   }

@@ -17,9 +17,9 @@ typedef struct job {
   float *escape;
   float *share;
   const transfer_flow *flow; /* or NULL */
-  float (*disk)[2], *height; /* [links] cos and sin of the unshifted azimuth; k / links */
-  float (*inside)[2];        /* [links] unshifted places of a square */
-  double *zonal;             /* [lmax + 1] of the cosine */
+  transfer_fan fan;
+  float (*inside)[2]; /* [links] unshifted places of a square */
+  double *zonal;      /* [lmax + 1] of the cosine */
   atomic_uint_fast64_t escaped, buried, lost, deads;
 } job;
 
@@ -36,19 +36,38 @@ typedef struct scratch {
   uint64_t escaped, buried, lost, deads;
 } scratch;
 
-/* Directions of one place: dense as the cosine about n, or even over the sphere. */
-static void aim(const job *j, const float *n, ylm_rng *rng, ylm_trace_ray *ray) {
+void ylm__transfer_fan_free(transfer_fan *f) {
+  ylm_free(f->disk);
+  ylm_free(f->height);
+}
+
+ylm_status ylm__transfer_fan_create(int rays, transfer_fan *f) {
+  f->rays = rays;
+  f->disk = ylm_alloc((size_t)rays, sizeof *f->disk);
+  f->height = ylm_alloc((size_t)rays, sizeof *f->height);
+  if (!f->disk || !f->height) return YLM_ENOMEM;
+  for (int k = 0; k < rays; k++) {
+    double turn = 2 * YLM_PI * ylm_scene_radical((uint32_t)k);
+    f->disk[k][0] = (float)cos(turn);
+    f->disk[k][1] = (float)sin(turn);
+    f->height[k] = (float)k / (float)rays;
+  }
+  return YLM_OK;
+}
+
+void ylm__transfer_fan_aim(const transfer_fan *f, const float *n, ylm_rng *rng,
+                           ylm_trace_ray *ray) {
   float shift = (float)ylm_rng_double(rng), a[3], b[3];
   double turn = 2 * YLM_PI * ylm_rng_double(rng);
   float c = (float)cos(turn), s = (float)sin(turn);
   if (n) ylm_scene_basis(n, a, b);
-  for (int k = 0; k < j->links; k++) {
-    float h = j->height[k] + shift, r, z;
+  for (int k = 0; k < f->rays; k++) {
+    float h = f->height[k] + shift, r, z;
     if (h >= 1) h -= 1;
     z = n ? sqrtf(1 - h) : 1 - 2 * h;
     r = n ? sqrtf(h) : sqrtf(4 * h * (1 - h));
-    float x = r * (j->disk[k][0] * c - j->disk[k][1] * s);
-    float y = r * (j->disk[k][0] * s + j->disk[k][1] * c);
+    float x = r * (f->disk[k][0] * c - f->disk[k][1] * s);
+    float y = r * (f->disk[k][0] * s + f->disk[k][1] * c);
     for (int q = 0; q < 3; q++)
       ray[k].dir[q] = n ? x * a[q] + y * b[q] + z * n[q] : q == 0 ? x : q == 1 ? y : z;
     ray[k].near = 0;
@@ -60,7 +79,7 @@ static void aim(const job *j, const float *n, ylm_rng *rng, ylm_trace_ray *ray) 
 static void place_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *below) {
   ylm_rng rng;
   ylm_rng_seed(&rng, j->seed, j->stream ? j->stream[i] : i);
-  aim(j, j->normal ? j->normal[i] : NULL, &rng, ray);
+  ylm__transfer_fan_aim(&j->fan, j->normal ? j->normal[i] : NULL, &rng, ray);
   for (int k = 0; k < j->links; k++) memcpy(ray[k].org, j->origin[i], 12);
   memset(below, 0, (size_t)j->links);
 }
@@ -74,7 +93,7 @@ static void element_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *be
   double d[2][3];
   ylm_rng rng;
   ylm_rng_seed(&rng, j->seed, i);
-  aim(j, t->normal[i], &rng, ray);
+  ylm__transfer_fan_aim(&j->fan, t->normal[i], &rng, ray);
   float x0 = (float)ylm_rng_double(&rng), y0 = (float)ylm_rng_double(&rng);
   ylm__transfer_corners(t, i, place, corner);
   for (int k = 2; k >= 0; k--) {
@@ -289,16 +308,12 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
 /* Low-discrepancy numbers that all places share: Hammersley's set, and R2 (Roberts 2018). */
 static ylm_status share(job *j) {
   size_t links = (size_t)j->links;
-  j->disk = ylm_alloc(links, sizeof *j->disk);
-  j->height = ylm_alloc(links, sizeof *j->height);
+  ylm_status s = ylm__transfer_fan_create(j->links, &j->fan);
   j->inside = ylm_alloc(links, sizeof *j->inside);
   j->zonal = ylm_alloc((size_t)(j->lmax < 0 ? 0 : j->lmax) + 1, sizeof *j->zonal);
-  if (!j->disk || !j->height || !j->inside || !j->zonal) return YLM_ENOMEM;
+  if (s != YLM_OK || !j->inside || !j->zonal) return YLM_ENOMEM;
   for (size_t k = 0; k < links; k++) {
-    double turn = 2 * YLM_PI * ylm_scene_radical((uint32_t)k), x, y;
-    j->disk[k][0] = (float)cos(turn);
-    j->disk[k][1] = (float)sin(turn);
-    j->height[k] = (float)k / (float)links;
+    double x, y;
     j->inside[k][0] = (float)modf((double)k * 0.7548776662466927, &x);
     j->inside[k][1] = (float)modf((double)k * 0.5698402909980532, &y);
   }
@@ -309,8 +324,7 @@ static ylm_status share(job *j) {
 static ylm_status go(job *j, size_t n, int threads, const ylm_progress *progress) {
   ylm_status s = share(j);
   if (s == YLM_OK) s = ylm_parallel(n, LINKS_GRAIN, threads, run, j, progress, "links");
-  ylm_free(j->disk);
-  ylm_free(j->height);
+  ylm__transfer_fan_free(&j->fan);
   ylm_free(j->inside);
   ylm_free(j->zonal);
   return s;

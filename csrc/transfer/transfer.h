@@ -96,6 +96,18 @@ uint32_t ylm__transfer_own(const ylm_transfer *t, uint32_t e, const ylm_scene_pl
 /* Fills t->link, t->escape, t->share, and what the statistics say of rays. */
 ylm_status ylm__transfer_link(ylm_transfer *t, const ylm_progress *progress, ylm_error *e);
 
+/* Directions of a place, which all places share but for a turn and a shift: Hammersley's set. */
+typedef struct transfer_fan {
+  int rays;
+  float (*disk)[2], *height; /* [rays] cos and sin of the azimuth; k / rays */
+} transfer_fan;
+
+/* To be freed in any case. */
+ylm_status ylm__transfer_fan_create(int rays, transfer_fan *f);
+void ylm__transfer_fan_free(transfer_fan *f);
+/* Rays [rays] to infinity without origins: dense as the cosine about n, or even over the sphere (NULL). */
+void ylm__transfer_fan_aim(const transfer_fan *f, const float *n, ylm_rng *rng, ylm_trace_ray *ray);
+
 /* The light of links along the axes, as ylm_radiosity_map has it. */
 typedef struct transfer_flow {
   const float *leaving; /* [elements + 1][4] radiance */

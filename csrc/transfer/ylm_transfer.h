@@ -113,6 +113,9 @@ YLM_API uint32_t ylm_transfer_element(const ylm_transfer *t, const ylm_scene_pla
 #define YLM_TRANSFER_BURIED(t) ((uint32_t)ylm_transfer_count(t) + 1)
 YLM_API void ylm_transfer_hits(const ylm_transfer *t, size_t n, const ylm_trace_ray *ray,
                                const ylm_trace_hit *hit, uint32_t *out);
+/* The element that a ray hit first, whose other side may be another's and which a wall may part; n of the transfer: none. */
+YLM_API uint32_t ylm_transfer_hit(const ylm_transfer *t, const ylm_trace_ray *ray,
+                                  const ylm_trace_hit *hit);
 /* The links, [elements][links], in the order of their targets. */
 YLM_API const uint32_t *ylm_transfer_links(const ylm_transfer *t);
 /* Transfer vectors of direct light, [elements][(lmax+1)^2], the SH of cosine times escape; NULL: none. */

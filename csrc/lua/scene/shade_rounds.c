@@ -14,9 +14,18 @@ static void read_transfer(lua_State *L, int i, void *field) {
   *(const ylm_transfer **)field = ylmL_transfer(L, i);
 }
 
+#define TARGETS "ylm.shade_targets"
+
+static void destroy_targets(void *targets) { ylm_transfer_targets_free(targets); }
+
+static void read_targets(lua_State *L, int i, void *field) {
+  *(const ylm_transfer_targets **)field = ylmL_held_check(L, i, TARGETS)->object;
+}
+
 static const ylmL_entry sets_entries[] = {
     YLML(sets_form, o.transfer, "transfer", READ, .read = read_transfer),
     YLML(sets_form, lit, "lit", READ, .read = ylmL_read_radiosity),
+    YLML(sets_form, o.targets, "targets", READ, .read = read_targets, .optional = true),
     YLML(sets_form, o.links, "links", INT),
     YLML(sets_form, sets, "sets", ARRAY),
     YLML(sets_form, o.all, "all", BOOL),
@@ -33,7 +42,7 @@ static bool has_floats(const ylmL_array *a, size_t count) {
 
 /* shade_gather_sets(view, {transfer, lit, links, sets [n], all, first, second: out [n][3], seed, threads, progress}) -> rays */
 static int shade_gather_sets(lua_State *L) {
-  sets_form f;
+  sets_form f = {.o = {.targets = NULL}};
   ylmL_read(L, 2, sets_entries, &f);
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   size_t n = ylmL_shade_points(v);
@@ -48,6 +57,32 @@ static int shade_gather_sets(lua_State *L) {
       ylm_shade_gather_sets(v, &f.o, (float *[2]){f.first->data, f.second->data}, &rays, &e);
   if (s == YLM_OK) ylmL_push_count(L, rays);
   return ylmL_result_progress(L, 1, s, &e, &p);
+}
+
+/* shade_targets(view, transfer, lit, seed, threads, progress) -> targets, {clusters, groups, rays, seconds}; false: no light */
+static int shade_targets(lua_State *L) {
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylmL_held *of = ylmL_held_check(L, 2, YLML_TRANSFER);
+  const ylm_radiosity *lit = ylmL_radiosity(L, 3);
+  ylm_transfer_targets *a = NULL;
+  ylm_transfer_targets_stats stats;
+  ylmL_progress p;
+  lua_settop(L, 6);
+  ylmL_held *h = ylmL_hold(L, TARGETS, destroy_targets, of);
+  ylm_status s =
+      ylm_shade_targets(v, of->object, ylm_radiosity_leaving(lit), (uint64_t)luaL_checknumber(L, 4),
+                        (int)luaL_checknumber(L, 5), ylmL_progress_begin(L, 6, &p), &a);
+  h->object = a;
+  if (s != YLM_OK) return ylmL_result_progress(L, 1, s, NULL, &p);
+  if (!a) lua_pushboolean(L, false);
+  if (!a) return ylmL_result_progress(L, 1, s, NULL, &p);
+  ylm_transfer_targets_look(a, &stats);
+  lua_newtable(L);
+  ylmL_set_count(L, "clusters", stats.clusters);
+  ylmL_set_count(L, "groups", stats.groups);
+  ylmL_set_count(L, "rays", stats.rays);
+  ylmL_set_number(L, "seconds", stats.seconds);
+  return ylmL_result_progress(L, 2, s, NULL, &p);
 }
 
 /* shade_noise_around(view, a, b, all: each [h][w][3], threads, out [h][w][1]) -> out */
@@ -127,9 +162,17 @@ static int shade_oidn(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-static const luaL_Reg functions[] = {
-    {"shade_denoise", shade_denoise},         {"shade_oidn", shade_oidn},
-    {"shade_gather_sets", shade_gather_sets}, {"shade_noise_around", shade_noise_around},
-    {"shade_spread", shade_spread},           {NULL, NULL}};
+static const luaL_Reg functions[] = {{"shade_denoise", shade_denoise},
+                                     {"shade_oidn", shade_oidn},
+                                     {"shade_gather_sets", shade_gather_sets},
+                                     {"shade_noise_around", shade_noise_around},
+                                     {"shade_spread", shade_spread},
+                                     {"shade_targets", shade_targets},
+                                     {NULL, NULL}};
 
-void ylmL_open_shade_rounds(lua_State *L) { luaL_setfuncs(L, functions, 0); }
+void ylmL_open_shade_rounds(lua_State *L) {
+  static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
+  ylmL_type(L, TARGETS, methods);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

@@ -113,8 +113,8 @@ static ylm_status find_lobes(ylm_shade_links *l, const uint64_t *stream, uint64_
   l->lobes.most = ylm_alloc(l->glossy, sizeof *l->lobes.most);
   ylm_status s = l->lobes.link && l->lobes.weight && l->lobes.most ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK)
-    s = ylm__shade_lobes(l->view, l->transfer, l->glossy, point, stream, (size_t)l->links, seed,
-                         threads, progress, &l->lobes);
+    s = ylm__shade_lobes(l->view, l->transfer, NULL, l->glossy, point, stream, (size_t)l->links,
+                         seed, threads, progress, &l->lobes);
   ylm_free(point);
   return s;
 }

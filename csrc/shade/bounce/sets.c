@@ -80,6 +80,14 @@ static ylm_status add_set(round_of *r, size_t n, const uint32_t *point, uint64_t
     memcpy(r->normal[i], r->view->normal[point[i]], 12);
     r->own[i] = r->stream[point[i]];
   }
+  if (o->targets && o->links % 2 == 0) {
+    ylm_status s = ylm_transfer_gather_targets(
+        o->targets, o->leaving, n, (const float(*)[3])r->origin, (const float(*)[3])r->normal,
+        r->own, o->links, seed, o->threads, NULL, (float(*)[4])r->mean);
+    for (size_t i = 0; s == YLM_OK && i < n; i++)
+      for (size_t c = 0; c < 3; c++) half[3 * (size_t)point[i] + c] += r->mean[4 * i + c];
+    return s;
+  }
   ylm_status s =
       ylm_transfer_find(o->transfer, n, (const float(*)[3])r->origin, (const float(*)[3])r->normal,
                         r->own, o->links, seed, o->threads, NULL, r->link, 0, NULL, e);
@@ -97,8 +105,8 @@ static ylm_status add_lobes(round_of *r, size_t n, const uint32_t *point, uint64
   size_t links = (size_t)o->links;
   shade_lobes x = {.start = r->start, .link = r->link, .weight = r->weight, .most = r->most};
   for (size_t i = 0; i <= n; i++) r->start[i] = i * links;
-  ylm_status s = ylm__shade_lobes(r->view, o->transfer, n, point, r->stream, links, seed,
-                                  o->threads, NULL, &x);
+  ylm_status s = ylm__shade_lobes(r->view, o->transfer, o->targets, n, point, r->stream, links,
+                                  seed, o->threads, NULL, &x);
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
     double light[3];
     ylm__shade_lobe(&x, i, o->leaving, -1, light);
@@ -161,5 +169,25 @@ ylm_status ylm_shade_gather_sets(const ylm_shade_view *v, const ylm_shade_sets *
   }
   for (int h = 0; s == YLM_OK && h < 2; h++) finish(&r, h, half[h]);
   round_free(&r);
+  return s;
+}
+
+ylm_status ylm_shade_targets(const ylm_shade_view *v, const ylm_transfer *t, const float *leaving,
+                             uint64_t seed, int threads, const ylm_progress *progress,
+                             ylm_transfer_targets **out) {
+  size_t step = v->points / TARGETS_MOST + 1, n = 0;
+  float(*x)[3] = ylm_alloc(2 * (v->points / step + 1), sizeof *x);
+  float(*normal)[3] = x + v->points / step + 1;
+  *out = NULL;
+  if (!x) return YLM_ENOMEM;
+  for (size_t i = 0; i < v->points; i += step) {
+    if (!ylm__shade_is_soft(v, i)) continue;
+    memcpy(x[n], v->origin[i], 12);
+    memcpy(normal[n++], v->normal[i], 12);
+  }
+  ylm_scene_places places = {n, (const float(*)[3])x, (const float(*)[3])normal,
+                             (const float(*)[3])x};
+  ylm_status s = ylm_transfer_targets_create(t, leaving, &places, seed, threads, progress, out);
+  ylm_free(x);
   return s;
 }

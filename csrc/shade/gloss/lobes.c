@@ -16,10 +16,14 @@
 #define LEAST_COSINE 1e-4f
 #define BELOW_ONE 0x1.fffffep-1f
 #define WEIGHTS 65535
+/* No element; a ray that a material chose. */
+#define AIMED_NOWHERE UINT32_MAX
+#define AIMED_CHOSEN (UINT32_MAX - 1)
 
 typedef struct job {
   const ylm_shade_view *v;
   const ylm_transfer *t;
+  const ylm_transfer_targets *targets; /* or NULL */
   const uint32_t *point;
   const uint64_t *stream;
   size_t most; /* links of a point */
@@ -33,11 +37,15 @@ typedef struct job {
 /* The memory of one thread. */
 typedef struct scratch {
   float (*u)[3], (*wo)[3], (*wi)[3], *pdf; /* [most] */
+  float (*f)[3];                           /* [most] */
   float (*weight)[3];                      /* [room] */
   ylm_trace_ray *ray;
   ylm_trace_hit *hit;
   uint32_t *target, *good; /* [room], [most] */
-  size_t room, rays;       /* rays: of points so far */
+  double *own;     /* [room] density of rays that the material chooses; < 0: it chose all of them */
+  uint32_t *aimed; /* [room] the element that a ray is aimed at, or AIMED_NOWHERE */
+  size_t *cluster; /* [room] */
+  size_t room, rays; /* rays: of points so far */
 } scratch;
 
 /* -- directions ------------------------------------------------------------------- */
@@ -115,17 +123,75 @@ static void draw(const job *j, size_t point, size_t links, float (*u)[3]) {
   }
 }
 
+/* Aims rays first .. links-1 of a point, of random numbers x->u; their weights, with those that its material chose. */
+static void aim_at_light(const job *j, scratch *x, const ylm_scene_surface *s, const float y[3],
+                         size_t point, size_t first, size_t links) {
+  const ylm_material *m = ylm__shade_material(j->v, point);
+  ylm_trace_ray *ray = x->ray + x->rays;
+  size_t cluster = ylm_transfer_targets_at(j->targets, s->origin, s->normal), n = links - first;
+  for (size_t k = first; k < links; k++) {
+    float to[3], square;
+    double u[3] = {(double)x->u[k][0], (double)x->u[k][1], (double)x->u[k][2]};
+    x->aimed[x->rays + k] = AIMED_NOWHERE;
+    ray[k].near = 0;
+    ray[k].far = -1;
+    memcpy(ray[k].org, s->origin, 12);
+    memcpy(ray[k].dir, s->normal, 12);
+    memset(x->wi[k], 0, 12);
+    if (!ylm_transfer_target(j->targets, cluster, u, &x->aimed[x->rays + k], to)) continue;
+    for (int a = 0; a < 3; a++) to[a] -= s->origin[a];
+    square = ylm_dot3(to, to);
+    if (!(ylm_dot3(to, s->flat) > 0)) continue;
+    for (int a = 0; a < 3; a++) ray[k].dir[a] = to[a] / sqrtf(square);
+    x->wi[k][0] = ylm_dot3(ray[k].dir, s->tangent);
+    x->wi[k][1] = ylm_dot3(ray[k].dir, y);
+    x->wi[k][2] = ylm_dot3(ray[k].dir, s->normal);
+    if (x->wi[k][2] > 0) ray[k].far = INFINITY;
+  }
+  ylm_material_eval(m, n, (const float(*)[3])x->wi + first, (const float(*)[3])x->wo, x->f + first);
+  ylm_material_pdf(m, n, (const float(*)[3])x->wi + first, (const float(*)[3])x->wo,
+                   x->pdf + first);
+  for (size_t k = 0; k < links; k++) {
+    x->cluster[x->rays + k] = cluster;
+    x->own[x->rays + k] = (double)x->pdf[k];
+    for (int c = 0; k >= first && c < 3; c++)
+      x->weight[x->rays + k][c] = ray[k].far > 0 ? x->f[k][c] * x->wi[k][2] : 0;
+    for (int c = 0; k < first && c < 3; c++) x->weight[x->rays + k][c] *= x->pdf[k];
+  }
+}
+
+/* The weight of a link, f cos, over the density of its ray by both ways. */
+static void balance(const job *j, const scratch *x, size_t k) {
+  float *weight = x->weight[k];
+  uint32_t raw = x->target[k] < ylm_transfer_count(j->t)
+                     ? ylm_transfer_hit(j->t, &x->ray[k], &x->hit[k])
+                     : AIMED_NOWHERE;
+  bool aimed = x->aimed[k] != AIMED_CHOSEN;
+  double other = 0;
+  if (raw != AIMED_NOWHERE)
+    other = ylm_transfer_target_density(j->targets, x->cluster[k], raw) *
+            ylm_transfer_target_spread(&x->ray[k], &x->hit[k]);
+  double all = (x->own[k] + other) / 2;
+  for (int c = 0; c < 3; c++)
+    weight[c] = all > 0 && !(aimed && raw != x->aimed[k]) ? (float)((double)weight[c] / all) : 0;
+}
+
 /* Rays of a point and their weights. Rays that a normal of vertices would send below the triangle are absorbed. */
 static void aim(const job *j, scratch *x, size_t point, size_t links) {
   ylm_scene_surface s;
   float y[3], (*weight)[3] = x->weight + x->rays;
   ylm_trace_ray *ray = x->ray + x->rays;
+  bool both = j->targets && links % 2 == 0 && ylm__shade_is_soft(j->v, point);
+  size_t chosen = both ? links / 2 : links;
   ylm__shade_frame(j->v, j->vertex, point, &s, y, x->wo[0]);
   for (size_t k = 1; k < links; k++) memcpy(x->wo[k], x->wo[0], 12);
-  draw(j, point, links, x->u);
-  ylm_material_sample(ylm__shade_material(j->v, point), links, (const float(*)[3])x->wo,
+  draw(j, point, chosen, x->u);
+  if (both) memcpy(x->u + chosen, x->u, chosen * sizeof *x->u);
+  ylm_material_sample(ylm__shade_material(j->v, point), chosen, (const float(*)[3])x->wo,
                       (const float(*)[3])x->u, x->wi, weight, x->pdf);
-  for (size_t k = 0; k < links; k++) {
+  for (size_t k = 0; k < chosen; k++) {
+    x->own[x->rays + k] = -1;
+    x->aimed[x->rays + k] = AIMED_CHOSEN;
     for (int a = 0; a < 3; a++)
       ray[k].dir[a] = x->wi[k][0] * s.tangent[a] + x->wi[k][1] * y[a] + x->wi[k][2] * s.normal[a];
     bool goes = x->pdf[k] > 0 && ylm_dot3(ray[k].dir, s.flat) > 0;
@@ -135,6 +201,7 @@ static void aim(const job *j, scratch *x, size_t point, size_t links) {
     for (int c = 0; c < 3; c++)
       if (!goes || !(weight[k][c] > 0) || !isfinite(weight[k][c])) weight[k][c] = 0;
   }
+  if (both) aim_at_light(j, x, &s, y, point, chosen, links);
   x->rays += links;
 }
 
@@ -155,24 +222,27 @@ static void tint(const job *j, const ylm_trace_ray *ray, const ylm_trace_hit *hi
   }
 }
 
-/* Keeps the links of number i: those that begin inside of a body give their slots to the others, evenly. */
-static void keep(const job *j, scratch *x, size_t i, const uint32_t *target,
-                 const float (*weight)[3]) {
+/* Keeps the links of number i, of rays from `at` on: those that begin inside of a body give their slots to others that the
+   material chose, evenly. */
+static void keep(const job *j, scratch *x, size_t i, size_t at) {
+  const uint32_t *target = x->target + at, *aimed = x->aimed + at;
+  const float(*weight)[3] = (const float(*)[3])x->weight + at;
   const size_t *start = j->out->start + i;
   uint32_t none = (uint32_t)ylm_transfer_count(j->t), links = (uint32_t)(start[1] - start[0]);
-  uint32_t *link = j->out->link + start[0], n = 0, b = 0;
+  uint32_t *link = j->out->link + start[0], n = 0, b = 0, buried = 0;
   uint16_t *part = j->out->weight + 3 * start[0];
   float most = 0;
+  for (uint32_t k = 0; k < links; k++) buried += target[k] > none;
   for (uint32_t k = 0; k < links; k++)
-    if (target[k] <= none) x->good[n++] = k;
+    if (target[k] <= none && aimed[k] == AIMED_CHOSEN) x->good[n++] = k;
   for (uint32_t k = 0; k < links; k++)
     for (int c = 0; target[k] <= none && c < 3; c++) most = fmaxf(most, weight[k][c]);
   for (uint32_t k = 0; k < links; k++) {
-    uint32_t from = target[k] <= none || n == 0 ? k : x->good[(uint64_t)b++ * n / (links - n)];
-    link[k] = n == 0 ? none : target[from];
+    uint32_t from = target[k] <= none || n == 0 ? k : x->good[(uint64_t)b++ * n / buried];
+    link[k] = target[from] <= none ? target[from] : none;
     for (uint32_t c = 0; c < 3; c++)
       part[c * links + k] =
-          n > 0 && most > 0 ? (uint16_t)lrintf(weight[from][c] / most * WEIGHTS) : 0;
+          link[k] < none && most > 0 ? (uint16_t)lrintf(weight[from][c] / most * WEIGHTS) : 0;
   }
   j->out->most[i] = most;
 }
@@ -185,12 +255,12 @@ static void follow(const job *j, scratch *x, size_t first, size_t end) {
   ylm_transfer_hits(j->t, x->rays, x->ray, x->hit, x->target);
   for (size_t k = 0; k < x->rays; k++) {
     if (x->ray[k].far < 0) x->target[k] = (uint32_t)none;
+    if (!(x->own[k] < 0)) balance(j, x, k);
+    if (x->aimed[k] != AIMED_CHOSEN && x->target[k] > none) x->target[k] = (uint32_t)none;
     if (j->albedo && x->target[k] < none)
       tint(j, &x->ray[k], &x->hit[k], x->target[k], x->weight[k]);
   }
-  for (size_t i = first; i < end; i++)
-    keep(j, x, i, x->target + (start[i] - start[first]),
-         (const float(*)[3])x->weight + (start[i] - start[first]));
+  for (size_t i = first; i < end; i++) keep(j, x, i, start[i] - start[first]);
   x->rays = 0;
 }
 
@@ -206,6 +276,10 @@ static void scratch_free(scratch *x) {
   ylm_free(x->hit);
   ylm_free(x->target);
   ylm_free(x->good);
+  ylm_free(x->f);
+  ylm_free(x->own);
+  ylm_free(x->aimed);
+  ylm_free(x->cluster);
 }
 
 static bool scratch_create(scratch *x, size_t links) {
@@ -219,7 +293,12 @@ static bool scratch_create(scratch *x, size_t links) {
   x->hit = ylm_alloc(rays, sizeof *x->hit);
   x->target = ylm_alloc(rays, sizeof *x->target);
   x->good = ylm_alloc(links, sizeof *x->good);
-  return x->u && x->wo && x->wi && x->weight && x->pdf && x->ray && x->hit && x->target && x->good;
+  x->f = ylm_alloc(links, sizeof *x->f);
+  x->own = ylm_alloc(rays, sizeof *x->own);
+  x->aimed = ylm_alloc(rays, sizeof *x->aimed);
+  x->cluster = ylm_alloc(rays, sizeof *x->cluster);
+  return x->u && x->wo && x->wi && x->weight && x->pdf && x->ray && x->hit && x->target &&
+         x->good && x->f && x->own && x->aimed && x->cluster;
 }
 
 static ylm_status run(void *context, size_t begin, size_t end, int worker) {
@@ -264,12 +343,18 @@ static ylm_status share(job *j) {
   return YLM_OK;
 }
 
-ylm_status ylm__shade_lobes(const ylm_shade_view *v, const ylm_transfer *t, size_t n,
-                            const uint32_t *point, const uint64_t *stream, size_t most,
-                            uint64_t seed, int threads, const ylm_progress *progress,
-                            const shade_lobes *out) {
-  job j = {
-      .v = v, .t = t, .point = point, .stream = stream, .most = most, .seed = seed, .out = out};
+ylm_status ylm__shade_lobes(const ylm_shade_view *v, const ylm_transfer *t,
+                            const ylm_transfer_targets *targets, size_t n, const uint32_t *point,
+                            const uint64_t *stream, size_t most, uint64_t seed, int threads,
+                            const ylm_progress *progress, const shade_lobes *out) {
+  job j = {.v = v,
+           .t = t,
+           .targets = targets,
+           .point = point,
+           .stream = stream,
+           .most = most,
+           .seed = seed,
+           .out = out};
   ylm_status s = share(&j);
   if (s == YLM_OK) s = ylm_parallel(n, SHADE_LOBE_GRAIN, threads, run, &j, progress, "links");
   ylm_free(j.vertex);

@@ -3,7 +3,7 @@
 #define YLM_SHADE_LOBES_H
 
 #include "../view.h"
-#include "ylm_transfer.h"
+#include "ylm_transfer_targets.h"
 
 /* Whether the material at point i glosses. */
 static inline bool ylm__shade_glosses(const ylm_shade_view *v, size_t i) {
@@ -27,11 +27,12 @@ typedef struct shade_lobes {
 } shade_lobes;
 
 /* Fills the lobes of points, whose starts are known; stream [points of the view]: the number of each one's random
-   numbers; most: the largest number of links of a point. YLM_ENOMEM, YLM_ECANCELLED. lobes.c */
-ylm_status ylm__shade_lobes(const ylm_shade_view *v, const ylm_transfer *t, size_t n,
-                            const uint32_t *point, const uint64_t *stream, size_t most,
-                            uint64_t seed, int threads, const ylm_progress *progress,
-                            const shade_lobes *out);
+   numbers; most: the largest number of links of a point; targets: what half of the links of points that are soft are aimed
+   by, or NULL. YLM_ENOMEM, YLM_ECANCELLED. lobes.c */
+ylm_status ylm__shade_lobes(const ylm_shade_view *v, const ylm_transfer *t,
+                            const ylm_transfer_targets *targets, size_t n, const uint32_t *point,
+                            const uint64_t *stream, size_t most, uint64_t seed, int threads,
+                            const ylm_progress *progress, const shade_lobes *out);
 /* out [3] is the sum of weight times radiance over links of point i, divided by the number of all
    of its links. `parity` picks the links whose numbers have an even (0) or odd (1) sum of bits, or
    all (-1). */

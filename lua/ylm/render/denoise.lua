@@ -47,8 +47,8 @@ local function ask(x, p)
   local links = { points(3), points(3) }
   if b then
     local count, message, code = check.result(x.name, p.lib.shade_gather_sets(p.view, { transfer = b.lit.links, lit = b.lit,
-      links = JUDGED.links, sets = points() + JUDGED.sets, all = x.p.options.gloss == "matte", first = links[1],
-      second = links[2], seed = c.seed + 3 * APART, threads = c.threads }))
+      targets = x.targets, links = JUDGED.links, sets = points() + JUDGED.sets, all = x.p.options.gloss == "matte",
+      first = links[1], second = links[2], seed = c.seed + 3 * APART, threads = c.threads }))
     if not count then return nil, message, code end
   end
   local still, why, kind = steady.elsewhere(x.name, p, x.o)

@@ -12,14 +12,16 @@ local all = {
   { "hits", "1", "camera rays that hit a surface" },
   { "pixels", "1", "of the picture" },
   { "bytes", "B", "memory of the view" },
-  { "rays", "1", "that were traced, by kind: primary, occlusion, shadow, guides, links, gloss, gloss_links, virtual; by paths "
-    .. "nearest, lamps" },
+  { "rays", "1", "that were traced, by kind: primary, occlusion, shadow, guides, targets, links, gloss, gloss_links, virtual; by "
+    .. "paths nearest, lamps" },
   { "visibility", "word", "rays, transfer, self or none; grid: shadows are those that the grid holds; vectors" },
 }
 
 local by_rays = {
   { "light_samples", "1", "by rays: shadow rays of a shading point" },
   { "guides", "1", "by rays and paths: clusters of points that rays were guided by" },
+  { "targets", "1", "by rays: groups of elements that links were aimed at; none where links that go as the cosine have little "
+    .. "noise" },
   { "noise", "1", "by rays, of a picture with a noise that is wanted: what is left, root mean square over pixels, each relative "
     .. "to the light around it; ended is then noise, samples, pilot, time_limit, most rays, filter "
     .. "or cancelled" },

@@ -126,9 +126,9 @@ local function estimate(x, rays, sets, round)
   local b = steady.links(x.o)
   if not b then return true end
   x.links = { x.points(3), x.points(3) }
-  local count, message, code = check.result(x.name, x.p.lib.shade_gather_sets(x.p.view, {
-    transfer = b.lit.links, lit = b.lit, links = x.pilot.links, sets = sets, all = x.p.options.gloss == "matte",
-    first = x.links[1], second = x.links[2], seed = c.seed + STEP * (round + 7), threads = c.threads, progress = c.progress }))
+  local count, message, code = check.result(x.name, x.p.lib.shade_gather_sets(x.p.view, { transfer = b.lit.links, lit = b.lit,
+    targets = x.targets, links = x.pilot.links, sets = sets, all = x.p.options.gloss == "matte", first = x.links[1],
+    second = x.links[2], seed = c.seed + STEP * (round + 7), threads = c.threads, progress = c.progress }))
   if not count then return nil, message, code end
   x.sets = (x.sets or 0) + count
   show(x)
@@ -334,6 +334,20 @@ local function is_enough(x, reached)
   return x.o.denoise == "auto" and reached <= SLACK * x.wanted
 end
 
+--- Elements that send light to the points of a picture, in x.targets, where links are to be aimed. True, or nil, message, code.
+local function aim(x)
+  local b, c = steady.links(x.o), x.casting
+  if not b or not x.o.guides then return true end
+  local targets, stats, code = check.result(x.name, x.p.lib.shade_targets(x.p.view, b.lit.links, b.lit, c.seed + STEP * 5,
+    c.threads, c.progress))
+  if targets == nil then return nil, stats, code end
+  if not targets then return true end
+  x.targets = targets
+  x.report.targets, x.report.rays.targets = stats.groups, stats.rays
+  x.report.seconds.targets = stats.seconds
+  return true
+end
+
 --- Direct light of the points of p; light that bounces is left in o.reflected.gathered. Or nil, message, code.
 function rounds.radiance(name, p, o, report, casting)
   local start = core.seconds()
@@ -344,7 +358,8 @@ function rounds.radiance(name, p, o, report, casting)
   local reached, ok, message, code
   x.steady, message, code = steady.light(name, p, o)
   if x.steady == nil then return nil, message, code end
-  ok, message, code = estimate(x, x.rays, x.own, 0)
+  ok, message, code = aim(x)
+  if ok then ok, message, code = estimate(x, x.rays, x.own, 0) end
   if ok then reached, message, code = settle(x) end
   if not reached then return nil, message, code end
   local seconds = core.seconds() - start

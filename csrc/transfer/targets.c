@@ -1,0 +1,486 @@
+/* targets.c - which elements send light to which places, and gathering by rays that are aimed at them. */
+#include <math.h>
+
+#include "calibration.h"
+#include "transfer.h"
+#include "ylm_transfer_targets.h"
+
+struct ylm_transfer_targets {
+  const ylm_transfer *t;
+  ylm_scene_clusters *of; /* clusters of places */
+  float *below;           /* [clusters][groups + 1] the chance of the groups before each */
+  uint32_t *group;        /* [elements] */
+  uint32_t *list, *first; /* [elements] in the order of groups; [groups + 1] of each in the list */
+  float *before;      /* [elements + groups] the chance of those before each in its group, and 1 */
+  float *dense;       /* [elements] the chance of each in its group, over its area */
+  float (*vertex)[3]; /* of the scene */
+  ylm_transfer_targets_stats stats;
+};
+
+void ylm_transfer_targets_free(ylm_transfer_targets *a) {
+  if (!a) return;
+  ylm_scene_clusters_free(a->of);
+  ylm_free(a->below);
+  ylm_free(a->group);
+  ylm_free(a->list);
+  ylm_free(a->first);
+  ylm_free(a->before);
+  ylm_free(a->dense);
+  ylm_free(a->vertex);
+  ylm_free(a);
+}
+
+void ylm_transfer_targets_look(const ylm_transfer_targets *a, ylm_transfer_targets_stats *stats) {
+  *stats = a->stats;
+}
+
+/* -- what a pilot meets ---------------------------------------------------------------- */
+
+/* Some places of each cluster, and the elements that their links hit. */
+typedef struct pilot {
+  size_t n;                         /* TARGETS_PLACES of each cluster */
+  float (*origin)[3], (*normal)[3]; /* [n] */
+  uint64_t *stream;                 /* [n] */
+  uint32_t *link;                   /* [n][TARGETS_LINKS] */
+  float *light;                     /* [elements + 1] luminance that leaves */
+} pilot;
+
+static void pilot_free(pilot *p) {
+  ylm_free(p->origin);
+  ylm_free(p->normal);
+  ylm_free(p->stream);
+  ylm_free(p->link);
+  ylm_free(p->light);
+}
+
+static ylm_status pilot_create(const ylm_transfer_targets *a, const ylm_scene_places *places,
+                               const float *leaving, pilot *p) {
+  size_t clusters = a->stats.clusters, elements = a->t->elements;
+  p->n = clusters * TARGETS_PLACES;
+  p->origin = ylm_alloc(p->n, sizeof *p->origin);
+  p->normal = ylm_alloc(p->n, sizeof *p->normal);
+  p->stream = ylm_alloc(p->n, sizeof *p->stream);
+  p->link = ylm_alloc(p->n * TARGETS_LINKS, sizeof *p->link);
+  p->light = ylm_alloc(elements + 1, sizeof *p->light);
+  if (!p->origin || !p->normal || !p->stream || !p->link || !p->light) return YLM_ENOMEM;
+  for (size_t i = 0; i < p->n; i++) {
+    size_t k = i % TARGETS_PLACES, m;
+    const uint32_t *place = ylm_scene_cluster_places(a->of, i / TARGETS_PLACES, TARGETS_LEAST, &m);
+    uint32_t at = place[k * m / TARGETS_PLACES];
+    memcpy(p->origin[i], places->origin[at], 12);
+    memcpy(p->normal[i], places->normal[at], 12);
+    p->stream[i] = i;
+  }
+  for (size_t e = 0; e <= elements; e++) {
+    const float *L = leaving + 4 * e;
+    p->light[e] =
+        (float)fmax(0, ylm_luminance((double[]){(double)L[0], (double)L[1], (double)L[2]}));
+  }
+  return YLM_OK;
+}
+
+/* The variance of a link's light over the square of its mean, on average over clusters. */
+static double variance_of(const ylm_transfer_targets *a, const pilot *p) {
+  size_t each = TARGETS_PLACES * TARGETS_LINKS;
+  double all = 0, lit = 0;
+  for (size_t c = 0; c < a->stats.clusters; c++) {
+    double sum = 0, square = 0;
+    for (size_t k = c * each; k < (c + 1) * each; k++) {
+      double light = (double)p->light[p->link[k]];
+      sum += light, square += light * light;
+    }
+    if (!(sum > 0)) continue;
+    all += square * (double)each / (sum * sum) - 1;
+    lit++;
+  }
+  return lit > 0 ? all / lit : 0;
+}
+
+/* -- groups of elements ---------------------------------------------------------------- */
+
+/* The middles of elements that were hit, by the light that they brought: of the sum of all, as many as there are steps in it. */
+static size_t draw_hits(const ylm_transfer_targets *a, const pilot *p, float (*x)[3],
+                        float (*normal)[3]) {
+  double all = 0, at = 0;
+  size_t n = 0;
+  for (size_t k = 0; k < p->n * TARGETS_LINKS; k++) all += (double)p->light[p->link[k]];
+  for (size_t k = 0; all > 0 && k < p->n * TARGETS_LINKS; k++) {
+    uint32_t e = p->link[k];
+    for (at += (double)p->light[e] / all * TARGETS_HITS; n < TARGETS_HITS && at >= (double)n + 0.5;
+         n++) {
+      memcpy(x[n], a->t->centre[e], 12);
+      memcpy(normal[n], a->t->normal[e], 12);
+    }
+  }
+  return n;
+}
+
+/* Gives each element its group, all of them in the order of groups, and chances in these. */
+static ylm_status list_elements(ylm_transfer_targets *a, const ylm_scene_clusters *groups,
+                                const float *light) {
+  const ylm_transfer *t = a->t;
+  size_t n = t->elements, count = a->stats.groups;
+  a->group = ylm_alloc(n, sizeof *a->group);
+  a->list = ylm_alloc(n, sizeof *a->list);
+  a->first = ylm_alloc_zero(count + 2, sizeof *a->first);
+  a->before = ylm_alloc(n + count, sizeof *a->before);
+  a->dense = ylm_alloc(n, sizeof *a->dense);
+  a->vertex = ylm_alloc(ylm_scene_vertices(t->scene, NULL), sizeof *a->vertex);
+  if (!a->group || !a->list || !a->first || !a->before || !a->dense || !a->vertex)
+    return YLM_ENOMEM;
+  ylm_scene_vertices(t->scene, a->vertex[0]);
+  for (size_t e = 0; e < n; e++) {
+    a->group[e] = (uint32_t)ylm_scene_cluster_at(groups, t->centre[e], t->normal[e]);
+    a->first[a->group[e] + 2]++;
+  }
+  for (size_t g = 2; g <= count; g++) a->first[g] += a->first[g - 1];
+  for (size_t e = 0; e < n; e++) a->list[a->first[a->group[e] + 1]++] = (uint32_t)e;
+  for (size_t g = 0; g < count; g++) {
+    float *before = a->before + a->first[g] + g;
+    size_t all = a->first[g + 1] - a->first[g];
+    const uint32_t *list = a->list + a->first[g];
+    double sum = 0, at = 0;
+    for (size_t k = 0; k < all; k++) sum += (double)(light[list[k]] * t->area[list[k]]);
+    for (size_t k = 0; k < all; k++) {
+      before[k] = sum > 0 ? (float)fmin(1, at / sum) : 0;
+      at += (double)(light[list[k]] * t->area[list[k]]);
+    }
+    before[all] = sum > 0;
+    for (size_t k = 0; k < all; k++)
+      a->dense[list[k]] = (before[k + 1] - before[k]) / t->area[list[k]];
+  }
+  return YLM_OK;
+}
+
+/* Groups of elements that are the finer where more light comes from. */
+static ylm_status group_elements(ylm_transfer_targets *a, const pilot *p) {
+  float(*x)[3] = ylm_alloc(2 * TARGETS_HITS, sizeof *x);
+  ylm_scene_clusters *groups = NULL;
+  if (!x) return YLM_ENOMEM;
+  size_t n = draw_hits(a, p, x, x + TARGETS_HITS);
+  ylm_scene_places hits = {n, (const float(*)[3])x, (const float(*)[3])(x + TARGETS_HITS),
+                           (const float(*)[3])x};
+  ylm_status s = n > 0 ? ylm_scene_clusters_create(&hits, TARGETS_GROUP, &groups) : YLM_OK;
+  if (s == YLM_OK && n > 0) {
+    a->stats.groups = ylm_scene_clusters_count(groups);
+    s = list_elements(a, groups, p->light);
+  }
+  ylm_scene_clusters_free(groups);
+  ylm_free(x);
+  return s;
+}
+
+/* The last k < n with before[k] <= u. */
+static size_t find(const float *before, size_t n, double u) {
+  size_t low = 0;
+  for (size_t high = n; high - low > 1;) {
+    size_t middle = (low + high) / 2;
+    if ((double)before[middle] <= u)
+      low = middle;
+    else
+      high = middle;
+  }
+  return low;
+}
+
+typedef struct chances {
+  ylm_transfer_targets *a;
+  const pilot *p;
+  double *flux; /* [groups] sum of luminance times area */
+  double *
+      width; /* [groups] sum of area over pi: squares of lengths below which cosines are not divided by it */
+  uint64_t seed;
+} chances;
+
+/* A ray of cluster c to group g, and the mean radiance that it would bring as all of the group if nothing were in its way. */
+static float look(const chances *x, size_t c, size_t g, ylm_rng *rng, ylm_trace_ray *ray,
+                  double *floor) {
+  const ylm_transfer_targets *a = x->a;
+  const ylm_transfer *t = a->t;
+  size_t n = a->first[g + 1] - a->first[g];
+  const float *before = a->before + a->first[g] + g;
+  size_t i = c * TARGETS_PLACES + (size_t)(ylm_rng_double(rng) * TARGETS_PLACES);
+  double u = ylm_rng_double(rng);
+  ray->near = 0, ray->far = -1;
+  memcpy(ray->org, x->p->origin[i], 12);
+  memcpy(ray->dir, x->p->normal[i], 12);
+  if (n == 0 || !(before[n] > 0)) return 0;
+  uint32_t e = a->list[a->first[g] + find(before, n, u)];
+  float to[3];
+  for (int k = 0; k < 3; k++) to[k] = t->centre[e][k] - ray->org[k];
+  double square = (double)ylm_dot3(to, to), here = (double)ylm_dot3(to, x->p->normal[i]),
+         there = -(double)ylm_dot3(to, t->normal[e]);
+  *floor += TARGETS_FAR / TARGETS_LOOKS * x->flux[g] / (YLM_PI * fmax(square, x->width[g]));
+  if (!(here > 0) || !(there > 0)) return 0;
+  memcpy(ray->dir, to, 12);
+  ray->far = 0.999f;
+  return (float)(x->flux[g] * here * there / (YLM_PI * square * fmax(square, x->width[g])));
+}
+
+static ylm_status tell(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const chances *x = context;
+  ylm_transfer_targets *a = x->a;
+  size_t groups = a->stats.groups, each = TARGETS_PLACES * TARGETS_LINKS,
+         looks = TARGETS_LOOKS * groups;
+  double *part = ylm_alloc(groups, sizeof *part);
+  float *value = ylm_alloc(looks, sizeof *value);
+  ylm_trace_ray *ray = ylm_alloc(looks, sizeof *ray);
+  uint32_t *of = ylm_alloc(looks, sizeof *of);
+  ylm_status s = part && value && ray && of ? YLM_OK : YLM_ENOMEM;
+  for (size_t c = begin; s == YLM_OK && c < end; c++) {
+    float *below = a->below + c * (groups + 1);
+    const uint32_t *link = x->p->link + c * each;
+    double open = 0, sum = 0, at = 0;
+    size_t n = 0;
+    ylm_rng rng;
+    ylm_rng_seed(&rng, x->seed, c);
+    memset(part, 0, groups * sizeof *part);
+    for (size_t k = 0; k < each; k++)
+      if (x->p->light[link[k]] > 0)
+        part[a->group[link[k]]] += (double)x->p->light[link[k]] / (double)each;
+    for (size_t k = 0; k < looks; k++) {
+      value[n] = look(x, c, k / TARGETS_LOOKS, &rng, &ray[n], &part[k / TARGETS_LOOKS]);
+      if (!(value[n] > 0)) continue;
+      open += (double)value[n];
+      of[n++] = (uint32_t)(k / TARGETS_LOOKS);
+    }
+    size_t kept = 0;
+    for (size_t k = 0; k < n; k++) {
+      part[of[k]] += TARGETS_FLOOR * (double)value[k] / TARGETS_LOOKS;
+      if ((double)value[k] < open * TARGETS_SMALL) continue;
+      ray[kept] = ray[k], value[kept] = value[k], of[kept++] = of[k];
+    }
+    ylm_trace_occluded(ylm_scene_trace(a->t->scene), kept, ray);
+    for (size_t k = 0; k < kept; k++)
+      if (!(ray[k].far < 0)) part[of[k]] += (double)value[k] / TARGETS_LOOKS;
+    for (size_t g = 0; g < groups; g++) sum += part[g];
+    for (size_t g = 0; g < groups; g++) {
+      below[g] = sum > 0 ? (float)fmin(1, at / sum) : 0;
+      at += part[g];
+    }
+    below[groups] = sum > 0;
+  }
+  ylm_free(part);
+  ylm_free(value);
+  ylm_free(ray);
+  ylm_free(of);
+  return s;
+}
+
+/* The part of each group in the light that clusters meet. */
+static ylm_status tell_chances(ylm_transfer_targets *a, const pilot *p, uint64_t seed,
+                               int threads) {
+  size_t groups = a->stats.groups;
+  chances x = {.a = a, .p = p, .seed = seed};
+  x.flux = ylm_alloc_zero(groups, sizeof *x.flux);
+  x.width = ylm_alloc_zero(groups, sizeof *x.width);
+  a->below = ylm_alloc(a->stats.clusters * (groups + 1), sizeof *a->below);
+  ylm_status s = x.flux && x.width && a->below ? YLM_OK : YLM_ENOMEM;
+  for (size_t e = 0; s == YLM_OK && e < a->t->elements; e++)
+    if (p->light[e] > 0) {
+      x.flux[a->group[e]] += (double)(p->light[e] * a->t->area[e]);
+      x.width[a->group[e]] += (double)a->t->area[e] / YLM_PI;
+    }
+  if (s == YLM_OK) s = ylm_parallel(a->stats.clusters, 1, threads, tell, &x, NULL, NULL);
+  ylm_free(x.flux);
+  ylm_free(x.width);
+  return s;
+}
+
+static ylm_status learn(ylm_transfer_targets *a, const float *leaving,
+                        const ylm_scene_places *places, uint64_t seed, int threads,
+                        const ylm_progress *progress) {
+  pilot p = {0};
+  size_t most = places->n / TARGETS_CLUSTERS;
+  ylm_status s =
+      ylm_scene_clusters_create(places, most > TARGETS_LEAST ? most : TARGETS_LEAST, &a->of);
+  if (s != YLM_OK) return s;
+  a->stats.clusters = ylm_scene_clusters_count(a->of);
+  s = pilot_create(a, places, leaving, &p);
+  if (s == YLM_OK)
+    s = ylm__transfer_find_shares(a->t, p.n, (const float(*)[3])p.origin,
+                                  (const float(*)[3])p.normal, p.stream, TARGETS_LINKS, seed,
+                                  threads, progress, p.link, 0, NULL, NULL, NULL);
+  a->stats.rays = p.n * TARGETS_LINKS;
+  if (s == YLM_OK && variance_of(a, &p) > TARGETS_WORTH) s = group_elements(a, &p);
+  if (s == YLM_OK && a->stats.groups > 0) s = tell_chances(a, &p, ylm_mix64(seed), threads);
+  pilot_free(&p);
+  ylm_scene_clusters_forget(a->of);
+  return s;
+}
+
+ylm_status ylm_transfer_targets_create(const ylm_transfer *t, const float *leaving,
+                                       const ylm_scene_places *places, uint64_t seed, int threads,
+                                       const ylm_progress *progress, ylm_transfer_targets **out) {
+  double begun = ylm_seconds();
+  *out = NULL;
+  if (places->n == 0 || t->elements == 0) return YLM_OK;
+  ylm_transfer_targets *a = ylm_alloc_zero(1, sizeof *a);
+  if (!a) return YLM_ENOMEM;
+  a->t = t;
+  ylm_status s = learn(a, leaving, places, seed, threads, progress);
+  a->stats.seconds = ylm_seconds() - begun;
+  if (s == YLM_OK && a->stats.groups > 0)
+    *out = a;
+  else
+    ylm_transfer_targets_free(a);
+  return s;
+}
+
+/* -- rays ------------------------------------------------------------------------------ */
+
+size_t ylm_transfer_targets_at(const ylm_transfer_targets *a, const float x[3],
+                               const float normal[3]) {
+  return ylm_scene_cluster_at(a->of, x, normal);
+}
+
+/* What is left of u in the step from before[0] to before[1]. */
+static double rest(const float *before, double u) {
+  double step = (double)before[1] - (double)before[0];
+  return step > 0 ? fmin((u - (double)before[0]) / step, 1 - 1e-12) : 0;
+}
+
+bool ylm_transfer_target(const ylm_transfer_targets *a, size_t cluster, const double u[3],
+                         uint32_t *element, float point[3]) {
+  size_t groups = a->stats.groups;
+  const float *below = a->below + cluster * (groups + 1);
+  if (!(below[groups] > 0)) return false;
+  size_t g = find(below, groups, u[0]), n = a->first[g + 1] - a->first[g];
+  const float *before = a->before + a->first[g] + g;
+  if (n == 0 || !(before[n] > 0)) return false;
+  double v = rest(below + g, u[0]);
+  size_t k = find(before, n, v);
+  ylm_scene_place place;
+  float corner[3][2];
+  uint32_t e = *element = a->list[a->first[g] + k];
+  ylm__transfer_corners(a->t, e, &place, corner);
+  ylm__transfer_inside(corner, u[1], u[2], &place);
+  const uint32_t *of = ylm_scene_triangle(a->t->scene, place.mesh, place.element);
+  size_t first = ylm_scene_first_vertex(a->t->scene, place.mesh);
+  const float *x = a->vertex[first + of[0]], *y = a->vertex[first + of[1]],
+              *z = a->vertex[first + of[2]];
+  for (int q = 0; q < 3; q++) point[q] = x[q] + place.u * (y[q] - x[q]) + place.v * (z[q] - x[q]);
+  return true;
+}
+
+double ylm_transfer_target_density(const ylm_transfer_targets *a, size_t cluster, uint32_t e) {
+  const float *below = a->below + cluster * (a->stats.groups + 1) + a->group[e];
+  return (double)(below[1] - below[0]) * (double)a->dense[e];
+}
+
+/* -- gathering ------------------------------------------------------------------------- */
+
+typedef struct job {
+  const ylm_transfer_targets *a;
+  const float *leaving;
+  const float (*origin)[3], (*normal)[3];
+  const uint64_t *stream;
+  transfer_fan fan;
+  int links;
+  uint64_t seed;
+  float (*mean)[4];
+} job;
+
+typedef struct scratch {
+  ylm_trace_ray *ray; /* [TARGETS_GRAIN][links]: of the cosine, then those that are aimed */
+  ylm_trace_hit *hit;
+  uint32_t *target, *aimed;
+  size_t cluster[TARGETS_GRAIN];
+} scratch;
+
+/* Rays of place i. */
+static void aim(const job *j, scratch *x, size_t i, size_t at) {
+  int fan = j->fan.rays;
+  ylm_trace_ray *ray = x->ray + at * (size_t)j->links;
+  uint32_t *aimed = x->aimed + at * (size_t)j->links;
+  ylm_rng rng;
+  ylm_rng_seed(&rng, j->seed, j->stream[i]);
+  ylm__transfer_fan_aim(&j->fan, j->normal[i], &rng, ray);
+  double by = ylm_rng_double(&rng), u = ylm_rng_double(&rng), v = ylm_rng_double(&rng);
+  x->cluster[at] = ylm_transfer_targets_at(j->a, j->origin[i], j->normal[i]);
+  for (int k = 0; k < j->links; k++) {
+    float point[3], square;
+    memcpy(ray[k].org, j->origin[i], 12);
+    if (k < fan) continue;
+    double draw[3] = {(k - fan + by) / (j->links - fan), u + (k - fan) * 0.7548776662466927,
+                      v + (k - fan) * 0.5698402909980532};
+    draw[1] -= floor(draw[1]), draw[2] -= floor(draw[2]);
+    ray[k].near = 0;
+    ray[k].far = -1;
+    memcpy(ray[k].dir, j->normal[i], 12);
+    if (!ylm_transfer_target(j->a, x->cluster[at], draw, &aimed[k], point)) continue;
+    for (int q = 0; q < 3; q++) point[q] -= ray[k].org[q];
+    square = ylm_dot3(point, point);
+    if (!(ylm_dot3(point, j->normal[i]) > 0)) continue;
+    for (int q = 0; q < 3; q++) ray[k].dir[q] = point[q] / sqrtf(square);
+    ray[k].far = INFINITY;
+  }
+}
+
+/* The mean of the light that the rays of place i brought. */
+static void add(const job *j, const scratch *x, size_t i, size_t at) {
+  const ylm_transfer_targets *a = j->a;
+  size_t links = (size_t)j->links, fan = (size_t)j->fan.rays, first = at * links, good = 0;
+  double sum[3] = {0, 0, 0}, part = (double)fan / (double)links;
+  for (size_t k = 0; k < fan; k++) good += x->target[first + k] != YLM_TRANSFER_BURIED(a->t);
+  for (size_t k = 0; k < links; k++) {
+    const ylm_trace_ray *ray = &x->ray[first + k];
+    const ylm_trace_hit *hit = &x->hit[first + k];
+    uint32_t e = x->target[first + k], raw;
+    if (e >= a->t->elements || ray->far < 0) continue;
+    raw = ylm_transfer_hit(a->t, ray, hit);
+    if (k >= fan && raw != x->aimed[first + k]) continue;
+    double own = (double)ylm_dot3(ray->dir, j->normal[i]) / YLM_PI;
+    double other =
+        ylm_transfer_target_density(a, x->cluster[at], raw) * ylm_transfer_target_spread(ray, hit);
+    double each = own / (part * own + (1 - part) * other);
+    if (k < fan) each *= (double)fan / (double)good;
+    for (size_t c = 0; c < 3; c++) sum[c] += each * (double)j->leaving[4 * (size_t)e + c];
+  }
+  for (size_t c = 0; c < 3; c++) j->mean[i][c] = (float)(sum[c] / (double)links);
+  j->mean[i][3] = 0;
+}
+
+static ylm_status run(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const job *j = context;
+  size_t links = (size_t)j->links, all = (end - begin) * links;
+  scratch x;
+  x.ray = ylm_alloc(all, sizeof *x.ray);
+  x.hit = ylm_alloc(all, sizeof *x.hit);
+  x.target = ylm_alloc(all, sizeof *x.target);
+  x.aimed = ylm_alloc(all, sizeof *x.aimed);
+  ylm_status s = x.ray && x.hit && x.target && x.aimed ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) {
+    for (size_t i = begin; i < end; i++) aim(j, &x, i, i - begin);
+    ylm_trace_nearest(ylm_scene_trace(j->a->t->scene), all, x.ray, false, x.hit);
+    ylm_transfer_hits(j->a->t, all, x.ray, x.hit, x.target);
+    for (size_t i = begin; i < end; i++) add(j, &x, i, i - begin);
+  }
+  ylm_free(x.ray);
+  ylm_free(x.hit);
+  ylm_free(x.target);
+  ylm_free(x.aimed);
+  return s;
+}
+
+ylm_status ylm_transfer_gather_targets(const ylm_transfer_targets *a, const float *leaving,
+                                       size_t n, const float (*origin)[3], const float (*normal)[3],
+                                       const uint64_t *stream, int links, uint64_t seed,
+                                       int threads, const ylm_progress *progress,
+                                       float (*mean)[4]) {
+  job j = {.a = a,
+           .leaving = leaving,
+           .origin = origin,
+           .normal = normal,
+           .stream = stream,
+           .links = links,
+           .seed = seed,
+           .mean = mean};
+  if (links < 2 || links > YLM_TRANSFER_LINKS || links % 2) return YLM_ERANGE;
+  ylm_status s = ylm__transfer_fan_create(links / 2, &j.fan);
+  if (s == YLM_OK) s = ylm_parallel(n, TARGETS_GRAIN, threads, run, &j, progress, "links");
+  ylm__transfer_fan_free(&j.fan);
+  return s;
+}
