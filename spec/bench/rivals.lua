@@ -1,15 +1,21 @@
--- Probes for engines beside three.js' own: ten scenes, judged by paths at 500 places of surfaces.
+-- Probes for engines beside rivals: ten scenes, judged by paths at 500 places of surfaces.
 --
 --     make bench BENCH=rivals         build/ylm run spec/bench/rivals.lua [scene: a pattern] [folder]
 --
--- Truths and what three.js' bakes answered are kept in the folder (default out/rivals), since both take minutes; a seconds column
--- has those of the run that made them. The box of a lattice is wider than the grid where surfaces face out of it, since three.js
--- lights nothing else. YLM_BENCH_SECONDS bounds the paths of a scene (default 60). Bytes are those of the halves
--- that an engine holds, 3 x 9 numbers a probe and what pads three.js' atlas, without base64.
+-- A first table has light that answers anywhere: grids of ylm, of three.js and of EEVEE. A second one has light at the 500
+-- places alone: Cycles, Radiance, POV-Ray, and ylm's paths. Truths and answers of rivals are kept in the folder (default
+-- out/rivals), since both take minutes. Seconds are those of processors. The box of a lattice is wider than the grid where
+-- surfaces face out of it, since three.js lights nothing else. YLM_BENCH_SECONDS bounds the paths of a scene (default 60).
+-- Bytes are those of the halves that an engine holds, 3 x 9 numbers a probe and what pads three.js' atlas, without base64.
+-- SCENE.tsv in the folder has all rows, and SCENE.seen.*.npy what the scene's camera sees: spec/bench/rivals/draw.lua draws
+-- charts and pictures of them.
 
+local blender = require "spec.bench.rivals.blender"
 local places = require "spec.support.surface_places"
+local plain = require "spec.bench.rivals.plain"
 local probe_reader = require "spec.support.probe_reader"
 local reader = require "spec.support.engine_reader"
+local seen_places = require "spec.bench.rivals.seen"
 local three = require "spec.bench.rivals.three"
 local truths = require "spec.bench.rivals.truth"
 local ylm = require "ylm"
@@ -19,6 +25,8 @@ local seconds_most = tonumber(os.getenv "YLM_BENCH_SECONDS") or 60
 local TOLERANCE, BOUNCES, CUBE = 0.1, 4, 16
 local PARTS = { 6, 12 } -- of the mean extent of a box: cells of the lattices
 local BOTH = {} -- the second one also
+local AT_PLACES = { blender.cycles, require "spec.bench.rivals.radiance", require "spec.bench.rivals.povray" }
+local SAMPLES = { 4096, 512 } -- of ylm's paths at places
 
 ylm.on_warning(false)
 os.execute("mkdir -p '" .. folder:gsub("'", "'\\''") .. "'")
@@ -45,12 +53,17 @@ local function judged(entry, truth, E)
     leak = dark > 0 and leak / dark or nil }
 end
 
-local function say(name, r, bytes, seconds)
+local rows -- of charts
+
+local function say(entry, name, r, bytes, seconds, kind)
   print(("| %s | %.1f %% | %.1f %% | %.1f %% | %s | %s | %s |"):format(name, 100 * r.rms, 100 * r.q90, 100 * r.q99,
     r.leak and ("%.3f %%"):format(100 * r.leak) or "", bytes and ("%.1f kB"):format(bytes / 1000) or "",
-    seconds and ("%.0f"):format(seconds) or ""))
+    seconds and ("%.1f"):format(seconds) or ""))
   io.stdout:flush()
+  rows:write(table.concat({ entry.name, kind or name, r.rms, r.q99, r.leak or "", bytes or "", seconds or "" }, "\t"), "\n")
 end
+
+local function say_not(name, why) print(("| %s | %s | | | | | |"):format(name, why)) end
 
 --- The cells of a box, about `parts` along its mean extent.
 local function cells_of(box, parts)
@@ -62,23 +75,77 @@ end
 
 local function atlas_bytes(cells) return 56 * cells[1] * cells[2] * (cells[3] + 2) end
 
---- Answers of three.js' own bake at the truth's places, and its seconds: from the folder, or baked. Or nil, why not.
-local function by_three(entry, scene, truth, box, cells)
-  local path = ("%s/three-%s-%s.npy"):format(folder, entry.name, table.concat(cells, "x"))
+--- Answers at the truth's places, processor seconds and bytes: from the folder, or by run(). Or nil, why not.
+local function kept(name, run)
+  local path = ("%s/%s.npy"):format(folder, (name:gsub("[^%w]+", "_")))
   local file = io.open(path)
   if file then
     file:close()
-    local rows = assert(ylm.load(path)):totable()
-    return rows, table.remove(rows)[1]
+    local E = assert(ylm.load(path)):totable()
+    local last = table.remove(E)
+    return E, last[1], last[2] > 0 and last[2] or nil
   end
-  local why = three.lacks()
-  if why then return nil, why end
-  local read, seconds = three.bake(scene, { lo = box[1], hi = box[2], cells = cells }, BOUNCES, CUBE)
-  if not read then return nil, seconds end
-  local rows = read(truth.points, truth.normals)
-  rows[#rows + 1] = { seconds, 0, 0 }
-  assert(ylm.array(rows, "float"):save(path))
-  return rows, table.remove(rows)[1]
+  local E, seconds, bytes = run()
+  if not E then return nil, seconds end
+  E[#E + 1] = { seconds, bytes or 0, 0 }
+  assert(ylm.array(E, "double"):save(path))
+  table.remove(E)
+  return E, seconds, bytes
+end
+
+--- The row of a rival.
+local function by_rival(entry, truth, name, kind, run)
+  local E, seconds, bytes = kept(entry.name .. " " .. name, run)
+  if E then say(entry, name, judged(entry, truth, E), bytes, seconds, kind) else say_not(name, seconds) end
+end
+
+--- The row of a rival that answers anywhere, by run(points, normals), and what the camera sees of its light.
+local function by_probes(entry, truth, seen, name, kind, run)
+  local E, seconds, bytes = kept(entry.name .. " " .. name, function() return run(seen.all_points, seen.all_normals) end)
+  if not E then return say_not(name, seconds) end
+  say(entry, name, judged(entry, truth, E), bytes, seconds, kind)
+  seen:keep(kind, E)
+end
+
+local function by_three(entry, scene, truth, seen, box, cells)
+  by_probes(entry, truth, seen, "three.js, " .. table.concat(cells, " x "), "three.js", function(points, normals)
+    local why = three.lacks()
+    if why then return nil, why end
+    local read, seconds = three.bake(scene, { lo = box[1], hi = box[2], cells = cells }, BOUNCES, CUBE)
+    if not read then return nil, seconds end
+    return read(points, normals), seconds, atlas_bytes(cells)
+  end)
+end
+
+local function by_eevee(entry, scene, truth, seen, box, cells)
+  by_probes(entry, truth, seen, "EEVEE, " .. table.concat(cells, " x "), "EEVEE", function(points, normals)
+    local why = blender.eevee.lacks()
+    if why then return nil, why end
+    return blender.eevee.run(plain.of(scene), points, normals, entry.quantity,
+      { box = box, cells = cells, bounces = BOUNCES, cube = 64 })
+  end)
+end
+
+--- Rivals that answer at places alone, and ylm's paths there.
+local function at_places(entry, scene, truth)
+  for _, rival in ipairs(AT_PLACES) do
+    local why = rival.lacks()
+    for _, setting in ipairs(why and {} or rival.settings) do
+      by_rival(entry, truth, rival.name .. ", " .. setting.name, rival.name:match "[^,]+", function()
+        return rival.run(plain.of(scene), truth.points, truth.normals, entry.quantity, setting)
+      end)
+    end
+    if why then say_not(rival.name, why) end
+  end
+  for _, samples in ipairs(SAMPLES) do
+    by_rival(entry, truth, ("ylm, %d paths a place"):format(samples), "ylm, paths", function()
+      local began = os.clock()
+      local E, why = scene:probe { points = truth.points, normals = truth.normals, samples = samples, seed = 7, progress = false,
+        reflections = { entry.quantity == "all" and 0 or 1, "all" } }
+      if not E then return nil, why end
+      return E:totable(), os.clock() - began, 12 * #truth.points
+    end)
+  end
 end
 
 --- ylm's exports at the bytes of a lattice.
@@ -102,16 +169,17 @@ local function by_ylm(entry, scene, truth, grid, cells)
       o.cells = smaller
       report = assert(grid:export(path, o))
     end
-    say(("ylm, %s, %s%s"):format(fitted and "fitted" or "sampled", table.concat(o.cells, " x "),
+    say(entry, ("ylm, %s, %s%s"):format(fitted and "fitted" or "sampled", table.concat(o.cells, " x "),
       #report.grids > 1 and (" in %d grids"):format(#report.grids) or ""),
-      judged(entry, truth, reader.of(path).read(truth.points, truth.normals)), size(), os.clock() - began)
+      judged(entry, truth, reader.of(path).read(truth.points, truth.normals)), size(), os.clock() - began,
+      fitted and "ylm, fitted" or "ylm, sampled")
   end
   os.remove(path)
   os.remove(name)
 end
 
 --- ylm's bricks, in the bytes of a lattice and in a quarter of them.
-local function by_bricks(entry, scene, truth, grid, bytes)
+local function by_bricks(entry, scene, truth, seen, grid, bytes)
   local name = os.tmpname()
   local path = name .. ".ylmp"
   for _, most in ipairs { bytes, bytes / 4 } do
@@ -121,56 +189,70 @@ local function by_bricks(entry, scene, truth, grid, bytes)
       local file = assert(io.open(path, "rb"))
       local look, E = probe_reader.of(file:read "*a"), {}
       file:close()
-      for i, p in ipairs(truth.points) do E[i] = look(p, truth.normals[i]) end
-      say(("ylm, bricks, %d and %d points"):format(report.bricks, report.probes), judged(entry, truth, E), report.bytes,
-        os.clock() - began)
-    else print("| ylm, bricks | " .. why .. " | | | | | |") end
+      for i, p in ipairs(seen.all_points) do E[i] = look(p, seen.all_normals[i]) end
+      if most == bytes then seen:keep("ylm, .ylmp", E) end
+      say(entry, ("ylm, bricks, %d and %d points"):format(report.bricks, report.probes), judged(entry, truth, E), report.bytes,
+        os.clock() - began, "ylm, bricks")
+    else say_not("ylm, bricks", why) end
   end
   os.remove(path)
   os.remove(name)
 end
 
---- The grid itself, in few bytes, and seconds of its bake.
+--- The grid itself, in few bytes, and processor seconds of its bake, which stand beside it.
 local function grid_of(entry, scene, truth)
-  local path, began = folder .. "/" .. entry.name .. ".ylm", os.time()
-  local file = io.open(path)
-  local grid
+  local path = folder .. "/" .. entry.name .. ".ylm"
+  local file = io.open(path .. ".seconds")
+  local grid, seconds
   if file then
+    seconds = tonumber(file:read "*a")
     file:close()
-    grid, began = assert(ylm.load(path)), nil
+    grid = assert(ylm.load(path))
   else
+    local began = os.clock()
     grid = assert(scene:bake { quantity = entry.quantity, progress = false,
       probes = ylm.adaptive_grid { lmax = 2, tolerance = TOLERANCE, bounds = entry.box } })
+    seconds = os.clock() - began
     assert(grid:save(path))
+    file = assert(io.open(path .. ".seconds", "w"))
+    file:write(seconds)
+    file:close()
   end
   local small = os.tmpname()
   local _, report = assert(grid:save(small .. ".ylm", { step = 0.05 }))
   local read = assert(ylm.load(small .. ".ylm"))
-  say(("ylm's grid, tolerance %g, few bytes"):format(TOLERANCE),
+  say(entry, ("ylm's grid, tolerance %g, few bytes"):format(TOLERANCE),
     judged(entry, truth, read:irradiance(truth.points, truth.normals, { scene = read.sides and scene or nil }):totable()),
-    report.bytes, began and os.time() - began)
+    report.bytes, seconds, "ylm's grid")
   os.remove(small .. ".ylm")
   os.remove(small)
   return grid
 end
+
+local HEAD = "| %s | rms | 90 %% | 99 %% | leak | bytes | seconds |\n| --- | --- | --- | --- | --- | --- | --- |"
 
 local function run(entry)
   local scene = entry.make(ylm)
   local box = entry.box or places.box_of(scene)
   local truth = truths.of(entry, scene, folder, seconds_most)
   print(("\n%s, %s light; noise of the truth %.1f %%\n"):format(entry.name, entry.quantity, 100 * truth.noise))
-  print "| probes | rms | 90 % | 99 % | leak | bytes | seconds |\n| --- | --- | --- | --- | --- | --- | --- |"
-  local grid = grid_of(entry, scene, truth)
+  rows = assert(io.open(("%s/%s.tsv"):format(folder, entry.name), "w"))
+  print(HEAD:format "probes, anywhere")
+  local grid, seen = grid_of(entry, scene, truth), seen_places.of(entry, scene, truth, folder)
   for k = 1, BOTH[entry.name] and 2 or 1 do
     local cells = cells_of(box, PARTS[k])
     box = assert(grid:export(folder .. "/box.npy", { cells = cells, scene = scene, offset = 0.5 })).grids[1].bounds
-    local E, seconds = by_three(entry, scene, truth, box, cells)
-    local name = "three.js, " .. table.concat(cells, " x ")
-    if E then say(name, judged(entry, truth, E), atlas_bytes(cells), seconds)
-    else print(("| %s | %s | | | | | |"):format(name, seconds)) end
+    by_three(entry, scene, truth, seen, box, cells)
+    by_eevee(entry, scene, truth, seen, box, cells)
     by_ylm(entry, scene, truth, grid, cells)
-    by_bricks(entry, scene, truth, grid, atlas_bytes(cells))
+    by_bricks(entry, scene, truth, seen, grid, atlas_bytes(cells))
   end
+  print("\n" .. HEAD:format "at the places alone")
+  at_places(entry, scene, truth)
+  rows:close()
 end
 
+for _, rival in ipairs(AT_PLACES) do
+  if not rival.lacks() then print(rival.name .. ": " .. (rival.version() or "version unknown")) end
+end
 for _, entry in ipairs(require "spec.bench.rivals.scenes") do if entry.name:find(pattern) then run(entry) end end

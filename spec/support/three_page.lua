@@ -22,12 +22,14 @@ end
 
 function page.there() return modules ~= nil and page.browser() ~= nil end
 
---- Text between BEGIN and END in the `pre` that a page in a folder leaves, or nil; and all of its document.
-function page.result(folder, name, seconds)
-  local dom = scratch.capture(("timeout %d %s --headless --no-sandbox --disable-gpu-sandbox --use-angle=swiftshader "
-    .. "--enable-unsafe-swiftshader --allow-file-access-from-files --virtual-time-budget=20000 --user-data-dir=%s/profile "
-    .. "--dump-dom file://%s 2>/dev/null"):format(seconds, page.browser(), scratch.quote(folder.path), name))
-  return dom:match "<pre>BEGIN (.-) END</pre>", dom
+--- Text between BEGIN and END in the `pre` that a page in a folder leaves, or nil; all of its document; and the second answer
+-- of `run`, by default scratch.capture.
+function page.result(folder, name, seconds, run)
+  local dom, also = (run or scratch.capture)(("timeout %d %s --headless --no-sandbox --disable-gpu-sandbox "
+    .. "--use-angle=swiftshader --enable-unsafe-swiftshader --allow-file-access-from-files "
+    .. "--virtual-time-budget=20000 --user-data-dir=%s/profile --dump-dom file://%s 2>/dev/null"):format(
+    seconds, page.browser(), scratch.quote(folder.path), name))
+  return dom:match "<pre>BEGIN (.-) END</pre>", dom, also
 end
 
 local PAGE = [[<!doctype html><body><script type="importmap">{"imports":{"three":"./three.module.js"}}</script>
