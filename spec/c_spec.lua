@@ -149,6 +149,7 @@ describe("the C library", function()
       ["background of no number"] = "ERANGE: the background must be finite",
       ["probe far away"] = "ERANGE: point 1 is beyond 1e+15",
       ["links from nowhere"] = "EDOMAIN: origin 1 is not finite",
+      ["receiver from nowhere"] = "EDOMAIN: receiver 1 is not finite",
       ["links of a long normal"] = "EDOMAIN: normal 1 is not finite, or longer than 1",
       ["bounces 2^31 - 1"] = "ERANGE: bounces must be at most 1000000, got 2147483647",
       ["gutter 2^31 - 1"] = "ERANGE: gutter: 0 to 64 texels, got 2147483647" } or {}

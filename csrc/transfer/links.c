@@ -378,17 +378,23 @@ ylm_status ylm__transfer_find_shares(const ylm_transfer *t, size_t n, const floa
   return go(&j, n, threads, progress);
 }
 
-ylm_status ylm_transfer_find(const ylm_transfer *t, size_t n, const float (*origin)[3],
-                             const float (*normal)[3], const uint64_t *stream, int links,
-                             uint64_t seed, int threads, const ylm_progress *progress,
-                             uint32_t *out, int lmax, float *escapes, ylm_error *e) {
-  ylm_status s = ylm__transfer_check_links(links, e);
-  if (s == YLM_OK) s = ylm_trace_check(YLM_FLOAT, n, origin, "origin", e);
+ylm_status ylm__transfer_check_places(size_t n, const char *what, const float (*place)[3],
+                                      const float (*normal)[3], ylm_error *e) {
+  ylm_status s = ylm_trace_check(YLM_FLOAT, n, place, what, e);
   for (size_t i = 0; s == YLM_OK && normal && i < n; i++) {
     double x = (double)normal[i][0], y = (double)normal[i][1], z = (double)normal[i][2];
     if (!(x * x + y * y + z * z <= 1.01))
       s = ylm_fail(e, YLM_EDOMAIN, "normal %zu is not finite, or longer than 1", i + 1);
   }
+  return s;
+}
+
+ylm_status ylm_transfer_find(const ylm_transfer *t, size_t n, const float (*origin)[3],
+                             const float (*normal)[3], const uint64_t *stream, int links,
+                             uint64_t seed, int threads, const ylm_progress *progress,
+                             uint32_t *out, int lmax, float *escapes, ylm_error *e) {
+  ylm_status s = ylm__transfer_check_links(links, e);
+  if (s == YLM_OK) s = ylm__transfer_check_places(n, "origin", origin, normal, e);
   if (s != YLM_OK || n == 0) return s;
   if (escapes && (lmax < 0 || lmax > YLM_TRANSFER_LMAX))
     return ylm_fail(e, YLM_ERANGE, "lmax must be from 0 to %d, got %d", YLM_TRANSFER_LMAX, lmax);

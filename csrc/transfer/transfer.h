@@ -123,6 +123,9 @@ ylm_status ylm__transfer_find_shares(const ylm_transfer *t, size_t n, const floa
                                      const transfer_flow *flow);
 /* YLM_ERANGE unless there can be so many links. */
 ylm_status ylm__transfer_check_links(int links, ylm_error *e);
+/* YLM_EDOMAIN, YLM_ERANGE unless rays can start there; normals, or NULL, are 1 long at most. */
+ylm_status ylm__transfer_check_places(size_t n, const char *what, const float (*place)[3],
+                                      const float (*normal)[3], ylm_error *e);
 
 /* -- transfer.c ----------------------------------------------------------------- */
 

@@ -40,7 +40,8 @@ typedef struct ylm_receivers ylm_receivers;
 **   point, normal  in  [n][3]  relative to the scene's origin; unit normals. Points on surfaces are taken off them
 **   links          in  of a place, 4 .. YLM_TRANSFER_LINKS, a multiple of 4
 **
-** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (stage "links")
+** Returns  YLM_OK; YLM_ERANGE, YLM_EDOMAIN (numbers that are not finite, long normals), YLM_ENOMEM,
+**          YLM_ECANCELLED (stage "links")
 */
 YLM_API ylm_status ylm_receivers_create(const ylm_transfer *t, size_t n, const float (*point)[3],
                                         const float (*normal)[3], int links, uint64_t seed,

@@ -16,6 +16,7 @@
 #ifdef SCENE
 #include <ylm/ylm_path.h>
 #include <ylm/ylm_transfer.h>
+#include <ylm/ylm_transfer_adjoint.h>
 #endif
 #ifdef VTK
 #include <ylm/ylm_vtk.h>
@@ -173,6 +174,10 @@ static void scenes(void) {
   say("links from nowhere",
       ylm_transfer_find(transfer, 1, (const float(*)[3])far, (const float(*)[3])up, NULL, 8, 1, 1,
                         NULL, link, 0, NULL, &e));
+  ylm_receivers *receivers;
+  say("receiver from nowhere",
+      ylm_receivers_create(transfer, 1, (const float(*)[3])far, (const float(*)[3])up, 8, 1, 1,
+                           NULL, &receivers, &e));
   far[0][0] = 0, up[0][1] = 4e15f;
   say("links of a long normal",
       ylm_transfer_find(transfer, 1, (const float(*)[3])far, (const float(*)[3])up, NULL, 8, 1, 1,

@@ -17,6 +17,7 @@ ylm_status ylm_receivers_create(const ylm_transfer *t, size_t n, const float (*p
   r->link = ylm_alloc(n * (size_t)links, sizeof *r->link);
   r->share = ylm_alloc(n, sizeof *r->share);
   s = r->point && r->normal && r->link && r->share ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) s = ylm__transfer_check_places(n, "receiver", point, normal, e);
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     ylm_scene_ray_origin(t->scene, point[i], normal[i], r->point[i]);
   if (s == YLM_OK)
