@@ -335,7 +335,7 @@ size_t ylm_transfer_targets_at(const ylm_transfer_targets *a, const float x[3],
   return ylm_scene_cluster_at(a->of, x, normal);
 }
 
-/* What is left of u in the step from before[0] to before[1]. */
+/* The rest of u in the step from before[0] to before[1]. */
 static double rest(const float *before, double u) {
   double step = (double)before[1] - (double)before[0];
   return step > 0 ? fmin((u - (double)before[0]) / step, 1 - 1e-12) : 0;
