@@ -53,7 +53,7 @@ static const double map_weight[MAP_WEIGHTS] = {0.01, 0.3, 10, 300, 10000};
 #define MAP_STEPS 250
 #define MAP_SMALL 1e-10
 /* Last fits, before which texels below 0 become dark, and seams are asked for what they miss. */
-#define MAP_LIFTS 6
+#define MAP_LIFTS 16
 /* Places whose light a file gets at once. */
 #define MAP_KEEP 65536
 /* Places that judge, and their rays over those of other places. */
