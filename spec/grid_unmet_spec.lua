@@ -58,6 +58,21 @@ describe("a tolerance that is not met", function()
       .. "(errors fall about 16 times a level)", grid.stats.warning)
   end)
 
+  it("says that light bends beside walls, and names no depth far below", function()
+    local s = ylm.scene "a body on a floor" { lights = lamp(0.3, 0.4),
+      geometry = { ylm.quad { corner = { -1, -0.9, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } },
+        ylm.box { bounds = { { -0.2, -0.9, -0.2 }, { 0.1, -0.3, 0.3 } } } } }
+    local function warning(tolerance)
+      s.probes = ylm.adaptive_grid { bounds = box, lmax = 1, depth = 2, tolerance = tolerance }
+      return assert(s:bake { quantity = "direct", judge = "field", progress = false }).stats.warning
+    end
+    local begin = ": voxels end at depth 2, and beside walls light bends within voxels; set "
+    local ends = "tolerance = [%d.]+; light on surfaces %(scene:surface_grid%) takes fewer numbers$"
+    local near, far = warning(0.7), warning(0.01)
+    assert.truthy(near:find(begin .. "depth = [34] %(errors fall about by half a level%) or " .. ends), near)
+    assert.truthy(far:find(begin .. ends), far)
+  end)
+
   it("names the tolerance of the lights where that is the larger one", function()
     local at = {}
     for i = 1, 4000 do at[i] = { 2 * math.sin(1.7 * i) * (i % 97) / 97, 1.5 + i % 13 / 13, 2 * math.cos(1.3 * i) } end

@@ -5,6 +5,8 @@ local ylm = require "ylm"
 local quietly = require "spec.support.quietly"
 local long = require "spec.support.long"
 local promise = require "spec.support.surface_promise"
+local judged = require "spec.support.judged_places"
+local rule = require "ylm.render.promise"
 local scenes = require "spec.support.walled_scenes"
 
 local PROMISED = 0.01
@@ -75,6 +77,35 @@ describe("the promise of a surface grid", function()
     end
     assert.is_true(said >= seeds / 2, ("%d of %d keep it"):format(said, seeds))
     assert.is_true(#wrong <= promise.allowed(seeds, PROMISED), ("false for seeds %s"):format(table.concat(wrong, " ")))
+  end)
+
+  it("allows as many failures as its confidence says, of places that are kept falsely once in ten", function()
+    assert.same({ -1, 0, 8, 23 }, { rule.allowed(500), rule.allowed(600), rule.allowed(2048), rule.allowed(4096) })
+    local random, falsely, n = math.random, 0, long(4000, 100000)
+    math.randomseed(5)
+    for _ = 1, n do -- a place that misses by nothing: a random walk, looked at whenever its steps have doubled
+      local sum, steps, kept = 0, 0, false
+      for look = 8, 16 do
+        local more = 2 ^ look - steps
+        local normal = math.sqrt(-2 * math.log(1 - random())) * math.cos(2 * math.pi * random())
+        sum, steps = sum + math.sqrt(more) * normal, 2 ^ look
+        kept = kept or sum < -rule.sure_to_keep(steps) * math.sqrt(steps)
+      end
+      falsely = falsely + (kept and 1 or 0)
+    end
+    local share, spread = falsely / n, math.sqrt(0.1 * 0.9 / n)
+    assert.is_true(share < 0.1 + 2.6 * spread and share > 0.05, share)
+  end)
+
+  it("is false as seldom where paths are noisy, and is given where all places keep it", function()
+    local seeds, n, false_ones = long(4, 200), long(600, 2048), 0
+    for seed = 1, seeds do
+      if judged(seed, n, PROMISED, 0.2).error <= 0.2 then false_ones = false_ones + 1 end
+    end
+    assert.is_true(false_ones <= promise.allowed(seeds, 0.01), false_ones)
+    local said = judged(1, n, 0, 0.2)
+    assert.is_true(said.error <= 0.2 and said.least <= said.error, said.error)
+    assert.is_true(said.paths < 2048 * n, said.paths) -- they end where they may
   end)
 
   it("is not given where few places can be judged", function()

@@ -35,7 +35,6 @@ typedef struct pool {
   leaf_record *leaf; /* [cells] */
   size_t leaves, leaf_room;
   uint64_t round; /* of draws */
-  bool stuck;     /* places fail where nothing may be split */
   bool spent;     /* the budget is */
 } pool;
 
@@ -187,15 +186,11 @@ static ylm_status split_worst(pool *q, bool gross, size_t *split) {
   candidate *c = ylm_alloc(g->cells, sizeof *c);
   size_t n = 0, leaves = 0;
   if (!c) return YLM_ENOMEM;
-  q->stuck = false;
   for (size_t i = 0; i < g->cells; i++) {
     if (!(g->cell[i].flags & YLM_GRID_LEAF)) continue;
     leaves++;
     if (!(q->leaf[i].score > 0) || (gross && !q->leaf[i].gross)) continue;
-    if (!may_split(q, (uint32_t)i))
-      q->stuck = true;
-    else
-      c[n++] = (candidate){q->leaf[i].score, (uint32_t)i};
+    if (may_split(q, (uint32_t)i)) c[n++] = (candidate){q->leaf[i].score, (uint32_t)i};
   }
   qsort(c, n, sizeof *c, by_score);
   size_t most = 1 + (size_t)(POOL_SPLIT * (double)leaves);
@@ -328,6 +323,17 @@ static bool is_gross(const pool *q) {
   return false;
 }
 
+/* Whether more fails at the finest level than in leaves whose halves did not help. */
+static bool is_stuck(const pool *q) {
+  const ylm_grid *g = q->r->b->g;
+  double finest = 0, others = 0;
+  for (size_t i = 0; i < q->leaves && i < g->cells; i++) {
+    if (!(g->cell[i].flags & YLM_GRID_LEAF) || may_split(q, (uint32_t)i)) continue;
+    *(g->cell[i].level < g->contents.form.depth ? &others : &finest) += q->leaf[i].score;
+  }
+  return finest > others;
+}
+
 static ylm_status refine(pool *q) {
   baker *b = q->r->b;
   ylm_status s = split_wide(q);
@@ -363,7 +369,7 @@ ylm_status ylm__pool_bake(side_baker *k) {
   b->choose = NULL;
   if (s == YLM_OK) s = refine(&q);
   if (s == YLM_OK) s = ylm__sides_finish(k);
-  if (s == YLM_OK) s = ylm__panel_judge(&r, q.stuck);
+  if (s == YLM_OK) s = ylm__panel_judge(&r, is_stuck(&q));
   if (s == YLM_OK) b->g->stats.spent = q.spent && !b->g->stats.met;
   ylm__tolerance_end(&r);
   ylm__panel_free(&q.p);

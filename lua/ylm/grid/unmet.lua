@@ -5,7 +5,9 @@ local warning = require "ylm.warning"
 
 local unmet = {}
 
-local FALL = 4     -- powers of 2 by which errors of fourth order fall from level to level
+local FALL = 4     -- powers of 2 by which errors of fourth order fall from level to level,
+local FALL_WALLS = 1 -- and those beside walls, in grids with sides: with the edges of voxels, about
+local WALLS_MORE = 2 -- levels beyond which that is no promise: edges of shadows stay
 
 --- x rounded up to two digits, so that it is met.
 function unmet.rounded_up(x)
@@ -16,11 +18,15 @@ end
 --- "tolerance = 0.02", which is met; nil where the error has no bound: there is light in the grid where all is dark.
 local function looser(error) return error < math.huge and "tolerance = " .. unmet.rounded_up(error) or nil end
 
---- "depth = 7", at which errors of fourth order would be within the tolerance; nil where no grid is that deep.
-local function deeper(depth, error, tolerance)
-  local more = error < math.huge and math.ceil(math.log(error / tolerance) / math.log(2) / FALL) or 1
+--- "depth = 7", at which errors would be within the tolerance; nil where no grid is that deep, or walls
+-- would take many levels.
+local function deeper(depth, error, tolerance, sides)
+  local fall = sides and FALL_WALLS or FALL
+  local more = error < math.huge and math.ceil(math.log(error / tolerance) / math.log(2) / fall) or 1
   local wanted = depth + math.max(1, more)
-  return wanted <= core.limits.grid_depth and ("depth = %d (errors fall about 16 times a level)"):format(wanted) or nil
+  if sides and more > WALLS_MORE then return nil end
+  return wanted <= core.limits.grid_depth and ("depth = %d (errors fall about %s a level)"):format(wanted,
+    sides and "by half" or "16 times") or nil
 end
 
 --- "; set depth = 7 or tolerance = 0.02", of those that are known.
@@ -30,9 +36,16 @@ local function set(...)
   return words[1] and "; set " .. table.concat(words, " or ") or ""
 end
 
+--- That walls are the cause, of a grid with sides; else nothing.
+local function beside_walls(s) return s.crossed_leaves and ", and beside walls light bends within voxels" or "" end
+
+--- Another way to hold the light of a scene with walls.
+local function instead(s) return s.crossed_leaves and "; light on surfaces (scene:surface_grid) takes fewer numbers" or "" end
+
 --- Why an error is above the tolerance, and what to change, where voxels end at the grid's depth.
-local function too_shallow(depth, error, tolerance)
-  return ("voxels end at depth %d"):format(depth) .. set(deeper(depth, error, tolerance), looser(error))
+local function too_shallow(depth, s)
+  return ("voxels end at depth %d"):format(depth) .. beside_walls(s)
+    .. set(deeper(depth, s.error, s.tolerance, s.crossed_leaves), looser(s.error)) .. instead(s)
 end
 
 --- That paths leave places undecided, where the others keep a tolerance; nil where they do not.
@@ -59,8 +72,8 @@ local function cause_of(s, form, lights, paths)
   if s.spent then
     return "its points are spent; leave points out" .. (looser(s.error) and ", or set " .. looser(s.error) or "")
   end
-  if s.limited then return too_shallow(form.depth, s.error, s.tolerance) end
-  return ("%d rounds of refinement end above it"):format(s.rounds) .. set(looser(s.error))
+  if s.limited then return too_shallow(form.depth, s) end
+  return ("%d rounds of refinement end above it"):format(s.rounds) .. beside_walls(s) .. set(looser(s.error)) .. instead(s)
 end
 
 --- "bake: tolerance 0.01 is not met, 99 % of the points keep 0.02: ".
@@ -71,7 +84,7 @@ end
 
 --- Why the tolerance is not met after an update, and what to change.
 local function cause_after_update(s, form)
-  if s.limited then return too_shallow(form.depth, s.error, s.tolerance) end
+  if s.limited then return too_shallow(form.depth, s) end
   return "its refinement ends above it" .. set(looser(s.error)) .. ", or bake anew"
 end
 

@@ -1,9 +1,14 @@
 --- The promise of a room's light in grids and on surfaces: irradiance at 99 % of the surface by area, judged by paths.
 --
--- A place whose error is d with a standard error s is decided where |d - X m| > 2.6 s, m the larger of its own irradiance and
--- the mean. Its paths are doubled until then, and those of places that miss X where these are few. Undecided places count as
--- failed: noise can only make the verdict worse. Few paths may all miss what is bright, and then claim little noise: s is at
--- least that of the median place with as many paths, of those that are lit. A place that both call black is so.
+-- A place whose error is d with a standard error s keeps X where d + z s < X m, m the larger of its irradiance and the mean, and
+-- misses it where d - 2.6 s > X m. Its paths are doubled until then, and those of places that miss X where these are few.
+-- Undecided places count as failed: noise can only make the verdict worse. Few paths may all miss what is bright, and then claim
+-- little noise: s is at least that of the median place with as many paths, of those that are lit. A place that both call black
+-- is so.
+--
+-- A place that misses X by nothing is looked at up to nine times, and has a chance of KEPT_FALSELY that one of them finds it
+-- within X (z of `sure_to_keep`; a random walk at 256, 512 .. 65,536 steps). Failed places are therefore at least as many as
+-- successes of a binomial distribution of that much less than 1 %, and the number that is allowed is by that: of 2,048 places 8.
 --
 -- A place is lost if it misses X, or would be undecided by all its paths without any error; few paths cannot say so of one
 -- place, but of a tenth of all. Places whose error is not known yet have the spread of all places' errors, without noise: so many
@@ -17,10 +22,34 @@ local sh = require "ylm.sh"
 
 local promise = {}
 
-local FIRST, MOST = 256, 16384 -- paths of a place
-local SURE = 2.6               -- standard errors
+local FIRST, MOST = 256, 65536 -- paths of a place
+local USUAL = 16384            -- paths of a place beyond which a round has at most DEAR of all paths before
+local DEAR = 0.5
+local SURE = 2.6               -- standard errors by which a place misses
+local KEPT_FALSELY = 0.1       -- the chance of a place that misses by nothing to be found within
+local PROMISED, DOUBT = 0.01, 0.01
 local CHANCE = 0.01            -- of a place to be lost without being so: what is beyond SURE
 local BELIEVED = 1024          -- paths of a place from which its noise is: that of fewer has long tails
+
+--- Standard errors by which a place keeps the tolerance at so many paths: few of them know their noise badly.
+local function sure_to_keep(paths) return paths < 1024 and 3 or paths < 2048 and 2.6 or 2 end
+promise.sure_to_keep = sure_to_keep
+
+local allowed_of = {} -- by the number of places
+
+--- How many of n places may fail or be undecided: more would be likelier than DOUBT where PROMISED of the surface misses. -1: n
+-- are too few.
+function promise.allowed(n)
+  n = math.min(n, 32768) -- of more places, those of so many: the chance of none would round to 0
+  if allowed_of[n] then return allowed_of[n] end
+  local share, sum, k = PROMISED * (1 - KEPT_FALSELY), 0, 0
+  local term = (1 - share) ^ n
+  while k <= n and sum + term <= DOUBT do
+    sum, term, k = sum + term, term * (n - k) / (k + 1) * share / (1 - share), k + 1
+  end
+  allowed_of[n] = k - 1
+  return k - 1
+end
 
 --- Irradiance of coefficients [n][3][count] on surfaces with normals, a list of lists.
 local function irradiance(L, normals, lmax)
@@ -106,7 +135,7 @@ local function spreads(e, mean, tolerance)
     end
     out[c] = median(all)
     local tenth = math.floor(#all / 10)
-    if SURE * math.sqrt((all[#all - tenth] or 0) / MOST) > tolerance then hopeless = math.max(hopeless, tenth) end
+    if sure_to_keep(MOST) * math.sqrt((all[#all - tenth] or 0) / MOST) > tolerance then hopeless = math.max(hopeless, tenth) end
   end
   return out, hopeless
 end
@@ -142,14 +171,16 @@ end
 --- The errors of place i that are sure at least, and at most, and the noise that all its paths would leave; over m, in the worst
 -- channel.
 local function bounds_of(e, i, mean, spread)
-  local least, most, rest, left = 0, 0, 0, math.sqrt(e.paths[i] / MOST)
+  local least, most, rest, left = 0, 0, 0, sure_to_keep(MOST) * math.sqrt(e.paths[i] / MOST)
+  local keep = sure_to_keep(e.paths[i])
   if is_black(e, i) then return least, most, rest end
   for c = 1, 3 do
     local m = math.max(math.abs(e.mean[i][c]), mean[c])
     local variance = math.max(e.variance[i][c], spread[c] * m * m / e.paths[i])
-    local d, noise = math.abs(e.told[i][c] - e.mean[i][c]), SURE * math.sqrt(variance)
+    local d, noise = math.abs(e.told[i][c] - e.mean[i][c]), math.sqrt(variance)
     if m > 0 then
-      least, most, rest = math.max(least, (d - noise) / m), math.max(most, (d + noise) / m), math.max(rest, left * noise / m)
+      least, most = math.max(least, (d - SURE * noise) / m), math.max(most, (d + keep * noise) / m)
+      rest = math.max(rest, left * noise / m)
     end
   end
   return least, most, rest
@@ -158,7 +189,7 @@ end
 --- The value that all but the allowed number of places keep, and `more` of them; infinite where they are too few to say.
 local function quantile(list, more)
   table.sort(list, function(a, b) return a > b end)
-  local allowed = core.grid_allowed(#list)
+  local allowed = promise.allowed(#list)
   return allowed >= 0 and list[allowed + 1 + more] or math.huge
 end
 
@@ -187,15 +218,16 @@ local function rule(e, tolerance)
   return said
 end
 
---- The places that take `samples` more paths each: those that are undecided, and where they are few those that miss.
-local function next_of(said, n, samples)
-  local allowed, list = core.grid_allowed(n), {}
+--- The places that take `samples` more paths each: those that are undecided, and where they are few those that miss. `had`: all
+-- paths so far.
+local function next_of(said, n, samples, had)
+  local allowed, list = promise.allowed(n), {}
   if samples >= MOST or not said.open[1] and said.failed <= allowed then return {} end
   for _, place in ipairs(said.open) do list[#list + 1] = place end
   for _, place in ipairs(said.failed <= math.max(0, allowed) + CHANCE * n and said.missed or {}) do list[#list + 1] = place end
   table.sort(list)
   said.settled = said.lost > allowed + CHANCE * n
-  if said.settled and samples * #list > FIRST * n then return {} end
+  if said.settled and samples * #list > FIRST * n or samples >= USUAL and samples * #list > DEAR * had then return {} end
   return list
 end
 
@@ -206,17 +238,16 @@ function promise.compare(s, points, normals, told, tolerance, quantity, o)
   local e = { points = points, normals = normals, told = told, mean = {}, variance = {}, paths = {},
     reflections = quantity == "indirect" and { 1, last } or quantity == "direct" and { 0, 0 } or { 0, last } }
   for i = 1, #points do all[i], e.mean[i], e.variance[i], e.paths[i] = i, { 0, 0, 0 }, { 0, 0, 0 }, 0 end
-  local samples, seed, list = FIRST, 1, all
+  local samples, seed, had, list = FIRST, 1, 0, all
   local said = { failed = 0, open = {}, error = 0, least = 0, largest = 0, rms = 0 }
   while list[1] do
     local ok, message, code = add_paths(s, e, list, samples, 1000003 * seed + o.seed, o)
     if not ok then return nil, message, code end
-    said, seed = rule(e, tolerance), seed + 1
+    said, seed, had = rule(e, tolerance), seed + 1, had + samples * #list
     samples = seed > 2 and samples * 2 or samples
-    list = next_of(said, #points, samples)
+    list = next_of(said, #points, samples, had)
   end
-  said.undecided, said.paths, said.seconds = #said.open, 0, core.seconds() - start
-  for _, paths in ipairs(e.paths) do said.paths = said.paths + paths end
+  said.undecided, said.paths, said.seconds = #said.open, had, core.seconds() - start
   return said
 end
 

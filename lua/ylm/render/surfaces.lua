@@ -54,7 +54,7 @@ local fields = {
   { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = options.LIGHT_SAMPLES,
     shelf = "experiments", about = "of 'direct' and 'all': shadow rays of a place, twice" },
   { "judge", "choice", of = { "paths", "field" }, default = "paths", shelf = "experiments",
-    about = "what the tolerance is judged by: paths, up to 16384 from each of 2048 places; or the light of the elements that was "
+    about = "what the tolerance is judged by: paths, up to 65536 from each of 2048 places; or the light of the elements that was "
       .. "fitted, whose own error is not seen" },
   { "seed", "integer", min = 0, max = core.limits.seed, default = 1, about = "of all random numbers" },
   { "file", "path", optional = true,
@@ -81,7 +81,7 @@ local function cause_of(m)
   local s, paths = m.stats, m.stats.paths
   local looser = "set tolerance = " .. (s.error < math.huge and unmet.rounded_up(s.error) or "larger")
   if is_noisy(s) then looser = "set a larger tolerance" end
-  if core.grid_allowed(s.verified) < 0 then
+  if (paths and promise.allowed or core.grid_allowed)(s.verified) < 0 then
     return ("the %d places that were found open are too few to judge by: all other surface is in bodies, or covered by surfaces "
       .. "nearby"):format(s.verified)
   end
