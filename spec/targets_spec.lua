@@ -68,6 +68,24 @@ describe("links that are aimed", function()
     assert.is_true(one:layer("raw"):same(two:layer("raw")))
   end)
 
+  it("bring lightmaps the same light with less noise", function()
+    local scene = room "shade"
+    local t = scene:links { lmax = 0, rays = 32, spacing = 0.1 }
+    local function look(guides)
+      local lit, sum, square = t:radiosity(nil, { guides = guides, light_samples = 64 }), nil, nil
+      for seed = 1, SEEDS do
+        local E = lit:lightmap { mesh = 5, size = { 24, 24 }, part = "indirect", rays = 64, seed = seed }:layer "irradiance"
+        sum, square = sum and sum + E or E + 0, square and square + E * E or E * E
+      end
+      local mean = sum / SEEDS
+      return mean:sum(), (square / SEEDS - mean * mean):sum() / (SEEDS - 1)
+    end
+    local a, va = look(false)
+    local b, vb = look(true)
+    assert.is_true(a > 0 and math.abs(b / a - 1) < 0.02, b / a)
+    assert.is_true(vb < va / 3, vb / va)
+  end)
+
   it("are none where links that go as the cosine have little noise", function()
     local scene, lit = room "window"
     local _, report = shot(scene, lit, { seed = 1 })

@@ -96,6 +96,8 @@
 #define TARGETS_LEAST 64
 #define TARGETS_PLACES 16
 #define TARGETS_LINKS 32
+/* Elements that learn, at most. */
+#define TARGETS_ELEMENTS 65536
 /* Hits that elements are grouped by, and the most of a group. */
 #define TARGETS_HITS 32768
 #define TARGETS_GROUP 64

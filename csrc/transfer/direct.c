@@ -147,6 +147,7 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
   for (size_t b = 0; s == YLM_OK && b * DIRECT_GRAIN < r->t->elements; b++)
     near += j.part[b][0], all += j.part[b][1];
   ylm_free(j.part);
+  if (s == YLM_OK) r->guided = guides;
   return take(r, s, j.E0, j.guide, j.rays, all > 0 ? near / all : 0, begun);
 }
 
@@ -241,6 +242,7 @@ ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int lma
   ylm_free(x.light);
   ylm_free(x.normals);
   ylm_free(x.zonal);
+  if (s == YLM_OK) r->guided = false;
   return take(r, s, E0, NULL, 0, 0, begun);
 }
 
@@ -248,5 +250,6 @@ void ylm_radiosity_set(ylm_radiosity *r, const float *E0) {
   for (size_t i = 0; i < r->t->elements; i++)
     for (size_t c = 0; c < 3; c++) r->E0[4 * i + c] = r->t->share[i] > 0 ? E0[3 * i + c] : 0;
   r->rays = 0;
+  r->guided = false;
   r->close = r->seconds = 0;
 }

@@ -133,11 +133,18 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
     memcpy(x->origin[i], x->at[i].origin, 12);
     memcpy(x->normal[i], x->at[i].normal, 12);
   }
-  ylm_status s = ylm__transfer_find_shares(
-      t, n, (const float(*)[3])x->origin, (const float(*)[3])x->normal, j->stream + begin,
-      j->m->links, j->m->seed, 1, NULL, x->link, j->m->lmax, is_shadowed(j) ? NULL : x->escape,
-      j->share + begin, flow.out ? &flow : NULL);
-  if (s == YLM_OK) ylm__transfer_sum()(n, j->m->links, x->link, 4, j->r->leaving, NULL, x->sum);
+  bool aims = j->r->targets && j->m->indirect && !j->m->field && j->m->links % 2 == 0;
+  ylm_status s =
+      aims ? ylm__transfer_gather(j->r->targets, j->r->leaving, n, (const float(*)[3])x->origin,
+                                  (const float(*)[3])x->normal, j->stream + begin, j->m->links,
+                                  j->m->seed, 1, NULL, (float(*)[4])x->sum, j->share + begin,
+                                  flow.out ? &flow : NULL)
+           : ylm__transfer_find_shares(
+                 t, n, (const float(*)[3])x->origin, (const float(*)[3])x->normal,
+                 j->stream + begin, j->m->links, j->m->seed, 1, NULL, x->link, j->m->lmax,
+                 is_shadowed(j) ? NULL : x->escape, j->share + begin, flow.out ? &flow : NULL);
+  if (s == YLM_OK && !aims)
+    ylm__transfer_sum()(n, j->m->links, x->link, 4, j->r->leaving, NULL, x->sum);
   for (size_t i = 0; s == YLM_OK && i < 4 * n; i++)
     x->sum[i] = j->m->indirect ? (float)YLM_PI * x->sum[i] : 0;
   if (s == YLM_OK && flow.out && !j->m->indirect) memset(flow.out, 0, n * sizeof *flow.out);

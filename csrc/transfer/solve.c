@@ -201,6 +201,9 @@ static void deliver(job *j, ylm_radiosity *r, const ylm_radiosity_stats *stats) 
   leave(j->t, r->E, r->leaving);
   memcpy(r->q, j->q, sizeof r->q);
   r->stats = *stats;
+  ylm_transfer_targets_free(r->targets);
+  r->targets = NULL;
+  r->aimed = false;
 }
 
 static ylm_status check_series(int bounces, double residual, ylm_error *e) {
@@ -299,6 +302,7 @@ void ylm_radiosity_free(ylm_radiosity *r) {
   ylm_free(r->E);
   ylm_free(r->leaving);
   ylm_scene_guide_free(r->guide);
+  ylm_transfer_targets_free(r->targets);
   ylm_free(r);
 }
 

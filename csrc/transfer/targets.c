@@ -3,7 +3,6 @@
 
 #include "calibration.h"
 #include "transfer.h"
-#include "ylm_transfer_targets.h"
 
 struct ylm_transfer_targets {
   const ylm_transfer *t;
@@ -379,7 +378,8 @@ typedef struct job {
   transfer_fan fan;
   int links;
   uint64_t seed;
-  float (*mean)[4];
+  float (*mean)[4], *share;  /* share: NULL: not wanted */
+  const transfer_flow *flow; /* NULL: not wanted */
 } job;
 
 typedef struct scratch {
@@ -422,7 +422,7 @@ static void aim(const job *j, scratch *x, size_t i, size_t at) {
 static void add(const job *j, const scratch *x, size_t i, size_t at) {
   const ylm_transfer_targets *a = j->a;
   size_t links = (size_t)j->links, fan = (size_t)j->fan.rays, first = at * links, good = 0;
-  double sum[3] = {0, 0, 0}, part = (double)fan / (double)links;
+  double sum[3] = {0}, flow[9] = {0}, part = (double)fan / (double)links;
   for (size_t k = 0; k < fan; k++) good += x->target[first + k] != YLM_TRANSFER_BURIED(a->t);
   for (size_t k = 0; k < links; k++) {
     const ylm_trace_ray *ray = &x->ray[first + k];
@@ -436,8 +436,15 @@ static void add(const job *j, const scratch *x, size_t i, size_t at) {
         ylm_transfer_target_density(a, x->cluster[at], raw) * ylm_transfer_target_spread(ray, hit);
     double each = own / (part * own + (1 - part) * other);
     if (k < fan) each *= (double)fan / (double)good;
-    for (size_t c = 0; c < 3; c++) sum[c] += each * (double)j->leaving[4 * (size_t)e + c];
+    const float *L = j->leaving + 4 * (size_t)e;
+    for (size_t c = 0; c < 3; c++) sum[c] += each * (double)L[c];
+    double level = fmax((double)ylm_dot3(ray->dir, j->normal[i]), FLOW_LEVEL);
+    for (size_t c = 0; j->flow && c < 9; c++)
+      flow[c] += each * (double)L[c % 3] * (double)ray->dir[c / 3] / level;
   }
+  if (j->share) j->share[i] = (float)good / (float)fan;
+  for (size_t c = 0; j->flow && c < 9; c++)
+    j->flow->out[i][c / 3][c % 3] = (float)(YLM_PI * flow[c] / (double)links);
   for (size_t c = 0; c < 3; c++) j->mean[i][c] = (float)(sum[c] / (double)links);
   j->mean[i][3] = 0;
 }
@@ -465,11 +472,11 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return s;
 }
 
-ylm_status ylm_transfer_gather_targets(const ylm_transfer_targets *a, const float *leaving,
-                                       size_t n, const float (*origin)[3], const float (*normal)[3],
-                                       const uint64_t *stream, int links, uint64_t seed,
-                                       int threads, const ylm_progress *progress,
-                                       float (*mean)[4]) {
+ylm_status ylm__transfer_gather(const ylm_transfer_targets *a, const float *leaving, size_t n,
+                                const float (*origin)[3], const float (*normal)[3],
+                                const uint64_t *stream, int links, uint64_t seed, int threads,
+                                const ylm_progress *progress, float (*mean)[4], float *share,
+                                const transfer_flow *flow) {
   job j = {.a = a,
            .leaving = leaving,
            .origin = origin,
@@ -477,10 +484,45 @@ ylm_status ylm_transfer_gather_targets(const ylm_transfer_targets *a, const floa
            .stream = stream,
            .links = links,
            .seed = seed,
-           .mean = mean};
+           .mean = mean,
+           .share = share,
+           .flow = flow};
   if (links < 2 || links > YLM_TRANSFER_LINKS || links % 2) return YLM_ERANGE;
   ylm_status s = ylm__transfer_fan_create(links / 2, &j.fan);
   if (s == YLM_OK) s = ylm_parallel(n, TARGETS_GRAIN, threads, run, &j, progress, "links");
   ylm__transfer_fan_free(&j.fan);
+  return s;
+}
+
+ylm_status ylm_transfer_gather_targets(const ylm_transfer_targets *a, const float *leaving,
+                                       size_t n, const float (*origin)[3], const float (*normal)[3],
+                                       const uint64_t *stream, int links, uint64_t seed,
+                                       int threads, const ylm_progress *progress,
+                                       float (*mean)[4]) {
+  return ylm__transfer_gather(a, leaving, n, origin, normal, stream, links, seed, threads, progress,
+                              mean, NULL, NULL);
+}
+
+/* -- of a radiosity ---------------------------------------------------------------------- */
+
+ylm_status ylm_radiosity_aim(ylm_radiosity *r, int threads, const ylm_progress *progress) {
+  const ylm_transfer *t = r->t;
+  if (r->aimed || !r->guided) return YLM_OK;
+  size_t step = t->elements / TARGETS_ELEMENTS + 1, all = t->elements / step + 1, n = 0;
+  float(*x)[3] = ylm_alloc(2 * all, sizeof *x);
+  ylm_transfer_targets *a;
+  if (!x) return YLM_ENOMEM;
+  for (size_t i = 0; i < t->elements; i += step) {
+    if (!(t->share[i] > 0)) continue;
+    ylm_scene_ray_origin(t->scene, t->centre[i], t->normal[i], x[n]);
+    memcpy(x[all + n++], t->normal[i], 12);
+  }
+  ylm_scene_places places = {n, (const float(*)[3])x, (const float(*)[3])(x + all),
+                             (const float(*)[3])x};
+  ylm_status s =
+      ylm_transfer_targets_create(t, r->leaving, &places, t->form.seed, threads, progress, &a);
+  ylm_free(x);
+  r->targets = a;
+  r->aimed = s == YLM_OK;
   return s;
 }

@@ -4,7 +4,7 @@
 
 #include "cuts.h"
 #include "ylm_sh.h"
-#include "ylm_transfer.h"
+#include "ylm_transfer_targets.h"
 #include "ylm_vector.h"
 
 /* Bits of the sides of a mesh that reflect. */
@@ -127,6 +127,15 @@ ylm_status ylm__transfer_check_links(int links, ylm_error *e);
 ylm_status ylm__transfer_check_places(size_t n, const char *what, const float (*place)[3],
                                       const float (*normal)[3], ylm_error *e);
 
+/* -- targets.c ------------------------------------------------------------------ */
+
+/* As ylm_transfer_gather_targets; share [n], flow: as ylm__transfer_find_shares has them, or NULL. */
+ylm_status ylm__transfer_gather(const ylm_transfer_targets *a, const float *leaving, size_t n,
+                                const float (*origin)[3], const float (*normal)[3],
+                                const uint64_t *stream, int links, uint64_t seed, int threads,
+                                const ylm_progress *progress, float (*mean)[4], float *share,
+                                const transfer_flow *flow);
+
 /* -- transfer.c ----------------------------------------------------------------- */
 
 /* The memory that a transfer takes. */
@@ -202,7 +211,10 @@ struct ylm_radiosity {
   uint64_t rays; /* of E0 */
   double close, seconds;
   ylm_scene_guide *guide; /* of the rays of E0; NULL: they had none */
-  double q[3];            /* of the last solution, by channel: stats.shrink is the largest */
+  struct ylm_transfer_targets
+      *targets;       /* of leaving, where it is to be gathered by rays that are aimed; or NULL */
+  bool guided, aimed; /* E0 may have guides; targets were looked for */
+  double q[3];        /* of the last solution, by channel: stats.shrink is the largest */
   ylm_radiosity_stats stats;
 };
 

@@ -78,6 +78,16 @@ YLM_API ylm_status ylm_transfer_gather_targets(const ylm_transfer_targets *a, co
                                                int links, uint64_t seed, int threads,
                                                const ylm_progress *progress, float (*mean)[4]);
 
+/*
+** ylm_radiosity_aim - lets ylm_radiosity_places and lightmaps of a solution aim half of their links, by what its elements learn.
+**
+** Until the next solution; a second call does nothing. Nothing changes where rays of the direct light had no guides
+** (ylm_radiosity_rays), nor where links that go as the cosine have little noise.
+**
+** Returns  as ylm_transfer_targets_create
+*/
+YLM_API ylm_status ylm_radiosity_aim(ylm_radiosity *r, int threads, const ylm_progress *progress);
+
 #ifdef __cplusplus
 }
 #endif

@@ -184,7 +184,7 @@ static bool is_back(const ylm_transfer *t, size_t mesh, size_t vertices) {
    progress}) -> how many texels more than one triangle has */
 static int radiosity_map(lua_State *L) {
   map_form f = {.side = SIDE_UNKNOWN};
-  const ylm_radiosity *r = ylmL_radiosity(L, 1);
+  ylm_radiosity *r = ylmL_radiosity(L, 1);
   const ylm_transfer *t = ylm_radiosity_transfer(r);
   const ylm_scene *own = ylm_transfer_scene(t);
   ylm_error e = {0};
@@ -204,7 +204,8 @@ static int radiosity_map(lua_State *L) {
   f.m.height = (int)coverage->shape[0];
   f.m.back = f.side == SIDE_UNKNOWN ? is_back(t, mesh, vertices) : f.side;
   f.m.progress = ylmL_progress_begin(L, f.progress, &p);
-  ylm_status s = ylm_radiosity_lightmap(r, &f.m, out->data, coverage->data, &overlaps, &e);
+  ylm_status s = ylm_radiosity_aim(r, f.m.threads, f.m.progress);
+  if (s == YLM_OK) s = ylm_radiosity_lightmap(r, &f.m, out->data, coverage->data, &overlaps, &e);
   ylmL_push_count(L, overlaps);
   return ylmL_result_progress(L, 1, s, &e, &p);
 }

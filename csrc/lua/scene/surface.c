@@ -48,14 +48,15 @@ static const ylmL_entry bake_entries[] = {
    scene whose lamps light directly or nil, links, light_samples, seed, threads, progress}) -> surface grid, which the radiosity's scene must outlive */
 static int surface_bake(lua_State *L) {
   bake_form f = {.progress = 0};
-  const ylm_radiosity *r = ylmL_radiosity(L, 1);
+  ylm_radiosity *r = ylmL_radiosity(L, 1);
   ylm_error e = {0};
   ylmL_progress p;
   ylm_surface_grid *g;
   ylmL_read(L, 2, bake_entries, &f);
   f.f.light.progress = ylmL_progress_begin(L, f.progress, &p);
   ylmL_held *h = ylmL_hold(L, YLML_SURFACE, destroy, NULL);
-  ylm_status s = ylm_surface_bake(r, &f.f, &g, &e);
+  ylm_status s = ylm_radiosity_aim(r, f.f.light.threads, f.f.light.progress);
+  if (s == YLM_OK) s = ylm_surface_bake(r, &f.f, &g, &e);
   h->object = g;
   if (s == YLM_OK) charge(L, g);
   return ylmL_result_progress(L, 1, s, &e, &p);
@@ -194,7 +195,7 @@ bool ylmL_scene_push_surfaces(lua_State *L, const ylm_scene *scene, size_t n,
 /* surface_judges(surface grid, radiosity, n, seed, threads) -> points [n][3], normals float [n][3], irradiance float [n][3] */
 static int surface_judges(lua_State *L) {
   const ylm_surface_grid *g = check_surface(L, 1);
-  const ylm_radiosity *r = ylmL_radiosity(L, 2);
+  ylm_radiosity *r = ylmL_radiosity(L, 2);
   size_t n = (size_t)luaL_checknumber(L, 3), drawn = 0;
   uint64_t seed = (uint64_t)luaL_checknumber(L, 4);
   int threads = (int)luaL_optnumber(L, 5, 0);

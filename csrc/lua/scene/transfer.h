@@ -3,7 +3,7 @@
 #define YLM_LUA_SCENE_TRANSFER_H
 
 #include "traced.h"
-#include "ylm_transfer.h"
+#include "ylm_transfer_targets.h"
 
 #define YLML_TRANSFER "ylm.links"
 #define YLML_RADIOSITY "ylm.radiosity"

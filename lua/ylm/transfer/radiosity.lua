@@ -50,7 +50,8 @@ local options = {
   { "light_samples", "integer", min = 1, max = core.limits.transfer_links, default = 16, about = "shadow rays of an element" },
   { "guides", "boolean", default = true, shelf = "experiments",
     about = "shadow rays learn from a pilot which lamps and parts of the sky elements see, as those of places, texels and "
-      .. "surface grids that these elements light: no bias, less noise; false: they do not" },
+      .. "surface grids that these elements light; links of these learn which elements send light: no bias, less noise; false: "
+      .. "they do not" },
   { "derivatives", "boolean", default = false,
     about = "each light is looked at by itself: light_samples rays of an element to each, and what radiosity:importance needs "
       .. "is kept, 64 bytes an element and lamp" },
