@@ -10,9 +10,9 @@ struct ylm_transfer_targets {
   float *below;           /* [clusters][groups + 1] the chance of the groups before each */
   uint32_t *group;        /* [elements] */
   uint32_t *list, *first; /* [elements] in the order of groups; [groups + 1] of each in the list */
-  float *before;      /* [elements + groups] the chance of those before each in its group, and 1 */
-  float *dense;       /* [elements] the chance of each in its group, over its area */
-  float (*vertex)[3]; /* of the scene */
+  float *before; /* [elements + groups] the chance of those before each in its group, and 1 */
+  float *dense;  /* [elements] the chance of each in its group, over its area */
+  float (*corner)[3][3]; /* [elements] of the list: the first, and from it to the others */
   ylm_transfer_targets_stats stats;
 };
 
@@ -25,7 +25,7 @@ void ylm_transfer_targets_free(ylm_transfer_targets *a) {
   ylm_free(a->first);
   ylm_free(a->before);
   ylm_free(a->dense);
-  ylm_free(a->vertex);
+  ylm_free(a->corner);
   ylm_free(a);
 }
 
@@ -124,10 +124,9 @@ static ylm_status list_elements(ylm_transfer_targets *a, const ylm_scene_cluster
   a->first = ylm_alloc_zero(count + 2, sizeof *a->first);
   a->before = ylm_alloc(n + count, sizeof *a->before);
   a->dense = ylm_alloc(n, sizeof *a->dense);
-  a->vertex = ylm_alloc(ylm_scene_vertices(t->scene, NULL), sizeof *a->vertex);
-  if (!a->group || !a->list || !a->first || !a->before || !a->dense || !a->vertex)
+  a->corner = ylm_alloc(n, sizeof *a->corner);
+  if (!a->group || !a->list || !a->first || !a->before || !a->dense || !a->corner)
     return YLM_ENOMEM;
-  ylm_scene_vertices(t->scene, a->vertex[0]);
   for (size_t e = 0; e < n; e++) {
     a->group[e] = (uint32_t)ylm_scene_cluster_at(groups, t->centre[e], t->normal[e]);
     a->first[a->group[e] + 2]++;
@@ -151,6 +150,31 @@ static ylm_status list_elements(ylm_transfer_targets *a, const ylm_scene_cluster
   return YLM_OK;
 }
 
+/* The corners of elements of the list that send light. */
+static ylm_status find_corners(ylm_transfer_targets *a, const float *light) {
+  const ylm_transfer *t = a->t;
+  float(*vertex)[3] = ylm_alloc(ylm_scene_vertices(t->scene, NULL), sizeof *vertex);
+  if (!vertex) return YLM_ENOMEM;
+  ylm_scene_vertices(t->scene, vertex[0]);
+  for (size_t k = 0; k < t->elements; k++) {
+    ylm_scene_place place;
+    float at[3][2], (*out)[3] = a->corner[k];
+    if (!(light[a->list[k]] > 0)) continue;
+    ylm__transfer_corners(t, a->list[k], &place, at);
+    const uint32_t *of = ylm_scene_triangle(t->scene, place.mesh, place.element);
+    size_t first = ylm_scene_first_vertex(t->scene, place.mesh);
+    const float *x = vertex[first + of[0]], *y = vertex[first + of[1]], *z = vertex[first + of[2]];
+    for (int q = 0; q < 3; q++) {
+      for (int c = 0; c < 3; c++)
+        out[c][q] = x[q] + at[c][0] * (y[q] - x[q]) + at[c][1] * (z[q] - x[q]);
+      out[1][q] -= out[0][q];
+      out[2][q] -= out[0][q];
+    }
+  }
+  ylm_free(vertex);
+  return YLM_OK;
+}
+
 /* Groups of elements that are the finer where more light comes from. */
 static ylm_status group_elements(ylm_transfer_targets *a, const pilot *p) {
   float(*x)[3] = ylm_alloc(2 * TARGETS_HITS, sizeof *x);
@@ -163,6 +187,7 @@ static ylm_status group_elements(ylm_transfer_targets *a, const pilot *p) {
   if (s == YLM_OK && n > 0) {
     a->stats.groups = ylm_scene_clusters_count(groups);
     s = list_elements(a, groups, p->light);
+    if (s == YLM_OK) s = find_corners(a, p->light);
   }
   ylm_scene_clusters_free(groups);
   ylm_free(x);
@@ -350,16 +375,12 @@ bool ylm_transfer_target(const ylm_transfer_targets *a, size_t cluster, const do
   if (n == 0 || !(before[n] > 0)) return false;
   double v = rest(below + g, u[0]);
   size_t k = find(before, n, v);
-  ylm_scene_place place;
-  float corner[3][2];
-  uint32_t e = *element = a->list[a->first[g] + k];
-  ylm__transfer_corners(a->t, e, &place, corner);
-  ylm__transfer_inside(corner, u[1], u[2], &place);
-  const uint32_t *of = ylm_scene_triangle(a->t->scene, place.mesh, place.element);
-  size_t first = ylm_scene_first_vertex(a->t->scene, place.mesh);
-  const float *x = a->vertex[first + of[0]], *y = a->vertex[first + of[1]],
-              *z = a->vertex[first + of[2]];
-  for (int q = 0; q < 3; q++) point[q] = x[q] + place.u * (y[q] - x[q]) + place.v * (z[q] - x[q]);
+  size_t at = a->first[g] + k;
+  double x = u[1] + u[2] > 1 ? 1 - u[1] : u[1], y = u[1] + u[2] > 1 ? 1 - u[2] : u[2];
+  *element = a->list[at];
+  for (int q = 0; q < 3; q++)
+    point[q] =
+        a->corner[at][0][q] + (float)x * a->corner[at][1][q] + (float)y * a->corner[at][2][q];
   return true;
 }
 
