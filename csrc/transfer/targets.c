@@ -114,6 +114,22 @@ static size_t draw_hits(const ylm_transfer_targets *a, const pilot *p, float (*x
   return n;
 }
 
+/* The chances of elements in a group. */
+static void tell_within(ylm_transfer_targets *a, size_t g, const float *light) {
+  const float *area = a->t->area;
+  const uint32_t *list = a->list + a->first[g];
+  float *before = a->before + a->first[g] + g;
+  size_t all = a->first[g + 1] - a->first[g];
+  double sum = 0, at = 0;
+  for (size_t k = 0; k < all; k++) sum += (double)(light[list[k]] * area[list[k]]);
+  for (size_t k = 0; k < all; k++) {
+    before[k] = sum > 0 ? (float)fmin(1, at / sum) : 0;
+    at += (double)(light[list[k]] * area[list[k]]);
+  }
+  before[all] = sum > 0;
+  for (size_t k = 0; k < all; k++) a->dense[list[k]] = (before[k + 1] - before[k]) / area[list[k]];
+}
+
 /* Gives each element its group, all of them in the order of groups, and chances in these. */
 static ylm_status list_elements(ylm_transfer_targets *a, const ylm_scene_clusters *groups,
                                 const float *light) {
@@ -133,20 +149,7 @@ static ylm_status list_elements(ylm_transfer_targets *a, const ylm_scene_cluster
   }
   for (size_t g = 2; g <= count; g++) a->first[g] += a->first[g - 1];
   for (size_t e = 0; e < n; e++) a->list[a->first[a->group[e] + 1]++] = (uint32_t)e;
-  for (size_t g = 0; g < count; g++) {
-    float *before = a->before + a->first[g] + g;
-    size_t all = a->first[g + 1] - a->first[g];
-    const uint32_t *list = a->list + a->first[g];
-    double sum = 0, at = 0;
-    for (size_t k = 0; k < all; k++) sum += (double)(light[list[k]] * t->area[list[k]]);
-    for (size_t k = 0; k < all; k++) {
-      before[k] = sum > 0 ? (float)fmin(1, at / sum) : 0;
-      at += (double)(light[list[k]] * t->area[list[k]]);
-    }
-    before[all] = sum > 0;
-    for (size_t k = 0; k < all; k++)
-      a->dense[list[k]] = (before[k + 1] - before[k]) / t->area[list[k]];
-  }
+  for (size_t g = 0; g < count; g++) tell_within(a, g, light);
   return YLM_OK;
 }
 
@@ -207,14 +210,23 @@ static size_t find(const float *before, size_t n, double u) {
   return low;
 }
 
+/* Lengths whose square is below `width` do not make a look bring more. */
 typedef struct chances {
   ylm_transfer_targets *a;
   const pilot *p;
-  double *flux; /* [groups] sum of luminance times area */
-  double *
-      width; /* [groups] sum of area over pi: squares of lengths below which cosines are not divided by it */
+  double *flux;  /* [groups] sum of luminance times area */
+  double *width; /* [groups] sum of area over pi */
   uint64_t seed;
 } chances;
+
+/* The memory of one thread. */
+typedef struct looks {
+  double *part;       /* [groups] of the light of a cluster */
+  size_t n;           /* rays to groups */
+  ylm_trace_ray *ray; /* [TARGETS_LOOKS of each group] */
+  float *value;       /* what they bring if nothing is in their way */
+  uint32_t *of;       /* their groups */
+} looks;
 
 /* A ray of cluster c to group g, and the mean radiance that it would bring as all of the group if nothing were in its way. */
 static float look(const chances *x, size_t c, size_t g, ylm_rng *rng, ylm_trace_ray *ray,
@@ -241,54 +253,71 @@ static float look(const chances *x, size_t c, size_t g, ylm_rng *rng, ylm_trace_
   return (float)(x->flux[g] * here * there / (YLM_PI * square * fmax(square, x->width[g])));
 }
 
+/* The light that the pilot's links brought to cluster c. */
+static void add_links(const chances *x, size_t c, double *part) {
+  size_t each = TARGETS_PLACES * TARGETS_LINKS;
+  const uint32_t *link = x->p->link + c * each;
+  for (size_t k = 0; k < each; k++) {
+    float light = x->p->light[link[k]];
+    if (light > 0) part[x->a->group[link[k]]] += (double)light / (double)each;
+  }
+}
+
+/* Rays from cluster c to all groups, and a part of what they bring if nothing is in their way; small ones are left out. */
+static void aim_looks(const chances *x, size_t c, looks *l) {
+  double open = 0;
+  size_t n = 0;
+  ylm_rng rng;
+  ylm_rng_seed(&rng, x->seed, c);
+  for (size_t k = 0; k < TARGETS_LOOKS * x->a->stats.groups; k++) {
+    size_t g = k / TARGETS_LOOKS;
+    l->value[n] = look(x, c, g, &rng, &l->ray[n], &l->part[g]);
+    if (!(l->value[n] > 0)) continue;
+    open += (double)l->value[n];
+    l->of[n++] = (uint32_t)g;
+  }
+  l->n = 0;
+  for (size_t k = 0; k < n; k++) {
+    l->part[l->of[k]] += TARGETS_FLOOR * (double)l->value[k] / TARGETS_LOOKS;
+    if ((double)l->value[k] < open * TARGETS_SMALL) continue;
+    l->ray[l->n] = l->ray[k], l->value[l->n] = l->value[k], l->of[l->n++] = l->of[k];
+  }
+}
+
+/* The chances of groups for a cluster, from parts of its light. */
+static void settle(size_t groups, const double *part, float *below) {
+  double sum = 0, at = 0;
+  for (size_t g = 0; g < groups; g++) sum += part[g];
+  for (size_t g = 0; g < groups; g++) {
+    below[g] = sum > 0 ? (float)fmin(1, at / sum) : 0;
+    at += part[g];
+  }
+  below[groups] = sum > 0;
+}
+
 static ylm_status tell(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const chances *x = context;
   ylm_transfer_targets *a = x->a;
-  size_t groups = a->stats.groups, each = TARGETS_PLACES * TARGETS_LINKS,
-         looks = TARGETS_LOOKS * groups;
-  double *part = ylm_alloc(groups, sizeof *part);
-  float *value = ylm_alloc(looks, sizeof *value);
-  ylm_trace_ray *ray = ylm_alloc(looks, sizeof *ray);
-  uint32_t *of = ylm_alloc(looks, sizeof *of);
-  ylm_status s = part && value && ray && of ? YLM_OK : YLM_ENOMEM;
+  size_t groups = a->stats.groups, most = TARGETS_LOOKS * groups;
+  looks l = {.part = ylm_alloc(groups, sizeof *l.part),
+             .ray = ylm_alloc(most, sizeof *l.ray),
+             .value = ylm_alloc(most, sizeof *l.value),
+             .of = ylm_alloc(most, sizeof *l.of)};
+  ylm_status s = l.part && l.ray && l.value && l.of ? YLM_OK : YLM_ENOMEM;
   for (size_t c = begin; s == YLM_OK && c < end; c++) {
-    float *below = a->below + c * (groups + 1);
-    const uint32_t *link = x->p->link + c * each;
-    double open = 0, sum = 0, at = 0;
-    size_t n = 0;
-    ylm_rng rng;
-    ylm_rng_seed(&rng, x->seed, c);
-    memset(part, 0, groups * sizeof *part);
-    for (size_t k = 0; k < each; k++)
-      if (x->p->light[link[k]] > 0)
-        part[a->group[link[k]]] += (double)x->p->light[link[k]] / (double)each;
-    for (size_t k = 0; k < looks; k++) {
-      value[n] = look(x, c, k / TARGETS_LOOKS, &rng, &ray[n], &part[k / TARGETS_LOOKS]);
-      if (!(value[n] > 0)) continue;
-      open += (double)value[n];
-      of[n++] = (uint32_t)(k / TARGETS_LOOKS);
-    }
-    size_t kept = 0;
-    for (size_t k = 0; k < n; k++) {
-      part[of[k]] += TARGETS_FLOOR * (double)value[k] / TARGETS_LOOKS;
-      if ((double)value[k] < open * TARGETS_SMALL) continue;
-      ray[kept] = ray[k], value[kept] = value[k], of[kept++] = of[k];
-    }
-    ylm_trace_occluded(ylm_scene_trace(a->t->scene), kept, ray);
-    for (size_t k = 0; k < kept; k++)
-      if (!(ray[k].far < 0)) part[of[k]] += (double)value[k] / TARGETS_LOOKS;
-    for (size_t g = 0; g < groups; g++) sum += part[g];
-    for (size_t g = 0; g < groups; g++) {
-      below[g] = sum > 0 ? (float)fmin(1, at / sum) : 0;
-      at += part[g];
-    }
-    below[groups] = sum > 0;
+    memset(l.part, 0, groups * sizeof *l.part);
+    add_links(x, c, l.part);
+    aim_looks(x, c, &l);
+    ylm_trace_occluded(ylm_scene_trace(a->t->scene), l.n, l.ray);
+    for (size_t k = 0; k < l.n; k++)
+      if (!(l.ray[k].far < 0)) l.part[l.of[k]] += (double)l.value[k] / TARGETS_LOOKS;
+    settle(groups, l.part, a->below + c * (groups + 1));
   }
-  ylm_free(part);
-  ylm_free(value);
-  ylm_free(ray);
-  ylm_free(of);
+  ylm_free(l.part);
+  ylm_free(l.ray);
+  ylm_free(l.value);
+  ylm_free(l.of);
   return s;
 }
 

@@ -123,40 +123,52 @@ static void draw(const job *j, size_t point, size_t links, float (*u)[3]) {
   }
 }
 
-/* Aims rays first .. links-1 of a point, of random numbers x->u; their weights, with those that its material chose. */
+/* Aims a ray from a surface at what u chooses for a cluster; wi [3]: its direction in the surface's frame; the element that it is
+   aimed at, or AIMED_NOWHERE. */
+static uint32_t aim_at(const job *j, const ylm_scene_surface *s, const float y[3], size_t cluster,
+                       const float u[3], ylm_trace_ray *ray, float wi[3]) {
+  uint32_t element;
+  float to[3], square;
+  ray->near = 0;
+  ray->far = -1;
+  memcpy(ray->org, s->origin, 12);
+  memcpy(ray->dir, s->normal, 12);
+  memset(wi, 0, 12);
+  if (!ylm_transfer_target(j->targets, cluster,
+                           (double[]){(double)u[0], (double)u[1], (double)u[2]}, &element, to))
+    return AIMED_NOWHERE;
+  for (int a = 0; a < 3; a++) to[a] -= s->origin[a];
+  square = ylm_dot3(to, to);
+  if (!(ylm_dot3(to, s->flat) > 0)) return AIMED_NOWHERE;
+  for (int a = 0; a < 3; a++) ray->dir[a] = to[a] / sqrtf(square);
+  wi[0] = ylm_dot3(ray->dir, s->tangent);
+  wi[1] = ylm_dot3(ray->dir, y);
+  wi[2] = ylm_dot3(ray->dir, s->normal);
+  if (wi[2] > 0) ray->far = INFINITY;
+  return element;
+}
+
+/* Aims rays first .. links-1 of a point, of random numbers x->u; weights of these and of those that its material chose are f cos. */
 static void aim_at_light(const job *j, scratch *x, const ylm_scene_surface *s, const float y[3],
                          size_t point, size_t first, size_t links) {
   const ylm_material *m = ylm__shade_material(j->v, point);
   ylm_trace_ray *ray = x->ray + x->rays;
   size_t cluster = ylm_transfer_targets_at(j->targets, s->origin, s->normal), n = links - first;
-  for (size_t k = first; k < links; k++) {
-    float to[3], square;
-    double u[3] = {(double)x->u[k][0], (double)x->u[k][1], (double)x->u[k][2]};
-    x->aimed[x->rays + k] = AIMED_NOWHERE;
-    ray[k].near = 0;
-    ray[k].far = -1;
-    memcpy(ray[k].org, s->origin, 12);
-    memcpy(ray[k].dir, s->normal, 12);
-    memset(x->wi[k], 0, 12);
-    if (!ylm_transfer_target(j->targets, cluster, u, &x->aimed[x->rays + k], to)) continue;
-    for (int a = 0; a < 3; a++) to[a] -= s->origin[a];
-    square = ylm_dot3(to, to);
-    if (!(ylm_dot3(to, s->flat) > 0)) continue;
-    for (int a = 0; a < 3; a++) ray[k].dir[a] = to[a] / sqrtf(square);
-    x->wi[k][0] = ylm_dot3(ray[k].dir, s->tangent);
-    x->wi[k][1] = ylm_dot3(ray[k].dir, y);
-    x->wi[k][2] = ylm_dot3(ray[k].dir, s->normal);
-    if (x->wi[k][2] > 0) ray[k].far = INFINITY;
-  }
-  ylm_material_eval(m, n, (const float(*)[3])x->wi + first, (const float(*)[3])x->wo, x->f + first);
-  ylm_material_pdf(m, n, (const float(*)[3])x->wi + first, (const float(*)[3])x->wo,
-                   x->pdf + first);
+  for (size_t k = first; k < links; k++)
+    x->aimed[x->rays + k] = aim_at(j, s, y, cluster, x->u[k], &ray[k], x->wi[k]);
+  const float(*wi)[3] = (const float(*)[3])x->wi + first, (*wo)[3] = (const float(*)[3])x->wo;
+  ylm_material_eval(m, n, wi, wo, x->f + first);
+  ylm_material_pdf(m, n, wi, wo, x->pdf + first);
   for (size_t k = 0; k < links; k++) {
+    float *weight = x->weight[x->rays + k];
     x->cluster[x->rays + k] = cluster;
     x->own[x->rays + k] = (double)x->pdf[k];
-    for (int c = 0; k >= first && c < 3; c++)
-      x->weight[x->rays + k][c] = ray[k].far > 0 ? x->f[k][c] * x->wi[k][2] : 0;
-    for (int c = 0; k < first && c < 3; c++) x->weight[x->rays + k][c] *= x->pdf[k];
+    for (int c = 0; c < 3; c++) {
+      if (k < first)
+        weight[c] *= x->pdf[k];
+      else
+        weight[c] = ray[k].far > 0 ? x->f[k][c] * x->wi[k][2] : 0;
+    }
   }
 }
 
