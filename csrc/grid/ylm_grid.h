@@ -134,9 +134,11 @@ typedef struct ylm_grid_source {
   uint64_t seed; /* of the choice of held-out points */
   size_t max_points; /* YLM_ELIMIT beyond; 0: no limit but memory */
   /* Of a grid with sides and a tolerance: refinement is for this part of it (0: all), since another judge will also see the
-     field's own error; and ends at so many points (0: none). */
+     field's own error; and ends at so many points (0: none). `squares`: leaves of the largest squared errors are split first,
+     over light times its mean, so that places that are far brighter than the mean count; else many small errors outweigh them. */
   double aim;
   size_t budget;
+  bool squares;
   const ylm_grid *like;         /* a grid of much the same light, whose bake this one goes on from:
                                    estimates are those, and few points verify. NULL: none */
   int threads;                  /* 0: the default */

@@ -86,6 +86,7 @@ static const ylmL_entry form_entries[] = {
     YLML(form_entry, f.sides, "sides", BOOL, .optional = true),
     YLML(form_entry, other, "walls", VALUE),
     YLML(form_entry, other, "budget", VALUE),
+    YLML(form_entry, other, "squares", VALUE),
     YLML(form_entry, other, "aim", VALUE),
     YLML(form_entry, other, "within", VALUE),
     YLML(form_entry, other, "like", VALUE),
@@ -171,6 +172,9 @@ ylm_grid_source ylmL_grid_source(lua_State *L, ylmL_progress *progress) {
   lua_pop(L, 1);
   lua_getfield(L, 1, "budget");
   s.budget = (size_t)lua_tonumber(L, -1);
+  lua_pop(L, 1);
+  lua_getfield(L, 1, "squares");
+  s.squares = lua_toboolean(L, -1);
   lua_pop(L, 1);
   lua_getfield(L, 1, "within");
   if (!lua_isnil(L, -1)) {

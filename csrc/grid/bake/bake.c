@@ -17,6 +17,7 @@ void ylm__baker_begin(baker *b, ylm_grid *g, const ylm_grid_source *source, ylm_
   *b = (baker){.g = g, .source = source, .remote = source->backend, .e = e};
   b->own = ylm__processor_backend(b);
   if (g) b->measure = ylm__measure_of(&g->contents.form);
+  b->measure.squares = source->squares;
   if (g && source->backend) memset(g->origin, 0, sizeof g->origin); /* it asks at positions */
   b->stage = strcpy(b->stage_text, "verifying"); /* points that judge come before any level */
   b->progress = (ylm_progress){forward, b};

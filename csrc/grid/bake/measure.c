@@ -39,8 +39,9 @@ void ylm__measure_irradiance(const measure *m, const float *row, const float n[3
 }
 
 /* |difference| of what is `exact`, or of the mean; 0 in darkness. */
-static double relative(double difference, double exact, double mean) {
+static double relative(const measure *m, double difference, double exact, double mean) {
   double scale = fmax(fabs(exact), mean);
+  if (m->squares) scale = sqrt(scale * mean);
   return difference == 0 ? 0 : fabs(difference) / scale;
 }
 
@@ -52,7 +53,7 @@ double ylm__measure_error(const measure *m, const float *row, const float *exact
   ylm__measure_irradiance(m, row, n, a);
   ylm__measure_irradiance(m, exact, n, b);
   for (int c = 0; c < m->channels; c++) {
-    double error = relative(a[c] - b[c], b[c], m->mean[c]);
+    double error = relative(m, a[c] - b[c], b[c], m->mean[c]);
     if (!(error <= worst)) worst = error;
   }
   return worst;
@@ -73,7 +74,7 @@ double ylm__measure_anywhere(const measure *m, const float *row, const float *ex
         e += a * (double)exact[k] * (double)exact[k];
       }
     }
-    double error = relative(sqrt(d), sqrt(e), m->mean[c]);
+    double error = relative(m, sqrt(d), sqrt(e), m->mean[c]);
     if (!(error <= worst)) worst = error;
   }
   return worst;

@@ -11,6 +11,7 @@ typedef struct measure {
   /* Of irradiance, over occupied points: */
   double mean[3]; /* of its size, by channel */
   double norm;    /* of coefficients' norms */
+  bool squares;   /* an error's square is over light times its mean */
 } measure;
 
 measure ylm__measure_of(const ylm_grid_form *form);

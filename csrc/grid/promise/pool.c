@@ -97,7 +97,8 @@ static bool is_enough(failing f) { return f.all <= ENOUGH || f.open <= POOL_OPEN
 /* The score of an error. */
 static float score_of(const pool *q, double error) {
   double x = error / q->r->tolerance;
-  return x > POOL_SLIGHT ? (float)fmin(x * x, POOL_CLIP) : 0;
+  double most = q->r->b->source->squares ? POOL_FAR : POOL_CLIP;
+  return x > POOL_SLIGHT ? (float)fmin(x * x, most) : 0;
 }
 
 /* Cells that are new get a record. */

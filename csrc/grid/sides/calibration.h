@@ -28,7 +28,8 @@
 
 /* Leaves wider than this part of the bounds are split in any case. */
 #define POOL_WIDEST 0.125
-/* An error below this part of the tolerance counts for nothing; its square, over the tolerance's, counts for at most CLIP. */
+/* An error below this part of the tolerance counts for nothing; its square, over the tolerance's, counts for at most CLIP,
+   or FAR where squares are asked for. */
 #define POOL_SLIGHT 0.5
 #define POOL_CLIP 4
 /* Refinement also ends where at most this part of the places fails in leaves that may be split. */

@@ -166,7 +166,7 @@ local function form_of(description, o, what, place, prints, like, judged_later)
     measure = place.measure, quantity = what.quantity, normals = place.normals,
     team = o.team and o.team.handle,
     sides = place.walls ~= nil, walls = place.walls, budget = description.points,
-    aim = judged_later and AIM or nil,
+    aim = judged_later and AIM or nil, squares = judged_later == "squares",
     within = o.within and { o.within[1][1], o.within[1][2], o.within[1][3], o.within[2][1], o.within[2][2], o.within[2][3] },
     floor = floor_of(description, what.quantity, place.measure), body = what.body, like = like,
     prints = prints,
@@ -313,7 +313,7 @@ local function bake_bytes(description, lights, given, prints, judged_later)
 end
 
 --- bake.bake of light whose fingerprints are known, or nil, that goes on from what the grid `like` has learnt, or nil.
--- judged_later: the caller judges it by something else, and warns.
+-- judged_later: the caller judges it by something else, and warns; "squares": by squared errors over the light.
 function bake.of_scene(description, lights, given, prints, like, judged_later)
   local is_free = form.kind(description) == "adaptive_grid" and description.free
   if is_free and description.bytes then return bake_bytes(description, lights, given, prints, judged_later) end

@@ -25,6 +25,7 @@ local BUDGETS = { 1000, 2000, 3000, 4000, 5500, 7000, 12000, 30000 } -- points o
 local ADAPTIVE, DEPTH = 0.05, 6           -- their tolerance and depth
 local FEWEST = 0.06                 -- points of each brick: with fewer, a coarser topology is better
 local WORSE = 3                     -- topologies after the best, from the finest that fits on
+local ROUGH = 0.1                   -- an error above which more of them are tried
 local HALVED = 0.5                  -- of the points are left between two fits
 local LEAST = 1e-12                 -- of a mean that is divided by
 local MOST_CUTS, MOST_POINTS = 3, 2 ^ 20
@@ -127,70 +128,6 @@ function Maker:points_within(size, bytes)
   return most
 end
 
---- Coarser topologies than the grid's own, finer and finer; one by one: { grid, cuts }, or nil at the end; or nil, message, code.
-function Maker:topology(k)
-  if self.topologies[k] then return self.topologies[k] end
-  local g = self.grid
-  local channels = g.channels == 3 and "rgb" or "luminance"
-  local description
-  if k <= #UNIFORM then
-    local lo, hi = g.bounds[1], g.bounds[2]
-    local longest, cells = math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3]), {}
-    for a = 1, 3 do cells[a] = math.max(1, math.floor(UNIFORM[k] * (hi[a] - lo[a]) / longest + 0.5)) end
-    description = form.defined.uniform_grid.construct({ lmax = g.lmax, channels = channels, bounds = g.bounds, cells = cells })
-  elseif k <= #UNIFORM + #BUDGETS then
-    description = form.defined.adaptive_grid.construct({ lmax = g.lmax, channels = channels, bounds = g.bounds,
-      tolerance = ADAPTIVE, depth = DEPTH, points = BUDGETS[k - #UNIFORM] })
-  elseif k == #UNIFORM + #BUDGETS + 1 then
-    self.topologies[k] = { grid = g, cuts = 0 }
-    return self.topologies[k]
-  else return nil end
-  local o = { scene = self.scene, progress = false, threads = self.threads, geometry = k > #UNIFORM and self.meshes or nil }
-  local coarse, message, code = bake.of_scene(description, g, o, nil, nil, true)
-  if not coarse then return nil, message, code end
-  self.topologies[k] = { grid = coarse, cuts = 0 }
-  return self.topologies[k]
-end
-
---- The best probes of at most so many bytes: { made, judged }; nil: there are none; or nil, message, code.
-function Maker:within(bytes)
-  local fits, k = {}, 1
-  while true do
-    local topology, message, code = self:topology(k)
-    if message then return nil, message, code end
-    if not topology then break end
-    local made, why, failed = self:raw(topology)
-    if not made then return nil, why, failed end
-    local size
-    size, message, code = core.probes_size(made, self.bits)
-    if not size then return nil, message, code end
-    local most = self:points_within(size, bytes)
-    if most < math.max(1, math.min(size.points, FEWEST * size.bricks)) then
-      if k > #UNIFORM or #fits == 0 then break end
-      k = #UNIFORM
-    else table.insert(fits, made) end
-    k = k + 1
-  end
-  local best
-  local worse = 0
-  for i = #fits, 1, -1 do
-    local ok, message, code = self:fit(fits[i], function(size) return self:points_within(size, bytes) end)
-    if not ok then return nil, message, code end
-    local judged
-    judged, message, code = self:judge(fits[i])
-    if not judged then return nil, message, code end
-    local size
-    size, message, code = core.probes_size(fits[i], self.bits)
-    if not size then return nil, message, code end
-    if size.bytes <= bytes then
-      local better = not best or judged.square < best.judged.square
-      if better then best, worse = { made = fits[i], judged = judged }, 0 else worse = worse + 1 end
-      if worse == WORSE then break end
-    end
-  end
-  return best
-end
-
 --- Judges probes as their readers have them; or nil, message, code.
 function Maker:judge(made)
   local bytes, message, code = core.probes_encode(made, self.bits)
@@ -202,6 +139,103 @@ function Maker:judge(made)
   local judged = engine.judge(self.held, read)
   judged.square = engine.square(self.held, read, weights(self.held))
   return judged
+end
+
+--- The description of topology k of a kind; nil: it is the grid's own, or there is none.
+local function described(g, kind, k)
+  local channels = g.channels == 3 and "rgb" or "luminance"
+  if kind ~= "uniform" then
+    return BUDGETS[k] and form.defined.adaptive_grid.construct({ lmax = g.lmax, channels = channels, bounds = g.bounds,
+      tolerance = ADAPTIVE, depth = DEPTH, points = BUDGETS[k] })
+  end
+  if not UNIFORM[k] then return nil end
+  local lo, hi = g.bounds[1], g.bounds[2]
+  local longest, cells = math.max(hi[1] - lo[1], hi[2] - lo[2], hi[3] - lo[3]), {}
+  for a = 1, 3 do cells[a] = math.max(1, math.floor(UNIFORM[k] * (hi[a] - lo[a]) / longest + 0.5)) end
+  return form.defined.uniform_grid.construct({ lmax = g.lmax, channels = channels, bounds = g.bounds, cells = cells })
+end
+
+--- Topology k of a kind, "uniform", "clipped" or "squares", from coarse to fine: { grid, cuts }, or nil where there is none; or
+-- nil, message, code. The last of those whose leaves differ is the grid's own.
+function Maker:topology(kind, k)
+  local g, known = self.grid, self.topologies[kind]
+  if known[k] then return known[k] end
+  local description = described(g, kind, k)
+  if description then
+    local o = { scene = self.scene, progress = false, threads = self.threads,
+      geometry = kind ~= "uniform" and self.meshes or nil }
+    local coarse, message, code = bake.of_scene(description, g, o, nil, nil, kind)
+    if not coarse then return nil, message, code end
+    known[k] = { grid = coarse, cuts = 0 }
+  elseif kind == "clipped" and k == #BUDGETS + 1 then known[k] = { grid = g, cuts = 0 } end
+  return known[k]
+end
+
+--- Probes of topology k of a kind that may be fitted in so many bytes, as the grid has them; false: it is too fine; nil: there is
+-- none; or nil, message, code.
+function Maker:coarse(kind, k, bytes)
+  local topology, message, code = self:topology(kind, k)
+  if not topology then return nil, message, code end
+  local made, size
+  made, message, code = self:raw(topology)
+  if not made then return nil, message, code end
+  size, message, code = core.probes_size(made, self.bits)
+  if not size then return nil, message, code end
+  local most = self:points_within(size, bytes)
+  return most >= math.max(1, math.min(size.points, FEWEST * size.bricks)) and made
+end
+
+--- The better of `best`, or nil, and of probes that are fitted in so many bytes; or nil, message, code.
+function Maker:better(best, made, bytes)
+  local ok, message, code = self:fit(made, function(size) return self:points_within(size, bytes) end)
+  if not ok then return nil, message, code end
+  local judged, size
+  judged, message, code = self:judge(made)
+  if not judged then return nil, message, code end
+  size, message, code = core.probes_size(made, self.bits)
+  if not size then return nil, message, code end
+  if size.bytes <= bytes and not (best and best.judged.square <= judged.square) then return { made = made, judged = judged } end
+  return best
+end
+
+--- The best probes of at most so many bytes: { made, judged }; nil: there are none; or nil, message, code. Where these are rough,
+-- leaves that refine by squares are tried too, from one step finer than the finest of the others that fits.
+function Maker:within(bytes)
+  local fits, last, best = {}, 0, nil
+  for _, kind in ipairs { "uniform", "clipped" } do
+    local k = 1
+    while true do
+      local made, message, code = self:coarse(kind, k, bytes)
+      if message then return nil, message, code end
+      if not made then break end
+      table.insert(fits, made)
+      last, k = kind == "clipped" and k or 0, k + 1
+    end
+    if #fits == 0 then break end
+  end
+  --- Tries probes from fine to coarse, of(i), until so many were worse than the best; or nil, message, code.
+  local function try(n, of)
+    local worse = 0
+    for i = n, 1, -1 do
+      local made, message, code = of(i)
+      if message then return nil, message, code end
+      if made then
+        local better
+        better, message, code = self:better(best, made, bytes)
+        if message then return nil, message, code end
+        worse = better == best and worse + 1 or 0
+        best = better
+      end
+      if worse == WORSE then break end
+    end
+    return true
+  end
+  local ok, message, code = try(#fits, function(i) return fits[i] end)
+  if not ok then return nil, message, code end
+  if not best or best.judged.error <= ROUGH then return best end
+  ok, message, code = try(math.min(last + 1, #BUDGETS), function(i) return self:coarse("squares", i, bytes) end)
+  if not ok then return nil, message, code end
+  return best
 end
 
 -- Searches ----------------------------------------------------------------------------------------------
@@ -317,7 +351,8 @@ end
 function probes.encode(g, o, points, default)
   local few = o.scene ~= nil and (o.bytes or o.tolerance)
   local make = setmetatable({ grid = g, scene = o.scene, bits = o.bits or BITS, lmax = o.lmax or few and 1 or LMAX,
-    threads = o.threads, drawn = {}, topologies = {}, few = few, tolerance = default }, Maker)
+    threads = o.threads, drawn = {}, topologies = { uniform = {}, clipped = {}, squares = {} }, few = few,
+    tolerance = default }, Maker)
   local message, code
   if o.scene ~= nil then
     make.light, make.meshes = places.of_grid(g, o.scene), {}
