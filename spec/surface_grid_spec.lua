@@ -33,6 +33,16 @@ local function floor_places(n)
   return points, normals
 end
 
+--- Places on the floor, even by area; none beneath the wall, which covers them: no promise is about such places.
+local function open_places(n)
+  local points, normals = {}, {}
+  for i = 0, n - 1 do
+    local p = { 2 * ((0.5 + 0.7548776662466927 * i) % 1) - 1, -1, 2 * ((0.5 + 0.5698402909980532 * i) % 1) - 1 }
+    if not (math.abs(p[1]) < 0.04 and p[3] < 0.6) then points[#points + 1], normals[#normals + 1] = p, { 0, 1, 0 } end
+  end
+  return points, normals
+end
+
 --- The results of f(), and the warnings that it says.
 local function listen(f)
   local said = {}
@@ -54,7 +64,7 @@ describe("a surface grid", function()
     assert.is_true(light.stats.verified >= 2000)
     assert.is_true(light.stats.corners < 2000, light.stats.corners)
     local lit = links:radiosity(nil, { seed = 7 })
-    local points, normals = floor_places(7)
+    local points, normals = open_places(500)
     local E = light:irradiance(points, normals)
     local lifted = {}
     for i, p in ipairs(points) do lifted[i] = { p[1], p[2] + 1e-4, p[3] } end
@@ -71,7 +81,8 @@ describe("a surface grid", function()
     for i = 1, #points do
       if math.abs(E:get(i, 1) - exact[i]) > 0.1 * math.max(mean, exact[i]) then wrong = wrong + 1 end
     end
-    assert.is_true(wrong <= 3, wrong .. " of 49 places are wrong")
+    -- of all surfaces 1 % may fail; of the floor, which the wall darkens, a little more
+    assert.is_true(wrong <= 0.015 * #points, ("%d of %d places are wrong"):format(wrong, #points))
   end)
 
   it("does not depend on threads", function()

@@ -27,6 +27,8 @@
 /* Sites that a rectangle gets more where it has too few, and the square of its error, over the aim's, from which it does. */
 #define DENSER 96
 #define DENSER_ERROR 0.1
+/* The least component, along the axis of a rectangle, of the normal of a plane that gets these. */
+#define FLAT_LEAST 0.1
 /* Random places from which all others are chosen, and those that a rectangle needs to be halved. */
 #define PLACES 1000000
 #define SITE_BLOCK 4000
@@ -52,6 +54,8 @@
 /* Weights of a rectangle's twist and of the differences along its edges, beside those of places. */
 #define TWIST 0.1
 #define SLOPE 0.003
+/* Weight of a place that another surface covers: no promise is about it, and its darkness is not that beside the cover. */
+#define COVERED_WEIGHT 0.01
 /* Where the noise of places exceeds this part of the aim, their rays are as many more, and at most so many times as many. */
 #define FIT_NOISE 0.6
 #define FIT_MOST 8
@@ -95,13 +99,16 @@
 
 /* -- the end of refinement: refine.c ------------------------------------------------------------- */
 
-/* Fresh places, and rays of each half of their light: so many that their noise is this part of the tolerance. */
-#define JUDGES (2 * 1024)
-#define JUDGE_NOISE 0.25
+/* Fresh places at most and at least, so many a rectangle, and rays of each half of their light: so many that their noise
+   is this part of the tolerance. */
+#define JUDGES (8 * 1024)
+#define JUDGES_FEW (2 * 1024)
+#define JUDGES_EACH 0.5
+#define JUDGE_NOISE 0.3
 #define JUDGE_LEAST 64
 #define JUDGE_MOST 2048
-/* The part of them that may fail where refinement ends: of 2,048 places 12, where another judge follows, and else 6, since
-   there are JUDGED_MOST looks: a surface of which 1 % fails passes one of them with a chance of 2e-4. */
+/* The part of them that may fail where refinement ends: where another judge follows, and else, since there are JUDGED_MOST looks:
+   of 2,048 places 6, and a surface of which 1 % fails passes one of them with a chance of 2e-4. */
 #define ENOUGH 0.006
 #define ENOUGH_SURE 0.003
 /* They are asked where about so few places are expected to fail, or where corners have grown by so much. Refinement also ends

@@ -2,7 +2,7 @@
 ** denser.c - more sites where rectangles have too few to be halved.
 **
 ** Sites are spread by area. Where light bends within a hand's breadth, beside a shelf or a window's jamb, rectangles run out of them
-** before they are small enough. Such rectangles of planes get more, spread evenly over them.
+** before they are small enough. Such rectangles get more, spread evenly over them, in the planes of those that there are.
 */
 #include "surface.h"
 
@@ -16,30 +16,45 @@ typedef struct densing {
   uint8_t *n; /* of each leaf */
 } densing;
 
-/* A place of a leaf's plane: a site of the leaf, if the surface is there. */
-static bool find_site(const surface_bake *b, uint32_t leaf, const float normal[3],
+/* The place of a plane, through a surface's place, that lies at t, 0 .. 1, of a leaf's edges; false: it is seen from its edge. */
+static bool find_place(const surface_bake *b, const surface_branch *n, const ylm_scene_surface *on,
+                       const double t[2], float x[3]) {
+  const surface_chart *c = &b->charts.chart[n->chart];
+  double along = 0, up = (double)ylm_dot3(on->flat, c->axis[2]);
+  if (!(fabs(up) > FLAT_LEAST)) return false;
+  for (int a = 0; a < 3; a++) {
+    double place = (double)c->origin[a];
+    for (int k = 0; k < 2; k++)
+      place += (n->lo[k] + t[k] * (n->hi[k] - n->lo[k])) / SURFACE_TOP * (double)c->size[k] *
+               (double)c->axis[k][a];
+    x[a] = (float)place;
+    along += ((double)on->position[a] - place) * (double)on->flat[a];
+  }
+  for (int a = 0; a < 3; a++) x[a] = (float)((double)x[a] + along / up * (double)c->axis[2][a]);
+  return true;
+}
+
+/* A place of a leaf in the plane of one of its sites: another site of the leaf, if the surface is there. */
+static bool find_site(const surface_bake *b, uint32_t leaf, const ylm_scene_surface *of,
                       const double t[2], surface_site *s, surface_entry *e) {
   const surface_branch *n = &b->branch[b->leaf[leaf].branch];
-  const surface_chart *c = &b->charts.chart[n->chart];
   float x[3];
-  double at[2];
-  for (int a = 0; a < 2; a++) at[a] = (n->lo[a] + t[a] * (n->hi[a] - n->lo[a])) / SURFACE_TOP;
-  for (int a = 0; a < 3; a++)
-    x[a] = (float)((double)c->origin[a] + at[0] * (double)c->size[0] * (double)c->axis[0][a] +
-                   at[1] * (double)c->size[1] * (double)c->axis[1][a]);
   *s = (surface_site){.light = SURFACE_NONE};
-  if (!ylm_surface_place(b->scene, x, normal, &s->at)) return false;
+  if (!find_place(b, n, of, t, x) || !ylm_surface_place(b->scene, x, of->flat, &s->at))
+    return false;
   ylm_scene_surface on;
   surface_spot spot[3];
   ylm_scene_surfaces(b->scene, 1, &s->at, &on);
   memcpy(s->position, on.position, sizeof s->position);
   memcpy(s->normal, on.normal, sizeof s->normal);
   int spots = ylm__surface_spots(&b->charts, &s->at, s->position, s->normal, spot);
-  if (spots != 1 || spot[0].chart != n->chart ||
-      ylm__surface_descend(b, &spot[0], s->position) != leaf)
-    return false;
-  memcpy(e->at, spot[0].at, sizeof e->at);
-  return true;
+  for (int k = 0; k < spots; k++) {
+    if (spot[k].chart != n->chart || ylm__surface_descend(b, &spot[k], s->position) != leaf)
+      continue;
+    memcpy(e->at, spot[k].at, sizeof e->at);
+    return true;
+  }
+  return false;
 }
 
 static ylm_status find_sites(void *context, size_t begin, size_t end, int worker) {
@@ -51,13 +66,13 @@ static ylm_status find_sites(void *context, size_t begin, size_t end, int worker
     ylm_scene_surface at;
     ylm_rng rng;
     ylm_rng_seed(&rng, b->form->light.seed ^ ylm_mix64(j->leaf[i]), 0xde7500 + j->round);
-    ylm_scene_surfaces(b->scene, 1, &b->site[b->entry[l->first].site].at, &at);
     j->n[i] = 0;
-    for (int k = 0; k < DENSER; k++) {
+    for (size_t k = 0; k < DENSER; k++) {
       double t[2];
+      ylm_scene_surfaces(b->scene, 1, &b->site[b->entry[l->first + k % l->n].site].at, &at);
       for (int a = 0; a < 2; a++) t[a] = ylm_rng_double(&rng);
       uint8_t n = j->n[i];
-      j->n[i] += find_site(b, j->leaf[i], at.flat, t, &j->site[i][n], &j->entry[i][n]);
+      j->n[i] += find_site(b, j->leaf[i], &at, t, &j->site[i][n], &j->entry[i][n]);
     }
   }
   return YLM_OK;
@@ -71,7 +86,6 @@ static size_t list_leaves(const surface_bake *b, uint32_t *leaf) {
     const surface_branch *at = &b->branch[l->branch];
     bool few = l->sampled && l->n < PLACES_LEAST && !l->stuck;
     if (!few || !(l->square > DENSER_ERROR * b->aim * b->aim)) continue;
-    if (b->charts.chart[at->chart].size[2] > 0) continue; /* round */
     if (ylm__surface_may(b, at, 0) || ylm__surface_may(b, at, 1)) leaf[n++] = i;
   }
   return n;

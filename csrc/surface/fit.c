@@ -181,10 +181,13 @@ static ylm_status make_rows(fit *f) {
   ylm_status s = YLM_OK;
   for (size_t i = 0; s == YLM_OK && i < b->leaves; i++) {
     const surface_leaf *l = &b->leaf[i];
-    double weight[3];
-    if (l->sampled) weigh(b, l, weight);
-    for (size_t k = l->first; s == YLM_OK && k < l->first + l->sampled; k++)
-      s = add_site(f, &b->site[b->entry[k].site], weight);
+    double weight[2][3] = {{0}}; /* of open and of covered places */
+    if (l->sampled) weigh(b, l, weight[0]);
+    for (int c = 0; c < 3; c++) weight[1][c] = COVERED_WEIGHT * weight[0][c];
+    for (size_t k = l->first; s == YLM_OK && k < l->first + l->sampled; k++) {
+      const surface_site *p = &b->site[b->entry[k].site];
+      s = add_site(f, p, weight[p->known == SITE_COVERED]);
+    }
     if (s == YLM_OK && l->sampled) s = add_leaf(f, l);
   }
   return s;

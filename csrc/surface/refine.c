@@ -155,6 +155,12 @@ static int judge_rays(const surface_bake *b) {
   return 4 * (int)ceil(fmin(JUDGE_MOST, fmax(JUDGE_LEAST, rays)) / 4);
 }
 
+/* Places of a look: many leaves hide what few places would not find. */
+static size_t places_of(const surface_bake *b) {
+  size_t n = (size_t)(JUDGES_EACH * (double)b->leaves);
+  return n < JUDGES_FEW ? JUDGES_FEW : n < JUDGES ? n : JUDGES;
+}
+
 /* Draws n places that are kept for it; how many there are. */
 static size_t draw_sites(const surface_bake *b, size_t n, ylm_rng *rng, panel *p) {
   size_t drawn = 0;
@@ -166,16 +172,16 @@ static size_t draw_sites(const surface_bake *b, size_t n, ylm_rng *rng, panel *p
   return drawn;
 }
 
-/* Fresh places that are not buried, JUDGES where there are so many. */
-static ylm_status draw(surface_bake *b, uint64_t round, panel *p) {
+/* Fresh places that are not buried, `most` where there are so many. */
+static ylm_status draw(surface_bake *b, uint64_t round, size_t most, panel *p) {
   ylm_rng rng;
   ylm_rng_seed(&rng, b->form->light.seed, 0x10000 + round);
   ylm_status s = YLM_OK;
   size_t n = 1;
   int rays = judge_rays(b);
   p->n = 0;
-  for (int tries = 0; s == YLM_OK && n > 0 && tries < 8 && p->n < JUDGES; tries++) {
-    n = draw_sites(b, JUDGES - p->n, &rng, p);
+  for (int tries = 0; s == YLM_OK && n > 0 && tries < 8 && p->n < most; tries++) {
+    n = draw_sites(b, most - p->n, &rng, p);
     s = ylm__surface_ask(b, n, p->drawn, rays, p->got, p->share);
     if (s == YLM_OK) s = ylm__surface_know(b, n, p->drawn, p->share);
     for (size_t i = 0; s == YLM_OK && i < n; i++) {
@@ -287,7 +293,7 @@ static ylm_status refine(surface_bake *b, panel *p) {
     if (s != YLM_OK) break;
     double hope = expected(b);
     if (hope < HOPE || (double)b->unknowns > GROWN * (double)judged) {
-      s = draw(b, judges++, p);
+      s = draw(b, judges++, places_of(b), p);
       judged = b->unknowns;
       if (s == YLM_OK) compare(b, p);
       if (s != YLM_OK || is_enough(b)) break;
@@ -303,7 +309,7 @@ static ylm_status refine(surface_bake *b, panel *p) {
     if (!halved) break;
   }
   if (s == YLM_OK && judged != b->unknowns) {
-    s = draw(b, judges, p);
+    s = draw(b, judges, places_of(b), p);
     if (s == YLM_OK) compare(b, p);
   }
   return s;
@@ -321,7 +327,7 @@ static ylm_status refit(surface_bake *b, panel *p) {
     if (s == YLM_OK) s = ylm_report(b->form->light.progress, round, REFITS, "surfaces");
     if (s == YLM_OK) s = fit(b, false);
     if (s == YLM_OK && round == 0) s = quieten(b);
-    if (s == YLM_OK) s = draw(b, round, p);
+    if (s == YLM_OK) s = draw(b, round, JUDGES_FEW, p);
     if (s == YLM_OK) compare(b, p);
     if (s == YLM_OK && is_enough(b)) break;
   }
