@@ -106,7 +106,10 @@
 #define TARGETS_LOOKS 4
 #define TARGETS_SMALL 1e-5
 #define TARGETS_FLOOR 0.2
+/* The variance of a link over its squared mean above which links are aimed; of what elements learn. Moved by: time of pictures, and of
+   light on surfaces in the room with a window (7.0) and the lamp's shade (12.9). */
 #define TARGETS_WORTH 6
+#define TARGETS_WORTH_ELEMENTS 9
 #define TARGETS_FAR 0.02
 /* Places that a thread gathers at in one go. */
 #define TARGETS_GRAIN 64

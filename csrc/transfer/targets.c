@@ -342,7 +342,7 @@ static ylm_status tell_chances(ylm_transfer_targets *a, const pilot *p, uint64_t
 }
 
 static ylm_status learn(ylm_transfer_targets *a, const float *leaving,
-                        const ylm_scene_places *places, uint64_t seed, int threads,
+                        const ylm_scene_places *places, double worth, uint64_t seed, int threads,
                         const ylm_progress *progress) {
   pilot p = {0};
   size_t most = places->n / TARGETS_CLUSTERS;
@@ -356,29 +356,36 @@ static ylm_status learn(ylm_transfer_targets *a, const float *leaving,
                                   (const float(*)[3])p.normal, p.stream, TARGETS_LINKS, seed,
                                   threads, progress, p.link, 0, NULL, NULL, NULL);
   a->stats.rays = p.n * TARGETS_LINKS;
-  if (s == YLM_OK && variance_of(a, &p) > TARGETS_WORTH) s = group_elements(a, &p);
+  if (s == YLM_OK && variance_of(a, &p) > worth) s = group_elements(a, &p);
   if (s == YLM_OK && a->stats.groups > 0) s = tell_chances(a, &p, ylm_mix64(seed), threads);
   pilot_free(&p);
   ylm_scene_clusters_forget(a->of);
   return s;
 }
 
-ylm_status ylm_transfer_targets_create(const ylm_transfer *t, const float *leaving,
-                                       const ylm_scene_places *places, uint64_t seed, int threads,
-                                       const ylm_progress *progress, ylm_transfer_targets **out) {
+/* As ylm_transfer_targets_create, where links vary by more than `worth`. */
+static ylm_status create(const ylm_transfer *t, const float *leaving,
+                         const ylm_scene_places *places, double worth, uint64_t seed, int threads,
+                         const ylm_progress *progress, ylm_transfer_targets **out) {
   double begun = ylm_seconds();
   *out = NULL;
   if (places->n == 0 || t->elements == 0) return YLM_OK;
   ylm_transfer_targets *a = ylm_alloc_zero(1, sizeof *a);
   if (!a) return YLM_ENOMEM;
   a->t = t;
-  ylm_status s = learn(a, leaving, places, seed, threads, progress);
+  ylm_status s = learn(a, leaving, places, worth, seed, threads, progress);
   a->stats.seconds = ylm_seconds() - begun;
   if (s == YLM_OK && a->stats.groups > 0)
     *out = a;
   else
     ylm_transfer_targets_free(a);
   return s;
+}
+
+ylm_status ylm_transfer_targets_create(const ylm_transfer *t, const float *leaving,
+                                       const ylm_scene_places *places, uint64_t seed, int threads,
+                                       const ylm_progress *progress, ylm_transfer_targets **out) {
+  return create(t, leaving, places, TARGETS_WORTH, seed, threads, progress, out);
 }
 
 /* -- rays ------------------------------------------------------------------------------ */
@@ -570,7 +577,7 @@ ylm_status ylm_radiosity_aim(ylm_radiosity *r, int threads, const ylm_progress *
   ylm_scene_places places = {n, (const float(*)[3])x, (const float(*)[3])(x + all),
                              (const float(*)[3])x};
   ylm_status s =
-      ylm_transfer_targets_create(t, r->leaving, &places, t->form.seed, threads, progress, &a);
+      create(t, r->leaving, &places, TARGETS_WORTH_ELEMENTS, t->form.seed, threads, progress, &a);
   ylm_free(x);
   r->targets = a;
   r->aimed = s == YLM_OK;
