@@ -107,8 +107,8 @@ function plain.there(name) return scratch.shell("command -v " .. name .. " >/dev
 function plain.rows(text)
   local rows = {}
   for r, g, b in text:gmatch "([^%s]+)%s+([^%s]+)%s+([^%s]+)[^\n]*\n" do
-    r, g, b = tonumber(r), tonumber(g), tonumber(b)
-    if r and g and b then rows[#rows + 1] = { r, g, b } end
+    local row = { tonumber(r), tonumber(g), tonumber(b) }
+    if row[1] and row[2] and row[3] then rows[#rows + 1] = row end
   end
   return rows
 end
