@@ -425,6 +425,12 @@ double ylm_transfer_target_density(const ylm_transfer_targets *a, size_t cluster
   return (double)(below[1] - below[0]) * (double)a->dense[e];
 }
 
+double ylm_transfer_target_spread(const ylm_trace_ray *ray, const ylm_trace_hit *hit) {
+  double n = sqrt((double)ylm_dot3(hit->normal, hit->normal));
+  double cosine = fabs((double)ylm_dot3(hit->normal, ray->dir));
+  return cosine > 0 ? (double)hit->t * (double)hit->t * n / cosine : 0;
+}
+
 /* -- gathering ------------------------------------------------------------------------- */
 
 typedef struct job {

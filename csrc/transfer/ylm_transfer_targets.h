@@ -4,10 +4,7 @@
 #ifndef YLM_TRANSFER_TARGETS_H
 #define YLM_TRANSFER_TARGETS_H
 
-#include <math.h>
-
 #include "ylm_transfer.h"
-#include "ylm_vector.h"
 
 #ifdef __cplusplus
 extern "C" {
@@ -57,12 +54,7 @@ YLM_API bool ylm_transfer_target(const ylm_transfer_targets *a, size_t cluster, 
 YLM_API double ylm_transfer_target_density(const ylm_transfer_targets *a, size_t cluster,
                                            uint32_t e);
 /* Solid angle over area there, of a direction of length 1 and of what was hit in it at a distance. */
-static inline double ylm_transfer_target_spread(const ylm_trace_ray *ray,
-                                                const ylm_trace_hit *hit) {
-  double n = sqrt((double)ylm_dot3(hit->normal, hit->normal));
-  double cosine = fabs((double)ylm_dot3(hit->normal, ray->dir));
-  return cosine > 0 ? (double)hit->t * (double)hit->t * n / cosine : 0;
-}
+YLM_API double ylm_transfer_target_spread(const ylm_trace_ray *ray, const ylm_trace_hit *hit);
 
 /*
 ** ylm_transfer_gather_targets - the mean radiance of links that go as the cosine, half of which are aimed.
