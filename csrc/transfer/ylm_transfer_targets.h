@@ -59,7 +59,7 @@ YLM_API double ylm_transfer_target_spread(const ylm_trace_ray *ray, const ylm_tr
 /*
 ** ylm_transfer_gather_targets - the mean radiance of links that go as the cosine, half of which are aimed.
 **
-**   links  in   of a place, a multiple of 8
+**   links  in   of a place, an even number
 **   mean   out  [n][4]: pi times it is the irradiance that elements send
 **
 ** Returns  YLM_OK; YLM_ERANGE (links), YLM_ENOMEM, YLM_ECANCELLED

@@ -204,7 +204,8 @@ static int radiosity_map(lua_State *L) {
   f.m.height = (int)coverage->shape[0];
   f.m.back = f.side == SIDE_UNKNOWN ? is_back(t, mesh, vertices) : f.side;
   f.m.progress = ylmL_progress_begin(L, f.progress, &p);
-  ylm_status s = ylm_radiosity_aim(r, f.m.threads, f.m.progress);
+  ylm_status s = YLM_OK;
+  if (f.m.indirect) s = ylm_radiosity_aim(r, f.m.threads, f.m.progress);
   if (s == YLM_OK) s = ylm_radiosity_lightmap(r, &f.m, out->data, coverage->data, &overlaps, &e);
   ylmL_push_count(L, overlaps);
   return ylmL_result_progress(L, 1, s, &e, &p);

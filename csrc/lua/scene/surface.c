@@ -55,7 +55,8 @@ static int surface_bake(lua_State *L) {
   ylmL_read(L, 2, bake_entries, &f);
   f.f.light.progress = ylmL_progress_begin(L, f.progress, &p);
   ylmL_held *h = ylmL_hold(L, YLML_SURFACE, destroy, NULL);
-  ylm_status s = ylm_radiosity_aim(r, f.f.light.threads, f.f.light.progress);
+  ylm_status s = YLM_OK;
+  if (f.f.light.indirect) s = ylm_radiosity_aim(r, f.f.light.threads, f.f.light.progress);
   if (s == YLM_OK) s = ylm_surface_bake(r, &f.f, &g, &e);
   h->object = g;
   if (s == YLM_OK) charge(L, g);
@@ -195,7 +196,7 @@ bool ylmL_scene_push_surfaces(lua_State *L, const ylm_scene *scene, size_t n,
 /* surface_judges(surface grid, radiosity, n, seed, threads) -> points [n][3], normals float [n][3], irradiance float [n][3] */
 static int surface_judges(lua_State *L) {
   const ylm_surface_grid *g = check_surface(L, 1);
-  ylm_radiosity *r = ylmL_radiosity(L, 2);
+  const ylm_radiosity *r = ylmL_radiosity(L, 2);
   size_t n = (size_t)luaL_checknumber(L, 3), drawn = 0;
   uint64_t seed = (uint64_t)luaL_checknumber(L, 4);
   int threads = (int)luaL_optnumber(L, 5, 0);

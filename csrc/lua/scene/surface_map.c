@@ -50,7 +50,8 @@ static int map_bake(lua_State *L) {
   ylmL_read(L, 2, entries, &f);
   f.f.light.progress = ylmL_progress_begin(L, f.progress, &p);
   ylmL_held *h = ylmL_hold(L, YLML_MAP, destroy, ylmL_held_check(L, 1, YLML_RADIOSITY));
-  ylm_status s = ylm_radiosity_aim(r, f.f.light.threads, f.f.light.progress);
+  ylm_status s = YLM_OK;
+  if (f.f.light.indirect) s = ylm_radiosity_aim(r, f.f.light.threads, f.f.light.progress);
   if (s == YLM_OK) s = ylm_surface_map_bake(r, &f.f, &m, &e);
   h->object = m;
   if (s == YLM_OK) {
@@ -109,7 +110,7 @@ static int map_verdict(lua_State *L) {
 /* map_judges(lightmap, radiosity, n, seed) -> points [n][3], normals float [n][3], irradiance float [n][3] */
 static int map_judges(lua_State *L) {
   const ylm_surface_map *m = check_map(L, 1);
-  ylm_radiosity *r = ylmL_radiosity(L, 2);
+  const ylm_radiosity *r = ylmL_radiosity(L, 2);
   size_t n = (size_t)luaL_checknumber(L, 3), drawn = 0;
   uint64_t seed = (uint64_t)luaL_checknumber(L, 4);
   ylm_scene_place *place = lua_newuserdata(L, (n + 1) * sizeof *place);

@@ -80,19 +80,19 @@ static ylm_status add_set(round_of *r, size_t n, const uint32_t *point, uint64_t
     memcpy(r->normal[i], r->view->normal[point[i]], 12);
     r->own[i] = r->stream[point[i]];
   }
-  if (o->targets && o->links % 2 == 0) {
-    ylm_status s = ylm_transfer_gather_targets(
-        o->targets, o->leaving, n, (const float(*)[3])r->origin, (const float(*)[3])r->normal,
-        r->own, o->links, seed, o->threads, NULL, (float(*)[4])r->mean);
-    for (size_t i = 0; s == YLM_OK && i < n; i++)
-      for (size_t c = 0; c < 3; c++) half[3 * (size_t)point[i] + c] += r->mean[4 * i + c];
-    return s;
+  const float(*origin)[3] = (const float(*)[3])r->origin,
+        (*normal)[3] = (const float(*)[3])r->normal;
+  ylm_status s;
+  if (o->targets && o->links % 2 == 0)
+    s = ylm_transfer_gather_targets(o->targets, o->leaving, n, origin, normal, r->own, o->links,
+                                    seed, o->threads, NULL, (float(*)[4])r->mean);
+  else {
+    s = ylm_transfer_find(o->transfer, n, origin, normal, r->own, o->links, seed, o->threads, NULL,
+                          r->link, 0, NULL, e);
+    if (s == YLM_OK)
+      ylm_transfer_sum(n, o->links, r->link, 4, o->leaving, NULL, r->mean, o->threads);
   }
-  ylm_status s =
-      ylm_transfer_find(o->transfer, n, (const float(*)[3])r->origin, (const float(*)[3])r->normal,
-                        r->own, o->links, seed, o->threads, NULL, r->link, 0, NULL, e);
   if (s != YLM_OK) return s;
-  ylm_transfer_sum(n, o->links, r->link, 4, o->leaving, NULL, r->mean, o->threads);
   for (size_t i = 0; i < n; i++)
     for (size_t c = 0; c < 3; c++) half[3 * (size_t)point[i] + c] += r->mean[4 * i + c];
   return YLM_OK;
