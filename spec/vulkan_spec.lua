@@ -79,6 +79,14 @@ describe("ylm.vulkan", function()
       default:close()
     end)
 
+    it("are opened and closed as often as one likes", function() -- a driver that was loaded anew each time ended at the 28th
+      for _ = 1, 40 do
+        local gpu, why = ylm.vulkan.open { device = chosen }
+        assert(gpu, why)
+        gpu:close()
+      end
+    end)
+
     it("that are not there are refused: a number at the caller's line, a name with those there are", function()
       local ok, message = pcall(ylm.vulkan.open, { device = #devices + 1 })
       assert(not ok and message:find(("open: there are %d devices, no number %d"):format(#devices, #devices + 1), 1, true),

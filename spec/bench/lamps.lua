@@ -1,4 +1,4 @@
---- Tools of the benchmarks of Vulkan: random numbers in 0 .. 1, equal on every machine, and lamps by them.
+--- Tools of the benchmarks of Vulkan: random numbers in 0 .. 1, equal on every machine, lamps by them, and a clock that is up.
 
 local ylm = require "ylm"
 
@@ -19,6 +19,11 @@ function lamps.over_floor(n, lowest)
     radiance[i] = { 20 * random(), 20 * random(), 20 * random() }
   end
   return ylm.sphere_lights { at = at, radius = radius, radiance = radiance }
+end
+
+--- Keeps a GPU at work for half a second. One that waits lowers its clock (an H200 from 1980 to 345 MHz) and is slow afterwards.
+function lamps.wake(gpu)
+  if gpu.type ~= "cpu" then gpu:peak() end
 end
 
 return lamps

@@ -88,7 +88,8 @@ local function bench(gpu)
     for i, view in ipairs(views) do
       local occupied, best = name == "adaptive" and view or nil, nil
       if grid == GRIDS[1] or i == 1 then frame(gpu, form, view, occupied) end -- compiles, and copies what stays
-      for _ = 1, (quick or software) and 1 or 20 do
+      for _ = 1, (quick or software) and 1 or 10 do
+        bench_lamps.wake(gpu)
         local f = frame(gpu, form, view, occupied)
         if not best or f.device < best.device then best = f end
       end

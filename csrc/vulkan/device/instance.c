@@ -73,6 +73,20 @@ static bool has_layer(const ylm__vk *vk, const char *name) {
   return false;
 }
 
+/*
+** Makes, once in a process, an instance that stays: the loader then keeps the drivers. A driver that is loaded anew for each device
+** may come to an end (NVIDIA's 580 is refused the 28th time).
+*/
+static void keep_drivers(const ylm__vk *vk, const VkApplicationInfo *app) {
+  static bool kept;
+  if (__atomic_exchange_n(&kept, true, __ATOMIC_RELAXED)) return;
+  VkInstance stays;
+  VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                               .pApplicationInfo = app};
+  if (vk->vkCreateInstance(&info, NULL, &stays) != VK_SUCCESS)
+    __atomic_store_n(&kept, false, __ATOMIC_RELAXED);
+}
+
 static ylm_status create_instance(ylm__vk *vk, bool validate, ylm_error *e) {
   const char *layers[] = {VALIDATION};
   const char *extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
@@ -111,6 +125,7 @@ static ylm_status create_instance(ylm__vk *vk, bool validate, ylm_error *e) {
   if (r == VK_ERROR_INCOMPATIBLE_DRIVER)
     return ylm_fail(e, YLM_EMISSING, "there is no Vulkan driver; " INSTALL);
   if (r != VK_SUCCESS) return ylm__vk_fail(r, "no instance", e);
+  keep_drivers(vk, &app);
   if (!validate) return YLM_OK;
   PFN_vkCreateDebugUtilsMessengerEXT create =
       (PFN_vkCreateDebugUtilsMessengerEXT)vk->vkGetInstanceProcAddr(
