@@ -4,8 +4,10 @@
 --
 -- A first table has light that answers anywhere: grids of ylm, of three.js and of EEVEE. A second one has light at the 500
 -- places alone: Cycles, Radiance, POV-Ray, and ylm's paths. Truths and answers of rivals are kept in the folder (default
--- out/rivals), since both take minutes. Seconds are those of processors. The box of a lattice is wider than the grid where
--- surfaces face out of it, since three.js lights nothing else. YLM_BENCH_SECONDS bounds the paths of a scene (default 60).
+-- out/rivals) by a hash of the scene, since both take minutes, and the grid by the scene's name. A program that fails in a
+-- scene, or takes more than 400 processor seconds, is one line. Seconds are those of processors. The box of a lattice is wider
+-- than the grid where surfaces face out of it, since three.js lights nothing else. YLM_BENCH_SECONDS bounds the paths of a scene
+-- (default 60).
 -- Bytes are those of the halves that an engine holds, 3 x 9 numbers a probe and what pads three.js' atlas, without base64.
 -- SCENE.tsv in the folder has all rows, and SCENE.seen.*.npy what the scene's camera sees: spec/bench/rivals/draw.lua draws
 -- charts and pictures of them.
@@ -20,6 +22,7 @@ local three = require "spec.bench.rivals.three"
 local truths = require "spec.bench.rivals.truth"
 local ylm = require "ylm"
 
+local unpack = table.unpack or unpack -- luacheck: ignore
 local pattern, folder = arg[1] or "", arg[2] or "out/rivals"
 local seconds_most = tonumber(os.getenv "YLM_BENCH_SECONDS") or 60
 local TOLERANCE, BOUNCES, CUBE = 0.1, 4, 16
@@ -75,9 +78,15 @@ end
 
 local function atlas_bytes(cells) return 56 * cells[1] * cells[2] * (cells[3] + 2) end
 
---- Answers at the truth's places, processor seconds and bytes: from the folder, or by run(). Or nil, why not.
-local function kept(name, run)
-  local path = ("%s/%s.npy"):format(folder, (name:gsub("[^%w]+", "_")))
+--- Calls f: a row that fails is one line, and the others follow.
+local function attempt(name, f, ...)
+  local fine, why = pcall(f, ...)
+  if not fine then say_not(name, "failed: " .. tostring(why):match "[^\n]*") end
+end
+
+--- Answers at n places, processor seconds and bytes: from the folder, by the hash of the scene, or by run(). Or nil, why not.
+local function kept(truth, n, name, run)
+  local path = ("%s/%s-%d-%s.npy"):format(folder, truth.head, n, (name:gsub("[^%w]+", "_")))
   local file = io.open(path)
   if file then
     file:close()
@@ -87,6 +96,7 @@ local function kept(name, run)
   end
   local E, seconds, bytes = run()
   if not E then return nil, seconds end
+  assert(#E == n, #E .. " answers")
   E[#E + 1] = { seconds, bytes or 0, 0 }
   assert(ylm.array(E, "double"):save(path))
   table.remove(E)
@@ -95,22 +105,23 @@ end
 
 --- The row of a rival.
 local function by_rival(entry, truth, name, kind, run)
-  local E, seconds, bytes = kept(entry.name .. " " .. name, run)
+  local E, seconds, bytes = kept(truth, #truth.points, name, run)
   if E then say(entry, name, judged(entry, truth, E), bytes, seconds, kind) else say_not(name, seconds) end
 end
 
 --- The row of a rival that answers anywhere, by run(points, normals), and what the camera sees of its light.
 local function by_probes(entry, truth, seen, name, kind, run)
-  local E, seconds, bytes = kept(entry.name .. " " .. name, function() return run(seen.all_points, seen.all_normals) end)
+  local E, seconds, bytes = kept(truth, #seen.all_points, name, function() return run(seen.all_points, seen.all_normals) end)
   if not E then return say_not(name, seconds) end
   say(entry, name, judged(entry, truth, E), bytes, seconds, kind)
   seen:keep(kind, E)
 end
 
 local function by_three(entry, scene, truth, seen, box, cells)
-  by_probes(entry, truth, seen, "three.js, " .. table.concat(cells, " x "), "three.js", function(points, normals)
-    local why = three.lacks()
-    if why then return nil, why end
+  local name = "three.js, " .. table.concat(cells, " x ")
+  local why = three.lacks()
+  if why then return say_not(name, why) end
+  attempt(name, by_probes, entry, truth, seen, name, "three.js", function(points, normals)
     local read, seconds = three.bake(scene, { lo = box[1], hi = box[2], cells = cells }, BOUNCES, CUBE)
     if not read then return nil, seconds end
     return read(points, normals), seconds, atlas_bytes(cells)
@@ -118,9 +129,10 @@ local function by_three(entry, scene, truth, seen, box, cells)
 end
 
 local function by_eevee(entry, scene, truth, seen, box, cells)
-  by_probes(entry, truth, seen, "EEVEE, " .. table.concat(cells, " x "), "EEVEE", function(points, normals)
-    local why = blender.eevee.lacks()
-    if why then return nil, why end
+  local name = "EEVEE, " .. table.concat(cells, " x ")
+  local why = blender.eevee.lacks()
+  if why then return say_not(name, why) end
+  attempt(name, by_probes, entry, truth, seen, name, "EEVEE", function(points, normals)
     return blender.eevee.run(plain.of(scene), points, normals, entry.quantity,
       { box = box, cells = cells, bounces = BOUNCES, cube = 64 })
   end)
@@ -131,14 +143,16 @@ local function at_places(entry, scene, truth)
   for _, rival in ipairs(AT_PLACES) do
     local why = rival.lacks()
     for _, setting in ipairs(why and {} or rival.settings) do
-      by_rival(entry, truth, rival.name .. ", " .. setting.name, rival.name:match "[^,]+", function()
+      local name = rival.name .. ", " .. setting.name
+      attempt(name, by_rival, entry, truth, name, rival.name:match "[^,]+", function()
         return rival.run(plain.of(scene), truth.points, truth.normals, entry.quantity, setting)
       end)
     end
     if why then say_not(rival.name, why) end
   end
   for _, samples in ipairs(SAMPLES) do
-    by_rival(entry, truth, ("ylm, %d paths a place"):format(samples), "ylm, paths", function()
+    local name = ("ylm, %d paths a place"):format(samples)
+    attempt(name, by_rival, entry, truth, name, "ylm, paths", function()
       local began = os.clock()
       local E, why = scene:probe { points = truth.points, normals = truth.normals, samples = samples, seed = 7, progress = false,
         reflections = { entry.quantity == "all" and 0 or 1, "all" } }
@@ -244,15 +258,17 @@ local function run(entry)
     box = assert(grid:export(folder .. "/box.npy", { cells = cells, scene = scene, offset = 0.5 })).grids[1].bounds
     by_three(entry, scene, truth, seen, box, cells)
     by_eevee(entry, scene, truth, seen, box, cells)
-    by_ylm(entry, scene, truth, grid, cells)
-    by_bricks(entry, scene, truth, seen, grid, atlas_bytes(cells))
+    attempt("ylm, lattices", by_ylm, entry, scene, truth, grid, cells)
+    attempt("ylm, bricks", by_bricks, entry, scene, truth, seen, grid, atlas_bytes(cells))
   end
   print("\n" .. HEAD:format "at the places alone")
   at_places(entry, scene, truth)
   rows:close()
 end
 
-for _, rival in ipairs(AT_PLACES) do
+for _, rival in ipairs { three, unpack(AT_PLACES) } do
   if not rival.lacks() then print(rival.name .. ": " .. (rival.version() or "version unknown")) end
 end
-for _, entry in ipairs(require "spec.bench.rivals.scenes") do if entry.name:find(pattern) then run(entry) end end
+for _, entry in ipairs(require "spec.bench.rivals.scenes") do
+  if entry.name:find(pattern) then attempt(entry.name, run, entry) end
+end

@@ -18,11 +18,12 @@ local function run(command, all, box, points, normals, words)
   local folder = scratch.new()
   all.points, all.normals, all.lo, all.hi = points, normals, box[1], box[2]
   folder:write("scene.json", plain.json(all))
-  local said = scratch.capture(("cd %s && timeout 900 %s --python-exit-code 1 --python "
-    .. "\"$OLDPWD/spec/bench/rivals/blender.py\" -- scene.json out.txt %s"):format(scratch.quote(folder.path), command, words))
+  local said, status = scratch.capture(plain.bounded(("cd %s && timeout 1800 %s --python-exit-code 1 --python "
+    .. "\"$OLDPWD/spec/bench/rivals/blender.py\" -- scene.json out.txt %s"):format(scratch.quote(folder.path), command, words)))
   local text = folder:read "out.txt"
   folder:remove()
-  if not text then return nil, "blender: " .. (said:match "%w*Error[^\n]*" or said:sub(-200):gsub("\n", " ")) end
+  local why = plain.ended(status)
+  if why or not text then return nil, "blender: " .. (why or said:match "%w*Error[^\n]*" or said:sub(-200):gsub("\n", " ")) end
   local seconds, bytes = text:match "SECONDS (%S+) BYTES ([^\n]+)"
   local size, unit = bytes:match "%(([%d.]+) (%a+)"
   if size then bytes = size * (unit == "MiB" and 2 ^ 20 or 2 ^ 10) end

@@ -13,6 +13,8 @@ local ylm = require "ylm"
 local plain = {}
 
 plain.sky_size = { 64, 32 }
+plain.seconds_most = 400 -- of a rival's process
+local XCPU = 152         -- exit status after the signal of ulimit -t
 local GLOSSY = { 0.9, 0.9, 0.9 } -- of materials without albedo, which are matte where a program has no gloss
 
 --- A list of numbers, words and lists, or a table of names, as JSON.
@@ -93,9 +95,22 @@ function plain.each_patch(sky, distance, each)
   end
 end
 
---- Runs a command: its output, and the processor seconds of it and of all that it started.
+--- A shell command that ends after plain.seconds_most processor seconds of one of its processes.
+function plain.bounded(command) return ("ulimit -t %d; %s"):format(plain.seconds_most, command) end
+
+--- Says why a bounded command ended early, by its exit status, or nil.
+function plain.ended(status)
+  local stopped = status == XCPU or status == 256 - (XCPU - 128) -- the second one is Python's of a negative status
+  if stopped then return ("longer than %d processor seconds"):format(plain.seconds_most) end
+  if status == 124 then return "longer than the bench waits" end -- of timeout
+end
+
+--- Runs a bounded command: its output, and the processor seconds of it and of all that it started.
 function plain.counted(command)
-  local text = scratch.capture("python3 spec/bench/rivals/processor.py sh -c " .. scratch.quote(command))
+  local text, status = scratch.capture("python3 spec/bench/rivals/processor.py sh -c "
+    .. scratch.quote(plain.bounded(command)))
+  local why = plain.ended(status)
+  if why then error(why, 0) end
   local seconds = text:match "PROCESSOR ([%d.]+)%s*$"
   return text, tonumber(seconds)
 end

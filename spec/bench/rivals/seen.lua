@@ -5,8 +5,8 @@ local ylm = require "ylm"
 local seen = {}
 seen.__index = seen
 
-seen.size = { 96, 64 }
-local SAMPLES = 1024 -- paths a pixel
+seen.size = { 144, 96 }
+local SAMPLES = 512 -- paths a pixel
 
 --- { points, normals, pixels [n], all_points: those of the truth, then these, all_normals }; its paths are kept in the folder.
 function seen.of(entry, scene, truth, folder)

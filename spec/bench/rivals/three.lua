@@ -8,7 +8,7 @@ local plain = require "spec.bench.rivals.plain"
 local reader = require "spec.support.engine_reader"
 local scratch = require "spec.support.scratch"
 
-local three = {}
+local three = { name = "three.js" }
 
 local MOST_LAMPS = 8 -- shadow maps, of 16 textures that a fragment shader has at least
 
@@ -16,6 +16,10 @@ local MOST_LAMPS = 8 -- shadow maps, of 16 textures that a fragment shader has a
 function three.lacks()
   if not browser_page.modules then return "not here: npm install three, and YLM_NODE_MODULES=DIR/node_modules" end
   if not browser_page.browser() then return "not here: apt-get install chromium" end
+end
+
+function three.version()
+  return scratch.text(browser_page.modules .. "/three/package.json"):match '"version": "([^"]*)"'
 end
 
 local PAGE = [[<!doctype html><body><script type="importmap">{"imports":{"three":"./build/three.module.js"}}</script>

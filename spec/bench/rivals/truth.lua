@@ -43,12 +43,14 @@ local function trace(entry, scene, seconds)
   return rows
 end
 
---- The truth of an entry of scenes.lua: { points, normals, E [n][3], mean, noise: rms standard error of luminance over that }.
+--- The truth of an entry of scenes.lua: { head, points, normals, E [n][3], mean, noise: rms standard error of luminance over
+--- that }; head is a hash of the scene.
 function truth.of(entry, scene, folder, seconds)
-  local path = folder .. "/" .. head_of(entry, scene) .. ".npy"
+  local head = head_of(entry, scene)
+  local path = folder .. "/" .. head .. ".npy"
   local file = io.open(path)
   if file then file:close() else assert(ylm.array(trace(entry, scene, seconds), "float"):save(path)) end
-  local t, square, mean = { points = {}, normals = {}, E = {} }, 0, 0
+  local t, square, mean = { head = head, points = {}, normals = {}, E = {} }, 0, 0
   for i, x in ipairs(assert(ylm.load(path)):totable()) do
     t.points[i], t.normals[i], t.E[i] = { x[1], x[2], x[3] }, { x[4], x[5], x[6] }, { x[7], x[8], x[9] }
     -- channels share their paths: standard errors are added
