@@ -5,9 +5,9 @@
 -- A first table has light that answers anywhere: grids of ylm, of three.js and of EEVEE. A second one has light at the 500
 -- places alone: Cycles, Radiance, POV-Ray, and ylm's paths. Truths and answers of rivals are kept in the folder (default
 -- out/rivals) by a hash of the scene, since both take minutes, and the grid by the scene's name. A program that fails in a
--- scene, or takes more than 400 processor seconds, is one line. Seconds are those of processors. The box of a lattice is wider
--- than the grid where surfaces face out of it, since three.js lights nothing else. YLM_BENCH_SECONDS bounds the paths of a scene
--- (default 60).
+-- scene, or takes more than 600 processor seconds, is one line. Seconds are those of processors. Where surfaces face out of the
+-- scene's box, three.js is also baked in a wider one, since it lights nothing outside. YLM_BENCH_SECONDS bounds the paths of a
+-- scene (default 60).
 -- Bytes are those of the halves that an engine holds, 3 x 9 numbers a probe and what pads three.js' atlas, without base64.
 -- SCENE.tsv in the folder has all rows, and SCENE.seen.*.npy what the scene's camera sees: spec/bench/rivals/draw.lua draws
 -- charts and pictures of them.
@@ -25,7 +25,7 @@ local ylm = require "ylm"
 local unpack = table.unpack or unpack -- luacheck: ignore
 local pattern, folder = arg[1] or "", arg[2] or "out/rivals"
 local seconds_most = tonumber(os.getenv "YLM_BENCH_SECONDS") or 60
-local TOLERANCE, BOUNCES, CUBE = 0.1, 4, 16
+local TOLERANCE, BOUNCES, CUBE = 0.1, { 4, 12 }, 16
 local PARTS = { 6, 12 } -- of the mean extent of a box: cells of the lattices
 local BOTH = {} -- the second one also
 local AT_PLACES = { blender.cycles, require "spec.bench.rivals.radiance", require "spec.bench.rivals.povray" }
@@ -58,12 +58,13 @@ end
 
 local rows -- of charts
 
-local function say(entry, name, r, bytes, seconds, kind)
+local function say(entry, name, r, bytes, seconds, kind, pictured)
   print(("| %s | %.1f %% | %.1f %% | %.1f %% | %s | %s | %s |"):format(name, 100 * r.rms, 100 * r.q90, 100 * r.q99,
     r.leak and ("%.3f %%"):format(100 * r.leak) or "", bytes and ("%.1f kB"):format(bytes / 1000) or "",
     seconds and ("%.1f"):format(seconds) or ""))
   io.stdout:flush()
-  rows:write(table.concat({ entry.name, kind or name, r.rms, r.q99, r.leak or "", bytes or "", seconds or "" }, "\t"), "\n")
+  rows:write(table.concat({ entry.name, kind or name, r.rms, r.q99, r.leak or "", bytes or "", seconds or "",
+    pictured and 1 or 0 }, "\t"), "\n")
 end
 
 local function say_not(name, why) print(("| %s | %s | | | | | |"):format(name, why)) end
@@ -109,33 +110,45 @@ local function by_rival(entry, truth, name, kind, run)
   if E then say(entry, name, judged(entry, truth, E), bytes, seconds, kind) else say_not(name, seconds) end
 end
 
---- The row of a rival that answers anywhere, by run(points, normals), and what the camera sees of its light.
-local function by_probes(entry, truth, seen, name, kind, run)
-  local E, seconds, bytes = kept(truth, #seen.all_points, name, function() return run(seen.all_points, seen.all_normals) end)
-  if not E then return say_not(name, seconds) end
-  say(entry, name, judged(entry, truth, E), bytes, seconds, kind)
-  seen:keep(kind, E)
+--- The row of a rival that answers anywhere, by run(points, normals), and, with `pictured`, what the camera sees of its light.
+local function by_probes(entry, truth, seen, name, kind, pictured, run)
+  attempt(name, function()
+    local points, normals = truth.points, truth.normals
+    if pictured then points, normals = seen.all_points, seen.all_normals end
+    local E, seconds, bytes = kept(truth, #points, name, function() return run(points, normals) end)
+    if not E then return say_not(name, seconds) end
+    say(entry, name, judged(entry, truth, E), bytes, seconds, kind, pictured)
+    if pictured then seen:keep(kind, E) end
+  end)
 end
 
-local function by_three(entry, scene, truth, seen, box, cells)
-  local name = "three.js, " .. table.concat(cells, " x ")
+local function named(name, cells, bounces) return ("%s, %s, %d bounces"):format(name, table.concat(cells, " x "), bounces) end
+
+--- three.js in the boxes, from the one that its picture is of to the others.
+local function by_three(entry, scene, truth, seen, boxes, cells)
   local why = three.lacks()
-  if why then return say_not(name, why) end
-  attempt(name, by_probes, entry, truth, seen, name, "three.js", function(points, normals)
-    local read, seconds = three.bake(scene, { lo = box[1], hi = box[2], cells = cells }, BOUNCES, CUBE)
-    if not read then return nil, seconds end
-    return read(points, normals), seconds, atlas_bytes(cells)
-  end)
+  if why then return say_not("three.js", why) end
+  for k, box in ipairs(boxes) do
+    for i, bounces in ipairs(BOUNCES) do
+      by_probes(entry, truth, seen, named("three.js", cells, bounces) .. (k > 1 and ", wider box" or ""), "three.js",
+        k == 1 and i == #BOUNCES, function(points, normals)
+          local read, seconds = three.bake(scene, { lo = box[1], hi = box[2], cells = cells }, bounces, CUBE)
+          if not read then return nil, seconds end
+          return read(points, normals), seconds, atlas_bytes(cells)
+        end)
+    end
+  end
 end
 
 local function by_eevee(entry, scene, truth, seen, box, cells)
-  local name = "EEVEE, " .. table.concat(cells, " x ")
   local why = blender.eevee.lacks()
-  if why then return say_not(name, why) end
-  attempt(name, by_probes, entry, truth, seen, name, "EEVEE", function(points, normals)
-    return blender.eevee.run(plain.of(scene), points, normals, entry.quantity,
-      { box = box, cells = cells, bounces = BOUNCES, cube = 64 })
-  end)
+  if why then return say_not("EEVEE", why) end
+  for i, bounces in ipairs(BOUNCES) do
+    by_probes(entry, truth, seen, named("EEVEE", cells, bounces), "EEVEE", i == #BOUNCES, function(points, normals)
+      return blender.eevee.run(plain.of(scene), points, normals, entry.quantity,
+        { box = box, cells = cells, bounces = bounces, cube = 64 })
+    end)
+  end
 end
 
 --- Rivals that answer at places alone, and ylm's paths there.
@@ -206,7 +219,7 @@ local function by_bricks(entry, scene, truth, seen, grid, bytes)
       for i, p in ipairs(seen.all_points) do E[i] = look(p, seen.all_normals[i]) end
       if most == bytes then seen:keep("ylm, .ylmp", E) end
       say(entry, ("ylm, bricks, %d and %d points"):format(report.bricks, report.probes), judged(entry, truth, E), report.bytes,
-        os.clock() - began, "ylm, bricks")
+        os.clock() - began, "ylm, bricks", most == bytes)
     else say_not("ylm, bricks", why) end
   end
   os.remove(path)
@@ -243,6 +256,12 @@ local function grid_of(entry, scene, truth)
   return grid
 end
 
+--- Do two boxes differ by less than 1 cm?
+local function are_near(a, b)
+  for k = 1, 2 do for i = 1, 3 do if math.abs(a[k][i] - b[k][i]) > 0.01 then return false end end end
+  return true
+end
+
 local HEAD = "| %s | rms | 90 %% | 99 %% | leak | bytes | seconds |\n| --- | --- | --- | --- | --- | --- | --- |"
 
 local function run(entry)
@@ -255,8 +274,8 @@ local function run(entry)
   local grid, seen = grid_of(entry, scene, truth), seen_places.of(entry, scene, truth, folder)
   for k = 1, BOTH[entry.name] and 2 or 1 do
     local cells = cells_of(box, PARTS[k])
-    box = assert(grid:export(folder .. "/box.npy", { cells = cells, scene = scene, offset = 0.5 })).grids[1].bounds
-    by_three(entry, scene, truth, seen, box, cells)
+    local wide = assert(grid:export(folder .. "/box.npy", { cells = cells, scene = scene, offset = 0.5 })).grids[1].bounds
+    by_three(entry, scene, truth, seen, are_near(box, wide) and { box } or { box, wide }, cells)
     by_eevee(entry, scene, truth, seen, box, cells)
     attempt("ylm, lattices", by_ylm, entry, scene, truth, grid, cells)
     attempt("ylm, bricks", by_bricks, entry, scene, truth, seen, grid, atlas_bytes(cells))

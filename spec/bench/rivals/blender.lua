@@ -31,8 +31,9 @@ local function run(command, all, box, points, normals, words)
 end
 
 local cycles = { name = "Cycles, bake", lacks = function() return lacks { "blender" } end, version = version }
-cycles.settings = { { name = "512 x 16 paths a place", samples = 512 }, { name = "64 x 16", samples = 64 } }
+cycles.settings = { { name = "512 x 16 paths a place", samples = 512, most_lamps = 64 }, { name = "64 x 16", samples = 64 } }
 function cycles.run(all, points, normals, quantity, setting)
+  if #all.lamps > (setting.most_lamps or math.huge) then return nil, ("not run: %d lamps"):format(#all.lamps) end
   return run("blender -b", all, { { 0, 0, 0 }, { 1, 1, 1 } }, points, normals,
     ("cycles %s %d"):format(quantity, setting.samples))
 end

@@ -2,8 +2,9 @@
 --
 --     build/ylm run spec/bench/rivals/draw.lua [folder] [where pictures go]
 --
--- rivals_bytes.png and rivals_seconds.png: error over bytes and over processor seconds, a mark for each scene. rivals.png:
--- light of the ten scenes by paths, three.js, EEVEE and .ylmp, where the scene's camera looks.
+-- rivals_bytes.png and rivals_seconds.png: error over bytes and over processor seconds, a mark for each scene. rivals_1.png and
+-- rivals_2.png: light of five scenes each by paths, three.js, EEVEE and .ylmp, where the scene's camera looks, with errors at
+-- the truth's places. Lamps and the sky are white.
 
 local ylm = require "ylm"
 
@@ -13,8 +14,11 @@ local KINDS = { "three.js", "EEVEE", "ylm, fitted", "ylm, bricks", "ylm's grid",
 local SAYS = { ["ylm, fitted"] = "ylm, fitted lattice", ["ylm, bricks"] = "ylm, .ylmp", ["ylm, paths"] = "ylm, paths at places" }
 local MARKS = { "square", "diamond", "plus", "circle", "cross", "square", "diamond", "plus", "circle" }
 local COLUMNS = { "paths", "three.js", "EEVEE", "ylm, .ylmp" }
-local GREY = 0.3             -- of the mean irradiance that the camera sees
-local PAIRS, CAPTION = 2, 14 -- scenes beside each other; rows for words
+local KIND = { ["ylm, .ylmp"] = "ylm, bricks" }
+local GREY = 0.3                      -- of the mean irradiance that the camera sees
+local ENLARGED, CAPTION, GAP = 2, 22, 6 -- pixels a pixel; rows for words; between pictures
+local PAPER, INK = { 0.7, 0.7, 0.7 }, { 0, 0, 0 }
+local W, H = unpack(require "spec.bench.rivals.seen".size)
 
 local function slug(name) return (name:gsub("[^%w]+", "_")) end
 
@@ -23,7 +27,8 @@ local function rows_of(scene)
   for line in file and file:lines() or function() end do
     local row = {}
     for word in (line .. "\t"):gmatch "([^\t]*)\t" do row[#row + 1] = word end
-    rows[#rows + 1] = { kind = row[2], rms = tonumber(row[3]), bytes = tonumber(row[6]), seconds = tonumber(row[7]) }
+    rows[#rows + 1] = { kind = row[2], rms = tonumber(row[3]), bytes = tonumber(row[6]), seconds = tonumber(row[7]),
+      pictured = row[8] == "1" }
   end
   if file then file:close() end
   return rows
@@ -47,32 +52,44 @@ local function chart(name, field, title, label, legend, kinds)
   assert(drawn:save(out .. "/" .. name))
 end
 
-local function sheet()
-  local scenes = require "spec.bench.rivals.scenes"
-  local picture, w, h
-  for i, entry in ipairs(scenes) do
+--- Irradiance [n][3] that a camera sees as a picture; white where lamps or the sky are.
+local function picture_of(E, mean)
+  local one, at = assert(ylm.image { size = { W, H } }), 0
+  local layer = one:layer()
+  for _, e in ipairs(E:totable()) do
+    local x, y = at % W + 1, math.floor(at / W) + 1
+    for c = 1, 3 do layer:set(y, x, c, e[1] == -1 and 1 or math.max(0, e[c]) * GREY / mean) end
+    at = at + 1
+  end
+  return assert(one:resize { ENLARGED * W, ENLARGED * H })
+end
+
+--- The error of a scene's row whose light is drawn, as words.
+local function error_of(scene, kind)
+  for _, row in ipairs(rows_of(scene)) do
+    if row.kind == kind and row.pictured then return (" %.3g %%"):format(100 * row.rms) end
+  end
+  return ""
+end
+
+local function sheet(name, scenes)
+  local w, h = ENLARGED * W + GAP, ENLARGED * H + CAPTION + GAP
+  local picture = assert(ylm.image { size = { #COLUMNS * w - GAP, #scenes * h - GAP } })
+  picture:fill(1, 1, #COLUMNS * w - GAP, #scenes * h - GAP, PAPER)
+  for i, scene in ipairs(scenes) do
     local mean
     for k, column in ipairs(COLUMNS) do
-      local E = ylm.load(("%s/%s.seen.%s.npy"):format(folder, entry.name, slug(column)))
-      if not picture and E then
-        w, h = unpack(require "spec.bench.rivals.seen".size)
-        picture = assert(ylm.image { size = { PAIRS * #COLUMNS * w, math.ceil(#scenes / PAIRS) * (h + CAPTION) } })
-      end
-      local x, y = ((i - 1) % PAIRS * #COLUMNS + k - 1) * w + 1, math.floor((i - 1) / PAIRS) * (h + CAPTION) + 1
+      local E = ylm.load(("%s/%s.seen.%s.npy"):format(folder, scene, slug(column)))
+      local x, y = (k - 1) * w + 1, (i - 1) * h + 1
       if E then
-        local light = E:clamp(0)
-        mean = mean or light:mean()
-        local one = assert(ylm.image { size = { w, h } })
-        one:layer()[{}] = (light * (GREY / mean)):reshape { h, w, 3 }
-        picture:paste(one, x, y + CAPTION)
+        mean = mean or E:clamp(0):mean()
+        picture:paste(picture_of(E, mean), x, y + CAPTION)
       end
-      if picture then
-        local says = k == 1 and entry.name .. ": paths" or column .. (E and "" or ": none")
-        picture:text(x + 2, y + 4, says, { colour = { 1, 1, 1 } })
-      end
+      local says = k == 1 and scene .. ": paths" or column .. (E and error_of(scene, KIND[column] or column) or ": not run")
+      picture:text(x + 2, y + 3, says, { colour = INK, scale = ENLARGED })
     end
   end
-  if picture then assert(picture:save(out .. "/rivals.png")) end
+  assert(picture:save(out .. "/" .. name))
 end
 
 chart("rivals_bytes.png", "bytes", "Probes that answer anywhere: error over bytes, ten scenes", "bytes", "bottom right",
@@ -80,4 +97,7 @@ chart("rivals_bytes.png", "bytes", "Probes that answer anywhere: error over byte
 chart("rivals_seconds.png", "seconds", "Error over processor seconds, ten scenes", "processor seconds", "top left",
   { ["three.js"] = true, EEVEE = true, ["ylm's grid"] = true, Radiance = true, Cycles = true, ["POV-Ray"] = true,
     ["ylm, paths"] = true })
-sheet()
+local names = {}
+for i, entry in ipairs(require "spec.bench.rivals.scenes") do names[i] = entry.name end
+sheet("rivals_1.png", { unpack(names, 1, #names / 2) })
+sheet("rivals_2.png", { unpack(names, #names / 2 + 1) })

@@ -13,7 +13,7 @@ local ylm = require "ylm"
 local plain = {}
 
 plain.sky_size = { 64, 32 }
-plain.seconds_most = 400 -- of a rival's process
+plain.seconds_most = 600 -- of a rival's process
 local XCPU = 152         -- exit status after the signal of ulimit -t
 local GLOSSY = { 0.9, 0.9, 0.9 } -- of materials without albedo, which are matte where a program has no gloss
 
@@ -40,8 +40,9 @@ local function meshes_of(scene)
     end
     local albedo = g.material and g.material.albedo
     if type(albedo) == "number" then albedo = { albedo, albedo, albedo } end
+    local alpha = g.material and type(albedo) ~= "table" and g.material.alpha or nil
     list[#list + 1] = { positions = positions, colour = type(albedo) == "table" and albedo or GLOSSY, side = g.sides or "both",
-      alpha = g.material and type(albedo) ~= "table" and g.material.alpha or nil }
+      alpha = type(alpha) == "table" and math.sqrt(alpha[1] * alpha[2]) or alpha }
   end
   return list
 end

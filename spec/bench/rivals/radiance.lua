@@ -40,7 +40,7 @@ local function text_of(all)
   if all.sky then
     plain.each_patch(all.sky, 50, function(corners, L)
       local list = {}
-      for _, c in ipairs(corners) do for a = 1, 3 do list[#list + 1] = c[a] end end
+      for k = 4, 1, -1 do for a = 1, 3 do list[#list + 1] = corners[k][a] end end -- glow is black from behind
       n = n + 1
       out[#out + 1] = ("void glow g%d 0 0 4 %s 0"):format(n, colour(L))
       polygon(out, "g" .. n, "sky" .. n, list)
