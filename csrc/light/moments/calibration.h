@@ -9,7 +9,11 @@
 
 /* Lights whose geometry is kept at once, in the first-level cache. */
 #define YLM__TILE 8
-/* Lights after which a partial sum is added to the total; a multiple of YLM__TILE. Moved by: errors of float
+/* Above YLM__SPECIAL, for one kind of sums in one channel, and for three channels. Sums are loaded and stored once a
+   tile. */
+#define YLM__TILE_ONE 16
+#define YLM__TILE_RGB 32
+/* Lights after which a partial sum is added to the total; a multiple of each. Moved by: errors of float
    sums of 10^5 lights. */
 #define YLM__BLOCK 256
 /* The highest lmax with a kernel of its own, gen/moments_L.h: beyond, the registers hold a small part of the

@@ -128,74 +128,103 @@ static inline void find_constants(constants *c, int degree) {
 }
 
 /* Weight a of degree k, where directions below the horizon are turned. */
-#define ODD(k, a) (fine && (k) % 2 ? turn(a, below) : (a))
+#define ODD(k, a) (fine && (k) % 2 ? turn(a, below[i]) : (a))
 
-/* One light's geometry and weights for LANES points: times `emission`, and the third kind's times
-   `bent` too. */
-YLM_INLINE void prepare_one(const int lmax, const int kinds, const constants *con,
-                            const real_lamp *lamp, real emission, real bent, vreal x, vreal y,
-                            vreal z, vreal *g, vreal *w, vmask *inside) {
+/* Lights that are prepared together, since the recurrences of one wait for themselves. */
+#define BESIDE (LMAX < 3 ? 1 : 2)
+
+/* Geometry and weights of BESIDE lights for LANES points, at g[i] and w[i]: times `emission`, and the third kind's
+   times `bent` too. */
+YLM_INLINE void prepare_some(const int lmax, const int kinds, const constants *con,
+                             const real_lamp *const *lamp, const real *emission, const real *bent,
+                             const vreal *at, vreal *const *g, vreal *const *w, vmask *inside) {
   const int K = ylm__degree_of(lmax, kinds);
-  (void)con;
-  x = lamp->at[0] - x, y = lamp->at[1] - y, z = lamp->at[2] - z;
-  vreal r = vreal_set(lamp->radius), d2 = x * x + y * y + z * z, u[LMAX + 4];
-  const light l = seen(d2, SQUARES(d2, r, lamp->radius), r, vreal_set(emission));
-  *inside |= ~l.outside;
-  x *= l.invd, y *= l.invd, z *= l.invd;
   const bool fine = FINE(lmax) > 0; /* then w is turned to where z >= 0 */
-  const vmask below = fine ? (vmask)z & (vmask) - (vreal){0} : (vmask){0}; /* sign bits of z */
-  if (fine) {
-    x = turn(x, below), y = turn(y, below), z = turn(z, below);
-    g[ylm__below_pole(lmax)] = GROW * (x * x + y * y) * reciprocal(1 + z);
+  (void)con;
+  vreal x[BESIDE], y[BESIDE], c[BESIDE], s[BESIDE], e[BESIDE], far[BESIDE], u[BESIDE][LMAX + 4];
+  vmask below[BESIDE]; /* sign bits of z */
+  light l[BESIDE];
+  UNROLL_ALL
+  for (int i = 0; i < BESIDE; i++) {
+    x[i] = lamp[i]->at[0] - at[0], y[i] = lamp[i]->at[1] - at[1];
+    vreal z = lamp[i]->at[2] - at[2], r = vreal_set(lamp[i]->radius);
+    vreal d2 = x[i] * x[i] + y[i] * y[i] + z * z;
+    l[i] = seen(d2, SQUARES(d2, r, lamp[i]->radius), r, vreal_set(emission[i]));
+    *inside |= ~l[i].outside;
+    x[i] *= l[i].invd, y[i] *= l[i].invd, z *= l[i].invd;
+    below[i] = fine ? (vmask)z & (vmask) - (vreal){0} : (vmask){0};
+    if (fine) {
+      x[i] = turn(x[i], below[i]), y[i] = turn(y[i], below[i]), z = turn(z, below[i]);
+      g[i][ylm__below_pole(lmax)] = GROW * (x[i] * x[i] + y[i] * y[i]) * reciprocal(1 + z);
+    }
+    g[i][0] = GROW * z;
+    far[i] = bent[i] * l[i].far, e[i] = (vreal){0}, c[i] = x[i], s[i] = y[i];
+    u[i][0] = l[i].es;
   }
-  g[0] = GROW * z;
-  vreal far = bent * l.far, e = {0}, c = x, s = y;
-  u[0] = l.es;
   /* two recurrences, one beside the other because each waits for itself */
   UNROLL
   for (int n = 0; n < K; n++) {
-    TOGETHER(c, e);
-    g[2 * n + 1] = c, g[2 * n + 2] = s;
-    weight_step(CONSTANT(slows, SLOWS, n), CONSTANT(step, STEP, n), l.delta, e, u[n], &e,
-                &u[n + 1]);
-    next_power(x, y, c, s, &c, &s);
+    UNROLL_ALL
+    for (int i = 0; i < BESIDE; i++) {
+      TOGETHER(c[i], e[i]);
+      g[i][2 * n + 1] = c[i], g[i][2 * n + 2] = s[i];
+      weight_step(CONSTANT(slows, SLOWS, n), CONSTANT(step, STEP, n), l[i].delta, e[i], u[i][n],
+                  &e[i], &u[i][n + 1]);
+      next_power(x[i], y[i], c[i], s[i], &c[i], &s[i]);
+    }
   }
-  if (kinds & YLM__M0) {
-    w[0] = l.first;
-    UNROLL
-    for (int k = 1; k <= lmax; k++) w[k] = ODD(k, u[k - 1]);
-  }
-  if (kinds & YLM__M1) {
-    w[ylm__weight_at(lmax, 1, 0)] = vreal_set(0);
-    UNROLL
-    for (int k = 1; k <= lmax + 1; k++) w[ylm__weight_at(lmax, 1, k)] = ODD(k, u[k - 1] * l.invh);
-  }
-  if (kinds & YLM__M2) {
-    w[ylm__weight_at(lmax, 2, 0)] = l.es * far;
-    w[ylm__weight_at(lmax, 2, 1)] = vreal_set(0);
-    UNROLL
-    for (int k = 2; k <= lmax + 2; k++)
-      w[ylm__weight_at(lmax, 2, k)] =
-          ODD(k, bent_weight(CONSTANT(rho, RHO, k), u[k], u[k - 2], far));
+  UNROLL_ALL
+  for (int i = 0; i < BESIDE; i++) {
+    if (kinds & YLM__M0) {
+      w[i][0] = l[i].first;
+      UNROLL
+      for (int k = 1; k <= lmax; k++) w[i][k] = ODD(k, u[i][k - 1]);
+    }
+    if (kinds & YLM__M1) {
+      w[i][ylm__weight_at(lmax, 1, 0)] = vreal_set(0);
+      UNROLL
+      for (int k = 1; k <= lmax + 1; k++)
+        w[i][ylm__weight_at(lmax, 1, k)] = ODD(k, u[i][k - 1] * l[i].invh);
+    }
+    if (kinds & YLM__M2) {
+      w[i][ylm__weight_at(lmax, 2, 0)] = l[i].es * far[i];
+      w[i][ylm__weight_at(lmax, 2, 1)] = vreal_set(0);
+      UNROLL
+      for (int k = 2; k <= lmax + 2; k++)
+        w[i][ylm__weight_at(lmax, 2, k)] =
+            ODD(k, bent_weight(CONSTANT(rho, RHO, k), u[i][k], u[i][k - 2], far[i]));
+    }
   }
 }
 
 #undef ODD
 
-static void prepare(int lmax, int kinds, int n, const void *lamps, int bright, const void *xyz,
-                    void *geometry, void *weights, void *inside) {
-  const real_lamp *lamp = lamps;
-  const vreal *at = xyz;
-  vreal *g = geometry, *w = weights;
-  const int G = ylm__geometry_slots(FIXED(lmax)), W = ylm__weight_slots(FIXED(lmax));
+/* The lights of a tile; a last one alone is prepared twice. */
+YLM_INLINE void prepare_all(const int lmax, const int kinds, int n, const real_lamp *lamps,
+                            int bright, const vreal *at, vreal *g, vreal *w, vmask *inside) {
+  const int G = ylm__geometry_slots(lmax), W = ylm__weight_slots(lmax);
   constants con;
   find_constants(&con, ylm__degree_of(lmax, kinds));
+  for (int j = 0; j < n; j += BESIDE) {
+    const real_lamp *lamp[BESIDE];
+    real emission[BESIDE], bent[BESIDE];
+    vreal *gs[BESIDE], *ws[BESIDE];
+    UNROLL_ALL
+    for (int i = 0; i < BESIDE; i++) {
+      int one = j + i < n ? j + i : j;
+      lamp[i] = lamps + one, gs[i] = g + one * G, ws[i] = w + one * W;
+      emission[i] = bright & YLM__M0 ? lamp[i]->luminance : (real)1;
+      bent[i] = bright == YLM__M2 ? lamp[i]->luminance : (real)1;
+    }
+    prepare_some(lmax, kinds, &con, lamp, emission, bent, at, gs, ws, inside);
+  }
+}
+
+static void prepare(int lmax, int kinds, int n, const void *lamps, int bright, const void *xyz,
+                    void *geometry, void *weights, void *inside) {
+  (void)lmax;
 #define X(set)                                                                                     \
-  if (kinds == set)                                                                                \
-    for (int j = 0; j < n; j++)                                                                    \
-      prepare_one(FIXED(lmax), set, &con, &lamp[j], bright &YLM__M0 ? lamp[j].luminance : (real)1, \
-                  bright == YLM__M2 ? lamp[j].luminance : (real)1, at[0], at[1], at[2], g + j * G, \
-                  w + j * W, inside);
+  if (kinds == set) prepare_all(FIXED(lmax), set, n, lamps, bright, xyz, geometry, weights, inside);
   YLM__KIND_SETS(X)
 #undef X
 }

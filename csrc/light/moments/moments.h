@@ -78,13 +78,27 @@ static inline int ylm__sum_count(int lmax, int kinds) {
   return n;
 }
 
+/* Number of sums of a column of order m where lmax is known at run time only: all kinds up to lmax + kind. */
+static inline int ylm__column_sums(int lmax, int kinds, int m) {
+  int n = 0;
+  for (int kind = 0; kind < 3; kind++)
+    if (kinds & (1 << kind) && m <= lmax + kind) n += lmax + kind - m + 1;
+  return n;
+}
+
+/* Lights whose geometry is kept at once for these kinds of sums in luminance and in three channels. */
+static inline int ylm__tile(int lmax, int kinds_lum, int kinds_rgb) {
+  if (lmax <= YLM__SPECIAL) return YLM__TILE;
+  return kinds_rgb ? YLM__TILE_RGB : kinds_lum & (kinds_lum - 1) ? YLM__TILE : YLM__TILE_ONE;
+}
+
 /*
 ** A kernel, for one lmax (or any), dtype and instruction set. All pointers are to vectors.
 **   grow     factor per degree of the recurrences in z, which keeps high degrees from underflowing
-**   prepare  geometry and weights of `n` <= YLM__TILE lights; the weights of all kinds (bright 7), of
+**   prepare  geometry and weights of `n` lights; the weights of all kinds (bright 7), of
 **            the third alone (4) or of none (0) times luminance. Lanes inside of a light are added
 **            to `inside` (a mask of all ones).
-**   sum      adds n lights' products to sums; `state` holds 2*YLM__TILE vectors of scratch
+**   sum      adds n lights' products to sums; `state` holds 2*n vectors of scratch
 **   sum_rgb  the same for three channels, whose sums are `stride` apart: times emission [n][3]
 */
 typedef struct ylm__moment_kernel {

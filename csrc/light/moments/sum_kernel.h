@@ -41,9 +41,10 @@ static ylm_status work_create(work *k, const ylm__plan *p, void **scratch) {
   int lmax = p->q->lmax;
   size_t count = (size_t)(lmax + 1) * (size_t)(lmax + 1), G = (size_t)ylm__geometry_slots(lmax);
   size_t W = (size_t)ylm__weight_slots(lmax), lum = (size_t)p->n_lum, rgb = (size_t)p->n_rgb;
-  size_t sizes[] = {YLM__TILE * G, YLM__TILE * W,
-                    YLM__TILE * W, 3 * YLM__TILE,
-                    2 * YLM__TILE, lum + 3 * rgb,
+  size_t tile = (size_t)ylm__tile(lmax, p->kinds_lum, p->kinds_rgb);
+  size_t sizes[] = {tile * G,      tile * W,
+                    tile * W,      3 * tile,
+                    2 * tile,      lum + 3 * rgb,
                     rgb,           lum + 3 * rgb,
                     lum + 3 * rgb, 3 * (size_t)(lmax + 2) * (size_t)(lmax + 2),
                     6 * count};
@@ -97,14 +98,14 @@ static void add_tile(const ylm__plan *p, work *k, int n, const real_lamp *lamps,
 static void add_all(const ylm__plan *p, work *k, const vreal *xyz, vmask *inside) {
   const real_lamp *lamps = p->lights->LAMPS;
   size_t n = p->lights->active, sums = (size_t)(p->n_lum + 3 * p->n_rgb);
+  size_t tile = (size_t)ylm__tile(p->q->lmax, p->kinds_lum, p->kinds_rgb);
   memset(k->lum, 0, sums * sizeof(vreal));
   memset(k->lost, 0, sums * sizeof(vreal));
   for (size_t block = 0; block < n; block += YLM__BLOCK) {
     size_t end = n - block < YLM__BLOCK ? n : block + YLM__BLOCK;
     memset(k->part, 0, sums * sizeof(vreal));
-    for (size_t i = block; i < end; i += YLM__TILE)
-      add_tile(p, k, end - i < YLM__TILE ? (int)(end - i) : YLM__TILE, lamps + i, xyz, k->part,
-               inside);
+    for (size_t i = block; i < end; i += tile)
+      add_tile(p, k, (int)(end - i < tile ? end - i : tile), lamps + i, xyz, k->part, inside);
     for (size_t i = 0; i < sums; i++) add_part(k->part[i], &k->lum[i], &k->lost[i]);
   }
 }
