@@ -130,6 +130,21 @@ describe("a tree of virtual lights", function()
     assert.equal(20 * n_lights, double[4].pairs)
   end)
 
+  it("reports that values below 0.01 and derivatives may miss the tolerance, where a tree sums virtual lights", function()
+    local lights, p = scene("room", 0), places(40)
+    local function kept(o, of, points)
+      local _, _, _, report = ylm.light_field(2, of or lights, points or p, o)
+      return report.kept and table.concat(report.kept, "; ")
+    end
+    assert.is_nil(kept { tolerance = 0.02 })
+    assert.is_nil(kept { derivatives = 1 })
+    assert.is_nil(kept({ tolerance = 0.1, derivatives = 1 }, nil, places(10, "double")))
+    local one = ylm.virtual_lights { at = { { 0, 0, 0 } }, radius = 0.1, intensity = 1 }
+    assert.is_nil(kept({ tolerance = 0.1, derivatives = 1 }, one))
+    assert.truthy(kept { tolerance = 0.1, derivatives = 1 }:find "^derivatives .* within 0.1 .* 99.9 %%")
+    assert.truthy(kept { tolerance = 0.005 }:find "^values .* miss the tolerance 0.005")
+  end)
+
   it("is not made of few lights, nor of near parts", function()
     local few = ylm.virtual_lights { at = places(500, "double"), radius = 0.1, intensity = 1 }
     local _, _, _, report = ylm.light_field(2, few, places(10), { tolerance = 0.1 })

@@ -205,7 +205,7 @@ static int lights_close(lua_State *L) {
 }
 
 /* lights_count(lights) -> number, or nil once closed; of these spheres; whether all can be
-   followed; whether a tree sums some of them to a tolerance */
+   followed; whether a tree sums some of them to a tolerance; whether some are virtual lights */
 static int lights_count(lua_State *L) {
   const lights *l = ylmL_check(L, 1, YLM_LIGHTS);
   if (!l->set) return 0;
@@ -213,7 +213,8 @@ static int lights_count(lua_State *L) {
   ylmL_push_count(L, ylm_light_set_sphere_count(l->set));
   lua_pushboolean(L, ylm_light_set_is_listable(l->set));
   lua_pushboolean(L, ylm_light_set_sphere_count(l->set) > 0 || ylm_light_set_has_virtual(l->set));
-  return 4;
+  lua_pushboolean(L, ylm_light_set_has_virtual(l->set));
+  return 5;
 }
 
 /* Rows of `width` numbers as a double array. */
