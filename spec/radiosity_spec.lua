@@ -236,6 +236,71 @@ describe("radiosity:update", function()
   end)
 end)
 
+describe("direct light of elements", function()
+  --- A room whose wall at x = 1 has a slit, and a wall within it from floor to ceiling; the floor is of two triangles.
+  local function two_rooms()
+    local grey, list = ylm.matte { albedo = 0.5 }, {}
+    local function add(lo, hi) list[#list + 1] = ylm.box { bounds = { lo, hi }, material = grey } end
+    add({ -1.2, -1.2, -1.2 }, { 1.2, -1, 1.2 })
+    add({ -1.2, 1, -1.2 }, { 1.2, 1.2, 1.2 })
+    add({ -1.2, -1, -1.2 }, { 1.2, 1, -1 })
+    add({ -1.2, -1, 1 }, { 1.2, 1, 1.2 })
+    add({ -1.2, -1, -1 }, { -1, 1, 1 })
+    add({ 1, -1, -1 }, { 1.2, 0, 1 })
+    add({ 1, 0.2, -1 }, { 1.2, 1, 1 })
+    add({ -0.4, -1, -1 }, { -0.38, 1, 1 })
+    return ylm.scene "two rooms" { geometry = list, lights = ylm.environment_light { radiance = 1 } }
+  end
+
+  --- The elements of a list of numbers i for which is(x, y, z, normal's x, normal's y).
+  local function where(e, is)
+    local out = {}
+    for i = 1, #e.area do
+      if is(e.centre:get(i, 1), e.centre:get(i, 2), e.centre:get(i, 3), e.normal:get(i, 1), e.normal:get(i, 2)) then
+        out[#out + 1] = i
+      end
+    end
+    return out
+  end
+
+  it("averages its noise over neighbours, but not past a wall, and keeps its mean", function()
+    local t = two_rooms():links { spacing = 0.1, rays = 4 }
+    local e, E, sums = t:elements(), {}, {}
+    for k, light_samples in ipairs { 16, 16, 8, 8 } do -- places of 8 rays: one cannot tell its noise
+      E[k] = t:radiosity(nil, { bounces = 0, light_samples = light_samples, seed = k }):irradiance()
+      sums[k] = elements.integral(e, E[k], 1)
+    end
+    local facing = where(e, function(x, y, z, nx) return nx > 0.9 and x > -0.39 and x < -0.37 and math.abs(z) < 0.9
+      and math.abs(y) < 0.9 end)
+    local dark = where(e, function(x, y, z, _, ny) return ny > 0.9 and y == -1 and x < -0.45 and x > -1 and math.abs(z) < 1 end)
+    assert(#facing > 300 and #dark > 100)
+    local square, mean = { 0, 0 }, 0
+    for _, i in ipairs(facing) do
+      for k = 1, 2 do square[k] = square[k] + (E[2 * k - 1]:get(i, 1) - E[2 * k]:get(i, 1)) ^ 2 / 2 end
+      mean = mean + E[1]:get(i, 1)
+    end
+    -- of two places the noise would be the root of half of one's
+    assert(mean > 0 and square[1] < 0.25 * square[2] / 2, square[1] / square[2])
+    near(sums[1] + sums[2], sums[3] + sums[4], 0.01, "all light")
+    for _, i in ipairs(dark) do assert.equal(0, E[1]:get(i, 1)) end
+  end)
+
+  it("keeps the edges of shadows", function()
+    local t = ylm.scene "an edge" {
+      geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } },
+        ylm.quad { corner = { -1, 0.5, 1 }, u = { 1, 0, 0 }, v = { 0, 0, -2 } } },
+      lights = ylm.sun_light { direction = { 0.13, 1, 0 }, irradiance = 1 },
+    }:links { spacing = 0.1, rays = 16 }
+    local e, E = t:elements(), t:radiosity(nil, { bounces = 0 }):irradiance "direct"
+    local edge, cosine = -0.065, 1 / math.sqrt(1 + 0.13 ^ 2) -- of the shadow, which crosses elements
+    local beside = where(e, function(x, y, _, _, up)
+      return up > 0 and y == 0 and math.abs(x - edge) > 0.1 and math.abs(x - edge) < 0.5
+    end)
+    assert(#beside > 300)
+    for _, i in ipairs(beside) do assert.near(e.centre:get(i, 1) > edge and cosine or 0, E:get(i, 1), 0.01) end
+  end)
+end)
+
 describe("a scene's own links", function()
   it("stands for options that are not given", function()
     local s = ylm.scene "own" { geometry = ylm.box {}, links = ylm.links { spacing = 0.5, rays = 32, seed = 3 } }

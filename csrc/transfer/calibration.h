@@ -48,7 +48,7 @@
 #define ESCAPE_ROUNDING 1e-4
 #define SHARE_ROUNDING 1e-6f
 
-/* -- direct light: direct.c, lightmap.c ---------------------------------------------------------- */
+/* -- direct light: direct.c, smooth.c, lightmap.c ---------------------------------------------------------- */
 
 /* Places of an element from which lamps are looked at, at most, and rays of each, at least: a place
    costs a choice among all lamps. */
@@ -58,6 +58,18 @@
 #define DIRECT_ASKED 4096
 /* Elements that a thread takes at a time. */
 #define DIRECT_GRAIN 128
+/* Elements of a group whose noise is averaged, at most and at least; they see each other this part of a spacing above the surface.
+   Groups that a thread takes at a time. */
+#define SMOOTH_MOST 64
+#define SMOOTH_LEAST 8
+#define SMOOTH_LIFT 0.05f
+#define SMOOTH_GRAIN 64
+/* The part of noise in what strays from a plane from which on noise is averaged in part, and in full. Moved by: edges of shadows, noise
+   of elements in a room with a window. */
+#define SMOOTH_DOUBTED 0.6
+#define SMOOTH_NOISE 0.85
+/* Of elements on a line, which is their determinant relative to its diagonal. */
+#define SMOOTH_FLAT 1e-6
 /* Texels that are worked on in one go. */
 #define LIGHTMAP_TEXELS 256
 /* Cosines below it count as this one where light is told along axes: the noise of rays near the horizon ends. */

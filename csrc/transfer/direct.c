@@ -11,8 +11,8 @@ typedef struct job {
   ylm_scene_guide *guide; /* NULL: rays have none */
   int places, each;       /* rays of a place */
   uint64_t seed;
-  float *E0;
-  double (*part)[2]; /* [blocks] W: of rays to lamps that are near, of all */
+  float *E0, *variance; /* [elements] of E0's luminance; NULL: one place cannot tell */
+  double (*part)[2];    /* [blocks] W: of rays to lamps that are near, of all */
   atomic_uint_fast64_t rays;
 } job;
 
@@ -20,7 +20,7 @@ typedef struct job {
 typedef struct waiting {
   ylm_scene_batch lit;
   size_t first, count;
-  size_t end[DIRECT_GRAIN]; /* of each element's rays */
+  size_t end[DIRECT_GRAIN][DIRECT_PLACES]; /* of the rays of each element's places */
 } waiting;
 
 /* A place of element i: number k of a sequence that begins at (x, y). */
@@ -37,6 +37,8 @@ static void aim(const job *j, size_t i, waiting *w) {
   ylm_scene_place place;
   float corner[3][2];
   ylm_rng rng;
+  size_t *end = w->end[w->count++];
+  for (int k = 0; k < j->places; k++) end[k] = w->lit.rays;
   if (!(j->t->share[i] > 0)) return;
   ylm_rng_seed(&rng, ~j->seed, i);
   double x = ylm_rng_double(&rng), y = ylm_rng_double(&rng);
@@ -47,29 +49,38 @@ static void aim(const job *j, size_t i, waiting *w) {
     ylm__transfer_hold(j->t, i, &here);
     ylm_scene_surfaces(j->scene, 1, &here, &at);
     ylm_scene_batch_aim(&w->lit, at.lit, at.normal, at.origin, j->each, &rng);
+    end[k] = w->lit.rays;
   }
 }
 
-/* Irradiance of element i from rays k .. end-1; adds up what is near and what is there. */
-static void add(const job *j, size_t i, const ylm_scene_batch *s, size_t k, size_t end,
+/* Irradiance of element i from rays k on, up to the end of each place's; adds up what is near and what is there. */
+static void add(const job *j, size_t i, const ylm_scene_batch *s, size_t k, const size_t *end,
                 double part[2]) {
-  double E[3] = {0, 0, 0};
-  for (; k < end; k++)
-    if (!(s->ray[k].far < 0)) {
+  double E[3] = {0, 0, 0}, squares = 0, before = 0;
+  for (int p = 0; p < j->places; p++) {
+    for (; k < end[p]; k++) {
+      if (s->ray[k].far < 0) continue;
       double each = (double)s->value[k][0] + (double)s->value[k][1] + (double)s->value[k][2];
       for (int c = 0; c < 3; c++) E[c] += (double)s->value[k][c];
       if ((double)s->ray[k].far < 2 * j->t->form.spacing) part[0] += (double)j->t->area[i] * each;
       part[1] += (double)j->t->area[i] * each;
     }
+    double now = ylm_luminance(E);
+    squares += (now - before) * (now - before);
+    before = now;
+  }
   double share = (double)j->t->share[i], scale = share > 0 ? 1 / (j->places * share) : 0;
   for (int c = 0; c < 3; c++) j->E0[4 * i + (size_t)c] = (float)(E[c] * scale);
+  if (!j->variance) return;
+  double n = j->places, left = fmax(0, squares - before * before / n) * n / (n - 1);
+  j->variance[i] = (float)(left * scale * scale);
 }
 
 /* Traces the rays that wait. */
 static void finish(const job *j, waiting *w, double part[2]) {
   ylm_scene_batch_trace(&w->lit);
   for (size_t k = 0; k < w->count; k++)
-    add(j, w->first + k, &w->lit, k > 0 ? w->end[k - 1] : 0, w->end[k], part);
+    add(j, w->first + k, &w->lit, k > 0 ? w->end[k - 1][j->places - 1] : 0, w->end[k], part);
   w->first += w->count;
   w->count = w->lit.rays = 0;
 }
@@ -85,7 +96,6 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     if (w.lit.rays + most > w.lit.room) finish(j, &w, part);
     aim(j, i, &w);
-    w.end[w.count++] = w.lit.rays;
   }
   if (status == YLM_OK) finish(j, &w, part);
   ylm_scene_batch_free(&w.lit);
@@ -122,6 +132,13 @@ ylm_status ylm__transfer_check_rays(const ylm_transfer *t, const ylm_scene *scen
   return s;
 }
 
+static ylm_status smooth(ylm_radiosity *r, const transfer_places *p, const float *variance,
+                         float *E0, int threads) {
+  ylm_status s =
+      r->neighbours ? YLM_OK : ylm__transfer_neighbours_create(r->t, p, threads, &r->neighbours);
+  return s == YLM_OK ? ylm__transfer_smooth(r->t, r->neighbours, variance, E0, threads) : s;
+}
+
 ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int light_samples,
                               bool guides, uint64_t seed, int threads, const ylm_progress *progress,
                               ylm_error *e) {
@@ -138,11 +155,19 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
            .seed = seed,
            .E0 = ylm_alloc_zero(r->t->elements + 1, 16),
            .part = ylm_alloc_zero(r->t->elements / DIRECT_GRAIN + 1, sizeof *j.part)};
-  s = j.E0 && j.part ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK && guides)
-    s = ylm__transfer_learn(r->t, scene, light_samples, seed, threads, progress, &j.guide);
+  j.variance = places > 1 ? ylm_alloc(r->t->elements, sizeof *j.variance) : NULL;
+  transfer_places p = {0};
+  s = j.E0 && j.part && (j.variance || places == 1) ? YLM_OK : YLM_ENOMEM;
+  bool guided = guides && ylm_scene_guides(scene);
+  if (s == YLM_OK && (guided || (j.variance && !r->neighbours)))
+    s = ylm__transfer_places(r->t, scene, &p);
+  if (s == YLM_OK && guided)
+    s = ylm__transfer_learn(&p, scene, light_samples, seed, threads, progress, &j.guide);
   if (s == YLM_OK)
     s = ylm_parallel(r->t->elements, DIRECT_GRAIN, threads, run, &j, progress, "direct");
+  if (s == YLM_OK && j.variance) s = smooth(r, &p, j.variance, j.E0, threads);
+  ylm__transfer_places_free(&p);
+  ylm_free(j.variance);
   double near = 0, all = 0;
   for (size_t b = 0; s == YLM_OK && b * DIRECT_GRAIN < r->t->elements; b++)
     near += j.part[b][0], all += j.part[b][1];

@@ -1,9 +1,11 @@
 /* guide.c - which lamps and tiles of the sky elements see: the guide of direct light by rays, on them and at places between. */
 #include "transfer.h"
 
-/* The places of elements that have light. */
-static size_t places_of(const ylm_transfer *t, const ylm_scene *scene, float (*x)[3],
-                        float (*normal)[3], float (*origin)[3]) {
+ylm_status ylm__transfer_places(const ylm_transfer *t, const ylm_scene *scene, transfer_places *p) {
+  float(*room)[3] = ylm_alloc(3 * t->elements, sizeof *room);
+  *p = (transfer_places){.room = room, .element = ylm_alloc(t->elements, sizeof *p->element)};
+  if (!room || !p->element) return YLM_ENOMEM;
+  float(*x)[3] = room, (*normal)[3] = room + t->elements, (*origin)[3] = normal + t->elements;
   size_t n = 0;
   for (size_t i = 0; i < t->elements; i++) {
     ylm_scene_place place;
@@ -16,24 +18,21 @@ static size_t places_of(const ylm_transfer *t, const ylm_scene *scene, float (*x
     ylm_scene_surfaces(scene, 1, &place, &at);
     memcpy(x[n], at.lit, sizeof at.lit);
     memcpy(normal[n], at.normal, sizeof at.normal);
-    memcpy(origin[n++], at.origin, sizeof at.origin);
+    memcpy(origin[n], at.origin, sizeof at.origin);
+    p->element[n++] = (uint32_t)i;
   }
-  return n;
+  p->of = (ylm_scene_places){n, (const float(*)[3])x, (const float(*)[3])normal,
+                             (const float(*)[3])origin};
+  return YLM_OK;
 }
 
-ylm_status ylm__transfer_learn(const ylm_transfer *t, const ylm_scene *scene, int light_samples,
+void ylm__transfer_places_free(transfer_places *p) {
+  ylm_free(p->room);
+  ylm_free(p->element);
+}
+
+ylm_status ylm__transfer_learn(const transfer_places *p, const ylm_scene *scene, int light_samples,
                                uint64_t seed, int threads, const ylm_progress *progress,
                                ylm_scene_guide **out) {
-  size_t all = t->elements;
-  *out = NULL;
-  if (!ylm_scene_guides(scene)) return YLM_OK;
-  float(*room)[3] = ylm_alloc(3 * all, sizeof *room);
-  if (!room) return YLM_ENOMEM;
-  size_t n = places_of(t, scene, room, room + all, room + 2 * all);
-  ylm_scene_places places = {n, (const float(*)[3])room, (const float(*)[3])(room + all),
-                             (const float(*)[3])(room + 2 * all)};
-  ylm_status s =
-      ylm_scene_guide_create(scene, &places, light_samples, seed, threads, progress, out);
-  ylm_free(room);
-  return s;
+  return ylm_scene_guide_create(scene, &p->of, light_samples, seed, threads, progress, out);
 }

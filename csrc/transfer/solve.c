@@ -302,6 +302,7 @@ void ylm_radiosity_free(ylm_radiosity *r) {
   ylm_free(r->E);
   ylm_free(r->leaving);
   ylm_scene_guide_free(r->guide);
+  ylm__transfer_neighbours_free(r->neighbours);
   ylm_transfer_targets_free(r->targets);
   ylm_free(r);
 }

@@ -39,11 +39,31 @@ struct ylm_transfer {
 
 /* -- guide.c -------------------------------------------------------------------- */
 
-/* Learns a guide for light_samples rays of each element to the lamps of a scene of the same meshes; NULL where nothing is to be
-   guided. */
-ylm_status ylm__transfer_learn(const ylm_transfer *t, const ylm_scene *scene, int light_samples,
+/* The places of elements that have light. */
+typedef struct transfer_places {
+  ylm_scene_places of;
+  uint32_t *element; /* [of.n] */
+  float (*room)[3];
+} transfer_places;
+
+/* In a scene of the same meshes; to be freed in any case. */
+ylm_status ylm__transfer_places(const ylm_transfer *t, const ylm_scene *scene, transfer_places *p);
+void ylm__transfer_places_free(transfer_places *p);
+/* Learns a guide for light_samples rays of each of them to the lamps of a scene that has guides. */
+ylm_status ylm__transfer_learn(const transfer_places *p, const ylm_scene *scene, int light_samples,
                                uint64_t seed, int threads, const ylm_progress *progress,
                                ylm_scene_guide **out);
+
+/* -- smooth.c ------------------------------------------------------------------- */
+
+/* Groups of elements that see each other. To be freed in any case. */
+typedef struct transfer_neighbours transfer_neighbours;
+ylm_status ylm__transfer_neighbours_create(const ylm_transfer *t, const transfer_places *p,
+                                           int threads, transfer_neighbours **out);
+void ylm__transfer_neighbours_free(transfer_neighbours *g);
+/* Averages the noise of E0 [elements][4] over neighbours; `variance` [elements]: of its luminance. */
+ylm_status ylm__transfer_smooth(const ylm_transfer *t, const transfer_neighbours *of,
+                                const float *variance, float *E0, int threads);
 
 /* -- closed.c ------------------------------------------------------------------- */
 
@@ -210,7 +230,8 @@ struct ylm_radiosity {
   float *direct, *E, *leaving;
   uint64_t rays; /* of E0 */
   double close, seconds;
-  ylm_scene_guide *guide; /* of the rays of E0; NULL: they had none */
+  ylm_scene_guide *guide;          /* of the rays of E0; NULL: they had none */
+  transfer_neighbours *neighbours; /* over which its noise is averaged; NULL: not known yet */
   struct ylm_transfer_targets
       *targets;       /* of leaving, where it is to be gathered by rays that are aimed; or NULL */
   bool guided, aimed; /* E0 may have guides; targets were looked for */

@@ -193,7 +193,8 @@ YLM_API const ylm_transfer *ylm_radiosity_transfer(const ylm_radiosity *r);
 ** ylm_radiosity_rays - direct light on the elements of a scene by rays to its lamps and sky, light_samples from
 ** each element. `scene` is the transfer's, or another of the same meshes with other lamps. `guides`: a pilot learns which lamps
 ** and tiles of the sky elements see (ylm_scene_guide); rays of ylm_radiosity_lightmap and ylm_radiosity_places follow it too,
-** where their lamps are as many.
+** where their lamps are as many. Noise is averaged over neighbours that see each other, where an element has places of its rays to
+** tell it (light_samples from 16 on); shadows keep their edges.
 **
 ** ylm_radiosity_field - direct light from coefficients of degree <= lmax. Of a field of lights E0 = T0 . L with L at the
 ** elements' centres and T0 of ylm_transfer_escape, lmax at most that of T0: it knows no shadow of what is nearer than a
