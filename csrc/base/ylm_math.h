@@ -1,10 +1,11 @@
 /*
-** ylm_math.h - numbers that stand once: pi, the weights of luminance, a mixer of bits.
+** ylm_math.h - numbers and functions that stand once: pi, the weights of luminance, a mixer of bits, a search.
 */
 #ifndef YLM_MATH_H
 #define YLM_MATH_H
 
 #include <math.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #define YLM_PI 3.14159265358979323846
@@ -30,6 +31,24 @@ static inline uint64_t ylm_mix64(uint64_t x) {
   x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
   x = (x ^ x >> 27) * 0x94d049bb133111ebu;
   return x ^ x >> 31;
+}
+
+/* How many of n increasing numbers are not above `at`. */
+static inline size_t ylm_count_upto(size_t n, const double *x, double at) {
+  size_t low = 0, high = n;
+  while (low < high) {
+    size_t middle = low + (high - low) / 2;
+    if (x[middle] > at)
+      high = middle;
+    else
+      low = middle + 1;
+  }
+  return low;
+}
+
+/* The interval that `at` of 0 .. upto[n-1] chooses, of n sums: the first sum above it, or the last. */
+static inline size_t ylm_interval_at(size_t n, const double *upto, double at) {
+  return ylm_count_upto(n - 1, upto, at);
 }
 
 #endif

@@ -1,5 +1,6 @@
 /* lamps.c - lamps and skies as sources of particles. */
 #include "emit.h"
+#include "ylm_math.h"
 
 static void find_reach(emit_lamps *l) {
   double lo[3], hi[3], s = 0;
@@ -41,15 +42,8 @@ void ylm__emit_lamps_free(emit_lamps *l) {
 
 /* The lamp that u of 0 .. 1 chooses, and how often it does. */
 static size_t choose(const emit_lamps *l, double u, double *chance) {
-  double all = l->upto[l->n - 1], target = u * all;
-  size_t low = 0, high = l->n - 1;
-  while (low < high) {
-    size_t middle = low + (high - low) / 2;
-    if (l->upto[middle] > target)
-      high = middle;
-    else
-      low = middle + 1;
-  }
+  double all = l->upto[l->n - 1];
+  size_t low = ylm_interval_at(l->n, l->upto, u * all);
   *chance = (l->upto[low] - (low > 0 ? l->upto[low - 1] : 0)) / all;
   return low;
 }

@@ -18,6 +18,7 @@
 #include "occlusion.h"
 #include "ylm_light.h"
 #include "ylm_light_shadow.h"
+#include "ylm_math.h"
 #include "ylm_sh.h"
 #include "ylm_vector.h"
 
@@ -403,17 +404,9 @@ static ylm_status crosses(const ylm_field *f, size_t n, const double *boxes, uin
 
 /* A random place of the surface and its normal, outwards. */
 static void surface_place(const ylm_trace_occlusion *o, ylm_rng *rng, double p[3], double n[3]) {
-  size_t low = 0, high = o->triangles - 1;
-  double x = ylm_rng_double(rng) * o->area_upto[high], u = sqrt(ylm_rng_double(rng)),
+  double x = ylm_rng_double(rng) * o->area_upto[o->triangles - 1], u = sqrt(ylm_rng_double(rng)),
          v = ylm_rng_double(rng), e[2][3];
-  while (low < high) {
-    size_t middle = (low + high) / 2;
-    if (o->area_upto[middle] > x)
-      high = middle;
-    else
-      low = middle + 1;
-  }
-  const float *t = o->position + 9 * low;
+  const float *t = o->position + 9 * ylm_interval_at(o->triangles, o->area_upto, x);
   for (int a = 0; a < 3; a++) {
     p[a] = (1 - u) * (double)t[a] + u * (1 - v) * (double)t[3 + a] + u * v * (double)t[6 + a];
     for (int i = 0; i < 2; i++) e[i][a] = (double)t[3 * (i + 1) + a] - (double)t[a];

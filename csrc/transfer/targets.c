@@ -420,15 +420,13 @@ bool ylm_transfer_target(const ylm_transfer_targets *a, size_t cluster, const do
   return true;
 }
 
-double ylm_transfer_target_density(const ylm_transfer_targets *a, size_t cluster, uint32_t e) {
+double ylm_transfer_target_density(const ylm_transfer_targets *a, size_t cluster, uint32_t e,
+                                   const ylm_trace_ray *ray, const ylm_trace_hit *hit) {
   const float *below = a->below + cluster * (a->stats.groups + 1) + a->group[e];
-  return (double)(below[1] - below[0]) * (double)a->dense[e];
-}
-
-double ylm_transfer_target_spread(const ylm_trace_ray *ray, const ylm_trace_hit *hit) {
   double n = sqrt((double)ylm_dot3(hit->normal, hit->normal));
   double cosine = fabs((double)ylm_dot3(hit->normal, ray->dir));
-  return cosine > 0 ? (double)hit->t * (double)hit->t * n / cosine : 0;
+  double area = (double)(below[1] - below[0]) * (double)a->dense[e]; /* over area: m^-2 */
+  return area * (cosine > 0 ? (double)hit->t * (double)hit->t * n / cosine : 0);
 }
 
 /* -- gathering ------------------------------------------------------------------------- */
@@ -495,8 +493,7 @@ static void add(const job *j, const scratch *x, size_t i, size_t at) {
     raw = ylm_transfer_hit(a->t, ray, hit);
     if (k >= fan && raw != x->aimed[first + k]) continue;
     double own = (double)ylm_dot3(ray->dir, j->normal[i]) / YLM_PI;
-    double other =
-        ylm_transfer_target_density(a, x->cluster[at], raw) * ylm_transfer_target_spread(ray, hit);
+    double other = ylm_transfer_target_density(a, x->cluster[at], raw, ray, hit);
     double each = own / (part * own + (1 - part) * other);
     if (k < fan) each *= (double)fan / (double)good;
     const float *L = j->leaving + 4 * (size_t)e;

@@ -50,11 +50,10 @@ YLM_API size_t ylm_transfer_targets_at(const ylm_transfer_targets *a, const floa
    light there. */
 YLM_API bool ylm_transfer_target(const ylm_transfer_targets *a, size_t cluster, const double u[3],
                                  uint32_t *element, float point[3]);
-/* How often element e is chosen for a cluster, over its area: m^-2. */
+/* How often the direction of a ray, of length 1, is chosen for places of a cluster, where it hits element e: sr^-1. */
 YLM_API double ylm_transfer_target_density(const ylm_transfer_targets *a, size_t cluster,
-                                           uint32_t e);
-/* Solid angle over area there, of a direction of length 1 and of what was hit in it at a distance. */
-YLM_API double ylm_transfer_target_spread(const ylm_trace_ray *ray, const ylm_trace_hit *hit);
+                                           uint32_t e, const ylm_trace_ray *ray,
+                                           const ylm_trace_hit *hit);
 
 /*
 ** ylm_transfer_gather_targets - the mean radiance of links that go as the cosine, half of which are aimed.

@@ -1,5 +1,6 @@
 /* surface.c - triangles as surfaces: their area within a box, random points on it. */
 #include "surface.h"
+#include "ylm_math.h"
 
 #include <string.h>
 
@@ -247,19 +248,6 @@ static double uniform(uint64_t seed, uint64_t k, uint64_t j) {
          0x1p-53;
 }
 
-/* The first triangle whose sum exceeds `at`. */
-static size_t find(const ylm_grid_surface *s, double at) {
-  size_t lo = 0, hi = s->list.triangles - 1;
-  while (lo < hi) {
-    size_t mid = lo + (hi - lo) / 2;
-    if (s->sum[mid] > at)
-      hi = mid;
-    else
-      lo = mid + 1;
-  }
-  return lo;
-}
-
 /* A point of a polygon, uniform in f and g: f chooses a triangle of its fan and a distance from the
    corner that they share. */
 static void point_of(const polygon *q, double f, double g, double out[3]) {
@@ -299,7 +287,7 @@ void ylm_grid_surface_draw(const ylm_grid_surface *s, uint64_t seed, uint64_t k,
                            double position[3], double normal[3]) {
   double u = uniform(seed, k, 0), all = s->sum[s->list.triangles - 1];
   if (strata > 1) u = ((double)(k % strata) + u) / (double)strata;
-  size_t i = find(s, u * all);
+  size_t i = ylm_interval_at(s->list.triangles, s->sum, u * all);
   double before = i ? s->sum[i - 1] : 0, own = s->sum[i] - before;
   double f = own > 0 ? (u * all - before) / own : 0;
   place(s, i, f < 0 ? 0 : f > 1 ? 1 : f, uniform(seed, k, 1), position);

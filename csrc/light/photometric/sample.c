@@ -1,5 +1,6 @@
 /* sample.c - random directions of a table: an interval of gamma, then one of C, then uniform in solid angle. */
 #include "table.h"
+#include "ylm_math.h"
 
 #include <math.h>
 
@@ -51,14 +52,7 @@ ylm_status ylm__photometric_weigh(ylm_light_photometry *p) {
 /* The interval of sums upto [n] that u of 0 .. 1 of all chooses; u becomes the part of it. */
 static size_t choose(size_t n, const double *upto, double *u, double *share) {
   double all = upto[n - 1], target = *u * all;
-  size_t lo = 0, hi = n - 1;
-  while (lo < hi) {
-    size_t middle = (lo + hi) / 2;
-    if (upto[middle] > target)
-      hi = middle;
-    else
-      lo = middle + 1;
-  }
+  size_t lo = ylm_interval_at(n, upto, target);
   double before = lo > 0 ? upto[lo - 1] : 0, width = upto[lo] - before;
   *share = all > 0 ? width / all : 0;
   *u = width > 0 ? fmin(fmax((target - before) / width, 0), 1 - 0x1p-53) : 0;

@@ -65,15 +65,8 @@ ylm_status ylm__photometric_weigh(ylm_light_photometry *p);
 
 /* The last of n increasing numbers that is not above x; the first, where all are. */
 static inline size_t ylm__photometric_place(size_t n, const double *x, double at) {
-  size_t lo = 0, hi = n;
-  while (hi - lo > 1) {
-    size_t middle = (lo + hi) / 2;
-    if (x[middle] <= at)
-      lo = middle;
-    else
-      hi = middle;
-  }
-  return lo;
+  size_t upto = ylm_count_upto(n, x, at);
+  return upto > 0 ? upto - 1 : 0;
 }
 
 /* Gauss-Legendre nodes and weights on 0 .. 1. */

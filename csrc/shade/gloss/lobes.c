@@ -181,8 +181,7 @@ static void balance(const job *j, const scratch *x, size_t k) {
   bool aimed = x->aimed[k] != AIMED_CHOSEN;
   double other = 0;
   if (raw != AIMED_NOWHERE)
-    other = ylm_transfer_target_density(j->targets, x->cluster[k], raw) *
-            ylm_transfer_target_spread(&x->ray[k], &x->hit[k]);
+    other = ylm_transfer_target_density(j->targets, x->cluster[k], raw, &x->ray[k], &x->hit[k]);
   double all = (x->own[k] + other) / 2;
   for (int c = 0; c < 3; c++)
     weight[c] = all > 0 && !(aimed && raw != x->aimed[k]) ? (float)((double)weight[c] / all) : 0;
