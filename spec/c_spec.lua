@@ -150,6 +150,11 @@ describe("the C library", function()
       ["probe far away"] = "ERANGE: point 1 is beyond 1e+15",
       ["links from nowhere"] = "EDOMAIN: origin 1 is not finite",
       ["receiver from nowhere"] = "EDOMAIN: receiver 1 is not finite",
+      ["lamp of two corners"] = "ERANGE: lamp 1: a polygon has 3 corners or more",
+      ["lamp nowhere"] = "EDOMAIN: lamp 1: at must be finite",
+      ["lamp of infinite power"] = "EDOMAIN: lamp 1: power must be finite",
+      ["lamp of no shape"] = "EINVAL: lamp 1: shape 77 is not known",
+      ["lamps that are not there"] = "EINVAL: lamp is NULL",
       ["links of a long normal"] = "EDOMAIN: normal 1 is not finite, or longer than 1",
       ["bounces 2^31 - 1"] = "ERANGE: bounces must be at most 1000000, got 2147483647",
       ["gutter 2^31 - 1"] = "ERANGE: gutter: 0 to 64 texels, got 2147483647" } or {}

@@ -129,7 +129,8 @@ typedef struct ylm_lamplight ylm_lamplight;
 **
 **   receivers  in  NULL: the elements of t. Both are to live as long as what is made
 **
-** Returns  YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED
+** Returns  YLM_OK; YLM_ERANGE, YLM_EINVAL (no lamp, a shape), YLM_EDOMAIN (a number that is not finite), YLM_ENOMEM,
+**          YLM_ECANCELLED
 ** Cost     places * lamps * light_samples rays at most; 64 bytes a place and lamp, as many as are kept
 */
 YLM_API ylm_status ylm_lamplight_create(const ylm_transfer *t, const ylm_receivers *receivers,

@@ -158,8 +158,15 @@ static int lamplight_create(lua_State *L) {
   form.f.progress = ylmL_progress_begin(L, form.progress, &p);
   ylmL_held *h = ylmL_hold(L, YLML_LAMPLIGHT, destroy_lamplight, of);
   const double *origin = ylm_scene_origin(ylm_transfer_scene(t));
+  const double *row = rows->data;
+  bool known = true;
   for (size_t k = 0; k < n; k++) {
-    lamp[k] = lamp_of((const double *)rows->data + LAMP_NUMBERS * k, origin, corner + used);
+    const double shape = row[LAMP_NUMBERS * k], has = row[LAMP_NUMBERS * (k + 1) - 1];
+    known = known && shape >= 0 && shape <= YLM_LAMP_sun && has >= 0 && has <= (double)all;
+  }
+  if (!known) return ylmL_result_progress(L, 1, YLM_ESHAPE, NULL, &p);
+  for (size_t k = 0; k < n; k++) {
+    lamp[k] = lamp_of(row + LAMP_NUMBERS * k, origin, corner + (used < all ? used : all));
     used += lamp[k].corners;
   }
   ylm_lamplight *l = NULL;

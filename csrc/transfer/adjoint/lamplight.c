@@ -305,6 +305,41 @@ static ylm_status check(const ylm_lamplight_form *f, ylm_error *e) {
   return YLM_OK;
 }
 
+static bool are_finite(const double *x, size_t n) {
+  for (size_t i = 0; i < n; i++)
+    if (!isfinite(x[i])) return false;
+  return true;
+}
+
+/* Lamps whose numbers are none, or name no shape. */
+static ylm_status check_lamps(size_t lamps, const ylm_lamp *lamp, ylm_error *e) {
+  if (lamps > 0 && !lamp) return ylm_fail(e, YLM_EINVAL, "lamp is NULL");
+  for (size_t k = 0; k < lamps; k++) {
+    const ylm_lamp *l = &lamp[k];
+    const struct {
+      const char *name;
+      const double *x;
+      size_t n;
+    } of[] = {{"at", l->at, 3},     {"axis", l->axis, 3},   {"across", l->across, 3},
+              {"half", l->half, 2}, {"scale", l->scale, 3}, {"power", &l->power, 1},
+              {"cone", l->cone, 2}};
+    for (size_t i = 0; i < sizeof of / sizeof *of; i++)
+      if (!are_finite(of[i].x, of[i].n))
+        return ylm_fail(e, YLM_EDOMAIN, "lamp %zu: %s must be finite", k + 1, of[i].name);
+    if ((unsigned)l->shape > YLM_LAMP_sun)
+      return ylm_fail(e, YLM_EINVAL, "lamp %zu: shape %d is not known", k + 1, (int)l->shape);
+    if (l->half[0] < 0 || l->half[1] < 0)
+      return ylm_fail(e, YLM_ERANGE, "lamp %zu: half must not be negative", k + 1);
+    if (l->shape != YLM_LAMP_polygon) continue;
+    if (l->corners < 3 || !l->corner)
+      return ylm_fail(e, YLM_ERANGE, "lamp %zu: a polygon has 3 corners or more", k + 1);
+    for (size_t i = 0; i < l->corners; i++)
+      if (!are_finite(l->corner[i].place, 2))
+        return ylm_fail(e, YLM_EDOMAIN, "lamp %zu: corner %zu must be finite", k + 1, i + 1);
+  }
+  return YLM_OK;
+}
+
 /* Places from `first` on whose records are held together. */
 static size_t block_of(const ylm_lamplight *l, size_t first) {
   return l->places - first < l->block ? l->places - first : l->block;
@@ -356,6 +391,7 @@ ylm_status ylm_lamplight_create(const ylm_transfer *t, const ylm_receivers *rece
   double begun = ylm_seconds();
   *out = NULL;
   ylm_status s = check(form, e);
+  if (s == YLM_OK) s = check_lamps(lamps, lamp, e);
   ylm_lamplight *l = s == YLM_OK ? ylm_alloc_zero(1, sizeof *l) : NULL;
   if (!l) return s == YLM_OK ? YLM_ENOMEM : s;
   *l = (ylm_lamplight){.t = t, .r = receivers, .form = *form, .lamps = lamps};
