@@ -134,6 +134,26 @@ static void canvases(void) {
 }
 
 #ifdef SCENE
+static void lamps_of(const ylm_transfer *transfer) {
+  ylm_lamplight_form rays = {.light_samples = 4, .threads = 1};
+  ylm_lamp shone = {.shape = YLM_LAMP_polygon,
+                    .axis = {0, -1, 0},
+                    .across = {1, 0, 0},
+                    .half = {1, 1},
+                    .scale = {1, 1, 1}};
+  ylm_lamplight *direct;
+  say("lamp of two corners", ylm_lamplight_create(transfer, NULL, 1, &shone, &rays, &direct, &e));
+  shone.shape = YLM_LAMP_sphere, shone.at[1] = NAN;
+  say("lamp nowhere", ylm_lamplight_create(transfer, NULL, 1, &shone, &rays, &direct, &e));
+  shone.at[1] = 1, shone.power = INFINITY;
+  say("lamp of infinite power",
+      ylm_lamplight_create(transfer, NULL, 1, &shone, &rays, &direct, &e));
+  shone.power = 0, shone.shape = (ylm_lamp_shape)77;
+  say("lamp of no shape", ylm_lamplight_create(transfer, NULL, 1, &shone, &rays, &direct, &e));
+  say("lamps that are not there",
+      ylm_lamplight_create(transfer, NULL, 3, NULL, &rays, &direct, &e));
+}
+
 /* Embree ends the process where a ray starts at no number, or beyond 1.8e18. */
 static void scenes(void) {
   float place[12] = {-1, 0, -1, 1, 0, -1, 1, 0, 1, -1, 0, 1}, white[3] = {0.5f, 0.5f, 0.5f};
@@ -182,23 +202,7 @@ static void scenes(void) {
   say("links of a long normal",
       ylm_transfer_find(transfer, 1, (const float(*)[3])far, (const float(*)[3])up, NULL, 8, 1, 1,
                         NULL, link, 0, NULL, &e));
-  ylm_lamplight_form rays = {.light_samples = 4, .threads = 1};
-  ylm_lamp shone = {.shape = YLM_LAMP_polygon,
-                    .axis = {0, -1, 0},
-                    .across = {1, 0, 0},
-                    .half = {1, 1},
-                    .scale = {1, 1, 1}};
-  ylm_lamplight *direct;
-  say("lamp of two corners", ylm_lamplight_create(transfer, NULL, 1, &shone, &rays, &direct, &e));
-  shone.shape = YLM_LAMP_sphere, shone.at[1] = NAN;
-  say("lamp nowhere", ylm_lamplight_create(transfer, NULL, 1, &shone, &rays, &direct, &e));
-  shone.at[1] = 1, shone.power = INFINITY;
-  say("lamp of infinite power",
-      ylm_lamplight_create(transfer, NULL, 1, &shone, &rays, &direct, &e));
-  shone.power = 0, shone.shape = (ylm_lamp_shape)77;
-  say("lamp of no shape", ylm_lamplight_create(transfer, NULL, 1, &shone, &rays, &direct, &e));
-  say("lamps that are not there",
-      ylm_lamplight_create(transfer, NULL, 3, NULL, &rays, &direct, &e));
+  lamps_of(transfer);
   ylm_radiosity *light = NULL;
   double change;
   size_t overlaps;
