@@ -178,6 +178,21 @@ describe("guides of shadow rays", function()
     assert.is_true(gain > 1.5, ("1 / variance / rays grows by %.2f"):format(gain))
   end)
 
+  it("choose directions at surfaces that gloss little, and keep their light", function()
+    local room = window_room(ylm, function(o) return ylm.ggx { alpha = 0.25, f0 = 0.04, base = o.albedo } end)
+    local sums = {}
+    for k, guides in ipairs { true, false } do
+      local image = assert(room:pathtrace { size = { 64, 36 }, samples = 128, guides = guides })
+      local mean, variance, n = image:layer "radiance", image:layer "variance", 64 * 36
+      sums[k] = { mean:sum() / (3 * n), math.sqrt(variance:sum() / 3) / n }
+    end
+    local ours, usual = sums[1], sums[2]
+    local error = math.sqrt(ours[2] ^ 2 + usual[2] ^ 2)
+    assert(error < 0.007 * usual[1], error / usual[1])
+    assert(math.abs(ours[1] - usual[1]) < 3.5 * error, (ours[1] - usual[1]) / error)
+    assert(ours[2] ^ 2 < 0.8 * usual[2] ^ 2, (ours[2] / usual[2]) ^ 2)
+  end)
+
   it("leave less noise for as many rays, the pilot's included", function()
     local room = window_room(ylm):prepare { size = { 112, 63 }, samples = 1 }
     local known, whole, block = blocks(room:render { bounces = 0, light_samples = 1024, seed = 7 })

@@ -149,7 +149,8 @@ static ylm_status list_materials(path_job *j) {
   }
   for (size_t k = 0; k < j->materials; k++) {
     ylm_material_albedo(j->material[k], j->albedo[k]);
-    j->glosses[k] = ylm_material_glosses(j->material[k]);
+    j->glosses[k] = ylm_material_glosses(j->material[k]) &&
+                    ylm_material_excess(j->material[k], GUIDED_COSINE) > GUIDED_EXCESS;
   }
   return YLM_OK;
 }

@@ -1,6 +1,8 @@
 /* path.c - paths from their first hits on: reflected, lit, reflected again. */
-#include "path.h"
+#include <math.h>
+
 #include "calibration.h"
+#include "path.h"
 
 /* The largest number below 1. */
 #define BELOW_ONE 0x1.fffffep-1f
@@ -46,12 +48,36 @@ static void draw(path_tile *t, bool first) {
   }
 }
 
-/* Lets guides choose a part of the directions of a material's vertices. */
+/* Directions of a pilot, dense as the cosine, whatever the material. */
+static void spread(path_tile *t, size_t begin, size_t end) {
+  for (size_t v = begin; v < end; v++) {
+    float r = sqrtf(t->u[v][0]);
+    double turn = 2 * YLM_PI * (double)t->u[v][1];
+    t->wi[v][0] = r * (float)cos(turn), t->wi[v][1] = r * (float)sin(turn);
+    t->wi[v][2] = sqrtf(1 - t->u[v][0]);
+    t->pdf[v] = t->wi[v][2] * (float)(1 / YLM_PI);
+    t->weight[v][0] = t->weight[v][1] = t->weight[v][2] = 1;
+    ylm__path_outward(&t->vertex[v], t->wi[v], t->way[v]);
+  }
+}
+
+/* Which directions of a material's vertices guides choose: `own` of those is below 0. The rest of the third random number is the
+   material's. */
+static void part(path_tile *t, size_t begin, size_t end) {
+  for (size_t v = begin; v < end; v++) {
+    float u = t->u[v][2];
+    t->own[v] = u < GUIDED_PART ? -1 : 0;
+    u = u < GUIDED_PART ? u / GUIDED_PART : (u - GUIDED_PART) / (1 - GUIDED_PART);
+    t->u[v][2] = fminf(BELOW_ONE, u);
+  }
+}
+
+/* Lets guides choose these directions. */
 static void guide(path_tile *t, size_t begin, size_t end) {
   static const float none[3] = {0, 0, -1};
   for (size_t v = begin; v < end; v++) {
     const path_vertex *at = &t->vertex[v];
-    if (t->u[v][2] >= GUIDED_PART)
+    if (!(t->own[v] < 0))
       ylm__path_outward(at, t->wi[v], t->way[v]);
     else if (ylm__path_guided(t->job->known, t->cluster[v], t->u[v], t->way[v]))
       ylm__path_inward(at, t->way[v], t->wi[v]);
@@ -81,9 +107,15 @@ static void choose(path_tile *t, bool first) {
   for (size_t m = 0, v = 0; m < j->materials; v = t->behind[m++]) {
     size_t n = t->behind[m] - v;
     if (n == 0) continue;
+    if (t->noted && !j->glosses[m]) {
+      spread(t, v, v + n);
+      continue;
+    }
+    bool guided = j->known && !j->glosses[m];
+    if (guided) part(t, v, v + n);
     ylm_material_sample(j->material[m], n, (const float(*)[3])(t->wo + v),
                         (const float(*)[3])(t->u + v), t->wi + v, t->weight + v, t->pdf + v);
-    if (j->known && !j->glosses[m]) {
+    if (guided) {
       guide(t, v, v + n);
       mix(t, j->material[m], v, v + n);
     } else

@@ -116,7 +116,7 @@ struct path_job {
   const ylm_material **material; /* [materials] distinct */
   uint32_t *material_of;         /* [meshes] */
   float (*albedo)[3];            /* [materials] */
-  bool *glosses;                 /* [materials] */
+  bool *glosses;                 /* [materials] too narrowly for guides of matte surfaces */
   size_t materials;
   double radical[YLM_PATH_BATCH];
   /* images */

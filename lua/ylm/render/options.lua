@@ -147,8 +147,8 @@ options.light_samples = { "light_samples", "integer", min = 1, max = core.limits
 
 options.guides = { "guides", "boolean", default = true, shelf = "experiments",
   about = "by rays, shadow rays of matte points, and of pictures by paths those of all points, learn from a pilot which lamps "
-    .. "and which parts of the sky are seen from where; of paths also directions of reflection at matte points, and where paths "
-    .. "end; with noise or denoise links learn which elements send light: no bias, less noise; false: they do not" }
+    .. "and which parts of the sky are seen from where; of paths also directions of reflection at points that gloss little, and "
+    .. "where paths end; with noise or denoise links learn which elements send light: no bias, less noise; false: they do not" }
 
 options.lights_field = { "lights", "any", optional = true,
   about = "lights in place of the scene's. By rays they may move; default with bounced = lit: those of lit. By sum and by "
