@@ -4,6 +4,7 @@ local plain = require "spec.bench.rivals.plain"
 local scratch = require "spec.support.scratch"
 
 local unpack = table.unpack or unpack -- luacheck: ignore
+local MOST_LAMPS = 64 -- each ray of a place asks all lamps
 local radiance = { name = "Radiance, rtrace -I" }
 
 -- The default of -lw loses a percent of the light of closed rooms. -av 0: nothing is added for what is not traced.
@@ -52,6 +53,7 @@ end
 --- Irradiance at places, processor seconds and bytes of the cache; or nil, why not.
 function radiance.run(all, points, normals, quantity, setting)
   if #all.panels > 0 then return nil, "not run: rays end at its panels, and pass those of the scene" end
+  if #all.lamps > MOST_LAMPS then return nil, ("not run: %d lamps"):format(#all.lamps) end
   local folder, lines = scratch.new(), {}
   for i, p in ipairs(points) do lines[i] = ("%.9g %.9g %.9g %s"):format(p[1], p[2], p[3], colour(normals[i])) end
   folder:write("places", table.concat(lines, "\n") .. "\n")
