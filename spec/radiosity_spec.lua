@@ -285,6 +285,24 @@ describe("direct light of elements", function()
     for _, i in ipairs(dark) do assert.equal(0, E[1]:get(i, 1)) end
   end)
 
+  it("passes no wall that ends a millimetre above the floor: elements are wider than the wall", function()
+    local grey = ylm.matte { albedo = 0.7 }
+    local t = ylm.scene "a closet" {
+      geometry = { ylm.box { bounds = { { -1, 0, -1 }, { 1, 1.5, 1 } }, sides = "back", material = grey },
+        ylm.box { bounds = { { 0.4, 0.001, -0.999 }, { 0.44, 1.499, 0.999 } }, sides = "front", material = grey } },
+      lights = ylm.sphere_light { at = { -0.5, 1, 0.2 }, radius = 0.1, radiance = 10 },
+    }:links { spacing = 0.1, rays = 64 }
+    local e, E = t:elements(), t:radiosity():irradiance()
+    local sum, area = { 0, 0 }, { 0, 0 }
+    for i = 1, #e.area do
+      local x = e.centre:get(i, 1)
+      local k = x > 0.44 and 2 or x < 0.4 and 1
+      if k then sum[k], area[k] = sum[k] + E:get(i, 1) * e.area:get(i), area[k] + e.area:get(i) end
+    end
+    local part = sum[2] / area[2] / (sum[1] / area[1])
+    assert(part < 2e-4, part)
+  end)
+
   it("keeps the edges of shadows", function()
     local t = ylm.scene "an edge" {
       geometry = { ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0, 0 }, v = { 0, 0, -2 } },

@@ -1,7 +1,8 @@
 /*
 ** crossed.c - elements that a wall crosses: their light is that of their middle's side.
 **
-** Rays that hit the other side take a neighbour that is seen from there, so that no light passes under a wall.
+** Rays that hit the other side take a neighbour that is seen from there, so that no light passes under a wall, also where the wall
+** ends closely above the surface: places that it covers are a side of their own.
 */
 #include <math.h>
 
@@ -14,6 +15,28 @@ static bool sees(const ylm_transfer *t, const float a[3], const float b[3]) {
   for (int k = 0; k < 3; k++) ray.org[k] = a[k], ray.dir[k] = b[k] - a[k];
   ylm_trace_occluded(ylm_scene_trace(t->scene), 1, &ray);
   return !(ray.far < 0);
+}
+
+/* A place, and the point a part of a spacing above it. */
+typedef struct lifted {
+  float at[3], above[3];
+  bool covered; /* something is in between */
+} lifted;
+
+static lifted lift(const ylm_transfer *t, const ylm_scene_surface *at) {
+  lifted x;
+  for (int a = 0; a < 3; a++) {
+    x.at[a] = at->origin[a];
+    x.above[a] = at->origin[a] + CROSSED_LIFT * (float)t->form.spacing * at->flat[a];
+  }
+  x.covered = !sees(t, x.at, x.above);
+  return x;
+}
+
+/* Whether two places of a surface are on one side of all walls: of those that end closely above the surface, too. */
+static bool is_beside(const ylm_transfer *t, const lifted *a, const lifted *b) {
+  if (a->covered != b->covered || !sees(t, a->at, b->at)) return false;
+  return a->covered || sees(t, a->above, b->above);
 }
 
 /* The middle of an element. */
@@ -36,8 +59,11 @@ static bool is_crossed(const ylm_transfer *t, size_t e) {
     place[k + 1].v += CROSSED_WITHIN * (corner[k][1] - place[0].v);
   }
   ylm_scene_surfaces(t->scene, 4, place, at);
-  for (int k = 1; k < 4; k++)
-    if (!sees(t, at[0].origin, at[k].origin)) return true;
+  lifted middle = lift(t, &at[0]);
+  for (int k = 1; k < 4; k++) {
+    lifted other = lift(t, &at[k]);
+    if (!is_beside(t, &middle, &other)) return true;
+  }
   return false;
 }
 
@@ -61,7 +87,8 @@ void ylm__transfer_hold(const ylm_transfer *t, size_t e, ylm_scene_place *place)
   ylm_scene_place middle = middle_of(t, e, corner);
   for (int tries = 0; tries < CROSSED_HALVES; tries++) {
     ylm_scene_surfaces(t->scene, 2, (ylm_scene_place[]){middle, *place}, at);
-    if (sees(t, at[0].origin, at[1].origin)) return;
+    lifted own = lift(t, &at[0]), here = lift(t, &at[1]);
+    if (is_beside(t, &own, &here)) return;
     place->u = (place->u + middle.u) / 2;
     place->v = (place->v + middle.v) / 2;
   }
@@ -85,12 +112,13 @@ static uint32_t below(const ylm_transfer *t, const float x[3], const float norma
                                                     .back = back});
 }
 
-static bool middle_sees(const ylm_transfer *t, uint32_t e, const float x[3]) {
+static bool middle_sees(const ylm_transfer *t, uint32_t e, const lifted *x) {
   float corner[3][2];
   ylm_scene_place place = middle_of(t, e, corner);
   ylm_scene_surface at;
   ylm_scene_surfaces(t->scene, 1, &place, &at);
-  return sees(t, x, at.origin);
+  lifted middle = lift(t, &at);
+  return is_beside(t, x, &middle);
 }
 
 uint32_t ylm__transfer_own(const ylm_transfer *t, uint32_t e, const ylm_scene_place *place) {
@@ -100,7 +128,8 @@ uint32_t ylm__transfer_own(const ylm_transfer *t, uint32_t e, const ylm_scene_pl
   ylm_scene_surface at[2];
   ylm_scene_surfaces(t->scene, 2, (ylm_scene_place[]){*place, middle_of(t, e, corner)}, at);
   const float *x = at[0].origin, *n = at[0].flat;
-  if (sees(t, x, at[1].origin)) return e;
+  lifted here = lift(t, &at[0]), own = lift(t, &at[1]);
+  if (is_beside(t, &here, &own)) return e;
   for (int a = 0; a < 3; a++) away[a] = x[a] - at[1].origin[a];
   float length = sqrtf(ylm_dot3(away, away)), spacing = (float)t->form.spacing;
   for (int a = 0; a < 3; a++) away[a] /= length;
@@ -112,7 +141,7 @@ uint32_t ylm__transfer_own(const ylm_transfer *t, uint32_t e, const ylm_scene_pl
       for (int a = 0; a < 3; a++)
         y[a] = x[a] + far * (turn[k][0] * away[a] + turn[k][1] * across[a]);
       uint32_t other = below(t, y, n, CROSSED_LIFT * spacing);
-      if (other < t->elements && other != e && middle_sees(t, other, x)) return other;
+      if (other < t->elements && other != e && middle_sees(t, other, &here)) return other;
     }
   return (uint32_t)t->elements;
 }
