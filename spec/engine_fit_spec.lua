@@ -139,7 +139,7 @@ describe("fits of probes", function()
       report = assert(grid:export(path, { cells = cells, scene = scene }))
       local parted = judged(path)
       assert(#report.grids >= 2 and parted.rms < 0.5 * sampled.rms, parted.rms .. " " .. sampled.rms)
-      assert(parted.leak < 0.5 * sampled.leak, parted.leak .. " " .. sampled.leak)
+      assert(parted.leak < math.max(1e-5, 0.5 * sampled.leak), parted.leak .. " " .. sampled.leak) -- the grid is dark there
       local at = report.grids[1].bounds[2][1]
       assert(math.abs(at - 0.14) < 1e-3, at)                      -- in the middle of the wall
       local s = report.surfaces

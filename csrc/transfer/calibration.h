@@ -34,8 +34,8 @@
 #define CROSSED_WITHIN 0.999f
 /* Places of an element on its other side come nearer to its middle by halves, so many times. */
 #define CROSSED_HALVES 4
-/* A neighbour is looked for within the spacing in so many steps, by rays down from this part of it, of surfaces that face as
-   this cosine. */
+/* A neighbour is looked for within the spacing in so many steps, by rays down from this part of an element's width, of surfaces that
+   face as this cosine. */
 #define CROSSED_STEPS 3
 #define CROSSED_LIFT 0.05f
 #define CROSSED_FACING 0.9f
@@ -58,11 +58,9 @@
 #define DIRECT_ASKED 4096
 /* Elements that a thread takes at a time. */
 #define DIRECT_GRAIN 128
-/* Elements of a group whose noise is averaged, at most and at least; they see each other this part of a spacing above the surface.
-   Groups that a thread takes at a time. */
+/* Elements of a group whose noise is averaged, at most and at least. Groups that a thread takes at a time. */
 #define SMOOTH_MOST 64
 #define SMOOTH_LEAST 8
-#define SMOOTH_LIFT 0.05f
 #define SMOOTH_GRAIN 64
 /* The part of noise in what strays from a plane from which on noise is averaged in part, and in full. Moved by: edges of shadows, noise
    of elements in a room with a window. */

@@ -17,17 +17,22 @@ static bool sees(const ylm_transfer *t, const float a[3], const float b[3]) {
   return !(ray.far < 0);
 }
 
-/* A place, and the point a part of a spacing above it. */
+/* A part of the width of an element. */
+float ylm__transfer_lift(const ylm_transfer *t, size_t e) {
+  return CROSSED_LIFT * fminf((float)t->form.spacing, sqrtf(2 * t->area[e]));
+}
+
+/* A place, and a point above it. */
 typedef struct lifted {
   float at[3], above[3];
   bool covered; /* something is in between */
 } lifted;
 
-static lifted lift(const ylm_transfer *t, const ylm_scene_surface *at) {
+static lifted lift(const ylm_transfer *t, const ylm_scene_surface *at, float height) {
   lifted x;
   for (int a = 0; a < 3; a++) {
     x.at[a] = at->origin[a];
-    x.above[a] = at->origin[a] + CROSSED_LIFT * (float)t->form.spacing * at->flat[a];
+    x.above[a] = at->origin[a] + height * at->flat[a];
   }
   x.covered = !sees(t, x.at, x.above);
   return x;
@@ -59,9 +64,10 @@ static bool is_crossed(const ylm_transfer *t, size_t e) {
     place[k + 1].v += CROSSED_WITHIN * (corner[k][1] - place[0].v);
   }
   ylm_scene_surfaces(t->scene, 4, place, at);
-  lifted middle = lift(t, &at[0]);
+  float height = ylm__transfer_lift(t, e);
+  lifted middle = lift(t, &at[0], height);
   for (int k = 1; k < 4; k++) {
-    lifted other = lift(t, &at[k]);
+    lifted other = lift(t, &at[k], height);
     if (!is_beside(t, &middle, &other)) return true;
   }
   return false;
@@ -84,10 +90,11 @@ void ylm__transfer_hold(const ylm_transfer *t, size_t e, ylm_scene_place *place)
   float corner[3][2];
   ylm_scene_surface at[2];
   if (!t->crossed[e]) return;
+  float height = ylm__transfer_lift(t, e);
   ylm_scene_place middle = middle_of(t, e, corner);
   for (int tries = 0; tries < CROSSED_HALVES; tries++) {
     ylm_scene_surfaces(t->scene, 2, (ylm_scene_place[]){middle, *place}, at);
-    lifted own = lift(t, &at[0]), here = lift(t, &at[1]);
+    lifted own = lift(t, &at[0], height), here = lift(t, &at[1], height);
     if (is_beside(t, &own, &here)) return;
     place->u = (place->u + middle.u) / 2;
     place->v = (place->v + middle.v) / 2;
@@ -112,12 +119,12 @@ static uint32_t below(const ylm_transfer *t, const float x[3], const float norma
                                                     .back = back});
 }
 
-static bool middle_sees(const ylm_transfer *t, uint32_t e, const lifted *x) {
+static bool middle_sees(const ylm_transfer *t, uint32_t e, const lifted *x, float height) {
   float corner[3][2];
   ylm_scene_place place = middle_of(t, e, corner);
   ylm_scene_surface at;
   ylm_scene_surfaces(t->scene, 1, &place, &at);
-  lifted middle = lift(t, &at);
+  lifted middle = lift(t, &at, height);
   return is_beside(t, x, &middle);
 }
 
@@ -128,7 +135,8 @@ uint32_t ylm__transfer_own(const ylm_transfer *t, uint32_t e, const ylm_scene_pl
   ylm_scene_surface at[2];
   ylm_scene_surfaces(t->scene, 2, (ylm_scene_place[]){*place, middle_of(t, e, corner)}, at);
   const float *x = at[0].origin, *n = at[0].flat;
-  lifted here = lift(t, &at[0]), own = lift(t, &at[1]);
+  float height = ylm__transfer_lift(t, e);
+  lifted here = lift(t, &at[0], height), own = lift(t, &at[1], height);
   if (is_beside(t, &here, &own)) return e;
   for (int a = 0; a < 3; a++) away[a] = x[a] - at[1].origin[a];
   float length = sqrtf(ylm_dot3(away, away)), spacing = (float)t->form.spacing;
@@ -140,8 +148,8 @@ uint32_t ylm__transfer_own(const ylm_transfer *t, uint32_t e, const ylm_scene_pl
       float y[3], far = spacing * (float)step / CROSSED_STEPS;
       for (int a = 0; a < 3; a++)
         y[a] = x[a] + far * (turn[k][0] * away[a] + turn[k][1] * across[a]);
-      uint32_t other = below(t, y, n, CROSSED_LIFT * spacing);
-      if (other < t->elements && other != e && middle_sees(t, other, &here)) return other;
+      uint32_t other = below(t, y, n, height);
+      if (other < t->elements && other != e && middle_sees(t, other, &here, height)) return other;
     }
   return (uint32_t)t->elements;
 }

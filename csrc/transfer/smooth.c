@@ -38,7 +38,7 @@ typedef struct parting {
 /* Puts the places that see the first one behind it; returns their number, with it. */
 static size_t seen_from(const parting *j, uint32_t *list, size_t n, ylm_trace_ray *ray) {
   const ylm_scene_places *of = &j->p->of;
-  float lift = SMOOTH_LIFT * (float)j->t->form.spacing;
+  float lift = ylm__transfer_lift(j->t, j->p->element[list[0]]);
   for (size_t i = 0; i < n; i++) {
     ray[i] = (ylm_trace_ray){.far = i > 0 ? 1 : -1};
     for (int a = 0; a < 3; a++) {

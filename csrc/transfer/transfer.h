@@ -104,6 +104,8 @@ static inline bool ylm__transfer_is_back(const ylm_transfer *t, size_t i) {
 
 /* -- crossed.c ------------------------------------------------------------------ */
 
+/* How far above an element places see each other past what ends closely above it. */
+float ylm__transfer_lift(const ylm_transfer *t, size_t e);
 /* Fills t->crossed, of elements that are known. */
 ylm_status ylm__transfer_cross(ylm_transfer *t);
 /* Brings a place of element e to the side of its middle. */
