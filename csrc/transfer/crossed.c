@@ -88,13 +88,15 @@ ylm_status ylm__transfer_cross(ylm_transfer *t) {
 
 void ylm__transfer_hold(const ylm_transfer *t, size_t e, ylm_scene_place *place) {
   float corner[3][2];
-  ylm_scene_surface at[2];
+  ylm_scene_surface at;
   if (!t->crossed[e]) return;
   float height = ylm__transfer_lift(t, e);
   ylm_scene_place middle = middle_of(t, e, corner);
+  ylm_scene_surfaces(t->scene, 1, &middle, &at);
+  lifted own = lift(t, &at, height);
   for (int tries = 0; tries < CROSSED_HALVES; tries++) {
-    ylm_scene_surfaces(t->scene, 2, (ylm_scene_place[]){middle, *place}, at);
-    lifted own = lift(t, &at[0], height), here = lift(t, &at[1], height);
+    ylm_scene_surfaces(t->scene, 1, place, &at);
+    lifted here = lift(t, &at, height);
     if (is_beside(t, &own, &here)) return;
     place->u = (place->u + middle.u) / 2;
     place->v = (place->v + middle.v) / 2;

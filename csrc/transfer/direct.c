@@ -162,7 +162,7 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
   if (s == YLM_OK && (guided || (j.variance && !r->neighbours)))
     s = ylm__transfer_places(r->t, scene, &p);
   if (s == YLM_OK && guided)
-    s = ylm__transfer_learn(&p, scene, light_samples, seed, threads, progress, &j.guide);
+    s = ylm_scene_guide_create(scene, &p.of, light_samples, seed, threads, progress, &j.guide);
   if (s == YLM_OK)
     s = ylm_parallel(r->t->elements, DIRECT_GRAIN, threads, run, &j, progress, "direct");
   if (s == YLM_OK && j.variance) s = smooth(r, &p, j.variance, j.E0, threads);

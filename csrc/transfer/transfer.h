@@ -37,7 +37,7 @@ struct ylm_transfer {
   float *escape;    /* [elements][(lmax+1)^2] or NULL */
 };
 
-/* -- guide.c -------------------------------------------------------------------- */
+/* -- places.c ------------------------------------------------------------------- */
 
 /* The places of elements that have light. */
 typedef struct transfer_places {
@@ -49,10 +49,6 @@ typedef struct transfer_places {
 /* In a scene of the same meshes; to be freed in any case. */
 ylm_status ylm__transfer_places(const ylm_transfer *t, const ylm_scene *scene, transfer_places *p);
 void ylm__transfer_places_free(transfer_places *p);
-/* Learns a guide for light_samples rays of each of them to the lamps of a scene that has guides. */
-ylm_status ylm__transfer_learn(const transfer_places *p, const ylm_scene *scene, int light_samples,
-                               uint64_t seed, int threads, const ylm_progress *progress,
-                               ylm_scene_guide **out);
 
 /* -- smooth.c ------------------------------------------------------------------- */
 

@@ -1,4 +1,4 @@
-/* guide.c - which lamps and tiles of the sky elements see: the guide of direct light by rays, on them and at places between. */
+/* places.c - where elements have light: what guides of direct light are learnt from, and groups of neighbours. */
 #include "transfer.h"
 
 ylm_status ylm__transfer_places(const ylm_transfer *t, const ylm_scene *scene, transfer_places *p) {
@@ -29,10 +29,4 @@ ylm_status ylm__transfer_places(const ylm_transfer *t, const ylm_scene *scene, t
 void ylm__transfer_places_free(transfer_places *p) {
   ylm_free(p->room);
   ylm_free(p->element);
-}
-
-ylm_status ylm__transfer_learn(const transfer_places *p, const ylm_scene *scene, int light_samples,
-                               uint64_t seed, int threads, const ylm_progress *progress,
-                               ylm_scene_guide **out) {
-  return ylm_scene_guide_create(scene, &p->of, light_samples, seed, threads, progress, out);
 }
