@@ -504,6 +504,43 @@ return scene "room" {
     end
   end)
 
+  it("are refined by rays to the picture of scene:render, of which the pilot's is shown before", function()
+    local lamps = ylm.sphere_lights { at = { { 0.9, 0.6, 0.6 }, { 0.2, 1, -1 } }, radius = { 0.06, 0.05 }, radiance = 20 }
+    local s, shown, last = scene { lights = { lamps } }, {}, nil
+    local _, report = play(s, { { 0, "rest" } }, { refine = { "view", "rays" }, noise = 0.002, on_frame = function(state)
+      if state.method == "rays" and state.noise ~= last then
+        shown[#shown + 1], last = state.image:layer("radiance"):bytes(), state.noise
+      end
+    end })
+    local alone, facts = s:render { size = SIZE, samples = 2, noise = 0.002, layers = false }
+    local bits = alone:layer("radiance"):bytes()
+    assert.equal(2, #shown)                             -- the pilot's, and that with rays where noise is
+    assert(shown[2] == bits and shown[1] ~= bits)
+    assert.equal(facts.noise, report.picture.noise)
+    assert.equal("all", report.picture.bounces)
+  end)
+
+  it("go on while a pointer passes over the window, and keep what it does behind that", function()
+    local queue = {}
+    local window = { waiting = function() return #queue > 0 end, poll = function()
+      local events = queue
+      queue = {}
+      return events
+    end }
+    local o = { size = SIZE, exposure = 0, tone = "srgb", panel = false, refine = {}, samples = 1, transfer_samples = 4 }
+    local me = sessions.new(scene(), window, o)
+    queue = { { kind = "move", x = 3, y = 4 }, { kind = "move", x = 5, y = 4 } }
+    assert(not me:waiting() and #queue == 0)
+    queue = { { kind = "move", x = 3, y = 4 }, key "h" }
+    assert(me:waiting() and me:waiting())
+    queue = { key "q" }
+    local events = me:poll(7)
+    assert(#events == 2 and events[1].key == "h" and events[2].key == "q" and not me:waiting())
+    me.state.drag = { kind = "lamp", lamp = 1 }
+    queue = { { kind = "move", x = 3, y = 4 } }
+    assert(me:waiting() and #me:poll(0) == 1)
+  end)
+
   it("are refined to the same picture, wherever events break a step off", function()
     local o = { size = SIZE, quiet = true, samples = 1, transfer_samples = 4, light_samples = 16, paths = 32, exposure = 0,
       tone = "srgb", budget = 0.05, panel = false, events = {}, refine = { "grid", "smooth", "reference" } }
@@ -624,6 +661,7 @@ describe("scene:live refuses", function()
     says("size must be", scene(), close, { size = { 0, 5 } })
     says("a window of 9000 x 5 pixels", scene(), close, { size = { 9000, 5 } })
     says("tolerance must be", scene(), close, { tolerance = 2 })
+    says("noise chooses counts of rays, and light_samples is given", scene(), close, { noise = 0.1, light_samples = 4 })
     says("budget must be a number > 0", scene(), close, { budget = 0 })
     says('"view", "grid", "smooth"', scene(), close, { refine = { "all" } })
     says("events[1]: no event 'pres' (did you mean 'press'?)", scene(), { { 0, "pres", 1, 1, "left" } })

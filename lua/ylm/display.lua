@@ -189,6 +189,12 @@ function display.begin(s, o, how)
     local ok, why = viewer.codec.display_send(viewer.handle, name:sub(1, viewer.codec.display_name), layers)
     if not ok then failed(why) end
   end
+  --- Sends picture() now.
+  function live.now(picture)
+    if not viewer then return end
+    live.send((picture()))
+    live.last = core.seconds()
+  end
   --- Wraps `bar`, or nothing: four times a second picture() makes what is sent; it returns layers or nil.
   function live.progress(bar, picture)
     return function(done, total, stage)
@@ -211,6 +217,15 @@ function display.begin(s, o, how)
     if live.own and viewer then viewer:close() end
   end
   return live
+end
+
+--- A rendering's way to who watches it without a viewer: watch.now(image, report) is called as a viewer's `now` is.
+function display.watch(watch)
+  return { progress = function(bar) return bar end, finish = function() end,
+    now = function(picture, report)
+      local _, image = picture()
+      watch.now(image, report)
+    end }
 end
 
 display.layer_of = layer_of

@@ -18,8 +18,8 @@ end
 
 local function options(size)
   return { size = size, refine = { "view", "grid", "smooth", "rays" }, samples = 4, transfer_samples = quick and 16 or 64,
-    light_samples = quick and 16 or 64, paths = 32, exposure = 0, tone = "srgb", budget = math.huge, quiet = true, panel = true,
-    events = {} }
+    noise = 0.03, denoise = "auto", bounces = "all", paths = 32, exposure = 0, tone = "srgb", budget = math.huge, quiet = true,
+    panel = true, events = {} }
 end
 
 --- A session of a scene in a hidden window; it has to be closed.

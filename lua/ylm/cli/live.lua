@@ -23,7 +23,10 @@ return {
     { "exposure", nil, "N", "stops" },
     { "tone", nil, "NAME", "tone curve" },
     { "budget", nil, "N", "milliseconds that a picture may take while something moves, default 50" },
-    { "light-samples", nil, "N", "rays to the lamps at rest, default 1024" },
+    { "noise", nil, "N", "of the picture by rays at rest, default 0.03 for 3 % of the light around each pixel" },
+    { "light-samples", nil, "N", "of the picture by rays, instead of --noise: shadow rays of a shading point" },
+    { "denoise", nil, "NAME", "of the picture by rays: auto (default) or none" },
+    { "bounces", "-b", "NAME", "of the picture by rays: reflections after direct light, 0, 1 .. or all (default)" },
     { "replay", nil, "FILE", "plays a file of events, and closes" },
     { "hidden", nil, nil, "a replay without a window: no display is needed" },
     { "record", nil, "FILE", "writes a file of events" },
@@ -48,12 +51,16 @@ return {
     if not scene.camera then status.stop(status.script, "%s: live: the scene has no camera", path) end
     local edited, facts = scene:live { size = given.size, tolerance = given.tolerance, depth = given.depth,
       exposure = given.exposure, tone = given.tone, budget = given.budget and given.budget / 1e3,
-      light_samples = given["light-samples"], events = given.replay, hidden = given.hidden, record = given.record,
+      noise = given.noise, light_samples = given["light-samples"], denoise = given.denoise,
+      bounces = status.bounces("live", given.bounces), events = given.replay, hidden = given.hidden, record = given.record,
       save = given.save, picture = given.picture, panel = not given["no-panel"], quiet = given.quiet or given.json,
       threads = given.threads }
     status.need(edited, facts)
     if given.json then report.print(given, facts)
-    else for _, name in ipairs(facts.saved) do report.say(given, "%s", name) end end
+    else
+      if facts.picture then report.say_noise(given, facts.picture) end
+      for _, name in ipairs(facts.saved) do report.say(given, "%s", name) end
+    end
     return status.good
   end,
 }

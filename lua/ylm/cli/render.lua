@@ -113,15 +113,6 @@ local function filter_of(given, by)
   return plain and "auto" or nil
 end
 
---- Says which noise a picture has, and how long it took.
-local function say_noise(given, facts)
-  local before = facts.noise_before
-  local note = before and (", %.0f %% before it was filtered"):format(100 * before)
-    or given.denoise == "oidn" and " before Open Image Denoise" or ""
-  report.say(given, "ylm: noise is %.1f %% of the light around a pixel%s, %.0f s%s", 100 * facts.noise, note, facts.seconds.total,
-    facts.ended == "cancelled" and "; interrupted: this is the picture so far" or "")
-end
-
 --- Ends the command where options of virtual lights are given and these are not asked for.
 local function check_virtual(given)
   for _, list in ipairs { of_lights, of_virtual } do
@@ -229,7 +220,7 @@ return {
     local image, facts = scene:render(options)
     status.need(image, facts)
     exposures.save(given, image, exposure)
-    if facts.ended then say_noise(given, facts) end
+    if facts.ended then report.say_noise(given, facts) end
     report.print(given, facts, report.names(facts, { "reference", "visibility", "gloss", "bounces", "omits", "met", "error" }))
     if facts.ended == "cancelled" then return status.cancelled end
     return status.of_warnings(given, facts.warnings)

@@ -59,6 +59,15 @@ function report.say(given, message, ...)
   if not given.quiet then io.stderr:write(message:format(...), "\n") end
 end
 
+--- Says which noise the picture with the report `facts` has, and how long it took.
+function report.say_noise(given, facts)
+  local before = facts.noise_before
+  local note = before and (", %.0f %% before it was filtered"):format(100 * before)
+    or given.denoise == "oidn" and " before Open Image Denoise" or ""
+  report.say(given, "ylm: noise is %.1f %% of the light around a pixel%s, %.0f s%s", 100 * facts.noise, note, facts.seconds.total,
+    facts.ended == "cancelled" and "; interrupted: this is the picture so far" or "")
+end
+
 --- The option `progress` of a command: a bar, or lines where stderr is no terminal; false where --quiet or --json was given,
 -- or YLM_PROGRESS=no stands in the environment.
 function report.progress(given)

@@ -10,8 +10,8 @@ local form = require "ylm.form"
 local grids = require "ylm.grid"
 local light = require "ylm.light"
 local lamps = require "ylm.live.lamps"
+local render = require "ylm.render"
 local scenes = require "ylm.scene"
-local tracing = require "ylm.trace"
 
 local follow = {}
 local methods = {}
@@ -21,7 +21,7 @@ local QUICK = { [0] = { samples = 1, rays = 8 }, [1] = { samples = 1, rays = 16 
 
 local function scene_of(s, lights)
   return scenes.scene(s.name) { camera = s.camera, geometry = s.geometry, lights = lights,
-    background = not s.sky_is_seen and s.background or nil }
+    background = not s.sky_is_seen and s.background or nil, links = s.link_options }
 end
 
 --- Follows scene `s`. o: samples, transfer_samples, threads.
@@ -104,7 +104,7 @@ function methods.drop_grid(f) f.grid, f.fine, f.dering = nil, nil, nil end
 
 --- Forgets prepared views: the camera, the size or lmax are others.
 function methods.drop_views(f)
-  f.views, f.ray_view, f.rays, f.paths, f.dering = {}, nil, nil, nil, nil
+  f.views, f.rays, f.paths, f.dering = {}, nil, nil, nil
 end
 
 --- Bakes the grid of the picture at rest: by the probes' own tolerance, or with `tolerance` by that.
@@ -181,36 +181,41 @@ function methods.pairs(f, v, rows) return (#rows + #f.others) * v.view.stats.poi
 -- By rays and by paths -----------------------------------------------------------------------
 
 --- Forgets pictures by rays and paths: lamps or the camera moved.
-function methods.drop_rays(f) f.ray_view, f.rays, f.paths = nil, nil, nil end
+function methods.drop_rays(f) f.rays, f.paths = nil, nil end
 
---- The mean standard error of a picture that is the mean of passes, relative to its mean; nil: it is dark.
-local function noise_of(mean, variance)
-  local sum = mean:sum()
-  return sum > 0 and (variance ^ 0.5):sum() / sum or nil
+--- Elements that light bounces from, once a window: lamps move, surfaces stay. True, or nil, message, code.
+function methods.cut(f, progress)
+  if f.elements or f.empty or f.o.bounces == 0 then return true end
+  local own = f.scene.link_options
+  local elements, message, code = f.lit:links { lmax = 0, rays = own and own.rays or render.LINKS_OF_ELEMENT,
+    threads = f.o.threads, progress = progress }
+  if not elements then return nil, message, code end
+  f.elements = elements
+  return true
 end
 
---- One more pass of rays to the lamps, averaged with those before; or nil, message, code.
-function methods.cast(f, v, rows, light_samples, progress)
-  f.lit.lights = f:lights(rows)
-  if not f.ray_view then
-    local view, message, code = f.lit:prepare { camera = form_of(v.camera), size = v.size, samples = f.o.samples,
-      visibility = "rays", threads = f.o.threads, progress = progress }
-    if not view then return nil, message, code end
-    local shape = { v.size[2], v.size[1], 3 }
-    f.ray_view, f.rays = view, { passes = 0, size = v.size, method = "rays", depth = v.depth, samples = 0,
-      rest = array.zeros(shape, "float"), variance = array.zeros(shape, "float") }
-  end
-  local r = f.rays
-  local image, message, code = f.ray_view:render { by = "rays", light_samples = light_samples, seed = r.passes + 1,
-    layers = false, threads = f.o.threads, progress = progress }
-  if not image then return nil, message, code end
-  local values, lib = image:layer "radiance", tracing.library()
-  if not r.image then
-    r.image = image
-    r.done = lib.path_add(values, values, r.rest, r.variance, 0)
-  else r.done = lib.path_add(values, r.image:layer "radiance", r.rest, r.variance, r.done) end
-  r.passes, r.samples = r.passes + 1, r.samples + light_samples
-  r.noise = r.passes > 1 and noise_of(r.image:layer "radiance", r.variance) or nil
+--- A picture by rays as the window shows it.
+local function of_rays(v, image, report, bounces)
+  return { image = image, size = v.size, method = "rays", depth = v.depth, noise = report.noise, samples = report.light_samples,
+    bounces = bounces, report = report }
+end
+
+--- The picture by rays, with all light that bounces, as scene:render makes it; so_far() is called when f.rays is the picture of
+-- the pilot. One that is broken off leaves that. True, or nil, message, code.
+function methods.cast(f, v, rows, progress, so_far)
+  f.lit.lights, f.lit.camera = f:lights(rows), form_of(v.camera)
+  local o = f.o
+  local bounces = (f.empty or not f.elements) and 0 or o.bounces
+  local watch = { now = function(image, report)
+    f.rays = of_rays(v, image, report, bounces)
+    so_far()
+  end }
+  local image, report, code = render.watched(f.lit, { by = "rays", size = v.size, samples = o.samples, noise = o.noise,
+    light_samples = o.light_samples, denoise = o.denoise, bounced = bounces ~= 0 and f.elements or nil, bounces = bounces,
+    layers = false, threads = o.threads, progress = progress }, watch)
+  if not image then return nil, report, code end
+  f.rays = of_rays(v, image, report, bounces)
+  if report.ended == "cancelled" then return nil, "cancelled", "ECANCELLED" end
   return true
 end
 

@@ -5,6 +5,7 @@ local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
 local form = require "ylm.form"
 local sphere = require "ylm.light.sphere"
+local noises = require "ylm.render.noise"
 local picture = require "ylm.picture"
 require "ylm.render.options" -- the type image_size
 local replay = require "ylm.live.replay"
@@ -48,7 +49,13 @@ local live_options = {
     about = "that a picture may take while something moves: its resolution adapts; of a replay it has no effect" },
   { "samples", "integer", min = 1, max = 256, default = 4, about = "camera rays per pixel at rest" },
   { "transfer_samples", "integer", min = 1, max = 2048, default = 64, about = "occlusion rays per transfer vector at rest" },
-  { "light_samples", "integer", min = 1, max = 65536, default = 1024, about = "rays to the lamps at rest, where passes end" },
+  { "noise", "number", min = 0.001, max = 1, optional = true,
+    about = "of the picture by rays at rest, as of scene:render: a pilot, then rays where noise is; default 0.03" },
+  { "light_samples", "integer", min = 1, max = 65536, optional = true,
+    about = "of the picture by rays, instead of noise: shadow rays of a shading point" },
+  { "denoise", "choice", of = { "auto", "none" }, default = "auto", about = "of the picture by rays, as of scene:render" },
+  { "bounces", "bounces", default = "all",
+    about = "of the picture by rays: reflections after direct light, 0, 1, 2 .. or 'all'" },
   { "paths", "integer", min = 32, max = 65536, default = 1024, about = "paths per pixel at rest, where passes end" },
   { "exposure", "number", min = -8, max = 8, default = 0, unit = "stops" },
   { "tone", "choice", of = core.choices "tone", default = "srgb", about = "tone curve" },
@@ -66,7 +73,7 @@ local live_options = {
   { "quiet", "boolean", default = false, about = "true: what is picked is not printed" },
   { "on_frame", "function", optional = true,
     about = "called as f(state) for each picture: frame, lamps, camera, settings, grid, image, "
-      .. "noise (of passes of rays or paths), seconds; false closes the window" },
+      .. "noise (of rays or paths), seconds; false closes the window" },
   form.threads,
 }
 
@@ -94,11 +101,10 @@ end
 --- Until the window is closed: true, or nil, message, code.
 local function by_hand(me)
   local again, s = 0, me.state
-  local function waiting() return me.window:waiting() ~= false end
+  local function waiting() return me:waiting() end
   while not s.closed do
     local now, work = core.seconds(), me.refine:next(s) ~= nil
-    local wait = work and math.max(0, again - now) or 0.25
-    local events, message, code = me.window:poll(wait)
+    local events, message, code = me:poll(work and math.max(0, again - now) or 0.25)
     if not events then return nil, message, code end
     now = core.seconds()
     if #events > 0 then
@@ -113,7 +119,7 @@ local function by_hand(me)
         if not after(me) then break end
       end
     elseif work and now >= again then
-      local name, done, code2 = me:rest(waiting)
+      local name, done, code2 = me:rest(waiting, after)
       if name == false then return nil, done, code2 end
       if name and not done then again = core.seconds() + AGAIN end
       if name and done and not after(me) then break end
@@ -126,9 +132,9 @@ local commands = {}
 
 function commands.rest(me)
   while true do
-    local name, done, code = me:rest(function() return false end)
+    local name, done, code = me:rest(function() return me.state.closed end, after)
     if name == false then return nil, done, code end
-    if not name then break end
+    if not name or me.state.closed then break end
   end
   local ok, message, code = me:present()
   if not ok then return nil, message, code end
@@ -242,7 +248,7 @@ local function report_of(me, seconds)
       moves = #sorted }
   end
   return { frames = me.frames, seconds = seconds, latency = latency, saved = me.saved, cancelled = me.refine.cancelled,
-    note = me.note }
+    note = me.note, picture = me.follow.rays and me.follow.rays.report }
 end
 
 --- Runs a session: true, or nil, message, code.
@@ -276,19 +282,25 @@ local function checked(s, given)
     return check.bad(1, "live", "picture must end in .png, got %s", check.describe(o.picture))
   end
   o.save = o.save or s.file and (s.file:gsub("%.%w+$", "")) or "scene"
+  if o.noise and o.light_samples then
+    return check.fail "live: noise chooses counts of rays, and light_samples is given: leave one out"
+  end
+  if not o.light_samples then o.noise = o.noise or noises.WANTED end
   return o
 end
 
 describe "scene:live" {
   shelf = "everyday",
   about = "Opens a window in which lamps are dragged, and returns when it is closed. A grid follows the lamps within a tolerance "
-    .. "(visibility = 'transfer'); at rest the picture is refined, at last by rays to the lamps, whose shadows are true: the "
-    .. "panel says which. The key h shows all keys. A replay of events needs no display.",
+    .. "(visibility = 'transfer'); at rest the picture is refined, at last by rays with all light that bounces, as "
+    .. "scene:render makes it: the panel says which, and its noise. The key h shows all keys. A replay of events needs no "
+    .. "display.",
   arguments = { { "options?", "table", "" } },
   options = live_options,
   returns = { { "edited", "scene", "the scene with what was changed" },
     { "report", "table", "frames, seconds, latency = { median, p95, worst, moves } in seconds, of lamps that were dragged in a "
-      .. "window; saved: names of files; cancelled: pieces of work that an event broke off" } },
+      .. "window; saved: names of files; cancelled: pieces of work that an event broke off; picture: the report of the picture "
+      .. "by rays that was made last" } },
   errors = "raises on a bad option, a scene without camera, a second window, and what on_frame raises; nil, message, code: "
     .. "EMISSING without a display, EDEVICE where it goes away (PREFIX-autosave.lua has the scene), EIO, EFORMAT: a "
     .. "file of events",

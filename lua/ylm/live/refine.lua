@@ -7,10 +7,9 @@ local refine = {}
 local methods = {}
 
 local MOST_PAIRS = 2e9   -- lamps times points of a reference
-local PASS = 16          -- rays to lamps in a pass
 local PATHS = 32         -- paths of a pixel in a pass
 
---- o: steps (a list of "view", "grid", "smooth"), light_samples, paths: where passes end.
+--- o: steps (a list of "view", "grid", "smooth"), paths: where passes end.
 function refine.new(follow, o)
   local wanted = {}
   for _, name in ipairs(o.refine) do wanted[name] = true end
@@ -20,7 +19,10 @@ end
 --- Begins anew after what `changed` says.
 function methods.reset(r, changed)
   local done = r.done
-  if changed.views or changed.size or changed.camera then r.done = {} return end
+  if changed.views or changed.size or changed.camera then
+    r.done = { elements = done.elements }
+    return
+  end
   if changed.lamps or changed.grid then
     done.grid, done.shown, done.reference = nil, nil, nil
     if changed.lamps then done.rays, done.path = nil, nil end
@@ -39,7 +41,7 @@ function methods.next(r, s)
   if (method == "reference" or s.settings.truth and method == "grid" or r.wanted.reference) and not done.reference then
     return "reference"
   end
-  if method == "rays" and not done.rays then return "rays" end
+  if method == "rays" and not done.rays then return done.elements and "rays" or "elements" end
   if method == "path" and not done.path then return "path" end
 end
 
@@ -103,11 +105,9 @@ function steps.reference(r, s, progress)
   return true
 end
 
-function steps.rays(r, s, progress)
-  local ok, message, code = r.follow:cast(view_of(r, s), s.lamps, math.min(PASS, r.o.light_samples), progress)
-  if not ok then return nil, message, code end
-  return r.follow.rays.samples >= r.o.light_samples and true or "more"
-end
+function steps.elements(r, _, progress) return r.follow:cut(progress) end
+
+function steps.rays(r, s, progress, so_far) return r.follow:cast(view_of(r, s), s.lamps, progress, so_far) end
 
 function steps.path(r, s, progress)
   local ok, message, code = r.follow:trace(view_of(r, s), s.lamps, PATHS, progress)
@@ -115,12 +115,13 @@ function steps.path(r, s, progress)
   return r.follow.paths.samples >= r.o.paths and true or "more"
 end
 
---- Does one step; `waiting()`: there is an event. Returns its name and whether it was done, and a message where it failed.
-function methods.step(r, s, waiting)
+--- Does one step; `waiting()`: there is an event; so_far(): there is a picture by rays, of a pilot. Returns its name and whether
+-- it was done, and a message where it failed.
+function methods.step(r, s, waiting, so_far)
   local name = r:next(s)
   if not name then return nil end
   local progress = { function(...) return not waiting(...) end, every = 0.02 }
-  local ok, message, code = steps[name](r, s, progress)
+  local ok, message, code = steps[name](r, s, progress, so_far)
   if not ok then
     if code == "ECANCELLED" then
       r.cancelled = r.cancelled + 1

@@ -7,6 +7,7 @@ local follow = require "ylm.live.follow"
 local lamps = require "ylm.live.lamps"
 local layout = require "ylm.live.layout"
 local light = require "ylm.light"
+local noises = require "ylm.render.noise"
 local overlays = require "ylm.live.overlays"
 local panel = require "ylm.live.panel"
 local picture = require "ylm.picture"
@@ -47,7 +48,7 @@ function session.new(s, window, o)
   local rows, others = lamps.of(s)
   local f = follow.new(s, rows, others, o)
   local me = setmetatable({ scene = s, window = window, o = o, follow = f, frame = 0, frames = 0, latency = {}, saved = {},
-    seconds = {}, scale = 1, warnings = {} }, { __index = methods })
+    seconds = {}, scale = 1, warnings = {}, ahead = {} }, { __index = methods })
   local first = {}
   for i, row in ipairs(rows) do first[i] = row end
   local cameras = { plain_camera(s.camera) }
@@ -102,6 +103,17 @@ end
 local shown_words = { grid = "grid, transfer vectors", reference = "no grid, transfer vectors", rays = "rays to the lamps",
   path = "paths, all bounces" }
 
+--- Adds lines about the noise of a picture by rays or paths, of which rays have `wanted`.
+local function add_noise(add, shown, wanted)
+  local text = ("%.0f %s"):format(shown.samples, shown.method == "rays" and "rays" or "paths")
+  if shown.noise and shown.noise >= 0 then text = ("%s, noise %.1f %%"):format(text, 100 * shown.noise) end
+  add(text)
+  if shown.method ~= "rays" then return end
+  local before = shown.report.noise_before
+  if before then add(("%.0f %% before it was filtered"):format(100 * before), "dim") end
+  if wanted and shown.noise > noises.SLACK * wanted then add(("%.1f %% is wanted"):format(100 * wanted), "warn") end
+end
+
 --- Lines of numbers for the panel.
 local function lines_of(me)
   local s, out, shown = me.state, {}, me.shown
@@ -110,9 +122,9 @@ local function lines_of(me)
     "warn") end
   if shown then
     local text = shown_words[shown.method]
-    if shown.samples then text = ("%s: %d"):format(text, shown.samples) end
-    if shown.noise and shown.noise >= 0 then text = ("%s, noise %.1f %%"):format(text, 100 * shown.noise) end
+    if shown.bounces and shown.bounces ~= 0 then text = ("rays, %s bounces"):format(shown.bounces) end
     add("light: " .. text, "bold")
+    if shown.samples then add_noise(add, shown, me.o.noise) end
     local grid = shown.grid
     if grid then
       local st = grid.stats
@@ -256,6 +268,28 @@ local function pick_method(me)
 end
 
 -- Events -------------------------------------------------------------------------------------
+
+--- Is there an event that work is broken off for? A pointer that passes over the window is none, and is forgotten.
+function methods.waiting(me)
+  local ahead = me.ahead
+  if me.state.closed or #ahead > 0 then return true end
+  if me.window:waiting() == false then return false end
+  local events = me.window:poll(0)
+  for _, event in ipairs(events or {}) do
+    if event.kind ~= "move" or me.state.drag then ahead[#ahead + 1] = event end
+  end
+  return not events or #ahead > 0
+end
+
+--- Events that came while work was done, and those of the next `wait` seconds at most: a list, or nil, message, code.
+function methods.poll(me, wait)
+  local events = me.ahead
+  local more, message, code = me.window:poll(#events > 0 and 0 or wait)
+  if not more then return nil, message, code end
+  me.ahead = {}
+  for _, event in ipairs(more) do events[#events + 1] = event end
+  return events
+end
 
 --- Text about the picked point, printed and kept for the panel.
 local function pick(me)
@@ -417,22 +451,30 @@ function methods.handle(me, events, now)
   return true
 end
 
+--- Shows what has been refined, unless an event waits: that is answered first. True, or nil, message, code.
+local function show_more(me, waiting)
+  me.unseen = true
+  if waiting() then return true end
+  return me:present()
+end
+
 --- One step of refinement: its name and whether it was done, nil where there is nothing left; or false, message, code.
-function methods.rest(me, waiting)
+-- after(): a picture has been shown within the step.
+function methods.rest(me, waiting, after)
   local s = me.state
   s.scale = me.fixed
-  local name, done, message = me.refine:step(s, waiting)
+  local name, done, message = me.refine:step(s, waiting, function()
+    pick_method(me)
+    if show_more(me, waiting) and not me.unseen and after then after(me) end
+  end)
   if not name then return nil end
   if message then me.note = message end
   if done then
     if name == "shown" and me.refine.picture then me.grid_picture, me.shown = me.refine.picture, me.refine.picture end
     pick_method(me)
-    if name ~= "grid" and name ~= "smooth" and name ~= "view" then
-      me.unseen = true -- an event that waits is answered first
-      if not waiting() then
-        local ok, why, code = me:present()
-        if not ok then return false, why, code end
-      end
+    if name ~= "grid" and name ~= "smooth" and name ~= "view" and name ~= "elements" then
+      local ok, why, code = show_more(me, waiting)
+      if not ok then return false, why, code end
     end
   end
   return name, done

@@ -74,9 +74,9 @@ local render_common = options.names({ render_options[1] }, last)
 
 local pathtrace_options = options.list(choose.direct.paths.scene_options, last)
 
---- make() while a viewer shows what it makes.
+--- make() while a viewer shows what it makes, or one that o.live already is.
 local function shown(s, o, how, make_it)
-  o.live = display.begin(s, o, how)
+  o.live = o.live or display.begin(s, o, how)
   local picture, report, code = make_it()
   if picture and o.live then o.live.finish(picture, report) end
   return picture, report, code
@@ -122,9 +122,16 @@ assert(image:layer "level" and report.visibility == "transfer")
 assert(scene:render { by = "sum", size = { 32, 18 }, samples = 4 })]],
   source = "Iwasaki & Dobashi 2025, Sec. 6.2; Shirley, Wang, Zimmerman 1996",
 }
-function render.render(s, given)
+function render.render(s, given) return render.watched(s, given) end
+
+--- The links of an element where a picture cuts surfaces itself.
+render.LINKS_OF_ELEMENT = links.OWN
+
+--- As scene:render. `watch`: { now(image, report) } is called with the picture of a pilot, which is written again by the next.
+function render.watched(s, given, watch)
   tracing.check_scene("render", s)
   local o = form.options(1, "render", render_options, given)
+  o.live = watch and display.watch(watch)
   o.progress = progress.long(o.progress)
   o.direct = choose.direct_of(o)
   bounces.settle("render", o, s, true)

@@ -5,6 +5,8 @@ local warning = require "ylm.warning"
 
 local noise = {}
 
+noise.WANTED = 0.03 -- of a picture by rays, where nobody says one
+noise.SLACK = 1.1 -- times the noise that is wanted: up to which it counts as reached
 noise.LOUD, noise.FAIR = 0.05, 0.02 -- of a pixel: of which a picture warns, and which is advised
 
 --- Shading points of a pixel that sees surfaces.

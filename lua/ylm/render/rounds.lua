@@ -9,6 +9,7 @@ local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local denoise = require "ylm.render.denoise"
+local noises = require "ylm.render.noise"
 local options = require "ylm.render.options"
 local progress = require "ylm.progress"
 local steady = require "ylm.render.steady"
@@ -24,11 +25,10 @@ local LARGE, MANY = { rays = 4, sets = 2, links = 20 }, 2 ^ 19 -- of pictures of
 local MOST = { rays = 8192, sets = 512 }    -- of a half; of both
 local LEAST = { rays = 2, sets = 2 }
 local STEP = 1000003                        -- from one seed to the next
-local AIM, SLACK = 0.95, 1.1 -- times the noise that is wanted: at which counts aim, and up to which it counts as reached
+local AIM, SLACK = 0.95, noises.SLACK -- times the noise that is wanted: at which counts aim, and up to which it is reached
 local WIDE = 60                             -- factors of counts are looked for from 2^-WIDE to 2^WIDE
 local CAP, FEW = 4, 2e7 -- times the pilot's rays, and rays, of which the larger is the most where nobody says a noise
 
-rounds.NOISE = 0.03 -- that is wanted where nobody says one
 local GUIDED = 16 -- shadow rays of a point by which the guides' pilot is sized; of a large picture half of them
 
 rounds.fields = {
@@ -193,6 +193,11 @@ local function spread(x, noise, cost, pilot, least, most, factor)
   return check.result(x.name, x.p.lib.shade_spread(x.p.view, noise, factor / math.sqrt(cost) * pilot, least, most, x.points()))
 end
 
+--- The report of a picture that has not ended.
+local function so_far(x, reached)
+  return { noise = reached, noise_before = x.raw and x.before, light_samples = 2 * x.rays:mean() }
+end
+
 --- The cause that kept a picture from its noise, and the advice that a line gives.
 local function cause_of(x, reached, seconds)
   if x.unseen then
@@ -348,10 +353,11 @@ local function aim(x)
   return true
 end
 
---- Direct light of the points of p; light that bounces is left in o.reflected.gathered. Or nil, message, code.
-function rounds.radiance(name, p, o, report, casting)
+--- Direct light of the points of p; light that bounces is left in o.reflected.gathered. Or nil, message, code. now(report) shows
+-- the picture so far, where somebody watches.
+function rounds.radiance(name, p, o, report, casting, now)
   local start = core.seconds()
-  local x = { name = name, p = p, o = o, report = report, casting = casting, wanted = o.noise or rounds.NOISE }
+  local x = { name = name, p = p, o = o, report = report, casting = casting, wanted = o.noise or noises.WANTED }
   x.pilot = pilot_of(p, o)
   x.points, x.pixels = room(p, o)
   x.rays, x.own = x.points() + x.pilot.rays, x.points() + x.pilot.sets
@@ -365,6 +371,7 @@ function rounds.radiance(name, p, o, report, casting)
   local seconds = core.seconds() - start
   x.cost = { 2 * x.pilot.rays, x.pilot.links * x.pilot.sets }
   if not is_enough(x, reached) then
+    if now then now(so_far(x, reached)) end
     reached, message, code = refine(x, reached, seconds, start)
     if not reached then return nil, message, code end
   end

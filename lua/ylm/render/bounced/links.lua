@@ -13,7 +13,7 @@ local warning = require "ylm.warning"
 local links = { name = "links", called = "bounced = 'links'" }
 
 local RAYS, MOST = 64, core.limits.transfer_bounces
-local OWN = 32 -- links of an element, where a picture cuts surfaces itself: its points gather the light of many elements
+links.OWN = 32 -- of an element, where a picture cuts surfaces itself: its points gather the light of many elements
 local SET, APART = 32, 7000003 -- links of a set; from the seed of links that are kept to that of sets
 
 links.options = {
@@ -37,7 +37,7 @@ local function links_of(p, o)
   local t = o.links or known and known.links
   if t then return t end
   local form = p.scene.link_options
-  return p.scene:links { lmax = 0, rays = form and form.rays or OWN, seed = p.options.seed, threads = o.threads,
+  return p.scene:links { lmax = 0, rays = form and form.rays or links.OWN, seed = p.options.seed, threads = o.threads,
     progress = o.progress }
 end
 

@@ -63,17 +63,19 @@ function rays.prepare(_, p, o)
   return p, report
 end
 
---- For pictures that a viewer shows during the work: the array that rays fill, and the progress that sends it.
+--- For pictures that a viewer shows during the work: the array that rays fill, the progress that sends it, and a function that
+-- sends it now, with a report.
 local function live_rays(name, p, o)
   local bar = progress.resolve(o.progress)
   if not o.live then return nil, bar end
   local so_far = array.zeros({ p.stats.points, 3 }, "float")
   local sketch = images.image { size = p.options.size }
-  return so_far, o.live.progress(bar, function()
+  local function picture()
     assert(check.result(name, p.lib.shade_compose(p.view, so_far, p.scene.background or { 0, 0, 0 }, o.threads or 0,
       sketch:layer "radiance")))
-    return { display.layer_of(sketch, "radiance", 3, true) }
-  end)
+    return { display.layer_of(sketch, "radiance", 3, true) }, sketch
+  end
+  return so_far, o.live.progress(bar, picture), function(report) o.live.now(picture, report) end
 end
 
 --- The guide of a picture's rays, nil where none is wanted or there is nothing to guide; or false, message, code.
@@ -89,13 +91,13 @@ end
 
 function rays.radiance(name, p, o, report)
   local start = core.seconds()
-  local so_far, bar = live_rays(name, p, o)
+  local so_far, bar, now = live_rays(name, p, o)
   local casting = { light_samples = o.light_samples, shadows = o.shadows, seed = o.seed or p.options.seed,
     threads = o.threads or 0, progress = bar, lit = o.lit and o.lit.handle, into = so_far }
   local radiance, count, code
   casting.guide, count, code = guide_of(name, p, o, casting, report)
   if casting.guide == false then return nil, count, code end
-  if o.halves then return rounds.radiance(name, p, o, report, casting) end
+  if o.halves then return rounds.radiance(name, p, o, report, casting, now) end
   radiance, count, code = check.result(name, p.lib.shade_raycast(p.view, casting))
   if not radiance then return nil, count, code end
   local seconds = core.seconds() - start
