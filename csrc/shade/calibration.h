@@ -78,6 +78,10 @@
 #define NOISE_OF_LINKS 4096
 /* Pixels on each side of one whose mean and variance count as its own: rounds.c. */
 #define NOISE_REACH 4
+/* Pixels on each side of a tile whose points have one weight of a pilot, and the part of the fewest rays behind it from which on a
+   tile that asks for them has some: rounds.c. Moved by: time of pictures (loft, house). */
+#define PLAN_TILE 32
+#define PLAN_WORTH 0.5
 /* Points whose sets of links are found at once: sets.c. */
 #define SETS_POINTS ((size_t)1 << 16)
 /* Points by which it is learnt what sends light to them, at most. */

@@ -369,9 +369,10 @@ typedef struct ylm_shade_casting {
   const ylm_scene_guide
       *guide;        /* learnt from these lamps: rays to lamps alone follow it; NULL: none do */
   int light_samples; /* shadow rays per shading point, 1 .. YLM_SCENE_SAMPLES */
-  const float *rays; /* [points] of each point, whole numbers; NULL: all have light_samples */
-  bool shadows;      /* false: nothing is in the way */
-  bool spread;       /* rays to lamps alone start from all over the point's part of the pixel */
+  const float
+      *rays; /* [points] of each point, whole numbers, 0: no light; NULL: all have light_samples */
+  bool shadows; /* false: nothing is in the way */
+  bool spread;  /* rays to lamps alone start from all over the point's part of the pixel */
   uint64_t seed;
   int threads;
   const ylm_progress *progress; /* stage "raycast" */
@@ -435,10 +436,29 @@ YLM_API ylm_status ylm_shade_raycast_noise(const ylm_shade_view *view, const ylm
 YLM_API ylm_status ylm_shade_noise_around(const ylm_shade_view *view, const float *a,
                                           const float *b, const float *all, int threads,
                                           float *out);
-/* A whole number for each point, `factor` times that of its pixel or the next above, from `least` to `most`: pixels
-   [height][width], points [points]. YLM_EINVAL: points are vertices, or pixels some of an image. */
-YLM_API ylm_status ylm_shade_spread(const ylm_shade_view *view, const float *pixels, float factor,
-                                    float least, float most, float *points);
+/* Rays that follow those of a pilot. Counts are in units of the pilot's, which every point has. */
+typedef struct ylm_shade_plan {
+  const float *noise; /* [height][width] of the pilot, ylm_shade_noise_around */
+  double factor;      /* counts with the pilot's, over the noise of a pixel */
+  double unit, least,
+      most; /* rays of a point are the next whole number above `unit` times its count, from `least` to `most` */
+} ylm_shade_plan;
+
+/*
+** ylm_shade_plan_rays - rays of points where the noise of a pilot is, and its weight beside them.
+**
+** Tiles of 32 x 32 pixels whose noise asks for less than half of `least` have none. The pilot's weight is that of a tile: it is
+** nearly independent of the light of a point, so that weighted means stay unbiased.
+**
+**   rays    out  [points] whole numbers, or NULL
+**   weight  out  [points] of the pilot's light, from 0 to 1; or NULL
+**   sum     out  over pixels: the squared noise of the weighted mean; rays of a point on average
+**
+** Returns  YLM_OK; YLM_EINVAL: points are vertices, or pixels some of an image
+** Source   Neyman 1934, "On the two different aspects of the representative method"
+*/
+YLM_API ylm_status ylm_shade_plan_rays(const ylm_shade_view *view, const ylm_shade_plan *p,
+                                       float *rays, float *weight, double sum[2]);
 
 /* A picture, and layers that tell a filter where light may change: albedo and normal, NULL: not known. */
 typedef struct ylm_shade_picture {

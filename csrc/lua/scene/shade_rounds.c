@@ -103,20 +103,39 @@ static int shade_noise_around(lua_State *L) {
   return ylmL_result(L, 1, s, NULL);
 }
 
-/* shade_spread(view, pixels [h][w], factor, least, most, points: out [n]) -> points */
-static int shade_spread(lua_State *L) {
+typedef struct plan_form {
+  ylm_shade_plan o;
+  ylmL_array *noise, *rays, *weight;
+} plan_form;
+
+static const ylmL_entry plan_entries[] = {
+    YLML(plan_form, noise, "noise", ARRAY),
+    YLML(plan_form, o.factor, "factor", DOUBLE),
+    YLML(plan_form, o.unit, "unit", DOUBLE),
+    YLML(plan_form, o.least, "least", DOUBLE),
+    YLML(plan_form, o.most, "most", DOUBLE),
+    YLML(plan_form, rays, "rays", ARRAY, .optional = true),
+    YLML(plan_form, weight, "weight", ARRAY, .optional = true),
+    {.name = NULL}};
+
+/* shade_plan(view, {noise [h][w], factor, unit, least, most, rays, weight: out [n]}) -> the squared noise of all pixels, rays of
+   a point */
+static int shade_plan(lua_State *L) {
+  plan_form f = {.rays = NULL, .weight = NULL};
   ylm_shade_view *v = ylmL_shade_view(L, 1);
   const ylm_shade_options *o = ylm_shade_view_options(v);
-  const ylmL_array *pixels = ylmL_array_check(L, 2);
-  float factor = (float)luaL_checknumber(L, 3), least = (float)luaL_checknumber(L, 4);
-  float most = (float)luaL_checknumber(L, 5);
-  ylmL_array *points = ylmL_array_check(L, 6);
-  if (!has_floats(pixels, (size_t)o->width * (size_t)o->height) ||
-      !has_floats(points, ylmL_shade_points(v)))
+  size_t n = ylmL_shade_points(v);
+  double sum[2];
+  ylmL_read(L, 2, plan_entries, &f);
+  if (!has_floats(f.noise, (size_t)o->width * (size_t)o->height) ||
+      (f.rays && !has_floats(f.rays, n)) || (f.weight && !has_floats(f.weight, n)))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  ylm_status s = ylm_shade_spread(v, pixels->data, factor, least, most, points->data);
-  lua_settop(L, 6);
-  return ylmL_result(L, 1, s, NULL);
+  f.o.noise = f.noise->data;
+  ylm_status s = ylm_shade_plan_rays(v, &f.o, f.rays ? f.rays->data : NULL,
+                                     f.weight ? f.weight->data : NULL, sum);
+  lua_pushnumber(L, sum[0]);
+  lua_pushnumber(L, sum[1]);
+  return ylmL_result(L, 2, s, NULL);
 }
 
 /* shade_denoise(view, first, second: in/out [n][3], all [n][3], noise, threads, progress) -> first */
@@ -166,7 +185,7 @@ static const luaL_Reg functions[] = {{"shade_denoise", shade_denoise},
                                      {"shade_oidn", shade_oidn},
                                      {"shade_gather_sets", shade_gather_sets},
                                      {"shade_noise_around", shade_noise_around},
-                                     {"shade_spread", shade_spread},
+                                     {"shade_plan", shade_plan},
                                      {"shade_targets", shade_targets},
                                      {NULL, NULL}};
 

@@ -27,6 +27,9 @@ typedef struct waiting {
   size_t points;
 } waiting;
 
+/* Has point i rays? */
+static bool has_rays(const job *j, size_t i) { return !j->own || j->own[i] >= 1; }
+
 static bool arrives(const job *j, const ylm_scene_batch *b, size_t k) {
   return !j->shadows || !(b->ray[k].far < 0);
 }
@@ -120,7 +123,9 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   shade_stream at = ylm__shade_stream_at(j->view, begin);
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     uint64_t stream = ylm__shade_stream_next(j->view, &at);
-    if (i % j->step == 0 && ylm__shade_is_soft(j->view, i)) aim(j, &w, at.pixel, i, stream);
+    if (!has_rays(j, i)) memset(j->out + 3 * i, 0, 12);
+    if (i % j->step == 0 && has_rays(j, i) && ylm__shade_is_soft(j->view, i))
+      aim(j, &w, at.pixel, i, stream);
   }
   if (status == YLM_OK) finish(j, &w);
   ylm_scene_batch_free(&w.lit);
@@ -128,11 +133,11 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return status;
 }
 
-/* The points whose lobes are narrow; their number. */
+/* The points with rays whose lobes are narrow; their number. */
 static size_t list_narrow(const job *j, size_t *point) {
   size_t n = 0;
   for (size_t i = 0; i < j->view->points; i += j->step)
-    if (!ylm__shade_is_soft(j->view, i)) point[n++] = i;
+    if (has_rays(j, i) && !ylm__shade_is_soft(j->view, i)) point[n++] = i;
   return n;
 }
 
@@ -175,7 +180,7 @@ static ylm_status begin(const ylm_shade_view *v, const ylm_shade_casting *o, job
              .most = o->light_samples,
              .step = 1};
   for (size_t i = 0; o->rays && i < v->points; i++) {
-    if (!(o->rays[i] >= 1 && o->rays[i] <= YLM_SCENE_SAMPLES)) return YLM_ERANGE;
+    if (!(o->rays[i] >= 0 && o->rays[i] <= YLM_SCENE_SAMPLES)) return YLM_ERANGE;
     if (o->rays[i] > (float)j->most) j->most = (int)o->rays[i];
   }
   return YLM_OK;

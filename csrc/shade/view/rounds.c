@@ -1,4 +1,4 @@
-/* rounds.c - noise of a picture around its pixels, and numbers of pixels as numbers of points. */
+/* rounds.c - noise of a picture around its pixels, and rays where it is. */
 #include <math.h>
 
 #include "../calibration.h"
@@ -77,11 +77,65 @@ ylm_status ylm_shade_noise_around(const ylm_shade_view *v, const float *a, const
   return s;
 }
 
-ylm_status ylm_shade_spread(const ylm_shade_view *v, const float *pixels, float factor, float least,
-                            float most, float *points) {
+/* -- rays behind a pilot ----------------------------------------------------------------- */
+
+/* A tile: the counts that its noise asks for behind the pilot, 0: none, and the weight of the pilot. */
+typedef struct plan_tile {
+  double count, weight;
+} plan_tile;
+
+static plan_tile tile_of(const ylm_shade_plan *p, double noise) {
+  double count = p->factor * noise - 1, least = p->least / p->unit, most = p->most / p->unit;
+  if (!(count >= PLAN_WORTH * least)) return (plan_tile){0, 1};
+  count = fmin(most, fmax(least, count));
+  return (plan_tile){count, 1 / (1 + count)};
+}
+
+/* Rays of a pixel's points in a tile that has some. */
+static double rays_of(const ylm_shade_plan *p, double noise) {
+  return fmin(p->most, fmax(p->least, ceil(p->unit * (p->factor * noise - 1))));
+}
+
+/* The root mean square noise of a tile's pixels that have some. */
+static double noise_of_tile(const ylm_shade_view *v, const float *noise, const int lo[2],
+                            const int hi[2]) {
+  double square = 0, n = 0;
+  for (int y = lo[1]; y < hi[1]; y++)
+    for (int x = lo[0]; x < hi[0]; x++) {
+      double each = (double)noise[(size_t)y * (size_t)v->o.width + (size_t)x];
+      square += each * each;
+      n += each > 0;
+    }
+  return n > 0 ? sqrt(square / n) : 0;
+}
+
+/* Plans the pixel p of a tile; adds to sums. */
+static void plan_pixel(const ylm_shade_view *v, const ylm_shade_plan *p, plan_tile t, size_t pixel,
+                       float *rays, float *weight, double sum[2]) {
+  double noise = (double)p->noise[pixel], own = t.count > 0 ? rays_of(p, noise) : 0;
+  double rest = own > 0 ? (1 - t.weight) * (1 - t.weight) * p->unit / own : 0;
+  sum[0] += noise * noise * (t.weight * t.weight + rest);
+  for (size_t i = v->pixel[pixel].first; i < v->pixel[pixel + 1].first; i++) {
+    if (rays) rays[i] = (float)own;
+    if (weight) weight[i] = (float)t.weight;
+    sum[1] += own;
+  }
+}
+
+ylm_status ylm_shade_plan_rays(const ylm_shade_view *v, const ylm_shade_plan *p, float *rays,
+                               float *weight, double sum[2]) {
   if (v->corner || v->number) return YLM_EINVAL;
-  for (size_t p = 0; p < v->stats.pixels; p++)
-    for (size_t i = v->pixel[p].first; i < v->pixel[p + 1].first; i++)
-      points[i] = fminf(most, fmaxf(least, ceilf(factor * pixels[p])));
+  sum[0] = sum[1] = 0;
+  int w = v->o.width, h = v->o.height;
+  for (int y = 0; y < h; y += PLAN_TILE)
+    for (int x = 0; x < w; x += PLAN_TILE) {
+      int lo[2] = {x, y},
+          hi[2] = {w - x < PLAN_TILE ? w : x + PLAN_TILE, h - y < PLAN_TILE ? h : y + PLAN_TILE};
+      plan_tile t = tile_of(p, noise_of_tile(v, p->noise, lo, hi));
+      for (int b = lo[1]; b < hi[1]; b++)
+        for (int a = lo[0]; a < hi[0]; a++)
+          plan_pixel(v, p, t, (size_t)b * (size_t)w + (size_t)a, rays, weight, sum);
+    }
+  sum[1] /= fmax(1, (double)v->points);
   return YLM_OK;
 }

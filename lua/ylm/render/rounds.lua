@@ -2,8 +2,9 @@
 --
 -- The pilot has two estimates of direct light, and two of light along links. Half of their difference, over the pixels around
 -- one, is its noise. Counts of rays go as the noise of a pixel over the root of what a ray costs (Neyman 1934), and are as small
--- as leaves the noise that is wanted. The picture has rays of its own, in two halves: what is known of the pilot chose their
--- number, and none of its light is in the picture, so that means stay unbiased. The halves say which noise is left.
+-- as leaves the noise that is wanted. Rays behind the pilot, in two halves, are added to its light with a weight that tiles of
+-- 32 x 32 pixels share: a weight that knew the light of a point would make means too small. Tiles with little noise have none.
+-- The halves say which noise is left.
 
 local array = require "ylm.array"
 local check = require "ylm.check"
@@ -26,7 +27,7 @@ local MOST = { rays = 8192, sets = 512 }    -- of a half; of both
 local LEAST = { rays = 2, sets = 2 }
 local STEP = 1000003                        -- from one seed to the next
 local AIM, SLACK = 0.95, noises.SLACK -- times the noise that is wanted: at which counts aim, and up to which it is reached
-local WIDE = 60                             -- factors of counts are looked for from 2^-WIDE to 2^WIDE
+local WIDE, STEPS = 40, 40                   -- factors of counts are looked for from 2^-WIDE to 2^WIDE, by halves
 local CAP, FEW = 4, 2e7 -- times the pilot's rays, and rays, of which the larger is the most where nobody says a noise
 
 local GUIDED = 16 -- shadow rays of a point by which the guides' pilot is sized; of a large picture half of them
@@ -164,33 +165,34 @@ local function look_at(x)
   return x.lit > 0 and math.sqrt((x.left * x.left):sum() / x.lit) or 0
 end
 
---- The mean over pixels that have noise.
-local function mean_of(squares, lit) return lit > 0 and squares:sum() / lit or 0 end
+--- Plans direct light (kind 1) or links (2) behind the pilot, by a factor of counts: the squared noise of all pixels, and rays of a
+-- half or sets of a point; these and the pilot's weights go into arrays that are given.
+local function plan(x, kind, factor, rays, weight)
+  local name = kind == 1 and "rays" or "sets"
+  local square, mean = check.result(x.name, x.p.lib.shade_plan(x.p.view, { noise = x.noise[kind],
+    factor = factor / math.sqrt(x.cost[kind]), unit = x.pilot[name], least = LEAST[name], most = MOST[name], rays = rays,
+    weight = weight }))
+  return assert(square, mean), mean
+end
 
---- Noise and cost of counts that are `factor` times the noise of a pixel, at least and at most `bounds`.
+--- Noise and cost of counts that are with the pilot's `factor` times the noise of a pixel over the root of the cost.
 local function weigh(x, factor)
-  local function counts(noise, cost, least, most) return (noise * (factor / math.sqrt(cost))):clamp(least, most) end
-  local d, l = x.noise[1], x.noise[2]
-  local kd = counts(d, x.cost[1], LEAST.rays / x.pilot.rays, MOST.rays / x.pilot.rays)
-  local kl = counts(l, x.cost[2], LEAST.sets / x.pilot.sets, MOST.sets / x.pilot.sets)
-  local square = mean_of(d * d / kd + l * l / kl, x.lit)
-  return math.sqrt(square), kd:mean() * x.cost[1] + (x.links and kl:mean() * x.cost[2] or 0)
+  if x.lit == 0 then return 0, 0 end
+  local square, rays = plan(x, 1, factor)
+  local cost, more, sets = rays / x.pilot.rays * x.cost[1], 0, 0
+  if x.links then more, sets = plan(x, 2, factor) end
+  return math.sqrt((square + more) / x.lit), cost + sets / x.pilot.sets * x.cost[2]
 end
 
 --- The factor of counts: the smallest that leaves the noise that is wanted, or whose cost is at most `budget`.
 local function choose(x, budget)
   local low, high = -WIDE, WIDE
-  for _ = 1, 50 do
+  for _ = 1, STEPS do
     local middle = (low + high) / 2
     local noise, cost = weigh(x, 2 ^ middle)
     if noise > AIM * x.wanted and cost < budget then low = middle else high = middle end
   end
   return 2 ^ high
-end
-
---- Counts of points from those of pixels.
-local function spread(x, noise, cost, pilot, least, most, factor)
-  return check.result(x.name, x.p.lib.shade_spread(x.p.view, noise, factor / math.sqrt(cost) * pilot, least, most, x.points()))
 end
 
 --- The report of a picture that has not ended.
@@ -248,11 +250,12 @@ local function restore(x, kept) for key, value in pairs(kept) do x[key] = value 
 
 local function copies(pair) return { pair[1]:clone(), pair[2]:clone() } end
 
---- Noise that is left, after a filter where it is above the one that is wanted and the filter leaves less; or nil, message, code.
-local function settle(x)
+--- Noise that is left behind a round, after a filter where it is above the one that is wanted and the filter leaves less; or nil, message, code.
+local function settle(x, round)
   local reached = look_at(x)
   local message, code
   x.before, x.raw = reached, nil
+  if round == 0 then x.unfiltered = { direct = x.direct, links = x.links } end
   if x.o.denoise ~= "auto" or reached <= x.wanted then return reached end
   local kept = keep(x)
   x.direct, x.links = copies(x.direct), x.links and copies(x.links)
@@ -291,22 +294,36 @@ end
 local function announce(x, factor, reached, seconds)
   local _, cost = weigh(x, factor)
   local part = cost / (x.cost[1] + (x.links and x.cost[2] or 0))
-  progress.say(x.casting.progress, part * seconds, "noise is %.1f %%, %.1f %% wanted: %.0f shadow rays%s a point take about %s",
+  progress.say(x.casting.progress, part * seconds, "noise is %.1f %%, %.1f %% wanted: %.0f more shadow rays%s a point take about %s",
     100 * reached, 100 * x.wanted, 2 * x.rays:mean(), x.links and (" and %.0f links"):format(x.pilot.links * x.own:mean()) or "",
     progress.clock(part * seconds))
 end
 
---- Rays where noise is: another round of them in place of the pilot's. True, or nil, message, code.
+--- Adds the light of the pilot to that of rays behind it, with weights [points][1] of direct light and of links.
+local function add_pilot(x, pilot, weights)
+  for half = 1, 2 do
+    local function mixed(a, b, w) return b + (a - b) * w end
+    x.direct[half] = mixed(pilot.direct[half], x.direct[half], weights[1])
+    if x.links then x.links[half] = mixed(pilot.links[half], x.links[half], weights[2]) end
+  end
+end
+
+--- Rays where noise is, added to those of the pilot. True, or nil, message, code.
 local function another(x, reached, seconds, start)
   local factor = choose(x, budget_of(x, seconds, start))
   local short = weigh(x, factor) > x.wanted
   x.timed, x.capped = x.timed and short, x.capped and short
   x.most = weigh(x, 2 ^ WIDE) > x.wanted
-  local pilot = x.pilot
-  x.rays = spread(x, x.noise[1], x.cost[1], pilot.rays, LEAST.rays, MOST.rays, factor)
-  x.own = spread(x, x.noise[2], x.cost[2], pilot.sets, LEAST.sets, MOST.sets, factor)
+  local pilot, weights = x.unfiltered, { x.points(1), x.points(1) }
+  x.unfiltered, x.rays, x.own = nil, x.points(), x.points()
+  plan(x, 1, factor, x.rays, weights[1])
+  if x.links then plan(x, 2, factor, x.own, weights[2]) end
   announce(x, factor, reached, seconds)
-  return estimate(x, x.rays, x.own, 1)
+  local ok, message, code = estimate(x, x.rays, x.own, 1)
+  if not ok then return nil, message, code end
+  add_pilot(x, pilot, weights)
+  x.rays = x.rays + x.pilot.rays
+  return true
 end
 
 --- The noise that another round leaves; or nil, message, code. An interrupt of the command-line tool, which is raised, cancels.
@@ -314,7 +331,7 @@ local function try(x, reached, seconds, start)
   local function round()
     local ok, message, code = another(x, reached, seconds, start)
     if not ok then return nil, message, code end
-    return settle(x)
+    return settle(x, 1)
   end
   local fine, better, message, code = pcall(round)
   if fine then return better, message, code end
@@ -366,7 +383,7 @@ function rounds.radiance(name, p, o, report, casting, now)
   if x.steady == nil then return nil, message, code end
   ok, message, code = aim(x)
   if ok then ok, message, code = estimate(x, x.rays, x.own, 0) end
-  if ok then reached, message, code = settle(x) end
+  if ok then reached, message, code = settle(x, 0) end
   if not reached then return nil, message, code end
   local seconds = core.seconds() - start
   x.cost = { 2 * x.pilot.rays, x.pilot.links * x.pilot.sets }
