@@ -1,5 +1,6 @@
 --- Pictures by rays with a noise that is wanted, and camera rays that multiply other rays.
 
+local views = require "ylm.render.view"
 local ylm = require "ylm"
 
 --- A wall across from a window, lit by sky and sun through it; no edge is in sight.
@@ -82,6 +83,47 @@ describe("a noise that is wanted", function()
     local d = render(even)
     local of = difference(a, b) / difference(c, d)
     assert.is_true(of < 1.35, ("%.3f"):format(of))
+  end)
+
+  it("plans rays behind a pilot for tiles with noise, and weighs it by tiles", function()
+    local p = views.open("spec", scene:prepare { size = { 64, 32 }, samples = 1 })
+    local n, noise = p.stats.points, ylm.zeros({ 32, 64, 1 }, "float")
+    for y = 1, 32 do
+      for x = 1, 64 do noise:set(y, x, 1, x > 32 and 0.01 or y > 16 and 0.1 or 0.04875) end
+    end
+    local rays, weight = ylm.zeros({ n }, "float"), ylm.zeros({ n, 1 }, "float")
+    local square, mean = p.lib.shade_plan(p.view, { noise = noise, factor = 40, unit = 4, least = 2, most = 9, rays = rays,
+      weight = weight })
+    local of_tile = 1 / (40 * math.sqrt((0.1 ^ 2 + 0.04875 ^ 2) / 2)) -- one over the counts of the left tile, with the pilot's
+    local counts, weights, sum = {}, {}, 0
+    for i = 1, n do
+      counts[rays:get(i)], sum = (counts[rays:get(i)] or 0) + 1, sum + rays:get(i)
+      weights[("%.6f"):format(weight:get(i, 1))] = true
+    end
+    assert.same({ [0] = 1024, [4] = 512, [9] = 512 }, counts)     -- 40 x 0.04875 - 1 pilots of 4 rays; 12 are more than the most
+    assert.same({ ["1.000000"] = true, [("%.6f"):format(of_tile)] = true }, weights)
+    assert.is_true(math.abs(mean - sum / n) < 1e-9)
+    local function left(k) return of_tile ^ 2 + (1 - of_tile) ^ 2 / k end
+    local wanted = 1024 * 0.01 ^ 2 + 512 * (0.04875 ^ 2 * left(1) + 0.1 ^ 2 * left(9 / 4))
+    assert.is_true(math.abs(square / wanted - 1) < 1e-6, ("%g, not %g"):format(square, wanted))
+  end)
+
+  it("of elements is what other seeds of their light show", function()
+    local t, said, sum, square, SEEDS = links.links, 0, nil, nil, 8
+    local view = scene:prepare { size = SIZE, samples = 4, links = t, rays = 256 }
+    for seed = 1, SEEDS do
+      local lit = t:radiosity(scene.lights, { seed = seed })
+      local light = view:render({ by = "none", bounced = lit }):layer "radiance"
+      sum, square = sum and sum + light or light, square and square + light * light or light * light
+      local _, report = raw { noise = 0.3, bounced = lit }
+      said = said + report.elements_noise ^ 2 / SEEDS
+    end
+    local mean = render({ light_samples = 256 }):layer("radiance"):mean()
+    local seen = math.sqrt((square / SEEDS - (sum / SEEDS) ^ 2):mean() * SEEDS / (SEEDS - 1)) / mean
+    assert.is_true(seen > 0 and math.abs(math.log(math.sqrt(said) / seen)) < math.log(1.6),
+      ("%.4f is said, %.4f is seen"):format(math.sqrt(said), seen))
+    local _, report = raw { noise = 0.3, bounced = t:radiosity(scene.lights, { light_samples = 8 }) } -- one place of each
+    assert.is_nil(report.elements_noise)
   end)
 
   it("is the same for any number of threads", function()

@@ -12,6 +12,7 @@ typedef struct job {
   int places, each;       /* rays of a place */
   uint64_t seed;
   float *E0, *variance; /* [elements] of E0's luminance; NULL: one place cannot tell */
+  float *apart;         /* [elements][4] a sample of E0's noise; NULL likewise */
   double (*part)[2];    /* [blocks] W: of rays to lamps that are near, of all */
   atomic_uint_fast64_t rays;
 } job;
@@ -53,15 +54,23 @@ static void aim(const job *j, size_t i, waiting *w) {
   }
 }
 
+/* The weight of place p of n in a sample of the noise of their mean: weights add up to 0, their squares to 1 / n. */
+static double apart_of(int p, int n) {
+  int pairs = n / 2;
+  return p < 2 * pairs ? (p % 2 ? -1 : 1) / sqrt(2.0 * pairs * n) : 0;
+}
+
 /* Irradiance of element i from rays k on, up to the end of each place's; adds up what is near and what is there. */
 static void add(const job *j, size_t i, const ylm_scene_batch *s, size_t k, const size_t *end,
                 double part[2]) {
-  double E[3] = {0, 0, 0}, squares = 0, before = 0;
+  double E[3] = {0, 0, 0}, apart[3] = {0, 0, 0}, squares = 0, before = 0;
   for (int p = 0; p < j->places; p++) {
+    double side = apart_of(p, j->places);
     for (; k < end[p]; k++) {
       if (s->ray[k].far < 0) continue;
       double each = (double)s->value[k][0] + (double)s->value[k][1] + (double)s->value[k][2];
       for (int c = 0; c < 3; c++) E[c] += (double)s->value[k][c];
+      for (int c = 0; c < 3; c++) apart[c] += side * (double)s->value[k][c];
       if ((double)s->ray[k].far < 2 * j->t->form.spacing) part[0] += (double)j->t->area[i] * each;
       part[1] += (double)j->t->area[i] * each;
     }
@@ -72,6 +81,8 @@ static void add(const job *j, size_t i, const ylm_scene_batch *s, size_t k, cons
   double share = (double)j->t->share[i], scale = share > 0 ? 1 / (j->places * share) : 0;
   for (int c = 0; c < 3; c++) j->E0[4 * i + (size_t)c] = (float)(E[c] * scale);
   if (!j->variance) return;
+  for (int c = 0; c < 3; c++)
+    j->apart[4 * i + (size_t)c] = (float)(share > 0 ? apart[c] / share : 0);
   double n = j->places, left = fmax(0, squares - before * before / n) * n / (n - 1);
   j->variance[i] = (float)(left * scale * scale);
 }
@@ -103,16 +114,25 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   return status;
 }
 
-/* Takes new direct light and its guide over, or frees them. */
-static ylm_status take(ylm_radiosity *r, ylm_status s, float *E0, ylm_scene_guide *guide,
-                       uint64_t rays, double close, double begun) {
+static void forget_noise(ylm_radiosity *r) {
+  ylm_free(r->apart);
+  ylm_free(r->noise);
+  r->apart = r->noise = NULL;
+}
+
+/* Takes new direct light, a sample of its noise and its guide over, or frees them. */
+static ylm_status take(ylm_radiosity *r, ylm_status s, float *E0, float *apart,
+                       ylm_scene_guide *guide, uint64_t rays, double close, double begun) {
   ylm_scene_guide_free(s == YLM_OK ? r->guide : guide);
   if (s != YLM_OK) {
     ylm_free(E0);
+    ylm_free(apart);
     return s;
   }
   ylm_free(r->E0);
+  forget_noise(r);
   r->E0 = E0;
+  r->apart = apart;
   r->guide = guide;
   r->rays = rays;
   r->close = close;
@@ -133,10 +153,10 @@ ylm_status ylm__transfer_check_rays(const ylm_transfer *t, const ylm_scene *scen
 }
 
 static ylm_status smooth(ylm_radiosity *r, const transfer_places *p, const float *variance,
-                         float *E0, int threads) {
+                         float *E0, float *apart, int threads) {
   ylm_status s =
       r->neighbours ? YLM_OK : ylm__transfer_neighbours_create(r->t, p, threads, &r->neighbours);
-  return s == YLM_OK ? ylm__transfer_smooth(r->t, r->neighbours, variance, E0, threads) : s;
+  return s == YLM_OK ? ylm__transfer_smooth(r->t, r->neighbours, variance, E0, apart, threads) : s;
 }
 
 ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int light_samples,
@@ -156,8 +176,9 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
            .E0 = ylm_alloc_zero(r->t->elements + 1, 16),
            .part = ylm_alloc_zero(r->t->elements / DIRECT_GRAIN + 1, sizeof *j.part)};
   j.variance = places > 1 ? ylm_alloc(r->t->elements, sizeof *j.variance) : NULL;
+  j.apart = places > 1 ? ylm_alloc_zero(r->t->elements + 1, 16) : NULL;
   transfer_places p = {0};
-  s = j.E0 && j.part && (j.variance || places == 1) ? YLM_OK : YLM_ENOMEM;
+  s = j.E0 && j.part && ((j.variance && j.apart) || places == 1) ? YLM_OK : YLM_ENOMEM;
   bool guided = guides && ylm_scene_guides(scene);
   if (s == YLM_OK && (guided || (j.variance && !r->neighbours)))
     s = ylm__transfer_places(r->t, scene, &p);
@@ -165,7 +186,7 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
     s = ylm_scene_guide_create(scene, &p.of, light_samples, seed, threads, progress, &j.guide);
   if (s == YLM_OK)
     s = ylm_parallel(r->t->elements, DIRECT_GRAIN, threads, run, &j, progress, "direct");
-  if (s == YLM_OK && j.variance) s = smooth(r, &p, j.variance, j.E0, threads);
+  if (s == YLM_OK && j.variance) s = smooth(r, &p, j.variance, j.E0, j.apart, threads);
   ylm__transfer_places_free(&p);
   ylm_free(j.variance);
   double near = 0, all = 0;
@@ -173,7 +194,7 @@ ylm_status ylm_radiosity_rays(ylm_radiosity *r, const ylm_scene *scene, int ligh
     near += j.part[b][0], all += j.part[b][1];
   ylm_free(j.part);
   if (s == YLM_OK) r->guided = guides;
-  return take(r, s, j.E0, j.guide, j.rays, all > 0 ? near / all : 0, begun);
+  return take(r, s, j.E0, j.apart, j.guide, j.rays, all > 0 ? near / all : 0, begun);
 }
 
 /* Light by coefficients. */
@@ -268,12 +289,13 @@ ylm_status ylm_radiosity_field(ylm_radiosity *r, const ylm_field *field, int lma
   ylm_free(x.normals);
   ylm_free(x.zonal);
   if (s == YLM_OK) r->guided = false;
-  return take(r, s, E0, NULL, 0, 0, begun);
+  return take(r, s, E0, NULL, NULL, 0, 0, begun);
 }
 
 void ylm_radiosity_set(ylm_radiosity *r, const float *E0) {
   for (size_t i = 0; i < r->t->elements; i++)
     for (size_t c = 0; c < 3; c++) r->E0[4 * i + c] = r->t->share[i] > 0 ? E0[3 * i + c] : 0;
+  forget_noise(r);
   r->rays = 0;
   r->guided = false;
   r->close = r->seconds = 0;

@@ -152,7 +152,7 @@ typedef struct job {
   const ylm_transfer *t;
   const transfer_neighbours *of;
   const float *variance; /* [elements] of E0, luminance */
-  float *E0;
+  float *E0, *apart;     /* light, and a sample of its noise */
 } job;
 
 /* Elements of a group: weights by area, places in a plane, and the plane that is fitted to their light. */
@@ -186,10 +186,17 @@ static double plane_at(const group *g, size_t i, size_t c) {
   return g->mean[c] + g->slope[c][0] * g->x[i][0] + g->slope[c][1] * g->x[i][1];
 }
 
-/* Fits the plane; one that falls below 0 is level. */
+/* Does the plane fall below 0? */
+static bool falls(const group *g) {
+  for (size_t c = 0; c < 3; c++)
+    for (size_t i = 0; i < g->n; i++)
+      if (!(plane_at(g, i, c) >= 0)) return true;
+  return false;
+}
+
+/* Fits the plane. */
 static void fit(const float *E0, group *g) {
   double xx = 0, xy = 0, yy = 0, b[3][2] = {{0}};
-  bool level = false;
   memset(g->mean, 0, sizeof g->mean);
   for (size_t i = 0; i < g->n; i++) {
     const float *E = E0 + 4 * (size_t)g->element[i];
@@ -205,9 +212,7 @@ static void fit(const float *E0, group *g) {
   for (size_t c = 0; c < 3; c++) {
     g->slope[c][0] = flat ? 0 : (yy * b[c][0] - xy * b[c][1]) / det;
     g->slope[c][1] = flat ? 0 : (xx * b[c][1] - xy * b[c][0]) / det;
-    for (size_t i = 0; i < g->n; i++) level |= !(plane_at(g, i, c) >= 0);
   }
-  if (level) memset(g->slope, 0, sizeof g->slope);
 }
 
 /* The part that is kept of what strays from the plane: all where more than noise strays, as at a shadow's edge, which passes for noise
@@ -228,6 +233,15 @@ static double kept_of(const job *j, const group *g) {
   return 1 - part * fmax(0, fmin(1, sure));
 }
 
+/* Draws light to the plane that is fitted to it. */
+static void draw(const group *g, float kept, float *light) {
+  for (size_t i = 0; i < g->n; i++)
+    for (size_t c = 0; c < 3; c++) {
+      float *E = light + 4 * (size_t)g->element[i] + c, plane = (float)plane_at(g, i, c);
+      *E = plane + kept * (*E - plane);
+    }
+}
+
 static ylm_status smooth(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const job *j = context;
@@ -236,18 +250,20 @@ static ylm_status smooth(void *context, size_t begin, size_t end, int worker) {
     group g = {.n = first[1] - first[0], .element = j->of->element + first[0]};
     lay_out(j->t, &g);
     fit(j->E0, &g);
+    bool level = falls(&g);
+    if (level) memset(g.slope, 0, sizeof g.slope);
     float kept = (float)kept_of(j, &g);
-    for (size_t i = 0; i < g.n && kept < 1; i++)
-      for (size_t c = 0; c < 3; c++) {
-        float *E = j->E0 + 4 * (size_t)g.element[i] + c, plane = (float)plane_at(&g, i, c);
-        *E = plane + kept * (*E - plane);
-      }
+    if (!(kept < 1)) continue;
+    draw(&g, kept, j->E0);
+    fit(j->apart, &g);
+    if (level) memset(g.slope, 0, sizeof g.slope);
+    draw(&g, kept, j->apart);
   }
   return YLM_OK;
 }
 
 ylm_status ylm__transfer_smooth(const ylm_transfer *t, const transfer_neighbours *of,
-                                const float *variance, float *E0, int threads) {
-  job j = {t, of, variance, E0};
+                                const float *variance, float *E0, float *apart, int threads) {
+  job j = {t, of, variance, E0, apart};
   return ylm_parallel(of->groups, SMOOTH_GRAIN, threads, smooth, &j, NULL, NULL);
 }

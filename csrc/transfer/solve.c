@@ -241,6 +241,24 @@ ylm_status ylm_radiosity_solve(ylm_radiosity *r, int bounces, double residual, b
   return s;
 }
 
+ylm_status ylm_radiosity_noise(ylm_radiosity *r, int threads, const float **leaving) {
+  *leaving = r->noise;
+  if (r->noise || !r->apart) return YLM_OK;
+  ylm_radiosity_stats found = {0};
+  int bounces = r->stats.bounces < BOUNCE_NOISE ? r->stats.bounces : BOUNCE_NOISE;
+  job j = {0};
+  float *noise = rows(r->t);
+  ylm_status s = noise && job_create(&j, r->t, r->apart, NULL) ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) s = walk(&j, bounces, 1, false, threads, NULL, &found, NULL);
+  if (s == YLM_OK) {
+    leave(r->t, j.E, noise);
+    *leaving = r->noise = noise;
+  } else
+    ylm_free(noise);
+  job_free(&j);
+  return s;
+}
+
 /* How far the light that bounces is from that of r: the root mean square over its mean, in luminance. */
 static double change_of(const job *j, const ylm_radiosity *r) {
   double square = 0, mean = 0, area = 0;
@@ -301,6 +319,8 @@ void ylm_radiosity_free(ylm_radiosity *r) {
   ylm_free(r->direct);
   ylm_free(r->E);
   ylm_free(r->leaving);
+  ylm_free(r->apart);
+  ylm_free(r->noise);
   ylm_scene_guide_free(r->guide);
   ylm__transfer_neighbours_free(r->neighbours);
   ylm_transfer_targets_free(r->targets);

@@ -244,6 +244,18 @@ YLM_API ylm_status ylm_radiosity_coarse(const ylm_radiosity *r, int bounces, dou
                                         bool closure, int threads, ylm_radiosity *into,
                                         double *change, ylm_error *e);
 
+/*
+** ylm_radiosity_noise - a sample of the noise that rays of direct light leave in ylm_radiosity_leaving.
+**
+** It is the difference of places of an element, averaged over neighbours as light is, and what bounces of that: of mean 0 and the variance
+** of the light. Its rays are those of ylm_radiosity_rays.
+**
+**   leaving  out  [elements + 1][4] valid until light is found anew; NULL: light was not found by rays, or from one place each
+**
+** Returns  YLM_OK, YLM_ENOMEM
+*/
+YLM_API ylm_status ylm_radiosity_noise(ylm_radiosity *r, int threads, const float **leaving);
+
 /* Of the last solution; valid until the next. [elements + 1][4], the fourth number of a row and the last row are
    zero: direct irradiance, irradiance W m^-2, and radiance that leaves, W sr^-1 m^-2: rho E / pi. */
 YLM_API const float *ylm_radiosity_direct(const ylm_radiosity *r);

@@ -5,8 +5,9 @@
 
 typedef struct sets_form {
   ylm_shade_sets o;
-  const ylm_radiosity *lit;
+  ylm_radiosity *lit;
   ylmL_array *sets, *first, *second;
+  bool apart;
   int progress; /* on the stack */
 } sets_form;
 
@@ -29,6 +30,7 @@ static const ylmL_entry sets_entries[] = {
     YLML(sets_form, o.links, "links", INT),
     YLML(sets_form, sets, "sets", ARRAY),
     YLML(sets_form, o.all, "all", BOOL),
+    YLML(sets_form, apart, "apart", BOOL),
     YLML(sets_form, first, "first", ARRAY),
     YLML(sets_form, second, "second", ARRAY),
     YLML(sets_form, o.seed, "seed", UINT64),
@@ -40,7 +42,8 @@ static bool has_floats(const ylmL_array *a, size_t count) {
   return a->dtype == YLM_FLOAT && a->count == count;
 }
 
-/* shade_gather_sets(view, {transfer, lit, links, sets [n], all, first, second: out [n][3], seed, threads, progress}) -> rays */
+/* shade_gather_sets(view, {transfer, lit, links, sets [n], all, apart: noise of direct light instead of light, first, second:
+   out [n][3], seed, threads, progress}) -> rays; 0: that noise is not known */
 static int shade_gather_sets(lua_State *L) {
   sets_form f = {.o = {.targets = NULL}};
   ylmL_read(L, 2, sets_entries, &f);
@@ -53,8 +56,10 @@ static int shade_gather_sets(lua_State *L) {
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   f.o.leaving = ylm_radiosity_leaving(f.lit), f.o.sets = f.sets->data;
   f.o.progress = ylmL_progress_begin(L, f.progress, &p);
-  ylm_status s =
-      ylm_shade_gather_sets(v, &f.o, (float *[2]){f.first->data, f.second->data}, &rays, &e);
+  ylm_status s = YLM_OK;
+  if (f.apart) s = ylm_radiosity_noise(f.lit, f.o.threads, &f.o.leaving);
+  if (s == YLM_OK && f.o.leaving)
+    s = ylm_shade_gather_sets(v, &f.o, (float *[2]){f.first->data, f.second->data}, &rays, &e);
   if (s == YLM_OK) ylmL_push_count(L, rays);
   return ylmL_result_progress(L, 1, s, &e, &p);
 }

@@ -1,6 +1,7 @@
 --- Output of commands: tables as "name value" lines or as JSON, and progress on a terminal.
 
 local json = require "ylm.json"
+local noises = require "ylm.render.noise"
 local progress = require "ylm.progress"
 
 local report = {}
@@ -64,6 +65,10 @@ function report.say_noise(given, facts)
   local before = facts.noise_before
   local note = before and (", %.0f %% before it was filtered"):format(100 * before)
     or given.denoise == "oidn" and " before Open Image Denoise" or ""
+  local shared = facts.elements_noise
+  if shared and shared > noises.SHARED * (given.noise or noises.WANTED) then
+    note = note .. (", %.1f %% more of elements"):format(100 * shared)
+  end
   report.say(given, "ylm: noise is %.1f %% of the light around a pixel%s, %.0f s%s", 100 * facts.noise, note, facts.seconds.total,
     facts.ended == "cancelled" and "; interrupted: this is the picture so far" or "")
 end

@@ -9,6 +9,7 @@ local views = require "ylm.render.view"
 
 local denoise = {}
 
+local ELEMENTS = { pixels = 1024, sets = 16, links = 32 } -- by which the noise of elements is told; sets of both halves
 local JUDGED = { pixels = 1024, rays = 64, sets = 4, links = 32 } -- rays are those of a half, sets of both
 local FINER = 4 -- times less noise than is wanted is filtered for: blotches of it would be seen
 local APART = 90001 -- from the seed of a picture to that of its judge
@@ -29,14 +30,22 @@ function denoise.filter(x)
 end
 
 --- Numbers of pixels spread over a picture, in rising order, from 0.
-local function draw(size, seed)
+local function draw(size, seed, count)
   local n, seen, list = size[1] * size[2], {}, {}
-  for k = 1, math.min(JUDGED.pixels, n) do
+  for k = 1, math.min(count, n) do
     local i = math.floor((k * 0.6180339887498949 + seed * 0.7548776662466927) % 1 * n)
     if not seen[i] then list[#list + 1], seen[i] = i, true end
   end
   table.sort(list)
   return list
+end
+
+--- The prepared view of some pixels of a picture; or nil, message, code.
+local function view_of(x, list)
+  local o = {}
+  for key, value in pairs(x.p.options) do o[key] = value end
+  o.pixels, o.threads, o.gloss, o.progress = list, x.casting.threads, x.o.gloss, false
+  return views.prepare(x.name, x.p.scene, o)
 end
 
 --- Two estimates of all light at points of a view p of some pixels, as resolved pixels; or nil, message, code.
@@ -127,11 +136,9 @@ end
 --- Has rays of their own judge the light `found` of the points of x, which was filtered: report.denoise. The noise that
 -- its halves do not see; or nil, message, code.
 function denoise.judge(x, found)
-  local start, p, o = core.seconds(), x.p, { }
-  for key, value in pairs(p.options) do o[key] = value end
-  local list = draw(p.options.size, x.casting.seed)
-  o.pixels, o.threads, o.gloss, o.progress = list, x.casting.threads, x.o.gloss, false
-  local view, message, code = views.prepare(x.name, p.scene, o)
+  local start, p = core.seconds(), x.p
+  local list = draw(p.options.size, x.casting.seed, JUDGED.pixels)
+  local view, message, code = view_of(x, list)
   if not view then return nil, message, code end
   local some = views.open(x.name, view)
   local halves, filtered
@@ -148,6 +155,45 @@ function denoise.judge(x, found)
   report.seconds = core.seconds() - start
   x.report.denoise = report
   return report.unseen
+end
+
+--- Two estimates of the light that a sample of the noise of elements brings to pixels of a view p; false: there is none; or nil,
+-- message, code.
+local function bring(x, p)
+  local b, c, n, halves = steady.links(x.o), x.casting, p.stats.points, {}
+  local function points(...) return assert(array.zeros({ n, ... }, "float")) end
+  local links = { points(3), points(3) }
+  local count, message, code = check.result(x.name, p.lib.shade_gather_sets(p.view, { transfer = b.lit.links, lit = b.lit,
+    targets = x.targets, links = ELEMENTS.links, sets = points() + ELEMENTS.sets, all = x.p.options.gloss == "matte",
+    apart = true, first = links[1], second = links[2], seed = c.seed + 5 * APART, threads = c.threads }))
+  if not count then return nil, message, code end
+  if count == 0 then return false end
+  for half = 1, 2 do
+    halves[half], message, code = check.result(x.name, p.lib.shade_resolve(p.view, links[half], nil, false, c.threads))
+    if not halves[half] then return nil, message, code end
+  end
+  return halves
+end
+
+--- The noise that direct light on elements leaves in the picture `found` of x, relative to the light around pixels; false: it is
+-- not known; or nil, message, code. Links of two halves meet one sample of it: the product of both holds no noise of links.
+function denoise.of_elements(x, found)
+  local width, list = x.p.options.size[1], draw(x.p.options.size, x.casting.seed + 1, ELEMENTS.pixels)
+  local view, message, code = view_of(x, list)
+  if not view then return nil, message, code end
+  local halves
+  halves, message, code = bring(x, views.open(x.name, view))
+  view:close()
+  if not halves then return halves, message, code end
+  local scale, sum, n = scale_of(x, assert(check.result(x.name, x.p.lib.shade_resolve(x.p.view, found, nil, false,
+    x.casting.threads)))), 0, 0
+  for k, i in ipairs(list) do
+    local each = at(scale, width, i)
+    if each > 0 then
+      sum, n = sum + luminance(halves[1], 1, k - 1) * luminance(halves[2], 1, k - 1) * each ^ 2, n + 1
+    end
+  end
+  return math.sqrt(math.max(0, sum / math.max(1, n)))
 end
 
 return denoise

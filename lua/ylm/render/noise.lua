@@ -7,6 +7,7 @@ local noise = {}
 
 noise.WANTED = 0.03 -- of a picture by rays, where nobody says one
 noise.SLACK = 1.1 -- times the noise that is wanted: up to which it counts as reached
+noise.SHARED = 1 / 3 -- of the noise that is wanted, above which that of elements is said
 noise.LOUD, noise.FAIR = 0.05, 0.02 -- of a pixel: of which a picture warns, and which is advised
 
 --- Shading points of a pixel that sees surfaces.

@@ -26,6 +26,8 @@ local by_rays = {
     .. "to the light around it; ended is then noise, samples, pilot, time_limit, most rays, filter "
     .. "or cancelled" },
   { "noise_before", "1", "where it was filtered: what was left before" },
+  { "elements_noise", "1", "by rays: what shadow rays of elements leave in the picture, in the measure of noise, which does not "
+    .. "hold it: all pixels that see an element share it; of one sample" },
   { "denoise", "table", "where noise was filtered: what rays of their own at `pixels` random pixels find. z2: the squared "
     .. "distance of the picture from them over what the noise of both makes of it, 1 where nothing else is between them; bias: "
     .. "of the mean of the pixels, relative, with its standard error, uncertainty; unseen: the noise of direct light that they "

@@ -165,8 +165,8 @@ local function look_at(x)
   return x.lit > 0 and math.sqrt((x.left * x.left):sum() / x.lit) or 0
 end
 
---- Plans direct light (kind 1) or links (2) behind the pilot, by a factor of counts: the squared noise of all pixels, and rays of a
--- half or sets of a point; these and the pilot's weights go into arrays that are given.
+--- Plans direct light (kind 1) or links (2) behind the pilot, by a factor of counts: the squared noise of all pixels, and rays
+-- of a half or sets of a point; these and the pilot's weights go into arrays that are given.
 local function plan(x, kind, factor, rays, weight)
   local name = kind == 1 and "rays" or "sets"
   local square, mean = check.result(x.name, x.p.lib.shade_plan(x.p.view, { noise = x.noise[kind],
@@ -250,7 +250,8 @@ local function restore(x, kept) for key, value in pairs(kept) do x[key] = value 
 
 local function copies(pair) return { pair[1]:clone(), pair[2]:clone() } end
 
---- Noise that is left behind a round, after a filter where it is above the one that is wanted and the filter leaves less; or nil, message, code.
+--- Noise that is left behind a round, after a filter where it is above the one that is wanted and the filter leaves less; or nil,
+-- message, code.
 local function settle(x, round)
   local reached = look_at(x)
   local message, code
@@ -294,8 +295,9 @@ end
 local function announce(x, factor, reached, seconds)
   local _, cost = weigh(x, factor)
   local part = cost / (x.cost[1] + (x.links and x.cost[2] or 0))
-  progress.say(x.casting.progress, part * seconds, "noise is %.1f %%, %.1f %% wanted: %.0f more shadow rays%s a point take about %s",
-    100 * reached, 100 * x.wanted, 2 * x.rays:mean(), x.links and (" and %.0f links"):format(x.pilot.links * x.own:mean()) or "",
+  progress.say(x.casting.progress, part * seconds,
+    "noise is %.1f %%, %.1f %% wanted: %.0f more shadow rays%s a point take about %s", 100 * reached,
+    100 * x.wanted, 2 * x.rays:mean(), x.links and (" and %.0f links"):format(x.pilot.links * x.own:mean()) or "",
     progress.clock(part * seconds))
 end
 
@@ -401,9 +403,15 @@ function rounds.radiance(name, p, o, report, casting, now)
   elseif x.steady then o.reflected.gathered = x.steady end
   o.noise_left, o.raw = x.left, x.raw
   local direct = ((x.direct[1] + x.direct[2]) / 2)
+  local all = o.reflected and direct + o.reflected.gathered or direct
+  if x.links then
+    report.elements_noise, message, code = denoise.of_elements(x, all)
+    if report.elements_noise == nil then return nil, message, code end
+    report.elements_noise = report.elements_noise or nil
+  end
   if x.raw then
     local unseen
-    unseen, message, code = denoise.judge(x, o.reflected and direct + o.reflected.gathered or direct)
+    unseen, message, code = denoise.judge(x, all)
     if not unseen then return nil, message, code end
     reached = add(x, reached, unseen)
     o.noise_left = x.left
