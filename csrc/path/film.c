@@ -170,7 +170,7 @@ static ylm_status check(const path_job *j, ylm_error *e) {
 ylm_status ylm__path_run(path_job *j, ylm_path_sum *sum, ylm_path_stats *stats, ylm_error *e) {
   double start = ylm_seconds();
   uint64_t all = ((uint64_t)j->o->samples + YLM_PATH_BATCH - 1) / YLM_PATH_BATCH;
-  if (all < 2) all = 2; /* one alone has no variance */
+  if (all < 2 && !j->o->single) all = 2; /* one alone has no variance */
   uint64_t have = sum->samples / YLM_PATH_BATCH;
   int threads = ylm_threads(j->o->threads);
   run r = {.job = j, .outer = j->o->progress, .total = all > have ? all - have : 0};

@@ -44,6 +44,7 @@ typedef enum ylm_path_strategy {
 
 typedef struct ylm_path_options {
   int samples;     /* of each pixel or point, 1 .. YLM_PATH_SAMPLES; rounded up to whole batches */
+  bool single;     /* one batch is enough, of which no variance is known; else two are the least */
   int first, last; /* orders that count, first >= 0; last < 0: without end */
   ylm_path_strategy strategy;
   double error;   /* > 0: ends early, once the noise (see ylm_path_stats) is at most this */

@@ -75,6 +75,7 @@ static ylm_path_sum sums_in(float *room, size_t n) {
 static ylm_status cast_items(const ylm_shade_view *v, const shade_cast *c, int light_samples,
                              uint64_t seed, const items *x, float *room, uint64_t *rays) {
   ylm_path_options o = {.samples = light_samples,
+                        .single = c->own != NULL, /* two halves tell the noise */
                         .first = 1,
                         .last = 1,
                         .seed = seed,
@@ -171,7 +172,8 @@ static ylm_status cast_some(const ylm_shade_view *v, const shade_cast *c, const 
   items some = {0};
   float *room = ylm_alloc_zero(9 * n, sizeof *room);
   ylm_path_sum part = sums_in(room, n), whole = sums_in(out, all->n);
-  if (most < CAST_FRESH_LEAST) most = CAST_FRESH_LEAST;
+  if (most < CAST_FRESH_LEAST)
+    most = c->own && samples < CAST_FRESH_LEAST / 2 ? 2 * (size_t)samples : CAST_FRESH_LEAST;
   if (!(v->o.share > 0)) most = 0;
   ylm_status s = room ? pick(v, all, n, item, most, seed, c->threads, &some) : YLM_ENOMEM;
   if (s == YLM_OK) s = cast_items(v, c, samples, seed, &some, room, rays);
