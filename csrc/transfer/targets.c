@@ -10,8 +10,10 @@ struct ylm_transfer_targets {
   float *below;           /* [clusters][groups + 1] the chance of the groups before each */
   uint32_t *group;        /* [elements] */
   uint32_t *list, *first; /* [elements] in the order of groups; [groups + 1] of each in the list */
-  float *before; /* [elements + groups] the chance of those before each in its group, and 1 */
-  float *dense;  /* [elements] the chance of each in its group, over its area */
+  float *before;   /* [elements + groups] the chance of those before each in its group, and 1 */
+  uint32_t *guess; /* [elements] where a search in `before` begins, and */
+  uint32_t *guess_below; /* [clusters][groups] in `below` */
+  float *dense;          /* [elements] the chance of each in its group, over its area */
   float (*corner)[3][3]; /* [elements] of the list: the first, and from it to the others */
   ylm_transfer_targets_stats stats;
 };
@@ -24,6 +26,8 @@ void ylm_transfer_targets_free(ylm_transfer_targets *a) {
   ylm_free(a->list);
   ylm_free(a->first);
   ylm_free(a->before);
+  ylm_free(a->guess);
+  ylm_free(a->guess_below);
   ylm_free(a->dense);
   ylm_free(a->corner);
   ylm_free(a);
@@ -114,6 +118,22 @@ static size_t draw_hits(const ylm_transfer_targets *a, const pilot *p, float (*x
   return n;
 }
 
+/* Where searches in before [n] begin: guess[j] is that of all from j / n on. */
+static void guess_steps(const float *before, size_t n, uint32_t *guess) {
+  for (size_t j = 0, k = 0; j < n; j++) {
+    double u = (double)j / (double)n * (1 - 1e-9);
+    while (k + 1 < n && (double)before[k + 1] <= u) k++;
+    guess[j] = (uint32_t)k;
+  }
+}
+
+/* The last k < n with before[k] <= u, u from 0 to below 1 (Chen & Asau 1974). */
+static size_t find_guessed(const float *before, const uint32_t *guess, size_t n, double u) {
+  size_t j = (size_t)(u * (double)n), k = guess[j < n ? j : n - 1];
+  while (k + 1 < n && (double)before[k + 1] <= u) k++;
+  return k;
+}
+
 /* The chances of elements in a group. */
 static void tell_within(ylm_transfer_targets *a, size_t g, const float *light) {
   const float *area = a->t->area;
@@ -127,6 +147,7 @@ static void tell_within(ylm_transfer_targets *a, size_t g, const float *light) {
     at += (double)(light[list[k]] * area[list[k]]);
   }
   before[all] = sum > 0;
+  guess_steps(before, all, a->guess + a->first[g]);
   for (size_t k = 0; k < all; k++) a->dense[list[k]] = (before[k + 1] - before[k]) / area[list[k]];
 }
 
@@ -139,9 +160,10 @@ static ylm_status list_elements(ylm_transfer_targets *a, const ylm_scene_cluster
   a->list = ylm_alloc(n, sizeof *a->list);
   a->first = ylm_alloc_zero(count + 2, sizeof *a->first);
   a->before = ylm_alloc(n + count, sizeof *a->before);
+  a->guess = ylm_alloc(n, sizeof *a->guess);
   a->dense = ylm_alloc(n, sizeof *a->dense);
   a->corner = ylm_alloc(n, sizeof *a->corner);
-  if (!a->group || !a->list || !a->first || !a->before || !a->dense || !a->corner)
+  if (!a->group || !a->list || !a->first || !a->before || !a->guess || !a->dense || !a->corner)
     return YLM_ENOMEM;
   for (size_t e = 0; e < n; e++) {
     a->group[e] = (uint32_t)ylm_scene_cluster_at(groups, t->centre[e], t->normal[e]);
@@ -313,6 +335,7 @@ static ylm_status tell(void *context, size_t begin, size_t end, int worker) {
     for (size_t k = 0; k < l.n; k++)
       if (!(l.ray[k].far < 0)) l.part[l.of[k]] += (double)l.value[k] / TARGETS_LOOKS;
     settle(groups, l.part, a->below + c * (groups + 1));
+    guess_steps(a->below + c * (groups + 1), groups, a->guess_below + c * groups);
   }
   ylm_free(l.part);
   ylm_free(l.ray);
@@ -329,7 +352,8 @@ static ylm_status tell_chances(ylm_transfer_targets *a, const pilot *p, uint64_t
   x.flux = ylm_alloc_zero(groups, sizeof *x.flux);
   x.width = ylm_alloc_zero(groups, sizeof *x.width);
   a->below = ylm_alloc(a->stats.clusters * (groups + 1), sizeof *a->below);
-  ylm_status s = x.flux && x.width && a->below ? YLM_OK : YLM_ENOMEM;
+  a->guess_below = ylm_alloc(a->stats.clusters * groups, sizeof *a->guess_below);
+  ylm_status s = x.flux && x.width && a->below && a->guess_below ? YLM_OK : YLM_ENOMEM;
   for (size_t e = 0; s == YLM_OK && e < a->t->elements; e++)
     if (p->light[e] > 0) {
       x.flux[a->group[e]] += (double)(p->light[e] * a->t->area[e]);
@@ -406,12 +430,12 @@ bool ylm_transfer_target(const ylm_transfer_targets *a, size_t cluster, const do
   size_t groups = a->stats.groups;
   const float *below = a->below + cluster * (groups + 1);
   if (!(below[groups] > 0)) return false;
-  size_t g = find(below, groups, u[0]), n = a->first[g + 1] - a->first[g];
+  size_t g = find_guessed(below, a->guess_below + cluster * groups, groups, u[0]);
+  size_t n = a->first[g + 1] - a->first[g];
   const float *before = a->before + a->first[g] + g;
   if (n == 0 || !(before[n] > 0)) return false;
   double v = rest(below + g, u[0]);
-  size_t k = find(before, n, v);
-  size_t at = a->first[g] + k;
+  size_t at = a->first[g] + find_guessed(before, a->guess + a->first[g], n, v);
   double x = u[1] + u[2] > 1 ? 1 - u[1] : u[1], y = u[1] + u[2] > 1 ? 1 - u[2] : u[2];
   *element = a->list[at];
   for (int q = 0; q < 3; q++)
