@@ -220,13 +220,15 @@ describe("links", function()
   end)
 
   it("are cancelled", function()
-    local stages = {}
-    local t, message, code = elements.room(0.5):links { spacing = 0.1, progress = function(_, _, stage)
-      stages[stage] = true
-      return false
-    end }
-    assert.same({ nil, "cancelled", "ECANCELLED" }, { t, message, code })
-    assert.same({ links = true }, stages)
+    for _, last in ipairs { "elements", "links" } do
+      local stages = {}
+      local t, message, code = elements.room(0.5):links { spacing = 0.1, progress = { function(_, _, stage)
+        stages[stage] = true
+        return stage ~= last
+      end, every = 1e-6 } }
+      assert.same({ nil, "cancelled", "ECANCELLED" }, { t, message, code })
+      assert.same({ elements = true, links = last == "links" or nil }, stages)
+    end
   end)
 end)
 

@@ -83,7 +83,7 @@
 #define PLAN_TILE 32
 #define PLAN_WORTH 0.5
 /* Points whose sets of links are found at once: sets.c. */
-#define SETS_POINTS ((size_t)1 << 16)
+#define SETS_POINTS ((size_t)1 << 14)
 /* Points by which it is learnt what sends light to them, at most. */
 #define TARGETS_MOST 65536
 /* Random numbers of the places that sets start from. */

@@ -80,10 +80,10 @@ static ylm_status look(void *context, size_t begin, size_t end, int worker) {
   return YLM_OK;
 }
 
-ylm_status ylm__transfer_cross(ylm_transfer *t) {
+ylm_status ylm__transfer_cross(ylm_transfer *t, const ylm_progress *progress) {
   t->crossed = ylm_alloc_zero(t->elements, 1);
   if (!t->crossed) return YLM_ENOMEM;
-  return ylm_parallel(t->elements, TRANSFER_GRAIN, t->form.threads, look, t, NULL, NULL);
+  return ylm_parallel(t->elements, TRANSFER_GRAIN, t->form.threads, look, t, progress, "elements");
 }
 
 void ylm__transfer_hold(const ylm_transfer *t, size_t e, ylm_scene_place *place) {

@@ -211,7 +211,7 @@ static ylm_status describe(void *context, size_t begin, size_t end, int worker) 
   return YLM_OK;
 }
 
-static ylm_status make(ylm_transfer *t, const float *positions) {
+static ylm_status make(ylm_transfer *t, const float *positions, const ylm_progress *progress) {
   size_t n = t->elements;
   t->stats.elements = n;
   t->centre = ylm_alloc(n, sizeof *t->centre);
@@ -231,8 +231,9 @@ static ylm_status make(ylm_transfer *t, const float *positions) {
           t->mesh[of + e] = (uint32_t)m, t->triangle[of + e] = (uint32_t)(i - t->first[m]);
       }
   job j = {t, positions, ylm_scene_is_tinted(t->scene)};
-  ylm_status s = ylm_parallel(n, TRANSFER_GRAIN, t->form.threads, describe, &j, NULL, NULL);
-  return s == YLM_OK ? ylm__transfer_cross(t) : s;
+  ylm_status s =
+      ylm_parallel(n, TRANSFER_GRAIN, t->form.threads, describe, &j, progress, "elements");
+  return s == YLM_OK ? ylm__transfer_cross(t, progress) : s;
 }
 
 static ylm_status list_triangles(ylm_transfer *t) {
@@ -273,7 +274,7 @@ ylm_status ylm__transfer_cut(ylm_transfer *t, const ylm_transfer_form *form, ylm
   if (s == YLM_OK) {
     cut(t, shape);
     t->elements = number(t);
-    s = make(t, positions);
+    s = make(t, positions, form->progress);
   }
   ylm_free(shape);
   ylm_free(positions);
@@ -316,7 +317,7 @@ ylm_status ylm__transfer_cut_again(ylm_transfer *t, size_t elements) {
   }
   if (s == YLM_OK) {
     t->elements = number(t);
-    s = make(t, positions);
+    s = make(t, positions, NULL);
   }
   ylm_free(shape);
   ylm_free(positions);

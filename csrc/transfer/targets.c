@@ -345,8 +345,8 @@ static ylm_status tell(void *context, size_t begin, size_t end, int worker) {
 }
 
 /* The part of each group in the light that clusters meet. */
-static ylm_status tell_chances(ylm_transfer_targets *a, const pilot *p, uint64_t seed,
-                               int threads) {
+static ylm_status tell_chances(ylm_transfer_targets *a, const pilot *p, uint64_t seed, int threads,
+                               const ylm_progress *progress) {
   size_t groups = a->stats.groups;
   chances x = {.a = a, .p = p, .seed = seed};
   x.flux = ylm_alloc_zero(groups, sizeof *x.flux);
@@ -359,7 +359,7 @@ static ylm_status tell_chances(ylm_transfer_targets *a, const pilot *p, uint64_t
       x.flux[a->group[e]] += (double)(p->light[e] * a->t->area[e]);
       x.width[a->group[e]] += (double)a->t->area[e] / YLM_PI;
     }
-  if (s == YLM_OK) s = ylm_parallel(a->stats.clusters, 1, threads, tell, &x, NULL, NULL);
+  if (s == YLM_OK) s = ylm_parallel(a->stats.clusters, 1, threads, tell, &x, progress, "links");
   ylm_free(x.flux);
   ylm_free(x.width);
   return s;
@@ -381,7 +381,8 @@ static ylm_status learn(ylm_transfer_targets *a, const float *leaving,
                                   threads, progress, p.link, 0, NULL, NULL, NULL);
   a->stats.rays = p.n * TARGETS_LINKS;
   if (s == YLM_OK && variance_of(a, &p) > worth) s = group_elements(a, &p);
-  if (s == YLM_OK && a->stats.groups > 0) s = tell_chances(a, &p, ylm_mix64(seed), threads);
+  if (s == YLM_OK && a->stats.groups > 0)
+    s = tell_chances(a, &p, ylm_mix64(seed), threads, progress);
   pilot_free(&p);
   ylm_scene_clusters_forget(a->of);
   return s;

@@ -104,7 +104,7 @@ static inline bool ylm__transfer_is_back(const ylm_transfer *t, size_t i) {
 /* How far above an element places see each other past what ends closely above it. */
 float ylm__transfer_lift(const ylm_transfer *t, size_t e);
 /* Fills t->crossed, of elements that are known. */
-ylm_status ylm__transfer_cross(ylm_transfer *t);
+ylm_status ylm__transfer_cross(ylm_transfer *t, const ylm_progress *progress);
 /* Brings a place of element e to the side of its middle. */
 void ylm__transfer_hold(const ylm_transfer *t, size_t e, ylm_scene_place *place);
 /* The element whose light a place of the crossed element e has; t->elements: none. */

@@ -62,7 +62,7 @@ typedef struct ylm_transfer_form {
   const float (*inside)[3]; /* [places] points in space from which rooms are seen: the camera  */
   uint64_t seed;
   int threads;
-  const ylm_progress *progress; /* stage "links" */
+  const ylm_progress *progress; /* stages "elements", "links" */
 } ylm_transfer_form;
 
 typedef struct ylm_transfer_stats {

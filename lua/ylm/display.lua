@@ -219,9 +219,10 @@ function display.begin(s, o, how)
   return live
 end
 
---- A rendering's way to who watches it without a viewer: watch.now(image, report) is called as a viewer's `now` is.
+--- A rendering's way to who watches it without a viewer: watch.now(image, report) is called as a viewer's `now` is. Its progress
+-- may break off the work behind the last ray, too.
 function display.watch(watch)
-  return { progress = function(bar) return bar end, finish = function() end,
+  return { interrupts = true, progress = function(bar) return bar end, finish = function() end,
     now = function(picture, report)
       local _, image = picture()
       watch.now(image, report)

@@ -208,6 +208,7 @@ progress.stages = {
   { "level N", "cells of level N of an adaptive grid are filled, checked and split" },
   { "lightmap", "texels are lit" },
   { "lights", "the coefficients of lights are summed at points" },
+  { "elements", "surfaces are cut into elements" },
   { "links", "rays find the elements that elements, or pixels, see" },
   { "matrices", "transfer matrices are made" },
   { "merge", "particles that landed close to each other become one virtual light" },

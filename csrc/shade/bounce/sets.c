@@ -10,6 +10,7 @@
 typedef struct round_of {
   const ylm_shade_view *view;
   const ylm_shade_sets *o;
+  uint64_t done, total; /* sets of points */
   uint64_t *stream;
   size_t *pixel;                           /* [points] */
   uint32_t *point, *link;                  /* [points], [SETS_POINTS][YLM_SHADE_SET] */
@@ -143,6 +144,8 @@ static ylm_status run_kind(round_of *r, int k, bool lobes, float *half, uint64_t
     size_t some = n - at < SETS_POINTS ? n - at : SETS_POINTS;
     s = lobes ? add_lobes(r, some, r->point + at, seed, half)
               : add_set(r, some, r->point + at, seed, half, e);
+    r->done += some;
+    if (s == YLM_OK) s = ylm_report(r->o->progress, r->done, r->total, "links");
   }
   *rays += n * (size_t)r->o->links;
   return s;
@@ -158,15 +161,15 @@ ylm_status ylm_shade_gather_sets(const ylm_shade_view *v, const ylm_shade_sets *
   round_of r = {.view = v, .o = o};
   float most = 0;
   if (o->links < 4 || o->links > YLM_SHADE_SET || o->links % 4) return YLM_ERANGE;
-  for (size_t i = 0; i < v->points; i++) most = fmaxf(most, o->sets[i]);
+  for (size_t i = 0; i < v->points; i++) {
+    most = fmaxf(most, o->sets[i]);
+    r.total += (uint64_t)o->sets[i];
+  }
   *rays = 0;
   memset(half[0], 0, v->points * 12);
   memset(half[1], 0, v->points * 12);
   ylm_status s = round_create(&r);
-  for (int k = 0; s == YLM_OK && (float)k < most; k++) {
-    s = run_round(&r, k, half[k % 2], rays, e);
-    if (s == YLM_OK) s = ylm_report(o->progress, (uint64_t)k + 1, (uint64_t)most, "links");
-  }
+  for (int k = 0; s == YLM_OK && (float)k < most; k++) s = run_round(&r, k, half[k % 2], rays, e);
   for (int h = 0; s == YLM_OK && h < 2; h++) finish(&r, h, half[h]);
   round_free(&r);
   return s;

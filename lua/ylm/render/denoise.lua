@@ -57,14 +57,16 @@ local function ask(x, p)
   if b then
     local count, message, code = check.result(x.name, p.lib.shade_gather_sets(p.view, { transfer = b.lit.links, lit = b.lit,
       targets = x.targets, links = JUDGED.links, sets = points() + JUDGED.sets, all = x.p.options.gloss == "matte",
-      first = links[1], second = links[2], seed = c.seed + 3 * APART, threads = c.threads }))
+      first = links[1], second = links[2], seed = c.seed + 3 * APART, threads = c.threads,
+      progress = x.interrupts }))
     if not count then return nil, message, code end
   end
   local still, why, kind = steady.elsewhere(x.name, p, x.o)
   if still == nil then return nil, why, kind end
   for half = 1, 2 do
     local found, message, code = check.result(x.name, p.lib.shade_raycast(p.view, { light_samples = JUDGED.rays,
-      shadows = c.shadows, spread = true, seed = c.seed + half * APART, threads = c.threads, lit = c.lit, guide = c.guide }))
+      shadows = c.shadows, spread = true, seed = c.seed + half * APART, threads = c.threads, lit = c.lit, guide = c.guide,
+      progress = x.interrupts }))
     if not found then return nil, message, code end
     local all = found + links[half]
     if still then all = all + still end
@@ -165,7 +167,8 @@ local function bring(x, p)
   local links = { points(3), points(3) }
   local count, message, code = check.result(x.name, p.lib.shade_gather_sets(p.view, { transfer = b.lit.links, lit = b.lit,
     targets = x.targets, links = ELEMENTS.links, sets = points() + ELEMENTS.sets, all = x.p.options.gloss == "matte",
-    apart = true, first = links[1], second = links[2], seed = c.seed + 5 * APART, threads = c.threads }))
+    apart = true, first = links[1], second = links[2], seed = c.seed + 5 * APART, threads = c.threads,
+    progress = x.interrupts }))
   if not count then return nil, message, code end
   if count == 0 then return false end
   for half = 1, 2 do

@@ -377,7 +377,7 @@ end
 function rounds.radiance(name, p, o, report, casting, now)
   local start = core.seconds()
   local x = { name = name, p = p, o = o, report = report, casting = casting, wanted = o.noise or noises.WANTED }
-  x.pilot = pilot_of(p, o)
+  x.pilot, x.interrupts = pilot_of(p, o), o.live and o.live.interrupts and casting.progress
   x.points, x.pixels = room(p, o)
   x.rays, x.own = x.points() + x.pilot.rays, x.points() + x.pilot.sets
   local reached, ok, message, code
