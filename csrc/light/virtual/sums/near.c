@@ -150,7 +150,7 @@ static void sort_points(const search *s, worker *w, size_t begin, size_t n) {
       w->part[i][a] = (int64_t)part_of(s, a, (double)s->points[3 * (begin + i) + (size_t)a]);
       if (w->part[i][a] < w->least[a]) w->least[a] = w->part[i][a];
     }
-  for (int a = 0; a < 3; a++) w->least[a] = w->least[a] >> FINE << FINE;
+  for (int a = 0; a < 3; a++) w->least[a] &= -((int64_t)1 << FINE);
   for (size_t i = 0; i < n; i++) {
     w->key[0][i] = 0, w->order[0][i] = (uint32_t)i;
     for (int a = 0; a < 3; a++)
