@@ -38,7 +38,7 @@ end
 local function scene(o, lights)
   return ylm.scene "far" {
     camera = ylm.camera { from = at(o, 1.5, 1, 1.75), at = at(o, 0, 0.5, 0), fov = 50 },
-    geometry = geometry(o), lights = lights or lamps(o),
+    geometry = geometry(o), lights = lights or lamps(o), links = ylm.links { spacing = 0.1, rays = 64 },
   }
 end
 

@@ -12,7 +12,8 @@ local function room()
   return ylm.scene "a box" { geometry = { ylm.box { scale = 2, material = ylm.matte { albedo = ALBEDO } },
     ylm.box { bounds = { { -0.5, -1, -0.4 }, { 0.1, -0.4, 0.3 } }, material = ylm.matte { albedo = ALBEDO } } },
     camera = ylm.camera { from = { 0, 0.9, 0.001 }, at = { 0, -1, 0 }, fov = 60 },
-    lights = ylm.sphere_light { at = { 0.4, 0.3, 0.2 }, radius = 0.05, radiance = 100 } }
+    lights = ylm.sphere_light { at = { 0.4, 0.3, 0.2 }, radius = 0.05, radiance = 100 },
+    links = ylm.links { spacing = 0.2, rays = 32 } }
 end
 
 local function encoded(x)

@@ -257,7 +257,7 @@ describe("a page", function()
     local file = folder:write("s.lua", [[
       return scene "s" { camera = camera { from = { 0.8, 0.5, 0.9 } }, links = links { spacing = 0.5, rays = 16 },
         geometry = box { scale = 2, material = matte { albedo = 0.1 } },
-        lights = sphere_light { at = { 0, 0.5, 0 }, radius = 0.1 } }]])
+        lights = sphere_light { at = { 0, 0, 0 }, radius = 0.3 } }]])
     local ylm_tool = (os.getenv "YLM_BUILD" or "build") .. "/ylm"
     local read = require "spec.support.json".read
     local out, status = scratch.capture(("%s page %s --depth 2 --no-poster -o %s -q --json"):format(ylm_tool, file,
