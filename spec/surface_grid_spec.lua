@@ -54,7 +54,7 @@ end
 
 describe("a surface grid", function()
   local scene = room { wall() }
-  local links = scene:links { rays = 64, spacing = 0.15 }
+  local links = scene:links { rays = 32, spacing = 0.2 }
   local light = listen(function() return assert(scene:surface_grid { tolerance = 0.1, links = links, judge = "field" }) end)
 
   it("keeps its tolerance of the light of elements at places of its own", function()
