@@ -6,6 +6,10 @@
 /* A look-up reads no texel whose middle is so far away, along an axis. */
 #define REACH (1 - 1e-5)
 
+/* fmin and fmax of numbers, without a call. */
+static double least(double a, double b) { return b < a ? b : a; }
+static double most(double a, double b) { return b > a ? b : a; }
+
 /* Extends low .. high by the x of an edge where y is from `bottom` to `top`. */
 static void clip(const double p[2], const double q[2], double bottom, double top, double *low,
                  double *high) {
@@ -14,14 +18,14 @@ static void clip(const double p[2], const double q[2], double bottom, double top
     if (p[1] < bottom || p[1] > top) return;
   } else {
     double a = (bottom - p[1]) / dy, b = (top - p[1]) / dy;
-    from = fmax(from, fmin(a, b));
-    to = fmin(to, fmax(a, b));
+    from = most(from, least(a, b));
+    to = least(to, most(a, b));
     if (from > to) return;
   }
   for (int k = 0; k < 2; k++) {
     double x = p[0] + (k ? to : from) * (q[0] - p[0]);
-    *low = fmin(*low, x);
-    *high = fmax(*high, x);
+    *low = least(*low, x);
+    *high = most(*high, x);
   }
 }
 
@@ -37,16 +41,16 @@ void ylm__unwrap_set(unwrap_mask *m, size_t y, size_t from, size_t to) {
 
 /* Texels of one triangle. */
 static void draw(unwrap_mask *m, double at[3][2]) {
-  double low = fmin(at[0][1], fmin(at[1][1], at[2][1])),
-         high = fmax(at[0][1], fmax(at[1][1], at[2][1]));
-  long first = (long)fmax(0, ceil(low - REACH - 0.5)),
-       last = (long)fmin((double)m->height - 1, floor(high + REACH - 0.5));
+  double low = least(at[0][1], least(at[1][1], at[2][1])),
+         high = most(at[0][1], most(at[1][1], at[2][1]));
+  long first = (long)most(0, ceil(low - REACH - 0.5)),
+       last = (long)least((double)m->height - 1, floor(high + REACH - 0.5));
   for (long y = first; y <= last; y++) {
     double left = INFINITY, right = -INFINITY, middle = (double)y + 0.5;
     for (int k = 0; k < 3; k++)
       clip(at[k], at[(k + 1) % 3], middle - REACH, middle + REACH, &left, &right);
-    double from = fmax(0, ceil(left - REACH - 0.5)),
-           to = fmin((double)m->width - 1, floor(right + REACH - 0.5));
+    double from = most(0, ceil(left - REACH - 0.5)),
+           to = least((double)m->width - 1, floor(right + REACH - 0.5));
     if (from <= to) ylm__unwrap_set(m, (size_t)y, (size_t)from, (size_t)to);
   }
 }
