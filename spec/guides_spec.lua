@@ -22,6 +22,16 @@ local function court()
   }
 end
 
+--- n places of the court's floor, and their normals.
+local function floor_of(n)
+  local points, normals = {}, {}
+  for k = 1, n do
+    points[k] = { -1.9 + 3.8 * (k * 0.618 % 1), 1e-3, -1.9 + 3.8 * k / n }
+    normals[k] = { 0, 1, 0 }
+  end
+  return points, normals
+end
+
 local function luminance(c) return 0.2126 * c[1] + 0.7152 * c[2] + 0.0722 * c[3] end
 
 --- Means over SEEDS arrays render(seed), [..][3], from seed `first` on, and the variances of these means: rows of rows.
@@ -132,11 +142,7 @@ describe("guides of shadow rays", function()
   end)
 
   it("keep irradiance at points unbiased: as above", function()
-    local scene, points, normals = court(), {}, {}
-    for k = 1, 256 do
-      points[k] = { -1.9 + 3.8 * (k * 0.618 % 1), 1e-3, -1.9 + 3.8 * k / 256 }
-      normals[k] = { 0, 1, 0 }
-    end
+    local scene, points, normals = court(), floor_of(256)
     local function probe(guides)
       return function(seed)
         local E, _, report = scene:probe { points = points, normals = normals, samples = 32, bounces = 1, guides = guides,
@@ -149,6 +155,26 @@ describe("guides of shadow rays", function()
     local b, b_variance = many(1 + SEEDS, probe(false))
     local z2, n = z2_of(a, a_variance, b, b_variance)
     assert.is_true(math.abs(z2 - 1) <= 0.15 and n > 200, ("z^2 is %.3f over %d points"):format(z2, n))
+  end)
+
+  it("are kept for more estimates of a scene, unbiased and the same for any number of threads, and refused by another", function()
+    local probe, scene = require "ylm.render.probe", court()
+    local points, normals = floor_of(256)
+    local function by(guides, seed, threads)
+      return assert(probe.kept(scene,
+        { points = points, normals = normals, samples = 32, seed = seed, threads = threads }, guides))
+    end
+    local lib = require("ylm.trace").trace("probe", scene).lib
+    local guides = lib.path_guides()
+    local _, _, first = by(guides, 1)
+    local _, _, second = by(guides, 2)
+    assert.is_true(first.rays.guides > 0 and second.guides == first.guides and second.rays.guides == 0)
+    assert.same(by(guides, 3, 1):totable(), by(guides, 3, 2):totable())
+    local a, a_variance = many(11, function(seed) return (by(guides, seed)) end)
+    local b, b_variance = many(111, function(seed) return (by(nil, seed)) end)
+    local z2, n = z2_of(a, a_variance, b, b_variance)
+    assert.is_true(math.abs(z2 - 1) <= 0.15 and n > 200, ("z^2 is %.3f over %d points"):format(z2, n))
+    assert.has_error(function() probe.kept(court(), { points = points, normals = normals, samples = 32 }, guides) end)
   end)
 
   it("keep bounced light as in closed form, a lamp off the centre of a sphere: z^2 within 1 +- 0.15 over 40 seeds", function()

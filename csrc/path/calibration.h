@@ -32,6 +32,8 @@
 #define PILOT_PAIRS 4096
 #define PILOT_EACH 64
 #define PILOT_RAYS (1 << 21)
+/* Guides that are kept do where a pilot would have at most so many times the paths of theirs. */
+#define PILOT_KEPT 4
 /* Places of a path that are noted, on average, at most. */
 #define PILOT_PLACES 6
 

@@ -197,8 +197,7 @@ ylm_status ylm__path_run(path_job *j, ylm_path_sum *sum, ylm_path_stats *stats, 
     ylm_free(j->material_of);
     ylm_free(j->albedo);
     ylm_free(j->glosses);
-    ylm_scene_guide_free(j->guide);
-    ylm__path_known_free(j->known);
+    ylm__path_forget(j);
   }
   stats->noise = noise_of(j, sum);
   stats->seconds = ylm_seconds() - start;

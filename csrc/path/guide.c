@@ -119,7 +119,33 @@ static size_t size_of(const path_job *j) {
   return pairs < PILOT_PAIRS ? pairs : PILOT_PAIRS;
 }
 
-ylm_status ylm__path_learn(path_job *j, ylm_path_stats *stats) {
+/* -- guides that are kept ------------------------------------------------------------------------ */
+
+struct ylm_path_guides {
+  const ylm_scene *scene; /* NULL: nothing was learnt */
+  ylm_scene_guide *guide;
+  path_known *known;
+  size_t pairs, clusters; /* batches of the pilot */
+};
+
+ylm_path_guides *ylm_path_guides_create(void) { return ylm_alloc_zero(1, sizeof(ylm_path_guides)); }
+
+void ylm_path_guides_free(ylm_path_guides *g) {
+  if (!g) return;
+  ylm_scene_guide_free(g->guide);
+  ylm__path_known_free(g->known);
+  ylm_free(g);
+}
+
+void ylm__path_forget(path_job *j) {
+  const ylm_path_guides *kept = j->o->kept;
+  if (kept && kept->guide == j->guide && kept->known == j->known) return;
+  ylm_scene_guide_free(j->guide);
+  ylm__path_known_free(j->known);
+}
+
+/* Guides by a pilot. */
+static ylm_status ask_pilot(path_job *j, ylm_path_stats *stats) {
   size_t pairs = size_of(j);
   ylm_path_options o = *j->o;
   path_job scout = *j;
@@ -136,5 +162,23 @@ ylm_status ylm__path_learn(path_job *j, ylm_path_stats *stats) {
   if (s == YLM_OK && bounces) s = ylm__path_know(j, &places, stats);
   places_free(&places);
   if (stats->clusters == 0 && j->known) stats->clusters = ylm__path_clusters(j->known);
+  return s;
+}
+
+ylm_status ylm__path_learn(path_job *j, ylm_path_stats *stats) {
+  ylm_path_guides *kept = j->o->kept;
+  size_t pairs = size_of(j);
+  if (kept && kept->scene && kept->scene != j->scene) return YLM_EINVAL;
+  if (kept && kept->scene && pairs <= PILOT_KEPT * kept->pairs) {
+    j->guide = kept->guide;
+    j->known = kept->known;
+    stats->clusters = kept->clusters;
+    return YLM_OK;
+  }
+  ylm_status s = ask_pilot(j, stats);
+  if (s != YLM_OK || !kept) return s;
+  ylm_scene_guide_free(kept->guide);
+  ylm__path_known_free(kept->known);
+  *kept = (ylm_path_guides){j->scene, j->guide, j->known, pairs, stats->clusters};
   return s;
 }

@@ -181,6 +181,8 @@ void ylm__path_mean(path_tile *t, size_t k, double *values);
 
 /* Learns j->guide and j->known, which may stay NULL, from paths with random numbers of their own; counts its rays. */
 ylm_status ylm__path_learn(path_job *j, ylm_path_stats *stats);
+/* Frees them, unless j->o->kept has them. */
+void ylm__path_forget(path_job *j);
 
 /* -- known.c -------------------------------------------------------------------- */
 

@@ -42,6 +42,13 @@ typedef enum ylm_path_strategy {
   YLM_PATH_MATERIAL
 } ylm_path_strategy;
 
+/* Knowledge that the pilot of an estimate leaves for more of them, of the same scene: they have no pilot, unless it would be far
+   larger. */
+typedef struct ylm_path_guides ylm_path_guides;
+/* Nothing learnt yet; NULL without memory. */
+YLM_API ylm_path_guides *ylm_path_guides_create(void);
+YLM_API void ylm_path_guides_free(ylm_path_guides *g);
+
 typedef struct ylm_path_options {
   int samples;     /* of each pixel or point, 1 .. YLM_PATH_SAMPLES; rounded up to whole batches */
   bool single;     /* one batch is enough, of which no variance is known; else two are the least */
@@ -51,6 +58,9 @@ typedef struct ylm_path_options {
   double seconds; /* > 0: ends early, after so long */
   bool
       guides; /* a pilot learns what is seen (ylm_scene_guide), and where reflected light comes from */
+  ylm_path_guides *
+      kept; /* gets what it learns, or holds that of an estimate before; NULL: nothing is kept. For one caller at a
+                            time, as long as the scene is as it was: YLM_EINVAL with another one */
   uint64_t seed;
   int threads;
   const ylm_progress *progress;

@@ -36,8 +36,7 @@ return function(seed, n, share, tolerance)
     local E = 1 + (random() < 0.5 and off or -off)
     points[i], normals[i], told[i] = { i, 0, 0 }, { 0, 1, 0 }, { E, E, E }
   end
-  local scene = {}
-  function scene.probe(_, o)
+  local function probe(o)
     local E, variance = {}, {}
     for i = 1, #o.points do
       local mean, v = walk(random, o.samples)
@@ -45,5 +44,6 @@ return function(seed, n, share, tolerance)
     end
     return ylm.array(E), ylm.array(variance)
   end
-  return assert(promise.compare(scene, points, normals, told, tolerance, "indirect", { seed = seed, progress = false }))
+  return assert(promise.compare(nil, points, normals, told, tolerance, "indirect",
+    { seed = seed, progress = false, probe = probe }))
 end

@@ -1,5 +1,6 @@
 /* path.c - the path tracer: pictures and probes; lua/ylm/path drives it. */
 #include "traced.h"
+#include "transfer.h"
 #include "ylm_path.h"
 #include "ylm_sh.h"
 
@@ -95,18 +96,35 @@ static bool push_sum(lua_State *L, const ylm_path_sum *sum, size_t n, size_t cou
   return true;
 }
 
+#define YLML_GUIDES "ylm.path_guides"
+
+static void destroy_guides(void *g) { ylm_path_guides_free(g); }
+
+/* path_guides() -> what probes of one scene may keep: nothing yet */
+static int path_guides(lua_State *L) {
+  ylmL_held *h = ylmL_hold(L, YLML_GUIDES, destroy_guides, NULL);
+  h->object = ylm_path_guides_create();
+  return ylmL_result(L, 1, h->object ? YLM_OK : YLM_ENOMEM, NULL);
+}
+
+static void read_guides(lua_State *L, int i, void *to) {
+  *(ylm_path_guides **)to = ylmL_held_check(L, i, YLML_GUIDES)->object;
+}
+
 typedef struct probe_form {
   ylm_path_options o;
   int points, normals, lmax, progress; /* all but lmax: on the stack */
 } probe_form;
 
-static const ylmL_entry probe_entries[] = {YLML(probe_form, points, "points", VALUE),
-                                           YLML(probe_form, normals, "normals", VALUE),
-                                           YLML(probe_form, lmax, "lmax", INT),
-                                           COMMON(probe_form),
-                                           {.name = NULL}};
+static const ylmL_entry probe_entries[] = {
+    YLML(probe_form, points, "points", VALUE),
+    YLML(probe_form, normals, "normals", VALUE),
+    YLML(probe_form, lmax, "lmax", INT),
+    YLML(probe_form, o.kept, "kept", READ, .read = read_guides, .optional = true),
+    COMMON(probe_form),
+    {.name = NULL}};
 
-/* path_probe(scene, {points [n][3], normals float [n][3] or nil, lmax, COMMON}) ->
+/* path_probe(scene, {points [n][3], normals float [n][3] or nil, lmax, kept: guides of this scene, which is as it was, or nil, COMMON}) ->
    without normals: c, variance [n][3][count]; with: irradiance, variance [n][3]; stats */
 static int path_probe(lua_State *L) {
   probe_form f = {.progress = 0};
@@ -154,10 +172,13 @@ static int path_add(lua_State *L) {
   return 1;
 }
 
-static const luaL_Reg functions[] = {{"path_add", path_add},
-                                     {"path_copy", path_copy},
-                                     {"path_image", path_image},
-                                     {"path_probe", path_probe},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {{"path_add", path_add},       {"path_copy", path_copy},
+                                     {"path_guides", path_guides}, {"path_image", path_image},
+                                     {"path_probe", path_probe},   {NULL, NULL}};
 
-void ylmL_open_path(lua_State *L) { luaL_setfuncs(L, functions, 0); }
+void ylmL_open_path(lua_State *L) {
+  static const luaL_Reg methods[] = {{"__gc", ylmL_let_go}, {NULL, NULL}};
+  ylmL_type(L, YLML_GUIDES, methods);
+  lua_pop(L, 1);
+  luaL_setfuncs(L, functions, 0);
+}

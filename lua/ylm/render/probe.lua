@@ -47,7 +47,10 @@ local E = scene:probe { points = { { 0, 0, 1 } }, normals = { { 0, 1, 0 } }, sam
 assert(E:get(1, 1) > 0)]],
   source = "Kajiya 1986; Veach & Guibas 1995",
 }
-function probe.probe(s, given)
+function probe.probe(s, given) return probe.kept(s, given) end
+
+--- As scene:probe, by the guides that `kept` holds, or is to hold; nil: by its own (promise.lua).
+function probe.kept(s, given, kept)
   tracing.check_scene("probe", s)
   local o = form.options(1, "probe", probe_options, given)
   o.progress = progress.long(o.progress)
@@ -64,8 +67,8 @@ function probe.probe(s, given)
   tracing.check_bodies("probe", t)
   local c, variance, stats = check.result("probe", t.lib.path_probe(t.handle, {
     points = points, normals = normals, lmax = o.lmax, samples = o.samples, first = first, last = last,
-    guides = o.guides and normals ~= nil, strategy = o.strategy, error = o.tolerance, seconds = o.time_limit, seed = o.seed,
-    threads = o.threads, progress = progress.resolve(o.progress) }))
+    guides = o.guides and normals ~= nil, kept = kept, strategy = o.strategy, error = o.tolerance, seconds = o.time_limit,
+    seed = o.seed, threads = o.threads, progress = progress.resolve(o.progress) }))
   if not c then return nil, variance, stats end
   local report = show.report { note = estimates.darkness(s), seconds = stats.seconds }
   estimates.add_stats(report, stats)

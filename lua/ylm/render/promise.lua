@@ -18,7 +18,9 @@
 local array = require "ylm.array"
 local core = require "ylm.c.core"
 local progress = require "ylm.progress"
+local probe = require "ylm.render.probe"
 local sh = require "ylm.sh"
+local tracing = require "ylm.trace"
 
 local promise = {}
 
@@ -88,10 +90,10 @@ local function rows_of(a, list, first)
 end
 
 --- Adds paths of the places in `open` to their estimates e.mean, e.variance, e.paths. True, or nil, message, code.
-local function add_paths(s, e, open, samples, seed, o)
+local function add_paths(e, open, samples, seed, o)
   local points, normals = {}, {}
   for i, place in ipairs(open) do points[i], normals[i] = e.points[place], e.normals[place] end
-  local E, variance, code = s:probe { points = array.array(points), normals = array.array(normals), samples = samples,
+  local E, variance, code = e.probe { points = array.array(points), normals = array.array(normals), samples = samples,
     reflections = e.reflections, seed = seed, threads = o.threads, progress = progress.resolve(o.progress) or false }
   if not E then return nil, variance, code end
   for i, place in ipairs(open) do
@@ -231,17 +233,31 @@ local function next_of(said, n, samples, had)
   return list
 end
 
+--- scene:probe with guides that its first call learns for all of them; or nil, message, code.
+local function of_scene(s)
+  local t, message, code = tracing.trace("probe", s)
+  if not t then return nil, message, code end
+  local guides = t.lib.path_guides() -- nil without memory: each estimate then has its own
+  return function(o) return probe.kept(s, o, guides) end
+end
+
 --- Compares irradiance `told` at places, lists of { x, y, z } and { r, g, b }, with that of paths in scene `s`, of `quantity`.
--- The verdict: failed, undecided, error, least, largest, rms, paths, seconds; or nil, message, code.
+-- Paths are those of o.probe, or of scene:probe. The verdict: failed, undecided, error, least, largest, rms, paths, seconds; or
+-- nil, message, code.
 function promise.compare(s, points, normals, told, tolerance, quantity, o)
   local start, last, all = core.seconds(), o.bounces or "all", {}
   local e = { points = points, normals = normals, told = told, mean = {}, variance = {}, paths = {},
     reflections = quantity == "indirect" and { 1, last } or quantity == "direct" and { 0, 0 } or { 0, last } }
+  local message, code
+  e.probe = o.probe
+  if not e.probe then e.probe, message, code = of_scene(s) end
+  if not e.probe then return nil, message, code end
   for i = 1, #points do all[i], e.mean[i], e.variance[i], e.paths[i] = i, { 0, 0, 0 }, { 0, 0, 0 }, 0 end
   local samples, seed, had, list = FIRST, 1, 0, all
   local said = { failed = 0, open = {}, error = 0, least = 0, largest = 0, rms = 0 }
   while list[1] do
-    local ok, message, code = add_paths(s, e, list, samples, 1000003 * seed + o.seed, o)
+    local ok
+    ok, message, code = add_paths(e, list, samples, 1000003 * seed + o.seed, o)
     if not ok then return nil, message, code end
     said, seed, had = rule(e, tolerance), seed + 1, had + samples * #list
     samples = seed > 2 and samples * 2 or samples
