@@ -1,5 +1,6 @@
 -- Bounces: closed forms, energy, direct light, what stops them, and moving lights.
 
+local core = require "ylm.c.core"
 local elements = require "spec.support.elements"
 local long = require "spec.support.long"
 local ylm = require "ylm"
@@ -262,6 +263,29 @@ describe("direct light of elements", function()
     end
     return out
   end
+
+  it("is averaged with the noise of links, where pictures see elements from near, and keeps its mean", function()
+    local scene = dofile "spec/support/interiors.lua"(ylm)[3][2] -- a lamp in its shade: few links meet what is bright
+    local function lit(rays, light_samples)
+      local links = scene:links { spacing = 0.15, rays = rays, progress = false }
+      local light = assert(links:radiosity(nil, { light_samples = light_samples }))
+      return links, light, core.owned(light, "made").lib
+    end
+    local links, light, lib = lit(64, 64)
+    local _, truth = lit(512, 256)
+    local e, plain, averaged = links:elements(), light:leaving(), lib.radiosity_values(light, "averaged")
+    local exact, sums, n = truth:leaving(), { 0, 0, 0, 0 }, 0
+    for i = 1, #e.area do
+      local x, a, b, w = exact:get(i, 2), plain:get(i, 2), averaged:get(i, 2), e.area:get(i)
+      if x > 0 and math.abs(e.centre:get(i, 1)) < 2.01 and math.abs(e.centre:get(i, 3)) < 1.51 then
+        sums[1], sums[2] = sums[1] + w * (a / x - 1) ^ 2, sums[2] + w * (b / x - 1) ^ 2
+        sums[3], sums[4], n = sums[3] + w * a, sums[4] + w * b, n + 1
+      end
+    end
+    assert.is_true(n > 3000 and sums[2] < 0.5 ^ 2 * sums[1], ("%.3f of the noise is left"):format(math.sqrt(sums[2] / sums[1])))
+    assert.is_near(1, sums[4] / sums[3], 1e-3)
+    assert.same(plain:totable(), light:leaving():totable())
+  end)
 
   it("averages its noise over neighbours, but not past a wall, and keeps its mean", function()
     local t = two_rooms():links { spacing = 0.1, rays = 4 }

@@ -126,7 +126,8 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   const ylm_transfer *t = j->r->t;
   size_t n = end - begin;
   scratch *x = scratch_create(j);
-  transfer_flow flow = {j->r->leaving, j->m->flow ? j->m->flow + begin : NULL};
+  const float *leaving = j->r->averaged ? j->r->averaged : j->r->leaving;
+  transfer_flow flow = {leaving, j->m->flow ? j->m->flow + begin : NULL};
   if (!x) return YLM_ENOMEM;
   ylm_scene_surfaces(t->scene, n, j->place + begin, x->at);
   for (size_t i = 0; i < n; i++) {
@@ -134,17 +135,17 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
     memcpy(x->normal[i], x->at[i].normal, 12);
   }
   bool aims = j->r->targets && j->m->indirect && !j->m->field && j->m->links % 2 == 0;
-  ylm_status s =
-      aims ? ylm__transfer_gather(j->r->targets, j->r->leaving, n, (const float(*)[3])x->origin,
-                                  (const float(*)[3])x->normal, j->stream + begin, j->m->links,
-                                  j->m->seed, 1, NULL, (float(*)[4])x->sum, j->share + begin,
-                                  flow.out ? &flow : NULL)
-           : ylm__transfer_find_shares(
-                 t, n, (const float(*)[3])x->origin, (const float(*)[3])x->normal,
-                 j->stream + begin, j->m->links, j->m->seed, 1, NULL, x->link, j->m->lmax,
-                 is_shadowed(j) ? NULL : x->escape, j->share + begin, flow.out ? &flow : NULL);
-  if (s == YLM_OK && !aims)
-    ylm__transfer_sum()(n, j->m->links, x->link, 4, j->r->leaving, NULL, x->sum);
+  ylm_status s = aims
+                     ? ylm__transfer_gather(j->r->targets, leaving, n, (const float(*)[3])x->origin,
+                                            (const float(*)[3])x->normal, j->stream + begin,
+                                            j->m->links, j->m->seed, 1, NULL, (float(*)[4])x->sum,
+                                            j->share + begin, flow.out ? &flow : NULL)
+                     : ylm__transfer_find_shares(t, n, (const float(*)[3])x->origin,
+                                                 (const float(*)[3])x->normal, j->stream + begin,
+                                                 j->m->links, j->m->seed, 1, NULL, x->link,
+                                                 j->m->lmax, is_shadowed(j) ? NULL : x->escape,
+                                                 j->share + begin, flow.out ? &flow : NULL);
+  if (s == YLM_OK && !aims) ylm__transfer_sum()(n, j->m->links, x->link, 4, leaving, NULL, x->sum);
   for (size_t i = 0; s == YLM_OK && i < 4 * n; i++)
     x->sum[i] = j->m->indirect ? (float)YLM_PI * x->sum[i] : 0;
   if (s == YLM_OK && flow.out && !j->m->indirect) memset(flow.out, 0, n * sizeof *flow.out);

@@ -1,5 +1,5 @@
 /*
-** smooth.c - the noise of elements' direct light, averaged over neighbours that see each other.
+** smooth.c - the noise of elements' direct light and of their links, averaged over neighbours that see each other.
 **
 ** Elements that lie close together, face the same way and see one of them are a group. Their light is drawn to a plane that is fitted
 ** to it, as far as it strays from that by noise alone: a group keeps its mean, and shadows their edges.
@@ -152,7 +152,7 @@ typedef struct job {
   const ylm_transfer *t;
   const transfer_neighbours *of;
   const float *variance; /* [elements] of E0, luminance */
-  float *E0, *apart;     /* light, and a sample of its noise */
+  float *E0, *apart;     /* light, and a sample of its noise or NULL */
 } job;
 
 /* Elements of a group: weights by area, places in a plane, and the plane that is fitted to their light. */
@@ -255,6 +255,7 @@ static ylm_status smooth(void *context, size_t begin, size_t end, int worker) {
     float kept = (float)kept_of(j, &g);
     if (!(kept < 1)) continue;
     draw(&g, kept, j->E0);
+    if (!j->apart) continue;
     fit(j->apart, &g);
     if (level) memset(g.slope, 0, sizeof g.slope);
     draw(&g, kept, j->apart);
@@ -266,4 +267,72 @@ ylm_status ylm__transfer_smooth(const ylm_transfer *t, const transfer_neighbours
                                 const float *variance, float *E0, float *apart, int threads) {
   job j = {t, of, variance, E0, apart};
   return ylm_parallel(of->groups, SMOOTH_GRAIN, threads, smooth, &j, NULL, NULL);
+}
+
+/* -- light of links ---------------------------------------------------------------------------- */
+
+/*
+** One link of 64 that meets a lamp's shade from inside makes its element shine. Means over many elements do not change; a place in the
+** corner of a room, which sees that element alone, would show it. Links are taken for random ones: they are spread evenly, so that
+** their variance is less than this where light changes slowly, and elements are drawn to planes that they stray from by light. Errors
+** beside 2,048 links say that it pays (spec/radiosity_spec.lua).
+*/
+
+typedef struct links_job {
+  const ylm_radiosity *r;
+  const float *leaving; /* [elements + 1] luminance */
+  float *variance;      /* [elements] of the irradiance by links */
+} links_job;
+
+static ylm_status vary(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const links_job *j = context;
+  size_t links = (size_t)j->r->t->form.links;
+  for (size_t e = begin; e < end; e++) {
+    const uint32_t *link = j->r->t->link + e * links;
+    double sum = 0, square = 0, n = (double)links;
+    for (size_t k = 0; k < links; k++) {
+      double y = (double)j->leaving[link[k]];
+      sum += y, square += y * y;
+    }
+    double each = fmax(0, square / n - sum * sum / (n * n)) / (n - 1);
+    j->variance[e] = (float)(YLM_PI * YLM_PI * each);
+  }
+  return YLM_OK;
+}
+
+/* E [elements][4], light that links bring, without their noise; y [elements + 1], variance [elements]: room. */
+static ylm_status average(const ylm_radiosity *r, int threads, float *E, float *y,
+                          float *variance) {
+  size_t n = r->t->elements;
+  links_job j = {r, y, variance};
+  for (size_t e = 0; e < n; e++) {
+    const float *L = r->leaving + 4 * e;
+    y[e] = (float)ylm_luminance((double[]){(double)L[0], (double)L[1], (double)L[2]});
+  }
+  y[n] = 0;
+  for (size_t i = 0; i < 4 * n; i++) E[i] = fmaxf(0, r->E[i] - r->direct[i]);
+  ylm_status s = ylm_parallel(n, BOUNCE_GRAIN, threads, vary, &j, NULL, NULL);
+  return s == YLM_OK ? ylm__transfer_smooth(r->t, r->neighbours, variance, E, NULL, threads) : s;
+}
+
+ylm_status ylm_radiosity_averaged(ylm_radiosity *r, int threads, const float **leaving) {
+  const ylm_transfer *t = r->t;
+  size_t n = t->elements;
+  *leaving = r->averaged ? r->averaged : r->leaving;
+  if (r->averaged || !r->neighbours || r->neighbours->groups == 0) return YLM_OK;
+  float *E = ylm_alloc_zero(n + 1, 16), *y = ylm_alloc(n + 1, sizeof *y),
+        *variance = ylm_alloc(n, sizeof *variance);
+  ylm_status s = E && y && variance ? average(r, threads, E, y, variance) : YLM_ENOMEM;
+  ylm_free(y);
+  ylm_free(variance);
+  if (s != YLM_OK) {
+    ylm_free(E);
+    return s;
+  }
+  for (size_t i = 0; i < n; i++)
+    for (size_t c = 0; c < 3; c++)
+      E[4 * i + c] = t->albedo[i][c] * (E[4 * i + c] + r->direct[4 * i + c]) * (float)(1 / YLM_PI);
+  *leaving = r->averaged = E;
+  return YLM_OK;
 }

@@ -204,6 +204,8 @@ static void deliver(job *j, ylm_radiosity *r, const ylm_radiosity_stats *stats) 
   ylm_transfer_targets_free(r->targets);
   r->targets = NULL;
   r->aimed = false;
+  ylm_free(r->averaged);
+  r->averaged = NULL;
 }
 
 static ylm_status check_series(int bounces, double residual, ylm_error *e) {
@@ -319,6 +321,7 @@ void ylm_radiosity_free(ylm_radiosity *r) {
   ylm_free(r->direct);
   ylm_free(r->E);
   ylm_free(r->leaving);
+  ylm_free(r->averaged);
   ylm_free(r->apart);
   ylm_free(r->noise);
   ylm_scene_guide_free(r->guide);

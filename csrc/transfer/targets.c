@@ -592,7 +592,9 @@ ylm_status ylm_transfer_gather_targets(const ylm_transfer_targets *a, const floa
 
 ylm_status ylm_radiosity_aim(ylm_radiosity *r, int threads, const ylm_progress *progress) {
   const ylm_transfer *t = r->t;
-  if (r->aimed || !r->guided) return YLM_OK;
+  const float *averaged;
+  ylm_status made = ylm_radiosity_averaged(r, threads, &averaged);
+  if (made != YLM_OK || r->aimed || !r->guided) return made;
   size_t step = t->elements / TARGETS_ELEMENTS + 1, all = t->elements / step + 1, n = 0;
   float(*x)[3] = ylm_alloc(2 * all, sizeof *x);
   ylm_transfer_targets *a;

@@ -57,8 +57,8 @@ typedef struct transfer_neighbours transfer_neighbours;
 ylm_status ylm__transfer_neighbours_create(const ylm_transfer *t, const transfer_places *p,
                                            int threads, transfer_neighbours **out);
 void ylm__transfer_neighbours_free(transfer_neighbours *g);
-/* Averages the noise of E0 [elements][4] over neighbours, and `apart` [elements][4], a sample of it, as that; `variance` [elements]:
-   of its luminance. */
+/* Averages the noise of E0 [elements][4] over neighbours, and `apart` [elements][4] or NULL, a sample of it, as that; `variance`
+   [elements]: of its luminance. */
 ylm_status ylm__transfer_smooth(const ylm_transfer *t, const transfer_neighbours *of,
                                 const float *variance, float *E0, float *apart, int threads);
 
@@ -227,6 +227,8 @@ struct ylm_radiosity {
   const ylm_transfer *t;
   float *E0; /* of the next solution, [elements + 1][4] as all others */
   float *direct, *E, *leaving;
+  float *
+      averaged; /* `leaving` with the noise of links averaged over neighbours; NULL: not asked for */
   float *apart;  /* a sample of E0's noise; NULL: not known */
   float *noise;  /* as it leaves behind bounces; NULL: not known yet */
   uint64_t rays; /* of E0 */

@@ -245,6 +245,16 @@ YLM_API ylm_status ylm_radiosity_coarse(const ylm_radiosity *r, int bounces, dou
                                         double *change, ylm_error *e);
 
 /*
+** ylm_radiosity_averaged - ylm_radiosity_leaving with the noise of links averaged over neighbours, for places that see elements from
+** near: of others, means over many elements are the same. After ylm_radiosity_rays with more than one place of each; else as it is.
+**
+**   leaving  out  [elements + 1][4], until the next solution
+**
+** Returns  YLM_OK, YLM_ENOMEM. Bits are the same for any number of threads
+*/
+YLM_API ylm_status ylm_radiosity_averaged(ylm_radiosity *r, int threads, const float **leaving);
+
+/*
 ** ylm_radiosity_noise - a sample of the noise that rays of direct light leave in ylm_radiosity_leaving.
 **
 ** It is the difference of places of an element, averaged over neighbours as light is, and what bounces of that: of mean 0 and the variance

@@ -70,7 +70,8 @@ YLM_API ylm_status ylm_transfer_gather_targets(const ylm_transfer_targets *a, co
                                                const ylm_progress *progress, float (*mean)[4]);
 
 /*
-** ylm_radiosity_aim - lets ylm_radiosity_places and lightmaps of a solution aim half of their links, by what its elements learn.
+** ylm_radiosity_aim - lets ylm_radiosity_places and lightmaps of a solution aim half of their links, by what its elements learn, and
+** gather ylm_radiosity_averaged.
 **
 ** Until the next solution; a second call does nothing. Nothing changes where rays of the direct light had no guides
 ** (ylm_radiosity_rays), nor where links that go as the cosine have little noise.

@@ -121,14 +121,16 @@ static int radiosity_coarse(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-/* radiosity_values(radiosity, "direct" | "irradiance" | "leaving") -> float [n][3] */
+/* radiosity_values(radiosity, "direct" | "irradiance" | "leaving" | "averaged") -> float [n][3] */
 static int radiosity_values(lua_State *L) {
-  static const char *const names[] = {"direct", "irradiance", "leaving", NULL};
-  const ylm_radiosity *r = ylmL_radiosity(L, 1);
+  static const char *const names[] = {"direct", "irradiance", "leaving", "averaged", NULL};
+  ylm_radiosity *r = ylmL_radiosity(L, 1);
   int which = luaL_checkoption(L, 2, NULL, names);
   const float *rows = which == 0   ? ylm_radiosity_direct(r)
                       : which == 1 ? ylm_radiosity_irradiance(r)
                                    : ylm_radiosity_leaving(r);
+  ylm_status s = which == 3 ? ylm_radiosity_averaged(r, 0, &rows) : YLM_OK;
+  if (s != YLM_OK) return ylmL_result(L, 0, s, NULL);
   size_t n = ylm_transfer_count(ylm_radiosity_transfer(r));
   ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);

@@ -54,10 +54,10 @@ static int shade_gather_sets(lua_State *L) {
   ylmL_progress p;
   if (!has_floats(f.sets, n) || !has_floats(f.first, 3 * n) || !has_floats(f.second, 3 * n))
     return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  f.o.leaving = ylm_radiosity_leaving(f.lit), f.o.sets = f.sets->data;
+  f.o.sets = f.sets->data;
   f.o.progress = ylmL_progress_begin(L, f.progress, &p);
-  ylm_status s = YLM_OK;
-  if (f.apart) s = ylm_radiosity_noise(f.lit, f.o.threads, &f.o.leaving);
+  ylm_status s =
+      (f.apart ? ylm_radiosity_noise : ylm_radiosity_averaged)(f.lit, f.o.threads, &f.o.leaving);
   if (s == YLM_OK && f.o.leaving)
     s = ylm_shade_gather_sets(v, &f.o, (float *[2]){f.first->data, f.second->data}, &rays, &e);
   if (s == YLM_OK) ylmL_push_count(L, rays);
