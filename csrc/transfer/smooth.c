@@ -306,33 +306,20 @@ static ylm_status average(const ylm_radiosity *r, int threads, float *E, float *
                           float *variance) {
   size_t n = r->t->elements;
   links_job j = {r, y, variance};
-  for (size_t e = 0; e < n; e++) {
-    const float *L = r->leaving + 4 * e;
-    y[e] = (float)ylm_luminance((double[]){(double)L[0], (double)L[1], (double)L[2]});
-  }
-  y[n] = 0;
+  ylm__transfer_luminances(n + 1, r->leaving, y);
   for (size_t i = 0; i < 4 * n; i++) E[i] = fmaxf(0, r->E[i] - r->direct[i]);
   ylm_status s = ylm_parallel(n, BOUNCE_GRAIN, threads, vary, &j, NULL, NULL);
   return s == YLM_OK ? ylm__transfer_smooth(r->t, r->neighbours, variance, E, NULL, threads) : s;
 }
 
-ylm_status ylm_radiosity_averaged(ylm_radiosity *r, int threads, const float **leaving) {
-  const ylm_transfer *t = r->t;
-  size_t n = t->elements;
-  *leaving = r->averaged ? r->averaged : r->leaving;
-  if (r->averaged || !r->neighbours || r->neighbours->groups == 0) return YLM_OK;
-  float *E = ylm_alloc_zero(n + 1, 16), *y = ylm_alloc(n + 1, sizeof *y),
-        *variance = ylm_alloc(n, sizeof *variance);
-  ylm_status s = E && y && variance ? average(r, threads, E, y, variance) : YLM_ENOMEM;
+ylm_status ylm__transfer_average(const ylm_radiosity *r, int threads, float *E) {
+  size_t n = r->t->elements;
+  float *y = ylm_alloc(n + 1, sizeof *y), *variance = ylm_alloc(n, sizeof *variance);
+  ylm_status s = y && variance ? average(r, threads, E, y, variance) : YLM_ENOMEM;
   ylm_free(y);
   ylm_free(variance);
-  if (s != YLM_OK) {
-    ylm_free(E);
-    return s;
-  }
-  for (size_t i = 0; i < n; i++)
-    for (size_t c = 0; c < 3; c++)
-      E[4 * i + c] = t->albedo[i][c] * (E[4 * i + c] + r->direct[4 * i + c]) * (float)(1 / YLM_PI);
-  *leaving = r->averaged = E;
-  return YLM_OK;
+  for (size_t i = 0; s == YLM_OK && i < 4 * n; i++) E[i] += r->direct[i];
+  return s;
 }
+
+bool ylm__transfer_has_groups(const transfer_neighbours *g) { return g && g->groups > 0; }

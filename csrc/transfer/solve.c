@@ -261,6 +261,19 @@ ylm_status ylm_radiosity_noise(ylm_radiosity *r, int threads, const float **leav
   return s;
 }
 
+ylm_status ylm_radiosity_averaged(ylm_radiosity *r, int threads, const float **leaving) {
+  *leaving = r->averaged ? r->averaged : r->leaving;
+  if (r->averaged || !ylm__transfer_has_groups(r->neighbours)) return YLM_OK;
+  float *E = rows(r->t);
+  ylm_status s = E ? ylm__transfer_average(r, threads, E) : YLM_ENOMEM;
+  if (s == YLM_OK) {
+    leave(r->t, E, E);
+    *leaving = r->averaged = E;
+  } else
+    ylm_free(E);
+  return s;
+}
+
 /* How far the light that bounces is from that of r: the root mean square over its mean, in luminance. */
 static double change_of(const job *j, const ylm_radiosity *r) {
   double square = 0, mean = 0, area = 0;

@@ -74,11 +74,7 @@ static ylm_status pilot_create(const ylm_transfer_targets *a, const ylm_scene_pl
     memcpy(p->normal[i], places->normal[at], 12);
     p->stream[i] = i;
   }
-  for (size_t e = 0; e <= elements; e++) {
-    const float *L = leaving + 4 * e;
-    p->light[e] =
-        (float)fmax(0, ylm_luminance((double[]){(double)L[0], (double)L[1], (double)L[2]}));
-  }
+  ylm__transfer_luminances(elements + 1, leaving, p->light);
   return YLM_OK;
 }
 
@@ -128,7 +124,7 @@ static void guess_steps(const float *before, size_t n, uint32_t *guess) {
 }
 
 /* The last k < n with before[k] <= u, u from 0 to below 1 (Chen & Asau 1974). */
-static size_t find_guessed(const float *before, const uint32_t *guess, size_t n, double u) {
+static size_t find(const float *before, const uint32_t *guess, size_t n, double u) {
   size_t j = (size_t)(u * (double)n), k = guess[j < n ? j : n - 1];
   while (k + 1 < n && (double)before[k + 1] <= u) k++;
   return k;
@@ -219,19 +215,6 @@ static ylm_status group_elements(ylm_transfer_targets *a, const pilot *p) {
   return s;
 }
 
-/* The last k < n with before[k] <= u. */
-static size_t find(const float *before, size_t n, double u) {
-  size_t low = 0;
-  for (size_t high = n; high - low > 1;) {
-    size_t middle = (low + high) / 2;
-    if ((double)before[middle] <= u)
-      low = middle;
-    else
-      high = middle;
-  }
-  return low;
-}
-
 /* Lengths whose square is below `width` do not make a look bring more. */
 typedef struct chances {
   ylm_transfer_targets *a;
@@ -263,7 +246,7 @@ static float look(const chances *x, size_t c, size_t g, ylm_rng *rng, ylm_trace_
   memcpy(ray->org, x->p->origin[i], 12);
   memcpy(ray->dir, x->p->normal[i], 12);
   if (n == 0 || !(before[n] > 0)) return 0;
-  uint32_t e = a->list[a->first[g] + find(before, n, u)];
+  uint32_t e = a->list[a->first[g] + find(before, a->guess + a->first[g], n, u)];
   float to[3];
   for (int k = 0; k < 3; k++) to[k] = t->centre[e][k] - ray->org[k];
   double square = (double)ylm_dot3(to, to), here = (double)ylm_dot3(to, x->p->normal[i]),
@@ -431,12 +414,12 @@ bool ylm_transfer_target(const ylm_transfer_targets *a, size_t cluster, const do
   size_t groups = a->stats.groups;
   const float *below = a->below + cluster * (groups + 1);
   if (!(below[groups] > 0)) return false;
-  size_t g = find_guessed(below, a->guess_below + cluster * groups, groups, u[0]);
+  size_t g = find(below, a->guess_below + cluster * groups, groups, u[0]);
   size_t n = a->first[g + 1] - a->first[g];
   const float *before = a->before + a->first[g] + g;
   if (n == 0 || !(before[n] > 0)) return false;
   double v = rest(below + g, u[0]);
-  size_t at = a->first[g] + find_guessed(before, a->guess + a->first[g], n, v);
+  size_t at = a->first[g] + find(before, a->guess + a->first[g], n, v);
   double x = u[1] + u[2] > 1 ? 1 - u[1] : u[1], y = u[1] + u[2] > 1 ? 1 - u[2] : u[2];
   *element = a->list[at];
   for (int q = 0; q < 3; q++)

@@ -62,6 +62,17 @@ void ylm__transfer_neighbours_free(transfer_neighbours *g);
 ylm_status ylm__transfer_smooth(const ylm_transfer *t, const transfer_neighbours *of,
                                 const float *variance, float *E0, float *apart, int threads);
 
+/* Whether there are any. */
+bool ylm__transfer_has_groups(const transfer_neighbours *g);
+/* E [elements][4] becomes the irradiance of a solution with the noise of links averaged over its neighbours. */
+ylm_status ylm__transfer_average(const ylm_radiosity *r, int threads, float *E);
+
+/* Luminances of n radiances [n][4], 0 at least. */
+static inline void ylm__transfer_luminances(size_t n, const float *L, float *out) {
+  for (size_t e = 0; e < n; e++, L += 4)
+    out[e] = fmaxf(0, (float)ylm_luminance((double[]){(double)L[0], (double)L[1], (double)L[2]}));
+}
+
 /* -- closed.c ------------------------------------------------------------------- */
 
 /*

@@ -169,7 +169,7 @@ static ylm_status write(ylm__virtual_tree *t, const uint32_t *node, size_t n,
     if (!ylm_list_reserve(&t->proxies, t->numbers, t->numbers + numbers, room, sizeof *t->proxies))
       return YLM_ENOMEM;
     x->proxies = (uint32_t)t->numbers;
-    if (numbers) memcpy(t->proxies + t->numbers, from[i], numbers * sizeof *t->proxies);
+    ylm_copy(t->proxies + t->numbers, from[i], numbers * sizeof *t->proxies);
     t->numbers += numbers;
   }
   return YLM_OK;
