@@ -37,4 +37,8 @@ return {
   early = [[
     bounce_render codegen documentation grid_sides guide guides install lightmaps live live_display memory memory_picture options
     page probes readme style surface_grid team team_bricks]],
+
+  -- Specs that run no code of the build: sanitizers find nothing there.
+  text = [[
+    check codegen ladder neon style]],
 }

@@ -32,6 +32,48 @@ describe("spec/run", function()
   end)
 end)
 
+describe("spec/long", function()
+  local folder
+  setup(function() folder = scratch.new() end)
+  teardown(function() folder:remove() end)
+
+  --- Its output and status, where make is a shell's lines.
+  local function long(words, make)
+    folder:write("make", "#!/bin/sh\n" .. make)
+    return scratch.capture(("cd %s && chmod +x make && cd - >/dev/null && BUILD=%s/build PATH=%s:$PATH FUZZ_CC=sh spec/long %s")
+      :format(folder.path, folder.path, folder.path, words))
+  end
+
+  it("goes on behind a part that fails, and counts it; `rest` are those that have not passed", function()
+    local out, status = long("sanitizers fuzz portability", [[
+case "$*" in
+  *fuzz*) echo "20 passed, 0 failed" ;;
+  *asan) echo "5 passed, 2 failed, 1 skipped"; exit 1 ;;
+  *) exit 2 ;;
+esac]])
+    assert.equal(1, status)
+    assert.matches("\nsanitizers +0:00:%d%d  5 passed, 2 failed, 1 skipped.-\nfuzz +0:00:%d%d  20 passed, 0 failed.-"
+      .. "\nportability +0:00:%d%d  0 passed, 1 failed[^\n]*\n25 passed, 3 failed, 1 skipped\n$", out)
+    out, status = long("sanitizers fuzz", 'echo "3 passed, 0 failed"; [ "$*" != "--no-print-directory asan" ]')
+    assert.equal(1, status)
+    assert.matches("\nsanitizers +0:00:%d%d  0 passed, 1 failed[^\n]*\nfuzz[^\n]*\n3 passed, 1 failed\n$", out) -- it died
+    for part in ("luas threads embree portable bricks long portability"):gmatch "%a+" do
+      folder:write("build/long/" .. part, "1 passed, 0 failed\n3725 s\nabc\n")
+    end
+    out, status = long("rest", 'echo "7 passed, 0 failed"')
+    assert.equal(0, status)
+    assert.matches("^== sanitizers\n7 passed, 0 failed\n== all\n", out)
+    assert.matches("\nluas +1:02:05  1 passed, 0 failed %(abc%)\n", out)
+    assert.matches("\n17 passed, 0 failed\n$", out)
+  end)
+
+  it("knows no other parts", function()
+    local out, status = long("kills", "")
+    assert.equal(2, status)
+    assert.matches("^spec/long: no check 'kills' %(.-, all, rest%)\n$", out)
+  end)
+end)
+
 describe("make", function()
   local folder
   setup(function() folder = scratch.new() end)

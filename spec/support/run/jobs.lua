@@ -3,7 +3,8 @@
 --     lua spec/support/run/jobs.lua "lua5.4 luajit" spec/sh_eval_spec.lua spec ...
 --
 -- YLM_SPEC=quick leaves out what is slow or needs more than a compiler; YLM_SPEC=long runs every spec under each Lua;
--- YLM_SPEC=luas runs those that make test runs under each, and four whose subject is the interpreter too.
+-- YLM_SPEC=luas runs those that make test runs under each, and four whose subject is the interpreter too; YLM_SPEC=compiled
+-- leaves out those that run no code of the build, and YLM_SPEC=threads what either leaves out.
 
 local LONG, EARLY = 40, 20 -- seconds of specs that once.lua calls so, before they were measured
 local BYTES = 3000         -- of a spec's file a second, for any other
@@ -55,8 +56,13 @@ local function seconds_of(lua, name, path)
   return bytes / BYTES
 end
 
---- Is a spec left out of `make quick`?
-local function slow(name) return once.long[name] or name:find "^vulkan" or name == "install" or name == "memory" end
+local leaves_slow, leaves_text = which == "quick" or which == "threads", which == "compiled" or which == "threads"
+
+--- Is a spec left out?
+local function left_out(name)
+  return leaves_text and once.text[name]
+    or leaves_slow and (once.long[name] or name:find "^vulkan" or name == "install" or name == "memory")
+end
 
 local function quote(s) return "'" .. s:gsub("'", "'\\''") .. "'" end
 
@@ -73,7 +79,7 @@ local jobs = {}
 for i = 2, #arg do
   for _, file in ipairs(files(arg[i])) do
     local name = file:match "([^/]*)_spec%.lua$" or file
-    for _, lua in ipairs(which == "quick" and slow(name) and {} or luas_of(name)) do
+    for _, lua in ipairs(left_out(name) and {} or luas_of(name)) do
       jobs[#jobs + 1] = { seconds = seconds_of(lua, name, file), text = lua .. " " .. file }
     end
   end
