@@ -168,7 +168,7 @@ describe("links:radiosity", function()
       local t = elements.room(0.7):links { spacing = 0.5, rays = 16 }
       local lit = t:radiosity(nil, { bounces = 4 })
       io.write(("%.9g"):format(elements.integral(t:elements(), lit:irradiance(), 1)))]]
-    local interpreter, values = arg and arg[-1] or "lua", {}
+    local interpreter, values = os.getenv "YLM_LUA" or "lua", {}
     for _, isa in ipairs(ylm.info().kernels) do
       local name = os.tmpname()
       local f = assert(io.open(name, "w"))

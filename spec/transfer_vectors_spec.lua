@@ -232,7 +232,7 @@ describe("view:matrices", function()
         end
       end
       io.write(("%.9g"):format(sum))]]
-    local interpreter, values = arg and arg[-1] or "lua", {}
+    local interpreter, values = os.getenv "YLM_LUA" or "lua", {}
     local name = os.tmpname()
     local f = assert(io.open(name, "w"))
     f:write(script)
