@@ -6,9 +6,13 @@
 #ifndef YLM_SH_ROTATE_EACH_H
 #define YLM_SH_ROTATE_EACH_H
 
-#include "../gen/rotate_each_low.h"
 #include "../product/product_shared.h"
 #include "rotate_batch.h"
+
+#define NUMBER vreal
+#define STRAIGHT(name) each_##name
+#define ANGLE(c, m) vreal_load((c) + (m)*TILE)
+#include "rotate_straight.h"
 
 #ifdef YLM_REAL_IS_FLOAT
 #define EACH_SELECT ylm_vf_select
@@ -99,6 +103,47 @@ YLM_INLINE void each_degree(const ylm_sh_rotator *p, int l, const each_angles *a
   each_turn(l, a->c[0], a->s[0], x);
 }
 
+/* Degree l, a constant, by straight-line code: x [2l+1][TILE] is turned in place, or made of h [l+1][TILE] whose m are >= 0. */
+YLM_INLINE void each_low(const int l, const bool halves, const each_angles *a, const real *h,
+                         real *x) {
+  for (int k = 0; k < TILE; k += LANES) {
+    const real *cc = a->c[2][0] + k, *sc = a->s[2][0] + k;
+    vreal f[ROTATE_WIDEST], g[ROTATE_WIDEST];
+    if (halves) {
+      f[l] = vreal_load(h + k);
+#pragma GCC unroll 16
+      for (int m = 1; m <= l; m++) {
+        const vreal hm = vreal_load(h + m * TILE + k);
+        f[l + m] = vreal_load(cc + m * TILE) * hm, f[l - m] = vreal_load(sc + m * TILE) * hm;
+      }
+    } else {
+#pragma GCC unroll 16
+      for (int i = 0; i <= 2 * l; i++) g[i] = vreal_load(x + i * TILE + k);
+      each_about(l, cc, sc, g, f);
+    }
+    each_rest(l, a->c[0][0] + k, a->s[0][0] + k, a->c[1][0] + k, a->s[1][0] + k, f, g);
+#pragma GCC unroll 16
+    for (int i = 0; i <= 2 * l; i++) vreal_store(x + i * TILE + k, g[i]);
+  }
+}
+
+#define EACH_LOW_OF(l)                                                                             \
+  static void each_low_##l(const each_angles *a, const real *h, real *x) {                         \
+    each_low(l, false, a, h, x);                                                                   \
+  }                                                                                                \
+  static void each_half_##l(const each_angles *a, const real *h, real *x) {                        \
+    each_low(l, true, a, h, x);                                                                    \
+  }
+EACH_LOW_OF(1)
+EACH_LOW_OF(2)
+EACH_LOW_OF(3)
+EACH_LOW_OF(4)
+EACH_LOW_OF(5)
+EACH_LOW_OF(6)
+static void (*const each_lows[2][ROTATE_LOW + 1])(const each_angles *, const real *, real *) = {
+    {NULL, each_low_1, each_low_2, each_low_3, each_low_4, each_low_5, each_low_6},
+    {NULL, each_half_1, each_half_2, each_half_3, each_half_4, each_half_5, each_half_6}};
+
 /* Where degree l stands in a row. */
 static size_t each_at(bool halves, int l) {
   return halves ? (size_t)(l * (l + 1) / 2) : (size_t)l * (size_t)l;
@@ -112,11 +157,8 @@ static void each_turns(const ylm_sh_rotator *p, int first, int last, bool halves
     const real *hl = h + (each_at(true, l) - each_at(true, first)) * TILE;
     if (l == 0) {
       if (halves) memcpy(xl, hl, TILE * sizeof *xl);
-    } else if (l <= EACH_STRAIGHT) {
-      if (halves)
-        each_low_half[l](a, hl, xl);
-      else
-        each_low[l](a, xl);
+    } else if (l <= ROTATE_LOW) {
+      each_lows[halves][l](a, hl, xl);
     } else {
       if (halves)
         each_unfold(l, a->c[2], a->s[2], hl, xl);

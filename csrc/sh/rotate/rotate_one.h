@@ -7,8 +7,11 @@
 
 #include "ylm_real.h"
 
-#include "../gen/rotate_low.h"
+#define NUMBER real
+#define STRAIGHT(name) one_##name
+#define ANGLE(c, m) (c)[m]
 #include "rotate.h"
+#include "rotate_straight.h"
 
 /* Numbers in 64 bytes, and the tables of the element type. */
 #define FULL (64 / (int)sizeof(real))
@@ -124,12 +127,49 @@ static void degrees(const ylm_sh_rotator *p, int first, int lmax, const ylm__ang
   }
 }
 
+/* Degrees 0 .. lmax, a constant, by straight-line code. cs: cosine and sine of a+pi, b+pi, c. */
+YLM_INLINE void one_low(const int lmax, const real *restrict cs, const real *restrict f,
+                        real *restrict g) {
+  real c[3][ROTATE_LOW + 1], s[3][ROTATE_LOW + 1], x[ROTATE_WIDEST];
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; i++) {
+    c[i][1] = cs[2 * i], s[i][1] = cs[2 * i + 1];
+#pragma GCC unroll 6
+    for (int m = 2; m <= lmax; m++) {
+      const int a = m / 2, b = m - a;
+      c[i][m] = c[i][a] * c[i][b] - s[i][a] * s[i][b];
+      s[i][m] = c[i][a] * s[i][b] + s[i][a] * c[i][b];
+    }
+  }
+  g[0] = f[0];
+#pragma GCC unroll 6
+  for (int l = 1; l <= lmax; l++) {
+    one_about(l, c[2], s[2], f + l * l, x);
+    one_rest(l, c[0], s[0], c[1], s[1], x, g + l * l);
+  }
+}
+
+#define ONE_LOW(lmax)                                                                              \
+  static void one_low_##lmax(const real *restrict cs, const real *restrict f, real *restrict g) {  \
+    one_low(lmax, cs, f, g);                                                                       \
+  }
+ONE_LOW(0)
+ONE_LOW(1)
+ONE_LOW(2)
+ONE_LOW(3)
+ONE_LOW(4)
+ONE_LOW(5)
+ONE_LOW(6)
+static void (*const one_lows[ROTATE_LOW + 1])(const real *restrict, const real *restrict,
+                                              real *restrict) = {
+    one_low_0, one_low_1, one_low_2, one_low_3, one_low_4, one_low_5, one_low_6};
+
 /* One vector. */
 static void one(const ylm_sh_rotator *p, int lmax, const ylm__angles *a, const real *f, real *g) {
   if (a->turn == TURN_GENERAL && lmax <= ROTATE_LOW) {
     const real cs[6] = {(real)a->c[0], (real)a->s[0], (real)a->c[1],
                         (real)a->s[1], (real)a->c[2], (real)a->s[2]};
-    rotate_low[lmax](cs, f, g);
+    one_lows[lmax](cs, f, g);
     return;
   }
   degrees(p, 0, lmax, a, f, g);

@@ -19,8 +19,7 @@ for _, dtype in ipairs { "float", "double" } do
 end
 targets[#targets + 1] = { "csrc/light/flat/gen/gauss.c", "ylm.codegen.gauss" }
 targets[#targets + 1] = { "csrc/rival/gen/polynomial.h", "ylm.codegen.polynomial", 6 }
-targets[#targets + 1] = { "csrc/sh/gen/rotate_low.h", "ylm.codegen.rotate" }
-targets[#targets + 1] = { "csrc/sh/gen/rotate_each_low.h", "ylm.codegen.rotate", "each" }
+targets[#targets + 1] = { "csrc/sh/gen/rotate_quarters.h", "ylm.codegen.rotate" }
 targets[#targets + 1] = { "csrc/sh/gen/gaunt_low.h", "ylm.codegen.gaunt" }
 targets[#targets + 1] = { "shaders/gen/sh.glsl", "ylm.codegen.sh_shader", { lmax = 4, solid = false } }
 targets[#targets + 1] = { "shaders/gen/sh_solid.glsl", "ylm.codegen.sh_shader", { lmax = 4, solid = true } }
