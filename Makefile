@@ -53,7 +53,7 @@ LEAN     := -fno-tree-pre -fno-code-hoisting -fno-gcse -fno-tree-vrp
 LEAN     := $(if $(filter -O3,$(OPT)),$(shell $(CC) $(LEAN) -Werror -E -x c /dev/null >/dev/null 2>&1 && echo $(LEAN)))
 STRAIGHT := $(if $(LEAN),-O2 $(LEAN))
 LEAN_FILES     := $(wildcard csrc/sh/product/*.isa.c csrc/light/flat/kernel.isa.c)
-STRAIGHT_FILES := $(wildcard csrc/*/*/gen/*.isa.c csrc/sh/eval/low_*.isa.c)
+STRAIGHT_FILES := $(wildcard csrc/*/*/gen/*.isa.c csrc/sh/eval/low_*.isa.c csrc/light/moments/any_*.isa.c)
 KERNEL_OPT = $(if $(filter -g,$(OPT)),-g1) $(if $(filter $(LEAN_FILES),$(1)),$(LEAN)) $(if $(filter $(STRAIGHT_FILES),$(1)),$(STRAIGHT)) \
              $(if $(findstring /gen/,$(1)),$(SANITIZE_gen))
 

@@ -71,6 +71,7 @@ YLM_INLINE void add_chunk(const int kinds, const int rows, const int full, const
             continue;
           }
           vreal term = q * *w;
+          UNROLL_ALL
           for (int row = 0; row < rows; row++) s[row * each + i] += e[row] * term;
           i++;
         }
@@ -129,12 +130,21 @@ YLM_INLINE void add_chunk(const int kinds, const int rows, const int full, const
   }
 #define COLUMNS(set)                                                                               \
   COLUMN(plain_, set, 1, false)                                                                    \
-  COLUMN(fine_, set, 1, FINE(LMAX) > 0)                                                            \
   COLUMN(plain_both_, set, 2, false)                                                               \
-  COLUMN(fine_both_, set, 2, FINE(LMAX) > 0)                                                       \
-  COLUMN(plain_rgb_, set, 3, false)                                                                \
-  COLUMN(fine_rgb_, set, 3, FINE(LMAX) > 0)
+  COLUMN(plain_rgb_, set, 3, false)
 YLM__KIND_SETS(COLUMNS)
+
+/* Columns of low order, which double has as all others. */
+#ifdef YLM_REAL_IS_FLOAT
+#define FINE_COLUMNS(set)                                                                          \
+  COLUMN(fine_, set, 1, true)                                                                      \
+  COLUMN(fine_both_, set, 2, true)                                                                 \
+  COLUMN(fine_rgb_, set, 3, true)
+YLM__KIND_SETS(FINE_COLUMNS)
+#define FINE_OF(name) fine_##name
+#else
+#define FINE_OF(name) plain_##name
+#endif
 
 typedef vreal *column(int full, chunk *c, vreal *a);
 
@@ -182,7 +192,7 @@ static void sum(int lmax, int kinds, int n, const void *geometry, const void *we
   chunk c = {.n = n, .state = state};
 #define X(set)                                                                                     \
   if (kinds == set) {                                                                              \
-    const columns by = {plain_##set, fine_##set, plain_both_##set, fine_both_##set};               \
+    const columns by = {plain_##set, FINE_OF(set), plain_both_##set, FINE_OF(both_##set)};         \
     add_columns(lmax, set, &by, &c, geometry, weights, sums);                                      \
   }
   YLM__KIND_SETS(X)
@@ -194,7 +204,7 @@ static void sum_rgb(int lmax, int kinds, int n, const void *geometry, const void
   chunk c = {.n = n, .state = state, .emission = emission, .stride = stride};
 #define X(set)                                                                                     \
   if (kinds == set) {                                                                              \
-    const columns by = {plain_rgb_##set, fine_rgb_##set, NULL, NULL};                              \
+    const columns by = {plain_rgb_##set, FINE_OF(rgb_##set), NULL, NULL};                          \
     add_columns(lmax, set, &by, &c, geometry, weights, sums);                                      \
   }
   YLM__KIND_SETS(X)
