@@ -107,6 +107,14 @@ describe("probes of engines", function()
     assert.is_nil(io.open(folder.path .. "/none.ylmp"))
   end)
 
+  it("are fitted to surfaces where the grid's lamps have no shadows", function()
+    local floor = ylm.scene "floor" { camera = scene.camera, lights = scene.lights,
+      geometry = { ylm.quad { corner = { -2, 0, 2 }, u = { 4, 0, 0 }, v = { 0, 0, -4 } } } }
+    local lit = ylm.bake(ylm.uniform_grid { bounds = { { -2, -0.1, -2 }, { 2, 2, 2 } }, cells = 3, lmax = 1 }, scene.lights)
+    local made = assert(lit:export(folder.path .. "/lit.ylmp", { scene = floor, bytes = 1000 }))
+    assert(made.bytes <= 1000 and made.surfaces.rms < 0.12, made.surfaces.rms)
+  end)
+
   it("are small where a lamp makes a ceiling far brighter than the mean", function()
     local lamp = ylm.sphere_light { at = { 0.3, 0.9, 0.2 }, radius = 0.02, radiance = { 10, 10, 10 } }
     local room = ylm.scene "ceiling" { lights = { lamp }, camera = scene.camera, geometry = {

@@ -146,7 +146,7 @@ local function described(g, kind, k)
   local channels = g.channels == 3 and "rgb" or "luminance"
   if kind ~= "uniform" then
     return BUDGETS[k] and form.defined.adaptive_grid.construct({ lmax = g.lmax, channels = channels, bounds = g.bounds,
-      tolerance = ADAPTIVE, depth = DEPTH, points = BUDGETS[k] })
+      tolerance = g.sides and ADAPTIVE or nil, depth = DEPTH, points = BUDGETS[k] })
   end
   if not UNIFORM[k] then return nil end
   local lo, hi = g.bounds[1], g.bounds[2]
