@@ -48,19 +48,25 @@ local function view_of(x, list)
   return views.prepare(x.name, x.p.scene, o)
 end
 
+--- Two halves of the light of links at points of a view p, as `how` says (JUDGED or ELEMENTS), and from how many points it was
+-- gathered; or nil, message, code. `apart`: the noise of elements alone.
+local function gathered(x, p, how, seed, apart)
+  local b, c, n = steady.links(x.o), x.casting, p.stats.points
+  local function points(...) return assert(array.zeros({ n, ... }, "float")) end
+  local halves = { points(3), points(3) }
+  if not b then return halves, 0 end
+  local count, message, code = check.result(x.name, p.lib.shade_gather_sets(p.view, { transfer = b.lit.links, lit = b.lit,
+    targets = x.targets, links = how.links, sets = points() + how.sets, all = x.p.options.gloss == "matte", apart = apart,
+    first = halves[1], second = halves[2], seed = seed, threads = c.threads, progress = x.interrupts }))
+  if not count then return nil, message, code end
+  return halves, count
+end
+
 --- Two estimates of all light at points of a view p of some pixels, as resolved pixels; or nil, message, code.
 local function ask(x, p)
-  local c, halves, direct, b = x.casting, {}, {}, steady.links(x.o)
-  local n = p.stats.points
-  local function points(...) return assert(array.zeros({ n, ... }, "float")) end
-  local links = { points(3), points(3) }
-  if b then
-    local count, message, code = check.result(x.name, p.lib.shade_gather_sets(p.view, { transfer = b.lit.links, lit = b.lit,
-      targets = x.targets, links = JUDGED.links, sets = points() + JUDGED.sets, all = x.p.options.gloss == "matte",
-      first = links[1], second = links[2], seed = c.seed + 3 * APART, threads = c.threads,
-      progress = x.interrupts }))
-    if not count then return nil, message, code end
-  end
+  local c, halves, direct = x.casting, {}, {}
+  local links, reason, failure = gathered(x, p, JUDGED, c.seed + 3 * APART)
+  if not links then return nil, reason, failure end
   local still, why, kind = steady.elsewhere(x.name, p, x.o)
   if still == nil then return nil, why, kind end
   for half = 1, 2 do
@@ -162,14 +168,10 @@ end
 --- Two estimates of the light that a sample of the noise of elements brings to pixels of a view p; false: there is none; or nil,
 -- message, code.
 local function bring(x, p)
-  local b, c, n, halves = steady.links(x.o), x.casting, p.stats.points, {}
-  local function points(...) return assert(array.zeros({ n, ... }, "float")) end
-  local links = { points(3), points(3) }
-  local count, message, code = check.result(x.name, p.lib.shade_gather_sets(p.view, { transfer = b.lit.links, lit = b.lit,
-    targets = x.targets, links = ELEMENTS.links, sets = points() + ELEMENTS.sets, all = x.p.options.gloss == "matte",
-    apart = true, first = links[1], second = links[2], seed = c.seed + 5 * APART, threads = c.threads,
-    progress = x.interrupts }))
-  if not count then return nil, message, code end
+  local c, halves = x.casting, {}
+  local links, count, code = gathered(x, p, ELEMENTS, c.seed + 5 * APART, true)
+  if not links then return nil, count, code end
+  local message
   if count == 0 then return false end
   for half = 1, 2 do
     halves[half], message, code = check.result(x.name, p.lib.shade_resolve(p.view, links[half], nil, false, c.threads))
