@@ -507,12 +507,12 @@ return scene "room" {
   it("are refined by rays to the picture of scene:render, of which the pilot's is shown before", function()
     local lamps = ylm.sphere_lights { at = { { 0.9, 0.6, 0.6 }, { 0.2, 1, -1 } }, radius = { 0.06, 0.05 }, radiance = 20 }
     local s, shown, last = scene { lights = { lamps } }, {}, nil
-    local _, report = play(s, { { 0, "rest" } }, { refine = { "view", "rays" }, noise = 0.002, on_frame = function(state)
+    local _, report = play(s, { { 0, "rest" } }, { refine = { "view", "rays" }, noise = 0.005, on_frame = function(state)
       if state.method == "rays" and state.noise ~= last then
         shown[#shown + 1], last = state.image:layer("radiance"):bytes(), state.noise
       end
     end })
-    local alone, facts = s:render { size = SIZE, samples = 2, noise = 0.002, layers = false }
+    local alone, facts = s:render { size = SIZE, samples = 2, noise = 0.005, layers = false }
     local bits = alone:layer("radiance"):bytes()
     assert.equal(2, #shown)                             -- the pilot's, and that with rays where noise is
     assert(shown[2] == bits and shown[1] ~= bits)
