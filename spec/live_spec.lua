@@ -48,9 +48,7 @@ end
 
 --- The pixels of a .png file, [h][w][3] of 0 to 1.
 local function pixels(path)
-  local canvas = assert(core.canvas(1, 1, { 0, 0, 0 }))
-  assert(vtk.load_png(path, canvas))
-  return core.canvas_pixels(canvas)
+  return assert(ylm.load(path, { raw = true })):layer "radiance"
 end
 
 local function bytes(path)

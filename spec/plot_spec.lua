@@ -206,9 +206,12 @@ describe("ylm.figure", function()
     assert(f:save(path))
     local back = ylm.figure { rows = { { path } }, margin = 0 }
     assert.equal(0, (core.array_distance(assert(f:pixels()), assert(back:pixels()))))
-    folder:write("a.png", "not a picture")
-    local pixels, message, code = back:pixels()
-    assert(pixels == nil and code == "EFORMAT", message)
+    local good = folder:read "a.png"
+    for _, damaged in ipairs { "not a picture", good:sub(1, -20), good:sub(1, 40) .. "?" .. good:sub(42) } do
+      folder:write("a.png", damaged)
+      local pixels, message, code = back:pixels()
+      assert(pixels == nil and code == "EFORMAT", message)
+    end
     folder:remove()
   end)
 end)

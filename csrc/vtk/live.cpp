@@ -344,7 +344,7 @@ extern "C" ylm_status ylm_vtk_live_resize(ylm_vtk_live *l, int width, int height
 }
 
 // The part of the window that a rectangle of pixels covers, rows from the top.
-static void place(ylm_vtk_live *l, vtkRenderer *r, int x, int y, int w, int h) {
+static void place(ylm_vtk_live *l, vtkRenderer *r, double x, double y, double w, double h) {
   const double W = l->size[0], H = l->size[1];
   auto within = [](double v) { return std::min(1.0, std::max(0.0, v)); };
   r->SetViewport(within(x / W), within(1 - (y + h) / H), within((x + w) / W), within(1 - y / H));

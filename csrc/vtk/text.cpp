@@ -1,8 +1,7 @@
-// text.cpp - texts and .png files.
+// text.cpp - texts, and canvases as .png files.
 #include "window.h"
 
 #include <vtkImageData.h>
-#include <vtkPNGReader.h>
 #include <vtkPNGWriter.h>
 #include <vtkTextProperty.h>
 #include <vtkTextRenderer.h>
@@ -74,40 +73,4 @@ extern "C" ylm_status ylm_vtk_save_png(const char *path, const ylm_figure_canvas
       return ylm_fail(e, YLM_EDEVICE, "%s: the picture cannot be encoded", path);
     return ylm_file_save(path, bytes->GetPointer(0), size_t(bytes->GetNumberOfValues()), e);
   });
-}
-
-extern "C" ylm_status ylm_vtk_load_png(const char *path, ylm_figure_canvas *c, ylm_error *e) {
-  unsigned char *bytes = nullptr;
-  size_t size = 0;
-  c->pixel = nullptr;
-  c->width = c->height = 0;
-  ylm_status read = ylm_file_read(path, size_t(1) << 30, &bytes, &size, e);
-  if (read != YLM_OK) return read;
-  ylm_status status = guarded(e, [&] {
-    static const unsigned char magic[8] = {0x89, 'P', 'N', 'G', 13, 10, 26, 10};
-    if (size < 33 || std::memcmp(bytes, magic, 8) != 0)
-      return ylm_fail(e, YLM_EFORMAT, "%s: not a PNG file", path);
-    auto reader = Ptr<vtkPNGReader>::New();
-    reader->SetMemoryBuffer(bytes);
-    reader->SetMemoryBufferLength(vtkIdType(size));
-    reader->Update();
-    vtkImageData *data = reader->GetOutput();
-    int d[3];
-    data->GetDimensions(d);
-    const int k = data->GetNumberOfScalarComponents();
-    if (d[0] < 1 || d[1] < 1 || !data->GetScalarPointer())
-      return ylm_fail(e, YLM_EFORMAT, "%s: a damaged PNG file", path);
-    const double black[3] = {0, 0, 0};
-    ylm_status s = ylm_figure_canvas_init(c, d[0], d[1], black);
-    if (s != YLM_OK) return ylm_fail(e, s, "%s: %dx%d pixels are too many", path, d[0], d[1]);
-    const double scale = data->GetScalarType() == VTK_UNSIGNED_SHORT ? 1 / 257.0 : 1;
-    for (int y = 0; y < d[1]; y++)
-      for (int x = 0; x < d[0]; x++)
-        for (int a = 0; a < 3; a++)
-          c->pixel[(size_t(y) * size_t(d[0]) + size_t(x)) * 3 + size_t(a)] = uint8_t(
-              data->GetScalarComponentAsDouble(x, d[1] - 1 - y, 0, k >= 3 ? a : 0) * scale + 0.5);
-    return YLM_OK;
-  });
-  ylm_free(bytes);
-  return status;
 }

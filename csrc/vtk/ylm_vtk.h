@@ -217,9 +217,6 @@ typedef struct ylm_vtk_mark {
 YLM_API ylm_status ylm_vtk_save_pdf(const char *path, int width, int height, size_t n,
                                     const ylm_vtk_mark *marks, ylm_error *e);
 
-/* A .png file as a canvas. */
-YLM_API ylm_status ylm_vtk_load_png(const char *path, ylm_figure_canvas *c, ylm_error *e);
-
 /* Reads a .vtu, .vtp, .vti, .gltf or .glb file by VTK's own readers. Lists counts, bounds, and for each array its
    name, components and range, as text lines; of glTF the points, triangles, bounds, area and signed volume of all
    pieces. For checks. */

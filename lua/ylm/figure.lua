@@ -4,6 +4,7 @@ local array = require "ylm.array"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local form = require "ylm.form"
+local images = require "ylm.image"
 local memory = require "ylm.memory"
 local picture = require "ylm.picture"
 local picture_bar = require "ylm.picture.bar"
@@ -36,7 +37,7 @@ local function check_source(what, x, fail)
 end
 
 --- Its pixels as a canvas; nil, message, code where the world fails.
-local function canvas_of(x, item, vtk, fail)
+local function canvas_of(x, item, fail)
   local kind = form.kind(x)
   if picture.drawers[kind] then return picture.drawers[kind](x) end
   if kind == "ylm.array" then return canvas_of_array("image", x, fail) end
@@ -47,10 +48,9 @@ local function canvas_of(x, item, vtk, fail)
     end
     return canvas, message, code
   end
-  local canvas = assert(core.canvas(1, 1, { 0, 0, 0 }))
-  local ok, message, code = vtk.load_png(x, canvas)
-  if not ok then return nil, message, code end
-  return canvas
+  local file, message, code = images.read(x, true) -- by the codec: VTK's reader ends the process where a file is damaged
+  if not file then return nil, message, code end
+  return core.canvas_image(file, nil, "linear", 0)
 end
 
 local item_fields = {
@@ -167,11 +167,11 @@ local function values_canvas(item)
 end
 
 --- Parts of several canvases beside each other, at their places.
-local function wipe_canvas(item, vtk, fail)
+local function wipe_canvas(item, fail)
   local parts, width, height = {}, nil, nil
   for i, x in ipairs(item.wipe) do
     local message, code
-    parts[i], message, code = canvas_of(x, item, vtk, fail)
+    parts[i], message, code = canvas_of(x, item, fail)
     if not parts[i] then return nil, message, code end
     local w, h = core.canvas_size(parts[i])
     if width and (w ~= width or h ~= height) then
@@ -191,10 +191,10 @@ local function wipe_canvas(item, vtk, fail)
   return canvas
 end
 
-local function item_canvas(item, vtk, fail)
+local function item_canvas(item, fail)
   if item.values then return values_canvas(item) end
-  if item.wipe then return wipe_canvas(item, vtk, fail) end
-  return canvas_of(item.image, item, vtk, fail)
+  if item.wipe then return wipe_canvas(item, fail) end
+  return canvas_of(item.image, item, fail)
 end
 
 --- A label on a dark, translucent ground.
@@ -319,7 +319,7 @@ local function draw(f)
   for _, row in ipairs(f.items) do
     local width = 0
     for _, item in ipairs(row) do
-      item.canvas, message, code = item_canvas(item, vtk, fail)
+      item.canvas, message, code = item_canvas(item, fail)
       if not item.canvas then return nil, message, code end
       local w, h = core.canvas_size(item.canvas)
       local c = item.crop

@@ -161,19 +161,6 @@ static int save_png(lua_State *L) {
   return ylmL_result(L, 1, s, &e);
 }
 
-/* load_png(path, canvas): replaces the canvas */
-static int load_png(lua_State *L) {
-  ylm_error e;
-  ylm_figure_canvas *c = ylmL_check(L, 2, YLM_CANVAS), loaded;
-  ylm_status s = ylm_vtk_load_png(luaL_checkstring(L, 1), &loaded, &e);
-  if (s == YLM_OK) {
-    ylm_figure_canvas_clear(c);
-    *c = loaded;
-  }
-  lua_pushboolean(L, 1);
-  return ylmL_result(L, 1, s, &e);
-}
-
 /* scene_save(scene, path, width, height) -> true */
 static int scene_save(lua_State *L) {
   ylm_error e;
@@ -217,7 +204,6 @@ static const luaL_Reg functions[] = {{"scene", scene_new},
                                      {"scene_save", scene_save},
                                      {"text", text},
                                      {"save_png", save_png},
-                                     {"load_png", load_png},
                                      {"describe", describe},
                                      {"where", where},
                                      {"version", version},
