@@ -19,9 +19,9 @@ function blocks.of(text)
   return list
 end
 
---- A program whose pictures of scenes are a quarter as wide and high, whose scenes have few links unless they say how many, whose
--- files have a quarter of the bytes, and whose tolerances of rooms' light, which paths judge, are four times as wide: its calls
--- are those of the page.
+--- A program whose pictures of scenes are a quarter as wide and high, whose scenes have few links, whose lattices of eight cells
+-- and more have half of them along each axis, whose files have a quarter of the bytes, and whose tolerances of rooms' light,
+-- which paths judge, are four times as wide: its calls are those of the page.
 local function small(code)
   code = code:gsub("(:%l+ { size = {) (%d%d%d+), (%d%d%d+) }", function(head, w, h)
     return ("%s %d, %d }"):format(head, math.floor(w / 4), math.floor(h / 4))
@@ -29,6 +29,14 @@ local function small(code)
   if not code:find("links", 1, true) then
     code = code:gsub('(ylm%.scene "[^"]*" {)', "%1 links = ylm.links { spacing = 0.5, rays = 16 },")
   end
+  code = code:gsub("(links { spacing = )(%d[%d.]*), rays = %d+", function(head, spacing)
+    return ("%s%g, rays = 16"):format(head, 2 * spacing)
+  end)
+  code = code:gsub("(uniform_grid {[^}]-cells = {) (%d+), (%d+), (%d+) }", function(head, ...)
+    local cells = { ... }
+    for a = 1, 3 do cells[a] = ("%d"):format(tonumber(cells[a]) >= 8 and cells[a] / 2 or cells[a]) end
+    return head .. " " .. table.concat(cells, ", ") .. " }"
+  end)
   code = code:gsub("(bytes = )(%d%d%d%d+)", function(head, n) return ("%s%d"):format(head, math.floor(n / 4)) end)
   local of = code:find('quantity = "indirect"', 1, true) and "" or ":surface_grid { "
   return (code:gsub("(" .. of .. "tolerance = )(0%.%d+)", function(head, x) return head .. math.min(4 * x, 0.5) end))
