@@ -107,6 +107,23 @@ describe("scene:lightmap", function()
     assert.is_false(poor.stats.met)
     assert.is_true(poor.stats.spent)
     assert.truthy(warned:find "tolerance 0.01 is not met" and warned:find "texels are spent")
+    local misses = poor.stats.misses
+    assert.equal(poor.stats.failed, misses.edges + misses.bodies + misses.noise)
+    assert.truthy(warned:find(("of %d places that miss 0.01 by elements"):format(poor.stats.failed), 1, true))
+  end)
+
+  it("asks noisy places again for a tolerance", function()
+    local noise = {}
+    ylm.on_warning(false)
+    for _, tolerance in ipairs { false, 0.02 } do
+      local scene = ylm.scene "a lamp behind a block" { geometry = { ylm.box { scale = 2, material = white },
+        ylm.box { bounds = { { -0.4, -0.4, -0.4 }, { 0.2, -0.2, 0.3 } }, material = white } }, links = links,
+        lights = ylm.sphere_light { at = { 0, 0.6, 0 }, radius = 0.3, radiance = 10 } }
+      noise[tolerance] = scene:lightmap({ tolerance = tolerance or nil, texels = 1024, rays = 8, light_samples = 2,
+        quantity = "direct", judge = "field" }).stats.noise
+    end
+    ylm.on_warning(nil)
+    assert.is_true(noise[0.02] < 0.5 * noise[false], ("%.4g, once %.4g"):format(noise[0.02], noise[false]))
   end)
 
   it("gives charts where light bends more texels, and misses less than even ones", function()

@@ -52,8 +52,11 @@ typedef struct ylm_surface_map_stats {
   size_t verified, failed;
   double
       error; /* that 99 % of the surface keep, with 99 % confidence; infinite: too few were verified */
-  double rms;       /* over the mean, without the places' noise */
-  bool met, spent;  /* spent: it is not, and no more texels were allowed */
+  double rms;      /* over the mean, without the places' noise */
+  bool met, spent; /* spent: it is not, and no more texels were allowed */
+  bool stalled;    /* it is not, and more texels left most places that miss it as they were */
+  /* Places of `failed` whose texels lie under bodies in part, those that noise explains, and the others: edges of light. */
+  size_t bodies, noisy, edges;
   double tolerance; /* that is promised, 0: none */
   ylm_quantity quantity;
   double chart_seconds, pack_seconds, light_seconds, fit_seconds, judge_seconds;

@@ -1,13 +1,13 @@
 -- Lightmaps: charts of meshes; errors beside even texels at equal bytes, seams, seconds by stage; a promise at 10,000 places.
 --
 --     make bench BENCH=lightmaps
---     build/ylm run spec/bench/lightmaps.lua [charts | texels [SCENE] | noise | misses | promise]
+--     build/ylm run spec/bench/lightmaps.lua [charts | texels [SCENE] | noise | misses | tolerance | promise]
 --
 -- "rms" and "99 %" are of irradiance relative to the mean, and to the larger of the place's and the mean, at 2,048 fresh places
 -- by 16 times as many rays as a place of the fit has, to elements and lamps. "dB" is what texels spread by light gain over even
 -- ones in rms; "parts" divides large charts. "noise" parts the error of the tree's room in noise, by two seeds, and the rest.
--- "misses" counts places of the room with a window that are off, by paths. The promise is judged again by up to 4,096 paths of
--- 10,000 places of another seed.
+-- "misses" counts places of the room with a window that are off, by paths. "tolerance" asks for 0.03 of that room.
+-- The promise is judged again by up to 4,096 paths of 10,000 places of another seed.
 
 local ylm = require "ylm"
 local core = require "ylm.c.core"
@@ -160,6 +160,23 @@ local function misses()
   end
 end
 
+--- The cost of a tolerance in the room with a window, with the sun and the sky and without.
+local function asked()
+  print "tolerance: quantity, tolerance, met, error by paths, by elements; texels; places and rays, millions; misses of the last"
+  print "  picture at edges of light, under bodies, of noise; processor seconds, with the paths that judge"
+  local scene = require "spec.support.window_room"(ylm)
+  local links = assert(scene:links { lmax = 0, spacing = 0.15 })
+  for _, quantity in ipairs { "indirect", "all" } do
+    local start = os.clock()
+    local s = assert(scene:lightmap { tolerance = 0.03, quantity = quantity, links = links, progress = false }).stats
+    print(("  %-8s 0.03 %-5s %.4f %.4f %7d  %5.2f %6.0f  %d %d %d  %5.0f"):format(quantity, tostring(s.met), s.error,
+      s.paths.field_error, s.width * s.height, s.places / 1e6, s.rays / 1e6, s.misses.edges, s.misses.bodies, s.misses.noise,
+      os.clock() - start))
+    if s.warning then print("    " .. s.warning) end
+    io.stdout:flush()
+  end
+end
+
 local function kept()
   print "promise: quantity, tolerance, texels, met, error; places that fail for sure, that noise hides"
   for _, case in ipairs { { "all", 0.05 }, { "all", 0.03 } } do
@@ -179,4 +196,5 @@ if not what or what == "charts" then charts() end
 if not what or what == "texels" then texels() end
 if not what or what == "noise" then noise() end
 if not what or what == "misses" then misses() end
+if not what or what == "tolerance" then asked() end
 if not what or what == "promise" then kept() end

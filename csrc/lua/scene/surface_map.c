@@ -91,6 +91,10 @@ static int map_stats(lua_State *L) {
   ylmL_set_number(L, "rms", s.rms);
   ylmL_set_boolean(L, "met", s.met);
   ylmL_set_boolean(L, "spent", s.spent);
+  ylmL_set_boolean(L, "stalled", s.stalled);
+  ylmL_set_count(L, "bodies", s.bodies);
+  ylmL_set_count(L, "noisy", s.noisy);
+  ylmL_set_count(L, "edges", s.edges);
   ylmL_set_number(L, "chart_seconds", s.chart_seconds);
   ylmL_set_number(L, "pack_seconds", s.pack_seconds);
   ylmL_set_number(L, "light_seconds", s.light_seconds);

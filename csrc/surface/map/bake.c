@@ -1,8 +1,5 @@
 /* bake.c - pictures, denser from round to round, until fresh places keep the tolerance; and what is asked of a map. */
-#include <stdlib.h>
-
 #include "map.h"
-#include "ylm_grid.h"
 
 void ylm_surface_map_free(ylm_surface_map *m) {
   if (!m) return;
@@ -40,7 +37,8 @@ static ylm_status find_square(map_bake *b, double *square, double **products) {
   double *own = ylm_alloc(b->sites, sizeof *own);
   if (!own) return YLM_ENOMEM;
   ylm__map_products(b, own);
-  ylm_status s = ylm__map_square(b, own, square);
+  ylm_status s = b->aim > 0 ? ylm__map_bound(b, own) : YLM_OK;
+  if (s == YLM_OK) s = ylm__map_square(b, own, square);
   if (products)
     *products = own;
   else
@@ -116,93 +114,41 @@ static ylm_status pilot(map_bake *b, size_t texels) {
   return YLM_OK; /* what does not fit the next picture says */
 }
 
-/* -- the judge ---------------------------------------------------------------------------------------- */
-
-static int upwards(const void *a, const void *b) {
-  double x = *(const double *)a, y = *(const double *)b;
-  return x < y ? -1 : x > y;
-}
-
-/* Compares n places whose light is known; error [n]. */
-static void compare(map_bake *b, size_t n, const surface_light *light, const bool *open,
-                    const float (*told)[3], double *error) {
-  double square = 0, mean = 0;
-  size_t kept = 0;
-  ylm_surface_map_stats *s = &b->m->stats;
-  s->failed = 0;
-  for (size_t i = 0; i < n; i++) {
-    double E[3], worst = 0;
-    if (!open[i]) continue;
-    ylm__surface_mid(&light[i], E);
-    for (int c = 0; c < 3; c++) {
-      double m = fmax(E[c], b->mean[c]);
-      if (m > 0) worst = fmax(worst, fabs((double)told[i][c] - E[c]) / m);
-    }
-    error[kept++] = worst;
-    s->failed += worst > b->aim;
-    square +=
-        ((double)told[i][1] - (double)light[i].a[1]) * ((double)told[i][1] - (double)light[i].b[1]);
-    mean += E[1];
-  }
-  qsort(error, kept, sizeof *error, upwards);
-  int most = ylm_grid_allowed(kept);
-  s->verified = kept;
-  s->error = most < 0 ? INFINITY : error[kept - 1 - (size_t)most];
-  s->rms = mean > 0 ? sqrt(fmax(0, square / (double)kept)) / (mean / (double)kept) : 0;
-  s->met = s->error <= b->aim;
-}
-
-static ylm_status judge(map_bake *b, uint64_t round) {
-  double start = ylm_seconds(), *error = ylm_alloc(MAP_JUDGES, sizeof *error);
-  ylm_scene_place *place = ylm_alloc(MAP_JUDGES, sizeof *place);
-  surface_light *light = ylm_alloc(MAP_JUDGES, sizeof *light);
-  bool *open = ylm_alloc(MAP_JUDGES, sizeof *open);
-  float(*told)[3] = ylm_alloc(MAP_JUDGES, sizeof *told);
-  size_t n = 0;
-  ylm_status s = error && place && light && open && told ? YLM_OK : YLM_ENOMEM;
-  if (s == YLM_OK)
-    s = ylm_surface_map_draw(b->m, b->r, MAP_JUDGES, b->form->light.seed + 7919 * (round + 1),
-                             place, &n);
-  if (s == YLM_OK) s = ylm__map_ask(b, n, place, MAP_JUDGE_RAYS, light, open, NULL);
-  if (s == YLM_OK) {
-    ylm_surface_map_irradiance(b->m, n, place, told, NULL);
-    compare(b, n, light, open, (const float(*)[3])told, error);
-  }
-  ylm_free(error), ylm_free(place), ylm_free(light), ylm_free(open), ylm_free(told);
-  b->m->stats.judge_seconds += ylm_seconds() - start;
-  return s;
-}
-
-/* Whether so few of the places fail that no further picture is made. */
-static bool is_enough(const map_bake *b) {
-  const ylm_surface_map_stats *s = &b->m->stats;
-  double failed = (double)s->failed, n = (double)s->verified;
-  if (b->aim < b->form->tolerance) return failed <= MAP_ENOUGH * n;
-  return n == 0 || (s->met && failed <= MAP_ENOUGH_SURE * n);
-}
+/* -- the whole ---------------------------------------------------------------------------------------- */
 
 /* Pictures for a tolerance. */
 static ylm_status refine(map_bake *b) {
   const ylm_surface_map_form *f = b->form;
   size_t texels = f->texels < MAP_FIRST ? f->texels : MAP_FIRST;
   ylm_status s = f->even ? YLM_OK : pilot(b, texels);
+  /* Places that missed the aim in the picture before, and how many times its texels this one has. */
+  double before = 0, times = 1;
   for (uint64_t round = 0; s == YLM_OK && round < MAP_ROUNDS; round++) {
     ylm_error none = {YLM_OK, ""}, *e = b->e;
     b->e = texels < f->texels ? &none : e;
     s = make(b, texels, true);
     b->e = e;
     if (s == YLM_OK) s = ylm__map_draw(b);
-    if (s == YLM_OK) s = judge(b, round);
-    if (s == YLM_OK && is_enough(b)) break;
+    if (s == YLM_OK) s = ylm__map_judge(b, round);
+    if (s == YLM_OK && ylm__map_is_enough(b)) break;
+    double more = MAP_GROW_MOST;
     if (s == YLM_ELIMIT && texels < f->texels)
-      s = YLM_OK, b->m->stats.error = MAP_GROW_MOST * b->aim; /* too few for all charts */
+      s = YLM_OK; /* too few for all charts */
     else if (texels >= f->texels) {
       b->m->stats.spent = true;
       break;
+    } else if (s == YLM_OK) {
+      double failed = (double)b->m->stats.failed;
+      if (round >= 2 && before > 0 && failed > MAP_PAYS * before + sqrt(before)) {
+        b->m->stats.stalled = true;
+        break;
+      }
+      more = ylm__map_growth(b, before, times);
+      before = failed;
     }
     if (s != YLM_OK && e) *e = none;
-    double more = fmin(fmax(b->m->stats.error / b->aim, MAP_GROW_LEAST), MAP_GROW_MOST);
-    texels = (size_t)fmin((double)f->texels, more * (double)texels);
+    times = fmin((double)f->texels / (double)texels, more);
+    texels = times < more ? f->texels : (size_t)(times * (double)texels);
     if (s == YLM_OK && !f->even && b->width) ylm__map_spread(b);
   }
   return s;
@@ -212,7 +158,7 @@ static ylm_status make_one(map_bake *b) {
   ylm_status s = b->form->even ? YLM_OK : pilot(b, b->form->texels);
   if (s == YLM_OK) s = make(b, b->form->texels, true);
   if (s == YLM_OK) s = ylm__map_draw(b);
-  return s == YLM_OK ? judge(b, 0) : s;
+  return s == YLM_OK ? ylm__map_judge(b, 0) : s;
 }
 
 ylm_status ylm__map_begin(map_bake *b) {
@@ -238,6 +184,18 @@ static void free_bake(map_bake *b) {
   ylm_free(b->bend), ylm_free(b->value);
 }
 
+/* Finds the errors of charts, as the last fit has them at its own places. */
+static ylm_status find_errors(map_bake *b) {
+  double *product = ylm_alloc(b->sites, sizeof *product);
+  ylm_status s = product ? YLM_OK : YLM_ENOMEM;
+  if (s == YLM_OK) ylm__map_products(b, product);
+  if (s == YLM_OK) s = ylm__map_square(b, product, b->square);
+  for (size_t i = 0; s == YLM_OK && i < b->charts; i++) b->square[i] = sqrt(b->square[i]);
+  if (s == YLM_OK) b->m->error = b->square, b->square = NULL;
+  ylm_free(product);
+  return s;
+}
+
 ylm_status ylm_surface_map_bake(const ylm_radiosity *r, const ylm_surface_map_form *form,
                                 ylm_surface_map **out, ylm_error *e) {
   *out = NULL;
@@ -259,8 +217,7 @@ ylm_status ylm_surface_map_bake(const ylm_radiosity *r, const ylm_surface_map_fo
   b.m->stats.sheets = b.m->sheets;
   b.m->stats.chart_seconds = ylm_seconds() - start;
   if (s == YLM_OK) s = form->tolerance > 0 ? refine(&b) : make_one(&b);
-  for (size_t i = 0; s == YLM_OK && i < b.charts; i++) b.square[i] = sqrt(b.square[i]);
-  if (s == YLM_OK) b.m->error = b.square, b.square = NULL;
+  if (s == YLM_OK) s = find_errors(&b);
   free_bake(&b);
   if (s == YLM_OK)
     *out = b.m;

@@ -59,8 +59,29 @@ static const double map_weight[MAP_WEIGHTS] = {0.01, 0.3, 10, 300, 10000};
 /* Places that judge, and their rays over those of other places. */
 #define MAP_JUDGES 2048
 #define MAP_JUDGE_RAYS 16
+/* Of places whose errors are more than this part of the aim, so many times as many more, and how often, where no more than this
+   part of the places misses the aim. */
+#define MAP_NEAR 0.5
+#define MAP_JUDGE_MORE 4
+#define MAP_JUDGE_ROUNDS 3
+#define MAP_CLOSE 0.05
+/* Places around which less than this part is open are under bodies. */
+#define MAP_FREE 0.97
+/* The power by which misses fall with the number of texels, if two pictures do not tell it, and its limits; no further picture is
+   made where the last left more than this part of the misses before it, and chance does not tell it. */
+#define MAP_FALL 0.67
+#define MAP_FALL_LEAST 0.5
+#define MAP_FALL_MOST 1.5
+#define MAP_PAYS 0.8
+/* Square errors count no more than that of this many aims. */
+#define MAP_BOUND 2.2
+/* Places around which light has more noise than this part of the aim are asked again, with so many times as many links where
+   lamps shine, and shadow rays, or links where none do. */
+#define MAP_NOISY 2
+#define MAP_AGAIN 2
+static const int map_again[MAP_AGAIN][2] = {{1, 4}, {4, 16}};
 /* The part of them that may fail where another judge follows, and else. */
-#define MAP_ENOUGH 0.006
+#define MAP_ENOUGH 0.004
 #define MAP_ENOUGH_SURE 0.003
 
 /* -- the map ------------------------------------------------------------------------------------ */
@@ -213,8 +234,9 @@ void ylm__map_find_tap(const map_bake *b, map_site *s);
 bool ylm__map_keep_in(const map_bake *b, uint32_t chart, map_tap *tap);
 /* sites.c: places spread over the texels as they are packed, and their light. */
 ylm_status ylm__map_sample(map_bake *b);
-/* sites.c: the light of places, in two halves, and whether they are open; flow [n] of all rays, or NULL. */
-ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int more,
+/* sites.c: the light of places, in two halves, and whether they are open; more: times the links and the shadow rays, as far as
+   they may; flow [n] of all rays, or NULL. */
+ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, const int more[2],
                         surface_light *light, bool *open, float (*flow)[3][3]);
 /* seams.c: places of edges between charts. */
 ylm_status ylm__map_seams(map_bake *b);
@@ -239,6 +261,9 @@ void ylm__map_sum_around(const map_bake *b, float *x, float *room);
    densities for a picture. */
 void ylm__map_products(const map_bake *b, double *product);
 ylm_status ylm__map_square(const map_bake *b, const double *product, double *square);
+/* density.c: products become means around their sites, which count no more than some aims: a place that misses a tolerance is
+   one, by however much it does. */
+ylm_status ylm__map_bound(const map_bake *b, double *product);
 void ylm__map_spread(map_bake *b);
 /* density.c: how square errors fall with the density, from those at half of it. */
 void ylm__map_slopes(map_bake *b, const double *coarse);
@@ -253,6 +278,12 @@ void ylm__map_journal_close(map_bake *b);
 ylm_status ylm__map_recall(map_bake *b, size_t n, const map_part *part, bool *had);
 /* journal.c: keeps parts that were found. */
 ylm_status ylm__map_remember(map_bake *b, size_t n, const map_part *part);
+/* judge.c: compares the picture with the light of fresh places. */
+ylm_status ylm__map_judge(map_bake *b, uint64_t round);
+/* judge.c: whether so few of them fail that no further picture is made; else how many times the texels one would take. `before`
+   failed in the picture before; 0: there is none. This one has `times` as many texels. */
+bool ylm__map_is_enough(const map_bake *b);
+double ylm__map_growth(const map_bake *b, double before, double times);
 /* bake.c: room for what charts have. */
 ylm_status ylm__map_begin(map_bake *b);
 

@@ -28,7 +28,11 @@ static ylm_status find_all(map_bake *b, const ylm_radiosity_map *form, size_t n,
   return s;
 }
 
-ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int more,
+static int at_most(int rays, int more) {
+  return rays > YLM_TRANSFER_LINKS / more ? YLM_TRANSFER_LINKS : rays * more;
+}
+
+ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, const int more[2],
                         surface_light *light, bool *open, float (*flow)[3][3]) {
   uint64_t *stream = ylm_alloc(n, sizeof *stream);
   float(*E)[3] = ylm_alloc(n, sizeof *E), *share = ylm_alloc(n, sizeof *share);
@@ -36,8 +40,8 @@ ylm_status ylm__map_ask(map_bake *b, size_t n, const ylm_scene_place *place, int
   ylm_radiosity_map form = b->form->light;
   ylm_status s = stream && E && share && (half_flow || !flow) ? YLM_OK : YLM_ENOMEM;
   form.flow = half_flow;
-  form.links *= more;
-  form.light_samples *= more;
+  form.links = at_most(form.links, more[0]);
+  form.light_samples = at_most(form.light_samples, more[1]);
   for (int half = 0; s == YLM_OK && half < 2; half++) {
     for (size_t i = 0; i < n; i++) stream[i] = b->asked + i;
     b->asked += n;
@@ -174,24 +178,30 @@ static ylm_status weigh(map_bake *b) {
   return YLM_OK;
 }
 
-/* The noise of the mean of both halves, root mean square over what errors are told over. */
+/* The square of the noise of the mean of both halves, over what errors are told over. */
+static double square_noise(const map_site *s) {
+  double square = 0;
+  for (int c = 0; c < 3; c++) {
+    double d = 0.5 * ((double)s->light.a[c] - (double)s->light.b[c]);
+    square += d * d / 3;
+  }
+  return square * (double)s->weight;
+}
+
+/* Its mean over all sites, the root. */
 static double noise_of(const map_bake *b) {
   double sum = 0, n = 0;
   for (size_t i = 0; i < b->sites; i++) {
-    const map_site *s = &b->site[i];
-    double square = 0;
-    for (int c = 0; c < 3; c++) {
-      double d = 0.5 * ((double)s->light.a[c] - (double)s->light.b[c]);
-      square += d * d / 3;
-    }
-    sum += map_counts(s) ? square * (double)s->weight : 0;
-    n += map_counts(s);
+    if (!map_counts(&b->site[i])) continue;
+    sum += square_noise(&b->site[i]);
+    n++;
   }
   return n > 0 ? sqrt(sum / n) : 0;
 }
 
 /* Keeps the light of all sites. */
 static ylm_status light_all(map_bake *b) {
+  static const int once[2] = {1, 1};
   size_t n = b->sites;
   ylm_scene_place *place = ylm_alloc(n, sizeof *place);
   surface_light *light = ylm_alloc(n, sizeof *light);
@@ -201,7 +211,7 @@ static ylm_status light_all(map_bake *b) {
   b->flow = b->last && b->form->directional ? ylm_alloc(n, sizeof *b->flow) : NULL;
   if (b->last && b->form->directional && !b->flow) s = YLM_ENOMEM;
   for (size_t i = 0; s == YLM_OK && i < n; i++) place[i] = b->site[i].place;
-  if (s == YLM_OK) s = ylm__map_ask(b, n, place, 1, light, open, b->flow);
+  if (s == YLM_OK) s = ylm__map_ask(b, n, place, once, light, open, b->flow);
   for (size_t i = 0; s == YLM_OK && i < n; i++) {
     b->site[i].light = light[i];
     b->site[i].open = open[i];
@@ -212,6 +222,61 @@ static ylm_status light_all(map_bake *b) {
   return s;
 }
 
+/* The sites around which light has too much noise for the aim: of [sites]; how many. The noise of others around chooses them: its
+   own would choose sites that are too bright. */
+static ylm_status find_noisy(const map_bake *b, size_t *of, size_t *found) {
+  float *room = ylm_alloc_zero(3 * b->texels, sizeof *room);
+  float *sum = room, *count = room + b->texels, *spare = room + 2 * b->texels;
+  *found = 0;
+  if (!room) return YLM_ENOMEM;
+  for (size_t i = 0; i < b->sites; i++) {
+    const map_site *s = &b->site[i];
+    for (int k = 0; map_counts(s) && k < 4; k++) {
+      sum[s->tap.texel[k]] += s->tap.weight[k] * (float)square_noise(s);
+      count[s->tap.texel[k]] += s->tap.weight[k];
+    }
+  }
+  ylm__map_sum_around(b, sum, spare);
+  ylm__map_sum_around(b, count, sum);
+  double most = MAP_NOISY * MAP_NOISY * b->aim * b->aim;
+  for (size_t i = 0; i < b->sites; i++) {
+    const map_site *s = &b->site[i];
+    double noise = 0, n = 0;
+    for (int k = 0; map_counts(s) && k < 4; k++) {
+      noise += (double)(s->tap.weight[k] * spare[s->tap.texel[k]]);
+      n += (double)(s->tap.weight[k] * sum[s->tap.texel[k]]);
+    }
+    if (noise > most * n) of[(*found)++] = i;
+  }
+  ylm_free(room);
+  return YLM_OK;
+}
+
+/* Asks the light of noisy sites anew, with more rays. */
+static ylm_status ask_again(map_bake *b, const int more[2]) {
+  size_t n = 0, *of = ylm_alloc(b->sites, sizeof *of);
+  ylm_status s = of ? find_noisy(b, of, &n) : YLM_ENOMEM;
+  ylm_scene_place *place = ylm_alloc(n, sizeof *place);
+  surface_light *light = ylm_alloc(n, sizeof *light);
+  bool *open = ylm_alloc(n, sizeof *open);
+  float(*flow)[3][3] = b->flow ? ylm_alloc(n, sizeof *flow) : NULL;
+  if (!place || !light || !open || (b->flow && !flow)) s = YLM_ENOMEM;
+  for (size_t i = 0; s == YLM_OK && i < n; i++) place[i] = b->site[of[i]].place;
+  if (s == YLM_OK && n) s = ylm__map_ask(b, n, place, more, light, open, flow);
+  for (size_t i = 0; s == YLM_OK && i < n; i++) {
+    b->site[of[i]].light = light[i];
+    if (flow) memcpy(b->flow[of[i]], flow[i], sizeof flow[i]);
+  }
+  ylm_free(of), ylm_free(place), ylm_free(light), ylm_free(open), ylm_free(flow);
+  return s;
+}
+
+/* Means and weights by the light of sites. */
+static ylm_status settle(map_bake *b) {
+  find_mean(b);
+  return weigh(b);
+}
+
 ylm_status ylm__map_sample(map_bake *b) {
   double start = ylm_seconds();
   uint8_t *has = ylm_alloc_zero(b->charts, 1);
@@ -220,11 +285,13 @@ ylm_status ylm__map_sample(map_bake *b) {
   ylm_free(has);
   for (size_t i = 0; s == YLM_OK && i < b->sites; i++) ylm__map_find_tap(b, &b->site[i]);
   if (s == YLM_OK) s = light_all(b);
-  if (s == YLM_OK) {
-    find_mean(b);
-    s = weigh(b);
-    b->m->stats.noise = noise_of(b);
+  if (s == YLM_OK) s = settle(b);
+  for (int k = 0; s == YLM_OK && b->last && b->aim > 0 && k < MAP_AGAIN; k++) {
+    int more[2] = {map_again[k][b->form->light.scene == NULL], map_again[k][1]};
+    s = ask_again(b, more);
+    if (s == YLM_OK) s = settle(b);
   }
+  if (s == YLM_OK) b->m->stats.noise = noise_of(b);
   b->m->stats.light_seconds += ylm_seconds() - start;
   return s;
 }

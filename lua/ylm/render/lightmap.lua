@@ -21,8 +21,8 @@ local warning = require "ylm.warning"
 local lightmaps = {}
 
 local JUDGES = 2048    -- places by which paths judge
-local AIM = 0.6        -- of its tolerance, for which texels are made that paths will judge: they see the elements' error too
-local MOST = 2 ^ 22    -- texels, where nobody says how many
+local AIM = 0.55       -- of its tolerance, for which texels are made that paths will judge: they see the elements' error too
+local MOST = 2 ^ 20    -- texels, where nobody says how many
 local TOLERANCE = 0.03 -- where nobody says anything
 local BYTES = 6        -- of a texel, three half floats
 
@@ -39,9 +39,10 @@ require "ylm.describe".object "lightmap" {
       .. "pictures that were made; noise: of the light of a place, relative; seams: edges where charts meet on smooth surfaces; "
       .. "jump: the largest difference of their sides, relative; jump_1, jump_2: at the next levels of mip maps; verified, "
       .. "failed: places that judged, and those that missed the tolerance; error: what 99 % of the surface keep, with 99 % "
-      .. "confidence; rms: root mean square error over the mean, without the judges' noise; met; "
-      .. "warning: what is not kept, or nil; spent: texels were not enough; paths: what paths "
-      .. "found, undecided, field_met and field_error by the light of the elements, seconds; chart_seconds, pack_seconds, "
+      .. "confidence; rms: root mean square error over the mean, without the judges' noise; met; warning: what is not kept, or "
+      .. "nil; spent: texels were not enough; stalled: more of them did not pay; misses: places that miss 0.55 of it by "
+      .. "the light of the elements: edges, of light, bodies, which texels are partly under, noise; paths: what paths found, "
+      .. "undecided, field_met and field_error by the light of the elements, seconds; chart_seconds, pack_seconds, "
       .. "light_seconds, fit_seconds, judge_seconds, seconds" },
     { "scene", "scene", "of what" },
     { "quantity", "string", "'direct', 'indirect' or 'all'" },
@@ -54,7 +55,7 @@ local fields = {
     about = "of irradiance at 99 % of the surface by area, relative to the larger of the place's and the mean; default 0.03, "
       .. "where neither texels nor bytes are given" },
   { "texels", "integer", min = 16, max = 2 ^ 28, optional = true,
-    about = "of the picture at most, gutters included: all of them without a tolerance; default with one 4194304" },
+    about = "of the picture at most, gutters included: all of them without a tolerance; default with one 1048576" },
   { "bytes", "memory", optional = true, about = "of the picture at most, instead of texels: 6 a texel, 24 if directional" },
   { "quantity", "choice", of = { "direct", "indirect", "all" }, default = "all",
     about = "'all', the light of lamps and sky and what surfaces send back; 'indirect', the latter alone, for engines that draw "
@@ -84,8 +85,19 @@ local all_options = options.list(fields, unwrap.fields, options.common)
 
 -- Making ---------------------------------------------------------------------------------------
 
---- Why a tolerance is not met, and what to change.
-local function cause_of(m)
+--- The causes of misses, by the light that texels were fitted to:
+-- "of 20 places that miss 0.018 by elements 14 lie at edges of light".
+local function misses_of(m, aim)
+  local s, causes = m.stats.misses, {}
+  local function add(n, lie) if n > 0 then causes[#causes + 1] = ("%d %s"):format(n, lie) end end
+  add(s.edges, "at edges of light")
+  add(s.bodies, "on texels that are partly under bodies")
+  add(s.noise, "within the noise of rays")
+  return ("of %d places that miss %.2g by elements %s"):format(s.edges + s.bodies + s.noise, aim, table.concat(causes, ", "))
+end
+
+--- Why a tolerance is not met, and the change that helps.
+local function cause_of(m, aim)
   local s, paths = m.stats, m.stats.paths
   local looser = "set tolerance = " .. (s.error < math.huge and unmet.rounded_up(s.error) or "larger")
   if core.grid_allowed(s.verified) < 0 then
@@ -95,8 +107,21 @@ local function cause_of(m)
     return (unmet.undecided(s, paths) or "the light of elements is that far from the paths: give links with less spacing")
       .. "; " .. looser
   end
-  if s.spent then return ("its %d texels are spent: allow more (texels), or %s"):format(s.width * s.height, looser) end
-  return ("%d pictures end above it; %s"):format(s.rounds, looser)
+  local texels = s.width * s.height
+  local reached = s.spent and ("its %d texels are spent"):format(texels)
+    or s.stalled and ("more texels, up to %d, do not pay"):format(texels) or ("%d pictures end above it"):format(s.rounds)
+  local misses = s.misses
+  local more = misses.noise > misses.edges + misses.bodies and "give more rays and light_samples, or "
+    or s.spent and "allow more (texels), or " or ""
+  return ("%s, %s: %s%s"):format(reached, misses_of(m, aim), more, looser)
+end
+
+--- A map's stats.
+local function stats_of(lib, map)
+  local s = lib.map_stats(map)
+  s.misses = { edges = s.edges, bodies = s.bodies, noise = s.noisy }
+  s.edges, s.bodies, s.noisy = nil, nil, nil
+  return s
 end
 
 --- Has paths judge a lightmap of light `lit`. True, or nil, message, code.
@@ -109,7 +134,7 @@ local function judge(s, map, m, lit, o)
   if not said then return nil, message, code end
   local before = m.stats
   m.lib.map_verdict(map, #points, said.failed + said.undecided, said.error, said.rms)
-  m.stats = m.lib.map_stats(map)
+  m.stats = stats_of(m.lib, map)
   m.stats.paths = { field_met = before.met, field_error = before.error, undecided = said.undecided, seconds = said.seconds }
   return true
 end
@@ -157,7 +182,7 @@ local function bake(s, traced, o, texels)
   if not map then return nil, message, code end
   local m = { scene = s, traced = traced, lib = traced.lib, quantity = o.quantity, tolerance = o.tolerance,
     directional = o.directional, links = lit.links,
-    stats = traced.lib.map_stats(map) }
+    stats = stats_of(traced.lib, map) }
   core.own(map).made = m
   local judged = true
   if paths then judged, message, code = judge(s, map, m, lit, o) end
@@ -167,7 +192,8 @@ local function bake(s, traced, o, texels)
   if not o.tolerance then m.stats.met, m.stats.failed = nil, nil
   elseif not m.stats.met then
     m.stats.warning = warning.say(map, "lightmap", "lightmap: tolerance %.3g is not met, 99 %% of the places keep %s: %s",
-      o.tolerance, m.stats.error < math.huge and ("%.3g"):format(m.stats.error) or "no bound", cause_of(m))
+      o.tolerance, m.stats.error < math.huge and ("%.3g"):format(m.stats.error) or "no bound",
+      cause_of(m, o.tolerance * (paths and AIM or 1)))
   end
   return map
 end
