@@ -228,7 +228,7 @@ describe("guides of shadow rays", function()
       cost[guides] = noise_of(image, known, whole, block) * (report.rays.shadow + (report.rays.guides or 0))
     end
     local gain = cost[false] / cost[true]
-    assert.is_true(gain > 2, ("1 / variance / rays grows by %.2f"):format(gain))
+    assert.is_true(gain > 3.2, ("1 / variance / rays grows by %.2f"):format(gain))
   end)
 
   it("are the same for any number of threads", function()

@@ -20,7 +20,8 @@ typedef struct chosen {
 typedef struct aiming {
   const ylm_scene_chooser *c;
   int light_samples;
-  double s0, s1; /* where the sequence of places on lamps begins */
+  double s0, s1;     /* where the sequence of places on lamps begins */
+  const float *seen; /* a guide's factors of cells of the sky; NULL: there is none */
   size_t rays;
   ylm_trace_ray *ray;
   float (*value)[3];
@@ -41,7 +42,8 @@ static void add_one(aiming *a, size_t i) {
   scene_aim to = {.x = a->c->x,
                   .normal = a->c->normal,
                   .solid = ylm__scene_solid(a->c, of, lamp),
-                  .one = s->tree != NULL};
+                  .one = s->tree != NULL,
+                  .seen = a->seen};
   float radiance[3];
   place_of(a, a->waiting.k[i], to.u);
   double e = ylm__scene_storage[of]->sample(s, lamp, &to, &a->ray[a->rays], radiance);
@@ -222,6 +224,7 @@ static void deal_rest(aiming *a, ylm_scene_chooser *c, int dealt, ylm_rng *rng) 
 
 static void aim_by_guide(aiming *a, ylm_scene_chooser *c, ylm_rng *rng) {
   const float *spread = ylm__scene_guide_weights(c) + c->chunks * YLM_LAMP_CHUNK;
+  a->seen = spread + c->chunks * YLM_LAMP_CHUNK;
   int dealt = c->total > 0 ? deal_whole(a, c, spread, c->total) : 0;
   if (sum_up(c) > 0 && dealt < a->light_samples) deal_rest(a, c, dealt, rng);
 }
@@ -247,7 +250,7 @@ size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], c
   size_t drawn = 0;
   double tree = s->tree ? ylm__scene_tree_weight(c) : 0;
   aiming a;
-  a.c = c, a.light_samples = light_samples, a.ray = ray, a.value = value;
+  a.c = c, a.light_samples = light_samples, a.ray = ray, a.value = value, a.seen = NULL;
   a.rays = a.waiting.n = 0; /* the lists of those that wait are large */
   a.s0 = ylm_rng_double(rng);
   a.s1 = ylm_rng_double(rng);

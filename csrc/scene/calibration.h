@@ -62,6 +62,11 @@
 #define GUIDE_NORMALS 0.4f
 /* The part of a ray that is taken for seen, beside those of a tile and its neighbours. */
 #define GUIDE_DOUBT 0.15f
+/* The least mean square of what a cell of a tile brings, of all that it would bring if nothing were in its way. */
+#define GUIDE_CELL_LEAST 0.002f
+/* The part that rays of clusters beside one count as, of which it knows so many. */
+#define GUIDE_PART_BESIDE 0.5f
+#define GUIDE_BESIDE 16
 /* Of lamps: a ray's worth of which half is seen; the least variance, relative to the mean square. */
 #define GUIDE_LAMP_DOUBT 0.5f
 #define GUIDE_LEAST 0.002f
@@ -74,6 +79,10 @@
 #define TABLE_HEIGHT 64
 #define TABLE_LOOKS 2
 #define TABLE_LEAST 0.01
+/* Cells of a tile along each side, of which guides know what is seen; pixels among which these choose for a ray. Moved by: variance
+   in rooms with windows. */
+#define DOME_CELLS 4
+#define DOME_LOOKS 8
 
 /* -- grounds: ground.c ----------------------------------------------------------------------------- */
 

@@ -47,6 +47,11 @@ size_t ylm__scene_dome_tile(const scene_dome *d, size_t pixel) {
   return holder_of(y, d->down, d->height) * d->across + holder_of(x, d->across, d->width);
 }
 
+size_t ylm__scene_dome_cell(const scene_dome *d, size_t pixel) {
+  size_t x = pixel % (size_t)d->width, y = pixel / (size_t)d->width;
+  return holder_of(y, d->cells[1], d->height) * d->cells[0] + holder_of(x, d->cells[0], d->width);
+}
+
 /* A direction in a pixel; false outside of the disc of an angular map, and zeros. */
 static bool within(const scene_dome *d, size_t pixel, double u, double v, double direction[3]) {
   return ylm_mapping_within(d->mapping, d->up, d->width, d->height, pixel, u, v, direction, NULL);
@@ -203,6 +208,8 @@ static ylm_status make_tables(scene_dome *d) {
   return room ? YLM_OK : YLM_ENOMEM;
 }
 
+static size_t at_most(size_t n, int pixels) { return n < (size_t)pixels ? n : (size_t)pixels; }
+
 ylm_status ylm__scene_dome_create(scene_dome *d, const ylm_light_dome *light) {
   const ylm_light_panorama *p = light->panorama;
   *d = (scene_dome){.light = *light, .across = 1, .down = 1, .lights = 1};
@@ -219,8 +226,10 @@ ylm_status ylm__scene_dome_create(scene_dome *d, const ylm_light_dome *light) {
     d->width = p->width, d->height = p->height;
   }
   const size_t *most = tiles[d->mapping];
-  d->across = most[0] < (size_t)d->width ? most[0] : (size_t)d->width;
-  d->down = most[1] < (size_t)d->height ? most[1] : (size_t)d->height;
+  d->across = at_most(most[0], d->width);
+  d->down = at_most(most[1], d->height);
+  d->cells[0] = at_most(DOME_CELLS * most[0], d->width);
+  d->cells[1] = at_most(DOME_CELLS * most[1], d->height);
   d->lights = d->across * d->down;
   d->bound = ylm_alloc(d->lights, sizeof *d->bound);
   return d->bound ? make_tables(d) : YLM_ENOMEM;

@@ -21,6 +21,7 @@ typedef struct scene_dome {
   ylm_up up;
   int width, height;
   size_t across, down, lights; /* tiles; lights = across*down, or 1 */
+  size_t cells[2];             /* parts of tiles, across and down, of which guides know; 0: none */
   scene_sky_bound *bound;      /* [lights] */
   float *share;                /* [height][width] of the luminous power of a pixel's tile */
   float *keep;                 /* [height][width] the alias table of each tile: how often its own */
@@ -34,8 +35,9 @@ void ylm__scene_dome_free(scene_dome *d);
 void ylm__scene_dome_share(const scene_dome *from, scene_dome *d);
 /* A pixel of a tile that is not dark, for u of 0 .. 1; *rest: what u is within it. */
 size_t ylm__scene_dome_pixel(const scene_dome *d, size_t tile, double u, double *rest);
-/* The tile of a pixel. */
+/* The tile of a pixel, and its cell. */
 size_t ylm__scene_dome_tile(const scene_dome *d, size_t pixel);
+size_t ylm__scene_dome_cell(const scene_dome *d, size_t pixel);
 /* The radiance from direction d of length 1, which falls into that pixel. */
 void ylm__scene_dome_radiance(const scene_dome *d, size_t pixel, const double direction[3],
                               double rgb[3]);

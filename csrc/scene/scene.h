@@ -126,6 +126,9 @@ ylm_status ylm__scene_make_far(ylm_scene *s);
    case. */
 ylm_status ylm__scene_share_sky(ylm_scene *s, const ylm_scene_lamps *l, const ylm_scene *from);
 void ylm__scene_free_sky(ylm_scene *s);
+/* Cells of all domes, and that of a direction to light i of the sky; false: it is in none. */
+size_t ylm__scene_sky_cells(const ylm_scene *s);
+bool ylm__scene_sky_cell(const ylm_scene *s, size_t i, const float direction[3], size_t *cell);
 
 /* -- point.c -------------------------------------------------------------------- */
 
@@ -141,6 +144,8 @@ typedef struct scene_aim {
   double u[2];
   double solid; /* the lamp's solid angle, if it is known; else 0 */
   bool one;     /* as choosers of one lamp do it, which takes less time */
+  const float
+      *seen; /* [cells of the sky] by which directions in a tile are chosen; NULL: as it shines */
 } scene_aim;
 
 /*
@@ -198,7 +203,8 @@ struct ylm_scene_chooser {
 /* -- guide.c -------------------------------------------------------------------- */
 
 /* Weighs the lamps of a chooser by its guide. Returns the factors, in the order of c->weight, and how far what a lamp
-   brings spreads, relative to its root mean square: [2][chunks*YLM_LAMP_CHUNK], all above 0. */
+   brings spreads, relative to its root mean square: [2][chunks*YLM_LAMP_CHUNK], all above 0; then factors of the cells of the
+   sky. */
 const float *ylm__scene_guide_weights(ylm_scene_chooser *c);
 
 /* Turns a chooser to x; `normal` may be NULL. */

@@ -151,6 +151,17 @@ static const scene_dome *dome_of(const ylm_scene *s, size_t *i) {
   return NULL;
 }
 
+static size_t cells_of(const scene_dome *d) { return d->cells[0] * d->cells[1]; }
+
+/* Cells of the domes before one. */
+static size_t cells_before(const ylm_scene *s, const scene_dome *d) {
+  size_t n = 0;
+  for (const scene_dome *k = s->dome; k < d; k++) n += cells_of(k);
+  return n;
+}
+
+size_t ylm__scene_sky_cells(const ylm_scene *s) { return cells_before(s, s->dome + s->domes); }
+
 static void widen(const float d[3], double out[3]) {
   for (int a = 0; a < 3; a++) out[a] = (double)d[a];
 }
@@ -181,27 +192,47 @@ static double aim_at_uniform(const scene_dome *d, const float *n, double u0, dou
   return cosine > 0 ? YLM_PI / cosine : 0;
 }
 
-static double aim_at_tile(const scene_dome *d, size_t tile, double u0, double u1,
+/* A pixel of a tile, which is chosen among several as the factors of their cells (Talbot et al. 2005); *u becomes the rest of
+   it; *scale: how much less often a pixel is chosen than one of the tile's would be. */
+static size_t seen_pixel(const scene_dome *d, size_t tile, const float *seen, double u[2],
+                         double *scale) {
+  size_t pixel[DOME_LOOKS], k = 0;
+  double rest[DOME_LOOKS], factor[DOME_LOOKS], sum = 0;
+  for (size_t i = 0; i < DOME_LOOKS; i++) {
+    double at = u[0] + (double)i * 0.61803398874989485;
+    pixel[i] = ylm__scene_dome_pixel(d, tile, at - floor(at), &rest[i]);
+    sum += factor[i] = (double)seen[ylm__scene_dome_cell(d, pixel[i])];
+  }
+  double target = u[1] * sum;
+  while (k + 1 < DOME_LOOKS && target >= factor[k]) target -= factor[k++];
+  u[0] = rest[k], u[1] = fmin(target / factor[k], SCENE_BELOW_ONE);
+  *scale = sum / (DOME_LOOKS * factor[k]);
+  return pixel[k];
+}
+
+static double aim_at_tile(const scene_dome *d, size_t tile, const float *seen, double u[2],
                           float direction[3], float radiance[3]) {
-  double wide[3], rgb[3], spread;
-  size_t pixel = ylm__scene_dome_pixel(d, tile, u0, &u0);
+  double wide[3], rgb[3], spread, scale = 1;
+  size_t pixel =
+      seen ? seen_pixel(d, tile, seen, u, &scale) : ylm__scene_dome_pixel(d, tile, u[0], &u[0]);
   double share = (double)d->share[pixel];
   if (!(share > 0)) return 0;
-  if (!ylm_mapping_within(d->mapping, d->up, d->width, d->height, pixel, u0, u1, wide, &spread))
+  if (!ylm_mapping_within(d->mapping, d->up, d->width, d->height, pixel, u[0], u[1], wide, &spread))
     return 0;
   ylm__scene_dome_radiance(d, pixel, wide, rgb);
   narrow(wide, direction);
   narrow(rgb, radiance);
-  return spread / share;
+  return scale * spread / share;
 }
 
 /* A direction to distant light i and its radiance there; 1 over the density, sr; 0: there is none. */
-static double aim(const ylm_scene *s, size_t i, const float *n, double u0, double u1,
-                  float direction[3], float radiance[3]) {
+static double aim(const ylm_scene *s, size_t i, const scene_aim *to, float direction[3],
+                  float radiance[3]) {
   const scene_dome *d = dome_of(s, &i);
-  if (!d) return aim_at_cone(&s->cone[i], u0, u1, direction, radiance);
-  if (d->light.uniform) return aim_at_uniform(d, n, u0, u1, direction, radiance);
-  return aim_at_tile(d, i, u0, u1, direction, radiance);
+  double u[2] = {to->u[0], to->u[1]};
+  if (!d) return aim_at_cone(&s->cone[i], u[0], u[1], direction, radiance);
+  if (d->light.uniform) return aim_at_uniform(d, to->normal, u[0], u[1], direction, radiance);
+  return aim_at_tile(d, i, to->seen ? to->seen + cells_before(s, d) : NULL, u, direction, radiance);
 }
 
 static double sample(const ylm_scene *s, size_t i, const scene_aim *to, ylm_trace_ray *ray,
@@ -209,7 +240,7 @@ static double sample(const ylm_scene *s, size_t i, const scene_aim *to, ylm_trac
   size_t at = i;
   const scene_dome *d = dome_of(s, &at);
   const float *n = to->normal;
-  double area = aim(s, i, n, to->u[0], to->u[1], ray->dir, radiance);
+  double area = aim(s, i, to, ray->dir, radiance);
   for (int a = 0; a < 3; a++) ray->org[a] = to->x[a];
   ray->near = 0;
   ray->far = INFINITY;
@@ -226,6 +257,16 @@ static bool in_cone(const ylm_light_cone *c, const double d[3]) {
 /* The pixel that a direction falls into. */
 static bool pixel_at(const scene_dome *d, const double direction[3], size_t *pixel) {
   return ylm_mapping_pixel(d->mapping, d->up, d->width, d->height, direction, pixel);
+}
+
+bool ylm__scene_sky_cell(const ylm_scene *s, size_t i, const float direction[3], size_t *cell) {
+  const scene_dome *d = dome_of(s, &i);
+  double wide[3];
+  size_t pixel;
+  widen(direction, wide);
+  if (!d || d->light.uniform || !pixel_at(d, wide, &pixel)) return false;
+  *cell = cells_before(s, d) + ylm__scene_dome_cell(d, pixel);
+  return true;
 }
 
 static double density(const ylm_scene_chooser *c, size_t i, const float direction[3]) {

@@ -249,13 +249,16 @@ static inline void ylm_scene_start(ylm_trace_ray *ray, const float origin[3]) {
 ** Places that lie close together and face the same way are a cluster. Some rays of each, a pilot, say how
 ** much of a lamp's or tile's unshadowed light arrives, and how much that varies. Weights by which lamps and
 ** tiles are chosen are then multiplied by a factor of the cluster: the root of the mean square of what arrives.
+** A ray of ylm_scene_aim to a tile is one of several, chosen by such factors of 4 x 4 cells of tiles. Rays of clusters
+** beside one count for its tiles and cells, too.
 ** Lamps that are worth a ray get one for certain, and more of them as what they bring varies. All factors are
 ** above 0, so that every direction with light keeps its chance, and values are divided by the chance that they
 ** had: estimates stay unbiased, as the pilot has random numbers of its own. Lamps of a tree (more than YLM_SCENE_ONE_BY_ONE) have
 ** no factors: scenes with a tree are not guided.
 **
 **   Source  Mueller et al. 2017, "Practical Path Guiding for Efficient Light-Transport Simulation"
-**           (learning from pilots); Neyman 1934 (counts by standard deviations)
+**           (learning from pilots); Neyman 1934 (counts by standard deviations); Talbot, Cline & Egbert 2005,
+**           "Importance Resampling for Global Illumination" (cells)
 */
 typedef struct ylm_scene_guide ylm_scene_guide;
 
