@@ -121,8 +121,7 @@ static ylm_status refine(map_bake *b) {
   const ylm_surface_map_form *f = b->form;
   size_t texels = f->texels < MAP_FIRST ? f->texels : MAP_FIRST;
   ylm_status s = f->even ? YLM_OK : pilot(b, texels);
-  /* Places that missed the aim in the picture before, and how many times its texels this one has. */
-  double before = 0, times = 1;
+  double before = 0; /* places that missed the aim in the picture before */
   for (uint64_t round = 0; s == YLM_OK && round < MAP_ROUNDS; round++) {
     ylm_error none = {YLM_OK, ""}, *e = b->e;
     b->e = texels < f->texels ? &none : e;
@@ -143,12 +142,11 @@ static ylm_status refine(map_bake *b) {
         b->m->stats.stalled = true;
         break;
       }
-      more = ylm__map_growth(b, before, times);
+      more = ylm__map_growth(b);
       before = failed;
     }
     if (s != YLM_OK && e) *e = none;
-    times = fmin((double)f->texels / (double)texels, more);
-    texels = times < more ? f->texels : (size_t)(times * (double)texels);
+    texels = (size_t)fmin((double)f->texels, more * (double)texels);
     if (s == YLM_OK && !f->even && b->width) ylm__map_spread(b);
   }
   return s;

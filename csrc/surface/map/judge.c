@@ -177,11 +177,8 @@ bool ylm__map_is_enough(const map_bake *b) {
   return b->aim < b->form->tolerance ? few : s->verified == 0 || (s->met && few);
 }
 
-double ylm__map_growth(const map_bake *b, double before, double times) {
-  double few = fmax(1, allowed(b) * (double)b->m->stats.verified), fall = MAP_FALL;
-  double failed = fmax(1, (double)b->m->stats.failed);
-  if (before > failed && times > 1)
-    fall = fmin(fmax(log(before / failed) / log(times), MAP_FALL_LEAST), MAP_FALL_MOST);
-  double more = pow(failed / few, 1 / fall);
+double ylm__map_growth(const map_bake *b) {
+  double few = fmax(1, allowed(b) * (double)b->m->stats.verified);
+  double more = pow(fmax(1, (double)b->m->stats.failed) / few, 1 / MAP_FALL);
   return fmin(fmax(more, MAP_GROW_LEAST), MAP_GROW_MOST);
 }

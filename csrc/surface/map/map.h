@@ -67,11 +67,9 @@ static const double map_weight[MAP_WEIGHTS] = {0.01, 0.3, 10, 300, 10000};
 #define MAP_CLOSE 0.05
 /* Places around which less than this part is open are under bodies. */
 #define MAP_FREE 0.97
-/* The power by which misses fall with the number of texels, if two pictures do not tell it, and its limits; no further picture is
-   made where the last left more than this part of the misses before it, and chance does not tell it. */
+/* The power by which misses fall with the number of texels; no further picture is made where the last left more than this part of
+   the misses before it, and chance does not tell it. */
 #define MAP_FALL 0.67
-#define MAP_FALL_LEAST 0.5
-#define MAP_FALL_MOST 1.5
 #define MAP_PAYS 0.8
 /* Square errors count no more than that of this many aims. */
 #define MAP_BOUND 2.2
@@ -280,10 +278,9 @@ ylm_status ylm__map_recall(map_bake *b, size_t n, const map_part *part, bool *ha
 ylm_status ylm__map_remember(map_bake *b, size_t n, const map_part *part);
 /* judge.c: compares the picture with the light of fresh places. */
 ylm_status ylm__map_judge(map_bake *b, uint64_t round);
-/* judge.c: whether so few of them fail that no further picture is made; else how many times the texels one would take. `before`
-   failed in the picture before; 0: there is none. This one has `times` as many texels. */
+/* judge.c: whether so few of them fail that no further picture is made; else how many times the texels one would take. */
 bool ylm__map_is_enough(const map_bake *b);
-double ylm__map_growth(const map_bake *b, double before, double times);
+double ylm__map_growth(const map_bake *b);
 /* bake.c: room for what charts have. */
 ylm_status ylm__map_begin(map_bake *b);
 
