@@ -138,6 +138,53 @@ describe("a filter of noise", function()
     assert.is_true(on == 0 and off > 0, ("%g, %g"):format(on, off))
   end)
 
+  --- A view of a floor from above, its library, and its number of points.
+  local function floor()
+    local array, views = require "ylm.array", require "ylm.render.view"
+    local flat = ylm.scene "a floor" { camera = ylm.camera { from = { 0, 3, 0.01 }, at = { 0, 0, 0 } },
+      geometry = { ylm.box { bounds = { { -5, -0.1, -5 }, { 5, 0, 5 } }, material = ylm.matte { albedo = 0.5 } } } }
+    local view = flat:prepare { size = { 48, 48 }, samples = 1 }
+    local p = views.open("spec", view)
+    return view, p.lib, p.stats.points, function(f)
+      local a = array.zeros({ p.stats.points, 3 }, "float")
+      for i = 1, p.stats.points do for c = 1, 3 do a:set(i, c, f(i)) end end
+      return a
+    end, array
+  end
+
+  it("leaves no spot of light that one ray in thousands met", function()
+    local view, lib, n, light = floor()
+    local random = require "spec.support.random".from(3)
+    local at = 24 * 48 + 24
+    for _, case in ipairs { { false, 400, 1 }, { true, 12, 12 } } do -- direct light of one half; light that bounces, of both
+      local function half(spot) return light(function(i) return i == at and spot or 0.8 + 0.4 * random() end) end
+      local a, b = half(case[2]), half(case[3])
+      local sum = a:sum() + b:sum()
+      assert(lib.shade_denoise(view, { first = a, second = b, all = (a + b) / 2, bounced = case[1], noise = 0.01, threads = 1 }))
+      local most = 0
+      for i = 1, n do most = math.max(most, a:get(i, 1), b:get(i, 1)) end
+      assert.is_true(most < 1.6, tostring(case[1]) .. " " .. most)
+      assert.near(1, (a:sum() + b:sum()) / sum, 0.01)
+    end
+  end)
+
+  it("has rays of its own at edges of shadows, and nowhere else", function()
+    local view, lib, n, light, array = floor()
+    local random = require "spec.support.random".from(5)
+    local lit = light(function(i) return ((i - 1) % 48 < 20 and 1 or 0.05) * (0.9 + 0.2 * random()) end)
+    local rays = array.zeros({ n }, "float")
+    local mean = assert(lib.shade_edge_rays(view, lit, lit, 4, 60, 1, rays))
+    assert.near(mean, rays:mean(), 1e-4)
+    for i = 1, n do
+      local off = math.abs((i - 1) % 48 - 19.5)
+      assert.are.equal(off < 2, rays:get(i) >= 4, i)
+      assert.is_true(rays:get(i) <= 60 and (off < 3 or rays:get(i) == 0))
+    end
+    local even = light(function() return 1 end)
+    assert.are.equal(0, lib.shade_edge_rays(view, even, even, 4, 60, 1, rays))
+    assert.is_nil(lib.shade_edge_rays(view, array.zeros({ n }, "float"), even, 4, 60, 1, rays))
+  end)
+
   it("is alike by every instruction set", function()
     local script = os.tmpname()
     local f = assert(io.open(script, "w"))
@@ -155,7 +202,8 @@ describe("a filter of noise", function()
         half[h] = array.zeros({ x, 3 }, "float")
         for i = 1, x do for c = 1, 3 do half[h]:set(i, c, (i % 7 == 0 and 3 or 1) + random()) end end
       end
-      assert(p.lib.shade_denoise(view, half[1], half[2], (half[1] + half[2]) / 2, 0.01, 1, nil))
+      assert(p.lib.shade_denoise(view, { first = half[1], second = half[2], all = (half[1] + half[2]) / 2, bounced = false,
+        noise = 0.01, threads = 1 }))
       for i = 1, x do for h = 1, 2 do print(half[h]:get(i, 1)) end end
     ]]
     f:close()

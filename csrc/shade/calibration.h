@@ -82,6 +82,11 @@
    tile that asks for them has some: rounds.c. Moved by: time of pictures (loft, house). */
 #define PLAN_TILE 32
 #define PLAN_WORTH 0.5
+/* Pixels on each side of one whose light tells its contrast; times the usual contrast, which counts as EDGE_LEAST at least, from
+   which on a point has rays of its own: edges.c. Moved by: edges of the sun on a floor, and the time of pictures. */
+#define EDGE_REACH 2
+#define EDGE_CONTRAST 1.5
+#define EDGE_LEAST 0.05
 /* Points whose sets of links are found at once: sets.c. */
 #define SETS_POINTS ((size_t)1 << 14)
 /* Points by which it is learnt what sends light to them, at most. */
@@ -119,6 +124,11 @@
 #define DENOISE_COARSE 4
 /* Taps of even weight that are enough: of fewer, all within DENOISE_GUIDED pixels count. */
 #define DENOISE_FEW 6
+/* Light of a half is rare that is so many times what the other half has and what pixels around have, so many on each side; of
+   light that bounces, without the other half. Moved by: spots that are left in a room under an overcast sky, and bias of blocks. */
+#define DENOISE_RARE 24
+#define DENOISE_RARE_BOUNCED 6
+#define DENOISE_CALM 3
 /* Squared cells that are added to the variance of places: slopes that few taps tell are drawn to 0. */
 #define DENOISE_RIDGE 0.5
 /* Points count whose normals are within 37 degrees and which are this near to each other's planes, in pixel widths. */
@@ -142,7 +152,9 @@
 /* Numbers that kernels may read behind a row. */
 #define DENOISE_LANES 16
 /* Pixels between the middles of cells that keep their light: from the largest, halved down to the smallest, so many times. Noise
-   of a cell's light at which half of the difference goes back. Moved by: bias of blocks, and noise. */
+   of a cell's light at which half of the difference goes back; pixels between cells that share light of rare rays. Moved by: bias
+   of blocks, and noise. */
+#define BALANCE_RARE 16
 #define BALANCE_LARGEST 64
 #define BALANCE_SMALLEST 8
 #define BALANCE_PASSES 2

@@ -460,6 +460,26 @@ typedef struct ylm_shade_plan {
 YLM_API ylm_status ylm_shade_plan_rays(const ylm_shade_view *view, const ylm_shade_plan *p,
                                        float *rays, float *weight, double sum[2]);
 
+/* Light that tells where shadows have edges, and the rays of points there. */
+typedef struct ylm_shade_edges {
+  const float *light, *all; /* [points][3] direct light, and all light */
+  double unit, most;        /* rays of a point that `light` is of, and the most behind them */
+} ylm_shade_edges;
+
+/*
+** ylm_shade_edge_rays - rays for points at edges of shadows, where a filter finds few points that are alike.
+**
+** The contrast of a point is the standard deviation of light over 5 x 5 pixels around, on its surface, over the mean of all light
+** there. Where it is c times 1.5 of the mean over all points, and c^2 above 2, there are unit (c^2 - 1) rays more.
+**
+**   rays  out  [points] whole numbers: those of light that has not told them. Means then stay as they are
+**   mean  out  of these
+**
+** Returns  YLM_OK; YLM_EINVAL: a view per vertex, or of some pixels; YLM_ENOMEM. Bits are the same for any number of threads
+*/
+YLM_API ylm_status ylm_shade_edge_rays(const ylm_shade_view *view, const ylm_shade_edges *o,
+                                       int threads, float *rays, double *mean);
+
 /* A picture, and layers that tell a filter where light may change: albedo and normal, NULL: not known. */
 typedef struct ylm_shade_picture {
   int width, height;
@@ -489,9 +509,12 @@ YLM_API ylm_status ylm_shade_oidn(const ylm_shade_picture *picture, float *out, 
 ** Sums of light over cells of pixels, 8 to 64 on a side, of surfaces that face alike, become those before the filter, as far as
 ** these are known: the filter moves light within cells.
 **
-**   half   in/out  [2][points][3] radiance by two halves of the rays, independent of each other
-**   all    in      [points][3] all radiance there, of which `noise` is a part
-**   noise  in      that may be left, > 0
+** Light of rays that few points have met, and points around have not, is shared among the points of cells of 16 pixels.
+**
+**   half     in/out  [2][points][3] radiance by two halves of the rays, independent of each other
+**   all      in      [points][3] all radiance there, of which `noise` is a part
+**   bounced  in      it is light that bounces, of which no pixel has much more than those around it
+**   noise    in      that may be left, > 0
 **
 ** Half of the difference of the results tells their noise, and nothing of their bias.
 **
@@ -501,7 +524,8 @@ YLM_API ylm_status ylm_shade_oidn(const ylm_shade_picture *picture, float *out, 
 ** Source   Rousselle, Knaus & Zwicker 2012 (halves that filter each other); Moon, Carr & Yoon 2014 (fits of planes)
 */
 YLM_API ylm_status ylm_shade_denoise(const ylm_shade_view *view, float *half[2], const float *all,
-                                     double noise, int threads, const ylm_progress *progress);
+                                     bool bounced, double noise, int threads,
+                                     const ylm_progress *progress);
 
 /* Turns irradiance [points][3] of all shading points into the radiance that matte surfaces of their albedo send. */
 YLM_API void ylm_shade_reflect(const ylm_shade_view *view, float *irradiance);

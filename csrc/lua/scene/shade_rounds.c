@@ -143,22 +143,48 @@ static int shade_plan(lua_State *L) {
   return ylmL_result(L, 2, s, NULL);
 }
 
-/* shade_denoise(view, first, second: in/out [n][3], all [n][3], noise, threads, progress) -> first */
-static int shade_denoise(lua_State *L) {
+/* shade_edge_rays(view, light [n][3], all [n][3], unit, most, threads, out [n]) -> the mean of out */
+static int shade_edge_rays(lua_State *L) {
   ylm_shade_view *v = ylmL_shade_view(L, 1);
-  ylmL_array *x[3];
+  const ylmL_array *light = ylmL_array_check(L, 2), *all = ylmL_array_check(L, 3);
+  ylmL_array *out = ylmL_array_check(L, 7);
+  size_t n = ylmL_shade_points(v);
+  double mean = 0;
+  ylm_shade_edges o = {.unit = luaL_checknumber(L, 4), .most = luaL_checknumber(L, 5)};
+  if (!has_floats(light, 3 * n) || !has_floats(all, 3 * n) || !has_floats(out, n))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  o.light = light->data, o.all = all->data;
+  ylm_status s = ylm_shade_edge_rays(v, &o, (int)luaL_checknumber(L, 6), out->data, &mean);
+  lua_pushnumber(L, mean);
+  return ylmL_result(L, 1, s, NULL);
+}
+
+typedef struct denoise_form {
+  ylmL_array *first, *second, *all;
+  bool bounced;
+  double noise;
+  int threads, progress; /* progress on the stack */
+} denoise_form;
+
+static const ylmL_entry denoise_entries[] = {
+    YLML(denoise_form, first, "first", ARRAY),       YLML(denoise_form, second, "second", ARRAY),
+    YLML(denoise_form, all, "all", ARRAY),           YLML(denoise_form, bounced, "bounced", BOOL),
+    YLML(denoise_form, noise, "noise", DOUBLE),      YLML(denoise_form, threads, "threads", INT),
+    YLML(denoise_form, progress, "progress", VALUE), {.name = NULL}};
+
+/* shade_denoise(view, {first, second: in/out [n][3], all [n][3], bounced, noise, threads, progress}) -> true */
+static int shade_denoise(lua_State *L) {
+  denoise_form f = {.threads = 0};
   ylmL_progress p;
-  for (int k = 0; k < 3; k++) {
-    x[k] = ylmL_array_check(L, 2 + k);
-    if (!has_floats(x[k], 3 * ylmL_shade_points(v))) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
-  }
-  double noise = luaL_checknumber(L, 5);
-  int threads = (int)luaL_checknumber(L, 6);
-  const ylm_progress *progress = ylmL_progress_begin(L, 7, &p);
-  ylm_status s = ylm_shade_denoise(v, (float *[2]){x[0]->data, x[1]->data}, x[2]->data, noise,
-                                   threads, progress);
-  lua_settop(L, 7);
-  lua_pushvalue(L, 2);
+  ylmL_read(L, 2, denoise_entries, &f);
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  size_t n = 3 * ylmL_shade_points(v);
+  if (!has_floats(f.first, n) || !has_floats(f.second, n) || !has_floats(f.all, n))
+    return ylmL_result(L, 0, YLM_ESHAPE, NULL);
+  const ylm_progress *progress = ylmL_progress_begin(L, f.progress, &p);
+  ylm_status s = ylm_shade_denoise(v, (float *[2]){f.first->data, f.second->data}, f.all->data,
+                                   f.bounced, f.noise, f.threads, progress);
+  lua_pushboolean(L, 1);
   return ylmL_result_progress(L, 1, s, NULL, &p);
 }
 
@@ -187,6 +213,7 @@ static int shade_oidn(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {{"shade_denoise", shade_denoise},
+                                     {"shade_edge_rays", shade_edge_rays},
                                      {"shade_oidn", shade_oidn},
                                      {"shade_gather_sets", shade_gather_sets},
                                      {"shade_noise_around", shade_noise_around},

@@ -144,3 +144,107 @@ ylm_status ylm__denoise_balance(const denoise_balance *b, int threads) {
       s = balance(b, side, threads);
   return s;
 }
+
+/* -- light of rare rays ---------------------------------------------------------------------------- */
+
+/* Irradiance that was left out of the pixels of a cell, and the weight of its points. */
+typedef struct share_cell {
+  double rare[2][3], weight;
+} share_cell;
+
+typedef struct sharing {
+  balancing cells; /* without their sums */
+  const uint32_t *point;
+  const float (*rare)[2][3];
+  share_cell *cell;
+} sharing;
+
+static bool is_filtered(const denoise_balance *b, size_t i) { return b->reach[i] >= 1; }
+
+/* Adds pixel p, of the tent w, to a row's cells at `cell`, and the next ones. */
+static void add_rare(const sharing *j, size_t p, double w, double left, share_cell *cell) {
+  const denoise_balance *b = j->cells.b;
+  const ylm_shade_view *v = b->view;
+  for (size_t i = v->pixel[p].first; i < v->pixel[p + 1].first; i++) {
+    if (!is_filtered(b, i)) continue;
+    share_cell *to = cell + face_of(v->normal[i]);
+    double weight = w * (double)v->entry[i].weight;
+    to->weight += weight * (1 - left);
+    to[FACES].weight += weight * left;
+    for (size_t h = 0; j->point[p] == i && h < 2; h++)
+      for (size_t k = 0; k < 3; k++) {
+        double rare = weight * (double)j->rare[p][h][k];
+        to->rare[h][k] += rare * (1 - left);
+        to[FACES].rare[h][k] += rare * left;
+      }
+  }
+}
+
+static ylm_status gather_rare(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const sharing *j = context;
+  const balancing *of = &j->cells;
+  size_t width = (size_t)of->b->view->o.width, height = (size_t)of->b->view->o.height;
+  for (size_t row = begin; row < end; row++) {
+    size_t y = row > 0 ? (row - 1) * of->side : 0, stop = (row + 1) * of->side;
+    for (; y < stop && y < height; y++) {
+      double up, left;
+      double down = cell_at(of, y, &up) == row ? 1 - up : up;
+      for (size_t x = 0; x < width; x++) {
+        size_t cell = cell_at(of, x, &left);
+        add_rare(j, y * width + x, down, left, j->cell + (row * of->across + cell) * FACES);
+      }
+    }
+  }
+  return YLM_OK;
+}
+
+/* Adds to point i its part of the four cells around, which begin at `cell`. */
+static void take_rare(const sharing *j, size_t i, const share_cell *cell, double left, double up) {
+  const denoise_balance *b = j->cells.b;
+  const share_cell *below = cell + j->cells.across * FACES;
+  const share_cell *of[4] = {cell, cell + FACES, below, below + FACES};
+  const double part[4] = {(1 - left) * (1 - up), left * (1 - up), (1 - left) * up, left * up};
+  float albedo[3];
+  ylm__shade_albedo(b->view, i, albedo);
+  for (size_t q = 0; q < 4; q++)
+    for (size_t h = 0; of[q]->weight > 0 && h < 2; h++)
+      for (size_t k = 0; k < 3; k++)
+        b->half[h][3 * i + k] += (float)(part[q] * of[q]->rare[h][k] / of[q]->weight) * albedo[k];
+}
+
+static ylm_status spread_rare(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const sharing *j = context;
+  const balancing *of = &j->cells;
+  const ylm_shade_view *v = of->b->view;
+  size_t width = (size_t)v->o.width;
+  for (size_t y = begin; y < end; y++) {
+    double up, left;
+    const share_cell *cells = j->cell + cell_at(of, y, &up) * of->across * FACES;
+    for (size_t x = 0, p = y * width; x < width; x++, p++) {
+      size_t cell = cell_at(of, x, &left);
+      for (size_t i = v->pixel[p].first; i < v->pixel[p + 1].first; i++)
+        if (is_filtered(of->b, i))
+          take_rare(j, i, cells + cell * FACES + face_of(v->normal[i]), left, up);
+    }
+  }
+  return YLM_OK;
+}
+
+ylm_status ylm__denoise_share(const denoise_balance *b, const uint32_t *point,
+                              const float (*rare)[2][3], int threads) {
+  size_t width = (size_t)b->view->o.width, height = (size_t)b->view->o.height;
+  sharing j = {.cells = {.b = b,
+                         .side = BALANCE_RARE,
+                         .across = width / BALANCE_RARE + 2,
+                         .down = height / BALANCE_RARE + 2},
+               .point = point,
+               .rare = rare};
+  j.cell = ylm_alloc_zero(j.cells.across * j.cells.down * FACES, sizeof *j.cell);
+  if (!j.cell) return YLM_ENOMEM;
+  ylm_status s = ylm_parallel(j.cells.down, 1, threads, gather_rare, &j, NULL, NULL);
+  if (s == YLM_OK) s = ylm_parallel(height, 1, threads, spread_rare, &j, NULL, NULL);
+  ylm_free(j.cell);
+  return s;
+}

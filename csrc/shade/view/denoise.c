@@ -14,8 +14,10 @@ typedef struct denoise_job {
   denoise_grid fine, coarse; /* of pixels, and of 2 x 2 */
   float **half;
   const float *all;
-  double noise;         /* that is wanted, of this light: a part of all light */
+  double noise; /* that is wanted, of this light: a part of all light */
+  bool bounced;
   uint32_t *largest;    /* [pixels] the point that is in the grid; NOWHERE: none */
+  float (*rare)[2][3];  /* [pixels] irradiance that was left out of it */
   float (*value)[2][3]; /* [points] irradiance of halves */
   float *class;         /* [points] the channels that are reflected; -1: not filtered */
   float (*guide)[2], *spread, *variance, *reach; /* [points] variance is that of a half */
@@ -90,6 +92,44 @@ static ylm_status fill(void *context, size_t begin, size_t end, int worker) {
       }
       j->largest[p] = best;
       if (best != YLM_SHADE_NOWHERE) place(j, best, at(&j->fine, x, y));
+    }
+  return YLM_OK;
+}
+
+/* The mean light of halves at taps of the fine grid around tap k, of surfaces of its class. */
+static float around(const denoise_grid *g, size_t k) {
+  float sum = 0, n = 0;
+  for (int v = -DENOISE_CALM; v <= DENOISE_CALM; v++)
+    for (int u = -DENOISE_CALM; u <= DENOISE_CALM; u++) {
+      size_t i = (size_t)((ptrdiff_t)k + v * (ptrdiff_t)g->stride + u);
+      if (i == k || !(g->number[TAP_SHARE][i] > 0)) continue;
+      if (g->number[TAP_CLASS][i] != g->number[TAP_CLASS][k]) continue;
+      sum += g->number[TAP_GUIDE][i] + g->number[TAP_GUIDE + 1][i];
+      n += 2;
+    }
+  return n > 0 ? sum / n : INFINITY;
+}
+
+/* Light that rare rays brought is left out of a tap: taps around have not its like, nor has the other half, or it is light that
+   bounces, which no pixel has alone. */
+static ylm_status calm(void *context, size_t begin, size_t end, int worker) {
+  (void)worker;
+  const denoise_job *j = context;
+  float *const *n = j->fine.number;
+  for (size_t y = begin; y < end; y++)
+    for (size_t x = 0, p = y * j->fine.width; x < j->fine.width; x++, p++) {
+      size_t k = at(&j->fine, x, y);
+      float light[2] = {n[TAP_GUIDE][k], n[TAP_GUIDE + 1][k]};
+      float own = j->bounced ? 0 : fminf(light[0], light[1]);
+      if (!(fmaxf(light[0], light[1]) > DENOISE_RARE * own)) continue;
+      float rare = j->bounced ? DENOISE_RARE_BOUNCED : DENOISE_RARE;
+      float rest = own + around(&j->fine, k);
+      for (size_t h = 0; h < 2; h++)
+        for (size_t c = 0; light[h] > rare * rest && c < 3; c++) {
+          float *value = &n[TAP_VALUE + 3 * h + c][k], left = *value * rest / light[h];
+          j->rare[p][h][c] = *value - left;
+          j->value[j->largest[p]][h][c] = *value = left;
+        }
     }
   return YLM_OK;
 }
@@ -203,14 +243,28 @@ static void guide_of(denoise_job *j, size_t i, const denoise_sums *s) {
   j->spread[i] = (float)fmax(spread, DENOISE_LEAST);
 }
 
+/* Adds a point that is no tap to sums of denoise_vary_fn. */
+static void add_own(const denoise_job *j, size_t i, float sums[3]) {
+  float weight = j->v->entry[i].weight;
+  sums[0] += weight;
+  sums[1] += weight * powf(j->guide[i][0] - j->guide[i][1], 2);
+  sums[2] += weight * all_at(j, i);
+}
+
 /* The variance of a point's light by that of points around, how far it reaches, and its first guide. */
 static void look(denoise_job *j, size_t x, size_t y, size_t i) {
   float sums[3];
   denoise_sums s;
   for (int h = 0; h < 2; h++) j->guide[i][h] = (float)luminance(j->value[i][h]);
   j->spread[i] = INFINITY;
-  denoise_centre c = centre_of(j, &j->coarse, x, y, i, DENOISE_VARIED);
-  j->kernel.vary(&j->coarse, &c, sums);
+  const denoise_grid *g = &j->coarse;
+  denoise_centre c = centre_of(j, g, x, y, i, DENOISE_VARIED);
+  j->kernel.vary(g, &c, sums);
+  if (!(sums[0] > 0)) { /* of a part of 2 x 2 pixels that is another surface */
+    c = centre_of(j, g = &j->fine, x, y, i, DENOISE_VARIED);
+    j->kernel.vary(g, &c, sums);
+  }
+  if (j->largest[y * j->fine.width + x] != i) add_own(j, i, sums);
   if (!(sums[0] > 0)) return;
   j->variance[i] = sums[1] / (2 * sums[0]);
   j->reach[i] = reach_of(j, j->variance[i], sums[2] / sums[0]);
@@ -316,6 +370,7 @@ static void job_free(denoise_job *j) {
   ylm_free(j->fine.number[0]);
   ylm_free(j->coarse.number[0]);
   ylm_free(j->largest);
+  ylm_free(j->rare);
   ylm_free(j->value);
   ylm_free(j->class);
   ylm_free(j->guide);
@@ -338,37 +393,45 @@ static ylm_status job_create(denoise_job *j, size_t width, size_t height) {
   size_t points = j->v->points;
   bool grids = grid_create(&j->fine, 1, width, height) && grid_create(&j->coarse, 2, width, height);
   j->largest = ylm_alloc(width * height, sizeof *j->largest);
+  j->rare = ylm_alloc_zero(width * height, sizeof *j->rare);
   j->value = ylm_alloc(points, sizeof *j->value);
   j->class = ylm_alloc(points, sizeof *j->class);
   j->guide = ylm_alloc(points, sizeof *j->guide);
   j->spread = ylm_alloc(points, sizeof *j->spread);
   j->variance = ylm_alloc_zero(points, sizeof *j->variance);
   j->reach = ylm_alloc_zero(points, sizeof *j->reach);
-  bool all = grids && j->largest && j->value && j->class && j->guide && j->spread && j->variance &&
-             j->reach;
+  bool all = grids && j->largest && j->rare && j->value && j->class && j->guide && j->spread &&
+             j->variance && j->reach;
   return all ? YLM_OK : YLM_ENOMEM;
 }
 
 ylm_status ylm_shade_denoise(const ylm_shade_view *v, float *half[2], const float *all,
-                             double noise, int threads, const ylm_progress *progress) {
+                             bool bounced, double noise, int threads,
+                             const ylm_progress *progress) {
   if (v->corner || v->number) return YLM_EINVAL;
   if (!(noise > 0)) return YLM_ERANGE;
-  denoise_job j = {
-      .v = v, .kernel = ylm__denoise_kernels(), .half = half, .all = all, .noise = noise};
+  denoise_job j = {.v = v,
+                   .kernel = ylm__denoise_kernels(),
+                   .half = half,
+                   .all = all,
+                   .noise = noise,
+                   .bounced = bounced};
   ylm_status s = job_create(&j, (size_t)v->o.width, (size_t)v->o.height);
   struct {
     ylm_range_fn *run;
     size_t rows;
     bool shown;
-  } step[] = {{fill, j.fine.height, false},      {coarsen, j.coarse.height, false},
-              {run_look, j.fine.height, true},   {take, j.fine.height, false},
-              {run_guide, j.fine.height, true},  {take, j.fine.height, false},
-              {coarsen, j.coarse.height, false}, {run_filter, j.fine.height, true}};
+  } step[] = {{fill, j.fine.height, false},      {calm, j.fine.height, false},
+              {coarsen, j.coarse.height, false}, {run_look, j.fine.height, true},
+              {take, j.fine.height, false},      {run_guide, j.fine.height, true},
+              {take, j.fine.height, false},      {coarsen, j.coarse.height, false},
+              {run_filter, j.fine.height, true}};
   for (size_t k = 0; s == YLM_OK && k < sizeof step / sizeof *step; k++)
     s = ylm_parallel(step[k].rows, 1, threads, step[k].run, &j, step[k].shown ? progress : NULL,
                      "denoising");
   denoise_balance kept = {v, (const float(*)[2][3])j.value, j.variance, j.reach, half};
   if (s == YLM_OK) s = ylm__denoise_balance(&kept, threads);
+  if (s == YLM_OK) s = ylm__denoise_share(&kept, j.largest, (const float(*)[2][3])j.rare, threads);
   job_free(&j);
   return s;
 }

@@ -20,9 +20,9 @@ function denoise.filter(x)
   local all = (x.direct[1] + x.direct[2]) / 2
   if x.links then all = all + (x.links[1] + x.links[2]) / 2 end
   if x.steady then all = all + x.steady end
-  for _, halves in ipairs(kinds) do
-    local ok, message, code = check.result(x.name, x.p.lib.shade_denoise(x.p.view, halves[1], halves[2], all, x.wanted / FINER,
-      x.casting.threads, x.casting.progress))
+  for k, halves in ipairs(kinds) do
+    local ok, message, code = check.result(x.name, x.p.lib.shade_denoise(x.p.view, { first = halves[1], second = halves[2],
+      all = all, bounced = k == 2, noise = x.wanted / FINER, threads = x.casting.threads, progress = x.casting.progress }))
     if not ok then return nil, message, code end
   end
   x.report.seconds.denoise = (x.report.seconds.denoise or 0) + core.seconds() - start

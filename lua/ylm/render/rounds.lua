@@ -30,6 +30,7 @@ local AIM, SLACK = 0.95, noises.SLACK -- times the noise that is wanted: at whic
 local WIDE, STEPS = 40, 40                   -- factors of counts are looked for from 2^-WIDE to 2^WIDE, by halves
 local CAP, FEW = 4, 2e7 -- times the pilot's rays, and rays, of which the larger is the most where nobody says a noise
 
+local EDGE = 60 -- the most rays of a half behind the pilot at edges of shadows
 local GUIDED = 16 -- shadow rays of a point by which the guides' pilot is sized; of a large picture half of them
 
 rounds.fields = {
@@ -197,7 +198,7 @@ end
 
 --- The report of a picture that has not ended.
 local function so_far(x, reached)
-  return { noise = reached, noise_before = x.raw and x.before, light_samples = 2 * x.rays:mean() }
+  return { noise = reached, noise_before = x.raw and x.before, light_samples = 2 * (x.rays:mean() + (x.edges or 0)) }
 end
 
 --- The cause that kept a picture from its noise, and the advice that a line gives.
@@ -250,18 +251,49 @@ local function restore(x, kept) for key, value in pairs(kept) do x[key] = value 
 
 local function copies(pair) return { pair[1]:clone(), pair[2]:clone() } end
 
+--- More shadow rays at edges of shadows, where a filter finds few points alike: those of a half where the other one says so, so
+-- that means stay as they are. They take about a second. True, or nil, message, code.
+local function sharpen(x)
+  local c, direct = x.casting, {}
+  for half = 1, 2 do
+    local other, rays = 3 - half, x.points(1)
+    local all = x.direct[other]
+    if x.links then all = all + x.links[other] end
+    if x.steady then all = all + x.steady end
+    local mean = assert(check.result(x.name, x.p.lib.shade_edge_rays(x.p.view, x.direct[other], all, x.pilot.rays, EDGE,
+      c.threads, rays)))
+    direct[half] = x.direct[half]
+    if mean > 0 then
+      local found, count, code = check.result(x.name, x.p.lib.shade_raycast(x.p.view, { light_samples = x.pilot.rays, rays = rays,
+        shadows = c.shadows, spread = true, seed = c.seed + STEP * (10 + half), threads = c.threads, progress = x.interrupts,
+        lit = c.lit, guide = c.guide }))
+      if not found then return nil, count, code end
+      direct[half] = direct[half] + (found - direct[half]) * (rays / (rays + x.pilot.rays))
+      x.report.rays.shadow = x.report.rays.shadow + count
+      x.edges = (x.edges or 0) + mean / 2
+    end
+  end
+  x.direct = direct
+  return true
+end
+
 --- Noise that is left behind a round, after a filter where it is above the one that is wanted and the filter leaves less; or nil,
 -- message, code.
 local function settle(x, round)
   local reached = look_at(x)
-  local message, code
+  local filtered = x.o.denoise == "auto" and reached > x.wanted
   x.before, x.raw = reached, nil
+  if filtered and round == 0 and not x.o.by_hand then
+    local ok, why, kind = sharpen(x)
+    if not ok then return nil, why, kind end
+  end
   if round == 0 then x.unfiltered = { direct = x.direct, links = x.links } end
-  if x.o.denoise ~= "auto" or reached <= x.wanted then return reached end
+  if not filtered then return reached end
   local kept = keep(x)
   x.direct, x.links = copies(x.direct), x.links and copies(x.links)
-  x.raw, message, code = denoise.filter(x)
-  if not x.raw then return nil, message, code end
+  local raw, message, code = denoise.filter(x)
+  if not raw then return nil, message, code end
+  x.raw = raw
   local after = look_at(x)
   if after >= reached then restore(x, kept) end
   show(x)
@@ -395,7 +427,7 @@ function rounds.radiance(name, p, o, report, casting, now)
     if not reached then return nil, message, code end
   end
   local took = core.seconds() - start
-  report.light_samples = 2 * x.rays:mean()
+  report.light_samples = 2 * (x.rays:mean() + (x.edges or 0))
   report.noise_before = x.raw and x.before
   if x.links then
     o.reflected.gathered = ((x.links[1] + x.links[2]) / 2)
