@@ -39,7 +39,10 @@ static tile tile_at(const scene_dome *d, size_t i) {
 
 /* Pixel k of a tile, row by row. */
 static size_t pixel_in(const scene_dome *d, const tile *t, size_t k) {
-  return (t->y + k / t->width) * (size_t)d->width + t->x + k % t->width;
+  uint32_t y =
+      (uint32_t)k /
+      (uint32_t)t->width; /* tiles are smaller than 2^32, and short numbers are divided faster */
+  return (t->y + y) * (size_t)d->width + t->x + k - y * t->width;
 }
 
 size_t ylm__scene_dome_tile(const scene_dome *d, size_t pixel) {
@@ -48,8 +51,8 @@ size_t ylm__scene_dome_tile(const scene_dome *d, size_t pixel) {
 }
 
 size_t ylm__scene_dome_cell(const scene_dome *d, size_t pixel) {
-  size_t x = pixel % (size_t)d->width, y = pixel / (size_t)d->width;
-  return holder_of(y, d->cells[1], d->height) * d->cells[0] + holder_of(x, d->cells[0], d->width);
+  size_t width = (size_t)d->width;
+  return d->holder[1][pixel / width] * d->cells[0] + d->holder[0][pixel % width];
 }
 
 /* A direction in a pixel; false outside of the disc of an angular map, and zeros. */
@@ -183,6 +186,17 @@ static void bound_uniform(const scene_dome *d, scene_sky_bound *out) {
 
 /* -- domes ------------------------------------------------------------------------------------- */
 
+/* Columns and rows of cells; false: there is no memory. */
+static bool make_holders(scene_dome *d) {
+  const int n[2] = {d->width, d->height};
+  for (size_t k = 0; k < 2; k++) {
+    d->holder[k] = ylm_alloc((size_t)n[k], sizeof *d->holder[k]);
+    for (size_t x = 0; d->holder[k] && x < (size_t)n[k]; x++)
+      d->holder[k][x] = (uint32_t)holder_of(x, d->cells[k], n[k]);
+  }
+  return d->holder[0] && d->holder[1];
+}
+
 static ylm_status make_tables(scene_dome *d) {
   size_t n = pixels_of(d);
   double *power = ylm_alloc(n, sizeof *power);
@@ -193,7 +207,9 @@ static ylm_status make_tables(scene_dome *d) {
   d->share = ylm_alloc(n, sizeof *d->share);
   d->keep = ylm_alloc(n, sizeof *d->keep);
   d->other = ylm_alloc(n, sizeof *d->other);
-  bool room = power && x.height && x.list && x.other && x.stay && d->share && d->keep && d->other;
+  bool held = make_holders(d);
+  bool room =
+      held && power && x.height && x.list && x.other && x.stay && d->share && d->keep && d->other;
   if (room) measure(d, power);
   for (size_t i = 0; room && i < d->lights; i++) {
     tile t = tile_at(d, i);
@@ -247,15 +263,35 @@ void ylm__scene_dome_free(scene_dome *d) {
   ylm_free(d->share);
   ylm_free(d->keep);
   ylm_free(d->other);
+  ylm_free(d->holder[0]);
+  ylm_free(d->holder[1]);
+}
+
+/* A pixel of a tile for u, counted in the tile. */
+static uint32_t draw(const scene_dome *d, const tile *t, double u, double *rest) {
+  uint32_t n = (uint32_t)(t->width * t->height), k = (uint32_t)(u * (double)n);
+  if (k >= n) k = n - 1;
+  double f = u * (double)n - (double)k;
+  size_t pixel = pixel_in(d, t, k);
+  double keep = (double)d->keep[pixel];
+  *rest = f < keep ? f / keep : (f - keep) / (1 - keep);
+  return f < keep ? k : d->other[pixel];
 }
 
 size_t ylm__scene_dome_pixel(const scene_dome *d, size_t i, double u, double *rest) {
   tile t = tile_at(d, i);
-  size_t n = t.width * t.height, k = (size_t)(u * (double)n);
-  if (k >= n) k = n - 1;
-  double f = u * (double)n - (double)k;
-  size_t pixel = pixel_in(d, &t, k);
-  double keep = (double)d->keep[pixel];
-  *rest = f < keep ? f / keep : (f - keep) / (1 - keep);
-  return f < keep ? pixel : pixel_in(d, &t, d->other[pixel]);
+  return pixel_in(d, &t, draw(d, &t, u, rest));
+}
+
+void ylm__scene_dome_looks(const scene_dome *d, size_t i, double u, size_t *pixel, double *rest,
+                           size_t *cell) {
+  tile t = tile_at(d, i);
+  uint32_t width = (uint32_t)t.width;
+  for (size_t q = 0; q < DOME_LOOKS; q++) {
+    double at = u + (double)q * 0.61803398874989485;
+    uint32_t k = draw(d, &t, at - (double)(int)at, &rest[q]), y = k / width;
+    size_t column = t.x + k - y * width, row = t.y + y;
+    pixel[q] = row * (size_t)d->width + column;
+    cell[q] = d->holder[1][row] * d->cells[0] + d->holder[0][column];
+  }
 }

@@ -26,6 +26,7 @@ typedef struct scene_dome {
   float *share;                /* [height][width] of the luminous power of a pixel's tile */
   float *keep;                 /* [height][width] the alias table of each tile: how often its own */
   uint32_t *other;             /* pixel is meant, and which one else, counted in the tile */
+  uint32_t *holder[2];         /* [width], [height] of columns and rows of pixels those of cells */
 } scene_dome;
 
 /* To be freed in any case; YLM_ENOMEM. */
@@ -38,6 +39,9 @@ size_t ylm__scene_dome_pixel(const scene_dome *d, size_t tile, double u, double 
 /* The tile of a pixel, and its cell. */
 size_t ylm__scene_dome_tile(const scene_dome *d, size_t pixel);
 size_t ylm__scene_dome_cell(const scene_dome *d, size_t pixel);
+/* DOME_LOOKS pixels of a tile that are not dark, for u of 0 .. 1, each as ylm__scene_dome_pixel would find it; and their cells. */
+void ylm__scene_dome_looks(const scene_dome *d, size_t tile, double u, size_t *pixel, double *rest,
+                           size_t *cell);
 /* The radiance from direction d of length 1, which falls into that pixel. */
 void ylm__scene_dome_radiance(const scene_dome *d, size_t pixel, const double direction[3],
                               double rgb[3]);

@@ -196,13 +196,10 @@ static double aim_at_uniform(const scene_dome *d, const float *n, double u0, dou
    it; *scale: how much less often a pixel is chosen than one of the tile's would be. */
 static size_t seen_pixel(const scene_dome *d, size_t tile, const float *seen, double u[2],
                          double *scale) {
-  size_t pixel[DOME_LOOKS], k = 0;
+  size_t pixel[DOME_LOOKS], cell[DOME_LOOKS], k = 0;
   double rest[DOME_LOOKS], factor[DOME_LOOKS], sum = 0;
-  for (size_t i = 0; i < DOME_LOOKS; i++) {
-    double at = u[0] + (double)i * 0.61803398874989485;
-    pixel[i] = ylm__scene_dome_pixel(d, tile, at - floor(at), &rest[i]);
-    sum += factor[i] = (double)seen[ylm__scene_dome_cell(d, pixel[i])];
-  }
+  ylm__scene_dome_looks(d, tile, u[0], pixel, rest, cell);
+  for (size_t i = 0; i < DOME_LOOKS; i++) sum += factor[i] = (double)seen[cell[i]];
   double target = u[1] * sum;
   while (k + 1 < DOME_LOOKS && target >= factor[k]) target -= factor[k++];
   u[0] = rest[k], u[1] = fmin(target / factor[k], SCENE_BELOW_ONE);
