@@ -125,7 +125,8 @@
 /* Taps of even weight that are enough: of fewer, all within DENOISE_GUIDED pixels count. */
 #define DENOISE_FEW 6
 /* Light of a half is rare that is so many times what the other half has and what pixels around have, so many on each side; of
-   light that bounces, without the other half. Moved by: spots that are left in a room under an overcast sky, and bias of blocks. */
+   light that bounces, without the other half, where all these show one surface. Moved by: spots that are left in a room under an
+   overcast sky, noise beside the lamp's shade, and bias of blocks. */
 #define DENOISE_RARE 24
 #define DENOISE_RARE_BOUNCED 6
 #define DENOISE_CALM 3

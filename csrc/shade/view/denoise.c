@@ -96,26 +96,35 @@ static ylm_status fill(void *context, size_t begin, size_t end, int worker) {
   return YLM_OK;
 }
 
-/* The mean light of halves at taps of the fine grid around tap k, of surfaces of its class. */
-static float around(const denoise_grid *g, size_t k) {
-  float sum = 0, n = 0;
+/* Whether tap i of a grid is of a surface like that of tap k. */
+static bool is_like(const denoise_grid *g, size_t k, size_t i) {
+  float cosine = 0;
+  for (size_t c = TAP_NORMAL; c < TAP_NORMAL + 3; c++) cosine += g->number[c][i] * g->number[c][k];
+  return i != k && g->number[TAP_SHARE][i] > 0 &&
+         g->number[TAP_CLASS][i] == g->number[TAP_CLASS][k] && cosine > DENOISE_COSINE;
+}
+
+/* The mean light of halves at taps of the fine grid around tap k, of surfaces like its; INFINITY: fewer than `least` are. */
+static float around(const denoise_grid *g, size_t k, int least) {
+  float sum = 0;
+  int n = 0;
   for (int v = -DENOISE_CALM; v <= DENOISE_CALM; v++)
     for (int u = -DENOISE_CALM; u <= DENOISE_CALM; u++) {
       size_t i = (size_t)((ptrdiff_t)k + v * (ptrdiff_t)g->stride + u);
-      if (i == k || !(g->number[TAP_SHARE][i] > 0)) continue;
-      if (g->number[TAP_CLASS][i] != g->number[TAP_CLASS][k]) continue;
+      if (!is_like(g, k, i)) continue;
       sum += g->number[TAP_GUIDE][i] + g->number[TAP_GUIDE + 1][i];
-      n += 2;
+      n++;
     }
-  return n > 0 ? sum / n : INFINITY;
+  return n >= least ? sum / (2 * (float)n) : INFINITY;
 }
 
 /* Light that rare rays brought is left out of a tap: taps around have not its like, nor has the other half, or it is light that
-   bounces, which no pixel has alone. */
+   bounces, of which no pixel amid a surface has much alone. */
 static ylm_status calm(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const denoise_job *j = context;
   float *const *n = j->fine.number;
+  const int all = (2 * DENOISE_CALM + 1) * (2 * DENOISE_CALM + 1) - 1;
   for (size_t y = begin; y < end; y++)
     for (size_t x = 0, p = y * j->fine.width; x < j->fine.width; x++, p++) {
       size_t k = at(&j->fine, x, y);
@@ -123,7 +132,7 @@ static ylm_status calm(void *context, size_t begin, size_t end, int worker) {
       float own = j->bounced ? 0 : fminf(light[0], light[1]);
       if (!(fmaxf(light[0], light[1]) > DENOISE_RARE * own)) continue;
       float rare = j->bounced ? DENOISE_RARE_BOUNCED : DENOISE_RARE;
-      float rest = own + around(&j->fine, k);
+      float rest = own + around(&j->fine, k, j->bounced ? all : DENOISE_CALM);
       for (size_t h = 0; h < 2; h++)
         for (size_t c = 0; light[h] > rare * rest && c < 3; c++) {
           float *value = &n[TAP_VALUE + 3 * h + c][k], left = *value * rest / light[h];
