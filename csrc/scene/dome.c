@@ -37,11 +37,9 @@ static tile tile_at(const scene_dome *d, size_t i) {
   return t;
 }
 
-/* Pixel k of a tile, row by row. */
+/* Pixel k of a tile, row by row. Tiles have less than 2^32 pixels, and short numbers are divided faster. */
 static size_t pixel_in(const scene_dome *d, const tile *t, size_t k) {
-  uint32_t y =
-      (uint32_t)k /
-      (uint32_t)t->width; /* tiles are smaller than 2^32, and short numbers are divided faster */
+  uint32_t y = (uint32_t)k / (uint32_t)t->width;
   return (t->y + y) * (size_t)d->width + t->x + k - y * t->width;
 }
 
@@ -207,9 +205,8 @@ static ylm_status make_tables(scene_dome *d) {
   d->share = ylm_alloc(n, sizeof *d->share);
   d->keep = ylm_alloc(n, sizeof *d->keep);
   d->other = ylm_alloc(n, sizeof *d->other);
-  bool held = make_holders(d);
-  bool room =
-      held && power && x.height && x.list && x.other && x.stay && d->share && d->keep && d->other;
+  bool room = make_holders(d) && power && x.height && x.list && x.other && x.stay && d->share &&
+              d->keep && d->other;
   if (room) measure(d, power);
   for (size_t i = 0; room && i < d->lights; i++) {
     tile t = tile_at(d, i);

@@ -69,6 +69,7 @@ typedef struct building {
   const ylm_scene_places *places;
   ylm_scene_guide *g;
   float *tally; /* [clusters][3 width + 2 cells] */
+  size_t tiles; /* the place of the first tile of the sky in the list of lamps */
   uint64_t seed;
   atomic_uint_fast64_t rays;
 } building;
@@ -288,9 +289,8 @@ static float mean_square(const sky_map *m, size_t i) {
 }
 
 /* Of tiles: the root of the mean square. */
-static void settle_tiles(const building *b, const ylm_scene_chooser *c, const tally *t,
-                         const beside *x, float *row) {
-  size_t first = c->chunk[SCENE_SKY] * YLM_LAMP_CHUNK;
+static void settle_tiles(const building *b, const tally *t, const beside *x, float *row) {
+  size_t first = b->tiles;
   for (size_t k = 0; k < b->scene->domes; first += b->scene->dome[k++].lights) {
     const scene_dome *d = &b->scene->dome[k];
     sky_map m = {t->rays + first,       t->square + first, x->sum.rays + first,
@@ -328,21 +328,19 @@ static ylm_status settle(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const building *b = context;
   size_t width = b->g->width;
-  ylm_scene_chooser *c = ylm_scene_chooser_create(b->scene);
   beside x = {.room = ylm_alloc(tally_size(b->g), sizeof *x.room)};
-  if (x.room) x.sum = tally_in(b->g, x.room);
-  for (size_t i = begin; c && x.room && i < end; i++) {
+  if (!x.room) return YLM_ENOMEM;
+  x.sum = tally_in(b->g, x.room);
+  for (size_t i = begin; i < end; i++) {
     tally t = tally_of(b, i);
     float *row = b->g->row + row_of(b->g, i);
     sum_beside(b, i, &x);
     for (size_t k = 0; k < width; k++) settle_lamp(&t, width, k, row);
-    settle_tiles(b, c, &t, &x, row);
+    settle_tiles(b, &t, &x, row);
     settle_cells(b, &t, &x, row + 2 * width);
   }
-  ylm_status s = c && x.room ? YLM_OK : YLM_ENOMEM;
-  ylm_scene_chooser_free(c);
   ylm_free(x.room);
-  return s;
+  return YLM_OK;
 }
 
 /* -- all of it ------------------------------------------------------------------------------------- */
@@ -398,6 +396,7 @@ ylm_status ylm_scene_guide_create(const ylm_scene *s, const ylm_scene_places *al
   if (status == YLM_OK) {
     b.g->width = c->chunks * YLM_LAMP_CHUNK;
     b.g->cells = ylm__scene_sky_cells(s);
+    b.tiles = c->chunk[SCENE_SKY] * YLM_LAMP_CHUNK;
     status = build(&b, threads, progress);
   }
   ylm_scene_chooser_free(c);

@@ -17,11 +17,18 @@ typedef struct balance_cell {
   float factor[2][3];
 } balance_cell;
 
-/* Cells of one size. */
+/* Irradiance that was left out of points of a cell, and the weight of all. */
+typedef struct share_cell {
+  double rare[2][3], weight;
+} share_cell;
+
+/* Cells of one size: the middle of one is `side` pixels from that of the next. Of each there are FACES. */
 typedef struct balancing {
   const denoise_balance *b;
-  size_t side, across, down; /* pixels between the middles of cells; their numbers */
-  balance_cell *cell;        /* [down][across][FACES] */
+  size_t side, across, down; /* their numbers */
+  balance_cell *cell;        /* [down][across][FACES] or NULL */
+  const float (*rare)[2][3]; /* [points] or NULL */
+  share_cell *share;         /* [down][across][FACES] or NULL */
 } balancing;
 
 /* The axis that a normal is nearest to, of six. */
@@ -39,13 +46,66 @@ static size_t cell_at(const balancing *j, size_t pixel, double *part) {
   return (size_t)at;
 }
 
-/* Adds point i to a cell. */
-static void add(const balancing *j, size_t i, double w, balance_cell *cell) {
+/* Adds point i, of the weight w, to cell k. */
+typedef void add_fn(const balancing *j, size_t i, double w, size_t k);
+/* Gives point i its part of cell k, the one to the right of it, and those below. */
+typedef void take_fn(const balancing *j, size_t i, size_t k, double left, double up);
+
+/* Adds all filtered points of a row of cells. */
+static void add_row(const balancing *j, size_t row, add_fn *f) {
+  const ylm_shade_view *v = j->b->view;
+  size_t width = (size_t)v->o.width, height = (size_t)v->o.height;
+  size_t y = row > 0 ? (row - 1) * j->side : 0, stop = (row + 1) * j->side;
+  for (; y < stop && y < height; y++) {
+    double up, left;
+    double down = cell_at(j, y, &up) == row ? 1 - up : up;
+    for (size_t x = 0; x < width; x++) {
+      size_t p = y * width + x, cell = row * j->across + cell_at(j, x, &left);
+      for (size_t i = v->pixel[p].first; i < v->pixel[p + 1].first; i++) {
+        if (!(j->b->reach[i] >= 1)) continue;
+        double w = down * (double)v->entry[i].weight;
+        size_t k = cell * FACES + face_of(v->normal[i]);
+        f(j, i, w * (1 - left), k);
+        f(j, i, w * left, k + FACES);
+      }
+    }
+  }
+}
+
+/* Calls f for all filtered points of a row of pixels. */
+static void take_row(const balancing *j, size_t y, take_fn *f) {
+  const ylm_shade_view *v = j->b->view;
+  size_t width = (size_t)v->o.width;
+  double up, left;
+  size_t row = cell_at(j, y, &up) * j->across;
+  for (size_t x = 0, p = y * width; x < width; x++, p++) {
+    size_t cell = row + cell_at(j, x, &left);
+    for (size_t i = v->pixel[p].first; i < v->pixel[p + 1].first; i++)
+      if (j->b->reach[i] >= 1) f(j, i, cell * FACES + face_of(v->normal[i]), left, up);
+  }
+}
+
+/* Runs over rows of cells, then over rows of pixels. */
+static ylm_status run(balancing *j, ylm_range_fn *gather, ylm_range_fn *spread, int threads) {
+  ylm_status s = ylm_parallel(j->down, 1, threads, gather, j, NULL, NULL);
+  size_t height = (size_t)j->b->view->o.height;
+  return s == YLM_OK ? ylm_parallel(height, 1, threads, spread, j, NULL, NULL) : s;
+}
+
+static balancing cells_of(const denoise_balance *b, size_t side) {
+  size_t width = (size_t)b->view->o.width, height = (size_t)b->view->o.height;
+  return (balancing){.b = b, .side = side, .across = width / side + 2, .down = height / side + 2};
+}
+
+/* -- light that a filter moved ----------------------------------------------------------------------- */
+
+static void add(const balancing *j, size_t i, double w, size_t k) {
   const denoise_balance *b = j->b;
+  balance_cell *cell = j->cell + k;
   for (size_t h = 0; h < 2; h++)
-    for (size_t k = 0; k < 3; k++) {
-      cell->before[h][k] += w * (double)b->before[i][h][k];
-      cell->after[h][k] += w * (double)b->half[h][3 * i + k];
+    for (size_t c = 0; c < 3; c++) {
+      cell->before[h][c] += w * (double)b->before[i][h][c];
+      cell->after[h][c] += w * (double)b->half[h][3 * i + c];
     }
   cell->variance += w * w * (double)b->variance[i] / 2;
 }
@@ -70,33 +130,16 @@ static void settle(balance_cell *cell) {
 static ylm_status gather(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const balancing *j = context;
-  const ylm_shade_view *v = j->b->view;
-  size_t width = (size_t)v->o.width, height = (size_t)v->o.height;
   for (size_t row = begin; row < end; row++) {
-    balance_cell *cells = j->cell + row * j->across * FACES;
-    size_t y = row > 0 ? (row - 1) * j->side : 0, stop = (row + 1) * j->side;
-    for (; y < stop && y < height; y++) {
-      double up, left;
-      double down = cell_at(j, y, &up) == row ? 1 - up : up;
-      for (size_t x = 0; x < width; x++) {
-        size_t p = y * width + x, cell = cell_at(j, x, &left);
-        for (size_t i = v->pixel[p].first; i < v->pixel[p + 1].first; i++) {
-          if (!(j->b->reach[i] >= 1)) continue;
-          double w = down * (double)v->entry[i].weight;
-          balance_cell *to = cells + cell * FACES + face_of(v->normal[i]);
-          add(j, i, w * (1 - left), to);
-          add(j, i, w * left, to + FACES);
-        }
-      }
-    }
-    for (size_t k = 0; k < j->across * FACES; k++) settle(cells + k);
+    add_row(j, row, add);
+    for (size_t k = 0; k < j->across * FACES; k++) settle(j->cell + row * j->across * FACES + k);
   }
   return YLM_OK;
 }
 
-/* Multiplies point i by factors of the four cells around, which begin at `cell`. */
-static void scale(const balancing *j, size_t i, const balance_cell *cell, double left, double up) {
-  const balance_cell *below = cell + j->across * FACES;
+/* Multiplies point i by the factors of its cells. */
+static void scale(const balancing *j, size_t i, size_t first, double left, double up) {
+  const balance_cell *cell = j->cell + first, *below = cell + j->across * FACES;
   for (size_t h = 0; h < 2; h++)
     for (size_t k = 0; k < 3; k++) {
       double top =
@@ -109,30 +152,15 @@ static void scale(const balancing *j, size_t i, const balance_cell *cell, double
 
 static ylm_status spread(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
-  const balancing *j = context;
-  const ylm_shade_view *v = j->b->view;
-  size_t width = (size_t)v->o.width;
-  for (size_t y = begin; y < end; y++) {
-    double up, left;
-    const balance_cell *cells = j->cell + cell_at(j, y, &up) * j->across * FACES;
-    for (size_t x = 0, p = y * width; x < width; x++, p++) {
-      size_t cell = cell_at(j, x, &left);
-      for (size_t i = v->pixel[p].first; i < v->pixel[p + 1].first; i++)
-        if (j->b->reach[i] >= 1)
-          scale(j, i, cells + cell * FACES + face_of(v->normal[i]), left, up);
-    }
-  }
+  for (size_t y = begin; y < end; y++) take_row(context, y, scale);
   return YLM_OK;
 }
 
 /* Balances cells of one size. */
 static ylm_status balance(const denoise_balance *b, size_t side, int threads) {
-  size_t width = (size_t)b->view->o.width, height = (size_t)b->view->o.height;
-  balancing j = {.b = b, .side = side, .across = width / side + 2, .down = height / side + 2};
+  balancing j = cells_of(b, side);
   j.cell = ylm_alloc_zero(j.across * j.down * FACES, sizeof *j.cell);
-  if (!j.cell) return YLM_ENOMEM;
-  ylm_status s = ylm_parallel(j.down, 1, threads, gather, &j, NULL, NULL);
-  if (s == YLM_OK) s = ylm_parallel(height, 1, threads, spread, &j, NULL, NULL);
+  ylm_status s = j.cell ? run(&j, gather, spread, threads) : YLM_ENOMEM;
   ylm_free(j.cell);
   return s;
 }
@@ -147,104 +175,44 @@ ylm_status ylm__denoise_balance(const denoise_balance *b, int threads) {
 
 /* -- light of rare rays ---------------------------------------------------------------------------- */
 
-/* Irradiance that was left out of the pixels of a cell, and the weight of its points. */
-typedef struct share_cell {
-  double rare[2][3], weight;
-} share_cell;
-
-typedef struct sharing {
-  balancing cells; /* without their sums */
-  const uint32_t *point;
-  const float (*rare)[2][3];
-  share_cell *cell;
-} sharing;
-
-static bool is_filtered(const denoise_balance *b, size_t i) { return b->reach[i] >= 1; }
-
-/* Adds pixel p, of the tent w, to a row's cells at `cell`, and the next ones. */
-static void add_rare(const sharing *j, size_t p, double w, double left, share_cell *cell) {
-  const denoise_balance *b = j->cells.b;
-  const ylm_shade_view *v = b->view;
-  for (size_t i = v->pixel[p].first; i < v->pixel[p + 1].first; i++) {
-    if (!is_filtered(b, i)) continue;
-    share_cell *to = cell + face_of(v->normal[i]);
-    double weight = w * (double)v->entry[i].weight;
-    to->weight += weight * (1 - left);
-    to[FACES].weight += weight * left;
-    for (size_t h = 0; j->point[p] == i && h < 2; h++)
-      for (size_t k = 0; k < 3; k++) {
-        double rare = weight * (double)j->rare[p][h][k];
-        to->rare[h][k] += rare * (1 - left);
-        to[FACES].rare[h][k] += rare * left;
-      }
-  }
+static void add_rare(const balancing *j, size_t i, double w, size_t k) {
+  share_cell *cell = j->share + k;
+  cell->weight += w;
+  for (size_t h = 0; h < 2; h++)
+    for (size_t c = 0; c < 3; c++) cell->rare[h][c] += w * (double)j->rare[i][h][c];
 }
 
 static ylm_status gather_rare(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
-  const sharing *j = context;
-  const balancing *of = &j->cells;
-  size_t width = (size_t)of->b->view->o.width, height = (size_t)of->b->view->o.height;
-  for (size_t row = begin; row < end; row++) {
-    size_t y = row > 0 ? (row - 1) * of->side : 0, stop = (row + 1) * of->side;
-    for (; y < stop && y < height; y++) {
-      double up, left;
-      double down = cell_at(of, y, &up) == row ? 1 - up : up;
-      for (size_t x = 0; x < width; x++) {
-        size_t cell = cell_at(of, x, &left);
-        add_rare(j, y * width + x, down, left, j->cell + (row * of->across + cell) * FACES);
-      }
-    }
-  }
+  for (size_t row = begin; row < end; row++) add_row(context, row, add_rare);
   return YLM_OK;
 }
 
-/* Adds to point i its part of the four cells around, which begin at `cell`. */
-static void take_rare(const sharing *j, size_t i, const share_cell *cell, double left, double up) {
-  const denoise_balance *b = j->cells.b;
-  const share_cell *below = cell + j->cells.across * FACES;
+/* Adds its part of the rare light of its cells to point i. */
+static void take_rare(const balancing *j, size_t i, size_t first, double left, double up) {
+  const share_cell *cell = j->share + first, *below = cell + j->across * FACES;
   const share_cell *of[4] = {cell, cell + FACES, below, below + FACES};
   const double part[4] = {(1 - left) * (1 - up), left * (1 - up), (1 - left) * up, left * up};
   float albedo[3];
-  ylm__shade_albedo(b->view, i, albedo);
+  ylm__shade_albedo(j->b->view, i, albedo);
   for (size_t q = 0; q < 4; q++)
     for (size_t h = 0; of[q]->weight > 0 && h < 2; h++)
-      for (size_t k = 0; k < 3; k++)
-        b->half[h][3 * i + k] += (float)(part[q] * of[q]->rare[h][k] / of[q]->weight) * albedo[k];
+      for (size_t c = 0; c < 3; c++)
+        j->b->half[h][3 * i + c] +=
+            (float)(part[q] * of[q]->rare[h][c] / of[q]->weight) * albedo[c];
 }
 
 static ylm_status spread_rare(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
-  const sharing *j = context;
-  const balancing *of = &j->cells;
-  const ylm_shade_view *v = of->b->view;
-  size_t width = (size_t)v->o.width;
-  for (size_t y = begin; y < end; y++) {
-    double up, left;
-    const share_cell *cells = j->cell + cell_at(of, y, &up) * of->across * FACES;
-    for (size_t x = 0, p = y * width; x < width; x++, p++) {
-      size_t cell = cell_at(of, x, &left);
-      for (size_t i = v->pixel[p].first; i < v->pixel[p + 1].first; i++)
-        if (is_filtered(of->b, i))
-          take_rare(j, i, cells + cell * FACES + face_of(v->normal[i]), left, up);
-    }
-  }
+  for (size_t y = begin; y < end; y++) take_row(context, y, take_rare);
   return YLM_OK;
 }
 
-ylm_status ylm__denoise_share(const denoise_balance *b, const uint32_t *point,
-                              const float (*rare)[2][3], int threads) {
-  size_t width = (size_t)b->view->o.width, height = (size_t)b->view->o.height;
-  sharing j = {.cells = {.b = b,
-                         .side = BALANCE_RARE,
-                         .across = width / BALANCE_RARE + 2,
-                         .down = height / BALANCE_RARE + 2},
-               .point = point,
-               .rare = rare};
-  j.cell = ylm_alloc_zero(j.cells.across * j.cells.down * FACES, sizeof *j.cell);
-  if (!j.cell) return YLM_ENOMEM;
-  ylm_status s = ylm_parallel(j.cells.down, 1, threads, gather_rare, &j, NULL, NULL);
-  if (s == YLM_OK) s = ylm_parallel(height, 1, threads, spread_rare, &j, NULL, NULL);
-  ylm_free(j.cell);
+ylm_status ylm__denoise_share(const denoise_balance *b, const float (*rare)[2][3], int threads) {
+  balancing j = cells_of(b, BALANCE_RARE);
+  j.rare = rare;
+  j.share = ylm_alloc_zero(j.across * j.down * FACES, sizeof *j.share);
+  ylm_status s = j.share ? run(&j, gather_rare, spread_rare, threads) : YLM_ENOMEM;
+  ylm_free(j.share);
   return s;
 }

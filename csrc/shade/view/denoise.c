@@ -17,7 +17,7 @@ typedef struct denoise_job {
   double noise; /* that is wanted, of this light: a part of all light */
   bool bounced;
   uint32_t *largest;    /* [pixels] the point that is in the grid; NOWHERE: none */
-  float (*rare)[2][3];  /* [pixels] irradiance that was left out of it */
+  float (*rare)[2][3];  /* [points] irradiance that was left out of it */
   float (*value)[2][3]; /* [points] irradiance of halves */
   float *class;         /* [points] the channels that are reflected; -1: not filtered */
   float (*guide)[2], *spread, *variance, *reach; /* [points] variance is that of a half */
@@ -50,13 +50,12 @@ static void demodulate(denoise_job *j, size_t i) {
   j->class[i] = (class & 7) == 0 || narrow ? -1 : (float)class;
 }
 
-/* Irradiance of all light at point i. */
-static float all_at(const denoise_job *j, size_t i) {
-  float albedo[3], all[3];
-  ylm__shade_albedo(j->v, i, albedo);
+float ylm__denoise_irradiance(const ylm_shade_view *v, size_t i, const float *radiance) {
+  float albedo[3], E[3];
+  ylm__shade_albedo(v, i, albedo);
   for (int c = 0; c < 3; c++)
-    all[c] = albedo[c] > DENOISE_ALBEDO ? j->all[3 * i + c] / albedo[c] : 0;
-  return (float)luminance(all);
+    E[c] = albedo[c] > DENOISE_ALBEDO ? radiance[3 * i + (size_t)c] / albedo[c] : 0;
+  return (float)luminance(E);
 }
 
 /* Puts point i into the fine grid. */
@@ -73,7 +72,7 @@ static void place(denoise_job *j, size_t i, size_t k) {
   to[TAP_GUIDE][k] = (float)luminance(j->value[i][0]);
   to[TAP_GUIDE + 1][k] = (float)luminance(j->value[i][1]);
   to[TAP_APART][k] = powf(to[TAP_GUIDE][k] - to[TAP_GUIDE + 1][k], 2);
-  to[TAP_ALL][k] = all_at(j, i);
+  to[TAP_ALL][k] = ylm__denoise_irradiance(j->v, i, j->all);
 }
 
 /* All points of rows of pixels; the largest of a pixel that is filtered is in the grid. */
@@ -127,7 +126,7 @@ static ylm_status calm(void *context, size_t begin, size_t end, int worker) {
   const int all = (2 * DENOISE_CALM + 1) * (2 * DENOISE_CALM + 1) - 1;
   for (size_t y = begin; y < end; y++)
     for (size_t x = 0, p = y * j->fine.width; x < j->fine.width; x++, p++) {
-      size_t k = at(&j->fine, x, y);
+      size_t k = at(&j->fine, x, y), i = j->largest[p];
       float light[2] = {n[TAP_GUIDE][k], n[TAP_GUIDE + 1][k]};
       float own = j->bounced ? 0 : fminf(light[0], light[1]);
       if (!(fmaxf(light[0], light[1]) > DENOISE_RARE * own)) continue;
@@ -136,8 +135,8 @@ static ylm_status calm(void *context, size_t begin, size_t end, int worker) {
       for (size_t h = 0; h < 2; h++)
         for (size_t c = 0; light[h] > rare * rest && c < 3; c++) {
           float *value = &n[TAP_VALUE + 3 * h + c][k], left = *value * rest / light[h];
-          j->rare[p][h][c] = *value - left;
-          j->value[j->largest[p]][h][c] = *value = left;
+          j->rare[i][h][c] = *value - left;
+          j->value[i][h][c] = *value = left;
         }
     }
   return YLM_OK;
@@ -257,7 +256,7 @@ static void add_own(const denoise_job *j, size_t i, float sums[3]) {
   float weight = j->v->entry[i].weight;
   sums[0] += weight;
   sums[1] += weight * powf(j->guide[i][0] - j->guide[i][1], 2);
-  sums[2] += weight * all_at(j, i);
+  sums[2] += weight * ylm__denoise_irradiance(j->v, i, j->all);
 }
 
 /* The variance of a point's light by that of points around, how far it reaches, and its first guide. */
@@ -402,7 +401,7 @@ static ylm_status job_create(denoise_job *j, size_t width, size_t height) {
   size_t points = j->v->points;
   bool grids = grid_create(&j->fine, 1, width, height) && grid_create(&j->coarse, 2, width, height);
   j->largest = ylm_alloc(width * height, sizeof *j->largest);
-  j->rare = ylm_alloc_zero(width * height, sizeof *j->rare);
+  j->rare = ylm_alloc_zero(points, sizeof *j->rare);
   j->value = ylm_alloc(points, sizeof *j->value);
   j->class = ylm_alloc(points, sizeof *j->class);
   j->guide = ylm_alloc(points, sizeof *j->guide);
@@ -440,7 +439,7 @@ ylm_status ylm_shade_denoise(const ylm_shade_view *v, float *half[2], const floa
                      "denoising");
   denoise_balance kept = {v, (const float(*)[2][3])j.value, j.variance, j.reach, half};
   if (s == YLM_OK) s = ylm__denoise_balance(&kept, threads);
-  if (s == YLM_OK) s = ylm__denoise_share(&kept, j.largest, (const float(*)[2][3])j.rare, threads);
+  if (s == YLM_OK) s = ylm__denoise_share(&kept, (const float(*)[2][3])j.rare, threads);
   job_free(&j);
   return s;
 }

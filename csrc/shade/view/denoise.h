@@ -69,8 +69,9 @@ typedef struct denoise_balance {
 /* Gives cells of pixels the light that they had before, as far as that is known. balance.c */
 ylm_status ylm__denoise_balance(const denoise_balance *b, int threads);
 
-/* Shares irradiance that was left out of pixels, rare [pixels], with all points of their cells. point: of each pixel. balance.c */
-ylm_status ylm__denoise_share(const denoise_balance *b, const uint32_t *point,
-                              const float (*rare)[2][3], int threads);
+/* Shares irradiance that was left out of points, rare [points], with all of their cells. balance.c */
+ylm_status ylm__denoise_share(const denoise_balance *b, const float (*rare)[2][3], int threads);
+/* Luminous irradiance at point i, to a factor, by the radiance [points][3] that it reflects. denoise.c */
+float ylm__denoise_irradiance(const ylm_shade_view *v, size_t i, const float *radiance);
 
 #endif

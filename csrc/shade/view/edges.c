@@ -2,8 +2,7 @@
    alike. */
 #include <math.h>
 
-#include "../calibration.h"
-#include "../view.h"
+#include "denoise.h"
 
 /* The largest point of each pixel, and luminous irradiance there. */
 typedef struct edge_pixel {
@@ -19,16 +18,6 @@ typedef struct edge_job {
   double unit, most, usual;
 } edge_job;
 
-/* Luminous irradiance at point i, to a factor, by the radiance that it reflects. */
-static float irradiance(const ylm_shade_view *v, size_t i, const float *radiance) {
-  float albedo[3];
-  double E[3];
-  ylm__shade_albedo(v, i, albedo);
-  for (int c = 0; c < 3; c++)
-    E[c] = albedo[c] > DENOISE_ALBEDO ? (double)(radiance[3 * i + (size_t)c] / albedo[c]) : 0;
-  return (float)ylm_luminance(E);
-}
-
 static ylm_status fill(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const edge_job *j = context;
@@ -40,8 +29,8 @@ static ylm_status fill(void *context, size_t begin, size_t end, int worker) {
       if (e->point == YLM_SHADE_NOWHERE || v->entry[i].weight > v->entry[e->point].weight)
         e->point = (uint32_t)i;
     if (e->point == YLM_SHADE_NOWHERE) continue;
-    e->light = irradiance(v, e->point, j->light);
-    e->all = irradiance(v, e->point, j->all);
+    e->light = ylm__denoise_irradiance(v, e->point, j->light);
+    e->all = ylm__denoise_irradiance(v, e->point, j->all);
   }
   return YLM_OK;
 }

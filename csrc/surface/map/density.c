@@ -20,10 +20,19 @@ void ylm__map_products(const map_bake *b, double *out) {
     out[i] = map_counts(&b->site[i]) ? product(b, &b->site[i]) : 0;
 }
 
-/* The mean of sums of the texels that a site reads. */
-static double mean_at(const map_site *s, const float *sum, const float *count) {
+void ylm__map_sum(const map_bake *b, const double *values, float *sum, float *count) {
+  for (size_t i = 0; i < b->sites; i++) {
+    const map_site *s = &b->site[i];
+    for (int k = 0; map_counts(s) && k < 4; k++) {
+      sum[s->tap.texel[k]] += s->tap.weight[k] * (float)values[i];
+      count[s->tap.texel[k]] += s->tap.weight[k];
+    }
+  }
+}
+
+double ylm__map_mean_at(const map_site *s, const float *sum, const float *count) {
   double a = 0, n = 0;
-  for (int k = 0; k < 4; k++) {
+  for (int k = 0; map_counts(s) && k < 4; k++) {
     a += (double)(s->tap.weight[k] * sum[s->tap.texel[k]]);
     n += (double)(s->tap.weight[k] * count[s->tap.texel[k]]);
   }
@@ -31,18 +40,13 @@ static double mean_at(const map_site *s, const float *sum, const float *count) {
 }
 
 ylm_status ylm__map_bound(const map_bake *b, double *products) {
-  float *sum = ylm_alloc_zero(2 * b->texels, sizeof *sum), *count = sum + b->texels;
+  float *sum = ylm_alloc_zero(2 * b->texels, sizeof *sum);
   if (!sum) return YLM_ENOMEM;
-  for (size_t i = 0; i < b->sites; i++) {
-    const map_site *s = &b->site[i];
-    for (int k = 0; map_counts(s) && k < 4; k++) {
-      sum[s->tap.texel[k]] += s->tap.weight[k] * (float)products[i];
-      count[s->tap.texel[k]] += s->tap.weight[k];
-    }
-  }
+  float *count = sum + b->texels;
+  ylm__map_sum(b, products, sum, count);
   double most = MAP_BOUND * MAP_BOUND * b->aim * b->aim;
   for (size_t i = 0; i < b->sites; i++) { /* odd, so that noise has a mean of about 0 yet */
-    double x = map_counts(&b->site[i]) ? mean_at(&b->site[i], sum, count) : 0;
+    double x = ylm__map_mean_at(&b->site[i], sum, count);
     products[i] = x / (1 + fabs(x) / most);
   }
   ylm_free(sum);

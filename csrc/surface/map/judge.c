@@ -82,10 +82,11 @@ static ylm_status ask_again(map_bake *b, judges *j, double before) {
 
 /* Counts why places miss the aim: texels under bodies, noise, or what is left, edges of light. */
 static ylm_status find_causes(map_bake *b, const judges *j) {
-  float *all = ylm_alloc_zero(2 * b->texels, sizeof *all), *open = all + b->texels;
+  float *all = ylm_alloc_zero(2 * b->texels, sizeof *all);
   ylm_surface_map_stats *s = &b->m->stats;
   s->bodies = s->noisy = s->edges = 0;
   if (!all) return YLM_ENOMEM;
+  float *open = all + b->texels;
   for (size_t i = 0; i < b->sites; i++)
     for (int k = 0; b->site[i].read && k < 4; k++) {
       all[b->site[i].tap.texel[k]] += b->site[i].tap.weight[k];

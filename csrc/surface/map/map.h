@@ -259,6 +259,10 @@ void ylm__map_sum_around(const map_bake *b, float *x, float *room);
    densities for a picture. */
 void ylm__map_products(const map_bake *b, double *product);
 ylm_status ylm__map_square(const map_bake *b, const double *product, double *square);
+/* density.c: adds values [sites] and their weights to the texels that sites read, and the mean of such sums at a site; 0: it does
+   not count. */
+void ylm__map_sum(const map_bake *b, const double *values, float *sum, float *count);
+double ylm__map_mean_at(const map_site *s, const float *sum, const float *count);
 /* density.c: products become means around their sites, which count no more than some aims: a place that misses a tolerance is
    one, by however much it does. */
 ylm_status ylm__map_bound(const map_bake *b, double *product);

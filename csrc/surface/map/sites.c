@@ -226,30 +226,23 @@ static ylm_status light_all(map_bake *b) {
    own would choose sites that are too bright. */
 static ylm_status find_noisy(const map_bake *b, size_t *of, size_t *found) {
   float *room = ylm_alloc_zero(3 * b->texels, sizeof *room);
-  float *sum = room, *count = room + b->texels, *spare = room + 2 * b->texels;
+  double *square = ylm_alloc(b->sites, sizeof *square);
   *found = 0;
-  if (!room) return YLM_ENOMEM;
-  for (size_t i = 0; i < b->sites; i++) {
-    const map_site *s = &b->site[i];
-    for (int k = 0; map_counts(s) && k < 4; k++) {
-      sum[s->tap.texel[k]] += s->tap.weight[k] * (float)square_noise(s);
-      count[s->tap.texel[k]] += s->tap.weight[k];
-    }
+  if (room && square) {
+    float *sum = room, *count = room + b->texels, *around = room + 2 * b->texels;
+    for (size_t i = 0; i < b->sites; i++) square[i] = square_noise(&b->site[i]);
+    ylm__map_sum(b, square, sum, count);
+    /* The room of both sums is read, which holds them along rows alone: figures were measured so. */
+    ylm__map_sum_around(b, sum, around);
+    ylm__map_sum_around(b, count, sum);
+    double most = MAP_NOISY * MAP_NOISY * b->aim * b->aim;
+    for (size_t i = 0; i < b->sites; i++)
+      if (ylm__map_mean_at(&b->site[i], around, sum) > most) of[(*found)++] = i;
   }
-  ylm__map_sum_around(b, sum, spare);
-  ylm__map_sum_around(b, count, sum);
-  double most = MAP_NOISY * MAP_NOISY * b->aim * b->aim;
-  for (size_t i = 0; i < b->sites; i++) {
-    const map_site *s = &b->site[i];
-    double noise = 0, n = 0;
-    for (int k = 0; map_counts(s) && k < 4; k++) {
-      noise += (double)(s->tap.weight[k] * spare[s->tap.texel[k]]);
-      n += (double)(s->tap.weight[k] * sum[s->tap.texel[k]]);
-    }
-    if (noise > most * n) of[(*found)++] = i;
-  }
+  ylm_status s = room && square ? YLM_OK : YLM_ENOMEM;
   ylm_free(room);
-  return YLM_OK;
+  ylm_free(square);
+  return s;
 }
 
 /* Asks the light of noisy sites anew, with more rays. */

@@ -110,19 +110,25 @@ local function show(x)
   x.casting.into[{ { 1, x.p.stats.points } }] = all
 end
 
+--- Direct light of points by `rays` of them, and the count of shadow rays; or nil, message, code. `into`: where the light goes.
+local function cast(x, rays, number, told, into)
+  local c = x.casting
+  local found, count, code = check.result(x.name, x.p.lib.shade_raycast(x.p.view, { light_samples = x.pilot.rays, rays = rays,
+    shadows = c.shadows, spread = true, seed = c.seed + STEP * number, threads = c.threads, progress = told, lit = c.lit,
+    guide = c.guide, into = into }))
+  if found then x.report.rays.shadow = (x.report.rays.shadow or 0) + count end
+  return found, count, code
+end
+
 --- Two estimates of direct light and two along links, in `x.direct`, `x.links`; rays of a half and sets are numbers of points.
 -- True, or nil, message, code.
 local function estimate(x, rays, sets, round)
   local c = x.casting
   x.direct, x.links = {}, nil
   for half = 1, 2 do
-    local found, count, code = check.result(x.name, x.p.lib.shade_raycast(x.p.view, { light_samples = x.pilot.rays, rays = rays,
-      shadows = c.shadows, spread = true, seed = c.seed + STEP * (2 * round + half), threads = c.threads, progress = c.progress,
-      lit = c.lit,
-      guide = c.guide, into = round == 0 and half == 1 and c.into or nil }))
+    local found, count, code = cast(x, rays, 2 * round + half, c.progress, round == 0 and half == 1 and c.into or nil)
     if not found then return nil, count, code end
     x.direct[half] = rawequal(found, c.into) and found:clone() or found
-    x.report.rays.shadow = (x.report.rays.shadow or 0) + count
     if round == 0 then show(x) end
   end
   local b = steady.links(x.o)
@@ -196,9 +202,12 @@ local function choose(x, budget)
   return 2 ^ high
 end
 
+--- Shadow rays of a point, on average.
+local function samples_of(x) return 2 * (x.rays:mean() + (x.edges or 0)) end
+
 --- The report of a picture that has not ended.
 local function so_far(x, reached)
-  return { noise = reached, noise_before = x.raw and x.before, light_samples = 2 * (x.rays:mean() + (x.edges or 0)) }
+  return { noise = reached, noise_before = x.raw and x.before, light_samples = samples_of(x) }
 end
 
 --- The cause that kept a picture from its noise, and the advice that a line gives.
@@ -264,12 +273,9 @@ local function sharpen(x)
       c.threads, rays)))
     direct[half] = x.direct[half]
     if mean > 0 then
-      local found, count, code = check.result(x.name, x.p.lib.shade_raycast(x.p.view, { light_samples = x.pilot.rays, rays = rays,
-        shadows = c.shadows, spread = true, seed = c.seed + STEP * (10 + half), threads = c.threads, progress = x.interrupts,
-        lit = c.lit, guide = c.guide }))
+      local found, count, code = cast(x, rays, 10 + half, x.interrupts)
       if not found then return nil, count, code end
       direct[half] = direct[half] + (found - direct[half]) * (rays / (rays + x.pilot.rays))
-      x.report.rays.shadow = x.report.rays.shadow + count
       x.edges = (x.edges or 0) + mean / 2
     end
   end
@@ -427,7 +433,7 @@ function rounds.radiance(name, p, o, report, casting, now)
     if not reached then return nil, message, code end
   end
   local took = core.seconds() - start
-  report.light_samples = 2 * (x.rays:mean() + (x.edges or 0))
+  report.light_samples = samples_of(x)
   report.noise_before = x.raw and x.before
   if x.links then
     o.reflected.gathered = ((x.links[1] + x.links[2]) / 2)
