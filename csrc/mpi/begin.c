@@ -4,7 +4,6 @@
 #endif
 #include <sched.h>
 #include <stdlib.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "process.h"
@@ -70,9 +69,13 @@ static int share_of_threads(MPI_Comm comm, mask *all) {
 
 /* -- the end ------------------------------------------------------------------------------------- */
 
-static void rest(double seconds) {
-  struct timespec t = {(time_t)seconds, (long)(1e9 * (seconds - (double)(time_t)seconds))};
-  nanosleep(&t, NULL);
+/* Until all processes have come here, each with what it had to say, or PATIENCE has passed. */
+static void meet_at_end(process *p) {
+  MPI_Request r;
+  pthread_mutex_lock(&p->lock);
+  int code = MPI_Ibarrier(p->end, &r);
+  pthread_mutex_unlock(&p->lock);
+  if (code == MPI_SUCCESS) ylm__mpi_wait(p, &r, PATIENCE, NULL);
 }
 
 /* Ends MPI where all processes end; else ends them all. */
@@ -90,14 +93,13 @@ static void leave(int status, void *context) {
     for (int i = 0; all && i < p->team.size; i++) all = p->words[i].call == CALL_LEAVE;
     if (all) {
       ylm__mpi_thread_end(p);
+      MPI_Comm_free(&p->end);
       MPI_Comm_free(&p->comm);
       MPI_Finalize();
       return;
     }
-    if (s == YLM_OK) rest(PATIENCE); /* the others tell of it */
-  } else if (p->team.rank > 0) {
-    rest(PATIENCE / 4); /* the first process may have more to say */
   }
+  meet_at_end(p);
   ylm__mpi_thread_end(p);
   MPI_Abort(MPI_COMM_WORLD, status ? status : 1);
 }
@@ -120,9 +122,11 @@ static ylm_status begin(process *p, ylm_error *e) {
   if (level < MPI_THREAD_SERIALIZED)
     return ylm_fail(e, YLM_EPEER,
                     "this MPI library cannot be called by several threads (MPI_THREAD_SERIALIZED)");
-  if (MPI_Comm_dup(MPI_COMM_WORLD, &p->comm) != MPI_SUCCESS)
+  if (MPI_Comm_dup(MPI_COMM_WORLD, &p->comm) != MPI_SUCCESS ||
+      MPI_Comm_dup(MPI_COMM_WORLD, &p->end) != MPI_SUCCESS)
     return ylm_fail(e, YLM_EPEER, "MPI failed: no communicator");
   MPI_Comm_set_errhandler(p->comm, MPI_ERRORS_RETURN);
+  MPI_Comm_set_errhandler(p->end, MPI_ERRORS_RETURN);
   ylm_team *t = &p->team;
   *t = (ylm_team){.self = p,
                   .next = ylm__mpi_next,

@@ -38,10 +38,11 @@ typedef struct counter {
 typedef struct process {
   ylm_team team;
   MPI_Comm comm;
-  word *words; /* [size], and its own behind them, which is read until all have heard it */
-  int *count;  /* [2][size] scratch */
-  int threads; /* ylm_mpi_begin */
-  bool alone;  /* it has gone on alone */
+  MPI_Comm end; /* of the barrier before MPI_Abort: calls of comm may be open then */
+  word *words;  /* [size], and its own behind them, which is read until all have heard it */
+  int *count;   /* [2][size] scratch */
+  int threads;  /* ylm_mpi_begin */
+  bool alone;   /* it has gone on alone */
   counter counter;
   /* Process 0: the thread that hands out tasks while the process computes. */
   bool threaded, quit;

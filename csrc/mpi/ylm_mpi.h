@@ -25,7 +25,7 @@ extern "C" {
 ** Returns  YLM_OK; YLM_EPEER, YLM_ENOMEM
 **
 ** MPI ends with the process. A process that ends with a status other than 0, or has gone on alone,
-** ends the others too (MPI_Abort), at once if they do not end within two seconds.
+** ends the others too (MPI_Abort): when all have come to their ends, but within four seconds.
 */
 YLM_API ylm_status ylm_mpi_begin(ylm_team **team, int *threads, ylm_error *e);
 
