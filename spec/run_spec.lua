@@ -32,6 +32,35 @@ describe("spec/run", function()
   end)
 end)
 
+describe("spec/run with YLM_SPEC_KEEP", function()
+  it("counts files that passed, and runs those that failed again", function()
+    local lua, folder = os.getenv "YLM_LUA" or "lua5.4", scratch.new()
+    local abi, ran = lua == "luajit" and "lua5.1" or lua, folder.path .. "/ran"
+    scratch.shell(("mkdir %s/build && ln -s $(realpath %s)/%s %s/build/%s"):format(folder.path,
+      os.getenv "YLM_BUILD" or "build", abi, folder.path, abi))
+    local text = "io.open(%q, 'a'):write %q\ndescribe('a file', function() it('is run', function() assert(%s) end) end)\n"
+    local good = folder:write("good_spec.lua", text:format(ran, "good ", "true"))
+    local bad = folder:write("bad_spec.lua", text:format(ran, "bad ", "false"))
+    local function run(prefix, options)
+      local out, status = scratch.capture(("%s BUILD=%s/build SPEC_LUAS=%s YLM_SPEC_JOBS=1 spec/run %s %s %s"):format(prefix,
+        folder.path, lua, good, bad, options or ""))
+      assert.equal(1, status, out)
+      assert.matches("\n1 passed, 1 failed\n$", out)
+      local file = assert(io.open(ran))
+      local names = file:read "*a"
+      file:close()
+      os.remove(ran)
+      return names
+    end
+    local keep = ("YLM_SPEC_KEEP=%s/kept"):format(folder.path)
+    assert.matches("good", run(keep))
+    assert.equal("bad ", run(keep))
+    assert.matches("good", run(keep, "--filter=run"))
+    assert.matches("good", run "YLM_SPEC_KEEP=")
+    folder:remove()
+  end)
+end)
+
 describe("spec/long", function()
   local folder
   setup(function() folder = scratch.new() end)
@@ -40,8 +69,8 @@ describe("spec/long", function()
   --- Its output and status, where make is a shell's lines.
   local function long(words, make)
     folder:write("make", "#!/bin/sh\n" .. make)
-    return scratch.capture(("cd %s && chmod +x make && cd - >/dev/null && BUILD=%s/build PATH=%s:$PATH FUZZ_CC=sh spec/long %s")
-      :format(folder.path, folder.path, folder.path, words))
+    return scratch.capture(("cd %s && chmod +x make && cd - >/dev/null && BUILD=%s/build PATH=%s:$PATH FUZZ_CC=sh MAKEFLAGS=-j1 "
+      .. "spec/long %s"):format(folder.path, folder.path, folder.path, words))
   end
 
   it("goes on behind a part that fails, and counts it; `rest` are those that have not passed", function()
@@ -54,6 +83,7 @@ esac]])
     assert.equal(1, status)
     assert.matches("\nsanitizers +0:00:%d%d  5 passed, 2 failed, 1 skipped.-\nfuzz +0:00:%d%d  20 passed, 0 failed.-"
       .. "\nportability +0:00:%d%d  0 passed, 1 failed[^\n]*\n25 passed, 3 failed, 1 skipped\n$", out)
+    assert.matches("\nall of them\n", (long("fuzz", 'echo "${MAKEFLAGS-all of them}"'))) -- processors
     out, status = long("sanitizers fuzz", 'echo "3 passed, 0 failed"; [ "$*" != "--no-print-directory asan" ]')
     assert.equal(1, status)
     assert.matches("\nsanitizers +0:00:%d%d  0 passed, 1 failed[^\n]*\nfuzz[^\n]*\n3 passed, 1 failed\n$", out) -- it died
@@ -65,6 +95,29 @@ esac]])
     assert.matches("^== sanitizers\n7 passed, 0 failed\n== all\n", out)
     assert.matches("\nluas +1:02:05  1 passed, 0 failed %(abc%)\n", out)
     assert.matches("\n17 passed, 0 failed\n$", out)
+  end)
+
+  it("goes on within a part at the same commit, and begins it anew at another", function()
+    local make = [[
+for word; do case $word in FUZZ_KEEP=*) kept=${word#*=} ;; esac; done
+if [ -e "$kept/gltf" ]; then echo "2 passed, 0 failed"; else touch "$kept/gltf"; echo "1 passed, 1 failed"; fi]]
+    local function counts(words, commit)
+      folder:write("git", "#!/bin/sh\necho " .. commit .. "\n")
+      scratch.shell("chmod +x " .. folder.path .. "/git")
+      return (long(words, make)):match "\n([^\n]*)\n$"
+    end
+    scratch.shell("rm -rf " .. folder.path .. "/build/long/*")
+    for part in ("luas threads sanitizers embree portable bricks long portability"):gmatch "%a+" do
+      folder:write("build/long/" .. part, "1 passed, 0 failed\n1 s\nabc\n")
+    end
+    assert.equal("1 passed, 1 failed", counts("fuzz", "abc"))
+    assert.equal("10 passed, 0 failed", counts("rest", "abc"))
+    assert.equal("1 passed, 1 failed", counts("fuzz", "abc"))
+    assert.equal("9 passed, 1 failed", counts("rest", "def"))
+    assert.equal("10 passed, 0 failed", counts("rest", "def"))
+    assert.equal("1 passed, 1 failed", counts("fuzz", "def-dirty"))
+    assert.equal("9 passed, 1 failed", counts("rest", "def-dirty"))
+    scratch.shell("rm " .. folder.path .. "/git")
   end)
 
   it("knows no other parts", function()

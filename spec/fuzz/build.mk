@@ -95,15 +95,22 @@ fuzz-add: $(FUZZ_SEEDS)
 	@cd $(FUZZ_DIR)/corpus/$(FUZZ) && $(FUZZ_PACK) -c * | gzip -9n > $(CURDIR)/spec/fuzz/corpus/$(FUZZ).tar.gz
 	@tar -tzf spec/fuzz/corpus/$(FUZZ).tar.gz | wc -l | sed 's/$$/ seeds of $(FUZZ)/'
 
-# A run of a reader; a finding leaves the others to go on, and is counted.
+# A run of a reader; a finding leaves the others to go on, and is counted. NAME.passed has inputs, rate and memory of a run
+# without findings, and FUZZ_KEEP, a folder, keeps it: a reader that passed there is not run again.
+FUZZ_KEEP ?=
 fuzz-run-%: $(FUZZ_DIR)/bin/% $(FUZZ_SEEDS)
 	@cd $(FUZZ_DIR) && mkdir -p found/$* corpus/$* && rm -f $*.passed; \
+	if [ -n "$(FUZZ_KEEP)" ] && cp "$(FUZZ_KEEP)/$*" $*.passed 2>/dev/null; then exit; fi; \
 	LLVM_PROFILE_FILE=/dev/null nice bin/$* -runs=$$(printf %.0f $(FUZZ_RUNS)) $(FUZZ_ARGS) $(FUZZ_ARGS_$*) \
-	  -artifact_prefix=$*- found/$* corpus/$* > $*.log 2>&1 && touch $*.passed; \
-	echo "== $*"$$'\n'"$$([ -e $*.passed ] || tail -n 40 $*.log; grep -aE 'DONE|number_of_executed|average_exec|peak_rss' $*.log)"
+	  -artifact_prefix=$*- found/$* corpus/$* > $*.log 2>&1 && \
+	awk -v name=$* '/^stat::/ { n[$$1] = $$2 } END { printf "%-12s %9d inputs, %6d a second, %4d MB\n", name, \
+	  n["stat::number_of_executed_units:"], n["stat::average_exec_per_sec:"], n["stat::peak_rss_mb:"] }' $*.log > $*.passed && \
+	{ [ -z "$(FUZZ_KEEP)" ] || cp $*.passed "$(FUZZ_KEEP)/$*"; }; \
+	if [ -e $*.passed ]; then cat $*.passed; else echo "== $*"; tail -n 40 $*.log; fi
 
 fuzz: $(FUZZ:%=fuzz-run-%)   ## fuzz the readers under ASan and UBSan (FUZZ=name, FUZZ_RUNS=1000000)
-	@passed=$$(ls $(FUZZ:%=$(FUZZ_DIR)/%.passed) 2>/dev/null | wc -l); failed=$$(($(words $(FUZZ)) - passed)); \
+	@cd $(FUZZ_DIR) && echo "== all" && cat $(FUZZ:%=%.passed) 2>/dev/null; \
+	  passed=$$(ls $(FUZZ:%=%.passed) 2>/dev/null | wc -l); failed=$$(($(words $(FUZZ)) - passed)); \
 	  echo "$$passed passed, $$failed failed"; [ $$failed = 0 ]
 
 fuzz-coverage: $(foreach f,$(FUZZ),$(FUZZ_DIR)/bin/$(f)) $(FUZZ_SEEDS)   ## what the corpora reach of each reader
