@@ -1,4 +1,5 @@
 local core = require "ylm.c.core"
+local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 
 local seed = tonumber(os.getenv "YLM_SEED") or 20261123
@@ -99,9 +100,10 @@ describe("grid:update { octree = 'follow' }", function()
 
   it("refuses grids that were loaded, and other measures, and says why", function()
     local start = ylm.bake(probes(), shade, { occupied = lit })
-    start:save "build/shadow_bodies_spec.ylm"
-    local again = assert(ylm.load "build/shadow_bodies_spec.ylm")
-    os.remove "build/shadow_bodies_spec.ylm"
+    local folder = scratch.new()
+    start:save(folder.path .. "/bodies.ylm")
+    local again = assert(ylm.load(folder.path .. "/bodies.ylm"))
+    folder:remove()
     assert.error_matches(function() again:update(shade, follow) end,
       "update: octree = 'follow' needs to know where light is needed, which files do not hold")
     start:close()

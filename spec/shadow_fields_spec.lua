@@ -1,3 +1,4 @@
+local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 
 local randoms = require "spec.support.random"
@@ -626,9 +627,10 @@ describe("ylm.shadowed", function()
       local e = relative(open_part(4, gridded, points), open_part(4, exact, points))
       assert(e < 0.03, ("at %g: %g"):format(r, e))
     end
-    grid:save "build/shadow_fields_spec.ylm"
-    local again = assert(ylm.load "build/shadow_fields_spec.ylm")
-    os.remove "build/shadow_fields_spec.ylm"
+    local folder = scratch.new()
+    grid:save(folder.path .. "/bodies.ylm")
+    local again = assert(ylm.load(folder.path .. "/bodies.ylm"))
+    folder:remove()
     assert.is_near(0.75 ^ 0.5, again.body.radius, 1e-6)
     assert.is_near(1.5, again.body.area, 1e-6)
     assert.same(grid.body, again.body)
