@@ -15,6 +15,10 @@
 
 #include <lualib.h>
 
+#ifndef FUZZ_TREE /* the folder of the tree: runs begin in another */
+#define FUZZ_TREE "."
+#endif
+
 int luaopen_ylm_c_core(lua_State *L);
 int luaopen_ylm_c_codec(lua_State *L);
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -25,7 +29,7 @@ static char folder[] = "/tmp/ylm-fuzz-XXXXXX", path[64], mesh[64], images[2][64]
 static const char *const image_names[2] = {"a.png", "a.exr"};
 
 static const char setup[] =
-    "package.path = 'lua/?.lua;lua/?/init.lua'\n"
+    "package.path = '" FUZZ_TREE "/lua/?.lua;" FUZZ_TREE "/lua/?/init.lua'\n"
     "local sandbox, form, check = require 'ylm.sandbox', require 'ylm.form', require 'ylm.check'\n"
     "local limits = form.options(1, 'fuzz', sandbox.limits, { instructions = 3e4, time_limit = 5,\n"
     "  memory = 4e6, triangles = 2e4, numbers = 1e5, cells = 1e4, texels = 4096, lmax = 8,\n"
