@@ -56,14 +56,18 @@ static ylm_status make_matrices(thinning *t) {
   return YLM_OK;
 }
 
-/* x of m x = y, by Cholesky's factors; m is symmetric and positive definite, and is spoilt. */
-static void solve(size_t n, double m[MOST * MOST], double y[MOST]) {
+/* Cholesky's factor of a symmetric positive definite matrix, in its lower half. */
+static void factor(size_t n, double m[MOST * MOST]) {
   for (size_t j = 0; j < n; j++) {
     for (size_t k = 0; k < j; k++)
       for (size_t i = j; i < n; i++) m[i * n + j] -= m[i * n + k] * m[j * n + k];
     double d = sqrt(fmax(m[j * n + j], 1e-30));
     for (size_t i = j; i < n; i++) m[i * n + j] /= d;
   }
+}
+
+/* x of m m' x = y, in place of y; m as `factor` leaves it. */
+static void solve(size_t n, const double m[MOST * MOST], double y[MOST]) {
   for (size_t i = 0; i < n; i++) {
     for (size_t k = 0; k < i; k++) y[i] -= m[i * n + k] * y[k];
     y[i] /= m[i * n + i];
@@ -78,11 +82,12 @@ static void solve(size_t n, double m[MOST * MOST], double y[MOST]) {
 static double join(const thinning *t, uint32_t a, uint32_t b, float *joined) {
   size_t n = (size_t)t->p->count;
   const double *h = t->matrix + a * n * n, *g = t->matrix + b * n * n;
-  double cost = 0;
+  double cost = 0, sum[MOST * MOST];
+  for (size_t i = 0; i < n * n; i++) sum[i] = h[i] + g[i];
+  factor(n, sum);
   for (size_t c = 0; c < 3; c++) {
     const float *x = t->p->value + (a * 3 + c) * n, *y = t->p->value + (b * 3 + c) * n;
-    double sum[MOST * MOST], off[MOST] = {0}, own[MOST] = {0};
-    for (size_t i = 0; i < n * n; i++) sum[i] = h[i] + g[i];
+    double off[MOST] = {0}, own[MOST] = {0};
     for (size_t i = 0; i < n; i++)
       for (size_t j = 0; j < n; j++) {
         double d = (double)y[j] - (double)x[j];

@@ -198,25 +198,27 @@ function Maker:better(best, made, bytes)
   return best
 end
 
---- The best probes of at most so many bytes: { made, judged }; nil: there are none; or nil, message, code. Where these are rough,
--- leaves that refine by squares are tried too, from one step finer than the finest of the others that fits.
-function Maker:within(bytes)
-  local fits, last, best = {}, 0, nil
-  for _, kind in ipairs { "uniform", "clipped" } do
-    local k = 1
-    while true do
-      local made, message, code = self:coarse(kind, k, bytes)
-      if message then return nil, message, code end
-      if not made then break end
-      table.insert(fits, made)
-      last, k = kind == "clipped" and k or 0, k + 1
-    end
-    if #fits == 0 then break end
+--- The probes of all topologies of a kind, from coarse to fine, up to the finest that may be fitted in so many bytes, a list; or
+-- nil, message, code.
+function Maker:fitting(kind, bytes)
+  local fits = {}
+  while true do
+    local made, message, code = self:coarse(kind, #fits + 1, bytes)
+    if message then return nil, message, code end
+    if not made then return fits end
+    table.insert(fits, made)
   end
+end
+
+--- The best probes of at most so many bytes: { made, judged }; nil: there are none; or nil, message, code. Uniform leaves are
+-- tried after those that refine, where the best may be among them. Where all are rough, leaves that refine by squares are tried
+-- too, from one step finer than the finest of the others that fits.
+function Maker:within(bytes)
+  local best, worse = nil, 0
   --- Tries probes from fine to coarse, of(i), until so many were worse than the best; or nil, message, code.
   local function try(n, of)
-    local worse = 0
     for i = n, 1, -1 do
+      if worse == WORSE then break end
       local made, message, code = of(i)
       if message then return nil, message, code end
       if made then
@@ -226,14 +228,26 @@ function Maker:within(bytes)
         worse = better == best and worse + 1 or 0
         best = better
       end
-      if worse == WORSE then break end
     end
     return true
   end
-  local ok, message, code = try(#fits, function(i) return fits[i] end)
-  if not ok then return nil, message, code end
+  local least, message, code = self:coarse("uniform", 1, bytes)
+  if not least then return nil, message, code end
+  local finest = 0
+  for _, kind in ipairs { "clipped", "uniform" } do
+    local fits
+    if worse == WORSE then break end
+    fits, message, code = self:fitting(kind, bytes)
+    if not fits then return nil, message, code end
+    finest = math.max(finest, kind == "clipped" and #fits or 0)
+    local ok
+    ok, message, code = try(#fits, function(i) return fits[i] end)
+    if not ok then return nil, message, code end
+  end
   if not best or best.judged.error <= ROUGH then return best end
-  ok, message, code = try(math.min(last + 1, #BUDGETS), function(i) return self:coarse("squares", i, bytes) end)
+  worse = 0
+  local ok
+  ok, message, code = try(math.min(finest + 1, #BUDGETS), function(i) return self:coarse("squares", i, bytes) end)
   if not ok then return nil, message, code end
   return best
 end
