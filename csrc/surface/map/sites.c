@@ -232,12 +232,11 @@ static ylm_status find_noisy(const map_bake *b, size_t *of, size_t *found) {
     float *sum = room, *count = room + b->texels, *around = room + 2 * b->texels;
     for (size_t i = 0; i < b->sites; i++) square[i] = square_noise(&b->site[i]);
     ylm__map_sum(b, square, sum, count);
-    /* The room of both sums is read, which holds them along rows alone: figures were measured so. */
     ylm__map_sum_around(b, sum, around);
-    ylm__map_sum_around(b, count, sum);
+    ylm__map_sum_around(b, count, around);
     double most = MAP_NOISY * MAP_NOISY * b->aim * b->aim;
     for (size_t i = 0; i < b->sites; i++)
-      if (ylm__map_mean_at(&b->site[i], around, sum) > most) of[(*found)++] = i;
+      if (ylm__map_mean_at(&b->site[i], sum, count) > most) of[(*found)++] = i;
   }
   ylm_status s = room && square ? YLM_OK : YLM_ENOMEM;
   ylm_free(room);
