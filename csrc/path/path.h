@@ -77,9 +77,9 @@ typedef struct path_tile {
   path_state *path;       /* [PATH_TILE] */
   /* of this step */
   size_t n;
-  path_vertex *vertex, *unsorted; /* [PATH_TILE] those of a material follow one another */
-  uint32_t *material, *behind; /* [PATH_TILE] of `unsorted`; [materials] where a material's end */
-  float (*wo)[3], (*u)[3];     /* [PATH_TILE] */
+  path_vertex *vertex;     /* [PATH_TILE] those of a material follow one another */
+  uint32_t *behind;        /* [materials] where a material's end */
+  float (*wo)[3], (*u)[3]; /* [PATH_TILE] */
   float (*wi)[3], (*weight)[3], *pdf;
   float (*way)[3];            /* [PATH_TILE] wi in the scene */
   float (*f)[3], *own;        /* [PATH_TILE] of guided ones: the material's f and density */

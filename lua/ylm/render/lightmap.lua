@@ -22,7 +22,7 @@ local lightmaps = {}
 
 local JUDGES = 2048    -- places by which paths judge
 local AIM = 0.55       -- of its tolerance, for which texels are made that paths will judge: they see the elements' error too
-local MOST = 2 ^ 20    -- texels, where nobody says how many
+local MOST = 2 ^ 21    -- texels, where nobody says how many
 local TOLERANCE = 0.03 -- where nobody says anything
 local BYTES = 6        -- of a texel, three half floats
 
@@ -55,7 +55,7 @@ local fields = {
     about = "of irradiance at 99 % of the surface by area, relative to the larger of the place's and the mean; default 0.03, "
       .. "where neither texels nor bytes are given" },
   { "texels", "integer", min = 16, max = 2 ^ 28, optional = true,
-    about = "of the picture at most, gutters included: all of them without a tolerance; default with one 1048576" },
+    about = "of the picture at most, gutters included: all of them without a tolerance; default with one 2097152" },
   { "bytes", "memory", optional = true, about = "of the picture at most, instead of texels: 6 a texel, 24 if directional" },
   { "quantity", "choice", of = { "direct", "indirect", "all" }, default = "all",
     about = "'all', the light of lamps and sky and what surfaces send back; 'indirect', the latter alone, for engines that draw "
