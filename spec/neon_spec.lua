@@ -4,6 +4,7 @@
 local long = require "spec.support.long"
 local scratch = require "spec.support.scratch"
 local quote = scratch.quote
+local build = os.getenv "YLM_BUILD" or "build"
 
 local function has(program) return scratch.shell("command -v " .. program .. " >/dev/null 2>&1") end
 
@@ -21,7 +22,6 @@ end
 
 --- Objects of this machine's build, as the Makefile names them for NEON, that the programs need, found by their symbols.
 local function objects_of(programs)
-  local build = os.getenv "YLM_BUILD" or "build"
   local ladder, folders = scratch.text "csrc/README.md":match "\n    (base <.-) < codec", { quote(build) .. "/obj/rival" }
   for room in ladder:gmatch "%a+" do folders[#folders + 1] = quote(build) .. "/obj/" .. room end -- the core library's
   local files = scratch.capture(("nm -A -g $(find %s -name '*.o')"):format(table.concat(folders, " ")))
@@ -56,7 +56,6 @@ end
 
 describe("NEON kernels", function()
   local cc = "aarch64-linux-gnu-gcc"
-  local build = os.getenv "YLM_BUILD" or "build"
   local folder, missing, objects
 
   --- Has the Makefile itself make objects, without optimisation, because that is compiled in seconds.

@@ -48,9 +48,12 @@ size_t ylm__scene_dome_tile(const scene_dome *d, size_t pixel) {
   return holder_of(y, d->down, d->height) * d->across + holder_of(x, d->across, d->width);
 }
 
+static size_t cell_at(const scene_dome *d, size_t column, size_t row) {
+  return d->holder[1][row] * d->cells[0] + d->holder[0][column];
+}
+
 size_t ylm__scene_dome_cell(const scene_dome *d, size_t pixel) {
-  size_t width = (size_t)d->width;
-  return d->holder[1][pixel / width] * d->cells[0] + d->holder[0][pixel % width];
+  return cell_at(d, pixel % (size_t)d->width, pixel / (size_t)d->width);
 }
 
 /* A direction in a pixel; false outside of the disc of an angular map, and zeros. */
@@ -289,6 +292,6 @@ void ylm__scene_dome_looks(const scene_dome *d, size_t i, double u, size_t *pixe
     uint32_t k = draw(d, &t, at - (double)(int)at, &rest[q]), y = k / width;
     size_t column = t.x + k - y * width, row = t.y + y;
     pixel[q] = row * (size_t)d->width + column;
-    cell[q] = d->holder[1][row] * d->cells[0] + d->holder[0][column];
+    cell[q] = cell_at(d, column, row);
   }
 }

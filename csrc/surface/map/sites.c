@@ -143,39 +143,36 @@ static void find_mean(map_bake *b) {
   ylm_free(n);
 }
 
+/* Sums of values [sites], and of their weights, over the texels around each: the first two of room [3][texels]. */
+static void sum_near(const map_bake *b, const double *value, float *room) {
+  float *sum = room, *count = room + b->texels, *spare = room + 2 * b->texels;
+  memset(sum, 0, 2 * b->texels * sizeof *sum);
+  ylm__map_sum(b, value, sum, count);
+  ylm__map_sum_around(b, sum, spare);
+  ylm__map_sum_around(b, count, spare);
+}
+
 /* Weights of sites, by the mean of the light around: if each had that of its own, those whose noise makes them bright would
    count less, and the picture would be too dim. */
 static ylm_status weigh(map_bake *b) {
   float *room = ylm_alloc(3 * b->texels, sizeof *room);
-  float *light = room, *count = room + b->texels, *around = room + 2 * b->texels;
-  if (!room) return YLM_ENOMEM;
+  double *light = ylm_alloc(b->sites, sizeof *light);
+  bool ok = room && light;
   for (size_t i = 0; i < b->sites; i++) b->site[i].weight = 0;
-  for (int c = 0; c < 3; c++) {
-    memset(light, 0, 2 * b->texels * sizeof *light);
-    for (size_t i = 0; i < b->sites; i++) {
-      const map_site *s = &b->site[i];
-      if (!map_counts(s)) continue;
-      for (int k = 0; k < 4; k++) {
-        light[s->tap.texel[k]] += s->tap.weight[k] * 0.5f * (s->light.a[c] + s->light.b[c]);
-        count[s->tap.texel[k]] += s->tap.weight[k];
-      }
-    }
-    ylm__map_sum_around(b, light, around);
-    ylm__map_sum_around(b, count, around);
+  for (int c = 0; ok && c < 3; c++) {
+    for (size_t i = 0; i < b->sites; i++)
+      light[i] = (double)(0.5f * (b->site[i].light.a[c] + b->site[i].light.b[c]));
+    sum_near(b, light, room);
     for (size_t i = 0; i < b->sites; i++) {
       map_site *s = &b->site[i];
       if (!map_counts(s)) continue;
-      double sum = 0, n = 0;
-      for (int k = 0; k < 4; k++) {
-        sum += (double)(s->tap.weight[k] * light[s->tap.texel[k]]);
-        n += (double)(s->tap.weight[k] * count[s->tap.texel[k]]);
-      }
-      double m = fmax(n > 0 ? sum / n : 0, b->mean[c]);
+      double m = fmax(ylm__map_mean_at(s, room, room + b->texels), b->mean[c]);
       s->weight += m > 0 ? (float)(1 / (3 * m * m)) : 0;
     }
   }
   ylm_free(room);
-  return YLM_OK;
+  ylm_free(light);
+  return ok ? YLM_OK : YLM_ENOMEM;
 }
 
 /* The square of the noise of the mean of both halves, over what errors are told over. */
@@ -225,18 +222,15 @@ static ylm_status light_all(map_bake *b) {
 /* The sites around which light has too much noise for the aim: of [sites]; how many. The noise of others around chooses them: its
    own would choose sites that are too bright. */
 static ylm_status find_noisy(const map_bake *b, size_t *of, size_t *found) {
-  float *room = ylm_alloc_zero(3 * b->texels, sizeof *room);
+  float *room = ylm_alloc(3 * b->texels, sizeof *room);
   double *square = ylm_alloc(b->sites, sizeof *square);
   *found = 0;
   if (room && square) {
-    float *sum = room, *count = room + b->texels, *around = room + 2 * b->texels;
     for (size_t i = 0; i < b->sites; i++) square[i] = square_noise(&b->site[i]);
-    ylm__map_sum(b, square, sum, count);
-    ylm__map_sum_around(b, sum, around);
-    ylm__map_sum_around(b, count, around);
+    sum_near(b, square, room);
     double most = MAP_NOISY * MAP_NOISY * b->aim * b->aim;
     for (size_t i = 0; i < b->sites; i++)
-      if (ylm__map_mean_at(&b->site[i], sum, count) > most) of[(*found)++] = i;
+      if (ylm__map_mean_at(&b->site[i], room, room + b->texels) > most) of[(*found)++] = i;
   }
   ylm_status s = room && square ? YLM_OK : YLM_ENOMEM;
   ylm_free(room);
