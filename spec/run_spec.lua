@@ -147,6 +147,33 @@ describe("make", function()
       .. "make -s -f %s BUILD=%s %s help 2>/dev/null | tail -n 1"):format(file, build, settings)):gsub("%s+$", ""))
   end
 
+  it("fuzzes each reader until FUZZ_RUNS inputs or FUZZ_MINUTES, and names those that time ended", function()
+    folder:write("clang", [=[#!/bin/sh
+while [ "$1" != -o ]; do shift; done
+cat >"$2" <<'END'
+#!/bin/sh
+case $0:$* in
+  */pfm:*) inputs=20000 ;;
+  *-max_total_time=90\ *) inputs=1234 ;;
+  *) exit 1 ;;
+esac
+printf 'stat::%s: %d\n' number_of_executed_units $inputs average_exec_per_sec 13 peak_rss_mb 376
+END
+chmod +x "$2"]=])
+    scratch.shell(("chmod +x %s/clang && mkdir %s/fuzz"):format(folder.path, folder.path))
+    local function fuzz(minutes)
+      return scratch.capture(("env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL -u FUZZ_ARGS make -s fuzz FUZZ='npy pfm' FUZZ_OBJ= "
+        .. "FUZZ_CC=%s/clang FUZZ_DIR=%s/fuzz FUZZ_RUNS=2e4 FUZZ_MINUTES=%s"):format(folder.path, folder.path, minutes))
+    end
+    local out, status = fuzz "1.5"
+    assert.equal(0, status, out)
+    assert.matches("== all\nnpy +1234 inputs, +13 a second, +376 MB, ended by time\npfm +20000 inputs, +13 a second, +376 MB\n"
+      .. "ended by 1.5 minutes, with fewer than 20000 inputs: npy 1234 %(13 a second%)\n2 passed, 0 failed\n$", out)
+    out, status = fuzz "2"
+    assert.equal(2, status)
+    assert.matches("== all\npfm +20000 inputs, +13 a second, +376 MB\n1 passed, 1 failed\n", out)
+  end)
+
   it("builds all kernels of an architecture, or those of KERNELS, and tests the widest that the processor runs", function()
     local x86 = "ARCH=x86_64 CPU_FLAGS='fpu sse2 fma avx2' "
     assert.equal("sse2 avx2 avx512", value("ISAS", x86))

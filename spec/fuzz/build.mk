@@ -2,7 +2,7 @@
 # UBSan from the library's own sources. Seeds are in spec/fuzz/corpus/NAME.tar.gz, and unpacked in
 # build/fuzz/corpus/NAME; what a run finds beyond them goes to build/fuzz/found/NAME, crashes to build/fuzz/NAME-*.
 #
-#   make fuzz                         every reader, FUZZ_RUNS inputs each
+#   make fuzz                         every reader, FUZZ_RUNS inputs each, or FUZZ_MINUTES where these end first
 #   make fuzz FUZZ=obj FUZZ_RUNS=1e5  one of them
 #   make fuzz-coverage                lines and branches that seeds and finds reach, per source
 #   make fuzz-minimise                put what is worth keeping of seeds and finds into build/fuzz/kept/NAME
@@ -12,7 +12,8 @@ FUZZ_CC   ?= clang
 FUZZ_RUNS ?= 1000000
 FUZZ      ?= $(filter-out $(if $(WITH_SCENE),,surface transfer) $(if $(WITH_JANSSON),,gltf) $(if $(WITH_JPEG),,jpeg),$(patsubst spec/fuzz/%.c,%,$(wildcard spec/fuzz/*.c)))
 FUZZ_DIR  := $(BUILD)/fuzz
-FUZZ_ARGS ?= -max_total_time=1800 -timeout=120 -rss_limit_mb=4096 -print_final_stats=1
+FUZZ_MINUTES ?= 10
+FUZZ_ARGS ?= -timeout=120 -rss_limit_mb=4096 -print_final_stats=1
 
 # Which sources a target is about, for the coverage; FUZZ_LIBS_NAME and FUZZ_ALSO_NAME (objects of
 # its own) may be added.
@@ -100,20 +101,23 @@ fuzz-add: $(FUZZ_SEEDS)
 	@tar -tzf spec/fuzz/corpus/$(FUZZ).tar.gz | wc -l | sed 's/$$/ seeds of $(FUZZ)/'
 
 # A run of a reader; a finding leaves the others to go on, and is counted. NAME.passed has inputs, rate and memory of a run
-# without findings, and FUZZ_KEEP, a folder, keeps it: a reader that passed there is not run again.
+# without findings, says whether time ended it, and FUZZ_KEEP, a folder, keeps it: a reader that passed there is not run again.
 FUZZ_KEEP ?=
 fuzz-run-%: $(FUZZ_DIR)/bin/% $(FUZZ_SEEDS)
 	@cd $(FUZZ_DIR) && mkdir -p found/$* corpus/$* && rm -f $*.passed; \
 	if [ -n "$(FUZZ_KEEP)" ] && cp "$(FUZZ_KEEP)/$*" $*.passed 2>/dev/null; then exit; fi; \
-	LLVM_PROFILE_FILE=/dev/null nice bin/$* -runs=$$(printf %.0f $(FUZZ_RUNS)) $(FUZZ_ARGS) $(FUZZ_ARGS_$*) \
-	  -artifact_prefix=$*- found/$* corpus/$* > $*.log 2>&1 && \
-	awk -v name=$* '/^stat::/ { n[$$1] = $$2 } END { printf "%-12s %9d inputs, %6d a second, %4d MB\n", name, \
-	  n["stat::number_of_executed_units:"], n["stat::average_exec_per_sec:"], n["stat::peak_rss_mb:"] }' $*.log > $*.passed && \
+	LLVM_PROFILE_FILE=/dev/null nice bin/$* -runs=$$(printf %.0f $(FUZZ_RUNS)) -max_total_time=$$(awk 'BEGIN { print int(60 * $(FUZZ_MINUTES)) }') \
+	  $(FUZZ_ARGS) $(FUZZ_ARGS_$*) -artifact_prefix=$*- found/$* corpus/$* > $*.log 2>&1 && \
+	awk -v name=$* -v runs=$(FUZZ_RUNS) '/^stat::/ { n[$$1] = $$2 } END { done = n["stat::number_of_executed_units:"]; \
+	  printf "%-12s %9d inputs, %6d a second, %4d MB%s\n", name, done, n["stat::average_exec_per_sec:"], n["stat::peak_rss_mb:"], \
+	  done < +runs ? ", ended by time" : "" }' $*.log > $*.passed && \
 	{ [ -z "$(FUZZ_KEEP)" ] || cp $*.passed "$(FUZZ_KEEP)/$*"; }; \
 	if [ -e $*.passed ]; then cat $*.passed; else echo "== $*"; tail -n 40 $*.log; fi
 
-fuzz: $(FUZZ:%=fuzz-run-%)   ## fuzz the readers under ASan and UBSan (FUZZ=name, FUZZ_RUNS=1000000)
+fuzz: $(FUZZ:%=fuzz-run-%)   ## fuzz the readers under ASan and UBSan (FUZZ=name, FUZZ_RUNS=1000000, FUZZ_MINUTES=10)
 	@cd $(FUZZ_DIR) && echo "== all" && cat $(FUZZ:%=%.passed) 2>/dev/null; \
+	  awk '/ended by time$$/ { slow = slow (slow ? ", " : "") $$1 " " $$2 " (" $$4 " a second)" } END { \
+	  if (slow) printf "ended by %g minutes, with fewer than %.0f inputs: %s\n", $(FUZZ_MINUTES), $(FUZZ_RUNS), slow }' $(FUZZ:%=%.passed) 2>/dev/null; \
 	  passed=$$(ls $(FUZZ:%=%.passed) 2>/dev/null | wc -l); failed=$$(($(words $(FUZZ)) - passed)); \
 	  echo "$$passed passed, $$failed failed"; [ $$failed = 0 ]
 
