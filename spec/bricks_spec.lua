@@ -47,6 +47,15 @@ describe("a grid in bricks", function()
     return scratch.capture(("cd %s && find . -type f | LC_ALL=C sort | xargs cksum"):format(scratch.quote(to(name))))
   end
 
+  --- Saves a set as packed.ylm, which is, byte by byte, the file of the set's grid in memory.
+  local function assert_packed(set)
+    assert(set:save(folder.path .. "/packed.ylm"))
+    local whole = assert(core.grid_set_pack(set, 1))
+    assert(core.grid_write(whole, folder.path .. "/whole.ylm"))
+    core.grid_close(whole)
+    assert.is_true(folder:read "packed.ylm" == folder:read "whole.ylm")
+  end
+
   for name, case in pairs {
     ["everywhere"] = { bricks = 1 },
     ["along a floor"] = { bricks = 2, depth = 6, occupied = true },
@@ -67,9 +76,9 @@ describe("a grid in bricks", function()
       assert.same({ of_one.outside, of_one.unbaked }, { of_set.outside, of_set.unbaked })
       assert.is_true(set.stats.bricks > 8 ^ case.bricks / 8)
       if case.points then assert.is_true(set.stats.bricks > 8) end
-      -- As one file, too.
+      -- As one file, too: written brick by brick, it is that of the grid in memory.
       local packed = folder.path .. "/packed.ylm"
-      assert(set:save(packed))
+      assert_packed(set)
       local grid = ylm.load(packed)
       assert.equal(0, core.array_distance(a, (grid:sample(points))))
       assert.same({ one.stats.points, one.stats.cells, one.stats.interpolated, one.stats.invalid },
@@ -137,7 +146,37 @@ describe("a grid in bricks", function()
       assert.equal(one.stats.met, set.stats.met)
       assert.is_true(set.stats.verified > 1000 and set.stats.error <= 0.05, set.stats.error)
       assert.is_true(set.stats.points < 3 * one.stats.points, set.stats.points)
+      assert_packed(set)
     end
+  end)
+
+  it("is packed where bricks are leaves, split for continuity alone, as it is or in few bytes", function()
+    local set = assert(ylm.bake(ylm.adaptive_grid { bounds = box, lmax = 1, depth = 5, tolerance = 0.3, bricks = 3 }, lamps,
+      { folder = to(), occupied = grids.occupied }))
+    local leaves, added = 0, 0
+    for i = 1, set.stats.bricks do
+      local stats = core.grid_file_look(core.grid_set_file(set, i)).stats
+      if stats.cells == 1 then leaves, added = leaves + 1, added + stats.continuity end
+    end
+    assert.is_true(leaves > 10 and leaves < set.stats.bricks and added > 0, leaves)
+    assert_packed(set)
+    assert(set:save(to "few.ylmd", { step = 0.01 }))
+    assert_packed(ylm.load(to "few.ylmd"))
+  end)
+
+  it("leaves no file where packing is broken off, or a brick is another bake's", function()
+    local set = assert(ylm.bake(described { bricks = 1 }, lamps, { folder = to() }))
+    local calls = 0
+    local ok, message, code = set:save(to "all.ylm", { progress = function() calls = calls + 1 return calls < 12 end })
+    assert.same({ nil, "cancelled", "ECANCELLED" }, { ok, message, code })
+    assert(calls == 12)
+    local other = assert(ylm.bake(described { bricks = 1, threshold = 0.2 }, lamps, { folder = to "other.ylmd" }))
+    local from, brick = core.grid_set_file(other, 3), core.grid_set_file(set, 3)
+    os.execute(("cp %s %s"):format(scratch.quote(from), scratch.quote(brick)))
+    ok, message, code = set:save(to "all.ylm")
+    assert.is_nil(ok)
+    assert.equal("EFORMAT", code, message)
+    assert.is_nil(io.open(to "all.ylm"))
   end)
 
   it("has the same files with sums_tolerance, whatever the number of threads and the bricks that were there", function()

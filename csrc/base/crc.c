@@ -123,3 +123,19 @@ uint64_t ylm_crc64(uint64_t crc, const void *data, size_t size) {
 #endif
   return ~follow(~crc, data, size);
 }
+
+/* -- of two parts -------------------------------------------------------------------------------- */
+
+/* The product of two remainders. */
+static uint64_t times(uint64_t a, uint64_t b) {
+  uint64_t product = 0;
+  for (; a; a <<= 1, b = times_x(b)) product ^= b & (0 - (a >> 63)); /* bit 63 is x^0 */
+  return product;
+}
+
+uint64_t ylm_crc64_join(uint64_t a, uint64_t b, uint64_t size) {
+  uint64_t power = (uint64_t)1 << 55; /* x^8, then its squares */
+  for (; size; size >>= 1, power = times(power, power))
+    if (size & 1) a = times(a, power);
+  return a ^ b;
+}

@@ -254,6 +254,8 @@ YLM_API double ylm_rng_double(ylm_rng *r);
 
 /* CRC-64/XZ of `size` bytes, continued from `crc` (0 to begin). */
 YLM_API uint64_t ylm_crc64(uint64_t crc, const void *data, size_t size);
+/* The sum of bytes whose sum is `a`, and of `size` bytes behind them whose sum, begun with 0, is `b`. */
+YLM_API uint64_t ylm_crc64_join(uint64_t a, uint64_t b, uint64_t size);
 
 /*
 ** ylm_file_read - a regular file's bytes, with a final 0 that is not counted.

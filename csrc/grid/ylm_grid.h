@@ -771,6 +771,14 @@ YLM_API ylm_status ylm_grid_set_sample(ylm_grid_set *s, const ylm_grid_query *q,
 */
 YLM_API ylm_status ylm_grid_set_pack(ylm_grid_set *s, int threads, const ylm_progress *progress,
                                      ylm_grid **g, ylm_error *e);
+/*
+** ylm_grid_set_write - all bricks as one file: that of ylm_grid_set_pack and ylm_grid_write, with one brick in memory at a time.
+**
+** Returns  as ylm_grid_set_pack; YLM_EIO. `path` is as it was then
+** Memory   the set's cache, and 16 to 64 bytes for each point on faces between bricks
+*/
+YLM_API ylm_status ylm_grid_set_write(ylm_grid_set *s, const char *path, int threads,
+                                      const ylm_progress *progress, ylm_error *e);
 /* The set as a light field, as ylm_grid_field. */
 YLM_API const ylm_field *ylm_grid_set_field(const ylm_grid_set *s);
 

@@ -1,6 +1,6 @@
--- A bake larger than memory in bricks, and samples of it: what each takes, and the memory that it holds at most.
+-- A bake larger than memory in bricks, samples of it, and its files as one: what each takes, and the most memory held.
 --
---     ylm run spec/bench/bricks_large.lua FOLDER.ylmd bake|sample [DEPTH [PLACES]]      -- depth 10: 10^7 points, 15 GB of files
+--     ylm run spec/bench/bricks_large.lua FOLDER.ylmd bake|pack|sample [DEPTH [PLACES]]  -- depth 10: 10^7 points, 15 GB of files
 --
 -- 100 lights, lmax 4 in RGB, one thread, cache = "256 MB"; more than 700 MB resident are an error (spec/bricks runs it).
 
@@ -57,8 +57,19 @@ local function sample()
     grid.stats.bricks)
 end
 
+--- One file of all bricks, which is removed.
+local function pack()
+  local grid, path = assert(ylm.load(folder)), folder:gsub("d$", "")
+  assert(grid:save(path))
+  local file = assert(io.open(path, "rb"))
+  local bytes = file:seek "end"
+  file:close()
+  os.remove(path)
+  return ("one file of %.2f GB"):format(bytes / 1e9)
+end
+
 local begun = core.seconds()
-local told = what == "bake" and bake() or sample()
+local told = (what == "bake" and bake or what == "pack" and pack or sample)()
 local held = resident()
 print(("%s: %s, %.1f s, %s MB resident at most"):format(what, told, core.seconds() - begun,
   held and ("%.0f"):format(held) or "?"))

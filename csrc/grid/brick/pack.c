@@ -88,7 +88,7 @@ static ylm_status add_all(packing *t, ylm_grid_set *set, const ylm_progress *pro
 }
 
 /* Facts of the bake, by the index. */
-static void take_stats(ylm_grid *g, const ylm_grid *top) {
+void ylm__pack_stats(ylm_grid *g, const ylm_grid *top) {
   const ylm_grid_stats *from = &top->stats;
   g->stats.pairs = from->pairs;
   g->stats.outside = from->outside;
@@ -128,7 +128,7 @@ ylm_status ylm_grid_set_pack(ylm_grid_set *set, int threads, const ylm_progress 
   ylm_free(t.point);
   ylm__baker_free(&t.b);
   if (s == YLM_OK) {
-    take_stats(g, set->top);
+    ylm__pack_stats(g, set->top);
     *out = g;
     return s;
   }

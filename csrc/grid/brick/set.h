@@ -39,6 +39,8 @@ ylm_status ylm__set_report(ylm_grid_set *s, const ylm_progress *p, uint64_t done
 static inline bool set_holds(const ylm_grid_set *s, size_t number) {
   return number == s->bricks || s->brick[number].grid;
 }
+/* Facts of the bake of a set, by its top; pack.c. */
+void ylm__pack_stats(ylm_grid *g, const ylm_grid *top);
 /* set_sample.c: the field of a set. */
 ylm_status ylm__set_evaluate(const ylm_field *f, const ylm_field_query *q, size_t n,
                              const void *points, ylm_field_result *r, ylm_error *e);

@@ -195,6 +195,23 @@ void ylm__grid_file_describe_small(ylm_grid *g, const ylm_grid_small *how,
                                    const ylm_grid_small_report *r);
 uint64_t ylm__grid_file_small_size(const ylm_grid *g, const small_packed *small);
 
+/*
+** A file whose sections are written piece by piece, several at a time, each in its order. The grid has form, counts and stats;
+** cells and points need not be there. It lives as long as the file is under way.
+*/
+typedef struct file_pieces file_pieces;
+#define GRID_FILE_ADDED GRID_FILE_COUNT /* the cells behind those of the octree */
+ylm_status ylm__file_pieces_begin(const ylm_grid *g, const char *path, file_pieces **out,
+                                  ylm_error *e);
+/* n bytes of a section from `cells` to `rows`, of `validity`, or of GRID_FILE_ADDED. */
+ylm_status ylm__file_pieces_put(file_pieces *f, int kind, const void *bytes, size_t n,
+                                ylm_error *e);
+/* Whether all that was put is all that the counts say. */
+bool ylm__file_pieces_whole(const file_pieces *f);
+/* The other sections, of the grid as it is now, and the end of the file; frees f. */
+ylm_status ylm__file_pieces_end(file_pieces *f, ylm_error *e);
+void ylm__file_pieces_discard(file_pieces *f);
+
 /* -- readers ------------------------------------------------------------------------- */
 
 /* Memory that the rows of a grid were in, for those of the next: pages that need no clearing. */

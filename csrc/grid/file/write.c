@@ -297,3 +297,112 @@ ylm_status ylm_grid_restate(unsigned char *data, size_t size, const ylm_grid *g,
   ylm_free(t.entry);
   return s;
 }
+
+/* -- piece by piece ------------------------------------------------------------------------------ */
+
+/* Where the next bytes of a section go, and its sum so far; the last is of the cells behind the octree's. */
+struct file_pieces {
+  writing w;
+  ylm_file *file;
+  char *path;
+  sink at[GRID_FILE_COUNT + 1];
+};
+
+static const grid_file_entry *entry_of(const writing *w, int kind) {
+  for (size_t i = 0; i < w->entries; i++)
+    if (w->kind[i] == kind) return &w->entry[i];
+  return NULL;
+}
+
+static ylm_status fail_pieces(const file_pieces *f, ylm_error *e) {
+  return ylm_fail(e, YLM_EIO, "%s: cannot be written: %s", f->path, strerror(errno));
+}
+
+ylm_status ylm__file_pieces_begin(const ylm_grid *g, const char *path, file_pieces **out,
+                                  ylm_error *e) {
+  *out = NULL;
+  ylm_status s = ylm__grid_file_machine(path, e);
+  if (s != YLM_OK) return s;
+  file_pieces *f = ylm_alloc_zero(1, sizeof *f);
+  if (f) f->path = ylm_alloc_copy(path, strlen(path) + 1, 1);
+  if (!f || !f->path) {
+    ylm_free(f);
+    return ylm_no_memory_for(e, path);
+  }
+  s = ylm_file_create(path, &f->file, e);
+  if (s != YLM_OK) {
+    ylm__file_pieces_discard(f);
+    return s;
+  }
+  lay_out(&f->w, g, NULL);
+  for (size_t i = 0; i < f->w.entries; i++)
+    f->at[f->w.kind[i]] = (sink){.file = f->file, .at = f->w.entry[i].offset};
+  f->at[GRID_FILE_ADDED] = f->at[GRID_FILE_cells];
+  f->at[GRID_FILE_ADDED].at += g->contents.octree_cells * sizeof *g->cell;
+  *out = f;
+  return YLM_OK;
+}
+
+ylm_status ylm__file_pieces_put(file_pieces *f, int kind, const void *bytes, size_t n,
+                                ylm_error *e) {
+  sink *s = &f->at[kind];
+  if (!n) return YLM_OK;
+  if (fseeko(ylm_file_stream(f->file), (off_t)s->at, SEEK_SET) != 0) return fail_pieces(f, e);
+  put(s, bytes, n);
+  return ferror(ylm_file_stream(f->file)) ? fail_pieces(f, e) : YLM_OK;
+}
+
+/* Bytes of the section that another one begins within or behind. */
+static uint64_t end_of(const file_pieces *f, int kind) {
+  const ylm_grid *g = f->w.g;
+  const grid_file_entry *entry = entry_of(&f->w, kind == GRID_FILE_ADDED ? GRID_FILE_cells : kind);
+  return kind == GRID_FILE_cells ? entry->offset + g->contents.octree_cells * sizeof *g->cell
+                                 : entry->offset + entry->size;
+}
+
+bool ylm__file_pieces_whole(const file_pieces *f) {
+  bool whole = f->at[GRID_FILE_ADDED].at == end_of(f, GRID_FILE_ADDED);
+  for (int kind = GRID_FILE_cells; kind <= GRID_FILE_rows; kind++)
+    whole &= f->at[kind].at == end_of(f, kind);
+  return whole && (!entry_of(&f->w, GRID_FILE_validity) ||
+                   f->at[GRID_FILE_validity].at == end_of(f, GRID_FILE_validity));
+}
+
+/* The sections that were not put, and all sums. */
+static ylm_status finish_pieces(file_pieces *f, ylm_error *e) {
+  writing *w = &f->w;
+  uint64_t size[GRID_FILE_COUNT];
+  const void *data[GRID_FILE_COUNT];
+  describe(w);
+  sizes(w, size, data);
+  for (size_t i = 0; i < w->entries; i++) {
+    int kind = w->kind[i];
+    bool given = (kind >= GRID_FILE_cells && kind <= GRID_FILE_rows) || kind == GRID_FILE_validity;
+    ylm_status s = given ? YLM_OK : ylm__file_pieces_put(f, kind, data[kind], size[kind], e);
+    if (s != YLM_OK) return s;
+    w->entry[i].crc = f->at[kind].crc;
+    if (kind == GRID_FILE_cells)
+      w->entry[i].crc = ylm_crc64_join(f->at[kind].crc, f->at[GRID_FILE_ADDED].crc,
+                                       end_of(f, GRID_FILE_ADDED) - end_of(f, kind));
+  }
+  if (fseeko(ylm_file_stream(f->file), 0, SEEK_SET) != 0) return fail_pieces(f, e);
+  put_head(w, &(sink){.file = f->file});
+  return YLM_OK;
+}
+
+ylm_status ylm__file_pieces_end(file_pieces *f, ylm_error *e) {
+  ylm_status s = finish_pieces(f, e);
+  if (s == YLM_OK) {
+    s = ylm_file_commit(f->file, e);
+    f->file = NULL;
+  }
+  ylm__file_pieces_discard(f);
+  return s;
+}
+
+void ylm__file_pieces_discard(file_pieces *f) {
+  if (!f) return;
+  if (f->file) ylm_file_discard(f->file);
+  ylm_free(f->path);
+  ylm_free(f);
+}

@@ -69,6 +69,20 @@ static int grid_set_pack(lua_State *L) {
   return ylmL_result_progress(L, 1, s, &e, &progress);
 }
 
+/* grid_set_write(set, path, threads, progress) -> true */
+static int grid_set_write(lua_State *L) {
+  ylmL_progress progress;
+  lua_settop(L, 4);
+  ylm_grid_set *set = set_check(L, 1);
+  if (ylmL_busy(L, 1) != YLM_OK) return ylmL_result(L, 0, YLM_EBUSY, NULL);
+  const ylm_progress *p = ylmL_progress_begin(L, 4, &progress);
+  ylm_error e = {0};
+  ylm_status s =
+      ylm_grid_set_write(set, luaL_checkstring(L, 2), (int)luaL_checknumber(L, 3), p, &e);
+  lua_pushboolean(L, 1);
+  return ylmL_result_progress(L, 1, s, &e, &progress);
+}
+
 /* grid_set_write_small(set, folder, tolerance or 0, bytes or 0, step or 0, threads, progress) -> bytes, report */
 static int grid_set_write_small(lua_State *L) {
   lua_settop(L, 7);
@@ -116,15 +130,12 @@ static int grid_set_close(lua_State *L) {
   return 0;
 }
 
-static const luaL_Reg functions[] = {{"grid_set_open", grid_set_open},
-                                     {"grid_set_look", grid_set_look},
-                                     {"grid_set_file", grid_set_file},
-                                     {"grid_set_is_open", grid_set_is_open},
-                                     {"grid_set_close", grid_set_close},
-                                     {"grid_set_pack", grid_set_pack},
-                                     {"grid_set_write_small", grid_set_write_small},
-                                     {"grid_set_small", grid_set_small},
-                                     {NULL, NULL}};
+static const luaL_Reg functions[] = {
+    {"grid_set_open", grid_set_open},   {"grid_set_look", grid_set_look},
+    {"grid_set_file", grid_set_file},   {"grid_set_is_open", grid_set_is_open},
+    {"grid_set_close", grid_set_close}, {"grid_set_pack", grid_set_pack},
+    {"grid_set_write", grid_set_write}, {"grid_set_write_small", grid_set_write_small},
+    {"grid_set_small", grid_set_small}, {NULL, NULL}};
 
 static const luaL_Reg methods[] = {{"__gc", grid_set_close}, {NULL, NULL}};
 

@@ -27,8 +27,8 @@ return {
   usage = "GRID.ylmd|GRID.ylm -o GRID.ylm|GRID.ylmd",
   least = 1, most = 1,
   options = {
-    { "output", "-o", "FILE", "the file (.ylm), or - for stdout; the grid has to fit into memory. Or a folder of few bytes "
-      .. "(.ylmd), brick by brick" },
+    { "output", "-o", "FILE", "the file (.ylm), or - for stdout, brick by brick; of few bytes, the grid has to fit into "
+      .. "memory twice. Or a folder of few bytes (.ylmd), brick by brick" },
     { "tolerance", nil, "N", "few bytes: interpolation and rounding err by this at most, in all, at 99 % of the places" },
     { "bytes", nil, "SIZE", "few bytes: at most so many (2MB, 500kB), with the least error" },
     { "threads", "-j", "N", "default: YLM_THREADS or all cores" },

@@ -145,12 +145,12 @@ local save_options = { small.options[1], small.options[2], small.options[3],
 }
 
 describe "grid_set:save" {
-  about = "Writes all bricks as one file, .ylm: the grid has to fit into memory, as it has to when that file is loaded. With "
-    .. "tolerance, bytes or step it writes another folder of few bytes, .ylmd, whose bricks are read one by one; one brick is in "
-    .. "memory then. Or "
-    .. "writes the voxels for ParaView: NAME.pvtu, and NAME-K-of-N.vtu beside it: a file for each process, with a piece for "
-    .. "each brick of its range; more where a file would have more than 64 bricks. One brick is in memory then; points on "
-    .. "faces between bricks are in both.",
+  about = "Writes all bricks as one file, .ylm, with one brick in memory at a time; the grid has to fit into memory when that "
+    .. "file is loaded. With tolerance, bytes or step the file has few bytes, and the grid has to fit into memory twice. A path "
+    .. "name.ylmd is another folder of few bytes, whose bricks are written and read one by one. Or writes the voxels for "
+    .. "ParaView: NAME.pvtu, and NAME-K-of-N.vtu beside it: a file for each process, with a piece for each brick of its range; "
+    .. "more where a file would have more than 64 bricks. One brick is in memory then; points on faces between bricks are in "
+    .. "both.",
   arguments = { { "path", "string", "ends in .ylm, .ylmd or .pvtu" }, { "options?", "table", "see the options" } },
   options = save_options,
   returns = { { "ok", "boolean", "true; or nil, message, 'EIO', 'ENOMEM' or what reading a brick says" },
@@ -180,14 +180,13 @@ function methods.save(s, path, given)
     return small.save_set("save", s, path, o)
   end
   if ending == "pvtu" then return require "ylm.grid.pvtu".save(s, path, o.team and o.team.handle or core.team_alone(), o) end
+  if not small.is_asked(2, "save", o) then
+    return check.result("save", core.grid_set_write(s, path, o.threads or 0, progress.of(o.progress)))
+  end
   local g, message, code = check.result("save", core.grid_set_pack(s, o.threads or 0, progress.of(o.progress)))
   if not g then return nil, message, code end
   local ok
-  if small.is_asked(2, "save", o) then
-    ok, message, code = small.save("save", g, path, o)
-  else
-    ok, message, code = check.result("save", core.grid_write(g, path))
-  end
+  ok, message, code = small.save("save", g, path, o)
   core.grid_close(g)
   if not ok then return nil, message, code end
   return true, message
