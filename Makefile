@@ -20,6 +20,8 @@ SOVERSION := $(firstword $(subst ., ,$(VERSION)))
 # Luas whose interpreter and headers are both there; `luarocks make` names one by ROCK_LUA.
 LUAS    ?= $(if $(ROCK_LUA),$(shell $(ROCK_LUA) -e 'print("lua" .. _VERSION:match("%d.%d"))'),$(foreach l,\
              lua5.1 luajit lua5.2 lua5.3 lua5.4 lua5.5,$(if $(shell command -v $(l) && pkg-config --exists $(l) 2>/dev/null && echo y),$(l))))
+# The system is asked once, not wherever the name stands: so below.
+LUAS    := $(LUAS)
 LUA_CFLAGS ?= # of the one Lua to build for; pkg-config knows them otherwise
 ABIS    := $(sort $(patsubst luajit,lua5.1,$(LUAS)))
 
@@ -64,7 +66,8 @@ PUBLIC  := $(wildcard csrc/*/ylm_*.h)
 link_headers = rm -rf $(INCLUDE) && mkdir -p $(INCLUDE) && ln -s $(realpath $(PUBLIC)) $(INCLUDE)
 # One header says which kernels this build has. Goals that only call make again leave all as it is.
 BUILT := $(shell sed -n '1s|^/\* \(.*\) \*/$$|\1|p' $(BUILT_SETS) 2>/dev/null)
-ifneq ($(if $(MAKECMDGOALS),$(filter-out clean help deps demo test,$(MAKECMDGOALS)),all),)
+OWN_WORK := $(if $(MAKECMDGOALS),$(filter-out clean help deps demo test,$(MAKECMDGOALS)),all)
+ifneq ($(OWN_WORK),)
 ifneq ($(sort $(realpath $(filter-out $(BUILT_SETS),$(wildcard $(INCLUDE)/*)))),$(sort $(realpath $(PUBLIC))))
 $(shell $(link_headers))
 BUILT :=
@@ -83,11 +86,13 @@ pkg      = $(shell pkg-config $(1) $(2) 2>/dev/null)
 ZLIB        := $(call pkg,--libs,zlib)
 # glTF is read where jansson is, JPEG where libjpeg is.
 WITH_JANSSON ?= $(if $(call pkg,--libs,jansson),y)
+WITH_JANSSON := $(WITH_JANSSON)
 WITH_JPEG    ?= $(if $(call pkg,--libs,libjpeg),y)
-CFLAGS_codec = $(call pkg,--cflags,OpenEXR libpng $(if $(WITH_JANSSON),jansson) $(if $(WITH_JPEG),libjpeg)) $(if $(WITH_JPEG),-DYLM_JPEG) $(if $(ZLIB),$(call pkg,--cflags,zlib) -DYLM_ZLIB)
+WITH_JPEG    := $(WITH_JPEG)
+CFLAGS_codec := $(call pkg,--cflags,OpenEXR libpng $(if $(WITH_JANSSON),jansson) $(if $(WITH_JPEG),libjpeg)) $(if $(WITH_JPEG),-DYLM_JPEG) $(if $(ZLIB),$(call pkg,--cflags,zlib) -DYLM_ZLIB)
 # OpenEXRCore has its version behind its name: -lOpenEXRCore-3_1, and OpenEXR 2 has none.
 OPENEXR     := $(filter -L% -lOpenEXRCore%,$(call pkg,--libs,OpenEXR))
-LIBS_codec   = $(OPENEXR) $(call pkg,--libs,libpng $(if $(WITH_JANSSON),jansson) $(if $(WITH_JPEG),libjpeg)) $(ZLIB)
+LIBS_codec  := $(OPENEXR) $(call pkg,--libs,libpng $(if $(WITH_JANSSON),jansson) $(if $(WITH_JPEG),libjpeg)) $(ZLIB)
 LIBS_scene   = $(EMBREE_DIR:%=-L%/lib) $(EMBREE_DIR:%=-Wl,-rpath,%/lib) -lembree$(EMBREE) -ldl
 CFLAGS_scene = -DYLM_EMBREE=$(EMBREE) $(EMBREE_DIR:%=-isystem %/include)
 
@@ -108,6 +113,7 @@ EMBREE     ?= $(firstword $(foreach v,3 4,$(if $(wildcard $(addsuffix /include/e
 
 # Built where OpenEXR and libpng are, and where Embree is; spherical harmonics alone need none of them.
 WITH_CODEC  ?= $(and $(filter -l%,$(OPENEXR)),$(call pkg,--libs,libpng),y)
+WITH_CODEC  := $(WITH_CODEC)
 WITH_EMBREE ?= $(EMBREE)
 WITH_SCENE  ?= $(WITH_EMBREE)
 
@@ -188,6 +194,8 @@ $(BUILD)/obj/trace/%.o: csrc/trace/%.c $(EMBREE_IS)
 
 # Files of few bytes are decoded to the same bits on every machine: products and sums are not contracted.
 $(BUILD)/obj/grid/small/%.o: CFLAGS += -ffp-contract=off
+# Files that hand on to devices, pages, processes and other files' readers.
+$(BUILD)/obj/vulkan/%.o $(BUILD)/obj/figure/%.o $(BUILD)/obj/codec/gltf/%.o $(BUILD)/obj/mpi/%.o: CFLAGS += $(HAND_ON)
 $(BUILD)/obj/%.o: csrc/%.c
 	@mkdir -p $(@D)
 	$(call say,CC,$@)
@@ -313,4 +321,4 @@ clean:   ## remove build and out
 	$(if $(filter-out clean help,$(MAKECMDGOALS)),@$(link_headers))
 
 # What objects and programs depend on, as the compiler found it: in the folders of rooms, four deep at most.
--include $(foreach d,obj $(ABIS:%=%/obj) bench check fuzz,$(wildcard $(addprefix $(BUILD)/$(d)/,*.d */*.d */*/*.d */*/*/*.d */*/*/*/*.d)))
+-include $(if $(filter-out gen gen-check,$(OWN_WORK)),$(foreach d,obj $(ABIS:%=%/obj) bench check fuzz,$(wildcard $(addprefix $(BUILD)/$(d)/,*.d */*.d */*/*.d */*/*/*.d */*/*/*/*.d))))

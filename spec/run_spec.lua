@@ -135,8 +135,8 @@ describe("make", function()
   --- The -j under which a goal of make works; options: of its command line.
   local function jobs(options, environment)
     local file = folder:write("show.mk", "include Makefile\nshow: ; @echo $(filter -j%,$(MAKEFLAGS))\n")
-    return (scratch.capture(("env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL %s make -s -f %s %s show"):format(environment or "", file,
-      options)):gsub("%s", ""))
+    return (scratch.capture(("env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL %s make -s -f %s BUILD=%s %s show"):format(
+      environment or "", file, scratch.quote(folder.path .. "/none"), options)):gsub("%s", ""))
   end
 
   --- The value of a variable of the Makefile in an empty build folder.
