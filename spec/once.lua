@@ -33,10 +33,12 @@ return {
   long = [[
     grid_update_flat neon papers vulkan_keep vulkan_light vulkan_octree vulkan_points vulkan_rims vulkan_tolerance]],
 
-  -- The next longest, of ten seconds and more: they begin after those, where no run has measured specs.
+  -- The next longest, of five seconds and more: they begin after those, where no run has measured specs.
   early = [[
-    bounce_render codegen documentation grid_sides guide guides install lightmaps live live_display memory memory_picture options
-    page probes readme style surface_grid team team_bricks]],
+    bounce_render bricks cli codegen denoise documentation gather grid_sides grid_update grounds guide guides hostile_meshes
+    install inverse light_tree lightmaps live live_display material_file memory memory_picture options page probes radiosity
+    readme refusals rounds run small_grid style surface_grid surface_promise targets team_bricks two_rooms_light view_grid
+    virtual_near vulkan_fault vulkan_sample]],
 
   -- Specs that run no code of the build: sanitizers find nothing there.
   text = [[

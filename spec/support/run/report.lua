@@ -2,6 +2,7 @@
 --
 -- A line is "passed", "failed" or "skipped", seconds of processor time (children included) and the name, between tabs.
 -- A failure is "skipped" after the file has asked for a part of ylm that is not built; "lacking" names that.
+-- A line "other" has the seconds of all else: of the file itself, setup and teardown.
 -- The line "done" ends the report of a run that came to its end: a crash, a signal or os.exit leaves it out.
 
 local busted = require "busted"
@@ -34,11 +35,13 @@ return function()
   lacking.watch()
   local names = require "busted.outputHandlers.base"()
   local report = assert(io.open(path, "a"))
-  local begun, failures = 0, {}
+  local begun, noted, failures = 0, 0, {}
   local handler = {}
 
   local function note(result, name)
-    report:write(result, ("\t%.2f\t"):format(clock() - begun), (name:gsub("%s+", " ")), "\n")
+    local seconds = clock() - begun
+    noted = noted + seconds
+    report:write(result, ("\t%.2f\t"):format(seconds), (name:gsub("%s+", " ")), "\n")
     report:flush()
   end
 
@@ -78,7 +81,7 @@ return function()
   end
 
   local function done()
-    report:write "done\n"
+    report:write(("other\t%.2f\t\n"):format(math.max(0, clock() - noted)), "done\n")
     report:close()
     return nil, true
   end
