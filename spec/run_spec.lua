@@ -69,8 +69,8 @@ describe("spec/long", function()
   --- Its output and status, where make is a shell's lines.
   local function long(words, make)
     folder:write("make", "#!/bin/sh\n" .. make)
-    return scratch.capture(("cd %s && chmod +x make && cd - >/dev/null && BUILD=%s/build PATH=%s:$PATH FUZZ_CC=sh MAKEFLAGS=-j1 "
-      .. "spec/long %s"):format(folder.path, folder.path, folder.path, words))
+    return scratch.capture(("cd %s && chmod +x make && cd - >/dev/null && BUILD=%s/build PATH=%s:$PATH FUZZ_CC=sh OTHER_CC=sh "
+      .. "MAKEFLAGS=-j1 spec/long %s"):format(folder.path, folder.path, folder.path, words))
   end
 
   it("goes on behind a part that fails, and counts it; `rest` are those that have not passed", function()

@@ -40,14 +40,18 @@ saved("sampled", grid:sample(points), "npy")
 saved("light", ylm.light_field(6, lamps, points), "npy")
 saved("harmonics", ylm.sh.product(ylm.sh.eval(3, points), ylm.sh.eval(3, points)), "npy")
 
-local links = scene:links { spacing = 0.3, rays = 32 }
-saved("bounced", links:radiosity():irradiance(), "npy")
-links:close()
-local picture = assert(scene:render { size = { 24, 18 }, bounces = 2 })
-saved("picture", picture, "pfm")
-saved("picture", picture, "exr")
-saved("picture", picture, "png")
-saved("paths", scene:pathtrace { size = { 12, 9 }, samples = 2 }, "pfm")
+local parts = {}
+for _, part in ipairs(ylm.info().parts) do parts[part] = true end
+if parts.scene then
+  local links = scene:links { spacing = 0.3, rays = 32 }
+  saved("bounced", links:radiosity():irradiance(), "npy")
+  links:close()
+end
+if parts.scene and parts.codec then
+  local picture = assert(scene:render { size = { 24, 18 }, bounces = 2 })
+  for _, ending in ipairs { "pfm", "exr", "png" } do saved("picture", picture, ending) end
+  saved("paths", scene:pathtrace { size = { 12, 9 }, samples = 2 }, "pfm")
+end
 
 local calls = 0
 local nothing, message = ylm.light_field(9, lamps, ylm.zeros({ 60000, 3 }, "float"), { progress = function()
