@@ -2,6 +2,7 @@
 
 local core = require "ylm.c.core"
 local long = require "spec.support.long"
+local patience = require "spec.support.patience"
 local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 
@@ -139,7 +140,7 @@ describe("the C library", function()
     runs("%s sh -c %s", env(), scratch.quote(("%s%s -D_GNU_SOURCE %s spec/support/numbers.c -x none $(pkg-config --cflags --libs "
       .. "%s) -lm -o %s"):format(languages[1], strict, defined, packages, scratch.quote(program))))
     local said = {}
-    local out = runs("%s timeout 20 %s", env(), scratch.quote(program))
+    local out = runs("%s timeout %d %s", env(), patience(20), scratch.quote(program))
     for name, result, sentence in out:gmatch "([^\t\n]+)\t([^\t]*)\t([^\n]*)\n" do
       said[name] = result .. (sentence ~= "" and ": " .. sentence or "")
     end

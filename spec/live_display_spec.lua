@@ -11,7 +11,7 @@ local build = os.getenv "YLM_BUILD" or "build"
 if build:sub(1, 1) ~= "/" then build = scratch.capture("pwd"):gsub("%s+$", "") .. "/" .. build end
 
 --- Seconds that a machine beside other work may take.
-local PATIENCE = 100
+local PATIENCE = require "spec.support.patience" (100)
 
 describe("ylm live in a window", function()
   local folder, why

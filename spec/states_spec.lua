@@ -1,6 +1,7 @@
 --- Several Lua states in the threads of one process: each gets what it gets alone.
 
 local long = require "spec.support.long"
+local patience = require "spec.support.patience"
 local scratch = require "spec.support.scratch"
 
 local build = os.getenv "YLM_BUILD" or "build"
@@ -36,8 +37,8 @@ describe("Lua states in threads", function()
     local missing = compile()
     if missing then return pending(missing) end
     for _, threads in ipairs(long({ 2 }, { 2, 4, 8 })) do
-      local out, code = scratch.capture(("YLM_THREADS=2 timeout 300 %s spec/support/states.lua %d %d %s"):format(program, threads,
-        long(1, 5), scratch.quote(folder.path)))
+      local out, code = scratch.capture(("YLM_THREADS=2 timeout %d %s spec/support/states.lua %d %d %s"):format(patience(300),
+        program, threads, long(1, 5), scratch.quote(folder.path)))
       assert.equal(0, code, out)
       assert.truthy(out:find("\ncancelled\tnil, cancelled, true\n", 1, true), out)
       assert.truthy(out:find("\nwarned\t" .. drawn .. "a state warns\n"), out)
@@ -46,7 +47,8 @@ describe("Lua states in threads", function()
   end)
 
   it("may watch for interrupts more than once", function()
-    local out, code = scratch.capture(("timeout 10 ${YLM_LUA:-lua5.4} %s"):format(scratch.quote(folder:write("watch.lua", [[
+    local out, code = scratch.capture(("timeout %d ${YLM_LUA:-lua5.4} %s"):format(patience(10),
+      scratch.quote(folder:write("watch.lua", [[
       local core = require "ylm.c.core"
       assert(core.process_watch())
       assert(not core.process_watch())

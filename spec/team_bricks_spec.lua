@@ -1,6 +1,7 @@
 -- Bakes in bricks by several processes: the files of one, also where processes were killed in between.
 
 local mpi = require "spec.support.mpi"
+local patience = require "spec.support.patience"
 local scratch = require "spec.support.scratch"
 local tool = require "spec.support.tool"
 
@@ -67,7 +68,7 @@ describe("a bake in bricks that a team shares", function()
         return true
       end })]]):format(folder.path .. "/scene.lua", path))
     local out, status, seconds = run(3, "ylm", "run " .. scratch.quote(script))
-    assert(status ~= 0 and seconds < 20, out)
+    assert(status ~= 0 and seconds < patience(20), out)
     assert(not io.open(path .. "/index"), out)
     out, status = run(2, "ylm", ("bake %s -q -o %s"):format(scene, scratch.quote(path)))
     assert.equal(0, status, out)

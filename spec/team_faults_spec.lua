@@ -4,6 +4,7 @@ local kills = require "spec.support.kills"
 local long = require "spec.support.long"
 local mpi = require "spec.support.mpi"
 local random = require "spec.support.random".minimal
+local patience = require "spec.support.patience"
 local scratch = require "spec.support.scratch"
 local tool = require "spec.support.tool"
 local ylm = require "ylm"
@@ -15,7 +16,7 @@ local SCENE = [[return scene "faults" {
     sphere_light { at = { -0.7, 0.3, 0.4 }, radius = 0.05, radiance = { 9, 4, 2 } } },
   probes = adaptive_grid { bounds = { { -1, -0.2, -1 }, { 1, 0.8, 1 } }, lmax = 2, depth = %d, threshold = %g, bricks = %d } }]]
 
-local SECONDS = 10 -- for all processes to end, from the moment of a fault
+local SECONDS = patience(10) -- for all processes to end, from the moment of a fault
 
 describe("a bake in bricks that a team shares, where something breaks", function()
   local folder, run, scene, one

@@ -1,5 +1,6 @@
 -- ylm.team: processes that share work, and what they do when one of them fails.
 
+local patience = require "spec.support.patience"
 local scratch = require "spec.support.scratch"
 local tool = require "spec.support.tool"
 local ylm = require "ylm"
@@ -207,19 +208,19 @@ describe("processes that mpirun has started", function()
         if i == 3 then error("that is wrong") end
         return i
       end)]])
-    assert(status == 3 and seconds < 5, out)
+    assert(status == 3 and seconds < patience(5), out)
     assert.equal(1, select(2, out:gsub("that is wrong", "")), out)
     -- others are far away
-    out, status, seconds = script(3, [[
+    out, status, seconds = script(3, ([[
       if team.rank == 3 then error "alone" end
       local core = require "ylm.c.core"
-      local until_then = core.seconds() + 30
-      while core.seconds() < until_then do end]])
-    assert(status == 3 and seconds < 8, out)
+      local until_then = core.seconds() + %d
+      while core.seconds() < until_then do end]]):format(patience(30)))
+    assert(status == 3 and seconds < patience(8), out)
     assert.equal(1, select(2, out:gsub("alone", "")), out)
     -- a mistake that all make
     out, status, seconds = script(3, 'error "all make it"')
-    assert(status == 3 and seconds < 5, out)
+    assert(status == 3 and seconds < patience(5), out)
     assert.equal(1, select(2, out:gsub("all make it", "")), out)
   end)
 
@@ -264,7 +265,7 @@ describe("processes that mpirun has started", function()
       if team.rank == 1 then print(done < 30, same) end
     ]]):format(journal)
     local out, status, seconds = script(3, text:format "true")
-    assert(status ~= 0 and seconds < 10, out)
+    assert(status ~= 0 and seconds < patience(10), out)
     local kept = folder:read "killed.journal.2"
     assert.equal(1, select(2, kept:gsub("case %x+", "")))
     out, status = script(2, text:format "false")

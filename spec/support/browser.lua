@@ -14,7 +14,7 @@ local scratch = require "spec.support.scratch"
 local browser = {}
 browser.__index = browser
 
-local LIMIT = 120 -- seconds that a browser lives at most
+local LIMIT = require "spec.support.patience" (120) -- seconds that a browser lives at most
 
 --- Switches of a Chromium that draws by SwiftShader; a newer one that refuses --use-angle=swiftshader wants --use-gl=angle too.
 local SWITCHES = "--headless=new --use-angle=swiftshader --enable-unsafe-swiftshader --hide-scrollbars "

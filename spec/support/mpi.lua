@@ -3,8 +3,9 @@
 --     local run, missing = mpi.runner(folder)
 --     local out, status, seconds = run(4, "lua", "print(1)")      -- "lua" or "sh" and a script, "ylm" and words
 --
--- Each run ends within 60 seconds, whatever happens.
+-- Each run ends within 60 seconds (spec/support/patience.lua), whatever happens.
 
+local patience = require "spec.support.patience"
 local scratch = require "spec.support.scratch"
 local tool = require "spec.support.tool"
 
@@ -28,8 +29,8 @@ function mpi.command(folder, n, what, words, environment)
   elseif what == "sh" then
     program = "sh " .. scratch.quote(folder:write("script.sh", words))
   end
-  return ("env -u OMP_NUM_THREADS -u YLM_THREADS %s %s timeout -k 5 60 mpirun -q -n %d %s"):format(ENVIRONMENT, environment or "",
-    n, program)
+  return ("env -u OMP_NUM_THREADS -u YLM_THREADS %s %s timeout -k 5 %d mpirun -q -n %d %s"):format(ENVIRONMENT, environment or "",
+    patience(60), n, program)
 end
 
 --- A function that runs a command; it returns its output, exit status and seconds.

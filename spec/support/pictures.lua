@@ -1,5 +1,7 @@
 --- Pictures for specs, and ways to spoil files.
 
+local patience = require "spec.support.patience"
+
 local pictures = {}
 
 --- A small generator of its own: the same numbers under every Lua.
@@ -52,7 +54,8 @@ end
 --- Runs a Lua script in another process whose files cannot grow beyond a few kilobytes; what it prints.
 function pictures.on_full_disk(scratch, script, blocks)
   local lua = os.getenv "YLM_LUA" or "lua5.4"
-  return scratch.capture(("trap '' XFSZ; ulimit -f %d; timeout 60 %s -e %s"):format(blocks or 2, lua, scratch.quote(script)))
+  return scratch.capture(("trap '' XFSZ; ulimit -f %d; timeout %d %s -e %s"):format(blocks or 2, patience(60), lua,
+    scratch.quote(script)))
 end
 
 return pictures

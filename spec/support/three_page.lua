@@ -3,6 +3,7 @@
 -- YLM_NODE_MODULES=DIR names a folder with npm's `three` (0.187 or later); Chromium is needed too.
 
 local core = require "ylm.c.core"
+local patience = require "spec.support.patience"
 local scratch = require "spec.support.scratch"
 
 local page = {}
@@ -28,7 +29,7 @@ function page.result(folder, name, seconds, run)
   local dom, also = (run or scratch.capture)(("timeout %d %s --headless --no-sandbox --disable-gpu-sandbox "
     .. "--use-angle=swiftshader --enable-unsafe-swiftshader --allow-file-access-from-files "
     .. "--virtual-time-budget=20000 --user-data-dir=%s/profile --dump-dom file://%s 2>/dev/null"):format(
-    seconds, page.browser(), scratch.quote(folder.path), name))
+    patience(seconds), page.browser(), scratch.quote(folder.path), name))
   return dom:match "<pre>BEGIN (.-) END</pre>", dom, also
 end
 
