@@ -21,14 +21,14 @@ static bool links_hold(const ylm_grid *g, size_t i) {
 
 /* Corners are points, and where they should be. */
 static bool corners_hold(const ylm_grid *g, const ylm_grid_cell *c) {
-  for (int k = 0; k < 8; k++) {
-    uint32_t at[3];
+  uint32_t edge = ylm__grid_edge(g, c), wrong = 0;
+  for (uint32_t k = 0; k < 8; k++) {
     if (c->corner[k] == YLM_GRID_NONE) continue;
     if (c->corner[k] >= g->points) return false;
-    ylm__grid_corner_at(g, c, k, at);
-    if (memcmp(g->lattice + 3 * (size_t)c->corner[k], at, sizeof at) != 0) return false;
+    const uint32_t *at = g->lattice + 3 * (size_t)c->corner[k];
+    for (uint32_t a = 0; a < 3; a++) wrong |= at[a] ^ (c->origin[a] + (k >> a & 1) * edge);
   }
-  return true;
+  return !wrong;
 }
 
 /* Every cell is the root or the child of one parent, in its place. */

@@ -153,8 +153,8 @@ ylm_status ylm__file_source_open(file_source *s, const char *path, ylm_error *e)
 ylm_status ylm__file_source_memory(file_source *s, const char *name, const unsigned char *data,
                                    size_t size, ylm_error *e);
 void ylm__file_source_close(file_source *s);
-/* n bytes from offset `at`, which lie in the file; adds to *crc (may be NULL). *finite (may be NULL) becomes false where a
-   float among them is not a finite number. */
+/* n bytes from offset `at`, which lie in the file; adds to *crc (may be NULL). *finite (may be NULL; crc is there then) becomes
+   false where a float among them is not a finite number. */
 ylm_status ylm__file_source_read(const file_source *s, uint64_t at, size_t n, void *to,
                                  uint64_t *crc, bool *finite, ylm_error *e);
 

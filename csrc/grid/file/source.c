@@ -1,5 +1,6 @@
 /* source.c - the bytes that a grid is read from. */
 #include "file.h"
+#include "ylm_crc.h"
 
 #include <errno.h>
 #include <string.h>
@@ -69,8 +70,10 @@ ylm_status ylm__file_source_read(const file_source *s, uint64_t at, size_t n, vo
       memcpy(p, s->data + at + done, some);
     else if (take(s, some, p, e) != YLM_OK)
       return ferror(s->file) ? YLM_EIO : YLM_ECHECKSUM;
-    if (crc) *crc = ylm_crc64(*crc, p, some);
-    if (finite) *finite &= ylm_all_finite(YLM_FLOAT, p, some / sizeof(float), NULL);
+    if (finite)
+      *crc = ylm_crc64_floats(*crc, p, some, finite);
+    else if (crc)
+      *crc = ylm_crc64(*crc, p, some);
     done += some;
   }
   return YLM_OK;

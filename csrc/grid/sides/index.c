@@ -27,11 +27,16 @@ ylm_status ylm__sides_index(ylm_grid *g) {
   return YLM_OK;
 }
 
+#define FETCHED 8 /* points ahead, whose places in the hash are brought towards the cache */
+
 ylm_status ylm__sides_hash_to(const ylm_grid *g, lattice_hash *h) {
   ylm_status s = ylm__lattice_hash_reserve(h, g->evaluated);
-  for (size_t i = 0; s == YLM_OK && i < g->evaluated; i++)
+  for (size_t i = 0; s == YLM_OK && i < g->evaluated; i++) {
+    size_t ahead = i + FETCHED < g->evaluated ? i + FETCHED : i;
+    ylm__lattice_hash_prefetch(h, lattice_key(g->lattice + 3 * ahead));
     if (!(g->flags[i] & YLM_GRID_POINT_GHOST))
       *ylm__lattice_hash_at(h, lattice_key(g->lattice + 3 * i)) = (uint32_t)i;
+  }
   return s;
 }
 
