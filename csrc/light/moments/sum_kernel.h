@@ -8,6 +8,7 @@
 #include "gen/compensation.h"
 #include "lanes.h"
 #include "plan.h"
+#include "ylm_transpose.h"
 
 #ifdef YLM_REAL_IS_FLOAT
 typedef ylm__lamp_f real_lamp;
@@ -114,6 +115,12 @@ static void add_all(const ylm__plan *p, work *k, const vreal *xyz, vmask *inside
 static void put(const vreal *rows, size_t n, const size_t *to, int lanes, real *out,
                 size_t stride) {
   const real *from = (const real *)rows;
+  if (lanes == LANES && n >= LANES) {
+    real *row[LANES];
+    for (int lane = 0; lane < LANES; lane++) row[lane] = out + to[lane] * stride;
+    from_tile(from, LANES, (int)n, 0, row);
+    return;
+  }
   for (int lane = 0; lane < lanes; lane++)
     for (size_t i = 0; i < n; i++) out[to[lane] * stride + i] = from[i * LANES + (size_t)lane];
 }

@@ -78,7 +78,12 @@ static bool is_in(const ylm_light_occluder *o, const double p[3]) {
 }
 
 static void negate(ylm_dtype t, void *x, size_t n) {
-  for (size_t i = 0; i < n; i++) ylm_put(t, x, i, -ylm_get(t, x, i));
+  double *d = x;
+  float *f = x;
+  if (t == YLM_DOUBLE)
+    for (size_t i = 0; i < n; i++) d[i] = -d[i];
+  else
+    for (size_t i = 0; i < n; i++) f[i] = -f[i];
 }
 
 /* Results of o become those of v at point i. */

@@ -12,8 +12,8 @@
 #ifndef YLM_SH_PRODUCT_BATCH_H
 #define YLM_SH_PRODUCT_BATCH_H
 
-#include "../eval/transpose.h"
 #include "product_one.h"
+#include "ylm_transpose.h"
 
 typedef vreal lane __attribute__((may_alias));
 

@@ -13,9 +13,9 @@
 #ifndef YLM_SH_PRODUCT_SHARED_H
 #define YLM_SH_PRODUCT_SHARED_H
 
-#include "../eval/transpose.h"
 #include "product.h"
 #include "ylm_real.h"
+#include "ylm_transpose.h"
 
 /* The tables of the element type. */
 #ifdef YLM_REAL_IS_FLOAT

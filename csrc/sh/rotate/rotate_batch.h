@@ -8,9 +8,9 @@
 #ifndef YLM_SH_ROTATE_BATCH_H
 #define YLM_SH_ROTATE_BATCH_H
 
-#include "../eval/transpose.h"
 #include "rotate_angles.h"
 #include "rotate_one.h"
+#include "ylm_transpose.h"
 
 /* -- degrees by their blocks ------------------------------------------------------------------ */
 

@@ -1,11 +1,11 @@
 /*
-** transpose.h - rows to lanes and back, for the unit's element type.
+** ylm_transpose.h - rows to lanes and back, for the unit's element type.
 **
 ** Kernels whose lanes are the rows of a batch read and write through tiles: element k of row r is
 ** tile[k * pitch + r].
 */
-#ifndef YLM_SH_TRANSPOSE_H
-#define YLM_SH_TRANSPOSE_H
+#ifndef YLM_TRANSPOSE_H
+#define YLM_TRANSPOSE_H
 
 #include "ylm_real.h"
 
