@@ -4,7 +4,6 @@
 #endif
 #include "ylm_base.h"
 
-#include <math.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -115,36 +114,5 @@ bool ylm_shape_count(int axes, const size_t *shape, size_t *count) {
   if (__builtin_mul_overflow(n, sizeof(double), &bytes)) return false;
   if (bytes > PTRDIFF_MAX - YLM_ALIGN) return false;
   *count = n;
-  return true;
-}
-
-/* Whether any of n numbers has the exponent of infinities and NaNs; without branches, so that it
-   becomes vector code. */
-static bool any_float(const void *x, size_t n) {
-  uint32_t bits, bad = 0;
-  for (size_t i = 0; i < n; i++) {
-    memcpy(&bits, (const char *)x + 4 * i, 4);
-    bad |= (bits & 0x7f800000u) == 0x7f800000u;
-  }
-  return bad;
-}
-static bool any_double(const void *x, size_t n) {
-  uint64_t bits, bad = 0;
-  for (size_t i = 0; i < n; i++) {
-    memcpy(&bits, (const char *)x + 8 * i, 8);
-    bad |= (bits & 0x7ff0000000000000u) == 0x7ff0000000000000u;
-  }
-  return bad;
-}
-
-bool ylm_all_finite(ylm_dtype t, const void *x, size_t n, size_t *where) {
-  if (t == YLM_DOUBLE ? !any_double(x, n) : !any_float(x, n)) return true;
-  const float *f = x;
-  const double *d = x;
-  for (size_t i = 0; i < n; i++) {
-    if (t == YLM_DOUBLE ? isfinite(d[i]) : isfinite(f[i])) continue;
-    if (where) *where = i;
-    return false;
-  }
   return true;
 }

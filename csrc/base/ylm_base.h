@@ -156,6 +156,8 @@ YLM_API bool ylm_shape_count(int axes, const size_t *shape, size_t *count);
 
 /* True if all n numbers are finite; else *where is the index of the first that is not. */
 YLM_API bool ylm_all_finite(ylm_dtype t, const void *x, size_t n, size_t *where);
+/* True if all n numbers are from -limit to limit, which is a number of the type, at least 0. */
+YLM_API bool ylm_all_within(ylm_dtype t, const void *x, size_t n, double limit);
 
 /* -- processor ------------------------------------------------------------- */
 

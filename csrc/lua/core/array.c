@@ -253,25 +253,11 @@ static int array_finite(lua_State *L) {
   return 2;
 }
 
-/* Whether any of n numbers is above the limit or none; without branches, as ylm_all_finite. */
-static bool any_float_beyond(const float *x, size_t n, float limit) {
-  uint32_t bad = 0;
-  for (size_t i = 0; i < n; i++) bad |= !(__builtin_fabsf(x[i]) <= limit);
-  return bad;
-}
-static bool any_double_beyond(const double *x, size_t n, double limit) {
-  uint64_t bad = 0;
-  for (size_t i = 0; i < n; i++) bad |= !(__builtin_fabs(x[i]) <= limit);
-  return bad;
-}
-
 /* within(array, limit) -> whether all numbers are from -limit to limit */
 static int array_within(lua_State *L) {
   ylmL_array *a = ylmL_array_check(L, 1);
   double limit = (double)luaL_checknumber(L, 2);
-  bool beyond = a->dtype == YLM_DOUBLE ? any_double_beyond(a->data, a->count, limit)
-                                       : any_float_beyond(a->data, a->count, (float)limit);
-  lua_pushboolean(L, !beyond);
+  lua_pushboolean(L, ylm_all_within(a->dtype, a->data, a->count, limit));
   return 1;
 }
 
