@@ -440,15 +440,16 @@ YLM_API size_t ylm_sh_nodes_scratch(const ylm_sh_nodes *n, ylm_dtype t);
 **
 **   row      in   [lanes] rows [(lmax+1)^2], which may repeat
 **   multiply in   value is multiplied by them, else set
-**   value    i/o  [count][lanes], aligned to YLM_ALIGN; analyse destroys it
+**   value    i/o  [count][lanes], aligned to YLM_ALIGN; analyse reads it
+**   by       in   [count] numbers that the values of all lanes are multiplied by; or NULL
 **   out      out  [lanes] rows [(lmax+1)^2], which may repeat
 **
 ** Cost     O(lmax^3) a row. Thread-safe, no allocation
 */
 YLM_API void ylm_sh_nodes_synthesise(const ylm_sh_nodes *n, ylm_dtype t, const void *const *row,
                                      bool multiply, void *value, void *scratch);
-YLM_API void ylm_sh_nodes_analyse(const ylm_sh_nodes *n, ylm_dtype t, void *value, void *const *out,
-                                  void *scratch);
+YLM_API void ylm_sh_nodes_analyse(const ylm_sh_nodes *n, ylm_dtype t, const void *value,
+                                  const void *by, void *const *out, void *scratch);
 /* Products of any number of factors, row by row; arguments as ylm_sh_product_apply has them, stride not NULL.
    Cost  factors + 1 transforms a row */
 YLM_API ylm_status ylm_sh_nodes_product(const ylm_sh_nodes *n, ylm_dtype t, size_t factors,

@@ -77,10 +77,12 @@ ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size
                     g->contents.form.lmax, q->lmax);
   if (q->want & YLM_WANT_HESSIAN) return ylm_fail(e, YLM_EINVAL, "a grid has no Hessians");
   size_t w = g->width, block = n < 16384 ? n : 16384;
-  bool slopes = q->want & YLM_WANT_GRADIENT;
-  float *value = ylm_alloc(block, w * sizeof *value);
-  float *gradient = slopes ? ylm_alloc(block, 3 * w * sizeof *gradient) : NULL;
-  ylm_status s = value && (gradient || !slopes) ? YLM_OK : YLM_ENOMEM;
+  bool alike = is_alike(g, q), slopes = q->want & YLM_WANT_GRADIENT,
+       values_stay = alike && r->value, slopes_stay = alike && r->gradient;
+  float *value = values_stay ? NULL : ylm_alloc(block, w * sizeof *value);
+  float *gradient = slopes && !slopes_stay ? ylm_alloc(block, 3 * w * sizeof *gradient) : NULL;
+  ylm_status s =
+      (value || values_stay) && (gradient || !slopes || slopes_stay) ? YLM_OK : YLM_ENOMEM;
   ylm_grid_query own = {
       .point_dtype = q->dtype, .dtype = YLM_FLOAT, .threads = q->threads, .origin = q->origin};
   for (size_t i = 0; i < n && s == YLM_OK; i += block) {
@@ -92,9 +94,8 @@ ylm_status ylm__grid_evaluate(const ylm_field *f, const ylm_field_query *q, size
                              .lambda = r->lambda ? (char *)r->lambda + i * size : NULL,
                              .norm = r->norm ? (char *)r->norm + i * size : NULL,
                              .inside = r->inside ? r->inside + i : NULL};
-    bool alike = is_alike(g, q);
-    float *v = alike && part.value ? part.value : value;
-    float *slope = alike && slopes && part.gradient ? part.gradient : gradient;
+    float *v = values_stay ? part.value : value;
+    float *slope = slopes && slopes_stay ? part.gradient : gradient;
     s = ylm_grid_sample(g, &own, now, p, v, slope, NULL, e);
     if (s == YLM_OK) convert(g, q, now, p, v, slope, &part);
     if (s == YLM_OK) s = ylm_report(q->progress, i + now, n, "sampling");

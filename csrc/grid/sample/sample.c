@@ -134,6 +134,12 @@ static void write_nan(const sampling *s, size_t i) {
   }
 }
 
+/* Numbers of a batch's results that do not stand where they are wanted: gradients behind values. */
+static size_t batch_numbers(const sampling *s) {
+  size_t rows = s->gradient ? 4 : s->q->dtype == YLM_DOUBLE ? 1 : 0;
+  return BATCH * rows * s->g->width;
+}
+
 /* Samples the batch, whose points are index[0 ..], and puts the results where they belong. */
 static void run_batch(const sampling *s, const chunk *k, sample_batch *b, const size_t *index) {
   size_t w = s->g->width;
@@ -157,7 +163,7 @@ static void run_batch(const sampling *s, const chunk *k, sample_batch *b, const 
 
 /* One point of a leaf without data that evaluated points touch. */
 static void sample_virtual(const sampling *s, const chunk *k, sample_batch *b, size_t i) {
-  float *room = k->scratch + (size_t)BATCH * 4 * s->g->width + ROW_PADDING;
+  float *room = k->scratch + batch_numbers(s) + ROW_PADDING;
   ylm__grid_set_virtual(s->g, k->cell[i], k->t[i], room, b);
   i += k->first;
   run_batch(s, k, b, &i);
@@ -258,7 +264,7 @@ static void free_chunks(sampling *s, int threads) {
 
 /* Memory of chunks of n points. */
 static ylm_status make_chunks(sampling *s, int threads, size_t n) {
-  size_t scratch = (size_t)BATCH * 4 * s->g->width + VIRTUAL_ROWS * s->g->stride + 2 * ROW_PADDING;
+  size_t scratch = batch_numbers(s) + VIRTUAL_ROWS * s->g->stride + 2 * ROW_PADDING;
   s->chunk = ylm_alloc_zero((size_t)threads, sizeof *s->chunk);
   bool ok = s->chunk;
   for (int i = 0; ok && i < threads; i++) {

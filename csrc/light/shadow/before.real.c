@@ -43,7 +43,7 @@ static ylm_status all_before(block *b, size_t first, size_t n) {
 static double meets(int lmax, const shadow_seen *c, const shadow_seen *l, double slope[3]) {
   double cosine = c->w[0] * l->w[0] + c->w[1] * l->w[1] + c->w[2] * l->w[2];
   double margin = YLM_PI / (lmax + 1), apart = acos(fmax(-1, fmin(1, cosine)));
-  double t = (apart - c->angle - l->angle) / margin;
+  double t = (apart - shadow_angle(c) - shadow_angle(l)) / margin;
   memset(slope, 0, 3 * sizeof *slope);
   if (t <= 0) return 1;
   if (t >= 1) return 0;

@@ -34,15 +34,19 @@ typedef struct block {
   uint8_t inside[SHADOW_BLOCK], any[SHADOW_BLOCK]; /* in a caster; on a light */
   size_t *by_caster_first, *by_caster;             /* [casters + 1] of the list of [seens] */
   size_t seen_first[SHADOW_BLOCK + 1], seens, seen_room, befores, before_room, terms, term_room,
-      lights, light_room, requests, by_room, blur_room;
+      lights, light_room, requests, by_room, blur_room, filled_room;
   shadow_seen *seen;
   shadow_before *before;
   shadow_term *term;
   request request[SHADOW_BLOCK];
   real *hidden; /* [seens][rows][count] visibilities where the casters stand */
-  real *light;  /* [lights][channels][rows][count] */
-  real *out;    /* [m][channels][rows][count] */
-  double *blur; /* [seens] lambda of visibilities */
+  bool layered; /* of one caster at a time, which are summed by layers: see hide.real.c */
+  real *layers; /* [layers of all terms][rows][count] */
+  size_t term_of[SHADOW_BLOCK]; /* the term of a point, where layers have rows */
+  real *light;                  /* [lights][channels][rows][count] */
+  real *out;                    /* [m][channels][rows][count] */
+  double *blur;                 /* [seens] lambda of visibilities */
+  uint8_t *filled;              /* [layers of all terms] its row has something */
   double lambda[SHADOW_BLOCK];
   ylm_error *e;
   int worker;
@@ -58,7 +62,7 @@ static inline real *room(const block *b, int which, size_t numbers) {
   return ylm__shadow_room(b->w, b->worker, which, numbers * sizeof(real));
 }
 
-/* Rows of even light: [channels][rows][count], of which gradients are 0; its values at nodes: [channels][values]. */
+/* Rows of even light: [channels][rows][count], of which gradients are 0; its values at nodes: [channels][nodes]. */
 static inline const real *even_row(const shadow_query *w, size_t c) {
   return (const real *)w->even + c * w->rows * w->count;
 }
@@ -72,7 +76,7 @@ static inline size_t sixteens(size_t n) { return (n + 15) / 16 * 16; }
 
 /* Numbers of even light before the values at nodes of channel c; c of all channels: its numbers. */
 static inline size_t even_before(const shadow_query *w, size_t c) {
-  return sixteens(w->channels * w->rows * w->count) + c * sixteens(tile_values(w));
+  return sixteens(w->channels * w->rows * w->count) + c * sixteens(ylm_sh_nodes_count(w->nodes));
 }
 
 static inline real *even_nodes(const shadow_query *w, size_t c) {

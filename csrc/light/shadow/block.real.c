@@ -34,6 +34,7 @@ void SHADOW(block_free)(void *kept) {
   ylm_free(b->before);
   ylm_free(b->term);
   ylm_free(b->blur);
+  ylm_free(b->filled);
   ylm_free(b->light);
   ylm_free(b);
 }
@@ -46,8 +47,10 @@ ylm_status SHADOW(block)(shadow_query *w, size_t begin, size_t end, int worker, 
   size_t numbers = b->m * w->channels * w->rows * w->count;
   b->out = room(b, ROOM_OUT, numbers);
   if (b->out) memset(b->out, 0, numbers * sizeof *b->out);
+  /* terms without lamps depend on what is seen alone, so that layers are known before anything is hidden */
+  b->layered = s->form.layers && s->rest && !s->local && !w->exponential;
   ylm_status status = b->out ? SHADOW(see)(b) : YLM_ENOMEM;
-  if (status == YLM_OK && b->seens) status = SHADOW(hide)(b);
+  if (status == YLM_OK && b->seens && !b->layered) status = SHADOW(hide)(b);
   if (status == YLM_OK && s->rest)
     status = w->even ? SHADOW(add_even)(b) : SHADOW(sum_lights)(b, s->rest, true);
   if (status == YLM_OK && s->local) status = SHADOW(sum_lights)(b, s->local, false);
@@ -57,6 +60,9 @@ ylm_status SHADOW(block)(shadow_query *w, size_t begin, size_t end, int worker, 
   if (status == YLM_OK) {
     SHADOW(layer)(b);
     SHADOW(count)(b);
+    if (b->layered && b->seens) status = SHADOW(hide)(b);
+  }
+  if (status == YLM_OK) {
     status = SHADOW(multiply)(b);
   }
   if (status == YLM_OK) SHADOW(write)(b);
@@ -67,6 +73,7 @@ ylm_status SHADOW(even)(shadow_query *w, ylm_error *e) {
   size_t lanes = ylm_sh_nodes_lanes(w->nodes, DTYPE), values = tile_values(w);
   void *scratch = ylm_alloc(ylm_sh_nodes_scratch(w->nodes, DTYPE), 1);
   real *even = w->even = ylm_alloc_zero(even_before(w, w->channels), sizeof *even);
+  real *values_of = ylm_alloc(values, sizeof *values_of);
   ylm_field_query q = {.lmax = w->q->lmax,
                        .channels = (int)w->channels,
                        .want = YLM_WANT_VALUE,
@@ -77,7 +84,7 @@ ylm_status SHADOW(even)(shadow_query *w, ylm_error *e) {
   /* the room of values at nodes, of which there are more than coefficients */
   real *value = even ? even_nodes(w, 0) : NULL;
   ylm_field_result r = {.value = value};
-  ylm_status s = scratch && even ? YLM_OK : YLM_ENOMEM;
+  ylm_status s = scratch && even && values_of ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm_field_evaluate(w->s->rest, &q, 1, w->points, &r, e);
   for (size_t c = 0; c < w->channels && s == YLM_OK; c++)
     memcpy(even + c * w->rows * w->count, value + c * w->count, w->count * sizeof *even);
@@ -85,10 +92,12 @@ ylm_status SHADOW(even)(shadow_query *w, ylm_error *e) {
     const void *row[16];
     real *to = even_nodes(w, c);
     for (size_t i = 0; i < lanes; i++) row[i] = even_row(w, c);
-    ylm_sh_nodes_synthesise(w->nodes, DTYPE, row, false, to, scratch);
-    w->even_most[c] = SHADOW(largest)(to, values, lanes, 0);
+    ylm_sh_nodes_synthesise(w->nodes, DTYPE, row, false, values_of, scratch);
+    w->even_most[c] = SHADOW(largest)(values_of, values, lanes, 0);
+    for (size_t i = 0; i < values / lanes; i++) to[i] = values_of[i * lanes];
   }
   atomic_fetch_add(&w->pairs, r.pairs);
   ylm_free(scratch);
+  ylm_free(values_of);
   return s;
 }

@@ -52,9 +52,10 @@ static ylm_status sort_by_caster(block *b) {
 
 /* The share of the disk at a distance, and its derivative. */
 static double share(const ylm_light_caster *c, double distance, double *slope) {
-  double from = SHADOW_BLEND * c->far, t = (distance - from) / (c->far - from);
+  double from = SHADOW_BLEND * c->far;
   *slope = 0;
-  if (!(c->far > 0) || t <= 0) return 0;
+  if (!(c->far > 0) || distance <= from) return 0;
+  double t = (distance - from) / (c->far - from);
   if (t >= 1) return 1;
   *slope = 6 * t * (1 - t) / (c->far - from);
   return t * t * (3 - 2 * t);
@@ -130,15 +131,62 @@ static ylm_status place(block *b, size_t caster, const viewers *v, real *rows) {
   return s;
 }
 
+/* Room for the layers of all terms, none of which has anything yet. */
+static ylm_status make_layers(block *b) {
+  size_t n = 0;
+  for (size_t i = 0; i < b->terms; i++) {
+    shadow_term *t = &b->term[i];
+    b->term_of[t->point] = i;
+    t->row = n;
+    n += t->layers;
+  }
+  if (!ylm__shadow_have((void **)&b->filled, n + 1, &b->filled_room, 1)) return YLM_ENOMEM;
+  memset(b->filled, 0, n);
+  b->layers = room(b, ROOM_LAYERS, (n + 1) * b->w->rows * b->w->count);
+  return b->layers ? YLM_OK : YLM_ENOMEM;
+}
+
+static void add_row(const shadow_query *w, real *to, const real *from) {
+#ifdef YLM_REAL_IS_FLOAT
+  w->add(w->rows * w->count, to, from);
+#else
+  for (size_t i = 0; i < w->rows * w->count; i++) to[i] += from[i];
+#endif
+}
+
+/* Adds what a caster hides from its viewers to the layers that it is in. */
+static void add_to_layers(block *b, const viewers *v, const real *rows) {
+  const shadow_query *w = b->w;
+  size_t row = w->rows * w->count;
+  for (size_t i = 0; i < v->n; i++) {
+    size_t seen = v->seen[i], point = b->seen[seen].point;
+    const shadow_term *t = &b->term[b->term_of[point]];
+    size_t at = t->row + (size_t)b->before[t->first + (seen - b->seen_first[point])].layer;
+    real *to = b->layers + at * row;
+    const real *from = rows + i * row;
+    if (!b->filled[at]) {
+      memcpy(to, from, row * sizeof *to);
+      b->filled[at] = 1;
+      continue;
+    }
+    real first = to[0] + (from[0] - (real)LIGHT_ONE);
+    add_row(w, to, from);
+    to[0] = first;
+  }
+}
+
+/* Visibilities of all casters; or, where layers are known, of one after the other, which are summed while they are in the cache. */
 ylm_status SHADOW(hide)(block *b) {
   const shadow_query *w = b->w;
   size_t row = w->rows * w->count;
-  b->hidden = room(b, ROOM_HIDDEN, b->seens * row);
+  b->hidden = room(b, ROOM_HIDDEN, (b->layered ? b->m : b->seens) * row);
   viewers *v = ylm_alloc(1, sizeof *v);
   ylm_status s = b->hidden && v ? sort_by_caster(b) : YLM_ENOMEM;
-  for (size_t k = 0; k < w->s->n && s == YLM_OK; k++) {
+  if (s == YLM_OK && b->layered) s = make_layers(b);
+  for (size_t i = 0; i < w->s->n && s == YLM_OK; i++) {
+    size_t k = w->order[i];
     const shadow_caster *c = &w->s->caster[k];
-    real *rows = b->hidden + b->by_caster_first[k] * row;
+    real *rows = b->hidden + (b->layered ? 0 : b->by_caster_first[k] * row);
     if (!c->form.hides || w->exponential) {
       for (size_t j = b->by_caster_first[k]; j < b->by_caster_first[k + 1]; j++) {
         const shadow_seen *seen = &b->seen[b->by_caster[j]];
@@ -150,6 +198,7 @@ ylm_status SHADOW(hide)(block *b) {
     if (v->n) s = hide_near(b, c, v, false, rows);
     if (v->n && c->disk && s == YLM_OK) s = hide_near(b, c, v, true, rows);
     if (v->n && s == YLM_OK) s = place(b, k, v, rows);
+    if (s == YLM_OK && b->layered) add_to_layers(b, v, rows);
   }
   ylm_free(v);
   return s;

@@ -4,7 +4,7 @@
 /* Do their cones meet? The cosine of the sum of half angles, by their sines and cosines. */
 static bool overlap(const shadow_seen *a, const shadow_seen *b) {
   double cosine = a->w[0] * b->w[0] + a->w[1] * b->w[1] + a->w[2] * b->w[2];
-  return a->angle + b->angle >= YLM_PI || cosine > a->cosine * b->cosine - a->sine * b->sine;
+  return a->sine >= 1 || b->sine >= 1 || cosine > a->cosine * b->cosine - a->sine * b->sine;
 }
 
 /* The first layer of a term where nothing overlaps caster k of it. */

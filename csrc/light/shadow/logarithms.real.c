@@ -8,7 +8,7 @@ static void add_logarithm(const shadow_query *w, const shadow_seen *s, const sha
                           const real *y, const real *dy, real *to) {
   double z[YLM_SH_LOG_LMAX + 1], slope[YLM_SH_LOG_LMAX + 1], over = 1 / fmax(1e-300, s->distance);
   double wide = s->sine < 1 ? s->sine / sqrt(1 - s->sine * s->sine) * over : 0;
-  ylm_sh_exponential_circle(w->exponential, s->angle, z, slope);
+  ylm_sh_exponential_circle(w->exponential, shadow_angle(s), z, slope);
   for (int l = 0; l <= w->q->lmax; l++) {
     double part = LIGHT_ONE / sqrt(2 * l + 1);
     for (size_t k = ylm_sh_index(l, -l); k <= ylm_sh_index(l, l); k++) {

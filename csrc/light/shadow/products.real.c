@@ -36,6 +36,8 @@ static const real *layer_row(const tile *t, size_t lane, int layer, real *to) {
   const shadow_term *term = t->term[lane];
   size_t row = w->rows * w->count, found = 0;
   const shadow_before *only = NULL;
+  if (b->layered)
+    return (size_t)layer < term->layers ? b->layers + (term->row + (size_t)layer) * row : NULL;
   for (size_t k = 0; k < term->n; k++)
     if (b->before[term->first + k].layer == layer) only = &b->before[term->first + k], found++;
   if (!found) return NULL;
@@ -61,7 +63,7 @@ static void cut_off(const tile *t, real *f) {
   const void *in[16];
   void *out[16];
   for (size_t i = 0; i < t->lanes; i++) in[i] = out[i] = t->result + i * t->b->w->count;
-  ylm_sh_nodes_analyse(t->b->w->nodes, DTYPE, f, out, t->scratch);
+  ylm_sh_nodes_analyse(t->b->w->nodes, DTYPE, f, NULL, out, t->scratch);
   ylm_sh_nodes_synthesise(t->b->w->nodes, DTYPE, in, false, f, t->scratch);
 }
 
@@ -89,16 +91,24 @@ static void multiply_layer(const tile *t, int layer) {
   if (cut) cut_off(t, t->f);
 }
 
-/* Coefficients of `f`, of channel c and derivative d, are added to the results of the lanes' points. */
-static void add_result(const tile *t, real *f, size_t c, size_t d) {
+/* Derivative d of the light in channel c at the point of a lane. */
+static real *result_of(const tile *t, size_t lane, size_t c, size_t d) {
+  const shadow_query *w = t->b->w;
+  return t->b->out + ((t->term[lane]->point * w->channels + c) * w->rows + d) * w->count;
+}
+
+/* Coefficients of `f`, times `by` at each node unless it is NULL, of channel c and derivative d, are added to the results of the
+   lanes' points; written where these have nothing else. */
+static void add_result(const tile *t, const real *f, const real *by, size_t c, size_t d) {
   block *b = t->b;
   const shadow_query *w = b->w;
   void *out[16];
-  for (size_t i = 0; i < t->lanes; i++) out[i] = t->result + i * w->count;
-  ylm_sh_nodes_analyse(w->nodes, DTYPE, f, out, t->scratch);
-  for (size_t i = 0; i < t->n; i++) {
+  for (size_t i = 0; i < t->lanes; i++)
+    out[i] = w->s->local || i >= t->n ? t->result + i * w->count : result_of(t, i, c, d);
+  ylm_sh_nodes_analyse(w->nodes, DTYPE, f, by, out, t->scratch);
+  for (size_t i = 0; w->s->local && i < t->n; i++) {
     const shadow_term *term = t->term[i];
-    real *to = b->out + ((term->point * w->channels + c) * w->rows + d) * w->count;
+    real *to = result_of(t, i, c, d);
     const real *from = t->result + i * w->count,
                *light = light_row(b, term->light, c) + d * w->count;
     for (size_t k = 0; k < w->count; k++) to[k] += term->again ? from[k] - light[k] : from[k];
@@ -134,10 +144,10 @@ static void add_light(const tile *t, size_t c, double (*most)[3]) {
   for (size_t d = 1; d < w->rows; d++) {
     SHADOW(to_nodes)(t, row, d, false, t->two);
     SUMS(w, t->values, t->two, t->g[d - 1], t->one, t->f, t->two);
-    add_result(t, t->two, c, d);
+    add_result(t, t->two, NULL, c, d);
   }
   for (size_t i = 0; i < t->values; i++) t->one[i] *= t->f[i];
-  add_result(t, t->one, c, 0);
+  add_result(t, t->one, NULL, c, 0);
 }
 
 /* As add_light, where the light of all lanes is even. */
@@ -145,11 +155,7 @@ static void add_even_light(const tile *t, size_t c, double (*most)[3]) {
   const shadow_query *w = t->b->w;
   const real *light = even_nodes(w, c);
   if (w->metric) add_metric(t, NULL, c, most);
-  for (size_t d = 0; d < w->rows; d++) {
-    const real *f = d ? t->g[d - 1] : t->f;
-    for (size_t i = 0; i < t->values; i++) t->two[i] = f[i] * light[i];
-    add_result(t, t->two, c, d);
-  }
+  for (size_t d = 0; d < w->rows; d++) add_result(t, d ? t->g[d - 1] : t->f, light, c, d);
 }
 
 static ylm_status run_tile(tile *t) {

@@ -23,7 +23,6 @@ bool SHADOW(look)(const double p[3], const double at[3], double radius, double l
   to->distance = sqrt(d2);
   for (int a = 0; a < 3; a++) to->w[a] = d2 > 0 ? to->w[a] / to->distance : 0;
   to->sine = to->distance > radius ? radius / to->distance : 1;
-  to->angle = to->sine < 1 ? asin(to->sine) : YLM_PI;
   /* the part of all directions that its cone takes: (1 - sqrt(1 - s^2))/2 */
   double s2 = to->sine * to->sine;
   to->cosine = to->sine < 1 ? sqrt(1 - s2) : -1;

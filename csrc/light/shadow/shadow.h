@@ -7,6 +7,7 @@
 #ifndef YLM_LIGHT_SHADOW_PRIVATE_H
 #define YLM_LIGHT_SHADOW_PRIVATE_H
 
+#include <math.h>
 #include <stdatomic.h>
 
 #include "../kind.h"
@@ -103,6 +104,9 @@ struct ylm_light_shadowed {
 typedef void shadow_sums_fn(size_t n, float *out, const float *a, const float *b, const float *c,
                             const float *d);
 shadow_sums_fn *ylm__shadow_sums(void);
+/* to[i] += from[i]. sums.c, sums.isa.c */
+typedef void shadow_add_fn(size_t n, float *to, const float *from);
+shadow_add_fn *ylm__shadow_add(void);
 
 /* The step at the rims of spheres. */
 typedef struct shadow_blur {
@@ -124,7 +128,16 @@ typedef void shadow_profile_fn(const shadow_rings *r, const shadow_cap *c, bool 
                                float *v);
 
 /* Memory that the blocks of a thread use one after the other. */
-enum { ROOM_HIDDEN, ROOM_VALUE, ROOM_GRADIENT, ROOM_OUT, ROOM_TILE, ROOM_SCRATCH, ROOMS };
+enum {
+  ROOM_HIDDEN,
+  ROOM_LAYERS,
+  ROOM_VALUE,
+  ROOM_GRADIENT,
+  ROOM_OUT,
+  ROOM_TILE,
+  ROOM_SCRATCH,
+  ROOMS
+};
 typedef struct shadow_room {
   void *at;
   size_t bytes;
@@ -143,7 +156,9 @@ typedef struct shadow_query {
   shadow_profile_fn *profile;            /* NULL: the plain form */
   const ylm_sh_exponential *exponential; /* NULL: visibilities are multiplied */
   ylm_sh_rotation **turn;                /* [n] NULL where a caster is not turned */
-  size_t count, rows, channels;          /* coefficients; 1, or 4 with gradients; of the light */
+  const size_t
+      *order; /* [n] casters by their places, in which sums do not depend on how they are listed */
+  size_t count, rows, channels; /* coefficients; 1, or 4 with gradients; of the light */
   void *even;          /* light that is the same at all points, see block.h; NULL: there is none */
   double even_most[3]; /* the largest of its values at nodes, of each channel */
   bool metric;
@@ -151,14 +166,20 @@ typedef struct shadow_query {
   void **block;      /* [threads] of block.h */
   _Atomic(uint64_t) pairs, casters, products, factors;
   shadow_sums_fn *sums;
+  shadow_add_fn *add;
 } shadow_query;
 
 /* A caster as a point sees it. */
 typedef struct shadow_seen {
   size_t caster, point, row; /* row: the place of its visibility in the block */
-  double w[3], distance, sine, cosine,
-      angle; /* direction and distance of its centre; half the angle of its cone */
+  double w[3], distance, sine,
+      cosine; /* direction and distance of its centre; of half the angle of its cone, 1, -1 in it */
 } shadow_seen;
+
+/* Half the angle of the cone of a caster; pi in it. */
+static inline double shadow_angle(const shadow_seen *s) {
+  return s->sine < 1 ? asin(s->sine) : YLM_PI;
+}
 
 /* A lamp, or all light behind casters, at a point, with the casters before it. */
 typedef struct shadow_term {
@@ -166,6 +187,7 @@ typedef struct shadow_term {
   size_t light;           /* row of the light; SHADOW_EVEN: the one that is the same everywhere */
   bool again;             /* the light has been summed without casters: it is taken away */
   size_t layers;          /* factors at nodes */
+  size_t row;             /* of its first layer, where layers have rows */
 } shadow_term;
 
 /* One caster before a light, in part where its cone just misses that of the lamp. */

@@ -113,6 +113,31 @@ static ylm_status make_turns(const ylm_light_shadowed *s, const ylm_field_query 
   return status;
 }
 
+typedef struct placed {
+  const shadow_caster *caster;
+  size_t i;
+} placed;
+
+static int by_place(const void *a, const void *b) {
+  const placed *p = a, *q = b;
+  for (int k = 0; k < 3; k++)
+    if (p->caster->centre[k] != q->caster->centre[k])
+      return p->caster->centre[k] < q->caster->centre[k] ? -1 : 1;
+  if (p->caster->radius != q->caster->radius) return p->caster->radius < q->caster->radius ? -1 : 1;
+  return p->i < q->i ? -1 : p->i > q->i;
+}
+
+/* The casters by their places; NULL without memory. */
+static size_t *order_casters(const ylm_light_shadowed *s) {
+  placed *list = ylm_alloc(s->n, sizeof *list);
+  size_t *order = list ? ylm_alloc(s->n, sizeof *order) : NULL;
+  for (size_t i = 0; order && i < s->n; i++) list[i] = (placed){&s->caster[i], i};
+  if (order) qsort(list, s->n, sizeof *list, by_place);
+  for (size_t i = 0; order && i < s->n; i++) order[i] = list[i].i;
+  ylm_free(list);
+  return order;
+}
+
 /* Points of a block: fewer where there are few, so that all threads have some, and where gradients of what casters hide
    would not stay in the cache. */
 static size_t grain_of(size_t n, int threads, size_t rows) {
@@ -163,9 +188,12 @@ static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
   j.w.channels = q->channels == 3 || (j.w.metric && q->metric_channels == 3) ? 3 : 1;
   size_t rooms = (size_t)ylm_threads(q->threads) * ROOMS;
   j.w.sums = ylm__shadow_sums();
+  j.w.add = ylm__shadow_add();
   j.w.room = ylm_alloc_zero(rooms, sizeof *j.w.room);
   j.w.block = ylm_alloc_zero(rooms / ROOMS, sizeof *j.w.block);
-  status = j.w.room && j.w.block ? tables_of(s, q->lmax, &tables, e) : YLM_ENOMEM;
+  size_t *order = order_casters(s);
+  j.w.order = order;
+  status = j.w.room && j.w.block && order ? tables_of(s, q->lmax, &tables, e) : YLM_ENOMEM;
   if (status == YLM_OK) status = make_turns(s, q, tables->rotator, &j.w.turn, e);
   if (status == YLM_OK) {
     j.w.nodes = tables->nodes;
@@ -184,6 +212,7 @@ static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
                           "shadows");
   ylm_free(j.w.even);
   free_turns(s, j.w.turn);
+  ylm_free(order);
   for (size_t i = 0; j.w.room && i < rooms; i++) ylm_free(j.w.room[i].at);
   ylm_free(j.w.room);
   for (size_t i = 0; j.w.block && i < rooms / ROOMS; i++)

@@ -89,9 +89,9 @@ static double around(const ylm_sh_product *p, int j, int k, int m) {
   return m < 0 && ((k & 1) ^ (k >> 1 & 1)) ? -x : x; /* -phi, pi - phi */
 }
 
-/* One row to values, or values to the row that is added to; ring [2 lmax + 1] by the way. */
+/* One row to values, or values, times `by` where it is not NULL, to the row that is added to; ring [2 lmax + 1] by the way. */
 static void plain(const ylm_sh_product *p, ylm_dtype t, bool back, bool multiply, void *row,
-                  void *value, double *ring) {
+                  void *value, const void *by, double *ring) {
   int lmax = p->lmax, entries = (lmax + 1) * (lmax + 2) / 2, at = 0;
   for (int h = 0; h < p->half; h++) {
     const double *legendre = (const double *)p->d.node_legendre + h * entries;
@@ -103,9 +103,10 @@ static void plain(const ylm_sh_product *p, ylm_dtype t, bool back, bool multiply
         for (int l = am; l <= lmax && !back; l++)
           sum += ylm_get(t, row, ylm_sh_index(l, m)) * legendre[l * (l + 1) / 2 + am] *
                  (side && (l - am) % 2 ? -1 : 1);
-        for (int i = 0; i < p->azimuths && back; i++)
-          sum += ylm_get(t, value, (size_t)(at + i / 4 * 8 + 4 * side + i % 4)) *
-                 around(p, i / 4, i % 4, m);
+        for (int i = 0; i < p->azimuths && back; i++) {
+          size_t k = (size_t)(at + i / 4 * 8 + 4 * side + i % 4);
+          sum += ylm_get(t, value, k) * (by ? ylm_get(t, by, k) : 1) * around(p, i / 4, i % 4, m);
+        }
         ring[m + lmax] = sum;
         for (int l = am; l <= lmax && back; l++) {
           size_t k = ylm_sh_index(l, m);
@@ -132,24 +133,24 @@ void ylm_sh_nodes_synthesise(const ylm_sh_nodes *n, ylm_dtype t, const void *con
   const ylm_sh_product *p = &n->rule;
   double ring[2 * YLM_SH_PRODUCT_LMAX + 1];
   if (!p->kernels)
-    plain(p, t, false, multiply, (void *)(uintptr_t)row[0], value, ring);
+    plain(p, t, false, multiply, (void *)(uintptr_t)row[0], value, NULL, ring);
   else if (t == YLM_DOUBLE)
     p->kernels->d->synthesise(p, (const double *const *)row, multiply, value, scratch);
   else
     p->kernels->f->synthesise(p, (const float *const *)row, multiply, value, scratch);
 }
 
-void ylm_sh_nodes_analyse(const ylm_sh_nodes *n, ylm_dtype t, void *value, void *const *out,
-                          void *scratch) {
+void ylm_sh_nodes_analyse(const ylm_sh_nodes *n, ylm_dtype t, const void *value, const void *by,
+                          void *const *out, void *scratch) {
   const ylm_sh_product *p = &n->rule;
   double ring[2 * YLM_SH_PRODUCT_LMAX + 1];
   if (!p->kernels) {
     memset(out[0], 0, ylm_sh_count(p->lmax) * ylm_dtype_size(t));
-    plain(p, t, true, false, out[0], value, ring);
+    plain(p, t, true, false, out[0], (void *)(uintptr_t)value, by, ring);
   } else if (t == YLM_DOUBLE)
-    p->kernels->d->analyse(p, value, (double *const *)out, scratch);
+    p->kernels->d->analyse(p, value, by, (double *const *)out, scratch);
   else
-    p->kernels->f->analyse(p, value, (float *const *)out, scratch);
+    p->kernels->f->analyse(p, value, by, (float *const *)out, scratch);
 }
 
 /* -- products of any number of factors ---------------------------------------------------------- */
@@ -174,7 +175,7 @@ static void run_lanes(const job *j, size_t r, size_t n, size_t lanes, void *valu
     ylm_sh_nodes_synthesise(j->n, j->t, row, k > 0, value, scratch);
   }
   for (size_t i = 0; i < lanes; i++) out[i] = j->out + (r + (i < n ? i : n - 1)) * count;
-  ylm_sh_nodes_analyse(j->n, j->t, value, out, scratch);
+  ylm_sh_nodes_analyse(j->n, j->t, value, NULL, out, scratch);
 }
 
 static ylm_status run(void *context, size_t r, size_t end, int worker) {

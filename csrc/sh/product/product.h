@@ -85,7 +85,8 @@ static inline size_t product_shared_scratch(const ylm_sh_product *p, size_t lane
 
 /* Numbers of scratch for `lanes` rows to nodes or back. */
 static inline size_t product_nodes_scratch(const ylm_sh_product *p, size_t lanes) {
-  return (ylm_sh_count(p->lmax) + 8 * (2 * (size_t)p->lmax + 1)) * lanes;
+  size_t quadrants = (size_t)p->azimuths / 4;
+  return (ylm_sh_count(p->lmax) + 8 * (2 * (size_t)p->lmax + 1) + 8 * quadrants) * lanes;
 }
 
 /* Kernels for rows of T; `lanes` of them at once. */
@@ -101,7 +102,8 @@ static inline size_t product_nodes_scratch(const ylm_sh_product *p, size_t lanes
     /* halves of batch: [lanes] rows to values at all nodes, set or multiplied, and back */           \
     void (*synthesise)(const ylm_sh_product *p, const T *const *rows, bool multiply, T *value,        \
                        T *scratch);                                                                   \
-    void (*analyse)(const ylm_sh_product *p, T *value, T *const *out, T *scratch);                    \
+    void (*analyse)(const ylm_sh_product *p, const T *value, const T *by, T *const *out,              \
+                    T *scratch);                                                                      \
     /* matrices of products: m [n][padded], symmetric, 64 bytes aligned, padded to 128 bytes a row */ \
     void (*transfer)(size_t n, size_t padded, const T *m, size_t rows, const T *in, T *out);          \
     int lanes;                                                                                        \
