@@ -1,7 +1,7 @@
 -- Memory that runs out, wherever it is asked for: nil, message, "ENOMEM", and everything goes on afterwards.
 --
 -- Every call of spec/support/memory/calls.lua is made while one of the requests for memory that it makes fails, by a
--- library that is preloaded. The specs let every 12th fail, of few requests every one (memory_picture_spec.lua: of pictures
+-- library that is preloaded. The specs let every 24th fail, of few requests every one (of slow calls every 120th, of pictures
 -- every 300th, of a live window every 9000th); `YLM_MEMORY=all spec/run spec/memory_spec.lua spec/memory_picture_spec.lua` all
 -- some 5,000, and every 40th of a live window: seven minutes, where pictures are drawn without a GPU.
 
@@ -25,6 +25,12 @@ describe("memory that runs out", function()
     if missing then return pending(missing) end
     local out, status = preload.sweep(program, folder, "^[^:]*$", 24)
     assert(status == 0 and out:find "\n%d+ calls, %d+ requests, %d+ failures, 0 defects", out)
+  end)
+
+  it("is said in calls that take longer", function()
+    if missing then return pending(missing) end
+    local out, status = preload.sweep(program, folder, "^slow: ", 120)
+    assert(status == 0 and out:find "\n2 calls, %d+ requests, %d+ failures, 0 defects", out)
   end)
 
   it("is said where Lua's own runs out", function()

@@ -4,6 +4,7 @@ local array = require "ylm.array"
 local browser = require "spec.support.browser"
 local core = require "ylm.c.core"
 local grid_bytes = require "spec.support.grid_bytes"
+local long = require "spec.support.long"
 local probe_reader = require "spec.support.probe_reader"
 local random = require "spec.support.random"
 local scratch = require "spec.support.scratch"
@@ -96,10 +97,12 @@ describe("probes of engines", function()
     local rms, leak = judged "few.ylmp"
     assert(report.bytes == #few and #few <= 12000 and report.lmax == 1)
     assert(rms < 0.04 and leak < 2e-3, rms .. " " .. leak)
-    local coarse = assert(grid:export(folder.path .. "/fewer.ylmp", { scene = scene, tolerance = 0.3 }))
-    assert(coarse.met and coarse.error <= 0.3 and coarse.bytes < 12000, coarse.bytes)
-    rms, leak = judged "fewer.ylmp"
-    assert(rms < 0.2 and leak < 2e-2 and coarse.surfaces.rms > report.surfaces.rms, rms .. " " .. leak)
+    if long(false, true) then -- engine_fit_spec.lua asks for a tolerance too
+      local coarse = assert(grid:export(folder.path .. "/fewer.ylmp", { scene = scene, tolerance = 0.3 }))
+      assert(coarse.met and coarse.error <= 0.3 and coarse.bytes < 12000, coarse.bytes)
+      rms, leak = judged "fewer.ylmp"
+      assert(rms < 0.2 and leak < 2e-2 and coarse.surfaces.rms > report.surfaces.rms, rms .. " " .. leak)
+    end
     local none, message, code = grid:export(folder.path .. "/none.ylmp", { scene = scene, bytes = 120 })
     assert(none == nil and code == "ELIMIT" and message:find "too few", message)
     none, message, code = grid:export(folder.path .. "/none.ylmp", { tolerance = 1e-9 })

@@ -29,7 +29,7 @@ describe("lights on a device", function()
   local few = { points[1], points[2], points[3], points[4], points[100], points[101] }
 
   describe("agreement", function()
-    for _, lmax in ipairs(long({ 0, 1, 2, 4, 10 }, { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 })) do
+    for _, lmax in ipairs(long({ 0, 2, 10 }, { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10 })) do
       it(("to 1e-5 in float with gradients at lmax %d, in and out of lights"):format(lmax), function()
         local there = agree(lmax, lights, points, { derivatives = 1, channels = "luminance" }, 1e-5)
         assert.equal(1, there[4].inside:get(100))
@@ -38,7 +38,7 @@ describe("lights on a device", function()
       end)
     end
 
-    for _, lmax in ipairs { 0, 4, 10 } do
+    for _, lmax in ipairs(long({ 4, 10 }, { 0, 4, 10 })) do
       it(("to 1e-5 in float with Hessians and the metric at lmax %d"):format(lmax), function()
         agree(lmax, lights, points, { derivatives = 2, channels = "luminance", metric = "luminance" }, 1e-5)
       end)
@@ -147,7 +147,7 @@ describe("lights on a device", function()
       method = "sphere" }
     local flat, mixed = { triangles, disk }, { lamps, triangles, disk }
 
-    for _, lmax in ipairs(long({ 0, 4 }, { 0, 1, 4 })) do
+    for _, lmax in ipairs(long({ 4 }, { 0, 1, 4 })) do
       it(("to 1e-5 in float with Hessians and the metric at lmax %d, in and out of lights"):format(lmax), function()
         local there = agree(lmax, flat, points, { derivatives = 2, channels = "luminance", metric = "luminance" }, 1e-5)
         assert.equal(1, there[4].inside:get(100))

@@ -298,7 +298,7 @@ end)
 calls["load a grid in few bytes"] = on(function(keep)
   return assert(grid():save(keep "s.ylm", { step = 0.1 })) and keep "s.ylm"
 end, function(path) return ylm.load(path) end)
-calls["save bricks in few bytes"] = on(function(keep) return few(), keep "f.ylmd" end, function(light, path)
+calls["slow: save bricks in few bytes"] = on(function(keep) return few(), keep "f.ylmd" end, function(light, path)
   local description = adaptive { threshold = 1, depth = 3, bricks = 1, lmax = 1 }
   local set, message, code = ylm.bake(description, light, { folder = path, threads = 1, occupied = points(1) })
   local ok, c
@@ -544,7 +544,7 @@ calls["virtual lights of a scene, gathered"] = on(scene, function(s)
   if not view then return nil, message, code end
   return view:render { by = "none", bounced = lights, rival = { "vpl", compensate = 2 } }
 end)
-calls["virtual lights, merged and interleaved"] = on(scene, function(s)
+calls["slow: virtual lights, merged and interleaved"] = on(scene, function(s)
   s.geometry[1].material = ylm.phong { exponent = 4 }
   local lights, message, code = s:virtual_lights { merge = 8, particles = 40, degree = 2 }
   if not lights then return nil, message, code end
