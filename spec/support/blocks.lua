@@ -21,7 +21,7 @@ end
 
 --- A program whose pictures of scenes are a quarter as wide and high, whose scenes have few links, whose lattices of eight cells
 -- and more have half of them along each axis, whose files have a quarter of the bytes, and whose tolerances of rooms' light,
--- which paths judge, are four times as wide: its calls are those of the page.
+-- which paths judge, are four times as wide; elements judge light on surfaces: its calls are those of the page.
 local function small(code)
   code = code:gsub("(:%l+ { size = {) (%d%d%d+), (%d%d%d+) }", function(head, w, h)
     return ("%s %d, %d }"):format(head, math.floor(w / 4), math.floor(h / 4))
@@ -39,7 +39,8 @@ local function small(code)
   end)
   code = code:gsub("(bytes = )(%d%d%d%d+)", function(head, n) return ("%s%d"):format(head, math.floor(n / 4)) end)
   local of = code:find('quantity = "indirect"', 1, true) and "" or ":surface_grid { "
-  return (code:gsub("(" .. of .. "tolerance = )(0%.%d+)", function(head, x) return head .. math.min(4 * x, 0.5) end))
+  code = code:gsub("(" .. of .. "tolerance = )(0%.%d+)", function(head, x) return head .. math.min(4 * x, 0.5) end)
+  return (code:gsub(":surface_grid { tolerance", ':surface_grid { judge = "field", tolerance'))
 end
 
 --- Runs the n-th program of a page in a scratch folder, by the tool: a scene file is baked. Returns what it printed.
