@@ -164,16 +164,29 @@ static void lay_out(writing *w, const ylm_grid *g, const small_packed *small) {
 /* -- writing it
  * ------------------------------------------------------------------------------------ */
 
+/* Are there zeros behind the coefficients of n points? */
+static bool ends_in_zeros(const ylm_grid *g, const float *data, size_t n) {
+  static const float zeros[8];
+  size_t rest = (g->stride - g->width) * sizeof *data;
+  if (rest > sizeof zeros) return false;
+  for (size_t r = 0; r < g->rows * n; r++)
+    if (memcmp(data + r * g->stride + g->width, zeros, rest) != 0) return false;
+  return true;
+}
+
 /* The rows of evaluated points, with zeros behind the coefficients of each: equal grids are equal
    files. `room` is that of `rows` points. */
 static void put_rows(sink *s, const ylm_grid *g, float *room, size_t rows) {
   size_t row = ylm__grid_record(g), rest = (g->stride - g->width) * sizeof *room;
   for (size_t p = 0; p < g->evaluated; p += rows) {
     size_t n = g->evaluated - p < rows ? g->evaluated - p : rows;
-    memcpy(room, g->data + p * row, n * row * sizeof *room);
-    for (size_t r = 0; rest && r < g->rows * n; r++)
-      memset(room + r * g->stride + g->width, 0, rest);
-    put(s, room, n * row * sizeof *room);
+    const float *from = g->data + p * row;
+    if (!ends_in_zeros(g, from, n)) {
+      memcpy(room, from, n * row * sizeof *room);
+      for (size_t r = 0; r < g->rows * n; r++) memset(room + r * g->stride + g->width, 0, rest);
+      from = room;
+    }
+    put(s, from, n * row * sizeof *room);
   }
   memset(room, 0, ROW_PADDING * sizeof *room);
   put(s, room, ROW_PADDING * sizeof *room);
