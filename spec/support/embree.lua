@@ -68,9 +68,9 @@ end
 
 local function none()
   for name, scene in scenes() do
-    for _, verb in ipairs { "render", "raycast", "reference", "pathtrace" } do
-      local image, message, code = scene[verb](scene, { size = size })
-      check(image == nil and code == "EMISSING" and message:find "libembree%-dev", "%s:%s: %s", name, verb, tostring(message))
+    for _, verb in ipairs { "render", "pathtrace", "links", "lightmap", "prepare", "surface_grid", "virtual_lights" } do
+      local result, message, code = scene[verb](scene)
+      check(result == nil and code == "EMISSING" and message:find "libembree%-dev", "%s:%s: %s", name, verb, tostring(message))
     end
   end
   local image = ylm.image { size = { 16, 8 }, layers = { { "radiance", 3 } } }
