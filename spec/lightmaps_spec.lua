@@ -336,8 +336,11 @@ describe("lightmap:save", function()
     assert.is_true(light:save(folder.path .. "/room.glb"))
     local bytes = folder:read "room.glb"
     assert.truthy(bytes:find '"TEXCOORD_1"' and bytes:find '"file":"room.exr"' and bytes:find '"quantity":"indirect"')
-    local again = ylm.load(folder.path .. "/room.glb")
-    assert.same({ 1, 12, 1 }, { #again.geometry, #again.geometry[1].mesh, #again.lights })
+    local again, message, code = ylm.load(folder.path .. "/room.glb")
+    if code ~= "EMISSING" then -- jansson
+      assert(again, message)
+      assert.same({ 1, 12, 1 }, { #again.geometry, #again.geometry[1].mesh, #again.lights })
+    end
     local picture = ylm.load(folder.path .. "/room.exr")
     assert.is_true(picture:layer("irradiance"):same(light:image():layer "irradiance", 0))
     assert(light:save(folder.path .. "/room.obj"))
@@ -403,8 +406,11 @@ describe("lightmap:save", function()
   it("leaves lamps out that the picture has already", function()
     local folder = scratch.new()
     assert(all:save(folder.path .. "/room.gltf"))
-    assert.equal(0, #ylm.load(folder.path .. "/room.gltf").lights)
+    local scene, message, code = ylm.load(folder.path .. "/room.gltf")
     folder:remove()
+    if code == "EMISSING" then return pending(message) end
+    assert(scene, message)
+    assert.equal(0, #scene.lights)
   end)
 end)
 

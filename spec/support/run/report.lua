@@ -1,7 +1,8 @@
 --- busted's output handler for spec/run: what failed, in words on stdout; each `it` as a line of the file YLM_SPEC_REPORT.
 --
 -- A line is "passed", "failed" or "skipped", seconds of processor time (children included) and the name, between tabs.
--- A failure is "skipped" after the file has asked for a part of ylm that is not built; "lacking" names that.
+-- A failure is "skipped" after the file has asked for a part of ylm that is not built, and where its message is that of a build
+-- without jansson; "lacking" names that.
 -- A line "other" has the seconds of all else: of the file itself, setup and teardown.
 -- The line "done" ends the report of a run that came to its end: a crash, a signal or os.exit leaves it out.
 
@@ -56,7 +57,7 @@ return function()
     elseif status == "pending" then
       note("skipped", name)
       if not failures[element] then say("skipped:", name, element.message or "pending") end
-    elseif lacking.part then note("skipped", name)
+    elseif lacking.part or failures[element] then note("skipped", name)
     else note("failed", name) end
     return nil, true
   end
@@ -69,9 +70,11 @@ return function()
 
   local function failed(element, _, message, trace)
     local name = names.getFullName(element)
-    if lacking.part then
-      note("lacking", "libylm_" .. lacking.part)
-      say("skipped:", name, ("libylm_%s is not built"):format(lacking.part))
+    local jansson = type(message) == "string" and message:match "glTF needs jansson: [^\n]*"
+    if lacking.part or jansson then
+      note("lacking", jansson and "jansson" or "libylm_" .. lacking.part)
+      say("skipped:", name, jansson or ("libylm_%s is not built"):format(lacking.part))
+      failures[element] = true
       if element.descriptor ~= "it" then note("skipped", name) end
       return nil, true
     end
