@@ -74,8 +74,10 @@ $(FUZZ_DIR)/bin/storm: spec/fuzz/support/storm.c spec/fuzz/grid.c $(OBJ_core)
 fuzz-storm: $(FUZZ_DIR)/bin/storm $(FUZZ_DIR)/corpus/grid.unpacked   ## damaged grids without sanitizers (FUZZ_RUNS=1000000)
 	cd $(FUZZ_DIR) && OMP_NUM_THREADS=1 nice bin/storm $$(printf %.0f $(FUZZ_RUNS)) $(STORM_SEED) $(STORM_LARGEST) corpus/grid/*
 
-# An archive, so that each target takes no more than it needs. Rooms have files of the same name: q keeps each.
-$(FUZZ_DIR)/libylm.a: $(FUZZ_OBJ)
+# An archive, so that each target takes no more than it needs, with base's kernels, as the library has them. Rooms have files
+# of the same name: q keeps each.
+FUZZ_KERNELS := $(foreach i,$(ISAS),$(patsubst csrc/%.isa.c,$(BUILD)/obj/%.$(i).o,$(wildcard csrc/base/*.isa.c)))
+$(FUZZ_DIR)/libylm.a: $(FUZZ_OBJ) $(FUZZ_KERNELS)
 	$(call say,AR,$@)
 	$(Q)rm -f $@ && $(AR) qc $@ $^
 
