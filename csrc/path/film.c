@@ -46,8 +46,12 @@ static ylm_status run_tiles(void *context, size_t begin, size_t end, int worker)
    what is added to. Source: Welford 1962, "Note on a Method for Calculating Corrected Sums of
    Squares and Products". */
 static void add(ylm_path_sum *sum, size_t i, double before, double x) {
-  double mean = (double)sum->mean[i] + (double)sum->rest[i], n = before + 1;
-  double squares = (double)sum->variance[i] * before * (before - 1), next = mean + (x - mean) / n;
+  double mean = 0, squares = 0, n = before + 1;
+  if (before > 0) {
+    mean = (double)sum->mean[i] + (double)sum->rest[i];
+    squares = (double)sum->variance[i] * before * (before - 1);
+  }
+  double next = mean + (x - mean) / n;
   squares += (x - mean) * (x - next);
   sum->mean[i] = (float)next;
   sum->rest[i] = (float)(next - (double)sum->mean[i]);

@@ -219,6 +219,18 @@ YLM_API ylm_status ylm_shade_judge(const ylm_shade_view *view, const ylm_path_op
                                    float *mean, float *variance, ylm_path_stats *stats,
                                    ylm_error *e);
 
+/*
+** ylm_shade_judge_pixels - what paths say of the surfaces in a view's pixels: o.samples paths of each pixel begin at what its
+** camera rays hit, in turn. Lamps in sight and what is behind surfaces are not in it.
+**
+**   radiance  out  [pixels][3]
+**
+** Returns  YLM_OK; as ylm_path_places; YLM_EINVAL (shading points are vertices, or stand for several camera rays: share > 0)
+*/
+YLM_API ylm_status ylm_shade_judge_pixels(const ylm_shade_view *view, const ylm_path_options *o,
+                                          float (*radiance)[3], ylm_path_stats *stats,
+                                          ylm_error *e);
+
 /* Estimates of the radiance of a view's shading points. */
 typedef struct ylm_shade_estimate {
   const ylm_shade_view *view;

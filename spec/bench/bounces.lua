@@ -66,7 +66,7 @@ for i, case in ipairs(scenes) do
     local c, causes = report.chosen, report.causes
     print(("  chosen: %d camera rays, share %g, %d shadow rays, %d links, %d elements; pixels %.2f%%, direct %.2f%%, "
       .. "links %.2f%%, elements %.2f%%; judge's noise %.2f%%, knob's paths %d"):format(c.samples, c.share, c.light_samples,
-      c.links, c.elements, 100 * causes.pixels, 100 * causes.direct, 100 * causes.links, 100 * (causes.elements or 0),
+      c.rays or 0, c.elements or 0, 100 * causes.pixels, 100 * causes.direct, 100 * causes.links, 100 * (causes.elements or 0),
       100 * all.noise, report.judged.samples))
   end
 end

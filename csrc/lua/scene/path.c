@@ -107,7 +107,7 @@ static int path_guides(lua_State *L) {
   return ylmL_result(L, 1, h->object ? YLM_OK : YLM_ENOMEM, NULL);
 }
 
-static void read_guides(lua_State *L, int i, void *to) {
+void ylmL_guides_read(lua_State *L, int i, void *to) {
   *(ylm_path_guides **)to = ylmL_held_check(L, i, YLML_GUIDES)->object;
 }
 
@@ -120,7 +120,7 @@ static const ylmL_entry probe_entries[] = {
     YLML(probe_form, points, "points", VALUE),
     YLML(probe_form, normals, "normals", VALUE),
     YLML(probe_form, lmax, "lmax", INT),
-    YLML(probe_form, o.kept, "kept", READ, .read = read_guides, .optional = true),
+    YLML(probe_form, o.kept, "kept", READ, .read = ylmL_guides_read, .optional = true),
     COMMON(probe_form),
     {.name = NULL}};
 

@@ -11,12 +11,19 @@ static const ylmL_entry judge_entries[] = {
     YLML(judge_form, o.first, "first", INT),
     YLML(judge_form, o.last, "last", INT),
     YLML(judge_form, o.error, "error", DOUBLE, .optional = true),
+    YLML(judge_form, o.guides, "guides", BOOL, .optional = true),
+    YLML(judge_form, o.single, "single", BOOL, .optional = true),
+    YLML(judge_form, o.kept, "kept", READ, .read = ylmL_guides_read, .optional = true),
     YLML(judge_form, o.seed, "seed", UINT64),
     YLML(judge_form, o.threads, "threads", INT, .optional = true),
     YLML(judge_form, progress, "progress", VALUE),
     {.name = NULL}};
 
-/* shade_judge(view, {samples, first, last, error, seed, threads, progress})
+static void push_rays(lua_State *L, const ylm_path_stats *s) {
+  ylmL_push_count(L, s->nearest_rays + s->lamp_rays + s->shadow_rays + s->guide_rays);
+}
+
+/* shade_judge(view, {samples, first, last, error, guides, single, kept, seed, threads, progress})
    -> mean [n][3], variance [n][3], rays */
 static int shade_judge(lua_State *L) {
   judge_form f = {.progress = 0};
@@ -31,8 +38,29 @@ static int shade_judge(lua_State *L) {
   ylm_path_stats stats = {0};
   if (!variance) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   ylm_status s = ylm_shade_judge(v, &f.o, mean->data, variance->data, &stats, &e);
-  ylmL_push_count(L, stats.nearest_rays + stats.lamp_rays + stats.shadow_rays);
+  push_rays(L, &stats);
   return ylmL_result_progress(L, 3, s, &e, &p);
+}
+
+static size_t pixels_of(const ylm_shade_view *v) {
+  const ylm_shade_options *o = ylm_shade_view_options(v);
+  return (size_t)o->width * (size_t)o->height;
+}
+
+/* shade_judge_pixels(view, as above) -> radiance [pixels][3], rays */
+static int shade_judge_pixels(lua_State *L) {
+  judge_form f = {.progress = 0};
+  ylmL_read(L, 2, judge_entries, &f);
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  ylm_error e = {0};
+  ylmL_progress p;
+  ylm_path_stats stats = {0};
+  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
+  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){pixels_of(v), 3});
+  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  ylm_status s = ylm_shade_judge_pixels(v, &f.o, out->data, &stats, &e);
+  push_rays(L, &stats);
+  return ylmL_result_progress(L, 2, s, &e, &p);
 }
 
 /* The estimate in the table at `i`: { view, radiance [n][3], another one or nil }. False: they do not fit
@@ -48,11 +76,6 @@ static bool read_estimate(lua_State *L, int i, ylm_shade_estimate *out) {
   out->again = again ? again->data : NULL;
   return a->dtype == YLM_FLOAT && a->count == count &&
          (!again || (again->dtype == YLM_FLOAT && again->count == count));
-}
-
-static size_t pixels_of(const ylm_shade_view *v) {
-  const ylm_shade_options *o = ylm_shade_view_options(v);
-  return (size_t)o->width * (size_t)o->height;
 }
 
 /* shade_compare(a, b: estimates as above, variance [n][3] of b or nil, weight: double [pixels] or nil)
@@ -105,6 +128,7 @@ static int shade_draw(lua_State *L) {
 }
 
 static const luaL_Reg functions[] = {{"shade_judge", shade_judge},
+                                     {"shade_judge_pixels", shade_judge_pixels},
                                      {"shade_compare", shade_compare},
                                      {"shade_draw", shade_draw},
                                      {NULL, NULL}};

@@ -33,6 +33,9 @@ void ylmL_from_one(ylmL_array *a);
 bool ylmL_scene_push_surfaces(lua_State *L, const ylm_scene *scene, size_t n,
                               const ylm_scene_place *place);
 
+/* For entries of a struct (ylmL_read): what paths keep of a scene, ylm_path_guides *, nothing yet where path_guides() made it. */
+void ylmL_guides_read(lua_State *L, int i, void *field);
+
 /* Pushes a fingerprint: 16 digits. */
 void ylmL_scene_push_print(lua_State *L, uint64_t print);
 

@@ -34,6 +34,69 @@ ylm_status ylm_shade_judge(const ylm_shade_view *v, const ylm_path_options *o, f
   return s;
 }
 
+static bool is_empty(const ylm_shade_view *v, size_t p) {
+  return v->pixel[p].first == v->pixel[p + 1].first;
+}
+
+/* -- pixels by paths ---------------------------------------------------------------- */
+
+/* The pixels of a view that show surfaces: their places, with their weights. */
+typedef struct shown_pixels {
+  size_t n;
+  size_t *pixel, *first;  /* [n], [n+1]: of its places */
+  ylm_scene_place *place; /* [entries] */
+  float *weight;          /* [entries] */
+  float *sums;            /* [9 n]: mean, rest, variance */
+} shown_pixels;
+
+static void free_shown(shown_pixels *x) {
+  ylm_free(x->pixel);
+  ylm_free(x->first);
+  ylm_free(x->place);
+  ylm_free(x->weight);
+  ylm_free(x->sums);
+}
+
+static ylm_status list_shown(const ylm_shade_view *v, shown_pixels *x) {
+  size_t pixels = v->stats.pixels, n = v->entries;
+  *x = (shown_pixels){.pixel = ylm_alloc(pixels, sizeof *x->pixel),
+                      .first = ylm_alloc(pixels + 1, sizeof *x->first),
+                      .place = ylm_alloc(n, sizeof *x->place),
+                      .weight = ylm_alloc(n, sizeof *x->weight)};
+  if (!x->pixel || !x->first || !x->place || !x->weight) return YLM_ENOMEM;
+  for (size_t i = 0; i < n; i++) x->place[i] = v->entry[i].at, x->weight[i] = v->entry[i].weight;
+  for (size_t p = 0; p < pixels; p++) {
+    if (is_empty(v, p)) continue;
+    x->pixel[x->n] = p;
+    x->first[x->n++] = v->pixel[p].first;
+  }
+  x->first[x->n] = n;
+  x->sums = ylm_alloc(x->n, 9 * sizeof *x->sums);
+  return x->sums ? YLM_OK : YLM_ENOMEM;
+}
+
+ylm_status ylm_shade_judge_pixels(const ylm_shade_view *v, const ylm_path_options *o,
+                                  float (*radiance)[3], ylm_path_stats *stats, ylm_error *e) {
+  shown_pixels x;
+  if (v->corner || v->o.share > 0)
+    return ylm_fail(e, YLM_EINVAL, "pixels are judged by camera rays that are not grouped");
+  memset(radiance, 0, v->stats.pixels * sizeof *radiance);
+  ylm_status s = list_shown(v, &x);
+  if (s == YLM_OK) {
+    ylm_path_sum sum = {0, x.sums, x.sums + 3 * x.n, x.sums + 6 * x.n};
+    s = ylm_path_places(v->scene, x.n, x.place, x.first, x.weight, v->frame.from, true, o, &sum,
+                        stats, e);
+  }
+  for (size_t k = 0; s == YLM_OK && k < x.n; k++) {
+    float whole = 0;
+    for (size_t i = x.first[k]; i < x.first[k + 1]; i++) whole += x.weight[i];
+    for (size_t c = 0; c < 3; c++)
+      radiance[x.pixel[k]][c] = whole * (x.sums[3 * k + c] + x.sums[3 * (x.n + k) + c]);
+  }
+  free_shown(&x);
+  return s;
+}
+
 /* -- errors ----------------------------------------------------------------------- */
 
 /* A channel of pixel p. */
@@ -50,10 +113,6 @@ static double pixel_variance(const ylm_shade_view *v, size_t p, size_t c, const 
   for (size_t i = v->pixel[p].first; variance && i < v->pixel[p + 1].first; i++)
     sum += (double)v->entry[i].weight * (double)v->entry[i].weight * (double)variance[3 * i + c];
   return sum;
-}
-
-static bool is_empty(const ylm_shade_view *v, size_t p) {
-  return v->pixel[p].first == v->pixel[p + 1].first;
 }
 
 /* The mean over channels of products of differences in pixel p; adds b to *sum. */

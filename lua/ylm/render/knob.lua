@@ -30,10 +30,10 @@ local MOST = { light_samples = 1024, links = 1024, elements = core.limits.transf
 local POINT = 110 -- bytes of a shading point without its links
 -- Camera rays of a pixel, and which of them are shaded as one, the cheapest first; the last judges the others.
 local RAYS = { { 16, 1.5 }, { 64, 1.5 }, { 16, 0 }, { 64, 0 }, { 256, 0 } }
-local ELEMENT = { links = 128, light_samples = 16 }
--- The judge's estimates of a pixel, each with camera rays of its own, and their number. From each hit of a camera ray so many
--- paths begin: of at most PIXELS pixels, else half as many.
-local ROUND = { samples = 64, paths = 8, first = 2, most = 32 }
+local ELEMENT = { links = 128, least = 32, light_samples = 16 } -- `least` of the finest, of which a pixel sees more
+-- The judge's estimates of a pixel. `pilot` of them tell its noise, by which one of the others has up to `parts` parts. Each part
+-- has so many camera rays of its own, from which a path begins. The verdict is by `first` to `most` of these.
+local ROUND = { samples = 64, pilot = 4, parts = 16, first = 4, most = 512 }
 local KNOWN = 0.1 -- of the squared tolerance: the judge is precise enough
 -- The bound on pixels that were not drawn is that of Maurer and Pontil 2009, Theorem 4, at a confidence of 95 %: of `TERM`
 -- standard errors, and RANGE times the largest part of the sum that a pixel has, of those that may be missed.
@@ -55,11 +55,11 @@ local function need(...)
   return ...
 end
 
---- The prepared view of the chosen pixels, or of all, with its points a pixel.
-local function look(x, samples, share, seed)
+--- The prepared view of `pixels`, of the chosen pixels, or of all, with its points a pixel.
+local function look(x, samples, share, seed, pixels)
   local o = x.o
   local view = need(views.prepare(x.name, x.scene, { size = o.size, samples = samples, seed = seed or o.seed, share = share,
-    shading = "pixel", visibility = "rays", lmax = 0, threads = o.threads, progress = o.progress, pixels = x.pixels }))
+    shading = "pixel", visibility = "rays", lmax = 0, threads = o.threads, progress = o.progress, pixels = pixels or x.pixels }))
   local p = views.open(x.name, view)
   return { p = p, view = view, density = p.stats.points / (x.pixels and #x.pixels or o.size[1] * o.size[2]) }
 end
@@ -116,11 +116,13 @@ local function more(n, error, aim, power)
   return n * 2 ^ math.max(1, math.min(4, math.ceil(math.log(error / aim) / math.log(2) * power)))
 end
 
---- Elements of a spacing, and the light on them; nil where there are no bounces.
-local function light_elements(x, spacing)
+--- Elements of a spacing, halved so often, and the light on them; nil where there are no bounces. Each time there are four times
+-- as many, of half as many links.
+local function light_elements(x, spacing, halved)
   if x.bounces == 0 then return nil end
   local o = x.o
-  local t = o.links or need(x.scene:links { spacing = spacing, rays = ELEMENT.links, lmax = 0, seed = o.seed,
+  local rays = math.max(ELEMENT.least, ELEMENT.links / 2 ^ halved)
+  local t = o.links or need(x.scene:links { spacing = spacing, rays = rays, lmax = 0, seed = o.seed,
     threads = o.threads, progress = o.progress })
   return need(t:radiosity(x.scene.lights, { light_samples = ELEMENT.light_samples,
     bounces = x.bounces == "all" and "all" or x.bounces - 1, seed = o.seed, threads = o.threads, progress = o.progress }))
@@ -196,13 +198,14 @@ end
 
 --- Elements small enough: groups of them would change little. Links that are given stay.
 local function choose_elements(x)
-  local c, aim = x.chosen, SHARE.elements * x.tolerance
+  local c, aim, halved = x.chosen, SHARE.elements * x.tolerance, 0
   while true do
     c.spacing, c.elements = x.lit.links.stats.spacing, x.lit.links.stats.elements
     x.causes.elements = element_error(x)
     if x.causes.elements <= aim or x.o.links or 4 * c.elements > MOST.elements then return end
     local before = x.lit
-    x.lit = light_elements(x, c.spacing / 2)
+    halved = halved + 1
+    x.lit = light_elements(x, c.spacing / 2, halved)
     before:close()
     before.links:close()
   end
@@ -210,35 +213,77 @@ end
 
 --- Links enough.
 local function choose_links(x)
-  local c, v, aim = x.chosen, x.final, SHARE.links * x.tolerance
+  local c, v, causes, aim = x.chosen, x.final, x.causes, SHARE.links * x.tolerance
   local points = math.max(1, x.o.size[1] * x.o.size[2] * v.density)
   local most = math.max(4, math.min(MOST.links, 4 * math.floor(MOST.bytes / 16 / points)))
   while true do
     local a = gather(x, v, x.lit, c.links, nil, 0)
-    x.causes.links = difference(x, v, a, gather(x, v, x.lit, c.links, nil, 1)) / math.sqrt(2)
-    if x.causes.links <= aim or x.given.rays or c.links >= most then return end
-    c.links = math.min(most, more(c.links, x.causes.links, aim, 2))
+    causes.links = difference(x, v, a, gather(x, v, x.lit, c.links, nil, 1)) / math.sqrt(2)
+    if causes.links <= aim or x.given.rays or c.links >= most then return end
+    c.links = math.min(most, 4 * math.ceil(c.links / 4 * math.min(16, math.max(1.25, 1.1 * (causes.links / aim) ^ 2))))
   end
 end
 
---- Channels of the pixels of a view v, one after the other, where no lamp is drawn.
-local function pixels_of(x, v, radiance)
-  local out = {}
-  for _, row in ipairs(resolve(x, v, radiance):totable()) do
-    for c = 1, 3 do out[#out + 1] = row[1][c] end
+--- Channels of the chosen pixels, one after the other: of the picture [h][w][3], or where that has light of virtual lights, which
+-- is not judged, of direct light in their view v.
+local function channels_of(x, v, picture)
+  if x.virtual then
+    return resolve(x, v, direct(x, v, x.chosen.light_samples, 0)):reshape { 3 * #x.pixels }:totable()
+  end
+  local out, width = {}, picture.shape[2]
+  for _, number in ipairs(x.pixels) do
+    local row, column = math.floor(number / width) + 1, number % width + 1
+    for c = 1, 3 do out[#out + 1] = picture:get(row, column, c) end
   end
   return out
 end
 
---- Estimate number k of the pixels: by paths through camera rays of its own.
-local function ask_paths(x, k, paths)
-  local v = look(x, ROUND.samples, 0, (x.o.seed + 101 * k) % core.limits.seed)
-  local mean, _, rays = need(check.result(x.name, x.lib.shade_judge(v.view, { samples = paths, first = 1,
-    last = x.bounces == "all" and -1 or x.bounces + 1, seed = x.o.seed + 101 * k, threads = x.threads, progress = x.bar })))
-  local out = pixels_of(x, v, mean)
+--- An estimate of the radiance of `pixels`, an array [n][3]: by paths through camera rays of its own.
+local function ask_paths(x, pixels, number)
+  local seed = (x.o.seed + 101 * number) % core.limits.seed
+  local v = look(x, ROUND.samples, 0, seed, pixels)
+  local mean, rays = need(check.result(x.name, x.lib.shade_judge_pixels(v.view, { samples = ROUND.samples, first = 1,
+    last = x.bounces == "all" and -1 or x.bounces + 1, guides = true, single = true, kept = x.guides, seed = seed,
+    threads = x.threads, progress = x.bar })))
   v.view:close()
-  x.judged.rays, x.judged.samples = x.judged.rays + rays, k * ROUND.samples * paths
-  return out
+  x.judged.rays, x.judged.samples = x.judged.rays + rays, x.judged.samples + ROUND.samples * #pixels
+  return mean
+end
+
+--- Adds estimate number k of the pixels to sums and sums of squares of their channels; that of pixel i has parts[i] parts.
+local function add_estimate(x, k, parts, sum, squares)
+  local mean, part = {}, 0
+  for i = 1, 3 * #x.pixels do mean[i] = 0 end
+  repeat
+    local pixels, which = {}, {}
+    for i, number in ipairs(x.pixels) do
+      if parts[i] > part then pixels[#pixels + 1], which[#which + 1] = number, i end
+    end
+    if pixels[1] then
+      local found = ask_paths(x, pixels, ROUND.parts * k + part)
+      for n, i in ipairs(which) do
+        for c = 1, 3 do mean[3 * (i - 1) + c] = mean[3 * (i - 1) + c] + found:get(n, c) / parts[i] end
+      end
+    end
+    part = part + 1
+  until not pixels[1]
+  for i, m in ipairs(mean) do sum[i], squares[i] = (sum[i] or 0) + m, (squares[i] or 0) + m * m end
+end
+
+--- Into how many parts the estimates of the pixels fall: least noise of the verdict for all their paths, as far as k estimates
+-- tell. These are then forgotten, since a pixel that has paths by its own noise is biased by them.
+local function share_paths(x, sum, squares, k)
+  local parts, total = {}, 0
+  for i, w in ipairs(x.weights) do
+    local v = 0
+    for c = 3 * i - 2, 3 * i do v = v + math.max(0, squares[c] / k - (sum[c] / k) ^ 2) end
+    parts[i] = (w ^ 0.5 * v) ^ (2 / 3)
+    total = total + parts[i]
+  end
+  for i, p in ipairs(parts) do
+    parts[i] = total > 0 and math.max(1, math.min(ROUND.parts, math.floor(p * #parts / total + 0.5))) or 1
+  end
+  return parts
 end
 
 --- Of a pixel whose channels begin at i: its squared distance from the mean of k estimates, the variance of that, which the
@@ -303,24 +348,28 @@ local function bound(u, missed) return TERM * u + RANGE * missed end
 
 --- The squared error of the picture's own pixels against the path tracer, which traces more paths until it is sure; its
 -- standard error, and what pixels that were not drawn may add.
-local function ask_judge(x)
-  local c, limit, sum, squares, k, check_at = x.chosen, x.tolerance ^ 2, {}, {}, 0, ROUND.first
-  local paths = #x.pixels > PIXELS and ROUND.paths / 2 or ROUND.paths
+local function ask_judge(x, seen)
+  local c, limit, sum, squares, parts = x.chosen, x.tolerance ^ 2, {}, {}, {}
   local v = look(x, c.samples, c.share)
-  local a = pixels_of(x, v, gather(x, v, x.lit, c.links, direct(x, v, c.light_samples, 0), 0))
+  local a = channels_of(x, v, seen)
   hide_lamps(x, v)
   x.shown, x.judged.pixels = surfaces(x, v)
   v.view:close()
-  for i = 1, #a do sum[i], squares[i] = 0, 0 end
+  for i in ipairs(x.pixels) do parts[i] = 1 end
+  for k = 1, ROUND.pilot do add_estimate(x, k, parts, sum, squares) end
+  parts, sum, squares = share_paths(x, sum, squares, ROUND.pilot), {}, {}
+  local k, check_at = 0, ROUND.first
   while true do
     k = k + 1
-    local b = ask_paths(x, k, paths)
-    for i = 1, #a do sum[i], squares[i] = sum[i] + b[i], squares[i] + b[i] ^ 2 end
+    add_estimate(x, ROUND.pilot + k, parts, sum, squares)
     if k == check_at then
       local square, u, missed = distance(x, a, sum, squares, k)
       local least = math.max(square, x.noise)
       local precise = u <= KNOWN * limit and (least + bound(u, missed) <= limit or TERM * u <= RANGE * missed)
-      if precise or math.abs(least - limit) > bound(u, missed) or k >= ROUND.most then return square, u, missed end
+      if precise or math.abs(least - limit) > bound(u, missed) or k >= ROUND.most then
+        x.judged.samples = x.judged.samples / #x.pixels
+        return square, u, missed
+      end
       check_at = 2 * k
     end
   end
@@ -376,16 +425,13 @@ local function verdict(x, square, u, missed)
   return out
 end
 
---- Seconds of an estimate by paths, from those of one and of two paths a camera ray.
+--- Seconds of a round of the judge's paths.
 local function path_seconds(x)
-  local seconds, start = {}, core.seconds()
-  for paths = 1, 2 do
-    ask_paths(x, 0, paths)
-    seconds[paths], start = core.seconds() - start, core.seconds()
-  end
+  ask_paths(x, x.pixels, 0) -- learns guides
+  local start = core.seconds()
+  ask_paths(x, x.pixels, 0)
   x.judged.rays, x.judged.samples = 0, 0
-  local each = math.max(0, seconds[2] - seconds[1])
-  return seconds[1] + each * (ROUND.paths - 1)
+  return (core.seconds() - start) * JUDGED / #x.pixels
 end
 
 --- Says what was chosen, and how long the picture and its judge take, as far as some pixels and paths tell.
@@ -395,16 +441,17 @@ local function announce(x)
   gather(x, v, x.lit, c.links, direct(x, v, c.light_samples, 0), 0)
   v.view:close()
   local picture = (core.seconds() - start) * x.o.size[1] * x.o.size[2] / #x.pixels
-  local round = path_seconds(x)
-  progress.say(x.bar, picture + ROUND.first * round, "tolerance %.3g chooses %d camera rays a pixel (share %g), %d shadow rays"
+  local seconds = path_seconds(x)
+  local least, most = (ROUND.pilot + ROUND.first) * seconds, ROUND.most * seconds
+  progress.say(x.bar, picture + least, "tolerance %.3g chooses %d camera rays a pixel (share %g), %d shadow rays"
     .. "%s; the picture takes about %s, to judge it %s to %s", x.tolerance, c.samples, c.share, c.light_samples,
     x.lit and (", %d links, %d elements"):format(c.links, c.elements) or "", progress.clock(picture),
-    progress.clock(ROUND.first * round), progress.clock(ROUND.most * round))
+    progress.clock(least), progress.clock(most))
 end
 
 --- Chooses means.
 local function choose(x)
-  x.lit = light_elements(x, x.chosen.spacing)
+  x.lit = light_elements(x, x.chosen.spacing, 0)
   begin(x)
   x.first = look(x, RAYS[1][1], RAYS[1][2])
   hide_lamps(x, x.first)
@@ -428,7 +475,7 @@ end
 local function judge(x, seen)
   if x.mean <= 0 then return verdict(x, 0, 0, 0) end
   draw(x, JUDGED, (x.o.seed + 1) % core.limits.seed, array.array(seen * x.unlit, "float"), x.cheap)
-  return verdict(x, ask_judge(x))
+  return verdict(x, ask_judge(x, seen))
 end
 
 --- Results of a trial f(x, ...), which takes its seconds to others of x; or nil, message, code.
@@ -455,9 +502,9 @@ function knob.choose(name, s, o, given)
     if not o.links then return nil, message, code end
   end
   chosen.spacing = FIRST.spacing * math.max(box.diagonal(t.lo, t.hi), 1e-30)
-  local x = { name = name, scene = s, o = o, lib = t.lib, glossy = t.glossy, bounces = bounces, tolerance = o.tolerance,
-    threads = o.threads or 0, bar = progress.resolve(o.progress), chosen = chosen, causes = {}, noise = 0, seconds = 0,
-    judged = { rays = 0, pixels = 0, samples = 0 },
+  local x = { name = name, scene = s, o = o, lib = t.lib, glossy = t.glossy, bounces = bounces, virtual = by == "virtual",
+    tolerance = o.tolerance, threads = o.threads or 0, bar = progress.resolve(o.progress), chosen = chosen, causes = {},
+    noise = 0, seconds = 0, judged = { rays = 0, pixels = 0, samples = 0 }, guides = t.lib.path_guides(),
     given = { samples = given.samples, share = given.share, light_samples = given.light_samples,
       rays = given.rays } }
   local ok
