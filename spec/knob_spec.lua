@@ -74,6 +74,43 @@ describe("pixels that are judged", function()
   end)
 end)
 
+describe("the judge of pixels", function()
+  local views = require "ylm.render.view"
+
+  --- The view of a square whose corners have colours; its edges cross pixels.
+  local function view(share)
+    local mesh = ylm.mesh { vertices = { { -1, -1, 0 }, { 1, -1, 0 }, { 1, 1, 0 }, { -1, 1, 0 } },
+      triangles = { { 1, 2, 3 }, { 1, 3, 4 } }, colours = { { 1, 0.2, 0.1 }, { 0.1, 0.9, 0.3 }, { 0.2, 0.1, 0.8 },
+        { 0.9, 0.9, 0.2 } }, material = ylm.matte { albedo = 0.8 } }
+    local scene = ylm.scene "a coloured square" { geometry = mesh, camera = ylm.camera { from = { 0, 0, 3 }, at = { 0, 0, 0 },
+      fov = 50 }, lights = ylm.sphere_light { at = { 0.5, 0.4, 1 }, radius = 0.1, radiance = 50 } }
+    return views.open("spec", assert(views.prepare("spec", scene, { size = { 8, 6 }, samples = 32, share = share, seed = 3,
+      shading = "pixel", visibility = "rays", lmax = 0 }))).view
+  end
+
+  it("finds the light of their points, by their shares of the pixel, and nothing where no surface is", function()
+    local v, o = view(0), { samples = 1024, first = 1, last = 1, seed = 5 }
+    local points = assert(lib.shade_judge(v, { samples = 64, first = 1, last = 1, seed = 5 }))
+    local there, here = lib.shade_resolve(v, points, nil, false, 0):reshape { 48, 3 }, assert(lib.shade_judge_pixels(v, o))
+    assert.same({ 48, 3 }, here.shape)
+    local dark = 0
+    for i = 1, 48 do
+      for c = 1, 3 do
+        local truth = there:get(i, c)
+        if truth == 0 then dark = dark + 1 end
+        assert.near(truth, here:get(i, c), 0.02 * truth)
+      end
+    end
+    assert.is_true(dark > 0 and dark < 100)
+  end)
+
+  it("needs a shading point of each camera ray", function()
+    local ok, message = lib.shade_judge_pixels(view(1.5), { samples = 16, first = 1, last = 1, seed = 1 })
+    assert.is_nil(ok)
+    assert.matches("camera rays that are not grouped", message)
+  end)
+end)
+
 describe("a tolerance of a picture with a bright spot", function()
   local before
   setup(function() before = ylm.on_warning(false) end)
