@@ -23,10 +23,25 @@ local function programs()
   return list
 end
 
---- Runs each program in a process of its own, two at a time; name -> what it printed, of those that failed.
+--- What a program begins with: it says which parts it asks for that were not built.
+local function lacking()
+  local lines = {}
+  for _, part in ipairs { "codec", "scene", "vtk", "vulkan" } do
+    local file = io.open(("%s/lib/libylm_%s.so"):format(os.getenv "YLM_BUILD" or "build", part))
+    if file then file:close()
+    else
+      lines[#lines + 1] = ('package.preload["ylm.c.%s"] = function() io.stderr:write "lacks %s\\n" error("not built", 0) end')
+        :format(part, part)
+    end
+  end
+  return table.concat(lines, "\n") .. "\n"
+end
+
+--- Runs each program in a process of its own, two at a time; name -> what it printed, of those that failed for other reasons than
+-- a part that was not built.
 local function failures(list)
-  local folder, failed = scratch.new(), {}
-  for name, text in pairs(list) do folder:write(name:gsub("%W", "-") .. ".lua", text) end
+  local folder, failed, begin = scratch.new(), {}, lacking()
+  for name, text in pairs(list) do folder:write(name:gsub("%W", "-") .. ".lua", begin .. text) end
   scratch.capture(("ls %s | YLM_THREADS=1 xargs -P 2 -I @ sh -c '%s %s/@ >%s/@.out 2>&1 || touch %s/@.failed'"):format(
     scratch.quote(folder.path), os.getenv "YLM_LUA" or "lua5.4", folder.path, folder.path, folder.path))
   for name in pairs(list) do
@@ -34,7 +49,8 @@ local function failures(list)
     local mark = io.open(folder.path .. "/" .. file .. ".failed")
     if mark then
       mark:close()
-      failed[#failed + 1] = name .. ": " .. folder:read(file .. ".out")
+      local text = folder:read(file .. ".out")
+      if not text:find("^lacks %l+\n") and not text:find("\nlacks %l+\n") then failed[#failed + 1] = name .. ": " .. text end
     end
   end
   folder:remove()
