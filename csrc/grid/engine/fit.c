@@ -8,12 +8,15 @@
 #include <string.h>
 
 #include "../grid.h"
+#include "ylm_list.h"
 
 #define ROUNDS 4
 #define STEPS 80
 #define QUICK_STEPS 25 /* in one round */
 #define SMALL 1e-7     /* of what the preconditioned gradient was */
 #define DARK 1e-6      /* of the mean: wanted below it is dark */
+#define FEW 64         /* places for each probe, above which the normal matrix is made */
+#define MOST_NUMBERS 4 /* with which it is */
 
 /* The eight middles around a place. */
 typedef struct around {
@@ -29,7 +32,19 @@ typedef struct fit {
   const float *share;
   void *own[3]; /* theirs, of a lattice */
   double mean[3];
+  size_t *of;       /* [probes + 1] NULL: no normal matrix is made. The first of a probe's shares */
+  uint32_t *shares; /* indices into `probe`, by probe */
+  uint32_t *place;  /* their places */
 } fit;
+
+/* The normal matrix of some weights: blocks [numbers][numbers] of probes that places have in common. */
+typedef struct normal_matrix {
+  size_t *first;  /* [probes + 1] of a probe's blocks */
+  uint32_t *with; /* their other probes */
+  double *block;
+  size_t with_room, block_room;
+  uint32_t *slot; /* [probes] in the row that is made */
+} normal_matrix;
 
 /* -- how an engine reads ------------------------------------------------------------------------- */
 
@@ -58,9 +73,8 @@ static around find(const uint32_t cells[3], const double at[3]) {
   return p;
 }
 
-/* The irradiance that is read at a place of numbers x [probes][numbers]. */
-static double look(const fit *t, size_t i, const double *x) {
-  size_t n = (size_t)t->f->numbers;
+/* `look` of n numbers: with a constant n, loops over them are unrolled. */
+static inline double look_n(const fit *t, size_t n, size_t i, const double *x) {
   const float *basis = t->f->basis + i * n;
   double sum = 0;
   for (size_t k = t->first[i]; k < t->first[i + 1]; k++) {
@@ -72,15 +86,30 @@ static double look(const fit *t, size_t i, const double *x) {
   return sum;
 }
 
-/* Adds y times the row of a place. */
-static void put(const fit *t, size_t i, double y, double *x) {
-  size_t n = (size_t)t->f->numbers;
+static inline void put_n(const fit *t, size_t n, size_t i, double y, double *x) {
   const float *basis = t->f->basis + i * n;
   for (size_t k = t->first[i]; k < t->first[i + 1]; k++) {
     double w = y * (double)t->share[k], *v = x + n * t->probe[k];
     if (w == 0) continue;
     for (size_t j = 0; j < n; j++) v[j] += w * (double)basis[j];
   }
+}
+
+/* The irradiance that is read at a place of numbers x [probes][numbers]. */
+static double look(const fit *t, size_t i, const double *x) {
+  size_t n = (size_t)t->f->numbers;
+  return n == 4 ? look_n(t, 4, i, x) : n == 9 ? look_n(t, 9, i, x) : look_n(t, n, i, x);
+}
+
+/* Adds y times the row of a place. */
+static void put(const fit *t, size_t i, double y, double *x) {
+  size_t n = (size_t)t->f->numbers;
+  if (n == 4)
+    put_n(t, 4, i, y, x);
+  else if (n == 9)
+    put_n(t, 9, i, y, x);
+  else
+    put_n(t, n, i, y, x);
 }
 
 /* -- a channel ----------------------------------------------------------------------------------- */
@@ -90,6 +119,7 @@ typedef struct channel {
   int c;
   double *x, *begin, *weight; /* [unknowns], [unknowns], [places] */
   double *g, *z, *d, *q, *p;
+  normal_matrix m;
 } channel;
 
 static double held(const fit *t, size_t i) {
@@ -112,9 +142,117 @@ static bool weigh(channel *h) {
   return changed;
 }
 
+/* -- the normal matrix --------------------------------------------------------------------------- */
+
+static void leave_matrix(normal_matrix *m) {
+  ylm_free(m->first);
+  ylm_free(m->with);
+  ylm_free(m->block);
+  ylm_free(m->slot);
+}
+
+/* Adds w times the product of a basis with itself to a block. */
+static inline void add_product(size_t n, double w, const float *basis, double *block) {
+  for (size_t a = 0; a < n; a++) {
+    double wa = w * (double)basis[a];
+    for (size_t b = 0; b < n; b++) block[a * n + b] += wa * (double)basis[b];
+  }
+}
+
+/* The row of a probe, whose first block is block `at`. */
+static bool make_row(channel *h, size_t probe, size_t at) {
+  const fit *t = h->t;
+  normal_matrix *m = &h->m;
+  size_t n = (size_t)t->f->numbers, end = at;
+  for (size_t s = t->of[probe]; s < t->of[probe + 1]; s++) {
+    size_t i = t->place[s];
+    double w = h->weight[i] * (double)t->share[t->shares[s]];
+    for (size_t k = t->first[i]; w != 0 && k < t->first[i + 1]; k++) {
+      uint32_t other = t->probe[k];
+      if (m->slot[other] < at || m->slot[other] >= end || m->with[m->slot[other]] != other) {
+        if (!ylm_list_reserve(&m->with, end, end + 1, &m->with_room, sizeof *m->with) ||
+            !ylm_list_reserve(&m->block, end, end + 1, &m->block_room, n * n * sizeof *m->block))
+          return false;
+        memset(m->block + end * n * n, 0, n * n * sizeof *m->block);
+        m->with[end] = other;
+        m->slot[other] = (uint32_t)end++;
+      }
+      double *block = m->block + m->slot[other] * n * n, x = w * (double)t->share[k];
+      if (n == 4)
+        add_product(4, x, t->f->basis + 4 * i, block);
+      else
+        add_product(n, x, t->f->basis + n * i, block);
+    }
+  }
+  m->first[probe + 1] = end;
+  return true;
+}
+
+/* The matrix of a channel's weights. False: no memory. */
+static bool make_matrix(channel *h) {
+  const fit *t = h->t;
+  normal_matrix *m = &h->m;
+  if (!t->of) return true;
+  if (!m->first) {
+    m->first = ylm_alloc_zero(t->probes + 1, sizeof *m->first);
+    m->slot = ylm_alloc_zero(t->probes, sizeof *m->slot);
+  }
+  bool ok = m->first && m->slot;
+  for (size_t i = 0; ok && i < t->probes; i++) ok = make_row(h, i, m->first[i]);
+  return ok;
+}
+
+/* The product of a probe's row of blocks with d, added to sum [n]: blocks are symmetric. */
+static inline void multiply_row(const normal_matrix *m, size_t n, size_t probe, const double *d,
+                                double *sum) {
+  for (size_t k = m->first[probe]; k < m->first[probe + 1]; k++) {
+    const double *block = m->block + k * n * n, *v = d + m->with[k] * n;
+    for (size_t b = 0; b < n; b++)
+      for (size_t a = 0; a < n; a++) sum[a] += block[b * n + a] * v[b];
+  }
+}
+
+static void apply_matrix(const channel *h, const double *d, double *out) {
+  size_t n = (size_t)h->t->f->numbers;
+  for (size_t i = 0; i < h->t->probes; i++) {
+    double sum[MOST_NUMBERS] = {0};
+    if (n == 4)
+      multiply_row(&h->m, 4, i, d, sum);
+    else
+      multiply_row(&h->m, n, i, d, sum);
+    for (size_t a = 0; a < n; a++) out[i * n + a] = sum[a] + held(h->t, i * n + a) * d[i * n + a];
+  }
+}
+
+/* Shares by their probes, where a matrix is worth its making. */
+static ylm_status sort_shares(fit *t) {
+  const ylm_grid_fit *f = t->f;
+  if (!f->first || f->numbers > MOST_NUMBERS || t->probes * FEW > f->places) return YLM_OK;
+  size_t shares = f->first[f->places];
+  t->of = ylm_alloc_zero(t->probes + 2, sizeof *t->of);
+  t->shares = ylm_alloc(shares + 1, sizeof *t->shares);
+  t->place = ylm_alloc(shares + 1, sizeof *t->place);
+  if (!t->of || !t->shares || !t->place) return YLM_ENOMEM;
+  for (size_t k = 0; k < shares; k++) t->of[t->probe[k] + 2]++;
+  for (size_t i = 1; i < t->probes; i++) t->of[i + 1] += t->of[i];
+  for (size_t i = 0; i < f->places; i++)
+    for (size_t k = t->first[i]; k < t->first[i + 1]; k++) {
+      size_t to = t->of[t->probe[k] + 1]++;
+      t->shares[to] = (uint32_t)k;
+      t->place[to] = (uint32_t)i;
+    }
+  return YLM_OK;
+}
+
+/* -- conjugate gradients --------------------------------------------------------------------------- */
+
 /* out = the rows' transpose times weights times rows of d, and what holds probes. */
 static void apply(const channel *h, const double *d, double *out) {
   const fit *t = h->t;
+  if (t->of) {
+    apply_matrix(h, d, out);
+    return;
+  }
   for (size_t i = 0; i < t->unknowns; i++) out[i] = held(t, i) * d[i];
   for (size_t i = 0; i < t->f->places; i++)
     if (h->weight[i] > 0) put(t, i, h->weight[i] * look(t, i, d), out);
@@ -195,17 +333,25 @@ static ylm_status solve(void *context, size_t begin, size_t end, int worker) {
   for (size_t i = 0; i < n; i++)
     h.x[i] = h.begin[i] =
         (double)t->f->probe[(i / numbers * channels + begin) * numbers + i % numbers];
-  for (int round = 0; round < (t->f->quick ? 1 : ROUNDS) && weigh(&h); round++) descend_to_rest(&h);
+  bool ok = true;
+  for (int round = 0; ok && round < (t->f->quick ? 1 : ROUNDS) && weigh(&h); round++) {
+    ok = make_matrix(&h);
+    if (ok) descend_to_rest(&h);
+  }
   for (size_t i = 0; i < n; i++)
     t->f->probe[(i / numbers * channels + begin) * numbers + i % numbers] = (float)h.x[i];
+  leave_matrix(&h.m);
   ylm_free(room);
-  return YLM_OK;
+  return ok ? YLM_OK : YLM_ENOMEM;
 }
 
 /* -- all of it ----------------------------------------------------------------------------------- */
 
 static void leave(fit *t) {
   for (int i = 0; i < 3; i++) ylm_free(t->own[i]);
+  ylm_free(t->of);
+  ylm_free(t->shares);
+  ylm_free(t->place);
 }
 
 /* The eight middles around each place of a lattice. */
@@ -241,10 +387,38 @@ static ylm_status prepare(fit *t) {
   return f->first ? YLM_OK : find_all(t);
 }
 
+/* How many channels are solved: 1 where what is wanted, and what probes have, are grey. */
+static size_t different(const fit *t) {
+  const ylm_grid_fit *f = t->f;
+  size_t channels = (size_t)f->channels;
+  for (size_t i = 0; i < f->places; i++)
+    for (size_t c = 1; c < channels; c++)
+      if (f->wanted[i * channels + c] != f->wanted[i * channels]) return channels;
+  for (size_t i = 0; i < t->unknowns; i++)
+    for (size_t c = 1, n = (size_t)f->numbers; c < channels; c++) {
+      const float *one = f->probe + i / n * channels * n + i % n;
+      if (one[c * n] != one[0]) return channels;
+    }
+  return 1;
+}
+
+/* The other channels of grey probes are the first. */
+static void spread(const fit *t) {
+  size_t n = (size_t)t->f->numbers, channels = (size_t)t->f->channels;
+  for (size_t i = 0; i < t->probes; i++)
+    for (size_t c = 1; c < channels; c++) {
+      float *one = t->f->probe + i * channels * n;
+      memcpy(one + c * n, one, n * sizeof *one);
+    }
+}
+
 ylm_status ylm_grid_fit_probes(const ylm_grid_fit *f) {
   fit t = {.f = f};
   ylm_status s = prepare(&t);
-  if (s == YLM_OK) s = ylm_parallel((size_t)f->channels, 1, f->threads, solve, &t, NULL, NULL);
+  if (s == YLM_OK) s = sort_shares(&t);
+  size_t channels = s == YLM_OK ? different(&t) : 0;
+  if (s == YLM_OK) s = ylm_parallel(channels, 1, f->threads, solve, &t, NULL, NULL);
+  if (s == YLM_OK && channels == 1) spread(&t);
   leave(&t);
   return s;
 }

@@ -38,10 +38,11 @@ static void add_share(const ylm_grid_probes *p, uint32_t point, float share, row
   list->share[i] += share;
 }
 
-static row_list row_of(const ylm_grid_probes *p, const ylm_grid_probes_places *at, size_t i) {
+static row_list row_of(const ylm_grid_probes *p, const ylm_grid_probes_places *at,
+                       const probes_place *found, size_t i) {
   row_list list = {.n = 0};
   float share[8];
-  probes_place place = ylm__probes_find(p, at->point[i], at->normal[i]);
+  probes_place place = found ? found[i] : ylm__probes_find(p, at->point[i], at->normal[i]);
   ylm__probes_shares(&place, share);
   for (int k = 0; place.brick != YLM_GRID_NONE && k < 8; k++)
     add_share(p, p->corner[place.brick][k], share[k], &list);
@@ -49,7 +50,7 @@ static row_list row_of(const ylm_grid_probes *p, const ylm_grid_probes_places *a
 }
 
 ylm_status ylm__probes_rows(const ylm_grid_probes *p, const ylm_grid_probes_places *at,
-                            probes_rows *r) {
+                            const probes_place *found, probes_rows *r) {
   size_t n = at->n, count = (size_t)p->count, room = 0, more = 0;
   r->first = ylm_alloc_zero(n + 1, sizeof *r->first);
   r->basis = ylm_alloc(n + 1, count * sizeof *r->basis);
@@ -57,7 +58,7 @@ ylm_status ylm__probes_rows(const ylm_grid_probes *p, const ylm_grid_probes_plac
   bool ok = r->first && r->basis && r->hold;
   for (size_t i = 0; ok && i < n; i++) {
     float basis[9];
-    row_list list = row_of(p, at, i);
+    row_list list = row_of(p, at, found, i);
     size_t begin = r->first[i], end = r->first[i + 1] = begin + list.n;
     ok = ylm_list_reserve(&r->point, begin, end, &room, sizeof *r->point) &&
          ylm_list_reserve(&r->share, begin, end, &more, sizeof *r->share);
@@ -80,7 +81,7 @@ ylm_status ylm_grid_probes_fit(ylm_grid_probes *p, const ylm_grid_probes_places 
   probes_rows r = {NULL};
   if (!at->n || !p->points) return YLM_OK;
   ylm_status s = ylm__probes_tie(p);
-  if (s == YLM_OK) s = ylm__probes_rows(p, at, &r);
+  if (s == YLM_OK) s = ylm__probes_rows(p, at, NULL, &r);
   if (s != YLM_OK) return s;
   ylm_grid_fit f = {.numbers = p->count,
                     .channels = 3,

@@ -12,9 +12,9 @@ typedef struct probes_rows {
   float *hold;  /* [points] */
 } probes_rows;
 
-/* The rows of places, which ylm__probes_leave frees; YLM_ENOMEM. */
+/* The rows of places, which ylm__probes_leave frees; YLM_ENOMEM. `found` [places], or NULL: where they are read. */
 ylm_status ylm__probes_rows(const ylm_grid_probes *p, const ylm_grid_probes_places *at,
-                            probes_rows *r);
+                            const probes_place *found, probes_rows *r);
 void ylm__probes_leave(probes_rows *r);
 
 #endif

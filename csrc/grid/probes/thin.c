@@ -21,7 +21,8 @@ typedef struct pair {
 typedef struct thinning {
   ylm_grid_probes *p;
   const ylm_grid_probes_places *at;
-  double *matrix; /* [points][count][count] */
+  probes_place *found; /* [places] which joins leave as they are */
+  double *matrix;      /* [points][count][count] */
   pair *pair;
   size_t pairs;
   uint32_t *to;     /* [points] what a point becomes */
@@ -45,7 +46,7 @@ static void add_place(thinning *t, const probes_rows *r, size_t i) {
 static ylm_status make_matrices(thinning *t) {
   probes_rows r = {NULL};
   size_t n = (size_t)t->p->count;
-  ylm_status s = ylm__probes_rows(t->p, t->at, &r);
+  ylm_status s = ylm__probes_rows(t->p, t->at, t->found, &r);
   if (s != YLM_OK) return s;
   memset(t->matrix, 0, t->p->points * n * n * sizeof *t->matrix);
   for (size_t i = 0; i < t->p->points; i++)
@@ -209,12 +210,15 @@ ylm_status ylm_grid_probes_thin(ylm_grid_probes *p, const ylm_grid_probes_places
   if (ylm__probes_free_points(p) <= points || !at->n || !p->ghost) return YLM_OK;
   thinning t = {.p = p,
                 .at = at,
+                .found = ylm_alloc(at->n, sizeof *t.found),
                 .matrix = ylm_alloc(p->points, n * n * sizeof *t.matrix),
                 .pair = ylm_alloc(p->bricks, 28 * sizeof *t.pair),
                 .to = ylm_alloc(p->points, sizeof *t.to),
                 .number = ylm_alloc(p->points, sizeof *t.number)};
-  ylm_status s = t.matrix && t.pair && t.to && t.number ? YLM_OK : YLM_ENOMEM;
+  ylm_status s = t.found && t.matrix && t.pair && t.to && t.number ? YLM_OK : YLM_ENOMEM;
   size_t left;
+  for (size_t i = 0; s == YLM_OK && i < at->n; i++)
+    t.found[i] = ylm__probes_find(p, at->point[i], at->normal[i]);
   while (s == YLM_OK && (left = ylm__probes_free_points(p)) > points) {
     size_t most = (size_t)ceil(ROUND * (double)left), more = left - points;
     s = make_matrices(&t);
@@ -223,6 +227,7 @@ ylm_status ylm_grid_probes_thin(ylm_grid_probes *p, const ylm_grid_probes_places
     if (!join_pairs(&t, more < most ? more : most)) break;
     renumber(&t);
   }
+  ylm_free(t.found);
   ylm_free(t.matrix);
   ylm_free(t.pair);
   ylm_free(t.to);

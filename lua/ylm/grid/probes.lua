@@ -23,6 +23,7 @@ local HOLD, GHOSTS_HOLD = 0.03, 3e-4 -- of a point, and of one that no surface s
 local UNIFORM = { 2, 3, 4, 6, 8, 12, 16 } -- cells along the longest axis of coarser topologies
 local BUDGETS = { 1000, 2000, 3000, 4000, 5500, 7000, 12000, 30000 } -- points of adaptive ones
 local ADAPTIVE, DEPTH = 0.05, 6           -- their tolerance and depth
+local POINTS_A_BYTE = 0.4           -- of the adaptive topology that is looked at first
 local FEWEST = 0.06                 -- points of each brick: with fewer, a coarser topology is better
 local WORSE = 3                     -- topologies after the best, from the finest that fits on
 local ROUGH = 0.1                   -- an error above which more of them are tried
@@ -77,44 +78,87 @@ function Maker:places_for(points)
   return self.drawn[n]
 end
 
---- The probes of a topology as the grid has them, a copy for the caller; or nil, message, code.
+--- The probes of a topology as the grid has them, which nobody changes; or nil, message, code.
 function Maker:raw(topology)
-  if topology.made then return core.probes_copy(topology.made) end
+  if topology.made then return topology.made end
   local rows
   if self.scene then
     local p, message, code = self:places_for(core.grid_stats(topology.grid).points)
     if not p then return nil, message, code end
     rows = rows_of(p, 1, self.threads)
   end
-  local made, message, code = check.result("export", core.probes_make(topology.grid, self.lmax, topology.cuts, self.walls, rows))
-  if not made then return nil, message, code end
-  topology.made = made
-  return core.probes_copy(made)
+  local message, code
+  topology.made, message, code = check.result("export",
+    core.probes_make(topology.grid, self.lmax, topology.cuts, self.walls, rows))
+  return topology.made, message, code
 end
 
---- Fits the numbers of probes to surfaces, with at most `most(size)` points. True, or nil, message, code.
-function Maker:fit(made, most)
-  local size, message, code = check.result("export", core.probes_size(made, self.bits))
-  if not size then return nil, message, code end
-  local n, p = size.points
-  p, message, code = self:places_for(n)
-  if not p then return nil, message, code end
-  --- Fits, or joins points; the size is that afterwards.
-  local function change(how, quick)
-    local rows = rows_of(p, n, self.threads)
-    rows.quick = quick
-    local ok
-    ok, message, code = check.result("export", how(made, rows, n))
-    if ok then size, message, code = check.result("export", core.probes_size(made, self.bits)) end
-    return ok and size
+-- Fits of probes, each in turn: quick ones of halves of the points, and a last one. `stages` keeps the quick ones, since those of
+-- other bytes begin with them.
+local Fit = {}
+Fit.__index = Fit
+
+--- Changes the probes by how(file, rows, n), or a copy of theirs where others have them too: true, or nil, message, code.
+function Fit:change(how, quick)
+  local message, code
+  if self.shared then
+    self.file, message, code = core.probes_copy(self.file)
+    if not self.file then return nil, message, code end
+    self.shared = false
   end
-  if not change(core.probes_fit, n > most(size)) then return nil, message, code end
-  while size.points > most(size) do -- points that are joined need fewer names: more fit then
-    n = math.max(most(size), math.floor(HALVED * n))
-    if not change(core.probes_thin) or not change(core.probes_fit, size.points > most(size)) then return nil, message, code end
-    if size.points > n then break end -- nothing is left to be joined
+  local rows = rows_of(self.places, self.n, self.maker.threads)
+  rows.quick = quick
+  local ok
+  ok, message, code = check.result("export", how(self.file, rows, self.n))
+  if not ok then return nil, message, code end
+  self.size, message, code = check.result("export", core.probes_size(self.file, self.maker.bits))
+  return self.size and true, message, code
+end
+
+--- Joins points until n are left, but for the first step, and fits these. True, or nil, message, code.
+function Fit:step(k)
+  local known = self.stages and self.stages[k]
+  if known and self.halved and known.size_before.points > self.most(known.size_before) then
+    self.file, self.size, self.shared = known.file, known.size, true
+    return true
+  end
+  local ok, message, code
+  if k > 1 then
+    ok, message, code = self:change(core.probes_thin)
+    if not ok then return nil, message, code end
+  end
+  local before = self.size
+  local quick = before.points > self.most(before)
+  ok, message, code = self:change(core.probes_fit, quick)
+  if not ok then return nil, message, code end
+  self.halved = self.halved and quick
+  if self.stages and self.halved then
+    self.stages[k], self.shared = { size_before = before, file = self.file, size = self.size }, true
   end
   return true
+end
+
+--- Copies of probes whose numbers are fitted to surfaces, with at most `most(size)` points; or nil, message, code. `stages`, or
+-- nil: the list of the quick fits of these probes, which grows.
+function Maker:fit(made, most, stages)
+  local size, message, code = check.result("export", core.probes_size(made, self.bits))
+  if not size then return nil, message, code end
+  local fit = setmetatable({ maker = self, file = made, shared = true, size = size, n = size.points, most = most,
+    stages = stages, halved = true }, Fit)
+  fit.places, message, code = self:places_for(fit.n)
+  if not fit.places then return nil, message, code end
+  local ok
+  ok, message, code = fit:step(1)
+  local k = 1
+  while ok and fit.size.points > most(fit.size) do -- points that are joined need fewer names: more fit then
+    local half = math.floor(HALVED * fit.n)
+    k, fit.n = k + 1, math.max(most(fit.size), half)
+    fit.halved = fit.halved and fit.n == half
+    ok, message, code = fit:step(k)
+    if ok and fit.size.points > fit.n then break end -- nothing is left to be joined
+  end
+  if not ok then return nil, message, code end
+  return fit.file
 end
 
 --- The points with which probes take at most so many bytes.
@@ -171,8 +215,8 @@ function Maker:topology(kind, k)
   return known[k]
 end
 
---- Probes of topology k of a kind that may be fitted in so many bytes, as the grid has them; false: it is too fine; nil: there is
--- none; or nil, message, code.
+--- Topology k of a kind where its probes may be fitted in so many bytes; false: it is too fine; nil: there is none; or nil,
+-- message, code.
 function Maker:coarse(kind, k, bytes)
   local topology, message, code = self:topology(kind, k)
   if not topology then return nil, message, code end
@@ -182,13 +226,14 @@ function Maker:coarse(kind, k, bytes)
   size, message, code = core.probes_size(made, self.bits)
   if not size then return nil, message, code end
   local most = self:points_within(size, bytes)
-  return most >= math.max(1, math.min(size.points, FEWEST * size.bricks)) and made
+  return most >= math.max(1, math.min(size.points, FEWEST * size.bricks)) and topology
 end
 
---- The better of `best`, or nil, and of probes that are fitted in so many bytes; or nil, message, code.
-function Maker:better(best, made, bytes)
-  local ok, message, code = self:fit(made, function(size) return self:points_within(size, bytes) end)
-  if not ok then return nil, message, code end
+--- The better of `best`, or nil, and of a topology's probes that are fitted in so many bytes; or nil, message, code.
+function Maker:better(best, topology, bytes)
+  if self.several then topology.stages = topology.stages or {} end
+  local made, message, code = self:fit(topology.made, function(size) return self:points_within(size, bytes) end, topology.stages)
+  if not made then return nil, message, code end
   local judged, size
   judged, message, code = self:judge(made)
   if not judged then return nil, message, code end
@@ -198,16 +243,20 @@ function Maker:better(best, made, bytes)
   return best
 end
 
---- The probes of all topologies of a kind, from coarse to fine, up to the finest that may be fitted in so many bytes, a list; or
--- nil, message, code.
-function Maker:fitting(kind, bytes)
-  local fits = {}
-  while true do
-    local made, message, code = self:coarse(kind, #fits + 1, bytes)
-    if message then return nil, message, code end
-    if not made then return fits end
-    table.insert(fits, made)
+--- The number of the finest topology of a kind whose probes may be fitted in so many bytes, 0 where there is none; those that are
+-- far coarser are not made. Or nil, message, code.
+function Maker:finest(kind, bytes)
+  local low, high = 0, kind == "uniform" and #UNIFORM + 1 or #BUDGETS + 2 -- those that fit, and are too fine
+  local k = 1
+  if kind == "clipped" then
+    while BUDGETS[k + 1] and BUDGETS[k + 1] <= POINTS_A_BYTE * bytes do k = k + 1 end
   end
+  while low + 1 < high do
+    local topology, message, code = self:coarse(kind, k, bytes)
+    if message then return nil, message, code end
+    if topology then low, k = k, k + 1 else high, k = k, k - 1 end
+  end
+  return low
 end
 
 --- The best probes of at most so many bytes: { made, judged }; nil: there are none; or nil, message, code. Uniform leaves are
@@ -215,15 +264,15 @@ end
 -- too, from one step finer than the finest of the others that fits.
 function Maker:within(bytes)
   local best, worse = nil, 0
-  --- Tries probes from fine to coarse, of(i), until so many were worse than the best; or nil, message, code.
+  --- Tries topologies from fine to coarse, of(i), until so many were worse than the best; or nil, message, code.
   local function try(n, of)
     for i = n, 1, -1 do
       if worse == WORSE then break end
-      local made, message, code = of(i)
+      local topology, message, code = of(i)
       if message then return nil, message, code end
-      if made then
+      if topology then
         local better
-        better, message, code = self:better(best, made, bytes)
+        better, message, code = self:better(best, topology, bytes)
         if message then return nil, message, code end
         worse = better == best and worse + 1 or 0
         best = better
@@ -235,13 +284,12 @@ function Maker:within(bytes)
   if not least then return nil, message, code end
   local finest = 0
   for _, kind in ipairs { "clipped", "uniform" } do
-    local fits
+    local n, ok
     if worse == WORSE then break end
-    fits, message, code = self:fitting(kind, bytes)
-    if not fits then return nil, message, code end
-    finest = math.max(finest, kind == "clipped" and #fits or 0)
-    local ok
-    ok, message, code = try(#fits, function(i) return fits[i] end)
+    n, message, code = self:finest(kind, bytes)
+    if not n then return nil, message, code end
+    finest = math.max(finest, kind == "clipped" and n or 0)
+    ok, message, code = try(n, function(i) return self:coarse(kind, i, bytes) end)
     if not ok then return nil, message, code end
   end
   if not best or best.judged.error <= ROUGH then return best end
@@ -257,11 +305,8 @@ end
 --- Probes as they are, or, where there is a scene and its surfaces have less error so, fitted to it; or nil, message, code.
 function Maker:fitted(own)
   if not self.scene then return own end
-  local file, message, code = core.probes_copy(own.made)
+  local file, message, code = self:fit(own.made, function() return math.huge end)
   if not file then return nil, message, code end
-  local ok
-  ok, message, code = self:fit(file, function() return math.huge end)
-  if not ok then return nil, message, code end
   local judged
   judged, message, code = self:judge(file)
   if not judged then return nil, message, code end
@@ -297,6 +342,7 @@ function Maker:keeping(tolerance, bytes)
   if not size then return nil, message, code end
   local most = math.min(size.bytes, bytes or math.huge)
   local best, low, high = nil, 0, FIRST_BYTES
+  self.several = true
   for _ = 1, STEPS do
     if low >= most or best and high < NEAR * low then break end
     local bytes_now = best and math.sqrt(math.max(low, high / 16) * high) or math.min(high, most)
