@@ -15,6 +15,7 @@ typedef struct job {
   bool shadows, spread;
   uint64_t seed;
   size_t step; /* of points, the first of so many */
+  bool matte;  /* all points */
   float *out;
   atomic_uint_fast64_t rays;
 } job;
@@ -124,13 +125,20 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   for (size_t i = begin; status == YLM_OK && i < end; i++) {
     uint64_t stream = ylm__shade_stream_next(j->view, &at);
     if (!has_rays(j, i)) memset(j->out + 3 * i, 0, 12);
-    if (i % j->step == 0 && has_rays(j, i) && ylm__shade_is_soft(j->view, i))
+    if (i % j->step == 0 && has_rays(j, i) && (j->matte || ylm__shade_is_soft(j->view, i)))
       aim(j, &w, at.pixel, i, stream);
   }
   if (status == YLM_OK) finish(j, &w);
   ylm_scene_batch_free(&w.lit);
   atomic_fetch_add_explicit(&j->rays, w.lit.traced, memory_order_relaxed);
   return status;
+}
+
+/* Whether rays to lamps find the light of all points: no material glosses. */
+static bool are_matte(const ylm_shade_view *v) {
+  for (size_t k = 0; k < ylm_scene_meshes(v->scene); k++)
+    if (ylm_material_glosses(ylm__shade_mesh_material(v, k))) return false;
+  return true;
 }
 
 /* The points with rays whose lobes are narrow; their number. */
@@ -145,6 +153,7 @@ static size_t list_narrow(const job *j, size_t *point) {
 static ylm_status cast_narrow(const job *j, int threads, const ylm_progress *progress,
                               uint64_t *rays) {
   const ylm_shade_view *v = j->view;
+  if (j->matte) return YLM_OK;
   size_t *point = ylm_alloc(v->points, sizeof *point), n = point ? list_narrow(j, point) : 0;
   float *radiance = ylm_alloc_zero(3 * n, sizeof *radiance);
   float *own = j->own ? ylm_alloc(n, sizeof *own) : NULL;
@@ -178,7 +187,8 @@ static ylm_status begin(const ylm_shade_view *v, const ylm_shade_casting *o, job
              .seed = o->seed,
              .own = o->rays,
              .most = o->light_samples,
-             .step = 1};
+             .step = 1,
+             .matte = are_matte(v)};
   for (size_t i = 0; o->rays && i < v->points; i++) {
     if (!(o->rays[i] >= 0 && o->rays[i] <= YLM_SCENE_SAMPLES)) return YLM_ERANGE;
     if (o->rays[i] > (float)j->most) j->most = (int)o->rays[i];
@@ -224,7 +234,8 @@ ylm_status ylm_shade_guide(const ylm_shade_view *v, const ylm_shade_casting *o,
   float(*room)[3] = NULL;
   *out = NULL;
   ylm_status s = begin(v, o, &j);
-  if (s == YLM_OK) s = list_places(&j, &room, &places);
+  if (s != YLM_OK || !ylm_scene_guides(j.lit)) return s;
+  s = list_places(&j, &room, &places);
   if (s == YLM_OK)
     s = ylm_scene_guide_create(j.lit, &places, o->light_samples, o->seed, o->threads, o->progress,
                                out);
