@@ -23,7 +23,7 @@ local function programs()
   return list
 end
 
---- What a program begins with: it says which parts it asks for that were not built.
+--- The begin of a program: it says which parts it asks for that were not built.
 local function lacking()
   local lines = {}
   for _, part in ipairs { "codec", "scene", "vtk", "vulkan" } do
