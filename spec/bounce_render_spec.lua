@@ -168,6 +168,7 @@ describe("a tolerance of a picture", function()
     assert.is_true(report.error <= 0.08 and report.judged.pixels > 300)
     assert.is_true(report.judged.sure and report.judged.uncertainty < 0.02 and #report.warnings == 0)
     assert.equal(report.chosen.rays, report.links)
+    assert(report.judged.samples % 1 == 0 and report.judged.samples >= 512) -- in the mean of pixels
     assert.equal("true", image.metadata.met)
   end)
 

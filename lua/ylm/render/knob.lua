@@ -367,7 +367,7 @@ local function ask_judge(x, seen)
       local least = math.max(square, x.noise)
       local precise = u <= KNOWN * limit and (least + bound(u, missed) <= limit or TERM * u <= RANGE * missed)
       if precise or math.abs(least - limit) > bound(u, missed) or k >= ROUND.most then
-        x.judged.samples = x.judged.samples / #x.pixels
+        x.judged.samples = math.floor(x.judged.samples / #x.pixels + 0.5)
         return square, u, missed
       end
       check_at = 2 * k
