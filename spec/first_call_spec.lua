@@ -2,6 +2,7 @@
 
 local form = require "ylm.form"
 local help = require "ylm.help"
+local lacking = require "spec.support.run.lacking"
 local long = require "spec.support.long"
 local reference = require "ylm.describe"
 local scratch = require "spec.support.scratch"
@@ -24,15 +25,11 @@ local function programs()
 end
 
 --- The begin of a program: it says which parts it asks for that were not built.
-local function lacking()
+local function begin_of_programs()
   local lines = {}
-  for _, part in ipairs { "codec", "scene", "vtk", "vulkan" } do
-    local file = io.open(("%s/lib/libylm_%s.so"):format(os.getenv "YLM_BUILD" or "build", part))
-    if file then file:close()
-    else
-      lines[#lines + 1] = ('package.preload["ylm.c.%s"] = function() io.stderr:write "lacks %s\\n" error("not built", 0) end')
-        :format(part, part)
-    end
+  for _, part in ipairs(lacking.parts()) do
+    lines[#lines + 1] = ('package.preload["ylm.c.%s"] = function() io.stderr:write "lacks %s\\n" error("not built", 0) end')
+      :format(part, part)
   end
   return table.concat(lines, "\n") .. "\n"
 end
@@ -40,7 +37,7 @@ end
 --- Runs each program in a process of its own, two at a time; name -> what it printed, of those that failed for other reasons than
 -- a part that was not built.
 local function failures(list)
-  local folder, failed, begin = scratch.new(), {}, lacking()
+  local folder, failed, begin = scratch.new(), {}, begin_of_programs()
   for name, text in pairs(list) do folder:write(name:gsub("%W", "-") .. ".lua", begin .. text) end
   scratch.capture(("ls %s | YLM_THREADS=1 xargs -P 2 -I @ sh -c '%s %s/@ >%s/@.out 2>&1 || touch %s/@.failed'"):format(
     scratch.quote(folder.path), os.getenv "YLM_LUA" or "lua5.4", folder.path, folder.path, folder.path))

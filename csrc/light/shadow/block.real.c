@@ -62,9 +62,7 @@ ylm_status SHADOW(block)(shadow_query *w, size_t begin, size_t end, int worker, 
     SHADOW(count)(b);
     if (b->layered && b->seens) status = SHADOW(hide)(b);
   }
-  if (status == YLM_OK) {
-    status = SHADOW(multiply)(b);
-  }
+  if (status == YLM_OK) status = SHADOW(multiply)(b);
   if (status == YLM_OK) SHADOW(write)(b);
   return status;
 }

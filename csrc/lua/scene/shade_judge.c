@@ -1,10 +1,20 @@
 /* shade_judge.c - what paths say of the points of a view, and how far estimates are from it. */
+#include <string.h>
+
 #include "shade.h"
 
 typedef struct judge_form {
   ylm_path_options o;
   int progress; /* on the stack */
 } judge_form;
+
+/* A call of the judge. */
+typedef struct judging {
+  judge_form f;
+  ylmL_progress progress;
+  ylm_path_stats stats;
+  ylm_error e;
+} judging;
 
 static const ylmL_entry judge_entries[] = {
     YLML(judge_form, o.samples, "samples", INT),
@@ -19,27 +29,32 @@ static const ylmL_entry judge_entries[] = {
     YLML(judge_form, progress, "progress", VALUE),
     {.name = NULL}};
 
-static void push_rays(lua_State *L, const ylm_path_stats *s) {
-  ylmL_push_count(L, s->nearest_rays + s->lamp_rays + s->shadow_rays + s->guide_rays);
+/* The view, and the options of the call. */
+static ylm_shade_view *begin(lua_State *L, judging *j) {
+  memset(j, 0, sizeof *j);
+  ylmL_read(L, 2, judge_entries, &j->f);
+  ylm_shade_view *v = ylmL_shade_view(L, 1);
+  j->f.o.progress = ylmL_progress_begin(L, j->f.progress, &j->progress);
+  return v;
+}
+
+/* The results on the stack, and the rays. */
+static int end(lua_State *L, int results, ylm_status s, judging *j) {
+  const ylm_path_stats *t = &j->stats;
+  ylmL_push_count(L, t->nearest_rays + t->lamp_rays + t->shadow_rays + t->guide_rays);
+  return ylmL_result_progress(L, results + 1, s, &j->e, &j->progress);
 }
 
 /* shade_judge(view, {samples, first, last, error, guides, single, kept, seed, threads, progress})
    -> mean [n][3], variance [n][3], rays */
 static int shade_judge(lua_State *L) {
-  judge_form f = {.progress = 0};
-  ylmL_read(L, 2, judge_entries, &f);
-  ylm_shade_view *v = ylmL_shade_view(L, 1);
-  ylm_error e = {0};
-  ylmL_progress p;
-  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
+  judging j;
+  ylm_shade_view *v = begin(L, &j);
   size_t shape[] = {ylmL_shade_points(v), 3};
   ylmL_array *mean = ylmL_array_new(L, YLM_FLOAT, 2, shape);
   ylmL_array *variance = mean ? ylmL_array_new(L, YLM_FLOAT, 2, shape) : NULL;
-  ylm_path_stats stats = {0};
   if (!variance) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_status s = ylm_shade_judge(v, &f.o, mean->data, variance->data, &stats, &e);
-  push_rays(L, &stats);
-  return ylmL_result_progress(L, 3, s, &e, &p);
+  return end(L, 2, ylm_shade_judge(v, &j.f.o, mean->data, variance->data, &j.stats, &j.e), &j);
 }
 
 static size_t pixels_of(const ylm_shade_view *v) {
@@ -49,18 +64,11 @@ static size_t pixels_of(const ylm_shade_view *v) {
 
 /* shade_judge_pixels(view, as above) -> radiance [pixels][3], rays */
 static int shade_judge_pixels(lua_State *L) {
-  judge_form f = {.progress = 0};
-  ylmL_read(L, 2, judge_entries, &f);
-  ylm_shade_view *v = ylmL_shade_view(L, 1);
-  ylm_error e = {0};
-  ylmL_progress p;
-  ylm_path_stats stats = {0};
-  f.o.progress = ylmL_progress_begin(L, f.progress, &p);
+  judging j;
+  ylm_shade_view *v = begin(L, &j);
   ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){pixels_of(v), 3});
   if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  ylm_status s = ylm_shade_judge_pixels(v, &f.o, out->data, &stats, &e);
-  push_rays(L, &stats);
-  return ylmL_result_progress(L, 2, s, &e, &p);
+  return end(L, 1, ylm_shade_judge_pixels(v, &j.f.o, out->data, &j.stats, &j.e), &j);
 }
 
 /* The estimate in the table at `i`: { view, radiance [n][3], another one or nil }. False: they do not fit

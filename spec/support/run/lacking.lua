@@ -13,16 +13,22 @@ local function asked_by_info()
   end
 end
 
---- Notes which parts a spec file asks for in vain.
-function lacking.watch()
+--- The parts that were not built.
+function lacking.parts()
+  local list = {}
   for _, part in ipairs(parts) do
     local file = io.open(("%s/lib/libylm_%s.so"):format(os.getenv "YLM_BUILD" or "build", part))
-    if file then file:close()
-    else
-      package.preload["ylm.c." .. part] = function()
-        if not asked_by_info() then lacking.part = part end
-        error(("libylm_%s is not built"):format(part), 0)
-      end
+    if file then file:close() else list[#list + 1] = part end
+  end
+  return list
+end
+
+--- Notes which parts a spec file asks for in vain.
+function lacking.watch()
+  for _, part in ipairs(lacking.parts()) do
+    package.preload["ylm.c." .. part] = function()
+      if not asked_by_info() then lacking.part = part end
+      error(("libylm_%s is not built"):format(part), 0)
     end
   end
 end
