@@ -62,21 +62,20 @@ double ylm_scene_density(const ylm_scene_chooser *c, uint32_t lamp, const float 
   double share = ylm_scene_share(c, lamp);
   size_t i = lamp;
   if (!(share > 0)) return 0;
-  int k = ylm__scene_storage_of(c->scene, &i);
+  int k = ylm__scene_storage_in(c, &i);
   return share * ylm__scene_storage[k]->density(c, i, d);
 }
 
 double ylm_scene_sample(const ylm_scene_chooser *c, const double u[3], ylm_trace_ray *ray,
                         float radiance[3], uint32_t *lamp) {
-  const ylm_scene *s = c->scene;
   scene_aim a = {
       .x = c->x, .normal = c->in_space ? NULL : c->normal, .u = {u[1], u[2]}, .one = true};
   double share = choose(c, u[0], lamp);
   if (!(share > 0)) return 0;
   size_t i = *lamp;
-  int k = ylm__scene_storage_of(s, &i);
+  int k = ylm__scene_storage_in(c, &i);
   a.solid = ylm__scene_solid(c, k, i);
-  double e = ylm__scene_storage[k]->sample(s, i, &a, ray, radiance);
+  double e = ylm__scene_storage[k]->sample(c->scene, i, &a, ray, radiance);
   if (!(e > 0)) return 0;
   return share * (a.normal ? fmax(0, (double)ylm_dot3(ray->dir, a.normal)) : 1) / e;
 }

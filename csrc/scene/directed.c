@@ -68,7 +68,6 @@ bool ylm__scene_directed_radiance(const ylm_scene *s, size_t lamp, const float d
 void ylm__scene_weigh_directed(const ylm_scene *s, size_t first, size_t n, const float x[3],
                                float *weight, float *sum) {
   const double from[3] = {(double)x[0], (double)x[1], (double)x[2]};
-  if (s->directions == 0) return;
   size_t i = find(s, first), end = find(s, first + n);
   for (size_t k = i; k < end; k++) {
     size_t at = s->directed[k].lamp - first;

@@ -42,16 +42,21 @@ void ylm__scene_turn(const float axis[3], double z, double u, float out[3]) {
 
 ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *s) {
   ylm_scene_chooser *c = ylm_alloc_zero(1, sizeof *c);
+  size_t lamps = 0;
   if (!c) return NULL;
   c->scene = s;
   c->weights = ylm__scene_weights();
   c->nodes = ylm__scene_nodes();
   c->aim_at_spheres = ylm__scene_spheres();
   for (int k = 0; k < SCENE_STORAGES; k++) {
+    size_t count = ylm__scene_storage[k]->count(s);
     c->chunk[k] = c->chunks;
+    c->first[k] = lamps;
+    lamps += count;
     if (!s->tree || !ylm__scene_is_planted(k))
-      c->chunks += (ylm__scene_storage[k]->count(s) + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
+      c->chunks += (count + YLM_LAMP_CHUNK - 1) / YLM_LAMP_CHUNK;
   }
+  c->chunk[SCENE_STORAGES] = c->chunks;
   c->weight = ylm_alloc_zero(c->chunks * YLM_LAMP_CHUNK, sizeof *c->weight); /* padding stays 0 */
   c->sum = ylm_alloc(c->chunks, sizeof *c->sum);
   c->cut = s->tree ? ylm_alloc(1, sizeof *c->cut) : NULL;
@@ -84,7 +89,7 @@ double ylm__scene_weigh(ylm_scene_chooser *c, bool one, int light_samples) {
     c->total = ylm__scene_tree_weight(c);
   }
   for (int k = 0; k < SCENE_STORAGES; k++)
-    if (!s->tree || !ylm__scene_is_planted(k))
+    if (c->chunk[k] < c->chunk[k + 1])
       ylm__scene_storage[k]->weigh(c, one, c->weight + c->chunk[k] * YLM_LAMP_CHUNK,
                                    c->sum + c->chunk[k]);
   for (size_t b = 0; b < c->chunks; b++) c->total += (double)c->sum[b];

@@ -5,33 +5,42 @@
 #include "calibration.h"
 #include "scene.h"
 
-/* A triangle's corners about x, its unnormalised normal (twice the area) and solid angle, which is
-   `known` if that is above 0. */
-static double triangle_about(const float *corners, const float x[3], double known, double v[3][3],
-                             double n[3]) {
-  double r[3], d[3], a[3], b[3];
+/* A triangle as it is seen from a point. */
+typedef struct about {
+  double v[3][3], r[3]; /* to its corners, and how far they are */
+  double across[3];     /* the normal, as long as twice the area */
+} about;
+
+/* A triangle about x but for distances. */
+static inline void put_about(const float *corners, const float x[3], about *t) {
+  double a[3], b[3];
   for (int i = 0; i < 3; i++)
-    for (int k = 0; k < 3; k++) v[i][k] = (double)corners[3 * i + k] - (double)x[k];
-  for (int k = 0; k < 3; k++) a[k] = v[1][k] - v[0][k], b[k] = v[2][k] - v[0][k];
-  ylm_cross3d(a, b, n);
-  if (known > 0) return known;
+    for (int k = 0; k < 3; k++) t->v[i][k] = (double)corners[3 * i + k] - (double)x[k];
+  for (int k = 0; k < 3; k++) a[k] = t->v[1][k] - t->v[0][k], b[k] = t->v[2][k] - t->v[0][k];
+  ylm_cross3d(a, b, t->across);
+}
+
+/* A triangle about x, and its solid angle. */
+static double triangle_about(const float *corners, const float x[3], about *t) {
+  const double(*v)[3] = (const double(*)[3])t->v;
+  double *r = t->r, d[3];
+  put_about(corners, x, t);
   for (int i = 0; i < 3; i++) r[i] = sqrt(ylm_dot3d(v[i], v[i]));
   for (int i = 0; i < 3; i++) d[i] = ylm_dot3d(v[i], v[(i + 1) % 3]);
-  return fabs(
-      2 * atan2(ylm_dot3d(n, v[0]), r[0] * r[1] * r[2] + d[0] * r[2] + d[1] * r[0] + d[2] * r[1]));
+  return fabs(2 * atan2(ylm_dot3d(t->across, v[0]),
+                        r[0] * r[1] * r[2] + d[0] * r[2] + d[1] * r[0] + d[2] * r[1]));
 }
 
 /* Bound of the cosine at the surface over what of a patch is above its horizon; 0: nothing is. Says
    the solid angle. */
 static double triangle_weight(const float *corners, const float x[3], const float n[3],
                               double *solid) {
-  double v[3][3], across[3], most = 0;
-  double omega = *solid = triangle_about(corners, x, 0, v, across);
+  about t;
+  double most = 0, omega = *solid = triangle_about(corners, x, &t);
   if (!n) return omega / YLM_PI;
   for (int i = 0; i < 3; i++) {
-    double h = v[i][0] * (double)n[0] + v[i][1] * (double)n[1] + v[i][2] * (double)n[2];
-    double r = sqrt(ylm_dot3d(v[i], v[i]));
-    double cosine = r > 0 ? h / r : 1;
+    double h = t.v[i][0] * (double)n[0] + t.v[i][1] * (double)n[1] + t.v[i][2] * (double)n[2];
+    double cosine = t.r[i] > 0 ? h / t.r[i] : 1;
     most = cosine > most ? cosine : most;
   }
   /* between corners the cosine may be larger: never below a fifth where anything is visible */
@@ -77,21 +86,19 @@ static void weigh_all(const ylm_scene *s, const float x[3], const float n[3], fl
   }
 }
 
-/* A direction uniform in a spherical triangle (Arvo 1995): corners a, b, c of length 1. */
+/* A direction uniform in a spherical triangle (Arvo 1995) that fills `solid`: corners a, b, c of length 1. Its inner angle
+   at a is known by cosine and sine; no other angle is needed. */
 static void in_spherical_triangle(const double a[3], const double b[3], const double c[3],
-                                  double u0, double u1, double out[3]) {
-  double n[3][3], angle[3];
-  ylm_cross3d(a, b, n[0]), ylm_cross3d(b, c, n[1]), ylm_cross3d(c, a, n[2]);
-  for (int i = 0; i < 3; i++) {
-    double l = sqrt(ylm_dot3d(n[i], n[i]));
-    for (int k = 0; k < 3; k++) n[i][k] /= l > 0 ? l : 1;
-  }
-  for (int i = 0; i < 3; i++) /* inner angles at a, b, c */
-    angle[i] = acos(fmax(-1, fmin(1, -ylm_dot3d(n[i], n[(i + 2) % 3]))));
-  double area = u0 * (angle[0] + angle[1] + angle[2] - YLM_PI);
-  double s = sin(area - angle[0]), t = cos(area - angle[0]), cosine = ylm_dot3d(a, b);
-  double u = t - cos(angle[0]), v = s + sin(angle[0]) * cosine;
-  double q = ((v * t - u * s) * cos(angle[0]) - v) / ((v * s + u * t) * sin(angle[0]));
+                                  double solid, double u0, double u1, double out[3]) {
+  double ab[3], ac[3];
+  ylm_cross3d(a, b, ab), ylm_cross3d(a, c, ac);
+  double both = sqrt(ylm_dot3d(ab, ab) * ylm_dot3d(ac, ac));
+  double sine = both > 0 ? fmin(1, fabs(ylm_dot3d(ab, c)) / both) : 0;
+  double cosine = both > 0 ? fmax(-1, fmin(1, ylm_dot3d(ab, ac) / both)) : 1;
+  double x = sin(u0 * solid), y = cos(u0 * solid);
+  double s = x * cosine - y * sine, t = y * cosine + x * sine; /* of that area less the angle */
+  double u = t - cosine, v = s + sine * ylm_dot3d(a, b);
+  double q = ((v * t - u * s) * cosine - v) / ((v * s + u * t) * sine);
   q = q > -1 ? fmin(q, 1) : -1; /* where rounding left the domain, or no number */
   double perp[3], ca = ylm_dot3d(c, a), l, edge[3];
   for (int k = 0; k < 3; k++) perp[k] = c[k] - ca * a[k];
@@ -106,7 +113,7 @@ static void in_spherical_triangle(const double a[3], const double b[3], const do
 }
 
 /* The place at fractions of a triangle's area. */
-static void in_triangle(double v[3][3], double u0, double u1, double out[3]) {
+static void in_triangle(const double v[3][3], double u0, double u1, double out[3]) {
   double r = sqrt(u0);
   for (int k = 0; k < 3; k++)
     out[k] = (1 - r) * v[0][k] + r * (1 - u1) * v[1][k] + r * u1 * v[2][k];
@@ -127,34 +134,36 @@ static double by_area(const double y[3], const double m[3], double area, const f
 
 static double sample_by_area(const float *corners, const float x[3], const float n[3], double u0,
                              double u1, double y[3]) {
-  double v[3][3], a[3], b[3], m[3];
-  for (int i = 0; i < 3; i++)
-    for (int k = 0; k < 3; k++) v[i][k] = (double)corners[3 * i + k] - (double)x[k];
-  for (int k = 0; k < 3; k++) a[k] = v[1][k] - v[0][k], b[k] = v[2][k] - v[0][k];
-  ylm_cross3d(a, b, m);
-  in_triangle(v, u0, u1, y);
-  return by_area(y, m, 0.5, n);
+  about t;
+  put_about(corners, x, &t);
+  in_triangle((const double(*)[3])t.v, u0, u1, y);
+  return by_area(y, t.across, 0.5, n);
 }
 
+/* `solid`: the solid angle, if that is known; else 0. */
 static double sample_triangle(const float *corners, const float x[3], const float n[3], double u0,
                               double u1, double solid, double y[3]) {
-  double v[3][3], across[3], omega = triangle_about(corners, x, solid, v, across);
-  double twice = sqrt(ylm_dot3d(across, across)), m[3];
-  for (int k = 0; k < 3; k++) m[k] = across[k] / (twice > 0 ? twice : 1);
-  if (omega < PATCH_SMALL) {
-    in_triangle(v, u0, u1, y);
+  about t;
+  if (solid > 0)
+    put_about(corners, x, &t);
+  else
+    solid = triangle_about(corners, x, &t);
+  double twice = sqrt(ylm_dot3d(t.across, t.across)), m[3];
+  for (int k = 0; k < 3; k++) m[k] = t.across[k] / (twice > 0 ? twice : 1);
+  if (solid < PATCH_SMALL) {
+    in_triangle((const double(*)[3])t.v, u0, u1, y);
     return by_area(y, m, twice / 2, n);
   }
   double w[3][3], s[3];
   for (int i = 0; i < 3; i++) {
-    double r = sqrt(ylm_dot3d(v[i], v[i]));
-    for (int k = 0; k < 3; k++) w[i][k] = v[i][k] / r;
+    double r = sqrt(ylm_dot3d(t.v[i], t.v[i]));
+    for (int k = 0; k < 3; k++) w[i][k] = t.v[i][k] / r;
   }
-  in_spherical_triangle(w[0], w[1], w[2], u0, u1, s);
-  double along = ylm_dot3d(s, m), h = ylm_dot3d(v[0], m), t = h / along;
-  if (!(t > 0) || !isfinite(t)) return 0;
-  for (int k = 0; k < 3; k++) y[k] = t * s[k];
-  return fmax(0, part_along(s, n)) * omega;
+  in_spherical_triangle(w[0], w[1], w[2], solid, u0, u1, s);
+  double along = ylm_dot3d(s, m), h = ylm_dot3d(t.v[0], m), far = h / along;
+  if (!(far > 0) || !isfinite(far)) return 0;
+  for (int k = 0; k < 3; k++) y[k] = far * s[k];
+  return fmax(0, part_along(s, n)) * solid;
 }
 
 static double sample_disk(const float *disk, const float x[3], const float n[3], double u0,
@@ -274,9 +283,10 @@ static double density_by_area(double h, double along, double area) {
 static double triangle_density(const ylm_scene *s, size_t i, const float x[3], double solid,
                                const double d[3]) {
   const scene_far *f = &s->far[i];
-  double v[3][3], across[3], to[3];
+  double to[3];
+  about t;
   if (!(far_away(s, i, x, to) > 0)) {
-    double omega = triangle_about(s->triangle + 9 * i, x, solid, v, across);
+    double omega = solid > 0 ? solid : triangle_about(s->triangle + 9 * i, x, &t);
     if (omega >= PATCH_SMALL) return 1 / omega;
   }
   if (!(f->area > 0)) return 0;
@@ -308,9 +318,10 @@ static double density(const ylm_scene_chooser *c, size_t i, const float d[3]) {
 static size_t count(const ylm_scene *s) { return s->triangles + s->disks; }
 
 static void weigh(const ylm_scene_chooser *c, bool one, float *weight, float *sum) {
+  const ylm_scene *s = c->scene;
   const float *n = c->in_space ? NULL : c->normal;
-  (one ? weigh_one : weigh_all)(c->scene, c->x, n, weight, sum, c->solid);
-  ylm__scene_weigh_directed(c->scene, c->scene->lamps, count(c->scene), c->x, weight, sum);
+  (one ? weigh_one : weigh_all)(s, c->x, n, weight, sum, c->solid);
+  if (s->directions > 0) ylm__scene_weigh_directed(s, s->lamps, count(s), c->x, weight, sum);
 }
 
 static void widen(const float *from, int n, double *to) {

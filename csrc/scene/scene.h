@@ -184,8 +184,9 @@ int ylm__scene_storage_of(const ylm_scene *s, size_t *lamp);
 
 struct ylm_scene_chooser {
   const ylm_scene *scene;
-  /* chunks of all lamps; the first chunk of each storage: those of a tree have none */
-  size_t chunks, chunk[SCENE_STORAGES];
+  /* chunks of all lamps; the first chunk of each storage and one behind the last: those of a tree have none */
+  size_t chunks, chunk[SCENE_STORAGES + 1];
+  size_t first[SCENE_STORAGES]; /* the number of each storage's first lamp */
   ylm_scene_weights_fn *weights;
   float *weight, *sum; /* [chunks*YLM_LAMP_CHUNK], [chunks] */
   double *solid;       /* [patches] solid angles that are known, else 0; NULL: none is */
@@ -222,9 +223,23 @@ typedef struct scene_walk {
   double passed; /* weight of all lamps before `lamp` */
 } scene_walk;
 
+/* As ylm__scene_storage_of. */
+static inline int ylm__scene_storage_in(const ylm_scene_chooser *c, size_t *lamp) {
+  int k = SCENE_STORAGES - 1;
+  while (k > 0 && *lamp < c->first[k]) k--;
+  *lamp -= c->first[k];
+  return k;
+}
 /* The lamp at a place in the chooser's weights, and the place of a lamp that is in no tree. */
-uint32_t ylm__scene_lamp_at(const ylm_scene_chooser *c, size_t place);
-size_t ylm__scene_place_of(const ylm_scene_chooser *c, size_t lamp);
+static inline uint32_t ylm__scene_lamp_at(const ylm_scene_chooser *c, size_t place) {
+  int k = SCENE_STORAGES - 1;
+  while (k > 0 && place < c->chunk[k] * YLM_LAMP_CHUNK) k--;
+  return (uint32_t)(c->first[k] + place - c->chunk[k] * YLM_LAMP_CHUNK);
+}
+static inline size_t ylm__scene_place_of(const ylm_scene_chooser *c, size_t lamp) {
+  int k = ylm__scene_storage_in(c, &lamp);
+  return c->chunk[k] * YLM_LAMP_CHUNK + lamp;
+}
 /* The solid angle of a lamp, if it is known; else 0. */
 static inline double ylm__scene_solid(const ylm_scene_chooser *c, int storage, size_t i) {
   return c->solid && storage == SCENE_PATCHES ? c->solid[i] : 0;

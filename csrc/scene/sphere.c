@@ -26,7 +26,7 @@ static void weigh(const ylm_scene_chooser *c, bool one, float *weight, float *su
     c->weights(s->lamps, s->lamp, s->lamp_luminance, c->x, n, weight, sum);
   else
     weigh_few(c, n, weight, sum);
-  ylm__scene_weigh_directed(s, 0, s->lamps, c->x, weight, sum);
+  if (s->directions > 0) ylm__scene_weigh_directed(s, 0, s->lamps, c->x, weight, sum);
 }
 
 /* From x to the centre of sphere i, and the square of that distance. */

@@ -14,19 +14,6 @@ int ylm__scene_storage_of(const ylm_scene *s, size_t *lamp) {
   return k;
 }
 
-size_t ylm__scene_place_of(const ylm_scene_chooser *c, size_t lamp) {
-  int k = ylm__scene_storage_of(c->scene, &lamp);
-  return c->chunk[k] * YLM_LAMP_CHUNK + lamp;
-}
-
-uint32_t ylm__scene_lamp_at(const ylm_scene_chooser *c, size_t place) {
-  size_t first = 0;
-  int k = SCENE_STORAGES - 1;
-  while (k > 0 && place < c->chunk[k] * YLM_LAMP_CHUNK) k--;
-  for (int i = 0; i < k; i++) first += ylm__scene_storage[i]->count(c->scene);
-  return (uint32_t)(first + place - c->chunk[k] * YLM_LAMP_CHUNK);
-}
-
 size_t ylm_scene_near(const ylm_scene *s) { return s->lamps + s->triangles + s->disks; }
 
 size_t ylm_scene_lamps_all(const ylm_scene *s) {
