@@ -10,16 +10,20 @@
 #ifndef YLM_LIGHT_SHADOW_BLOCK_H
 #define YLM_LIGHT_SHADOW_BLOCK_H
 
+#include <float.h>
+
 #include "shadow.h"
 
 /* SHADOW(name): the name of a function that other files of the type call. */
 #ifdef YLM_REAL_IS_FLOAT
 typedef float real;
 #define DTYPE YLM_FLOAT
+#define REAL_EPSILON FLT_EPSILON
 #define SHADOW(name) ylm__shadow_##name##_f
 #else
 typedef double real;
 #define DTYPE YLM_DOUBLE
+#define REAL_EPSILON DBL_EPSILON
 #define SHADOW(name) ylm__shadow_##name##_d
 #endif
 

@@ -180,6 +180,16 @@ static ylm_status run_tile(tile *t) {
   return YLM_OK;
 }
 
+/* The coefficient of 1 of which values at nodes are exactly 1, so that lanes without a layer do not change. */
+static real unit_row(void) {
+  const real each = (real)(1 / LIGHT_ONE), one = (real)LIGHT_ONE, step = one * REAL_EPSILON / 2;
+  for (int i = -2; i <= 2; i++) {
+    real x = one + (real)i * step;
+    if (x * each == 1) return x;
+  }
+  return one;
+}
+
 ylm_status SHADOW(multiply)(block *b) {
   const shadow_query *w = b->w;
   size_t lanes = ylm_sh_nodes_lanes(w->nodes, DTYPE), nodes = ylm_sh_nodes_count(w->nodes),
@@ -203,7 +213,7 @@ ylm_status SHADOW(multiply)(block *b) {
   t.zero = t.unit + w->count;
   t.profile = t.zero + w->count;
   memset(t.unit, 0, 2 * w->count * sizeof *t.unit);
-  t.unit[0] = (real)LIGHT_ONE;
+  t.unit[0] = unit_row();
   for (size_t i = 0; i < b->terms; i++) most = b->term[i].layers > most ? b->term[i].layers : most;
   ylm_status s = YLM_OK;
   for (size_t left = most + 1; left-- > 0;)

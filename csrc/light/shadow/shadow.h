@@ -149,6 +149,7 @@ typedef struct shadow_query {
   size_t skip, skips; /* casters that are left out: the first, how many */
   const ylm_field_query *q;
   const void *points;
+  const uint32_t *place; /* of a point among those of the query, NULL: its own; see order.c */
   ylm_field_result *r;
   const ylm_sh_nodes *nodes;
   const shadow_rings *rings;
@@ -210,6 +211,10 @@ void ylm__shadow_cap_of(const shadow_blur *b, const shadow_seen *s, const shadow
 bool ylm__shadow_grow(void **list, size_t n, size_t *room, size_t size);
 bool ylm__shadow_have(void **list, size_t n, size_t *room, size_t size);
 void *ylm__shadow_room(const shadow_query *w, int worker, int which, size_t bytes);
+
+/* The order in which n points are taken, and the points in it; the caller's to free, without memory too, which is false.
+   order.c */
+bool ylm__shadow_order(ylm_dtype t, size_t n, const void *points, uint32_t **order, void **moved);
 
 /* Points begin .. end-1 of a query, SHADOW_BLOCK at most. block.real.c */
 ylm_status ylm__shadow_block_f(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e);

@@ -192,6 +192,8 @@ static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
   j.w.room = ylm_alloc_zero(rooms, sizeof *j.w.room);
   j.w.block = ylm_alloc_zero(rooms / ROOMS, sizeof *j.w.block);
   size_t *order = order_casters(s);
+  uint32_t *place = NULL;
+  void *moved = NULL;
   j.w.order = order;
   status = j.w.room && j.w.block && order ? tables_of(s, q->lmax, &tables, e) : YLM_ENOMEM;
   if (status == YLM_OK) status = make_turns(s, q, tables->rotator, &j.w.turn, e);
@@ -207,12 +209,19 @@ static ylm_status answer(const ylm_light_shadowed *s, size_t skip, size_t skips,
       atomic_store(&j.w.pairs, n * atomic_load(&j.w.pairs));
     }
   }
+  if (status == YLM_OK && n > SHADOW_BLOCK && n <= UINT32_MAX) {
+    status = ylm__shadow_order(q->dtype, n, points, &place, &moved) ? YLM_OK : YLM_ENOMEM;
+    j.w.points = moved;
+    j.w.place = place;
+  }
   if (status == YLM_OK)
     status = ylm_parallel(n, grain_of(n, q->threads, j.w.rows), q->threads, run, &j, q->progress,
                           "shadows");
   ylm_free(j.w.even);
   free_turns(s, j.w.turn);
   ylm_free(order);
+  ylm_free(place);
+  ylm_free(moved);
   for (size_t i = 0; j.w.room && i < rooms; i++) ylm_free(j.w.room[i].at);
   ylm_free(j.w.room);
   for (size_t i = 0; j.w.block && i < rooms / ROOMS; i++)

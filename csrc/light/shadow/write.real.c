@@ -36,7 +36,7 @@ void SHADOW(write)(const block *b) {
        *gradient = q->want & YLM_WANT_GRADIENT ? w->r->gradient : NULL;
   for (size_t i = 0; i < b->m; i++) {
     real *x = b->out + i * w->channels * w->rows * w->count;
-    size_t at = b->begin + i;
+    size_t at = w->place ? w->place[b->begin + i] : b->begin + i;
     double square = 0;
     if (b->inside[i]) memset(x, 0, w->channels * w->rows * w->count * sizeof *x);
     for (size_t c = 0; c < channels; c++) {
