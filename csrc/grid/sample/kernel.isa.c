@@ -52,9 +52,13 @@ YLM_INLINE void block(const sample_batch *b, int rows, const float *w, int j, co
 YLM_INLINE void columns_of(const sample_batch *b, int rows, const float *w, float *const *out,
                            const int points) {
   int vectors = (b->width + YLM_VF - 1) / YLM_VF, j = 0;
-  for (; vectors >= COLUMNS; vectors -= COLUMNS, j += COLUMNS * YLM_VF)
+  for (; vectors >= COLUMNS && vectors != COLUMNS + 2; vectors -= COLUMNS, j += COLUMNS * YLM_VF)
     block(b, rows, w, j, COLUMNS, out, points);
 #if COLUMNS > 2
+  if (vectors == COLUMNS + 2) {
+    block(b, rows, w, j, 4, out, points);
+    vectors = 3, j += 4 * YLM_VF;
+  }
   if (vectors == 4) block(b, rows, w, j, 4, out, points);
   if (vectors == 3) block(b, rows, w, j, 3, out, points);
   if (vectors == 2) block(b, rows, w, j, 2, out, points);

@@ -20,7 +20,7 @@ typedef struct sampling {
   _Atomic uint64_t outside, unbaked;
 } sampling;
 
-/* Work of a thread. */
+/* Work of a thread. Arrays lie in one block of memory, that of `scratch`. */
 typedef struct chunk {
   size_t first;            /* point of the whole */
   uint32_t *cell;          /* [n] the cell that is interpolated */
@@ -211,19 +211,22 @@ static void sample_cells(const sampling *s, const chunk *k, size_t n, const uint
   }
 }
 
-/* Sorts by cell, stable, 11 bits at a time. Returns `order` or `other`. */
+/* Sorts by cell, stable, 11 bits at a time, 8 where counts would cost more than few points. Returns `order` or `other`. */
 static uint32_t *sort_by_cell(size_t n, const uint32_t *cell, uint32_t *order, uint32_t *other) {
-  enum { BITS = 11, DIGITS = 1 << BITS };
+  enum { MOST = 1 << 11 };
+  const int bits = n < MOST ? 8 : 11;
+  const uint32_t digits = 1u << bits;
   uint32_t *from = order, *to = other, all = 0;
   for (size_t i = 0; i < n; i++) {
     from[i] = (uint32_t)i;
     all |= cell[i];
   }
-  for (int shift = 0; shift < 32 && all >> shift; shift += BITS) {
-    uint32_t count[DIGITS + 1] = {0};
-    for (size_t i = 0; i < n; i++) count[(cell[from[i]] >> shift & (DIGITS - 1)) + 1]++;
-    for (uint32_t k = 0; k < DIGITS; k++) count[k + 1] += count[k];
-    for (size_t i = 0; i < n; i++) to[count[cell[from[i]] >> shift & (DIGITS - 1)]++] = from[i];
+  for (int shift = 0; shift < 32 && all >> shift; shift += bits) {
+    uint32_t count[MOST + 1];
+    memset(count, 0, (digits + 1) * sizeof *count);
+    for (size_t i = 0; i < n; i++) count[(cell[from[i]] >> shift & (digits - 1)) + 1]++;
+    for (uint32_t k = 0; k < digits; k++) count[k + 1] += count[k];
+    for (size_t i = 0; i < n; i++) to[count[cell[from[i]] >> shift & (digits - 1)]++] = from[i];
     uint32_t *swap = from;
     from = to;
     to = swap;
@@ -250,34 +253,26 @@ static ylm_status sample_chunk(void *context, size_t begin, size_t end, int work
 /* -- memory ------------------------------------------------------------------------------------ */
 
 static void free_chunks(sampling *s, int threads) {
-  for (int i = 0; s->chunk && i < threads; i++) {
-    chunk *k = &s->chunk[i];
-    ylm_free(k->cell);
-    ylm_free(k->t);
-    ylm_free(k->away);
-    ylm_free(k->order);
-    ylm_free(k->other);
-    ylm_free(k->scratch);
-  }
+  for (int i = 0; s->chunk && i < threads; i++) ylm_free(s->chunk[i].scratch);
   ylm_free(s->chunk);
 }
 
 /* Memory of chunks of n points. */
 static ylm_status make_chunks(sampling *s, int threads, size_t n) {
   size_t scratch = batch_numbers(s) + VIRTUAL_ROWS * s->g->stride + 2 * ROW_PADDING;
+  size_t point = sizeof *s->chunk->t + 3 * sizeof(uint32_t) + 1;
   s->chunk = ylm_alloc_zero((size_t)threads, sizeof *s->chunk);
-  bool ok = s->chunk;
-  for (int i = 0; ok && i < threads; i++) {
+  for (int i = 0; s->chunk && i < threads; i++) {
     chunk *k = &s->chunk[i];
-    k->cell = ylm_alloc(n, sizeof *k->cell);
-    k->t = ylm_alloc(n, sizeof *k->t);
-    k->away = ylm_alloc(n, 1);
-    k->order = ylm_alloc(n, sizeof *k->order);
-    k->other = ylm_alloc(n, sizeof *k->other);
-    k->scratch = ylm_alloc(scratch, sizeof *k->scratch);
-    ok = k->cell && k->t && k->away && k->order && k->other && k->scratch;
+    k->scratch = ylm_alloc(scratch * sizeof *k->scratch + n * point, 1);
+    if (!k->scratch) return YLM_ENOMEM;
+    k->t = (void *)(k->scratch + scratch);
+    k->cell = (void *)(k->t + n);
+    k->order = k->cell + n;
+    k->other = k->order + n;
+    k->away = (void *)(k->other + n);
   }
-  return ok ? YLM_OK : YLM_ENOMEM;
+  return s->chunk ? YLM_OK : YLM_ENOMEM;
 }
 
 ylm_status ylm_grid_sample(const ylm_grid *g, const ylm_grid_query *q, size_t n, const void *points,

@@ -3,23 +3,16 @@
 
 #include <string.h>
 
-void SHADOW(answer_free)(answer *a) {
-  ylm_free(a->lambda);
-  ylm_free(a->inside);
-}
-
 ylm_status SHADOW(ask)(block *b, const ylm_field *f, int lmax, size_t channels, size_t n,
                        const real *points, const double *origin, real *into, answer *a) {
   const shadow_query *w = b->w;
   size_t wide = n * channels * ylm_sh_count(lmax);
   bool gradient = w->rows > 1;
-  memset(a, 0, sizeof *a);
   a->value = into ? into : room(b, ROOM_VALUE, wide);
   a->gradient = gradient ? room(b, ROOM_GRADIENT, 3 * wide) : NULL;
-  a->lambda = w->metric ? ylm_alloc_zero(n, sizeof *a->lambda) : NULL;
-  a->inside = ylm_alloc_zero(n, 1);
-  if (!a->value || (gradient && !a->gradient) || (w->metric && !a->lambda) || !a->inside)
-    return YLM_ENOMEM;
+  if (!a->value || (gradient && !a->gradient)) return YLM_ENOMEM;
+  memset(a->inside, 0, n);
+  if (w->metric) memset(a->lambda, 0, n * sizeof *a->lambda);
   ylm_field_query q = {.lmax = lmax,
                        .channels = (int)channels,
                        .want = YLM_WANT_VALUE | (gradient ? YLM_WANT_GRADIENT : 0) |
@@ -28,8 +21,10 @@ ylm_status SHADOW(ask)(block *b, const ylm_field *f, int lmax, size_t channels, 
                        .dtype = DTYPE,
                        .threads = 1,
                        .origin = origin};
-  ylm_field_result r = {
-      .value = a->value, .gradient = a->gradient, .lambda = a->lambda, .inside = a->inside};
+  ylm_field_result r = {.value = a->value,
+                        .gradient = a->gradient,
+                        .lambda = w->metric ? a->lambda : NULL,
+                        .inside = a->inside};
   ylm_status s = ylm_field_evaluate(f, &q, n, points, &r, b->e);
   atomic_fetch_add(&b->w->pairs, r.pairs);
   return s;

@@ -18,6 +18,17 @@ static ylm_status new_term(block *b, shadow_term t) {
   return YLM_OK;
 }
 
+/* A part of which there is none yet, or all of a caster. */
+static ylm_status new_part(block *b, shadow_part p, uint32_t *at) {
+  if (!grow((void **)&b->part, b->parts, &b->part_room, sizeof *b->part)) return YLM_ENOMEM;
+  if (!b->parts) b->part[b->parts++] = (shadow_part){.weight = 1};
+  *at = 0;
+  if (p.weight == 1) return YLM_OK;
+  if (!grow((void **)&b->part, b->parts, &b->part_room, sizeof *b->part)) return YLM_ENOMEM;
+  b->part[ *at = (uint32_t)b->parts++] = p;
+  return YLM_OK;
+}
+
 static ylm_status add_before(block *b, shadow_before x) {
   if (!grow((void **)&b->before, b->befores, &b->before_room, sizeof *b->before)) return YLM_ENOMEM;
   b->before[b->befores++] = x;
@@ -26,14 +37,16 @@ static ylm_status add_before(block *b, shadow_before x) {
 
 /* Casters seen from `first` on stand wholly before the next light. */
 static ylm_status all_before(block *b, size_t first, size_t n) {
+  uint32_t all;
+  ylm_status s = new_part(b, (shadow_part){.weight = 1}, &all);
+  if (s != YLM_OK) return s;
   for (size_t j = 0; j < n; j++) {
     if (!grow((void **)&b->before, b->befores, &b->before_room, sizeof *b->before))
       return YLM_ENOMEM;
     shadow_before *x = &b->before[b->befores++];
     x->seen = first + j;
     x->layer = 0;
-    x->weight = 1;
-    x->slope[0] = x->slope[1] = x->slope[2] = 0;
+    x->part = all;
   }
   return YLM_OK;
 }
@@ -63,13 +76,13 @@ static double meets(int lmax, const shadow_seen *c, const shadow_seen *l, double
 static shadow_term *same_term(block *b, size_t from, size_t point, size_t first) {
   size_t n = b->befores - first;
   for (size_t k = first; k < b->befores; k++)
-    if (b->before[k].weight != 1) return NULL;
+    if (b->before[k].part) return NULL;
   for (size_t j = from; j < b->terms; j++) {
     shadow_term *t = &b->term[j];
     bool same = t->point == point && t->n == n;
     for (size_t k = 0; same && k < n; k++)
       same = b->before[t->first + k].seen == b->before[first + k].seen &&
-             b->before[t->first + k].weight == 1;
+             !b->before[t->first + k].part;
     if (same) return t;
   }
   return NULL;
@@ -85,7 +98,7 @@ static ylm_status add_lamp(block *b, const shadow_lamp *l) {
     for (size_t a = 0; a < 3; a++)
       points[3 * i + a] = (real)(b->point[b->request[i].point][a] - (from ? from[a] : 0));
   real *one = ylm_alloc(row, sizeof *one);
-  answer a = {0};
+  answer a;
   ylm_status s = one ? SHADOW(ask)(b, ylm_light_set_field(l->grey), w->q->lmax, 1, b->requests,
                                    points, from, NULL, &a)
                      : YLM_ENOMEM;
@@ -97,7 +110,6 @@ static ylm_status add_lamp(block *b, const shadow_lamp *l) {
       for (size_t k = 0; k < row; k++) to[k] += (real)rgb * one[k];
     }
   }
-  SHADOW(answer_free)(&a);
   ylm_free(one);
   return s;
 }
@@ -112,8 +124,11 @@ ylm_status SHADOW(before_lamp)(block *b, const shadow_lamp *l, size_t from) {
     for (size_t j = b->seen_first[i]; j < b->seen_first[i + 1] && s == YLM_OK; j++) {
       shadow_before x = {.seen = j};
       if (b->seen[j].distance >= lamp.distance) break;
-      x.weight = meets(b->w->q->lmax, &b->seen[j], &lamp, x.slope);
-      if (x.weight > 0) s = add_before(b, x);
+      shadow_part part;
+      part.weight = meets(b->w->q->lmax, &b->seen[j], &lamp, part.slope);
+      if (!(part.weight > 0)) continue;
+      s = new_part(b, part, &x.part);
+      if (s == YLM_OK) s = add_before(b, x);
     }
     if (s != YLM_OK || b->befores == first) continue;
     shadow_term *same = same_term(b, from, i, first);
@@ -146,8 +161,7 @@ ylm_status SHADOW(add_even)(block *b) {
       continue;
     }
     for (size_t c = 0; c < w->channels; c++)
-      memcpy(b->out + (i * w->channels + c) * w->rows * w->count, even_row(w, c),
-             w->count * sizeof(real));
+      memcpy(out_row(b, i) + c * w->rows * w->count, even_row(w, c), w->count * sizeof(real));
   }
   return s;
 }
@@ -156,13 +170,13 @@ ylm_status SHADOW(sum_lights)(block *b, const ylm_field *f, bool behind) {
   const shadow_query *w = b->w;
   const real *points = (const real *)w->points + 3 * b->begin;
   size_t row = w->rows * w->count;
-  answer a = {0};
+  answer a;
   ylm_status s = SHADOW(ask)(b, f, w->q->lmax, w->channels, b->m, points, w->q->origin, NULL, &a);
   for (size_t i = 0; i < b->m && s == YLM_OK; i++) {
-    real *to = b->out + i * w->channels * row;
+    real *to = out_row(b, i);
     size_t n = b->seen_first[i + 1] - b->seen_first[i], light = 0, first = b->befores;
     b->any[i] |= a.inside[i];
-    if (a.lambda) b->lambda[i] += (double)a.lambda[i];
+    if (w->metric) b->lambda[i] += (double)a.lambda[i];
     if (behind && n) {
       s = new_light(b, &light);
       if (s == YLM_OK) s = all_before(b, b->seen_first[i], n);
@@ -184,6 +198,5 @@ ylm_status SHADOW(sum_lights)(block *b, const ylm_field *f, bool behind) {
           for (size_t d = 0; d < 3; d++) one[(d + 1) * w->count + k] += g[3 * k + d];
       }
   }
-  SHADOW(answer_free)(&a);
   return s;
 }

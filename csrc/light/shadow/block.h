@@ -37,20 +37,22 @@ typedef struct block {
   double point[SHADOW_BLOCK][3];
   uint8_t inside[SHADOW_BLOCK], any[SHADOW_BLOCK]; /* in a caster; on a light */
   size_t *by_caster_first, *by_caster;             /* [casters + 1] of the list of [seens] */
-  size_t seen_first[SHADOW_BLOCK + 1], seens, seen_room, befores, before_room, terms, term_room,
-      lights, light_room, requests, by_room, blur_room, filled_room;
+  size_t seen_first[SHADOW_BLOCK + 1], seens, seen_room, befores, before_room, parts, part_room,
+      terms, term_room, lights, light_room, requests, by_room, blur_room, filled_room;
   shadow_seen *seen;
+  uint32_t *look; /* [casters] in the order in which a point looks for them */
   shadow_before *before;
+  shadow_part *part;
   shadow_term *term;
   request request[SHADOW_BLOCK];
-  real *hidden; /* [seens][rows][count] visibilities where the casters stand */
-  bool layered; /* of one caster at a time, which are summed by layers: see hide.real.c */
-  real *layers; /* [layers of all terms][rows][count] */
-  size_t term_of[SHADOW_BLOCK]; /* the term of a point, where layers have rows */
-  real *light;                  /* [lights][channels][rows][count] */
-  real *out;                    /* [m][channels][rows][count] */
-  double *blur;                 /* [seens] lambda of visibilities */
-  uint8_t *filled;              /* [layers of all terms] its row has something */
+  real *hidden;    /* [seens][rows][count] visibilities where the casters stand */
+  bool layered;    /* of one caster at a time, which are summed by layers: see hide.real.c */
+  real *layers;    /* [layers of all terms][rows][count] */
+  real *light;     /* [lights][channels][rows][count] */
+  real *out;       /* [m][channels][rows][count]; NULL: results stand where they are wanted */
+  double *blur;    /* [seens] lambda of visibilities, where it is wanted */
+  uint8_t *filled; /* [layers of all terms] its row has something */
+  struct viewers *viewers; /* of hide.real.c */
   double lambda[SHADOW_BLOCK];
   ylm_error *e;
   int worker;
@@ -87,6 +89,18 @@ static inline real *even_nodes(const shadow_query *w, size_t c) {
   return (real *)w->even + even_before(w, c);
 }
 
+/* The place of a point of the block among the query's. */
+static inline size_t place_of(const block *b, size_t i) {
+  return b->w->place ? b->w->place[b->begin + i] : b->begin + i;
+}
+
+/* Rows of a point's result. */
+static inline real *out_row(const block *b, size_t i) {
+  const shadow_query *w = b->w;
+  size_t wide = w->channels * w->rows * w->count;
+  return b->out ? b->out + i * wide : (real *)w->r->value + place_of(b, i) * wide;
+}
+
 /* Row c of a light. */
 static inline const real *light_row(const block *b, size_t light, size_t c) {
   const shadow_query *w = b->w;
@@ -96,8 +110,8 @@ static inline const real *light_row(const block *b, size_t light, size_t c) {
 
 /* A field's answer at n points, as rows. */
 typedef struct answer {
-  real *value, *gradient, *lambda;
-  uint8_t *inside;
+  real *value, *gradient, lambda[SHADOW_BLOCK]; /* lambda where it is wanted */
+  uint8_t inside[SHADOW_BLOCK];
 } answer;
 
 /* Values at nodes: [count][lanes] each. */
@@ -113,10 +127,9 @@ typedef struct tile {
 
 /* -- ask.real.c -------------------------------------------------------------------------------- */
 
-/* Points are relative to `origin`; NULL: to 0. `into`: where values go, or NULL. */
+/* SHADOW_BLOCK points at most are relative to `origin`; NULL: to 0. `into`: where values go, or NULL. */
 ylm_status SHADOW(ask)(block *b, const ylm_field *f, int lmax, size_t channels, size_t n,
                        const real *points, const double *origin, real *into, answer *a);
-void SHADOW(answer_free)(answer *a);
 /* Row i of an answer of `own` coefficients to a row of the query's, whose other coefficients are 0. */
 void SHADOW(unfold)(const shadow_query *w, const answer *a, size_t i, size_t own, real *to);
 

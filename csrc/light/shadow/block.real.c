@@ -14,7 +14,7 @@ static block *block_of(shadow_query *w, size_t begin, size_t end, int worker, yl
   b->m = end - begin;
   b->e = e;
   b->worker = worker;
-  b->seens = b->befores = b->terms = b->lights = b->requests = 0;
+  b->seens = b->befores = b->parts = b->terms = b->lights = b->requests = 0;
   memset(b->inside, 0, sizeof b->inside);
   memset(b->any, 0, sizeof b->any);
   memset(b->lambda, 0, sizeof b->lambda);
@@ -32,6 +32,9 @@ void SHADOW(block_free)(void *kept) {
   ylm_free(b->by_caster_first);
   ylm_free(b->by_caster);
   ylm_free(b->before);
+  ylm_free(b->part);
+  ylm_free(b->look);
+  ylm_free(b->viewers);
   ylm_free(b->term);
   ylm_free(b->blur);
   ylm_free(b->filled);
@@ -39,17 +42,30 @@ void SHADOW(block_free)(void *kept) {
   ylm_free(b);
 }
 
+/* Room for the results of the block's points, or none where rows of coefficients stand as they are wanted. Whatever adds to
+   rows begins with 0; even light writes them. */
+static bool begin_out(block *b) {
+  const shadow_query *w = b->w;
+  size_t wide = w->channels * w->rows * w->count;
+  b->out = NULL;
+  if (w->rows > 1 || w->metric || w->channels != (size_t)w->q->channels ||
+      !(w->q->want & YLM_WANT_VALUE)) {
+    b->out = room(b, ROOM_OUT, b->m * wide);
+    if (!b->out) return false;
+  }
+  for (size_t i = 0; i < b->m && (!w->even || w->s->local || w->rows > 1); i++)
+    memset(out_row(b, i), 0, wide * sizeof *b->out);
+  return true;
+}
+
 /* Points begin .. end-1 of a query. */
 ylm_status SHADOW(block)(shadow_query *w, size_t begin, size_t end, int worker, ylm_error *e) {
   const ylm_light_shadowed *s = w->s;
   block *b = block_of(w, begin, end, worker, e);
   if (!b) return YLM_ENOMEM;
-  size_t numbers = b->m * w->channels * w->rows * w->count;
-  b->out = room(b, ROOM_OUT, numbers);
-  if (b->out) memset(b->out, 0, numbers * sizeof *b->out);
   /* terms without lamps depend on what is seen alone, so that layers are known before anything is hidden */
   b->layered = s->form.layers && s->rest && !s->local && !w->exponential;
-  ylm_status status = b->out ? SHADOW(see)(b) : YLM_ENOMEM;
+  ylm_status status = begin_out(b) ? SHADOW(see)(b) : YLM_ENOMEM;
   if (status == YLM_OK && b->seens && !b->layered) status = SHADOW(hide)(b);
   if (status == YLM_OK && s->rest)
     status = w->even ? SHADOW(add_even)(b) : SHADOW(sum_lights)(b, s->rest, true);

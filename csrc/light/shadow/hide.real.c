@@ -8,26 +8,29 @@
 typedef struct viewers {
   size_t n, seen[SHADOW_BLOCK];
   real at[3 * SHADOW_BLOCK];
-  double distance[SHADOW_BLOCK]; /* from `centre`, in its frame */
+  double
+      distance[SHADOW_BLOCK]; /* from `centre`, in its frame, where a disk stands for what is far */
+  bool far;                   /* some see of that disk */
+  answer answer;
 } viewers;
 
 static void gather_viewers(const block *b, size_t caster, viewers *v) {
   const ylm_light_caster *c = &b->w->s->caster[caster].form;
+  const double *r = c->rotation;
   v->n = 0;
+  v->far = false;
   for (size_t j = b->by_caster_first[caster]; j < b->by_caster_first[caster + 1]; j++) {
     size_t seen = b->by_caster[j];
     const double *at = b->point[b->seen[seen].point];
-    double p[3], d2 = 0;
-    for (int a = 0; a < 3; a++) {
-      p[a] = 0;
-      for (int k = 0; k < 3; k++) {
-        double x = c->rotation[3 * k + a] * (at[k] - c->at[k]);
-        p[a] += c->scale == 1 ? x : x / c->scale;
-      }
-      v->at[3 * v->n + (size_t)a] = (real)p[a];
-      d2 += (p[a] - c->centre[a]) * (p[a] - c->centre[a]);
+    double x = at[0] - c->at[0], y = at[1] - c->at[1], z = at[2] - c->at[2], p[3];
+    for (size_t a = 0; a < 3; a++) {
+      p[a] = r[a] * x + r[3 + a] * y + r[6 + a] * z;
+      if (c->scale != 1) p[a] /= c->scale;
+      v->at[3 * v->n + a] = (real)p[a];
+      p[a] -= c->centre[a];
     }
-    v->distance[v->n] = sqrt(d2);
+    if (c->far > 0) v->distance[v->n] = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    v->far |= c->far > 0 && v->distance[v->n] > SHADOW_BLEND * c->far;
     v->seen[v->n++] = seen;
   }
 }
@@ -38,15 +41,19 @@ static ylm_status sort_by_caster(block *b) {
   if (!b->by_caster_first) b->by_caster_first = ylm_alloc(n + 2, sizeof *b->by_caster_first);
   if (!b->by_caster_first ||
       !ylm__shadow_have((void **)&b->by_caster, b->seens, &b->by_room, sizeof *b->by_caster) ||
-      !ylm__shadow_have((void **)&b->blur, b->seens, &b->blur_room, sizeof *b->blur))
+      (b->w->metric &&
+       !ylm__shadow_have((void **)&b->blur, b->seens, &b->blur_room, sizeof *b->blur)))
     return YLM_ENOMEM;
   size_t *first = b->by_caster_first;
   memset(first, 0, (n + 2) * sizeof *first);
-  memset(b->blur, 0, b->seens * sizeof *b->blur);
+  if (b->w->metric) memset(b->blur, 0, b->seens * sizeof *b->blur);
   for (size_t j = 0; j < b->seens; j++) first[b->seen[j].caster + 2]++;
   for (size_t k = 0; k < n; k++) first[k + 2] += first[k + 1];
-  for (size_t j = 0; j < b->seens; j++)
-    b->by_caster[b->seen[j].row = first[b->seen[j].caster + 1]++] = j;
+  for (size_t j = 0; j < b->seens; j++) {
+    size_t at = first[b->seen[j].caster + 1]++;
+    b->by_caster[at] = j;
+    if (!b->layered) b->seen[j].row = at;
+  }
   return YLM_OK;
 }
 
@@ -61,16 +68,31 @@ static double share(const ylm_light_caster *c, double distance, double *slope) {
   return t * t * (3 - 2 * t);
 }
 
+/* Rows of visibility at the viewers, in the body's frame, of its field alone. */
+static ylm_status hide_all(block *b, const shadow_caster *c, viewers *v, real *rows) {
+  const shadow_query *w = b->w;
+  int lmax = c->form.lmax > w->q->lmax ? w->q->lmax : c->form.lmax;
+  /* values of a field that knows all degrees stand where they are wanted */
+  bool stands = w->rows == 1 && lmax == w->q->lmax;
+  answer *a = &v->answer;
+  ylm_status s = SHADOW(ask)(b, c->form.hides, lmax, 1, v->n, v->at, NULL, stands ? rows : NULL, a);
+  for (size_t i = 0; i < v->n && s == YLM_OK; i++) {
+    if (a->inside[i]) b->inside[b->seen[v->seen[i]].point] = 1;
+    if (w->metric) b->blur[v->seen[i]] = (double)a->lambda[i];
+    if (!stands) SHADOW(unfold)(w, a, i, ylm_sh_count(lmax), rows + i * w->rows * w->count);
+  }
+  return s;
+}
+
 /* Rows of visibility at the viewers, in the body's frame: of its field, of its disk, or between them. */
-static ylm_status hide_near(block *b, const shadow_caster *c, const viewers *v, bool disk,
-                            real *rows) {
+static ylm_status hide_near(block *b, const shadow_caster *c, viewers *v, bool disk, real *rows) {
   const shadow_query *w = b->w;
   size_t n = 0, own[SHADOW_BLOCK], row = w->rows * w->count;
   real *points = ylm_alloc(3 * v->n, sizeof *points), *one = ylm_alloc(row, sizeof *one);
   const ylm_field *f = disk ? ylm_light_occluder_field(c->disk) : c->form.hides;
   int lmax = disk || c->form.lmax > w->q->lmax ? w->q->lmax : c->form.lmax;
   double slope;
-  answer a = {0};
+  answer *a = &v->answer;
   ylm_status s = points && one ? YLM_OK : YLM_ENOMEM;
   for (size_t i = 0; i < v->n && s == YLM_OK; i++) {
     double t = share(&c->form, v->distance[i], &slope);
@@ -78,20 +100,18 @@ static ylm_status hide_near(block *b, const shadow_caster *c, const viewers *v, 
     memcpy(points + 3 * n, v->at + 3 * i, 3 * sizeof *points);
     own[n++] = i;
   }
-  /* values of a field that knows all degrees stand where they are wanted */
-  real *into = w->rows == 1 && !disk && n == v->n && lmax == w->q->lmax ? rows : NULL;
-  if (s == YLM_OK && n) s = SHADOW(ask)(b, f, lmax, 1, n, points, NULL, into, &a);
+  if (s == YLM_OK && n) s = SHADOW(ask)(b, f, lmax, 1, n, points, NULL, NULL, a);
   for (size_t i = 0; i < n && s == YLM_OK; i++) {
     size_t j = own[i], seen = v->seen[j];
     double t = share(&c->form, v->distance[j], &slope);
     real *to = rows + j * row;
-    if (a.lambda && (!disk || t == 1)) b->blur[seen] = (double)a.lambda[i];
-    if (a.inside[i] && !disk) b->inside[b->seen[seen].point] = 1;
+    if (w->metric && (!disk || t == 1)) b->blur[seen] = (double)a->lambda[i];
+    if (a->inside[i] && !disk) b->inside[b->seen[seen].point] = 1;
     if (!disk || t == 1) {
-      if (!into) SHADOW(unfold)(w, &a, i, ylm_sh_count(lmax), to);
+      SHADOW(unfold)(w, a, i, ylm_sh_count(lmax), to);
       continue;
     }
-    SHADOW(unfold)(w, &a, i, ylm_sh_count(lmax), one);
+    SHADOW(unfold)(w, a, i, ylm_sh_count(lmax), one);
     for (size_t d = 0; d < 3 && w->rows > 1; d++) {
       double away = ((double)v->at[3 * j + d] - c->form.centre[d]) / v->distance[j];
       for (size_t k = 0; k < w->count; k++) {
@@ -102,7 +122,6 @@ static ylm_status hide_near(block *b, const shadow_caster *c, const viewers *v, 
     }
     for (size_t k = 0; k < w->count; k++) to[k] += (real)t * (one[k] - to[k]);
   }
-  SHADOW(answer_free)(&a);
   ylm_free(points);
   ylm_free(one);
   return s;
@@ -118,8 +137,8 @@ static ylm_status place(block *b, size_t caster, const viewers *v, real *rows) {
   if (c->turned)
     s = ylm_sh_rotation_apply(w->turn[caster], w->q->lmax, v->n * w->rows, rows, rows, 1, NULL);
   for (size_t i = 0; i < 9; i++) r[i] = (real)(c->form.rotation[i] / size);
-  for (size_t i = 0; i < v->n && s == YLM_OK; i++) {
-    b->blur[v->seen[i]] /= size * size;
+  for (size_t i = 0; i < v->n && (w->metric || w->rows > 1) && s == YLM_OK; i++) {
+    if (w->metric) b->blur[v->seen[i]] /= size * size;
     real *x = rows + i * w->rows * w->count + w->count, *y = x + w->count, *z = y + w->count;
     for (size_t k = 0; w->rows > 1 && k < w->count; k++) {
       real g[3] = {x[k], y[k], z[k]};
@@ -136,9 +155,10 @@ static ylm_status make_layers(block *b) {
   size_t n = 0;
   for (size_t i = 0; i < b->terms; i++) {
     shadow_term *t = &b->term[i];
-    b->term_of[t->point] = i;
     t->row = n;
     n += t->layers;
+    for (size_t k = t->first; k < t->first + t->n; k++)
+      b->seen[b->before[k].seen].row = t->row + (size_t)b->before[k].layer;
   }
   if (!ylm__shadow_have((void **)&b->filled, n + 1, &b->filled_room, 1)) return YLM_ENOMEM;
   memset(b->filled, 0, n);
@@ -159,9 +179,7 @@ static void add_to_layers(block *b, const viewers *v, const real *rows) {
   const shadow_query *w = b->w;
   size_t row = w->rows * w->count;
   for (size_t i = 0; i < v->n; i++) {
-    size_t seen = v->seen[i], point = b->seen[seen].point;
-    const shadow_term *t = &b->term[b->term_of[point]];
-    size_t at = t->row + (size_t)b->before[t->first + (seen - b->seen_first[point])].layer;
+    size_t at = b->seen[v->seen[i]].row;
     real *to = b->layers + at * row;
     const real *from = rows + i * row;
     if (!b->filled[at]) {
@@ -180,7 +198,8 @@ ylm_status SHADOW(hide)(block *b) {
   const shadow_query *w = b->w;
   size_t row = w->rows * w->count;
   b->hidden = room(b, ROOM_HIDDEN, (b->layered ? b->m : b->seens) * row);
-  viewers *v = ylm_alloc(1, sizeof *v);
+  if (!b->viewers) b->viewers = ylm_alloc(1, sizeof *b->viewers);
+  viewers *v = b->viewers;
   ylm_status s = b->hidden && v ? sort_by_caster(b) : YLM_ENOMEM;
   if (s == YLM_OK && b->layered) s = make_layers(b);
   for (size_t i = 0; i < w->s->n && s == YLM_OK; i++) {
@@ -195,11 +214,10 @@ ylm_status SHADOW(hide)(block *b) {
       continue;
     }
     gather_viewers(b, k, v);
-    if (v->n) s = hide_near(b, c, v, false, rows);
-    if (v->n && c->disk && s == YLM_OK) s = hide_near(b, c, v, true, rows);
+    if (v->n) s = v->far ? hide_near(b, c, v, false, rows) : hide_all(b, c, v, rows);
+    if (v->far && s == YLM_OK) s = hide_near(b, c, v, true, rows);
     if (v->n && s == YLM_OK) s = place(b, k, v, rows);
     if (s == YLM_OK && b->layered) add_to_layers(b, v, rows);
   }
-  ylm_free(v);
   return s;
 }

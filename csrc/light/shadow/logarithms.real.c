@@ -4,7 +4,7 @@
 #include <math.h>
 
 /* Adds the logarithm of a circle to a row: its table, turned to where the circle stands. y, dy: the basis there. */
-static void add_logarithm(const shadow_query *w, const shadow_seen *s, const shadow_before *x,
+static void add_logarithm(const shadow_query *w, const shadow_seen *s, const shadow_part *x,
                           const real *y, const real *dy, real *to) {
   double z[YLM_SH_LOG_LMAX + 1], slope[YLM_SH_LOG_LMAX + 1], over = 1 / fmax(1e-300, s->distance);
   double wide = s->sine < 1 ? s->sine / sqrt(1 - s->sine * s->sine) * over : 0;
@@ -44,8 +44,8 @@ static ylm_status sum_logarithms(const tile *t, real *sum) {
   for (size_t i = 0; i < t->n && s == YLM_OK; i++)
     for (size_t j = 0; j < t->term[i]->n; j++, k++) {
       const shadow_before *x = &b->before[t->term[i]->first + j];
-      add_logarithm(w, &b->seen[x->seen], x, y + k * w->count, dy ? dy + 3 * k * w->count : NULL,
-                    sum + i * w->rows * w->count);
+      add_logarithm(w, &b->seen[x->seen], &b->part[x->part], y + k * w->count,
+                    dy ? dy + 3 * k * w->count : NULL, sum + i * w->rows * w->count);
     }
   ylm_free(at);
   ylm_free(y);

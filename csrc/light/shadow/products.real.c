@@ -12,7 +12,7 @@
 #endif
 
 /* Adds what a caster hides, of its visibility v, to the row of a layer. */
-static void add_hidden(const shadow_query *w, const shadow_before *x, const real *restrict v,
+static void add_hidden(const shadow_query *w, const shadow_part *x, const real *restrict v,
                        real *restrict to) {
   size_t n = w->count;
   real weight = (real)x->weight, first = v[0] - (real)LIGHT_ONE;
@@ -41,12 +41,14 @@ static const real *layer_row(const tile *t, size_t lane, int layer, real *to) {
   for (size_t k = 0; k < term->n; k++)
     if (b->before[term->first + k].layer == layer) only = &b->before[term->first + k], found++;
   if (!found) return NULL;
-  if (found == 1 && only->weight == 1) return b->hidden + b->seen[only->seen].row * row;
+  if (found == 1 && b->part[only->part].weight == 1)
+    return b->hidden + b->seen[only->seen].row * row;
   memset(to, 0, row * sizeof *to);
   to[0] = (real)LIGHT_ONE;
   for (size_t k = 0; k < term->n; k++) {
     const shadow_before *x = &b->before[term->first + k];
-    if (x->layer == layer) add_hidden(w, x, b->hidden + b->seen[x->seen].row * row, to);
+    if (x->layer == layer)
+      add_hidden(w, &b->part[x->part], b->hidden + b->seen[x->seen].row * row, to);
   }
   return to;
 }
@@ -94,7 +96,7 @@ static void multiply_layer(const tile *t, int layer) {
 /* Derivative d of the light in channel c at the point of a lane. */
 static real *result_of(const tile *t, size_t lane, size_t c, size_t d) {
   const shadow_query *w = t->b->w;
-  return t->b->out + ((t->term[lane]->point * w->channels + c) * w->rows + d) * w->count;
+  return out_row(t->b, t->term[lane]->point) + (c * w->rows + d) * w->count;
 }
 
 /* Coefficients of `f`, times `by` at each node unless it is NULL, of channel c and derivative d, are added to the results of the
@@ -125,7 +127,7 @@ static void add_metric(const tile *t, const real *light, size_t c, double (*most
     double blur = 0, *m = most[lane];
     for (size_t k = 0; k < term->n; k++) {
       const shadow_before *x1 = &b->before[term->first + k];
-      blur += x1->layer < 0 ? 0 : x1->weight * b->blur[x1->seen];
+      blur += x1->layer < 0 ? 0 : b->part[x1->part].weight * b->blur[x1->seen];
     }
     double peak = b->w->channels == 1             ? m[0]
                   : b->w->q->metric_channels == 3 ? sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2])

@@ -92,8 +92,8 @@ shadow_blur ylm__shadow_blur(int degree, bool lone) {
   return (shadow_blur){.step = step, .half_cosine = cos(h), .half_sine = sin(h), .mean = mean};
 }
 
-void ylm__shadow_cap_of(const shadow_blur *b, const shadow_seen *s, const shadow_before *x,
-                        bool lone, shadow_cap *c) {
+void ylm__shadow_cap_of(const shadow_blur *b, const shadow_seen *s, const shadow_part *x, bool lone,
+                        shadow_cap *c) {
   double sine = s->sine < 1 ? s->sine : 1, cosine = sqrt(1 - sine * sine);
   double ratio = 1, deep = 1, fade = 0; /* d c/d angle, and d deep/d angle */
   c->cosine = cosine;

@@ -172,9 +172,10 @@ typedef struct shadow_query {
 
 /* A caster as a point sees it. */
 typedef struct shadow_seen {
-  size_t caster, point, row; /* row: the place of its visibility in the block */
   double w[3], distance, sine,
       cosine; /* direction and distance of its centre; of half the angle of its cone, 1, -1 in it */
+  size_t row; /* of the block: its visibility; where casters are summed by layers, its layer */
+  uint32_t caster, point;
 } shadow_seen;
 
 /* Half the angle of the cone of a caster; pi in it. */
@@ -191,11 +192,16 @@ typedef struct shadow_term {
   size_t row;             /* of its first layer, where layers have rows */
 } shadow_term;
 
-/* One caster before a light, in part where its cone just misses that of the lamp. */
-typedef struct shadow_before {
-  size_t seen; /* of the block's list */
-  int layer;   /* from 0 on; -1: a sphere, evaluated at nodes or by its logarithm */
+/* How much of a caster counts before a light: a part where its cone just misses that of the lamp. */
+typedef struct shadow_part {
   double weight, slope[3];
+} shadow_part;
+
+/* One caster before a light. */
+typedef struct shadow_before {
+  size_t seen;   /* of the block's list */
+  int layer;     /* from 0 on; -1: a sphere, evaluated at nodes or by its logarithm */
+  uint32_t part; /* of the block's list, whose first is all of a caster */
 } shadow_before;
 
 /* Spheres at directions: profile.c, spheres.real.c, profile.isa.c. YLM_ENOMEM; what was made is freed with the rings */
@@ -203,8 +209,8 @@ ylm_status ylm__shadow_rings_create(const ylm_sh_nodes *nodes, shadow_rings *r);
 void ylm__shadow_rings_free(shadow_rings *r);
 shadow_profile_fn *ylm__shadow_profile(void);
 shadow_blur ylm__shadow_blur(int degree, bool lone);
-void ylm__shadow_cap_of(const shadow_blur *b, const shadow_seen *s, const shadow_before *x,
-                        bool lone, shadow_cap *c);
+void ylm__shadow_cap_of(const shadow_blur *b, const shadow_seen *s, const shadow_part *x, bool lone,
+                        shadow_cap *c);
 
 /* room.c: room for one more of `n` things, of which there is none; room for n things, whatever they were; memory of a thread,
    which its next block uses again, NULL without any. */

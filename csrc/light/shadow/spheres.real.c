@@ -58,7 +58,7 @@ static void multiply_body(const tile *t, const shadow_term *term, size_t k, real
   for (; k < term->n; k++) {
     const shadow_caster *c = &w->s->caster[b->seen[x[k].seen].caster];
     if (x[k].layer >= 0 || c->form.body != body) continue;
-    ylm__shadow_cap_of(&w->blur[0], &b->seen[x[k].seen], &x[k], false, &cap);
+    ylm__shadow_cap_of(&w->blur[0], &b->seen[x[k].seen], &b->part[x[k].part], false, &cap);
     PROFILE(w, &cap, false, least);
   }
   for (size_t d = 1; d < w->rows; d++)
@@ -80,7 +80,7 @@ static bool open_spheres(const tile *t, const shadow_term *term, real *least, re
     shadow_cap cap;
     n++;
     if (c->lone) {
-      ylm__shadow_cap_of(&w->blur[1], &b->seen[x[k].seen], &x[k], true, &cap);
+      ylm__shadow_cap_of(&w->blur[1], &b->seen[x[k].seen], &b->part[x[k].part], true, &cap);
       PROFILE(w, &cap, true, v);
       continue;
     }

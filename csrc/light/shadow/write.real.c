@@ -35,11 +35,11 @@ void SHADOW(write)(const block *b) {
   real *value = q->want & YLM_WANT_VALUE ? w->r->value : NULL,
        *gradient = q->want & YLM_WANT_GRADIENT ? w->r->gradient : NULL;
   for (size_t i = 0; i < b->m; i++) {
-    real *x = b->out + i * w->channels * w->rows * w->count;
-    size_t at = w->place ? w->place[b->begin + i] : b->begin + i;
+    real *x = out_row(b, i);
+    size_t at = place_of(b, i);
     double square = 0;
     if (b->inside[i]) memset(x, 0, w->channels * w->rows * w->count * sizeof *x);
-    for (size_t c = 0; c < channels; c++) {
+    for (size_t c = 0; b->out && c < channels; c++) {
       size_t to = (at * channels + c) * w->count;
       write_channel(w, x, (int)c, value ? value + to : NULL, gradient ? gradient + 3 * to : NULL);
     }
