@@ -128,6 +128,17 @@ describe("the C library", function()
     end)
   end
 
+  it("finds surfaces at many places with the bits of surfaces one by one, by every kernel", function()
+    needs "pkg-config"
+    if not has "scene" then pending "only with Embree" end
+    local program = scratch.quote(folder.path .. "/surfaces")
+    runs("%s sh -c %s", env(), scratch.quote(("%s%s spec/support/surfaces.c -x none $(pkg-config --cflags --libs %s) -o %s")
+      :format(languages[1], strict, "ylm ylm_scene", program)))
+    for _, isa in ipairs(ylm.info().kernels) do
+      assert.equal("4099 places, 0 differ, the first is 0\n", runs("%s %s", env("YLM_ISA=" .. isa), program), isa)
+    end
+  end)
+
   it("refuses numbers that it once took, in sentences: counts, words, NaN", function()
     needs "pkg-config"
     local program = folder.path .. "/numbers"

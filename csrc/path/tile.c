@@ -6,6 +6,8 @@
 #define PATHS 0x7061746873u
 /* A pair's number: its batch in the low bits. */
 #define BATCH_BITS 24
+/* Vertices whose surfaces are looked at in one go. */
+#define VERTICES 64
 /* How far below the horizon of a normal of vertices the eye may be. */
 #define LEAST_COSINE 1e-4f
 
@@ -146,19 +148,6 @@ void ylm__path_outward(const path_vertex *v, const float d[3], float out[3]) {
     out[a] = d[0] * v->at.tangent[a] + d[1] * v->other[a] + d[2] * v->at.normal[a];
 }
 
-/* Where ray i hit a surface. */
-static void vertex_of(const path_tile *t, size_t i, path_vertex *v) {
-  const ylm_trace_hit *h = &t->rays.hit[i];
-  const float *n = v->at.normal, *x = v->at.tangent;
-  bool back = ylm_dot3(h->normal, t->rays.ray[i].dir) > 0;
-  ylm_scene_place place = {(uint32_t)h->mesh, h->element, h->u, h->v, back};
-  ylm_scene_surfaces(t->job->scene, 1, &place, &v->at);
-  v->path = t->rays.of[i];
-  for (int c = 0; c < 3; c++) t->path[v->path].throughput[c] *= v->at.tint[c];
-  for (int a = 0; a < 3; a++)
-    v->other[a] = n[(a + 1) % 3] * x[(a + 2) % 3] - n[(a + 2) % 3] * x[(a + 1) % 3];
-}
-
 /* Where light goes that follows ray d backwards, in the vertex's frame. Normals of vertices may turn
    away from the eye: what they describe is then seen along the horizon. */
 static void toward_eye(const path_vertex *v, const float d[3], float wo[3]) {
@@ -173,6 +162,27 @@ static void toward_eye(const path_vertex *v, const float d[3], float wo[3]) {
   for (int a = 0; a < 3; a++) wo[a] /= length;
 }
 
+/* Where ray i hit a surface. */
+static ylm_scene_place place_of(const path_rays *r, size_t i) {
+  const ylm_trace_hit *h = &r->hit[i];
+  bool back = ylm_dot3(h->normal, r->ray[i].dir) > 0;
+  return (ylm_scene_place){(uint32_t)h->mesh, h->element, h->u, h->v, back};
+}
+
+/* The vertex there. */
+static void put_vertex(path_tile *t, size_t i, const ylm_scene_surface *at) {
+  uint32_t material = t->job->material_of[t->rays.hit[i].mesh], k = t->behind[material]++;
+  path_vertex *v = &t->vertex[k];
+  const float *n = at->normal, *x = at->tangent;
+  v->at = *at;
+  v->path = t->rays.of[i];
+  v->material = material;
+  for (int c = 0; c < 3; c++) t->path[v->path].throughput[c] *= v->at.tint[c];
+  for (int a = 0; a < 3; a++)
+    v->other[a] = n[(a + 1) % 3] * x[(a + 2) % 3] - n[(a + 2) % 3] * x[(a + 1) % 3];
+  toward_eye(v, t->rays.ray[i].dir, t->wo[k]);
+}
+
 void ylm__path_tile_vertices(path_tile *t) {
   const path_job *j = t->job;
   const path_rays *r = &t->rays;
@@ -185,11 +195,16 @@ void ylm__path_tile_vertices(path_tile *t) {
     t->behind[m] = (uint32_t)t->n;
     t->n += count;
   }
-  for (size_t i = 0; i < r->n; i++) {
-    if (r->hit[i].mesh < 0) continue;
-    uint32_t k = t->behind[j->material_of[r->hit[i].mesh]]++;
-    vertex_of(t, i, &t->vertex[k]);
-    t->vertex[k].material = j->material_of[r->hit[i].mesh];
-    toward_eye(&t->vertex[k], r->ray[i].dir, t->wo[k]);
+  for (size_t i = 0, n; i < r->n;) {
+    uint32_t ray[VERTICES];
+    ylm_scene_place place[VERTICES];
+    ylm_scene_surface at[VERTICES];
+    for (n = 0; n < VERTICES && i < r->n; i++) {
+      if (r->hit[i].mesh < 0) continue;
+      ray[n] = (uint32_t)i;
+      place[n++] = place_of(r, i);
+    }
+    ylm_scene_surfaces(j->scene, n, place, at);
+    for (size_t k = 0; k < n; k++) put_vertex(t, ray[k], &at[k]);
   }
 }

@@ -8,6 +8,9 @@
 #ifndef YLM_SCENE_CALIBRATION_H
 #define YLM_SCENE_CALIBRATION_H
 
+/* Fewer places at a time are looked at one by one: scene.c. */
+#define SURFACES_FEW 4
+
 /* -- few lamps: weights.c, choose.c, patch.c ----------------------------------------------------- */
 
 /* Lamps of a chunk, whose weights are summed together. */

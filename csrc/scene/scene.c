@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "scene.h"
+#include "ylm_sets.h"
 
 static void normalise(float v[3]) {
   float d = sqrtf(ylm_dot3(v, v));
@@ -461,9 +462,52 @@ static void surface(const ylm_scene *s, const ylm_scene_place *e, ylm_scene_surf
   ylm__scene_tint(m, t, w, out->tint);
 }
 
+YLM_KERNEL_CHOICE(ylm_scene_lanes_fn, ylm__scene_lanes, ylm_k_scene_lanes, NULL);
+
+static inline void put_lane(const ylm_scene *s, const ylm_scene_place *e, size_t k,
+                            scene_lanes *to) {
+  static const float none[3] = {0, 0, 0};
+  const scene_mesh *m = &s->mesh[e->mesh];
+  const uint32_t *t = &m->triangle[3 * e->element];
+  for (int i = 0; i < 3; i++) {
+    const float *p = &m->position[3 * (size_t)t[i]];
+    const float *n = m->smooth ? &m->normal[3 * (size_t)t[i]] : none;
+    for (int a = 0; a < 3; a++) to->p[i][a][k] = p[a], to->n[i][a][k] = n[a];
+  }
+  to->u[k] = e->u, to->v[k] = e->v;
+  to->side[k] = e->back ? -1 : 1;
+  to->lift[k] = m->off[e->element].lift, to->pull[k] = m->off[e->element].pull;
+}
+
+static inline void take_lane(const ylm_scene *s, const ylm_scene_place *e, size_t k,
+                             const scene_lanes *from, ylm_scene_surface *out) {
+  const scene_mesh *m = &s->mesh[e->mesh];
+  const uint32_t *t = &m->triangle[3 * e->element];
+  for (int a = 0; a < 3; a++) {
+    out->position[a] = from->position[a][k], out->lit[a] = from->lit[a][k];
+    out->normal[a] = from->normal[a][k], out->origin[a] = from->origin[a][k];
+    out->flat[a] = from->flat[a][k], out->tangent[a] = from->tangent[a][k];
+  }
+  if (m->uv) {
+    const float *p[3];
+    for (int i = 0; i < 3; i++) p[i] = &m->position[3 * (size_t)t[i]];
+    find_tangent(m, t, p, out->normal, out->tangent);
+  }
+  out->material = m->material;
+  ylm__scene_tint(m, t, (const float[3]){1 - e->u - e->v, e->u, e->v}, out->tint);
+}
+
 void ylm_scene_surfaces(const ylm_scene *s, size_t n, const ylm_scene_place *p,
                         ylm_scene_surface *out) {
-  for (size_t i = 0; i < n; i++) surface(s, &p[i], &out[i]);
+  ylm_scene_lanes_fn *lanes = n < SURFACES_FEW ? NULL : ylm__scene_lanes();
+  scene_lanes block;
+  for (size_t i = 0; !lanes && i < n; i++) surface(s, &p[i], &out[i]);
+  for (size_t i = 0; lanes && i < n; i += SCENE_LANES) {
+    size_t count = n - i < SCENE_LANES ? n - i : SCENE_LANES;
+    for (size_t k = 0; k < SCENE_LANES; k++) put_lane(s, &p[k < count ? i + k : i], k, &block);
+    lanes(count, &block);
+    for (size_t k = 0; k < count; k++) take_lane(s, &p[i + k], k, &block, &out[i + k]);
+  }
 }
 
 /* By Cramer's rule. */

@@ -96,6 +96,24 @@ void ylm__scene_free_tint(scene_mesh *m);
 void ylm__scene_tint(const scene_mesh *m, const uint32_t corner[3], const float weight[3],
                      float tint[3]);
 
+/* -- scene.c -------------------------------------------------------------------- */
+
+/* Places on triangles and the surfaces there, side by side. */
+enum { SCENE_LANES = 16 };
+typedef struct scene_lanes {
+  /* in: corners and their normals, 0 where these do not count; the place; -1: it is seen from the back */
+  float p[3][3][SCENE_LANES], n[3][3][SCENE_LANES];
+  float u[SCENE_LANES], v[SCENE_LANES], side[SCENE_LANES], lift[SCENE_LANES], pull[SCENE_LANES];
+  /* out: as in ylm_scene_surface */
+  float position[3][SCENE_LANES], normal[3][SCENE_LANES], lit[3][SCENE_LANES];
+  float origin[3][SCENE_LANES], flat[3][SCENE_LANES], tangent[3][SCENE_LANES];
+  float way[3][SCENE_LANES], from[2][SCENE_LANES]; /* from the place to `lit`; where rays start */
+} scene_lanes;
+/* The first n lanes, and those behind them to the end of a vector. */
+typedef void ylm_scene_lanes_fn(size_t n, scene_lanes *s);
+/* The kernel of the instruction set in use; NULL: there is none. */
+ylm_scene_lanes_fn *ylm__scene_lanes(void);
+
 /* -- weights.c ------------------------------------------------------------------ */
 
 /* w[j]: bound of the unshadowed luminous irradiance, over pi, at x with normal n from lamp j;
