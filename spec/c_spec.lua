@@ -128,15 +128,31 @@ describe("the C library", function()
     end)
   end
 
-  it("finds surfaces at many places with the bits of surfaces one by one, by every kernel", function()
+  --- Compiles spec/support/NAME.c with scenes; the path of the program.
+  local function support(name)
     needs "pkg-config"
     if not has "scene" then pending "only with Embree" end
-    local program = scratch.quote(folder.path .. "/surfaces")
-    runs("%s sh -c %s", env(), scratch.quote(("%s%s spec/support/surfaces.c -x none $(pkg-config --cflags --libs %s) -o %s")
-      :format(languages[1], strict, "ylm ylm_scene", program)))
+    local program = scratch.quote(folder.path .. "/" .. name)
+    runs("%s sh -c %s", env(), scratch.quote(("%s%s spec/support/%s.c -x none $(pkg-config --cflags --libs %s) -lm -o %s")
+      :format(languages[1], strict, name, "ylm ylm_scene", program)))
+    return program
+  end
+
+  it("finds surfaces at many places with the bits of surfaces one by one, by every kernel", function()
+    local program = support "surfaces"
     for _, isa in ipairs(ylm.info().kernels) do
       assert.equal("4099 places, 0 differ, the first is 0\n", runs("%s %s", env("YLM_ISA=" .. isa), program), isa)
     end
+  end)
+
+  it("tells rays that meet few lamps as it tells them among many", function()
+    local out, scenes = runs("%s %s", env(), support "looks"), 0
+    for met, differ in out:gmatch "90000 rays, (%d+) meet lamps, (%d+) differ\n" do
+      scenes = scenes + 1
+      assert.equal("0", differ, out)
+      assert(tonumber(met) > 30000 and tonumber(met) < 60000, out)
+    end
+    assert.equal(3, scenes, out)
   end)
 
   it("refuses numbers that it once took, in sentences: counts, words, NaN", function()

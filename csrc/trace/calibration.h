@@ -9,5 +9,7 @@
 /* Rays of a stream: Embree 3 sorts it by direction, and longer ones gain nothing. With Embree 4, which has
    no streams, embree4.c puts as many into order. */
 #define TRACE_STREAM 256
+/* Up to so many lamps are enclosed in balls, which rays are tried for before the tree of lamps. Moved by: `make bench BENCH=path`. */
+#define TRACE_BALLS 16
 
 #endif

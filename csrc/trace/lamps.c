@@ -1,4 +1,4 @@
-/* lamps.c - all lamps that a ray meets, some at a time. */
+/* lamps.c - all lamps that a ray meets, some at a time; and whether it meets any of a few. */
 #include <math.h>
 #include <string.h>
 
@@ -81,4 +81,104 @@ size_t ylm__trace_gather(const ylm_trace *t, const ylm_trace_ray *ray,
   r.tfar = g.limit;
   if (n > 0) ylm__trace_filtered(t->lamps, r, gather, &g);
   return g.count;
+}
+
+/* -- few lamps --------------------------------------------------------------------------- */
+
+/* Balls are larger than lamps, and closer to rays, by these parts of radii and positions and of the squared distance: far more
+   than rounding here and in Embree. */
+#define BALL_ROUNDING 1e-5
+
+typedef float four __attribute__((vector_size(16)));
+typedef int32_t four_bits __attribute__((vector_size(16)));
+typedef int64_t two_bits __attribute__((vector_size(16)));
+
+/* The ball over a triangle's longest edge reaches all three corners, or is widened. */
+static double around_triangle(const float *corner, double centre[3]) {
+  double longest = -1, reach2 = 0;
+  for (int i = 0; i < 3; i++) {
+    const float *p = corner + 3 * i, *q = corner + 3 * ((i + 1) % 3);
+    double square = 0, mid[3];
+    for (int a = 0; a < 3; a++) {
+      mid[a] = ((double)p[a] + (double)q[a]) / 2;
+      square += ((double)p[a] - (double)q[a]) * ((double)p[a] - (double)q[a]);
+    }
+    if (square > longest) longest = square, memcpy(centre, mid, sizeof mid);
+  }
+  for (int i = 0; i < 3; i++) {
+    double square = 0;
+    for (int a = 0; a < 3; a++) {
+      double d = (double)corner[3 * i + a] - centre[a];
+      square += d * d;
+    }
+    reach2 = fmax(reach2, square);
+  }
+  return sqrt(reach2);
+}
+
+static void put_ball(ylm_trace *t, const double centre[3], double radius) {
+  uint32_t i = t->balls++;
+  double reach = radius * (1 + BALL_ROUNDING);
+  for (int a = 0; a < 3; a++) {
+    t->ball[a][i] = (float)centre[a];
+    reach += BALL_ROUNDING * fabs(centre[a]);
+  }
+  t->ball[3][i] = (float)(reach * reach * (1 + BALL_ROUNDING));
+}
+
+void ylm__trace_enclose(ylm_trace *t, const ylm_trace_lamps *l) {
+  double centre[3] = {0};
+  t->balls = 0;
+  if (l->spheres > TRACE_BALLS || l->triangles > TRACE_BALLS || l->disks > TRACE_BALLS ||
+      l->spheres + l->triangles + l->disks > TRACE_BALLS)
+    return;
+  for (size_t i = 0; i < l->spheres + l->disks; i++) {
+    const float *round = i < l->spheres ? l->sphere + 4 * i : l->disk + 7 * (i - l->spheres);
+    for (int a = 0; a < 3; a++) centre[a] = (double)round[a];
+    put_ball(t, centre, (double)round[3]);
+  }
+  for (size_t i = 0; i < l->triangles; i++) {
+    double radius = around_triangle(l->triangle + 9 * i, centre);
+    put_ball(t, centre, radius);
+  }
+  for (; t->balls % 4 > 0; t->balls++)
+    for (int k = 0; k < 4; k++) t->ball[k][t->balls] = t->ball[k][t->balls - 1];
+}
+
+static inline four load(const float *p) {
+  four v;
+  memcpy(&v, p, sizeof v);
+  return v;
+}
+
+/* Whether a ray comes near a ball. Each way to pass one by is a comparison that no number which is none fulfils. */
+static inline bool comes_near(const ylm_trace *t, const ylm_trace_ray *ray) {
+  const float *d = ray->dir;
+  const four zero = {0};
+  float length2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], far = ray->far;
+  for (uint32_t i = 0; i < t->balls; i += 4) {
+    four x = load(t->ball[0] + i) - ray->org[0], y = load(t->ball[1] + i) - ray->org[1];
+    four z = load(t->ball[2] + i) - ray->org[2], apart2 = x * x + y * y + z * z;
+    four along = x * d[0] + y * d[1] + z * d[2];
+    four most = load(t->ball[3] + i) + (float)BALL_ROUNDING * apart2;
+    four at_end2 = apart2 - 2 * far * along + far * far * length2;
+    four_bits aside = apart2 * length2 - along * along > most * length2;
+    four_bits behind = (along < zero) & (apart2 > most);
+    four_bits beyond = (along > far * length2 + zero) & (at_end2 > most);
+    two_bits away = (two_bits)(aside | behind | beyond);
+    if ((away[0] & away[1]) != -1) return true;
+  }
+  return false;
+}
+
+void ylm__trace_look(const ylm_trace *t, size_t n, ylm_trace_ray *rays) {
+  ylm_trace_ray near[TRACE_STREAM];
+  size_t of[TRACE_STREAM];
+  for (size_t i = 0; i < n;) {
+    size_t count = 0;
+    for (; i < n && count < TRACE_STREAM; i++)
+      if (comes_near(t, &rays[i])) near[count] = rays[i], of[count++] = i;
+    ylm__trace_any(t, t->lamps, count, near);
+    for (size_t k = 0; k < count; k++) rays[of[k]].far = near[k].far;
+  }
 }

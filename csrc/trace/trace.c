@@ -202,6 +202,7 @@ static ylm_status build_lamps(ylm_trace *t, const ylm_trace_lamps *lamps, ylm_er
   if (!t->lamps) return device_status(t->device, e);
   ylm_status s = add_lamps(t, lamps, e);
   if (s != YLM_OK) return s;
+  ylm__trace_enclose(t, lamps);
   rtcCommitScene(t->lamps);
   return device_status(t->device, e);
 }
@@ -317,7 +318,10 @@ void ylm_trace_occluded(const ylm_trace *t, size_t n, ylm_trace_ray *rays) {
 
 void ylm_trace_meets_lamps(const ylm_trace *t, size_t n, ylm_trace_ray *rays) {
   unsigned mode = enter_fast_mode();
-  ylm__trace_any(t, t->lamps, n, rays);
+  if (t->balls > 0)
+    ylm__trace_look(t, n, rays);
+  else
+    ylm__trace_any(t, t->lamps, n, rays);
   leave_fast_mode(mode);
 }
 

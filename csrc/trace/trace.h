@@ -10,6 +10,7 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include "calibration.h"
 #include "ylm_trace.h"
 
 _Static_assert(sizeof(ylm_trace_ray) == sizeof(struct RTCRay), "ylm_trace_ray is Embree's ray");
@@ -28,6 +29,9 @@ struct ylm_trace {
   float rounding;        /* twice the largest ylm_trace_lift of a triangle that occludes */
   const float *sphere;   /* [spheres][4], in Embree's memory */
   double reach, largest; /* of spheres: the farthest point from 0, the largest radius */
+  /* Balls around lamps: centres, squared radii; 0: there are none, or too many. The last repeats to a multiple of 4. */
+  uint32_t balls;
+  float ball[4][TRACE_BALLS];
 };
 
 /* Sets what Embree wants of a ray beyond ylm_trace_ray. */
@@ -54,6 +58,11 @@ static inline void ylm__trace_name(const ylm_trace *t, uint32_t geometry, uint32
 /* As ylm_trace_next_lamps. lamps.c */
 size_t ylm__trace_gather(const ylm_trace *t, const ylm_trace_ray *ray,
                          const ylm_trace_meeting *after, size_t n, ylm_trace_meeting *met);
+
+/* Encloses few lamps in balls. */
+void ylm__trace_enclose(ylm_trace *t, const ylm_trace_lamps *lamps);
+/* Sets far < 0 in rays that meet lamps, of those that come near a ball. */
+void ylm__trace_look(const ylm_trace *t, size_t n, ylm_trace_ray *rays);
 
 /* -- what differs between Embree 3 and 4: embree3.c, embree4.c --------------------- */
 
