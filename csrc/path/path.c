@@ -43,8 +43,10 @@ static void decide(path_tile *t, size_t v, int order, bool first) {
 static void draw(path_tile *t, bool first) {
   for (size_t v = 0; v < t->n; v++) {
     path_state *p = &t->path[t->vertex[v].path];
-    for (int a = 0; a < 3; a++)
-      t->u[v][a] = fminf(BELOW_ONE, (float)(first ? p->chosen[a] : ylm__path_random(&p->rng)));
+    for (int a = 0; a < 3; a++) {
+      float u = (float)(first ? p->chosen[a] : ylm__path_random(&p->rng));
+      t->u[v][a] = u < BELOW_ONE ? u : BELOW_ONE;
+    }
   }
 }
 

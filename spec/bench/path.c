@@ -1,6 +1,7 @@
 /*
 ** path.c - the path tracer beside its own rays: those of a run are recorded and traced again, in the
-** same batches, with nothing else to do; and the time of a picture.
+** same batches, with nothing else to do; once without and once with the looks for lamps along them. Then
+** the time of a picture, and paths among so many lamps that all are weighed, or a tree of them is asked.
 */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
@@ -12,8 +13,8 @@
 #include "ylm_geom.h"
 #include "ylm_path.h"
 
-/* Batches of rays: of the camera, nearest hits, occlusion. */
-typedef enum query { INTERSECT, NEAREST, OCCLUDED, QUERIES } query;
+/* Batches of rays: of the camera, nearest hits, occlusion, looks for lamps. */
+typedef enum query { INTERSECT, NEAREST, OCCLUDED, LAMPS, QUERIES } query;
 
 typedef struct batch {
   query query;
@@ -47,7 +48,7 @@ static void keep(query q, size_t n, const ylm_trace_ray *rays) {
 typedef void hits_fn(const ylm_trace *, size_t, const ylm_trace_ray *, bool, ylm_trace_hit *);
 typedef void occluded_fn(const ylm_trace *, size_t, ylm_trace_ray *);
 static hits_fn *intersect, *nearest;
-static occluded_fn *occluded;
+static occluded_fn *occluded, *meets_lamps;
 
 void ylm_trace_intersect(const ylm_trace *t, size_t n, const ylm_trace_ray *rays, bool coherent,
                          ylm_trace_hit *hits) {
@@ -66,11 +67,17 @@ void ylm_trace_occluded(const ylm_trace *t, size_t n, ylm_trace_ray *rays) {
   occluded(t, n, rays);
 }
 
+void ylm_trace_meets_lamps(const ylm_trace *t, size_t n, ylm_trace_ray *rays) {
+  keep(LAMPS, n, rays);
+  meets_lamps(t, n, rays);
+}
+
 static void find_library(void) {
   *(void **)&intersect = dlsym(RTLD_NEXT, "ylm_trace_intersect");
   *(void **)&nearest = dlsym(RTLD_NEXT, "ylm_trace_nearest");
   *(void **)&occluded = dlsym(RTLD_NEXT, "ylm_trace_occluded");
-  if (!intersect || !nearest || !occluded) exit(1);
+  *(void **)&meets_lamps = dlsym(RTLD_NEXT, "ylm_trace_meets_lamps");
+  if (!intersect || !nearest || !occluded || !meets_lamps) exit(1);
 }
 
 /* -- rooms -------------------------------------------------------------------------- */
@@ -87,9 +94,21 @@ static void add_quad(room *r, ylm_scene_mesh *out, int i, const double c[3], con
   out[i].material = r->material[material];
 }
 
-/* Five walls, open to the camera, with a sphere lamp and two of a flat one's triangles; in it a knot
-   where `knot`, else a box. */
-static void make_room(room *r, bool knot) {
+/* Spheres below the ceiling. */
+static void fill_spheres(size_t n, float (*sphere)[4], float (*radiance)[3]) {
+  ylm_rng rng;
+  ylm_rng_seed(&rng, 1, 1);
+  for (size_t i = 0; i < n; i++) {
+    for (int a = 0; a < 3; a++)
+      sphere[i][a] = (float)(1.8 * ylm_rng_double(&rng) - .9) * (a == 1 ? .1f : 1);
+    sphere[i][1] += 1.8f, sphere[i][3] = .004f;
+    for (int c = 0; c < 3; c++) radiance[i][c] = (float)(10 * ylm_rng_double(&rng));
+  }
+}
+
+/* Five walls, open to the camera; in it a knot where `knot`, else a box. Lamps: so many spheres; if 0, one sphere and
+   two of a flat one's triangles. */
+static void make_room(room *r, bool knot, size_t spheres) {
   static const float colours[3][3] = {{.75f, .75f, .75f}, {.6f, .1f, .1f}, {.1f, .5f, .1f}};
   static const double corner[5][3] = {{-1, 0, 1}, {-1, 2, -1}, {-1, 0, -1}, {-1, 0, 1}, {1, 0, -1}};
   static const double u[5][3] = {{2, 0, 0}, {2, 0, 0}, {2, 0, 0}, {0, 0, -2}, {0, 0, 2}};
@@ -100,6 +119,11 @@ static void make_room(room *r, bool knot) {
   static const float radiance[9] = {10, 8, 6, 8, 8, 8, 8, 8, 8};
   ylm_scene_mesh mesh[6] = {0};
   ylm_scene_lamps lamps = {.shape = {1, 2, 0, sphere, triangle, NULL}, .radiance = radiance};
+  float(*many)[4] = ylm_alloc(spheres, sizeof *many), (*lit)[3] = ylm_alloc(spheres, sizeof *lit);
+  if (!many || !lit) exit(1);
+  fill_spheres(spheres, many, lit);
+  if (spheres > 0)
+    lamps = (ylm_scene_lamps){.shape = {spheres, 0, 0, many[0], NULL, NULL}, .radiance = lit[0]};
   *r = (room){0};
   for (int i = 0; i < 3; i++)
     if (ylm_material_create(0, 3, colours[i], &r->material[i], NULL) != YLM_OK) exit(1);
@@ -120,6 +144,7 @@ static void make_room(room *r, bool knot) {
     mesh[i].occludes = true;
   }
   if (ylm_scene_create(6, mesh, &lamps, &r->scene, NULL) != YLM_OK) exit(1);
+  ylm_free(many), ylm_free(lit);
 }
 
 static void free_room(room *r) {
@@ -137,6 +162,7 @@ typedef struct job {
   ylm_path_stats stats;
   ylm_trace_hit *hit;
   ylm_trace_ray *copy;
+  bool looks; /* for lamps, too */
 } job;
 
 static void paths(void *context) {
@@ -160,9 +186,9 @@ static void bare(void *context) {
     const batch *b = &record.batch[i];
     if (b->query == INTERSECT) intersect(t, b->n, b->ray, true, j->hit);
     if (b->query == NEAREST) nearest(t, b->n, b->ray, false, j->hit);
-    if (b->query != OCCLUDED) continue;
+    if (b->query < OCCLUDED || (b->query == LAMPS && !j->looks)) continue;
     memcpy(j->copy, b->ray, b->n * sizeof *j->copy);
-    occluded(t, b->n, j->copy);
+    (b->query == LAMPS ? meets_lamps : occluded)(t, b->n, j->copy);
   }
 }
 
@@ -174,7 +200,7 @@ static void forget(void) {
 
 static void measure(const char *name, bool knot) {
   room r;
-  make_room(&r, knot);
+  make_room(&r, knot, 0);
   job j = {.scene = r.scene, .width = 160, .height = 90, .samples = 32, .threads = 1};
   j.data = ylm_alloc(9 * 320 * 180, sizeof *j.data);
   j.hit = ylm_alloc(4096, sizeof *j.hit);
@@ -183,12 +209,16 @@ static void measure(const char *name, bool knot) {
   record.on = true;
   paths(&j);
   record.on = false;
-  double ours = bench_seconds(paths, &j), alone = bench_seconds(bare, &j);
+  double ours = bench_seconds(paths, &j), alone = bench_seconds(bare, &j), looking;
+  j.looks = true;
+  looking = bench_seconds(bare, &j);
   double rays = (double)(record.rays[INTERSECT] + record.rays[NEAREST] + record.rays[OCCLUDED]);
   printf("%s: %zu camera, %zu nearest, %zu occlusion rays\n", name, record.rays[INTERSECT],
          record.rays[NEAREST], record.rays[OCCLUDED]);
   printf("  paths %6.2f M rays/s, the same rays alone %6.2f: %.2f of their rate; one thread\n",
          rays / ours * 1e-6, rays / alone * 1e-6, alone / ours);
+  printf("  with %zu looks for lamps along them %6.2f M rays/s: %.2f of their rate\n",
+         record.rays[LAMPS], rays / looking * 1e-6, looking / ours);
   if (!bench_is_quick()) {
     j.width = 320, j.height = 180, j.samples = 256, j.threads = 2;
     double start = ylm_seconds();
@@ -201,10 +231,29 @@ static void measure(const char *name, bool knot) {
   ylm_free(j.data), ylm_free(j.hit), ylm_free(j.copy);
 }
 
+/* One run, of 57,600 paths. */
+static void measure_many(size_t spheres) {
+  room r;
+  make_room(&r, false, spheres);
+  job j = {.scene = r.scene, .width = 80, .height = 45, .samples = 16, .threads = 1};
+  j.data = ylm_alloc(9 * 80 * 45, sizeof *j.data);
+  if (!j.data) exit(1);
+  double start = bench_cpu();
+  paths(&j);
+  double seconds = bench_cpu() - start;
+  uint64_t rays = j.stats.nearest_rays + j.stats.shadow_rays;
+  printf("a room with a box and %zu lamps: %.2f s, %llu rays, %.2f M rays/s; one thread\n", spheres,
+         seconds, (unsigned long long)rays, (double)rays / seconds * 1e-6);
+  free_room(&r);
+  ylm_free(j.data);
+}
+
 int main(void) {
   find_library();
   measure("a room with a box, 22 triangles", false);
   measure("a room with a knot, 120,010 triangles", true);
+  measure_many(4000);
+  measure_many(5000);
   free(record.batch);
   return 0;
 }
