@@ -57,31 +57,70 @@ static bool is_buried(const ylm_grid *g, uint32_t cell, const double p[3]) {
   return !ylm__side_is_free(g, ylm__grid_side_of(g, g->sides.leaf[part]), p);
 }
 
+/* The cell that answered last, where its leaf's neighbours have no say: points in the leaf's box have fractions of that cell. */
+typedef struct again {
+  leaf_cursor leaf;
+  bool known;
+  uint32_t cell;
+  int flags;
+  double origin[3], inverse;
+} again;
+
+static void keep_again(const ylm_grid *g, const ylm_grid_cell *c, uint32_t cell, int flags,
+                       again *k) {
+  uint32_t edge = ylm__grid_edge(g, c);
+  k->known = !g->contents.root_level;
+  k->cell = cell;
+  k->flags = flags;
+  k->inverse = 1 / (double)edge;
+  for (int a = 0; a < 3; a++) {
+    k->origin[a] = c->origin[a];
+    k->known &= k->leaf.low[a] >= k->origin[a] && k->leaf.high[a] <= k->origin[a] + edge;
+  }
+}
+
+/* Fractions of the cell that answered last, if the point is in that leaf and the bounds. */
+static inline bool find_again(const ylm_grid *g, const again *k, const double p[3], float t[3]) {
+  const double *b = g->contents.form.bounds;
+  bool same = k->known;
+  for (int a = 0; a < 3; a++) {
+    double at = (p[a] - b[a]) * g->scale[a];
+    same &= (p[a] <= b[a + 3]) & (at >= k->leaf.low[a]) & (at < k->leaf.high[a]);
+    t[a] = (float)edge_fraction(at, k->origin[a], k->inverse);
+  }
+  return same;
+}
+
 /* The cell that answers for a point, and fractions of its edges; YLM_GRID_SAMPLE_OUTSIDE and _UNBAKED. */
-static inline int find_cell(const ylm_grid *g, leaf_cursor *cursor, const double p[3],
-                            const float normal[3], const ylm_grid_walls *walls, uint32_t *cell,
-                            float t[3]) {
+static inline int find_cell(const ylm_grid *g, again *k, const double p[3], const float normal[3],
+                            const ylm_grid_walls *walls, uint32_t *cell, float t[3]) {
+  if (find_again(g, k, p, t)) {
+    *cell = k->cell;
+    return k->flags;
+  }
   double at[3];
   bool outside = !ylm__grid_coordinates(g, p, at);
-  uint32_t found = ylm__grid_leaf_again(g, cursor, at);
+  uint32_t found = ylm__grid_leaf_again(g, &k->leaf, at);
   const ylm_grid_cell *leaf = &g->cell[found], *c = leaf->detail ? leaf : &g->cell[leaf->source];
   const ylm_grid_side *side = ylm__grid_side_of(g, found);
+  k->known = false;
   if (side) {
     *cell = find_part(g, side, p, normal, walls);
     bool away = ylm__grid_fractions(g, leaf, at, t);
     return (outside ? YLM_GRID_SAMPLE_OUTSIDE : 0) | (away ? YLM_GRID_SAMPLE_UNBAKED : 0);
   }
   bool moved = ylm__grid_fractions(g, c, at, t);
-  bool unbaked = moved || !(leaf->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED));
+  bool unbaked = !(leaf->flags & (YLM_GRID_BAKED | YLM_GRID_ADDED));
   *cell = leaf->detail ? found : leaf->source;
-  return (outside ? YLM_GRID_SAMPLE_OUTSIDE : 0) | (unbaked ? YLM_GRID_SAMPLE_UNBAKED : 0);
+  keep_again(g, c, *cell, unbaked ? YLM_GRID_SAMPLE_UNBAKED : 0, k);
+  return (outside ? YLM_GRID_SAMPLE_OUTSIDE : 0) | (moved || unbaked ? YLM_GRID_SAMPLE_UNBAKED : 0);
 }
 
 /* Finds cells and fractions of a chunk's n points. */
 static void locate(sampling *s, chunk *k, size_t n) {
   const ylm_grid *g = s->g;
   uint64_t outside = 0, unbaked = 0;
-  leaf_cursor cursor = {.leaf = YLM_GRID_NONE};
+  again cursor = {.leaf = {.leaf = YLM_GRID_NONE}};
   for (size_t i = 0; i < n; i++) {
     double p[3];
     read_point(s, k->first + i, p);
@@ -311,7 +350,7 @@ typedef struct flagging {
 static ylm_status flag_points(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const flagging *f = context;
-  leaf_cursor cursor = {.leaf = YLM_GRID_NONE};
+  again cursor = {.leaf = {.leaf = YLM_GRID_NONE}};
   for (size_t i = begin; i < end; i++) {
     double p[3];
     uint32_t cell;

@@ -22,14 +22,12 @@ static void gather_viewers(const block *b, size_t caster, viewers *v) {
   for (size_t j = b->by_caster_first[caster]; j < b->by_caster_first[caster + 1]; j++) {
     size_t seen = b->by_caster[j];
     const double *at = b->point[b->seen[seen].point];
-    double x = at[0] - c->at[0], y = at[1] - c->at[1], z = at[2] - c->at[2], p[3];
+    double x = at[0] - c->at[0], y = at[1] - c->at[1], z = at[2] - c->at[2];
     for (size_t a = 0; a < 3; a++) {
-      p[a] = r[a] * x + r[3 + a] * y + r[6 + a] * z;
-      if (c->scale != 1) p[a] /= c->scale;
-      v->at[3 * v->n + a] = (real)p[a];
-      p[a] -= c->centre[a];
+      double p = r[a] * x + r[3 + a] * y + r[6 + a] * z;
+      v->at[3 * v->n + a] = (real)(c->scale == 1 ? p : p / c->scale);
     }
-    if (c->far > 0) v->distance[v->n] = sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]);
+    if (c->far > 0) v->distance[v->n] = b->seen[seen].distance / c->scale;
     v->far |= c->far > 0 && v->distance[v->n] > SHADOW_BLEND * c->far;
     v->seen[v->n++] = seen;
   }
