@@ -29,9 +29,12 @@
 #define DENSER_ERROR 0.1
 /* The least component, along the axis of a rectangle, of the normal of a plane that gets these. */
 #define FLAT_LEAST 0.1
-/* Random places from which all others are chosen, and those that a rectangle needs to be halved. */
+/* Random places from which all others are chosen; of a budget, as many for each of its corners, and at least. */
 #define PLACES 1000000
+#define PLACES_CORNER 2000
+#define PLACES_BUDGET 200000
 #define SITE_BLOCK 4000
+/* A rectangle with fewer is not halved. */
 #define PLACES_LEAST 22
 /* One of so many is for judges alone. */
 #define JUDGES_SHARE 8

@@ -33,8 +33,16 @@ static ylm_status draw_blocks(void *context, size_t begin, size_t end, int worke
   return YLM_OK;
 }
 
+/* How many places are spread over all surfaces: a budget of few corners chooses from fewer. */
+static size_t places_of(const surface_bake *b) {
+  size_t corners = b->form->corners;
+  if (corners == 0 || corners >= PLACES / PLACES_CORNER || b->form->like) return PLACES;
+  size_t n = PLACES_CORNER * corners;
+  return n < PLACES_BUDGET ? PLACES_BUDGET : n;
+}
+
 static ylm_status draw_sites(surface_bake *b) {
-  size_t blocks = b->charts.area > 0 ? PLACES / SITE_BLOCK : 0;
+  size_t blocks = b->charts.area > 0 ? places_of(b) / SITE_BLOCK : 0;
   drawing j = {b, ylm_radiosity_transfer(b->r),
                ylm__surface_areas(&b->charts, ylm_radiosity_transfer(b->r)),
                ylm_alloc(blocks, sizeof *j.n)};

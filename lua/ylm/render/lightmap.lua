@@ -218,8 +218,8 @@ describe "scene:lightmap" {
     .. "writing; nil, message, code: memory, cancelled, 'ELIMIT' where the charts do not fit into the texels, 'EFORMAT' where "
     .. "resume is no such file",
   example = room .. [[
-local light = scene:lightmap { texels = 1024, rays = 4 }
-assert(light.stats.charts >= 6 and light.stats.width * light.stats.height <= 1024)]],
+local light = scene:lightmap { texels = 256, rays = 4 }
+assert(light.stats.charts >= 6 and light.stats.width * light.stats.height <= 256)]],
 }
 function lightmaps.lightmap(s, given)
   tracing.check_scene("lightmap", s)
@@ -247,7 +247,7 @@ describe "lightmap:irradiance" {
     { "charts", "array", "float [n], the charts that they lie on, from 1; 0: none" } },
   errors = "raises on other shapes, and where a point lies on no surface; nil, message, code where memory runs out",
   example = room .. [[
-local light = scene:lightmap { texels = 1024, rays = 4 }
+local light = scene:lightmap { texels = 256, rays = 4 }
 assert(light:irradiance({ { 0, 1, 0 } }, { { 0, -1, 0 } }):get(1, 1) > 0)]],
 }
 function methods.irradiance(map, points, normals)
@@ -265,7 +265,7 @@ describe "lightmap:image" {
     .. "d and the flow" } },
   errors = "raises on what is no lightmap; nil, message, code where memory runs out",
   example = room .. [[
-local image = scene:lightmap({ texels = 1024, rays = 4 }):image()
+local image = scene:lightmap({ texels = 256, rays = 4 }):image()
 assert(image:layer "irradiance":get(4, 4, 1) > 0)]],
 }
 function methods.image(map)
@@ -283,7 +283,7 @@ describe "lightmap:pieces" {
     .. "the back of it, whose triangles and normals are turned, material, name }" } },
   errors = "raises on what is no lightmap; nil, message, code where memory runs out",
   example = room .. [[
-local pieces = scene:lightmap({ texels = 1024, rays = 4 }):pieces()
+local pieces = scene:lightmap({ texels = 256, rays = 4 }):pieces()
 assert(#pieces == 1 and pieces[1].back and #pieces[1].mesh >= 12)]],
 }
 function methods.pieces(map)
@@ -312,7 +312,7 @@ describe "lightmap:save" {
     .. "bytes: of a page; exposure: stops of lit and of a page; lamps: that are left to draw" } },
   errors = "raises on another ending or a bad option; nil, message, code: files, memory",
   example = room .. [[
-local light, name = scene:lightmap { texels = 1024, rays = 4 }, os.tmpname()
+local light, name = scene:lightmap { texels = 256, rays = 4 }, os.tmpname()
 local _, facts = assert(light:save(name .. ".glb", { embed = true }))
 assert(#facts.files == 1 and facts.range > 0)
 os.remove(name .. ".glb")
@@ -327,7 +327,7 @@ describe "lightmap:close" {
   arguments = {},
   returns = {},
   errors = "raises on what is no lightmap",
-  example = room .. "scene:lightmap({ texels = 1024, rays = 4 }):close()",
+  example = room .. "scene:lightmap({ texels = 256, rays = 4 }):close()",
 }
 function methods.close(map)
   if core.type(map) ~= "ylm.lightmap" then

@@ -178,7 +178,7 @@ local scene = ylm.scene "a room" {
 
 --- A coarse one, in a third of the time.
 local coarse = room .. [[
-local light = scene:surface_grid { tolerance = 0.5, judge = "field", rays = 16, links = scene:links { spacing = 0.5, rays = 64 } }
+local light = scene:surface_grid { tolerance = 0.5, corners = 100, judge = "field", rays = 16 }
 ]]
 
 describe "scene:surface_grid" {
@@ -192,7 +192,7 @@ describe "scene:surface_grid" {
   errors = "raises on a bad option, where there is no geometry, and on a file of another scene; nil, message, code: files, "
     .. "memory, cancelled",
   example = room .. [[
-local light = scene:surface_grid { tolerance = 0.2 }
+local light = scene:surface_grid { tolerance = 0.3 }
 assert(light.stats.met and light.stats.corners < 1000)
 local E = light:irradiance({ { 0, -1, 0 }, { 0.5, -1, 0.2 } }, { { 0, 1, 0 }, { 0, 1, 0 } })
 assert(E:get(1, 1) > E:get(2, 1))]],
