@@ -19,7 +19,7 @@ describe("a picture by a grid of all light of a room with sun, lmax 2", function
         ylm.box { at = { -0.6, 0.4, -0.5 }, scale = { 0.5, 0.8, 0.5 }, material = white },
       },
       lights = { ylm.sun_light { direction = { 1, 0.9, 0.25 }, irradiance = 20 } },
-      probes = ylm.uniform_grid { cells = { 8, 6, 6 }, lmax = 2 },
+      probes = ylm.uniform_grid { cells = { 8, 6, 6 }, lmax = 2 }, links = ylm.links { spacing = 0.3, rays = 64 },
     }
     local sun = scene.lights[1] or scene.lights
     grid = assert(ylm.bake(scene.probes, function(p, lmax, channels) -- the sun alone, which rings, and no walls

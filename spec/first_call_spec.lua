@@ -9,9 +9,9 @@ local scratch = require "spec.support.scratch"
 
 help.load()
 
---- Name -> text of a program that runs the example with `ylm` and the constructors at hand; of every sixth name, or of all.
+--- Name -> text of a program that runs the example with `ylm` and the constructors at hand; of every twelfth name, or of all.
 local function programs()
-  local list, names, every = {}, {}, long(6, 1)
+  local list, names, every = {}, {}, long(12, 1)
   local function add(name, text)
     if not (loadstring or load)(text) then text = "return " .. text end
     list[name] = 'local ylm = require "ylm"\nsetmetatable(_G, { __index = function(_, name) return ylm[name] end })\n'

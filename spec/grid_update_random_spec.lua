@@ -1,9 +1,11 @@
 --- grid:update, random updates of all kinds: what report.met says is true. spec/bench/updates.lua runs many more.
 
+local long = require "spec.support.long"
 local updates = require "spec.support.random_updates"
 
 local JUDGES, STEPS = 4000, 8
-local SEEDS = { 7, 8, 9, 12, 14, 16, 20, 34 } -- in all but one of which too few held-out points once called a grid good
+-- In all but one of these too few held-out points once called a grid good.
+local SEEDS = long({ 7, 9, 14, 20 }, { 7, 8, 9, 12, 14, 16, 20, 34 })
 
 describe("grid:update at random", function()
   local seen = {}

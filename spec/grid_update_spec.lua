@@ -79,7 +79,7 @@ describe("grid:update", function()
   end)
 
   for _, d in ipairs { descriptions[1], descriptions[2], descriptions[5] } do
-    local updates = d.tolerance and long(150, 1000) or 1000
+    local updates = d.tolerance and long(75, 1000) or long(400, 1000)
     it(("is right after %d updates: grid %s"):format(updates, d.name), function()
       local r, lights = random(SEED), canopy(60)
       local grid = bake(d, lights, true)

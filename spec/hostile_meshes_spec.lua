@@ -23,7 +23,7 @@ local function is_light(x) return x >= 0 and x < math.huge end
 --- Bakes a surface grid of a scene and checks its numbers.
 local function light_surfaces(name, scene, quantity)
   local light = quietly(function()
-    return assert(scene:surface_grid { tolerance = 0.5, judge = "field", corners = 200, rays = 16, quantity = quantity,
+    return assert(scene:surface_grid { tolerance = 0.5, judge = "field", corners = 100, rays = 16, quantity = quantity,
       links = scene:links { spacing = 1, rays = 16 } })
   end)
   local corners, values = light:rectangles()
@@ -92,7 +92,7 @@ describe("meshes that are no solid bodies", function()
   end)
 
   it("of very many triangles in one voxel end in little time and memory", function()
-    local many = mesh(hostile.cluster(long(20000, 1000000)), { sides = "front" })
+    local many = mesh(hostile.cluster(long(6000, 1000000)), { sides = "front" })
     local scene = ylm.scene "a cluster" { geometry = { ylm.box { scale = 4, material = grey }, many }, lights = lamp }
     local light = light_surfaces("cluster", scene, "indirect")
     assert.is_true(light.stats.charts <= 18, light.stats.charts)

@@ -272,7 +272,7 @@ describe("direct light of elements", function()
       return links, light, core.owned(light, "made").lib
     end
     local links, light, lib = lit(64, 64)
-    local _, truth = lit(512, 256)
+    local _, truth = lit(256, 128)
     local e, plain, averaged = links:elements(), light:leaving(), lib.radiosity_values(light, "averaged")
     local exact, sums, n = truth:leaving(), { 0, 0, 0, 0 }, 0
     for i = 1, #e.area do

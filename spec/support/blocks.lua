@@ -20,8 +20,9 @@ function blocks.of(text)
 end
 
 --- A program whose pictures of scenes are a quarter as wide and high, whose scenes have few links, whose lattices of eight cells
--- and more have half of them along each axis, whose files have a quarter of the bytes, and whose tolerances of rooms' light,
--- which paths judge, are four times as wide; elements judge light on surfaces: its calls are those of the page.
+-- and more have half of them along each axis, whose lightmaps have half as many texels along each side,
+-- whose files have a quarter of the bytes, and whose tolerances of rooms' light are four times as wide; few paths judge plans,
+-- and elements bounced light: its calls are those of the page.
 local function small(code)
   code = code:gsub("(:%l+ { size = {) (%d%d%d+), (%d%d%d+) }", function(head, w, h)
     return ("%s %d, %d }"):format(head, math.floor(w / 4), math.floor(h / 4))
@@ -37,6 +38,9 @@ local function small(code)
     for a = 1, 3 do cells[a] = ("%d"):format(tonumber(cells[a]) >= 8 and cells[a] / 2 or cells[a]) end
     return head .. " " .. table.concat(cells, ", ") .. " }"
   end)
+  code = code:gsub(':bake { quantity = "indirect"', '%0, judge = "field"')
+  code = code:gsub("texels = (%d%d+) %* (%d%d+)", function(w, h) return ("texels = %d * %d"):format(w / 2, h / 2) end)
+  code = code:gsub("judge( +)= %d+", "judge%1= 128")
   code = code:gsub("(bytes = )(%d%d%d%d+)", function(head, n) return ("%s%d"):format(head, math.floor(n / 4)) end)
   local of = code:find('quantity = "indirect"', 1, true) and "" or ":surface_grid { "
   code = code:gsub("(" .. of .. "tolerance = )(0%.%d+)", function(head, x) return head .. math.min(4 * x, 0.5) end)

@@ -11,7 +11,7 @@ local made, shut -- one serves all cases that leave it open, one those of a clos
 
 local function fresh(ylm)
   local s = scene(ylm)
-  return s:surface_grid { tolerance = 1, judge = "field", links = s:links { spacing = 1, rays = 16 }, rays = 16 }
+  return s:surface_grid { tolerance = 1, corners = 16, judge = "field", links = s:links { spacing = 1, rays = 16 }, rays = 16 }
 end
 
 local function light(ylm)
@@ -39,11 +39,12 @@ end
 
 -- Lightmaps --------------------------------------------------------------------------------------
 
-local picture
+local picture, gone -- as above
 
-local function fresh_map(ylm)
+--- A lightmap of that many texels.
+local function fresh_map(ylm, texels)
   local s = scene(ylm)
-  return s:lightmap { texels = 256, links = s:links { spacing = 1, rays = 16 }, rays = 4 }
+  return s:lightmap { texels = texels or 256, links = s:links { spacing = 1, rays = 16 }, rays = 4 }
 end
 
 local function map(ylm)
@@ -60,9 +61,11 @@ local function of_map(name, list)
   local out = { { call = function(ylm) return map(ylm)[name]({}) end, says = name .. ": a lightmap expected before the colon" } }
   if name ~= "close" then
     out[2] = { call = function(ylm)
-      local m = fresh_map(ylm)
-      m:close()
-      return m[name](m)
+      if not gone then
+        gone = fresh_map(ylm)
+        gone:close()
+      end
+      return gone[name](gone)
     end, says = name .. ": the lightmap has been closed" }
   end
   for _, case in ipairs(list or {}) do out[#out + 1] = case end
@@ -77,7 +80,7 @@ return {
     map_given({ rays = 6 }, "rays must be"), map_given({ light_samples = 0 }, "light_samples must be"),
     map_given({ texel = 100 }, "did you mean 'texels'"), map_given({ seed = nan }, "seed must be"),
     map_given({ gutter = -1 }, "gutter must be"), map_given({ quantity = "indirect", bounces = 0 }, "would be dark"),
-    map_given({ texels = 16, rays = 4 }, "6 charts with gutters of 1 do not fit into 16 texels"),
+    { call = function(ylm) return fresh_map(ylm, 16) end, says = "6 charts with gutters of 1 do not fit into 16 texels" },
     { call = function(ylm) return scene(ylm).lightmap({}) end, says = "lightmap: a scene expected before the colon" },
     { call = function(ylm) return ylm.scene "empty" {}:lightmap() end, says = "has no geometry, so no surfaces" },
   },
