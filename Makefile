@@ -194,8 +194,8 @@ $(BUILD)/obj/trace/%.o: csrc/trace/%.c $(EMBREE_IS)
 
 # Files of few bytes are decoded to the same bits on every machine: products and sums are not contracted.
 $(BUILD)/obj/grid/small/%.o: CFLAGS += -ffp-contract=off
-# Surfaces at places have the same bits by all kernels and one by one.
-$(BUILD)/obj/scene/scene.o $(BUILD)/obj/scene/surface.%.o: CFLAGS += -ffp-contract=off
+# Surfaces at places, and weights of few lamps there, have the same bits by all kernels and one by one.
+$(addprefix $(BUILD)/obj/scene/,scene.o patch.o sphere.o weights.o surface.%.o ahead.%.o): CFLAGS += -ffp-contract=off
 # Files that hand on to devices, pages, processes and other files' readers.
 $(BUILD)/obj/vulkan/%.o $(BUILD)/obj/figure/%.o $(BUILD)/obj/codec/gltf/%.o $(BUILD)/obj/mpi/%.o: CFLAGS += $(HAND_ON)
 $(BUILD)/obj/%.o: csrc/%.c

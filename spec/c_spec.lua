@@ -145,6 +145,15 @@ describe("the C library", function()
     end
   end)
 
+  it("weighs few lamps at many places with the bits of one place after the other, by every kernel", function()
+    local program = support "ahead"
+    for _, isa in ipairs(ylm.info().kernels) do
+      local out = runs("%s %s", env("YLM_ISA=" .. isa), program)
+      local dark = tonumber(out:match "^3999 places, (%d+) dark, 0 differ, the first is 0\n$")
+      assert(dark and dark < 1000, isa .. ": " .. out)
+    end
+  end)
+
   it("tells rays that meet few lamps as it tells them among many", function()
     local out, scenes = runs("%s %s", env(), support "looks"), 0
     for met, differ in out:gmatch "90000 rays, (%d+) meet lamps, (%d+) differ\n" do

@@ -104,6 +104,17 @@ static void aim(path_tile *t, uint32_t v, const double u[3]) {
   l->n++;
 }
 
+/* Tells the chooser of the vertices from v on. */
+static void look_ahead(path_tile *t, size_t v) {
+  float x[YLM_SCENE_AHEAD][3], normal[YLM_SCENE_AHEAD][3];
+  size_t n = t->n - v < YLM_SCENE_AHEAD ? t->n - v : YLM_SCENE_AHEAD;
+  for (size_t k = 0; k < n; k++) {
+    memcpy(x[k], t->vertex[v + k].at.lit, 12);
+    memcpy(normal[k], t->vertex[v + k].at.normal, 12);
+  }
+  ylm_scene_look_ahead(t->lamps, n, (const float(*)[3])x, (const float(*)[3])normal);
+}
+
 /* Aims at lamps from all vertices, and adds the lamps that material rays meet. */
 static void gather(path_tile *t, bool first) {
   ylm_path_strategy strategy = t->job->o->strategy;
@@ -116,7 +127,8 @@ static void gather(path_tile *t, bool first) {
     if (strategy != YLM_PATH_MATERIAL) {
       double u[3];
       for (int a = 0; a < 3; a++) u[a] = first ? p->light[a] : ylm__path_random(&p->rng);
-      if (ylm_scene_choose(t->lamps, at->lit, at->normal)) aim(t, v, u);
+      if (v % YLM_SCENE_AHEAD == 0) look_ahead(t, v);
+      if (ylm_scene_choose_ahead(t->lamps, v % YLM_SCENE_AHEAD, at->lit, at->normal)) aim(t, v, u);
     }
     if (i >= r->n || r->of[i] != v) continue;
     if (strategy != YLM_PATH_LIGHTS) {

@@ -144,8 +144,15 @@ void ylm__path_tile_seed(path_tile *t);
 /* Turns first hits into vertices, sorted by material; drops rays that hit nothing. */
 void ylm__path_tile_vertices(path_tile *t);
 /* A direction in the vertex's frame, and back. */
-void ylm__path_inward(const path_vertex *v, const float d[3], float out[3]);
-void ylm__path_outward(const path_vertex *v, const float d[3], float out[3]);
+static inline void ylm__path_inward(const path_vertex *v, const float d[3], float out[3]) {
+  out[0] = ylm_dot3(d, v->at.tangent);
+  out[1] = ylm_dot3(d, v->other);
+  out[2] = ylm_dot3(d, v->at.normal);
+}
+static inline void ylm__path_outward(const path_vertex *v, const float d[3], float out[3]) {
+  for (int a = 0; a < 3; a++)
+    out[a] = d[0] * v->at.tangent[a] + d[1] * v->other[a] + d[2] * v->at.normal[a];
+}
 
 /* -- direct.c -------------------------------------------------------------------- */
 

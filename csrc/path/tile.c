@@ -137,17 +137,6 @@ void ylm__path_tile_seed(path_tile *t) {
 
 /* -- places ---------------------------------------------------------------------------- */
 
-void ylm__path_inward(const path_vertex *v, const float d[3], float out[3]) {
-  out[0] = ylm_dot3(d, v->at.tangent);
-  out[1] = ylm_dot3(d, v->other);
-  out[2] = ylm_dot3(d, v->at.normal);
-}
-
-void ylm__path_outward(const path_vertex *v, const float d[3], float out[3]) {
-  for (int a = 0; a < 3; a++)
-    out[a] = d[0] * v->at.tangent[a] + d[1] * v->other[a] + d[2] * v->at.normal[a];
-}
-
 /* Where light goes that follows ray d backwards, in the vertex's frame. Normals of vertices may turn
    away from the eye: what they describe is then seen along the horizon. */
 static void toward_eye(const path_vertex *v, const float d[3], float wo[3]) {

@@ -35,7 +35,9 @@ void ylm__scene_walk_to(scene_walk *w, const ylm_scene_chooser *s, double target
 
 void ylm__scene_turn(const float axis[3], double z, double u, float out[3]) {
   float a[3], b[3];
-  double r = sqrt(fmax(0, 1 - z * z)), c = r * cos(2 * YLM_PI * u), s = r * sin(2 * YLM_PI * u);
+  double r = sqrt(fmax(0, 1 - z * z)), c, s;
+  ylm_turn(u, &c, &s);
+  c *= r, s *= r;
   ylm_scene_basis(axis, a, b);
   for (int k = 0; k < 3; k++) out[k] = (float)(c * a[k] + s * b[k] + z * axis[k]);
 }
@@ -61,7 +63,9 @@ ylm_scene_chooser *ylm_scene_chooser_create(const ylm_scene *s) {
   c->sum = ylm_alloc(c->chunks, sizeof *c->sum);
   c->cut = s->tree ? ylm_alloc(1, sizeof *c->cut) : NULL;
   c->solid = s->tree ? NULL : ylm_alloc_zero(s->triangles + s->disks, sizeof *c->solid);
-  if (c->weight && c->sum && (s->tree ? c->cut != NULL : c->solid != NULL)) return c;
+  if (c->weight && c->sum && (s->tree ? c->cut != NULL : c->solid != NULL) &&
+      ylm__scene_ahead_create(c))
+    return c;
   ylm_scene_chooser_free(c);
   return NULL;
 }
@@ -72,6 +76,7 @@ void ylm_scene_chooser_free(ylm_scene_chooser *c) {
   ylm_free(c->sum);
   ylm_free(c->cut);
   ylm_free(c->solid);
+  ylm_free(c->ahead);
   ylm_free(c);
 }
 

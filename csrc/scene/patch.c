@@ -187,9 +187,10 @@ static double aim(const ylm_scene *s, size_t i, const float x[3], const double y
   float at[3];
   for (int k = 0; s->horizon && k < 3; k++) above += (double)s->horizon[3 * i + (size_t)k] * y[k];
   if (!(e > 0) || !(d > 0) || above < 0) return 0;
+  double by = 1 / d;
   for (int k = 0; k < 3; k++) {
     ray->org[k] = x[k];
-    ray->dir[k] = (float)(y[k] / d);
+    ray->dir[k] = (float)(y[k] * by);
     at[k] = (float)(p[k] = (double)x[k] + y[k]);
   }
   ylm__scene_patch_radiance(s, i, p, ray->dir, radiance);
@@ -241,12 +242,12 @@ static double far_away(const ylm_scene *s, size_t i, const float x[3], double v[
 
 /* As triangle_weight; never 0 where a corner is above the horizon. */
 static double far_weight(const scene_far *f, const double v[3], double d2, const float n[3]) {
-  double d = sqrt(d2), facing = fabs(ylm_dot3d(v, f->across)) / d, least = 0.1 * f->area;
-  double omega = (facing > least ? facing : least) / d2;
-  if (!n) return omega / YLM_PI;
-  double up = (v[0] * (double)n[0] + v[1] * (double)n[1] + v[2] * (double)n[2]) / d;
+  double by = 1 / sqrt(d2), facing = fabs(ylm_dot3d(v, f->across)) * by, least = 0.1 * f->area;
+  double part = (facing > least ? facing : least) * by * by * (1 / YLM_PI);
+  if (!n) return part;
+  double up = (v[0] * (double)n[0] + v[1] * (double)n[1] + v[2] * (double)n[2]) * by;
   /* corners are within 2/3 of the longest edge of the centre */
-  return up > -2.0 / 3 / PATCH_FAR ? omega / YLM_PI * (up > 0.2 ? up : 0.2) : 0;
+  return up > -2.0 / 3 / PATCH_FAR ? part * (up > 0.2 ? up : 0.2) : 0;
 }
 
 static void weigh_one(const ylm_scene *s, const float x[3], const float n[3], float *weight,

@@ -198,6 +198,20 @@ static inline bool ylm__scene_is_planted(int storage) { return storage <= SCENE_
 /* The storage of a lamp, whose number comes to count from its first. */
 int ylm__scene_storage_of(const ylm_scene *s, size_t *lamp);
 
+/* -- ahead.c -------------------------------------------------------------------- */
+
+/* Few lamps as they are weighed at several places. */
+typedef struct scene_ahead {
+  float x[3][YLM_SCENE_AHEAD], normal[3][YLM_SCENE_AHEAD]; /* in, to the end of a vector */
+  double weight[CHOOSE_FEW]
+               [YLM_SCENE_AHEAD]; /* of near triangles over the solid angle's part of pi */
+  /* of triangles: whether each is near, and the sides whose arc is then half the solid angle */
+  double near[CHOOSE_FEW][YLM_SCENE_AHEAD], arc[2][CHOOSE_FEW][YLM_SCENE_AHEAD];
+} scene_ahead;
+typedef void ylm_scene_ahead_fn(const ylm_scene *s, size_t n, scene_ahead *a);
+/* Makes c->ahead where a scene's lamps are few, spheres and triangles alone; false: without memory. */
+bool ylm__scene_ahead_create(ylm_scene_chooser *c);
+
 /* -- lamps.c -------------------------------------------------------------------- */
 
 struct ylm_scene_chooser {
@@ -217,6 +231,8 @@ struct ylm_scene_chooser {
   ylm_scene_spheres_fn *aim_at_spheres;
   scene_cut *cut;               /* of the tree, as it is seen from x; NULL: there is none */
   const ylm_scene_guide *guide; /* NULL: rays are aimed without */
+  scene_ahead *ahead;           /* NULL: places are not looked at ahead */
+  ylm_scene_ahead_fn *weigh_ahead;
 };
 
 /* -- guide.c -------------------------------------------------------------------- */

@@ -384,6 +384,13 @@ YLM_API size_t ylm_scene_distant_next(const ylm_scene *scene, size_t i, const fl
 **          Splitting"; Walter et al. 2005, "Lightcuts: A Scalable Approach to Illumination"
 */
 YLM_API bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const float *normal);
+/* Tells a chooser of n <= YLM_SCENE_AHEAD places on surfaces. Until it is told of others, ylm_scene_choose_ahead at place k, whose x and
+   normal are given again, is ylm_scene_choose there, with the same bits, in less time where lamps are few. */
+#define YLM_SCENE_AHEAD 16
+YLM_API void ylm_scene_look_ahead(ylm_scene_chooser *c, size_t n, const float (*x)[3],
+                                  const float (*normal)[3]);
+YLM_API bool ylm_scene_choose_ahead(ylm_scene_chooser *c, size_t k, const float x[3],
+                                    const float normal[3]);
 
 /*
 ** ylm_scene_sample - a ray from the chooser's point to a lamp.
