@@ -125,18 +125,19 @@ static ylm_status hide_near(block *b, const shadow_caster *c, viewers *v, bool d
   return s;
 }
 
-/* Rows in the body's frame become rows where it stands. */
-static ylm_status place(block *b, size_t caster, const viewers *v, real *rows) {
+/* Rows of n viewers from `from` on in the body's frame become rows where it stands. */
+static ylm_status place(block *b, size_t caster, const viewers *v, size_t from, size_t n,
+                        real *rows) {
   const shadow_query *w = b->w;
   const shadow_caster *c = &w->s->caster[caster];
   double size = c->form.scale;
   real r[9];
   ylm_status s = YLM_OK;
   if (c->turned)
-    s = ylm_sh_rotation_apply(w->turn[caster], w->q->lmax, v->n * w->rows, rows, rows, 1, NULL);
+    s = ylm_sh_rotation_apply(w->turn[caster], w->q->lmax, n * w->rows, rows, rows, 1, NULL);
   for (size_t i = 0; i < 9; i++) r[i] = (real)(c->form.rotation[i] / size);
-  for (size_t i = 0; i < v->n && (w->metric || w->rows > 1) && s == YLM_OK; i++) {
-    if (w->metric) b->blur[v->seen[i]] /= size * size;
+  for (size_t i = 0; i < n && (w->metric || w->rows > 1) && s == YLM_OK; i++) {
+    if (w->metric) b->blur[v->seen[from + i]] /= size * size;
     real *x = rows + i * w->rows * w->count + w->count, *y = x + w->count, *z = y + w->count;
     for (size_t k = 0; w->rows > 1 && k < w->count; k++) {
       real g[3] = {x[k], y[k], z[k]};
@@ -172,12 +173,12 @@ static void add_row(const shadow_query *w, real *to, const real *from) {
 #endif
 }
 
-/* Adds what a caster hides from its viewers to the layers that it is in. */
-static void add_to_layers(block *b, const viewers *v, const real *rows) {
+/* Adds what a caster hides from n viewers from `first` on to the layers that it is in. */
+static void add_to_layers(block *b, const viewers *v, size_t first, size_t n, const real *rows) {
   const shadow_query *w = b->w;
   size_t row = w->rows * w->count;
-  for (size_t i = 0; i < v->n; i++) {
-    size_t at = b->seen[v->seen[i]].row;
+  for (size_t i = 0; i < n; i++) {
+    size_t at = b->seen[v->seen[first + i]].row;
     real *to = b->layers + at * row;
     const real *from = rows + i * row;
     if (!b->filled[at]) {
@@ -185,10 +186,22 @@ static void add_to_layers(block *b, const viewers *v, const real *rows) {
       b->filled[at] = 1;
       continue;
     }
-    real first = to[0] + (from[0] - (real)LIGHT_ONE);
+    real mean = to[0] + (from[0] - (real)LIGHT_ONE);
     add_row(w, to, from);
-    to[0] = first;
+    to[0] = mean;
   }
+}
+
+/* Places rows of all viewers, some at a time that stay in the cache until they are added to layers. */
+static ylm_status place_all(block *b, size_t caster, const viewers *v, real *rows) {
+  size_t row = b->w->rows * b->w->count;
+  ylm_status s = YLM_OK;
+  for (size_t i = 0; i < v->n && s == YLM_OK; i += SHADOW_PLACED) {
+    size_t n = v->n - i < SHADOW_PLACED ? v->n - i : SHADOW_PLACED;
+    s = place(b, caster, v, i, n, rows + i * row);
+    if (s == YLM_OK && b->layered) add_to_layers(b, v, i, n, rows + i * row);
+  }
+  return s;
 }
 
 /* Visibilities of all casters; or, where layers are known, of one after the other, which are summed while they are in the cache. */
@@ -214,8 +227,7 @@ ylm_status SHADOW(hide)(block *b) {
     gather_viewers(b, k, v);
     if (v->n) s = v->far ? hide_near(b, c, v, false, rows) : hide_all(b, c, v, rows);
     if (v->far && s == YLM_OK) s = hide_near(b, c, v, true, rows);
-    if (v->n && s == YLM_OK) s = place(b, k, v, rows);
-    if (s == YLM_OK && b->layered) add_to_layers(b, v, rows);
+    if (s == YLM_OK) s = place_all(b, k, v, rows);
   }
   return s;
 }

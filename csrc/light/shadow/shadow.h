@@ -42,6 +42,8 @@ bool ylm__occluder_ball(const ylm_field *f, double at[3], double *radius);
 /* Points of a block. */
 #define SHADOW_BLOCK 256
 #define SHADOW_BLOCK_GRADIENTS 64
+/* Viewers of a caster whose rows are turned and summed at a time: those of a tile of rotations. */
+#define SHADOW_PLACED 32
 /* The width of the step at the rim of a sphere that is evaluated at nodes, in distances of nodes: in a body of several, and of
    a lone one. Of 1, errors of irradiance are twice as large. */
 #define SHADOW_STEP 2
