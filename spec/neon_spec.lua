@@ -10,7 +10,7 @@ local function has(program) return scratch.shell("command -v " .. program .. " >
 
 --- Sums of lights are compiled for degrees to this one by the generator's plans, beyond by the code of all; `make check-long`
 -- compiles all plans, of which AVX-512, with as many registers, runs the others in `make test`.
-local special = long(4, 10)
+local special = long(2, 10)
 
 --- Rooms that the programs' code refers to and never enters: their kernels are only parsed, in a tenth of the time, and by
 --- `make check-long` their other files too. A program that enters one after all jumps to address 0, and fails.

@@ -38,8 +38,8 @@ enum { YLM__M0 = 1, YLM__M1 = 2, YLM__M2 = 4 };
   X(isa, 0)                                                                                        \
   X(isa, 1)                                                                                        \
   X(isa, 2) X(isa, 3) X(isa, 4) X(isa, 5) X(isa, 6) X(isa, 7) X(isa, 8) X(isa, 9) X(isa, 10)
-#elif YLM__SPECIAL == 4
-#define YLM__SPECIAL_LIST(X, isa) X(isa, 0) X(isa, 1) X(isa, 2) X(isa, 3) X(isa, 4)
+#elif YLM__SPECIAL == 2
+#define YLM__SPECIAL_LIST(X, isa) X(isa, 0) X(isa, 1) X(isa, 2)
 #endif
 
 /* Highest degree that a set of kinds needs. */
