@@ -6,11 +6,16 @@ local ylm = require "ylm"
 
 local SIZE, SEEDS, BLOCK = { 48, 27 }, 10, 6
 
---- The room of a name, and its elements.
+--- The room of a name, and its elements: made once.
+local made = {}
 local function room(name, spacing)
-  for _, r in ipairs(interiors(ylm)) do
-    if r[1] == name then return r[2], r[2]:links({ lmax = 0, rays = 32, spacing = spacing or 0.1 }):radiosity() end
+  for _, r in ipairs(made[name] and {} or interiors(ylm)) do
+    if r[1] == name then
+      local links = r[2]:links { lmax = 0, rays = 32, spacing = spacing or 0.1 }
+      made[name] = { scene = r[2], links = links, lit = links:radiosity() }
+    end
   end
+  return made[name].scene, made[name].lit, made[name].links
 end
 
 local function shot(scene, lit, o)
@@ -69,10 +74,9 @@ describe("links that are aimed", function()
   end)
 
   it("bring lightmaps the same light with less noise", function()
-    local scene = room "shade"
-    local t = scene:links { lmax = 0, rays = 32, spacing = 0.1 }
+    local _, _, links = room "shade"
     local function look(guides)
-      local lit, sum, square = t:radiosity(nil, { guides = guides, light_samples = 64 }), nil, nil
+      local lit, sum, square = links:radiosity(nil, { guides = guides, light_samples = 64 }), nil, nil
       for seed = 1, SEEDS do
         local E = lit:lightmap { mesh = 5, size = { 24, 24 }, part = "indirect", rays = 64, seed = seed }:layer "irradiance"
         sum, square = sum and sum + E or E + 0, square and square + E * E or E * E
@@ -93,7 +97,8 @@ describe("links that are aimed", function()
   end)
 
   it("are none where nothing is lit, nor where guides are left out", function()
-    local scene, lit = room "shade"
+    local scene, _, links = room "shade"
+    local lit = links:radiosity()
     local _, report = shot(scene, lit, { seed = 1, guides = false })
     assert.is_nil(report.targets)
     lit:update(ylm.sphere_light { at = { 0, -50, 0 }, radius = 0.1, radiance = 0 })
