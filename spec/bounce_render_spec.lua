@@ -168,7 +168,7 @@ describe("a tolerance of a picture", function()
     assert.is_true(report.error <= 0.08 and report.judged.pixels > 300)
     assert.is_true(report.judged.sure and report.judged.uncertainty < 0.02 and #report.warnings == 0)
     assert.equal(report.chosen.rays, report.links)
-    assert(report.judged.samples % 1 == 0 and report.judged.samples >= 512) -- in the mean of pixels
+    assert(report.judged.samples % 1 == 0 and report.judged.samples >= 128) -- in the mean of pixels
     assert.equal("true", image.metadata.met)
   end)
 
@@ -187,10 +187,11 @@ describe("a tolerance of a picture", function()
 
   it("that is met as far as is known is said to be so", function()
     local before = ylm.on_warning(false)
-    local _, report = room():render { size = { 4, 2 }, bounces = "all", tolerance = 0.01 }
+    local _, report = room():render { size = { 4, 2 }, bounces = "all", tolerance = 0.01, seed = 4 }
+    local _, missed = room():render { size = { 4, 2 }, bounces = "all", tolerance = 0.01, seed = 5 }
     ylm.on_warning(before)
-    assert.is_true(report.met)
-    assert.is_false(report.judged.sure)
+    assert.same({ true, false }, { report.met, missed.met })
+    assert.same({ false, false }, { report.judged.sure, missed.judged.sure })
     assert.matches("tolerance 0.01 is met as far as %d+ paths of each of %d pixels can tell: the error is 0.00%d+, and may be "
       .. "0.0", report.warnings[1])
   end)

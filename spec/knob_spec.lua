@@ -104,6 +104,16 @@ describe("the judge of pixels", function()
     assert.is_true(dark > 0 and dark < 100)
   end)
 
+  it("knows the variance of its noise", function()
+    local v, off, variance = view(0), 0, 0
+    for seed = 1, 40, 2 do
+      local a, va = lib.shade_judge_pixels(v, { samples = 64, first = 1, last = 2, seed = seed })
+      local b, vb = lib.shade_judge_pixels(v, { samples = 64, first = 1, last = 2, seed = seed + 1 })
+      off, variance = off + ((a - b) ^ 2):sum(), variance + va:sum() + vb:sum()
+    end
+    assert.near(1, off / variance, 0.15)
+  end)
+
   it("needs a shading point of each camera ray", function()
     local ok, message = lib.shade_judge_pixels(view(1.5), { samples = 16, first = 1, last = 1, seed = 1 })
     assert.is_nil(ok)

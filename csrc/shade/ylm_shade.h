@@ -224,12 +224,13 @@ YLM_API ylm_status ylm_shade_judge(const ylm_shade_view *view, const ylm_path_op
 ** camera rays hit, in turn. Lamps in sight and what is behind surfaces are not in it.
 **
 **   radiance  out  [pixels][3]
+**   variance  out  [pixels][3], or NULL; 0 where 16 paths or fewer cannot tell it
 **
 ** Returns  YLM_OK; as ylm_path_places; YLM_EINVAL (shading points are vertices, or stand for several camera rays: share > 0)
 */
 YLM_API ylm_status ylm_shade_judge_pixels(const ylm_shade_view *view, const ylm_path_options *o,
-                                          float (*radiance)[3], ylm_path_stats *stats,
-                                          ylm_error *e);
+                                          float (*radiance)[3], float (*variance)[3],
+                                          ylm_path_stats *stats, ylm_error *e);
 
 /* Estimates of the radiance of a view's shading points. */
 typedef struct ylm_shade_estimate {

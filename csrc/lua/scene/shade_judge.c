@@ -62,13 +62,16 @@ static size_t pixels_of(const ylm_shade_view *v) {
   return (size_t)o->width * (size_t)o->height;
 }
 
-/* shade_judge_pixels(view, as above) -> radiance [pixels][3], rays */
+/* shade_judge_pixels(view, as above) -> radiance [pixels][3], variance [pixels][3], rays */
 static int shade_judge_pixels(lua_State *L) {
   judging j;
   ylm_shade_view *v = begin(L, &j);
-  ylmL_array *out = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){pixels_of(v), 3});
-  if (!out) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  return end(L, 1, ylm_shade_judge_pixels(v, &j.f.o, out->data, &j.stats, &j.e), &j);
+  size_t shape[] = {pixels_of(v), 3};
+  ylmL_array *mean = ylmL_array_new(L, YLM_FLOAT, 2, shape);
+  ylmL_array *variance = mean ? ylmL_array_new(L, YLM_FLOAT, 2, shape) : NULL;
+  if (!variance) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  return end(L, 2, ylm_shade_judge_pixels(v, &j.f.o, mean->data, variance->data, &j.stats, &j.e),
+             &j);
 }
 
 /* The estimate in the table at `i`: { view, radiance [n][3], another one or nil }. False: they do not fit

@@ -76,11 +76,13 @@ static ylm_status list_shown(const ylm_shade_view *v, shown_pixels *x) {
 }
 
 ylm_status ylm_shade_judge_pixels(const ylm_shade_view *v, const ylm_path_options *o,
-                                  float (*radiance)[3], ylm_path_stats *stats, ylm_error *e) {
+                                  float (*radiance)[3], float (*variance)[3], ylm_path_stats *stats,
+                                  ylm_error *e) {
   shown_pixels x;
   if (v->corner || v->o.share > 0)
     return ylm_fail(e, YLM_EINVAL, "pixels are judged by camera rays that are not grouped");
   memset(radiance, 0, v->stats.pixels * sizeof *radiance);
+  if (variance) memset(variance, 0, v->stats.pixels * sizeof *variance);
   ylm_status s = list_shown(v, &x);
   if (s == YLM_OK) {
     ylm_path_sum sum = {0, x.sums, x.sums + 3 * x.n, x.sums + 6 * x.n};
@@ -90,8 +92,10 @@ ylm_status ylm_shade_judge_pixels(const ylm_shade_view *v, const ylm_path_option
   for (size_t k = 0; s == YLM_OK && k < x.n; k++) {
     float whole = 0;
     for (size_t i = x.first[k]; i < x.first[k + 1]; i++) whole += x.weight[i];
-    for (size_t c = 0; c < 3; c++)
+    for (size_t c = 0; c < 3; c++) {
       radiance[x.pixel[k]][c] = whole * (x.sums[3 * k + c] + x.sums[3 * (x.n + k) + c]);
+      if (variance) variance[x.pixel[k]][c] = whole * whole * x.sums[3 * (2 * x.n + k) + c];
+    }
   }
   free_shown(&x);
   return s;

@@ -19,7 +19,7 @@ local warning = require "ylm.warning"
 
 local knob = {}
 
-local PIXELS, JUDGED = 512, 1024 -- by which means are chosen, and which are judged
+local PIXELS, JUDGED = 512, { 512, 2048 } -- by which means are chosen, and which are judged; more where so few leave doubt
 -- The cheap picture.
 local CHEAP = { samples = 4, share = 1.5, light_samples = 4, links = 8 }
 -- Parts of the tolerance that each cause may have; their squares add up to 0.7.
@@ -29,15 +29,18 @@ local FIRST = { light_samples = 16, links = 64, spacing = 1 / 32 }
 local MOST = { light_samples = 1024, links = 1024, elements = core.limits.transfer_elements, bytes = 2 ^ 31 }
 local POINT = 110 -- bytes of a shading point without its links
 -- Camera rays of a pixel, and which of them are shaded as one, the cheapest first; the last judges the others.
-local RAYS = { { 16, 1.5 }, { 64, 1.5 }, { 16, 0 }, { 64, 0 }, { 256, 0 } }
+local RAYS = { { 16, 1.5 }, { 64, 1.5 }, { 16, 0 }, { 32, 0 }, { 64, 0 }, { 128, 0 }, { 256, 0 } }
 local ELEMENT = { links = 128, least = 32, light_samples = 16 } -- `least` of the finest, of which a pixel sees more
--- The judge's estimates of a pixel. `pilot` of them tell its noise, by which one of the others has up to `parts` parts. Each part
--- has so many camera rays of its own, from which a path begins. The verdict is by `first` to `most` of these.
-local ROUND = { samples = 64, pilot = 4, parts = 16, first = 4, most = 512 }
+-- The judge's paths, two from each of their camera rays. `pilot` of a pixel tell its noise, by which an estimate has `samples` of
+-- it, or up to `parts` times as many. The verdict is by `first` to `most` estimates; if `anew` do not suffice, all are
+-- forgotten but the noise that they tell, and estimates have `larger` times as many paths.
+local ROUND = { pilot = 64, samples = 16, parts = 16, first = 4, anew = 16, larger = 4, most = 512 }
 local KNOWN = 0.1 -- of the squared tolerance: the judge is precise enough
+local MATTERS = 0.5 -- the least part of paths' noise in the doubt that more of them may end
 -- The bound on pixels that were not drawn is that of Maurer and Pontil 2009, Theorem 4, at a confidence of 95 %: of `TERM`
--- standard errors, and RANGE times the largest part of the sum that a pixel has, of those that may be missed.
-local TERM, RANGE = math.sqrt(2 * math.log(2 / 0.05)), 7 / 3 * math.log(2 / 0.05)
+-- standard errors, and RANGE times the largest part of the sum that a pixel has, of those that may be missed. Noise makes the
+-- largest of many larger: NOISY standard errors of a part are taken off.
+local TERM, RANGE, NOISY = math.sqrt(2 * math.log(2 / 0.05)), 7 / 3 * math.log(2 / 0.05), 2
 
 knob.fields = {
   { "tolerance", "number", min = 0.001, max = 1, optional = true,
@@ -220,7 +223,8 @@ local function choose_links(x)
     local a = gather(x, v, x.lit, c.links, nil, 0)
     causes.links = difference(x, v, a, gather(x, v, x.lit, c.links, nil, 1)) / math.sqrt(2)
     if causes.links <= aim or x.given.rays or c.links >= most then return end
-    c.links = math.min(most, 4 * math.ceil(c.links / 4 * math.min(16, math.max(1.25, 1.1 * (causes.links / aim) ^ 2))))
+    local times = 1.1 * (causes.links / aim) ^ (4 / 3) -- it falls as n^(-3/4), or a little less
+    c.links = math.min(most, 4 * math.ceil(c.links / 4 * math.min(16, math.max(1.25, times))))
   end
 end
 
@@ -238,52 +242,61 @@ local function channels_of(x, v, picture)
   return out
 end
 
---- An estimate of the radiance of `pixels`, an array [n][3]: by paths through camera rays of its own.
-local function ask_paths(x, pixels, number)
-  local seed = (x.o.seed + 101 * number) % core.limits.seed
-  local v = look(x, ROUND.samples, 0, seed, pixels)
-  local mean, rays = need(check.result(x.name, x.lib.shade_judge_pixels(v.view, { samples = ROUND.samples, first = 1,
+--- An estimate of the radiance of `pixels`, an array [n][3], by so many paths of each, and its variance.
+local function ask_paths(x, pixels, samples)
+  x.judged.estimates = x.judged.estimates + 1
+  local seed = (x.o.seed + 101 * x.judged.estimates) % core.limits.seed
+  local v = look(x, math.max(ROUND.samples, samples / 2), 0, seed, pixels)
+  local mean, variance, rays = need(check.result(x.name, x.lib.shade_judge_pixels(v.view, { samples = samples, first = 1,
     last = x.bounces == "all" and -1 or x.bounces + 1, guides = true, single = true, kept = x.guides, seed = seed,
     threads = x.threads, progress = x.bar })))
   v.view:close()
-  x.judged.rays, x.judged.samples = x.judged.rays + rays, x.judged.samples + ROUND.samples * #pixels
-  return mean
+  x.judged.rays, x.judged.samples = x.judged.rays + rays, x.judged.samples + samples * #pixels
+  return mean, variance
 end
 
---- Adds estimate number k of the pixels to sums and sums of squares of their channels; that of pixel i has parts[i] parts.
-local function add_estimate(x, k, parts, sum, squares)
-  local mean, part = {}, 0
-  for i = 1, 3 * #x.pixels do mean[i] = 0 end
-  repeat
-    local pixels, which = {}, {}
-    for i, number in ipairs(x.pixels) do
-      if parts[i] > part then pixels[#pixels + 1], which[#which + 1] = number, i end
-    end
-    if pixels[1] then
-      local found = ask_paths(x, pixels, ROUND.parts * k + part)
-      for n, i in ipairs(which) do
-        for c = 1, 3 do mean[3 * (i - 1) + c] = mean[3 * (i - 1) + c] + found:get(n, c) / parts[i] end
+--- Groups of pixels, each with the paths of an estimate: { paths, pixels, which }. They have least noise of the verdict for all
+-- their paths, as far as `variance`, a list of three of each pixel, tells, of estimates of one number of paths.
+local function groups_of(x, variance, size)
+  local share, total, groups, list = {}, 0, {}, {}
+  for i, w in ipairs(x.weights) do
+    local v = variance[3 * i - 2] + variance[3 * i - 1] + variance[3 * i]
+    share[i] = (w ^ 0.5 * v) ^ (2 / 3)
+    total = total + share[i]
+  end
+  for i, s in ipairs(share) do
+    local parts = 1
+    while parts < ROUND.parts and s * #share > 1.5 * parts * total do parts = 2 * parts end
+    local g = groups[parts] or { paths = parts * size, pixels = {}, which = {} }
+    groups[parts] = g
+    g.pixels[#g.pixels + 1], g.which[#g.which + 1] = x.pixels[i], i
+  end
+  for parts = 1, ROUND.parts do list[#list + 1] = groups[parts] end
+  return list
+end
+
+--- Adds an estimate of the pixels to sums and sums of squares of their channels.
+local function add_estimate(x, groups, sum, squares)
+  for _, g in ipairs(groups) do
+    local mean = ask_paths(x, g.pixels, g.paths)
+    for n, i in ipairs(g.which) do
+      for c = 1, 3 do
+        local at, m = 3 * (i - 1) + c, mean:get(n, c)
+        sum[at], squares[at] = (sum[at] or 0) + m, (squares[at] or 0) + m * m
       end
     end
-    part = part + 1
-  until not pixels[1]
-  for i, m in ipairs(mean) do sum[i], squares[i] = (sum[i] or 0) + m, (squares[i] or 0) + m * m end
+  end
 end
 
---- Into how many parts the estimates of the pixels fall: least noise of the verdict for all their paths, as far as k estimates
--- tell. These are then forgotten, since a pixel that has paths by its own noise is biased by them.
-local function share_paths(x, sum, squares, k)
-  local parts, total = {}, 0
-  for i, w in ipairs(x.weights) do
-    local v = 0
-    for c = 3 * i - 2, 3 * i do v = v + math.max(0, squares[c] / k - (sum[c] / k) ^ 2) end
-    parts[i] = (w ^ 0.5 * v) ^ (2 / 3)
-    total = total + parts[i]
+--- The variance of one path of each channel, by k estimates.
+local function variance_of_path(groups, sum, squares, k)
+  local v = {}
+  for _, g in ipairs(groups) do
+    for _, i in ipairs(g.which) do
+      for c = 3 * i - 2, 3 * i do v[c] = g.paths * math.max(0, squares[c] / k - (sum[c] / k) ^ 2) end
+    end
   end
-  for i, p in ipairs(parts) do
-    parts[i] = total > 0 and math.max(1, math.min(ROUND.parts, math.floor(p * #parts / total + 0.5))) or 1
-  end
-  return parts
+  return v
 end
 
 --- Of a pixel whose channels begin at i: its squared distance from the mean of k estimates, the variance of that, which the
@@ -315,22 +328,22 @@ local function variance_of(e, w)
 end
 
 --- The squared relative distance of pixels `a` from the mean of k estimates, which are known by their sums and sums of
--- squares; its standard error, and what a pixel that was not drawn may add at most, if its error is no larger for its
--- probability than the largest that was drawn.
+-- squares: { square, its standard error u, the part of that by the noise of paths, missed }: what pixels that were not drawn may
+-- add, if the error of none is larger for its probability than the largest that was drawn.
 local function distance(x, a, sum, squares, k)
   local w, e, total, n, noise, square, most, loose = x.weights, {}, 0, 0, 0, 0, 0, 0
-  local noisy = 0 -- the standard error of the largest term
+  local own = 0 -- of paths alone
   for i = 1, #w do
     local known, mean
     e[i], known, mean = pixel_distance(a, sum, squares, k, 3 * i - 2)
     if x.shown[i] then n = n + w[i] end
-    total, square, noise = total + w[i] * mean, square + w[i] * e[i], noise + w[i] * known
-    if w[i] > 1 then loose = loose + 1 end
-    if w[i] > 1 and w[i] * e[i] > most then most, noisy = w[i] * e[i], w[i] * math.sqrt(known) end
+    total, square, noise, own = total + w[i] * mean, square + w[i] * e[i], noise + w[i] * known, own + w[i] ^ 2 * known
+    if w[i] > 1 then loose, most = loose + 1, math.max(most, w[i] * (e[i] - NOISY * math.sqrt(known))) end
   end
   local scale = 1 / math.max(n, 1) / math.max((total / math.max(n, 1)) ^ 2, 1e-300)
-  most = math.max(0, most - noisy)
-  return square * scale, math.sqrt(variance_of(e, w) + noise) * scale, most * loose / math.max(1, loose - 1) * scale
+  most = math.max(most, square / math.max(#w, 1)) -- the mean
+  return { square = square * scale, u = math.sqrt(variance_of(e, w) + noise) * scale, noise = math.sqrt(own) * scale,
+    missed = most * loose / math.max(1, loose - 1) * scale }
 end
 
 --- Which pixels show surfaces: list of true or false, and their number.
@@ -344,33 +357,52 @@ local function surfaces(x, v)
 end
 
 --- The part by which the squared error may be larger, at a confidence of 95 %.
-local function bound(u, missed) return TERM * u + RANGE * missed end
+local function bound(found) return TERM * found.u + RANGE * found.missed end
 
---- The squared error of the picture's own pixels against the path tracer, which traces more paths until it is sure; its
--- standard error, and what pixels that were not drawn may add.
-local function ask_judge(x, seen)
-  local c, limit, sum, squares, parts = x.chosen, x.tolerance ^ 2, {}, {}, {}
-  local v = look(x, c.samples, c.share)
-  local a = channels_of(x, v, seen)
+--- The picture's own pixels in a list, a, without those in which a lamp is in sight.
+local function judged_pixels(x, seen)
+  local v = look(x, x.chosen.samples, x.chosen.share)
+  local all, a, pixels, weights, shown = channels_of(x, v, seen), {}, {}, {}, {}
   hide_lamps(x, v)
-  x.shown, x.judged.pixels = surfaces(x, v)
+  local surface, count = surfaces(x, v)
   v.view:close()
-  for i in ipairs(x.pixels) do parts[i] = 1 end
-  for k = 1, ROUND.pilot do add_estimate(x, k, parts, sum, squares) end
-  parts, sum, squares = share_paths(x, sum, squares, ROUND.pilot), {}, {}
+  for i, w in ipairs(x.weights) do
+    if w > 0 then
+      local n = #pixels + 1
+      pixels[n], weights[n], shown[n] = x.pixels[i], w, surface[i]
+      for c = 1, 3 do a[3 * (n - 1) + c] = all[3 * (i - 1) + c] end
+    end
+  end
+  x.pixels, x.weights, x.shown, x.judged.pixels = pixels, weights, shown, count
+  return a
+end
+
+--- Whether this distance from paths settles whether the tolerance is kept, or is known well enough.
+local function settles(x, found)
+  local limit, least = x.tolerance ^ 2, math.max(found.square, x.noise)
+  if math.abs(least - limit) > bound(found) then return true end
+  return found.u <= KNOWN * limit and TERM * found.u <= RANGE * found.missed
+end
+
+--- The distance of the picture's own pixels from the path tracer, which traces more paths until it is settled, or the noise of
+-- paths is too little of what is not known.
+local function ask_judge(x, a)
+  local sum, squares, size = {}, {}, ROUND.samples
+  local _, variance = ask_paths(x, x.pixels, ROUND.pilot)
+  local groups = groups_of(x, variance:reshape { 3 * #x.pixels }:totable(), size)
   local k, check_at = 0, ROUND.first
   while true do
     k = k + 1
-    add_estimate(x, ROUND.pilot + k, parts, sum, squares)
+    add_estimate(x, groups, sum, squares)
     if k == check_at then
-      local square, u, missed = distance(x, a, sum, squares, k)
-      local least = math.max(square, x.noise)
-      local precise = u <= KNOWN * limit and (least + bound(u, missed) <= limit or TERM * u <= RANGE * missed)
-      if precise or math.abs(least - limit) > bound(u, missed) or k >= ROUND.most then
-        x.judged.samples = math.floor(x.judged.samples / #x.pixels + 0.5)
-        return square, u, missed
+      local found = distance(x, a, sum, squares, k)
+      if settles(x, found) or TERM * found.noise < MATTERS * bound(found) or k >= ROUND.most then return found end
+      check_at = math.ceil(1.5 * k)
+      if size == ROUND.samples and check_at > ROUND.anew then
+        size = ROUND.larger * size
+        groups, sum, squares = groups_of(x, variance_of_path(groups, sum, squares, k), size), {}, {}
+        k, check_at = 0, ROUND.first
       end
-      check_at = 2 * k
     end
   end
 end
@@ -405,15 +437,15 @@ local function cause_of(x, error)
     c.elements, c.spacing, c.spacing / 2)
 end
 
---- The verdict on a picture of this squared error, known to a standard error of u; pixels that were not drawn may add
--- `missed`. Noise that two estimates have shown is the least error.
-local function verdict(x, square, u, missed)
-  local error = math.sqrt(math.max(0, square, x.noise))
-  local most = math.sqrt(error ^ 2 + bound(u, missed))
+--- The verdict on a picture that is so far from paths. Noise that two estimates have shown is the least error.
+local function verdict(x, found)
+  local error, u = math.sqrt(math.max(0, found.square, x.noise)), found.u
+  local most = math.sqrt(error ^ 2 + bound(found))
   local out = { tolerance = x.tolerance, error = error, met = error <= x.tolerance, causes = x.causes,
     judged = { pixels = x.judged.pixels, samples = x.judged.samples, rays = x.judged.rays, sure = true,
       uncertainty = math.sqrt(error ^ 2 + u) - error, most = most, seconds = x.seconds } }
   if not out.met then
+    out.judged.sure = error ^ 2 - out.tolerance ^ 2 > bound(found)
     out.warning = ("scene %q: tolerance %.3g is not met, the error is %.2g: %s, or set tolerance = %.2g"):format(
       x.scene.name or "?", x.tolerance, error, cause_of(x, error), error * 1.1)
   elseif most > x.tolerance then
@@ -425,13 +457,13 @@ local function verdict(x, square, u, missed)
   return out
 end
 
---- Seconds of a round of the judge's paths.
+--- Seconds of a path of every pixel that is judged.
 local function path_seconds(x)
-  ask_paths(x, x.pixels, 0) -- learns guides
+  ask_paths(x, x.pixels, ROUND.pilot) -- learns guides
   local start = core.seconds()
-  ask_paths(x, x.pixels, 0)
+  ask_paths(x, x.pixels, ROUND.pilot)
   x.judged.rays, x.judged.samples = 0, 0
-  return (core.seconds() - start) * JUDGED / #x.pixels
+  return (core.seconds() - start) / ROUND.pilot * JUDGED[1] / #x.pixels
 end
 
 --- Says what was chosen, and how long the picture and its judge take, as far as some pixels and paths tell.
@@ -442,7 +474,7 @@ local function announce(x)
   v.view:close()
   local picture = (core.seconds() - start) * x.o.size[1] * x.o.size[2] / #x.pixels
   local seconds = path_seconds(x)
-  local least, most = (ROUND.pilot + ROUND.first) * seconds, ROUND.most * seconds
+  local least, most = (ROUND.pilot + ROUND.first * ROUND.samples) * seconds, ROUND.most * ROUND.larger * ROUND.samples * seconds
   progress.say(x.bar, picture + least, "tolerance %.3g chooses %d camera rays a pixel (share %g), %d shadow rays"
     .. "%s; the picture takes about %s, to judge it %s to %s", x.tolerance, c.samples, c.share, c.light_samples,
     x.lit and (", %d links, %d elements"):format(c.links, c.elements) or "", progress.clock(picture),
@@ -473,9 +505,19 @@ end
 
 --- Judges the picture `seen` [h][w][3], of surfaces alone.
 local function judge(x, seen)
-  if x.mean <= 0 then return verdict(x, 0, 0, 0) end
-  draw(x, JUDGED, (x.o.seed + 1) % core.limits.seed, array.array(seen * x.unlit, "float"), x.cheap)
-  return verdict(x, ask_judge(x, seen))
+  local found = { square = 0, u = 0, missed = 0, noise = 0 }
+  if x.mean <= 0 then return verdict(x, found) end
+  local light = array.array(seen * x.unlit, "float")
+  for i, count in ipairs(JUDGED) do
+    x.judged.samples = 0
+    draw(x, count, (x.o.seed + i) % core.limits.seed, light, x.cheap)
+    local a = judged_pixels(x, seen)
+    if x.judged.pixels == 0 then break end
+    found = ask_judge(x, a)
+    x.judged.samples = math.floor(x.judged.samples / #x.pixels + 0.5)
+    if settles(x, found) or #x.pixels < 0.9 * count then break end
+  end
+  return verdict(x, found)
 end
 
 --- Results of a trial f(x, ...), which takes its seconds to others of x; or nil, message, code.
@@ -504,7 +546,7 @@ function knob.choose(name, s, o, given)
   chosen.spacing = FIRST.spacing * math.max(box.diagonal(t.lo, t.hi), 1e-30)
   local x = { name = name, scene = s, o = o, lib = t.lib, glossy = t.glossy, bounces = bounces, virtual = by == "virtual",
     tolerance = o.tolerance, threads = o.threads or 0, bar = progress.resolve(o.progress), chosen = chosen, causes = {},
-    noise = 0, seconds = 0, judged = { rays = 0, pixels = 0, samples = 0 }, guides = t.lib.path_guides(),
+    noise = 0, seconds = 0, judged = { rays = 0, pixels = 0, samples = 0, estimates = 0 }, guides = t.lib.path_guides(),
     given = { samples = given.samples, share = given.share, light_samples = given.light_samples,
       rays = given.rays } }
   local ok
