@@ -1,7 +1,7 @@
 -- Spherical harmonics as lobes: a light function, its projections, a window, a rotation, a product
 -- (Figs. 5-10 of Green 2003, "Spherical Harmonic Lighting: The Gritty Details").
 --
---     lua examples/05_lobes.lua [--out DIR]
+--     lua examples/05_lobes.lua [--out DIR] [--width N] [--samples N]
 --
 -- Writes lobes_bands.png (Fig. 5), lobes_projection.png (Figs. 6-8), lobes_rotation.png and lobes_product.png
 -- (Fig. 10), and prints what they show and the matrix of Fig. 9. Orange is positive, blue negative.
@@ -9,12 +9,14 @@
 local ylm = require "ylm"
 local common = dofile((arg[0]:match "^(.*/)" or "./") .. "common.lua")
 
-local out = common.options({ out = "out" }).out
+local option = common.options { out = "out", width = 1280, samples = 100000 }
+local out = option.out
 
 --- Pictures need VTK; without it the numbers are printed all the same.
 local function save(vectors, labels, title, name, height)
-  common.save(ylm.view { sh = ylm.stack(vectors), labels = labels, title = title, size = { 1280, height or 480 },
-    direction = { 0, -1, 0.1 } }, out .. name)
+  local size = { option.width, math.floor((height or 480) * option.width / 1280) }
+  common.save(ylm.view { sh = ylm.stack(vectors), labels = labels, title = title, size = size, direction = { 0, -1, 0.1 } },
+    out .. name)
 end
 
 -- Fig. 5: the first five bands, a band to a row: 45 places, those beyond a band empty.
@@ -37,11 +39,11 @@ local function light(x, y, z)
 end
 
 -- Fig. 7: the light itself, nearly; Figs. 6, 8: projections of more and more bands, and the window against ringing.
-local c, report = ylm.sh.project(5, light, { samples = 100000 })
+local c, report = ylm.sh.project(5, light, { samples = option.samples })
 print(("two lights, projected by quadrature (error %.1e):"):format(report.error))
 print((ylm.sh.summary(c)))
 local WHOLE = 30
-local vectors, labels = { (ylm.sh.project(WHOLE, light, { samples = 100000 })) }, { "the light" }
+local vectors, labels = { (ylm.sh.project(WHOLE, light, { samples = option.samples })) }, { "the light" }
 for lmax = 0, 5 do
   vectors[#vectors + 1] = ylm.sh.resize(ylm.sh.resize(c, lmax), WHOLE)
   labels[#labels + 1] = lmax == 0 and "1 band" or lmax + 1 .. " bands"

@@ -108,7 +108,7 @@ describe("fits of probes", function()
     local folder, scene, grid, points, normals, truth, mean
     setup(function()
       folder, scene = scratch.new(), rooms()
-      grid = assert(scene:bake { quantity = "indirect", progress = false, links = scene:links { spacing = 0.25, rays = 128 },
+      grid = assert(scene:bake { quantity = "indirect", progress = false, -- along the scene's links
         probes = ylm.uniform_grid { lmax = 2, cells = { 16, 8, 8 } } })
       points, normals = on_walls(1200)
       truth, mean = grid:irradiance(points, normals, { scene = scene }):totable(), 0

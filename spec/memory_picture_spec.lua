@@ -37,7 +37,7 @@ describe("memory that runs out", function()
 
   it("is said by a live window, which is closed, so that another one can be opened", function()
     if missing then return pending(missing) end
-    local out, status = preload.sweep(program, folder, "^picture live: ", 9000, 40)
+    local out, status = preload.sweep(program, folder, "^picture live: ", 15000, 40)
     assert(status == 0 and out:find "\n1 calls, %d+ requests, %d+ failures, 0 defects", out)
   end)
 end)

@@ -2,7 +2,7 @@
 --
 -- Every call of spec/support/memory/calls.lua is made while one of the requests for memory that it makes fails, by a
 -- library that is preloaded. The specs let every 24th fail, of few requests every one (of slow calls every 120th, of pictures
--- every 300th, of a live window every 9000th); `YLM_MEMORY=all spec/run spec/memory_spec.lua spec/memory_picture_spec.lua` all
+-- every 300th, of a live window every 15000th); `YLM_MEMORY=all spec/run spec/memory_spec.lua spec/memory_picture_spec.lua` all
 -- some 5,000, and every 40th of a live window: seven minutes, where pictures are drawn without a GPU.
 
 local core = require "ylm.c.core"

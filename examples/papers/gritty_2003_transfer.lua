@@ -93,7 +93,7 @@ local scene = ylm.scene "a cup" {
 
 -- Links, vectors, pictures ---------------------------------------------------------------
 
-local t = assert(scene:links { spacing = 0.15, rays = quick and 64 or 128, lmax = 4 })
+local t = assert(scene:links { spacing = quick and 0.3 or 0.15, rays = quick and 64 or 128, lmax = 4 })
 local view = assert(scene:prepare { size = size, samples = quick and 2 or 4, lmax = 4, visibility = "none" })
 print(("%d elements, %d links of each: %.1f s; %d shading points"):format(t.stats.elements, t.stats.links, t.stats.seconds,
   view.stats.points))

@@ -500,7 +500,7 @@ calls["surface: grid"] = on(scene, function(s)
   local links, message, code = s:links { spacing = 2, rays = 4 }
   if not links then return nil, message, code end
   local light, report
-  light, message, code = s:surface_grid { tolerance = 1, judge = "field", rays = 4, links = links }
+  light, message, code = s:surface_grid { tolerance = 1, corners = 16, judge = "field", rays = 4, links = links }
   if not light then return nil, message, code end
   report, message, code = light:update()
   return report and light.stats.corners, message, code
