@@ -509,6 +509,26 @@ describe("ylm.shadowed", function()
     for i = 1, 100 do assert.same(same[i], R[101 - i]) end
   end)
 
+  it("is the same, to the bit, in any order of many points, whatever stands before their neighbours", function()
+    local casters = {}
+    for i = 1, 6 do
+      casters[i] = ylm.caster { hides = i % 2 == 0 and ball or block, at = { 0.6 * i - 2, i % 2, 1.5 }, scale = 0.5 }
+    end
+    local shade = ylm.shadowed { lights = sky, casters = casters }
+    local points, shuffled, at = around(320, 0, 2), {}, {}
+    for i = 1, 320 do
+      at[i] = (i * 131) % 320 + 1
+      shuffled[i] = points[at[i]]
+    end
+    for _, dtype in ipairs { "float", "double" } do
+      local L = ylm.light_field(9, shade, points, { dtype = dtype }):totable()
+      local S = ylm.light_field(9, shade, shuffled, { dtype = dtype }):totable()
+      for i = 1, 320 do assert.same(L[at[i]], S[i]) end
+      local first = ylm.light_field(9, shade, { points[7] }, { dtype = dtype }):totable()
+      assert.same(L[7], first[1])
+    end
+  end)
+
   it("is dark in a body, and baked like any light, to its tolerance at fresh places", function()
     local shade = ylm.shadowed { lights = { sky, ylm.sphere_light { at = { 0, 0, 3 }, radius = 0.5, radiance = 4 } },
       casters = { ylm.caster { hides = ball, at = { 0, 0, 1 } }, ylm.caster { hides = block, at = { 1, 0, 0.8 }, scale = 0.5 } } }
