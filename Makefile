@@ -50,17 +50,14 @@ FLAGS_avx2   := -mavx2 -mfma -DYLM_VECTOR_BYTES=32
 FLAGS_avx512 := -mavx512f -mavx512dq -mavx512vl -mavx512bw -mavx2 -mfma -mprefer-vector-width=512 -DYLM_VECTOR_BYTES=64
 
 # Debuggers see lines of kernels, not their thousands of values, whatever OPT says. Passes that look for repetitions are left out of LEAN files,
-# and of STRAIGHT ones, where loops are written out, those that look for loops too. PLANNED files, sums whose every step the generator has
-# written, need the choice of registers alone (gcc; each compiles faster, not slower code).
+# and of STRAIGHT ones, where loops are written out, those that look for loops too (gcc; either compiles faster, not slower code).
 LEAN     := -fno-tree-pre -fno-code-hoisting -fno-gcse -fno-tree-vrp
 LEAN     := $(if $(filter -O3,$(OPT)),$(shell $(CC) $(LEAN) -Werror -E -x c /dev/null >/dev/null 2>&1 && echo $(LEAN)))
 STRAIGHT := $(if $(LEAN),-O2 $(LEAN))
-PLANNED  := $(if $(LEAN),-O1 -fexpensive-optimizations -fstrict-aliasing)
 LEAN_FILES     := $(wildcard csrc/sh/product/*.isa.c csrc/light/flat/kernel.isa.c)
-PLANNED_FILES  := $(wildcard csrc/light/moments/gen/*.isa.c)
-STRAIGHT_FILES := $(filter-out $(PLANNED_FILES),$(wildcard csrc/*/*/gen/*.isa.c csrc/sh/eval/low_*.isa.c csrc/light/moments/any_*.isa.c))
+STRAIGHT_FILES := $(wildcard csrc/*/*/gen/*.isa.c csrc/sh/eval/low_*.isa.c csrc/light/moments/any_*.isa.c)
 KERNEL_OPT = $(if $(filter -g,$(OPT)),-g1) $(if $(filter $(LEAN_FILES),$(1)),$(LEAN)) $(if $(filter $(STRAIGHT_FILES),$(1)),$(STRAIGHT)) \
-             $(if $(filter $(PLANNED_FILES),$(1)),$(PLANNED)) $(if $(findstring /gen/,$(1)),$(SANITIZE_gen))
+             $(if $(findstring /gen/,$(1)),$(SANITIZE_gen))
 
 # Links to the public headers, which alone are on the include path; made anew where their list or its place has changed.
 INCLUDE := $(BUILD)/include
