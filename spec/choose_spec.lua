@@ -1,6 +1,7 @@
 --- Lamps that shadow rays are aimed at: few are weighed one by one, many are drawn from a tree (csrc/scene).
 
 local ylm = require "ylm"
+local by_kernels = require "spec.support.by_kernels"
 local floor_of_lamps = require "spec.support.floor_of_lamps"
 local lib = require "ylm.c.scene"
 local light = require "ylm.light"
@@ -332,9 +333,7 @@ describe("a tree of lamps", function()
   end)
 
   it("is weighed alike by every instruction set", function()
-    local script = os.tmpname()
-    local f = assert(io.open(script, "w"))
-    f:write [[
+    local program = [[
       local ylm = require "ylm"
       local lib, light = require "ylm.c.scene", require "ylm.light"
       local lights = {}
@@ -357,17 +356,13 @@ describe("a tree of lamps", function()
         end
       end
     ]]
-    f:close()
     local want
     for _, isa in ipairs(ylm.info().kernels) do
-      local pipe, got = assert(io.popen(("YLM_ISA=%s %s %s"):format(isa, os.getenv("YLM_LUA") or "lua", script))), {}
-      for line in pipe:lines() do got[#got + 1] = tonumber(line) end
-      pipe:close()
+      local got = by_kernels(isa, program)
       assert.equal(1032, #got, isa)
       want = want or got
       for i = 1, #want do assert.near(want[i], got[i], 1e-4 * want[i] + 1e-9, isa .. " " .. i) end
     end
-    os.remove(script)
   end)
 end)
 

@@ -1,5 +1,6 @@
 --- Pictures by rays without most of their noise: the filter, and what rays of their own say of it.
 
+local by_kernels = require "spec.support.by_kernels"
 local ylm = require "ylm"
 
 local SIZE = { 160, 90 }
@@ -186,9 +187,7 @@ describe("a filter of noise", function()
   end)
 
   it("is alike by every instruction set", function()
-    local script = os.tmpname()
-    local f = assert(io.open(script, "w"))
-    f:write [[
+    local program = [[
       local array, views, ylm = require "ylm.array", require "ylm.render.view", require "ylm"
       local random = require "spec.support.random".from(11)
       local scene = ylm.scene "balls" { camera = ylm.camera { from = { 0, 2, 3 } },
@@ -206,17 +205,13 @@ describe("a filter of noise", function()
         noise = 0.01, threads = 1 }))
       for i = 1, x do for h = 1, 2 do print(half[h]:get(i, 1)) end end
     ]]
-    f:close()
     local want
     for _, isa in ipairs(ylm.info().kernels) do
-      local pipe, got = assert(io.popen(("YLM_ISA=%s %s %s"):format(isa, os.getenv("YLM_LUA") or "lua", script))), {}
-      for line in pipe:lines() do got[#got + 1] = tonumber(line) end
-      pipe:close()
+      local got = by_kernels(isa, program)
       assert.is_true(#got > 1000, isa)
       want = want or got
       for i = 1, #want do assert.near(want[i], got[i], 1e-3 * want[i], isa .. " " .. i) end
     end
-    os.remove(script)
   end)
 
   it("is refused where it does not fit, and says why", function()

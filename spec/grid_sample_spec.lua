@@ -2,6 +2,7 @@
 
 local core = require "ylm.c.core"
 local ylm = require "ylm"
+local by_kernels = require "spec.support.by_kernels"
 local grids = require "spec.support.grids"
 local points_in = require "spec.support.random".points_in
 
@@ -135,9 +136,7 @@ end)
 
 describe("grid:sample: agreement", function()
   it("samples alike with every kernel set", function()
-    local script = os.tmpname()
-    local file = assert(io.open(script, "w"))
-    file:write([[
+    local program = [[
 local ylm, core = require "ylm", require "ylm.c.core"
 local lamp = ylm.sphere_light { at = { 1.5, 2, 0.5 }, radius = 0.5 }
 local p, n = {}, 0
@@ -156,18 +155,13 @@ for _, o in ipairs { { 4, "rgb" }, { 2, "luminance" }, { 7, "rgb" }, { 0, "lumin
     end
   end
 end
-]])
-    file:close()
+]]
     local want
     for _, isa in ipairs(ylm.info().kernels) do
-      local pipe = assert(io.popen(("YLM_ISA=%s %s %s"):format(isa, os.getenv("YLM_LUA") or "lua", script)))
-      local got = {}
-      for word in pipe:read("*a"):gmatch("%S+") do got[#got + 1] = assert(tonumber(word), word) end
-      pipe:close()
+      local got = by_kernels(isa, program)
       assert.equal(48, #got, isa)
       want = want or got
       for i = 1, #want do assert.near(want[i], got[i], 2e-4 * (1 + math.abs(want[i])), isa .. " " .. i) end
     end
-    os.remove(script)
   end)
 end)

@@ -1,5 +1,6 @@
 -- Bounces: closed forms, energy, direct light, what stops them, and moving lights.
 
+local by_kernels = require "spec.support.by_kernels"
 local core = require "ylm.c.core"
 local elements = require "spec.support.elements"
 local long = require "spec.support.long"
@@ -163,22 +164,13 @@ describe("links:radiosity", function()
   end)
 
   it("is the same by each set of kernels, to rounding", function()
-    local script = [[
+    local program = [[
       local elements = require "spec.support.elements"
-      local t = elements.room(0.7):links { spacing = 0.5, rays = 16 }
+      local t = assert(elements.room(0.7):links { spacing = 0.5, rays = 16 })
       local lit = t:radiosity(nil, { bounces = 4 })
       io.write(("%.9g"):format(elements.integral(t:elements(), lit:irradiance(), 1)))]]
-    local interpreter, values = os.getenv "YLM_LUA" or "lua", {}
-    for _, isa in ipairs(ylm.info().kernels) do
-      local name = os.tmpname()
-      local f = assert(io.open(name, "w"))
-      f:write(script)
-      f:close()
-      local pipe = assert(io.popen(("YLM_ISA=%s %s %s"):format(isa, interpreter, name)))
-      values[#values + 1] = tonumber(pipe:read "*a")
-      pipe:close()
-      os.remove(name)
-    end
+    local values = {}
+    for _, isa in ipairs(ylm.info().kernels) do values[#values + 1] = by_kernels(isa, program)[1] end
     for _, x in ipairs(values) do near(x, values[1], 1e-5, "kernels") end
     assert.equal(#ylm.info().kernels, #values)
   end)

@@ -1,3 +1,4 @@
+local by_kernels = require "spec.support.by_kernels"
 local ways = require "spec.support.ways"
 -- Transfer vectors, shading by light fields, and the ray-cast truth they are held against.
 local ylm = require "ylm"
@@ -382,15 +383,8 @@ end
 for _, row in ipairs(s:render({ bounces = 0, size = { 24, 14 }, samples = 3, light_samples = 8 }):layer():totable()) do
   for _, p in ipairs(row) do print(p[1]) end
 end]]
-    local name = os.tmpname()
-    local file = assert(io.open(name, "w"))
-    file:write(program)
-    file:close()
     local function run(isa)
-      local pipe = assert(io.popen(("YLM_ISA=%s %s %s"):format(isa, os.getenv "YLM_LUA" or "lua5.4", name)))
-      local numbers = {}
-      for line in pipe:lines() do numbers[#numbers + 1] = tonumber(line) end
-      pipe:close()
+      local numbers = by_kernels(isa, program)
       assert(#numbers == 24 * 14 * 9, isa .. ": " .. #numbers)
       return ylm.array(numbers)
     end
@@ -399,7 +393,6 @@ end]]
       local _, off, norm = core.array_distance(run(isa), reference)
       assert(off < 1e-4 * norm, ("%s: %g"):format(isa, off / norm))
     end
-    os.remove(name)
   end)
 end)
 

@@ -1,3 +1,4 @@
+local by_kernels = require "spec.support.by_kernels"
 local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 
@@ -391,9 +392,7 @@ describe("ylm.visibility", function()
   end)
 
   it("of spheres is that of the plain form by each instruction set", function()
-    local script = os.tmpname()
-    local f = assert(io.open(script, "w"))
-    f:write [[
+    local program = [[
       local ylm = require "ylm"
       local spheres = ylm.sphere_casters { at = { { 1, 0, 0.2 }, { 1.2, 0.3, 0.1 }, { -1, 0, 0 } }, radius = { 0.4, 0.4, 0.3 },
         body = { 1, 1, 2 } }
@@ -402,17 +401,13 @@ describe("ylm.visibility", function()
         for k = 1, (lmax + 1) ^ 2 do print(V:get(k), dV:get(k, 1), dV:get(k, 3)) end
       end
     ]]
-    f:close()
     local want
     for _, isa in ipairs(ylm.info().kernels) do
-      local pipe, got = assert(io.popen(("YLM_ISA=%s %s %s"):format(isa, os.getenv("YLM_LUA") or "lua", script))), {}
-      for number in pipe:read "*a":gmatch "%S+" do got[#got + 1] = tonumber(number) end
-      pipe:close()
+      local got = by_kernels(isa, program)
       assert.equal(3 * 77, #got, isa)
       want = want or got
       for i = 1, #want do assert.near(want[i], got[i], 2e-4, isa .. " " .. i) end
     end
-    os.remove(script)
   end)
 
   it("of lone spheres, however small, hides as much as they do", function()

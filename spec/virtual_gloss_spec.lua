@@ -1,6 +1,6 @@
 -- Pictures of virtual lights on glossy surfaces: slices of their materials, f itself, zonal lobes.
 
-local scratch = require "spec.support.scratch"
+local by_kernels = require "spec.support.by_kernels"
 local gathered = require "spec.support.gathered"
 local with = require "spec.support.with"
 local refused = require "spec.support.raises"
@@ -84,19 +84,16 @@ describe("harmonics on glossy surfaces", function()
   end)
 
   it("are those of plain code in double, emission of a degree too", function()
-    local script = scratch.new()
-    local path = script.path .. "/plain.lua"
-    local file = assert(io.open(path, "w"))
-    file:write [[
+    local program = [[
       local ylm, ways = require "ylm", require "spec.support.ways"
       ylm.on_warning(false)
       local e = { {}, {} }
       for i = 1, 2 do for c = 1, 3 do e[i][c] = {} for k = 1, 25 do e[i][c][k] = math.sin(i + 2 * c + k) end end end
       for _, m in ipairs { ylm.ggx { alpha = 0.5, f0 = { 1, 0.5, 0.2 }, base = 0.1 },
         ylm.matte { albedo = 0.5 } } do
-        local view = ylm.scene "a floor" { camera = ylm.camera { from = { 0, 0.8, 1.6 }, at = { 0, 0, 0 }, fov = 50 },
+        local view = assert(ylm.scene "a floor" { camera = ylm.camera { from = { 0, 0.8, 1.6 }, at = { 0, 0, 0 }, fov = 50 },
           geometry = ylm.quad { corner = { -1, 0, 1 }, u = { 2, 0.2, 0 }, v = { 0.1, 0.1, -2 }, material = m } }
-          :prepare { size = { 3, 2 }, samples = 1, share = 0 }
+          :prepare { size = { 3, 2 }, samples = 1, share = 0 })
         for _, profile in ipairs { "gauss", "cap" } do
           local lights = ylm.virtual_lights { at = { { 0.2, 1, 0.1 }, { -0.3, 0.4, -0.5 } }, radius = 0.3, emission = e,
             normal = { { 0.6, -0.8, 0 }, { 0, -1, 0 } }, profile = profile }
@@ -108,24 +105,16 @@ describe("harmonics on glossy surfaces", function()
           end
         end
       end]]
-    file:close()
-    local function numbers(isa)
-      local pipe, list = assert(io.popen(("YLM_ISA=%s %s %s"):format(isa, os.getenv "YLM_LUA" or "lua", path))), {}
-      for line in pipe:lines() do list[#list + 1] = assert(tonumber(line), line) end
-      pipe:close()
-      return list
-    end
-    local plain = numbers "reference"
+    local plain = by_kernels("reference", program)
     assert.equal(2 * 2 * 6 * 18, #plain)
     for _, isa in ipairs(ylm.info().kernels) do
-      local fast = numbers(isa)
+      local fast = by_kernels(isa, program)
       for k = 1, #plain, 18 do
         local most = 0
         for i = k, k + 17 do most = math.max(most, math.abs(plain[i])) end
         for i = k, k + 17 do assert.near(plain[i], fast[i], 1e-5 * most, isa .. " " .. i) end
       end
     end
-    script:remove()
   end)
 
   it("are refused beyond tables, and shaded as matte where a view says so", function()

@@ -1,8 +1,8 @@
 --- busted's output handler for spec/run: what failed, in words on stdout; each `it` as a line of the file YLM_SPEC_REPORT.
 --
 -- A line is "passed", "failed" or "skipped", seconds of processor time (children included) and the name, between tabs.
--- A failure is "skipped" after the file has asked for a part of ylm that is not built, and where its message is that of a build
--- without jansson; "lacking" names that.
+-- A failure is "skipped" after its `it`, or the file outside of any, has asked for a part of ylm that is not built, and where its
+-- message is that of a build without jansson; "lacking" names that.
 -- A line "other" has the seconds of all else: of the file itself, setup and teardown.
 -- The line "done" ends the report of a run that came to its end: a crash, a signal or os.exit leaves it out.
 
@@ -36,7 +36,7 @@ return function()
   lacking.watch()
   local names = require "busted.outputHandlers.base"()
   local report = assert(io.open(path, "a"))
-  local begun, noted, failures = 0, 0, {}
+  local begun, noted, failures, asked = 0, 0, {}, nil -- asked: the part that was asked for in vain before an `it` began
   local handler = {}
 
   local function note(result, name)
@@ -47,7 +47,7 @@ return function()
   end
 
   local function start()
-    begun = clock()
+    begun, asked = clock(), lacking.part
     return nil, true
   end
 
@@ -59,6 +59,7 @@ return function()
       if not failures[element] then say("skipped:", name, element.message or "pending") end
     elseif lacking.part or failures[element] then note("skipped", name)
     else note("failed", name) end
+    lacking.part = asked
     return nil, true
   end
 
