@@ -27,6 +27,7 @@ local POINTS_A_BYTE = 0.4           -- of the adaptive topology that is looked a
 local FEWEST = 0.06                 -- points of each brick: with fewer, a coarser topology is better
 local WORSE = 3                     -- topologies after the best, from the finest that fits on
 local ROUGH = 0.1                   -- an error above which more of them are tried
+local FINE = 0.002                  -- an error below which no more of them are tried
 local HALVED = 0.5                  -- of the points are left between two fits
 local LEAST = 1e-12                 -- of a mean that is divided by
 local MOST_CUTS, MOST_POINTS = 3, 2 ^ 20
@@ -259,15 +260,15 @@ function Maker:finest(kind, bytes)
   return low
 end
 
---- The best probes of at most so many bytes: { made, judged }; nil: there are none; or nil, message, code. Uniform leaves are
--- tried after those that refine, where the best may be among them. Where all are rough, leaves that refine by squares are tried
--- too, from one step finer than the finest of the others that fits.
-function Maker:within(bytes)
+--- The best probes of at most so many bytes, or the first that have the error `enough`: { made, judged }; nil: there are none; or
+-- nil, message, code. Uniform leaves are tried after those that refine, where the best may be among them. Where all are rough,
+-- leaves that refine by squares are tried too, from one step finer than the finest of the others that fits.
+function Maker:within(bytes, enough)
   local best, worse = nil, 0
   --- Tries topologies from fine to coarse, of(i), until so many were worse than the best; or nil, message, code.
   local function try(n, of)
     for i = n, 1, -1 do
-      if worse == WORSE then break end
+      if worse == WORSE or best and best.judged.error <= enough then break end
       local topology, message, code = of(i)
       if message then return nil, message, code end
       if topology then
@@ -285,14 +286,14 @@ function Maker:within(bytes)
   local finest = 0
   for _, kind in ipairs { "clipped", "uniform" } do
     local n, ok
-    if worse == WORSE then break end
+    if worse == WORSE or best and best.judged.error <= enough then break end
     n, message, code = self:finest(kind, bytes)
     if not n then return nil, message, code end
     finest = math.max(finest, kind == "clipped" and n or 0)
     ok, message, code = try(n, function(i) return self:coarse(kind, i, bytes) end)
     if not ok then return nil, message, code end
   end
-  if not best or best.judged.error <= ROUGH then return best end
+  if not best or best.judged.error <= math.max(ROUGH, enough) then return best end
   worse = 0
   local ok
   ok, message, code = try(math.min(finest + 1, #BUDGETS), function(i) return self:coarse("squares", i, bytes) end)
@@ -347,7 +348,7 @@ function Maker:keeping(tolerance, bytes)
     if low >= most or best and high < NEAR * low then break end
     local bytes_now = best and math.sqrt(math.max(low, high / 16) * high) or math.min(high, most)
     local found
-    found, message, code = self:within(bytes_now)
+    found, message, code = self:within(bytes_now, tolerance)
     if message then return nil, message, code end
     local kept = found and found.judged.error <= tolerance
     if kept then best, high = found, bytes_now else low = bytes_now end
@@ -369,7 +370,7 @@ function Maker:wanted(o)
   end
   if o.tolerance then return self:keeping(o.tolerance, o.bytes) end
   if not o.bytes then return self:own(self.tolerance) end
-  local found, message, code = self:within(o.bytes)
+  local found, message, code = self:within(o.bytes, FINE)
   if message then return nil, message, code end
   if found then return found end
   return nil, ("export: bytes = %.0f are too few for the probes of this scene: give more"):format(o.bytes), "ELIMIT"
