@@ -1,5 +1,5 @@
 -- The NEON kernels: what they need of the core library cross-compiled for aarch64, run under qemu-user, against the
--- reference kernels, those of lights, grids, rotations and products as this machine has them.
+-- reference kernels; by `make check-long` those of lights, grids, rotations and products too, as this machine has them.
 
 local long = require "spec.support.long"
 local scratch = require "spec.support.scratch"
@@ -8,20 +8,19 @@ local build = os.getenv "YLM_BUILD" or "build"
 
 local function has(program) return scratch.shell("command -v " .. program .. " >/dev/null 2>&1") end
 
---- Sums of lights are compiled for degrees to this one by the generator's plans, beyond by the code of all; `make check-long`
--- compiles all plans, of which AVX-512, with as many registers, runs the others in `make test`.
-local special = long(2, 10)
+--- The programs that are run; the others' kernels are the same code with as many registers as AVX-512, which `make test` runs.
+local programs = long({ "neon" }, { "neon", "kernels" })
 
---- Rooms that the programs' code refers to and never enters: their kernels are only parsed, in a tenth of the time, and by
---- `make check-long` their other files too. A program that enters one after all jumps to address 0, and fails.
+--- Rooms that the programs' code refers to and never enters: they are only parsed, in a tenth of the time. A program that enters
+--- one after all jumps to address 0, and fails.
 local parsed = { "light/virtual", "light/flat", "light/photometric", "light/image", "light/distant", "image" }
 
 local function is_parsed(object)
   for _, room in ipairs(parsed) do if object:find("obj/" .. room .. "/", 1, true) then return true end end
 end
 
---- Objects of this machine's build, as the Makefile names them for NEON, that the programs need, found by their symbols.
-local function objects_of(programs)
+--- Objects of this machine's build, as the Makefile names them for NEON, that `programs` need, found by their symbols.
+local function objects_of()
   local ladder, folders = scratch.text "csrc/README.md":match "\n    (base <.-) < codec", { quote(build) .. "/obj/rival" }
   for room in ladder:gmatch "%a+" do folders[#folders + 1] = quote(build) .. "/obj/" .. room end -- the core library's
   local files = scratch.capture(("nm -A -g $(find %s -name '*.o')"):format(table.concat(folders, " ")))
@@ -39,8 +38,7 @@ local function objects_of(programs)
       local file = defined[symbol]
       if file and not taken[file] then
         local name = file:sub(#build + 2):gsub("%.sse2%.o$", ".neon.o"):gsub("%.avx%w+%.o$", ".neon.o")
-        local plan = tonumber(name:match "/moments/gen/moments_(%d+)")
-        if not taken[name] and (plan or 0) <= special then list[#list + 1] = name end -- each set of this machine has one
+        if not taken[name] then list[#list + 1] = name end -- each set of this machine has one
         taken[file], taken[name] = true, true
         take(wanted[file] or {})
       end
@@ -63,7 +61,7 @@ describe("NEON kernels", function()
     local list = {}
     for i, name in ipairs(names) do list[i] = quote(path .. "/" .. name) end
     local out, status = scratch.capture(table.concat({ "env -u MAKEFLAGS -u MAKELEVEL -u LD_PRELOAD make -j2",
-      "BUILD=" .. quote(path), "CC=" .. cc, ("OPT='-O0 -DYLM__SPECIAL=%d%s'"):format(special, how),
+      "BUILD=" .. quote(path), "CC=" .. cc, ("OPT='-O0%s'"):format(how),
       "SANITIZE= LUAS= WITH_SCENE=", table.concat(list, " ") }, " "))
     assert(status == 0 and not out:find "warning", out)
     return table.concat(list, " ")
@@ -77,12 +75,12 @@ describe("NEON kernels", function()
     -- Kept in the build folder, so that the next Lua and the next run find it made.
     folder = { path = build .. "/neon" }
     local compiled, others = {}, {}
-    for _, name in ipairs(objects_of { "neon", "kernels" }) do
-      if not is_parsed(name) then compiled[#compiled + 1] = name
-      elseif long(name:find(".neon.", 1, true), true) then others[#others + 1] = name end
+    for _, name in ipairs(objects_of()) do
+      local list = is_parsed(name) and others or compiled
+      list[#list + 1] = name
     end
     objects = make(folder.path, "", compiled)
-    make(folder.path .. "/parsed", " -fsyntax-only", others)
+    if others[1] then make(folder.path .. "/parsed", " -fsyntax-only", others) end
   end)
 
   --- Compiles spec/support/NAME.c: the path of the program.
@@ -115,7 +113,7 @@ describe("NEON kernels", function()
     assert(status == 0 and out:find "ok", out)
   end)
 
-  it("sum lights, sample grids, rotate and multiply as the reference kernels do", function()
+  if long(false, true) then it("sum lights, sample grids, rotate and multiply as the reference kernels do", function()
     if missing then return pending(missing) end
     local results, own = quote(folder.path .. "/results"), quote(build)
     local here = compiled("kernels", "cc", ("-I%s/include -L%s/lib -lylm_rival -lylm"):format(own, own))
@@ -123,5 +121,5 @@ describe("NEON kernels", function()
     assert(status == 0 and out:find "^reference\n", out)
     out, status = run("kernels", "YLM_ISA=neon", results, "compare")
     assert(status == 0 and out:find "^neon\n" and out:find "ok", out)
-  end)
+  end) end
 end)

@@ -17,10 +17,8 @@
    sums of 10^5 lights. */
 #define YLM__BLOCK 256
 /* The highest lmax with a kernel of its own, gen/moments_L.h: beyond, the registers hold a small part of the
-   sums in any case. spec/neon_spec.lua compiles fewer. */
-#ifndef YLM__SPECIAL
+   sums in any case. */
 #define YLM__SPECIAL 10
-#endif
 /* Sums that fit into the vector registers beside the rest; lua/ylm/codegen/moments.lua (budgets) has the same
    for kernels of their own. */
 #if defined(__AVX512F__) || defined(__aarch64__)

@@ -33,14 +33,10 @@ enum { YLM__M0 = 1, YLM__M1 = 2, YLM__M2 = 4 };
 #define YLM__KIND_SETS(X) X(1) X(3) X(4) X(5) X(7)
 
 /* The lmax with kernels of their own: gen/moments_N.h. */
-#if YLM__SPECIAL == 10
 #define YLM__SPECIAL_LIST(X, isa)                                                                  \
   X(isa, 0)                                                                                        \
   X(isa, 1)                                                                                        \
   X(isa, 2) X(isa, 3) X(isa, 4) X(isa, 5) X(isa, 6) X(isa, 7) X(isa, 8) X(isa, 9) X(isa, 10)
-#elif YLM__SPECIAL == 2
-#define YLM__SPECIAL_LIST(X, isa) X(isa, 0) X(isa, 1) X(isa, 2)
-#endif
 
 /* Highest degree that a set of kinds needs. */
 static inline int ylm__degree_of(int lmax, int kinds) {
