@@ -2,15 +2,8 @@
    by step the same: products and sums are not contracted (Makefile), so that all kernels have its bits. */
 #include "ylm_simd.h"
 
+#include "halves.h"
 #include "scene.h"
-
-typedef float half __attribute__((vector_size(YLM_VECTOR_BYTES / 2)));
-
-YLM_INLINE ylm_vd widen(const float *p) {
-  half h;
-  memcpy(&h, p, sizeof h);
-  return __builtin_convertvector(h, ylm_vd);
-}
 
 YLM_INLINE ylm_vd dot(const ylm_vd a[3], const ylm_vd b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];

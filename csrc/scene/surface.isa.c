@@ -2,19 +2,12 @@
    same: products and sums are not contracted (Makefile), so that all kernels have its bits. */
 #include "ylm_simd.h"
 
+#include "halves.h"
 #include "scene.h"
 
 _Static_assert(SCENE_LANES % YLM_VF == 0, "vectors fill a block");
 
-/* Floats of half a vector, which are doubles of a whole one. */
-enum { HALF = YLM_VD };
-typedef float half __attribute__((vector_size(YLM_VECTOR_BYTES / 2)));
-
-YLM_INLINE ylm_vd widen(const float *p) {
-  half h;
-  memcpy(&h, p, sizeof h);
-  return __builtin_convertvector(h, ylm_vd);
-}
+enum { HALF = YLM_VD }; /* floats of half a vector */
 
 YLM_INLINE void store_half(ylm_vd x, float *p) {
   half h = __builtin_convertvector(x, half);

@@ -38,6 +38,16 @@ static ylm_shade_view *begin(lua_State *L, judging *j) {
   return v;
 }
 
+/* Arrays mean and variance [n][3] on the stack. */
+static bool new_results(lua_State *L, size_t n, float **mean, float **variance) {
+  for (int i = 0; i < 2; i++) {
+    ylmL_array *a = ylmL_array_new(L, YLM_FLOAT, 2, (size_t[]){n, 3});
+    if (!a) return false;
+    *(i == 0 ? mean : variance) = a->data;
+  }
+  return true;
+}
+
 /* The results on the stack, and the rays. */
 static int end(lua_State *L, int results, ylm_status s, judging *j) {
   const ylm_path_stats *t = &j->stats;
@@ -50,11 +60,10 @@ static int end(lua_State *L, int results, ylm_status s, judging *j) {
 static int shade_judge(lua_State *L) {
   judging j;
   ylm_shade_view *v = begin(L, &j);
-  size_t shape[] = {ylmL_shade_points(v), 3};
-  ylmL_array *mean = ylmL_array_new(L, YLM_FLOAT, 2, shape);
-  ylmL_array *variance = mean ? ylmL_array_new(L, YLM_FLOAT, 2, shape) : NULL;
-  if (!variance) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  return end(L, 2, ylm_shade_judge(v, &j.f.o, mean->data, variance->data, &j.stats, &j.e), &j);
+  float *mean, *variance;
+  if (!new_results(L, ylmL_shade_points(v), &mean, &variance))
+    return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  return end(L, 2, ylm_shade_judge(v, &j.f.o, mean, variance, &j.stats, &j.e), &j);
 }
 
 static size_t pixels_of(const ylm_shade_view *v) {
@@ -66,12 +75,12 @@ static size_t pixels_of(const ylm_shade_view *v) {
 static int shade_judge_pixels(lua_State *L) {
   judging j;
   ylm_shade_view *v = begin(L, &j);
-  size_t shape[] = {pixels_of(v), 3};
-  ylmL_array *mean = ylmL_array_new(L, YLM_FLOAT, 2, shape);
-  ylmL_array *variance = mean ? ylmL_array_new(L, YLM_FLOAT, 2, shape) : NULL;
-  if (!variance) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
-  return end(L, 2, ylm_shade_judge_pixels(v, &j.f.o, mean->data, variance->data, &j.stats, &j.e),
-             &j);
+  float *mean, *variance;
+  if (!new_results(L, pixels_of(v), &mean, &variance)) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
+  return end(
+      L, 2,
+      ylm_shade_judge_pixels(v, &j.f.o, (float(*)[3])mean, (float(*)[3])variance, &j.stats, &j.e),
+      &j);
 }
 
 /* The estimate in the table at `i`: { view, radiance [n][3], another one or nil }. False: they do not fit

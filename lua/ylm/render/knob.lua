@@ -462,7 +462,7 @@ local function path_seconds(x)
   ask_paths(x, x.pixels, ROUND.pilot) -- learns guides
   local start = core.seconds()
   ask_paths(x, x.pixels, ROUND.pilot)
-  x.judged.rays, x.judged.samples = 0, 0
+  x.judged.rays, x.judged.samples, x.judged.estimates = 0, 0, 0 -- the judge has random numbers of its own, said or not
   return (core.seconds() - start) / ROUND.pilot * JUDGED[1] / #x.pixels
 end
 
