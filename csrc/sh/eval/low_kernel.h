@@ -1,7 +1,7 @@
 /*
 ** low_kernel.h - evaluation of low degrees by generated, unrolled functions, once for each `real`.
 **
-** gen/sh_<lmax>.h computes all columns of W points from the unit vectors; here points are loaded
+** gen/sh_plain.h and sh_stable.h compute all columns of W points from the unit vectors; here points are loaded
 ** and columns stored as rows. Solid harmonics are left to sh_kernel.h.
 */
 #include "sh_simd.h"
@@ -10,27 +10,16 @@
 #define YLM_K(c) ((real)(c))
 #define YLM_SET(c) sh_set((real)(c))
 
-/* Every lmax with generated functions, gen/sh_<lmax>.h: first those that take the unit vector
-   alone, then those that take the sign of z and 1 - |z| too, for Hessians, gradients, values. */
+/* Every lmax with a kernel: first those of sh_plain.h, which take the unit vector alone, then those of
+   sh_stable.h, which take the sign of z and 1 - |z| too, for Hessians, gradients, values. */
 #define STABLE_FROM 5
 #define LOW_PLAIN(X) X(0) X(1) X(2) X(3) X(4)
 #define LOW_2(X) X(5) X(6)
 #define LOW_1(X) LOW_2(X) X(7) X(8) X(9) X(10)
 #define LOW_0(X) LOW_1(X) X(11) X(12)
 
-#include "../gen/sh_0.h"
-#include "../gen/sh_1.h"
-#include "../gen/sh_10.h"
-#include "../gen/sh_11.h"
-#include "../gen/sh_12.h"
-#include "../gen/sh_2.h"
-#include "../gen/sh_3.h"
-#include "../gen/sh_4.h"
-#include "../gen/sh_5.h"
-#include "../gen/sh_6.h"
-#include "../gen/sh_7.h"
-#include "../gen/sh_8.h"
-#include "../gen/sh_9.h"
+#include "../gen/sh_plain.h"
+#include "../gen/sh_stable.h"
 
 /* Columns from which on one function stores them: inlined into each kernel they are half of its code. */
 #define MANY 64
@@ -72,22 +61,22 @@ YLM_INLINE void put(void *out, size_t at, size_t rows, const vreal *v, size_t co
 #define OUTS_0 y[COUNT] COMMA *dy = NULL COMMA *ddy = NULL
 #define OUTS_1 y[COUNT] COMMA dy[3 * COUNT] COMMA *ddy = NULL
 #define OUTS_2 y[COUNT] COMMA dy[3 * COUNT] COMMA ddy[6 * COUNT]
-#define X(lmax) KERNEL(lmax, 0, OUTS_0, sh_##lmax##_0(v[0], v[1], v[2], y))
+#define X(lmax) KERNEL(lmax, 0, OUTS_0, sh_plain_0(lmax, v[0], v[1], v[2], y))
 LOW_PLAIN(X)
 #undef X
-#define X(lmax) KERNEL(lmax, 0, OUTS_0, sh_##lmax##_0(v[0], v[1], v[2], g, o, y))
+#define X(lmax) KERNEL(lmax, 0, OUTS_0, sh_stable_0(lmax, v[0], v[1], v[2], g, o, y))
 LOW_0(X)
 #undef X
-#define X(lmax) KERNEL(lmax, 1, OUTS_1, sh_##lmax##_1(v[0], v[1], v[2], s, y, dy))
+#define X(lmax) KERNEL(lmax, 1, OUTS_1, sh_plain_1(lmax, v[0], v[1], v[2], s, y, dy))
 LOW_PLAIN(X)
 #undef X
-#define X(lmax) KERNEL(lmax, 1, OUTS_1, sh_##lmax##_1(v[0], v[1], v[2], g, o, s, y, dy))
+#define X(lmax) KERNEL(lmax, 1, OUTS_1, sh_stable_1(lmax, v[0], v[1], v[2], g, o, s, y, dy))
 LOW_1(X)
 #undef X
-#define X(lmax) KERNEL(lmax, 2, OUTS_2, sh_##lmax##_2(v[0], v[1], v[2], s, y, dy, ddy))
+#define X(lmax) KERNEL(lmax, 2, OUTS_2, sh_plain_2(lmax, v[0], v[1], v[2], s, y, dy, ddy))
 LOW_PLAIN(X)
 #undef X
-#define X(lmax) KERNEL(lmax, 2, OUTS_2, sh_##lmax##_2(v[0], v[1], v[2], g, o, s, y, dy, ddy))
+#define X(lmax) KERNEL(lmax, 2, OUTS_2, sh_stable_2(lmax, v[0], v[1], v[2], g, o, s, y, dy, ddy))
 LOW_2(X)
 #undef X
 

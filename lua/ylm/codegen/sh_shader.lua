@@ -3,6 +3,7 @@
 local emit = require "ylm.codegen.emit"
 local expression = require "ylm.codegen.expression"
 local harmonics = require "ylm.codegen.harmonics"
+local source = require "ylm.codegen.source"
 
 --- { lmax, solid } -> the file's text.
 return function(o)
@@ -27,8 +28,8 @@ return function(o)
     o.solid and "void ylm_sh_solid(real x, real y, real z) {" or "void ylm_sh(real x, real y, real z, real g, real o, real s) {",
   }
   local function before(out)
-    local l = math.floor(math.sqrt(out.index) + 0.5)
-    if out.array == "Y" and l > 0 and l * l == out.index then return ("if (LMAX < %d) return;"):format(l) end
+    local l = source.begins(out)
+    return l and ("if (LMAX < %d) return;"):format(l)
   end
   for _, line in ipairs(emit.statements(outputs, "shader", before)) do lines[#lines + 1] = "  " .. line end
   lines[#lines + 1] = "}"

@@ -44,13 +44,15 @@ end
 
 local heads = {}
 
---- x, y, z: the unit vector (solid: the vector); s: 1/|v|, where it is needed.
+--- x, y, z: the unit vector (solid: the vector); s: 1/|v|, where it is needed; lmax: a request of any degree (below) has it.
 function heads.c(request)
   local parameters = { "YLM_T x", "YLM_T y", "YLM_T z" }
+  if request.any then table.insert(parameters, 1, "const int lmax") end
   if request.stable then parameters[#parameters + 1] = "YLM_T g, YLM_T o" end
   if needs_length(request) then parameters[#parameters + 1] = "YLM_T s" end
   for k = 1, request.derivatives + 1 do parameters[#parameters + 1] = "YLM_T *restrict " .. arrays[k] end
-  return { "static inline void " .. name_of(request) .. "(" .. table.concat(parameters, ", ") .. ") {" }
+  local inline = request.any and "inline __attribute__((always_inline))" or "inline"
+  return { "static " .. inline .. " void " .. name_of(request) .. "(" .. table.concat(parameters, ", ") .. ") {" }
 end
 
 --- v: any vector but 0; it is normalised here.
@@ -68,7 +70,19 @@ function heads.glsl(request)
   return lines
 end
 
---- The lines of one function, with a comment that counts its operations.
+--- The degree whose outputs begin with this one, from 1 on.
+function source.begins(out)
+  local l = math.floor(math.sqrt(out.index) + 0.5)
+  return out.array == "Y" and l > 0 and l * l == out.index and l or nil
+end
+
+--- Leaves a function of any degree where those up to its lmax are done.
+local function leave(out)
+  local l = source.begins(out)
+  return l and ("if (lmax < %d) return;"):format(l)
+end
+
+--- The lines of one function, with a comment that counts its operations. request.any: it takes the lmax, up to the request's.
 function source.function_lines(request, language)
   local outputs = source.outputs(request)
   local what = ({ "values", "values and gradients", "values, gradients and Hessians" })[request.derivatives + 1]
@@ -81,7 +95,7 @@ function source.function_lines(request, language)
       lines[#lines + 1] = "  (void)x, (void)y, (void)z" .. (needs_length(request) and ", (void)s;" or ";")
     elseif request.stable and request.derivatives == 0 then lines[#lines + 1] = "  (void)z;" end
   end
-  for _, line in ipairs(emit.statements(outputs, language)) do lines[#lines + 1] = "  " .. line end
+  for _, line in ipairs(emit.statements(outputs, language, request.any and leave)) do lines[#lines + 1] = "  " .. line end
   lines[#lines + 1] = "}"
   return lines
 end
@@ -113,6 +127,8 @@ local notes = {
   },
 }
 
+local any = "lmax: degrees up to it, a constant in a call: compilers leave out the others."
+
 --- A whole file with the functions of `requests`, as text.
 function source.file(requests, language, about)
   local first = requests[1]
@@ -127,6 +143,7 @@ function source.file(requests, language, about)
     "** Formulas: Iwasaki & Dobashi 2025, Eqs. 10-17, Sec. 4.3; docs/math.md \"Evaluating the basis\".",
     "*/",
   }
+  if first.any then table.insert(lines, 5, "** " .. any) end
   for _, line in ipairs(preamble[language]) do lines[#lines + 1] = line end
   for i, request in ipairs(requests) do
     if i > 1 then lines[#lines + 1] = "" end

@@ -4,7 +4,9 @@
 
 local targets = {}
 
-for lmax = 0, 12 do targets[#targets + 1] = { ("csrc/sh/gen/sh_%d.h"):format(lmax), "ylm.codegen.sh_low", lmax } end
+for _, form in ipairs { "plain", "stable" } do
+  targets[#targets + 1] = { "csrc/sh/gen/sh_" .. form .. ".h", "ylm.codegen.sh_low", form }
+end
 targets[#targets + 1] = { "csrc/sh/gen/sh_table.h", "ylm.codegen.sh_table", 24 }
 for lmax = 0, 10 do
   local path = "csrc/light/moments/gen/moments_" .. lmax
