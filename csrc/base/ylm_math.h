@@ -1,5 +1,5 @@
 /*
-** ylm_math.h - numbers and functions that stand once: pi, the weights of luminance, a mixer of bits, a search.
+** ylm_math.h - numbers and functions that stand once: pi, the weights of luminance, a mixer of bits, Morton codes, a search.
 */
 #ifndef YLM_MATH_H
 #define YLM_MATH_H
@@ -31,6 +31,21 @@ static inline uint64_t ylm_mix64(uint64_t x) {
   x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
   x = (x ^ x >> 27) * 0x94d049bb133111ebu;
   return x ^ x >> 31;
+}
+
+/* The low 21 bits of x, two places apart. */
+static inline uint64_t ylm_spread3(uint64_t x) {
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x001f00000000ffffu;
+  x = (x | x << 16) & 0x001f0000ff0000ffu;
+  x = (x | x << 8) & 0x100f00f00f00f00fu;
+  x = (x | x << 4) & 0x10c30c30c30c30c3u;
+  return (x | x << 2) & 0x1249249249249249u;
+}
+
+/* The Morton code of 21 bits of each coordinate, interleaved, those of x lowest. */
+static inline uint64_t ylm_morton(uint64_t x, uint64_t y, uint64_t z) {
+  return ylm_spread3(x) | ylm_spread3(y) << 1 | ylm_spread3(z) << 2;
 }
 
 /* How many of n increasing numbers are not above `at`. */

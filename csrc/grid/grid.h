@@ -244,9 +244,6 @@ static inline bool ylm__grid_fractions(const ylm_grid *g, const ylm_grid_cell *c
 
 /* -- lattice.c: Morton codes and the hash of points ------------------------------ */
 
-/* Interleaves 16 bits of each coordinate, x lowest. */
-uint64_t ylm__morton(uint32_t x, uint32_t y, uint32_t z);
-
 static inline uint64_t lattice_key(const uint32_t at[3]) {
   return (uint64_t)at[0] | (uint64_t)at[1] << 21 | (uint64_t)at[2] << 42;
 }

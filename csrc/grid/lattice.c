@@ -1,19 +1,5 @@
-/* lattice.c - Morton codes, and the hash that finds points by lattice coordinates. */
+/* lattice.c - the hash that finds points by lattice coordinates. */
 #include "grid.h"
-
-/* Spreads 21 bits to every third place. */
-static uint64_t spread(uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x001f00000000ffffu;
-  x = (x | x << 16) & 0x001f0000ff0000ffu;
-  x = (x | x << 8) & 0x100f00f00f00f00fu;
-  x = (x | x << 4) & 0x10c30c30c30c30c3u;
-  return (x | x << 2) & 0x1249249249249249u;
-}
-
-uint64_t ylm__morton(uint32_t x, uint32_t y, uint32_t z) {
-  return spread(x) | spread(y) << 1 | spread(z) << 2;
-}
 
 /* The place of a key, or the free place where it would stand. */
 static size_t place(const lattice_hash *h, uint64_t key) {

@@ -54,7 +54,7 @@ static ylm_status find_codes(void *context, size_t begin, size_t end, int worker
   for (size_t i = begin; i < end; i++) {
     uint32_t c[3];
     outside += !source_cell(j->g, j->source, i, c);
-    uint64_t code = ylm__morton(c[0], c[1], c[2]);
+    uint64_t code = ylm_morton(c[0], c[1], c[2]);
     if (!list)
       set_bit(j->o->bits[j->o->dense], code);
     else if (!n || list[n - 1] != code)
@@ -225,7 +225,7 @@ static size_t code_from(const occupancy *o, size_t begin, uint64_t first) {
 uint8_t ylm__occupancy_children(const occupancy *o, int level, const uint32_t origin[3]) {
   if (o->all) return 0xff;
   int below = o->depth - level;
-  uint64_t code = ylm__morton(origin[0] >> below, origin[1] >> below, origin[2] >> below);
+  uint64_t code = ylm_morton(origin[0] >> below, origin[1] >> below, origin[2] >> below);
   if (level < o->dense) return o->bits[level + 1][code];
   int shift = 3 * (below - 1); /* from codes to the children's */
   uint8_t children = 0;

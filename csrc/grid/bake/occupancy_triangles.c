@@ -58,7 +58,7 @@ static void mark(marker *k, const uint32_t at[3]) {
   marking *m = k->m;
   const uint32_t *r = m->resolution;
   uint64_t code = m->uniform ? ((uint64_t)at[2] * r[1] + at[1]) * r[0] + at[0]
-                             : ylm__morton(at[0], at[1], at[2]);
+                             : ylm_morton(at[0], at[1], at[2]);
   uint64_t *word = word_of(m, code), bit = (uint64_t)1 << (code & (((uint64_t)1 << m->shift) - 1));
   if (!word || __atomic_load_n(word, __ATOMIC_RELAXED) & bit) return;
   k->fresh += !(__atomic_fetch_or(word, bit, __ATOMIC_RELAXED) & bit);

@@ -168,8 +168,8 @@ static ylm_status add_list(baker *b, const point_list *l) {
 /* The order of the whole bake: level by level, along Morton codes. */
 static int by_place(const void *a, const void *b) {
   const ylm_grid_cell *x = a, *y = b;
-  uint64_t p = ylm__morton(x->origin[0], x->origin[1], x->origin[2]),
-           q = ylm__morton(y->origin[0], y->origin[1], y->origin[2]);
+  uint64_t p = ylm_morton(x->origin[0], x->origin[1], x->origin[2]),
+           q = ylm_morton(y->origin[0], y->origin[1], y->origin[2]);
   return x->level != y->level ? (x->level < y->level ? -1 : 1) : p < q ? -1 : p > q;
 }
 

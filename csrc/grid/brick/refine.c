@@ -108,7 +108,7 @@ static ylm_status refine_by_tolerance(const plan *p, baker *b, const brick *k) {
   char *points = NULL;
   ylm_grid_surface *surface = NULL;
   ylm_status s = YLM_OK;
-  source.seed += ylm__morton(k->origin[0], k->origin[1], k->origin[2]) << 8;
+  source.seed += ylm_morton(k->origin[0], k->origin[1], k->origin[2]) << 8;
   if (source.meshes)
     s = choose_surface(b, &surface);
   else if (source.occupied_points)

@@ -100,12 +100,12 @@ static void name_brick(const ylm_grid_set *s, set_brick *k) {
 
 /* The brick of a cell of the top, YLM_GRID_NONE if there is none. */
 static uint32_t number_of(const ylm_grid_set *s, const ylm_grid_cell *c) {
-  uint64_t code = ylm__morton(c->origin[0], c->origin[1], c->origin[2]);
+  uint64_t code = ylm_morton(c->origin[0], c->origin[1], c->origin[2]);
   size_t lo = 0, hi = s->bricks;
   while (lo < hi) {
     size_t mid = lo + (hi - lo) / 2;
     const uint32_t *o = s->brick[mid].origin;
-    if (ylm__morton(o[0], o[1], o[2]) < code)
+    if (ylm_morton(o[0], o[1], o[2]) < code)
       lo = mid + 1;
     else
       hi = mid;

@@ -129,7 +129,7 @@ static ylm_status sort_block(void *context, size_t begin, size_t end, int worker
     double p[3];
     position_of(j->track, order[i], p);
     ylm_grid_voxel(j->g, p, voxel);
-    c[i] = (coded){ylm__morton(voxel[0], voxel[1], voxel[2]), order[i]};
+    c[i] = (coded){ylm_morton(voxel[0], voxel[1], voxel[2]), order[i]};
   }
   qsort(c, end - begin, sizeof *c, by_code);
   for (size_t i = 0; i < end - begin; i++) order[i] = c[i].point;

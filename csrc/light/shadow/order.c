@@ -6,14 +6,6 @@
 
 enum { BITS = 10, DIGITS = 1 << BITS };
 
-/* BITS bits, each followed by two zeros. */
-static uint32_t spread(uint32_t x) {
-  x = (x | x << 16) & 0x030000ffu;
-  x = (x | x << 8) & 0x0300f00fu;
-  x = (x | x << 4) & 0x030c30c3u;
-  return (x | x << 2) & 0x09249249u;
-}
-
 /* A cube around the points: its low corner, and DIGITS over its edge. */
 static double cube_around(ylm_dtype t, size_t n, const void *points, double low[3]) {
   double high[3], edge = 0;
@@ -50,12 +42,12 @@ bool ylm__shadow_order(ylm_dtype t, size_t n, const void *points, uint32_t **ord
   *moved = ylm_alloc(n, size);
   bool ok = keys && *order && *moved;
   for (size_t i = 0; i < n && ok; i++) {
-    uint32_t key = 0;
+    uint32_t cell[3];
     for (size_t a = 0; a < 3; a++) {
       double x = scale * (ylm_get(t, points, 3 * i + a) - low[a]);
-      key |= spread(x < DIGITS - 1 ? (uint32_t)x : DIGITS - 1) << a;
+      cell[a] = x < DIGITS - 1 ? (uint32_t)x : DIGITS - 1;
     }
-    keys[i] = (uint64_t)key << 32 | i;
+    keys[i] = ylm_morton(cell[0], cell[1], cell[2]) << 32 | i;
   }
   if (ok) sorted = sort(n, keys, keys + n);
   for (size_t i = 0; i < n && ok; i++) {

@@ -131,16 +131,6 @@ typedef struct worker {
   uint64_t pairs;
 } worker;
 
-/* The bits of x, two places apart. */
-static uint64_t spread(uint64_t x) {
-  x &= 0x1fffff;
-  x = (x | x << 32) & 0x1f00000000ffff;
-  x = (x | x << 16) & 0x1f0000ff0000ff;
-  x = (x | x << 8) & 0x100f00f00f00f00f;
-  x = (x | x << 4) & 0x10c30c30c30c30c3;
-  return (x | x << 2) & 0x1249249249249249;
-}
-
 /* Sorts a run along the curve: numbers from `begin` on to order[0]. */
 static void sort_points(const search *s, worker *w, size_t begin, size_t n) {
   uint64_t all = 0;
@@ -154,7 +144,7 @@ static void sort_points(const search *s, worker *w, size_t begin, size_t n) {
   for (size_t i = 0; i < n; i++) {
     w->key[0][i] = 0, w->order[0][i] = (uint32_t)i;
     for (int a = 0; a < 3; a++)
-      w->key[0][i] |= spread((uint64_t)(w->part[i][a] - w->least[a])) << a;
+      w->key[0][i] |= ylm_spread3((uint64_t)(w->part[i][a] - w->least[a])) << a;
     all |= w->key[0][i];
   }
   for (int shift = 0; shift < 64 && all >> shift; shift += 8) {
