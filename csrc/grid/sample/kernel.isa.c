@@ -48,11 +48,12 @@ YLM_INLINE void block(const sample_batch *b, int rows, const float *w, int j, co
       store_some(out[p] + j + c * YLM_VF, sum[p][c], b->width - j - c * YLM_VF);
 }
 
-/* All columns of a few points. */
+/* All columns of a few points. Where a block has five vectors, seven are taken as four and three. */
 YLM_INLINE void columns_of(const sample_batch *b, int rows, const float *w, float *const *out,
                            const int points) {
   int vectors = (b->width + YLM_VF - 1) / YLM_VF, j = 0;
-  for (; vectors >= COLUMNS && vectors != COLUMNS + 2; vectors -= COLUMNS, j += COLUMNS * YLM_VF)
+  for (; vectors >= COLUMNS && (COLUMNS == 2 || vectors != COLUMNS + 2);
+       vectors -= COLUMNS, j += COLUMNS * YLM_VF)
     block(b, rows, w, j, COLUMNS, out, points);
 #if COLUMNS > 2
   if (vectors == COLUMNS + 2) {
