@@ -263,8 +263,8 @@ demo:   ## install, build, render the picture of the README into out/
 	$(call again,all)
 	@$(BUILD)/ylm run examples/01_floor_lights.lua $(ARGS)
 
-# A processor tests its widest kernels, and those of 16 bytes are tested as NEON (spec/neon_spec.lua); a build
-# that has all keeps all, as check-long does.
+# A processor tests its widest kernels. Beside AVX-512, those of 32 bytes are tested but for sums of lights (spec/narrow_spec.lua);
+# those of 16 bytes for the basis, as NEON (spec/neon_spec.lua). A build that has all keeps all, as check-long does.
 CPU_FLAGS    = $(shell sed -n '/^flags/{s/.*: //p;q}' /proc/cpuinfo 2>/dev/null)
 CPU_sse2    := sse2
 CPU_avx2    := avx2 fma
@@ -272,7 +272,8 @@ CPU_avx512  := avx512f avx512dq avx512vl avx512bw
 RUN_HERE     = $(foreach i,$(ALL_ISAS),$(if $(and $(CPU_FLAGS),$(filter-out $(CPU_FLAGS),$(CPU_$(i)))),,$(i)))
 TESTED       = $(if $(and $(filter-out $(BUILT),$(ALL_ISAS)),$(CPU_FLAGS)),$(lastword $(RUN_HERE)),$(ALL_ISAS))
 NOT_TESTED   = $(filter-out $(filter $(TESTED),$(RUN_HERE)),$(ALL_ISAS))
-WHY_NOT      = no spec runs kernels for $(NOT_TESTED): $(if $(filter-out $(TESTED),$(NOT_TESTED)),specs run the widest that this processor has; make builds all,this processor has none)
+NARROWER     = $(if $(filter avx2,$(TESTED)),,$(if $(filter avx512,$(TESTED)), (spec/narrow_spec.lua runs those of avx2 that sum no lights)))
+WHY_NOT      = no spec runs kernels for $(NOT_TESTED)$(NARROWER): $(if $(filter-out $(TESTED),$(NOT_TESTED)),specs run the widest that this processor has; make builds all,this processor has none)
 
 test:   ## install, build, run every check; the last line counts them
 	@.ci/deps build demo test

@@ -9,7 +9,7 @@ return {
     grid_update_octree grid_update_random grid_update_undo grid_update_view grounds guide guides hostile_meshes install inverse
     knob ladder light light_blocks light_disk light_environment light_lobe light_merged light_photometric
     light_polygon light_polygon_kernel light_polygon_scene light_sampled light_sky light_sun light_textured light_tree lightmap
-    lightmap_browser lightmaps live live_display material material_kinds material_table neon no_lights occlusion oidn
+    lightmap_browser lightmaps live live_display material material_kinds material_table narrow neon no_lights occlusion oidn
     papers path photometry photometry_file plot plot_lines prepared_look probes radiosity readme refresh relight render
     render_noise rounds run sealed_rooms
     sh_eval sh_exponential sh_product sh_project sh_rotate shade shadow_bodies shadow_fields shadow_rays shell site
@@ -31,7 +31,7 @@ return {
 
   -- The longest: they begin where no run has measured specs (build/spec has the seconds), and `make quick` leaves them out.
   long = [[
-    grid_update_flat neon papers vulkan_keep vulkan_light vulkan_octree vulkan_points vulkan_rims vulkan_tolerance]],
+    grid_update_flat narrow neon papers vulkan_keep vulkan_light vulkan_octree vulkan_points vulkan_rims vulkan_tolerance]],
 
   -- The next longest, of five seconds and more: they begin after those, where no run has measured specs.
   early = [[

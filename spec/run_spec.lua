@@ -184,6 +184,9 @@ chmod +x "$2"]=])
     assert.equal("sse2 avx2 avx512", value("TESTED", "ARCH=x86_64 CPU_FLAGS=")) -- a system that does not say
     assert.equal("no spec runs kernels for sse2 avx512: specs run the widest that this processor has; make builds all",
       value("WHY_NOT", x86))
+    assert.equal("no spec runs kernels for sse2 avx2 (spec/narrow_spec.lua runs those of avx2 that sum no lights): "
+      .. "specs run the widest that this processor has; make builds all",
+      value("WHY_NOT", "ARCH=x86_64 CPU_FLAGS='sse2 fma avx2 avx512f avx512dq avx512vl avx512bw'"))
     scratch.shell("mkdir -p " .. scratch.quote(folder.path .. "/build/include"))
     folder:write("build/include/ylm_built_sets.h", "/* sse2 avx2 avx512 */\n")
     assert.equal("sse2 avx2 avx512", value("TESTED", x86)) -- what is built stays

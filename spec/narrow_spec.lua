@@ -1,0 +1,38 @@
+-- Kernels of most processors, where this one has wider ones: those of AVX2, but for sums of lights, as spec/narrow compiles them.
+-- Specs run with them in processes of their own.
+
+local scratch = require "spec.support.scratch"
+local quote = scratch.quote
+local build = os.getenv "YLM_BUILD" or "build"
+
+--- Spec files, and a pattern of names where not all are run.
+local specs = {
+  { "sh_eval", "with the reference" }, { "sh_product" }, { "sh_rotate" }, { "virtual_kernel" }, { "virtual_lights" },
+  { "light_disk" }, { "grid_sample", "every kernel set" }, { "small_grid", "every kernel set" },
+  { "virtual_tree", "every kernel set" }, { "virtual_gloss", "plain code" }, { "virtual_near", "far and near parts" },
+  { "light_polygon_kernel" }, { "shadow_fields", "each instruction set" }, { "transfer_vectors", "each set of kernels" },
+  { "radiosity", "each set of kernels" }, { "shade", "all instruction sets" },
+  { "choose", "every instruction set" }, { "glossy", "kernel" }, { "material_kinds", "kernel" }, { "path", "bit for bit, by" },
+}
+
+describe("kernels for vectors of 32 bytes", function()
+  local missing
+
+  setup(function()
+    local out, status = scratch.capture("env -u LD_PRELOAD BUILD=" .. quote(build) .. " spec/narrow")
+    assert(status == 0 and not out:find "warning", out)
+    if not scratch.shell("test -e " .. quote(build) .. "/narrow/lib/libylm.so") then
+      missing = "this build has no wider ones alone: its specs run them"
+    end
+  end)
+
+  for _, spec in ipairs(specs) do
+    it("pass spec/" .. spec[1] .. "_spec.lua" .. (spec[2] and (": " .. spec[2]) or ""), function()
+      if missing then return pending(missing) end
+      local out, status = scratch.capture(table.concat({ "LD_LIBRARY_PATH=" .. quote(build) .. "/narrow/lib",
+        os.getenv "YLM_LUA" or "lua", "spec/support/run/busted.lua -o plainTerminal",
+        spec[2] and "--filter=" .. quote(spec[2]) or "", ("spec/%s_spec.lua"):format(spec[1]) }, " "))
+      assert(status == 0 and out:find "[1-9]%d* success", out)
+    end)
+  end
+end)
