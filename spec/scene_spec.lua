@@ -67,6 +67,16 @@ describe("ylm.scene", function()
     assert.matches("no field 'spacing'; it is a field of ylm.links", message)
   end)
 
+  it("names the first in the alphabet of fields that there are not", function()
+    for _, others in ipairs { { "zz", "yy", "xx" }, { "e1", "e2", "e3", "e4" }, { "q", 1 } } do
+      local fields = { albedo = 0.5, dd = 1 }
+      for _, name in ipairs(others) do fields[name] = 1 end
+      local ok, message = pcall(ylm.matte, fields)
+      assert.is_false(ok)
+      assert.matches("no field 'dd'", message)
+    end
+  end)
+
   it("names the line of a mistake, though scene files end in a tail call", function()
     assert.equal("scene.lua:3: scene: no field 'ligths' (did you mean 'lights'?)",
       message_of "\nreturn ylm.scene 'x' { ligths = {} }")

@@ -258,18 +258,23 @@ local function hint(name, fields)
   return guess and (" (did you mean '%s'?)"):format(guess) or "; fields are " .. table.concat(names, ", ")
 end
 
+--- The key of `given` that no field has: a name, the first in the alphabet, rather than another key; nil where there is none.
+local function stranger(by_name, given)
+  local first
+  for key in pairs(given) do
+    local before = first == nil or type(key) == "string" and (type(first) ~= "string" or key < first)
+    if not by_name[key] and before then first = key end
+  end
+  return first
+end
+
 --- Checks `given` against `fields`; fail(message) raises. Returns a new table with defaults filled in.
 local function checked(fields, given, fail)
   local by_name = {}
   for _, field in ipairs(fields) do by_name[field[1]] = field end
-  for name in pairs(given) do
-    if not by_name[name] then
-      if type(name) ~= "string" then
-        return fail(("unexpected entry %s: fields are given by name"):format(check.describe(name)))
-      end
-      return fail(("no field %s%s"):format(check.describe(name), hint(name, fields)))
-    end
-  end
+  local name = stranger(by_name, given)
+  if type(name) == "string" then return fail(("no field %s%s"):format(check.describe(name), hint(name, fields))) end
+  if name ~= nil then return fail(("unexpected entry %s: fields are given by name"):format(check.describe(name))) end
   local values = {}
   for _, field in ipairs(fields) do
     local name, value = field[1], given[field[1]]
