@@ -272,9 +272,9 @@ end
 local function checked(fields, given, fail)
   local by_name = {}
   for _, field in ipairs(fields) do by_name[field[1]] = field end
-  local name = stranger(by_name, given)
-  if type(name) == "string" then return fail(("no field %s%s"):format(check.describe(name), hint(name, fields))) end
-  if name ~= nil then return fail(("unexpected entry %s: fields are given by name"):format(check.describe(name))) end
+  local key = stranger(by_name, given)
+  if type(key) == "string" then return fail(("no field %s%s"):format(check.describe(key), hint(key, fields))) end
+  if key ~= nil then return fail(("unexpected entry %s: fields are given by name"):format(check.describe(key))) end
   local values = {}
   for _, field in ipairs(fields) do
     local name, value = field[1], given[field[1]]
