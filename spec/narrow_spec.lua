@@ -13,6 +13,7 @@ local specs = {
   { "light_polygon_kernel" }, { "shadow_fields", "each instruction set" }, { "transfer_vectors", "each set of kernels" },
   { "radiosity", "each set of kernels" }, { "shade", "all instruction sets" },
   { "choose", "every instruction set" }, { "glossy", "kernel" }, { "material_kinds", "kernel" }, { "path", "bit for bit, by" },
+  { "kernels" },
 }
 
 describe("kernels for vectors of 32 bytes", function()

@@ -7,7 +7,7 @@ return {
     engine_fit engines equal_files exposure far_from_origin far_scene first_call flip gather gloss_bounced gloss_field glossy
     grid_bake grid_prints grid_sample grid_sides grid_surface grid_unmet grid_update grid_update_flat grid_update_memory
     grid_update_octree grid_update_random grid_update_undo grid_update_view grounds guide guides hostile_meshes install inverse
-    knob ladder light light_blocks light_disk light_environment light_lobe light_merged light_photometric
+    kernels knob ladder light light_blocks light_disk light_environment light_lobe light_merged light_photometric
     light_polygon light_polygon_kernel light_polygon_scene light_sampled light_sky light_sun light_textured light_tree lightmap
     lightmap_browser lightmaps live live_display material material_kinds material_table narrow neon no_lights occlusion oidn
     papers path photometry photometry_file plot plot_lines prepared_look probes radiosity readme refresh relight render
