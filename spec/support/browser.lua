@@ -44,9 +44,11 @@ function browser.open(o)
   assert(scratch.shell(("mkfifo %s %s"):format(q(folder.path .. "/to"), q(folder.path .. "/from"))))
   local root = scratch.shell '[ "$(id -u)" = 0 ]' and "--no-sandbox " or ""
   local switches = o.switches or SWITCHES
-  assert(scratch.shell(("cd %s && (HOME=%s env -u LD_PRELOAD timeout -k 5 %d %s %s %s --user-data-dir=%s --remote-debugging-pipe "
-    .. "--window-size=%d,%d about:blank 3<to 4>from >log 2>&1 &)"):format(q(folder.path), q(folder.path), o.limit or LIMIT,
-    program(), switches, root, q(folder.path .. "/profile"), math.max(500, o.size[1]), math.max(400, o.size[2]))))
+  -- A process in between takes what is said to a browser that has gone, so that reading finds it out; writing would end this one.
+  assert(scratch.shell(("cd %s && (cat to | HOME=%s env -u LD_PRELOAD timeout -k 5 %d %s %s %s --user-data-dir=%s "
+    .. "--remote-debugging-pipe --window-size=%d,%d about:blank 3<&0 4>from </dev/null >log 2>&1 &)"):format(q(folder.path),
+    q(folder.path), o.limit or LIMIT, program(), switches, root, q(folder.path .. "/profile"), math.max(500, o.size[1]),
+    math.max(400, o.size[2]))))
   local self = setmetatable({ folder = folder, number = 0, said = {} }, browser)
   self.to = assert(io.open(folder.path .. "/to", "wb"))
   self.from = assert(io.open(folder.path .. "/from", "rb"))
