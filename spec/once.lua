@@ -43,4 +43,8 @@ return {
   -- Specs that run no code of the build: sanitizers find nothing there.
   text = [[
     check codegen ladder neon style]],
+
+  -- Specs of arguments and of examples in texts: other specs run the same code by threads, and ThreadSanitizer leaves these out.
+  words = [[
+    cli documentation guide material_file options page readme refusals run]],
 }

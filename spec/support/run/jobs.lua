@@ -5,7 +5,8 @@
 -- YLM_SPEC=quick leaves out what is slow or needs more than a compiler; YLM_SPEC=long runs every spec under each Lua: "LUA- FILE"
 -- where `make test` would not, and such a spec has the numbers of `make test`;
 -- YLM_SPEC=luas runs those that make test runs under each, and four whose subject is the interpreter too; YLM_SPEC=compiled
--- leaves out those that run no code of the build, and YLM_SPEC=threads what either leaves out.
+-- leaves out those that run no code of the build, and YLM_SPEC=threads what either leaves out, and those of arguments and
+-- examples.
 
 local LONG, EARLY = 40, 20 -- seconds of specs that once.lua calls so, before they were measured
 local BYTES = 3000         -- of a spec's file a second, for any other
@@ -70,6 +71,7 @@ local leaves_slow, leaves_text = which == "quick" or which == "threads", which =
 --- Is a spec left out?
 local function left_out(name)
   return leaves_text and once.text[name]
+    or which == "threads" and once.words[name]
     or leaves_slow and (once.long[name] or name:find "^vulkan" or name == "install" or name == "memory")
 end
 
