@@ -17,19 +17,19 @@ local specs = {
 }
 
 describe("kernels for vectors of 32 bytes", function()
-  local missing
+  if scratch.text(build .. "/include/ylm_built_sets.h"):match "^/%* (.-) %*/" ~= "avx512" then
+    it("are run by all specs", function() pending "this build has none wider alone" end)
+    return
+  end
 
   setup(function()
     local out, status = scratch.capture("env -u LD_PRELOAD BUILD=" .. quote(build) .. " spec/narrow")
     assert(status == 0 and not out:find "warning", out)
-    if not scratch.shell("test -e " .. quote(build) .. "/narrow/lib/libylm.so") then
-      missing = "this build has no wider ones alone: its specs run them"
-    end
+    assert(scratch.shell("test -e " .. quote(build) .. "/narrow/lib/libylm.so"))
   end)
 
   for _, spec in ipairs(specs) do
     it("pass spec/" .. spec[1] .. "_spec.lua" .. (spec[2] and (": " .. spec[2]) or ""), function()
-      if missing then return pending(missing) end
       local out, status = scratch.capture(table.concat({ "LD_LIBRARY_PATH=" .. quote(build) .. "/narrow/lib",
         os.getenv "YLM_LUA" or "lua", "spec/support/run/busted.lua -o plainTerminal",
         spec[2] and "--filter=" .. quote(spec[2]) or "", ("spec/%s_spec.lua"):format(spec[1]) }, " "))
