@@ -1,6 +1,6 @@
 -- Glossy surfaces, shaded by spherical harmonics: gloss = "sh".
+local by_kernels = require "spec.support.by_kernels"
 local core = require "ylm.c.core"
-local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 local ways = require "spec.support.ways"
 
@@ -150,8 +150,7 @@ describe("gloss = 'sh'", function()
   end)
 
   it("shades what occluders shadow alike by each kernel set, in one pass or in two", function()
-    local folder = scratch.new()
-    local script = folder:write("kernels.lua", [[
+    local program = [[
       local ylm = require "ylm"
       for _, light in ipairs { ylm.sphere_light { at = { 1, 3, -1 }, radius = 1, radiance = { 5, 6, 7 } },
         ylm.sun_light { direction = { 1, 3, -1 }, angle = 20, irradiance = { 3, 4, 5 } } } do
@@ -165,20 +164,12 @@ describe("gloss = 'sh'", function()
             for _, p in ipairs(row) do print(("%.9g %.9g %.9g"):format(p[1], p[2], p[3])) end
           end
         end
-      end]])
-    local results = {}
-    for _, isa in ipairs(ylm.info().kernels) do
-      local out, status = scratch.capture(("YLM_WARNINGS=no YLM_ISA=%s %s %s"):format(isa, os.getenv "YLM_LUA" or "lua",
-        scratch.quote(script)))
-      assert(status == 0, out)
-      results[isa] = {}
-      for word in out:gmatch "%S+" do table.insert(results[isa], tonumber(word)) end
-    end
-    folder:remove()
-    local plain = assert(results.reference)
-    assert.equal(4 * 7 * 5 * 3, #plain)
-    for isa, list in pairs(results) do
-      assert.equal(#plain, #list)
+      end]]
+    local plain
+    for _, isa in ipairs(ylm.info().kernels) do -- the reference first
+      local list = by_kernels(isa, program)
+      plain = plain or list
+      assert.equal(4 * 7 * 5 * 3, #list)
       for i, x in ipairs(list) do
         assert(math.abs(x - plain[i]) <= 2e-5 * (math.abs(plain[i]) + 0.1), ("%s, number %d: %g, plain %g"):format(isa, i, x,
           plain[i]))

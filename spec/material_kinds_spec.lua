@@ -1,8 +1,8 @@
 -- Materials of every kind: what holds of any reflectance, asked of each row of spec/support/material_rows.lua, and what is a
 -- kind's own, against its formula.
 
+local by_kernels = require "spec.support.by_kernels"
 local long = require "spec.support.long"
-local scratch = require "spec.support.scratch"
 local ylm = require "ylm"
 local fits = require "ylm.material.abc_fits"
 local material = require "ylm.material"
@@ -173,8 +173,7 @@ describe("materials of each kind", function()
   end)
 
   it("are computed alike by each kernel set", function()
-    local folder = scratch.new()
-    local script = folder:write("kernels.lua", [[
+    local program = [[
       local ylm = require "ylm"
       local a, b, u = {}, {}, {}
       for i = 1, 37 do
@@ -188,20 +187,12 @@ describe("materials of each kind", function()
         for _, x in ipairs { row[2]:eval(a, b), row[2]:pdf(a, b), wi, weight, pdf } do
           for _, v in ipairs(x:reshape({ x.shape[1] * (x.shape[2] or 1) }):totable()) do print(("%.9g"):format(v)) end
         end
-      end]])
-    local results = {}
-    for _, isa in ipairs(ylm.info().kernels) do
-      local lua = os.getenv "YLM_LUA" or "lua"
-      local out, status = scratch.capture(("YLM_ISA=%s %s %s"):format(isa, lua, scratch.quote(script)))
-      assert(status == 0, out)
-      results[isa] = {}
-      for word in out:gmatch "%S+" do table.insert(results[isa], tonumber(word)) end
-    end
-    folder:remove()
-    local plain = assert(results.reference)
-    assert.equal(#rows * 37 * (3 + 1 + 3 + 3 + 1), #plain)
-    for isa, list in pairs(results) do
-      assert.equal(#plain, #list)
+      end]]
+    local plain
+    for _, isa in ipairs(ylm.info().kernels) do -- the reference first
+      local list = by_kernels(isa, program)
+      plain = plain or list
+      assert.equal(#rows * 37 * (3 + 1 + 3 + 3 + 1), #list)
       for i, x in ipairs(list) do
         assert(math.abs(x - plain[i]) <= 2e-3 * math.abs(plain[i]) + 2e-5, ("%s, number %d: %g, plain %g"):format(isa, i, x,
           plain[i]))

@@ -27,11 +27,7 @@ return function(o)
     "*/",
     o.solid and "void ylm_sh_solid(real x, real y, real z) {" or "void ylm_sh(real x, real y, real z, real g, real o, real s) {",
   }
-  local function before(out)
-    local l = source.begins(out)
-    return l and ("if (LMAX < %d) return;"):format(l)
-  end
-  for _, line in ipairs(emit.statements(outputs, "shader", before)) do lines[#lines + 1] = "  " .. line end
+  for _, line in ipairs(emit.statements(outputs, "shader", source.leaves "LMAX")) do lines[#lines + 1] = "  " .. line end
   lines[#lines + 1] = "}"
   return table.concat(lines, "\n") .. "\n"
 end

@@ -70,16 +70,12 @@ function heads.glsl(request)
   return lines
 end
 
---- The degree whose outputs begin with this one, from 1 on.
-function source.begins(out)
-  local l = math.floor(math.sqrt(out.index) + 0.5)
-  return out.array == "Y" and l > 0 and l * l == out.index and l or nil
-end
-
---- Leaves a function of any degree where those up to its lmax are done.
-local function leave(out)
-  local l = source.begins(out)
-  return l and ("if (lmax < %d) return;"):format(l)
+--- For emit.statements: before the first output of a degree above `lmax`, the name of a variable, a function returns.
+function source.leaves(lmax)
+  return function(out)
+    local l = math.floor(math.sqrt(out.index) + 0.5)
+    if out.array == "Y" and l > 0 and l * l == out.index then return ("if (%s < %d) return;"):format(lmax, l) end
+  end
 end
 
 --- The lines of one function, with a comment that counts its operations. request.any: it takes the lmax, up to the request's.
@@ -95,7 +91,8 @@ function source.function_lines(request, language)
       lines[#lines + 1] = "  (void)x, (void)y, (void)z" .. (needs_length(request) and ", (void)s;" or ";")
     elseif request.stable and request.derivatives == 0 then lines[#lines + 1] = "  (void)z;" end
   end
-  for _, line in ipairs(emit.statements(outputs, language, request.any and leave)) do lines[#lines + 1] = "  " .. line end
+  local before = request.any and source.leaves "lmax"
+  for _, line in ipairs(emit.statements(outputs, language, before)) do lines[#lines + 1] = "  " .. line end
   lines[#lines + 1] = "}"
   return lines
 end
