@@ -24,15 +24,6 @@ describe("spec/run", function()
     folder:remove()
   end)
 
-  it("runs every spec under every Lua with YLM_SPEC=long, with larger numbers where make test runs it", function()
-    local out = scratch.capture("YLM_SPEC=long lua5.4 spec/support/run/jobs.lua 'lua5.1 luajit lua5.4' spec/live_spec.lua "
-      .. "spec/abi_spec.lua spec/cli_spec.lua spec/own_spec.lua | LC_ALL=C sort")
-    assert.equal(table.concat({ "lua5.1 spec/cli_spec.lua", "lua5.1 spec/live_spec.lua", "lua5.1 spec/own_spec.lua",
-      "lua5.1- spec/abi_spec.lua", "lua5.4 spec/abi_spec.lua", "lua5.4 spec/cli_spec.lua", "lua5.4 spec/own_spec.lua",
-      "lua5.4- spec/live_spec.lua", "luajit spec/own_spec.lua", "luajit- spec/abi_spec.lua", "luajit- spec/cli_spec.lua",
-      "luajit- spec/live_spec.lua" }, "\n") .. "\n", out)
-  end)
-
   it("says what to install where busted is missing, in one line, and runs nothing", function()
     local out, status = scratch.capture(([[LUA_INIT='package.preload["busted.runner"] = function() error "none" end' \
       SPEC_LUAS=%s spec/run spec/box_spec.lua]]):format(os.getenv "YLM_LUA" or "lua5.4"))

@@ -8,7 +8,9 @@
 
 local ylm = require "ylm"
 
-local LEAST = 1e-6 -- root mean square difference of two pictures relative to that of the picture
+-- Root mean square differences of two pictures relative to that of the picture. One path of 80,000 may turn elsewhere where
+-- compilers differ, as those of Debian 12 and 13 do.
+local LEAST, OF_PATHS = 1e-6, 1e-4
 local size = { 96, 54 }
 local what, folder, other = arg[1], arg[2], arg[3]
 local passed, failed = 0, 0
@@ -60,7 +62,7 @@ local function compare()
     if not a or not b then check(false, "%s is not in both folders", file)
     else
       local d = rms(a - b) / rms(a)
-      check(d <= LEAST, "%-36s differs by %.2g of its root mean square", file, d)
+      check(d <= (file:find "paths" and OF_PATHS or LEAST), "%-36s differs by %.2g of its root mean square", file, d)
     end
   end
   list:close()

@@ -2,11 +2,9 @@
 --
 --     lua spec/support/run/jobs.lua "lua5.4 luajit" spec/sh_eval_spec.lua spec ...
 --
--- YLM_SPEC=quick leaves out what is slow or needs more than a compiler; YLM_SPEC=long runs every spec under each Lua: "LUA- FILE"
--- where `make test` would not, and such a spec has the numbers of `make test`;
--- YLM_SPEC=luas runs those that make test runs under each, and four whose subject is the interpreter too; YLM_SPEC=compiled
--- leaves out those that run no code of the build, and YLM_SPEC=threads what either leaves out, and those of arguments and
--- examples.
+-- YLM_SPEC=quick leaves out what is slow or needs more than a compiler; YLM_SPEC=luas runs those that make test runs under each,
+-- and four whose subject is the interpreter too; YLM_SPEC=compiled leaves out those that run no code of the build, and
+-- YLM_SPEC=threads what quick and compiled leave out, and those of arguments and examples.
 
 local LONG, EARLY = 40, 20 -- seconds of specs that once.lua calls so, before they were measured
 local BYTES = 3000         -- of a spec's file a second, for any other
@@ -24,22 +22,13 @@ for list, names in pairs(dofile "spec/once.lua") do
   for name in names:gmatch "%S+" do once[list][name] = true end
 end
 
---- The Luas under which `make test` runs a spec.
-local function tested(name)
+--- The Luas that run a spec.
+local function luas_of(name)
+  if which == "luas" then return (once.one[name] or once.last[name]) and not of_luas[name] and {} or luas end
   if once.one[name] then return { luas[1] } end
   if once.last[name] then return { luas[#luas] } end
   if once.two[name] then return { luas[1], luas[2] and luas[#luas] } end
   return luas
-end
-
---- The Luas that run a spec, and which of them with the numbers of `make test`: Lua -> true.
-local function luas_of(name)
-  if which == "luas" then return (once.one[name] or once.last[name]) and not of_luas[name] and {} or luas, {} end
-  if which ~= "long" then return tested(name), {} end
-  local short = {}
-  for _, lua in ipairs(luas) do short[lua] = true end
-  for _, lua in ipairs(tested(name)) do short[lua] = nil end
-  return luas, short
 end
 
 --- The seconds of processor time that a spec took last; nil where there is no whole report.
@@ -90,9 +79,8 @@ local jobs = {}
 for i = 2, #arg do
   for _, file in ipairs(files(arg[i])) do
     local name = file:match "([^/]*)_spec%.lua$" or file
-    local by, short = luas_of(name)
-    for _, lua in ipairs(left_out(name) and {} or by) do
-      jobs[#jobs + 1] = { seconds = seconds_of(lua, name, file), text = lua .. (short[lua] and "- " or " ") .. file }
+    for _, lua in ipairs(left_out(name) and {} or luas_of(name)) do
+      jobs[#jobs + 1] = { seconds = seconds_of(lua, name, file), text = lua .. " " .. file }
     end
   end
 end
