@@ -145,12 +145,14 @@ describe("the C library", function()
     end
   end)
 
-  it("weighs few lamps at many places with the bits of one place after the other, by every kernel", function()
+  it("weighs few lamps at many places with the bits of one place after the other, guides too, by every kernel", function()
     local program = support "ahead"
     for _, isa in ipairs(ylm.info().kernels) do
       local out = runs("%s %s", env("YLM_ISA=" .. isa), program)
-      local dark = tonumber(out:match "^3999 places, (%d+) dark, 0 differ, the first is 0\n$")
-      assert(dark and dark < 1000, isa .. ": " .. out)
+      local line = ": 3999 places, (%d+) dark, 0 differ, the first is 0\n"
+      local dark, guided, clusters = out:match("^no guide" .. line .. "a guide" .. line .. "(%d+) clusters, 0 differ\n$")
+      assert(dark and tonumber(dark) < 1000 and dark == guided, isa .. ": " .. out)
+      assert(tonumber(clusters) > 500, isa .. ": " .. out)
     end
   end)
 

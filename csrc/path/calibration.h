@@ -56,6 +56,8 @@
 /* Materials of a smaller excess, for an eye at this cosine, are guided as matte ones are. */
 #define GUIDED_COSINE 0.7f
 #define GUIDED_EXCESS 1
+/* Guides are fetched to the cache so many directions before they are asked. */
+#define GUIDES_AHEAD 8
 /* The chance to go on of a path that may bring as much as it could at its start; bounds of it. */
 #define KNOWN_CHANCE 1.2f
 #define KNOWN_LEAST_CHANCE 0.3f

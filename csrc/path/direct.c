@@ -97,6 +97,8 @@ static void aim(path_tile *t, uint32_t v, const double u[3]) {
   memcpy(l->toward[i], l->ray[i].dir, 12);
   ylm_scene_start(&l->ray[i], t->vertex[v].at.origin);
   if (!(l->wi[i][2] > 0)) return;
+  if (t->cluster[v] != PATH_UNKNOWN)
+    ylm__path_density_ahead(t->job->known, t->cluster[v], l->toward[i]);
   memcpy(l->wo[i], t->wo[v], 12);
   l->density[i] = (float)pdf;
   for (int c = 0; c < 3; c++) l->radiance[i][c] = (float)((double)l->radiance[i][c] / pdf);

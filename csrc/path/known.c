@@ -20,8 +20,10 @@
 
 /* The directions of a cluster's light. */
 typedef struct directions {
-  float frame[3][3];      /* the third is the normal */
-  float below[CELLS + 1]; /* the chance of the cells before each */
+  float frame[3][3]; /* the third is the normal */
+  float unused[7];   /* what follows begins lines of the cache */
+  float row[KNOWN_SIDE];
+  float below[CELLS]; /* the chance of the cells before each; row: that of the first of each row */
 } directions;
 
 struct path_known {
@@ -39,6 +41,7 @@ typedef struct learning {
   uint32_t *cluster;   /* [places] */
   float (*direct)[3];  /* [places] irradiance straight from lamps, by one ray */
   float (*mean)[3];    /* [clusters] of it */
+  float *brightness;   /* [places] luminance that arrives from there */
   float inside[CELLS]; /* parts of cells that are in the disk */
   atomic_uint_fast64_t rays;
 } learning;
@@ -53,6 +56,15 @@ void ylm__path_known_free(path_known *k) {
 
 uint32_t ylm__path_cluster(const path_known *k, const float x[3], const float normal[3]) {
   return k ? (uint32_t)ylm_scene_cluster_at(k->of, x, normal) : (uint32_t)PATH_UNKNOWN;
+}
+
+void ylm__path_clusters_at(const path_known *k, size_t n, const float (*x)[3],
+                           const float (*normal)[3], uint32_t *cluster) {
+  ylm_scene_clusters_at(k->of, n, x, normal, cluster);
+  for (size_t i = 0; i < n; i++) {
+    __builtin_prefetch(k->sum[cluster[i]][0]);
+    __builtin_prefetch(k->sum[cluster[i]][KNOWN_ORDERS]);
+  }
 }
 
 size_t ylm__path_clusters(const path_known *k) { return ylm_scene_clusters_count(k->of); }
@@ -81,20 +93,48 @@ static bool cell_of(const directions *d, const float w[3], size_t *cell, float *
   return true;
 }
 
+/* The chance of a cell. */
+static float chance(const directions *d, size_t cell) {
+  return (cell + 1 < CELLS ? d->below[cell + 1] : 1) - d->below[cell];
+}
+
 float ylm__path_guided_density(const path_known *k, uint32_t cluster, const float direction[3]) {
   const directions *d = &k->from[cluster];
   size_t cell;
   float cosine;
   if (!cell_of(d, direction, &cell, &cosine)) return 0;
-  return (d->below[cell + 1] - d->below[cell]) * cosine * (0.25f * CELLS);
+  return chance(d, cell) * cosine * (0.25f * CELLS);
+}
+
+void ylm__path_density_ahead(const path_known *k, uint32_t cluster, const float direction[3]) {
+  const directions *d = &k->from[cluster];
+  size_t cell;
+  float cosine;
+  if (cell_of(d, direction, &cell, &cosine)) __builtin_prefetch(&d->below[cell]);
+}
+
+void ylm__path_guide_ahead(const path_known *k, uint32_t cluster) {
+  __builtin_prefetch(k->from[cluster].frame);
+  __builtin_prefetch(k->from[cluster].row);
+}
+
+/* The last of these, which do not fall, that is no more than u; the first is 0. */
+static size_t last_of(const float from[KNOWN_SIDE], float u) {
+  int n = 0;
+  for (int i = 0; i < KNOWN_SIDE; i++) n += from[i] <= u;
+  return (size_t)n - 1;
+}
+
+void ylm__path_guided_ahead(const path_known *k, uint32_t cluster, const float u[2]) {
+  const directions *d = &k->from[cluster];
+  __builtin_prefetch(&d->below[last_of(d->row, u[0]) * KNOWN_SIDE]);
 }
 
 bool ylm__path_guided(const path_known *k, uint32_t cluster, const float u[2], float direction[3]) {
   const directions *d = &k->from[cluster];
-  size_t cell = 0;
-  for (size_t step = CELLS / 2; step > 0; step /= 2)
-    if (d->below[cell + step] <= u[0]) cell += step;
-  float within = (u[0] - d->below[cell]) / (d->below[cell + 1] - d->below[cell]);
+  size_t cell = last_of(d->row, u[0]) * KNOWN_SIDE;
+  cell += last_of(&d->below[cell], u[0]);
+  float within = (u[0] - d->below[cell]) / chance(d, cell);
   float x = ((float)(cell % KNOWN_SIDE) + within) * (2.0f / KNOWN_SIDE) - 1;
   float y = ((float)(cell / KNOWN_SIDE) + u[1]) * (2.0f / KNOWN_SIDE) - 1;
   float square = 1 - x * x - y * y;
@@ -124,16 +164,18 @@ typedef struct tally {
   double squares, all;
 } tally;
 
-/* The luminance that arrives from place i, which a path of the pilot reached. */
-static float brightness(const learning *l, uint32_t i) {
+/* The luminance that arrives from each place that a path of the pilot reached. */
+static void brighten(const learning *l) {
   const ylm_path_options *o = l->job->o;
-  uint32_t cluster = l->cluster[i];
   int last = o->last < 0 ? KNOWN_ORDERS : at_most(o->last - 2);
-  float sum[3];
-  for (int c = 0; c < 3; c++)
-    sum[c] = l->places->albedo[i][c] *
-             (0.5f * (l->direct[i][c] + l->mean[cluster][c]) + l->known->sum[cluster][last][c]);
-  return ylm__path_luminance(sum);
+  for (size_t i = 0; i < l->places->n; i++) {
+    uint32_t cluster = l->cluster[i];
+    float sum[3];
+    for (int c = 0; c < 3; c++)
+      sum[c] = l->places->albedo[i][c] *
+               (0.5f * (l->direct[i][c] + l->mean[cluster][c]) + l->known->sum[cluster][last][c]);
+    l->brightness[i] = ylm__path_luminance(sum);
+  }
 }
 
 /* Adds what the pilot's path from a place found, as it is seen from x. */
@@ -149,7 +191,7 @@ static void see(const learning *l, const directions *d, uint32_t from, const flo
     float length = sqrtf(ylm_dot3(w, w));
     if (!(length > 0) || ylm_dot3(w, p->normal[to]) > 0) return;
     for (int a = 0; a < 3; a++) w[a] /= length;
-    light = brightness(l, to);
+    light = l->brightness[to];
   }
   if (!cell_of(d, w, &cell, &cosine)) return;
   t->square[cell] += light * light;
@@ -184,7 +226,7 @@ static void settle(const learning *l, const tally *t, directions *d) {
     d->below[i] = (float)(below / sum);
     below += (double)part[i];
   }
-  d->below[CELLS] = 1;
+  for (int i = 0; i < KNOWN_SIDE; i++) d->row[i] = d->below[i * KNOWN_SIDE];
 }
 
 /* The frame of the cluster's mean normal. */
@@ -299,10 +341,12 @@ static ylm_status learn(learning *l) {
   l->clusters = ylm_scene_clusters_count(k->of);
   l->cluster = ylm_alloc(n, sizeof *l->cluster);
   l->direct = ylm_alloc_zero(n, sizeof *l->direct);
+  l->brightness = ylm_alloc(n, sizeof *l->brightness);
   l->mean = ylm_alloc(l->clusters, sizeof *l->mean);
   k->sum = ylm_alloc(l->clusters, sizeof *k->sum);
   k->from = ylm_alloc(l->clusters, sizeof *k->from);
-  if (!l->cluster || !l->direct || !l->mean || !k->sum || !k->from) return YLM_ENOMEM;
+  if (!l->cluster || !l->direct || !l->brightness || !l->mean || !k->sum || !k->from)
+    return YLM_ENOMEM;
   for (size_t i = 0; i < l->clusters; i++) {
     size_t own;
     const uint32_t *place = ylm_scene_cluster_places(k->of, i, 0, &own);
@@ -311,6 +355,7 @@ static ylm_status learn(learning *l) {
   s = ylm_parallel(n, 8192, o->threads, light, l, o->progress, "guides");
   if (s != YLM_OK) return s;
   solve(l);
+  brighten(l);
   measure_disk(l->inside);
   s = ylm_parallel(l->clusters, 16, o->threads, learn_directions, l, o->progress, "guides");
   ylm_scene_clusters_forget(k->of);
@@ -324,6 +369,7 @@ ylm_status ylm__path_know(path_job *j, const path_places *places, ylm_path_stats
   stats->guide_rays += l.rays;
   ylm_free(l.cluster);
   ylm_free(l.direct);
+  ylm_free(l.brightness);
   ylm_free(l.mean);
   if (s == YLM_OK)
     j->known = l.known;

@@ -25,9 +25,10 @@ static void decide(path_tile *t, size_t v, int order, bool first) {
   float more[3];
   t->chance[v] = 1;
   t->ends[v] = false;
-  t->cluster[v] = PATH_UNKNOWN;
-  if (!j->known || j->glosses[at->material]) return;
-  t->cluster[v] = ylm__path_cluster(j->known, at->at.lit, at->at.normal);
+  if (!j->known || j->glosses[at->material]) {
+    t->cluster[v] = PATH_UNKNOWN;
+    return;
+  }
   expect(t, v, order, more);
   float all = ylm__path_luminance(more);
   if (!(p->usual > 0)) p->usual = all;
@@ -37,6 +38,23 @@ static void decide(path_tile *t, size_t v, int order, bool first) {
   t->ends[v] = ylm__path_random(&p->rng) >= (double)q;
   for (int c = 0; c < 3; c++) more[c] *= t->ends[v] ? 1 : (q - 1) / q;
   ylm__path_add(t, p->radiance, more);
+}
+
+/* Decides at all vertices, whose clusters are found some at a time. */
+static void decide_all(path_tile *t, int order, bool first) {
+  for (size_t v = 0, end; v < t->n; v = end) {
+    end = t->n - v < YLM_SCENE_AHEAD ? t->n : v + YLM_SCENE_AHEAD;
+    if (t->job->known) {
+      float x[YLM_SCENE_AHEAD][3], normal[YLM_SCENE_AHEAD][3];
+      for (size_t k = v; k < end; k++) {
+        memcpy(x[k - v], t->vertex[k].at.lit, 12);
+        memcpy(normal[k - v], t->vertex[k].at.normal, 12);
+      }
+      ylm__path_clusters_at(t->job->known, end - v, (const float(*)[3])x, (const float(*)[3])normal,
+                            t->cluster + v);
+    }
+    for (size_t k = v; k < end; k++) decide(t, k, order, first);
+  }
 }
 
 /* Random numbers for the directions at all vertices. */
@@ -74,14 +92,25 @@ static void part(path_tile *t, size_t begin, size_t end) {
   }
 }
 
+/* Fetches to the cache what guides are asked for vertices behind v. */
+static void fetch(const path_tile *t, size_t v, size_t end) {
+  const path_known *k = t->job->known;
+  if (v + GUIDES_AHEAD < end) ylm__path_guide_ahead(k, t->cluster[v + GUIDES_AHEAD]);
+  v += GUIDES_AHEAD / 2;
+  if (v < end && t->own[v] < 0) ylm__path_guided_ahead(k, t->cluster[v], t->u[v]);
+}
+
 /* Lets guides choose these directions. */
 static void guide(path_tile *t, size_t begin, size_t end) {
   static const float none[3] = {0, 0, -1};
+  const path_known *k = t->job->known;
   for (size_t v = begin; v < end; v++) {
     const path_vertex *at = &t->vertex[v];
-    if (!(t->own[v] < 0))
+    fetch(t, v, end);
+    if (!(t->own[v] < 0)) {
       ylm__path_outward(at, t->wi[v], t->way[v]);
-    else if (ylm__path_guided(t->job->known, t->cluster[v], t->u[v], t->way[v]))
+      ylm__path_density_ahead(k, t->cluster[v], t->way[v]);
+    } else if (ylm__path_guided(k, t->cluster[v], t->u[v], t->way[v]))
       ylm__path_inward(at, t->way[v], t->wi[v]);
     else
       memcpy(t->wi[v], none, 12);
@@ -241,7 +270,7 @@ void ylm__path_walk(path_tile *t, double *values) {
     bool first = camera && order == 1, ends = order == o->last;
     ylm__path_tile_vertices(t);
     t->rays.n = 0;
-    for (size_t v = 0; v < t->n; v++) decide(t, v, order, first);
+    decide_all(t, order, first);
     if (!ends || (o->strategy != YLM_PATH_LIGHTS && !t->noted)) {
       choose(t, first);
       follow(t);

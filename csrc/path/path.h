@@ -201,9 +201,17 @@ void ylm__path_known_free(path_known *k);
 size_t ylm__path_clusters(const path_known *k);
 /* The cluster of a place; PATH_UNKNOWN: there is none. */
 uint32_t ylm__path_cluster(const path_known *k, const float x[3], const float normal[3]);
+/* The clusters of n places; the light that is expected there is asked for soon. */
+void ylm__path_clusters_at(const path_known *k, size_t n, const float (*x)[3],
+                           const float (*normal)[3], uint32_t *cluster);
 /* Irradiance [3] of light that counts where it is reflected as the path's reflection `order`, without light straight from
    lamps. */
 void ylm__path_expected(const path_job *j, uint32_t cluster, int order, float irradiance[3]);
+/* A cluster's guide is asked soon; then for a direction by u, or for the density of a direction: what is needed is fetched to the
+   cache. */
+void ylm__path_guide_ahead(const path_known *k, uint32_t cluster);
+void ylm__path_guided_ahead(const path_known *k, uint32_t cluster, const float u[2]);
+void ylm__path_density_ahead(const path_known *k, uint32_t cluster, const float direction[3]);
 /* A direction by a cluster's guide from u [2], 0 .. 1; false: it is below the surface. */
 bool ylm__path_guided(const path_known *k, uint32_t cluster, const float u[2], float direction[3]);
 /* The density of such directions, sr^-1. */

@@ -18,6 +18,7 @@ bool ylm__scene_ahead_create(ylm_scene_chooser *c) {
 
 void ylm_scene_look_ahead(ylm_scene_chooser *c, size_t n, const float (*x)[3],
                           const float (*normal)[3]) {
+  if (c->guide) ylm__scene_guide_ahead(c, n, x, normal);
   if (!c->ahead || n == 0) return;
   for (size_t i = 0; i < YLM_SCENE_AHEAD; i++)
     for (int a = 0; a < 3; a++) {
@@ -53,9 +54,8 @@ static double weigh(ylm_scene_chooser *c, size_t k) {
 
 bool ylm_scene_choose_ahead(ylm_scene_chooser *c, size_t k, const float x[3],
                             const float normal[3]) {
-  if (!c->ahead) return ylm_scene_choose(c, x, normal);
   ylm__scene_turn_to(c, x, normal);
-  if (!(weigh(c, k) > 0)) return false;
-  if (c->guide) ylm__scene_guide_weights(c);
+  if (!((c->ahead ? weigh(c, k) : ylm__scene_weigh(c, true, 1)) > 0)) return false;
+  if (c->guide) ylm__scene_guide_weights_ahead(c, k);
   return c->total > 0;
 }

@@ -10,11 +10,12 @@
 
 enum { STACK = 64 };
 
-/* Places below `at` along an axis, of normals or of positions, are in the first branch, which the other one follows. */
-enum { LEAF = 7, AXIS_BITS = 3 };
+/* Places below `at` along an axis, of normals or of positions, are in the first branch, which the other one follows. A leaf leads to
+   itself: every place is below it along LEAF. */
+enum { LEAF = 7, AXES = 8, AXIS_BITS = 3 };
 typedef struct cluster_node {
   float at;
-  uint32_t way; /* its first branch, of a leaf its cluster; in the low bits its axis, or LEAF */
+  uint32_t way; /* its first branch; in the low bits its axis */
 } cluster_node;
 
 /* A part of the list of places. */
@@ -25,6 +26,7 @@ typedef struct cluster_part {
 struct ylm_scene_clusters {
   size_t nodes, clusters;
   cluster_node *node; /* [nodes] the first is the root */
+  uint32_t *cluster;  /* [nodes] of leaves */
   /* until they are forgotten: */
   uint32_t *list;     /* places, in an order in which those of a node follow one another */
   cluster_part *part; /* [nodes] */
@@ -52,6 +54,7 @@ void ylm_scene_clusters_free(ylm_scene_clusters *c) {
   if (!c) return;
   ylm_scene_clusters_forget(c);
   ylm_free(c->node);
+  ylm_free(c->cluster);
   ylm_free(c);
 }
 
@@ -69,12 +72,43 @@ static float along(int axis, const float x[3], const float normal[3]) {
   return axis < 3 ? normal[axis] : x[axis - 3];
 }
 
+static void set_out(const float x[3], const float normal[3], float v[AXES]) {
+  for (int k = 0; k < AXES; k++) v[k] = k < 3 ? normal[k] : k < 6 ? x[k - 3] : 0;
+}
+
+/* One step down from a node. */
+static inline uint32_t step(cluster_node n, const float v[AXES]) {
+  return (n.way >> AXIS_BITS) + !(v[n.way & LEAF] < n.at);
+}
+
 size_t ylm_scene_cluster_at(const ylm_scene_clusters *c, const float x[3], const float normal[3]) {
-  const float v[6] = {normal[0], normal[1], normal[2], x[0], x[1], x[2]};
-  const cluster_node *n = c->node;
-  for (uint32_t axis; (axis = n->way & LEAF) != LEAF;)
-    n = c->node + (n->way >> AXIS_BITS) + !(v[axis] < n->at);
-  return n->way >> AXIS_BITS;
+  float v[AXES];
+  uint32_t at = 0;
+  set_out(x, normal, v);
+  while ((c->node[at].way & LEAF) != LEAF) at = step(c->node[at], v);
+  return c->cluster[at];
+}
+
+/* Walks go down together, so that none waits for another's nodes. */
+void ylm_scene_clusters_at(const ylm_scene_clusters *c, size_t n, const float (*x)[3],
+                           const float (*normal)[3], uint32_t *cluster) {
+  enum { WALKS = 8 };
+  for (size_t i = 0; i < n; i += WALKS) {
+    size_t walks = n - i < WALKS ? n - i : WALKS;
+    float v[WALKS][AXES];
+    uint32_t at[WALKS] = {0}, on;
+    for (size_t k = 0; k < WALKS; k++)
+      set_out(x[k < walks ? i + k : i], normal[k < walks ? i + k : i], v[k]);
+    do {
+      on = 0;
+      for (size_t k = 0; k < WALKS; k++) {
+        cluster_node node = c->node[at[k]];
+        on |= ~node.way & LEAF;
+        at[k] = step(node, v[k]);
+      }
+    } while (on);
+    for (size_t k = 0; k < walks; k++) cluster[i + k] = c->cluster[at[k]];
+  }
 }
 
 static float coordinate(const growing *g, int axis, size_t i) {
@@ -147,7 +181,8 @@ static void grow(growing *g) {
     int axis;
     float middle;
     if (n + 2 > 2 * STACK || !split(g, &c->part[at], &axis, &middle, &below)) {
-      c->node[at] = (cluster_node){0, (uint32_t)c->clusters << AXIS_BITS | LEAF};
+      c->node[at] = (cluster_node){INFINITY, at << AXIS_BITS | LEAF};
+      c->cluster[at] = (uint32_t)c->clusters;
       c->leaf[c->clusters++] = at;
       continue;
     }
@@ -155,8 +190,9 @@ static void grow(growing *g) {
     for (uint32_t k = 0; k < 2; k++) open[n++] = (uint32_t)c->nodes + k;
     branch(c, at, below);
   }
-  ylm_list_resize(&c->node, c->nodes, c->nodes,
-                  sizeof *c->node); /* as large as before, if that fails */
+  /* as large as before, if that fails */
+  ylm_list_resize(&c->node, c->nodes, c->nodes, sizeof *c->node);
+  ylm_list_resize(&c->cluster, c->nodes, c->nodes, sizeof *c->cluster);
 }
 
 ylm_status ylm_scene_clusters_create(const ylm_scene_places *places, size_t most,
@@ -169,7 +205,8 @@ ylm_status ylm_scene_clusters_create(const ylm_scene_places *places, size_t most
   c->part = ylm_alloc(2 * n, sizeof *c->part);
   c->up = ylm_alloc(2 * n, sizeof *c->up);
   c->node = ylm_alloc_zero(2 * n, sizeof *c->node);
-  if (!c->list || !c->leaf || !c->part || !c->up || !c->node) {
+  c->cluster = ylm_alloc_zero(2 * n, sizeof *c->cluster);
+  if (!c->list || !c->leaf || !c->part || !c->up || !c->node || !c->cluster) {
     ylm_scene_clusters_free(c);
     *out = NULL;
     return YLM_ENOMEM;

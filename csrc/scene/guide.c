@@ -35,15 +35,11 @@ static size_t row_of(const ylm_scene_guide *g, size_t cluster) {
   return cluster * (2 * g->width + g->cells);
 }
 
-static const float *row_at(const ylm_scene_guide *g, const float x[3], const float normal[3]) {
-  return g->row + row_of(g, ylm_scene_cluster_at(g->of, x, normal));
-}
-
-/* Weights of a chunk, times these factors; their sum. */
-static double weigh_chunk(float *weight, const float *factor) {
+/* Weights of n lamps of a chunk, times these factors; their sum. Weights behind them are 0. */
+static double weigh_chunk(size_t n, float *weight, const float *factor) {
   enum { LANES = 8 };
   double lane[LANES] = {0}, sum = 0;
-  for (size_t i = 0; i < YLM_LAMP_CHUNK; i += LANES)
+  for (size_t i = 0; i < n; i += LANES)
     for (size_t k = 0; k < LANES; k++) {
       weight[i + k] *= factor[i + k];
       lane[k] += (double)weight[i + k];
@@ -52,16 +48,40 @@ static double weigh_chunk(float *weight, const float *factor) {
   return sum;
 }
 
-const float *ylm__scene_guide_weights(ylm_scene_chooser *c) {
-  const float *factor = row_at(c->guide, c->x, c->normal);
+/* Weighs all lamps by a row. */
+static const float *weigh(ylm_scene_chooser *c, const float *factor) {
   c->total = 0;
-  for (size_t b = 0; b < c->chunks; b++) {
-    size_t first = b * YLM_LAMP_CHUNK;
-    c->sum[b] = (float)weigh_chunk(c->weight + first, factor + first);
-    c->total += (double)c->sum[b];
+  for (int k = 0; k < SCENE_STORAGES; k++) {
+    size_t left = ylm__scene_storage[k]->count(c->scene);
+    for (size_t b = c->chunk[k]; b < c->chunk[k + 1]; b++) {
+      size_t first = b * YLM_LAMP_CHUNK, n = left < YLM_LAMP_CHUNK ? left : YLM_LAMP_CHUNK;
+      c->sum[b] = (float)weigh_chunk(n, c->weight + first, factor + first);
+      c->total += (double)c->sum[b];
+      left -= n;
+    }
   }
   return factor;
 }
+
+const float *ylm__scene_guide_weights(ylm_scene_chooser *c) {
+  const ylm_scene_guide *g = c->guide;
+  return weigh(c, g->row + row_of(g, ylm_scene_cluster_at(g->of, c->x, c->normal)));
+}
+
+void ylm__scene_guide_ahead(ylm_scene_chooser *c, size_t n, const float (*x)[3],
+                            const float (*normal)[3]) {
+  const ylm_scene_guide *g = c->guide;
+  uint32_t cluster[YLM_SCENE_AHEAD];
+  ylm_scene_clusters_at(g->of, n, x, normal, cluster);
+  for (size_t k = 0; k < n; k++) {
+    c->row[k] = g->row + row_of(g, cluster[k]);
+    for (int s = 0; s < SCENE_STORAGES; s++)
+      if (c->chunk[s + 1] > c->chunk[s])
+        __builtin_prefetch(c->row[k] + c->chunk[s] * YLM_LAMP_CHUNK);
+  }
+}
+
+void ylm__scene_guide_weights_ahead(ylm_scene_chooser *c, size_t k) { weigh(c, c->row[k]); }
 
 /* A guide that is made. */
 typedef struct building {

@@ -472,7 +472,9 @@ static inline void put_lane(const ylm_scene *s, const ylm_scene_place *e, size_t
   for (int i = 0; i < 3; i++) {
     const float *p = &m->position[3 * (size_t)t[i]];
     const float *n = m->smooth ? &m->normal[3 * (size_t)t[i]] : none;
+    const float *uv = m->uv ? &m->uv[2 * (size_t)t[i]] : none;
     for (int a = 0; a < 3; a++) to->p[i][a][k] = p[a], to->n[i][a][k] = n[a];
+    for (int a = 0; a < 2; a++) to->uv[i][a][k] = uv[a];
   }
   to->u[k] = e->u, to->v[k] = e->v;
   to->side[k] = e->back ? -1 : 1;
@@ -487,11 +489,6 @@ static inline void take_lane(const ylm_scene *s, const ylm_scene_place *e, size_
     out->position[a] = from->position[a][k], out->lit[a] = from->lit[a][k];
     out->normal[a] = from->normal[a][k], out->origin[a] = from->origin[a][k];
     out->flat[a] = from->flat[a][k], out->tangent[a] = from->tangent[a][k];
-  }
-  if (m->uv) {
-    const float *p[3];
-    for (int i = 0; i < 3; i++) p[i] = &m->position[3 * (size_t)t[i]];
-    find_tangent(m, t, p, out->normal, out->tangent);
   }
   out->material = m->material;
   ylm__scene_tint(m, t, (const float[3]){1 - e->u - e->v, e->u, e->v}, out->tint);

@@ -101,8 +101,8 @@ void ylm__scene_tint(const scene_mesh *m, const uint32_t corner[3], const float 
 /* Places on triangles and the surfaces there, side by side. */
 enum { SCENE_LANES = 16 };
 typedef struct scene_lanes {
-  /* in: corners and their normals, 0 where these do not count; the place; -1: it is seen from the back */
-  float p[3][3][SCENE_LANES], n[3][3][SCENE_LANES];
+  /* in: corners, their normals and texture coordinates, 0 where these do not count; the place; -1: it is seen from the back */
+  float p[3][3][SCENE_LANES], n[3][3][SCENE_LANES], uv[3][2][SCENE_LANES];
   float u[SCENE_LANES], v[SCENE_LANES], side[SCENE_LANES], lift[SCENE_LANES], pull[SCENE_LANES];
   /* out: as in ylm_scene_surface */
   float position[3][SCENE_LANES], normal[3][SCENE_LANES], lit[3][SCENE_LANES];
@@ -231,8 +231,9 @@ struct ylm_scene_chooser {
   ylm_scene_spheres_fn *aim_at_spheres;
   scene_cut *cut;               /* of the tree, as it is seen from x; NULL: there is none */
   const ylm_scene_guide *guide; /* NULL: rays are aimed without */
-  scene_ahead *ahead;           /* NULL: places are not looked at ahead */
+  scene_ahead *ahead;           /* NULL: lamps are not weighed ahead */
   ylm_scene_ahead_fn *weigh_ahead;
+  const float *row[YLM_SCENE_AHEAD]; /* of the guide, at places that the chooser was told of */
 };
 
 /* -- guide.c -------------------------------------------------------------------- */
@@ -241,6 +242,10 @@ struct ylm_scene_chooser {
    brings spreads, relative to its root mean square: [2][chunks*YLM_LAMP_CHUNK], all above 0; then factors of the cells of the
    sky. */
 const float *ylm__scene_guide_weights(ylm_scene_chooser *c);
+/* As that, at place k of those that a chooser was told of. */
+void ylm__scene_guide_ahead(ylm_scene_chooser *c, size_t n, const float (*x)[3],
+                            const float (*normal)[3]);
+void ylm__scene_guide_weights_ahead(ylm_scene_chooser *c, size_t k);
 
 /* Turns a chooser to x; `normal` may be NULL. */
 void ylm__scene_turn_to(ylm_scene_chooser *c, const float x[3], const float *normal);

@@ -61,12 +61,32 @@ YLM_INLINE void smooth(const scene_lanes *s, size_t i, const ylm_vf edge[2][3],
 }
 
 /* As ylm_scene_basis. */
-YLM_INLINE void tangent_of(const ylm_vf n[3], ylm_vf out[3]) {
+YLM_INLINE void any_tangent(const ylm_vf n[3], ylm_vf out[3]) {
   const ylm_vf zero = {0}, one = zero + 1;
   ylm_vf s = ylm_vf_select((ylm_vi)n[2] < 0, -one, one), p = -one / (s + n[2]), q = n[0] * n[1] * p;
   out[0] = one + s * n[0] * n[0] * p;
   out[1] = s * q;
   out[2] = -s * n[0];
+}
+
+/* As find_tangent: without texture coordinates these are 0, and any tangent is found. */
+YLM_INLINE void tangent_of(const scene_lanes *s, size_t i, const ylm_vf edge[2][3],
+                           const ylm_vf n[3], ylm_vf out[3]) {
+  const ylm_vf zero = {0}, one = zero + 1;
+  ylm_vf uv[2][2], d[3], any[3];
+  for (int k = 0; k < 2; k++)
+    for (int a = 0; a < 2; a++)
+      uv[k][a] = ylm_vf_load(s->uv[k + 1][a] + i) - ylm_vf_load(s->uv[0][a] + i);
+  ylm_vf area = uv[0][0] * uv[1][1] - uv[1][0] * uv[0][1];
+  ylm_vf side = ylm_vf_select(area < zero, -one, one);
+  for (int a = 0; a < 3; a++) d[a] = side * (uv[1][1] * edge[0][a] - uv[0][1] * edge[1][a]);
+  ylm_vf along = dot(d, n);
+  for (int a = 0; a < 3; a++) d[a] = d[a] - along * n[a];
+  ylm_vf length = ylm_vf_sqrt(dot(d, d));
+  ylm_vi some = length > zero;
+  ylm_vf by = ylm_vf_select(some, length, one);
+  any_tangent(n, any);
+  for (int a = 0; a < 3; a++) out[a] = ylm_vf_select(some, d[a] / by, any[a]);
 }
 
 YLM_INLINE ylm_vd place_of(const scene_lanes *s, int a, size_t i, ylm_vd u, ylm_vd v) {
@@ -102,7 +122,7 @@ void YLM_KERNEL(ylm_k_scene_lanes)(size_t n, scene_lanes *s) {
     ylm_vf edge[2][3], flat[3], normal[3], way[3], tangent[3];
     flat_of(s, i, edge, flat);
     smooth(s, i, (const ylm_vf(*)[3])edge, flat, normal, way);
-    tangent_of(normal, tangent);
+    tangent_of(s, i, (const ylm_vf(*)[3])edge, normal, tangent);
     ylm_vf u = ylm_vf_load(s->u + i), v = ylm_vf_load(s->v + i), pull = ylm_vf_load(s->pull + i);
     ylm_vf lift = ylm_vf_load(s->lift + i), third = ylm_vf_set(1.f / 3);
     ylm_vi edged = (u < pull) | (v < pull) | (one - u - v < pull);

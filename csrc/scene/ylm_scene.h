@@ -278,6 +278,9 @@ YLM_API size_t ylm_scene_clusters_count(const ylm_scene_clusters *c);
 /* The cluster of a place. */
 YLM_API size_t ylm_scene_cluster_at(const ylm_scene_clusters *c, const float x[3],
                                     const float normal[3]);
+/* The clusters of n places, in less time each. */
+YLM_API void ylm_scene_clusters_at(const ylm_scene_clusters *c, size_t n, const float (*x)[3],
+                                   const float (*normal)[3], uint32_t *cluster);
 /* The places of a cluster, as numbers [n]; where these are fewer than `least`, with those of clusters around it. Until they are
    forgotten, which frees most of the memory. */
 YLM_API const uint32_t *ylm_scene_cluster_places(const ylm_scene_clusters *c, size_t cluster,
@@ -385,7 +388,7 @@ YLM_API size_t ylm_scene_distant_next(const ylm_scene *scene, size_t i, const fl
 */
 YLM_API bool ylm_scene_choose(ylm_scene_chooser *c, const float x[3], const float *normal);
 /* Tells a chooser of n <= YLM_SCENE_AHEAD places on surfaces. Until it is told of others, ylm_scene_choose_ahead at place k, whose x and
-   normal are given again, is ylm_scene_choose there, with the same bits, in less time where lamps are few. */
+   normal are given again, is ylm_scene_choose there, with the same bits, in less time where lamps are few or a guide is followed. */
 #define YLM_SCENE_AHEAD 16
 YLM_API void ylm_scene_look_ahead(ylm_scene_chooser *c, size_t n, const float (*x)[3],
                                   const float (*normal)[3]);

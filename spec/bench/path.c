@@ -1,7 +1,7 @@
 /*
 ** path.c - the path tracer beside its own rays: those of a run are recorded and traced again, in the
 ** same batches, with nothing else to do; once without and once with the looks for lamps along them. Then
-** the time of a picture, and paths among so many lamps that all are weighed, or a tree of them is asked.
+** paths with guides, the time of a picture, and paths among so many lamps that all are weighed, or a tree of them is asked.
 */
 #ifndef _GNU_SOURCE
 #define _GNU_SOURCE
@@ -162,7 +162,8 @@ typedef struct job {
   ylm_path_stats stats;
   ylm_trace_hit *hit;
   ylm_trace_ray *copy;
-  bool looks; /* for lamps, too */
+  bool looks;            /* for lamps, too */
+  ylm_path_guides *kept; /* NULL: paths have no guides */
 } job;
 
 static void paths(void *context) {
@@ -172,6 +173,7 @@ static void paths(void *context) {
   static const float black[3] = {0, 0, 0};
   size_t n = 3 * (size_t)j->width * (size_t)j->height;
   ylm_path_options o = {.samples = j->samples, .last = -1, .seed = 1, .threads = j->threads};
+  o.guides = j->kept != NULL, o.kept = j->kept;
   ylm_path_sum sum = {0, j->data, j->data + n, j->data + 2 * n};
   if (ylm_path_image(j->scene, &camera, j->width, j->height, black, &o, &sum, &j->stats, NULL) !=
       YLM_OK)
@@ -198,6 +200,19 @@ static void forget(void) {
   memset(record.rays, 0, sizeof record.rays);
 }
 
+/* Paths by guides that a first run has learnt. */
+static void measure_guided(job *j) {
+  if (!(j->kept = ylm_path_guides_create())) exit(1);
+  paths(j);
+  double learnt = j->stats.seconds, seconds = bench_seconds(paths, j);
+  double camera = (double)j->width * j->height * j->samples;
+  double rays = camera + (double)(j->stats.nearest_rays + j->stats.shadow_rays);
+  printf("  with guides %6.2f M rays/s, %.2f us a path; %zu clusters, learnt in %.2f s\n",
+         rays / seconds * 1e-6, seconds / camera * 1e6, j->stats.clusters, learnt - seconds);
+  ylm_path_guides_free(j->kept);
+  j->kept = NULL;
+}
+
 static void measure(const char *name, bool knot) {
   room r;
   make_room(&r, knot, 0);
@@ -219,6 +234,7 @@ static void measure(const char *name, bool knot) {
          rays / ours * 1e-6, rays / alone * 1e-6, alone / ours);
   printf("  with %zu looks for lamps along them %6.2f M rays/s: %.2f of their rate\n",
          record.rays[LAMPS], rays / looking * 1e-6, looking / ours);
+  measure_guided(&j);
   if (!bench_is_quick()) {
     j.width = 320, j.height = 180, j.samples = 256, j.threads = 2;
     double start = ylm_seconds();
