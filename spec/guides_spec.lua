@@ -284,6 +284,23 @@ describe("guides of shadow rays", function()
     assert.is_true(image:layer "radiance":sum() == 0 and report.guides > 0)
   end)
 
+  it("leave light whose square no float holds as it is", function()
+    local function mean(radiance)
+      local scene = ylm.scene "bright" {
+        camera = ylm.camera { from = { 0, 0, 0 }, at = { 0, 0, -1 } },
+        geometry = { ylm.box { bounds = { { -1, -1, -1 }, { 1, 1, 1 } }, material = ylm.matte { albedo = 0.7 } } },
+        lights = { ylm.sphere_light { at = { 0.6, 0.6, 0.6 }, radius = 0.1, radiance = radiance } },
+      }
+      local image, report = scene:pathtrace { size = { 32, 18 }, samples = 64, layers = false }
+      assert.is_true(report.guides > 0)
+      return ylm.array(image:layer "radiance", "double"):mean() / radiance
+    end
+    local truth = mean(1)
+    for _, radiance in ipairs { 1e18, 3e19, 1e25, 1e36 } do
+      assert.is_true(math.abs(mean(radiance) / truth - 1) < 0.02, ("%g"):format(radiance))
+    end
+  end)
+
   it("refuse what is neither true nor false", function()
     assert.has_error(function() guided(1, { guides = "yes" }) end)
     local scene = court()

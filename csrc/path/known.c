@@ -41,7 +41,7 @@ typedef struct learning {
   uint32_t *cluster;   /* [places] */
   float (*direct)[3];  /* [places] irradiance straight from lamps, by one ray */
   float (*mean)[3];    /* [clusters] of it */
-  float *brightness;   /* [places] luminance that arrives from there */
+  float *brightness;   /* [places] luminance that arrives from there, relative */
   float inside[CELLS]; /* parts of cells that are in the disk */
   atomic_uint_fast64_t rays;
 } learning;
@@ -118,11 +118,11 @@ void ylm__path_guide_ahead(const path_known *k, uint32_t cluster) {
   __builtin_prefetch(k->from[cluster].row);
 }
 
-/* The last of these, which do not fall, that is no more than u; the first is 0. */
+/* The last of these, which do not fall, that is no more than u; the first is 0, but of light that overflows no number. */
 static size_t last_of(const float from[KNOWN_SIDE], float u) {
   int n = 0;
   for (int i = 0; i < KNOWN_SIDE; i++) n += from[i] <= u;
-  return (size_t)n - 1;
+  return n > 1 ? (size_t)n - 1 : 0;
 }
 
 void ylm__path_guided_ahead(const path_known *k, uint32_t cluster, const float u[2]) {
@@ -164,10 +164,11 @@ typedef struct tally {
   double squares, all;
 } tally;
 
-/* The luminance that arrives from each place that a path of the pilot reached. */
+/* The luminance that arrives from each place that a path of the pilot reached, times a power of 2, so that its squares are numbers. */
 static void brighten(const learning *l) {
   const ylm_path_options *o = l->job->o;
-  int last = o->last < 0 ? KNOWN_ORDERS : at_most(o->last - 2);
+  int last = o->last < 0 ? KNOWN_ORDERS : at_most(o->last - 2), exponent = 0;
+  float most = 0;
   for (size_t i = 0; i < l->places->n; i++) {
     uint32_t cluster = l->cluster[i];
     float sum[3];
@@ -175,7 +176,10 @@ static void brighten(const learning *l) {
       sum[c] = l->places->albedo[i][c] *
                (0.5f * (l->direct[i][c] + l->mean[cluster][c]) + l->known->sum[cluster][last][c]);
     l->brightness[i] = ylm__path_luminance(sum);
+    if (l->brightness[i] > most) most = l->brightness[i];
   }
+  if (isfinite(most)) (void)frexpf(most, &exponent);
+  for (size_t i = 0; i < l->places->n; i++) l->brightness[i] = ldexpf(l->brightness[i], -exponent);
 }
 
 /* Adds what the pilot's path from a place found, as it is seen from x. */
