@@ -150,6 +150,7 @@ describe("gloss = 'sh'", function()
   end)
 
   it("shades what occluders shadow alike by each kernel set, in one pass or in two", function()
+    require "ylm.c.scene"
     local program = [[
       local ylm = require "ylm"
       for _, light in ipairs { ylm.sphere_light { at = { 1, 3, -1 }, radius = 1, radiance = { 5, 6, 7 } },
