@@ -109,11 +109,7 @@ static void aim(path_tile *t, uint32_t v, const double u[3]) {
 /* Tells the chooser of the vertices from v on. */
 static void look_ahead(path_tile *t, size_t v) {
   float x[YLM_SCENE_AHEAD][3], normal[YLM_SCENE_AHEAD][3];
-  size_t n = t->n - v < YLM_SCENE_AHEAD ? t->n - v : YLM_SCENE_AHEAD;
-  for (size_t k = 0; k < n; k++) {
-    memcpy(x[k], t->vertex[v + k].at.lit, 12);
-    memcpy(normal[k], t->vertex[v + k].at.normal, 12);
-  }
+  size_t n = ylm__path_next(t, v, x, normal);
   ylm_scene_look_ahead(t->lamps, n, (const float(*)[3])x, (const float(*)[3])normal);
 }
 

@@ -42,19 +42,14 @@ static void decide(path_tile *t, size_t v, int order, bool first) {
 
 /* Decides at all vertices, whose clusters are found some at a time. */
 static void decide_all(path_tile *t, int order, bool first) {
-  for (size_t v = 0, end; v < t->n; v = end) {
-    end = t->n - v < YLM_SCENE_AHEAD ? t->n : v + YLM_SCENE_AHEAD;
-    if (t->job->known) {
-      float x[YLM_SCENE_AHEAD][3], normal[YLM_SCENE_AHEAD][3];
-      for (size_t k = v; k < end; k++) {
-        memcpy(x[k - v], t->vertex[k].at.lit, 12);
-        memcpy(normal[k - v], t->vertex[k].at.normal, 12);
-      }
-      ylm__path_clusters_at(t->job->known, end - v, (const float(*)[3])x, (const float(*)[3])normal,
-                            t->cluster + v);
-    }
-    for (size_t k = v; k < end; k++) decide(t, k, order, first);
+  for (size_t v = 0; t->job->known && v < t->n; v += YLM_SCENE_AHEAD) {
+    float x[YLM_SCENE_AHEAD][3], normal[YLM_SCENE_AHEAD][3];
+    size_t n = ylm__path_next(t, v, x, normal);
+    ylm__path_clusters_at(t->job->known, n, (const float(*)[3])x, (const float(*)[3])normal,
+                          t->cluster + v);
+    for (size_t k = v; k < v + n; k++) decide(t, k, order, first);
   }
+  for (size_t v = 0; !t->job->known && v < t->n; v++) decide(t, v, order, first);
 }
 
 /* Random numbers for the directions at all vertices. */

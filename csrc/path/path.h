@@ -154,6 +154,17 @@ static inline void ylm__path_outward(const path_vertex *v, const float d[3], flo
     out[a] = d[0] * v->at.tangent[a] + d[1] * v->other[a] + d[2] * v->at.normal[a];
 }
 
+/* Where the vertices from v on are that scenes are asked of in one go; returns how many. */
+static inline size_t ylm__path_next(const path_tile *t, size_t v, float x[YLM_SCENE_AHEAD][3],
+                                    float normal[YLM_SCENE_AHEAD][3]) {
+  size_t n = t->n - v < YLM_SCENE_AHEAD ? t->n - v : YLM_SCENE_AHEAD;
+  for (size_t k = 0; k < n; k++) {
+    memcpy(x[k], t->vertex[v + k].at.lit, 12);
+    memcpy(normal[k], t->vertex[v + k].at.normal, 12);
+  }
+  return n;
+}
+
 /* -- direct.c -------------------------------------------------------------------- */
 
 /* Adds to the paths' radiance the lamps' light on their vertices: by rays to lamps, and along
