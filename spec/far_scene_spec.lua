@@ -193,3 +193,51 @@ describe("far from the origin", function()
     folder:remove()
   end)
 end)
+
+describe("large and small", function()
+  --- A closed room of which all lengths are multiplied by k.
+  local function room(k)
+    local function place(x, y, z) return { k * x, k * y, k * z } end
+    local white = ylm.matte { albedo = 0.6 }
+    return ylm.scene "room" {
+      camera = ylm.camera { from = place(-1.5, 1.5, 1.5), at = place(0.5, 0.5, -0.5), fov = 60 },
+      geometry = { ylm.box { bounds = { place(-2, 0, -2), place(2, 3, 2) }, material = white },
+        ylm.box { bounds = { place(0.25, 0, -0.5), place(0.75, 0.5, 0) }, material = white } },
+      lights = { ylm.sphere_light { at = place(-0.5, 2, 0.5), radius = k / 4, radiance = 10 },
+        ylm.textured_light { corner = place(-1, 2.5, -1), u = { k, 0, 0 }, v = { 0, 0, k }, image = { { 5 } } } },
+    }
+  end
+
+  local said, before
+  setup(function()
+    said = {}
+    before = ylm.on_warning(function(message) said[#said + 1] = message end)
+  end)
+  teardown(function() ylm.on_warning(before) end)
+
+  it("scenes have one light", function()
+    local function paths(k)
+      local image, report = room(k):pathtrace { size = SIZE, samples = 16 }
+      assert.same({}, report.warnings)
+      return image:layer "radiance"
+    end
+    local near = paths(1)
+    for _, power in ipairs { -26, 29 } do
+      local d = apart(near, paths(2 ^ power))
+      assert.is_true(d <= 1e-3, ("%g apart at 2^%d"):format(d, power))
+    end
+  end)
+
+  it("scenes beyond what rays keep are said, once, with what to change", function()
+    for power, words in pairs { [-28] = "2.4e-08 across, and rays lose light below 3e-08: multiply its lengths",
+      [30] = "6.9e+09 across, and rays lose light above 6e+09: divide its lengths" } do
+      local huge = room(2 ^ power)
+      said = {}
+      for _ = 1, 2 do
+        local _, report = huge:pathtrace { size = SIZE, samples = 1 }
+        assert.equal('scene "room": its geometry is ' .. words, report.warnings[1])
+      end
+      assert.same({ 'scene "room": its geometry is ' .. words }, said)
+    end
+  end)
+end)

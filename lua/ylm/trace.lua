@@ -8,10 +8,12 @@ local library = require "ylm.library"
 local light = require "ylm.light"
 local material = require "ylm.material"
 local text = require "ylm.text"
+local warning = require "ylm.warning"
 
 local tracing = {}
 
 local GROUND_MARGIN = 0.02 -- of the diagonal of what stands on grounds
+local LEAST, MOST = 3e-8, 6e9 -- of a scene's diagonal: squares of the areas of larger triangles are no floats
 
 local MISSING = "rendering needs libylm_scene with Embree 3 or 4 (Debian 12 and 13: apt install libembree-dev, then make): %s"
 
@@ -84,8 +86,16 @@ local function surfaces(name, s)
   return { meshes, materials, occludes, textures, glossy = glossy }
 end
 
---- { handle, lights, bounds, glossy: the number of such meshes, seconds } of a scene; nil, message, code. Where lights
--- alone have changed since the last call, meshes are shared with what was made then.
+--- Says where a scene is so large or so small that rays in floats lose its light; returns the sentence or nil.
+local function say_extent(s, lo, hi)
+  local d = boxes.diagonal(lo, hi)
+  if d >= LEAST and d <= MOST or d == 0 or d ~= d then return nil end
+  return warning.say(s, "extent", "scene %q: its geometry is %.2g across, and rays lose light %s %.0e: %s its lengths",
+    s.name or "?", d, d > MOST and "above" or "below", d > MOST and MOST or LEAST, d > MOST and "divide" or "multiply")
+end
+
+--- { handle, lights, bounds, glossy: the number of such meshes, seconds, shortfall: a sentence or nil } of a scene; nil,
+-- message, code. Where lights alone have changed since the last call, meshes are shared with what was made then.
 function tracing.trace(name, s)
   local lib, message, code = tracing.library()
   if not lib then return nil, message, code end
@@ -110,7 +120,7 @@ function tracing.trace(name, s)
   if not handle then return nil, message, code end
   local lo, hi = lib.scene_bounds(handle)
   local new = { shapes = shapes, lamps = lamps, handle = handle, lights = lights, lo = lo, hi = hi, lib = lib,
-    glossy = alike and known.glossy or made.glossy, seconds = core.seconds() - start }
+    glossy = alike and known.glossy or made.glossy, seconds = core.seconds() - start, shortfall = say_extent(s, lo, hi) }
   core.own(s).traced = new
   return new
 end

@@ -154,7 +154,7 @@ function pictures.new_report(p)
   return show.report {
     note = st.points == 0 and "the camera sees no geometry: nothing to shade" or nil,
     notes = p.scene.notes,
-    warnings = {},
+    warnings = { p.traced.shortfall },
     visibility = p.options.self and "self" or p.options.visibility,
     points = st.points, hits = st.hits, pixels = st.pixels, bytes = st.bytes,
     rays = { primary = st.primary_rays, occlusion = st.occlusion_rays },
