@@ -443,4 +443,24 @@ describe("ray casting", function()
     local _, off, norm = core.array_distance(sh:layer(), rays:layer())
     assert.is_true(off < 0.03 * norm, tostring(off / norm))
   end)
+
+  it("rests while the light so far is looked at", function()
+    local raycast, looks, partial = lib.shade_raycast, 0, 0
+    lib.shade_raycast = function(view, casting)
+      local into = raycast(view, casting) * 0
+      casting.into, casting.threads, casting.light_samples = into, 2, 512
+      casting.progress = { function(done, total)
+        local before, start = into:clone(), core.seconds()
+        while core.seconds() - start < 2e-3 do end
+        assert(into:same(before), "a thread wrote")
+        local lit = before:not_equal(0):sum()
+        looks, partial = looks + 1, partial + (done < total and lit > 0 and 1 or 0)
+      end, every = 1e-3 }
+      return raycast(view, casting)
+    end
+    local ok, message = pcall(function() return small_scene():render { by = "rays", bounces = 0, size = { 96, 54 } } end)
+    lib.shade_raycast = raycast
+    assert.is_true(ok, message)
+    assert.is_true(partial > 2, ("%d looks, %d at a part of the light"):format(looks, partial))
+  end)
 end)

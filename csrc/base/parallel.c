@@ -14,8 +14,14 @@
 #define REPORT_SECONDS 0.1
 
 static _Thread_local double pace; /* 0: REPORT_SECONDS */
+static _Thread_local bool is_still;
 
-void ylm_progress_pace(double every) { pace = every > 0 ? every : 0; }
+void ylm_progress_pace(double every) {
+  pace = every > 0 ? every : 0;
+  is_still = false;
+}
+
+void ylm_progress_still(bool still) { is_still = still; }
 
 double ylm_seconds(void) {
   struct timespec t;
@@ -54,6 +60,7 @@ typedef struct job {
   void *context;
   const ylm_progress *progress;
   const char *stage;
+  bool still;                      /* the team has stopped where it reports */
   double every;                    /* seconds between two reports */
   size_t stride, left;             /* blocks of the calling thread between two looks at the clock */
   double looked, told;             /* when it looked, and when it told of them */
@@ -66,15 +73,8 @@ static void fail(job *j, ylm_status s) {
   if (s != YLM_OK) atomic_compare_exchange_strong(&j->failed, &ok, (int)s);
 }
 
-/* Tells how much is done if that is due; on the calling thread only. The clock, which may cost as
-   much as a small block, is looked at some twenty times between two reports. */
-static void tell(job *j) {
-  if (--j->left > 0) return;
-  double now = ylm_seconds(), passed = now - j->looked;
-  double wanted = passed > 0 ? j->every / 20 * (double)j->stride / passed : INFINITY;
-  double most = 4 * (double)j->stride;
-  j->stride = wanted < 1 ? 1 : wanted < most ? (size_t)wanted : (size_t)most;
-  j->left = j->stride;
+/* Tells how much is done if that is due; on the calling thread only. */
+static void tell(job *j, double now) {
   j->looked = now;
   if (now - j->told < j->every) return;
   size_t done = atomic_load(&j->done);
@@ -82,12 +82,23 @@ static void tell(job *j) {
   j->looked = j->told = ylm_seconds();
 }
 
+/* The clock, which may cost as much as a small block, is looked at some twenty times between two reports. */
+static void tell_between(job *j) {
+  if (--j->left > 0) return;
+  double now = ylm_seconds(), passed = now - j->looked;
+  double wanted = passed > 0 ? j->every / 20 * (double)j->stride / passed : INFINITY;
+  double most = 4 * (double)j->stride;
+  j->stride = wanted < 1 ? 1 : wanted < most ? (size_t)wanted : (size_t)most;
+  j->left = j->stride;
+  tell(j, now);
+}
+
 static void run_block(job *j, size_t b, int worker) {
   if (atomic_load_explicit(&j->failed, memory_order_relaxed) != YLM_OK) return;
   size_t begin = b * j->grain, end = j->n - begin < j->grain ? j->n : begin + j->grain;
   fail(j, j->fn(j->context, begin, end, worker));
   atomic_fetch_add_explicit(&j->done, 1, memory_order_relaxed);
-  if (j->progress && worker == 0 && atomic_load(&j->failed) == YLM_OK) tell(j);
+  if (j->progress && worker == 0 && !j->still && atomic_load(&j->failed) == YLM_OK) tell_between(j);
 }
 
 #ifdef __SANITIZE_THREAD__
@@ -96,6 +107,7 @@ static void run_block(job *j, size_t b, int worker) {
 typedef struct member {
   job *j;
   atomic_size_t *next;
+  size_t end;
   pthread_t thread;
   int worker;
   bool runs;
@@ -103,14 +115,15 @@ typedef struct member {
 
 static void *work(void *user) {
   member *m = user;
-  for (size_t b; (b = atomic_fetch_add(m->next, 1)) < m->j->blocks;) run_block(m->j, b, m->worker);
+  for (size_t b; (b = atomic_fetch_add(m->next, 1)) < m->end;) run_block(m->j, b, m->worker);
   return NULL;
 }
 
-static void run_team(job *j, int threads) {
-  atomic_size_t next = 0;
+static void run_team(job *j, int threads, size_t begin, size_t end) {
+  atomic_size_t next = begin;
   member team[YLM_THREADS_MOST];
-  for (int w = 0; w < threads; w++) team[w] = (member){.j = j, .next = &next, .worker = w};
+  for (int w = 0; w < threads; w++)
+    team[w] = (member){.j = j, .next = &next, .end = end, .worker = w};
   for (int w = 1; w < threads; w++)
     team[w].runs = pthread_create(&team[w].thread, NULL, work, &team[w]) == 0;
   work(&team[0]);
@@ -118,11 +131,25 @@ static void run_team(job *j, int threads) {
     if (team[w].runs) pthread_join(team[w].thread, NULL);
 }
 #else
-static void run_team(job *j, int threads) {
+static void run_team(job *j, int threads, size_t begin, size_t end) {
 #pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
-  for (size_t b = 0; b < j->blocks; b++) run_block(j, b, omp_get_thread_num());
+  for (size_t b = begin; b < end; b++) run_block(j, b, omp_get_thread_num());
 }
 #endif
+
+/* Turns take half of the seconds between two reports. */
+static void run_in_turns(job *j, int threads) {
+  size_t turn = (size_t)threads;
+  for (size_t b = 0, end; b < j->blocks && j->failed == YLM_OK; b = end) {
+    double began = ylm_seconds(), now;
+    end = j->blocks - b < turn ? j->blocks : b + turn;
+    run_team(j, threads, b, end);
+    now = ylm_seconds();
+    if (j->failed == YLM_OK) tell(j, now);
+    double fitting = (double)turn * j->every / 2 / fmax(now - began, 1e-9);
+    turn = (size_t)fmax(threads, fmin(fitting, 4 * (double)turn));
+  }
+}
 
 ylm_status ylm_parallel(size_t n, size_t grain, int threads, ylm_range_fn *fn, void *context,
                         const ylm_progress *progress, const char *stage) {
@@ -136,13 +163,18 @@ ylm_status ylm_parallel(size_t n, size_t grain, int threads, ylm_range_fn *fn, v
            .context = context,
            .progress = progress,
            .stage = stage,
+           .still = progress && is_still,
            .every = pace > 0 ? pace : REPORT_SECONDS,
            .stride = 1,
            .left = 1};
   j.told = -j.every;
   if (threads > 1 && blocks > 1) {
-    run_team(&j, threads);
+    if (j.still)
+      run_in_turns(&j, threads);
+    else
+      run_team(&j, threads, 0, blocks);
   } else {
+    j.still = false;
     for (size_t b = 0; b < blocks && j.failed == YLM_OK; b++) run_block(&j, b, 0);
   }
   if (j.failed == YLM_OK && blocks > 0) fail(&j, ylm_report(progress, n, n, stage));

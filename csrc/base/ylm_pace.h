@@ -17,6 +17,12 @@ extern "C" {
 */
 YLM_API void ylm_progress_pace(double every);
 
+/*
+** ylm_progress_still - whether no thread writes while work reports, which this thread begins from now on, so that a report
+** may read what is done. The next ylm_progress_pace ends it. Thread-safe: each thread has its own.
+*/
+YLM_API void ylm_progress_still(bool still);
+
 #ifdef __cplusplus
 }
 #endif

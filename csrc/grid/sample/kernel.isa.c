@@ -30,6 +30,20 @@ YLM_INLINE void store_some(float *out, ylm_vf v, int n) {
 #endif
 }
 
+/* A vector of a row of which n floats are left. Records are multiples of 8 floats: more are the next point's, which another
+   thread may be writing. */
+YLM_INLINE ylm_vf load_some(const float *row, int n) {
+#if YLM_VECTOR_BYTES > 32
+  ylm_vf v = {0};
+  if (n <= 8) {
+    memcpy(&v, row, 32);
+    return v;
+  }
+#endif
+  (void)n;
+  return ylm_vf_load(row);
+}
+
 /* `points` points from w[r * BATCH], `columns` vectors from column j on. */
 YLM_INLINE void block(const sample_batch *b, int rows, const float *w, int j, const int columns,
                       float *const *out, const int points) {
@@ -93,9 +107,11 @@ static void mix_few(const sample_batch *b, const float *w, float *const *out) {
       ylm_vf sum[COLUMNS] = {{0}};
       int columns = (b->width - j + YLM_VF - 1) / YLM_VF;
       for (int r = 0; r < n && columns >= COLUMNS; r++)
-        for (int c = 0; c < COLUMNS; c++) sum[c] += x[r] * ylm_vf_load(row[r] + j + c * YLM_VF);
+        for (int c = 0; c < COLUMNS; c++)
+          sum[c] += x[r] * load_some(row[r] + j + c * YLM_VF, b->width - j - c * YLM_VF);
       for (int c = 0; c < columns && columns < COLUMNS; c++)
-        for (int r = 0; r < n; r++) sum[c] += x[r] * ylm_vf_load(row[r] + j + c * YLM_VF);
+        for (int r = 0; r < n; r++)
+          sum[c] += x[r] * load_some(row[r] + j + c * YLM_VF, b->width - j - c * YLM_VF);
       for (int c = 0; c < COLUMNS && c < columns; c++)
         store_some(out[p] + j + c * YLM_VF, sum[c], b->width - j - c * YLM_VF);
     }

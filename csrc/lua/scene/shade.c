@@ -1,6 +1,7 @@
 /* shade.c - views as objects, shading of their points; lua/ylm/render/init.lua drives it. */
 #include "shade.h"
 #include "transfer.h"
+#include "ylm_pace.h"
 #include "ylm_shade_gloss.h"
 
 static int view_close(lua_State *L) {
@@ -157,6 +158,7 @@ static int shade_raycast(lua_State *L) {
   if (!out) return ylmL_result(L, 0, s, NULL);
   if (!take_rays(&f, v)) return ylmL_result(L, 0, YLM_ESHAPE, NULL);
   f.o.progress = ylmL_progress_begin(L, f.progress, &p);
+  ylm_progress_still(!lua_isnil(L, f.into)); /* the progress function looks at it */
   s = ylm_shade_raycast(v, &f.o, out->data, &rays);
   if (s == YLM_OK) ylmL_push_count(L, rays);
   return ylmL_result_progress(L, 2, s, NULL, &p);
