@@ -153,6 +153,16 @@ describe("a noise that is wanted", function()
     assert.is_true(report.noise > 0.002 and #report.warnings >= 1)
   end)
 
+  it("is none where the camera sees nothing", function()
+    local empty = ylm.scene "empty" { camera = scene.camera, geometry = {}, lights = scene.lights }
+    for _, o in ipairs { { noise = 0.01 }, { noise = 0.01, time_limit = 1 }, { noise = 0.01, bounces = 0 } } do
+      o.size = SIZE
+      local _, report = assert(empty:render(o))
+      assert.equal("the camera sees no geometry: nothing to shade", report.note)
+      assert.same({ 0, 0, 0 }, { report.noise, report.light_samples, report.points })
+    end
+  end)
+
   it("is of surfaces that gloss too", function()
     local shiny = ylm.scene "a shiny wall" { camera = scene.camera, lights = scene.lights,
       geometry = { scene.geometry[1], ylm.quad { corner = { -1, 0, -1.9 }, u = { 2, 0, 0 }, v = { 0, 2, 0 },

@@ -202,8 +202,11 @@ local function choose(x, budget)
   return 2 ^ high
 end
 
+--- The mean over shading points, 0 where there are none.
+local function mean_of(x, a) return x.p.stats.points > 0 and a:mean() or 0 end
+
 --- Shadow rays of a point, on average.
-local function samples_of(x) return 2 * (x.rays:mean() + (x.edges or 0)) end
+local function samples_of(x) return 2 * (mean_of(x, x.rays) + (x.edges or 0)) end
 
 --- The report of a picture that has not ended.
 local function so_far(x, reached)
@@ -335,7 +338,7 @@ local function announce(x, factor, reached, seconds)
   local part = cost / (x.cost[1] + (x.links and x.cost[2] or 0))
   progress.say(x.casting.progress, part * seconds,
     "noise is %.1f %%, %.1f %% wanted: %.0f more shadow rays%s a point take about %s", 100 * reached,
-    100 * x.wanted, 2 * x.rays:mean(), x.links and (" and %.0f links"):format(x.pilot.links * x.own:mean()) or "",
+    100 * x.wanted, 2 * mean_of(x, x.rays), x.links and (" and %.0f links"):format(x.pilot.links * mean_of(x, x.own)) or "",
     progress.clock(part * seconds))
 end
 
