@@ -56,7 +56,7 @@ function closed.globe(ylm, n)
   return globe(ylm, 0.5), points, normals, RHO / (1 - RHO) * pi * RADIANCE * RADIUS ^ 2
 end
 
-for order, samples in pairs { [0] = { 1024, 1024 }, { 1024, 1024 }, { 1024, 1024 }, [5] = { 4096, 400000 } } do
+for order, samples in pairs { [0] = { 1024, 1024 }, { 1024, 1024 }, { 1024, 2048 }, [5] = { 4096, 400000 } } do
   add(("order %d of a sphere around a lamp: rho^%d"):format(order, order), samples[1], samples[2], function(ylm, n)
     local points, normals = places(0.3)
     local E, v = globe(ylm, 0):probe { points = points, normals = normals, samples = n, reflections = { order, order } }
@@ -122,7 +122,7 @@ local function bowl(ylm, g)
   return ylm.mesh { vertices = vertices, triangles = triangles, normals = normals, material = ylm.matte { albedo = RHO } }
 end
 
-add("a bowl under a uniform sky, all bounces", 1024, 1024, function(ylm, samples)
+add("a bowl under a uniform sky, all bounces", 1024, 1536, function(ylm, samples)
   local g = 1.2
   local s = (1 - math.cos(g)) / 2
   local scene = ylm.scene "bowl" { geometry = { bowl(ylm, g) }, lights = { ylm.environment_light { radiance = 1 } } }
