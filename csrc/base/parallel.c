@@ -82,13 +82,17 @@ static void tell(job *j, double now) {
   j->looked = j->told = ylm_seconds();
 }
 
+/* The blocks that take so many seconds, where `blocks` have taken `passed`: `least` to four times as many. */
+static size_t fitting(size_t blocks, double seconds, double passed, int least) {
+  double wanted = passed > 0 ? seconds * (double)blocks / passed : INFINITY;
+  return (size_t)fmax(least, fmin(wanted, 4 * (double)blocks));
+}
+
 /* The clock, which may cost as much as a small block, is looked at some twenty times between two reports. */
 static void tell_between(job *j) {
   if (--j->left > 0) return;
-  double now = ylm_seconds(), passed = now - j->looked;
-  double wanted = passed > 0 ? j->every / 20 * (double)j->stride / passed : INFINITY;
-  double most = 4 * (double)j->stride;
-  j->stride = wanted < 1 ? 1 : wanted < most ? (size_t)wanted : (size_t)most;
+  double now = ylm_seconds();
+  j->stride = fitting(j->stride, j->every / 20, now - j->looked, 1);
   j->left = j->stride;
   tell(j, now);
 }
@@ -146,8 +150,7 @@ static void run_in_turns(job *j, int threads) {
     run_team(j, threads, b, end);
     now = ylm_seconds();
     if (j->failed == YLM_OK) tell(j, now);
-    double fitting = (double)turn * j->every / 2 / fmax(now - began, 1e-9);
-    turn = (size_t)fmax(threads, fmin(fitting, 4 * (double)turn));
+    turn = fitting(turn, j->every / 2, now - began, threads);
   }
 }
 
@@ -156,6 +159,7 @@ ylm_status ylm_parallel(size_t n, size_t grain, int threads, ylm_range_fn *fn, v
   threads = ylm_threads(threads);
   if (grain == 0) grain = 1;
   size_t blocks = n / grain + (n % grain != 0);
+  bool team = threads > 1 && blocks > 1;
   job j = {.n = n,
            .grain = grain,
            .blocks = blocks,
@@ -163,20 +167,17 @@ ylm_status ylm_parallel(size_t n, size_t grain, int threads, ylm_range_fn *fn, v
            .context = context,
            .progress = progress,
            .stage = stage,
-           .still = progress && is_still,
+           .still = team && progress && is_still,
            .every = pace > 0 ? pace : REPORT_SECONDS,
            .stride = 1,
            .left = 1};
   j.told = -j.every;
-  if (threads > 1 && blocks > 1) {
-    if (j.still)
-      run_in_turns(&j, threads);
-    else
-      run_team(&j, threads, 0, blocks);
-  } else {
-    j.still = false;
+  if (j.still)
+    run_in_turns(&j, threads);
+  else if (team)
+    run_team(&j, threads, 0, blocks);
+  else
     for (size_t b = 0; b < blocks && j.failed == YLM_OK; b++) run_block(&j, b, 0);
-  }
   if (j.failed == YLM_OK && blocks > 0) fail(&j, ylm_report(progress, n, n, stage));
   return (ylm_status)j.failed;
 }
