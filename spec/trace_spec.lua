@@ -146,20 +146,27 @@ describe("tracing to occluders", function()
     assert.same({ -1, -1 }, { lib.scene_trace(s, r):get(1, 1), lib.scene_trace(s, r):get(3, 1) })
   end)
 
-  it("has hits where occlusion rays are blocked, and those of all rays without lamps in the way", function()
-    local geometry, list, random = {}, {}, spread(7)
+  it("has hits where occlusion rays are blocked, and those of all rays without lamps in the way, alike or not", function()
+    local geometry, random = {}, spread(7)
     local function at() return { random() * 4 - 2, random() * 4 - 2, random() * 4 - 2 } end
+    local function to_a_lamp(from) return { 0.6 + 0.1 * random() - from[1] / 4, 3 - from[2], 0.4 - from[3] / 4 } end
     for i = 1, 40 do geometry[i] = ylm.sphere { at = at(), radius = 0.2, divide = { 8, 6 } } end
-    for i = 1, 1000 do list[i] = { at(), at(), 3 } end
-    local s, r = traced(geometry), rays(list)
-    local nearest, first, blocked = lib.scene_trace(s, r, "nearest"), lib.scene_trace(s, r), lib.scene_trace(s, r, "occlusion")
-    local count = 0
-    for i = 1, 1000 do
-      for k = 1, blocked:get(i) == 1 and 8 or 3 do assert.equal(first:get(i, k), nearest:get(i, k)) end
-      assert.equal(blocked:get(i), nearest:get(i, 1) > 0 and 1 or 0)
-      count = count + blocked:get(i)
+    local s = traced(geometry)
+    for _, alike in ipairs { false, true } do
+      local list, count = {}, 0
+      for i = 1, 1000 do
+        local from = at()
+        list[i] = { from, alike and to_a_lamp(from) or at(), alike and 1 or 3 }
+      end
+      local r = rays(list)
+      local nearest, first, blocked = lib.scene_trace(s, r, "nearest"), lib.scene_trace(s, r), lib.scene_trace(s, r, "occlusion")
+      for i = 1, 1000 do
+        for k = 1, blocked:get(i) == 1 and 8 or 3 do assert.equal(first:get(i, k), nearest:get(i, k)) end
+        assert.equal(blocked:get(i), nearest:get(i, 1) > 0 and 1 or 0)
+        count = count + blocked:get(i)
+      end
+      assert.is_true(count > 100 and count < 900, count)
     end
-    assert.is_true(count > 100 and count < 900)
   end)
 end)
 

@@ -9,6 +9,9 @@
 /* Rays of a stream: Embree 3 sorts it by direction, and longer ones gain nothing. With Embree 4, which has
    no streams, embree4.c puts as many into order. */
 #define TRACE_STREAM 256
+/* Rays of a packet, and the squared cosine above which two of them are alike. Moved by: `spec/bench/frames.lua` with one lamp. */
+#define TRACE_PACKET 16
+#define TRACE_ALIKE 0.8f
 /* Up to so many lamps are enclosed in balls, which rays are tried for before the tree of lamps. Moved by: `make bench BENCH=path`. */
 #define TRACE_BALLS 16
 

@@ -48,8 +48,8 @@ void ylm__trace_any(const ylm_trace *t, RTCScene scene, size_t n, ylm_trace_ray 
   for (size_t first = 0; first < n; first += TRACE_STREAM) {
     unsigned count = n - first < TRACE_STREAM ? (unsigned)(n - first) : TRACE_STREAM;
     struct RTCRay *r = (struct RTCRay *)&rays[first];
+    struct RTCIntersectContext c = context_for(ylm__trace_is_coherent(count, &rays[first]));
     for (unsigned i = 0; i < count; i++) ylm__trace_prepare(&r[i]);
-    struct RTCIntersectContext c = context_for(false);
     rtcOccluded1M(scene, &c, r, count, sizeof r[0]);
   }
 }

@@ -120,6 +120,8 @@ void ylm__trace_any(const ylm_trace *t, RTCScene scene, size_t n, ylm_trace_ray 
   rtcInitOccludedArguments(&a);
   for (size_t first = 0; first < n; first += TRACE_STREAM) {
     unsigned count = n - first < TRACE_STREAM ? (unsigned)(n - first) : TRACE_STREAM;
+    a.flags = ylm__trace_is_coherent(count, rays + first) ? RTC_RAY_QUERY_FLAG_COHERENT
+                                                          : RTC_RAY_QUERY_FLAG_INCOHERENT;
     sort_rays(rays + first, count, order);
     for (unsigned from = 0; from < count; from += w) {
       unsigned m = load(&p, w, rays + first, order, from, count);

@@ -12,6 +12,7 @@
 
 #include "calibration.h"
 #include "ylm_trace.h"
+#include "ylm_vector.h"
 
 _Static_assert(sizeof(ylm_trace_ray) == sizeof(struct RTCRay), "ylm_trace_ray is Embree's ray");
 _Static_assert(offsetof(ylm_trace_ray, dir) == offsetof(struct RTCRay, dir_x), "dir");
@@ -39,6 +40,19 @@ static inline void ylm__trace_prepare(struct RTCRay *r) {
   r->time = 0;
   r->mask = UINT32_MAX;
   r->id = r->flags = 0;
+}
+
+/* Whether the rays of a stream run alike, as those of neighbours to one lamp do: in most packets the first, the middle and the
+   last have about one direction. */
+static inline bool ylm__trace_is_coherent(size_t n, const ylm_trace_ray *rays) {
+  size_t alike = 0, packets = n / TRACE_PACKET;
+  for (size_t k = 0; k < packets; k++, rays += TRACE_PACKET) {
+    const float *a = rays[0].dir, *b = rays[TRACE_PACKET / 2].dir, *c = rays[TRACE_PACKET - 1].dir;
+    float least = TRACE_ALIKE * ylm_dot3(a, a), ab = ylm_dot3(a, b), ac = ylm_dot3(a, c);
+    alike +=
+        ab > 0 && ac > 0 && ab * ab > least * ylm_dot3(b, b) && ac * ac > least * ylm_dot3(c, c);
+  }
+  return 2 * alike > packets;
 }
 
 /* The lamp that primitive `primitive` of geometry `geometry` is. */
