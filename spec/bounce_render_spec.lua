@@ -119,7 +119,7 @@ describe("gathered light", function()
     local view = scene:prepare(with { rays = 32, links = t })
     assert.equal(32, view.stats.links)
     assert.equal(4 * 32 * view.stats.points, view.stats.link_rays * 4)
-    assert.is_true(view.stats.link_bytes >= view.stats.link_rays * 4)
+    assert.is_true(view.stats.link_bytes >= view.stats.link_rays * 2 and view.stats.link_bytes < view.stats.link_rays * 3)
     local lit = t:radiosity()
     local first = view:render { bounced = lit }
     lit:update(after)

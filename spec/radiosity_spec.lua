@@ -175,6 +175,44 @@ describe("links:radiosity", function()
     assert.equal(#ylm.info().kernels, #values)
   end)
 
+  it("and transfer vectors are means along links: of two bytes up to 65,535 elements, of four beyond, by each kernel", function()
+    local program = [[
+      local ylm = require "ylm"
+      local rho = { 0.3, 0.6, 0.9 }
+      local function quad(y, v) return ylm.quad { corner = { 0, y, v < 0 and 1 or 0 }, u = { 1, 0, 0 }, v = { 0, 0, v },
+        sides = "front", material = ylm.matte { albedo = rho } } end
+      local scene = ylm.scene "two squares" { geometry = { quad(0, -1), quad(0.4, 1) },
+        lights = ylm.sphere_light { at = { 0.3, 0.2, 0.4 }, radius = 0.05, radiance = 10 } }
+      for _, k in ipairs { 127, 128 } do
+        local t = assert(scene:links { spacing = math.sqrt(2) / (k - 0.5), rays = 4, lmax = 4 })
+        local n, links, worst = t.stats.elements, t:hits(), 0
+        local E0 = t:radiosity(nil, { bounces = 0, light_samples = 4 }):irradiance()
+        local E = t:radiosity(nil, { bounces = 1, light_samples = 4 }):irradiance()
+        local T0, T = t:vectors { bounces = 0 }, t:vectors { bounces = 1 }
+        for i = 1, n, 97 do
+          for c = 1, 3 do
+            local light, vector = 0, 0
+            for j = 1, 4 do
+              local to = links:get(i, j)
+              if to <= n then
+                light = light + rho[c] * E0:get(to, c) / 4
+                vector = vector + rho[c] * T0:get(to, c, 17) / 4
+              end
+            end
+            worst = math.max(worst, math.abs(E:get(i, c) - E0:get(i, c) - light) / (E:get(i, c) + 1),
+              math.abs(T:get(i, c, 17) - T0:get(i, c, 17) - vector))
+          end
+        end
+        print(n, t.stats.bytes / n, worst)
+      end]]
+    for _, isa in ipairs(ylm.info().kernels) do
+      local few, of_few, two, many, of_many, four = (table.unpack or unpack)(by_kernels(isa, program)) -- luacheck: ignore
+      assert.same({ 64516, 65536 }, { few, many })
+      assert.is_true(two < 2e-6 and four < 2e-6, isa .. ": " .. two .. ", " .. four)
+      assert.is_true(of_few < of_many, "bytes an element")
+    end
+  end)
+
   it("of light that leaves is albedo over pi times irradiance", function()
     local t = elements.room({ 0.2, 0.4, 0.6 }):links { spacing = 1, rays = 16 }
     local lit = t:radiosity()

@@ -53,7 +53,7 @@ typedef struct ylm_shade_links_stats {
 **
 ** Returns    YLM_OK; YLM_ERANGE, YLM_ENOMEM, YLM_ECANCELLED (progress stage "links")
 ** Ownership  links must not outlive their view, nor the transfer
-** Cost       points * links rays; 4 bytes a link, 10 of points that gloss
+** Cost       points * links rays; 2 bytes a link or 4 (ylm_links), 10 of points that gloss
 ** Source     Heitz 2018, "Sampling the GGX Distribution of Visible Normals" (rays of points that gloss)
 */
 YLM_API ylm_status ylm_shade_links_create(const ylm_shade_view *view, const ylm_transfer *transfer,

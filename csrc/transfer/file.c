@@ -111,6 +111,16 @@ static void put(ylm_file *f, uint64_t *crc, const void *data, size_t size) {
   }
 }
 
+/* Links to a file, in four bytes each. */
+static void put_links(ylm_file *f, uint64_t *crc, ylm_links l, size_t n) {
+  uint32_t some[CHUNK / 4];
+  for (size_t k = 0; k < n; k += CHUNK / 4) {
+    size_t part = n - k < CHUNK / 4 ? n - k : CHUNK / 4;
+    for (size_t i = 0; i < part; i++) some[i] = ylm_links_at(l, k + i);
+    put(f, crc, some, 4 * part);
+  }
+}
+
 static ylm_status describe(const ylm_transfer *t, header *h) {
   const ylm_transfer_stats *s = &t->stats;
   *h = (header){.order = ORDER,
@@ -138,7 +148,7 @@ static ylm_status describe(const ylm_transfer *t, header *h) {
 
 ylm_status ylm_transfer_write(const ylm_transfer *t, const char *path, ylm_error *e) {
   static const char zeros[8] = {0};
-  const void *data[SECTIONS] = {t->side, t->cut, t->share, t->link, t->escape};
+  const void *data[SECTIONS] = {t->side, t->cut, t->share, NULL, t->escape};
   section sections[SECTIONS];
   header h;
   ylm_file *f;
@@ -150,7 +160,10 @@ ylm_status ylm_transfer_write(const ylm_transfer *t, const char *path, ylm_error
   sections_of(&h, sections);
   for (int i = 0; i < SECTIONS; i++) {
     size_t bytes = sections[i].width * sections[i].count;
-    put(f, &crc, data[i], bytes);
+    if (i == LINKS)
+      put_links(f, &crc, t->link, sections[i].count);
+    else
+      put(f, &crc, data[i], bytes);
     put(f, &crc, zeros, padded(&sections[i]) - bytes);
   }
   ylm_file_write(f, &crc, sizeof crc);
@@ -238,9 +251,9 @@ static void *copy_section(const unsigned char *from, const section *s, bool turn
 
 /* How many links of an element lead to nothing: they stand last. */
 static uint32_t open_links(const ylm_transfer *t, const header *h, size_t i) {
-  const uint32_t *link = t->link + i * h->links;
+  ylm_links link = ylm_links_from(t->link, i * h->links);
   uint32_t n = 0;
-  while (n < h->links && link[h->links - 1 - n] == (uint32_t)h->elements) n++;
+  while (n < h->links && ylm_links_at(link, h->links - 1 - n) == (uint32_t)h->elements) n++;
   return n;
 }
 
@@ -291,12 +304,24 @@ static const char *check_sections(const ylm_transfer *t, const header *h) {
     if (!check_share(h, t->share[i])) return "an element";
   for (size_t i = 0; i < h->elements; i++)
     for (uint32_t k = 0; k < h->links; k++) {
-      const uint32_t *link = t->link + i * h->links + k;
+      const uint32_t *link = t->link.four + i * h->links + k;
       if (*link > none || (k > 0 && *link < link[-1])) return "a link";
     }
   for (size_t i = 0; t->escape && i < h->elements; i++)
     if (!check_escape(t, h, i)) return "a transfer vector";
   return check_counts(h, t) ? NULL : "a count";
+}
+
+/* Keeps links in two bytes each where all elements have such numbers. */
+static ylm_status narrow(ylm_transfer *t, const header *h) {
+  size_t n = h->elements * h->links;
+  if (ylm__transfer_link_bytes(h->elements) == 4) return YLM_OK;
+  ylm_links l = {.two = ylm_alloc(n, sizeof *l.two)};
+  if (!l.two) return YLM_ENOMEM;
+  ylm__links_put(l, 0, n, t->link.four);
+  ylm_links_free(t->link);
+  t->link = l;
+  return YLM_OK;
 }
 
 static ylm_status read_sections(ylm_transfer *t, const header *h, const unsigned char *bytes,
@@ -312,11 +337,11 @@ static ylm_status read_sections(ylm_transfer *t, const header *h, const unsigned
     room = room && data[i];
   }
   t->side = data[SIDES], t->cut = data[CUTS], t->share = data[SHARES];
-  t->link = data[LINKS], t->escape = data[ESCAPE];
+  t->link.four = data[LINKS], t->escape = data[ESCAPE];
   t->meshes = ylm_scene_meshes(t->scene);
   if (!room) return YLM_ENOMEM;
   const char *what = check_sections(t, h);
-  return what ? damaged(name, what, e) : YLM_OK;
+  return what ? damaged(name, what, e) : narrow(t, h);
 }
 
 /* Form and statistics as the header has them. */

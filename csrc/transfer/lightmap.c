@@ -16,7 +16,7 @@ typedef struct job {
 typedef struct scratch {
   ylm_scene_surface at[LIGHTMAP_TEXELS];
   float origin[LIGHTMAP_TEXELS][3], normal[LIGHTMAP_TEXELS][3];
-  uint32_t *link; /* [LIGHTMAP_TEXELS][links] */
+  ylm_links link; /* [LIGHTMAP_TEXELS][links] */
   float *sum;     /* [LIGHTMAP_TEXELS][4] */
   float *escape;  /* [LIGHTMAP_TEXELS][count] or NULL */
   float *light;   /* [LIGHTMAP_TEXELS][3][count] or NULL */
@@ -25,7 +25,7 @@ typedef struct scratch {
 
 static void scratch_free(scratch *x) {
   ylm_scene_batch_free(&x->lit);
-  ylm_free(x->link);
+  ylm_links_free(x->link);
   ylm_free(x->sum);
   ylm_free(x->escape);
   ylm_free(x->light);
@@ -37,9 +37,9 @@ static scratch *scratch_create(const job *j) {
   scratch *x = ylm_alloc_zero(1, sizeof *x);
   size_t count = ylm_sh_count(m->lmax);
   if (!x) return NULL;
-  x->link = ylm_alloc((size_t)LIGHTMAP_TEXELS * (size_t)m->links, sizeof *x->link);
+  x->link = ylm_transfer_room(j->r->t, (size_t)LIGHTMAP_TEXELS * (size_t)m->links);
   x->sum = ylm_alloc(LIGHTMAP_TEXELS, 16);
-  bool ok = x->link && x->sum;
+  bool ok = !ylm_links_are_none(x->link) && x->sum;
   if (m->scene) {
     ok = ylm_scene_batch_create(m->scene, (size_t)m->light_samples, &x->lit) == YLM_OK && ok;
     if (ok) ylm_scene_chooser_follow(x->lit.lamps, j->r->guide); /* of other lamps: by none */

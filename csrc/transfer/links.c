@@ -5,7 +5,30 @@
 #include "calibration.h"
 #include "transfer.h"
 
-/* Rays that are traced in one go, unless one place has more. */
+/* -- rooms of links ---------------------------------------------------------------- */
+
+ylm_links ylm_transfer_room(const ylm_transfer *t, size_t n) {
+  ylm_links l = {NULL, NULL};
+  if (ylm__transfer_link_bytes(t->elements) == 2)
+    l.two = ylm_alloc(n, sizeof *l.two);
+  else
+    l.four = ylm_alloc(n, sizeof *l.four);
+  return l;
+}
+
+void ylm_links_free(ylm_links l) {
+  ylm_free(l.two);
+  ylm_free(l.four);
+}
+
+void ylm__links_put(ylm_links l, size_t k, size_t n, const uint32_t *from) {
+  if (l.two)
+    for (size_t i = 0; i < n; i++) l.two[k + i] = (uint16_t)from[i];
+  else
+    memcpy(l.four + k, from, n * sizeof *from);
+}
+
+/* -- rays -------------------------------------------------------------------------- */
 
 typedef struct job {
   const ylm_transfer *t;
@@ -13,7 +36,7 @@ typedef struct job {
   uint64_t seed;
   const float (*origin)[3], (*normal)[3]; /* of places; origin NULL: the transfer's elements */
   const uint64_t *stream;
-  uint32_t *out;
+  ylm_links out;
   float *escape;
   float *share;
   const transfer_flow *flow; /* or NULL */
@@ -31,6 +54,7 @@ typedef struct scratch {
   uint8_t *open;           /* [places*links] the ray leaves the scene */
   uint8_t *below;          /* [places*links] it starts into its own triangle */
   uint32_t *pick, *sorted; /* [links] */
+  uint32_t *links;         /* [links] of a place */
   float *direction, *Y;    /* [TRANSFER_RAYS][3], [TRANSFER_RAYS][count] */
   float *seen, *all;       /* [count] */
   uint64_t escaped, buried, lost, deads;
@@ -94,7 +118,7 @@ static void element_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *be
   ylm_rng rng;
   ylm_rng_seed(&rng, j->seed, i);
   ylm__transfer_fan_aim(&j->fan, t->normal[i], &rng, ray);
-  float x0 = (float)ylm_rng_double(&rng), y0 = (float)ylm_rng_double(&rng);
+  float x0 = (float)ylm_rng_double(&rng), y0 = (float)ylm_draw_double(&rng);
   ylm__transfer_corners(t, i, place, corner);
   for (int k = 2; k >= 0; k--) {
     place[k] = place[0];
@@ -225,7 +249,7 @@ static void flow_of(const job *j, const scratch *x, const float *n, const ylm_tr
 /* Links of a place whose rays have been traced. */
 static ylm_status finish(const job *j, scratch *x, size_t i, size_t first) {
   size_t links = (size_t)j->links, at = (i - first) * links, under = 0;
-  uint32_t none = (uint32_t)j->t->elements, *out = j->out + i * links;
+  uint32_t none = (uint32_t)j->t->elements, *out = x->links;
   uint8_t *open = x->open + at;
   for (size_t k = 0; k < links; k++) {
     bool hit = x->hit[at + k].mesh >= 0, below = x->below[at + k];
@@ -247,6 +271,7 @@ static ylm_status finish(const job *j, scratch *x, size_t i, size_t first) {
   }
   if (j->flow) flow_of(j, x, j->normal[i], x->ray + at, out, j->flow->out[i]);
   sort(out, x->sorted, links, none);
+  ylm__links_put(j->out, i * links, links, out);
   return s;
 }
 
@@ -258,6 +283,7 @@ static void scratch_free(scratch *x) {
   ylm_free(x->below);
   ylm_free(x->pick);
   ylm_free(x->sorted);
+  ylm_free(x->links);
   ylm_free(x->direction);
   ylm_free(x->Y);
   ylm_free(x->seen);
@@ -274,11 +300,12 @@ static bool scratch_create(scratch *x, size_t rays, size_t links, int lmax) {
   x->below = ylm_alloc(rays, 1);
   x->pick = ylm_alloc(links, sizeof *x->pick);
   x->sorted = ylm_alloc(links, sizeof *x->sorted);
+  x->links = ylm_alloc(links, sizeof *x->links);
   x->direction = ylm_alloc(batch, 12);
   x->Y = ylm_alloc(batch * count, sizeof *x->Y);
   x->seen = ylm_alloc(count, sizeof *x->seen);
   x->all = ylm_alloc(count, sizeof *x->all);
-  return x->ray && x->hit && x->target && x->open && x->below && x->pick && x->sorted &&
+  return x->ray && x->hit && x->target && x->open && x->below && x->pick && x->sorted && x->links &&
          x->direction && x->Y && x->seen && x->all;
 }
 
@@ -332,10 +359,10 @@ static ylm_status go(job *j, size_t n, int threads, const ylm_progress *progress
 
 ylm_status ylm__transfer_link(ylm_transfer *t, const ylm_progress *progress, ylm_error *e) {
   size_t links = (size_t)t->form.links;
-  t->link = ylm_alloc(t->elements * links, sizeof *t->link);
+  t->link = ylm_transfer_room(t, t->elements * links);
   if (t->form.lmax >= 0)
     t->escape = ylm_alloc(t->elements * ylm_sh_count(t->form.lmax), sizeof *t->escape);
-  if (!t->link || (t->form.lmax >= 0 && !t->escape)) return YLM_ENOMEM;
+  if (ylm_links_are_none(t->link) || (t->form.lmax >= 0 && !t->escape)) return YLM_ENOMEM;
   job j = {.t = t,
            .links = t->form.links,
            .lmax = t->form.lmax,
@@ -362,7 +389,7 @@ ylm_status ylm__transfer_check_links(int links, ylm_error *e) {
 ylm_status ylm__transfer_find_shares(const ylm_transfer *t, size_t n, const float (*origin)[3],
                                      const float (*normal)[3], const uint64_t *stream, int links,
                                      uint64_t seed, int threads, const ylm_progress *progress,
-                                     uint32_t *out, int lmax, float *escapes, float *share,
+                                     ylm_links out, int lmax, float *escapes, float *share,
                                      const transfer_flow *flow) {
   job j = {.t = t,
            .links = links,
@@ -392,7 +419,7 @@ ylm_status ylm__transfer_check_places(size_t n, const char *what, const float (*
 ylm_status ylm_transfer_find(const ylm_transfer *t, size_t n, const float (*origin)[3],
                              const float (*normal)[3], const uint64_t *stream, int links,
                              uint64_t seed, int threads, const ylm_progress *progress,
-                             uint32_t *out, int lmax, float *escapes, ylm_error *e) {
+                             ylm_links out, int lmax, float *escapes, ylm_error *e) {
   ylm_status s = ylm__transfer_check_links(links, e);
   if (s == YLM_OK) s = ylm__transfer_check_places(n, "origin", origin, normal, e);
   if (s != YLM_OK || n == 0) return s;

@@ -289,10 +289,10 @@ static ylm_status vary(void *context, size_t begin, size_t end, int worker) {
   const links_job *j = context;
   size_t links = (size_t)j->r->t->form.links;
   for (size_t e = begin; e < end; e++) {
-    const uint32_t *link = j->r->t->link + e * links;
+    ylm_links link = ylm_links_from(j->r->t->link, e * links);
     double sum = 0, square = 0, n = (double)links;
     for (size_t k = 0; k < links; k++) {
-      double y = (double)j->leaving[link[k]];
+      double y = (double)j->leaving[ylm_links_at(link, k)];
       sum += y, square += y * y;
     }
     double each = fmax(0, square / n - sum * sum / (n * n)) / (n - 1);

@@ -29,8 +29,8 @@ static ylm_status bounce(void *context, size_t begin, size_t end, int worker) {
   (void)worker;
   const job *j = context;
   size_t links = (size_t)j->t->form.links;
-  j->sum(end - begin, (int)links, j->t->link + begin * links, 4, j->B, j->E0 + 4 * begin,
-         j->next + 4 * begin);
+  j->sum(end - begin, (int)links, ylm_links_from(j->t->link, begin * links), 4, j->B,
+         j->E0 + 4 * begin, j->next + 4 * begin);
   norms x = {{0}, {0}, {0}};
   for (size_t i = begin; i < end; i++) {
     double area = (double)j->t->area[i] * (double)j->t->share[i];
@@ -145,7 +145,8 @@ static void balance(const job *j, ylm_radiosity_stats *stats) {
   for (size_t i = 0; i < t->elements; i++) {
     double area = (double)t->area[i] * (double)t->share[i];
     size_t open = 0;
-    while (open < links && t->link[i * links + links - 1 - open] == t->elements) open++;
+    while (open < links && ylm_links_at(t->link, i * links + links - 1 - open) == t->elements)
+      open++;
     for (size_t c = 0; c < 3; c++) {
       double E = (double)j->E[4 * i + c], rho = (double)t->albedo[i][c];
       stats->emitted[c] += area * (double)j->E0[4 * i + c];

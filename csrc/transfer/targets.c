@@ -359,9 +359,9 @@ static ylm_status learn(ylm_transfer_targets *a, const float *leaving,
   a->stats.clusters = ylm_scene_clusters_count(a->of);
   s = pilot_create(a, places, leaving, &p);
   if (s == YLM_OK)
-    s = ylm__transfer_find_shares(a->t, p.n, (const float(*)[3])p.origin,
-                                  (const float(*)[3])p.normal, p.stream, TARGETS_LINKS, seed,
-                                  threads, progress, p.link, 0, NULL, NULL, NULL);
+    s = ylm__transfer_find_shares(
+        a->t, p.n, (const float(*)[3])p.origin, (const float(*)[3])p.normal, p.stream,
+        TARGETS_LINKS, seed, threads, progress, (ylm_links){.four = p.link}, 0, NULL, NULL, NULL);
   a->stats.rays = p.n * TARGETS_LINKS;
   if (s == YLM_OK && variance_of(a, &p) > worth) s = group_elements(a, &p);
   if (s == YLM_OK && a->stats.groups > 0)

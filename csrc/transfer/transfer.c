@@ -23,7 +23,8 @@ static ylm_status check(const ylm_transfer_form *f, size_t meshes, ylm_error *e)
 
 size_t ylm__transfer_bytes(const ylm_transfer *t) {
   size_t row = t->escape ? ylm_sh_count(t->form.lmax) : 0;
-  return t->elements * (3 * 12 + 4 * 4 + 1 + 4 * ((size_t)t->form.links + row)) +
+  size_t links = (size_t)t->form.links * ylm__transfer_link_bytes(t->elements);
+  return t->elements * (3 * 12 + 4 * 4 + 1 + links + 4 * row) +
          t->triangles * (sizeof *t->cut + sizeof *t->foot + sizeof *t->start + (t->ground != NULL));
 }
 
@@ -68,7 +69,7 @@ void ylm_transfer_free(ylm_transfer *t) {
   ylm_free(t->triangle);
   ylm_free(t->share);
   ylm_free(t->crossed);
-  ylm_free(t->link);
+  ylm_links_free(t->link);
   ylm_free(t->escape);
   ylm_free(t);
 }
@@ -77,5 +78,5 @@ void ylm_transfer_look(const ylm_transfer *t, ylm_transfer_stats *stats) { *stat
 const ylm_transfer_form *ylm_transfer_made(const ylm_transfer *t) { return &t->form; }
 const ylm_scene *ylm_transfer_scene(const ylm_transfer *t) { return t->scene; }
 size_t ylm_transfer_count(const ylm_transfer *t) { return t->elements; }
-const uint32_t *ylm_transfer_links(const ylm_transfer *t) { return t->link; }
+ylm_links ylm_transfer_links(const ylm_transfer *t) { return t->link; }
 const float *ylm_transfer_escape(const ylm_transfer *t) { return t->escape; }

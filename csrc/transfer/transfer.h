@@ -33,7 +33,7 @@ struct ylm_transfer {
   uint32_t *mesh, *triangle;                             /* [elements] the latter in its mesh */
   float *share;     /* [elements] the part of it that is not inside of a body; 0: dead */
   uint8_t *crossed; /* [elements] a wall parts it: its light is that of its middle's side */
-  uint32_t *link;   /* [elements][links] */
+  ylm_links link;   /* [elements][links] */
   float *escape;    /* [elements][(lmax+1)^2] or NULL */
 };
 
@@ -126,6 +126,13 @@ uint32_t ylm__transfer_own(const ylm_transfer *t, uint32_t e, const ylm_scene_pl
 /* Fills t->link, t->escape, t->share, and what the statistics say of rays. */
 ylm_status ylm__transfer_link(ylm_transfer *t, const ylm_progress *progress, ylm_error *e);
 
+/* Bytes of a link where there are so many elements, one of which is nothing. */
+static inline size_t ylm__transfer_link_bytes(size_t elements) {
+  return elements <= UINT16_MAX ? 2 : 4;
+}
+/* Writes n links from number k on. */
+void ylm__links_put(ylm_links l, size_t k, size_t n, const uint32_t *from);
+
 /* Directions of a place, which all places share but for a turn and a shift: Hammersley's set. */
 typedef struct transfer_fan {
   int rays;
@@ -149,7 +156,7 @@ typedef struct transfer_flow {
 ylm_status ylm__transfer_find_shares(const ylm_transfer *t, size_t n, const float (*origin)[3],
                                      const float (*normal)[3], const uint64_t *stream, int links,
                                      uint64_t seed, int threads, const ylm_progress *progress,
-                                     uint32_t *out, int lmax, float *escape, float *share,
+                                     ylm_links out, int lmax, float *escape, float *share,
                                      const transfer_flow *flow);
 /* YLM_ERANGE unless there can be so many links. */
 ylm_status ylm__transfer_check_links(int links, ylm_error *e);
@@ -184,8 +191,8 @@ ylm_status ylm__transfer_check_rays(const ylm_transfer *t, const ylm_scene *scen
 /* -- sum.c ---------------------------------------------------------------------- */
 
 /* As ylm_transfer_sum, of n places. */
-typedef void ylm_transfer_sum_fn(size_t n, int links, const uint32_t *link, int width,
-                                 const float *in, const float *start, float *out);
+typedef void ylm_transfer_sum_fn(size_t n, int links, ylm_links link, int width, const float *in,
+                                 const float *start, float *out);
 /* The kernel of the instruction set in use. */
 ylm_transfer_sum_fn *ylm__transfer_sum(void);
 

@@ -65,7 +65,8 @@ static ylm_status bounce(void *context, size_t begin, size_t end, int worker) {
   size_t links = (size_t)j->t->form.links;
   float *sum = ylm_alloc((end - begin) * j->width, sizeof *sum);
   if (!sum) return YLM_ENOMEM;
-  j->sum(end - begin, (int)links, j->t->link + begin * links, (int)j->width, j->B, NULL, sum);
+  j->sum(end - begin, (int)links, ylm_links_from(j->t->link, begin * links), (int)j->width, j->B,
+         NULL, sum);
   norms x = {{0}, {0}, {0}};
   for (size_t i = begin; i < end; i++) take(j, i, sum + (i - begin) * j->width, &x);
   j->part[begin / BOUNCE_GRAIN] = x;
@@ -223,7 +224,7 @@ float *ylm__transfer_reflected(const ylm_transfer *t, const float *vectors, doub
 /* Memory for a block of places. */
 typedef struct places {
   uint64_t *stream; /* [VECTOR_PLACES] */
-  uint32_t *link;   /* [VECTOR_PLACES][links] */
+  ylm_links link;   /* [VECTOR_PLACES][links] */
   float *escape;    /* [VECTOR_PLACES][count] */
   float *sum;       /* [VECTOR_PLACES][width] */
   float *B;         /* NULL: no bounces */
@@ -231,7 +232,7 @@ typedef struct places {
 
 static void places_free(places *p) {
   ylm_free(p->stream);
-  ylm_free(p->link);
+  ylm_links_free(p->link);
   ylm_free(p->escape);
   ylm_free(p->sum);
   ylm_free(p->B);
@@ -241,11 +242,11 @@ static bool places_create(places *p, const ylm_transfer *t, const float *vectors
                           int links) {
   size_t block = n < VECTOR_PLACES ? n : VECTOR_PLACES;
   p->stream = ylm_alloc(block, sizeof *p->stream);
-  p->link = ylm_alloc(block, (size_t)links * sizeof *p->link);
+  p->link = ylm_transfer_room(t, block * (size_t)links);
   p->escape = ylm_alloc(block, ylm_sh_count(t->form.lmax) * sizeof *p->escape);
   p->sum = ylm_alloc_zero(block, ylm_transfer_width(t) * sizeof *p->sum);
   p->B = vectors ? ylm__transfer_reflected(t, vectors, 1) : NULL;
-  return p->stream && p->link && p->escape && p->sum && (p->B || !vectors);
+  return p->stream && !ylm_links_are_none(p->link) && p->escape && p->sum && (p->B || !vectors);
 }
 
 ylm_status ylm_transfer_vectors_at(const ylm_transfer *t, const float *vectors, size_t n,

@@ -34,6 +34,22 @@ extern "C" {
 
 typedef struct ylm_transfer ylm_transfer;
 
+/* Numbers of elements, in two bytes each or in four: one of the two is NULL. */
+typedef struct ylm_links {
+  uint16_t *two;
+  uint32_t *four;
+} ylm_links;
+
+/* Link k. */
+static inline uint32_t ylm_links_at(ylm_links l, size_t k) { return l.two ? l.two[k] : l.four[k]; }
+/* Links from k on. */
+static inline ylm_links ylm_links_from(ylm_links l, size_t k) {
+  ylm_links from = {l.two ? l.two + k : NULL, l.four ? l.four + k : NULL};
+  return from;
+}
+/* Whether there is none: memory ran out. */
+static inline bool ylm_links_are_none(ylm_links l) { return !l.two && !l.four; }
+
 #define YLM_TRANSFER_LINKS 4096                      /* the most links of a place */
 #define YLM_TRANSFER_LMAX 20                         /* the highest degree of transfer vectors */
 #define YLM_TRANSFER_ELEMENTS ((size_t)1 << 20)      /* at most, where the caller says nothing */
@@ -87,7 +103,7 @@ typedef struct ylm_transfer_stats {
 ** by one of the element's other rays. Meshes that do not occlude have no elements.
 **
 ** Returns  YLM_OK; YLM_ERANGE (a field of the form), YLM_ELIMIT, YLM_ENOMEM, YLM_ECANCELLED
-** Cost     elements * links rays; 4 bytes a link
+** Cost     elements * links rays; 2 bytes a link where there are at most 65,535 elements, else 4
 */
 YLM_API ylm_status ylm_transfer_create(const ylm_scene *scene, const ylm_transfer_form *form,
                                        ylm_transfer **t, ylm_error *e);
@@ -117,7 +133,10 @@ YLM_API void ylm_transfer_hits(const ylm_transfer *t, size_t n, const ylm_trace_
 YLM_API uint32_t ylm_transfer_hit(const ylm_transfer *t, const ylm_trace_ray *ray,
                                   const ylm_trace_hit *hit);
 /* The links, [elements][links], in the order of their targets. */
-YLM_API const uint32_t *ylm_transfer_links(const ylm_transfer *t);
+YLM_API ylm_links ylm_transfer_links(const ylm_transfer *t);
+/* Room for `n` links of this transfer, to be freed by ylm_links_free: two bytes each where the numbers of its elements fit. */
+YLM_API ylm_links ylm_transfer_room(const ylm_transfer *t, size_t n);
+YLM_API void ylm_links_free(ylm_links l);
 /* Transfer vectors of direct light, [elements][(lmax+1)^2], the SH of cosine times escape; NULL: none. */
 YLM_API const float *ylm_transfer_escape(const ylm_transfer *t);
 
@@ -129,7 +148,7 @@ YLM_API const float *ylm_transfer_escape(const ylm_transfer *t);
 **                         the sphere
 **   links    in   of a place, 4 .. YLM_TRANSFER_LINKS, a multiple of 4
 **   stream   in   [n] or NULL: the number of each place's random numbers; NULL: its place in the list
-**   out      out  [n][links]
+**   out      out  [n][links]: ylm_transfer_room, or four bytes each
 **   escape   out  [n][(lmax+1)^2] or NULL: SH of cosine times escape (of the sphere: of escape), by the
 **                 same rays
 **
@@ -138,21 +157,21 @@ YLM_API const float *ylm_transfer_escape(const ylm_transfer *t);
 YLM_API ylm_status ylm_transfer_find(const ylm_transfer *t, size_t n, const float (*origin)[3],
                                      const float (*normal)[3], const uint64_t *stream, int links,
                                      uint64_t seed, int threads, const ylm_progress *progress,
-                                     uint32_t *out, int lmax, float *escape, ylm_error *e);
+                                     ylm_links out, int lmax, float *escape, ylm_error *e);
 /*
 ** ylm_transfer_sum - means of rows over links.
 **
 **   out[i] = start[i] + 1/links sum over j < links of in[link[i][j]]
 **
-**   link   in   [n][links]
+**   link   in   [n][links], all at most `elements`
 **   width  in   numbers in a row, a multiple of 4
 **   in     in   [elements + 1][width], the last row zero; 16-byte aligned
 **   start  in   [n][width] or NULL: zeros
 **   out    out  [n][width]
 **
-** Cost     memory: 4 bytes a link, and rows at random. No allocation
+** Cost     memory: 2 or 4 bytes a link, and rows at random. No allocation
 */
-YLM_API void ylm_transfer_sum(size_t n, int links, const uint32_t *link, int width, const float *in,
+YLM_API void ylm_transfer_sum(size_t n, int links, ylm_links link, int width, const float *in,
                               const float *start, float *out, int threads);
 
 /* Writes to a file, beside it first; reads one, which must be of this scene (YLM_EINVAL). */

@@ -154,7 +154,7 @@ static void light(const ylm_transfer *t, const ylm_material *m) {
 /* -- sums over links --------------------------------------------------------------- */
 
 typedef struct sums {
-  const uint32_t *link;
+  ylm_links link;
   float *in, *out;
   size_t n;
   int width, threads;
@@ -165,7 +165,7 @@ static void sum(void *context) {
   ylm_transfer_sum(x->n, LINKS, x->link, x->width, x->in, x->in, x->out, x->threads);
 }
 
-static void bounce(const char *name, const uint32_t *link, size_t n) {
+static void bounce(const char *name, ylm_links link, size_t n) {
   for (int k = 0; k < 4; k++) {
     sums x = {.link = link, .n = n, .width = k < 2 ? 4 : 76, .threads = 1 + k % 2};
     x.in = ylm_alloc_zero((n + 1) * (size_t)x.width, sizeof(float));
@@ -197,7 +197,7 @@ int main(void) {
   printf("a bounce: means of rows over %d links of each element\n"
          "  %-10s %8s  %5s  %7s  %8s  %8s\n",
          LINKS, "links", "elements", "width", "threads", "ms", "ns a link");
-  bounce("at random", link, ELEMENTS);
+  bounce("at random", (ylm_links){.four = link}, ELEMENTS);
   bounce("of a room", ylm_transfer_links(t), ylm_transfer_count(t));
   light(t, m);
   printf("  one thread: processor time; two: wall time\n");

@@ -20,14 +20,14 @@ size_t LLVMFuzzerMutate(uint8_t *data, size_t size, size_t room);
 /* The kernels are not what is fuzzed. */
 #define STUB(isa)                                                                                  \
   ylm_transfer_sum_fn ylm_k_transfer_sum_##isa;                                                    \
-  void ylm_k_transfer_sum_##isa(size_t n, int links, const uint32_t *link, int width,              \
-                                const float *in, const float *start, float *out) {                 \
+  void ylm_k_transfer_sum_##isa(size_t n, int links, ylm_links link, int width, const float *in,   \
+                                const float *start, float *out) {                                  \
+    size_t row = (size_t)width, each = (size_t)links;                                              \
     (void)start;                                                                                   \
-    for (size_t i = 0; i < n * (size_t)width; i++) {                                               \
+    for (size_t i = 0; i < n * row; i++) {                                                         \
       out[i] = 0;                                                                                  \
-      for (int k = 0; k < links; k++)                                                              \
-        out[i] += in[(size_t)link[i / (size_t)width * (size_t)links + (size_t)k] * (size_t)width + \
-                     i % (size_t)width];                                                           \
+      for (size_t k = 0; k < each; k++)                                                            \
+        out[i] += in[ylm_links_at(link, i / row * each + k) * row + i % row];                      \
     }                                                                                              \
   }
 YLM_SETS(STUB)

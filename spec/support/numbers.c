@@ -193,7 +193,7 @@ static void scenes(void) {
   far[0][0] = NAN;
   say("links from nowhere",
       ylm_transfer_find(transfer, 1, (const float(*)[3])far, (const float(*)[3])up, NULL, 8, 1, 1,
-                        NULL, link, 0, NULL, &e));
+                        NULL, (ylm_links){.four = link}, 0, NULL, &e));
   ylm_receivers *receivers;
   say("receiver from nowhere",
       ylm_receivers_create(transfer, 1, (const float(*)[3])far, (const float(*)[3])up, 8, 1, 1,
@@ -201,7 +201,7 @@ static void scenes(void) {
   far[0][0] = 0, up[0][1] = 4e15f;
   say("links of a long normal",
       ylm_transfer_find(transfer, 1, (const float(*)[3])far, (const float(*)[3])up, NULL, 8, 1, 1,
-                        NULL, link, 0, NULL, &e));
+                        NULL, (ylm_links){.four = link}, 0, NULL, &e));
   lamps_of(transfer);
   ylm_radiosity *light = NULL;
   double change;

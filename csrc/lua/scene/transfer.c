@@ -188,7 +188,7 @@ static int transfer_links(lua_State *L) {
   ylmL_array *a = ylmL_array_new(L, YLM_DOUBLE, 2, (size_t[]){n, links});
   if (!a) return ylmL_result(L, 0, YLM_ENOMEM, NULL);
   for (size_t k = 0; k < a->count; k++)
-    ((double *)a->data)[k] = (double)ylm_transfer_links(t)[k] + 1;
+    ((double *)a->data)[k] = (double)ylm_links_at(ylm_transfer_links(t), k) + 1;
   return 1;
 }
 

@@ -9,8 +9,7 @@ struct ylm_shade_links {
   const ylm_shade_view *view;
   const ylm_transfer *transfer;
   int links;
-  uint32_t
-      *link; /* [points][links]: of all points, or of those that are matte; NULL: these have none */
+  ylm_links link; /* [points][links]: of all points, or of those that are matte */
   size_t *
       before; /* [points/SHADE_LINK_POINTS + 1]: points that gloss before each block; NULL: none is told apart */
   size_t glossy;
@@ -124,8 +123,8 @@ static ylm_status find_both(ylm_shade_links *l, bool alone, const uint64_t *stre
                             int threads, const ylm_progress *progress, ylm_error *e) {
   uint32_t *matte = list_matte(l);
   size_t n = l->view->points - l->glossy;
-  if (!alone) l->link = ylm_alloc(n, (size_t)l->links * sizeof *l->link);
-  ylm_status s = matte && (alone || l->link) ? YLM_OK : YLM_ENOMEM;
+  if (!alone) l->link = ylm_transfer_room(l->transfer, n * (size_t)l->links);
+  ylm_status s = matte && (alone || !ylm_links_are_none(l->link)) ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK && !alone) s = find_matte(l, n, matte, stream, seed, threads, progress, e);
   ylm_free(matte);
   return s == YLM_OK ? find_lobes(l, stream, seed, threads, progress) : s;
@@ -154,8 +153,8 @@ ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t
   if (l) *l = (ylm_shade_links){.view = v, .transfer = t, .links = links};
   bool alone = which == YLM_SHADE_LINKS_GLOSS;
   bool apart = l && which != YLM_SHADE_LINKS_MATTE && (alone || has_gloss(l));
-  if (l && !apart) l->link = ylm_alloc(v->points, (size_t)links * sizeof *l->link);
-  ylm_status s = stream && (apart || l->link) ? YLM_OK : YLM_ENOMEM;
+  if (l && !apart) l->link = ylm_transfer_room(t, v->points * (size_t)links);
+  ylm_status s = stream && (apart || !ylm_links_are_none(l->link)) ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK && apart)
     s = find_both(l, alone, stream, seed, threads, progress, e);
   else if (s == YLM_OK)
@@ -172,7 +171,7 @@ ylm_status ylm_shade_links_create(const ylm_shade_view *v, const ylm_transfer *t
 
 void ylm_shade_links_free(ylm_shade_links *l) {
   if (!l) return;
-  ylm_free(l->link);
+  ylm_links_free(l->link);
   ylm_free(l->before);
   ylm_free(l->lobes.start);
   ylm_free(l->lobes.link);
@@ -183,9 +182,10 @@ void ylm_shade_links_free(ylm_shade_links *l) {
 
 void ylm_shade_links_look(const ylm_shade_links *l, ylm_shade_links_stats *stats) {
   size_t lobes = l->before ? l->lobes.start[l->glossy] : 0;
-  size_t matte = l->link ? (l->view->points - l->glossy) * (size_t)l->links : 0;
-  size_t bytes =
-      sizeof *l + (matte + lobes) * sizeof *l->link + lobes * 3 * sizeof *l->lobes.weight;
+  bool none = ylm_links_are_none(l->link);
+  size_t matte = none ? 0 : (l->view->points - l->glossy) * (size_t)l->links;
+  size_t bytes = sizeof *l + matte * (l->link.two ? sizeof *l->link.two : sizeof *l->link.four) +
+                 lobes * sizeof *l->lobes.link + lobes * 3 * sizeof *l->lobes.weight;
   if (l->before)
     bytes += l->glossy * (sizeof *l->lobes.most + sizeof *l->lobes.start) +
              (l->view->points / SHADE_LINK_POINTS + 1) * sizeof *l->before;
@@ -205,11 +205,10 @@ static size_t glossy_before(const ylm_shade_links *l, size_t i) {
 }
 
 /* Halves of the mean radiance that arrives along links of even and of odd number, a row of links. */
-static void halves(const ylm_shade_links *l, const uint32_t *link, const float *leaving,
-                   double sum[2]) {
+static void halves(const ylm_shade_links *l, ylm_links link, const float *leaving, double sum[2]) {
   sum[0] = sum[1] = 0;
   for (int i = 0; i < l->links; i++) {
-    const float *r = leaving + 4 * (size_t)link[i];
+    const float *r = leaving + 4 * (size_t)ylm_links_at(link, (size_t)i);
     sum[i & 1] += YLM_LUMINANCE_R * (double)r[0] + YLM_LUMINANCE_G * (double)r[1] +
                   YLM_LUMINANCE_B * (double)r[2];
   }
@@ -239,11 +238,11 @@ double ylm_shade_gather_noise(const ylm_shade_links *l, const float *leaving) {
     size_t i = k * points / n, row = l->before ? glossy_before(l, i) : 0;
     double sum[2];
     bool gloss = l->before && ylm__shade_glosses(l->view, i);
-    if (!gloss && !l->link) continue;
+    if (!gloss && ylm_links_are_none(l->link)) continue;
     if (gloss)
       glossy_halves(l, i, row, leaving, sum);
     else
-      halves(l, l->link + (i - row) * (size_t)l->links, leaving, sum);
+      halves(l, ylm_links_from(l->link, (i - row) * (size_t)l->links), leaving, sum);
     double apart =
         (sum[0] - sum[1]) / l->links; /* half of the difference of means over half of them */
     square += apart * apart;
@@ -274,11 +273,12 @@ static void reflect(const ylm_shade_view *v, size_t first, size_t n, const float
 static void gather_matte(const gather_job *j, size_t first, size_t row, size_t n) {
   const ylm_shade_links *l = j->l;
   float mean[4 * SHADE_LINK_POINTS] __attribute__((aligned(64)));
-  if (!l->link) {
+  if (ylm_links_are_none(l->link)) {
     for (size_t k = 3 * first; k < 3 * (first + n); k++) j->out[k] = j->start ? j->start[k] : 0;
     return;
   }
-  ylm_transfer_sum(n, l->links, l->link + row * (size_t)l->links, 4, j->leaving, NULL, mean, 1);
+  ylm_transfer_sum(n, l->links, ylm_links_from(l->link, row * (size_t)l->links), 4, j->leaving,
+                   NULL, mean, 1);
   reflect(l->view, first, n, mean, j->start ? j->start + 3 * first : NULL, j->out + 3 * first);
 }
 

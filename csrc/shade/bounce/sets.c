@@ -89,9 +89,10 @@ static ylm_status add_set(round_of *r, size_t n, const uint32_t *point, uint64_t
                                     seed, o->threads, NULL, (float(*)[4])r->mean);
   else {
     s = ylm_transfer_find(o->transfer, n, origin, normal, r->own, o->links, seed, o->threads, NULL,
-                          r->link, 0, NULL, e);
+                          (ylm_links){.four = r->link}, 0, NULL, e);
     if (s == YLM_OK)
-      ylm_transfer_sum(n, o->links, r->link, 4, o->leaving, NULL, r->mean, o->threads);
+      ylm_transfer_sum(n, o->links, (ylm_links){.four = r->link}, 4, o->leaving, NULL, r->mean,
+                       o->threads);
   }
   if (s != YLM_OK) return s;
   for (size_t i = 0; i < n; i++)

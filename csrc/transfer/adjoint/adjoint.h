@@ -10,7 +10,7 @@ struct ylm_receivers {
   size_t n;
   int links;
   float (*point)[3], (*normal)[3]; /* [n] */
-  uint32_t *link;                  /* [n][links] */
+  ylm_links link;                  /* [n][links] */
   float *share;                    /* [n] */
 };
 

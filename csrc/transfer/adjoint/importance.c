@@ -17,7 +17,7 @@ ylm_status ylm_transpose_create(const ylm_transfer *t, ylm_transpose **out) {
   x->row = ylm_alloc_zero(n + 2, sizeof *x->row);
   if (x->row) {
     for (size_t k = 0; k < all; k++)
-      if (t->link[k] < n) x->row[t->link[k] + 2]++;
+      if (ylm_links_at(t->link, k) < n) x->row[ylm_links_at(t->link, k) + 2]++;
     for (size_t i = 2; i < n + 2; i++) x->row[i] += x->row[i - 1];
     x->from = ylm_alloc(x->row[n + 1], sizeof *x->from);
   }
@@ -26,7 +26,8 @@ ylm_status ylm_transpose_create(const ylm_transfer *t, ylm_transpose **out) {
     return YLM_ENOMEM;
   }
   for (size_t k = 0; k < all; k++)
-    if (t->link[k] < n) x->from[x->row[t->link[k] + 1]++] = (uint32_t)(k / links);
+    if (ylm_links_at(t->link, k) < n)
+      x->from[x->row[ylm_links_at(t->link, k) + 1]++] = (uint32_t)(k / links);
   *out = x;
   return YLM_OK;
 }

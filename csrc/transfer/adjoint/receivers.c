@@ -14,9 +14,9 @@ ylm_status ylm_receivers_create(const ylm_transfer *t, size_t n, const float (*p
   *r = (ylm_receivers){.t = t, .n = n, .links = links};
   r->point = ylm_alloc_copy(point, n, sizeof *r->point);
   r->normal = ylm_alloc_copy(normal, n, sizeof *r->normal);
-  r->link = ylm_alloc(n * (size_t)links, sizeof *r->link);
+  r->link = ylm_transfer_room(t, n * (size_t)links);
   r->share = ylm_alloc(n, sizeof *r->share);
-  s = r->point && r->normal && r->link && r->share ? YLM_OK : YLM_ENOMEM;
+  s = r->point && r->normal && !ylm_links_are_none(r->link) && r->share ? YLM_OK : YLM_ENOMEM;
   if (s == YLM_OK) s = ylm__transfer_check_places(n, "receiver", point, normal, e);
   for (size_t i = 0; s == YLM_OK && i < n; i++)
     ylm_scene_ray_origin(t->scene, point[i], normal[i], r->point[i]);
@@ -35,7 +35,7 @@ void ylm_receivers_free(ylm_receivers *r) {
   if (!r) return;
   ylm_free(r->point);
   ylm_free(r->normal);
-  ylm_free(r->link);
+  ylm_links_free(r->link);
   ylm_free(r->share);
   ylm_free(r);
 }
@@ -63,7 +63,7 @@ void ylm_receivers_scatter(const ylm_receivers *r, const double (*weight)[3], do
   memset(out, 0, elements * sizeof *out);
   for (size_t i = 0; i < r->n; i++)
     for (size_t k = 0; k < links; k++) {
-      size_t to = r->link[i * links + k];
+      size_t to = ylm_links_at(r->link, i * links + k);
       for (int c = 0; to < elements && c < 3; c++) out[to][c] += weight[i][c] / r->links;
     }
 }

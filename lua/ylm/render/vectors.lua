@@ -83,7 +83,7 @@ end
 describe "view:matrices" {
   about = "The transfer matrices of a prepared view: from distant light to the light that arrives at each shading point, as "
     .. "coefficients of incident radiance above its horizon, straight and by way of other surfaces. sh.apply applies "
-    .. "them. At most 2 GiB; what they hold is in links too, in 4 bytes a link.",
+    .. "them. At most 2 GiB; what they hold is in links too, in 2 or 4 bytes a link.",
   arguments = { { "options", "table", "links are needed" } },
   options = matrix_fields,
   returns = {

@@ -19,7 +19,7 @@ cut.fields = {
     about = "the longest edge of an element; default: a hundredth of the diagonal of the scene's bounding box, without grounds "
       .. "where the camera is in the rest (and on grounds a hundredth of the diagonal of all), raised until there are at most "
       .. "max_elements" },
-  { "rays", "links", default = 128, about = "rays of an element: 4 bytes each" },
+  { "rays", "links", default = 128, about = "rays of an element: 2 bytes each, 4 from 65,536 elements on" },
   { "lmax", "integer", min = 0, max = MOST_LMAX, default = 4,
     about = "highest degree of the elements' transfer vectors: what direct = 'field' and distant light are weighed with" },
   { "sides", "choice", of = core.choices "sides", default = "auto",

@@ -19,7 +19,7 @@ local SET, APART = 32, 7000003 -- links of a set; from the seed of links that ar
 links.options = {
   { "rays", "links", optional = true, shelf = "experiments",
     about = "of a shading point, to surfaces, a multiple of 4: traced once, whose light is then gathered without rays; default "
-      .. "64 where light bounces, 4 bytes each" },
+      .. "64 where light bounces, 2 bytes each, 4 from 65,536 elements on" },
 }
 
 --- Options of prepared views.
