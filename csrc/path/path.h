@@ -4,6 +4,7 @@
 
 #include "calibration.h"
 #include "ylm_path.h"
+#include "ylm_random.h"
 #include "ylm_vector.h"
 
 /* A tile holds batches of items: pairs of the two. */
@@ -177,15 +178,8 @@ void ylm__path_look(path_tile *t);
 void ylm__path_meet(path_tile *t, size_t i, float pdf, float radiance[3]);
 /* Adds to `sum` what is finite; counts what is not. */
 void ylm__path_add(path_tile *t, float sum[3], const float x[3]);
-/* ylm_rng_u32, without a call. */
-static inline uint32_t ylm__path_u32(ylm_rng *r) {
-  uint64_t s = r->state;
-  r->state = s * 6364136223846793005u + r->stream;
-  uint32_t x = (uint32_t)(((s >> 18) ^ s) >> 27), turn = (uint32_t)(s >> 59);
-  return x >> turn | x << (-turn & 31);
-}
 /* The next random number, from 0 below 1. */
-static inline double ylm__path_random(ylm_rng *r) { return ylm__path_u32(r) * 0x1p-32; }
+static inline double ylm__path_random(ylm_rng *r) { return ylm_draw_u32(r) * 0x1p-32; }
 /* How much an estimate counts whose direction another kind of ray finds with density `other`. */
 static inline float ylm__path_balance(float own, float other) { return own / (own + other); }
 

@@ -94,7 +94,7 @@ static double wrap(double x) { return x - floor(x); }
 static void shuffle(ylm_rng *r, int order[YLM_PATH_BATCH]) {
   for (int i = 0; i < YLM_PATH_BATCH; i++) order[i] = i;
   for (int i = YLM_PATH_BATCH - 1; i > 0; i--) {
-    int k = (int)(((uint64_t)ylm__path_u32(r) * (uint64_t)(i + 1)) >> 32), swapped = order[i];
+    int k = (int)(((uint64_t)ylm_draw_u32(r) * (uint64_t)(i + 1)) >> 32), swapped = order[i];
     order[i] = order[k];
     order[k] = swapped;
   }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "scene.h"
+#include "ylm_random.h"
 
 /* x >= 0 without its whole part. */
 static double wrap(double x) { return x - (double)(int64_t)x; }
@@ -18,7 +19,7 @@ typedef struct chosen {
 
 /* Rays on their way out of ylm_scene_aim. */
 typedef struct aiming {
-  const ylm_scene_chooser *c;
+  ylm_scene_chooser *c;
   int light_samples;
   double s0, s1;     /* where the sequence of places on lamps begins */
   const float *seen; /* a guide's factors of cells of the sky; NULL: there is none */
@@ -54,8 +55,9 @@ static void add_one(aiming *a, size_t i) {
 }
 
 /* Lanes of the samples that go to spheres; returns how many there are. */
-static size_t list_spheres(const aiming *a, scene_spheres *to) {
+static size_t list_spheres(aiming *a) {
   const ylm_scene *s = a->c->scene;
+  scene_spheres *to = &a->c->spheres;
   size_t lanes = 0;
   for (size_t i = 0; i < a->waiting.n; i++) {
     uint32_t lamp = a->waiting.lamp[i];
@@ -66,10 +68,6 @@ static size_t list_spheres(const aiming *a, scene_spheres *to) {
     to->radius[lanes] = s->lamp[3][lamp];
     to->u[0][lanes] = (float)u[0];
     to->u[1][lanes++] = (float)u[1];
-  }
-  for (size_t i = lanes; i % SCENE_WIDTH; i++) { /* to the end of a vector */
-    for (int c = 0; c < 3; c++) to->v[c][i] = 0;
-    to->radius[i] = to->u[0][i] = to->u[1][i] = 0;
   }
   return lanes;
 }
@@ -95,13 +93,13 @@ static void add_lane(aiming *a, const scene_spheres *from, size_t lane, size_t i
 
 /* Rays of all samples that wait. */
 static void add_all(aiming *a) {
-  scene_spheres spheres;
-  size_t lanes = list_spheres(a, &spheres), lane = 0;
-  if (lanes > 0) a->c->aim_at_spheres(lanes, a->c->normal, &spheres);
+  scene_spheres *spheres = &a->c->spheres;
+  size_t lanes = list_spheres(a), lane = 0;
+  if (lanes > 0) a->c->aim_at_spheres(lanes, a->c->normal, spheres);
   for (size_t i = 0; i < a->waiting.n; i++) {
     bool sphere = a->waiting.lamp[i] < a->c->scene->lamps;
-    if (sphere && !(spheres.value[lane] < 0))
-      add_lane(a, &spheres, lane, i);
+    if (sphere && !(spheres->value[lane] < 0))
+      add_lane(a, spheres, lane, i);
     else
       add_one(a, i);
     lane += sphere;
@@ -216,7 +214,7 @@ static void deal_rest(aiming *a, ylm_scene_chooser *c, int dealt, ylm_rng *rng) 
   double share = (double)a->light_samples / left;
   scene_walk w = {0};
   for (int k = 0; k < left; k++) {
-    ylm__scene_walk_to(&w, c, (k + ylm_rng_double(rng)) / left * c->total);
+    ylm__scene_walk_to(&w, c, (k + ylm_draw_double(rng)) / left * c->total);
     double weight = (double)c->weight[w.lamp];
     if (weight > 0) aim_at(a, dealt + k, ylm__scene_lamp_at(c, w.lamp), share * c->total / weight);
   }
@@ -252,14 +250,14 @@ size_t ylm_scene_aim(ylm_scene_chooser *c, const float x[3], const float n[3], c
   aiming a;
   a.c = c, a.light_samples = light_samples, a.ray = ray, a.value = value, a.seen = NULL;
   a.rays = a.waiting.n = 0; /* the lists of those that wait are large */
-  a.s0 = ylm_rng_double(rng);
-  a.s1 = ylm_rng_double(rng);
+  a.s0 = ylm_draw_double(rng);
+  a.s1 = ylm_draw_double(rng);
   if (c->guide && !s->tree) {
     aim_by_guide(&a, c, rng);
     return start_all(&a, origin);
   }
   for (int k = 0; k < light_samples; k++) {
-    double target = (k + ylm_rng_double(rng)) / light_samples * c->total;
+    double target = (k + ylm_draw_double(rng)) / light_samples * c->total;
     bool in_tree = tree > 0 && (target < tree || c->chunks == 0);
     if (in_tree) d.at[drawn++] = fmin(target / tree, SCENE_BELOW_ONE);
     if (drawn > 0 && (!in_tree || drawn == SCENE_GROUP || k + 1 == light_samples)) {

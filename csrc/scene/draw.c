@@ -164,10 +164,18 @@ static void enter(const ylm_scene_chooser *c, const place *p, unsigned k, place 
   sum_up(below->room.weight, below->sums);
 }
 
+typedef double two __attribute__((vector_size(16)));
+typedef int64_t two_whole __attribute__((vector_size(16)));
+
 /* The child that holds `at`. */
 static unsigned find(const place *p, double at) {
-  unsigned k = 0;
-  for (int i = 0; i < SCENE_WIDTH; i++) k += p->upto[i] <= at;
+  two_whole passed = {0, 0};
+  for (int i = 0; i < SCENE_WIDTH; i += 2) {
+    two upto;
+    memcpy(&upto, p->upto + i, sizeof upto);
+    passed -= upto <= (two){at, at};
+  }
+  unsigned k = (unsigned)(passed[0] + passed[1]);
   return k < SCENE_WIDTH ? k : 31u - (unsigned)__builtin_clz(p->seen->live);
 }
 

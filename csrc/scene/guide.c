@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "scene.h"
+#include "ylm_random.h"
 
 struct ylm_scene_guide {
   size_t width, cells; /* lamps, and cells of the sky */
@@ -172,8 +173,8 @@ static void send(pilot *p, size_t place, const float origin[3], ylm_rng *rng) {
   int of = ylm__scene_storage_of(c->scene, &i);
   scene_aim to = {.x = c->x, .normal = c->normal, .solid = ylm__scene_solid(c, of, i)};
   float radiance[3];
-  to.u[0] = ylm_rng_double(rng);
-  to.u[1] = ylm_rng_double(rng);
+  to.u[0] = ylm_draw_double(rng);
+  to.u[1] = ylm_draw_double(rng);
   double e = ylm__scene_storage[of]->sample(c->scene, i, &to, ray, radiance);
   p->tally.rays[place]++;
   if (!(e > 0)) return;
@@ -200,7 +201,7 @@ static void look_around(building *b, pilot *p, size_t at, ylm_rng *rng) {
   even_out(c);
   if (p->batch.rays + GUIDE_RAYS > p->batch.room) trace(p);
   for (int k = 0; k < GUIDE_RAYS; k++) {
-    ylm__scene_walk_to(&w, c, (k + ylm_rng_double(rng)) / GUIDE_RAYS * c->total);
+    ylm__scene_walk_to(&w, c, (k + ylm_draw_double(rng)) / GUIDE_RAYS * c->total);
     if (p->weight[w.lamp] > 0) send(p, w.lamp, from->origin[at], rng);
   }
 }
@@ -214,7 +215,7 @@ static ylm_status learn(void *context, size_t begin, size_t end, int worker) {
     size_t n;
     const uint32_t *place = ylm_scene_cluster_places(b->g->of, i, 0, &n);
     ylm_rng rng;
-    ylm_rng_seed(&rng, b->seed, i);
+    ylm_draw_seed(&rng, b->seed, i);
     p.tally = tally_of(b, i);
     for (size_t k = 0; k < n; k++) look_around(b, &p, place[k], &rng);
     trace(&p);

@@ -229,6 +229,7 @@ struct ylm_scene_chooser {
       total; /* of the sums, and of the tree of lamps: lamps of a tree come before distant lights */
   ylm_scene_nodes_fn *nodes;
   ylm_scene_spheres_fn *aim_at_spheres;
+  scene_spheres spheres;        /* lanes behind those in use have numbers of earlier ones */
   scene_cut *cut;               /* of the tree, as it is seen from x; NULL: there is none */
   const ylm_scene_guide *guide; /* NULL: rays are aimed without */
   scene_ahead *ahead;           /* NULL: lamps are not weighed ahead */

@@ -4,6 +4,7 @@
 
 #include "calibration.h"
 #include "transfer.h"
+#include "ylm_random.h"
 
 typedef struct job {
   const ylm_transfer *t;
@@ -41,8 +42,8 @@ static void aim(const job *j, size_t i, waiting *w) {
   size_t *end = w->end[w->count++];
   for (int k = 0; k < j->places; k++) end[k] = w->lit.rays;
   if (!(j->t->share[i] > 0)) return;
-  ylm_rng_seed(&rng, ~j->seed, i);
-  double x = ylm_rng_double(&rng), y = ylm_rng_double(&rng);
+  ylm_draw_seed(&rng, ~j->seed, i);
+  double x = ylm_draw_double(&rng), y = ylm_draw_double(&rng);
   ylm__transfer_corners(j->t, i, &place, corner);
   for (int k = 0; k < j->places; k++) {
     ylm_scene_surface at;

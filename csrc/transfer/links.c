@@ -4,6 +4,7 @@
 
 #include "calibration.h"
 #include "transfer.h"
+#include "ylm_random.h"
 
 /* -- rooms of links ---------------------------------------------------------------- */
 
@@ -81,8 +82,8 @@ ylm_status ylm__transfer_fan_create(int rays, transfer_fan *f) {
 
 void ylm__transfer_fan_aim(const transfer_fan *f, const float *n, ylm_rng *rng,
                            ylm_trace_ray *ray) {
-  float shift = (float)ylm_rng_double(rng), a[3], b[3];
-  double turn = 2 * YLM_PI * ylm_rng_double(rng);
+  float shift = (float)ylm_draw_double(rng), a[3], b[3];
+  double turn = 2 * YLM_PI * ylm_draw_double(rng);
   float c = (float)cos(turn), s = (float)sin(turn);
   if (n) ylm_scene_basis(n, a, b);
   for (int k = 0; k < f->rays; k++) {
@@ -102,7 +103,7 @@ void ylm__transfer_fan_aim(const transfer_fan *f, const float *n, ylm_rng *rng,
 /* Rays of place i. */
 static void place_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *below) {
   ylm_rng rng;
-  ylm_rng_seed(&rng, j->seed, j->stream ? j->stream[i] : i);
+  ylm_draw_seed(&rng, j->seed, j->stream ? j->stream[i] : i);
   ylm__transfer_fan_aim(&j->fan, j->normal ? j->normal[i] : NULL, &rng, ray);
   for (int k = 0; k < j->links; k++) memcpy(ray[k].org, j->origin[i], 12);
   memset(below, 0, (size_t)j->links);
@@ -116,9 +117,9 @@ static void element_rays(const job *j, size_t i, ylm_trace_ray *ray, uint8_t *be
   float corner[3][2], across[3];
   double d[2][3];
   ylm_rng rng;
-  ylm_rng_seed(&rng, j->seed, i);
+  ylm_draw_seed(&rng, j->seed, i);
   ylm__transfer_fan_aim(&j->fan, t->normal[i], &rng, ray);
-  float x0 = (float)ylm_rng_double(&rng), y0 = (float)ylm_draw_double(&rng);
+  float x0 = (float)ylm_draw_double(&rng), y0 = (float)ylm_draw_double(&rng);
   ylm__transfer_corners(t, i, place, corner);
   for (int k = 2; k >= 0; k--) {
     place[k] = place[0];

@@ -5,6 +5,7 @@
 
 #include "../calibration.h"
 #include "../gloss/lobes.h"
+#include "ylm_random.h"
 
 typedef struct job {
   const ylm_shade_view *view;
@@ -89,7 +90,7 @@ static void spread(const job *j, ylm_scene_batch *b, size_t first, size_t p, siz
   float origin[SHADE_PLACES_MOST][3];
   size_t n = (b->rays - first + SHADE_PLACE_RAYS - 1) / SHADE_PLACE_RAYS;
   n = ylm__shade_places(j->view, p, i, n < SHADE_PLACES_MOST ? n : SHADE_PLACES_MOST, rng, origin);
-  size_t turn = n ? (size_t)(ylm_rng_double(rng) * (double)n) : 0;
+  size_t turn = n ? (size_t)(ylm_draw_double(rng) * (double)n) : 0;
   for (size_t k = first; n > 0 && k < b->rays; k++) {
     ylm_trace_ray *ray = b->ray + k;
     const float *from = origin[(k - first + turn) % n];
@@ -106,7 +107,7 @@ static void aim(const job *j, waiting *w, size_t p, size_t i, uint64_t stream) {
   ylm_rng rng;
   int rays = j->own ? (int)j->own[i] : j->light_samples;
   if (w->points == SHADE_CAST_POINTS || w->lit.rays + (size_t)rays > w->lit.room) finish(j, w);
-  ylm_rng_seed(&rng, j->seed, stream);
+  ylm_draw_seed(&rng, j->seed, stream);
   size_t first = w->lit.rays;
   ylm_scene_batch_aim(&w->lit, j->view->lit[i], j->view->normal[i], j->view->origin[i], rays, &rng);
   if (j->spread) spread(j, &w->lit, first, p, i, &rng);
