@@ -19,7 +19,7 @@ VERSION   := $(shell sed -n 's/^#define YLM_VERSION "\(.*\)"/\1/p' csrc/base/ylm
 SOVERSION := $(firstword $(subst ., ,$(VERSION)))
 # Luas whose interpreter and headers are both there; `luarocks make` names one by ROCK_LUA.
 LUAS    ?= $(if $(ROCK_LUA),$(shell $(ROCK_LUA) -e 'print("lua" .. _VERSION:match("%d.%d"))'),$(foreach l,\
-             lua5.1 luajit lua5.2 lua5.3 lua5.4 lua5.5,$(if $(shell command -v $(l) && pkg-config --exists $(l) 2>/dev/null && echo y),$(l))))
+             lua5.1 luajit lua5.2 lua5.3 lua5.4 lua5.5,$(if $(shell command -v $(l) >/dev/null && pkg-config --exists $(l) 2>/dev/null && echo y),$(l))))
 # The system is asked once, not wherever the name stands: so below.
 LUAS    := $(LUAS)
 LUA_CFLAGS ?= # of the one Lua to build for; pkg-config knows them otherwise

@@ -140,12 +140,21 @@ describe("make", function()
   end
 
   --- The value of a variable of the Makefile in an empty build folder.
-  local function value(name, settings)
+  local function value(name, settings, environment)
     local file = folder:write("value.mk", "include Makefile\nclean help: ; @echo '$(" .. name .. ")'\n")
     local build = scratch.quote(folder.path .. "/build")
-    return (scratch.capture(("env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL -u KERNELS "
-      .. "make -s -f %s BUILD=%s %s help 2>/dev/null | tail -n 1"):format(file, build, settings)):gsub("%s+$", ""))
+    return (scratch.capture(("env -u MAKEFLAGS -u MFLAGS -u MAKELEVEL -u KERNELS %s make -s -f %s BUILD=%s %s "
+      .. "help 2>/dev/null | tail -n 1"):format(environment or "", file, build, settings)):gsub("%s+$", ""))
   end
+
+  it("builds for Luas whose headers are there, not for an interpreter alone", function()
+    local bin = folder.path .. "/luas"
+    scratch.shell("mkdir " .. bin)
+    for _, name in ipairs { "lua5.2", "lua5.4" } do folder:write("luas/" .. name, "#!/bin/sh\n") end
+    folder:write("luas/lua5.4.pc", "Name: Lua\nDescription: Lua\nVersion: 5.4\n")
+    scratch.shell("chmod +x " .. bin .. "/lua5.*")
+    assert.matches("^ *lua5.4$", value("LUAS", "", ("PATH=%s:$PATH PKG_CONFIG_LIBDIR=%s"):format(bin, bin)))
+  end)
 
   it("fuzzes each reader until FUZZ_RUNS inputs or FUZZ_MINUTES, and names those that time ended", function()
     folder:write("clang", [=[#!/bin/sh
