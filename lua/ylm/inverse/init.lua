@@ -1,5 +1,6 @@
 --- Lamps that are found for light that is asked for: scene:inverse_lighting; ylm.minimise.
 
+local box = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local describe = require "ylm.describe".describe
@@ -14,7 +15,6 @@ local show = require "ylm.show"
 local targets = require "ylm.inverse.targets"
 local tracing = require "ylm.trace"
 local vary = require "ylm.inverse.vary"
-local vector = require "ylm.vector"
 
 local inverse = { minimise = minimise.minimise }
 
@@ -44,8 +44,8 @@ local function open(s, o)
     local t
     t, message, code = tracing.trace("inverse_lighting", s)
     if not t then return nil, message, code end
-    local diagonal = vector.length { t.hi[1] - t.lo[1], t.hi[2] - t.lo[2], t.hi[3] - t.lo[3] }
-    work.links, message, code = s:links { spacing = o.spacing or math.max(diagonal / SCALE, 1e-6), rays = o.rays, lmax = 0,
+    local coarse = math.max(box.diagonal(t.lo, t.hi) / SCALE, 1e-6)
+    work.links, message, code = s:links { spacing = o.spacing or coarse, rays = o.rays, lmax = 0,
       seed = o.seed, threads = o.threads, progress = o.progress }
     if not work.links then return nil, message, code end
   end

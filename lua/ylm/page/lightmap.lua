@@ -1,5 +1,6 @@
 --- Pages of lightmaps: the surfaces, the picture that lights them, and a viewer in one HTML file, for lightmap:save.
 
+local box = require "ylm.box"
 local check = require "ylm.check"
 local core = require "ylm.c.core"
 local library = require "ylm.library"
@@ -15,13 +16,12 @@ local RATIO = 1e-3 -- of the largest error of a chart, which colours begin at
 
 --- The box of all pieces: its corners, and its diagonal.
 local function bounds_of(pieces)
-  local lo, hi, square = { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge }, 0
+  local lo, hi = { math.huge, math.huge, math.huge }, { -math.huge, -math.huge, -math.huge }
   for _, piece in ipairs(pieces) do
     local b = piece.mesh.bounds
     for a = 1, 3 do lo[a], hi[a] = math.min(lo[a], b[1][a]), math.max(hi[a], b[2][a]) end
   end
-  for a = 1, 3 do square = square + (hi[a] - lo[a]) ^ 2 end
-  return lo, hi, math.sqrt(square)
+  return lo, hi, box.diagonal(lo, hi)
 end
 
 --- The scene's camera, or one that sees everything, relative to `lo`: from, at, up, angle.

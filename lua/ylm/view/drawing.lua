@@ -1,5 +1,6 @@
 --- Tools that the layers of a view draw with: surfaces, lines, bounds; failures passed on.
 
+local box = require "ylm.box"
 local core = require "ylm.c.core"
 
 local drawing = {}
@@ -56,7 +57,7 @@ end
 
 --- The length of a box's diagonal.
 function drawing.diagonal(b)
-  return math.sqrt((b[4] - b[1]) ^ 2 + (b[5] - b[2]) ^ 2 + (b[6] - b[3]) ^ 2)
+  return box.diagonal(b, { b[4], b[5], b[6] })
 end
 
 --- Passes on the failure of a C call that returns nothing when it succeeds.
