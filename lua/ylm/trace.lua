@@ -101,7 +101,10 @@ function tracing.trace(name, s)
   if not lib then return nil, message, code end
   local shapes, lamps, known = shapes_of(s), lamps_of(s), core.owned(s, "traced")
   local alike = known and same(known.shapes, shapes)
-  if alike and same(known.lamps, lamps) then return known end
+  if alike and same(known.lamps, lamps) then
+    if known.shortfall then say_extent(s, known.lo, known.hi) end -- it may have been traced where nothing is said
+    return known
+  end
   local start, made = core.seconds(), nil
   if not alike then
     made, message, code = surfaces(name, s)
