@@ -54,6 +54,8 @@
    costs a choice among all lamps. */
 #define DIRECT_PLACES 4
 #define DIRECT_EACH 8
+/* Elements whose places are looked up together. */
+#define DIRECT_TOGETHER 16
 /* Elements whose light is asked of a field at a time. */
 #define DIRECT_ASKED 4096
 /* Elements that a thread takes at a time. */

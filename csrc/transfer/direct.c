@@ -25,6 +25,14 @@ typedef struct waiting {
   size_t end[DIRECT_GRAIN][DIRECT_PLACES]; /* of the rays of each element's places */
 } waiting;
 
+/* Some elements whose rays are to be aimed, and the surfaces at their places, one element behind the other. */
+typedef struct starts {
+  size_t n;
+  ylm_rng rng[DIRECT_TOGETHER];
+  ylm_scene_place place[DIRECT_TOGETHER * DIRECT_PLACES];
+  ylm_scene_surface at[DIRECT_TOGETHER * DIRECT_PLACES];
+} starts;
+
 /* A place of element i: number k of a sequence that begins at (x, y). */
 static ylm_scene_place place_of(ylm_scene_place place, float corner[3][2], double x, double y,
                                 int k) {
@@ -34,25 +42,34 @@ static ylm_scene_place place_of(ylm_scene_place place, float corner[3][2], doubl
   return place;
 }
 
-/* Aims the rays of element i, where it has light. */
-static void aim(const job *j, size_t i, waiting *w) {
-  ylm_scene_place place;
-  float corner[3][2];
-  ylm_rng rng;
-  size_t *end = w->end[w->count++];
-  for (int k = 0; k < j->places; k++) end[k] = w->lit.rays;
-  if (!(j->t->share[i] > 0)) return;
-  ylm_draw_seed(&rng, ~j->seed, i);
-  double x = ylm_draw_double(&rng), y = ylm_draw_double(&rng);
-  ylm__transfer_corners(j->t, i, &place, corner);
-  for (int k = 0; k < j->places; k++) {
-    ylm_scene_surface at;
-    ylm_scene_place here = place_of(place, corner, x, y, k);
-    ylm__transfer_hold(j->t, i, &here);
-    ylm_scene_surfaces(j->scene, 1, &here, &at);
-    ylm_scene_batch_aim(&w->lit, at.lit, at.normal, at.origin, j->each, &rng);
+/* Looks up the places of elements begin .. end-1, where they have light. */
+static void look_up(const job *j, size_t begin, size_t end, starts *to) {
+  to->n = 0;
+  for (size_t i = begin; i < end; i++) {
+    ylm_scene_place place;
+    float corner[3][2];
+    ylm_rng *rng = &to->rng[i - begin];
+    if (!(j->t->share[i] > 0)) continue;
+    ylm_draw_seed(rng, ~j->seed, i);
+    double x = ylm_draw_double(rng), y = ylm_draw_double(rng);
+    ylm__transfer_corners(j->t, i, &place, corner);
+    for (int k = 0; k < j->places; k++) {
+      ylm_scene_place *here = &to->place[to->n++];
+      *here = place_of(place, corner, x, y, k);
+      ylm__transfer_hold(j->t, i, here);
+    }
+  }
+  ylm_scene_surfaces(j->scene, to->n, to->place, to->at);
+}
+
+/* Aims the rays of element i, where it has light, from these places; returns how many they are. */
+static size_t aim(const job *j, size_t i, const ylm_scene_surface *at, ylm_rng *rng, waiting *w) {
+  size_t *end = w->end[w->count++], n = j->t->share[i] > 0 ? (size_t)j->places : 0;
+  for (size_t k = 0; k < (size_t)j->places; k++) {
+    if (k < n) ylm_scene_batch_aim(&w->lit, at[k].lit, at[k].normal, at[k].origin, j->each, rng);
     end[k] = w->lit.rays;
   }
+  return n;
 }
 
 /* The weight of place p of n in a sample of the noise of their mean: weights add up to 0, their squares to 1 / n. */
@@ -105,9 +122,14 @@ static ylm_status run(void *context, size_t begin, size_t end, int worker) {
   waiting w = {.first = begin};
   ylm_status status = ylm_scene_batch_create(j->scene, most, &w.lit);
   if (status == YLM_OK) ylm_scene_chooser_follow(w.lit.lamps, j->guide);
-  for (size_t i = begin; status == YLM_OK && i < end; i++) {
-    if (w.lit.rays + most > w.lit.room) finish(j, &w, part);
-    aim(j, i, &w);
+  for (size_t i = begin, n; status == YLM_OK && i < end; i += n) {
+    starts from;
+    n = end - i < DIRECT_TOGETHER ? end - i : DIRECT_TOGETHER;
+    look_up(j, i, i + n, &from);
+    for (size_t k = 0, p = 0; k < n; k++) {
+      if (w.lit.rays + most > w.lit.room) finish(j, &w, part);
+      p += aim(j, i + k, from.at + p, &from.rng[k], &w);
+    }
   }
   if (status == YLM_OK) finish(j, &w, part);
   ylm_scene_batch_free(&w.lit);
