@@ -73,7 +73,8 @@ static size_t list_spheres(aiming *a) {
 }
 
 /* The ray of a lane, which is sample i. */
-static void add_lane(aiming *a, const scene_spheres *from, size_t lane, size_t i) {
+static void add_lane(aiming *a, size_t lane, size_t i) {
+  const scene_spheres *from = &a->c->spheres;
   ylm_trace_ray *ray = &a->ray[a->rays];
   uint32_t lamp = a->waiting.lamp[i];
   float e = from->value[lane] * (float)(a->waiting.rarity[i] / a->light_samples);
@@ -99,7 +100,7 @@ static void add_all(aiming *a) {
   for (size_t i = 0; i < a->waiting.n; i++) {
     bool sphere = a->waiting.lamp[i] < a->c->scene->lamps;
     if (sphere && !(spheres->value[lane] < 0))
-      add_lane(a, spheres, lane, i);
+      add_lane(a, lane, i);
     else
       add_one(a, i);
     lane += sphere;

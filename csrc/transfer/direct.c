@@ -62,7 +62,7 @@ static void look_up(const job *j, size_t begin, size_t end, starts *to) {
   ylm_scene_surfaces(j->scene, to->n, to->place, to->at);
 }
 
-/* Aims the rays of element i, where it has light, from these places; returns how many they are. */
+/* Aims the rays of element i, where it has light, from its places; returns how many of them there are. */
 static size_t aim(const job *j, size_t i, const ylm_scene_surface *at, ylm_rng *rng, waiting *w) {
   size_t *end = w->end[w->count++], n = j->t->share[i] > 0 ? (size_t)j->places : 0;
   for (size_t k = 0; k < (size_t)j->places; k++) {

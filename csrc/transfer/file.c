@@ -315,7 +315,7 @@ static const char *check_sections(const ylm_transfer *t, const header *h) {
 /* Keeps links in two bytes each where all elements have such numbers. */
 static ylm_status narrow(ylm_transfer *t, const header *h) {
   size_t n = h->elements * h->links;
-  if (ylm__transfer_link_bytes(h->elements) == 4) return YLM_OK;
+  if (!ylm__links_are_short(h->elements)) return YLM_OK;
   ylm_links l = {.two = ylm_alloc(n, sizeof *l.two)};
   if (!l.two) return YLM_ENOMEM;
   ylm__links_put(l, 0, n, t->link.four);

@@ -10,7 +10,7 @@
 
 ylm_links ylm_transfer_room(const ylm_transfer *t, size_t n) {
   ylm_links l = {NULL, NULL};
-  if (ylm__transfer_link_bytes(t->elements) == 2)
+  if (ylm__links_are_short(t->elements))
     l.two = ylm_alloc(n, sizeof *l.two);
   else
     l.four = ylm_alloc(n, sizeof *l.four);

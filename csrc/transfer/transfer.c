@@ -23,7 +23,7 @@ static ylm_status check(const ylm_transfer_form *f, size_t meshes, ylm_error *e)
 
 size_t ylm__transfer_bytes(const ylm_transfer *t) {
   size_t row = t->escape ? ylm_sh_count(t->form.lmax) : 0;
-  size_t links = (size_t)t->form.links * ylm__transfer_link_bytes(t->elements);
+  size_t links = (size_t)t->form.links * ylm_links_bytes(t->link);
   return t->elements * (3 * 12 + 4 * 4 + 1 + links + 4 * row) +
          t->triangles * (sizeof *t->cut + sizeof *t->foot + sizeof *t->start + (t->ground != NULL));
 }

@@ -126,10 +126,8 @@ uint32_t ylm__transfer_own(const ylm_transfer *t, uint32_t e, const ylm_scene_pl
 /* Fills t->link, t->escape, t->share, and what the statistics say of rays. */
 ylm_status ylm__transfer_link(ylm_transfer *t, const ylm_progress *progress, ylm_error *e);
 
-/* Bytes of a link where there are so many elements, one of which is nothing. */
-static inline size_t ylm__transfer_link_bytes(size_t elements) {
-  return elements <= UINT16_MAX ? 2 : 4;
-}
+/* Whether links take two bytes where there are so many elements, whose number is that of nothing. */
+static inline bool ylm__links_are_short(size_t elements) { return elements <= UINT16_MAX; }
 /* Writes n links from number k on. */
 void ylm__links_put(ylm_links l, size_t k, size_t n, const uint32_t *from);
 

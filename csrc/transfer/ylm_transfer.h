@@ -47,6 +47,8 @@ static inline ylm_links ylm_links_from(ylm_links l, size_t k) {
   ylm_links from = {l.two ? l.two + k : NULL, l.four ? l.four + k : NULL};
   return from;
 }
+/* The bytes of a link. */
+static inline size_t ylm_links_bytes(ylm_links l) { return l.two ? 2 : 4; }
 /* Whether there is none: memory ran out. */
 static inline bool ylm_links_are_none(ylm_links l) { return !l.two && !l.four; }
 

@@ -184,8 +184,8 @@ void ylm_shade_links_look(const ylm_shade_links *l, ylm_shade_links_stats *stats
   size_t lobes = l->before ? l->lobes.start[l->glossy] : 0;
   bool none = ylm_links_are_none(l->link);
   size_t matte = none ? 0 : (l->view->points - l->glossy) * (size_t)l->links;
-  size_t bytes = sizeof *l + matte * (l->link.two ? sizeof *l->link.two : sizeof *l->link.four) +
-                 lobes * sizeof *l->lobes.link + lobes * 3 * sizeof *l->lobes.weight;
+  size_t bytes = sizeof *l + matte * ylm_links_bytes(l->link) + lobes * sizeof *l->lobes.link +
+                 lobes * 3 * sizeof *l->lobes.weight;
   if (l->before)
     bytes += l->glossy * (sizeof *l->lobes.most + sizeof *l->lobes.start) +
              (l->view->points / SHADE_LINK_POINTS + 1) * sizeof *l->before;
